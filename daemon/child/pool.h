@@ -1,13 +1,13 @@
 /* pool.h - the threads that render
  *
  * T threads, each with a rad_ctx of its own, take units from one queue and
- * leave rows in another, which the loop empties; those that find no unit help
- * with one that another began (team.h), which changes no pixel.  The queues
- * are locked once per unit and per piece of rows, never per ray; the only call
- * into the loop from a render thread is uv_async_send().
+ * leave rows in another, which the loop empties.  A thread that finds no unit
+ * joins the team of another thread's unit (team.h), which changes no pixel.
+ * The queues are locked once per unit and per piece of rows, never per ray; the
+ * only call into the loop from a render thread is uv_async_send().
  * Strict units (strict.h) are rendered in passes, each the work of one team; a
- * thread that finds nothing better asks for the next.  Their machine is touched
- * under the pool's lock, once a pass.
+ * thread without work asks the strict units' machine for the next pass.  The
+ * machine is called under the pool's lock, once a pass.
  * Thread: all calls on the loop's. */
 #ifndef RADD_DAEMON_POOL_H
 #define RADD_DAEMON_POOL_H
@@ -24,8 +24,8 @@ struct pool_unit {
     struct rad_window window;
 };
 
-/* Rows of a unit, each piece following the last; or the end of it all.  The
- * height of a strict unit is what it was when its rows were begun. */
+/* A piece of a unit's rows, each following the last; or a failure.  The height
+ * of a strict unit is the height that it had when its rows were begun. */
 struct pool_rows {
     struct pool_rows *next;
     struct pool_unit unit;
@@ -56,7 +56,7 @@ struct pool *pool_new(uv_loop_t *loop, const struct rad_job *job,
                       int nthreads, bool coded, pool_rows_fn *fn,
                       pool_news_fn *news, void *arg, struct rad_error *err);
 
-/* Queue a unit that is a window, which must lie in its frame. */
+/* Queue a window, which must lie in its frame. */
 bool pool_push(struct pool *p, const struct pool_unit *u);
 
 /* Lock the pool and return the machine of the strict units, to be told
@@ -65,31 +65,31 @@ bool pool_push(struct pool *p, const struct pool_unit *u);
 struct strict *pool_lock_strict(struct pool *p);
 void pool_unlock_strict(struct pool *p);
 
-/* strict_tick(), of a pool that has that machine, and strict_message(). */
+/* strict_tick() and strict_message() of the pool's machine, if it has one. */
 uint64_t pool_tick(struct pool *p, uint64_t now_ms);
 const struct msg *pool_message(struct pool *p, bool room);
 
 /* strict_error(); 0 without that machine. */
 int pool_error(struct pool *p);
 
-/* Forget a unit: it is dropped, or stops within a few pixels; rows of it may
- * still come. */
+/* Forget a unit: it leaves the queue, or stops within a few pixels.  Rows of it
+ * may still come. */
 void pool_revoke(struct pool *p, uint32_t unit, uint32_t attempt);
 
-/* Have the threads make an estimate, before they begin another unit; it is the
- * pool's until fn gets it, with the pool's arg, when it is done: then it is
- * fn's, to be freed. */
+/* Have the threads make an estimate before they begin another unit.  The
+ * estimate is the pool's until it is done; then fn gets it, with the pool's
+ * arg, and frees it. */
 typedef void pool_estimate_fn(void *arg, struct estimate *e, double wall_s);
 bool pool_estimate(struct pool *p, struct estimate *e, pool_estimate_fn *fn);
 
-/* Have the threads seed the cache, before they begin anything else; it is the
- * pool's until fn, which hears that it is done, with the pool's arg.  One at a
- * time. */
+/* Have the threads seed the cache before they begin anything else.  The seed is
+ * the pool's, until fn is called with the pool's arg: seeding is over.  One
+ * seed at a time. */
 typedef void pool_seed_fn(void *arg);
 void pool_seed(struct pool *p, struct rad_seed *s, pool_seed_fn *fn);
 
-/* Something comes first: seeding and estimates that are under way end within a
- * pixel, or a record, of each thread; their callers hear of it. */
+/* End seeding and estimates that are under way (REST), within a pixel or a
+ * record of each thread; their callbacks are called. */
 void pool_rest(struct pool *p);
 
 /* n bytes of pixels have left for good.  While more than POOL_UNSENT wait the
@@ -97,22 +97,22 @@ void pool_rest(struct pool *p);
 #define POOL_UNSENT (8u << 20)
 void pool_sent(struct pool *p, size_t n);
 
-/* What the threads did so far, summed. */
+/* The work of all threads so far, summed. */
 struct pool_tally {
-    double busy_s;             /* on units that they have left, and as below */
-    double wait_base_line_s;   /* of that, and of units that they are at, asleep
-                                * until the line above was ready; or without
-                                * work while strict units waited for their top */
+    double busy_s;             /* on units that are left, and on seeding */
+    double wait_base_line_s;   /* asleep until the line above was ready, in
+                                * units left and present; or without work while
+                                * strict units waited for their tops */
     uint64_t rays_under_way;   /* of units that are not done */
-    uint64_t pixels_under_way; /* of these, as strict_pixels() says */
+    uint64_t pixels_under_way; /* of these units: strict_pixels() */
     struct msg_counts dropped; /* as strict_dropped() says */
     struct msg_counts seeded;  /* of pool_seed() */
 };
 struct pool_tally pool_tally(struct pool *p);
 
-/* Is a thread at one pixel since it used that much of a processor?  *x and *y
- * get the pixel.  limit_s: 0 is no limit.  To be asked now and then: what a
- * thread used is counted from the first time that it was seen there. */
+/* Has a thread used more than limit_s of processor time (0: any) for one pixel,
+ * *x, *y?  To be called now and then: the time counts from the first call that
+ * found the thread at this pixel. */
 bool pool_stuck(struct pool *p, double limit_s, int *x, int *y);
 
 /* Stop at the next bars, wait for the threads, free.  The loop must run once

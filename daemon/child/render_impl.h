@@ -1,7 +1,7 @@
-/* render_impl.h - what the parts of a job's child share; for them alone
+/* render_impl.h - shared by the files of a job's child, and private to them
  *
- *   render.c          the process, its link to radd, what is heard there
- *   render_tell.c     what is said there
+ *   render.c          the process, its link to radd, messages that come
+ *   render_tell.c     messages that go to radd
  *   render_load.c     scene, frames and what renders them, from the cache
  *   render_units.c    units, facts, base lines and estimates that come
  *   render_records.c  ambient records that come and go
@@ -16,10 +16,10 @@
 
 #include <uv.h>
 
-/* Records that are looked at, or sent, at a time. */
+/* Records that are handled, or sent, at a time. */
 #define RENDER_BATCH (65536 / AMBSHARE_BYTES)
-/* Someone who gets the whole cache, or facts for the case of a loss, is given
- * more when so little waits. */
+/* A peer that gets the whole cache, and facts in case of a loss, are sent on
+ * when no more than so many bytes wait in the link. */
 #define RENDER_AHEAD (1u << 20)
 
 struct render {
@@ -30,10 +30,10 @@ struct render {
     struct conn *link; /* NULL once it is gone */
     const char *files_dir;
     int nthreads;
-    unsigned memory_mib; /* most that it may have; 0: any */
+    unsigned memory_mib; /* most memory of the process; 0: any */
     uint8_t id[MSG_JOB];
     bool share, ended;
-    bool records;         /* radsubmit wants them */
+    bool records;         /* radsubmit wants the records (-af) */
     bool sandboxed;       /* must be */
     int pixel_s;          /* most processor time of a pixel; 0: any */
     struct msg start;     /* JOB-START, in start_bytes */
@@ -52,7 +52,7 @@ struct render {
     uint64_t first_ms;    /* records were drained; 0: not yet */
     struct msg_seed seed; /* last is 0: none came; job is not kept */
     bool seeding;
-    bool twin; /* others were at a unit that is here, too */
+    bool twin; /* a unit here had a twin at another worker */
     uint64_t sent, received, redundant; /* ambient records */
     struct pool_tally past;             /* of pools that are freed */
     uint64_t told_rays;    /* under way, and of seeding, in the last TALLY */
@@ -63,25 +63,24 @@ struct render {
 
 /* --- render_tell.c --- */
 
-/* Leave with that status when what was said is out. */
+/* Exit with that status when all messages are sent. */
 void render_end(struct render *r, int status);
 /* The job cannot go on here: say why, and leave. */
 void render_fail(struct render *r, const struct rad_error *err);
 /* The pool's: rows are there; something changed with strict units. */
 void render_on_rows(void *arg, const struct pool_rows *p);
 void render_on_news(void *arg);
-/* Tell what was done so far, now, or from now on whenever it is more. */
+/* Send a TALLY now; send one from now on whenever its numbers have grown. */
 void render_send_tally(struct render *r);
 void render_begin_tallies(struct render *r);
-/* What strict units have to say. */
+/* Send the messages of the strict units. */
 void render_send_news(struct render *r);
-/* The pool is about to be freed, and another will follow: what was done so far
- * counts. */
+/* The pool is about to be freed, and another will follow: keep its tally. */
 void render_keep_tally(struct render *r);
 
 /* --- render_load.c --- */
 
-/* No frame has begun then.  What a failure leaves is for render_unload(). */
+/* Load the job; no frame has begun.  After a failure call render_unload(). */
 int render_load(struct render *r, const struct msg_spec *spec,
                 struct rad_error *err);
 /* Free all that render_load() made. */
@@ -90,7 +89,7 @@ void render_unload(struct render *r);
 /* --- render_units.c --- */
 
 void render_take_unit(struct render *r, const struct msg_unit *u);
-/* What the machine of the strict units is to know. */
+/* Hand a message to the machine of the strict units. */
 void render_take_strict(struct render *r, const struct msg *m);
 void render_take_estimate(struct render *r, const struct msg_estimate *m);
 
@@ -98,12 +97,13 @@ void render_take_estimate(struct render *r, const struct msg_estimate *m);
 
 /* The job is loaded: look for records from now on. */
 void render_records_begin(struct render *r);
-/* It is loaded anew: who was to get all gets all of that. */
+/* The job is loaded anew, with an empty cache: peers that were being sent the
+ * whole cache are sent all of the new one. */
 void render_records_again(struct render *r);
 void render_records_release(struct render *r);
-/* Send what the threads have made since the last call. */
+/* Send the records that the threads have made since the last call. */
 void render_drain(struct render *r);
-/* The part of a frame's, or all frames', deep records that is made here. */
+/* SEED: the part of the deep records, of a frame or of all, for this child. */
 void render_take_seed(struct render *r, const struct msg_seed *m);
 void render_begin_seed(struct render *r, uint32_t frame);
 void render_take_ambient(struct render *r, const struct msg_ambient *a);

@@ -1,15 +1,15 @@
-/* sandbox.h - what a job's child can do to the machine: next to nothing
+/* sandbox.h - a job's child in a sandbox
  *
- * A child reads bytes that somebody sent: a scene, its files, the messages of
- * radd.  Should one of them find a hole in the renderer, what it has is a
- * process with one socket to radd, and that can
- *   from its first instruction of ours on: read the files of the folder of
- *     scenes, by names that it must know; map memory, start threads, talk on
- *     its socket; no socket of its own, no program, no file to write, no other
- *     process to look at, no memory to write and run;
+ * A child reads bytes that other people sent: a scene, its files, messages.
+ * Should these bytes exploit an error of the renderer, they control a process
+ * with one socket, to radd, which may
+ *   from its first instruction of ours on: read files in the folder of scenes,
+ *     by names that it must know; map memory, start threads, use its socket;
+ *     but make no socket, run no program, write no file, look at no other
+ *     process, and have no memory that is both writable and executable;
  *   once the scene is loaded: open no file at all.
- * What is not in the list ends the process (SIGSYS), unless the C library
- * probes for it and does without.
+ * Any other system call ends the process (SIGSYS), except calls that the C
+ * library tries and can do without: these fail.
  *
  * Needs seccomp, and for the folder Landlock (Linux 5.13).  A build with
  * AddressSanitizer or ThreadSanitizer forbids less, since these look at their
@@ -22,13 +22,13 @@
 
 #include <stdbool.h>
 
-/* What the machine lacks for the above, as "seccomp, Landlock"; NULL: nothing.
- * *refuse: and it is more than where a scene's files lie. */
+/* The features that the machine lacks for a sandbox, as "seccomp, Landlock";
+ * NULL: none.  *refuse: not only the limit to the scenes' folder is lacking. */
 const char *sandbox_lacks(bool *refuse);
 
-/* Give up everything but what loading a scene needs.  files_dir: where its
- * files lie.  required: fail with RAD_EPERM where seccomp does not work;
- * otherwise go on without. */
+/* Give up all rights but those that loading a scene needs.  files_dir: the
+ * folder of the scene's files.  required: fail with RAD_EPERM where seccomp
+ * does not work; otherwise go on without. */
 int sandbox_begin(const char *files_dir, bool required, struct rad_error *err);
 
 /* Give up opening files, in all threads. */

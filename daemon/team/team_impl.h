@@ -1,29 +1,29 @@
-/* team_impl.h - what the files of a team share
+/* team_impl.h - shared by the files of a team
  *
  * Private to team*.c:
- *   team.c         set-up and end, which line is next, what is asked of a team
- *   team_line.c    what a member does: a base line, then the bar above it
- *   team_member.c  how a member traces, waits and tells
+ *   team.c         set-up and end, the next line, calls from outside
+ *   team_line.c    a member's work: a base line, then the bar above it
+ *   team_member.c  how a member traces, waits and tells the line below
  *   team_blocks.c  the rows of a line, and its blocks of columns
  *   team_sweep.c   a line traced ahead by blocks
  *   team_lend.c    columns that are lent to another team
  *
- * What a line needs from the one above:
- *   - its densities, up to a little ahead of where it is itself (`ready`);
- *   - at last, its pixels as they are in the picture, small sources painted,
- *     as the top of the bar.
- * The bar's bottom is the line as it was sampled, before painting, as in
+ * A line needs from the line above
+ *   - its densities, up to a little ahead of the line's own place (`ready`);
+ *   - for its bar, the pixels as they are in the picture (small sources are
+ *     painted there).
+ * The bar's lower edge is the line as it was sampled, before painting, as in
  * rpict; so a line keeps both.
  *
- * Nobody but the member of the line below waits for a line, and it is woken
- * when there is what it waits for, not at each step.  Before it goes to sleep
- * it traces what its own line will want whatever the densities are: where the
- * line above makes ambient records that the one below finds there, the one
- * below is faster and would wait most of the time.  Lines are begun in order,
- * and the lowest one that is not done waits for nobody; so nobody waits for
- * ever.  Buffers form a ring: line i is begun only when line i - nlines + 1,
- * the last to look at its buffers, is done and its rows are handed on.  The top
- * lies where the ring has line first - 1. */
+ * Only the member of the line below waits for a line; it is woken when the
+ * densities that it waits for are there, not at each step.  Before that member
+ * goes to sleep it traces pixels of its own line that are wanted whatever the
+ * densities are: the line below finds ambient records that the line above made,
+ * so it is faster and would wait most of the time.  Lines are begun in order,
+ * and the topmost line that is not done waits for no other, so no member waits
+ * for ever.  Buffers form a ring: line i is begun only when line i - nlines +
+ * 1, the last to look at its buffers, is done and its rows are handed on.  The
+ * top is in the buffer of line first - 1. */
 #ifndef DAEMON_TEAM_IMPL_H
 #define DAEMON_TEAM_IMPL_H
 
@@ -41,23 +41,23 @@ enum part { PART_BASE, PART_BAR, NPART };
 struct line {
     uint8_t *density;          /* for the line below; written by its member */
     struct rad_pixel *sampled; /* written by its member */
-    /* Pixels of the base line that its member traced while it waited, where
-     * known says so; they are its own.  NULL: nobody waits. */
+    /* Pixels of the base line that its member traced before it slept, where
+     * known[] is set; the member's own.  NULL: no member ever waits. */
     struct rad_pixel *early;
     bool *known;
-    /* Densities that are final, stored after them; pairs with the load in
-     * wait_for().  One more than all of them: the line is painted. */
+    /* How many densities are final; stored after these, pairs with the load in
+     * wait_for().  One more than there are densities: the line is painted. */
     _Atomic size_t ready;
     /* So many does the member of the line below wait for, asleep; 0: none. */
     _Atomic size_t wanted;
     uv_cond_t moved;   /* with ready, as far as wanted, and stopped */
-    _Atomic int shown; /* columns that are in their row, painted */
-    /* Blocks that its member began, or that are lent: whoever sets a bit has
-     * the block.  Nothing else is told by it: sequentially consistent for want
-     * of a reason. */
+    _Atomic int shown; /* columns that are painted into their row */
+    /* Blocks that the line's member began, or that are lent: the thread that
+     * sets a bit has the block.  No other data depends on the bits;
+     * sequentially consistent, as a weaker order would gain nothing. */
     _Atomic uint64_t taken[NPART];
     uint64_t primary; /* [mu] with done: see team_primary() */
-    bool done;        /* [mu] and the bar above it */
+    bool done;        /* [mu] base line and bar are done */
 };
 
 struct team {
@@ -65,7 +65,7 @@ struct team {
     size_t ndensity;          /* [fixed] */
     int nlines, nslots;       /* [fixed] */
     uint8_t *density;         /* [fixed] the top's, then the lines' */
-    bool *known;              /* [fixed] the lines'; NULL: one thread */
+    bool *known;              /* [fixed] of all lines; NULL: one thread */
     struct rad_pixel *pixels; /* [fixed] the lines' and the slots' */
     struct rad_pixel *slots;  /* [fixed] row k in slot k modulo nslots */
     struct line *lines;       /* [fixed] line i is number i % nlines */
@@ -81,7 +81,7 @@ struct team {
     uint64_t primary;                 /* [mu] of the lines that are finished */
     _Atomic bool stopped;    /* relaxed where it only ends work earlier */
     struct team_blocks lent; /* [mu] of line spec.last - 1 */
-    bool blocked; /* [mu] a member has left because of what is lent */
+    bool blocked; /* [mu] a member has left because columns are lent */
 };
 
 static inline struct line *
@@ -131,7 +131,8 @@ has_bar(const struct team *t, int i)
 
 /* The next line to begin, once its buffers are free; -1: there is none. */
 int team_line_begin(struct team *t);
-/* It is done, and wanted so many pixels: hand on what thereby is complete. */
+/* Line i is done, and wanted so many pixels: hand on all rows that are complete
+ * by that. */
 void team_line_finish(struct team *t, int i, uint64_t primary);
 
 #endif

@@ -1,4 +1,4 @@
-/* team_spec.h - what a team is to do, and for whom
+/* team_spec.h - the work of a team: lines, mode, callbacks
  *
  * Lines are those of team.h.  Thread: read-only while members work, but where a
  * field says otherwise. */
@@ -12,13 +12,13 @@ struct rad_ctx; /* a member's own; the callbacks' affair */
 
 enum team_mode { TEAM_TRUTH, TEAM_LINES, TEAM_AHEAD, TEAM_LOAN };
 
-/* So many base lines below one of which nothing is known the densities are as
- * good as true. */
+/* So many base lines below a line of which nothing is known, guessed densities
+ * are as good as true. */
 enum { TEAM_SURE = 4 };
 
-/* Where a line is begun, so that workers at the same unit meet late: a line is
- * traced ahead in this order before it is gone over from the left, which other
- * than TEAM_FROM_LEFT wants facts.  Where another worker's facts are met
+/* Where a line is begun, so that workers at the same unit meet late.  A line is
+ * traced ahead in this order, into facts, and then gone over from the left;
+ * TEAM_FROM_LEFT needs no facts.  Where a member meets another worker's facts
  * (RAD_FACT_FOREIGN) it goes on in the middle of the widest gap left. */
 enum team_end {
     TEAM_FROM_LEFT,
@@ -28,7 +28,7 @@ enum team_end {
 };
 
 /* Trace column x, row y of the picture; false: the view shows nothing there,
- * and *out is what the picture has. */
+ * and *out is the picture's value for that. */
 typedef bool team_trace_fn(void *arg, struct rad_ctx *ctx, int x, int y,
                            struct rad_pixel *out);
 
@@ -52,34 +52,33 @@ struct team_blocks {
     uint64_t ever;      /* not to be lent any more */
 };
 
-/* Columns that are lent, all of whole blocks, and what decides which of their
- * pixels count. */
+/* Columns that are lent, whole blocks, and the data that decide which of their
+ * pixels are traced. */
 struct team_loan {
     int line, x, n;
     bool base;          /* the base line is to be traced as well */
-    double given, left; /* parts of the line's cost: this, and what the lender
-                         * has not begun of its own */
+    double given, left; /* parts of the line's cost: the loan's; and that of
+                         * blocks that the lender keeps and has not begun */
     const struct rad_pixel *top;    /* n pixels of the base line above */
     const uint8_t *density;         /* with base: after the line above, all */
     const struct rad_pixel *bottom; /* without: n pixels, as sampled */
     uint8_t *wanted; /* bit i % 8 of byte i / 8: fill column x + i of the bar;
-                      * (width + 7) / 8 bytes, of whoever asks */
+                      * (width + 7) / 8 bytes, the caller's */
 };
 
 /* Of TEAM_TRUTH alone. */
 struct team_truth {
-    int out; /* the rows of lines before this one were handed on before; of
-              * those only base lines are painted again, for the top below */
+    int out; /* rows of lines before this one were handed on by an earlier
+              * pass; their base lines alone are painted again, as tops */
     team_rows_fn *rows;
 };
 
 /* Of TEAM_LINES and TEAM_AHEAD, whose top may be a guess. */
 struct team_ahead {
-    bool true_top; /* the top is the true one after all */
-    int top_known; /* AHEAD: the densities of the top are a guess that was made
-                    * of so many lines; from TEAM_SURE on it is as good as the
-                    * truth */
-    int filled;    /* LINES: lines before this one with their bars */
+    bool true_top; /* LINES: the top is true */
+    int top_known; /* AHEAD: the densities of the top were guessed from so many
+                    * lines; from TEAM_SURE on they are as good as true */
+    int filled;    /* LINES: make the bars of lines before this one, too */
 };
 
 struct team_spec {
@@ -88,21 +87,21 @@ struct team_spec {
     enum team_mode mode;
     enum team_end end;
     int first, last; /* lines [first, last) of the sampler's */
-    /* Colours of base line first - 1, and the densities after it; copied.  With
-     * TEAM_TRUTH they are true, and there (but where first is 0, or the sampler
-     * has no densities).  Else NULL: no colours; nothing found. */
+    /* Colours of base line first - 1, and the densities that it leaves; copied.
+     * With TEAM_TRUTH they are true and not NULL (but if first is 0, or the
+     * sampler has no densities).  Else NULL: no colours; no density known. */
     const struct rad_pixel *top;
     const uint8_t *top_density;
     /* facts[i] is for line i, as wide as the sampler's area and with as many
-     * rows as line i has (team_line_rows()); must stay until team_free().  NULL
-     * where there are none; TEAM_TRUTH looks again for each pixel, so they may
-     * be stored (release) meanwhile.  LINES and AHEAD want them for all of
-     * their lines from the start. */
+     * rows as line i has (team_line_rows()); must stay until team_free(); NULL:
+     * the line has no facts.  TEAM_TRUTH looks again for each pixel, so facts
+     * may be stored (release) meanwhile.  LINES and AHEAD need facts for all
+     * lines from the start. */
     _Atomic(struct rad_facts *) *facts;
-    /* NULL, or room for what each line from first on cost: processor time [ns],
-     * added by its member as it leaves the line. */
+    /* NULL, or the processor time of each line from first on [ns], to which the
+     * line's member adds as it leaves the line. */
     uint64_t *cpu_ns;
-    /* Of line last - 1, which has columns that are lent. */
+    /* Blocks of line last - 1 that are lent. */
     struct team_blocks lent;
     /* With LOAN: first is its line, last the next; top, top_density and the
      * rest about tops are not looked at.  Must stay until team_free(). */

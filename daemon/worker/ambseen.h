@@ -5,8 +5,8 @@
  * cache of another, most of which it may have had, or even made; and while
  * links change some records come by two ways.  Twice in the cache, a record
  * would take memory and slow down look-ups.
- * Of a record a number of 64 bits is kept.  Among a million records two have the
- * same number with a probability of 3e-8; one of them is then made again.
+ * Of a record a number of 64 bits is kept.  Among a million records two have
+ * the same number with a probability of 3e-8; one of them is then made again.
  * Thread: one. */
 #ifndef RADD_DAEMON_AMBSEEN_H
 #define RADD_DAEMON_AMBSEEN_H
