@@ -17,18 +17,18 @@ struct area {
     struct rad_window part;
     /* by pass: made by the thread that took the area; then all in the first */
     struct rad_sampled *sampled[MOST_PASSES];
-    size_t n[MOST_PASSES]; /* of them */
+    size_t n[MOST_PASSES]; /* pixels by pass */
 };
 
 struct estimate {
     const struct rad_frame *frames; /* [fixed] */
     uint32_t id, rays, nareas;      /* [fixed] */
-    uint32_t passes;                /* [fixed]; the last is what counts */
+    uint32_t passes;                /* [fixed]; the last pass counts */
     struct area *areas;             /* [fixed]; each its taker's */
     struct msg_cost *costs;         /* likewise */
     _Atomic uint32_t taken, done;   /* areas, of all passes */
-    struct msg_counts counts;       /* under the lock of who counts */
-    /* estimate_facts(): where it is, and the message's parts */
+    struct msg_counts counts;       /* under the lock of estimate_count() */
+    /* estimate_facts(): the area and pixel that are next; the message */
     uint32_t at;
     size_t at_pixel;
     uint8_t *bitmap, *pixels;
@@ -123,8 +123,8 @@ estimate_open(const struct estimate *e)
            e->nareas * e->passes;
 }
 
-/* Of the pass after the first there are n pixels, too: some of those, where the
- * area has less than twice as many, which are not kept again. */
+/* The second pass has n pixels, too.  In an area of less than 2 n pixels some
+ * of them are the first pass's, which are not kept twice. */
 static void
 work_on(struct estimate *e, uint32_t i, uint32_t pass, struct rad_ctx *ctx,
         const _Atomic bool *stop)
@@ -161,7 +161,8 @@ estimate_work(struct estimate *e, struct rad_ctx *ctx, const _Atomic bool *stop)
         work_on(e, i % e->nareas, i / e->nareas, ctx, stop);
 }
 
-/* Pixels of an estimate are primary rays only where the picture uses them. */
+/* Pixels of an estimate count as estimate_rays: primary rays are counted by the
+ * pass that uses the pixels as facts. */
 void
 estimate_count(struct estimate *e, const struct rad_counts *c, double cpu_s)
 {
@@ -175,7 +176,7 @@ estimate_count(struct estimate *e, const struct rad_counts *c, double cpu_s)
 
 /* --- pixels as facts --- */
 
-/* The line of a row: the first whose base line is not above it. */
+/* The line of a row: the first whose base line is not above that row. */
 static int
 line_of(const struct rad_quincunx *q, int row)
 {
@@ -209,7 +210,7 @@ pixels_to(const struct rad_sampled *from, size_t n, int row)
     return k;
 }
 
-/* Room for a message's parts; what the last one had goes. */
+/* Room for a message's parts; those of the message before are freed. */
 static bool
 make_room(struct estimate *e, size_t bitmap, size_t pixels)
 {

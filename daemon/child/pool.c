@@ -1,4 +1,4 @@
-/* pool.c - see pool.h: set-up and end, what the loop asks of it */
+/* pool.c - see pool.h: set-up and end, calls of the loop */
 #include "config.h"
 
 #include "child/pool_impl.h"
@@ -188,7 +188,7 @@ pool_free(struct pool *p)
     uv_close((uv_handle_t *)&p->async, async_closed);
 }
 
-/* nthreads counts those that run, also when a later one does not start. */
+/* nthreads counts the threads that run, even if a later one fails to start. */
 static int
 start_threads(struct pool *p, int nthreads, struct rad_error *err)
 {

@@ -1,4 +1,4 @@
-/* pool_clock.c - what threads take, by the wall and by their processors */
+/* pool_clock.c - the time that threads use: elapsed, and of processors */
 #include "config.h"
 
 #include "child/pool_impl.h"

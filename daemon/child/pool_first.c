@@ -1,5 +1,5 @@
-/* pool_first.c - what threads do before the first unit: seed the ambient cache,
- * trace estimates */
+/* pool_first.c - work of threads before the first unit: seeding the ambient
+ * cache, and estimates */
 #include "config.h"
 
 #include "child/pool_impl.h"
@@ -19,7 +19,7 @@ first_find_estimate_locked(const struct pool *p)
     return e;
 }
 
-/* No member is left: it is for the loop. */
+/* No thread is left at the estimate: hand it to the loop. */
 static void
 end_estimate_locked(struct pool *p, struct estimating *e)
 {
@@ -101,7 +101,7 @@ first_free_estimates(struct estimating *e)
 
 /* --- seeding --- */
 
-/* It is for the loop. */
+/* Seeding is over: tell the loop. */
 static void
 end_seed_locked(struct pool *p)
 {
@@ -110,8 +110,8 @@ end_seed_locked(struct pool *p)
     uv_async_send(&p->async);
 }
 
-/* The last member has done what can be done now: on to the next, or that was
- * it.  Meanwhile nobody finds anything to begin. */
+/* The last thread has ended a step of seeding: begin the next step, or end
+ * seeding.  Until then other threads find no piece to begin. */
 static void
 go_on_seeding_locked(struct pool *p, struct rad_seed *s)
 {

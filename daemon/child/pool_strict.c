@@ -1,6 +1,7 @@
 /* pool_strict.c - the strict units' machine (strict.h), as the pool runs it
  *
- * It is looked at under the pool's lock whenever something may have changed. */
+ * Every call of the machine, and every change of a pass, is followed by a look
+ * at all passes, under the pool's lock. */
 #include "config.h"
 
 #include "child/pool_impl.h"
@@ -32,7 +33,7 @@ void
 pool_changed_locked(struct pool *p)
 {
     pool_look_locked(p);
-    /* what a bottom made true may have ended another pass */
+    /* a bottom that made another true may have ended that pass */
     pool_look_locked(p);
     pool_settle_waits_locked(p);
     uv_cond_broadcast(&p->work);

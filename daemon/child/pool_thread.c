@@ -1,18 +1,18 @@
-/* pool_thread.c - what a thread of the pool does next
+/* pool_thread.c - the next work of a thread of the pool
  *
  * A thread takes a unit from the queue and renders it as the first member of
- * its team (team.h); a thread that finds the queue empty joins a team that has
- * lines left to begin.  So with many units each has a thread to itself, and
- * one unit, or the last ones, have all of them.
- * Of strict units a team makes but a pass; what comes next is strict_pass.c's
- * to say.  What waits for nobody comes before what is traced ahead, and a
- * thread rather helps with the truth, or with base lines, than begins what
- * comes after them: others may wait for those. */
+ * its team (team.h).  A thread that finds the queue empty joins a team that has
+ * lines left to begin.  So each of many units has a thread to itself, and a
+ * single unit, or the last units, have all threads.
+ * Of a strict unit a team makes one pass; strict_rank.c chooses the next.
+ * Passes under true tops come before passes ahead.  A thread rather joins a
+ * pass of TRUTH or LINES than begins a less urgent pass: other workers may wait
+ * for its result. */
 #include "config.h"
 
 #include "child/pool_impl.h"
 
-/* What a thread finds to do: one of them. */
+/* A thread's next work: one of these. */
 struct work {
     struct rad_seed *seed;
     struct estimating *estimate;
@@ -62,7 +62,7 @@ find_locked(struct pool *p, struct work *w)
 {
     *w = (struct work){ 0 };
     if (p->seed && !atomic_load(&p->seed_stop)) {
-        /* what others are at is wanted for what comes next */
+        /* the next step of seeding needs the pieces that others are at */
         if (!rad_seed_open(p->seed))
             return false;
         w->seed = p->seed;
@@ -82,7 +82,7 @@ find_locked(struct pool *p, struct work *w)
     return true;
 }
 
-/* Wait for something to do; false when it is time to end. */
+/* Wait for work; false: the thread is to end. */
 static bool
 find_work(struct pool *p, struct work *w)
 {

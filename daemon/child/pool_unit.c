@@ -1,7 +1,7 @@
 /* pool_unit.c - one unit, or a pass of a strict one: its team, its rows
  *
- * The member that leaves last says that the unit is done, and what its members
- * counted. */
+ * The member that leaves last reports the end of the unit, and the counts of
+ * all members. */
 #include "config.h"
 
 #include "child/pool_impl.h"
@@ -16,11 +16,11 @@
 #include <sysexits.h>
 #include <unistd.h>
 
-/* rows are sent when so many bytes of them are done */
+/* a piece of rows is sent when it has so many bytes */
 #define PIECE_BYTES (64u << 10)
 
-/* Coded rows take so little that many wait in a piece: not for longer [s], so
- * that a preview shows them. */
+/* Coded rows are so short that many fit in a piece; a piece waits no longer
+ * than this [s], so that previews show its rows. */
 #define PIECE_AGE .25
 
 /* --- rows --- */
@@ -45,7 +45,7 @@ put_done(struct pool *p, struct pool_rows *rows, size_t bytes)
     uv_mutex_unlock(&p->mu);
 }
 
-/* Put a row at `to` as it is to leave; returns its bytes. */
+/* Write a row to `to` in the form in which it is sent; returns its bytes. */
 static size_t
 put_row(void *to, const struct rad_pixel *from, int width, int channels)
 {
@@ -63,7 +63,7 @@ put_row(void *to, const struct rad_pixel *from, int width, int channels)
     return (size_t)((char *)p - (char *)to);
 }
 
-/* The most that a row takes, and what putting it there takes to work in. */
+/* The most bytes that a row takes, those that put_row() works in among them. */
 static size_t
 row_room(const struct active *u)
 {
@@ -74,7 +74,8 @@ row_room(const struct active *u)
     return width * (size_t)u->channels * sizeof(float);
 }
 
-/* Begin a piece at `row` of the unit; NULL: memory is out, which ends it. */
+/* Begin a piece at `row` of the unit; NULL: memory is out, which ends the unit.
+ */
 static struct pool_rows *
 new_piece(struct active *u, int row)
 {
@@ -82,7 +83,7 @@ new_piece(struct active *u, int row)
     size_t most = PIECE_BYTES + row_room(u);
     struct pool_rows *p;
 
-    /* the pixels are written before they are read */
+    /* not cleared: pixels are written before they are read */
     p = malloc(sizeof *p + (left < most ? left : most));
     if (!p) {
         rad_fail(&u->err, RAD_ENOMEM, "out of memory");
@@ -110,8 +111,9 @@ trace(void *arg, struct rad_ctx *ctx, int x, int y, struct rad_pixel *out)
     return seen;
 }
 
-/* What is no number stays the lender's to trace: a fact is black and does not
- * say so, and it may be used though the loan was taken back meanwhile. */
+/* Trace a pixel of borrowed columns.  A value that is no number is left to the
+ * lender: as a fact it would be black without being counted as no number, and
+ * facts may be used even after the loan was taken back. */
 static bool
 trace_lent(void *arg, struct rad_ctx *ctx, int x, int y, struct rad_pixel *out)
 {
@@ -151,9 +153,9 @@ is_full(const struct active *u)
             pool_seconds(CLOCK_MONOTONIC) - u->piece_wall0 > PIECE_AGE);
 }
 
-/* A row is done: into the piece with it.  A full piece goes out when there is
- * another row: the last one waits for the counts, and which that is a strict
- * unit does not know. */
+/* A row is done: put it into the piece.  A full piece is sent when the next row
+ * comes: the unit's last piece must carry the counts, and a strict unit does
+ * not know which of its rows is the last. */
 static void
 on_row(void *arg, int row, const struct rad_pixel *pixels)
 {
@@ -193,7 +195,7 @@ send_failure(struct pool *p, const struct pool_unit *unit,
     put_done(p, r, 0);
 }
 
-/* Nobody works on the unit any more, and nobody knows of it: send the rest. */
+/* The last thread has left the unit: send the rest of its rows. */
 static void
 end_active(struct active *u)
 {
@@ -266,8 +268,9 @@ new_active(struct pool *p, const struct pool_unit *unit,
     return u;
 }
 
-/* A pass ends.  Where it ended early another thread may go on with the unit as
- * soon as the lock is free: what rows there are go before that one's. */
+/* A pass ends.  If it ended early another thread may go on with the unit as
+ * soon as the lock is free: send the rows that are done before that thread's.
+ */
 static void
 leave_pass_locked(struct active *u)
 {
@@ -370,11 +373,11 @@ pool_unit_begin(struct pool *p, struct queued *window, struct strict_pass *pass)
     if (atomic_load(&p->stopping))
         team_stop(u->team);
     if (u->pass) {
-        pool_look_locked(p);      /* it may be stopped, or split, by now */
-        uv_async_send(&p->async); /* others may wait for what it makes */
+        pool_look_locked(p);      /* a stop or split may have come by now */
+        uv_async_send(&p->async); /* other workers may wait for its bottom */
     }
     if (!p->todo)
-        uv_cond_broadcast(&p->work); /* those who wait can help */
+        uv_cond_broadcast(&p->work); /* idle threads can help */
     uv_mutex_unlock(&p->mu);
     return u;
 }

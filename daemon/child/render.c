@@ -23,7 +23,7 @@
 
 /* --- the start of a job --- */
 
-/* Keep JOB-START: what it has borrowed is gone when the next message comes. */
+/* Copy JOB_START: its pointers are valid until the next message only. */
 static int
 keep_start(struct render *r, const struct msg *m, struct rad_error *err)
 {
@@ -45,8 +45,8 @@ keep_start(struct render *r, const struct msg *m, struct rad_error *err)
     return msg_unpack(&r->start, m->type, 0, r->start_bytes, n, err);
 }
 
-/* What came from others has been read: that was the last file, unless each
- * frame begins anew. */
+/* The scene is loaded: let no more files be opened, unless each frame is loaded
+ * anew. */
 static int
 seal(const struct render *r, const struct msg_spec *spec, struct rad_error *err)
 {
@@ -164,7 +164,7 @@ static const struct conn_handler handler = { .message = on_message,
 
 /* --- the process --- */
 
-/* Give way to whoever sits at the machine, die with radd. */
+/* Give way to the user of the machine; die with radd. */
 static void
 confine(unsigned memory_mib, int give_way)
 {
@@ -225,7 +225,7 @@ render_main(int argc, char *argv[])
     int rc;
 
     if (argc != 8)
-        return EX_USAGE; /* radd starts this, nobody else */
+        return EX_USAGE; /* to be started by radd alone */
     r.files_dir = argv[2];
     r.nthreads = atoi(argv[3]);
     r.pixel_s = atoi(argv[6]);

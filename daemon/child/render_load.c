@@ -1,9 +1,9 @@
-/* render_load.c - a job's child reads what it is to render
+/* render_load.c - a job's child reads the scene
  *
  * All files come from the cache, by the names that the bundle's manifest has
- * for them.  The cache has those of others' jobs, too, and a hash is no right to
- * a file: the coordinator looked at its user's right to those that the job
- * names, and no others are taken, the manifest among them. */
+ * for them.  The cache also has files of other users' jobs, and to know a hash
+ * is no right to a file.  The coordinator has checked the user's right to the
+ * files that the job names; no other file is opened, nor another manifest. */
 #include "config.h"
 
 #include "child/render_impl.h"
@@ -40,8 +40,8 @@ read_manifest(struct render *r, const uint8_t *hash, struct rad_bundle *bundle,
     return rc;
 }
 
-/* The job names these n files, sorted.  Nothing is opened before it is known to
- * be one of them: errors would tell which files others have. */
+/* The job names these n files, sorted.  No file is opened that is not among
+ * them: errors would tell which files other users have. */
 static int
 read_own(struct render *r, const uint8_t *manifest, const uint8_t *files,
          size_t n, struct rad_bundle *bundle, struct rad_error *err)
@@ -81,7 +81,7 @@ load_bundle(struct render *r, const struct msg_spec *spec,
     return rc;
 }
 
-/* Those that the job begins with, if there are any. */
+/* Load the ambient records that the job begins with, if it has any. */
 static int
 load_records(struct render *r, const struct rad_bundle *bundle,
              struct rad_error *err)

@@ -1,38 +1,35 @@
 /* render_records.c - ambient records on their way out of a job's child and in
  *
- * Those that its threads made are collected every few ms; those that arrive are
- * put into the cache by the loop's thread while the others go on. */
+ * Records that render threads made are collected every few ms.  Records that
+ * arrive are put into the cache by the loop's thread, while render threads go
+ * on. */
 #include "config.h"
 
 #include "child/render_impl.h"
 
 #include <stdlib.h>
 
-/* A record is needed elsewhere soon, or not for long: so they wait for such a
- * part of the time since the first, within these bounds, and go out together.
- * A message costs all whom it goes through 40 microseconds for each that gets
- * it, half of what making a deep record does.  Where workers are at the same
- * things more is made twice; they see that by what arrives, and wait less, as
- * long as more than such a share of it is redundant.
- * Eight workers with a fifth of a processor each, at 1920 x 1280 pixels of an
- * office, sent 280 messages each and made 4 to 9 % twice when they waited for a
- * fiftieth and did not seed the cache (src/picture/seed.h); now it is 2.5 to
- * 4 %, and 1 to 2.5 % more of their processors is left for rays. */
+/* A record is needed by another worker soon, or not for long.  So records wait
+ * for 1 / DRAIN_PART of the time since the first record, within these bounds,
+ * and go out together: a message costs the machines on its way 40 microseconds
+ * for each receiver, half the cost of a deep record.  Workers that look at the
+ * same things make more records twice; they notice that by the records that
+ * arrive, and wait less while more than a given share of these is redundant. */
 #define DRAIN_MS   2
 #define DRAIN_PART 20
 #define CALM_MS    200
 #define FEW        .01
-/* Workers that are at the same unit do not wait for longer. */
+/* Records of workers at the same unit wait no longer. */
 #define TWIN_MS 20
 /* While the cache is seeded others want the records of their own parts. */
 #define SEED_MS 10
-/* Looking up whether a record was needed costs more than putting it in, so one
- * of so many is looked up and stands for the others. */
+/* To look up whether a record was needed costs more than to insert it, so one
+ * of METER_EACH records is looked up. */
 #define METER_EACH 8
-/* The mean of about so many says how things are now. */
+/* The share of redundant records is a mean over about so many. */
 #define METER_MEAN 32
 
-/* Somebody who is being sent all records. */
+/* A peer that is being sent all records. */
 struct give {
     struct give *next;
     uint32_t to;
@@ -51,7 +48,7 @@ send_batch(struct render *r, uint32_t to, const struct rad_ambrec *recs,
         size_t at = w.len;
 
         ambshare_pack(&w, &recs[i]);
-        if (r->share && to == 0 && !w.bad) /* one may be given it back */
+        if (r->share && to == 0 && !w.bad) /* a peer may send it back */
             ambseen_add(&r->seen, w.buf + at);
     }
     m.ambient.to = to;
@@ -63,7 +60,7 @@ send_batch(struct render *r, uint32_t to, const struct rad_ambrec *recs,
     wire_out_release(&w);
 }
 
-/* Go on sending everything to those that asked. */
+/* Go on sending the whole cache to the peers that asked. */
 static void
 go_on_giving(struct render *r, struct rad_ambrec *recs)
 {
@@ -123,7 +120,7 @@ on_drain(uv_timer_t *timer)
         uv_timer_start(timer, on_drain, drain_ms(r), 0);
 }
 
-/* Was it needed?  It stands for those that are not looked up. */
+/* Was the record redundant?  It stands for records that are not looked up. */
 static void
 meter(struct render *r, const struct rad_ambrec *rec)
 {
@@ -159,7 +156,8 @@ render_take_ambient(struct render *r, const struct msg_ambient *a)
     rad_ambient_insert_all(r->job->ambient, recs, n);
 }
 
-/* What is left goes out at once: others may wait for it by now. */
+/* Seeding is over: send the rest of the records at once, for other workers may
+ * need them by now. */
 static void
 on_seeded(void *arg)
 {
@@ -186,7 +184,7 @@ render_begin_seed(struct render *r, uint32_t frame)
     s = rad_seed_new(&r->frames[first], n, (double)r->seed.first / MSG_SEED_ALL,
                      (double)r->seed.last / MSG_SEED_ALL, NULL);
     if (!s)
-        return; /* they are made when they are asked for */
+        return; /* the records are made when rays ask for them */
     r->seeding = true;
     pool_seed(r->pool, s, on_seeded);
 }
@@ -210,7 +208,7 @@ render_take_give(struct render *r, const struct msg_give *m)
         return;
     g = calloc(1, sizeof *g);
     if (!g)
-        return; /* costs the other one time, nothing else */
+        return; /* costs the peer time, nothing else */
     g->to = m->to;
     g->cursor = r->loaded; /* the job's file of records is everybody's */
     g->next = r->gives;

@@ -1,5 +1,5 @@
-/* render_tell.c - what a job's child tells radd: rows, what units have to say,
- * tallies, and that it cannot go on */
+/* render_tell.c - messages of a job's child to radd: rows, messages of strict
+ * units, tallies, FAILED */
 #include "config.h"
 
 #include "child/render_impl.h"
@@ -18,8 +18,8 @@
 /* and at least, so that radd knows that the loop runs */
 #define SIGN_OF_LIFE_MS 10000
 
-/* Whose limit it was where memory is out: the job's own is the same everywhere
- * and fails it, radd's or the machine's is not. */
+/* Memory is out: by whose limit?  The job's own limit is the same at all
+ * workers, so the job fails; radd's or the machine's is not. */
 static int
 blame_limit(const struct render *r, int code, char *text, size_t size)
 {
@@ -56,7 +56,7 @@ send_failed(struct render *r, const struct rad_error *err)
         conn_send(r->link, &m);
 }
 
-/* Leave when what was said is out. */
+/* Exit when all messages are sent. */
 void
 render_end(struct render *r, int status)
 {
@@ -78,7 +78,7 @@ render_fail(struct render *r, const struct rad_error *err)
     render_end(r, rad_exit_status(err->code));
 }
 
-/* What the child did so far. */
+/* The counts of the child's work so far. */
 static struct pool_tally
 tally_of(const struct render *r)
 {
@@ -209,7 +209,7 @@ render_on_rows(void *arg, const struct pool_rows *p)
     free(floats);
 }
 
-/* What strict units have to say. */
+/* Send the messages of the strict units. */
 void
 render_send_news(struct render *r)
 {
@@ -218,10 +218,10 @@ render_send_news(struct render *r)
 
     while (r->link && r->strict &&
            (m = pool_message(r->pool, conn_queued(r->link) < RENDER_AHEAD))) {
-        /* it may be of columns that are all that the job waits for */
+        /* these columns may be the last that the job waits for */
         if (m->type == MSG_PAID && r->records)
             render_drain(r);
-        /* the worker may be let go for it */
+        /* the worker may be let go when this GAVE arrives */
         if (m->type == MSG_GAVE && m->gave.height == 0)
             render_send_tally(r);
         conn_send(r->link, m);

@@ -1,7 +1,7 @@
-/* render_units.c - what a job's child is given to do
+/* render_units.c - work that comes to a job's child
  *
- * Units, what others know of strict ones, and estimates: looked at here, for
- * they come from the network, and handed to the pool. */
+ * Units, facts and base lines of other workers, and estimates: checked here,
+ * for they come from the network, and handed to the pool. */
 #include "config.h"
 
 #include "child/render_impl.h"
@@ -40,7 +40,7 @@ check_unit(const struct render *r, const struct msg_unit *u,
         u->y > (uint32_t)f->height - u->height)
         return rad_fail(err, RAD_EPROTO, "unit %u lies outside the picture",
                         u->unit);
-    /* what else is in its message takes far less than this */
+    /* the other fields of a RESULT take far less than this */
     if (row_bytes(f, u) > MSG_MAX - 1024)
         return rad_fail(err, RAD_EDATA, "a row of %u pixels is too wide",
                         u->width);
@@ -112,9 +112,9 @@ render_take_unit(struct render *r, const struct msg_unit *u)
         render_fail(r, &err);
 }
 
-/* Facts and base lines come before the unit that needs them: those of a later
- * frame than what there was begin it, so that they are not forgotten then.
- * Those of an earlier one are late. */
+/* Facts and base lines come before the unit that needs them.  Those of a later
+ * frame begin that frame, lest they be forgotten when its first unit does.
+ * Those of an earlier frame are late, and ignored. */
 static int
 begin_lines(struct render *r, const struct msg *m, struct rad_error *err)
 {
@@ -133,7 +133,7 @@ begin_lines(struct render *r, const struct msg *m, struct rad_error *err)
     return begin_frame(r, frame, err);
 }
 
-/* Another worker made it: one that is wrong is not the job's fault. */
+/* A wrong LOAN is the fault of the worker that made it, not of the job. */
 static void
 take_loan(struct strict *s, const struct msg_loan *m, struct rad_error *err)
 {
@@ -143,7 +143,7 @@ take_loan(struct strict *s, const struct msg_loan *m, struct rad_error *err)
     *err = (struct rad_error){ 0 };
 }
 
-/* What the machine of the strict units is to know. */
+/* Hand a message to the machine of the strict units. */
 void
 render_take_strict(struct render *r, const struct msg *m)
 {
@@ -191,7 +191,7 @@ render_take_strict(struct render *r, const struct msg *m)
 
 /* --- estimates --- */
 
-/* What was traced goes first: it need not be traced again. */
+/* Send the traced pixels before the costs: they need not be traced again. */
 static void
 on_estimated(void *arg, struct estimate *e, double wall_s)
 {

@@ -1,14 +1,13 @@
 /* sandbox.c - see sandbox.h
  *
- * Two filters: the first, a list of what is allowed, before anything of a scene
- * is read; the second, over it, denies opening.  Both let the process speculate
- * (SCMP_FLTATR_CTL_SSB): kernels before 5.16 otherwise make every load wait for
- * the stores before it, which costs a renderer a tenth and more, to protect
- * secrets that this process does not have.
+ * Two filters: the first, a list of permitted calls, is put on before a scene
+ * is read; the second denies opening files, too.  Both let the process
+ * speculate (SCMP_FLTATR_CTL_SSB): kernels before 5.16 otherwise make every
+ * load wait for the stores before it, which costs a renderer a tenth and more,
+ * to protect secrets that this process does not have.
  *
- * clone3 hides its flags from a filter, so it is answered as by a kernel that
- * does not know it; the C library then takes clone, whose flags say whether a
- * thread or a process is wanted. */
+ * clone3 hides its flags from a filter, so it fails as in a kernel without it;
+ * the C library then uses clone, whose flags tell threads from processes. */
 #include "config.h"
 
 #include "child/sandbox.h"
@@ -36,7 +35,7 @@
 #endif
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__) ||           \
     HAS_FEATURE(address_sanitizer) || HAS_FEATURE(thread_sanitizer)
-#define LOOSE true /* what looks at its own process must be able to */
+#define LOOSE true /* sanitizers look at their own process */
 #else
 #define LOOSE false
 #endif
@@ -50,7 +49,7 @@
 
 /* clang-format off */
 
-/* Allowed, whatever the arguments. */
+/* Allowed with any arguments. */
 static const int allowed[] = {
     SCMP_SYS(brk), SCMP_SYS(clock_getres), SCMP_SYS(clock_gettime),
     SCMP_SYS(clock_nanosleep), SCMP_SYS(close), SCMP_SYS(epoll_create1),
@@ -71,7 +70,7 @@ static const int allowed[] = {
     SCMP_SYS(write), SCMP_SYS(writev),
 };
 
-/* What libraries try, and do without. */
+/* Calls that libraries try, and can do without. */
 static const struct {
     int call, with;
 } probed[] = {
@@ -85,7 +84,7 @@ static const struct {
     { SCMP_SYS(statx), ENOSYS },
 };
 
-/* Denied one by one where everything else must be allowed. */
+/* Denied by the loose filter, which allows all other calls. */
 static const int denied[] = {
     SCMP_SYS(accept), SCMP_SYS(accept4), SCMP_SYS(bind), SCMP_SYS(bpf),
     SCMP_SYS(connect), SCMP_SYS(creat), SCMP_SYS(execve), SCMP_SYS(execveat),
@@ -136,14 +135,14 @@ static const struct rule {
     { SCMP_SYS(fcntl), 0, EQUAL(1, F_GETFD) },
     { SCMP_SYS(fcntl), 0, EQUAL(1, F_SETFD) },
     { SCMP_SYS(prctl), 0, EQUAL(0, PR_SET_NAME) },
-    /* names of mappings, and what later libraries may try */
+    /* names of mappings, and calls that later libraries may try */
     { SCMP_SYS(prctl), EPERM, OTHER(0, PR_SET_NAME) },
     /* asking is fine, setting is not */
     { SCMP_SYS(prlimit64), 0, EQUAL(2, 0) },
     { SCMP_SYS(prlimit64), EPERM, OTHER(2, 0) },
 };
 
-/* What even a loose filter denies. */
+/* Arguments that even a loose filter denies. */
 static const struct rule loose_rules[] = {
     { SCMP_SYS(open), EACCES, MASKED(1, O_CREAT, O_CREAT) },
     { SCMP_SYS(open), EACCES, MASKED(1, O_ACCMODE, O_WRONLY) },
@@ -236,7 +235,7 @@ put_on(uint32_t otherwise, int (*fill)(scmp_filter_ctx f))
     int rc = f ? 0 : -ENOMEM;
 
     if (rc == 0)
-        rc = seccomp_attr_set(f, SCMP_FLTATR_CTL_NNP, 0); /* it is set */
+        rc = seccomp_attr_set(f, SCMP_FLTATR_CTL_NNP, 0); /* set before */
     if (rc == 0)
         rc = seccomp_attr_set(f, SCMP_FLTATR_CTL_TSYNC, 1);
     if (rc == 0)
@@ -285,8 +284,8 @@ landlock_files(int version)
     return bits;
 }
 
-/* Files below the folder may be read, by name: it cannot be listed.  0 or a
- * negative errno. */
+/* Let files below the folder be read by name; the folder cannot be listed.  0
+ * or a negative errno. */
 static int
 confine_files(const char *files_dir)
 {
@@ -329,7 +328,7 @@ sandbox_lacks(bool *refuse)
     return landlock ? NULL : "Landlock";
 }
 
-/* Nothing was inherited that is not meant to be. */
+/* Close descriptors that were inherited by mistake. */
 static void
 close_others(void)
 {
@@ -371,6 +370,6 @@ int
 sandbox_seal(bool required, struct rad_error *err)
 {
     if (LOOSE || !has_seccomp())
-        return 0; /* sandbox_begin() said what there is to say */
+        return 0; /* sandbox_begin() has logged it */
     return failed(put_on(SCMP_ACT_ALLOW, fill_seal), required, err);
 }

@@ -1,4 +1,5 @@
-/* team.c - a team's set-up and end, its lines' order, what is asked of it */
+/* team.c - a team's set-up and end, the order of its lines, calls from outside
+ */
 #include "config.h"
 
 #include "team/team_impl.h"
@@ -22,8 +23,8 @@ hand_on(struct team *t, int i)
     }
 }
 
-/* Line i is done.  If it was the one that all others waited to come after,
- * hand on what is complete, unless another member is at it. */
+/* Line i is done.  If it is the first line whose rows are not handed on, hand
+ * on all rows that are complete, unless another member is doing so. */
 void
 team_line_finish(struct team *t, int i, uint64_t primary)
 {
@@ -52,7 +53,8 @@ is_open_locked(const struct team *t)
            !is_stopped(t);
 }
 
-/* What of the line is not the member's to trace. */
+/* Take blocks of the line from the member: those that are lent, and with LOAN
+ * all outside of the loan. */
 static void
 begin_blocks_locked(struct team *t, int i)
 {
@@ -119,9 +121,9 @@ team_shrink(struct team *t, int least)
 
     uv_mutex_lock(&t->mu);
     last = atomic_load_explicit(&t->last, memory_order_relaxed);
-    keep = last - (last - t->begun + 1) / 2; /* it is at another, too */
+    keep = last - (last - t->begun + 1) / 2; /* it has begun lines, too */
     if (keep == t->begun && t->spec.mode != TEAM_TRUTH)
-        keep++; /* that one was not painted as the bottom */
+        keep++; /* that line was not painted as the bottom */
     if (keep < least)
         keep = least;
     if (keep < last) {
@@ -205,8 +207,8 @@ team_primary(const struct team *t)
     return t->primary;
 }
 
-/* They are written before they are read, and to clear them takes as long as a
- * pass over facts; but what borrows columns looks beyond them, too. */
+/* Pixels are written before they are read, and to clear them takes as long as a
+ * pass over facts; but a pass of LOAN reads beyond its columns, too. */
 static struct rad_pixel *
 make_pixels(const struct team *t, size_t n)
 {
@@ -294,7 +296,7 @@ team_new(const struct team_spec *spec)
     t->lent = spec->lent;
     t->begun = t->finished = spec->first;
     t->ndensity = rad_quincunx_ndensity(&spec->sampler);
-    /* each member's line, one above the first and one to begin meanwhile */
+    /* each member's line, the line above the first, and a line to begin */
     t->nlines = 2 * spec->nthreads + 2;
     t->nslots = t->nlines * spec->sampler.ystep + 1;
     if (!make_buffers(t)) {

@@ -1,5 +1,4 @@
-/* team_blocks.c - the rows of a line, and the blocks of columns that it is cut
- * into */
+/* team_blocks.c - the rows of a line, and its blocks of columns */
 #include "config.h"
 
 #include "team/team_impl.h"

@@ -1,9 +1,9 @@
 /* team_lend.c - columns of a team's last line that another team traces
  *
- * What is lent is a run of blocks that nobody has begun, the right ones, and by
- * what they cost a part of what is left: whoever borrows gets it by message,
- * with the colours and densities that decide what there is to trace.  Nothing
- * is lent twice, so that a line's work comes to an end. */
+ * A loan is a run of blocks that no thread has begun, the rightmost ones, with
+ * a part of the cost that is left.  The borrower gets it by message, with the
+ * colours and densities that decide which pixels are traced.  No block is lent
+ * twice, so that a line's work comes to an end. */
 #include "config.h"
 
 #include "team/team_member.h"
@@ -15,7 +15,7 @@
 /* A base line's row costs so much more than a bar's. */
 #define BASE_WEIGHT 1.5
 
-/* Columns that are lent at a time: what is said of them fits a message. */
+/* The most columns of a loan, which must fit a message. */
 #define MOST_LENT 24000
 
 /* The longest run of blocks. */
@@ -37,8 +37,8 @@ longest_run(uint64_t blocks)
            ~((UINT64_C(1) << (end - longest)) - 1);
 }
 
-/* Is line i's base line done?  Else it may be lent if it is known what there is
- * to trace, and the member asks before each gap. */
+/* Is line i's base line done?  If not, parts of it may be lent if the densities
+ * above are known, and the member claims each block before its gaps. */
 static bool
 base_is_done(struct team *t, int i)
 {
@@ -53,8 +53,8 @@ base_can_be_lent(const struct team *t, int i)
     return i == t->spec.first || t->spec.nthreads == 1;
 }
 
-/* Is anything known of columns [x, x + n) of rows [row, row + rows) of line i?
- * It would be traced again. */
+/* Are there facts in columns [x, x + n) of rows [row, row + rows) of line i?
+ * The borrower would trace these pixels again. */
 static bool
 knows(const struct team *t, int i, int x, int n, int row, int rows)
 {
@@ -69,7 +69,7 @@ knows(const struct team *t, int i, int x, int n, int row, int rows)
     return false;
 }
 
-/* What is looked at to lend of a line. */
+/* The line to lend of, and its member's view of it. */
 struct lending {
     struct team *t;
     int i, bars; /* the line, and its bar's rows */
@@ -78,7 +78,7 @@ struct lending {
     struct rad_pixel *rows[RAD_QUINCUNX_MAX_YSTEP + 1];
 };
 
-/* Would whoever has column x of the bar trace something there? */
+/* Is there a pixel to trace in column x of the bar? */
 static bool
 wants_column(const struct lending *l, int x)
 {
@@ -90,7 +90,7 @@ wants_column(const struct lending *l, int x)
     return !knows(l->t, l->i, x, 1, 0, l->bars);
 }
 
-/* What block b costs yet, of a line's 1; 0: it is not worth it. */
+/* The cost of block b that is left, the line's being 1; 0: not worth a loan. */
 static double
 block_cost(const struct lending *l, int b)
 {
@@ -108,8 +108,8 @@ block_cost(const struct lending *l, int b)
     return (n * l->bars + (l->base ? BASE_WEIGHT * (end - x) : 0)) / all;
 }
 
-/* Take blocks that nobody has; those are given back that do not follow each
- * other, for a member may have been quicker. */
+/* Claim blocks.  If a member was quicker at some, give back those that are not
+ * in one run. */
 static uint64_t
 take_blocks(struct line *l, enum part part, uint64_t blocks)
 {
@@ -120,8 +120,8 @@ take_blocks(struct line *l, enum part part, uint64_t blocks)
     return run;
 }
 
-/* Of those blocks, which follow each other, the right ones that cost so much,
- * n at most; none, if one is more than twice that. */
+/* The right end of a run of blocks, of the cost `most` and of n blocks at most;
+ * no block, if the rightmost costs more than twice `most`. */
 static uint64_t
 right_part(uint64_t run, const double cost[MOST_BLOCKS], double most, int n)
 {
@@ -139,7 +139,8 @@ right_part(uint64_t run, const double cost[MOST_BLOCKS], double most, int n)
     return got;
 }
 
-/* Blocks for another team: some, if they are a part of what is left. */
+/* Claim blocks for another team, by a part of the cost that is left; 0: none.
+ */
 static uint64_t
 lend_blocks(const struct lending *by, double part, struct team_loan *loan)
 {
@@ -219,7 +220,7 @@ start_lending(struct lending *by, struct team *t)
     return by->bars > 0 && (!by->base || base_can_be_lent(t, by->i));
 }
 
-/* Say what is lent. */
+/* Fill in the loan of these blocks. */
 static void
 describe_loan(const struct lending *by, uint64_t blocks, struct team_loan *loan)
 {

@@ -1,7 +1,7 @@
-/* team_line.c - what a member of a team does with one line
+/* team_line.c - a member's work at one line
  *
- * It samples the base line close behind the member on the line above, then
- * fills the bar between the two; see team_impl.h for what it waits for. */
+ * The member samples the base line close behind the member on the line above,
+ * then fills the bar between the two; team_impl.h has the waits. */
 #include "config.h"
 
 #include "team/team_member.h"
@@ -12,8 +12,8 @@
 /* The bottom is painted, and told of, in pieces of so many columns at least. */
 #define BOTTOM_COLUMNS 64
 
-/* Is the member's base line painted in this pass?  In one ahead of the truth,
- * only to be the top of the unit below. */
+/* Is the member's base line painted in this pass?  In LINES only the bottom is,
+ * which is the top of the unit below. */
 static bool
 is_painted(const struct member *m)
 {
@@ -49,7 +49,7 @@ is_bottom(const struct member *m)
            atomic_load_explicit(&m->team->last, memory_order_relaxed);
 }
 
-/* The unit below may wait for what this line has: do not keep it. */
+/* Publish the columns of the bottom up to `end`: the unit below may wait. */
 static void
 show_bottom(struct member *m, int end)
 {
@@ -62,7 +62,7 @@ show_bottom(struct member *m, int end)
 }
 
 /* Densities of the line above that the next step reads.  The last step of a
- * line takes over what lies beyond its own. */
+ * line copies all that lie beyond the line's own. */
 static size_t
 needed(const struct member *m, const struct rad_quincunx_line *s)
 {
@@ -82,11 +82,11 @@ wants_sweep(const struct member *m)
     return m->team->spec.end != TEAM_FROM_LEFT && facts_of(m);
 }
 
-/* While the line above has not come so far, trace gaps of line i that follow
- * the one that s is at: what their ends force, which more densities only add
- * to. With facts they keep it, else the line does.  They are taken from the
- * right, far from where the line above is: close by, both would make the same
- * ambient records (2 % more rays in a Cornell box). */
+/* While the densities of the line above are not there, trace gaps of line i to
+ * the right of s's: the pixels that the ends of a gap force, which densities
+ * can only add to.  They are kept as facts, or by the line.  Gaps are taken
+ * from the right, far from where the line above is: close by, both lines would
+ * make the same ambient records (2 % more rays in a Cornell box). */
 static void
 trace_early(struct member *m, const struct rad_quincunx_line *s, size_t need)
 {
@@ -105,7 +105,7 @@ trace_early(struct member *m, const struct rad_quincunx_line *s, size_t need)
     m->early = false;
 }
 
-/* Nothing is left of a line but what is lent. */
+/* Only lent blocks are left of the line. */
 static bool
 leave_blocked(struct member *m)
 {
@@ -117,8 +117,8 @@ leave_blocked(struct member *m)
     return false;
 }
 
-/* A part of the base line is lent: trace what is not, and the bar above it.  A
- * block's first columns belong to a gap that begins in the one before. */
+/* Blocks of the base line are lent: trace the others, and the bar above them. A
+ * block's first columns belong to a gap that begins in the block before. */
 static bool
 leave_line(struct member *m)
 {
@@ -207,8 +207,8 @@ fill_blocks(struct member *m, struct rad_pixel *const rows[])
     return true;
 }
 
-/* Paint a bar that is full.  One whose rows are out has been: it is filled
- * again to count its pixels, and nobody reads what it looks like. */
+/* Paint a bar that is full; not if its rows are out, for then it was painted
+ * before, and is filled again to count its pixels alone. */
 static void
 paint_bar(struct member *m, struct rad_pixel *const rows[])
 {
@@ -242,9 +242,8 @@ fill_bar(struct member *m)
     return true;
 }
 
-/* Blocks of the bar that lie below those of the base line that were traced
- * here: a block's first columns belong to a gap that begins in the one before.
- */
+/* Blocks of the bar whose base line was traced here: a block's first columns
+ * belong to a gap that begins in the block before. */
 static uint64_t
 bars_of(const struct member *m, const struct team_loan *loan)
 {
@@ -299,7 +298,7 @@ cpu_ns(void)
     return (uint64_t)t.tv_sec * 1000000000 + (uint64_t)t.tv_nsec;
 }
 
-/* The member leaves its line: note what that cost since the last one. */
+/* The member leaves its line: add the time since it left the last. */
 static void
 count_line(const struct member *m, uint64_t *since)
 {

@@ -1,20 +1,19 @@
-/* team_member.c - how a member of a team traces, waits and tells
- *
- * What it does with a line is team_line.c's and team_sweep.c's. */
+/* team_member.c - how a member of a team traces pixels, waits for the line
+ * above and wakes the member below */
 #include "config.h"
 
 #include "team/team_member.h"
 
 #include <string.h>
 
-/* Looks at a number that is about to change before a thread goes to sleep. */
+/* How often a thread looks for the densities before it goes to sleep. */
 #define SPINS 200
 
 /* A member adds its rays to the team's when so many are new: some ms of work,
  * so that members do not wait for each other's cache line. */
 #define RAYS_UNTOLD 4096
 
-/* It counts them when it has traced so many pixels. */
+/* A member counts its pixels after so many. */
 #define PIXELS_UNSEEN 16
 
 /* Columns of a bar between two looks at whether the team is stopped. */
@@ -45,13 +44,13 @@ trace_truth(struct member *m, struct rad_facts *f, int x, int y,
     if (!trace_new(m, x, y, out))
         return;
     m->primary++;
-    /* another worker may have been first just now; then that one is used */
+    /* if another worker's fact has just come, that is used */
     if (!rad_facts_put(f, column, row, out, RAD_FACT_USED))
         rad_facts_use(f, column, row, out);
 }
 
-/* A pixel that may be wanted one day.  Where another worker was first just now
- * that one counts, as it will for the truth. */
+/* Trace a pixel that the truth may want.  If another worker's fact has just
+ * come, that counts, as it will for the truth. */
 static void
 trace_ahead(struct member *m, struct rad_facts *f, int x, int y,
             struct rad_pixel *out)
@@ -63,7 +62,7 @@ trace_ahead(struct member *m, struct rad_facts *f, int x, int y,
         rad_facts_get(f, column, row, out);
 }
 
-/* A pixel that was traced while the member waited; false: it was not. */
+/* A pixel that the member traced before it slept; false: it did not. */
 static bool
 recall(const struct member *m, int x, int y, struct rad_pixel *out)
 {
@@ -177,9 +176,8 @@ member_wait(const struct member *m, size_t need)
            wait_for(t, line_at(t, m->i - 1), need);
 }
 
-/* Is that pixel of base line i, as it is here, a traced one?  There may be
- * facts that this pass did not want: of an estimate, or of another's better
- * guess. */
+/* Was this pixel of base line i traced for this pass?  A fact alone does not
+ * say so: it may be of an estimate, or of a better guess of another worker. */
 static bool
 was_traced(const struct team *t, int i, int x, const struct rad_pixel *here)
 {
@@ -191,9 +189,10 @@ was_traced(const struct team *t, int i, int x, const struct rad_pixel *here)
            memcmp(&p, here, sizeof p) == 0;
 }
 
-/* What is traced between two pixels that were traced themselves the truth wants
- * too: it has the same colours there, and no less density.  Where the sampler
- * found nothing in a gap it may have been for lack of densities. */
+/* Does the truth want all pixels that this column of the bar traces?  Yes,
+ * between two pixels that were traced themselves: the truth has the same
+ * colours there, and no less density.  In a gap where the sampler traced none
+ * that may be for lack of densities. */
 bool
 member_bar_is_certain(const struct team *t, int i,
                       struct rad_pixel *const rows[], int x)
@@ -242,7 +241,7 @@ member_fill(struct member *m, struct rad_pixel *const rows[],
     return true;
 }
 
-/* The rows of line i, and of the base line above, as the bar wants them. */
+/* The rows of line i, and of the base line above, for the bar. */
 void
 member_bar_rows(const struct member *m, struct rad_pixel *rows[])
 {

@@ -1,9 +1,9 @@
 /* team_sweep.c - blocks of columns of a line, and tracing a line ahead by them
  *
- * Who has a block traces all that begins in it.  Blocks are taken from the end
- * that the team's spec says; where another worker's facts are met, in the
- * middle of the widest gap left, so that workers at the same line meet late and
- * seldom. */
+ * The thread that claims a block traces all gaps that begin in it.  Blocks are
+ * taken from the end that the team's spec names; where another worker's facts
+ * are met, from the middle of the widest gap left, so that workers at the same
+ * line meet late and seldom. */
 #include "config.h"
 
 #include "team/team_member.h"
@@ -132,7 +132,7 @@ sweep_line(struct member *m)
     return !is_stopped(t);
 }
 
-/* Trace those blocks ahead of the bar whose rows those are; false: stopped. */
+/* Trace these blocks of the bar with these rows ahead; false: stopped. */
 bool
 sweep_bar(struct member *m, struct rad_pixel *const rows[], uint64_t blocks)
 {
