@@ -11,11 +11,9 @@
  * Bottoms come before rows, since other units may wait for them: a pass that
  * makes rows ends early for a bottom, and goes on afterwards.  So a unit of
  * several lines whose top is true before all bars are traced has LINES made
- * (again) for its bottom; not if the bottom was guessed from just these
- * densities.
- * TRUTH alone does for a unit of one line, or with no unit below, whose top is
- * true from the start.  Where the truth has time (MSG_UNIT_BARS) LINES makes
- * the bars, too.
+ * (again) for its bottom, unless this was guessed from just these densities.
+ * If the top is true from the start TRUTH alone does for a unit of one line, or
+ * with no unit below.  With MSG_UNIT_BARS LINES makes the bars, too.
  *
  * Columns of a unit's last line may be lent to another worker while no thread
  * has begun them (LEND, LOAN).  LINES and AHEAD leave them out; TRUTH ends
@@ -92,8 +90,7 @@ enum strict_rank {
 };
 
 /* Work for one team.  After any call above the caller does for each pass under
- * way what the fields below ask for: by strict_look(), or itself if it has no
- * team (tests). */
+ * way what the fields below ask for, by strict_look(). */
 struct strict_pass {
     uint32_t unit, attempt, frame;
     int first, last; /* lines [first, last) of the frame; see strict_shrunk() */
