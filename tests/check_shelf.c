@@ -182,6 +182,23 @@ START_TEST(a_long_line_is_handed_on_in_pieces_that_fit_a_message)
 }
 END_TEST
 
+/* With -ps 1 a base line leaves no densities. */
+START_TEST(a_line_may_have_columns_alone)
+{
+    static const struct shelf_size bare = { WIDTH, 0, CHANNELS };
+    struct msg_base_line m = piece(0, WIDTH, 0, 0);
+    uint32_t x = 0, first = 0;
+
+    m.density = NULL;
+    ck_assert(shelf_fits(&bare, &m));
+    ck_assert_int_eq(shelf_put(&shelf, &m), 0);
+    ck_assert(shelf_is_whole(&shelf, &bare));
+    ck_assert(shelf_piece(&shelf, &x, &first, &m));
+    ck_assert(m.n == WIDTH && m.ndensity == 0 && m.density);
+    ck_assert(!shelf_piece(&shelf, &x, &first, &m));
+}
+END_TEST
+
 /* Whoever gets the line while it comes gets each part once. */
 START_TEST(what_came_since_is_handed_on)
 {
@@ -217,6 +234,7 @@ main(void)
     tcase_add_test(tc, pixels_of_other_kinds_do_not_mix);
     tcase_add_loop_test(tc, what_lies_outside_does_not_fit, 0, N_ELEM(places));
     tcase_add_test(tc, a_long_line_is_handed_on_in_pieces_that_fit_a_message);
+    tcase_add_test(tc, a_line_may_have_columns_alone);
     tcase_add_test(tc, what_came_since_is_handed_on);
     suite_add_tcase(s, tc);
     return unit_run(s);

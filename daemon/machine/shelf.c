@@ -68,6 +68,7 @@ bool
 shelf_piece(const struct shelf *s, uint32_t *x, uint32_t *first,
             struct msg_base_line *m)
 {
+    static const uint8_t none[1];
     uint32_t left = s->nx - *x, n = left < MOST_COLUMNS ? left : MOST_COLUMNS;
 
     if (n == 0 && *first == s->nd)
@@ -77,8 +78,9 @@ shelf_piece(const struct shelf *s, uint32_t *x, uint32_t *first,
     m->first = *first;
     m->ndensity = s->nd - *first;
     m->channels = s->channels;
-    m->density = s->density + *first;
-    m->pixels = s->pixels + (size_t)*x * s->channels * sizeof(float);
+    m->density = m->ndensity > 0 ? s->density + *first : none;
+    m->pixels =
+        n > 0 ? s->pixels + (size_t)*x * s->channels * sizeof(float) : none;
     *x += n;
     *first = s->nd;
     return true;

@@ -5,8 +5,8 @@
  * next sender when the first is gone; so a shelf holds the beginning of a line,
  * pieces that it has may come again, and a piece that would leave a gap is
  * dropped.
- * Growth: with what came, up to the line's size, which the caller checks first
- * (shelf_fits).
+ * Growth: with what came, up to twice the line's size, within which the caller
+ * sees to it that a piece lies (shelf_fits).
  * Thread: one. */
 #ifndef DAEMON_SHELF_H
 #define DAEMON_SHELF_H
