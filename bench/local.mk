@@ -12,6 +12,12 @@ CLEANFILES += bench/ambient$(EXEEXT)
 bench_ambient_SOURCES = bench/ambient.c bench/tool.h
 bench_ambient_LDADD = $(LIBCLIENT) $(LIBRAD)
 
+EXTRA_PROGRAMS += bench/passes
+CLEANFILES += bench/passes$(EXEEXT)
+
+bench_passes_SOURCES = bench/passes.c bench/tool.h
+bench_passes_LDADD = $(LIBCLIENT) $(LIBRAD)
+
 BENCH_SCENE =
 BENCH_VIEW =
 

@@ -85,6 +85,7 @@ UNIT_TESTS = \
 	tests/check_ring \
 	tests/check_sample \
 	tests/check_sandbox \
+	tests/check_passes \
 	tests/check_seed \
 	tests/check_seeds \
 	tests/check_shade \
@@ -658,6 +659,10 @@ tests_check_fair_LDADD = $(LIBDAEMON) $(UNIT_LIBS)
 tests_check_quota_SOURCES = tests/check_quota.c tests/coord_fixture.h tests/unit.h
 tests_check_quota_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS) $(JANSSON_CFLAGS)
 tests_check_quota_LDADD = $(LIBDAEMON) $(UNIT_LIBS)
+
+tests_check_passes_SOURCES = tests/check_passes.c tests/unit.h tests/world.h
+tests_check_passes_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
+tests_check_passes_LDADD = $(LIBDAEMON) $(UNIT_LIBS)
 
 tests_check_seed_SOURCES = tests/check_seed.c tests/unit.h tests/world.h
 tests_check_seed_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)

@@ -10,6 +10,8 @@ librad_a_SOURCES += \
 	src/picture/frame.h \
 	src/picture/paint.c \
 	src/picture/paint.h \
+	src/picture/passes.c \
+	src/picture/passes.h \
 	src/picture/quincunx.c \
 	src/picture/quincunx.h \
 	src/picture/seed.c \

@@ -17,6 +17,7 @@
 #include "scene/scene.h"
 
 struct rad_ambient;
+struct rad_ambtile;
 struct rad_calc;
 struct rad_calc_env;
 struct rad_material;
@@ -128,6 +129,9 @@ struct rad_ctx {
     _Atomic uint64_t at;
     struct rad_aim aim;
     struct rad_calc_env *calc; /* NULL: no functions */
+    struct rad_ambtile *tile;  /* ambient records that it makes; NULL: they go
+                                * into the job's cache (light/indirect) */
+    bool no_direct; /* only indirect light is wanted of what a pixel shows */
     int32_t
         *last_blocker; /* by source or image of one: object that blocked
                         * last, or     RAD_VOID; only ever speeds a test up */

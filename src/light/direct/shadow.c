@@ -645,7 +645,7 @@ rad_direct(struct rad_ctx *ctx, struct rad_ray *r, rad_brdf_fn *brdf,
     /* a tilted normal may see what the surface itself does not */
     bool skip = !through && !rad_ray_perturbed(r), drawn;
 
-    if (s->nlit == 0)
+    if (s->nlit == 0 || ctx->no_direct)
         return;
     begin(&d, ctx, r, brdf, data);
     mark = rad_arena_mark(&ctx->scratch);
@@ -691,7 +691,7 @@ rad_direct_from(struct rad_ctx *ctx, struct rad_ray *r, int32_t source,
     struct rad_arena_mark mark;
     struct direct d;
 
-    if (rad_source_root(s, source)->flags & RAD_LIGHT_SKIP)
+    if (rad_source_root(s, source)->flags & RAD_LIGHT_SKIP || ctx->no_direct)
         return;
     begin(&d, ctx, r, brdf, data);
     mark = rad_arena_mark(&ctx->scratch);

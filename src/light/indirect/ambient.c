@@ -26,6 +26,7 @@
 #include "light/indirect/ambient.h"
 #include "light/indirect/ambcache.h"
 #include "light/indirect/ambshape.h"
+#include "light/indirect/ambtile.h"
 #include "light/indirect/gradient.h"
 #include "light/indirect/hemisphere.h"
 #include "base/vec.h"
@@ -44,6 +45,14 @@
 
 /* Zones of the smaller cells suffice if their weights sum to this. */
 #define ENOUGH_WEIGHT .05
+
+/* Where the cache is frozen, so much farther than -aa deep records are asked
+ * for: by tiles of passes that are not for them.  Those would be made by each
+ * tile that lacks them. */
+#define DEEP_REACH 1.25
+
+/* The least weight of records beyond -aa that serve. */
+#define LEAST_FAR_WEIGHT 1e-3
 
 /* -aw: luminances are averaged by logarithm, in units of 2^-20, for sums of
  * integers do not depend on their order. */
@@ -71,6 +80,7 @@ struct rad_ambient {
     struct rad_ambcache *cache; /* [fixed] */
     double org[3];              /* [fixed] the cube's corner */
     struct rad_ambscale scale;  /* [fixed] */
+    bool frozen;                /* [fixed] once there are records */
     /* [fixed] for rays that hemispheres alone have made lighter */
     struct terms usual[USUAL_LEVELS];
     _Atomic int64_t log_sum; /* [atomic] relaxed: an average may lag */
@@ -125,6 +135,20 @@ rad_ambient_free(struct rad_ambient *amb)
         return;
     rad_ambcache_free(amb->cache);
     free(amb);
+}
+
+void
+rad_ambient_freeze(struct rad_ambient *amb)
+{
+    amb->frozen = true;
+    amb->scale.deep = DEEP_REACH * amb->scale.ambacc;
+}
+
+void
+rad_ambient_cube(const struct rad_ambient *amb, double org[3], double *side)
+{
+    rad_copy(org, amb->org);
+    *side = amb->scale.side;
 }
 
 /* --- records --- */
@@ -205,6 +229,24 @@ insert(struct rad_ambient *amb, const struct rad_ambrec *rec, bool local)
         return false;
     count_light(amb, rec);
     return true;
+}
+
+/* Keep a record that was made here: in the cache, or with the tile. */
+static bool
+keep(struct rad_ambient *amb, struct rad_ambtile *tile,
+     const struct rad_ambrec *rec)
+{
+    struct rad_ambzone zone;
+
+    if (!amb->frozen)
+        return insert(amb, rec, true);
+    if (!tile || !is_plausible(amb, rec))
+        return false;
+    zone = zone_of(amb, rec);
+    if (rad_ambcache_insert(tile->own, rec, &zone, true))
+        return true;
+    tile->failed = true;
+    return false;
 }
 
 bool
@@ -341,6 +383,7 @@ struct search {
     double weight2, lum2;
     struct rad_geom_counts *counts;
     uint64_t *rays;
+    const struct rad_ambtile *tile; /* whose records serve, too; or NULL */
 };
 
 static inline void
@@ -435,6 +478,18 @@ search_all(struct search *s)
         s->pn[k] = (float)at->pn[k];
     }
     rad_ambcache_visit(amb->cache, &q, add_records, want_more, s);
+    if (s->tile)
+        rad_ambcache_visit(s->tile->own, &q, add_records, want_more, s);
+}
+
+/* Does what was found do, so that no record is made?  Of a frozen cache that is
+ * not asked so much: the pass for these records has been. */
+static bool
+serves(const struct search *s)
+{
+    bool own = !s->amb->frozen || (s->tile && s->tile->level == s->at->level);
+
+    return s->serves > 0 || (!own && s->weight > LEAST_FAR_WEIGHT);
 }
 
 static struct rad_rgb
@@ -534,7 +589,7 @@ make_record(struct rad_ctx *ctx, const struct rad_ray *r,
             rec.n[k] = (float)at->n[k];
         rec.E = h.E;
         rad_ambrec_shape(&amb->scale, &h, &rec);
-        if (insert(amb, &rec, true))
+        if (keep(amb, ctx->tile, &rec))
             ctx->counts.ambient_values++;
         rad_ambitem_set(&item, &rec);
         extrapolate(&item, 0, 0, pn, &factor);
@@ -595,13 +650,17 @@ rad_ambient_serves(struct rad_ctx *ctx, const struct rad_ray *r)
     struct rad_ambplace at = { .err = r->hit.err,
                                .level = bounces(r),
                                .weight = (double)r->weight };
-    struct rad_rgb E;
+    struct search s = { .amb = ctx->job->ambient,
+                        .at = &at,
+                        .counts = &ctx->counts.geom,
+                        .rays = &ctx->counts.rays,
+                        .tile = ctx->tile };
 
     rad_copy(at.p, r->hit.p);
     rad_scale(at.n, r->cos_o < 0 ? -1 : 1, r->n);
     rad_copy(at.pn, at.n);
-    return rad_ambient_find(ctx->job->ambient, &at, &E, &ctx->counts.geom,
-                            &ctx->counts.rays) > 0;
+    search_all(&s);
+    return serves(&s);
 }
 
 /* -av, or its mean with the records so far (-aw), times what a surface leaves
@@ -638,12 +697,13 @@ irradiance(struct rad_ctx *ctx, const struct rad_ray *r,
     struct search s = { .amb = ctx->job->ambient,
                         .at = at,
                         .counts = &ctx->counts.geom,
-                        .rays = &ctx->counts.rays };
+                        .rays = &ctx->counts.rays,
+                        .tile = ctx->tile };
 
     if (!s.amb)
         return sample_here(ctx, r, at, behind, coef, E);
     search_all(&s);
-    if (!(s.serves > 0))
+    if (!serves(&s))
         return make_record(ctx, r, at, behind, E);
     *E = found(&s);
     *var = variance(&s);

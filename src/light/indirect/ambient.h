@@ -39,6 +39,16 @@ struct rad_ambient *rad_ambient_new(const struct rad_job *job,
                                     struct rad_error *err);
 void rad_ambient_free(struct rad_ambient *amb);
 
+/* From now on the cache changes by rad_ambient_insert() and
+ * rad_ambient_insert_all() alone, with no thread rendering: what a place lacks
+ * is made for the tile that asks (ambtile.h), or for that place alone.  To be
+ * called before the first record. */
+void rad_ambient_freeze(struct rad_ambient *amb);
+
+/* The cube that its records are in. */
+void rad_ambient_cube(const struct rad_ambient *amb, double org[3],
+                      double *side);
+
 /* Insert a record that came from another worker.  False: refused (not finite,
  * not plausible in this scene, or memory is out), which costs time, not
  * correctness. */

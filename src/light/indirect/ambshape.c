@@ -49,7 +49,7 @@ rad_ambscale_set(struct rad_ambscale *s, double side,
         s->most = rad_least(s->most, 64 * s->least);
     if (s->most <= s->least)
         s->most = 64 * s->least;
-    s->ambacc = aa;
+    s->ambacc = s->deep = aa;
     s->shown = rad_most(aa, rad_least(OVERLAP * aa, FARTHEST_OVERLAP));
 }
 

@@ -19,6 +19,7 @@ struct rad_ambscale {
     double least, most; /* radii: what -ar allows */
     double ambacc;      /* -aa */
     double shown;       /* rad_ambscale_reach() of what pixels show */
+    double deep;        /* and of all else */
 };
 
 /* side: of the cube about all objects; 0: there is none. */
@@ -29,7 +30,7 @@ void rad_ambscale_set(struct rad_ambscale *scale, double side,
 static inline double
 rad_ambscale_reach(const struct rad_ambscale *scale, int level)
 {
-    return level > 0 ? scale->ambacc : scale->shown;
+    return level > 0 ? scale->deep : scale->shown;
 }
 
 /* What is spent on a record, as a part of what a bright pixel gets: less for a

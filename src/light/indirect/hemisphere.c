@@ -256,9 +256,9 @@ set_coef(struct sampler *s)
                              : rad_rgb_scale(s->plan->coef, 1.f / (float)n2);
 }
 
-bool
-rad_hemi_sample(struct rad_ctx *ctx, const struct rad_ray *r,
-                const struct rad_hemi_plan *plan, struct rad_hemi *h)
+static bool
+sample(struct rad_ctx *ctx, const struct rad_ray *r,
+       const struct rad_hemi_plan *plan, struct rad_hemi *h)
 {
     const struct rad_params *par = &ctx->job->params;
     struct sampler s = { .ctx = ctx, .r = r, .plan = plan, .h = h };
@@ -288,4 +288,16 @@ rad_hemi_sample(struct rad_ctx *ctx, const struct rad_ray *r,
         sum = rad_rgb_add(sum, h->cell[k].L);
     h->E = rad_rgb_scale(sum, (float)(M_PI / n2));
     return true;
+}
+
+bool
+rad_hemi_sample(struct rad_ctx *ctx, const struct rad_ray *r,
+                const struct rad_hemi_plan *plan, struct rad_hemi *h)
+{
+    bool no_direct = ctx->no_direct, ok;
+
+    ctx->no_direct = false;
+    ok = sample(ctx, r, plan, h);
+    ctx->no_direct = no_direct;
+    return ok;
 }

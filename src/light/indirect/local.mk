@@ -9,6 +9,8 @@ librad_a_SOURCES += \
 	src/light/indirect/ambpool.h \
 	src/light/indirect/ambshape.c \
 	src/light/indirect/ambshape.h \
+	src/light/indirect/ambtile.c \
+	src/light/indirect/ambtile.h \
 	src/light/indirect/ambtree.h \
 	src/light/indirect/gradient.c \
 	src/light/indirect/gradient.h \

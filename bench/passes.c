@@ -1,0 +1,215 @@
+/* passes.c - what it costs to fill the ambient cache in passes
+ *
+ *      passes [rendering options] scene.rad... view.vf
+ *
+ * The picture is rendered twice by one thread: with a cache to which each new
+ * record is added at once, and with one that is filled in passes beforehand.
+ * Of each pass stand there its tiles, its records, those of them that another
+ * tile of the pass, or the cache, would have served already, the rays of
+ * hemispheres, and seconds of a processor. */
+#include "config.h"
+
+#define TOOL "passes"
+#include "tool.h"
+
+#include "base/files.h"
+#include "compile/compile.h"
+#include "light/indirect/ambient.h"
+#include "picture/passes.h"
+#include "scene/file/parse.h"
+
+#include <inttypes.h>
+#include <stdatomic.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+struct bench {
+    struct compiled compiled;
+    struct rad_files files;
+    struct rad_params params;
+    struct rad_view view;
+    struct rad_job *job;
+    struct rad_frame frame;
+    struct rad_ctx ctx;
+};
+
+static void
+load(struct bench *b, char **file, int n)
+{
+    struct rad_error err = { 0 };
+    unsigned char *text;
+    size_t len;
+
+    if (n < 2)
+        die_of("usage: passes [rendering options] scene.rad... view.vf");
+    if (compile_read(&b->compiled, (const char *const *)file, n - 1, false,
+                     NULL, NULL, &err) < 0)
+        die(&err);
+    b->files = compile_files(&b->compiled);
+    text = rad_file_read(file[n - 1], SIZE_MAX / 2, &len, &err);
+    if (!text || rad_view_read(&b->view, (char *)text, len, &err) < 0)
+        die(&err);
+    free(text);
+}
+
+static void
+open_job(struct bench *b)
+{
+    struct rad_error err = { 0 };
+
+    b->job = rad_job_new(b->compiled.scene, &b->params, &b->files, &err);
+    if (!b->job)
+        die(&err);
+    if (!b->job->ambient)
+        die_of("the options have no ambient cache");
+    if (rad_frame_init(&b->frame, b->job, &b->view, 0, false, &err) < 0 ||
+        rad_ctx_init(&b->ctx, b->job, &err) < 0)
+        die(&err);
+}
+
+static void
+close_job(struct bench *b)
+{
+    rad_ctx_release(&b->ctx);
+    rad_frame_release(&b->frame);
+    rad_job_free(b->job);
+}
+
+/* All of the picture; returns the seconds that it took. */
+static double
+render(struct bench *b)
+{
+    struct rad_window all = { 0, 0, b->frame.width, b->frame.height };
+    struct rad_pixel **rows = calloc((size_t)all.height, sizeof *rows);
+    double start = now();
+
+    for (int y = 0; rows && y < all.height; y++)
+        rows[y] = malloc((size_t)all.width * sizeof **rows);
+    if (!rows || rad_frame_window(&b->frame, &b->ctx, &all, rows, NULL, NULL))
+        die_of("the picture cannot be rendered");
+    for (int y = 0; y < all.height; y++)
+        free(rows[y]);
+    free(rows);
+    return now() - start;
+}
+
+/* The records of a pass. */
+struct records {
+    struct rad_ambrec *v;
+    size_t n, room;
+};
+
+static void
+keep(void *arg, const struct rad_ambrec *rec, size_t n)
+{
+    struct records *r = arg;
+
+    if (r->n + n > r->room) {
+        r->room = 2 * (r->n + n);
+        r->v = realloc(r->v, r->room * sizeof *r->v);
+        if (!r->v)
+            die_of("out of memory");
+    }
+    memcpy(r->v + r->n, rec, n * sizeof *rec);
+    r->n += n;
+}
+
+/* Add them to the cache; returns how many of them it did not need. */
+static size_t
+add(struct bench *b, struct records *r)
+{
+    size_t needless = 0;
+
+    for (size_t i = 0; i < r->n; i++) {
+        needless += rad_ambient_covers(b->job->ambient, &r->v[i]);
+        rad_ambient_insert(b->job->ambient, &r->v[i]);
+    }
+    r->n = 0;
+    return needless;
+}
+
+static void
+do_pass(struct bench *b, struct rad_passes *p, const struct rad_pass *pass)
+{
+    static const _Atomic bool never;
+    struct records r = { 0 };
+    uint64_t rays = b->ctx.counts.ambient_rays;
+    double start = now(), took;
+    size_t made;
+
+    if (rad_passes_begin(p, &b->ctx, pass, NULL) < 0)
+        die_of("out of memory");
+    for (uint32_t i = 0; i < pass->tiles; i++)
+        if (!rad_passes_make(p, &b->ctx, i, &never, keep, &r))
+            die_of("out of memory");
+    took = now() - start;
+    made = r.n;
+    printf("level %d, ", pass->level);
+    if (pass->level > 0)
+        printf("%5" PRIu32 " paths ", pass->end - pass->first);
+    else
+        printf("lattice of %2d ", pass->step);
+    printf("%6" PRIu32 " tiles %7zu records %6zu needless %9" PRIu64
+           " rays %7.3f s\n",
+           pass->tiles, made, add(b, &r), b->ctx.counts.ambient_rays - rays,
+           took);
+    free(r.v);
+}
+
+static double
+fill(struct bench *b)
+{
+    struct rad_pass pass[RAD_MOST_PASSES];
+    struct rad_pass_size size = { b->frame.width, b->frame.height };
+    uint32_t n = rad_passes_plan(&b->params, &size, 1, pass);
+    struct rad_passes *p = rad_passes_new(&b->frame, 1, NULL);
+    double start = now();
+
+    if (!p)
+        die_of("out of memory");
+    for (uint32_t i = 0; i < n; i++)
+        do_pass(b, p, &pass[i]);
+    rad_passes_free(p);
+    return now() - start;
+}
+
+static void
+tell(const struct bench *b, const char *what, double filled, double rendered)
+{
+    printf("%-7s %zu records, %" PRIu64 " rays of hemispheres, %" PRIu64
+           " rays; %.3f + %.3f = %.3f s\n",
+           what, rad_ambient_count(b->job->ambient),
+           b->ctx.counts.ambient_rays, b->ctx.counts.rays, filled, rendered,
+           filled + rendered);
+}
+
+int
+main(int argc, char **argv)
+{
+    struct bench b = { 0 };
+    struct rad_error err = { 0 };
+    double filled;
+    int at = 1, n;
+
+    rad_params_init(&b.params);
+    rad_view_init(&b.view);
+    for (; at < argc && argv[at][0] == '-'; at += n) {
+        n = rad_params_option(&b.params, argc - at, argv + at, &err);
+        if (n < 0)
+            die(&err);
+        if (n == 0)
+            load(&b, NULL, 0);
+    }
+    load(&b, argv + at, argc - at);
+    open_job(&b);
+    tell(&b, "live", 0, render(&b));
+    close_job(&b);
+    open_job(&b);
+    rad_ambient_freeze(b.job->ambient);
+    filled = fill(&b);
+    tell(&b, "passes", filled, render(&b));
+    close_job(&b);
+    compile_release(&b.compiled);
+    return 0;
+}

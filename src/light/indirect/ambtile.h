@@ -1,0 +1,34 @@
+/* ambtile.h - the ambient records of one tile of a pass
+ *
+ * With --ambient=passes the cache is frozen while a pass is made (picture/
+ * passes.h).  What a tile lacks of it is made for that tile alone: it sees the
+ * frozen cache and its own records, nothing else, so its records are a function
+ * of the job, whoever makes it and how often.
+ * Growth: as the tile's records; all is free again when the next tile begins.
+ * Thread: one context's. */
+#ifndef RAD_LIGHT_AMBTILE_H
+#define RAD_LIGHT_AMBTILE_H
+
+#include "light/indirect/ambcache.h"
+
+struct rad_ambtile {
+    struct rad_ambcache *own;
+    bool failed; /* memory was out: records are missing */
+    int level; /* of the records that the pass is for; others serve a little
+                * farther than -aa */
+};
+
+/* Begin a tile, and have ctx make its records; *tile must live until
+ * rad_ambtile_end().  False: memory is out. */
+bool rad_ambtile_begin(struct rad_ambtile *tile, struct rad_ctx *ctx,
+                       int level);
+
+/* The records that were made since, in their order, from *cursor on, 0 at
+ * first; 0 at the end. */
+size_t rad_ambtile_list(const struct rad_ambtile *tile, uint64_t *cursor,
+                        struct rad_ambrec *out, size_t max);
+
+/* The tile is over, and its records are gone. */
+void rad_ambtile_end(struct rad_ambtile *tile, struct rad_ctx *ctx);
+
+#endif

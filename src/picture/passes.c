@@ -1,0 +1,460 @@
+/* passes.c - see passes.h
+ *
+ * Deep records.  A path leaves a pixel and bounces about, by intersection
+ * alone; where bounce number k ends a record of level k is asked for, by a ray
+ * that is shaded.  Such places are as often where hemispheres' rays go as these
+ * are. Few paths tell of the large zones, and each further round of them, four
+ * times as many, of smaller ones; what the last round misses is made by the
+ * tiles that come to need it.  A round's ends are put in the order of a tree
+ * (parts.h), and a tile has some that follow each other: a compact part of
+ * space.
+ *
+ * Pixels.  A tile has SIDE by SIDE pixels of its lattice.  The last lattice is
+ * every second pixel: between them records serve that are a little too far, for
+ * what is asked of every pixel takes longer than it saves. */
+#include "config.h"
+
+#include "picture/passes.h"
+
+#include "base/parts.h"
+#include "base/rng.h"
+#include "base/vec.h"
+#include "light/indirect/ambtile.h"
+#include "trace/material.h"
+
+#include <math.h>
+#include <stdatomic.h>
+#include <stdlib.h>
+
+/* Paths: one for so many pixels, within these bounds. */
+#define PIXELS_A_PATH 64
+#define LEAST_PATHS   256
+#define MOST_PATHS    65536
+
+#define ROUND_GROWTH 4   /* paths of a round over all before it */
+#define TILE_PATHS   512 /* at most, of a tile */
+#define SIDE         16  /* of a tile, in pixels of its lattice */
+#define COARSEST     32  /* lattice [pixels] */
+#define FINEST       2
+
+/* Records of more bounces are made on the way. */
+#define MOST_LEVELS 8
+
+/* Panes that a view is seen through. */
+#define MOST_PANES 8
+
+/* Apart from the keys of pixels, which have a frame in this place. */
+#define BRANCH UINT64_C(0x7061737365730000)
+
+/* Of the rays that end in deep records; no hemisphere has so many. */
+#define BRANCH_ASK (RAD_BRANCH_RAMBIENT | 0xfffffe)
+
+#define MEAN_REFLECTANCE .5f
+
+/* Records that are handed on at a time. */
+#define BATCH 64
+
+struct end {
+    uint32_t path;
+    double place; /* in the order of the tree */
+};
+
+struct rad_passes {
+    const struct rad_frame *frames; /* [fixed] */
+    uint32_t nframes;               /* [fixed] */
+    uint64_t key;                   /* [fixed] */
+    struct rad_pass pass;           /* [fixed] while tiles are made */
+    struct end *end;                /* [fixed] likewise: by place */
+    uint32_t nends;
+};
+
+/* --- the plan --- */
+
+static uint32_t
+tiles_along(int pixels, int step)
+{
+    return ((uint32_t)pixels + (uint32_t)step * SIDE - 1) /
+           ((uint32_t)step * SIDE);
+}
+
+static uint32_t
+tiles_of(int width, int height, int step)
+{
+    return tiles_along(width, step) * tiles_along(height, step);
+}
+
+static uint32_t
+count_paths(const struct rad_pass_size *size, uint32_t n)
+{
+    uint64_t pixels = 0, paths;
+
+    for (uint32_t i = 0; i < n; i++)
+        pixels += (uint64_t)size[i].width * (uint64_t)size[i].height;
+    paths = pixels / PIXELS_A_PATH;
+    return paths < LEAST_PATHS  ? LEAST_PATHS
+           : paths > MOST_PATHS ? MOST_PATHS
+                                : (uint32_t)paths;
+}
+
+/* The rounds for records of that level. */
+static uint32_t
+plan_level(int level, uint32_t paths, struct rad_pass *pass)
+{
+    uint32_t n = 0, first = 0, end = paths;
+
+    while (end / ROUND_GROWTH >= LEAST_PATHS)
+        end /= ROUND_GROWTH;
+    for (; first < paths; n++) {
+        uint32_t count = end - first;
+
+        pass[n] =
+            (struct rad_pass){ .level = level,
+                               .first = first,
+                               .end = end,
+                               .tiles = (count + TILE_PATHS - 1) / TILE_PATHS };
+        first = end;
+        end = end > paths / ROUND_GROWTH ? paths : ROUND_GROWTH * end;
+    }
+    return n;
+}
+
+static uint32_t
+plan_pixels(const struct rad_pass_size *size, uint32_t nsizes,
+            struct rad_pass *pass)
+{
+    uint32_t n = 0;
+
+    for (int step = COARSEST, done = 0; step >= FINEST;
+         done = step, step /= 2) {
+        uint32_t tiles = 0;
+
+        for (uint32_t i = 0; i < nsizes; i++)
+            tiles += tiles_of(size[i].width, size[i].height, step);
+        pass[n++] =
+            (struct rad_pass){ .step = step, .done = done, .tiles = tiles };
+    }
+    return n;
+}
+
+uint32_t
+rad_passes_plan(const struct rad_params *par, const struct rad_pass_size *size,
+                uint32_t nsizes, struct rad_pass pass[RAD_MOST_PASSES])
+{
+    int deepest = par->ambounce - 1;
+    uint32_t n = 0, paths = count_paths(size, nsizes);
+
+    if (par->ambounce < 1 || !(par->ambacc > 0) || par->ambdiv < 1)
+        return 0;
+    if (deepest > MOST_LEVELS)
+        deepest = MOST_LEVELS;
+    for (int level = deepest; level > 0; level--)
+        n += plan_level(level, paths, pass + n);
+    return n + plan_pixels(size, nsizes, pass + n);
+}
+
+/* --- paths --- */
+
+/* Would light go on through what was hit? */
+static bool
+is_pane(const struct rad_job *job, const struct rad_hit *hit)
+{
+    int32_t mod = job->scene->objects[hit->obj].modifier;
+    int32_t mat = rad_material_of(job->scene, mod);
+
+    return mat == RAD_VOID || job->materials[mat].flags & RAD_MAT_TRANSPARENT;
+}
+
+static bool
+meet(struct rad_ctx *ctx, struct rad_ray *r)
+{
+    struct rad_span span = { .tmin = 0, .tmax = r->tmax };
+
+    if (r->parent)
+        rad_geom_leave(&r->parent->hit, r->dir, r->org);
+    rad_ray_clear(r);
+    rad_copy(span.org, r->org);
+    rad_copy(span.dir, r->dir);
+    ctx->counts.rays++;
+    if (!rad_geom_nearest(ctx->job->geom, &span, &r->hit, &ctx->counts.geom))
+        return false;
+    rad_ray_enter(r);
+    return true;
+}
+
+static double
+fraction(double x)
+{
+    return x - floor(x);
+}
+
+/* What is seen at the start of path i.  Pixels are those of a sequence each of
+ * whose beginnings is spread evenly over the picture (Roberts 2018: by the root
+ * of x^3 = x + 1). */
+static bool
+begin(const struct rad_passes *p, struct rad_ctx *ctx, uint32_t i, uint64_t key,
+      struct rad_ray *r)
+{
+    const struct rad_frame *f = &p->frames[i % p->nframes];
+    double n = i / p->nframes;
+    double u = fraction(rad_rand(p->key, 0) + n * .7548776662466927);
+    double v = fraction(rad_rand(p->key, 1) + n * .5698402909980532);
+    int x = (int)(u * f->width), y = (int)(v * f->height);
+
+    atomic_store_explicit(&ctx->at, RAD_AT(x, y), memory_order_relaxed);
+    if (!rad_frame_ray(f, x, y, r) ||
+        !rad_ray_spawn(ctx, r, RAD_RAY_PRIMARY, NULL, NULL, 0))
+        return false;
+    r->key = key;
+    for (int panes = 0; meet(ctx, r); panes++) {
+        if (panes == MOST_PANES || !is_pane(ctx->job, &r->hit))
+            return true;
+        r->tmax -= r->hit.t;
+        rad_geom_leave(&r->hit, r->dir, r->org);
+    }
+    return false;
+}
+
+/* Bounce number k of the path with that key: r leaves the hit of `parent`. */
+static bool
+leave(struct rad_ctx *ctx, const struct rad_ray *parent, uint64_t key, int k,
+      struct rad_ray *r)
+{
+    struct rad_rgb coef = rad_grey(MEAN_REFLECTANCE);
+    double u = rad_rand(key, 2 * (uint32_t)k);
+    double phi = 2 * M_PI * rad_rand(key, 2 * (uint32_t)k + 1);
+    double a[3], b[3], w[3];
+
+    if (!rad_ray_spawn(ctx, r, RAD_RAY_RAMBIENT, parent, &coef, BRANCH_ASK))
+        return false;
+    ctx->counts.ambient_rays++;
+    rad_scale(w, parent->cos_o < 0 ? -1 : 1, parent->n);
+    rad_frame(a, b, w);
+    rad_scale(r->dir, sqrt(1 - u), w);
+    rad_madd(r->dir, r->dir, sqrt(u) * cos(phi), a);
+    rad_madd(r->dir, r->dir, sqrt(u) * sin(phi), b);
+    return true;
+}
+
+static uint64_t
+key_of_path(const struct rad_passes *p, uint32_t i)
+{
+    return rad_key_branch(p->key ^ (uint64_t)p->pass.level, i);
+}
+
+/* Walk path i to the end of the pass's bounce; r gets its rays.  False: it
+ * leaves the scene before. */
+static bool
+walk(const struct rad_passes *p, struct rad_ctx *ctx, uint32_t i,
+     struct rad_ray r[MOST_LEVELS + 1])
+{
+    uint64_t key = key_of_path(p, i);
+
+    if (!begin(p, ctx, i, key, &r[0]))
+        return false;
+    for (int k = 0; k < p->pass.level; k++)
+        if (!leave(ctx, &r[k], key, k, &r[k + 1]) || !meet(ctx, &r[k + 1]))
+            return false;
+    return true;
+}
+
+static int
+by_place(const void *a, const void *b)
+{
+    const struct end *x = a, *y = b;
+
+    return x->place != y->place ? (x->place < y->place ? -1 : 1)
+           : x->path < y->path  ? -1
+                                : x->path > y->path;
+}
+
+/* Put the ends into the order of the tree of where they are, at[]. */
+static bool
+sort_ends(struct rad_passes *p, double (*at)[3])
+{
+    double(*points)[3] = malloc((size_t)p->nends * sizeof *points);
+    struct rad_parts *parts;
+
+    if (!points)
+        return false;
+    for (uint32_t i = 0; i < p->nends; i++)
+        rad_copy(points[i], at[i]);
+    parts = rad_parts_new(points, p->nends);
+    for (uint32_t i = 0; parts && i < p->nends; i++)
+        p->end[i].place = rad_parts_place(parts, at[i]);
+    free(points);
+    if (!parts)
+        return false;
+    rad_parts_free(parts);
+    qsort(p->end, p->nends, sizeof *p->end, by_place);
+    return true;
+}
+
+/* Where the paths of the pass end. */
+static bool
+find_ends(struct rad_passes *p, struct rad_ctx *ctx)
+{
+    uint32_t n = p->pass.end - p->pass.first;
+    double(*at)[3] = malloc((size_t)n * sizeof *at);
+    struct rad_ray r[MOST_LEVELS + 1];
+    bool ok = true;
+
+    p->end = malloc(n * sizeof *p->end);
+    if (!at || !p->end) {
+        free(at);
+        return false;
+    }
+    for (uint32_t i = p->pass.first; i < p->pass.end; i++)
+        if (walk(p, ctx, i, r)) {
+            rad_copy(at[p->nends], r[p->pass.level].hit.p);
+            p->end[p->nends++].path = i;
+        }
+    if (p->nends > 0)
+        ok = sort_ends(p, at);
+    free(at);
+    return ok;
+}
+
+/* Ask for a record where path i ends. */
+static void
+ask_at_end(const struct rad_passes *p, struct rad_ctx *ctx, uint32_t i)
+{
+    struct rad_ray r[MOST_LEVELS + 1];
+    uint64_t key = key_of_path(p, i);
+    int k = p->pass.level;
+
+    if (!walk(p, ctx, i, r) || rad_ambient_serves(ctx, &r[k]) ||
+        !leave(ctx, &r[k - 1], key, k - 1, &r[k]))
+        return;
+    r[k].key = rad_key_branch(key, BRANCH_ASK);
+    rad_ray_trace(ctx, &r[k]);
+}
+
+/* --- tiles --- */
+
+static bool
+is_set(const _Atomic bool *stop)
+{
+    return atomic_load_explicit(stop, memory_order_relaxed);
+}
+
+static void
+ask_along_paths(const struct rad_passes *p, struct rad_ctx *ctx, uint32_t tile,
+                const _Atomic bool *stop)
+{
+    uint64_t from = (uint64_t)p->nends * tile / p->pass.tiles;
+    uint64_t to = (uint64_t)p->nends * (tile + 1) / p->pass.tiles;
+
+    for (; from < to && !is_set(stop); from++)
+        ask_at_end(p, ctx, p->end[from].path);
+}
+
+/* Ask for what a pixel shows. */
+static void
+ask_at_pixel(const struct rad_frame *f, struct rad_ctx *ctx, int x, int y)
+{
+    struct rad_ray r;
+
+    atomic_store_explicit(&ctx->at, RAD_AT(x, y), memory_order_relaxed);
+    if (rad_frame_ray(f, x, y, &r) &&
+        rad_ray_spawn(ctx, &r, RAD_RAY_PRIMARY, NULL, NULL, 0))
+        rad_ray_trace(ctx, &r);
+}
+
+static int
+least(int a, int b)
+{
+    return a < b ? a : b;
+}
+
+static void
+ask_along_lattice(const struct rad_passes *p, struct rad_ctx *ctx,
+                  uint32_t tile, const _Atomic bool *stop)
+{
+    const struct rad_frame *f = p->frames;
+    int step = p->pass.step, done = p->pass.done, side = SIDE * step;
+    int across, x0, y0;
+
+    for (uint32_t n; tile >= (n = tiles_of(f->width, f->height, step)); f++)
+        tile -= n;
+    across = (int)tiles_along(f->width, step);
+    x0 = (int)tile % across * side;
+    y0 = (int)tile / across * side;
+    ctx->no_direct = true;
+    for (int y = y0; y < least(y0 + side, f->height); y += step)
+        for (int x = x0; x < least(x0 + side, f->width) && !is_set(stop);
+             x += step)
+            if (done == 0 || x % done != 0 || y % done != 0)
+                ask_at_pixel(f, ctx, x, y);
+    ctx->no_direct = false;
+}
+
+static void
+hand_on(const struct rad_ambtile *tile, rad_passes_fn *fn, void *arg)
+{
+    struct rad_ambrec rec[BATCH];
+    uint64_t cursor = 0;
+    size_t n;
+
+    while ((n = rad_ambtile_list(tile, &cursor, rec, BATCH)) > 0)
+        fn(arg, rec, n);
+}
+
+bool
+rad_passes_make(const struct rad_passes *p, struct rad_ctx *ctx, uint32_t tile,
+                const _Atomic bool *stop, rad_passes_fn *fn, void *arg)
+{
+    struct rad_ambtile own;
+    bool whole;
+
+    if (!rad_ambtile_begin(&own, ctx, p->pass.level))
+        return false;
+    if (p->pass.level > 0)
+        ask_along_paths(p, ctx, tile, stop);
+    else
+        ask_along_lattice(p, ctx, tile, stop);
+    whole = !is_set(stop) && !own.failed;
+    if (whole)
+        hand_on(&own, fn, arg);
+    rad_ambtile_end(&own, ctx);
+    return whole;
+}
+
+/* --- from one pass to the next --- */
+
+int
+rad_passes_begin(struct rad_passes *p, struct rad_ctx *ctx,
+                 const struct rad_pass *pass, struct rad_error *err)
+{
+    free(p->end);
+    p->end = NULL;
+    p->nends = 0;
+    p->pass = *pass;
+    if (pass->level > 0 && !find_ends(p, ctx))
+        return rad_fail(err, RAD_ENOMEM, "out of memory");
+    return 0;
+}
+
+struct rad_passes *
+rad_passes_new(const struct rad_frame *frames, uint32_t nframes,
+               struct rad_error *err)
+{
+    struct rad_passes *p = calloc(1, sizeof *p);
+
+    if (!p) {
+        rad_fail(err, RAD_ENOMEM, "out of memory");
+        return NULL;
+    }
+    p->frames = frames;
+    p->nframes = nframes;
+    p->key = rad_mix64(frames[0].job->params.seed) ^ BRANCH;
+    return p;
+}
+
+void
+rad_passes_free(struct rad_passes *p)
+{
+    if (!p)
+        return;
+    free(p->end);
+    free(p);
+}

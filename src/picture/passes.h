@@ -1,0 +1,66 @@
+/* passes.h - the ambient cache of a job, filled in passes before its pictures
+ *
+ * A pass is a set of tiles, and a tile asks for records at some places: those
+ * that pixels of a lattice show, or, for deep records (of one bounce and more),
+ * ends of random paths in one part of space.  A tile sees the cache as it stood
+ * when the pass began, and its own records (light/indirect/ambtile.h): whoever
+ * makes it, and how often, it has the same ones.  When all tiles of a pass are
+ * there their records, in the order of tiles, are added to the cache, and the
+ * next pass begins.  So the cache is a function of the job.
+ * The deepest records come first, for the others are made of them; then the
+ * pictures, from coarse lattices to fine ones, so that few records are made
+ * twice by tiles side by side.
+ * Which passes there are, and how many tiles each has, depends on the options
+ * and the sizes of the pictures alone: whoever shares them out needs no scene.
+ * Sources: Jones & Reinhart 2016, Parallel multiple-bounce irradiance caching
+ * (the order); DESIGN, "Indirect light".
+ * Thread: see each function. */
+#ifndef RAD_PICTURE_PASSES_H
+#define RAD_PICTURE_PASSES_H
+
+#include "light/indirect/ambient.h"
+#include "picture/frame.h"
+
+/* What one pass asks for. */
+struct rad_pass {
+    int level;           /* of its records: bounces before them */
+    uint32_t first, end; /* level above 0: paths of that number, below end */
+    int step, done; /* level 0: every step-th pixel along both axes, but those
+                     * of every done-th (0: of no) */
+    uint32_t tiles;
+};
+#define RAD_MOST_PASSES 64
+
+struct rad_pass_size {
+    int width, height; /* of a picture */
+};
+
+/* The passes of a job with pictures of these sizes, 0 if it has no cache.
+ * Returns how many there are.  Thread: any. */
+uint32_t rad_passes_plan(const struct rad_params *par,
+                         const struct rad_pass_size *size, uint32_t nsizes,
+                         struct rad_pass pass[RAD_MOST_PASSES]);
+
+struct rad_passes;
+
+/* For frames of one job, whose cache is frozen; they must outlive it.  NULL and
+ * *err: RAD_ENOMEM.  Thread: one. */
+struct rad_passes *rad_passes_new(const struct rad_frame *frames,
+                                  uint32_t nframes, struct rad_error *err);
+void rad_passes_free(struct rad_passes *p);
+
+/* Go on to a pass, whose predecessor's records are in the cache.  RAD_ENOMEM.
+ * Thread: one, with none at a tile. */
+int rad_passes_begin(struct rad_passes *p, struct rad_ctx *ctx,
+                     const struct rad_pass *pass, struct rad_error *err);
+
+/* Make a tile of the pass: fn gets its records in their order, some at a time.
+ * Within a pixel of *stop, if that is set, it ends; so it does when memory is
+ * out: false, and fn was not called.  Its rays count as ambient ones where they
+ * leave a surface, never as primary.  Thread: any, at any number of tiles. */
+typedef void rad_passes_fn(void *arg, const struct rad_ambrec *rec, size_t n);
+bool rad_passes_make(const struct rad_passes *p, struct rad_ctx *ctx,
+                     uint32_t tile, const _Atomic bool *stop, rad_passes_fn *fn,
+                     void *arg);
+
+#endif

@@ -1,0 +1,372 @@
+/* check_passes.c - the ambient cache as a function of the job */
+#include "config.h"
+
+#include "light/indirect/ambient.h"
+#include "machine/jobtext.h"
+#include "picture/passes.h"
+
+#include "world.h"
+
+#include <pthread.h>
+#include <stdatomic.h>
+#include <stdio.h>
+#include <string.h>
+
+/* A closed room with two boxes, a lamp and a mirror, seen through a pane. */
+static const char scene_text[] =
+    "void light lamp 0 0 3 60 60 60\n"
+    "lamp sphere bulb 0 0 4 2 2 4.5 .3\n"
+    "void glass pane 0 0 3 .9 .9 .9\n"
+    "pane polygon window 0 0 12 -4 -4.5 0 4 -4.5 0 4 -4.5 5 -4 -4.5 5\n"
+    "void mirror silver 0 0 3 .9 .9 .9\n"
+    "silver polygon glass 0 0 12 4.9 -1 1 4.9 1 1 4.9 1 3 4.9 -1 3\n"
+    "void plastic white 0 0 5 .7 .7 .7 0 0\n"
+    "white polygon floor 0 0 12 -5 -5 0 5 -5 0 5 5 0 -5 5 0\n"
+    "white polygon ceiling 0 0 12 -5 -5 5 -5 5 5 5 5 5 5 -5 5\n"
+    "white polygon west 0 0 12 -5 -5 0 -5 5 0 -5 5 5 -5 -5 5\n"
+    "white polygon east 0 0 12 5 -5 0 5 -5 5 5 5 5 5 5 0\n"
+    "white polygon north 0 0 12 -5 5 0 5 5 0 5 5 5 -5 5 5\n"
+    "white polygon south 0 0 12 -5 -5 0 -5 -5 5 5 -5 5 5 -5 0\n"
+    "void plastic red 0 0 5 .6 .2 .2 .02 .05\n"
+    "red sphere ball 0 0 4 -2 1 1 1\n"
+    "red sphere other 0 0 4 1 -1 .7 .7\n";
+
+#define OPTIONS                                                                \
+    "-x 96 -y 96 -ar 16 -aa .25 -ad 64 -as 16 -lw 0 -lr 8 -ps 1 -pj .9 "
+
+enum { SIDE = 96, MOST = 20000, THREADS = 4 };
+
+struct room {
+    struct world w;
+    struct rad_frame frame;
+    struct rad_ambrec rec[MOST];
+    size_t nrecs;
+    struct rad_pixel picture[SIDE * SIDE];
+};
+
+static struct room rooms[2];
+
+static void
+open_room(struct room *m, const char *options)
+{
+    struct rad_error err = { 0 };
+    struct rad_view view;
+    char text[200];
+
+    snprintf(text, sizeof text, OPTIONS "%s", options);
+    world_open(&m->w, scene_text, text);
+    rad_ambient_freeze(m->w.job->ambient);
+    ck_assert_int_eq(
+        jobtext_view("-vp 0 -4.9 2.5 -vd 0 1 0 -vh 80 -vv 80", &view, &err), 0);
+    ck_assert_int_eq(rad_frame_init(&m->frame, m->w.job, &view, 0, false, &err),
+                     0);
+    m->nrecs = 0;
+}
+
+static void
+close_room(struct room *m)
+{
+    rad_frame_release(&m->frame);
+    world_close(&m->w);
+}
+
+static uint32_t
+plan(const struct room *m, struct rad_pass pass[RAD_MOST_PASSES])
+{
+    struct rad_pass_size size = { m->frame.width, m->frame.height };
+
+    return rad_passes_plan(&m->w.job->params, &size, 1, pass);
+}
+
+/* --- tiles, by one thread or several, in any order --- */
+
+struct tiles {
+    const struct rad_passes *passes;
+    const struct rad_job *job;
+    uint32_t n;
+    bool backward, twice;
+    _Atomic uint32_t next;
+    struct list {
+        struct rad_ambrec rec[2000];
+        size_t n;
+    } * list;
+};
+
+static const _Atomic bool never;
+
+static void
+keep(void *arg, const struct rad_ambrec *rec, size_t n)
+{
+    struct list *l = arg;
+
+    ck_assert_uint_le(l->n + n, N_ELEM(l->rec));
+    memcpy(&l->rec[l->n], rec, n * sizeof *rec);
+    l->n += n;
+}
+
+static void *
+work(void *arg)
+{
+    struct tiles *t = arg;
+    struct rad_ctx ctx;
+    uint32_t i;
+
+    ck_assert_int_eq(rad_ctx_init(&ctx, t->job, NULL), 0);
+    while ((i = atomic_fetch_add(&t->next, 1)) < t->n) {
+        uint32_t tile = t->backward ? t->n - 1 - i : i;
+
+        for (int k = 0; k <= t->twice; k++) {
+            t->list[tile].n = 0;
+            ck_assert(rad_passes_make(t->passes, &ctx, tile, &never, keep,
+                                      &t->list[tile]));
+        }
+    }
+    ck_assert_uint_eq(ctx.counts.primary_rays, 0);
+    rad_ctx_release(&ctx);
+    return NULL;
+}
+
+static void
+make_tiles(struct tiles *t, int threads)
+{
+    pthread_t thread[THREADS];
+
+    for (int i = 0; i < threads; i++)
+        ck_assert_int_eq(pthread_create(&thread[i], NULL, work, t), 0);
+    for (int i = 0; i < threads; i++)
+        ck_assert_int_eq(pthread_join(thread[i], NULL), 0);
+}
+
+static void
+close_pass(struct room *m, const struct tiles *t)
+{
+    for (uint32_t i = 0; i < t->n; i++) {
+        ck_assert_uint_le(m->nrecs + t->list[i].n, MOST);
+        memcpy(&m->rec[m->nrecs], t->list[i].rec,
+               t->list[i].n * sizeof *m->rec);
+        m->nrecs += t->list[i].n;
+        rad_ambient_insert_all(m->w.job->ambient, t->list[i].rec, t->list[i].n);
+    }
+}
+
+static void
+fill(struct room *m, int threads, bool backward, bool twice)
+{
+    struct rad_passes *p = rad_passes_new(&m->frame, 1, NULL);
+    struct rad_pass pass[RAD_MOST_PASSES];
+    uint32_t n = plan(m, pass);
+
+    ck_assert_ptr_nonnull(p);
+    for (uint32_t i = 0; i < n; i++) {
+        struct tiles t = { p,
+                           m->w.job,
+                           pass[i].tiles,
+                           backward,
+                           twice,
+                           0,
+                           calloc(pass[i].tiles, sizeof *t.list) };
+
+        ck_assert_ptr_nonnull(t.list);
+        ck_assert_int_eq(rad_passes_begin(p, &m->w.ctx, &pass[i], NULL), 0);
+        make_tiles(&t, threads);
+        close_pass(m, &t);
+        free(t.list);
+    }
+    rad_passes_free(p);
+}
+
+static void
+render(struct room *m, bool backward)
+{
+    for (int i = 0; i < SIDE * SIDE; i++) {
+        int at = backward ? SIDE * SIDE - 1 - i : i;
+
+        rad_frame_pixel(&m->frame, &m->w.ctx, at % SIDE, at / SIDE,
+                        &m->picture[at]);
+    }
+}
+
+static const struct {
+    const char *options;
+    int threads;
+    bool backward, twice;
+} ways[] = {
+    { "-ab 1", THREADS, false, false },
+    { "-ab 2", 1, true, false },
+    { "-ab 2", THREADS, false, true },
+    { "-ab 3", THREADS, true, false },
+    { "-ab 2 -aw 64 -av .1 .1 .1", THREADS, true, false },
+};
+
+/* Whoever makes the tiles, in whatever order, and however often. */
+START_TEST(records_and_picture_are_a_function_of_the_job)
+{
+    struct room *one = &rooms[0], *other = &rooms[1];
+
+    open_room(one, ways[_i].options);
+    open_room(other, ways[_i].options);
+    fill(one, 1, false, false);
+    fill(other, ways[_i].threads, ways[_i].backward, ways[_i].twice);
+    ck_assert_uint_gt(one->nrecs, 100);
+    ck_assert_uint_eq(one->nrecs, other->nrecs);
+    ck_assert_mem_eq(one->rec, other->rec, one->nrecs * sizeof *one->rec);
+    render(one, false);
+    render(other, true);
+    ck_assert_mem_eq(one->picture, other->picture, sizeof one->picture);
+    ck_assert_uint_eq(rad_ambient_count(one->w.job->ambient), one->nrecs);
+    close_room(one);
+    close_room(other);
+}
+END_TEST
+
+/* Pixels find what they need, and few records are made for nothing. */
+START_TEST(passes_leave_little_to_do)
+{
+    struct room *m = &rooms[0], *live = &rooms[1];
+    uint64_t before, rays;
+
+    open_room(m, "-ab 2");
+    fill(m, 1, false, false);
+    before = m->w.ctx.counts.ambient_rays;
+    render(m, false);
+    rays = m->w.ctx.counts.ambient_rays - before;
+    ck_assert_uint_lt(rays, 64 * m->nrecs / 10);
+    ck_assert_uint_eq(m->w.ctx.counts.ambient_values, 0);
+    live->nrecs = 0;
+    world_open(&live->w, scene_text, OPTIONS "-ab 2");
+    live->frame = m->frame;
+    live->frame.job = live->w.job;
+    render(live, false);
+    ck_assert_uint_lt(m->nrecs,
+                      1.15 * (double)rad_ambient_count(live->w.job->ambient));
+    world_close(&live->w);
+    close_room(m);
+}
+END_TEST
+
+static const char *const none[] = { "-ab 0", "-ab 2 -aa 0", "-ab 2 -ad 0" };
+
+START_TEST(without_a_cache_there_are_no_passes)
+{
+    struct rad_pass pass[RAD_MOST_PASSES];
+    struct rad_pass_size size = { 1920, 1080 };
+    struct world w;
+
+    world_open(&w, scene_text, none[_i]);
+    ck_assert_uint_eq(rad_passes_plan(&w.job->params, &size, 1, pass), 0);
+    world_close(&w);
+}
+END_TEST
+
+static const struct rad_pass_size sizes[] = {
+    { 1, 1 },       { 1, 65535 },   { 100, 75 },
+    { 1920, 1280 }, { 7680, 4320 }, { 65535, 65535 }
+};
+
+/* Each path once, each pixel of the last lattice once, and places enough. */
+START_TEST(a_plan_asks_for_each_place_once)
+{
+    struct rad_pass pass[RAD_MOST_PASSES];
+    uint32_t n, end = 0;
+    int level = 12, done = 0;
+    struct world w;
+
+    world_open(&w, scene_text, "-ab 12");
+    n = rad_passes_plan(&w.job->params, &sizes[_i], 1, pass);
+    ck_assert_uint_le(n, RAD_MOST_PASSES);
+    for (uint32_t i = 0; i < n; i++) {
+        ck_assert_uint_gt(pass[i].tiles, 0);
+        ck_assert_int_le(pass[i].level, level);
+        if (pass[i].level == 0) {
+            ck_assert_int_eq(pass[i].done, done);
+            ck_assert(done == 0 || pass[i].step == done / 2);
+            done = pass[i].step;
+        } else {
+            ck_assert_uint_eq(pass[i].first, pass[i].level < level ? 0 : end);
+            ck_assert_uint_gt(pass[i].end, pass[i].first);
+            end = pass[i].end;
+        }
+        level = pass[i].level;
+    }
+    ck_assert_int_eq(done, 2);
+    ck_assert_int_eq(level, 0);
+    world_close(&w);
+}
+END_TEST
+
+/* Two frames are filled together: tiles are all the first's, then the other's.
+ */
+START_TEST(passes_go_over_all_frames)
+{
+    static struct list list;
+    struct room *m = &rooms[0];
+    struct rad_frame frames[2];
+    struct rad_pass_size size[2] = { { SIDE, SIDE }, { SIDE, SIDE } };
+    struct rad_pass pass[RAD_MOST_PASSES];
+    struct rad_view back;
+    struct rad_passes *p;
+    size_t made[2] = { 0, 0 };
+    uint32_t n;
+
+    open_room(m, "-ab 1");
+    frames[0] = m->frame;
+    ck_assert_int_eq(
+        jobtext_view("-vp 0 4.9 2.5 -vd 0 -1 0 -vh 80 -vv 80", &back, NULL), 0);
+    ck_assert_int_eq(
+        rad_frame_init(&frames[1], m->w.job, &back, 1, false, NULL), 0);
+    n = rad_passes_plan(&m->w.job->params, size, 2, pass);
+    p = rad_passes_new(frames, 2, NULL);
+    ck_assert_int_eq(rad_passes_begin(p, &m->w.ctx, &pass[n - 1], NULL), 0);
+    for (uint32_t i = 0; i < pass[n - 1].tiles; i++) {
+        list.n = 0;
+        ck_assert(rad_passes_make(p, &m->w.ctx, i, &never, keep, &list));
+        made[2 * i >= pass[n - 1].tiles] += list.n;
+    }
+    ck_assert(made[0] > 0 && made[1] > 0);
+    rad_passes_free(p);
+    rad_frame_release(&frames[1]);
+    close_room(m);
+}
+END_TEST
+
+START_TEST(a_tile_that_is_stopped_hands_on_nothing)
+{
+    static struct list list;
+    static const _Atomic bool now = true;
+    struct room *m = &rooms[0];
+    struct rad_pass pass[RAD_MOST_PASSES];
+    struct rad_passes *p;
+    uint32_t n;
+
+    open_room(m, "-ab 2");
+    n = plan(m, pass);
+    p = rad_passes_new(&m->frame, 1, NULL);
+    for (uint32_t i = 0; i < n; i += n - 1) {
+        ck_assert_int_eq(rad_passes_begin(p, &m->w.ctx, &pass[i], NULL), 0);
+        ck_assert(!rad_passes_make(p, &m->w.ctx, 0, &now, keep, &list));
+        ck_assert_uint_eq(list.n, 0);
+        ck_assert(m->w.ctx.tile == NULL && !m->w.ctx.no_direct);
+    }
+    rad_passes_free(p);
+    close_room(m);
+}
+END_TEST
+
+int
+main(void)
+{
+    Suite *s = suite_create("passes");
+    TCase *tc = tcase_create("passes");
+
+    tcase_set_timeout(tc, 60);
+    tcase_add_loop_test(tc, records_and_picture_are_a_function_of_the_job, 0,
+                        N_ELEM(ways));
+    tcase_add_test(tc, passes_leave_little_to_do);
+    tcase_add_loop_test(tc, without_a_cache_there_are_no_passes, 0,
+                        N_ELEM(none));
+    tcase_add_loop_test(tc, a_plan_asks_for_each_place_once, 0, N_ELEM(sizes));
+    tcase_add_test(tc, passes_go_over_all_frames);
+    tcase_add_test(tc, a_tile_that_is_stopped_hands_on_nothing);
+    suite_add_tcase(s, tc);
+    return unit_run(s);
+}
