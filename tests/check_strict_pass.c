@@ -22,8 +22,8 @@ START_TEST(a_late_top_lets_the_bottom_go_before_the_first_bar)
 }
 END_TEST
 
-/* A unit that has time: its bars come along, and are no longer given away once
- * they are made. */
+/* A unit that has time: its bars come along, are no longer given away once they
+ * are made, and what is known of its densities is held against the truth. */
 START_TEST(bars_that_come_along_stay)
 {
     struct rad_quincunx q = sampler(64, 90);
@@ -35,7 +35,7 @@ START_TEST(bars_that_come_along_stay)
     s = strict_new(&q, 1, false, job_id);
     give_flagged(s, &q, 0, 4, 24, MSG_UNIT_BARS);
     p = strict_next(s, STRICT_AHEAD);
-    ck_assert(p->rank == STRICT_LINES && p->filled == 24);
+    ck_assert(p->rank == STRICT_LINES && p->filled == 24 && !p->earlier);
     strict_split(s, 0, 1);
     ck_assert(p->stop);
     p->finished = 12;
@@ -46,7 +46,34 @@ START_TEST(bars_that_come_along_stay)
     strict_ended(s, p, true, NULL, NULL, &spent, &total);
     give_top(s, &q);
     p = strict_next(s, STRICT_AHEAD);
-    ck_assert(p->rank == STRICT_TRUE_LINES && p->filled == 4);
+    ck_assert(p->rank == STRICT_TRUE_LINES && p->filled == 4 && p->earlier);
+    strict_ended(s, p, false, NULL, NULL, &spent, &total);
+    strict_free(s);
+}
+END_TEST
+
+/* The top of a unit that has time comes while its last line is made: the pass
+ * that leaves out lines that come out as they were has not the colours that a
+ * bar below them is filled from. */
+START_TEST(what_leaves_lines_out_fills_no_bars)
+{
+    struct rad_quincunx q = sampler(64, 90);
+    const struct msg_counts spent = { 0 };
+    struct msg_counts total;
+    struct strict_pass *p;
+    struct strict *s;
+
+    s = strict_new(&q, 1, false, job_id);
+    give_flagged(s, &q, 0, 4, 24, MSG_UNIT_BARS);
+    p = strict_next(s, STRICT_AHEAD);
+    ck_assert(p->rank == STRICT_LINES && p->filled == 24);
+    give_top(s, &q);
+    ck_assert(p->stop);
+    p->finished = 23;
+    strict_ended(s, p, false, NULL, NULL, &spent, &total);
+    p = strict_next(s, STRICT_AHEAD);
+    ck_assert(p->rank == STRICT_TRUE_LINES && p->earlier);
+    ck_assert_int_eq(p->filled, p->first);
     strict_ended(s, p, false, NULL, NULL, &spent, &total);
     strict_free(s);
 }
@@ -271,6 +298,7 @@ main(void)
 
     tcase_add_test(tc, a_late_top_lets_the_bottom_go_before_the_first_bar);
     tcase_add_test(tc, bars_that_come_along_stay);
+    tcase_add_test(tc, what_leaves_lines_out_fills_no_bars);
     tcase_add_loop_test(tc, a_guess_from_true_densities_is_true, 0,
                         N_ELEM(guesses));
     tcase_add_test(tc, pieces_that_nobody_took_yet_are_one);

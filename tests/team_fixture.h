@@ -167,6 +167,8 @@ struct pass {
     int stop_after; /* pixels; 0: not */
     int least;      /* shrink to that at least; 0: not */
     int filled;
+    uint8_t *record;
+    const uint8_t *earlier;
     uint64_t *cpu_ns;
 };
 
@@ -189,6 +191,8 @@ spec_of(struct world *w, const struct pass *p)
                                .top_density = p->density,
                                .ahead.true_top = p->true_top,
                                .ahead.filled = p->filled,
+                               .ahead.record = p->record,
+                               .ahead.earlier = p->earlier,
                                .cpu_ns = p->cpu_ns,
                                .facts = w->facts,
                                .trace = trace,

@@ -238,6 +238,8 @@ new_team(struct active *u)
         spec.trace = trace_lent;
     if (pass->true_top)
         spec.bottom = pool_on_bottom;
+    if (pass->earlier)
+        spec.nthreads = 1;
     if (spec.nthreads > spec.last - spec.first)
         spec.nthreads = spec.last - spec.first;
     return team_new(&spec);

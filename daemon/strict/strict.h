@@ -11,9 +11,9 @@
  * Bottoms come before rows, since other units may wait for them: a pass that
  * makes rows ends early for a bottom, and goes on afterwards.  So a unit of
  * several lines whose top is true before all bars are traced has LINES made
- * (again) for its bottom, unless this was guessed from just these densities.
- * If the top is true from the start TRUTH alone does for a unit of one line, or
- * with no unit below.  With MSG_UNIT_BARS LINES makes the bars, too.
+ * (again) for its bottom, up to where densities come out as guessed.  If the top
+ * is true from the start TRUTH alone does for a unit of one line, or with no unit
+ * below.  With MSG_UNIT_BARS LINES makes the bars, too.
  *
  * Columns of a unit's last line may be lent to another worker while no thread
  * has begun them (LEND, LOAN).  LINES and AHEAD leave them out; TRUTH ends
@@ -102,6 +102,8 @@ struct strict_pass {
     uint8_t *top_density;               /* NULL: not known, or none at all */
     int top_known;                      /* see team.h */
     int filled;                         /* with LINES: see team.h */
+    uint8_t *record;                    /* this and the next: see team.h */
+    const uint8_t *earlier;
     uint64_t *cpu_ns;                   /* see team.h; or NULL */
     _Atomic(struct rad_facts *) *facts; /* by line of the frame; NULL: none */
     bool stop;                          /* the team is to leave the pass */
@@ -183,8 +185,7 @@ bool strict_waits(const struct strict *s);
 uint64_t strict_rays(const struct strict *s);
 
 /* Pixels that any pass has gone over, in units whose rows are not handed on:
- * for a display of the progress.  Pixels that several workers go over count for
- * each of them. */
+ * for a display of the progress. */
 uint64_t strict_pixels(const struct strict *s);
 
 /* The cost of all units that were revoked, for TALLY. */
@@ -193,8 +194,7 @@ void strict_dropped(const struct strict *s, struct msg_counts *out);
 /* --- messages that go out --- */
 
 /* The next message, in order; valid until the next call; NULL: none.  Without
- * room only messages that other workers may wait for, no facts that are sent in
- * case this worker is lost. */
+ * room only what other workers may wait for, no facts for the case of a loss. */
 const struct msg *strict_message(struct strict *s, bool room);
 
 #endif

@@ -128,6 +128,7 @@ pass_free(struct strict_pass *p)
         return;
     free(p->top);
     free(p->top_density);
+    free(p->record);
     free(p);
 }
 
@@ -165,6 +166,25 @@ filled_until(const struct strict *s, const struct strict_unit *u)
                : u->first;
 }
 
+/* Set the densities that the pass records by line, or those of an earlier pass
+ * that it compares with.  Without memory the pass does neither. */
+static void
+set_chain(const struct strict *s, struct strict_pass *p)
+{
+    const struct strict_unit *u = p->of;
+    size_t n = frame_of(s, u->frame)->ndensity;
+
+    if (n == 0 || p->mode == TEAM_TRUTH || p->mode == TEAM_LOAN)
+        return;
+    if (p->rank != STRICT_TRUE_LINES || u->chain.first > p->first ||
+        u->chain.last < p->last - 1) {
+        p->record = malloc((size_t)(p->last - p->first) * n);
+        return;
+    }
+    p->earlier = u->chain.density + (size_t)(p->first - u->chain.first) * n;
+    p->filled = p->first; /* bars are facts, or need lines that are left out */
+}
+
 static struct strict_pass *
 pass_new(struct strict *s, struct strict_unit *u, enum strict_rank rank)
 {
@@ -197,6 +217,7 @@ pass_new(struct strict *s, struct strict_unit *u, enum strict_rank rank)
         return NULL;
     }
     p->facts = frame_of(s, u->frame)->facts;
+    set_chain(s, p);
     p->cpu_ns = u->cpu_ns + (p->first - (u->first - 1));
     p->keeps = facts_have_all(s, u);
     p->lend = p->keeps ? u->lending.part : 0;
@@ -375,6 +396,8 @@ strict_describe(const struct strict_pass *p, struct team_spec *spec)
     spec->ahead.true_top = p->true_top;
     spec->ahead.top_known = p->top_known;
     spec->ahead.filled = p->filled;
+    spec->ahead.record = p->record;
+    spec->ahead.earlier = p->earlier;
     spec->cpu_ns = p->cpu_ns;
     spec->top = p->top;
     spec->top_density = p->top_density;
@@ -447,6 +470,19 @@ keep_filled(struct strict_unit *u, const struct strict_pass *p)
         u->filled = end;
 }
 
+/* The densities that a pass has left, if there are none of more lines. */
+static void
+keep_chain(struct strict_unit *u, struct strict_pass *p)
+{
+    if (!p->record || p->finished <= p->first || p->finished < u->chain.last)
+        return;
+    free(u->chain.density);
+    u->chain.density = p->record;
+    u->chain.first = p->first;
+    u->chain.last = p->finished;
+    p->record = NULL;
+}
+
 bool
 strict_ended(struct strict *s, struct strict_pass *p, bool done,
              const struct rad_pixel *pixels, const uint8_t *density,
@@ -461,6 +497,7 @@ strict_ended(struct strict *s, struct strict_pass *p, bool done,
         keep_out(u, p);
     keep_filled(u, p);
     strict_unit_made(u, &p->made);
+    keep_chain(u, p);
     if (over)
         end_truth(s, p, pixels, density, total);
     else if (paid && !is_gone(u))

@@ -74,6 +74,13 @@ struct strict_guess {
     int known;      /* how many lines above are in it, at most TEAM_SURE */
 };
 
+/* Densities that lines [first, last) leave, each line's made from those of the
+ * line above, over facts that are here; changed by strict_pass.c. */
+struct strict_chain {
+    uint8_t *density; /* NULL: none */
+    int first, last;
+};
+
 struct strict_unit {
     struct strict_unit *next;
     struct strict_unit *same_first, *same_last; /* the newer units in the slots
@@ -104,6 +111,7 @@ struct strict_unit {
                        * it during a pass */
     int nlines;       /* in cpu_ns: lines given away are among them */
     struct strict_guess guess;
+    struct strict_chain chain;
 };
 
 static inline bool

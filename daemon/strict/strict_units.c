@@ -141,6 +141,7 @@ strict_unit_free(struct strict_unit *u)
     if (!u)
         return;
     strict_unit_free_guess(u);
+    free(u->chain.density);
     free(u->cpu_ns);
     strict_unit_free_loan(u->loan);
     free(u);

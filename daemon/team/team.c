@@ -23,11 +23,46 @@ hand_on(struct team *t, int i)
     }
 }
 
+/* Where a pass has the densities after line i. */
+static size_t
+recorded(const struct team *t, int i)
+{
+    return (size_t)(i - t->spec.first) * t->ndensity;
+}
+
+static bool
+is_as_earlier(const struct team *t, int i)
+{
+    return t->spec.ahead.earlier &&
+           memcmp(t->spec.ahead.earlier + recorded(t, i),
+                  line_at(t, i)->density, t->ndensity) == 0;
+}
+
+/* Line i came out as in the earlier pass: leave out all others but the last. */
+static void
+skip_to_last_locked(struct team *t, int i)
+{
+    int last = atomic_load_explicit(&t->last, memory_order_relaxed);
+    struct line *above = line_at(t, last - 2);
+
+    if (last - 2 <= i)
+        return;
+    memcpy(above->density, t->spec.ahead.earlier + recorded(t, last - 2),
+           t->ndensity);
+    atomic_store(&above->ready, t->ndensity + 1);
+    t->begun = t->finished = last - 1;
+}
+
 /* Line i is done.  If it is the first line whose rows are not handed on, hand
  * on all rows that are complete, unless another member is doing so. */
 void
 team_line_finish(struct team *t, int i, uint64_t primary)
 {
+    bool alike = i + 2 < t->spec.last && is_as_earlier(t, i);
+
+    if (t->spec.ahead.record)
+        memcpy(t->spec.ahead.record + recorded(t, i), line_at(t, i)->density,
+               t->ndensity);
     uv_mutex_lock(&t->mu);
     line_at(t, i)->primary = primary;
     line_at(t, i)->done = true;
@@ -43,6 +78,8 @@ team_line_finish(struct team *t, int i, uint64_t primary)
         }
         t->handing_on = false;
     }
+    if (alike)
+        skip_to_last_locked(t, i);
     uv_mutex_unlock(&t->mu);
 }
 
@@ -98,7 +135,7 @@ team_open(struct team *t)
     bool open;
 
     uv_mutex_lock(&t->mu);
-    open = is_open_locked(t);
+    open = is_open_locked(t) && !t->spec.ahead.earlier;
     uv_mutex_unlock(&t->mu);
     return open;
 }
@@ -287,6 +324,9 @@ team_new(const struct team_spec *spec)
     assert(spec->mode == TEAM_TRUTH ? spec->first == 0 || spec->top
                                     : spec->facts != NULL);
     assert((spec->mode == TEAM_LOAN) == (spec->loan != NULL));
+    assert(!spec->ahead.earlier ||
+           (spec->mode == TEAM_LINES && spec->nthreads == 1 &&
+            spec->ahead.filled <= spec->first));
     if (!t)
         return NULL;
     uv_mutex_init(&t->mu);

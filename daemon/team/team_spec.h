@@ -79,6 +79,13 @@ struct team_ahead {
     int top_known; /* AHEAD: the densities of the top were guessed from so many
                     * lines; from TEAM_SURE on they are as good as true */
     int filled;    /* LINES: make the bars of lines before this one, too */
+    /* Room for the densities after each line from `first` on; or NULL. */
+    uint8_t *record;
+    /* LINES with true_top, one member and no bars: what an earlier pass recorded
+     * of all lines from `first` to last - 2, over facts that are here; or NULL.
+     * If a line's densities come out the same, so would those of all lines that
+     * follow it: the pass goes on with the last line. */
+    const uint8_t *earlier;
 };
 
 struct team_spec {
