@@ -12,6 +12,8 @@ librad_a_SOURCES += \
 	src/picture/paint.h \
 	src/picture/passes.c \
 	src/picture/passes.h \
+	src/picture/passplan.c \
+	src/picture/passplan.h \
 	src/picture/quincunx.c \
 	src/picture/quincunx.h \
 	src/picture/seed.c \

@@ -3,15 +3,11 @@
  * Deep records.  A path leaves a pixel and bounces about, by intersection
  * alone; where bounce number k ends a record of level k is asked for, by a ray
  * that is shaded.  Such places are as often where hemispheres' rays go as these
- * are. Few paths tell of the large zones, and each further round of them, four
- * times as many, of smaller ones; what the last round misses is made by the
- * tiles that come to need it.  A round's ends are put in the order of a tree
- * (parts.h), and a tile has some that follow each other: a compact part of
- * space.
+ * are.  What the last round of paths misses is made by the tiles that come to
+ * need it.  A round's ends are put in the order of a tree (parts.h), and a tile
+ * has some that follow each other: a compact part of space.
  *
- * Pixels.  A tile has SIDE by SIDE pixels of its lattice.  The last lattice is
- * every second pixel: between them records serve that are a little too far, for
- * what is asked of every pixel takes longer than it saves. */
+ * Pixels.  A tile has RAD_PASS_SIDE by RAD_PASS_SIDE pixels of its lattice. */
 #include "config.h"
 
 #include "picture/passes.h"
@@ -25,20 +21,6 @@
 #include <math.h>
 #include <stdatomic.h>
 #include <stdlib.h>
-
-/* Paths: one for so many pixels, within these bounds. */
-#define PIXELS_A_PATH 64
-#define LEAST_PATHS   256
-#define MOST_PATHS    65536
-
-#define ROUND_GROWTH 4   /* paths of a round over all before it */
-#define TILE_PATHS   512 /* at most, of a tile */
-#define SIDE         16  /* of a tile, in pixels of its lattice */
-#define COARSEST     32  /* lattice [pixels] */
-#define FINEST       2
-
-/* Records of more bounces are made on the way. */
-#define MOST_LEVELS 8
 
 /* Panes that a view is seen through. */
 #define MOST_PANES 8
@@ -67,90 +49,6 @@ struct rad_passes {
     struct end *end;                /* [fixed] likewise: by place */
     uint32_t nends;
 };
-
-/* --- the plan --- */
-
-static uint32_t
-tiles_along(int pixels, int step)
-{
-    return ((uint32_t)pixels + (uint32_t)step * SIDE - 1) /
-           ((uint32_t)step * SIDE);
-}
-
-static uint32_t
-tiles_of(int width, int height, int step)
-{
-    return tiles_along(width, step) * tiles_along(height, step);
-}
-
-static uint32_t
-count_paths(const struct rad_pass_size *size, uint32_t n)
-{
-    uint64_t pixels = 0, paths;
-
-    for (uint32_t i = 0; i < n; i++)
-        pixels += (uint64_t)size[i].width * (uint64_t)size[i].height;
-    paths = pixels / PIXELS_A_PATH;
-    return paths < LEAST_PATHS  ? LEAST_PATHS
-           : paths > MOST_PATHS ? MOST_PATHS
-                                : (uint32_t)paths;
-}
-
-/* The rounds for records of that level. */
-static uint32_t
-plan_level(int level, uint32_t paths, struct rad_pass *pass)
-{
-    uint32_t n = 0, first = 0, end = paths;
-
-    while (end / ROUND_GROWTH >= LEAST_PATHS)
-        end /= ROUND_GROWTH;
-    for (; first < paths; n++) {
-        uint32_t count = end - first;
-
-        pass[n] =
-            (struct rad_pass){ .level = level,
-                               .first = first,
-                               .end = end,
-                               .tiles = (count + TILE_PATHS - 1) / TILE_PATHS };
-        first = end;
-        end = end > paths / ROUND_GROWTH ? paths : ROUND_GROWTH * end;
-    }
-    return n;
-}
-
-static uint32_t
-plan_pixels(const struct rad_pass_size *size, uint32_t nsizes,
-            struct rad_pass *pass)
-{
-    uint32_t n = 0;
-
-    for (int step = COARSEST, done = 0; step >= FINEST;
-         done = step, step /= 2) {
-        uint32_t tiles = 0;
-
-        for (uint32_t i = 0; i < nsizes; i++)
-            tiles += tiles_of(size[i].width, size[i].height, step);
-        pass[n++] =
-            (struct rad_pass){ .step = step, .done = done, .tiles = tiles };
-    }
-    return n;
-}
-
-uint32_t
-rad_passes_plan(const struct rad_params *par, const struct rad_pass_size *size,
-                uint32_t nsizes, struct rad_pass pass[RAD_MOST_PASSES])
-{
-    int deepest = par->ambounce - 1;
-    uint32_t n = 0, paths = count_paths(size, nsizes);
-
-    if (par->ambounce < 1 || !(par->ambacc > 0) || par->ambdiv < 1)
-        return 0;
-    if (deepest > MOST_LEVELS)
-        deepest = MOST_LEVELS;
-    for (int level = deepest; level > 0; level--)
-        n += plan_level(level, paths, pass + n);
-    return n + plan_pixels(size, nsizes, pass + n);
-}
 
 /* --- paths --- */
 
@@ -245,7 +143,7 @@ key_of_path(const struct rad_passes *p, uint32_t i)
  * leaves the scene before. */
 static bool
 walk(const struct rad_passes *p, struct rad_ctx *ctx, uint32_t i,
-     struct rad_ray r[MOST_LEVELS + 1])
+     struct rad_ray r[RAD_PASS_LEVELS + 1])
 {
     uint64_t key = key_of_path(p, i);
 
@@ -295,7 +193,7 @@ find_ends(struct rad_passes *p, struct rad_ctx *ctx)
 {
     uint32_t n = p->pass.end - p->pass.first;
     double(*at)[3] = malloc((size_t)n * sizeof *at);
-    struct rad_ray r[MOST_LEVELS + 1];
+    struct rad_ray r[RAD_PASS_LEVELS + 1];
     bool ok = true;
 
     p->end = malloc(n * sizeof *p->end);
@@ -318,7 +216,7 @@ find_ends(struct rad_passes *p, struct rad_ctx *ctx)
 static void
 ask_at_end(const struct rad_passes *p, struct rad_ctx *ctx, uint32_t i)
 {
-    struct rad_ray r[MOST_LEVELS + 1];
+    struct rad_ray r[RAD_PASS_LEVELS + 1];
     uint64_t key = key_of_path(p, i);
     int k = p->pass.level;
 
@@ -371,12 +269,13 @@ ask_along_lattice(const struct rad_passes *p, struct rad_ctx *ctx,
                   uint32_t tile, const _Atomic bool *stop)
 {
     const struct rad_frame *f = p->frames;
-    int step = p->pass.step, done = p->pass.done, side = SIDE * step;
+    int step = p->pass.step, done = p->pass.done, side = RAD_PASS_SIDE * step;
     int across, x0, y0;
 
-    for (uint32_t n; tile >= (n = tiles_of(f->width, f->height, step)); f++)
+    for (uint32_t n; tile >= (n = rad_pass_tiles(f->width, f->height, step));
+         f++)
         tile -= n;
-    across = (int)tiles_along(f->width, step);
+    across = (int)rad_pass_along(f->width, step);
     x0 = (int)tile % across * side;
     y0 = (int)tile / across * side;
     ctx->no_direct = true;

@@ -7,39 +7,14 @@
  * makes it, and how often, it has the same ones.  When all tiles of a pass are
  * there their records, in the order of tiles, are added to the cache, and the
  * next pass begins.  So the cache is a function of the job.
- * The deepest records come first, for the others are made of them; then the
- * pictures, from coarse lattices to fine ones, so that few records are made
- * twice by tiles side by side.
- * Which passes there are, and how many tiles each has, depends on the options
- * and the sizes of the pictures alone: whoever shares them out needs no scene.
- * Sources: Jones & Reinhart 2016, Parallel multiple-bounce irradiance caching
- * (the order); DESIGN, "Indirect light".
+ * Which passes there are says passplan.h.
  * Thread: see each function. */
 #ifndef RAD_PICTURE_PASSES_H
 #define RAD_PICTURE_PASSES_H
 
 #include "light/indirect/ambient.h"
 #include "picture/frame.h"
-
-/* What one pass asks for. */
-struct rad_pass {
-    int level;           /* of its records: bounces before them */
-    uint32_t first, end; /* level above 0: paths of that number, below end */
-    int step, done; /* level 0: every step-th pixel along both axes, but those
-                     * of every done-th (0: of no) */
-    uint32_t tiles;
-};
-#define RAD_MOST_PASSES 64
-
-struct rad_pass_size {
-    int width, height; /* of a picture */
-};
-
-/* The passes of a job with pictures of these sizes, 0 if it has no cache.
- * Returns how many there are.  Thread: any. */
-uint32_t rad_passes_plan(const struct rad_params *par,
-                         const struct rad_pass_size *size, uint32_t nsizes,
-                         struct rad_pass pass[RAD_MOST_PASSES]);
+#include "picture/passplan.h"
 
 struct rad_passes;
 

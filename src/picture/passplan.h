@@ -1,0 +1,59 @@
+/* passplan.h - which passes fill a job's ambient cache, and their tiles
+ *
+ * The deepest records come first, for the others are made of them; then the
+ * pictures, from coarse lattices of pixels to fine ones, so that few records
+ * are made twice by tiles side by side.
+ * The plan depends on the options and the sizes of the pictures alone: whoever
+ * shares the tiles out needs no scene.
+ * Source: Jones & Reinhart 2016, Parallel multiple-bounce irradiance caching
+ * (the order).
+ * Thread: any. */
+#ifndef RAD_PICTURE_PASSPLAN_H
+#define RAD_PICTURE_PASSPLAN_H
+
+#include "base/params.h"
+
+#include <stdint.h>
+
+/* What one pass asks for. */
+struct rad_pass {
+    int level;           /* of its records: bounces before them */
+    uint32_t first, end; /* level above 0: paths of that number, below end */
+    int step, done; /* level 0: every step-th pixel along both axes, but those
+                     * of every done-th (0: of no) */
+    uint32_t tiles;
+};
+#define RAD_MOST_PASSES 64
+
+/* Records of more bounces than that are made on the way. */
+#define RAD_PASS_LEVELS 8
+
+/* Of a tile, in pixels of its lattice. */
+#define RAD_PASS_SIDE 16
+
+struct rad_pass_size {
+    int width, height; /* of a picture */
+};
+
+/* The passes of a job with pictures of these sizes, 0 if it has no cache.
+ * Returns how many there are. */
+uint32_t rad_passes_plan(const struct rad_params *par,
+                         const struct rad_pass_size *size, uint32_t nsizes,
+                         struct rad_pass pass[RAD_MOST_PASSES]);
+
+/* Tiles along a side of so many pixels, of the lattice of every step-th. */
+static inline uint32_t
+rad_pass_along(int pixels, int step)
+{
+    uint32_t side = (uint32_t)step * RAD_PASS_SIDE;
+
+    return ((uint32_t)pixels + side - 1) / side;
+}
+
+static inline uint32_t
+rad_pass_tiles(int width, int height, int step)
+{
+    return rad_pass_along(width, step) * rad_pass_along(height, step);
+}
+
+#endif
