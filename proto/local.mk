@@ -18,6 +18,8 @@ libproto_a_SOURCES = \
 	proto/msg_lending.h \
 	proto/msg_order.c \
 	proto/msg_order.h \
+	proto/msg_passes.c \
+	proto/msg_passes.h \
 	proto/msg_peer.c \
 	proto/msg_peer.h \
 	proto/msg_session.c \

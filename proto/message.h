@@ -15,6 +15,7 @@
 #include "proto/msg_job.h"
 #include "proto/msg_lending.h"
 #include "proto/msg_order.h"
+#include "proto/msg_passes.h"
 #include "proto/msg_peer.h"
 #include "proto/msg_session.h"
 #include "proto/msg_sharing.h"

@@ -102,7 +102,8 @@ enum msg_order {
 #define MSG_JOB_RECORDS      (1u << 5) /* RECORDS are wanted */
 #define MSG_JOB_CODED        (1u << 6) /* rows come coded */
 #define MSG_JOB_VIEWS        (1u << 7) /* frames and costs are in a file */
-#define MSG_JOB_FLAGS        255u      /* all of them */
+#define MSG_JOB_PASSES       (1u << 8) /* the ambient cache comes in passes */
+#define MSG_JOB_FLAGS        511u      /* all of them */
 
 /* What FETCH asks for. */
 enum msg_what {

@@ -158,6 +158,8 @@ msg_code_spec(struct codec *c, struct msg_spec *b)
     code_amount(c, &b->compile_s);
     code_u32(c, &b->memory_mib);
     code_must(c, (b->flags & ~MSG_JOB_FLAGS) == 0);
+    code_read_must(c, !(b->flags & MSG_JOB_PASSES) ||
+                          !(b->flags & (MSG_JOB_SHARE | MSG_JOB_FRESH_FRAMES)));
     code_must(c, b->ncosts == 0 || !(b->flags & MSG_JOB_VIEWS));
     msg_code_hashes(c, &b->files);
     code_frames(c, b);

@@ -13,7 +13,9 @@ msg_code_ready(struct codec *c, struct msg_ready *b)
     code_amount(c, &b->load_s);
     code_u64(c, &b->fingerprint);
     code_u16(c, &b->threads);
-    code_read_must(c, b->threads >= 1 && b->threads <= MSG_MAX_THREADS);
+    code_u32(c, &b->passes);
+    code_read_must(c, b->threads >= 1 && b->threads <= MSG_MAX_THREADS &&
+                          b->passes <= MSG_MOST_PASSES);
 }
 
 /* *n: the bytes of a RESULT's pixels; of coded rows there are len.  False when

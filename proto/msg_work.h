@@ -11,6 +11,7 @@ struct msg_ready {
     double load_s;
     uint64_t fingerprint;
     uint16_t threads;
+    uint32_t passes; /* closed ones whose records the child has (FROZEN) */
 };
 
 /* How far pixels may be off: sums of src/trace/job.h and src/picture/doubt.h,

@@ -110,7 +110,7 @@ static const struct msg examples[] = {
     { .type = MSG_DELETE, .request = 12, .delete = { ID } },
     { .type = MSG_FORGET, .request = 13, .forget = { "ws1" } },
     { .type = MSG_JOB_START, .job_start = SPEC },
-    { .type = MSG_READY, .ready = { ID, .125, 42, 8 } },
+    { .type = MSG_READY, .ready = { ID, .125, 42, 8, 3 } },
     { .type = MSG_JOB_END, .job_end = { ID } },
     { .type = MSG_UNIT, .unit = { ID, 1, 2, 3, 4, 5, 6, 7,
                                     MSG_MODE_STRICT, MSG_END_RIGHT,
@@ -145,6 +145,11 @@ static const struct msg examples[] = {
     { .type = MSG_ROOM, .room = { ID, 0, "no room on the disk" } },
     { .type = MSG_YIELD, .yield = { ID, 1, 2 } },
     { .type = MSG_REST, .rest = { ID } },
+    { .type = MSG_TILE, .tile = { ID, 1, 2 } },
+    { .type = MSG_TILE_MADE,
+      .tile_made = { ID, 1, 2, COUNTS, 2, (const uint8_t *)"records", 7 } },
+    { .type = MSG_FROZEN,
+      .frozen = { ID, 1, 2, 1, 2, (const uint8_t *)"records", 7 } },
     { .type = MSG_SEED, .seed = { ID, 8192, MSG_SEED_ALL } },
     { .type = MSG_JOB_PEERS, .job_peers = { ID, 2, peers } },
     { .type = MSG_PEER_HELLO, .peer_hello = { ID, "ws1", ID + 1 } },
@@ -579,6 +584,7 @@ static const struct {
     { MSG_TALLY, offsetof(struct msg, tally.paid.cpu_s) },
     { MSG_ESTIMATED, offsetof(struct msg, estimated.counts.cpu_s) },
     { MSG_PAID, offsetof(struct msg, paid.counts.cpu_s) },
+    { MSG_TILE_MADE, offsetof(struct msg, tile_made.counts.cpu_s) },
     { MSG_PROGRESS, offsetof(struct msg, progress.cost_done) },
     { MSG_PROGRESS, offsetof(struct msg, progress.cost_total) },
     { MSG_PROGRESS, offsetof(struct msg, progress.elapsed_s) },
@@ -685,6 +691,12 @@ static const struct {
     }
     NUMBER(MSG_HELLO, hello.threads, MSG_MAX_THREADS + 1, UINT16_MAX),
     NUMBER(MSG_READY, ready.threads, MSG_MAX_THREADS + 1, 0),
+    NUMBER(MSG_READY, ready.passes, MSG_MOST_PASSES + 1, UINT32_MAX),
+    NUMBER(MSG_TILE, tile.pass, MSG_MOST_PASSES, UINT32_MAX),
+    NUMBER(MSG_TILE, tile.tile, MSG_MOST_TILES, UINT32_MAX),
+    NUMBER(MSG_TILE_MADE, tile_made.pass, MSG_MOST_PASSES, UINT32_MAX),
+    NUMBER(MSG_TILE_MADE, tile_made.tile, MSG_MOST_TILES, UINT32_MAX),
+    NUMBER(MSG_FROZEN, frozen.pass, MSG_MOST_PASSES, UINT32_MAX),
     NUMBER(MSG_FAILED, failed.status, EX__BASE - 1, 0),
     NUMBER(MSG_PROGRESS, progress.state, MSG_STATE_HELD + 1, 255),
     NUMBER(MSG_SUBMIT, submit.bundle_bytes, MSG_MAX_BYTES + 1, UINT64_MAX),
@@ -754,7 +766,7 @@ static const struct {
     { MSG_AT_COORD_WORKER,
       " PING PONG BYE WANT FAILED DRAIN READY RESULT LOST TALLY FACTS PARKED "
       "BASE_LINE GAVE ESTIMATED LOAN PAID LINE_COSTS STILL RECORDS "
-      "UNLINKED ROOM " },
+      "UNLINKED ROOM TILE_MADE " },
     { MSG_AT_COORD_USER,
       " PING PONG BYE OFFER CHUNK SUBMIT CANCEL PAUSE PRIORITY "
       "RESUME FETCH QUERY PAGE DELETE " },
@@ -765,7 +777,7 @@ static const struct {
     { MSG_AT_WORKER,
       " PING PONG BYE CHUNK JOB_START JOB_END UNIT ACK REVOKE YIELD REST "
       "JOB_PEERS TWIN FACTS BASE_LINE NEXT_HOLDER SPLIT "
-      "ESTIMATE LEND LOAN BACK SEED RING " },
+      "ESTIMATE LEND LOAN BACK SEED RING TILE FROZEN " },
     { MSG_AT_CLIENT, " PING PONG BYE WANT CHUNK HAVE ACCEPT PROGRESS DONE "
                      "FAILED ANSWER RECORDS " },
     { MSG_AT_PEER_NEW, " PEER_HELLO " },
@@ -773,10 +785,10 @@ static const struct {
     { MSG_AT_CHILD_NEW, " JOB_START " },
     { MSG_AT_CHILD,
       " JOB_END UNIT REVOKE YIELD REST AMBIENT GIVE TWIN FACTS BASE_LINE "
-      "SPLIT ESTIMATE LEND LOAN BACK SEED " },
+      "SPLIT ESTIMATE LEND LOAN BACK SEED TILE FROZEN " },
     { MSG_AT_PARENT_NEW, " FAILED READY " },
     { MSG_AT_PARENT, " FAILED RESULT TALLY AMBIENT FACTS PARKED BASE_LINE "
-                     "GAVE ESTIMATED LOAN PAID LINE_COSTS RESUMED " },
+                     "GAVE ESTIMATED LOAN PAID LINE_COSTS RESUMED TILE_MADE " },
     { MSG_NSESSION, " " },
 };
 

@@ -197,7 +197,7 @@ ready(void *arg, struct event *e)
     if (!h)
         return;
     m.ready = (struct msg_ready){ h->cluster->job,
-                                  1e-6 * h->cluster->spec->load_us, 42, 1 };
+                                  1e-6 * h->cluster->spec->load_us, 42, 1, 0 };
     host_say(h, &m);
     h->ready = true;
     host_time_note(h, HOST_EMPTY);

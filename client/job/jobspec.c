@@ -153,7 +153,9 @@ jobspec_fill(struct jobspec *j, const struct submit_options *o,
     s->oversample = (uint8_t)o->oversample;
     s->clamp = o->clamp;
     s->flags = (o->depth ? MSG_JOB_DEPTH : 0) |
-               (o->no_share ? 0 : MSG_JOB_SHARE) |
+               (o->ambient_way == AMBIENT_PASSES ? MSG_JOB_PASSES
+                : o->no_share                    ? 0
+                                                 : MSG_JOB_SHARE) |
                (o->no_balance ? MSG_JOB_NO_BALANCE : 0) |
                (o->fresh_frames ? MSG_JOB_FRESH_FRAMES : 0) |
                (o->same_bits ? MSG_JOB_SAME_BITS : 0) |

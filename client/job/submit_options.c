@@ -123,6 +123,9 @@ static const struct option own[] = {
          "tests of NN random pixels of each, by a former run's statistics"),
     FLAG("--no-balance", no_balance,
          "a static part stays with the worker that got it"),
+    WORD("--ambient", ambient_way, "passes|live",
+         "ambient values in passes before the picture, so that it is the same "
+         "whoever makes it, or each as rays ask for it (live)"),
     FLAG("--no-share", no_share, "no ambient values from worker to worker"),
     FLAG("--same-bits", same_bits,
          "only workers whose arithmetic is the same to the bit"),
@@ -178,6 +181,7 @@ set_defaults(struct submit_options *o)
     o->quality = o->tone = o->bits = -1;
     show_init(&o->show);
     o->order = ORDER_NONE;
+    o->ambient_way = AMBIENT_NONE;
 }
 
 static int
@@ -608,6 +612,20 @@ count_samples(struct submit_options *o, struct rad_error *err)
     return 0;
 }
 
+/* Passes are for values that all workers share, in all frames. */
+static int
+choose_ambient(struct submit_options *o, struct rad_error *err)
+{
+    bool apart = o->no_share || o->fresh_frames;
+
+    if (o->ambient_way == AMBIENT_PASSES && apart)
+        return rad_fail(err, RAD_EUSAGE, "%s needs --ambient=live",
+                        o->no_share ? "--no-share" : "--fresh-frames");
+    if (o->ambient_way == AMBIENT_NONE)
+        o->ambient_way = AMBIENT_LIVE;
+    return 0;
+}
+
 static int
 check_together(struct submit_options *o, struct rad_error *err)
 {
@@ -640,7 +658,7 @@ check_together(struct submit_options *o, struct rad_error *err)
     if (o->dry_run && o->detach)
         return rad_fail(err, RAD_EUSAGE,
                         "--dry-run makes no job that --detach could leave");
-    if ((rc = check_sharing(o, err)) < 0 ||
+    if ((rc = check_sharing(o, err)) < 0 || (rc = choose_ambient(o, err)) < 0 ||
         (rc = rad_params_check(&o->params, err)) < 0)
         return rc;
     if (!o->first_frame) {

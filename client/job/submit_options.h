@@ -36,6 +36,12 @@ enum submit_order {
     ORDER_COST
 };
 
+enum submit_ambient {
+    AMBIENT_NONE = -1, /* was asked for */
+    AMBIENT_PASSES,
+    AMBIENT_LIVE
+};
+
 struct submit_options {
     struct rad_params params;
     int oversample;       /* --oversample: params' -x and -y count samples */
@@ -65,6 +71,7 @@ struct submit_options {
     double wait_s;
     /* how */
     int partition, order; /* enum submit_partition, submit_order */
+    int ambient_way;      /* enum submit_ambient; as chosen, once parsed */
     int windows;          /* 0: by the picture's size */
     const char *estimate; /* "uniform", "20a" or the like; NULL: not said */
     const char *costs;    /* the file that --estimate named; or NULL */

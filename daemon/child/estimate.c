@@ -2,6 +2,8 @@
 #include "config.h"
 
 #include "child/estimate.h"
+
+#include "light/indirect/ambient.h"
 #include "machine/counted.h"
 
 #include "picture/estimate.h"
@@ -71,6 +73,12 @@ copy_areas(struct estimate *e, const struct msg_estimate *m, uint32_t nframes,
     return 0;
 }
 
+static bool
+makes_records(const struct rad_frame *f)
+{
+    return f->job->ambient && !rad_ambient_is_frozen(f->job->ambient);
+}
+
 struct estimate *
 estimate_new(const struct rad_frame *frames, uint32_t nframes,
              const struct msg_estimate *m, struct rad_error *err)
@@ -88,7 +96,7 @@ estimate_new(const struct rad_frame *frames, uint32_t nframes,
         e->id = m->id;
         e->rays = m->rays;
         e->nareas = m->nareas;
-        e->passes = nframes > 0 && frames[0].job->ambient ? 2 : 1;
+        e->passes = nframes > 0 && makes_records(&frames[0]) ? 2 : 1;
         e->areas = calloc(m->nareas + 1, sizeof *e->areas);
         e->costs = calloc(m->nareas + 1, sizeof *e->costs);
     }

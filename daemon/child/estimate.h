@@ -1,14 +1,14 @@
 /* estimate.h - an ESTIMATE that a child's threads work on
  *
  * Render threads take the estimate's areas one by one.  Where ambient records
- * are kept the areas are gone over twice.  The first pixels of a job make
- * records for half the room, which all later pixels find, in whatever area; so
- * the first pass is not counted, and the second, over as many other pixels,
- * measures each area's own cost.  When all areas are done the loop's thread
- * sends the costs (ESTIMATED).  Where the picture is shared by lines it sends
- * the pixels before, as FACTS, and they need not be traced again.
- * Thread: estimate_open() and estimate_work() from any; the others from one,
- * before the threads begin or after they are done. */
+ * are made as rays ask for them the areas are gone over twice.  The first
+ * pixels of a job make records for half the room, which all later pixels find,
+ * in whatever area; so the first pass is not counted, and the second, over as
+ * many other pixels, measures each area's own cost.  When all areas are done
+ * the loop's thread sends the costs (ESTIMATED).  Where the picture is shared
+ * by lines it sends the pixels before, as FACTS, and they need not be traced
+ * again. Thread: estimate_open() and estimate_work() from any; the others from
+ * one, before the threads begin or after they are done. */
 #ifndef RADD_DAEMON_ESTIMATE_H
 #define RADD_DAEMON_ESTIMATE_H
 

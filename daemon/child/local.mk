@@ -9,11 +9,14 @@ libdaemon_a_SOURCES += \
 	daemon/child/pool_impl.h \
 	daemon/child/pool_strict.c \
 	daemon/child/pool_thread.c \
+	daemon/child/pool_tiles.c \
+	daemon/child/pool_tiles.h \
 	daemon/child/pool_unit.c \
 	daemon/child/render.c \
 	daemon/child/render.h \
 	daemon/child/render_impl.h \
 	daemon/child/render_load.c \
+	daemon/child/render_passes.c \
 	daemon/child/render_records.c \
 	daemon/child/render_tell.c \
 	daemon/child/render_units.c \

@@ -6,6 +6,16 @@
 #include <pthread.h>
 #include <stdlib.h>
 
+/* A failure goes the way of a unit's. */
+static void
+give_tiles(struct pool *p)
+{
+    struct pool_rows failed = { 0 };
+
+    if (pool_give_tiles(p, &failed.err) != 0)
+        p->fn(p->arg, &failed);
+}
+
 static void
 on_async(uv_async_t *async)
 {
@@ -18,6 +28,8 @@ on_async(uv_async_t *async)
     p->done_end = &p->done;
     uv_mutex_unlock(&p->mu);
     first_end_seed(p);
+    if (p->tiling.fn)
+        give_tiles(p);
     if (p->strict)
         p->news(p->arg);
     for (; r; r = next) {
@@ -106,6 +118,7 @@ pool_tally(struct pool *p)
         t.pixels_under_way = strict_pixels(p->strict);
         strict_dropped(p->strict, &t.dropped);
     }
+    msg_counts_add(&t.dropped, &p->tiling.dropped);
     uv_mutex_unlock(&p->mu);
     return t;
 }
@@ -159,6 +172,7 @@ pool_free(struct pool *p)
         return;
     uv_mutex_lock(&p->mu);
     atomic_store(&p->stopping, true);
+    atomic_store(&p->tiling.stop, true);
     first_stop_locked(p);
     for (struct active *u = p->active; u; u = u->next)
         team_stop(u->team);
@@ -185,6 +199,7 @@ pool_free(struct pool *p)
     first_free_estimates(p->estimated);
     rad_seed_free(p->seed);
     rad_seed_free(p->seeded_one);
+    pool_release_tiles(p);
     uv_close((uv_handle_t *)&p->async, async_closed);
 }
 
@@ -234,6 +249,8 @@ pool_new(uv_loop_t *loop, const struct rad_job *job,
     p->arg = arg;
     p->todo_end = &p->todo;
     p->done_end = &p->done;
+    p->tiling.todo_end = &p->tiling.todo;
+    p->tiling.frozen_end = &p->tiling.frozen;
     uv_mutex_init(&p->mu);
     uv_cond_init(&p->work);
     uv_cond_init(&p->room);

@@ -13,6 +13,7 @@
 #define RADD_DAEMON_POOL_H
 
 #include "child/estimate.h"
+#include "picture/passes.h"
 #include "picture/seed.h"
 #include "strict/strict.h"
 
@@ -87,6 +88,33 @@ bool pool_estimate(struct pool *p, struct estimate *e, pool_estimate_fn *fn);
  * seed at a time. */
 typedef void pool_seed_fn(void *arg);
 void pool_seed(struct pool *p, struct rad_seed *s, pool_seed_fn *fn);
+
+/* --- the ambient cache in passes --- */
+
+/* A tile that is made. */
+struct pool_tile {
+    struct pool_tile *next;
+    uint32_t pass, tile;
+    struct msg_counts counts;
+    uint32_t count;          /* records */
+    struct wire_out records; /* as they are sent (proto/ambshare.h) */
+};
+
+/* t is borrowed for the call. */
+typedef void pool_tile_fn(void *arg, const struct pool_tile *t);
+
+/* The cache comes in these passes, which outlive the pool; to be called before
+ * any other of the calls below.  fn, with the pool's arg, gets the tiles. */
+void pool_set_passes(struct pool *p, struct rad_passes *passes,
+                     const struct rad_pass *plan, pool_tile_fn *fn);
+
+/* Make a tile, of the pass that is open once all that was frozen before is in
+ * the cache.  Tiles come before all other work.  False: memory is out. */
+bool pool_push_tile(struct pool *p, uint32_t pass, uint32_t tile);
+
+/* The records of the next pass, which takes the malloc'd array: no more of its
+ * tiles are made.  False: memory is out, and the array is the caller's. */
+bool pool_freeze(struct pool *p, struct rad_ambrec *rec, size_t n);
 
 /* End seeding and estimates that are under way (REST), within a pixel or a
  * record of each thread; their callbacks are called. */

@@ -5,6 +5,7 @@
  *   pool_clock.c   the time that threads use
  *   pool_thread.c  the next work of a thread
  *   pool_first.c   work before the first unit: seeding, estimates
+ *   pool_tiles.c   the ambient cache in passes
  *   pool_unit.c    one unit: its team, its rows
  *   pool_strict.c  the strict units' machine
  * Fields marked [mu] are read and written under the pool's lock, [fixed] are
@@ -14,6 +15,7 @@
 #define DAEMON_POOL_IMPL_H
 
 #include "child/pool.h"
+#include "child/pool_tiles.h"
 #include "picture/doubt.h"
 #include "team/team.h"
 
@@ -90,6 +92,7 @@ struct pool {
     bool seed_over;                           /* [mu] no piece of it is left */
     _Atomic bool seed_stop;   /* begin no more of the seed; as stopping */
     struct msg_counts seeded; /* [mu] counts of seeding */
+    struct pool_tiling tiling;
     struct pool_rows *done;                   /* [mu] */
     struct pool_rows **done_end;              /* [mu] */
     size_t unsent;         /* [mu] bytes of pixels under way */

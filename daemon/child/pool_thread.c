@@ -14,6 +14,8 @@
 
 /* A thread's next work: one of these. */
 struct work {
+    struct pool_tile_work tile;
+    bool at_tile;
     struct rad_seed *seed;
     struct estimating *estimate;
     struct active *help;
@@ -61,6 +63,10 @@ static bool
 find_locked(struct pool *p, struct work *w)
 {
     *w = (struct work){ 0 };
+    if (p->tiling.passes && (w->at_tile = pool_find_tile_locked(p, &w->tile)))
+        return true;
+    if (p->tiling.changing || p->tiling.frozen)
+        return false; /* units read the cache */
     if (p->seed && !atomic_load(&p->seed_stop)) {
         /* the next step of seeding needs the pieces that others are at */
         if (!rad_seed_open(p->seed))
@@ -107,6 +113,10 @@ pool_run_thread(void *arg)
     struct work w;
 
     while (find_work(by->pool, &w)) {
+        if (w.at_tile) {
+            pool_work_on_tile(by, &w.tile);
+            continue;
+        }
         if (w.seed) {
             first_work_on_seed(by, w.seed);
             continue;

@@ -98,6 +98,12 @@ on_message(void *arg, struct conn *c, const struct msg *m)
     case MSG_UNIT:
         render_take_unit(r, &m->unit);
         break;
+    case MSG_TILE:
+        render_take_tile(r, &m->tile);
+        break;
+    case MSG_FROZEN:
+        render_take_frozen(r, &m->frozen);
+        break;
     case MSG_SEED:
         render_take_seed(r, &m->seed);
         break;

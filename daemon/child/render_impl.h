@@ -5,6 +5,7 @@
  *   render_load.c     scene, frames and what renders them, from the cache
  *   render_units.c    units, facts, base lines and estimates that come
  *   render_records.c  ambient records that come and go
+ *   render_passes.c   the ambient cache in passes
  * Thread: the loop's. */
 #ifndef RADD_DAEMON_RENDER_IMPL_H
 #define RADD_DAEMON_RENDER_IMPL_H
@@ -21,6 +22,16 @@
 /* A peer that gets the whole cache, and facts in case of a loss, are sent on
  * when no more than so many bytes wait in the link. */
 #define RENDER_AHEAD (1u << 20)
+
+/* The passes of the cache; n is 0: it does not come so. */
+struct render_passes {
+    struct rad_passes *passes;
+    struct rad_pass plan[RAD_MOST_PASSES];
+    uint32_t n;
+    uint32_t next;          /* the first whose records have not all come */
+    struct rad_ambrec *rec; /* the records of it that have */
+    size_t nrecs;
+};
 
 struct render {
     uv_loop_t loop;
@@ -45,6 +56,7 @@ struct render {
     uint32_t nframes;
     struct strict *strict; /* NULL: the picture is not shared by lines */
     struct pool *pool;
+    struct render_passes passes;
     struct give *gives;
     struct ambseen seen;  /* records that the cache has */
     uint64_t loaded;      /* where records begin that others may lack */
@@ -85,6 +97,19 @@ int render_load(struct render *r, const struct msg_spec *spec,
                 struct rad_error *err);
 /* Free all that render_load() made. */
 void render_unload(struct render *r);
+
+/* --- render_passes.c --- */
+
+/* The frames are loaded: lay out the passes, if the cache comes in such. */
+int render_load_passes(struct render *r, struct rad_error *err);
+/* There is a pool: it may get tiles. */
+void render_begin_passes(struct render *r);
+/* When the pool is gone. */
+void render_unload_passes(struct render *r);
+/* Did the records of all passes come? */
+bool render_cache_is_whole(const struct render *r);
+void render_take_tile(struct render *r, const struct msg_tile *m);
+void render_take_frozen(struct render *r, const struct msg_frozen *m);
 
 /* --- render_units.c --- */
 

@@ -128,7 +128,11 @@ load_job(struct render *r, const struct rad_bundle *bundle,
     r->scene = rad_octfile_load(path, err);
     if (r->scene && !rad_scene_include(r->scene, &files, NULL, NULL, err))
         r->job = rad_job_new(r->scene, &params, &files, err);
-    return r->job ? load_records(r, bundle, err) : err->code;
+    if (!r->job)
+        return err->code;
+    if (spec->flags & MSG_JOB_PASSES && r->job->ambient)
+        rad_ambient_freeze(r->job->ambient);
+    return load_records(r, bundle, err);
 }
 
 static int
@@ -210,13 +214,18 @@ render_load(struct render *r, const struct msg_spec *spec,
     rad_bundle_release(&bundle);
     if (rc == 0)
         rc = load_strict(r, spec, err);
+    if (rc == 0)
+        rc = render_load_passes(r, err);
     if (rc < 0)
         return rc;
     r->frame = r->nframes;
     r->pool = pool_new(&r->loop, r->job, r->frames, r->strict, r->nthreads,
                        spec->flags & MSG_JOB_CODED, render_on_rows,
                        render_on_news, r, err);
-    return r->pool ? 0 : err->code;
+    if (!r->pool)
+        return err->code;
+    render_begin_passes(r);
+    return 0;
 }
 
 /* Free all that render_load() made. */
@@ -225,6 +234,7 @@ render_unload(struct render *r)
 {
     pool_free(r->pool);
     r->pool = NULL;
+    render_unload_passes(r);
     strict_free(r->strict);
     r->strict = NULL;
     for (uint32_t i = 0; i < r->nframes; i++)

@@ -30,6 +30,9 @@ check_unit(const struct render *r, const struct msg_unit *u,
 {
     const struct rad_frame *f;
 
+    if (!render_cache_is_whole(r))
+        return rad_fail(err, RAD_EPROTO, "unit %u comes before its cache",
+                        u->unit);
     if (u->frame >= r->nframes)
         return rad_fail(err, RAD_EPROTO, "unit %u of frame %u, of %u", u->unit,
                         u->frame, r->nframes);
@@ -217,8 +220,12 @@ void
 render_take_estimate(struct render *r, const struct msg_estimate *m)
 {
     struct rad_error err = { 0 };
-    struct estimate *e = estimate_new(r->frames, r->nframes, m, &err);
+    struct estimate *e = NULL;
 
+    if (render_cache_is_whole(r))
+        e = estimate_new(r->frames, r->nframes, m, &err);
+    else
+        rad_fail(&err, RAD_EPROTO, "an estimate comes before its cache");
     if (e && !pool_estimate(r->pool, e, on_estimated)) {
         estimate_free(e);
         rad_fail(&err, RAD_ENOMEM, "out of memory");

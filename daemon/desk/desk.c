@@ -219,6 +219,22 @@ desk_can_balance(const struct job *job)
 }
 
 bool
+desk_others_may(const struct coord *c, const struct job *job,
+                const struct coord_worker *w, bool late)
+{
+    for (const struct coord_worker *o = c->workers; o; o = o->next) {
+        uint32_t i = desk_index(job, o);
+
+        if (o != w && desk_takes_units(o) &&
+            (i == JOB_NOBODY || (job->workers[i].state != PART_EXCLUDED &&
+                                 job->workers[i].state != PART_NO_ROOM &&
+                                 (late || !job->workers[i].late))))
+            return true;
+    }
+    return false;
+}
+
+bool
 desk_idle_job(const struct job *job)
 {
     return job_over(job) || job->stage == STAGE_ARRIVING ||

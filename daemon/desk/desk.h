@@ -152,6 +152,10 @@ bool desk_is_idle(const struct job *job, uint32_t index);
 /* Does the worker have to give back units of the job, for another job, a pause,
  * or because it is to leave? */
 bool desk_gives_way(const struct job *job, uint32_t index);
+/* Is there another worker than w that may do the job?  late: workers that are
+ * late count, too. */
+bool desk_others_may(const struct coord *c, const struct job *job,
+                     const struct coord_worker *w, bool late);
 /* Is the job over, and kept for its owner, who has not fetched all frames? */
 bool desk_unfetched(const struct coord *c, const struct job *job);
 

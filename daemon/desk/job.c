@@ -345,14 +345,15 @@ make_shared(struct job *job)
     return job->shared != NULL;
 }
 
-/* Is the cache off? */
+/* Is the cache off, or a function of the job? */
 static bool
 is_exact(const struct job *job)
 {
     struct rad_params p;
 
     return jobtext_params(job->spec.params, &p, NULL) == 0 &&
-           (p.ambounce == 0 || p.ambacc == 0);
+           (p.ambounce == 0 || p.ambacc == 0 ||
+            job->spec.flags & MSG_JOB_PASSES);
 }
 
 int

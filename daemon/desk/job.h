@@ -16,6 +16,7 @@
 
 struct coord_owner;
 struct coord_worker;
+struct passes;
 struct ring;
 struct stats_text;
 struct steps;
@@ -94,10 +95,12 @@ struct job {
     uint32_t *out; /* units that are out; the last takes the place of one that
                     * leaves, so whoever may end attempts goes backwards */
     uint32_t nout, cap_out;
-    bool exact;    /* a pixel is a function: there is no ambient cache */
+    bool exact;    /* a pixel is a function: there is no ambient cache, or it
+                    * comes in passes */
     uint32_t late; /* units that are out for too long, and may have twins */
     struct coord_owner *payer; /* whom it belongs to, at the coordinator */
     uint32_t served;       /* the last search for a unit that looked at it */
+    struct passes *passes; /* NULL: none, or not laid out yet */
     struct survey *survey; /* NULL: costs are not estimated, or are by now */
     struct shared *shared; /* NULL: lines are not shared */
     struct ring *ring; /* NULL: each worker is linked with all, or none is */
@@ -120,6 +123,7 @@ struct job {
     uint64_t rays;              /* of units that are done */
     uint64_t estimate_ms;       /* that the estimate took */
     struct msg_counts surveyed; /* and its rays */
+    struct msg_counts tiled;    /* by the tiles of passes (passes.c) */
     uint64_t rays_seen;   /* and of those under way; what is lost stays in */
     uint64_t pixels_seen; /* pixels_done, and those that units under way are
                            * past; likewise, and never all */

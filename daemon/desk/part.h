@@ -55,7 +55,9 @@ struct job_worker {
     uint32_t seed_first, seed_last; /* its part, until it gets it */
     bool seeds;                     /* it got that part */
     uint32_t surveying;     /* areas that it estimates, from 1; 0: none */
-    uint64_t surveyed_rays; /* of these */
+    uint64_t surveyed_rays; /* of these, and of tiles */
+    uint32_t passes;        /* whose records it has, or gets (passes.c) */
+    uint32_t ntiles;        /* that it makes */
     uint64_t rest_ms; /* told to leave seeds and areas then (REST), and given
                        * nothing since; 0: it was not */
 

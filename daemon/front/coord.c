@@ -27,6 +27,7 @@
 #include "sched/loss.h"
 #include "sched/result.h"
 #include "sched/sched.h"
+#include "sched/passes.h"
 #include "sched/survey.h"
 #include "users/known.h"
 #include "users/uploads.h"
@@ -250,16 +251,27 @@ static const struct {
     void (*handle)(struct coord *c, struct coord_worker *w,
                    const struct msg *m);
 } handlers[] = {
-    { MSG_RESULT, result_rows },    { MSG_READY, sched_ready },
-    { MSG_LOST, loss_reported },    { MSG_TALLY, sched_tally },
-    { MSG_FACTS, handoff_facts },   { MSG_BASE_LINE, handoff_base_line },
-    { MSG_PARKED, handoff_parked }, { MSG_GAVE, balance_gave },
-    { MSG_STILL, loss_still },      { MSG_ESTIMATED, survey_estimated },
-    { MSG_LOAN, lending_loan },     { MSG_PAID, lending_paid },
-    { MSG_ROOM, loss_no_room },     { MSG_WANT, on_want },
-    { MSG_FAILED, on_failed },      { MSG_DRAIN, on_drain },
-    { MSG_PING, on_ping },          { MSG_RECORDS, on_records },
-    { MSG_UNLINKED, on_unlinked },  { MSG_LINE_COSTS, on_line_costs },
+    { MSG_RESULT, result_rows },
+    { MSG_READY, sched_ready },
+    { MSG_LOST, loss_reported },
+    { MSG_TALLY, sched_tally },
+    { MSG_FACTS, handoff_facts },
+    { MSG_BASE_LINE, handoff_base_line },
+    { MSG_PARKED, handoff_parked },
+    { MSG_GAVE, balance_gave },
+    { MSG_STILL, loss_still },
+    { MSG_ESTIMATED, survey_estimated },
+    { MSG_LOAN, lending_loan },
+    { MSG_PAID, lending_paid },
+    { MSG_ROOM, loss_no_room },
+    { MSG_WANT, on_want },
+    { MSG_FAILED, on_failed },
+    { MSG_DRAIN, on_drain },
+    { MSG_PING, on_ping },
+    { MSG_RECORDS, on_records },
+    { MSG_TILE_MADE, passes_made },
+    { MSG_UNLINKED, on_unlinked },
+    { MSG_LINE_COSTS, on_line_costs },
 };
 
 /* BYE is followed by the end of the connection. */
@@ -336,7 +348,7 @@ is_work(uint16_t type)
 {
     return type == MSG_FACTS || type == MSG_BASE_LINE || type == MSG_RESULT ||
            type == MSG_TALLY || type == MSG_LINE_COSTS || type == MSG_RECORDS ||
-           type == MSG_PING || type == MSG_PONG;
+           type == MSG_TILE_MADE || type == MSG_PING || type == MSG_PONG;
 }
 
 void

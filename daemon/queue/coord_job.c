@@ -19,6 +19,7 @@
 #include "queue/stats.h"
 #include "queue/telling.h"
 #include "sched/sched.h"
+#include "sched/passes.h"
 #include "sched/survey.h"
 #include "users/known.h"
 #include "users/uploads.h"
@@ -311,6 +312,7 @@ coord_free_job(struct job *job)
     if (!job)
         return;
     stats_free(job->filing);
+    passes_free(job->passes);
     survey_free(job->survey);
     shared_free(job->shared);
     ring_free(job->ring);

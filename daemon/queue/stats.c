@@ -75,6 +75,7 @@ sum_counts(const struct job *job)
     struct msg_counts t = job->surveyed;
 
     t.speculative_rays += job->late_rays;
+    msg_counts_add(&t, &job->tiled);
     for (uint32_t i = 0; i < n; i++)
         if (job->units[i].state == UNIT_DONE)
             msg_counts_add(&t, &job->units[i].counts);
@@ -106,12 +107,15 @@ totals(const struct job *job)
         took_part += job->workers[i].took_part;
     }
     return json_pack(
-        "{s:I,s:I,s:I,s:I,s:f,s:I,s:I,s:I,s:I,s:I,s:I,s:I,s:I,s:f,s:I,s:I,s:I,"
+        "{s:I,s:I,s:I,s:I,s:f,s:I,s:I,s:f,s:I,s:I,s:I,s:I,s:I,s:I,s:I,s:I,s:f,"
+        "s:I,s:I,s:I,"
         "s:I,"
         "s:I,s:I}",
         "rays", integer(t.rays), "dropped_rays", integer(dropped), "seed_rays",
         integer(seeded.rays), "seed_values", integer(seeded.ambient_values),
-        "seed_s", seeded.cpu_s, "primary_rays", integer(t.primary_rays),
+        "seed_s", seeded.cpu_s, "tile_rays", integer(job->tiled.rays),
+        "tile_values", integer(job->tiled.ambient_values), "tile_s",
+        job->tiled.cpu_s, "primary_rays", integer(t.primary_rays),
         "speculative_rays", integer(t.speculative_rays), "shadow_rays",
         integer(t.shadow_rays), "ambient_rays", integer(t.ambient_rays),
         "intersection_tests", integer(t.intersection_tests), "ambient_values",

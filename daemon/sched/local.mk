@@ -6,6 +6,8 @@ libdaemon_a_SOURCES += \
 	daemon/sched/handout.h \
 	daemon/sched/loss.c \
 	daemon/sched/loss.h \
+	daemon/sched/passes.c \
+	daemon/sched/passes.h \
 	daemon/sched/result.c \
 	daemon/sched/result.h \
 	daemon/sched/sched.c \

@@ -12,6 +12,7 @@
 #include "desk/unit.h"
 #include "desk/verdict.h"
 #include "links/ring.h"
+#include "sched/passes.h"
 #include "sched/survey.h"
 
 #include "base/text.h"
@@ -35,22 +36,6 @@ others_than(const struct coord *c, const struct coord_worker *w)
     for (const struct coord_worker *o = c->workers; o; o = o->next)
         if (o != w && desk_takes_units(o))
             return true;
-    return false;
-}
-
-bool
-loss_others_may(const struct coord *c, const struct job *job,
-                const struct coord_worker *w, bool late)
-{
-    for (const struct coord_worker *o = c->workers; o; o = o->next) {
-        uint32_t i = desk_index(job, o);
-
-        if (o != w && desk_takes_units(o) &&
-            (i == JOB_NOBODY || (job->workers[i].state != PART_EXCLUDED &&
-                                 job->workers[i].state != PART_NO_ROOM &&
-                                 (late || !job->workers[i].late))))
-            return true;
-    }
     return false;
 }
 
@@ -141,6 +126,7 @@ static void
 take_all_back(struct coord *c, struct job *job, uint32_t index)
 {
     survey_lost(job, index);
+    passes_lost(job, index);
     for (uint32_t i = job->nout; i-- > 0;) {
         uint32_t unit = job->out[i];
         struct job_go *go = go_of_worker(job, unit, index);
@@ -372,7 +358,7 @@ setback(struct coord *c, struct job *job, struct job_worker *jw,
     actions_log(&c->actions, ACT_WARN,
                 "worker excluded job=%s worker=%s why=%s", job->hex, jw->name,
                 why);
-    if (loss_others_may(c, job, jw->worker, true))
+    if (desk_others_may(c, job, jw->worker, true))
         return true;
     snprintf(text, sizeof text, "no worker can keep a process for it: %.400s",
              why);
@@ -436,12 +422,14 @@ loss_reported(struct coord *c, struct coord_worker *w, const struct msg *msg)
     if (jw->state == PART_LOADING && !crashed_loading(c, job, jw, m->text, &to))
         return;
     if (jw->state == PART_READY && m->nunits == 0 && !jw->surveying &&
-        !setback(c, job, jw, m->text, &to))
+        jw->ntiles == 0 && !setback(c, job, jw, m->text, &to))
         return;
     for (uint32_t i = 0; i < m->nunits; i++)
         if (has_unit(job, index, m->units[i]) &&
             !suspect(c, job, index, m->units[i], m->text))
             return;
+    if (jw->ntiles > 0 && !passes_crashed(c, job, index, m->text))
+        return;
     surveying = jw->surveying;
     loss_all(c, job, index, to);
     if (surveying)

@@ -43,9 +43,5 @@ void loss_tick(struct coord *c, struct job *job);
  * that it named by STILL.  Another attempt of this worker goes on only if all
  * its rows came before READY; else it is lost. */
 void loss_at_ready(struct coord *c, struct job *job, uint32_t index);
-/* Is there another worker than w that may do the job?  late: workers that are
- * late count, too. */
-bool loss_others_may(const struct coord *c, const struct job *job,
-                     const struct coord_worker *w, bool late);
 
 #endif

@@ -35,6 +35,7 @@
 #include "sched/balance.h"
 #include "sched/handout.h"
 #include "sched/loss.h"
+#include "sched/passes.h"
 #include "sched/survey.h"
 
 #include <stdio.h>
@@ -110,7 +111,7 @@ find_suspect(const struct coord *c, const struct job *job, uint32_t index,
         uint32_t crasher = job->units[job->suspects[i]].crasher;
 
         if (crasher != index ||
-            !loss_others_may(c, job, job->workers[crasher].worker, false)) {
+            !desk_others_may(c, job, job->workers[crasher].worker, false)) {
             *unit = job->suspects[i];
             return true;
         }
@@ -181,12 +182,16 @@ give_unit(struct coord *c, struct job *job, struct coord_worker *w,
     return true;
 }
 
-/* A unit or areas of a job that the worker has loaded; *done: the worker gets
- * none of other jobs either. */
+/* A tile, areas or a unit of a job that the worker has loaded; *done: the
+ * worker gets none of other jobs either. */
 static bool
 serve_job(struct coord *c, struct job *job, struct coord_worker *w,
           uint32_t index, bool *done)
 {
+    if (passes_open(job)) {
+        *done = true; /* the next pass may be there in a moment */
+        return passes_give(c, job, index);
+    }
     if (job->survey) {
         *done = job->workers[index].surveying > 0;
         return survey_give(c, job, index);
@@ -402,11 +407,29 @@ lay_out(struct coord *c, struct job *job)
     struct rad_error err = { 0 };
 
     if (job_split(job, one_worker_in_all(c), &err) != 0 ||
+        passes_begin(job, &err) != 0 ||
         survey_begin(job, job_active(job), &err) != 0) {
         verdict_job(c, job, JOB_FAILED, rad_exit_status(err.code), err.what);
         return false;
     }
-    if (!job->survey)
+    if (!job->survey && !passes_open(job))
+        speed_share(c, job);
+    return true;
+}
+
+/* The first worker is ready for a job from an earlier life; false: the job
+ * ends. */
+static bool
+take_up(struct coord *c, struct job *job)
+{
+    struct rad_error err = { 0 };
+
+    job->restored = false;
+    if (passes_begin(job, &err) != 0) {
+        verdict_job(c, job, JOB_FAILED, rad_exit_status(err.code), err.what);
+        return false;
+    }
+    if (!passes_open(job))
         speed_share(c, job);
     return true;
 }
@@ -441,9 +464,14 @@ sched_ready(struct coord *c, struct coord_worker *w, const struct msg *msg)
         speed_measure(c, job);
         seeding_begin(c, job);
     }
-    if (job->restored)
-        speed_share(c, job);
-    job->restored = false;
+    if (job->restored && !take_up(c, job))
+        return;
+    if (!passes_ready(c, job, index, m->passes)) { /* those of an earlier life:
+                                                    * it is to begin anew */
+        loss_all(c, job, index, PART_GONE);
+        desk_send_job_end(c, w->conn, job->id);
+        return;
+    }
     loss_at_ready(c, job, index);
     worker_ready(c, job, w, jw, m);
     if (job->shared)
@@ -532,6 +560,8 @@ sched_job_over(struct coord *c, struct job *job)
         if (w->conn != 0)
             desk_send_job_end(c, w->conn, job->id);
     }
+    passes_free(job->passes);
+    job->passes = NULL;
     survey_free(job->survey);
     job->survey = NULL;
     shared_free(job->shared);

@@ -17,6 +17,7 @@
 #include "desk/job.h"
 #include "desk/part.h"
 #include "sched/loss.h"
+#include "sched/passes.h"
 #include "sched/sched.h"
 #include "sched/survey.h"
 
@@ -33,6 +34,8 @@ has_some_for(const struct coord *c, const struct job *job, uint32_t index)
     if (desk_idle_job(job) || job->stage != STAGE_OPEN ||
         jw->state != PART_READY)
         return false;
+    if (passes_open(job))
+        return passes_has(c, job, index);
     return (job->survey && survey_has(c, job, index)) ||
            (!job->survey && job_waiting(job) > 0 && !jw->late &&
             c->now_ms >= jw->ask_ms);
@@ -187,8 +190,8 @@ share(struct coord *c, struct job *job)
         struct coord_worker *w = job->workers[i].worker;
         struct job *other;
 
-        if (!has_some_for(c, job, i) || job->survey || !desk_takes_units(w) ||
-            !(other = richer(c, job, w)))
+        if (!has_some_for(c, job, i) || job->survey || passes_open(job) ||
+            !desk_takes_units(w) || !(other = richer(c, job, w)))
             continue;
         give_all_back(c, other, desk_index(other, w));
         sched_serve(c, w);

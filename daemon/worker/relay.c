@@ -1,4 +1,4 @@
-/* relay.c - shared lines on their way through a worker
+/* relay.c - shared lines, and tiles of passes, on their way through a worker
  *
  * Messages about units that the child has pass between the coordinator and the
  * child.  A base line that the child makes goes to the coordinator, and at once
@@ -305,6 +305,34 @@ on_estimate(struct worker *w, const struct msg *m)
 }
 
 static void
+on_tile(struct worker *w, const struct msg *m)
+{
+    struct wjob *job = worker_find_job(w, m->tile.job);
+
+    w->progress++;
+    if (!job || job->state != WJOB_READY || m->tile.pass != job->ready.passes)
+        return; /* the coordinator will hear of the lost child */
+    job->ntiles++;
+    worker_send_child(w, job, m);
+}
+
+/* A child that was lost meanwhile gets all passes again, from the first. */
+static void
+on_frozen(struct worker *w, const struct msg *m)
+{
+    struct wjob *job = worker_find_job(w, m->frozen.job);
+
+    if (!job || job->state != WJOB_READY || m->frozen.pass != job->ready.passes)
+        return;
+    job->bytes_in += m->frozen.len;
+    worker_send_child(w, job, m);
+    if (!m->frozen.last)
+        return;
+    job->ready.passes++;
+    job->ntiles = 0;
+}
+
+static void
 on_seed(struct worker *w, const struct msg *m)
 {
     to_child(w, m, m->seed.job, 0);
@@ -339,6 +367,8 @@ static const struct {
     { MSG_BASE_LINE, on_base_line },
     { MSG_NEXT_HOLDER, on_next_holder },
     { MSG_ESTIMATE, on_estimate },
+    { MSG_TILE, on_tile },
+    { MSG_FROZEN, on_frozen },
     { MSG_SEED, on_seed },
     { MSG_REST, on_rest },
 };
@@ -510,6 +540,19 @@ child_estimated(struct worker *w, struct wjob *job, const struct msg *m)
     pass_up(w, job, &pass);
 }
 
+static void
+child_tile_made(struct worker *w, struct wjob *job, const struct msg *m)
+{
+    struct msg pass = { .type = MSG_TILE_MADE, .tile_made = m->tile_made };
+
+    if (m->tile_made.pass != job->ready.passes)
+        return; /* the pass was closed meanwhile */
+    if (job->ntiles > 0)
+        job->ntiles--;
+    pass.tile_made.job = job->id;
+    pass_up(w, job, &pass);
+}
+
 static const struct {
     enum msg_type type;
     void (*handle)(struct worker *w, struct wjob *job, const struct msg *m);
@@ -518,7 +561,7 @@ static const struct {
     { MSG_GAVE, child_gave },           { MSG_BASE_LINE, child_base_line },
     { MSG_ESTIMATED, child_estimated }, { MSG_LOAN, child_loan },
     { MSG_PAID, child_paid },           { MSG_LINE_COSTS, child_line_costs },
-    { MSG_RESUMED, child_resumed },
+    { MSG_RESUMED, child_resumed },     { MSG_TILE_MADE, child_tile_made },
 };
 
 void

@@ -26,6 +26,8 @@ child_ready(struct worker *w, struct wjob *job, const struct msg *m)
     job->state = WJOB_READY;
     job->ready = m->ready;
     job->ready.job = ready.ready.job = job->id;
+    job->ready.passes = ready.ready.passes = 0;
+    job->ntiles = 0;
     actions_session(&w->actions, job->child, MSG_AT_PARENT, MSG_VERSION);
     worker_send_coord(w, &ready);
 }
@@ -138,7 +140,8 @@ worker_watch_children(struct worker *w)
     char text[64];
 
     for (struct wjob *job = w->jobs; job; job = job->next) {
-        bool at_work = job->state == WJOB_LOADING || job->nunits > 0;
+        bool at_work =
+            job->state == WJOB_LOADING || job->nunits > 0 || job->ntiles > 0;
 
         if (!job->child || !at_work || w->held)
             job->heard_ms = w->awake_ms;

@@ -144,6 +144,12 @@ rad_ambient_freeze(struct rad_ambient *amb)
     amb->scale.deep = DEEP_REACH * amb->scale.ambacc;
 }
 
+bool
+rad_ambient_is_frozen(const struct rad_ambient *amb)
+{
+    return amb->frozen;
+}
+
 void
 rad_ambient_cube(const struct rad_ambient *amb, double org[3], double *side)
 {

@@ -44,6 +44,7 @@ void rad_ambient_free(struct rad_ambient *amb);
  * is made for the tile that asks (ambtile.h), or for that place alone.  To be
  * called before the first record. */
 void rad_ambient_freeze(struct rad_ambient *amb);
+bool rad_ambient_is_frozen(const struct rad_ambient *amb);
 
 /* The cube that its records are in. */
 void rad_ambient_cube(const struct rad_ambient *amb, double org[3],

@@ -1,0 +1,138 @@
+/* render_passes.c - the ambient cache of a job's child in passes: tiles that it
+ * makes, and the records of passes that are closed
+ *
+ * Both come from the network, and are checked here. */
+#include "config.h"
+
+#include "child/render_impl.h"
+
+#include <stdlib.h>
+
+int
+render_load_passes(struct render *r, struct rad_error *err)
+{
+    struct render_passes *k = &r->passes;
+    struct rad_pass_size *size;
+
+    k->next = 0;
+    if (!(r->start.job_start.flags & MSG_JOB_PASSES) || !r->job->ambient)
+        return 0;
+    size = malloc((r->nframes + 1) * sizeof *size);
+    if (!size)
+        return rad_fail(err, RAD_ENOMEM, "out of memory");
+    for (uint32_t i = 0; i < r->nframes; i++)
+        size[i] =
+            (struct rad_pass_size){ r->frames[i].width, r->frames[i].height };
+    k->n = rad_passes_plan(&r->job->params, size, r->nframes, k->plan);
+    free(size);
+    if (k->n == 0)
+        return 0;
+    k->passes = rad_passes_new(r->frames, r->nframes, err);
+    return k->passes ? 0 : err->code;
+}
+
+void
+render_unload_passes(struct render *r)
+{
+    rad_passes_free(r->passes.passes);
+    free(r->passes.rec);
+    r->passes = (struct render_passes){ 0 };
+}
+
+static void
+on_tile(void *arg, const struct pool_tile *t)
+{
+    struct render *r = arg;
+    struct msg m = { .type = MSG_TILE_MADE,
+                     .tile_made = { .job = r->id,
+                                    .pass = t->pass,
+                                    .tile = t->tile,
+                                    .counts = t->counts,
+                                    .count = t->count,
+                                    .data = t->records.buf,
+                                    .len = t->records.len } };
+
+    if (r->link)
+        conn_send(r->link, &m);
+}
+
+void
+render_begin_passes(struct render *r)
+{
+    if (r->passes.passes)
+        pool_set_passes(r->pool, r->passes.passes, r->passes.plan, on_tile);
+}
+
+bool
+render_cache_is_whole(const struct render *r)
+{
+    return r->passes.next == r->passes.n;
+}
+
+void
+render_take_tile(struct render *r, const struct msg_tile *m)
+{
+    const struct render_passes *k = &r->passes;
+    struct rad_error err = { 0 };
+
+    if (!k->passes || m->pass != k->next || m->pass >= k->n ||
+        m->tile >= k->plan[m->pass].tiles)
+        rad_fail(&err, RAD_EPROTO, "tile %u of pass %u does not fit the job",
+                 m->tile, m->pass);
+    else if (!pool_push_tile(r->pool, m->pass, m->tile))
+        rad_fail(&err, RAD_ENOMEM, "out of memory");
+    if (err.code)
+        render_fail(r, &err);
+}
+
+/* --- records --- */
+
+static int
+add_records(struct render_passes *k, const struct msg_frozen *m,
+            struct rad_error *err)
+{
+    size_t n = k->nrecs + m->count;
+    struct wire_in in;
+    struct rad_ambrec *rec = realloc(k->rec, (n + 1) * sizeof *rec);
+
+    if (!rec)
+        return rad_fail(err, RAD_ENOMEM, "out of memory");
+    k->rec = rec;
+    wire_in_init(&in, m->data, m->len);
+    while (k->nrecs < n)
+        if (!ambshare_unpack(&in, &k->rec[k->nrecs++]))
+            return rad_fail(err, RAD_EPROTO, "no ambient record");
+    return 0;
+}
+
+static int
+take_frozen(struct render *r, const struct msg_frozen *m, struct rad_error *err)
+{
+    struct render_passes *k = &r->passes;
+    int rc;
+
+    if (m->first == 0) /* again, if the connection broke in the middle */
+        k->nrecs = 0;
+    if (!k->passes || m->pass != k->next || m->pass >= k->n ||
+        m->first != k->nrecs)
+        return rad_fail(err, RAD_EPROTO,
+                        "records of pass %u do not fit the job", m->pass);
+    rc = add_records(k, m, err);
+    if (rc < 0 || !m->last)
+        return rc;
+    if (!pool_freeze(r->pool, k->rec, k->nrecs))
+        return rad_fail(err, RAD_ENOMEM, "out of memory");
+    k->rec = NULL;
+    k->nrecs = 0;
+    k->next++;
+    return 0;
+}
+
+void
+render_take_frozen(struct render *r, const struct msg_frozen *m)
+{
+    struct rad_error err = { 0 };
+
+    if (take_frozen(r, m, &err) < 0)
+        render_fail(r, &err);
+}

@@ -1,0 +1,502 @@
+/* passes.c - see passes.h
+ *
+ * The open pass's tiles go out, a few more to each worker than it has threads.
+ * When none is left, those that are out for long go to a second worker: a tile
+ * has the same records whoever makes it.  When all are made the pass is closed:
+ * their records, in the order of tiles, go to every worker, and the next pass
+ * is open.  A worker that comes later gets the records of all passes that are
+ * closed.  What a worker had and did not send is made again by others. */
+#include "config.h"
+
+#include "sched/passes.h"
+
+#include "desk/desk.h"
+#include "desk/part.h"
+#include "desk/speed.h"
+#include "desk/verdict.h"
+#include "machine/jobtext.h"
+#include "picture/passplan.h"
+#include "proto/ambshare.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sysexits.h>
+
+/* A tile goes to a second worker when it is out for so many times what tiles
+ * took so far, but no sooner than that. */
+#define LATE_TIMES 3
+#define LATE_MS    100
+
+/* Records in a message. */
+#define TOGETHER 1000
+_Static_assert(TOGETHER *AMBSHARE_BYTES <= MSG_MAX_AMBIENT, "too many");
+
+/* Records of a job, in bytes: when passes that are closed have half of it there
+ * are no further ones, and one pass cannot have more. */
+#define MOST_BYTES (512u << 20)
+
+enum { HOLDERS = 2 };
+
+struct tile {
+    uint32_t holder[HOLDERS]; /* workers that have it */
+    uint8_t nholders;
+    bool made;
+    uint8_t crashes;  /* of children that had it */
+    uint32_t crasher; /* the first of their workers */
+    uint64_t out_ms;  /* when it last went out */
+    uint8_t *records;
+    uint32_t n; /* of them */
+};
+
+/* The records of a pass that is closed. */
+struct closed {
+    uint8_t *records;
+    uint32_t n;
+};
+
+struct passes {
+    struct rad_pass plan[RAD_MOST_PASSES];
+    uint32_t n;
+    uint32_t open; /* n: all are closed */
+    struct closed closed[RAD_MOST_PASSES];
+    size_t bytes;      /* of all records that are here */
+    struct tile *tile; /* of the open pass */
+    uint32_t ntiles;
+    uint32_t next;    /* tiles before it are out, or made */
+    uint32_t left;    /* that are not made */
+    uint64_t took_ms; /* of all that were made, from out to made */
+    uint32_t ntook;
+};
+
+_Static_assert(RAD_MOST_PASSES == MSG_MOST_PASSES, "as in READY");
+
+/* --- the plan --- */
+
+static void
+drop_tiles(struct passes *s)
+{
+    for (uint32_t i = 0; i < s->ntiles; i++)
+        free(s->tile[i].records);
+    free(s->tile);
+    s->tile = NULL;
+    s->ntiles = s->next = s->left = 0;
+}
+
+void
+passes_free(struct passes *s)
+{
+    if (!s)
+        return;
+    drop_tiles(s);
+    for (uint32_t i = 0; i < s->n; i++)
+        free(s->closed[i].records);
+    free(s);
+}
+
+static bool
+open_pass(struct passes *s)
+{
+    drop_tiles(s);
+    if (s->open == s->n)
+        return true;
+    s->ntiles = s->left = s->plan[s->open].tiles;
+    s->tile = calloc(s->ntiles + 1, sizeof *s->tile);
+    return s->tile != NULL;
+}
+
+int
+passes_begin(struct job *job, struct rad_error *err)
+{
+    const struct msg_spec *spec = &job->spec;
+    struct rad_params params;
+    struct rad_pass_size *size;
+    struct passes *s;
+    int rc = jobtext_params(spec->params, &params, err);
+
+    if (rc < 0 || !(spec->flags & MSG_JOB_PASSES))
+        return rc;
+    size = malloc(spec->nframes * sizeof *size);
+    s = job->passes = calloc(1, sizeof *s);
+    for (uint32_t i = 0; size && i < spec->nframes; i++)
+        size[i] = (struct rad_pass_size){ (int)spec->frames[i].width,
+                                          (int)spec->frames[i].height };
+    if (size && s)
+        s->n = rad_passes_plan(&params, size, spec->nframes, s->plan);
+    free(size);
+    if (!size || !s || !open_pass(s))
+        return rad_fail(err, RAD_ENOMEM, "out of memory");
+    return 0;
+}
+
+bool
+passes_open(const struct job *job)
+{
+    return job->passes && job->passes->open < job->passes->n;
+}
+
+/* --- records --- */
+
+/* Call send() for each FROZEN of a pass that is closed. */
+static void
+send_closed(struct coord *c, const struct job *job, uint32_t pass,
+            void (*send)(struct coord *c, const struct job *job,
+                         const struct msg *m, void *arg),
+            void *arg)
+{
+    const struct closed *k = &job->passes->closed[pass];
+    struct msg m = { .type = MSG_FROZEN };
+    uint32_t at = 0, n;
+
+    do {
+        n = k->n - at < TOGETHER ? k->n - at : TOGETHER;
+        m.frozen = (struct msg_frozen){ .job = job->id,
+                                        .pass = pass,
+                                        .first = at,
+                                        .last = at + n == k->n,
+                                        .count = n,
+                                        .data = k->records +
+                                                (size_t)at * AMBSHARE_BYTES,
+                                        .len = (size_t)n * AMBSHARE_BYTES };
+        send(c, job, &m, arg);
+        at += n;
+    } while (at < k->n);
+}
+
+static void
+send_to_one(struct coord *c, const struct job *job, const struct msg *m,
+            void *arg)
+{
+    struct coord_worker *w = arg;
+
+    (void)job;
+    actions_send(&c->actions, w->conn, m);
+}
+
+/* Has the worker the records of all passes before the open one? */
+static bool
+is_up_to_date(const struct job *job, const struct job_worker *jw)
+{
+    return jw->state == PART_READY && jw->worker->conn != 0 &&
+           jw->passes == job->passes->open;
+}
+
+/* To all that have the records of the passes before. */
+static void
+send_to_all(struct coord *c, const struct job *job, const struct msg *m,
+            void *arg)
+{
+    struct wire_out *out = &c->actions.scratch;
+    uint8_t *kept;
+
+    (void)arg;
+    out->len = 0;
+    if (msg_pack(out, m) != 0 ||
+        !(kept = actions_keep(&c->actions, out->buf, out->len))) {
+        c->actions.failed = true;
+        return;
+    }
+    for (uint32_t i = 0; i < job->nworkers; i++)
+        if (is_up_to_date(job, &job->workers[i]))
+            actions_send_kept(&c->actions, job->workers[i].worker->conn, kept,
+                              out->len);
+}
+
+/* To whoever keeps them (-af). */
+static void
+send_records(struct coord *c, const struct job *job, const struct msg *m,
+             void *arg)
+{
+    struct msg r = { .type = MSG_RECORDS,
+                     .records = { job->id, m->frozen.count, m->frozen.data,
+                                  m->frozen.len } };
+
+    (void)arg;
+    for (const struct coord_conn *to = c->conns; to; to = to->next)
+        if (to->watch == job && m->frozen.count > 0) {
+            r.request = to->watch_request;
+            actions_send(&c->actions, to->id, &r);
+        }
+}
+
+bool
+passes_ready(struct coord *c, struct job *job, uint32_t index, uint32_t have)
+{
+    struct job_worker *jw = &job->workers[index];
+    uint32_t closed = job->passes ? job->passes->open : 0;
+
+    if (have > closed)
+        return false;
+    for (; have < closed; have++)
+        send_closed(c, job, have, send_to_one, jw->worker);
+    jw->passes = closed;
+    jw->ntiles = 0;
+    return true;
+}
+
+/* --- out --- */
+
+static bool
+has_tile(const struct tile *t, uint32_t index)
+{
+    for (uint8_t i = 0; i < t->nholders; i++)
+        if (t->holder[i] == index)
+            return true;
+    return false;
+}
+
+static bool
+is_late(const struct coord *c, const struct passes *s, const struct tile *t)
+{
+    uint64_t usual = s->ntook > 0 ? s->took_ms / s->ntook : 0;
+    uint64_t late = LATE_TIMES * usual;
+
+    return c->now_ms - t->out_ms >= (late > LATE_MS ? late : LATE_MS);
+}
+
+/* May the worker have it?  A tile of which its child may have died goes to
+ * another worker, if there is one. */
+static bool
+may_have(const struct coord *c, const struct job *job, const struct tile *t,
+         uint32_t index)
+{
+    return !t->made && t->nholders < HOLDERS && !has_tile(t, index) &&
+           (t->crashes == 0 || t->crasher != index ||
+            !desk_others_may(c, job, job->workers[index].worker, false));
+}
+
+/* A tile that nobody has, else one that is late; NULL: there is none. */
+static struct tile *
+choose(const struct coord *c, const struct job *job, uint32_t index)
+{
+    struct passes *s = job->passes;
+    struct tile *late = NULL;
+
+    for (uint32_t i = s->next; i < s->ntiles; i++)
+        if (s->tile[i].nholders == 0 && may_have(c, job, &s->tile[i], index))
+            return &s->tile[i];
+    for (uint32_t i = 0; i < s->ntiles; i++) {
+        struct tile *t = &s->tile[i];
+
+        if (may_have(c, job, t, index) && is_late(c, s, t) &&
+            (!late || t->out_ms < late->out_ms))
+            late = t;
+    }
+    return late;
+}
+
+static bool
+has_room(const struct job *job, uint32_t index)
+{
+    const struct job_worker *jw = &job->workers[index];
+    uint32_t n = jw->threads;
+    bool few = job->passes->left <= job->speed.threads;
+
+    return jw->worker->in_flight + jw->ntiles < (few ? n : n + (n + 1) / 2);
+}
+
+bool
+passes_has(const struct coord *c, const struct job *job, uint32_t index)
+{
+    return job->workers[index].ntiles > 0 || choose(c, job, index);
+}
+
+bool
+passes_give(struct coord *c, struct job *job, uint32_t index)
+{
+    struct job_worker *jw = &job->workers[index];
+    struct passes *s = job->passes;
+    struct msg m = { .type = MSG_TILE };
+    struct tile *t;
+
+    if (!is_up_to_date(job, jw) || !has_room(job, index) ||
+        !(t = choose(c, job, index)))
+        return false;
+    t->holder[t->nholders++] = index;
+    t->out_ms = c->now_ms;
+    jw->ntiles++;
+    while (s->next < s->ntiles &&
+           (s->tile[s->next].nholders > 0 || s->tile[s->next].made))
+        s->next++;
+    if (job->first_ms == 0)
+        job->first_ms = c->now_ms;
+    if (job->state == JOB_WAITING)
+        job->state = JOB_RUNNING;
+    m.tile = (struct msg_tile){ job->id, s->open, (uint32_t)(t - s->tile) };
+    actions_send(&c->actions, jw->worker->conn, &m);
+    return true;
+}
+
+/* --- back --- */
+
+static void
+drop_holder(struct passes *s, struct tile *t, uint32_t index)
+{
+    for (uint8_t i = 0; i < t->nholders; i++)
+        if (t->holder[i] == index)
+            t->holder[i--] = t->holder[--t->nholders];
+    if (t->nholders == 0 && !t->made && t - s->tile < s->next)
+        s->next = (uint32_t)(t - s->tile);
+}
+
+void
+passes_lost(struct job *job, uint32_t index)
+{
+    struct passes *s = job->passes;
+
+    job->workers[index].ntiles = 0;
+    for (uint32_t i = 0; s && i < s->ntiles; i++)
+        drop_holder(s, &s->tile[i], index);
+}
+
+bool
+passes_crashed(struct coord *c, struct job *job, uint32_t index,
+               const char *why)
+{
+    struct passes *s = job->passes;
+    char text[MSG_MAX_TEXT + 1];
+
+    for (uint32_t i = 0; s && i < s->ntiles; i++) {
+        struct tile *t = &s->tile[i];
+
+        if (t->made || !has_tile(t, index))
+            continue;
+        if (t->crashes++ == 0)
+            t->crasher = index;
+        if (t->crashes == 1 ||
+            (t->crasher == index && t->crashes < JOB_MAX_CRASHES))
+            continue;
+        snprintf(text, sizeof text,
+                 "tile %u of pass %u, of the ambient cache, brought the "
+                 "renderer down %u times: %.200s",
+                 i, s->open, t->crashes, why);
+        verdict_job(c, job, JOB_FAILED, EX_SOFTWARE, text);
+        return false;
+    }
+    return true;
+}
+
+/* All records of the open pass, in the order of tiles. */
+static bool
+gather(struct passes *s)
+{
+    struct closed *k = &s->closed[s->open];
+    uint8_t *to;
+
+    for (uint32_t i = 0; i < s->ntiles; i++)
+        k->n += s->tile[i].n;
+    k->records = to = malloc((size_t)k->n * AMBSHARE_BYTES + 1);
+    for (uint32_t i = 0; to && i < s->ntiles; i++) {
+        size_t len = (size_t)s->tile[i].n * AMBSHARE_BYTES;
+
+        if (len > 0)
+            memcpy(to, s->tile[i].records, len);
+        to += len;
+    }
+    return to != NULL;
+}
+
+static void
+close_pass(struct coord *c, struct job *job)
+{
+    struct passes *s = job->passes;
+
+    if (!gather(s)) {
+        c->actions.failed = true;
+        return;
+    }
+    send_closed(c, job, s->open, send_to_all, NULL);
+    if (job->spec.flags & MSG_JOB_RECORDS)
+        send_closed(c, job, s->open, send_records, NULL);
+    for (uint32_t i = 0; i < job->nworkers; i++) {
+        struct job_worker *jw = &job->workers[i];
+
+        jw->ntiles = 0;
+        if (is_up_to_date(job, jw))
+            jw->passes++;
+    }
+    actions_log(&c->actions, ACT_DEBUG,
+                "pass closed job=%s pass=%u level=%d step=%d tiles=%u "
+                "records=%u",
+                job->hex, s->open, s->plan[s->open].level,
+                s->plan[s->open].step, s->ntiles, s->closed[s->open].n);
+    s->open++;
+    if (s->bytes > MOST_BYTES / 2)
+        for (uint32_t i = s->open; i < s->n; i++)
+            s->plan[i].tiles = 0;
+    if (!open_pass(s))
+        c->actions.failed = true;
+    c->stirred = true;
+}
+
+/* Passes without tiles are closed at once. */
+static void
+close_passes(struct coord *c, struct job *job)
+{
+    while (passes_open(job) && job->passes->left == 0 && !c->actions.failed)
+        close_pass(c, job);
+    if (!passes_open(job) && !job->survey)
+        speed_share(c, job);
+}
+
+static bool
+keep(struct coord *c, struct job *job, struct tile *t,
+     const struct msg_tile_made *m)
+{
+    struct passes *s = job->passes;
+
+    t->records = malloc(m->len + 1);
+    if (!t->records) {
+        c->actions.failed = true;
+        return false;
+    }
+    memcpy(t->records, m->data, m->len);
+    t->n = m->count;
+    t->made = true;
+    s->bytes += m->len;
+    s->took_ms += c->now_ms - t->out_ms;
+    s->ntook++;
+    s->left--;
+    return true;
+}
+
+static void
+count(struct job *job, uint32_t index, const struct msg_counts *counts)
+{
+    msg_counts_add(&job->tiled, counts);
+    job->workers[index].surveyed_rays += counts->rays;
+    job->rays += counts->rays;
+}
+
+void
+passes_made(struct coord *c, struct coord_worker *w, const struct msg *msg)
+{
+    const struct msg_tile_made *m = &msg->tile_made;
+    uint32_t index;
+    struct job *job = desk_job_of(c, w, m->job, &index);
+    struct passes *s = job ? job->passes : NULL;
+    struct tile *t;
+
+    if (!s)
+        return;
+    if (m->pass > s->open || (m->pass == s->open && m->tile >= s->ntiles) ||
+        m->len != (size_t)m->count * AMBSHARE_BYTES ||
+        s->bytes + m->len > MOST_BYTES) {
+        verdict_break(c, w->conn, "a TILE_MADE that fits no tile");
+        return;
+    }
+    t = m->pass == s->open ? &s->tile[m->tile] : NULL;
+    if (t && has_tile(t, index)) {
+        drop_holder(s, t, index);
+        job->workers[index].ntiles--;
+        c->stirred = true;
+    }
+    if (!t || t->made) { /* another was first */
+        msg_counts_add(&job->workers[index].past.dropped, &m->counts);
+        return;
+    }
+    if (!keep(c, job, t, m))
+        return;
+    count(job, index, &m->counts);
+    close_passes(c, job);
+}

@@ -1,0 +1,42 @@
+/* msg_passes.c - the codec of the messages of passes; see msg_passes.h */
+#include "config.h"
+
+#include "proto/codec.h"
+
+static void
+code_tile(struct codec *c, uint32_t *pass, uint32_t *tile)
+{
+    code_u32(c, pass);
+    code_u32(c, tile);
+    code_read_must(c, *pass < MSG_MOST_PASSES && *tile < MSG_MOST_TILES);
+}
+
+void
+msg_code_tile(struct codec *c, struct msg_tile *b)
+{
+    code_job(c, &b->job);
+    code_tile(c, &b->pass, &b->tile);
+}
+
+void
+msg_code_tile_made(struct codec *c, struct msg_tile_made *b)
+{
+    code_job(c, &b->job);
+    code_tile(c, &b->pass, &b->tile);
+    code_counts(c, &b->counts);
+    code_u32(c, &b->count);
+    code_blob(c, &b->data, &b->len, MSG_MAX_TILE);
+    code_read_must(c, b->count <= b->len);
+}
+
+void
+msg_code_frozen(struct codec *c, struct msg_frozen *b)
+{
+    code_job(c, &b->job);
+    code_u32(c, &b->pass);
+    code_u32(c, &b->first);
+    code_below(c, &b->last, 2);
+    code_u32(c, &b->count);
+    code_blob(c, &b->data, &b->len, MSG_MAX_TILE);
+    code_read_must(c, b->pass < MSG_MOST_PASSES && b->count <= b->len);
+}

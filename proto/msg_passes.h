@@ -1,0 +1,48 @@
+/* msg_passes.h - the messages by which a job's ambient cache is filled in
+ * passes
+ *
+ * What passes and tiles are says src/picture/passes.h.  Records are packed by
+ * proto/ambshare.c; the coordinator never looks inside.
+ * Thread: a struct belongs to one thread. */
+#ifndef MSG_PASSES_H
+#define MSG_PASSES_H
+
+#include "proto/msg_work.h"
+
+#define MSG_MOST_PASSES 64         /* of a job */
+#define MSG_MOST_TILES  (1u << 24) /* of a pass */
+
+/* Most record bytes of a tile; what a tile makes beyond them is not kept. */
+#define MSG_MAX_TILE (MSG_MAX - 1024)
+
+/* Make a tile of the open pass. */
+struct msg_tile {
+    const uint8_t *job;
+    uint32_t pass, tile;
+};
+
+/* The records of a tile, in the order in which they were made. */
+struct msg_tile_made {
+    const uint8_t *job;
+    uint32_t pass, tile;
+    struct msg_counts counts; /* no primary rays */
+    uint32_t count;           /* records */
+    const uint8_t *data;
+    size_t len;
+};
+
+/* Some records of a pass that is closed: those of all its tiles, in the order
+ * of tiles.  Once the last have come the cache has them all, and the next pass
+ * is open.  No thread may be at a tile by then: tiles that still are under way
+ * are of no use any more. */
+struct msg_frozen {
+    const uint8_t *job;
+    uint32_t pass;
+    uint32_t first; /* the number, in the pass, of the first of these */
+    uint8_t last;   /* 1: the pass has no more */
+    uint32_t count;
+    const uint8_t *data;
+    size_t len;
+};
+
+#endif
