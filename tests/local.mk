@@ -624,7 +624,8 @@ tests_check_sim_SOURCES = \
 	tests/sim/fibre.h \
 	tests/sim/net.c \
 	tests/sim/net.h \
-	tests/sim/picture.c
+	tests/sim/picture.c \
+	tests/sim/tiles.c
 tests_check_sim_CFLAGS = $(AM_CFLAGS) $(JANSSON_CFLAGS)
 tests_check_sim_LDADD = $(LIBDAEMON) $(LIBRAD)
 

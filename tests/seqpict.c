@@ -2,18 +2,20 @@
  *
  * usage: seqpict [-vf FILE] [rpict options] [-z FILE] [--counts]
  *                [--window=X,Y,W,H] [--frame=N] [--oversample=N] [--clamp=F]
- *                -o OUT.hdr scene.rad...
+ *                [--ambient=passes] -o OUT.hdr scene.rad...
  * What a cluster must agree with.  -vf is a view file, -z gets distances as
  * rpict writes them; --counts prints what was counted on standard error;
  * --window renders that part of the picture by itself, the rest is black;
  * --frame is which of an animation it is, whose view does not move;
- * --oversample and --clamp filter the whole picture down as radsubmit's do. */
+ * --oversample and --clamp filter the whole picture down as radsubmit's do;
+ * --ambient=passes fills the cache in passes first. */
 #include "config.h"
 
 #include "compile/compile.h"
 #include "image/filter.h"
 #include "picture/frame.h"
 #include "image/hdr.h"
+#include "picture/passes.h"
 
 #include <inttypes.h>
 #include <stdio.h>
@@ -27,7 +29,7 @@ struct task {
     struct rad_window window; /* width 0: all */
     uint32_t frame;
     const char *out, *depth;
-    bool counts;
+    bool counts, passes;
     int oversample;
     double clamp;
     int nscenes;
@@ -68,6 +70,10 @@ own_option(struct task *t, int argc, char **argv, struct rad_error *err)
 
     if (strcmp(argv[0], "--counts") == 0) {
         t->counts = true;
+        return 1;
+    }
+    if (strcmp(argv[0], "--ambient=passes") == 0) {
+        t->passes = true;
         return 1;
     }
     if (sscanf(argv[0], "--window=%d,%d,%d,%d", &w->x, &w->y, &w->width,
@@ -277,6 +283,67 @@ render(const struct task *t, const struct rad_frame *f, struct rad_ctx *ctx,
     return rc;
 }
 
+struct records {
+    struct rad_ambrec *rec;
+    size_t n, cap;
+    bool failed;
+};
+
+static void
+keep_records(void *arg, const struct rad_ambrec *rec, size_t n)
+{
+    struct records *k = arg;
+
+    if (k->n + n > k->cap) {
+        size_t cap = 2 * (k->n + n);
+        struct rad_ambrec *more = realloc(k->rec, cap * sizeof *more);
+
+        k->failed |= !more;
+        if (!more)
+            return;
+        k->rec = more;
+        k->cap = cap;
+    }
+    memcpy(k->rec + k->n, rec, n * sizeof *rec);
+    k->n += n;
+}
+
+static int
+make_pass(struct rad_passes *p, struct rad_ctx *ctx,
+          const struct rad_pass *pass, struct records *k, struct rad_error *err)
+{
+    static const _Atomic bool never;
+    int rc = rad_passes_begin(p, ctx, pass, err);
+
+    k->n = 0;
+    for (uint32_t i = 0; rc == 0 && i < pass->tiles; i++)
+        if (!rad_passes_make(p, ctx, i, &never, keep_records, k) || k->failed)
+            rc = rad_fail(err, RAD_ENOMEM, "out of memory");
+    for (size_t i = 0; rc == 0 && i < k->n; i += RAD_AMBIENT_TOGETHER)
+        rad_ambient_insert_all(
+            ctx->job->ambient, k->rec + i,
+            k->n - i < RAD_AMBIENT_TOGETHER ? k->n - i : RAD_AMBIENT_TOGETHER);
+    return rc;
+}
+
+static int
+fill_cache(const struct rad_frame *f, struct rad_ctx *ctx,
+           struct rad_error *err)
+{
+    struct rad_pass_size size = { f->width, f->height };
+    struct rad_pass plan[RAD_MOST_PASSES];
+    uint32_t n = rad_passes_plan(&f->job->params, &size, 1, plan);
+    struct rad_passes *p = rad_passes_new(f, 1, err);
+    struct records k = { 0 };
+    int rc = p ? 0 : err->code;
+
+    for (uint32_t i = 0; rc == 0 && i < n; i++)
+        rc = make_pass(p, ctx, &plan[i], &k, err);
+    rad_passes_free(p);
+    free(k.rec);
+    return rc;
+}
+
 static int
 render_scene(const struct task *t, struct compiled *c, struct rad_error *err)
 {
@@ -288,6 +355,11 @@ render_scene(const struct task *t, struct compiled *c, struct rad_error *err)
 
     if (job && (rc = rad_ctx_init(&ctx, job, err)) == 0) {
         rc = rad_frame_init(&f, job, &t->view, t->frame, t->depth != NULL, err);
+        if (t->passes && job->ambient) {
+            rad_ambient_freeze(job->ambient);
+            if (rc == 0)
+                rc = fill_cache(&f, &ctx, err);
+        }
         if (rc == 0)
             rc = render(t, &f, &ctx, err);
         if (rc == 0 && t->counts)

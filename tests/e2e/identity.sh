@@ -60,6 +60,13 @@ while [ "$run" -lt "$runs" ]; do
         one_of "" "" --clamp=4
         size="$size $word"
     fi
+    one_of "" "" -ab=1 -ab=2
+    bounces="-ab 0"
+    if [ -n "$word" ]; then
+        any 2
+        bounces="-ab ${word#*=} -aa .$((any + 2)) -ar 16 -ad 32 -as 8"
+        bounces="$bounces --ambient=passes"
+    fi
     one_of scanbar static auto
     share="--partition=$word"
     if [ "$word" = static ]; then
@@ -83,7 +90,7 @@ while [ "$run" -lt "$runs" ]; do
         where="-vp 0 -9 3 -vd 0 9 -3 -vu 0 0 1 -vh 50 -vv 40"
         ;;
     esac
-    options="$where $size -ab 0 $sampling $jitter"
+    options="$where $size $bounces $sampling $jitter"
     say="run $run: $options $share${depth:+ -z} $folder/$file"
 
     # shellcheck disable=SC2086 # options are words
@@ -102,6 +109,14 @@ while [ "$run" -lt "$runs" ]; do
     primary=$(sed -n 's/^primary_rays //p' counts)
     [ "$(total primary_rays)" = "$primary" ] ||
         fail "$say: $(total primary_rays) primary rays, not $primary"
+    # what was traced for nothing is in both
+    for kind in shadow ambient; do
+        alone=$(sed -n "s/^${kind}_rays //p" counts)
+        [ "$bounces" = "-ab 0" ] || [ "$(total estimate_rays)" != 0 ] || [ "$(total dropped_rays)" != 0 ] ||
+            [ "$(total speculative_rays)" != 0 ] ||
+            [ "$(total ${kind}_rays)" = "$alone" ] ||
+            fail "$say: $(total ${kind}_rays) $kind rays, not $alone"
+    done
     nothing=$(total speculative_rays)
     [ "$((nothing * 100))" -le "$primary" ] ||
         fail "$say: $nothing rays for nothing, of $primary"

@@ -204,7 +204,12 @@ while [ "$run" -lt "$runs" ]; do
     number=$word
     one_of none none kill kill child slow slow leave join
     accident=$word
-    options="$where $size -ab 0 $sampling $jitter"
+    bounces="-ab 0"
+    one_of "" 1 2 3
+    if [ -n "$word" ] && [ -z "$frames" ]; then # seqpict has one frame
+        bounces="-ab $word -aa .3 -ar 24 -ad 48 -as 16 --ambient=passes"
+    fi
+    options="$where $size $bounces $sampling $jitter"
     say="run $run: $options $share${estimate:+ --estimate=$estimate}\
 ${frames:+ 3 frames} on $number, $accident: $folder/$files"
     use_workers "$number"

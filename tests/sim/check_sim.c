@@ -26,7 +26,7 @@ static struct {
     unsigned parted, late, refused;
     unsigned blows[SIM_TYPES][SIM_NBLOW];
     unsigned parked, gave, twins, loans, blocked, estimates, bars, aside,
-        estimates_left, pictures;
+        estimates_left, pictures, tiles, passes;
     uint64_t primary, speculative, unsaid;
     uint64_t resumed, again; /* see note_again() */
     unsigned pauses, priorities, rests, yields;
@@ -164,7 +164,8 @@ check_waste(struct sim *s, const struct sim_job *job, uint64_t primary,
     /* nothing is in two units, or in one and dropped; estimates count pixels
      * that they draw again */
     SIM_CHECK(&s->net, number(totals, "estimate_rays") > 0 ||
-                           (uint64_t)number(totals, "rays") <= job->traced);
+                           (uint64_t)number(totals, "rays") <=
+                               job->traced + job->tile_rays);
     json_array_foreach(units, i, unit)
     {
         pixels += number(unit, "attempts") * number(unit, "width");
@@ -211,7 +212,8 @@ check_done(struct sim *s, struct sim_job *job)
     SIM_CHECK(&s->net, number(totals, "units_redone") <= redone);
     SIM_CHECK(&s->net,
               number(totals, "rays") == rays + number(totals, "dropped_rays") +
-                                            number(totals, "estimate_rays"));
+                                            number(totals, "estimate_rays") +
+                                            number(totals, "tile_rays"));
     SIM_CHECK(&s->net, number(totals, "primary_rays") == primary);
     SIM_CHECK(&s->net, (uint64_t)primary == want);
     check_waste(s, job, want, (uint64_t)number(totals, "speculative_rays"),
@@ -286,6 +288,8 @@ run(uint64_t seed, bool verbose)
     sum.blocked += cluster.blocked;
     sum.bars += cluster.bars;
     sum.aside += cluster.aside;
+    sum.tiles += cluster.tiles;
+    sum.passes += cluster.passes;
     sum.estimates += cluster.estimates;
     sum.estimates_left += cluster.estimates_left;
     sim_release(&cluster);
@@ -309,16 +313,17 @@ was_tried(void)
         MSG_UNIT,   MSG_RESULT,   MSG_ACK,       MSG_TWIN,      MSG_FACTS,
         MSG_PARKED, MSG_SPLIT,    MSG_GAVE,      MSG_BASE_LINE, MSG_NEXT_HOLDER,
         MSG_REVOKE, MSG_ESTIMATE, MSG_ESTIMATED, MSG_LEND,      MSG_LOAN,
-        MSG_BACK,   MSG_PAID
+        MSG_BACK,   MSG_PAID,     MSG_TILE,      MSG_TILE_MADE, MSG_FROZEN
     };
     /* half of the clusters have rings */
     bool tried = at_type(MSG_RING) && at_type(MSG_SPREAD) && sum.coord_deaths &&
                  sum.deaths && sum.cuts && sum.peer_cuts && sum.crashes &&
                  sum.drains && sum.stops && sum.repeats && sum.parted &&
                  sum.late && sum.parked && sum.gave && sum.twins && sum.loans &&
-                 sum.blocked && sum.bars && sum.aside && sum.estimates &&
-                 sum.estimates_left && sum.pauses && sum.priorities &&
-                 sum.rests && sum.yields && sum.refused;
+                 sum.blocked && sum.bars && sum.aside && sum.tiles &&
+                 sum.passes && sum.estimates && sum.estimates_left &&
+                 sum.pauses && sum.priorities && sum.rests && sum.yields &&
+                 sum.refused;
 
     for (size_t i = 0; i < sizeof types / sizeof types[0]; i++)
         for (int b = 0; b < SIM_NBLOW; b++)

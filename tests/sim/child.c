@@ -675,8 +675,11 @@ static void
 take_estimate(struct net *net, int node, const struct msg *m)
 {
     struct wire_out out;
-    struct net_event *e = later(
-        net, node, net_random(net, 20 * (m->estimate.nareas + 1)), estimated);
+    struct net_event *e;
+
+    SIM_CHECK(net, sim_cache_is_whole(of(net), child_of(net, node)));
+    e = later(net, node, net_random(net, 20 * (m->estimate.nareas + 1)),
+              estimated);
 
     e->b = child_of(net, node)->rests;
     wire_out_init(&out, MSG_FRAME_MAX);
@@ -717,7 +720,7 @@ ready(struct net *net, struct net_event *e)
         return;
     m.ready =
         (struct msg_ready){ of(net)->job[k->job].id, .05, 42,
-                            (uint16_t)of(net)->worker[k->worker].threads };
+                            (uint16_t)of(net)->worker[k->worker].threads, 0 };
     net_send_msg(net, e->a, k->conn, &m);
 }
 
@@ -754,6 +757,7 @@ take_unit(struct net *net, int node, const struct msg_unit *u)
     struct sim_child *k = child_of(net, node);
     struct rad_error err = { 0 };
 
+    SIM_CHECK(net, sim_cache_is_whole(of(net), k));
     begin_frame(net, node, u->frame);
     if (u->mode == MSG_MODE_STRICT) {
         SIM_CHECK(net, k->strict != NULL);
@@ -866,6 +870,12 @@ message(struct net *net, int node, uint64_t conn, const struct msg *m)
     case MSG_BASE_LINE:
         take_strict(net, node, m);
         break;
+    case MSG_TILE:
+        sim_take_tile(net, node, &m->tile);
+        return;
+    case MSG_FROZEN:
+        sim_take_frozen(net, node, &m->frozen);
+        return;
     case MSG_ESTIMATE:
         take_estimate(net, node, m);
         break;

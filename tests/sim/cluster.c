@@ -561,6 +561,9 @@ make_job(struct sim *s, int i)
         .windows = 1 + net_random(net, 30),
         .files = { SIM_FILES, job->hash },
     };
+    if (!(job->spec.flags & (MSG_JOB_SHARE | MSG_JOB_FRESH_FRAMES)) &&
+        net_chance(net, 2))
+        job->spec.flags |= MSG_JOB_PASSES;
     sim_make_pictures(net, job);
     job->poisoned = net_chance(net, 16);
     if (job->poisoned && job->spec.partition != MSG_PART_WINDOW)

@@ -10,6 +10,7 @@
 
 #include "front/coord.h"
 #include "net.h"
+#include "picture/passplan.h"
 #include "picture/quincunx.h"
 #include "worker/worker.h"
 
@@ -72,6 +73,7 @@ struct sim_job {
     bool paint;
     unsigned pixel_us; /* what a pixel costs at least */
     char params[40];
+    int bounces; /* -ab */
     uint8_t costs[4 * SIM_FRAMES * SIM_HEIGHT];
     struct rad_pixel *picture[SIM_FRAMES]; /* as it comes */
     uint8_t *line[SIM_FRAMES];             /* base lines of coded rows */
@@ -80,6 +82,7 @@ struct sim_job {
     bool poisoned;    /* a pixel of frame 0 that kills children */
     int poison_y;     /* in column 0 */
     uint64_t traced;  /* by all children together */
+    uint64_t tile_rays; /* likewise, for tiles */
     bool cancel;      /* the client changes its mind */
     bool vanish;      /* the client goes away for a while */
     unsigned crashes; /* of its children so far */
@@ -110,6 +113,8 @@ struct sim_child {
     double busy_s;
     int rests; /* REST came so often */
     unsigned nambient;
+    uint32_t passes;   /* whose records it has */
+    uint32_t nrecords; /* of the next, so far */
 };
 
 struct sim_worker {
@@ -173,6 +178,7 @@ struct sim {
     unsigned yields; /* units that were to go back, all or in part */
     unsigned late;     /* units that others got as well */
     unsigned blows[SIM_TYPES][SIM_NBLOW];
+    unsigned tiles, passes; /* made; closed at a child */
     unsigned parked, gave, twins, loans, blocked, estimates;
     unsigned estimates_left; /* of these, before their end */
     unsigned bars; /* units whose bars come along with their base lines */
@@ -232,6 +238,13 @@ void sim_kill(struct sim *s, int worker, uint64_t conn);
 /* It crashes, if one of its job may do so by accident. */
 void sim_crash(struct sim *s, int child);
 void sim_children_release(struct sim *s);
+
+/* Passes (tiles.c). */
+uint32_t sim_plan(const struct sim_job *job,
+                  struct rad_pass plan[RAD_MOST_PASSES]);
+void sim_take_tile(struct net *net, int node, const struct msg_tile *m);
+void sim_take_frozen(struct net *net, int node, const struct msg_frozen *m);
+bool sim_cache_is_whole(const struct sim *s, const struct sim_child *k);
 
 /* Clients (client.c). */
 extern const struct node_ops sim_client_ops;

@@ -20,7 +20,9 @@ static const enum msg_type types[] = {
     MSG_SPREAD,   MSG_TWIN,      MSG_TWIN,      MSG_TWIN,       MSG_TWIN,
     MSG_SPLIT,    MSG_SPLIT,     MSG_GAVE,      MSG_GAVE,       MSG_LEND,
     MSG_LEND,     MSG_LOAN,      MSG_LOAN,      MSG_BACK,       MSG_BACK,
-    MSG_PAID,     MSG_PAID,      MSG_REVOKE,    MSG_REVOKE,     MSG_LOAN
+    MSG_PAID,     MSG_PAID,      MSG_REVOKE,    MSG_REVOKE,     MSG_LOAN,
+    MSG_TILE,     MSG_TILE,      MSG_TILE_MADE, MSG_TILE_MADE,  MSG_FROZEN,
+    MSG_FROZEN
 };
 
 #define NTYPES (sizeof types / sizeof types[0])

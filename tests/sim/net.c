@@ -229,7 +229,7 @@ repeat(struct net *net, struct net_event *e)
         net_send(net, e->a, e->c, e->data, e->len);
 }
 
-/* Facts and base lines may come twice. */
+/* Facts, base lines and tiles may come twice. */
 static void
 maybe_repeat(struct net *net, const struct net_end *from, const struct msg *m)
 {
@@ -237,7 +237,8 @@ maybe_repeat(struct net *net, const struct net_end *from, const struct msg *m)
     struct wire_out out;
 
     if (!net->repeats || !from->open ||
-        (m->type != MSG_FACTS && m->type != MSG_BASE_LINE) ||
+        (m->type != MSG_FACTS && m->type != MSG_BASE_LINE &&
+         m->type != MSG_TILE_MADE) ||
         !net_chance(net, 20))
         return;
     net->repeated++;

@@ -238,7 +238,10 @@ sim_make_pictures(struct net *net, struct sim_job *job)
     job->paint = net_chance(net, 3);
     job->pixel_us =
         (net_chance(net, 3) ? 100 : 3000) * (1 + net_random(net, 4));
-    snprintf(job->params, sizeof job->params, "-ps %d -ab 0", job->psample);
+    job->bounces =
+        job->spec.flags & MSG_JOB_PASSES ? (int)net_random(net, 3) : 0;
+    snprintf(job->params, sizeof job->params, "-ps %d -ab %d", job->psample,
+             job->bounces);
     job->spec.params = job->params;
     job->spec.estimate = estimates[net_random(net, 3)];
     job->spec.nframes = 1 + net_random(net, large || tall ? 1 : SIM_FRAMES);

@@ -1,0 +1,151 @@
+/* tiles.c - a child's ambient cache in passes: tiles take a while, and have
+ * records by formula */
+#include "config.h"
+
+#include "cluster.h"
+
+#include "base/rng.h"
+#include "proto/ambshare.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#define MOST_RECORDS 6
+#define TILE_MS      30
+
+static struct sim *
+of(struct net *net)
+{
+    return (struct sim *)net;
+}
+
+static struct sim_child *
+child_of(struct net *net, int node)
+{
+    return &of(net)->child[node - NODE_CHILD];
+}
+
+/* The records of a tile, the same whoever makes it; returns how many. */
+static uint32_t
+records(const struct sim_job *job, uint32_t pass, uint32_t tile,
+        uint8_t out[MOST_RECORDS * AMBSHARE_BYTES])
+{
+    uint64_t key = rad_mix64(job->look + pass * 1000 + tile);
+    uint32_t n = (uint32_t)(key % (MOST_RECORDS + 1));
+
+    for (uint32_t i = 0; i < n * AMBSHARE_BYTES; i++)
+        out[i] = (uint8_t)(rad_mix64(key + i) >> 8);
+    return n;
+}
+
+uint32_t
+sim_plan(const struct sim_job *job, struct rad_pass plan[RAD_MOST_PASSES])
+{
+    struct rad_pass_size size[SIM_FRAMES];
+    struct rad_params params;
+
+    rad_params_init(&params);
+    params.ambounce = job->bounces;
+    for (uint32_t f = 0; f < job->spec.nframes; f++)
+        size[f] = (struct rad_pass_size){ (int)job->frame[f].width,
+                                          (int)job->frame[f].height };
+    return job->spec.flags & MSG_JOB_PASSES
+               ? rad_passes_plan(&params, size, job->spec.nframes, plan)
+               : 0;
+}
+
+/* e->b: the tile, of pass e->len. */
+static void
+made(struct net *net, struct net_event *e)
+{
+    struct sim_child *k = child_of(net, e->a);
+    uint8_t data[MOST_RECORDS * AMBSHARE_BYTES];
+    struct msg m = { .type = MSG_TILE_MADE };
+    struct msg_tile_made *t = &m.tile_made;
+
+    if (!net->ops[e->a] || k->conn != e->c || k->passes != e->len)
+        return; /* a pass that was closed */
+    *t = (struct msg_tile_made){ .job = of(net)->job[k->job].id,
+                                 .pass = (uint32_t)e->len,
+                                 .tile = (uint32_t)e->b,
+                                 .data = data };
+    t->count = records(&of(net)->job[k->job], t->pass, t->tile, data);
+    t->len = (size_t)t->count * AMBSHARE_BYTES;
+    t->counts.rays = t->counts.ambient_rays = t->tile + 1;
+    t->counts.cpu_s = .001;
+    of(net)->job[k->job].tile_rays += t->counts.rays;
+    of(net)->tiles++;
+    net_send_msg(net, e->a, k->conn, &m);
+}
+
+void
+sim_take_tile(struct net *net, int node, const struct msg_tile *m)
+{
+    struct sim_child *k = child_of(net, node);
+    const struct sim_worker *w = &of(net)->worker[k->worker];
+    struct rad_pass plan[RAD_MOST_PASSES];
+    struct net_event *e;
+    unsigned ms = net_random(net, TILE_MS) * w->slow;
+
+    SIM_CHECK(net, m->pass == k->passes);
+    SIM_CHECK(net, m->pass < sim_plan(&of(net)->job[k->job], plan));
+    SIM_CHECK(net, m->tile < plan[m->pass].tiles);
+    if (w->stopped_ms > net->now_ms)
+        ms += (unsigned)(w->stopped_ms - net->now_ms);
+    e = net_later(net, ms, made);
+    e->a = node;
+    e->b = (int)m->tile;
+    e->c = k->conn;
+    e->len = m->pass;
+}
+
+/* Byte `at` and those that follow of a pass's records, tile after tile. */
+static void
+check_records(struct net *net, const struct sim_job *job,
+              const struct msg_frozen *m, uint32_t tiles)
+{
+    uint8_t data[MOST_RECORDS * AMBSHARE_BYTES];
+    uint32_t at = 0, left = m->count;
+    const uint8_t *p = m->data;
+
+    for (uint32_t i = 0; i < tiles; i++) {
+        uint32_t n = records(job, m->pass, i, data);
+
+        for (uint32_t k = 0; k < n; k++, at++) {
+            if (at < m->first || left == 0)
+                continue;
+            SIM_CHECK(
+                net, memcmp(p, data + k * AMBSHARE_BYTES, AMBSHARE_BYTES) == 0);
+            p += AMBSHARE_BYTES;
+            left--;
+        }
+    }
+    SIM_CHECK(net, left == 0);
+    SIM_CHECK(net, !m->last || m->first + m->count == at);
+}
+
+void
+sim_take_frozen(struct net *net, int node, const struct msg_frozen *m)
+{
+    struct sim_child *k = child_of(net, node);
+    struct rad_pass plan[RAD_MOST_PASSES];
+
+    SIM_CHECK(net, m->pass == k->passes);
+    SIM_CHECK(net, m->pass < sim_plan(&of(net)->job[k->job], plan));
+    SIM_CHECK(net, m->first == 0 || m->first == k->nrecords);
+    check_records(net, &of(net)->job[k->job], m, plan[m->pass].tiles);
+    k->nrecords = m->first + m->count;
+    if (!m->last)
+        return;
+    k->nrecords = 0;
+    k->passes++;
+    of(net)->passes++;
+}
+
+bool
+sim_cache_is_whole(const struct sim *s, const struct sim_child *k)
+{
+    struct rad_pass plan[RAD_MOST_PASSES];
+
+    return k->passes == sim_plan(&s->job[k->job], plan);
+}
