@@ -258,9 +258,17 @@ START_TEST(without_a_cache_there_are_no_passes)
 }
 END_TEST
 
-static const struct rad_pass_size sizes[] = {
-    { 1, 1 },       { 1, 65535 },   { 100, 75 },
-    { 1920, 1280 }, { 7680, 4320 }, { 65535, 65535 }
+static const struct {
+    struct rad_pass_size size;
+    const char *options;
+    int finest; /* step of the last lattice */
+} plans[] = {
+    { { 1, 1 }, "-ab 12 -ps 1", 2 },
+    { { 1, 65535 }, "-ab 12 -ps 2", 2 },
+    { { 100, 75 }, "-ab 12 -ps 3", 2 },
+    { { 1920, 1280 }, "-ab 12 -ps 4", 4 },
+    { { 7680, 4320 }, "-ab 12 -ps 5", 4 },
+    { { 65535, 65535 }, "-ab 12 -ps 16", 4 },
 };
 
 /* Each path once, each pixel of the last lattice once, and places enough. */
@@ -271,8 +279,8 @@ START_TEST(a_plan_asks_for_each_place_once)
     int level = 12, done = 0;
     struct world w;
 
-    world_open(&w, scene_text, "-ab 12");
-    n = rad_passes_plan(&w.job->params, &sizes[_i], 1, pass);
+    world_open(&w, scene_text, plans[_i].options);
+    n = rad_passes_plan(&w.job->params, &plans[_i].size, 1, pass);
     ck_assert_uint_le(n, RAD_MOST_PASSES);
     for (uint32_t i = 0; i < n; i++) {
         ck_assert_uint_gt(pass[i].tiles, 0);
@@ -280,6 +288,7 @@ START_TEST(a_plan_asks_for_each_place_once)
         if (pass[i].level == 0) {
             ck_assert_int_eq(pass[i].done, done);
             ck_assert(done == 0 || pass[i].step == done / 2);
+            ck_assert(pass[i].finest == (i == n - 1));
             done = pass[i].step;
         } else {
             ck_assert_uint_eq(pass[i].first, pass[i].level < level ? 0 : end);
@@ -288,7 +297,7 @@ START_TEST(a_plan_asks_for_each_place_once)
         }
         level = pass[i].level;
     }
-    ck_assert_int_eq(done, 2);
+    ck_assert_int_eq(done, plans[_i].finest);
     ck_assert_int_eq(level, 0);
     world_close(&w);
 }
@@ -364,7 +373,7 @@ main(void)
     tcase_add_test(tc, passes_leave_little_to_do);
     tcase_add_loop_test(tc, without_a_cache_there_are_no_passes, 0,
                         N_ELEM(none));
-    tcase_add_loop_test(tc, a_plan_asks_for_each_place_once, 0, N_ELEM(sizes));
+    tcase_add_loop_test(tc, a_plan_asks_for_each_place_once, 0, N_ELEM(plans));
     tcase_add_test(tc, passes_go_over_all_frames);
     tcase_add_test(tc, a_tile_that_is_stopped_hands_on_nothing);
     suite_add_tcase(s, tc);

@@ -21,6 +21,7 @@
 #include <math.h>
 #include <stdatomic.h>
 #include <stdlib.h>
+#include <string.h>
 
 /* Panes that a view is seen through. */
 #define MOST_PANES 8
@@ -246,16 +247,18 @@ ask_along_paths(const struct rad_passes *p, struct rad_ctx *ctx, uint32_t tile,
         ask_at_end(p, ctx, p->end[from].path);
 }
 
-/* Ask for what a pixel shows. */
-static void
+/* Ask for what a pixel shows; returns the object that it shows, or RAD_VOID. */
+static int32_t
 ask_at_pixel(const struct rad_frame *f, struct rad_ctx *ctx, int x, int y)
 {
     struct rad_ray r;
 
     atomic_store_explicit(&ctx->at, RAD_AT(x, y), memory_order_relaxed);
-    if (rad_frame_ray(f, x, y, &r) &&
-        rad_ray_spawn(ctx, &r, RAD_RAY_PRIMARY, NULL, NULL, 0))
-        rad_ray_trace(ctx, &r);
+    if (!rad_frame_ray(f, x, y, &r) ||
+        !rad_ray_spawn(ctx, &r, RAD_RAY_PRIMARY, NULL, NULL, 0))
+        return RAD_VOID;
+    rad_ray_trace(ctx, &r);
+    return r.hit.obj;
 }
 
 static int
@@ -264,26 +267,121 @@ least(int a, int b)
     return a < b ? a : b;
 }
 
+/* The pixels that a tile may ask at. */
+struct patch {
+    const struct rad_frame *frame;
+    struct rad_ctx *ctx;
+    const _Atomic bool *stop;
+    int x0, y0, x1, y1;
+    int step;
+};
+
+enum { MOST_SIDE = RAD_PASS_SIDE * RAD_PASS_FINEST };
+
+/* A pixel of a tile of the finest lattice. */
+struct spot {
+    bool asked;
+    uint8_t made;  /* records were made here, when pixels so far apart were
+                    * asked at; 0: none was */
+    int32_t shows; /* an object */
+};
+
+struct spots {
+    struct spot at[MOST_SIDE][MOST_SIDE]; /* by row */
+};
+
+/* The pixel, if it is in the tile and was asked at; else NULL. */
+static const struct spot *
+asked_at(const struct patch *p, const struct spots *s, int i, int k)
+{
+    return i >= 0 && k >= 0 && p->x0 + i < p->x1 && p->y0 + k < p->y1 &&
+                   s->at[k][i].asked
+               ? &s->at[k][i]
+               : NULL;
+}
+
+static void
+ask_at_spot(const struct patch *p, struct spots *s, int i, int k, int distance)
+{
+    struct spot *at = &s->at[k][i];
+    uint32_t made = p->ctx->tile->made;
+
+    at->asked = true;
+    at->shows = ask_at_pixel(p->frame, p->ctx, p->x0 + i, p->y0 + k);
+    at->made = p->ctx->tile->made > made ? (uint8_t)distance : 0;
+}
+
+/* Does something end, or are records dense, between the two? */
+static bool
+is_between(const struct spot *a, const struct spot *b, int distance)
+{
+    return a && b &&
+           (a->shows != b->shows || a->made == 2 * distance ||
+            b->made == 2 * distance);
+}
+
+/* Half way between pixels that were asked at, ask where one object ends, or
+ * there may be a small one, and where these pixels made records; again at half
+ * the distance, and so on. */
+static void
+ask_between(const struct patch *p, struct spots *s)
+{
+    for (int d = p->step / 2; d > 0; d /= 2)
+        for (int k = 0; p->y0 + k < p->y1; k += d)
+            for (int i = 0; p->x0 + i < p->x1 && !is_set(p->stop); i += d)
+                if (!s->at[k][i].asked &&
+                    (is_between(asked_at(p, s, i - d, k),
+                                asked_at(p, s, i + d, k), d) ||
+                     is_between(asked_at(p, s, i, k - d),
+                                asked_at(p, s, i, k + d), d) ||
+                     is_between(asked_at(p, s, i - d, k - d),
+                                asked_at(p, s, i + d, k + d), d)))
+                    ask_at_spot(p, s, i, k, d);
+}
+
+static void
+ask_at_finest(const struct patch *p)
+{
+    struct spots s;
+
+    memset(&s, 0, sizeof s);
+    for (int k = 0; p->y0 + k < p->y1; k += p->step)
+        for (int i = 0; p->x0 + i < p->x1 && !is_set(p->stop); i += p->step)
+            ask_at_spot(p, &s, i, k, p->step);
+    ask_between(p, &s);
+}
+
+static void
+ask_at_coarse(const struct patch *p, int done)
+{
+    for (int y = p->y0; y < p->y1; y += p->step)
+        for (int x = p->x0; x < p->x1 && !is_set(p->stop); x += p->step)
+            if (done == 0 || x % done != 0 || y % done != 0)
+                ask_at_pixel(p->frame, p->ctx, x, y);
+}
+
 static void
 ask_along_lattice(const struct rad_passes *p, struct rad_ctx *ctx,
                   uint32_t tile, const _Atomic bool *stop)
 {
     const struct rad_frame *f = p->frames;
-    int step = p->pass.step, done = p->pass.done, side = RAD_PASS_SIDE * step;
-    int across, x0, y0;
+    int step = p->pass.step, side = RAD_PASS_SIDE * step, across;
+    struct patch patch = { .ctx = ctx, .stop = stop, .step = step };
 
     for (uint32_t n; tile >= (n = rad_pass_tiles(f->width, f->height, step));
          f++)
         tile -= n;
     across = (int)rad_pass_along(f->width, step);
-    x0 = (int)tile % across * side;
-    y0 = (int)tile / across * side;
+    patch.frame = f;
+    patch.x0 = (int)tile % across * side;
+    patch.y0 = (int)tile / across * side;
+    patch.x1 = least(patch.x0 + side, f->width);
+    patch.y1 = least(patch.y0 + side, f->height);
     ctx->no_direct = true;
-    for (int y = y0; y < least(y0 + side, f->height); y += step)
-        for (int x = x0; x < least(x0 + side, f->width) && !is_set(stop);
-             x += step)
-            if (done == 0 || x % done != 0 || y % done != 0)
-                ask_at_pixel(f, ctx, x, y);
+    if (p->pass.finest)
+        ask_at_finest(&patch);
+    else
+        ask_at_coarse(&patch, p->pass.done);
     ctx->no_direct = false;
 }
 

@@ -2,9 +2,8 @@
  *
  * Few paths tell of the large zones, and each further round of them, four times
  * as many, of smaller ones.
- * The last lattice is every second pixel: between them records serve that are a
- * little too far, for what is asked of every pixel takes longer than it
- * saves. */
+ * To ask at every pixel takes longer than it saves: the picture's sampling
+ * leaves most of them out, too. */
 #include "config.h"
 
 #include "picture/passplan.h"
@@ -17,7 +16,6 @@
 #define ROUND_GROWTH 4   /* paths of a round over all before it */
 #define TILE_PATHS   512 /* at most, of a tile */
 #define COARSEST     32  /* lattice [pixels] */
-#define FINEST       2
 
 static uint32_t
 count_paths(const struct rad_pass_size *size, uint32_t n)
@@ -32,42 +30,55 @@ count_paths(const struct rad_pass_size *size, uint32_t n)
                                 : (uint32_t)paths;
 }
 
-/* The rounds for records of that level. */
+/* The rounds for records of that level: the last ends with all paths, and each
+ * before it with a part of those. */
 static uint32_t
 plan_level(int level, uint32_t paths, struct rad_pass *pass)
 {
-    uint32_t n = 0, first = 0, end = paths;
+    uint32_t n = 0, first = 0, part = 1;
 
-    while (end / ROUND_GROWTH >= LEAST_PATHS)
-        end /= ROUND_GROWTH;
-    for (; first < paths; n++) {
-        uint32_t count = end - first;
+    while (paths / (part * ROUND_GROWTH) >= LEAST_PATHS)
+        part *= ROUND_GROWTH;
+    for (; part > 0; part /= ROUND_GROWTH, n++) {
+        uint32_t end = paths / part;
 
-        pass[n] =
-            (struct rad_pass){ .level = level,
-                               .first = first,
-                               .end = end,
-                               .tiles = (count + TILE_PATHS - 1) / TILE_PATHS };
+        pass[n] = (struct rad_pass){ .level = level,
+                                     .first = first,
+                                     .end = end,
+                                     .tiles = (end - first + TILE_PATHS - 1) /
+                                              TILE_PATHS };
         first = end;
-        end = end > paths / ROUND_GROWTH ? paths : ROUND_GROWTH * end;
     }
     return n;
 }
 
-static uint32_t
-plan_pixels(const struct rad_pass_size *size, uint32_t nsizes,
-            struct rad_pass *pass)
+/* The largest step of a lattice that is no larger than that of base lines. */
+static int
+finest_step(const struct rad_params *par)
 {
+    int step = RAD_PASS_FINEST;
+
+    while (step > RAD_PASS_LEAST_STEP && step > par->psample)
+        step /= 2;
+    return step;
+}
+
+static uint32_t
+plan_pixels(const struct rad_params *par, const struct rad_pass_size *size,
+            uint32_t nsizes, struct rad_pass *pass)
+{
+    int finest = finest_step(par);
     uint32_t n = 0;
 
-    for (int step = COARSEST, done = 0; step >= FINEST;
+    for (int step = COARSEST, done = 0; step >= finest;
          done = step, step /= 2) {
         uint32_t tiles = 0;
 
         for (uint32_t i = 0; i < nsizes; i++)
             tiles += rad_pass_tiles(size[i].width, size[i].height, step);
-        pass[n++] =
-            (struct rad_pass){ .step = step, .done = done, .tiles = tiles };
+        pass[n++] = (struct rad_pass){
+            .step = step, .done = done, .finest = step == finest, .tiles = tiles
+        };
     }
     return n;
 }
@@ -85,5 +96,5 @@ rad_passes_plan(const struct rad_params *par, const struct rad_pass_size *size,
         deepest = RAD_PASS_LEVELS;
     for (int level = deepest; level > 0; level--)
         n += plan_level(level, paths, pass + n);
-    return n + plan_pixels(size, nsizes, pass + n);
+    return n + plan_pixels(par, size, nsizes, pass + n);
 }

@@ -13,6 +13,7 @@
 
 #include "base/params.h"
 
+#include <stdbool.h>
 #include <stdint.h>
 
 /* What one pass asks for. */
@@ -21,6 +22,8 @@ struct rad_pass {
     uint32_t first, end; /* level above 0: paths of that number, below end */
     int step, done; /* level 0: every step-th pixel along both axes, but those
                      * of every done-th (0: of no) */
+    bool finest;    /* level 0: the last lattice, and what lies between its
+                     * pixels where objects end or records are dense */
     uint32_t tiles;
 };
 #define RAD_MOST_PASSES 64
@@ -30,6 +33,11 @@ struct rad_pass {
 
 /* Of a tile, in pixels of its lattice. */
 #define RAD_PASS_SIDE 16
+
+/* The last lattice has steps of as many pixels as base lines (-ps), within
+ * these bounds. */
+#define RAD_PASS_LEAST_STEP 2
+#define RAD_PASS_FINEST     4
 
 struct rad_pass_size {
     int width, height; /* of a picture */

@@ -46,6 +46,7 @@ sim_plan(const struct sim_job *job, struct rad_pass plan[RAD_MOST_PASSES])
 
     rad_params_init(&params);
     params.ambounce = job->bounces;
+    params.psample = job->psample;
     for (uint32_t f = 0; f < job->spec.nframes; f++)
         size[f] = (struct rad_pass_size){ (int)job->frame[f].width,
                                           (int)job->frame[f].height };

@@ -249,8 +249,10 @@ keep(struct rad_ambient *amb, struct rad_ambtile *tile,
     if (!tile || !is_plausible(amb, rec))
         return false;
     zone = zone_of(amb, rec);
-    if (rad_ambcache_insert(tile->own, rec, &zone, true))
+    if (rad_ambcache_insert(tile->own, rec, &zone, true)) {
+        tile->made += rec->level == tile->level;
         return true;
+    }
     tile->failed = true;
     return false;
 }

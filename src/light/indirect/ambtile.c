@@ -12,6 +12,7 @@ rad_ambtile_begin(struct rad_ambtile *tile, struct rad_ctx *ctx, int level)
     tile->own = rad_ambcache_new(org, side);
     tile->level = level;
     tile->failed = false;
+    tile->made = 0;
     if (!tile->own)
         return false;
     ctx->tile = tile;

@@ -14,6 +14,7 @@
 struct rad_ambtile {
     struct rad_ambcache *own;
     bool failed; /* memory was out: records are missing */
+    uint32_t made; /* records of that level so far */
     int level; /* of the records that the pass is for; others serve a little
                 * farther than -aa */
 };
