@@ -368,6 +368,7 @@ dist_check_SCRIPTS += \
 	tests/e2e/cluster_descriptors.sh \
 	tests/e2e/cluster_flood.sh \
 	tests/e2e/cluster_keys.sh \
+	tests/e2e/cluster_passes.sh \
 	tests/e2e/cluster_peers.sh \
 	tests/e2e/cluster_sandbox.sh \
 	tests/e2e/cluster_sockets.sh \
@@ -433,6 +434,7 @@ TESTS += \
 	tests/e2e/cluster_descriptors.sh \
 	tests/e2e/cluster_flood.sh \
 	tests/e2e/cluster_keys.sh \
+	tests/e2e/cluster_passes.sh \
 	tests/e2e/cluster_peers.sh \
 	tests/e2e/cluster_sandbox.sh \
 	tests/e2e/cluster_sockets.sh \

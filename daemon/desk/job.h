@@ -9,6 +9,7 @@
 
 #include "base/arena.h"
 #include "desk/frame.h"
+#include "desk/kept.h"
 #include "desk/part.h"
 #include "desk/unit.h"
 #include "partition/partition.h"
@@ -77,7 +78,7 @@ struct job {
     bool ending;    /* what follows from its end is to be done (verdict.h) */
     enum job_stage stage; /* by job_step() alone */
     bool full;      /* the disk is: it is held as all others are */
-    uint32_t lives; /* of the coordinator, that it has seen end */
+    uint32_t lives; /* of the coordinator that it has seen end */
     bool restored;  /* from an earlier life, and no worker was ready since */
     struct stats_text *filing; /* its statistics, on their way to the store */
     struct msg_progress last; /* with STAGE_FILED */
@@ -95,12 +96,12 @@ struct job {
     uint32_t *out; /* units that are out; the last takes the place of one that
                     * leaves, so whoever may end attempts goes backwards */
     uint32_t nout, cap_out;
-    bool exact;    /* a pixel is a function: there is no ambient cache, or it
-                    * comes in passes */
+    bool exact;    /* a pixel is a function: no cache, or one in passes */
     uint32_t late; /* units that are out for too long, and may have twins */
     struct coord_owner *payer; /* whom it belongs to, at the coordinator */
     uint32_t served;       /* the last search for a unit that looked at it */
-    struct passes *passes; /* NULL: none, or not laid out yet */
+    struct kept_passes kept;
+    struct passes *passes; /* NULL: none, or not yet */
     struct survey *survey; /* NULL: costs are not estimated, or are by now */
     struct shared *shared; /* NULL: lines are not shared */
     struct ring *ring; /* NULL: each worker is linked with all, or none is */
@@ -179,9 +180,8 @@ void job_step(struct job *job, enum job_stage to);
 /* Does it get no units for want of room on the disk? */
 bool job_held(const struct job *job);
 
-/* "running". */
-const char *job_state_name(enum job_state state);
-const char *job_is(const struct job *job); /* the same, or "held" */
+const char *job_state_name(enum job_state state); /* "running" */
+const char *job_is(const struct job *job);        /* the same, or "held" */
 
 /* How a job is to be split, but for single and the values of costs; RAD_EDATA
  * when its options are no options. */

@@ -14,6 +14,8 @@ libdaemon_a_SOURCES += \
 	daemon/desk/hold.h \
 	daemon/desk/job.c \
 	daemon/desk/job.h \
+	daemon/desk/kept.c \
+	daemon/desk/kept.h \
 	daemon/desk/part.c \
 	daemon/desk/part.h \
 	daemon/desk/progress.c \

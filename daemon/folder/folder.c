@@ -265,14 +265,16 @@ folder_make(struct folder *f, const struct msg_spec *spec,
     return rc;
 }
 
-/* Is the file needless once the job is over: rows, room, or half written? */
+/* Is the file needless once the job is over: rows, room, cache, or half
+ * written? */
 static bool
 is_left_over(const char *name)
 {
     static const char *const suffix[] = { ".rows", ".preview", ".tmp" };
     size_t n = strlen(name);
 
-    if (strcmp(name, &FOLDER_ROOM[1]) == 0)
+    if (strcmp(name, &FOLDER_ROOM[1]) == 0 ||
+        strcmp(name, &FOLDER_CACHE[1]) == 0)
         return true;
     for (size_t i = 0; i < sizeof suffix / sizeof suffix[0]; i++) {
         size_t m = strlen(suffix[i]);

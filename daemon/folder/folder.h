@@ -4,6 +4,8 @@
  * DIR/jobs/ID/N.rows   pixels of frame N (rows.h), from the first that comes
  *                      until its picture is there
  * DIR/jobs/ID/N.hdr    the picture, N.z its distances
+ * DIR/jobs/ID/cache    ambient records of passes that are closed, until the job
+ *                      is over
  * DIR/jobs/ID/stats    statistics of a job that is over, as JSON
  * DIR/jobs/ID/new      until the database knows the job: nobody was told that
  *                      it is accepted
@@ -85,6 +87,16 @@ int folder_read_row(struct folder *f, const uint8_t job[MSG_JOB],
 int folder_sum(struct folder *f, const uint8_t job[MSG_JOB],
                const struct partition_area *a, uint32_t rows, bool line,
                uint64_t *sum, struct rad_error *err);
+/* Keep the records of a pass, if they follow those that are kept; what cannot
+ * be kept is made again. */
+void folder_put_pass(struct folder *f, const uint8_t job[MSG_JOB],
+                     uint32_t pass, const struct saved_pass *p);
+/* Passes that are kept, *n of them, as far as they are sound: what they lie in
+ * is malloc'd, or NULL. */
+#define FOLDER_MOST_CACHE (UINT64_C(1) << 30)
+uint8_t *folder_read_passes(struct folder *f, const uint8_t job[MSG_JOB],
+                            struct saved_pass pass[MSG_MOST_PASSES],
+                            uint32_t *n);
 /* Wait until all rows that were put are on the disk. */
 int folder_sync(struct folder *f, struct rad_error *err);
 

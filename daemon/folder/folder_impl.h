@@ -32,12 +32,15 @@ struct folder_job {
     uint32_t nframes;
     struct frame_rows *frames;
     uint64_t room;  /* bytes that are kept for frames without a file */
+    uint32_t npasses;    /* of the ambient cache that are kept, */
+    uint64_t pass_bytes; /* in so many bytes */
     bool new_files; /* since the last folder_sync() */
 };
 
 /* DIR/jobs/ID with that suffix, or DIR/jobs/ID/FRAME with that one. */
 #define FOLDER_ROOM  "/room"
 #define FOLDER_STATS "/stats"
+#define FOLDER_CACHE "/cache"
 #define FOLDER_NEW   "/new"
 #define FOLDER_GONE  ".gone"
 void folder_path(const struct folder *f, const uint8_t *id, const char *suffix,

@@ -4,6 +4,7 @@ libdaemon_a_SOURCES += \
 	daemon/folder/filtered.h \
 	daemon/folder/folder.c \
 	daemon/folder/folder.h \
+	daemon/folder/folder_cache.c \
 	daemon/folder/folder_impl.h \
 	daemon/folder/folder_picture.c \
 	daemon/folder/folder_rows.c \

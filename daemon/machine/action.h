@@ -44,6 +44,8 @@ enum action_type {
                         * statistics (actions_take); then coord_job_filed */
     ACT_KEEP_UNIT,     /* job, unit: remember it some time, before any of its
                         * rows */
+    ACT_PUT_PASS,      /* job, frame, pass: the pass of that number, to keep if
+                        * that can be; nobody waits */
     ACT_SETTLE,        /* conn, request: coord_settled when all that was asked
                         * to be kept before is */
     ACT_PUT_ROWS,      /* rows: keep; then coord_rows_stored */
@@ -132,6 +134,7 @@ struct action {
     struct action_rows rows;
     const struct saved_unit *unit;
     const struct saved_gone *gone;
+    const struct saved_pass *pass;
 };
 
 struct action_list {

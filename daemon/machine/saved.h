@@ -36,6 +36,13 @@ struct saved_frame {
     struct mark picture, depth; /* with written; depth: of what has distances */
 };
 
+/* The records of a pass of the ambient cache. */
+struct saved_pass {
+    const uint8_t *bytes;
+    size_t len;
+    struct msg_counts counts; /* of its tiles */
+};
+
 struct saved_job {
     struct msg_spec spec;
     const char *owner;
@@ -51,6 +58,8 @@ struct saved_job {
     const struct saved_frame *frames; /* by index */
     uint32_t nunits;          /* of one that is not over */
     const struct saved_unit *units; /* by number */
+    uint32_t npasses;               /* of one that is not over: closed ones */
+    const struct saved_pass *passes; /* by number */
 };
 
 /* Why a job that was over is forgotten. */

@@ -226,6 +226,8 @@ take_up(const struct recovery *r)
     struct job *job = r->job;
     int rc = take_units(r);
 
+    if (rc == 0 && !kept_copy(&job->kept, r->s))
+        rc = no_memory(r->err);
     if (rc == 0)
         rc = take_frames(r);
     if (rc < 0)

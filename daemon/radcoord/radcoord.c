@@ -144,6 +144,9 @@ on_action(void *arg, const struct action *a)
     case ACT_KEEP_UNIT:
         store_keep_unit(r->store, a->job, a->unit);
         break;
+    case ACT_PUT_PASS:
+        store_put_pass(r->store, a->job, a->frame, a->pass);
+        break;
     case ACT_SETTLE:
         store_settle(r->store, a->conn, a->request);
         break;

@@ -53,6 +53,7 @@ struct tile {
 struct closed {
     uint8_t *records;
     uint32_t n;
+    struct msg_counts counts; /* of its tiles that were the first */
 };
 
 struct passes {
@@ -94,6 +95,29 @@ passes_free(struct passes *s)
     free(s);
 }
 
+/* Passes that an earlier life of the coordinator closed are closed. */
+static void
+take_up(struct coord *c, struct job *job)
+{
+    struct kept_passes *kept = &job->kept;
+    struct passes *s = job->passes;
+
+    for (uint32_t i = 0; i < kept->n && i < s->n; i++) {
+        if (kept->pass[i].len % AMBSHARE_BYTES != 0)
+            break;
+        s->closed[i].records = (uint8_t *)kept->pass[i].bytes;
+        s->closed[i].n = (uint32_t)(kept->pass[i].len / AMBSHARE_BYTES);
+        s->bytes += kept->pass[i].len;
+        msg_counts_add(&job->tiled, &kept->pass[i].counts);
+        kept->pass[i].bytes = NULL;
+        s->open++;
+    }
+    if (s->open > 0)
+        actions_log(&c->actions, ACT_INFO, "passes kept job=%s passes=%u of=%u",
+                    job->hex, s->open, s->n);
+    kept_drop(kept);
+}
+
 static bool
 open_pass(struct passes *s)
 {
@@ -106,7 +130,7 @@ open_pass(struct passes *s)
 }
 
 int
-passes_begin(struct job *job, struct rad_error *err)
+passes_begin(struct coord *c, struct job *job, struct rad_error *err)
 {
     const struct msg_spec *spec = &job->spec;
     struct rad_params params;
@@ -123,6 +147,8 @@ passes_begin(struct job *job, struct rad_error *err)
                                           (int)spec->frames[i].height };
     if (size && s)
         s->n = rad_passes_plan(&params, size, spec->nframes, s->plan);
+    if (s)
+        take_up(c, job);
     free(size);
     if (!size || !s || !open_pass(s))
         return rad_fail(err, RAD_ENOMEM, "out of memory");
@@ -396,6 +422,26 @@ gather(struct passes *s)
     return to != NULL;
 }
 
+/* To go on from after a restart. */
+static void
+keep_closed(struct coord *c, const struct job *job)
+{
+    const struct passes *s = job->passes;
+    const struct closed *k = &s->closed[s->open];
+    struct saved_pass saved = { .len = (size_t)k->n * AMBSHARE_BYTES,
+                                .counts = k->counts };
+    struct action *a;
+
+    if (!c->env.keeps ||
+        !(a = actions_add_job(&c->actions, ACT_PUT_PASS, 0, job->id)))
+        return;
+    saved.bytes = actions_keep(&c->actions, k->records, saved.len);
+    a->frame = s->open;
+    a->pass = rad_arena_dup(&c->actions.mem, &saved, sizeof saved);
+    if (!saved.bytes || !a->pass)
+        c->actions.failed = true;
+}
+
 static void
 close_pass(struct coord *c, struct job *job)
 {
@@ -405,6 +451,7 @@ close_pass(struct coord *c, struct job *job)
         c->actions.failed = true;
         return;
     }
+    keep_closed(c, job);
     send_closed(c, job, s->open, send_to_all, NULL);
     if (job->spec.flags & MSG_JOB_RECORDS)
         send_closed(c, job, s->open, send_records, NULL);
@@ -463,6 +510,9 @@ keep(struct coord *c, struct job *job, struct tile *t,
 static void
 count(struct job *job, uint32_t index, const struct msg_counts *counts)
 {
+    struct passes *s = job->passes;
+
+    msg_counts_add(&s->closed[s->open].counts, counts);
     msg_counts_add(&job->tiled, counts);
     job->workers[index].surveyed_rays += counts->rays;
     job->rays += counts->rays;

@@ -12,7 +12,7 @@ struct passes;
 void passes_free(struct passes *s);
 
 /* Lay out the passes, if the job has some; 0 or RAD_ENOMEM. */
-int passes_begin(struct job *job, struct rad_error *err);
+int passes_begin(struct coord *c, struct job *job, struct rad_error *err);
 
 /* A worker is ready that has the records of so many passes: it gets those of
  * the others that are closed.  False: it has more than there are. */

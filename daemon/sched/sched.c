@@ -407,7 +407,7 @@ lay_out(struct coord *c, struct job *job)
     struct rad_error err = { 0 };
 
     if (job_split(job, one_worker_in_all(c), &err) != 0 ||
-        passes_begin(job, &err) != 0 ||
+        passes_begin(c, job, &err) != 0 ||
         survey_begin(job, job_active(job), &err) != 0) {
         verdict_job(c, job, JOB_FAILED, rad_exit_status(err.code), err.what);
         return false;
@@ -425,7 +425,7 @@ take_up(struct coord *c, struct job *job)
     struct rad_error err = { 0 };
 
     job->restored = false;
-    if (passes_begin(job, &err) != 0) {
+    if (passes_begin(c, job, &err) != 0) {
         verdict_job(c, job, JOB_FAILED, rad_exit_status(err.code), err.what);
         return false;
     }

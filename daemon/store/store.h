@@ -151,6 +151,10 @@ void store_end_job(struct store *s, const struct saved_job *saved, char *stats,
                    size_t len);
 void store_keep_unit(struct store *s, const uint8_t job[MSG_JOB],
                      const struct saved_unit *unit);
+/* Keep a pass's records, which are copied, if there is room: nothing follows.
+ */
+void store_put_pass(struct store *s, const uint8_t job[MSG_JOB], uint32_t pass,
+                    const struct saved_pass *saved);
 void store_put_rows(struct store *s, const struct action_rows *rows);
 /* Call settled() when all that was asked for so far is kept. */
 void store_settle(struct store *s, uint64_t conn, uint32_t request);

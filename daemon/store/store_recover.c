@@ -64,15 +64,21 @@ recover_open(struct recovery *r, const struct saved_job *saved,
              struct rad_error *err)
 {
     struct saved_unit *units = calloc(saved->nunits + 1, sizeof *units);
+    struct saved_pass passes[MSG_MOST_PASSES];
     struct saved_job sound = *saved;
+    uint8_t *cache;
     int rc;
 
     if (!units)
         return rad_fail(err, RAD_ENOMEM, "out of memory");
     sound.units = units;
+    sound.passes = passes;
+    cache = folder_read_passes(&r->s->folder, saved->spec.job, passes,
+                               &sound.npasses);
     rc = rowcheck_job(&r->s->folder, saved, units, drop_damaged, r->s, err);
     if (rc == 0)
         rc = r->fn(r->arg, &sound, err);
+    free(cache);
     free(units);
     return rc;
 }

@@ -54,6 +54,55 @@ store_keep_unit(struct store *s, const uint8_t job[MSG_JOB],
     store_push_lasting(s, &u->task);
 }
 
+struct pass_task {
+    struct task task;
+    struct store *store;
+    uint8_t id[MSG_JOB];
+    uint32_t pass;
+    struct saved_pass saved;
+    uint8_t bytes[];
+};
+
+static int
+pass_run(struct task *t)
+{
+    struct pass_task *p = (struct pass_task *)t;
+
+    folder_put_pass(&p->store->folder, p->id, p->pass, &p->saved);
+    return 0;
+}
+
+static void
+pass_done(struct task *t)
+{
+    struct pass_task *p = (struct pass_task *)t;
+
+    p->store->backlog -= p->saved.len;
+    free(p);
+}
+
+void
+store_put_pass(struct store *s, const uint8_t job[MSG_JOB], uint32_t pass,
+               const struct saved_pass *saved)
+{
+    size_t n = saved->len;
+    struct pass_task *p =
+        s->journal ? store_new_task(s, sizeof *p + n, pass_run, pass_done)
+                   : NULL;
+
+    if (!p)
+        return;
+    p->store = s;
+    memcpy(p->id, job, MSG_JOB);
+    p->pass = pass;
+    p->saved = *saved;
+    p->saved.bytes = p->bytes;
+    if (n > 0)
+        memcpy(p->bytes, saved->bytes, n);
+    s->backlog += n;
+    task_push(&s->queue, &p->task);
+}
+
 struct rows_task {
     struct task task;
     struct store *store;

@@ -122,6 +122,7 @@ coord_action(struct sim *s, const struct action *a)
     case ACT_JOB_END:
     case ACT_SETTLE:
     case ACT_KEEP_UNIT:
+    case ACT_PUT_PASS:
     case ACT_WRITE_PICTURE:
     case ACT_PUT_ROWS:
         sim_disk(s, a, job);

@@ -55,6 +55,8 @@ struct sim_kept {
     struct saved_job job;
     char text[MSG_MAX_TEXT + 1];
     char *stats; /* of one that is over */
+    uint32_t npasses;
+    struct saved_pass pass[MSG_MOST_PASSES]; /* malloc'd */
     uint32_t nunits;
     struct sim_unit unit[SIM_UNITS];
 };

@@ -106,6 +106,20 @@ put_end(struct sim *s, struct sim_job *job, const struct entry *e)
 }
 
 static void
+put_pass(struct sim *s, struct sim_job *job, const struct entry *e)
+{
+    struct sim_kept *k = &job->kept;
+    uint8_t *bytes;
+
+    if (e->frame != k->npasses || net_chance(&s->net, 20)) /* no room */
+        return;
+    bytes = malloc(e->len + 1);
+    SIM_CHECK(&s->net, bytes != NULL);
+    memcpy(bytes, e->bytes, e->len);
+    k->pass[k->npasses++] = (struct saved_pass){ bytes, e->len, e->counts };
+}
+
+static void
 put_settled(struct sim *s, struct sim_job *job, const struct entry *e)
 {
     (void)job;
@@ -282,6 +296,14 @@ sim_disk(struct sim *s, const struct action *a, int job)
         e->conn = a->conn;
         e->request = a->request;
         break;
+    case ACT_PUT_PASS:
+        e = later(s, job, a->pass->len, put_pass);
+        e->frame = a->frame;
+        e->counts = a->pass->counts;
+        e->len = a->pass->len;
+        if (e->len)
+            memcpy(e->bytes, a->pass->bytes, e->len);
+        break;
     case ACT_KEEP_UNIT:
         keep_unit(s, job, a->unit);
         break;
@@ -338,6 +360,8 @@ recover(struct sim *s, struct sim_job *job)
     k->job.text = k->text;
     k->job.frames = job->frames;
     k->job.units = units;
+    k->job.passes = k->pass;
+    k->job.npasses = k->npasses;
     k->job.nunits = 0;
     for (uint32_t i = 0; i < k->nunits && k->job.state < JOB_DONE; i++) {
         k->unit[i].saved.worker = k->unit[i].worker;
@@ -396,5 +420,7 @@ sim_disk_release(struct sim_job *job)
 {
     for (uint32_t i = 0; i < SIM_UNITS; i++)
         free(job->kept.unit[i].bottom);
+    for (uint32_t i = 0; i < job->kept.npasses; i++)
+        free((void *)job->kept.pass[i].bytes);
     free(job->kept.stats);
 }

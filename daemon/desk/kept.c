@@ -1,0 +1,36 @@
+/* kept.c - see kept.h */
+#include "config.h"
+
+#include "desk/kept.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+bool
+kept_copy(struct kept_passes *k, const struct saved_job *s)
+{
+    k->pass = calloc(s->npasses + 1, sizeof *k->pass);
+    if (!k->pass)
+        return false;
+    for (; k->n < s->npasses; k->n++) {
+        const struct saved_pass *from = &s->passes[k->n];
+        uint8_t *bytes = malloc(from->len + 1);
+
+        if (!bytes)
+            return false;
+        if (from->len > 0)
+            memcpy(bytes, from->bytes, from->len);
+        k->pass[k->n] = *from;
+        k->pass[k->n].bytes = bytes;
+    }
+    return true;
+}
+
+void
+kept_drop(struct kept_passes *k)
+{
+    for (uint32_t i = 0; i < k->n; i++)
+        free((void *)k->pass[i].bytes);
+    free(k->pass);
+    *k = (struct kept_passes){ 0 };
+}

@@ -1,0 +1,92 @@
+#!/bin/sh
+# cluster_passes.sh - the ambient cache in passes: a coordinator that is killed
+# in a pass, between passes or in the picture goes on from there, with the same
+# bytes; so does a cluster whose worker is killed, or that a worker joins
+. "${top_srcdir:-.}/tests/e2e/client_lib.sh"
+. "$top_srcdir/tests/e2e/cluster.sh"
+set -u
+
+view="-vf $scenes/room.vf -x 300 -y 220 -ps 2 -pt .01 -ab 3 -aa .15 -ar 32
+-ad 128 -as 32 --ambient=passes"
+room=$scenes/room.rad
+
+body()
+{
+    LC_ALL=C sed '1,/^$/d' "$1"
+}
+
+# shellcheck disable=SC2086 # options are words
+"$radsubmit" --local --workers=1 $view --stats=calm.json -o calm.hdr "$room" \
+    2>stderr || fail "calm: $(cat stderr)"
+body calm.hdr >calm.body
+
+ended() { gone $job; }
+
+same()
+{
+    wait $job || fail "$1: $(cat "$1.err")"
+    body "$1.hdr" >same.body
+    cmp calm.body same.body || fail "$1: another picture"
+    [ "$(total "$1.json" tile_values)" = "$(total calm.json tile_values)" ] ||
+        fail "$1: $(total "$1.json" tile_values) records of passes"
+}
+
+start()
+{
+    : >c.log
+    # shellcheck disable=SC2086
+    "$radsubmit" --coordinator="$sock" --name="$1" $view --stats="$1.json" \
+        -o "$1.hdr" "$room" 2>"$1.err" &
+    job=$!
+}
+
+# until_log PATTERN: it is in the coordinator's log, or the job is over
+until_log()
+{
+    pattern=$1
+    until_true 60 logged || fail "no '$pattern': $(tail -n 3 c.log)"
+}
+
+logged() { grep -q "$pattern" c.log || ended; }
+
+kill_coordinator()
+{
+    kill -KILL "$coord_pid"
+    wait "$coord_pid" 2>/dev/null
+    # shellcheck disable=SC2086
+    "$radcoord" --listen="$tcp" --keys="$work/keys" --socket="$sock" \
+        --state="$work/state" $coord_options 2>>c.log &
+    coord_pid=$!
+}
+
+coord_options=--log-level=debug
+cluster_start 2 1
+
+# in the first pass, when some are closed, in the last, in the picture
+n=0
+for at in 'pass=0 ' 'pass=4 ' 'step=8 ' 'unit out'; do
+    n=$((n + 1))
+    start "again$n"
+    until_log "$at"
+    ended || kill_coordinator
+    until_true 60 ended || {
+        fail "the job does not end: $(tail -n 5 c.log)"
+        kill $job
+    }
+    same "again$n"
+done
+grep -q 'passes kept .*passes=[1-9]' c.log ||
+    echo "the last job was over before its coordinator was killed"
+
+# the only worker of the two that has tiles, and one that comes later
+start worker
+until_log 'pass=2 '
+# shellcheck disable=SC2154 # worker_start sets them
+kill -KILL "$pid_1"
+wait "$pid_1" 2>/dev/null
+worker_start 1 1
+worker_start 3 1
+until_true 60 ended || fail "the job does not end"
+same worker
+cluster_stop
+finish
