@@ -303,8 +303,8 @@ START_TEST(a_plan_asks_for_each_place_once)
 }
 END_TEST
 
-/* Two frames are filled together: tiles are all the first's, then the other's.
- */
+/* The second of two frames comes when the first one's passes are closed, and
+ * has tiles of its own. */
 START_TEST(passes_go_over_all_frames)
 {
     static struct list list;
@@ -315,7 +315,7 @@ START_TEST(passes_go_over_all_frames)
     struct rad_view back;
     struct rad_passes *p;
     size_t made[2] = { 0, 0 };
-    uint32_t n;
+    uint32_t n, last = 0;
 
     open_room(m, "-ab 1");
     frames[0] = m->frame;
@@ -325,16 +325,47 @@ START_TEST(passes_go_over_all_frames)
         rad_frame_init(&frames[1], m->w.job, &back, 1, false, NULL), 0);
     n = rad_passes_plan(&m->w.job->params, size, 2, pass);
     p = rad_passes_new(frames, 2, NULL);
-    ck_assert_int_eq(rad_passes_begin(p, &m->w.ctx, &pass[n - 1], NULL), 0);
-    for (uint32_t i = 0; i < pass[n - 1].tiles; i++) {
-        list.n = 0;
-        ck_assert(rad_passes_make(p, &m->w.ctx, i, &never, keep, &list));
-        made[2 * i >= pass[n - 1].tiles] += list.n;
+    for (uint32_t k = 0; k < n; k++) {
+        ck_assert(pass[k].level > 0 || pass[k].frame >= last);
+        last = pass[k].frame;
+        ck_assert_int_eq(rad_passes_begin(p, &m->w.ctx, &pass[k], NULL), 0);
+        for (uint32_t i = 0; i < pass[k].tiles; i++) {
+            list.n = 0;
+            ck_assert(rad_passes_make(p, &m->w.ctx, i, &never, keep, &list));
+            made[pass[k].frame] += list.n;
+        }
     }
+    ck_assert_uint_eq(last, 1);
     ck_assert(made[0] > 0 && made[1] > 0);
     rad_passes_free(p);
     rad_frame_release(&frames[1]);
     close_room(m);
+}
+END_TEST
+
+/* Of any number of frames each has its last lattice once. */
+START_TEST(each_frame_is_planned_once)
+{
+    enum { FRAMES = 1000 };
+    static struct rad_pass_size size[FRAMES];
+    static uint8_t times[FRAMES];
+    struct rad_pass pass[RAD_MOST_PASSES];
+    uint32_t nframes = (uint32_t)_i < 40 ? (uint32_t)_i + 1 : FRAMES, n;
+    struct world w;
+
+    world_open(&w, scene_text, "-ab 12");
+    memset(times, 0, sizeof times);
+    for (uint32_t i = 0; i < nframes; i++)
+        size[i] = (struct rad_pass_size){ 100, 75 };
+    n = rad_passes_plan(&w.job->params, size, nframes, pass);
+    ck_assert_uint_le(n, RAD_MOST_PASSES);
+    for (uint32_t k = 0; k < n; k++)
+        for (uint32_t i = pass[k].frame; pass[k].finest && i < nframes;
+             i += pass[k].stride)
+            times[i]++;
+    for (uint32_t i = 0; i < nframes; i++)
+        ck_assert_uint_eq(times[i], 1);
+    world_close(&w);
 }
 END_TEST
 
@@ -374,6 +405,7 @@ main(void)
     tcase_add_loop_test(tc, without_a_cache_there_are_no_passes, 0,
                         N_ELEM(none));
     tcase_add_loop_test(tc, a_plan_asks_for_each_place_once, 0, N_ELEM(plans));
+    tcase_add_loop_test(tc, each_frame_is_planned_once, 0, 41);
     tcase_add_test(tc, passes_go_over_all_frames);
     tcase_add_test(tc, a_tile_that_is_stopped_hands_on_nothing);
     suite_add_tcase(s, tc);

@@ -8,6 +8,7 @@
  * RADD_RECORD=FOLDER/tests/golden records them, as it does recorded frames. */
 #include "config.h"
 
+#include "proto/ambshare.h"
 #include "proto/frame.h"
 #include "proto/message.h"
 #include "picture/quincunx.h"
@@ -252,6 +253,49 @@ finish(unsigned who, uint32_t unit, uint32_t attempt, uint32_t y,
     result(who, unit, attempt, 0, height, true);
 }
 
+static void
+tile(unsigned who, uint32_t pass, uint32_t number, bool down)
+{
+    struct msg m = { .type = MSG_TILE, .tile = { id, pass, number } };
+
+    if (!down) {
+        m.type = MSG_TILE_MADE;
+        m.tile_made = (struct msg_tile_made){ .job = id,
+                                              .pass = pass,
+                                              .tile = number,
+                                              .counts = { .rays = 7 },
+                                              .count = 1,
+                                              .data = pixels,
+                                              .len = AMBSHARE_BYTES };
+    }
+    says(who, &m);
+}
+
+/* A cache in passes: a worker that is lost in one, tiles that come twice, and
+ * one that comes late. */
+static void
+session_passes(void)
+{
+    struct msg offer = { .type = MSG_OFFER, .offer = { 1, missing } };
+    struct msg submit = spec(MSG_SUBMIT, MSG_PART_WINDOW, "uniform");
+
+    submit.submit.flags = MSG_JOB_PASSES;
+    submit.submit.params = "-ab 1 -ps 4";
+    hello(WS1, MSG_ROLE_WORKER, "ws1");
+    hello(ANA, MSG_ROLE_USER, "");
+    says(ANA, &offer);
+    says(ANA, &submit);
+    ready(WS1);
+    tile(WS1, 0, 0, false);
+    tile(WS1, 0, 0, false);
+    is_lost(WS1);
+    hello(WS2, MSG_ROLE_WORKER, "ws2");
+    ready(WS2);
+    for (uint32_t i = 1; i < 4; i++)
+        tile(WS2, i, 0, false);
+    result(WS2, 0, 1, 0, 1, false);
+}
+
 /* Windows: pauses, pictures and statistics, before it is done and after. */
 static void
 session_job(void)
@@ -472,6 +516,22 @@ worker_sharing(void)
     passes(COORD, false);
 }
 
+static void
+worker_tiles(void)
+{
+    struct msg frozen = {
+        .type = MSG_FROZEN, .frozen = { id, 0, 0, 1, 1, pixels, AMBSHARE_BYTES }
+    };
+
+    job_begins();
+    tile(COORD, 0, 0, true);
+    tile(CHILD, 0, 0, false);
+    says(COORD, &frozen);
+    tile(CHILD, 0, 1, false);
+    tile(COORD, 1, 0, true);
+    unit(0);
+}
+
 /* Rows that are kept while the coordinator is away, and peers that come. */
 static void
 worker_work(void)
@@ -514,9 +574,11 @@ static const struct {
     { "session/job", session_job },
     { "session/loans", session_loans },
     { "session/lost", session_lost },
+    { "session/passes", session_passes },
     { "session/rows", session_rows },
     { "worker/no_files", worker_no_files },
     { "worker/sharing", worker_sharing },
+    { "worker/tiles", worker_tiles },
     { "worker/work", worker_work },
 };
 

@@ -127,6 +127,22 @@ tell_origin(struct jobspec *j, const struct submit_options *o)
                 o->stamp ? &stamp : NULL);
 }
 
+/* Passes go over all frames before the first picture is begun: of many frames,
+ * whoever does not ask for that would wait for the first one too long. */
+#define MOST_AT_ONCE 32
+
+static uint32_t
+ambient_flags(const struct submit_options *o, uint32_t nframes)
+{
+    bool passes = o->ambient_way == AMBIENT_PASSES;
+
+    if (o->ambient_way == AMBIENT_NONE)
+        passes = !o->no_share && !o->fresh_frames && nframes <= MOST_AT_ONCE;
+    if (passes)
+        return MSG_JOB_PASSES;
+    return o->no_share ? 0 : MSG_JOB_SHARE;
+}
+
 void
 jobspec_fill(struct jobspec *j, const struct submit_options *o,
              const struct frames *frames, const struct compiled *scene,
@@ -152,10 +168,7 @@ jobspec_fill(struct jobspec *j, const struct submit_options *o,
     s->memory_mib = (uint32_t)o->memory_mib;
     s->oversample = (uint8_t)o->oversample;
     s->clamp = o->clamp;
-    s->flags = (o->depth ? MSG_JOB_DEPTH : 0) |
-               (o->ambient_way == AMBIENT_PASSES ? MSG_JOB_PASSES
-                : o->no_share                    ? 0
-                                                 : MSG_JOB_SHARE) |
+    s->flags = (o->depth ? MSG_JOB_DEPTH : 0) | ambient_flags(o, frames->n) |
                (o->no_balance ? MSG_JOB_NO_BALANCE : 0) |
                (o->fresh_frames ? MSG_JOB_FRESH_FRAMES : 0) |
                (o->same_bits ? MSG_JOB_SAME_BITS : 0) |

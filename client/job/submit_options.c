@@ -125,7 +125,8 @@ static const struct option own[] = {
          "a static part stays with the worker that got it"),
     WORD("--ambient", ambient_way, "passes|live",
          "ambient values in passes before the picture, so that it is the same "
-         "whoever makes it, or each as rays ask for it (live)"),
+         "whoever makes it, or each as rays ask for it (passes; live for more "
+         "than 32 frames)"),
     FLAG("--no-share", no_share, "no ambient values from worker to worker"),
     FLAG("--same-bits", same_bits,
          "only workers whose arithmetic is the same to the bit"),
@@ -614,15 +615,11 @@ count_samples(struct submit_options *o, struct rad_error *err)
 
 /* Passes are for values that all workers share, in all frames. */
 static int
-choose_ambient(struct submit_options *o, struct rad_error *err)
+check_ambient(const struct submit_options *o, struct rad_error *err)
 {
-    bool apart = o->no_share || o->fresh_frames;
-
-    if (o->ambient_way == AMBIENT_PASSES && apart)
+    if (o->ambient_way == AMBIENT_PASSES && (o->no_share || o->fresh_frames))
         return rad_fail(err, RAD_EUSAGE, "%s needs --ambient=live",
                         o->no_share ? "--no-share" : "--fresh-frames");
-    if (o->ambient_way == AMBIENT_NONE)
-        o->ambient_way = AMBIENT_LIVE;
     return 0;
 }
 
@@ -658,7 +655,7 @@ check_together(struct submit_options *o, struct rad_error *err)
     if (o->dry_run && o->detach)
         return rad_fail(err, RAD_EUSAGE,
                         "--dry-run makes no job that --detach could leave");
-    if ((rc = check_sharing(o, err)) < 0 || (rc = choose_ambient(o, err)) < 0 ||
+    if ((rc = check_sharing(o, err)) < 0 || (rc = check_ambient(o, err)) < 0 ||
         (rc = rad_params_check(&o->params, err)) < 0)
         return rc;
     if (!o->first_frame) {

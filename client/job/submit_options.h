@@ -71,7 +71,7 @@ struct submit_options {
     double wait_s;
     /* how */
     int partition, order; /* enum submit_partition, submit_order */
-    int ambient_way;      /* enum submit_ambient; as chosen, once parsed */
+    int ambient_way;      /* enum submit_ambient */
     int windows;          /* 0: by the picture's size */
     const char *estimate; /* "uniform", "20a" or the like; NULL: not said */
     const char *costs;    /* the file that --estimate named; or NULL */

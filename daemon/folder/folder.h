@@ -97,6 +97,11 @@ void folder_put_pass(struct folder *f, const uint8_t job[MSG_JOB],
 uint8_t *folder_read_passes(struct folder *f, const uint8_t job[MSG_JOB],
                             struct saved_pass pass[MSG_MOST_PASSES],
                             uint32_t *n);
+/* The same of the file's bytes, which are lent; returns how many of them are
+ * sound, from the first. */
+size_t folder_parse_passes(const uint8_t *bytes, size_t len,
+                           struct saved_pass pass[MSG_MOST_PASSES],
+                           uint32_t *n);
 /* Wait until all rows that were put are on the disk. */
 int folder_sync(struct folder *f, struct rad_error *err);
 

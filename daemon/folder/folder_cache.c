@@ -77,6 +77,8 @@ take_pass(const uint8_t *bytes, size_t n, uint32_t pass, size_t *at,
     struct wire_in in;
     uint64_t len, sum;
 
+    if (n - *at < HEAD_BYTES)
+        return false;
     wire_in_init(&in, bytes + *at, n - *at);
     in.version = LAYOUT;
     if (wire_get_u32(&in) != MAGIC || wire_get_u32(&in) != pass)
@@ -103,6 +105,7 @@ read_file(const char *path, size_t *n)
     struct stat st;
     uint8_t *bytes = NULL;
 
+    *n = 0;
     if (fd < 0)
         return NULL;
     if (fstat(fd, &st) == 0 && st.st_size > 0 &&
@@ -118,23 +121,32 @@ read_file(const char *path, size_t *n)
     return bytes;
 }
 
+size_t
+folder_parse_passes(const uint8_t *bytes, size_t len,
+                    struct saved_pass pass[MSG_MOST_PASSES], uint32_t *n)
+{
+    size_t at = 0, end = 0;
+
+    *n = 0;
+    while (*n < MSG_MOST_PASSES && take_pass(bytes, len, *n, &at, &pass[*n])) {
+        ++*n;
+        end = at;
+    }
+    return end;
+}
+
 uint8_t *
 folder_read_passes(struct folder *f, const uint8_t id[MSG_JOB],
                    struct saved_pass pass[MSG_MOST_PASSES], uint32_t *n)
 {
     struct folder_job *j = *folder_find_job(f, id);
     char path[DISK_PATH_MAX];
-    size_t len, at = 0, end = 0;
+    size_t len, end;
     uint8_t *bytes;
 
-    *n = 0;
     folder_path(f, id, FOLDER_CACHE, path);
     bytes = read_file(path, &len);
-    while (bytes && *n < MSG_MOST_PASSES &&
-           take_pass(bytes, len, *n, &at, &pass[*n])) {
-        ++*n;
-        end = at;
-    }
+    end = folder_parse_passes(bytes, len, pass, n);
     if (j) {
         j->npasses = *n;
         j->pass_bytes = end;

@@ -364,12 +364,12 @@ static void
 ask_along_lattice(const struct rad_passes *p, struct rad_ctx *ctx,
                   uint32_t tile, const _Atomic bool *stop)
 {
-    const struct rad_frame *f = p->frames;
+    const struct rad_frame *f = p->frames + p->pass.frame;
     int step = p->pass.step, side = RAD_PASS_SIDE * step, across;
     struct patch patch = { .ctx = ctx, .stop = stop, .step = step };
 
     for (uint32_t n; tile >= (n = rad_pass_tiles(f->width, f->height, step));
-         f++)
+         f += p->pass.stride)
         tile -= n;
     across = (int)rad_pass_along(f->width, step);
     patch.frame = f;

@@ -63,9 +63,11 @@ finest_step(const struct rad_params *par)
     return step;
 }
 
+/* The lattices of some frames. */
 static uint32_t
-plan_pixels(const struct rad_params *par, const struct rad_pass_size *size,
-            uint32_t nsizes, struct rad_pass *pass)
+plan_frames(const struct rad_params *par, const struct rad_pass_size *size,
+            uint32_t nsizes, uint32_t frame, uint32_t stride,
+            struct rad_pass *pass)
 {
     int finest = finest_step(par);
     uint32_t n = 0;
@@ -74,12 +76,29 @@ plan_pixels(const struct rad_params *par, const struct rad_pass_size *size,
          done = step, step /= 2) {
         uint32_t tiles = 0;
 
-        for (uint32_t i = 0; i < nsizes; i++)
+        for (uint32_t i = frame; i < nsizes; i += stride)
             tiles += rad_pass_tiles(size[i].width, size[i].height, step);
-        pass[n++] = (struct rad_pass){
-            .step = step, .done = done, .finest = step == finest, .tiles = tiles
-        };
+        pass[n++] = (struct rad_pass){ .step = step,
+                                       .done = done,
+                                       .frame = frame,
+                                       .stride = stride,
+                                       .finest = step == finest,
+                                       .tiles = tiles };
     }
+    return n;
+}
+
+/* First frame 0, then those at odd multiples of ever smaller distances. */
+static uint32_t
+plan_pixels(const struct rad_params *par, const struct rad_pass_size *size,
+            uint32_t nsizes, struct rad_pass *pass)
+{
+    uint32_t n = plan_frames(par, size, nsizes, 0, nsizes, pass), apart = 1;
+
+    while (apart < nsizes)
+        apart *= 2;
+    while ((apart /= 2) > 0)
+        n += plan_frames(par, size, nsizes, apart, 2 * apart, pass + n);
     return n;
 }
 

@@ -2,7 +2,9 @@
  *
  * The deepest records come first, for the others are made of them; then the
  * pictures, from coarse lattices of pixels to fine ones, so that few records
- * are made twice by tiles side by side.
+ * are made twice by tiles side by side.  Frames of an animation show much the
+ * same, so the first has all its lattices before others have any, then one half
+ * way, then those half way between these, and so on.
  * The plan depends on the options and the sizes of the pictures alone: whoever
  * shares the tiles out needs no scene.
  * Source: Jones & Reinhart 2016, Parallel multiple-bounce irradiance caching
@@ -22,11 +24,12 @@ struct rad_pass {
     uint32_t first, end; /* level above 0: paths of that number, below end */
     int step, done; /* level 0: every step-th pixel along both axes, but those
                      * of every done-th (0: of no) */
+    uint32_t frame, stride; /* level 0: of frames frame, frame + stride, ... */
     bool finest;    /* level 0: the last lattice, and what lies between its
                      * pixels where objects end or records are dense */
     uint32_t tiles;
 };
-#define RAD_MOST_PASSES 64
+#define RAD_MOST_PASSES 128
 
 /* Records of more bounces than that are made on the way. */
 #define RAD_PASS_LEVELS 8

@@ -23,7 +23,7 @@ done
 until_true 30 n_workers 3 || fail "the workers do not come"
 
 "$radsubmit" --coordinator="$sock" -vf "$scenes/room.vf" -x 160 -y 120 -ab 1 \
-    -ad 64 -as 0 -aa .2 --partition=scanbar --stats=s.json -o room.hdr \
+    --ambient=live -ad 64 -as 0 -aa .2 --partition=scanbar --stats=s.json -o room.hdr \
     "$scenes/room.rad" 2>stderr || fail "the job: $(cat stderr)"
 cat w?.log >all.log
 [ "$(grep -c 'peer linked' all.log)" -ge 6 ] || fail "they are not all linked"

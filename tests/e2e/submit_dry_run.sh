@@ -5,7 +5,8 @@
 set -u
 
 view="-vf $scenes/room.vf -x 160 -y 120"
-indirect="-ab 1 -aa .2 -ar 64 -ad 128 -as 32"
+# what records rays ask for is what the trial counts
+indirect="--ambient=live -ab 1 -aa .2 -ar 64 -ad 128 -as 32"
 room=$scenes/room.rad
 
 number() # NAME FILE: the first of that name

@@ -9,6 +9,7 @@ FUZZ_TARGETS = \
 	tests/fuzz/fuzz_bsdf \
 	tests/fuzz/fuzz_bundle \
 	tests/fuzz/fuzz_calc \
+	tests/fuzz/fuzz_cache \
 	tests/fuzz/fuzz_conf \
 	tests/fuzz/fuzz_costs \
 	tests/fuzz/fuzz_dat \
@@ -130,6 +131,10 @@ tests_fuzz_fuzz_conf_LDFLAGS = $(FUZZ_LINK)
 tests_fuzz_fuzz_dat_SOURCES = tests/fuzz/fuzz_dat.c $(FUZZ_MAIN)
 tests_fuzz_fuzz_dat_LDADD = $(LIBRAD)
 tests_fuzz_fuzz_dat_LDFLAGS = $(FUZZ_LINK)
+
+tests_fuzz_fuzz_cache_SOURCES = tests/fuzz/fuzz_cache.c $(FUZZ_MAIN)
+tests_fuzz_fuzz_cache_LDADD = $(LIBDAEMON) $(LIBRAD)
+tests_fuzz_fuzz_cache_LDFLAGS = $(FUZZ_LINK)
 
 tests_fuzz_fuzz_costs_SOURCES = tests/fuzz/fuzz_costs.c $(FUZZ_MAIN)
 tests_fuzz_fuzz_costs_LDADD = $(LIBCLIENT) $(LIBRAD)

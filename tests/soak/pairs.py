@@ -393,6 +393,7 @@ SUBMIT = {
     "estimate": ["--estimate=uniform", "--estimate=3a", "--estimate=3b"],
     "stamp": ["--stamp"],
     "no-balance": ["--no-balance"],
+    "ambient": ["--ambient=passes", "--ambient=live"],
     "no-share": ["--no-share"],
     "same-bits": ["--same-bits"],
     "fresh-frames": ["--fresh-frames"],
