@@ -66,6 +66,7 @@ struct passes {
     uint32_t ntiles;
     uint32_t next;    /* tiles before it are out, or made */
     uint32_t left;    /* that are not made */
+    uint32_t waiting; /* of these, that nobody has */
     uint64_t took_ms; /* of all that were made, from out to made */
     uint32_t ntook;
 };
@@ -81,7 +82,7 @@ drop_tiles(struct passes *s)
         free(s->tile[i].records);
     free(s->tile);
     s->tile = NULL;
-    s->ntiles = s->next = s->left = 0;
+    s->ntiles = s->next = s->left = s->waiting = 0;
 }
 
 void
@@ -124,7 +125,7 @@ open_pass(struct passes *s)
     drop_tiles(s);
     if (s->open == s->n)
         return true;
-    s->ntiles = s->left = s->plan[s->open].tiles;
+    s->ntiles = s->left = s->waiting = s->plan[s->open].tiles;
     s->tile = calloc(s->ntiles + 1, sizeof *s->tile);
     return s->tile != NULL;
 }
@@ -316,7 +317,7 @@ has_room(const struct job *job, uint32_t index)
 {
     const struct job_worker *jw = &job->workers[index];
     uint32_t n = jw->threads;
-    bool few = job->passes->left <= job->speed.threads;
+    bool few = job->passes->waiting <= job->speed.threads;
 
     return jw->worker->in_flight + jw->ntiles < (few ? n : n + (n + 1) / 2);
 }
@@ -338,6 +339,7 @@ passes_give(struct coord *c, struct job *job, uint32_t index)
     if (!is_up_to_date(job, jw) || !has_room(job, index) ||
         !(t = choose(c, job, index)))
         return false;
+    s->waiting -= t->nholders == 0;
     t->holder[t->nholders++] = index;
     t->out_ms = c->now_ms;
     jw->ntiles++;
@@ -358,10 +360,15 @@ passes_give(struct coord *c, struct job *job, uint32_t index)
 static void
 drop_holder(struct passes *s, struct tile *t, uint32_t index)
 {
+    if (!has_tile(t, index))
+        return;
     for (uint8_t i = 0; i < t->nholders; i++)
         if (t->holder[i] == index)
             t->holder[i--] = t->holder[--t->nholders];
-    if (t->nholders == 0 && !t->made && t - s->tile < s->next)
+    if (t->nholders > 0 || t->made)
+        return;
+    s->waiting++;
+    if (t - s->tile < s->next)
         s->next = (uint32_t)(t - s->tile);
 }
 
@@ -499,6 +506,7 @@ keep(struct coord *c, struct job *job, struct tile *t,
     }
     memcpy(t->records, m->data, m->len);
     t->n = m->count;
+    s->waiting -= t->nholders == 0; /* its worker was thought lost */
     t->made = true;
     s->bytes += m->len;
     s->took_ms += c->now_ms - t->out_ms;

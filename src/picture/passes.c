@@ -365,7 +365,7 @@ ask_along_lattice(const struct rad_passes *p, struct rad_ctx *ctx,
                   uint32_t tile, const _Atomic bool *stop)
 {
     const struct rad_frame *f = p->frames + p->pass.frame;
-    int step = p->pass.step, side = RAD_PASS_SIDE * step, across;
+    int step = p->pass.step, side = rad_pass_side(step) * step, across;
     struct patch patch = { .ctx = ctx, .stop = stop, .step = step };
 
     for (uint32_t n; tile >= (n = rad_pass_tiles(f->width, f->height, step));

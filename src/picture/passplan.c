@@ -14,7 +14,8 @@
 #define MOST_PATHS    65536
 
 #define ROUND_GROWTH 4   /* paths of a round over all before it */
-#define TILE_PATHS   512 /* at most, of a tile */
+#define TILES              128 /* of a round, but */
+#define LEAST_PATHS_A_TILE 64
 #define COARSEST     32  /* lattice [pixels] */
 
 static uint32_t
@@ -28,6 +29,14 @@ count_paths(const struct rad_pass_size *size, uint32_t n)
     return paths < LEAST_PATHS  ? LEAST_PATHS
            : paths > MOST_PATHS ? MOST_PATHS
                                 : (uint32_t)paths;
+}
+
+static uint32_t
+count_tiles(uint32_t paths)
+{
+    uint32_t n = paths / LEAST_PATHS_A_TILE;
+
+    return n < 1 ? 1 : n > TILES ? TILES : n;
 }
 
 /* The rounds for records of that level: the last ends with all paths, and each
@@ -45,8 +54,7 @@ plan_level(int level, uint32_t paths, struct rad_pass *pass)
         pass[n] = (struct rad_pass){ .level = level,
                                      .first = first,
                                      .end = end,
-                                     .tiles = (end - first + TILE_PATHS - 1) /
-                                              TILE_PATHS };
+                                     .tiles = count_tiles(end - first) };
         first = end;
     }
     return n;

@@ -34,8 +34,10 @@ struct rad_pass {
 /* Records of more bounces than that are made on the way. */
 #define RAD_PASS_LEVELS 8
 
-/* Of a tile, in pixels of its lattice. */
-#define RAD_PASS_SIDE 16
+/* Of a tile, in pixels of its lattice: so many of the finest, of coarse ones
+ * fewer, for there are to be tiles for many workers. */
+#define RAD_PASS_SIDE       16
+#define RAD_PASS_LEAST_SIDE 8
 
 /* The last lattice has steps of as many pixels as base lines (-ps), within
  * these bounds. */
@@ -53,10 +55,20 @@ uint32_t rad_passes_plan(const struct rad_params *par,
                          struct rad_pass pass[RAD_MOST_PASSES]);
 
 /* Tiles along a side of so many pixels, of the lattice of every step-th. */
+static inline int
+rad_pass_side(int step)
+{
+    int side = RAD_PASS_SIDE * RAD_PASS_FINEST / step;
+
+    return side > RAD_PASS_SIDE         ? RAD_PASS_SIDE
+           : side < RAD_PASS_LEAST_SIDE ? RAD_PASS_LEAST_SIDE
+                                        : side;
+}
+
 static inline uint32_t
 rad_pass_along(int pixels, int step)
 {
-    uint32_t side = (uint32_t)step * RAD_PASS_SIDE;
+    uint32_t side = (uint32_t)(step * rad_pass_side(step));
 
     return ((uint32_t)pixels + side - 1) / side;
 }

@@ -50,6 +50,7 @@ records() # FILE
     submit 1 $view -af one.amb $room 2>err || fail "one: $(cat err)"
     [ "$(records one.amb)" = "$(total ambient_values 1.json)" ] ||
         fail "one worker: $(records one.amb), $(grep ambient_values 1.json)"
+    cmp one.amb first.amb || fail "one worker makes another file than three"
 
     # a file that has it all, and two workers that share: nothing travels twice
     submit 2 $view -af room.amb $room 2>err || fail "third: $(cat err)"
