@@ -179,6 +179,12 @@ ctl_tell_job(FILE *to, const json_t *job)
     /* rounded down: 100 is all */
     snprintf(line, sizeof line, "%.0f %%", floor(100 * number_of(job, "done")));
     put(to, "done", line);
+    if (number_of(job, "passes") > 0) {
+        snprintf(line, sizeof line, "pass %.0f of %.0f, %.0f %%",
+                 number_of(job, "pass"), number_of(job, "passes"),
+                 floor(100 * number_of(job, "pass_done")));
+        put(to, "ambient cache", line);
+    }
     put_picture(to, job);
     snprintf(line, sizeof line, "%.0f", number_of(job, "workers"));
     put(to, "workers", line);

@@ -8,6 +8,7 @@
 #include "desk/part.h"
 #include "desk/progress.h"
 #include "queue/coord_keep.h"
+#include "sched/passes.h"
 
 #include "base/text.h"
 
@@ -152,6 +153,20 @@ why(const struct coord *c, const struct job *job, char buf[MSG_MAX_TEXT + 1])
     return buf;
 }
 
+/* While the ambient cache comes in passes. */
+static json_t *
+with_passes(json_t *o, const struct job *job)
+{
+    struct passes_state s = passes_state(job);
+
+    if (o && s.open < s.n) {
+        json_object_set_new(o, "pass", json_integer(s.open + 1));
+        json_object_set_new(o, "passes", json_integer(s.n));
+        json_object_set_new(o, "pass_done", json_real(s.made));
+    }
+    return o;
+}
+
 json_t *
 report_job(const struct coord *c, const struct job *job, size_t label)
 {
@@ -169,19 +184,21 @@ report_job(const struct coord *c, const struct job *job, size_t label)
         p.pixels_total > 0 ? (double)p.pixels_done / (double)p.pixels_total : 0;
     if (rows > done)
         done = rows;
-    return json_pack(
-        "{s:s,s:s,s:s,s:s,s:i,s:f,s:I,s:I,s:I,s:I,s:I,s:I,s:I,s:I,s:I,s:I,"
-        "s:f,s:s,s:i}",
-        "job", job->hex, "name", name, "owner", job->owner, "state",
-        job_is(job), "priority", (int)job->spec.priority, "done", done,
-        "frames", (json_int_t)job->spec.nframes, "frames_ready",
-        (json_int_t)p.frames_ready, "width", (json_int_t)size.width, "height",
-        (json_int_t)size.height, "oversample", (json_int_t)size.oversample,
-        "units_done", (json_int_t)p.units_done, "units_total",
-        (json_int_t)p.units_total, "units_redone", (json_int_t)p.units_redone,
-        "rays", (json_int_t)p.rays, "workers", (json_int_t)p.workers,
-        "elapsed_s", p.elapsed_s, "text", why(c, job, text), "status",
-        job->status);
+    return with_passes(
+        json_pack(
+            "{s:s,s:s,s:s,s:s,s:i,s:f,s:I,s:I,s:I,s:I,s:I,s:I,s:I,s:I,s:I,s:I,"
+            "s:f,s:s,s:i}",
+            "job", job->hex, "name", name, "owner", job->owner, "state",
+            job_is(job), "priority", (int)job->spec.priority, "done", done,
+            "frames", (json_int_t)job->spec.nframes, "frames_ready",
+            (json_int_t)p.frames_ready, "width", (json_int_t)size.width,
+            "height", (json_int_t)size.height, "oversample",
+            (json_int_t)size.oversample, "units_done", (json_int_t)p.units_done,
+            "units_total", (json_int_t)p.units_total, "units_redone",
+            (json_int_t)p.units_redone, "rays", (json_int_t)p.rays, "workers",
+            (json_int_t)p.workers, "elapsed_s", p.elapsed_s, "text",
+            why(c, job, text), "status", job->status),
+        job);
 }
 
 json_t *

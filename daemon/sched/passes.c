@@ -162,6 +162,21 @@ passes_open(const struct job *job)
     return job->passes && job->passes->open < job->passes->n;
 }
 
+struct passes_state
+passes_state(const struct job *job)
+{
+    const struct passes *s = job->passes;
+    struct passes_state out = { 0 };
+
+    if (!s)
+        return out;
+    out.open = s->open;
+    out.n = s->n;
+    if (s->ntiles > 0)
+        out.made = 1 - (double)s->left / s->ntiles;
+    return out;
+}
+
 /* --- records --- */
 
 /* Call send() for each FROZEN of a pass that is closed. */

@@ -18,6 +18,12 @@ int passes_begin(struct coord *c, struct job *job, struct rad_error *err);
  * the others that are closed.  False: it has more than there are. */
 bool passes_ready(struct coord *c, struct job *job, uint32_t index,
                   uint32_t have);
+/* How far they are. */
+struct passes_state {
+    uint32_t open, n; /* passes that are closed; all, 0: there are none */
+    double made;      /* share of the open pass's tiles */
+};
+struct passes_state passes_state(const struct job *job);
 /* Are tiles yet to be made? */
 bool passes_open(const struct job *job);
 /* A tile for a worker that is ready; false: there is none for it. */

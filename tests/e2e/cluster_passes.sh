@@ -81,6 +81,10 @@ grep -q 'passes kept .*passes=[1-9]' c.log ||
 # the only worker of the two that has tiles, and one that comes later
 start worker
 until_log 'pass=2 '
+id=$(sed -n 's/^radsubmit: job //p' worker.err)
+"$radctl" --coordinator="$sock" job "$id" >said
+grep -Eq '^ambient cache +pass [1-9][0-9]* of [1-9]' said || ended ||
+    fail "radctl job says nothing of passes: $(cat said)"
 # shellcheck disable=SC2154 # worker_start sets them
 kill -KILL "$pid_1"
 wait "$pid_1" 2>/dev/null
