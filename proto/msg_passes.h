@@ -10,7 +10,7 @@
 #include "proto/msg_work.h"
 
 #define MSG_MOST_PASSES 128        /* of a job */
-#define MSG_MOST_TILES  (1u << 24) /* of a pass */
+#define MSG_MOST_TILES  (1u << 21) /* of a pass */
 
 /* Most record bytes of a tile; what a tile makes beyond them is not kept. */
 #define MSG_MAX_TILE (MSG_MAX - 1024)

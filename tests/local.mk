@@ -27,6 +27,7 @@ UNIT_TESTS = \
 	tests/check_coord_conns \
 	tests/check_coord_faults \
 	tests/check_coord_jobs \
+	tests/check_coord_passes \
 	tests/check_coord_order \
 	tests/check_listing \
 	tests/check_coord_rows \
@@ -495,6 +496,11 @@ tests_check_coord_faults_SOURCES = tests/check_coord_faults.c \
 	tests/coord_fixture.h tests/unit.h
 tests_check_coord_faults_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS) $(JANSSON_CFLAGS)
 tests_check_coord_faults_LDADD = $(LIBDAEMON) $(UNIT_LIBS)
+
+tests_check_coord_passes_SOURCES = tests/check_coord_passes.c \
+	tests/coord_fixture.h tests/unit.h
+tests_check_coord_passes_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS) $(JANSSON_CFLAGS)
+tests_check_coord_passes_LDADD = $(LIBDAEMON) $(UNIT_LIBS)
 
 tests_check_coord_jobs_SOURCES = tests/check_coord_jobs.c \
 	tests/coord_fixture.h tests/unit.h

@@ -151,9 +151,16 @@ passes_begin(struct coord *c, struct job *job, struct rad_error *err)
     if (s)
         take_up(c, job);
     free(size);
-    if (!size || !s || !open_pass(s))
+    if (!size || !s)
         return rad_fail(err, RAD_ENOMEM, "out of memory");
-    return 0;
+    for (uint32_t i = 0; i < s->n; i++)
+        if (s->plan[i].tiles > MSG_MOST_TILES)
+            return rad_fail(err, RAD_EDATA,
+                            "so many and large frames are too much for "
+                            "--ambient=passes: a pass would have %u tiles, at "
+                            "most %u are allowed",
+                            s->plan[i].tiles, MSG_MOST_TILES);
+    return open_pass(s) ? 0 : rad_fail(err, RAD_ENOMEM, "out of memory");
 }
 
 bool

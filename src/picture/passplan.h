@@ -54,7 +54,7 @@ uint32_t rad_passes_plan(const struct rad_params *par,
                          const struct rad_pass_size *size, uint32_t nsizes,
                          struct rad_pass pass[RAD_MOST_PASSES]);
 
-/* Tiles along a side of so many pixels, of the lattice of every step-th. */
+/* The side of a tile of the lattice of every step-th pixel, in pixels of it. */
 static inline int
 rad_pass_side(int step)
 {
@@ -65,12 +65,13 @@ rad_pass_side(int step)
                                         : side;
 }
 
+/* Tiles of that lattice along a side of that length [pixels]. */
 static inline uint32_t
-rad_pass_along(int pixels, int step)
+rad_pass_along(int length, int step)
 {
     uint32_t side = (uint32_t)(step * rad_pass_side(step));
 
-    return ((uint32_t)pixels + side - 1) / side;
+    return ((uint32_t)length + side - 1) / side;
 }
 
 static inline uint32_t

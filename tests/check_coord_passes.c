@@ -1,0 +1,246 @@
+/* check_coord_passes.c - the coordinator gives out tiles and closes passes */
+#include "config.h"
+
+#include "coord_fixture.h"
+
+#include "picture/passplan.h"
+#include "proto/ambshare.h"
+#include "sched/passes.h"
+
+static const struct msg_frame wide = { 0, 300, 200, "" };
+static uint8_t records[4 * AMBSHARE_BYTES];
+
+static void
+submit_passes(uint64_t conn, const struct msg_frame *frames, uint32_t n)
+{
+    struct msg m = usual_submit(job_a);
+
+    m.request = 5;
+    m.submit.params = "-ab 1 -ps 4";
+    m.submit.flags = MSG_JOB_PASSES;
+    m.submit.partition = MSG_PART_WINDOW;
+    m.submit.windows = 4;
+    m.submit.frames = frames;
+    m.submit.nframes = n;
+    say(&f, conn, &m);
+}
+
+/* The last thing that was said to a worker is a tile. */
+static bool
+has_tile(uint64_t conn)
+{
+    return f.last[conn].type == MSG_TILE;
+}
+
+static void
+made(uint64_t conn, uint32_t pass, uint32_t tile, uint32_t n)
+{
+    struct msg m = { .type = MSG_TILE_MADE,
+                     .tile_made = { .job = job_a,
+                                    .pass = pass,
+                                    .tile = tile,
+                                    .counts = { .rays = 10 },
+                                    .count = n,
+                                    .data = records,
+                                    .len = n * AMBSHARE_BYTES } };
+
+    say(&f, conn, &m);
+}
+
+static struct passes_state
+state(void)
+{
+    return passes_state(desk_find_job(f.c, job_a));
+}
+
+static uint32_t
+tiles_of(uint32_t pass)
+{
+    struct rad_pass_size size = { 300, 200 };
+    struct rad_pass plan[RAD_MOST_PASSES];
+    struct rad_params params;
+
+    rad_params_init(&params);
+    params.ambounce = 1;
+    ck_assert_uint_eq(rad_passes_plan(&params, &size, 1, plan), 4);
+    return plan[pass].tiles;
+}
+
+/* One worker makes all tiles of a pass. */
+static void
+make_pass(uint64_t conn, uint32_t pass)
+{
+    for (uint32_t i = 0; i < tiles_of(pass); i++) {
+        ck_assert_uint_eq(state().open, pass);
+        made(conn, pass, i, 1);
+    }
+}
+
+START_TEST(units_come_when_all_passes_are_closed)
+{
+    submit_passes(ANA, &wide, 1);
+    ready(&f, WORKER, job_a);
+    ck_assert(has_tile(WORKER));
+    for (uint32_t pass = 0; pass < 4; pass++) {
+        ck_assert_uint_eq(f.units[WORKER], 0);
+        make_pass(WORKER, pass);
+    }
+    ck_assert_uint_gt(f.units[WORKER], 0);
+    ck_assert_uint_eq(state().open, 4);
+}
+END_TEST
+
+/* The records of all tiles in their order, whatever the order in which they
+ * came; to workers that come later, too. */
+START_TEST(a_pass_that_is_closed_goes_to_all)
+{
+    struct msg_frozen *z = &f.last[SECOND].frozen;
+
+    submit_passes(ANA, &wide, 1);
+    ready(&f, WORKER, job_a);
+    ck_assert_uint_eq(tiles_of(0), 2);
+    records[0] = 2;
+    made(WORKER, 0, 1, 3);
+    records[0] = 1;
+    made(WORKER, 0, 0, 1);
+    ck_assert_uint_eq(state().open, 1);
+    ck_assert(has_tile(WORKER)); /* of the next */
+    join(&f, SECOND, MSG_ROLE_WORKER, "ws2", "daemon");
+    desk_find_job(f.c, job_a)->state = JOB_PAUSED; /* no tile hides it */
+    ready(&f, SECOND, job_a);
+    ck_assert_int_eq(f.last[SECOND].type, MSG_FROZEN);
+    ck_assert(z->pass == 0 && z->first == 0 && z->last && z->count == 4);
+    ck_assert_uint_eq(z->data[0], 1);
+    ck_assert_uint_eq(z->data[AMBSHARE_BYTES], 2);
+}
+END_TEST
+
+static const struct {
+    uint32_t pass, tile;
+    size_t len;
+} wrong[] = { { 1, 0, AMBSHARE_BYTES },
+              { 0, 2, AMBSHARE_BYTES },
+              { 0, 0, AMBSHARE_BYTES - 1 } };
+
+START_TEST(what_fits_no_tile_ends_the_connection)
+{
+    struct msg m = { .type = MSG_TILE_MADE,
+                     .tile_made = { .job = job_a,
+                                    .pass = wrong[_i].pass,
+                                    .tile = wrong[_i].tile,
+                                    .count = 1,
+                                    .data = records,
+                                    .len = wrong[_i].len } };
+
+    submit_passes(ANA, &wide, 1);
+    ready(&f, WORKER, job_a);
+    say(&f, WORKER, &m);
+    ck_assert(f.closed[WORKER]);
+}
+END_TEST
+
+START_TEST(tiles_of_a_lost_worker_go_to_another)
+{
+    submit_passes(ANA, &wide, 1);
+    ready(&f, WORKER, job_a);
+    join(&f, SECOND, MSG_ROLE_WORKER, "ws2", "daemon");
+    ready(&f, SECOND, job_a);
+    ck_assert(has_tile(WORKER) && !has_tile(SECOND)); /* it has both */
+    coord_closed(f.c, ++f.now_ms, WORKER, "gone");
+    carry_out(&f);
+    ck_assert(has_tile(SECOND));
+    make_pass(SECOND, 0);
+    ck_assert_uint_eq(state().open, 1);
+}
+END_TEST
+
+/* A tile that is late is made by two; what comes second is dropped. */
+START_TEST(a_late_tile_goes_to_a_second_worker)
+{
+    struct job *job;
+
+    submit_passes(ANA, &wide, 1);
+    ready(&f, WORKER, job_a);
+    join(&f, SECOND, MSG_ROLE_WORKER, "ws2", "daemon");
+    ready(&f, SECOND, job_a);
+    ck_assert(!has_tile(SECOND));
+    wait_s(&f, 1);
+    ck_assert(has_tile(SECOND));
+    make_pass(SECOND, 0);
+    made(WORKER, 0, 0, 1);
+    ck_assert(!f.closed[WORKER]);
+    job = desk_find_job(f.c, job_a);
+    ck_assert_uint_eq(job->tiled.rays, 20);
+    ck_assert_uint_eq(job->workers[0].past.dropped.rays, 10);
+}
+END_TEST
+
+/* By two workers' children, or three of one worker's. */
+START_TEST(a_tile_that_brings_children_down_fails_the_job)
+{
+    struct msg lost = { .type = MSG_LOST,
+                        .lost = { job_a, "signal 11", 0, NULL } };
+    int times = 0;
+
+    submit_passes(ANA, &wide, 1);
+    for (; times < 10 && f.last[ANA].type != MSG_FAILED; times++) {
+        ready(&f, WORKER, job_a);
+        say(&f, WORKER, &lost);
+    }
+    ck_assert_int_eq(times, JOB_MAX_CRASHES);
+    ck_assert_ptr_nonnull(strstr(f.last[ANA].failed.text,
+                                 "of the ambient cache, brought the renderer "
+                                 "down"));
+}
+END_TEST
+
+/* A child that knows passes of an earlier life begins anew. */
+START_TEST(a_worker_that_is_ahead_begins_anew)
+{
+    struct msg m = { .type = MSG_READY, .ready = { job_a, .1, 7, 2, 3 } };
+
+    submit_passes(ANA, &wide, 1);
+    say(&f, WORKER, &m);
+    ck_assert_int_eq(f.last[WORKER].type, MSG_JOB_START);
+    ready(&f, WORKER, job_a);
+    ck_assert(has_tile(WORKER));
+}
+END_TEST
+
+/* What no coordinator has memory for, and no message a number. */
+START_TEST(more_tiles_than_there_may_be_are_refused)
+{
+    enum { FRAMES = 300 };
+    static struct msg_frame huge[FRAMES];
+
+    for (uint32_t i = 0; i < FRAMES; i++)
+        huge[i] = (struct msg_frame){ i, 65520, 1000, "" };
+    submit_passes(ANA, huge, FRAMES);
+    ready(&f, WORKER, job_a);
+    ck_assert_int_eq(f.last[ANA].type, MSG_FAILED);
+    ck_assert_msg(f.last[ANA].failed.status == EX_DATAERR, "%s",
+                  f.last[ANA].failed.text);
+    ck_assert_ptr_nonnull(
+        strstr(f.last[ANA].failed.text, "too much for --ambient=passes"));
+}
+END_TEST
+
+int
+main(void)
+{
+    Suite *s = suite_create("coord_passes");
+    TCase *tc = tcase_create("coord_passes");
+
+    tcase_add_checked_fixture(tc, set_up, tear_down);
+    tcase_add_test(tc, units_come_when_all_passes_are_closed);
+    tcase_add_test(tc, a_pass_that_is_closed_goes_to_all);
+    tcase_add_loop_test(tc, what_fits_no_tile_ends_the_connection, 0,
+                        N_ELEM(wrong));
+    tcase_add_test(tc, tiles_of_a_lost_worker_go_to_another);
+    tcase_add_test(tc, a_late_tile_goes_to_a_second_worker);
+    tcase_add_test(tc, a_tile_that_brings_children_down_fails_the_job);
+    tcase_add_test(tc, a_worker_that_is_ahead_begins_anew);
+    tcase_add_test(tc, more_tiles_than_there_may_be_are_refused);
+    suite_add_tcase(s, tc);
+    return unit_run(s);
+}
