@@ -91,7 +91,7 @@ END_TEST
 static void
 two_arithmetics(uint32_t flags)
 {
-    struct msg other = { .type = MSG_READY, .ready = { job_a, .1, 8, 2 } };
+    struct msg other = { .type = MSG_READY, .ready = { job_a, .1, 8, 2, 0 } };
 
     submit_with(&f, ANA, job_a, 0, 4, flags);
     join(&f, SECOND, MSG_ROLE_WORKER, "ws2", "daemon");

@@ -418,7 +418,7 @@ at_worker(const struct event *e)
 static void
 child_ready(int node, uint64_t child)
 {
-    struct msg m = { .type = MSG_READY, .ready = { job_id, .1, 7, 1 } };
+    struct msg m = { .type = MSG_READY, .ready = { job_id, .1, 7, 1, 0 } };
     struct node *w = &s.node[node];
 
     if (!w->machine || w->child != child)

@@ -94,7 +94,7 @@ spec(uint16_t type, uint8_t partition, const char *estimate)
 static void
 ready(unsigned who)
 {
-    says(who, &(struct msg){ .type = MSG_READY, .ready = { id, .1, 7, 1 } });
+    says(who, &(struct msg){ .type = MSG_READY, .ready = { id, .1, 7, 1, 0 } });
 }
 
 /* Everybody is there, and a job. */

@@ -186,7 +186,7 @@ start_job(void)
 static void
 child_ready(void)
 {
-    struct msg m = { .type = MSG_READY, .ready = { job_id, .5, 7, 2 } };
+    struct msg m = { .type = MSG_READY, .ready = { job_id, .5, 7, 2, 0 } };
 
     hear(f.child, &m);
 }

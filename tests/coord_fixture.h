@@ -229,7 +229,7 @@ submit(struct fixture *f, uint64_t conn, const uint8_t *job, int priority)
 static inline void
 ready(struct fixture *f, uint64_t conn, const uint8_t *job)
 {
-    struct msg m = { .type = MSG_READY, .ready = { job, .1, 7, 2 } };
+    struct msg m = { .type = MSG_READY, .ready = { job, .1, 7, 2, 0 } };
 
     say(f, conn, &m);
 }

@@ -211,7 +211,7 @@ submit(enum msg_partition kind, uint32_t flags, const char *estimate,
 static inline void
 ready(uint64_t conn)
 {
-    struct msg m = { .type = MSG_READY, .ready = { id, .1, 7, 1 } };
+    struct msg m = { .type = MSG_READY, .ready = { id, .1, 7, 1, 0 } };
 
     say(conn, &m);
 }
