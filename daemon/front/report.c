@@ -153,16 +153,17 @@ why(const struct coord *c, const struct job *job, char buf[MSG_MAX_TEXT + 1])
     return buf;
 }
 
-/* While the ambient cache comes in passes. */
+/* While the ambient cache comes in passes; else zeros. */
 static json_t *
 with_passes(json_t *o, const struct job *job)
 {
     struct passes_state s = passes_state(job);
+    bool open = s.open < s.n;
 
-    if (o && s.open < s.n) {
-        json_object_set_new(o, "pass", json_integer(s.open + 1));
-        json_object_set_new(o, "passes", json_integer(s.n));
-        json_object_set_new(o, "pass_done", json_real(s.made));
+    if (o) {
+        json_object_set_new(o, "pass", json_integer(open ? s.open + 1 : 0));
+        json_object_set_new(o, "passes", json_integer(open ? s.n : 0));
+        json_object_set_new(o, "pass_done", json_real(open ? s.made : 0));
     }
     return o;
 }
