@@ -14,6 +14,8 @@ librad_a_SOURCES += \
 	src/picture/passes.h \
 	src/picture/passplan.c \
 	src/picture/passplan.h \
+	src/picture/path.c \
+	src/picture/path.h \
 	src/picture/quincunx.c \
 	src/picture/quincunx.h \
 	src/picture/seed.c \

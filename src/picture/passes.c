@@ -16,23 +16,15 @@
 #include "base/rng.h"
 #include "base/vec.h"
 #include "light/indirect/ambtile.h"
-#include "trace/material.h"
+#include "picture/path.h"
 
 #include <math.h>
 #include <stdatomic.h>
 #include <stdlib.h>
 #include <string.h>
 
-/* Panes that a view is seen through. */
-#define MOST_PANES 8
-
 /* Apart from the keys of pixels, which have a frame in this place. */
 #define BRANCH UINT64_C(0x7061737365730000)
-
-/* Of the rays that end in deep records; no hemisphere has so many. */
-#define BRANCH_ASK (RAD_BRANCH_RAMBIENT | 0xfffffe)
-
-#define MEAN_REFLECTANCE .5f
 
 /* Records that are handed on at a time. */
 #define BATCH 64
@@ -53,87 +45,6 @@ struct rad_passes {
 
 /* --- paths --- */
 
-/* Would light go on through what was hit? */
-static bool
-is_pane(const struct rad_job *job, const struct rad_hit *hit)
-{
-    int32_t mod = job->scene->objects[hit->obj].modifier;
-    int32_t mat = rad_material_of(job->scene, mod);
-
-    return mat == RAD_VOID || job->materials[mat].flags & RAD_MAT_TRANSPARENT;
-}
-
-static bool
-meet(struct rad_ctx *ctx, struct rad_ray *r)
-{
-    struct rad_span span = { .tmin = 0, .tmax = r->tmax };
-
-    if (r->parent)
-        rad_geom_leave(&r->parent->hit, r->dir, r->org);
-    rad_ray_clear(r);
-    rad_copy(span.org, r->org);
-    rad_copy(span.dir, r->dir);
-    ctx->counts.rays++;
-    if (!rad_geom_nearest(ctx->job->geom, &span, &r->hit, &ctx->counts.geom))
-        return false;
-    rad_ray_enter(r);
-    return true;
-}
-
-static double
-fraction(double x)
-{
-    return x - floor(x);
-}
-
-/* What is seen at the start of path i.  Pixels are those of a sequence each of
- * whose beginnings is spread evenly over the picture (Roberts 2018: by the root
- * of x^3 = x + 1). */
-static bool
-begin(const struct rad_passes *p, struct rad_ctx *ctx, uint32_t i, uint64_t key,
-      struct rad_ray *r)
-{
-    const struct rad_frame *f = &p->frames[i % p->nframes];
-    double n = i / p->nframes;
-    double u = fraction(rad_rand(p->key, 0) + n * .7548776662466927);
-    double v = fraction(rad_rand(p->key, 1) + n * .5698402909980532);
-    int x = (int)(u * f->width), y = (int)(v * f->height);
-
-    atomic_store_explicit(&ctx->at, RAD_AT(x, y), memory_order_relaxed);
-    if (!rad_frame_ray(f, x, y, r) ||
-        !rad_ray_spawn(ctx, r, RAD_RAY_PRIMARY, NULL, NULL, 0))
-        return false;
-    r->key = key;
-    for (int panes = 0; meet(ctx, r); panes++) {
-        if (panes == MOST_PANES || !is_pane(ctx->job, &r->hit))
-            return true;
-        r->tmax -= r->hit.t;
-        rad_geom_leave(&r->hit, r->dir, r->org);
-    }
-    return false;
-}
-
-/* Bounce number k of the path with that key: r leaves the hit of `parent`. */
-static bool
-leave(struct rad_ctx *ctx, const struct rad_ray *parent, uint64_t key, int k,
-      struct rad_ray *r)
-{
-    struct rad_rgb coef = rad_grey(MEAN_REFLECTANCE);
-    double u = rad_rand(key, 2 * (uint32_t)k);
-    double phi = 2 * M_PI * rad_rand(key, 2 * (uint32_t)k + 1);
-    double a[3], b[3], w[3];
-
-    if (!rad_ray_spawn(ctx, r, RAD_RAY_RAMBIENT, parent, &coef, BRANCH_ASK))
-        return false;
-    ctx->counts.ambient_rays++;
-    rad_scale(w, parent->cos_o < 0 ? -1 : 1, parent->n);
-    rad_frame(a, b, w);
-    rad_scale(r->dir, sqrt(1 - u), w);
-    rad_madd(r->dir, r->dir, sqrt(u) * cos(phi), a);
-    rad_madd(r->dir, r->dir, sqrt(u) * sin(phi), b);
-    return true;
-}
-
 static uint64_t
 key_of_path(const struct rad_passes *p, uint32_t i)
 {
@@ -148,10 +59,12 @@ walk(const struct rad_passes *p, struct rad_ctx *ctx, uint32_t i,
 {
     uint64_t key = key_of_path(p, i);
 
-    if (!begin(p, ctx, i, key, &r[0]))
+    if (!rad_path_begin(&p->frames[i % p->nframes], ctx, p->key, i / p->nframes,
+                        key, &r[0]))
         return false;
     for (int k = 0; k < p->pass.level; k++)
-        if (!leave(ctx, &r[k], key, k, &r[k + 1]) || !meet(ctx, &r[k + 1]))
+        if (!rad_path_bounce(ctx, &r[k], key, k, &r[k + 1]) ||
+            !rad_path_meet(ctx, &r[k + 1]))
             return false;
     return true;
 }
@@ -222,9 +135,9 @@ ask_at_end(const struct rad_passes *p, struct rad_ctx *ctx, uint32_t i)
     int k = p->pass.level;
 
     if (!walk(p, ctx, i, r) || rad_ambient_serves(ctx, &r[k]) ||
-        !leave(ctx, &r[k - 1], key, k - 1, &r[k]))
+        !rad_path_bounce(ctx, &r[k - 1], key, k - 1, &r[k]))
         return;
-    r[k].key = rad_key_branch(key, BRANCH_ASK);
+    r[k].key = rad_key_branch(key, RAD_PATH_BRANCH);
     rad_ray_trace(ctx, &r[k]);
 }
 

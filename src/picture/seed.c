@@ -20,7 +20,7 @@
 #include "base/rng.h"
 #include "base/vec.h"
 #include "light/indirect/ambient.h"
-#include "trace/material.h"
+#include "picture/path.h"
 
 #include <math.h>
 #include <stdatomic.h>
@@ -38,9 +38,6 @@
 
 /* Views that paths begin in: of a long animation, some. */
 #define MOST_VIEWS 16
-
-/* Panes that a view is seen through. */
-#define MOST_PANES 8
 
 /* Paths that a thread takes at a time. */
 #define CHUNK 64
@@ -67,15 +64,8 @@ static const int enough[ROUNDS] = { 8, 32 };
 /* And those of cells apart from those of paths. */
 #define BRANCH_CELL UINT64_C(0x63656c6c)
 
-/* Of the rays that end in deep records; no hemisphere has so many. */
-#define BRANCH_SEED (RAD_BRANCH_RAMBIENT | 0xfffffe)
-
-/* Dimensions of the numbers drawn at a path's key, and at an asked place's. */
-enum { DIM_BOUNCE = 0, DIM_POINT = 0, DIM_NEXT, DIM_BETWEEN, DIM_PATH };
-
-/* Reflectance that is assumed of what a path meets, as where records are made
- * for any. */
-#define MEAN_REFLECTANCE .5f
+/* Dimensions of the numbers drawn at an asked place's key. */
+enum { DIM_POINT, DIM_NEXT, DIM_BETWEEN, DIM_PATH };
 
 struct rad_seed {
     const struct rad_frame *frames; /* [fixed] */
@@ -102,96 +92,6 @@ struct rad_seed {
 
 /* --- paths --- */
 
-/* Would light go on through what was hit? */
-static bool
-is_pane(const struct rad_job *job, const struct rad_hit *hit)
-{
-    int32_t mod = job->scene->objects[hit->obj].modifier;
-    int32_t mat = rad_material_of(job->scene, mod);
-
-    return mat == RAD_VOID || job->materials[mat].flags & RAD_MAT_TRANSPARENT;
-}
-
-static bool
-meet(struct rad_ctx *ctx, struct rad_ray *r)
-{
-    struct rad_span span = { .tmin = 0, .tmax = r->tmax };
-
-    if (r->parent)
-        rad_geom_leave(&r->parent->hit, r->dir, r->org);
-    rad_ray_clear(r);
-    rad_copy(span.org, r->org);
-    rad_copy(span.dir, r->dir);
-    ctx->counts.rays++;
-    if (!rad_geom_nearest(ctx->job->geom, &span, &r->hit, &ctx->counts.geom))
-        return false;
-    rad_ray_enter(r);
-    return true;
-}
-
-static double
-fraction(double x)
-{
-    return x - floor(x);
-}
-
-/* What is seen at the start of path i.  Pixels are those of a sequence each of
- * whose beginnings is spread evenly over the picture (Roberts 2018: by the root
- * of x^3 = x + 1). */
-static bool
-begin(const struct rad_seed *s, struct rad_ctx *ctx, uint32_t i, uint64_t key,
-      struct rad_ray *r)
-{
-    uint64_t view = i % s->nviews, n = i / s->nviews;
-    const struct rad_frame *f = &s->frames[view * s->nframes / s->nviews];
-    double u = fraction(rad_rand(s->key, 0) + (double)n * .7548776662466927);
-    double v = fraction(rad_rand(s->key, 1) + (double)n * .5698402909980532);
-    int x = (int)(u * f->width), y = (int)(v * f->height);
-
-    /* a pattern may never end here as it may for a pixel */
-    atomic_store_explicit(&ctx->at, RAD_AT(x, y), memory_order_relaxed);
-    if (!rad_frame_ray(f, x, y, r) ||
-        !rad_ray_spawn(ctx, r, RAD_RAY_PRIMARY, NULL, NULL, 0))
-        return false;
-    r->key = key;
-    for (int panes = 0; meet(ctx, r); panes++) {
-        if (panes == MOST_PANES || !is_pane(ctx->job, &r->hit))
-            return true;
-        r->tmax -= r->hit.t;
-        rad_geom_leave(&r->hit, r->dir, r->org);
-    }
-    return false;
-}
-
-/* Start r off the hit of `parent`, as a ray of its hemisphere. */
-static bool
-leave(struct rad_ctx *ctx, const struct rad_ray *parent, struct rad_ray *r)
-{
-    struct rad_rgb coef = rad_grey(MEAN_REFLECTANCE);
-
-    ctx->counts.ambient_rays++;
-    return rad_ray_spawn(ctx, r, RAD_RAY_RAMBIENT, parent, &coef, BRANCH_SEED);
-}
-
-/* Bounce number k of the path with that key. */
-static bool
-bounce(struct rad_ctx *ctx, const struct rad_ray *parent, uint64_t key, int k,
-       struct rad_ray *r)
-{
-    double u = rad_rand(key, DIM_BOUNCE + 2 * (uint32_t)k);
-    double phi = 2 * M_PI * rad_rand(key, DIM_BOUNCE + 2 * (uint32_t)k + 1);
-    double a[3], b[3], w[3];
-
-    if (!leave(ctx, parent, r))
-        return false;
-    rad_scale(w, parent->cos_o < 0 ? -1 : 1, parent->n);
-    rad_frame(a, b, w);
-    rad_scale(r->dir, sqrt(1 - u), w);
-    rad_madd(r->dir, r->dir, sqrt(u) * cos(phi), a);
-    rad_madd(r->dir, r->dir, sqrt(u) * sin(phi), b);
-    return meet(ctx, r);
-}
-
 /* Walk path i up to the given bounce; r gets its rays.  Returns the number of
  * the last that met something; negative: none did. */
 static int
@@ -199,11 +99,14 @@ walk(const struct rad_seed *s, struct rad_ctx *ctx, uint32_t i, int upto,
      struct rad_ray *r)
 {
     uint64_t key = rad_key_branch(s->key, i);
+    uint64_t view = i % s->nviews;
     int k = 0;
 
-    if (!begin(s, ctx, i, key, &r[0]))
+    if (!rad_path_begin(&s->frames[view * s->nframes / s->nviews], ctx, s->key,
+                        i / s->nviews, key, &r[0]))
         return -1;
-    while (k < upto && bounce(ctx, &r[k], key, k, &r[k + 1]))
+    while (k < upto && rad_path_bounce(ctx, &r[k], key, k, &r[k + 1]) &&
+           rad_path_meet(ctx, &r[k + 1]))
         k++;
     return k;
 }
@@ -243,8 +146,9 @@ draw_target(const struct rad_seed *s, uint32_t cell, uint64_t key, double p[3])
 static bool
 is_in_part(const struct rad_seed *s, double place)
 {
-    double at = fraction(place * PIECES);
+    double at = place * PIECES;
 
+    at -= floor(at);
     return at >= s->first && at < s->last;
 }
 
@@ -259,7 +163,7 @@ static bool
 send(struct rad_ctx *ctx, const struct rad_ray *r, const double p[3],
      struct rad_ray *to)
 {
-    if (!leave(ctx, r, to))
+    if (!rad_path_leave(ctx, r, to))
         return false;
     rad_sub(to->dir, p, r->hit.p);
     return rad_normalize(to->dir) > 0 && rad_dot(to->dir, r->n) * r->cos_o > 0;
@@ -275,8 +179,8 @@ ask(const struct rad_seed *s, struct rad_ctx *ctx, uint32_t cell,
     double p[3];
 
     draw_target(s, cell, key, p);
-    if (!send(ctx, r, p, &to) || !meet(ctx, &to) || !is_ours(s, to.hit.p) ||
-        rad_ambient_serves(ctx, &to))
+    if (!send(ctx, r, p, &to) || !rad_path_meet(ctx, &to) ||
+        !is_ours(s, to.hit.p) || rad_ambient_serves(ctx, &to))
         return;
     if (send(ctx, r, p, &to)) {
         to.key = key;

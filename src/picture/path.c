@@ -1,0 +1,105 @@
+/* path.c - see path.h */
+#include "config.h"
+
+#include "picture/path.h"
+
+#include "base/rng.h"
+#include "base/vec.h"
+#include "trace/material.h"
+
+#include <math.h>
+#include <stdatomic.h>
+
+/* Panes that a view is seen through. */
+#define MOST_PANES 8
+
+/* Reflectance that is assumed of what a path meets, as where records are made
+ * for any. */
+#define MEAN_REFLECTANCE .5f
+
+/* Would light go on through what was hit? */
+static bool
+is_pane(const struct rad_job *job, const struct rad_hit *hit)
+{
+    int32_t mod = job->scene->objects[hit->obj].modifier;
+    int32_t mat = rad_material_of(job->scene, mod);
+
+    return mat == RAD_VOID || job->materials[mat].flags & RAD_MAT_TRANSPARENT;
+}
+
+bool
+rad_path_meet(struct rad_ctx *ctx, struct rad_ray *r)
+{
+    struct rad_span span = { .tmin = 0, .tmax = r->tmax };
+
+    if (r->parent)
+        rad_geom_leave(&r->parent->hit, r->dir, r->org);
+    rad_ray_clear(r);
+    rad_copy(span.org, r->org);
+    rad_copy(span.dir, r->dir);
+    ctx->counts.rays++;
+    if (!rad_geom_nearest(ctx->job->geom, &span, &r->hit, &ctx->counts.geom))
+        return false;
+    rad_ray_enter(r);
+    return true;
+}
+
+static double
+fraction(double x)
+{
+    return x - floor(x);
+}
+
+bool
+rad_path_begin(const struct rad_frame *f, struct rad_ctx *ctx, uint64_t spread,
+               uint64_t n, uint64_t key, struct rad_ray *r)
+{
+    double u = fraction(rad_rand(spread, 0) + (double)n * .7548776662466927);
+    double v = fraction(rad_rand(spread, 1) + (double)n * .5698402909980532);
+    int x = (int)(u * f->width), y = (int)(v * f->height);
+
+    /* a pattern may never end here as it may for a pixel */
+    atomic_store_explicit(&ctx->at, RAD_AT(x, y), memory_order_relaxed);
+    if (!rad_frame_ray(f, x, y, r) ||
+        !rad_ray_spawn(ctx, r, RAD_RAY_PRIMARY, NULL, NULL, 0))
+        return false;
+    r->key = key;
+    for (int panes = 0; rad_path_meet(ctx, r); panes++) {
+        if (panes == MOST_PANES || !is_pane(ctx->job, &r->hit))
+            return true;
+        r->tmax -= r->hit.t;
+        rad_geom_leave(&r->hit, r->dir, r->org);
+    }
+    return false;
+}
+
+bool
+rad_path_leave(struct rad_ctx *ctx, const struct rad_ray *parent,
+               struct rad_ray *r)
+{
+    struct rad_rgb coef = rad_grey(MEAN_REFLECTANCE);
+
+    if (!rad_ray_spawn(ctx, r, RAD_RAY_RAMBIENT, parent, &coef,
+                       RAD_PATH_BRANCH))
+        return false;
+    ctx->counts.ambient_rays++;
+    return true;
+}
+
+bool
+rad_path_bounce(struct rad_ctx *ctx, const struct rad_ray *parent, uint64_t key,
+                int k, struct rad_ray *r)
+{
+    double u = rad_rand(key, 2 * (uint32_t)k);
+    double phi = 2 * M_PI * rad_rand(key, 2 * (uint32_t)k + 1);
+    double a[3], b[3], w[3];
+
+    if (!rad_path_leave(ctx, parent, r))
+        return false;
+    rad_scale(w, parent->cos_o < 0 ? -1 : 1, parent->n);
+    rad_frame(a, b, w);
+    rad_scale(r->dir, sqrt(1 - u), w);
+    rad_madd(r->dir, r->dir, sqrt(u) * cos(phi), a);
+    rad_madd(r->dir, r->dir, sqrt(u) * sin(phi), b);
+    return true;
+}
