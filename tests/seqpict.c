@@ -319,10 +319,8 @@ make_pass(struct rad_passes *p, struct rad_ctx *ctx,
     for (uint32_t i = 0; rc == 0 && i < pass->tiles; i++)
         if (!rad_passes_make(p, ctx, i, &never, keep_records, k) || k->failed)
             rc = rad_fail(err, RAD_ENOMEM, "out of memory");
-    for (size_t i = 0; rc == 0 && i < k->n; i += RAD_AMBIENT_TOGETHER)
-        rad_ambient_insert_all(
-            ctx->job->ambient, k->rec + i,
-            k->n - i < RAD_AMBIENT_TOGETHER ? k->n - i : RAD_AMBIENT_TOGETHER);
+    if (rc == 0)
+        rad_ambient_insert_all(ctx->job->ambient, k->rec, k->n);
     return rc;
 }
 

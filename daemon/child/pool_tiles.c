@@ -124,10 +124,7 @@ freeze(struct renderer *by, struct pool_frozen *f)
     struct rad_ambient *amb = p->job->ambient;
     size_t before = rad_ambient_count(amb);
 
-    for (size_t i = 0; i < f->n; i += RAD_AMBIENT_TOGETHER)
-        rad_ambient_insert_all(
-            amb, f->rec + i,
-            f->n - i < RAD_AMBIENT_TOGETHER ? f->n - i : RAD_AMBIENT_TOGETHER);
+    rad_ambient_insert_all(amb, f->rec, f->n);
     uv_mutex_lock(&p->mu);
     if (rad_ambient_count(amb) != before + f->n)
         rad_fail(&k->err, RAD_ENOMEM,

@@ -41,22 +41,10 @@ struct sim_task {
     bool dropped; /* nothing that it does counts */
 };
 
-static struct sim *
-of(struct net *net)
-{
-    return (struct sim *)net;
-}
-
-static struct sim_child *
-child_of(struct net *net, int node)
-{
-    return &of(net)->child[node - NODE_CHILD];
-}
-
 static struct sim_job *
 job_of(struct net *net, int node)
 {
-    return &of(net)->job[child_of(net, node)->job];
+    return &sim_of(net)->job[sim_child_of(net, node)->job];
 }
 
 static int
@@ -69,7 +57,7 @@ channels_of(const struct sim_job *job)
 static bool
 alive(struct net *net, const struct net_event *e)
 {
-    return net->ops[e->a] && child_of(net, e->a)->conn == e->c;
+    return net->ops[e->a] && sim_child_of(net, e->a)->conn == e->c;
 }
 
 static struct net_event *
@@ -79,7 +67,7 @@ later(struct net *net, int node, unsigned delay,
     struct net_event *e = net_later(net, delay, fn);
 
     e->a = node;
-    e->c = child_of(net, node)->conn;
+    e->c = sim_child_of(net, node)->conn;
     return e;
 }
 
@@ -121,12 +109,12 @@ unload(struct sim_child *k)
 static void
 die(struct net *net, int node)
 {
-    struct sim *s = of(net);
+    struct sim *s = sim_of(net);
 
     s->crashes++;
-    s->job[child_of(net, node)->job].crashes++;
+    s->job[sim_child_of(net, node)->job].crashes++;
     net->ops[node] = NULL;
-    unload(child_of(net, node));
+    unload(sim_child_of(net, node));
     net_close_all(net, node);
 }
 
@@ -135,9 +123,9 @@ die(struct net *net, int node)
 static void
 send_tally(struct net *net, int node)
 {
-    struct sim_child *k = child_of(net, node);
+    struct sim_child *k = sim_child_of(net, node);
     struct msg m = { .type = MSG_TALLY,
-                     .tally = { .job = of(net)->job[k->job].id,
+                     .tally = { .job = sim_of(net)->job[k->job].id,
                                 .ambient_sent = k->nambient,
                                 .busy_s = k->busy_s,
                                 .wait_base_line_s = k->busy_s / 4 } };
@@ -150,7 +138,7 @@ send_tally(struct net *net, int node)
 static void
 send_ambient(struct net *net, int node, uint32_t to)
 {
-    struct sim_child *k = child_of(net, node);
+    struct sim_child *k = sim_child_of(net, node);
     uint8_t data[2] = { (uint8_t)k->worker, (uint8_t)k->job };
     struct msg m = { .type = MSG_AMBIENT, .ambient = { to, 1, data, 2 } };
 
@@ -162,13 +150,13 @@ send_ambient(struct net *net, int node, uint32_t to)
 static void
 speak(struct net *net, int node)
 {
-    struct sim_child *k = child_of(net, node);
+    struct sim_child *k = sim_child_of(net, node);
     const struct msg *m;
 
     while (k->strict && (m = strict_message(k->strict, !net_chance(net, 4)))) {
-        of(net)->parked += m->type == MSG_PARKED;
-        of(net)->gave += m->type == MSG_GAVE;
-        of(net)->loans += m->type == MSG_LOAN;
+        sim_of(net)->parked += m->type == MSG_PARKED;
+        sim_of(net)->gave += m->type == MSG_GAVE;
+        sim_of(net)->loans += m->type == MSG_LOAN;
         net_send_msg(net, node, k->conn, m);
     }
 }
@@ -192,7 +180,7 @@ code_rows(const float *from, uint32_t rows, uint32_t width, uint8_t *to)
 static void
 send_rows(struct sim_task *t, const struct msg_counts *last)
 {
-    struct sim_child *k = child_of(t->net, t->node);
+    struct sim_child *k = sim_child_of(t->net, t->node);
     const struct sim_job *job = job_of(t->net, t->node);
     size_t stride = (size_t)t->unit.width * (size_t)channels_of(job);
     uint32_t rows = t->nrows - t->nsent;
@@ -354,7 +342,7 @@ start_task(struct net *net, int node, int slot, const struct msg_unit *unit,
     t->team = new_team(t);
     t->fibre = fibre_new(run_task, t);
     SIM_CHECK(net, t->rows && t->team && t->fibre);
-    child_of(net, node)->task[slot] = t;
+    sim_child_of(net, node)->task[slot] = t;
     later(net, node, 0, slice)->b = slot;
 }
 
@@ -381,7 +369,7 @@ unit_of_pass(const struct sim_job *job, const struct strict_pass *p)
 static bool
 begin(struct net *net, int node, int slot)
 {
-    struct sim_child *k = child_of(net, node);
+    struct sim_child *k = sim_child_of(net, node);
     struct strict_pass *p =
         k->strict
             ? strict_next(k->strict, k->nwindows ? STRICT_TRUTH : STRICT_AHEAD)
@@ -419,7 +407,7 @@ tick(struct net *net, struct net_event *e)
 {
     if (!alive(net, e))
         return;
-    child_of(net, e->a)->tick_ms = 0;
+    sim_child_of(net, e->a)->tick_ms = 0;
     look(net, e->a);
 }
 
@@ -427,7 +415,7 @@ tick(struct net *net, struct net_event *e)
 static void
 tell_time(struct net *net, int node)
 {
-    struct sim_child *k = child_of(net, node);
+    struct sim_child *k = sim_child_of(net, node);
     uint64_t due =
         k->strict ? strict_tick(k->strict, net->now_ms) : STRICT_NEVER;
 
@@ -442,8 +430,8 @@ tell_time(struct net *net, int node)
 static void
 look(struct net *net, int node)
 {
-    struct sim_child *k = child_of(net, node);
-    unsigned threads = of(net)->worker[k->worker].threads;
+    struct sim_child *k = sim_child_of(net, node);
+    unsigned threads = sim_of(net)->worker[k->worker].threads;
 
     if (k->strict) {
         look_at_passes(k);
@@ -479,7 +467,7 @@ interrupt(struct sim_task *t)
 static void
 end_task(struct net *net, int node, int slot)
 {
-    struct sim_child *k = child_of(net, node);
+    struct sim_child *k = sim_child_of(net, node);
     struct sim_task *t = k->task[slot];
     struct msg_counts spent = { .rays = team_rays(t->team),
                                 .cpu_s = 1e-6 * t->cost_us },
@@ -500,9 +488,9 @@ end_task(struct net *net, int node, int slot)
         strict_cut(k->strict, t->pass, t->team);
         whole = team_done(t->team);
         team_bottom(t->team, &b);
-        of(net)->blocked += blocked;
-        of(net)->aside += !is_hasty(net) && t->mode == TEAM_TRUTH && !whole &&
-                          !blocked && t->nrows > 0;
+        sim_of(net)->blocked += blocked;
+        sim_of(net)->aside += !is_hasty(net) && t->mode == TEAM_TRUTH &&
+                              !whole && !blocked && t->nrows > 0;
         t->pass->finished = finished;
         whole = strict_ended(k->strict, t->pass, whole, b.pixels, b.density,
                              &spent, &total);
@@ -534,14 +522,14 @@ slice(struct net *net, struct net_event *e)
 
     if (!alive(net, e))
         return;
-    k = child_of(net, e->a);
+    k = sim_child_of(net, e->a);
     if (!k->task[e->b] || k->task[e->b]->over) {
         if (k->task[e->b])
             end_task(net, e->a, e->b);
         return;
     }
     t = k->task[e->b];
-    w = &of(net)->worker[k->worker];
+    w = &sim_of(net)->worker[k->worker];
     if (w->stopped_ms > net->now_ms) {
         later(net, e->a, (unsigned)(w->stopped_ms - net->now_ms), slice)->b =
             e->b;
@@ -557,7 +545,7 @@ slice(struct net *net, struct net_event *e)
     }
     us = t->used_us * w->slow;
     t->cost_us += us;
-    of(net)->work_ms += us / 1000;
+    sim_of(net)->work_ms += us / 1000;
     t->used_us = 0;
     later(net, e->a, (unsigned)(us / 1000 + net_random(net, 2)), slice)->b =
         e->b;
@@ -571,7 +559,7 @@ static void
 estimate_area(struct net *net, int node, const struct msg_area *a, uint32_t n,
               struct msg_cost *cost)
 {
-    struct sim_child *k = child_of(net, node);
+    struct sim_child *k = sim_child_of(net, node);
     struct sim_job *job = job_of(net, node);
     struct rad_quincunx q = sim_sampler(job, a->frame);
     struct rad_facts *f = rad_facts_new((int)a->width, (int)a->height);
@@ -633,7 +621,7 @@ areas_before_rest(struct net *net, const struct net_event *e,
 {
     if (!alive(net, e))
         return 0;
-    return child_of(net, e->a)->rests == e->b ? m->nareas : m->nareas / 2;
+    return sim_child_of(net, e->a)->rests == e->b ? m->nareas : m->nareas / 2;
 }
 
 /* e->data: ESTIMATE, packed; e->b: RESTs before it. */
@@ -656,16 +644,16 @@ estimated(struct net *net, struct net_event *e)
     }
     if (!alive(net, e))
         goto end;
-    of(net)->estimates++;
-    if (child_of(net, e->a)->rests != e->b) {
-        of(net)->estimates_left++;
+    sim_of(net)->estimates++;
+    if (sim_child_of(net, e->a)->rests != e->b) {
+        sim_of(net)->estimates_left++;
         m.estimate.nareas = 0;
     }
     done.estimated.job = job_of(net, e->a)->id;
     done.estimated.id = m.estimate.id;
     done.estimated.ncosts = m.estimate.nareas;
     done.estimated.costs = v;
-    net_send_msg(net, e->a, child_of(net, e->a)->conn, &done);
+    net_send_msg(net, e->a, sim_child_of(net, e->a)->conn, &done);
 end:
     free(v);
     msg_release(&m);
@@ -677,11 +665,11 @@ take_estimate(struct net *net, int node, const struct msg *m)
     struct wire_out out;
     struct net_event *e;
 
-    SIM_CHECK(net, sim_cache_is_whole(of(net), child_of(net, node)));
+    SIM_CHECK(net, sim_cache_is_whole(sim_of(net), sim_child_of(net, node)));
     e = later(net, node, net_random(net, 20 * (m->estimate.nareas + 1)),
               estimated);
 
-    e->b = child_of(net, node)->rests;
+    e->b = sim_child_of(net, node)->rests;
     wire_out_init(&out, MSG_FRAME_MAX);
     SIM_CHECK(net, msg_pack(&out, m) == 0);
     e->data = malloc(out.len);
@@ -699,7 +687,7 @@ load(struct net *net, int node)
 {
     const struct sim_job *job = job_of(net, node);
     struct rad_quincunx q[SIM_FRAMES];
-    struct sim_child *k = child_of(net, node);
+    struct sim_child *k = sim_child_of(net, node);
 
     for (uint32_t f = 0; f < job->spec.nframes; f++)
         q[f] = sim_sampler(job, f);
@@ -713,14 +701,15 @@ load(struct net *net, int node)
 static void
 ready(struct net *net, struct net_event *e)
 {
-    struct sim_child *k = child_of(net, e->a);
+    struct sim_child *k = sim_child_of(net, e->a);
     struct msg m = { .type = MSG_READY };
 
     if (!alive(net, e))
         return;
     m.ready =
-        (struct msg_ready){ of(net)->job[k->job].id, .05, 42,
-                            (uint16_t)of(net)->worker[k->worker].threads, 0 };
+        (struct msg_ready){ sim_of(net)->job[k->job].id, .05, 42,
+                            (uint16_t)sim_of(net)->worker[k->worker].threads,
+                            0 };
     net_send_msg(net, e->a, k->conn, &m);
 }
 
@@ -728,7 +717,7 @@ ready(struct net *net, struct net_event *e)
 static void
 begin_frame(struct net *net, int node, uint32_t frame)
 {
-    struct sim_child *k = child_of(net, node);
+    struct sim_child *k = sim_child_of(net, node);
     const struct sim_job *job = job_of(net, node);
 
     if (job->spec.flags & MSG_JOB_FRESH_FRAMES && k->frame != frame &&
@@ -743,7 +732,7 @@ begin_frame(struct net *net, int node, uint32_t frame)
 static void
 begin_lines(struct net *net, int node, uint32_t frame)
 {
-    const struct sim_child *k = child_of(net, node);
+    const struct sim_child *k = sim_child_of(net, node);
     uint32_t none = job_of(net, node)->spec.nframes;
 
     SIM_CHECK(net, frame < none);
@@ -754,14 +743,14 @@ begin_lines(struct net *net, int node, uint32_t frame)
 static void
 take_unit(struct net *net, int node, const struct msg_unit *u)
 {
-    struct sim_child *k = child_of(net, node);
+    struct sim_child *k = sim_child_of(net, node);
     struct rad_error err = { 0 };
 
-    SIM_CHECK(net, sim_cache_is_whole(of(net), k));
+    SIM_CHECK(net, sim_cache_is_whole(sim_of(net), k));
     begin_frame(net, node, u->frame);
     if (u->mode == MSG_MODE_STRICT) {
         SIM_CHECK(net, k->strict != NULL);
-        of(net)->bars += (u->flags & MSG_UNIT_BARS) != 0;
+        sim_of(net)->bars += (u->flags & MSG_UNIT_BARS) != 0;
         SIM_CHECK(net, strict_unit(k->strict, u, &err) == 0);
         return;
     }
@@ -791,7 +780,7 @@ revoke(struct sim_child *k, const struct msg_attempt *r)
 static void
 take_strict(struct net *net, int node, const struct msg *m)
 {
-    struct sim_child *k = child_of(net, node);
+    struct sim_child *k = sim_child_of(net, node);
 
     SIM_CHECK(net, k->strict != NULL);
     switch (m->type) {
@@ -799,11 +788,11 @@ take_strict(struct net *net, int node, const struct msg *m)
         strict_split(k->strict, m->split.unit, m->split.attempt);
         break;
     case MSG_YIELD:
-        of(net)->yields++;
+        sim_of(net)->yields++;
         strict_yield(k->strict, m->yield.unit, m->yield.attempt);
         break;
     case MSG_TWIN:
-        of(net)->twins++;
+        sim_of(net)->twins++;
         strict_twin(k->strict, m->twin.unit, m->twin.attempt);
         break;
     case MSG_LEND:
@@ -834,7 +823,7 @@ take_ambient(struct net *net, const struct sim_child *k,
 {
     SIM_CHECK(net, m->len == 2 * (size_t)m->count);
     for (uint32_t i = 0; i < m->count; i++) {
-        SIM_CHECK(net, m->data[2 * i] != k->worker || of(net)->all_linked);
+        SIM_CHECK(net, m->data[2 * i] != k->worker || sim_of(net)->all_linked);
         SIM_CHECK(net, m->data[2 * i + 1] == k->job);
     }
 }
@@ -842,13 +831,13 @@ take_ambient(struct net *net, const struct sim_child *k,
 static void
 message(struct net *net, int node, uint64_t conn, const struct msg *m)
 {
-    struct sim_child *k = child_of(net, node);
+    struct sim_child *k = sim_child_of(net, node);
 
     switch (m->type) {
     case MSG_JOB_START:
         SIM_CHECK(net, !k->started);
         k->started = true;
-        k->job = sim_find_job(of(net), m->job_start.job);
+        k->job = sim_find_job(sim_of(net), m->job_start.job);
         k->coded = m->job_start.flags & MSG_JOB_CODED;
         load(net, node);
         net_session(net, node, conn, MSG_AT_CHILD, MSG_VERSION);
@@ -901,7 +890,7 @@ static void
 closed(struct net *net, int node, uint64_t conn)
 {
     (void)conn;
-    unload(child_of(net, node));
+    unload(sim_child_of(net, node));
     net->ops[node] = NULL;
 }
 

@@ -10,16 +10,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-static struct sim *
-of(struct net *net)
-{
-    return (struct sim *)net;
-}
-
 static struct sim_job *
 job_of(struct net *net, int node)
 {
-    return &of(net)->job[node - NODE_CLIENT];
+    return &sim_of(net)->job[node - NODE_CLIENT];
 }
 
 static void
@@ -59,7 +53,7 @@ cancel(struct net *net, struct net_event *e)
 static void
 dial_again(struct net *net, struct net_event *e)
 {
-    sim_client_dial(of(net), e->a - NODE_CLIENT);
+    sim_client_dial(sim_of(net), e->a - NODE_CLIENT);
 }
 
 static void
@@ -165,7 +159,7 @@ closed(struct net *net, int node, uint64_t conn)
 {
     struct sim_job *job = job_of(net, node);
 
-    SIM_CHECK(net, of(net)->coord_deaths > 0);
+    SIM_CHECK(net, sim_of(net)->coord_deaths > 0);
     if (job->conn != conn || (job->stats && !job->partial))
         return;
     job->conn = 0;
@@ -203,7 +197,7 @@ admin_message(struct net *net, int node, uint64_t conn, const struct msg *m)
 {
     if (m->type != MSG_WELCOME)
         return;
-    of(net)->admin_welcome = true;
+    sim_of(net)->admin_welcome = true;
     net_session(net, node, conn, MSG_AT_CLIENT, m->welcome.version);
 }
 
@@ -211,16 +205,16 @@ static void
 admin_again(struct net *net, struct net_event *e)
 {
     (void)e;
-    sim_admin_dial(of(net));
+    sim_admin_dial(sim_of(net));
 }
 
 static void
 admin_closed(struct net *net, int node, uint64_t conn)
 {
     (void)node;
-    if (of(net)->admin != conn)
+    if (sim_of(net)->admin != conn)
         return;
-    of(net)->admin = 0;
+    sim_of(net)->admin = 0;
     net_later(net, net_random(net, 200), admin_again);
 }
 

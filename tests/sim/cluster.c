@@ -21,12 +21,6 @@
 #define TROUBLE_MS 20000u /* accidents happen until then */
 #define SPARE_MS   30000u /* less is lost by messages that take their time */
 
-static struct sim *
-of(struct net *net)
-{
-    return (struct sim *)net;
-}
-
 int
 sim_find_job(const struct sim *s, const uint8_t id[MSG_JOB])
 {
@@ -195,16 +189,16 @@ coord_node_message(struct net *net, int node, uint64_t conn,
                    const struct msg *m)
 {
     (void)node;
-    coord_message(of(net)->coord, net->now_ms, conn, m);
-    sim_coord_actions(of(net));
+    coord_message(sim_of(net)->coord, net->now_ms, conn, m);
+    sim_coord_actions(sim_of(net));
 }
 
 static void
 coord_node_closed(struct net *net, int node, uint64_t conn)
 {
     (void)node;
-    coord_closed(of(net)->coord, net->now_ms, conn, "closed");
-    sim_coord_actions(of(net));
+    coord_closed(sim_of(net)->coord, net->now_ms, conn, "closed");
+    sim_coord_actions(sim_of(net));
 }
 
 static const struct node_ops coord_ops = { coord_node_message,
@@ -232,7 +226,7 @@ worker_random(void *arg, void *buf, size_t n)
 static void
 looked(struct net *net, struct net_event *e)
 {
-    struct sim *s = of(net);
+    struct sim *s = sim_of(net);
     struct sim_worker *w = &s->worker[e->a];
     struct action_look l = { .why = "no room" };
 
@@ -271,7 +265,7 @@ static const struct node_ops worker_ops;
 static void
 dialled(struct net *net, struct net_event *e)
 {
-    struct sim *s = of(net);
+    struct sim *s = sim_of(net);
     int other = e->b;
     struct sim_worker *w = &s->worker[e->a];
     uint64_t there = ++net->next_conn;
@@ -389,9 +383,9 @@ static void
 worker_node_message(struct net *net, int node, uint64_t conn,
                     const struct msg *m)
 {
-    worker_message(of(net)->worker[node - NODE_WORKER].machine, net->now_ms,
+    worker_message(sim_of(net)->worker[node - NODE_WORKER].machine, net->now_ms,
                    conn, m);
-    sim_worker_actions(of(net), node - NODE_WORKER);
+    sim_worker_actions(sim_of(net), node - NODE_WORKER);
 }
 
 static bool
@@ -406,14 +400,14 @@ is_child(const struct worker *machine, uint64_t conn)
 static void
 worker_node_closed(struct net *net, int node, uint64_t conn)
 {
-    struct worker *machine = of(net)->worker[node - NODE_WORKER].machine;
+    struct worker *machine = sim_of(net)->worker[node - NODE_WORKER].machine;
 
     if (is_child(machine, conn))
         worker_child_ended(machine, net->now_ms, conn, false,
                            "killed by signal 11");
     else
         worker_closed(machine, net->now_ms, conn, "closed");
-    sim_worker_actions(of(net), node - NODE_WORKER);
+    sim_worker_actions(sim_of(net), node - NODE_WORKER);
 }
 
 static const struct node_ops worker_ops = { worker_node_message,
@@ -448,8 +442,8 @@ birth(struct sim *s, int i)
 static void
 reborn(struct net *net, struct net_event *e)
 {
-    if (!of(net)->worker[e->a].machine)
-        birth(of(net), e->a);
+    if (!sim_of(net)->worker[e->a].machine)
+        birth(sim_of(net), e->a);
 }
 
 void
@@ -466,10 +460,10 @@ sim_worker_dies(struct sim *s, int i)
 static void
 left(struct net *net, struct net_event *e)
 {
-    struct sim_worker *w = &of(net)->worker[e->a];
+    struct sim_worker *w = &sim_of(net)->worker[e->a];
 
     if (w->machine && w->life == (unsigned)e->b)
-        sim_worker_dies(of(net), e->a);
+        sim_worker_dies(sim_of(net), e->a);
 }
 
 void
@@ -498,7 +492,7 @@ sim_coord_cut(struct sim *s, int i)
 static void
 tick(struct net *net, struct net_event *e)
 {
-    struct sim *s = of(net);
+    struct sim *s = sim_of(net);
 
     (void)e;
     coord_tick(s->coord, net->now_ms);
@@ -524,13 +518,13 @@ tick(struct net *net, struct net_event *e)
 static void
 late_worker(struct net *net, struct net_event *e)
 {
-    birth(of(net), e->a);
+    birth(sim_of(net), e->a);
 }
 
 static void
 new_client(struct net *net, struct net_event *e)
 {
-    sim_client_dial(of(net), e->a);
+    sim_client_dial(sim_of(net), e->a);
 }
 
 /* --- set-up --- */

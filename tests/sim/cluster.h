@@ -188,6 +188,20 @@ struct sim {
         aside; /* TRUTH that made way for others' bottoms, rows being out */
 };
 
+/* That the network is part of. */
+static inline struct sim *
+sim_of(struct net *net)
+{
+    return (struct sim *)net;
+}
+
+/* At a node from NODE_CHILD on. */
+static inline struct sim_child *
+sim_child_of(struct net *net, int node)
+{
+    return &sim_of(net)->child[node - NODE_CHILD];
+}
+
 /* Set a cluster up as the seed says, let it live until every job is over and
  * it came to rest. */
 void sim_init(struct sim *s, uint64_t seed);

@@ -15,12 +15,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-static struct sim *
-of(struct net *net)
-{
-    return (struct sim *)net;
-}
-
 /* What a piece of work for the disk is about. */
 struct entry {
     struct action_rows rows;
@@ -44,7 +38,7 @@ typedef void entry_fn(struct sim *s, struct sim_job *job,
 static void
 write_entry(struct net *net, struct net_event *e)
 {
-    struct sim *s = of(net);
+    struct sim *s = sim_of(net);
     entry_fn *fn;
 
     if ((unsigned)e->b != s->lives)

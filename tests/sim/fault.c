@@ -27,12 +27,6 @@ static const enum msg_type types[] = {
 
 #define NTYPES (sizeof types / sizeof types[0])
 
-static struct sim *
-of(struct net *net)
-{
-    return (struct sim *)net;
-}
-
 /* Which message of a type: in few clusters there are more than a
  * twin or two, or lines are given away, or columns lent, or units revoked, more
  * often. */
@@ -248,7 +242,7 @@ victim_of(struct sim *s, const struct sim_fault *f, int from, int to)
 void
 sim_hear(struct net *net, int from, int to, const struct msg *m, bool after)
 {
-    struct sim *s = of(net);
+    struct sim *s = sim_of(net);
 
     if (s->calm)
         return;

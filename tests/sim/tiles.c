@@ -13,18 +13,6 @@
 #define MOST_RECORDS 6
 #define TILE_MS      30
 
-static struct sim *
-of(struct net *net)
-{
-    return (struct sim *)net;
-}
-
-static struct sim_child *
-child_of(struct net *net, int node)
-{
-    return &of(net)->child[node - NODE_CHILD];
-}
-
 /* The records of a tile, the same whoever makes it; returns how many. */
 static uint32_t
 records(const struct sim_job *job, uint32_t pass, uint32_t tile,
@@ -59,37 +47,37 @@ sim_plan(const struct sim_job *job, struct rad_pass plan[RAD_MOST_PASSES])
 static void
 made(struct net *net, struct net_event *e)
 {
-    struct sim_child *k = child_of(net, e->a);
+    struct sim_child *k = sim_child_of(net, e->a);
     uint8_t data[MOST_RECORDS * AMBSHARE_BYTES];
     struct msg m = { .type = MSG_TILE_MADE };
     struct msg_tile_made *t = &m.tile_made;
 
     if (!net->ops[e->a] || k->conn != e->c || k->passes != e->len)
         return; /* a pass that was closed */
-    *t = (struct msg_tile_made){ .job = of(net)->job[k->job].id,
+    *t = (struct msg_tile_made){ .job = sim_of(net)->job[k->job].id,
                                  .pass = (uint32_t)e->len,
                                  .tile = (uint32_t)e->b,
                                  .data = data };
-    t->count = records(&of(net)->job[k->job], t->pass, t->tile, data);
+    t->count = records(&sim_of(net)->job[k->job], t->pass, t->tile, data);
     t->len = (size_t)t->count * AMBSHARE_BYTES;
     t->counts.rays = t->counts.ambient_rays = t->tile + 1;
     t->counts.cpu_s = .001;
-    of(net)->job[k->job].tile_rays += t->counts.rays;
-    of(net)->tiles++;
+    sim_of(net)->job[k->job].tile_rays += t->counts.rays;
+    sim_of(net)->tiles++;
     net_send_msg(net, e->a, k->conn, &m);
 }
 
 void
 sim_take_tile(struct net *net, int node, const struct msg_tile *m)
 {
-    struct sim_child *k = child_of(net, node);
-    const struct sim_worker *w = &of(net)->worker[k->worker];
+    struct sim_child *k = sim_child_of(net, node);
+    const struct sim_worker *w = &sim_of(net)->worker[k->worker];
     struct rad_pass plan[RAD_MOST_PASSES];
     struct net_event *e;
     unsigned ms = net_random(net, TILE_MS) * w->slow;
 
     SIM_CHECK(net, m->pass == k->passes);
-    SIM_CHECK(net, m->pass < sim_plan(&of(net)->job[k->job], plan));
+    SIM_CHECK(net, m->pass < sim_plan(&sim_of(net)->job[k->job], plan));
     SIM_CHECK(net, m->tile < plan[m->pass].tiles);
     if (w->stopped_ms > net->now_ms)
         ms += (unsigned)(w->stopped_ms - net->now_ms);
@@ -128,19 +116,19 @@ check_records(struct net *net, const struct sim_job *job,
 void
 sim_take_frozen(struct net *net, int node, const struct msg_frozen *m)
 {
-    struct sim_child *k = child_of(net, node);
+    struct sim_child *k = sim_child_of(net, node);
     struct rad_pass plan[RAD_MOST_PASSES];
 
     SIM_CHECK(net, m->pass == k->passes);
-    SIM_CHECK(net, m->pass < sim_plan(&of(net)->job[k->job], plan));
+    SIM_CHECK(net, m->pass < sim_plan(&sim_of(net)->job[k->job], plan));
     SIM_CHECK(net, m->first == 0 || m->first == k->nrecords);
-    check_records(net, &of(net)->job[k->job], m, plan[m->pass].tiles);
+    check_records(net, &sim_of(net)->job[k->job], m, plan[m->pass].tiles);
     k->nrecords = m->first + m->count;
     if (!m->last)
         return;
     k->nrecords = 0;
     k->passes++;
-    of(net)->passes++;
+    sim_of(net)->passes++;
 }
 
 bool
