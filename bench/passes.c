@@ -1,12 +1,13 @@
 /* passes.c - what it costs to fill the ambient cache in passes
  *
- *      passes [rendering options] scene.rad... view.vf
+ *      passes [--tiles=FILE] [rendering options] scene.rad... view.vf
  *
  * The picture is rendered twice by one thread: with a cache to which each new
  * record is added at once, and with one that is filled in passes beforehand.
  * Of each pass stand there its tiles, its records, those of them that another
  * tile of the pass, or the cache, would have served already, the rays of
- * hemispheres, and seconds of a processor. */
+ * hemispheres, and seconds of a processor.  --tiles writes what each tile took,
+ * for bench/sim (sim/tiles.h). */
 #include "config.h"
 
 #define TOOL "passes"
@@ -32,6 +33,7 @@ struct bench {
     struct rad_job *job;
     struct rad_frame frame;
     struct rad_ctx ctx;
+    FILE *tiles; /* what each took; NULL: not wanted */
 };
 
 static void
@@ -42,7 +44,8 @@ load(struct bench *b, char **file, int n)
     size_t len;
 
     if (n < 2)
-        die_of("usage: passes [rendering options] scene.rad... view.vf");
+        die_of("usage: passes [--tiles=FILE] [rendering options] scene.rad... "
+               "view.vf");
     if (compile_read(&b->compiled, (const char *const *)file, n - 1, false,
                      NULL, NULL, &err) < 0)
         die(&err);
@@ -130,9 +133,23 @@ add(struct bench *b, struct records *r)
 }
 
 static void
-do_pass(struct bench *b, struct rad_passes *p, const struct rad_pass *pass)
+do_tile(struct bench *b, struct rad_passes *p, uint32_t tile, struct records *r)
 {
     static const _Atomic bool never;
+    uint64_t rays = b->ctx.counts.rays;
+    double start = now();
+    size_t made = r->n;
+
+    if (!rad_passes_make(p, &b->ctx, tile, &never, keep, r))
+        die_of("out of memory");
+    if (b->tiles)
+        fprintf(b->tiles, "tile %.6f %" PRIu64 " %zu\n", now() - start,
+                b->ctx.counts.rays - rays, r->n - made);
+}
+
+static void
+do_pass(struct bench *b, struct rad_passes *p, const struct rad_pass *pass)
+{
     struct records r = { 0 };
     uint64_t rays = b->ctx.counts.ambient_rays;
     double start = now(), took;
@@ -140,9 +157,11 @@ do_pass(struct bench *b, struct rad_passes *p, const struct rad_pass *pass)
 
     if (rad_passes_begin(p, &b->ctx, pass, NULL) < 0)
         die_of("out of memory");
+    if (b->tiles)
+        fprintf(b->tiles, "pass %d %d %" PRIu32 " %.6f\n", pass->level,
+                pass->step, pass->tiles, now() - start);
     for (uint32_t i = 0; i < pass->tiles; i++)
-        if (!rad_passes_make(p, &b->ctx, i, &never, keep, &r))
-            die_of("out of memory");
+        do_tile(b, p, i, &r);
     took = now() - start;
     made = r.n;
     printf("level %d, ", pass->level);
@@ -155,6 +174,17 @@ do_pass(struct bench *b, struct rad_passes *p, const struct rad_pass *pass)
            pass->tiles, made, add(b, &r), b->ctx.counts.ambient_rays - rays,
            took);
     free(r.v);
+}
+
+static void
+tell_picture(const struct bench *b, double live, double rendered)
+{
+    if (!b->tiles)
+        return;
+    fprintf(b->tiles, "picture %d %d %.6f %.6f\n", b->frame.width,
+            b->frame.height, live, rendered);
+    if (fclose(b->tiles) != 0)
+        die_of("the file of tiles cannot be written");
 }
 
 static double
@@ -189,11 +219,14 @@ main(int argc, char **argv)
 {
     struct bench b = { 0 };
     struct rad_error err = { 0 };
-    double filled;
+    double live, filled, rendered;
     int at = 1, n;
 
     rad_params_init(&b.params);
     rad_view_init(&b.view);
+    if (at < argc && strncmp(argv[at], "--tiles=", 8) == 0 &&
+        !(b.tiles = fopen(argv[at++] + 8, "w")))
+        die_of("the file of tiles cannot be written");
     for (; at < argc && argv[at][0] == '-'; at += n) {
         n = rad_params_option(&b.params, argc - at, argv + at, &err);
         if (n < 0)
@@ -203,12 +236,15 @@ main(int argc, char **argv)
     }
     load(&b, argv + at, argc - at);
     open_job(&b);
-    tell(&b, "live", 0, render(&b));
+    live = render(&b);
+    tell(&b, "live", 0, live);
     close_job(&b);
     open_job(&b);
     rad_ambient_freeze(b.job->ambient);
     filled = fill(&b);
-    tell(&b, "passes", filled, render(&b));
+    rendered = render(&b);
+    tell(&b, "passes", filled, rendered);
+    tell_picture(&b, live, rendered);
     close_job(&b);
     compile_release(&b.compiled);
     return 0;
