@@ -175,6 +175,35 @@ START_TEST(a_late_tile_goes_to_a_second_worker)
 }
 END_TEST
 
+/* Of many tiles that are out the one that is out for longest is late first, and
+ * a worker that is lost has none, not even of those that another made. */
+START_TEST(the_oldest_tile_is_late_first)
+{
+    struct job *job;
+
+    submit_passes(ANA, &wide, 1);
+    ready(&f, WORKER, job_a);
+    make_pass(WORKER, 0);
+    ck_assert_uint_gt(tiles_of(1), 2);
+    join(&f, SECOND, MSG_ROLE_WORKER, "ws2", "daemon");
+    ready(&f, SECOND, job_a);
+    for (uint32_t i = 3; i < tiles_of(1); i++) /* WORKER has the first three */
+        made(SECOND, 1, i, 0);
+    wait_s(&f, 1);
+    ck_assert_uint_eq(f.last[SECOND].tile.tile, 1); /* it has 0 and 1 */
+    job = desk_find_job(f.c, job_a);
+    made(SECOND, 1, 0, 0);
+    ck_assert_uint_gt(job->workers[0].ntiles, 0);
+    coord_closed(f.c, ++f.now_ms, WORKER, "gone");
+    carry_out(&f);
+    ck_assert_uint_eq(job->workers[0].ntiles, 0);
+    join(&f, WORKER, MSG_ROLE_WORKER, "ws1", "daemon");
+    ready(&f, WORKER, job_a);
+    made(WORKER, 1, 0, 0);
+    ck_assert_uint_le(job->workers[0].ntiles, 3);
+}
+END_TEST
+
 /* By two workers' children, or three of one worker's. */
 START_TEST(a_tile_that_brings_children_down_fails_the_job)
 {
@@ -238,6 +267,7 @@ main(void)
                         N_ELEM(wrong));
     tcase_add_test(tc, tiles_of_a_lost_worker_go_to_another);
     tcase_add_test(tc, a_late_tile_goes_to_a_second_worker);
+    tcase_add_test(tc, the_oldest_tile_is_late_first);
     tcase_add_test(tc, a_tile_that_brings_children_down_fails_the_job);
     tcase_add_test(tc, a_worker_that_is_ahead_begins_anew);
     tcase_add_test(tc, more_tiles_than_there_may_be_are_refused);

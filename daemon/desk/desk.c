@@ -128,6 +128,19 @@ desk_send_job_end(struct coord *c, uint64_t conn, const uint8_t *job)
     actions_send(&c->actions, conn, &m);
 }
 
+void
+desk_send_records(struct coord *c, const struct job *job,
+                  const struct msg_records *r)
+{
+    struct msg m = { .type = MSG_RECORDS, .records = *r };
+
+    for (const struct coord_conn *to = c->conns; to; to = to->next)
+        if (to->watch == job) {
+            m.request = to->watch_request;
+            actions_send(&c->actions, to->id, &m);
+        }
+}
+
 struct job *
 desk_job_of(struct coord *c, const struct coord_worker *w, const uint8_t *id,
             uint32_t *index)

@@ -173,6 +173,9 @@ void desk_send_ack(struct coord *c, uint64_t conn, const uint8_t *job,
 /* REVOKE, TWIN or SPLIT. */
 void desk_send_attempt(struct coord *c, const struct job *job, uint16_t type,
                        uint32_t unit, const struct job_go *go);
+/* Ambient records of the job go to the connections that watch it. */
+void desk_send_records(struct coord *c, const struct job *job,
+                       const struct msg_records *r);
 /* The worker is told that the job is over. */
 void desk_send_job_end(struct coord *c, uint64_t conn, const uint8_t *job);
 /* Ask the store to remember the unit as it is now. */

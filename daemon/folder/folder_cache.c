@@ -8,13 +8,14 @@
 #include "config.h"
 
 #include "folder/folder_impl.h"
+
+#include "base/files.h"
 #include "machine/rowsum.h"
 #include "proto/codec.h"
 
 #include <fcntl.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 #define MAGIC      UINT32_C(0x52414443) /* "RADC" */
@@ -98,29 +99,6 @@ take_pass(const uint8_t *bytes, size_t n, uint32_t pass, size_t *at,
             rowsum_hash(out->bytes, out->len)) == sum;
 }
 
-static uint8_t *
-read_file(const char *path, size_t *n)
-{
-    int fd = open(path, O_RDONLY | O_CLOEXEC);
-    struct stat st;
-    uint8_t *bytes = NULL;
-
-    *n = 0;
-    if (fd < 0)
-        return NULL;
-    if (fstat(fd, &st) == 0 && st.st_size > 0 &&
-        (uint64_t)st.st_size <= FOLDER_MOST_CACHE)
-        bytes = malloc((size_t)st.st_size);
-    if (bytes &&
-        disk_read_at(fd, bytes, (size_t)st.st_size, 0, path, NULL) < 0) {
-        free(bytes);
-        bytes = NULL;
-    }
-    close(fd);
-    *n = bytes ? (size_t)st.st_size : 0;
-    return bytes;
-}
-
 size_t
 folder_parse_passes(const uint8_t *bytes, size_t len,
                     struct saved_pass pass[MSG_MOST_PASSES], uint32_t *n)
@@ -141,11 +119,11 @@ folder_read_passes(struct folder *f, const uint8_t id[MSG_JOB],
 {
     struct folder_job *j = *folder_find_job(f, id);
     char path[DISK_PATH_MAX];
-    size_t len, end;
+    size_t len = 0, end;
     uint8_t *bytes;
 
     folder_path(f, id, FOLDER_CACHE, path);
-    bytes = read_file(path, &len);
+    bytes = rad_file_read(path, FOLDER_MOST_CACHE, &len, NULL);
     end = folder_parse_passes(bytes, len, pass, n);
     if (j) {
         j->npasses = *n;

@@ -198,17 +198,11 @@ on_drain(struct coord *c, struct coord_worker *w, const struct msg *m)
 static void
 on_records(struct coord *c, struct coord_worker *w, const struct msg *m)
 {
-    struct msg pass = { .type = MSG_RECORDS, .records = m->records };
     uint32_t index;
-    struct job *job = desk_job_of(c, w, m->records.job, &index);
+    const struct job *job = desk_job_of(c, w, m->records.job, &index);
 
-    if (!job || !(job->spec.flags & MSG_JOB_RECORDS))
-        return;
-    for (struct coord_conn *to = c->conns; to; to = to->next)
-        if (to->watch == job) {
-            pass.request = to->watch_request;
-            actions_send(&c->actions, to->id, &pass);
-        }
+    if (job && (job->spec.flags & MSG_JOB_RECORDS))
+        desk_send_records(c, job, &m->records);
 }
 
 static void

@@ -37,14 +37,16 @@ _Static_assert(TOGETHER *AMBSHARE_BYTES <= MSG_MAX_AMBIENT, "too many");
 #define MOST_BYTES (512u << 20)
 
 enum { HOLDERS = 2 };
+#define NO_TILE UINT32_MAX
 
 struct tile {
     uint32_t holder[HOLDERS]; /* workers that have it */
     uint8_t nholders;
     bool made;
-    uint8_t crashes;  /* of children that had it */
-    uint32_t crasher; /* the first of their workers */
-    uint64_t out_ms;  /* when it last went out */
+    uint8_t crashes;       /* of children that had it */
+    uint32_t crasher;      /* the first of their workers */
+    uint64_t out_ms;       /* when it last went out */
+    uint32_t before, then; /* in the list of tiles that are out */
     uint8_t *records;
     uint32_t n; /* of them */
 };
@@ -65,6 +67,8 @@ struct passes {
     struct tile *tile; /* of the open pass */
     uint32_t ntiles;
     uint32_t next;    /* tiles before it are out, or made */
+    uint32_t oldest, newest; /* of the tiles that workers have, made by others
+                              * or not: a list by when they went out */
     uint32_t left;    /* that are not made */
     uint32_t waiting; /* of these, that nobody has */
     uint64_t took_ms; /* of all that were made, from out to made */
@@ -83,6 +87,7 @@ drop_tiles(struct passes *s)
     free(s->tile);
     s->tile = NULL;
     s->ntiles = s->next = s->left = s->waiting = 0;
+    s->oldest = s->newest = NO_TILE;
 }
 
 void
@@ -256,16 +261,12 @@ static void
 send_records(struct coord *c, const struct job *job, const struct msg *m,
              void *arg)
 {
-    struct msg r = { .type = MSG_RECORDS,
-                     .records = { job->id, m->frozen.count, m->frozen.data,
-                                  m->frozen.len } };
-
     (void)arg;
-    for (const struct coord_conn *to = c->conns; to; to = to->next)
-        if (to->watch == job && m->frozen.count > 0) {
-            r.request = to->watch_request;
-            actions_send(&c->actions, to->id, &r);
-        }
+    if (m->frozen.count > 0)
+        desk_send_records(c, job,
+                          &(struct msg_records){ job->id, m->frozen.count,
+                                                 m->frozen.data,
+                                                 m->frozen.len });
 }
 
 bool
@@ -284,6 +285,24 @@ passes_ready(struct coord *c, struct job *job, uint32_t index, uint32_t have)
 }
 
 /* --- out --- */
+
+static void
+unlist(struct passes *s, struct tile *t)
+{
+    *(t->before == NO_TILE ? &s->oldest : &s->tile[t->before].then) = t->then;
+    *(t->then == NO_TILE ? &s->newest : &s->tile[t->then].before) = t->before;
+}
+
+static void
+list_newest(struct passes *s, struct tile *t)
+{
+    uint32_t i = (uint32_t)(t - s->tile);
+
+    t->before = s->newest;
+    t->then = NO_TILE;
+    *(s->newest == NO_TILE ? &s->oldest : &s->tile[s->newest].then) = i;
+    s->newest = i;
+}
 
 static bool
 has_tile(const struct tile *t, uint32_t index)
@@ -314,24 +333,22 @@ may_have(const struct coord *c, const struct job *job, const struct tile *t,
             !desk_others_may(c, job, job->workers[index].worker, false));
 }
 
-/* A tile that nobody has, else one that is late; NULL: there is none. */
+/* A tile that nobody has, else the one that is late for longest; NULL: there is
+ * none. */
 static struct tile *
 choose(const struct coord *c, const struct job *job, uint32_t index)
 {
     struct passes *s = job->passes;
-    struct tile *late = NULL;
 
     for (uint32_t i = s->next; i < s->ntiles; i++)
         if (s->tile[i].nholders == 0 && may_have(c, job, &s->tile[i], index))
             return &s->tile[i];
-    for (uint32_t i = 0; i < s->ntiles; i++) {
-        struct tile *t = &s->tile[i];
-
-        if (may_have(c, job, t, index) && is_late(c, s, t) &&
-            (!late || t->out_ms < late->out_ms))
-            late = t;
-    }
-    return late;
+    for (uint32_t i = s->oldest; i != NO_TILE; i = s->tile[i].then)
+        if (!is_late(c, s, &s->tile[i]))
+            break;
+        else if (may_have(c, job, &s->tile[i], index))
+            return &s->tile[i];
+    return NULL;
 }
 
 static bool
@@ -361,7 +378,11 @@ passes_give(struct coord *c, struct job *job, uint32_t index)
     if (!is_up_to_date(job, jw) || !has_room(job, index) ||
         !(t = choose(c, job, index)))
         return false;
-    s->waiting -= t->nholders == 0;
+    if (t->nholders == 0)
+        s->waiting--;
+    else
+        unlist(s, t);
+    list_newest(s, t);
     t->holder[t->nholders++] = index;
     t->out_ms = c->now_ms;
     jw->ntiles++;
@@ -387,7 +408,10 @@ drop_holder(struct passes *s, struct tile *t, uint32_t index)
     for (uint8_t i = 0; i < t->nholders; i++)
         if (t->holder[i] == index)
             t->holder[i--] = t->holder[--t->nholders];
-    if (t->nholders > 0 || t->made)
+    if (t->nholders > 0)
+        return;
+    unlist(s, t);
+    if (t->made)
         return;
     s->waiting++;
     if (t - s->tile < s->next)
@@ -400,8 +424,10 @@ passes_lost(struct job *job, uint32_t index)
     struct passes *s = job->passes;
 
     job->workers[index].ntiles = 0;
-    for (uint32_t i = 0; s && i < s->ntiles; i++)
+    for (uint32_t i = s ? s->oldest : NO_TILE, then; i != NO_TILE; i = then) {
+        then = s->tile[i].then;
         drop_holder(s, &s->tile[i], index);
+    }
 }
 
 bool
@@ -411,7 +437,8 @@ passes_crashed(struct coord *c, struct job *job, uint32_t index,
     struct passes *s = job->passes;
     char text[MSG_MAX_TEXT + 1];
 
-    for (uint32_t i = 0; s && i < s->ntiles; i++) {
+    for (uint32_t i = s ? s->oldest : NO_TILE; i != NO_TILE;
+         i = s->tile[i].then) {
         struct tile *t = &s->tile[i];
 
         if (t->made || !has_tile(t, index))
