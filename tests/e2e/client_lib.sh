@@ -58,7 +58,7 @@ check_nothing_left()
 {
     until_true 10 nothing_left || {
         fail "$1: something is left running or lying about:"
-        left_over | xargs -r ps -o pid,args -p
+        left_over | xargs -r ps -o pid,stat,wchan:20,time,args -p
         ls -d "$work"/radsubmit.* 2>/dev/null
     }
 }
