@@ -30,6 +30,8 @@ struct rad_ray {
     uint64_t key;        /* of its random numbers: rng.h */
     struct rad_rgb coef; /* contribution to the parent's L */
     float weight;        /* product of coefs along the path, for -lw */
+    float sample;        /* weight of the hemisphere's ray that it comes of; 0:
+                          * of none */
     int16_t level;       /* reflections so far */
     uint16_t depth;      /* ancestors: see RAD_MAX_DEPTH */
     uint16_t kind;       /* RAD_RAY_* of this ray */
@@ -64,8 +66,9 @@ struct rad_ray {
  * level, weight, source, tmax, ext and medium follow from parent, kind, coef
  * (NULL: unattenuated; may be &r->coef) and `branch`, a number that no other
  * child of this parent has (RAD_BRANCH_*).  False: too weak or too deep (-lw,
- * -lr; Russian roulette with -lr <= 0), or the parent is infinitely long: do
- * not trace it.  r->coef may have been raised by the roulette: weigh by it. */
+ * -lr), left out by Russian roulette (with -lr <= 0, or as a small part of what
+ * a hemisphere's ray branches into), or the parent is infinitely long: do not
+ * trace it.  r->coef may have been raised by the roulette: weigh by it. */
 bool rad_ray_spawn(struct rad_ctx *ctx, struct rad_ray *r,
                    enum rad_raykind kind, const struct rad_ray *parent,
                    const struct rad_rgb *coef, uint32_t branch);
