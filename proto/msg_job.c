@@ -134,6 +134,17 @@ code_filter(struct codec *c, struct msg_spec *b)
                            b->clamp <= MSG_MAX_CLAMP));
 }
 
+/* How good the picture is to be: for jobs whose cache comes in passes. */
+static void
+code_target(struct codec *c, struct msg_spec *b)
+{
+    code_u32(c, &b->error_ppm);
+    code_u32(c, &b->time_ms);
+    code_read_must(c, b->error_ppm <= 1000000);
+    code_read_must(c, (b->error_ppm == 0 && b->time_ms == 0) ||
+                          b->flags & MSG_JOB_PASSES);
+}
+
 void
 msg_code_spec(struct codec *c, struct msg_spec *b)
 {
@@ -167,6 +178,7 @@ msg_code_spec(struct codec *c, struct msg_spec *b)
      * specifications that lack these fields */
     code_origin(c, b);
     code_filter(c, b);
+    code_target(c, b);
     code_must(c, code_bad(c) || sizes_fit(b));
 }
 

@@ -17,7 +17,8 @@ struct msg_frame {
 
 /* SUBMIT, JOB-START: what a job is, the same for the coordinator, a worker and
  * a child. */
-#define MSG_SPEC_ADDED 12 /* bytes of an empty origin, oversample and clamp */
+#define MSG_SPEC_ADDED 20 /* bytes of an empty origin, oversample, clamp; */
+#define MSG_SPEC_LAST  8  /* of these, of error and time */
 struct msg_spec {
     const uint8_t *job;      /* id, MSG_JOB bytes, made by radsubmit */
     const uint8_t *manifest; /* hash of the bundle's manifest */
@@ -47,6 +48,9 @@ struct msg_spec {
                           * filtered */
     double clamp; /* most weight of a sample, relative to its neighbours';
                    * 0: no limit.  Otherwise oversample is at least 2 */
+    uint32_t error_ppm; /* relative error that the picture may have, as it is
+                         * estimated; 0: options alone say how good it is */
+    uint32_t time_ms;   /* most time, from its first tile on; 0: any */
     struct msg_hashes files; /* of the whole bundle, the manifest included */
     uint32_t nframes;
     const struct msg_frame *frames; /* NULL: in a file that is not read yet */

@@ -40,3 +40,12 @@ msg_code_frozen(struct codec *c, struct msg_frozen *b)
     code_blob(c, &b->data, &b->len, MSG_MAX_TILE);
     code_read_must(c, b->pass < MSG_MOST_PASSES && b->count <= b->len);
 }
+
+void
+msg_code_stage(struct codec *c, struct msg_stage *b)
+{
+    code_job(c, &b->job);
+    code_u32(c, &b->pass);
+    code_str(c, &b->params, MSG_MAX_PARAMS);
+    code_read_must(c, b->pass < MSG_MOST_PASSES);
+}

@@ -9,7 +9,7 @@
 
 #include "proto/msg_work.h"
 
-#define MSG_MOST_PASSES 128        /* of a job */
+#define MSG_MOST_PASSES 516        /* of a job, in all its stages */
 #define MSG_MOST_TILES  (1u << 21) /* of a pass */
 
 /* Most record bytes of a tile; what a tile makes beyond them is not kept. */
@@ -43,6 +43,16 @@ struct msg_frozen {
     uint32_t count;
     const uint8_t *data;
     size_t len;
+};
+
+/* A job whose picture is to be of some accuracy, or there by some time, fills
+ * its cache in stages, each with its own options and from an empty cache.  The
+ * next begins: its first pass, which has that number, is open.  No thread may
+ * be at a tile by then. */
+struct msg_stage {
+    const uint8_t *job;
+    uint32_t pass;
+    const char *params; /* rad_params_format() */
 };
 
 #endif

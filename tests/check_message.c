@@ -51,8 +51,8 @@ static const uint8_t pixels[2 * 3 * 4] = { 0x3f, 0x80 };
         .priority = -3, .flags = MSG_JOB_SHARE, .partition = MSG_PART_WINDOW,  \
         .order = MSG_ORDER_RANDOM, .windows = 64, .objects = 4000,             \
         .bundle_bytes = 1u << 20, .compile_s = .25, .memory_mib = 512,         \
-        .oversample = 2, .clamp = 4.5, .files = { 2, two_hashes },             \
-        .nframes = 2, .frames = frames                                         \
+        .oversample = 2, .clamp = 4.5, .error_ppm = 0, .time_ms = 0,           \
+        .files = { 2, two_hashes }, .nframes = 2, .frames = frames             \
     }
 #define COUNTS                                                                 \
     {                                                                          \
@@ -150,6 +150,7 @@ static const struct msg examples[] = {
       .tile_made = { ID, 1, 2, COUNTS, 2, (const uint8_t *)"records", 7 } },
     { .type = MSG_FROZEN,
       .frozen = { ID, 1, 2, 1, 2, (const uint8_t *)"records", 7 } },
+    { .type = MSG_STAGE, .stage = { ID, 8, "-ab 2 -aa .1" } },
     { .type = MSG_SEED, .seed = { ID, 8192, MSG_SEED_ALL } },
     { .type = MSG_JOB_PEERS, .job_peers = { ID, 2, peers } },
     { .type = MSG_PEER_HELLO, .peer_hello = { ID, "ws1", ID + 1 } },
@@ -697,6 +698,9 @@ static const struct {
     NUMBER(MSG_TILE_MADE, tile_made.pass, MSG_MOST_PASSES, UINT32_MAX),
     NUMBER(MSG_TILE_MADE, tile_made.tile, MSG_MOST_TILES, UINT32_MAX),
     NUMBER(MSG_FROZEN, frozen.pass, MSG_MOST_PASSES, UINT32_MAX),
+    NUMBER(MSG_STAGE, stage.pass, MSG_MOST_PASSES, UINT32_MAX),
+    NUMBER(MSG_SUBMIT, submit.error_ppm, 1, 1000001), /* without passes */
+    NUMBER(MSG_SUBMIT, submit.time_ms, 1, UINT32_MAX),
     NUMBER(MSG_FAILED, failed.status, EX__BASE - 1, 0),
     NUMBER(MSG_PROGRESS, progress.state, MSG_STATE_HELD + 1, 255),
     NUMBER(MSG_SUBMIT, submit.bundle_bytes, MSG_MAX_BYTES + 1, UINT64_MAX),
@@ -777,7 +781,7 @@ static const struct {
     { MSG_AT_WORKER,
       " PING PONG BYE CHUNK JOB_START JOB_END UNIT ACK REVOKE YIELD REST "
       "JOB_PEERS TWIN FACTS BASE_LINE NEXT_HOLDER SPLIT "
-      "ESTIMATE LEND LOAN BACK SEED RING TILE FROZEN " },
+      "ESTIMATE LEND LOAN BACK SEED RING TILE FROZEN STAGE " },
     { MSG_AT_CLIENT, " PING PONG BYE WANT CHUNK HAVE ACCEPT PROGRESS DONE "
                      "FAILED ANSWER RECORDS " },
     { MSG_AT_PEER_NEW, " PEER_HELLO " },
@@ -785,7 +789,7 @@ static const struct {
     { MSG_AT_CHILD_NEW, " JOB_START " },
     { MSG_AT_CHILD,
       " JOB_END UNIT REVOKE YIELD REST AMBIENT GIVE TWIN FACTS BASE_LINE "
-      "SPLIT ESTIMATE LEND LOAN BACK SEED TILE FROZEN " },
+      "SPLIT ESTIMATE LEND LOAN BACK SEED TILE FROZEN STAGE " },
     { MSG_AT_PARENT_NEW, " FAILED READY " },
     { MSG_AT_PARENT, " FAILED RESULT TALLY AMBIENT FACTS PARKED BASE_LINE "
                      "GAVE ESTIMATED LOAN PAID LINE_COSTS RESUMED TILE_MADE " },

@@ -523,12 +523,17 @@ worker_tiles(void)
         .type = MSG_FROZEN, .frozen = { id, 0, 0, 1, 1, pixels, AMBSHARE_BYTES }
     };
 
+    struct msg stage = { .type = MSG_STAGE, .stage = { id, 5, "-ab 1" } };
+
     job_begins();
     tile(COORD, 0, 0, true);
     tile(CHILD, 0, 0, false);
     says(COORD, &frozen);
     tile(CHILD, 0, 1, false);
     tile(COORD, 1, 0, true);
+    says(COORD, &stage);
+    tile(COORD, 5, 0, true);
+    tile(CHILD, 5, 0, false);
     unit(0);
 }
 

@@ -46,11 +46,12 @@ keep_start(struct render *r, const struct msg *m, struct rad_error *err)
 }
 
 /* The scene is loaded: let no more files be opened, unless each frame is loaded
- * anew. */
+ * anew, or each stage, which ends with the last pass. */
 static int
 seal(const struct render *r, const struct msg_spec *spec, struct rad_error *err)
 {
-    if (spec->nframes > 1 && spec->flags & MSG_JOB_FRESH_FRAMES)
+    if ((spec->nframes > 1 && spec->flags & MSG_JOB_FRESH_FRAMES) ||
+        render_has_stages(r))
         return 0;
     return sandbox_seal(r->sandboxed, err);
 }
@@ -103,6 +104,9 @@ on_message(void *arg, struct conn *c, const struct msg *m)
         break;
     case MSG_FROZEN:
         render_take_frozen(r, &m->frozen);
+        break;
+    case MSG_STAGE:
+        render_take_stage(r, &m->stage);
         break;
     case MSG_SEED:
         render_take_seed(r, &m->seed);

@@ -6,6 +6,7 @@
  *   render_units.c    units, facts, base lines and estimates that come
  *   render_records.c  ambient records that come and go
  *   render_passes.c   the ambient cache in passes
+ *   render_stages.c   stages of a job, each with its own options
  * Thread: the loop's. */
 #ifndef RADD_DAEMON_RENDER_IMPL_H
 #define RADD_DAEMON_RENDER_IMPL_H
@@ -28,6 +29,7 @@ struct render_passes {
     struct rad_passes *passes;
     struct rad_pass plan[RAD_MOST_PASSES];
     uint32_t n;
+    uint32_t base;          /* of the job's passes, the first of this stage */
     uint32_t next;          /* the first whose records have not all come */
     struct rad_ambrec *rec; /* the records of it that have */
     size_t nrecs;
@@ -95,8 +97,10 @@ void render_keep_tally(struct render *r);
 /* Load the job; no frame has begun.  After a failure call render_unload(). */
 int render_load(struct render *r, const struct msg_spec *spec,
                 struct rad_error *err);
-/* Free all that render_load() made. */
+/* Free all that render_load() made; or all but the scene, which the next
+ * render_load() then has. */
 void render_unload(struct render *r);
+void render_unload_job(struct render *r);
 
 /* --- render_passes.c --- */
 
@@ -110,6 +114,12 @@ void render_unload_passes(struct render *r);
 bool render_cache_is_whole(const struct render *r);
 void render_take_tile(struct render *r, const struct msg_tile *m);
 void render_take_frozen(struct render *r, const struct msg_frozen *m);
+/* Does the job's cache come in stages? */
+bool render_has_stages(const struct render *r);
+
+/* --- render_stages.c --- */
+
+void render_take_stage(struct render *r, const struct msg_stage *m);
 
 /* --- render_units.c --- */
 

@@ -107,27 +107,39 @@ load_records(struct render *r, const struct rad_bundle *bundle,
     return rc;
 }
 
+/* The scene may be there from the stage before. */
+static int
+load_scene(struct render *r, const struct rad_bundle *bundle,
+           const struct rad_files *files, struct rad_error *err)
+{
+    const struct rad_bundle_entry *e =
+        rad_bundle_find(bundle, RAD_BUNDLE_SCENE, NULL);
+    char path[BLOBS_PATH_MAX];
+
+    if (r->scene)
+        return 0;
+    if (!e)
+        return rad_fail(err, RAD_EDATA, "the bundle has no scene");
+    snprintf(path, sizeof path, "%s/%s", r->files_dir, e->hash);
+    r->scene = rad_octfile_load(path, err);
+    if (!r->scene)
+        return err->code;
+    return rad_scene_include(r->scene, files, NULL, NULL, err);
+}
+
 static int
 load_job(struct render *r, const struct rad_bundle *bundle,
          const struct msg_spec *spec, struct rad_error *err)
 {
-    const struct rad_bundle_entry *e =
-        rad_bundle_find(bundle, RAD_BUNDLE_SCENE, NULL);
     struct rad_bundle_dir where = { bundle, r->files_dir };
     struct rad_files files = rad_bundle_files(&where);
     struct rad_params params;
-    char path[BLOBS_PATH_MAX];
     int rc = jobtext_params(spec->params, &params, err);
 
-    if (rc < 0)
+    if (rc < 0 || (rc = load_scene(r, bundle, &files, err)) < 0)
         return rc;
-    if (!e)
-        return rad_fail(err, RAD_EDATA, "the bundle has no scene");
     params.seed = spec->seed;
-    snprintf(path, sizeof path, "%s/%s", r->files_dir, e->hash);
-    r->scene = rad_octfile_load(path, err);
-    if (r->scene && !rad_scene_include(r->scene, &files, NULL, NULL, err))
-        r->job = rad_job_new(r->scene, &params, &files, err);
+    r->job = rad_job_new(r->scene, &params, &files, err);
     if (!r->job)
         return err->code;
     if (spec->flags & MSG_JOB_PASSES && r->job->ambient)
@@ -228,9 +240,8 @@ render_load(struct render *r, const struct msg_spec *spec,
     return 0;
 }
 
-/* Free all that render_load() made. */
 void
-render_unload(struct render *r)
+render_unload_job(struct render *r)
 {
     pool_free(r->pool);
     r->pool = NULL;
@@ -244,6 +255,12 @@ render_unload(struct render *r)
     r->frames = NULL;
     rad_job_free(r->job);
     r->job = NULL;
+}
+
+void
+render_unload(struct render *r)
+{
+    render_unload_job(r);
     rad_scene_free(r->scene);
     r->scene = NULL;
 }

@@ -5,6 +5,7 @@
 #include "config.h"
 
 #include "child/render_impl.h"
+#include "child/sandbox.h"
 
 #include <stdlib.h>
 
@@ -45,7 +46,7 @@ on_tile(void *arg, const struct pool_tile *t)
     struct render *r = arg;
     struct msg m = { .type = MSG_TILE_MADE,
                      .tile_made = { .job = r->id,
-                                    .pass = t->pass,
+                                    .pass = r->passes.base + t->pass,
                                     .tile = t->tile,
                                     .counts = t->counts,
                                     .count = t->count,
@@ -54,6 +55,14 @@ on_tile(void *arg, const struct pool_tile *t)
 
     if (r->link)
         conn_send(r->link, &m);
+}
+
+bool
+render_has_stages(const struct render *r)
+{
+    const struct msg_spec *spec = &r->start.job_start;
+
+    return spec->error_ppm > 0 || spec->time_ms > 0;
 }
 
 void
@@ -69,17 +78,23 @@ render_cache_is_whole(const struct render *r)
     return r->passes.next == r->passes.n;
 }
 
+/* Is that pass of the job the first whose records have not all come? */
+static bool
+is_next(const struct render_passes *k, uint32_t pass)
+{
+    return k->passes && k->next < k->n && pass == k->base + k->next;
+}
+
 void
 render_take_tile(struct render *r, const struct msg_tile *m)
 {
     const struct render_passes *k = &r->passes;
     struct rad_error err = { 0 };
 
-    if (!k->passes || m->pass != k->next || m->pass >= k->n ||
-        m->tile >= k->plan[m->pass].tiles)
+    if (!is_next(k, m->pass) || m->tile >= k->plan[k->next].tiles)
         rad_fail(&err, RAD_EPROTO, "tile %u of pass %u does not fit the job",
                  m->tile, m->pass);
-    else if (!pool_push_tile(r->pool, m->pass, m->tile))
+    else if (!pool_push_tile(r->pool, k->next, m->tile))
         rad_fail(&err, RAD_ENOMEM, "out of memory");
     if (err.code)
         render_fail(r, &err);
@@ -113,8 +128,7 @@ take_frozen(struct render *r, const struct msg_frozen *m, struct rad_error *err)
 
     if (m->first == 0) /* again, if the connection broke in the middle */
         k->nrecs = 0;
-    if (!k->passes || m->pass != k->next || m->pass >= k->n ||
-        m->first != k->nrecs)
+    if (!is_next(k, m->pass) || m->first != k->nrecs)
         return rad_fail(err, RAD_EPROTO,
                         "records of pass %u do not fit the job", m->pass);
     rc = add_records(k, m, err);
@@ -125,7 +139,9 @@ take_frozen(struct render *r, const struct msg_frozen *m, struct rad_error *err)
     k->rec = NULL;
     k->nrecs = 0;
     k->next++;
-    return 0;
+    return render_has_stages(r) && render_cache_is_whole(r)
+               ? sandbox_seal(r->sandboxed, err)
+               : 0;
 }
 
 void

@@ -287,26 +287,27 @@ get_lives(struct reading *r, sqlite3_int64 epoch)
     return rc;
 }
 
-/* A SUBMIT, which may be of a version of ours that had nothing of origin and
- * filter at its end; then that is zero. */
+/* A SUBMIT, which may be of a version of ours that had nothing of error and
+ * time at its end, nor before that of origin and filter; then these are zero.
+ */
 static int
 unpack_spec(struct reading *r, const uint8_t *spec, size_t n,
             struct rad_error *err)
 {
-    uint8_t *more;
-    int rc =
-        msg_unpack_as(JOURNAL_LAYOUT, &r->spec, MSG_SUBMIT, 0, spec, n, err);
+    static const size_t added[3] = { 0, MSG_SPEC_LAST, MSG_SPEC_ADDED };
+    uint8_t *more = rad_arena_calloc(&r->mem, n + MSG_SPEC_ADDED, 1);
+    int rc = RAD_EPROTO;
 
-    if (rc == 0 || rc == RAD_ENOMEM)
-        return rc;
-    more = rad_arena_calloc(&r->mem, n + MSG_SPEC_ADDED, 1);
     if (!more)
         return no_memory(r->err);
     if (n > 0)
         memcpy(more, spec, n);
-    *err = (struct rad_error){ 0 };
-    return msg_unpack_as(JOURNAL_LAYOUT, &r->spec, MSG_SUBMIT, 0, more,
-                         n + MSG_SPEC_ADDED, err);
+    for (size_t i = 0; rc != 0 && rc != RAD_ENOMEM && i < 3; i++) {
+        *err = (struct rad_error){ 0 };
+        rc = msg_unpack_as(JOURNAL_LAYOUT, &r->spec, MSG_SUBMIT, 0, more,
+                           n + added[i], err);
+    }
+    return rc;
 }
 
 /* Its id, and the SUBMIT that it came with. */

@@ -333,6 +333,18 @@ on_frozen(struct worker *w, const struct msg *m)
 }
 
 static void
+on_stage(struct worker *w, const struct msg *m)
+{
+    struct wjob *job = worker_find_job(w, m->stage.job);
+
+    if (!job || job->state != WJOB_READY || m->stage.pass < job->ready.passes)
+        return;
+    worker_send_child(w, job, m);
+    job->ready.passes = m->stage.pass;
+    job->ntiles = 0;
+}
+
+static void
 on_seed(struct worker *w, const struct msg *m)
 {
     to_child(w, m, m->seed.job, 0);
@@ -369,6 +381,7 @@ static const struct {
     { MSG_ESTIMATE, on_estimate },
     { MSG_TILE, on_tile },
     { MSG_FROZEN, on_frozen },
+    { MSG_STAGE, on_stage },
     { MSG_SEED, on_seed },
     { MSG_REST, on_rest },
 };
