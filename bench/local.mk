@@ -77,11 +77,14 @@ bench_sim_sim_SOURCES = \
 	bench/sim/host_lines.c \
 	bench/sim/host_pass.c \
 	bench/sim/host_rows.c \
+	bench/sim/host_tiles.c \
 	bench/sim/host_time.c \
 	bench/sim/host_window.c \
 	bench/sim/map.c \
 	bench/sim/map.h \
-	bench/sim/sim.c
+	bench/sim/sim.c \
+	bench/sim/tiles.c \
+	bench/sim/tiles.h
 bench_sim_sim_CFLAGS = $(AM_CFLAGS) $(UV_CFLAGS)
 bench_sim_sim_LDADD = $(LIBDAEMON) $(LIBCLIENT) $(LIBRAD)
 SIM_FLAGS =

@@ -57,6 +57,18 @@ load(struct bench *b, char **file, int n)
 }
 
 static void
+open_tiles(struct bench *b, const char *file)
+{
+    char text[RAD_PARAMS_TEXT];
+
+    b->tiles = fopen(file, "w");
+    if (!b->tiles)
+        die_of("the file of tiles cannot be written");
+    rad_params_format(&b->params, text, sizeof text);
+    fprintf(b->tiles, "params %s\n", text);
+}
+
+static void
 open_job(struct bench *b)
 {
     struct rad_error err = { 0 };
@@ -220,13 +232,13 @@ main(int argc, char **argv)
     struct bench b = { 0 };
     struct rad_error err = { 0 };
     double live, filled, rendered;
+    const char *tiles = NULL;
     int at = 1, n;
 
     rad_params_init(&b.params);
     rad_view_init(&b.view);
-    if (at < argc && strncmp(argv[at], "--tiles=", 8) == 0 &&
-        !(b.tiles = fopen(argv[at++] + 8, "w")))
-        die_of("the file of tiles cannot be written");
+    if (at < argc && strncmp(argv[at], "--tiles=", 8) == 0)
+        tiles = argv[at++] + 8;
     for (; at < argc && argv[at][0] == '-'; at += n) {
         n = rad_params_option(&b.params, argc - at, argv + at, &err);
         if (n < 0)
@@ -235,6 +247,8 @@ main(int argc, char **argv)
             load(&b, NULL, 0);
     }
     load(&b, argv + at, argc - at);
+    if (tiles)
+        open_tiles(&b, tiles);
     open_job(&b);
     live = render(&b);
     tell(&b, "live", 0, live);

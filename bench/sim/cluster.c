@@ -48,6 +48,15 @@ later(struct cluster *c, double delay_us, int host, uint64_t n,
 
 static void coordinate(struct cluster *c);
 
+bool
+cluster_first(struct cluster *c, uint32_t pass, uint32_t tile)
+{
+    bool first = !c->made[pass][tile];
+
+    c->made[pass][tile] = true;
+    return first;
+}
+
 /* How long coord.c takes, in all. */
 static double
 processor_s(void)
@@ -60,15 +69,14 @@ processor_s(void)
 
 /* Cut a frame's header off and decode the rest. */
 static void
-decode(struct cluster *c, const struct event *e)
+decode(struct cluster *c, const uint8_t *b, size_t len)
 {
-    const uint8_t *b = e->bytes;
     uint16_t type = (uint16_t)(b[4] << 8 | b[5]);
     uint32_t request = (uint32_t)b[8] << 24 | (uint32_t)b[9] << 16 |
                        (uint32_t)b[10] << 8 | b[11];
     struct rad_error err = { 0 };
 
-    if (msg_unpack(&c->msg, type, request, b + MSG_HEADER, e->len - MSG_HEADER,
+    if (msg_unpack(&c->msg, type, request, b + MSG_HEADER, len - MSG_HEADER,
                    &err) < 0) {
         fprintf(stderr, "sim: %s: %s\n", msg_name(type), err.what);
         abort();
@@ -89,7 +97,7 @@ at_coordinator(void *arg, struct event *e)
     struct cluster *c = arg;
     double begin = processor_s();
 
-    decode(c, e);
+    decode(c, e->bytes, e->len);
     tell(c, "coord", &c->msg);
     coord_message(c->coord, now_ms(c), e->n, &c->msg);
     c->out->coord_s += processor_s() - begin;
@@ -130,6 +138,8 @@ packed(struct cluster *c, const struct msg *m, uint64_t n)
     c->out->bytes += out.len;
     if (m->type == MSG_BASE_LINE)
         c->out->base_line_bytes += out.len;
+    if (m->type == MSG_TILE_MADE)
+        c->out->tile_bytes += out.len;
     e.bytes = out.buf;
     e.len = out.len;
     return e;
@@ -175,7 +185,7 @@ at_host(void *arg, struct event *e)
 
     if (e->n != 0 && e->n != host_conn(h))
         return; /* it died meanwhile */
-    decode(c, e);
+    decode(c, e->bytes, e->len);
     snprintf(name, sizeof name, "w%d", e->host);
     tell(c, name, &c->msg);
     host_message(c, h, &c->msg);
@@ -198,7 +208,7 @@ at_client(void *arg, struct event *e)
 {
     struct cluster *c = arg;
 
-    decode(c, e);
+    decode(c, e->bytes, e->len);
     tell(c, "client", &c->msg);
     if (c->msg.type == MSG_DONE) {
         c->out->done = c->over = true;
@@ -230,6 +240,23 @@ host_of(const struct cluster *c, uint64_t conn)
 
 /* --- what the coordinator wants --- */
 
+/* FROZEN, of a pass that is closed now, or of another for a late host? */
+static void
+note_frozen(struct cluster *c, const struct action *a)
+{
+    uint32_t open = c->passes;
+
+    if ((a->bytes[4] << 8 | a->bytes[5]) != MSG_FROZEN)
+        return;
+    c->out->frozen_bytes += a->len;
+    decode(c, a->bytes, a->len);
+    if (c->msg.frozen.pass != open)
+        return;
+    c->closed_us[open] = c->events.now_us;
+    c->out->passes_s = 1e-6 * (double)(c->events.now_us - c->start_us);
+    c->passes++;
+}
+
 static void
 send_out(struct cluster *c, const struct action *a)
 {
@@ -251,6 +278,7 @@ send_out(struct cluster *c, const struct action *a)
     }
     c->out->messages++;
     c->out->bytes += a->len;
+    note_frozen(c, a);
     e.bytes = sim_alloc(a->len);
     memcpy(e.bytes, a->bytes, a->len);
     e.at_us = at + (uint64_t)c->spec->latency_us;
@@ -439,11 +467,11 @@ submit(struct cluster *c)
         (struct msg_spec){ .job = c->job,
                            .manifest = hash,
                            .name = "sim",
-                           .params = params,
+                           .params = s->tiles ? s->tiles->params : params,
                            .needs = "",
                            .estimate = optimum ? "uniform" : s->estimate,
                            .seed = s->seed,
-                           .flags = s->flags,
+                           .flags = s->flags | (s->tiles ? MSG_JOB_PASSES : 0),
                            .partition = (uint8_t)s->partition,
                            .order = (uint8_t)s->order,
                            .windows = s->windows,
@@ -525,6 +553,16 @@ make_hosts(struct cluster *c)
 }
 
 static void
+begin_tiles(struct cluster *c)
+{
+    const struct tiles *t = c->spec->tiles;
+
+    c->out->work += t->passes_s;
+    for (uint32_t i = 0; i < t->npasses; i++)
+        c->made[i] = sim_alloc(t->pass[i].n + 1);
+}
+
+static void
 run_to_end(struct cluster *c)
 {
     double most = STUCK * (c->out->work / c->out->speed * c->spec->hosts + 100);
@@ -551,6 +589,8 @@ cluster_run(const struct cluster_spec *s, struct cluster_result *out)
     c.coord = coord_new(&env);
     make_hosts(&c);
     out->work = s->map->total * (1 + s->growth * log2(s->hosts));
+    if (s->tiles)
+        begin_tiles(&c);
     dial(&c);
     say_hello(&c);
     tick(&c, NULL);
@@ -564,6 +604,8 @@ cluster_run(const struct cluster_spec *s, struct cluster_result *out)
         host_count(host_at(&c, i), out);
         host_release(host_at(&c, i));
     }
+    for (int i = 0; i < RAD_MOST_PASSES; i++)
+        free(c.made[i]);
     free(c.hosts);
     coord_free(c.coord);
     events_release(&c.events);

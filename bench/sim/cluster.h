@@ -13,10 +13,12 @@
 #include "front/coord.h"
 #include "event.h"
 #include "map.h"
+#include "tiles.h"
 #include "strict/strict.h"
 
 struct cluster_spec {
-    const struct map *map;
+    const struct map *map;     /* of the picture */
+    const struct tiles *tiles; /* of the passes before it; NULL: none */
     int hosts;
     double uneven;     /* the fastest host's speed over the slowest's; speeds
                         * lie evenly between, and their mean is 1 */
@@ -27,6 +29,7 @@ struct cluster_spec {
     double coord_us;   /* that the coordinator needs for a message */
     double disk_us;    /* until rows are kept */
     double load_us;    /* of the scene */
+    double insert_us;  /* of a record of a closed pass into the cache */
     double growth;     /* more work, as a part, with each doubling of hosts:
                         * ambient records that are made more than once */
     double failures;   /* of each host, in an hour */
@@ -42,11 +45,16 @@ struct cluster_spec {
 
 /* What a host does, or does not. */
 enum host_state {
-    HOST_LOADS, /* the scene, or it has not heard of the job */
-    HOST_TRUTH, /* traces under a true top, or windows */
-    HOST_AHEAD, /* traces ahead */
-    HOST_WAITS, /* has nothing but units that wait for a base line */
-    HOST_EMPTY, /* has no unit */
+    HOST_LOADS,   /* the scene, or it has not heard of the job */
+    HOST_TRUTH,   /* traces under a true top, or windows */
+    HOST_AHEAD,   /* traces ahead */
+    HOST_WAITS,   /* has nothing but units that wait for a base line */
+    HOST_EMPTY,   /* has no unit */
+    HOST_TILES,   /* makes tiles */
+    HOST_WALKS,   /* finds the paths of a pass */
+    HOST_INSERTS, /* puts records of a closed pass into its cache */
+    HOST_BARRIER, /* has no tile, and others are at theirs */
+    HOST_RECORDS, /* waits for the records of a pass that is closed */
     HOST_STATES
 };
 
@@ -64,6 +72,9 @@ struct cluster_result {
     double speed;                /* of all hosts */
     double work;                 /* seconds of one host of speed 1 */
     double coord_s; /* processor time that coord.c really took here */
+    double twice_s; /* of tiles that were made twice, or stopped */
+    double passes_s; /* until all were closed */
+    uint64_t frozen_bytes, tile_bytes;
     uint64_t bytes, messages, base_line_bytes, units, failed;
     double state_s[CLUSTER_SLICES][HOST_STATES]; /* of all hosts */
 };
@@ -86,6 +97,9 @@ struct cluster {
     uint64_t next_conn, client;
     uint64_t coord_busy_us, coord_out_us, disk_us, start_us, random;
     bool over;
+    uint32_t passes;                     /* that are closed */
+    uint64_t closed_us[RAD_MOST_PASSES]; /* when it was; 0: it is open */
+    uint8_t *made[RAD_MOST_PASSES];      /* which tiles are */
     struct msg msg;
 };
 
@@ -99,6 +113,9 @@ void cluster_send_peer(struct cluster *c, int host, int to,
 
 /* The host of a worker's name; -1: none. */
 int cluster_find(const struct cluster *c, const char *name);
+
+/* Is it the first to have made the tile? */
+bool cluster_first(struct cluster *c, uint32_t pass, uint32_t tile);
 
 /* Uniform in [0, 1), the next of the run's. */
 double cluster_random(struct cluster *c);

@@ -135,7 +135,9 @@ static void
 work(struct host *h)
 {
     while (!h->working) {
-        if (h->pass) {
+        if (host_tiles_begin(h)) {
+            return;
+        } else if (h->pass) {
             if (host_pass_trace(h))
                 return;
         } else if (h->asked) {
@@ -226,6 +228,12 @@ host_message(struct cluster *c, struct host *h, const struct msg *m)
     case MSG_UNIT:
         take_unit(h, &m->unit);
         break;
+    case MSG_TILE:
+        host_tiles_take(h, &m->tile);
+        break;
+    case MSG_FROZEN:
+        host_tiles_freeze(h, &m->frozen);
+        break;
     case MSG_REVOKE:
         strict_revoke(h->strict, m->revoke.unit, m->revoke.attempt);
         host_window_revoke(h, &m->revoke);
@@ -298,6 +306,7 @@ forget(struct host *h)
         host_pass_end(h, false);
     strict_free(h->strict);
     h->strict = NULL;
+    host_tiles_forget(h);
     host_window_forget(h);
     host_estimate_forget(h);
     host_lines_forget(h);
@@ -325,6 +334,7 @@ host_init(struct cluster *c, struct host *h, int number, double speed)
 
     h->cluster = c;
     h->number = number;
+    h->at_tiles = HOST_STATES;
     h->speed = speed;
     snprintf(h->name, sizeof h->name, "w%d", number);
     h->frames = sim_alloc(m->nframes * sizeof *h->frames);

@@ -7,6 +7,7 @@
  *   host_block.c       a block of columns of a line
  *   host_lend.c        columns for another
  *   host_lines.c       base lines to peers
+ *   host_tiles.c     tiles of the ambient cache
  *   host_window.c    windows
  *   host_estimate.c  estimates
  *   host_rows.c      rows to the coordinator
@@ -18,6 +19,9 @@
 
 /* The office at night makes so many rays in a second on one processor. */
 #define RAYS_PER_S 1.7e6
+
+/* More the coordinator does not give to one thread. */
+#define HOST_MOST_TILES 16
 
 struct window {
     struct window *next;
@@ -57,6 +61,12 @@ struct host {
     int sent_row;            /* of a TRUTH pass: those above are out */
     double pass_s;
     bool lines; /* it has had strict units */
+    uint32_t passes; /* that are closed, as far as it knows */
+    uint32_t tile[HOST_MOST_TILES], ntiles; /* of the open one, to make */
+    enum host_state at_tiles; /* what it does for them; HOST_STATES: nothing */
+    size_t tile_step;         /* counts that */
+    bool walked;              /* the paths of the open pass are there */
+    double insert_s;          /* for records that have come */
     struct window *windows;
     struct asked *asked;
     struct bottom *bottoms;
@@ -66,7 +76,7 @@ struct host {
     enum host_state state;
     uint64_t state_us; /* since when */
     /* for the result */
-    double busy_s, wait_s;
+    double busy_s, wait_s, twice_s;
     uint64_t traced, units;
     struct rad_pixel *pixels; /* a base line, black */
     uint8_t *density, *bytes; /* rows, black */
@@ -160,6 +170,16 @@ void host_lend(struct host *h);
 void host_lines_pass_on(struct host *h, const struct msg *m);
 void host_lines_next_holder(struct host *h, const struct msg_next_holder *n);
 void host_lines_forget(struct host *h);
+
+/* --- host_tiles.c --- */
+
+/* Are tiles to be made before the picture? */
+bool host_tiles_open(const struct host *h);
+void host_tiles_take(struct host *h, const struct msg_tile *m);
+void host_tiles_freeze(struct host *h, const struct msg_frozen *m);
+/* Begin what is to be done for them next; false: there is nothing. */
+bool host_tiles_begin(struct host *h);
+void host_tiles_forget(struct host *h);
 
 /* --- host_window.c --- */
 

@@ -24,6 +24,10 @@ host_time_state(const struct host *h)
 {
     if (!h->ready)
         return HOST_LOADS;
+    if (h->at_tiles != HOST_STATES)
+        return h->at_tiles;
+    if (host_tiles_open(h))
+        return HOST_BARRIER;
     if (h->working)
         return h->pass && !h->pass->true_top && !h->pass->loan ? HOST_AHEAD
                                                                : HOST_TRUTH;
@@ -46,15 +50,14 @@ host_time_tell(const struct host *h, const char *what)
     puts("");
 }
 
-void
-host_time_note(struct host *h, enum host_state next)
+/* It was in that state from state_us to then [us]. */
+static void
+book(struct host *h, enum host_state state, uint64_t until_us)
 {
-    static const char *const name[HOST_STATES] = { "loads", "truth", "ahead",
-                                                   "waits", "empty" };
     const struct cluster *c = h->cluster;
     double slice_us = 1e6 * c->out->work / c->out->speed / CLUSTER_SLICES_IDEAL;
     double at = (double)h->state_us - (double)c->start_us;
-    double end = (double)c->events.now_us - (double)c->start_us;
+    double end = (double)until_us - (double)c->start_us;
 
     if (at < 0)
         at = 0;
@@ -66,12 +69,31 @@ host_time_note(struct host *h, enum host_state next)
             k = CLUSTER_SLICES - 1;
         if (to <= at)
             to = end;
-        c->out->state_s[k][h->state] += 1e-6 * (to - at);
+        c->out->state_s[k][state] += 1e-6 * (to - at);
         at = to;
     }
+    h->state_us = until_us;
+}
+
+void
+host_time_note(struct host *h, enum host_state next)
+{
+    static const char *const name[HOST_STATES] = {
+        "loads", "truth", "ahead",   "waits",   "empty",
+        "tiles", "walks", "inserts", "barrier", "records"
+    };
+    const struct cluster *c = h->cluster;
+    enum host_state state = h->state;
+
+    if (state == HOST_BARRIER && host_tiles_open(h) &&
+        c->closed_us[h->passes] > 0) {
+        if (c->closed_us[h->passes] > h->state_us)
+            book(h, state, c->closed_us[h->passes]);
+        state = HOST_RECORDS;
+    }
+    book(h, state, c->events.now_us);
     host_time_tell(h, name[next]);
     h->state = next;
-    h->state_us = c->events.now_us;
 }
 
 void
@@ -86,6 +108,7 @@ host_count(const struct host *h, struct cluster_result *out)
     out->busy_s += h->busy_s;
     if (h->wait_s > out->wait_s)
         out->wait_s = h->wait_s;
+    out->twice_s += h->twice_s;
     out->units += h->units;
     out->traced += h->traced;
 }

@@ -1,6 +1,8 @@
 /* sim.c - how each way to share a picture scales, from one host to a thousand
  *
  * usage: sim [options] [STATISTICS.json]
+ * With --tiles=FILE, of bench/passes, the ambient cache is filled in passes
+ * before the picture, and their costs are those of the file.
  *
  * The real scheduler drives simulated hosts (cluster.h), whose work costs what
  * a former run's statistics say (radsubmit --stats; best of a scanbar run), or
@@ -47,8 +49,8 @@ static const struct way all_ways[] = {
 struct options {
     struct map_spec map;
     struct cluster_spec cluster;
-    const char *hosts, *ways, *plot;
-    bool details, timeline, share;
+    const char *hosts, *ways, *plot, *tiles;
+    bool details, timeline, share, live;
 };
 
 struct number {
@@ -60,6 +62,7 @@ struct number {
 /* Table of one run. */
 struct bench {
     struct map map;
+    struct tiles tiles; /* npasses 0: there are none */
     int hosts[MOST_COUNTS], nhosts;
     const struct way *ways[MOST_WAYS];
     int nways;
@@ -102,6 +105,8 @@ number_table(struct options *o, struct numbers *n, struct number *t)
         { "--disk", &c->disk_us, 1000, 0, 1e6, "until rows are kept, ms (25)" },
         { "--load", &c->load_us, 1e6, 0, 1e6,
           "of the scene, on a host of speed 1, s (.05)" },
+        { "--insert", &c->insert_us, 1, 0, 1e6,
+          "of a record of a closed pass into a cache, us (.5)" },
         { "--growth", &c->growth, .01, 0, 1000,
           "more work with each doubling of hosts, % (0)" },
         { "--failures", &c->failures, 1, 0, 1e6, "of a host in an hour (0)" },
@@ -121,6 +126,10 @@ usage(const struct number *t, int n)
     puts("usage: sim [options] [STATISTICS.json]\n"
          "  --size=WxH        of the picture (that of the statistics, or "
          "480x320)\n"
+         "  --tiles=FILE      costs of a job with passes, from bench/passes: "
+         "its size,\n"
+         "                    its options\n"
+         "  --ambient=live    with --tiles: the same job without passes\n"
          "  --hosts=LIST      (1,2,4,8,16,32,64,128,256,512,1000)\n"
          "  --ways=LIST       of those below (auto,scanbar,static,window)\n"
          "  --plot=FILE       draw it: FILE.png or FILE.svg\n"
@@ -194,6 +203,11 @@ take_option(struct options *o, const struct number *t, int n, const char *arg)
         o->ways = v;
     else if ((v = value_of(arg, "--plot")))
         o->plot = v;
+    else if ((v = value_of(arg, "--tiles")))
+        o->tiles = v;
+    else if ((v = value_of(arg, "--ambient")) &&
+             (strcmp(v, "live") == 0 || strcmp(v, "passes") == 0))
+        o->live = strcmp(v, "live") == 0;
     else if (strcmp(arg, "--details") == 0)
         o->details = true;
     else if (strcmp(arg, "--timeline") == 0)
@@ -226,6 +240,7 @@ parse(struct options *o, int argc, char *argv[])
                      .coord_us = 20,
                      .disk_us = 25000,
                      .load_us = 50000,
+                     .insert_us = .5,
                      .back_us = 30e6 },
         .hosts = "1,2,4,8,16,32,64,128,256,512,1000",
         .ways = "auto,scanbar,static,window",
@@ -290,6 +305,7 @@ simulate(struct bench *b, const struct options *o, const struct way *w,
     struct cluster_spec s = o->cluster;
 
     s.map = &b->map;
+    s.tiles = b->tiles.npasses > 0 && !o->live ? &b->tiles : NULL;
     s.hosts = hosts;
     s.partition = w->partition;
     s.order = w->order;
@@ -355,12 +371,43 @@ say_details(const struct bench *b, const struct way *w, int hosts,
            (unsigned long long)r->failed);
 }
 
+/* In percent of all hosts' time. */
+static double
+share_of(const struct cluster_result *r, int hosts, enum host_state state)
+{
+    double sum = 0;
+
+    for (int k = 0; k < CLUSTER_SLICES; k++)
+        sum += r->state_s[k][state];
+    return 100 * sum / (r->seconds * hosts);
+}
+
+/* What the passes lose, and to what. */
+static void
+say_passes(const struct cluster_result *r, int hosts)
+{
+    double twice = 100 * r->twice_s / (r->seconds * hosts);
+
+    printf("%21s passes %.3f s: tiles %.1f %%, made twice %.1f, paths %.1f, "
+           "ends of passes %.1f, records on their way %.1f, into caches %.1f; "
+           "loading %.1f, no unit %.1f, base lines %.1f;  TILE_MADE %.2f MB, "
+           "FROZEN %.2f MB\n",
+           "", r->passes_s, share_of(r, hosts, HOST_TILES) - twice, twice,
+           share_of(r, hosts, HOST_WALKS), share_of(r, hosts, HOST_BARRIER),
+           share_of(r, hosts, HOST_RECORDS), share_of(r, hosts, HOST_INSERTS),
+           share_of(r, hosts, HOST_LOADS), share_of(r, hosts, HOST_EMPTY),
+           share_of(r, hosts, HOST_WAITS), 1e-6 * (double)r->tile_bytes,
+           1e-6 * (double)r->frozen_bytes);
+}
+
 /* What hosts do in each slice of a run, in percent. */
 static void
 say_timeline(const struct cluster_result *r, int hosts)
 {
-    static const char *const name[HOST_STATES] = { "load", "truth", "ahead",
-                                                   "wait", "empty" };
+    static const char *const name[HOST_STATES] = {
+        "load",  "truth", "ahead",  "wait",    "empty",
+        "tiles", "paths", "insert", "barrier", "records"
+    };
     double slice_s = r->work / r->speed / CLUSTER_SLICES_IDEAL;
     double sum[HOST_STATES] = { 0 };
 
@@ -469,6 +516,25 @@ plot(const struct bench *b, const char *file)
     printf("\nPlot: %s\n", file);
 }
 
+/* The job is that of the file of tiles. */
+static int
+take_tiles(struct bench *b, struct options *o, struct rad_error *err)
+{
+    struct tiles *t = &b->tiles;
+    int rc = tiles_read(t, o->tiles, err);
+
+    if (rc < 0)
+        return rc;
+    if (o->map.width || o->map.nframes > 1)
+        die(EX_USAGE, "size and frames are those of the tiles", NULL);
+    if (o->map.seconds > 0)
+        tiles_scale(t, o->map.seconds);
+    o->map.width = t->width;
+    o->map.height = t->height;
+    o->map.seconds = o->live ? t->live_s : t->picture_s;
+    return 0;
+}
+
 static void
 say_head(const struct bench *b, const struct options *o)
 {
@@ -478,6 +544,10 @@ say_head(const struct bench *b, const struct options *o)
            o->map.file ? o->map.file : "made-up costs", b->map.q.width,
            b->map.q.height, b->map.nframes, b->map.nframes > 1 ? "s" : "",
            b->map.psample, b->map.total);
+    if (b->tiles.npasses > 0)
+        printf("%s: %u passes, %.2f s of one host before the picture; %.2f s "
+               "with a live cache\n",
+               o->tiles, b->tiles.npasses, b->tiles.passes_s, b->tiles.live_s);
     printf("speeds 1:%g, latency %g ms, %g Mbit/s, coordinator %g us a "
            "message, disk %g ms, load %g s\n",
            c->uneven, 1e-3 * c->latency_us, c->bandwidth / 125000, c->coord_us,
@@ -499,7 +569,9 @@ main(int argc, char *argv[])
 
     parse(&o, argc, argv);
     choose(&b, &o);
-    rc = map_init(&b.map, &o.map, &err);
+    rc = o.tiles ? take_tiles(&b, &o, &err) : 0;
+    if (rc == 0)
+        rc = map_init(&b.map, &o.map, &err);
     if (rc < 0) {
         rad_error_format(&err, text, sizeof text);
         die(rad_exit_status(rc), text, NULL);
@@ -511,6 +583,8 @@ main(int argc, char *argv[])
             simulate(&b, &o, b.ways[k], b.hosts[i], &b.result[k][i]);
             if (o.details)
                 say_details(&b, b.ways[k], b.hosts[i], &b.result[k][i]);
+            if (o.details && b.tiles.npasses > 0 && b.result[k][i].done)
+                say_passes(&b.result[k][i], b.hosts[i]);
             if (o.timeline)
                 say_timeline(&b.result[k][i], b.hosts[i]);
             fflush(stdout);
@@ -522,5 +596,6 @@ main(int argc, char *argv[])
     if (o.plot)
         plot(&b, o.plot);
     map_release(&b.map);
+    tiles_release(&b.tiles);
     return EX_OK;
 }
