@@ -152,7 +152,7 @@ do_tile(struct bench *b, struct rad_passes *p, uint32_t tile, struct records *r)
     double start = now();
     size_t made = r->n;
 
-    if (!rad_passes_make(p, &b->ctx, tile, &never, keep, r))
+    if (!rad_passes_make(p, &b->ctx, tile, &never, keep, r, NULL))
         die_of("out of memory");
     if (b->tiles)
         fprintf(b->tiles, "tile %.6f %" PRIu64 " %zu\n", now() - start,

@@ -16,6 +16,7 @@ msg_code_tile(struct codec *c, struct msg_tile *b)
 {
     code_job(c, &b->job);
     code_tile(c, &b->pass, &b->tile);
+    code_below(c, &b->colours, 2);
 }
 
 void
@@ -26,7 +27,8 @@ msg_code_tile_made(struct codec *c, struct msg_tile_made *b)
     code_counts(c, &b->counts);
     code_u32(c, &b->count);
     code_blob(c, &b->data, &b->len, MSG_MAX_TILE);
-    code_read_must(c, b->count <= b->len);
+    code_blob(c, &b->colours, &b->colours_len, MSG_MAX_COLOURS);
+    code_read_must(c, b->count <= b->len && b->colours_len % 4 == 0);
 }
 
 void

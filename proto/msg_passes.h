@@ -15,10 +15,14 @@
 /* Most record bytes of a tile; what a tile makes beyond them is not kept. */
 #define MSG_MAX_TILE (MSG_MAX - 1024)
 
+/* Most bytes of a tile's colours: 64 pixels. */
+#define MSG_MAX_COLOURS 256
+
 /* Make a tile of the open pass. */
 struct msg_tile {
     const uint8_t *job;
     uint32_t pass, tile;
+    uint8_t colours; /* 1: somebody watches, so tell its colours */
 };
 
 /* The records of a tile, in the order in which they were made. */
@@ -29,6 +33,9 @@ struct msg_tile_made {
     uint32_t count;           /* records */
     const uint8_t *data;
     size_t len;
+    const uint8_t *colours; /* of the pixels of its lattice, row by row, four
+                             * bytes each as in a picture */
+    size_t colours_len;     /* 0: they are not wanted, or there are none */
 };
 
 /* Some records of a pass that is closed: those of all its tiles, in the order

@@ -204,6 +204,87 @@ START_TEST(the_oldest_tile_is_late_first)
 }
 END_TEST
 
+/* A tile with n colours. */
+static void
+made_shown(uint64_t conn, uint32_t pass, uint32_t tile, uint32_t n)
+{
+    static const uint8_t rgbe[MSG_MAX_COLOURS];
+    struct msg m = { .type = MSG_TILE_MADE,
+                     .tile_made = { .job = job_a,
+                                    .pass = pass,
+                                    .tile = tile,
+                                    .colours = rgbe,
+                                    .colours_len = 4 * (size_t)n } };
+
+    say(&f, conn, &m);
+}
+
+static void
+fetch_preview(uint64_t conn)
+{
+    struct msg m = { .type = MSG_FETCH,
+                     .request = 6,
+                     .fetch = { job_a, 0, MSG_WHAT_PREVIEW } };
+
+    f.last[conn].type = MSG_DONE;
+    say(&f, conn, &m);
+}
+
+/* From the first look on tiles tell their colours, and there is a preview as
+ * soon as those of a pass are there; nobody else pays for that. */
+START_TEST(tiles_tell_their_colours_to_who_watches)
+{
+    submit_passes(ANA, &wide, 1);
+    ready(&f, WORKER, job_a);
+    ck_assert(has_tile(WORKER) && !f.last[WORKER].tile.colours);
+    made_shown(WORKER, 0, 0, 0);
+    fetch_preview(ANA);
+    ck_assert_int_eq(f.last[ANA].type, MSG_FAILED);
+    ck_assert_str_eq(f.last[ANA].failed.text, "nothing is rendered yet");
+    made_shown(WORKER, 0, 1, 2 * 7);
+    ck_assert_uint_eq(f.ncolours, 1);
+    ck_assert(f.colours.x == 256 && f.colours.y == 0 && f.colours.step == 32 &&
+              f.colours.columns == 2 && f.colours.rows == 7);
+    ck_assert_uint_eq(state().open, 1);
+    ck_assert(has_tile(WORKER) && f.last[WORKER].tile.colours);
+    fetch_preview(ANA);
+    ck_assert_int_eq(f.last[ANA].type, MSG_DONE);
+    made_shown(WORKER, 1, 0, 64);
+    made_shown(WORKER, 1, 0, 64); /* by another worker, perhaps */
+    ck_assert_uint_eq(f.ncolours, 2);
+    for (uint32_t pass = 1; pass < 3; pass++)
+        make_pass(WORKER, pass);
+    ck_assert(has_tile(WORKER) && !f.last[WORKER].tile.colours); /* too fine */
+}
+END_TEST
+
+START_TEST(colours_that_nobody_wants_are_dropped)
+{
+    submit_passes(ANA, &wide, 1);
+    ready(&f, WORKER, job_a);
+    made_shown(WORKER, 0, 1, 2 * 7);
+    ck_assert_uint_eq(f.ncolours, 0);
+    ck_assert(!f.closed[WORKER]);
+}
+END_TEST
+
+static const struct {
+    uint32_t pass, n;
+} unfit[] = { { 0, 1 }, { 0, 13 }, { 0, 15 }, { 0, 64 }, { 3, 64 } };
+
+START_TEST(colours_that_fit_no_tile_end_the_connection)
+{
+    submit_passes(ANA, &wide, 1);
+    fetch_preview(ANA);
+    ready(&f, WORKER, job_a);
+    for (uint32_t pass = 0; pass < unfit[_i].pass; pass++)
+        make_pass(WORKER, pass);
+    made_shown(WORKER, unfit[_i].pass, 1, unfit[_i].n);
+    ck_assert(f.closed[WORKER]);
+    ck_assert_uint_eq(f.ncolours, 0);
+}
+END_TEST
+
 /* By two workers' children, or three of one worker's. */
 START_TEST(a_tile_that_brings_children_down_fails_the_job)
 {
@@ -268,6 +349,10 @@ main(void)
     tcase_add_test(tc, tiles_of_a_lost_worker_go_to_another);
     tcase_add_test(tc, a_late_tile_goes_to_a_second_worker);
     tcase_add_test(tc, the_oldest_tile_is_late_first);
+    tcase_add_test(tc, tiles_tell_their_colours_to_who_watches);
+    tcase_add_test(tc, colours_that_nobody_wants_are_dropped);
+    tcase_add_loop_test(tc, colours_that_fit_no_tile_end_the_connection, 0,
+                        N_ELEM(unfit));
     tcase_add_test(tc, a_tile_that_brings_children_down_fails_the_job);
     tcase_add_test(tc, a_worker_that_is_ahead_begins_anew);
     tcase_add_test(tc, more_tiles_than_there_may_be_are_refused);

@@ -3,6 +3,7 @@
 
 #include "light/indirect/ambient.h"
 #include "machine/jobtext.h"
+#include "image/hdr.h"
 #include "picture/passes.h"
 
 #include "world.h"
@@ -118,7 +119,7 @@ work(void *arg)
         for (int k = 0; k <= t->twice; k++) {
             t->list[tile].n = 0;
             ck_assert(rad_passes_make(t->passes, &ctx, tile, &never, keep,
-                                      &t->list[tile]));
+                                      &t->list[tile], NULL));
         }
     }
     ck_assert_uint_eq(ctx.counts.primary_rays, 0);
@@ -331,7 +332,8 @@ START_TEST(passes_go_over_all_frames)
         ck_assert_int_eq(rad_passes_begin(p, &m->w.ctx, &pass[k], NULL), 0);
         for (uint32_t i = 0; i < pass[k].tiles; i++) {
             list.n = 0;
-            ck_assert(rad_passes_make(p, &m->w.ctx, i, &never, keep, &list));
+            ck_assert(
+                rad_passes_make(p, &m->w.ctx, i, &never, keep, &list, NULL));
             made[pass[k].frame] += list.n;
         }
     }
@@ -369,6 +371,87 @@ START_TEST(each_frame_is_planned_once)
 }
 END_TEST
 
+/* Whoever watches: the records, and what is counted, are the same; and the
+ * colours are those of the picture's pixels but for what the cache yet lacks.
+ */
+START_TEST(a_tile_that_shows_its_colours_is_the_same)
+{
+    static struct list list, watched;
+    struct room *m = &rooms[0];
+    struct rad_pass pass[RAD_MOST_PASSES];
+    struct rad_pass_colours colours;
+    struct rad_counts first, second = { 0 };
+    uint32_t n, k = 0;
+    struct rad_passes *p;
+    struct rad_pixel pixel;
+
+    open_room(m, "-ab 1 -dj .5");
+    n = plan(m, pass);
+    p = rad_passes_new(&m->frame, 1, NULL);
+    while (k < n && pass[k].step != 8)
+        k++;
+    ck_assert_int_eq(rad_passes_begin(p, &m->w.ctx, &pass[k], NULL), 0);
+    list.n = watched.n = 0;
+    memset(&m->w.ctx.counts, 0, sizeof m->w.ctx.counts);
+    ck_assert(rad_passes_make(p, &m->w.ctx, 0, &never, keep, &list, NULL));
+    first = m->w.ctx.counts;
+    m->w.ctx.counts = second;
+    ck_assert(
+        rad_passes_make(p, &m->w.ctx, 0, &never, keep, &watched, &colours));
+    second = m->w.ctx.counts;
+    ck_assert_uint_gt(list.n, 0);
+    ck_assert_uint_eq(list.n, watched.n);
+    ck_assert(memcmp(list.rec, watched.rec, list.n * sizeof *list.rec) == 0);
+    ck_assert(first.rays == second.rays && second.primary_rays == 0 &&
+              first.ambient_values == second.ambient_values &&
+              first.shadow_rays == second.shadow_rays);
+    ck_assert_uint_eq(colours.n, 64);
+    rad_ambient_insert_all(m->w.job->ambient, list.rec, list.n);
+    for (int i = 0; i < 64; i++) {
+        double got = rad_rgbe_radiance(colours.rgbe[i]).g;
+
+        rad_frame_pixel(&m->frame, &m->w.ctx, i % 8 * 8, i / 8 * 8, &pixel);
+        ck_assert_double_eq_tol(got, pixel.L.g, .02 * pixel.L.g);
+    }
+    for (k = 0; k < n && rad_pass_shows(&pass[k]);)
+        k++;
+    ck_assert_int_eq(rad_passes_begin(p, &m->w.ctx, &pass[k], NULL), 0);
+    ck_assert(rad_passes_make(p, &m->w.ctx, 0, &never, keep, &list, &colours));
+    ck_assert_uint_eq(colours.n, 0);
+    rad_passes_free(p);
+    close_room(m);
+}
+END_TEST
+
+/* Each pixel of a lattice lies in one tile, whatever the size. */
+START_TEST(tiles_are_the_picture)
+{
+    static const struct rad_pass_size size[] = { { 1, 1 },   { 64, 64 },
+                                                 { 65, 1 },  { 1, 257 },
+                                                 { 300, 7 }, { 511, 513 } };
+    static uint8_t seen[511 * 513];
+
+    for (size_t k = 0; k < N_ELEM(size); k++)
+        for (int step = 2; step <= 32; step *= 2) {
+            int w = size[k].width, h = size[k].height;
+
+            memset(seen, 0, sizeof seen);
+            for (uint32_t i = 0; i < rad_pass_tiles(w, h, step); i++) {
+                struct rad_pass_area a = rad_pass_area(w, h, step, i);
+
+                ck_assert(a.x0 >= 0 && a.y0 >= 0 && a.x1 <= w && a.y1 <= h);
+                ck_assert(a.x0 < a.x1 && a.y0 < a.y1);
+                ck_assert(a.x0 % step == 0 && a.y0 % step == 0);
+                for (int y = a.y0; y < a.y1; y++)
+                    for (int x = a.x0; x < a.x1; x++)
+                        seen[y * w + x]++;
+            }
+            for (int i = 0; i < w * h; i++)
+                ck_assert_uint_eq(seen[i], 1);
+        }
+}
+END_TEST
+
 START_TEST(a_tile_that_is_stopped_hands_on_nothing)
 {
     static struct list list;
@@ -383,7 +466,7 @@ START_TEST(a_tile_that_is_stopped_hands_on_nothing)
     p = rad_passes_new(&m->frame, 1, NULL);
     for (uint32_t i = 0; i < n; i += n - 1) {
         ck_assert_int_eq(rad_passes_begin(p, &m->w.ctx, &pass[i], NULL), 0);
-        ck_assert(!rad_passes_make(p, &m->w.ctx, 0, &now, keep, &list));
+        ck_assert(!rad_passes_make(p, &m->w.ctx, 0, &now, keep, &list, NULL));
         ck_assert_uint_eq(list.n, 0);
         ck_assert(m->w.ctx.tile == NULL && !m->w.ctx.no_direct);
     }
@@ -407,6 +490,8 @@ main(void)
     tcase_add_loop_test(tc, a_plan_asks_for_each_place_once, 0, N_ELEM(plans));
     tcase_add_loop_test(tc, each_frame_is_planned_once, 0, 41);
     tcase_add_test(tc, passes_go_over_all_frames);
+    tcase_add_test(tc, a_tile_that_shows_its_colours_is_the_same);
+    tcase_add_test(tc, tiles_are_the_picture);
     tcase_add_test(tc, a_tile_that_is_stopped_hands_on_nothing);
     suite_add_tcase(s, tc);
     return unit_run(s);

@@ -256,7 +256,9 @@ finish(unsigned who, uint32_t unit, uint32_t attempt, uint32_t y,
 static void
 tile(unsigned who, uint32_t pass, uint32_t number, bool down)
 {
-    struct msg m = { .type = MSG_TILE, .tile = { id, pass, number } };
+    /* of the pixels of the frame's lattices */
+    static const size_t colours[] = { 4 * 1, 4 * 2, 4 * 8, 0 };
+    struct msg m = { .type = MSG_TILE, .tile = { id, pass, number, 1 } };
 
     if (!down) {
         m.type = MSG_TILE_MADE;
@@ -266,7 +268,9 @@ tile(unsigned who, uint32_t pass, uint32_t number, bool down)
                                               .counts = { .rays = 7 },
                                               .count = 1,
                                               .data = pixels,
-                                              .len = AMBSHARE_BYTES };
+                                              .len = AMBSHARE_BYTES,
+                                              .colours = pixels,
+                                              .colours_len = colours[pass] };
     }
     says(who, &m);
 }
@@ -285,9 +289,11 @@ session_passes(void)
     hello(ANA, MSG_ROLE_USER, "");
     says(ANA, &offer);
     says(ANA, &submit);
+    fetch(MSG_WHAT_PREVIEW);
     ready(WS1);
     tile(WS1, 0, 0, false);
     tile(WS1, 0, 0, false);
+    fetch(MSG_WHAT_PREVIEW);
     is_lost(WS1);
     hello(WS2, MSG_ROLE_WORKER, "ws2");
     ready(WS2);

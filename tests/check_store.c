@@ -1571,6 +1571,74 @@ START_TEST(previews_of_many_samples_are_of_those_in_the_middle)
 }
 END_TEST
 
+static const struct {
+    enum rows_kind kind;
+    int oversample;
+} shown[] = {
+    { ROWS_CODED, 1 }, { ROWS_RGBE, 1 }, { ROWS_RGBE, 2 }, { ROWS_DISTANCES, 1 }
+};
+
+/* Rows 8 to 11 of a frame have come, and are black; passes told colours. */
+static void
+put_some(struct rows *r, const struct action_colours *colours)
+{
+    static struct rad_rgb black[24];
+    uint8_t code[RAD_HDR_ROW_BYTES(24)];
+    float floats[4 * 24] = { 0 };
+    size_t n = rad_hdr_encode_row(black, r->width, code);
+    int rc = 0;
+
+    rows_put_colours(r, colours);
+    for (int y = 8; y < 12 && rc == 0; y++)
+        rc = r->kind == ROWS_DISTANCES
+                 ? rows_write(r, 0, y, r->width, 1, floats, NULL)
+                 : rows_write_coded(r, 0, y, r->width, 1, code, n, NULL, NULL);
+    ck_assert_int_eq(rc, 0);
+}
+
+START_TEST(previews_show_colours_where_rows_are_missing)
+{
+    int n = shown[_i].oversample, w = 24, h = 20;
+    struct rad_filter_shape shape = { w, h, n, 0, false };
+    struct rad_hdr_info info = { .program = "check_store",
+                                 .options = "-ab 0",
+                                 .pixaspect = 1,
+                                 .width = w / n,
+                                 .height = h / n };
+    uint8_t rgbe[4 * 3 * 3];
+    struct action_colours k = { 0, 0, 0, 8, 3, 3, rgbe };
+    struct rows_open open = { 0 };
+    struct rad_picture pic;
+    unsigned char *bytes;
+    struct rows r;
+    char path[160];
+    size_t len;
+
+    for (size_t i = 0; i < 9; i++)
+        rad_rgbe(rad_grey(3), rgbe + 4 * i);
+    snprintf(path, sizeof path, "%s/rows", dir);
+    ck_assert_int_eq(
+        rows_create(&r, &open, path, w, h, shown[_i].kind, false, NULL), 0);
+    put_some(&r, &k);
+    snprintf(path, sizeof path, "%s/preview", dir);
+    ck_assert_int_eq(n > 1 ? filtered_preview(&r, &shape, &info, path, NULL)
+                           : rows_picture(&r, &info, path, false, NULL, NULL),
+                     0);
+    rows_remove(&r);
+    bytes = rad_file_read(path, 1 << 24, &len, NULL);
+    ck_assert_int_eq(rad_hdr_read(bytes, len, 1 << 22, &pic, NULL), 0);
+    free(bytes);
+    for (int i = 0; i < pic.width * pic.height; i++) {
+        int y = i / pic.width * n;
+        bool edge = n > 1 && y >= 6 && y <= 12; /* it is filtered */
+
+        ck_assert(pic.L[i].g < 2 || y < 8 || y >= 12);
+        ck_assert(edge || fabsf(pic.L[i].g - (y >= 8 && y < 12 ? 0 : 3)) < .1f);
+    }
+    rad_picture_release(&pic);
+}
+END_TEST
+
 START_TEST(folders_are_made_and_files_written_whole)
 {
     char deep[160], ports[200], text[100];
@@ -1635,6 +1703,8 @@ main(void)
     tcase_add_test(tc, folders_are_made_and_files_written_whole);
     tcase_add_test(tc, a_database_gets_its_name_when_it_is_whole);
     tcase_add_test(tc, previews_of_many_samples_are_of_those_in_the_middle);
+    tcase_add_loop_test(tc, previews_show_colours_where_rows_are_missing, 0,
+                        N_ELEM(shown));
     suite_add_tcase(s, tc);
     return unit_run(s);
 }

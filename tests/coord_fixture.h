@@ -42,6 +42,8 @@ struct fixture {
     struct msg_progress progress; /* the last */
     struct action_rows rows;      /* the last, and what they are */
     uint8_t code[2000];
+    struct action_colours colours; /* the last but for its bytes */
+    unsigned ncolours;
     int nan_logs;
     char nan_log[80];
     int differ_logs; /* of duplicates */
@@ -135,6 +137,9 @@ carry_out(struct fixture *f)
             if (a.rows.len <= sizeof f->code)
                 memcpy(f->code, a.rows.pixels, a.rows.len);
             coord_rows_stored(f->c, f->now_ms, &a.rows, 0, NULL);
+        } else if (a.type == ACT_PUT_COLOURS) {
+            f->colours = a.colours;
+            f->ncolours++;
         } else if (a.type == ACT_WRITE_PICTURE)
             coord_picture_written(f->c, f->now_ms, a.job, a.sequence, a.frame,
                                   0, NULL);

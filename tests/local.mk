@@ -50,6 +50,7 @@ UNIT_TESTS = \
 	tests/check_handoff \
 	tests/check_back \
 	tests/check_owner \
+	tests/check_coarse \
 	tests/check_shelf \
 	tests/check_states \
 	tests/check_parked \
@@ -370,6 +371,7 @@ dist_check_SCRIPTS += \
 	tests/e2e/cluster_flood.sh \
 	tests/e2e/cluster_keys.sh \
 	tests/e2e/cluster_passes.sh \
+	tests/e2e/cluster_preview.sh \
 	tests/e2e/cluster_peers.sh \
 	tests/e2e/cluster_sandbox.sh \
 	tests/e2e/cluster_sockets.sh \
@@ -436,6 +438,7 @@ TESTS += \
 	tests/e2e/cluster_flood.sh \
 	tests/e2e/cluster_keys.sh \
 	tests/e2e/cluster_passes.sh \
+	tests/e2e/cluster_preview.sh \
 	tests/e2e/cluster_peers.sh \
 	tests/e2e/cluster_sandbox.sh \
 	tests/e2e/cluster_sockets.sh \
@@ -537,6 +540,9 @@ tests_check_back_SOURCES = tests/check_back.c \
 tests_check_back_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS) $(JANSSON_CFLAGS)
 tests_check_back_LDADD = $(LIBDAEMON) $(UNIT_LIBS)
 
+tests_check_coarse_SOURCES = tests/check_coarse.c tests/unit.h
+tests_check_coarse_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
+tests_check_coarse_LDADD = $(LIBDAEMON) $(UNIT_LIBS)
 tests_check_shelf_SOURCES = tests/check_shelf.c tests/unit.h
 tests_check_shelf_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
 tests_check_shelf_LDADD = $(LIBDAEMON) $(UNIT_LIBS)

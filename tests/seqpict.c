@@ -317,7 +317,8 @@ make_pass(struct rad_passes *p, struct rad_ctx *ctx,
 
     k->n = 0;
     for (uint32_t i = 0; rc == 0 && i < pass->tiles; i++)
-        if (!rad_passes_make(p, ctx, i, &never, keep_records, k) || k->failed)
+        if (!rad_passes_make(p, ctx, i, &never, keep_records, k, NULL) ||
+            k->failed)
             rc = rad_fail(err, RAD_ENOMEM, "out of memory");
     if (rc == 0)
         rad_ambient_insert_all(ctx->job->ambient, k->rec, k->n);

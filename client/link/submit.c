@@ -327,6 +327,8 @@ fetch_preview(struct submit *s, struct fetched *f)
     return rc;
 }
 
+/* From the first time on the coordinator has workers tell what the picture
+ * looks like before its rows come. */
 static int
 preview(struct submit *s)
 {
@@ -334,8 +336,7 @@ preview(struct submit *s)
     struct fetched f;
     int rc;
 
-    if (!s->cb->preview || begin < s->preview_due_ms ||
-        s->last.pixels_done == 0)
+    if (!s->cb->preview || begin < s->preview_due_ms)
         return 0;
     rc = fetch_preview(s, &f);
     if (rc == 1)
@@ -503,8 +504,9 @@ watch(struct submit *s)
         }
         if (waited_for_worker(s))
             return no_worker(s);
-        if ((rc = next(s, LOOK_MS, &m)) < 0 || (rc = preview(s)) < 0 ||
-            (rc = reason(s)) < 0)
+        if ((rc = preview(s)) < 0)
+            return rc;
+        if ((rc = next(s, LOOK_MS, &m)) < 0 || (rc = reason(s)) < 0)
             return rc;
         if (rc == 0 && s->cb->alive && !s->cb->alive(s->cb->arg))
             return rad_fail(s->err, RAD_EINTERNAL,

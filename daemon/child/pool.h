@@ -95,9 +95,11 @@ void pool_seed(struct pool *p, struct rad_seed *s, pool_seed_fn *fn);
 struct pool_tile {
     struct pool_tile *next;
     uint32_t pass, tile;
+    bool shows; /* its colours are wanted */
     struct msg_counts counts;
     uint32_t count;          /* records */
     struct wire_out records; /* as they are sent (proto/ambshare.h) */
+    struct rad_pass_colours colours;
 };
 
 /* t is borrowed for the call. */
@@ -109,8 +111,9 @@ void pool_set_passes(struct pool *p, struct rad_passes *passes,
                      const struct rad_pass *plan, pool_tile_fn *fn);
 
 /* Make a tile, of the pass that is open once all that was frozen before is in
- * the cache.  Tiles come before all other work.  False: memory is out. */
-bool pool_push_tile(struct pool *p, uint32_t pass, uint32_t tile);
+ * the cache, and its colours if it shows.  Tiles come before all other work.
+ * False: memory is out. */
+bool pool_push_tile(struct pool *p, uint32_t pass, uint32_t tile, bool shows);
 
 /* The records of the next pass, which takes the malloc'd array: no more of its
  * tiles are made.  False: memory is out, and the array is the caller's. */

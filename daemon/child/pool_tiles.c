@@ -57,7 +57,7 @@ make_tile(struct renderer *by, struct pool_tile *t)
 
     wire_out_init(&t->records, MSG_MAX_TILE);
     whole = rad_passes_make(k->passes, &by->ctx, t->tile, &k->stop,
-                            keep_records, t);
+                            keep_records, t, t->shows ? &t->colours : NULL);
     cpu = pool_stint_end_and_lock(by, &stint);
     if (whole && !t->records.bad) {
         counted_add(&t->counts, &by->ctx.counts, cpu);
@@ -202,7 +202,7 @@ pool_set_passes(struct pool *p, struct rad_passes *passes,
 }
 
 bool
-pool_push_tile(struct pool *p, uint32_t pass, uint32_t tile)
+pool_push_tile(struct pool *p, uint32_t pass, uint32_t tile, bool shows)
 {
     struct pool_tiling *k = &p->tiling;
     struct pool_tile *t = calloc(1, sizeof *t);
@@ -211,6 +211,7 @@ pool_push_tile(struct pool *p, uint32_t pass, uint32_t tile)
         return false;
     t->pass = pass;
     t->tile = tile;
+    t->shows = shows;
     uv_mutex_lock(&p->mu);
     *k->todo_end = t;
     k->todo_end = &t->next;

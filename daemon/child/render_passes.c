@@ -51,7 +51,9 @@ on_tile(void *arg, const struct pool_tile *t)
                                     .counts = t->counts,
                                     .count = t->count,
                                     .data = t->records.buf,
-                                    .len = t->records.len } };
+                                    .len = t->records.len,
+                                    .colours = t->colours.rgbe[0],
+                                    .colours_len = 4 * t->colours.n } };
 
     if (r->link)
         conn_send(r->link, &m);
@@ -94,7 +96,7 @@ render_take_tile(struct render *r, const struct msg_tile *m)
     if (!is_next(k, m->pass) || m->tile >= k->plan[k->next].tiles)
         rad_fail(&err, RAD_EPROTO, "tile %u of pass %u does not fit the job",
                  m->tile, m->pass);
-    else if (!pool_push_tile(r->pool, k->next, m->tile))
+    else if (!pool_push_tile(r->pool, k->next, m->tile, m->colours))
         rad_fail(&err, RAD_ENOMEM, "out of memory");
     if (err.code)
         render_fail(r, &err);

@@ -26,6 +26,7 @@ struct job_frame {
     enum frame_state state; /* by frame_step() alone */
     uint64_t pixels_left;   /* in units that are not done */
     uint64_t rows_pixels;   /* pixels kept so far */
+    bool shown;             /* tiles told its colours in this life */
     double *line_s;  /* processor time that was spent on each line in this life
                       * of the coordinator; NULL: nothing is known */
     uint32_t nlines; /* so many */

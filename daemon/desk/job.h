@@ -59,8 +59,7 @@ struct job_speed {
     uint32_t threads; /* of all workers that are ready */
     double all;       /* speeds of all workers that are there */
     double pace;      /* cost done in a ms, for a speed of 1; 0: not known */
-    double finished;  /* cost of units that were finished, or traced ahead; of
-                       * all attempts */
+    double finished;  /* cost finished or traced ahead, of all attempts */
     double workload;  /* ms of all workers, times their speed */
     uint32_t took_ms[JOB_DURATIONS]; /* of the last units that were done */
     uint32_t ntook;                  /* how many there were in all */
@@ -78,6 +77,7 @@ struct job {
     bool ending;    /* what follows from its end is to be done (verdict.h) */
     enum job_stage stage; /* by job_step() alone */
     bool full;      /* the disk is: it is held as all others are */
+    bool watched;   /* a picture was asked for before it was whole */
     uint32_t lives; /* of the coordinator that it has seen end */
     bool restored;  /* from an earlier life, and no worker was ready since */
     struct stats_text *filing; /* its statistics, on their way to the store */
@@ -155,7 +155,7 @@ uint32_t job_weight(const struct job *job);
 /* Copies all that spec lends.  NULL when memory is out. */
 struct job *job_new(const struct msg_spec *spec, const char *owner);
 
-/* Pixels of the first frame as they are written, and samples a side of each. */
+/* Pixels of the first frame as written, and samples a side of each. */
 struct job_size {
     uint32_t width, height, oversample;
 };

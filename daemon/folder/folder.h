@@ -78,6 +78,10 @@ uint64_t folder_bytes(const struct folder *f, const uint8_t job[MSG_JOB]);
 int folder_put_rows(struct folder *f, const struct action_rows *key,
                     const void *pixels, size_t n, const float *line,
                     uint64_t *sum, struct rad_error *err);
+/* For previews: what rows have not come of a frame is filled from such colours.
+ * Those for which there is no room or memory are left out. */
+void folder_put_colours(struct folder *f, const uint8_t job[MSG_JOB],
+                        const struct action_colours *colours);
 /* Row y, as in a BASE_LINE; of coded ones it must have been put as a line. */
 int folder_read_row(struct folder *f, const uint8_t job[MSG_JOB],
                     uint32_t frame, uint32_t y, uint8_t *pixels,

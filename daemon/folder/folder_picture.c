@@ -78,6 +78,8 @@ folder_picture(struct folder *f, const uint8_t id[MSG_JOB], uint32_t frame,
     char path[DISK_PATH_MAX];
     int rc = folder_find_rows(f, id, frame, &j, &r, err);
 
+    if (rc == 0) /* it is whole */
+        rows_drop_colours(r->rows);
     if (rc == 0 && j->depth) {
         folder_frame_path(f, id, frame, folder_suffix_of(MSG_WHAT_DEPTH), path);
         rc = write_depth(j, r, path, f->durable, marks ? &marks->depth : NULL,

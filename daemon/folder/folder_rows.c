@@ -113,6 +113,18 @@ folder_put_rows(struct folder *f, const struct action_rows *k,
     return rc;
 }
 
+void
+folder_put_colours(struct folder *f, const uint8_t id[MSG_JOB],
+                   const struct action_colours *colours)
+{
+    struct rad_error ignored = { 0 };
+    struct frame_rows *r;
+    struct folder_job *j;
+
+    if (folder_find_rows(f, id, colours->frame, &j, &r, &ignored) == 0)
+        rows_put_colours(r->rows, colours);
+}
+
 int
 folder_read_row(struct folder *f, const uint8_t id[MSG_JOB], uint32_t frame,
                 uint32_t y, uint8_t *pixels, struct rad_error *err)

@@ -1,5 +1,7 @@
 # files of jobs: rows as they come, pictures
 libdaemon_a_SOURCES += \
+	daemon/folder/coarse.c \
+	daemon/folder/coarse.h \
 	daemon/folder/filtered.c \
 	daemon/folder/filtered.h \
 	daemon/folder/folder.c \

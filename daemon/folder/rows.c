@@ -3,6 +3,7 @@
 
 #include "folder/rows.h"
 
+#include "folder/coarse.h"
 #include "machine/rowsum.h"
 
 #include <errno.h>
@@ -229,6 +230,8 @@ rows_write(struct rows *r, int x, int y, int w, int h, const void *pixels,
                            (const char *)pixels + rows_bytes(r, w) * (size_t)k,
                            rows_bytes(r, w) * (size_t)step, at, r->path, err);
     }
+    if (rc == 0 && r->coarse)
+        coarse_mark(r->coarse, x, y, w, h);
     return rc;
 }
 
@@ -273,9 +276,12 @@ append_coded(struct rows *r, int y, int h, const uint8_t *code, size_t n,
         rc = place_rows(r, y, h, code, n, err);
     if (rc == 0)
         rc = disk_write_at(r->fd, code, n, (off_t)r->end, r->path, err);
-    if (rc == 0)
-        r->end += n;
-    return rc;
+    if (rc < 0)
+        return rc;
+    r->end += n;
+    if (r->coarse)
+        coarse_mark(r->coarse, 0, y, r->width, h);
+    return 0;
 }
 
 /* Are those n bytes h rows of w pixels? */
@@ -434,9 +440,9 @@ read_coded(struct rows *r, int y, uint8_t *rgbe, uint8_t *code,
     return rc;
 }
 
-int
-rows_read_rgbe(struct rows *r, int y, uint8_t *rgbe, void *work,
-               struct rad_error *err)
+static int
+read_rgbe(struct rows *r, int y, uint8_t *rgbe, void *work,
+          struct rad_error *err)
 {
     const float *p = work;
     int rc;
@@ -451,9 +457,43 @@ rows_read_rgbe(struct rows *r, int y, uint8_t *rgbe, void *work,
     return rc;
 }
 
+int
+rows_read_rgbe(struct rows *r, int y, uint8_t *rgbe, void *work,
+               struct rad_error *err)
+{
+    int rc = read_rgbe(r, y, rgbe, work, err);
+
+    if (rc == 0 && r->coarse)
+        coarse_fill(r->coarse, y, rgbe);
+    return rc;
+}
+
+void
+rows_put_colours(struct rows *r, const struct action_colours *colours)
+{
+    size_t n = coarse_bytes(r->width, r->height);
+    size_t *all = &r->among->coarse_bytes;
+
+    if (!r->coarse && n <= COARSE_MOST - *all &&
+        (r->coarse = coarse_new(r->width, r->height)))
+        *all += n;
+    if (r->coarse)
+        coarse_put(r->coarse, colours);
+}
+
+void
+rows_drop_colours(struct rows *r)
+{
+    if (r->coarse)
+        r->among->coarse_bytes -= coarse_bytes(r->width, r->height);
+    coarse_free(r->coarse);
+    r->coarse = NULL;
+}
+
 void
 rows_release(struct rows *r)
 {
+    rows_drop_colours(r);
     close_one(r);
     r->dirty = false;
     free(r->place);

@@ -48,7 +48,11 @@ struct rows_place {
 struct rows_open {
     struct rows *file[ROWS_OPEN];
     struct syncs closed; /* of rows and pictures, which are to last */
+    size_t coarse_bytes; /* of the colours of all frames */
 };
+
+struct action_colours;
+struct coarse;
 
 struct rows {
     char path[ROWS_PATH_MAX];
@@ -60,6 +64,8 @@ struct rows {
     bool dirty; /* written to since it was last synced; then it is open */
     struct rows_place *place; /* of ROWS_CODED: height; NULL: none came */
     uint64_t end;             /* of what they take */
+    struct coarse *coarse;    /* what the frame looks like so far, for previews;
+                               * NULL: nothing tells */
 };
 
 /* Make the file; durable: it has all its space on the disk, so that a full one
@@ -90,6 +96,12 @@ int rows_write_coded(struct rows *r, int x, int y, int w, int h,
                      const uint8_t *code, size_t n, uint64_t *sum,
                      struct rad_error *err);
 
+/* What has not come is filled from these colours (coarse.h) from now on, where
+ * the rows are read as RGBE or made a picture; without room or memory it is
+ * not. */
+void rows_put_colours(struct rows *r, const struct action_colours *colours);
+void rows_drop_colours(struct rows *r);
+
 /* Put, get the three floats of each pixel of row y; of ROWS_RGBE alone. */
 #define ROWS_LINE_BYTES(width) ((size_t)(width)*3 * sizeof(float))
 int rows_write_line(struct rows *r, int y, const float *line,
@@ -111,8 +123,9 @@ int rows_read_part(struct rows *r, int x, int y, int w, void *pixels,
 /* Read whole row y. */
 int rows_read(struct rows *r, int y, void *pixels, struct rad_error *err);
 
-/* Row y as it is in a picture, four bytes a pixel, whatever the file holds.
- * work has room for ROWS_WORK_BYTES(width). */
+/* Row y as it is in a picture, four bytes a pixel, whatever the file holds;
+ * what has not come is black, or of its colours. work has room for
+ * ROWS_WORK_BYTES(width). */
 #define ROWS_WORK_BYTES(width) RAD_HDR_ROW_BYTES(2 * (size_t)(width))
 int rows_read_rgbe(struct rows *r, int y, uint8_t *rgbe, void *work,
                    struct rad_error *err);

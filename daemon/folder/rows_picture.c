@@ -8,38 +8,26 @@
 /* Coded bytes that are copied at a time, but for long rows. */
 #define COPY_BYTES (64u << 10)
 
-/* Memory that encoding a picture works in. */
-struct encoder {
-    void *pixels; /* a row as in the file */
-    struct rad_rgb *line;
-    uint8_t *code;
-};
-
-static size_t
-encode_row(const struct rows *r, const struct encoder *e)
-{
-    const float *p = e->pixels;
-
-    if (r->kind == ROWS_RGBE)
-        return rad_hdr_encode_rgbe(e->pixels, r->width, e->code);
-    for (int x = 0; x < r->width; x++, p += r->kind)
-        e->line[x] = rad_rgb(p[0], p[1], p[2]);
-    return rad_hdr_encode_row(e->line, r->width, e->code);
-}
-
 static int
-encode_rows(struct rows *r, const struct rad_sink *sink,
-            const struct encoder *e, struct rad_error *err)
+encode_rows(struct rows *r, const struct rad_sink *sink, struct rad_error *err)
 {
-    for (int y = 0; y < r->height; y++) {
-        int rc = rows_read(r, y, e->pixels, err);
+    uint8_t *rgbe = malloc(4 * (size_t)r->width);
+    void *work = malloc(ROWS_WORK_BYTES(r->width));
+    uint8_t *code = malloc(RAD_HDR_ROW_BYTES(r->width));
+    int rc = 0;
 
+    if (!rgbe || !work || !code)
+        rc = rad_fail(err, RAD_ENOMEM, "out of memory");
+    for (int y = 0; y < r->height && rc == 0; y++) {
+        rc = rows_read_rgbe(r, y, rgbe, work, err);
         if (rc == 0)
-            rc = sink->write(sink->arg, e->code, encode_row(r, e), err);
-        if (rc < 0)
-            return rc;
+            rc = sink->write(sink->arg, code,
+                             rad_hdr_encode_rgbe(rgbe, r->width, code), err);
     }
-    return 0;
+    free(rgbe);
+    free(work);
+    free(code);
+    return rc;
 }
 
 /* Copy coded rows from row y on that lie one behind the other; what has not
@@ -68,16 +56,15 @@ copy_rows(struct rows *r, int y, const struct rad_sink *sink, uint8_t *code,
     return rc < 0 ? rc : k;
 }
 
-/* line is a black row. */
 static int
-copy_coded(struct rows *r, const struct rad_sink *sink,
-           const struct rad_rgb *line, struct rad_error *err)
+copy_coded(struct rows *r, const struct rad_sink *sink, struct rad_error *err)
 {
     size_t room = RAD_HDR_ROW_BYTES(r->width), nblack;
     uint8_t *code = malloc(COPY_BYTES + room), *black = malloc(room);
+    struct rad_rgb *line = calloc((size_t)r->width, sizeof *line);
     int rc = 0;
 
-    if (!code || !black) {
+    if (!code || !black || !line) {
         rc = rad_fail(err, RAD_ENOMEM, "out of memory");
     } else {
         nblack = rad_hdr_encode_row(line, r->width, black);
@@ -86,6 +73,7 @@ copy_coded(struct rows *r, const struct rad_sink *sink,
     }
     free(code);
     free(black);
+    free(line);
     return rc < 0 ? rc : 0;
 }
 
@@ -105,27 +93,15 @@ rows_picture(struct rows *r, const struct rad_hdr_info *info, const char *path,
 {
     struct disk_file w;
     struct rad_sink sink = { disk_file_write, &w };
-    struct encoder e = { .pixels = malloc(rows_bytes(r, r->width)),
-                         .line = calloc((size_t)r->width, sizeof *e.line),
-                         .code = malloc(RAD_HDR_ROW_BYTES(r->width)) };
-    int rc;
+    int rc = disk_file_open(&w, path, mark, err);
 
-    if (!e.pixels || !e.line || !e.code)
-        rc = rad_fail(err, RAD_ENOMEM, "out of memory");
-    else
-        rc = disk_file_open(&w, path, mark, err);
-    if (rc == 0) {
-        rc = rad_hdr_write_header(info, &sink, err);
-        if (rc == 0 && r->kind == ROWS_CODED)
-            rc = copy_coded(r, &sink, e.line, err);
-        else if (rc == 0)
-            rc = encode_rows(r, &sink, &e, err);
-        rc = rows_close_picture(r, &w, rc, durable, err);
-    }
-    free(e.pixels);
-    free(e.line);
-    free(e.code);
-    return rc;
+    if (rc < 0)
+        return rc;
+    rc = rad_hdr_write_header(info, &sink, err);
+    if (rc == 0)
+        rc = r->kind == ROWS_CODED && !r->coarse ? copy_coded(r, &sink, err)
+                                                 : encode_rows(r, &sink, err);
+    return rows_close_picture(r, &w, rc, durable, err);
 }
 
 int

@@ -602,7 +602,10 @@ fetch_fault(const struct job *job, const struct msg_fetch *m, int *status)
         return "the job has no distances";
     *status = EX_TEMPFAIL;
     if (m->what == MSG_WHAT_PREVIEW)
-        return job->open_ms != 0 ? NULL : "nothing is rendered yet";
+        return job->pixels_done > 0 || job->frames[m->frame].shown ||
+                       frame_is_written(&job->frames[m->frame])
+                   ? NULL
+                   : "nothing is rendered yet";
     if (frame_is_written(&job->frames[m->frame]))
         return NULL;
     if (!job_over(job))
@@ -629,6 +632,7 @@ on_fetch(struct coord *c, struct coord_conn *conn, const struct msg *m)
         fetch_stats(c, conn, m, job);
         return;
     }
+    job->watched |= m->fetch.what == MSG_WHAT_PREVIEW;
     fault = fetch_fault(job, &m->fetch, &status);
     if (fault) {
         desk_reply_failed(c, conn, m->request, job->id, status, fault);

@@ -1,11 +1,10 @@
 /* action.h - what the pure machines want done
  *
  * coord.c and worker.c take events and append actions; the shell around them
- * carries the actions out, in order.  An event that carrying one out causes may
- * be delivered at once: its actions come after those that are there.  What
- * an action points at is valid until actions_clear(); the chunk of
- * ACT_PUT_CHUNK and the pixels of ACT_PUT_ROWS as long as the message that
- * brought them.
+ * carries the actions out, in order.  An event that this causes may be
+ * delivered at once: its actions come after those that are there.  What an
+ * action points at is valid until actions_clear(); the chunk of ACT_PUT_CHUNK
+ * and the pixels of ACT_PUT_ROWS as long as the message that brought them.
  *
  * Connections have numbers: the shell chooses those of connections that came
  * in, the machine those that it asks for (ACT_DIAL, ACT_SPAWN), with
@@ -46,6 +45,7 @@ enum action_type {
                         * rows */
     ACT_PUT_PASS,      /* job, frame, pass: the pass of that number, to keep if
                         * that can be; nobody waits */
+    ACT_PUT_COLOURS,   /* job, colours: to show in previews; nobody waits */
     ACT_SETTLE,        /* conn, request: coord_settled when all that was asked
                         * to be kept before is */
     ACT_PUT_ROWS,      /* rows: keep; then coord_rows_stored */
@@ -67,8 +67,7 @@ enum action_type {
     ACT_STOP   /* leave with an exit status; text says why, or is empty */
 };
 
-/* Rows that one RESULT brought, and the key that comes back when they are
- * kept. */
+/* Rows of one RESULT, and the key that comes back when they are kept. */
 struct action_rows {
     uint64_t conn; /* worker's connection */
     uint8_t job[MSG_JOB];
@@ -89,6 +88,13 @@ struct action_rows {
     const uint8_t *line; /* with bottom of coded ones: the last row's colours,
                           * width * 3 floats as on the wire; NULL: none */
     uint64_t now_ms;
+};
+
+/* What every step-th pixel (of 8, 16 or 32) of an area looks like so far. */
+struct action_colours {
+    uint32_t frame; /* index */
+    int x, y, step, columns, rows;
+    const uint8_t *rgbe; /* row by row */
 };
 
 /* Files that should be looked at before has_file is asked of them, which would
@@ -135,6 +141,7 @@ struct action {
     const struct saved_unit *unit;
     const struct saved_gone *gone;
     const struct saved_pass *pass;
+    struct action_colours colours;
 };
 
 struct action_list {

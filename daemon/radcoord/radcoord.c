@@ -147,6 +147,9 @@ on_action(void *arg, const struct action *a)
     case ACT_PUT_PASS:
         store_put_pass(r->store, a->job, a->frame, a->pass);
         break;
+    case ACT_PUT_COLOURS:
+        store_put_colours(r->store, a->job, &a->colours);
+        break;
     case ACT_SETTLE:
         store_settle(r->store, a->conn, a->request);
         break;

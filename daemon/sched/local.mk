@@ -2,6 +2,8 @@
 libdaemon_a_SOURCES += \
 	daemon/sched/balance.c \
 	daemon/sched/balance.h \
+	daemon/sched/colours.c \
+	daemon/sched/colours.h \
 	daemon/sched/handout.c \
 	daemon/sched/handout.h \
 	daemon/sched/loss.c \

@@ -17,6 +17,7 @@
 #include "machine/jobtext.h"
 #include "picture/passplan.h"
 #include "proto/ambshare.h"
+#include "sched/colours.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -393,7 +394,8 @@ passes_give(struct coord *c, struct job *job, uint32_t index)
         job->first_ms = c->now_ms;
     if (job->state == JOB_WAITING)
         job->state = JOB_RUNNING;
-    m.tile = (struct msg_tile){ job->id, s->open, (uint32_t)(t - s->tile) };
+    m.tile = (struct msg_tile){ job->id, s->open, (uint32_t)(t - s->tile),
+                                colours_wanted(job, &s->plan[s->open]) };
     actions_send(&c->actions, jw->worker->conn, &m);
     return true;
 }
@@ -508,6 +510,7 @@ close_pass(struct coord *c, struct job *job)
         return;
     }
     keep_closed(c, job);
+    colours_close(job, &s->plan[s->open]);
     send_closed(c, job, s->open, send_to_all, NULL);
     if (job->spec.flags & MSG_JOB_RECORDS)
         send_closed(c, job, s->open, send_records, NULL);
@@ -588,7 +591,9 @@ passes_made(struct coord *c, struct coord_worker *w, const struct msg *msg)
         return;
     if (m->pass > s->open || (m->pass == s->open && m->tile >= s->ntiles) ||
         m->len != (size_t)m->count * AMBSHARE_BYTES ||
-        s->bytes + m->len > MOST_BYTES) {
+        s->bytes + m->len > MOST_BYTES ||
+        (m->pass == s->open &&
+         !colours_fit(job, &s->plan[s->open], m->tile, m->colours_len))) {
         verdict_break(c, w->conn, "a TILE_MADE that fits no tile");
         return;
     }
@@ -605,5 +610,6 @@ passes_made(struct coord *c, struct coord_worker *w, const struct msg *msg)
     if (!keep(c, job, t, m))
         return;
     count(job, index, &m->counts);
+    colours_keep(c, job, &s->plan[s->open], m);
     close_passes(c, job);
 }

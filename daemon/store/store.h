@@ -155,6 +155,9 @@ void store_keep_unit(struct store *s, const uint8_t job[MSG_JOB],
  */
 void store_put_pass(struct store *s, const uint8_t job[MSG_JOB], uint32_t pass,
                     const struct saved_pass *saved);
+/* Colours to be shown in previews, which are copied: nothing follows. */
+void store_put_colours(struct store *s, const uint8_t job[MSG_JOB],
+                       const struct action_colours *colours);
 void store_put_rows(struct store *s, const struct action_rows *rows);
 /* Call settled() when all that was asked for so far is kept. */
 void store_settle(struct store *s, uint64_t conn, uint32_t request);

@@ -103,6 +103,41 @@ store_put_pass(struct store *s, const uint8_t job[MSG_JOB], uint32_t pass,
     task_push(&s->queue, &p->task);
 }
 
+struct colours_task {
+    struct task task;
+    struct store *store;
+    uint8_t id[MSG_JOB];
+    struct action_colours colours;
+    uint8_t rgbe[];
+};
+
+static int
+colours_run(struct task *t)
+{
+    struct colours_task *p = (struct colours_task *)t;
+
+    folder_put_colours(&p->store->folder, p->id, &p->colours);
+    return 0;
+}
+
+void
+store_put_colours(struct store *s, const uint8_t job[MSG_JOB],
+                  const struct action_colours *colours)
+{
+    size_t n = 4 * (size_t)colours->columns * (size_t)colours->rows;
+    struct colours_task *p =
+        store_new_task(s, sizeof *p + n, colours_run, store_free_task);
+
+    if (!p)
+        return;
+    p->store = s;
+    memcpy(p->id, job, MSG_JOB);
+    p->colours = *colours;
+    p->colours.rgbe = p->rgbe;
+    memcpy(p->rgbe, colours->rgbe, n);
+    task_push(&s->queue, &p->task);
+}
+
 struct rows_task {
     struct task task;
     struct store *store;

@@ -15,8 +15,10 @@
 #include "base/parts.h"
 #include "base/rng.h"
 #include "base/vec.h"
+#include "image/hdr.h"
 #include "light/indirect/ambtile.h"
 #include "picture/path.h"
+#include "trace/asks.h"
 
 #include <math.h>
 #include <stdatomic.h>
@@ -174,12 +176,6 @@ ask_at_pixel(const struct rad_frame *f, struct rad_ctx *ctx, int x, int y)
     return r.hit.obj;
 }
 
-static int
-least(int a, int b)
-{
-    return a < b ? a : b;
-}
-
 /* The pixels that a tile may ask at. */
 struct patch {
     const struct rad_frame *frame;
@@ -273,29 +269,65 @@ ask_at_coarse(const struct patch *p, int done)
                 ask_at_pixel(p->frame, p->ctx, x, y);
 }
 
-static void
-ask_along_lattice(const struct rad_passes *p, struct rad_ctx *ctx,
-                  uint32_t tile, const _Atomic bool *stop)
+static struct patch
+patch_of(const struct rad_passes *p, struct rad_ctx *ctx, uint32_t tile,
+         const _Atomic bool *stop)
 {
     const struct rad_frame *f = p->frames + p->pass.frame;
-    int step = p->pass.step, side = rad_pass_side(step) * step, across;
-    struct patch patch = { .ctx = ctx, .stop = stop, .step = step };
+    int step = p->pass.step;
+    struct rad_pass_area a;
 
     for (uint32_t n; tile >= (n = rad_pass_tiles(f->width, f->height, step));
          f += p->pass.stride)
         tile -= n;
-    across = (int)rad_pass_along(f->width, step);
-    patch.frame = f;
-    patch.x0 = (int)tile % across * side;
-    patch.y0 = (int)tile / across * side;
-    patch.x1 = least(patch.x0 + side, f->width);
-    patch.y1 = least(patch.y0 + side, f->height);
-    ctx->no_direct = true;
+    a = rad_pass_area(f->width, f->height, step, tile);
+    return (struct patch){ f, ctx, stop, a.x0, a.y0, a.x1, a.y1, step };
+}
+
+static void
+ask_along_lattice(const struct rad_passes *p, const struct patch *patch)
+{
+    patch->ctx->no_direct = true;
     if (p->pass.finest)
-        ask_at_finest(&patch);
+        ask_at_finest(patch);
     else
-        ask_at_coarse(&patch, p->pass.done);
-    ctx->no_direct = false;
+        ask_at_coarse(patch, p->pass.done);
+    patch->ctx->no_direct = false;
+}
+
+/* Trace the pixels of the lattice as those of the picture. */
+static void
+trace_colours(const struct patch *p, struct rad_pass_colours *out)
+{
+    struct rad_pixel pixel;
+
+    for (int y = p->y0; y < p->y1; y += p->step)
+        for (int x = p->x0; x < p->x1 && !is_set(p->stop); x += p->step) {
+            rad_frame_pixel(p->frame, p->ctx, x, y, &pixel);
+            rad_rgbe(pixel.L, out->rgbe[out->n++]);
+        }
+    if (is_set(p->stop)) /* some are missing */
+        out->n = 0;
+}
+
+/* The context is left as it was: what it blocked last decides how many tests
+ * the next rays take. */
+static void
+look(const struct patch *p, struct rad_pass_colours *out)
+{
+    struct rad_ctx *ctx = p->ctx;
+    size_t n = sizeof *ctx->last_blocker *
+               (size_t)rad_sources_targets(ctx->job->sources);
+    struct rad_arena_mark mark = rad_arena_mark(&ctx->scratch);
+    void *blocker = rad_arena_dup(&ctx->scratch, ctx->last_blocker, n);
+    struct rad_counts counts = ctx->counts;
+
+    if (blocker) {
+        trace_colours(p, out);
+        memcpy(ctx->last_blocker, blocker, n);
+    }
+    ctx->counts = counts;
+    rad_arena_rewind(&ctx->scratch, mark);
 }
 
 static void
@@ -311,20 +343,28 @@ hand_on(const struct rad_ambtile *tile, rad_passes_fn *fn, void *arg)
 
 bool
 rad_passes_make(const struct rad_passes *p, struct rad_ctx *ctx, uint32_t tile,
-                const _Atomic bool *stop, rad_passes_fn *fn, void *arg)
+                const _Atomic bool *stop, rad_passes_fn *fn, void *arg,
+                struct rad_pass_colours *colours)
 {
     struct rad_ambtile own;
+    struct patch patch;
     bool whole;
 
+    if (colours)
+        colours->n = 0;
     if (!rad_ambtile_begin(&own, ctx, p->pass.level))
         return false;
-    if (p->pass.level > 0)
+    if (p->pass.level > 0) {
         ask_along_paths(p, ctx, tile, stop);
-    else
-        ask_along_lattice(p, ctx, tile, stop);
+    } else {
+        patch = patch_of(p, ctx, tile, stop);
+        ask_along_lattice(p, &patch);
+    }
     whole = !is_set(stop) && !own.failed;
     if (whole)
         hand_on(&own, fn, arg);
+    if (whole && colours && rad_pass_shows(&p->pass)) /* may make records */
+        look(&patch, colours);
     rad_ambtile_end(&own, ctx);
     return whole;
 }

@@ -29,13 +29,22 @@ void rad_passes_free(struct rad_passes *p);
 int rad_passes_begin(struct rad_passes *p, struct rad_ctx *ctx,
                      const struct rad_pass *pass, struct rad_error *err);
 
+/* What the pixels of a tile's lattice look like so far, row by row, as in a
+ * picture file (image/hdr.h). */
+struct rad_pass_colours {
+    uint32_t n; /* 0: the pass shows none (rad_pass_shows()) */
+    uint8_t rgbe[RAD_PASS_MOST_COLOURS][4];
+};
+
 /* Make a tile of the pass: fn gets its records in their order, some at a time.
+ * Then the tile's colours, unless that is NULL, by the cache and its records:
+ * these rays count nowhere, and change nothing.
  * Within a pixel of *stop, if that is set, it ends; so it does when memory is
  * out: false, and fn was not called.  Its rays count as ambient ones where they
  * leave a surface, never as primary.  Thread: any, at any number of tiles. */
 typedef void rad_passes_fn(void *arg, const struct rad_ambrec *rec, size_t n);
 bool rad_passes_make(const struct rad_passes *p, struct rad_ctx *ctx,
                      uint32_t tile, const _Atomic bool *stop, rad_passes_fn *fn,
-                     void *arg);
+                     void *arg, struct rad_pass_colours *colours);
 
 #endif

@@ -110,6 +110,23 @@ plan_pixels(const struct rad_params *par, const struct rad_pass_size *size,
     return n;
 }
 
+static int
+lesser(int a, int b)
+{
+    return a < b ? a : b;
+}
+
+struct rad_pass_area
+rad_pass_area(int width, int height, int step, uint32_t tile)
+{
+    int side = rad_pass_side(step) * step;
+    int across = (int)rad_pass_along(width, step);
+    int x = (int)tile % across * side, y = (int)tile / across * side;
+
+    return (struct rad_pass_area){ x, y, lesser(x + side, width),
+                                   lesser(y + side, height) };
+}
+
 uint32_t
 rad_passes_plan(const struct rad_params *par, const struct rad_pass_size *size,
                 uint32_t nsizes, struct rad_pass pass[RAD_MOST_PASSES])

@@ -80,4 +80,23 @@ rad_pass_tiles(int width, int height, int step)
     return rad_pass_along(width, step) * rad_pass_along(height, step);
 }
 
+/* The pixels of a tile of that lattice, x1 and y1 beyond the last. */
+struct rad_pass_area {
+    int x0, y0, x1, y1;
+};
+struct rad_pass_area rad_pass_area(int width, int height, int step,
+                                   uint32_t tile);
+
+/* Of passes with these lattices and coarser ones tiles can tell the colours of
+ * their pixels, for whoever watches the picture come: a 64th of all pixels, and
+ * the next lattice takes four times as long. */
+#define RAD_PASS_SHOWN        8
+#define RAD_PASS_MOST_COLOURS (RAD_PASS_LEAST_SIDE * RAD_PASS_LEAST_SIDE)
+
+static inline bool
+rad_pass_shows(const struct rad_pass *pass)
+{
+    return pass->level == 0 && pass->step >= RAD_PASS_SHOWN;
+}
+
 #endif

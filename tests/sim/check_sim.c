@@ -26,7 +26,7 @@ static struct {
     unsigned parted, late, refused;
     unsigned blows[SIM_TYPES][SIM_NBLOW];
     unsigned parked, gave, twins, loans, blocked, estimates, bars, aside,
-        estimates_left, pictures, tiles, passes;
+        estimates_left, pictures, tiles, passes, colours;
     uint64_t primary, speculative, unsaid;
     uint64_t resumed, again; /* see note_again() */
     unsigned pauses, priorities, rests, yields;
@@ -290,6 +290,7 @@ run(uint64_t seed, bool verbose)
     sum.aside += cluster.aside;
     sum.tiles += cluster.tiles;
     sum.passes += cluster.passes;
+    sum.colours += cluster.colours;
     sum.estimates += cluster.estimates;
     sum.estimates_left += cluster.estimates_left;
     sim_release(&cluster);
@@ -321,9 +322,9 @@ was_tried(void)
                  sum.drains && sum.stops && sum.repeats && sum.parted &&
                  sum.late && sum.parked && sum.gave && sum.twins && sum.loans &&
                  sum.blocked && sum.bars && sum.aside && sum.tiles &&
-                 sum.passes && sum.estimates && sum.estimates_left &&
-                 sum.pauses && sum.priorities && sum.rests && sum.yields &&
-                 sum.refused;
+                 sum.passes && sum.colours && sum.estimates &&
+                 sum.estimates_left && sum.pauses && sum.priorities &&
+                 sum.rests && sum.yields && sum.refused;
 
     for (size_t i = 0; i < sizeof types / sizeof types[0]; i++)
         for (int b = 0; b < SIM_NBLOW; b++)

@@ -68,11 +68,25 @@ vanish(struct net *net, struct net_event *e)
     net_later(net, net_random(net, 5000), dial_again)->a = e->a;
 }
 
+/* There may be nothing to be seen yet: that is asked for, too. */
+static void
+ask_preview(struct net *net, int node)
+{
+    struct sim_job *job = job_of(net, node);
+    struct msg m = { .type = MSG_FETCH,
+                     .request = 10,
+                     .fetch = { job->id, 0, MSG_WHAT_PREVIEW } };
+
+    net_send_msg(net, node, job->conn, &m);
+}
+
 static void
 accepted(struct net *net, int node)
 {
     struct sim_job *job = job_of(net, node);
 
+    if (job->watched)
+        ask_preview(net, node);
     if (!job->accepted && job->cancel)
         net_later(net, net_random(net, 1500), cancel)->a = node;
     if (!job->accepted && job->vanish)
@@ -96,9 +110,9 @@ failed(struct net *net, int node, const struct msg *m)
 {
     struct sim_job *job = job_of(net, node);
 
-    SIM_CHECK(net, m->request == 7 || m->request == 8);
-    if (m->request == 8)
-        return; /* too late to cancel */
+    SIM_CHECK(net, m->request == 7 || m->request == 8 || m->request == 10);
+    if (m->request != 7)
+        return; /* too late to cancel; or no preview */
     job->failed = true;
     job->status = m->failed.status;
     snprintf(job->text, sizeof job->text, "%s", m->failed.text);

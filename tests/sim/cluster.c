@@ -3,6 +3,7 @@
 
 #include "cluster.h"
 
+#include "base/rng.h"
 #include "worker/peer.h"
 #include "desk/desk.h"
 #include "desk/go.h"
@@ -65,6 +66,14 @@ send_stats(struct sim *s, const struct action *a, int job)
     const char *text = s->job[job].kept.stats;
     struct msg m = { .type = MSG_CHUNK, .request = a->request };
 
+    if (a->what == MSG_WHAT_PREVIEW) {
+        m = (struct msg){ .type = MSG_FAILED,
+                          .request = a->request,
+                          .failed = { a->job, EX_NOINPUT,
+                                      "no pictures here" } };
+        net_send_msg(&s->net, NODE_COORD, a->conn, &m);
+        return;
+    }
     SIM_CHECK(&s->net, a->what == MSG_WHAT_STATS && text != NULL);
     m.chunk.total = strlen(text);
     for (size_t at = 0; at < m.chunk.total; at += m.chunk.len) {
@@ -105,6 +114,9 @@ coord_action(struct sim *s, const struct action *a)
         break;
     case ACT_SEND_PICTURE:
         send_stats(s, a, job);
+        break;
+    case ACT_PUT_COLOURS:
+        sim_check_colours(net, &s->job[job], &a->colours);
         break;
     case ACT_DRAINED:
         for (int i = 0; i < s->nworkers; i++)
@@ -559,6 +571,8 @@ make_job(struct sim *s, int i)
     if (!(job->spec.flags & (MSG_JOB_SHARE | MSG_JOB_FRESH_FRAMES)) &&
         net_chance(net, 2))
         job->spec.flags |= MSG_JOB_PASSES;
+    job->watched = (job->spec.flags & MSG_JOB_PASSES) && /* draws nothing */
+                   rad_mix64(net->seed + 79 + (unsigned)i) % 3 == 0;
     sim_make_pictures(net, job);
     job->poisoned = net_chance(net, 16);
     if (job->poisoned && job->spec.partition != MSG_PART_WINDOW)

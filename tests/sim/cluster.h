@@ -85,6 +85,7 @@ struct sim_job {
     int poison_y;     /* in column 0 */
     uint64_t traced;  /* by all children together */
     uint64_t tile_rays; /* likewise, for tiles */
+    bool watched;       /* its client wants previews */
     bool cancel;      /* the client changes its mind */
     bool vanish;      /* the client goes away for a while */
     unsigned crashes; /* of its children so far */
@@ -181,6 +182,7 @@ struct sim {
     unsigned late;     /* units that others got as well */
     unsigned blows[SIM_TYPES][SIM_NBLOW];
     unsigned tiles, passes; /* made; closed at a child */
+    unsigned colours;       /* tiles that told theirs */
     unsigned parked, gave, twins, loans, blocked, estimates;
     unsigned estimates_left; /* of these, before their end */
     unsigned bars; /* units whose bars come along with their base lines */
@@ -258,6 +260,8 @@ void sim_children_release(struct sim *s);
 /* Passes (tiles.c). */
 uint32_t sim_plan(const struct sim_job *job,
                   struct rad_pass plan[RAD_MOST_PASSES]);
+void sim_check_colours(struct net *net, const struct sim_job *job,
+                       const struct action_colours *k);
 void sim_take_tile(struct net *net, int node, const struct msg_tile *m);
 void sim_take_frozen(struct net *net, int node, const struct msg_frozen *m);
 bool sim_cache_is_whole(const struct sim *s, const struct sim_child *k);

@@ -26,6 +26,60 @@ records(const struct sim_job *job, uint32_t pass, uint32_t tile,
     return n;
 }
 
+/* Of the pixel, by formula. */
+static void
+colour(const struct sim_job *job, uint32_t frame, int x, int y, uint8_t rgbe[4])
+{
+    uint64_t key = rad_mix64(job->look + frame) + (uint64_t)x * 65536;
+
+    key = rad_mix64(key + (uint64_t)y);
+    memcpy(rgbe, &key, 4);
+}
+
+/* The colours of a tile's lattice; returns their bytes. */
+static size_t
+colours(const struct sim_job *job, const struct rad_pass *pass, uint32_t tile,
+        uint8_t out[MSG_MAX_COLOURS])
+{
+    uint32_t frame = pass->frame, n;
+    struct rad_pass_area a;
+    size_t len = 0;
+
+    if (!rad_pass_shows(pass))
+        return 0;
+    for (; tile >=
+           (n = rad_pass_tiles((int)job->frame[frame].width,
+                               (int)job->frame[frame].height, pass->step));
+         frame += pass->stride)
+        tile -= n;
+    a = rad_pass_area((int)job->frame[frame].width,
+                      (int)job->frame[frame].height, pass->step, tile);
+    for (int y = a.y0; y < a.y1; y += pass->step)
+        for (int x = a.x0; x < a.x1; x += pass->step, len += 4)
+            colour(job, frame, x, y, out + len);
+    return len;
+}
+
+void
+sim_check_colours(struct net *net, const struct sim_job *job,
+                  const struct action_colours *k)
+{
+    const uint8_t *at = k->rgbe;
+    uint8_t want[4];
+
+    SIM_CHECK(net, job->watched);
+    for (int j = 0; j < k->rows; j++)
+        for (int i = 0; i < k->columns; i++, at += 4) {
+            int x = k->x + i * k->step, y = k->y + j * k->step;
+
+            SIM_CHECK(net, x < (int)job->frame[k->frame].width &&
+                               y < (int)job->frame[k->frame].height);
+            colour(job, k->frame, x, y, want);
+            SIM_CHECK(net, memcmp(at, want, 4) == 0);
+        }
+    sim_of(net)->colours++;
+}
+
 uint32_t
 sim_plan(const struct sim_job *job, struct rad_pass plan[RAD_MOST_PASSES])
 {
@@ -43,23 +97,29 @@ sim_plan(const struct sim_job *job, struct rad_pass plan[RAD_MOST_PASSES])
                : 0;
 }
 
-/* e->b: the tile, of pass e->len. */
+/* e->b: the tile; e->len: twice its pass, and 1 if its colours are wanted. */
 static void
 made(struct net *net, struct net_event *e)
 {
     struct sim_child *k = sim_child_of(net, e->a);
-    uint8_t data[MOST_RECORDS * AMBSHARE_BYTES];
+    uint8_t data[MOST_RECORDS * AMBSHARE_BYTES], shown[MSG_MAX_COLOURS];
+    struct rad_pass plan[RAD_MOST_PASSES];
     struct msg m = { .type = MSG_TILE_MADE };
     struct msg_tile_made *t = &m.tile_made;
 
-    if (!net->ops[e->a] || k->conn != e->c || k->passes != e->len)
+    if (!net->ops[e->a] || k->conn != e->c || k->passes != e->len / 2)
         return; /* a pass that was closed */
     *t = (struct msg_tile_made){ .job = sim_of(net)->job[k->job].id,
-                                 .pass = (uint32_t)e->len,
+                                 .pass = (uint32_t)e->len / 2,
                                  .tile = (uint32_t)e->b,
                                  .data = data };
     t->count = records(&sim_of(net)->job[k->job], t->pass, t->tile, data);
     t->len = (size_t)t->count * AMBSHARE_BYTES;
+    sim_plan(&sim_of(net)->job[k->job], plan);
+    t->colours = shown;
+    if (e->len % 2)
+        t->colours_len =
+            colours(&sim_of(net)->job[k->job], &plan[t->pass], t->tile, shown);
     t->counts.rays = t->counts.ambient_rays = t->tile + 1;
     t->counts.cpu_s = .001;
     sim_of(net)->job[k->job].tile_rays += t->counts.rays;
@@ -79,13 +139,14 @@ sim_take_tile(struct net *net, int node, const struct msg_tile *m)
     SIM_CHECK(net, m->pass == k->passes);
     SIM_CHECK(net, m->pass < sim_plan(&sim_of(net)->job[k->job], plan));
     SIM_CHECK(net, m->tile < plan[m->pass].tiles);
+    SIM_CHECK(net, !m->colours || sim_of(net)->job[k->job].watched);
     if (w->stopped_ms > net->now_ms)
         ms += (unsigned)(w->stopped_ms - net->now_ms);
     e = net_later(net, ms, made);
     e->a = node;
     e->b = (int)m->tile;
     e->c = k->conn;
-    e->len = m->pass;
+    e->len = 2 * (size_t)m->pass + m->colours;
 }
 
 /* Byte `at` and those that follow of a pass's records, tile after tile. */
