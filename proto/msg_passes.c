@@ -44,6 +44,45 @@ msg_code_frozen(struct codec *c, struct msg_frozen *b)
 }
 
 void
+msg_code_tile_records(struct codec *c, struct msg_tile_records *b)
+{
+    code_job(c, &b->job);
+    code_tile(c, &b->pass, &b->tile);
+    code_u32(c, &b->count);
+    code_blob(c, &b->data, &b->len, MSG_MAX_TILE);
+    code_read_must(c, b->count <= b->len);
+}
+
+void
+msg_code_closed(struct codec *c, struct msg_closed *b)
+{
+    code_job(c, &b->job);
+    code_u32(c, &b->pass);
+    code_u32(c, &b->count);
+    code_u64(c, &b->sum);
+    code_read_must(c, b->pass < MSG_MOST_PASSES);
+}
+
+void
+msg_code_holds(struct codec *c, struct msg_holds *b)
+{
+    code_job(c, &b->job);
+    code_u32(c, &b->pass);
+    code_below(c, &b->whole, 2);
+    code_read_must(c, b->pass < MSG_MOST_PASSES);
+}
+
+void
+msg_code_feed(struct codec *c, struct msg_feed *b)
+{
+    code_job(c, &b->job);
+    code_u32(c, &b->n);
+    code_must(c, b->n <= MSG_MOST_FED);
+    for (uint32_t i = 0; i < b->n && !code_bad(c); i++)
+        code_str(c, &b->name[i], MSG_MAX_NAME);
+}
+
+void
 msg_code_stage(struct codec *c, struct msg_stage *b)
 {
     code_job(c, &b->job);

@@ -52,6 +52,41 @@ struct msg_frozen {
     size_t len;
 };
 
+/* The records of a tile, while its pass is open: from the coordinator to some
+ * workers, from each of these to those that it feeds, and so on.  None are sent
+ * of a tile without records. */
+struct msg_tile_records {
+    const uint8_t *job;
+    uint32_t pass, tile;
+    uint32_t count;
+    const uint8_t *data;
+    size_t len;
+};
+
+/* A pass is closed.  A worker that has its records, by TILE_RECORDS, says so;
+ * or says that it lacks some, and gets FROZEN. */
+struct msg_closed {
+    const uint8_t *job;
+    uint32_t pass;
+    uint32_t count; /* records of all tiles */
+    uint64_t sum;   /* of their bytes in the order of tiles (rowsum_hash()) */
+};
+
+/* The answer to CLOSED. */
+struct msg_holds {
+    const uint8_t *job;
+    uint32_t pass;
+    uint8_t whole; /* 1: all its records; 0: some are lacking */
+};
+
+/* Workers to whom TILE_RECORDS are to be sent on; instead of those before. */
+#define MSG_MOST_FED 8
+struct msg_feed {
+    const uint8_t *job;
+    uint32_t n;
+    const char *name[MSG_MOST_FED];
+};
+
 /* A job whose picture is to be of some accuracy, or there by some time, fills
  * its cache in stages, each with its own options and from an empty cache.  The
  * next begins: its first pass, which has that number, is open.  No thread may

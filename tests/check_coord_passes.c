@@ -32,8 +32,23 @@ has_tile(uint64_t conn)
     return f.last[conn].type == MSG_TILE;
 }
 
+/* The workers say that they have what they are asked for. */
 static void
-made(uint64_t conn, uint32_t pass, uint32_t tile, uint32_t n)
+hold(bool whole)
+{
+    for (uint64_t conn = WORKER; conn <= SECOND; conn++)
+        while (f.last[conn].type == MSG_CLOSED) {
+            struct msg m = { .type = MSG_HOLDS,
+                             .holds = { job_a, f.last[conn].closed.pass,
+                                        whole } };
+
+            f.last[conn].type = 0;
+            say(&f, conn, &m);
+        }
+}
+
+static void
+make(uint64_t conn, uint32_t pass, uint32_t tile, uint32_t n)
 {
     struct msg m = { .type = MSG_TILE_MADE,
                      .tile_made = { .job = job_a,
@@ -45,6 +60,13 @@ made(uint64_t conn, uint32_t pass, uint32_t tile, uint32_t n)
                                     .len = n * AMBSHARE_BYTES } };
 
     say(&f, conn, &m);
+}
+
+static void
+made(uint64_t conn, uint32_t pass, uint32_t tile, uint32_t n)
+{
+    make(conn, pass, tile, n);
+    hold(true);
 }
 
 static struct passes_state
@@ -112,6 +134,95 @@ START_TEST(a_pass_that_is_closed_goes_to_all)
     ck_assert(z->pass == 0 && z->first == 0 && z->last && z->count == 4);
     ck_assert_uint_eq(z->data[0], 1);
     ck_assert_uint_eq(z->data[AMBSHARE_BYTES], 2);
+}
+END_TEST
+
+/* A first worker, and a second that it may dial. */
+static void
+two_are_ready(void)
+{
+    struct job *job;
+
+    submit_passes(ANA, &wide, 1);
+    ready(&f, WORKER, job_a);
+    join(&f, SECOND, MSG_ROLE_WORKER, "ws2", "daemon");
+    job = desk_find_job(f.c, job_a);
+    strcpy(job->workers[0].worker->address, "tcp 127.0.0.1:1");
+    ready(&f, SECOND, job_a);
+}
+
+/* What is made goes to a worker at once, and to others by way of that one; when
+ * the pass is closed those that lack it get it. */
+START_TEST(records_travel_while_tiles_are_made)
+{
+    const struct msg_frozen *z = &f.last[SECOND].frozen;
+    const struct job_worker *jw;
+
+    two_are_ready();
+    jw = desk_find_job(f.c, job_a)->workers;
+    ck_assert_uint_eq(jw[0].feeder, 0);
+    ck_assert_uint_eq(jw[1].feeder, 1);
+    ck_assert_int_eq(f.last[WORKER].type, MSG_FEED);
+    ck_assert(f.last[WORKER].feed.n == 1 &&
+              strcmp(f.last[WORKER].feed.name[0], "ws2") == 0);
+    f.last[SECOND].type = 0;
+    make(WORKER, 0, 1, 2);
+    ck_assert_int_eq(f.last[WORKER].type, MSG_TILE_RECORDS);
+    ck_assert(f.last[WORKER].tile_records.tile == 1 &&
+              f.last[WORKER].tile_records.count == 2);
+    ck_assert_int_eq(f.last[SECOND].type, 0);
+    make(WORKER, 0, 0, 0);
+    ck_assert_int_eq(f.last[WORKER].type, MSG_CLOSED);
+    ck_assert_int_eq(f.last[SECOND].type, MSG_CLOSED);
+    ck_assert(!has_tile(WORKER) && f.last[SECOND].closed.count == 2);
+    say(&f, SECOND,
+        &(struct msg){ .type = MSG_HOLDS, .holds = { job_a, 0, 0 } });
+    ck_assert_uint_eq(jw[1].feeder, 0); /* that way did not do */
+    ck_assert_uint_eq(jw[1].passes, 1);
+    ck_assert(has_tile(SECOND) ||
+              (f.last[SECOND].type == MSG_FROZEN && z->count == 2));
+    ck_assert(f.last[WORKER].type == MSG_FEED && f.last[WORKER].feed.n == 0);
+    say(&f, WORKER,
+        &(struct msg){ .type = MSG_HOLDS, .holds = { job_a, 0, 1 } });
+    ck_assert(has_tile(WORKER));
+}
+END_TEST
+
+/* Whoever a worker fed gets another place when that one is gone. */
+START_TEST(workers_that_were_fed_are_fed_by_others)
+{
+    const struct job *job;
+
+    two_are_ready();
+    job = desk_find_job(f.c, job_a);
+    ck_assert_uint_eq(job->workers[1].feeder, 1);
+    coord_closed(f.c, ++f.now_ms, WORKER, "gone");
+    carry_out(&f);
+    ck_assert_uint_eq(job->workers[1].feeder, 0);
+    join(&f, WORKER, MSG_ROLE_WORKER, "ws1", "daemon");
+    strcpy(job->workers[0].worker->address, "tcp 127.0.0.1:1");
+    ready(&f, WORKER, job_a);
+    ck_assert_uint_eq(job->workers[0].feeder, 2);
+}
+END_TEST
+
+/* Nothing is given to a worker that has not said what it has. */
+START_TEST(a_worker_is_asked_once_for_each_pass)
+{
+    submit_passes(ANA, &wide, 1);
+    ready(&f, WORKER, job_a);
+    make(WORKER, 0, 0, 1);
+    make(WORKER, 0, 1, 1);
+    ck_assert_int_eq(f.last[WORKER].type, MSG_CLOSED);
+    say(&f, WORKER,
+        &(struct msg){ .type = MSG_HOLDS, .holds = { job_a, 1, 1 } });
+    ck_assert_int_eq(f.last[WORKER].type, MSG_CLOSED); /* of no such pass */
+    hold(false);
+    ck_assert(has_tile(WORKER));
+    f.last[WORKER].type = 0;
+    say(&f, WORKER,
+        &(struct msg){ .type = MSG_HOLDS, .holds = { job_a, 0, 0 } });
+    ck_assert_int_eq(f.last[WORKER].type, 0); /* it was answered */
 }
 END_TEST
 
@@ -217,6 +328,7 @@ made_shown(uint64_t conn, uint32_t pass, uint32_t tile, uint32_t n)
                                     .colours_len = 4 * (size_t)n } };
 
     say(&f, conn, &m);
+    hold(true);
 }
 
 static void
@@ -344,6 +456,9 @@ main(void)
     tcase_add_checked_fixture(tc, set_up, tear_down);
     tcase_add_test(tc, units_come_when_all_passes_are_closed);
     tcase_add_test(tc, a_pass_that_is_closed_goes_to_all);
+    tcase_add_test(tc, records_travel_while_tiles_are_made);
+    tcase_add_test(tc, workers_that_were_fed_are_fed_by_others);
+    tcase_add_test(tc, a_worker_is_asked_once_for_each_pass);
     tcase_add_loop_test(tc, what_fits_no_tile_ends_the_connection, 0,
                         N_ELEM(wrong));
     tcase_add_test(tc, tiles_of_a_lost_worker_go_to_another);

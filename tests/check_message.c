@@ -152,6 +152,11 @@ static const struct msg examples[] = {
     { .type = MSG_FROZEN,
       .frozen = { ID, 1, 2, 1, 2, (const uint8_t *)"records", 7 } },
     { .type = MSG_STAGE, .stage = { ID, 8, "-ab 2 -aa .1" } },
+    { .type = MSG_TILE_RECORDS,
+      .tile_records = { ID, 1, 2, 2, (const uint8_t *)"records", 7 } },
+    { .type = MSG_CLOSED, .closed = { ID, 1, 2, 3 } },
+    { .type = MSG_HOLDS, .holds = { ID, 1, 1 } },
+    { .type = MSG_FEED, .feed = { ID, 2, { "ws2", "ws3" } } },
     { .type = MSG_SEED, .seed = { ID, 8192, MSG_SEED_ALL } },
     { .type = MSG_JOB_PEERS, .job_peers = { ID, 2, peers } },
     { .type = MSG_PEER_HELLO, .peer_hello = { ID, "ws1", ID + 1 } },
@@ -699,6 +704,10 @@ static const struct {
     NUMBER(MSG_TILE_MADE, tile_made.pass, MSG_MOST_PASSES, UINT32_MAX),
     NUMBER(MSG_TILE_MADE, tile_made.tile, MSG_MOST_TILES, UINT32_MAX),
     NUMBER(MSG_FROZEN, frozen.pass, MSG_MOST_PASSES, UINT32_MAX),
+    NUMBER(MSG_TILE_RECORDS, tile_records.pass, MSG_MOST_PASSES, UINT32_MAX),
+    NUMBER(MSG_TILE_RECORDS, tile_records.tile, MSG_MOST_TILES, UINT32_MAX),
+    NUMBER(MSG_CLOSED, closed.pass, MSG_MOST_PASSES, UINT32_MAX),
+    NUMBER(MSG_HOLDS, holds.pass, MSG_MOST_PASSES, UINT32_MAX),
     NUMBER(MSG_STAGE, stage.pass, MSG_MOST_PASSES, UINT32_MAX),
     NUMBER(MSG_SUBMIT, submit.error_ppm, 1, 1000001), /* without passes */
     NUMBER(MSG_SUBMIT, submit.time_ms, 1, UINT32_MAX),
@@ -771,7 +780,7 @@ static const struct {
     { MSG_AT_COORD_WORKER,
       " PING PONG BYE WANT FAILED DRAIN READY RESULT LOST TALLY FACTS PARKED "
       "BASE_LINE GAVE ESTIMATED LOAN PAID LINE_COSTS STILL RECORDS "
-      "UNLINKED ROOM TILE_MADE " },
+      "UNLINKED ROOM TILE_MADE HOLDS " },
     { MSG_AT_COORD_USER,
       " PING PONG BYE OFFER CHUNK SUBMIT CANCEL PAUSE PRIORITY "
       "RESUME FETCH QUERY PAGE DELETE " },
@@ -782,11 +791,12 @@ static const struct {
     { MSG_AT_WORKER,
       " PING PONG BYE CHUNK JOB_START JOB_END UNIT ACK REVOKE YIELD REST "
       "JOB_PEERS TWIN FACTS BASE_LINE NEXT_HOLDER SPLIT "
-      "ESTIMATE LEND LOAN BACK SEED RING TILE FROZEN STAGE " },
+      "ESTIMATE LEND LOAN BACK SEED RING TILE FROZEN STAGE TILE_RECORDS "
+      "CLOSED FEED " },
     { MSG_AT_CLIENT, " PING PONG BYE WANT CHUNK HAVE ACCEPT PROGRESS DONE "
                      "FAILED ANSWER RECORDS " },
     { MSG_AT_PEER_NEW, " PEER_HELLO " },
-    { MSG_AT_PEER, " PING PONG BYE AMBIENT BASE_LINE SPREAD " },
+    { MSG_AT_PEER, " PING PONG BYE AMBIENT BASE_LINE SPREAD TILE_RECORDS " },
     { MSG_AT_CHILD_NEW, " JOB_START " },
     { MSG_AT_CHILD,
       " JOB_END UNIT REVOKE YIELD REST AMBIENT GIVE TWIN FACTS BASE_LINE "

@@ -522,16 +522,30 @@ worker_sharing(void)
     passes(COORD, false);
 }
 
+/* rowsum_hash() of a record of blank bytes. */
+#define BLANK_SUM UINT64_C(0xed0b67fecacfe8c0)
+
 static void
 worker_tiles(void)
 {
+    static const struct msg_peer fed = { "ws2", "tcp b", other, MSG_PEER_DIAL,
+                                         1 };
     struct msg frozen = {
         .type = MSG_FROZEN, .frozen = { id, 0, 0, 1, 1, pixels, AMBSHARE_BYTES }
     };
 
     struct msg stage = { .type = MSG_STAGE, .stage = { id, 5, "-ab 1" } };
 
+    struct msg feed = { .type = MSG_FEED, .feed = { id, 1, { "ws2" } } };
+    struct msg records = { .type = MSG_TILE_RECORDS,
+                           .tile_records = { id, 5, 1, 1, pixels,
+                                             AMBSHARE_BYTES } };
+    struct msg closed = { .type = MSG_CLOSED, .closed = { id, 5, 1, 7 } };
+
     job_begins();
+    says(COORD,
+         &(struct msg){ .type = MSG_JOB_PEERS, .job_peers = { id, 1, &fed } });
+    says(COORD, &feed);
     tile(COORD, 0, 0, true);
     tile(CHILD, 0, 0, false);
     says(COORD, &frozen);
@@ -540,6 +554,12 @@ worker_tiles(void)
     says(COORD, &stage);
     tile(COORD, 5, 0, true);
     tile(CHILD, 5, 0, false);
+    says(COORD, &records);
+    says(COORD, &closed); /* its sum is another */
+    closed.closed.sum = BLANK_SUM;
+    records.tile_records.tile = 3;
+    says(DIALLED, &records);
+    says(COORD, &closed);
     unit(0);
 }
 

@@ -1,8 +1,10 @@
 /* check_worker.c - a worker's side of the protocol, one event at a time */
 #include "config.h"
 
+#include "proto/ambshare.h"
 #include "proto/frame.h"
 #include "ground/lossy.h"
+#include "machine/rowsum.h"
 #include "unit.h"
 #include "worker/worker.h"
 
@@ -1308,6 +1310,143 @@ START_TEST(a_unit_that_was_parked_and_is_resumed_is_a_suspect)
 }
 END_TEST
 
+/* --- records of tiles --- */
+
+/* A record of a tile: bytes that tell which. */
+static void
+tile_records(uint64_t conn, uint32_t pass, uint32_t tile)
+{
+    uint8_t data[AMBSHARE_BYTES];
+    struct msg m = { .type = MSG_TILE_RECORDS,
+                     .tile_records = { job_id, pass, tile, 1, data,
+                                       sizeof data } };
+
+    memset(data, (int)tile, sizeof data);
+    hear(conn, &m);
+}
+
+/* The pass has one record of each of so many tiles. */
+static void
+closed(uint32_t pass, uint32_t tiles)
+{
+    uint8_t data[4 * AMBSHARE_BYTES];
+    struct msg m = { .type = MSG_CLOSED, .closed = { job_id, pass, tiles, 0 } };
+
+    for (uint32_t i = 0; i < tiles; i++)
+        memset(data + i * AMBSHARE_BYTES, (int)i, AMBSHARE_BYTES);
+    m.closed.sum = rowsum_hash(data, tiles * AMBSHARE_BYTES);
+    hear(f.coord, &m);
+}
+
+static void
+begin_passes(void)
+{
+    connect();
+    start_job();
+    child_ready();
+    clear();
+}
+
+/* In whatever order they come, those of the next pass among them. */
+START_TEST(the_child_gets_records_in_the_order_of_tiles)
+{
+    const struct msg_frozen *z = &f.last.frozen;
+
+    begin_passes();
+    tile_records(f.coord, 0, 2);
+    tile_records(f.coord, 1, 0);
+    tile_records(f.coord, 0, 0);
+    tile_records(f.coord, 0, 0); /* twice */
+    ck_assert_int_eq(f.nsaid, 0);
+    closed(0, 3);
+    ck_assert_int_eq(f.nsaid, 0);
+    tile_records(f.coord, 0, 1);
+    ck_assert_int_eq(said(f.coord, MSG_HOLDS), 1);
+    ck_assert_int_eq(said(f.child, MSG_FROZEN), 1);
+    ck_assert(z->pass == 0 && z->first == 0 && z->last && z->count == 3);
+    for (uint32_t i = 0; i < 3; i++)
+        ck_assert_uint_eq(z->data[i * AMBSHARE_BYTES], i);
+    closed(1, 1);
+    ck_assert_int_eq(said(f.child, MSG_FROZEN), 2);
+    closed(2, 0); /* a pass without records */
+    ck_assert(z->pass == 2 && z->last && z->count == 0);
+}
+END_TEST
+
+/* After a while without any, and at once when they are others. */
+START_TEST(records_that_are_lacking_are_said_to_be)
+{
+    struct msg frozen = { .type = MSG_FROZEN,
+                          .frozen = { job_id, 0, 0, 1, 1, token, 9 } };
+
+    begin_passes();
+    tile_records(f.coord, 0, 1);
+    closed(0, 4);
+    tick(50);
+    tile_records(f.coord, 0, 3);
+    clear();
+    tick(60);
+    ck_assert_int_eq(f.nsaid, 0);
+    tick(100);
+    ck_assert_int_eq(said(f.coord, MSG_HOLDS), 1);
+    ck_assert(f.last.holds.pass == 0 && !f.last.holds.whole);
+    hear(f.coord, &frozen);
+    ck_assert_int_eq(f.last.type, MSG_FROZEN);
+    clear();
+    tile_records(f.coord, 1, 1); /* where the sum is of tile 0 */
+    closed(1, 1);
+    ck_assert_int_eq(said(f.child, MSG_FROZEN), 0);
+    ck_assert(f.last.type == MSG_HOLDS && !f.last.holds.whole);
+}
+END_TEST
+
+START_TEST(records_go_on_once_to_peers_that_are_fed)
+{
+    struct msg feed = { .type = MSG_FEED, .feed = { job_id, 1, { "ws2" } } };
+
+    begin_passes();
+    introduce(MSG_PEER_DIAL);
+    worker_opened(f.w, f.now_ms, f.peer);
+    carry_out();
+    clear();
+    tile_records(f.coord, 0, 0);
+    ck_assert_int_eq(said(f.peer, MSG_TILE_RECORDS), 0);
+    hear(f.coord, &feed);
+    tile_records(f.coord, 0, 1);
+    tile_records(f.peer, 0, 1);
+    tile_records(f.peer, 0, 2); /* it feeds us, too: that goes no further */
+    ck_assert_int_eq(said(f.peer, MSG_TILE_RECORDS), 2);
+    tile_records(f.coord, 2, 0); /* of a pass that is far */
+    ck_assert_int_eq(said(f.peer, MSG_TILE_RECORDS), 2);
+    feed.feed.n = 0;
+    hear(f.coord, &feed);
+    tile_records(f.coord, 0, 3);
+    ck_assert_int_eq(said(f.peer, MSG_TILE_RECORDS), 2);
+}
+END_TEST
+
+/* A child that is new has no pass: what was gathered for another is of no use.
+ */
+START_TEST(a_new_child_begins_with_the_first_pass)
+{
+    begin_passes();
+    tile_records(f.coord, 0, 0);
+    closed(0, 1);
+    tile_records(f.coord, 1, 0);
+    tile_records(f.coord, 2, 0);
+    worker_child_ended(f.w, ++f.now_ms, f.child, false, "signal 9");
+    carry_out();
+    start_job();
+    child_ready();
+    clear();
+    closed(1, 1);
+    ck_assert_int_eq(f.nsaid, 0);
+    closed(0, 1);
+    tile_records(f.coord, 0, 0);
+    ck_assert_int_eq(said(f.child, MSG_FROZEN), 1);
+}
+END_TEST
+
 int
 main(void)
 {
@@ -1339,6 +1478,10 @@ main(void)
     tcase_add_test(tc, the_end_of_a_job_ends_its_child);
     tcase_add_test(tc, a_child_that_gives_up_is_reported);
     tcase_add_test(tc, records_go_to_peers_and_from_peers_to_the_child);
+    tcase_add_test(tc, the_child_gets_records_in_the_order_of_tiles);
+    tcase_add_test(tc, records_that_are_lacking_are_said_to_be);
+    tcase_add_test(tc, records_go_on_once_to_peers_that_are_fed);
+    tcase_add_test(tc, a_new_child_begins_with_the_first_pass);
     tcase_add_test(tc, a_peers_key_is_forgotten);
     tcase_add_test(tc, a_peer_that_is_no_longer_welcome_is_let_go);
     tcase_add_test(tc, records_that_radsubmit_wants_go_to_the_coordinator);

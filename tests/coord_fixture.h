@@ -277,6 +277,7 @@ set_up_coord(bool keeps)
                              .arg = &f,
                              .program = "radcoord",
                              .epoch = 1,
+                             .direct = 1,
                              .keeps = keeps };
 
     memset(&f, 0, sizeof f);

@@ -140,6 +140,8 @@ packed(struct cluster *c, const struct msg *m, uint64_t n)
         c->out->base_line_bytes += out.len;
     if (m->type == MSG_TILE_MADE)
         c->out->tile_bytes += out.len;
+    if (m->type == MSG_TILE_RECORDS)
+        c->out->peer_bytes += out.len;
     e.bytes = out.buf;
     e.len = out.len;
     return e;
@@ -240,17 +242,21 @@ host_of(const struct cluster *c, uint64_t conn)
 
 /* --- what the coordinator wants --- */
 
-/* FROZEN, of a pass that is closed now, or of another for a late host? */
+/* Count records that go out, and see which pass is closed now. */
 static void
-note_frozen(struct cluster *c, const struct action *a)
+note_records(struct cluster *c, const struct action *a)
 {
+    uint16_t type = (uint16_t)(a->bytes[4] << 8 | a->bytes[5]);
     uint32_t open = c->passes;
 
-    if ((a->bytes[4] << 8 | a->bytes[5]) != MSG_FROZEN)
+    if (type == MSG_FROZEN)
+        c->out->frozen_bytes += a->len;
+    if (type == MSG_TILE_RECORDS)
+        c->out->records_bytes += a->len;
+    if (type != MSG_CLOSED)
         return;
-    c->out->frozen_bytes += a->len;
     decode(c, a->bytes, a->len);
-    if (c->msg.frozen.pass != open)
+    if (c->msg.closed.pass != open)
         return;
     c->closed_us[open] = c->events.now_us;
     c->out->passes_s = 1e-6 * (double)(c->events.now_us - c->start_us);
@@ -278,7 +284,7 @@ send_out(struct cluster *c, const struct action *a)
     }
     c->out->messages++;
     c->out->bytes += a->len;
-    note_frozen(c, a);
+    note_records(c, a);
     e.bytes = sim_alloc(a->len);
     memcpy(e.bytes, a->bytes, a->len);
     e.at_us = at + (uint64_t)c->spec->latency_us;

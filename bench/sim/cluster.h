@@ -74,7 +74,8 @@ struct cluster_result {
     double coord_s; /* processor time that coord.c really took here */
     double twice_s; /* of tiles that were made twice, or stopped */
     double passes_s; /* until all were closed */
-    uint64_t frozen_bytes, tile_bytes;
+    /* TILE_RECORDS of the coordinator and of hosts; FROZEN; TILE_MADE */
+    uint64_t records_bytes, peer_bytes, frozen_bytes, tile_bytes;
     uint64_t bytes, messages, base_line_bytes, units, failed;
     double state_s[CLUSTER_SLICES][HOST_STATES]; /* of all hosts */
 };

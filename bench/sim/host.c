@@ -231,6 +231,15 @@ host_message(struct cluster *c, struct host *h, const struct msg *m)
     case MSG_TILE:
         host_tiles_take(h, &m->tile);
         break;
+    case MSG_TILE_RECORDS:
+        host_tiles_records(h, &m->tile_records);
+        break;
+    case MSG_CLOSED:
+        host_tiles_closed(h, &m->closed);
+        break;
+    case MSG_FEED:
+        host_tiles_feed(h, &m->feed);
+        break;
     case MSG_FROZEN:
         host_tiles_freeze(h, &m->frozen);
         break;

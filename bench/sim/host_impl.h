@@ -67,6 +67,16 @@ struct host {
     size_t tile_step;         /* counts that */
     bool walked;              /* the paths of the open pass are there */
     double insert_s;          /* for records that have come */
+    struct gathered {
+        uint32_t pass;
+        uint8_t *tile; /* which tiles' records are here */
+        uint32_t n;    /* records */
+    } gathered[2];     /* of that pass and the next, by the last bit */
+    bool closed;       /* the pass is, and has so many: */
+    uint32_t count;
+    uint64_t heard_us; /* when a record of it came, or that */
+    int fed[MSG_MOST_FED];
+    uint32_t nfed;
     struct window *windows;
     struct asked *asked;
     struct bottom *bottoms;
@@ -176,6 +186,9 @@ void host_lines_forget(struct host *h);
 /* Are tiles to be made before the picture? */
 bool host_tiles_open(const struct host *h);
 void host_tiles_take(struct host *h, const struct msg_tile *m);
+void host_tiles_records(struct host *h, const struct msg_tile_records *m);
+void host_tiles_closed(struct host *h, const struct msg_closed *m);
+void host_tiles_feed(struct host *h, const struct msg_feed *m);
 void host_tiles_freeze(struct host *h, const struct msg_frozen *m);
 /* Begin what is to be done for them next; false: there is nothing. */
 bool host_tiles_begin(struct host *h);

@@ -10,6 +10,9 @@
 
 #include <stdlib.h>
 
+/* As in worker/gather.c. */
+#define QUIET_US 100000
+
 static const struct tile_pass *
 pass_of(const struct host *h, uint32_t pass)
 {
@@ -166,23 +169,121 @@ stop(struct host *h)
     h->ntiles = 0;
 }
 
+/* Records of that pass are to come. */
+static void
+begin_gathered(struct host *h, uint32_t pass)
+{
+    struct gathered *g = &h->gathered[pass & 1];
+
+    free(g->tile);
+    *g = (struct gathered){ .pass = pass,
+                            .tile = sim_alloc(pass_of(h, pass)->n + 1) };
+}
+
+/* All records of the pass are here. */
+static void
+close_pass(struct host *h, uint32_t count)
+{
+    h->insert_s += 1e-6 * h->cluster->spec->insert_us * count / h->speed;
+    stop(h);
+    host_time_note(h, h->state); /* what it waited for */
+    h->passes++;
+    h->walked = h->closed = false;
+}
+
 void
 host_tiles_freeze(struct host *h, const struct msg_frozen *m)
 {
     if (m->pass != h->passes)
         abort();
-    h->insert_s += 1e-6 * h->cluster->spec->insert_us * m->count / h->speed;
-    if (!m->last)
+    if (m->last)
+        close_pass(h, m->first + m->count);
+}
+
+static void
+say_held(struct host *h, bool whole)
+{
+    struct msg m = { .type = MSG_HOLDS,
+                     .holds = { h->cluster->job, h->passes, whole } };
+
+    h->closed = false;
+    host_say(h, &m);
+}
+
+static void
+look(struct host *h)
+{
+    const struct gathered *g = &h->gathered[h->passes & 1];
+
+    if (!h->closed || (g->pass == h->passes ? g->n : 0) != h->count)
         return;
-    stop(h);
-    host_time_note(h, h->state); /* what it waited for */
-    h->passes++;
-    h->walked = false;
+    say_held(h, true);
+    close_pass(h, h->count);
+}
+
+static void
+lacks(void *arg, struct event *e)
+{
+    struct host *h = host_alive(arg, e);
+
+    if (!h || !h->closed)
+        return;
+    if (h->cluster->events.now_us - h->heard_us >= QUIET_US)
+        say_held(h, false);
+    else
+        host_later(h, QUIET_US, lacks);
+}
+
+void
+host_tiles_closed(struct host *h, const struct msg_closed *m)
+{
+    if (m->pass != h->passes)
+        abort();
+    h->closed = true;
+    h->count = m->count;
+    h->heard_us = h->cluster->events.now_us;
+    host_later(h, QUIET_US, lacks);
+    look(h);
+}
+
+void
+host_tiles_records(struct host *h, const struct msg_tile_records *m)
+{
+    struct gathered *g = &h->gathered[m->pass & 1];
+    struct msg pass = { .type = MSG_TILE_RECORDS, .tile_records = *m };
+
+    if (m->pass != h->passes && m->pass != h->passes + 1)
+        return;
+    if (!g->tile || g->pass != m->pass)
+        begin_gathered(h, m->pass);
+    if (g->tile[m->tile])
+        return;
+    g->tile[m->tile] = true;
+    g->n += m->count;
+    for (uint32_t i = 0; i < h->nfed; i++)
+        cluster_send_peer(h->cluster, h->number, h->fed[i], &pass);
+    h->heard_us = h->cluster->events.now_us;
+    look(h);
+}
+
+void
+host_tiles_feed(struct host *h, const struct msg_feed *m)
+{
+    h->nfed = 0;
+    for (uint32_t i = 0; i < m->n; i++)
+        if (cluster_find(h->cluster, m->name[i]) >= 0)
+            h->fed[h->nfed++] = cluster_find(h->cluster, m->name[i]);
 }
 
 void
 host_tiles_forget(struct host *h)
 {
+    for (int i = 0; i < 2; i++) {
+        free(h->gathered[i].tile);
+        h->gathered[i] = (struct gathered){ 0 };
+    }
+    h->closed = false;
+    h->nfed = 0;
     h->ntiles = 0;
     h->insert_s = 0;
     h->passes = 0;

@@ -391,12 +391,14 @@ say_passes(const struct cluster_result *r, int hosts)
     printf("%21s passes %.3f s: tiles %.1f %%, made twice %.1f, paths %.1f, "
            "ends of passes %.1f, records on their way %.1f, into caches %.1f; "
            "loading %.1f, no unit %.1f, base lines %.1f;  TILE_MADE %.2f MB, "
-           "FROZEN %.2f MB\n",
+           "records on by radcoord %.2f MB, by hosts %.2f MB, FROZEN %.2f "
+           "MB\n",
            "", r->passes_s, share_of(r, hosts, HOST_TILES) - twice, twice,
            share_of(r, hosts, HOST_WALKS), share_of(r, hosts, HOST_BARRIER),
            share_of(r, hosts, HOST_RECORDS), share_of(r, hosts, HOST_INSERTS),
            share_of(r, hosts, HOST_LOADS), share_of(r, hosts, HOST_EMPTY),
            share_of(r, hosts, HOST_WAITS), 1e-6 * (double)r->tile_bytes,
+           1e-6 * (double)r->records_bytes, 1e-6 * (double)r->peer_bytes,
            1e-6 * (double)r->frozen_bytes);
 }
 

@@ -271,6 +271,7 @@ desk_is_idle(const struct job *job, uint32_t index)
     const struct job_worker *jw = &job->workers[index];
 
     return jw->state == PART_READY && desk_takes_units(jw->worker) &&
+           !jw->lags &&
            (jw->worker->in_flight == 0 ||
             jw->worker->priority < job->spec.priority) &&
            !jw->worker->alone;

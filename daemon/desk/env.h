@@ -38,6 +38,8 @@ struct coord_env {
     uint64_t epoch;      /* this life of the coordinator */
     unsigned all_linked; /* most workers of a job that are each linked with
                           * all others; 0: 64 (ring.h) */
+    unsigned direct;     /* most workers of a job to which it sends records of
+                          * tiles itself; 0: 8 (feeding.h) */
     bool keeps; /* there is a store that outlives it: what it needs to go on is
                  * told to it */
 };

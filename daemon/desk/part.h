@@ -58,6 +58,10 @@ struct job_worker {
     uint64_t surveyed_rays; /* of these, and of tiles */
     uint32_t passes;        /* whose records it has, or gets (passes.c) */
     uint32_t ntiles;        /* that it makes */
+    bool lags;       /* it has not said yet that it has those of all passes that
+                      * are closed */
+    uint32_t feeder; /* index + 1 of the worker that sends it records of tiles;
+                      * 0: the coordinator does (feeding.c) */
     uint64_t rest_ms; /* told to leave seeds and areas then (REST), and given
                        * nothing since; 0: it was not */
 

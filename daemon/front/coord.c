@@ -264,6 +264,7 @@ static const struct {
     { MSG_PING, on_ping },
     { MSG_RECORDS, on_records },
     { MSG_TILE_MADE, passes_made },
+    { MSG_HOLDS, passes_held },
     { MSG_UNLINKED, on_unlinked },
     { MSG_LINE_COSTS, on_line_costs },
 };

@@ -1,5 +1,7 @@
 # which workers are linked with which
 libdaemon_a_SOURCES += \
+	daemon/links/feeding.c \
+	daemon/links/feeding.h \
 	daemon/links/introduce.c \
 	daemon/links/introduce.h \
 	daemon/links/ring.c \

@@ -11,6 +11,7 @@
 #include "desk/speed.h"
 #include "desk/unit.h"
 #include "desk/verdict.h"
+#include "links/feeding.h"
 #include "links/ring.h"
 #include "sched/passes.h"
 #include "sched/survey.h"
@@ -244,6 +245,7 @@ loss_all(struct coord *c, struct job *job, uint32_t index, enum part_state to)
     if (part_is_here(&job->workers[index]))
         part_step(&job->workers[index], to);
     ring_left(c, job, index);
+    feeding_left(c, job, index);
     if (job->partition)
         partition_set_absent(job->partition, index, true);
     speed_measure(c, job);

@@ -2,10 +2,13 @@
  *
  * The open pass's tiles go out, a few more to each worker than it has threads.
  * When none is left, those that are out for long go to a second worker: a tile
- * has the same records whoever makes it.  When all are made the pass is closed:
- * their records, in the order of tiles, go to every worker, and the next pass
- * is open.  A worker that comes later gets the records of all passes that are
- * closed.  What a worker had and did not send is made again by others. */
+ * has the same records whoever makes it.  Meanwhile the records of tiles that
+ * are made travel to all workers, by way of some of them (links/feeding.h).
+ * When all tiles are made the pass is closed, and the next is open.  A worker
+ * gets nothing more before it has said that it has all records of the pass; if
+ * it lacks some it gets all of them, in the order of tiles.  So does a worker
+ * that comes later, of each pass that is closed.  What a worker had and did not
+ * send is made again by others. */
 #include "config.h"
 
 #include "sched/passes.h"
@@ -14,7 +17,9 @@
 #include "desk/part.h"
 #include "desk/speed.h"
 #include "desk/verdict.h"
+#include "links/feeding.h"
 #include "machine/jobtext.h"
+#include "machine/rowsum.h"
 #include "picture/passplan.h"
 #include "proto/ambshare.h"
 #include "sched/colours.h"
@@ -56,6 +61,7 @@ struct tile {
 struct closed {
     uint8_t *records;
     uint32_t n;
+    uint64_t sum;             /* of their bytes */
     struct msg_counts counts; /* of its tiles that were the first */
 };
 
@@ -114,6 +120,7 @@ take_up(struct coord *c, struct job *job)
             break;
         s->closed[i].records = (uint8_t *)kept->pass[i].bytes;
         s->closed[i].n = (uint32_t)(kept->pass[i].len / AMBSHARE_BYTES);
+        s->closed[i].sum = rowsum_hash(s->closed[i].records, kept->pass[i].len);
         s->bytes += kept->pass[i].len;
         msg_counts_add(&job->tiled, &kept->pass[i].counts);
         kept->pass[i].bytes = NULL;
@@ -233,18 +240,17 @@ static bool
 is_up_to_date(const struct job *job, const struct job_worker *jw)
 {
     return jw->state == PART_READY && jw->worker->conn != 0 &&
-           jw->passes == job->passes->open;
+           jw->passes == job->passes->open && !jw->lags;
 }
 
-/* To all that have the records of the passes before. */
+/* A frame to each worker that the function chooses. */
 static void
-send_to_all(struct coord *c, const struct job *job, const struct msg *m,
-            void *arg)
+send_some(struct coord *c, const struct job *job, const struct msg *m,
+          bool (*wanted)(const struct job *job, uint32_t index))
 {
     struct wire_out *out = &c->actions.scratch;
     uint8_t *kept;
 
-    (void)arg;
     out->len = 0;
     if (msg_pack(out, m) != 0 ||
         !(kept = actions_keep(&c->actions, out->buf, out->len))) {
@@ -252,9 +258,47 @@ send_to_all(struct coord *c, const struct job *job, const struct msg *m,
         return;
     }
     for (uint32_t i = 0; i < job->nworkers; i++)
-        if (is_up_to_date(job, &job->workers[i]))
+        if (wanted(job, i))
             actions_send_kept(&c->actions, job->workers[i].worker->conn, kept,
                               out->len);
+}
+
+static struct msg
+records_of(const struct job *job, uint32_t tile)
+{
+    const struct tile *t = &job->passes->tile[tile];
+    size_t len = (size_t)t->n * AMBSHARE_BYTES;
+
+    return (struct msg){ .type = MSG_TILE_RECORDS,
+                         .tile_records = { job->id, job->passes->open, tile,
+                                           t->n, t->records, len } };
+}
+
+/* Records of the open pass that are there already, to a worker that comes. */
+static void
+send_made(struct coord *c, const struct job *job, const struct coord_worker *w)
+{
+    const struct passes *s = job->passes;
+
+    for (uint32_t i = 0; i < s->ntiles; i++)
+        if (s->tile[i].made && s->tile[i].n > 0) {
+            struct msg m = records_of(job, i);
+
+            actions_send(&c->actions, w->conn, &m);
+        }
+}
+
+/* The worker is asked whether it has the records of the pass after those that
+ * it has. */
+static void
+ask(struct coord *c, const struct job *job, struct job_worker *jw)
+{
+    const struct closed *k = &job->passes->closed[jw->passes];
+    struct msg m = { .type = MSG_CLOSED,
+                     .closed = { job->id, jw->passes, k->n, k->sum } };
+
+    jw->lags = true;
+    actions_send(&c->actions, jw->worker->conn, &m);
 }
 
 /* To whoever keeps them (-af). */
@@ -281,7 +325,10 @@ passes_ready(struct coord *c, struct job *job, uint32_t index, uint32_t have)
     for (; have < closed; have++)
         send_closed(c, job, have, send_to_one, jw->worker);
     jw->passes = closed;
+    jw->lags = false;
     jw->ntiles = 0;
+    if (passes_open(job))
+        send_made(c, job, jw->worker);
     return true;
 }
 
@@ -426,6 +473,7 @@ passes_lost(struct job *job, uint32_t index)
     struct passes *s = job->passes;
 
     job->workers[index].ntiles = 0;
+    job->workers[index].lags = false;
     for (uint32_t i = s ? s->oldest : NO_TILE, then; i != NO_TILE; i = then) {
         then = s->tile[i].then;
         drop_holder(s, &s->tile[i], index);
@@ -477,7 +525,10 @@ gather(struct passes *s)
             memcpy(to, s->tile[i].records, len);
         to += len;
     }
-    return to != NULL;
+    if (!to)
+        return false;
+    k->sum = rowsum_hash(k->records, (size_t)k->n * AMBSHARE_BYTES);
+    return true;
 }
 
 /* To go on from after a restart. */
@@ -511,7 +562,6 @@ close_pass(struct coord *c, struct job *job)
     }
     keep_closed(c, job);
     colours_close(job, &s->plan[s->open]);
-    send_closed(c, job, s->open, send_to_all, NULL);
     if (job->spec.flags & MSG_JOB_RECORDS)
         send_closed(c, job, s->open, send_records, NULL);
     for (uint32_t i = 0; i < job->nworkers; i++) {
@@ -519,7 +569,7 @@ close_pass(struct coord *c, struct job *job)
 
         jw->ntiles = 0;
         if (is_up_to_date(job, jw))
-            jw->passes++;
+            ask(c, job, jw);
     }
     actions_log(&c->actions, ACT_DEBUG,
                 "pass closed job=%s pass=%u level=%d step=%d tiles=%u "
@@ -579,6 +629,27 @@ count(struct job *job, uint32_t index, const struct msg_counts *counts)
 }
 
 void
+passes_held(struct coord *c, struct coord_worker *w, const struct msg *msg)
+{
+    const struct msg_holds *m = &msg->holds;
+    uint32_t index;
+    struct job *job = desk_job_of(c, w, m->job, &index);
+    struct job_worker *jw = job ? &job->workers[index] : NULL;
+
+    if (!jw || !job->passes || !jw->lags || m->pass != jw->passes)
+        return;
+    if (!m->whole) {
+        feeding_lacked(c, job, index);
+        send_closed(c, job, m->pass, send_to_one, w);
+    }
+    jw->passes++;
+    jw->lags = false;
+    if (jw->passes < job->passes->open)
+        ask(c, job, jw);
+    c->stirred = true;
+}
+
+void
 passes_made(struct coord *c, struct coord_worker *w, const struct msg *msg)
 {
     const struct msg_tile_made *m = &msg->tile_made;
@@ -609,6 +680,11 @@ passes_made(struct coord *c, struct coord_worker *w, const struct msg *msg)
     }
     if (!keep(c, job, t, m))
         return;
+    if (t->n > 0) {
+        struct msg records = records_of(job, m->tile);
+
+        send_some(c, job, &records, feeding_is_direct);
+    }
     count(job, index, &m->counts);
     colours_keep(c, job, &s->plan[s->open], m);
     close_passes(c, job);

@@ -31,7 +31,9 @@ bool passes_give(struct coord *c, struct job *job, uint32_t index);
 /* Are there tiles that the worker could have, or does it have some? */
 bool passes_has(const struct coord *c, const struct job *job, uint32_t index);
 
-/* A message of a worker. */
+/* Messages of a worker. */
+void passes_held(struct coord *c, struct coord_worker *w,
+                 const struct msg *msg);
 void passes_made(struct coord *c, struct coord_worker *w,
                  const struct msg *msg);
 /* The worker will not answer: others get its tiles. */

@@ -29,6 +29,7 @@
 #include "desk/unit.h"
 #include "desk/verdict.h"
 #include "lines/handoff.h"
+#include "links/feeding.h"
 #include "links/introduce.h"
 #include "links/ring.h"
 #include "links/seeding.h"
@@ -188,7 +189,7 @@ static bool
 serve_job(struct coord *c, struct job *job, struct coord_worker *w,
           uint32_t index, bool *done)
 {
-    if (passes_open(job)) {
+    if (passes_open(job) || job->workers[index].lags) {
         *done = true; /* the next pass may be there in a moment */
         return passes_give(c, job, index);
     }
@@ -379,6 +380,21 @@ same_bits(const struct job *job, uint64_t fingerprint)
     return true;
 }
 
+/* To the workers that it is to share lines, or records, with. */
+static void
+link_worker(struct coord *c, struct job *job, struct coord_worker *w,
+            uint32_t index)
+{
+    if (!(job->spec.flags & MSG_JOB_SHARE) && !job->shared)
+        return;
+    if (ring_wanted(c, job)) {
+        ring_join(c, job, index);
+        return;
+    }
+    introduce_worker(c, job, w);
+    ring_of_few(c, job);
+}
+
 static void
 worker_ready(struct coord *c, struct job *job, struct coord_worker *w,
              struct job_worker *jw, const struct msg_ready *m)
@@ -390,14 +406,9 @@ worker_ready(struct coord *c, struct job *job, struct coord_worker *w,
     if (jw->ready_ms == 0)
         jw->ready_ms = c->now_ms;
     jw->took_part = true;
-    if (!(job->spec.flags & MSG_JOB_SHARE) && !job->shared)
-        return;
-    if (ring_wanted(c, job)) {
-        ring_join(c, job, (uint32_t)(jw - job->workers));
-        return;
-    }
-    introduce_worker(c, job, w);
-    ring_of_few(c, job);
+    link_worker(c, job, w, (uint32_t)(jw - job->workers));
+    if (passes_open(job))
+        feeding_join(c, job, (uint32_t)(jw - job->workers));
 }
 
 /* The first worker is ready: lay out the job's units; false: the job ends. */

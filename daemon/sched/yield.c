@@ -34,6 +34,8 @@ has_some_for(const struct coord *c, const struct job *job, uint32_t index)
     if (desk_idle_job(job) || job->stage != STAGE_OPEN ||
         jw->state != PART_READY)
         return false;
+    if (jw->lags)
+        return true;
     if (passes_open(job))
         return passes_has(c, job, index);
     return (job->survey && survey_has(c, job, index)) ||

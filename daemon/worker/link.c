@@ -3,6 +3,7 @@
 
 #include "worker/link.h"
 
+#include "worker/gather.h"
 #include "worker/peer.h"
 #include "worker/relay.h"
 #include "worker/spread.h"
@@ -254,6 +255,8 @@ link_message(struct worker *w, uint64_t conn, const struct msg *m)
         peer_receive(w, job, &m->ambient);
         if (job->spread)
             spread_heard(w, job, p, &m->ambient);
+    } else if (p && m->type == MSG_TILE_RECORDS) {
+        gather_take(w, job, &m->tile_records);
     } else if (p && m->type == MSG_SPREAD) {
         spread_take(w, job, &m->spread);
     } else if (p && m->type == MSG_BASE_LINE) {
@@ -315,6 +318,7 @@ link_tick(struct worker *w)
             if (p->retry_ms != 0 && w->now_ms >= p->retry_ms)
                 peer_dial(w, job, p);
         spread_tick(w, job);
+        gather_tick(w, job);
     }
     for (struct wcaller *k = w->callers, *next; k; k = next) {
         next = k->next;

@@ -2,6 +2,8 @@
 libdaemon_a_SOURCES += \
 	daemon/worker/ambseen.c \
 	daemon/worker/ambseen.h \
+	daemon/worker/gather.c \
+	daemon/worker/gather.h \
 	daemon/worker/link.c \
 	daemon/worker/link.h \
 	daemon/worker/peer.c \

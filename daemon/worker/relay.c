@@ -14,6 +14,7 @@
 #include "worker/relay.h"
 
 #include "machine/shelf.h"
+#include "worker/gather.h"
 #include "worker/peer.h"
 #include "worker/state.h"
 #include "worker/wjob.h"
@@ -330,6 +331,35 @@ on_frozen(struct worker *w, const struct msg *m)
         return;
     job->ready.passes++;
     job->ntiles = 0;
+    gather_turn(job);
+}
+
+static void
+on_tile_records(struct worker *w, const struct msg *m)
+{
+    struct wjob *job = worker_find_job(w, m->tile_records.job);
+
+    if (job)
+        gather_take(w, job, &m->tile_records);
+}
+
+static void
+on_closed(struct worker *w, const struct msg *m)
+{
+    struct wjob *job = worker_find_job(w, m->closed.job);
+
+    w->progress++;
+    if (job)
+        gather_closed(w, job, &m->closed);
+}
+
+static void
+on_feed(struct worker *w, const struct msg *m)
+{
+    struct wjob *job = worker_find_job(w, m->feed.job);
+
+    if (job)
+        gather_feed(w, job, &m->feed);
 }
 
 static void
@@ -342,6 +372,7 @@ on_stage(struct worker *w, const struct msg *m)
     worker_send_child(w, job, m);
     job->ready.passes = m->stage.pass;
     job->ntiles = 0;
+    gather_turn(job);
 }
 
 static void
@@ -382,6 +413,9 @@ static const struct {
     { MSG_TILE, on_tile },
     { MSG_FROZEN, on_frozen },
     { MSG_STAGE, on_stage },
+    { MSG_TILE_RECORDS, on_tile_records },
+    { MSG_CLOSED, on_closed },
+    { MSG_FEED, on_feed },
     { MSG_SEED, on_seed },
     { MSG_REST, on_rest },
 };

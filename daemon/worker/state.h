@@ -5,6 +5,7 @@
  *   worker_child.c  messages of a child
  *   worker_end.c    a job is over
  *   link.c          events of links to other workers
+ *   gather.c        records of tiles, until their pass is closed
  *   spread.c        which records go over which links
  *   relay.c         shared lines, on their way up and down
  *   peer.c          links to other workers: sending
@@ -103,6 +104,7 @@ struct wjob {
     size_t kept_bytes;
     struct wkept *kept, **kept_tail;
     struct wpeer *peers;
+    struct gather *gather; /* records of passes; NULL: none came */
     struct relay *relay;   /* base lines that were made here; NULL: none yet */
     struct spread *spread; /* links of the ring; NULL: there is none */
 };

@@ -7,6 +7,7 @@
 
 #include "worker/worker_says.h"
 
+#include "worker/gather.h"
 #include "worker/link.h"
 #include "worker/relay.h"
 #include "worker/state.h"
@@ -28,6 +29,7 @@ child_ready(struct worker *w, struct wjob *job, const struct msg *m)
     job->ready.job = ready.ready.job = job->id;
     job->ready.passes = ready.ready.passes = 0;
     job->ntiles = 0;
+    gather_turn(job);
     actions_session(&w->actions, job->child, MSG_AT_PARENT, MSG_VERSION);
     worker_send_coord(w, &ready);
 }

@@ -6,6 +6,7 @@
 
 #include "worker/worker_says.h"
 
+#include "worker/gather.h"
 #include "worker/link.h"
 #include "worker/relay.h"
 #include "worker/spread.h"
@@ -143,6 +144,7 @@ on_job_start(struct worker *w, const struct msg *m)
         return;
     }
     job->started = true;
+    gather_turn(job);
     spread_release(job); /* only workers that are ready have places */
     if (job->state == WJOB_READY)
         resume_job(w, job);

@@ -3,6 +3,7 @@
 
 #include "worker/worker_says.h"
 
+#include "worker/gather.h"
 #include "worker/link.h"
 #include "worker/relay.h"
 #include "worker/wjob.h"
@@ -18,6 +19,7 @@ worker_end_job(struct worker *w, struct wjob *job)
     *link = job->next;
     wjob_kill_child(w, job);
     link_release_job(w, job);
+    gather_release(job);
     relay_release(job);
     if (job->state == WJOB_FETCHING)
         files_lapse(w);

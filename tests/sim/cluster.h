@@ -161,7 +161,7 @@ struct sim {
     struct sim_job job[SIM_JOBS];
     int njobs;
     struct sim_child child[SIM_CHILDREN];
-    unsigned all_linked; /* as in coord_env */
+    unsigned all_linked, direct; /* as in coord_env */
     bool keeps;          /* what is on the disk outlives the coordinator */
     unsigned lives;      /* of the coordinator, this one too */
     uint64_t disk_ms;    /* the coordinator's disk is busy until then */

@@ -384,6 +384,7 @@ sim_coord_born(struct sim *s)
                              .program = "radcoord",
                              .epoch = ++s->lives,
                              .all_linked = s->all_linked,
+                             .direct = s->direct,
                              .keeps = s->keeps };
 
     s->coord = coord_new(&env);

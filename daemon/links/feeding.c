@@ -1,0 +1,144 @@
+/* feeding.c - see feeding.h */
+#include "config.h"
+
+#include "links/feeding.h"
+
+#include "links/introduce.h"
+#include "links/ring.h"
+
+/* Workers that the coordinator feeds.  It sends what all workers make to each,
+ * so these take as much of its line as of theirs what they feed. */
+#define DIRECT 8
+/* Workers that a worker feeds: two take the least time until the last has a
+ * record, where lines are the narrow part. */
+#define FED 2
+_Static_assert(FED <= MSG_MOST_FED, "names in FEED");
+
+static bool
+is_there(const struct job *job, uint32_t index)
+{
+    const struct job_worker *jw = &job->workers[index];
+
+    return jw->state == PART_READY && jw->worker->conn != 0;
+}
+
+bool
+feeding_is_direct(const struct job *job, uint32_t index)
+{
+    return is_there(job, index) && job->workers[index].feeder == 0;
+}
+
+static uint32_t
+most_direct(const struct coord *c)
+{
+    return c->env.direct > 0 ? c->env.direct : DIRECT;
+}
+
+/* Links from the coordinator to the worker; 0: they lead by way of that one. */
+static uint32_t
+depth(const struct job *job, uint32_t index, uint32_t not_by)
+{
+    uint32_t n = 1;
+
+    for (; index != not_by && job->workers[index].feeder > 0; n++)
+        index = job->workers[index].feeder - 1;
+    return index == not_by ? 0 : n;
+}
+
+static uint32_t
+count_fed(const struct job *job, uint32_t feeder)
+{
+    uint32_t n = 0;
+
+    for (uint32_t i = 0; i < job->nworkers; i++)
+        n += is_there(job, i) && job->workers[i].feeder == feeder;
+    return n;
+}
+
+/* The worker that is to feed it, index + 1, as near to the coordinator as there
+ * is one with room; 0: the coordinator. */
+static uint32_t
+choose(const struct coord *c, const struct job *job, uint32_t index)
+{
+    uint32_t best = 0, least = UINT32_MAX, n;
+
+    if (count_fed(job, 0) - feeding_is_direct(job, index) < most_direct(c))
+        return 0;
+    for (uint32_t i = 0; i < job->nworkers; i++)
+        if (is_there(job, i) && (n = depth(job, i, index)) > 0 && n < least &&
+            count_fed(job, i + 1) < FED) {
+            best = i + 1;
+            least = n;
+        }
+    return best;
+}
+
+/* Tell a worker whom it feeds. */
+static void
+say_fed(struct coord *c, const struct job *job, uint32_t feeder)
+{
+    struct msg m = { .type = MSG_FEED, .feed = { .job = job->id } };
+
+    if (feeder == 0 || !is_there(job, feeder - 1))
+        return;
+    for (uint32_t i = 0; i < job->nworkers; i++)
+        if (is_there(job, i) && job->workers[i].feeder == feeder &&
+            m.feed.n < MSG_MOST_FED)
+            m.feed.name[m.feed.n++] = job->workers[i].name;
+    actions_send(&c->actions, job->workers[feeder - 1].worker->conn, &m);
+}
+
+/* Workers that share lines are linked already, or have a ring. */
+static bool
+link_them(struct coord *c, struct job *job, uint32_t feeder, uint32_t index)
+{
+    if (!job->shared)
+        return introduce_link(c, job, job->workers[feeder].worker,
+                              job->workers[index].worker, 0);
+    if (ring_wanted(c, job))
+        ring_need(c, job, feeder, index);
+    return true;
+}
+
+static void
+find_place(struct coord *c, struct job *job, uint32_t index)
+{
+    uint32_t feeder = choose(c, job, index);
+
+    job->workers[index].feeder = 0;
+    if (feeder == 0 || !link_them(c, job, feeder - 1, index))
+        return;
+    job->workers[index].feeder = feeder;
+    say_fed(c, job, feeder);
+}
+
+void
+feeding_join(struct coord *c, struct job *job, uint32_t index)
+{
+    job->workers[index].feeder = 0;
+    if (job->passes)
+        find_place(c, job, index);
+}
+
+void
+feeding_left(struct coord *c, struct job *job, uint32_t index)
+{
+    uint32_t feeder = job->workers[index].feeder;
+
+    job->workers[index].feeder = 0;
+    if (!job->passes)
+        return;
+    say_fed(c, job, feeder);
+    for (uint32_t i = 0; i < job->nworkers; i++)
+        if (job->workers[i].feeder == index + 1)
+            find_place(c, job, i);
+}
+
+void
+feeding_lacked(struct coord *c, struct job *job, uint32_t index)
+{
+    uint32_t feeder = job->workers[index].feeder;
+
+    job->workers[index].feeder = 0;
+    say_fed(c, job, feeder);
+}

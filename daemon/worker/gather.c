@@ -1,0 +1,302 @@
+/* gather.c - see gather.h
+ *
+ * Of two passes records are kept: of the one that the child is at, and of the
+ * next, for a peer may hear sooner than this worker that a pass is closed.
+ * Each tile's records are passed on once, so that they do not go round however
+ * workers are told to feed each other. */
+#include "config.h"
+
+#include "worker/gather.h"
+
+#include "machine/rowsum.h"
+#include "proto/ambshare.h"
+#include "worker/peer.h"
+#include "worker/state.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Records that are under way when a pass is closed take no longer than that one
+ * after the other. */
+#define QUIET_MS 100
+
+/* Records of a pass, in bytes: more no coordinator takes (sched/passes.c). */
+#define MOST_BYTES ((uint64_t)512 << 20)
+
+/* Records in a message to the child. */
+#define TOGETHER 1000
+
+struct gtile {
+    uint8_t *data;
+    uint32_t count;
+};
+
+/* The records of a pass, by tile. */
+struct gpass {
+    uint32_t pass;
+    uint32_t room;
+    struct gtile *tile;
+    uint64_t bytes;
+};
+
+struct gather {
+    struct gpass of[2]; /* by the pass's last bit */
+    bool closed;        /* the pass that the child is at, by: */
+    uint32_t count;
+    uint64_t sum;
+    uint64_t heard_ms; /* when that, or a record of it, came */
+    uint32_t nfed;
+    char fed[MSG_MOST_FED][MSG_MAX_NAME + 1];
+};
+
+static void
+drop_pass(struct gpass *p)
+{
+    for (uint32_t i = 0; i < p->room; i++)
+        free(p->tile[i].data);
+    free(p->tile);
+    *p = (struct gpass){ 0 };
+}
+
+void
+gather_release(struct wjob *job)
+{
+    if (!job->gather)
+        return;
+    drop_pass(&job->gather->of[0]);
+    drop_pass(&job->gather->of[1]);
+    free(job->gather);
+    job->gather = NULL;
+}
+
+static struct gather *
+open_gather(struct worker *w, struct wjob *job)
+{
+    if (!job->gather)
+        job->gather = calloc(1, sizeof *job->gather);
+    if (!job->gather)
+        w->actions.failed = true;
+    return job->gather;
+}
+
+/* Is that the pass that the child is at, or the next? */
+static bool
+is_near(const struct wjob *job, uint32_t pass)
+{
+    return job->state == WJOB_READY &&
+           (pass == job->ready.passes || pass == job->ready.passes + 1);
+}
+
+void
+gather_turn(struct wjob *job)
+{
+    struct gather *g = job->gather;
+
+    if (!g)
+        return;
+    g->closed = false;
+    for (int i = 0; i < 2; i++)
+        if (!is_near(job, g->of[i].pass))
+            drop_pass(&g->of[i]);
+}
+
+/* --- records that come --- */
+
+/* Room for that many tiles; false: memory is out. */
+static bool
+make_room(struct gpass *p, uint32_t tiles)
+{
+    uint32_t room = p->room > 0 ? p->room : 64;
+    struct gtile *tile;
+
+    if (tiles <= p->room)
+        return true;
+    while (room < tiles)
+        room *= 2;
+    tile = realloc(p->tile, room * sizeof *tile);
+    if (!tile)
+        return false;
+    memset(tile + p->room, 0, (room - p->room) * sizeof *tile);
+    p->tile = tile;
+    p->room = room;
+    return true;
+}
+
+/* Keep a tile's records; false: they are here, or of no use. */
+static bool
+keep(struct worker *w, struct gpass *p, const struct msg_tile_records *m)
+{
+    struct gtile *t;
+
+    if (p->pass != m->pass)
+        drop_pass(p);
+    if (m->count == 0 || m->len != (size_t)m->count * AMBSHARE_BYTES ||
+        p->bytes + m->len > MOST_BYTES ||
+        (m->tile < p->room && p->tile[m->tile].data))
+        return false;
+    if (!make_room(p, m->tile + 1) ||
+        !(p->tile[m->tile].data = malloc(m->len))) {
+        w->actions.failed = true;
+        return false;
+    }
+    p->pass = m->pass;
+    t = &p->tile[m->tile];
+    t->count = m->count;
+    memcpy(t->data, m->data, m->len);
+    p->bytes += m->len;
+    return true;
+}
+
+static void
+pass_on(struct worker *w, struct wjob *job, const struct msg_tile_records *m)
+{
+    struct wire_out *out = &w->actions.scratch;
+    const struct gather *g = job->gather;
+    struct msg pass = { .type = MSG_TILE_RECORDS, .tile_records = *m };
+    uint8_t *kept = NULL;
+
+    out->len = 0;
+    if (g->nfed == 0 || msg_pack(out, &pass) != 0)
+        return;
+    for (uint32_t i = 0; i < g->nfed; i++) {
+        struct wpeer *p = peer_named(job, g->fed[i]);
+
+        if (p)
+            peer_records(w, job, p, &kept);
+    }
+}
+
+/* --- a pass that is closed --- */
+
+static void
+say(struct worker *w, const struct wjob *job, bool whole)
+{
+    struct msg m = { .type = MSG_HOLDS,
+                     .holds = { job->id, job->ready.passes, whole } };
+
+    worker_send_coord(w, &m);
+}
+
+/* All records of a pass in the order of tiles; NULL: memory is out. */
+static uint8_t *
+put_together(const struct gpass *p)
+{
+    uint8_t *all = malloc(p->bytes + 1), *to = all;
+
+    for (uint32_t i = 0; all && i < p->room; i++)
+        if (p->tile[i].data) {
+            size_t len = (size_t)p->tile[i].count * AMBSHARE_BYTES;
+
+            memcpy(to, p->tile[i].data, len);
+            to += len;
+        }
+    return all;
+}
+
+static void
+give_child(struct worker *w, struct wjob *job, const uint8_t *all, uint32_t n)
+{
+    struct msg m = { .type = MSG_FROZEN };
+    uint32_t at = 0;
+
+    do {
+        uint32_t k = n - at < TOGETHER ? n - at : TOGETHER;
+
+        m.frozen =
+            (struct msg_frozen){ .job = job->id,
+                                 .pass = job->ready.passes,
+                                 .first = at,
+                                 .last = at + k == n,
+                                 .count = k,
+                                 .data = all + (size_t)at * AMBSHARE_BYTES,
+                                 .len = (size_t)k * AMBSHARE_BYTES };
+        worker_send_child(w, job, &m);
+        at += k;
+    } while (at < n);
+}
+
+/* If all records of the pass that is closed are here, the child gets them. */
+static void
+look(struct worker *w, struct wjob *job)
+{
+    struct gather *g = job->gather;
+    struct gpass *p = &g->of[job->ready.passes & 1];
+    uint8_t *all;
+    bool whole;
+
+    if (!g->closed || p->bytes != (uint64_t)g->count * AMBSHARE_BYTES)
+        return;
+    all = put_together(p);
+    if (!all) {
+        w->actions.failed = true;
+        return;
+    }
+    whole = rowsum_hash(all, p->bytes) == g->sum;
+    g->closed = false;
+    say(w, job, whole);
+    if (whole) {
+        give_child(w, job, all, g->count);
+        job->ready.passes++;
+        job->ntiles = 0;
+    }
+    free(all);
+    drop_pass(p);
+}
+
+/* --- messages --- */
+
+void
+gather_take(struct worker *w, struct wjob *job,
+            const struct msg_tile_records *m)
+{
+    struct gather *g = is_near(job, m->pass) ? open_gather(w, job) : NULL;
+
+    if (!g || !keep(w, &g->of[m->pass & 1], m))
+        return;
+    job->bytes_in += m->len;
+    pass_on(w, job, m);
+    if (m->pass == job->ready.passes) {
+        g->heard_ms = w->now_ms;
+        look(w, job);
+    }
+}
+
+void
+gather_closed(struct worker *w, struct wjob *job, const struct msg_closed *m)
+{
+    struct gather *g = job->state == WJOB_READY && m->pass == job->ready.passes
+                           ? open_gather(w, job)
+                           : NULL;
+
+    if (!g)
+        return; /* the coordinator will hear of the lost child */
+    g->closed = true;
+    g->count = m->count;
+    g->sum = m->sum;
+    g->heard_ms = w->now_ms;
+    look(w, job);
+}
+
+void
+gather_feed(struct worker *w, struct wjob *job, const struct msg_feed *m)
+{
+    struct gather *g = open_gather(w, job);
+
+    if (!g)
+        return;
+    g->nfed = m->n;
+    for (uint32_t i = 0; i < m->n; i++)
+        snprintf(g->fed[i], sizeof g->fed[i], "%s", m->name[i]);
+}
+
+void
+gather_tick(struct worker *w, struct wjob *job)
+{
+    struct gather *g = job->gather;
+
+    if (!g || !g->closed || w->now_ms - g->heard_ms < QUIET_MS)
+        return;
+    g->closed = false;
+    say(w, job, false);
+}
