@@ -201,6 +201,10 @@ choose_cluster(struct program *p)
         return rad_fail(p->err, RAD_EUSAGE,
                         "--detach needs a coordinator: a cluster of "
                         "radsubmit's own ends with it");
+    if (p->embedded && p->o.reuse)
+        return rad_fail(p->err, RAD_EUSAGE,
+                        "--reuse needs a coordinator: a cluster of "
+                        "radsubmit's own keeps nothing");
     if (!p->embedded && (p->o.workers || p->o.threads))
         return rad_fail(p->err, RAD_EUSAGE,
                         "--workers and --threads are for a cluster of "
@@ -218,6 +222,22 @@ on_accepted(void *arg)
 
     msg_job_format(p->job.id, hex);
     tell(stderr, "radsubmit: job %s", hex);
+}
+
+static void
+on_reuse(void *arg, const uint8_t *from)
+{
+    char hex[MSG_JOB_HEX], text[120];
+
+    if (!from) {
+        program_say(arg, "no former job has ambient values that fit: the job "
+                         "begins without");
+        return;
+    }
+    msg_job_format(from, hex);
+    snprintf(text, sizeof text, "begins with the ambient values of job %s",
+             hex);
+    program_say(arg, text);
 }
 
 static bool
@@ -280,6 +300,8 @@ converse(struct program *p)
 
     if (p->o.preview)
         cb.preview = program_on_preview;
+    if (p->o.reuse)
+        cb.reuse = on_reuse;
     if (p->o.stats)
         cb.stats = program_on_stats;
     if (p->records.keep)
@@ -352,7 +374,9 @@ run_job(struct program *p)
     char hex[MSG_JOB_HEX];
     int rc;
 
-    if ((rc = compile(p)) < 0 || (rc = begin_records(p)) < 0 ||
+    if ((rc = compile(p)) < 0 ||
+        (rc = jobspec_set_scene(&p->job, &p->o, &p->scene, p->err)) < 0 ||
+        (rc = begin_records(p)) < 0 ||
         (rc = jobspec_add_frames(&p->job, &p->frames, &p->scene,
                                  local_folder(p->local), p->err)) < 0 ||
         (rc = cargo_init(&p->cargo, &p->scene.bundle, local_folder(p->local),

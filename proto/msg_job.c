@@ -145,6 +145,24 @@ code_target(struct codec *c, struct msg_spec *b)
                           b->flags & MSG_JOB_PASSES);
 }
 
+/* What only jobs have whose ambient cache may serve another job. */
+static void
+code_reuse(struct codec *c, struct msg_spec *b)
+{
+    if (b->flags & MSG_JOB_SCENE)
+        code_hash(c, &b->scene);
+    if (b->flags & MSG_JOB_REUSE)
+        code_job(c, &b->reuse);
+    code_read_must(c, !(b->flags & MSG_JOB_SCENE) ||
+                          (b->flags & MSG_JOB_PASSES && b->error_ppm == 0 &&
+                           b->time_ms == 0));
+    code_read_must(c, !(b->flags & MSG_JOB_REUSE) || b->flags & MSG_JOB_SCENE);
+    if (c->in && !(b->flags & MSG_JOB_SCENE))
+        b->scene = NULL;
+    if (c->in && !(b->flags & MSG_JOB_REUSE))
+        b->reuse = NULL;
+}
+
 void
 msg_code_spec(struct codec *c, struct msg_spec *b)
 {
@@ -180,6 +198,7 @@ msg_code_spec(struct codec *c, struct msg_spec *b)
     code_filter(c, b);
     code_target(c, b);
     code_must(c, code_bad(c) || sizes_fit(b));
+    code_reuse(c, b);
 }
 
 /* --- the file of frames --- */
@@ -256,6 +275,7 @@ msg_code_accept(struct codec *c, struct msg_accept *b)
 {
     code_job(c, &b->job);
     code_below(c, &b->again, 2);
+    code_job(c, &b->reuse);
 }
 
 void

@@ -57,12 +57,19 @@ struct msg_spec {
     /* with MSG_JOB_VIEWS: */
     const uint8_t *views;   /* hash of the file of frames, one of `files` */
     uint32_t width, height; /* the largest of any frame [pixels] */
+    /* with MSG_JOB_SCENE: */
+    const uint8_t *scene; /* of two jobs on one scene the same hash */
+    /* with MSG_JOB_REUSE: */
+    const uint8_t *reuse; /* the job whose ambient cache is its first pass; in a
+                           * SUBMIT zeros stand for the last one that fits */
 };
 
 /* The job is in the queue, whole. */
 struct msg_accept {
     const uint8_t *job;
     uint8_t again; /* 1: the job was in the queue before; now attached to it */
+    const uint8_t *reuse; /* the job whose ambient cache it begins with; zeros:
+                           * none's */
 };
 
 /* Pixels that were no numbers, or infinite or negative, and are black. */

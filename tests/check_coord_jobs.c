@@ -606,22 +606,22 @@ whole_job(const uint8_t *job)
 /* By number, by age, and by size, but not before its user can have it. */
 START_TEST(jobs_that_are_over_are_kept_for_a_while)
 {
-    static const struct coord_keep keeps[] = { { 1, 0, 0, 0 },
-                                               { 9, 90000, 0, 0 },
-                                               { 9, 0, 1000, 0 } };
+    static const struct coord_keep keeps[] = { { 1, 0, 0, 0, 0 },
+                                               { 9, 90000, 0, 0, 0 },
+                                               { 9, 0, 1000, 0, 0 } };
     static const unsigned until_s[] = { 0, 90, 60 };
 
     coord_set_keep(f.c, &keeps[_i]);
     whole_job(job_a);
-    coord_job_filed(f.c, f.now_ms, job_a, number(job_a), 900);
+    coord_job_filed(f.c, f.now_ms, job_a, number(job_a), 900, 0);
     whole_job(job_b);
-    coord_job_filed(f.c, f.now_ms, job_b, number(job_b), 900);
+    coord_job_filed(f.c, f.now_ms, job_b, number(job_b), 900, 0);
     carry_out(&f);
     if (until_s[_i] > 0) {
         wait_s(&f, until_s[_i] / 2);
         ck_assert_ptr_nonnull(desk_find_job(f.c, job_a));
         wait_s(&f, until_s[_i]);
-        coord_job_filed(f.c, f.now_ms, job_b, number(job_b), 900);
+        coord_job_filed(f.c, f.now_ms, job_b, number(job_b), 900, 0);
     }
     ck_assert_ptr_null(desk_find_job(f.c, job_a));
     ck_assert((desk_find_job(f.c, job_b) == NULL) == (_i == 1));
@@ -722,7 +722,7 @@ START_TEST(of_a_job_that_is_filed_its_end_is_kept)
     whole_job(job_a);
     job = desk_find_job(f.c, job_a);
     progress_tell(job, f.now_ms, &before);
-    coord_job_filed(f.c, f.now_ms, job_a, number(job_a), 900);
+    coord_job_filed(f.c, f.now_ms, job_a, number(job_a), 900, 0);
     wait_s(&f, 1); /* a worker may tell something yet */
     ck_assert_ptr_nonnull(job->units);
     wait_s(&f, 2);

@@ -276,7 +276,7 @@ START_TEST(a_deleted_jobs_opening_and_end_are_not_the_next_ones)
     coord_job_opened(f.c, f.now_ms, job_a, gone, 0, "");
     ck_assert(job->stage != STAGE_OPEN);
     coord_job_opened(f.c, f.now_ms, job_a, gone, EX_TEMPFAIL, "it is over");
-    coord_job_filed(f.c, f.now_ms, job_a, gone, 900);
+    coord_job_filed(f.c, f.now_ms, job_a, gone, 900, 0);
     ck_assert(!job_over(job));
     ck_assert_uint_eq(job->kept_bytes, 0);
     coord_job_opened(f.c, f.now_ms, job_a, job->sequence, 0, "");

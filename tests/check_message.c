@@ -87,7 +87,7 @@ static const struct msg examples[] = {
       .chunk = { ID, 4, 9, (const uint8_t *)"hello", 5 } },
     { .type = MSG_HAVE, .have = { ID } },
     { .type = MSG_SUBMIT, .request = 3, .submit = SPEC },
-    { .type = MSG_ACCEPT, .request = 3, .accept = { ID, 1 } },
+    { .type = MSG_ACCEPT, .request = 3, .accept = { ID, 1, ID + 1 } },
     { .type = MSG_PROGRESS, .request = 3,
       .progress = { ID, 1, 2, 3, 4, 5, 6, 7.5, 8.5, 9, 10, 11, 12.5,
                     { 13, 14, 15, 16 }, { { 17, 18 }, { 19, 20 } }, .0625 } },
@@ -661,6 +661,53 @@ START_TEST(a_filter_is_within_its_range)
 }
 END_TEST
 
+static const struct {
+    uint32_t flags, error_ppm, time_ms;
+    bool fine;
+} reuses[] = {
+    { MSG_JOB_PASSES | MSG_JOB_SCENE, 0, 0, true },
+    { MSG_JOB_PASSES | MSG_JOB_SCENE | MSG_JOB_REUSE, 0, 0, true },
+    { MSG_JOB_PASSES | MSG_JOB_REUSE, 0, 0, false },
+    { MSG_JOB_SCENE, 0, 0, false },
+    { MSG_JOB_SHARE | MSG_JOB_SCENE, 0, 0, false },
+    { MSG_JOB_PASSES | MSG_JOB_SCENE, 50000, 0, false },
+    { MSG_JOB_PASSES | MSG_JOB_SCENE, 0, 9000, false },
+};
+
+START_TEST(a_cache_is_reused_in_passes_of_one_scene)
+{
+    struct msg m = { .type = MSG_SUBMIT, .submit = SPEC }, back = { 0 };
+    bool begins = reuses[_i].flags & MSG_JOB_REUSE;
+    uint8_t bytes[MOST];
+    size_t n;
+    int rc;
+
+    m.submit.flags = reuses[_i].flags;
+    m.submit.error_ppm = reuses[_i].error_ppm;
+    m.submit.time_ms = reuses[_i].time_ms;
+    m.submit.scene = two_hashes;
+    m.submit.reuse = ID;
+    n = pack(&m, bytes) - MSG_HEADER;
+    rc = unpack_exactly(m.type, bytes + MSG_HEADER, n, &back);
+    ck_assert_int_eq(rc, reuses[_i].fine ? 0 : RAD_EPROTO);
+    if (reuses[_i].fine) {
+        ck_assert_mem_eq(back.submit.scene, two_hashes, MSG_HASH);
+        ck_assert_int_eq(back.submit.reuse != NULL, begins);
+        if (begins)
+            ck_assert_mem_eq(back.submit.reuse, ID, MSG_JOB);
+    }
+    for (size_t i = 1; i <= MSG_HASH + MSG_JOB; i++) {
+        struct msg cut = { 0 };
+
+        ck_assert_int_eq(
+            unpack_exactly(m.type, bytes + MSG_HEADER, n - i, &cut),
+            RAD_EPROTO);
+        msg_release(&cut);
+    }
+    msg_release(&back);
+}
+END_TEST
+
 /* Databases have some without; a message must have them. */
 START_TEST(what_a_specification_has_more_is_zero_at_its_end)
 {
@@ -1019,6 +1066,8 @@ main(void)
     tcase_add_loop_test(tc, each_message_arrives_only_where_it_may, 0,
                         N_ELEM(arrivals));
     tcase_add_loop_test(tc, a_filter_is_within_its_range, 0, N_ELEM(filters));
+    tcase_add_loop_test(tc, a_cache_is_reused_in_passes_of_one_scene, 0,
+                        N_ELEM(reuses));
     tcase_add_test(tc, what_a_specification_has_more_is_zero_at_its_end);
     tcase_add_loop_test(tc, a_number_out_of_its_range_is_refused, 0,
                         (int)N_ELEM(numbers));

@@ -592,7 +592,7 @@ struct heard {
     uint32_t unit;
     ssize_t n;
     int read_status;
-    uint64_t size;
+    uint64_t size, cache_size;
     int broken, filed;
     uint32_t settled, looked;
     bool full;
@@ -689,7 +689,7 @@ on_broken(void *arg, int status, const char *text)
 
 static void
 on_filed(void *arg, const uint8_t job[MSG_JOB], uint64_t sequence,
-         uint64_t bytes)
+         uint64_t bytes, uint64_t cache_bytes)
 {
     struct heard *h = arg;
 
@@ -697,6 +697,7 @@ on_filed(void *arg, const uint8_t job[MSG_JOB], uint64_t sequence,
     h->sequence = sequence;
     h->filed++;
     h->size = bytes;
+    h->cache_size = cache_bytes;
 }
 
 static void

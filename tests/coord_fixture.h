@@ -58,6 +58,8 @@ struct fixture {
     uint16_t peer_version[CONNS];
     unsigned files_sent; /* to workers, and the last of them */
     uint8_t file_sent[MSG_HASH];
+    unsigned loads, drops; /* of caches of jobs, and the job of the last */
+    uint8_t cache_of[MSG_JOB];
     bool stuck;        /* nothing gets to the disk */
     uint64_t settling; /* who is to hear when that is over; and of what */
     uint32_t settling_what;
@@ -143,7 +145,11 @@ carry_out(struct fixture *f)
         } else if (a.type == ACT_WRITE_PICTURE)
             coord_picture_written(f->c, f->now_ms, a.job, a.sequence, a.frame,
                                   0, NULL);
-        else if (a.type == ACT_LOG && strstr(a.text, "no numbers"))
+        else if (a.type == ACT_LOAD_CACHE || a.type == ACT_DROP_CACHE) {
+            f->loads += a.type == ACT_LOAD_CACHE;
+            f->drops += a.type == ACT_DROP_CACHE;
+            memcpy(f->cache_of, a.job, MSG_JOB);
+        } else if (a.type == ACT_LOG && strstr(a.text, "no numbers"))
             snprintf(f->nan_log, sizeof f->nan_log, "%d %s", ++f->nan_logs,
                      strstr(a.text, "pixels="));
     }

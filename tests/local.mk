@@ -28,6 +28,7 @@ UNIT_TESTS = \
 	tests/check_coord_faults \
 	tests/check_coord_jobs \
 	tests/check_coord_passes \
+	tests/check_reuse \
 	tests/check_coord_order \
 	tests/check_listing \
 	tests/check_coord_rows \
@@ -372,6 +373,7 @@ dist_check_SCRIPTS += \
 	tests/e2e/cluster_keys.sh \
 	tests/e2e/cluster_passes.sh \
 	tests/e2e/cluster_preview.sh \
+	tests/e2e/reuse.sh \
 	tests/e2e/cluster_peers.sh \
 	tests/e2e/cluster_sandbox.sh \
 	tests/e2e/cluster_sockets.sh \
@@ -439,6 +441,7 @@ TESTS += \
 	tests/e2e/cluster_keys.sh \
 	tests/e2e/cluster_passes.sh \
 	tests/e2e/cluster_preview.sh \
+	tests/e2e/reuse.sh \
 	tests/e2e/cluster_peers.sh \
 	tests/e2e/cluster_sandbox.sh \
 	tests/e2e/cluster_sockets.sh \
@@ -499,6 +502,10 @@ tests_check_coord_faults_SOURCES = tests/check_coord_faults.c \
 	tests/coord_fixture.h tests/unit.h
 tests_check_coord_faults_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS) $(JANSSON_CFLAGS)
 tests_check_coord_faults_LDADD = $(LIBDAEMON) $(UNIT_LIBS)
+
+tests_check_reuse_SOURCES = tests/check_reuse.c tests/coord_fixture.h tests/unit.h
+tests_check_reuse_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS) $(JANSSON_CFLAGS)
+tests_check_reuse_LDADD = $(LIBDAEMON) $(UNIT_LIBS)
 
 tests_check_coord_passes_SOURCES = tests/check_coord_passes.c \
 	tests/coord_fixture.h tests/unit.h

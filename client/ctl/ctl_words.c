@@ -160,6 +160,25 @@ put_work(FILE *to, const json_t *job)
     }
 }
 
+/* The ambient cache that it began with, and what is kept of its own. */
+static void
+put_reuse(FILE *to, const json_t *job)
+{
+    double bytes = number_of(job, "cache_bytes");
+    char line[80], size[FIGURE_TEXT];
+
+    if (text_of(job, "reuse")[0]) {
+        snprintf(line, sizeof line, "begins with that of %s",
+                 text_of(job, "reuse"));
+        put(to, "ambient cache", line);
+    }
+    if (bytes > 0) {
+        snprintf(line, sizeof line, "%s MB kept for --reuse",
+                 figure(size, bytes / 1e6, 3));
+        put(to, "ambient cache", line);
+    }
+}
+
 void
 ctl_tell_job(FILE *to, const json_t *job)
 {
@@ -185,6 +204,7 @@ ctl_tell_job(FILE *to, const json_t *job)
                  floor(100 * number_of(job, "pass_done")));
         put(to, "ambient cache", line);
     }
+    put_reuse(to, job);
     put_picture(to, job);
     snprintf(line, sizeof line, "%.0f", number_of(job, "workers"));
     put(to, "workers", line);

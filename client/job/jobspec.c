@@ -137,10 +137,52 @@ ambient_flags(const struct submit_options *o, uint32_t nframes)
     bool passes = o->ambient_way == AMBIENT_PASSES;
 
     if (o->ambient_way == AMBIENT_NONE)
-        passes = !o->no_share && !o->fresh_frames && nframes <= MOST_AT_ONCE;
+        passes = o->reuse ||
+                 (!o->no_share && !o->fresh_frames && nframes <= MOST_AT_ONCE);
     if (passes)
         return MSG_JOB_PASSES;
     return o->no_share ? 0 : MSG_JOB_SHARE;
+}
+
+/* Have the job's options an ambient cache? */
+static bool
+has_cache(const struct rad_params *p)
+{
+    return p->ambounce > 0 && p->ambacc > 0 && p->ambdiv > 0;
+}
+
+int
+jobspec_set_scene(struct jobspec *j, const struct submit_options *o,
+                  const struct compiled *scene, struct rad_error *err)
+{
+    char hex[RAD_SHA_HEX + 1];
+    int rc;
+
+    if (o->reuse && !has_cache(&o->params))
+        return rad_fail(err, RAD_EUSAGE,
+                        "--reuse is for ambient values: -ab, -aa and -ad must "
+                        "not be 0");
+    if (!has_cache(&o->params))
+        return 0;
+    rc = compile_name(scene, hex, err);
+    if (rc < 0)
+        return rc;
+    rad_sha_from_hex(hex, j->scene);
+    j->spec.scene = j->scene;
+    if (o->reuse && strcmp(o->reuse, "last") != 0)
+        msg_job_parse(o->reuse, j->reuse);
+    if (o->reuse)
+        j->spec.reuse = j->reuse;
+    return 0;
+}
+
+/* Jobs whose caches other jobs may begin with, and such as begin so. */
+static uint32_t
+reuse_flags(const struct msg_spec *s)
+{
+    if (!(s->flags & MSG_JOB_PASSES) || !s->scene)
+        return 0;
+    return MSG_JOB_SCENE | (s->reuse ? MSG_JOB_REUSE : 0);
 }
 
 void
@@ -173,6 +215,7 @@ jobspec_fill(struct jobspec *j, const struct submit_options *o,
                (o->fresh_frames ? MSG_JOB_FRESH_FRAMES : 0) |
                (o->same_bits ? MSG_JOB_SAME_BITS : 0) |
                (s->views ? MSG_JOB_VIEWS : 0);
+    s->flags |= reuse_flags(s);
     s->partition = choose_partition(o);
     /* the same words in the same order */
     s->order = o->order == ORDER_NONE ? MSG_ORDER_COST : (uint8_t)o->order;

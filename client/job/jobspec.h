@@ -18,6 +18,7 @@
 struct jobspec {
     struct msg_spec spec; /* once it is filled */
     uint8_t id[MSG_JOB], views[MSG_HASH];
+    uint8_t scene[MSG_HASH], reuse[MSG_JOB];
     uint8_t *costs; /* of lines, from a former run; NULL: none */
     uint32_t ncosts;
     char params[RAD_PARAMS_TEXT];     /* of what is rendered, */
@@ -39,6 +40,12 @@ int jobspec_read_costs(struct jobspec *j, const struct submit_options *o,
 int jobspec_add_frames(struct jobspec *j, const struct frames *frames,
                        struct compiled *scene, const char *folder,
                        struct rad_error *err);
+
+/* Which scene it is, and the job whose ambient cache it begins with; before
+ * anything but its files is added to the scene.  RAD_EUSAGE: it has no such
+ * cache; RAD_ENOMEM. */
+int jobspec_set_scene(struct jobspec *j, const struct submit_options *o,
+                      const struct compiled *scene, struct rad_error *err);
 
 /* All else but compile_s and MSG_JOB_RECORDS; what it points at must outlive
  * it. */

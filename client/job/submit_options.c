@@ -127,6 +127,9 @@ static const struct option own[] = {
          "ambient values in passes before the picture, so that it is the same "
          "whoever makes it, or each as rays ask for it (passes; live for more "
          "than 32 frames)"),
+    TEXT("--reuse", reuse, "JOB|last",
+         "begin with the ambient values that a former job on the same scene "
+         "left: that job, or the last one that fits"),
     FLAG("--no-share", no_share, "no ambient values from worker to worker"),
     FLAG("--same-bits", same_bits,
          "only workers whose arithmetic is the same to the bit"),
@@ -624,6 +627,33 @@ check_ambient(const struct submit_options *o, struct rad_error *err)
 }
 
 static int
+check_reuse(const struct submit_options *o, struct rad_error *err)
+{
+    uint8_t job[MSG_JOB];
+    const char *other = o->ambient_way == AMBIENT_LIVE ? "--ambient=live"
+                        : o->no_share                  ? "--no-share"
+                        : o->fresh_frames              ? "--fresh-frames"
+                        : o->dry_run                   ? "--dry-run"
+                                                       : NULL;
+
+    if (!o->reuse)
+        return 0;
+    if (strcmp(o->reuse, "last") != 0 && !msg_job_parse(o->reuse, job))
+        return rad_fail(err, RAD_EUSAGE,
+                        "option '--reuse': '%.40s' is neither a job's id, of "
+                        "%d digits, nor 'last'",
+                        o->reuse, MSG_JOB_HEX - 1);
+    if (other)
+        return rad_fail(err, RAD_EUSAGE, "--reuse and %s exclude each other",
+                        other);
+    if (o->local)
+        return rad_fail(err, RAD_EUSAGE,
+                        "--reuse needs a coordinator: a cluster of radsubmit's "
+                        "own keeps nothing");
+    return 0;
+}
+
+static int
 check_together(struct submit_options *o, struct rad_error *err)
 {
     int rc = check_outputs(o, err);
@@ -656,6 +686,7 @@ check_together(struct submit_options *o, struct rad_error *err)
         return rad_fail(err, RAD_EUSAGE,
                         "--dry-run makes no job that --detach could leave");
     if ((rc = check_sharing(o, err)) < 0 || (rc = check_ambient(o, err)) < 0 ||
+        (rc = check_reuse(o, err)) < 0 ||
         (rc = rad_params_check(&o->params, err)) < 0)
         return rc;
     if (!o->first_frame) {

@@ -249,6 +249,15 @@ send_scene(struct submit *s)
     return rc;
 }
 
+static void
+tell_reuse(const struct submit *s, const struct msg_accept *a)
+{
+    static const uint8_t none[MSG_JOB];
+
+    s->cb->reuse(s->cb->arg,
+                 memcmp(a->reuse, none, MSG_JOB) == 0 ? NULL : a->reuse);
+}
+
 static int
 send_job(struct submit *s)
 {
@@ -261,10 +270,13 @@ send_job(struct submit *s)
     if ((rc = link_send(s->link, &m, s->err)) < 0 ||
         (rc = await(s, MSG_ACCEPT, &answer)) < 0)
         return rc;
-    if (!s->accepted)
-        s->start_ms = now_ms(s);
-    s->accepted = true;
     note_known(s);
+    if (s->accepted)
+        return 0;
+    s->start_ms = now_ms(s);
+    s->accepted = true;
+    if (s->cb->reuse)
+        tell_reuse(s, &answer->accept);
     return 0;
 }
 

@@ -35,6 +35,9 @@ struct submit_callbacks {
     /* The coordinator has the scene and the job, for the first time; the job
      * may wait for room on its disk.  NULL: nobody asks. */
     void (*accepted)(void *arg);
+    /* The job was accepted, and begins with the ambient cache of that job, or
+     * NULL: with none.  NULL: nobody asks. */
+    void (*reuse)(void *arg, const uint8_t *from);
     /* Is nobody at the job for longer than a user can explain?  Then the
      * coordinator is asked, and reason() told what it says, "" for nothing.
      * reason NULL: nobody asks. */

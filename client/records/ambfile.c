@@ -22,24 +22,16 @@
 
 /* --- options --- */
 
-/* The options that records depend on: not how pixels are placed, and not the
+/* The options that records depend on: not whether the eye sees sources, nor the
  * seed, by which any records would do as well. */
 static void
 options_text(const struct ambfile *a, char text[RAD_PARAMS_TEXT])
 {
-    struct rad_params p = a->params, usual;
+    struct rad_params p;
 
-    rad_params_init(&usual);
-    p.xres = usual.xres;
-    p.yres = usual.yres;
-    p.pixaspect = usual.pixaspect;
-    p.pixjitter = usual.pixjitter;
-    p.psample = usual.psample;
-    p.maxdiff = usual.maxdiff;
-    p.motion = usual.motion;
-    p.aperture = usual.aperture;
-    p.directvis = usual.directvis;
-    p.seed = usual.seed;
+    rad_params_of_records(&a->params, &p);
+    p.directvis = true;
+    p.seed = 0;
     rad_params_format(&p, text, RAD_PARAMS_TEXT);
 }
 

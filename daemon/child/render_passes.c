@@ -24,7 +24,9 @@ render_load_passes(struct render *r, struct rad_error *err)
     for (uint32_t i = 0; i < r->nframes; i++)
         size[i] =
             (struct rad_pass_size){ r->frames[i].width, r->frames[i].height };
-    k->n = rad_passes_plan(&r->job->params, size, r->nframes, k->plan);
+    k->n = (r->start.job_start.flags & MSG_JOB_REUSE
+                ? rad_passes_plan_on
+                : rad_passes_plan)(&r->job->params, size, r->nframes, k->plan);
     free(size);
     if (k->n == 0)
         return 0;

@@ -60,6 +60,8 @@ struct coord_keep {
     uint64_t
         bytes; /* of their folders on the disk, all together; 0: likewise */
     uint64_t unfetched_ms; /* what was not fetched at least so long */
+    uint64_t cache_bytes; /* ambient caches of such jobs, of all users together;
+                           * 0: none are kept */
 };
 
 #endif

@@ -71,6 +71,10 @@ copy_spec(struct rad_arena *mem, struct msg_spec *s,
         s->costs = copy_bytes(mem, from->costs, (size_t)from->ncosts * 4, &ok);
     if (from->flags & MSG_JOB_VIEWS)
         s->views = copy_bytes(mem, from->views, MSG_HASH, &ok);
+    if (from->flags & MSG_JOB_SCENE)
+        s->scene = copy_bytes(mem, from->scene, MSG_HASH, &ok);
+    if (from->flags & MSG_JOB_REUSE)
+        s->reuse = copy_bytes(mem, from->reuse, MSG_JOB, &ok);
     s->files.hash = copy_bytes(mem, from->files.hash,
                                (size_t)from->files.n * MSG_HASH, &ok);
     for (uint32_t i = 0; ok && i < from->nframes; i++) {

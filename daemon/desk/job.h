@@ -101,6 +101,7 @@ struct job {
     struct coord_owner *payer; /* whom it belongs to, at the coordinator */
     uint32_t served;       /* the last search for a unit that looked at it */
     struct kept_passes kept;
+    struct kept_cache cache;
     struct passes *passes; /* NULL: none, or not yet */
     struct survey *survey; /* NULL: costs are not estimated, or are by now */
     struct shared *shared; /* NULL: lines are not shared */
@@ -171,7 +172,6 @@ void job_lighten(struct job *job);
 
 /* Is it over, one way or the other? */
 bool job_over(const struct job *job);
-
 /* Which state may follow which; see the head of job.c. */
 extern const struct steps job_stages;
 /* It is in another stage from here on, which must be permitted. */

@@ -14,11 +14,11 @@ kept_copy(struct kept_passes *k, const struct saved_job *s)
         return false;
     for (; k->n < s->npasses; k->n++) {
         const struct saved_pass *from = &s->passes[k->n];
-        uint8_t *bytes = malloc(from->len + 1);
+        uint8_t *bytes = from->bytes ? malloc(from->len + 1) : NULL;
 
-        if (!bytes)
+        if (!bytes && from->bytes)
             return false;
-        if (from->len > 0)
+        if (bytes && from->len > 0)
             memcpy(bytes, from->bytes, from->len);
         k->pass[k->n] = *from;
         k->pass[k->n].bytes = bytes;

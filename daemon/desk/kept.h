@@ -13,6 +13,14 @@ struct kept_passes {
     struct saved_pass *pass; /* each malloc'd, as the list is */
 };
 
+/* Of a job that is over: the cache that is kept of it, for others to begin with
+ * (queue/reuse.h), and of any the records that it began with itself. */
+struct kept_cache {
+    uint64_t bytes;  /* of kept_bytes; 0: none is kept */
+    uint32_t passes; /* of one that ended in this life */
+    uint64_t reused; /* records, once they are here */
+};
+
 /* Copy what the store kept of a job's; false: memory is out. */
 bool kept_copy(struct kept_passes *k, const struct saved_job *s);
 void kept_drop(struct kept_passes *k);

@@ -6,6 +6,8 @@
  * DIR/jobs/ID/N.hdr    the picture, N.z its distances
  * DIR/jobs/ID/cache    ambient records of passes that are closed, until the job
  *                      is over
+ * DIR/jobs/ID/kept     the same of a job that is done, for other jobs to begin
+ *                      with
  * DIR/jobs/ID/stats    statistics of a job that is over, as JSON
  * DIR/jobs/ID/new      until the database knows the job: nobody was told that
  *                      it is accepted
@@ -106,6 +108,25 @@ uint8_t *folder_read_passes(struct folder *f, const uint8_t job[MSG_JOB],
 size_t folder_parse_passes(const uint8_t *bytes, size_t len,
                            struct saved_pass pass[MSG_MOST_PASSES],
                            uint32_t *n);
+/* The bytes of a cache that is kept, put together to records alone, in place:
+ * how many bytes these have, or FOLDER_NO_CACHE when it is damaged. */
+#define FOLDER_NO_CACHE SIZE_MAX
+size_t folder_parse_kept(uint8_t *bytes, size_t len);
+/* The job is done: keep its cache, if all of its passes, so many, are there; it
+ * may have been called before. */
+void folder_keep_cache(struct folder *f, const uint8_t job[MSG_JOB],
+                       uint32_t passes);
+/* Bytes of the cache that is kept of the job; 0: none is. */
+uint64_t folder_cache_bytes(const struct folder *f, const uint8_t job[MSG_JOB]);
+void folder_drop_cache(const struct folder *f, const uint8_t job[MSG_JOB]);
+/* The records of the cache that is kept of another job are the first pass of
+ * this one, for good: RAD_ENOINPUT when that cache is gone, RAD_EDATA when it
+ * is damaged, RAD_EFULL, RAD_ESHORT, RAD_EIO. */
+int folder_reuse(struct folder *f, const uint8_t job[MSG_JOB],
+                 const uint8_t from[MSG_JOB], struct rad_error *err);
+/* Those records, *len bytes, malloc'd; NULL: RAD_EDATA, RAD_ENOMEM. */
+uint8_t *folder_read_first(const struct folder *f, const uint8_t job[MSG_JOB],
+                           size_t *len, struct rad_error *err);
 /* Wait until all rows that were put are on the disk. */
 int folder_sync(struct folder *f, struct rad_error *err);
 

@@ -4,7 +4,12 @@
  * the pass, its bytes, their sum and what it counted.  It is read up to the
  * first that is damaged, and written on from there.  What is lost of it is made
  * again, the same: so nobody waits for it to be on the disk, and a pass for
- * which there is no room is left out, with those that follow it. */
+ * which there is no room is left out, with those that follow it.
+ *
+ * Of a job that is done the file may be kept, as DIR/jobs/ID/kept with a tail
+ * that says how many passes there are.  A job that begins with it has the
+ * records of all its passes, one behind the other, as its own first pass; they
+ * cannot be made again, so they are on the disk before the job is accepted. */
 #include "config.h"
 
 #include "folder/folder_impl.h"
@@ -13,34 +18,71 @@
 #include "machine/rowsum.h"
 #include "proto/codec.h"
 
+#include <errno.h>
 #include <fcntl.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #define MAGIC      UINT32_C(0x52414443) /* "RADC" */
+#define TAIL_MAGIC UINT32_C(0x52414445) /* "RADE" */
 #define HEAD_BYTES 24
+#define TAIL_BYTES 8
 #define LAYOUT     1 /* the version of the protocol that counts are as in */
 
-/* A pass as it is in the file. */
+/* What stands before a pass's records. */
 static void
-put(struct wire_out *w, uint32_t pass, const struct saved_pass *p)
+put_head(struct wire_out *w, uint32_t pass, const struct saved_pass *p)
 {
     struct wire_out counts;
 
     wire_out_init(&counts, MSG_MAX);
     counts.version = LAYOUT;
     msg_put_counts(&counts, &p->counts);
-    wire_out_init(w, HEAD_BYTES + counts.len + p->len);
+    wire_out_init(w, HEAD_BYTES + counts.len);
     wire_put_u32(w, MAGIC);
     wire_put_u32(w, pass);
     wire_put_u64(w, p->len);
     wire_put_u64(w, rowsum_hash(counts.buf, counts.len) ^
                         rowsum_hash(p->bytes, p->len));
     wire_put_bytes(w, counts.buf, counts.len);
-    wire_put_bytes(w, p->bytes, p->len);
     w->bad |= counts.bad;
     wire_out_release(&counts);
+}
+
+/* Write the job's next pass behind the others. */
+static int
+write_pass(struct folder_job *j, int fd, const struct saved_pass *p,
+           const char *path, struct rad_error *err)
+{
+    off_t at = (off_t)j->pass_bytes;
+    struct wire_out head;
+    int rc = 0;
+
+    put_head(&head, j->npasses, p);
+    if (head.bad)
+        rc = rad_fail(err, RAD_ENOMEM, "out of memory");
+    if (rc == 0)
+        rc = disk_write_at(fd, head.buf, head.len, at, path, err);
+    if (rc == 0)
+        rc = disk_write_at(fd, p->bytes, p->len, at + (off_t)head.len, path,
+                           err);
+    if (rc == 0) {
+        j->npasses++;
+        j->pass_bytes += head.len + p->len;
+    }
+    wire_out_release(&head);
+    return rc;
+}
+
+static int
+open_cache(const struct folder *f, const uint8_t id[MSG_JOB],
+           char path[DISK_PATH_MAX])
+{
+    folder_path(f, id, FOLDER_CACHE, path);
+    return open(path, O_RDWR | O_CREAT | O_CLOEXEC, 0600);
 }
 
 void
@@ -49,22 +91,14 @@ folder_put_pass(struct folder *f, const uint8_t id[MSG_JOB], uint32_t pass,
 {
     struct folder_job *j = *folder_find_job(f, id);
     char path[DISK_PATH_MAX];
-    struct wire_out w;
     int fd;
 
     if (!j || pass != j->npasses)
         return;
-    folder_path(f, id, FOLDER_CACHE, path);
-    fd = open(path, O_WRONLY | O_CREAT | O_CLOEXEC, 0600);
+    fd = open_cache(f, id, path);
     if (fd < 0)
         return;
-    put(&w, pass, p);
-    if (!w.bad && disk_write_at(fd, w.buf, w.len, (off_t)j->pass_bytes, path,
-                                NULL) == 0) {
-        j->npasses++;
-        j->pass_bytes += w.len;
-    }
-    wire_out_release(&w);
+    write_pass(j, fd, p, path, NULL);
     close(fd);
 }
 
@@ -113,6 +147,19 @@ folder_parse_passes(const uint8_t *bytes, size_t len,
     return end;
 }
 
+/* The last life may have died between the job's end and the note of it: then
+ * the job goes on. */
+static void
+take_back(const struct folder *f, const uint8_t id[MSG_JOB])
+{
+    char path[DISK_PATH_MAX], kept[DISK_PATH_MAX];
+
+    folder_path(f, id, FOLDER_CACHE, path);
+    folder_path(f, id, FOLDER_KEPT, kept);
+    if (!f->looks && access(path, F_OK) < 0)
+        rename(kept, path);
+}
+
 uint8_t *
 folder_read_passes(struct folder *f, const uint8_t id[MSG_JOB],
                    struct saved_pass pass[MSG_MOST_PASSES], uint32_t *n)
@@ -122,6 +169,7 @@ folder_read_passes(struct folder *f, const uint8_t id[MSG_JOB],
     size_t len = 0, end;
     uint8_t *bytes;
 
+    take_back(f, id);
     folder_path(f, id, FOLDER_CACHE, path);
     bytes = rad_file_read(path, FOLDER_MOST_CACHE, &len, NULL);
     end = folder_parse_passes(bytes, len, pass, n);
@@ -130,4 +178,175 @@ folder_read_passes(struct folder *f, const uint8_t id[MSG_JOB],
         j->pass_bytes = end;
     }
     return bytes;
+}
+
+/* --- of jobs that are done --- */
+
+static int
+write_tail(const struct folder_job *j, int fd, const char *path)
+{
+    struct wire_out w;
+    int rc;
+
+    wire_out_init(&w, TAIL_BYTES);
+    wire_put_u32(&w, TAIL_MAGIC);
+    wire_put_u32(&w, j->npasses);
+    rc = w.bad ? RAD_ENOMEM
+               : disk_write_at(fd, w.buf, w.len, (off_t)j->pass_bytes, path,
+                               NULL);
+    wire_out_release(&w);
+    if (rc == 0 && ftruncate(fd, (off_t)j->pass_bytes + TAIL_BYTES) < 0)
+        rc = RAD_EIO;
+    return rc;
+}
+
+void
+folder_keep_cache(struct folder *f, const uint8_t id[MSG_JOB], uint32_t passes)
+{
+    const struct folder_job *j = *folder_find_job(f, id);
+    char path[DISK_PATH_MAX], kept[DISK_PATH_MAX];
+    int fd;
+
+    folder_path(f, id, FOLDER_CACHE, path);
+    folder_path(f, id, FOLDER_KEPT, kept);
+    if (!j || j->npasses != passes || access(path, F_OK) < 0)
+        return;
+    fd = open_cache(f, id, path);
+    if (fd < 0)
+        return;
+    if (write_tail(j, fd, path) == 0)
+        rename(path, kept);
+    close(fd);
+}
+
+uint64_t
+folder_cache_bytes(const struct folder *f, const uint8_t id[MSG_JOB])
+{
+    char path[DISK_PATH_MAX];
+    struct stat st;
+
+    folder_path(f, id, FOLDER_KEPT, path);
+    return stat(path, &st) == 0 && st.st_size > 0 ? (uint64_t)st.st_size : 0;
+}
+
+void
+folder_drop_cache(const struct folder *f, const uint8_t id[MSG_JOB])
+{
+    char path[DISK_PATH_MAX];
+
+    folder_path(f, id, FOLDER_KEPT, path);
+    unlink(path);
+}
+
+/* --- for jobs that begin with them --- */
+
+size_t
+folder_parse_kept(uint8_t *bytes, size_t len)
+{
+    struct saved_pass pass[MSG_MOST_PASSES];
+    struct wire_in in;
+    uint32_t n;
+    size_t at = 0, end = folder_parse_passes(bytes, len, pass, &n);
+
+    wire_in_init(&in, bytes + end, len - end);
+    if (wire_get_u32(&in) != TAIL_MAGIC || wire_get_u32(&in) != n || n == 0 ||
+        in.bad || wire_left(&in) > 0)
+        return FOLDER_NO_CACHE;
+    for (uint32_t i = 0; i < n; at += pass[i++].len)
+        memmove(bytes + at, pass[i].bytes, pass[i].len);
+    return at;
+}
+
+static int
+damaged(const char *what, const uint8_t id[MSG_JOB], struct rad_error *err)
+{
+    char hex[MSG_JOB_HEX];
+
+    msg_job_format(id, hex);
+    return rad_fail(err, RAD_EDATA, "the ambient cache %s job %s is damaged",
+                    what, hex);
+}
+
+/* The kept records of that job. */
+static uint8_t *
+read_kept(const struct folder *f, const uint8_t id[MSG_JOB], size_t *n,
+          struct rad_error *err)
+{
+    char path[DISK_PATH_MAX], hex[MSG_JOB_HEX];
+    uint8_t *bytes;
+    size_t len = 0;
+
+    folder_path(f, id, FOLDER_KEPT, path);
+    msg_job_format(id, hex);
+    if (access(path, F_OK) < 0) {
+        rad_fail(err, RAD_ENOINPUT,
+                 "the ambient cache of job %s is not kept any more", hex);
+        return NULL;
+    }
+    bytes = rad_file_read(path, FOLDER_MOST_CACHE, &len, NULL);
+    *n = bytes ? folder_parse_kept(bytes, len) : FOLDER_NO_CACHE;
+    if (*n != FOLDER_NO_CACHE)
+        return bytes;
+    free(bytes);
+    damaged("of", id, err);
+    return NULL;
+}
+
+/* Make them the first pass of a job, and wait until they last. */
+static int
+write_first(struct folder *f, struct folder_job *j, const struct saved_pass *p,
+            struct rad_error *err)
+{
+    char path[DISK_PATH_MAX];
+    int fd = open_cache(f, j->id, path), rc;
+
+    if (fd < 0)
+        return disk_fail(err, errno, "create", path);
+    j->npasses = 0; /* it may be tried again */
+    j->pass_bytes = 0;
+    rc = write_pass(j, fd, p, path, err);
+    if (rc == 0)
+        rc = disk_sync_data(fd, path, err);
+    close(fd);
+    return rc == 0 ? disk_sync_dir_of(path, err) : rc;
+}
+
+int
+folder_reuse(struct folder *f, const uint8_t id[MSG_JOB],
+             const uint8_t from[MSG_JOB], struct rad_error *err)
+{
+    struct folder_job *j = *folder_find_job(f, id);
+    struct saved_pass p = { .len = 0 };
+    uint8_t *bytes = read_kept(f, from, &p.len, err);
+    int rc;
+
+    if (!bytes)
+        return err ? err->code : RAD_EDATA;
+    p.bytes = bytes;
+    rc = j ? write_first(f, j, &p, err)
+           : rad_fail(err, RAD_EINTERNAL, "a job without a folder");
+    free(bytes);
+    return rc;
+}
+
+uint8_t *
+folder_read_first(const struct folder *f, const uint8_t id[MSG_JOB],
+                  size_t *len, struct rad_error *err)
+{
+    struct saved_pass first;
+    char path[DISK_PATH_MAX];
+    size_t n = 0, at = 0;
+    uint8_t *bytes, *less;
+
+    folder_path(f, id, FOLDER_CACHE, path);
+    bytes = rad_file_read(path, FOLDER_MOST_CACHE, &n, NULL);
+    if (!bytes || !take_pass(bytes, n, 0, &at, &first)) {
+        free(bytes);
+        damaged("that began", id, err);
+        return NULL;
+    }
+    *len = first.len;
+    memmove(bytes, first.bytes, first.len);
+    less = realloc(bytes, first.len + 1); /* without later passes */
+    return less ? less : bytes;
 }

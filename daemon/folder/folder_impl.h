@@ -41,6 +41,7 @@ struct folder_job {
 #define FOLDER_ROOM  "/room"
 #define FOLDER_STATS "/stats"
 #define FOLDER_CACHE "/cache"
+#define FOLDER_KEPT  "/kept"
 #define FOLDER_NEW   "/new"
 #define FOLDER_GONE  ".gone"
 void folder_path(const struct folder *f, const uint8_t *id, const char *suffix,

@@ -44,6 +44,7 @@
 #define FULL_TELL_MS 60000 /* least time between lines of a full disk */
 #define LEASE_MS     60000
 #define KEPT_JOBS    100 /* that are over */
+#define KEPT_CACHES  (UINT64_C(2) << 30)
 
 /* More than a room of people needs, less than what hurts others. */
 static const struct coord_limits usual_limits = {
@@ -68,6 +69,7 @@ coord_new(const struct coord_env *env)
         return NULL;
     c->env = *env;
     c->keep.jobs = KEPT_JOBS;
+    c->keep.cache_bytes = KEPT_CACHES;
     c->lease_ms = LEASE_MS;
     c->limits = usual_limits;
     actions_init(&c->actions);
@@ -469,18 +471,34 @@ coord_picture_written(struct coord *c, uint64_t now_ms,
 
 void
 coord_job_filed(struct coord *c, uint64_t now_ms, const uint8_t id[MSG_JOB],
-                uint64_t sequence, uint64_t bytes)
+                uint64_t sequence, uint64_t bytes, uint64_t cache_bytes)
 {
     struct job *job = coord_same_job(c, id, sequence);
 
     c->now_ms = now_ms;
     if (job) {
         job->kept_bytes = bytes;
-        if (c->env.keeps)
+        job->cache.bytes = cache_bytes;
+        if (c->env.keeps && job->stage < STAGE_KEPT)
             job_step(job, STAGE_KEPT);
     }
     c->keep_due = true;
     coord_forget_old(c);
+}
+
+void
+coord_cache_came(struct coord *c, uint64_t now_ms, const uint8_t id[MSG_JOB],
+                 uint64_t sequence, uint8_t *records, size_t n, int status,
+                 const char *text)
+{
+    struct job *job = coord_same_job(c, id, sequence);
+
+    c->now_ms = now_ms;
+    if (job && !job_over(job))
+        passes_came(c, job, records, n, status, text);
+    else
+        free(records);
+    settle(c, true);
 }
 
 /* Tell a user why its files are not taken: there is no job yet that says so. */
@@ -634,6 +652,8 @@ coord_saved(const struct coord *c, const uint8_t id[MSG_JOB],
                                .submit_ms = job->submit_ms,
                                .open_ms = c->now_ms,
                                .end_ms = job->end_ms,
+                               .cache_bytes = job->cache.bytes,
+                               .npasses = job->cache.passes,
                                .sent_bytes = job->sent_bytes };
     progress_tell(job, c->now_ms, &out->last);
     return true;

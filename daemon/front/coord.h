@@ -74,10 +74,15 @@ void coord_looked(struct coord *c, uint64_t now_ms,
  * sysexits.h with a text.  Those to ACT_PUT_ROWS come in its order.  sequence
  * is the action's: an answer about a job that was deleted is none about the one
  * that has its id now. */
-/* The answer to ACT_JOB_END: bytes that the job's folder takes. */
+/* The answer to ACT_JOB_END and ACT_DROP_CACHE: bytes that the job's folder
+ * takes, and the ambient cache that is kept in it. */
 void coord_job_filed(struct coord *c, uint64_t now_ms,
                      const uint8_t job[MSG_JOB], uint64_t sequence,
-                     uint64_t bytes);
+                     uint64_t bytes, uint64_t cache_bytes);
+/* The answer to ACT_LOAD_CACHE: n bytes, malloc'd and taken. */
+void coord_cache_came(struct coord *c, uint64_t now_ms,
+                      const uint8_t job[MSG_JOB], uint64_t sequence,
+                      uint8_t *records, size_t n, int status, const char *text);
 void coord_settled(struct coord *c, uint64_t now_ms, uint64_t conn,
                    uint32_t request);
 /* There is no room for the job's rows now: this job is held, and no other. */

@@ -153,14 +153,22 @@ why(const struct coord *c, const struct job *job, char buf[MSG_MAX_TEXT + 1])
     return buf;
 }
 
-/* While the ambient cache comes in passes; else zeros. */
+/* How far the passes of the ambient cache are, else zeros; the job whose cache
+ * it begins with, else nothing; and how many bytes are kept of its own. */
 static json_t *
 with_passes(json_t *o, const struct job *job)
 {
     struct passes_state s = passes_state(job);
+    char reuse[MSG_JOB_HEX] = "";
     bool open = s.open < s.n;
 
+    if (job->spec.reuse)
+        msg_job_format(job->spec.reuse, reuse);
     if (o) {
+        json_object_set_new(o, "reuse", json_string(reuse));
+        json_object_set_new(
+            o, "cache_bytes",
+            json_integer((json_int_t)(job_over(job) ? job->cache.bytes : 0)));
         json_object_set_new(o, "pass", json_integer(open ? s.open + 1 : 0));
         json_object_set_new(o, "passes", json_integer(open ? s.n : 0));
         json_object_set_new(o, "pass_done", json_real(open ? s.made : 0));

@@ -12,6 +12,7 @@
 #include "queue/coord_job.h"
 #include "queue/coord_keep.h"
 #include "queue/quota.h"
+#include "queue/reuse.h"
 #include "queue/stats.h"
 #include "queue/telling.h"
 #include "sched/sched.h"
@@ -342,10 +343,30 @@ choose_coding(struct job *job)
         job->spec.flags |= MSG_JOB_CODED;
 }
 
+/* The job whose cache this one begins with is found now, for good: after a
+ * restart it is the same. */
+static int
+choose_reuse(const struct coord *c, const struct coord_conn *conn,
+             struct msg_spec *spec, struct rad_error *err)
+{
+    const struct job *from;
+
+    if (!(spec->flags & MSG_JOB_REUSE))
+        return 0;
+    from = reuse_find(c, conn->owner, spec, err);
+    if (err->code)
+        return err->code;
+    spec->reuse = from ? from->id : NULL;
+    if (!from)
+        spec->flags &= ~MSG_JOB_REUSE;
+    return 0;
+}
+
 static void
 on_submit(struct coord *c, struct coord_conn *conn, const struct msg *m)
 {
     struct rad_error err = { 0 };
+    struct msg_spec spec = m->submit;
     char name[200]; /* for the log */
     struct job *job;
 
@@ -353,12 +374,13 @@ on_submit(struct coord *c, struct coord_conn *conn, const struct msg *m)
         attach(c, conn, m->request, m->submit.job);
         return;
     }
-    if (submit_fault(c, conn, &m->submit, &err) != 0) {
+    if (submit_fault(c, conn, &spec, &err) != 0 ||
+        choose_reuse(c, conn, &spec, &err) != 0) {
         desk_reply_failed(c, conn, m->request, m->submit.job,
                           rad_exit_status(err.code), err.what);
         return;
     }
-    job = job_new(&m->submit, conn->owner);
+    job = job_new(&spec, conn->owner);
     if (!job || !coord_add_job(c, job)) {
         job_free(job);
         c->actions.failed = true;

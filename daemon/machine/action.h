@@ -33,8 +33,7 @@ enum action_type {
     /* coordinator */
     ACT_SEND_FILE,     /* conn, request, hash: as CHUNKs, at the pace of the
                         * connection; FAILED if it cannot be read */
-    ACT_JOB_OPEN,      /* job: keep it, and room for its rows; then
-                        * coord_job_opened */
+    ACT_JOB_OPEN,      /* job: keep it, with room for rows; coord_job_opened */
     ACT_JOB_STATE,     /* job, status, priority: an enum job_state and a
                         * priority to keep */
     ACT_DRAINED,       /* text, status: to keep whether that worker is drained,
@@ -46,11 +45,12 @@ enum action_type {
     ACT_PUT_PASS,      /* job, frame, pass: the pass of that number, to keep if
                         * that can be; nobody waits */
     ACT_PUT_COLOURS,   /* job, colours: to show in previews; nobody waits */
+    ACT_LOAD_CACHE,    /* job: read what it begins with; coord_cache_came */
+    ACT_DROP_CACHE,    /* job: the cache kept of it goes; coord_job_filed */
     ACT_SETTLE,        /* conn, request: coord_settled when all that was asked
                         * to be kept before is */
     ACT_PUT_ROWS,      /* rows: keep; then coord_rows_stored */
-    ACT_WRITE_PICTURE, /* job, frame: write it whole; then
-                        * coord_picture_written */
+    ACT_WRITE_PICTURE, /* job, frame: whole; then coord_picture_written */
     ACT_SEND_PICTURE,  /* conn, request, job, frame, what: as CHUNKs; FAILED
                         * with that request if there is none */
     ACT_JOB_FETCHED,   /* job, frame: its owner has the picture; keep that */

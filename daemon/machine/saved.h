@@ -52,13 +52,17 @@ struct saved_job {
     int status;     /* of one that is over */
     const char *text;
     uint64_t offer_ms, submit_ms, open_ms, end_ms, sent_bytes;
-    uint64_t kept_bytes;      /* of one that is over: what its folder holds */
+    uint64_t kept_bytes;      /* of one that is over: what its folder holds, */
+    uint64_t cache_bytes;     /* and of that its ambient cache; to be kept: not
+                               * 0 */
     struct msg_progress last; /* of one that is over */
     struct mark stats;        /* likewise */
     const struct saved_frame *frames; /* by index */
     uint32_t nunits;          /* of one that is not over */
     const struct saved_unit *units; /* by number */
-    uint32_t npasses;               /* of one that is not over: closed ones */
+    uint32_t npasses;               /* of one that is not over: closed ones; the
+                                     * first of a job that began with another's
+                                     * cache without its bytes */
     const struct saved_pass *passes; /* by number */
 };
 

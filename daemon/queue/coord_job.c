@@ -16,6 +16,7 @@
 #include "desk/verdict.h"
 #include "links/ring.h"
 #include "queue/coord_conn.h"
+#include "queue/reuse.h"
 #include "queue/stats.h"
 #include "queue/telling.h"
 #include "sched/sched.h"
@@ -78,7 +79,7 @@ coord_send_accept(struct coord *c, const struct coord_conn *conn,
 {
     struct msg m = { .type = MSG_ACCEPT,
                      .request = conn->watch_request,
-                     .accept = { job->id, again } };
+                     .accept = { job->id, again, job->spec.reuse } };
 
     actions_send(&c->actions, conn->id, &m);
 }
@@ -299,6 +300,7 @@ coord_open_job(struct coord *c, const uint8_t id[MSG_JOB], uint64_t sequence,
     waited = job->stage == STAGE_NO_ROOM;
     job_step(job, STAGE_OPEN);
     job->open_ms = c->now_ms;
+    passes_ask(c, job);
     if (waited)
         wait_no_more(c, job);
     for (struct coord_conn *conn = c->conns; conn; conn = conn->next)
@@ -397,6 +399,7 @@ end_job(struct coord *c, struct job *job)
         actions_log(&c->actions, ACT_WARN,
                     "function has no value job=%s object=%u times=%" PRIu64,
                     job->hex, job->faults[i].object, job->faults[i].count);
+    reuse_keep(c, job);
     sched_job_over(c, job);
     file_job(c, job);
     for (struct coord_conn *conn = c->conns; conn; conn = conn->next)

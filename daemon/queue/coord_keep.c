@@ -103,12 +103,50 @@ forget_one(struct coord *c, const struct coord_kept *k)
     return true;
 }
 
+/* The cache of an older job than any other; *all: of all together. */
+static struct job *
+oldest_cache(const struct coord *c, uint64_t *all)
+{
+    struct job *oldest = NULL;
+
+    *all = 0;
+    for (size_t i = 0; i < c->njobs; i++) {
+        struct job *job = c->jobs[i];
+
+        *all += job->cache.bytes;
+        if (job->cache.bytes > 0 && (!oldest || job->end_ms < oldest->end_ms))
+            oldest = job;
+    }
+    return oldest;
+}
+
+/* Ambient caches go while those of all users take too much. */
+static void
+limit_caches(struct coord *c)
+{
+    uint64_t all;
+    struct job *job;
+
+    while ((job = oldest_cache(c, &all)) && all > c->keep.cache_bytes) {
+        struct action *a =
+            actions_add_job(&c->actions, ACT_DROP_CACHE, 0, job->id);
+
+        if (a)
+            a->sequence = job->sequence;
+        job->cache.bytes = 0;
+        actions_log(&c->actions, ACT_INFO, "cache dropped job=%s owner=%s",
+                    job->hex, job->owner);
+    }
+}
+
 void
 coord_forget_old(struct coord *c)
 {
     bool again = c->keep_due || since(c, c->keep_ms) >= LOOK_MS;
 
     c->keep_due = false;
+    if (again)
+        limit_caches(c);
     while (again) {
         c->keep_ms = c->now_ms;
         count_kept(c);

@@ -10,6 +10,8 @@ libdaemon_a_SOURCES += \
 	daemon/queue/quota.h \
 	daemon/queue/recover.c \
 	daemon/queue/recover.h \
+	daemon/queue/reuse.c \
+	daemon/queue/reuse.h \
 	daemon/queue/stats.c \
 	daemon/queue/stats.h \
 	daemon/queue/telling.c \

@@ -262,6 +262,7 @@ take_filed(const struct recovery *r)
     snprintf(job->text, sizeof job->text, "%s", s->text);
     job->last = s->last;
     job->kept_bytes = s->kept_bytes;
+    job->cache.bytes = s->cache_bytes;
     for (uint32_t i = 0; i < job->spec.nframes; i++)
         take_frame(job, i, &s->frames[i]);
     frame_count_ready(job);

@@ -107,7 +107,8 @@ totals(const struct job *job)
         took_part += job->workers[i].took_part;
     }
     return json_pack(
-        "{s:I,s:I,s:I,s:I,s:f,s:I,s:I,s:f,s:I,s:I,s:I,s:I,s:I,s:I,s:I,s:I,s:f,"
+        "{s:I,s:I,s:I,s:I,s:f,s:I,s:I,s:f,s:I,s:I,s:I,s:I,s:I,s:I,s:I,s:I,s:I,"
+        "s:f,"
         "s:I,s:I,s:I,"
         "s:I,"
         "s:I,s:I}",
@@ -115,10 +116,11 @@ totals(const struct job *job)
         integer(seeded.rays), "seed_values", integer(seeded.ambient_values),
         "seed_s", seeded.cpu_s, "tile_rays", integer(job->tiled.rays),
         "tile_values", integer(job->tiled.ambient_values), "tile_s",
-        job->tiled.cpu_s, "primary_rays", integer(t.primary_rays),
-        "speculative_rays", integer(t.speculative_rays), "shadow_rays",
-        integer(t.shadow_rays), "ambient_rays", integer(t.ambient_rays),
-        "intersection_tests", integer(t.intersection_tests), "ambient_values",
+        job->tiled.cpu_s, "reused_values", integer(job->cache.reused),
+        "primary_rays", integer(t.primary_rays), "speculative_rays",
+        integer(t.speculative_rays), "shadow_rays", integer(t.shadow_rays),
+        "ambient_rays", integer(t.ambient_rays), "intersection_tests",
+        integer(t.intersection_tests), "ambient_values",
         integer(t.ambient_values), "ambient_sent", integer(sent),
         "ambient_received", integer(received), "ambient_redundant",
         took_part > 1 ? (double)redundant / (took_part - 1) : 0.0, "nan_pixels",
@@ -199,23 +201,25 @@ head(const struct job *job, uint64_t now_ms)
     const struct partition *p = job->partition;
     struct rad_error_estimate error = progress_error(job);
     struct job_size size = job_size(job);
-    char options[RAD_FILTER_OPTIONS];
+    char options[RAD_FILTER_OPTIONS], reuse[MSG_JOB_HEX] = "";
     bool said =
         jobtext_options(s->params, s->oversample, s->clamp, options, NULL) == 0;
 
+    if (s->reuse)
+        msg_job_format(s->reuse, reuse);
     return json_pack(
-        "{s:s,s:s,s:s,s:s,s:s,s:o,s:I,s:I,s:{s:I,s:I,s:I,s:o},"
+        "{s:s,s:s,s:s,s:s,s:s,s:o,s:I,s:s,s:I,s:{s:I,s:I,s:I,s:o},"
         "s:{s:I,s:I,s:I},s:o,s:o,s:{s:f,s:f,s:f},s:o}",
         "job", job->hex, "radd", PACKAGE_VERSION, "options",
         said ? options : s->params, "partition",
         partition_kind_name(p ? partition_kind(p) : s->partition), "choice",
         p ? partition_choice(p) : "", "fingerprint", fingerprint(job), "seed",
-        integer(s->seed), "oversample", integer(size.oversample), "scene",
-        "objects", (json_int_t)s->objects, "bundle_bytes",
-        integer(s->bundle_bytes), "sent_bytes", integer(job->sent_bytes),
-        "needs", wordlist_json(s->needs), "picture", "width",
-        (json_int_t)size.width, "height", (json_int_t)size.height, "frames",
-        (json_int_t)s->nframes, "time", times(job, now_ms), "totals",
+        integer(s->seed), "reuse", reuse, "oversample",
+        integer(size.oversample), "scene", "objects", (json_int_t)s->objects,
+        "bundle_bytes", integer(s->bundle_bytes), "sent_bytes",
+        integer(job->sent_bytes), "needs", wordlist_json(s->needs), "picture",
+        "width", (json_int_t)size.width, "height", (json_int_t)size.height,
+        "frames", (json_int_t)s->nframes, "time", times(job, now_ms), "totals",
         totals(job), "error", "estimate", error.all, "ambient", error.ambient,
         "sampling", error.sampling, "workers", workers(job));
 }

@@ -150,6 +150,12 @@ on_action(void *arg, const struct action *a)
     case ACT_PUT_COLOURS:
         store_put_colours(r->store, a->job, &a->colours);
         break;
+    case ACT_LOAD_CACHE:
+        store_load_cache(r->store, a->job, a->sequence);
+        break;
+    case ACT_DROP_CACHE:
+        store_drop_cache(r->store, a->job, a->sequence);
+        break;
     case ACT_SETTLE:
         store_settle(r->store, a->conn, a->request);
         break;

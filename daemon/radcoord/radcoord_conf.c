@@ -24,6 +24,9 @@ static const struct conf_key keys[] = {
       "for so many days at most; 0: no limit", true },
     { "keep_mib", CONF_INT_KEY, FIELD(keep_mib), 0, 1 << 30, "0", "N",
       "with so many MiB of a user's pictures; 0: no limit", true },
+    { "keep_caches_mib", CONF_INT_KEY, FIELD(keep_caches_mib), 0, 1 << 30,
+      "2048", "N", "MiB of all users' ambient caches that are kept; 0: none",
+      true },
     { "keep_unfetched_days", CONF_INT_KEY, FIELD(keep_unfetched_days), 0, 36500,
       "14", "N", "what its user has not fetched is kept, whatever else", true },
     { "user_unfetched", CONF_INT_KEY, FIELD(user_unfetched), 1, 100000, "1000",
@@ -117,6 +120,7 @@ set_keep(struct radcoord *r)
         .jobs = (uint32_t)r->set.keep_jobs,
         .ms = (uint64_t)r->set.keep_days * 24 * 3600 * 1000,
         .bytes = (uint64_t)r->set.keep_mib << 20,
+        .cache_bytes = (uint64_t)r->set.keep_caches_mib << 20,
         .unfetched_ms = (uint64_t)r->set.keep_unfetched_days * 24 * 3600 * 1000,
     };
 

@@ -29,7 +29,7 @@ struct radcoord_settings {
     char listen[CONF_TEXT];
     char socket[CONF_TEXT];
     char state[CONF_TEXT];
-    int keep_jobs, keep_days, keep_mib, keep_unfetched_days;
+    int keep_jobs, keep_days, keep_mib, keep_caches_mib, keep_unfetched_days;
     int user_unfetched;
     int lease_floor_s;
     int user_jobs, user_frames, user_mib;

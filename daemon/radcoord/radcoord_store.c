@@ -98,11 +98,23 @@ chunk_done(void *arg)
 
 static void
 job_filed(void *arg, const uint8_t job[MSG_JOB], uint64_t sequence,
-          uint64_t bytes)
+          uint64_t bytes, uint64_t cache_bytes)
 {
     struct radcoord *r = arg;
 
-    coord_job_filed(r->coord, radcoord_now(r), job, sequence, bytes);
+    coord_job_filed(r->coord, radcoord_now(r), job, sequence, bytes,
+                    cache_bytes);
+    settled(r);
+}
+
+static void
+cache_read(void *arg, const uint8_t job[MSG_JOB], uint64_t sequence,
+           uint8_t *records, size_t len, int status, const char *text)
+{
+    struct radcoord *r = arg;
+
+    coord_cache_came(r->coord, radcoord_now(r), job, sequence, records, len,
+                     status, text);
     settled(r);
 }
 
@@ -192,6 +204,7 @@ static const struct store_handler store_handler = { .gone = recall_gone,
                                                     .progress = chunk_done,
                                                     .broken = store_broken,
                                                     .filed = job_filed,
+                                                    .cache = cache_read,
                                                     .settled = request_kept,
                                                     .fullness = disk_full };
 

@@ -8,7 +8,10 @@
  * gets nothing more before it has said that it has all records of the pass; if
  * it lacks some it gets all of them, in the order of tiles.  So does a worker
  * that comes later, of each pass that is closed.  What a worker had and did not
- * send is made again by others. */
+ * send is made again by others.
+ * The first pass of a job that begins with a former job's records is closed
+ * from the start; the store is asked for the records, and until they are here
+ * nothing is sent to workers that lack them. */
 #include "config.h"
 
 #include "sched/passes.h"
@@ -69,6 +72,8 @@ struct passes {
     struct rad_pass plan[RAD_MOST_PASSES];
     uint32_t n;
     uint32_t open; /* n: all are closed */
+    bool awaits;   /* the records of the first from the store, */
+    bool asked;    /* which was asked for them */
     struct closed closed[RAD_MOST_PASSES];
     size_t bytes;      /* of all records that are here */
     struct tile *tile; /* of the open pass */
@@ -120,7 +125,9 @@ take_up(struct coord *c, struct job *job)
             break;
         s->closed[i].records = (uint8_t *)kept->pass[i].bytes;
         s->closed[i].n = (uint32_t)(kept->pass[i].len / AMBSHARE_BYTES);
-        s->closed[i].sum = rowsum_hash(s->closed[i].records, kept->pass[i].len);
+        if (s->closed[i].records)
+            s->closed[i].sum =
+                rowsum_hash(s->closed[i].records, kept->pass[i].len);
         s->bytes += kept->pass[i].len;
         msg_counts_add(&job->tiled, &kept->pass[i].counts);
         kept->pass[i].bytes = NULL;
@@ -136,11 +143,37 @@ static bool
 open_pass(struct passes *s)
 {
     drop_tiles(s);
+    for (uint32_t i = s->open; s->bytes > MOST_BYTES / 2 && i < s->n; i++)
+        s->plan[i].tiles = 0;
     if (s->open == s->n)
         return true;
     s->ntiles = s->left = s->waiting = s->plan[s->open].tiles;
     s->tile = calloc(s->ntiles + 1, sizeof *s->tile);
     return s->tile != NULL;
+}
+
+static void close_whole(struct coord *c, struct job *job);
+
+void
+passes_ask(struct coord *c, struct job *job)
+{
+    struct passes *s = job->passes;
+    struct action *a;
+
+    if (!s || !s->awaits || s->asked || job->stage != STAGE_OPEN)
+        return;
+    a = actions_add_job(&c->actions, ACT_LOAD_CACHE, 0, job->id);
+    if (a)
+        a->sequence = job->sequence;
+    s->asked = true;
+}
+
+/* Without the first pass, where that is awaited, it is not known how many bytes
+ * the others may have. */
+static bool
+is_at_start(const struct passes *s)
+{
+    return s->awaits && s->open == 0;
 }
 
 int
@@ -160,9 +193,14 @@ passes_begin(struct coord *c, struct job *job, struct rad_error *err)
         size[i] = (struct rad_pass_size){ (int)spec->frames[i].width,
                                           (int)spec->frames[i].height };
     if (size && s)
-        s->n = rad_passes_plan(&params, size, spec->nframes, s->plan);
+        s->n = (spec->flags & MSG_JOB_REUSE
+                    ? rad_passes_plan_on
+                    : rad_passes_plan)(&params, size, spec->nframes, s->plan);
     if (s)
         take_up(c, job);
+    if (s)
+        s->awaits = s->n > 0 && spec->flags & MSG_JOB_REUSE;
+    passes_ask(c, job);
     free(size);
     if (!size || !s)
         return rad_fail(err, RAD_ENOMEM, "out of memory");
@@ -173,13 +211,22 @@ passes_begin(struct coord *c, struct job *job, struct rad_error *err)
                             "--ambient=passes: a pass would have %u tiles, at "
                             "most %u are allowed",
                             s->plan[i].tiles, MSG_MOST_TILES);
-    return open_pass(s) ? 0 : rad_fail(err, RAD_ENOMEM, "out of memory");
+    if (is_at_start(s)) {
+        drop_tiles(s);
+        return 0;
+    }
+    if (!open_pass(s))
+        return rad_fail(err, RAD_ENOMEM, "out of memory");
+    close_whole(c, job);
+    return 0;
 }
 
 bool
 passes_open(const struct job *job)
 {
-    return job->passes && job->passes->open < job->passes->n;
+    const struct passes *s = job->passes;
+
+    return s && (s->open < s->n || s->awaits);
 }
 
 struct passes_state
@@ -192,6 +239,7 @@ passes_state(const struct job *job)
         return out;
     out.open = s->open;
     out.n = s->n;
+    out.bytes = s->bytes;
     if (s->ntiles > 0)
         out.made = 1 - (double)s->left / s->ntiles;
     return out;
@@ -314,6 +362,20 @@ send_records(struct coord *c, const struct job *job, const struct msg *m,
                                                  m->frozen.len });
 }
 
+/* Send a worker the records that it lacks, if they are here. */
+static void
+catch_up(struct coord *c, const struct job *job, struct job_worker *jw)
+{
+    const struct passes *s = job->passes;
+
+    if (!s || (s->awaits && jw->passes == 0))
+        return;
+    for (; jw->passes < s->open; jw->passes++)
+        send_closed(c, job, jw->passes, send_to_one, jw->worker);
+    if (passes_open(job))
+        send_made(c, job, jw->worker);
+}
+
 bool
 passes_ready(struct coord *c, struct job *job, uint32_t index, uint32_t have)
 {
@@ -322,13 +384,10 @@ passes_ready(struct coord *c, struct job *job, uint32_t index, uint32_t have)
 
     if (have > closed)
         return false;
-    for (; have < closed; have++)
-        send_closed(c, job, have, send_to_one, jw->worker);
-    jw->passes = closed;
+    jw->passes = have;
     jw->lags = false;
     jw->ntiles = 0;
-    if (passes_open(job))
-        send_made(c, job, jw->worker);
+    catch_up(c, job, jw);
     return true;
 }
 
@@ -577,9 +636,6 @@ close_pass(struct coord *c, struct job *job)
                 job->hex, s->open, s->plan[s->open].level,
                 s->plan[s->open].step, s->ntiles, s->closed[s->open].n);
     s->open++;
-    if (s->bytes > MOST_BYTES / 2)
-        for (uint32_t i = s->open; i < s->n; i++)
-            s->plan[i].tiles = 0;
     if (!open_pass(s))
         c->actions.failed = true;
     c->stirred = true;
@@ -587,10 +643,18 @@ close_pass(struct coord *c, struct job *job)
 
 /* Passes without tiles are closed at once. */
 static void
+close_whole(struct coord *c, struct job *job)
+{
+    const struct passes *s = job->passes;
+
+    while (s->open < s->n && s->left == 0 && !c->actions.failed)
+        close_pass(c, job);
+}
+
+static void
 close_passes(struct coord *c, struct job *job)
 {
-    while (passes_open(job) && job->passes->left == 0 && !c->actions.failed)
-        close_pass(c, job);
+    close_whole(c, job);
     if (!passes_open(job) && !job->survey)
         speed_share(c, job);
 }
@@ -688,4 +752,39 @@ passes_made(struct coord *c, struct coord_worker *w, const struct msg *msg)
     count(job, index, &m->counts);
     colours_keep(c, job, &s->plan[s->open], m);
     close_passes(c, job);
+}
+
+/* --- from a former job --- */
+
+void
+passes_came(struct coord *c, struct job *job, uint8_t *records, size_t n,
+            int status, const char *text)
+{
+    struct passes *s = job->passes;
+
+    if (!s || !s->awaits || status != 0 || n % AMBSHARE_BYTES != 0) {
+        free(records);
+        if (s && s->awaits)
+            verdict_job(c, job, JOB_FAILED, status ? status : EX_DATAERR,
+                        status ? text : "no ambient records");
+        return;
+    }
+    s->awaits = false;
+    s->closed[0].records = records;
+    s->closed[0].n = (uint32_t)(n / AMBSHARE_BYTES);
+    job->cache.reused = s->closed[0].n;
+    if (s->open == 0) {
+        s->open = 1;
+        s->bytes = n;
+        if (!open_pass(s))
+            c->actions.failed = true;
+        if (job->spec.flags & MSG_JOB_RECORDS)
+            send_closed(c, job, 0, send_records, NULL);
+    }
+    for (uint32_t i = 0; i < job->nworkers; i++)
+        if (job->workers[i].state == PART_READY &&
+            job->workers[i].worker->conn != 0 && job->workers[i].passes == 0)
+            catch_up(c, job, &job->workers[i]);
+    close_passes(c, job);
+    c->stirred = true;
 }

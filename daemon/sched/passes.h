@@ -21,10 +21,18 @@ bool passes_ready(struct coord *c, struct job *job, uint32_t index,
 /* How far they are. */
 struct passes_state {
     uint32_t open, n; /* passes that are closed; all, 0: there are none */
+    uint64_t bytes;   /* of their records */
     double made;      /* share of the open pass's tiles */
 };
 struct passes_state passes_state(const struct job *job);
-/* Are tiles yet to be made? */
+/* The store has the job: ask it for the records that the job begins with, if
+ * they are wanted by now. */
+void passes_ask(struct coord *c, struct job *job);
+/* The records that the job begins with, n bytes, malloc'd and taken; status: of
+ * sysexits.h, they cannot be had. */
+void passes_came(struct coord *c, struct job *job, uint8_t *records, size_t n,
+                 int status, const char *text);
+/* Are tiles yet to be made, or records to come? */
 bool passes_open(const struct job *job);
 /* A tile for a worker that is ready; false: there is none for it. */
 bool passes_give(struct coord *c, struct job *job, uint32_t index);

@@ -45,9 +45,13 @@ struct store_handler {
      * the disk of a durable store failed.  Nothing that was asked for and not
      * answered is kept. */
     void (*broken)(void *arg, int status, const char *text);
-    /* The end of a job is kept; its folder has so many bytes. */
+    /* The end of a job is kept, or store_drop_cache() was done; its folder has
+     * so many bytes, and its ambient cache that many of them. */
     void (*filed)(void *arg, const uint8_t job[MSG_JOB], uint64_t sequence,
-                  uint64_t bytes);
+                  uint64_t bytes, uint64_t cache_bytes);
+    /* store_load_cache() has read records, which are the handler's now. */
+    void (*cache)(void *arg, const uint8_t job[MSG_JOB], uint64_t sequence,
+                  uint8_t *records, size_t len, int status, const char *text);
     void (*settled)(void *arg, uint64_t conn, uint32_t request);
     /* store_recover() met a job that was forgotten; may be NULL. */
     void (*gone)(void *arg, const struct saved_gone *g);
@@ -151,13 +155,18 @@ void store_end_job(struct store *s, const struct saved_job *saved, char *stats,
                    size_t len);
 void store_keep_unit(struct store *s, const uint8_t job[MSG_JOB],
                      const struct saved_unit *unit);
-/* Keep a pass's records, which are copied, if there is room: nothing follows.
- */
+/* Keep a pass's records, copied, if there is room: nothing follows. */
 void store_put_pass(struct store *s, const uint8_t job[MSG_JOB], uint32_t pass,
                     const struct saved_pass *saved);
 /* Colours to be shown in previews, which are copied: nothing follows. */
 void store_put_colours(struct store *s, const uint8_t job[MSG_JOB],
                        const struct action_colours *colours);
+/* Read the records that the job begins with, then cache(); or have the cache
+ * that is kept of a job that is over go, then filed(). */
+void store_load_cache(struct store *s, const uint8_t job[MSG_JOB],
+                      uint64_t sequence);
+void store_drop_cache(struct store *s, const uint8_t job[MSG_JOB],
+                      uint64_t sequence);
 void store_put_rows(struct store *s, const struct action_rows *rows);
 /* Call settled() when all that was asked for so far is kept. */
 void store_settle(struct store *s, uint64_t conn, uint32_t request);

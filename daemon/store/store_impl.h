@@ -109,7 +109,7 @@ struct job_task {
     uint32_t frame;
     int state;
     int32_t priority;
-    uint64_t bytes;
+    uint64_t bytes, cache_bytes;
 };
 
 /* NULL: as store_new_task(). */

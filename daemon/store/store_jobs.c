@@ -100,6 +100,8 @@ open_run(struct task *t)
     rc = views_read(&views, s->blobs.dir, &whole, &t->err);
     if (rc == 0)
         rc = folder_make(&s->folder, &whole, &t->err);
+    if (rc == 0 && whole.flags & MSG_JOB_REUSE)
+        rc = folder_reuse(&s->folder, o->id, whole.reuse, &t->err);
     views_release(&views);
     if (rc == 0 && s->journal)
         rc = journal_put_job(s->journal, &o->saved, &t->err);
@@ -241,6 +243,7 @@ rest_run(struct task *t)
 
     folder_rest(&j->store->folder, j->id);
     j->bytes = folder_bytes(&j->store->folder, j->id);
+    j->cache_bytes = folder_cache_bytes(&j->store->folder, j->id);
     return 0;
 }
 
@@ -250,7 +253,7 @@ rest_done(struct task *t)
     struct job_task *j = (struct job_task *)t;
     struct store *s = j->store;
 
-    s->handler->filed(s->arg, j->id, j->sequence, j->bytes);
+    s->handler->filed(s->arg, j->id, j->sequence, j->bytes, j->cache_bytes);
     free(j);
 }
 
@@ -265,6 +268,8 @@ end_run(struct task *t)
         return 0; /* forgotten while this was held */
     rc = folder_stats(&s->folder, o->id, o->stats, o->stats_len,
                       &o->saved.stats, &t->err);
+    if (o->saved.cache_bytes > 0)
+        folder_keep_cache(&s->folder, o->id, o->saved.npasses);
     /* what is left when the rows have gone */
     o->saved.kept_bytes = folder_bytes(&s->folder, o->id);
     return rc < 0 ? rc : journal_put_end(s->journal, &o->saved, &t->err);
@@ -302,6 +307,28 @@ store_end_job(struct store *s, const struct saved_job *saved, char *stats,
     o->stats = stats;
     o->stats_len = len;
     store_push_lasting(s, &o->task);
+}
+
+static int
+drop_cache_run(struct task *t)
+{
+    struct job_task *j = (struct job_task *)t;
+
+    folder_drop_cache(&j->store->folder, j->id);
+    j->bytes = folder_bytes(&j->store->folder, j->id);
+    return 0;
+}
+
+/* Also while the disk is full, for it makes room. */
+void
+store_drop_cache(struct store *s, const uint8_t job[MSG_JOB], uint64_t sequence)
+{
+    struct job_task *j = store_new_job_task(s, job, drop_cache_run, rest_done);
+
+    if (!j)
+        return;
+    j->sequence = sequence;
+    task_push(&s->queue, &j->task);
 }
 
 static int

@@ -75,6 +75,8 @@ recover_open(struct recovery *r, const struct saved_job *saved,
     sound.passes = passes;
     cache = folder_read_passes(&r->s->folder, saved->spec.job, passes,
                                &sound.npasses);
+    if (saved->spec.flags & MSG_JOB_REUSE && sound.npasses > 0)
+        passes[0].bytes = NULL; /* read when the job is worked at */
     rc = rowcheck_job(&r->s->folder, saved, units, drop_damaged, r->s, err);
     if (rc == 0)
         rc = r->fn(r->arg, &sound, err);
@@ -116,6 +118,10 @@ recover_one(void *arg, const struct saved_job *saved, struct rad_error *err)
         rc = views_read(&views, r->s->blobs.dir, &whole.spec, err);
     if (rc == 0)
         rc = folder_take_up(folder, &whole, over, err);
+    if (over && whole.spec.flags & MSG_JOB_SCENE) {
+        whole.cache_bytes = folder_cache_bytes(folder, whole.spec.job);
+        whole.kept_bytes = folder_bytes(folder, whole.spec.job);
+    }
     if (rc == 0)
         rc = over ? r->fn(r->arg, &whole, err) : recover_open(r, &whole, err);
     views_release(&views);

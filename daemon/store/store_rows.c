@@ -138,6 +138,51 @@ store_put_colours(struct store *s, const uint8_t job[MSG_JOB],
     task_push(&s->queue, &p->task);
 }
 
+struct cache_task {
+    struct task task;
+    struct store *store;
+    uint8_t id[MSG_JOB];
+    uint64_t sequence;
+    uint8_t *records;
+    size_t len;
+};
+
+static int
+cache_run(struct task *t)
+{
+    struct cache_task *k = (struct cache_task *)t;
+
+    k->records = folder_read_first(&k->store->folder, k->id, &k->len, &t->err);
+    return k->records ? 0 : t->err.code;
+}
+
+static void
+cache_done(struct task *t)
+{
+    struct cache_task *k = (struct cache_task *)t;
+    struct store *s = k->store;
+
+    if (is_mute(s, t))
+        free(k->records);
+    else
+        s->handler->cache(s->arg, k->id, k->sequence, k->records, k->len,
+                          status_of(t), failure(t));
+    free(k);
+}
+
+void
+store_load_cache(struct store *s, const uint8_t job[MSG_JOB], uint64_t sequence)
+{
+    struct cache_task *k = store_new_task(s, sizeof *k, cache_run, cache_done);
+
+    if (!k)
+        return;
+    k->store = s;
+    memcpy(k->id, job, MSG_JOB);
+    k->sequence = sequence;
+    task_push(&s->queue, &k->task);
+}
+
 struct rows_task {
     struct task task;
     struct store *store;

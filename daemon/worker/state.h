@@ -77,6 +77,7 @@ struct wjob {
     enum wjob_state state;
     bool started;        /* by the coordinator, in this connection */
     uint32_t memory_mib; /* its own limit; 0: none */
+    uint8_t reuse[MSG_JOB]; /* the job whose cache it begins with; or zeros */
     uint8_t *start;      /* the JOB-START frame, for children */
     size_t start_len;
     uint32_t nframes;

@@ -186,6 +186,8 @@ wjob_new(struct worker *w, const struct msg *m)
     }
     memcpy(job->id, spec->job, MSG_JOB);
     msg_job_format(job->id, job->hex);
+    if (spec->reuse)
+        memcpy(job->reuse, spec->reuse, MSG_JOB);
     memcpy(job->start, out->buf, out->len);
     job->start_len = out->len;
     if (nbytes)

@@ -132,11 +132,25 @@ resume_job(struct worker *w, struct wjob *job)
     worker_send_coord(w, &ready);
 }
 
+/* A coordinator that died before it had kept a job was given it again: another
+ * job's cache may be the last one that fits by now. */
+static bool
+begins_otherwise(const struct wjob *job, const struct msg_spec *spec)
+{
+    static const uint8_t none[MSG_JOB];
+
+    return memcmp(job->reuse, spec->reuse ? spec->reuse : none, MSG_JOB) != 0;
+}
+
 static void
 on_job_start(struct worker *w, const struct msg *m)
 {
     struct wjob *job = worker_find_job(w, m->job_start.job);
 
+    if (job && begins_otherwise(job, &m->job_start)) {
+        worker_end_job(w, job);
+        job = NULL;
+    }
     if (!job)
         job = wjob_new(w, m);
     if (!job) {

@@ -595,6 +595,25 @@ rad_params_format(const struct rad_params *p, char *buf, size_t size)
 }
 
 void
+rad_params_of_records(const struct rad_params *p, struct rad_params *out)
+{
+    struct rad_params usual;
+
+    rad_params_init(&usual);
+    *out = *p;
+    out->xres = usual.xres;
+    out->yres = usual.yres;
+    out->primaries = usual.primaries;
+    memcpy(out->chroma, usual.chroma, sizeof out->chroma);
+    out->pixaspect = usual.pixaspect;
+    out->pixjitter = usual.pixjitter;
+    out->psample = usual.psample;
+    out->maxdiff = usual.maxdiff;
+    out->motion = usual.motion;
+    out->aperture = usual.aperture;
+}
+
+void
 rad_params_print_defaults(const struct rad_params *p,
                           void (*line)(void *arg, const char *text), void *arg)
 {

@@ -96,6 +96,12 @@ int rad_params_option(struct rad_params *p, int argc, char *const argv[],
 /* What a pixel of radiance L holds under -pRGB, -pXYZ or -pc. */
 struct rad_rgb rad_params_colour(const struct rad_params *p, struct rad_rgb L);
 
+/* The same but for all that decides about no ambient record: which pixels there
+ * are, where in them and through which lens and in which time they are looked
+ * at, and how they are written.  Two jobs on one scene for which this and the
+ * seed are the same make records by the same rules. */
+void rad_params_of_records(const struct rad_params *p, struct rad_params *out);
+
 /* Check what options forbid together; 0 or RAD_EUSAGE. */
 int rad_params_check(const struct rad_params *p, struct rad_error *err);
 

@@ -8,6 +8,9 @@
 
 #include "picture/passplan.h"
 
+#include <assert.h>
+#include <string.h>
+
 /* Paths: one for so many pixels, within these bounds. */
 #define PIXELS_A_PATH 64
 #define LEAST_PATHS   256
@@ -141,4 +144,21 @@ rad_passes_plan(const struct rad_params *par, const struct rad_pass_size *size,
     for (int level = deepest; level > 0; level--)
         n += plan_level(level, paths, pass + n);
     return n + plan_pixels(par, size, nsizes, pass + n);
+}
+
+/* There is room for one more: paths have 5 rounds of 8 levels, and 65536 frames
+ * 17 times 5 lattices. */
+uint32_t
+rad_passes_plan_on(const struct rad_params *par,
+                   const struct rad_pass_size *size, uint32_t nsizes,
+                   struct rad_pass pass[RAD_MOST_PASSES])
+{
+    uint32_t n = rad_passes_plan(par, size, nsizes, pass);
+
+    if (n == 0)
+        return 0;
+    assert(n < RAD_MOST_PASSES);
+    memmove(pass + 1, pass, n * sizeof *pass);
+    pass[0] = (struct rad_pass){ .tiles = 0 };
+    return n + 1;
 }

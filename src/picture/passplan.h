@@ -54,6 +54,12 @@ uint32_t rad_passes_plan(const struct rad_params *par,
                          const struct rad_pass_size *size, uint32_t nsizes,
                          struct rad_pass pass[RAD_MOST_PASSES]);
 
+/* The same of a job that begins with the records of a former job: these are its
+ * first pass, which has no tiles. */
+uint32_t rad_passes_plan_on(const struct rad_params *par,
+                            const struct rad_pass_size *size, uint32_t nsizes,
+                            struct rad_pass pass[RAD_MOST_PASSES]);
+
 /* The side of a tile of the lattice of every step-th pixel, in pixels of it. */
 static inline int
 rad_pass_side(int step)

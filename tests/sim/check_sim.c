@@ -26,7 +26,7 @@ static struct {
     unsigned parted, late, refused;
     unsigned blows[SIM_TYPES][SIM_NBLOW];
     unsigned parked, gave, twins, loans, blocked, estimates, bars, aside,
-        estimates_left, pictures, tiles, passes, colours;
+        estimates_left, pictures, tiles, passes, colours, reused;
     uint64_t primary, speculative, unsaid;
     uint64_t resumed, again; /* see note_again() */
     unsigned pauses, priorities, rests, yields;
@@ -291,6 +291,7 @@ run(uint64_t seed, bool verbose)
     sum.tiles += cluster.tiles;
     sum.passes += cluster.passes;
     sum.colours += cluster.colours;
+    sum.reused += cluster.reused;
     sum.estimates += cluster.estimates;
     sum.estimates_left += cluster.estimates_left;
     sim_release(&cluster);
@@ -322,7 +323,7 @@ was_tried(void)
                  sum.drains && sum.stops && sum.repeats && sum.parted &&
                  sum.late && sum.parked && sum.gave && sum.twins && sum.loans &&
                  sum.blocked && sum.bars && sum.aside && sum.tiles &&
-                 sum.passes && sum.colours && sum.estimates &&
+                 sum.passes && sum.colours && sum.reused && sum.estimates &&
                  sum.estimates_left && sum.pauses && sum.priorities &&
                  sum.rests && sum.yields && sum.refused;
 

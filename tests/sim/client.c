@@ -34,8 +34,12 @@ static void
 submit(struct net *net, int node)
 {
     struct sim_job *job = job_of(net, node);
+    static const uint8_t any[MSG_JOB];
     struct msg m = { .type = MSG_SUBMIT, .request = 7, .submit = job->spec };
 
+    m.submit.flags &= ~MSG_JOB_REUSE;
+    m.submit.flags |= job->reuses ? MSG_JOB_REUSE : 0;
+    m.submit.reuse = any;
     net_send_msg(net, node, job->conn, &m);
 }
 

@@ -55,6 +55,7 @@ struct sim_kept {
     struct saved_job job;
     char text[MSG_MAX_TEXT + 1];
     char *stats; /* of one that is over */
+    bool cached; /* the passes of one that is done, for others */
     uint32_t npasses;
     struct saved_pass pass[MSG_MOST_PASSES]; /* malloc'd */
     uint32_t nunits;
@@ -86,6 +87,8 @@ struct sim_job {
     uint64_t traced;  /* by all children together */
     uint64_t tile_rays; /* likewise, for tiles */
     bool watched;       /* its client wants previews */
+    bool reuses;        /* it wants to begin with the cache of another, */
+    uint8_t from[MSG_JOB]; /* with this one's, where spec.flags say so */
     bool cancel;      /* the client changes its mind */
     bool vanish;      /* the client goes away for a while */
     unsigned crashes; /* of its children so far */
@@ -183,6 +186,7 @@ struct sim {
     unsigned blows[SIM_TYPES][SIM_NBLOW];
     unsigned tiles, passes; /* made; closed at a child */
     unsigned colours;       /* tiles that told theirs */
+    unsigned reused;        /* first passes with records of other jobs */
     unsigned parked, gave, twins, loans, blocked, estimates;
     unsigned estimates_left; /* of these, before their end */
     unsigned bars; /* units whose bars come along with their base lines */

@@ -22,6 +22,7 @@ struct entry {
     struct saved_unit unit;
     char worker[16];
     uint64_t conn, sequence;
+    uint8_t from[MSG_JOB]; /* the job whose cache this one begins with */
     uint32_t request, frame;
     uint32_t nbottom;
     size_t nline;
@@ -69,11 +70,35 @@ later(struct sim *s, int job, size_t n, entry_fn *fn)
 
 /* --- what is written --- */
 
+/* All records of the other job are the first pass of this one. */
+static void
+begin_with(struct sim *s, struct sim_kept *k, const struct sim_kept *from)
+{
+    uint8_t *bytes;
+    size_t n = 0;
+
+    SIM_CHECK(&s->net, from->cached);
+    for (uint32_t i = 0; i < from->npasses; i++)
+        n += from->pass[i].len;
+    bytes = malloc(n + 1);
+    SIM_CHECK(&s->net, bytes != NULL);
+    for (uint32_t i = 0; i < k->npasses; i++) /* of an earlier try */
+        free((void *)k->pass[i].bytes);
+    k->npasses = 1;
+    k->pass[0] = (struct saved_pass){ .bytes = bytes, .len = n };
+    for (uint32_t i = 0; i < from->npasses; i++) {
+        memcpy(bytes, from->pass[i].bytes, from->pass[i].len);
+        bytes += from->pass[i].len;
+    }
+}
+
 static void
 put_opened(struct sim *s, struct sim_job *job, const struct entry *e)
 {
     job->kept.opened = true;
     job->kept.job = e->job;
+    if (e->job.spec.flags & MSG_JOB_REUSE)
+        begin_with(s, &job->kept, &s->job[sim_find_job(s, e->from)].kept);
     coord_job_opened(s->coord, s->net.now_ms, job->id, e->sequence, 0, NULL);
 }
 
@@ -96,16 +121,32 @@ put_end(struct sim *s, struct sim_job *job, const struct entry *e)
     k->stats = calloc(1, e->len + 1);
     SIM_CHECK(&s->net, k->stats != NULL);
     memcpy(k->stats, e->bytes, e->len);
-    coord_job_filed(s->coord, s->net.now_ms, job->id, e->sequence, e->len);
+    k->cached = e->job.cache_bytes > 0;
+    SIM_CHECK(&s->net, !k->cached || e->job.npasses == k->npasses);
+    coord_job_filed(s->coord, s->net.now_ms, job->id, e->sequence, e->len,
+                    e->job.cache_bytes);
+}
+
+static void
+put_loaded(struct sim *s, struct sim_job *job, const struct entry *e)
+{
+    const struct saved_pass *first = &job->kept.pass[0];
+    uint8_t *bytes = malloc(first->len + 1);
+
+    SIM_CHECK(&s->net, bytes && job->kept.npasses > 0);
+    memcpy(bytes, first->bytes, first->len);
+    coord_cache_came(s->coord, s->net.now_ms, job->id, e->sequence, bytes,
+                     first->len, 0, NULL);
 }
 
 static void
 put_pass(struct sim *s, struct sim_job *job, const struct entry *e)
 {
     struct sim_kept *k = &job->kept;
+    bool room = job->spec.flags & MSG_JOB_SCENE || !net_chance(&s->net, 20);
     uint8_t *bytes;
 
-    if (e->frame != k->npasses || net_chance(&s->net, 20)) /* no room */
+    if (e->frame != k->npasses || !room)
         return;
     bytes = malloc(e->len + 1);
     SIM_CHECK(&s->net, bytes != NULL);
@@ -226,6 +267,16 @@ put_picture(struct sim *s, struct sim_job *job, const struct entry *e)
 
 /* --- what is to be written --- */
 
+/* What the coordinator has found for the job to begin with. */
+static void
+note_reuse(struct sim_job *job, const struct msg_spec *spec)
+{
+    job->spec.flags &= ~MSG_JOB_REUSE;
+    job->spec.flags |= spec->flags & MSG_JOB_REUSE;
+    if (spec->flags & MSG_JOB_REUSE)
+        memcpy(job->from, spec->reuse, MSG_JOB);
+}
+
 static void
 keep_job(struct sim *s, int i, const struct action *a, entry_fn *fn)
 {
@@ -235,6 +286,10 @@ keep_job(struct sim *s, int i, const struct action *a, entry_fn *fn)
     snprintf(e->text, sizeof e->text, "%s", e->job.text);
     e->state = a->status;
     e->sequence = a->sequence;
+    if (e->job.spec.flags & MSG_JOB_REUSE)
+        memcpy(e->from, e->job.spec.reuse, MSG_JOB);
+    if (a->type == ACT_JOB_OPEN)
+        note_reuse(&s->job[i], &e->job.spec);
     e->len = a->len;
     if (a->len)
         memcpy(e->bytes, a->bytes, a->len);
@@ -284,6 +339,10 @@ sim_disk(struct sim *s, const struct action *a, int job)
         break;
     case ACT_JOB_END:
         keep_job(s, job, a, put_end);
+        break;
+    case ACT_LOAD_CACHE:
+        e = later(s, job, 0, put_loaded);
+        e->sequence = a->sequence;
         break;
     case ACT_SETTLE:
         e = later(s, -1, 0, put_settled);
@@ -339,6 +398,7 @@ static void
 recover(struct sim *s, struct sim_job *job)
 {
     static struct saved_unit units[SIM_UNITS];
+    static struct saved_pass passes[MSG_MOST_PASSES];
     struct rad_error err = { 0 };
     struct sim_kept *k = &job->kept;
     uint32_t flags = k->job.spec.flags; /* with the coordinator's own */
@@ -354,8 +414,13 @@ recover(struct sim *s, struct sim_job *job)
     k->job.text = k->text;
     k->job.frames = job->frames;
     k->job.units = units;
-    k->job.passes = k->pass;
+    k->job.spec.reuse = flags & MSG_JOB_REUSE ? job->from : NULL;
+    memcpy(passes, k->pass, sizeof passes);
+    if (flags & MSG_JOB_REUSE)
+        passes[0].bytes = NULL;
+    k->job.passes = passes;
     k->job.npasses = k->npasses;
+    k->job.cache_bytes = k->cached ? 1 : 0;
     k->job.nunits = 0;
     for (uint32_t i = 0; i < k->nunits && k->job.state < JOB_DONE; i++) {
         k->unit[i].saved.worker = k->unit[i].worker;

@@ -92,9 +92,11 @@ sim_plan(const struct sim_job *job, struct rad_pass plan[RAD_MOST_PASSES])
     for (uint32_t f = 0; f < job->spec.nframes; f++)
         size[f] = (struct rad_pass_size){ (int)job->frame[f].width,
                                           (int)job->frame[f].height };
-    return job->spec.flags & MSG_JOB_PASSES
-               ? rad_passes_plan(&params, size, job->spec.nframes, plan)
-               : 0;
+    if (!(job->spec.flags & MSG_JOB_PASSES))
+        return 0;
+    return job->spec.flags & MSG_JOB_REUSE
+               ? rad_passes_plan_on(&params, size, job->spec.nframes, plan)
+               : rad_passes_plan(&params, size, job->spec.nframes, plan);
 }
 
 /* e->b: the tile; e->len: twice its pass, and 1 if its colours are wanted. */
@@ -174,6 +176,20 @@ check_records(struct net *net, const struct sim_job *job,
     SIM_CHECK(net, !m->last || m->first + m->count == at);
 }
 
+/* Those of the first pass where it is another job's cache. */
+static void
+check_reused(struct net *net, const struct sim_job *job,
+             const struct msg_frozen *m)
+{
+    const struct saved_pass *first = &job->kept.pass[0];
+    size_t at = (size_t)m->first * AMBSHARE_BYTES;
+
+    SIM_CHECK(net, job->kept.npasses > 0 && at + m->len <= first->len);
+    SIM_CHECK(net, memcmp(m->data, first->bytes + at, m->len) == 0);
+    SIM_CHECK(net, !m->last || at + m->len == first->len);
+    sim_of(net)->reused += m->last;
+}
+
 void
 sim_take_frozen(struct net *net, int node, const struct msg_frozen *m)
 {
@@ -183,7 +199,10 @@ sim_take_frozen(struct net *net, int node, const struct msg_frozen *m)
     SIM_CHECK(net, m->pass == k->passes);
     SIM_CHECK(net, m->pass < sim_plan(&sim_of(net)->job[k->job], plan));
     SIM_CHECK(net, m->first == 0 || m->first == k->nrecords);
-    check_records(net, &sim_of(net)->job[k->job], m, plan[m->pass].tiles);
+    if (m->pass == 0 && sim_of(net)->job[k->job].spec.flags & MSG_JOB_REUSE)
+        check_reused(net, &sim_of(net)->job[k->job], m);
+    else
+        check_records(net, &sim_of(net)->job[k->job], m, plan[m->pass].tiles);
     k->nrecords = m->first + m->count;
     if (!m->last)
         return;

@@ -1,0 +1,148 @@
+/* reuse.c - see reuse.h
+ *
+ * Specifications of jobs that are over are here as long as the jobs are, so
+ * they are compared themselves, and a user is told what differs. */
+#include "config.h"
+
+#include "queue/reuse.h"
+
+#include "machine/jobtext.h"
+#include "sched/passes.h"
+
+#include <string.h>
+
+static const uint8_t no_job[MSG_JOB];
+
+/* The options that decide about records, as one text. */
+static int
+options_of(const struct msg_spec *spec, char text[RAD_PARAMS_TEXT],
+           struct rad_error *err)
+{
+    struct rad_params p;
+    int rc = jobtext_params(spec->params, &p, err);
+
+    if (rc < 0)
+        return rc;
+    rad_params_of_records(&p, &p);
+    rad_params_format(&p, text, RAD_PARAMS_TEXT);
+    return 0;
+}
+
+/* The first option whose value differs. */
+static int
+options_differ(const struct job *job, const char *theirs, const char *ours,
+               struct rad_error *err)
+{
+    size_t name = 0;
+
+    for (size_t i = 0; ours[i] != '\0' && theirs[i] == ours[i]; i++)
+        if (ours[i] == ' ' && ours[i + 1] == '-' &&
+            (ours[i + 2] < '0' || ours[i + 2] > '9') && ours[i + 2] != '.')
+            name = i + 1;
+    return rad_fail(err, RAD_EDATA,
+                    "job %s has other options for ambient values: %.*s differs",
+                    job->hex, (int)strcspn(ours + name, " ="), ours + name);
+}
+
+/* Would the job's records be those of the new job? */
+static int
+check_fit(const struct job *job, const struct msg_spec *spec,
+          struct rad_error *err)
+{
+    char ours[RAD_PARAMS_TEXT], theirs[RAD_PARAMS_TEXT];
+
+    if (memcmp(job->spec.scene, spec->scene, MSG_HASH) != 0)
+        return rad_fail(err, RAD_EDATA, "job %s is of another scene", job->hex);
+    if (options_of(spec, ours, err) < 0 ||
+        options_of(&job->spec, theirs, err) < 0)
+        return RAD_EDATA;
+    return strcmp(ours, theirs) == 0 ? 0
+                                     : options_differ(job, theirs, ours, err);
+}
+
+/* Is there a cache of the job? */
+static int
+check_cache(const struct coord *c, const struct job *job, struct rad_error *err)
+{
+    if (!job_over(job) || job->filing)
+        return rad_fail(err, RAD_ETEMPFAIL, "job %s is not done yet", job->hex);
+    if (job->state != JOB_DONE)
+        return rad_fail(err, RAD_EDATA, "job %s is %s: it has no ambient cache",
+                        job->hex, job_state_name(job->state));
+    if (!(job->spec.flags & MSG_JOB_SCENE))
+        return rad_fail(err, RAD_EDATA,
+                        "job %s had no ambient cache in passes to be kept",
+                        job->hex);
+    if (job->cache.bytes > 0)
+        return 0;
+    return rad_fail(err, RAD_ENOINPUT,
+                    "the ambient cache of job %s is not kept%s", job->hex,
+                    c->keep.cache_bytes > 0
+                        ? " any more: there is no room for it within "
+                          "keep_caches_mib"
+                        : ": keep_caches_mib is 0 here");
+}
+
+static int
+check(const struct coord *c, const char *owner, const struct msg_spec *spec,
+      const struct job *job, struct rad_error *err)
+{
+    int rc;
+
+    if (strcmp(job->owner, owner) != 0)
+        return rad_fail(err, RAD_EPERM, "job %s belongs to another user",
+                        job->hex);
+    rc = check_cache(c, job, err);
+    return rc == 0 ? check_fit(job, spec, err) : rc;
+}
+
+static bool
+is_later(const struct job *a, const struct job *b)
+{
+    return a->end_ms != b->end_ms ? a->end_ms > b->end_ms
+                                  : a->sequence > b->sequence;
+}
+
+static const struct job *
+find_last(const struct coord *c, const char *owner, const struct msg_spec *spec)
+{
+    const struct job *last = NULL;
+
+    for (size_t i = 0; i < c->njobs; i++) {
+        const struct job *job = c->jobs[i];
+
+        if ((!last || is_later(job, last)) &&
+            check(c, owner, spec, job, NULL) == 0)
+            last = job;
+    }
+    return last;
+}
+
+const struct job *
+reuse_find(const struct coord *c, const char *owner,
+           const struct msg_spec *spec, struct rad_error *err)
+{
+    const struct job *job;
+    char hex[MSG_JOB_HEX];
+
+    if (memcmp(spec->reuse, no_job, MSG_JOB) == 0)
+        return find_last(c, owner, spec);
+    msg_job_format(spec->reuse, hex);
+    job = desk_find_job(c, spec->reuse);
+    if (!job)
+        rad_fail(err, RAD_ENOINPUT, "no job %s to reuse the ambient cache of",
+                 hex);
+    return job && check(c, owner, spec, job, err) == 0 ? job : NULL;
+}
+
+void
+reuse_keep(const struct coord *c, struct job *job)
+{
+    struct passes_state s = passes_state(job);
+
+    if (job->state != JOB_DONE || !(job->spec.flags & MSG_JOB_SCENE) ||
+        !c->env.keeps || s.bytes > c->keep.cache_bytes)
+        return;
+    job->cache.bytes = s.bytes;
+    job->cache.passes = s.n;
+}

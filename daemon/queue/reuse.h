@@ -1,0 +1,28 @@
+/* reuse.h - jobs that begin with the ambient cache of a former job (--reuse)
+ *
+ * When a job with passes is done the store keeps their records, as long as its
+ * pictures are kept and the caches of all users together are within a limit
+ * (coord_keep.h).  A later job of the same user may have them as its first
+ * pass, if both are on the same scene and make records by the same options and
+ * seed: all rendering options but those of rad_params_of_records().
+ * Thread: one. */
+#ifndef DAEMON_REUSE_H
+#define DAEMON_REUSE_H
+
+#include "desk/desk.h"
+
+/* The job of that user whose cache a new one is to begin with: that of
+ * spec->reuse, or where this is zeros the one that was done last among those
+ * that fit.  NULL with err->code 0: there is none such.  NULL and RAD_ENOINPUT:
+ * no such job, or its cache is gone; RAD_EPERM: it is another user's;
+ * RAD_ETEMPFAIL: it is not over; RAD_EDATA: it has none, or that does not
+ * fit. */
+const struct job *reuse_find(const struct coord *c, const char *owner,
+                             const struct msg_spec *spec,
+                             struct rad_error *err);
+
+/* The job is over, and its passes are there yet: is the store to keep its
+ * cache?  Notes that in the job. */
+void reuse_keep(const struct coord *c, struct job *job);
+
+#endif
