@@ -2,13 +2,15 @@
  *
  * usage: seqpict [-vf FILE] [rpict options] [-z FILE] [--counts]
  *                [--window=X,Y,W,H] [--frame=N] [--oversample=N] [--clamp=F]
- *                [--ambient=passes] -o OUT.hdr scene.rad...
+ *                [--ambient=passes] [--error=PERCENT] -o OUT.hdr scene.rad...
  * What a cluster must agree with.  -vf is a view file, -z gets distances as
  * rpict writes them; --counts prints what was counted on standard error;
  * --window renders that part of the picture by itself, the rest is black;
  * --frame is which of an animation it is, whose view does not move;
  * --oversample and --clamp filter the whole picture down as radsubmit's do;
- * --ambient=passes fills the cache in passes first. */
+ * --ambient=passes fills the cache in passes first; --error does so in stages,
+ * until the picture is estimated to be no farther off, and says of each on
+ * standard error with which rungs it was made and what was found. */
 #include "config.h"
 
 #include "compile/compile.h"
@@ -16,8 +18,10 @@
 #include "picture/frame.h"
 #include "image/hdr.h"
 #include "picture/passes.h"
+#include "refine/recheck.h"
 
 #include <inttypes.h>
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -30,6 +34,7 @@ struct task {
     uint32_t frame;
     const char *out, *depth;
     bool counts, passes;
+    double error; /* 0: not asked for */
     int oversample;
     double clamp;
     int nscenes;
@@ -81,6 +86,10 @@ own_option(struct task *t, int argc, char **argv, struct rad_error *err)
         return 1;
     if (sscanf(argv[0], "--frame=%" SCNu32, &t->frame) == 1)
         return 1;
+    if (sscanf(argv[0], "--error=%lf", &t->error) == 1) {
+        t->error /= 100;
+        return 1;
+    }
     if (sscanf(argv[0], "--oversample=%d", &t->oversample) == 1 ||
         sscanf(argv[0], "--clamp=%lf", &t->clamp) == 1)
         return 1;
@@ -325,48 +334,134 @@ make_pass(struct rad_passes *p, struct rad_ctx *ctx,
     return rc;
 }
 
+/* Make the tiles of the check pass. */
 static int
-fill_cache(const struct rad_frame *f, struct rad_ctx *ctx,
+make_check(struct rad_passes *p, struct rad_ctx *ctx,
+           const struct rad_pass *pass, struct rad_refine_sums *sums,
            struct rad_error *err)
+{
+    static const _Atomic bool never;
+    struct rad_refine_sums of;
+    int rc = rad_passes_begin(p, ctx, pass, err);
+
+    for (uint32_t i = 0; rc == 0 && i < pass->tiles; i++)
+        if (rad_refine_make(p, ctx, i, &never, &of))
+            rad_refine_add(sums, &of);
+        else
+            rc = rad_fail(err, RAD_ENOMEM, "out of memory");
+    return rc;
+}
+
+/* Fill the cache; with --error, check it, too: what is to be decided upon. */
+static int
+fill_cache(const struct task *t, const struct rad_frame *f, struct rad_ctx *ctx,
+           struct rad_refine_ask *ask, struct rad_error *err)
 {
     struct rad_pass_size size = { f->width, f->height };
     struct rad_pass plan[RAD_MOST_PASSES];
-    uint32_t n = rad_passes_plan(&f->job->params, &size, 1, plan);
+    uint32_t n = (t->error > 0 ? rad_refine_plan : rad_passes_plan)(
+        &f->job->params, &size, 1, plan);
     struct rad_passes *p = rad_passes_new(f, 1, err);
     struct records k = { 0 };
     int rc = p ? 0 : err->code;
 
-    for (uint32_t i = 0; rc == 0 && i < n; i++)
-        rc = make_pass(p, ctx, &plan[i], &k, err);
+    for (uint32_t i = 0; rc == 0 && i < n; i++) {
+        if (!plan[i].check) {
+            rc = make_pass(p, ctx, &plan[i], &k, err);
+            continue;
+        }
+        ask->rays = ctx->counts.rays;
+        ask->pixels = (uint64_t)f->width * (uint64_t)f->height;
+        rc = make_check(p, ctx, &plan[i], &ask->sums, err);
+    }
     rad_passes_free(p);
     free(k.rec);
     return rc;
 }
 
+static void
+print_stage(const struct rad_refine_ask *ask, const struct rad_job *job,
+            uint64_t rays)
+{
+    const struct rad_params *par = &job->params;
+    struct rad_refine_error e = rad_refine_error(&ask->sums);
+
+    fprintf(stderr,
+            "stage %" PRIu32 " rungs %d %d error %.4f ambient %.4f pixel %.4f "
+            "noise %.4f rays %" PRIu64 " check %" PRIu64
+            " aa %.4g ad %d pt %.4g ds %.4g\n",
+            ask->stage, ask->rungs.ambient, ask->rungs.pixel, e.all, e.ambient,
+            e.pixel,
+            sqrt(ask->sums.v[RAD_REFINE_NOISE] /
+                 fmax(ask->sums.v[RAD_REFINE_AREAS], 1)),
+            ask->rays, rays - ask->rays, par->ambacc, par->ambdiv, par->maxdiff,
+            par->srcsizerat);
+}
+
+/* Make a stage, or all that there is without --error; the picture if it is the
+ * last: ask->stage goes on if it is not. */
 static int
-render_scene(const struct task *t, struct compiled *c, struct rad_error *err)
+make_stage(const struct task *t, struct rad_ctx *ctx, struct rad_frame *f,
+           struct rad_refine_ask *ask, struct rad_error *err)
+{
+    struct rad_refine_rungs next;
+    double error;
+    int rc = 0;
+
+    if ((t->passes || t->error > 0) && ctx->job->ambient) {
+        rad_ambient_freeze(ctx->job->ambient);
+        memset(&ask->sums, 0, sizeof ask->sums);
+        rc = fill_cache(t, f, ctx, ask, err);
+    }
+    if (rc == 0 && t->error > 0 && ctx->job->ambient) {
+        print_stage(ask, ctx->job, ctx->counts.rays);
+        if (rad_refine_next(ask, &next, &error)) {
+            ask->rungs = next;
+            ask->stage++;
+            return 0;
+        }
+    }
+    return rc == 0 ? render(t, f, ctx, err) : rc;
+}
+
+static int
+render_stage(struct task *t, const struct rad_params *params,
+             struct compiled *c, struct rad_refine_ask *ask,
+             struct rad_error *err)
 {
     struct rad_files files = compile_files(c);
-    struct rad_job *job = rad_job_new(c->scene, &t->params, &files, err);
+    struct rad_job *job = rad_job_new(c->scene, params, &files, err);
     struct rad_frame f = { 0 };
     struct rad_ctx ctx = { 0 };
     int rc = err->code;
 
+    t->params = *params;
     if (job && (rc = rad_ctx_init(&ctx, job, err)) == 0) {
         rc = rad_frame_init(&f, job, &t->view, t->frame, t->depth != NULL, err);
-        if (t->passes && job->ambient) {
-            rad_ambient_freeze(job->ambient);
-            if (rc == 0)
-                rc = fill_cache(&f, &ctx, err);
-        }
         if (rc == 0)
-            rc = render(t, &f, &ctx, err);
+            rc = make_stage(t, &ctx, &f, ask, err);
         if (rc == 0 && t->counts)
             print_counts(&ctx.counts);
         rad_frame_release(&f);
         rad_ctx_release(&ctx);
     }
     rad_job_free(job);
+    return rc;
+}
+
+static int
+render_scene(struct task *t, struct compiled *c, struct rad_error *err)
+{
+    struct rad_refine_ask ask = { .error = t->error, .left_s = INFINITY };
+    struct rad_params of_job = t->params, params;
+    uint32_t stage;
+    int rc;
+
+    do {
+        stage = ask.stage;
+        rad_refine_params(&of_job, ask.rungs, &params);
+        rc = render_stage(t, &params, c, &ask, err);
+    } while (rc == 0 && ask.stage > stage);
     return rc;
 }
 

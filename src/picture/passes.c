@@ -408,3 +408,10 @@ rad_passes_free(struct rad_passes *p)
     free(p->end);
     free(p);
 }
+
+const struct rad_frame *
+rad_passes_frames(const struct rad_passes *p, uint32_t *n)
+{
+    *n = p->nframes;
+    return p->frames;
+}

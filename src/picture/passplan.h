@@ -27,6 +27,7 @@ struct rad_pass {
     uint32_t frame, stride; /* level 0: of frames frame, frame + stride, ... */
     bool finest;    /* level 0: the last lattice, and what lies between its
                      * pixels where objects end or records are dense */
+    bool check;     /* no records: how good is what there is (refine.h)? */
     uint32_t tiles;
 };
 #define RAD_MOST_PASSES 128

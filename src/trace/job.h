@@ -132,6 +132,8 @@ struct rad_ctx {
     struct rad_ambtile *tile;  /* ambient records that it makes; NULL: they go
                                 * into the job's cache (light/indirect) */
     bool no_direct; /* only indirect light is wanted of what a pixel shows */
+    bool fresh; /* what a pixel shows of indirect light is sampled for it alone,
+                 * whatever the cache has */
     int32_t
         *last_blocker; /* by source or image of one: object that blocked
                         * last, or     RAD_VOID; only ever speeds a test up */

@@ -710,7 +710,8 @@ irradiance(struct rad_ctx *ctx, const struct rad_ray *r,
 
     if (!s.amb)
         return sample_here(ctx, r, at, behind, coef, E);
-    search_all(&s);
+    if (!ctx->fresh || at->level > 0)
+        search_all(&s);
     if (!serves(&s))
         return make_record(ctx, r, at, behind, E);
     *E = found(&s);

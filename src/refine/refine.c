@@ -1,0 +1,309 @@
+/* refine.c - see refine.h
+ *
+ * The next stage is foreseen from the last one's sums: an error falls by half
+ * with four rungs, that of pixels not below the noise of single ones, and rays
+ * grow with both kinds of rungs.  Of all rungs the cheapest that come down to
+ * what is wanted are taken; with a limit of time, of those that can be done the
+ * ones that come farthest down.
+ * Only products, sums and square roots: they are the same everywhere. */
+#include "config.h"
+
+#include "refine/refine.h"
+
+#include <math.h>
+
+/* Windows of a check pass: one for so many pixels, within these bounds. */
+#define PIXELS_A_WINDOW 2048
+#define LEAST_WINDOWS   24
+#define MOST_WINDOWS    96
+
+/* An estimate so far beyond what is wanted is near enough: another stage costs
+ * several times this one's time. */
+#define NEAR_ENOUGH 1.12
+
+/* A further stage for the time that is left brings so much at least. */
+#define WORTH_IT .8
+
+/* Of the time that is left, what is planned to be used. */
+#define TIME_USED .7
+
+/* No picture any more. */
+#define MOST_ERROR 1e6
+
+/* --- options --- */
+
+#define PARTS 8 /* of an octave */
+
+/* 2 to the power of -n / PARTS. */
+static double
+fall(int n)
+{
+    static const double part[PARTS] = {
+        1.0,
+        0.91700404320467121,
+        0.84089641525371454,
+        0.77110541270397037,
+        0.70710678118654752,
+        0.64841977732550483,
+        0.59460355750136053,
+        0.54525386633262884,
+    };
+
+    return ldexp(part[n % PARTS], -(n / PARTS));
+}
+
+static int
+least(int a, int b)
+{
+    return a < b ? a : b;
+}
+
+/* A number of rays or so, x times as large. */
+static int
+grow(int n, double x, int limit)
+{
+    double to = floor(n * x + .5);
+
+    return n <= 0 || n >= limit ? n : to < limit ? (int)to : limit;
+}
+
+/* To six digits, for it is read in headers. */
+static double
+shorten(double x)
+{
+    double unit = 1e-5;
+
+    for (int i = 0; i < 8 && x < unit * 1e5; i++)
+        unit /= 10;
+    return x < unit ? 0 : floor(x / unit + .5) * unit;
+}
+
+/* Parts of an octave by which options change with a rung. */
+enum { AMBACC_FALL = 1, AMBDIV_GROWTH = 3, MAXDIFF_FALL = 4, DIRECT_FALL = 2 };
+
+#define MOST_AMBDIV 65536
+#define MOST_AMBRES 4096
+
+void
+rad_refine_params(const struct rad_params *job, struct rad_refine_rungs rungs,
+                  struct rad_params *out)
+{
+    int a = least(rungs.ambient, RAD_REFINE_MOST_AMBIENT);
+    int p = least(rungs.pixel, RAD_REFINE_MOST_PIXEL);
+    double rays = 1 / fall(AMBDIV_GROWTH * a);
+    double direct = fall(DIRECT_FALL * p);
+
+    *out = *job;
+    if (a > 0) {
+        out->ambacc = shorten(job->ambacc * fall(AMBACC_FALL * a));
+        out->ambdiv = grow(job->ambdiv, rays, MOST_AMBDIV);
+        out->ambssamp = grow(job->ambssamp, rays, MOST_AMBDIV);
+        out->ambres = grow(job->ambres, 1 / fall(AMBACC_FALL * a), MOST_AMBRES);
+        out->minweight = shorten(job->minweight / rays);
+    }
+    if (p > 0) {
+        out->maxdiff = shorten(job->maxdiff * fall(MAXDIFF_FALL * p));
+        out->srcsizerat = shorten(job->srcsizerat * direct);
+        out->shadthresh = shorten(job->shadthresh * direct);
+        out->specthresh = shorten(job->specthresh * direct);
+        out->shadcert = 1 - shorten((1 - job->shadcert) * direct);
+    }
+}
+
+/* --- passes --- */
+
+static uint32_t
+count_windows(const struct rad_pass_size *size, uint32_t nsizes)
+{
+    uint64_t pixels = 0, n;
+
+    for (uint32_t i = 0; i < nsizes; i++)
+        pixels += (uint64_t)size[i].width * (uint64_t)size[i].height;
+    n = pixels / PIXELS_A_WINDOW;
+    return n < LEAST_WINDOWS  ? LEAST_WINDOWS
+           : n > MOST_WINDOWS ? MOST_WINDOWS
+                              : (uint32_t)n;
+}
+
+uint32_t
+rad_refine_plan(const struct rad_params *par, const struct rad_pass_size *size,
+                uint32_t nsizes, struct rad_pass pass[RAD_MOST_PASSES])
+{
+    uint32_t n = rad_passes_plan(par, size, nsizes, pass);
+
+    if (n == 0 || n == RAD_MOST_PASSES)
+        return 0;
+    pass[n] = (struct rad_pass){ .check = true,
+                                 .stride = nsizes,
+                                 .tiles = count_windows(size, nsizes) };
+    return n + 1;
+}
+
+void
+rad_refine_add(struct rad_refine_sums *to, const struct rad_refine_sums *tile)
+{
+    for (int i = 0; i < RAD_REFINE_SUMS; i++)
+        to->v[i] += tile->v[i];
+}
+
+/* --- decisions --- */
+
+/* A number that is none, or negative, is 0. */
+static double
+sound(double x)
+{
+    return x > 0 ? fmin(x, MOST_ERROR * MOST_ERROR) : 0;
+}
+
+/* The mean of n products whose squares are given.  By chance it may be below 0,
+ * or near it: of so few nothing is known below half of what they may be off by
+ * themselves. */
+static double
+mean_square(double n, double sum, double squares)
+{
+    return n >= 1 ? sound(fmax(sum / n, .5 * sqrt(sound(squares)) / n)) : 0;
+}
+
+static double
+ambient_square(const struct rad_refine_sums *s)
+{
+    return mean_square(s->v[RAD_REFINE_PLACES], s->v[RAD_REFINE_AMBIENT],
+                       s->v[RAD_REFINE_AMBIENT2]);
+}
+
+static double
+pixel_square(const struct rad_refine_sums *s)
+{
+    return mean_square(s->v[RAD_REFINE_AREAS], s->v[RAD_REFINE_PIXEL],
+                       s->v[RAD_REFINE_PIXEL2]);
+}
+
+struct rad_refine_error
+rad_refine_error(const struct rad_refine_sums *s)
+{
+    double ambient = ambient_square(s), pixel = pixel_square(s);
+
+    return (struct rad_refine_error){ sqrt(ambient), sqrt(pixel),
+                                      fmin(sqrt(ambient + pixel), MOST_ERROR) };
+}
+
+/* What is known after a stage. */
+struct outlook {
+    const struct rad_refine_ask *ask;
+    double ambient, pixel, noise; /* squares; noise: no more than pixel */
+    double cache, picture;        /* rays */
+};
+
+static struct outlook
+look_out(const struct rad_refine_ask *ask)
+{
+    const double *v = ask->sums.v;
+    struct outlook o = { .ask = ask,
+                         .ambient = ambient_square(&ask->sums),
+                         .pixel = pixel_square(&ask->sums),
+                         .cache = fmax((double)ask->rays, 1) };
+
+    if (v[RAD_REFINE_AREAS] >= 1)
+        o.noise = sound(v[RAD_REFINE_NOISE] / v[RAD_REFINE_AREAS]);
+    o.noise = fmin(o.noise, o.pixel);
+    if (v[RAD_REFINE_SHOWN] >= 1)
+        o.picture = sound(v[RAD_REFINE_RAYS] / v[RAD_REFINE_SHOWN]) *
+                    (double)ask->pixels;
+    return o;
+}
+
+/* 2 to the power of n / PARTS, n of either sign. */
+static double
+rise(int n)
+{
+    return n > 0 ? 1 / fall(n) : fall(-n);
+}
+
+/* The square of the error with these rungs. */
+static double
+foresee_square(const struct outlook *o, int ambient, int pixel)
+{
+    int a = ambient - o->ask->rungs.ambient, p = pixel - o->ask->rungs.pixel;
+
+    return o->ambient * rise(-4 * a) + o->noise +
+           (o->pixel - o->noise) * rise(-4 * p);
+}
+
+/* Rays of the stage, its check and the pictures. */
+static double
+foresee_rays(const struct outlook *o, int ambient, int pixel)
+{
+    int a = ambient - o->ask->rungs.ambient, p = pixel - o->ask->rungs.pixel;
+
+    return o->cache * rise((2 * AMBACC_FALL + AMBDIV_GROWTH) * a) +
+           o->picture * rise(2 * p);
+}
+
+struct choice {
+    int ambient, pixel;
+    double square, rays;
+};
+
+/* Is a better than b?  Those that come down to the goal before those that do
+ * not; of the former the cheaper, of the latter the one with less error. */
+static bool
+is_better(const struct choice *a, const struct choice *b, double goal)
+{
+    bool there = a->square <= goal, other = b->square <= goal;
+
+    if (there != other)
+        return there;
+    return there ? a->rays < b->rays : a->square < b->square;
+}
+
+/* The best rungs that can be done in these rays; false: there are none. */
+static bool
+choose(const struct outlook *o, double goal, double rays, struct choice *best)
+{
+    bool any = false;
+
+    for (int a = o->ask->rungs.ambient; a <= RAD_REFINE_MOST_AMBIENT; a++)
+        for (int p = 0; p <= RAD_REFINE_MOST_PIXEL; p++) {
+            struct choice c = { a, p, foresee_square(o, a, p),
+                                foresee_rays(o, a, p) };
+
+            if (c.rays <= rays && (!any || is_better(&c, best, goal))) {
+                *best = c;
+                any = true;
+            }
+        }
+    return any;
+}
+
+/* The square to come down to: where noise of single pixels alone is more than
+ * what is wanted, nothing else need be much less than that. */
+static double
+goal_of(const struct outlook *o)
+{
+    double wanted = o->ask->error * o->ask->error;
+
+    return wanted > 0 ? fmax(wanted, 1.25 * o->noise) : 0;
+}
+
+bool
+rad_refine_next(const struct rad_refine_ask *ask, struct rad_refine_rungs *next,
+                double *error)
+{
+    struct outlook o = look_out(ask);
+    bool timed = ask->left_s < INFINITY;
+    double square = o.ambient + o.pixel, goal = goal_of(&o), rays = INFINITY;
+    struct choice best = { 0, 0, 0, 0 };
+
+    *error = fmin(sqrt(square), MOST_ERROR);
+    if (ask->stage + 1 >= RAD_REFINE_STAGES || !(square > 0) ||
+        square <= NEAR_ENOUGH * NEAR_ENOUGH * goal)
+        return false;
+    if (timed)
+        rays = TIME_USED * sound(ask->left_s) * sound(ask->rays_s);
+    if (!choose(&o, goal, rays, &best) ||
+        best.square > WORTH_IT * WORTH_IT * square)
+        return false;
+    *next =
+        (struct rad_refine_rungs){ (uint8_t)best.ambient, (uint8_t)best.pixel };
+    return true;
+}

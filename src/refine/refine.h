@@ -1,0 +1,85 @@
+/* refine.h - the stages of a job that goes on until its picture is good enough
+ *
+ * A stage is a set of options, the passes that fill an empty cache under them
+ * (picture/passplan.h), and a check pass, whose tiles make no records but sums
+ * that say how far off a picture over that cache would be (recheck.h).  Options
+ * are the job's own, finer by rungs: those of the cache, and those of pixels.
+ * Errors are relative, as root mean squares over areas of 5 by 5 pixels, as a
+ * picture's own estimate is (picture/doubt.h).  What all stages have in common
+ * (-ab, -lr, -ps, the size) is no part of them. All of this is a function of
+ * the job and the sums: it is the same to the bit on all machines, and needs no
+ * scene. Thread: any. */
+#ifndef RAD_REFINE_REFINE_H
+#define RAD_REFINE_REFINE_H
+
+#include "picture/passplan.h"
+
+/* A job has at most so many stages. */
+#define RAD_REFINE_STAGES 4
+
+/* What tiles of a check pass find; all add up.  Products are those of two
+ * independent differences to the truth, relative to the light there, so their
+ * mean is the square of an error, and no noise of the check's own is in it. */
+enum rad_refine_sum {
+    RAD_REFINE_PLACES,   /* whose indirect light was made afresh */
+    RAD_REFINE_AMBIENT,  /* products there, of the cache's error */
+    RAD_REFINE_AMBIENT2, /* and their squares */
+    RAD_REFINE_AREAS,    /* of 5 by 5 pixels, that were made again */
+    RAD_REFINE_PIXEL,    /* products there, of pixels' error */
+    RAD_REFINE_PIXEL2,   /* and their squares */
+    RAD_REFINE_NOISE,    /* what is left of it where every pixel is traced */
+    RAD_REFINE_TRACED,   /* pixels that were traced for windows, */
+    RAD_REFINE_SHOWN,    /* of so many that the windows have, */
+    RAD_REFINE_RAYS,     /* and rays that it took */
+    RAD_REFINE_SUMS
+};
+struct rad_refine_sums {
+    double v[RAD_REFINE_SUMS];
+};
+
+/* Of the order of tiles the sum depends, in its last bits. */
+void rad_refine_add(struct rad_refine_sums *to,
+                    const struct rad_refine_sums *tile);
+
+/* The passes of a stage with these options, the check pass as the last; 0 if
+ * the job has no cache. */
+uint32_t rad_refine_plan(const struct rad_params *par,
+                         const struct rad_pass_size *size, uint32_t nsizes,
+                         struct rad_pass pass[RAD_MOST_PASSES]);
+
+/* How much finer than the job's own options: four rungs halve an error, that of
+ * the cache or that of pixels.  More than RAD_REFINE_MOST_* is as these. */
+struct rad_refine_rungs {
+    uint8_t ambient, pixel;
+};
+#define RAD_REFINE_MOST_AMBIENT 32
+#define RAD_REFINE_MOST_PIXEL   16
+
+/* The options of a stage; those of {0, 0} are the job's. */
+void rad_refine_params(const struct rad_params *job,
+                       struct rad_refine_rungs rungs, struct rad_params *out);
+
+struct rad_refine_ask {
+    double error;                  /* that is wanted; 0: any */
+    uint32_t stage;                /* that has been made, 0 for the first */
+    struct rad_refine_rungs rungs; /* its */
+    struct rad_refine_sums sums;   /* of its check pass */
+    uint64_t rays;                 /* of its passes, but the check's */
+    uint64_t pixels;               /* of all pictures */
+    double left_s; /* until the time is up; INFINITY: there is no limit */
+    double rays_s; /* rays a second so far; with a limit */
+};
+
+/* What pictures made after this stage would be off by. */
+struct rad_refine_error {
+    double ambient, pixel, all;
+};
+struct rad_refine_error rad_refine_error(const struct rad_refine_sums *sums);
+
+/* Should another stage be made, and with which rungs?  False: the error that is
+ * wanted is reached, or no stage can come nearer, or none would be done in
+ * time; *next is then as it was.  *error: of a picture after this stage. */
+bool rad_refine_next(const struct rad_refine_ask *ask,
+                     struct rad_refine_rungs *next, double *error);
+
+#endif
