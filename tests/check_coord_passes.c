@@ -7,7 +7,10 @@
 #include "proto/ambshare.h"
 #include "sched/passes.h"
 
-static const struct msg_frame wide = { 0, 300, 200, "" };
+static const struct msg_frame wide = { 0, 200, 100, "" };
+
+/* Lattices of 32, and of 16, 8 and 4 pixels in two fields each. */
+enum { PASSES = 7, LAST = PASSES - 1 };
 static uint8_t records[4 * AMBSHARE_BYTES];
 
 static void
@@ -78,13 +81,13 @@ state(void)
 static uint32_t
 tiles_of(uint32_t pass)
 {
-    struct rad_pass_size size = { 300, 200 };
+    struct rad_pass_size size = { 200, 100 };
     struct rad_pass plan[RAD_MOST_PASSES];
     struct rad_params params;
 
     rad_params_init(&params);
     params.ambounce = 1;
-    ck_assert_uint_eq(rad_passes_plan(&params, &size, 1, plan), 4);
+    ck_assert_uint_eq(rad_passes_plan(&params, &size, 1, plan), PASSES);
     return plan[pass].tiles;
 }
 
@@ -103,12 +106,12 @@ START_TEST(units_come_when_all_passes_are_closed)
     submit_passes(ANA, &wide, 1);
     ready(&f, WORKER, job_a);
     ck_assert(has_tile(WORKER));
-    for (uint32_t pass = 0; pass < 4; pass++) {
+    for (uint32_t pass = 0; pass < PASSES; pass++) {
         ck_assert_uint_eq(f.units[WORKER], 0);
         make_pass(WORKER, pass);
     }
     ck_assert_uint_gt(f.units[WORKER], 0);
-    ck_assert_uint_eq(state().open, 4);
+    ck_assert_uint_eq(state().open, PASSES);
 }
 END_TEST
 
@@ -294,23 +297,25 @@ START_TEST(the_oldest_tile_is_late_first)
 
     submit_passes(ANA, &wide, 1);
     ready(&f, WORKER, job_a);
-    make_pass(WORKER, 0);
-    ck_assert_uint_gt(tiles_of(1), 2);
+    for (uint32_t pass = 0; pass < LAST; pass++)
+        make_pass(WORKER, pass);
+    ck_assert_uint_gt(tiles_of(LAST), 6);
     join(&f, SECOND, MSG_ROLE_WORKER, "ws2", "daemon");
     ready(&f, SECOND, job_a);
-    for (uint32_t i = 3; i < tiles_of(1); i++) /* WORKER has the first three */
-        made(SECOND, 1, i, 0);
+    for (uint32_t i = 3; i < tiles_of(LAST);
+         i++) /* WORKER has the first three */
+        made(SECOND, LAST, i, 0);
     wait_s(&f, 1);
     ck_assert_uint_eq(f.last[SECOND].tile.tile, 1); /* it has 0 and 1 */
     job = desk_find_job(f.c, job_a);
-    made(SECOND, 1, 0, 0);
+    made(SECOND, LAST, 0, 0);
     ck_assert_uint_gt(job->workers[0].ntiles, 0);
     coord_closed(f.c, ++f.now_ms, WORKER, "gone");
     carry_out(&f);
     ck_assert_uint_eq(job->workers[0].ntiles, 0);
     join(&f, WORKER, MSG_ROLE_WORKER, "ws1", "daemon");
     ready(&f, WORKER, job_a);
-    made(WORKER, 1, 0, 0);
+    made(WORKER, LAST, 0, 0);
     ck_assert_uint_le(job->workers[0].ntiles, 3);
 }
 END_TEST
@@ -353,18 +358,18 @@ START_TEST(tiles_tell_their_colours_to_who_watches)
     fetch_preview(ANA);
     ck_assert_int_eq(f.last[ANA].type, MSG_FAILED);
     ck_assert_str_eq(f.last[ANA].failed.text, "nothing is rendered yet");
-    made_shown(WORKER, 0, 1, 2 * 7);
+    made_shown(WORKER, 0, 1, 3 * 4);
     ck_assert_uint_eq(f.ncolours, 1);
-    ck_assert(f.colours.x == 256 && f.colours.y == 0 && f.colours.step == 32 &&
-              f.colours.columns == 2 && f.colours.rows == 7);
+    ck_assert(f.colours.x == 128 && f.colours.y == 0 && f.colours.step == 32 &&
+              f.colours.columns == 3 && f.colours.rows == 4);
     ck_assert_uint_eq(state().open, 1);
     ck_assert(has_tile(WORKER) && f.last[WORKER].tile.colours);
     fetch_preview(ANA);
     ck_assert_int_eq(f.last[ANA].type, MSG_DONE);
-    made_shown(WORKER, 1, 0, 64);
-    made_shown(WORKER, 1, 0, 64); /* by another worker, perhaps */
+    made_shown(WORKER, 1, 0, 16);
+    made_shown(WORKER, 1, 0, 16); /* by another worker, perhaps */
     ck_assert_uint_eq(f.ncolours, 2);
-    for (uint32_t pass = 1; pass < 3; pass++)
+    for (uint32_t pass = 1; pass < 5; pass++)
         make_pass(WORKER, pass);
     ck_assert(has_tile(WORKER) && !f.last[WORKER].tile.colours); /* too fine */
 }
@@ -374,7 +379,7 @@ START_TEST(colours_that_nobody_wants_are_dropped)
 {
     submit_passes(ANA, &wide, 1);
     ready(&f, WORKER, job_a);
-    made_shown(WORKER, 0, 1, 2 * 7);
+    made_shown(WORKER, 0, 1, 3 * 4);
     ck_assert_uint_eq(f.ncolours, 0);
     ck_assert(!f.closed[WORKER]);
 }
@@ -382,7 +387,7 @@ END_TEST
 
 static const struct {
     uint32_t pass, n;
-} unfit[] = { { 0, 1 }, { 0, 13 }, { 0, 15 }, { 0, 64 }, { 3, 64 } };
+} unfit[] = { { 0, 1 }, { 0, 11 }, { 0, 13 }, { 0, 64 }, { 5, 64 } };
 
 START_TEST(colours_that_fit_no_tile_end_the_connection)
 {

@@ -287,10 +287,15 @@ START_TEST(a_plan_asks_for_each_place_once)
         ck_assert_uint_gt(pass[i].tiles, 0);
         ck_assert_int_le(pass[i].level, level);
         if (pass[i].level == 0) {
-            ck_assert_int_eq(pass[i].done, done);
-            ck_assert(done == 0 || pass[i].step == done / 2);
-            ck_assert(pass[i].finest == (i == n - 1));
-            done = pass[i].step;
+            if (pass[i].field == 1) {
+                ck_assert_int_eq(pass[i - 1].field, 0);
+                ck_assert_int_eq(pass[i - 1].step, pass[i].step);
+            } else {
+                ck_assert_int_eq(pass[i].done, done);
+                ck_assert(done == 0 || pass[i].step == done / 2);
+                done = pass[i].step;
+            }
+            ck_assert(pass[i].finest == (pass[i].step == plans[_i].finest));
         } else {
             ck_assert_uint_eq(pass[i].first, pass[i].level < level ? 0 : end);
             ck_assert_uint_gt(pass[i].end, pass[i].first);
@@ -362,7 +367,8 @@ START_TEST(each_frame_is_planned_once)
     n = rad_passes_plan(&w.job->params, size, nframes, pass);
     ck_assert_uint_le(n, RAD_MOST_PASSES);
     for (uint32_t k = 0; k < n; k++)
-        for (uint32_t i = pass[k].frame; pass[k].finest && i < nframes;
+        for (uint32_t i = pass[k].frame;
+             pass[k].finest && pass[k].field < 1 && i < nframes;
              i += pass[k].stride)
             times[i]++;
     for (uint32_t i = 0; i < nframes; i++)
@@ -423,7 +429,23 @@ START_TEST(a_tile_that_shows_its_colours_is_the_same)
 }
 END_TEST
 
-/* Each pixel of a lattice lies in one tile, whatever the size. */
+static void
+see_tiles(const struct rad_pass *pass, int w, int h, uint8_t *seen)
+{
+    for (uint32_t i = 0; i < rad_pass_tiles(pass, w, h); i++) {
+        struct rad_pass_area a = rad_pass_area(pass, w, h, i);
+
+        ck_assert(a.x0 >= 0 && a.y0 >= 0 && a.x1 <= w && a.y1 <= h);
+        ck_assert(a.x0 < a.x1 && a.y0 < a.y1);
+        ck_assert(a.x0 % pass->step == 0 && a.y0 % pass->step == 0);
+        for (int y = a.y0; y < a.y1; y++)
+            for (int x = a.x0; x < a.x1; x++)
+                seen[y * w + x]++;
+    }
+}
+
+/* Each pixel of a lattice lies in one tile, whatever the size; and with two
+ * fields, of two tiles side by side each has one. */
 START_TEST(tiles_are_the_picture)
 {
     static const struct rad_pass_size size[] = { { 1, 1 },   { 64, 64 },
@@ -433,21 +455,22 @@ START_TEST(tiles_are_the_picture)
 
     for (size_t k = 0; k < N_ELEM(size); k++)
         for (int step = 2; step <= 32; step *= 2) {
+            struct rad_pass pass = { .step = step, .side = 4, .field = -1 };
             int w = size[k].width, h = size[k].height;
 
             memset(seen, 0, sizeof seen);
-            for (uint32_t i = 0; i < rad_pass_tiles(w, h, step); i++) {
-                struct rad_pass_area a = rad_pass_area(w, h, step, i);
-
-                ck_assert(a.x0 >= 0 && a.y0 >= 0 && a.x1 <= w && a.y1 <= h);
-                ck_assert(a.x0 < a.x1 && a.y0 < a.y1);
-                ck_assert(a.x0 % step == 0 && a.y0 % step == 0);
-                for (int y = a.y0; y < a.y1; y++)
-                    for (int x = a.x0; x < a.x1; x++)
-                        seen[y * w + x]++;
-            }
+            see_tiles(&pass, w, h, seen);
+            pass.field = 0;
+            see_tiles(&pass, w, h, seen);
+            for (int y = 0; y < h; y++)
+                for (int x = 0; x < w; x++)
+                    ck_assert_uint_eq(seen[y * w + x],
+                                      2 - (x / (4 * step) + y / (4 * step)) %
+                                              2);
+            pass.field = 1;
+            see_tiles(&pass, w, h, seen);
             for (int i = 0; i < w * h; i++)
-                ck_assert_uint_eq(seen[i], 1);
+                ck_assert_uint_eq(seen[i], 2);
         }
 }
 END_TEST

@@ -13,14 +13,13 @@ lattice(const struct job *job, const struct rad_pass *pass, uint32_t tile)
     uint32_t frame = pass->frame, n;
     struct rad_pass_area a;
 
-    while (tile >=
-           (n = rad_pass_tiles((int)frames[frame].width,
-                               (int)frames[frame].height, pass->step))) {
+    while (tile >= (n = rad_pass_tiles(pass, (int)frames[frame].width,
+                                       (int)frames[frame].height))) {
         tile -= n;
         frame += pass->stride;
     }
-    a = rad_pass_area((int)frames[frame].width, (int)frames[frame].height,
-                      pass->step, tile);
+    a = rad_pass_area(pass, (int)frames[frame].width, (int)frames[frame].height,
+                      tile);
     return (struct action_colours){
         .frame = frame,
         .x = a.x0,

@@ -7,7 +7,7 @@
  * need it.  A round's ends are put in the order of a tree (parts.h), and a tile
  * has some that follow each other: a compact part of space.
  *
- * Pixels.  A tile has RAD_PASS_SIDE by RAD_PASS_SIDE pixels of its lattice. */
+ * Pixels.  A tile has a square of its lattice's. */
 #include "config.h"
 
 #include "picture/passes.h"
@@ -277,22 +277,21 @@ patch_of(const struct rad_passes *p, struct rad_ctx *ctx, uint32_t tile,
     int step = p->pass.step;
     struct rad_pass_area a;
 
-    for (uint32_t n; tile >= (n = rad_pass_tiles(f->width, f->height, step));
+    for (uint32_t n;
+         tile >= (n = rad_pass_tiles(&p->pass, f->width, f->height));
          f += p->pass.stride)
         tile -= n;
-    a = rad_pass_area(f->width, f->height, step, tile);
+    a = rad_pass_area(&p->pass, f->width, f->height, tile);
     return (struct patch){ f, ctx, stop, a.x0, a.y0, a.x1, a.y1, step };
 }
 
 static void
 ask_along_lattice(const struct rad_passes *p, const struct patch *patch)
 {
-    patch->ctx->no_direct = true;
     if (p->pass.finest)
         ask_at_finest(patch);
     else
         ask_at_coarse(patch, p->pass.done);
-    patch->ctx->no_direct = false;
 }
 
 /* Trace the pixels of the lattice as those of the picture. */
@@ -354,12 +353,14 @@ rad_passes_make(const struct rad_passes *p, struct rad_ctx *ctx, uint32_t tile,
         colours->n = 0;
     if (!rad_ambtile_begin(&own, ctx, p->pass.level))
         return false;
+    ctx->no_direct = true; /* at the places that records are asked for */
     if (p->pass.level > 0) {
         ask_along_paths(p, ctx, tile, stop);
     } else {
         patch = patch_of(p, ctx, tile, stop);
         ask_along_lattice(p, &patch);
     }
+    ctx->no_direct = false;
     whole = !is_set(stop) && !own.failed;
     if (whole)
         hand_on(&own, fn, arg);

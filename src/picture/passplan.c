@@ -19,7 +19,21 @@
 #define ROUND_GROWTH 4   /* paths of a round over all before it */
 #define TILES              128 /* of a round, but */
 #define LEAST_PATHS_A_TILE 64
-#define COARSEST     32  /* lattice [pixels] */
+
+/* The coarsest lattice has steps of so many pixels, or, in large pictures, so
+ * many that it has no more points along a side, as long as steps are in bounds:
+ * points of one pass that are nearer to each other than records reach make the
+ * same records. */
+#define COARSE_STEP 32
+#define MOST_POINTS 32
+#define MOST_STEP   256
+/* Of frames after the first, which show much that these have shown. */
+#define LATER_STEP 16
+
+/* Tiles of lattices with at least such steps have fewer pixels, for there are
+ * to be tiles for many workers. */
+#define SPARSE_STEP 16
+#define SPARSE_SIDE 4
 
 static uint32_t
 count_paths(const struct rad_pass_size *size, uint32_t n)
@@ -74,27 +88,51 @@ finest_step(const struct rad_params *par)
     return step;
 }
 
+/* That of the first frame. */
+static int
+coarsest_step(const struct rad_pass_size *size)
+{
+    int longest = size->width > size->height ? size->width : size->height;
+    int step = COARSE_STEP;
+
+    while (step < MOST_STEP && longest > MOST_POINTS * step)
+        step *= 2;
+    return step;
+}
+
+static void
+count_lattice_tiles(struct rad_pass *pass, const struct rad_pass_size *size,
+                    uint32_t nsizes)
+{
+    for (uint32_t i = pass->frame; i < nsizes; i += pass->stride)
+        pass->tiles += rad_pass_tiles(pass, size[i].width, size[i].height);
+}
+
 /* The lattices of some frames. */
 static uint32_t
 plan_frames(const struct rad_params *par, const struct rad_pass_size *size,
             uint32_t nsizes, uint32_t frame, uint32_t stride,
             struct rad_pass *pass)
 {
-    int finest = finest_step(par);
+    int finest = finest_step(par), done = 0;
+    int step = frame == 0 ? coarsest_step(size) : LATER_STEP;
     uint32_t n = 0;
 
-    for (int step = COARSEST, done = 0; step >= finest;
-         done = step, step /= 2) {
-        uint32_t tiles = 0;
+    for (; step >= finest; done = step, step /= 2) {
+        struct rad_pass k = { .step = step,
+                              .done = done,
+                              .frame = frame,
+                              .stride = stride,
+                              .side = step < SPARSE_STEP ? RAD_PASS_SIDE
+                                                         : SPARSE_SIDE,
+                              .finest = step == finest };
+        bool fields = frame == 0 && done > 0;
 
-        for (uint32_t i = frame; i < nsizes; i += stride)
-            tiles += rad_pass_tiles(size[i].width, size[i].height, step);
-        pass[n++] = (struct rad_pass){ .step = step,
-                                       .done = done,
-                                       .frame = frame,
-                                       .stride = stride,
-                                       .finest = step == finest,
-                                       .tiles = tiles };
+        for (k.field = fields ? 0 : -1; k.field < 2 * fields; k.field++) {
+            pass[n] = k;
+            count_lattice_tiles(&pass[n], size, nsizes);
+            n += pass[n].tiles > 0; /* a single tile has one colour */
+        }
     }
     return n;
 }
@@ -113,6 +151,33 @@ plan_pixels(const struct rad_params *par, const struct rad_pass_size *size,
     return n;
 }
 
+/* Fields along a side of that length [pixels]. */
+static uint32_t
+along(int length, int side)
+{
+    return ((uint32_t)length + (uint32_t)side - 1) / (uint32_t)side;
+}
+
+/* Those of a colour in the first row; with the second row's they are as many as
+ * a row has. */
+static uint32_t
+in_first_row(uint32_t across, int field)
+{
+    return (across + (field == 0)) / 2;
+}
+
+uint32_t
+rad_pass_tiles(const struct rad_pass *pass, int width, int height)
+{
+    int side = pass->side * pass->step;
+    uint32_t across = along(width, side), down = along(height, side);
+
+    if (pass->field < 0)
+        return across * down;
+    return down / 2 * across +
+           (down % 2 ? in_first_row(across, pass->field) : 0);
+}
+
 static int
 lesser(int a, int b)
 {
@@ -120,12 +185,22 @@ lesser(int a, int b)
 }
 
 struct rad_pass_area
-rad_pass_area(int width, int height, int step, uint32_t tile)
+rad_pass_area(const struct rad_pass *pass, int width, int height, uint32_t tile)
 {
-    int side = rad_pass_side(step) * step;
-    int across = (int)rad_pass_along(width, step);
-    int x = (int)tile % across * side, y = (int)tile / across * side;
+    int side = pass->side * pass->step, x, y;
+    uint32_t across = along(width, side);
+    uint32_t row = tile / across, column = tile % across;
 
+    if (pass->field >= 0) {
+        uint32_t first = in_first_row(across, pass->field);
+        bool second = column >= first;
+
+        row = 2 * row + second;
+        column = second ? 2 * (column - first) + !pass->field
+                        : 2 * column + (uint32_t)pass->field;
+    }
+    x = (int)column * side;
+    y = (int)row * side;
     return (struct rad_pass_area){ x, y, lesser(x + side, width),
                                    lesser(y + side, height) };
 }
@@ -146,8 +221,8 @@ rad_passes_plan(const struct rad_params *par, const struct rad_pass_size *size,
     return n + plan_pixels(par, size, nsizes, pass + n);
 }
 
-/* There is room for one more: paths have 5 rounds of 8 levels, and 65536 frames
- * 17 times 5 lattices. */
+/* There is room for one more: paths have 5 rounds of 8 levels, the first frame
+ * 15 passes, and 65536 frames 16 times 4 more. */
 uint32_t
 rad_passes_plan_on(const struct rad_params *par,
                    const struct rad_pass_size *size, uint32_t nsizes,

@@ -5,6 +5,8 @@
  * are made twice by tiles side by side.  Frames of an animation show much the
  * same, so the first has all its lattices before others have any, then one half
  * way, then those half way between these, and so on.
+ * A lattice is asked at in two passes: its tiles are the fields of a chess
+ * board, and those of one colour see the records of those of the other.
  * The plan depends on the options and the sizes of the pictures alone: whoever
  * shares the tiles out needs no scene.
  * Source: Jones & Reinhart 2016, Parallel multiple-bounce irradiance caching
@@ -25,20 +27,21 @@ struct rad_pass {
     int step, done; /* level 0: every step-th pixel along both axes, but those
                      * of every done-th (0: of no) */
     uint32_t frame, stride; /* level 0: of frames frame, frame + stride, ... */
+    int side;               /* level 0: of a tile, in pixels of the lattice */
+    int field; /* level 0: tiles are the fields of a chess board, and the pass
+                * has those of this colour, 0 or 1; less than 0: all */
     bool finest;    /* level 0: the last lattice, and what lies between its
                      * pixels where objects end or records are dense */
     bool check;     /* no records: how good is what there is (refine.h)? */
     uint32_t tiles;
 };
-#define RAD_MOST_PASSES 128
+#define RAD_MOST_PASSES 160
 
 /* Records of more bounces than that are made on the way. */
 #define RAD_PASS_LEVELS 8
 
-/* Of a tile, in pixels of its lattice: so many of the finest, of coarse ones
- * fewer, for there are to be tiles for many workers. */
-#define RAD_PASS_SIDE       16
-#define RAD_PASS_LEAST_SIDE 8
+/* Of a tile, in pixels of its lattice, at most. */
+#define RAD_PASS_SIDE 8
 
 /* The last lattice has steps of as many pixels as base lines (-ps), within
  * these bounds. */
@@ -61,44 +64,21 @@ uint32_t rad_passes_plan_on(const struct rad_params *par,
                             const struct rad_pass_size *size, uint32_t nsizes,
                             struct rad_pass pass[RAD_MOST_PASSES]);
 
-/* The side of a tile of the lattice of every step-th pixel, in pixels of it. */
-static inline int
-rad_pass_side(int step)
-{
-    int side = RAD_PASS_SIDE * RAD_PASS_FINEST / step;
+/* Tiles of a pass over pixels in a frame of that size. */
+uint32_t rad_pass_tiles(const struct rad_pass *pass, int width, int height);
 
-    return side > RAD_PASS_SIDE         ? RAD_PASS_SIDE
-           : side < RAD_PASS_LEAST_SIDE ? RAD_PASS_LEAST_SIDE
-                                        : side;
-}
-
-/* Tiles of that lattice along a side of that length [pixels]. */
-static inline uint32_t
-rad_pass_along(int length, int step)
-{
-    uint32_t side = (uint32_t)(step * rad_pass_side(step));
-
-    return ((uint32_t)length + side - 1) / side;
-}
-
-static inline uint32_t
-rad_pass_tiles(int width, int height, int step)
-{
-    return rad_pass_along(width, step) * rad_pass_along(height, step);
-}
-
-/* The pixels of a tile of that lattice, x1 and y1 beyond the last. */
+/* The pixels of one of them, x1 and y1 beyond the last. */
 struct rad_pass_area {
     int x0, y0, x1, y1;
 };
-struct rad_pass_area rad_pass_area(int width, int height, int step,
-                                   uint32_t tile);
+struct rad_pass_area rad_pass_area(const struct rad_pass *pass, int width,
+                                   int height, uint32_t tile);
 
 /* Of passes with these lattices and coarser ones tiles can tell the colours of
  * their pixels, for whoever watches the picture come: a 64th of all pixels, and
  * the next lattice takes four times as long. */
 #define RAD_PASS_SHOWN        8
-#define RAD_PASS_MOST_COLOURS (RAD_PASS_LEAST_SIDE * RAD_PASS_LEAST_SIDE)
+#define RAD_PASS_MOST_COLOURS (RAD_PASS_SIDE * RAD_PASS_SIDE)
 
 static inline bool
 rad_pass_shows(const struct rad_pass *pass)

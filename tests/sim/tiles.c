@@ -47,13 +47,12 @@ colours(const struct sim_job *job, const struct rad_pass *pass, uint32_t tile,
 
     if (!rad_pass_shows(pass))
         return 0;
-    for (; tile >=
-           (n = rad_pass_tiles((int)job->frame[frame].width,
-                               (int)job->frame[frame].height, pass->step));
+    for (; tile >= (n = rad_pass_tiles(pass, (int)job->frame[frame].width,
+                                       (int)job->frame[frame].height));
          frame += pass->stride)
         tile -= n;
-    a = rad_pass_area((int)job->frame[frame].width,
-                      (int)job->frame[frame].height, pass->step, tile);
+    a = rad_pass_area(pass, (int)job->frame[frame].width,
+                      (int)job->frame[frame].height, tile);
     for (int y = a.y0; y < a.y1; y += pass->step)
         for (int x = a.x0; x < a.x1; x += pass->step, len += 4)
             colour(job, frame, x, y, out + len);
@@ -144,6 +143,7 @@ sim_take_tile(struct net *net, int node, const struct msg_tile *m)
     SIM_CHECK(net, !m->colours || sim_of(net)->job[k->job].watched);
     if (w->stopped_ms > net->now_ms)
         ms += (unsigned)(w->stopped_ms - net->now_ms);
+    sim_of(net)->work_ms += ms;
     e = net_later(net, ms, made);
     e->a = node;
     e->b = (int)m->tile;
@@ -208,6 +208,7 @@ sim_take_frozen(struct net *net, int node, const struct msg_frozen *m)
         return;
     k->nrecords = 0;
     k->passes++;
+    sim_of(net)->work_ms += TILE_MS; /* all wait for the slowest tile */
     sim_of(net)->passes++;
 }
 
