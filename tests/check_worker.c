@@ -166,6 +166,7 @@ cut(void)
 }
 
 static uint32_t job_flags = MSG_JOB_SHARE;
+static const uint8_t *job_reuse;
 
 static void
 start_job(void)
@@ -180,8 +181,12 @@ start_job(void)
                                     .flags = job_flags,
                                     .files = { 1, hash },
                                     .nframes = 1,
-                                    .frames = &frame } };
+                                    .frames = &frame,
+                                    .scene = hash,
+                                    .reuse = job_reuse } };
 
+    if (job_reuse)
+        m.job_start.flags = MSG_JOB_PASSES | MSG_JOB_SCENE | MSG_JOB_REUSE;
     hear(f.coord, &m);
 }
 
@@ -1272,6 +1277,31 @@ START_TEST(units_go_on_when_the_coordinator_is_back)
 }
 END_TEST
 
+/* The coordinator died before it had kept the job, and another job's cache is
+ * the last one that fits by now. */
+START_TEST(a_job_that_begins_with_another_cache_begins_anew)
+{
+    static const uint8_t one[MSG_JOB] = { 1 }, other[MSG_JOB] = { 2 };
+
+    job_reuse = one;
+    start_job();
+    child_ready();
+    ck_assert_uint_eq(f.spawns, 1);
+    cut();
+    tick(1000);
+    connect();
+    start_job();
+    ck_assert_uint_eq(f.spawns, 1); /* the same */
+    cut();
+    tick(1000);
+    connect();
+    job_reuse = other;
+    start_job();
+    ck_assert_uint_eq(f.spawns, 2);
+    job_reuse = NULL;
+}
+END_TEST
+
 START_TEST(a_parked_unit_is_no_suspect)
 {
     struct msg m = { .type = MSG_PARKED, .parked = { job_id, 0, 1 } };
@@ -1510,6 +1540,7 @@ main(void)
     tcase_add_test(tc, what_loans_cost_is_not_lost_with_a_connection);
     tcase_add_test(tc, what_it_lends_comes_back_when_the_coordinator_is_gone);
     tcase_add_test(tc, units_go_on_when_the_coordinator_is_back);
+    tcase_add_test(tc, a_job_that_begins_with_another_cache_begins_anew);
     tcase_add_test(tc, a_parked_unit_is_no_suspect);
     suite_add_tcase(s, tc);
     return unit_run(s);

@@ -176,11 +176,13 @@ jobspec_set_scene(struct jobspec *j, const struct submit_options *o,
     return 0;
 }
 
-/* Jobs whose caches other jobs may begin with, and such as begin so. */
+/* Jobs whose caches other jobs may begin with, and such as begin so: not those
+ * that choose their options themselves. */
 static uint32_t
 reuse_flags(const struct msg_spec *s)
 {
-    if (!(s->flags & MSG_JOB_PASSES) || !s->scene)
+    if (!(s->flags & MSG_JOB_PASSES) || !s->scene || s->error_ppm > 0 ||
+        s->time_ms > 0)
         return 0;
     return MSG_JOB_SCENE | (s->reuse ? MSG_JOB_REUSE : 0);
 }
@@ -215,7 +217,6 @@ jobspec_fill(struct jobspec *j, const struct submit_options *o,
                (o->fresh_frames ? MSG_JOB_FRESH_FRAMES : 0) |
                (o->same_bits ? MSG_JOB_SAME_BITS : 0) |
                (s->views ? MSG_JOB_VIEWS : 0);
-    s->flags |= reuse_flags(s);
     s->partition = choose_partition(o);
     /* the same words in the same order */
     s->order = o->order == ORDER_NONE ? MSG_ORDER_COST : (uint8_t)o->order;
@@ -226,6 +227,7 @@ jobspec_fill(struct jobspec *j, const struct submit_options *o,
     s->files.hash = cargo->hashes;
     s->nframes = frames->n;
     s->frames = frames->list;
+    s->flags |= reuse_flags(s);
 }
 
 void

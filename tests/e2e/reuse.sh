@@ -10,12 +10,13 @@ set -u
 room=$scenes/room.rad
 first="-vf $scenes/room.vf"
 second="$first -vp 2 2.2 1.4 -vd -.3 1 -.1"
+third="$first -vh 90"
 set -- -ab 3 -aa .15 -ar 32 -ad 128 -as 32
 office=$top_srcdir/../shared/scenes/office
 at=$work
 if [ -d "$office" ]; then
     at=$office
-    room=night.rad first="-vf norm.vf" second="-vf close.vf"
+    room=night.rad first="-vf norm.vf" second="-vf close.vf" third="-vf norm.vf -vh 30 -vv 30"
     set -- -ab 4 -aa .3 -ar 32 -ad 128 -as 32
 fi
 
@@ -38,6 +39,12 @@ job()
     name=$1
     (submit "$@") || fail "$name: $(cat "$work/$name.err")"
     id=$(sed -n 's/^radsubmit: job //p' "$work/$name.err")
+}
+
+# records FILE: of one of -af
+records()
+{
+    LC_ALL=C sed '1,/^$/d' "$work/$1" | wc -c | awk '{ print $1 / 94 }'
 }
 
 same_as_second()
@@ -74,15 +81,33 @@ print(f"records: {t[0]['ambient_values']}, {t[1]['ambient_values']}, "
       f"{t[2]['ambient_values']} beside {t[2]['reused_values']}")
 sys.exit(second > .4 * first or t[2]["reused_values"] != t[0]["tile_values"])
 EOF
+# what a job began with is part of what it leaves, and of a file of its values
+# shellcheck disable=SC2086 # views are words
+job chain $third "$@" --reuse="$id" -af "$work/one.amb"
+[ "$(total "$work/chain.json" reused_values)" -eq \
+    $(($(total "$work/first.json" tile_values) +
+        $(total "$work/second.json" tile_values))) ] ||
+    fail "chain: $(total "$work/chain.json" reused_values) records are reused"
+[ "$(records one.amb)" -eq $(($(total "$work/chain.json" reused_values) +
+    $(total "$work/chain.json" tile_values))) ] ||
+    fail "-af: $(records one.amb) records"
+"$radctl" --coordinator="$sock" delete "$id" >"$work/said"
+id=$(sed -n 's/^radsubmit: job //p' "$work/second.err")
 grep -q "begins with the ambient values of job $former" "$work/second.err" ||
     fail "radsubmit does not say what it reuses: $(cat "$work/second.err")"
 "$radctl" --coordinator="$sock" job "$id" >"$work/said"
 grep -q "begins with that of $former" "$work/said" ||
     fail "radctl job: $(cat "$work/said")"
-"$radctl" --coordinator="$sock" delete "$id" >"$work/said"
 
 worker_start 2 1
 worker_start 3 1
+# shellcheck disable=SC2086
+job again $third "$@" --reuse=last -af "$work/two.amb"
+cmp "$work/one.amb" "$work/two.amb" || fail "-af: other values with three workers"
+cmp "$work/chain.hdr" "$work/again.hdr" || fail "again: another picture"
+"$radctl" --coordinator="$sock" delete "$id" >"$work/said"
+id=$(sed -n 's/^radsubmit: job //p' "$work/second.err")
+"$radctl" --coordinator="$sock" delete "$id" >"$work/said"
 # shellcheck disable=SC2086
 job three $second "$@" --reuse=last
 same_as_second three
