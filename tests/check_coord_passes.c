@@ -5,6 +5,7 @@
 
 #include "picture/passplan.h"
 #include "proto/ambshare.h"
+#include "sched/dearest.h"
 #include "sched/passes.h"
 
 static const struct msg_frame wide = { 0, 200, 100, "" };
@@ -50,6 +51,8 @@ hold(bool whole)
         }
 }
 
+static uint64_t tile_rays; /* that each tile takes */
+
 static void
 make(uint64_t conn, uint32_t pass, uint32_t tile, uint32_t n)
 {
@@ -57,7 +60,7 @@ make(uint64_t conn, uint32_t pass, uint32_t tile, uint32_t n)
                      .tile_made = { .job = job_a,
                                     .pass = pass,
                                     .tile = tile,
-                                    .counts = { .rays = 10 },
+                                    .counts = { .rays = tile_rays },
                                     .count = n,
                                     .data = records,
                                     .len = n * AMBSHARE_BYTES } };
@@ -273,6 +276,7 @@ START_TEST(a_late_tile_goes_to_a_second_worker)
 {
     struct job *job;
 
+    tile_rays = 10;
     submit_passes(ANA, &wide, 1);
     ready(&f, WORKER, job_a);
     join(&f, SECOND, MSG_ROLE_WORKER, "ws2", "daemon");
@@ -286,6 +290,7 @@ START_TEST(a_late_tile_goes_to_a_second_worker)
     job = desk_find_job(f.c, job_a);
     ck_assert_uint_eq(job->tiled.rays, 20);
     ck_assert_uint_eq(job->workers[0].past.dropped.rays, 10);
+    tile_rays = 0;
 }
 END_TEST
 
@@ -402,6 +407,102 @@ START_TEST(colours_that_fit_no_tile_end_the_connection)
 }
 END_TEST
 
+static bool
+overlap(const struct rad_pass_area *a, const struct rad_pass_area *b)
+{
+    return a->x0 < b->x1 && b->x0 < a->x1 && a->y0 < b->y1 && b->y0 < a->y1;
+}
+
+static const struct rad_pass_size shown[] = { { 600, 400 }, { 1000, 900 } };
+
+/* Has a pass over the first picture a tile there?  If so, which? */
+static bool
+find_there(const struct rad_pass *p, const struct rad_pass_area *there,
+           uint32_t *tile)
+{
+    uint32_t n = rad_pass_tiles(p, shown[0].width, shown[0].height);
+
+    for (*tile = 0; *tile < n; ++*tile) {
+        struct rad_pass_area a =
+            rad_pass_area(p, shown[0].width, shown[0].height, *tile);
+
+        if (overlap(&a, there))
+            return true;
+    }
+    return false;
+}
+
+/* Whatever the order, it has each tile once. */
+static uint32_t
+first_of(const struct dearest *d, const struct rad_pass *p)
+{
+    uint32_t order[4096];
+    bool out[4096] = { false };
+
+    ck_assert_uint_le(p->tiles, N_ELEM(order));
+    ck_assert(dearest_order(d, p, order));
+    for (uint32_t k = 0; k < p->tiles; k++) {
+        ck_assert(order[k] < p->tiles && !out[order[k]]);
+        out[order[k]] = true;
+    }
+    return order[0];
+}
+
+/* Where a pass over pixels took many rays the next begins. */
+START_TEST(the_dearest_place_goes_out_first)
+{
+    const struct rad_pass_area spot = { 300, 200, 301, 201 };
+    struct rad_pass_area there = spot, is;
+    struct rad_pass plan[RAD_MOST_PASSES];
+    struct dearest *d = dearest_new(shown, 2);
+    struct rad_params params;
+    uint32_t n, dear, seen = 0;
+
+    ck_assert_ptr_nonnull(d);
+    rad_params_init(&params);
+    params.ambounce = 1;
+    n = rad_passes_plan(&params, shown, 2, plan);
+    for (uint32_t i = 0; i < n && plan[i].frame == 0; i++) {
+        uint32_t first = first_of(d, &plan[i]);
+
+        if (seen > 0 && find_there(&plan[i], &there, &dear)) {
+            is =
+                rad_pass_area(&plan[i], shown[0].width, shown[0].height, first);
+            ck_assert(overlap(&is, &there));
+        }
+        for (uint32_t k = 0; k < plan[i].tiles; k++)
+            dearest_note(d, &plan[i], k, 1);
+        if (find_there(&plan[i], &spot, &dear)) {
+            dearest_note(d, &plan[i], dear, 1000000);
+            there =
+                rad_pass_area(&plan[i], shown[0].width, shown[0].height, dear);
+            seen++;
+        }
+    }
+    dearest_free(d);
+    ck_assert_uint_gt(seen, 2);
+}
+END_TEST
+
+/* The same of deep records, by the place in the order of the tree. */
+START_TEST(the_dearest_part_goes_out_first)
+{
+    struct rad_pass pass = { .level = 1, .tiles = 13 };
+    struct dearest *d = dearest_new(shown, 2);
+
+    ck_assert_ptr_nonnull(d);
+    ck_assert_uint_eq(first_of(d, &pass), 0);
+    for (uint32_t k = 0; k < pass.tiles; k++)
+        dearest_note(d, &pass, k, k == 7 ? 100 : 10);
+    ck_assert_uint_eq(first_of(d, &pass), 7);
+    pass.tiles = 130;
+    ck_assert_uint_eq(first_of(d, &pass), 70);
+    pass = (struct rad_pass){ 0 }; /* a pass without tiles */
+    ck_assert(dearest_order(d, &pass, NULL));
+    dearest_free(d);
+}
+END_TEST
+
 /* By two workers' children, or three of one worker's. */
 START_TEST(a_tile_that_brings_children_down_fails_the_job)
 {
@@ -468,6 +569,8 @@ main(void)
                         N_ELEM(wrong));
     tcase_add_test(tc, tiles_of_a_lost_worker_go_to_another);
     tcase_add_test(tc, a_late_tile_goes_to_a_second_worker);
+    tcase_add_test(tc, the_dearest_place_goes_out_first);
+    tcase_add_test(tc, the_dearest_part_goes_out_first);
     tcase_add_test(tc, the_oldest_tile_is_late_first);
     tcase_add_test(tc, tiles_tell_their_colours_to_who_watches);
     tcase_add_test(tc, colours_that_nobody_wants_are_dropped);

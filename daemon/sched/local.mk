@@ -4,6 +4,8 @@ libdaemon_a_SOURCES += \
 	daemon/sched/balance.h \
 	daemon/sched/colours.c \
 	daemon/sched/colours.h \
+	daemon/sched/dearest.c \
+	daemon/sched/dearest.h \
 	daemon/sched/handout.c \
 	daemon/sched/handout.h \
 	daemon/sched/loss.c \

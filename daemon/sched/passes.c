@@ -1,9 +1,10 @@
 /* passes.c - see passes.h
  *
- * The open pass's tiles go out, a few more to each worker than it has threads.
- * When none is left, those that are out for long go to a second worker: a tile
- * has the same records whoever makes it.  Meanwhile the records of tiles that
- * are made travel to all workers, by way of some of them (links/feeding.h).
+ * The open pass's tiles go out, the dearest first (dearest.h), a few more to each
+ * worker than it has threads.  When none is left, those that are out for long go
+ * to a second worker: a tile has the same records whoever makes it.  Meanwhile
+ * the records of tiles that are made travel to all workers, by way of some of
+ * them (links/feeding.h).
  * When all tiles are made the pass is closed, and the next is open.  A worker
  * gets nothing more before it has said that it has all records of the pass; if
  * it lacks some it gets all of them, in the order of tiles.  So does a worker
@@ -26,6 +27,7 @@
 #include "picture/passplan.h"
 #include "proto/ambshare.h"
 #include "sched/colours.h"
+#include "sched/dearest.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -55,6 +57,7 @@ struct tile {
     uint8_t crashes;       /* of children that had it */
     uint32_t crasher;      /* the first of their workers */
     uint64_t out_ms;       /* when it last went out */
+    uint32_t place;        /* in the order in which they go out */
     uint32_t before, then; /* in the list of tiles that are out */
     uint8_t *records;
     uint32_t n; /* of them */
@@ -76,9 +79,12 @@ struct passes {
     bool asked;    /* which was asked for them */
     struct closed closed[RAD_MOST_PASSES];
     size_t bytes;      /* of all records that are here */
+    struct rad_pass_size *size; /* of the frames */
+    struct dearest *dearest;
     struct tile *tile; /* of the open pass */
     uint32_t ntiles;
-    uint32_t next;    /* tiles before it are out, or made */
+    uint32_t *order;  /* in which they go out */
+    uint32_t next;    /* in that order; those before are out, or made */
     uint32_t oldest, newest; /* of the tiles that workers have, made by others
                               * or not: a list by when they went out */
     uint32_t left;    /* that are not made */
@@ -97,7 +103,9 @@ drop_tiles(struct passes *s)
     for (uint32_t i = 0; i < s->ntiles; i++)
         free(s->tile[i].records);
     free(s->tile);
+    free(s->order);
     s->tile = NULL;
+    s->order = NULL;
     s->ntiles = s->next = s->left = s->waiting = 0;
     s->oldest = s->newest = NO_TILE;
 }
@@ -110,6 +118,8 @@ passes_free(struct passes *s)
     drop_tiles(s);
     for (uint32_t i = 0; i < s->n; i++)
         free(s->closed[i].records);
+    dearest_free(s->dearest);
+    free(s->size);
     free(s);
 }
 
@@ -149,7 +159,24 @@ open_pass(struct passes *s)
         return true;
     s->ntiles = s->left = s->waiting = s->plan[s->open].tiles;
     s->tile = calloc(s->ntiles + 1, sizeof *s->tile);
-    return s->tile != NULL;
+    s->order = calloc(s->ntiles + 1, sizeof *s->order);
+    if (!s->tile || !s->order ||
+        !dearest_order(s->dearest, &s->plan[s->open], s->order))
+        return false;
+    for (uint32_t i = 0; i < s->ntiles; i++)
+        s->tile[s->order[i]].place = i;
+    return true;
+}
+
+static struct rad_pass_size *
+sizes_of(const struct msg_spec *spec)
+{
+    struct rad_pass_size *size = malloc(spec->nframes * sizeof *size);
+
+    for (uint32_t i = 0; size && i < spec->nframes; i++)
+        size[i] = (struct rad_pass_size){ (int)spec->frames[i].width,
+                                          (int)spec->frames[i].height };
+    return size;
 }
 
 static void close_whole(struct coord *c, struct job *job);
@@ -181,29 +208,20 @@ passes_begin(struct coord *c, struct job *job, struct rad_error *err)
 {
     const struct msg_spec *spec = &job->spec;
     struct rad_params params;
-    struct rad_pass_size *size;
     struct passes *s;
     int rc = jobtext_params(spec->params, &params, err);
 
     if (rc < 0 || !(spec->flags & MSG_JOB_PASSES))
         return rc;
-    size = malloc(spec->nframes * sizeof *size);
     s = job->passes = calloc(1, sizeof *s);
-    for (uint32_t i = 0; size && i < spec->nframes; i++)
-        size[i] = (struct rad_pass_size){ (int)spec->frames[i].width,
-                                          (int)spec->frames[i].height };
-    if (size && s)
-        s->n = (spec->flags & MSG_JOB_REUSE
-                    ? rad_passes_plan_on
-                    : rad_passes_plan)(&params, size, spec->nframes, s->plan);
-    if (s)
-        take_up(c, job);
-    if (s)
-        s->awaits = s->n > 0 && spec->flags & MSG_JOB_REUSE;
-    passes_ask(c, job);
-    free(size);
-    if (!size || !s)
+    if (!s || !(s->size = sizes_of(spec)) ||
+        !(s->dearest = dearest_new(s->size, spec->nframes)))
         return rad_fail(err, RAD_ENOMEM, "out of memory");
+    s->n = (spec->flags & MSG_JOB_REUSE ? rad_passes_plan_on : rad_passes_plan)(
+        &params, s->size, spec->nframes, s->plan);
+    take_up(c, job);
+    s->awaits = s->n > 0 && spec->flags & MSG_JOB_REUSE;
+    passes_ask(c, job);
     for (uint32_t i = 0; i < s->n; i++)
         if (s->plan[i].tiles > MSG_MOST_TILES)
             return rad_fail(err, RAD_EDATA,
@@ -447,9 +465,12 @@ choose(const struct coord *c, const struct job *job, uint32_t index)
 {
     struct passes *s = job->passes;
 
-    for (uint32_t i = s->next; i < s->ntiles; i++)
-        if (s->tile[i].nholders == 0 && may_have(c, job, &s->tile[i], index))
-            return &s->tile[i];
+    for (uint32_t i = s->next; i < s->ntiles; i++) {
+        struct tile *t = &s->tile[s->order[i]];
+
+        if (t->nholders == 0 && may_have(c, job, t, index))
+            return t;
+    }
     for (uint32_t i = s->oldest; i != NO_TILE; i = s->tile[i].then)
         if (!is_late(c, s, &s->tile[i]))
             break;
@@ -494,7 +515,8 @@ passes_give(struct coord *c, struct job *job, uint32_t index)
     t->out_ms = c->now_ms;
     jw->ntiles++;
     while (s->next < s->ntiles &&
-           (s->tile[s->next].nholders > 0 || s->tile[s->next].made))
+           (s->tile[s->order[s->next]].nholders > 0 ||
+            s->tile[s->order[s->next]].made))
         s->next++;
     if (job->first_ms == 0)
         job->first_ms = c->now_ms;
@@ -522,8 +544,8 @@ drop_holder(struct passes *s, struct tile *t, uint32_t index)
     if (t->made)
         return;
     s->waiting++;
-    if (t - s->tile < s->next)
-        s->next = (uint32_t)(t - s->tile);
+    if (t->place < s->next)
+        s->next = t->place;
 }
 
 void
@@ -750,6 +772,7 @@ passes_made(struct coord *c, struct coord_worker *w, const struct msg *msg)
         send_some(c, job, &records, feeding_is_direct);
     }
     count(job, index, &m->counts);
+    dearest_note(s->dearest, &s->plan[s->open], m->tile, m->counts.rays);
     colours_keep(c, job, &s->plan[s->open], m);
     close_passes(c, job);
 }

@@ -1,0 +1,205 @@
+/* dearest.c - see dearest.h
+ *
+ * Of each picture there is a grid of cells with the rays that a pixel of a
+ * lattice last took there; of deep records, whose tiles are in the order of a
+ * tree over space, the same by the place in that order. */
+#include "config.h"
+
+#include "sched/dearest.h"
+
+#include <stdlib.h>
+
+#define CELL_SIDE  32 /* pixels, or a multiple, so that there are at most */
+#define MOST_CELLS (1u << 20)
+
+#define PLACES 512 /* in the order of the tree */
+
+struct grid {
+    int columns;
+    float *rays; /* of a pixel, by row */
+};
+
+struct dearest {
+    const struct rad_pass_size *size;
+    uint32_t n;
+    int side;
+    struct grid *grid; /* of each picture */
+    float *rays;       /* of all */
+    float place[PLACES];
+};
+
+struct dear {
+    double rays;
+    uint32_t tile;
+};
+
+/* Are its tiles squares of pixels?  Others have no place. */
+static bool
+is_lattice(const struct rad_pass *pass)
+{
+    return pass->level == 0 && pass->step > 0 && !pass->check;
+}
+
+static int
+along(int length, int side)
+{
+    return (length + side - 1) / side;
+}
+
+static uint64_t
+count_cells(const struct rad_pass_size *size, uint32_t n, int side)
+{
+    uint64_t cells = 0;
+
+    for (uint32_t i = 0; i < n; i++)
+        cells += (uint64_t)along(size[i].width, side) *
+                 (uint64_t)along(size[i].height, side);
+    return cells;
+}
+
+struct dearest *
+dearest_new(const struct rad_pass_size *size, uint32_t n)
+{
+    struct dearest *d = calloc(1, sizeof *d);
+    float *to;
+
+    if (!d)
+        return NULL;
+    d->size = size;
+    d->n = n;
+    d->side = CELL_SIDE;
+    while (count_cells(size, n, d->side) > MOST_CELLS && d->side < 1 << 20)
+        d->side *= 2;
+    d->grid = calloc(n, sizeof *d->grid);
+    d->rays = to = calloc(count_cells(size, n, d->side), sizeof *to);
+    if (!d->grid || !d->rays) {
+        dearest_free(d);
+        return NULL;
+    }
+    for (uint32_t i = 0; i < n; i++) {
+        d->grid[i] = (struct grid){ along(size[i].width, d->side), to };
+        to += d->grid[i].columns * along(size[i].height, d->side);
+    }
+    return d;
+}
+
+void
+dearest_free(struct dearest *d)
+{
+    if (!d)
+        return;
+    free(d->grid);
+    free(d->rays);
+    free(d);
+}
+
+/* --- what tiles took --- */
+
+static void
+note_area(const struct dearest *d, const struct grid *g,
+          const struct rad_pass_area *a, double rays)
+{
+    double pixels = (double)(a->x1 - a->x0) * (a->y1 - a->y0);
+
+    for (int y = a->y0 / d->side; y <= (a->y1 - 1) / d->side; y++)
+        for (int x = a->x0 / d->side; x <= (a->x1 - 1) / d->side; x++)
+            g->rays[y * g->columns + x] = (float)(rays / pixels);
+}
+
+void
+dearest_note(struct dearest *d, const struct rad_pass *pass, uint32_t tile,
+             uint64_t rays)
+{
+    uint32_t i = pass->frame, n = 0;
+    struct rad_pass_area a;
+
+    if (pass->level > 0) {
+        for (uint64_t k = (uint64_t)tile * PLACES / pass->tiles;
+             k * pass->tiles < (tile + UINT64_C(1)) * PLACES; k++)
+            d->place[k] = (float)rays * (float)pass->tiles;
+        return;
+    }
+    if (!is_lattice(pass))
+        return;
+    for (; i < d->n; i += pass->stride, tile -= n) {
+        n = rad_pass_tiles(pass, d->size[i].width, d->size[i].height);
+        if (tile < n)
+            break;
+    }
+    if (i >= d->n)
+        return;
+    a = rad_pass_area(pass, d->size[i].width, d->size[i].height, tile);
+    note_area(d, &d->grid[i], &a, (double)rays);
+}
+
+/* --- the order --- */
+
+/* What the cells of the area took, as far as they lie in it. */
+static double
+expect(const struct dearest *d, const struct grid *g,
+       const struct rad_pass_area *a)
+{
+    double sum = 0, n = 0;
+
+    for (int y = a->y0 / d->side; y <= (a->y1 - 1) / d->side; y++)
+        for (int x = a->x0 / d->side; x <= (a->x1 - 1) / d->side; x++, n++)
+            sum += (double)g->rays[y * g->columns + x];
+    return sum / n * (a->x1 - a->x0) * (a->y1 - a->y0);
+}
+
+static void
+expect_pixels(const struct dearest *d, const struct rad_pass *pass,
+              struct dear *to)
+{
+    for (uint32_t i = pass->frame; i < d->n; i += pass->stride) {
+        int width = d->size[i].width, height = d->size[i].height;
+        uint32_t n = rad_pass_tiles(pass, width, height);
+
+        for (uint32_t k = 0; k < n; k++, to++) {
+            struct rad_pass_area a = rad_pass_area(pass, width, height, k);
+
+            to->rays = expect(d, &d->grid[i], &a);
+        }
+    }
+}
+
+static void
+expect_deep(const struct dearest *d, const struct rad_pass *pass,
+            struct dear *to)
+{
+    for (uint32_t i = 0; i < pass->tiles; i++)
+        to[i].rays =
+            (double)d->place[(2 * (uint64_t)i + 1) * PLACES /
+                             (2 * (uint64_t)pass->tiles)];
+}
+
+static int
+by_rays(const void *a, const void *b)
+{
+    const struct dear *x = a, *y = b;
+
+    return x->rays != y->rays  ? (x->rays > y->rays ? -1 : 1)
+           : x->tile < y->tile ? -1
+                               : x->tile > y->tile;
+}
+
+bool
+dearest_order(const struct dearest *d, const struct rad_pass *pass,
+              uint32_t *order)
+{
+    struct dear *v = calloc(pass->tiles + 1, sizeof *v);
+
+    if (!v)
+        return false;
+    for (uint32_t i = 0; i < pass->tiles; i++)
+        v[i].tile = i;
+    if (pass->level > 0)
+        expect_deep(d, pass, v);
+    else if (is_lattice(pass))
+        expect_pixels(d, pass, v);
+    qsort(v, pass->tiles, sizeof *v, by_rays);
+    for (uint32_t i = 0; i < pass->tiles; i++)
+        order[i] = v[i].tile;
+    free(v);
+    return true;
+}
