@@ -237,7 +237,7 @@ START_TEST(a_cache_that_is_gone_is_refused)
 {
     whole_job(job_a);
     coord_job_filed(f.c, f.now_ms, job_a, find(job_a)->sequence, 900, 0);
-    refused(EX_NOINPUT, "not kept any more");
+    refused(EX_NOINPUT, "or not any more");
     coord_set_keep(f.c, &(struct coord_keep){ .jobs = 10 });
     refused(EX_NOINPUT, "keep_caches_mib is 0");
 }
@@ -381,6 +381,46 @@ START_TEST(a_job_of_an_earlier_life_goes_on_with_them)
     ck_assert_uint_eq(f.last[WORKER].frozen.pass, 1);
     ck_assert_uint_eq(f.last[WORKER].frozen.count, 2);
     ck_assert_uint_eq(passes_state(find(job_c)).bytes, 5 * AMBSHARE_BYTES);
+}
+END_TEST
+
+/* All rows were there when the coordinator died: it is over before any worker
+ * is ready, and has counted what it counted, and left what it left. */
+START_TEST(a_job_that_was_all_but_over_leaves_its_cache)
+{
+    struct msg m = submit_of(job_c, job_a);
+    struct saved_pass passes[1 + PASSES] = { { .len = 3 * AMBSHARE_BYTES } };
+    struct saved_unit units[4];
+    struct saved_frame written = { .written = true };
+    struct saved_job s = { .spec = m.submit,
+                           .owner = "ana",
+                           .text = "",
+                           .frames = &written,
+                           .nunits = 4,
+                           .units = units,
+                           .npasses = 1 + PASSES - (_i == 1),
+                           .passes = passes };
+
+    for (uint32_t i = 1; i <= PASSES; i++)
+        passes[i] = (struct saved_pass){ .bytes = records,
+                                         .len = AMBSHARE_BYTES,
+                                         .counts = { .rays = 7 } };
+    for (uint32_t i = 0; i < 4; i++)
+        units[i] =
+            (struct saved_unit){ .unit = i,
+                                 .area = { 0, i % 2 * 4, i / 2 * 4, 4, 4 },
+                                 .attempt = 1,
+                                 .worker = "ws1",
+                                 .stored = 4,
+                                 .done = true };
+    ck_assert_int_eq(recover_job(f.c, f.now_ms, &s, NULL, NULL, NULL), 0);
+    carry_out(&f);
+    ck_assert_int_eq(find(job_c)->state, JOB_DONE);
+    ck_assert_uint_eq(find(job_c)->cache.reused, 3);
+    ck_assert_uint_eq(find(job_c)->tiled.rays, 7 * (s.npasses - 1));
+    ck_assert_uint_eq(find(job_c)->cache.bytes,
+                      _i == 0 ? (3 + PASSES) * AMBSHARE_BYTES : 0);
+    ck_assert_uint_eq(f.loads, 0);
 }
 END_TEST
 
@@ -569,6 +609,7 @@ main(void)
     tcase_add_test(tc, tiles_wait_for_the_records);
     tcase_add_test(tc, a_job_without_its_records_fails);
     tcase_add_test(tc, a_job_of_an_earlier_life_goes_on_with_them);
+    tcase_add_loop_test(tc, a_job_that_was_all_but_over_leaves_its_cache, 0, 2);
     suite_add_tcase(s, tc);
     tcase_add_checked_fixture(files, set_up_folder, tear_down_folder);
     tcase_add_test(files, all_passes_become_the_first_of_another_job);

@@ -380,6 +380,19 @@ file_job(struct coord *c, struct job *job)
         c->actions.failed = true;
 }
 
+/* A job that an earlier life of the coordinator had all rows of is over before
+ * any worker is ready: what its passes counted is taken up for its statistics,
+ * and to see whether all are there. */
+static void
+take_up_passes(struct coord *c, struct job *job)
+{
+    struct rad_error err = { 0 };
+
+    if (!job->passes && job->kept.n > 0 && passes_begin(c, job, &err) != 0)
+        actions_log(&c->actions, ACT_WARN, "passes lost job=%s why=%s",
+                    job->hex, err.what);
+}
+
 /* Carry out the verdict on a job. */
 static void
 end_job(struct coord *c, struct job *job)
@@ -399,6 +412,7 @@ end_job(struct coord *c, struct job *job)
         actions_log(&c->actions, ACT_WARN,
                     "function has no value job=%s object=%u times=%" PRIu64,
                     job->hex, job->faults[i].object, job->faults[i].count);
+    take_up_passes(c, job);
     reuse_keep(c, job);
     sched_job_over(c, job);
     file_job(c, job);

@@ -78,8 +78,7 @@ check_cache(const struct coord *c, const struct job *job, struct rad_error *err)
     return rad_fail(err, RAD_ENOINPUT,
                     "the ambient cache of job %s is not kept%s", job->hex,
                     c->keep.cache_bytes > 0
-                        ? " any more: there is no room for it within "
-                          "keep_caches_mib"
+                        ? ", or not any more: see keep_caches_mib"
                         : ": keep_caches_mib is 0 here");
 }
 
@@ -141,7 +140,7 @@ reuse_keep(const struct coord *c, struct job *job)
     struct passes_state s = passes_state(job);
 
     if (job->state != JOB_DONE || !(job->spec.flags & MSG_JOB_SCENE) ||
-        !c->env.keeps || s.bytes > c->keep.cache_bytes)
+        !c->env.keeps || s.open < s.n || s.bytes > c->keep.cache_bytes)
         return;
     job->cache.bytes = s.bytes;
     job->cache.passes = s.n;

@@ -143,6 +143,8 @@ take_up(struct coord *c, struct job *job)
         kept->pass[i].bytes = NULL;
         s->open++;
     }
+    if (s->open > 0 && job->spec.flags & MSG_JOB_REUSE)
+        job->cache.reused = s->closed[0].n;
     if (s->open > 0)
         actions_log(&c->actions, ACT_INFO, "passes kept job=%s passes=%u of=%u",
                     job->hex, s->open, s->n);
@@ -187,7 +189,8 @@ passes_ask(struct coord *c, struct job *job)
     struct passes *s = job->passes;
     struct action *a;
 
-    if (!s || !s->awaits || s->asked || job->stage != STAGE_OPEN)
+    if (!s || !s->awaits || s->asked || job->stage != STAGE_OPEN ||
+        job_over(job))
         return;
     a = actions_add_job(&c->actions, ACT_LOAD_CACHE, 0, job->id);
     if (a)

@@ -173,4 +173,6 @@ wrong()
 expect 64 "needs a coordinator" "a cluster of its own" \
     "$radsubmit" -ab 1 --reuse=last -o "$work/wrong.hdr" "$room"
 cluster_stop
+"$radctl" check "$work/state" >"$work/said" 2>&1 ||
+    fail "radctl check: $(cat "$work/said")"
 finish
