@@ -45,6 +45,9 @@ struct program {
     char reason[300]; /* the last that the coordinator gave; "": none */
     struct progress_alone alone;
     double elapsed_s, error; /* as last told */
+    double estimate;         /* of the error, with a goal; 0: not known */
+    int stages;              /* that it took */
+    bool time_up;            /* a further one was left out for want of time */
     struct msg_nan nan;
     struct msg_fault faults[MSG_FAULTS];
     uv_loop_t loop;
@@ -78,6 +81,8 @@ void program_on_progress(void *program, const struct msg_progress *m);
 void program_warn_of_nan(struct program *p);
 void program_warn_of_faults(struct program *p);
 void program_say_done(struct program *p);
+/* The job's statistics, as JSON: what came of --error and --time. */
+void program_note_goal(struct program *p, const uint8_t *json, size_t len);
 
 /* --- program_files.c --- */
 

@@ -152,7 +152,11 @@ program_on_stats(void *arg, const uint8_t *json, size_t len, struct rad_error *e
 {
     struct program *p = arg;
 
-    return rad_output_write(p->o.stats, json, len, !p->embedded, err);
+    if (submit_options_goal(&p->o))
+        program_note_goal(p, json, len);
+    return p->o.stats
+               ? rad_output_write(p->o.stats, json, len, !p->embedded, err)
+               : 0;
 }
 
 /* -af: is there a use for it, and can it be written?  What was said of rpict's

@@ -8,6 +8,7 @@
 #include "compile/warning.h"
 
 #include <inttypes.h>
+#include <jansson.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -217,6 +218,37 @@ program_warn_of_nan(struct program *p)
     program_warn(p, text);
 }
 
+void
+program_note_goal(struct program *p, const uint8_t *json, size_t len)
+{
+    json_t *root = json_loadb((const char *)json, len, 0, NULL);
+    const json_t *goal = json_object_get(root, "goal");
+
+    p->estimate = json_number_value(json_object_get(goal, "estimate"));
+    p->stages = (int)json_integer_value(json_object_get(goal, "stages"));
+    p->time_up = json_is_true(json_object_get(goal, "time_up"));
+    json_decref(root);
+}
+
+/* What came of --error and --time. */
+static void
+say_goal(struct program *p)
+{
+    char text[200], got[FIGURE_TEXT], asked[FIGURE_TEXT], wanted[60] = "";
+
+    if (p->o.error > 0)
+        snprintf(wanted, sizeof wanted, ", %s %% were asked for",
+                 figure(asked, p->o.error, 3));
+    snprintf(text, sizeof text, "estimated error %s %%%s; %d stage%s%s",
+             figure(got, 100 * p->estimate, 2), wanted, p->stages,
+             p->stages == 1 ? "" : "s",
+             p->time_up ? ", and no time for another" : "");
+    program_say(p, text);
+    if (p->o.time_s > 0)
+        program_say(p, "chosen by the clock: another run may choose other "
+                       "options, which the picture's header names");
+}
+
 /* The last line. */
 void
 program_say_done(struct program *p)
@@ -224,7 +256,9 @@ program_say_done(struct program *p)
     char text[120], s[FIGURE_TEXT], percent[FIGURE_TEXT];
 
     figure(s, p->elapsed_s, 3);
-    if (p->error > 0)
+    if (p->stages > 0)
+        say_goal(p);
+    if (p->error > 0 && p->stages == 0)
         snprintf(text, sizeof text, "done in %s s, relative error about %s %%",
                  s, figure(percent, 100 * p->error, 2));
     else

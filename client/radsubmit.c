@@ -302,7 +302,7 @@ converse(struct program *p)
         cb.preview = program_on_preview;
     if (p->o.reuse)
         cb.reuse = on_reuse;
-    if (p->o.stats)
+    if (p->o.stats || submit_options_goal(&p->o))
         cb.stats = program_on_stats;
     if (p->records.keep)
         cb.records = on_records;
@@ -434,8 +434,8 @@ prepare(struct program *p)
     program_warn_of_psample(p);
     program_warn_of_rif(p);
     if ((rc = choose_cluster(p)) < 0 ||
-        (!p->rif.is &&
-         (rc = frames_init(&p->frames, &p->o, p->err)) < 0) ||
+        (!p->rif.is && (rc = frames_init(&p->frames, &p->o, p->err)) < 0) ||
+        (rc = jobspec_check_goal(&p->o, p->frames.n, p->err)) < 0 ||
         (rc = inputs_add(in, "the key", p->target.key, p->err)) < 0 ||
         (rc = apart_inputs(&p->o, &p->frames, in, p->err)) < 0 ||
         (rc = jobspec_read_costs(&p->job, &p->o, &p->frames, p->err)) < 0 ||

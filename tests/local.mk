@@ -371,6 +371,7 @@ dist_check_SCRIPTS += \
 	tests/e2e/cluster_descriptors.sh \
 	tests/e2e/cluster_flood.sh \
 	tests/e2e/cluster_keys.sh \
+	tests/e2e/cluster_error.sh \
 	tests/e2e/cluster_passes.sh \
 	tests/e2e/cluster_preview.sh \
 	tests/e2e/reuse.sh \
@@ -439,6 +440,7 @@ TESTS += \
 	tests/e2e/cluster_descriptors.sh \
 	tests/e2e/cluster_flood.sh \
 	tests/e2e/cluster_keys.sh \
+	tests/e2e/cluster_error.sh \
 	tests/e2e/cluster_passes.sh \
 	tests/e2e/cluster_preview.sh \
 	tests/e2e/reuse.sh \

@@ -137,6 +137,32 @@ put_picture(FILE *to, const json_t *job)
     put(to, "picture", line);
 }
 
+/* Of a job with --error or --time. */
+static void
+put_goal(FILE *to, const json_t *job)
+{
+    double error = number_of(job, "goal_error");
+    double time = number_of(job, "goal_time_s");
+    double now = number_of(job, "estimated_error");
+    char line[200], by[FIGURE_TEXT], wanted[60] = "", within[60] = "";
+
+    if (error <= 0 && time <= 0)
+        return;
+    if (error > 0)
+        snprintf(wanted, sizeof wanted, "error of %s %%",
+                 figure(by, 100 * error, 3));
+    if (time > 0)
+        snprintf(within, sizeof within, "%s%s s", error > 0 ? ", within " : "",
+                 figure(by, time, 3));
+    snprintf(line, sizeof line, "%s%s", wanted, within);
+    put(to, "asked for", line);
+    snprintf(line, sizeof line, "%.0f of at most %.0f%s%s%s",
+             number_of(job, "stage"), number_of(job, "stages"),
+             now > 0 ? ", estimated error " : "",
+             now > 0 ? figure(by, 100 * now, 2) : "", now > 0 ? " %" : "");
+    put(to, "stage", line);
+}
+
 /* What it took so far. */
 static void
 put_work(FILE *to, const json_t *job)
@@ -205,6 +231,7 @@ ctl_tell_job(FILE *to, const json_t *job)
         put(to, "ambient cache", line);
     }
     put_reuse(to, job);
+    put_goal(to, job);
     put_picture(to, job);
     snprintf(line, sizeof line, "%.0f", number_of(job, "workers"));
     put(to, "workers", line);

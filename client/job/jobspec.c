@@ -7,6 +7,8 @@
 #include "show/origin.h"
 
 #include <errno.h>
+#include <inttypes.h>
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -136,9 +138,10 @@ ambient_flags(const struct submit_options *o, uint32_t nframes)
 {
     bool passes = o->ambient_way == AMBIENT_PASSES;
 
-    if (o->ambient_way == AMBIENT_NONE)
-        passes = o->reuse ||
-                 (!o->no_share && !o->fresh_frames && nframes <= MOST_AT_ONCE);
+    if (submit_options_goal(o) || o->reuse)
+        passes = true;
+    else if (o->ambient_way == AMBIENT_NONE)
+        passes = !o->no_share && !o->fresh_frames && nframes <= MOST_AT_ONCE;
     if (passes)
         return MSG_JOB_PASSES;
     return o->no_share ? 0 : MSG_JOB_SHARE;
@@ -187,6 +190,18 @@ reuse_flags(const struct msg_spec *s)
     return MSG_JOB_SCENE | (s->reuse ? MSG_JOB_REUSE : 0);
 }
 
+int
+jobspec_check_goal(const struct submit_options *o, uint32_t nframes,
+                   struct rad_error *err)
+{
+    if (submit_options_goal(o) && nframes > MOST_AT_ONCE)
+        return rad_fail(err, RAD_EUSAGE,
+                        "%s is for at most %d frames, and there are %" PRIu32,
+                        o->error > 0 ? "--error" : "--time", MOST_AT_ONCE,
+                        nframes);
+    return 0;
+}
+
 void
 jobspec_fill(struct jobspec *j, const struct submit_options *o,
              const struct frames *frames, const struct compiled *scene,
@@ -212,6 +227,8 @@ jobspec_fill(struct jobspec *j, const struct submit_options *o,
     s->memory_mib = (uint32_t)o->memory_mib;
     s->oversample = (uint8_t)o->oversample;
     s->clamp = o->clamp;
+    s->error_ppm = (uint32_t)lround(o->error * 1e4);
+    s->time_ms = (uint32_t)lround(o->time_s * 1e3);
     s->flags = (o->depth ? MSG_JOB_DEPTH : 0) | ambient_flags(o, frames->n) |
                (o->no_balance ? MSG_JOB_NO_BALANCE : 0) |
                (o->fresh_frames ? MSG_JOB_FRESH_FRAMES : 0) |

@@ -47,6 +47,10 @@ int jobspec_add_frames(struct jobspec *j, const struct frames *frames,
 int jobspec_set_scene(struct jobspec *j, const struct submit_options *o,
                       const struct compiled *scene, struct rad_error *err);
 
+/* Is there a goal (--error, --time) for that many frames?  RAD_EUSAGE. */
+int jobspec_check_goal(const struct submit_options *o, uint32_t nframes,
+                       struct rad_error *err);
+
 /* All else but compile_s and MSG_JOB_RECORDS; what it points at must outlive
  * it. */
 void jobspec_fill(struct jobspec *j, const struct submit_options *o,

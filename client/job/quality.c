@@ -80,21 +80,49 @@ quality_word(int quality, int *len)
     return word;
 }
 
+/* What a job's stages leave as it is (-ps, -ab, -lr, -lw) is good enough for
+ * small errors, the rest is a quick picture's. */
+/* clang-format off */
+static const char *const first[][2] = {
+    { "-ps", "4" },   { "-pt", ".15" }, { "-pj", ".9" }, { "-dj", ".5" },
+    { "-ds", ".4" },  { "-dt", ".1" },  { "-dc", ".5" }, { "-dr", "3" },
+    { "-dp", "512" }, { "-st", ".05" }, { "-ab", "5" },  { "-aa", ".5" },
+    { "-ar", "16" },  { "-ad", "64" },  { "-as", "16" }, { "-lr", "10" },
+    { "-lw", ".001" }
+};
+/* clang-format on */
+
+static int
+set(struct rad_params *p, const char *name, const char *to,
+    struct rad_error *err)
+{
+    char option[8], value[8], *argv[3] = { option, value, NULL };
+    int rc;
+
+    strcpy(option, name);
+    strcpy(value, to);
+    rc = rad_params_option(p, 2, argv, err);
+    return rc < 0 ? rc : 0;
+}
+
+int
+quality_first(struct rad_params *p, struct rad_error *err)
+{
+    int rc = 0;
+
+    for (size_t i = 0; rc == 0 && i < sizeof first / sizeof first[0]; i++)
+        rc = set(p, first[i][0], first[i][1], err);
+    return rc;
+}
+
 int
 quality_apply(int quality, quality_given given, struct rad_params *p,
               struct rad_error *err)
 {
-    for (unsigned i = 0; i < ROWS; i++) {
-        char option[8], value[8], *argv[3] = { option, value, NULL };
-        int rc;
+    int rc = 0;
 
-        if (given >> i & 1)
-            continue;
-        strcpy(option, table[i].option);
-        strcpy(value, table[i].value[quality]);
-        rc = rad_params_option(p, 2, argv, err);
-        if (rc < 0)
-            return rc;
-    }
-    return 0;
+    for (unsigned i = 0; rc == 0 && i < ROWS; i++)
+        if (!(given >> i & 1))
+            rc = set(p, table[i].option, table[i].value[quality], err);
+    return rc;
 }

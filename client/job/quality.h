@@ -14,6 +14,10 @@
 /* The words in their order, "|" between. */
 #define QUALITY_WORDS "draft|low|medium|high|reference"
 
+/* The options that --error and --time begin with where the command line has
+ * none. */
+int quality_first(struct rad_params *p, struct rad_error *err);
+
 /* What the command line said itself: a bit for each row of the table. */
 typedef uint32_t quality_given;
 

@@ -66,6 +66,11 @@ struct option {
         name, KIND_WORD, FIELD(f), 0, 0, words, words, help                    \
     }
 
+/* --error [%], --time [s] */
+#define LEAST_ERROR .1
+#define LEAST_TIME  .1
+#define MOST_TIME   1e6
+
 enum { MOST_WORKERS = 64, MOST_THREADS = 1024, MOST_WINDOWS = 1 << 20 };
 
 /* clang-format off */
@@ -93,6 +98,11 @@ static const struct option own[] = {
           "log=DECADES, n=DIVISIONS, contour=lines|bands|steps, label=TEXT"),
     WORD("--quality", quality, QUALITY_WORDS,
          "a set of rpict's options, for those that are not given"),
+    REAL("--error", error, LEAST_ERROR, 100, "PERCENT",
+         "go on until the picture is estimated to be so far off (from rpict's "
+         "options, or a set of its own, on)"),
+    REAL("--time", time_s, LEAST_TIME, MOST_TIME, "S",
+         "go on for so many seconds; with --error, for no longer"),
     FLAG("--stamp", stamp,
          "the day, the host and the job in the picture's header"),
     INT("--oversample", oversample, 1, RAD_MAX_OVERSAMPLE, "N",
@@ -626,6 +636,45 @@ check_ambient(const struct submit_options *o, struct rad_error *err)
     return 0;
 }
 
+bool
+submit_options_goal(const struct submit_options *o)
+{
+    return o->error > 0 || o->time_s > 0;
+}
+
+/* Options that go with no goal. */
+static const char *
+hinders_goal(const struct submit_options *o)
+{
+    return o->ambient_way == AMBIENT_LIVE ? "--ambient=live"
+           : o->no_share                  ? "--no-share"
+           : o->fresh_frames              ? "--fresh-frames"
+           : o->dry_run                   ? "--dry-run"
+           : o->ambient                   ? "-af"
+           : o->reuse                     ? "--reuse"
+                                          : NULL;
+}
+
+/* A picture is refined by its ambient cache, in passes. */
+static int
+check_goal(const struct submit_options *o, struct rad_error *err)
+{
+    const char *goal = o->error > 0 ? "--error" : "--time", *not ;
+
+    if (!submit_options_goal(o))
+        return 0;
+    not = hinders_goal(o);
+    if (not )
+        return rad_fail(err, RAD_EUSAGE, "%s does not go with %s", goal, not );
+    if (o->params.ambounce <= 0 || o->params.ambacc <= 0 ||
+        o->params.ambdiv <= 0)
+        return rad_fail(err, RAD_EUSAGE,
+                        "%s is for pictures with indirect light: -ab, -aa and "
+                        "-ad must be above 0",
+                        goal);
+    return 0;
+}
+
 static int
 check_reuse(const struct submit_options *o, struct rad_error *err)
 {
@@ -686,7 +735,7 @@ check_together(struct submit_options *o, struct rad_error *err)
         return rad_fail(err, RAD_EUSAGE,
                         "--dry-run makes no job that --detach could leave");
     if ((rc = check_sharing(o, err)) < 0 || (rc = check_ambient(o, err)) < 0 ||
-        (rc = check_reuse(o, err)) < 0 ||
+        (rc = check_reuse(o, err)) < 0 || (rc = check_goal(o, err)) < 0 ||
         (rc = rad_params_check(&o->params, err)) < 0)
         return rc;
     if (!o->first_frame) {
@@ -706,6 +755,11 @@ submit_options_parse(struct submit_options *o, struct words *w,
 
     set_defaults(o);
     rc = take_options(&c);
+    if (rc >= 0 && o->quality < 0 && c.given == 0 && submit_options_goal(o)) {
+        int bad = quality_first(&o->params, err);
+
+        rc = bad < 0 ? bad : rc;
+    }
     if (rc >= 0 && o->quality >= 0) {
         int bad = quality_apply(o->quality, c.given, &o->params, err);
 

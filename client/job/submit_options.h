@@ -48,6 +48,8 @@ struct submit_options {
     double clamp;         /* --clamp; 0: off */
     int quality;          /* --quality: the word's number; -1: none */
     bool quality_whole;   /* and nothing of its set was given otherwise */
+    double error;         /* --error [%]; 0: not asked for */
+    double time_s;        /* --time; 0: not asked for */
     int psample_asked;    /* what -ps said; 0: nothing, or 0 */
     struct rad_view view; /* as given; rad_view_setup() has accepted it */
     /* files; NULL where not given */
@@ -97,6 +99,9 @@ struct submit_options {
  * submit_wish; a negative code and a message for what is wrong. */
 int submit_options_parse(struct submit_options *o, struct words *w,
                          struct rad_error *err);
+
+/* Is there a goal, --error or --time? */
+bool submit_options_goal(const struct submit_options *o);
 
 /* --help. */
 void submit_options_help(FILE *to);

@@ -11,6 +11,8 @@
 #include "child/pool_impl.h"
 #include "light/indirect/ambient.h"
 #include "machine/counted.h"
+#include "machine/sums.h"
+#include "refine/recheck.h"
 #include "proto/ambshare.h"
 
 #include <stdlib.h>
@@ -46,6 +48,22 @@ pool_tile_free(struct pool_tile *t)
     free(t);
 }
 
+/* Make it; false: it was stopped, or memory is out. */
+static bool
+fill_tile(struct renderer *by, struct pool_tile *t)
+{
+    struct pool_tiling *k = &by->pool->tiling;
+    struct rad_refine_sums sums;
+
+    if (!k->plan[t->pass].check)
+        return rad_passes_make(k->passes, &by->ctx, t->tile, &k->stop,
+                               keep_records, t, t->shows ? &t->colours : NULL);
+    if (!rad_refine_make(k->passes, &by->ctx, t->tile, &k->stop, &sums))
+        return false;
+    sums_pack(&t->records, &sums);
+    return true;
+}
+
 static void
 make_tile(struct renderer *by, struct pool_tile *t)
 {
@@ -56,14 +74,14 @@ make_tile(struct renderer *by, struct pool_tile *t)
     bool whole;
 
     wire_out_init(&t->records, MSG_MAX_TILE);
-    whole = rad_passes_make(k->passes, &by->ctx, t->tile, &k->stop,
-                            keep_records, t, t->shows ? &t->colours : NULL);
+    whole = fill_tile(by, t);
     cpu = pool_stint_end_and_lock(by, &stint);
     if (whole && !t->records.bad) {
         counted_add(&t->counts, &by->ctx.counts, cpu);
-        if (t->tile == 0) { /* the pass's paths count once */
+        if (t->tile == 0) { /* the pass's paths count once, wherever that is
+                             * made, and again if it is made again */
             msg_counts_add(&t->counts, &k->walked);
-            k->walked = (struct msg_counts){ 0 };
+            k->told = true;
         }
         hand_on_locked(p, t);
     } else {
@@ -129,8 +147,10 @@ freeze(struct renderer *by, struct pool_frozen *f)
     if (rad_ambient_count(amb) != before + f->n)
         rad_fail(&k->err, RAD_ENOMEM,
                  "out of memory, or an ambient record does not fit the scene");
-    msg_counts_add(&k->dropped, &k->walked);
+    if (!k->told)
+        msg_counts_add(&k->dropped, &k->walked);
     k->walked = (struct msg_counts){ 0 };
+    k->told = false;
     k->open++;
     k->begun = false;
     drop_tiles_locked(k);

@@ -30,7 +30,8 @@ struct pool_tiling {
     struct pool_tile *todo, **todo_end;       /* [mu] */
     struct pool_frozen *frozen, **frozen_end; /* [mu] to be closed */
     struct pool_tile *made;                   /* [mu] */
-    struct msg_counts walked;  /* [mu] of paths, not yet in a tile's counts */
+    struct msg_counts walked; /* [mu] of the pass's paths: in tile 0's counts */
+    bool told;                /* [mu] they are in those of one made here */
     struct msg_counts dropped; /* [mu] in no tile's counts */
     struct rad_error err;      /* [mu] the job cannot go on */
 };

@@ -6,8 +6,17 @@
 
 #include "child/render_impl.h"
 #include "child/sandbox.h"
+#include "refine/refine.h"
 
 #include <stdlib.h>
+
+bool
+render_has_stages(const struct render *r)
+{
+    const struct msg_spec *spec = &r->start.job_start;
+
+    return spec->error_ppm > 0 || spec->time_ms > 0;
+}
 
 int
 render_load_passes(struct render *r, struct rad_error *err)
@@ -24,7 +33,8 @@ render_load_passes(struct render *r, struct rad_error *err)
     for (uint32_t i = 0; i < r->nframes; i++)
         size[i] =
             (struct rad_pass_size){ r->frames[i].width, r->frames[i].height };
-    k->n = (r->start.job_start.flags & MSG_JOB_REUSE
+    k->n = (render_has_stages(r) ? rad_refine_plan
+            : r->start.job_start.flags & MSG_JOB_REUSE
                 ? rad_passes_plan_on
                 : rad_passes_plan)(&r->job->params, size, r->nframes, k->plan);
     free(size);
@@ -59,14 +69,6 @@ on_tile(void *arg, const struct pool_tile *t)
 
     if (r->link)
         conn_send(r->link, &m);
-}
-
-bool
-render_has_stages(const struct render *r)
-{
-    const struct msg_spec *spec = &r->start.job_start;
-
-    return spec->error_ppm > 0 || spec->time_ms > 0;
 }
 
 void

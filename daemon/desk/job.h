@@ -9,6 +9,7 @@
 
 #include "base/arena.h"
 #include "desk/frame.h"
+#include "desk/goal.h"
 #include "desk/kept.h"
 #include "desk/part.h"
 #include "desk/unit.h"
@@ -51,7 +52,6 @@ enum job_stage {
 /* A worker that loses its child so often in a row, for reasons of its own (its
  * memory, its disk, somebody who kills it), has no more part in the job. */
 #define JOB_MAX_SETBACKS 5
-
 #define JOB_DURATIONS 63 /* that are remembered */
 
 /* Changed by speed.c. */
@@ -103,6 +103,7 @@ struct job {
     struct kept_passes kept;
     struct kept_cache cache;
     struct passes *passes; /* NULL: none, or not yet */
+    struct job_goal goal;  /* zeros: it has none */
     struct survey *survey; /* NULL: costs are not estimated, or are by now */
     struct shared *shared; /* NULL: lines are not shared */
     struct ring *ring; /* NULL: each worker is linked with all, or none is */
@@ -147,7 +148,6 @@ struct job {
  * counts as one for each four that were asked for, as far as it has pixels, and
  * as one for each 1024 rows: windows and lines are what takes memory. */
 uint64_t job_count_frames(const struct msg_spec *spec);
-
 /* How many of the jobs that are kept it counts as: it holds memory until it is
  * forgotten, about 1 MiB for each 400 frames so counted, and from
  * job_lighten() on 80 KiB for each 400 frames. */

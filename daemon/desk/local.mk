@@ -8,6 +8,8 @@ libdaemon_a_SOURCES += \
 	daemon/desk/env.h \
 	daemon/desk/frame.c \
 	daemon/desk/frame.h \
+	daemon/desk/goal.c \
+	daemon/desk/goal.h \
 	daemon/desk/go.c \
 	daemon/desk/go.h \
 	daemon/desk/hold.c \

@@ -127,6 +127,10 @@ int folder_reuse(struct folder *f, const uint8_t job[MSG_JOB],
 /* Those records, *len bytes, malloc'd; NULL: RAD_EDATA, RAD_ENOMEM. */
 uint8_t *folder_read_first(const struct folder *f, const uint8_t job[MSG_JOB],
                            size_t *len, struct rad_error *err);
+/* The job's pictures are made with these rendering options from now on; those
+ * of its specification are not kept.  RAD_ENOMEM. */
+int folder_set_options(struct folder *f, const uint8_t job[MSG_JOB],
+                       const char *options, struct rad_error *err);
 /* Wait until all rows that were put are on the disk. */
 int folder_sync(struct folder *f, struct rad_error *err);
 

@@ -4,7 +4,8 @@
  * the pass, its bytes, their sum and what it counted.  It is read up to the
  * first that is damaged, and written on from there.  What is lost of it is made
  * again, the same: so nobody waits for it to be on the disk, and a pass for
- * which there is no room is left out, with those that follow it.
+ * which there is no room is left out, with those that follow it.  Check passes
+ * (sched/stages.h) are waited for: by what they decide rows are made.
  *
  * Of a job that is done the file may be kept, as DIR/jobs/ID/kept with a tail
  * that says how many passes there are.  A job that begins with it has the
@@ -98,7 +99,9 @@ folder_put_pass(struct folder *f, const uint8_t id[MSG_JOB], uint32_t pass,
     fd = open_cache(f, id, path);
     if (fd < 0)
         return;
-    write_pass(j, fd, p, path, NULL);
+    if (write_pass(j, fd, p, path, NULL) == 0 && p->firm && f->durable &&
+        disk_sync_data(fd, path, NULL) == 0)
+        disk_sync_dir_of(path, NULL);
     close(fd);
 }
 

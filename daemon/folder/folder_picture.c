@@ -7,6 +7,7 @@
 #include "machine/jobtext.h"
 
 #include <stdlib.h>
+#include <string.h>
 
 /* How its rows become the picture. */
 static int
@@ -67,6 +68,23 @@ write_depth(const struct folder_job *j, struct frame_rows *f, const char *path,
     if (rc < 0)
         return rc;
     return filtered_depth(f->rows, &shape, path, durable, mark, err);
+}
+
+int
+folder_set_options(struct folder *f, const uint8_t id[MSG_JOB],
+                   const char *options, struct rad_error *err)
+{
+    struct folder_job *j = *folder_find_job(f, id);
+    char *copy;
+
+    if (!j)
+        return 0;
+    copy = strdup(options);
+    if (!copy)
+        return rad_fail(err, RAD_ENOMEM, "out of memory");
+    free(j->params);
+    j->params = copy;
+    return 0;
 }
 
 int

@@ -8,6 +8,7 @@
 #include "desk/part.h"
 #include "desk/progress.h"
 #include "queue/coord_keep.h"
+#include "sched/stages.h"
 #include "sched/passes.h"
 
 #include "base/text.h"
@@ -176,6 +177,23 @@ with_passes(json_t *o, const struct job *job)
     return o;
 }
 
+/* With --error or --time: what is aimed at, and what is reached by now. */
+static json_t *
+with_goal(json_t *o, const struct job *job)
+{
+    const struct job_goal *g = &job->goal;
+
+    if (!o || !goal_is(job))
+        return o;
+    json_object_set_new(o, "stage", json_integer((json_int_t)g->number + 1));
+    json_object_set_new(o, "stages", json_integer(RAD_REFINE_STAGES));
+    json_object_set_new(o, "goal_error", json_real(job->spec.error_ppm / 1e6));
+    json_object_set_new(o, "goal_time_s", json_real(job->spec.time_ms / 1e3));
+    json_object_set_new(o, "estimated_error", json_real(g->error));
+    json_object_set_new(o, "time_up", json_boolean(g->late));
+    return o;
+}
+
 json_t *
 report_job(const struct coord *c, const struct job *job, size_t label)
 {
@@ -193,20 +211,24 @@ report_job(const struct coord *c, const struct job *job, size_t label)
         p.pixels_total > 0 ? (double)p.pixels_done / (double)p.pixels_total : 0;
     if (rows > done)
         done = rows;
-    return with_passes(
-        json_pack(
-            "{s:s,s:s,s:s,s:s,s:i,s:f,s:I,s:I,s:I,s:I,s:I,s:I,s:I,s:I,s:I,s:I,"
-            "s:f,s:s,s:i}",
-            "job", job->hex, "name", name, "owner", job->owner, "state",
-            job_is(job), "priority", (int)job->spec.priority, "done", done,
-            "frames", (json_int_t)job->spec.nframes, "frames_ready",
-            (json_int_t)p.frames_ready, "width", (json_int_t)size.width,
-            "height", (json_int_t)size.height, "oversample",
-            (json_int_t)size.oversample, "units_done", (json_int_t)p.units_done,
-            "units_total", (json_int_t)p.units_total, "units_redone",
-            (json_int_t)p.units_redone, "rays", (json_int_t)p.rays, "workers",
-            (json_int_t)p.workers, "elapsed_s", p.elapsed_s, "text",
-            why(c, job, text), "status", job->status),
+    return with_goal(
+        with_passes(
+            json_pack("{s:s,s:s,s:s,s:s,s:i,s:f,s:I,s:I,s:I,s:I,s:I,s:I,s:I,s:"
+                      "I,s:I,s:I,"
+                      "s:f,s:s,s:i}",
+                      "job", job->hex, "name", name, "owner", job->owner,
+                      "state", job_is(job), "priority", (int)job->spec.priority,
+                      "done", done, "frames", (json_int_t)job->spec.nframes,
+                      "frames_ready", (json_int_t)p.frames_ready, "width",
+                      (json_int_t)size.width, "height", (json_int_t)size.height,
+                      "oversample", (json_int_t)size.oversample, "units_done",
+                      (json_int_t)p.units_done, "units_total",
+                      (json_int_t)p.units_total, "units_redone",
+                      (json_int_t)p.units_redone, "rays", (json_int_t)p.rays,
+                      "workers", (json_int_t)p.workers, "elapsed_s",
+                      p.elapsed_s, "text", why(c, job, text), "status",
+                      job->status),
+            job),
         job);
 }
 

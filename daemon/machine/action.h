@@ -42,11 +42,11 @@ enum action_type {
                         * statistics (actions_take); then coord_job_filed */
     ACT_KEEP_UNIT,     /* job, unit: remember it some time, before any of its
                         * rows */
-    ACT_PUT_PASS,      /* job, frame, pass: the pass of that number, to keep if
-                        * that can be; nobody waits */
+    ACT_PUT_PASS,      /* job, frame, pass: keep that pass if there is room */
     ACT_PUT_COLOURS,   /* job, colours: to show in previews; nobody waits */
     ACT_LOAD_CACHE,    /* job: read what it begins with; coord_cache_came */
     ACT_DROP_CACHE,    /* job: the cache kept of it goes; coord_job_filed */
+    ACT_OPTIONS,       /* job, text: rendering options of its pictures, now */
     ACT_SETTLE,        /* conn, request: coord_settled when all that was asked
                         * to be kept before is */
     ACT_PUT_ROWS,      /* rows: keep; then coord_rows_stored */

@@ -41,6 +41,7 @@ struct saved_pass {
     const uint8_t *bytes;
     size_t len;
     struct msg_counts counts; /* of its tiles */
+    bool firm; /* to be on the disk before what comes later; not kept */
 };
 
 struct saved_job {

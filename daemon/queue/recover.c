@@ -12,6 +12,7 @@
 #include "desk/verdict.h"
 #include "queue/coord_conn.h"
 #include "queue/coord_job.h"
+#include "sched/stages.h"
 #include "sched/loss.h"
 #include "sched/result.h"
 #include "users/known.h"
@@ -19,6 +20,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sysexits.h>
 
 /* Workers that lost the coordinator for a few seconds are back by then. */
 #define RETURN_MS 10000
@@ -229,6 +231,8 @@ take_up(const struct recovery *r)
     if (rc == 0 && !kept_copy(&job->kept, r->s))
         rc = no_memory(r->err);
     if (rc == 0)
+        rc = stages_take_up(r->c, job, r->err);
+    if (rc == 0)
         rc = take_frames(r);
     if (rc < 0)
         return rc;
@@ -245,6 +249,10 @@ take_up(const struct recovery *r)
                 (unsigned long long)job->pixels_total);
     if (job->frames_ready == job->spec.nframes) /* only that was not kept */
         verdict_job(r->c, job, JOB_DONE, 0, NULL);
+    else if (stages_lost(job))
+        verdict_job(r->c, job, JOB_FAILED, EX_IOERR,
+                    "the options that its picture was begun with are lost, as "
+                    "the disk had no room for them: submit it again");
     coord_end_jobs(r->c);
     return 0;
 }

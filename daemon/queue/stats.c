@@ -193,6 +193,22 @@ unit(const struct job *job, uint32_t i)
         (json_int_t)u->tries);
 }
 
+/* What was asked for by error and time, and what came of it. */
+static json_t *
+with_goal(json_t *o, const struct job *job)
+{
+    const struct job_goal *g = &job->goal;
+
+    if (o && goal_is(job))
+        json_object_set_new(
+            o, "goal",
+            json_pack("{s:f,s:f,s:f,s:I,s:b}", "error",
+                      job->spec.error_ppm / 1e6, "time_s",
+                      job->spec.time_ms / 1e3, "estimate", g->error, "stages",
+                      (json_int_t)g->number + 1, "time_up", g->late));
+    return o;
+}
+
 /* All but the lists of units and lines. */
 static json_t *
 head(const struct job *job, uint64_t now_ms)
@@ -202,16 +218,17 @@ head(const struct job *job, uint64_t now_ms)
     struct rad_error_estimate error = progress_error(job);
     struct job_size size = job_size(job);
     char options[RAD_FILTER_OPTIONS], reuse[MSG_JOB_HEX] = "";
-    bool said =
-        jobtext_options(s->params, s->oversample, s->clamp, options, NULL) == 0;
+    bool said = jobtext_options(goal_options(job), s->oversample, s->clamp,
+                                options, NULL) == 0;
+    json_t *o;
 
     if (s->reuse)
         msg_job_format(s->reuse, reuse);
-    return json_pack(
+    o = json_pack(
         "{s:s,s:s,s:s,s:s,s:s,s:o,s:I,s:s,s:I,s:{s:I,s:I,s:I,s:o},"
         "s:{s:I,s:I,s:I},s:o,s:o,s:{s:f,s:f,s:f},s:o}",
         "job", job->hex, "radd", PACKAGE_VERSION, "options",
-        said ? options : s->params, "partition",
+        said ? options : goal_options(job), "partition",
         partition_kind_name(p ? partition_kind(p) : s->partition), "choice",
         p ? partition_choice(p) : "", "fingerprint", fingerprint(job), "seed",
         integer(s->seed), "reuse", reuse, "oversample",
@@ -222,6 +239,7 @@ head(const struct job *job, uint64_t now_ms)
         "frames", (json_int_t)s->nframes, "time", times(job, now_ms), "totals",
         totals(job), "error", "estimate", error.all, "ambient", error.ambient,
         "sampling", error.sampling, "workers", workers(job));
+    return with_goal(o, job);
 }
 
 /* --- as text --- */

@@ -156,6 +156,9 @@ on_action(void *arg, const struct action *a)
     case ACT_DROP_CACHE:
         store_drop_cache(r->store, a->job, a->sequence);
         break;
+    case ACT_OPTIONS:
+        store_set_options(r->store, a->job, a->text);
+        break;
     case ACT_SETTLE:
         store_settle(r->store, a->conn, a->request);
         break;

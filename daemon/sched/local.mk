@@ -6,6 +6,8 @@ libdaemon_a_SOURCES += \
 	daemon/sched/colours.h \
 	daemon/sched/dearest.c \
 	daemon/sched/dearest.h \
+	daemon/sched/stages.c \
+	daemon/sched/stages.h \
 	daemon/sched/handout.c \
 	daemon/sched/handout.h \
 	daemon/sched/loss.c \

@@ -1,18 +1,21 @@
 /* passes.c - see passes.h
  *
- * The open pass's tiles go out, the dearest first (dearest.h), a few more to each
- * worker than it has threads.  When none is left, those that are out for long go
- * to a second worker: a tile has the same records whoever makes it.  Meanwhile
- * the records of tiles that are made travel to all workers, by way of some of
- * them (links/feeding.h).
- * When all tiles are made the pass is closed, and the next is open.  A worker
- * gets nothing more before it has said that it has all records of the pass; if
- * it lacks some it gets all of them, in the order of tiles.  So does a worker
- * that comes later, of each pass that is closed.  What a worker had and did not
- * send is made again by others.
- * The first pass of a job that begins with a former job's records is closed
- * from the start; the store is asked for the records, and until they are here
- * nothing is sent to workers that lack them. */
+ * The open pass's tiles go out, the dearest first (dearest.h), a few more to
+ * each worker than it has threads.  When none is left, those that are out for
+ * long go to a second worker: a tile has the same records whoever makes it.
+ * Meanwhile the records of tiles that are made travel to all workers, by way of
+ * some of them (links/feeding.h). When all tiles are made the pass is closed,
+ * and the next is open.  A worker gets nothing more before it has said that it
+ * has all records of the pass; if it lacks some it gets all of them, in the
+ * order of tiles.  So does a worker that comes later, of each pass that is
+ * closed.  What a worker had and did not send is made again by others. The
+ * first pass of a job that begins with a former job's records is closed from
+ * the start; the store is asked for the records, and until they are here
+ * nothing is sent to workers that lack them.
+ * With a goal (stages.h) that is one stage: its last pass is a check pass,
+ * whose tiles have sums in place of records.  When that is closed all begins
+ * anew, with the next stage's plan, or the goal is reached.  Workers count
+ * passes on through all stages. */
 #include "config.h"
 
 #include "sched/passes.h"
@@ -22,9 +25,9 @@
 #include "desk/speed.h"
 #include "desk/verdict.h"
 #include "links/feeding.h"
-#include "machine/jobtext.h"
 #include "machine/rowsum.h"
-#include "picture/passplan.h"
+#include "machine/sums.h"
+#include "sched/stages.h"
 #include "proto/ambshare.h"
 #include "sched/colours.h"
 #include "sched/dearest.h"
@@ -59,8 +62,8 @@ struct tile {
     uint64_t out_ms;       /* when it last went out */
     uint32_t place;        /* in the order in which they go out */
     uint32_t before, then; /* in the list of tiles that are out */
-    uint8_t *records;
-    uint32_t n; /* of them */
+    uint8_t *records;      /* or sums */
+    uint32_t n;            /* of them */
 };
 
 /* The records of a pass that is closed. */
@@ -74,7 +77,8 @@ struct closed {
 struct passes {
     struct rad_pass plan[RAD_MOST_PASSES];
     uint32_t n;
-    uint32_t open; /* n: all are closed */
+    uint32_t base; /* passes of the stages before */
+    uint32_t open; /* of the plan; n: all are closed */
     bool awaits;   /* the records of the first from the store, */
     bool asked;    /* which was asked for them */
     struct closed closed[RAD_MOST_PASSES];
@@ -130,18 +134,22 @@ take_up(struct coord *c, struct job *job)
     struct kept_passes *kept = &job->kept;
     struct passes *s = job->passes;
 
-    for (uint32_t i = 0; i < kept->n && i < s->n; i++) {
-        if (kept->pass[i].len % AMBSHARE_BYTES != 0)
-            break;
-        s->closed[i].records = (uint8_t *)kept->pass[i].bytes;
-        s->closed[i].n = (uint32_t)(kept->pass[i].len / AMBSHARE_BYTES);
-        if (s->closed[i].records)
-            s->closed[i].sum =
-                rowsum_hash(s->closed[i].records, kept->pass[i].len);
-        s->bytes += kept->pass[i].len;
-        msg_counts_add(&job->tiled, &kept->pass[i].counts);
-        kept->pass[i].bytes = NULL;
-        s->open++;
+    for (uint32_t i = s->base; i < kept->n && s->open < s->n; i++, s->open++) {
+        struct saved_pass *p = &kept->pass[i];
+        struct closed *k = &s->closed[s->open];
+
+        if (!s->plan[s->open].check) {
+            if (p->len % AMBSHARE_BYTES != 0)
+                break;
+            k->records = (uint8_t *)p->bytes;
+            k->n = (uint32_t)(p->len / AMBSHARE_BYTES);
+            if (k->records)
+                k->sum = rowsum_hash(k->records, p->len);
+            s->bytes += p->len;
+            p->bytes = NULL;
+        }
+        k->counts = p->counts;
+        msg_counts_add(&job->tiled, &p->counts);
     }
     if (s->open > 0 && job->spec.flags & MSG_JOB_REUSE)
         job->cache.reused = s->closed[0].n;
@@ -156,7 +164,8 @@ open_pass(struct passes *s)
 {
     drop_tiles(s);
     for (uint32_t i = s->open; s->bytes > MOST_BYTES / 2 && i < s->n; i++)
-        s->plan[i].tiles = 0;
+        if (!s->plan[i].check)
+            s->plan[i].tiles = 0;
     if (s->open == s->n)
         return true;
     s->ntiles = s->left = s->waiting = s->plan[s->open].tiles;
@@ -168,17 +177,6 @@ open_pass(struct passes *s)
     for (uint32_t i = 0; i < s->ntiles; i++)
         s->tile[s->order[i]].place = i;
     return true;
-}
-
-static struct rad_pass_size *
-sizes_of(const struct msg_spec *spec)
-{
-    struct rad_pass_size *size = malloc(spec->nframes * sizeof *size);
-
-    for (uint32_t i = 0; size && i < spec->nframes; i++)
-        size[i] = (struct rad_pass_size){ (int)spec->frames[i].width,
-                                          (int)spec->frames[i].height };
-    return size;
 }
 
 static void close_whole(struct coord *c, struct job *job);
@@ -206,32 +204,43 @@ is_at_start(const struct passes *s)
     return s->awaits && s->open == 0;
 }
 
+/* Lay out the passes of the job's stage, of which none is closed. */
+static int
+plan_stage(struct job *job, struct rad_error *err)
+{
+    struct passes *s = job->passes;
+    int rc = stages_plan(job, s->size, s->plan, &s->n, err);
+
+    s->base = job->goal.base;
+    s->open = 0;
+    for (uint32_t i = 0; rc == 0 && i < s->n; i++)
+        if (s->plan[i].tiles > MSG_MOST_TILES)
+            rc = rad_fail(err, RAD_EDATA,
+                          "so many and large frames are too much for "
+                          "--ambient=passes: a pass would have %u tiles, at "
+                          "most %u are allowed",
+                          s->plan[i].tiles, MSG_MOST_TILES);
+    return rc;
+}
+
 int
 passes_begin(struct coord *c, struct job *job, struct rad_error *err)
 {
-    const struct msg_spec *spec = &job->spec;
-    struct rad_params params;
     struct passes *s;
-    int rc = jobtext_params(spec->params, &params, err);
+    int rc;
 
-    if (rc < 0 || !(spec->flags & MSG_JOB_PASSES))
-        return rc;
+    if (!(job->spec.flags & MSG_JOB_PASSES))
+        return 0;
     s = job->passes = calloc(1, sizeof *s);
-    if (!s || !(s->size = sizes_of(spec)) ||
-        !(s->dearest = dearest_new(s->size, spec->nframes)))
+    if (!s || !(s->size = stages_sizes(&job->spec)) ||
+        !(s->dearest = dearest_new(s->size, job->spec.nframes)))
         return rad_fail(err, RAD_ENOMEM, "out of memory");
-    s->n = (spec->flags & MSG_JOB_REUSE ? rad_passes_plan_on : rad_passes_plan)(
-        &params, s->size, spec->nframes, s->plan);
+    rc = plan_stage(job, err);
+    if (rc < 0)
+        return rc;
     take_up(c, job);
-    s->awaits = s->n > 0 && spec->flags & MSG_JOB_REUSE;
+    s->awaits = s->n > 0 && job->spec.flags & MSG_JOB_REUSE;
     passes_ask(c, job);
-    for (uint32_t i = 0; i < s->n; i++)
-        if (s->plan[i].tiles > MSG_MOST_TILES)
-            return rad_fail(err, RAD_EDATA,
-                            "so many and large frames are too much for "
-                            "--ambient=passes: a pass would have %u tiles, at "
-                            "most %u are allowed",
-                            s->plan[i].tiles, MSG_MOST_TILES);
     if (is_at_start(s)) {
         drop_tiles(s);
         return 0;
@@ -261,6 +270,7 @@ passes_state(const struct job *job)
     out.open = s->open;
     out.n = s->n;
     out.bytes = s->bytes;
+    out.checks = s->open < s->n && s->plan[s->open].check;
     if (s->ntiles > 0)
         out.made = 1 - (double)s->left / s->ntiles;
     return out;
@@ -282,7 +292,7 @@ send_closed(struct coord *c, const struct job *job, uint32_t pass,
     do {
         n = k->n - at < TOGETHER ? k->n - at : TOGETHER;
         m.frozen = (struct msg_frozen){ .job = job->id,
-                                        .pass = pass,
+                                        .pass = job->passes->base + pass,
                                         .first = at,
                                         .last = at + n == k->n,
                                         .count = n,
@@ -304,12 +314,27 @@ send_to_one(struct coord *c, const struct job *job, const struct msg *m,
     actions_send(&c->actions, w->conn, m);
 }
 
+/* The number of the open pass, through all stages. */
+static uint32_t
+open_number(const struct passes *s)
+{
+    return s->base + s->open;
+}
+
 /* Has the worker the records of all passes before the open one? */
 static bool
 is_up_to_date(const struct job *job, const struct job_worker *jw)
 {
     return jw->state == PART_READY && jw->worker->conn != 0 &&
-           jw->passes == job->passes->open && !jw->lags;
+           jw->passes == open_number(job->passes) && !jw->lags;
+}
+
+static struct msg
+stage_of(const struct job *job)
+{
+    return (struct msg){ .type = MSG_STAGE,
+                         .stage = { job->id, job->passes->base,
+                                    goal_options(job) } };
 }
 
 /* A frame to each worker that the function chooses. */
@@ -339,8 +364,8 @@ records_of(const struct job *job, uint32_t tile)
     size_t len = (size_t)t->n * AMBSHARE_BYTES;
 
     return (struct msg){ .type = MSG_TILE_RECORDS,
-                         .tile_records = { job->id, job->passes->open, tile,
-                                           t->n, t->records, len } };
+                         .tile_records = { job->id, open_number(job->passes),
+                                           tile, t->n, t->records, len } };
 }
 
 /* Records of the open pass that are there already, to a worker that comes. */
@@ -362,7 +387,8 @@ send_made(struct coord *c, const struct job *job, const struct coord_worker *w)
 static void
 ask(struct coord *c, const struct job *job, struct job_worker *jw)
 {
-    const struct closed *k = &job->passes->closed[jw->passes];
+    const struct passes *s = job->passes;
+    const struct closed *k = &s->closed[jw->passes - s->base];
     struct msg m = { .type = MSG_CLOSED,
                      .closed = { job->id, jw->passes, k->n, k->sum } };
 
@@ -391,19 +417,33 @@ catch_up(struct coord *c, const struct job *job, struct job_worker *jw)
 
     if (!s || (s->awaits && jw->passes == 0))
         return;
-    for (; jw->passes < s->open; jw->passes++)
-        send_closed(c, job, jw->passes, send_to_one, jw->worker);
+    if (jw->passes < s->base) {
+        struct msg m = stage_of(job);
+
+        actions_send(&c->actions, jw->worker->conn, &m);
+        jw->passes = s->base;
+    }
+    for (; jw->passes < open_number(s); jw->passes++)
+        send_closed(c, job, jw->passes - s->base, send_to_one, jw->worker);
     if (passes_open(job))
         send_made(c, job, jw->worker);
+}
+
+/* By the clock another stage may have begun in an earlier life. */
+static bool
+may_differ(const struct job *job, const struct job_worker *jw, uint32_t have)
+{
+    return job->spec.time_ms > 0 && have > jw->passes;
 }
 
 bool
 passes_ready(struct coord *c, struct job *job, uint32_t index, uint32_t have)
 {
     struct job_worker *jw = &job->workers[index];
-    uint32_t closed = job->passes ? job->passes->open : 0;
+    struct passes *s = job->passes;
+    uint32_t closed = s ? open_number(s) : 0;
 
-    if (have > closed)
+    if (have > closed || may_differ(job, jw, have))
         return false;
     jw->passes = have;
     jw->lags = false;
@@ -525,8 +565,9 @@ passes_give(struct coord *c, struct job *job, uint32_t index)
         job->first_ms = c->now_ms;
     if (job->state == JOB_WAITING)
         job->state = JOB_RUNNING;
-    m.tile = (struct msg_tile){ job->id, s->open, (uint32_t)(t - s->tile),
-                                colours_wanted(job, &s->plan[s->open]) };
+    m.tile =
+        (struct msg_tile){ job->id, open_number(s), (uint32_t)(t - s->tile),
+                           colours_wanted(job, &s->plan[s->open]) };
     actions_send(&c->actions, jw->worker->conn, &m);
     return true;
 }
@@ -585,7 +626,7 @@ passes_crashed(struct coord *c, struct job *job, uint32_t index,
         snprintf(text, sizeof text,
                  "tile %u of pass %u, of the ambient cache, brought the "
                  "renderer down %u times: %.200s",
-                 i, s->open, t->crashes, why);
+                 i, open_number(s), t->crashes, why);
         verdict_job(c, job, JOB_FAILED, EX_SOFTWARE, text);
         return false;
     }
@@ -615,36 +656,111 @@ gather(struct passes *s)
     return true;
 }
 
-/* To go on from after a restart. */
+/* Keep that pass, of the plan that is closed with these bytes, to go on from
+ * after a restart. */
 static void
-keep_closed(struct coord *c, const struct job *job)
+keep_closed(struct coord *c, const struct job *job, uint32_t pass,
+            const struct msg_counts *counts, const uint8_t *bytes, size_t len,
+            bool firm)
 {
-    const struct passes *s = job->passes;
-    const struct closed *k = &s->closed[s->open];
-    struct saved_pass saved = { .len = (size_t)k->n * AMBSHARE_BYTES,
-                                .counts = k->counts };
+    struct saved_pass saved = { .len = len, .counts = *counts, .firm = firm };
     struct action *a;
 
     if (!c->env.keeps ||
         !(a = actions_add_job(&c->actions, ACT_PUT_PASS, 0, job->id)))
         return;
-    saved.bytes = actions_keep(&c->actions, k->records, saved.len);
-    a->frame = s->open;
+    saved.bytes = actions_keep(&c->actions, bytes, len);
+    a->frame = pass;
     a->pass = rad_arena_dup(&c->actions.mem, &saved, sizeof saved);
     if (!saved.bytes || !a->pass)
         c->actions.failed = true;
+}
+
+static bool
+is_there(const struct job *job, uint32_t index)
+{
+    const struct job_worker *jw = &job->workers[index];
+
+    return jw->state == PART_READY && jw->worker->conn != 0;
+}
+
+/* The job's goal is not reached: drop the records, and begin anew with the next
+ * stage's options, whichever pass of this one workers are at. */
+static void
+begin_stage(struct coord *c, struct job *job)
+{
+    struct passes *s = job->passes;
+    struct rad_error err = { 0 };
+    struct msg m;
+
+    drop_tiles(s);
+    for (uint32_t i = 0; i < s->n; i++)
+        free(s->closed[i].records);
+    memset(s->closed, 0, sizeof s->closed);
+    s->bytes = 0;
+    if (plan_stage(job, &err) < 0) {
+        verdict_job(c, job, JOB_FAILED, rad_exit_status(err.code), err.what);
+        s->n = 0;
+        return;
+    }
+    for (uint32_t i = 0; i < job->nworkers; i++) {
+        struct job_worker *jw = &job->workers[i];
+
+        jw->ntiles = 0;
+        jw->passes = is_there(job, i) ? s->base : 0;
+        jw->lags = false;
+    }
+    m = stage_of(job);
+    send_some(c, job, &m, is_there);
+    if (!open_pass(s))
+        c->actions.failed = true;
+    c->stirred = true;
+}
+
+/* All tiles of the check pass, the open one, are made; false: another stage
+ * begins. */
+static bool
+close_check(struct coord *c, struct job *job)
+{
+    struct passes *s = job->passes;
+    struct msg_counts counts = s->closed[s->open].counts;
+    uint32_t number = open_number(s);
+    struct rad_refine_sums all = { 0 }, of;
+    uint8_t bytes[STAGES_BYTES];
+    uint64_t rays = 0;
+    bool reached;
+
+    for (uint32_t i = 0; i < s->ntiles; i++) {
+        if (sums_unpack(s->tile[i].records, SUMS_BYTES, &of))
+            rad_refine_add(&all, &of);
+        s->tile[i].n = 0;
+    }
+    for (uint32_t i = 0; i < s->open; i++)
+        rays += s->closed[i].counts.rays;
+    reached = stages_end(c, job, s->n, rays, &all);
+    stages_pack(c, job, bytes);
+    keep_closed(c, job, number, &counts, bytes, sizeof bytes, true);
+    if (!reached && !c->actions.failed)
+        begin_stage(c, job);
+    return reached;
 }
 
 static void
 close_pass(struct coord *c, struct job *job)
 {
     struct passes *s = job->passes;
+    struct closed *k = &s->closed[s->open];
+    bool checks = s->plan[s->open].check;
 
+    if (checks && !close_check(c, job))
+        return;
     if (!gather(s)) {
         c->actions.failed = true;
         return;
     }
-    keep_closed(c, job);
+    if (!checks)
+        keep_closed(c, job, open_number(s), &k->counts, k->records,
+                    (size_t)k->n * AMBSHARE_BYTES, false);
     colours_close(job, &s->plan[s->open]);
     if (job->spec.flags & MSG_JOB_RECORDS)
         send_closed(c, job, s->open, send_records, NULL);
@@ -658,8 +774,8 @@ close_pass(struct coord *c, struct job *job)
     actions_log(&c->actions, ACT_DEBUG,
                 "pass closed job=%s pass=%u level=%d step=%d tiles=%u "
                 "records=%u",
-                job->hex, s->open, s->plan[s->open].level,
-                s->plan[s->open].step, s->ntiles, s->closed[s->open].n);
+                job->hex, open_number(s), s->plan[s->open].level,
+                s->plan[s->open].step, s->ntiles, k->n);
     s->open++;
     if (!open_pass(s))
         c->actions.failed = true;
@@ -717,6 +833,17 @@ count(struct job *job, uint32_t index, const struct msg_counts *counts)
     job->rays += counts->rays;
 }
 
+/* Has the message what tiles of the open pass have? */
+static bool
+is_sound(const struct passes *s, const struct msg_tile_made *m)
+{
+    struct rad_refine_sums sums;
+
+    return s->plan[s->open].check
+               ? m->count == 0 && sums_unpack(m->data, m->len, &sums)
+               : m->len == (size_t)m->count * AMBSHARE_BYTES;
+}
+
 void
 passes_held(struct coord *c, struct coord_worker *w, const struct msg *msg)
 {
@@ -729,11 +856,11 @@ passes_held(struct coord *c, struct coord_worker *w, const struct msg *msg)
         return;
     if (!m->whole) {
         feeding_lacked(c, job, index);
-        send_closed(c, job, m->pass, send_to_one, w);
+        send_closed(c, job, m->pass - job->passes->base, send_to_one, w);
     }
     jw->passes++;
     jw->lags = false;
-    if (jw->passes < job->passes->open)
+    if (jw->passes < open_number(job->passes))
         ask(c, job, jw);
     c->stirred = true;
 }
@@ -746,18 +873,26 @@ passes_made(struct coord *c, struct coord_worker *w, const struct msg *msg)
     struct job *job = desk_job_of(c, w, m->job, &index);
     struct passes *s = job ? job->passes : NULL;
     struct tile *t;
+    bool is_open;
 
     if (!s)
         return;
-    if (m->pass > s->open || (m->pass == s->open && m->tile >= s->ntiles) ||
-        m->len != (size_t)m->count * AMBSHARE_BYTES ||
+    is_open = m->pass == open_number(s) && s->open < s->n;
+    if (m->pass > open_number(s) || (is_open && m->tile >= s->ntiles) ||
         s->bytes + m->len > MOST_BYTES ||
-        (m->pass == s->open &&
+        (is_open &&
          !colours_fit(job, &s->plan[s->open], m->tile, m->colours_len))) {
         verdict_break(c, w->conn, "a TILE_MADE that fits no tile");
         return;
     }
-    t = m->pass == s->open ? &s->tile[m->tile] : NULL;
+    if (is_open && !is_sound(s, m)) {
+        verdict_break(c, w->conn,
+                      s->plan[s->open].check
+                          ? "sums of a tile that are no finite numbers"
+                          : "a TILE_MADE whose records have not their size");
+        return;
+    }
+    t = is_open ? &s->tile[m->tile] : NULL;
     if (t && has_tile(t, index)) {
         drop_holder(s, t, index);
         job->workers[index].ntiles--;

@@ -20,9 +20,11 @@ bool passes_ready(struct coord *c, struct job *job, uint32_t index,
                   uint32_t have);
 /* How far they are. */
 struct passes_state {
-    uint32_t open, n; /* passes that are closed; all, 0: there are none */
+    uint32_t open, n; /* passes of the stage that are closed; all of them, 0:
+                       * there are none */
     uint64_t bytes;   /* of their records */
     double made;      /* share of the open pass's tiles */
+    bool checks;      /* the open one is a check pass */
 };
 struct passes_state passes_state(const struct job *job);
 /* The store has the job: ask it for the records that the job begins with, if

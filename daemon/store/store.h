@@ -138,11 +138,9 @@ void store_put_chunk(struct store *s, uint64_t conn,
                      const struct msg_chunk *chunk);
 /* Forget what conn sent by halves. */
 void store_drop_conn(struct store *s, uint64_t conn);
-
 /* Read the frames of a SUBMIT that has them in a file, and hand a copy that has
  * them to submit().  False: one of that connection is being read. */
 bool store_read_submit(struct store *s, uint64_t conn, const struct msg *m);
-
 /* Keep the job, and make room for its rows; what is in *saved is copied. */
 void store_open_job(struct store *s, const uint8_t job[MSG_JOB],
                     const struct saved_job *saved);
@@ -167,6 +165,9 @@ void store_load_cache(struct store *s, const uint8_t job[MSG_JOB],
                       uint64_t sequence);
 void store_drop_cache(struct store *s, const uint8_t job[MSG_JOB],
                       uint64_t sequence);
+/* Make the job's pictures with these options, which are copied, from now on. */
+void store_set_options(struct store *s, const uint8_t job[MSG_JOB],
+                       const char *options);
 void store_put_rows(struct store *s, const struct action_rows *rows);
 /* Call settled() when all that was asked for so far is kept. */
 void store_settle(struct store *s, uint64_t conn, uint32_t request);
@@ -176,7 +177,6 @@ void store_write_picture(struct store *s, const uint8_t job[MSG_JOB],
 void store_note_fetched(struct store *s, const uint8_t job[MSG_JOB],
                         uint32_t frame);
 void store_forget_job(struct store *s, const struct saved_gone *gone);
-
 /* A file on its way out: zeroed but for what is wanted of it. */
 struct store_reading {
     struct store_source from;

@@ -183,6 +183,37 @@ store_load_cache(struct store *s, const uint8_t job[MSG_JOB], uint64_t sequence)
     task_push(&s->queue, &k->task);
 }
 
+struct options_task {
+    struct task task;
+    struct store *store;
+    uint8_t id[MSG_JOB];
+    char options[];
+};
+
+static int
+options_run(struct task *t)
+{
+    struct options_task *o = (struct options_task *)t;
+
+    return folder_set_options(&o->store->folder, o->id, o->options, &t->err);
+}
+
+void
+store_set_options(struct store *s, const uint8_t job[MSG_JOB],
+                  const char *options)
+{
+    size_t n = strlen(options) + 1;
+    struct options_task *o =
+        store_new_task(s, sizeof *o + n, options_run, store_free_task);
+
+    if (!o)
+        return;
+    o->store = s;
+    memcpy(o->id, job, MSG_JOB);
+    memcpy(o->options, options, n);
+    task_push(&s->queue, &o->task);
+}
+
 struct rows_task {
     struct task task;
     struct store *store;

@@ -78,6 +78,11 @@ for share in "--partition=auto" "--partition=scanbar" "--partition=window" \
     sums "one $share.json" >found 2>&1 || fail "$share: $(cat found)"
 done
 # shellcheck disable=SC2086
+"$radsubmit" --local --workers=2 --threads=1 $view -ab 1 --error=50 \
+    -o out.hdr --stats="one error.json" "$room" 2>stderr ||
+    fail "$(cat stderr)"
+sums "one error.json" >found 2>&1 || fail "--error: $(cat found)"
+# shellcheck disable=SC2086
 "$radsubmit" --local --dry-run $view --stats=dry.json "$room" >dry 2>stderr ||
     fail "dry run: $(cat stderr)"
 

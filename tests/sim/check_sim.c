@@ -26,7 +26,7 @@ static struct {
     unsigned parted, late, refused;
     unsigned blows[SIM_TYPES][SIM_NBLOW];
     unsigned parked, gave, twins, loans, blocked, estimates, bars, aside,
-        estimates_left, pictures, tiles, passes, colours, reused;
+        estimates_left, pictures, tiles, passes, colours, reused, stages;
     uint64_t primary, speculative, unsaid;
     uint64_t resumed, again; /* see note_again() */
     unsigned pauses, priorities, rests, yields;
@@ -292,6 +292,7 @@ run(uint64_t seed, bool verbose)
     sum.passes += cluster.passes;
     sum.colours += cluster.colours;
     sum.reused += cluster.reused;
+    sum.stages += cluster.stages;
     sum.estimates += cluster.estimates;
     sum.estimates_left += cluster.estimates_left;
     sim_release(&cluster);
@@ -315,7 +316,8 @@ was_tried(void)
         MSG_UNIT,   MSG_RESULT,   MSG_ACK,       MSG_TWIN,      MSG_FACTS,
         MSG_PARKED, MSG_SPLIT,    MSG_GAVE,      MSG_BASE_LINE, MSG_NEXT_HOLDER,
         MSG_REVOKE, MSG_ESTIMATE, MSG_ESTIMATED, MSG_LEND,      MSG_LOAN,
-        MSG_BACK,   MSG_PAID,     MSG_TILE,      MSG_TILE_MADE, MSG_FROZEN
+        MSG_BACK,   MSG_PAID,     MSG_TILE,      MSG_TILE_MADE, MSG_FROZEN,
+        MSG_STAGE
     };
     /* half of the clusters have rings */
     bool tried = at_type(MSG_RING) && at_type(MSG_SPREAD) && sum.coord_deaths &&
@@ -323,9 +325,9 @@ was_tried(void)
                  sum.drains && sum.stops && sum.repeats && sum.parted &&
                  sum.late && sum.parked && sum.gave && sum.twins && sum.loans &&
                  sum.blocked && sum.bars && sum.aside && sum.tiles &&
-                 sum.passes && sum.colours && sum.reused && sum.estimates &&
-                 sum.estimates_left && sum.pauses && sum.priorities &&
-                 sum.rests && sum.yields && sum.refused;
+                 sum.passes && sum.stages && sum.colours && sum.reused &&
+                 sum.estimates && sum.estimates_left && sum.pauses &&
+                 sum.priorities && sum.rests && sum.yields && sum.refused;
 
     for (size_t i = 0; i < sizeof types / sizeof types[0]; i++)
         for (int b = 0; b < SIM_NBLOW; b++)

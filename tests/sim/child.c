@@ -865,6 +865,9 @@ message(struct net *net, int node, uint64_t conn, const struct msg *m)
     case MSG_FROZEN:
         sim_take_frozen(net, node, &m->frozen);
         return;
+    case MSG_STAGE:
+        sim_take_stage(net, node, &m->stage);
+        return;
     case MSG_ESTIMATE:
         take_estimate(net, node, m);
         break;

@@ -123,6 +123,14 @@ coord_action(struct sim *s, const struct action *a)
             if (strcmp(s->worker[i].name, a->text) == 0)
                 s->worker[i].drained = a->status != 0;
         break;
+    case ACT_OPTIONS:
+        snprintf(s->job[job].options, sizeof s->job[job].options, "%s",
+                 a->text);
+        break;
+    case ACT_WRITE_PICTURE:
+        sim_check_options(net, &s->job[job]);
+        sim_disk(s, a, job);
+        break;
     case ACT_JOB_OPEN:
     case ACT_JOB_STATE:
     case ACT_JOB_END:
@@ -130,7 +138,6 @@ coord_action(struct sim *s, const struct action *a)
     case ACT_KEEP_UNIT:
     case ACT_PUT_PASS:
     case ACT_LOAD_CACHE:
-    case ACT_WRITE_PICTURE:
     case ACT_PUT_ROWS:
         sim_disk(s, a, job);
         break;
@@ -554,12 +561,14 @@ choose_reuse(struct sim *s, int i)
     static const uint8_t scene[MSG_HASH] = { 1 };
     struct sim_job *job = &s->job[i];
 
-    if (!(job->spec.flags & MSG_JOB_PASSES) || job->bounces == 0)
+    if (!(job->spec.flags & MSG_JOB_PASSES) || job->bounces == 0 ||
+        job->spec.error_ppm > 0)
         return;
     job->spec.flags |= MSG_JOB_SCENE;
     job->spec.scene = scene;
     job->spec.reuse = job->from;
     job->reuses = i > 0 && job[-1].bounces == job->bounces &&
+                  job[-1].spec.flags & MSG_JOB_SCENE &&
                   rad_mix64(s->net.seed + 79 + (uint64_t)i) % 2 == 0;
 }
 
@@ -597,6 +606,11 @@ make_job(struct sim *s, int i)
         job->spec.flags |= MSG_JOB_PASSES;
     job->watched = (job->spec.flags & MSG_JOB_PASSES) && /* draws nothing */
                    rad_mix64(net->seed + 79 + (unsigned)i) % 3 == 0;
+    /* drawn apart, for few seeds' sake */
+    if (job->spec.flags & MSG_JOB_PASSES &&
+        rad_mix64(net->seed + 81 + (unsigned)i) % 2 == 0)
+        job->spec.error_ppm =
+            1 + (uint32_t)(rad_mix64(net->seed + 82) % 500000);
     sim_make_pictures(net, job);
     choose_reuse(s, i);
     job->poisoned = net_chance(net, 16);

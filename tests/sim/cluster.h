@@ -77,6 +77,8 @@ struct sim_job {
     unsigned pixel_us; /* what a pixel costs at least */
     char params[40];
     int bounces; /* -ab */
+    char options[RAD_PARAMS_TEXT]; /* of its picture, as the store was told in
+                                    * this life of the coordinator; or "" */
     uint8_t costs[4 * SIM_FRAMES * SIM_HEIGHT];
     struct rad_pixel *picture[SIM_FRAMES]; /* as it comes */
     uint8_t *line[SIM_FRAMES];             /* base lines of coded rows */
@@ -120,6 +122,7 @@ struct sim_child {
     int rests; /* REST came so often */
     unsigned nambient;
     uint32_t passes;   /* whose records it has */
+    uint32_t stage;    /* the first pass of the stage that it is at */
     uint32_t nrecords; /* of the next, so far */
 };
 
@@ -184,8 +187,8 @@ struct sim {
     unsigned yields; /* units that were to go back, all or in part */
     unsigned late;     /* units that others got as well */
     unsigned blows[SIM_TYPES][SIM_NBLOW];
-    unsigned tiles, passes; /* made; closed at a child */
-    unsigned colours;       /* tiles that told theirs */
+    unsigned tiles, passes, stages; /* made; closed, begun at a child */
+    unsigned colours;               /* tiles that told theirs */
     unsigned reused;        /* first passes with records of other jobs */
     unsigned parked, gave, twins, loans, blocked, estimates;
     unsigned estimates_left; /* of these, before their end */
@@ -262,12 +265,13 @@ void sim_crash(struct sim *s, int child);
 void sim_children_release(struct sim *s);
 
 /* Passes (tiles.c). */
-uint32_t sim_plan(const struct sim_job *job,
-                  struct rad_pass plan[RAD_MOST_PASSES]);
 void sim_check_colours(struct net *net, const struct sim_job *job,
                        const struct action_colours *k);
 void sim_take_tile(struct net *net, int node, const struct msg_tile *m);
 void sim_take_frozen(struct net *net, int node, const struct msg_frozen *m);
+void sim_take_stage(struct net *net, int node, const struct msg_stage *m);
+/* The picture is to be written: was the store told with which options? */
+void sim_check_options(struct net *net, const struct sim_job *job);
 bool sim_cache_is_whole(const struct sim *s, const struct sim_child *k);
 
 /* Clients (client.c). */

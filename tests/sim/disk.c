@@ -143,7 +143,8 @@ static void
 put_pass(struct sim *s, struct sim_job *job, const struct entry *e)
 {
     struct sim_kept *k = &job->kept;
-    bool room = job->spec.flags & MSG_JOB_SCENE || !net_chance(&s->net, 20);
+    bool room = job->spec.flags & MSG_JOB_SCENE || job->spec.error_ppm > 0 ||
+                !net_chance(&s->net, 20);
     uint8_t *bytes;
 
     if (e->frame != k->npasses || !room)
@@ -151,7 +152,8 @@ put_pass(struct sim *s, struct sim_job *job, const struct entry *e)
     bytes = malloc(e->len + 1);
     SIM_CHECK(&s->net, bytes != NULL);
     memcpy(bytes, e->bytes, e->len);
-    k->pass[k->npasses++] = (struct saved_pass){ bytes, e->len, e->counts };
+    k->pass[k->npasses++] =
+        (struct saved_pass){ bytes, e->len, e->counts, false };
 }
 
 static void
@@ -466,8 +468,10 @@ sim_coord_dies(struct sim *s)
     coord_free(s->coord);
     sim_coord_born(s);
     s->disk_ms = s->net.now_ms;
-    for (int i = 0; i < s->njobs; i++)
+    for (int i = 0; i < s->njobs; i++) {
+        s->job[i].options[0] = '\0';
         recover(s, &s->job[i]);
+    }
     for (int i = 0; i < s->nworkers; i++)
         if (s->worker[i].drained)
             SIM_CHECK(&s->net, recover_drained(s->coord, s->net.now_ms,

@@ -22,7 +22,7 @@ static const enum msg_type types[] = {
     MSG_LEND,     MSG_LOAN,      MSG_LOAN,      MSG_BACK,       MSG_BACK,
     MSG_PAID,     MSG_PAID,      MSG_REVOKE,    MSG_REVOKE,     MSG_LOAN,
     MSG_TILE,     MSG_TILE,      MSG_TILE_MADE, MSG_TILE_MADE,  MSG_FROZEN,
-    MSG_FROZEN
+    MSG_FROZEN,   MSG_STAGE,     MSG_STAGE
 };
 
 #define NTYPES (sizeof types / sizeof types[0])

@@ -5,13 +5,18 @@
 #include "cluster.h"
 
 #include "base/rng.h"
+#include "machine/jobtext.h"
+#include "machine/sums.h"
+#include "refine/refine.h"
 #include "proto/ambshare.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 #define MOST_RECORDS 6
 #define TILE_MS      30
+#define TELL_MS      500 /* until all know that its pass is closed */
 
 /* The records of a tile, the same whoever makes it; returns how many. */
 static uint32_t
@@ -79,23 +84,114 @@ sim_check_colours(struct net *net, const struct sim_job *job,
     sim_of(net)->colours++;
 }
 
-uint32_t
-sim_plan(const struct sim_job *job, struct rad_pass plan[RAD_MOST_PASSES])
+/* Its sums, of a check pass: of errors from none to some times what there is.
+ */
+static void
+sums(const struct sim_job *job, uint32_t pass, uint32_t tile,
+     struct rad_refine_sums *out)
+{
+    uint64_t key = rad_mix64(job->look + pass * 1000 + tile);
+
+    for (int i = 0; i < RAD_REFINE_SUMS; i++)
+        out->v[i] = (double)(rad_mix64(key + (unsigned)i) >> 11) * 0x1p-53;
+    out->v[RAD_REFINE_PLACES] = out->v[RAD_REFINE_AREAS] = 1;
+}
+
+/* A stage of a job, or all passes of one without a goal. */
+struct stage {
+    uint32_t number, base, n;
+    struct rad_refine_rungs rungs;
+    struct rad_params params;
+    struct rad_pass plan[RAD_MOST_PASSES];
+};
+
+static void
+plan_stage(const struct sim_job *job, struct stage *st)
 {
     struct rad_pass_size size[SIM_FRAMES];
     struct rad_params params;
 
-    rad_params_init(&params);
-    params.ambounce = job->bounces;
-    params.psample = job->psample;
+    if (jobtext_params(job->params, &params, NULL) != 0)
+        abort();
+    rad_refine_params(&params, st->rungs, &st->params);
     for (uint32_t f = 0; f < job->spec.nframes; f++)
         size[f] = (struct rad_pass_size){ (int)job->frame[f].width,
                                           (int)job->frame[f].height };
-    if (!(job->spec.flags & MSG_JOB_PASSES))
-        return 0;
-    return job->spec.flags & MSG_JOB_REUSE
-               ? rad_passes_plan_on(&params, size, job->spec.nframes, plan)
-               : rad_passes_plan(&params, size, job->spec.nframes, plan);
+    st->n =
+        !(job->spec.flags & MSG_JOB_PASSES) ? 0
+        : job->spec.flags & MSG_JOB_REUSE
+            ? rad_passes_plan_on(&st->params, size, job->spec.nframes, st->plan)
+        : job->spec.error_ppm > 0
+            ? rad_refine_plan(&st->params, size, job->spec.nframes, st->plan)
+            : rad_passes_plan(&st->params, size, job->spec.nframes, st->plan);
+}
+
+/* Of so many tiles; see made(). */
+static uint64_t
+rays(uint64_t tiles)
+{
+    return tiles * (tiles + 1) / 2;
+}
+
+/* Is there a stage after this one?  Then it is that. */
+static bool
+next_stage(const struct sim_job *job, struct stage *st)
+{
+    struct rad_refine_ask ask = { .error = job->spec.error_ppm / 1e6,
+                                  .stage = st->number,
+                                  .rungs = st->rungs,
+                                  .left_s = INFINITY };
+    struct rad_refine_sums of;
+    double error;
+
+    if (st->n == 0 || job->spec.error_ppm == 0)
+        return false;
+    for (uint32_t i = 0; i < st->plan[st->n - 1].tiles; i++) {
+        sums(job, st->base + st->n - 1, i, &of);
+        rad_refine_add(&ask.sums, &of);
+    }
+    for (uint32_t i = 0; i + 1 < st->n; i++)
+        ask.rays += rays(st->plan[i].tiles);
+    for (uint32_t f = 0; f < job->spec.nframes; f++)
+        ask.pixels += (uint64_t)job->frame[f].width * job->frame[f].height;
+    if (!rad_refine_next(&ask, &st->rungs, &error))
+        return false;
+    st->number++;
+    st->base += st->n;
+    plan_stage(job, st);
+    return true;
+}
+
+/* The stage that a pass belongs to, the last for those beyond. */
+static void
+stage_of(const struct sim_job *job, uint32_t pass, struct stage *st)
+{
+    *st = (struct stage){ 0 };
+    plan_stage(job, st);
+    while (pass >= st->base + st->n && next_stage(job, st))
+        ;
+}
+
+static void
+fill(const struct sim_job *job, struct msg_tile_made *t,
+     uint8_t data[MOST_RECORDS * AMBSHARE_BYTES])
+{
+    struct stage st;
+    struct rad_refine_sums all;
+    struct wire_out w;
+
+    stage_of(job, t->pass, &st);
+    if (!st.plan[t->pass - st.base].check) {
+        t->count = records(job, t->pass, t->tile, data);
+        t->len = (size_t)t->count * AMBSHARE_BYTES;
+        return;
+    }
+    sums(job, t->pass, t->tile, &all);
+    wire_out_init(&w, SUMS_BYTES);
+    sums_pack(&w, &all);
+    memcpy(data, w.buf, SUMS_BYTES);
+    t->len = SUMS_BYTES;
+    wire_out_release(&w);
 }
 
 /* e->b: the tile; e->len: twice its pass, and 1 if its colours are wanted. */
@@ -104,7 +200,8 @@ made(struct net *net, struct net_event *e)
 {
     struct sim_child *k = sim_child_of(net, e->a);
     uint8_t data[MOST_RECORDS * AMBSHARE_BYTES], shown[MSG_MAX_COLOURS];
-    struct rad_pass plan[RAD_MOST_PASSES];
+    const struct sim_job *job = &sim_of(net)->job[k->job];
+    struct stage st;
     struct msg m = { .type = MSG_TILE_MADE };
     struct msg_tile_made *t = &m.tile_made;
 
@@ -114,13 +211,12 @@ made(struct net *net, struct net_event *e)
                                  .pass = (uint32_t)e->len / 2,
                                  .tile = (uint32_t)e->b,
                                  .data = data };
-    t->count = records(&sim_of(net)->job[k->job], t->pass, t->tile, data);
-    t->len = (size_t)t->count * AMBSHARE_BYTES;
-    sim_plan(&sim_of(net)->job[k->job], plan);
+    fill(job, t, data);
+    stage_of(job, t->pass, &st);
     t->colours = shown;
     if (e->len % 2)
         t->colours_len =
-            colours(&sim_of(net)->job[k->job], &plan[t->pass], t->tile, shown);
+            colours(job, &st.plan[t->pass - st.base], t->tile, shown);
     t->counts.rays = t->counts.ambient_rays = t->tile + 1;
     t->counts.cpu_s = .001;
     sim_of(net)->job[k->job].tile_rays += t->counts.rays;
@@ -133,17 +229,18 @@ sim_take_tile(struct net *net, int node, const struct msg_tile *m)
 {
     struct sim_child *k = sim_child_of(net, node);
     const struct sim_worker *w = &sim_of(net)->worker[k->worker];
-    struct rad_pass plan[RAD_MOST_PASSES];
+    struct stage st;
     struct net_event *e;
     unsigned ms = net_random(net, TILE_MS) * w->slow;
 
-    SIM_CHECK(net, m->pass == k->passes);
-    SIM_CHECK(net, m->pass < sim_plan(&sim_of(net)->job[k->job], plan));
-    SIM_CHECK(net, m->tile < plan[m->pass].tiles);
+    stage_of(&sim_of(net)->job[k->job], m->pass, &st);
+    SIM_CHECK(net, m->pass == k->passes && k->stage == st.base);
+    SIM_CHECK(net, m->pass < st.base + st.n);
+    SIM_CHECK(net, m->tile < st.plan[m->pass - st.base].tiles);
     SIM_CHECK(net, !m->colours || sim_of(net)->job[k->job].watched);
     if (w->stopped_ms > net->now_ms)
         ms += (unsigned)(w->stopped_ms - net->now_ms);
-    sim_of(net)->work_ms += ms;
+    sim_of(net)->work_ms += ms + TELL_MS;
     e = net_later(net, ms, made);
     e->a = node;
     e->b = (int)m->tile;
@@ -194,15 +291,22 @@ void
 sim_take_frozen(struct net *net, int node, const struct msg_frozen *m)
 {
     struct sim_child *k = sim_child_of(net, node);
-    struct rad_pass plan[RAD_MOST_PASSES];
+    const struct sim_job *job = &sim_of(net)->job[k->job];
+    const struct rad_pass *pass;
+    struct stage st;
 
-    SIM_CHECK(net, m->pass == k->passes);
-    SIM_CHECK(net, m->pass < sim_plan(&sim_of(net)->job[k->job], plan));
+    stage_of(job, m->pass, &st);
+    SIM_CHECK(net, m->pass == k->passes && k->stage == st.base);
+    SIM_CHECK(net, m->pass < st.base + st.n);
     SIM_CHECK(net, m->first == 0 || m->first == k->nrecords);
-    if (m->pass == 0 && sim_of(net)->job[k->job].spec.flags & MSG_JOB_REUSE)
-        check_reused(net, &sim_of(net)->job[k->job], m);
-    else
-        check_records(net, &sim_of(net)->job[k->job], m, plan[m->pass].tiles);
+    pass = &st.plan[m->pass - st.base];
+    if (pass->check) { /* its end is told of the last stage alone */
+        SIM_CHECK(net, m->count == 0 && m->last && !next_stage(job, &st));
+    } else if (m->pass == 0 && job->spec.flags & MSG_JOB_REUSE) {
+        check_reused(net, job, m);
+    } else {
+        check_records(net, job, m, pass->tiles);
+    }
     k->nrecords = m->first + m->count;
     if (!m->last)
         return;
@@ -212,10 +316,40 @@ sim_take_frozen(struct net *net, int node, const struct msg_frozen *m)
     sim_of(net)->passes++;
 }
 
+void
+sim_take_stage(struct net *net, int node, const struct msg_stage *m)
+{
+    struct sim_child *k = sim_child_of(net, node);
+    const struct sim_job *job = &sim_of(net)->job[k->job];
+    char text[RAD_PARAMS_TEXT];
+    struct stage st;
+
+    stage_of(job, m->pass, &st);
+    rad_params_format(&st.params, text, sizeof text);
+    SIM_CHECK(net, m->pass == st.base && m->pass >= k->passes && st.base > 0);
+    SIM_CHECK(net, strcmp(m->params, text) == 0);
+    k->passes = k->stage = m->pass;
+    k->nrecords = 0;
+    sim_of(net)->stages++;
+}
+
 bool
 sim_cache_is_whole(const struct sim *s, const struct sim_child *k)
 {
-    struct rad_pass plan[RAD_MOST_PASSES];
+    const struct sim_job *job = &s->job[k->job];
+    struct stage st;
 
-    return k->passes == sim_plan(&s->job[k->job], plan);
+    stage_of(job, k->passes, &st);
+    return k->passes == st.base + st.n;
+}
+
+void
+sim_check_options(struct net *net, const struct sim_job *job)
+{
+    char text[RAD_PARAMS_TEXT];
+    struct stage st;
+
+    stage_of(job, MSG_MOST_PASSES, &st);
+    rad_params_format(&st.params, text, sizeof text);
+    SIM_CHECK(net, strcmp(job->options, st.base > 0 ? text : "") == 0);
 }

@@ -1,0 +1,18 @@
+/* goal.c - see goal.h */
+#include "config.h"
+
+#include "desk/goal.h"
+
+#include "desk/job.h"
+
+bool
+goal_is(const struct job *job)
+{
+    return job->spec.error_ppm > 0 || job->spec.time_ms > 0;
+}
+
+const char *
+goal_options(const struct job *job)
+{
+    return job->goal.options ? job->goal.options : job->spec.params;
+}

@@ -1,0 +1,33 @@
+/* goal.h - of a job that goes on until its picture is good enough, or its time
+ * is up: how far it is
+ *
+ * It goes on in stages of its ambient cache's passes (sched/stages.h).
+ * Thread: one. */
+#ifndef DAEMON_GOAL_H
+#define DAEMON_GOAL_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+struct job;
+
+/* Zeros in a job without a goal. */
+struct job_goal {
+    uint32_t number;     /* of the stage whose passes are open, or were last */
+    uint32_t base;       /* passes of the stages before it */
+    uint8_t rungs[2];    /* of its options: struct rad_refine_rungs */
+    const char *options; /* these, in mem; NULL: those of the specification */
+    double error;        /* relative, as estimated at the end of the last stage
+                          * that was looked at; 0: none was */
+    uint64_t spent_ms;   /* until the last decision, in earlier lives */
+    bool ended;          /* the picture is made with the stage's options */
+    bool late;           /* for want of time alone */
+};
+
+/* Has the job one? */
+bool goal_is(const struct job *job);
+/* Rendering options of its pictures, as far as that is known by now: those of
+ * the goal, or of its specification. */
+const char *goal_options(const struct job *job);
+
+#endif

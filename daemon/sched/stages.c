@@ -1,0 +1,245 @@
+/* stages.c - see stages.h */
+#include "config.h"
+
+#include "sched/stages.h"
+
+#include "machine/jobtext.h"
+#include "proto/wire.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+struct rad_pass_size *
+stages_sizes(const struct msg_spec *spec)
+{
+    struct rad_pass_size *size = malloc(spec->nframes * sizeof *size);
+
+    for (uint32_t i = 0; size && i < spec->nframes; i++)
+        size[i] = (struct rad_pass_size){ (int)spec->frames[i].width,
+                                          (int)spec->frames[i].height };
+    return size;
+}
+
+int
+stages_plan(const struct job *job, const struct rad_pass_size *size,
+            struct rad_pass plan[RAD_MOST_PASSES], uint32_t *n,
+            struct rad_error *err)
+{
+    const struct msg_spec *spec = &job->spec;
+    struct rad_params params;
+    int rc = jobtext_params(goal_options(job), &params, err);
+
+    if (rc < 0)
+        return rc;
+    if (goal_is(job))
+        *n = rad_refine_plan(&params, size, spec->nframes, plan);
+    else if (spec->flags & MSG_JOB_REUSE)
+        *n = rad_passes_plan_on(&params, size, spec->nframes, plan);
+    else
+        *n = rad_passes_plan(&params, size, spec->nframes, plan);
+    return 0;
+}
+
+/* --- decisions --- */
+
+/* The text of the options of the goal's rungs, in the job's memory; false:
+ * memory is out. */
+static bool
+set_options(struct job *job)
+{
+    const struct job_goal *g = &job->goal;
+    struct rad_refine_rungs rungs = { g->rungs[0], g->rungs[1] };
+    struct rad_params params, out;
+    char text[RAD_PARAMS_TEXT];
+
+    if (jobtext_params(job->spec.params, &params, NULL) != 0)
+        return false; /* it was read before */
+    rad_refine_params(&params, rungs, &out);
+    rad_params_format(&out, text, sizeof text);
+    job->goal.options = rad_arena_dup(&job->mem, text, strlen(text) + 1);
+    return job->goal.options != NULL;
+}
+
+static double
+seconds_spent(const struct coord *c, const struct job *job)
+{
+    uint64_t ms = job->goal.spent_ms;
+
+    if (job->first_ms > 0)
+        ms += c->now_ms - job->first_ms;
+    return (double)ms / 1000;
+}
+
+/* What is to be decided upon; of the sums a copy. */
+static struct rad_refine_ask
+question(const struct coord *c, const struct job *job, uint64_t rays,
+         const struct rad_refine_sums *sums)
+{
+    const struct job_goal *g = &job->goal;
+    double spent = seconds_spent(c, job);
+    struct rad_refine_ask ask = {
+        .error = job->spec.error_ppm / 1e6,
+        .stage = g->number,
+        .rungs = { g->rungs[0], g->rungs[1] },
+        .sums = *sums,
+        .rays = rays,
+        .left_s = INFINITY,
+    };
+
+    if (job->spec.time_ms > 0) {
+        ask.left_s = fmax(job->spec.time_ms / 1e3 - spent, 0);
+        ask.rays_s = spent > 0 ? (double)job->tiled.rays / spent : 0;
+    }
+    for (uint32_t i = 0; i < job->spec.nframes; i++)
+        ask.pixels +=
+            (uint64_t)job->spec.frames[i].width * job->spec.frames[i].height;
+    return ask;
+}
+
+static void
+tell_options(struct coord *c, const struct job *job)
+{
+    struct action *a = actions_add_job(&c->actions, ACT_OPTIONS, 0, job->id);
+
+    if (!a)
+        return;
+    a->text = rad_arena_dup(&c->actions.mem, job->goal.options,
+                            strlen(job->goal.options) + 1);
+    if (!a->text)
+        c->actions.failed = true;
+}
+
+bool
+stages_end(struct coord *c, struct job *job, uint32_t n, uint64_t rays,
+           const struct rad_refine_sums *sums)
+{
+    struct job_goal *g = &job->goal;
+    struct rad_refine_ask ask = question(c, job, rays, sums);
+    struct rad_refine_rungs next;
+    bool on = rad_refine_next(&ask, &next, &g->error);
+
+    if (!on && job->spec.time_ms > 0) {
+        double error;
+
+        ask.left_s = INFINITY;
+        g->late = rad_refine_next(&ask, &next, &error);
+    }
+    actions_log(
+        &c->actions, ACT_INFO,
+        "stage ends job=%s stage=%u error=%.4f wanted=%.4f seconds=%.3f "
+        "goes_on=%d",
+        job->hex, g->number, g->error, job->spec.error_ppm / 1e6,
+        seconds_spent(c, job), on);
+    g->ended = !on;
+    if (!on)
+        return true;
+    g->number++;
+    g->base += n;
+    g->rungs[0] = next.ambient;
+    g->rungs[1] = next.pixel;
+    if (!set_options(job))
+        c->actions.failed = true;
+    else
+        tell_options(c, job);
+    return false;
+}
+
+/* --- as they are kept --- */
+
+void
+stages_pack(struct coord *c, const struct job *job, uint8_t out[STAGES_BYTES])
+{
+    const struct job_goal *g = &job->goal;
+    struct wire_out w;
+
+    wire_out_init(&w, STAGES_BYTES);
+    wire_put_u8(&w, g->ended);
+    wire_put_u8(&w, g->late);
+    wire_put_u8(&w, g->rungs[0]);
+    wire_put_u8(&w, g->rungs[1]);
+    wire_put_f64(&w, g->error);
+    wire_put_u64(&w, (uint64_t)(1000 * seconds_spent(c, job)));
+    if (w.bad)
+        c->actions.failed = true;
+    else
+        memcpy(out, w.buf, STAGES_BYTES);
+    wire_out_release(&w);
+}
+
+static bool
+unpack(struct job_goal *g, const struct saved_pass *p)
+{
+    struct wire_in in;
+
+    wire_in_init(&in, p->bytes, p->len);
+    g->ended = wire_get_u8(&in);
+    g->late = wire_get_u8(&in);
+    g->rungs[0] = wire_get_u8(&in);
+    g->rungs[1] = wire_get_u8(&in);
+    g->error = wire_get_f64(&in);
+    g->spent_ms = wire_get_u64(&in);
+    return !in.bad && wire_left(&in) == 0 && isfinite(g->error);
+}
+
+/* Take up the decision at the end of a stage of n passes: 1, or 0 if it is not
+ * kept. */
+static int
+take_stage(struct job *job, uint32_t n, struct rad_error *err)
+{
+    struct job_goal *g = &job->goal, read = *g;
+    struct kept_passes *kept = &job->kept;
+    uint32_t last = g->base + n - 1;
+
+    if (n == 0 || kept->n <= last)
+        return 0;
+    if (!unpack(&read, &kept->pass[last]) ||
+        (!read.ended && g->number + 1 >= RAD_REFINE_STAGES)) {
+        kept->n = last; /* it is decided again */
+        return 0;
+    }
+    *g = read;
+    if (g->ended)
+        return 1;
+    for (; g->base <= last; g->base++) {
+        msg_counts_add(&job->tiled, &kept->pass[g->base].counts);
+        free((void *)kept->pass[g->base].bytes);
+        kept->pass[g->base].bytes = NULL;
+    }
+    g->number++;
+    return set_options(job) ? 1 : rad_fail(err, RAD_ENOMEM, "out of memory");
+}
+
+int
+stages_take_up(struct coord *c, struct job *job, struct rad_error *err)
+{
+    struct rad_pass plan[RAD_MOST_PASSES];
+    struct job_goal *g = &job->goal;
+    struct rad_pass_size *size;
+    uint32_t n;
+    int rc = 1;
+
+    if (!goal_is(job))
+        return 0;
+    size = stages_sizes(&job->spec);
+    if (!size)
+        return rad_fail(err, RAD_ENOMEM, "out of memory");
+    while (rc > 0 && !g->ended) {
+        rc = stages_plan(job, size, plan, &n, err);
+        g->ended = rc == 0 && n == 0; /* there is no cache */
+        if (rc == 0)
+            rc = take_stage(job, n, err);
+    }
+    free(size);
+    if (rc < 0)
+        return rc;
+    if (g->options)
+        tell_options(c, job);
+    return 0;
+}
+
+bool
+stages_lost(const struct job *job)
+{
+    return goal_is(job) && !job->goal.ended && job->pixels_done > 0;
+}

@@ -1,0 +1,166 @@
+#!/bin/sh
+# cluster_error.sh - --error and --time: the same bytes and counts by --error
+# whoever makes the picture, and after a coordinator that is killed in any stage,
+# or a worker; what was asked for and reached is said, and options that do not go
+# with them are refused
+. "${top_srcdir:-.}/tests/e2e/client_lib.sh"
+. "$top_srcdir/tests/e2e/cluster.sh"
+set -u
+
+view="-vf $scenes/room.vf -x 160 -y 120 -ps 2 -pt .1 -ab 2 -aa .4 -ar 16 -ad 32
+-as 8"
+room=$scenes/room.rad
+goal=--error=2.5
+
+body()
+{
+    LC_ALL=C sed '1,/^$/d' "$1"
+}
+
+# render NAME OPTION...
+render()
+{
+    name=$1
+    shift
+    # shellcheck disable=SC2086 # options are words
+    "$radsubmit" --local "$@" $view --stats="$name.json" -o "$name.hdr" \
+        "$room" 2>"$name.err" || fail "$name: $(cat "$name.err")"
+}
+
+# the same picture, header and all, and the same counts as the calm one
+same()
+{
+    cmp calm.hdr "$1.hdr" || fail "$1: another picture"
+    for count in tile_rays tile_values primary_rays; do
+        [ "$(total "$1.json" $count)" = "$(total calm.json $count)" ] ||
+            fail "$1: $count $(total "$1.json" $count)," \
+                "not $(total calm.json $count)"
+    done
+}
+
+# --- whoever makes it ---
+
+render calm $goal --workers=1 --threads=1
+stages=$(sed -n 's/.*; \([2-4]\) stages$/\1/p' calm.err)
+[ -n "$stages" ] || fail "not several stages: $(cat calm.err)"
+grep -q 'estimated error .* %, 2.5 % were asked for' calm.err ||
+    fail "it is not said what was reached: $(cat calm.err)"
+grep -Eq '^radsubmit .* -aa 0?\.4( |$)' calm.hdr &&
+    fail "the header has the first stage's options"
+render three $goal --workers=3 --threads=1
+same three
+render threads $goal --workers=1 --threads=2
+same threads
+render window $goal --workers=2 --threads=1 --partition=static
+same window
+
+# --- whoever is lost ---
+
+ended() { gone $job; }
+
+start()
+{
+    : >c.log
+    # shellcheck disable=SC2086
+    "$radsubmit" --coordinator="$sock" $goal $view --stats="$1.json" \
+        -o "$1.hdr" "$room" 2>"$1.err" &
+    job=$!
+}
+
+until_log()
+{
+    pattern=$1
+    until_true 60 logged || fail "no '$pattern': $(tail -n 3 c.log)"
+}
+
+logged() { grep -q "$pattern" c.log || ended; }
+
+finish_job()
+{
+    until_true 60 ended || {
+        fail "the job does not end: $(tail -n 5 c.log)"
+        kill $job
+    }
+    wait $job || fail "$1: $(cat "$1.err")"
+    same "$1"
+}
+
+kill_coordinator()
+{
+    kill -KILL "$coord_pid"
+    wait "$coord_pid" 2>/dev/null
+    # shellcheck disable=SC2086
+    "$radcoord" --listen="$tcp" --keys="$work/keys" --socket="$sock" \
+        --state="$work/state" $coord_options 2>>c.log &
+    coord_pid=$!
+}
+
+coord_options=--log-level=debug
+cluster_start 2 1
+
+# in the first stage, after its end, in the second one's last pass, at the end of
+# all, in the picture
+n=0
+for at in 'pass=2 ' 'stage=0 ' 'stage=1 ' 'goes_on=0' 'unit out'; do
+    n=$((n + 1))
+    start "again$n"
+    until_log "$at"
+    ended || kill_coordinator
+    finish_job "again$n"
+done
+
+start worker
+until_log 'stage=0 '
+id=$(sed -n 's/^radsubmit: job //p' worker.err)
+"$radctl" --coordinator="$sock" job "$id" >said
+grep -q '^asked for *error of 2.5 %' said || ended ||
+    fail "radctl job says nothing of what was asked for: $(cat said)"
+grep -Eq '^stage *2 of at most 4, estimated error' said || ended ||
+    fail "radctl job says nothing of stages: $(cat said)"
+# shellcheck disable=SC2154 # worker_start sets them
+kill -KILL "$pid_1"
+wait "$pid_1" 2>/dev/null
+worker_start 1 1
+worker_start 3 1
+finish_job worker
+cluster_stop
+
+# --- by the clock ---
+
+render clock --time=2 --workers=2 --threads=1
+grep -q 'another run may' clock.err || fail "no word of the clock"
+spent=$(sed -n 's/^radsubmit: done in \([0-9.]*\) s.*/\1/p' clock.err)
+awk "BEGIN { exit !($spent < 12) }" || fail "--time=2 took $spent s"
+
+# --- what does not go together ---
+
+# refused WORDS OPTION...: with these words, and status 64
+refused()
+{
+    words=$1
+    shift
+    "$radsubmit" --local "$@" -o no.hdr "$room" 2>err
+    status=$?
+    [ $status -eq 64 ] || fail "$*: status $status: $(cat err)"
+    grep -q -- "$words" err || fail "$*: $(cat err)"
+}
+
+refused 'from 0.1 to 100' --error=0
+refused 'from 0.1 to 100' --error=-5
+refused 'from 0.1 to 100' --error=nan
+refused 'from 0.1 to 100' --error=101
+refused 'from 0.1 to 1' --time=0
+refused 'with --ambient=live' --error=5 --ambient=live
+refused 'with --no-share' --error=5 --no-share
+refused 'with --dry-run' --time=5 --dry-run
+refused 'with -af' --error=5 -ab 1 -af records
+refused 'with indirect light' --error=5 -ab 0
+refused 'with indirect light' --time=5 -aa 0 -ab 1
+refused 'with indirect light' --error=5 -ps 1 # rpict's -ab is 0
+i=0
+while [ $i -lt 33 ]; do
+    echo "VIEW= -vp 0 $i 1"
+    i=$((i + 1))
+done >many.vf
+refused 'at most 32 frames' --error=5 -ab 1 -S 1 --views=many.vf
+finish
