@@ -58,6 +58,11 @@
  * integers do not depend on their order. */
 #define LOG_UNIT 0x1p-20
 
+/* Where the cache is frozen and lacks a place that a pixel shows, the
+ * hemisphere there serves that pixel alone: so much of a record's rays will do.
+ */
+#define ALONE_SHARE .25
+
 /* Stands for infinity in the positions of what is seen, in sides of the
  * scene's cube: far enough to be still as the point moves. */
 #define FAR_SIDES 10.
@@ -579,6 +584,8 @@ make_record(struct rad_ctx *ctx, const struct rad_ray *r,
 
     rec.weight = record_weight(at);
     plan.weight = rad_ambrec_worth(&rec);
+    if (amb->frozen && !ctx->tile)
+        plan.weight *= ALONE_SHARE;
     plan.side = at->level > 0 ? SIDE_DEEP : SIDE_SHOWN;
     plan.coef = rad_grey((float)MEAN_REFLECTANCE);
     plan.far = FAR_SIDES * amb->scale.side;
