@@ -275,6 +275,12 @@ tile(unsigned who, uint32_t pass, uint32_t number, bool down)
     says(who, &m);
 }
 
+static void
+holds(unsigned who, const uint8_t *job, uint32_t pass)
+{
+    says(who, &(struct msg){ .type = MSG_HOLDS, .holds = { job, pass, 1 } });
+}
+
 /* A cache in passes: a worker that is lost in one, tiles that come twice, and
  * one that comes late. */
 static void
@@ -297,9 +303,46 @@ session_passes(void)
     is_lost(WS1);
     hello(WS2, MSG_ROLE_WORKER, "ws2");
     ready(WS2);
-    for (uint32_t i = 1; i < 4; i++)
+    for (uint32_t i = 1; i < 4; i++) {
         tile(WS2, i, 0, false);
+        holds(WS2, id, i);
+    }
     result(WS2, 0, 1, 0, 1, false);
+}
+
+/* A job that is done leaves its cache, and the next begins with it; a third
+ * names one that is not there. */
+static void
+session_reuse(void)
+{
+    static const uint8_t next[MSG_JOB] = { 0xab }, any[MSG_JOB];
+    struct msg offer = { .type = MSG_OFFER, .offer = { 1, missing } };
+    struct msg submit = spec(MSG_SUBMIT, MSG_PART_WINDOW, "uniform");
+    struct msg is_ready = { .type = MSG_READY, .ready = { next, .1, 7, 1, 0 } };
+
+    submit.submit.flags = MSG_JOB_PASSES | MSG_JOB_SCENE;
+    submit.submit.params = "-ab 1 -ps 4";
+    submit.submit.scene = here;
+    hello(WS1, MSG_ROLE_WORKER, "ws1");
+    hello(ANA, MSG_ROLE_USER, "");
+    says(ANA, &offer);
+    says(ANA, &submit);
+    fetch(MSG_WHAT_PREVIEW);
+    ready(WS1);
+    for (uint32_t i = 0; i < 4; i++) {
+        tile(WS1, i, 0, false);
+        holds(WS1, id, i);
+    }
+    result(WS1, 0, 1, 0, 15, true);
+    result(WS1, 1, 1, 0, 16, true);
+    submit.submit.job = next;
+    submit.submit.flags |= MSG_JOB_REUSE;
+    submit.submit.reuse = any;
+    says(ANA, &submit);
+    says(WS1, &is_ready);
+    submit.submit.job = other;
+    submit.submit.reuse = other;
+    says(ANA, &submit);
 }
 
 /* Windows: pauses, pictures and statistics, before it is done and after. */
@@ -606,6 +649,7 @@ static const struct {
     { "session/loans", session_loans },
     { "session/lost", session_lost },
     { "session/passes", session_passes },
+    { "session/reuse", session_reuse },
     { "session/rows", session_rows },
     { "worker/no_files", worker_no_files },
     { "worker/sharing", worker_sharing },

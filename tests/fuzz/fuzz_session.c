@@ -6,6 +6,7 @@
 #include "config.h"
 
 #include "front/coord.h"
+#include "proto/ambshare.h"
 #include "proto/frame.h"
 #include "steps.h"
 
@@ -27,6 +28,35 @@ static const char *
 type_name(const struct action *a)
 {
     return msg_name((uint16_t)(a->bytes[4] << 8 | a->bytes[5]));
+}
+
+/* Two records, of which nobody looks at the bytes. */
+static void
+load_cache(struct session *s, const struct action *a)
+{
+    uint8_t *records = calloc(2, AMBSHARE_BYTES);
+
+    if (!records)
+        abort();
+    coord_cache_came(s->coord, s->now_ms, a->job, a->sequence, records,
+                     (size_t)2 * AMBSHARE_BYTES, 0, NULL);
+}
+
+/* What a store that keeps all does at once. */
+static void
+store(struct session *s, const struct action *a)
+{
+    struct saved_job saved;
+
+    if (a->type == ACT_SETTLE)
+        coord_settled(s->coord, s->now_ms, a->conn, a->request);
+    else if (a->type == ACT_LOAD_CACHE)
+        load_cache(s, a);
+    else if (a->type == ACT_JOB_END && coord_saved(s->coord, a->job, &saved))
+        coord_job_filed(s->coord, s->now_ms, a->job, a->sequence, 100,
+                        saved.cache_bytes);
+    else if (a->type == ACT_DROP_CACHE)
+        coord_job_filed(s->coord, s->now_ms, a->job, a->sequence, 50, 0);
 }
 
 static void
@@ -56,6 +86,8 @@ carry_out(struct session *s)
         else if (a.type == ACT_WRITE_PICTURE)
             coord_picture_written(s->coord, s->now_ms, a.job, a.sequence,
                                   a.frame, 0, NULL);
+        else
+            store(s, &a);
     }
     if (l->failed)
         abort();
@@ -119,6 +151,7 @@ LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
                              .random = steps_no_random,
                              .arg = NULL,
                              .program = "radcoord",
+                             .keeps = true,
                              .epoch = 1 };
     struct session s = { .coord = coord_new(&env), .now_ms = 1 };
     struct msg m = { 0 };
