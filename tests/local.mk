@@ -89,6 +89,7 @@ UNIT_TESTS = \
 	tests/check_sample \
 	tests/check_sandbox \
 	tests/check_passes \
+	tests/check_refine \
 	tests/check_seed \
 	tests/check_seeds \
 	tests/check_shade \
@@ -684,6 +685,9 @@ tests_check_quota_SOURCES = tests/check_quota.c tests/coord_fixture.h tests/unit
 tests_check_quota_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS) $(JANSSON_CFLAGS)
 tests_check_quota_LDADD = $(LIBDAEMON) $(UNIT_LIBS)
 
+tests_check_refine_SOURCES = tests/check_refine.c tests/unit.h tests/world.h
+tests_check_refine_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
+tests_check_refine_LDADD = $(LIBDAEMON) $(UNIT_LIBS)
 tests_check_passes_SOURCES = tests/check_passes.c tests/unit.h tests/world.h
 tests_check_passes_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
 tests_check_passes_LDADD = $(LIBDAEMON) $(UNIT_LIBS)

@@ -1,8 +1,8 @@
 /* recheck.c - see recheck.h
  *
  * Differences are relative to the mean of what is compared, which is near the
- * difference of logarithms and is never more than 2: an edge or a lamp counts,
- * but not more than all the rest.
+ * difference of logarithms and never more than 2.  Squares of areas count up to
+ * MOST_SQUARE: an edge of a lamp counts, but not more than all the rest.
  * Of an area few pixels are made again.  The square of a sum of differences is
  * that of their products in pairs, and of each with itself: the former come
  * from different pixels, the latter from some that are traced once more. */
@@ -21,6 +21,9 @@
 #define BRANCH UINT64_C(0x636865636b730000)
 
 #define PLACES 8 /* of a tile */
+
+/* As differences of pixels count up to half of their mean (doubt.c). */
+#define MOST_SQUARE .25
 
 enum {
     SIDE = 5,  /* of an area [pixels] */
@@ -177,7 +180,7 @@ check_area(struct check *c, const struct sampled *s, int x0, int y0)
             d.noise += (off - other) * (off - other) / 2;
         }
     }
-    square = square_of(&d);
+    square = fmax(fmin(square_of(&d), MOST_SQUARE), -MOST_SQUARE);
     count(c, RAD_REFINE_AREAS, 1);
     count(c, RAD_REFINE_PIXEL, square);
     count(c, RAD_REFINE_PIXEL2, square * square);

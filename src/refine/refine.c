@@ -1,7 +1,7 @@
 /* refine.c - see refine.h
  *
- * The next stage is foreseen from the last one's sums: an error falls by half
- * with four rungs, that of pixels not below the noise of single ones, and rays
+ * The next stage is foreseen from the last one's sums: errors fall by so much
+ * with a rung, that of pixels not below the noise of single ones, and rays
  * grow with both kinds of rungs.  Of all rungs the cheapest that come down to
  * what is wanted are taken; with a limit of time, of those that can be done the
  * ones that come farthest down.
@@ -15,11 +15,16 @@
 /* Windows of a check pass: one for so many pixels, within these bounds. */
 #define PIXELS_A_WINDOW 2048
 #define LEAST_WINDOWS   24
-#define MOST_WINDOWS    96
+#define MOST_WINDOWS    64
 
-/* An estimate so far beyond what is wanted is near enough: another stage costs
- * several times this one's time. */
-#define NEAR_ENOUGH 1.12
+/* Squares of errors: so much less than what is wanted is aimed at, and so much
+ * more is near enough, for another stage takes longer than this one did. */
+#define AIM         .9
+#define NEAR_ENOUGH 1.3
+
+/* The square of the cache's error over what fresh samples say of it: deeper
+ * records, that both are made of, err as well. */
+#define DEEPER 1.3
 
 /* A further stage for the time that is left brings so much at least. */
 #define WORTH_IT .8
@@ -67,15 +72,17 @@ grow(int n, double x, int limit)
     return n <= 0 || n >= limit ? n : to < limit ? (int)to : limit;
 }
 
-/* To six digits, for it is read in headers. */
+/* To six digits, for it is read in headers; what is tiny stays as it is. */
 static double
 shorten(double x)
 {
     double unit = 1e-5;
 
-    for (int i = 0; i < 8 && x < unit * 1e5; i++)
+    if (!(x >= 1e-12))
+        return x;
+    while (x < unit * 1e5)
         unit /= 10;
-    return x < unit ? 0 : floor(x / unit + .5) * unit;
+    return floor(x / unit + .5) * unit;
 }
 
 /* Parts of an octave by which options change with a rung. */
@@ -99,7 +106,6 @@ rad_refine_params(const struct rad_params *job, struct rad_refine_rungs rungs,
         out->ambdiv = grow(job->ambdiv, rays, MOST_AMBDIV);
         out->ambssamp = grow(job->ambssamp, rays, MOST_AMBDIV);
         out->ambres = grow(job->ambres, 1 / fall(AMBACC_FALL * a), MOST_AMBRES);
-        out->minweight = shorten(job->minweight / rays);
     }
     if (p > 0) {
         out->maxdiff = shorten(job->maxdiff * fall(MAXDIFF_FALL * p));
@@ -167,8 +173,9 @@ mean_square(double n, double sum, double squares)
 static double
 ambient_square(const struct rad_refine_sums *s)
 {
-    return mean_square(s->v[RAD_REFINE_PLACES], s->v[RAD_REFINE_AMBIENT],
-                       s->v[RAD_REFINE_AMBIENT2]);
+    return DEEPER * mean_square(s->v[RAD_REFINE_PLACES],
+                                s->v[RAD_REFINE_AMBIENT],
+                                s->v[RAD_REFINE_AMBIENT2]);
 }
 
 static double
@@ -186,6 +193,10 @@ rad_refine_error(const struct rad_refine_sums *s)
     return (struct rad_refine_error){ sqrt(ambient), sqrt(pixel),
                                       fmin(sqrt(ambient + pixel), MOST_ERROR) };
 }
+
+/* Parts of an octave by which squares of errors fall with a rung, as they do in
+ * five scenes on average; noise up to that rung. */
+enum { AMBIENT_FALL = 3, PIXEL_FALL = 4, NOISE_FALL = 2, NOISE_RUNGS = 8 };
 
 /* What is known after a stage. */
 struct outlook {
@@ -219,14 +230,30 @@ rise(int n)
     return n > 0 ? 1 / fall(n) : fall(-n);
 }
 
+/* What the noise of single pixels is times as large as at rung 0, by squares:
+ * that of lamps falls, that of gloss and edges does not. */
+static double
+noise_left(int pixel)
+{
+    return fall(NOISE_FALL * (pixel < NOISE_RUNGS ? pixel : NOISE_RUNGS));
+}
+
+/* The least that any rungs leave of that noise. */
+static double
+noise_floor(const struct outlook *o)
+{
+    return o->noise * noise_left(NOISE_RUNGS) / noise_left(o->ask->rungs.pixel);
+}
+
 /* The square of the error with these rungs. */
 static double
 foresee_square(const struct outlook *o, int ambient, int pixel)
 {
-    int a = ambient - o->ask->rungs.ambient, p = pixel - o->ask->rungs.pixel;
+    const struct rad_refine_rungs *now = &o->ask->rungs;
 
-    return o->ambient * rise(-4 * a) + o->noise +
-           (o->pixel - o->noise) * rise(-4 * p);
+    return o->ambient * rise(-AMBIENT_FALL * (ambient - now->ambient)) +
+           o->noise * noise_left(pixel) / noise_left(now->pixel) +
+           (o->pixel - o->noise) * rise(-PIXEL_FALL * (pixel - now->pixel));
 }
 
 /* Rays of the stage, its check and the pictures. */
@@ -275,14 +302,14 @@ choose(const struct outlook *o, double goal, double rays, struct choice *best)
     return any;
 }
 
-/* The square to come down to: where noise of single pixels alone is more than
- * what is wanted, nothing else need be much less than that. */
+/* The square that is wanted.  Where noise of single pixels, which no rungs take
+ * away, is more than that, nothing else need be less than it. */
 static double
 goal_of(const struct outlook *o)
 {
     double wanted = o->ask->error * o->ask->error;
 
-    return wanted > 0 ? fmax(wanted, 1.25 * o->noise) : 0;
+    return wanted > 0 ? fmax(wanted, 2 * noise_floor(o)) : 0;
 }
 
 bool
@@ -295,12 +322,12 @@ rad_refine_next(const struct rad_refine_ask *ask, struct rad_refine_rungs *next,
     struct choice best = { 0, 0, 0, 0 };
 
     *error = fmin(sqrt(square), MOST_ERROR);
-    if (ask->stage + 1 >= RAD_REFINE_STAGES || !(square > 0) ||
-        square <= NEAR_ENOUGH * NEAR_ENOUGH * goal)
+    if (ask->stage >= RAD_REFINE_STAGES - 1 || !(square > 0) ||
+        square <= NEAR_ENOUGH * goal)
         return false;
     if (timed)
         rays = TIME_USED * sound(ask->left_s) * sound(ask->rays_s);
-    if (!choose(&o, goal, rays, &best) ||
+    if (!choose(&o, AIM * goal, rays, &best) ||
         best.square > WORTH_IT * WORTH_IT * square)
         return false;
     *next =

@@ -47,8 +47,9 @@ uint32_t rad_refine_plan(const struct rad_params *par,
                          const struct rad_pass_size *size, uint32_t nsizes,
                          struct rad_pass pass[RAD_MOST_PASSES]);
 
-/* How much finer than the job's own options: four rungs halve an error, that of
- * the cache or that of pixels.  More than RAD_REFINE_MOST_* is as these. */
+/* How much finer than the job's own options: some five rungs halve an error,
+ * that of the cache or that of pixels.  More than RAD_REFINE_MOST_* is as
+ * these. */
 struct rad_refine_rungs {
     uint8_t ambient, pixel;
 };

@@ -1,0 +1,488 @@
+/* check_refine.c - stages of a job that goes on until its picture is good
+ * enough */
+#include "config.h"
+
+#include "light/indirect/ambient.h"
+#include "machine/jobtext.h"
+#include "refine/recheck.h"
+
+#include "world.h"
+
+#include <limits.h>
+#include <math.h>
+#include <pthread.h>
+#include <stdatomic.h>
+#include <stdio.h>
+
+/* --- options --- */
+
+static struct rad_params
+params_of(const char *options)
+{
+    struct world w;
+
+    memset(&w, 0, sizeof w);
+    rad_params_init(&w.params);
+    world_options(&w, options);
+    return w.params;
+}
+
+static const char *const jobs[] = {
+    "-ab 4 -aa .5 -ar 16 -ad 64 -as 16 -pt .15 -ds .4 -dt .1 -dc .5 -st .1",
+    "-ab 2 -aa .1 -ar 0 -ad 1 -as 0 -pt 0 -ds 0 -dt 0 -dc 1 -st 0 -lw 0",
+    "-ab 1 -aa 9 -ar 2147483647 -ad 16777216 -as 16777216 -pt 1e9 -ds 1e9",
+    "-ab 1 -aa 1e-300 -ad 65535 -pt 1e-300 -ds 1e-300 -lw 1e-300",
+};
+
+START_TEST(the_job_s_own_options_are_rung_0)
+{
+    struct rad_params job = params_of(jobs[_i]), out;
+    char a[RAD_PARAMS_TEXT], b[RAD_PARAMS_TEXT];
+
+    rad_refine_params(&job, (struct rad_refine_rungs){ 0, 0 }, &out);
+    rad_params_format(&job, a, sizeof a);
+    rad_params_format(&out, b, sizeof b);
+    ck_assert_str_eq(a, b);
+}
+END_TEST
+
+static void
+assert_finer(const struct rad_params *a, const struct rad_params *b)
+{
+    ck_assert_double_le(b->ambacc, a->ambacc);
+    ck_assert_int_ge(b->ambdiv, a->ambdiv);
+    ck_assert_int_ge(b->ambssamp, a->ambssamp);
+    ck_assert_int_ge(b->ambres, a->ambres);
+    ck_assert_double_le(b->maxdiff, a->maxdiff);
+    ck_assert_double_le(b->srcsizerat, a->srcsizerat);
+    ck_assert_double_le(b->shadthresh, a->shadthresh);
+    ck_assert_double_le(b->specthresh, a->specthresh);
+    ck_assert_double_ge(b->shadcert, a->shadcert);
+    ck_assert_double_le(b->shadcert, 1);
+    ck_assert_double_gt(b->ambacc, 0);
+}
+
+/* What comes out can be said in words, and is what these words say. */
+static void
+assert_sayable(const struct rad_params *p)
+{
+    char text[RAD_PARAMS_TEXT], again[RAD_PARAMS_TEXT];
+    struct rad_params read;
+
+    rad_params_format(p, text, sizeof text);
+    ck_assert_int_eq(jobtext_params(text, &read, NULL), 0);
+    ck_assert_int_eq(rad_params_check(&read, NULL), 0);
+    rad_params_format(&read, again, sizeof again);
+    ck_assert_str_eq(text, again);
+}
+
+START_TEST(each_rung_is_finer)
+{
+    struct rad_params job = params_of(jobs[_i]), last = job, p;
+
+    for (int n = 0; n <= 255; n++) {
+        struct rad_refine_rungs r = { (uint8_t)n, (uint8_t)n };
+
+        rad_refine_params(&job, r, &p);
+        assert_finer(&last, &p);
+        assert_sayable(&p);
+        ck_assert_int_eq(p.psample, job.psample);
+        ck_assert_int_eq(p.ambounce, job.ambounce);
+        last = p;
+    }
+}
+END_TEST
+
+START_TEST(the_check_pass_is_the_last)
+{
+    struct rad_params job = params_of(jobs[0]);
+    struct rad_pass_size size[2] = { { 1920, 1080 }, { 5, 3 } };
+    struct rad_pass own[RAD_MOST_PASSES], pass[RAD_MOST_PASSES];
+    uint32_t n = rad_passes_plan(&job, size, 2, own);
+
+    ck_assert_uint_eq(rad_refine_plan(&job, size, 2, pass), n + 1);
+    for (uint32_t i = 0; i < n; i++)
+        ck_assert(!pass[i].check && pass[i].tiles == own[i].tiles);
+    ck_assert(pass[n].check && pass[n].tiles > 0);
+    job.ambounce = 0;
+    ck_assert_uint_eq(rad_refine_plan(&job, size, 2, pass), 0);
+}
+END_TEST
+
+/* --- decisions --- */
+
+/* After a stage with these errors, of ambient light, pixels, and noise. */
+static struct rad_refine_ask
+ask_of(double error, double ambient, double pixel, double noise)
+{
+    struct rad_refine_ask ask = {
+        .error = error, .rays = 1000000, .pixels = 100000, .left_s = INFINITY
+    };
+    double *v = ask.sums.v;
+
+    v[RAD_REFINE_PLACES] = v[RAD_REFINE_AREAS] = 100;
+    v[RAD_REFINE_AMBIENT] = 100 * ambient * ambient;
+    v[RAD_REFINE_PIXEL] = 100 * pixel * pixel;
+    v[RAD_REFINE_NOISE] = 100 * noise * noise;
+    v[RAD_REFINE_SHOWN] = 1000;
+    v[RAD_REFINE_TRACED] = 300;
+    v[RAD_REFINE_RAYS] = 3000;
+    return ask;
+}
+
+START_TEST(what_is_good_enough_ends)
+{
+    struct rad_refine_ask ask = ask_of(.1, .05, .05, .02);
+    struct rad_refine_rungs next = { 77, 77 };
+    double error;
+
+    ck_assert(!rad_refine_next(&ask, &next, &error));
+    ck_assert_double_gt(error, .06);
+    ck_assert_double_lt(error, .09);
+    ck_assert_int_eq(next.ambient, 77);
+}
+END_TEST
+
+static const struct {
+    double ambient, pixel;
+} causes[] = { { .3, .01 }, { .01, .3 }, { .2, .2 } };
+
+/* The less is wanted, the higher the rungs of what is the cause. */
+START_TEST(rungs_go_by_the_cause)
+{
+    struct rad_refine_rungs last = { 0, 0 }, next;
+    double error;
+
+    for (double wanted = .16; wanted > .02; wanted /= 2) {
+        struct rad_refine_ask ask =
+            ask_of(wanted, causes[_i].ambient, causes[_i].pixel, 0);
+
+        ck_assert(rad_refine_next(&ask, &next, &error));
+        ck_assert_int_ge(next.ambient + next.pixel, last.ambient + last.pixel);
+        last = next;
+    }
+    ck_assert((last.ambient > 8) == (causes[_i].ambient > .1));
+    ck_assert((last.pixel > 4) == (causes[_i].pixel > .1));
+}
+END_TEST
+
+/* Pixels that stay noisy: the cache is not made finer than is of use, and after
+ * some rungs there is no more. */
+START_TEST(what_cannot_be_reached_ends)
+{
+    struct rad_refine_ask ask = ask_of(.001, .1, .1, .1);
+    struct rad_refine_rungs next;
+    double error;
+
+    ck_assert(rad_refine_next(&ask, &next, &error));
+    ck_assert_int_lt(next.ambient, RAD_REFINE_MOST_AMBIENT / 2);
+    ask = ask_of(.001, .05, .1, .1);
+    ask.rungs = (struct rad_refine_rungs){ 4, RAD_REFINE_MOST_PIXEL };
+    ck_assert(!rad_refine_next(&ask, &next, &error));
+    ck_assert_double_gt(error, .1);
+}
+END_TEST
+
+START_TEST(stages_are_few)
+{
+    struct rad_refine_ask ask = ask_of(.01, .5, .5, 0);
+    struct rad_refine_rungs next;
+    double error;
+
+    ask.stage = RAD_REFINE_STAGES - 2;
+    ck_assert(rad_refine_next(&ask, &next, &error));
+    ask.stage++;
+    ck_assert(!rad_refine_next(&ask, &next, &error));
+    ask.stage = UINT32_MAX;
+    ck_assert(!rad_refine_next(&ask, &next, &error));
+}
+END_TEST
+
+START_TEST(more_time_is_used)
+{
+    struct rad_refine_rungs last = { 0, 0 }, next;
+    double error;
+    int stages = 0;
+
+    for (double s = 0; s < 1e6; s = 2 * s + 1) {
+        struct rad_refine_ask ask = ask_of(0, .3, .1, .05);
+
+        ask.left_s = s;
+        ask.rays_s = 1e6;
+        if (!rad_refine_next(&ask, &next, &error))
+            continue;
+        ck_assert(s > 1);
+        ck_assert_int_ge(next.ambient + 1, last.ambient);
+        last = next;
+        stages++;
+    }
+    ck_assert_int_gt(stages, 10);
+    ck_assert_int_gt(last.ambient, 12);
+}
+END_TEST
+
+static const double wild[] = { 0,    -0.0,  -1,     1e-320, 1,
+                               1e30, 1e308, -1e308, NAN,    INFINITY };
+
+/* Whatever is said, an end comes, with a number. */
+START_TEST(sums_may_be_anything)
+{
+    for (int k = 0; k < RAD_REFINE_SUMS; k++)
+        for (int i = 0; i < N_ELEM(wild); i++)
+            for (int timed = 0; timed <= 1; timed++) {
+                struct rad_refine_ask ask = ask_of(.02, .1, .1, .05);
+                struct rad_refine_rungs next = { 0, 0 };
+                double error = -1;
+
+                ask.sums.v[k] = wild[i];
+                ask.sums.v[(k + 1) % RAD_REFINE_SUMS] = wild[_i];
+                ask.rungs = (struct rad_refine_rungs){ 255, 255 };
+                if (timed) {
+                    ask.left_s = wild[i];
+                    ask.rays_s = wild[_i];
+                }
+                rad_refine_next(&ask, &next, &error);
+                ck_assert(error >= 0 && error <= 1e6);
+                ck_assert_int_le(next.ambient, RAD_REFINE_MOST_AMBIENT);
+                ck_assert_int_le(next.pixel, RAD_REFINE_MOST_PIXEL);
+            }
+}
+END_TEST
+
+START_TEST(a_black_picture_is_good_enough)
+{
+    struct rad_refine_ask ask = { .error = .01, .left_s = INFINITY };
+    struct rad_refine_rungs next;
+    double error;
+
+    ck_assert(!rad_refine_next(&ask, &next, &error));
+    ck_assert_double_eq(error, 0);
+}
+END_TEST
+
+/* --- sums of a room --- */
+
+static const char scene_text[] =
+    "void light lamp 0 0 3 60 60 60\n"
+    "lamp sphere bulb 0 0 4 2 2 4.5 .3\n"
+    "void plastic white 0 0 5 .7 .7 .7 0 0\n"
+    "white polygon floor 0 0 12 -5 -5 0 5 -5 0 5 5 0 -5 5 0\n"
+    "white polygon ceiling 0 0 12 -5 -5 5 -5 5 5 5 5 5 5 -5 5\n"
+    "white polygon west 0 0 12 -5 -5 0 -5 5 0 -5 5 5 -5 -5 5\n"
+    "white polygon east 0 0 12 5 -5 0 5 -5 5 5 5 5 5 5 0\n"
+    "white polygon north 0 0 12 -5 5 0 5 5 0 5 5 5 -5 5 5\n"
+    "white polygon south 0 0 12 -5 -5 0 -5 -5 5 5 -5 5 5 -5 0\n"
+    "void plastic red 0 0 5 .6 .2 .2 .02 .05\n"
+    "red sphere ball 0 0 4 -2 1 1 1\n"
+    "red sphere other 0 0 4 1 -1 .7 .7\n";
+
+enum { THREADS = 4, MOST = 200 };
+
+struct room {
+    struct world w;
+    struct rad_frame frame;
+    struct rad_passes *passes;
+    uint32_t ntiles;
+    bool backward, twice;
+    _Atomic uint32_t next;
+    struct rad_refine_sums of[MOST];
+};
+
+static void
+keep(void *arg, const struct rad_ambrec *rec, size_t n)
+{
+    struct rad_ambrec copy;
+
+    for (size_t i = 0; i < n; i++) {
+        copy = rec[i];
+        rad_ambient_insert(arg, &copy);
+    }
+}
+
+static const _Atomic bool never;
+
+/* A room whose cache is filled, at its check pass. */
+static void
+open_room(struct room *m, const char *options)
+{
+    struct rad_pass pass[RAD_MOST_PASSES];
+    struct rad_pass_size size;
+    struct rad_view view;
+    uint32_t n;
+
+    memset(m, 0, sizeof *m);
+    world_open(&m->w, scene_text, options);
+    rad_ambient_freeze(m->w.job->ambient);
+    ck_assert_int_eq(
+        jobtext_view("-vp 0 -4.9 2.5 -vd 0 1 0 -vh 80 -vv 80", &view, NULL), 0);
+    ck_assert_int_eq(rad_frame_init(&m->frame, m->w.job, &view, 0, false, NULL),
+                     0);
+    size = (struct rad_pass_size){ m->frame.width, m->frame.height };
+    n = rad_refine_plan(&m->w.job->params, &size, 1, pass);
+    m->passes = rad_passes_new(&m->frame, 1, NULL);
+    ck_assert_ptr_nonnull(m->passes);
+    for (uint32_t i = 0; i < n; i++) {
+        ck_assert_int_eq(rad_passes_begin(m->passes, &m->w.ctx, &pass[i], NULL),
+                         0);
+        for (uint32_t k = 0; !pass[i].check && k < pass[i].tiles; k++)
+            rad_passes_make(m->passes, &m->w.ctx, k, &never, keep,
+                            m->w.job->ambient, NULL);
+    }
+    m->ntiles = pass[n - 1].tiles;
+    ck_assert_uint_le(m->ntiles, MOST);
+}
+
+static void
+close_room(struct room *m)
+{
+    rad_passes_free(m->passes);
+    rad_frame_release(&m->frame);
+    world_close(&m->w);
+}
+
+static void *
+work(void *arg)
+{
+    struct room *m = arg;
+    struct rad_ctx ctx;
+    uint32_t i;
+
+    ck_assert_int_eq(rad_ctx_init(&ctx, m->w.job, NULL), 0);
+    while ((i = atomic_fetch_add(&m->next, 1)) < m->ntiles) {
+        uint32_t tile = m->backward ? m->ntiles - 1 - i : i;
+
+        for (int k = 0; k <= m->twice; k++)
+            ck_assert(
+                rad_refine_make(m->passes, &ctx, tile, &never, &m->of[tile]));
+    }
+    ck_assert_uint_eq(ctx.counts.primary_rays, 0);
+    ck_assert_uint_eq(ctx.counts.ambient_values, 0);
+    ck_assert_double_eq(ctx.counts.doubt.pixels, 0);
+    ck_assert(!ctx.fresh);
+    rad_ctx_release(&ctx);
+    return NULL;
+}
+
+static void
+make_tiles(struct room *m, int threads, bool backward, bool twice)
+{
+    pthread_t thread[THREADS];
+
+    m->backward = backward;
+    m->twice = twice;
+    m->next = 0;
+    memset(m->of, 0, sizeof m->of);
+    for (int i = 0; i < threads; i++)
+        ck_assert_int_eq(pthread_create(&thread[i], NULL, work, m), 0);
+    for (int i = 0; i < threads; i++)
+        ck_assert_int_eq(pthread_join(thread[i], NULL), 0);
+}
+
+static struct rad_refine_error
+error_of(const struct room *m)
+{
+    struct rad_refine_sums all = { { 0 } };
+
+    for (uint32_t i = 0; i < m->ntiles; i++)
+        rad_refine_add(&all, &m->of[i]);
+    return rad_refine_error(&all);
+}
+
+#define COARSE                                                                 \
+    "-x 96 -y 96 -pa 1 -ab 2 -aa .5 -ar 16 -ad 16 -as 0 -pt .2 -ps 4 -pj .9 "
+
+static struct room rooms[2];
+
+/* Whoever makes the tiles, in whatever order, and however often. */
+START_TEST(sums_are_a_function_of_the_job)
+{
+    struct room *one = &rooms[0], *other = &rooms[1];
+
+    open_room(one, COARSE);
+    open_room(other, COARSE);
+    make_tiles(one, 1, false, false);
+    make_tiles(other, THREADS, true, true);
+    ck_assert_mem_eq(one->of, other->of, sizeof one->of);
+    ck_assert_double_gt(error_of(one).ambient, .005);
+    close_room(one);
+    close_room(other);
+}
+END_TEST
+
+START_TEST(a_finer_cache_is_found_to_be_better)
+{
+    struct room *m = &rooms[0];
+    struct rad_refine_error coarse, fine;
+
+    open_room(m, COARSE);
+    make_tiles(m, 1, false, false);
+    coarse = error_of(m);
+    close_room(m);
+    open_room(m, COARSE "-aa .2 -ar 32 -ad 256");
+    make_tiles(m, 1, false, false);
+    fine = error_of(m);
+    close_room(m);
+    ck_assert_double_lt(fine.ambient, .6 * coarse.ambient);
+}
+END_TEST
+
+START_TEST(a_tile_can_be_stopped)
+{
+    static const _Atomic bool stop = true;
+    struct room *m = &rooms[0];
+
+    open_room(m, COARSE);
+    ck_assert(!rad_refine_make(m->passes, &m->w.ctx, 0, &stop, &m->of[0]));
+    close_room(m);
+}
+END_TEST
+
+/* One pixel, one column: a window is no larger than the picture. */
+static const char *const sizes[] = { "-x 1 -y 1 ", "-x 1 -y 300 ",
+                                     "-x 300 -y 4 ", "-x 30 -y 30 -ps 16 ",
+                                     "-x 30 -y 30 -ps 1 " };
+
+START_TEST(small_pictures_have_an_error_too)
+{
+    struct room *m = &rooms[0];
+    char options[300];
+
+    snprintf(options, sizeof options, COARSE "%s -pa 0", sizes[_i]);
+    open_room(m, options);
+    make_tiles(m, 1, false, false);
+    ck_assert_double_ge(error_of(m).all, 0);
+    ck_assert_double_lt(error_of(m).all, 1);
+    close_room(m);
+}
+END_TEST
+
+int
+main(void)
+{
+    Suite *s = suite_create("refine");
+    TCase *options = tcase_create("options");
+    TCase *decisions = tcase_create("decisions");
+    TCase *sums = tcase_create("sums");
+
+    tcase_add_loop_test(options, the_job_s_own_options_are_rung_0, 0,
+                        N_ELEM(jobs));
+    tcase_add_loop_test(options, each_rung_is_finer, 0, N_ELEM(jobs));
+    tcase_add_test(options, the_check_pass_is_the_last);
+    suite_add_tcase(s, options);
+    tcase_add_test(decisions, what_is_good_enough_ends);
+    tcase_add_loop_test(decisions, rungs_go_by_the_cause, 0, N_ELEM(causes));
+    tcase_add_test(decisions, what_cannot_be_reached_ends);
+    tcase_add_test(decisions, stages_are_few);
+    tcase_add_test(decisions, more_time_is_used);
+    tcase_add_loop_test(decisions, sums_may_be_anything, 0, N_ELEM(wild));
+    tcase_add_test(decisions, a_black_picture_is_good_enough);
+    suite_add_tcase(s, decisions);
+    tcase_set_timeout(sums, 60);
+    tcase_add_test(sums, sums_are_a_function_of_the_job);
+    tcase_add_test(sums, a_finer_cache_is_found_to_be_better);
+    tcase_add_test(sums, a_tile_can_be_stopped);
+    tcase_add_loop_test(sums, small_pictures_have_an_error_too, 0,
+                        N_ELEM(sizes));
+    suite_add_tcase(s, sums);
+    return unit_run(s);
+}
