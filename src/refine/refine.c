@@ -24,7 +24,7 @@
 
 /* The square of the cache's error over what fresh samples say of it: deeper
  * records, that both are made of, err as well. */
-#define DEEPER 1.3
+#define DEEPER 1.7
 
 /* A further stage for the time that is left brings so much at least. */
 #define WORTH_IT .8
