@@ -134,11 +134,16 @@ keep(void *arg, const struct rad_ambrec *rec, size_t n)
 static size_t
 add(struct bench *b, struct records *r)
 {
-    size_t needless = 0;
+    enum { AT_ONCE = 64 }; /* for the cache is laid out anew each time */
+    size_t needless = 0, from, n;
 
-    for (size_t i = 0; i < r->n; i++) {
-        needless += rad_ambient_covers(b->job->ambient, &r->v[i]);
-        rad_ambient_insert(b->job->ambient, &r->v[i]);
+    for (from = 0; from < r->n; from += n) {
+        n = r->n - from < AT_ONCE ? r->n - from : AT_ONCE;
+        for (size_t i = 0; i < n; i++)
+            needless += rad_ambient_covers(b->job->ambient, &r->v[from + i]);
+        rad_ambient_insert_all(b->job->ambient, &r->v[from], n);
+        if (!rad_ambient_settle(b->job->ambient))
+            die_of("out of memory");
     }
     r->n = 0;
     return needless;

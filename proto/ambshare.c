@@ -105,6 +105,8 @@ ambshare_load(struct rad_ambient *amb, const void *bytes, size_t len,
     while (wire_left(&in) > 0)
         if (!ambshare_unpack(&in, &rec) || !rad_ambient_insert(amb, &rec))
             refused++;
+    if (!rad_ambient_settle(amb))
+        return rad_fail(err, RAD_ENOMEM, "out of memory");
     return refused == 0
                ? 0
                : rad_fail(err, RAD_EDATA,

@@ -7,6 +7,7 @@
 #include "base/rng.h"
 #include "base/vec.h"
 #include "light/indirect/ambcache.h"
+#include "light/indirect/ambread.h"
 #include "world.h"
 
 #include <pthread.h>
@@ -41,7 +42,7 @@ invent(uint64_t key)
 {
     struct sample s = { .rec = { .weight = (float)(.25 + .75 * draw(key, 1)),
                                  .level = (uint16_t)(3 * draw(key, 2)) } };
-    double n[3];
+    double n[3], u[3], v[3], turn = 2 * M_PI * draw(key, 15);
 
     for (uint32_t k = 0; k < 3; k++) {
         s.rec.p[k] = org[k] + SIDE * draw(key, 3 + k);
@@ -57,6 +58,10 @@ invent(uint64_t key)
         s.rec.n[axis] = draw(key, 11) < .5 ? -1 : 1;
         s.rec.p[axis] = org[axis] + SIDE / 4 * (int)(5 * draw(key, 12));
     }
+    widen(n, s.rec.n);
+    rad_frame(u, v, n);
+    for (int k = 0; k < 3; k++)
+        s.rec.u[k] = (float)(cos(turn) * u[k] + sin(turn) * v[k]);
     s.zone.reach = SIDE * exp(-1.1 - 13 * draw(key, 13));
     s.zone.height = s.zone.reach * (.3 + .7 * draw(key, 14));
     s.zone.behind = .01 * s.zone.height;
@@ -104,7 +109,7 @@ ask_near(const struct sample *s, uint64_t key)
     return ask;
 }
 
-/* Does the query meet the record? */
+/* Does the query meet the record, whose zone is as wide along u as across? */
 static bool
 meets(const struct sample *s, const struct question *ask)
 {
@@ -119,6 +124,23 @@ meets(const struct sample *s, const struct question *ask)
                1 &&
            h >= -s->zone.behind && rad_dot(n, q->n) >= ask->min_cos &&
            s->rec.level == q->level && (double)s->rec.weight >= ask->weight;
+}
+
+/* The same of a zone that is no wider along u than high. */
+static bool
+meets_ellipsoid(const struct sample *s, const struct question *ask)
+{
+    double d[3], u[3], reach = s->zone.reach, height = s->zone.height, along;
+
+    rad_sub(d, ask->q.p, s->rec.p);
+    widen(u, s->rec.u);
+    along = rad_dot(d, u);
+    rad_madd(d, d, along * reach / height - along, u);
+    struct question moved = *ask;
+
+    for (int k = 0; k < 3; k++)
+        moved.q.p[k] = s->rec.p[k] + d[k];
+    return meets(s, &moved);
 }
 
 /* May it come in vain?  In the cube about its zone, by what bytes are rounded
@@ -198,6 +220,123 @@ filled(void)
     ck_assert_uint_eq(rad_ambcache_count(c), RECORDS);
     return c;
 }
+
+/* The same records, laid out for reading: settled at several times, some of
+ * them far outside the cube. */
+static struct rad_ambzone
+zone_of(const void *arg, const struct rad_ambrec *rec)
+{
+    (void)arg;
+    return sample[(int)rec->E.g].zone;
+}
+
+static struct rad_ambread *
+settled(struct rad_ambread *r)
+{
+    bool ok = true;
+
+    rad_ambread_init(r, org, SIDE);
+    for (int i = 0; i < RECORDS; i++) {
+        sample[i] = invent(rad_key_branch(1, (uint64_t)i));
+        sample[i].rec.E.g = (float)i;
+        if (i % 50 == 0)
+            sample[i].rec.p[i % 3] += (i % 4 - 1.5) * SIDE;
+        ok &= rad_ambread_add(r, &sample[i].rec);
+        if (i % 700 == 3)
+            ok &= rad_ambread_settle(r, zone_of, NULL);
+    }
+    ok &= rad_ambread_settle(r, zone_of, NULL);
+    ck_assert(ok);
+    return r;
+}
+
+/* Ask near the edges of zones, in corners of the cube's grid, outside it. */
+static struct question
+ask_anywhere(int i)
+{
+    uint64_t key = rad_key_branch(8, (uint64_t)i);
+    const struct sample *s = &sample[(int)(RECORDS * draw(key, 0))];
+    struct question q = ask_near(s, key);
+
+    if (i % 4 == 0)
+        rad_copy(q.q.p, s->rec.p);
+    if (i % 8 == 1)
+        for (uint32_t k = 0; k < 3; k++)
+            q.q.p[k] = org[k] + SIDE / 4 * (int)(6 * draw(key, 20 + k));
+    return q;
+}
+
+START_TEST(frozen_look_up_finds_what_a_search_of_all_finds)
+{
+    struct rad_ambread r;
+    static int times[RECORDS];
+    int served = 0, vain = 0;
+
+    settled(&r);
+    for (int i = 0; i < 4 * QUERIES; i++) {
+        struct question ask = ask_anywhere(i);
+        struct found f = { .enough = INFINITY };
+        struct rad_ambquery q = ask.q;
+        struct rad_ambfit fit;
+        double reach = 0;
+
+        rad_ambfit_set(&fit, ask.min_cos, ask.weight);
+        q.fit = &fit;
+        rad_ambread_visit(&r, &q, keep, want, &f);
+        memset(times, 0, sizeof times);
+        for (int k = 0; k < f.n; k++) {
+            double its = sample[(int)f.rec[k]->E.g].zone.reach;
+
+            times[(int)f.rec[k]->E.g]++;
+            if (2.001 * its < reach)
+                ck_abort_msg("%d: %g after %g", i, its, reach);
+            reach = rad_most(reach, its);
+        }
+        for (int k = 0; k < RECORDS; k++) {
+            bool in = meets_ellipsoid(&sample[k], &ask);
+
+            if (times[k] > 1)
+                ck_abort_msg("query %d: record %d %d times", i, k, times[k]);
+            if (in && times[k] == 0)
+                ck_abort_msg("query %d: no record %d", i, k);
+            served += in;
+            vain += times[k] > in;
+        }
+    }
+    ck_assert_int_gt(served, QUERIES / 2);
+    ck_assert_int_lt(vain, 20 * served);
+    rad_ambread_release(&r);
+}
+END_TEST
+
+START_TEST(frozen_records_come_in_an_order_that_ignores_how_they_were_settled)
+{
+    struct rad_ambread often, once;
+
+    settled(&often);
+    rad_ambread_init(&once, org, SIDE);
+    for (int i = 0; i < RECORDS; i++)
+        ck_assert(rad_ambread_add(&once, &sample[i].rec));
+    ck_assert(rad_ambread_settle(&once, zone_of, NULL));
+    for (int i = 0; i < QUERIES; i++) {
+        struct question ask = ask_anywhere(i);
+        struct found a = { .enough = .02 }, b = { .enough = .02 };
+        struct rad_ambquery q = ask.q;
+        struct rad_ambfit fit;
+
+        rad_ambfit_set(&fit, ask.min_cos, ask.weight);
+        q.fit = &fit;
+        rad_ambread_visit(&often, &q, keep, want, &a);
+        rad_ambread_visit(&once, &q, keep, want, &b);
+        ck_assert_int_eq(a.n, b.n);
+        for (int k = 0; k < a.n; k++)
+            if (a.rec[k]->E.g != b.rec[k]->E.g)
+                ck_abort_msg("query %d: place %d", i, k);
+    }
+    rad_ambread_release(&often);
+    rad_ambread_release(&once);
+}
+END_TEST
 
 START_TEST(look_up_finds_what_a_search_of_all_finds)
 {
@@ -518,6 +657,9 @@ main(void)
 
     tcase_set_timeout(tc, 600);
     tcase_add_test(tc, look_up_finds_what_a_search_of_all_finds);
+    tcase_add_test(tc, frozen_look_up_finds_what_a_search_of_all_finds);
+    tcase_add_test(
+        tc, frozen_records_come_in_an_order_that_ignores_how_they_were_settled);
     tcase_add_test(tc, small_zones_come_first_and_large_ones_if_wanted);
     suite_add_tcase(s, tc);
     tc = tcase_create("memory");

@@ -148,6 +148,7 @@ close_pass(struct room *m, const struct tiles *t)
         m->nrecs += t->list[i].n;
         rad_ambient_insert_all(m->w.job->ambient, t->list[i].rec, t->list[i].n);
     }
+    ck_assert(rad_ambient_settle(m->w.job->ambient));
 }
 
 static void
@@ -414,6 +415,7 @@ START_TEST(a_tile_that_shows_its_colours_is_the_same)
               first.shadow_rays == second.shadow_rays);
     ck_assert_uint_eq(colours.n, 64);
     rad_ambient_insert_all(m->w.job->ambient, list.rec, list.n);
+    ck_assert(rad_ambient_settle(m->w.job->ambient));
     for (int i = 0; i < 64; i++) {
         double got = rad_rgbe_radiance(colours.rgbe[i]).g;
 

@@ -331,6 +331,8 @@ make_pass(struct rad_passes *p, struct rad_ctx *ctx,
             rc = rad_fail(err, RAD_ENOMEM, "out of memory");
     if (rc == 0)
         rad_ambient_insert_all(ctx->job->ambient, k->rec, k->n);
+    if (rc == 0 && !rad_ambient_settle(ctx->job->ambient))
+        rc = rad_fail(err, RAD_ENOMEM, "out of memory");
     return rc;
 }
 

@@ -141,10 +141,12 @@ freeze(struct renderer *by, struct pool_frozen *f)
     struct pool_tiling *k = &p->tiling;
     struct rad_ambient *amb = p->job->ambient;
     size_t before = rad_ambient_count(amb);
+    bool settled;
 
     rad_ambient_insert_all(amb, f->rec, f->n);
+    settled = rad_ambient_settle(amb);
     uv_mutex_lock(&p->mu);
-    if (rad_ambient_count(amb) != before + f->n)
+    if (!settled || rad_ambient_count(amb) != before + f->n)
         rad_fail(&k->err, RAD_ENOMEM,
                  "out of memory, or an ambient record does not fit the scene");
     if (!k->told)

@@ -318,16 +318,6 @@ spread(struct bulk *b, const struct load *l)
                 }
 }
 
-/* Depth of the smallest cells that are SPAN times as wide. */
-static int
-depth_for(double reach)
-{
-    int e;
-
-    frexp(SPAN * reach, &e);
-    return e > 0 ? 0 : e < -MAX_DEPTH ? MAX_DEPTH : -e;
-}
-
 void
 rad_ambitem_set(struct rad_ambitem *item, const struct rad_ambrec *rec)
 {

@@ -17,9 +17,9 @@ struct rad_ambcache;
 struct rad_ambcache *rad_ambcache_new(const double org[3], double side);
 void rad_ambcache_free(struct rad_ambcache *c);
 
-/* Bounds of the part of space in which a record may serve: beyond `reach` from
- * its point, beyond `height` before its plane and `behind` behind that, it does
- * not. */
+/* Bounds of the part of space in which a record may serve: half an ellipsoid,
+ * with `reach` as its axis across (n x u) and `height` as those along n and u,
+ * and what of the other half is less than `behind` deep. */
 struct rad_ambzone {
     double reach, height, behind;
 };

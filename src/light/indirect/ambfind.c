@@ -43,10 +43,11 @@ rad_ambfit_set(struct rad_ambfit *fit, double min_cos, double weight)
  * than any other: that far, as a sine, a normal must be off, and a little for
  * what the lengths of normals are off.  Nor are they more than 55 degrees from
  * it, so what is beyond 145 does not matter. */
-static inline unsigned
-faces_about(const double n[3], double sine)
+unsigned
+rad_ambfit_faces(const struct rad_ambfit *fit, const double n[3])
 {
-    double slack = M_SQRT2 * sine + 1e-3, at[3], least, middle, most;
+    double sine = fit->sine, slack = M_SQRT2 * sine + 1e-3, at[3];
+    double least, middle, most;
     unsigned faces = 0;
 
     for (int k = 0; k < 3; k++)
@@ -300,7 +301,7 @@ rad_ambcache_visit(const struct rad_ambcache *c, const struct rad_ambquery *q,
                    rad_ambcache_fn *fn, rad_ambcache_more_fn *more, void *arg)
 {
     const struct cell *root = c->root[root_of(q->level)];
-    unsigned faces = faces_about(q->n, q->fit->sine);
+    unsigned faces = rad_ambfit_faces(q->fit, q->n);
     struct path path[FACES];
     struct visit v;
     int n = 0;

@@ -25,6 +25,7 @@
 
 #include "light/indirect/ambient.h"
 #include "light/indirect/ambcache.h"
+#include "light/indirect/ambread.h"
 #include "light/indirect/ambshape.h"
 #include "light/indirect/ambtile.h"
 #include "light/indirect/gradient.h"
@@ -82,7 +83,8 @@ struct terms {
 
 struct rad_ambient {
     const struct rad_job *job;  /* [fixed] */
-    struct rad_ambcache *cache; /* [fixed] */
+    struct rad_ambcache *cache; /* [fixed] of a cache that is not frozen */
+    struct rad_ambread read;    /* of one that is */
     double org[3];              /* [fixed] the cube's corner */
     struct rad_ambscale scale;  /* [fixed] */
     bool frozen;                /* [fixed] once there are records */
@@ -124,6 +126,7 @@ rad_ambient_new(const struct rad_job *job, struct rad_error *err)
         amb->org[k] = (lo[k] + hi[k] - amb->scale.side) / 2;
     for (int i = 0; i < USUAL_LEVELS; i++)
         set_terms(amb, (float)pow(MEAN_REFLECTANCE, i), &amb->usual[i]);
+    rad_ambread_init(&amb->read, amb->org, amb->scale.side);
     amb->cache = rad_ambcache_new(amb->org, amb->scale.side);
     if (amb->cache)
         return amb;
@@ -139,6 +142,7 @@ rad_ambient_free(struct rad_ambient *amb)
     if (!amb)
         return;
     rad_ambcache_free(amb->cache);
+    rad_ambread_release(&amb->read);
     free(amb);
 }
 
@@ -146,6 +150,8 @@ void
 rad_ambient_freeze(struct rad_ambient *amb)
 {
     amb->frozen = true;
+    rad_ambcache_free(amb->cache);
+    amb->cache = NULL;
     amb->scale.deep = DEEP_REACH * amb->scale.ambacc;
 }
 
@@ -236,7 +242,8 @@ insert(struct rad_ambient *amb, const struct rad_ambrec *rec, bool local)
     struct rad_ambzone zone = zone_of(amb, rec);
 
     if (!is_plausible(amb, rec) ||
-        !rad_ambcache_insert(amb->cache, rec, &zone, local))
+        !(amb->frozen ? rad_ambread_add(&amb->read, rec)
+                      : rad_ambcache_insert(amb->cache, rec, &zone, local)))
         return false;
     count_light(amb, rec);
     return true;
@@ -268,12 +275,30 @@ rad_ambient_insert(struct rad_ambient *amb, const struct rad_ambrec *rec)
     return insert(amb, rec, false);
 }
 
+/* rad_ambread_zone_fn */
+static struct rad_ambzone
+zone_in(const void *arg, const struct rad_ambrec *rec)
+{
+    return zone_of(arg, rec);
+}
+
+bool
+rad_ambient_settle(struct rad_ambient *amb)
+{
+    return !amb->frozen || rad_ambread_settle(&amb->read, zone_in, amb);
+}
+
 void
 rad_ambient_insert_all(struct rad_ambient *amb, struct rad_ambrec *rec,
                        size_t n)
 {
     struct rad_ambzone zone[RAD_AMBIENT_TOGETHER];
 
+    if (amb->frozen) {
+        for (size_t i = 0; i < n; i++)
+            insert(amb, &rec[i], false);
+        return;
+    }
     while (n > 0) {
         size_t most = n < RAD_AMBIENT_TOGETHER ? n : RAD_AMBIENT_TOGETHER;
         size_t good = 0;
@@ -294,20 +319,23 @@ rad_ambient_insert_all(struct rad_ambient *amb, struct rad_ambrec *rec,
 size_t
 rad_ambient_drain(struct rad_ambient *amb, struct rad_ambrec *out, size_t max)
 {
-    return rad_ambcache_read(amb->cache, &amb->drained, true, out, max);
+    return amb->frozen
+               ? 0
+               : rad_ambcache_read(amb->cache, &amb->drained, true, out, max);
 }
 
 size_t
 rad_ambient_list(const struct rad_ambient *amb, uint64_t *cursor,
                  struct rad_ambrec *out, size_t max)
 {
-    return rad_ambcache_read(amb->cache, cursor, false, out, max);
+    return amb->frozen ? rad_ambread_list(&amb->read, cursor, out, max)
+                       : rad_ambcache_read(amb->cache, cursor, false, out, max);
 }
 
 size_t
 rad_ambient_count(const struct rad_ambient *amb)
 {
-    return rad_ambcache_count(amb->cache);
+    return amb->frozen ? amb->read.n : rad_ambcache_count(amb->cache);
 }
 
 /* --- interpolation --- */
@@ -490,7 +518,10 @@ search_all(struct search *s)
         s->n[k] = (float)at->n[k];
         s->pn[k] = (float)at->pn[k];
     }
-    rad_ambcache_visit(amb->cache, &q, add_records, want_more, s);
+    if (amb->frozen)
+        rad_ambread_visit(&amb->read, &q, add_records, want_more, s);
+    else
+        rad_ambcache_visit(amb->cache, &q, add_records, want_more, s);
     if (s->tile)
         rad_ambcache_visit(s->tile->own, &q, add_records, want_more, s);
 }

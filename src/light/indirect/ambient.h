@@ -6,6 +6,7 @@
  * lengths in scene units, normals of unit length.
  * Growth: append-only octrees (ambcache.c).  Readers never wait; an insertion
  * is a compare-and-swap on a list head; records are never moved or changed.
+ * A frozen cache is an array and trees made anew after insertions (ambread.c).
  * Sources: Ward, Rubinstein & Clear 1988 (record radius, error);
  *          Ward & Heckbert 1992 (gradients);
  *          Schwarzhaupt, Jensen & Jarosz 2012 (Hessian radii). */
@@ -40,10 +41,16 @@ struct rad_ambient *rad_ambient_new(const struct rad_job *job,
 void rad_ambient_free(struct rad_ambient *amb);
 
 /* From now on the cache changes by rad_ambient_insert() and
- * rad_ambient_insert_all() alone, with no thread rendering: what a place lacks
- * is made for the tile that asks (ambtile.h), or for that place alone.  To be
+ * rad_ambient_insert_all() alone, with no thread rendering, and what these
+ * brought serves once rad_ambient_settle() was called: what a place lacks is
+ * made for the tile that asks (ambtile.h), or for that place alone.  To be
  * called before the first record. */
 void rad_ambient_freeze(struct rad_ambient *amb);
+
+/* Make of a frozen cache what look-ups read; to be called after insertions and
+ * before the next look-up.  Nothing to do for one that is not frozen.  False:
+ * out of memory; the cache must not be read then. */
+bool rad_ambient_settle(struct rad_ambient *amb);
 bool rad_ambient_is_frozen(const struct rad_ambient *amb);
 
 /* The cube that its records are in. */

@@ -1,7 +1,9 @@
 /* ambtree.h - the octree of ambient records, as ambcache.c makes it and
  * ambfind.c reads it
  *
- * Private to these two; ambcache.c says how it is laid out and why.  */
+ * Private to these two, but for what ambread.c shares of it: trees by bounces
+ * and face, sizes, bytes of normals.  ambcache.c says how the octree is laid
+ * out and why.  */
 #ifndef RAD_LIGHT_AMBTREE_H
 #define RAD_LIGHT_AMBTREE_H
 
@@ -118,6 +120,19 @@ cell_number(double q)
         return 0;
     return q >= 1 ? last : (uint64_t)(q * 0x1p48);
 }
+
+/* Depth of the smallest cells that are SPAN times as wide. */
+static inline int
+depth_for(double reach)
+{
+    int e;
+
+    frexp(SPAN * reach, &e);
+    return e > 0 ? 0 : e < -MAX_DEPTH ? MAX_DEPTH : -e;
+}
+
+/* The faces that records which fit a normal may have, as bits. */
+unsigned rad_ambfit_faces(const struct rad_ambfit *fit, const double n[3]);
 
 /* Cells of that depth in a row. */
 static inline double

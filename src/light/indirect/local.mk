@@ -7,6 +7,8 @@ librad_a_SOURCES += \
 	src/light/indirect/ambient.h \
 	src/light/indirect/ambpool.c \
 	src/light/indirect/ambpool.h \
+	src/light/indirect/ambread.c \
+	src/light/indirect/ambread.h \
 	src/light/indirect/ambshape.c \
 	src/light/indirect/ambshape.h \
 	src/light/indirect/ambtile.c \

@@ -1,0 +1,728 @@
+/* ambread.c - see ambread.h
+ *
+ * Records of each number of bounces and face of the normal have a tree of their
+ * own, as in ambcache.c: an octree of the cube, whose leaves list every record
+ * with a zone that touches them.  A look-up goes down to one leaf and reads one
+ * list, from end to end or until it has enough: small zones come first.
+ *
+ * Lists are made of blocks of LANES places.  Of ten records in a list about one
+ * serves; a block says of each, in bytes, between which planes along each axis
+ * its zone lies, in 256ths of the leaf, and which way its normal leans.  All
+ * places of a block are tried at once, and only what passes is fetched.  The
+ * box is that of half the ellipsoid about the record's axes, so that a zone on
+ * a wall is as thin as it serves.  Point and planes become bytes by the same
+ * steps of one grid, so rounding leaves nothing out.
+ *
+ * A cell is divided while its list would take longer to read than those of its
+ * eight parts, by the half of a block that a step down costs, a part being
+ * asked for as often as it has records: they are made where look-ups miss.
+ * Copies are bounded: a tree has at most COPIES places a record, or one block,
+ * of which what the parts of a cell leave is shared out among them.  */
+#include "config.h"
+
+#include "light/indirect/ambread.h"
+#include "light/indirect/ambtree.h"
+#include "base/vec.h"
+
+#include <assert.h>
+#include <stdlib.h>
+#include <string.h>
+#if defined(__x86_64__)
+#include <emmintrin.h>
+#endif
+
+#define PLACES  16 /* of a block: a vector of bytes */
+#define COPIES  6  /* most places a record takes */
+#define DEEPEST 24 /* level of the smallest leaves */
+#define GRID    32 /* bits of a place in the cube */
+#define NO_SIZE 255
+#define AT_ONCE 64 /* records that are handed on together */
+
+struct places {
+    uint8_t lo[3][PLACES], hi[3][PLACES]; /* the zone, in 256ths of the leaf */
+    uint8_t lean[2][PLACES]; /* the normal's components beside the face's axis:
+                              * normal_byte() */
+    uint8_t size[PLACES];    /* MAX_DEPTH - depth_for(reach), rising; NO_SIZE:
+                              * the place is empty */
+    uint32_t item[PLACES];
+};
+
+/* A cell is a leaf, LEAF | blocks << 32 | the first of them; or the number of
+ * the first of its parts. */
+#define LEAF (UINT64_C(1) << 63)
+
+struct rad_ambread_tree {
+    uint64_t root;
+    uint64_t *part; /* eight to a cell that is divided */
+    struct places *block;
+    size_t nparts, nblocks;
+};
+
+void
+rad_ambread_init(struct rad_ambread *r, const double org[3], double side)
+{
+    memset(r, 0, sizeof *r);
+    rad_copy(r->org, org);
+    r->side = side;
+}
+
+static void
+release_tree(struct rad_ambread_tree *t)
+{
+    free(t->part);
+    free(t->block);
+}
+
+void
+rad_ambread_release(struct rad_ambread *r)
+{
+    for (int i = 0; r->tree && i < ROOTS * FACES; i++)
+        release_tree(&r->tree[i]);
+    free(r->tree);
+    free(r->item);
+}
+
+bool
+rad_ambread_add(struct rad_ambread *r, const struct rad_ambrec *rec)
+{
+    if (r->n == UINT32_MAX)
+        return false;
+    if (r->n == r->cap) {
+        size_t cap = r->cap + r->cap / 4 + 64;
+        struct rad_ambitem *more = realloc(r->item, cap * sizeof *more);
+
+        if (!more)
+            return false;
+        r->item = more;
+        r->cap = cap;
+    }
+    rad_ambitem_set(&r->item[r->n++], rec);
+    return true;
+}
+
+size_t
+rad_ambread_list(const struct rad_ambread *r, uint64_t *cursor,
+                 struct rad_ambrec *out, size_t max)
+{
+    size_t n = 0;
+
+    for (; n < max && *cursor < r->n; ++*cursor)
+        out[n++] = r->item[*cursor].rec;
+    return n;
+}
+
+/* --- making trees --- */
+
+/* A place along an axis of the cube, as a number. */
+static inline uint32_t
+grid_number(double q)
+{
+    return (uint32_t)(cell_number(q) >> (BITS - GRID));
+}
+
+/* Where a record may serve. */
+struct extent {
+    uint32_t lo[3], hi[3]; /* its box, by grid_number() */
+    float at[3], reach;    /* the ball about it, in sides of the cube; rounded
+                            * up by what floats lose */
+    uint32_t item;
+    uint8_t size;
+};
+
+struct build {
+    const struct rad_ambread *r;
+    struct rad_ambread_tree tree;
+    size_t most_parts, most_blocks; /* that there is room for */
+    int face;
+    const struct extent *extent;
+    uint32_t *list; /* those of the cells on the way down, one after another */
+    size_t top, most;
+    uint8_t *touched; /* of what is being divided: parts, as bits */
+    bool failed;      /* memory was out */
+};
+
+/* Half an ellipsoid about the normal, whose axis across is `reach` long and
+ * whose others are `height`; and what rounding of the axes may do to it. */
+static void
+set_extent(struct extent *e, const struct rad_ambread *r, uint32_t item,
+           const struct rad_ambzone *zone)
+{
+    const struct rad_ambitem *it = &r->item[item];
+    double per = (1 + 0x1p-20) / r->side, q[3];
+    double reach = zone->reach * per + 0x1p-48;
+    double height = zone->height * per + 0x1p-48;
+    double behind = zone->behind * per + 0x1p-48, slack = 2e-3 * reach;
+
+    for (int k = 0; k < 3; k++) {
+        double n = it->rec.n[k], v = it->across[k];
+        double wide = reach * reach * v * v;
+        double whole =
+            sqrt(wide + height * height * rad_most(1 - v * v, 0)) + slack;
+        double half =
+            sqrt(wide + height * height * rad_most(1 - v * v - n * n, 0)) +
+            behind * fabs(n) + slack;
+
+        half = rad_least(half, whole);
+        q[k] = (it->rec.p[k] - r->org[k]) / r->side;
+        e->lo[k] = grid_number(q[k] - (n < 0 ? whole : half));
+        e->hi[k] = grid_number(q[k] + (n < 0 ? half : whole));
+        e->at[k] = (float)clamp(q[k], 0, 1);
+    }
+    e->reach = (float)(reach + slack + 1e-6);
+    e->item = item;
+    e->size = (uint8_t)(MAX_DEPTH - depth_for(reach));
+}
+
+struct spot {
+    uint32_t cell[3]; /* its number, at its depth */
+    int depth;
+};
+
+/* Squared distances of a place from the halves of a cell along an axis, and
+ * which halves a box reaches, as bits. */
+static inline unsigned
+halves(const struct extent *e, const struct spot *s, int k, float d2[2])
+{
+    uint64_t middle = ((uint64_t)s->cell[k] * 2 + 1) << (GRID - 1 - s->depth);
+    float side = ldexpf(.5f, -s->depth);
+    float d = e->at[k] - (float)(2 * (uint64_t)s->cell[k] + 1) * side;
+    float low = fabsf(d + side / 2) - side / 2;
+    float high = fabsf(d - side / 2) - side / 2;
+
+    d2[0] = low > 0 ? low * low : 0;
+    d2[1] = high > 0 ? high * high : 0;
+    return (unsigned)(e->lo[k] < middle) | (unsigned)(e->hi[k] >= middle) << 1;
+}
+
+/* The parts of a cell that a zone touches, as bits, by x | y << 1 | z << 2. */
+static unsigned
+parts_touched(const struct extent *e, const struct spot *s)
+{
+    float x[2], y[2], z[2], r2 = e->reach * e->reach;
+    unsigned in[3] = { halves(e, s, 0, x), halves(e, s, 1, y),
+                       halves(e, s, 2, z) };
+    unsigned parts = 0;
+
+    for (unsigned k = 0; k < 8; k++)
+        parts |= (in[0] >> (k & 1) & in[1] >> (k >> 1 & 1) & in[2] >> (k >> 2) &
+                  (unsigned)(x[k & 1] + y[k >> 1 & 1] + z[k >> 2] <= r2))
+                 << k;
+    return parts;
+}
+
+static size_t
+blocks_for(size_t n)
+{
+    return (n + PLACES - 1) / PLACES;
+}
+
+static void
+push(struct build *b, uint32_t e)
+{
+    if (b->top == b->most) {
+        size_t most = 2 * b->most + 1024;
+        uint32_t *more = realloc(b->list, most * sizeof *more);
+
+        b->failed |= !more;
+        if (!more)
+            return;
+        b->list = more;
+        b->most = most;
+    }
+    b->list[b->top++] = e;
+}
+
+/* One end of a box as a byte in that cell, 0 or 255 beyond it. */
+static uint8_t
+byte_in(uint32_t number, uint32_t cell, int depth)
+{
+    uint64_t from = (uint64_t)cell << (GRID - depth);
+    uint64_t last = from + (UINT64_C(1) << (GRID - depth)) - 1;
+    uint64_t at = number < from ? from : number > last ? last : number;
+
+    return (uint8_t)((at - from) >> (GRID - depth - 8));
+}
+
+static void
+fill(const struct build *b, struct places *to, int i, const struct extent *e,
+     const struct spot *s)
+{
+    const float *n = b->r->item[e->item].rec.n;
+    int axis = b->face / 2;
+
+    for (int k = 0; k < 3; k++) {
+        to->lo[k][i] = byte_in(e->lo[k], s->cell[k], s->depth);
+        to->hi[k][i] = byte_in(e->hi[k], s->cell[k], s->depth);
+    }
+    for (int k = 0; k < 2; k++)
+        to->lean[k][i] = normal_byte((double)n[(axis + 1 + k) % 3]);
+    to->size[i] = e->size;
+    to->item[i] = e->item;
+}
+
+/* A leaf that lists n extents from list[from] on. */
+static uint64_t
+make_leaf(struct build *b, size_t from, size_t n, const struct spot *s)
+{
+    struct rad_ambread_tree *t = &b->tree;
+    size_t first = t->nblocks, blocks = blocks_for(n);
+
+    if (first + blocks > b->most_blocks) {
+        size_t most = 2 * first + blocks;
+        struct places *more = realloc(t->block, most * sizeof *more);
+
+        b->failed |= !more;
+        if (!more)
+            return LEAF;
+        t->block = more;
+        b->most_blocks = most;
+    }
+    t->nblocks += blocks;
+    for (size_t i = 0; i < blocks; i++) {
+        memset(&t->block[first + i], 0, sizeof *t->block);
+        memset(t->block[first + i].size, NO_SIZE, PLACES);
+    }
+    for (size_t i = 0; i < n; i++)
+        fill(b, &t->block[first + i / PLACES], (int)(i % PLACES),
+             &b->extent[b->list[from + i]], s);
+    return LEAF | (uint64_t)blocks << 32 | first;
+}
+
+static struct spot
+part_of(const struct spot *s, unsigned k)
+{
+    return (struct spot){ { s->cell[0] << 1 | (k & 1),
+                            s->cell[1] << 1 | (k >> 1 & 1),
+                            s->cell[2] << 1 | k >> 2 },
+                          s->depth + 1 };
+}
+
+/* The lists of a cell's eight parts, and what they amount to. */
+struct parts {
+    size_t from[8], n[8];
+    size_t blocks;
+};
+
+static void
+divide(struct build *b, size_t from, size_t n, const struct spot *s,
+       struct parts *p)
+{
+    for (size_t i = 0; i < n; i++)
+        b->touched[i] =
+            (uint8_t)parts_touched(&b->extent[b->list[from + i]], s);
+    p->blocks = 0;
+    for (unsigned k = 0; k < 8; k++) {
+        p->from[k] = b->top;
+        for (size_t i = 0; i < n; i++)
+            if (b->touched[i] >> k & 1)
+                push(b, b->list[from + i]);
+        p->n[k] = b->top - p->from[k];
+        p->blocks += blocks_for(p->n[k]);
+    }
+}
+
+/* Does reading the parts' lists take less, by half a block? */
+static bool
+pays(const struct parts *p, size_t n)
+{
+    size_t sum = 0, whole = 0;
+
+    for (int k = 0; k < 8; k++) {
+        sum += p->n[k] * 2 * blocks_for(p->n[k]);
+        whole += p->n[k];
+    }
+    return sum < whole * (2 * blocks_for(n) - 1);
+}
+
+static size_t
+new_parts(struct build *b)
+{
+    struct rad_ambread_tree *t = &b->tree;
+
+    if (t->nparts + 8 > b->most_parts) {
+        size_t most = 2 * t->nparts + 8;
+        uint64_t *more = realloc(t->part, most * sizeof *more);
+
+        b->failed |= !more;
+        if (!more)
+            return 0;
+        t->part = more;
+        b->most_parts = most;
+    }
+    t->nparts += 8;
+    return t->nparts - 8;
+}
+
+/* The cell that lists n extents from list[from] on, in `most` blocks. */
+static uint64_t
+make_cell(struct build *b, size_t from, size_t n, size_t most,
+          const struct spot *s)
+{
+    size_t top = b->top, at;
+    struct parts p;
+    uint64_t cell;
+
+    if (n <= PLACES || s->depth == DEEPEST || b->failed)
+        return make_leaf(b, from, n, s);
+    divide(b, from, n, s, &p);
+    if (b->failed || p.blocks > most || !pays(&p, n)) {
+        b->top = top;
+        return make_leaf(b, from, n, s);
+    }
+    at = new_parts(b);
+    for (unsigned k = 0; k < 8 && !b->failed; k++) {
+        struct spot part = part_of(s, k);
+
+        cell = make_cell(b, p.from[k], p.n[k],
+                         most * blocks_for(p.n[k]) / p.blocks, &part);
+        if (!b->failed)
+            b->tree.part[at + k] = cell;
+    }
+    b->top = top;
+    return at;
+}
+
+/* Give back what was not needed. */
+static void
+trim(struct build *b)
+{
+    struct rad_ambread_tree *t = &b->tree;
+    void *less = realloc(t->part, (t->nparts + 1) * sizeof *t->part);
+
+    t->part = less ? less : t->part;
+    less = realloc(t->block, (t->nblocks + 1) * sizeof *t->block);
+    t->block = less ? less : t->block;
+}
+
+/* The tree of n extents, smallest first. */
+static bool
+make_tree(struct rad_ambread *r, int which, const struct extent *extent,
+          size_t n)
+{
+    struct build b = { .r = r, .face = which % FACES, .extent = extent };
+    struct spot whole = { .depth = 0 };
+    size_t most = n * COPIES / PLACES;
+
+    b.touched = malloc(n);
+    b.failed = !b.touched;
+    for (uint32_t i = 0; i < n; i++)
+        push(&b, i);
+    if (!b.failed)
+        b.tree.root = make_cell(&b, 0, n, most, &whole);
+    free(b.list);
+    free(b.touched);
+    if (b.failed) {
+        release_tree(&b.tree);
+        return false;
+    }
+    trim(&b);
+    release_tree(&r->tree[which]);
+    r->tree[which] = b.tree;
+    return true;
+}
+
+static int
+tree_of(const struct rad_ambrec *rec)
+{
+    return root_of(rec->level) * FACES + face_of(rec->n);
+}
+
+/* Small zones first; else as they were added. */
+static int
+compare(const void *one, const void *other)
+{
+    const struct extent *a = one, *b = other;
+
+    if (a->size != b->size)
+        return a->size < b->size ? -1 : 1;
+    return a->item < b->item ? -1 : 1;
+}
+
+static bool
+remake(struct rad_ambread *r, int which, size_t n, rad_ambread_zone_fn *zone,
+       const void *arg)
+{
+    struct extent *extent = calloc(n, sizeof *extent);
+    size_t got = 0;
+    bool ok;
+
+    if (!extent)
+        return false;
+    for (uint32_t i = 0; i < r->n; i++)
+        if (tree_of(&r->item[i].rec) == which) {
+            struct rad_ambzone z = zone(arg, &r->item[i].rec);
+
+            set_extent(&extent[got++], r, i, &z);
+        }
+    assert(got == n);
+    qsort(extent, n, sizeof *extent, compare);
+    ok = make_tree(r, which, extent, n);
+    free(extent);
+    return ok;
+}
+
+static bool
+make_forest(struct rad_ambread *r)
+{
+    if (r->tree)
+        return true;
+    r->tree = calloc(ROOTS * FACES, sizeof *r->tree);
+    for (int i = 0; r->tree && i < ROOTS * FACES; i++)
+        r->tree[i].root = LEAF;
+    return r->tree != NULL;
+}
+
+bool
+rad_ambread_settle(struct rad_ambread *r, rad_ambread_zone_fn *zone,
+                   const void *arg)
+{
+    size_t n[ROOTS * FACES] = { 0 };
+    bool grown[ROOTS * FACES] = { false };
+    struct rad_ambitem *less;
+
+    if (r->settled == r->n)
+        return true;
+    if (!make_forest(r))
+        return false;
+    for (size_t i = 0; i < r->n; i++) {
+        int which = tree_of(&r->item[i].rec);
+
+        n[which]++;
+        grown[which] |= i >= r->settled;
+    }
+    for (int i = 0; i < ROOTS * FACES; i++)
+        if (grown[i] && !remake(r, i, n[i], zone, arg))
+            return false;
+    less = realloc(r->item, r->n * sizeof *less);
+    r->item = less ? less : r->item;
+    r->cap = less ? r->n : r->cap;
+    r->settled = r->n;
+    return true;
+}
+
+/* --- look-up --- */
+
+/* What is asked of a list, in bytes as in a block. */
+struct probe {
+    uint8_t at[3], lean[2], turn;
+};
+
+#if defined(__x86_64__)
+
+static inline __m128i
+load(const uint8_t bytes[PLACES])
+{
+    return _mm_loadu_si128((const __m128i *)bytes);
+}
+
+/* Nonzero where a byte is less than `low`, or `high` less than a byte. */
+static inline __m128i
+outside(const uint8_t low[PLACES], __m128i at, const uint8_t high[PLACES])
+{
+    return _mm_or_si128(_mm_subs_epu8(load(low), at),
+                        _mm_subs_epu8(at, load(high)));
+}
+
+static inline __m128i
+leans(const uint8_t bytes[PLACES], uint8_t from, __m128i turn)
+{
+    __m128i a = load(bytes), b = _mm_set1_epi8((char)from);
+
+    return _mm_subs_epu8(_mm_or_si128(_mm_subs_epu8(a, b), _mm_subs_epu8(b, a)),
+                         turn);
+}
+
+/* The places of a block that may serve, as bits; those that are empty, too. */
+static inline unsigned
+passing(const struct places *b, const struct probe *q)
+{
+    __m128i turn = _mm_set1_epi8((char)q->turn);
+    __m128i over = leans(b->lean[0], q->lean[0], turn);
+
+    over = _mm_or_si128(over, leans(b->lean[1], q->lean[1], turn));
+    for (int k = 0; k < 3; k++)
+        over = _mm_or_si128(
+            over, outside(b->lo[k], _mm_set1_epi8((char)q->at[k]), b->hi[k]));
+    return (unsigned)_mm_movemask_epi8(
+        _mm_cmpeq_epi8(over, _mm_setzero_si128()));
+}
+
+/* The places with zones of at most that size, as bits. */
+static inline unsigned
+up_to(const struct places *b, uint8_t size)
+{
+    __m128i over = _mm_subs_epu8(load(b->size), _mm_set1_epi8((char)size));
+
+    return (unsigned)_mm_movemask_epi8(
+        _mm_cmpeq_epi8(over, _mm_setzero_si128()));
+}
+
+#else
+
+static unsigned
+passing(const struct places *b, const struct probe *q)
+{
+    unsigned pass = 0;
+
+    for (unsigned i = 0; i < PLACES; i++) {
+        bool in = abs(b->lean[0][i] - q->lean[0]) <= q->turn &&
+                  abs(b->lean[1][i] - q->lean[1]) <= q->turn;
+
+        for (int k = 0; k < 3; k++)
+            in &= b->lo[k][i] <= q->at[k] && q->at[k] <= b->hi[k][i];
+        pass |= (unsigned)in << i;
+    }
+    return pass;
+}
+
+static unsigned
+up_to(const struct places *b, uint8_t size)
+{
+    unsigned bits = 0;
+
+    for (unsigned i = 0; i < PLACES; i++)
+        bits |= (unsigned)(b->size[i] <= size) << i;
+    return bits;
+}
+
+#endif
+
+/* A list that is being read. */
+struct reading {
+    const struct places *block, *end; /* NULL: there is none */
+    struct probe probe;
+    unsigned pass, read; /* places of `block` that may serve, that were read */
+    uint8_t size;        /* of the next place; NO_SIZE: all is read */
+};
+
+static inline void
+begin_block(struct reading *k)
+{
+    k->read = 0;
+    k->size = NO_SIZE;
+    if (k->block == k->end)
+        return;
+    k->size = k->block->size[0];
+    k->pass = passing(k->block, &k->probe);
+}
+
+static inline void
+begin_list(struct reading *k, const struct rad_ambread_tree *t,
+           const uint32_t number[3])
+{
+    uint64_t cell = t->root;
+    int shift = GRID;
+
+    while (!(cell & LEAF)) {
+        shift--;
+        cell = t->part[cell + ((number[0] >> shift & 1) |
+                               (number[1] >> shift & 1) << 1 |
+                               (number[2] >> shift & 1) << 2)];
+    }
+    for (int j = 0; j < 3; j++)
+        k->probe.at[j] = (uint8_t)(number[j] >> (shift - 8));
+    k->block = k->end = t->block;
+    if (cell != LEAF) {
+        k->block += (uint32_t)cell;
+        k->end = k->block + ((cell & ~LEAF) >> 32);
+    }
+    begin_block(k);
+}
+
+struct finds {
+    const struct rad_ambread *r;
+    rad_ambcache_fn *fn;
+    void *arg;
+    int n;
+    const struct rad_ambitem *item[AT_ONCE];
+};
+
+static inline void
+hand_on(struct finds *f)
+{
+    if (f->n > 0)
+        f->fn(f->arg, f->item, f->n);
+    f->n = 0;
+}
+
+/* Find what may serve among the places of that size, which come next. */
+static inline void
+read_size(struct reading *k, uint8_t size, struct finds *f)
+{
+    while (k->size == size) {
+        unsigned now = up_to(k->block, size), found = now & ~k->read & k->pass;
+
+        if (f->n > AT_ONCE - PLACES)
+            hand_on(f);
+        for (; found; found &= found - 1) {
+            const struct rad_ambitem *item =
+                &f->r->item[k->block->item[__builtin_ctz(found)]];
+
+            __builtin_prefetch(item);
+            __builtin_prefetch((const char *)item + LINE);
+            f->item[f->n++] = item;
+        }
+        k->read = now;
+        k->size = NO_SIZE;
+        if (now + 1 < 1u << PLACES)
+            k->size = k->block->size[__builtin_ctz(~now)];
+        if (k->size == NO_SIZE) {
+            k->block++;
+            begin_block(k);
+        }
+    }
+}
+
+/* Read all lists in step. */
+static void
+read_all(struct reading *list, int n, struct finds *f,
+         rad_ambcache_more_fn *more)
+{
+    bool any = false;
+
+    for (;;) {
+        uint8_t size = NO_SIZE;
+
+        for (int i = 0; i < n; i++)
+            size = list[i].size < size ? list[i].size : size;
+        if (size == NO_SIZE)
+            return;
+        if (any && !more(f->arg, f->r->side / (SPAN * cells_across(MAX_DEPTH -
+                                                                   size + 1))))
+            return;
+        any = true;
+        for (int i = 0; i < n; i++)
+            read_size(&list[i], size, f);
+        hand_on(f);
+    }
+}
+
+void
+rad_ambread_visit(const struct rad_ambread *r, const struct rad_ambquery *q,
+                  rad_ambcache_fn *fn, rad_ambcache_more_fn *more, void *arg)
+{
+    struct finds finds = { .r = r, .fn = fn, .arg = arg };
+    unsigned faces = rad_ambfit_faces(q->fit, q->n);
+    struct reading list[FACES];
+    uint32_t number[3];
+    uint8_t lean[3];
+    int n = 0;
+
+    assert(r->settled == r->n);
+    if (!r->tree)
+        return;
+    for (int k = 0; k < 3; k++) {
+        number[k] = grid_number((q->p[k] - r->org[k]) / r->side);
+        lean[k] = normal_byte(q->n[k]);
+    }
+    for (; faces; faces &= faces - 1) {
+        int face = __builtin_ctz(faces);
+
+        list[n].probe.turn = q->fit->turn;
+        for (int k = 0; k < 2; k++)
+            list[n].probe.lean[k] = lean[(face / 2 + 1 + k) % 3];
+        begin_list(&list[n++], &r->tree[root_of(q->level) * FACES + face],
+                   number);
+    }
+    read_all(list, n, &finds, more);
+}
