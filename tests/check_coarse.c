@@ -46,9 +46,9 @@ filled(struct coarse *c, int x, int y)
 
 static const struct {
     int width, height, step;
-} sizes[] = { { 1, 1, 32 },   { 1, 1, 8 },   { 8, 9, 8 },    { 7, 65, 32 },
-              { 64, 64, 32 }, { 65, 1, 16 }, { 97, 75, 32 }, { 97, 75, 16 },
-              { 97, 75, 8 },  { 33, 31, 8 } };
+} sizes[] = { { 1, 1, 32 },   { 1, 1, 8 },    { 8, 9, 8 },    { 7, 65, 32 },
+              { 64, 64, 32 }, { 65, 1, 16 },  { 97, 75, 64 }, { 97, 75, 256 },
+              { 97, 75, 32 }, { 97, 75, 16 }, { 97, 75, 8 },  { 33, 31, 8 } };
 
 /* Whatever the lattice, a plane comes out as itself between its pixels, and
  * beyond the last of them as that one. */
@@ -107,7 +107,7 @@ START_TEST(pixels_that_came_stand_as_they_are)
 END_TEST
 
 static const struct action_colours wrong[] = {
-    { 0, 0, 0, 4, 1, 1, colours },         { 0, 0, 0, 64, 1, 1, colours },
+    { 0, 0, 0, 4, 1, 1, colours },         { 0, 0, 0, 512, 1, 1, colours },
     { 0, 0, 0, 12, 1, 1, colours },        { 0, 4, 0, 8, 1, 1, colours },
     { 0, 0, 4, 8, 1, 1, colours },         { 0, -8, 0, 8, 1, 1, colours },
     { 0, 0, -8, 8, 1, 1, colours },        { 0, 40, 0, 8, 1, 1, colours },

@@ -3,6 +3,8 @@
 
 #include "coord_fixture.h"
 
+#include "desk/progress.h"
+
 #include "picture/passplan.h"
 #include "proto/ambshare.h"
 #include "sched/dearest.h"
@@ -380,6 +382,41 @@ START_TEST(tiles_tell_their_colours_to_who_watches)
 }
 END_TEST
 
+static double
+share_done(void)
+{
+    struct msg_progress p;
+
+    progress_tell(desk_find_job(f.c, job_a), f.now_ms, &p);
+    ck_assert_uint_eq(p.pixels_done, 0);
+    return p.cost_done / p.cost_total;
+}
+
+/* Tiles are most of the work: each brings the job on, whichever pass it is of;
+ * one that comes again does not. */
+START_TEST(tiles_count_as_progress)
+{
+    double done = 0, middle = 0;
+
+    submit_passes(ANA, &wide, 1);
+    ck_assert_double_eq(share_done(), 0);
+    ready(&f, WORKER, job_a);
+    for (uint32_t pass = 0; pass < PASSES; pass++)
+        for (uint32_t i = 0; i < tiles_of(pass); i++) {
+            made(WORKER, pass, i, 1);
+            ck_assert_double_gt(share_done(), done);
+            done = share_done();
+            made(WORKER, pass, i, 1);
+            ck_assert_double_eq(share_done(), done);
+            if (pass < PASSES - 2)
+                middle = done;
+        }
+    ck_assert_double_gt(middle, .1);
+    ck_assert_double_gt(done, 1.5 * middle);
+    ck_assert_double_lt(done, .95);
+}
+END_TEST
+
 START_TEST(colours_that_nobody_wants_are_dropped)
 {
     submit_passes(ANA, &wide, 1);
@@ -573,6 +610,7 @@ main(void)
     tcase_add_test(tc, the_dearest_part_goes_out_first);
     tcase_add_test(tc, the_oldest_tile_is_late_first);
     tcase_add_test(tc, tiles_tell_their_colours_to_who_watches);
+    tcase_add_test(tc, tiles_count_as_progress);
     tcase_add_test(tc, colours_that_nobody_wants_are_dropped);
     tcase_add_loop_test(tc, colours_that_fit_no_tile_end_the_connection, 0,
                         N_ELEM(unfit));

@@ -9,6 +9,9 @@
  * foresee.h); and the share of the picture that is there, which supposes that
  * the rest costs what the first part did, and is too long at first.  They are
  * weighed by that share.  Without a trial nothing is said at first.
+ * Of a job whose ambient cache comes in passes the share counts these, too, and
+ * goes with the work from the first on: then it soon tells more than the trial,
+ * which knows nothing of passes.
  * Thread: one.  */
 #ifndef RADD_CLIENT_ETA_H
 #define RADD_CLIENT_ETA_H
@@ -27,6 +30,8 @@ struct eta_look {
 struct eta {
     double foreseen;          /* rays of the whole job; 0: not known */
     bool awaited;             /* a trial is under way, which will know better */
+    bool even;                /* what is done goes evenly with the work: set it
+                               * before the first report */
     double work_s;            /* that was worked, since rays came */
     double rate;              /* rays a second */
     double last_s, last_rays; /* of the last report */

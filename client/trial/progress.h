@@ -42,6 +42,9 @@ struct progress {
 /* always: report even where `to` is no terminal; never: not even there. */
 void progress_init(struct progress *p, FILE *to, bool always, bool never);
 
+/* The job's ambient cache comes in passes. */
+void progress_expect_passes(struct progress *p);
+
 /* Show a line each every_s seconds, below each other, unless nothing is to be
  * shown at all. */
 void progress_every(struct progress *p, FILE *to, double every_s);

@@ -1,8 +1,7 @@
 /* job.h - what the coordinator knows about one job
  *
- * Plain data that coord.c and sched.c change and stats.c and report.c read.
- * Units are numbers of the job's partition; a worker of the job keeps its
- * index for the job's life, gone or not, so that what it did stays counted.
+ * Plain data.  Units are numbers of the job's partition; a worker of the job
+ * keeps its index for the job's life, so that what it did stays counted.
  * Thread: one. */
 #ifndef DAEMON_JOB_H
 #define DAEMON_JOB_H
@@ -12,6 +11,7 @@
 #include "desk/goal.h"
 #include "desk/kept.h"
 #include "desk/part.h"
+#include "desk/progress.h"
 #include "desk/unit.h"
 #include "partition/partition.h"
 #include "desk/shared.h"
@@ -122,7 +122,8 @@ struct job {
 
     uint32_t units_done, units_redone;
     uint64_t pixels_done, pixels_total;
-    double cost_done, cost_total;
+    double cost_done, cost_total; /* of units */
+    struct progress_lead lead;
     uint64_t rays;              /* of units that are done */
     uint64_t estimate_ms;       /* that the estimate took */
     struct msg_counts surveyed; /* and its rays */
@@ -134,7 +135,6 @@ struct job {
     struct msg_fault faults[MSG_FAULTS];
     struct msg_doubt doubt; /* of units that are done */
     uint64_t sent_bytes;    /* of the bundle, by radsubmit */
-
     uint64_t offer_ms;  /* its radsubmit began to send */
     uint64_t submit_ms; /* SUBMIT came */
     uint64_t open_ms;   /* accepted */
@@ -153,7 +153,7 @@ uint64_t job_count_frames(const struct msg_spec *spec);
  * job_lighten() on 80 KiB for each 400 frames. */
 uint32_t job_weight(const struct job *job);
 
-/* Copies all that spec lends.  NULL when memory is out. */
+/* Copies what spec lends.  NULL: memory is out. */
 struct job *job_new(const struct msg_spec *spec, const char *owner);
 
 /* Pixels of the first frame as written, and samples a side of each. */

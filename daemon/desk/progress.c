@@ -59,6 +59,14 @@ cost_seen(const struct job *job)
     return fmax(job->cost_done, share * job->cost_total);
 }
 
+/* The cost of all of the job, what comes before its units included, in the unit
+ * of theirs. */
+static double
+cost_of_all(const struct job *job)
+{
+    return job->cost_total / (1 - job->lead.part);
+}
+
 struct rad_error_estimate
 progress_error(const struct job *job)
 {
@@ -90,8 +98,9 @@ progress_tell(const struct job *job, uint64_t now_ms, struct msg_progress *p)
         .units_done = job->units_done,
         .units_total = job->partition ? partition_total(job->partition) : 0,
         .units_redone = job->units_redone,
-        .cost_done = cost_seen(job),
-        .cost_total = job->cost_total,
+        .cost_done =
+            cost_seen(job) + cost_of_all(job) * job->lead.part * job->lead.done,
+        .cost_total = cost_of_all(job),
         .rays = job->state == JOB_DONE ? job->rays : job->rays_seen,
         .workers = job_active(job),
         .frames_ready = job->frames_ready,

@@ -11,6 +11,12 @@
 struct job;
 struct msg_progress;
 
+/* What comes before the units of a job: its passes. */
+struct progress_lead {
+    double part; /* of all work of the job; 0: there is none */
+    double done; /* share of it that is done; it never shrinks */
+};
+
 /* Bring rays_seen and pixels_seen up to date: a unit is done, or a worker has
  * told what it has traced. */
 void progress_see(struct job *job);

@@ -10,7 +10,7 @@
 
 enum {
     FINEST = 8, /* step of the lattice that is kept [pixels] */
-    COARSEST = 32
+    COARSEST = 256
 };
 
 enum known {

@@ -1,10 +1,10 @@
 /* coarse.h - a frame as a lattice of its pixels shows it, before its rows come
  *
  * While the ambient cache comes in passes, tiles tell the colours of their
- * pixels (picture/passplan.h): first of every 32nd along both axes, then of
- * every 16th and every 8th.  A preview fills from these what rows have not come
- * of the frame, bilinear between four pixels of the lattice.  A lattice that is
- * only begun is filled in the same way from the coarser one.
+ * pixels (picture/passplan.h): first of every 32nd along both axes, or fewer,
+ * then of every 16th and every 8th.  A preview fills from these what rows have
+ * not come of the frame, bilinear between four pixels of the lattice.  A
+ * lattice that is only begun is filled in the same way from the coarser one.
  * Memory: five bytes for each pixel of the finest lattice, a bit for each of
  * the frame.
  * Thread: one at a time. */

@@ -90,7 +90,7 @@ struct action_rows {
     uint64_t now_ms;
 };
 
-/* What every step-th pixel (of 8, 16 or 32) of an area looks like so far. */
+/* What every step-th pixel (of 8 to 256) of an area looks like so far. */
 struct action_colours {
     uint32_t frame; /* index */
     int x, y, step, columns, rows;

@@ -13,6 +13,7 @@
 #include "queue/coord_conn.h"
 #include "queue/coord_job.h"
 #include "sched/stages.h"
+#include "sched/lead.h"
 #include "sched/loss.h"
 #include "sched/result.h"
 #include "users/known.h"
@@ -239,6 +240,7 @@ take_up(const struct recovery *r)
     job->restored = r->s->nunits > 0;
     if (r->s->nunits > 0)
         job->first_ms = job->open_ms;
+    lead_restore(job);
     job->state = r->s->state == JOB_PAUSED ? JOB_PAUSED
                  : job->first_ms           ? JOB_RUNNING
                                            : JOB_WAITING;

@@ -10,6 +10,8 @@ libdaemon_a_SOURCES += \
 	daemon/sched/stages.h \
 	daemon/sched/handout.c \
 	daemon/sched/handout.h \
+	daemon/sched/lead.c \
+	daemon/sched/lead.h \
 	daemon/sched/loss.c \
 	daemon/sched/loss.h \
 	daemon/sched/passes.c \

@@ -22,15 +22,18 @@
 
 #include "desk/desk.h"
 #include "desk/part.h"
+#include "desk/progress.h"
 #include "desk/speed.h"
 #include "desk/verdict.h"
 #include "links/feeding.h"
 #include "machine/rowsum.h"
 #include "machine/sums.h"
+#include "picture/passcost.h"
 #include "sched/stages.h"
 #include "proto/ambshare.h"
 #include "sched/colours.h"
 #include "sched/dearest.h"
+#include "sched/lead.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -76,6 +79,7 @@ struct closed {
 
 struct passes {
     struct rad_pass plan[RAD_MOST_PASSES];
+    double weight[RAD_MOST_PASSES]; /* passcost.h */
     uint32_t n;
     uint32_t base; /* passes of the stages before */
     uint32_t open; /* of the plan; n: all are closed */
@@ -220,7 +224,24 @@ plan_stage(struct job *job, struct rad_error *err)
                           "--ambient=passes: a pass would have %u tiles, at "
                           "most %u are allowed",
                           s->plan[i].tiles, MSG_MOST_TILES);
+    rad_passcost_weigh(s->plan, s->n, job->spec.nframes, s->weight);
     return rc;
+}
+
+/* How far the passes are: of the open one its tiles tell. */
+static void
+note_progress(struct job *job)
+{
+    const struct passes *s = job->passes;
+    double all = 0, done = 0;
+
+    for (uint32_t i = 0; i < s->n; i++) {
+        all += s->weight[i];
+        done += i < s->open ? s->weight[i] : 0;
+    }
+    if (s->ntiles > 0)
+        done += s->weight[s->open] * (s->ntiles - s->left) / s->ntiles;
+    lead_note(job, all > 0 ? done / all : 1, s->open == s->n);
 }
 
 int
@@ -238,6 +259,7 @@ passes_begin(struct coord *c, struct job *job, struct rad_error *err)
     rc = plan_stage(job, err);
     if (rc < 0)
         return rc;
+    lead_begin(job, s->size);
     take_up(c, job);
     s->awaits = s->n > 0 && job->spec.flags & MSG_JOB_REUSE;
     passes_ask(c, job);
@@ -248,6 +270,7 @@ passes_begin(struct coord *c, struct job *job, struct rad_error *err)
     if (!open_pass(s))
         return rad_fail(err, RAD_ENOMEM, "out of memory");
     close_whole(c, job);
+    note_progress(job);
     return 0;
 }
 
@@ -831,6 +854,7 @@ count(struct job *job, uint32_t index, const struct msg_counts *counts)
     msg_counts_add(&job->tiled, counts);
     job->workers[index].surveyed_rays += counts->rays;
     job->rays += counts->rays;
+    progress_see(job);
 }
 
 /* Has the message what tiles of the open pass have? */
@@ -913,6 +937,7 @@ passes_made(struct coord *c, struct coord_worker *w, const struct msg *msg)
     dearest_note(s->dearest, &s->plan[s->open], m->tile, m->counts.rays);
     colours_keep(c, job, &s->plan[s->open], m);
     close_passes(c, job);
+    note_progress(job);
 }
 
 /* --- from a former job --- */

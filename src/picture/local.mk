@@ -10,6 +10,8 @@ librad_a_SOURCES += \
 	src/picture/frame.h \
 	src/picture/paint.c \
 	src/picture/paint.h \
+	src/picture/passcost.c \
+	src/picture/passcost.h \
 	src/picture/passes.c \
 	src/picture/passes.h \
 	src/picture/passplan.c \

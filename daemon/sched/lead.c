@@ -1,0 +1,48 @@
+/* lead.c - see lead.h */
+#include "config.h"
+
+#include "sched/lead.h"
+
+#include "desk/goal.h"
+#include "desk/progress.h"
+#include "machine/jobtext.h"
+#include "picture/passcost.h"
+#include "sched/stages.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+void
+lead_begin(struct job *job, const struct rad_pass_size *size)
+{
+    struct rad_params params;
+
+    if (jobtext_params(job->spec.params, &params, NULL) == 0)
+        job->lead.part = rad_passcost_part(&params, size, job->spec.nframes,
+                                           job->spec.flags & MSG_JOB_REUSE);
+}
+
+void
+lead_note(struct job *job, double done, bool all)
+{
+    if (goal_is(job))
+        done = 1 - (1 - done / 2) * pow(.5, job->goal.number);
+    if (all)
+        done = 1;
+    if (done > job->lead.done)
+        job->lead.done = done;
+}
+
+void
+lead_restore(struct job *job)
+{
+    struct rad_pass_size *size;
+
+    if (!(job->spec.flags & MSG_JOB_PASSES) || !job->first_ms)
+        return;
+    size = stages_sizes(&job->spec);
+    if (size)
+        lead_begin(job, size);
+    lead_note(job, 1, true);
+    free(size);
+}

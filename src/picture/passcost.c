@@ -1,0 +1,87 @@
+/* passcost.c - see passcost.h
+ *
+ * Tiles trace hemispheres, of -ad rays and -as more, for records, of which
+ * there are more for a smaller -aa, and not much more for more pixels: the
+ * exponents are those of the fit.
+ * Of the passes a lattice takes half again as long as the next coarser one,
+ * from every 16th pixel on, and the finest, which asks where objects end, too,
+ * twice as long as that.  All paths of one more bounce together take .6 of the
+ * lattice of every 16th pixel, and the first lattice then makes what deep
+ * records they missed. */
+#include "config.h"
+
+#include "picture/passcost.h"
+
+#include <math.h>
+
+/* Rays of tiles over those of pixels, in a picture of SOME_PIXELS with
+ * SOME_RAYS for a hemisphere, at SOME_ACC. */
+static const double ODDS = 4, SOME_PIXELS = 160000, SOME_RAYS = 160,
+                    SOME_ACC = .3;
+
+/* ... with two bounces.  With one hemispheres find no other records; each
+ * further one adds few. */
+static const double SINGLE = .6, FURTHER = 1.09;
+
+/* ... and where records of a former job of the scene are there. */
+static const double REUSED = .25;
+
+static const double LEAST_ODDS = 1. / 4, MOST_ODDS = 12;
+
+double
+rad_passcost_part(const struct rad_params *par,
+                  const struct rad_pass_size *size, uint32_t nsizes, bool reuse)
+{
+    double pixels = 0, rays = par->ambdiv + par->ambssamp, odds = ODDS;
+
+    if (par->ambounce < 1 || !(par->ambacc > 0) || par->ambdiv < 1)
+        return 0;
+    for (uint32_t i = 0; i < nsizes; i++)
+        pixels += (double)size[i].width * size[i].height;
+    odds *= pow(rays / SOME_RAYS, .6) * pow(SOME_ACC / par->ambacc, 1.7) *
+            pow(SOME_PIXELS / pixels, .44);
+    odds *= par->ambounce == 1 ? SINGLE : pow(FURTHER, par->ambounce - 2);
+    odds *= reuse ? REUSED : 1;
+    odds = fmin(fmax(odds, LEAST_ODDS), MOST_ODDS);
+    return odds / (1 + odds);
+}
+
+static const double LEVEL = .6, AFTER_LEVELS = 1.5;
+
+/* All passes of a level: more paths find less that is new. */
+static double
+level_weight(const struct rad_pass *pass, uint32_t n, const struct rad_pass *of)
+{
+    double all = 0;
+
+    for (uint32_t i = 0; i < n; i++)
+        if (pass[i].level == of->level)
+            all += pow(pass[i].end - pass[i].first, .4);
+    return LEVEL * pow(of->end - of->first, .4) / all;
+}
+
+/* Of many pictures those that come later find half of what they need. */
+static double
+lattice_weight(const struct rad_pass *pass, uint32_t nsizes)
+{
+    double weight = (pass->finest ? 2 : 1) * (pass->field < 0 ? 1 : .5);
+    uint32_t frames = (nsizes - 1 - pass->frame) / pass->stride + 1;
+
+    for (int step = pass->step; step < 16; step *= 2)
+        weight *= 1.5;
+    return pass->frame > 0 ? .5 * frames * weight : weight;
+}
+
+void
+rad_passcost_weigh(const struct rad_pass *pass, uint32_t n, uint32_t nsizes,
+                   double *weight)
+{
+    for (uint32_t i = 0; i < n; i++) {
+        weight[i] = pass[i].tiles == 0  ? 0
+                    : pass[i].check     ? 1
+                    : pass[i].level > 0 ? level_weight(pass, n, &pass[i])
+                                        : lattice_weight(&pass[i], nsizes);
+        if (i > 0 && pass[i].level == 0 && pass[i - 1].level > 0)
+            weight[i] *= AFTER_LEVELS;
+    }
+}
