@@ -20,7 +20,7 @@
 /* Squares of errors: so much less than what is wanted is aimed at, and so much
  * more is near enough, for another stage takes longer than this one did. */
 #define AIM         .9
-#define NEAR_ENOUGH 1.3
+#define NEAR_ENOUGH 1.45
 
 /* The square of the cache's error over what fresh samples say of it: deeper
  * records, that both are made of, err as well. */
