@@ -701,7 +701,7 @@ void
 rad_ambread_visit(const struct rad_ambread *r, const struct rad_ambquery *q,
                   rad_ambcache_fn *fn, rad_ambcache_more_fn *more, void *arg)
 {
-    struct finds finds = { .r = r, .fn = fn, .arg = arg };
+    struct finds finds; /* not set as a whole, most of it need not be */
     unsigned faces = rad_ambfit_faces(q->fit, q->n);
     struct reading list[FACES];
     uint32_t number[3];
@@ -711,6 +711,10 @@ rad_ambread_visit(const struct rad_ambread *r, const struct rad_ambquery *q,
     assert(r->settled == r->n);
     if (!r->tree)
         return;
+    finds.r = r;
+    finds.fn = fn;
+    finds.arg = arg;
+    finds.n = 0;
     for (int k = 0; k < 3; k++) {
         number[k] = grid_number((q->p[k] - r->org[k]) / r->side);
         lean[k] = normal_byte(q->n[k]);
