@@ -88,8 +88,9 @@ for name in fine coarse; do
     body $name.whole.hdr >seen.body
     body blind.hdr >blind.body
     cmp seen.body blind.body || fail "$name: another picture"
+    # tests depend on which tile a thread made before
     for n in rays tile_rays tile_values primary_rays shadow_rays ambient_rays \
-        ambient_values intersection_tests; do
+        ambient_values; do
         [ "$(total $name.json $n)" = "$(total blind.json $n)" ] ||
             fail "$name: $n is $(total $name.json $n), $(total blind.json $n)"
     done
