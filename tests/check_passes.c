@@ -274,6 +274,36 @@ static const struct {
     { { 65535, 65535 }, "-ab 12 -ps 16", 4 },
 };
 
+/* A large picture's passes have tiles for many workers; a small one's have few,
+ * for a tile costs a message, and makes some of its neighbours' records. */
+START_TEST(large_pictures_have_many_tiles)
+{
+    static const struct rad_pass_size size[] = { { 3840, 2160 }, { 640, 640 } };
+    struct rad_pass pass[2][RAD_MOST_PASSES];
+    uint32_t n[2], rounds = 0;
+    struct world w;
+
+    world_open(&w, scene_text, "-ab 3 -ps 4");
+    for (int k = 0; k < 2; k++)
+        n[k] = rad_passes_plan(&w.job->params, &size[k], 1, pass[k]);
+    for (uint32_t i = 0; i < n[0]; i++) {
+        uint32_t paths = pass[0][i].end - pass[0][i].first;
+
+        if (pass[0][i].level > 0 && paths >= 8 * 256)
+            ck_assert_uint_eq(pass[0][i].tiles, 256);
+        else if (pass[0][i].level > 0)
+            ck_assert_uint_eq(pass[0][i].tiles, paths / 8);
+        else
+            ck_assert_uint_ge(pass[0][i].tiles, 200);
+        rounds += pass[0][i].level > 0;
+    }
+    ck_assert_uint_gt(rounds, 0);
+    for (uint32_t i = 0; i < n[1]; i++)
+        ck_assert_uint_le(pass[1][i].tiles, 250);
+    world_close(&w);
+}
+END_TEST
+
 /* Each path once, each pixel of the last lattice once, and places enough. */
 START_TEST(a_plan_asks_for_each_place_once)
 {
@@ -625,6 +655,7 @@ main(void)
     tcase_add_loop_test(tc, without_a_cache_there_are_no_passes, 0,
                         N_ELEM(none));
     tcase_add_loop_test(tc, a_plan_asks_for_each_place_once, 0, N_ELEM(plans));
+    tcase_add_test(tc, large_pictures_have_many_tiles);
     tcase_add_loop_test(tc, each_frame_is_planned_once, 0, 41);
     tcase_add_test(tc, passes_go_over_all_frames);
     tcase_add_test(tc, a_tile_that_shows_its_colours_is_the_same);

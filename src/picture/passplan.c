@@ -20,6 +20,11 @@
 #define TILES              128 /* of a round, but */
 #define LEAST_PATHS_A_TILE 64
 
+/* Large pictures have smaller tiles: many workers wait for the dearest. */
+#define LARGE_STEP               128 /* of the coarsest lattice, or more */
+#define LARGE_TILES              1024
+#define LARGE_ROUND_TILES        256
+
 /* The coarsest lattice has steps of so many pixels, or, in large pictures, so
  * many that it has no more points along a side, as long as steps are in bounds:
  * points of one pass that are nearer to each other than records reach make the
@@ -49,17 +54,18 @@ count_paths(const struct rad_pass_size *size, uint32_t n)
 }
 
 static uint32_t
-count_tiles(uint32_t paths)
+count_tiles(uint32_t paths, bool large)
 {
-    uint32_t n = paths / LEAST_PATHS_A_TILE;
+    uint32_t most = large ? LARGE_ROUND_TILES : TILES;
+    uint32_t n = paths / (large ? 8 : LEAST_PATHS_A_TILE);
 
-    return n < 1 ? 1 : n > TILES ? TILES : n;
+    return n < 1 ? 1 : n > most ? most : n;
 }
 
 /* The rounds for records of that level: the last ends with all paths, and each
  * before it with a part of those. */
 static uint32_t
-plan_level(int level, uint32_t paths, struct rad_pass *pass)
+plan_level(int level, uint32_t paths, bool large, struct rad_pass *pass)
 {
     uint32_t n = 0, first = 0, part = 1;
 
@@ -71,7 +77,7 @@ plan_level(int level, uint32_t paths, struct rad_pass *pass)
         pass[n] = (struct rad_pass){ .level = level,
                                      .first = first,
                                      .end = end,
-                                     .tiles = count_tiles(end - first) };
+                                     .tiles = count_tiles(end - first, large) };
         first = end;
     }
     return n;
@@ -100,6 +106,19 @@ coarsest_step(const struct rad_pass_size *size)
     return step;
 }
 
+static int
+side_of(const struct rad_pass_size *size, int step)
+{
+    struct rad_pass pass = { .step = step, .side = 1 };
+
+    if (coarsest_step(size) < LARGE_STEP)
+        return step < SPARSE_STEP ? RAD_PASS_SIDE : SPARSE_SIDE;
+    while (pass.side < RAD_PASS_SIDE &&
+           rad_pass_tiles(&pass, size->width, size->height) > LARGE_TILES)
+        pass.side *= 2;
+    return pass.side;
+}
+
 static void
 count_lattice_tiles(struct rad_pass *pass, const struct rad_pass_size *size,
                     uint32_t nsizes)
@@ -123,8 +142,7 @@ plan_frames(const struct rad_params *par, const struct rad_pass_size *size,
                               .done = done,
                               .frame = frame,
                               .stride = stride,
-                              .side = step < SPARSE_STEP ? RAD_PASS_SIDE
-                                                         : SPARSE_SIDE,
+                              .side = side_of(size, step),
                               .finest = step == finest };
         bool fields = frame == 0 && done > 0;
 
@@ -211,13 +229,14 @@ rad_passes_plan(const struct rad_params *par, const struct rad_pass_size *size,
 {
     int deepest = par->ambounce - 1;
     uint32_t n = 0, paths = count_paths(size, nsizes);
+    bool large = coarsest_step(size) >= LARGE_STEP;
 
     if (par->ambounce < 1 || !(par->ambacc > 0) || par->ambdiv < 1)
         return 0;
     if (deepest > RAD_PASS_LEVELS)
         deepest = RAD_PASS_LEVELS;
     for (int level = deepest; level > 0; level--)
-        n += plan_level(level, paths, pass + n);
+        n += plan_level(level, paths, large, pass + n);
     return n + plan_pixels(par, size, nsizes, pass + n);
 }
 
