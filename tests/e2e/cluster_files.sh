@@ -93,7 +93,7 @@ hash = bytes.fromhex(sys.argv[2])
 job = os.urandom(16) + hash + text(b'n') + text(b'') + text(b'') + text(b'')
 job += struct.pack('>IQiIBBIIQdI', 0, 0, 0, 128, 0, 0, 0, 1, 1, 0, 0)
 job += struct.pack('>I', 1) + hash + struct.pack('>I', 1) + hash
-job += struct.pack('>II', 1, 1) + text(b'') + struct.pack('>Bd', 0, 0)
+job += struct.pack('>II', 1, 1) + text(b'') + struct.pack('>BdII', 0, 0, 0, 0)
 link.send(SUBMIT, job)
 while True:
     kind, body = link.receive()
@@ -165,7 +165,7 @@ send(SUBMIT, os.urandom(16) + manifest + text(b"theft") +
      struct.pack(">IQiIBBIIQdI", 0, 0, 0, 0, 0, 0, 0, 1, 1, 0, 0) +
      struct.pack(">I", len(named)) + b"".join(named) +
      struct.pack(">IIII", 1, 0, 8, 8) + text(view) +
-     text(b"") + struct.pack(">Bd", 0, 0))
+     text(b"") + struct.pack(">BdII", 0, 0, 0, 0))
 while True:
     kind, n = struct.unpack(">4xHxxxxxxI", get(16))
     body = get(n)

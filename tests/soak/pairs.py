@@ -395,6 +395,8 @@ SUBMIT = {
     "stamp": ["--stamp"],
     "no-balance": ["--no-balance"],
     "ambient": ["--ambient=passes", "--ambient=live"],
+    "error": ["--error=50"],
+    "time": ["--time=1"],
     "reuse": ["--reuse=last"],
     "no-share": ["--no-share"],
     "same-bits": ["--same-bits"],
