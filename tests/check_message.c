@@ -690,7 +690,10 @@ START_TEST(a_cache_is_reused_in_passes_of_one_scene)
     n = pack(&m, bytes) - MSG_HEADER;
     rc = unpack_exactly(m.type, bytes + MSG_HEADER, n, &back);
     ck_assert_int_eq(rc, reuses[_i].fine ? 0 : RAD_EPROTO);
+    msg_release(&back);
     if (reuses[_i].fine) {
+        ck_assert_int_eq(
+            msg_unpack(&back, m.type, 0, bytes + MSG_HEADER, n, NULL), 0);
         ck_assert_mem_eq(back.submit.scene, two_hashes, MSG_HASH);
         ck_assert_int_eq(back.submit.reuse != NULL, begins);
         if (begins)

@@ -257,20 +257,22 @@ static void
 tile(unsigned who, uint32_t pass, uint32_t number, bool down)
 {
     /* of the pixels of the frame's lattices */
-    static const size_t colours[] = { 4 * 1, 4 * 2, 4 * 8, 0 };
+    static const size_t colours[] = { 4 * 1, 4 * 2, 4 * 8 };
     struct msg m = { .type = MSG_TILE, .tile = { id, pass, number, 1 } };
 
     if (!down) {
         m.type = MSG_TILE_MADE;
-        m.tile_made = (struct msg_tile_made){ .job = id,
-                                              .pass = pass,
-                                              .tile = number,
-                                              .counts = { .rays = 7 },
-                                              .count = 1,
-                                              .data = pixels,
-                                              .len = AMBSHARE_BYTES,
-                                              .colours = pixels,
-                                              .colours_len = colours[pass] };
+        m.tile_made = (struct msg_tile_made){
+            .job = id,
+            .pass = pass,
+            .tile = number,
+            .counts = { .rays = 7 },
+            .count = 1,
+            .data = pixels,
+            .len = AMBSHARE_BYTES,
+            .colours = pixels,
+            .colours_len = pass < N_ELEM(colours) ? colours[pass] : 0
+        };
     }
     says(who, &m);
 }

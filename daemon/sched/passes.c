@@ -834,7 +834,8 @@ keep(struct coord *c, struct job *job, struct tile *t,
         c->actions.failed = true;
         return false;
     }
-    memcpy(t->records, m->data, m->len);
+    if (m->len > 0)
+        memcpy(t->records, m->data, m->len);
     t->n = m->count;
     s->waiting -= t->nholders == 0; /* its worker was thought lost */
     t->made = true;

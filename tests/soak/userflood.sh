@@ -59,7 +59,8 @@ picture()
 
 make_keys
 make_key user:spoiler spoiler.key
-coord_options="--upload-s=5 --user-jobs=300"
+# so long that the first are there yet when the last flood is through
+coord_options="--upload-s=20 --user-jobs=300"
 cluster_start 2 1
 picture calm.hdr
 before=$(memory)
