@@ -37,6 +37,7 @@ ambshare_pack(struct wire_out *out, const struct rad_ambrec *rec)
     put_floats(out, E, 3);
     put_floats(out, rec->gpos, 2);
     put_floats(out, rec->gdir, 2);
+    wire_put_f32(out, rec->var);
     wire_put_u32(out, rec->corral);
     wire_put_f32(out, rec->weight);
     wire_put_u16(out, rec->level);
@@ -60,14 +61,20 @@ is_unit(const float v[3])
     return fabs(len2 - 1) <= UNIT_TOLERANCE;
 }
 
+static bool
+is_variance(float var)
+{
+    return isfinite(var) && (var >= 0 || var == RAD_AMBREC_UNSURE);
+}
+
 bool
 ambshare_sound(const struct rad_ambrec *r)
 {
     return isfinite(r->p[0]) && isfinite(r->p[1]) && isfinite(r->p[2]) &&
            is_unit(r->n) && is_unit(r->u) && all_finite(r->radius, 2) &&
            r->radius[0] > 0 && r->radius[1] > 0 && rad_rgb_sound(r->E) &&
-           all_finite(r->gpos, 2) && all_finite(r->gdir, 2) && r->weight > 0 &&
-           r->weight <= 1;
+           all_finite(r->gpos, 2) && all_finite(r->gdir, 2) &&
+           is_variance(r->var) && r->weight > 0 && r->weight <= 1;
 }
 
 bool
@@ -84,6 +91,7 @@ ambshare_unpack(struct wire_in *in, struct rad_ambrec *rec)
     rec->E = rad_rgb(E[0], E[1], E[2]);
     get_floats(in, rec->gpos, 2);
     get_floats(in, rec->gdir, 2);
+    rec->var = wire_get_f32(in);
     rec->corral = wire_get_u32(in);
     rec->weight = wire_get_f32(in);
     rec->level = wire_get_u16(in);

@@ -98,6 +98,7 @@ START_TEST(our_file_loses_nothing)
         ck_assert_mem_eq(taken.rec[i].p, listed.rec[i].p, sizeof(double[3]));
         ck_assert_mem_eq(&taken.rec[i].E, &listed.rec[i].E,
                          sizeof(struct rad_rgb));
+        ck_assert_float_eq(taken.rec[i].var, listed.rec[i].var);
         ck_assert_uint_eq(taken.rec[i].corral, listed.rec[i].corral);
         ck_assert_uint_eq(taken.rec[i].level, listed.rec[i].level);
     }
@@ -145,6 +146,7 @@ START_TEST(radiance_file_keeps_what_it_has_room_for)
         ck_near(got->gdir, put->gdir, 2, 1e-6);
         ck_near(&got->E.r, &put->E.r, 3, .02);
         ck_near(&got->weight, &put->weight, 1, 1e-6);
+        ck_assert_float_eq(got->var, RAD_AMBREC_UNSURE);
         ck_assert_uint_eq(got->corral, put->corral);
         ck_assert_uint_eq(got->level, put->level);
     }

@@ -17,6 +17,7 @@ static const struct rad_ambrec good = {
     .E = { 1, 0, 1e6f },
     .gpos = { -3, 0.5f },
     .gdir = { 0, -7 },
+    .var = 0.03125f,
     .corral = 0xdeadbeef,
     .weight = 0.125f,
     .level = 3,
@@ -53,9 +54,20 @@ START_TEST(record_survives_the_trip)
     ck_assert_mem_eq(&out.E, &good.E, sizeof good.E);
     ck_assert_mem_eq(out.gpos, good.gpos, sizeof good.gpos);
     ck_assert_mem_eq(out.gdir, good.gdir, sizeof good.gdir);
+    ck_assert_float_eq(out.var, good.var);
     ck_assert_uint_eq(out.corral, good.corral);
     ck_assert_float_eq(out.weight, good.weight);
     ck_assert_uint_eq(out.level, good.level);
+}
+END_TEST
+
+START_TEST(record_of_unknown_variance_is_sound)
+{
+    struct rad_ambrec rec = good, out;
+
+    rec.var = RAD_AMBREC_UNSURE;
+    ck_assert(trip(&rec, &out));
+    ck_assert_float_eq(out.var, RAD_AMBREC_UNSURE);
 }
 END_TEST
 
@@ -128,6 +140,12 @@ spoiled(int i)
     case 14:
         r.weight = NAN;
         break;
+    case 15:
+        r.var = -0.5f;
+        break;
+    case 16:
+        r.var = INFINITY;
+        break;
     }
     return r;
 }
@@ -174,8 +192,9 @@ main(void)
     TCase *tc = tcase_create("ambshare");
 
     tcase_add_test(tc, record_survives_the_trip);
+    tcase_add_test(tc, record_of_unknown_variance_is_sound);
     tcase_add_test(tc, truncated_record_is_refused);
-    tcase_add_loop_test(tc, unsound_record_is_refused, 0, 15);
+    tcase_add_loop_test(tc, unsound_record_is_refused, 0, 17);
     tcase_add_test(tc, each_record_is_new_once);
     suite_add_tcase(s, tc);
     return unit_run(s);

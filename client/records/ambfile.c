@@ -13,7 +13,7 @@
 #include <string.h>
 #include <unistd.h>
 
-#define OUR_FORMAT     "radd_ambient"
+#define OUR_FORMAT     "radd_ambient_2"
 #define RADIANCE       "Radiance_ambval"
 #define RADIANCE_MAGIC 0x0231
 #define RADIANCE_BYTES 67
@@ -299,6 +299,7 @@ get_record(struct wire_in *in, struct rad_ambrec *rec)
     uint8_t rgbe[4] = { 0 };
 
     rec->level = wire_get_u8(in);
+    rec->var = RAD_AMBREC_UNSURE;
     rec->weight = (float)get_flt(in);
     for (int k = 0; k < 3; k++)
         rec->p[k] = get_flt(in);

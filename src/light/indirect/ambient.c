@@ -207,7 +207,7 @@ is_plausible(const struct rad_ambient *amb, const struct rad_ambrec *rec)
            rec->radius[0] > 0 && rec->radius[0] <= rec->radius[1] &&
            rec->radius[1] <= 1.001 * amb->scale.most && rad_rgb_sound(rec->E) &&
            is_finite(rec->gpos, 2) && is_finite(rec->gdir, 2) &&
-           rec->weight > 0 && rec->weight <= 2 &&
+           is_finite(&rec->var, 1) && rec->weight > 0 && rec->weight <= 2 &&
            rec->level < amb->job->params.ambounce;
 }
 
@@ -634,6 +634,7 @@ make_record(struct rad_ctx *ctx, const struct rad_ray *r,
         for (int k = 0; k < 3; k++)
             rec.n[k] = (float)at->n[k];
         rec.E = h.E;
+        rec.var = (float)h.var;
         rad_ambrec_shape(&amb->scale, &h, &rec);
         if (keep(amb, ctx->tile, &rec))
             ctx->counts.ambient_values++;

@@ -17,6 +17,8 @@
 
 struct rad_ambient;
 
+#define RAD_AMBREC_UNSURE (-1.f)
+
 /* One record; also what travels between workers (proto/ packs it field by
  * field). */
 struct rad_ambrec {
@@ -32,6 +34,8 @@ struct rad_ambrec {
     float gpos[2];    /* translation gradient of ln E along u, n x u
                        * [1/unit], the same for all channels */
     float gdir[2];    /* rotation gradient about u, n x u [1/rad] */
+    float var;        /* variance of E's luminance over its square, by the
+                       * samples' noise; RAD_AMBREC_UNSURE: not known */
     uint32_t corral;  /* directions blocked near by (leak plug) */
 };
 

@@ -41,6 +41,12 @@ enum {
     DIM_JITTER = 0x400000
 };
 
+/* Rays of a cell, and the squares of their luminances. */
+struct tally {
+    int rays;
+    double lum2;
+};
+
 struct sampler {
     struct rad_ctx *ctx;
     const struct rad_ray *r;
@@ -51,6 +57,7 @@ struct sampler {
     uint32_t branch; /* class of the rays' branch numbers */
     uint64_t key;
     int traced; /* cells whose first ray was */
+    struct tally *tally; /* of the cells */
 };
 
 /* The unit square to the unit disk, keeping relative areas. */
@@ -113,6 +120,15 @@ permute(uint64_t key, uint32_t dim, int n, int *perm)
     }
 }
 
+static void
+add_ray(struct sampler *s, uint32_t cell, struct rad_rgb L)
+{
+    double lum = rad_rgb_lum(L);
+
+    s->tally[cell].rays++;
+    s->tally[cell].lum2 += lum * lum;
+}
+
 /* First ray of each cell. */
 static bool
 sample_cells(struct sampler *s)
@@ -139,6 +155,7 @@ sample_cells(struct sampler *s)
                 continue;
             rad_scale(c->p, dist, d);
             c->near = (float)(1 / dist);
+            add_ray(s, number, c->L);
             s->traced++;
         }
     return s->traced > 0;
@@ -168,8 +185,9 @@ contrast(const struct rad_hemi *h, int i, int j)
 static void
 resample_cell(struct sampler *s, int i, int j, int more, uint32_t *number)
 {
-    int n = s->h->n, got = 1;
-    struct rad_hemicell *c = &s->h->cell[i * n + j];
+    int n = s->h->n;
+    uint32_t cell = (uint32_t)(i * n + j);
+    struct rad_hemicell *c = &s->h->cell[cell];
     struct rad_rgb sum = c->L;
 
     for (int k = 0; k < more; k++, ++*number) {
@@ -183,9 +201,9 @@ resample_cell(struct sampler *s, int i, int j, int more, uint32_t *number)
         sum = rad_rgb_add(sum, L);
         if (dist * c->near < 1)
             c->near = (float)(1 / dist);
-        got++;
+        add_ray(s, cell, L);
     }
-    c->L = rad_rgb_scale(sum, 1.f / (float)got);
+    c->L = rad_rgb_scale(sum, 1.f / (float)s->tally[cell].rays);
 }
 
 /* Share `count` more rays among the cells, as their neighbours differ. */
@@ -213,6 +231,48 @@ super_sample(struct sampler *s, int count)
         if (more > 0)
             resample_cell(s, k / n, k % n, more, &number);
     }
+}
+
+/* Variance of a cell's luminance, its mean `lum`: by its own rays, or, if it
+ * has but one, by how its neighbours differ from it. */
+static double
+cell_variance(const struct sampler *s, int i, int j, double lum)
+{
+    static const int beside[4][2] = {
+        { -1, 0 }, { 1, 0 }, { 0, -1 }, { 0, 1 }
+    };
+    int n = s->h->n, k = i * n + j, rays = s->tally[k].rays, found = 0;
+    double sum = 0;
+
+    if (rays > 1)
+        return rad_most(s->tally[k].lum2 / rays - lum * lum, 0) / (rays - 1);
+    for (int b = 0; b < 4; b++) {
+        int y = i + beside[b][0], x = j + beside[b][1];
+
+        if (y < 0 || x < 0 || y >= n || x >= n)
+            continue;
+        double d = rad_rgb_lum(s->h->cell[y * n + x].L) - lum;
+        int others = s->tally[y * n + x].rays;
+
+        sum += d * d * others / (others + 1);
+        found++;
+    }
+    return found > 0 ? sum / found : lum * lum;
+}
+
+/* Of E over its square.  What light differs by between neighbours that have one
+ * ray each counts as noise. */
+static double
+variance(const struct sampler *s)
+{
+    const struct rad_hemi *h = s->h;
+    double sum = 0, total = rad_rgb_lum(h->E) / M_PI * h->n * h->n;
+
+    if (!(total > 0))
+        return 0;
+    for (int k = 0; k < h->n * h->n; k++)
+        sum += cell_variance(s, k / h->n, k % h->n, rad_rgb_lum(h->cell[k].L));
+    return sum / (total * total);
 }
 
 static void
@@ -271,7 +331,8 @@ sample(struct rad_ctx *ctx, const struct rad_ray *r,
     h->n = choose_side(par, r, plan, &weight);
     n2 = h->n * h->n;
     h->cell = rad_arena_calloc(&ctx->scratch, (size_t)n2, sizeof *h->cell);
-    if (!h->cell)
+    s.tally = rad_arena_calloc(&ctx->scratch, (size_t)n2, sizeof *s.tally);
+    if (!h->cell || !s.tally)
         return false;
     s.kind = plan->behind ? RAD_RAY_TAMBIENT : RAD_RAY_RAMBIENT;
     s.branch = plan->behind ? RAD_BRANCH_TAMBIENT : RAD_BRANCH_RAMBIENT;
@@ -287,6 +348,7 @@ sample(struct rad_ctx *ctx, const struct rad_ray *r,
     for (int k = 0; k < n2; k++)
         sum = rad_rgb_add(sum, h->cell[k].L);
     h->E = rad_rgb_scale(sum, (float)(M_PI / n2));
+    h->var = h->complete ? variance(&s) : -1;
     return true;
 }
 

@@ -25,6 +25,8 @@ struct rad_hemi {
                               * about ((j + .5) / n, (i + .5) / n) of the
                               * square, whose axes are u and v */
     struct rad_rgb E;        /* irradiance [W/m^2] */
+    double var; /* of E's luminance over its square, by the samples' noise; of
+                 * a complete sampling */
     struct rad_hemicell *cell; /* n * n, row by row, in ctx->scratch */
     bool complete;             /* no ray was refused (-lw, -lr) */
 };
