@@ -408,7 +408,8 @@ bool
 conn_out_to_user(const struct conn *c)
 {
     return c->reader.session == MSG_AT_COORD_USER ||
-           c->reader.session == MSG_AT_COORD_ADMIN;
+           c->reader.session == MSG_AT_COORD_ADMIN ||
+           c->reader.session == MSG_AT_COORD_OBSERVER;
 }
 
 /* Ambient records come as fast as workers make them, whether or not they are

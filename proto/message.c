@@ -13,11 +13,13 @@
 
 #define AT(session)     (1u << MSG_AT_##session)
 #define AT_COORD_CLIENT (AT(COORD_USER) | AT(COORD_ADMIN))
+/* who asks and changes nothing by it, too */
+#define AT_COORD_VIEWER (AT_COORD_CLIENT | AT(COORD_OBSERVER))
 #define AT_PARENT       (AT(PARENT_NEW) | AT(PARENT))
 #define AT_SHARED       (AT(COORD_WORKER) | AT(PARENT)) /* from a child */
 /* the sessions over a network after HELLO and PEER_HELLO */
 #define AT_LIVE                                                                \
-    (AT(COORD_WORKER) | AT_COORD_CLIENT | AT(WORKER) | AT(CLIENT) | AT(PEER))
+    (AT(COORD_WORKER) | AT_COORD_VIEWER | AT(WORKER) | AT(CLIENT) | AT(PEER))
 
 struct row {
     uint16_t type;

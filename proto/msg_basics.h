@@ -59,23 +59,29 @@ enum msg_type {
 
 /* Where a message arrives: the reader, and the state of the connection. */
 enum msg_session {
-    MSG_AT_COORD_NEW,    /* coordinator: a connection before its HELLO */
-    MSG_AT_COORD_WORKER, /* coordinator: from a worker */
-    MSG_AT_COORD_USER,   /* coordinator: from a user's radsubmit or radctl */
-    MSG_AT_COORD_ADMIN,  /* coordinator: from an admin's */
-    MSG_AT_DIALLER,      /* worker or client: HELLO sent, no answer yet */
-    MSG_AT_WORKER,       /* worker: from the coordinator */
-    MSG_AT_CLIENT,       /* radsubmit, radctl: from the coordinator */
-    MSG_AT_PEER_NEW,     /* worker: a peer's connection before PEER-HELLO */
-    MSG_AT_PEER,         /* worker: from a peer of the same job */
-    MSG_AT_CHILD_NEW,    /* job's child: before JOB-START */
-    MSG_AT_CHILD,        /* job's child: from its radd */
-    MSG_AT_PARENT_NEW,   /* radd: from a child that is not READY yet */
-    MSG_AT_PARENT,       /* radd: from a child */
+    MSG_AT_COORD_NEW,      /* coordinator: a connection before its HELLO */
+    MSG_AT_COORD_WORKER,   /* coordinator: from a worker */
+    MSG_AT_COORD_USER,     /* coordinator: from a user's radsubmit or radctl */
+    MSG_AT_COORD_ADMIN,    /* coordinator: from an admin's */
+    MSG_AT_DIALLER,        /* worker or client: HELLO sent, no answer yet */
+    MSG_AT_WORKER,         /* worker: from the coordinator */
+    MSG_AT_CLIENT,         /* radsubmit, radctl: from the coordinator */
+    MSG_AT_PEER_NEW,       /* worker: a peer's connection before PEER-HELLO */
+    MSG_AT_PEER,           /* worker: from a peer of the same job */
+    MSG_AT_CHILD_NEW,      /* job's child: before JOB-START */
+    MSG_AT_CHILD,          /* job's child: from its radd */
+    MSG_AT_PARENT_NEW,     /* radd: from a child that is not READY yet */
+    MSG_AT_PARENT,         /* radd: from a child */
+    MSG_AT_COORD_OBSERVER, /* coordinator: from who only looks */
     MSG_NSESSION
 };
 
-enum msg_role { MSG_ROLE_WORKER = 1, MSG_ROLE_USER, MSG_ROLE_ADMIN };
+enum msg_role {
+    MSG_ROLE_WORKER = 1,
+    MSG_ROLE_USER,
+    MSG_ROLE_ADMIN,
+    MSG_ROLE_OBSERVER /* sees all, changes nothing */
+};
 
 enum msg_partition {
     MSG_PART_AUTO,

@@ -25,7 +25,8 @@ msg_code_hello(struct codec *c, struct msg_hello *b)
         wire_get_view(c->in, wire_left(c->in));
         return;
     }
-    code_read_must(c, b->role >= MSG_ROLE_WORKER && b->role <= MSG_ROLE_ADMIN);
+    code_read_must(c,
+                   b->role >= MSG_ROLE_WORKER && b->role <= MSG_ROLE_OBSERVER);
     code_str(c, &b->name, MSG_MAX_NAME);
     code_str(c, &b->program, MSG_MAX_NAME);
     code_str(c, &b->address, MSG_MAX_ADDRESS);

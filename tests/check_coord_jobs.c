@@ -557,6 +557,33 @@ START_TEST(frames_are_fetched_when_they_are_there)
 }
 END_TEST
 
+START_TEST(an_observer_sees_all_and_changes_nothing)
+{
+    static const uint16_t orders[] = { MSG_CANCEL, MSG_PAUSE, MSG_DELETE };
+    struct msg m = { .type = MSG_FETCH,
+                     .request = 6,
+                     .fetch = { job_a, 0, MSG_WHAT_STATS } };
+    unsigned before;
+
+    submit(&f, ANA, job_a, 0);
+    join(&f, STRANGER, MSG_ROLE_OBSERVER, "", "observer:page");
+    ck_assert_int_eq(f.last[STRANGER].type, MSG_WELCOME);
+    say(&f, STRANGER, &m);
+    ck_assert_int_eq(f.last[STRANGER].type, MSG_CHUNK);
+    m = (struct msg){ .type = MSG_QUERY, .query = { MSG_QUERY_LIMITS, "ana" } };
+    say(&f, STRANGER, &m);
+    ck_assert_int_eq(f.last[STRANGER].type, MSG_ANSWER);
+    before = f.sent[STRANGER];
+    for (int i = 0; i < N_ELEM(orders); i++) {
+        m = (struct msg){ .type = orders[i], .cancel = { job_a } };
+        say(&f, STRANGER, &m);
+        ck_assert_uint_eq(f.sent[STRANGER], before);
+        ck_assert(!job_over(desk_find_job(f.c, job_a)));
+        ck_assert_int_ne(desk_find_job(f.c, job_a)->state, JOB_PAUSED);
+    }
+}
+END_TEST
+
 /* It is nearly full: room comes and goes twice a second. */
 START_TEST(a_disk_that_is_full_by_turns_is_told_now_and_then)
 {
@@ -856,6 +883,7 @@ main(void)
     tcase_add_test(tc, statistics_in_pieces_are_those_at_once);
     tcase_add_test(tc, long_statistics_are_told_in_pieces);
     tcase_add_test(tc, frames_are_fetched_when_they_are_there);
+    tcase_add_test(tc, an_observer_sees_all_and_changes_nothing);
     tcase_add_test(tc, a_full_disk_holds_jobs);
     tcase_add_test(tc, a_disk_that_is_full_by_turns_is_told_now_and_then);
     tcase_add_loop_test(tc, cancel_is_answered_whatever_the_job_is_at, 0,

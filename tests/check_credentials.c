@@ -43,7 +43,7 @@ static void
 make_keys(void)
 {
     static const char *const names[] = { "worker:w1", "user:ana", "admin:root",
-                                         "user:eve" };
+                                         "observer:page", "user:eve" };
     char path[100];
     int fd;
 
@@ -395,6 +395,10 @@ static const struct {
 } impostors[] = {
     { "user:ana:k1", "w1", MSG_ROLE_WORKER },
     { "user:ana:k1", "", MSG_ROLE_ADMIN },
+    { "user:ana:k1", "", MSG_ROLE_OBSERVER },
+    { "observer:page:k1", "w1", MSG_ROLE_WORKER },
+    { "observer:page:k1", "", MSG_ROLE_USER },
+    { "observer:page:k1", "", MSG_ROLE_ADMIN },
     { "worker:w1:k1", "", MSG_ROLE_USER },
     { "worker:w1:k1", "", MSG_ROLE_ADMIN },
     { "admin:root:k1", "w1", MSG_ROLE_WORKER },
@@ -429,6 +433,7 @@ static const struct {
     { "worker:w1:k1", "w1", MSG_ROLE_WORKER, MSG_AT_COORD_WORKER },
     { "user:ana:k1", "", MSG_ROLE_USER, MSG_AT_COORD_USER },
     { "admin:root:k1", "", MSG_ROLE_ADMIN, MSG_AT_COORD_ADMIN },
+    { "observer:page:k1", "", MSG_ROLE_OBSERVER, MSG_AT_COORD_OBSERVER },
 };
 
 /* One that it may say is read, and lacks its body; another is not. */

@@ -189,7 +189,7 @@ static inline void
 join(struct fixture *f, uint64_t conn, unsigned role, const char *name,
      const char *owner)
 {
-    struct coord_peer peer = { "test", owner, 14, NULL };
+    struct coord_peer peer = { "test", owner, 30, NULL }; /* any role */
     struct msg m = { .type = MSG_HELLO,
                      .hello = { MSG_VERSION_MIN, MSG_VERSION, (uint8_t)role,
                                 name, "t", "", 2, 0 } };

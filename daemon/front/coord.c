@@ -276,7 +276,8 @@ static void
 handle(struct coord *c, struct coord_conn *conn, const struct msg *m)
 {
     if (conn->session == MSG_AT_COORD_USER ||
-        conn->session == MSG_AT_COORD_ADMIN) {
+        conn->session == MSG_AT_COORD_ADMIN ||
+        conn->session == MSG_AT_COORD_OBSERVER) {
         request_handle(c, conn, m);
         return;
     }

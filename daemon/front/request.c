@@ -274,11 +274,11 @@ reply_no_job(struct coord *c, struct coord_conn *conn, uint32_t request,
     desk_reply_failed(c, conn, request, id, EX_NOINPUT, text);
 }
 
-/* The job that a request names, if there is one and the sender may steer it;
- * else NULL, and the sender is told. */
+/* The job that a request names, if there is one and the sender may steer it, or
+ * only `look` at it; else NULL, and the sender is told. */
 static struct job *
-job_of_request(struct coord *c, struct coord_conn *conn, uint32_t request,
-               const uint8_t *id)
+find_job(struct coord *c, struct coord_conn *conn, uint32_t request,
+         const uint8_t *id, bool look)
 {
     struct job *job = desk_find_job(c, id);
 
@@ -286,12 +286,20 @@ job_of_request(struct coord *c, struct coord_conn *conn, uint32_t request,
         reply_no_job(c, conn, request, id);
         return NULL;
     }
-    if (!may_steer(conn, job)) {
+    if (!may_steer(conn, job) &&
+        !(look && conn->session == MSG_AT_COORD_OBSERVER)) {
         desk_reply_failed(c, conn, request, id, EX_NOPERM,
                           "the job belongs to another user");
         return NULL;
     }
     return job;
+}
+
+static struct job *
+job_of_request(struct coord *c, struct coord_conn *conn, uint32_t request,
+               const uint8_t *id)
+{
+    return find_job(c, conn, request, id, false);
 }
 
 /* Why a new job cannot be taken; 0: it can. */
@@ -643,7 +651,7 @@ fetch_fault(const struct job *job, const struct msg_fetch *m, int *status)
 static void
 on_fetch(struct coord *c, struct coord_conn *conn, const struct msg *m)
 {
-    struct job *job = job_of_request(c, conn, m->request, m->fetch.job);
+    struct job *job = find_job(c, conn, m->request, m->fetch.job, true);
     const char *fault;
     struct action *a;
     int status;
@@ -677,8 +685,7 @@ report_limits(struct coord *c, struct coord_conn *conn, const struct msg *m)
     const char *owner = m->query.text[0] ? m->query.text : conn->owner;
     char *text;
 
-    if (conn->session != MSG_AT_COORD_ADMIN &&
-        strcmp(owner, conn->owner) != 0) {
+    if (conn->session == MSG_AT_COORD_USER && strcmp(owner, conn->owner) != 0) {
         desk_reply_failed(c, conn, m->request, NULL, EX_NOPERM,
                           "what another user has is for administrators");
         return;

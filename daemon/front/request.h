@@ -7,7 +7,7 @@
 
 #include "desk/desk.h"
 
-/* A message that arrived in MSG_AT_COORD_USER or MSG_AT_COORD_ADMIN. */
+/* A message that arrived in MSG_AT_COORD_USER, _ADMIN or _OBSERVER. */
 void request_handle(struct coord *c, struct coord_conn *conn,
                     const struct msg *m);
 

@@ -114,7 +114,7 @@ count_user(const struct coord *c, const struct coord_conn *conn, bool greeted,
     unsigned n = 0;
 
     *oldest = NULL;
-    if (conn->roles != 1u << MSG_ROLE_USER)
+    if (conn->roles >> MSG_ROLE_WORKER & 1 || conn->roles >> MSG_ROLE_ADMIN & 1)
         return 0;
     for (const struct coord_conn *i = c->conns; i; i = i->next) {
         bool is_new = i->session == MSG_AT_COORD_NEW;
@@ -291,6 +291,10 @@ static const char *const not_allowed[] = {
         "this role is not allowed from there: administrators need a key "
         "'admin:NAME' or, on the Unix socket, to be root or the coordinator's "
         "own user",
+    [MSG_ROLE_OBSERVER] =
+        "this role is not allowed from there: observers need a key "
+        "'observer:NAME' or, on the Unix socket, to be root or the "
+        "coordinator's own user",
 };
 
 /* Why a HELLO is not welcome; NULL: it is. */
@@ -351,6 +355,7 @@ coord_hello(struct coord *c, struct coord_conn *conn, const struct msg *m)
         [MSG_ROLE_WORKER] = MSG_AT_COORD_WORKER,
         [MSG_ROLE_USER] = MSG_AT_COORD_USER,
         [MSG_ROLE_ADMIN] = MSG_AT_COORD_ADMIN,
+        [MSG_ROLE_OBSERVER] = MSG_AT_COORD_OBSERVER,
     };
     struct msg welcome = { .type = MSG_WELCOME,
                            .request = m->request,

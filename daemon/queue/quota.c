@@ -87,7 +87,8 @@ quota_count(const struct coord *c, const char *owner, struct quota_use *out)
 static bool
 is_free(const struct coord_conn *conn)
 {
-    return conn->roles != 1u << MSG_ROLE_USER;
+    return conn->roles != 1u << MSG_ROLE_USER &&
+           conn->roles != 1u << MSG_ROLE_OBSERVER;
 }
 
 /* May there be `more` beside those that are used, up to `most` in all? */

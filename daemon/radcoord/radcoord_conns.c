@@ -22,7 +22,8 @@ roles_of(long uid)
 
     if (uid != 0 && uid != (long)geteuid())
         return user;
-    return user | 1u << MSG_ROLE_WORKER | 1u << MSG_ROLE_ADMIN;
+    return user | 1u << MSG_ROLE_WORKER | 1u << MSG_ROLE_ADMIN |
+           1u << MSG_ROLE_OBSERVER;
 }
 
 /* A key is for one role, but that who may steer may also use. */

@@ -223,6 +223,7 @@ set_session(struct conn *c, enum msg_session session, unsigned version)
     case MSG_AT_COORD_WORKER:
     case MSG_AT_COORD_USER:
     case MSG_AT_COORD_ADMIN:
+    case MSG_AT_COORD_OBSERVER:
     case MSG_AT_WORKER:
     case MSG_AT_PEER:
         conn_live(c, true);

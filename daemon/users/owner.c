@@ -259,7 +259,8 @@ owners_of_key(const struct owners *o, const struct key *k,
     bool has_login = mapped(o, k->name, owner);
     bool over = strcmp(owner, o->root) == 0 || strcmp(owner, o->self) == 0;
 
-    if (!has_login || (over && k->role != MSG_ROLE_ADMIN))
+    if (!has_login || (over && k->role != MSG_ROLE_ADMIN) ||
+        k->role == MSG_ROLE_OBSERVER) /* nobody's jobs are its own */
         /* a key's name that leaves no room for what is before it is none of a
          * login's: those have 32 characters */
         snprintf(owner, OWNER_TEXT, "%s:%.*s", key_role_name(k->role),

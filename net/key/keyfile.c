@@ -23,7 +23,8 @@
 
 static const char *const roles[] = { [MSG_ROLE_WORKER] = "worker",
                                      [MSG_ROLE_USER] = "user",
-                                     [MSG_ROLE_ADMIN] = "admin" };
+                                     [MSG_ROLE_ADMIN] = "admin",
+                                     [MSG_ROLE_OBSERVER] = "observer" };
 enum { NROLES = sizeof roles / sizeof roles[0] };
 
 /* --- words --- */
@@ -242,7 +243,8 @@ parse_line(const char *line, size_t len, struct key *k)
     size_t at = 0, n = next_word(line, len, &at, &word);
 
     if (!parse_id(word, n, k) || k->number == 0)
-        return "expected ROLE:NAME:kN, with ROLE worker, user or admin";
+        return "expected ROLE:NAME:kN, with ROLE worker, user, admin or "
+               "observer";
     n = next_word(line, len, &at, &word);
     if (!parse_secret(word, n, k))
         return "expected 64 hexadecimal digits or 'retired'";

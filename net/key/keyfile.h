@@ -4,11 +4,11 @@
  *
  *     ROLE:NAME:kN SECRET [EXPIRES]
  *
- * ROLE is worker, user or admin; NAME has up to 64 letters, digits, '.', '_'
- * and '-'; N counts a name's keys from 1, so that a new one can be handed out
- * while the old one is still good.  SECRET is 64 hexadecimal digits, 32 random
- * bytes, or the word "retired": the line then only keeps its number from being
- * given again.  EXPIRES is a date, 2027-01-31 (at 00:00 UTC) or
+ * ROLE is worker, user, admin or observer; NAME has up to 64 letters, digits,
+ * '.', '_' and '-'; N counts a name's keys from 1, so that a new one can be
+ * handed out while the old one is still good.  SECRET is 64 hexadecimal digits,
+ * 32 random bytes, or the word "retired": the line then only keeps its number
+ * from being given again.  EXPIRES is a date, 2027-01-31 (at 00:00 UTC) or
  * 2027-01-31T12:00:00Z; from then on the key is not taken.  Blank lines and
  * those that begin with '#' are left alone.
  *
