@@ -508,6 +508,36 @@ START_TEST(undefined_name_is_refused_where_it_is_used)
 END_TEST
 
 /* Deep and long input must not reach the end of C's stack. */
+START_TEST(expression_is_compiled_once_while_names_mean_the_same)
+{
+    struct rad_calc *c = rad_calc_new(NULL);
+    int a = rad_calc_context(c, "a.cal", NULL);
+    int b = rad_calc_context(c, "b.cal", NULL);
+    struct rad_calc_compiled first, again, other;
+
+    rad_calc_read(c, b, "b.cal", "k : 3;", 6, NULL);
+    rad_calc_read(c, a, "a.cal", "k : 2;", 6, NULL);
+    ck_assert_int_eq(rad_calc_compile(c, a, "k*arg(4)*Nx", &first, NULL), 0);
+    ck_assert_int_eq(rad_calc_compile(c, a, "k*arg(4)*Nx", &again, NULL), 0);
+    ck_assert_int_eq(again.code, first.code);
+    ck_assert_int_eq(again.need.reals, 4);
+    ck_assert_uint_eq(again.channels, rad_calc_channels(c, first.code));
+    rad_calc_offer(c, RAD_CALC_OFFER_AIM); /* it might need what is new */
+    ck_assert_int_eq(rad_calc_compile(c, a, "k*arg(4)*Nx", &other, NULL), 0);
+    ck_assert_int_ne(other.code, first.code);
+    rad_calc_compile(c, a, "k", &first, NULL);
+    rad_calc_compile(c, b, "k", &other, NULL);
+    ck_assert(first.is_number && first.number == 2);
+    ck_assert(other.is_number && other.number == 3);
+    rad_calc_read(c, a, "a.cal", "k : 5;", 6, NULL);
+    rad_calc_compile(c, a, "k", &again, NULL);
+    ck_assert(again.is_number && again.number == 5);
+    ck_assert_int_lt(rad_calc_compile(c, a, "k+", &again, NULL), 0);
+    ck_assert_int_lt(rad_calc_compile(c, a, "k+", &again, NULL), 0);
+    rad_calc_free(c);
+}
+END_TEST
+
 START_TEST(nesting_is_bounded)
 {
     static char text[400001];
@@ -652,6 +682,7 @@ main(void)
     tcase_add_loop_test(tc, fault_is_told_and_bounded, 0, N_ELEM(faulty));
     tcase_add_loop_test(tc, bad_text_is_refused_with_its_line, 0, N_ELEM(bad));
     tcase_add_test(tc, undefined_name_is_refused_where_it_is_used);
+    tcase_add_test(tc, expression_is_compiled_once_while_names_mean_the_same);
     tcase_add_test(tc, nesting_is_bounded);
     tcase_add_test(tc, noise_follows_its_definition);
     tcase_add_test(tc, rand_follows_its_formula);

@@ -442,7 +442,7 @@ visit_files(struct compiled *c, const struct reading *r,
 {
     const struct rad_scene *s = c->scene;
     uint8_t *reached = malloc((size_t)s->nobjects + 1);
-    const char *name;
+    const char *name, *last = ""; /* found: faces of a mesh name the same */
     int first = 0;
 
     if (!reached)
@@ -454,8 +454,10 @@ visit_files(struct compiled *c, const struct reading *r,
              k++) {
             struct rad_error why = { 0 }, now = { 0 };
 
-            if (visit(c, name, dir, &why) == 0)
+            if (strcmp(name, last) == 0 || visit(c, name, dir, &why) == 0) {
+                last = name;
                 continue;
+            }
             rad_scene_fail(s, &s->objects[i], &now,
                            reached[i] ? why.code : RAD_WARNING, "%s%s",
                            why.what, reached[i] ? "" : "; no surface uses it");

@@ -263,6 +263,8 @@ static int
 decode_component(struct reader *in, uint8_t *component, int n)
 {
     for (int i = 0; i < n;) {
+        const uint8_t *from; /* stores into the row cannot change it */
+        uint8_t byte;
         int k;
 
         if (in->end - in->at < 2)
@@ -272,16 +274,18 @@ decode_component(struct reader *in, uint8_t *component, int n)
             k &= 127;
             if (k > n - i)
                 return damaged(in, "run past the end of a row");
+            byte = *in->at++;
             for (; k > 0; k--)
-                component[4 * i++] = *in->at;
-            in->at++;
+                component[4 * i++] = byte;
         } else {
             if (k == 0 || k > n - i)
                 return damaged(in, "bad length of bytes in a row");
             if (k > in->end - in->at)
                 return damaged(in, "ends early");
+            from = in->at;
+            in->at += k;
             for (; k > 0; k--)
-                component[4 * i++] = *in->at++;
+                component[4 * i++] = *from++;
         }
     }
     return 0;
@@ -502,6 +506,10 @@ rad_hdr_read_coded(const uint8_t *data, size_t len, size_t max_pixels,
     pic->width = in.xmajor ? in.nscan : in.nlength;
     pic->height = in.xmajor ? in.nlength : in.nscan;
     pic->pixaspect = in.pixaspect;
+    if (!in.xmajor && !in.xleft && !in.yup) {
+        pic->rgbe = rgbe;
+        return 0;
+    }
     to = malloc(4 * (size_t)pic->width * (size_t)pic->height);
     pic->rgbe = to;
     for (int y = 0; to && y < pic->height; y++)

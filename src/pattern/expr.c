@@ -35,18 +35,15 @@ load(struct rad_job *job, const struct rad_object *o,
 
 /* rpict ends where it meets such a one. */
 static int
-check_needs(const struct rad_job *job, const struct rad_object *o, int code,
-            struct rad_error *err)
+check_needs(const struct rad_job *job, const struct rad_object *o,
+            const struct rad_calc_need *need, struct rad_error *err)
 {
-    struct rad_calc_need need;
-
-    rad_calc_needs(job->calc, code, &need);
-    if (need.reals > o->nreals)
+    if (need->reals > o->nreals)
         return rad_scene_fail(job->scene, o, err, RAD_EDATA,
-                              "missing real argument %d", need.reals);
-    if (need.function)
+                              "missing real argument %d", need->reals);
+    if (need->function)
         return rad_scene_fail(job->scene, o, err, RAD_EDATA,
-                              "too few arguments for %s()", need.function);
+                              "too few arguments for %s()", need->function);
     return 0;
 }
 
@@ -59,19 +56,20 @@ compile_expressions(struct rad_job *job, const struct rad_object *o,
     e->channels = 0;
     for (int i = 0; which >> i; i++) {
         struct rad_error why = { 0 };
-        int code;
+        struct rad_calc_compiled c;
 
         if (!(which >> i & 1))
             continue;
-        code = rad_calc_expression(job->calc, e->context, o->strings[i], &why);
-        if (code < 0)
+        if (rad_calc_compile(job->calc, e->context, o->strings[i], &c, &why) <
+            0)
             return rad_material_file_fail(job, o, o->strings[i], &why, err);
-        if (check_needs(job, o, code, err) < 0)
+        if (check_needs(job, o, &c.need, err) < 0)
             return RAD_EDATA;
-        if (rad_calc_number(job->calc, code, &e->number[e->n]))
+        e->number[e->n] = c.number;
+        if (c.is_number)
             e->numbers |= 1u << e->n;
-        e->channels |= rad_calc_channels(job->calc, code);
-        e->code[e->n++] = code;
+        e->channels |= c.channels;
+        e->code[e->n++] = c.code;
     }
     return 0;
 }

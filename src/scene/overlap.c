@@ -358,7 +358,7 @@ sphere_meets_cube(const struct rad_object *o, const double centre[3], double h)
 static double
 generator_distance(const struct generator *g, const double p[3])
 {
-    double d[3], q[3], height, radius, dh = g->len, dr = g->r1 - g->r0, t;
+    double d[3], q[3], height, radius, dh = g->len, dr = g->r1 - g->r0, t, a, b;
 
     rad_sub(d, p, g->base);
     height = rad_dot(d, g->axis);
@@ -366,7 +366,9 @@ generator_distance(const struct generator *g, const double p[3])
     radius = sqrt(rad_dot(q, q));
     t = (height * dh + (radius - g->r0) * dr) / (dh * dh + dr * dr);
     t = fmin(1, fmax(0, t));
-    return hypot(height - t * dh, radius - g->r0 - t * dr);
+    a = height - t * dh;
+    b = radius - g->r0 - t * dr;
+    return sqrt(a * a + b * b);
 }
 
 /* The balls within and around the cube decide, or its eight parts. */

@@ -46,11 +46,15 @@ LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
                                       (const char *)data, len, &err) == 0) {
         char *text =
             nul ? strndup((const char *)nul + 1, size - len - 1) : strdup("x");
-        int at = text ? rad_calc_expression(c, context, text, &err) : -1;
+        struct rad_calc_compiled is, again;
+        int rc = text ? rad_calc_compile(c, context, text, &is, &err) : -1;
 
-        if (at >= 0)
-            run(c, at);
+        if (rc == 0)
+            run(c, is.code);
         else if (text && err.code == 0)
+            abort();
+        if (rc == 0 && (rad_calc_compile(c, context, text, &again, NULL) < 0 ||
+                        again.code != is.code))
             abort();
         free(text);
     } else if (err.code == 0) {

@@ -42,8 +42,8 @@ reserve(void *array, int32_t n, int32_t *size, size_t each)
 
 /* --- names -------------------------------------------------------------- */
 
-static uint64_t
-hash_name(const char *name)
+uint64_t
+rad_calc_hash(const char *name)
 {
     uint64_t h = UINT64_C(0xcbf29ce484222325);
 
@@ -68,7 +68,7 @@ find_slot(const struct rad_calc *c, const char *name, uint64_t hash)
 static int32_t
 lookup(const struct rad_calc *c, const char *name)
 {
-    return c->nslot ? *find_slot(c, name, hash_name(name)) : -1;
+    return c->nslot ? *find_slot(c, name, rad_calc_hash(name)) : -1;
 }
 
 static int
@@ -100,7 +100,9 @@ find_library(const char *name)
 static int32_t
 insert(struct rad_calc *c, const char *name, struct rad_error *err)
 {
-    struct symbol s = { .hash = hash_name(name), .code = -1, .channel = -1 };
+    struct symbol s = { .hash = rad_calc_hash(name),
+                        .code = -1,
+                        .channel = -1 };
 
     if (c->nsymbol >= RAD_MAX_CALC_CODE)
         return rad_fail(err, RAD_EDATA, "functions of too many names");

@@ -126,6 +126,21 @@ struct rad_calc_need {
 void rad_calc_needs(const struct rad_calc *c, int expression,
                     struct rad_calc_need *need);
 
+/* All of that of an expression. */
+struct rad_calc_compiled {
+    int code; /* its index */
+    bool is_number;
+    double number;
+    uint64_t channels;
+    struct rad_calc_need need;
+};
+
+/* rad_calc_expression(), and what the three above say of it; an expression that
+ * was compiled before, in the same context and with the same on offer, is not
+ * compiled again. */
+int rad_calc_compile(struct rad_calc *c, int context, const char *text,
+                     struct rad_calc_compiled *out, struct rad_error *err);
+
 /* An evaluator for programs of this size; NULL: out of memory. */
 struct rad_calc_env *rad_calc_env_new(const struct rad_calc *c);
 void rad_calc_env_free(struct rad_calc_env *env);

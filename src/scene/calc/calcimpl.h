@@ -88,6 +88,15 @@ double rad_calc_fractal(const double p[3]);
 /* The global definitions. */
 extern const char rad_calc_standard[];
 
+/* FNV-1a of a text. */
+uint64_t rad_calc_hash(const char *text);
+
+/* What names mean may change: forget what was compiled (calcmemo.c). */
+void rad_calc_forget(struct rad_calc *c);
+
+struct known;
+#define RAD_CALC_KNOWN_SLOTS 256
+
 struct context {
     const char *name; /* "" or "`name" */
     bool loaded;
@@ -103,6 +112,7 @@ struct rad_calc {
     int32_t nsymbol, symbol_size;
     int32_t *slot; /* hash table of symbols, -1: free */
     int32_t nslot; /* a power of two */
+    struct known *known[RAD_CALC_KNOWN_SLOTS]; /* lists, by hash */
     struct context *context;
     int32_t ncontext;
     struct rad_calc_env *env; /* folds constants */

@@ -549,6 +549,7 @@ rad_calc_read(struct rad_calc *c, int context, const char *name,
     file = rad_arena_strndup(&c->arena, name, strlen(name));
     if (!file)
         return rad_fail(err, RAD_ENOMEM, "out of memory for functions");
+    rad_calc_forget(c);
     rad_arena_init(&ps.arena);
     skip_blanks(&ps);
     while (!ps.failed && ps.p < ps.end) {

@@ -1,0 +1,91 @@
+/* calcmemo.c - expressions that were compiled before
+ *
+ * A mesh whose faces all have a texture of their own, as converters make them,
+ * says the same three expressions for each of ten thousand faces, and differs
+ * in the real arguments alone, which code asks for when it runs.  What names
+ * mean changes when a file is read; then all is compiled anew. */
+#include "config.h"
+
+#include "scene/calc/calcimpl.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+struct known {
+    struct known *next; /* in its slot */
+    uint64_t hash;
+    int context;
+    unsigned offer;
+    const char *text;
+    struct rad_calc_compiled is;
+};
+
+static uint64_t
+hash_of(const struct rad_calc *c, int context, const char *text)
+{
+    return rad_calc_hash(text) ^ ((uint64_t)context << 8 | c->offer);
+}
+
+static struct known **
+slot_of(struct rad_calc *c, uint64_t hash)
+{
+    return &c->known[hash % RAD_CALC_KNOWN_SLOTS];
+}
+
+static const struct known *
+find(struct rad_calc *c, uint64_t hash, int context, const char *text)
+{
+    const struct known *k = *slot_of(c, hash);
+
+    while (k && (k->hash != hash || k->context != context ||
+                 k->offer != c->offer || strcmp(k->text, text) != 0))
+        k = k->next;
+    return k;
+}
+
+/* Without memory it is compiled again when it comes again. */
+static void
+keep(struct rad_calc *c, uint64_t hash, int context, const char *text,
+     const struct rad_calc_compiled *is)
+{
+    struct known *k = rad_arena_alloc(&c->arena, sizeof *k);
+    char *copy = rad_arena_strndup(&c->arena, text, strlen(text));
+
+    if (!k || !copy)
+        return;
+    *k = (struct known){ .next = *slot_of(c, hash),
+                         .hash = hash,
+                         .context = context,
+                         .offer = c->offer,
+                         .text = copy,
+                         .is = *is };
+    *slot_of(c, hash) = k;
+}
+
+void
+rad_calc_forget(struct rad_calc *c)
+{
+    memset(c->known, 0, sizeof c->known);
+}
+
+int
+rad_calc_compile(struct rad_calc *c, int context, const char *text,
+                 struct rad_calc_compiled *out, struct rad_error *err)
+{
+    uint64_t hash = hash_of(c, context, text);
+    const struct known *k = find(c, hash, context, text);
+
+    if (k) {
+        *out = k->is;
+        return 0;
+    }
+    out->code = rad_calc_expression(c, context, text, err);
+    if (out->code < 0)
+        return out->code;
+    rad_calc_needs(c, out->code, &out->need);
+    out->number = 0;
+    out->is_number = rad_calc_number(c, out->code, &out->number);
+    out->channels = rad_calc_channels(c, out->code);
+    keep(c, hash, context, text, out);
+    return 0;
+}
