@@ -825,3 +825,10 @@ check-threads:
 # The floor plan of doc/architecture.md against the code.
 TESTS += tests/doors.sh
 dist_check_SCRIPTS += tests/doors.sh
+
+# The Debian packages in clean trees of Debian; for root.
+EXTRA_DIST += tests/packages/booted.sh tests/packages/packages.sh \
+	tests/packages/room.rad
+.PHONY: check-packages
+check-packages: dist
+	$(srcdir)/tests/packages/packages.sh $(distdir).tar.xz
