@@ -326,6 +326,38 @@ START_TEST(untested_lamps_are_drawn)
 }
 END_TEST
 
+/* A ceiling that a weak lamp lights, and a hundred times as strong one would if
+ * there were no lid: rays of indirect light do not miss the weak one. */
+START_TEST(strong_lamp_that_is_hidden_makes_no_noise)
+{
+    static const char scene[] =
+        PLASTIC "void light strong 0 0 3 40000 40000 40000\n"
+                "void light weak 0 0 3 100 100 100\n"
+                "white polygon top 0 0 12 -9 -9 2 -9 9 2 9 9 2 9 -9 2\n"
+                "white polygon lid 0 0 12 -99 -99 -6 99 -99 -6 99 99 -6 "
+                "-99 99 -6\n"
+                "weak sphere w 0 0 4 0 0 -4 .1\n"
+                "strong sphere s 0 0 4 0 0 -10 .1\n";
+    double sum = 0, sum2 = 0, exact;
+    enum { TIMES = 500 };
+    struct world w;
+
+    world_open(&w, scene, "-ab 1 -aa 0 -ad 16 -as 0 -lw 0 -dt 0");
+    exact = (double)irradiance_sum(&w, 9, TIMES).r / TIMES;
+    world_close(&w);
+    world_open(&w, scene, "-ab 1 -aa 0 -ad 16 -as 0 -lw 0 -dt .05");
+    for (uint64_t i = 0; i < TIMES; i++) {
+        double E = (double)irradiance_sum(&w, 100 + i, 1).r;
+
+        sum += E / TIMES;
+        sum2 += E * E / TIMES;
+    }
+    world_close(&w);
+    ck_assert_double_eq_tol(sum, exact, .01 * exact);
+    ck_assert_double_lt(sqrt(sum2 - sum * sum), .15 * exact);
+}
+END_TEST
+
 /* What blocked the last ray may make a test shorter, never different. */
 START_TEST(memory_of_the_last_blocker_changes_nothing)
 {
@@ -395,6 +427,7 @@ main(void)
     tcase_add_test(tc, untested_lamps_count_as_the_tested_ones_are_seen);
     tcase_add_test(tc, untested_lamps_leave_the_mean_alone);
     tcase_add_test(tc, untested_lamps_are_drawn);
+    tcase_add_test(tc, strong_lamp_that_is_hidden_makes_no_noise);
     tcase_add_test(tc, memory_of_the_last_blocker_changes_nothing);
     tcase_add_test(tc, illum_over_void_is_a_light_and_a_window);
     tcase_add_test(tc, cone_cannot_be_a_light);

@@ -14,7 +14,8 @@
  * their sum is right in the mean, and its noise within -dt.
  *
  * Rays of indirect light are many, and what each says need be right in the mean
- * only: there one sample is drawn from all.
+ * only: there one sample is drawn from all, but for one that is most of their
+ * sum.
  *
  * A shadow ray stops at the first opaque thing it finds, whichever that is.
  * Only if there is none, but something to see through, does it go on, from
@@ -34,6 +35,12 @@
 
 /* Shadow rays sent whatever -dt says, as in rpict. */
 #define MIN_TESTS 2
+
+/* Where one sample is drawn from all, one that is more than this part of the
+ * sum is tested by itself: so strong a source that cannot be seen, like the sun
+ * from most of a room, would be drawn nearly always, and what is left, at last
+ * drawn once, would count for many times what it is. */
+#define APART .5
 
 struct potential {
     struct rad_span span; /* of the shadow ray, which ends short of the
@@ -486,24 +493,61 @@ sort(struct order *o, int32_t n)
     }
 }
 
+static void
+add_if_seen(struct direct *d, struct potential *p)
+{
+    if (test(d, p))
+        d->r->L = rad_rgb_add(d->r->L, p->val);
+}
+
 /* With -dt 0 every one is tested, so the order does not matter. */
 static void
 test_all(struct direct *d)
 {
     for (int32_t i = 0; i < d->n; i++)
-        if (test(d, &d->list[i]))
-            d->r->L = rad_rgb_add(d->r->L, d->list[i].val);
+        add_if_seen(d, &d->list[i]);
 }
 
-/* The sample that is drawn, tested for all. */
+/* The sum of the samples' luminances, and the brightest of them. */
+static double
+sum_up(const struct direct *d, int32_t *brightest)
+{
+    double all = 0, most = -1;
+
+    for (int32_t i = 0; i < d->n; i++) {
+        double lum = rad_rgb_lum(d->list[i].val);
+
+        all += lum;
+        if (lum > most) {
+            most = lum;
+            *brightest = i;
+        }
+    }
+    return all;
+}
+
+/* Test a sample that is most of the sum by itself, if there is one, and take it
+ * off the list.  Returns the sum of the others. */
+static double
+test_apart(struct direct *d)
+{
+    int32_t i = 0;
+    double all = sum_up(d, &i);
+
+    if (!(d->n > 1 && rad_rgb_lum(d->list[i].val) > APART * all))
+        return all;
+    add_if_seen(d, &d->list[i]);
+    d->list[i] = d->list[--d->n];
+    return sum_up(d, &i);
+}
+
+/* The sample that is drawn, tested for all but one that is tested apart. */
 static void
 test_drawn(struct direct *d)
 {
+    double all = test_apart(d), at, lum = 0;
     struct potential *p = d->list;
-    double all = 0, at, lum = 0;
 
-    for (int32_t i = 0; i < d->n; i++)
-        all += rad_rgb_lum(d->list[i].val);
     at = all * rad_rand(d->r->key, RAD_DIM_SOURCE);
     /* rounding may leave nothing behind the last */
     for (int32_t i = 0; i < d->n && at >= 0; i++) {
