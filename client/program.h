@@ -34,6 +34,8 @@ struct program {
     struct jobspec job;
     struct prediction prediction; /* --dry-run */
     struct local *local;          /* its folder holds the scene's files too */
+    struct launch *launch;        /* NULL: its workers are local's */
+    uint64_t began_ms;            /* the embedded cluster */
     bool embedded;
     bool unwritten; /* a picture came and could not be written, */
     char *rescued, *rescued_depth; /* but here; NULL: or nowhere */

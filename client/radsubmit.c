@@ -13,7 +13,9 @@
 #include "job/apart.h"
 #include "compile/command.h"
 #include "trial/dryrun.h"
+#include "link/launch.h"
 #include "link/local.h"
+#include "link/programs.h"
 #include "base/output.h"
 #include "show/picfile.h"
 #include "link/submit.h"
@@ -30,6 +32,13 @@
 
 /* --- who asks --- */
 
+/* Of a cluster of our own. */
+static int
+workers_wanted(const struct program *p)
+{
+    return p->o.workers ? p->o.workers : 1;
+}
+
 static void
 on_records(void *arg, const struct msg_records *m)
 {
@@ -38,16 +47,48 @@ on_records(void *arg, const struct msg_records *m)
     records_take(&p->records, m);
 }
 
-static bool
-on_alive(void *arg)
+static int
+on_alive(void *arg, struct rad_error *err)
 {
-    return local_alive(((struct program *)arg)->local);
+    struct program *p = arg;
+
+    if (p->launch)
+        return launch_alive(p->launch, err);
+    if (local_alive(p->local))
+        return 0;
+    return rad_fail(err, RAD_EINTERNAL,
+                    "the cluster on this machine has ended");
 }
 
+/* Workers of our own are soon there. */
 static int
-on_expected(void *arg)
+on_gathered(void *arg, int n, const char *names, struct rad_error *err)
 {
-    return local_workers(((struct program *)arg)->local);
+    struct program *p = arg;
+    char text[500], of[24];
+    bool news;
+    int rc;
+
+    if (!p->launch)
+        return n >= local_workers(p->local) ||
+               (double)(uv_now(&p->loop) - p->began_ms) >= 1000 * p->o.wait_s;
+    rc = launch_gathered(p->launch, n, names, &news, err);
+    snprintf(of, sizeof of, " of %d", workers_wanted(p));
+    snprintf(text, sizeof text, "%d%s workers there%s%s", n,
+             n > workers_wanted(p) ? "" : of, n > 0 ? ": " : "", names);
+    if (news)
+        program_say(p, text);
+    return rc;
+}
+
+static void
+on_progress(void *arg, const struct msg_progress *m)
+{
+    struct program *p = arg;
+
+    if (p->launch)
+        launch_note_workers(p->launch, (int)m->workers);
+    program_on_progress(p, m);
 }
 
 /* --- signals --- */
@@ -178,13 +219,6 @@ take_rif(struct program *p)
                              p->err);
 }
 
-/* Of a cluster of our own. */
-static int
-workers_wanted(const struct program *p)
-{
-    return p->o.workers ? p->o.workers : 1;
-}
-
 /* --- the job --- */
 
 static int
@@ -192,7 +226,7 @@ choose_cluster(struct program *p)
 {
     int rc = 0;
 
-    if (!p->o.local)
+    if (!p->o.local && !p->o.launch)
         rc = target_find(&p->target, p->o.coordinator, p->o.key, p->err);
     if (rc < 0)
         return rc;
@@ -208,7 +242,8 @@ choose_cluster(struct program *p)
     if (!p->embedded && (p->o.workers || p->o.threads))
         return rad_fail(p->err, RAD_EUSAGE,
                         "--workers and --threads are for a cluster of "
-                        "radsubmit's own: use --local with them");
+                        "radsubmit's own: use --local or --launch with "
+                        "them");
     return 0;
 }
 
@@ -274,9 +309,18 @@ fill_spec(struct program *p)
 static int
 start_local(struct program *p)
 {
-    int rc = local_start(p->local, workers_wanted(p), p->o.threads,
-                         &p->interrupts, p->err);
+    struct launch_order order = { .command = p->o.launch,
+                                  .address = p->o.address,
+                                  .workers = workers_wanted(p),
+                                  .threads = p->o.threads,
+                                  .wait_s = p->o.wait_s };
+    int rc = p->o.launch ? launch_start(&p->launch, p->local, &order,
+                                        &p->interrupts, p->err)
+                         : local_start(p->local, order.workers, order.threads,
+                                       &p->interrupts, p->err);
 
+    uv_update_time(&p->loop);
+    p->began_ms = uv_now(&p->loop);
     if (rc == 0)
         p->target = *local_target(p->local);
     return rc;
@@ -285,14 +329,12 @@ start_local(struct program *p)
 static int
 converse(struct program *p)
 {
-    struct submit_callbacks cb = {
-        .say = program_say,
-        .accepted = on_accepted,
-        .progress = program_on_progress,
-        .wonders = on_wonders,
-        .frame = program_on_frame,
-        .arg = p
-    };
+    struct submit_callbacks cb = { .say = program_say,
+                                   .accepted = on_accepted,
+                                   .progress = on_progress,
+                                   .wonders = on_wonders,
+                                   .frame = program_on_frame,
+                                   .arg = p };
     struct submit_job job = { .spec = &p->job.spec,
                               .cargo = &p->cargo,
                               .to = p->target,
@@ -312,7 +354,7 @@ converse(struct program *p)
         cb.reason = on_reason;
     if (p->embedded) {
         cb.alive = on_alive;
-        cb.expected = on_expected;
+        cb.gathered = on_gathered;
     }
     rc = submit_run(&job, &p->loop, &p->interrupts, &cb, p->err);
     if (rc == 0)
@@ -467,6 +509,7 @@ run(struct program *p)
         rc = run_dry(p);
     else if (rc == 0 && (rc = jobspec_name(&p->job, p->err)) == 0)
         rc = run_job(p);
+    launch_stop(p->launch);
     local_stop(p->local);
     if (!foresee_end(p->foresee, rc < 0))
         return rc;
@@ -483,7 +526,7 @@ say_rpict_path(struct program *p)
 {
     char path[PATH_MAX];
 
-    if (!local_rpict(path, sizeof path))
+    if (!programs_rpict(path, sizeof path))
         return rad_fail(p->err, RAD_ENOINPUT,
                         "the program rpict is not there, neither beside "
                         "radsubmit nor in " RADD_LIBEXECDIR);

@@ -6,14 +6,16 @@ EXTRA_DIST += \
 	etc/radd.conf \
 	etc/radd.service.in \
 	etc/radd.sysusers \
-	etc/radsubmit.conf
+	etc/radsubmit.conf \
+	etc/slurm/radd.sbatch
 
 # samples, where they overwrite nobody's settings
 sampledir = $(docdir)/examples
 dist_sample_DATA = \
 	etc/radcoord.conf \
 	etc/radd.conf \
-	etc/radsubmit.conf
+	etc/radsubmit.conf \
+	etc/slurm/radd.sbatch
 
 systemdsystemunit_DATA = \
 	etc/radcoord.service \

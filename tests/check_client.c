@@ -8,6 +8,7 @@
 #include "trial/progress.h"
 #include "job/submit_options.h"
 #include "common/table.h"
+#include "link/launch.h"
 #include "link/target.h"
 #include "unit.h"
 #include "common/words.h"
@@ -486,6 +487,73 @@ START_TEST(addresses_are_taken_apart)
 }
 END_TEST
 
+static const struct {
+    const char *command;
+    bool each;
+    const char *third; /* of the third worker */
+} launches[] = {
+    { "srun", false, "srun" },
+    { "ssh ws%d", true, "ssh ws3" },
+    { "ssh -p 2%d ws%d", true, "ssh -p 23 ws3" },
+    { "date +%%d", false, "date +%d" },
+    { "echo 100% %d", true, "echo 100% 3" },
+    { "echo %%%d%%", true, "echo %3%" },
+    { "echo %", false, "echo %" },
+    { "", false, "" },
+};
+
+START_TEST(launchers_are_numbered)
+{
+    char *text = launch_command(launches[_i].command, 3);
+
+    ck_assert_str_eq(text, launches[_i].third);
+    ck_assert_int_eq(launch_each(launches[_i].command), launches[_i].each);
+    free(text);
+}
+END_TEST
+
+static const struct {
+    const char *given, *dial, *listen; /* dial NULL: refused */
+} launch_addresses[] = {
+    { "head", "head:0", "*:0" },
+    { "head:7000", "head:7000", "*:7000" },
+    { "10.0.0.1", "10.0.0.1:0", "*:0" },
+    { "[fd00::1]", "[fd00::1]:0", "*:0" },
+    { "[fd00::1]:5", "[fd00::1]:5", "*:5" },
+    { "", NULL, NULL },
+    { "/socket", NULL, NULL },
+    { "head:x", NULL, NULL },
+    { ":7000", NULL, NULL },
+};
+
+START_TEST(workers_are_told_where_to_dial)
+{
+    char dial[LAUNCH_ADDRESS], listen[LAUNCH_ADDRESS];
+    struct rad_error err = { 0 };
+    int rc = launch_address(launch_addresses[_i].given, dial, listen, &err);
+
+    if (!launch_addresses[_i].dial) {
+        ck_assert_int_eq(rc, RAD_EUSAGE);
+        return;
+    }
+    ck_assert_int_eq(rc, 0);
+    ck_assert_str_eq(dial, launch_addresses[_i].dial);
+    ck_assert_str_eq(listen, launch_addresses[_i].listen);
+}
+END_TEST
+
+START_TEST(an_address_is_chosen_for_workers)
+{
+    char dial[LAUNCH_ADDRESS], listen[LAUNCH_ADDRESS];
+    struct rad_error err = { 0 };
+
+    ck_assert_int_eq(launch_address(NULL, dial, listen, &err), 0);
+    ck_assert_str_eq(dial, listen);
+    ck_assert_str_eq(strrchr(dial, ':'), ":0");
+    ck_assert_str_ne(dial, "0.0.0.0:0");
+}
+END_TEST
+
 START_TEST(coordinator_comes_from_the_first_place_that_names_one)
 {
     struct target t;
@@ -853,6 +921,10 @@ add_tests(TCase *tc)
     tcase_add_test(tc, expansion_that_cannot_be_is_an_error);
     tcase_add_test(tc, view_files_are_read_in_their_place);
     tcase_add_loop_test(tc, addresses_are_taken_apart, 0, N_ELEM(addresses));
+    tcase_add_loop_test(tc, launchers_are_numbered, 0, N_ELEM(launches));
+    tcase_add_loop_test(tc, workers_are_told_where_to_dial, 0,
+                        N_ELEM(launch_addresses));
+    tcase_add_test(tc, an_address_is_chosen_for_workers);
     tcase_add_test(tc, coordinator_comes_from_the_first_place_that_names_one);
     tcase_add_test(tc, coordinator_of_this_machine_is_at_its_socket);
     tcase_add_loop_test(tc, frame_numbers_go_into_names, 0, N_ELEM(frames));

@@ -459,14 +459,16 @@ on_stats(void *arg, const uint8_t *json, size_t len, struct rad_error *err)
 }
 
 /* A player that has ended serves no other call. */
-static bool
-on_alive(void *arg)
+static int
+on_alive(void *arg, struct rad_error *err)
 {
     siginfo_t info = { 0 };
 
-    return waitid(P_PID, (id_t)((struct client *)arg)->player, &info,
-                  WEXITED | WNOHANG | WNOWAIT) == 0 &&
-           info.si_pid == 0;
+    if (waitid(P_PID, (id_t)((struct client *)arg)->player, &info,
+               WEXITED | WNOHANG | WNOWAIT) == 0 &&
+        info.si_pid == 0)
+        return 0;
+    return rad_fail(err, RAD_EINTERNAL, "the player has ended");
 }
 
 static const struct script {

@@ -389,6 +389,7 @@ dist_check_SCRIPTS += \
 	tests/e2e/owners.sh \
 	tests/e2e/fetch_spoilt.sh \
 	tests/e2e/kept_jobs.sh \
+	tests/e2e/launch.sh \
 	tests/e2e/radctl_check.sh \
 	tests/e2e/state_damage.sh \
 	tests/e2e/radctl_here.sh \
@@ -399,6 +400,7 @@ dist_check_SCRIPTS += \
 	tests/e2e/radd_shortage.sh \
 	tests/e2e/raderr.sh \
 	tests/e2e/sim_windows.sh \
+	tests/e2e/slurm.sh \
 	tests/e2e/stats.sh \
 	tests/e2e/steer.sh \
 	tests/e2e/steer_first.sh \
@@ -458,6 +460,7 @@ TESTS += \
 	tests/e2e/owners.sh \
 	tests/e2e/fetch_spoilt.sh \
 	tests/e2e/kept_jobs.sh \
+	tests/e2e/launch.sh \
 	tests/e2e/radctl_check.sh \
 	tests/e2e/state_damage.sh \
 	tests/e2e/radctl_here.sh \
@@ -468,6 +471,7 @@ TESTS += \
 	tests/e2e/radd_shortage.sh \
 	tests/e2e/raderr.sh \
 	tests/e2e/sim_windows.sh \
+	tests/e2e/slurm.sh \
 	tests/e2e/stats.sh \
 	tests/e2e/steer.sh \
 	tests/e2e/steer_first.sh \

@@ -10,6 +10,7 @@
 #include "proto/message.h"
 #include "show/picfile.h"
 #include "job/quality.h"
+#include "link/launch.h"
 
 #include "base/help.h"
 #include "image/filter.h"
@@ -71,7 +72,12 @@ struct option {
 #define LEAST_TIME  .1
 #define MOST_TIME   1e6
 
-enum { MOST_WORKERS = 64, MOST_THREADS = 1024, MOST_WINDOWS = 1 << 20 };
+enum {
+    MOST_LOCAL = 64,
+    MOST_WORKERS = 4096,
+    MOST_THREADS = 1024,
+    MOST_WINDOWS = 1 << 20
+};
 
 /* clang-format off */
 static const struct option own[] = {
@@ -79,8 +85,13 @@ static const struct option own[] = {
          "cluster that renders"),
     TEXT("--key", key, "FILE", "key to show a coordinator over the network"),
     FLAG("--local", local, "render on a cluster of its own on this machine"),
+    TEXT("--launch", launch, "COMMAND",
+         "the same, its workers started by COMMAND: srun, mpirun, "
+         "'ssh ws%d'"),
+    TEXT("--address", address, "HOST[:PORT]",
+         "of this machine, for workers of --launch (chosen)"),
     INT("--workers", workers, 1, MOST_WORKERS, "W",
-        "worker processes of that cluster (1)"),
+        "worker processes of that cluster, or of --launch at least (1)"),
     INT("--threads", threads, 1, MOST_THREADS, "T",
         "threads of each (the processors / W)"),
     REAL("--wait", wait_s, 0, 1e9, "S",
@@ -695,11 +706,35 @@ check_reuse(const struct submit_options *o, struct rad_error *err)
     if (other)
         return rad_fail(err, RAD_EUSAGE, "--reuse and %s exclude each other",
                         other);
-    if (o->local)
+    if (o->local || o->launch)
         return rad_fail(err, RAD_EUSAGE,
                         "--reuse needs a coordinator: a cluster of radsubmit's "
                         "own keeps nothing");
     return 0;
+}
+
+/* Whose cluster? */
+static int
+check_cluster(const struct submit_options *o, struct rad_error *err)
+{
+    char dial[LAUNCH_ADDRESS], listen[LAUNCH_ADDRESS];
+
+    if ((o->local || o->launch) && o->coordinator)
+        return rad_fail(err, RAD_EUSAGE,
+                        "--%s and --coordinator exclude each other",
+                        o->local ? "local" : "launch");
+    if (o->local && o->launch)
+        return rad_fail(err, RAD_EUSAGE,
+                        "--local and --launch exclude each other");
+    if (o->launch && strspn(o->launch, " \t\n") == strlen(o->launch))
+        return rad_fail(err, RAD_EUSAGE, "--launch: expected a command");
+    if (!o->launch && o->address)
+        return rad_fail(err, RAD_EUSAGE, "--address is for --launch");
+    if (!o->launch && o->workers > MOST_LOCAL)
+        return rad_fail(err, RAD_EUSAGE,
+                        "option '--workers': at most %d on one machine",
+                        MOST_LOCAL);
+    return o->address ? launch_address(o->address, dial, listen, err) : 0;
 }
 
 static int
@@ -709,9 +744,8 @@ check_together(struct submit_options *o, struct rad_error *err)
 
     if (rc < 0 || (rc = check_show(o, err)) < 0)
         return rc;
-    if (o->local && o->coordinator)
-        return rad_fail(err, RAD_EUSAGE,
-                        "--local and --coordinator exclude each other");
+    if ((rc = check_cluster(o, err)) < 0)
+        return rc;
     if (o->name && strlen(o->name) > MSG_MAX_LABEL)
         return rad_fail(err, RAD_EUSAGE,
                         "option '--name': %zu bytes, and at most %d are allowed",

@@ -69,6 +69,7 @@ struct submit_options {
     const char *coordinator;
     const char *key; /* file */
     bool local;
+    const char *launch, *address; /* of a cluster whose workers it starts */
     int workers, threads; /* of an embedded cluster; 0: not said */
     double wait_s;
     /* how */

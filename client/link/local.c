@@ -3,13 +3,14 @@
 
 #include "link/local.h"
 
+#include "link/programs.h"
+
 #include <errno.h>
 #include <fcntl.h>
 #include <ftw.h>
 #include <poll.h>
 #include <sched.h>
 #include <signal.h>
-#include <spawn.h>
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -21,10 +22,7 @@
 #include <time.h>
 #include <unistd.h>
 
-extern char **environ;
-
 enum {
-    LIFETIME_FD = 3, /* where a daemon finds the pipe */
     READY_MS = 10000,
     STOP_MS = 2000, /* a daemon that has not ended by then is killed */
     LOOK_MS = 10,
@@ -32,13 +30,14 @@ enum {
 };
 
 /* room for a socket's name in it, which the kernel bounds */
-enum { LONGEST_FOLDER = 80, MOST_ARGS = 16 };
+enum { LONGEST_FOLDER = 80, MOST_ARGS = 16, MOST_LAUNCHED = 4096 };
 
 struct local {
     char folder[LONGEST_FOLDER + 1];
-    char programs[4096]; /* radsubmit's own folder; empty: not known */
     struct target target;
     int alive[2]; /* the pipe; [1] is what keeps them alive */
+    int launched[2]; /* pipe: process groups that the keeper is to end, and,
+                      * negative, those that it need not end any more */
     int notify;   /* socket on which a daemon says that it is ready */
     pid_t keeper;
     pid_t coordinator;
@@ -54,45 +53,6 @@ make_folder(struct local *l, const char *base)
     int n = snprintf(l->folder, sizeof l->folder, "%s/radsubmit.XXXXXX", base);
 
     return n < (int)sizeof l->folder && mkdtemp(l->folder) != NULL;
-}
-
-/* radsubmit's own folder, its slash included. */
-static void
-find_programs(struct local *l)
-{
-    ssize_t n = readlink("/proc/self/exe", l->programs, sizeof l->programs - 1);
-
-    l->programs[n > 0 ? n : 0] = '\0';
-    for (; n > 0 && l->programs[n - 1] != '/'; n--)
-        l->programs[n - 1] = '\0';
-}
-
-bool
-local_rpict(char *path, size_t size)
-{
-    /* beside a build's radsubmit, where it was to be installed, and beside an
-     * installation that was moved */
-    static const char *const folders[] = { "libexec/radd", RADD_LIBEXECDIR,
-                                           "../libexec/radd" };
-    struct local l = { 0 };
-    bool found = false;
-
-    find_programs(&l);
-    for (int i = 0; i < 3 && !found; i++) {
-        char *rpict = NULL, *real;
-
-        if (asprintf(&rpict, "%s%s/rpict", i == 1 ? "" : l.programs,
-                     folders[i]) < 0)
-            return false;
-        real = access(rpict, X_OK) == 0 ? realpath(rpict, NULL) : NULL;
-        if (real) {
-            real[strlen(real) - strlen("/rpict")] = '\0';
-            found = snprintf(path, size, "%s", real) < (int)size;
-        }
-        free(real);
-        free(rpict);
-    }
-    return found;
 }
 
 static int
@@ -111,8 +71,31 @@ remove_folder(const struct local *l)
     nftw(l->folder, remove_entry, 16, FTW_DEPTH | FTW_PHYS);
 }
 
-/* The keeper's life: wait until radsubmit is gone, then remove the folder,
- * again while daemons that are about to end put something into it. */
+/* End what was launched, kindly at first. */
+static void
+end_launched(const struct local *l)
+{
+    static const int how[] = { SIGTERM, SIGKILL };
+    pid_t group[MOST_LAUNCHED], g;
+    size_t n = 0;
+
+    while (read(l->launched[0], &g, sizeof g) == (ssize_t)sizeof g) {
+        for (size_t i = 0; i < n; i++)
+            if (group[i] == -g)
+                group[i--] = group[--n];
+        if (g > 0 && n < MOST_LAUNCHED)
+            group[n++] = g;
+    }
+    for (int k = 0; k < 2 && n > 0; k++) {
+        for (size_t i = 0; i < n; i++)
+            kill(-group[i], how[k]);
+        poll(NULL, 0, k == 0 ? STOP_MS : 0);
+    }
+}
+
+/* The keeper's life: wait until radsubmit is gone, then end launchers and
+ * remove the folder, again while daemons that are about to end put something
+ * into it. */
 static void
 keep(const struct local *l)
 {
@@ -124,9 +107,11 @@ keep(const struct local *l)
     for (int fd = 0; fd < 3 && null >= 0; fd++)
         dup2(null, fd); /* whoever reads radsubmit's output need not wait */
     close(l->alive[1]);
+    close(l->launched[1]);
     /* the daemons share this end, and their libuv makes it non-blocking */
     while (read(l->alive[0], &byte, 1) != 0)
         poll(&life, 1, -1);
+    end_launched(l);
     for (int i = 0; i < SWEEPS && access(l->folder, F_OK) == 0; i++) {
         poll(NULL, 0, 2 * LOOK_MS);
         remove_folder(l);
@@ -138,7 +123,7 @@ keep(const struct local *l)
 static int
 start_keeper(struct local *l, struct rad_error *err)
 {
-    if (pipe2(l->alive, O_CLOEXEC) != 0)
+    if (pipe2(l->alive, O_CLOEXEC) != 0 || pipe2(l->launched, O_CLOEXEC) != 0)
         return rad_fail(err, RAD_ENOMEM, "cannot make a pipe: %s",
                         strerror(errno));
     l->keeper = fork();
@@ -165,6 +150,7 @@ local_new(struct local **out, struct rad_error *err)
     if (!l)
         return rad_fail(err, RAD_ENOMEM, "out of memory");
     l->alive[0] = l->alive[1] = l->notify = -1;
+    l->launched[0] = l->launched[1] = -1;
     if (!(tmp && tmp[0] == '/' && make_folder(l, tmp)) &&
         !make_folder(l, "/tmp")) {
         free(l);
@@ -172,7 +158,6 @@ local_new(struct local **out, struct rad_error *err)
                         "cannot make a private folder in /tmp: %s",
                         strerror(errno));
     }
-    find_programs(l);
     *out = l;
     return start_keeper(l, err);
 }
@@ -185,92 +170,19 @@ local_folder(const struct local *l)
 
 /* --- programs --- */
 
-static bool
-executable(const char *path)
-{
-    struct stat st;
-
-    return stat(path, &st) == 0 && S_ISREG(st.st_mode) &&
-           access(path, X_OK) == 0;
-}
-
-/* The program's path, or its name alone for PATH to find. */
-static void
-program_path(const struct local *l, const char *name, char *path, size_t size)
-{
-    static const char *const beside[] = { "", "../sbin/" };
-
-    for (size_t i = 0; l->programs[0] && i < 2; i++) {
-        int n = snprintf(path, size, "%s%s%s", l->programs, beside[i], name);
-
-        if (n < (int)size && executable(path))
-            return;
-    }
-    snprintf(path, size, "%s", name);
-}
-
-/* The environment with NOTIFY_SOCKET set to socket; its array is to be freed,
- * the variable is in `text`. */
-static char **
-environment(char *text, size_t size, const char *socket)
-{
-    size_t n = 0, k = 0;
-    char **env;
-
-    while (environ[n])
-        n++;
-    env = calloc(n + 2, sizeof *env);
-    if (!env)
-        return NULL;
-    for (size_t i = 0; i < n; i++)
-        if (strncmp(environ[i], "NOTIFY_SOCKET=", 14) != 0)
-            env[k++] = environ[i];
-    snprintf(text, size, "NOTIFY_SOCKET=%s", socket);
-    env[k] = text;
-    return env;
-}
-
-/* What a daemon starts with: no input, its output where our errors go, the
- * pipe, default signals, a session of its own. */
-static int
-spawn(pid_t *pid, const struct local *l, char *const argv[], char **env)
-{
-    posix_spawn_file_actions_t fa;
-    posix_spawnattr_t attr;
-    sigset_t set;
-    int rc;
-
-    posix_spawn_file_actions_init(&fa);
-    posix_spawnattr_init(&attr);
-    posix_spawn_file_actions_addopen(&fa, 0, "/dev/null", O_RDONLY, 0);
-    posix_spawn_file_actions_adddup2(&fa, 2, 1);
-    posix_spawn_file_actions_adddup2(&fa, l->alive[0], LIFETIME_FD);
-    sigemptyset(&set);
-    posix_spawnattr_setsigmask(&attr, &set);
-    sigfillset(&set);
-    posix_spawnattr_setsigdefault(&attr, &set);
-    posix_spawnattr_setflags(&attr, POSIX_SPAWN_SETSID |
-                                        POSIX_SPAWN_SETSIGMASK |
-                                        POSIX_SPAWN_SETSIGDEF);
-    rc = posix_spawnp(pid, argv[0], &fa, &attr, argv, env);
-    posix_spawn_file_actions_destroy(&fa);
-    posix_spawnattr_destroy(&attr);
-    return rc;
-}
-
 /* Start a daemon with options, each of them in the private folder. */
 static int
 start(pid_t *pid, const struct local *l, const char *name,
       const char *const options[], struct rad_error *err)
 {
-    char path[4200], lifetime[32], notify[160], socket[120];
+    char path[4200], lifetime[32], notify[160];
     char *argv[MOST_ARGS], **env;
     int argc = 0, rc;
 
-    program_path(l, name, path, sizeof path);
-    snprintf(lifetime, sizeof lifetime, "--lifetime-fd=%d", LIFETIME_FD);
-    snprintf(socket, sizeof socket, "%s/ready", l->folder);
-    env = environment(notify, sizeof notify, socket);
+    programs_path(name, path, sizeof path);
+    snprintf(lifetime, sizeof lifetime, "--lifetime-fd=%d", PROGRAMS_KEPT);
+    snprintf(notify, sizeof notify, "NOTIFY_SOCKET=%s/ready", l->folder);
+    env = programs_environment(notify);
     if (!env)
         return rad_fail(err, RAD_ENOMEM, "out of memory");
     argv[argc++] = path;
@@ -279,7 +191,7 @@ start(pid_t *pid, const struct local *l, const char *name,
     for (int i = 0; options[i] && argc < MOST_ARGS - 1; i++)
         argv[argc++] = (char *)options[i];
     argv[argc] = NULL;
-    rc = spawn(pid, l, argv, env);
+    rc = programs_spawn(pid, argv, env, -1, l->alive[0]);
     free(env);
     if (rc != 0)
         return rad_fail(err, RAD_EINTERNAL, "cannot start '%s': %s", path,
@@ -368,14 +280,20 @@ local_threads(int nworkers, int nthreads)
     return n > 0 ? n : 1;
 }
 
+/* address: where it listens, or "" for its Unix socket alone. */
 static int
-start_coordinator(struct local *l, struct rad_error *err)
+start_coordinator(struct local *l, const char *address, const char *keys,
+                  struct rad_error *err)
 {
-    char socket[120], state[120];
-    const char *options[] = { socket, state, "--listen=", "--embedded", NULL };
+    char socket[120], state[120], listen[300], file[200], ports[120];
+    const char *options[] = { socket, state, listen, "--embedded",
+                              file,   ports, NULL };
 
     snprintf(socket, sizeof socket, "--socket=%s/coord", l->folder);
     snprintf(state, sizeof state, "--state=%s/state", l->folder);
+    snprintf(listen, sizeof listen, "--listen=%s", address);
+    snprintf(file, sizeof file, "--keys=%s", keys);
+    snprintf(ports, sizeof ports, "--ports-file=%s/ports", l->folder);
     return start(&l->coordinator, l, "radcoord", options, err);
 }
 
@@ -395,22 +313,31 @@ start_worker(struct local *l, int i, int nthreads, struct rad_error *err)
 }
 
 int
-local_start(struct local *l, int nworkers, int nthreads, const int *stop,
-            struct rad_error *err)
+local_coordinate(struct local *l, const char *address, const char *keys,
+                 const int *stop, struct rad_error *err)
 {
     char socket[sizeof l->target.path];
     int rc;
 
-    nthreads = local_threads(nworkers, nthreads);
     snprintf(socket, sizeof socket, "%s/coord", l->folder);
     if ((rc = target_parse(&l->target, socket, err)) < 0 ||
-        (rc = open_notify(l, err)) < 0)
+        (rc = open_notify(l, err)) < 0 ||
+        (rc = start_coordinator(l, address, keys, err)) < 0)
         return rc;
+    return wait_ready(l, stop, err);
+}
+
+int
+local_start(struct local *l, int nworkers, int nthreads, const int *stop,
+            struct rad_error *err)
+{
+    int rc;
+
+    nthreads = local_threads(nworkers, nthreads);
     l->workers = calloc((size_t)nworkers, sizeof *l->workers);
     if (!l->workers)
         return rad_fail(err, RAD_ENOMEM, "out of memory");
-    if ((rc = start_coordinator(l, err)) < 0 ||
-        (rc = wait_ready(l, stop, err)) < 0)
+    if ((rc = local_coordinate(l, "", "", stop, err)) < 0)
         return rc;
     for (int i = 0; i < nworkers; i++) {
         if ((rc = start_worker(l, i, nthreads, err)) < 0)
@@ -418,6 +345,33 @@ local_start(struct local *l, int nworkers, int nthreads, const int *stop,
         l->nworkers = i + 1;
     }
     return 0;
+}
+
+int
+local_port(const struct local *l)
+{
+    char path[120], line[300], *colon;
+    int port = 0;
+    FILE *f;
+
+    snprintf(path, sizeof path, "%s/ports", l->folder);
+    f = fopen(path, "re");
+    while (f && port == 0 && fgets(line, sizeof line, f))
+        if (strncmp(line, "tcp ", 4) == 0 && (colon = strrchr(line, ':')))
+            port = atoi(colon + 1);
+    if (f)
+        fclose(f);
+    return port;
+}
+
+void
+local_note_group(struct local *l, pid_t group, bool ended)
+{
+    pid_t g = ended ? -group : group;
+
+    /* less than PIPE_BUF goes whole or not at all */
+    if (write(l->launched[1], &g, sizeof g) < 0)
+        return; /* the keeper is gone, and nobody would read it */
 }
 
 const struct target *
@@ -436,10 +390,40 @@ local_workers(struct local *l)
     return n;
 }
 
+/* A daemon leads its session, so its group has its children in it. */
+static void
+kill_one(pid_t *pid)
+{
+    if (*pid <= 0)
+        return;
+    kill(-*pid, SIGKILL);
+    while (waitpid(*pid, NULL, 0) < 0 && errno == EINTR)
+        ;
+    *pid = 0;
+}
+
+bool
+local_coordinated(struct local *l)
+{
+    return !ended(&l->coordinator);
+}
+
 bool
 local_alive(struct local *l)
 {
-    return !ended(&l->coordinator) && local_workers(l) > 0;
+    return local_coordinated(l) && local_workers(l) > 0;
+}
+
+void
+local_end_coordinator(struct local *l)
+{
+    uint64_t until = now_ms() + STOP_MS;
+
+    if (l->coordinator > 0)
+        kill(l->coordinator, SIGTERM);
+    while (!ended(&l->coordinator) && now_ms() < until)
+        poll(NULL, 0, 1);
+    kill_one(&l->coordinator);
 }
 
 static bool
@@ -460,18 +444,6 @@ end_keeper(struct local *l)
     kill(l->keeper, SIGKILL);
     while (waitpid(l->keeper, NULL, 0) < 0 && errno == EINTR)
         ;
-}
-
-/* A daemon leads its session, so its group has its children in it. */
-static void
-kill_one(pid_t *pid)
-{
-    if (*pid <= 0)
-        return;
-    kill(-*pid, SIGKILL);
-    while (waitpid(*pid, NULL, 0) < 0 && errno == EINTR)
-        ;
-    *pid = 0;
 }
 
 static void
@@ -497,6 +469,9 @@ local_stop(struct local *l)
     stop_daemons(l);
     if (l->alive[0] >= 0)
         close(l->alive[0]);
+    for (int i = 0; i < 2; i++)
+        if (l->launched[i] >= 0)
+            close(l->launched[i]);
     if (l->notify >= 0)
         close(l->notify);
     remove_folder(l);

@@ -3,9 +3,7 @@
  * The real programs, radcoord and radd, over sockets in a private folder
  * (mode 0700), in sessions of their own so that a terminal's interrupt reaches
  * radsubmit alone.  They hold the reading end of a pipe and end when it does:
- * whatever becomes of radsubmit, nothing goes on without it.  The programs are
- * looked for beside radsubmit's own, in the folders where a build or an
- * installation has them, and along PATH.
+ * whatever becomes of radsubmit, nothing goes on without it.
  * Thread: one.  */
 #ifndef RADD_CLIENT_LOCAL_H
 #define RADD_CLIENT_LOCAL_H
@@ -13,6 +11,7 @@
 #include "link/target.h"
 
 #include <stdbool.h>
+#include <sys/types.h>
 
 struct local;
 
@@ -30,6 +29,21 @@ const char *local_folder(const struct local *l);
 int local_start(struct local *l, int nworkers, int nthreads, const int *stop,
                 struct rad_error *err);
 
+/* Start the coordinator alone, which takes workers over the network, too: at
+ * that address ("HOST:PORT"), by the key file; "" and "" for neither.  Errors
+ * as of local_start(). */
+int local_coordinate(struct local *l, const char *address, const char *keys,
+                     const int *stop, struct rad_error *err);
+/* The port that it got; 0: none. */
+int local_port(const struct local *l);
+/* Does it run?  And end it, so that whoever works for it ends. */
+bool local_coordinated(struct local *l);
+void local_end_coordinator(struct local *l);
+
+/* A process group, of a launcher, is to be ended when radsubmit is killed; or
+ * has ended, and is not. */
+void local_note_group(struct local *l, pid_t group, bool ended);
+
 /* Threads of each worker when nthreads are asked for. */
 int local_threads(int nworkers, int nthreads);
 
@@ -41,9 +55,6 @@ bool local_alive(struct local *l);
 
 /* How many workers still run? */
 int local_workers(struct local *l);
-
-/* The folder of our program rpict, where it is; false: it is nowhere. */
-bool local_rpict(char *path, size_t size);
 
 /* End what runs, remove the folder, free. */
 void local_stop(struct local *l);

@@ -2,10 +2,14 @@
 libclient_a_SOURCES += \
 	client/link/fetch.c \
 	client/link/fetch.h \
+	client/link/launch.c \
+	client/link/launch.h \
 	client/link/link.c \
 	client/link/link.h \
 	client/link/local.c \
 	client/link/local.h \
+	client/link/programs.c \
+	client/link/programs.h \
 	client/link/rescue.c \
 	client/link/rescue.h \
 	client/link/submit.c \

@@ -23,12 +23,13 @@ enum {
     CONNECT_MS = 5000,
     BACKOFF_MS = 500,
     BACKOFF_MAX_MS = 30000,
-    COME_MS = 10,       /* how often workers that are to come are looked for */
-    LOOK_MS = 500,      /* how often a quiet wait looks around */
-    PREVIEW_MS = 1000,  /* least time between previews ... */
-    PREVIEW_SHARE = 10, /* ... and this many times what one takes */
-    REASON_MS = 10000,  /* least time between questions for a reason */
-    CANCEL_MS = 5000    /* a coordinator that is slow to cancel is left */
+    COME_MS = 10, /* how often workers that are to come are looked for, */
+    COME_SLOWLY_MS = 2000, /* for so long, and then less often */
+    LOOK_MS = 500,         /* how often a quiet wait looks around */
+    PREVIEW_MS = 1000,     /* least time between previews ... */
+    PREVIEW_SHARE = 10,    /* ... and this many times what one takes */
+    REASON_MS = 10000,     /* least time between questions for a reason */
+    CANCEL_MS = 5000       /* a coordinator that is slow to cancel is left */
 };
 
 struct submit {
@@ -46,6 +47,7 @@ struct submit {
     bool accepted, met_worker, done, cancelled;
     bool fetching;      /* a FAILED that answers this request is fetch()'s */
     bool over;          /* the job itself has failed */
+    bool ended;         /* a cluster of our own has: calling again is no use */
     uint32_t delivered; /* frames */
     struct msg_progress last; /* its job id is not kept */
     uint64_t preview_due_ms;
@@ -499,6 +501,16 @@ waited_for_worker(struct submit *s)
     return !s->met_worker && s->wait_ms > 0 && waited_since(s, s->wait_ms);
 }
 
+/* Of a cluster of our own. */
+static int
+alive(struct submit *s)
+{
+    int rc = s->cb->alive ? s->cb->alive(s->cb->arg, s->err) : 0;
+
+    s->ended |= rc < 0;
+    return rc;
+}
+
 /* Take pictures until the last is there. */
 static int
 watch(struct submit *s)
@@ -520,9 +532,8 @@ watch(struct submit *s)
             return rc;
         if ((rc = next(s, LOOK_MS, &m)) < 0 || (rc = reason(s)) < 0)
             return rc;
-        if (rc == 0 && s->cb->alive && !s->cb->alive(s->cb->arg))
-            return rad_fail(s->err, RAD_EINTERNAL,
-                            "the cluster on this machine has ended");
+        if (rc == 0 && (rc = alive(s)) < 0)
+            return rc;
     }
     while (!s->done) /* the last frame may be ready before the job is */
         if ((rc = next(s, LOOK_MS, &m)) < 0)
@@ -565,31 +576,51 @@ pause_for(struct submit *s, uint64_t ms)
 
 /* --- workers of our own --- */
 
-static int
-count_workers(struct submit *s, const struct msg_answer *answer, int *n)
-{
-    json_t *root = json_loadb((const char *)answer->text, answer->len, 0, NULL);
-    const json_t *w;
-    size_t i;
+/* Who is there. */
+struct roll {
+    int n;
+    char names[400];
+};
 
-    *n = 0;
-    if (!json_is_array(root)) {
-        json_decref(root);
-        return rad_fail(s->err, RAD_EPROTO,
-                        "the coordinator's answer is no list of workers");
-    }
-    json_array_foreach(root, i, w)
+static void
+call_roll(struct roll *r, const json_t *workers)
+{
+    size_t i, at = 0;
+    const json_t *w;
+
+    *r = (struct roll){ 0 };
+    json_array_foreach(workers, i, w)
     {
         const char *state = json_string_value(json_object_get(w, "state"));
+        const char *name = json_string_value(json_object_get(w, "name"));
 
-        *n += state && strcmp(state, "gone") != 0;
+        if (!state || !name || strcmp(state, "gone") == 0)
+            continue;
+        if (at < sizeof r->names)
+            at += (size_t)snprintf(r->names + at, sizeof r->names - at, "%s%s",
+                                   r->n > 0 ? ", " : "", name);
+        r->n++;
     }
-    json_decref(root);
-    return 0;
+    if (at >= sizeof r->names)
+        strcpy(r->names + sizeof r->names - 5, " ...");
 }
 
 static int
-ask_workers(struct submit *s, int *n)
+take_roll(struct submit *s, const struct msg_answer *answer, struct roll *r)
+{
+    json_t *root = json_loadb((const char *)answer->text, answer->len, 0, NULL);
+    bool whole = json_is_array(root);
+
+    if (whole)
+        call_roll(r, root);
+    json_decref(root);
+    return whole ? 0
+                 : rad_fail(s->err, RAD_EPROTO,
+                            "the coordinator's answer is no list of workers");
+}
+
+static int
+ask_workers(struct submit *s, struct roll *r)
 {
     struct msg m = { .type = MSG_QUERY, .request = ++s->request };
     const struct msg *answer;
@@ -600,21 +631,29 @@ ask_workers(struct submit *s, int *n)
     if ((rc = link_send(s->link, &m, s->err)) < 0 ||
         (rc = await(s, MSG_ANSWER, &answer)) < 0)
         return rc;
-    return count_workers(s, &answer->answer, n);
+    return take_roll(s, &answer->answer, r);
 }
 
 /* Until all that are expected are there, or --wait is over. */
 static int
 await_workers(struct submit *s)
 {
-    int n = 0, rc = 0;
+    uint64_t pause_ms = COME_MS, begin_ms = now_ms(s);
+    struct roll r;
+    int rc;
 
-    if (!s->cb->expected || s->accepted)
+    if (!s->cb->gathered || s->accepted)
         return 0;
-    while (!waited(s) && (rc = ask_workers(s, &n)) == 0 &&
-           n < s->cb->expected(s->cb->arg))
-        pause_for(s, COME_MS);
-    return rc;
+    while ((rc = ask_workers(s, &r)) == 0) {
+        rc = s->cb->gathered(s->cb->arg, r.n, r.names, s->err);
+        s->ended |= rc < 0;
+        if (rc != 0)
+            break;
+        if (now_ms(s) - begin_ms > COME_SLOWLY_MS)
+            pause_ms = COME_SLOWLY_MS / 10;
+        pause_for(s, pause_ms);
+    }
+    return rc < 0 ? rc : 0;
 }
 
 static int
@@ -636,11 +675,12 @@ converse(struct submit *s)
 static int
 may_retry(struct submit *s, const struct rad_error *why)
 {
+    int rc;
+
     if (*s->where.wake > 0)
         return interrupted(s);
-    if (s->cb->alive && !s->cb->alive(s->cb->arg))
-        return rad_fail(s->err, RAD_EINTERNAL,
-                        "the cluster on this machine has ended: %s", why->what);
+    if ((rc = alive(s)) < 0)
+        return rc;
     if (!s->accepted && waited(s))
         return rad_fail(s->err, RAD_EUNAVAIL, "%s", why->what);
     return 0;
@@ -699,7 +739,7 @@ submit_run(const struct submit_job *job, uv_loop_t *loop, const int *interrupts,
         s.err = &why;
         rc = attempt(&s, &failures);
         s.err = err;
-        if (rc != RAD_EUNAVAIL || s.cancelled)
+        if (rc != RAD_EUNAVAIL || s.cancelled || s.ended)
             break;
         if ((rc = may_retry(&s, &why)) < 0)
             return rc;

@@ -29,9 +29,9 @@ struct submit_callbacks {
     /* The job's statistics, JSON; NULL where not wanted. */
     int (*stats)(void *arg, const uint8_t *json, size_t len,
                  struct rad_error *err);
-    /* Is the coordinator worth calling again?  An embedded one's processes may
-     * have ended.  NULL: always. */
-    bool (*alive)(void *arg);
+    /* 0, or why the job cannot go on: an embedded cluster's processes may have
+     * ended.  NULL: the coordinator is somebody else's. */
+    int (*alive)(void *arg, struct rad_error *err);
     /* The coordinator has the scene and the job, for the first time; the job
      * may wait for room on its disk.  NULL: nobody asks. */
     void (*accepted)(void *arg);
@@ -43,10 +43,11 @@ struct submit_callbacks {
      * reason NULL: nobody asks. */
     bool (*wonders)(void *arg);
     void (*reason)(void *arg, const char *text);
-    /* How many workers are there, or will be soon; the job is submitted when
-     * they are, since what is laid out is laid out for those.  NULL: as many as
-     * happen to be. */
-    int (*expected)(void *arg);
+    /* So many workers are there, called names ("ws1, ws2", perhaps cut).  1:
+     * the job is submitted, since what is laid out is laid out for those; 0:
+     * more will be soon, and --wait is not over; or a failure.  NULL: as many
+     * as happen to be. */
+    int (*gathered)(void *arg, int n, const char *names, struct rad_error *err);
     void *arg;
 };
 

@@ -100,7 +100,9 @@ on_keyed(void *arg, uv_stream_t *stream, struct tls *tls, const char *peer)
     }
     owners_of_key(r->owners, &k, owner);
     who.roles = roles_of_key(&k);
-    who.name = k.role == MSG_ROLE_WORKER ? k.name : NULL;
+    /* the workers of a cluster of its own have one key, and choose names */
+    if (k.role == MSG_ROLE_WORKER && !r->set.common.embedded)
+        who.name = k.name;
     log_debug("connection peer=%s key=%s", peer, tls_id(tls));
     add_conn(r, stream, tls, &who);
 }

@@ -6,4 +6,6 @@ libdaemon_a_SOURCES += \
 	daemon/radd/hours.c \
 	daemon/radd/hours.h \
 	daemon/radd/idle.c \
-	daemon/radd/idle.h
+	daemon/radd/idle.h \
+	daemon/radd/launched.c \
+	daemon/radd/launched.h

@@ -9,6 +9,7 @@
 #include "net/dial.h"
 #include "radd/hours.h"
 #include "radd/idle.h"
+#include "radd/launched.h"
 #include "net/key/keyfile.h"
 #include "net/listen.h"
 #include "net/log.h"
@@ -43,6 +44,7 @@ struct settings {
     int cache_mib;
     char hours[CONF_TEXT];
     bool idle_only;
+    bool launched;
 };
 
 #define FIELD(f) offsetof(struct settings, f)
@@ -76,6 +78,8 @@ static const struct conf_key keys[] = {
       "work only while nobody uses the machine", true },
     { "sandbox", CONF_TEXT_KEY, FIELD(sandbox), 0, 0, "auto", "auto|required",
       "required: render nothing where the kernel has no seccomp", false },
+    { "launched", CONF_BOOL_KEY, FIELD(launched), 0, 0, "no", NULL, NULL,
+      false },
     DAEMON_KEYS,
 };
 
@@ -156,7 +160,8 @@ struct radd {
     struct store *store;
     struct shell shell;
     struct children children;
-    struct hours hours; /* by set.hours */
+    struct launched launched; /* by radsubmit, for one job */
+    struct hours hours;       /* by set.hours */
     struct idle idle;
     uint64_t hours_ms; /* when it was last asked whether to work */
     struct worker *worker;
@@ -274,6 +279,9 @@ on_dialled(void *arg, uint64_t id, uv_stream_t *stream, struct tls *tls,
     struct radd *r = arg;
 
     if (!stream) {
+        if (r->launched.welcome && why->code == UV_ECONNREFUSED &&
+            id == worker_coord(r->worker))
+            daemon_stop(&r->daemon, EX_OK); /* its coordinator has ended */
         shell_gone(&r->shell, id, why->what);
         return;
     }
@@ -524,11 +532,22 @@ look_at_clock(struct radd *r, bool at_once)
     worker_allow(r->worker, now(r), judge_work(r));
 }
 
+/* A launched worker is for one coordinator, which has one life. */
+static void
+watch_coordinator(struct radd *r)
+{
+    bool there = shell_conn(&r->shell, worker_coord(r->worker)) != NULL;
+
+    if (r->set.launched && launched_over(&r->launched, now(r), there))
+        daemon_stop(&r->daemon, r->launched.welcome ? EX_OK : EX_UNAVAILABLE);
+}
+
 static void
 on_tick(void *arg)
 {
     struct radd *r = arg;
 
+    watch_coordinator(r);
     look_at_clock(r, false);
     worker_tick(r->worker, now(r));
     balance_flow(r);
@@ -575,7 +594,7 @@ open_socket(struct radd *r, struct rad_error *err)
 {
     struct listener_conf conf = { .fn = on_peer,
                                   .find = find_peer,
-                                  .anywhere = r->set.key[0] != '\0',
+                                  .anywhere = r->key.id[0] != '\0',
                                   .arg = r };
     const char *line;
 
@@ -648,6 +667,23 @@ check_coordinator(const struct radd *r, struct rad_error *err)
                     r->set.coordinator);
 }
 
+/* What radsubmit's launcher did not say. */
+static int
+begin_launched(struct radd *r, struct rad_error *err)
+{
+    int rc = launched_key(&r->key, err);
+
+    if (rc == 0)
+        rc = launched_begin(&r->launched, err);
+    if (rc < 0)
+        return rc;
+    snprintf(r->set.cache, sizeof r->set.cache, "%s", r->launched.folder);
+    snprintf(r->set.listen, sizeof r->set.listen, "*:0");
+    if (!r->set.name[0])
+        launched_name(r->set.name, MSG_MAX_NAME + 1);
+    return 0;
+}
+
 static int
 start(void *arg, struct rad_error *err)
 {
@@ -664,9 +700,12 @@ start(void *arg, struct rad_error *err)
     r->dialler = dialler_new(&r->daemon.loop, on_dialled, r);
     if (!r->dialler)
         return rad_fail(err, RAD_ENOMEM, "out of memory");
-    if (!r->set.key[0]) /* systemd's, if it has one */
+    if (r->set.launched)
+        rc = begin_launched(r, err);
+    else if (!r->set.key[0]) /* systemd's, if it has one */
         service_credential("key", r->set.key, sizeof r->set.key);
-    if ((rc = read_key(r, err)) < 0 || (rc = check_coordinator(r, err)) < 0)
+    if (rc < 0 || (rc = read_key(r, err)) < 0 ||
+        (rc = check_coordinator(r, err)) < 0)
         return rc;
     if (!r->set.name[0] && uv_os_gethostname(r->set.name, &n) < 0)
         return rad_fail(err, RAD_EUSAGE, "no host name: 'name' must be set");
@@ -711,6 +750,7 @@ release(void *arg)
     worker_free(r->worker);
     explicit_bzero(&r->key, sizeof r->key);
     store_close(r->store);
+    launched_end(&r->launched);
 }
 
 static const struct daemon_ops daemon_ops = { start,     on_tick, on_term,

@@ -1,0 +1,210 @@
+#!/bin/sh
+# launch.sh - radsubmit --launch: workers that a command starts over the
+# network give --local's picture; a command that fails, starts too few or none,
+# or dies in the middle is told of, and nothing is left behind
+. "${top_srcdir:-.}/tests/e2e/client_lib.sh"
+set -u
+
+room=$scenes/room.rad
+quick="-vf $scenes/room.vf -x 120 -y 90 -ab 1 -ad 64 -as 16 --oversample=1
+--threads=1 --address=127.0.0.1"
+# half a minute at least
+slow="--threads=1 --address=127.0.0.1 -vf $scenes/room.vf -x 900 -y 675 -ab 2
+-aa .1 -ar 128 -ad 1024 -as 256 -ps 2 --oversample=1 --progress=never"
+
+launched_left()
+{
+    left_over
+    # radd's arguments name no folder, but its files are here
+    pgrep -f -- "$top_builddir/radd --embedded --launched" |
+        while read -r pid; do
+            tr '\0' '\n' 2>/dev/null <"/proc/$pid/environ" |
+                grep -qxF "TMPDIR=$work" && echo "$pid"
+        done
+    ls -d "$work"/radsubmit.* "$work"/radd-launched-* 2>/dev/null
+}
+
+all_gone()
+{
+    [ -z "$(launched_left)" ]
+}
+
+check_gone() # NAME
+{
+    until_true 15 all_gone || {
+        fail "$1: something is left: $(launched_left)"
+        # shellcheck disable=SC2046
+        ps -o pid,args -p $(launched_left | grep '^[0-9]*$') 2>/dev/null
+    }
+}
+
+# try STATUS NAME OPTIONS...: stderr in NAME.err, the picture in NAME.hdr
+try()
+{
+    want=$1 name=$2
+    shift 2
+    # shellcheck disable=SC2086
+    "$radsubmit" $quick "$@" -o "$name.hdr" "$room" 2>"$name.err"
+    status=$?
+    [ $status -eq "$want" ] || fail "$name: exit status $status: $(cat "$name.err")"
+    check_gone "$name"
+}
+
+says() # NAME TEXT
+{
+    grep -qF -e "$2" "$1.err" || fail "$1 does not say '$2': $(cat "$1.err")"
+}
+
+# the same bytes, header and all, but for rpict's line
+quick_local=$(echo "$quick" | sed 's/--address=[^ ]*//')
+# shellcheck disable=SC2086
+"$radsubmit" --local $quick_local -o local.hdr "$room" 2>local.err ||
+    fail "local: $(cat local.err)"
+
+# one command for all workers, as srun and mpirun are, that hands on its
+# environment
+cat >all <<'END'
+#!/bin/sh
+n=$1
+shift
+for i in $(seq "$n"); do "$@" </dev/null & done
+wait
+END
+# one for each, as ssh is, that hands on its standard input alone
+cat >each <<'END'
+#!/bin/sh
+echo "$1" >>numbers
+shift
+exec env -i PATH="$PATH" TMPDIR="$TMPDIR" "$@"
+END
+chmod +x all each
+try 0 all --launch="./all 3" --workers=3
+cmp local.hdr all.hdr || fail "all: another picture"
+says all "3 of 3 workers there: "
+try 0 each --launch="./each %d" --workers=2
+cmp local.hdr each.hdr || fail "each: another picture"
+[ "$(sort numbers | tr '\n' ' ')" = "1 2 " ] || fail "numbers: $(cat numbers)"
+
+# who ends too early, starts too few, starts none, forgets the key
+try 69 status --launch="exit 3;" --workers=2
+says status "the launcher ended with status 3: 0 of 2 workers are there"
+try 69 broken --launch="./each %d; exit %d;" --workers=2 --wait=0
+says broken "of 2 workers"
+try 69 few --launch="./all 2" --workers=4 --wait=4
+says few "2 of 4 workers came in 4 s: "
+try 69 none --launch="sleep 1000;" --wait=1
+says none "0 of 1 workers came in 1 s"
+try 69 keyless --launch="env -u RADD_LAUNCH_KEY </dev/null"
+says keyless "no key came, neither in RADD_LAUNCH_KEY nor by standard input"
+for f in status broken few none keyless; do
+    [ ! -e $f.hdr ] || fail "$f: there is a picture"
+done
+
+# usage
+expect 64 "--local and --launch exclude each other" both \
+    "$radsubmit" --local --launch=srun "$room"
+expect 64 "--launch and --coordinator exclude each other" two \
+    "$radsubmit" --launch=srun --coordinator=x:1 "$room"
+expect 64 "--address is for --launch" alone \
+    "$radsubmit" --address=x:1 "$room"
+expect 64 "--launch: expected a command" empty "$radsubmit" --launch=' ' "$room"
+expect 64 "--address: expected HOST" address \
+    "$radsubmit" --launch=srun --address=/x "$room"
+
+# not the shells that have radd's command line behind theirs
+workers()
+{
+    pgrep -f -- "$top_builddir/radd --embedded --launched" |
+        while read -r p; do
+            [ "$(readlink "/proc/$p/exe")" = "$top_builddir/radd" ] && echo "$p"
+        done
+}
+
+has_workers() # N
+{
+    [ "$(workers | wc -l)" -ge "$1" ]
+}
+
+started() # NAME OPTIONS...: a long job whose workers are at it
+{
+    name=$1
+    shift
+    # shellcheck disable=SC2086
+    setsid "$radsubmit" $slow "$@" -o "$name.hdr" "$room" 2>"$name.err" &
+    pid=$!
+    until_true 20 grep -q 'radsubmit: job' "$name.err" ||
+        fail "$name: $(cat "$name.err")"
+    until_true 10 has_workers 2 || fail "$name: no workers"
+}
+
+# nobody else sees the key: its file, its variable in the workers, all
+# arguments; and the workers have wiped it from what /proc shows to their owner
+started secret --launch="./all 2" --workers=2
+key=$(sed 's/.* //' "$work"/radsubmit.*/keys)
+[ ${#key} -eq 64 ] || fail "no key: $key"
+[ "$(stat -c %a "$work"/radsubmit.*/keys)" = 600 ] || fail "others read the key"
+ps -eo args | grep -v grep | grep -qF "$key" && fail "the key is in an argument"
+for p in $(workers); do
+    tr '\0' '\n' <"/proc/$p/environ" | grep -qF "$key" &&
+        fail "worker $p still shows the key"
+done
+
+# killed: everything ends by itself
+kill -9 $pid
+wait $pid 2>/dev/null
+check_gone "radsubmit killed"
+
+# ... a launcher that started nobody, too
+# shellcheck disable=SC2086
+setsid "$radsubmit" $slow --launch="sleep 1000;" -o x.hdr "$room" 2>x.err &
+pid=$!
+until_true 10 pgrep -f 'sleep 1000; "\$@"' || fail "no sleep"
+kill -9 $pid
+wait $pid 2>/dev/null
+check_gone "radsubmit killed with a launcher that waits"
+pgrep -f 'sleep 1000; "\$@"' >/dev/null && fail "the launcher is left"
+
+# the launcher dies in the middle, and its workers with it
+cat >dying <<'END'
+#!/bin/sh
+"$@" & a=$!
+"$@" & b=$!
+until [ -e die ]; do sleep .1; done
+kill -9 $a $b $$
+END
+chmod +x dying
+started dying --launch="./dying" --workers=2
+: >die
+wait $pid
+status=$?
+[ $status -eq 69 ] || fail "dying: exit status $status: $(cat dying.err)"
+says dying "no worker is left: the launcher ended with"
+rm -rf "$work"/radd-launched-* # of workers that were killed, for the next one
+check_gone dying
+[ ! -e dying.hdr ] || fail "dying: there is a picture"
+
+# terminated: the same
+started term --launch="./all 2" --workers=2
+kill $pid
+wait $pid
+status=$?
+[ $status -eq 75 ] || fail "term: exit status $status: $(cat term.err)"
+check_gone "radsubmit terminated"
+
+# one of two workers is killed: the picture is the same, and what it left is
+# removed by the next worker once it is old
+medium="-vf $scenes/room.vf -x 400 -y 300 -ab 1 -ad 256 -as 64 --oversample=1
+--threads=1"
+# shellcheck disable=SC2086
+"$radsubmit" --local $medium -o whole.hdr "$room" 2>err || fail "whole: $(cat err)"
+# shellcheck disable=SC2086
+"$radsubmit" --launch="./all 2" --workers=2 --address=127.0.0.1 $medium \
+    -o lost.hdr "$room" 2>lost.err &
+pid=$!
+until_true 20 grep -q 'radsubmit: job' lost.err || fail "lost: $(cat lost.err)"
+workers | head -n 1 | xargs kill -9
+wait $pid || fail "lost: $(cat lost.err)"
+cmp whole.hdr lost.hdr || fail "a lost worker changes the picture"
+touch -d '2 minutes ago' "$work"/radd-launched-* 2>/dev/null
+try 0 swept --launch="./all 1"
+finish
