@@ -354,7 +354,7 @@ scatter(struct rad_ctx *ctx, struct rad_ray *r)
 {
     const struct rad_medium *m = r->medium;
     double length = r->hit.t, p[3];
-    int n = sample_count(ctx, length);
+    int n = r->sample > 0 ? 1 : sample_count(ctx, length);
 
     for (int32_t i = 0; i < m->nlights; i++) {
         uint64_t key = rad_key_branch(
