@@ -72,6 +72,10 @@
 #define SIDE_SHOWN 7
 #define SIDE_DEEP  5
 
+/* What records for light rays are for, in parts of the weight of rays that have
+ * been reflected as often. */
+#define LIGHT .125
+
 /* What a search for a ray of some weight looks for. */
 struct terms {
     float weight;
@@ -590,13 +594,15 @@ rad_ambient_covers(const struct rad_ambient *amb, const struct rad_ambrec *rec)
 /* --- making records --- */
 
 /* The weight that a record made here is for: that of a ray which has been
- * reflected as often, unless this one is much lighter. */
+ * reflected as often, or of all that are much lighter: a record does not serve
+ * a heavier ray than it is for, so if each were for one weight, rays of
+ * slightly different weights would all make their own. */
 static float
 record_weight(const struct rad_ambplace *at)
 {
     double usual = pow(MEAN_REFLECTANCE, at->level);
 
-    return (float)(at->weight < .1 * usual ? 1.25 * at->weight : usual);
+    return (float)(at->weight < .1 * usual ? LIGHT * usual : usual);
 }
 
 /* Sample the hemisphere at a place and keep the result if it is fit to be
