@@ -429,7 +429,15 @@ struct search {
     struct rad_geom_counts *counts;
     uint64_t *rays;
     const struct rad_ambtile *tile; /* whose records serve, too; or NULL */
+    bool asks; /* wanted is whether any serves, not what they hold */
 };
+
+/* No more need be looked at. */
+static inline bool
+is_answered(const struct search *s)
+{
+    return s->asks && s->serves > 0;
+}
 
 static inline void
 add_record(struct search *s, const struct rad_ambitem *it)
@@ -481,7 +489,7 @@ add_record(struct search *s, const struct rad_ambitem *it)
 static void
 add_records(void *arg, const struct rad_ambitem *const *found, int n)
 {
-    for (int i = 0; i < n; i++)
+    for (int i = 0; i < n && !is_answered(arg); i++)
         add_record(arg, found[i]);
 }
 
@@ -492,8 +500,9 @@ want_more(void *arg, double side)
 {
     const struct search *s = arg;
 
-    return s->serves < ENOUGH_WEIGHT ||
-           side * s->amb->scale.ambacc <= s->amb->scale.least;
+    return !is_answered(s) &&
+           (s->serves < ENOUGH_WEIGHT ||
+            side * s->amb->scale.ambacc <= s->amb->scale.least);
 }
 
 /* Find all that serves at s->at. */
@@ -513,7 +522,8 @@ search_all(struct search *s)
     s->weight9 = (float)(.9 * at->weight);
     s->max_angle = t->max_angle;
     s->aa = (float)amb->scale.ambacc;
-    s->reach = (float)rad_ambscale_reach(&amb->scale, at->level);
+    s->reach =
+        s->asks ? s->aa : (float)rad_ambscale_reach(&amb->scale, at->level);
     s->behind = -(float)(amb->scale.least * amb->scale.ambacc);
     q.fit = &t->fit;
     rad_copy(q.p, at->p);
@@ -526,8 +536,16 @@ search_all(struct search *s)
         rad_ambread_visit(&amb->read, &q, add_records, want_more, s);
     else
         rad_ambcache_visit(amb->cache, &q, add_records, want_more, s);
-    if (s->tile)
+    if (s->tile && !is_answered(s))
         rad_ambcache_visit(s->tile->own, &q, add_records, want_more, s);
+}
+
+/* Are records for such a place made now?  Those of a frozen cache are in a pass
+ * of their own. */
+static bool
+is_due(const struct search *s)
+{
+    return !s->amb->frozen || (s->tile && s->tile->level == s->at->level);
 }
 
 /* Does what was found do, so that no record is made?  Of a frozen cache that is
@@ -535,9 +553,7 @@ search_all(struct search *s)
 static bool
 serves(const struct search *s)
 {
-    bool own = !s->amb->frozen || (s->tile && s->tile->level == s->at->level);
-
-    return s->serves > 0 || (!own && s->weight > LEAST_FAR_WEIGHT);
+    return s->serves > 0 || (!is_due(s) && s->weight > LEAST_FAR_WEIGHT);
 }
 
 static struct rad_rgb
@@ -712,6 +728,7 @@ rad_ambient_serves(struct rad_ctx *ctx, const struct rad_ray *r)
     rad_copy(at.p, r->hit.p);
     rad_scale(at.n, r->cos_o < 0 ? -1 : 1, r->n);
     rad_copy(at.pn, at.n);
+    s.asks = is_due(&s);
     search_all(&s);
     return serves(&s);
 }
@@ -740,8 +757,9 @@ constant_radiance(const struct rad_job *job)
     return rad_rgb_scale(av, (float)(exp(sum / (par->ambvwt + n)) / lum));
 }
 
-/* E at the place, interpolated or sampled; false: neither is possible.  *var
- * becomes its relative variance, if it is known. */
+/* E at the place, interpolated or sampled; false: neither is possible, or there
+ * are records for it and nobody wants E: a tile of a pass asks for records.
+ * *var becomes its relative variance, if it is known. */
 static bool
 irradiance(struct rad_ctx *ctx, const struct rad_ray *r,
            const struct rad_ambplace *at, bool behind,
@@ -755,10 +773,13 @@ irradiance(struct rad_ctx *ctx, const struct rad_ray *r,
 
     if (!s.amb)
         return sample_here(ctx, r, at, behind, coef, E);
+    s.asks = ctx->tile && ctx->no_direct && is_due(&s);
     if (!ctx->fresh || at->level > 0)
         search_all(&s);
     if (!serves(&s))
         return make_record(ctx, r, at, behind, E);
+    if (s.asks)
+        return false;
     *E = found(&s);
     *var = variance(&s);
     return true;
