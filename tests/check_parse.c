@@ -306,14 +306,16 @@ static const struct {
     { "void plastic 'open\n 0 0 5\n",
       "a.rad:3: the quote ' opened in line 1 is not closed" },
     { MAT "!echo", "a.rad:2: commands are not run here: '!echo'" },
-    { "void spectrum x 0 0 5 380 780 1 1 1\n"
-      "x sphere s 0 0 4 0 0 0 1",
-      "a.rad:1: spectrum 'x': type 'spectrum' is not supported yet" },
-    { "void spectrum b 0 0 0\nvoid alias a b\na sphere s 0 0 4 0 0 0 1",
-      "a.rad:1: spectrum 'b': type 'spectrum' is not supported yet" },
+    { "void spectrum x 0 0 4 380 780 1 1\nx alias a b\n"
+      "a sphere s 0 0 4 0 0 0 1",
+      "a.rad:2: alias 'a' of undefined modifier 'b'" },
+    { "void spectrum x 0 0 4 380 780 1 1\nx sphere s 0 0 4 0 0 0 1",
+      "a.rad:1: spectrum 'x': expected at least 5 real arguments, got 4" },
+    { "void spectrum x 0 0 5 0 780 1 1 1\nx sphere s 0 0 4 0 0 0 1",
+      "a.rad:1: spectrum 'x': no wavelengths from 0 to 780 nm" },
     { "void specfile m 0 0 0\nvoid illum i 1 m 0 3 1 1 1\n"
       "i sphere s 0 0 4 0 0 0 1",
-      "a.rad:1: specfile 'm': type 'specfile' is not supported yet" },
+      "a.rad:1: specfile 'm': expected 1 string argument, got 0" },
     { "void mirror m 1 x 0 3 1 1 1",
       "a.rad:1: mirror 'm': undefined modifier 'x'" },
     { "void antimatter a 0 0 0",
@@ -541,7 +543,7 @@ START_TEST(check_tells_all_errors)
     static const char text[] =
         "void plastic m 0 0 4 .5 .5 .5 0\n"
         "m sphere b 0 0 3 0 0 0\n"
-        "void specfile c 1 x 0 0\nc sphere s 0 0 4 0 0 0 1\n";
+        "void specfile c 0 0 0\nc sphere s 0 0 4 0 0 0 1\n";
     struct rad_scene *s = rad_scene_new();
     struct messages m = { .n = 0 };
 
@@ -550,8 +552,7 @@ START_TEST(check_tells_all_errors)
     ck_assert_int_eq(rad_scene_check(s, collect, &m, NULL), RAD_EDATA);
     ck_assert_int_eq(m.n, 3);
     ck_assert_str_eq(
-        m.text[2],
-        "a.rad:3: specfile 'c': type 'specfile' is not supported yet");
+        m.text[2], "a.rad:3: specfile 'c': expected 1 string argument, got 0");
     rad_scene_free(s);
 }
 END_TEST

@@ -53,6 +53,7 @@ UNIT_TESTS = \
 	tests/check_owner \
 	tests/check_coarse \
 	tests/check_shelf \
+	tests/check_spectrum \
 	tests/check_states \
 	tests/check_parked \
 	tests/check_yield \
@@ -186,6 +187,10 @@ tests_check_bvh_LDADD = $(UNIT_LIBS)
 tests_check_calc_SOURCES = tests/check_calc.c tests/unit.h
 tests_check_calc_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
 tests_check_calc_LDADD = $(UNIT_LIBS)
+
+tests_check_spectrum_SOURCES = tests/check_spectrum.c tests/unit.h
+tests_check_spectrum_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
+tests_check_spectrum_LDADD = $(UNIT_LIBS)
 
 tests_check_data_SOURCES = tests/check_data.c tests/unit.h tests/world.h
 tests_check_data_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)

@@ -13,5 +13,7 @@ librad_a_SOURCES += \
 	src/image/png.h \
 	src/image/raster.c \
 	src/image/raster.h \
+	src/image/spectrum.c \
+	src/image/spectrum.h \
 	src/image/srgb.c \
 	src/image/srgb.h

@@ -8,6 +8,8 @@ librad_a_SOURCES += \
 	src/pattern/func.h \
 	src/pattern/mixture.c \
 	src/pattern/mixture.h \
+	src/pattern/spectral.c \
+	src/pattern/spectral.h \
 	src/pattern/stored.c \
 	src/pattern/stored.h \
 	src/pattern/table.c \

@@ -3,6 +3,7 @@
 
 #include "pattern/stored.h"
 #include "scene/file/data.h"
+#include "scene/file/specpict.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -97,4 +98,19 @@ rad_stored_picture(struct rad_job *job, const struct rad_object *o,
                    struct rad_error *err)
 {
     return rad_stored(job, o, files, name, parse_picture, err);
+}
+
+static const void *
+parse_specpict(struct rad_arena *arena, const char *bytes, size_t len,
+               struct rad_error *err)
+{
+    return rad_specpict_parse(arena, (const uint8_t *)bytes, len, err);
+}
+
+const struct rad_data *
+rad_stored_specpict(struct rad_job *job, const struct rad_object *o,
+                    const struct rad_files *files, const char *name,
+                    struct rad_error *err)
+{
+    return rad_stored(job, o, files, name, parse_specpict, err);
 }

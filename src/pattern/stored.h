@@ -22,7 +22,7 @@ const void *rad_stored(struct rad_job *job, const struct rad_object *o,
                        const struct rad_files *files, const char *name,
                        rad_stored_parse parse, struct rad_error *err);
 
-/* A data file, a picture (scene/data.h). */
+/* A data file, a picture (scene/data.h), a hyperspectral one (specpict.h). */
 const struct rad_data *rad_stored_data(struct rad_job *job,
                                        const struct rad_object *o,
                                        const struct rad_files *files,
@@ -32,5 +32,11 @@ const struct rad_pict *rad_stored_picture(struct rad_job *job,
                                           const struct rad_files *files,
                                           const char *name,
                                           struct rad_error *err);
+
+const struct rad_data *rad_stored_specpict(struct rad_job *job,
+                                           const struct rad_object *o,
+                                           const struct rad_files *files,
+                                           const char *name,
+                                           struct rad_error *err);
 
 #endif

@@ -14,6 +14,7 @@
 
 #include "scene/part.h"
 
+#include <assert.h>
 #include <limits.h>
 #include <stdarg.h>
 #include <stdio.h>
@@ -162,6 +163,15 @@ check_glass(struct checker *c, const struct rad_object *o)
     if (o->nreals == 4 && o->reals[3] <= 0)
         report(c, o, RAD_EDATA, "refractive index %g is not above 0",
                o->reals[3]);
+}
+
+/* Wavelengths that a spectrum goes from and to. */
+static void
+check_range(struct checker *c, const struct rad_object *o)
+{
+    if (!(o->reals[0] > 0) || !(o->reals[1] > 0) || o->reals[0] == o->reals[1])
+        report(c, o, RAD_EDATA, "no wavelengths from %g to %g nm", o->reals[0],
+               o->reals[1]);
 }
 
 static void
@@ -315,6 +325,11 @@ static const struct rule {
     { RAD_BRIGHTDATA, 4, INT_MAX, 0, INT_MAX,  NULL },
     { RAD_COLORDATA,  8, INT_MAX, 0, INT_MAX,  NULL },
     { RAD_COLORPICT,  7, INT_MAX, 0, INT_MAX,  NULL },
+    { RAD_SPECTRUM,   0, 0,       5, INT_MAX,  check_range },
+    { RAD_SPECFILE,   1, 1,       0, 0,        NULL },
+    { RAD_SPECFUNC,   2, INT_MAX, 2, INT_MAX,  check_range },
+    { RAD_SPECDATA,   4, INT_MAX, 0, INT_MAX,  NULL },
+    { RAD_SPECPICT,   5, INT_MAX, 0, INT_MAX,  NULL },
     { RAD_TEXDATA,    8, INT_MAX, 0, INT_MAX,  NULL },
     { RAD_MIXDATA,    6, INT_MAX, 0, INT_MAX,  check_mixture },
     { RAD_MIXPICT,    7, INT_MAX, 0, INT_MAX,  check_mixture },
@@ -322,7 +337,7 @@ static const struct rule {
     /* clang-format on */
 };
 
-/* NULL: not supported. */
+/* Every type has one. */
 static const struct rule *
 find_rule(enum rad_otype type)
 {
@@ -355,8 +370,7 @@ check_object(struct checker *c, const struct rad_object *o)
 {
     const struct rule *r = find_rule(o->type);
 
-    if (!r)
-        return;
+    assert(r);
     if (check_count(c, o, "string", o->nstrings, r->min_strings,
                     r->max_strings) &&
         check_count(c, o, "real", o->nreals, r->min_reals, r->max_reals) &&
@@ -487,10 +501,7 @@ check_reached(struct checker *c, const struct rad_object *o)
         (o->modifier == RAD_VOID || c->depth[o->modifier] <= RAD_MAX_NESTED))
         report(c, o, RAD_EDATA, "modifiers are nested more than %d deep",
                RAD_MAX_NESTED);
-    if (!find_rule(o->type))
-        report(c, o, RAD_EUNSUPPORTED, "type '%s' is not supported yet",
-               rad_otype_name(o->type));
-    else if (is_surface(o))
+    if (is_surface(o))
         check_surface(c, o);
     else
         check_material(c, o);

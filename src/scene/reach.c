@@ -142,6 +142,8 @@ static const struct {
     { RAD_TEXFUNC, 3, 0, 0 },     { RAD_MIXFUNC, 3, 0, 0 },
     { RAD_BRIGHTDATA, 2, 1, 1 },  { RAD_COLORDATA, 6, 3, 3 },
     { RAD_COLORPICT, 4, 3, 1 },   { RAD_TEXDATA, 6, 3, 3 },
+    { RAD_SPECFILE, -1, 0, 1 },   { RAD_SPECFUNC, 1, 0, 0 },
+    { RAD_SPECDATA, 2, 1, 1 },    { RAD_SPECPICT, 2, 1, 1 },
     { RAD_MIXDATA, 4, 3, 1 },     { RAD_MIXPICT, 4, 3, 1 },
     { RAD_PLASTIC2, 3, 0, 0 },    { RAD_METAL2, 3, 0, 0 },
     { RAD_TRANS2, 3, 0, 0 },      { RAD_ASHIK2, 3, 0, 0 },

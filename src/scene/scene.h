@@ -115,13 +115,12 @@ const char *rad_object_file(const struct rad_object *o, int k);
 void rad_scene_needs(const struct rad_scene *s, bool needs[RAD_NOTYPES]);
 
 /* Check the arguments of every object against what its type demands, and
- * refuse by name what this renderer lacks (RAD_EUNSUPPORTED) where a surface
- * reaches it: modifiers that nothing uses may be of any type.  The first
- * problem is put in *err; if `each` is not NULL it is called with every one
- * (radscene check prints them all).  Returns 0 or the first code.
- * Besides, `each` is called with warnings, of the code RAD_WARNING: of what is
- * wrong with modifiers that nothing uses, and of surfaces that rays do not
- * meet. */
+ * refuse what is wrong where a surface reaches it: modifiers that nothing uses
+ * may be anything.  The first problem is put in *err; if `each` is not NULL it
+ * is called with every one (radscene check prints them all).  Returns 0 or the
+ * first code. Besides, `each` is called with warnings, of the code RAD_WARNING:
+ * of what is wrong with modifiers that nothing uses, and of surfaces that rays
+ * do not meet. */
 int rad_scene_check(const struct rad_scene *s,
                     void (*each)(void *arg, const struct rad_error *err),
                     void *arg, struct rad_error *err);

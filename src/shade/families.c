@@ -8,6 +8,7 @@
 #include "light/direct/emitter.h"
 #include "pattern/effect.h"
 #include "pattern/func.h"
+#include "pattern/spectral.h"
 #include "pattern/table.h"
 #include "pattern/text.h"
 #include "shade/gloss/aniso.h"
@@ -68,6 +69,11 @@ static const struct rad_shader table[] = {
     { RAD_BRIGHTDATA, RAD_MAT_PATTERN, rad_table_prepare, rad_effect_brighten },
     { RAD_COLORDATA, RAD_MAT_PATTERN, rad_table_prepare, rad_effect_colour },
     { RAD_COLORPICT, RAD_MAT_PATTERN, rad_table_prepare, rad_effect_colour },
+    { RAD_SPECTRUM, RAD_MAT_PATTERN, rad_spectral_prepare, rad_effect_colour },
+    { RAD_SPECFILE, RAD_MAT_PATTERN, rad_spectral_prepare, rad_effect_colour },
+    { RAD_SPECFUNC, RAD_MAT_PATTERN, rad_spectral_prepare, rad_effect_colour },
+    { RAD_SPECDATA, RAD_MAT_PATTERN, rad_spectral_prepare, rad_effect_colour },
+    { RAD_SPECPICT, RAD_MAT_PATTERN, rad_spectral_prepare, rad_effect_colour },
     { RAD_TEXDATA, RAD_MAT_PATTERN, rad_table_prepare, rad_effect_perturb },
     { RAD_MIXDATA, RAD_MAT_MIXTURE, rad_table_prepare, rad_effect_mix },
     { RAD_MIXPICT, RAD_MAT_MIXTURE, rad_table_prepare, rad_effect_mix },

@@ -40,7 +40,7 @@ compare() {
 }
 
 for name in aniso ashik brdf brdf_data brtd bsdf fprism functions lamps lights \
-    phong prism tables wgmd; do
+    phong prism spectra tables wgmd; do
     read -r options <$name.rays
     sed 1d $name.rays | cut -d' ' -f1-6 >"$tmp/rays"
     sed 1d $name.rays | cut -d' ' -f8-10 >"$tmp/expected"

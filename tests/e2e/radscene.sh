@@ -228,11 +228,13 @@ printf '\nvoid colorpict p 7 red green blue good.rad . Px Py 0 0\n%s\n' \
 expect 65 "bad.rad:2: colorpict 'p': 'good.rad': picture: not a Radiance" \
     $radscene check bad.rad
 
-# what the renderer lacks can be looked at and frozen, but for other files
+# a spectrum's file comes along with the scene
 printf 'void specfile dye 1 x.spc 0 0\ndye plastic p 0 0 5 1 1 1 0 0
 p sphere s 0 0 4 0 0 0 1\n' >dye.rad
-expect 65 "dye.rad:1: specfile 'dye': type 'specfile' is not supported yet" \
+expect 66 "dye.rad:1: specfile 'dye': cannot find file 'x.spc'" \
     $radscene check dye.rad
+echo '1 380 780 3 .2 .4 .6' >x.spc
+expect 0 '' $radscene check dye.rad
 expect 0 '' $radscene needs dye.rad
 same 'sphere
 plastic

@@ -17,6 +17,7 @@ FUZZ_TARGETS = \
 	tests/fuzz/fuzz_font \
 	tests/fuzz/fuzz_frame \
 	tests/fuzz/fuzz_hdr \
+	tests/fuzz/fuzz_hsr \
 	tests/fuzz/fuzz_journal \
 	tests/fuzz/fuzz_keyfile \
 	tests/fuzz/fuzz_octfile \
@@ -127,6 +128,10 @@ tests_fuzz_fuzz_calc_LDFLAGS = $(FUZZ_LINK)
 tests_fuzz_fuzz_conf_SOURCES = tests/fuzz/fuzz_conf.c $(FUZZ_MAIN)
 tests_fuzz_fuzz_conf_LDADD = $(LIBDAEMON) $(LIBRAD)
 tests_fuzz_fuzz_conf_LDFLAGS = $(FUZZ_LINK)
+
+tests_fuzz_fuzz_hsr_SOURCES = tests/fuzz/fuzz_hsr.c $(FUZZ_MAIN)
+tests_fuzz_fuzz_hsr_LDADD = $(LIBRAD)
+tests_fuzz_fuzz_hsr_LDFLAGS = $(FUZZ_LINK)
 
 tests_fuzz_fuzz_dat_SOURCES = tests/fuzz/fuzz_dat.c $(FUZZ_MAIN)
 tests_fuzz_fuzz_dat_LDADD = $(LIBRAD)

@@ -217,6 +217,37 @@ rad_data_dims(const struct rad_data *d)
     return d->dims;
 }
 
+void
+rad_data_axis(const struct rad_data *d, int dim, double *begin, double *length,
+              int *n)
+{
+    const struct axis *a = &d->axis[dim];
+
+    *begin = (double)a->org;
+    *length = (double)a->len;
+    *n = a->n;
+}
+
+struct rad_data *
+rad_data_grid(struct rad_arena *arena, int dims, const int n[],
+              const double length[], double begin, float **values)
+{
+    struct rad_data *d = rad_arena_calloc(arena, 1, sizeof *d);
+    size_t all = 1;
+
+    if (!d)
+        return NULL;
+    d->dims = dims;
+    for (int k = 0; k < dims; k++) {
+        d->axis[k].n = n[k];
+        d->axis[k].len = (float)length[k];
+        all *= (size_t)n[k];
+    }
+    d->axis[dims - 1].org = (float)begin;
+    *values = d->value = rad_arena_alloc(arena, all * sizeof *d->value);
+    return d->value ? d : NULL;
+}
+
 /* --- interpolation ------------------------------------------------------- */
 
 /* The last i whose place is not beyond x, by bisection. */

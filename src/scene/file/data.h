@@ -44,6 +44,18 @@ struct rad_data *rad_data_parse(struct rad_arena *arena, const char *text,
 /* How many dimensions it has, 1 to RAD_MAX_DATA_DIMS. */
 int rad_data_dims(const struct rad_data *d);
 
+/* One of them: its first place, how far from there the last one is, and how
+ * many values it has. */
+void rad_data_axis(const struct rad_data *d, int dim, double *begin,
+                   double *length, int *n);
+
+/* A grid of dims dimensions with n[] values each, evenly from 0 (but for the
+ * last dimension: from begin) to length[]; *values is to be filled in, the last
+ * dimension's neighbours.  NULL: out of memory. */
+struct rad_data *rad_data_grid(struct rad_arena *arena, int dims, const int n[],
+                               const double length[], double begin,
+                               float **values);
+
 /* The value at a place of as many coordinates.  Anywhere; no finite number
  * where a coordinate is none. */
 double rad_data_value(const struct rad_data *d, const double at[]);

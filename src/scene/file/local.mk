@@ -9,4 +9,6 @@ librad_a_SOURCES += \
 	src/scene/file/lex.c \
 	src/scene/file/lex.h \
 	src/scene/file/parse.c \
-	src/scene/file/parse.h
+	src/scene/file/parse.h \
+	src/scene/file/specpict.c \
+	src/scene/file/specpict.h

@@ -1,0 +1,276 @@
+/* spectrum.c - see spectrum.h
+ *
+ * All of it but the last step is linear, so that a sample has three weights. */
+#include "config.h"
+
+#include "image/spectrum.h"
+
+#include <math.h>
+
+/* What the observer sees at 360 nm, 365 nm, ...: X, Y, Z. */
+#define FIRST 360
+#define STEP  5
+static const double observer[][3] = {
+    { 0.0001299, 3.917e-06, 0.0006061 },
+    { 0.0002321, 6.965e-06, 0.001086 },
+    { 0.0004149, 1.239e-05, 0.001946 },
+    { 0.0007416, 2.202e-05, 0.003486 },
+    { 0.001368, 3.9e-05, 0.00645 },
+    { 0.002236, 6.4e-05, 0.01055 },
+    { 0.004243, 0.00012, 0.02005 },
+    { 0.00765, 0.000217, 0.03621 },
+    { 0.01431, 0.000396, 0.06785 },
+    { 0.02319, 0.00064, 0.1102 },
+    { 0.04351, 0.00121, 0.2074 },
+    { 0.07763, 0.00218, 0.3713 },
+    { 0.13438, 0.004, 0.6456 },
+    { 0.21477, 0.0073, 1.03905 },
+    { 0.2839, 0.0116, 1.3856 },
+    { 0.3285, 0.01684, 1.62296 },
+    { 0.34828, 0.023, 1.74706 },
+    { 0.34806, 0.0298, 1.7826 },
+    { 0.3362, 0.038, 1.77211 },
+    { 0.3187, 0.048, 1.7441 },
+    { 0.2908, 0.06, 1.6692 },
+    { 0.2511, 0.0739, 1.5281 },
+    { 0.19536, 0.09098, 1.28764 },
+    { 0.1421, 0.1126, 1.0419 },
+    { 0.09564, 0.13902, 0.81295 },
+    { 0.05795, 0.1693, 0.6162 },
+    { 0.03201, 0.20802, 0.46518 },
+    { 0.0147, 0.2586, 0.3533 },
+    { 0.0049, 0.323, 0.272 },
+    { 0.0024, 0.4073, 0.2123 },
+    { 0.0093, 0.503, 0.1582 },
+    { 0.0291, 0.6082, 0.1117 },
+    { 0.06327, 0.71, 0.07825 },
+    { 0.1096, 0.7932, 0.05725 },
+    { 0.1655, 0.862, 0.04216 },
+    { 0.22575, 0.91485, 0.02984 },
+    { 0.2904, 0.954, 0.0203 },
+    { 0.3597, 0.9803, 0.0134 },
+    { 0.43345, 0.99495, 0.00875 },
+    { 0.51205, 1, 0.00575 },
+    { 0.5945, 0.995, 0.0039 },
+    { 0.6784, 0.9786, 0.00275 },
+    { 0.7621, 0.952, 0.0021 },
+    { 0.8425, 0.9154, 0.0018 },
+    { 0.9163, 0.87, 0.00165 },
+    { 0.9786, 0.8163, 0.0014 },
+    { 1.0263, 0.757, 0.0011 },
+    { 1.0567, 0.6949, 0.001 },
+    { 1.0622, 0.631, 0.0008 },
+    { 1.0456, 0.5668, 0.0006 },
+    { 1.0026, 0.503, 0.00034 },
+    { 0.9384, 0.4412, 0.00024 },
+    { 0.85445, 0.381, 0.00019 },
+    { 0.7514, 0.321, 0.0001 },
+    { 0.6424, 0.265, 5e-05 },
+    { 0.5419, 0.217, 3e-05 },
+    { 0.4479, 0.175, 2e-05 },
+    { 0.3608, 0.1382, 1e-05 },
+    { 0.2835, 0.107, 0 },
+    { 0.2187, 0.0816, 0 },
+    { 0.1649, 0.061, 0 },
+    { 0.1212, 0.04458, 0 },
+    { 0.0874, 0.032, 0 },
+    { 0.0636, 0.0232, 0 },
+    { 0.04677, 0.017, 0 },
+    { 0.0329, 0.01192, 0 },
+    { 0.0227, 0.00821, 0 },
+    { 0.01584, 0.005723, 0 },
+    { 0.011359, 0.004102, 0 },
+    { 0.008111, 0.002929, 0 },
+    { 0.00579, 0.002091, 0 },
+    { 0.004109, 0.001484, 0 },
+    { 0.002899, 0.001047, 0 },
+    { 0.002049, 0.00074, 0 },
+    { 0.00144, 0.00052, 0 },
+    { 0.001, 0.000361, 0 },
+    { 0.00069, 0.000249, 0 },
+    { 0.000476, 0.000172, 0 },
+    { 0.000332, 0.00012, 0 },
+    { 0.000235, 8.5e-05, 0 },
+    { 0.000166, 6e-05, 0 },
+    { 0.000117, 4.2e-05, 0 },
+    { 8.3e-05, 3e-05, 0 },
+    { 5.9e-05, 2.1e-05, 0 },
+    { 4.2e-05, 1.5e-05, 0 },
+};
+enum {
+    NOBSERVER = sizeof observer / sizeof observer[0],
+    NWAVES = STEP * (NOBSERVER - 1) + 1
+};
+
+struct rad_spectrum {
+    bool is_rgb;       /* three bands, which are the channels */
+    double (*part)[3]; /* of a sample of 1 in red, green and blue */
+};
+
+/* The observer at FIRST + i nm: the cubic through the four nearest of the
+ * table, as CIE 167:2005 recommends. */
+static double
+observe(int i, int channel)
+{
+    int k = i / STEP - 1;
+    double x, sum = 0;
+
+    k = k < 0 ? 0 : k > NOBSERVER - 4 ? NOBSERVER - 4 : k;
+    x = (double)i / STEP - k;
+    for (int a = 0; a < 4; a++) {
+        double w = 1;
+
+        for (int b = 0; b < 4; b++)
+            if (b != a)
+                w *= (x - b) / (a - b);
+        sum += w * observer[k + a][channel];
+    }
+    return sum;
+}
+
+/* The part of all that the observer sees that lies below FIRST + i nm. */
+struct seen {
+    double below[NWAVES + 1][3];
+};
+
+static void
+add_up(struct seen *seen)
+{
+    for (int c = 0; c < 3; c++) {
+        double sum = 0;
+
+        for (int i = 0; i < NWAVES; i++) {
+            seen->below[i][c] = sum;
+            sum += observe(i, c);
+        }
+        for (int i = 0; i < NWAVES; i++)
+            seen->below[i][c] /= sum;
+        seen->below[NWAVES][c] = 1;
+    }
+}
+
+/* Radiance's sums hold what is up to a nanometre above the edge of a band. */
+static const double *
+seen_below(const struct seen *seen, double nm)
+{
+    double i = floor(nm) - FIRST + 2;
+
+    return seen->below[i < 0 ? 0 : i > NWAVES ? NWAVES : (int)i];
+}
+
+/* Red, green and blue of a band of 1. */
+static void
+band_colour(const struct seen *seen, double longer, double shorter,
+            double rgb[3])
+{
+    static const double matrix[3][3] = {
+        { 2.56531285, -1.16684962, -.39846323 },
+        { -1.02210817, 1.97828662, .04382156 },
+        { .07472437, -.25193956, 1.17721519 }
+    };
+    const double *up = seen_below(seen, longer),
+                 *low = seen_below(seen, shorter);
+
+    for (int k = 0; k < 3; k++) {
+        rgb[k] = 0;
+        for (int c = 0; c < 3; c++)
+            rgb[k] += matrix[k][c] * (up[c] - low[c]);
+    }
+}
+
+/* n bands from the longest wavelength down; three are the channels. */
+static void
+band_colours(int n, double longest, double shortest, double (*rgb)[3])
+{
+    double step = (longest - shortest) / n;
+    struct seen seen;
+
+    add_up(&seen);
+    for (int i = 0; i < n; i++)
+        if (n == 3)
+            for (int k = 0; k < 3; k++)
+                rgb[i][k] = i == k;
+        else
+            band_colour(&seen, i == 0 ? longest : shortest + (n - i) * step,
+                        shortest + (n - 1 - i) * step, rgb[i]);
+}
+
+/* A sample of wavelengths a to b in bands of the whole visible range. */
+static void
+spread(double a, double b, int n, double (*rgb)[3], double part[3])
+{
+    double step = (RAD_SPECTRUM_LONGEST - RAD_SPECTRUM_SHORTEST) / n;
+    double longer = a > b ? a : b, shorter = a > b ? b : a;
+
+    part[0] = part[1] = part[2] = 0;
+    for (int j = 0; j < n; j++) {
+        double up = RAD_SPECTRUM_LONGEST - j * step, low = up - step;
+        double common =
+            (longer < up ? longer : up) - (shorter > low ? shorter : low);
+
+        for (int k = 0; k < 3 && common > 0; k++)
+            part[k] += common / step * rgb[j][k];
+    }
+}
+
+/* How many bands Radiance makes of n samples; a spectrum of which it would have
+ * less than three in sight has as many as there may be. */
+static int
+count_bands(int n, double begin, double end)
+{
+    double visible = RAD_SPECTRUM_LONGEST - RAD_SPECTRUM_SHORTEST;
+    double bands = floor(n * visible / fabs(end - begin) + .99);
+
+    return bands < 3 || bands > RAD_SPECTRUM_BANDS ? RAD_SPECTRUM_BANDS
+                                                   : (int)bands;
+}
+
+const struct rad_spectrum *
+rad_spectrum_new(struct rad_arena *arena, int n, double begin, double end)
+{
+    struct rad_spectrum *sp = rad_arena_calloc(arena, 1, sizeof *sp);
+    double band[RAD_SPECTRUM_BANDS][3], step = (end - begin) / n;
+    int nbands = n;
+
+    if (!sp ||
+        !(sp->part = rad_arena_calloc(arena, (size_t)n, sizeof *sp->part)))
+        return NULL;
+    if (n <= RAD_SPECTRUM_BANDS && begin > end) {
+        band_colours(n, begin, end, sp->part);
+    } else {
+        nbands = count_bands(n, begin, end);
+        band_colours(nbands, RAD_SPECTRUM_LONGEST, RAD_SPECTRUM_SHORTEST, band);
+        for (int i = 0; i < n; i++)
+            spread(begin + i * step, begin + (i + 1) * step, nbands, band,
+                   sp->part[i]);
+    }
+    sp->is_rgb = nbands == 3;
+    return sp;
+}
+
+void
+rad_spectrum_add(const struct rad_spectrum *sp, int i, double sample,
+                 double sum[3])
+{
+    for (int k = 0; k < 3; k++)
+        sum[k] += sample * sp->part[i][k];
+}
+
+/* Where a channel is negative go towards the grey of the same luminance. */
+void
+rad_spectrum_colour(const struct rad_spectrum *sp, double sum[3])
+{
+    struct rad_rgb c = rad_rgb((float)sum[0], (float)sum[1], (float)sum[2]);
+    double grey = (double)rad_rgb_lum(c), keep = 1;
+
+    if (sp->is_rgb)
+        return;
+    for (int k = 0; k < 3 && grey > 0; k++)
+        if (sum[k] < 0 && grey / (grey - sum[k]) < keep)
+            keep = grey / (grey - sum[k]);
+    for (int k = 0; k < 3; k++) {
+        double v = grey > 0 ? keep * sum[k] + (1 - keep) * grey : 0;
+
+        sum[k] = v > 0 ? v : 0;
+    }
+}

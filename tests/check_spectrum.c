@@ -1,0 +1,211 @@
+/* check_spectrum.c - tests of src/image/spectrum and of hyperspectral pictures
+ */
+#include "config.h"
+
+#include "image/spectrum.h"
+#include "scene/file/specpict.h"
+#include "unit.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+static struct rad_arena arena;
+
+static void
+begin(void)
+{
+    rad_arena_init(&arena);
+}
+
+static void
+end(void)
+{
+    rad_arena_release(&arena);
+}
+
+static void
+colour(int n, double from, double to, double (*f)(double), double rgb[3])
+{
+    const struct rad_spectrum *sp = rad_spectrum_new(&arena, n, from, to);
+
+    ck_assert_ptr_nonnull(sp);
+    rgb[0] = rgb[1] = rgb[2] = 0;
+    for (int i = 0; i < n; i++)
+        rad_spectrum_add(sp, i, f(from + (i + .5) * (to - from) / n), rgb);
+    rad_spectrum_colour(sp, rgb);
+}
+
+static double
+one(double nm)
+{
+    (void)nm;
+    return 1;
+}
+
+static double
+hill(double nm)
+{
+    return .2 + exp(-(nm - 560) * (nm - 560) / 3000);
+}
+
+static double
+line_at_520(double nm)
+{
+    return nm > 516 && nm < 524;
+}
+
+static const struct {
+    int n;
+    double from, to;
+} grids[] = {
+    { 24, 780, 380 }, { 24, 380, 780 },  { 3, 780, 380 },  { 41, 380, 790 },
+    { 1, 300, 900 },  { 400, 380, 780 }, { 5, 2500, 300 },
+};
+
+/* What the observer sees of 380 to 780 nm is all but 4e-4 of it. */
+START_TEST(even_spectrum_is_white)
+{
+    double rgb[3];
+
+    colour(grids[_i].n, grids[_i].from, grids[_i].to, one, rgb);
+    for (int k = 0; k < 3; k++)
+        ck_assert_double_eq_tol(rgb[k], 1, 1e-3);
+}
+END_TEST
+
+START_TEST(direction_and_fineness_hardly_matter)
+{
+    double a[3], b[3], c[3];
+
+    colour(400, 380, 780, hill, a);
+    colour(400, 780, 380, hill, b);
+    colour(25, 380, 780, hill, c);
+    for (int k = 0; k < 3; k++) {
+        ck_assert_double_eq_tol(a[k], b[k], 1e-9);
+        ck_assert_double_eq_tol(a[k], c[k], .03 * a[k]);
+    }
+}
+END_TEST
+
+/* A line is outside of what three primaries can show: none is negative, and the
+ * luminance is what the observer's Y says: .710 of 106.857 a nanometre. */
+START_TEST(pure_colour_is_shown_paler)
+{
+    double rgb[3], lum;
+
+    colour(400, 380, 780, line_at_520, rgb);
+    ck_assert_double_eq_tol(rgb[0], 0, 1e-9);
+    ck_assert_double_ge(rgb[2], 0);
+    ck_assert_double_gt(rgb[1], 3 * rgb[2]);
+    lum = (double)rad_rgb_lum(
+        rad_rgb((float)rgb[0], (float)rgb[1], (float)rgb[2]));
+    /* bands of 16.7 nm hold the line's eight samples */
+    ck_assert_double_eq_tol(lum, 8 * .710 / 106.857, .1 * lum);
+}
+END_TEST
+
+START_TEST(three_bands_are_the_channels)
+{
+    const struct rad_spectrum *sp = rad_spectrum_new(&arena, 3, 780, 380);
+    double rgb[3] = { 0 };
+
+    for (int i = 0; i < 3; i++)
+        rad_spectrum_add(sp, i, .1 * (i + 1), rgb);
+    rad_spectrum_colour(sp, rgb);
+    for (int k = 0; k < 3; k++)
+        ck_assert_double_eq_tol(rgb[k], .1 * (k + 1), 1e-12);
+}
+END_TEST
+
+#define HEAD                                                                   \
+    "#?RADIANCE\nNCOMP=4\nWAVELENGTH_SPLITS= 780 588 480 380\n"                \
+    "FORMAT=Radiance_spectra\n\n"
+
+static struct rad_data *
+parse(const char *text, size_t len, struct rad_error *err)
+{
+    uint8_t *copy = malloc(len); /* nothing readable behind it */
+    struct rad_data *d;
+
+    ck_assert_ptr_nonnull(copy);
+    memcpy(copy, text, len);
+    d = rad_specpict_parse(&arena, copy, len, err);
+    free(copy);
+    return d;
+}
+
+START_TEST(picture_has_its_samples)
+{
+    static const char text[] = HEAD "-Y 2 +X 3\n"
+                                    "\1\2\3\4\200"
+                                    "\5\6\7\10\200"
+                                    "\1\1\1\1\0"
+                                    "\1\1\1\1\201"
+                                    "\2\2\2\2\201"
+                                    "\3\3\3\3\201";
+    struct rad_error err = { 0 };
+    struct rad_data *d = parse(text, sizeof text - 1, &err);
+    double first, length;
+    int n;
+
+    ck_assert_msg(d != NULL, "%s", err.what);
+    rad_data_axis(d, 2, &first, &length, &n);
+    ck_assert_int_eq(n, 4);
+    ck_assert_double_eq(first, 730);
+    ck_assert_double_eq(length, -300);
+    /* the upper left pixel: half a step is added to what is stored */
+    ck_assert_double_eq(rad_data_value(d, (double[]){ 1, 0, 730 }), 1.5 / 256);
+    ck_assert_double_eq(rad_data_value(d, (double[]){ 1, 0, 430 }), 4.5 / 256);
+    ck_assert_double_eq(rad_data_value(d, (double[]){ 1, 1.5, 530 }), 0);
+    ck_assert_double_eq(rad_data_value(d, (double[]){ 0, 1.5, 530 }), 7. / 256);
+}
+END_TEST
+
+static const struct {
+    const char *text, *problem;
+} bad[] = {
+    { "", "header ends early" },
+    { "#?RADIANCE\nNCOMP=4\n", "header ends early" },
+    { "NCOMP=3\nWAVELENGTH_SPLITS= 780 588 480 380\n\n-Y 1 +X 1\n12345",
+      "NCOMP is not 4 to 24" },
+    { "NCOMP=25\nWAVELENGTH_SPLITS= 780 588 480 380\n\n-Y 1 +X 1\n12345",
+      "NCOMP is not 4 to 24" },
+    { "NCOMP=4\n\n-Y 1 +X 1\n12345", "no WAVELENGTH_SPLITS" },
+    { "NCOMP=4\nWAVELENGTH_SPLITS= 1 2\n\n-Y 1 +X 1\n12345",
+      "bad WAVELENGTH_SPLITS" },
+    { "NCOMP=4\nWAVELENGTH_SPLITS= nan 2 3 nan\n\n-Y 1 +X 1\n12345",
+      "or bad ones" },
+    { "FORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 1\n12345", "not Radiance_spectra" },
+    { HEAD "+Y 1 +X 1\n12345", "bad resolution line" },
+    { HEAD "-Y 0 +X 1\n12345", "bad resolution line" },
+    { HEAD "-Y 2 +X 1\n123456789", "ends early" },
+    { HEAD "-Y 16777216 +X 16777216\n12345", "too many pixels" },
+};
+
+START_TEST(bad_picture_is_refused)
+{
+    struct rad_error err = { 0 };
+
+    ck_assert_ptr_null(parse(bad[_i].text, strlen(bad[_i].text), &err));
+    ck_assert_int_eq(err.code, RAD_EDATA);
+    ck_assert_msg(strstr(err.what, bad[_i].problem) != NULL, "%s", err.what);
+}
+END_TEST
+
+int
+main(void)
+{
+    Suite *s = suite_create("spectrum");
+    TCase *tc = tcase_create("spectra");
+
+    tcase_add_checked_fixture(tc, begin, end);
+    tcase_add_loop_test(tc, even_spectrum_is_white, 0, N_ELEM(grids));
+    tcase_add_test(tc, direction_and_fineness_hardly_matter);
+    tcase_add_test(tc, pure_colour_is_shown_paler);
+    tcase_add_test(tc, three_bands_are_the_channels);
+    tcase_add_test(tc, picture_has_its_samples);
+    tcase_add_loop_test(tc, bad_picture_is_refused, 0, N_ELEM(bad));
+    suite_add_tcase(s, tc);
+    return unit_run(s);
+}
