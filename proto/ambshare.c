@@ -38,6 +38,8 @@ ambshare_pack(struct wire_out *out, const struct rad_ambrec *rec)
     put_floats(out, rec->gpos, 2);
     put_floats(out, rec->gdir, 2);
     wire_put_f32(out, rec->var);
+    put_floats(out, rec->glint.p, 3);
+    wire_put_f32(out, rec->glint.lum);
     wire_put_u32(out, rec->corral);
     wire_put_f32(out, rec->weight);
     wire_put_u16(out, rec->level);
@@ -74,7 +76,9 @@ ambshare_sound(const struct rad_ambrec *r)
            is_unit(r->n) && is_unit(r->u) && all_finite(r->radius, 2) &&
            r->radius[0] > 0 && r->radius[1] > 0 && rad_rgb_sound(r->E) &&
            all_finite(r->gpos, 2) && all_finite(r->gdir, 2) &&
-           is_variance(r->var) && r->weight > 0 && r->weight <= 1;
+           is_variance(r->var) && all_finite(r->glint.p, 3) &&
+           isfinite(r->glint.lum) && r->glint.lum >= 0 && r->weight > 0 &&
+           r->weight <= 1;
 }
 
 bool
@@ -92,6 +96,8 @@ ambshare_unpack(struct wire_in *in, struct rad_ambrec *rec)
     get_floats(in, rec->gpos, 2);
     get_floats(in, rec->gdir, 2);
     rec->var = wire_get_f32(in);
+    get_floats(in, rec->glint.p, 3);
+    rec->glint.lum = wire_get_f32(in);
     rec->corral = wire_get_u32(in);
     rec->weight = wire_get_f32(in);
     rec->level = wire_get_u16(in);

@@ -99,6 +99,8 @@ START_TEST(our_file_loses_nothing)
         ck_assert_mem_eq(&taken.rec[i].E, &listed.rec[i].E,
                          sizeof(struct rad_rgb));
         ck_assert_float_eq(taken.rec[i].var, listed.rec[i].var);
+        ck_assert_mem_eq(&taken.rec[i].glint, &listed.rec[i].glint,
+                         sizeof(struct rad_glint));
         ck_assert_uint_eq(taken.rec[i].corral, listed.rec[i].corral);
         ck_assert_uint_eq(taken.rec[i].level, listed.rec[i].level);
     }

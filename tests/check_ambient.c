@@ -614,6 +614,12 @@ START_TEST(implausible_record_is_refused)
     case 16:
         rec.var = NAN;
         break;
+    case 17:
+        rec.glint.p[2] = INFINITY;
+        break;
+    case 18:
+        rec.glint.lum = -1;
+        break;
     }
     ck_assert(!rad_ambient_insert(w.job->ambient, &rec));
     ck_assert(!rad_ambient_covers(w.job->ambient, &rec));
@@ -1014,7 +1020,7 @@ make_suite(void)
     tcase_add_test(tc, near_records_are_averaged_in);
     tcase_add_test(tc, other_side_is_not_served);
     tcase_add_test(tc, gradients_extrapolate_and_are_bounded);
-    tcase_add_loop_test(tc, implausible_record_is_refused, 0, 17);
+    tcase_add_loop_test(tc, implausible_record_is_refused, 0, 19);
     tcase_add_test(tc, log_gives_each_record_once);
     tcase_add_test(tc, bent_light_gets_zones_below_the_bound);
     tcase_add_test(tc, interpolation_is_close_to_sampling);

@@ -18,6 +18,7 @@ static const struct rad_ambrec good = {
     .gpos = { -3, 0.5f },
     .gdir = { 0, -7 },
     .var = 0.03125f,
+    .glint = { { 7, -8, 9 }, 300 },
     .corral = 0xdeadbeef,
     .weight = 0.125f,
     .level = 3,
@@ -55,6 +56,7 @@ START_TEST(record_survives_the_trip)
     ck_assert_mem_eq(out.gpos, good.gpos, sizeof good.gpos);
     ck_assert_mem_eq(out.gdir, good.gdir, sizeof good.gdir);
     ck_assert_float_eq(out.var, good.var);
+    ck_assert_mem_eq(&out.glint, &good.glint, sizeof good.glint);
     ck_assert_uint_eq(out.corral, good.corral);
     ck_assert_float_eq(out.weight, good.weight);
     ck_assert_uint_eq(out.level, good.level);
@@ -146,6 +148,12 @@ spoiled(int i)
     case 16:
         r.var = INFINITY;
         break;
+    case 17:
+        r.glint.p[1] = NAN;
+        break;
+    case 18:
+        r.glint.lum = -1;
+        break;
     }
     return r;
 }
@@ -194,7 +202,7 @@ main(void)
     tcase_add_test(tc, record_survives_the_trip);
     tcase_add_test(tc, record_of_unknown_variance_is_sound);
     tcase_add_test(tc, truncated_record_is_refused);
-    tcase_add_loop_test(tc, unsound_record_is_refused, 0, 17);
+    tcase_add_loop_test(tc, unsound_record_is_refused, 0, 19);
     tcase_add_test(tc, each_record_is_new_once);
     suite_add_tcase(s, tc);
     return unit_run(s);

@@ -9,6 +9,7 @@ UNIT_TESTS = \
 	tests/check_ambcache \
 	tests/check_ambfile \
 	tests/check_ambient \
+	tests/check_bright \
 	tests/check_ambshare \
 	tests/check_aniso \
 	tests/check_antimatter \
@@ -144,6 +145,10 @@ tests_check_ambcache_LDADD = $(UNIT_LIBS)
 tests_check_ambfile_SOURCES = tests/check_ambfile.c tests/unit.h tests/world.h
 tests_check_ambfile_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
 tests_check_ambfile_LDADD = $(LIBCLIENT) $(UNIT_LIBS)
+
+tests_check_bright_SOURCES = tests/check_bright.c tests/unit.h tests/world.h
+tests_check_bright_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
+tests_check_bright_LDADD = $(UNIT_LIBS)
 
 tests_check_ambient_SOURCES = tests/check_ambient.c tests/lambert.h tests/unit.h \
 	tests/world.h
@@ -800,6 +805,7 @@ tests_check_frame_LDADD = $(UNIT_LIBS)
 THREAD_TESTS = \
 	tests/check_ambcache \
 	tests/check_ambient \
+	tests/check_bright \
 	tests/check_estimate \
 	tests/check_facts \
 	tests/check_fair \

@@ -28,6 +28,7 @@
 #include "light/indirect/ambread.h"
 #include "light/indirect/ambshape.h"
 #include "light/indirect/ambtile.h"
+#include "light/indirect/bright.h"
 #include "light/indirect/gradient.h"
 #include "light/indirect/hemisphere.h"
 #include "base/vec.h"
@@ -91,6 +92,7 @@ struct rad_ambient {
     struct rad_ambread read;    /* of one that is */
     double org[3];              /* [fixed] the cube's corner */
     struct rad_ambscale scale;  /* [fixed] */
+    struct rad_bright bright;   /* places by the records of that */
     bool frozen;                /* [fixed] once there are records */
     /* [fixed] for rays that hemispheres alone have made lighter */
     struct terms usual[USUAL_LEVELS];
@@ -211,7 +213,9 @@ is_plausible(const struct rad_ambient *amb, const struct rad_ambrec *rec)
            rec->radius[0] > 0 && rec->radius[0] <= rec->radius[1] &&
            rec->radius[1] <= 1.001 * amb->scale.most && rad_rgb_sound(rec->E) &&
            is_finite(rec->gpos, 2) && is_finite(rec->gdir, 2) &&
-           is_finite(&rec->var, 1) && rec->weight > 0 && rec->weight <= 2 &&
+           is_finite(&rec->var, 1) && is_finite(rec->glint.p, 3) &&
+           is_finite(&rec->glint.lum, 1) && rec->glint.lum >= 0 &&
+           rec->weight > 0 && rec->weight <= 2 &&
            rec->level < amb->job->params.ambounce;
 }
 
@@ -289,7 +293,10 @@ zone_in(const void *arg, const struct rad_ambrec *rec)
 bool
 rad_ambient_settle(struct rad_ambient *amb)
 {
-    return !amb->frozen || rad_ambread_settle(&amb->read, zone_in, amb);
+    if (!amb->frozen || amb->read.settled == amb->read.n)
+        return true;
+    return rad_ambread_settle(&amb->read, zone_in, amb) &&
+           rad_bright_gather(&amb->bright, &amb->read);
 }
 
 void
@@ -642,6 +649,7 @@ make_record(struct rad_ctx *ctx, const struct rad_ray *r,
     plan.side = at->level > 0 ? SIDE_DEEP : SIDE_SHOWN;
     plan.coef = rad_grey((float)MEAN_REFLECTANCE);
     plan.far = FAR_SIDES * amb->scale.side;
+    plan.bright = amb->bright.n > 0 ? &amb->bright : NULL;
     rad_copy(plan.normal, at->n);
     ok = rad_hemi_sample(ctx, r, &plan, &h);
     if (ok)
@@ -657,6 +665,7 @@ make_record(struct rad_ctx *ctx, const struct rad_ray *r,
             rec.n[k] = (float)at->n[k];
         rec.E = h.E;
         rec.var = (float)h.var;
+        rec.glint = rad_bright_glint(&h, at->p, r->key);
         rad_ambrec_shape(&amb->scale, &h, &rec);
         if (keep(amb, ctx->tile, &rec))
             ctx->counts.ambient_values++;

@@ -19,6 +19,12 @@ struct rad_ambient;
 
 #define RAD_AMBREC_UNSURE (-1.f)
 
+/* Something far brighter than what else a record's hemisphere saw. */
+struct rad_glint {
+    float p[3]; /* where it is */
+    float lum;  /* luminance of its radiance [W/sr/m^2]; 0: there was nothing */
+};
+
 /* One record; also what travels between workers (proto/ packs it field by
  * field). */
 struct rad_ambrec {
@@ -36,6 +42,7 @@ struct rad_ambrec {
     float gdir[2];    /* rotation gradient about u, n x u [1/rad] */
     float var;        /* variance of E's luminance over its square, by the
                        * samples' noise; RAD_AMBREC_UNSURE: not known */
+    struct rad_glint glint;
     uint32_t corral;  /* directions blocked near by (leak plug) */
 };
 

@@ -5,13 +5,16 @@
  * each a permutation of n finer steps, so that the projections on both axes
  * are stratified n^2 times and no two neighbours coincide, which would spoil
  * the gradients.
- * More samples (-as) go where the cells around a cell differ.  A cell's own
- * sample has no say in it: else a cell that drew a bright sample would be
- * averaged down and one that drew a dark one would not, and the result would
- * be too dark in the mean.  */
+ * More samples (-as) go where bright places of the frozen cache lie (bright.h),
+ * and where the cells around a cell differ.  A cell's own sample has no say in
+ * it: else a cell that drew a bright sample would be averaged down and one that
+ * drew a dark one would not, and the result would be too dark in the mean.
+ * Those of a cell are a sequence whose beginnings all are spread evenly over it
+ * (Roberts 2018: by the root of x^3 = x + 1), begun at its first ray.  */
 #include "config.h"
 
 #include "light/indirect/hemisphere.h"
+#include "light/indirect/bright.h"
 #include "base/angle.h"
 #include "base/rng.h"
 #include "base/vec.h"
@@ -32,6 +35,10 @@
 /* The shortest distance that is told from zero, relative to the longest. */
 #define NEAREST 1e-12
 
+/* Of the sequence: the root's inverse, and that squared. */
+#define STEP_X 0.7548776662466927
+#define STEP_Y 0.5698402909980532
+
 /* Dimensions of the numbers drawn at the hemisphere's own key. */
 enum {
     DIM_TURN = 0,
@@ -45,6 +52,7 @@ enum {
 struct tally {
     int rays;
     double lum2;
+    double x, y; /* where the first went through the cell, from 0 to 1 */
 };
 
 struct sampler {
@@ -150,11 +158,14 @@ sample_cells(struct sampler *s)
             double y = perm[n + j] + rad_rand(s->key, dim + 1);
             double d[3], dist;
 
+            s->tally[number].x = x / n;
+            s->tally[number].y = y / n;
             if (!trace(s, (j + x / n) / n, (i + y / n) / n, number, d, &c->L,
                        &dist))
                 continue;
             rad_scale(c->p, dist, d);
             c->near = (float)(1 / dist);
+            c->lum = rad_rgb_lum(c->L);
             add_ray(s, number, c->L);
             s->traced++;
         }
@@ -181,18 +192,26 @@ contrast(const struct rad_hemi *h, int i, int j)
     return sqrt(rad_most(sum2 - sum * sum / k, 0) / k);
 }
 
-/* Put `more` rays into cell (i, j) and renew its mean. */
+static double
+fraction(double x)
+{
+    return x - floor(x);
+}
+
+/* Put `more` rays into cell (i, j) and renew its mean.  They go on from its
+ * first ray by steps that leave no gap and no cluster. */
 static void
 resample_cell(struct sampler *s, int i, int j, int more, uint32_t *number)
 {
     int n = s->h->n;
     uint32_t cell = (uint32_t)(i * n + j);
     struct rad_hemicell *c = &s->h->cell[cell];
+    const struct tally *t = &s->tally[cell];
     struct rad_rgb sum = c->L;
 
     for (int k = 0; k < more; k++, ++*number) {
-        uint32_t dim = DIM_JITTER + 2 * *number;
-        double x = rad_rand(s->key, dim), y = rad_rand(s->key, dim + 1);
+        double x = fraction(t->x + (k + 1) * STEP_X);
+        double y = fraction(t->y + (k + 1) * STEP_Y);
         double d[3], dist;
         struct rad_rgb L;
 
@@ -203,28 +222,53 @@ resample_cell(struct sampler *s, int i, int j, int more, uint32_t *number)
             c->near = (float)(1 / dist);
         add_ray(s, cell, L);
     }
-    c->L = rad_rgb_scale(sum, 1.f / (float)s->tally[cell].rays);
+    c->L = rad_rgb_scale(sum, 1.f / (float)t->rays);
 }
 
-/* Share `count` more rays among the cells, as their neighbours differ. */
+/* How much noise each cell is expected to have; returns the sum. */
+static double
+expect_noise(const struct sampler *s, double *noise)
+{
+    const struct rad_hemi *h = s->h;
+    double sum = 0;
+
+    if (s->plan->bright)
+        rad_bright_cells(s->plan->bright, h, s->r->hit.p, noise);
+    for (int k = 0; k < h->n * h->n; k++) {
+        double around = contrast(h, k / h->n, k % h->n);
+
+        noise[k] = sqrt(noise[k] + around * around);
+        sum += noise[k];
+    }
+    return sum;
+}
+
+/* Are `more` rays enough to be shared out?  By what neighbours differ in alone
+ * they would mostly go where nothing is. */
+static bool
+worth_sharing(const struct sampler *s, int more)
+{
+    int n = s->h->n;
+
+    return n >= MIN_SIDE && more >= (s->plan->bright ? 1 : 4) * n;
+}
+
+/* Share `count` more rays among the cells. */
 static void
 super_sample(struct sampler *s, int count)
 {
     int n = s->h->n;
-    double total = 0;
-    double *want =
-        rad_arena_alloc(&s->ctx->scratch, (size_t)n * (size_t)n * sizeof *want);
+    double *noise, total;
     uint32_t number = (uint32_t)(n * n);
 
-    if (!want)
+    noise = rad_arena_calloc(&s->ctx->scratch, (size_t)(n * n), sizeof *noise);
+    if (!noise)
         return;
-    for (int i = 0; i < n; i++)
-        for (int j = 0; j < n; j++)
-            total += want[i * n + j] = contrast(s->h, i, j);
+    total = expect_noise(s, noise);
     if (!(total > 0 && total < INFINITY))
         return;
     for (int k = 0; k < n * n; k++) {
-        double share = want[k] / total * count;
+        double share = noise[k] / total * count;
         /* rounded up with the probability of the fraction */
         int more = (int)(share + rad_rand(s->key, DIM_ROUND + (uint32_t)k));
 
@@ -343,7 +387,7 @@ sample(struct rad_ctx *ctx, const struct rad_ray *r,
         return false;
     h->complete = s.traced == n2;
     more = (int)(par->ambssamp * weight + .5);
-    if (h->complete && h->n >= MIN_SIDE && more >= 4 * h->n)
+    if (h->complete && worth_sharing(&s, more))
         super_sample(&s, more);
     for (int k = 0; k < n2; k++)
         sum = rad_rgb_add(sum, h->cell[k].L);

@@ -15,9 +15,12 @@
 struct rad_hemicell {
     double p[3];      /* what the cell's first ray met, from the origin, in the
                        * frame of the sampling */
+    float lum;        /* luminance of that */
     float near;       /* 1 / distance of the nearest thing met [1/unit] */
     struct rad_rgb L; /* mean radiance of the cell */
 };
+
+struct rad_bright;
 
 struct rad_hemi {
     int n;                   /* cells along each side */
@@ -40,6 +43,7 @@ struct rad_hemi_plan {
     bool store;          /* for a record: a ray's weight as for any reflectance,
                           * and at least `side` cells along each side */
     int side;
+    const struct rad_bright *bright; /* places that may be seen; or NULL */
     double far; /* stands for infinity in cell positions [unit]; without
                  * `store` they are directions */
 };

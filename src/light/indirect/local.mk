@@ -14,6 +14,8 @@ librad_a_SOURCES += \
 	src/light/indirect/ambtile.c \
 	src/light/indirect/ambtile.h \
 	src/light/indirect/ambtree.h \
+	src/light/indirect/bright.c \
+	src/light/indirect/bright.h \
 	src/light/indirect/gradient.c \
 	src/light/indirect/gradient.h \
 	src/light/indirect/hemisphere.c \

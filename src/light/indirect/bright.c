@@ -1,0 +1,206 @@
+/* bright.c - see bright.h */
+#include "config.h"
+
+#include "light/indirect/bright.h"
+#include "base/angle.h"
+#include "base/rng.h"
+#include "base/vec.h"
+
+#include <stdlib.h>
+
+/* A glint is so much brighter than the mean of its hemisphere. */
+#define FAR_ABOVE 3
+
+/* Cells of the grid along the side of the scene's cube. */
+#define ACROSS 128
+
+/* Of the numbers drawn at the key of the ray that asked for a record. */
+#define DIM_GLINT (RAD_DIM_AMBIENT + 1)
+
+struct glint {
+    uint64_t cell;
+    size_t item;
+};
+
+/* Grid cell of a point: numbers along the axes, 20 bits each.  What lies beyond
+ * the cube, as sky does, has cells as much larger as it is farther. */
+static uint64_t
+grid_cell(const float p[3], const double org[3], double side)
+{
+    uint64_t cell = 0;
+    double q[3], most = 1;
+    int larger;
+
+    for (int k = 0; k < 3; k++) {
+        q[k] = ((double)p[k] - org[k]) / side - .5;
+        most = rad_most(most, fabs(q[k]));
+    }
+    frexp(most, &larger); /* 1 for what is within the cube or near it */
+    for (int k = 0; k < 3; k++)
+        cell = cell << 20 |
+               ((uint64_t)(floor(ldexp(q[k], 1 - larger) * ACROSS) + 0x1p19) &
+                0xfffff);
+    return cell ^ (uint64_t)larger << 60;
+}
+
+static int
+by_cell(const void *a, const void *b)
+{
+    const struct glint *x = a, *y = b;
+
+    if (x->cell != y->cell)
+        return x->cell < y->cell ? -1 : 1;
+    return x->item < y->item ? -1 : x->item > y->item;
+}
+
+/* A place, and how many records chose it. */
+struct found {
+    struct rad_bright_place place;
+    size_t glints, first;
+};
+
+/* Most glints first. */
+static int
+by_glints(const void *a, const void *b)
+{
+    const struct found *x = a, *y = b;
+
+    if (x->glints != y->glints)
+        return x->glints > y->glints ? -1 : 1;
+    return x->first < y->first ? -1 : x->first > y->first;
+}
+
+/* The place of n glints: its area is that of a disk on which points are spread
+ * as far from their mean as these are. */
+static void
+set_place(struct rad_bright_place *to, const struct rad_ambitem *item,
+          const struct glint *g, size_t n, double least)
+{
+    double spread = 0;
+
+    *to = (struct rad_bright_place){ .lum = 0 };
+    for (size_t i = 0; i < n; i++) {
+        const struct rad_glint *one = &item[g[i].item].rec.glint;
+
+        for (int k = 0; k < 3; k++)
+            to->p[k] += (double)one->p[k] / (double)n;
+        to->lum += (double)one->lum / (double)n;
+    }
+    for (size_t i = 0; i < n; i++) {
+        const float *q = item[g[i].item].rec.glint.p;
+        double d[3] = { (double)q[0] - to->p[0], (double)q[1] - to->p[1],
+                        (double)q[2] - to->p[2] };
+
+        spread += rad_dot(d, d) / (double)n;
+    }
+    to->area = rad_most(2 * M_PI * spread, least);
+}
+
+bool
+rad_bright_gather(struct rad_bright *b, const struct rad_ambread *from)
+{
+    const struct rad_ambitem *item = from->item;
+    size_t n = from->n;
+    struct glint *g = malloc(n * sizeof *g + 1);
+    struct found *found;
+    size_t glints = 0, places = 0, k;
+    double cell = from->side / ACROSS;
+
+    b->n = 0;
+    if (!g)
+        return false;
+    for (size_t i = 0; i < n; i++)
+        if (item[i].rec.glint.lum > 0)
+            g[glints++] = (struct glint){
+                grid_cell(item[i].rec.glint.p, from->org, from->side), i
+            };
+    qsort(g, glints, sizeof *g, by_cell);
+    found = malloc(glints * sizeof *found + 1);
+    for (size_t i = 0; found && i < glints; i = k, places++) {
+        for (k = i; k < glints && g[k].cell == g[i].cell; k++)
+            ;
+        set_place(&found[places].place, item, &g[i], k - i, cell * cell / 16);
+        found[places].glints = k - i;
+        found[places].first = g[i].item;
+    }
+    free(g);
+    if (!found)
+        return false;
+    qsort(found, places, sizeof *found, by_glints);
+    for (; b->n < places && b->n < RAD_BRIGHT_MOST; b->n++)
+        b->place[b->n] = found[b->n].place;
+    free(found);
+    return true;
+}
+
+struct rad_glint
+rad_bright_glint(const struct rad_hemi *h, const double p[3], uint64_t key)
+{
+    double floor = FAR_ABOVE * rad_rgb_lum(h->E) / M_PI, all = 0;
+    struct rad_glint g = { .lum = 0 };
+    int n2 = h->n * h->n;
+
+    for (int k = 0; k < n2; k++)
+        all += rad_most((double)h->cell[k].lum - floor, 0);
+    all *= rad_rand(key, DIM_GLINT);
+    for (int k = 0; k < n2; k++) {
+        const struct rad_hemicell *c = &h->cell[k];
+        double above = rad_most((double)c->lum - floor, 0);
+
+        if (above > 0) {
+            g.lum = c->lum;
+            for (int i = 0; i < 3; i++)
+                g.p[i] = (float)(p[i] + c->p[0] * h->u[i] + c->p[1] * h->v[i] +
+                                 c->p[2] * h->w[i]);
+            if (all < above)
+                break;
+        }
+        all -= above;
+    }
+    return g;
+}
+
+/* The unit disk to the unit square, keeping relative areas: the reverse of
+ * hemisphere.c's. */
+static void
+disk_to_square(double x, double y, double s[2])
+{
+    double r = sqrt(x * x + y * y);
+    int along = fabs(x) > fabs(y) ? 0 : 1;
+    double lead = along ? y : x, other = along ? x : y;
+    double turn = lead != 0 ? rad_angle(fabs(other), fabs(lead)) : 0;
+
+    if ((other < 0) != (lead < 0))
+        turn = -turn;
+
+    r = lead < 0 ? -r : r;
+    s[along] = (r + 1) / 2;
+    s[!along] = (r * turn * (4 / M_PI) + 1) / 2;
+}
+
+void
+rad_bright_cells(const struct rad_bright *b, const struct rad_hemi *h,
+                 const double p[3], double *square)
+{
+    int n = h->n;
+
+    for (size_t i = 0; i < b->n; i++) {
+        const struct rad_bright_place *q = &b->place[i];
+        double d[3], s[2];
+
+        rad_sub(d, q->p, p);
+        double dist2 = rad_dot(d, d), up = rad_dot(d, h->w);
+
+        if (!(up > 0))
+            continue;
+        double dist = sqrt(dist2);
+        double share = q->area * up / dist / (dist2 * M_PI) * n * n;
+
+        disk_to_square(rad_dot(d, h->u) / dist, rad_dot(d, h->v) / dist, s);
+        int x = (int)(s[0] * n), y = (int)(s[1] * n);
+
+        x = x < 0 ? 0 : x < n ? x : n - 1;
+        y = y < 0 ? 0 : y < n ? y : n - 1;
+        square[y * n + x] += rad_least(share, 1) * q->lum * q->lum;
+    }
+}

@@ -1,0 +1,46 @@
+/* bright.h - bright places of a scene, as the records of a frozen cache saw
+ * them
+ *
+ * A sun patch, a lamp's spot, the image of either in a mirror: little of what a
+ * hemisphere sees, and most of its noise.  A record keeps one place that was
+ * far brighter than its hemisphere's mean, its glint, drawn by how much
+ * brighter; glints travel with records.  Between passes those of all records
+ * are gathered by cells of a grid into places, each with a mean point and
+ * luminance and an area.  A new record's hemisphere (hemisphere.h) then knows
+ * in which of its own cells they lie, before it traces a ray. Thread: any may
+ * read, none while another gathers. */
+#ifndef RAD_LIGHT_BRIGHT_H
+#define RAD_LIGHT_BRIGHT_H
+
+#include "light/indirect/ambread.h"
+#include "light/indirect/hemisphere.h"
+
+/* Most places that are kept: those that most records chose. */
+#define RAD_BRIGHT_MOST 512
+
+struct rad_bright_place {
+    double p[3]; /* mean point */
+    double lum;  /* mean luminance of its radiance [W/sr/m^2] */
+    double area; /* about, as seen from anywhere [unit^2] */
+};
+
+struct rad_bright {
+    struct rad_bright_place place[RAD_BRIGHT_MOST];
+    size_t n;
+};
+
+/* Gather the glints of all records.  What comes out depends on these and their
+ * order alone.  False: out of memory. */
+bool rad_bright_gather(struct rad_bright *b, const struct rad_ambread *from);
+
+/* The glint of a record at p: what a cell's first ray met, drawn by how far it
+ * is above the mean; `key` is that of the ray that asked for the record. */
+struct rad_glint rad_bright_glint(const struct rad_hemi *h, const double p[3],
+                                  uint64_t key);
+
+/* Add to square[k] the mean square of the luminance that places are expected to
+ * bring to cell k of a hemisphere at p. */
+void rad_bright_cells(const struct rad_bright *b, const struct rad_hemi *h,
+                      const double p[3], double *square);
+
+#endif

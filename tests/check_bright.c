@@ -1,0 +1,247 @@
+/* check_bright.c - bright places, and samples by them */
+#include "config.h"
+
+#include "light/indirect/bright.h"
+#include "base/rng.h"
+
+#include "world.h"
+
+#include <math.h>
+#include <string.h>
+
+/* A small disk of radiance 100 two units above the plane, off the zenith. */
+#define HEIGHT 2.0
+#define ASIDE  1.5
+#define RADIUS .15
+static const char disk_scene[] = "void glow g 0 0 4 100 100 100 0\n"
+                                 "g ring disk 0 0 8 1.5 0 2  0 0 -1  0 .15\n";
+
+static const double origin[3] = { 0, 0, 0 }, up[3] = { 0, 0, 1 };
+
+/* Irradiance from a disk that faces the plane, its centre aside of the zenith
+ * (Howell, configuration factors, B-14). */
+static double
+disk_irradiance(void)
+{
+    double h2 = HEIGHT * HEIGHT, r2 = RADIUS * RADIUS, a2 = ASIDE * ASIDE;
+    double z = h2 + a2 + r2;
+
+    return 50 * M_PI * (1 - (h2 + a2 - r2) / sqrt(z * z - 4 * a2 * r2));
+}
+
+static struct rad_ambrec
+record_with(double x, double y, double z, float lum)
+{
+    return (struct rad_ambrec){
+        .n = { 0, 0, 1 },
+        .u = { 1, 0, 0 },
+        .radius = { .1f, .2f },
+        .weight = 1,
+        .E = { 1, 1, 1 },
+        .glint = { { (float)x, (float)y, (float)z }, lum },
+    };
+}
+
+static void
+gather(struct rad_bright *b, const struct rad_ambrec *rec, size_t n)
+{
+    const double org[3] = { -5, -5, -5 };
+    struct rad_ambread r;
+
+    rad_ambread_init(&r, org, 10);
+    for (size_t i = 0; i < n; i++)
+        ck_assert(rad_ambread_add(&r, &rec[i]));
+    ck_assert(rad_bright_gather(b, &r));
+    rad_ambread_release(&r);
+}
+
+/* Places where records saw the disk. */
+static void
+see_disk(struct rad_bright *b)
+{
+    struct rad_ambrec rec[64];
+
+    for (int i = 0; i < 64; i++) {
+        double r = RADIUS * sqrt((i + .5) / 64);
+
+        rec[i] = record_with(ASIDE + r * cos(2.4 * i), r * sin(2.4 * i), HEIGHT,
+                             100);
+    }
+    gather(b, rec, 64);
+    ck_assert_uint_gt(b->n, 0);
+}
+
+struct found {
+    double mean, sd, said; /* of E; sd by what the samplings say */
+};
+
+static struct found
+sample_many(struct world *w, const struct rad_bright *b)
+{
+    struct found f = { 0, 0, 0 };
+    enum { TIMES = 4000 };
+
+    for (uint64_t k = 0; k < TIMES; k++) {
+        struct rad_arena_mark mark = rad_arena_mark(&w->ctx.scratch);
+        struct rad_hemi_plan plan = { .normal = { 0, 0, 1 },
+                                      .coef = { .5f, .5f, .5f },
+                                      .weight = 1,
+                                      .store = true,
+                                      .side = 7,
+                                      .bright = b,
+                                      .far = 100 };
+        struct rad_hemi h;
+        struct rad_ray r;
+        double E;
+
+        rad_ray_irradiance(&w->ctx, &r, origin, up, rad_key_branch(5, k));
+        ck_assert(rad_hemi_sample(&w->ctx, &r, &plan, &h));
+        ck_assert(h.complete);
+        E = (double)rad_rgb_lum(h.E);
+        f.mean += E / TIMES;
+        f.sd += E * E / TIMES;
+        f.said += h.var * E * E / TIMES;
+        rad_arena_rewind(&w->ctx.scratch, mark);
+    }
+    f.sd = sqrt(f.sd - f.mean * f.mean);
+    f.said = sqrt(f.said);
+    return f;
+}
+
+/* With places and without, the mean of many samplings is the closed form: what
+ * a cell draws has no say in how many rays it gets.  With them there is a third
+ * of the noise, for the same rays; and the noise that is said is that found. */
+START_TEST(rays_to_bright_places_leave_the_mean_alone)
+{
+    double E = disk_irradiance();
+    struct found blind, guided;
+    uint64_t rays[2];
+    struct rad_bright b;
+    struct world w;
+
+    see_disk(&b);
+    world_open(&w, disk_scene, "-ab 0 -ad 289 -as 0 -lw 0");
+    blind = sample_many(&w, NULL);
+    rays[0] = w.ctx.counts.ambient_rays;
+    world_close(&w);
+    world_open(&w, disk_scene, "-ab 0 -ad 144 -as 144 -lw 0");
+    guided = sample_many(&w, &b);
+    rays[1] = w.ctx.counts.ambient_rays;
+    world_close(&w);
+    ck_assert_double_eq_tol(blind.mean, E, 4 * blind.sd / sqrt(4000));
+    ck_assert_double_eq_tol(guided.mean, E, 4 * guided.sd / sqrt(4000));
+    ck_assert_double_lt(guided.sd, blind.sd / 3);
+    ck_assert_uint_le(rays[1], rays[0]);
+    ck_assert_double_gt(blind.said, .7 * blind.sd);
+    ck_assert_double_lt(blind.said, 1.5 * blind.sd);
+}
+END_TEST
+
+/* Nothing is there any more where records saw something: rays are lost, and
+ * the mean is as it was. */
+START_TEST(places_that_are_not_seen_do_no_harm)
+{
+    struct rad_ambrec rec[64];
+    struct found f;
+    struct rad_bright b;
+    struct world w;
+
+    for (int i = 0; i < 64; i++)
+        rec[i] = record_with(-2 + .1 * (i % 8), -1 + .1 * (i / 8.), 1, 1e4f);
+    gather(&b, rec, 64);
+    ck_assert_uint_gt(b.n, 30);
+    world_open(&w, disk_scene, "-ab 0 -ad 144 -as 144 -lw 0");
+    f = sample_many(&w, &b);
+    world_close(&w);
+    ck_assert_double_eq_tol(f.mean, disk_irradiance(), 4 * f.sd / sqrt(4000));
+}
+END_TEST
+
+START_TEST(glints_near_each_other_are_one_place)
+{
+    struct rad_ambrec rec[4] = { record_with(1, 2, 3, 10),
+                                 record_with(1.01, 2.01, 3, 30),
+                                 record_with(-40, 0, 0, 5),
+                                 record_with(0, 0, 0, 0) };
+    struct rad_bright b, again;
+
+    gather(&b, rec, 4);
+    ck_assert_uint_eq(b.n, 2); /* most glints first; no glint, no place */
+    ck_assert_double_eq_tol(b.place[0].p[0], 1.005, 1e-6);
+    ck_assert_double_eq_tol(b.place[0].lum, 20, 1e-6);
+    ck_assert_double_eq_tol(b.place[1].p[0], -40, 1e-6);
+    gather(&again, rec, 4);
+    ck_assert_mem_eq(again.place, b.place, b.n * sizeof *b.place);
+    gather(&b, rec + 3, 1);
+    ck_assert_uint_eq(b.n, 0);
+}
+END_TEST
+
+START_TEST(most_chosen_places_are_kept)
+{
+    enum { N = 3 * RAD_BRIGHT_MOST };
+    static struct rad_ambrec rec[2 * N];
+    struct rad_bright b;
+
+    for (int i = 0; i < 2 * N; i++) /* every third place twice */
+        rec[i] =
+            record_with(-4.5 + .3 * (i % N % 30), -4.5 + .3 * (i % N / 30 % 30),
+                        -4.5 + .3 * (i % N / 900), i < N || i % 3 == 0 ? 7 : 0);
+    gather(&b, rec, 2 * N);
+    ck_assert_uint_eq(b.n, RAD_BRIGHT_MOST);
+    for (size_t i = 0; i < b.n; i++)
+        ck_assert_int_eq((int)lrint((b.place[i].p[0] + 4.5) / .3) % 3, 0);
+}
+END_TEST
+
+/* The record of a room with a sun patch keeps a glint on it; one beneath an
+ * even sky keeps none. */
+START_TEST(records_keep_what_is_far_above_their_mean)
+{
+    static const char *const scene[] = {
+        disk_scene, "void glow g 0 0 4 1 1 1 0\ng source sky 0 0 4 0 0 1 360\n"
+    };
+    struct world w;
+    struct rad_hemi h;
+    struct rad_ray r;
+    struct rad_hemi_plan plan = { .normal = { 0, 0, 1 },
+                                  .coef = { .5f, .5f, .5f },
+                                  .weight = 1,
+                                  .store = true,
+                                  .side = 7,
+                                  .far = 100 };
+
+    world_open(&w, scene[_i], "-ab 0 -ad 4096 -as 0 -lw 0");
+    rad_ray_irradiance(&w.ctx, &r, origin, up, 3);
+    ck_assert(rad_hemi_sample(&w.ctx, &r, &plan, &h));
+    for (uint64_t k = 0; k < 50; k++) {
+        struct rad_glint g = rad_bright_glint(&h, origin, k);
+
+        if (_i == 1) {
+            ck_assert_float_eq(g.lum, 0);
+            continue;
+        }
+        ck_assert_float_eq_tol(g.lum, 100, 1e-3f);
+        ck_assert_float_eq_tol(g.p[2], (float)HEIGHT, 1e-4f);
+        ck_assert(hypot((double)g.p[0] - ASIDE, (double)g.p[1]) <
+                  RADIUS + 1e-4);
+    }
+    world_close(&w);
+}
+END_TEST
+
+int
+main(void)
+{
+    Suite *s = suite_create("bright");
+    TCase *tc = tcase_create("bright");
+
+    tcase_set_timeout(tc, 60);
+    tcase_add_test(tc, rays_to_bright_places_leave_the_mean_alone);
+    tcase_add_test(tc, places_that_are_not_seen_do_no_harm);
+    tcase_add_test(tc, glints_near_each_other_are_one_place);
+    tcase_add_test(tc, most_chosen_places_are_kept);
+    tcase_add_loop_test(tc, records_keep_what_is_far_above_their_mean, 0, 2);
+    suite_add_tcase(s, tc);
+    return unit_run(s);
+}
