@@ -36,6 +36,11 @@
 /* Shadow rays sent whatever -dt says, as in rpict. */
 #define MIN_TESTS 2
 
+/* For rays of hemispheres sources are cut into parts so many times as large as
+ * -ds says.  One of them is tested, whatever they are; unobstructed their light
+ * is exact, and its colours may take long: those of an illum are a function. */
+#define COARSER 2
+
 /* Where one sample is drawn from all, one that is more than this part of the
  * sum is tested by itself: so strong a source that cannot be seen, like the sun
  * from most of a room, would be drawn nearly always, and what is left, at last
@@ -654,6 +659,31 @@ sample_key(const struct rad_ray *r, const struct rad_light_view *view,
                : 0;
 }
 
+/* Weigh the samples of the sources themselves. */
+static void
+weigh_sources(struct direct *d, struct rad_light_view *view, bool skip)
+{
+    const struct rad_sources *s = d->ctx->job->sources;
+    const struct rad_ray *r = d->r;
+    double up[3];
+
+    rad_scale(up, r->cos_o < 0 ? -1 : 1, r->n);
+    for (int32_t i = 0; i < s->n; i++) {
+        const struct rad_source *src = &s->list[i];
+        double height = INFINITY;
+
+        if (src->flags & RAD_LIGHT_SKIP)
+            continue;
+        if (skip && (height = height_of(src, src->centre, r)) < -src->radius)
+            continue;
+        view->up = height < src->radius ? up : NULL;
+        view->key = sample_key(r, view, i);
+        turn_to(d, i);
+        rad_light_samples(src, view, weigh, d);
+    }
+    view->up = NULL;
+}
+
 /* Weigh the samples of what mirrors show. */
 static void
 weigh_images(struct direct *d, struct rad_light_view *view, bool skip)
@@ -685,7 +715,6 @@ rad_direct(struct rad_ctx *ctx, struct rad_ray *r, rad_brdf_fn *brdf,
     struct rad_arena_mark mark;
     struct direct d;
     struct order *o;
-    double up[3];
     /* a tilted normal may see what the surface itself does not */
     bool skip = !through && !rad_ray_perturbed(r), drawn;
 
@@ -694,22 +723,10 @@ rad_direct(struct rad_ctx *ctx, struct rad_ray *r, rad_brdf_fn *brdf,
     begin(&d, ctx, r, brdf, data);
     mark = rad_arena_mark(&ctx->scratch);
     rad_copy(view.p, r->hit.p);
-    rad_scale(up, r->cos_o < 0 ? -1 : 1, r->n);
     view.sizerat = par->srcsizerat / r->weight;
-    for (int32_t i = 0; i < s->n; i++) {
-        const struct rad_source *src = &s->list[i];
-        double height = INFINITY;
-
-        if (src->flags & RAD_LIGHT_SKIP)
-            continue;
-        if (skip && (height = height_of(src, src->centre, r)) < -src->radius)
-            continue;
-        view.up = height < src->radius ? up : NULL;
-        view.key = sample_key(r, &view, i);
-        turn_to(&d, i);
-        rad_light_samples(src, &view, weigh, &d);
-    }
-    view.up = NULL;
+    if (r->path & RAD_RAY_AMBIENT)
+        view.sizerat *= COARSER;
+    weigh_sources(&d, &view, skip);
     if (s->nvirtuals > 0)
         weigh_images(&d, &view, skip);
     o = NULL;
