@@ -217,6 +217,8 @@ fill(struct bench *b)
         die_of("out of memory");
     for (uint32_t i = 0; i < n; i++)
         do_pass(b, p, &pass[i]);
+    if (!rad_ambient_smooth(b->job->ambient))
+        die_of("out of memory");
     rad_passes_free(p);
     return now() - start;
 }

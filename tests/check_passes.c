@@ -175,6 +175,7 @@ fill(struct room *m, int threads, bool backward, bool twice)
         close_pass(m, &t);
         free(t.list);
     }
+    ck_assert(rad_ambient_smooth(m->w.job->ambient));
     rad_passes_free(p);
 }
 

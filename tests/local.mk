@@ -97,6 +97,7 @@ UNIT_TESTS = \
 	tests/check_shade \
 	tests/check_shell \
 	tests/check_sim \
+	tests/check_smooth \
 	tests/check_source \
 	tests/check_store \
 	tests/check_strict \
@@ -305,6 +306,10 @@ tests_check_mirror_LDADD = $(UNIT_LIBS)
 tests_check_sample_SOURCES = tests/check_sample.c tests/lambert.h tests/unit.h
 tests_check_sample_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
 tests_check_sample_LDADD = $(UNIT_LIBS)
+
+tests_check_smooth_SOURCES = tests/check_smooth.c tests/unit.h
+tests_check_smooth_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
+tests_check_smooth_LDADD = $(UNIT_LIBS)
 
 tests_check_source_SOURCES = tests/check_source.c tests/lambert.h tests/unit.h \
 	tests/world.h
@@ -810,6 +815,7 @@ THREAD_TESTS = \
 	tests/check_facts \
 	tests/check_fair \
 	tests/check_pool \
+	tests/check_smooth \
 	tests/check_task \
 	tests/check_team \
 	tests/check_team_lend \

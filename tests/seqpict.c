@@ -319,7 +319,8 @@ keep_records(void *arg, const struct rad_ambrec *rec, size_t n)
 
 static int
 make_pass(struct rad_passes *p, struct rad_ctx *ctx,
-          const struct rad_pass *pass, struct records *k, struct rad_error *err)
+          const struct rad_pass *pass, bool last, struct records *k,
+          struct rad_error *err)
 {
     static const _Atomic bool never;
     int rc = rad_passes_begin(p, ctx, pass, err);
@@ -331,7 +332,8 @@ make_pass(struct rad_passes *p, struct rad_ctx *ctx,
             rc = rad_fail(err, RAD_ENOMEM, "out of memory");
     if (rc == 0)
         rad_ambient_insert_all(ctx->job->ambient, k->rec, k->n);
-    if (rc == 0 && !rad_ambient_settle(ctx->job->ambient))
+    if (rc == 0 && (!rad_ambient_settle(ctx->job->ambient) ||
+                    (last && !rad_ambient_smooth(ctx->job->ambient))))
         rc = rad_fail(err, RAD_ENOMEM, "out of memory");
     return rc;
 }
@@ -369,7 +371,8 @@ fill_cache(const struct task *t, const struct rad_frame *f, struct rad_ctx *ctx,
 
     for (uint32_t i = 0; rc == 0 && i < n; i++) {
         if (!plan[i].check) {
-            rc = make_pass(p, ctx, &plan[i], &k, err);
+            rc = make_pass(p, ctx, &plan[i], rad_refine_is_last(plan, n, i), &k,
+                           err);
             continue;
         }
         ask->rays = ctx->counts.rays;

@@ -108,7 +108,7 @@ typedef void pool_tile_fn(void *arg, const struct pool_tile *t);
 /* The cache comes in these passes, which outlive the pool; to be called before
  * any other of the calls below.  fn, with the pool's arg, gets the tiles. */
 void pool_set_passes(struct pool *p, struct rad_passes *passes,
-                     const struct rad_pass *plan, pool_tile_fn *fn);
+                     const struct rad_pass *plan, uint32_t n, pool_tile_fn *fn);
 
 /* Make a tile, of the pass that is open once all that was frozen before is in
  * the cache, and its colours if it shows.  Tiles come before all other work.

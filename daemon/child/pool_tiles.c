@@ -144,7 +144,9 @@ freeze(struct renderer *by, struct pool_frozen *f)
     bool settled;
 
     rad_ambient_insert_all(amb, f->rec, f->n);
-    settled = rad_ambient_settle(amb);
+    settled = rad_ambient_settle(amb) &&
+              (!rad_refine_is_last(k->plan, k->npasses, k->open) ||
+               rad_ambient_smooth(amb));
     uv_mutex_lock(&p->mu);
     if (!settled || rad_ambient_count(amb) != before + f->n)
         rad_fail(&k->err, RAD_ENOMEM,
@@ -212,13 +214,14 @@ pool_work_on_tile(struct renderer *by, const struct pool_tile_work *w)
 
 void
 pool_set_passes(struct pool *p, struct rad_passes *passes,
-                const struct rad_pass *plan, pool_tile_fn *fn)
+                const struct rad_pass *plan, uint32_t n, pool_tile_fn *fn)
 {
     struct pool_tiling *k = &p->tiling;
 
     uv_mutex_lock(&p->mu);
     k->passes = passes;
     k->plan = plan;
+    k->npasses = n;
     k->fn = fn;
     uv_mutex_unlock(&p->mu);
 }

@@ -21,6 +21,7 @@ struct pool_tiling {
     struct rad_passes *passes;   /* [mu] NULL: the cache does not come so; */
     const struct rad_pass *plan; /* its tiles are made, and it changes, without
                                   * the lock: see `members' and `changing' */
+    uint32_t npasses;            /* [mu] of the plan */
     pool_tile_fn *fn;            /* [loop] */
     uint32_t open;               /* [mu] the pass whose tiles are made */
     bool begun;                  /* [mu] threads may make them */

@@ -75,7 +75,8 @@ void
 render_begin_passes(struct render *r)
 {
     if (r->passes.passes)
-        pool_set_passes(r->pool, r->passes.passes, r->passes.plan, on_tile);
+        pool_set_passes(r->pool, r->passes.passes, r->passes.plan, r->passes.n,
+                        on_tile);
 }
 
 bool

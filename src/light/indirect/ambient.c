@@ -27,6 +27,7 @@
 #include "light/indirect/ambcache.h"
 #include "light/indirect/ambread.h"
 #include "light/indirect/ambshape.h"
+#include "light/indirect/ambsmooth.h"
 #include "light/indirect/ambtile.h"
 #include "light/indirect/bright.h"
 #include "light/indirect/gradient.h"
@@ -90,6 +91,7 @@ struct rad_ambient {
     const struct rad_job *job;  /* [fixed] */
     struct rad_ambcache *cache; /* [fixed] of a cache that is not frozen */
     struct rad_ambread read;    /* of one that is */
+    struct rad_ambsmooth smooth; /* the same with less noise */
     double org[3];              /* [fixed] the cube's corner */
     struct rad_ambscale scale;  /* [fixed] */
     struct rad_bright bright;   /* places by the records of that */
@@ -149,6 +151,7 @@ rad_ambient_free(struct rad_ambient *amb)
         return;
     rad_ambcache_free(amb->cache);
     rad_ambread_release(&amb->read);
+    rad_ambsmooth_release(&amb->smooth);
     free(amb);
 }
 
@@ -299,6 +302,13 @@ rad_ambient_settle(struct rad_ambient *amb)
            rad_bright_gather(&amb->bright, &amb->read);
 }
 
+bool
+rad_ambient_smooth(struct rad_ambient *amb)
+{
+    return !amb->frozen || rad_ambsmooth_make(&amb->smooth, &amb->scale,
+                                              amb->read.item, amb->read.n);
+}
+
 void
 rad_ambient_insert_all(struct rad_ambient *amb, struct rad_ambrec *rec,
                        size_t n)
@@ -361,12 +371,12 @@ dotf(const float a[3], const float b[3])
  * with normal pn; false: too far to be believed.  The tilt n x pn has the
  * components -pn.across and pn.u. */
 static inline bool
-extrapolate(const struct rad_ambitem *it, float u, float v, const float pn[3],
-            float *factor)
+extrapolate(const struct rad_ambitem *it, const float gpos[2], float u, float v,
+            const float pn[3], float *factor)
 {
     const struct rad_ambrec *rec = &it->rec;
     float f =
-        1 + rec->gpos[0] * u + rec->gpos[1] * v +
+        1 + gpos[0] * u + gpos[1] * v +
         (rec->gdir[1] * dotf(pn, rec->u) - rec->gdir[0] * dotf(pn, it->across));
 
     *factor = f < LARGEST_FACTOR ? f : LARGEST_FACTOR;
@@ -374,21 +384,6 @@ extrapolate(const struct rad_ambitem *it, float u, float v, const float pn[3],
         return true;
     *factor = LEAST_FACTOR;
     return false;
-}
-
-/* Which of 32 parts of a turn from u toward v the direction (u, v) is in. */
-static unsigned
-part_of_turn(float u, float v)
-{
-    /* tangents of one, two and three parts */
-    const float one = .198912367f, two = .414213562f, three = .668178638f;
-    float x = fabsf(u), y = fabsf(v), lo = x < y ? x : y, hi = x < y ? y : x;
-    unsigned part = (unsigned)(lo > one * hi) + (unsigned)(lo > two * hi) +
-                    (unsigned)(lo > three * hi);
-
-    part = x < y ? 7 - part : part;
-    part = u < 0 ? 15 - part : part;
-    return v < 0 ? 31 - part : part;
 }
 
 /* Is something between the point and the air above the record?  The ray rises
@@ -433,6 +428,8 @@ struct search {
     double E[3];     /* weighted */
     /* how they differ: sums of weights squared, and of luminances squared */
     double weight2, lum2;
+    double var;  /* of those that are smoothed, weighted */
+    bool frozen; /* what comes now is of the frozen cache */
     struct rad_geom_counts *counts;
     uint64_t *rays;
     const struct rad_ambtile *tile; /* whose records serve, too; or NULL */
@@ -446,12 +443,38 @@ is_answered(const struct search *s)
     return s->asks && s->serves > 0;
 }
 
+/* What a record says at its place. */
+struct says {
+    struct rad_rgb E;
+    float gpos[2], var;
+};
+
+static inline void
+hear(const struct search *s, const struct rad_ambitem *it, struct says *k)
+{
+    const struct rad_ambient *amb = s->amb;
+    struct rad_smooth_value v;
+
+    k->E = it->rec.E;
+    k->gpos[0] = it->rec.gpos[0];
+    k->gpos[1] = it->rec.gpos[1];
+    k->var = 0;
+    if (!s->frozen ||
+        !rad_ambsmooth_at(&amb->smooth, (size_t)(it - amb->read.item), &v))
+        return;
+    k->E = rad_rgb(v.E[0], v.E[1], v.E[2]);
+    k->gpos[0] = v.gpos[0];
+    k->gpos[1] = v.gpos[1];
+    k->var = v.var;
+}
+
 static inline void
 add_record(struct search *s, const struct rad_ambitem *it)
 {
     const struct rad_ambrec *rec = &it->rec;
     float d[3], u, v, z, x, y, h, dist2, dist, turn2, turn, factor;
     double w, angular, lum;
+    struct says says;
 
     for (int k = 0; k < 3; k++)
         d[k] = (float)(s->at->p[k] - rec->p[k]);
@@ -473,9 +496,10 @@ add_record(struct search *s, const struct rad_ambitem *it)
     turn = sqrtf(turn2);
     if (!(dist < s->reach) | (turn >= s->max_angle))
         return;
-    if (!extrapolate(it, u, v, s->pn, &factor))
+    hear(s, it, &says);
+    if (!extrapolate(it, says.gpos, u, v, s->pn, &factor))
         return;
-    if (rec->corral && rec->corral >> part_of_turn(u, v) & 1 &&
+    if (rec->corral && rec->corral >> rad_part_of_turn(u, v) & 1 &&
         is_walled_off(s->amb, s->at, rec, s->counts, s->rays))
         return;
     angular = (double)(1 - turn / s->max_angle);
@@ -484,12 +508,13 @@ add_record(struct search *s, const struct rad_ambitem *it)
     w = angular * (double)(1 - dist / s->reach);
     s->weight += w;
     s->weight2 += w * w;
-    lum = (double)(factor * rad_rgb_lum(rec->E));
+    lum = (double)(factor * rad_rgb_lum(says.E));
     s->lum2 += w * lum * lum;
+    s->var += w * (double)says.var;
     w *= (double)factor;
-    s->E[0] += w * (double)rec->E.r;
-    s->E[1] += w * (double)rec->E.g;
-    s->E[2] += w * (double)rec->E.b;
+    s->E[0] += w * (double)says.E.r;
+    s->E[1] += w * (double)says.E.g;
+    s->E[2] += w * (double)says.E.b;
 }
 
 /* rad_ambcache_fn */
@@ -539,10 +564,12 @@ search_all(struct search *s)
         s->n[k] = (float)at->n[k];
         s->pn[k] = (float)at->pn[k];
     }
+    s->frozen = amb->frozen;
     if (amb->frozen)
         rad_ambread_visit(&amb->read, &q, add_records, want_more, s);
     else
         rad_ambcache_visit(amb->cache, &q, add_records, want_more, s);
+    s->frozen = false;
     if (s->tile && !is_answered(s))
         rad_ambcache_visit(s->tile->own, &q, add_records, want_more, s);
 }
@@ -583,7 +610,8 @@ rad_ambient_find(const struct rad_ambient *amb, const struct rad_ambplace *at,
     return s.serves;
 }
 
-/* Variance of what was found over its square, from what the records differ by;
+/* Variance of what was found over its square, from what the records differ by,
+ * and, where they are smoothed, from what all of them may be off by alike;
  * negative: one record, which differs from none.  Weights w make the variance
  * of a mean q / (1 - q) times that of the values, q = sum w^2 / (sum w)^2. */
 static double
@@ -593,8 +621,9 @@ variance(const struct search *s)
     double mean = rad_rgb_lum(found(s));
 
     if (!(q < .95) || !(mean > 0))
-        return -1;
-    return rad_most(s->lum2 / s->weight / (mean * mean) - 1, 0) * q / (1 - q);
+        return s->var > 0 ? s->var / s->weight : -1;
+    return rad_most(s->lum2 / s->weight / (mean * mean) - 1, 0) * q / (1 - q) +
+           s->var / s->weight;
 }
 
 bool
@@ -670,7 +699,7 @@ make_record(struct rad_ctx *ctx, const struct rad_ray *r,
         if (keep(amb, ctx->tile, &rec))
             ctx->counts.ambient_values++;
         rad_ambitem_set(&item, &rec);
-        extrapolate(&item, 0, 0, pn, &factor);
+        extrapolate(&item, rec.gpos, 0, 0, pn, &factor);
         *E = rad_rgb_scale(*E, factor);
     }
     rad_arena_rewind(&ctx->scratch, mark);

@@ -44,6 +44,7 @@ struct rad_ambrec {
                        * samples' noise; RAD_AMBREC_UNSURE: not known */
     struct rad_glint glint;
     uint32_t corral;  /* directions blocked near by (leak plug) */
+    uint32_t fence;   /* the same farther off (struct rad_smooth_place) */
 };
 
 /* Thread: one thread makes and frees it; any number may find and insert. */
@@ -62,6 +63,12 @@ void rad_ambient_freeze(struct rad_ambient *amb);
  * before the next look-up.  Nothing to do for one that is not frozen.  False:
  * out of memory; the cache must not be read then. */
 bool rad_ambient_settle(struct rad_ambient *amb);
+
+/* All records of a settled cache are there: from now on pixels see what they
+ * say with less noise (light/smooth/smooth.h); listed they are as they were
+ * made. Nothing to do for a cache that is not frozen.  False: out of memory. */
+bool rad_ambient_smooth(struct rad_ambient *amb);
+
 bool rad_ambient_is_frozen(const struct rad_ambient *amb);
 
 /* The cube that its records are in. */

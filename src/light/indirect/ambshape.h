@@ -33,6 +33,13 @@ rad_ambscale_reach(const struct rad_ambscale *scale, int level)
     return level > 0 ? scale->deep : scale->shown;
 }
 
+/* How far from a record with these radii E is about linear, in the mean of all
+ * directions, and the second derivative of E over E for which it has them. */
+double rad_ambscale_linear(const struct rad_ambscale *scale,
+                           const float radius[2]);
+double rad_ambscale_bend(const struct rad_ambscale *scale,
+                         const float radius[2]);
+
 /* What is spent on a record, as a part of what a bright pixel gets: less for a
  * lighter ray, and for a deeper one. */
 double rad_ambrec_worth(const struct rad_ambrec *rec);

@@ -11,6 +11,8 @@ librad_a_SOURCES += \
 	src/light/indirect/ambread.h \
 	src/light/indirect/ambshape.c \
 	src/light/indirect/ambshape.h \
+	src/light/indirect/ambsmooth.c \
+	src/light/indirect/ambsmooth.h \
 	src/light/indirect/ambtile.c \
 	src/light/indirect/ambtile.h \
 	src/light/indirect/ambtree.h \

@@ -1,0 +1,38 @@
+/* ambsmooth.h - what pixels show of a frozen cache, with less noise
+ *
+ * The records that pixels ask for are smoothed among themselves (light/smooth/
+ * smooth.h) once all passes have been.  Deeper ones are averaged by the
+ * hemispheres that ask for them.
+ * Thread: any number may ask at once, none while another makes it.  */
+#ifndef RAD_LIGHT_AMBSMOOTH_H
+#define RAD_LIGHT_AMBSMOOTH_H
+
+#include "light/indirect/ambcache.h"
+#include "light/indirect/ambshape.h"
+#include "light/smooth/smooth.h"
+
+struct rad_ambsmooth {
+    struct rad_smooth *smooth; /* NULL: there is none */
+    uint32_t *place; /* of each of the first n records, or UINT32_MAX */
+    size_t n;
+};
+
+/* Of item[], n records, in the place of what there was.  False: out of memory;
+ * then there is none. */
+bool rad_ambsmooth_make(struct rad_ambsmooth *s,
+                        const struct rad_ambscale *scale,
+                        const struct rad_ambitem *item, size_t n);
+void rad_ambsmooth_release(struct rad_ambsmooth *s);
+
+/* Record number i; false: it is not smoothed. */
+static inline bool
+rad_ambsmooth_at(const struct rad_ambsmooth *s, size_t i,
+                 struct rad_smooth_value *v)
+{
+    if (i >= s->n || s->place[i] == UINT32_MAX)
+        return false;
+    rad_smooth_at(s->smooth, s->place[i], v);
+    return true;
+}
+
+#endif

@@ -1,0 +1,444 @@
+/* smooth.c - see smooth.h
+ *
+ * Neighbours are found in a k-d tree.  Several widths are tried, and that is
+ * taken whose fit is expected to be nearest to the truth: off by its noise, and
+ * by what its samples differ from it beyond theirs.  The value is a mean of the
+ * fit and the place's own measurement, by what is expected of both.
+ *
+ * All samples weigh the same, whatever their own variances: of two hemispheres
+ * beside a small bright patch the one that hit it has the larger variance, and
+ * weights by variance would lose the patch's light.
+ *
+ * A place whose E is mostly one ray's says so by its variance.  Where it is far
+ * above its neighbours it is cut down to LARGEST times their mean, or it would
+ * be a splotch as wide as the fits.
+ * Source of the tree: Bentley 1975. */
+#include "config.h"
+
+#include "light/smooth/smooth.h"
+#include "light/smooth/quadric.h"
+#include "base/color.h"
+#include "base/vec.h"
+
+#include <stdatomic.h>
+#include <stdlib.h>
+
+#define MOST_NEAR 160 /* neighbours; if there are more, they are nearer */
+#define NEARER    .7
+
+/* Normals of neighbours differ by so little. */
+#define LEAST_COSINE .98
+/* And neither is off the plane of the other by more, over their distance, or
+ * both as on a round surface. */
+#define OFF_PLANE .05
+#define ROUNDING  1e-6
+
+/* Turned to another's normal E is not believed to change by more. */
+#define MOST_TURNED 2
+
+/* More than that of E's variance over its square: one ray may rule it. */
+#define RULED   .25
+#define LARGEST 4
+
+/* What a place expects of its bend is a mean over all directions. */
+#define SHARPEST 6
+
+enum { WAITING, BUSY, DONE };
+
+struct node {
+    struct rad_smooth_place at;
+    size_t number; /* of the place, as they were given */
+    int axis;      /* across which those before and behind are parted */
+    struct rad_smooth_value value;
+    _Atomic int state; /* DONE: `value' is there */
+};
+
+struct rad_smooth {
+    size_t n;
+    size_t *where; /* node of each place */
+    struct node node[];
+};
+
+/* --- the tree --- */
+
+static void
+swap(struct node *a, struct node *b)
+{
+    struct node t = *a;
+
+    *a = *b;
+    *b = t;
+}
+
+/* Move what is at most as the middle one along the axis before all that is at
+ * least that (Hoare 1961); returns the last of the first, below hi. */
+static size_t
+part_at_middle(struct node *p, size_t lo, size_t hi, int axis)
+{
+    double pivot = p[lo + (hi - lo) / 2].at.p[axis];
+
+    for (;;) {
+        while (p[lo].at.p[axis] < pivot)
+            lo++;
+        while (p[hi].at.p[axis] > pivot)
+            hi--;
+        if (lo >= hi)
+            return hi;
+        swap(&p[lo++], &p[hi--]);
+    }
+}
+
+static int
+longest_side(const struct node *p, size_t n)
+{
+    double most = -1;
+    int axis = 0;
+
+    for (int k = 0; k < 3; k++) {
+        double lo = p[0].at.p[k], hi = lo;
+
+        for (size_t i = 1; i < n; i++) {
+            lo = rad_least(lo, p[i].at.p[k]);
+            hi = rad_most(hi, p[i].at.p[k]);
+        }
+        if (hi - lo > most) {
+            most = hi - lo;
+            axis = k;
+        }
+    }
+    return axis;
+}
+
+/* The node in the middle parts those before it from those behind. */
+static void
+make_tree(struct node *p, size_t n)
+{
+    while (n > 1) {
+        size_t lo = 0, hi = n - 1, half = n / 2;
+        int axis = longest_side(p, n);
+
+        while (lo < hi) {
+            size_t j = part_at_middle(p, lo, hi, axis);
+
+            if (half <= j)
+                hi = j;
+            else
+                lo = j + 1;
+        }
+        p[half].axis = axis;
+        make_tree(p, half);
+        p += half + 1;
+        n -= half + 1;
+    }
+}
+
+struct rad_smooth *
+rad_smooth_new(const struct rad_smooth_place *place, size_t n)
+{
+    struct rad_smooth *s = calloc(1, sizeof *s + n * sizeof s->node[0]);
+
+    if (!s || !(s->where = malloc((n + 1) * sizeof *s->where))) {
+        free(s);
+        return NULL;
+    }
+    s->n = n;
+    for (size_t i = 0; i < n; i++) {
+        s->node[i].at = place[i];
+        s->node[i].number = i;
+    }
+    make_tree(s->node, n);
+    for (size_t i = 0; i < n; i++)
+        s->where[s->node[i].number] = i;
+    return s;
+}
+
+void
+rad_smooth_free(struct rad_smooth *s)
+{
+    if (!s)
+        return;
+    free(s->where);
+    free(s);
+}
+
+/* --- neighbours --- */
+
+struct search {
+    const struct rad_smooth *s;
+    const struct node *of;
+    double far;
+    bool full; /* there are more than there is room for */
+    int n;
+    struct rad_quadric_sample near[MOST_NEAR]; /* in units of `far' */
+};
+
+static double
+dot_mixed(const double a[3], const float b[3])
+{
+    return a[0] * (double)b[0] + a[1] * (double)b[1] + a[2] * (double)b[2];
+}
+
+static double
+dot_floats(const float a[3], const float b[3])
+{
+    return (double)a[0] * (double)b[0] + (double)a[1] * (double)b[1] +
+           (double)a[2] * (double)b[2];
+}
+
+static double
+luminance(const float E[3])
+{
+    return rad_rgb_lum(rad_rgb(E[0], E[1], E[2]));
+}
+
+/* Does something stand between a place and what is at d from it? */
+static bool
+is_fenced(const struct rad_smooth_place *at, const double d[3], double d2)
+{
+    unsigned part = rad_part_of_turn((float)dot_mixed(d, at->u),
+                                     (float)dot_mixed(d, at->v));
+    uint32_t halved = at->fence >> (part & ~1u) & 3;
+    double open = RAD_SMOOTH_REACH * (double)at->reach;
+
+    if (halved == 3)
+        return true;
+    open /= (double)(1u << halved);
+    return d2 > open * open;
+}
+
+static bool
+are_neighbours(const struct rad_smooth_place *a,
+               const struct rad_smooth_place *b, const double d[3], double d2)
+{
+    const double back[3] = { -d[0], -d[1], -d[2] };
+    double off = dot_mixed(d, a->n) + dot_mixed(d, b->n);
+
+    return dot_floats(a->n, b->n) >= LEAST_COSINE &&
+           off * off <= OFF_PLANE * OFF_PLANE * d2 && !is_fenced(a, d, d2) &&
+           !is_fenced(b, back, d2);
+}
+
+/* The factor by which E changes from b's normal to a's. */
+static double
+turned(const struct rad_smooth_place *a, const struct rad_smooth_place *b)
+{
+    double f = 1 + (double)b->gdir[1] * dot_floats(a->n, b->u) -
+               (double)b->gdir[0] * dot_floats(a->n, b->v);
+
+    return rad_least(rad_most(f, 1. / MOST_TURNED), MOST_TURNED);
+}
+
+static void
+add_sample(struct search *k, const struct rad_smooth_place *p,
+           const double d[3], double d2)
+{
+    const struct rad_smooth_place *of = &k->of->at;
+    struct rad_quadric_sample *to = &k->near[k->n++];
+    double f = d2 > 0 ? turned(of, p) : 1;
+
+    to->x = dot_mixed(d, of->u) / k->far;
+    to->y = dot_mixed(d, of->v) / k->far;
+    to->d2 = d2 / (k->far * k->far);
+    for (int c = 0; c < 3; c++)
+        to->E[c] = f * (double)p->E[c];
+    to->lum = f * luminance(p->E);
+    to->noise = (double)p->var * to->lum * to->lum;
+}
+
+static void
+try_node(struct search *k, const struct node *node)
+{
+    double d[3], d2;
+
+    if (node == k->of || node->at.var < 0)
+        return;
+    rad_sub(d, node->at.p, k->of->at.p);
+    d2 = rad_dot(d, d);
+    if (!(d2 < k->far * k->far) ||
+        (d2 > ROUNDING * ROUNDING * k->far * k->far &&
+         !are_neighbours(&k->of->at, &node->at, d, d2)) ||
+        dot_floats(k->of->at.n, node->at.n) < LEAST_COSINE)
+        return;
+    if (k->n < MOST_NEAR)
+        add_sample(k, &node->at, d, d2);
+    else
+        k->full = true;
+}
+
+static void
+search_part(struct search *k, size_t lo, size_t hi)
+{
+    while (lo < hi && !k->full) {
+        size_t half = lo + (hi - lo) / 2;
+        const struct node *node = &k->s->node[half];
+        double d = k->of->at.p[node->axis] - node->at.p[node->axis];
+
+        try_node(k, node);
+        if (d < k->far)
+            search_part(k, lo, half);
+        if (d < -k->far)
+            return;
+        lo = half + 1;
+    }
+}
+
+/* The place itself comes first. */
+static void
+find_neighbours(struct search *k)
+{
+    static const double here[3] = { 0, 0, 0 };
+
+    k->far = RAD_SMOOTH_REACH * (double)k->of->at.reach;
+    do {
+        k->n = 0;
+        k->full = false;
+        add_sample(k, &k->of->at, here, 0);
+        search_part(k, 0, k->s->n);
+    } while (k->full && (k->far *= NEARER) > 0);
+}
+
+/* --- values --- */
+
+/* Cut down what one ray rules.  The mean is that of what has been cut. */
+static void
+cut_ruled(struct search *k)
+{
+    double most = INFINITY;
+    bool any = false;
+
+    for (int i = 0; i < k->n; i++)
+        any |= k->near[i].noise > RULED * k->near[i].lum * k->near[i].lum;
+    if (!any)
+        return;
+    for (int pass = 0; pass < 8; pass++) {
+        double sum = 0;
+
+        for (int i = 0; i < k->n; i++)
+            sum += rad_least(k->near[i].lum, most);
+        most = LARGEST * sum / k->n;
+    }
+    for (int i = 0; i < k->n; i++) {
+        struct rad_quadric_sample *s = &k->near[i];
+        double f = most / s->lum;
+
+        if (!(s->lum > most) || !(s->noise > RULED * s->lum * s->lum))
+            continue;
+        for (int c = 0; c < 3; c++)
+            s->E[c] *= f;
+        s->lum = most;
+        s->noise *= f * f;
+    }
+}
+
+static bool
+find_best(const struct search *k, struct rad_quadric *best)
+{
+    static const double width[] = { .35, .5, .7, 1 };
+    double bend = SHARPEST * (double)k->of->at.bend * k->far * k->far / 2;
+    double mean = 0;
+    bool any = false;
+
+    for (int i = 0; i < k->n; i++)
+        mean += k->near[i].lum / k->n;
+    for (int i = 0; i < 4; i++) {
+        struct rad_quadric q;
+
+        if (!rad_quadric_fit(k->near, k->n, width[i], bend * mean, &q) ||
+            (any && !(q.risk < best->risk)))
+            continue;
+        *best = q;
+        any = true;
+    }
+    return any;
+}
+
+/* Part of the fit in the value: least is what is expected of the squared error
+ * of both, of which the place's own noise is a part. */
+static double
+share_of(const struct rad_quadric *q)
+{
+    double own = q->pull[0], risk = q->risk / q->noise;
+    double share = (1 - own) / (1 + risk - 2 * own);
+
+    return own < 1 ? rad_least(share, 1) : 0;
+}
+
+/* The value by a fit; false: it has no light, or less. */
+static bool
+set_value(const struct search *k, const struct rad_quadric *q,
+          struct rad_smooth_value *v)
+{
+    const struct rad_smooth_place *of = &k->of->at;
+    const struct rad_quadric_sample *own = &k->near[0];
+    double share = share_of(q), E[3], lum;
+
+    rad_quadric_middle(k->near, k->n, q, E);
+    for (int c = 0; c < 3; c++) {
+        if (!(E[c] >= 0))
+            return false;
+        v->E[c] = (float)(own->E[c] + share * (E[c] - own->E[c]));
+    }
+    lum = luminance(v->E);
+    if (!(lum > 0))
+        return false;
+    for (int i = 0; i < 2; i++) {
+        double slope = (double)of->gpos[i] * own->lum;
+
+        slope += share * (q->slope[i] / k->far - slope);
+        v->gpos[i] = (float)(slope / lum);
+    }
+    v->var = (float)(((1 - share) * (1 - share) * q->noise + share * q->risk) /
+                     (lum * lum));
+    return true;
+}
+
+/* The place's own measurement, cut down by that factor. */
+static void
+keep_own(const struct rad_smooth_place *at, double cut,
+         struct rad_smooth_value *v)
+{
+    for (int c = 0; c < 3; c++)
+        v->E[c] = (float)(cut * (double)at->E[c]);
+    v->gpos[0] = at->gpos[0];
+    v->gpos[1] = at->gpos[1];
+    v->var = at->var;
+}
+
+static void
+make_value(const struct rad_smooth *s, const struct node *of,
+           struct rad_smooth_value *v)
+{
+    struct search k; /* not set as a whole, most of it need not be */
+    struct rad_quadric q;
+
+    keep_own(&of->at, 1, v);
+    if (!(of->at.var > 0) || !(luminance(of->at.E) > 0))
+        return;
+    k.s = s;
+    k.of = of;
+    find_neighbours(&k);
+    cut_ruled(&k);
+    if (!find_best(&k, &q) || !(q.noise > 0) || !set_value(&k, &q, v))
+        keep_own(&of->at, k.near[0].lum / luminance(of->at.E), v);
+}
+
+void
+rad_smooth_at(struct rad_smooth *s, size_t i, struct rad_smooth_value *v)
+{
+    struct node *node = &s->node[s->where[i]];
+    /* acquire: pairs with the release below, for `value' */
+    int state = atomic_load_explicit(&node->state, memory_order_acquire);
+
+    if (state == DONE) {
+        *v = node->value;
+        return;
+    }
+    make_value(s, node, v);
+    /* relaxed: who finds it busy leaves it alone */
+    if (state == WAITING && atomic_compare_exchange_strong_explicit(
+                                &node->state, &state, BUSY,
+                                memory_order_relaxed, memory_order_relaxed)) {
+        node->value = *v;
+        atomic_store_explicit(&node->state, DONE, memory_order_release);
+    }
+}
