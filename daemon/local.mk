@@ -26,15 +26,21 @@ include daemon/radd/local.mk
 include daemon/child/local.mk
 include daemon/team/local.mk
 include daemon/strict/local.mk
+include daemon/web/local.mk
+include daemon/draw/local.mk
 
 # what a program that uses libdaemon links with, before $(LIBRAD)
 LIBDAEMON = libdaemon.a $(LIBNET) $(SECCOMP_LIBS) $(JANSSON_LIBS) \
 	$(SQLITE_LIBS)
 
-sbin_PROGRAMS += radcoord radd
+sbin_PROGRAMS += radcoord radd radweb
 radcoord_CPPFLAGS = $(AM_CPPFLAGS) -DSYSCONFDIR='"$(sysconfdir)"'
 radcoord_CFLAGS = $(AM_CFLAGS) $(UV_CFLAGS)
 radcoord_LDADD = $(LIBDAEMON) $(LIBRAD)
 radd_CPPFLAGS = $(AM_CPPFLAGS) -DSYSCONFDIR='"$(sysconfdir)"'
 radd_CFLAGS = $(AM_CFLAGS) $(UV_CFLAGS)
 radd_LDADD = $(LIBDAEMON) $(LIBRAD)
+radweb_CPPFLAGS = $(AM_CPPFLAGS)
+radweb_CFLAGS = $(AM_CFLAGS) $(UV_CFLAGS) $(JANSSON_CFLAGS) \
+	$(MICROHTTPD_CFLAGS)
+radweb_LDADD = libweb.a $(LIBDAEMON) $(LIBRAD) $(MICROHTTPD_LIBS)

@@ -7,6 +7,8 @@ EXTRA_DIST += \
 	etc/radd.service.in \
 	etc/radd.sysusers \
 	etc/radsubmit.conf \
+	etc/radweb.conf \
+	etc/radweb.service.in \
 	etc/slurm/radd.sbatch
 
 # samples, where they overwrite nobody's settings
@@ -15,11 +17,13 @@ dist_sample_DATA = \
 	etc/radcoord.conf \
 	etc/radd.conf \
 	etc/radsubmit.conf \
+	etc/radweb.conf \
 	etc/slurm/radd.sbatch
 
 systemdsystemunit_DATA = \
 	etc/radcoord.service \
-	etc/radd.service
+	etc/radd.service \
+	etc/radweb.service
 CLEANFILES += $(systemdsystemunit_DATA)
 
 # paths are make's to know, not configure's
@@ -49,7 +53,7 @@ install-settings:
 	$(MKDIR_P) '$(DESTDIR)$(sysconfdir)/radd'
 
 # one file for all programs, found under the name of each
-COMPLETED = radcoord radctl raderr radscene radsubmit
+COMPLETED = radcoord radctl raderr radscene radsubmit radweb
 install-completion:
 	$(MKDIR_P) '$(DESTDIR)$(datadir)/bash-completion/completions'
 	$(INSTALL_DATA) $(srcdir)/etc/radd.completion \

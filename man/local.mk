@@ -10,7 +10,8 @@ dist_man_MANS += \
 	man/radd.stats.5 \
 	man/raderr.1 \
 	man/radscene.1 \
-	man/radsubmit.1
+	man/radsubmit.1 \
+	man/radweb.8
 
 install-data-hook:
 	cd '$(DESTDIR)$(mandir)' && \

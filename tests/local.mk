@@ -437,12 +437,15 @@ dist_check_SCRIPTS += \
 	tests/e2e/submit_tone.sh \
 	tests/e2e/submit_walk.sh \
 	tests/e2e/systemd_units.sh \
+	tests/e2e/radweb.sh \
 	tests/e2e/versions.sh \
 	tests/e2e/words.sh
 EXTRA_DIST += \
 	tests/e2e/chance.sh \
 	tests/e2e/client_lib.sh \
 	tests/e2e/cluster.sh \
+	tests/web/ask.py \
+	tests/web/browser.py \
 	tests/e2e/steer_lib.sh \
 	tests/e2e/faults.sh \
 	tests/scenes
@@ -508,6 +511,7 @@ TESTS += \
 	tests/e2e/submit_tone.sh \
 	tests/e2e/submit_walk.sh \
 	tests/e2e/systemd_units.sh \
+	tests/e2e/radweb.sh \
 	tests/e2e/versions.sh \
 	tests/e2e/words.sh
 

@@ -41,6 +41,23 @@ lacks_room(const struct coord *c, const struct coord_worker *w)
     return false;
 }
 
+/* Does it make tiles of a pass, or estimate?  That is work without units. */
+static bool
+prepares(const struct coord *c, const struct coord_worker *w)
+{
+    for (size_t i = 0; i < c->njobs; i++) {
+        uint32_t index = desk_index(c->jobs[i], w);
+        const struct job_worker *jw;
+
+        if (job_over(c->jobs[i]) || index == JOB_NOBODY)
+            continue;
+        jw = &c->jobs[i]->workers[index];
+        if (jw->ntiles > 0 || jw->surveying > 0)
+            return true;
+    }
+    return false;
+}
+
 const char *
 report_worker_state(const struct coord *c, const struct coord_worker *w)
 {
@@ -48,7 +65,7 @@ report_worker_state(const struct coord *c, const struct coord_worker *w)
         return "gone";
     if (w->drained || w->leaving)
         return w->in_flight ? "draining" : "drained";
-    if (w->in_flight)
+    if (w->in_flight || prepares(c, w))
         return "working";
     if (w->loading)
         return "loading";
@@ -154,6 +171,28 @@ why(const struct coord *c, const struct job *job, char buf[MSG_MAX_TEXT + 1])
     return buf;
 }
 
+/* What its workers sent, and of the ambient values that they got those that
+ * they had made, too; zeros once it was lightened. */
+static json_t *
+with_traffic(json_t *o, const struct job *job)
+{
+    uint64_t bytes = 0, redundant = 0;
+
+    for (uint32_t i = 0; i < job->nworkers; i++) {
+        bytes +=
+            job->workers[i].tally.bytes_out + job->workers[i].past.bytes_out;
+        redundant += job->workers[i].tally.ambient_redundant +
+                     job->workers[i].past.ambient_redundant;
+    }
+    if (o) {
+        json_object_set_new(o, "bytes",
+                            json_integer((json_int_t)(bytes & INT64_MAX)));
+        json_object_set_new(o, "ambient_redundant",
+                            json_integer((json_int_t)(redundant & INT64_MAX)));
+    }
+    return o;
+}
+
 /* How far the passes of the ambient cache are, else zeros; the job whose cache
  * it begins with, else nothing; and how many bytes are kept of its own. */
 static json_t *
@@ -213,21 +252,23 @@ report_job(const struct coord *c, const struct job *job, size_t label)
         done = rows;
     return with_goal(
         with_passes(
-            json_pack("{s:s,s:s,s:s,s:s,s:i,s:f,s:I,s:I,s:I,s:I,s:I,s:I,s:I,s:"
-                      "I,s:I,s:I,"
-                      "s:f,s:s,s:i}",
-                      "job", job->hex, "name", name, "owner", job->owner,
-                      "state", job_is(job), "priority", (int)job->spec.priority,
-                      "done", done, "frames", (json_int_t)job->spec.nframes,
-                      "frames_ready", (json_int_t)p.frames_ready, "width",
-                      (json_int_t)size.width, "height", (json_int_t)size.height,
-                      "oversample", (json_int_t)size.oversample, "units_done",
-                      (json_int_t)p.units_done, "units_total",
-                      (json_int_t)p.units_total, "units_redone",
-                      (json_int_t)p.units_redone, "rays", (json_int_t)p.rays,
-                      "workers", (json_int_t)p.workers, "elapsed_s",
-                      p.elapsed_s, "text", why(c, job, text), "status",
-                      job->status),
+            with_traffic(
+                json_pack(
+                    "{s:s,s:s,s:s,s:s,s:i,s:f,s:I,s:I,s:I,s:I,s:I,s:I,s:I,s:"
+                    "I,s:I,s:I,"
+                    "s:f,s:s,s:i}",
+                    "job", job->hex, "name", name, "owner", job->owner, "state",
+                    job_is(job), "priority", (int)job->spec.priority, "done",
+                    done, "frames", (json_int_t)job->spec.nframes,
+                    "frames_ready", (json_int_t)p.frames_ready, "width",
+                    (json_int_t)size.width, "height", (json_int_t)size.height,
+                    "oversample", (json_int_t)size.oversample, "units_done",
+                    (json_int_t)p.units_done, "units_total",
+                    (json_int_t)p.units_total, "units_redone",
+                    (json_int_t)p.units_redone, "rays", (json_int_t)p.rays,
+                    "workers", (json_int_t)p.workers, "elapsed_s", p.elapsed_s,
+                    "text", why(c, job, text), "status", job->status),
+                job),
             job),
         job);
 }
@@ -259,7 +300,7 @@ all_jobs(const struct coord *c)
 static json_t *
 status_of(const struct coord *c)
 {
-    json_int_t workers = 0, threads = 0, jobs = 0;
+    json_int_t workers = 0, threads = 0, jobs = 0, kept = 0;
     struct coord_pace pace = { 0 };
 
     for (const struct coord_worker *w = c->workers; w; w = w->next)
@@ -267,14 +308,17 @@ status_of(const struct coord *c)
             workers++;
             threads += w->threads;
         }
-    for (size_t i = 0; i < c->njobs; i++)
+    for (size_t i = 0; i < c->njobs; i++) {
         jobs += !job_over(c->jobs[i]);
+        kept += (json_int_t)(c->jobs[i]->kept_bytes & INT64_MAX);
+    }
     if (c->env.pace)
         c->env.pace(c->env.arg, &pace);
     return json_pack(
-        "{s:s,s:I,s:I,s:I,s:I,s:I,s:I,s:f,s:f}", "program", c->env.program,
-        "epoch", (json_int_t)(c->env.epoch & INT64_MAX), "workers", workers,
-        "threads", threads, "jobs", jobs, "jobs_kept", (json_int_t)c->njobs,
+        "{s:s,s:I,s:I,s:I,s:I,s:I,s:I,s:b,s:I,s:f,s:f}", "program",
+        c->env.program, "epoch", (json_int_t)(c->env.epoch & INT64_MAX),
+        "workers", workers, "threads", threads, "jobs", jobs, "jobs_kept",
+        (json_int_t)c->njobs, "kept_bytes", kept, "disk_full", c->full,
         "slow_turns", (json_int_t)pace.slow, "longest_turn_ms", pace.longest_ms,
         "longest_turn_cpu_ms", pace.longest_cpu_ms);
 }

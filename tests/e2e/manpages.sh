@@ -73,7 +73,7 @@ check_quality() # PAGE
     done
 }
 
-for program in radsubmit radctl radscene raderr radcoord radd; do
+for program in radsubmit radctl radscene raderr radcoord radd radweb; do
     path=$top_builddir/$program
     if [ ! -x "$path" ]; then
         fail "$program is not built"

@@ -57,7 +57,7 @@ if ! systemd-analyze --version >/dev/null 2>&1; then
     echo "SKIP: no systemd-analyze here; the units are not checked"
     finish
 fi
-for unit in radd radcoord; do
+for unit in radd radcoord radweb; do
     sed "s|@sbindir@|$top_builddir|; s|@sysconfdir@|/etc|" \
         "$top_srcdir/etc/$unit.service.in" >$unit.service
     systemd-analyze verify --man=no "$work/$unit.service" 2>verify ||

@@ -1,0 +1,356 @@
+/* page.js - keeps a page that is open up to date, and shows radiance
+ *
+ * The server sends the page's sections as HTML that it has made safe; each that
+ * changed takes the place of the one before.  The section of the picture stays:
+ * its radiance is fetched again where there is more of it, and drawn with the
+ * exposure or the false colours that were chosen here. */
+"use strict";
+
+/* --- the picture --- */
+
+const HEAD = 16;      /* bytes ahead of the pixels, see picture.h */
+const EFFICACY = 179; /* lm/W */
+const SCALES = [
+    [ 68, 1, 84 ],
+    [ 59, 82, 139 ],
+    [ 33, 145, 140 ],
+    [ 94, 201, 98 ],
+    [ 253, 231, 37 ],
+];
+
+const gamma = new Uint8ClampedArray(4097);
+for (let i = 0; i <= 4096; i++) {
+    const v = i / 4096;
+    gamma[i] =
+        255 * (v <= 0.0031308 ? 12.92 * v : 1.055 * v ** (1 / 2.4) - 0.055);
+}
+const power = new Float64Array(256);
+for (let e = 1; e < 256; e++)
+    power[e] = 2 ** (e - 136);
+
+function palette(v)
+{
+    const t = Math.min(Math.max(v, 0), 1) * (SCALES.length - 1);
+    const i = Math.min(Math.floor(t), SCALES.length - 2), f = t - i;
+    return SCALES[i].map((a, k) => a + f * (SCALES[i + 1][k] - a));
+}
+
+class Viewer
+{
+    constructor(section, image)
+    {
+        this.section = section;
+        this.stops = 0;
+        this.mode = "tone";
+        this.canvas = document.createElement("canvas");
+        this.canvas.className = "view";
+        this.canvas.hidden = true;
+        image.after(this.canvas);
+        this.image = image;
+        this.addTools();
+        this.load();
+    }
+
+    addTools()
+    {
+        const box = document.createElement("div");
+        box.className = "tools";
+        const exposure = document.createElement("label");
+        exposure.append("Exposure ");
+        this.slider = document.createElement("input");
+        Object.assign(this.slider, {
+            type : "range",
+            min : -8,
+            max : 8,
+            step : 0.25,
+            value : 0,
+            id : "exposure",
+        });
+        this.said = document.createElement("output");
+        exposure.append(this.slider, " ", this.said);
+        this.choice = document.createElement("select");
+        this.choice.id = "mode";
+        for (const [value, text] of [[ "tone", "Picture" ],
+                                     [ "log", "False colour, 3 decades" ],
+                                     [ "linear", "False colour" ]])
+            this.choice.append(new Option(text, value));
+        this.legend = document.createElement("span");
+        this.legend.hidden = true;
+        this.bar = document.createElement("canvas");
+        this.bar.className = "legend";
+        this.bar.width = 200;
+        this.bar.height = 1;
+        this.low = document.createElement("span");
+        this.high = document.createElement("span");
+        this.legend.append(this.low, " ", this.bar, " ", this.high);
+        box.append(this.choice, exposure, this.legend);
+        this.probe = document.createElement("p");
+        this.probe.className = "probe";
+        this.probe.id = "probe";
+        this.probe.textContent = "Point at the picture for its luminance.";
+        this.canvas.after(box);
+        box.after(this.probe);
+        this.slider.addEventListener("input", () => this.draw());
+        this.choice.addEventListener("change", () => this.draw());
+        this.canvas.addEventListener("pointermove", e => this.point(e));
+        this.canvas.addEventListener("pointerdown", e => this.point(e));
+    }
+
+    async load()
+    {
+        if (this.busy) {
+            this.again = true;
+            return;
+        }
+        this.busy = true;
+        try {
+            const answer = await fetch(this.section.dataset.raw);
+            if (answer.ok)
+                this.take(await answer.arrayBuffer());
+        } catch (e) {
+            /* the next version is tried again */
+        }
+        this.busy = false;
+        if (this.again) {
+            this.again = false;
+            this.load();
+        }
+    }
+
+    take(buffer)
+    {
+        const view = new DataView(buffer);
+        if (buffer.byteLength < HEAD || view.getUint32(0) !== 0x52575031)
+            return;
+        this.width = view.getUint32(4);
+        this.height = view.getUint32(8);
+        this.factor = view.getUint32(12);
+        this.rgbe = new Uint8Array(buffer, HEAD);
+        if (this.rgbe.length !== 4 * this.width * this.height)
+            return;
+        this.measure();
+        this.canvas.width = this.width;
+        this.canvas.height = this.height;
+        this.draw();
+        this.canvas.hidden = false;
+        this.image.hidden = true;
+        if (this.at)
+            this.tell(this.at.x, this.at.y);
+    }
+
+    pixel(i)
+    {
+        const p = this.rgbe, f = power[p[4 * i + 3]];
+        return f === 0 ? [ 0, 0, 0 ] : [
+            (p[4 * i] + 0.5) * f, (p[4 * i + 1] + 0.5) * f,
+            (p[4 * i + 2] + 0.5) * f
+        ];
+    }
+
+    /* The log-average and the brightest hundredth, of what is not black. */
+    measure()
+    {
+        const n = this.width * this.height, step = Math.max(1, n >> 16);
+        const logs = [];
+        for (let i = 0; i < n; i += step) {
+            const L = luminance(this.pixel(i));
+            if (L > 0)
+                logs.push(Math.log(L));
+        }
+        logs.sort((a, b) => a - b);
+        const at = q =>
+            logs.length ? Math.exp(logs[Math.floor(q * (logs.length - 1))]) : 1;
+        this.mean =
+            logs.length
+                ? Math.exp(logs.reduce((a, b) => a + b, 0) / logs.length)
+                : 1;
+        this.white = at(0.99);
+        const top = at(0.999), decade = 10 ** Math.floor(Math.log10(top));
+        this.top = [ 1, 2, 5, 10 ].map(k => k * decade).find(v => v >= top);
+    }
+
+    draw()
+    {
+        if (!this.rgbe)
+            return;
+        const stops = Number(this.slider.value);
+        this.said.textContent = (stops > 0 ? "+" : "") + stops + " stops";
+        const data = new ImageData(this.width, this.height);
+        if (this.choice.value === "tone")
+            this.fillTone(data.data, 2 ** stops * 0.18 / this.mean);
+        else
+            this.fillFalse(data.data, this.top / 2 ** stops,
+                           this.choice.value === "log");
+        this.canvas.getContext("2d").putImageData(data, 0, 0);
+        this.drawLegend(this.top / 2 ** stops);
+    }
+
+    /* Reinhard et al. 2002, equation 4, on luminance. */
+    fillTone(out, scale)
+    {
+        const p = this.rgbe, white = Math.max(this.white * scale, 1);
+        for (let i = 0; i < out.length; i += 4) {
+            const f = power[p[i + 3]];
+            out[i + 3] = 255;
+            if (f === 0)
+                continue;
+            const r = (p[i] + 0.5) * f, g = (p[i + 1] + 0.5) * f,
+                  b = (p[i + 2] + 0.5) * f;
+            const X =
+                EFFICACY * (0.265074 * r + 0.670115 * g + 0.064811 * b) * scale;
+            const k = EFFICACY * scale * (1 + X / (white * white)) / (1 + X);
+            out[i] = gamma[Math.min(4096, r * k * 4096) | 0];
+            out[i + 1] = gamma[Math.min(4096, g * k * 4096) | 0];
+            out[i + 2] = gamma[Math.min(4096, b * k * 4096) | 0];
+        }
+    }
+
+    fillFalse(out, top, log)
+    {
+        const table = [];
+        for (let i = 0; i < 256; i++)
+            table.push(palette(i / 255));
+        for (let i = 0, k = 0; i < out.length; i += 4, k++) {
+            const v = luminance(this.pixel(k)) / top;
+            out[i + 3] = 255;
+            if (v <= 0)
+                continue;
+            const at = log ? Math.log10(v) / 3 + 1 : v;
+            const c = table[Math.round(255 * Math.min(Math.max(at, 0), 1))];
+            out[i] = c[0];
+            out[i + 1] = c[1];
+            out[i + 2] = c[2];
+        }
+    }
+
+    drawLegend(top)
+    {
+        this.legend.hidden = this.choice.value === "tone";
+        if (this.legend.hidden)
+            return;
+        const c = this.bar.getContext("2d"), line = c.createImageData(200, 1);
+        for (let i = 0; i < 200; i++)
+            line.data.set([...palette(i / 199), 255 ], 4 * i);
+        c.putImageData(line, 0, 0);
+        this.low.textContent =
+            this.choice.value === "log" ? number(top / 1000) : "0";
+        this.high.textContent = number(top) + " cd/m²";
+    }
+
+    point(e)
+    {
+        const box = this.canvas.getBoundingClientRect();
+        const x = Math.floor((e.clientX - box.left) / box.width * this.width);
+        const y = Math.floor((e.clientY - box.top) / box.height * this.height);
+        if (this.rgbe && x >= 0 && y >= 0 && x < this.width && y < this.height)
+            this.tell(x, y);
+    }
+
+    tell(x, y)
+    {
+        const [r, g, b] = this.pixel(y * this.width + x);
+        const X = 0.514145 * r + 0.323884 * g + 0.161971 * b;
+        const Y = 0.265106 * r + 0.670106 * g + 0.064788 * b;
+        const Z = 0.024101 * r + 0.122853 * g + 0.853047 * b;
+        const sum = X + Y + Z;
+        const value = document.createElement("b");
+        this.at = { x, y };
+        value.textContent = number(luminance([ r, g, b ])) + " cd/m²";
+        this.probe.replaceChildren(
+            `x ${x * this.factor} y ${y * this.factor}: `, value,
+            `, radiance ${number(r)} ${number(g)} ${number(b)} W/sr/m²` +
+                (sum > 0 ? `, chromaticity ${(X / sum).toFixed(3)} ` +
+                               `${(Y / sum).toFixed(3)}`
+                         : ""));
+    }
+}
+
+function luminance([ r, g, b ])
+{
+    return EFFICACY * (0.265074 * r + 0.670115 * g + 0.064811 * b);
+}
+
+function number(v)
+{
+    return v === 0                ? "0"
+           : v >= 1e6 || v < 1e-3 ? v.toExponential(2)
+                                  : String(+v.toPrecision(3));
+}
+
+/* --- sections --- */
+
+let viewer = null;
+
+function look(section)
+{
+    const image = section.querySelector("#shown");
+    viewer = image ? new Viewer(section, image) : null;
+}
+
+function addCopy()
+{
+    const words = document.getElementById("words");
+    if (!words || !navigator.clipboard ||
+        words.parentNode.querySelector("button"))
+        return;
+    const button = document.createElement("button");
+    button.type = "button";
+    button.textContent = "Copy";
+    button.addEventListener("click", async () => {
+        await navigator.clipboard.writeText(words.textContent);
+        button.textContent = "Copied";
+    });
+    words.after(button);
+}
+
+function put(section)
+{
+    const old = document.getElementById(section.id);
+    if (!old) {
+        document.querySelector("main").append(section);
+        return;
+    }
+    if (section.id === "picture" && viewer) {
+        if (old.dataset.version !== section.dataset.version) {
+            old.dataset.version = section.dataset.version;
+            viewer.load();
+        }
+        return;
+    }
+    if (section.id === "command" && old.querySelector("#words") &&
+        section.querySelector("#words") &&
+        old.querySelector("#words").textContent ===
+            section.querySelector("#words").textContent)
+        return; /* with its button, and what is marked in it */
+    if (old.outerHTML === section.outerHTML)
+        return;
+    old.replaceWith(section);
+    if (section.id === "picture")
+        look(section);
+    if (section.id === "command")
+        addCopy();
+}
+
+function follow(address)
+{
+    const live = document.getElementById("live");
+    const stream = new EventSource(address);
+    stream.onmessage = e => {
+        const page = new DOMParser().parseFromString(e.data, "text/html");
+        for (const section of page.querySelectorAll("section[id]"))
+            put(document.adoptNode(section));
+        live.textContent = "live";
+        live.className = "on";
+    };
+    stream.onerror = () => {
+        live.textContent = "not connected";
+        live.className = "";
+    };
+}
+
+const picture = document.getElementById("picture");
+if (picture)
+    look(picture);
+addCopy();
+if (document.body.dataset.events)
+    follow(document.body.dataset.events);

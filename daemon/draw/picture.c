@@ -1,0 +1,198 @@
+/* picture.c - see picture.h */
+#include "config.h"
+
+#include "draw/picture.h"
+
+#include "image/hdr.h"
+#include "tone/screen.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/* --- its header --- */
+
+/* What follows a word in a line of the header, which an empty line ends; ""
+ * where there is none, or it is too long. */
+static void
+find_line(const uint8_t *hdr, size_t len, const char *word,
+          char text[PICTURE_VIEW])
+{
+    const uint8_t *end = memmem(hdr, len, "\n\n", 2), *at;
+    size_t n = 0;
+
+    text[0] = '\0';
+    at = end ? memmem(hdr, (size_t)(end - hdr), word, strlen(word)) : NULL;
+    if (!at)
+        return;
+    at += strlen(word);
+    while (at < end && *at == ' ')
+        at++;
+    while (at + n < end && at[n] != '\n')
+        n++;
+    if (n >= PICTURE_VIEW)
+        return;
+    memcpy(text, at, n);
+    text[n] = '\0';
+}
+
+/* --- its pixels --- */
+
+static int
+factor_of(int width, int height)
+{
+    int k = 1;
+
+    while ((double)(width / k) * (height / k) > PICTURE_PIXELS &&
+           width / (k + 1) > 0 && height / (k + 1) > 0)
+        k++;
+    return k;
+}
+
+/* Mean radiance of the pixels from column x, row y on, k by k of them. */
+static struct rad_rgb
+mean_of(const struct rad_coded_picture *c, int x, int y, int k)
+{
+    struct rad_rgb sum = rad_grey(0);
+
+    if (k == 1)
+        return rad_rgbe_radiance(
+            c->rgbe + 4 * ((size_t)y * (size_t)c->width + (size_t)x));
+    for (int j = 0; j < k; j++)
+        for (int i = 0; i < k; i++) {
+            size_t at = (size_t)(y + j) * (size_t)c->width + (size_t)(x + i);
+
+            sum = rad_rgb_add(sum, rad_rgbe_radiance(c->rgbe + 4 * at));
+        }
+    return rad_rgb_scale(sum, 1 / (float)(k * k));
+}
+
+static void
+put32(uint8_t *p, uint32_t v)
+{
+    for (int i = 0; i < 4; i++)
+        p[i] = (uint8_t)(v >> (24 - 8 * i));
+}
+
+/* The pixels, coded and as radiance. */
+static int
+fill(struct picture *pic, const struct rad_coded_picture *c, struct rad_rgb *L)
+{
+    size_t n = (size_t)pic->width * (size_t)pic->height, at = 0;
+
+    pic->nrgbe = PICTURE_HEAD + 4 * n;
+    pic->rgbe = malloc(pic->nrgbe);
+    if (!pic->rgbe)
+        return RAD_ENOMEM;
+    memcpy(pic->rgbe, "RWP1", 4);
+    put32(pic->rgbe + 4, (uint32_t)pic->width);
+    put32(pic->rgbe + 8, (uint32_t)pic->height);
+    put32(pic->rgbe + 12, (uint32_t)pic->factor);
+    if (pic->factor == 1) /* to the bit */
+        memcpy(pic->rgbe + PICTURE_HEAD, c->rgbe, 4 * n);
+    for (int y = 0; y < pic->height; y++)
+        for (int x = 0; x < pic->width; x++, at++) {
+            L[at] = mean_of(c, x * pic->factor, y * pic->factor, pic->factor);
+            if (pic->factor > 1)
+                rad_rgbe(L[at], pic->rgbe + PICTURE_HEAD + 4 * at);
+        }
+    return 0;
+}
+
+/* --- for a screen --- */
+
+struct growing {
+    uint8_t *p;
+    size_t n, cap;
+};
+
+static int
+grow(void *arg, const void *p, size_t n, struct rad_error *err)
+{
+    struct growing *g = arg;
+
+    if (g->cap - g->n < n) {
+        size_t cap = 2 * (g->n + n) + 65536;
+        uint8_t *more = realloc(g->p, cap);
+
+        if (!more)
+            return rad_fail(err, RAD_ENOMEM, "out of memory");
+        g->p = more;
+        g->cap = cap;
+    }
+    memcpy(g->p + g->n, p, n);
+    g->n += n;
+    return 0;
+}
+
+static int
+make_png(struct picture *pic, const struct rad_picture *whole, bool partial,
+         struct rad_error *err)
+{
+    struct growing g = { 0 };
+    const struct rad_sink sink = { grow, &g };
+    struct rad_tone tone = { 0 };
+    struct rad_screen screen;
+    int rc;
+
+    rad_screen_init(&screen);
+    screen.tone.partial = partial;
+    rc = rad_screen_png(&screen, &tone, whole, NULL, &sink, err);
+    if (rc < 0) {
+        free(g.p);
+        return rc;
+    }
+    pic->png = g.p;
+    pic->npng = g.n;
+    return 0;
+}
+
+/* --- public --- */
+
+static int
+make_both(struct picture *pic, const struct rad_coded_picture *c, bool partial,
+          struct rad_error *err)
+{
+    struct rad_picture whole = { .pixaspect = c->pixaspect };
+    int rc;
+
+    pic->factor = factor_of(c->width, c->height);
+    pic->width = whole.width = c->width / pic->factor;
+    pic->height = whole.height = c->height / pic->factor;
+    whole.L =
+        malloc((size_t)pic->width * (size_t)pic->height * sizeof *whole.L);
+    rc = whole.L ? fill(pic, c, whole.L) : RAD_ENOMEM;
+    if (rc == 0)
+        rc = make_png(pic, &whole, partial, err);
+    else
+        rad_fail(err, rc, "out of memory");
+    rad_picture_release(&whole);
+    return rc;
+}
+
+int
+picture_make(struct picture *pic, const uint8_t *hdr, size_t len, bool partial,
+             struct rad_error *err)
+{
+    struct rad_coded_picture coded;
+    int rc;
+
+    *pic = (struct picture){ 0 };
+    rc = rad_hdr_read_coded(hdr, len, PICTURE_MOST, &coded, err);
+    if (rc < 0)
+        return rc;
+    find_line(hdr, len, "\nVIEW=", pic->view);
+    find_line(hdr, len, "\nSCENE=", pic->scene);
+    rc = make_both(pic, &coded, partial, err);
+    rad_coded_picture_release(&coded);
+    if (rc < 0)
+        picture_release(pic);
+    return rc;
+}
+
+void
+picture_release(struct picture *pic)
+{
+    free(pic->rgbe);
+    free(pic->png);
+    *pic = (struct picture){ 0 };
+}

@@ -1,0 +1,34 @@
+# radweb, the daemon that shows a cluster: a library for its tests, and its main
+noinst_LIBRARIES += libweb.a
+libweb_a_CPPFLAGS = $(AM_CPPFLAGS) -DSYSCONFDIR='"$(sysconfdir)"' \
+	-Wa,-I$(srcdir)/daemon/draw
+libweb_a_CFLAGS = $(AM_CFLAGS) $(UV_CFLAGS) $(JANSSON_CFLAGS) \
+	$(CRYPTO_CFLAGS) $(MICROHTTPD_CFLAGS) $(SECCOMP_CFLAGS)
+libweb_a_SOURCES = \
+	daemon/web/answer.c \
+	daemon/web/answer.h \
+	daemon/web/blob.c \
+	daemon/web/blob.h \
+	daemon/web/confine.c \
+	daemon/web/confine.h \
+	daemon/web/events.c \
+	daemon/web/model.c \
+	daemon/web/model.h \
+	daemon/web/page.c \
+	daemon/web/page.h \
+	daemon/web/page_home.c \
+	daemon/web/page_job.c \
+	daemon/web/radweb_auth.c \
+	daemon/web/radweb_conf.c \
+	daemon/web/radweb_impl.h \
+	daemon/web/report.c \
+	daemon/web/report.h \
+	daemon/web/route.c \
+	daemon/web/serve.c \
+	daemon/web/serve.h \
+	daemon/web/session.c \
+	daemon/web/session.h \
+	daemon/web/watch.c \
+	daemon/web/watch.h
+
+radweb_SOURCES = daemon/web/radweb.c

@@ -1,0 +1,71 @@
+/* model.h - what radweb knows of the cluster: its lists, and its last hour
+ *
+ * Asks the coordinator for its status, its workers and its jobs, once a second
+ * while somebody looks and once in MODEL_IDLE_MS else, one request after the
+ * other.  The rows are the coordinator's, as `radctl --json` shows them.
+ * Bounds: MODEL_WORKERS, MODEL_OPEN and MODEL_OVER rows, of which a page of the
+ * coordinator has 256 KiB for each 200: 4 MiB of text, and about as much again
+ * ten times as values.
+ * Thread: the loop's. */
+#ifndef RADD_WEB_MODEL_H
+#define RADD_WEB_MODEL_H
+
+#include "draw/history.h"
+#include "web/session.h"
+
+#include <jansson.h>
+
+#define MODEL_WORKERS 1000
+#define MODEL_OPEN    1000 /* jobs that are not over, the newest */
+#define MODEL_OVER    100  /* jobs that are, the newest */
+#define MODEL_BUSY_MS 1000
+#define MODEL_IDLE_MS 10000
+#define MODEL_SEEN_MS 20000 /* somebody looked: asked often for so long */
+
+/* Sums since radweb started, for /metrics: they never fall. */
+struct model_sums {
+    double rays, bytes, redundant;    /* redundant: ambient values */
+    uint64_t done, failed, cancelled; /* jobs that ended so */
+    uint64_t polls, lost; /* times that all was asked, and that it failed */
+};
+
+struct model {
+    struct session *session;
+    uv_loop_t *loop;
+    uint64_t version;  /* rises with each change that a page shows */
+    bool up;           /* the lists are of a coordinator that answers */
+    uint64_t asked_ms; /* of the last answer to all */
+    json_t *status;    /* never NULL, as the lists: empty at first */
+    json_t *workers;   /* in the order in which they came */
+    json_t *open;      /* jobs in the order in which they are served */
+    json_t *over;      /* the newest first */
+    double rays_s;     /* of the whole cluster, over the last seconds */
+    double at_work;    /* threads whose worker is at work, of all; 0 to 1 */
+    struct history history;
+    struct model_sums sums;
+    /* its own */
+    uint64_t seen_ms, due_ms, rate_ms;
+    double rate_rays;
+    unsigned round; /* a number of the request that is out; 0: none is */
+    json_t *coming; /* rows that were got so far */
+    uint64_t cursor;
+    json_t *next_workers, *next_open, *next_over, *next_status;
+    json_t *counted; /* by job: what the sums have of it */
+    void (*changed)(void *arg);
+    void *arg;
+};
+
+/* False: memory is out.  changed is called whenever version has risen. */
+bool model_init(struct model *m, uv_loop_t *loop, struct session *s,
+                void (*changed)(void *arg), void *arg);
+void model_release(struct model *m);
+
+/* Ask if it is time; each DAEMON_TICK_MS. */
+void model_tick(struct model *m);
+/* Somebody looks. */
+void model_seen(struct model *m);
+
+/* The row of a job that the lists have; NULL. */
+const json_t *model_job(const struct model *m, const char *hex);
+
+#endif

@@ -1,0 +1,117 @@
+/* page.c - what the pages have in common; see page.h */
+#include "config.h"
+
+#include "web/page.h"
+
+#include <string.h>
+
+void
+page_begin(struct markup *m, const char *title, const char *events)
+{
+    markup_raw(m, "<!doctype html>\n<html lang=\"en\"><head>"
+                  "<meta charset=\"utf-8\">"
+                  "<meta name=\"viewport\" content=\"width=device-width, "
+                  "initial-scale=1\">"
+                  "<meta name=\"color-scheme\" content=\"light dark\"><title>");
+    markup_text(m, title);
+    markup_raw(m, "</title><link rel=\"icon\" href=\"/icon.svg\">"
+                  "<link rel=\"stylesheet\" href=\"/style.css\">"
+                  "<script src=\"/page.js\" defer></script>");
+    if (events)
+        markup_raw(m, "<noscript><meta http-equiv=\"refresh\" content=\"10\">"
+                      "</noscript>");
+    markup_raw(m, "</head>\n<body");
+    if (events) {
+        markup_raw(m, " data-events=\"");
+        markup_text(m, events);
+        markup_raw(m, "\"");
+    }
+    markup_raw(m, "><header><a class=\"home\" href=\"/\">radd</a>"
+                  "<span id=\"live\"></span></header>\n<main>\n");
+}
+
+void
+page_end(struct markup *m)
+{
+    markup_raw(m, "</main>\n<footer>radweb " PACKAGE_VERSION
+                  " &middot; <a href=\"/metrics\">metrics</a> &middot; "
+                  "<a href=\"/api/v1/jobs.json\">jobs.json</a> &middot; "
+                  "<a href=\"/api/v1/workers.json\">workers.json</a>"
+                  "</footer></body></html>\n");
+}
+
+void
+page_error(struct markup *m, unsigned status, const char *text)
+{
+    page_begin(m, "radd", NULL);
+    markup_print(m, "<section id=\"error\"><h1>%u</h1><p>", status);
+    markup_text(m, text);
+    markup_raw(m, ".</p></section>");
+    page_end(m);
+}
+
+void
+page_trouble(struct markup *m, const struct model *c)
+{
+    markup_raw(m, "<section id=\"trouble\">");
+    if (!c->up) {
+        markup_raw(m, "<p class=\"trouble\">The coordinator cannot be asked: ");
+        markup_text(m, session_why(c->session));
+        if (c->asked_ms) {
+            markup_raw(m, ". What is shown is ");
+            markup_span(m, (double)(uv_now(c->loop) - c->asked_ms) / 1000);
+            markup_raw(m, " old");
+        }
+        markup_raw(m, ".</p>");
+    }
+    if (json_is_true(json_object_get(c->status, "disk_full")))
+        markup_raw(m, "<p class=\"trouble\">The coordinator&#39;s disk is "
+                      "full: jobs are held.</p>");
+    markup_raw(m, "</section>\n");
+}
+
+/* Words of a state that tell its colour. */
+static const char *
+class_of(const char *state)
+{
+    static const char *const classes[][2] = {
+        { "running", "run" }, { "working", "run" },   { "done", "good" },
+        { "failed", "bad" },  { "gone", "bad" },      { "held", "warn" },
+        { "paused", "warn" }, { "draining", "warn" }, { "no room", "warn" },
+    };
+
+    for (size_t i = 0; i < sizeof classes / sizeof classes[0]; i++)
+        if (strcmp(state, classes[i][0]) == 0)
+            return classes[i][1];
+    return "calm";
+}
+
+void
+page_state(struct markup *m, const char *state)
+{
+    markup_print(m, "<span class=\"state %s\">", class_of(state));
+    markup_text(m, state);
+    markup_raw(m, "</span>");
+}
+
+void
+page_done(struct markup *m, const json_t *job)
+{
+    double done = markup_number(job, "done");
+
+    done = done < 0 ? 0 : done > 1 ? 1 : done;
+    /* rounded down: 100 is all */
+    markup_print(m, "<progress value=\"%.4f\"></progress> <b>%d %%</b>", done,
+                 (int)(done * 100));
+}
+
+double
+page_left(const json_t *job)
+{
+    double done = markup_number(job, "done");
+
+    if (strcmp(markup_member(job, "state"), "running") != 0 || done < .02 ||
+        done >= 1)
+        return -1;
+    return markup_number(job, "elapsed_s") * (1 - done) / done;
+}

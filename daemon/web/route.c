@@ -1,0 +1,334 @@
+/* route.c - what is at which path; see radweb_impl.h */
+#include "config.h"
+
+#include "web/radweb_impl.h"
+
+#include "base/number.h"
+#include "draw/assets.h"
+#include "web/answer.h"
+#include "web/page.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define WAIT_MS 4000 /* for what the coordinator says of a job */
+
+/* A request that was put off until its job has been asked about. */
+struct waiting {
+    struct waiting *next;
+    struct radweb *r;
+    struct MHD_Connection *conn;
+    uint64_t until_ms;
+    bool put_off, tried;
+    char hex[MSG_JOB_HEX];
+    uint32_t frame;
+    bool picture; /* that is what it waits for */
+};
+
+static const char html[] = "text/html; charset=utf-8";
+static const char json[] = "application/json";
+
+/* --- what shows the cluster --- */
+
+static void
+whole_home(struct markup *m, const struct model *c)
+{
+    page_begin(m, "radd cluster", "/events");
+    page_home(m, c);
+    page_end(m);
+}
+
+static const struct {
+    const char *path, *type;
+    void (*fill)(struct markup *m, const struct model *c);
+} sheets[] = {
+    { "/", html, whole_home },
+    { "/api/v1/status.json", json, report_status },
+    { "/api/v1/workers.json", json, report_workers },
+    { "/api/v1/jobs.json", json, report_jobs },
+    { "/api/v1/history.json", json, report_history },
+};
+enum { NSHEETS = sizeof sheets / sizeof sheets[0] };
+_Static_assert(NSHEETS <= RADWEB_SHEETS, "a sheet without a place");
+
+/* Made once for each version of the model; while the coordinator is away it
+ * says how old it is, so it is made anew. */
+static enum MHD_Result
+send_sheet(struct radweb *r, struct MHD_Connection *c, int i)
+{
+    struct radweb_sheet *s = &r->sheets[i];
+    struct markup m = { 0 };
+
+    if (!s->blob || s->version != r->model.version || !r->model.up) {
+        sheets[i].fill(&m, &r->model);
+        blob_unref(s->blob);
+        s->blob = answer_made(&m);
+        s->version = r->model.version;
+    }
+    return answer_blob(c, MHD_HTTP_OK, sheets[i].type, blob_ref(s->blob));
+}
+
+static enum MHD_Result
+send_metrics(struct radweb *r, struct MHD_Connection *c)
+{
+    struct markup m = { 0 };
+
+    r->served.guests = serve_guests(r->serve);
+    r->served.answer_bytes = blob_alive();
+    report_metrics(&m, &r->model, &r->served);
+    return answer_text(c, MHD_HTTP_OK,
+                       "application/openmetrics-text; version=1.0.0; "
+                       "charset=utf-8",
+                       &m);
+}
+
+static enum MHD_Result
+send_asset(struct MHD_Connection *c, const struct asset *a)
+{
+    return answer_send(c, MHD_HTTP_OK, a->type,
+                       MHD_create_response_from_buffer(
+                           (size_t)(a->end - a->bytes), (void *)a->bytes,
+                           MHD_RESPMEM_PERSISTENT));
+}
+
+/* --- what shows a job --- */
+
+static enum MHD_Result
+send_page(struct radweb *r, struct MHD_Connection *c, const struct watch *w)
+{
+    struct markup m = { 0 };
+    char events[100], title[200];
+
+    snprintf(events, sizeof events, "/jobs/%s/events?frame=%u", w->hex,
+             w->frame);
+    snprintf(title, sizeof title, "%.150s - radd",
+             markup_member(w->detail, "name"));
+    page_begin(&m, title, events);
+    page_job(&m, &r->model, w);
+    page_end(&m);
+    return answer_text(c, MHD_HTTP_OK, html, &m);
+}
+
+static enum MHD_Result
+send_job_json(struct radweb *r, struct MHD_Connection *c, const struct watch *w)
+{
+    struct markup m = { 0 };
+
+    (void)r;
+    report_job(&m, w);
+    return answer_text(c, MHD_HTTP_OK, json, &m);
+}
+
+static enum MHD_Result
+send_png(struct radweb *r, struct MHD_Connection *c, const struct watch *w)
+{
+    (void)r;
+    if (!w->png)
+        return answer_error(c, MHD_HTTP_NOT_FOUND,
+                            "there is no picture of it yet");
+    return answer_blob(c, MHD_HTTP_OK, "image/png", blob_ref(w->png));
+}
+
+static enum MHD_Result
+send_rgbe(struct radweb *r, struct MHD_Connection *c, const struct watch *w)
+{
+    (void)r;
+    if (!w->rgbe)
+        return answer_error(c, MHD_HTTP_NOT_FOUND,
+                            "there is no picture of it yet");
+    return answer_blob(c, MHD_HTTP_OK, "application/octet-stream",
+                       blob_ref(w->rgbe));
+}
+
+static enum MHD_Result
+send_events(struct radweb *r, struct MHD_Connection *c, const struct watch *w)
+{
+    return events_begin(r, c, watch_find(&r->watches, w->hex, w->frame));
+}
+
+/* Paths are AHEAD, the 32 digits of a job's id, BEHIND. */
+static const struct job_path {
+    const char *ahead, *behind;
+    bool picture;
+    enum MHD_Result (*send)(struct radweb *r, struct MHD_Connection *c,
+                            const struct watch *w);
+} job_paths[] = {
+    { "/jobs/", "", false, send_page },
+    { "/jobs/", "/events", false, send_events },
+    { "/jobs/", "/picture.png", true, send_png },
+    { "/jobs/", "/picture.rgbe", true, send_rgbe },
+    { "/api/v1/jobs/", ".json", false, send_job_json },
+};
+
+static const struct job_path *
+find_job_path(const char *path, char hex[MSG_JOB_HEX])
+{
+    uint8_t id[MSG_JOB];
+
+    for (size_t i = 0; i < sizeof job_paths / sizeof job_paths[0]; i++) {
+        const struct job_path *p = &job_paths[i];
+        size_t n = strlen(p->ahead);
+
+        if (strncmp(path, p->ahead, n) != 0 ||
+            strlen(path + n) < MSG_JOB_HEX - 1 ||
+            strcmp(path + n + MSG_JOB_HEX - 1, p->behind) != 0)
+            continue;
+        snprintf(hex, MSG_JOB_HEX, "%s", path + n);
+        if (!msg_job_parse(hex, id))
+            return NULL;
+        msg_job_format(id, hex);
+        return p;
+    }
+    return NULL;
+}
+
+static uint32_t
+frame_of(struct MHD_Connection *c)
+{
+    const char *text =
+        MHD_lookup_connection_value(c, MHD_GET_ARGUMENT_KIND, "frame");
+    int n;
+
+    return text && rad_parse_int(text, &n) && n >= 0 && n < MSG_MAX_FRAMES
+               ? (uint32_t)n
+               : 0;
+}
+
+/* --- requests that are put off --- */
+
+static void
+forget(struct waiting *w)
+{
+    struct waiting **at = &w->r->waiting;
+
+    while (*at && *at != w)
+        at = &(*at)->next;
+    if (*at)
+        *at = w->next;
+}
+
+void
+route_ended(void *arg, void *state)
+{
+    struct waiting *w = state;
+
+    (void)arg;
+    if (!w)
+        return;
+    forget(w);
+    free(w);
+}
+
+static bool
+is_ready(const struct watch *w, bool picture)
+{
+    return picture ? watch_has_picture(w) : watch_is_ready(w);
+}
+
+void
+route_tick(struct radweb *r, bool all)
+{
+    uint64_t now = uv_now(&r->daemon.loop);
+
+    for (struct waiting *w = r->waiting, *next; w; w = next) {
+        struct watch *job = watch_find(&r->watches, w->hex, w->frame);
+
+        next = w->next;
+        if (!all && job && now < w->until_ms && !is_ready(job, w->picture))
+            continue;
+        forget(w);
+        w->put_off = false;
+        w->tried = true;
+        serve_wake(w->conn);
+    }
+}
+
+static enum MHD_Result
+put_off(struct radweb *r, struct MHD_Connection *c, const struct watch *job,
+        bool picture, void **state)
+{
+    struct waiting *w = calloc(1, sizeof *w);
+
+    if (!w)
+        return MHD_NO;
+    *w = (struct waiting){ .next = r->waiting,
+                           .r = r,
+                           .conn = c,
+                           .until_ms = uv_now(&r->daemon.loop) + WAIT_MS,
+                           .put_off = true,
+                           .frame = job->frame,
+                           .picture = picture };
+    memcpy(w->hex, job->hex, sizeof w->hex);
+    r->waiting = w;
+    *state = w;
+    serve_put_off(c);
+    return MHD_YES;
+}
+
+static enum MHD_Result
+send_job(struct radweb *r, struct MHD_Connection *c, const struct job_path *p,
+         const char *hex, void **state)
+{
+    const struct waiting *was = *state;
+    struct watch *w = watch_find(&r->watches, hex, frame_of(c));
+
+    if (!w)
+        return answer_error(c, MHD_HTTP_SERVICE_UNAVAILABLE,
+                            "too many jobs are looked at just now");
+    if (!is_ready(w, p->picture) && !was && session_is_up(r->session))
+        return put_off(r, c, w, p->picture, state);
+    if (!w->detail)
+        return answer_error(
+            c, w->asked ? MHD_HTTP_NOT_FOUND : MHD_HTTP_SERVICE_UNAVAILABLE,
+            w->asked ? "there is no such job"
+                     : "the coordinator cannot be asked now");
+    return p->send(r, c, w);
+}
+
+/* --- all --- */
+
+static enum MHD_Result
+send_path(struct radweb *r, struct MHD_Connection *c, const char *path,
+          void **state)
+{
+    const struct asset *a = assets_find(path);
+    const struct job_path *p;
+    char hex[MSG_JOB_HEX];
+
+    if (a)
+        return send_asset(c, a);
+    model_seen(&r->model);
+    for (int i = 0; i < NSHEETS; i++)
+        if (strcmp(path, sheets[i].path) == 0)
+            return send_sheet(r, c, i);
+    if (strcmp(path, "/metrics") == 0)
+        return send_metrics(r, c);
+    if (strcmp(path, "/events") == 0)
+        return events_begin(r, c, NULL);
+    p = find_job_path(path, hex);
+    if (p)
+        return send_job(r, c, p, hex, state);
+    return answer_error(c, MHD_HTTP_NOT_FOUND, "there is no such page");
+}
+
+enum MHD_Result
+route_request(void *arg, struct MHD_Connection *c, const char *method,
+              const char *path, void **state)
+{
+    struct radweb *r = arg;
+    unsigned status;
+
+    r->served.requests += *state == NULL;
+    if (strcmp(method, "GET") != 0 && strcmp(method, "HEAD") != 0)
+        return answer_error(c, MHD_HTTP_METHOD_NOT_ALLOWED,
+                            "pages here are read, not written");
+    status = radweb_refuses(r, c);
+    if (status == MHD_HTTP_UNAUTHORIZED)
+        return answer_error(c, status, "this takes the token as password");
+    if (status)
+        return answer_error(c, status,
+                            "the name by which you ask is none of this "
+                            "machine's: a token would permit it");
+    return send_path(r, c, path, state);
+}

@@ -1,0 +1,367 @@
+/* serve.c - see serve.h */
+#include "config.h"
+
+#include "web/serve.h"
+
+#include "base/files.h"
+#include "net/log.h"
+
+#include <errno.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#define MEMORY   16384 /* of a connection, for what it says and is told */
+#define MOST_PEM (1u << 20)
+#define BACKLOG  511
+
+struct serve {
+    uv_loop_t *loop;
+    struct serve_conf conf;
+    struct MHD_Daemon *mhd;
+    uv_poll_t poll;
+    uv_timer_t timer;
+    bool open, running, again;
+    struct serve_guest *guests;
+    unsigned nguests;
+    char address[ADDRESS_TEXT];
+    char *cert, *key;
+};
+
+const char *
+serve_address(const struct serve *s)
+{
+    return s->address;
+}
+
+unsigned
+serve_guests(const struct serve *s)
+{
+    return s->nguests;
+}
+
+/* --- guests --- */
+
+static struct serve_guest *
+guest_of(struct MHD_Connection *c)
+{
+    const union MHD_ConnectionInfo *i =
+        MHD_get_connection_info(c, MHD_CONNECTION_INFO_SOCKET_CONTEXT);
+
+    return i ? i->socket_context : NULL;
+}
+
+static void
+on_connection(void *arg, struct MHD_Connection *c, void **context,
+              enum MHD_ConnectionNotificationCode what)
+{
+    struct serve *s = arg;
+    struct serve_guest *g = *context, **at = &s->guests;
+
+    if (what == MHD_CONNECTION_NOTIFY_STARTED) {
+        g = calloc(1, sizeof *g);
+        if (!g)
+            return; /* it lives without a time limit */
+        *g = (struct serve_guest){ .next = s->guests,
+                                   .conn = c,
+                                   .since_ms = uv_now(s->loop) };
+        s->guests = g;
+        s->nguests++;
+        *context = g;
+        return;
+    }
+    while (*at && *at != g)
+        at = &(*at)->next;
+    if (!*at)
+        return;
+    *at = g->next;
+    s->nguests--;
+    free(g);
+}
+
+static void
+set_state(struct serve *s, struct MHD_Connection *c, int state)
+{
+    struct serve_guest *g = guest_of(c);
+
+    if (!g)
+        return;
+    g->state = state;
+    g->since_ms = uv_now(s->loop);
+}
+
+void
+serve_is_stream(struct MHD_Connection *c)
+{
+    struct serve_guest *g = guest_of(c);
+
+    if (g)
+        g->state = GUEST_STREAMS;
+}
+
+/* The library closes a connection whose socket is at its end. */
+static void
+end_guest(const struct serve_guest *g)
+{
+    const union MHD_ConnectionInfo *i =
+        MHD_get_connection_info(g->conn, MHD_CONNECTION_INFO_CONNECTION_FD);
+
+    if (i)
+        shutdown(i->connect_fd, SHUT_RDWR);
+}
+
+void
+serve_sweep(struct serve *s)
+{
+    uint64_t now = uv_now(s->loop);
+
+    for (struct serve_guest *g = s->guests; g; g = g->next)
+        if ((g->state == GUEST_ASKS && now - g->since_ms > SERVE_ASK_MS) ||
+            (g->state == GUEST_READS && now - g->since_ms > SERVE_READ_MS))
+            end_guest(g);
+}
+
+/* --- requests --- */
+
+/* A request whose head has come; a request's body is none of ours. */
+struct request {
+    void *state; /* the callee's */
+};
+
+static enum MHD_Result
+on_request(void *arg, struct MHD_Connection *c, const char *url,
+           const char *method, const char *version, const char *upload,
+           size_t *nupload, void **context)
+{
+    struct serve *s = arg;
+    struct request *r = *context;
+
+    (void)version;
+    (void)upload;
+    if (!r) {
+        r = *context = calloc(1, sizeof *r);
+        set_state(s, c, GUEST_READS);
+        return r ? MHD_YES : MHD_NO;
+    }
+    if (*nupload > 0)
+        return MHD_NO;
+    return s->conf.fn(s->conf.arg, c, method, url, &r->state);
+}
+
+static void
+on_completed(void *arg, struct MHD_Connection *c, void **context,
+             enum MHD_RequestTerminationCode why)
+{
+    struct serve *s = arg;
+    struct request *r = *context;
+
+    (void)why;
+    if (r) {
+        s->conf.ended(s->conf.arg, r->state);
+        free(r);
+    }
+    *context = NULL;
+    set_state(s, c, GUEST_ASKS);
+}
+
+void
+serve_put_off(struct MHD_Connection *c)
+{
+    MHD_suspend_connection(c);
+}
+
+void
+serve_wake(struct MHD_Connection *c)
+{
+    MHD_resume_connection(c);
+}
+
+static void
+on_log(void *arg, const char *fmt, va_list ap)
+{
+    char text[300];
+
+    (void)arg;
+    vsnprintf(text, sizeof text, fmt, ap);
+    text[strcspn(text, "\n")] = '\0';
+    log_debug("http %s", text);
+}
+
+/* --- the loop --- */
+
+static void
+on_timer(uv_timer_t *t)
+{
+    serve_run(t->data);
+}
+
+static void
+on_ready(uv_poll_t *p, int status, int events)
+{
+    (void)status;
+    (void)events;
+    serve_run(p->data);
+}
+
+void
+serve_run(struct serve *s)
+{
+    MHD_UNSIGNED_LONG_LONG wait;
+
+    if (!s->open)
+        return;
+    if (s->running) { /* from a callback of its own */
+        s->again = true;
+        return;
+    }
+    s->running = true;
+    MHD_run(s->mhd);
+    s->running = false;
+    if (s->again)
+        wait = 0;
+    else if (MHD_get_timeout(s->mhd, &wait) != MHD_YES)
+        wait = 1000;
+    s->again = false;
+    uv_timer_start(&s->timer, on_timer, wait < 1000 ? wait : 1000, 0);
+}
+
+/* --- open and close --- */
+
+static int
+read_pem(const char *path, char **text, struct rad_error *err)
+{
+    size_t n;
+
+    *text = (char *)rad_file_read(path, MOST_PEM, &n, err);
+    return *text ? 0 : err->code;
+}
+
+/* An open socket that listens; negative with *err set. */
+static int
+open_socket(struct serve *s, struct rad_error *err)
+{
+    struct address a;
+    int on = 1, off = 0, fd,
+        rc = address_resolve_listen(s->conf.listen, &a, err);
+    socklen_t n = sizeof a.sa;
+
+    if (rc < 0)
+        return rc;
+    fd = socket(a.sa.any.sa_family, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC,
+                0);
+    n = a.sa.any.sa_family == AF_INET6 ? sizeof a.sa.in6 : sizeof a.sa.in;
+    if (fd >= 0) {
+        setsockopt(fd, SOL_SOCKET, SO_REUSEADDR, &on, sizeof on);
+        if (a.sa.any.sa_family == AF_INET6)
+            setsockopt(fd, IPPROTO_IPV6, IPV6_V6ONLY, &off, sizeof off);
+    }
+    if (fd < 0 || bind(fd, &a.sa.any, n) < 0 || listen(fd, BACKLOG) < 0) {
+        rad_fail(err, RAD_ECANTCREAT, "cannot listen at '%s': %s",
+                 s->conf.listen, strerror(errno));
+        if (fd >= 0)
+            close(fd);
+        return err->code;
+    }
+    n = sizeof a.sa;
+    getsockname(fd, &a.sa.any, &n);
+    address_format(&a, s->address);
+    return fd;
+}
+
+static int
+start_library(struct serve *s, int fd, struct rad_error *err)
+{
+    unsigned flags = MHD_USE_EPOLL | MHD_ALLOW_SUSPEND_RESUME |
+                     MHD_USE_ERROR_LOG | (s->cert ? MHD_USE_TLS : 0u);
+    const struct MHD_OptionItem plain[] = { { MHD_OPTION_END, 0, NULL } };
+    const struct MHD_OptionItem tls[] = {
+        { MHD_OPTION_HTTPS_MEM_KEY, 0, s->key },
+        { MHD_OPTION_HTTPS_MEM_CERT, 0, s->cert },
+        { MHD_OPTION_END, 0, NULL },
+    };
+
+    s->mhd = MHD_start_daemon(
+        flags, 0, NULL, NULL, on_request, s, MHD_OPTION_EXTERNAL_LOGGER, on_log,
+        s, MHD_OPTION_LISTEN_SOCKET, fd, MHD_OPTION_CONNECTION_LIMIT,
+        (unsigned)SERVE_GUESTS, MHD_OPTION_CONNECTION_MEMORY_LIMIT,
+        (size_t)MEMORY, MHD_OPTION_CONNECTION_TIMEOUT, 30u,
+        MHD_OPTION_NOTIFY_COMPLETED, on_completed, s,
+        MHD_OPTION_NOTIFY_CONNECTION, on_connection, s, MHD_OPTION_ARRAY,
+        s->cert ? tls : plain, MHD_OPTION_END);
+    if (s->mhd)
+        return 0;
+    close(fd);
+    return s->cert ? rad_fail(err, RAD_ECONFIG,
+                              "the certificate and its key cannot be used")
+                   : rad_fail(err, RAD_EINTERNAL, "HTTP cannot be served");
+}
+
+static int
+start(struct serve *s, struct rad_error *err)
+{
+    const union MHD_DaemonInfo *i;
+    int fd, rc;
+
+    if (s->conf.tls_cert[0] && (read_pem(s->conf.tls_cert, &s->cert, err) < 0 ||
+                                read_pem(s->conf.tls_key, &s->key, err) < 0))
+        return err->code;
+    if ((fd = open_socket(s, err)) < 0 || (rc = start_library(s, fd, err)) < 0)
+        return err->code;
+    i = MHD_get_daemon_info(s->mhd, MHD_DAEMON_INFO_EPOLL_FD);
+    rc = i ? uv_poll_init(s->loop, &s->poll, i->epoll_fd) : UV_ENOSYS;
+    if (rc < 0) {
+        MHD_stop_daemon(s->mhd);
+        return rad_fail(err, RAD_EINTERNAL, "HTTP cannot be served: %s",
+                        uv_strerror(rc));
+    }
+    s->poll.data = s->timer.data = s;
+    uv_timer_init(s->loop, &s->timer);
+    uv_poll_start(&s->poll, UV_READABLE, on_ready);
+    s->open = true;
+    serve_run(s);
+    return 0;
+}
+
+struct serve *
+serve_open(uv_loop_t *loop, const struct serve_conf *conf,
+           struct rad_error *err)
+{
+    struct serve *s = calloc(1, sizeof *s);
+
+    if (!s) {
+        rad_fail(err, RAD_ENOMEM, "out of memory");
+        return NULL;
+    }
+    s->loop = loop;
+    s->conf = *conf;
+    if (start(s, err) == 0)
+        return s;
+    serve_free(s);
+    return NULL;
+}
+
+void
+serve_close(struct serve *s)
+{
+    if (!s || !s->open)
+        return;
+    MHD_run(s->mhd); /* those that were woken */
+    s->open = false;
+    uv_poll_stop(&s->poll);
+    uv_close((uv_handle_t *)&s->poll, NULL);
+    uv_close((uv_handle_t *)&s->timer, NULL);
+    MHD_stop_daemon(s->mhd);
+}
+
+void
+serve_free(struct serve *s)
+{
+    if (!s)
+        return;
+    if (s->key)
+        explicit_bzero(s->key, strlen(s->key));
+    free(s->key);
+    free(s->cert);
+    free(s);
+}

@@ -1,0 +1,449 @@
+/* watch.c - see watch.h */
+#include "config.h"
+
+#include "web/watch.h"
+
+#include "base/text.h"
+#include "draw/markup.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sysexits.h>
+
+#define DETAIL_MS  1000
+#define STATS_MS   4000
+#define PICTURE_MS 2000
+#define SLOWER     20 /* what takes long is asked so much more seldom */
+
+static void
+note_change(struct watch *w)
+{
+    w->version++;
+    w->all->changed(w->all->arg, w);
+}
+
+static bool
+is_over(const struct watch *w)
+{
+    const char *state = markup_member(w->detail, "state");
+
+    return strcmp(state, "done") == 0 || strcmp(state, "failed") == 0 ||
+           strcmp(state, "cancelled") == 0;
+}
+
+/* How far the job is, as far as its picture and statistics depend on it. */
+static void
+state_of(const struct watch *w, char text[96])
+{
+    snprintf(text, 96, "%.20s %.9g %.0f %.9g %.0f",
+             markup_member(w->detail, "state"),
+             markup_number(w->detail, "done"),
+             markup_number(w->detail, "units_done"),
+             markup_number(w->detail, "pass_done"),
+             markup_number(w->detail, "pass"));
+}
+
+/* --- off the loop --- */
+
+struct work {
+    uv_work_t req;
+    struct watch *watch;
+    char *bytes;
+    size_t n;
+    bool partial;
+    int rc;
+    struct rad_error err;
+    struct units units;
+    struct picture picture;
+};
+
+static void
+free_work(struct work *k)
+{
+    units_release(&k->units);
+    picture_release(&k->picture);
+    free(k->bytes);
+    free(k);
+}
+
+static struct work *
+new_work(struct watch *w, const struct session_answer *a)
+{
+    struct work *k = calloc(1, sizeof *k);
+
+    if (!k)
+        return NULL;
+    k->watch = w;
+    k->req.data = k;
+    k->partial = !is_over(w);
+    k->n = a->n;
+    k->bytes = malloc(a->n + 1);
+    if (!k->bytes) {
+        free(k);
+        return NULL;
+    }
+    memcpy(k->bytes, a->bytes, a->n);
+    return k;
+}
+
+static uint64_t
+next_time(const struct watch *w, uint64_t from_ms, unsigned least_ms)
+{
+    uint64_t now = uv_now(w->all->loop), wait = SLOWER * (now - from_ms);
+
+    return now + (wait > least_ms ? wait : least_ms);
+}
+
+/* --- statistics --- */
+
+static void
+run_stats(uv_work_t *req)
+{
+    struct work *k = req->data;
+
+    k->rc = units_read(&k->units, k->bytes, k->n, &k->err);
+}
+
+static void
+end_stats(struct watch *w)
+{
+    w->stats_out = false;
+    w->asked_stats = true;
+    w->stats_ms = next_time(w, w->stats_from, STATS_MS);
+}
+
+static void
+stats_done(uv_work_t *req, int status)
+{
+    struct work *k = req->data;
+    struct watch *w = k->watch;
+
+    end_stats(w);
+    if (status == 0 && k->rc == 0) {
+        struct units had = w->units;
+
+        w->units = k->units;
+        k->units = had;
+        note_change(w);
+    }
+    free_work(k);
+}
+
+static void
+on_stats(void *arg, const struct session_answer *a)
+{
+    struct watch *w = arg;
+    struct work *k = a->status == 0 ? new_work(w, a) : NULL;
+
+    if (k && uv_queue_work(w->all->loop, &k->req, run_stats, stats_done) == 0)
+        return;
+    if (k)
+        free_work(k);
+    end_stats(w);
+}
+
+static void
+ask_stats(struct watch *w)
+{
+    struct msg m = { .type = MSG_FETCH, .fetch = { w->id, 0, MSG_WHAT_STATS } };
+
+    w->stats_from = uv_now(w->all->loop);
+    state_of(w, w->stats_of);
+    w->stats_out = session_ask(w->all->session, &m, WATCH_STATS, on_stats, w);
+}
+
+/* --- picture --- */
+
+static void
+run_picture(uv_work_t *req)
+{
+    struct work *k = req->data;
+
+    k->rc = picture_make(&k->picture, (const uint8_t *)k->bytes, k->n,
+                         k->partial, &k->err);
+}
+
+static void
+end_picture(struct watch *w, const char *note)
+{
+    w->picture_out = false;
+    w->asked_picture = true;
+    w->picture_ms = next_time(w, w->picture_from, PICTURE_MS);
+    rad_text_print(w->note, sizeof w->note, "%s", note);
+}
+
+static void
+take_picture(struct watch *w, struct picture *p)
+{
+    blob_unref(w->rgbe);
+    blob_unref(w->png);
+    w->rgbe = blob_new((char *)p->rgbe, p->nrgbe);
+    w->png = blob_new((char *)p->png, p->npng);
+    p->rgbe = p->png = NULL;
+    w->width = p->width;
+    w->height = p->height;
+    w->factor = p->factor;
+    memcpy(w->view, p->view, sizeof w->view);
+    memcpy(w->scene, p->scene, sizeof w->scene);
+    w->picture_version++;
+}
+
+static void
+picture_done(uv_work_t *req, int status)
+{
+    struct work *k = req->data;
+    struct watch *w = k->watch;
+    bool ok = status == 0 && k->rc == 0;
+
+    end_picture(w, ok ? "" : k->err.what);
+    if (ok)
+        take_picture(w, &k->picture);
+    note_change(w);
+    free_work(k);
+}
+
+static void
+on_picture(void *arg, const struct session_answer *a)
+{
+    struct watch *w = arg;
+    struct work *k = a->status == 0 ? new_work(w, a) : NULL;
+    bool new_note;
+
+    if (k &&
+        uv_queue_work(w->all->loop, &k->req, run_picture, picture_done) == 0)
+        return;
+    if (k)
+        free_work(k);
+    new_note = strcmp(w->note, a->status ? a->text : "") != 0;
+    end_picture(w, a->status ? a->text : "out of memory");
+    if (new_note)
+        note_change(w);
+}
+
+static bool
+too_large(struct watch *w)
+{
+    double n =
+        markup_number(w->detail, "width") * markup_number(w->detail, "height");
+
+    if (n <= PICTURE_MOST)
+        return false;
+    w->picture_from = uv_now(w->all->loop);
+    end_picture(w, "the picture has too many pixels to be shown here");
+    return true;
+}
+
+static void
+ask_picture(struct watch *w)
+{
+    struct msg m = { .type = MSG_FETCH,
+                     .fetch = { w->id, w->frame, MSG_WHAT_PREVIEW } };
+
+    state_of(w, w->picture_of);
+    if (too_large(w) || blob_alive() > WATCH_ALIVE)
+        return;
+    w->picture_from = uv_now(w->all->loop);
+    w->picture_out =
+        session_ask(w->all->session, &m, PICTURE_BYTES, on_picture, w);
+}
+
+/* --- details --- */
+
+static void
+take_detail(struct watch *w, json_t *row)
+{
+    if (!json_is_object(row) ||
+        strcmp(markup_member(row, "job"), w->hex) != 0) {
+        json_decref(row);
+        return;
+    }
+    json_decref(w->detail);
+    w->detail = row;
+}
+
+static void
+on_detail(void *arg, const struct session_answer *a)
+{
+    struct watch *w = arg;
+
+    w->detail_out = false;
+    w->asked = true;
+    w->detail_ms = uv_now(w->all->loop) + DETAIL_MS;
+    if (a->status == 0) {
+        take_detail(w, json_loadb((const char *)a->bytes, a->n, 0, NULL));
+    } else if (a->status == EX_NOINPUT) { /* it was forgotten */
+        json_decref(w->detail);
+        w->detail = NULL;
+        rad_text_print(w->note, sizeof w->note, "%s", a->text);
+    }
+    note_change(w);
+}
+
+static void
+ask_detail(struct watch *w)
+{
+    struct msg m = { .type = MSG_QUERY, .query = { MSG_QUERY_JOB, w->hex } };
+
+    w->detail_out = session_ask(w->all->session, &m, MSG_MAX, on_detail, w);
+}
+
+/* --- when --- */
+
+static bool
+is_looked_at(const struct watch *w)
+{
+    return w->streams > 0 || uv_now(w->all->loop) - w->seen_ms < WATCH_SEEN_MS;
+}
+
+/* Has the job got on since the last answer, or was there none? */
+static bool
+is_stale(const struct watch *w, const char *of, bool has)
+{
+    char now[96];
+
+    state_of(w, now);
+    return !has || strcmp(now, of) != 0;
+}
+
+static void
+ask_due(struct watch *w)
+{
+    uint64_t now = uv_now(w->all->loop);
+
+    if (!w->detail_out && now >= w->detail_ms &&
+        !(w->detail && is_over(w) && w->asked_stats && w->asked_picture &&
+          now < w->detail_ms + 10 * DETAIL_MS))
+        ask_detail(w);
+    if (!w->detail)
+        return;
+    if (!w->stats_out && now >= w->stats_ms &&
+        is_stale(w, w->stats_of, w->units.head))
+        ask_stats(w);
+    if (!w->picture_out && now >= w->picture_ms &&
+        is_stale(w, w->picture_of, w->rgbe != NULL))
+        ask_picture(w);
+}
+
+void
+watch_tick(struct watches *all)
+{
+    if (!session_is_up(all->session))
+        return;
+    for (struct watch *w = all->first; w; w = w->next)
+        if (is_looked_at(w))
+            ask_due(w);
+}
+
+/* --- which --- */
+
+static void
+free_watch(struct watch *w)
+{
+    json_decref(w->detail);
+    units_release(&w->units);
+    blob_unref(w->rgbe);
+    blob_unref(w->png);
+    blob_unref(w->event);
+    free(w);
+}
+
+/* Let the one go that nobody has looked at for longest; false: all are. */
+static bool
+make_room(struct watches *all)
+{
+    struct watch **oldest = NULL, *w;
+
+    for (struct watch **at = &all->first; *at; at = &(*at)->next)
+        if ((*at)->streams == 0 && !(*at)->detail_out && !(*at)->stats_out &&
+            !(*at)->picture_out &&
+            (!oldest || (*at)->seen_ms < (*oldest)->seen_ms))
+            oldest = at;
+    if (!oldest)
+        return false;
+    w = *oldest;
+    *oldest = w->next;
+    all->n--;
+    free_watch(w);
+    return true;
+}
+
+static struct watch *
+new_watch(struct watches *all, const char *hex, uint32_t frame)
+{
+    struct watch *w;
+
+    if (all->n >= WATCH_MOST && !make_room(all))
+        return NULL;
+    w = calloc(1, sizeof *w);
+    if (!w || !msg_job_parse(hex, w->id)) {
+        free(w);
+        return NULL;
+    }
+    w->all = all;
+    w->frame = frame;
+    msg_job_format(w->id, w->hex);
+    w->next = all->first;
+    all->first = w;
+    all->n++;
+    return w;
+}
+
+struct watch *
+watch_find(struct watches *all, const char *hex, uint32_t frame)
+{
+    struct watch *w = all->first;
+
+    while (w && (w->frame != frame || strcmp(w->hex, hex) != 0))
+        w = w->next;
+    if (!w)
+        w = new_watch(all, hex, frame);
+    if (w)
+        w->seen_ms = uv_now(all->loop);
+    return w;
+}
+
+bool
+watch_is_ready(const struct watch *w)
+{
+    return w->asked && (!w->detail || w->asked_stats);
+}
+
+bool
+watch_has_picture(const struct watch *w)
+{
+    return w->asked && (!w->detail || w->asked_picture);
+}
+
+void
+watch_follow(struct watch *w)
+{
+    w->streams++;
+}
+
+void
+watch_leave(struct watch *w)
+{
+    w->streams--;
+    w->seen_ms = uv_now(w->all->loop);
+}
+
+void
+watch_init(struct watches *all, uv_loop_t *loop, struct session *s,
+           void (*changed)(void *arg, struct watch *w), void *arg)
+{
+    *all = (struct watches){
+        .session = s, .loop = loop, .changed = changed, .arg = arg
+    };
+}
+
+void
+watch_release(struct watches *all)
+{
+    while (all->first) {
+        struct watch *w = all->first;
+
+        all->first = w->next;
+        free_watch(w);
+    }
+}

@@ -1,0 +1,84 @@
+/* watch.h - jobs that somebody looks at: details, statistics, picture
+ *
+ * A job is asked about while it is looked at, and only then: its details once a
+ * second, its statistics and its picture at longer intervals the longer they
+ * take, since the coordinator serves others, too.  What takes long here
+ * (reading statistics, decoding a picture) is done off the loop.
+ * WATCH_MOST at once; one that nobody has looked at for longest gives way.
+ * Thread: the loop's. */
+#ifndef RADD_WEB_WATCH_H
+#define RADD_WEB_WATCH_H
+
+#include "web/blob.h"
+#include "draw/picture.h"
+#include "web/session.h"
+#include "draw/units.h"
+
+#include <jansson.h>
+
+#define WATCH_MOST    8
+#define WATCH_SEEN_MS 10000 /* looked at: asked about for so long */
+#define WATCH_ALIVE                                                            \
+    ((size_t)160 << 20)        /* bytes of answers; above, pictures            \
+                                * wait */
+#define WATCH_STATS (24 << 20) /* most bytes of a job's statistics */
+
+struct watch {
+    struct watch *next;
+    struct watches *all;
+    uint8_t id[MSG_JOB];
+    char hex[MSG_JOB_HEX];
+    uint32_t frame;
+    unsigned streams;   /* that follow it */
+    uint64_t seen_ms;   /* somebody looked */
+    uint64_t version;   /* rises with each change */
+    json_t *detail;     /* the job's row; NULL: not known (yet) */
+    bool asked;         /* an answer about its details came */
+    struct units units; /* head NULL: none */
+    bool asked_stats;
+    struct blob *rgbe, *png; /* as picture.h has them; NULL: none */
+    bool asked_picture;
+    uint64_t picture_version;
+    int width, height, factor;
+    char view[PICTURE_VIEW], scene[PICTURE_VIEW]; /* as in picture.h */
+    char note[300];     /* why there is no picture; "" */
+    struct blob *event; /* of that version, as it is sent (events.c) */
+    uint64_t event_version;
+    /* its own */
+    bool detail_out, stats_out, picture_out;
+    uint64_t detail_ms, stats_ms, picture_ms; /* when each is due */
+    uint64_t stats_from, picture_from;        /* when it was asked for */
+    char stats_of[96], picture_of[96];        /* at which state of the job */
+};
+
+struct watches {
+    struct session *session;
+    uv_loop_t *loop;
+    struct watch *first;
+    unsigned n;
+    void (*changed)(void *arg, struct watch *w);
+    void *arg;
+};
+
+/* changed is called when a version has risen. */
+void watch_init(struct watches *all, uv_loop_t *loop, struct session *s,
+                void (*changed)(void *arg, struct watch *w), void *arg);
+/* When the session is closed and no work runs. */
+void watch_release(struct watches *all);
+
+/* Ask what is due; each DAEMON_TICK_MS. */
+void watch_tick(struct watches *all);
+
+/* Somebody looks at that frame of the job.  NULL: too many are looked at, or
+ * memory is out. */
+struct watch *watch_find(struct watches *all, const char *hex, uint32_t frame);
+
+/* Is all there that a page shows, or known not to be; and the picture? */
+bool watch_is_ready(const struct watch *w);
+bool watch_has_picture(const struct watch *w);
+
+/* One of its streams begins or ends: while there are any it stays. */
+void watch_follow(struct watch *w);
+void watch_leave(struct watch *w);
+
+#endif
