@@ -16,7 +16,7 @@
 #include "base/files.h"
 #include "compile/compile.h"
 #include "light/indirect/ambient.h"
-#include "picture/passes.h"
+#include "passes/passes.h"
 #include "scene/file/parse.h"
 
 #include <inttypes.h>

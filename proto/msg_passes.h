@@ -1,7 +1,7 @@
 /* msg_passes.h - the messages by which a job's ambient cache is filled in
  * passes
  *
- * What passes and tiles are says src/picture/passes.h.  Records are packed by
+ * What passes and tiles are says src/passes/passes.h.  Records are packed by
  * proto/ambshare.c; the coordinator never looks inside.
  * Thread: a struct belongs to one thread. */
 #ifndef MSG_PASSES_H

@@ -21,6 +21,7 @@ include src/pattern/local.mk
 include src/shade/gloss/local.mk
 include src/shade/local.mk
 include src/picture/local.mk
+include src/passes/local.mk
 include src/refine/local.mk
 
 # what a program that uses librad links with

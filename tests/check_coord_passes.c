@@ -5,7 +5,7 @@
 
 #include "desk/progress.h"
 #include "machine/sums.h"
-#include "picture/passplan.h"
+#include "passes/passplan.h"
 #include "proto/ambshare.h"
 #include "refine/refine.h"
 #include "sched/dearest.h"

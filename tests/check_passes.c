@@ -4,8 +4,8 @@
 #include "light/indirect/ambient.h"
 #include "machine/jobtext.h"
 #include "image/hdr.h"
-#include "picture/passcost.h"
-#include "picture/passes.h"
+#include "passes/passcost.h"
+#include "passes/passes.h"
 
 #include "world.h"
 

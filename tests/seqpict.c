@@ -17,7 +17,7 @@
 #include "image/filter.h"
 #include "picture/frame.h"
 #include "image/hdr.h"
-#include "picture/passes.h"
+#include "passes/passes.h"
 #include "refine/recheck.h"
 
 #include <inttypes.h>

@@ -14,7 +14,7 @@
 
 #include "base/error.h"
 #include "base/params.h"
-#include "picture/passplan.h"
+#include "passes/passplan.h"
 
 struct tile_cost {
     double seconds;

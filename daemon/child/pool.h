@@ -13,7 +13,7 @@
 #define RADD_DAEMON_POOL_H
 
 #include "child/estimate.h"
-#include "picture/passes.h"
+#include "passes/passes.h"
 #include "picture/seed.h"
 #include "strict/strict.h"
 

@@ -1,7 +1,7 @@
 /* coarse.h - a frame as a lattice of its pixels shows it, before its rows come
  *
  * While the ambient cache comes in passes, tiles tell the colours of their
- * pixels (picture/passplan.h): first of every 32nd along both axes, or fewer,
+ * pixels (passes/passplan.h): first of every 32nd along both axes, or fewer,
  * then of every 16th and every 8th.  A preview fills from these what rows have
  * not come of the frame, bilinear between four pixels of the lattice.  A
  * lattice that is only begun is filled in the same way from the coarser one.

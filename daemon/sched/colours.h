@@ -10,7 +10,7 @@
 #define DAEMON_COLOURS_H
 
 #include "desk/desk.h"
-#include "picture/passplan.h"
+#include "passes/passplan.h"
 
 /* Is a tile of that pass to tell its colours? */
 bool colours_wanted(const struct job *job, const struct rad_pass *pass);

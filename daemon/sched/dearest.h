@@ -7,7 +7,7 @@
 #ifndef DAEMON_DEAREST_H
 #define DAEMON_DEAREST_H
 
-#include "picture/passplan.h"
+#include "passes/passplan.h"
 
 struct dearest;
 

@@ -6,7 +6,7 @@
 #include "desk/goal.h"
 #include "desk/progress.h"
 #include "machine/jobtext.h"
-#include "picture/passcost.h"
+#include "passes/passcost.h"
 #include "sched/stages.h"
 
 #include <math.h>

@@ -1,6 +1,6 @@
 /* lead.h - how far a job is before its units are: its passes
  *
- * What part of a job's work they are is a guess (picture/passcost.h).  With a
+ * What part of a job's work they are is a guess (passes/passcost.h).  With a
  * goal nobody knows how many stages there will be: the first counts as half of
  * all, the next as half of what is left, and so on.
  * Thread: one. */
@@ -8,7 +8,7 @@
 #define DAEMON_LEAD_H
 
 #include "desk/desk.h"
-#include "picture/passplan.h"
+#include "passes/passplan.h"
 
 /* The job has passes, for pictures of these sizes. */
 void lead_begin(struct job *job, const struct rad_pass_size *size);

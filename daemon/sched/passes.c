@@ -28,7 +28,7 @@
 #include "links/feeding.h"
 #include "machine/rowsum.h"
 #include "machine/sums.h"
-#include "picture/passcost.h"
+#include "passes/passcost.h"
 #include "sched/stages.h"
 #include "proto/ambshare.h"
 #include "sched/colours.h"

@@ -10,12 +10,6 @@ librad_a_SOURCES += \
 	src/picture/frame.h \
 	src/picture/paint.c \
 	src/picture/paint.h \
-	src/picture/passcost.c \
-	src/picture/passcost.h \
-	src/picture/passes.c \
-	src/picture/passes.h \
-	src/picture/passplan.c \
-	src/picture/passplan.h \
 	src/picture/path.c \
 	src/picture/path.h \
 	src/picture/quincunx.c \

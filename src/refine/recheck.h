@@ -9,7 +9,7 @@
 #ifndef RAD_REFINE_RECHECK_H
 #define RAD_REFINE_RECHECK_H
 
-#include "picture/passes.h"
+#include "passes/passes.h"
 #include "refine/refine.h"
 
 /* Is pass i of n the last before a check, or the picture? */

@@ -1,7 +1,7 @@
 /* refine.h - the stages of a job that goes on until its picture is good enough
  *
  * A stage is a set of options, the passes that fill an empty cache under them
- * (picture/passplan.h), and a check pass, whose tiles make no records but sums
+ * (passes/passplan.h), and a check pass, whose tiles make no records but sums
  * that say how far off a picture over that cache would be (recheck.h).  Options
  * are the job's own, finer by rungs: those of the cache, and those of pixels.
  * Errors are relative, as root mean squares over areas of 5 by 5 pixels, as a
@@ -12,7 +12,7 @@
 #ifndef RAD_REFINE_REFINE_H
 #define RAD_REFINE_REFINE_H
 
-#include "picture/passplan.h"
+#include "passes/passplan.h"
 
 /* A job has at most so many stages. */
 #define RAD_REFINE_STAGES 4

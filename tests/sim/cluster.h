@@ -10,7 +10,7 @@
 
 #include "front/coord.h"
 #include "net.h"
-#include "picture/passplan.h"
+#include "passes/passplan.h"
 #include "picture/quincunx.h"
 #include "worker/worker.h"
 

@@ -6,10 +6,10 @@
  * 5, -aa .15 to .3, -ad 64 to 256: scenes are off by a factor of two, and of
  * three at most, in what tiles trace over what the pictures' pixels trace.
  * Thread: any. */
-#ifndef RAD_PICTURE_PASSCOST_H
-#define RAD_PICTURE_PASSCOST_H
+#ifndef RAD_PASSES_PASSCOST_H
+#define RAD_PASSES_PASSCOST_H
 
-#include "picture/passplan.h"
+#include "passes/passplan.h"
 
 /* The part of all rays that tiles trace, 0 to 1; reuse: the job begins with the
  * records of a former one.  0 without a cache. */

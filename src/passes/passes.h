@@ -9,12 +9,12 @@
  * next pass begins.  So the cache is a function of the job.
  * Which passes there are says passplan.h.
  * Thread: see each function. */
-#ifndef RAD_PICTURE_PASSES_H
-#define RAD_PICTURE_PASSES_H
+#ifndef RAD_PASSES_PASSES_H
+#define RAD_PASSES_PASSES_H
 
 #include "light/indirect/ambient.h"
 #include "picture/frame.h"
-#include "picture/passplan.h"
+#include "passes/passplan.h"
 
 struct rad_passes;
 

@@ -12,8 +12,8 @@
  * Source: Jones & Reinhart 2016, Parallel multiple-bounce irradiance caching
  * (the order).
  * Thread: any. */
-#ifndef RAD_PICTURE_PASSPLAN_H
-#define RAD_PICTURE_PASSPLAN_H
+#ifndef RAD_PASSES_PASSPLAN_H
+#define RAD_PASSES_PASSPLAN_H
 
 #include "base/params.h"
 
@@ -28,11 +28,11 @@ struct rad_pass {
                      * of every done-th (0: of no) */
     uint32_t frame, stride; /* level 0: of frames frame, frame + stride, ... */
     int side;               /* level 0: of a tile, in pixels of the lattice */
-    int field; /* level 0: tiles are the fields of a chess board, and the pass
-                * has those of this colour, 0 or 1; less than 0: all */
-    bool finest;    /* level 0: the last lattice, and what lies between its
-                     * pixels where objects end or records are dense */
-    bool check;     /* no records: how good is what there is (refine.h)? */
+    int field;   /* level 0: tiles are the fields of a chess board, and the pass
+                  * has those of this colour, 0 or 1; less than 0: all */
+    bool finest; /* level 0: the last lattice, and what lies between its
+                  * pixels where objects end or records are dense */
+    bool check;  /* no records: how good is what there is (refine.h)? */
     uint32_t tiles;
 };
 #define RAD_MOST_PASSES 160

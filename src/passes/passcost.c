@@ -10,7 +10,7 @@
  * records they missed. */
 #include "config.h"
 
-#include "picture/passcost.h"
+#include "passes/passcost.h"
 
 #include <math.h>
 

@@ -6,7 +6,7 @@
  * leaves most of them out, too. */
 #include "config.h"
 
-#include "picture/passplan.h"
+#include "passes/passplan.h"
 
 #include <assert.h>
 #include <string.h>
@@ -16,14 +16,14 @@
 #define LEAST_PATHS   256
 #define MOST_PATHS    65536
 
-#define ROUND_GROWTH 4   /* paths of a round over all before it */
+#define ROUND_GROWTH       4   /* paths of a round over all before it */
 #define TILES              128 /* of a round, but */
 #define LEAST_PATHS_A_TILE 64
 
 /* Large pictures have smaller tiles: many workers wait for the dearest. */
-#define LARGE_STEP               128 /* of the coarsest lattice, or more */
-#define LARGE_TILES              1024
-#define LARGE_ROUND_TILES        256
+#define LARGE_STEP        128 /* of the coarsest lattice, or more */
+#define LARGE_TILES       1024
+#define LARGE_ROUND_TILES 256
 
 /* The coarsest lattice has steps of so many pixels, or, in large pictures, so
  * many that it has no more points along a side, as long as steps are in bounds:

@@ -10,7 +10,7 @@
  * Pixels.  A tile has a square of its lattice's. */
 #include "config.h"
 
-#include "picture/passes.h"
+#include "passes/passes.h"
 
 #include "base/parts.h"
 #include "base/rng.h"
