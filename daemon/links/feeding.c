@@ -7,8 +7,8 @@
 #include "links/ring.h"
 
 /* Workers that the coordinator feeds.  It sends what all workers make to each,
- * so these take as much of its line as of theirs what they feed. */
-#define DIRECT 8
+ * and tiles wait behind that on its line. */
+#define DIRECT 4
 /* Workers that a worker feeds: two take the least time until the last has a
  * record, where lines are the narrow part. */
 #define FED 2
