@@ -16,7 +16,7 @@
 static const struct msg_frame wide = { 0, 200, 100, "" };
 
 /* Lattices of 32, and of 16, 8 and 4 pixels in two fields each. */
-enum { PASSES = 7, LAST = PASSES - 1 };
+enum { PASSES = 8, LAST = PASSES - 1 };
 static uint8_t records[4 * AMBSHARE_BYTES];
 
 static void
@@ -502,7 +502,7 @@ START_TEST(the_dearest_place_goes_out_first)
     rad_params_init(&params);
     params.ambounce = 1;
     n = rad_passes_plan(&params, shown, 2, plan);
-    for (uint32_t i = 0; i < n && plan[i].frame == 0; i++) {
+    for (uint32_t i = 0; i < n && !plan[i].scattered; i++) {
         uint32_t first = first_of(d, &plan[i]);
 
         if (seen > 0 && find_there(&plan[i], &there, &dear)) {

@@ -300,12 +300,13 @@ START_TEST(large_pictures_have_many_tiles)
     }
     ck_assert_uint_gt(rounds, 0);
     for (uint32_t i = 0; i < n[1]; i++)
-        ck_assert_uint_le(pass[1][i].tiles, 250);
+        ck_assert_uint_le(pass[1][i].tiles, 251);
     world_close(&w);
 }
 END_TEST
 
-/* Each path once, each pixel of the last lattice once, and places enough. */
+/* Each path once, each pixel of the last lattice once, and once more for what
+ * tiles left out. */
 START_TEST(a_plan_asks_for_each_place_once)
 {
     struct rad_pass pass[RAD_MOST_PASSES];
@@ -319,8 +320,12 @@ START_TEST(a_plan_asks_for_each_place_once)
     for (uint32_t i = 0; i < n; i++) {
         ck_assert_uint_gt(pass[i].tiles, 0);
         ck_assert_int_le(pass[i].level, level);
+        ck_assert(pass[i].scattered == (i == n - 1));
+        ck_assert((pass[i].rays == 0) == (i == n - 1));
         if (pass[i].level == 0) {
-            if (pass[i].field == 1) {
+            if (pass[i].scattered) {
+                ck_assert_int_eq(pass[i].step, done);
+            } else if (pass[i].field == 1) {
                 ck_assert_int_eq(pass[i - 1].field, 0);
                 ck_assert_int_eq(pass[i - 1].step, pass[i].step);
             } else {
@@ -403,9 +408,9 @@ START_TEST(each_frame_is_planned_once)
         for (uint32_t i = pass[k].frame;
              pass[k].finest && pass[k].field < 1 && i < nframes;
              i += pass[k].stride)
-            times[i]++;
+            times[i] += pass[k].scattered ? 16 : 1;
     for (uint32_t i = 0; i < nframes; i++)
-        ck_assert_uint_eq(times[i], 1);
+        ck_assert_uint_eq(times[i], 17);
     world_close(&w);
 }
 END_TEST
@@ -430,6 +435,7 @@ START_TEST(a_tile_that_shows_its_colours_is_the_same)
     p = rad_passes_new(&m->frame, 1, NULL);
     while (k < n && pass[k].step != 8)
         k++;
+    pass[k].rays = 0; /* it is the first one here */
     ck_assert_int_eq(rad_passes_begin(p, &m->w.ctx, &pass[k], NULL), 0);
     list.n = watched.n = 0;
     memset(&m->w.ctx.counts, 0, sizeof m->w.ctx.counts);
@@ -497,11 +503,11 @@ END_TEST
  * of all passes. */
 static const struct {
     int ambounce;
-    double share[16];
+    double share[17];
 } shares[] = {
-    { 1, { 7, 7, 7, 11, 11, 31, 26 } },
-    { 2, { 1, 2, 5, 17, 7, 6, 10, 8, 24, 20 } },
-    { 4, { 1, 1, 2, 1, 2, 3, 2, 4, 6, 17, 6, 5, 8, 7, 20, 15 } },
+    { 1, { 3, 4, 4, 9, 9, 29, 29, 14 } },
+    { 2, { 0, 1, 2, 7, 9, 7, 7, 7, 23, 21, 16 } },
+    { 4, { 0, 0, 0, 0, 0, 1, 1, 2, 3, 7, 10, 8, 8, 7, 21, 19, 14 } },
 };
 
 START_TEST(passes_are_weighed)
@@ -620,6 +626,48 @@ START_TEST(tiles_are_the_picture)
 }
 END_TEST
 
+/* It has the first of the records that it has without a limit; and what tiles
+ * leave out the last pass asks for. */
+START_TEST(a_tile_ends_when_it_has_traced_its_rays)
+{
+    static struct list all, list;
+    struct room *m = &rooms[0];
+    struct rad_pass pass[RAD_MOST_PASSES];
+    struct rad_passes *p;
+    uint32_t n;
+
+    open_room(m, "-ab 1");
+    n = plan(m, pass);
+    p = rad_passes_new(&m->frame, 1, NULL);
+    for (uint32_t i = 0; i < n; i += n - 2) {
+        all.n = list.n = 0;
+        pass[i].rays = 0;
+        ck_assert_int_eq(rad_passes_begin(p, &m->w.ctx, &pass[i], NULL), 0);
+        ck_assert(rad_passes_make(p, &m->w.ctx, 0, &never, keep, &all, NULL));
+        pass[i].rays = 1;
+        ck_assert_int_eq(rad_passes_begin(p, &m->w.ctx, &pass[i], NULL), 0);
+        ck_assert(rad_passes_make(p, &m->w.ctx, 0, &never, keep, &list, NULL));
+        ck_assert_uint_ge(list.n, 1);
+        ck_assert_uint_gt(all.n, list.n);
+        ck_assert(memcmp(all.rec, list.rec, list.n * sizeof *list.rec) == 0);
+    }
+    for (uint32_t i = n - 1; i >= n - 2; i--) { /* the rest, then a lattice */
+        list.n = 0;
+        pass[i].rays = 0;
+        ck_assert_int_eq(rad_passes_begin(p, &m->w.ctx, &pass[i], NULL), 0);
+        for (uint32_t k = 0; k < pass[i].tiles; k++)
+            ck_assert(
+                rad_passes_make(p, &m->w.ctx, k, &never, keep, &list, NULL));
+        ck_assert(i == n - 1 ? list.n > 10 : list.n * 10 < all.n);
+        all.n = list.n;
+        rad_ambient_insert_all(m->w.job->ambient, list.rec, list.n);
+        ck_assert(rad_ambient_settle(m->w.job->ambient));
+    }
+    rad_passes_free(p);
+    close_room(m);
+}
+END_TEST
+
 START_TEST(a_tile_that_is_stopped_hands_on_nothing)
 {
     static struct list list;
@@ -665,6 +713,7 @@ main(void)
     tcase_add_loop_test(tc, passes_are_weighed, 0, N_ELEM(shares));
     tcase_add_test(tc, passes_of_many_frames_are_weighed);
     tcase_add_test(tc, passes_of_other_kinds_are_weighed);
+    tcase_add_test(tc, a_tile_ends_when_it_has_traced_its_rays);
     tcase_add_test(tc, a_tile_that_is_stopped_hands_on_nothing);
     suite_add_tcase(s, tc);
     return unit_run(s);

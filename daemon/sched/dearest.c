@@ -37,7 +37,8 @@ struct dear {
 static bool
 is_lattice(const struct rad_pass *pass)
 {
-    return pass->level == 0 && pass->step > 0 && !pass->check;
+    return pass->level == 0 && pass->step > 0 && !pass->check &&
+           !pass->scattered;
 }
 
 static int

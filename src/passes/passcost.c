@@ -5,9 +5,8 @@
  * exponents are those of the fit.
  * Of the passes a lattice takes half again as long as the next coarser one,
  * from every 16th pixel on, and the finest, which asks where objects end, too,
- * twice as long as that.  All paths of one more bounce together take .6 of the
- * lattice of every 16th pixel, and the first lattice then makes what deep
- * records they missed. */
+ * twice as long as that.  All paths of one more bounce together take a quarter
+ * of the lattice of every 16th pixel. */
 #include "config.h"
 
 #include "passes/passcost.h"
@@ -46,7 +45,7 @@ rad_passcost_part(const struct rad_params *par,
     return odds / (1 + odds);
 }
 
-static const double LEVEL = .6, AFTER_LEVELS = 1.5;
+static const double LEVEL = .25;
 
 /* All passes of a level: more paths find less that is new. */
 static double
@@ -60,11 +59,17 @@ level_weight(const struct rad_pass *pass, uint32_t n, const struct rad_pass *of)
     return LEVEL * pow(of->end - of->first, .4) / all;
 }
 
+/* What the finest lattice left out. */
+static const double REST = .6;
+
 /* Of many pictures those that come later find half of what they need. */
 static double
 lattice_weight(const struct rad_pass *pass, uint32_t nsizes)
 {
-    double weight = (pass->finest ? 2 : 1) * (pass->field < 0 ? 1 : .5);
+    double weight = (pass->scattered ? REST
+                     : pass->finest  ? 2
+                                     : 1) *
+                    (pass->field < 0 ? 1 : .5);
     uint32_t frames = (nsizes - 1 - pass->frame) / pass->stride + 1;
 
     for (int step = pass->step; step < 16; step *= 2)
@@ -76,12 +81,9 @@ void
 rad_passcost_weigh(const struct rad_pass *pass, uint32_t n, uint32_t nsizes,
                    double *weight)
 {
-    for (uint32_t i = 0; i < n; i++) {
+    for (uint32_t i = 0; i < n; i++)
         weight[i] = pass[i].tiles == 0  ? 0
                     : pass[i].check     ? 1
                     : pass[i].level > 0 ? level_weight(pass, n, &pass[i])
                                         : lattice_weight(&pass[i], nsizes);
-        if (i > 0 && pass[i].level == 0 && pass[i - 1].level > 0)
-            weight[i] *= AFTER_LEVELS;
-    }
 }

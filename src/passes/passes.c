@@ -36,38 +36,80 @@ struct end {
     double place; /* in the order of the tree */
 };
 
+/* Where a path goes, by number of bounces but one. */
+struct trail {
+    bool known;
+    int8_t bounces; /* then it leaves the scene, or has as many as matter */
+    float at[RAD_PASS_LEVELS][3];
+};
+
 struct rad_passes {
     const struct rad_frame *frames; /* [fixed] */
     uint32_t nframes;               /* [fixed] */
     uint64_t key;                   /* [fixed] */
     struct rad_pass pass;           /* [fixed] while tiles are made */
+    struct trail *trail;            /* [fixed] likewise: of paths so far */
+    uint32_t ntrails;
     struct end *end;                /* [fixed] likewise: by place */
     uint32_t nends;
 };
 
 /* --- paths --- */
 
-static uint64_t
-key_of_path(const struct rad_passes *p, uint32_t i)
-{
-    return rad_key_branch(p->key ^ (uint64_t)p->pass.level, i);
-}
-
-/* Walk path i to the end of the pass's bounce; r gets its rays.  False: it
- * leaves the scene before. */
-static bool
-walk(const struct rad_passes *p, struct rad_ctx *ctx, uint32_t i,
+/* Walk path i to the end of so many bounces; r gets its rays.  Returns how
+ * many there are before it leaves the scene, or -1. */
+static int
+walk(const struct rad_passes *p, struct rad_ctx *ctx, uint32_t i, int bounces,
      struct rad_ray r[RAD_PASS_LEVELS + 1])
 {
-    uint64_t key = key_of_path(p, i);
+    uint64_t key = rad_key_branch(p->key, i);
 
     if (!rad_path_begin(&p->frames[i % p->nframes], ctx, p->key, i / p->nframes,
                         key, &r[0]))
-        return false;
-    for (int k = 0; k < p->pass.level; k++)
+        return -1;
+    for (int k = 0; k < bounces; k++)
         if (!rad_path_bounce(ctx, &r[k], key, k, &r[k + 1]) ||
             !rad_path_meet(ctx, &r[k + 1]))
+            return k;
+    return bounces;
+}
+
+static void
+find_trail(struct rad_passes *p, struct rad_ctx *ctx, uint32_t i)
+{
+    struct rad_ray r[RAD_PASS_LEVELS + 1];
+    struct trail *t = &p->trail[i];
+    int n = walk(p, ctx, i, rad_pass_deepest(&ctx->job->params), r);
+
+    t->known = true;
+    t->bounces = (int8_t)n;
+    for (int k = 0; k < n; k++)
+        for (int axis = 0; axis < 3; axis++)
+            t->at[k][axis] = (float)r[k + 1].hit.p[axis];
+}
+
+/* Find the trails of the pass's paths.  Their rays count in the first pass that
+ * has them, that of the deepest records. */
+static bool
+find_trails(struct rad_passes *p, struct rad_ctx *ctx)
+{
+    const struct rad_pass *pass = &p->pass;
+    struct rad_counts counts = ctx->counts;
+    struct trail *trail = p->trail;
+
+    if (pass->end > p->ntrails) {
+        trail = realloc(trail, pass->end * sizeof *trail);
+        if (!trail)
             return false;
+        memset(trail + p->ntrails, 0, (pass->end - p->ntrails) * sizeof *trail);
+        p->trail = trail;
+        p->ntrails = pass->end;
+    }
+    for (uint32_t i = pass->first; i < pass->end; i++)
+        if (!trail[i].known)
+            find_trail(p, ctx, i);
+    if (pass->level < rad_pass_deepest(&ctx->job->params))
+        ctx->counts = counts; /* of a worker that came late */
     return true;
 }
 
@@ -81,20 +123,30 @@ by_place(const void *a, const void *b)
                                 : x->path > y->path;
 }
 
-/* Put the ends into the order of the tree of where they are, at[]. */
-static bool
-sort_ends(struct rad_passes *p, double (*at)[3])
+/* Where that end is. */
+static void
+look_up(const struct rad_passes *p, const struct end *end, double at[3])
 {
-    double(*points)[3] = malloc((size_t)p->nends * sizeof *points);
+    for (int axis = 0; axis < 3; axis++)
+        at[axis] = (double)p->trail[end->path].at[p->pass.level - 1][axis];
+}
+
+/* Put the ends into the order of the tree of where they are. */
+static bool
+sort_ends(struct rad_passes *p)
+{
+    double(*points)[3] = malloc((size_t)p->nends * sizeof *points), at[3];
     struct rad_parts *parts;
 
     if (!points)
         return false;
     for (uint32_t i = 0; i < p->nends; i++)
-        rad_copy(points[i], at[i]);
+        look_up(p, &p->end[i], points[i]);
     parts = rad_parts_new(points, p->nends);
-    for (uint32_t i = 0; parts && i < p->nends; i++)
-        p->end[i].place = rad_parts_place(parts, at[i]);
+    for (uint32_t i = 0; parts && i < p->nends; i++) {
+        look_up(p, &p->end[i], at);
+        p->end[i].place = rad_parts_place(parts, at);
+    }
     free(points);
     if (!parts)
         return false;
@@ -107,25 +159,13 @@ sort_ends(struct rad_passes *p, double (*at)[3])
 static bool
 find_ends(struct rad_passes *p, struct rad_ctx *ctx)
 {
-    uint32_t n = p->pass.end - p->pass.first;
-    double(*at)[3] = malloc((size_t)n * sizeof *at);
-    struct rad_ray r[RAD_PASS_LEVELS + 1];
-    bool ok = true;
-
-    p->end = malloc(n * sizeof *p->end);
-    if (!at || !p->end) {
-        free(at);
+    p->end = malloc((p->pass.end - p->pass.first) * sizeof *p->end);
+    if (!p->end || !find_trails(p, ctx))
         return false;
-    }
     for (uint32_t i = p->pass.first; i < p->pass.end; i++)
-        if (walk(p, ctx, i, r)) {
-            rad_copy(at[p->nends], r[p->pass.level].hit.p);
+        if (p->trail[i].bounces >= p->pass.level)
             p->end[p->nends++].path = i;
-        }
-    if (p->nends > 0)
-        ok = sort_ends(p, at);
-    free(at);
-    return ok;
+    return p->nends == 0 || sort_ends(p);
 }
 
 /* Ask for a record where path i ends. */
@@ -133,13 +173,13 @@ static void
 ask_at_end(const struct rad_passes *p, struct rad_ctx *ctx, uint32_t i)
 {
     struct rad_ray r[RAD_PASS_LEVELS + 1];
-    uint64_t key = key_of_path(p, i);
     int k = p->pass.level;
+    uint64_t key = rad_key_branch(p->key, i);
 
-    if (!walk(p, ctx, i, r) || rad_ambient_serves(ctx, &r[k]) ||
+    if (walk(p, ctx, i, k, r) < k || rad_ambient_serves(ctx, &r[k]) ||
         !rad_path_bounce(ctx, &r[k - 1], key, k - 1, &r[k]))
         return;
-    r[k].key = rad_key_branch(key, RAD_PATH_BRANCH);
+    r[k].key = rad_key_branch(key ^ (uint64_t)k, RAD_PATH_BRANCH);
     rad_ray_trace(ctx, &r[k]);
 }
 
@@ -151,14 +191,39 @@ is_set(const _Atomic bool *stop)
     return atomic_load_explicit(stop, memory_order_relaxed);
 }
 
+/* When a tile asks for nothing more. */
+struct limit {
+    const struct rad_ctx *ctx;
+    const _Atomic bool *stop;
+    uint64_t rays; /* of hemispheres, as the context counts them */
+};
+
+static struct limit
+limit_of(const struct rad_passes *p, const struct rad_ctx *ctx,
+         const _Atomic bool *stop)
+{
+    uint64_t most = p->pass.rays;
+
+    return (struct limit){ ctx, stop,
+                           most ? ctx->counts.ambient_rays + most
+                                : UINT64_MAX };
+}
+
+static bool
+is_over(const struct limit *until)
+{
+    return is_set(until->stop) ||
+           until->ctx->counts.ambient_rays >= until->rays;
+}
+
 static void
 ask_along_paths(const struct rad_passes *p, struct rad_ctx *ctx, uint32_t tile,
-                const _Atomic bool *stop)
+                const struct limit *until)
 {
     uint64_t from = (uint64_t)p->nends * tile / p->pass.tiles;
     uint64_t to = (uint64_t)p->nends * (tile + 1) / p->pass.tiles;
 
-    for (; from < to && !is_set(stop); from++)
+    for (; from < to && !is_over(until); from++)
         ask_at_end(p, ctx, p->end[from].path);
 }
 
@@ -180,7 +245,7 @@ ask_at_pixel(const struct rad_frame *f, struct rad_ctx *ctx, int x, int y)
 struct patch {
     const struct rad_frame *frame;
     struct rad_ctx *ctx;
-    const _Atomic bool *stop;
+    const struct limit *until;
     int x0, y0, x1, y1;
     int step;
 };
@@ -237,7 +302,7 @@ ask_between(const struct patch *p, struct spots *s)
 {
     for (int d = p->step / 2; d > 0; d /= 2)
         for (int k = 0; p->y0 + k < p->y1; k += d)
-            for (int i = 0; p->x0 + i < p->x1 && !is_set(p->stop); i += d)
+            for (int i = 0; p->x0 + i < p->x1 && !is_over(p->until); i += d)
                 if (!s->at[k][i].asked &&
                     (is_between(asked_at(p, s, i - d, k),
                                 asked_at(p, s, i + d, k), d) ||
@@ -255,7 +320,7 @@ ask_at_finest(const struct patch *p)
 
     memset(&s, 0, sizeof s);
     for (int k = 0; p->y0 + k < p->y1; k += p->step)
-        for (int i = 0; p->x0 + i < p->x1 && !is_set(p->stop); i += p->step)
+        for (int i = 0; p->x0 + i < p->x1 && !is_over(p->until); i += p->step)
             ask_at_spot(p, &s, i, k, p->step);
     ask_between(p, &s);
 }
@@ -264,34 +329,44 @@ static void
 ask_at_coarse(const struct patch *p, int done)
 {
     for (int y = p->y0; y < p->y1; y += p->step)
-        for (int x = p->x0; x < p->x1 && !is_set(p->stop); x += p->step)
+        for (int x = p->x0; x < p->x1 && !is_over(p->until); x += p->step)
             if (done == 0 || x % done != 0 || y % done != 0)
                 ask_at_pixel(p->frame, p->ctx, x, y);
 }
 
-static struct patch
-patch_of(const struct rad_passes *p, struct rad_ctx *ctx, uint32_t tile,
-         const _Atomic bool *stop)
+/* The square of that number; false: there is none. */
+static bool
+find_patch(const struct rad_passes *p, struct rad_ctx *ctx, uint32_t number,
+           const struct limit *until, struct patch *out)
 {
-    const struct rad_frame *f = p->frames + p->pass.frame;
-    int step = p->pass.step;
     struct rad_pass_area a;
 
-    for (uint32_t n;
-         tile >= (n = rad_pass_tiles(&p->pass, f->width, f->height));
-         f += p->pass.stride)
-        tile -= n;
-    a = rad_pass_area(&p->pass, f->width, f->height, tile);
-    return (struct patch){ f, ctx, stop, a.x0, a.y0, a.x1, a.y1, step };
+    for (uint32_t i = p->pass.frame, n; i < p->nframes; i += p->pass.stride) {
+        const struct rad_frame *f = &p->frames[i];
+
+        n = rad_pass_tiles(&p->pass, f->width, f->height);
+        if (number < n) {
+            a = rad_pass_area(&p->pass, f->width, f->height, number);
+            *out = (struct patch){ f,    ctx,  until, a.x0,
+                                   a.y0, a.x1, a.y1,  p->pass.step };
+            return true;
+        }
+        number -= n;
+    }
+    return false;
 }
 
+/* Ask at the squares of a tile, one unless the pass is scattered, the last of
+ * which is *patch then. */
 static void
-ask_along_lattice(const struct rad_passes *p, const struct patch *patch)
+ask_along_lattice(const struct rad_passes *p, struct rad_ctx *ctx,
+                  uint32_t tile, const struct limit *until, struct patch *patch)
 {
-    if (p->pass.finest)
-        ask_at_finest(patch);
-    else
-        ask_at_coarse(patch, p->pass.done);
+    for (; find_patch(p, ctx, tile, until, patch); tile += p->pass.tiles)
+        if (p->pass.finest)
+            ask_at_finest(patch);
+        else
+            ask_at_coarse(patch, p->pass.done);
 }
 
 /* Trace the pixels of the lattice as those of the picture. */
@@ -301,11 +376,12 @@ trace_colours(const struct patch *p, struct rad_pass_colours *out)
     struct rad_pixel pixel;
 
     for (int y = p->y0; y < p->y1; y += p->step)
-        for (int x = p->x0; x < p->x1 && !is_set(p->stop); x += p->step) {
+        for (int x = p->x0; x < p->x1 && !is_set(p->until->stop);
+             x += p->step) {
             rad_frame_pixel(p->frame, p->ctx, x, y, &pixel);
             rad_rgbe(pixel.L, out->rgbe[out->n++]);
         }
-    if (is_set(p->stop)) /* some are missing */
+    if (is_set(p->until->stop)) /* some are missing */
         out->n = 0;
 }
 
@@ -345,6 +421,7 @@ rad_passes_make(const struct rad_passes *p, struct rad_ctx *ctx, uint32_t tile,
                 const _Atomic bool *stop, rad_passes_fn *fn, void *arg,
                 struct rad_pass_colours *colours)
 {
+    struct limit until = limit_of(p, ctx, stop);
     struct rad_ambtile own;
     struct patch patch;
     bool whole;
@@ -354,12 +431,10 @@ rad_passes_make(const struct rad_passes *p, struct rad_ctx *ctx, uint32_t tile,
     if (!rad_ambtile_begin(&own, ctx, p->pass.level))
         return false;
     ctx->no_direct = true; /* at the places that records are asked for */
-    if (p->pass.level > 0) {
-        ask_along_paths(p, ctx, tile, stop);
-    } else {
-        patch = patch_of(p, ctx, tile, stop);
-        ask_along_lattice(p, &patch);
-    }
+    if (p->pass.level > 0)
+        ask_along_paths(p, ctx, tile, &until);
+    else
+        ask_along_lattice(p, ctx, tile, &until, &patch);
     ctx->no_direct = false;
     whole = !is_set(stop) && !own.failed;
     if (whole)
@@ -406,6 +481,7 @@ rad_passes_free(struct rad_passes *p)
 {
     if (!p)
         return;
+    free(p->trail);
     free(p->end);
     free(p);
 }

@@ -1,6 +1,6 @@
 /* passplan.c - see passplan.h
  *
- * Few paths tell of the large zones, and each further round of them, four times
+ * Few paths tell of the large zones, and each further round of them, some times
  * as many, of smaller ones.
  * To ask at every pixel takes longer than it saves: the picture's sampling
  * leaves most of them out, too. */
@@ -16,14 +16,18 @@
 #define LEAST_PATHS   256
 #define MOST_PATHS    65536
 
-#define ROUND_GROWTH       4   /* paths of a round over all before it */
+#define ROUND_GROWTH       4   /* paths up to a round's end over those before */
 #define TILES              128 /* of a round, but */
 #define LEAST_PATHS_A_TILE 64
 
-/* Large pictures have smaller tiles: many workers wait for the dearest. */
-#define LARGE_STEP        128 /* of the coarsest lattice, or more */
-#define LARGE_TILES       1024
-#define LARGE_ROUND_TILES 256
+/* Large pictures have smaller tiles and fewer rounds, for many workers wait at
+ * the end of each. */
+#define LARGE_STEP         128 /* of the coarsest lattice, or more */
+#define LARGE_TILES        1024
+#define LARGE_ROUND_TILES  256
+#define LARGE_PATHS_A_TILE 8
+#define LARGE_ROUND_GROWTH 8
+#define LARGE_LEAST_PATHS  1024
 
 /* The coarsest lattice has steps of so many pixels, or, in large pictures, so
  * many that it has no more points along a side, as long as steps are in bounds:
@@ -39,6 +43,25 @@
  * to be tiles for many workers. */
 #define SPARSE_STEP 16
 #define SPARSE_SIDE 4
+
+/* A tile ends when it has made so many records, or as much else: others wait
+ * for the dearest. */
+#define MOST_HEMISPHERES  32
+#define LARGE_HEMISPHERES 8
+
+/* Of what that leaves out of the last lattice: a dear spot has many squares of
+ * so many pixels, and they have different tiles; a prime number, or squares of
+ * a tile could stand in columns. */
+#define REST_PIXELS      16
+#define REST_SQUARES     4 /* of a tile, at least */
+#define REST_TILES       251
+#define LARGE_REST_TILES 1021
+
+static int
+lesser(int a, int b)
+{
+    return a < b ? a : b;
+}
 
 static uint32_t
 count_paths(const struct rad_pass_size *size, uint32_t n)
@@ -57,27 +80,39 @@ static uint32_t
 count_tiles(uint32_t paths, bool large)
 {
     uint32_t most = large ? LARGE_ROUND_TILES : TILES;
-    uint32_t n = paths / (large ? 8 : LEAST_PATHS_A_TILE);
+    uint32_t n = paths / (large ? LARGE_PATHS_A_TILE : LEAST_PATHS_A_TILE);
 
     return n < 1 ? 1 : n > most ? most : n;
+}
+
+/* Of hemispheres, that a tile may trace. */
+static uint64_t
+most_rays(const struct rad_params *par, bool large)
+{
+    return (large ? LARGE_HEMISPHERES : MOST_HEMISPHERES) *
+           ((uint64_t)par->ambdiv + (uint64_t)par->ambssamp);
 }
 
 /* The rounds for records of that level: the last ends with all paths, and each
  * before it with a part of those. */
 static uint32_t
-plan_level(int level, uint32_t paths, bool large, struct rad_pass *pass)
+plan_level(const struct rad_params *par, int level, uint32_t paths, bool large,
+           struct rad_pass *pass)
 {
+    uint32_t growth = large ? LARGE_ROUND_GROWTH : ROUND_GROWTH;
+    uint32_t least = large ? LARGE_LEAST_PATHS : LEAST_PATHS;
     uint32_t n = 0, first = 0, part = 1;
 
-    while (paths / (part * ROUND_GROWTH) >= LEAST_PATHS)
-        part *= ROUND_GROWTH;
-    for (; part > 0; part /= ROUND_GROWTH, n++) {
+    while (paths / (part * growth) >= least)
+        part *= growth;
+    for (; part > 0; part /= growth, n++) {
         uint32_t end = paths / part;
 
         pass[n] = (struct rad_pass){ .level = level,
                                      .first = first,
                                      .end = end,
-                                     .tiles = count_tiles(end - first, large) };
+                                     .tiles = count_tiles(end - first, large),
+                                     .rays = most_rays(par, large) };
         first = end;
     }
     return n;
@@ -106,12 +141,18 @@ coarsest_step(const struct rad_pass_size *size)
     return step;
 }
 
+static bool
+is_large(const struct rad_pass_size *size)
+{
+    return coarsest_step(size) >= LARGE_STEP;
+}
+
 static int
 side_of(const struct rad_pass_size *size, int step)
 {
     struct rad_pass pass = { .step = step, .side = 1 };
 
-    if (coarsest_step(size) < LARGE_STEP)
+    if (!is_large(size))
         return step < SPARSE_STEP ? RAD_PASS_SIDE : SPARSE_SIDE;
     while (pass.side < RAD_PASS_SIDE &&
            rad_pass_tiles(&pass, size->width, size->height) > LARGE_TILES)
@@ -125,6 +166,25 @@ count_lattice_tiles(struct rad_pass *pass, const struct rad_pass_size *size,
 {
     for (uint32_t i = pass->frame; i < nsizes; i += pass->stride)
         pass->tiles += rad_pass_tiles(pass, size[i].width, size[i].height);
+}
+
+/* All that tiles of the last lattice, which is *pass, left out: they had rays
+ * of too many hemispheres. */
+static void
+plan_rest(struct rad_pass *pass, const struct rad_pass_size *size,
+          uint32_t nsizes)
+{
+    uint32_t most = is_large(size) ? LARGE_REST_TILES : REST_TILES;
+
+    pass->scattered = true;
+    pass->field = -1;
+    pass->side = REST_PIXELS / pass->step;
+    pass->rays = 0;
+    pass->tiles = 0;
+    count_lattice_tiles(pass, size, nsizes);
+    pass->tiles = pass->tiles / REST_SQUARES + 1;
+    if (pass->tiles > most)
+        pass->tiles = most;
 }
 
 /* The lattices of some frames. */
@@ -143,7 +203,8 @@ plan_frames(const struct rad_params *par, const struct rad_pass_size *size,
                               .frame = frame,
                               .stride = stride,
                               .side = side_of(size, step),
-                              .finest = step == finest };
+                              .finest = step == finest,
+                              .rays = most_rays(par, is_large(size)) };
         bool fields = frame == 0 && done > 0;
 
         for (k.field = fields ? 0 : -1; k.field < 2 * fields; k.field++) {
@@ -152,7 +213,9 @@ plan_frames(const struct rad_params *par, const struct rad_pass_size *size,
             n += pass[n].tiles > 0; /* a single tile has one colour */
         }
     }
-    return n;
+    pass[n] = pass[n - 1];
+    plan_rest(&pass[n], size, nsizes);
+    return n + 1;
 }
 
 /* First frame 0, then those at odd multiples of ever smaller distances. */
@@ -196,12 +259,6 @@ rad_pass_tiles(const struct rad_pass *pass, int width, int height)
            (down % 2 ? in_first_row(across, pass->field) : 0);
 }
 
-static int
-lesser(int a, int b)
-{
-    return a < b ? a : b;
-}
-
 struct rad_pass_area
 rad_pass_area(const struct rad_pass *pass, int width, int height, uint32_t tile)
 {
@@ -223,20 +280,23 @@ rad_pass_area(const struct rad_pass *pass, int width, int height, uint32_t tile)
                                    lesser(y + side, height) };
 }
 
+int
+rad_pass_deepest(const struct rad_params *par)
+{
+    return lesser(par->ambounce - 1, RAD_PASS_LEVELS);
+}
+
 uint32_t
 rad_passes_plan(const struct rad_params *par, const struct rad_pass_size *size,
                 uint32_t nsizes, struct rad_pass pass[RAD_MOST_PASSES])
 {
-    int deepest = par->ambounce - 1;
     uint32_t n = 0, paths = count_paths(size, nsizes);
-    bool large = coarsest_step(size) >= LARGE_STEP;
+    bool large = is_large(size);
 
     if (par->ambounce < 1 || !(par->ambacc > 0) || par->ambdiv < 1)
         return 0;
-    if (deepest > RAD_PASS_LEVELS)
-        deepest = RAD_PASS_LEVELS;
-    for (int level = deepest; level > 0; level--)
-        n += plan_level(level, paths, large, pass + n);
+    for (int level = rad_pass_deepest(par); level > 0; level--)
+        n += plan_level(par, level, paths, large, pass + n);
     return n + plan_pixels(par, size, nsizes, pass + n);
 }
 

@@ -7,6 +7,10 @@
  * way, then those half way between these, and so on.
  * A lattice is asked at in two passes: its tiles are the fields of a chess
  * board, and those of one colour see the records of those of the other.
+ * No tile is dear, for all wait for the last one: it ends after some
+ * hemispheres' rays.  What a coarse lattice leaves out by that the next finer
+ * one comes to; behind the finest there is a pass that asks everywhere again.
+ * Its tiles have small squares all over the picture, so they are about equal.
  * The plan depends on the options and the sizes of the pictures alone: whoever
  * shares the tiles out needs no scene.
  * Source: Jones & Reinhart 2016, Parallel multiple-bounce irradiance caching
@@ -32,6 +36,10 @@ struct rad_pass {
                   * has those of this colour, 0 or 1; less than 0: all */
     bool finest; /* level 0: the last lattice, and what lies between its
                   * pixels where objects end or records are dense */
+    bool scattered; /* level 0: a tile has not one square of pixels but all that
+                     * are as far apart in number as there are tiles */
+    uint64_t rays;  /* of hemispheres, after which a tile asks for nothing more;
+                     * 0: it asks everywhere */
     bool check;  /* no records: how good is what there is (refine.h)? */
     uint32_t tiles;
 };
@@ -52,6 +60,9 @@ struct rad_pass_size {
     int width, height; /* of a picture */
 };
 
+/* Bounces before the deepest records that have passes, 0: there are none. */
+int rad_pass_deepest(const struct rad_params *par);
+
 /* The passes of a job with pictures of these sizes, 0 if it has no cache.
  * Returns how many there are. */
 uint32_t rad_passes_plan(const struct rad_params *par,
@@ -64,10 +75,11 @@ uint32_t rad_passes_plan_on(const struct rad_params *par,
                             const struct rad_pass_size *size, uint32_t nsizes,
                             struct rad_pass pass[RAD_MOST_PASSES]);
 
-/* Tiles of a pass over pixels in a frame of that size. */
+/* Squares of a pass over pixels in a frame of that size: a tile each, unless it
+ * is scattered. */
 uint32_t rad_pass_tiles(const struct rad_pass *pass, int width, int height);
 
-/* The pixels of one of them, x1 and y1 beyond the last. */
+/* The pixels of one of these squares, x1 and y1 beyond the last. */
 struct rad_pass_area {
     int x0, y0, x1, y1;
 };
