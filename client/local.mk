@@ -27,8 +27,8 @@ radscene_SOURCES = client/radscene.c
 radscene_LDADD = $(LIBCLIENT) $(LIBRAD)
 
 bin_PROGRAMS += radctl radsubmit
-radctl_CFLAGS = $(AM_CFLAGS) $(JANSSON_CFLAGS) $(UV_CFLAGS)
-radctl_LDADD = $(LIBCLIENT) $(LIBDAEMON) $(LIBRAD)
+radctl_CFLAGS = $(AM_CFLAGS) $(JANSSON_CFLAGS) $(UV_CFLAGS) $(CURSES_CFLAGS)
+radctl_LDADD = $(LIBCLIENT) $(CURSES_LIBS) $(LIBDAEMON) $(LIBRAD)
 radsubmit_SOURCES = \
 	client/program.h \
 	client/program_files.c \

@@ -107,6 +107,7 @@ UNIT_TESTS = \
 	tests/check_strict_unit \
 	tests/check_submit \
 	tests/check_table \
+	tests/check_top \
 	tests/check_task \
 	tests/check_team \
 	tests/check_team_lend \
@@ -202,6 +203,9 @@ tests_check_data_SOURCES = tests/check_data.c tests/unit.h tests/world.h
 tests_check_data_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
 tests_check_data_LDADD = $(UNIT_LIBS)
 
+tests_check_top_SOURCES = tests/check_top.c tests/unit.h
+tests_check_top_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS) $(JANSSON_CFLAGS)
+tests_check_top_LDADD = $(LIBCLIENT) $(UNIT_LIBS)
 tests_check_table_SOURCES = tests/check_table.c tests/unit.h tests/world.h
 tests_check_table_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
 tests_check_table_LDADD = $(UNIT_LIBS)
@@ -410,6 +414,7 @@ dist_check_SCRIPTS += \
 	tests/e2e/radctl_here.sh \
 	tests/e2e/radctl_lists.sh \
 	tests/e2e/radctl_text.sh \
+	tests/e2e/radctl_top.sh \
 	tests/e2e/radd_hours.sh \
 	tests/e2e/radd_refused.sh \
 	tests/e2e/radd_shortage.sh \
@@ -484,6 +489,7 @@ TESTS += \
 	tests/e2e/radctl_here.sh \
 	tests/e2e/radctl_lists.sh \
 	tests/e2e/radctl_text.sh \
+	tests/e2e/radctl_top.sh \
 	tests/e2e/radd_hours.sh \
 	tests/e2e/radd_refused.sh \
 	tests/e2e/radd_shortage.sh \

@@ -37,6 +37,7 @@ struct ctl {
     bool local; /* it is on this machine */
     uv_loop_t loop;
     int wake;
+    struct target to;
     struct link *link;
     uint32_t request;
     uint64_t start_ms;
@@ -50,6 +51,10 @@ struct ctl_command {
     int (*run)(struct ctl *c);
     int number; /* message or query that it sends */
 };
+
+/* Connect to c->to, as an administrator where the coordinator lets us, else as
+ * a user (radctl.c). */
+int ctl_connect(struct ctl *c);
 
 /* --- asking (ctl.c) --- */
 
@@ -84,6 +89,9 @@ int ctl_rows(struct ctl *c, const struct msg_page *ask, json_t **rows);
  * compared, or NULL. */
 void ctl_filter(const struct ctl *c, json_t *rows, const char *user);
 int ctl_run_limits(struct ctl *c);
+
+/* ctl_top.c: the full screen */
+int ctl_run_top(struct ctl *c);
 
 /* ctl_words.c: an answer as people read it; as JSON it has all members, by
  * their names. */

@@ -5,8 +5,12 @@ radctl_SOURCES = \
 	client/ctl/ctl_admin.c \
 	client/ctl/ctl_job.c \
 	client/ctl/ctl_list.c \
+	client/ctl/ctl_top.c \
 	client/ctl/ctl_words.c \
 	client/ctl/radctl.c
 libclient_a_SOURCES += \
 	client/ctl/keyctl.c \
-	client/ctl/keyctl.h
+	client/ctl/keyctl.h \
+	client/ctl/top.c \
+	client/ctl/top.h \
+	client/ctl/top_lines.c

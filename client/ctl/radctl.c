@@ -21,6 +21,7 @@ static const struct ctl_command commands[] = {
       MSG_QUERY_STATUS },
     { "workers", NULL, "one line a worker", ctl_run_list, MSG_QUERY_WORKERS },
     { "jobs", NULL, "one line a job", ctl_run_list, MSG_QUERY_JOBS },
+    { "top", NULL, "workers and jobs on the full screen", ctl_run_top, 0 },
     { "limits", NULL, "what a user may have, and has", ctl_run_limits,
       MSG_QUERY_LIMITS },
     { "job", "ID", "all about a job", ctl_run_job_report, MSG_QUERY_JOB },
@@ -29,8 +30,8 @@ static const struct ctl_command commands[] = {
       ctl_run_job, MSG_DELETE },
     { "pause", "ID...", "let jobs rest, at once", ctl_run_job, MSG_PAUSE },
     { "resume", "ID...", "go on with paused jobs", ctl_run_job, MSG_RESUME },
-    { "priority", "ID N", "give a job another priority",
-      ctl_run_priority, MSG_PRIORITY },
+    { "priority", "ID N", "give a job another priority", ctl_run_priority,
+      MSG_PRIORITY },
     { "fetch", "ID", "get a finished picture", ctl_run_fetch, 0 },
     { "drain", "WORKER...", "give workers no more work", ctl_run_worker,
       MSG_DRAIN },
@@ -355,10 +356,10 @@ asks_for(int argc, char *argv[], const char *option)
 
 /* --- connection --- */
 
-/* As an administrator where the coordinator lets us, else as a user. */
-static int
-connect_to(struct ctl *c, const struct target *to)
+int
+ctl_connect(struct ctl *c)
 {
+    const struct target *to = &c->to;
     struct link_where where = { &c->loop, &c->wake };
     struct rad_error refused = { 0 };
     int rc = RAD_EPERM;
@@ -401,7 +402,6 @@ end_output(struct ctl *c)
 static int
 run(struct ctl *c)
 {
-    struct target to;
     bool named;
     int rc;
 
@@ -409,16 +409,16 @@ run(struct ctl *c)
         rc = c->command->run(c);
         return rc < 0 ? rc : end_output(c);
     }
-    rc = target_find(&to, c->coordinator, c->key, c->err);
+    rc = target_find(&c->to, c->coordinator, c->key, c->err);
     if (rc < 0)
         return rc;
     named = rc > 0;
     if (!named)
-        target_default(&to);
+        target_default(&c->to);
     if (uv_loop_init(&c->loop) != 0)
         return rad_fail(c->err, RAD_ENOMEM, "out of memory");
     c->start_ms = uv_now(&c->loop);
-    rc = connect_to(c, &to);
+    rc = ctl_connect(c);
     if (rc == RAD_EUNAVAIL && !named)
         say_unnamed(c);
     if (rc == 0 && !c->admin && for_admins(c->command))

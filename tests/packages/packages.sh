@@ -106,7 +106,7 @@ try_installed()
     tree installed
     # what the packages need stays when they are purged
     local needs='systemd libuv1 libpng16-16 libssl3 libjansson4 libinih1
-        libexpat1 libseccomp2 libsqlite3-0'
+        libexpat1 libseccomp2 libsqlite3-0 libncursesw6'
     quietly in_tree installed apt-get install -y -q --no-install-recommends \
         $needs
     files_of installed >"$work/before"

@@ -1,0 +1,414 @@
+/* ctl_top.c - radctl top: the terminal and the coordinator around top.h
+ *
+ * One loop: ask the coordinator, draw, wait for a key until it is time to ask
+ * again.  It is asked once a second, less often where its answers take long,
+ * and the screen is drawn by ncurses, which sends what has changed. */
+#include "config.h"
+
+#include "ctl/ctl.h"
+#include "ctl/top.h"
+#include "link/fetch.h"
+
+#include <curses.h>
+#include <locale.h>
+#include <poll.h>
+#include <signal.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+enum {
+    PERIOD_MS = 1000,
+    SLOWER = 5,        /* and this many times what the answers took */
+    MOST_LOOKED = 4,   /* jobs that run whose statistics are fetched, */
+    MOST_UNITS = 5000, /* of no more units, since these are told */
+    MOST_JOBS = 200,
+    ESCAPE_MS = 50, /* a sequence of a key that comes in parts */
+    ANSWER_MS = 4500
+};
+
+struct screen {
+    struct ctl *c;
+    struct top top;
+    SCREEN *curses;
+    uint64_t due_ms; /* when to ask again */
+};
+
+static volatile sig_atomic_t stopped;
+
+static void
+on_stop(int signum)
+{
+    (void)signum;
+    stopped = 1;
+}
+
+static uint64_t
+now_ms(struct ctl *c)
+{
+    uv_update_time(&c->loop);
+    return uv_now(&c->loop);
+}
+
+/* --- the coordinator --- */
+
+static int
+ask_stats(struct ctl *c, const uint8_t job[MSG_JOB], json_t **stats)
+{
+    struct fetched f = { 0 };
+    const struct msg *m;
+    uint32_t request = ++c->request;
+    int rc = fetch_start(c->link, job, 0, MSG_WHAT_STATS, request, c->err);
+
+    while (rc == 0) {
+        rc = link_recv(c->link, ANSWER_MS, &m, c->err);
+        if (rc == 0)
+            rc = rad_fail(c->err, RAD_EUNAVAIL,
+                          "the coordinator does not answer");
+        else if (rc == 1)
+            rc = m->request == request ? fetch_take(&f, m, c->err) : 0;
+    }
+    *stats = rc == 1 ? json_loadb((const char *)f.bytes, f.len, 0, NULL) : NULL;
+    free(f.bytes);
+    return rc < 0 ? rc : 0;
+}
+
+static bool
+wants_stats(const struct top *t, const json_t *row)
+{
+    const char *job = json_string_value(json_object_get(row, "job"));
+    const char *state = json_string_value(json_object_get(row, "state"));
+
+    if (job && strcmp(job, t->job) == 0)
+        return true;
+    return state && strcmp(state, "running") == 0 &&
+           json_integer_value(json_object_get(row, "units_total")) <=
+               MOST_UNITS;
+}
+
+/* Statistics of the job that is looked into, and of some that run; a job that
+ * has gone meanwhile has none. */
+static int
+ask_all_stats(struct screen *s, const json_t *jobs, json_t *list)
+{
+    struct ctl *c = s->c;
+    const json_t *row;
+    uint8_t job[MSG_JOB];
+    size_t i;
+    int rc;
+
+    json_array_foreach(jobs, i, row)
+    {
+        const char *id = json_string_value(json_object_get(row, "job"));
+        json_t *stats = NULL;
+
+        if (json_array_size(list) >= MOST_LOOKED || !id ||
+            !wants_stats(&s->top, row) || !msg_job_parse(id, job))
+            continue;
+        rc = ask_stats(c, job, &stats);
+        if (rc == RAD_EUNAVAIL || rc == RAD_EPROTO)
+            return rc;
+        if (stats)
+            json_array_append_new(list, stats);
+    }
+    return 0;
+}
+
+static int
+ask_rows(struct screen *s, json_t **workers, json_t **jobs)
+{
+    struct msg_page page = { .what = MSG_ROWS_WORKERS, .state = "" };
+    struct ctl *c = s->c;
+    int rc;
+
+    c->limit = 0;
+    if ((rc = ctl_rows(c, &page, workers)) < 0)
+        return rc;
+    page = (struct msg_page){ .what = MSG_ROWS_JOBS,
+                              .state = s->top.closed ? "" : "open" };
+    c->limit = MOST_JOBS;
+    return ctl_rows(c, &page, jobs);
+}
+
+static int
+ask_all(struct screen *s)
+{
+    struct ctl *c = s->c;
+    json_t *status, *workers = NULL, *jobs = NULL, *stats = json_array();
+    const struct msg *answer;
+    int rc;
+
+    c->start_ms = now_ms(c);
+    rc = ctl_query(c, MSG_QUERY_STATUS, NULL, &answer);
+    status = rc == 0 ? ctl_parse(c, answer) : NULL;
+    if (rc == 0 && !status)
+        rc = c->err->code;
+    if (rc == 0)
+        rc = ask_rows(s, &workers, &jobs);
+    if (rc == 0)
+        rc = ask_all_stats(s, jobs, stats);
+    if (rc == 0) {
+        top_take(&s->top, (double)now_ms(c) / 1000 + 1, status, workers, jobs,
+                 stats);
+        return 0;
+    }
+    json_decref(status);
+    json_decref(workers);
+    json_decref(jobs);
+    json_decref(stats);
+    return rc;
+}
+
+static void
+note(struct screen *s, const struct rad_error *err)
+{
+    rad_error_format(err, s->top.note, sizeof s->top.note);
+}
+
+/* Ask, or dial again where the coordinator was lost. */
+static void
+refresh_data(struct screen *s)
+{
+    struct rad_error *outer = s->c->err, err = { 0 };
+    uint64_t begin_ms = now_ms(s->c), took_ms;
+    bool lost = s->top.lost;
+    int rc = 0;
+
+    s->c->err = &err;
+    if (!s->c->link)
+        rc = ctl_connect(s->c);
+    if (rc == 0)
+        rc = ask_all(s);
+    if (rc < 0) {
+        link_close(s->c->link);
+        s->c->link = NULL;
+        s->top.lost = true;
+        note(s, &err);
+    } else if (lost) {
+        snprintf(s->top.note, sizeof s->top.note,
+                 "the coordinator is there again");
+    }
+    s->c->err = outer;
+    took_ms = now_ms(s->c) - begin_ms;
+    s->due_ms = now_ms(s->c) +
+                (took_ms * SLOWER > PERIOD_MS ? took_ms * SLOWER : PERIOD_MS);
+}
+
+/* What a question was answered yes to. */
+static void
+carry_out(struct screen *s, enum top_wish wish)
+{
+    static const uint16_t type[] = { [TOP_CANCEL] = MSG_CANCEL,
+                                     [TOP_PAUSE] = MSG_PAUSE,
+                                     [TOP_RESUME] = MSG_RESUME,
+                                     [TOP_DRAIN] = MSG_DRAIN,
+                                     [TOP_UNDRAIN] = MSG_UNDRAIN };
+    bool worker = wish == TOP_DRAIN || wish == TOP_UNDRAIN;
+    struct rad_error *outer = s->c->err, err = { 0 };
+    struct msg m = { .type = type[wish] };
+    const struct msg *answer;
+    uint8_t job[MSG_JOB];
+    int rc;
+
+    s->c->err = &err;
+    s->c->start_ms = now_ms(s->c);
+    if (!s->c->link)
+        rc = rad_fail(&err, RAD_EUNAVAIL, "the coordinator is not there");
+    else if (worker && !s->c->admin)
+        rc = rad_fail(&err, RAD_EPERM, "this is for administrators");
+    else if (!worker && !msg_job_parse(s->top.about, job))
+        rc = rad_fail(&err, RAD_EPROTO, "'%.40s' is no job", s->top.about);
+    else {
+        if (worker)
+            m.drain.name = s->top.about;
+        else
+            m.cancel.job = job; /* these messages share a struct */
+        rc = ctl_ask(s->c, &m, MSG_ANSWER, &answer);
+    }
+    s->c->err = outer;
+    s->due_ms = 0;
+    if (rc < 0)
+        note(s, &err);
+}
+
+/* --- the terminal --- */
+
+enum { PAIR_TITLE = 1, PAIR_WARNING };
+
+static bool
+colours_wanted(void)
+{
+    const char *no = getenv("NO_COLOR");
+
+    return has_colors() && !(no && no[0]);
+}
+
+static int
+open_terminal(struct screen *s)
+{
+    struct sigaction stop = { .sa_handler = on_stop };
+
+    if (!isatty(STDOUT_FILENO) || !isatty(STDIN_FILENO))
+        return rad_fail(s->c->err, RAD_EUSAGE,
+                        "top is for a terminal; status, workers, jobs and job "
+                        "with --json are for programs");
+    setlocale(LC_CTYPE, "");
+    s->curses = newterm(NULL, stdout, stdin);
+    if (!s->curses)
+        return rad_fail(s->c->err, RAD_EUSAGE,
+                        "the terminal's type, TERM=%.40s, is not known",
+                        getenv("TERM") ? getenv("TERM") : "");
+    signal(SIGPIPE, SIG_IGN);       /* a coordinator may be gone */
+    sigaction(SIGINT, &stop, NULL); /* ncurses' would end us at once */
+    sigaction(SIGQUIT, &stop, NULL);
+    sigaction(SIGTERM, &stop, NULL);
+    sigaction(SIGHUP, &stop, NULL);
+    cbreak();
+    noecho();
+    keypad(stdscr, TRUE);
+    set_escdelay(ESCAPE_MS);
+    timeout(0);
+    curs_set(0);
+    if (colours_wanted()) {
+        start_color();
+        use_default_colors();
+        init_pair(PAIR_TITLE, COLOR_CYAN, -1);
+        init_pair(PAIR_WARNING, COLOR_YELLOW, -1);
+    }
+    return 0;
+}
+
+static void
+close_terminal(struct screen *s)
+{
+    if (!s->curses)
+        return;
+    endwin();
+    delscreen(s->curses);
+    s->curses = NULL;
+}
+
+/* No colour where none is wanted. */
+static attr_t
+attribute(enum top_look look)
+{
+    bool colours = colours_wanted();
+
+    switch (look) {
+    case TOP_TITLE:
+        return colours ? COLOR_PAIR(PAIR_TITLE) : A_NORMAL;
+    case TOP_WARNING:
+        return A_BOLD | (colours ? COLOR_PAIR(PAIR_WARNING) : A_NORMAL);
+    case TOP_HEAD:
+        return A_BOLD | A_UNDERLINE;
+    case TOP_CHOSEN:
+        return A_REVERSE;
+    default:
+        return A_NORMAL;
+    }
+}
+
+static void
+put_line(void *arg, int line, enum top_look look, const char *text)
+{
+    (void)arg;
+    attrset(attribute(look));
+    mvaddstr(line, 0, text);
+    attrset(A_NORMAL);
+}
+
+static void
+draw(struct screen *s)
+{
+    erase();
+    top_draw(&s->top, COLS, LINES, put_line, NULL);
+    refresh();
+}
+
+static int
+key_of(int key)
+{
+    switch (key) {
+    case KEY_UP:
+    case 'k':
+        return TOP_KEY_UP;
+    case KEY_DOWN:
+    case 'j':
+        return TOP_KEY_DOWN;
+    case KEY_PPAGE:
+        return TOP_KEY_PAGE_UP;
+    case KEY_NPAGE:
+        return TOP_KEY_PAGE_DOWN;
+    case KEY_ENTER:
+    case '\n':
+    case '\r':
+        return TOP_KEY_ENTER;
+    case 27:
+        return TOP_KEY_BACK;
+    case KEY_BACKSPACE:
+    case 127:
+    case '\b':
+        return TOP_KEY_ERASE;
+    default:
+        return key;
+    }
+}
+
+/* Letters are letters in a filter. */
+static int
+key_in(const struct screen *s, int key)
+{
+    return s->top.editing && (key == 'j' || key == 'k') ? key : key_of(key);
+}
+
+/* All keys that wait; false: the user is done. */
+static bool
+take_keys(struct screen *s)
+{
+    int key;
+
+    while ((key = getch()) != ERR) {
+        enum top_wish wish =
+            key == KEY_RESIZE ? TOP_NOTHING : top_key(&s->top, key_in(s, key));
+
+        if (wish == TOP_QUIT)
+            return false;
+        if (wish == TOP_LOOK)
+            s->due_ms = 0;
+        else if (wish != TOP_NOTHING)
+            carry_out(s, wish);
+    }
+    return true;
+}
+
+/* Until a key, a signal (the window's size, too) or the time to ask. */
+static bool
+wait_for_keys(struct screen *s)
+{
+    struct pollfd in = { .fd = STDIN_FILENO, .events = POLLIN };
+    uint64_t t = now_ms(s->c);
+
+    if (t < s->due_ms)
+        poll(&in, 1, (int)(s->due_ms - t));
+    /* a terminal that is gone is no reason to turn round and round */
+    return !(in.revents & (POLLHUP | POLLERR | POLLNVAL)) && take_keys(s);
+}
+
+int
+ctl_run_top(struct ctl *c)
+{
+    struct screen s = { .c = c };
+    int rc = open_terminal(&s);
+
+    if (rc < 0)
+        return rc;
+    top_init(&s.top);
+    do {
+        if (now_ms(c) >= s.due_ms)
+            refresh_data(&s);
+        draw(&s);
+    } while (!stopped && wait_for_keys(&s) && !stopped);
+    close_terminal(&s);
+    top_release(&s.top);
+    return 0;
+}

@@ -1,0 +1,433 @@
+/* top.c - the state of radctl top, and what keys do to it; see top.h */
+#include "config.h"
+
+#include "ctl/top.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { PAGE = 10 };
+
+static const char *const name_key[TOP_NPANE] = { "name", "job" };
+
+static const char *
+text_of(const json_t *row, const char *key)
+{
+    const char *text = json_string_value(json_object_get(row, key));
+
+    return text ? text : "";
+}
+
+void
+top_init(struct top *t)
+{
+    *t = (struct top){ .pane = TOP_JOBS };
+    for (int p = 0; p < TOP_NPANE; p++)
+        t->list[p].sort = -1;
+}
+
+void
+top_release(struct top *t)
+{
+    for (int p = 0; p < TOP_NPANE; p++) {
+        json_decref(t->list[p].rows);
+        json_decref(t->list[p].rates);
+    }
+    json_decref(t->status);
+    json_decref(t->stats);
+}
+
+/* --- what came --- */
+
+static json_t *
+find_row(const json_t *rows, const char *key, const char *name)
+{
+    json_t *row;
+    size_t i;
+
+    json_array_foreach(rows, i, row)
+    {
+        if (strcmp(text_of(row, key), name) == 0)
+            return row;
+    }
+    return NULL;
+}
+
+static void
+add_number(json_t *row, const char *key, double x)
+{
+    if (row)
+        json_object_set_new(
+            row, key,
+            json_real(x + json_number_value(json_object_get(row, key))));
+}
+
+static void
+raise_number(json_t *row, const char *key, double x)
+{
+    if (row && x > json_number_value(json_object_get(row, key)))
+        json_object_set_new(row, key, json_real(x));
+}
+
+/* What a job's statistics know of its workers, and of itself. */
+static void
+spread_stats(const json_t *stats, json_t *workers, json_t *jobs)
+{
+    json_t *job = find_row(jobs, "job", text_of(stats, "job"));
+    const json_t *totals = json_object_get(stats, "totals"), *w;
+    const json_t *error = json_object_get(stats, "error");
+    size_t i;
+
+    raise_number(job, "error",
+                 json_number_value(json_object_get(error, "estimate")));
+    raise_number(
+        job, "redundant",
+        json_number_value(json_object_get(totals, "ambient_redundant")));
+    json_array_foreach(json_object_get(stats, "workers"), i, w)
+    {
+        json_t *row = find_row(workers, "name", text_of(w, "name"));
+
+        add_number(row, "rays", json_number_value(json_object_get(w, "rays")));
+        raise_number(row, "memory",
+                     json_number_value(json_object_get(w, "peak_rss_bytes")));
+    }
+}
+
+/* Rays a second since the rows that were there before. */
+static json_t *
+rates_of(const struct top *t, enum top_pane pane, const json_t *rows, double s)
+{
+    json_t *rates = json_object(), *row;
+    size_t i;
+
+    json_array_foreach(rows, i, row)
+    {
+        const char *name = text_of(row, name_key[pane]);
+        const json_t *was = find_row(t->list[pane].rows, name_key[pane], name);
+        const json_t *then = json_object_get(was, "rays");
+        const json_t *now = json_object_get(row, "rays");
+        double more = json_number_value(now) - json_number_value(then);
+
+        /* of a worker whose job is over the sum gets smaller */
+        if (then && now && s > 0 && more >= 0)
+            json_object_set_new(rates, name, json_real(more / s));
+    }
+    return rates;
+}
+
+void
+top_take(struct top *t, double now_s, json_t *status, json_t *workers,
+         json_t *jobs, json_t *stats)
+{
+    json_t *rows[TOP_NPANE] = { workers, jobs }, *one;
+    size_t i;
+
+    json_decref(t->stats);
+    t->stats = NULL;
+    json_array_foreach(stats, i, one)
+    {
+        spread_stats(one, workers, jobs);
+        if (strcmp(text_of(one, "job"), t->job) == 0)
+            t->stats = json_incref(one);
+    }
+    json_decref(stats);
+    for (int p = 0; p < TOP_NPANE; p++) {
+        json_t *rates = rates_of(t, (enum top_pane)p, rows[p],
+                                 t->at_s > 0 ? now_s - t->at_s : 0);
+
+        json_decref(t->list[p].rows);
+        json_decref(t->list[p].rates);
+        t->list[p].rows = rows[p];
+        t->list[p].rates = rates;
+    }
+    json_decref(t->status);
+    t->status = status;
+    t->at_s = now_s;
+    t->lost = false;
+}
+
+/* --- which rows, and in what order --- */
+
+static bool
+fits(const struct top *t, const json_t *row)
+{
+    static const char *const where[] = { "name", "job", "owner", "state" };
+
+    for (size_t i = 0; i < sizeof where / sizeof where[0]; i++)
+        if (strcasestr(text_of(row, where[i]), t->filter))
+            return true;
+    return false;
+}
+
+struct order {
+    const struct top *t;
+    enum top_pane pane;
+};
+
+static int
+by_column(const void *a, const void *b, void *arg)
+{
+    const struct order *o = arg;
+    const struct top_list *l = &o->t->list[o->pane];
+    const json_t *p = *(const json_t *const *)a, *q = *(const json_t *const *)b;
+    int c = top_compare(o->t, o->pane, l->sort, p, q);
+
+    if (c == 0) /* as they do not jump about */
+        return strcmp(text_of(p, name_key[o->pane]),
+                      text_of(q, name_key[o->pane]));
+    return l->back ? -c : c;
+}
+
+/* The order in which jobs are served: by priority, of one the oldest first; the
+ * coordinator tells the newest first. */
+static void
+serve_order(const json_t **v, size_t n)
+{
+    for (size_t i = 0; i < n / 2; i++) {
+        const json_t *row = v[i];
+
+        v[i] = v[n - 1 - i];
+        v[n - 1 - i] = row;
+    }
+    for (size_t i = 1; i < n; i++) {
+        const json_t *row = v[i];
+        size_t k = i;
+
+        for (; k > 0 &&
+               json_integer_value(json_object_get(row, "priority")) >
+                   json_integer_value(json_object_get(v[k - 1], "priority"));
+             k--)
+            v[k] = v[k - 1];
+        v[k] = row;
+    }
+}
+
+const json_t **
+top_rows(const struct top *t, enum top_pane pane, size_t *n)
+{
+    const json_t *rows = t->list[pane].rows, *row;
+    const json_t **v = calloc(json_array_size(rows) + 1, sizeof *v);
+    struct order o = { t, pane };
+    size_t i;
+
+    *n = 0;
+    json_array_foreach(rows, i, row)
+    {
+        if (v && fits(t, row))
+            v[(*n)++] = row;
+    }
+    if (v && t->list[pane].sort >= 0)
+        qsort_r(v, *n, sizeof *v, by_column, &o);
+    else if (v && pane == TOP_JOBS)
+        serve_order(v, *n);
+    return v;
+}
+
+/* Its place in those rows; 0 where it is not there. */
+static size_t
+place_of(const json_t **v, size_t n, enum top_pane pane, const char *name)
+{
+    for (size_t i = 0; i < n; i++)
+        if (strcmp(text_of(v[i], name_key[pane]), name) == 0)
+            return i;
+    return 0;
+}
+
+static const json_t *
+chosen_row(const struct top *t, enum top_pane pane)
+{
+    size_t n;
+    const json_t **v = top_rows(t, pane, &n), *row = NULL;
+
+    if (v && n > 0)
+        row = v[place_of(v, n, pane, t->list[pane].chosen)];
+    free(v);
+    return row;
+}
+
+const char *
+top_chosen(const struct top *t, enum top_pane pane)
+{
+    return text_of(chosen_row(t, pane), name_key[pane]);
+}
+
+static void
+move(struct top *t, int by)
+{
+    struct top_list *l = &t->list[t->pane];
+    size_t n;
+    const json_t **v = top_rows(t, t->pane, &n);
+    long at;
+
+    if (v && n > 0) {
+        at = (long)place_of(v, n, t->pane, l->chosen) + by;
+        at = at < 0 ? 0 : at >= (long)n ? (long)n - 1 : at;
+        snprintf(l->chosen, sizeof l->chosen, "%s",
+                 text_of(v[at], name_key[t->pane]));
+    }
+    free(v);
+}
+
+/* --- keys --- */
+
+static enum top_wish
+edit_filter(struct top *t, int key)
+{
+    size_t n = strlen(t->filter);
+
+    if (key == TOP_KEY_ENTER || key == TOP_KEY_BACK)
+        t->editing = false;
+    if (key == TOP_KEY_BACK)
+        t->filter[0] = '\0';
+    else if (key == TOP_KEY_ERASE && n > 0)
+        t->filter[n - 1] = '\0';
+    else if (key >= ' ' && key < 127 && n + 1 < sizeof t->filter) {
+        t->filter[n] = (char)key;
+        t->filter[n + 1] = '\0';
+    }
+    return TOP_NOTHING;
+}
+
+static enum top_wish
+answer(struct top *t, int key)
+{
+    enum top_wish asked = t->asked;
+
+    t->asked = TOP_NOTHING;
+    t->note[0] = '\0';
+    return key == 'y' || key == 'Y' ? asked : TOP_NOTHING;
+}
+
+/* Ask first. */
+static enum top_wish
+ask(struct top *t, enum top_wish what, const char *verb, const char *name)
+{
+    if (!name[0])
+        return TOP_NOTHING;
+    t->asked = what;
+    snprintf(t->about, sizeof t->about, "%s", name);
+    snprintf(t->note, sizeof t->note, "%s %.64s? y/n", verb, name);
+    return TOP_NOTHING;
+}
+
+static enum top_wish
+ask_about_job(struct top *t, int key)
+{
+    const json_t *row = t->job[0]
+                            ? find_row(t->list[TOP_JOBS].rows, "job", t->job)
+                            : chosen_row(t, TOP_JOBS);
+    bool paused = strcmp(text_of(row, "state"), "paused") == 0;
+
+    if (key == 'c')
+        return ask(t, TOP_CANCEL, "cancel job", text_of(row, "job"));
+    return ask(t, paused ? TOP_RESUME : TOP_PAUSE,
+               paused ? "go on with job" : "pause job", text_of(row, "job"));
+}
+
+static enum top_wish
+ask_about_worker(struct top *t)
+{
+    const json_t *row = chosen_row(t, TOP_WORKERS);
+    const char *state = text_of(row, "state");
+    bool drained =
+        strcmp(state, "drained") == 0 || strcmp(state, "draining") == 0;
+
+    return ask(t, drained ? TOP_UNDRAIN : TOP_DRAIN,
+               drained ? "give work again to" : "drain worker",
+               text_of(row, "name"));
+}
+
+static enum top_wish
+look_into(struct top *t)
+{
+    if (t->pane != TOP_JOBS || t->job[0])
+        return TOP_NOTHING;
+    snprintf(t->job, sizeof t->job, "%s", top_chosen(t, TOP_JOBS));
+    t->scroll = 0;
+    return t->job[0] ? TOP_LOOK : TOP_NOTHING;
+}
+
+static enum top_wish
+leave(struct top *t, int key)
+{
+    if (t->job[0])
+        t->job[0] = '\0';
+    else if (key == 'q')
+        return TOP_QUIT;
+    else
+        t->filter[0] = '\0';
+    return TOP_NOTHING;
+}
+
+static enum top_wish
+scroll(struct top *t, int by)
+{
+    if (!t->job[0]) {
+        move(t, by);
+        return TOP_NOTHING;
+    }
+    t->scroll = t->scroll + by < 0 ? 0 : t->scroll + by;
+    return TOP_NOTHING;
+}
+
+/* How the lists are shown. */
+static enum top_wish
+arrange(struct top *t, int key)
+{
+    struct top_list *l = &t->list[t->pane];
+
+    switch (key) {
+    case '\t':
+        t->pane = t->pane == TOP_JOBS ? TOP_WORKERS : TOP_JOBS;
+        break;
+    case 's':
+        l->sort = l->sort + 1 < top_ncolumns(t->pane) ? l->sort + 1 : -1;
+        break;
+    case 'r':
+        l->back = !l->back;
+        break;
+    case '/':
+        t->editing = true;
+        break;
+    case 'a':
+        t->closed = !t->closed;
+        return TOP_LOOK;
+    default:
+        break;
+    }
+    return TOP_NOTHING;
+}
+
+enum top_wish
+top_key(struct top *t, int key)
+{
+    if (t->asked != TOP_NOTHING)
+        return answer(t, key);
+    if (t->editing)
+        return edit_filter(t, key);
+    if (!t->lost)
+        t->note[0] = '\0';
+    switch (key) {
+    case 'q':
+    case TOP_KEY_BACK:
+        return leave(t, key);
+    case TOP_KEY_UP:
+        return scroll(t, -1);
+    case TOP_KEY_DOWN:
+        return scroll(t, 1);
+    case TOP_KEY_PAGE_UP:
+        return scroll(t, -PAGE);
+    case TOP_KEY_PAGE_DOWN:
+        return scroll(t, PAGE);
+    case TOP_KEY_ENTER:
+        return look_into(t);
+    case 'c':
+    case 'p':
+        return ask_about_job(t, key);
+    case 'd':
+        return t->job[0] ? TOP_NOTHING : ask_about_worker(t);
+    default:
+        return t->job[0] ? TOP_NOTHING : arrange(t, key);
+    }
+}

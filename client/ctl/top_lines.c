@@ -1,0 +1,550 @@
+/* top_lines.c - radctl top as lines of text; see top.h
+ *
+ * A list's columns have ranks: where the terminal is narrow, those of the
+ * highest rank are left out first.  The first text column takes what is left
+ * over. */
+#include "config.h"
+
+#include "ctl/top.h"
+
+#include "base/text.h"
+#include "common/figure.h"
+
+#include <math.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { WIDEST = 500, GAP = 2, CELL = 200, GANTT_LEFT = 46 };
+
+enum kind { TEXT, ID, COUNT, RATE, SHARE, SMALL, BYTES, SPAN, LEFT, PASS };
+
+struct column {
+    const char *title, *key;
+    enum kind kind;
+    int width;
+    int rank;
+    bool wide; /* takes what is left */
+};
+
+static const struct column tables[TOP_NPANE][12] = {
+    { { "WORKER", "name", TEXT, 12, 0, true },
+      { "STATE", "state", TEXT, 8, 0, false },
+      { "THREADS", "threads", COUNT, 7, 3, false },
+      { "UNITS", "units", COUNT, 5, 2, false },
+      { "RAYS/S", "", RATE, 7, 1, false },
+      { "MEMORY", "memory", BYTES, 8, 4, false },
+      { "FOR", "since_s", SPAN, 8, 5, false },
+      { "ADDRESS", "address", TEXT, 21, 6, false } },
+    { { "JOB", "job", ID, 8, 0, false },
+      { "NAME", "name", TEXT, 10, 3, true },
+      { "STATE", "state", TEXT, 9, 0, false },
+      { "DONE", "done", SHARE, 5, 0, false },
+      { "LEFT", "", LEFT, 8, 1, false },
+      { "RAYS/S", "", RATE, 7, 2, false },
+      { "WORKERS", "workers", COUNT, 7, 4, false },
+      { "ERROR", "error", SMALL, 6, 5, false },
+      { "OWNER", "owner", TEXT, 8, 6, false },
+      { "PASS", "", PASS, 5, 7, false },
+      { "REDUNDANT", "redundant", COUNT, 9, 8, false },
+      { "PRIORITY", "priority", COUNT, 8, 9, false } },
+};
+
+static const char *const key_of[TOP_NPANE] = { "name", "job" };
+
+int
+top_ncolumns(enum top_pane pane)
+{
+    int n = 0;
+
+    while (n < 12 && tables[pane][n].title)
+        n++;
+    return n;
+}
+
+/* --- cells --- */
+
+static const char *
+text_of(const json_t *row, const char *key)
+{
+    const char *text = json_string_value(json_object_get(row, key));
+
+    return text ? text : "";
+}
+
+static double
+number_of(const json_t *row, const char *key)
+{
+    return json_number_value(json_object_get(row, key));
+}
+
+/* Seconds that a job will still take, by what it took; negative: nobody
+ * knows. */
+static double
+left_of(const json_t *row)
+{
+    double done = number_of(row, "done"), s = number_of(row, "elapsed_s");
+
+    if (strcmp(text_of(row, "state"), "running") != 0 || done < .01)
+        return -1;
+    return s * (1 - done) / done;
+}
+
+/* A column's number; -1 where there is none. */
+static double
+value_of(const struct top *t, enum top_pane pane, const struct column *c,
+         const json_t *row)
+{
+    const json_t *x = json_object_get(row, c->key);
+
+    switch (c->kind) {
+    case RATE:
+        x = json_object_get(t->list[pane].rates, text_of(row, key_of[pane]));
+        break;
+    case LEFT:
+        return left_of(row);
+    case PASS:
+        x = json_object_get(row, "pass");
+        break;
+    default:
+        break;
+    }
+    return json_is_number(x) ? json_number_value(x) : -1;
+}
+
+int
+top_compare(const struct top *t, enum top_pane pane, int column,
+            const json_t *a, const json_t *b)
+{
+    const struct column *c = &tables[pane][column];
+    double x, y;
+
+    if (c->kind == TEXT || c->kind == ID)
+        return strcmp(text_of(a, c->key), text_of(b, c->key));
+    x = value_of(t, pane, c, a);
+    y = value_of(t, pane, c, b);
+    return x > y ? -1 : x < y; /* the largest first */
+}
+
+/* 1234567 as "1.2 M" */
+static void
+scaled(char *text, double x, double step, const char *const units[5])
+{
+    char digits[FIGURE_TEXT];
+    int i = 0;
+
+    while (x >= step && i < 4) {
+        x /= step;
+        i++;
+    }
+    snprintf(text, CELL, "%s%s", figure(digits, x, x < 10 ? 2 : 3), units[i]);
+}
+
+static void
+span(char *text, double s)
+{
+    if (s < 60)
+        snprintf(text, CELL, "%.0f s", s);
+    else if (s < 3600)
+        snprintf(text, CELL, "%.0f:%02.0f", floor(s / 60), floor(fmod(s, 60)));
+    else if (s < 86400)
+        snprintf(text, CELL, "%.0f h %02.0f", floor(s / 3600),
+                 floor(fmod(s, 3600) / 60));
+    else
+        snprintf(text, CELL, "%.0f days", floor(s / 86400));
+}
+
+static void
+cell(const struct top *t, enum top_pane pane, const struct column *c,
+     const json_t *row, char text[CELL])
+{
+    static const char *const thousands[] = { "", " k", " M", " G", " T" };
+    static const char *const binary[] = { " B", " KiB", " MiB", " GiB",
+                                          " TiB" };
+    double x = value_of(t, pane, c, row);
+
+    text[0] = '\0';
+    if (c->kind == TEXT || c->kind == ID)
+        rad_text_print(text, CELL, "%.*s", c->kind == ID ? 8 : CELL - 1,
+                       text_of(row, c->key));
+    else if (c->kind == COUNT && json_object_get(row, c->key))
+        snprintf(text, CELL, "%.0f", number_of(row, c->key));
+    else if (c->kind == PASS && x > 0)
+        snprintf(text, CELL, "%.0f/%.0f", x, number_of(row, "passes"));
+    else if (c->kind == RATE && x >= 0)
+        scaled(text, x, 1000, thousands);
+    else if (c->kind == BYTES && x > 0)
+        scaled(text, x, 1024, binary);
+    else if (c->kind == SHARE && x >= 0)
+        snprintf(text, CELL, "%.0f %%", floor(100 * x));
+    else if (c->kind == SMALL && x > 0)
+        snprintf(text, CELL, "%.1f %%", 100 * x);
+    else if ((c->kind == SPAN || c->kind == LEFT) && x >= 0)
+        span(text, x);
+}
+
+/* --- lines --- */
+
+struct line {
+    char text[4 * WIDEST + 1];
+    size_t len;
+};
+
+/* Text in so many columns: cut, or filled up at its right or left. */
+static void
+put_cell(struct line *l, const char *text, size_t width, bool right)
+{
+    char kept[CELL];
+    size_t used, pad;
+
+    rad_text_print(kept, sizeof kept, "%s", text);
+    rad_text_clean(kept);
+    kept[rad_text_fit(kept, width)] = '\0';
+    used = rad_text_width(kept);
+    pad = used < width ? width - used : 0;
+    if (l->len + strlen(kept) + pad + GAP + 1 > sizeof l->text)
+        return;
+    l->len +=
+        (size_t)sprintf(l->text + l->len, "%*s%s%*s", right ? (int)pad : 0, "",
+                        kept, right ? 0 : (int)pad, "");
+}
+
+static void
+put_gap(struct line *l)
+{
+    if (l->len > 0 && l->len + GAP < sizeof l->text)
+        l->len += (size_t)sprintf(l->text + l->len, "%*s", GAP, "");
+}
+
+/* The highest rank of which all columns fit, and what the wide one gets. */
+static int
+fit_ranks(enum top_pane pane, int width, int *extra)
+{
+    int n = top_ncolumns(pane);
+
+    for (int rank = 9; rank >= 0; rank--) {
+        int need = -GAP;
+
+        for (int i = 0; i < n; i++)
+            if (tables[pane][i].rank <= rank)
+                need += tables[pane][i].width + GAP;
+        *extra = width - need;
+        if (need <= width)
+            return rank;
+    }
+    *extra = 0;
+    return 0;
+}
+
+/* A row, or the columns' titles where it is NULL. */
+static void
+list_line(const struct top *t, enum top_pane pane, const json_t *row, int width,
+          struct line *l)
+{
+    const struct top_list *list = &t->list[pane];
+    int extra, rank = fit_ranks(pane, width, &extra);
+
+    *l = (struct line){ .len = 0 };
+    for (int i = 0; i < top_ncolumns(pane); i++) {
+        const struct column *c = &tables[pane][i];
+        char text[CELL];
+
+        if (c->rank > rank)
+            continue;
+        if (row)
+            cell(t, pane, c, row, text);
+        else
+            snprintf(text, sizeof text, "%s%s", c->title,
+                     i != list->sort ? ""
+                     : list->back    ? "^"
+                                     : "v");
+        put_gap(l);
+        put_cell(l, text, (size_t)(c->width + (c->wide ? extra : 0)),
+                 c->kind != TEXT && c->kind != ID);
+    }
+    l->text[rad_text_fit(l->text, (size_t)width)] = '\0';
+}
+
+struct screen {
+    const struct top *t;
+    int columns, lines, at; /* at: the next line */
+    top_put_fn *put;
+    void *arg;
+};
+
+static void
+put_text(struct screen *s, int line, enum top_look look, const char *text)
+{
+    char cut[4 * WIDEST + 1];
+
+    if (line < 0 || line >= s->lines)
+        return;
+    rad_text_print(cut, sizeof cut, "%s", text);
+    rad_text_clean(cut);
+    cut[rad_text_fit(cut, (size_t)s->columns)] = '\0';
+    s->put(s->arg, line, look, cut);
+}
+
+static void __attribute__((format(printf, 3, 4)))
+say(struct screen *s, enum top_look look, const char *fmt, ...)
+{
+    char text[WIDEST];
+    va_list ap;
+
+    va_start(ap, fmt);
+    rad_text_vprint(text, sizeof text, fmt, ap);
+    va_end(ap);
+    put_text(s, s->at++, look, text);
+}
+
+/* --- the lists --- */
+
+static double
+total_rate(const struct top *t)
+{
+    const char *name;
+    json_t *rate;
+    double sum = 0;
+
+    json_object_foreach(t->list[TOP_JOBS].rates, name, rate)
+    {
+        sum += json_number_value(rate);
+    }
+    return sum;
+}
+
+static void
+draw_summary(struct screen *s)
+{
+    static const char *const thousands[] = { "", " k", " M", " G", " T" };
+    const struct top *t = s->t;
+    char rate[CELL];
+
+    scaled(rate, total_rate(t), 1000, thousands);
+    if (t->status)
+        say(s, TOP_TITLE,
+            "%s   %.0f workers, %.0f threads   %.0f jobs   %s rays/s",
+            text_of(t->status, "program"), number_of(t->status, "workers"),
+            number_of(t->status, "threads"), number_of(t->status, "jobs"),
+            rate);
+    else
+        say(s, TOP_TITLE, "radctl top");
+    if (t->editing || (t->filter[0] && !t->note[0]))
+        say(s, TOP_WARNING, "filter: %s%s", t->filter, t->editing ? "_" : "");
+    else
+        say(s, TOP_WARNING, "%s", t->note);
+}
+
+/* n lines of a list from the one where the chosen row is in sight. */
+static void
+draw_list(struct screen *s, enum top_pane pane, const json_t **v, size_t n,
+          int room)
+{
+    const char *chosen = top_chosen(s->t, pane);
+    struct line l;
+    long first, at = 0;
+
+    if (room < 2)
+        return;
+    list_line(s->t, pane, NULL, s->columns, &l);
+    put_text(s, s->at++, TOP_HEAD, l.text);
+    for (size_t i = 0; i < n; i++)
+        if (strcmp(text_of(v[i], key_of[pane]), chosen) == 0)
+            at = (long)i;
+    first = at - (room - 1) / 2;
+    if (first > (long)n - (room - 1))
+        first = (long)n - (room - 1);
+    first = first < 0 ? 0 : first;
+    for (long i = first; i < (long)n && i < first + room - 1; i++) {
+        list_line(s->t, pane, v[i], s->columns, &l);
+        put_text(s, s->at++,
+                 i == at && pane == s->t->pane ? TOP_CHOSEN : TOP_PLAIN,
+                 l.text);
+    }
+}
+
+static void
+draw_lists(struct screen *s)
+{
+    size_t n[TOP_NPANE];
+    const json_t **v[TOP_NPANE];
+    int body, room[TOP_NPANE];
+
+    draw_summary(s);
+    body = s->lines - s->at - 2; /* an empty line, and the keys */
+    for (int p = 0; p < TOP_NPANE; p++)
+        v[p] = top_rows(s->t, (enum top_pane)p, &n[p]);
+    for (int p = 0; p < TOP_NPANE; p++)
+        room[p] = n[p] + 1 < WIDEST ? (int)n[p] + 1 : WIDEST;
+    if (body < 8) { /* too low for two */
+        room[s->t->pane] = body + 1;
+        room[1 - s->t->pane] = 0;
+    } else if (room[0] + room[1] > body) {
+        if (room[0] > body / 2)
+            room[0] = room[1] > body - body / 2 ? body / 2 : body - room[1];
+        room[1] = body - room[0];
+    }
+    for (int p = 0; p < TOP_NPANE; p++) {
+        if (v[p])
+            draw_list(s, (enum top_pane)p, v[p], n[p], room[p]);
+        if (p == 0 && room[0] > 0)
+            s->at++;
+        free(v[p]);
+    }
+    put_text(s, s->lines - 1, TOP_TITLE,
+             "q quit  Tab list  Enter job  s sort  r reverse  / filter  "
+             "c cancel  p pause  d drain  a all");
+}
+
+/* --- one job --- */
+
+/* Units of a worker over the job's time: '#' and '=' by turns. */
+static void
+gantt(const json_t *units, const char *worker, double end_s, char *bar, int n)
+{
+    const json_t *u;
+    size_t i;
+    int turn = 0;
+
+    memset(bar, '.', (size_t)n);
+    bar[n] = '\0';
+    json_array_foreach(units, i, u)
+    {
+        double from = number_of(u, "start_s"), to = number_of(u, "end_s");
+        int a, b;
+
+        if (strcmp(text_of(u, "worker"), worker) != 0 || !(end_s > 0) ||
+            !(from >= 0) || !(from <= end_s))
+            continue;
+        a = (int)(from / end_s * n);
+        b = to >= from && to <= end_s ? (int)ceil(to / end_s * n) : n;
+        a = a < n ? a : n - 1;
+        b = b > a ? b : a + 1;
+        memset(bar + a, turn++ % 2 ? '=' : '#', (size_t)(b - a));
+    }
+}
+
+static double
+job_end(const json_t *stats)
+{
+    const json_t *u;
+    double end = number_of(json_object_get(stats, "time"), "wall_s");
+    size_t i;
+
+    json_array_foreach(json_object_get(stats, "units"), i, u)
+    {
+        if (number_of(u, "end_s") > end)
+            end = number_of(u, "end_s");
+    }
+    return end;
+}
+
+static void
+draw_worker(struct screen *s, const json_t *w, double end_s)
+{
+    static const char *const thousands[] = { "", " k", " M", " G", " T" };
+    static const char *const binary[] = { " B", " KiB", " MiB", " GiB",
+                                          " TiB" };
+    int n = s->columns - GANTT_LEFT;
+    char rays[CELL], memory[CELL], bar[WIDEST + 1] = "", units[CELL];
+    struct line l = { .len = 0 };
+
+    scaled(rays, number_of(w, "rays"), 1000, thousands);
+    scaled(memory, number_of(w, "peak_rss_bytes"), 1024, binary);
+    snprintf(units, sizeof units, "%.0f", number_of(w, "units"));
+    put_cell(&l, text_of(w, "name"), 16, false);
+    put_gap(&l);
+    put_cell(&l, units, 5, true);
+    put_gap(&l);
+    put_cell(&l, rays, 7, true);
+    put_gap(&l);
+    put_cell(&l, memory, 8, true);
+    put_gap(&l);
+    if (n > 0)
+        gantt(json_object_get(s->t->stats, "units"), text_of(w, "name"), end_s,
+              bar, n < WIDEST ? n : WIDEST);
+    say(s, TOP_PLAIN, "%s%s", l.text, bar);
+}
+
+static void
+draw_workers(struct screen *s)
+{
+    const json_t *workers = json_object_get(s->t->stats, "workers");
+    double end_s = job_end(s->t->stats);
+    int most = (int)json_array_size(workers) - 1;
+    int first = s->t->scroll < most ? s->t->scroll : most;
+    char end[CELL];
+
+    span(end, end_s);
+    say(s, TOP_HEAD, "%-16s  %5s  %7s  %8s  UNITS FROM 0 TO %s", "WORKER",
+        "UNITS", "RAYS", "MEMORY", end);
+    for (int i = first < 0 ? 0 : first; i <= most && s->at < s->lines - 1; i++)
+        draw_worker(s, json_array_get(workers, (size_t)i), end_s);
+}
+
+static void
+draw_progress(struct screen *s, const json_t *row)
+{
+    const json_t *totals = json_object_get(s->t->stats, "totals");
+    char left[CELL] = "", error[CELL] = "", pass[CELL] = "";
+
+    if (left_of(row) >= 0)
+        span(left, left_of(row));
+    if (number_of(row, "error") > 0)
+        snprintf(error, sizeof error, ", error about %.1f %%",
+                 100 * number_of(row, "error"));
+    if (number_of(row, "pass") > 0)
+        snprintf(pass, sizeof pass, ", pass %.0f of %.0f to %.0f %%",
+                 number_of(row, "pass"), number_of(row, "passes"),
+                 100 * number_of(row, "pass_done"));
+    say(s, TOP_PLAIN, "%s, %.0f %% done%s%s%s%s", text_of(row, "state"),
+        floor(100 * number_of(row, "done")), left[0] ? ", left " : "", left,
+        pass, error);
+    say(s, TOP_PLAIN,
+        "%.0f of %.0f units, %.0f done again; %.0f ambient values, %.0f "
+        "redundant",
+        number_of(row, "units_done"), number_of(row, "units_total"),
+        number_of(row, "units_redone"), number_of(totals, "ambient_values"),
+        number_of(totals, "ambient_redundant"));
+    say(s, TOP_WARNING, "%s", text_of(row, "text"));
+}
+
+static void
+draw_job(struct screen *s)
+{
+    const json_t *rows = s->t->list[TOP_JOBS].rows, *one, *row = NULL;
+    size_t i;
+
+    json_array_foreach(rows, i, one)
+    {
+        if (strcmp(text_of(one, "job"), s->t->job) == 0)
+            row = one;
+    }
+    say(s, TOP_TITLE, "job %.8s  %s  of %s", s->t->job, text_of(row, "name"),
+        text_of(row, "owner"));
+    say(s, TOP_WARNING, "%s", s->t->note);
+    if (!row)
+        say(s, TOP_PLAIN, "it is not there any more");
+    else
+        draw_progress(s, row);
+    if (s->t->stats)
+        draw_workers(s);
+    put_text(s, s->lines - 1, TOP_TITLE,
+             "q back  arrows scroll  c cancel  p pause");
+}
+
+void
+top_draw(const struct top *t, int columns, int lines, top_put_fn *put,
+         void *arg)
+{
+    struct screen s = { t,  columns < WIDEST ? columns : WIDEST, lines, 0, put,
+                        arg };
+
+    if (columns < 1 || lines < 1)
+        return;
+    if (t->job[0])
+        draw_job(&s);
+    else
+        draw_lists(&s);
+}

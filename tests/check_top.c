@@ -1,0 +1,363 @@
+/* check_top.c - what radctl top shows, and what keys do, without a terminal */
+#include "config.h"
+
+#include "ctl/top.h"
+#include "base/text.h"
+#include "unit.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { LINES = 60 };
+
+struct picture {
+    char line[LINES][600];
+    enum top_look look[LINES];
+    int columns, lines;
+};
+
+static void
+put(void *arg, int line, enum top_look look, const char *text)
+{
+    struct picture *p = arg;
+
+    ck_assert_int_ge(line, 0);
+    ck_assert_int_lt(line, p->lines);
+    ck_assert_uint_le(rad_text_width(text), (size_t)p->columns);
+    snprintf(p->line[line], sizeof p->line[0], "%s", text);
+    p->look[line] = look;
+}
+
+static struct picture picture;
+
+static const struct picture *
+draw(const struct top *t, int columns, int lines)
+{
+    memset(&picture, 0, sizeof picture);
+    picture.columns = columns;
+    picture.lines = lines;
+    top_draw(t, columns, lines, put, &picture);
+    return &picture;
+}
+
+/* The first line with that text; -1: there is none. */
+static int
+line_with(const struct picture *p, const char *text)
+{
+    for (int i = 0; i < p->lines; i++)
+        if (strstr(p->line[i], text))
+            return i;
+    return -1;
+}
+
+static json_t *
+parse(const char *text)
+{
+    json_error_t why;
+    json_t *root = json_loads(text, 0, &why);
+
+    ck_assert_msg(root != NULL, "%s", why.text);
+    return root;
+}
+
+static const char status[] =
+    "{\"program\":\"radcoord 1\",\"workers\":2,\"threads\":12,\"jobs\":3}";
+static const char workers[] =
+    "[{\"name\":\"ws1\",\"state\":\"working\",\"threads\":8,\"units\":2,"
+    "\"since_s\":75,\"address\":\"tcp 10.0.0.1:7421\"},"
+    "{\"name\":\"ws2\",\"state\":\"drained\",\"threads\":4,\"units\":0,"
+    "\"since_s\":7300,\"address\":\"tcp 10.0.0.2:7421\"}]";
+/* newest first, as the coordinator tells them */
+static const char jobs[] =
+    "[{\"job\":\"cc000000000000000000000000000000\",\"name\":\"stairs\","
+    "\"owner\":\"bob\",\"state\":\"paused\",\"priority\":0,\"done\":0.5,"
+    "\"rays\":7,\"elapsed_s\":4,\"workers\":0},"
+    "{\"job\":\"bb000000000000000000000000000000\",\"name\":\"atrium\","
+    "\"owner\":\"ana\",\"state\":\"waiting\",\"priority\":5,\"done\":0,"
+    "\"rays\":0,\"elapsed_s\":0,\"workers\":0},"
+    "{\"job\":\"aa000000000000000000000000000000\",\"name\":\"room\","
+    "\"owner\":\"ana\",\"state\":\"running\",\"priority\":0,\"done\":0.25,"
+    "\"rays\":%d,\"elapsed_s\":30,\"workers\":2,\"pass\":3,\"passes\":7,"
+    "\"pass_done\":0.5,\"units_done\":2,\"units_total\":4,\"text\":\"\"}]";
+static const char stats[] =
+    "[{\"job\":\"aa000000000000000000000000000000\","
+    "\"time\":{\"wall_s\":40},\"error\":{\"estimate\":0.034},"
+    "\"totals\":{\"ambient_values\":500,\"ambient_redundant\":12},"
+    "\"workers\":[{\"name\":\"ws1\",\"rays\":%d,\"units\":2,"
+    "\"peak_rss_bytes\":10485760},{\"name\":\"ws2\",\"rays\":10,\"units\":1,"
+    "\"peak_rss_bytes\":2048}],"
+    "\"units\":[{\"worker\":\"ws1\",\"start_s\":0,\"end_s\":10},"
+    "{\"worker\":\"ws1\",\"start_s\":10,\"end_s\":20},"
+    "{\"worker\":\"ws2\",\"start_s\":30,\"end_s\":40}]}]";
+
+static json_t *
+parse_with(const char *fmt, int rays)
+{
+    char text[3000];
+
+    snprintf(text, sizeof text, fmt, rays);
+    return parse(text);
+}
+
+static void
+take(struct top *t, double s, int rays)
+{
+    top_take(t, s, parse(status), parse(workers), parse_with(jobs, rays),
+             parse_with(stats, rays));
+}
+
+static void
+type(struct top *t, const char *keys)
+{
+    for (; *keys; keys++)
+        ck_assert_int_ne(top_key(t, *keys), TOP_QUIT);
+}
+
+START_TEST(lists_show_workers_and_jobs)
+{
+    struct top t;
+    const struct picture *p;
+
+    top_init(&t);
+    take(&t, 1, 1000);
+    take(&t, 3, 2001000);
+    p = draw(&t, 120, 24);
+    ck_assert_str_eq(
+        p->line[0], "radcoord 1   2 workers, 12 threads   3 jobs   1 M rays/s");
+    ck_assert_int_ge(line_with(p, "WORKER "), 0);
+    ck_assert_ptr_nonnull(strstr(p->line[line_with(p, "ws1")], "10 MiB"));
+    ck_assert_ptr_nonnull(strstr(p->line[line_with(p, "ws1")], "1:15"));
+    ck_assert_ptr_nonnull(strstr(p->line[line_with(p, "ws1")], "1 M"));
+    ck_assert_ptr_nonnull(strstr(p->line[line_with(p, "ws2")], "2 h 01"));
+    ck_assert_ptr_nonnull(strstr(p->line[line_with(p, "room")], "25 %"));
+    ck_assert_ptr_nonnull(strstr(p->line[line_with(p, "room")], "1:30"));
+    ck_assert_ptr_nonnull(strstr(p->line[line_with(p, "room")], "3.4 %"));
+    ck_assert_ptr_nonnull(strstr(p->line[line_with(p, "room")], "3/7"));
+    ck_assert_ptr_null(strstr(p->line[line_with(p, "stairs")], "4 s"));
+    /* the highest priority first, then the oldest; that one is chosen */
+    ck_assert_int_lt(line_with(p, "atrium"), line_with(p, "room"));
+    ck_assert_int_lt(line_with(p, "room"), line_with(p, "stairs"));
+    ck_assert_int_eq(p->look[line_with(p, "atrium")], TOP_CHOSEN);
+    top_release(&t);
+}
+END_TEST
+
+START_TEST(narrow_terminals_leave_out_columns)
+{
+    struct top t;
+    const struct picture *p;
+
+    top_init(&t);
+    take(&t, 1, 1000);
+    for (int columns = 1; columns <= 200; columns++)
+        for (int lines = 1; lines < 40; lines += 3)
+            draw(&t, columns, lines); /* put() checks them */
+    p = draw(&t, 40, 24);
+    ck_assert_int_ge(line_with(p, "STATE"), 0);
+    ck_assert_int_ge(line_with(p, "DONE"), 0);
+    ck_assert_int_lt(line_with(p, "OWNER"), 0);
+    ck_assert_int_lt(line_with(p, "ADDRESS"), 0);
+    p = draw(&t, 40, 6); /* the list that keys are for, alone */
+    ck_assert_int_ge(line_with(p, "JOB"), 0);
+    ck_assert_int_lt(line_with(p, "WORKER"), 0);
+    top_release(&t);
+}
+END_TEST
+
+START_TEST(keys_sort_and_filter)
+{
+    struct top t;
+    const struct picture *p;
+
+    top_init(&t);
+    take(&t, 1, 1000);
+    type(&t, "ss"); /* by name */
+    p = draw(&t, 120, 24);
+    ck_assert_int_lt(line_with(p, "atrium"), line_with(p, "room"));
+    ck_assert_int_ge(line_with(p, "NAMEv"), 0);
+    type(&t, "r");
+    p = draw(&t, 120, 24);
+    ck_assert_int_gt(line_with(p, "atrium"), line_with(p, "stairs"));
+    ck_assert_int_ge(line_with(p, "NAME^"), 0);
+    type(&t, "/bobq");
+    p = draw(&t, 120, 24);
+    ck_assert_int_ge(line_with(p, "filter: bobq_"), 0);
+    ck_assert_int_lt(line_with(p, "stairs"), 0);
+    top_key(&t, TOP_KEY_ERASE);
+    top_key(&t, TOP_KEY_ENTER);
+    p = draw(&t, 120, 24);
+    ck_assert_int_ge(line_with(p, "stairs"), 0);
+    ck_assert_int_lt(line_with(p, "room"), 0);
+    ck_assert_str_eq(top_chosen(&t, TOP_JOBS),
+                     "cc000000000000000000000000000000");
+    ck_assert_int_eq(top_key(&t, TOP_KEY_BACK), TOP_NOTHING);
+    ck_assert_int_ge(line_with(draw(&t, 120, 24), "room"), 0);
+    ck_assert_int_eq(top_key(&t, 'q'), TOP_QUIT);
+    top_release(&t);
+}
+END_TEST
+
+START_TEST(what_changes_something_is_asked_first)
+{
+    struct top t;
+
+    top_init(&t);
+    take(&t, 1, 1000);
+    ck_assert_int_eq(top_key(&t, TOP_KEY_DOWN), TOP_NOTHING);
+    ck_assert_int_eq(top_key(&t, 'c'), TOP_NOTHING);
+    ck_assert_int_ge(line_with(draw(&t, 80, 24), "cancel job aa0000"), 0);
+    ck_assert_int_eq(top_key(&t, 'n'), TOP_NOTHING);
+    ck_assert_int_eq(top_key(&t, 'y'), TOP_NOTHING); /* nothing is asked now */
+    top_key(&t, 'c');
+    take(&t, 2, 2000); /* the question stays */
+    ck_assert_int_eq(top_key(&t, 'y'), TOP_CANCEL);
+    ck_assert_str_eq(t.about, "aa000000000000000000000000000000");
+    top_key(&t, 'p');
+    ck_assert_int_eq(top_key(&t, 'y'), TOP_PAUSE);
+    top_key(&t, TOP_KEY_PAGE_DOWN);
+    top_key(&t, 'p');
+    ck_assert_int_eq(top_key(&t, 'y'), TOP_RESUME);
+    ck_assert_str_eq(t.about, "cc000000000000000000000000000000");
+    top_key(&t, '\t');
+    top_key(&t, 'd');
+    ck_assert_int_eq(top_key(&t, 'Y'), TOP_DRAIN);
+    ck_assert_str_eq(t.about, "ws1");
+    top_key(&t, TOP_KEY_DOWN);
+    top_key(&t, 'd');
+    ck_assert_int_eq(top_key(&t, 'y'), TOP_UNDRAIN);
+    ck_assert_str_eq(t.about, "ws2");
+    ck_assert_int_eq(top_key(&t, 'a'), TOP_LOOK);
+    ck_assert(t.closed);
+    top_release(&t);
+}
+END_TEST
+
+START_TEST(a_job_has_its_units_by_worker)
+{
+    struct top t;
+    const struct picture *p;
+    char bar[41];
+
+    top_init(&t);
+    take(&t, 1, 1000);
+    top_key(&t, TOP_KEY_DOWN);
+    ck_assert_int_eq(top_key(&t, TOP_KEY_ENTER), TOP_LOOK);
+    take(&t, 2, 2000);
+    p = draw(&t, 46 + 40, 24);
+    ck_assert_ptr_nonnull(strstr(p->line[0], "job aa000000  room  of ana"));
+    ck_assert_int_ge(line_with(p, "running, 25 % done, left 1:30, pass 3 of 7 "
+                                  "to 50 %, error about 3.4 %"),
+                     0);
+    ck_assert_int_ge(line_with(p, "500 ambient values, 12 redundant"), 0);
+    /* 40 columns are 40 s */
+    memset(bar, '#', 10);
+    memset(bar + 10, '=', 10);
+    memset(bar + 20, '.', 20);
+    bar[40] = '\0';
+    ck_assert_ptr_nonnull(strstr(p->line[line_with(p, "ws1")], bar));
+    memset(bar, '.', 30);
+    memset(bar + 30, '#', 10);
+    ck_assert_ptr_nonnull(strstr(p->line[line_with(p, "ws2")], bar));
+    top_key(&t, 'c');
+    ck_assert_int_eq(top_key(&t, 'y'), TOP_CANCEL);
+    top_key(&t, TOP_KEY_DOWN);
+    p = draw(&t, 100, 24);
+    ck_assert_int_lt(line_with(p, "ws1"), 0);
+    ck_assert_int_ge(line_with(p, "ws2"), 0);
+    ck_assert_int_eq(top_key(&t, 'q'), TOP_NOTHING); /* back to the lists */
+    ck_assert_int_ge(line_with(draw(&t, 100, 24), "atrium"), 0);
+    top_release(&t);
+}
+END_TEST
+
+START_TEST(what_is_strange_is_drawn_all_the_same)
+{
+    static const char *const rows[] = {
+        "[]",
+        "[{}]",
+        "[{\"name\":\"\\u001b[31m\\u202eevil\",\"job\":\"\\u009b2J\","
+        "\"state\":7,\"done\":1e300,\"rays\":-1e300,\"elapsed_s\":1e300,"
+        "\"since_s\":1e300,\"memory\":1e300,\"pass\":1e300,\"workers\":[]}]",
+        "[{\"job\":\"aa\",\"state\":\"running\",\"done\":0.5,"
+        "\"elapsed_s\":1e308,\"rays\":1e308,\"name\":5}]",
+    };
+    static const char odd[] =
+        "[{\"job\":\"aa\",\"time\":{\"wall_s\":1},\"workers\":[{\"name\":\"a\"}"
+        ","
+        "3,{\"rays\":1e300,\"peak_rss_bytes\":1e300}],\"units\":[7,{\"worker\":"
+        "\"a\",\"start_s\":1e300,\"end_s\":-1},{\"worker\":\"a\",\"start_s\":0,"
+        "\"end_s\":-5},{\"worker\":\"a\",\"start_s\":-4,\"end_s\":1e9}]}]";
+    struct top t;
+
+    top_init(&t);
+    draw(&t, 80, 24); /* nothing came yet */
+    ck_assert_int_eq(top_key(&t, 'c'), TOP_NOTHING);
+    ck_assert_int_eq(top_key(&t, 'y'), TOP_NOTHING);
+    ck_assert_int_eq(top_key(&t, TOP_KEY_ENTER), TOP_NOTHING);
+    for (int i = 0; i < 2 * N_ELEM(rows); i++) {
+        const struct picture *p;
+
+        top_take(&t, i + 1, json_object(), parse(rows[i / 2]),
+                 parse(rows[i / 2]), parse(odd));
+        p = draw(&t, 150, 24);
+        for (int k = 0; k < p->lines; k++)
+            ck_assert(!strchr(p->line[k], '\033') &&
+                      !strstr(p->line[k], "\xe2\x80\xae"));
+        type(&t, "s/");
+        top_key(&t, TOP_KEY_BACK);
+    }
+    top_key(&t, TOP_KEY_ENTER);
+    top_take(&t, 99, json_object(), parse(rows[3]), parse(rows[3]), parse(odd));
+    draw(&t, 150, 24);
+    draw(&t, 46, 3);
+    top_release(&t);
+}
+END_TEST
+
+START_TEST(many_rows_scroll_with_the_chosen_one)
+{
+    struct top t;
+    json_t *rows = json_array();
+    char name[20];
+
+    top_init(&t);
+    for (int i = 0; i < 500; i++) {
+        snprintf(name, sizeof name, "ws%03d", i);
+        json_array_append_new(rows, json_pack("{s:s}", "name", name));
+    }
+    top_take(&t, 1, parse(status), rows, json_array(), json_array());
+    top_key(&t, '\t');
+    for (int i = 0; i < 499; i++) {
+        const struct picture *p;
+        int at;
+
+        snprintf(name, sizeof name, "ws%03d", i);
+        p = draw(&t, 80, 24);
+        at = line_with(p, name);
+        ck_assert_int_ge(at, 0);
+        ck_assert_int_eq(p->look[at], TOP_CHOSEN);
+        top_key(&t, TOP_KEY_DOWN);
+    }
+    top_key(&t, TOP_KEY_DOWN);
+    ck_assert_str_eq(top_chosen(&t, TOP_WORKERS), "ws499");
+    top_release(&t);
+}
+END_TEST
+
+int
+main(void)
+{
+    Suite *s = suite_create("top");
+    TCase *tc = tcase_create("top");
+
+    tcase_add_test(tc, lists_show_workers_and_jobs);
+    tcase_add_test(tc, narrow_terminals_leave_out_columns);
+    tcase_add_test(tc, keys_sort_and_filter);
+    tcase_add_test(tc, what_changes_something_is_asked_first);
+    tcase_add_test(tc, a_job_has_its_units_by_worker);
+    tcase_add_test(tc, what_is_strange_is_drawn_all_the_same);
+    tcase_add_test(tc, many_rows_scroll_with_the_chosen_one);
+    suite_add_tcase(s, tc);
+    return unit_run(s);
+}
