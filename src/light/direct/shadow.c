@@ -38,7 +38,9 @@
 
 /* For rays of hemispheres sources are cut into parts so many times as large as
  * -ds says.  One of them is tested, whatever they are; unobstructed their light
- * is exact, and its colours may take long: those of an illum are a function. */
+ * is exact, and its colours may take long: those of an illum are a function.
+ * Not without -dj: then what stands before a source is seen by the middle of a
+ * part alone, and larger parts would be another picture. */
 #define COARSER 2
 
 /* Where one sample is drawn from all, one that is more than this part of the
@@ -724,7 +726,7 @@ rad_direct(struct rad_ctx *ctx, struct rad_ray *r, rad_brdf_fn *brdf,
     mark = rad_arena_mark(&ctx->scratch);
     rad_copy(view.p, r->hit.p);
     view.sizerat = par->srcsizerat / r->weight;
-    if (r->path & RAD_RAY_AMBIENT)
+    if (r->path & RAD_RAY_AMBIENT && view.jitter > 0)
         view.sizerat *= COARSER;
     weigh_sources(&d, &view, skip);
     if (s->nvirtuals > 0)
