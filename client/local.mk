@@ -27,6 +27,7 @@ radscene_SOURCES = client/radscene.c
 radscene_LDADD = $(LIBCLIENT) $(LIBRAD)
 
 bin_PROGRAMS += radctl radsubmit
+radctl_CPPFLAGS = $(AM_CPPFLAGS) -DRADD_SYSCONFDIR='"$(sysconfdir)"'
 radctl_CFLAGS = $(AM_CFLAGS) $(JANSSON_CFLAGS) $(UV_CFLAGS) $(CURSES_CFLAGS)
 radctl_LDADD = $(LIBCLIENT) $(CURSES_LIBS) $(LIBDAEMON) $(LIBRAD)
 radsubmit_SOURCES = \

@@ -383,6 +383,7 @@ dist_check_SCRIPTS += \
 	tests/e2e/cluster_backpressure.sh \
 	tests/e2e/cluster_crash.sh \
 	tests/e2e/completion.sh \
+	tests/e2e/enroll.sh \
 	tests/e2e/daemon_settings.sh \
 	tests/e2e/coord_frames.sh \
 	tests/e2e/coord_full.sh \
@@ -458,6 +459,7 @@ TESTS += \
 	tests/e2e/cluster_backpressure.sh \
 	tests/e2e/cluster_crash.sh \
 	tests/e2e/completion.sh \
+	tests/e2e/enroll.sh \
 	tests/e2e/daemon_settings.sh \
 	tests/e2e/coord_frames.sh \
 	tests/e2e/coord_full.sh \

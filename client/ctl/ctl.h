@@ -28,6 +28,7 @@ struct ctl {
     int limit;               /* --limit: rows of a list; 0: all */
     bool all;                /* --all: cancel or delete all jobs of a user */
     const char *output;
+    const char *folder;                 /* --output: of enroll */
     const char *tone, *exposure, *bits; /* as asked for; NULL: not */
     const char *false_colour;           /* its scale; NULL: not asked for */
     struct show show;        /* of a .png that is fetched */
@@ -89,6 +90,9 @@ int ctl_rows(struct ctl *c, const struct msg_page *ask, json_t **rows);
  * compared, or NULL. */
 void ctl_filter(const struct ctl *c, json_t *rows, const char *user);
 int ctl_run_limits(struct ctl *c);
+
+/* ctl_enroll.c */
+int ctl_run_enroll(struct ctl *c);
 
 /* ctl_top.c: the full screen */
 int ctl_run_top(struct ctl *c);

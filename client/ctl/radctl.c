@@ -41,6 +41,8 @@ static const struct ctl_command commands[] = {
       ctl_run_worker, MSG_FORGET },
     { "key", "add NAME | retire NAME | list", "of hosts and users", ctl_run_key,
       MSG_KEY },
+    { "enroll", "WORKER...", "make each host's radd.conf and key",
+      ctl_run_enroll, 0 },
     { "check", "STATE-DIR", "is a coordinator's state folder sound?",
       ctl_run_check, 0 },
 };
@@ -50,7 +52,8 @@ enum { NCOMMANDS = sizeof commands / sizeof commands[0] };
 static bool
 for_admins(const struct ctl_command *command)
 {
-    return command->run == ctl_run_worker || command->run == ctl_run_key;
+    return command->run == ctl_run_worker || command->run == ctl_run_key ||
+           command->run == ctl_run_enroll;
 }
 
 /* --- command line --- */
@@ -79,8 +82,10 @@ help(void)
          "  --state=STATE     jobs, workers or keys in that state\n"
          "  --limit=N         so many rows at most; of jobs the newest\n"
          "  --all             cancel or delete all jobs of yours, or --user's\n"
+         "  --output=DIR      where enroll makes a folder for each worker\n"
          "  -o FILE           where fetch writes (standard output)\n"
-         "  --frame=N         picture of an animation to fetch, from 0; all of them\n"
+         "  --frame=N         picture of an animation to fetch, from 0; all of "
+         "them\n"
          "                    where FILE has a %d\n"
          "  --tone=" SHOW_TONES "\n"
          "                    how a .png shows light\n"
@@ -146,6 +151,7 @@ take_option(struct ctl *c, char *argv[], int *i)
         (rc = option_value("--bits", argv, i, &c->bits, c->err)) != 0 ||
         (rc = option_value("--false-colour", argv, i, &c->false_colour,
                            c->err)) != 0 ||
+        (rc = option_value("--output", argv, i, &c->folder, c->err)) != 0 ||
         (rc = option_value("-o", argv, i, &c->output, c->err)) != 0)
         return rc < 0 ? rc : 0;
     if ((rc = option_value("--frame", argv, i, &text, c->err)) != 0) {
@@ -280,9 +286,14 @@ check_words(struct ctl *c)
     if (c->command->run != ctl_run_fetch && (output || c->frame >= 0))
         return rad_fail(c->err, RAD_EUSAGE,
                         "-o and --frame go with fetch alone");
-    if (c->command->run != ctl_run_key && (c->keys || c->expires))
+    if (c->command->run != ctl_run_key &&
+        (c->expires || (c->keys && c->command->run != ctl_run_enroll)))
         return rad_fail(c->err, RAD_EUSAGE,
-                        "--keys and --expires go with key alone");
+                        "--keys and --expires go with key alone, --keys with "
+                        "enroll, too");
+    if ((c->command->run == ctl_run_enroll) != (c->folder && c->folder[0]))
+        return rad_fail(c->err, RAD_EUSAGE,
+                        "enroll needs --output=DIR, and nothing else has it");
     if (c->command->run == ctl_run_fetch && c->json && !c->output)
         return rad_fail(c->err, RAD_EUSAGE, "fetch: --json needs -o");
     for (int i = 0; i < c->nargs; i++)
@@ -379,6 +390,12 @@ ctl_connect(struct ctl *c)
     return rc;
 }
 
+static bool
+for_key_file(const struct ctl *c)
+{
+    return c->command->run == ctl_run_key || c->command->run == ctl_run_enroll;
+}
+
 /* Nobody said where the coordinator is, and it is not on this machine. */
 static void
 say_unnamed(struct ctl *c)
@@ -386,8 +403,7 @@ say_unnamed(struct ctl *c)
     snprintf(c->err->where, sizeof c->err->where,
              "no coordinator is named by --coordinator, RADD_COORDINATOR or "
              "radsubmit.conf%s",
-             c->command->run == ctl_run_key ? " (--keys edits a key file)"
-                                            : "");
+             for_key_file(c) ? " (--keys edits a key file)" : "");
 }
 
 /* What was printed is out. */
