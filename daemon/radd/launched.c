@@ -167,7 +167,6 @@ launched_end(struct launched *l)
 {
     if (l->folder[0])
         nftw(l->folder, remove_entry, 16, FTW_DEPTH | FTW_PHYS);
-    l->folder[0] = '\0';
 }
 
 /* --- the end --- */

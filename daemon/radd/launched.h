@@ -36,7 +36,7 @@ void launched_name(char *name, size_t size);
  * those whose workers were killed.  RAD_ECANTCREAT. */
 int launched_begin(struct launched *l, struct rad_error *err);
 
-/* Remove the folder. */
+/* Remove the folder; again, for what has come into it since. */
 void launched_end(struct launched *l);
 
 /* Time passes; connected: to the coordinator.  True when it is gone for good:

@@ -738,6 +738,7 @@ finish(void *arg)
     dialler_close(r->dialler);
     children_kill_all(&r->children);
     shell_close(&r->shell);
+    launched_end(&r->launched); /* now: who ends a launcher signals often */
     while (r->store && !store_idle(r->store))
         uv_run(&r->daemon.loop, UV_RUN_ONCE);
 }

@@ -191,6 +191,23 @@ status=$?
 [ $status -eq 75 ] || fail "term: exit status $status: $(cat term.err)"
 check_gone "radsubmit terminated"
 
+# a launcher's end is many signals, to workers that are ending too
+cat >stormy <<'END'
+#!/bin/sh
+"$@" & a=$!
+"$@" & b=$!
+until [ -e storm ]; do sleep .1; done
+for i in 1 2 3 4 5 6 7 8; do kill -TERM $a $b; done 2>/dev/null
+wait
+END
+chmod +x stormy
+started stormy --launch="./stormy" --workers=2
+: >storm
+wait $pid
+status=$?
+[ $status -eq 69 ] || fail "stormy: exit status $status: $(cat stormy.err)"
+check_gone stormy
+
 # one of two workers is killed: the picture is the same, and what it left is
 # removed by the next worker once it is old
 medium="-vf $scenes/room.vf -x 400 -y 300 -ab 1 -ad 256 -as 64 --oversample=1
