@@ -115,6 +115,7 @@ UNIT_TESTS = \
 	tests/check_tls \
 	tests/check_tone \
 	tests/check_view \
+	tests/check_web \
 	tests/check_wgmd \
 	tests/check_wild \
 	tests/check_wire \
@@ -444,6 +445,7 @@ dist_check_SCRIPTS += \
 	tests/e2e/submit_walk.sh \
 	tests/e2e/systemd_units.sh \
 	tests/e2e/radweb.sh \
+	tests/e2e/radweb_page.sh \
 	tests/e2e/versions.sh \
 	tests/e2e/words.sh
 EXTRA_DIST += \
@@ -452,6 +454,7 @@ EXTRA_DIST += \
 	tests/e2e/cluster.sh \
 	tests/web/ask.py \
 	tests/web/browser.py \
+	tests/web/click.py \
 	tests/e2e/steer_lib.sh \
 	tests/e2e/faults.sh \
 	tests/scenes
@@ -520,6 +523,7 @@ TESTS += \
 	tests/e2e/submit_walk.sh \
 	tests/e2e/systemd_units.sh \
 	tests/e2e/radweb.sh \
+	tests/e2e/radweb_page.sh \
 	tests/e2e/versions.sh \
 	tests/e2e/words.sh
 
@@ -646,6 +650,10 @@ tests_check_owner_LDADD = $(LIBDAEMON) $(UNIT_LIBS)
 tests_check_gate_SOURCES = tests/check_gate.c tests/unit.h
 tests_check_gate_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
 tests_check_gate_LDADD = $(LIBDAEMON) $(UNIT_LIBS)
+
+tests_check_web_SOURCES = tests/check_web.c tests/unit.h
+tests_check_web_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS) $(JANSSON_CFLAGS)
+tests_check_web_LDADD = libweb.a $(LIBRAD) $(JANSSON_LIBS) $(UNIT_LIBS)
 
 tests_check_keyfile_SOURCES = tests/check_keyfile.c tests/unit.h
 tests_check_keyfile_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)

@@ -27,6 +27,7 @@ FUZZ_TARGETS = \
 	tests/fuzz/fuzz_rtm \
 	tests/fuzz/fuzz_session \
 	tests/fuzz/fuzz_tls \
+	tests/fuzz/fuzz_units \
 	tests/fuzz/fuzz_view \
 	tests/fuzz/fuzz_worker
 
@@ -65,6 +66,11 @@ coverage: all-am $(check_PROGRAMS)
 tests_fuzz_fuzz_bundle_SOURCES = tests/fuzz/fuzz_bundle.c $(FUZZ_MAIN)
 tests_fuzz_fuzz_bundle_LDADD = $(LIBRAD)
 tests_fuzz_fuzz_bundle_LDFLAGS = $(FUZZ_LINK)
+
+tests_fuzz_fuzz_units_SOURCES = tests/fuzz/fuzz_units.c $(FUZZ_MAIN)
+tests_fuzz_fuzz_units_CFLAGS = $(AM_CFLAGS) $(JANSSON_CFLAGS)
+tests_fuzz_fuzz_units_LDADD = libweb.a $(LIBRAD) $(JANSSON_LIBS)
+tests_fuzz_fuzz_units_LDFLAGS = $(FUZZ_LINK)
 
 tests_fuzz_fuzz_params_SOURCES = tests/fuzz/fuzz_params.c $(FUZZ_MAIN)
 tests_fuzz_fuzz_params_LDADD = $(LIBRAD)

@@ -79,7 +79,7 @@ journalctl --no-pager -u radd | grep -q 'let go by the coordinator' ||
     die "stopped without handing over"
 systemctl start radd
 within worker_there
-dpkg --remove radd radcoord radd-client radd-doc >/dev/null 2>&1 || die "remove"
+dpkg --remove radd radcoord radweb radd-client radd-doc >/dev/null 2>&1 || die "remove"
 [ -d /var/lib/radd ] || die "jobs went with remove"
 dpkg --purge radd radcoord >/dev/null 2>&1 || die "purge"
 [ ! -e /var/lib/radd ] && [ ! -e /var/cache/radd ] || die "left by purge"

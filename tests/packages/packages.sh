@@ -106,7 +106,7 @@ try_installed()
     tree installed
     # what the packages need stays when they are purged
     local needs='systemd libuv1 libpng16-16 libssl3 libjansson4 libinih1
-        libexpat1 libseccomp2 libsqlite3-0 libncursesw6'
+        libexpat1 libseccomp2 libsqlite3-0 libncursesw6 libmicrohttpd12'
     quietly in_tree installed apt-get install -y -q --no-install-recommends \
         $needs
     files_of installed >"$work/before"
@@ -116,10 +116,11 @@ try_installed()
         -vp 2 1 1.5 -vd 0 1 0 -x 64 -y 64 -ab 1 -o a.hdr room.rad'
     grep -q '^#?RADIANCE' "$work/installed/home/ana/a.hdr" || die "no picture"
     in_tree installed userdel --remove ana 2>/dev/null
-    quietly in_tree installed dpkg --remove radd radcoord radd-client radd-doc
+    quietly in_tree installed dpkg --remove radd radcoord radweb radd-client \
+        radd-doc
     [ -e "$work/installed/etc/radd/radcoord.conf" ] ||
         die "a conffile went with remove"
-    quietly in_tree installed dpkg --purge radd radcoord radd-client
+    quietly in_tree installed dpkg --purge radd radcoord radweb radd-client
     files_of installed >"$work/after"
     diff "$work/before" "$work/after" | grep -vE '^[<>] /(etc/(passwd|group|g?shadow|sub[ug]id)-?|var/mail|run/.*)$' |
         grep '^[<>]' && die "left behind by purge"

@@ -1,0 +1,292 @@
+/* check_web.c - what radweb's pages are made of: text of others, the last hour,
+ * statistics, pictures */
+#include "config.h"
+
+#include "draw/chart.h"
+#include "draw/history.h"
+#include "draw/markup.h"
+#include "draw/picture.h"
+#include "draw/units.h"
+#include "image/hdr.h"
+#include "unit.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+static char *
+taken(struct markup *m)
+{
+    char *text = markup_take(m, NULL);
+
+    ck_assert_ptr_nonnull(text);
+    return text;
+}
+
+/* --- text --- */
+
+static const struct {
+    const char *text, *html, *label;
+} texts[] = {
+    { "room.rad", "room.rad", "room.rad" },
+    { "<b a='1'>&\"", "&lt;b a=&#39;1&#39;&gt;&amp;&quot;", "<b a='1'>&\\\"" },
+    { "a\nb\\", "a?b\\", "a?b\\\\" },
+    { "\xe2\x80\xae"
+      "evil\x1b[2J",
+      "?evil?[2J", "?evil?[2J" },
+    { "\xff\xfe", "??", "??" },
+    { "r\xc3\xa4um", "r\xc3\xa4um", "r\xc3\xa4um" },
+    { NULL, "", "" },
+};
+
+START_TEST(text_of_others_stays_text)
+{
+    struct markup m = { 0 };
+    char *text;
+
+    markup_text(&m, texts[_i].text);
+    text = taken(&m);
+    ck_assert_str_eq(text, texts[_i].html);
+    free(text);
+    markup_label(&m, texts[_i].text);
+    text = taken(&m);
+    ck_assert_str_eq(text, texts[_i].label);
+    free(text);
+}
+END_TEST
+
+static const struct {
+    double v;
+    const char *count, *span;
+} numbers[] = {
+    { 0, "0", "0 s" },
+    { .0042, "0", "4 ms" },
+    { 9.9, "10", "9.9 s" },
+    { 59, "59", "59 s" },
+    { 999, "999", "16 min 39 s" },
+    { 1000, "1.00 k", "16 min 40 s" },
+    { 99960, "100 k", "27 h 46 min" },
+    { 4.56e6, "4.56 M", "52 days 18 h" },
+    { -1, "0", "-" },
+};
+
+START_TEST(numbers_are_readable)
+{
+    struct markup m = { 0 };
+    char *text;
+
+    markup_count(&m, numbers[_i].v);
+    text = taken(&m);
+    ck_assert_str_eq(text, numbers[_i].count);
+    free(text);
+    markup_span(&m, numbers[_i].v);
+    text = taken(&m);
+    ck_assert_str_eq(text, numbers[_i].span);
+    free(text);
+}
+END_TEST
+
+/* --- the last hour --- */
+
+START_TEST(history_is_the_mean_of_ten_seconds)
+{
+    static struct history h;
+
+    memset(&h, 0, sizeof h);
+    history_note(&h, 50000, 10, .5);
+    history_note(&h, 59999, 20, 1);
+    ck_assert_uint_eq(history_at(&h, 0)->notes, 2);
+    ck_assert_double_eq_tol(history_at(&h, 0)->rays_s, 15, 1e-12);
+    ck_assert_double_eq_tol(history_at(&h, 0)->at_work, .75, 1e-12);
+    history_note(&h, 75000, 7, 0);
+    ck_assert_double_eq(history_at(&h, 0)->rays_s, 7);
+    ck_assert_uint_eq(history_at(&h, 1)->notes, 0); /* nothing was known */
+    ck_assert_uint_eq(history_at(&h, 2)->notes, 2);
+    history_advance(&h, 75000 + 3600000);
+    for (unsigned i = 0; i < HISTORY_POINTS; i++)
+        ck_assert_uint_eq(history_at(&h, i)->notes, 0);
+}
+END_TEST
+
+/* --- statistics --- */
+
+static int
+read_text(struct units *u, const char *text)
+{
+    return units_read(u, text, strlen(text), NULL);
+}
+
+#define UNIT(w, s, e)                                                          \
+    "{\"worker\": \"" w "\", \"start_s\": " s ", \"end_s\": " e "}"
+
+START_TEST(units_lie_side_by_side)
+{
+    struct units u;
+
+    ck_assert_int_eq(
+        read_text(
+            &u,
+            "{\n \"job\": \"ab\",\n \"totals\": {\"rays\": 7}"
+            ",\n \"units\": [\n  " UNIT("w2", "1", "2") ",\n  " UNIT(
+                "w1", "1.5",
+                "3") ",\n  " UNIT("w1", "2",
+                                  "4") ",\n  " UNIT("w1", "3",
+                                                    "5") "\n ],\n \"line_s\": "
+                                                         "[]\n}"),
+        0);
+    ck_assert_double_eq(
+        markup_number(json_object_get(u.head, "totals"), "rays"), 7);
+    ck_assert_uint_eq(u.total, 4);
+    ck_assert_uint_eq(u.nworkers, 2);
+    ck_assert_str_eq(u.workers[0], "w1"); /* by name */
+    ck_assert_uint_eq(u.lanes[0], 2);
+    ck_assert_uint_eq(u.lanes[1], 1);
+    ck_assert_uint_eq(u.nspans, 4);
+    ck_assert_double_eq(u.spans[0].start, 1.5); /* lane 0 of w1: 1.5, 3 */
+    ck_assert_double_eq(u.spans[1].start, 3);
+    ck_assert_uint_eq(u.spans[2].lane, 1);
+    ck_assert_double_eq(u.start_s, 1);
+    ck_assert_double_eq(u.end_s, 5);
+    units_release(&u);
+}
+END_TEST
+
+START_TEST(many_units_are_joined)
+{
+    struct markup m = { 0 };
+    struct units u;
+    char *text;
+
+    markup_raw(&m, "{\"a\": 1,\n \"units\": [");
+    for (int i = 0; i < 20000; i++)
+        markup_print(&m,
+                     "%s{\"worker\": \"w%d\", \"start_s\": %d, \"end_s\": %d}",
+                     i > 0 ? ",\n" : "", i % 3, i, i + 3);
+    markup_raw(&m, "]}");
+    text = taken(&m);
+    ck_assert_int_eq(read_text(&u, text), 0);
+    free(text);
+    ck_assert_uint_eq(u.total, 20000);
+    ck_assert_uint_le(u.nspans, UNITS_SPANS);
+    for (size_t i = 0, n = 0; i <= u.nspans; i++) {
+        if (i == u.nspans)
+            ck_assert_uint_eq(n, 20000); /* none is lost */
+        else
+            n += u.spans[i].units;
+    }
+    chart_units(&m, &u);
+    text = taken(&m);
+    ck_assert_uint_lt(strlen(text), 600000);
+    free(text);
+    units_release(&u);
+}
+END_TEST
+
+static const char *const damaged[] = {
+    "",
+    "{}",
+    "[1,\n \"units\": []}",
+    "{\"a\": 1,\n \"units\": [",
+    "{\"a\": 1,\n \"units\": [{\"worker\": \"w\"",
+    "{\"a\": 1,\n \"units\": [1]}",
+    "{\"a\": 1,\n \"units\": [{}{]}",
+    "{\"a\",\n \"units\": []}",
+};
+
+START_TEST(damaged_statistics_are_refused)
+{
+    struct units u;
+
+    ck_assert_int_eq(read_text(&u, damaged[_i]), RAD_EDATA);
+    ck_assert_ptr_null(u.head);
+}
+END_TEST
+
+/* --- pictures --- */
+
+static char hdr_text[200000];
+
+/* A flat picture whose pixel i has the exponent 128 and a red mantissa of i. */
+static size_t
+flat_picture(int width, int height)
+{
+    int n = snprintf(hdr_text, sizeof hdr_text,
+                     "#?RADIANCE\nSCENE= a b.rad\nVIEW= -vtv -vp 1 2 3\n"
+                     "FORMAT=32-bit_rle_rgbe\n\n-Y %d +X %d\n",
+                     height, width);
+
+    for (int i = 0; i < width * height; i++) {
+        const unsigned char p[4] = { (unsigned char)(128 + i % 100), 128, 128,
+                                     128 };
+
+        memcpy(hdr_text + n + 4 * i, p, 4);
+    }
+    return (size_t)n + 4 * (size_t)(width * height);
+}
+
+START_TEST(a_picture_is_handed_out_to_the_bit)
+{
+    size_t n = flat_picture(7, 5);
+    struct picture pic;
+
+    ck_assert_int_eq(
+        picture_make(&pic, (const uint8_t *)hdr_text, n, false, NULL), 0);
+    ck_assert_int_eq(pic.width, 7);
+    ck_assert_int_eq(pic.height, 5);
+    ck_assert_int_eq(pic.factor, 1);
+    ck_assert_uint_eq(pic.nrgbe, PICTURE_HEAD + 4 * 35);
+    ck_assert_mem_eq(pic.rgbe, "RWP1\0\0\0\7\0\0\0\5\0\0\0\1", PICTURE_HEAD);
+    ck_assert_mem_eq(pic.rgbe + PICTURE_HEAD, hdr_text + n - 4 * 35, 4 * 35);
+    ck_assert_mem_eq(pic.png, "\x89PNG", 4);
+    ck_assert_str_eq(pic.view, "-vtv -vp 1 2 3");
+    ck_assert_str_eq(pic.scene, "a b.rad");
+    picture_release(&pic);
+    for (size_t k = 0; k < n; k += 7) /* one that ends early */
+        ck_assert_int_lt(
+            picture_make(&pic, (const uint8_t *)hdr_text, k, false, NULL), 0);
+}
+END_TEST
+
+/* All pixels of one radiance: so is their mean. */
+START_TEST(a_large_picture_is_made_smaller)
+{
+    enum { SIDE = 2500 };
+    size_t head, n = 4 * (size_t)SIDE * SIDE;
+    struct picture pic;
+    uint8_t *all;
+
+    head = (size_t)snprintf(hdr_text, sizeof hdr_text,
+                            "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y %d +X "
+                            "%d\n",
+                            SIDE, SIDE);
+    all = malloc(head + n);
+    ck_assert_ptr_nonnull(all);
+    memcpy(all, hdr_text, head);
+    for (size_t i = 0; i < n; i += 4)
+        memcpy(all + head + i, "\x90\x80\xa0\x81", 4);
+    ck_assert_int_eq(picture_make(&pic, all, head + n, false, NULL), 0);
+    free(all);
+    ck_assert_int_eq(pic.factor, 3);
+    ck_assert_int_eq(pic.width, SIDE / 3);
+    for (size_t i = PICTURE_HEAD; i < pic.nrgbe; i += 4)
+        ck_assert_mem_eq(pic.rgbe + i, "\x90\x80\xa0\x81", 4);
+    picture_release(&pic);
+}
+END_TEST
+
+int
+main(void)
+{
+    Suite *s = suite_create("web");
+    TCase *tc = tcase_create("core");
+
+    tcase_add_loop_test(tc, text_of_others_stays_text, 0, N_ELEM(texts));
+    tcase_add_loop_test(tc, numbers_are_readable, 0, N_ELEM(numbers));
+    tcase_add_test(tc, history_is_the_mean_of_ten_seconds);
+    tcase_add_test(tc, units_lie_side_by_side);
+    tcase_add_test(tc, many_units_are_joined);
+    tcase_add_loop_test(tc, damaged_statistics_are_refused, 0, N_ELEM(damaged));
+    tcase_add_test(tc, a_picture_is_handed_out_to_the_bit);
+    tcase_add_test(tc, a_large_picture_is_made_smaller);
+    suite_add_tcase(s, tc);
+    return unit_run(s);
+}

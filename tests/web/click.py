@@ -1,0 +1,145 @@
+"""click.py URL ID FOLDER RADCTL...: through radweb's pages as a browser shows
+them, compared with what `radctl --json` says; pictures of them go to FOLDER"""
+import json
+import struct
+import subprocess
+import sys
+import urllib.request
+
+from browser import Browser
+
+url, job, folder = sys.argv[1:4]
+words = sys.argv[4:]
+
+CELLS = """Array.from(document.querySelectorAll("#%s tbody tr")).map(
+    r => Array.from(r.cells).map(c => c.textContent.trim()))"""
+LIVE = "document.getElementById('live').className === 'on'"
+SHOWN = "document.querySelector('canvas.view') && " \
+        "!document.querySelector('canvas.view').hidden"
+
+
+def radctl(*what):
+    return json.loads(subprocess.run(words + list(what), check=True,
+                                     capture_output=True).stdout)
+
+
+def compare_lists(b):
+    rows = {r[0]: r for r in b.run(CELLS % "jobs")}
+    for j in radctl("jobs"):
+        r = rows[j["job"][:8]]
+        assert r[1] == j["name"], r
+        assert r[2] == j["state"], r
+        assert r[3] == "%d %%" % (100 * j["done"]), r
+        assert r[6:9] == [j["owner"], str(j["priority"]), str(j["workers"])], r
+    rows = {r[0]: r for r in b.run(CELLS % "workers")}
+    for w in radctl("workers"):
+        assert rows[w["name"]][1:4] == [w["state"], str(w["threads"]),
+                                        str(w["units"])], rows
+
+
+def fits(b, what):
+    wide = b.run("document.documentElement.scrollWidth - innerWidth")
+    assert wide <= 0, "%s is %d wider than its window" % (what, wide)
+
+
+def luminance_at(x, y):
+    data = urllib.request.urlopen(
+        "%s/jobs/%s/picture.rgbe" % (url, job)).read()
+    width = struct.unpack(">I", data[4:8])[0]
+    at = 16 + 4 * (y * width + x)
+    r, g, bl, e = data[at:at + 4]
+    return 179 * 2.0 ** (e - 136) * (.265074 * (r + .5) + .670115 * (g + .5) +
+                                     .064811 * (bl + .5)) if e else 0
+
+
+def compare_pointer(b):
+    b.point("canvas.view")
+    said = b.until("document.querySelector('#probe b') && "
+                   "document.getElementById('probe').textContent")
+    x, y = int(said.split()[1]), int(said.split()[3].rstrip(":"))
+    told = float(said.split(": ")[1].split()[0])
+    assert abs(told / luminance_at(x, y) - 1) < .01, (said, luminance_at(x, y))
+
+
+def draw_otherwise(b):
+    sum_of = """(() => {
+        const c = document.querySelector("canvas.view");
+        const d = c.getContext("2d").getImageData(0, 0, c.width, c.height).data;
+        return d.reduce((a, v) => a + v, 0);
+    })()"""
+    change = """(() => {
+        const e = document.getElementById("%s");
+        e.value = "%s";
+        e.dispatchEvent(new Event("%s"));
+    })()"""
+    plain = b.run(sum_of)
+    b.run(change % ("exposure", "2", "input"))
+    assert b.run(sum_of) > plain, "two stops more are not brighter"
+    b.run(change % ("exposure", "0", "input"))
+    assert b.run(sum_of) == plain
+    b.run(change % ("mode", "log", "change"))
+    assert b.run(sum_of) != plain
+    assert "cd/m" in b.run(
+        "document.querySelector('.tools span:last-of-type').textContent")
+    b.run(change % ("mode", "tone", "change"))
+
+
+def look_at(b, width, dark):
+    name = "%s/%%s-%d-%s.png" % (folder, width, "dark" if dark else "light")
+    b.size(width, 900, dark)
+    b.open(url + "/")
+    b.until(LIVE)
+    fits(b, "the cluster's page")
+    b.shoot(name % "cluster")
+    b.click("a[href='/jobs/%s']" % job)
+    b.until("location.pathname === '/jobs/%s'" % job)
+    b.until("document.readyState === 'complete' && " + LIVE)
+    b.until(SHOWN)
+    fits(b, "the job's page")
+    b.shoot(name % "job")
+    colour = b.run("getComputedStyle(document.body).backgroundColor")
+    assert (int(colour.split("(")[1].split(",")[0]) < 100) == dark, colour
+
+
+def without_script(b):
+    b.say("Emulation.setScriptExecutionDisabled", value=True)
+    b.say("Page.navigate", url="%s/jobs/%s" % (url, job))
+    b.say("Page.navigate", url="%s/jobs/%s" % (url, job))
+    b.until("document.querySelector('#shown') && "
+            "document.querySelector('#shown').naturalWidth > 0")
+    assert not b.run("document.querySelector('canvas')")
+    b.say("Emulation.setScriptExecutionDisabled", value=False)
+
+
+def main():
+    b = Browser(folder + "/browser")
+    try:
+        b.size(1280, 900)
+        b.open(url + "/")
+        b.until(LIVE)
+        compare_lists(b)
+        for width in (1280, 390):
+            for dark in (False, True):
+                look_at(b, width, dark)
+        b.size(1280, 900)
+        b.open("%s/jobs/%s" % (url, job))
+        b.until(SHOWN)
+        compare_pointer(b)
+        draw_otherwise(b)
+        assert b.run("document.querySelector('h1').textContent") == \
+            radctl("job", job)["name"]
+        without_script(b)
+        # a job that comes stands there without a click
+        b.open(url + "/")
+        b.until(LIVE)
+        n = len(b.run(CELLS % "jobs"))
+        print("look", flush=True)
+        sys.stdin.readline()
+        b.until("document.querySelectorAll('#jobs tbody tr').length > %d" % n)
+        said = b.complaints()
+        assert not said, said
+    finally:
+        b.close()
+
+
+main()
