@@ -253,6 +253,9 @@ finish(unsigned who, uint32_t unit, uint32_t attempt, uint32_t y,
     result(who, unit, attempt, 0, height, true);
 }
 
+/* Of -ab 1 and one small frame: four lattices, and what they leave. */
+enum { NPASSES = 5 };
+
 static void
 tile(unsigned who, uint32_t pass, uint32_t number, bool down)
 {
@@ -305,7 +308,7 @@ session_passes(void)
     is_lost(WS1);
     hello(WS2, MSG_ROLE_WORKER, "ws2");
     ready(WS2);
-    for (uint32_t i = 1; i < 4; i++) {
+    for (uint32_t i = 1; i < NPASSES; i++) {
         tile(WS2, i, 0, false);
         holds(WS2, id, i);
     }
@@ -331,7 +334,7 @@ session_reuse(void)
     says(ANA, &submit);
     fetch(MSG_WHAT_PREVIEW);
     ready(WS1);
-    for (uint32_t i = 0; i < 4; i++) {
+    for (uint32_t i = 0; i < NPASSES; i++) {
         tile(WS1, i, 0, false);
         holds(WS1, id, i);
     }
