@@ -428,7 +428,8 @@ struct search {
     double E[3];     /* weighted */
     /* how they differ: sums of weights squared, and of luminances squared */
     double weight2, lum2;
-    double var;  /* of those that are smoothed, weighted */
+    double var;   /* of those that are smoothed, weighted; */
+    double alike; /* and by what all of these may be off alike */
     bool frozen; /* what comes now is of the frozen cache */
     struct rad_geom_counts *counts;
     uint64_t *rays;
@@ -446,7 +447,7 @@ is_answered(const struct search *s)
 /* What a record says at its place. */
 struct says {
     struct rad_rgb E;
-    float gpos[2], var;
+    float gpos[2], var, alike;
 };
 
 static inline void
@@ -458,7 +459,7 @@ hear(const struct search *s, const struct rad_ambitem *it, struct says *k)
     k->E = it->rec.E;
     k->gpos[0] = it->rec.gpos[0];
     k->gpos[1] = it->rec.gpos[1];
-    k->var = 0;
+    k->var = k->alike = 0;
     if (!s->frozen ||
         !rad_ambsmooth_at(&amb->smooth, (size_t)(it - amb->read.item), &v))
         return;
@@ -466,6 +467,7 @@ hear(const struct search *s, const struct rad_ambitem *it, struct says *k)
     k->gpos[0] = v.gpos[0];
     k->gpos[1] = v.gpos[1];
     k->var = v.var;
+    k->alike = v.alike;
 }
 
 static inline void
@@ -511,6 +513,7 @@ add_record(struct search *s, const struct rad_ambitem *it)
     lum = (double)(factor * rad_rgb_lum(says.E));
     s->lum2 += w * lum * lum;
     s->var += w * (double)says.var;
+    s->alike += w * (double)says.alike;
     w *= (double)factor;
     s->E[0] += w * (double)says.E.r;
     s->E[1] += w * (double)says.E.g;
@@ -612,8 +615,9 @@ rad_ambient_find(const struct rad_ambient *amb, const struct rad_ambplace *at,
 
 /* Variance of what was found over its square, from what the records differ by,
  * and, where they are smoothed, from what all of them may be off by alike;
- * negative: one record, which differs from none.  Weights w make the variance
- * of a mean q / (1 - q) times that of the values, q = sum w^2 / (sum w)^2. */
+ * negative: one record, which differs from none, and whose noise is not known.
+ * Weights w make the variance of a mean q / (1 - q) times that of the values, q
+ * = sum w^2 / (sum w)^2. */
 static double
 variance(const struct search *s)
 {
@@ -623,7 +627,7 @@ variance(const struct search *s)
     if (!(q < .95) || !(mean > 0))
         return s->var > 0 ? s->var / s->weight : -1;
     return rad_most(s->lum2 / s->weight / (mean * mean) - 1, 0) * q / (1 - q) +
-           s->var / s->weight;
+           s->alike / s->weight;
 }
 
 bool
