@@ -398,6 +398,8 @@ SUBMIT = {
     "error": ["--error=50"],
     "time": ["--time=1"],
     "reuse": ["--reuse=last"],
+    "launch": ["--launch=env"],
+    "address": ["--address=127.0.0.1"],
     "no-share": ["--no-share"],
     "same-bits": ["--same-bits"],
     "fresh-frames": ["--fresh-frames"],
@@ -482,7 +484,7 @@ def try_submit(pair, names):
     if "output" not in chosen and "defaults" not in chosen:
         options += ["-o", names["@OUT"] +
                     ("%d.hdr" if chosen & {"views", "animation"} else ".hdr")]
-    if not chosen & {"coordinator", "local", "detach", "key"}:
+    if not chosen & {"coordinator", "local", "detach", "key", "launch"}:
         options += ["--local"]
     if chosen & {"detach", "key"} and not chosen & {"coordinator", "local"}:
         options += ["--coordinator=" + names["@SOCK"]]
