@@ -333,6 +333,36 @@ START_TEST(what_one_ray_rules_makes_no_splotch)
 }
 END_TEST
 
+/* Light that few hemispheres' rays find, each as much of it as there are others
+ * that find none, over what all see: none of it may be lost. */
+static const struct {
+    double hits, base;
+} rare[] = { { .4, 0 }, { .4, 1 }, { .1, 0 }, { .1, 1 }, { .05, 1 } };
+
+START_TEST(rare_light_is_not_lost)
+{
+    double before = 0, after = 0;
+
+    for (uint32_t i = 0; i < N; i++) {
+        bool hit = frand(i, 4) < rare[_i].hits;
+        double E = rare[_i].base + (hit ? 1 / rare[_i].hits : 0);
+
+        set_place(&place[i], i, plane, NOISE);
+        set_light(&place[i], E, NOISE, i);
+        if (hit)
+            place[i].var = .5f;
+        else if (E == 0)
+            place[i].var = 0;
+        before += (double)place[i].E[1];
+    }
+    smooth();
+    for (int i = 0; i < N; i++)
+        after += (double)value[i].E[1];
+    ck_assert_msg(after > .85 * before && after < 1.15 * before, "%g, was %g",
+                  after / N, before / N);
+}
+END_TEST
+
 /* --- threads --- */
 
 struct asker {
@@ -407,6 +437,7 @@ main(void)
     tcase_add_test(t, faces_at_an_edge_are_apart);
     tcase_add_test(t, sides_of_a_sheet_are_apart);
     tcase_add_test(t, round_surfaces_are_one);
+    tcase_add_loop_test(t, rare_light_is_not_lost, 0, N_ELEM(rare));
     tcase_add_loop_test(t, what_one_ray_rules_makes_no_splotch, 0, 2);
     tcase_add_test(t, all_threads_see_the_same);
     tcase_add_test(t, few_places_are_left_alone);

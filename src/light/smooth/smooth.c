@@ -11,8 +11,11 @@
  *
  * A place whose E is mostly one ray's says so by its variance.  Where it is far
  * above its neighbours it is cut down to LARGEST times their mean, or it would
- * be a splotch as wide as the fits.
- * Source of the tree: Bentley 1975. */
+ * be a splotch as wide as the fits.  Where more than FEW of the neighbours are
+ * so, they have met the same light, which few rays find: then they are averaged
+ * as they are.  So is a place of which no ray met light, whose variance is 0:
+ * it is a sample like the others, and of those that met some the mean would be
+ * lost else. Source of the tree: Bentley 1975. */
 #include "config.h"
 
 #include "light/smooth/smooth.h"
@@ -39,6 +42,7 @@
 /* More than that of E's variance over its square: one ray may rule it. */
 #define RULED   .25
 #define LARGEST 4
+#define FEW     2
 
 /* What a place expects of its bend is a mean over all directions. */
 #define SHARPEST 6
@@ -304,11 +308,11 @@ static void
 cut_ruled(struct search *k)
 {
     double most = INFINITY;
-    bool any = false;
+    int ruled = 0;
 
     for (int i = 0; i < k->n; i++)
-        any |= k->near[i].noise > RULED * k->near[i].lum * k->near[i].lum;
-    if (!any)
+        ruled += k->near[i].noise > RULED * k->near[i].lum * k->near[i].lum;
+    if (ruled == 0 || ruled > FEW)
         return;
     for (int pass = 0; pass < 8; pass++) {
         double sum = 0;
@@ -411,17 +415,18 @@ make_value(const struct rad_smooth *s, const struct node *of,
            struct rad_smooth_value *v)
 {
     struct search k; /* not set as a whole, most of it need not be */
+    double lum = luminance(of->at.E);
     struct rad_quadric q;
 
     keep_own(&of->at, 1, v);
-    if (!(of->at.var > 0) || !(luminance(of->at.E) > 0))
+    if (of->at.var < 0 || (lum > 0 && !(of->at.var > 0)))
         return;
     k.s = s;
     k.of = of;
     find_neighbours(&k);
     cut_ruled(&k);
     if (!find_best(&k, &q) || !(q.noise > 0) || !set_value(&k, &q, v))
-        keep_own(&of->at, k.near[0].lum / luminance(of->at.E), v);
+        keep_own(&of->at, lum > 0 ? k.near[0].lum / lum : 1, v);
 }
 
 void
