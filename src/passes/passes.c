@@ -168,16 +168,20 @@ find_ends(struct rad_passes *p, struct rad_ctx *ctx)
     return p->nends == 0 || sort_ends(p);
 }
 
-/* Ask for a record where path i ends. */
+/* Ask for a record where path i ends.  *walked: add the rays of the walk, which
+ * count as those of hemispheres, too. */
 static void
-ask_at_end(const struct rad_passes *p, struct rad_ctx *ctx, uint32_t i)
+ask_at_end(const struct rad_passes *p, struct rad_ctx *ctx, uint32_t i,
+           uint64_t *walked)
 {
     struct rad_ray r[RAD_PASS_LEVELS + 1];
     int k = p->pass.level;
-    uint64_t key = rad_key_branch(p->key, i);
+    uint64_t key = rad_key_branch(p->key, i), before = ctx->counts.ambient_rays;
+    bool asks = walk(p, ctx, i, k, r) == k && !rad_ambient_serves(ctx, &r[k]) &&
+                rad_path_bounce(ctx, &r[k - 1], key, k - 1, &r[k]);
 
-    if (walk(p, ctx, i, k, r) < k || rad_ambient_serves(ctx, &r[k]) ||
-        !rad_path_bounce(ctx, &r[k - 1], key, k - 1, &r[k]))
+    *walked += ctx->counts.ambient_rays - before;
+    if (!asks)
         return;
     r[k].key = rad_key_branch(key ^ (uint64_t)k, RAD_PATH_BRANCH);
     rad_ray_trace(ctx, &r[k]);
@@ -195,7 +199,8 @@ is_set(const _Atomic bool *stop)
 struct limit {
     const struct rad_ctx *ctx;
     const _Atomic bool *stop;
-    uint64_t rays; /* of hemispheres, as the context counts them */
+    uint64_t rays;   /* of hemispheres, as the context counts them; */
+    uint64_t walked; /* and of paths, which do not count here */
 };
 
 static struct limit
@@ -205,26 +210,26 @@ limit_of(const struct rad_passes *p, const struct rad_ctx *ctx,
     uint64_t most = p->pass.rays;
 
     return (struct limit){ ctx, stop,
-                           most ? ctx->counts.ambient_rays + most
-                                : UINT64_MAX };
+                           most ? ctx->counts.ambient_rays + most : UINT64_MAX,
+                           0 };
 }
 
 static bool
 is_over(const struct limit *until)
 {
     return is_set(until->stop) ||
-           until->ctx->counts.ambient_rays >= until->rays;
+           until->ctx->counts.ambient_rays - until->walked >= until->rays;
 }
 
 static void
 ask_along_paths(const struct rad_passes *p, struct rad_ctx *ctx, uint32_t tile,
-                const struct limit *until)
+                struct limit *until)
 {
     uint64_t from = (uint64_t)p->nends * tile / p->pass.tiles;
     uint64_t to = (uint64_t)p->nends * (tile + 1) / p->pass.tiles;
 
     for (; from < to && !is_over(until); from++)
-        ask_at_end(p, ctx, p->end[from].path);
+        ask_at_end(p, ctx, p->end[from].path, &until->walked);
 }
 
 /* Ask for what a pixel shows; returns the object that it shows, or RAD_VOID. */
