@@ -16,7 +16,7 @@
 static inline bool
 rad_refine_is_last(const struct rad_pass *pass, uint32_t n, uint32_t i)
 {
-    return i + 1 == n || pass[i + 1].check;
+    return !pass[i].check && (i + 1 == n || pass[i + 1].check);
 }
 
 /* Make a tile of the check pass that p is at: a function of the job, as all
