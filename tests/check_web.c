@@ -9,6 +9,7 @@
 #include "draw/units.h"
 #include "image/hdr.h"
 #include "unit.h"
+#include "web/page.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -246,6 +247,42 @@ START_TEST(a_picture_is_handed_out_to_the_bit)
 }
 END_TEST
 
+/* Who submits a job has a say in its picture's header. */
+static const struct {
+    const char *view, *scene, *words;
+} commands[] = {
+    { "-vtv -vp 1 2 -3e1", "a.rad b.oct",
+      "radsubmit -vtv -vp 1 2 -3e1 -ab 1 -o picture.hdr a.rad b.oct" },
+    { "-vth", "!touch${IFS}x -f @f $HOME 'q",
+      "radsubmit -vth -ab 1 -o picture.hdr ./'!touch${IFS}x' ./-f ./@f "
+      "./'$HOME' "
+      "''\\''q'" },
+    { "-vtv --launch=x", "a.rad", "radsubmit -ab 1 -o picture.hdr a.rad" },
+    { "-vp 1 2 3 x.rad", "", "radsubmit -ab 1 -o picture.hdr scene.rad" },
+    { "-vf view.vf", "", "radsubmit -ab 1 -o picture.hdr scene.rad" },
+};
+
+START_TEST(command_lines_run_nothing_of_others)
+{
+    struct watch w = { .detail = json_pack("{s:s}", "state", "done"),
+                       .units.head = json_pack("{s:s}", "options", "-ab 1") };
+    struct markup m = { 0 }, words = { 0 };
+    struct model c = { .up = true };
+
+    strcpy(w.view, commands[_i].view);
+    strcpy(w.scene, commands[_i].scene);
+    page_job(&m, &c, &w);
+    markup_raw(&words, "<pre id=\"words\">");
+    markup_text(&words, commands[_i].words);
+    markup_raw(&words, "</pre>");
+    ck_assert_msg(strstr(m.text, words.text) != NULL, "%s", m.text);
+    json_decref(w.detail);
+    json_decref(w.units.head);
+    markup_release(&m);
+    markup_release(&words);
+}
+END_TEST
+
 /* All pixels of one radiance: so is their mean. */
 START_TEST(a_large_picture_is_made_smaller)
 {
@@ -285,6 +322,8 @@ main(void)
     tcase_add_test(tc, units_lie_side_by_side);
     tcase_add_test(tc, many_units_are_joined);
     tcase_add_loop_test(tc, damaged_statistics_are_refused, 0, N_ELEM(damaged));
+    tcase_add_loop_test(tc, command_lines_run_nothing_of_others, 0,
+                        N_ELEM(commands));
     tcase_add_test(tc, a_picture_is_handed_out_to_the_bit);
     tcase_add_test(tc, a_large_picture_is_made_smaller);
     suite_add_tcase(s, tc);

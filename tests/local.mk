@@ -652,8 +652,9 @@ tests_check_gate_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
 tests_check_gate_LDADD = $(LIBDAEMON) $(UNIT_LIBS)
 
 tests_check_web_SOURCES = tests/check_web.c tests/unit.h
-tests_check_web_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS) $(JANSSON_CFLAGS)
-tests_check_web_LDADD = libweb.a $(LIBRAD) $(JANSSON_LIBS) $(UNIT_LIBS)
+tests_check_web_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS) $(JANSSON_CFLAGS) \
+	$(UV_CFLAGS)
+tests_check_web_LDADD = $(radweb_LDADD) $(UNIT_LIBS)
 
 tests_check_keyfile_SOURCES = tests/check_keyfile.c tests/unit.h
 tests_check_keyfile_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)

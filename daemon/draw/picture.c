@@ -24,6 +24,8 @@ find_line(const uint8_t *hdr, size_t len, const char *word,
     at = end ? memmem(hdr, (size_t)(end - hdr), word, strlen(word)) : NULL;
     if (!at)
         return;
+    for (const uint8_t *next = at; next; at = next ? next : at)
+        next = memmem(at + 1, (size_t)(end - at - 1), word, strlen(word));
     at += strlen(word);
     while (at < end && *at == ' ')
         at++;

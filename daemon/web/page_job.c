@@ -270,9 +270,11 @@ put_statistics(struct markup *m, const struct watch *w)
 
 /* --- how to have it made again --- */
 
-/* Words of somebody else, as a shell takes them for nothing but words. */
+/* Words of somebody else, as a shell takes them for nothing but words; of
+ * files, also as radsubmit takes them for nothing but files, no option, command
+ * or variable. */
 static void
-put_words(struct markup *to, const char *s)
+put_words(struct markup *to, const char *s, bool files)
 {
     static const char plain[] =
         "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstu"
@@ -282,7 +284,7 @@ put_words(struct markup *to, const char *s)
     for (s += strspn(s, blanks); *s; s += strspn(s, blanks)) {
         size_t n = strcspn(s, blanks);
 
-        markup_raw(to, " ");
+        markup_raw(to, files && strchr("-!@$", *s) ? " ./" : " ");
         if (strspn(s, plain) >= n) {
             markup_bytes(to, s, n);
             s += n;
@@ -293,6 +295,24 @@ put_words(struct markup *to, const char *s)
             markup_bytes(to, *s == '\'' ? "'\\''" : s, *s == '\'' ? 4 : 1);
         markup_raw(to, "'");
     }
+}
+
+/* Options of a view and their numbers, and nothing else: who submits a job has
+ * a say in the header of its picture. */
+static bool
+is_view(const char *s)
+{
+    static const char blanks[] = " \t\n";
+
+    for (s += strspn(s, blanks); *s; s += strspn(s, blanks)) {
+        size_t n = strcspn(s, blanks);
+
+        if (strspn(s, "0123456789.eE+-") < n &&
+            (strncmp(s, "-v", 2) != 0 || n > 4 || strcspn(s + 1, "-=") < n - 1))
+            return false;
+        s += n;
+    }
+    return true;
 }
 
 static void
@@ -308,14 +328,15 @@ put_command(struct markup *m, const struct watch *w)
         return;
     }
     markup_raw(&words, "radsubmit");
-    put_words(&words, w->view);
-    put_words(&words, markup_member(w->units.head, "options"));
+    if (is_view(w->view))
+        put_words(&words, w->view, false);
+    put_words(&words, markup_member(w->units.head, "options"), false);
     if (partition[0] && strcmp(partition, "auto") != 0) {
         markup_raw(&words, " --partition");
-        put_words(&words, partition);
+        put_words(&words, partition, false);
     }
     markup_raw(&words, " -o picture.hdr");
-    put_words(&words, w->scene[0] ? w->scene : "scene.rad");
+    put_words(&words, w->scene[0] ? w->scene : "scene.rad", true);
     m->failed |= words.failed;
     markup_raw(m, "<pre id=\"words\">");
     markup_text(m, words.text);
