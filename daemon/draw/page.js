@@ -345,6 +345,9 @@ function follow(address)
     stream.onerror = () => {
         live.textContent = "not connected";
         live.className = "";
+        // a browser dials again by itself, but not after an answer that is none
+        if (stream.readyState === EventSource.CLOSED)
+            setTimeout(() => follow(address), 10000);
     };
 }
 

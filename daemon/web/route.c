@@ -276,7 +276,8 @@ send_job(struct radweb *r, struct MHD_Connection *c, const struct job_path *p,
     if (!w)
         return answer_error(c, MHD_HTTP_SERVICE_UNAVAILABLE,
                             "too many jobs are looked at just now");
-    if (!is_ready(w, p->picture) && !was && session_is_up(r->session))
+    if (!is_ready(w, p->picture) && !was && !r->closing &&
+        session_is_up(r->session))
         return put_off(r, c, w, p->picture, state);
     if (!w->detail)
         return answer_error(

@@ -141,6 +141,7 @@ on_stats(void *arg, const struct session_answer *a)
     if (k)
         free_work(k);
     end_stats(w);
+    w->stats_of[0] = '\0'; /* they are to be asked for again */
 }
 
 static void
@@ -151,6 +152,8 @@ ask_stats(struct watch *w)
     w->stats_from = uv_now(w->all->loop);
     state_of(w, w->stats_of);
     w->stats_out = session_ask(w->all->session, &m, WATCH_STATS, on_stats, w);
+    if (!w->stats_out)
+        w->stats_of[0] = '\0';
 }
 
 /* --- picture --- */
@@ -171,6 +174,8 @@ end_picture(struct watch *w, const char *note)
     w->asked_picture = true;
     w->picture_ms = next_time(w, w->picture_from, PICTURE_MS);
     rad_text_print(w->note, sizeof w->note, "%s", note);
+    if (note[0])
+        w->picture_of[0] = '\0'; /* it is to be asked for again */
 }
 
 static void
@@ -240,12 +245,14 @@ ask_picture(struct watch *w)
     struct msg m = { .type = MSG_FETCH,
                      .fetch = { w->id, w->frame, MSG_WHAT_PREVIEW } };
 
-    state_of(w, w->picture_of);
     if (too_large(w) || blob_alive() > WATCH_ALIVE)
         return;
+    state_of(w, w->picture_of);
     w->picture_from = uv_now(w->all->loop);
     w->picture_out =
         session_ask(w->all->session, &m, PICTURE_BYTES, on_picture, w);
+    if (!w->picture_out)
+        w->picture_of[0] = '\0';
 }
 
 /* --- details --- */
