@@ -87,7 +87,7 @@ wants_stats(const struct top *t, const json_t *row)
 }
 
 /* Statistics of the job that is looked into, and of some that run; a job that
- * has gone meanwhile has none. */
+ * has gone meanwhile, or is not ours to see, has none. */
 static int
 ask_all_stats(struct screen *s, const json_t *jobs, json_t *list)
 {
@@ -95,15 +95,15 @@ ask_all_stats(struct screen *s, const json_t *jobs, json_t *list)
     const json_t *row;
     uint8_t job[MSG_JOB];
     size_t i;
-    int rc;
+    int rc, asked = 0;
 
     json_array_foreach(jobs, i, row)
     {
         const char *id = json_string_value(json_object_get(row, "job"));
         json_t *stats = NULL;
 
-        if (json_array_size(list) >= MOST_LOOKED || !id ||
-            !wants_stats(&s->top, row) || !msg_job_parse(id, job))
+        if (!id || !wants_stats(&s->top, row) || !msg_job_parse(id, job) ||
+            (strcmp(id, s->top.job) != 0 && asked++ >= MOST_LOOKED))
             continue;
         rc = ask_stats(c, job, &stats);
         if (rc == RAD_EUNAVAIL || rc == RAD_EPROTO)
