@@ -122,6 +122,7 @@ watch_signals(struct program *p)
         return rad_fail(p->err, RAD_ENOMEM, "out of memory");
     p->watched = true;
     signal(SIGPIPE, SIG_IGN);
+    signal(SIGCHLD, SIG_DFL); /* whose end is waited for */
     for (int i = 0; i < 3; i++) {
         uv_signal_init(&p->loop, &p->signals[i]);
         p->signals[i].data = p;
