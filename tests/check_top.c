@@ -276,11 +276,11 @@ START_TEST(what_is_strange_is_drawn_all_the_same)
     static const char *const rows[] = {
         "[]",
         "[{}]",
-        "[{\"name\":\"\\u001b[31m\\u202eevil\",\"job\":\"\\u009b2J\","
-        "\"state\":7,\"done\":1e300,\"rays\":-1e300,\"elapsed_s\":1e300,"
-        "\"since_s\":1e300,\"memory\":1e300,\"pass\":1e300,\"workers\":[]}]",
-        "[{\"job\":\"aa\",\"state\":\"running\",\"done\":0.5,"
-        "\"elapsed_s\":1e308,\"rays\":1e308,\"name\":5}]",
+        ("[{\"name\":\"\\u001b[31m\\u202eevil\",\"job\":\"\\u009b2J\","
+         "\"state\":7,\"done\":1e300,\"rays\":-1e300,\"elapsed_s\":1e300,"
+         "\"since_s\":1e300,\"memory\":1e300,\"pass\":1e300,\"workers\":[]}]"),
+        ("[{\"job\":\"aa\",\"state\":\"running\",\"done\":0.5,"
+         "\"elapsed_s\":1e308,\"rays\":1e308,\"name\":5}]"),
     };
     static const char odd[] =
         "[{\"job\":\"aa\",\"time\":{\"wall_s\":1},\"workers\":[{\"name\":\"a\"}"
