@@ -6,6 +6,7 @@
 #include "config.h"
 
 #include "ctl/ctl.h"
+#include "ctl/row.h"
 #include "common/figure.h"
 #include "common/tell.h"
 
@@ -22,24 +23,10 @@ put(FILE *to, const char *name, const char *value)
     tell(to, "%-*s  %s", NAME_COLUMNS, name, value);
 }
 
-static const char *
-text_of(const json_t *root, const char *key)
-{
-    const char *text = json_string_value(json_object_get(root, key));
-
-    return text ? text : "";
-}
-
-static double
-number_of(const json_t *root, const char *key)
-{
-    return json_number_value(json_object_get(root, key));
-}
-
 static void
 put_text(FILE *to, const json_t *root, const char *key, const char *name)
 {
-    const char *text = text_of(root, key);
+    const char *text = row_text(root, key);
 
     if (text[0])
         put(to, name, text);
@@ -91,15 +78,15 @@ put_start(FILE *to, double epoch)
 void
 ctl_tell_status(FILE *to, const json_t *status)
 {
-    double workers = number_of(status, "workers");
-    double threads = number_of(status, "threads");
-    double jobs = number_of(status, "jobs");
-    double kept = number_of(status, "jobs_kept") - jobs;
-    double slow = number_of(status, "slow_turns");
+    double workers = row_number(status, "workers");
+    double threads = row_number(status, "threads");
+    double jobs = row_number(status, "jobs");
+    double kept = row_number(status, "jobs_kept") - jobs;
+    double slow = row_number(status, "slow_turns");
     char line[200], worst[FIGURE_TEXT];
 
     put_text(to, status, "program", "program");
-    put_start(to, number_of(status, "epoch"));
+    put_start(to, row_number(status, "epoch"));
     if (workers > 0)
         snprintf(line, sizeof line, "%.0f, with %.0f thread%s", workers,
                  threads, plural(threads));
@@ -113,7 +100,7 @@ ctl_tell_status(FILE *to, const json_t *status)
         snprintf(line, sizeof line,
                  "everybody had to wait %.0f time%s, for %s ms at most", slow,
                  plural(slow),
-                 figure(worst, number_of(status, "longest_turn_ms"), 2));
+                 figure(worst, row_number(status, "longest_turn_ms"), 2));
         put(to, "delays", line);
     }
 }
@@ -123,17 +110,17 @@ ctl_tell_status(FILE *to, const json_t *status)
 static void
 put_picture(FILE *to, const json_t *job)
 {
-    double frames = number_of(job, "frames");
-    double n = number_of(job, "oversample");
+    double frames = row_number(job, "frames");
+    double n = row_number(job, "oversample");
     char line[200], from[60] = "", many[80] = "";
 
     if (n > 1)
         snprintf(from, sizeof from, " of %.0f x %.0f samples a pixel", n, n);
     if (frames > 1)
         snprintf(many, sizeof many, "%.0f frames (%.0f ready) of ", frames,
-                 number_of(job, "frames_ready"));
+                 row_number(job, "frames_ready"));
     snprintf(line, sizeof line, "%s%.0f x %.0f%s", many,
-             number_of(job, "width"), number_of(job, "height"), from);
+             row_number(job, "width"), row_number(job, "height"), from);
     put(to, "picture", line);
 }
 
@@ -141,9 +128,9 @@ put_picture(FILE *to, const json_t *job)
 static void
 put_goal(FILE *to, const json_t *job)
 {
-    double error = number_of(job, "goal_error");
-    double time = number_of(job, "goal_time_s");
-    double now = number_of(job, "estimated_error");
+    double error = row_number(job, "goal_error");
+    double time = row_number(job, "goal_time_s");
+    double now = row_number(job, "estimated_error");
     char line[200], by[FIGURE_TEXT], wanted[60] = "", within[60] = "";
 
     if (error <= 0 && time <= 0)
@@ -157,7 +144,7 @@ put_goal(FILE *to, const json_t *job)
     snprintf(line, sizeof line, "%s%s", wanted, within);
     put(to, "asked for", line);
     snprintf(line, sizeof line, "%.0f of at most %.0f%s%s%s",
-             number_of(job, "stage"), number_of(job, "stages"),
+             row_number(job, "stage"), row_number(job, "stages"),
              now > 0 ? ", estimated error " : "",
              now > 0 ? figure(by, 100 * now, 2) : "", now > 0 ? " %" : "");
     put(to, "stage", line);
@@ -167,12 +154,12 @@ put_goal(FILE *to, const json_t *job)
 static void
 put_work(FILE *to, const json_t *job)
 {
-    double rays = number_of(job, "rays");
-    double again = number_of(job, "units_redone");
+    double rays = row_number(job, "rays");
+    double again = row_number(job, "units_redone");
     char line[200], time[CTL_SPAN], millions[FIGURE_TEXT];
 
     snprintf(line, sizeof line, "%s since it was submitted",
-             ctl_span(time, number_of(job, "elapsed_s")));
+             ctl_span(time, row_number(job, "elapsed_s")));
     put(to, "time", line);
     if (rays > 0) {
         snprintf(line, sizeof line, "%s million",
@@ -190,12 +177,12 @@ put_work(FILE *to, const json_t *job)
 static void
 put_reuse(FILE *to, const json_t *job)
 {
-    double bytes = number_of(job, "cache_bytes");
+    double bytes = row_number(job, "cache_bytes");
     char line[80], size[FIGURE_TEXT];
 
-    if (text_of(job, "reuse")[0]) {
+    if (row_text(job, "reuse")[0]) {
         snprintf(line, sizeof line, "begins with that of %s",
-                 text_of(job, "reuse"));
+                 row_text(job, "reuse"));
         put(to, "ambient cache", line);
     }
     if (bytes > 0) {
@@ -208,34 +195,35 @@ put_reuse(FILE *to, const json_t *job)
 void
 ctl_tell_job(FILE *to, const json_t *job)
 {
-    double status = number_of(job, "status");
+    double status = row_number(job, "status");
     char line[40];
 
     put_text(to, job, "job", "job");
     put_text(to, job, "name", "name");
     put_text(to, job, "owner", "owner");
     put_text(to, job, "state", "state");
-    if (strcmp(text_of(job, "text"), text_of(job, "state")) != 0)
+    if (strcmp(row_text(job, "text"), row_text(job, "state")) != 0)
         put_text(to, job, "text", "note");
     if (status != 0) {
         snprintf(line, sizeof line, "%.0f", status);
         put(to, "exit status", line);
     }
     /* rounded down: 100 is all */
-    snprintf(line, sizeof line, "%.0f %%", floor(100 * number_of(job, "done")));
+    snprintf(line, sizeof line, "%.0f %%",
+             floor(100 * row_number(job, "done")));
     put(to, "done", line);
-    if (number_of(job, "passes") > 0) {
+    if (row_number(job, "passes") > 0) {
         snprintf(line, sizeof line, "pass %.0f of %.0f, %.0f %%",
-                 number_of(job, "pass"), number_of(job, "passes"),
-                 floor(100 * number_of(job, "pass_done")));
+                 row_number(job, "pass"), row_number(job, "passes"),
+                 floor(100 * row_number(job, "pass_done")));
         put(to, "ambient cache", line);
     }
     put_reuse(to, job);
     put_goal(to, job);
     put_picture(to, job);
-    snprintf(line, sizeof line, "%.0f", number_of(job, "workers"));
+    snprintf(line, sizeof line, "%.0f", row_number(job, "workers"));
     put(to, "workers", line);
-    snprintf(line, sizeof line, "%.0f", number_of(job, "priority"));
+    snprintf(line, sizeof line, "%.0f", row_number(job, "priority"));
     put(to, "priority", line);
     put_work(to, job);
 }

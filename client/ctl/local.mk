@@ -12,6 +12,7 @@ radctl_SOURCES = \
 libclient_a_SOURCES += \
 	client/ctl/keyctl.c \
 	client/ctl/keyctl.h \
+	client/ctl/row.h \
 	client/ctl/top.c \
 	client/ctl/top.h \
 	client/ctl/top_lines.c

@@ -2,6 +2,7 @@
 #include "config.h"
 
 #include "ctl/top.h"
+#include "ctl/row.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -10,14 +11,6 @@
 enum { PAGE = 10 };
 
 static const char *const name_key[TOP_NPANE] = { "name", "job" };
-
-static const char *
-text_of(const json_t *row, const char *key)
-{
-    const char *text = json_string_value(json_object_get(row, key));
-
-    return text ? text : "";
-}
 
 void
 top_init(struct top *t)
@@ -48,7 +41,7 @@ find_row(const json_t *rows, const char *key, const char *name)
 
     json_array_foreach(rows, i, row)
     {
-        if (strcmp(text_of(row, key), name) == 0)
+        if (strcmp(row_text(row, key), name) == 0)
             return row;
     }
     return NULL;
@@ -74,7 +67,7 @@ raise_number(json_t *row, const char *key, double x)
 static void
 spread_stats(const json_t *stats, json_t *workers, json_t *jobs)
 {
-    json_t *job = find_row(jobs, "job", text_of(stats, "job"));
+    json_t *job = find_row(jobs, "job", row_text(stats, "job"));
     const json_t *totals = json_object_get(stats, "totals"), *w;
     const json_t *error = json_object_get(stats, "error");
     size_t i;
@@ -86,7 +79,7 @@ spread_stats(const json_t *stats, json_t *workers, json_t *jobs)
         json_number_value(json_object_get(totals, "ambient_redundant")));
     json_array_foreach(json_object_get(stats, "workers"), i, w)
     {
-        json_t *row = find_row(workers, "name", text_of(w, "name"));
+        json_t *row = find_row(workers, "name", row_text(w, "name"));
 
         add_number(row, "rays", json_number_value(json_object_get(w, "rays")));
         raise_number(row, "memory",
@@ -103,7 +96,7 @@ rates_of(const struct top *t, enum top_pane pane, const json_t *rows, double s)
 
     json_array_foreach(rows, i, row)
     {
-        const char *name = text_of(row, name_key[pane]);
+        const char *name = row_text(row, name_key[pane]);
         const json_t *was = find_row(t->list[pane].rows, name_key[pane], name);
         const json_t *then = json_object_get(was, "rays");
         const json_t *now = json_object_get(row, "rays");
@@ -128,7 +121,7 @@ top_take(struct top *t, double now_s, json_t *status, json_t *workers,
     json_array_foreach(stats, i, one)
     {
         spread_stats(one, workers, jobs);
-        if (strcmp(text_of(one, "job"), t->job) == 0)
+        if (strcmp(row_text(one, "job"), t->job) == 0)
             t->stats = json_incref(one);
     }
     json_decref(stats);
@@ -155,7 +148,7 @@ fits(const struct top *t, const json_t *row)
     static const char *const where[] = { "name", "job", "owner", "state" };
 
     for (size_t i = 0; i < sizeof where / sizeof where[0]; i++)
-        if (strcasestr(text_of(row, where[i]), t->filter))
+        if (strcasestr(row_text(row, where[i]), t->filter))
             return true;
     return false;
 }
@@ -174,8 +167,8 @@ by_column(const void *a, const void *b, void *arg)
     int c = top_compare(o->t, o->pane, l->sort, p, q);
 
     if (c == 0) /* as they do not jump about */
-        return strcmp(text_of(p, name_key[o->pane]),
-                      text_of(q, name_key[o->pane]));
+        return strcmp(row_text(p, name_key[o->pane]),
+                      row_text(q, name_key[o->pane]));
     return l->back ? -c : c;
 }
 
@@ -229,7 +222,7 @@ static size_t
 place_of(const json_t **v, size_t n, enum top_pane pane, const char *name)
 {
     for (size_t i = 0; i < n; i++)
-        if (strcmp(text_of(v[i], name_key[pane]), name) == 0)
+        if (strcmp(row_text(v[i], name_key[pane]), name) == 0)
             return i;
     return 0;
 }
@@ -249,7 +242,7 @@ chosen_row(const struct top *t, enum top_pane pane)
 const char *
 top_chosen(const struct top *t, enum top_pane pane)
 {
-    return text_of(chosen_row(t, pane), name_key[pane]);
+    return row_text(chosen_row(t, pane), name_key[pane]);
 }
 
 static void
@@ -264,7 +257,7 @@ move(struct top *t, int by)
         at = (long)place_of(v, n, t->pane, l->chosen) + by;
         at = at < 0 ? 0 : at >= (long)n ? (long)n - 1 : at;
         snprintf(l->chosen, sizeof l->chosen, "%s",
-                 text_of(v[at], name_key[t->pane]));
+                 row_text(v[at], name_key[t->pane]));
     }
     free(v);
 }
@@ -317,25 +310,25 @@ ask_about_job(struct top *t, int key)
     const json_t *row = t->job[0]
                             ? find_row(t->list[TOP_JOBS].rows, "job", t->job)
                             : chosen_row(t, TOP_JOBS);
-    bool paused = strcmp(text_of(row, "state"), "paused") == 0;
+    bool paused = strcmp(row_text(row, "state"), "paused") == 0;
 
     if (key == 'c')
-        return ask(t, TOP_CANCEL, "cancel job", text_of(row, "job"));
+        return ask(t, TOP_CANCEL, "cancel job", row_text(row, "job"));
     return ask(t, paused ? TOP_RESUME : TOP_PAUSE,
-               paused ? "go on with job" : "pause job", text_of(row, "job"));
+               paused ? "go on with job" : "pause job", row_text(row, "job"));
 }
 
 static enum top_wish
 ask_about_worker(struct top *t)
 {
     const json_t *row = chosen_row(t, TOP_WORKERS);
-    const char *state = text_of(row, "state");
+    const char *state = row_text(row, "state");
     bool drained =
         strcmp(state, "drained") == 0 || strcmp(state, "draining") == 0;
 
     return ask(t, drained ? TOP_UNDRAIN : TOP_DRAIN,
                drained ? "give work again to" : "drain worker",
-               text_of(row, "name"));
+               row_text(row, "name"));
 }
 
 static enum top_wish

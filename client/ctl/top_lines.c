@@ -6,6 +6,7 @@
 #include "config.h"
 
 #include "ctl/top.h"
+#include "ctl/row.h"
 
 #include "base/text.h"
 #include "common/figure.h"
@@ -65,28 +66,14 @@ top_ncolumns(enum top_pane pane)
 
 /* --- cells --- */
 
-static const char *
-text_of(const json_t *row, const char *key)
-{
-    const char *text = json_string_value(json_object_get(row, key));
-
-    return text ? text : "";
-}
-
-static double
-number_of(const json_t *row, const char *key)
-{
-    return json_number_value(json_object_get(row, key));
-}
-
 /* Seconds that a job will still take, by what it took; negative: nobody
  * knows. */
 static double
 left_of(const json_t *row)
 {
-    double done = number_of(row, "done"), s = number_of(row, "elapsed_s");
+    double done = row_number(row, "done"), s = row_number(row, "elapsed_s");
 
-    if (strcmp(text_of(row, "state"), "running") != 0 || done < .01)
+    if (strcmp(row_text(row, "state"), "running") != 0 || done < .01)
         return -1;
     return s * (1 - done) / done;
 }
@@ -100,7 +87,7 @@ value_of(const struct top *t, enum top_pane pane, const struct column *c,
 
     switch (c->kind) {
     case RATE:
-        x = json_object_get(t->list[pane].rates, text_of(row, key_of[pane]));
+        x = json_object_get(t->list[pane].rates, row_text(row, key_of[pane]));
         break;
     case LEFT:
         return left_of(row);
@@ -121,7 +108,7 @@ top_compare(const struct top *t, enum top_pane pane, int column,
     double x, y;
 
     if (c->kind == TEXT || c->kind == ID)
-        return strcmp(text_of(a, c->key), text_of(b, c->key));
+        return strcmp(row_text(a, c->key), row_text(b, c->key));
     x = value_of(t, pane, c, a);
     y = value_of(t, pane, c, b);
     return x > y ? -1 : x < y; /* the largest first */
@@ -167,11 +154,11 @@ cell(const struct top *t, enum top_pane pane, const struct column *c,
     text[0] = '\0';
     if (c->kind == TEXT || c->kind == ID)
         rad_text_print(text, CELL, "%.*s", c->kind == ID ? 8 : CELL - 1,
-                       text_of(row, c->key));
+                       row_text(row, c->key));
     else if (c->kind == COUNT && json_object_get(row, c->key))
-        snprintf(text, CELL, "%.0f", number_of(row, c->key));
+        snprintf(text, CELL, "%.0f", row_number(row, c->key));
     else if (c->kind == PASS && x > 0)
-        snprintf(text, CELL, "%.0f/%.0f", x, number_of(row, "passes"));
+        snprintf(text, CELL, "%.0f/%.0f", x, row_number(row, "passes"));
     else if (c->kind == RATE && x >= 0)
         scaled(text, x, 1000, thousands);
     else if (c->kind == BYTES && x > 0)
@@ -325,8 +312,8 @@ draw_summary(struct screen *s)
     if (t->status)
         say(s, TOP_TITLE,
             "%s   %.0f workers, %.0f threads   %.0f jobs   %s rays/s",
-            text_of(t->status, "program"), number_of(t->status, "workers"),
-            number_of(t->status, "threads"), number_of(t->status, "jobs"),
+            row_text(t->status, "program"), row_number(t->status, "workers"),
+            row_number(t->status, "threads"), row_number(t->status, "jobs"),
             rate);
     else
         say(s, TOP_TITLE, "radctl top");
@@ -350,7 +337,7 @@ draw_list(struct screen *s, enum top_pane pane, const json_t **v, size_t n,
     list_line(s->t, pane, NULL, s->columns, &l);
     put_text(s, s->at++, TOP_HEAD, l.text);
     for (size_t i = 0; i < n; i++)
-        if (strcmp(text_of(v[i], key_of[pane]), chosen) == 0)
+        if (strcmp(row_text(v[i], key_of[pane]), chosen) == 0)
             at = (long)i;
     first = at - (room - 1) / 2;
     if (first > (long)n - (room - 1))
@@ -411,10 +398,10 @@ gantt(const json_t *units, const char *worker, double end_s, char *bar, int n)
     bar[n] = '\0';
     json_array_foreach(units, i, u)
     {
-        double from = number_of(u, "start_s"), to = number_of(u, "end_s");
+        double from = row_number(u, "start_s"), to = row_number(u, "end_s");
         int a, b;
 
-        if (strcmp(text_of(u, "worker"), worker) != 0 || !(end_s > 0) ||
+        if (strcmp(row_text(u, "worker"), worker) != 0 || !(end_s > 0) ||
             !(from >= 0) || !(from <= end_s))
             continue;
         a = (int)(from / end_s * n);
@@ -429,13 +416,13 @@ static double
 job_end(const json_t *stats)
 {
     const json_t *u;
-    double end = number_of(json_object_get(stats, "time"), "wall_s");
+    double end = row_number(json_object_get(stats, "time"), "wall_s");
     size_t i;
 
     json_array_foreach(json_object_get(stats, "units"), i, u)
     {
-        if (number_of(u, "end_s") > end)
-            end = number_of(u, "end_s");
+        if (row_number(u, "end_s") > end)
+            end = row_number(u, "end_s");
     }
     return end;
 }
@@ -450,10 +437,10 @@ draw_worker(struct screen *s, const json_t *w, double end_s)
     char rays[CELL], memory[CELL], bar[WIDEST + 1] = "", units[CELL];
     struct line l = { .len = 0 };
 
-    scaled(rays, number_of(w, "rays"), 1000, thousands);
-    scaled(memory, number_of(w, "peak_rss_bytes"), 1024, binary);
-    snprintf(units, sizeof units, "%.0f", number_of(w, "units"));
-    put_cell(&l, text_of(w, "name"), 16, false);
+    scaled(rays, row_number(w, "rays"), 1000, thousands);
+    scaled(memory, row_number(w, "peak_rss_bytes"), 1024, binary);
+    snprintf(units, sizeof units, "%.0f", row_number(w, "units"));
+    put_cell(&l, row_text(w, "name"), 16, false);
     put_gap(&l);
     put_cell(&l, units, 5, true);
     put_gap(&l);
@@ -462,7 +449,7 @@ draw_worker(struct screen *s, const json_t *w, double end_s)
     put_cell(&l, memory, 8, true);
     put_gap(&l);
     if (n > 0)
-        gantt(json_object_get(s->t->stats, "units"), text_of(w, "name"), end_s,
+        gantt(json_object_get(s->t->stats, "units"), row_text(w, "name"), end_s,
               bar, n < WIDEST ? n : WIDEST);
     say(s, TOP_PLAIN, "%s%s", l.text, bar);
 }
@@ -491,23 +478,23 @@ draw_progress(struct screen *s, const json_t *row)
 
     if (left_of(row) >= 0)
         span(left, left_of(row));
-    if (number_of(row, "error") > 0)
+    if (row_number(row, "error") > 0)
         snprintf(error, sizeof error, ", error about %.1f %%",
-                 100 * number_of(row, "error"));
-    if (number_of(row, "pass") > 0)
+                 100 * row_number(row, "error"));
+    if (row_number(row, "pass") > 0)
         snprintf(pass, sizeof pass, ", pass %.0f of %.0f to %.0f %%",
-                 number_of(row, "pass"), number_of(row, "passes"),
-                 100 * number_of(row, "pass_done"));
-    say(s, TOP_PLAIN, "%s, %.0f %% done%s%s%s%s", text_of(row, "state"),
-        floor(100 * number_of(row, "done")), left[0] ? ", left " : "", left,
+                 row_number(row, "pass"), row_number(row, "passes"),
+                 100 * row_number(row, "pass_done"));
+    say(s, TOP_PLAIN, "%s, %.0f %% done%s%s%s%s", row_text(row, "state"),
+        floor(100 * row_number(row, "done")), left[0] ? ", left " : "", left,
         pass, error);
     say(s, TOP_PLAIN,
         "%.0f of %.0f units, %.0f done again; %.0f ambient values, %.0f "
         "redundant",
-        number_of(row, "units_done"), number_of(row, "units_total"),
-        number_of(row, "units_redone"), number_of(totals, "ambient_values"),
-        number_of(totals, "ambient_redundant"));
-    say(s, TOP_WARNING, "%s", text_of(row, "text"));
+        row_number(row, "units_done"), row_number(row, "units_total"),
+        row_number(row, "units_redone"), row_number(totals, "ambient_values"),
+        row_number(totals, "ambient_redundant"));
+    say(s, TOP_WARNING, "%s", row_text(row, "text"));
 }
 
 static void
@@ -518,11 +505,11 @@ draw_job(struct screen *s)
 
     json_array_foreach(rows, i, one)
     {
-        if (strcmp(text_of(one, "job"), s->t->job) == 0)
+        if (strcmp(row_text(one, "job"), s->t->job) == 0)
             row = one;
     }
-    say(s, TOP_TITLE, "job %.8s  %s  of %s", s->t->job, text_of(row, "name"),
-        text_of(row, "owner"));
+    say(s, TOP_TITLE, "job %.8s  %s  of %s", s->t->job, row_text(row, "name"),
+        row_text(row, "owner"));
     say(s, TOP_WARNING, "%s", s->t->note);
     if (!row)
         say(s, TOP_PLAIN, "it is not there any more");
