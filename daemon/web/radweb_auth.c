@@ -33,8 +33,6 @@ radweb_read_token(struct radweb *r, struct rad_error *err)
     snprintf(r->token, sizeof r->token, "%.*s", (int)n, text);
     explicit_bzero(text, strlen(text));
     free(text);
-    if (n == 0 && r->set.token_file[0] == '\0')
-        return 0;
     if (n >= RADWEB_MIN_TOKEN)
         return 0;
     return rad_fail(err, RAD_ECONFIG,
