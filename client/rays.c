@@ -6,6 +6,7 @@
 #include "records/amblist.h"
 #include "base/rng.h"
 #include "base/vec.h"
+#include "image/spectrum.h"
 #include "light/indirect/ambient.h"
 #include "trace/ray.h"
 
@@ -13,13 +14,20 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* What may stand behind the name of an option that is on or off. */
+static bool
+is_switch(const char *text)
+{
+    return text[0] == '\0' || (strchr("+-01", text[0]) && !text[1]);
+}
+
 int
 rays_options(struct rays_options *o, struct words *w, struct rad_error *err)
 {
     int at = 0;
 
     rad_params_init(&o->params);
-    o->irradiance = false;
+    o->irradiance = o->spectral = false;
     o->ambfile = NULL;
     o->commands = false;
     for (;;) {
@@ -34,6 +42,12 @@ rays_options(struct rays_options *o, struct words *w, struct rad_error *err)
             break;
         if (strcmp(word, "-I") == 0) {
             o->irradiance = true;
+            at++;
+            continue;
+        }
+        if (strncmp(word, "-co", 3) == 0 && is_switch(word + 3)) {
+            o->spectral =
+                word[3] ? strchr("+1", word[3]) != NULL : !o->spectral;
             at++;
             continue;
         }
@@ -106,11 +120,112 @@ see(struct rad_ctx *ctx, double v[6], bool irradiance, uint64_t key)
     return r.L;
 }
 
+/* --- bands ---------------------------------------------------------------- */
+
+/* The scene made ready for each plane. */
+struct planes {
+    struct rad_bands bands; /* three, or all of -cs */
+    struct rad_job *job[RAD_MAX_PLANES];
+    struct rad_ctx ctx[RAD_MAX_PLANES];
+    int n;
+    struct rad_arena arena;
+    const struct rad_spectrum *eye; /* that sees them in colours, or NULL */
+};
+
 static int
-trace_lines(struct rad_ctx *ctx, bool irradiance, FILE *in, FILE *out,
+add_plane(struct planes *p, struct rad_params params,
+          const struct rad_scene *scene, const struct rad_files *files,
+          struct rad_error *err)
+{
+    struct rad_error why = { 0 };
+
+    if (p->bands.n > 3)
+        params.bands.plane = p->n;
+    p->job[p->n] = rad_job_new(scene, &params, files, &why);
+    if (p->job[p->n] && rad_ctx_init(&p->ctx[p->n], p->job[p->n], &why) == 0) {
+        p->n++;
+        return 0;
+    }
+    rad_job_free(p->job[p->n]);
+    if (err && err->code == 0)
+        *err = why;
+    return why.code;
+}
+
+static int
+prepare_planes(struct planes *p, const struct rays_options *o,
+               const struct rad_scene *scene, const struct rad_files *files,
+               struct rad_error *err)
+{
+    struct rad_bands colours = rad_bands_rgb();
+    int rc = 0;
+
+    *p = (struct planes){ .bands = o->params.bands };
+    rad_arena_init(&p->arena);
+    if (p->bands.plane >= 0) /* it alone, as three channels */
+        p->bands.n = 3;
+    if (p->bands.n > 3 && !o->spectral) {
+        p->eye = rad_spectrum_new(&p->arena, p->bands.n, p->bands.longest,
+                                  p->bands.shortest, &colours);
+        rc = p->eye ? 0 : rad_fail(err, RAD_ENOMEM, "out of memory");
+    }
+    for (int i = 0; rc == 0 && i < rad_bands_planes(&p->bands); i++)
+        rc = add_plane(p, o->params, scene, files, err);
+    return rc;
+}
+
+static void
+release_planes(struct planes *p)
+{
+    for (int i = 0; i < p->n; i++) {
+        rad_ctx_release(&p->ctx[i]);
+        rad_job_free(p->job[i]);
+    }
+    rad_arena_release(&p->arena);
+}
+
+/* --- lines ---------------------------------------------------------------- */
+
+static void
+print_line(const struct planes *p, const struct rad_rgb L[], FILE *out)
+{
+    float band[RAD_MAX_BANDS];
+    double sum[3] = { 0 };
+
+    rad_bands_gather(&p->bands, L, band);
+    if (!p->eye) {
+        for (int i = 0; i < p->bands.n; i++)
+            fprintf(out, "%s%.9g", i > 0 ? " " : "", (double)band[i]);
+        fputc('\n', out);
+        return;
+    }
+    for (int i = 0; i < p->bands.n; i++)
+        rad_spectrum_add(p->eye, i, (double)band[i], sum);
+    rad_spectrum_colour(p->eye, sum);
+    fprintf(out, "%.9g %.9g %.9g\n", (double)(float)sum[0],
+            (double)(float)sum[1], (double)(float)sum[2]);
+}
+
+static void
+trace_one(struct planes *p, const double v[6], bool irradiance, uint64_t key,
+          FILE *out)
+{
+    struct rad_rgb L[RAD_MAX_PLANES];
+
+    for (int i = 0; i < p->n; i++) {
+        double ray[6];
+
+        memcpy(ray, v, sizeof ray);
+        L[i] = see(&p->ctx[i], ray, irradiance, key);
+    }
+    print_line(p, L, out);
+}
+
+static int
+trace_lines(struct planes *p, bool irradiance, FILE *in, FILE *out,
             struct rad_error *err)
 {
-    uint64_t seed = ctx->job->params.seed;
+    uint64_t seed = p->job[0]->params.seed;
     uint32_t number = 0;
     char *line = NULL;
     size_t size = 0;
@@ -118,15 +233,13 @@ trace_lines(struct rad_ctx *ctx, bool irradiance, FILE *in, FILE *out,
 
     for (long at = 1; rc >= 0 && getline(&line, &size, in) >= 0; at++) {
         double v[6];
-        struct rad_rgb c;
 
         rc = read_line(line, v, err);
         if (rc < 0)
             rad_error_where(err, "stdin:%ld", at);
-        if (rc <= 0)
-            continue;
-        c = see(ctx, v, irradiance, rad_key_pixel(seed, 0, number++, 0));
-        fprintf(out, "%.9g %.9g %.9g\n", (double)c.r, (double)c.g, (double)c.b);
+        if (rc > 0)
+            trace_one(p, v, irradiance, rad_key_pixel(seed, 0, number++, 0),
+                      out);
     }
     free(line);
     if (rc >= 0 && ferror(in))
@@ -140,9 +253,9 @@ trace_lines(struct rad_ctx *ctx, bool irradiance, FILE *in, FILE *out,
 /* Trace with the records of the file, and keep what there is then. */
 static int
 trace_with_file(const struct rays_options *o, const char *digest,
-                struct rad_ctx *ctx, FILE *in, FILE *out, struct rad_error *err)
+                struct planes *p, FILE *in, FILE *out, struct rad_error *err)
 {
-    struct rad_ambient *amb = ctx->job->ambient;
+    struct rad_ambient *amb = p->job[0]->ambient;
     struct ambfile file = { .params = o->params };
     size_t before;
     int rc;
@@ -151,11 +264,16 @@ trace_with_file(const struct rays_options *o, const char *digest,
         return rad_fail(err, RAD_EUSAGE,
                         "-af: there are no ambient records without -ab and "
                         "-aa");
+    if (p->n > 1)
+        return rad_fail(err, RAD_EUSAGE,
+                        "-af: a file's records have three channels, and -cs is "
+                        "%d",
+                        p->bands.n);
     snprintf(file.scene, sizeof file.scene, "%s", digest);
     rc = ambfile_load(&file, o->ambfile, amb, err);
     before = rad_ambient_count(amb);
     if (rc == 0)
-        rc = trace_lines(ctx, o->irradiance, in, out, err);
+        rc = trace_lines(p, o->irradiance, in, out, err);
     if (rc == 0 && rad_ambient_count(amb) > before)
         rc = ambfile_save(&file, o->ambfile, amb, err);
     return rc;
@@ -166,24 +284,15 @@ rays_run(const struct rays_options *o, const struct rad_scene *scene,
          const struct rad_files *files, FILE *in, FILE *out, const char *digest,
          struct rad_fault faults[RAD_MAX_FAULTS], struct rad_error *err)
 {
-    struct rad_error why = { 0 };
-    struct rad_job *job = rad_job_new(scene, &o->params, files, &why);
-    struct rad_ctx ctx;
-    int rc;
+    struct planes p;
+    int rc = prepare_planes(&p, o, scene, files, err);
 
     memset(faults, 0, RAD_MAX_FAULTS * sizeof *faults);
-    if (!job) {
-        if (err && err->code == 0)
-            *err = why;
-        return why.code;
-    }
-    rc = rad_ctx_init(&ctx, job, err);
     if (rc == 0) {
-        rc = o->ambfile ? trace_with_file(o, digest, &ctx, in, out, err)
-                        : trace_lines(&ctx, o->irradiance, in, out, err);
-        memcpy(faults, ctx.counts.faults, RAD_MAX_FAULTS * sizeof *faults);
-        rad_ctx_release(&ctx);
+        rc = o->ambfile ? trace_with_file(o, digest, &p, in, out, err)
+                        : trace_lines(&p, o->irradiance, in, out, err);
+        memcpy(faults, p.ctx[0].counts.faults, RAD_MAX_FAULTS * sizeof *faults);
     }
-    rad_job_free(job);
+    release_planes(&p);
     return rc;
 }

@@ -3,9 +3,11 @@
  *   radscene rays [-I] [-af FILE] [rendering options] FILE...
  * Each line of the input has six numbers, a ray's origin and direction, or with
  * -I a point and a normal; each gives a line of output, its radiance
- * [W/sr/m^2] or irradiance [W/m^2], as "r g b" with nine significant digits.
- * What has no direction sees 0 0 0, as with rtrace; empty lines are skipped.
- * A ray's random numbers depend on --seed and the ray's number, from 0.  */
+ * [W/sr/m^2] or irradiance [W/m^2], as "r g b" with nine significant digits;
+ * with -co+ as one number for each of the bands of -cs, the longest waves
+ * first. What has no direction sees 0 0 0, as with rtrace; empty lines are
+ * skipped. A ray's random numbers depend on --seed and the ray's number, from
+ * 0.  */
 #ifndef RADD_CLIENT_RAYS_H
 #define RADD_CLIENT_RAYS_H
 
@@ -21,6 +23,7 @@
 struct rays_options {
     struct rad_params params;
     bool irradiance;     /* -I */
+    bool spectral;       /* -co+ */
     bool commands;       /* of octrees are run, too */
     const char *ambfile; /* -af, a word of the command line, or NULL */
 };

@@ -162,13 +162,72 @@ static const struct {
                     "photon maps" },
     { "-am+", "option '-am+' of rpict is not supported: there are no photon "
               "maps" },
-    { "-cs 20", "option '-cs' of rpict is not supported: there is no spectral "
-                "rendering, so 3 only" },
+    { "-cs 2", "option '-cs': '2' is less than 3" },
+    { "-cs x", "option '-cs': expected an integer, got 'x'" },
+    { "-cw 380", "option '-cw': expected 2 values, got 1" },
+    { "-cw 0 500", "option '-cw': '0' is not between 1 and 1000000" },
+    { "--plane 8", "option '--plane': '8' is not between -1 and 7" },
     { "-ro pic", "option '-ro' of rpict is not supported: a job keeps what is "
                  "rendered and goes on by itself; submit it again" },
     { "-PP file", "option '-PP' of rpict is not supported: the daemons stay, "
                   "and a second job sends no scene again" },
 };
+
+static const struct {
+    const char *text, *said; /* behind -lw */
+    int n, plane;
+    double longest, shortest;
+} bands[] = {
+    { "-cs 3", "--seed=0", 3, -1, 780, 380 },
+    { "-cs 20", "-cs 20 -cw 380 780 --seed=0", 20, -1, 780, 380 },
+    { "-cs 99", "-cs 24 -cw 380 780 --seed=0", 24, -1, 780, 380 },
+    { "-cw 700 400.5", "-cs 3 -cw 400.5 700 --seed=0", 3, -1, 700, 400.5 },
+    { "-cw 400 700 -cs 7 --plane 2", "-cs 7 -cw 400 700 --plane 2 --seed=0", 7,
+      2, 700, 400 },
+};
+
+START_TEST(bands_are_what_was_asked_for)
+{
+    struct rad_params p, again;
+    struct rad_error err = { 0 };
+    char text[RAD_PARAMS_TEXT];
+    const char *tail;
+
+    rad_params_init(&p);
+    ck_assert_int_gt(take(&p, bands[_i].text, &err), 0);
+    ck_assert_int_eq(rad_params_check(&p, &err), 0);
+    ck_assert_int_eq(p.bands.n, bands[_i].n);
+    ck_assert_int_eq(p.bands.plane, bands[_i].plane);
+    ck_assert_double_eq(p.bands.longest, bands[_i].longest);
+    ck_assert_double_eq(p.bands.shortest, bands[_i].shortest);
+    rad_params_format(&p, text, sizeof text);
+    tail = strstr(text, "-lw 0.0001 ");
+    ck_assert_ptr_nonnull(tail);
+    ck_assert_str_eq(tail + 11, bands[_i].said);
+    rad_params_init(&again);
+    ck_assert_int_gt(take(&again, text, &err), 0);
+    ck_assert_mem_eq(&p, &again, sizeof p);
+}
+END_TEST
+
+static const struct {
+    const char *text, *what;
+} misfits[] = {
+    { "-cs 20 -cw 500 549", "option '-cw 500 549': a range is 50 nm at least" },
+    { "-cs 7 --plane 3", "option '--plane 3': -cs 7 has 3 planes, from 0" },
+};
+
+START_TEST(bands_that_cannot_be_are_refused)
+{
+    struct rad_params p;
+    struct rad_error err = { 0 };
+
+    rad_params_init(&p);
+    ck_assert_int_gt(take(&p, misfits[_i].text, &err), 0);
+    ck_assert_int_eq(rad_params_check(&p, &err), RAD_EUSAGE);
+    ck_assert_str_eq(err.what, misfits[_i].what);
+}
+END_TEST
 
 /* what rpict has unless told otherwise */
 START_TEST(three_spectral_samples_are_taken)
@@ -462,6 +521,9 @@ main(void)
     tcase_add_test(tc, options_set_their_field);
     tcase_add_loop_test(tc, booleans_set_clear_and_toggle, 0, N_ELEM(switches));
     tcase_add_test(tc, three_spectral_samples_are_taken);
+    tcase_add_loop_test(tc, bands_are_what_was_asked_for, 0, N_ELEM(bands));
+    tcase_add_loop_test(tc, bands_that_cannot_be_are_refused, 0,
+                        N_ELEM(misfits));
     tcase_add_loop_test(tc, bad_options_are_named, 0, N_ELEM(bad));
     tcase_add_test(tc, other_words_are_left_alone);
     tcase_add_test(tc, sampling_stays_within_what_rpict_does);

@@ -5,6 +5,7 @@
 #include "scene/file/parse.h"
 #include "unit.h"
 
+#include <math.h>
 #include <string.h>
 
 static const char scene_text[] =
@@ -13,6 +14,8 @@ static const char scene_text[] =
     "void plastic m 0 0 5 .5 .5 .5 0 0\n"
     "m polygon p 0 0 12 -9 -9 0 9 -9 0 9 9 0 -9 9 0\n";
 
+static const char *scene = scene_text;
+
 /* Run with options and input; the output is in buf.  Returns rays_run()'s
  * code or that of what is wrong before. */
 static int
@@ -20,7 +23,7 @@ run(const char *options, const char *input, char *buf, size_t size,
     struct rad_error *err)
 {
     char words[256], name[] = "rays", *argv[32] = { name }, *save = NULL;
-    struct rad_scene *scene = rad_scene_new();
+    struct rad_scene *s = rad_scene_new();
     FILE *in = tmpfile(), *out = tmpfile();
     struct rad_fault faults[RAD_MAX_FAULTS];
     struct rays_options o;
@@ -28,7 +31,7 @@ run(const char *options, const char *input, char *buf, size_t size,
     int argc = 1, rc;
     size_t n;
 
-    ck_assert(scene && in && out);
+    ck_assert(s && in && out);
     strcpy(words, options);
     for (char *p = strtok_r(words, " ", &save); p;
          p = strtok_r(NULL, " ", &save))
@@ -37,13 +40,12 @@ run(const char *options, const char *input, char *buf, size_t size,
     rc = rays_options(&o, &w, err);
     if (rc >= 0) {
         ck_assert_str_eq(w.list[rc], "scene.rad");
-        ck_assert_int_eq(rad_parse_text(scene, scene_text, strlen(scene_text),
-                                        "scene.rad", NULL, err),
-                         0);
-        ck_assert_int_eq(rad_scene_check(scene, NULL, NULL, err), 0);
+        ck_assert_int_eq(
+            rad_parse_text(s, scene, strlen(scene), "scene.rad", NULL, err), 0);
+        ck_assert_int_eq(rad_scene_check(s, NULL, NULL, err), 0);
         fputs(input, in);
         rewind(in);
-        rc = rays_run(&o, scene, NULL, in, out, NULL, faults, err);
+        rc = rays_run(&o, s, NULL, in, out, NULL, faults, err);
     }
     rewind(out);
     n = fread(buf, 1, size - 1, out);
@@ -51,7 +53,7 @@ run(const char *options, const char *input, char *buf, size_t size,
     fclose(in);
     fclose(out);
     words_release(&w);
-    rad_scene_free(scene);
+    rad_scene_free(s);
     return rc;
 }
 
@@ -67,6 +69,40 @@ static const struct {
       "0.100000001 0.25 1\n0 0 0\n" },
     { "scene.rad", "", "" },
 };
+
+/* A wall of reflectance s(nm) under a lamp of l(nm), both linear in 40 nm, as
+ * its own bands have them: the radiance is rho E / pi in each, E that of a
+ * distant lamp straight above, L pi sin^2 of half its angle. */
+static const char bands_text[] =
+    "void spectrum s 0 0 12 400 760 .1 .2 .3 .4 .5 .6 .7 .8 .9 1\n"
+    "s plastic m 0 0 5 .5 .5 .5 0 0\n"
+    "void spectrum l 0 0 12 400 760 10 9 8 7 6 5 4 3 2 1\n"
+    "l light lamp 0 0 3 1e4 1e4 1e4 lamp source sun 0 0 4 0 0 1 .5\n"
+    "m polygon p 0 0 12 -9 -9 0 9 -9 0 9 9 0 -9 9 0\n";
+
+START_TEST(spectrum_under_a_spectral_lamp)
+{
+    struct rad_error err = { 0 };
+    double half = .25 * M_PI / 180, v;
+    char buf[512], *at = buf;
+    int used, rc;
+
+    scene = bands_text;
+    rc = run("-cs 10 -cw 380 780 -co+ -dj 0 scene.rad", "0 0 5 0 0 -1\n", buf,
+             sizeof buf, &err);
+    scene = scene_text;
+    ck_assert_msg(rc == 0, "%s: %s", err.where, err.what);
+    for (int i = 0; i < 10; i++, at += used) {
+        int nth = 9 - i; /* from the short waves on */
+        double rho = .5 * .1 * (nth + 1), L = 1e4 * (10 - nth);
+        double want = rho * L * sin(half) * sin(half);
+
+        ck_assert_int_eq(sscanf(at, "%lf%n", &v, &used), 1);
+        ck_assert_double_eq_tol(v, want, 1e-5 * want);
+    }
+    ck_assert_str_eq(at, "\n");
+}
+END_TEST
 
 START_TEST(each_line_gives_one)
 {
@@ -139,6 +175,7 @@ main(void)
     Suite *s = suite_create("rays");
     TCase *tc = tcase_create("rays");
 
+    tcase_add_test(tc, spectrum_under_a_spectral_lamp);
     tcase_add_loop_test(tc, each_line_gives_one, 0, N_ELEM(good));
     tcase_add_test(tc, irradiance_is_of_a_point_and_normal);
     tcase_add_loop_test(tc, bad_input_is_told_with_its_line, 0, N_ELEM(bad));

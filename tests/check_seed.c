@@ -1,7 +1,7 @@
 /* check_seed.c - parts of space, and the deep records that each is given */
 #include "config.h"
 
-#include "base/parts.h"
+#include "picture/parts.h"
 #include "base/rng.h"
 #include "machine/jobtext.h"
 #include "light/indirect/ambient.h"

@@ -11,11 +11,13 @@
 #include <string.h>
 
 static struct rad_arena arena;
+static struct rad_bands rgb_bands;
 
 static void
 begin(void)
 {
     rad_arena_init(&arena);
+    rgb_bands = rad_bands_rgb();
 }
 
 static void
@@ -27,7 +29,8 @@ end(void)
 static void
 colour(int n, double from, double to, double (*f)(double), double rgb[3])
 {
-    const struct rad_spectrum *sp = rad_spectrum_new(&arena, n, from, to);
+    const struct rad_spectrum *sp =
+        rad_spectrum_new(&arena, n, from, to, &rgb_bands);
 
     ck_assert_ptr_nonnull(sp);
     rgb[0] = rgb[1] = rgb[2] = 0;
@@ -107,7 +110,8 @@ END_TEST
 
 START_TEST(three_bands_are_the_channels)
 {
-    const struct rad_spectrum *sp = rad_spectrum_new(&arena, 3, 780, 380);
+    const struct rad_spectrum *sp =
+        rad_spectrum_new(&arena, 3, 780, 380, &rgb_bands);
     double rgb[3] = { 0 };
 
     for (int i = 0; i < 3; i++)
@@ -115,6 +119,79 @@ START_TEST(three_bands_are_the_channels)
     rad_spectrum_colour(sp, rgb);
     for (int k = 0; k < 3; k++)
         ck_assert_double_eq_tol(rgb[k], .1 * (k + 1), 1e-12);
+}
+END_TEST
+
+/* Bands of a job: what samples fill of each, none lost where the range holds
+ * them; and of all planes each band once. */
+START_TEST(bands_get_the_mean_of_samples)
+{
+    struct rad_bands b = { 20, 780, 380, 0 };
+    struct rad_rgb plane[RAD_MAX_PLANES];
+    float band[RAD_MAX_BANDS];
+
+    for (b.plane = 0; b.plane < rad_bands_planes(&b); b.plane++) {
+        const struct rad_spectrum *sp =
+            rad_spectrum_new(&arena, 8, 400, 720, &b);
+        double sum[3] = { 0 };
+
+        for (int i = 0; i < 8; i++) /* of 40 nm: the sample's middle */
+            rad_spectrum_add(sp, i, 420 + 40 * i, sum);
+        rad_spectrum_colour(sp, sum);
+        plane[b.plane] = rad_rgb((float)sum[0], (float)sum[1], (float)sum[2]);
+    }
+    rad_bands_gather(&b, plane, band);
+    for (int i = 0; i < 20; i++) {
+        double low = 760 - 20 * i; /* of the band */
+        double want =
+            low >= 720 || low < 400 ? 0 : 420 + 40 * floor((low - 400) / 40);
+
+        ck_assert_double_eq_tol((double)band[i], want, 1e-3);
+    }
+}
+END_TEST
+
+START_TEST(planes_have_each_band_once_and_far_apart)
+{
+    struct rad_bands b = { _i, 780, 380, -1 };
+    int planes = rad_bands_planes(&b), seen[RAD_MAX_BANDS] = { 0 };
+
+    for (int p = 0; p < planes; p++)
+        for (int k = 0; k < 3; k++) {
+            int band = rad_bands_of(&b, p, k);
+
+            ck_assert(band >= 0 && band < b.n);
+            seen[band]++;
+            if (k == 1)
+                ck_assert_int_eq(band - rad_bands_of(&b, p, 0), planes);
+        }
+    for (int i = 0; i < b.n; i++)
+        ck_assert_int_ge(seen[i], 1);
+    ck_assert_int_le(planes, RAD_MAX_PLANES);
+}
+END_TEST
+
+static const struct {
+    double longest, shortest;
+    int n;
+    const char *primaries; /* of the bands */
+    bool colours;
+} split[] = {
+    { 780, 380, 4, "rrgb", true },
+    { 780, 380, 20, "rrrrrrrrrrgggggbbbbb", true },
+    { 700, 400, 6, "rrggbb", true },
+    { 600, 500, 6, "rrggbb", false },
+};
+
+START_TEST(colours_become_three_steps)
+{
+    struct rad_bands b = { split[_i].n, split[_i].longest, split[_i].shortest,
+                           -1 };
+
+    ck_assert_int_eq(rad_bands_show_colour(&b), split[_i].colours);
+    for (int i = 0; i < b.n; i++)
+        ck_assert_int_eq("rgb"[rad_bands_primary(&b, i)],
+                         split[_i].primaries[i]);
 }
 END_TEST
 
@@ -204,6 +281,10 @@ main(void)
     tcase_add_test(tc, direction_and_fineness_hardly_matter);
     tcase_add_test(tc, pure_colour_is_shown_paler);
     tcase_add_test(tc, three_bands_are_the_channels);
+    tcase_add_test(tc, bands_get_the_mean_of_samples);
+    tcase_add_loop_test(tc, planes_have_each_band_once_and_far_apart, 3,
+                        RAD_MAX_BANDS + 1);
+    tcase_add_loop_test(tc, colours_become_three_steps, 0, N_ELEM(split));
     tcase_add_test(tc, picture_has_its_samples);
     tcase_add_loop_test(tc, bad_picture_is_refused, 0, N_ELEM(bad));
     suite_add_tcase(s, tc);

@@ -3,6 +3,8 @@ librad_a_SOURCES += \
 	src/base/angle.h \
 	src/base/arena.c \
 	src/base/arena.h \
+	src/base/bands.c \
+	src/base/bands.h \
 	src/base/bits.h \
 	src/base/color.h \
 	src/base/error.c \
@@ -20,8 +22,6 @@ librad_a_SOURCES += \
 	src/base/output.h \
 	src/base/params.c \
 	src/base/params.h \
-	src/base/parts.c \
-	src/base/parts.h \
 	src/base/rng.h \
 	src/base/sha.c \
 	src/base/sha.h \

@@ -26,7 +26,8 @@ enum kind {
     KIND_RGB,
     KIND_U64,   /* --seed=N */
     KIND_PRIMS, /* -pRGB -pXYZ -pc: one of them */
-    KIND_LIST   /* -ae -ai: names that add up */
+    KIND_LIST,  /* -ae -ai: names that add up */
+    KIND_WAVES  /* -cw: two wavelengths */
 };
 
 struct option {
@@ -102,6 +103,11 @@ static const struct option options[] = {
     INT("-lr", maxdepth, -DEEPEST, DEEPEST, 7,
         "limit reflection, 0 or less: Russian roulette"),
     REAL("-lw", minweight, 0, 1e-4, "limit weight"),
+    INT("-cs", bands.n, 3, INT_MAX, 3, "bands of wavelengths, 3 to 24"),
+    { "-cw", KIND_WAVES, FIELD(bands), 1, 1e6, 0,
+      "extreme wavelengths in nanometers" },
+    INT("--plane", bands.plane, -1, RAD_MAX_PLANES - 1, -1,
+        "of -cs, the one that is rendered; -1: all"),
     { "--seed", KIND_U64, FIELD(seed), 0, 0, 0, "of all random numbers" }
 };
 
@@ -121,9 +127,7 @@ static const struct {
     { "-am", "there are no photon maps" },
     { "-ac", "there are no photon maps" },
     { "-aC", "there are no photon maps" },
-    { "-aH", "there are no photon maps" },
-    { "-cs", "there is no spectral rendering, so 3 only" },
-    { "-cw", "there is no spectral rendering" }
+    { "-aH", "there are no photon maps" }
 };
 /* clang-format on */
 
@@ -164,6 +168,10 @@ rad_params_init(struct rad_params *p)
             break;
         case KIND_U64:
             *(uint64_t *)field = (uint64_t)o->value;
+            break;
+        case KIND_WAVES:
+            ((struct rad_bands *)field)->longest = RAD_LONGEST_WAVE;
+            ((struct rad_bands *)field)->shortest = RAD_SHORTEST_WAVE;
             break;
         case KIND_PRIMS: /* RGB, and no names: zero */
         case KIND_LIST:
@@ -266,6 +274,24 @@ take_rgb(struct rad_rgb *field, const struct option *o, char *const argv[],
     return 0;
 }
 
+/* In either order. */
+static int
+take_waves(struct rad_bands *b, const struct option *o, char *const argv[],
+           struct rad_error *err)
+{
+    double v[2];
+
+    for (int i = 0; i < 2; i++) {
+        int rc = take_real(&v[i], o, argv[i], err);
+
+        if (rc < 0)
+            return rc;
+    }
+    b->longest = fmax(v[0], v[1]);
+    b->shortest = fmin(v[0], v[1]);
+    return 0;
+}
+
 static int
 take_u64(uint64_t *field, const struct option *o, const char *text,
          struct rad_error *err)
@@ -288,6 +314,8 @@ words_of(const struct option *o, const char *rest)
         return 1;
     case KIND_RGB:
         return 3;
+    case KIND_WAVES:
+        return 2;
     case KIND_U64:
         return rest[-1] == '=' ? 0 : 1;
     case KIND_LIST:
@@ -404,6 +432,8 @@ take_value(struct rad_params *p, const struct option *o, const char *rest,
         return take_real(field, o, argv[1], err);
     case KIND_RGB:
         return take_rgb(field, o, argv + 1, err);
+    case KIND_WAVES:
+        return take_waves(field, o, argv + 1, err);
     case KIND_U64:
         return take_u64(field, o, rest[-1] == '=' ? rest : argv[1], err);
     case KIND_PRIMS:
@@ -440,9 +470,6 @@ rad_params_option(struct rad_params *p, int argc, char *const argv[],
 
     if (argc < 1 || argv[0][0] != '-')
         return 0;
-    /* three samples are what colours have here */
-    if (argc > 1 && strcmp(argv[0], "-cs") == 0 && strcmp(argv[1], "3") == 0)
-        return 2;
     o = find_option(argv[0], &rest);
     if (!o)
         return refuse_lacking(argv[0], err);
@@ -458,6 +485,8 @@ rad_params_option(struct rad_params *p, int argc, char *const argv[],
         p->psample = 1;
     else if (p->psample > LARGEST_PSAMPLE)
         p->psample = LARGEST_PSAMPLE;
+    if (p->bands.n > RAD_MAX_BANDS)
+        p->bands.n = RAD_MAX_BANDS;
     return 1 + nwords;
 }
 
@@ -483,6 +512,15 @@ rad_params_check(const struct rad_params *p, struct rad_error *err)
                         "option '-lr %d' is Russian roulette, which needs "
                         "'-lw' above 0",
                         p->maxdepth);
+    if (p->bands.longest - p->bands.shortest < RAD_LEAST_RANGE)
+        return rad_fail(err, RAD_EUSAGE,
+                        "option '-cw %g %g': a range is %g nm at least",
+                        p->bands.shortest, p->bands.longest, RAD_LEAST_RANGE);
+    if (p->bands.plane >= rad_bands_planes(&p->bands))
+        return rad_fail(err, RAD_EUSAGE,
+                        "option '--plane %d': -cs %d has %d planes, from 0",
+                        p->bands.plane, p->bands.n,
+                        rad_bands_planes(&p->bands));
     return 0;
 }
 
@@ -495,6 +533,16 @@ format_rgb(char *buf, size_t size, struct rad_rgb c)
     rad_format_float(g, c.g);
     rad_format_float(b, c.b);
     snprintf(buf, size, " %s %s %s", r, g, b);
+}
+
+static void
+format_waves(char *buf, size_t size, const struct rad_bands *b)
+{
+    char shortest[RAD_NUMBER_TEXT], longest[RAD_NUMBER_TEXT];
+
+    rad_format_real(shortest, b->shortest);
+    rad_format_real(longest, b->longest);
+    snprintf(buf, size, " %s %s", shortest, longest);
 }
 
 static void
@@ -527,10 +575,22 @@ format_names(const struct rad_params *p, const struct option *o, char *buf,
     }
 }
 
+/* Are wavelengths the usual ones, red, green and blue? */
+static bool
+are_usual(const struct rad_bands *b)
+{
+    return rad_bands_are_rgb(b) && b->longest == RAD_LONGEST_WAVE &&
+           b->shortest == RAD_SHORTEST_WAVE;
+}
+
 /* Does the option say anything?  Of those that exclude each other one does. */
 static bool
 is_said(const struct rad_params *p, const struct option *o)
 {
+    if (o->field == FIELD(bands.plane))
+        return p->bands.plane >= 0;
+    if (o->field == FIELD(bands.n) || o->kind == KIND_WAVES)
+        return !are_usual(&p->bands);
     if (o->kind == KIND_PRIMS)
         return (int)p->primaries == (int)o->value;
     if (o->kind == KIND_LIST)
@@ -559,6 +619,9 @@ format_option(const struct rad_params *p, const struct option *o, char *buf,
         break;
     case KIND_RGB:
         format_rgb(num, sizeof num, *(const struct rad_rgb *)field);
+        break;
+    case KIND_WAVES:
+        format_waves(num, sizeof num, field);
         break;
     case KIND_U64:
         snprintf(num, sizeof num, "=%llu",

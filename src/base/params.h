@@ -8,6 +8,7 @@
 #ifndef RAD_PICTURE_PARAMS_H
 #define RAD_PICTURE_PARAMS_H
 
+#include "base/bands.h"
 #include "base/color.h"
 #include "base/error.h"
 
@@ -77,6 +78,7 @@ struct rad_params {
     /* limits */
     int maxdepth;     /* -lr; <= 0: Russian roulette */
     double minweight; /* -lw */
+    struct rad_bands bands; /* -cs -cw --plane */
     /* ours */
     uint64_t seed; /* --seed */
 };

@@ -103,8 +103,8 @@ enum {
 };
 
 struct rad_spectrum {
-    bool is_rgb;       /* three bands, which are the channels */
-    double (*part)[3]; /* of a sample of 1 in red, green and blue */
+    bool as_it_is;     /* bands are the channels: no colour to be made paler */
+    double (*part)[3]; /* of a sample of 1 in each channel */
 };
 
 /* The observer at FIRST + i nm: the cubic through the four nearest of the
@@ -195,56 +195,95 @@ band_colours(int n, double longest, double shortest, double (*rgb)[3])
                         shortest + (n - 1 - i) * step, rgb[i]);
 }
 
-/* A sample of wavelengths a to b in bands of the whole visible range. */
-static void
-spread(double a, double b, int n, double (*rgb)[3], double part[3])
+/* How much of band j of n of a range wavelengths a to b fill. */
+static double
+filled(double a, double b, int j, int n, const struct rad_bands *range)
 {
-    double step = (RAD_SPECTRUM_LONGEST - RAD_SPECTRUM_SHORTEST) / n;
+    double step = (range->longest - range->shortest) / n;
     double longer = a > b ? a : b, shorter = a > b ? b : a;
+    double up = range->longest - j * step, low = up - step;
+    double common =
+        (longer < up ? longer : up) - (shorter > low ? shorter : low);
 
+    return common > 0 ? common / step : 0;
+}
+
+/* A sample of wavelengths a to b in n bands of the whole range. */
+static void
+spread(double a, double b, int n, const struct rad_bands *range,
+       double (*rgb)[3], double part[3])
+{
     part[0] = part[1] = part[2] = 0;
     for (int j = 0; j < n; j++) {
-        double up = RAD_SPECTRUM_LONGEST - j * step, low = up - step;
-        double common =
-            (longer < up ? longer : up) - (shorter > low ? shorter : low);
+        double f = filled(a, b, j, n, range);
 
-        for (int k = 0; k < 3 && common > 0; k++)
-            part[k] += common / step * rgb[j][k];
+        for (int k = 0; k < 3; k++)
+            part[k] += f * rgb[j][k];
     }
 }
 
 /* How many bands Radiance makes of n samples; a spectrum of which it would have
  * less than three in sight has as many as there may be. */
 static int
-count_bands(int n, double begin, double end)
+count_bands(int n, double begin, double end, const struct rad_bands *range)
 {
-    double visible = RAD_SPECTRUM_LONGEST - RAD_SPECTRUM_SHORTEST;
+    double visible = range->longest - range->shortest;
     double bands = floor(n * visible / fabs(end - begin) + .99);
 
-    return bands < 3 || bands > RAD_SPECTRUM_BANDS ? RAD_SPECTRUM_BANDS
-                                                   : (int)bands;
+    return bands < 3 || bands > RAD_MAX_BANDS ? RAD_MAX_BANDS : (int)bands;
+}
+
+/* Red, green and blue of each sample. */
+static void
+to_colours(struct rad_spectrum *sp, int n, double begin, double end,
+           const struct rad_bands *range)
+{
+    double band[RAD_MAX_BANDS][3], step = (end - begin) / n;
+    int nbands = n;
+
+    if (n <= RAD_MAX_BANDS && begin > end) {
+        band_colours(n, begin, end, sp->part);
+    } else {
+        nbands = count_bands(n, begin, end, range);
+        band_colours(nbands, range->longest, range->shortest, band);
+        for (int i = 0; i < n; i++)
+            spread(begin + i * step, begin + (i + 1) * step, nbands, range,
+                   band, sp->part[i]);
+    }
+    sp->as_it_is = nbands == 3;
+}
+
+/* The bands of a plane.  As in Radiance, samples that lie where the bands do,
+ * but for a fraction of a nanometre, are these. */
+static void
+to_bands(struct rad_spectrum *sp, int n, double begin, double end,
+         const struct rad_bands *b)
+{
+    double step = (end - begin) / n, off0 = begin - b->longest,
+           off1 = end - b->shortest;
+    bool same = n == b->n && off0 * off0 + off1 * off1 <= .5;
+
+    for (int i = 0; i < n; i++)
+        for (int k = 0; k < 3; k++) {
+            int j = rad_bands_of(b, b->plane, k);
+
+            sp->part[i][k] = same ? i == j
+                                  : filled(begin + i * step,
+                                           begin + (i + 1) * step, j, b->n, b);
+        }
+    sp->as_it_is = true;
 }
 
 const struct rad_spectrum *
-rad_spectrum_new(struct rad_arena *arena, int n, double begin, double end)
+rad_spectrum_new(struct rad_arena *arena, int n, double begin, double end,
+                 const struct rad_bands *to)
 {
     struct rad_spectrum *sp = rad_arena_calloc(arena, 1, sizeof *sp);
-    double band[RAD_SPECTRUM_BANDS][3], step = (end - begin) / n;
-    int nbands = n;
 
     if (!sp ||
         !(sp->part = rad_arena_calloc(arena, (size_t)n, sizeof *sp->part)))
         return NULL;
-    if (n <= RAD_SPECTRUM_BANDS && begin > end) {
-        band_colours(n, begin, end, sp->part);
-    } else {
-        nbands = count_bands(n, begin, end);
-        band_colours(nbands, RAD_SPECTRUM_LONGEST, RAD_SPECTRUM_SHORTEST, band);
-        for (int i = 0; i < n; i++)
-            spread(begin + i * step, begin + (i + 1) * step, nbands, band,
-                   sp->part[i]);
-    }
-    sp->is_rgb = nbands == 3;
+    (rad_bands_are_rgb(to) ? to_colours : to_bands)(sp, n, begin, end, to);
     return sp;
 }
 
@@ -263,7 +302,7 @@ rad_spectrum_colour(const struct rad_spectrum *sp, double sum[3])
     struct rad_rgb c = rad_rgb((float)sum[0], (float)sum[1], (float)sum[2]);
     double grey = (double)rad_rgb_lum(c), keep = 1;
 
-    if (sp->is_rgb)
+    if (sp->as_it_is)
         return;
     for (int k = 0; k < 3 && grey > 0; k++)
         if (sum[k] < 0 && grey / (grey - sum[k]) < keep)

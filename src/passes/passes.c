@@ -12,7 +12,7 @@
 
 #include "passes/passes.h"
 
-#include "base/parts.h"
+#include "picture/parts.h"
 #include "base/rng.h"
 #include "base/vec.h"
 #include "image/hdr.h"

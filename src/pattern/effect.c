@@ -5,6 +5,29 @@
 #include "base/vec.h"
 #include "pattern/mixture.h"
 
+static bool
+channels(struct rad_ctx *ctx, const struct rad_effect *e,
+         const struct rad_ray *r, double value[3])
+{
+    const uint8_t *primary = ctx->job->primary;
+    double rgb[3];
+
+    if (!e->colour(ctx, e, r, rgb))
+        return false;
+    for (int k = 0; k < 3; k++)
+        value[k] = rgb[primary[k]];
+    return true;
+}
+
+void
+rad_effect_channels(const struct rad_job *job, struct rad_effect *e)
+{
+    if (rad_bands_are_rgb(&job->params.bands))
+        return;
+    e->colour = e->values;
+    e->values = channels;
+}
+
 bool
 rad_effect_brighten(struct rad_ctx *ctx, const struct rad_material *mat,
                     struct rad_ray *r)

@@ -19,9 +19,15 @@ typedef bool rad_effect_fn(struct rad_ctx *ctx, const struct rad_effect *e,
 /* The first member of what a modifier's prepare function makes. */
 struct rad_effect {
     rad_effect_fn *values;
+    rad_effect_fn *colour; /* red, green and blue, where values() gives other
+                            * channels; else NULL */
     struct rad_expr expr; /* its expressions; their place is the texture's */
     int32_t part[2];      /* modifiers that a mixture mixes */
 };
+
+/* What values() gives is red, green and blue: have it give what the job's
+ * channels show.  Nothing changes where these are the same. */
+void rad_effect_channels(const struct rad_job *job, struct rad_effect *e);
 
 bool rad_effect_brighten(struct rad_ctx *ctx, const struct rad_material *mat,
                          struct rad_ray *r);

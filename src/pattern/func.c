@@ -49,6 +49,8 @@ rad_func_prepare(struct rad_job *job, int32_t index,
     rc = rad_expr_prepare(job, o, files, at->file, at->exprs, &e->expr, err);
     if (rc == 0 && o->type == RAD_MIXFUNC)
         rc = rad_mixture_parts(job, index, e->part, err);
+    if (o->type == RAD_COLORFUNC)
+        rad_effect_channels(job, e);
     *data = e;
     return rc;
 }

@@ -10,10 +10,6 @@
 #include <math.h>
 #include <string.h>
 
-/* Parts that Radiance cuts the wavelengths of a specfunc into: no narrower than
- * this, where there are three channels. */
-#define NARROWEST (.25 / 3 * (RAD_SPECTRUM_LONGEST - RAD_SPECTRUM_SHORTEST))
-
 struct spectral {
     struct rad_effect effect; /* expressions of the place in the data */
     const struct rad_spectrum *eye;
@@ -102,7 +98,7 @@ sample(struct rad_job *job, struct spectral *s, int n, double first,
     s->first = first;
     s->step = step;
     s->eye = rad_spectrum_new(&job->arena, n, first - .5 * step,
-                              first + (n - .5) * step);
+                              first + (n - .5) * step, &job->params.bands);
     return s->eye ? 0 : rad_fail(err, RAD_ENOMEM, "out of memory");
 }
 
@@ -166,21 +162,25 @@ find_function(struct rad_job *job, const struct rad_object *o,
     return s->call < 0 ? s->call : 0;
 }
 
+/* Parts that Radiance cuts the wavelengths of a specfunc into: RAD_MAX_BANDS,
+ * but no narrower than a quarter of a band. */
 static int
 prepare_function(struct rad_job *job, const struct rad_object *o,
                  const struct rad_files *files, struct spectral *s,
                  struct rad_error *err)
 {
     double a = o->reals[0], b = o->reals[1];
-    double low = fmax(fmin(a, b), RAD_SPECTRUM_SHORTEST);
-    double high = fmin(fmax(a, b), RAD_SPECTRUM_LONGEST);
-    double step = fmax((high - low) / RAD_SPECTRUM_BANDS, NARROWEST);
+    const struct rad_bands *bands = &job->params.bands;
+    double low = fmax(fmin(a, b), bands->shortest);
+    double high = fmin(fmax(a, b), bands->longest);
+    double step = fmax((high - low) / RAD_MAX_BANDS,
+                       .25 / bands->n * (bands->longest - bands->shortest));
     int n = (int)((high - low) / step + .1), rc;
 
     if (!(low < high))
         return rad_scene_fail(job->scene, o, err, RAD_EDATA,
-                              "no wavelengths from 380 to 780 nm in %g to %g",
-                              a, b);
+                              "no wavelengths from %g to %g nm in %g to %g",
+                              bands->shortest, bands->longest, a, b);
     n = n < 1 ? 1 : n;
     rc = rad_expr_prepare(job, o, files, 1, 0, &s->effect.expr, err);
     if (rc == 0)
@@ -190,7 +190,7 @@ prepare_function(struct rad_job *job, const struct rad_object *o,
     s->samples = n;
     s->step = step;
     s->first = high - (n - .5) * step;
-    s->eye = rad_spectrum_new(&job->arena, n, low, high);
+    s->eye = rad_spectrum_new(&job->arena, n, low, high, bands);
     return s->eye ? 0 : rad_fail(err, RAD_ENOMEM, "out of memory");
 }
 

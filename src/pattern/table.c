@@ -159,6 +159,8 @@ rad_table_prepare(struct rad_job *job, int32_t index,
         rc = find_functions(job, o, at, t, err);
     if (rc == 0 && rad_otype_class(o->type) == RAD_CLASS_MIXTURE)
         rc = rad_mixture_parts(job, index, t->effect.part, err);
+    if (o->type == RAD_COLORDATA || o->type == RAD_COLORPICT)
+        rad_effect_channels(job, &t->effect);
     *data = t;
     return rc;
 }

@@ -184,7 +184,8 @@ set_text(struct rad_job *job, const struct rad_object *o,
 }
 
 static void
-set_colors(const struct rad_object *o, struct text *t)
+set_colors(const struct rad_job *job, const struct rad_object *o,
+           struct text *t)
 {
     const double *v = o->reals + 9;
 
@@ -194,8 +195,8 @@ set_colors(const struct rad_object *o, struct text *t)
         t->fore = rad_grey((float)v[0]);
         t->back = rad_grey((float)v[1]);
     } else {
-        t->fore = rad_rgb((float)v[0], (float)v[1], (float)v[2]);
-        t->back = rad_rgb((float)v[3], (float)v[4], (float)v[5]);
+        t->fore = rad_job_colour(job, v);
+        t->back = rad_job_colour(job, v + 3);
     }
 }
 
@@ -226,7 +227,7 @@ rad_text_prepare(struct rad_job *job, int32_t index,
     /* a spacing of .2 is 51 units in theory, but 50 in every picture of a
      * frozen octree, where it is a little less */
     t->spacing = (int)(CELL * rad_octfile_real(spacing));
-    set_colors(o, t);
+    set_colors(job, o, t);
     code = set_plane(job, o, t, err);
     if (code == 0)
         code = load_font(job, index, files, t, err);

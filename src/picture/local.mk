@@ -10,6 +10,8 @@ librad_a_SOURCES += \
 	src/picture/frame.h \
 	src/picture/paint.c \
 	src/picture/paint.h \
+	src/picture/parts.c \
+	src/picture/parts.h \
 	src/picture/path.c \
 	src/picture/path.h \
 	src/picture/quincunx.c \

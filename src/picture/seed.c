@@ -16,7 +16,7 @@
 #include "config.h"
 
 #include "picture/seed.h"
-#include "base/parts.h"
+#include "picture/parts.h"
 #include "base/rng.h"
 #include "base/vec.h"
 #include "light/indirect/ambient.h"

@@ -6,7 +6,7 @@
  * each makes those of a part of space before it renders, and the others get
  * them.
  * All walk the same random paths from the same pixels, by intersection alone,
- * cut what these meet into compact parts (base/parts.h), and each shades the
+ * cut what these meet into compact parts (picture/parts.h), and each shades the
  * rays that end in its own, where the cache does not serve yet.  The deepest
  * come first, for the others are made of them.
  * It changes no pixel but as records do that come from elsewhere.

@@ -88,6 +88,27 @@ compile_ambient_list(struct rad_job *job, struct rad_error *err)
     return 0;
 }
 
+/* What the channels show; the colours among the options as they show them. */
+static void
+set_channels(struct rad_job *job, const struct rad_params *params)
+{
+    const struct rad_bands *b = &params->bands;
+    struct rad_rgb *const colours[] = { &job->params.ambval,
+                                        &job->params.cextinction,
+                                        &job->params.salbedo };
+
+    job->params = *params;
+    for (int k = 0; k < 3; k++)
+        job->primary[k] =
+            (uint8_t)rad_bands_primary(b, rad_bands_of(b, b->plane, k));
+    for (int i = 0; i < 3; i++) {
+        struct rad_rgb c = *colours[i];
+
+        *colours[i] = rad_job_colour(
+            job, (double[]){ (double)c.r, (double)c.g, (double)c.b });
+    }
+}
+
 static int
 compile(struct rad_job *job, const struct rad_files *files,
         struct rad_error *err)
@@ -124,7 +145,7 @@ rad_job_new(const struct rad_scene *scene, const struct rad_params *params,
         return NULL;
     }
     job->scene = scene;
-    job->params = *params;
+    set_channels(job, params);
     rad_arena_init(&job->arena);
     if (compile(job, files, err) < 0) {
         rad_job_free(job);
@@ -139,12 +160,14 @@ rad_job_check(const struct rad_scene *scene, const struct rad_files *files,
 {
     struct rad_error why = { 0 };
     struct rad_job *job = calloc(1, sizeof *job);
+    struct rad_params usual;
     int code;
 
     if (!job)
         return rad_fail(err, RAD_ENOMEM, "out of memory");
     job->scene = scene;
-    rad_params_init(&job->params);
+    rad_params_init(&usual);
+    set_channels(job, &usual);
     rad_arena_init(&job->arena);
     code = rad_materials_compile(job, files, &why);
     if (code < 0 && why.code < 0)

@@ -63,12 +63,14 @@ rad_dielectric_prepare(struct rad_job *job, int32_t index,
     (void)files;
     if (!m)
         return code;
-    rad_copy(m->in, o->reals);
+    for (int i = 0; i < 3; i++) {
+        m->in[i] = o->reals[job->primary[i]];
+        m->out[i] = interface ? o->reals[4 + job->primary[i]] : 0;
+    }
     m->in_ext = extinction_rgb(m->in, rad_grey(1));
     m->interface = interface;
     if (interface) {
         m->n_ratio = o->reals[3] / o->reals[7];
-        rad_copy(m->out, o->reals + 4);
         m->out_ext = extinction_rgb(m->out, rad_grey(1));
     } else {
         m->n_ratio = o->reals[3] + o->reals[4] / HARTMANN_NM;

@@ -37,8 +37,10 @@ rad_glass_prepare(struct rad_job *job, int32_t index,
     if (!m)
         return code;
     for (int i = 0; i < 3; i++) {
-        m->clear |= o->reals[i] > LEAST_TRANSMISSIVITY;
-        m->log_tn[i] = log(fmax(o->reals[i], LEAST_TRANSMISSIVITY));
+        double tn = o->reals[job->primary[i]];
+
+        m->clear |= tn > LEAST_TRANSMISSIVITY;
+        m->log_tn[i] = log(fmax(tn, LEAST_TRANSMISSIVITY));
     }
     m->index = o->nreals == 4 ? o->reals[3] : GLASS_INDEX;
     if (!(m->index > 0))

@@ -55,8 +55,7 @@ rad_mirror_prepare(struct rad_job *job, int32_t index,
     (void)files;
     if (!m)
         return code;
-    m->color =
-        rad_rgb((float)o->reals[0], (float)o->reals[1], (float)o->reals[2]);
+    m->color = rad_job_colour(job, o->reals);
     *data = m;
     return prepare_alternate(job, index, m, err);
 }

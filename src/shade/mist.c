@@ -63,9 +63,9 @@ rad_mist_prepare(struct rad_job *job, int32_t index,
     m->has_albedo = o->nreals >= 6;
     m->has_g = o->nreals >= 7;
     if (m->has_ext)
-        m->ext = rad_rgb((float)a[0], (float)a[1], (float)a[2]);
+        m->ext = rad_job_colour(job, a);
     if (m->has_albedo)
-        m->albedo = rad_rgb((float)a[3], (float)a[4], (float)a[5]);
+        m->albedo = rad_job_colour(job, a + 3);
     if (m->has_g)
         m->g = (float)a[6];
     *data = m;

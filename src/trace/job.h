@@ -10,6 +10,7 @@
 #define RAD_TRACE_JOB_H
 
 #include "base/arena.h"
+#include "base/color.h"
 #include "base/error.h"
 #include "base/files.h"
 #include "geom/geom.h"
@@ -28,6 +29,7 @@ struct rad_stored;
 struct rad_job {
     const struct rad_scene *scene;
     struct rad_params params;
+    uint8_t primary[3];     /* of a colour, which number each channel shows */
     struct rad_arena arena; /* of the compiled modifiers and sources */
     struct rad_geom *geom;
     struct rad_material *materials; /* by object, up to the last modifier */
@@ -43,6 +45,15 @@ struct rad_job {
     struct rad_stored *stored; /* data files and pictures; NULL: none */
     struct rad_ambient *ambient; /* NULL: no cache (-ab 0 or -aa 0) */
 };
+
+/* A colour that a scene gives as red, green and blue, as the job's channels
+ * show it (base/bands.h). */
+static inline struct rad_rgb
+rad_job_colour(const struct rad_job *job, const double rgb[3])
+{
+    return rad_rgb((float)rgb[job->primary[0]], (float)rgb[job->primary[1]],
+                   (float)rgb[job->primary[2]]);
+}
 
 /* The scene must have passed rad_scene_check() and must outlive the job; files
  * (NULL: there are none) is used during the call only.  NULL and *err on

@@ -46,7 +46,7 @@ rad_emitter_prepare(struct rad_job *job, int32_t index,
     if (!e)
         return code;
     e->type = o->type;
-    e->L = rad_rgb((float)o->reals[0], (float)o->reals[1], (float)o->reals[2]);
+    e->L = rad_job_colour(job, o->reals);
     e->radius = o->type == RAD_GLOW ? o->reals[3] : INFINITY;
     if (o->type == RAD_SPOTLIGHT && !rad_spot_init(&e->spot, o->reals))
         return rad_scene_fail(job->scene, o, err, RAD_EDATA,

@@ -85,7 +85,7 @@ read_header(struct reader *in)
     while (!in->ends)
         if ((rc = get_line(in, line)) < 0 || (rc = take_line(in, line)) < 0)
             return rc;
-    if (in->channels < 4 || in->channels > RAD_SPECTRUM_BANDS)
+    if (in->channels < 4 || in->channels > RAD_MAX_BANDS)
         return bad(in, "NCOMP is not 4 to 24");
     if (!is_wavelength(in->edge[0]) || !is_wavelength(in->edge[3]) ||
         in->edge[0] == in->edge[3])

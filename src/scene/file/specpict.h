@@ -2,7 +2,7 @@
  *
  * A header of lines, an empty one at its end, in which
  *
- *     NCOMP=n                           channels, 4 to RAD_SPECTRUM_BANDS
+ *     NCOMP=n                           channels, 4 to RAD_MAX_BANDS
  *     WAVELENGTH_SPLITS= a b c d        of the first to the last channel: from
  * a to d [nm]; b and c are not used PIXASPECT= ratio                  height /
  * width of a pixel FORMAT=Radiance_spectra

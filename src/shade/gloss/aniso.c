@@ -43,8 +43,7 @@ rad_aniso_prepare(struct rad_job *job, int32_t index,
     if (!m)
         return code;
     m->type = o->type;
-    m->color =
-        rad_rgb((float)o->reals[0], (float)o->reals[1], (float)o->reals[2]);
+    m->color = rad_job_colour(job, o->reals);
     m->spec = o->reals[3];
     m->au = o->reals[4];
     m->av = o->reals[5];

@@ -39,10 +39,8 @@ rad_ashik_prepare(struct rad_job *job, int32_t index,
 
     if (!m)
         return code;
-    m->color =
-        rad_rgb((float)o->reals[0], (float)o->reals[1], (float)o->reals[2]);
-    m->spec_color =
-        rad_rgb((float)o->reals[3], (float)o->reals[4], (float)o->reals[5]);
+    m->color = rad_job_colour(job, o->reals);
+    m->spec_color = rad_job_colour(job, o->reals + 3);
     m->nu = o->reals[6];
     m->nv = o->reals[7];
     *data = m;

@@ -38,13 +38,6 @@ struct brdf_hit {
 
 /* --- compiling ------------------------------------------------------------ */
 
-static struct rad_rgb
-color_at(const struct rad_object *o, int i)
-{
-    return rad_rgb((float)o->reals[i], (float)o->reals[i + 1],
-                   (float)o->reals[i + 2]);
-}
-
 /* One function for all channels; how many strings name functions of light is
  * n, from `first` on, and "0" is none where there are several. */
 static int
@@ -54,19 +47,19 @@ compile_functions(struct rad_job *job, const struct rad_object *o, int first,
     int nargs = m->data ? 5 : 4;
 
     for (int k = 0; k < 3; k++) {
-        const char *name = o->strings[first + k % n];
-        int same = 0;
+        int string = first + job->primary[k] % n, same = 0;
+        const char *name = o->strings[string];
 
-        while (strcmp(o->strings[first + same % n], name) != 0)
+        while (strcmp(o->strings[first + job->primary[same] % n], name) != 0)
             same++;
         if (n > 1 && strcmp(name, "0") == 0) {
             m->function[k] = -1;
             continue;
         }
         m->shines = true;
-        m->function[k] = same < k ? m->function[same]
-                                  : rad_expr_function(job, o, &m->expr,
-                                                      first + k, nargs, err);
+        m->function[k] =
+            same < k ? m->function[same]
+                     : rad_expr_function(job, o, &m->expr, string, nargs, err);
         if (m->function[k] < 0)
             return m->function[k];
     }
@@ -80,9 +73,9 @@ prepare_brtd(struct rad_job *job, const struct rad_object *o,
 {
     int rc = rad_expr_prepare(job, o, files, 9, 077, &m->expr, err);
 
-    m->front = color_at(o, 0);
-    m->back = color_at(o, 3);
-    m->through = color_at(o, 6);
+    m->front = rad_job_colour(job, o->reals);
+    m->back = rad_job_colour(job, o->reals + 3);
+    m->through = rad_job_colour(job, o->reals + 6);
     m->color = rad_grey(1);
     m->rspec = m->tspec = 1;
     return rc ? rc : compile_functions(job, o, 6, 3, m, err);
@@ -134,7 +127,7 @@ prepare_simple(struct rad_job *job, const struct rad_object *o,
     bool data = has_data(o->type);
     int rc = rad_expr_prepare(job, o, files, data ? 2 : 1, 0, &m->expr, err);
 
-    m->color = color_at(o, 0);
+    m->color = rad_job_colour(job, o->reals);
     m->rspec = o->reals[3];
     if (is_trans(o->type)) {
         m->trans = o->reals[4] * (1 - m->rspec);
@@ -302,7 +295,7 @@ color_of(struct brdf_hit *hit, int first, struct rad_rgb *c)
     rad_expr_resume(hit->ctx, &hit->scope);
     if (!rad_expr_get(hit->ctx, &hit->m->expr, first, 3, v))
         return false;
-    *c = rad_rgb((float)v[0], (float)v[1], (float)v[2]);
+    *c = rad_job_colour(hit->ctx->job, v);
     return true;
 }
 

@@ -61,8 +61,7 @@ rad_normal_prepare(struct rad_job *job, int32_t index,
     if (!m)
         return code;
     m->type = o->type;
-    m->color =
-        rad_rgb((float)o->reals[0], (float)o->reals[1], (float)o->reals[2]);
+    m->color = rad_job_colour(job, o->reals);
     m->spec = o->reals[3];
     m->alpha2 = o->reals[4] * o->reals[4];
     m->trans = n == 7 ? o->reals[5] : 0;

@@ -59,13 +59,10 @@ parse(struct rad_arena *arena, const char *bytes, size_t len,
 }
 
 static struct rad_rgb
-read_color(const struct rad_object *o, int first)
+read_color(const struct rad_job *job, const struct rad_object *o, int first)
 {
-    const double *v = o->reals + first;
-
-    return o->nreals < first + 3
-               ? rad_grey(0)
-               : rad_rgb((float)v[0], (float)v[1], (float)v[2]);
+    return o->nreals < first + 3 ? rad_grey(0)
+                                 : rad_job_colour(job, o->reals + first);
 }
 
 int
@@ -84,9 +81,9 @@ rad_scatter_prepare(struct rad_job *job, int32_t index,
         return rad_scene_fail(job->scene, o, err, RAD_EDATA,
                               "too few string arguments");
     s->proxy_type = proxy;
-    s->front = read_color(o, 0);
-    s->back = read_color(o, 3);
-    s->through = read_color(o, 6);
+    s->front = read_color(job, o, 0);
+    s->back = read_color(job, o, 3);
+    s->through = read_color(job, o, 6);
     rc = rad_expr_prepare(job, o, files, proxy ? 5 : 4, proxy ? 0x1d : 0xe,
                           &s->expr, err);
     if (rc)
@@ -111,9 +108,10 @@ scaled(struct rad_rgb c, double s)
     return rad_rgb_scale(c, (float)s);
 }
 
-/* To the channels of color.h.  A colour beyond what they can hold is paled. */
+/* To the job's channels.  A colour beyond what red, green and blue can hold is
+ * paled. */
 static struct rad_rgb
-to_rgb(const double xyz[3])
+to_rgb(const struct scatter_hit *hit, const double xyz[3])
 {
     static const double m[3][3] = { { 2.56531284, -1.16684962, -.398463227 },
                                     { -1.02210817, 1.97828662, .0438215555 },
@@ -129,7 +127,7 @@ to_rgb(const double xyz[3])
     }
     for (int i = 0; keep < 1 && i < 3; i++)
         c[i] = fmax(keep * c[i] + (1 - keep) * xyz[1], 0);
-    return rad_rgb((float)c[0], (float)c[1], (float)c[2]);
+    return rad_job_colour(hit->ctx->job, c);
 }
 
 static void
@@ -265,8 +263,8 @@ sum_peak(const struct scatter_hit *hit, const struct probed list[NPROBES],
         beside = p->omega > 1.5 * finest || peak > 8 * y * n;
         if (beside && i == 0)
             return false;
-        sums->light[beside] =
-            rad_rgb_add(sums->light[beside], scaled(to_rgb(p->xyz), p->omega));
+        sums->light[beside] = rad_rgb_add(
+            sums->light[beside], scaled(to_rgb(hit, p->xyz), p->omega));
         sums->omega[beside] += p->omega;
         if (!beside) {
             peak += y;
@@ -300,7 +298,7 @@ find_peak(struct scatter_hit *hit)
         !sum_peak(hit, list, order, &sums))
         return;
     rad_bsdf_diffuse(hit->s->bsdf, from_front(hit), true, xyz);
-    rest = scaled(to_rgb(xyz), 1 / M_PI);
+    rest = scaled(to_rgb(hit, xyz), 1 / M_PI);
     sums.light[0] = minus(sums.light[0], scaled(rest, sums.omega[0]));
     sums.light[1] = minus(scaled(sums.light[1], 1 / sums.omega[1]), rest);
     if (rad_rgb_lum(sums.light[0]) < .0005f)
@@ -357,13 +355,13 @@ average(const struct scatter_hit *hit, const double way[3])
         }
         if (size < .12 * cell)
             continue;
-        sum = rad_rgb_add(sum, to_rgb(xyz));
+        sum = rad_rgb_add(sum, to_rgb(hit, xyz));
         counted++;
     }
     if (counted == 0)
         return rad_grey(0);
     sum = scaled(sum, 1. / counted);
-    return rest[1] > RAD_TINY ? minus(sum, to_rgb(rest)) : sum;
+    return rest[1] > RAD_TINY ? minus(sum, to_rgb(hit, rest)) : sum;
 }
 
 /* What is scattered from a light at ldir, of solid angle omega [1/sr]. */
@@ -515,7 +513,7 @@ follow(struct scatter_hit *hit, bool through, bool peak_apart)
         dy = from->v[1] + to[1];
         if (peak_apart && dx * dx + dy * dy <= hit->cell[0] * hit->cell[0])
             continue;
-        coef = to_rgb(xyz);
+        coef = to_rgb(hit, xyz);
         if (through)
             coef = rad_rgb_mul(coef, hit->r->pattern);
         if (!spawn_sample(hit, &sr, through, coef, &n, i))
@@ -608,10 +606,10 @@ set_diffuse(struct scatter_hit *hit, bool front)
     double xyz[3];
 
     rad_bsdf_diffuse(s->bsdf, front, false, xyz);
-    hit->rdiff = rad_rgb_add(to_rgb(xyz), front ? s->front : s->back);
+    hit->rdiff = rad_rgb_add(to_rgb(hit, xyz), front ? s->front : s->back);
     hit->rdiff = rad_rgb_mul(hit->rdiff, hit->r->pattern);
     rad_bsdf_diffuse(s->bsdf, front, true, xyz);
-    hit->tdiff = rad_rgb_add(to_rgb(xyz), s->through);
+    hit->tdiff = rad_rgb_add(to_rgb(hit, xyz), s->through);
     hit->tdiff = rad_rgb_mul(hit->tdiff, hit->r->pattern);
 }
 

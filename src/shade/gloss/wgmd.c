@@ -63,13 +63,6 @@ struct wgmd_hit {
 
 /* --- compiling ------------------------------------------------------------ */
 
-static struct rad_rgb
-color_at(const struct rad_object *o, int i)
-{
-    return rad_rgb((float)o->reals[i], (float)o->reals[i + 1],
-                   (float)o->reals[i + 2]);
-}
-
 /* Is a part never there, whatever its modifier? */
 static bool
 is_absent(const struct rad_object *o, enum part part)
@@ -78,7 +71,8 @@ is_absent(const struct rad_object *o, enum part part)
     char *end;
 
     if (part == TDIFF)
-        return rad_rgb_max(color_at(o, 6)) <= RAD_TINY;
+        return o->reals[6] <= RAD_TINY && o->reals[7] <= RAD_TINY &&
+               o->reals[8] <= RAD_TINY;
     return strtod(text, &end) <= RAD_TINY && end > text && *end == '\0';
 }
 
@@ -116,9 +110,9 @@ rad_wgmd_prepare(struct rad_job *job, int32_t index,
         return code;
     *data = m;
     code = rad_expr_prepare(job, o, files, 12, 0xeee, &m->expr, err);
-    m->front = color_at(o, 0);
-    m->back = color_at(o, 3);
-    m->through = color_at(o, 6);
+    m->front = rad_job_colour(job, o->reals);
+    m->back = rad_job_colour(job, o->reals + 3);
+    m->through = rad_job_colour(job, o->reals + 6);
     m->modifier[RDIFF] = INHERIT;
     for (int part = TSPEC; code == 0 && part < NPARTS; part++)
         code = find_modifier(job, index, part, &m->modifier[part], err);
