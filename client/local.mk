@@ -33,6 +33,7 @@ radctl_LDADD = $(LIBCLIENT) $(CURSES_LIBS) $(LIBDAEMON) $(LIBRAD)
 radsubmit_SOURCES = \
 	client/program.h \
 	client/program_files.c \
+	client/program_planes.c \
 	client/program_say.c \
 	client/radsubmit.c
 radsubmit_CPPFLAGS = $(AM_CPPFLAGS) -DRADD_LIBEXECDIR='"$(pkglibexecdir)"'

@@ -3,6 +3,7 @@
  *   radsubmit.c       the parts put together, from the command line to the end
  *   program_say.c     what a person is told meanwhile, on standard error
  *   program_files.c   what is written, and whether it can be
+ *   program_planes.c  jobs of planes, where there are more than three bands
  *
  * Thread: the main one; a scene is compiled on another, which has p->scene,
  * p->frames and p->err for itself until it is done. */
@@ -17,6 +18,7 @@
 #include "records/records.h"
 #include "rif/rifjob.h"
 #include "job/submit_options.h"
+#include "link/submit.h"
 #include "link/target.h"
 #include "trial/trial.h"
 
@@ -32,6 +34,8 @@ struct program {
     struct records records; /* -af */
     struct cargo cargo;
     struct jobspec job;
+    int nplanes, plane; /* of -cs, a job each; 1: there are none */
+    const struct submit_callbacks *callbacks; /* of whoever runs the planes */
     struct prediction prediction; /* --dry-run */
     struct local *local;          /* its folder holds the scene's files too */
     struct launch *launch;        /* NULL: its workers are local's */
@@ -104,5 +108,14 @@ int program_on_stats(void *program, const uint8_t *json, size_t len,
 
 /* What could not be written is not lost. */
 void program_say_where_it_is(const struct program *p);
+
+/* --- program_planes.c --- */
+
+/* The job, or its current plane, for the coordinator. */
+void program_fill_spec(struct program *p);
+
+/* As submit_run(), with p->nplanes jobs in place of one. */
+int program_run_planes(struct program *p, const struct submit_job *job,
+                       const struct submit_callbacks *cb);
 
 #endif

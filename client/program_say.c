@@ -177,12 +177,13 @@ program_on_progress(void *arg, const struct msg_progress *m)
     bool lost =
         m->state == MSG_STATE_CANCELLED || m->state == MSG_STATE_FAILED;
     struct program *p = arg;
-    struct progress_report r = { .elapsed_s = m->elapsed_s,
-                                 .done = share_done(m),
-                                 .rays = m->rays,
-                                 .workers = (int)m->workers,
-                                 .working = m->state == MSG_STATE_RUNNING &&
-                                            m->workers > 0 };
+    struct progress_report r = {
+        .elapsed_s = m->elapsed_s,
+        .done = (p->plane + share_done(m)) / p->nplanes,
+        .rays = m->rays,
+        .workers = (int)m->workers,
+        .working = m->state == MSG_STATE_RUNNING && m->workers > 0
+    };
 
     if (!lost) { /* then it does not go on */
         say_held(p, m->state == MSG_STATE_HELD);

@@ -296,17 +296,6 @@ on_reason(void *arg, const char *why)
     program_say(p, text);
 }
 
-static void
-fill_spec(struct program *p)
-{
-    jobspec_fill(&p->job, &p->o, &p->frames, &p->scene, &p->cargo);
-    p->job.spec.compile_s = p->compile_s;
-    if (p->records.keep)
-        p->job.spec.flags |= MSG_JOB_RECORDS;
-    if (p->job.spec.flags & MSG_JOB_PASSES && p->o.params.ambounce > 0)
-        progress_expect_passes(&p->progress);
-}
-
 static int
 start_local(struct program *p)
 {
@@ -357,7 +346,9 @@ converse(struct program *p)
         cb.alive = on_alive;
         cb.gathered = on_gathered;
     }
-    rc = submit_run(&job, &p->loop, &p->interrupts, &cb, p->err);
+    rc = p->nplanes > 1
+             ? program_run_planes(p, &job, &cb)
+             : submit_run(&job, &p->loop, &p->interrupts, &cb, p->err);
     if (rc == 0)
         rc = records_write(&p->records, !p->embedded, p->err);
     if (rc == 0 && p->preview.code != 0) {
@@ -389,7 +380,7 @@ run_dry(struct program *p)
         (rc = cargo_init(&p->cargo, &p->scene.bundle, NULL, p->err)) < 0)
         return rc;
     program_warn_of_scene(p);
-    fill_spec(p);
+    program_fill_spec(p);
     dryrun_print(&p->job.spec, &p->prediction,
                  p->o.quality_whole ? p->o.quality : -1, &c);
     if (fflush(stdout) != 0)
@@ -428,7 +419,7 @@ run_job(struct program *p)
                          p->err)) < 0)
         return rc;
     program_warn_of_scene(p);
-    fill_spec(p);
+    program_fill_spec(p);
     if (p->embedded && (rc = start_local(p)) < 0)
         return rc;
     rc = converse(p);
@@ -478,6 +469,7 @@ prepare(struct program *p)
         progress_every(&p->progress, stderr, p->o.report_s);
     program_warn_of_psample(p);
     program_warn_of_rif(p);
+    p->nplanes = submit_options_planes(&p->o);
     if ((rc = choose_cluster(p)) < 0 ||
         (!p->rif.is && (rc = frames_init(&p->frames, &p->o, p->err)) < 0) ||
         (rc = jobspec_check_goal(&p->o, p->frames.n, p->err)) < 0 ||

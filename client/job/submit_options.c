@@ -9,6 +9,7 @@
 #include "records/amblist.h"
 #include "proto/message.h"
 #include "show/picfile.h"
+#include "common/outname.h"
 #include "job/quality.h"
 #include "link/launch.h"
 
@@ -203,7 +204,7 @@ set_defaults(struct submit_options *o)
     rad_params_init(&o->params);
     rad_view_init(&o->view);
     o->wait_s = 60;
-    o->quality = o->tone = o->bits = -1;
+    o->quality = o->tone = o->bits = o->spectral = -1;
     show_init(&o->show);
     o->order = ORDER_NONE;
     o->ambient_way = AMBIENT_NONE;
@@ -372,6 +373,20 @@ take_warnings(struct cursor *c)
     return 1;
 }
 
+/* -co, -co+, -co-: spectra in place of colours. */
+static int
+take_spectral(struct cursor *c)
+{
+    const char *word = c->w->list[c->at];
+
+    if (strncmp(word, "-co", 3) != 0 || (word[3] && word[4]) ||
+        !strchr("+-10", word[3]))
+        return 0;
+    c->o->spectral =
+        word[3] ? strchr("+1", word[3]) != NULL : c->o->spectral != 1;
+    return 1;
+}
+
 static int
 is_wish(const char *word)
 {
@@ -418,7 +433,7 @@ take_option(struct cursor *c)
     int argc = c->w->n - c->at, rc;
 
     if ((rc = refuse_lacking(c)) != 0 || (rc = take_view_file(c)) != 0 ||
-        (rc = take_warnings(c)) != 0 ||
+        (rc = take_warnings(c)) != 0 || (rc = take_spectral(c)) != 0 ||
         (rc = take_name_list(c, argc, argv)) != 0)
         return rc;
     if (strncmp(argv[0], "--", 2) == 0) {
@@ -647,6 +662,73 @@ check_ambient(const struct submit_options *o, struct rad_error *err)
     return 0;
 }
 
+int
+submit_options_planes(const struct submit_options *o)
+{
+    return o->params.bands.plane >= 0 ? 1 : rad_bands_planes(&o->params.bands);
+}
+
+static bool
+is_hsr(const struct submit_options *o)
+{
+    return o->format == PICFILE_BY_SUFFIX && o->output &&
+           outname_suffix(o->output, ".hsr");
+}
+
+bool
+submit_options_spectra(const struct submit_options *o)
+{
+    return submit_options_planes(o) > 1 &&
+           (o->spectral < 0 ? is_hsr(o) : o->spectral > 0);
+}
+
+/* What goes with a job for each plane. */
+static const char *
+hinders_planes(const struct submit_options *o)
+{
+    return o->detach                                   ? "--detach"
+           : o->dry_run                                ? "--dry-run"
+           : o->preview                                ? "--preview"
+           : o->error > 0                              ? "--error"
+           : o->time_s > 0                             ? "--time"
+           : o->ambient                                ? "-af"
+           : o->costs                                  ? "--estimate=FILE"
+           : o->reuse && strcmp(o->reuse, "last") != 0 ? "--reuse=JOB"
+           : o->params.primaries == RAD_PRIM_CUSTOM    ? "-pc"
+                                                       : NULL;
+}
+
+static int
+check_planes(const struct submit_options *o, struct rad_error *err)
+{
+    const char *not = hinders_planes(o);
+    bool spectra = submit_options_spectra(o);
+
+    if (submit_options_planes(o) == 1)
+        return is_hsr(o) ? rad_fail(err, RAD_EUSAGE,
+                                    "'%s': spectra have more than three bands: "
+                                    "use -cs N",
+                                    o->output)
+                         : 0;
+    if (not )
+        return rad_fail(err, RAD_EUSAGE,
+                        "%s does not go with more than three bands (-cs %d)",
+                        not, o->params.bands.n);
+    if (is_hsr(o) && !spectra)
+        return rad_fail(err, RAD_EUSAGE,
+                        "'%s' is a name for spectra, and -co- asks for none",
+                        o->output);
+    if (spectra && picfile_is_png(o->output, (enum picfile_format)o->format))
+        return rad_fail(err, RAD_EUSAGE, "-co+: a .png has no spectra");
+    if (spectra && o->params.primaries != RAD_PRIM_RGB)
+        return rad_fail(err, RAD_EUSAGE, "-co+ and -pXYZ exclude each other");
+    if (!spectra && !rad_bands_show_colour(&o->params.bands))
+        return rad_fail(err, RAD_EUSAGE,
+                        "option '-cw': %g to %g nm show no colours: use -co+",
+                        o->params.bands.shortest, o->params.bands.longest);
+    return 0;
+}
+
 bool
 submit_options_goal(const struct submit_options *o)
 {
@@ -770,7 +852,8 @@ check_together(struct submit_options *o, struct rad_error *err)
                         "--dry-run makes no job that --detach could leave");
     if ((rc = check_sharing(o, err)) < 0 || (rc = check_ambient(o, err)) < 0 ||
         (rc = check_reuse(o, err)) < 0 || (rc = check_goal(o, err)) < 0 ||
-        (rc = rad_params_check(&o->params, err)) < 0)
+        (rc = rad_params_check(&o->params, err)) < 0 ||
+        (rc = check_planes(o, err)) < 0)
         return rc;
     if (!o->first_frame) {
         struct rad_view v = o->view;

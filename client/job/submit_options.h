@@ -60,6 +60,7 @@ struct submit_options {
     bool rpict_status;   /* exit as rpict does */
     int first_frame;     /* -S: number of the first view; 0: one picture */
     int format;          /* enum picfile_format */
+    int spectral;        /* -co: 1 spectra, 0 colours, -1 by the suffix */
     struct show show;    /* of a .png */
     const char *exposure; /* as asked for; NULL: not */
     const char *false_colour; /* its scale; NULL: not asked for */
@@ -100,6 +101,12 @@ struct submit_options {
  * submit_wish; a negative code and a message for what is wrong. */
 int submit_options_parse(struct submit_options *o, struct words *w,
                          struct rad_error *err);
+
+/* Jobs that make a picture: one, or one for each plane of -cs. */
+int submit_options_planes(const struct submit_options *o);
+
+/* Is a picture written as spectra? */
+bool submit_options_spectra(const struct submit_options *o);
 
 /* Is there a goal, --error or --time? */
 bool submit_options_goal(const struct submit_options *o);

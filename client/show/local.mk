@@ -7,4 +7,6 @@ libclient_a_SOURCES += \
 	client/show/picfile.c \
 	client/show/picfile.h \
 	client/show/show.c \
-	client/show/show.h
+	client/show/show.h \
+	client/show/spectra.c \
+	client/show/spectra.h

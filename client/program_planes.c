@@ -1,0 +1,313 @@
+/* program_planes.c - a job for each plane of -cs, and their pictures put
+ * together; see program.h
+ *
+ * All jobs are submitted before the first is waited for, so that they go on
+ * whatever becomes of radsubmit, and workers have the next plane at hand when
+ * one is nearly done.  The scene's files are sent once.  Of the pictures, which
+ * come plane by plane, all are kept until the last plane's, coded as they came.
+ */
+#include "config.h"
+
+#include "program.h"
+
+#include "show/spectra.h"
+
+#include <jansson.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+struct bytes {
+    uint8_t *p;
+    size_t n;
+};
+
+struct planes {
+    struct program *program;
+    uint8_t id[RAD_MAX_PLANES][MSG_JOB];
+    struct bytes *picture; /* by plane, then frame */
+    struct bytes *depth;   /* by frame: all planes have the same */
+    json_t *stats;         /* of each plane; NULL: not wanted */
+    double elapsed_s;
+};
+
+void
+program_fill_spec(struct program *p)
+{
+    struct submit_options o = p->o;
+
+    if (p->nplanes > 1) { /* which know of no colour */
+        o.params.bands.plane = p->plane;
+        o.params.primaries = RAD_PRIM_RGB;
+    }
+    jobspec_fill(&p->job, &o, &p->frames, &p->scene, &p->cargo);
+    p->job.spec.compile_s = p->compile_s;
+    if (p->records.keep)
+        p->job.spec.flags |= MSG_JOB_RECORDS;
+    if (p->job.spec.flags & MSG_JOB_PASSES && p->o.params.ambounce > 0)
+        progress_expect_passes(&p->progress);
+}
+
+static int
+keep(struct bytes *b, const uint8_t *p, size_t n, struct rad_error *err)
+{
+    free(b->p);
+    b->p = malloc(n + 1);
+    b->n = n;
+    if (!b->p)
+        return rad_fail(err, RAD_ENOMEM, "out of memory");
+    memcpy(b->p, p, n);
+    return 0;
+}
+
+static void
+drop(struct bytes *list, size_t n)
+{
+    for (size_t i = 0; list && i < n; i++)
+        free(list[i].p);
+    free(list);
+}
+
+/* The last plane of a frame is there. */
+static int
+deliver(struct planes *s, uint32_t frame, struct rad_error *err)
+{
+    struct program *p = s->program;
+    struct spectra_order order = { p->o.params.bands,
+                                   submit_options_spectra(&p->o),
+                                   p->o.params.primaries };
+    struct spectra_plane plane[RAD_MAX_PLANES];
+    const struct bytes *depth = &s->depth[frame];
+    uint8_t *whole = NULL;
+    size_t n = 0;
+    int rc;
+
+    for (int k = 0; k < p->nplanes; k++) {
+        const struct bytes *b = &s->picture[(size_t)k * p->frames.n + frame];
+
+        plane[k] = (struct spectra_plane){ b->p, b->n };
+    }
+    rc = spectra_join(&order, plane, &whole, &n, err);
+    if (rc == 0)
+        rc = program_on_frame(p, frame, whole, n, depth->p, depth->n, err);
+    free(whole);
+    return rc;
+}
+
+static int
+on_frame(void *arg, uint32_t frame, const uint8_t *picture, size_t len,
+         const uint8_t *depth, size_t depth_len, struct rad_error *err)
+{
+    struct planes *s = arg;
+    struct program *p = s->program;
+    int rc = keep(&s->picture[(size_t)p->plane * p->frames.n + frame], picture,
+                  len, err);
+
+    if (rc == 0 && depth && p->plane == 0)
+        rc = keep(&s->depth[frame], depth, depth_len, err);
+    if (rc == 0 && p->plane == p->nplanes - 1)
+        rc = deliver(s, frame, err);
+    return rc;
+}
+
+static int
+on_stats(void *arg, const uint8_t *json, size_t len, struct rad_error *err)
+{
+    struct planes *s = arg;
+    json_t *of_plane = json_loadb((const char *)json, len, 0, NULL), *all;
+    char *text;
+    int rc;
+
+    if (!of_plane)
+        return rad_fail(err, RAD_EPROTO, "the statistics are no JSON");
+    json_array_append_new(s->stats, of_plane);
+    if (s->program->plane < s->program->nplanes - 1)
+        return 0;
+    all = json_pack("{sO}", "planes", s->stats);
+    text = json_dumps(all, JSON_INDENT(1));
+    json_decref(all);
+    rc = text ? program_on_stats(s->program, (const uint8_t *)text,
+                                 strlen(text), err)
+              : rad_fail(err, RAD_ENOMEM, "out of memory");
+    free(text);
+    return rc;
+}
+
+/* --- callbacks that are the program's own --------------------------------- */
+
+static void
+on_say(void *arg, const char *text)
+{
+    program_say(((struct planes *)arg)->program, text);
+}
+
+static void
+on_accepted(void *arg)
+{
+    struct program *p = ((struct planes *)arg)->program;
+    char hex[MSG_JOB_HEX], text[120];
+
+    msg_job_format(p->job.id, hex);
+    snprintf(text, sizeof text, "job %s, plane %d of %d", hex, p->plane + 1,
+             p->nplanes);
+    program_say(p, text);
+}
+
+static void
+on_progress(void *arg, const struct msg_progress *m)
+{
+    struct planes *s = arg;
+
+    s->program->callbacks->progress(s->program, m);
+}
+
+static void
+on_reuse(void *arg, const uint8_t *from)
+{
+    struct program *p = ((struct planes *)arg)->program;
+
+    p->callbacks->reuse(p, from);
+}
+
+static void
+on_reason(void *arg, const char *why)
+{
+    struct program *p = ((struct planes *)arg)->program;
+
+    p->callbacks->reason(p, why);
+}
+
+static bool
+on_wonders(void *arg)
+{
+    return ((struct planes *)arg)->program->wonders;
+}
+
+static int
+on_alive(void *arg, struct rad_error *err)
+{
+    struct program *p = ((struct planes *)arg)->program;
+
+    return p->callbacks->alive(p, err);
+}
+
+static int
+on_gathered(void *arg, int n, const char *names, struct rad_error *err)
+{
+    struct program *p = ((struct planes *)arg)->program;
+
+    return p->callbacks->gathered(p, n, names, err);
+}
+
+/* Whatever the program asks for is asked of each plane. */
+static struct submit_callbacks
+callbacks(struct planes *s)
+{
+    const struct submit_callbacks *own = s->program->callbacks;
+    struct submit_callbacks cb = { .say = on_say,
+                                   .progress = on_progress,
+                                   .wonders = on_wonders,
+                                   .frame = on_frame,
+                                   .arg = s };
+
+    cb.stats = own->stats ? on_stats : NULL;
+    cb.reuse = own->reuse ? on_reuse : NULL;
+    cb.reason = own->reason ? on_reason : NULL;
+    cb.alive = own->alive ? on_alive : NULL;
+    cb.gathered = own->gathered ? on_gathered : NULL;
+    return cb;
+}
+
+/* --- jobs ----------------------------------------------------------------- */
+
+static void
+turn_to(struct planes *s, int plane)
+{
+    struct program *p = s->program;
+
+    p->plane = plane;
+    memcpy(p->job.id, s->id[plane], MSG_JOB);
+    program_fill_spec(p);
+}
+
+/* Those whose pictures nobody will take. */
+static void
+cancel_from(struct planes *s, int first, const struct submit_job *job)
+{
+    for (int k = first; k < s->program->nplanes; k++)
+        if (submit_cancel(&job->to, &s->program->loop, s->id[k]) < 0)
+            return;
+}
+
+static int
+submit_all(struct planes *s, struct submit_job *job)
+{
+    struct program *p = s->program;
+    struct submit_callbacks cb = callbacks(s);
+    int rc = 0;
+
+    cb.accepted = on_accepted;
+    job->detach = true;
+    for (int k = 0; k < p->nplanes && rc == 0; k++) {
+        turn_to(s, k);
+        rc = submit_run(job, &p->loop, &p->interrupts, &cb, p->err);
+    }
+    job->detach = false;
+    return rc;
+}
+
+static int
+collect_all(struct planes *s, struct submit_job *job)
+{
+    struct program *p = s->program;
+    struct submit_callbacks cb = callbacks(s);
+    int rc = 0;
+
+    cb.reuse = NULL; /* that was said */
+    for (int k = 0; k < p->nplanes && rc == 0; k++) {
+        turn_to(s, k);
+        rc = submit_run(job, &p->loop, &p->interrupts, &cb, p->err);
+        if (rc == 0)
+            program_warn_of_nan(p);
+    }
+    return rc;
+}
+
+static int
+begin(struct planes *s)
+{
+    struct program *p = s->program;
+    int rc = 0;
+
+    for (int k = 0; k < p->nplanes && rc == 0; k++) {
+        rc = jobspec_name(&p->job, p->err);
+        memcpy(s->id[k], p->job.id, MSG_JOB);
+    }
+    s->picture =
+        calloc((size_t)RAD_MAX_PLANES * p->frames.n, sizeof *s->picture);
+    s->depth = calloc(p->frames.n, sizeof *s->depth);
+    s->stats = json_array();
+    if (rc == 0 && !(s->picture && s->depth && s->stats))
+        rc = rad_fail(p->err, RAD_ENOMEM, "out of memory");
+    return rc;
+}
+
+int
+program_run_planes(struct program *p, const struct submit_job *ask,
+                   const struct submit_callbacks *cb)
+{
+    struct planes s = { .program = p };
+    struct submit_job job = *ask;
+    int rc = begin(&s);
+
+    p->callbacks = cb;
+    if (rc == 0 && (rc = submit_all(&s, &job)) == 0)
+        rc = collect_all(&s, &job);
+    /* an interrupt that ends radsubmit at once leaves them to go on */
+    if (rc < 0 && !p->embedded && p->interrupts < 2)
+        cancel_from(&s, 0, &job);
+    drop(s.picture, (size_t)p->nplanes * p->frames.n);
+    drop(s.depth, p->frames.n);
+    json_decref(s.stats);
+    return rc;
+}
