@@ -24,8 +24,9 @@ static const char usage_text[] =
     "       radscene info [--commands] FILE...\n"
     "       radscene needs [--commands] FILE...\n"
     "       radscene freeze [--commands] FILE... > scene.oct\n"
-    "       radscene rays [--commands] [-I] [-af FILE] [rendering options] "
-    "FILE...\n"
+    "       radscene rays [--commands] [-I] [-co] [-af FILE] "
+    "[rendering options]\n"
+    "                FILE...\n"
     "       radscene --help | --version\n";
 
 static const char help_text[] =
@@ -38,7 +39,8 @@ static const char help_text[] =
     "  freeze  write an octree that Radiance's programs read\n"
     "  rays    trace the rays of the standard input, six numbers a line:\n"
     "          origin and direction, or with -I a point and its normal;\n"
-    "          prints radiance, or irradiance, as \"r g b\"\n"
+    "          prints radiance, or irradiance, as \"r g b\", or with -co+ "
+    "band by band\n"
     "  --commands  run the commands of an octree's scene files, too\n";
 
 static void

@@ -937,7 +937,12 @@ submit_options_help(FILE *to)
           "  -vf FILE                    view file; or -vp X Y Z, -vd X Y Z "
           "and others\n"
           "  -x N, -y N                  columns and rows at most (512)\n"
-          "  -ab N                       bounces of indirect light (0: none)\n",
+          "  -ab N                       bounces of indirect light (0: none)\n"
+          "  -cs N                       bands of wavelengths, 3 to 24 (3: "
+          "colours)\n"
+          "  -co                         write them as spectra (-co+; for a name "
+          "in .hsr),\n"
+          "                              not as colours (-co-)\n",
           to);
     help_rows(to, rpicts, N_ELEM(rpicts), " ");
     fputs("  @FILE                       options from a file\n"
