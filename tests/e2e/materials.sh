@@ -3,7 +3,8 @@
 # copies that look like what they are copies of.
 # NAME.rays holds the options in its first line, and then for each ray its origin
 # and direction and the radiance that Radiance 6.1's rtrace gave for NAME.rad
-# behind brdf_room.rad.
+# behind brdf_room.rad.  NAME.bands holds the same with a number for each band of
+# wavelengths.
 set -u
 radscene=$top_builddir/radscene
 tmp=$(mktemp -d) || exit 99
@@ -12,20 +13,20 @@ cd "$top_srcdir/tests/scenes" || exit 99
 unset RAYPATH
 failed=0
 
-# compare NAME FILE FILE: radiances, three numbers a line, are within 1e-4 of the
-# line's largest
+# compare NAME FILE FILE [N]: radiances, N or three numbers a line, are within 1e-4
+# of the line's largest
 compare() {
-    paste -d' ' "$2" "$3" | awk -v name="$1" '
+    paste -d' ' "$2" "$3" | awk -v name="$1" -v n="${4:-3}" '
         function abs(x) { return x < 0 ? -x : x }
-        NF != 6 { bad++; next }
+        NF != 2 * n { bad++; next }
         {
             m = 0
-            for (i = 1; i <= 6; i++)
+            for (i = 1; i <= 2 * n; i++)
                 if (abs($i) > m)
                     m = abs($i)
             lit += m > 0
-            for (i = 1; i <= 3; i++)
-                if (!(abs($i - $(i + 3)) <= 1e-4 * m)) {
+            for (i = 1; i <= n; i++)
+                if (!(abs($i - $(i + n)) <= 1e-4 * m)) {
                     if (!bad++)
                         print name ": ray " NR ": " $0
                     next
@@ -48,6 +49,29 @@ for name in aniso ashik brdf brdf_data brtd bsdf fprism functions lamps lights \
     $radscene rays $options brdf_room.rad $name.rad <"$tmp/rays" \
         >"$tmp/got" || failed=1
     compare $name "$tmp/expected" "$tmp/got"
+done
+
+# Twenty bands of spectra.
+read -r options <spectra.bands
+sed 1d spectra.bands | cut -d' ' -f1-6 >"$tmp/rays"
+sed 1d spectra.bands | cut -d' ' -f7- >"$tmp/expected"
+# shellcheck disable=SC2086
+$radscene rays $options brdf_room.rad spectra.rad <"$tmp/rays" >"$tmp/got" ||
+    failed=1
+compare "spectra in bands" "$tmp/expected" "$tmp/got" 20
+
+# Where all is given in red, green and blue, six bands are these, in steps.  (Not
+# with functions that ask for the colour of a material.)
+for name in aniso ashik brdf_data brtd bsdf fprism functions lamps lights phong \
+    prism tables wgmd; do
+    read -r options <$name.rays
+    sed 1d $name.rays | cut -d' ' -f1-6 >"$tmp/rays"
+    sed 1d $name.rays | cut -d' ' -f8-10 |
+        awk '{ print $1, $1, $1, $2, $2, $3 }' >"$tmp/expected"
+    # shellcheck disable=SC2086
+    $radscene rays $options -cs 6 -co+ brdf_room.rad $name.rad <"$tmp/rays" \
+        >"$tmp/got" || failed=1
+    compare "$name in bands" "$tmp/expected" "$tmp/got" 6
 done
 
 # A copy turned a quarter about the zenith, where the only light is, and rays
