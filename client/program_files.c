@@ -26,6 +26,7 @@ write_picture(struct program *p, uint32_t frame, const uint8_t *picture,
     if (p->o.output)
         rc = frames_name(&p->frames, &p->o, p->o.output, frame, &name, err);
     if (rc == 0 && p->rif.exposure > 0 && p->rif.exposure != 1 &&
+        !submit_options_spectra(&p->o) &&
         !picfile_is_png(name, (enum picfile_format)p->o.format)) {
         rc = expose(picture, len, p->rif.exposure, &exposed, &len, err);
         picture = exposed;
@@ -99,9 +100,11 @@ static void
 rescue(struct program *p, uint32_t frame, const uint8_t *picture,
        size_t picture_len, const uint8_t *depth, size_t depth_len)
 {
+    const char *suffix = submit_options_spectra(&p->o) ? ".hsr" : ".hdr";
+
     if (picture)
         p->rescued =
-            rescue_write(p->job.id, frame, ".hdr", picture, picture_len);
+            rescue_write(p->job.id, frame, suffix, picture, picture_len);
     if (depth)
         p->rescued_depth =
             rescue_write(p->job.id, frame, ".zbf", depth, depth_len);
@@ -140,6 +143,12 @@ program_say_where_it_is(const struct program *p)
         tell(stderr, "radsubmit: its distances are in %s", p->rescued_depth);
     if (!p->unwritten || p->embedded)
         return;
+    if (p->nplanes > 1) {
+        tell(stderr, "radsubmit: the coordinator keeps the pictures of the "
+                     "planes: radctl fetch JOB -o FILE for each of the jobs "
+                     "above");
+        return;
+    }
     msg_job_format(p->job.id, hex);
     fprintf(stderr,
             "radsubmit: the coordinator keeps %s: radctl fetch %s -o FILE%s\n",

@@ -437,6 +437,7 @@ dist_check_SCRIPTS += \
 	tests/e2e/submit_header.sh \
 	tests/e2e/submit_limits.sh \
 	tests/e2e/submit_outputs.sh \
+	tests/e2e/submit_bands.sh \
 	tests/e2e/submit_oversample.sh \
 	tests/e2e/rpict_path.sh \
 	tests/e2e/submit_parts.sh \
@@ -515,6 +516,7 @@ TESTS += \
 	tests/e2e/submit_header.sh \
 	tests/e2e/submit_limits.sh \
 	tests/e2e/submit_outputs.sh \
+	tests/e2e/submit_bands.sh \
 	tests/e2e/submit_oversample.sh \
 	tests/e2e/rpict_path.sh \
 	tests/e2e/submit_parts.sh \

@@ -1,0 +1,160 @@
+#!/bin/sh
+# submit_bands.sh - pictures of more than three bands: spectra and colours of
+# known light, the same whoever renders; what does not go with them; jobs of all
+# planes cancelled together
+. "${top_srcdir:-.}/tests/e2e/client_lib.sh"
+set -u
+
+room=$scenes/room.rad
+view="-vf $scenes/room.vf -x 40 -y 30"
+
+# Light all around of a known spectrum, dark above 700 nm.
+cat >glow.rad <<'END'
+void spectrum s 0 0 12 400 760 10 9 8 7 6 5 4 3 0 0
+s glow g 0 0 4 1 1 1 0
+g source all 0 0 4 0 0 1 360
+END
+
+# pixels FILE N: the last N bytes of a file as numbers, one a line
+pixels()
+{
+    tail -c "$2" "$1" | od -An -v -tu1 -w1 | tr -d ' '
+}
+
+"$radsubmit" --local -cs 10 -x 6 -y 6 -o glow.hsr glow.rad 2>stderr ||
+    fail "glow.hsr: $(cat stderr)"
+grep -c 'job [0-9a-f]*, plane [1-4] of 4' stderr | grep -qx 4 ||
+    fail "no four planes: $(cat stderr)"
+for line in 'NCOMP=10' 'WAVELENGTH_SPLITS= 780 588 480 380' \
+    'FORMAT=Radiance_spectra' '-Y 6 +X 6'; do
+    grep -aqxF -e "$line" glow.hsr ||
+        fail "glow.hsr: no line '$line'"
+done
+# 0 0 3 4 ... 10, of 16: 16 steps each, and half of one which the reader adds
+[ "$(pixels glow.hsr 11 | tr '\n' ' ')" = \
+    '0 0 48 64 80 96 112 128 144 160 132 ' ] ||
+    fail "glow.hsr holds other light: $(pixels glow.hsr 11 | tr '\n' ' ')"
+[ "$(pixels glow.hsr 396 | sort -n | uniq -c | wc -l)" -eq 10 ] ||
+    fail "glow.hsr: pixels differ"
+
+# As a pattern, it is that light again.
+cat >again.rad <<'END'
+void specpict p 5 noop glow.hsr . 0 0
+0
+0
+p glow g 0 0 4 1 1 1 0
+g source all 0 0 4 0 0 1 360
+END
+printf 'noop(v,w) = v;\n' >pic.cal
+sed -i 's/glow.hsr \./glow.hsr pic.cal/' again.rad
+for scene in glow again; do
+    echo 0 0 0 0 0 1 | "$top_builddir/radscene" rays -cs 10 -co+ $scene.rad \
+        >$scene.bands || fail "rays of $scene.rad"
+done
+paste -d' ' glow.bands again.bands | awk '
+    { for (i = 1; i <= 10; i++)
+        if ($i - $(i + 10) > .04 || $(i + 10) - $i > .04) exit 1 }
+    NF != 20 { exit 1 }' || fail "glow.hsr as a pattern: $(cat again.bands)"
+
+# In colours, and for a screen: what rays see with the same bands.
+echo 0 0 0 0 0 1 | "$top_builddir/radscene" rays -cs 10 glow.rad >colour
+"$radsubmit" --local -cs 10 -x 6 -y 6 -o glow.hdr glow.rad 2>stderr ||
+    fail "glow.hdr: $(cat stderr)"
+"$radsubmit" --local -cs 10 -x 6 -y 6 -o glow.png glow.rad 2>stderr ||
+    fail "glow.png: $(cat stderr)"
+read -r red green blue <colour
+printf 'void glow g 0 0 4 %s %s %s 0 g source s 0 0 4 0 0 1 360\n' \
+    "$red" "$green" "$blue" >three.rad
+"$radsubmit" --local -x 6 -y 6 -o three.hdr three.rad 2>stderr
+"$top_builddir/raderr" glow.hdr three.hdr >figures || fail "raderr"
+awk '$1 == "max" && $2 < .01 { ok = 1 } END { exit !ok }' figures ||
+    fail "glow.hdr: $(cat figures)"
+
+# A plane has no light at all in a scene that shines at one wavelength, with
+# all that draws and divides by brightness.
+sed 's/^void light/void spectrum line 0 0 6 640 700 0 0 1 0\nline light/' \
+    "$room" >line.rad
+# shellcheck disable=SC2086
+"$radsubmit" --local $view -cs 20 -ab 2 -ad 32 -as 16 -lr -4 -lw .01 -dt .1 \
+    -o line.hsr line.rad 2>stderr || fail "line.hsr: $(cat stderr)"
+! grep -q 'no number' stderr || fail "line.hsr: $(cat stderr)"
+pixels line.hsr $((40 * 30 * 21)) | awk '
+    NR % 21 >= 1 && NR % 21 <= 20 {
+        band = NR % 21
+        lit[band] += $1 > 0
+    }
+    # 680 nm is on the edge of bands 5 and 6, counted from 780 down
+    END { for (b = 1; b <= 20; b++)
+            if ((lit[b] > 0) != (b == 5 || b == 6)) exit 1 }' ||
+    fail "line.hsr: light in other bands"
+
+# The same bytes from one worker and from two, with indirect light.
+for n in 1 2; do
+    # shellcheck disable=SC2086
+    "$radsubmit" --local --workers=$n --threads=$n $view -cs 6 -ab 1 -ad 64 \
+        -z room$n.zbf --stats=room$n.json -o room$n.hsr "$room" 2>stderr ||
+        fail "room$n.hsr: $(cat stderr)"
+done
+cmp room1.hsr room2.hsr || fail "room.hsr depends on the workers"
+cmp room1.zbf room2.zbf || fail "room.zbf depends on the workers"
+python3 -c 'import json
+assert len(json.load(open("room1.json"))["planes"]) == 2' ||
+    fail "statistics of two planes"
+
+# --- what does not go with it ---
+
+expect 64 "--dry-run does not go with" "--dry-run" "$radsubmit" --local -cs 6 \
+    --dry-run -o x.hdr "$room"
+expect 64 "--error does not go with" "--error" "$radsubmit" --local -cs 6 \
+    -ab 1 --error=2 -o x.hdr "$room"
+expect 64 "--preview does not go with" "--preview" "$radsubmit" --local -cs 6 \
+    --preview=p.png -o x.hdr "$room"
+expect 64 "-af does not go with" "-af" "$radsubmit" --local -cs 6 -ab 1 \
+    -af x.amb -o x.hdr "$room"
+expect 64 "-pc does not go with" "-pc" "$radsubmit" --local -cs 6 \
+    -pc .7 .3 .2 .7 .1 .1 .3 .3 -o x.hdr "$room"
+expect 64 "--detach does not go with" "--detach" "$radsubmit" -cs 6 --detach \
+    "$room"
+expect 64 "spectra have more than three bands" ".hsr" "$radsubmit" --local \
+    -o x.hsr "$room"
+expect 64 "-co- asks for none" "-co-" "$radsubmit" --local -cs 6 -co- \
+    -o x.hsr "$room"
+expect 64 "a .png has no spectra" "-co+" "$radsubmit" --local -cs 6 -co+ \
+    -o x.png "$room"
+expect 64 "exclude each other" "-pXYZ" "$radsubmit" --local -cs 6 -co+ -pXYZ \
+    -o x.hsr "$room"
+expect 64 "show no colours" "-cw" "$radsubmit" --local -cs 6 -cw 500 600 \
+    -o x.hdr "$room"
+expect 64 "a range is 50 nm" "-cw" "$radsubmit" --local -cs 6 -cw 500 540 \
+    -co+ -o x.hsr "$room"
+expect 64 "three channels" "rays -af" "$top_builddir/radscene" rays -cs 6 \
+    -ab 1 -af x.amb "$room"
+
+# --- all planes end together ---
+
+sock=$work/coord.sock
+"$radcoord" --listen= --socket="$sock" --state="$work/state" 2>>coord.log &
+export RADD_COORDINATOR="$sock"
+until_true 20 "$radctl" status || fail "no coordinator"
+"$radd" --coordinator="$sock" --name=ws1 --threads=1 \
+    --listen=127.0.0.1:0 --cache="$work/cache" 2>>ws1.log &
+python3 -c 'import os, signal, sys
+signal.signal(signal.SIGINT, signal.SIG_DFL)
+os.execv(sys.argv[1], sys.argv[1:])' "$radsubmit" -vf "$scenes/room.vf" \
+    -cs 9 -x 3000 -y 2250 -ps 1 -ds .02 -dj 1 -o big.hsr "$room" 2>big.err &
+pid=$!
+until_true 30 grep -q 'plane 3 of 3' big.err || fail "no planes: $(cat big.err)"
+kill -INT $pid
+wait $pid
+status=$?
+[ $status -eq 75 ] || fail "interrupted: exit status $status: $(cat big.err)"
+"$radctl" jobs >jobs
+[ "$(grep -c cancelled jobs)" -eq 3 ] || fail "not all cancelled: $(cat jobs)"
+[ ! -e big.hsr ] || fail "a picture that was cancelled is there"
+
+# what came to a coordinator of somebody else's comes whole, too
+# shellcheck disable=SC2086
+"$radsubmit" $view -cs 6 -ab 1 -ad 64 -z far.zbf -o far.hsr "$room" 2>far.err ||
+    fail "far.hsr: $(cat far.err)"
+cmp room1.hsr far.hsr || fail "far.hsr is another picture"
+finish
