@@ -2,6 +2,7 @@
 #include "config.h"
 
 #include "base/output.h"
+#include "ground/sanitized.h"
 #include "files/blobs.h"
 #include "ground/disk.h"
 #include "folder/filtered.h"
@@ -23,13 +24,6 @@
 #include <sys/resource.h>
 #include <sys/stat.h>
 #include <unistd.h>
-
-/* A sanitizer's shadow is memory, too. */
-#if defined __SANITIZE_ADDRESS__ || defined __SANITIZE_THREAD__
-#define SANITIZED 1
-#else
-#define SANITIZED 0
-#endif
 
 static char dir[64];
 
@@ -536,7 +530,7 @@ START_TEST(coded_rows_are_taken_apart_a_few_at_a_time)
     snprintf(path, sizeof path, "%s/f.rows", dir);
     ck_assert_int_eq(
         rows_create(&r, &opened, path, WIDE, MANY, ROWS_RGBE, false, NULL), 0);
-    if (!SANITIZED)
+    if (!RAD_SANITIZED) /* a sanitizer's shadow is memory, too */
         limit_memory(8 << 20);
     ck_assert_int_eq(
         rows_write_coded(&r, 0, 0, WIDE, MANY, code, n, &sum, NULL), 0);

@@ -12,6 +12,8 @@
 
 #include "child/sandbox.h"
 
+#include "ground/sanitized.h"
+
 #include <errno.h>
 #include <fcntl.h>
 #include <linux/landlock.h>
@@ -27,18 +29,6 @@
 #include <sys/resource.h>
 #include <sys/syscall.h>
 #include <unistd.h>
-
-#ifdef __has_feature
-#define HAS_FEATURE(x) __has_feature(x)
-#else
-#define HAS_FEATURE(x) 0
-#endif
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__) ||           \
-    HAS_FEATURE(address_sanitizer) || HAS_FEATURE(thread_sanitizer)
-#define LOOSE true /* sanitizers look at their own process */
-#else
-#define LOOSE false
-#endif
 
 /* open descriptors: the link, the loop's, one file while loading */
 #define MOST_FILES 64
@@ -157,7 +147,7 @@ static const struct rule loose_rules[] = {
 bool
 sandbox_kills(void)
 {
-    return !LOOSE;
+    return !RAD_SANITIZED;
 }
 
 /* valgrind makes the process's calls itself, and more. */
@@ -320,7 +310,7 @@ confine_files(const char *files_dir)
 const char *
 sandbox_lacks(bool *refuse)
 {
-    bool landlock = LOOSE || landlock_version() >= 1;
+    bool landlock = RAD_SANITIZED || landlock_version() >= 1;
 
     *refuse = !has_seccomp();
     if (*refuse)
@@ -353,7 +343,7 @@ sandbox_begin(const char *files_dir, bool required, struct rad_error *err)
     setrlimit(RLIMIT_CORE, &none);
     if (prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0) < 0)
         return failed(-errno, required, err);
-    if (!LOOSE && !in_valgrind()) {
+    if (!RAD_SANITIZED && !in_valgrind()) {
         close_others();
         setrlimit(RLIMIT_NOFILE, &files);
         prctl(PR_SET_DUMPABLE, 0);
@@ -361,7 +351,7 @@ sandbox_begin(const char *files_dir, bool required, struct rad_error *err)
     }
     if (!has_seccomp())
         return failed(-ENOSYS, required, err);
-    if (LOOSE)
+    if (RAD_SANITIZED)
         return failed(put_on(SCMP_ACT_ALLOW, fill_loose), required, err);
     return failed(put_on(SCMP_ACT_KILL_PROCESS, fill_strict), required, err);
 }
@@ -369,7 +359,7 @@ sandbox_begin(const char *files_dir, bool required, struct rad_error *err)
 int
 sandbox_seal(bool required, struct rad_error *err)
 {
-    if (LOOSE || !has_seccomp())
+    if (RAD_SANITIZED || !has_seccomp())
         return 0; /* sandbox_begin() has logged it */
     return failed(put_on(SCMP_ACT_ALLOW, fill_seal), required, err);
 }

@@ -10,6 +10,7 @@ libdaemon_a_SOURCES += \
 	daemon/ground/lossy.h \
 	daemon/ground/mark.c \
 	daemon/ground/mark.h \
+	daemon/ground/sanitized.h \
 	daemon/ground/service.c \
 	daemon/ground/service.h \
 	daemon/ground/syncs.c \

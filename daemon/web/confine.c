@@ -7,6 +7,7 @@
 
 #include "web/confine.h"
 
+#include "ground/sanitized.h"
 #include "net/log.h"
 
 #include <errno.h>
@@ -18,18 +19,6 @@
 #include <string.h>
 #include <sys/prctl.h>
 #include <sys/resource.h>
-
-#ifdef __has_feature
-#define HAS_FEATURE(x) __has_feature(x)
-#else
-#define HAS_FEATURE(x) 0
-#endif
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__) ||           \
-    HAS_FEATURE(address_sanitizer) || HAS_FEATURE(thread_sanitizer)
-#define LOOSE true /* sanitizers look at their own process when it ends */
-#else
-#define LOOSE false
-#endif
 
 /* clang-format off */
 static const int denied[] = {
@@ -101,7 +90,7 @@ confine_begin(struct rad_error *err)
     struct rlimit none = { 0, 0 };
     int rc;
 
-    if (LOOSE)
+    if (RAD_SANITIZED)
         return 0;
     setrlimit(RLIMIT_CORE, &none);
     prctl(PR_SET_DUMPABLE, 0);
