@@ -684,6 +684,8 @@ END_TEST
 START_TEST(what_was_not_fetched_is_kept)
 {
     static const struct coord_keep keep = { .unfetched_ms = 90000 };
+    struct coord_conn *ana;
+    enum msg_session was;
     char hex[MSG_JOB_HEX];
 
     coord_set_keep(f.c, &keep);
@@ -691,6 +693,12 @@ START_TEST(what_was_not_fetched_is_kept)
     whole_job(job_b);
     carry_out(&f);
     coord_fetched(f.c, f.now_ms, BOB, job_b, 0); /* not the owner */
+    /* on the socket, whose user the owner is, but to look only */
+    ana = desk_find_conn(f.c, ANA);
+    was = ana->session;
+    ana->session = MSG_AT_COORD_OBSERVER;
+    coord_fetched(f.c, f.now_ms, ANA, job_b, 0);
+    ana->session = was;
     coord_fetched(f.c, f.now_ms, ANA, job_a, 0);
     wait_s(&f, 30);
     ck_assert_ptr_nonnull(desk_find_job(f.c, job_a));

@@ -21,6 +21,7 @@ struct job_row {
 /* Rows of one page, in the page's order: jobs or workers. */
 struct page {
     const struct msg_page *ask;
+    uint8_t *duties; /* of workers (report.h) */
     uint32_t most, n;
     bool more; /* there are others behind them */
     union {
@@ -107,7 +108,8 @@ find_workers(const struct coord *c, struct page *p)
     for (const struct coord_worker *w = c->workers; w && !p->more;
          w = w->next) {
         if (w->id < m->cursor || w->forgotten ||
-            (m->state[0] && strcmp(m->state, report_worker_state(c, w)) != 0))
+            (m->state[0] &&
+             strcmp(m->state, report_worker_state(w, p->duties)) != 0))
             continue;
         if (p->n == p->most)
             p->more = true;
@@ -125,7 +127,7 @@ row_text(const struct coord *c, const struct page *p, uint32_t i)
     char *text;
 
     if (p->ask->what != MSG_ROWS_JOBS)
-        row = report_worker(c, p->row.workers[i]);
+        row = report_worker(c, p->row.workers[i], p->duties);
     else if (p->row.jobs[i].job)
         row = report_job(c, p->row.jobs[i].job, MSG_MAX_LABEL);
     else
@@ -176,12 +178,16 @@ char *
 listing_page(const struct coord *c, const struct msg_page *m, const char *owner)
 {
     struct page p = { .ask = m, .most = LISTING_ROWS };
+    char *text = NULL;
 
     if (m->most > 0 && m->most < p.most)
         p.most = m->most;
     if (m->what == MSG_ROWS_JOBS)
         find_jobs(c, &p, owner);
-    else
+    else if ((p.duties = report_duties(c)) != NULL)
         find_workers(c, &p);
-    return page_text(c, &p);
+    if (m->what == MSG_ROWS_JOBS || p.duties)
+        text = page_text(c, &p);
+    free(p.duties);
+    return text;
 }

@@ -27,70 +27,71 @@ since(const struct coord *c, uint64_t ms)
     return c->now_ms > ms ? (double)(c->now_ms - ms) / 1000 : 0;
 }
 
-/* Is there a job that the worker cannot take now? */
-static bool
-lacks_room(const struct coord *c, const struct coord_worker *w)
-{
-    for (size_t i = 0; i < c->njobs; i++) {
-        uint32_t index = desk_index(c->jobs[i], w);
+/* What a job has of a worker, as bits. */
+enum {
+    LACKS_ROOM = 1, /* the worker cannot take it now */
+    PREPARES = 2    /* the worker makes tiles of a pass, or estimates: that is
+                     * work without units */
+};
 
-        if (!job_over(c->jobs[i]) && index != JOB_NOBODY &&
-            c->jobs[i]->workers[index].state == PART_NO_ROOM)
-            return true;
-    }
-    return false;
+static unsigned
+duty_of(const struct job_worker *jw)
+{
+    return (jw->state == PART_NO_ROOM ? LACKS_ROOM : 0u) |
+           (jw->ntiles > 0 || jw->surveying > 0 ? PREPARES : 0u);
 }
 
-/* Does it make tiles of a pass, or estimate?  That is work without units. */
-static bool
-prepares(const struct coord *c, const struct coord_worker *w)
+uint8_t *
+report_duties(const struct coord *c)
 {
-    for (size_t i = 0; i < c->njobs; i++) {
-        uint32_t index = desk_index(c->jobs[i], w);
-        const struct job_worker *jw;
+    uint8_t *duties = calloc(c->nworkers + 1u, 1);
 
-        if (job_over(c->jobs[i]) || index == JOB_NOBODY)
-            continue;
-        jw = &c->jobs[i]->workers[index];
-        if (jw->ntiles > 0 || jw->surveying > 0)
-            return true;
+    for (size_t i = 0; duties && i < c->njobs; i++) {
+        const struct job *job = c->jobs[i];
+
+        for (uint32_t k = 0; k < job->nworkers && !job_over(job); k++)
+            duties[job->workers[k].worker->id] |=
+                (uint8_t)duty_of(&job->workers[k]);
     }
-    return false;
+    return duties;
 }
 
 const char *
-report_worker_state(const struct coord *c, const struct coord_worker *w)
+report_worker_state(const struct coord_worker *w, const uint8_t *duties)
 {
     if (w->conn == 0)
         return "gone";
     if (w->drained || w->leaving)
         return w->in_flight ? "draining" : "drained";
-    if (w->in_flight || prepares(c, w))
+    if (w->in_flight || duties[w->id] & PREPARES)
         return "working";
     if (w->loading)
         return "loading";
-    return lacks_room(c, w) ? "no room" : "idle";
+    return duties[w->id] & LACKS_ROOM ? "no room" : "idle";
 }
 
 json_t *
-report_worker(const struct coord *c, const struct coord_worker *w)
+report_worker(const struct coord *c, const struct coord_worker *w,
+              const uint8_t *duties)
 {
     return json_pack("{s:s,s:s,s:I,s:I,s:s,s:s,s:f,s:s}", "name", w->name,
-                     "state", report_worker_state(c, w), "threads",
+                     "state", report_worker_state(w, duties), "threads",
                      (json_int_t)w->threads, "units", (json_int_t)w->in_flight,
                      "address", w->address, "program", w->program, "since_s",
                      since(c, w->since_ms), "text",
-                     lacks_room(c, w) ? w->no_room : "");
+                     duties[w->id] & LACKS_ROOM ? w->no_room : "");
 }
 
 static json_t *
 all_workers(const struct coord *c)
 {
-    json_t *list = json_array();
+    uint8_t *duties = report_duties(c);
+    json_t *list = duties ? json_array() : NULL;
 
-    for (const struct coord_worker *w = c->workers; w; w = w->next)
+    for (const struct coord_worker *w = c->workers; list && w; w = w->next)
         if (!w->forgotten)
-            json_array_append_new(list, report_worker(c, w));
+            json_array_append_new(list, report_worker(c, w, duties));
+    free(duties);
     return list;
 }
 

@@ -18,10 +18,14 @@ char *report_query(const struct coord *c, enum msg_topic what, const char *text,
  * that there is room for. */
 json_t *report_gone(const struct coord *c, const struct saved_gone *g);
 json_t *report_job(const struct coord *c, const struct job *job, size_t label);
-json_t *report_worker(const struct coord *c, const struct coord_worker *w);
+json_t *report_worker(const struct coord *c, const struct coord_worker *w,
+                      const uint8_t *duties);
 
+/* What workers have to do for jobs without having units, by the worker's id;
+ * malloc'd, NULL when memory is out.  Walks all jobs: once for a list. */
+uint8_t *report_duties(const struct coord *c);
 /* "idle" */
-const char *report_worker_state(const struct coord *c,
-                                const struct coord_worker *w);
+const char *report_worker_state(const struct coord_worker *w,
+                                const uint8_t *duties);
 
 #endif

@@ -168,8 +168,8 @@ coord_fetched(struct coord *c, uint64_t now_ms, uint64_t conn,
     struct action *a;
 
     c->now_ms = now_ms;
-    if (!to || !job || frame >= job->spec.nframes ||
-        strcmp(to->owner, job->owner) != 0 ||
+    if (!to || to->session == MSG_AT_COORD_OBSERVER || !job ||
+        frame >= job->spec.nframes || strcmp(to->owner, job->owner) != 0 ||
         !frame_is_written(&job->frames[frame]))
         return;
     job->fetched_ms = now_ms;

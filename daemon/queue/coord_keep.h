@@ -21,7 +21,8 @@ void coord_gone_text(const struct saved_gone *g, char text[MSG_MAX_TEXT + 1]);
 #define COORD_TIME 32
 void coord_time_text(uint64_t ms, char text[COORD_TIME]);
 
-/* All of a frame's picture was sent to that connection. */
+/* All of a frame's picture was sent to that connection: it is fetched if the
+ * job's owner is there, and not to look only. */
 void coord_fetched(struct coord *c, uint64_t now_ms, uint64_t conn,
                    const uint8_t job[MSG_JOB], uint32_t frame);
 /* A job that an earlier life has forgotten; before those of recover.h. */
