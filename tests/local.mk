@@ -115,6 +115,7 @@ UNIT_TESTS = \
 	tests/check_tls \
 	tests/check_tone \
 	tests/check_view \
+	tests/check_watch \
 	tests/check_web \
 	tests/check_wgmd \
 	tests/check_wild \
@@ -657,6 +658,11 @@ tests_check_web_SOURCES = tests/check_web.c tests/unit.h
 tests_check_web_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS) $(JANSSON_CFLAGS) \
 	$(UV_CFLAGS)
 tests_check_web_LDADD = $(radweb_LDADD) $(UNIT_LIBS)
+
+tests_check_watch_SOURCES = tests/check_watch.c tests/unit.h
+tests_check_watch_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS) $(JANSSON_CFLAGS) \
+	$(UV_CFLAGS)
+tests_check_watch_LDADD = $(radweb_LDADD) $(UNIT_LIBS)
 
 tests_check_keyfile_SOURCES = tests/check_keyfile.c tests/unit.h
 tests_check_keyfile_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)

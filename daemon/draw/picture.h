@@ -14,7 +14,7 @@
 
 #define PICTURE_PIXELS 1500000    /* that are handed out */
 #define PICTURE_MOST   16000000   /* of a picture that is looked at at all */
-#define PICTURE_BYTES  (96 << 20) /* of its file */
+#define PICTURE_BYTES  (66 << 20) /* of its file */
 #define PICTURE_VIEW   1024
 
 /* Ahead of the pixels in `rgbe`: "RWP1", then width, height and the factor by

@@ -238,6 +238,8 @@ units_read(struct units *u, const char *text, size_t len, struct rad_error *err)
     *u = (struct units){ 0 };
     if (!list)
         return rad_fail(err, RAD_EDATA, "there is no list of units");
+    if (list - text > UNITS_HEAD)
+        return rad_fail(err, RAD_EDATA, "the statistics are too long");
     u->head = read_head(text, (size_t)(list - text));
     if (!u->head)
         return rad_fail(err, RAD_EDATA, "the statistics are damaged");

@@ -12,6 +12,8 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#define UNITS_HEAD                                                             \
+    (1 << 20) /* bytes ahead of the units; of 1000 workers half */
 #define UNITS_WORKERS                                                          \
     200                  /* that are told apart; units of others are left out */
 #define UNITS_LANES 16   /* of a worker: units side by side */

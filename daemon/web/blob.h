@@ -2,12 +2,15 @@
  *
  * A page, an event or a picture is made once and sent to all who want it; the
  * slowest reader keeps it alive.  blob_alive() is what all of them take, so
- * that readers who do not read cannot make radweb grow without end.
+ * that readers who do not read cannot make radweb grow without end: while it is
+ * above BLOB_MOST no page, list or event is made.
  * Thread: the loop's. */
 #ifndef RADD_WEB_BLOB_H
 #define RADD_WEB_BLOB_H
 
 #include <stddef.h>
+
+#define BLOB_MOST ((size_t)192 << 20)
 
 struct blob {
     size_t refs, len;

@@ -91,7 +91,8 @@ version_of(const struct stream *s)
 static void
 take_event(struct stream *s)
 {
-    if (s->version == version_of(s) || (s->watch && !s->watch->detail))
+    if (s->version == version_of(s) || (s->watch && !s->watch->detail) ||
+        blob_alive() > BLOB_MOST)
         return;
     s->version = version_of(s);
     s->now = s->watch ? job_event(s->r, s->watch) : home_event(s->r);

@@ -1,8 +1,8 @@
 /* model.c - see model.h
  *
- * A round of requests: status, workers, open jobs, jobs that are over; each
- * list page by page, the next request when an answer has come.  With the last
- * answer all lists change at once. */
+ * A round of requests: status, workers, open jobs, of more than are listed
+ * those that run, jobs that are over; each list page by page, the next request
+ * when an answer has come.  With the last answer all lists change at once. */
 #include "config.h"
 
 #include "web/model.h"
@@ -12,7 +12,14 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { STEP_NONE, STEP_STATUS, STEP_WORKERS, STEP_OPEN, STEP_OVER };
+enum {
+    STEP_NONE,
+    STEP_STATUS,
+    STEP_WORKERS,
+    STEP_OPEN,
+    STEP_RUNNING,
+    STEP_OVER
+};
 
 #define RATE_MS 2500 /* rays a second are taken over so long at least */
 
@@ -31,6 +38,8 @@ drop_round(struct model *m)
     m->coming = m->next_status = m->next_workers = NULL;
     m->next_open = m->next_over = NULL;
     m->round = STEP_NONE;
+    m->text = 0;
+    m->cursor = 0;
 }
 
 static void
@@ -82,7 +91,8 @@ count_end(struct model *m, json_t *seen, const json_t *row, bool before)
 /* Add what the jobs of a list did since the last round; `next` gets what is
  * counted of them.  A job that was never seen counts whole where it is new: it
  * is open, or over and submitted later than all of those that are known; but in
- * the first round nothing counts. */
+ * the first round, and while there are open jobs that are not listed, what it
+ * did before it was seen does not count. */
 static void
 count_list(struct model *m, const json_t *list, bool over, json_t *next)
 {
@@ -98,7 +108,7 @@ count_list(struct model *m, const json_t *list, bool over, json_t *next)
         double rays = rise(seen, row, "rays");
         double bytes = rise(seen, row, "bytes");
         double redundant = rise(seen, row, "ambient_redundant");
-        bool before = first || (!had && over && known);
+        bool before = first || (!had && (m->was_cut || (over && known)));
 
         known |= had != NULL;
         if (over)
@@ -110,6 +120,22 @@ count_list(struct model *m, const json_t *list, bool over, json_t *next)
     }
 }
 
+/* Jobs that are not listed for a while count on where they were. */
+static void
+keep_counted(const struct model *m, json_t *next)
+{
+    const char *id;
+    json_t *seen;
+
+    json_object_foreach(m->counted, id, seen)
+    {
+        if (json_object_size(next) >= MODEL_COUNTED)
+            return;
+        if (!json_object_get(next, id))
+            json_object_set(next, id, seen);
+    }
+}
+
 static void
 count_jobs(struct model *m)
 {
@@ -117,6 +143,9 @@ count_jobs(struct model *m)
 
     count_list(m, m->open, false, next);
     count_list(m, m->over, true, next);
+    if (m->cut)
+        keep_counted(m, next);
+    m->was_cut = m->cut;
     json_decref(m->counted);
     m->counted = next;
 }
@@ -240,43 +269,72 @@ static size_t
 most_rows(unsigned step)
 {
     return step == STEP_WORKERS ? MODEL_WORKERS
-           : step == STEP_OPEN  ? MODEL_OPEN
-                                : MODEL_OVER;
+           : step == STEP_OVER  ? MODEL_OVER
+                                : MODEL_OPEN;
 }
 
-/* All rows of a list are here. */
+/* Add rows of jobs that are not there yet. */
 static void
-end_list(struct model *m)
+merge(json_t *rows, const json_t *more)
 {
-    json_t **to = m->round == STEP_WORKERS ? &m->next_workers
-                  : m->round == STEP_OPEN  ? &m->next_open
-                                           : &m->next_over;
+    json_t *ids = json_object();
+    json_t *row;
+    size_t i;
 
-    *to = m->coming;
+    json_array_foreach(rows, i, row)
+        json_object_set_new(ids, markup_member(row, "job"), json_true());
+    json_array_foreach(
+        more, i, row) if (!json_object_get(ids, markup_member(row, "job")))
+        json_array_append(rows, row);
+    json_decref(ids);
+}
+
+/* All rows of a list are here, or as many as are shown: then it is cut. */
+static void
+end_list(struct model *m, bool cut)
+{
+    json_t *rows = m->coming;
+
     m->coming = NULL;
+    m->text = 0;
     m->cursor = 0;
-    if (m->round == STEP_OVER) {
+    switch (m->round++) {
+    case STEP_WORKERS:
+        m->next_workers = rows;
+        break;
+    case STEP_OPEN:
+        m->next_open = rows;
+        m->cut = cut;
+        m->round += !cut;
+        break;
+    case STEP_RUNNING:
+        merge(m->next_open, rows);
+        json_decref(rows);
+        break;
+    default:
+        m->next_over = rows;
         end_round(m);
         return;
     }
-    m->round++;
     ask_step(m);
 }
 
 static void
-take_page(struct model *m, json_t *page)
+take_page(struct model *m, json_t *page, size_t text)
 {
     json_int_t next = json_integer_value(json_object_get(page, "next"));
     json_t *rows = json_object_get(page, "rows");
 
-    if (!json_is_array(rows) || json_array_extend(m->coming, rows) < 0 ||
+    m->text += text;
+    if (m->text > MODEL_TEXT || !json_is_array(rows) ||
+        json_array_extend(m->coming, rows) < 0 ||
         (next != 0 && (uint64_t)next == m->cursor)) {
         fail_round(m);
         return;
     }
     m->cursor = (uint64_t)next;
     if (next == 0 || json_array_size(m->coming) >= most_rows(m->round))
-        end_list(m);
+        end_list(m, next != 0);
     else
         ask_step(m);
 }
@@ -299,7 +357,7 @@ on_answer(void *arg, const struct session_answer *a)
         return;
     }
     if (m->round != STEP_STATUS) {
-        take_page(m, root);
+        take_page(m, root, a->n);
         json_decref(root);
         return;
     }
@@ -307,6 +365,11 @@ on_answer(void *arg, const struct session_answer *a)
     m->round = STEP_WORKERS;
     ask_step(m);
 }
+
+static const char *const list_states[] = { [STEP_WORKERS] = "",
+                                           [STEP_OPEN] = "open",
+                                           [STEP_RUNNING] = "running",
+                                           [STEP_OVER] = "over" };
 
 static void
 ask_step(struct model *m)
@@ -320,9 +383,7 @@ ask_step(struct model *m)
         q.page.what =
             m->round == STEP_WORKERS ? MSG_ROWS_WORKERS : MSG_ROWS_JOBS;
         q.page.user = "";
-        q.page.state = m->round == STEP_OPEN   ? "open"
-                       : m->round == STEP_OVER ? "over"
-                                               : "";
+        q.page.state = list_states[m->round];
         q.page.cursor = m->cursor;
         q.page.most = m->round == STEP_OVER ? MODEL_OVER : 0;
     }

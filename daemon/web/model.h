@@ -4,9 +4,9 @@
  * while somebody looks and once in MODEL_IDLE_MS else, one request after the
  * other.  The rows are the coordinator's, as `radctl --json` shows them.
  * Bounds: MODEL_WORKERS, MODEL_OPEN and MODEL_OVER rows, of which a page of the
- * coordinator has 256 KiB for each 200: 4 MiB of text, and about as much again
- * ten times as values.
- * Thread: the loop's. */
+ * coordinator has 256 KiB for each 200; MODEL_TEXT of each list, about ten
+ * times as much as values, and twice that while the next lists come. Thread:
+ * the loop's. */
 #ifndef RADD_WEB_MODEL_H
 #define RADD_WEB_MODEL_H
 
@@ -16,8 +16,11 @@
 #include <jansson.h>
 
 #define MODEL_WORKERS 1000
-#define MODEL_OPEN    1000 /* jobs that are not over, the newest */
+#define MODEL_OPEN                                                             \
+    1000 /* jobs that are not over: the newest and those that run */
 #define MODEL_OVER    100  /* jobs that are, the newest */
+#define MODEL_TEXT    (2 << 20)
+#define MODEL_COUNTED 10000 /* jobs of which is known what was counted */
 #define MODEL_BUSY_MS 1000
 #define MODEL_IDLE_MS 10000
 #define MODEL_SEEN_MS 20000 /* somebody looked: asked often for so long */
@@ -48,7 +51,10 @@ struct model {
     double rate_rays;
     unsigned round; /* a number of the request that is out; 0: none is */
     json_t *coming; /* rows that were got so far */
+    size_t text;    /* bytes that they were */
     uint64_t cursor;
+    bool cut, was_cut; /* more jobs are open than are listed: in this round, in
+                        * the one before */
     json_t *next_workers, *next_open, *next_over, *next_status;
     json_t *counted; /* by job: what the sums have of it */
     void (*changed)(void *arg);

@@ -5,11 +5,13 @@
 
 #include "web/confine.h"
 
+#include <malloc.h>
 #include <stdio.h>
 #include <string.h>
 #include <sysexits.h>
 
 #define SWEEP_MS 500
+#define WHOLE    (1 << 20) /* bytes; of so many on memory is mapped */
 
 /* The cluster has changed.  Whether the coordinator is there stands on all
  * pages. */
@@ -89,17 +91,28 @@ open_http(struct radweb *r, struct rad_error *err)
     return service_ports_file(r->set.common.ports_file, lines, 1, err);
 }
 
+/* Files of systemd's, where it has some and the configuration names none. */
+static void
+take_credentials(struct radweb_settings *s)
+{
+    if (!s->key[0])
+        service_credential("key", s->key, sizeof s->key);
+    if (!s->token_file[0])
+        service_credential("token", s->token_file, sizeof s->token_file);
+    if (!s->tls_cert[0])
+        service_credential("tls-cert", s->tls_cert, sizeof s->tls_cert);
+    if (!s->tls_key[0])
+        service_credential("tls-key", s->tls_key, sizeof s->tls_key);
+}
+
 static int
 start(void *arg, struct rad_error *err)
 {
     struct radweb *r = arg;
     struct session_conf conf = { r->set.coordinator, r->set.key };
 
-    if (!r->set.key[0]) /* systemd's, if it has one */
-        service_credential("key", r->set.key, sizeof r->set.key);
-    if (!r->set.token_file[0])
-        service_credential("token", r->set.token_file,
-                           sizeof r->set.token_file);
+    take_credentials(&r->set);
+    mallopt(M_MMAP_THRESHOLD, WHOLE); /* what a picture took goes back */
     if (radweb_read_token(r, err) < 0 || radweb_check_listen(r, err) < 0)
         return err->code;
     r->session = session_new(&r->daemon.loop, &conf);

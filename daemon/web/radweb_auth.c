@@ -46,6 +46,9 @@ radweb_check_listen(const struct radweb *r, struct rad_error *err)
     struct address a;
     int rc = address_resolve_listen(r->set.listen, &a, err);
 
+    if (!r->set.tls_cert[0] != !r->set.tls_key[0])
+        return rad_fail(err, RAD_EUSAGE,
+                        "tls_cert and tls_key: one is there without the other");
     if (rc < 0 || address_is_loopback(&a))
         return rc;
     if (!r->set.tls_cert[0] && !r->set.proxy)

@@ -42,17 +42,6 @@ check_text(const char *name, const char *value, struct rad_error *err)
     return rc;
 }
 
-static int
-check_settings(const void *settings, struct rad_error *err)
-{
-    const struct radweb_settings *s = settings;
-
-    if (!s->tls_cert[0] != !s->tls_key[0])
-        return rad_fail(err, RAD_EUSAGE,
-                        "tls_cert and tls_key: one is there without the other");
-    return 0;
-}
-
 const struct conf_table radweb_table = {
     .program = "radweb",
     .synopsis = "[--coordinator=HOST:PORT] [--key=FILE] [--listen=ADDR:PORT] "
@@ -64,5 +53,4 @@ const struct conf_table radweb_table = {
     .keys = keys,
     .size = sizeof(struct radweb_settings),
     .check_text = check_text,
-    .check = check_settings,
 };

@@ -63,7 +63,7 @@ struct radweb {
 };
 
 /* radweb_auth.c: read the token, and see that where it listens is permitted
- * with what there is: RAD_EPERM. */
+ * with what there is: RAD_EPERM, or RAD_EUSAGE for half a certificate. */
 int radweb_read_token(struct radweb *r, struct rad_error *err);
 int radweb_check_listen(const struct radweb *r, struct rad_error *err);
 /* 0, or the HTTP status with which the request is refused. */

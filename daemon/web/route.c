@@ -299,6 +299,9 @@ send_path(struct radweb *r, struct MHD_Connection *c, const char *path,
 
     if (a)
         return send_asset(c, a);
+    if (blob_alive() > BLOB_MOST)
+        return answer_error(c, MHD_HTTP_SERVICE_UNAVAILABLE,
+                            "too many answers are not read yet");
     model_seen(&r->model);
     for (int i = 0; i < NSHEETS; i++)
         if (strcmp(path, sheets[i].path) == 0)

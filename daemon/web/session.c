@@ -22,6 +22,8 @@
 #define LAST_MS    30000 /* each wait is twice the one before, up to this */
 #define MOST_ASKED 64    /* requests that wait */
 
+static const char out_of_memory[] = "out of memory";
+
 struct asked {
     struct asked *next;
     uint32_t request;
@@ -45,8 +47,8 @@ struct session {
     uint32_t request; /* the last */
     struct asked *asked;
     unsigned nasked;
-    char why[300];
-    bool told; /* that it is down, in the log */
+    char why[300]; /* as browsers may read it: no path of a file */
+    bool told;     /* that it is down, in the log */
 };
 
 bool
@@ -199,18 +201,20 @@ on_answer(struct session *s, const struct msg *m)
 
 /* --- the connection --- */
 
+/* It is down: for this reason, of which browsers read what is shown.  A request
+ * may be on its way into the connection that ends here, so those that wait are
+ * refused with the next tick. */
 static void
-note_down(struct session *s, const char *why)
+note_down(struct session *s, const char *why, const char *shown)
 {
     s->state = DOWN;
     s->conn = NULL;
-    rad_text_print(s->why, sizeof s->why, "%s", why);
+    rad_text_print(s->why, sizeof s->why, "%s", shown);
     s->dial_ms = uv_now(s->loop) + s->wait_ms;
     s->wait_ms = s->wait_ms < LAST_MS / 2 ? 2 * s->wait_ms : LAST_MS;
     if (!s->told)
-        log_warn("no coordinator at=%s why=%s", s->conf.coordinator, s->why);
+        log_warn("no coordinator at=%s why=%s", s->conf.coordinator, why);
     s->told = true;
-    refuse_all(s);
 }
 
 static void
@@ -266,7 +270,7 @@ static void
 on_closed(void *arg, struct conn *c, const char *why)
 {
     (void)c;
-    note_down(arg, why);
+    note_down(arg, why, why);
 }
 
 static const struct conn_handler handler = { .message = on_message,
@@ -297,14 +301,16 @@ on_dialled(void *arg, uint64_t id, uv_stream_t *stream, struct tls *tls,
 
     (void)id;
     if (!stream) {
-        note_down(s, why->what[0] ? why->what : uv_strerror(why->code));
+        const char *what = why->what[0] ? why->what : uv_strerror(why->code);
+
+        note_down(s, what, what);
         return;
     }
     s->conn = conn_new(stream, tls, MSG_AT_DIALLER, peer, &handler, s);
     if (s->conn)
         say_hello(s);
     else
-        note_down(s, "out of memory");
+        note_down(s, out_of_memory, out_of_memory);
 }
 
 /* The file is read at each dial, so a new key needs no restart. */
@@ -339,18 +345,21 @@ begin_dial(struct session *s)
     s->state = DIALLING;
     if (has && load_key(s, &key, &err) < 0) {
         rad_error_format(&err, text, sizeof text);
-        note_down(s, text);
+        note_down(s, text, "radweb has no key for it, its log says why");
         return;
     }
     if (!dial(s->dialler, s->conf.coordinator, 0, has ? &key : NULL))
-        note_down(s, "out of memory");
+        note_down(s, out_of_memory, out_of_memory);
     explicit_bzero(&key, sizeof key);
 }
 
 void
 session_tick(struct session *s)
 {
-    if (s->state == DOWN && uv_now(s->loop) >= s->dial_ms)
+    if (s->state != DOWN)
+        return;
+    refuse_all(s);
+    if (uv_now(s->loop) >= s->dial_ms)
         begin_dial(s);
 }
 

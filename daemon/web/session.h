@@ -3,7 +3,7 @@
  * One connection, dialled in the role of an observer and dialled again when it
  * ends, after half a second at first and half a minute at last.  A request is
  * answered once: with bytes, or with why there are none; when the connection
- * ends, all that wait are told so.
+ * has ended, all that wait are told so with the next session_tick().
  * Thread: the loop's. */
 #ifndef RADD_WEB_SESSION_H
 #define RADD_WEB_SESSION_H
@@ -41,7 +41,8 @@ void session_free(struct session *s);
 void session_tick(struct session *s);
 
 bool session_is_up(const struct session *s);
-/* Why it is not up; "" while it is, or nothing is known. */
+/* Why it is not up, for whoever looks at a page; "" while it is, or nothing is
+ * known. */
 const char *session_why(const struct session *s);
 
 /* Ask; fn is called later, once, never from inside.  An answer of more than

@@ -87,11 +87,15 @@ new_work(struct watch *w, const struct session_answer *a)
     return k;
 }
 
+/* When what was asked for at from_ms is to be asked for again.  Whatever comes
+ * next, of whichever job, waits for as long as this took. */
 static uint64_t
 next_time(const struct watch *w, uint64_t from_ms, unsigned least_ms)
 {
-    uint64_t now = uv_now(w->all->loop), wait = SLOWER * (now - from_ms);
+    uint64_t now = uv_now(w->all->loop), took = now - from_ms;
+    uint64_t wait = SLOWER * took;
 
+    w->all->rest_ms = now + took;
     return now + (wait > least_ms ? wait : least_ms);
 }
 
@@ -245,7 +249,7 @@ ask_picture(struct watch *w)
     struct msg m = { .type = MSG_FETCH,
                      .fetch = { w->id, w->frame, MSG_WHAT_PREVIEW } };
 
-    if (too_large(w) || blob_alive() > WATCH_ALIVE)
+    if (too_large(w))
         return;
     state_of(w, w->picture_of);
     w->picture_from = uv_now(w->all->loop);
@@ -314,7 +318,7 @@ is_stale(const struct watch *w, const char *of, bool has)
 }
 
 static void
-ask_due(struct watch *w)
+ask_due_detail(struct watch *w)
 {
     uint64_t now = uv_now(w->all->loop);
 
@@ -322,14 +326,43 @@ ask_due(struct watch *w)
         !(w->detail && is_over(w) && w->asked_stats && w->asked_picture &&
           now < w->detail_ms + 10 * DETAIL_MS))
         ask_detail(w);
-    if (!w->detail)
-        return;
-    if (!w->stats_out && now >= w->stats_ms &&
-        is_stale(w, w->stats_of, w->units.head))
-        ask_stats(w);
-    if (!w->picture_out && now >= w->picture_ms &&
-        is_stale(w, w->picture_of, w->rgbe != NULL))
-        ask_picture(w);
+}
+
+/* Is a picture or are statistics on their way? */
+static bool
+is_busy(const struct watches *all)
+{
+    for (const struct watch *w = all->first; w; w = w->next)
+        if (w->stats_out || w->picture_out)
+            return true;
+    return false;
+}
+
+/* Ask for the picture, or the statistics, that have been due for longest. */
+static void
+ask_longest_due(struct watches *all)
+{
+    uint64_t first_ms = uv_now(all->loop) + 1;
+    bool room = blob_alive() <= WATCH_ALIVE, picture = false;
+    struct watch *found = NULL;
+
+    for (struct watch *w = all->first; w; w = w->next) {
+        if (!is_looked_at(w) || !w->detail)
+            continue;
+        if (w->stats_ms < first_ms && is_stale(w, w->stats_of, w->units.head)) {
+            found = w;
+            first_ms = w->stats_ms;
+            picture = false;
+        }
+        if (room && w->picture_ms < first_ms &&
+            is_stale(w, w->picture_of, w->rgbe != NULL)) {
+            found = w;
+            first_ms = w->picture_ms;
+            picture = true;
+        }
+    }
+    if (found)
+        (picture ? ask_picture : ask_stats)(found);
 }
 
 void
@@ -339,7 +372,9 @@ watch_tick(struct watches *all)
         return;
     for (struct watch *w = all->first; w; w = w->next)
         if (is_looked_at(w))
-            ask_due(w);
+            ask_due_detail(w);
+    if (!is_busy(all) && uv_now(all->loop) >= all->rest_ms)
+        ask_longest_due(all);
 }
 
 /* --- which --- */
@@ -354,6 +389,39 @@ free_watch(struct watch *w)
     blob_unref(w->event);
     free(w);
 }
+
+/* --- the pace of those that gave way --- */
+
+static void
+keep_pace(const struct watch *w)
+{
+    struct watch_pace *p = &w->all->paces[w->all->npaces++ % WATCH_PACES];
+
+    *p = (struct watch_pace){ .frame = w->frame,
+                              .stats_ms = w->stats_ms,
+                              .picture_ms = w->picture_ms };
+    memcpy(p->id, w->id, sizeof p->id);
+}
+
+/* The newest that is kept. */
+static void
+take_pace(struct watch *w)
+{
+    const struct watches *all = w->all;
+
+    for (unsigned i = 1; i <= WATCH_PACES && i <= all->npaces; i++) {
+        const struct watch_pace *p =
+            &all->paces[(all->npaces - i) % WATCH_PACES];
+
+        if (p->frame != w->frame || memcmp(p->id, w->id, sizeof p->id) != 0)
+            continue;
+        w->stats_ms = p->stats_ms;
+        w->picture_ms = p->picture_ms;
+        return;
+    }
+}
+
+/* --- room --- */
 
 /* Let the one go that nobody has looked at for longest; false: all are. */
 static bool
@@ -371,6 +439,7 @@ make_room(struct watches *all)
     w = *oldest;
     *oldest = w->next;
     all->n--;
+    keep_pace(w);
     free_watch(w);
     return true;
 }
@@ -390,6 +459,7 @@ new_watch(struct watches *all, const char *hex, uint32_t frame)
     w->all = all;
     w->frame = frame;
     msg_job_format(w->id, w->hex);
+    take_pace(w);
     w->next = all->first;
     all->first = w;
     all->n++;

@@ -4,7 +4,11 @@
  * second, its statistics and its picture at longer intervals the longer they
  * take, since the coordinator serves others, too.  What takes long here
  * (reading statistics, decoding a picture) is done off the loop.
- * WATCH_MOST at once; one that nobody has looked at for longest gives way.
+ * WATCH_MOST at once; one that nobody has looked at for longest gives way, and
+ * is not asked for sooner when it comes back.
+ * Memory: of all jobs one picture or one statistics at a time is on its way:
+ * PICTURE_BYTES twice at most, then once beside 4 * PICTURE_MOST bytes decoded
+ * and what is made of them.
  * Thread: the loop's. */
 #ifndef RADD_WEB_WATCH_H
 #define RADD_WEB_WATCH_H
@@ -18,10 +22,10 @@
 
 #define WATCH_MOST    8
 #define WATCH_SEEN_MS 10000 /* looked at: asked about for so long */
-#define WATCH_ALIVE                                                            \
-    ((size_t)160 << 20)        /* bytes of answers; above, pictures            \
-                                * wait */
+/* Bytes of answers (blob.h); above, pictures wait. */
+#define WATCH_ALIVE ((size_t)160 << 20)
 #define WATCH_STATS (24 << 20) /* most bytes of a job's statistics */
+#define WATCH_PACES 64         /* of jobs that gave way */
 
 struct watch {
     struct watch *next;
@@ -51,11 +55,21 @@ struct watch {
     char stats_of[96], picture_of[96];        /* at which state of the job */
 };
 
+/* When a job that gave way may be asked for again. */
+struct watch_pace {
+    uint8_t id[MSG_JOB];
+    uint32_t frame;
+    uint64_t stats_ms, picture_ms;
+};
+
 struct watches {
     struct session *session;
     uv_loop_t *loop;
     struct watch *first;
     unsigned n;
+    struct watch_pace paces[WATCH_PACES]; /* a ring */
+    unsigned npaces;                      /* that were ever put into it */
+    uint64_t rest_ms; /* no picture and no statistics are asked for before */
     void (*changed)(void *arg, struct watch *w);
     void *arg;
 };
