@@ -287,6 +287,12 @@ rad_spectrum_new(struct rad_arena *arena, int n, double begin, double end,
     return sp;
 }
 
+bool
+rad_spectrum_shows(const struct rad_spectrum *sp, int i)
+{
+    return sp->part[i][0] != 0 || sp->part[i][1] != 0 || sp->part[i][2] != 0;
+}
+
 void
 rad_spectrum_add(const struct rad_spectrum *sp, int i, double sample,
                  double sum[3])

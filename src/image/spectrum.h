@@ -27,6 +27,9 @@ const struct rad_spectrum *rad_spectrum_new(struct rad_arena *arena, int n,
                                             double begin, double end,
                                             const struct rad_bands *to);
 
+/* Does any channel show of sample i? */
+bool rad_spectrum_shows(const struct rad_spectrum *sp, int i);
+
 /* Add sample i to a sum that begins as 0. */
 void rad_spectrum_add(const struct rad_spectrum *sp, int i, double sample,
                       double sum[3]);

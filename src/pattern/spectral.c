@@ -10,11 +10,16 @@
 #include <math.h>
 #include <string.h>
 
+/* A part of a specfunc is nearly as wide as a band: the middle alone would make
+ * much of a narrow function, or nothing. */
+enum { BAND_POINTS = 4 };
+
 struct spectral {
     struct rad_effect effect; /* expressions of the place in the data */
     const struct rad_spectrum *eye;
     int samples;
     double first, step; /* wavelengths: of the first sample, to the next */
+    int points; /* of a sample, at which a function is asked */
     const struct rad_data *data;
     bool turned;   /* the data's first dimension is y: a picture's */
     int call;      /* of the function */
@@ -33,6 +38,22 @@ constant(struct rad_ctx *ctx, const struct rad_effect *e,
     return true;
 }
 
+/* The mean of the function over sample i. */
+static bool
+ask(struct rad_ctx *ctx, const struct spectral *s, int i, double *sample)
+{
+    *sample = 0;
+    for (int k = 0; k < s->points; k++) {
+        double at = i + (k + .5) / s->points - .5, v;
+        double nm = s->first + at * s->step;
+
+        if (!rad_expr_call(ctx, &s->effect.expr, s->call, &nm, &v))
+            return false;
+        *sample += v / s->points;
+    }
+    return true;
+}
+
 /* The function of each wavelength. */
 static bool
 by_function(struct rad_ctx *ctx, const struct rad_effect *e,
@@ -44,9 +65,11 @@ by_function(struct rad_ctx *ctx, const struct rad_effect *e,
 
     rad_expr_begin(ctx, &e->expr, r, &scope);
     for (int i = 0; i < s->samples; i++) {
-        double nm = s->first + i * s->step, sample;
+        double sample;
 
-        if (!rad_expr_call(ctx, &e->expr, s->call, &nm, &sample))
+        if (!rad_spectrum_shows(s->eye, i))
+            continue;
+        if (!ask(ctx, s, i, &sample))
             return false;
         rad_spectrum_add(s->eye, i, sample, sum);
     }
@@ -76,6 +99,8 @@ by_data(struct rad_ctx *ctx, const struct rad_effect *e,
     for (int i = 0; i < s->samples; i++) {
         double found[2] = { 0, s->first + i * s->step }, sample;
 
+        if (!rad_spectrum_shows(s->eye, i))
+            continue;
         place[e->expr.n] = found[1];
         found[0] = rad_data_value(s->data, place);
         if (!rad_expr_call(ctx, &e->expr, s->call, found, &sample))
@@ -188,6 +213,7 @@ prepare_function(struct rad_job *job, const struct rad_object *o,
     if (rc < 0)
         return rc;
     s->samples = n;
+    s->points = rad_bands_are_rgb(bands) ? 1 : BAND_POINTS;
     s->step = step;
     s->first = high - (n - .5) * step;
     s->eye = rad_spectrum_new(&job->arena, n, low, high, bands);

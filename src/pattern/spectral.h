@@ -3,9 +3,11 @@
  *
  * A spectrum has the colour that it has to the eye (image/spectrum.h).  Those
  * of spectrum and specfile are the same everywhere, and made once.  The
- * function of specfunc is asked at the middle of each of its parts, where
- * Radiance takes a random place near it.  What is prepared is shaded by
- * effect.h. Source: Radiance's reference manual, "Patterns". */
+ * function of specfunc is asked at the middle of each of its parts, or with
+ * more than three bands at four places of it, where Radiance takes a random
+ * one.  Samples that no band of a plane shows are not asked for.  What is
+ * prepared is shaded by effect.h.
+ * Source: Radiance's reference manual, "Patterns". */
 #ifndef RAD_SHADE_SPECTRAL_H
 #define RAD_SHADE_SPECTRAL_H
 
