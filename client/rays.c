@@ -187,11 +187,21 @@ release_planes(struct planes *p)
 /* --- lines ---------------------------------------------------------------- */
 
 static void
+print_colour(struct rad_rgb c, FILE *out)
+{
+    fprintf(out, "%.9g %.9g %.9g\n", (double)c.r, (double)c.g, (double)c.b);
+}
+
+static void
 print_line(const struct planes *p, const struct rad_rgb L[], FILE *out)
 {
     float band[RAD_MAX_BANDS];
     double sum[3] = { 0 };
 
+    if (p->n == 1) {
+        print_colour(L[0], out);
+        return;
+    }
     rad_bands_gather(&p->bands, L, band);
     if (!p->eye) {
         for (int i = 0; i < p->bands.n; i++)
@@ -202,8 +212,7 @@ print_line(const struct planes *p, const struct rad_rgb L[], FILE *out)
     for (int i = 0; i < p->bands.n; i++)
         rad_spectrum_add(p->eye, i, (double)band[i], sum);
     rad_spectrum_colour(p->eye, sum);
-    fprintf(out, "%.9g %.9g %.9g\n", (double)(float)sum[0],
-            (double)(float)sum[1], (double)(float)sum[2]);
+    print_colour(rad_rgb((float)sum[0], (float)sum[1], (float)sum[2]), out);
 }
 
 static void
