@@ -144,9 +144,8 @@ program_say_where_it_is(const struct program *p)
     if (!p->unwritten || p->embedded)
         return;
     if (p->nplanes > 1) {
-        tell(stderr, "radsubmit: the coordinator keeps the pictures of the "
-                     "planes: radctl fetch JOB -o FILE for each of the jobs "
-                     "above");
+        tell(stderr, "radsubmit: the coordinator keeps the planes: radctl "
+                     "fetch -o FILE with all of the jobs above");
         return;
     }
     msg_job_format(p->job.id, hex);

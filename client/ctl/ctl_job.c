@@ -7,6 +7,7 @@
 #include "base/output.h"
 #include "base/number.h"
 #include "show/picfile.h"
+#include "show/spectra.h"
 #include "common/table.h"
 
 #include <limits.h>
@@ -224,6 +225,87 @@ fetch_all(struct ctl *c, const uint8_t job[MSG_JOB])
     return rc;
 }
 
+/* --- planes --- */
+
+struct plane_set {
+    struct spectra_plane plane[RAD_MAX_PLANES];
+    struct rad_bands bands;
+    int n;
+};
+
+/* The next plane, whose bytes the set owns then. */
+static int
+add_plane(struct ctl *c, struct plane_set *s, const struct fetched *f)
+{
+    struct spectra_plane one = { f->bytes, f->len };
+    struct rad_bands b;
+    int rc = spectra_bands(&one, &b, c->err);
+
+    if (rc < 0)
+        return rc;
+    if (s->n > 0 &&
+        (b.n != s->bands.n || b.longest != s->bands.longest ||
+         b.shortest != s->bands.shortest))
+        return rad_fail(c->err, RAD_EDATA,
+                        "job %s has other bands than the first", c->arg);
+    if (s->plane[b.plane].hdr)
+        return rad_fail(c->err, RAD_EDATA,
+                        "job %s shows a plane that another has shown", c->arg);
+    s->bands = b;
+    s->plane[b.plane] = one;
+    s->n++;
+    return 0;
+}
+
+static int
+fetch_all_planes(struct ctl *c, struct plane_set *s)
+{
+    int rc = 0;
+
+    for (int i = 0; i < c->nargs && rc == 0; i++) {
+        struct fetched f = { 0 };
+        uint8_t job[MSG_JOB];
+
+        c->arg = c->args[i];
+        if ((rc = ctl_find_job(c, job)) == 0)
+            rc = fetch_file(c, job, c->frame < 0 ? 0 : c->frame,
+                            MSG_WHAT_PICTURE, &f);
+        if (rc == 0)
+            rc = add_plane(c, s, &f);
+        if (rc < 0)
+            free(f.bytes);
+    }
+    if (rc == 0 && s->n < rad_bands_planes(&s->bands))
+        rc = rad_fail(c->err, RAD_EUSAGE,
+                      "-cs %d has %d planes, a job each, and these are %d",
+                      s->bands.n, rad_bands_planes(&s->bands), s->n);
+    return rc;
+}
+
+/* Several jobs are the planes of one picture. */
+static int
+fetch_planes(struct ctl *c)
+{
+    struct plane_set s = { .n = 0 };
+    struct spectra_order order = { .primaries = RAD_PRIM_RGB };
+    uint8_t *whole = NULL;
+    size_t n = 0;
+    int rc = fetch_all_planes(c, &s);
+
+    if (rc == 0) {
+        order.bands = s.bands;
+        order.spectral = c->output && outname_suffix(c->output, ".hsr");
+        rc = spectra_join(&order, s.plane, &whole, &n, c->err);
+    }
+    if (rc == 0)
+        rc = picfile_write(c->output, PICFILE_BY_SUFFIX, whole, n, true,
+                           &c->show, c->err);
+    free(whole);
+    for (int k = 0; k < RAD_MAX_PLANES; k++)
+        free((void *)(uintptr_t)s.plane[k].hdr);
+    return rc < 0 || !c->output ? rc : ctl_done(c);
+}
+
 /* Has the output's name a place for the frame's number? */
 static bool
 is_numbered(const char *output)
@@ -243,6 +325,8 @@ ctl_run_fetch(struct ctl *c)
 
     if (c->output && (rc = rad_output_check(c->output, c->err)) < 0)
         return rc;
+    if (c->nargs > 1)
+        return fetch_planes(c);
     if ((rc = ctl_find_job(c, job)) < 0)
         return rc;
     if (c->frame < 0 && is_numbered(c->output))

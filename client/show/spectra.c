@@ -244,6 +244,34 @@ join(struct joint *j, const struct spectra_plane plane[], struct rad_error *err)
 }
 
 int
+spectra_bands(const struct spectra_plane *plane, struct rad_bands *bands,
+              struct rad_error *err)
+{
+    enum { MOST_HEADER = 16384 };
+    const uint8_t *end = memmem(plane->hdr, plane->len, "\n\n", 2);
+    char *text, *at = NULL;
+    struct rad_bands b;
+    bool sound = false;
+
+    if (!end || end - plane->hdr > MOST_HEADER ||
+        !(text = strndup((const char *)plane->hdr, (size_t)(end - plane->hdr))))
+        return end ? rad_fail(err, RAD_ENOMEM, "out of memory") : damaged(err);
+    /* the last: a name of the scene may look like options */
+    for (char *next = text; (next = strstr(next, " -cs ")) != NULL; next++)
+        at = next;
+    if (at && sscanf(at, " -cs %2d -cw %lf %lf --plane %2d", &b.n, &b.shortest,
+                     &b.longest, &b.plane) == 4)
+        sound = b.n > 3 && b.n <= RAD_MAX_BANDS && b.shortest > 0 &&
+                b.longest - b.shortest >= RAD_LEAST_RANGE && b.longest <= 1e6 &&
+                b.plane >= 0 && b.plane < rad_bands_planes(&b);
+    free(text);
+    if (!sound)
+        return rad_fail(err, RAD_EDATA, "the picture shows no plane of -cs");
+    *bands = b;
+    return 0;
+}
+
+int
 spectra_join(const struct spectra_order *order,
              const struct spectra_plane plane[], uint8_t **out, size_t *nout,
              struct rad_error *err)

@@ -27,6 +27,11 @@ struct spectra_order {
     enum rad_primaries primaries; /* RAD_PRIM_RGB, RAD_PRIM_XYZ */
 };
 
+/* The bands of a picture that shows a plane, and which it is, as its header says.
+ * RAD_EDATA where it says nothing of them. */
+int spectra_bands(const struct spectra_plane *plane, struct rad_bands *bands,
+                  struct rad_error *err);
+
 /* The picture of all the planes of the order's bands, whose header is the first
  * one's but for what it says of planes and format: *nout malloc'd bytes in
  * *out.  RAD_EDATA for what are no pictures of one size, RAD_ENOMEM. */

@@ -157,4 +157,17 @@ status=$?
 "$radsubmit" $view -cs 6 -ab 1 -ad 64 -z far.zbf -o far.hsr "$room" 2>far.err ||
     fail "far.hsr: $(cat far.err)"
 cmp room1.hsr far.hsr || fail "far.hsr is another picture"
+ids=$(sed -n 's/radsubmit: job \([0-9a-f]*\), plane.*/\1/p' far.err)
+# shellcheck disable=SC2086
+"$radctl" fetch -o again.hsr $ids || fail "fetch of all planes"
+cmp far.hsr again.hsr || fail "radctl fetch makes another picture"
+# shellcheck disable=SC2086
+"$radctl" fetch -o again.hdr $ids || fail "fetch of all planes in colours"
+first=${ids%%
+*}
+expect 65 "a plane that another has shown" "twice" "$radctl" fetch -o x.hsr \
+    "$first" "$first"
+id=$("$radsubmit" -x 8 -y 8 -o plain.hdr "$room" 2>&1 |
+    sed -n 's/radsubmit: job //p')
+expect 65 "shows no plane" "three bands" "$radctl" fetch -o x.hsr "$first" "$id"
 finish
