@@ -23,6 +23,7 @@ FUZZ_TARGETS = \
 	tests/fuzz/fuzz_octfile \
 	tests/fuzz/fuzz_params \
 	tests/fuzz/fuzz_parse \
+	tests/fuzz/fuzz_planes \
 	tests/fuzz/fuzz_rif \
 	tests/fuzz/fuzz_rtm \
 	tests/fuzz/fuzz_session \
@@ -167,6 +168,10 @@ tests_fuzz_fuzz_worker_SOURCES = tests/fuzz/fuzz_worker.c \
 	tests/fuzz/steps.h $(FUZZ_MAIN)
 tests_fuzz_fuzz_worker_LDADD = $(LIBDAEMON) $(LIBRAD)
 tests_fuzz_fuzz_worker_LDFLAGS = $(FUZZ_LINK)
+
+tests_fuzz_fuzz_planes_SOURCES = tests/fuzz/fuzz_planes.c $(FUZZ_MAIN)
+tests_fuzz_fuzz_planes_LDADD = $(LIBCLIENT) $(LIBRAD)
+tests_fuzz_fuzz_planes_LDFLAGS = $(FUZZ_LINK)
 
 tests_fuzz_fuzz_rif_SOURCES = tests/fuzz/fuzz_rif.c $(FUZZ_MAIN)
 tests_fuzz_fuzz_rif_LDADD = $(LIBCLIENT) $(LIBRAD)
