@@ -35,6 +35,7 @@ struct program {
     struct cargo cargo;
     struct jobspec job;
     int nplanes, plane; /* of -cs, a job each; 1: there are none */
+    char plane_name[MSG_MAX_LABEL + 1]; /* of the plane's job */
     const struct submit_callbacks *callbacks; /* of whoever runs the planes */
     struct prediction prediction; /* --dry-run */
     struct local *local;          /* its folder holds the scene's files too */

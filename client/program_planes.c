@@ -31,6 +31,19 @@ struct planes {
     double elapsed_s;
 };
 
+/* So that people tell the jobs of a picture apart. */
+static void
+name_plane(struct program *p)
+{
+    char which[40];
+    int n = snprintf(which, sizeof which, ", plane %d of %d", p->plane + 1,
+                     p->nplanes);
+
+    snprintf(p->plane_name, sizeof p->plane_name, "%.*s%s", MSG_MAX_LABEL - n,
+             p->job.spec.name, which);
+    p->job.spec.name = p->plane_name;
+}
+
 void
 program_fill_spec(struct program *p)
 {
@@ -41,6 +54,8 @@ program_fill_spec(struct program *p)
         o.params.primaries = RAD_PRIM_RGB;
     }
     jobspec_fill(&p->job, &o, &p->frames, &p->scene, &p->cargo);
+    if (p->nplanes > 1)
+        name_plane(p);
     p->job.spec.compile_s = p->compile_s;
     if (p->records.keep)
         p->job.spec.flags |= MSG_JOB_RECORDS;

@@ -150,6 +150,7 @@ status=$?
 [ $status -eq 75 ] || fail "interrupted: exit status $status: $(cat big.err)"
 "$radctl" jobs >jobs
 [ "$(grep -c cancelled jobs)" -eq 3 ] || fail "not all cancelled: $(cat jobs)"
+grep -q 'plane 2 of 3' jobs || fail "jobs have no plane's name: $(cat jobs)"
 [ ! -e big.hsr ] || fail "a picture that was cancelled is there"
 
 # what came to a coordinator of somebody else's comes whole, too
