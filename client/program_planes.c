@@ -318,8 +318,8 @@ program_run_planes(struct program *p, const struct submit_job *ask,
     p->callbacks = cb;
     if (rc == 0 && (rc = submit_all(&s, &job)) == 0)
         rc = collect_all(&s, &job);
-    /* an interrupt that ends radsubmit at once leaves them to go on, and so does
-     * a picture that cannot be written, as with one job */
+    /* an interrupt that ends radsubmit at once leaves them to go on, and so
+     * does a picture that cannot be written, as with one job */
     if (rc < 0 && !p->embedded && p->interrupts < 2 && !p->unwritten)
         cancel_from(&s, 0, &job);
     drop(s.picture, (size_t)p->nplanes * p->frames.n);

@@ -243,9 +243,8 @@ add_plane(struct ctl *c, struct plane_set *s, const struct fetched *f)
 
     if (rc < 0)
         return rc;
-    if (s->n > 0 &&
-        (b.n != s->bands.n || b.longest != s->bands.longest ||
-         b.shortest != s->bands.shortest))
+    if (s->n > 0 && (b.n != s->bands.n || b.longest != s->bands.longest ||
+                     b.shortest != s->bands.shortest))
         return rad_fail(c->err, RAD_EDATA,
                         "job %s has other bands than the first", c->arg);
     if (s->plane[b.plane].hdr)

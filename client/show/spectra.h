@@ -27,8 +27,8 @@ struct spectra_order {
     enum rad_primaries primaries; /* RAD_PRIM_RGB, RAD_PRIM_XYZ */
 };
 
-/* The bands of a picture that shows a plane, and which it is, as its header says.
- * RAD_EDATA where it says nothing of them. */
+/* The bands of a picture that shows a plane, and which it is, as its header
+ * says. RAD_EDATA where it says nothing of them. */
 int spectra_bands(const struct spectra_plane *plane, struct rad_bands *bands,
                   struct rad_error *err);
 

@@ -19,7 +19,7 @@ struct spectral {
     const struct rad_spectrum *eye;
     int samples;
     double first, step; /* wavelengths: of the first sample, to the next */
-    int points; /* of a sample, at which a function is asked */
+    int points;         /* of a sample, at which a function is asked */
     const struct rad_data *data;
     bool turned;   /* the data's first dimension is y: a picture's */
     int call;      /* of the function */
