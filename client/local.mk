@@ -14,6 +14,7 @@ include client/compile/local.mk
 include client/show/local.mk
 include client/records/local.mk
 include client/link/local.mk
+include client/points/local.mk
 include client/job/local.mk
 include client/rif/local.mk
 include client/trial/local.mk

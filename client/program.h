@@ -14,6 +14,7 @@
 #include "trial/foresee.h"
 #include "job/frames.h"
 #include "job/jobspec.h"
+#include "points/pointjob.h"
 #include "trial/progress.h"
 #include "records/records.h"
 #include "rif/rifjob.h"
@@ -28,6 +29,7 @@ struct program {
     struct submit_options o;
     struct words words;
     struct frames frames;
+    struct pointjob points; /* --points */
     int nsaid;         /* of the notes in */
     struct rifjob rif; /* where the scene is a file of rad's variables */
     struct compiled scene;
@@ -104,6 +106,9 @@ int program_on_preview(void *program, const uint8_t *picture, size_t len,
 int program_on_frame(void *program, uint32_t frame, const uint8_t *picture,
                      size_t picture_len, const uint8_t *depth, size_t depth_len,
                      struct rad_error *err);
+/* Values of sensor points, four floats a pixel; NULL: no light is asked for. */
+int program_write_points(struct program *p, const void *pixels, size_t len,
+                         struct rad_error *err);
 int program_on_stats(void *program, const uint8_t *json, size_t len,
                      struct rad_error *err);
 

@@ -111,6 +111,20 @@ rescue(struct program *p, uint32_t frame, const uint8_t *picture,
 }
 
 int
+program_write_points(struct program *p, const void *pixels, size_t len,
+                     struct rad_error *err)
+{
+    struct pointjob_values v = { .pixels = pixels,
+                                 .len = len,
+                                 .origin = p->job.spec.origin,
+                                 .options = p->job.spec.params,
+                                 .params = &p->o.params,
+                                 .scene = &p->scene };
+
+    return pointjob_write(&p->points, &v, p->o.output, !p->embedded, err);
+}
+
+int
 program_on_frame(void *arg, uint32_t frame, const uint8_t *picture, size_t picture_len,
          const uint8_t *depth, size_t depth_len, struct rad_error *err)
 {
@@ -119,6 +133,8 @@ program_on_frame(void *arg, uint32_t frame, const uint8_t *picture, size_t pictu
     int rc;
 
     progress_clear(&p->progress); /* it may share the terminal with stdout */
+    if (p->o.points.file)
+        return program_write_points(p, depth, depth_len, err);
     rc = write_picture(p, frame, picture, picture_len, err);
     there = rc == 0;
     if (rc == 0 && depth)
@@ -225,6 +241,8 @@ check_formats(const struct program *p)
     const struct submit_options *o = &p->o;
     int rc = 0;
 
+    if (o->points.file)
+        return 0;
     if (o->output && o->format == PICFILE_BY_SUFFIX)
         rc = picfile_check(o->output, false, p->err);
     if (rc == 0 && o->preview)
@@ -244,7 +262,8 @@ program_check_outputs(const struct program *p)
         (rc = check_output(p, p->o.preview, false)) < 0 ||
         (rc = check_output(p, p->o.stats, false)) < 0)
         return rc;
-    if (!p->o.output && !p->o.detach && !p->o.dry_run && isatty(1))
+    if (!p->o.output && !p->o.detach && !p->o.dry_run && !p->o.points.file &&
+        isatty(1))
         return rad_fail(p->err, RAD_EUSAGE,
                         "standard output is a terminal: use -o");
     return 0;

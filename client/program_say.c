@@ -165,7 +165,7 @@ foresee(struct program *p)
 
     if (p->foresee)
         progress_foresee(&p->progress, foresee_rays(p->foresee));
-    else if (p->scene.scene && !p->o.ambient &&
+    else if (p->scene.scene && !p->o.ambient && !p->o.points.file &&
              p->job.spec.bundle_bytes <= MOST_BYTES &&
              progress_is_long(&p->progress))
         p->foresee = foresee_begin(&job);

@@ -207,6 +207,9 @@ take_rif(struct program *p)
 {
     int rc = rifjob_begin(&p->rif, &p->o, &p->words, p->err);
 
+    if (rc == 0 && p->rif.is && p->o.points.file)
+        rc = rad_fail(p->err, RAD_EUSAGE,
+                      "--points is for a scene, not for a .rif file");
     if (rc == 0 && !p->rif.is && p->o.rif_view)
         rc = rad_fail(p->err, RAD_EUSAGE, "--view is for a .rif file");
     if (rc < 0 || !p->rif.is)
@@ -415,11 +418,16 @@ run_job(struct program *p)
         (rc = begin_records(p)) < 0 ||
         (rc = jobspec_add_frames(&p->job, &p->frames, &p->scene,
                                  local_folder(p->local), p->err)) < 0 ||
+        (p->o.points.file &&
+         (rc = pointjob_add(&p->points, &p->scene, local_folder(p->local),
+                            p->err)) < 0) ||
         (rc = cargo_init(&p->cargo, &p->scene.bundle, local_folder(p->local),
                          p->err)) < 0)
         return rc;
     program_warn_of_scene(p);
     program_fill_spec(p);
+    if (p->o.points.file && !pointspec_lit(&p->o.points))
+        return program_write_points(p, NULL, 0, p->err);
     if (p->embedded && (rc = start_local(p)) < 0)
         return rc;
     rc = converse(p);
@@ -448,6 +456,23 @@ open_errors(const struct program *p)
     return 0;
 }
 
+/* The pictures, or the sensor points in their place. */
+static int
+init_frames(struct program *p)
+{
+    int rc;
+
+    if (!p->o.points.file)
+        return frames_init(&p->frames, &p->o, p->err);
+    rc = pointjob_read(&p->points, &p->o.points, p->err);
+    if (rc < 0)
+        return rc;
+    if (pointjob_is_short(&p->points))
+        program_warn(p, "warning: fewer points than -x and -y say");
+    return frames_init_points(&p->frames, p->points.width, p->points.height,
+                              p->err);
+}
+
 /* Check all that can be checked before the work begins. */
 static int
 prepare(struct program *p)
@@ -471,7 +496,7 @@ prepare(struct program *p)
     program_warn_of_rif(p);
     p->nplanes = submit_options_planes(&p->o);
     if ((rc = choose_cluster(p)) < 0 ||
-        (!p->rif.is && (rc = frames_init(&p->frames, &p->o, p->err)) < 0) ||
+        (!p->rif.is && (rc = init_frames(p)) < 0) ||
         (rc = jobspec_check_goal(&p->o, p->frames.n, p->err)) < 0 ||
         (rc = inputs_add(in, "the key", p->target.key, p->err)) < 0 ||
         (rc = apart_inputs(&p->o, &p->frames, in, p->err)) < 0 ||
@@ -555,6 +580,7 @@ act(struct program *p, int argc, char *argv[])
         return rc;
     jobspec_release(&p->job);
     frames_release(&p->frames);
+    pointjob_release(&p->points);
     words_release(&p->words);
     rifjob_release(&p->rif);
     return rc;

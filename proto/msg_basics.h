@@ -111,7 +111,8 @@ enum msg_order {
 #define MSG_JOB_PASSES       (1u << 8) /* the ambient cache comes in passes */
 #define MSG_JOB_SCENE        (1u << 9) /* it says which scene it is of */
 #define MSG_JOB_REUSE        (1u << 10) /* it begins with another job's cache */
-#define MSG_JOB_FLAGS        2047u      /* all of them */
+#define MSG_JOB_POINTS       (1u << 11) /* of sensor points, in a file */
+#define MSG_JOB_FLAGS        4095u      /* all of them */
 
 /* What FETCH asks for. */
 enum msg_what {

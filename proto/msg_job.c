@@ -190,6 +190,9 @@ msg_code_spec(struct codec *c, struct msg_spec *b)
     code_read_must(c, !(b->flags & MSG_JOB_PASSES) ||
                           !(b->flags & (MSG_JOB_SHARE | MSG_JOB_FRESH_FRAMES)));
     code_must(c, b->ncosts == 0 || !(b->flags & MSG_JOB_VIEWS));
+    code_read_must(
+        c, !(b->flags & MSG_JOB_POINTS) ||
+               (b->flags & MSG_JOB_DEPTH && !(b->flags & MSG_JOB_VIEWS)));
     msg_code_hashes(c, &b->files);
     code_frames(c, b);
     /* at the end, MSG_SPEC_ADDED bytes when they are empty: databases hold
@@ -198,6 +201,8 @@ msg_code_spec(struct codec *c, struct msg_spec *b)
     code_filter(c, b);
     code_target(c, b);
     code_must(c, code_bad(c) || sizes_fit(b));
+    code_read_must(c, !(b->flags & MSG_JOB_POINTS) ||
+                          (b->nframes == 1 && b->oversample <= 1));
     code_reuse(c, b);
 }
 

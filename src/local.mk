@@ -20,6 +20,7 @@ include src/light/indirect/local.mk
 include src/pattern/local.mk
 include src/shade/gloss/local.mk
 include src/shade/local.mk
+include src/points/local.mk
 include src/picture/local.mk
 include src/passes/local.mk
 include src/refine/local.mk

@@ -359,7 +359,7 @@ START_TEST(picture_and_depth_hold_the_rows)
     rad_picture_release(&pic);
     free(data);
     snprintf(path, sizeof path, "%s/f.z", dir);
-    ck_assert_int_eq(rows_depth(&r, path, true, NULL, NULL), 0);
+    ck_assert_int_eq(rows_depth(&r, false, path, true, NULL, NULL), 0);
     data = slurp(path, &n);
     ck_assert_uint_eq(n, W * H * sizeof(float));
     memcpy(&z, data + (3 * W + 2) * sizeof z, sizeof z);

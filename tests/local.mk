@@ -79,6 +79,7 @@ UNIT_TESTS = \
 	tests/check_origin \
 	tests/check_parse \
 	tests/check_partition \
+	tests/check_points \
 	tests/check_place \
 	tests/check_pool \
 	tests/check_prism \
@@ -441,6 +442,7 @@ dist_check_SCRIPTS += \
 	tests/e2e/submit_bands.sh \
 	tests/e2e/submit_oversample.sh \
 	tests/e2e/rpict_path.sh \
+	tests/e2e/submit_points.sh \
 	tests/e2e/submit_parts.sh \
 	tests/e2e/submit_rif.sh \
 	tests/e2e/submit_tone.sh \
@@ -520,6 +522,7 @@ TESTS += \
 	tests/e2e/submit_bands.sh \
 	tests/e2e/submit_oversample.sh \
 	tests/e2e/rpict_path.sh \
+	tests/e2e/submit_points.sh \
 	tests/e2e/submit_parts.sh \
 	tests/e2e/submit_rif.sh \
 	tests/e2e/submit_tone.sh \
@@ -628,6 +631,10 @@ tests_check_survey_SOURCES = tests/check_survey.c \
 	tests/lines_fixture.h tests/unit.h
 tests_check_survey_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS) $(JANSSON_CFLAGS)
 tests_check_survey_LDADD = $(LIBDAEMON) $(UNIT_LIBS)
+
+tests_check_points_SOURCES = tests/check_points.c tests/unit.h
+tests_check_points_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
+tests_check_points_LDADD = $(UNIT_LIBS)
 
 tests_check_partition_SOURCES = tests/check_partition.c tests/unit.h
 tests_check_partition_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)

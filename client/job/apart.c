@@ -43,6 +43,10 @@ apart_note(struct inputs *in, const struct submit_options *o,
         rc = inputs_add_fd(in, "the file of views", STDIN_FILENO, err);
     if (rc == 0)
         rc = inputs_add(in, "the file of views", o->views, err);
+    if (rc == 0 && o->points.file && strcmp(o->points.file, "-") == 0)
+        rc = inputs_add_fd(in, "the file of points", STDIN_FILENO, err);
+    else if (rc == 0)
+        rc = inputs_add(in, "the file of points", o->points.file, err);
     if (rc == 0)
         rc = inputs_add(in, "the file of --estimate", o->costs, err);
     if (rc == 0)

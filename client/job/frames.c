@@ -178,6 +178,23 @@ frames_init(struct frames *f, const struct submit_options *o,
 }
 
 int
+frames_init_points(struct frames *f, int width, int height,
+                   struct rad_error *err)
+{
+    int rc;
+
+    memset(f, 0, sizeof *f);
+    rad_arena_init(&f->arena);
+    rc = reserve(f, err);
+    if (rc < 0)
+        return rc;
+    f->list[f->n++] = (struct msg_frame){ .width = (uint32_t)width,
+                                          .height = (uint32_t)height,
+                                          .view = "" };
+    return 0;
+}
+
+int
 frames_init_views(struct frames *f, const struct submit_options *o,
                   const struct frames_view *views, int n, struct rad_error *err)
 {

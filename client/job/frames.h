@@ -29,6 +29,10 @@ struct frames_view {
 int frames_init(struct frames *f, const struct submit_options *o,
                 struct rad_error *err);
 
+/* The one frame of sensor points, which has no view. */
+int frames_init_points(struct frames *f, int width, int height,
+                       struct rad_error *err);
+
 /* The same from n views that have names. */
 int frames_init_views(struct frames *f, const struct submit_options *o,
                       const struct frames_view *views, int n,

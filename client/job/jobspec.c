@@ -229,11 +229,13 @@ jobspec_fill(struct jobspec *j, const struct submit_options *o,
     s->clamp = o->clamp;
     s->error_ppm = (uint32_t)lround(o->error * 1e4);
     s->time_ms = (uint32_t)lround(o->time_s * 1e3);
-    s->flags = (o->depth ? MSG_JOB_DEPTH : 0) | ambient_flags(o, frames->n) |
-               (o->no_balance ? MSG_JOB_NO_BALANCE : 0) |
-               (o->fresh_frames ? MSG_JOB_FRESH_FRAMES : 0) |
-               (o->same_bits ? MSG_JOB_SAME_BITS : 0) |
-               (s->views ? MSG_JOB_VIEWS : 0);
+    s->flags =
+        (o->points.file ? MSG_JOB_DEPTH | MSG_JOB_POINTS
+         : o->depth     ? MSG_JOB_DEPTH
+                        : 0) |
+        ambient_flags(o, frames->n) | (o->no_balance ? MSG_JOB_NO_BALANCE : 0) |
+        (o->fresh_frames ? MSG_JOB_FRESH_FRAMES : 0) |
+        (o->same_bits ? MSG_JOB_SAME_BITS : 0) | (s->views ? MSG_JOB_VIEWS : 0);
     s->partition = choose_partition(o);
     /* the same words in the same order */
     s->order = o->order == ORDER_NONE ? MSG_ORDER_COST : (uint8_t)o->order;

@@ -17,6 +17,7 @@
 #include "image/filter.h"
 #include "base/number.h"
 
+#include <ctype.h>
 #include <errno.h>
 #include <limits.h>
 #include <stddef.h>
@@ -117,6 +118,9 @@ static const struct option own[] = {
          "go on for so many seconds; with --error, for no longer"),
     FLAG("--stamp", stamp,
          "the day, the host and the job in the picture's header"),
+    TEXT("--points", points.file, "FILE",
+         "sensor points in place of pictures, as rtrace takes them; '-' is the "
+         "standard input"),
     INT("--oversample", oversample, 1, RAD_MAX_OVERSAMPLE, "N",
         "trace N by N samples a pixel, and filter them down (by --quality; "
         "2 for a .png without it, else 1)"),
@@ -208,6 +212,7 @@ set_defaults(struct submit_options *o)
     show_init(&o->show);
     o->order = ORDER_NONE;
     o->ambient_way = AMBIENT_NONE;
+    pointspec_init(&o->points);
 }
 
 static int
@@ -407,6 +412,10 @@ take_params(struct cursor *c, int argc, char *const argv[])
 {
     int rc = rad_params_option(&c->o->params, argc, argv, c->err);
 
+    if (rc > 0 && strncmp(argv[0], "-p", 2) == 0 &&
+        islower((unsigned char)argv[0][2]) && strcmp(argv[0], "-pc") != 0 &&
+        !c->o->for_pixels)
+        c->o->for_pixels = argv[0];
     if (rc > 0 && strcmp(argv[0], "-ps") == 0)
         c->o->psample_asked = (int)strtol(argv[1], NULL, 10);
     if (rc > 0)
@@ -432,10 +441,14 @@ take_option(struct cursor *c)
     char *const *argv = c->w->list + c->at;
     int argc = c->w->n - c->at, rc;
 
-    if ((rc = refuse_lacking(c)) != 0 || (rc = take_view_file(c)) != 0 ||
-        (rc = take_warnings(c)) != 0 || (rc = take_spectral(c)) != 0 ||
+    if ((rc = refuse_lacking(c)) != 0 || (rc = take_warnings(c)) != 0 ||
+        (rc = take_spectral(c)) != 0 ||
         (rc = take_name_list(c, argc, argv)) != 0)
         return rc;
+    if ((rc = take_view_file(c)) != 0) {
+        c->o->for_pixels = argv[0];
+        return rc;
+    }
     if (strncmp(argv[0], "--", 2) == 0) {
         if ((rc = take_from(c, own, N_ELEM(own))) != 0)
             return rc;
@@ -443,9 +456,13 @@ take_option(struct cursor *c)
         if ((rc = take_from(c, rpicts, N_ELEM(rpicts))) != 0)
             return rc;
     }
-    if ((rc = take_params(c, argc, argv)) != 0 ||
-        (rc = rad_view_option(&c->o->view, argc, argv, c->err)) != 0)
+    if ((rc = pointspec_option(&c->o->points, argc, argv, c->err)) != 0 ||
+        (rc = take_params(c, argc, argv)) != 0)
         return rc;
+    if ((rc = rad_view_option(&c->o->view, argc, argv, c->err)) != 0) {
+        c->o->for_pixels = argv[0];
+        return rc;
+    }
     return rad_fail(c->err, RAD_EUSAGE,
                     "unknown option '%s'; see radsubmit --help", argv[0]);
 }
@@ -795,6 +812,65 @@ check_reuse(const struct submit_options *o, struct rad_error *err)
     return 0;
 }
 
+/* Options that are about pictures or their views. */
+static const char *
+is_for_pictures(const struct submit_options *o)
+{
+    return o->for_pixels       ? o->for_pixels
+           : o->first_frame    ? "-S"
+           : o->views          ? "--views"
+           : o->rif_view       ? "--view"
+           : o->depth          ? "-z"
+           : o->format         ? "--format"
+           : o->preview        ? "--preview"
+           : o->oversample > 1 ? "--oversample"
+           : o->clamp > 0      ? "--clamp"
+           : o->tone >= 0      ? "--tone"
+           : o->exposure       ? "--exposure"
+           : o->bits >= 0      ? "--bits"
+           : o->false_colour   ? "--false-colour"
+           : o->no_clobber     ? "--no-clobber"
+           : o->fresh_frames   ? "--fresh-frames"
+                               : NULL;
+}
+
+/* Sensor points are a picture without a view, each pixel of which is traced. */
+static int
+check_points(struct submit_options *o, struct rad_error *err)
+{
+    const char *other = is_for_pictures(o);
+    int rc = pointspec_check(&o->points, err);
+
+    if (rc < 0 || !o->points.file)
+        return rc;
+    if (other)
+        return rad_fail(err, RAD_EUSAGE,
+                        "%s is for pictures, and --points makes none", other);
+    if (o->detach)
+        return rad_fail(err, RAD_EUSAGE,
+                        "--points and --detach exclude each other: radsubmit "
+                        "puts the values into the points' order");
+    if (picfile_is_png(o->output, PICFILE_BY_SUFFIX))
+        return rad_fail(err, RAD_EUSAGE,
+                        "'%s': --points makes no picture: -fac with -x and -y "
+                        "writes colours for a .hdr",
+                        o->output);
+    if (o->dry_run)
+        return rad_fail(err, RAD_EUSAGE,
+                        "--dry-run tries pixels of a view, and --points has "
+                        "none");
+    if (o->spectral > 0 || o->params.bands.n > 3)
+        return rad_fail(err, RAD_EUSAGE,
+                        "--points writes three channels: leave out %s",
+                        o->spectral > 0 ? "-co" : "-cs");
+    for (int i = 0; i < o->nscenes; i++)
+        if (is_dash(o->points.file) && is_dash(o->scenes[i]))
+            return rad_fail(err, RAD_EUSAGE,
+                            "standard input cannot hold both scene and points");
+    o->params.psample = o->oversample = 1;
+    return 0;
+}
+
 /* Whose cluster? */
 static int
 check_cluster(const struct submit_options *o, struct rad_error *err)
@@ -822,9 +898,10 @@ check_cluster(const struct submit_options *o, struct rad_error *err)
 static int
 check_together(struct submit_options *o, struct rad_error *err)
 {
-    int rc = check_outputs(o, err);
+    int rc = check_points(o, err);
 
-    if (rc < 0 || (rc = check_show(o, err)) < 0)
+    if (rc < 0 || (rc = check_outputs(o, err)) < 0 ||
+        (rc = check_show(o, err)) < 0)
         return rc;
     if ((rc = check_cluster(o, err)) < 0)
         return rc;
@@ -872,6 +949,12 @@ submit_options_parse(struct submit_options *o, struct words *w,
 
     set_defaults(o);
     rc = take_options(&c);
+    if (rc >= 0 && o->points.file) { /* the same from rtrace's defaults on */
+        set_defaults(o);
+        pointspec_defaults(&o->params);
+        c = (struct cursor){ .o = o, .w = w, .err = err };
+        rc = take_options(&c);
+    }
     if (rc >= 0 && o->quality < 0 && c.given == 0 && submit_options_goal(o)) {
         int bad = quality_first(&o->params, err);
 

@@ -8,6 +8,7 @@
 #ifndef RADD_CLIENT_SUBMIT_OPTIONS_H
 #define RADD_CLIENT_SUBMIT_OPTIONS_H
 
+#include "points/pointspec.h"
 #include "base/error.h"
 #include "base/params.h"
 #include "picture/view.h"
@@ -52,6 +53,9 @@ struct submit_options {
     double time_s;        /* --time; 0: not asked for */
     int psample_asked;    /* what -ps said; 0: nothing, or 0 */
     struct rad_view view; /* as given; rad_view_setup() has accepted it */
+    struct pointspec points; /* --points, and rtrace's options */
+    const char *for_pixels;  /* the first option that sensor points have no use
+                              * for; or NULL */
     /* files; NULL where not given */
     const char *output, *depth;
     const char *ambient; /* -af */

@@ -309,8 +309,10 @@ deliver_frame(struct submit *s)
 {
     struct fetched picture = { 0 }, depth = { 0 };
     bool wanted = s->job->spec->flags & MSG_JOB_DEPTH;
-    int rc = fetch(s, s->delivered, MSG_WHAT_PICTURE, &picture);
+    int rc = 0;
 
+    if (!(s->job->spec->flags & MSG_JOB_POINTS))
+        rc = fetch(s, s->delivered, MSG_WHAT_PICTURE, &picture);
     if (rc == 0 && wanted)
         rc = fetch(s, s->delivered, MSG_WHAT_DEPTH, &depth);
     if (rc == 0)

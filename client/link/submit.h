@@ -17,7 +17,8 @@ struct submit_callbacks {
     void (*say)(void *arg, const char *text);
     void (*progress)(void *arg, const struct msg_progress *p);
     /* Frame number `frame` of the spec's list is complete; the bytes of its
-     * .hdr and, where depths are wanted, of its distances (NULL else). */
+     * .hdr (NULL for sensor points) and, where depths are wanted, of its
+     * distances (NULL else). */
     int (*frame)(void *arg, uint32_t frame, const uint8_t *picture,
                  size_t picture_len, const uint8_t *depth, size_t depth_len,
                  struct rad_error *err);

@@ -54,6 +54,8 @@ struct render {
     uint32_t frame;       /* of the last unit; nframes before the first */
     struct rad_scene *scene;
     struct rad_job *job;
+    unsigned char *points_bytes; /* of a job of sensor points, else NULL */
+    struct rad_points points;
     struct rad_frame *frames;
     uint32_t nframes;
     struct strict *strict; /* NULL: the picture is not shared by lines */

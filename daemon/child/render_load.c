@@ -147,6 +147,37 @@ load_job(struct render *r, const struct rad_bundle *bundle,
     return load_records(r, bundle, err);
 }
 
+/* The one frame of a job of sensor points. */
+static int
+load_points(struct render *r, const struct rad_bundle *bundle,
+            const struct msg_spec *spec, struct rad_error *err)
+{
+    const struct rad_bundle_entry *e =
+        rad_bundle_find(bundle, RAD_BUNDLE_FILE, RAD_BUNDLE_POINTS);
+    char path[BLOBS_PATH_MAX];
+    size_t len;
+    int rc;
+
+    if (!e || spec->nframes != 1)
+        return rad_fail(err, RAD_EDATA, "the job has no sensor points");
+    snprintf(path, sizeof path, "%s/%s", r->files_dir, e->hash);
+    r->points_bytes = rad_file_read(path, RAD_MAX_POINTS_FILE, &len, err);
+    if (!r->points_bytes)
+        return err->code;
+    rc = rad_points_open(&r->points, r->points_bytes, len, err);
+    if (rc < 0)
+        return rc;
+    if (r->points.width != (int)spec->frames[0].width ||
+        r->points.height != (int)spec->frames[0].height)
+        return rad_fail(err, RAD_EDATA, "the sensor points are of another job");
+    r->frames = calloc(2, sizeof *r->frames);
+    if (!r->frames)
+        return rad_fail(err, RAD_ENOMEM, "out of memory");
+    rad_frame_of_points(&r->frames[0], r->job, &r->points, 0);
+    r->nframes = 1;
+    return 0;
+}
+
 static int
 load_frames(struct render *r, const struct msg_spec *spec,
             struct rad_error *err)
@@ -221,7 +252,8 @@ render_load(struct render *r, const struct msg_spec *spec,
     if (rc == 0)
         rc = views_read(&views, r->files_dir, &whole, err);
     if (rc == 0)
-        rc = load_frames(r, &whole, err);
+        rc = spec->flags & MSG_JOB_POINTS ? load_points(r, &bundle, spec, err)
+                                          : load_frames(r, &whole, err);
     views_release(&views);
     rad_bundle_release(&bundle);
     if (rc == 0)
@@ -253,6 +285,8 @@ render_unload_job(struct render *r)
     r->nframes = 0;
     free(r->frames);
     r->frames = NULL;
+    free(r->points_bytes);
+    r->points_bytes = NULL;
     rad_job_free(r->job);
     r->job = NULL;
 }

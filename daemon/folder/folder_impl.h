@@ -25,7 +25,7 @@ struct folder_job {
     struct folder_job *next;
     uint8_t id[MSG_JOB];
     char *params, *origin;
-    bool depth;
+    bool depth, points;
     int oversample; /* samples a side of a pixel; 1: rows are the picture's */
     double clamp;   /* of a sample's weight; 0: any */
     enum rows_kind kind;

@@ -63,7 +63,7 @@ write_depth(const struct folder_job *j, struct frame_rows *f, const char *path,
     int rc;
 
     if (j->oversample == 1)
-        return rows_depth(f->rows, path, durable, mark, err);
+        return rows_depth(f->rows, j->points, path, durable, mark, err);
     rc = shape_of(j, f, &shape, err);
     if (rc < 0)
         return rc;

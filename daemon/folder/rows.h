@@ -151,9 +151,9 @@ int rows_picture(struct rows *r, const struct rad_hdr_info *info,
                  const char *path, bool durable, struct mark *mark,
                  struct rad_error *err);
 
-/* The same of the distances: width * height floats; needs
- * ROWS_DISTANCES. */
-int rows_depth(struct rows *r, const char *path, bool durable,
+/* The same of the distances: width * height floats, or with `whole` the pixels
+ * as they are, four floats each; needs ROWS_DISTANCES. */
+int rows_depth(struct rows *r, bool whole, const char *path, bool durable,
                struct mark *mark, struct rad_error *err);
 
 #endif

@@ -105,9 +105,10 @@ rows_picture(struct rows *r, const struct rad_hdr_info *info, const char *path,
 }
 
 int
-rows_depth(struct rows *r, const char *path, bool durable, struct mark *mark,
-           struct rad_error *err)
+rows_depth(struct rows *r, bool whole, const char *path, bool durable,
+           struct mark *mark, struct rad_error *err)
 {
+    size_t channels = whole ? 4 : 1;
     struct disk_file w;
     float *pixels;
     int rc;
@@ -124,11 +125,11 @@ rows_depth(struct rows *r, const char *path, bool durable, struct mark *mark,
     }
     for (int y = 0; y < r->height && rc == 0; y++) {
         rc = rows_read(r, y, pixels, err);
-        for (int x = 0; x < r->width; x++)
+        for (int x = 0; x < r->width && !whole; x++)
             pixels[x] = pixels[4 * (size_t)x + 3];
         if (rc == 0)
-            rc = disk_file_write(&w, pixels, (size_t)r->width * sizeof *pixels,
-                                 err);
+            rc = disk_file_write(
+                &w, pixels, channels * (size_t)r->width * sizeof *pixels, err);
     }
     rc = rows_close_picture(r, &w, rc, durable, err);
     free(pixels);

@@ -630,6 +630,8 @@ fetch_fault(const struct job *job, const struct msg_fetch *m, int *status)
         return "no such frame";
     if (m->what == MSG_WHAT_DEPTH && !(job->spec.flags & MSG_JOB_DEPTH))
         return "the job has no distances";
+    if (m->what != MSG_WHAT_DEPTH && job->spec.flags & MSG_JOB_POINTS)
+        return "the job is of sensor points: it has no picture";
     *status = EX_TEMPFAIL;
     if (m->what == MSG_WHAT_PREVIEW)
         return job->pixels_done > 0 || job->frames[m->frame].shown ||

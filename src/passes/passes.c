@@ -239,11 +239,7 @@ ask_at_pixel(const struct rad_frame *f, struct rad_ctx *ctx, int x, int y)
     struct rad_ray r;
 
     atomic_store_explicit(&ctx->at, RAD_AT(x, y), memory_order_relaxed);
-    if (!rad_frame_ray(f, x, y, &r) ||
-        !rad_ray_spawn(ctx, &r, RAD_RAY_PRIMARY, NULL, NULL, 0))
-        return RAD_VOID;
-    rad_ray_trace(ctx, &r);
-    return r.hit.obj;
+    return rad_frame_look(f, ctx, x, y, &r) ? r.hit.obj : RAD_VOID;
 }
 
 /* The pixels that a tile may ask at. */

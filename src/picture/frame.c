@@ -92,6 +92,22 @@ rad_frame_move(struct rad_frame *f, const struct rad_view *before,
 }
 
 void
+rad_frame_of_points(struct rad_frame *f, const struct rad_job *job,
+                    const struct rad_points *points, uint32_t number)
+{
+    memset(f, 0, sizeof *f);
+    f->job = job;
+    f->points = points;
+    f->width = points->width;
+    f->height = points->height;
+    f->pixaspect = 1;
+    f->number = number;
+    f->key = rad_key_frame(job->params.seed, number);
+    f->depth = true;
+    stamp(f);
+}
+
+void
 rad_frame_release(struct rad_frame *f)
 {
     rad_paint_release(&f->paint);
@@ -117,6 +133,18 @@ move(const struct rad_frame *f, double h, double v, struct rad_aim *r,
     return rad_normalize(r->dir) > 0;
 }
 
+static bool
+aim_at_point(const struct rad_frame *f, int x, int y, struct rad_aim *r)
+{
+    double length;
+
+    if (!rad_points_at(f->points, x, y, r->org, r->dir))
+        return false;
+    length = rad_normalize(r->dir);
+    r->tmax = f->points->flags & RAD_POINTS_LIMITED ? length : INFINITY;
+    return length > 0;
+}
+
 /* Set up the primary ray of a pixel; false: the view has none there. */
 static bool
 aim(const struct rad_frame *f, int x, int y, struct rad_aim *r)
@@ -125,6 +153,8 @@ aim(const struct rad_frame *f, int x, int y, struct rad_aim *r)
     double jx = .5, jy = .5, aft, u[3];
 
     r->key = rad_key_in_frame(f->key, (uint32_t)x, (uint32_t)y);
+    if (f->points)
+        return aim_at_point(f, x, y, r);
     if (p->pixjitter > 0) {
         jx += p->pixjitter * (.5 - rad_rand(r->key, RAD_DIM_PIXEL));
         jy += p->pixjitter * (.5 - rad_rand(r->key, RAD_DIM_PIXEL + 1));
@@ -152,15 +182,59 @@ follow(const struct rad_aim *a, struct rad_ray *r)
     rad_copy(r->dir, a->dir);
 }
 
+/* Is it the irradiance at a point that is wanted? */
+static bool
+on_surface(const struct rad_frame *f)
+{
+    return f->points && f->points->flags & RAD_POINTS_IRRADIANCE;
+}
+
 bool
-rad_frame_ray(const struct rad_frame *f, int x, int y, struct rad_ray *r)
+rad_frame_start(const struct rad_frame *f, struct rad_ctx *ctx, int x, int y,
+                struct rad_ray *r, bool *met)
 {
     struct rad_aim a;
-    bool seen = aim(f, x, y, &a);
 
-    if (seen)
-        follow(&a, r);
-    return seen;
+    *met = on_surface(f);
+    if (!aim(f, x, y, &a))
+        return false;
+    if (*met) {
+        rad_ray_place(ctx, r, a.org, a.dir, a.key);
+        return true;
+    }
+    follow(&a, r);
+    return rad_ray_spawn(ctx, r, RAD_RAY_PRIMARY, NULL, NULL, 0);
+}
+
+/* Trace r, which is aimed. */
+static bool
+look(const struct rad_frame *f, struct rad_ctx *ctx, struct rad_ray *r)
+{
+    double org[3], dir[3];
+
+    if (on_surface(f)) {
+        rad_copy(org, r->org);
+        rad_copy(dir, r->dir);
+        ctx->counts.rays++;
+        rad_ray_irradiance(ctx, r, org, dir, r->key);
+        return true;
+    }
+    if (!rad_ray_spawn(ctx, r, RAD_RAY_PRIMARY, NULL, NULL, 0))
+        return false;
+    rad_ray_trace(ctx, r);
+    return true;
+}
+
+bool
+rad_frame_look(const struct rad_frame *f, struct rad_ctx *ctx, int x, int y,
+               struct rad_ray *r)
+{
+    struct rad_aim a;
+
+    if (!aim(f, x, y, &a))
+        return false;
+    follow(&a, r);
+    return look(f, ctx, r);
 }
 
 /* Set up r as the primary ray of a pixel, and where pixels come in even steps
@@ -230,12 +304,13 @@ rad_frame_pixel(const struct rad_frame *f, struct rad_ctx *ctx, int x, int y,
     atomic_store_explicit(&ctx->at, RAD_AT(x, y), memory_order_relaxed);
     out->L = rad_grey(0);
     out->z = 0;
-    if (!seen || !rad_ray_spawn(ctx, &r, RAD_RAY_PRIMARY, NULL, NULL, 0))
+    if (!seen)
         return false;
-    ctx->counts.primary_rays++;
     if (ctx->job->ambient)
         memset(&ctx->doubt, 0, sizeof ctx->doubt);
-    rad_ray_trace(ctx, &r);
+    if (!look(f, ctx, &r))
+        return false;
+    ctx->counts.primary_rays++;
     if (ctx->job->ambient)
         count_doubt(ctx, r.L);
     if (ctx->counts.unsound_rays != unsound)

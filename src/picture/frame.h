@@ -1,22 +1,23 @@
 /* frame.h - one picture of a job: pixels as a function, and windows of it
  *
- * Ties a compiled scene to a view and a resolution.  A pixel's value depends
- * on job, view, frame number and (x, y) alone (with the ambient cache off or
- * frozen).
- * Rows count from the top; L is radiance.
- * Thread: a frame is read-only once set up; any thread may render any window
- * of it with a context of its own. */
+ * Ties a compiled scene to a view and a resolution, or to sensor points.  A
+ * pixel's value depends on job, view, frame number and (x, y) alone (with the
+ * ambient cache off or frozen). Rows count from the top; L is radiance. Thread:
+ * a frame is read-only once set up; any thread may render any window of it with
+ * a context of its own. */
 #ifndef RAD_PICTURE_FRAME_H
 #define RAD_PICTURE_FRAME_H
 
 #include "picture/paint.h"
 #include "picture/quincunx.h"
 #include "picture/view.h"
+#include "points/points.h"
 #include "trace/ray.h"
 
 struct rad_frame {
     const struct rad_job *job;
     struct rad_view view;   /* set up */
+    const struct rad_points *points; /* [borrowed] in its place; or NULL */
     int width, height;      /* what rad_view_resolution() made of -x -y -pa */
     double pixaspect;       /* height / width of a pixel, for the header */
     uint32_t number;        /* 0 for a still, 1.. in an animation */
@@ -46,6 +47,11 @@ int rad_frame_init(struct rad_frame *f, const struct rad_job *job,
                    struct rad_error *err);
 void rad_frame_release(struct rad_frame *f);
 
+/* The same of sensor points, which must outlive it: a pixel is what rtrace
+ * gives for its point, its distance included. */
+void rad_frame_of_points(struct rad_frame *f, const struct rad_job *job,
+                         const struct rad_points *points, uint32_t number);
+
 /* The sampler of a window (of the whole frame: how strict partitions see it)
  * but for trace and arg, which are left alone. */
 void rad_frame_sampler(const struct rad_frame *f, const struct rad_window *w,
@@ -57,9 +63,16 @@ void rad_frame_sampler(const struct rad_frame *f, const struct rad_window *w,
 int rad_frame_move(struct rad_frame *f, const struct rad_view *before,
                    struct rad_error *err);
 
-/* Set r up as the primary ray of a pixel, for who does not want the pixel's
- * value; false: the view has none there.  rad_ray_spawn() is the caller's. */
-bool rad_frame_ray(const struct rad_frame *f, int x, int y, struct rad_ray *r);
+/* Trace the primary ray of a pixel, for who does not want the pixel's value;
+ * false: the view has none there. */
+bool rad_frame_look(const struct rad_frame *f, struct rad_ctx *ctx, int x,
+                    int y, struct rad_ray *r);
+
+/* Start the primary ray of a pixel, which has met nothing yet; but where a
+ * sensor point is a place on a surface, *met, the ray has met that.  False: the
+ * view has none there. */
+bool rad_frame_start(const struct rad_frame *f, struct rad_ctx *ctx, int x,
+                     int y, struct rad_ray *r, bool *met);
 
 /* Trace one pixel and count it as a primary ray; what the view does not show
  * is black and no ray: false.  A pixel that a value touched that is not finite

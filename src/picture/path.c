@@ -57,13 +57,15 @@ rad_path_begin(const struct rad_frame *f, struct rad_ctx *ctx, uint64_t spread,
     double u = fraction(rad_rand(spread, 0) + (double)n * .7548776662466927);
     double v = fraction(rad_rand(spread, 1) + (double)n * .5698402909980532);
     int x = (int)(u * f->width), y = (int)(v * f->height);
+    bool met;
 
     /* a pattern may never end here as it may for a pixel */
     atomic_store_explicit(&ctx->at, RAD_AT(x, y), memory_order_relaxed);
-    if (!rad_frame_ray(f, x, y, r) ||
-        !rad_ray_spawn(ctx, r, RAD_RAY_PRIMARY, NULL, NULL, 0))
+    if (!rad_frame_start(f, ctx, x, y, r, &met))
         return false;
     r->key = key;
+    if (met)
+        return true;
     for (int panes = 0; rad_path_meet(ctx, r); panes++) {
         if (panes == MOST_PANES || !is_pane(ctx->job, &r->hit))
             return true;

@@ -496,8 +496,8 @@ rad_ray_way_of(const struct rad_ray *child)
 }
 
 void
-rad_ray_irradiance(struct rad_ctx *ctx, struct rad_ray *r, const double p[3],
-                   const double n[3], uint64_t key)
+rad_ray_place(struct rad_ctx *ctx, struct rad_ray *r, const double p[3],
+              const double n[3], uint64_t key)
 {
     double lo[3], hi[3], size = 0;
 
@@ -517,6 +517,13 @@ rad_ray_irradiance(struct rad_ctx *ctx, struct rad_ray *r, const double p[3],
     r->hit.uv[0] = r->hit.uv[1] = 0;
     r->hit.bent = false;
     rad_ray_enter(r);
+}
+
+void
+rad_ray_irradiance(struct rad_ctx *ctx, struct rad_ray *r, const double p[3],
+                   const double n[3], uint64_t key)
+{
+    rad_ray_place(ctx, r, p, n, key);
     rad_normal_irradiance(ctx, r);
     drop_unsound(ctx, r);
 }

@@ -172,4 +172,8 @@ double rad_ray_way_of(const struct rad_ray *child);
 void rad_ray_irradiance(struct rad_ctx *ctx, struct rad_ray *r,
                         const double p[3], const double n[3], uint64_t key);
 
+/* The same ray before it has any light. */
+void rad_ray_place(struct rad_ctx *ctx, struct rad_ray *r, const double p[3],
+                   const double n[3], uint64_t key);
+
 #endif

@@ -24,6 +24,7 @@ FUZZ_TARGETS = \
 	tests/fuzz/fuzz_params \
 	tests/fuzz/fuzz_parse \
 	tests/fuzz/fuzz_planes \
+	tests/fuzz/fuzz_points \
 	tests/fuzz/fuzz_rif \
 	tests/fuzz/fuzz_rtm \
 	tests/fuzz/fuzz_session \
@@ -176,3 +177,7 @@ tests_fuzz_fuzz_planes_LDFLAGS = $(FUZZ_LINK)
 tests_fuzz_fuzz_rif_SOURCES = tests/fuzz/fuzz_rif.c $(FUZZ_MAIN)
 tests_fuzz_fuzz_rif_LDADD = $(LIBCLIENT) $(LIBRAD)
 tests_fuzz_fuzz_rif_LDFLAGS = $(FUZZ_LINK)
+
+tests_fuzz_fuzz_points_SOURCES = tests/fuzz/fuzz_points.c $(FUZZ_MAIN)
+tests_fuzz_fuzz_points_LDADD = $(LIBCLIENT) $(LIBRAD)
+tests_fuzz_fuzz_points_LDFLAGS = $(FUZZ_LINK)

@@ -36,6 +36,9 @@
 /* Another: the frames of a job that has many (proto/message.h). */
 #define RAD_BUNDLE_VIEWS "list of frames"
 
+/* Another: the rays of a job of sensor points (points/points.h). */
+#define RAD_BUNDLE_POINTS "sensor points"
+
 enum rad_bundle_role {
     RAD_BUNDLE_SCENE, /* the frozen octree, exactly one */
     RAD_BUNDLE_FILE,  /* read at run time under its name */

@@ -1,0 +1,112 @@
+/* pointfacts.c - see pointfacts.h
+ *
+ * A fact is what rtrace prints of a ray that it traces: names and normal are
+ * of the first object, also of one that is passed straight through. */
+#include "config.h"
+
+#include "points/pointfacts.h"
+
+#include "base/vec.h"
+#include "light/direct/sources.h"
+#include "trace/asks.h"
+#include "trace/material.h"
+#include "trace/ray.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+struct pointfacts {
+    struct rad_job *job;
+    struct rad_ctx ctx;
+};
+
+/* As Radiance writes what is infinitely far. */
+#define FAR_AWAY 1e10
+
+struct pointfacts *
+pointfacts_new(const struct rad_scene *scene, const struct rad_files *files,
+               const struct rad_params *params, struct rad_error *err)
+{
+    struct pointfacts *p = calloc(1, sizeof *p);
+    struct rad_params dark = *params;
+
+    if (!p) {
+        rad_fail(err, RAD_ENOMEM, "out of memory");
+        return NULL;
+    }
+    dark.ambounce = 0;
+    p->job = rad_job_new(scene, &dark, files, err);
+    if (p->job && rad_ctx_init(&p->ctx, p->job, err) == 0)
+        return p;
+    rad_job_free(p->job);
+    free(p);
+    return NULL;
+}
+
+void
+pointfacts_free(struct pointfacts *p)
+{
+    if (!p)
+        return;
+    rad_ctx_release(&p->ctx);
+    rad_job_free(p->job);
+    free(p);
+}
+
+void
+pointfacts_none(struct pointfact *f, const double org[3])
+{
+    memset(f, 0, sizeof *f);
+    f->length = FAR_AWAY;
+    rad_copy(f->at, org);
+    f->surface = f->modifier = f->material = "*";
+}
+
+static void
+tell_names(const struct rad_scene *s, int32_t obj, struct pointfact *out)
+{
+    int32_t mod = s->objects[obj].modifier, mat = rad_material_of(s, mod);
+
+    out->surface = s->objects[obj].name;
+    out->modifier = mod == RAD_VOID ? "void" : s->objects[mod].name;
+    out->material = mat == RAD_VOID ? "void" : s->objects[mat].name;
+}
+
+void
+pointfacts_find(struct pointfacts *p, const double org[3], const double dir[3],
+                double reach, struct pointfact *out)
+{
+    const struct rad_job *job = p->job;
+    const struct rad_scene *scene = job->scene;
+    struct rad_span span = { .tmin = 0, .tmax = reach };
+    struct rad_arena_mark mark = rad_arena_mark(&p->ctx.scratch);
+    struct rad_ray r;
+
+    pointfacts_none(out, org);
+    memset(&r, 0, sizeof r);
+    r.tmax = reach;
+    rad_copy(r.org, org);
+    rad_copy(r.dir, dir);
+    rad_ray_spawn(&p->ctx, &r, RAD_RAY_PRIMARY, NULL, NULL, 0);
+    rad_ray_clear(&r);
+    rad_copy(span.org, org);
+    rad_copy(span.dir, dir);
+    if (rad_geom_nearest(job->geom, &span, &r.hit, &p->ctx.counts.geom)) {
+        rad_ray_enter(&r);
+        out->length = r.hit.t;
+        rad_copy(out->at, r.hit.p);
+        rad_copy(out->normal, r.n);
+        rad_ray_texture(&p->ctx, &r, scene->objects[r.hit.obj].modifier);
+        if (r.cos_o < 0)
+            rad_ray_flip(&r);
+        rad_ray_normal(&r, out->perturbed);
+        tell_names(scene, r.hit.obj, out);
+    } else if (!(reach < INFINITY) &&
+               rad_source_behind(&p->ctx, &r) != RAD_VOID) {
+        rad_copy(out->normal, r.n);
+        rad_copy(out->perturbed, r.n);
+        tell_names(scene, job->sources->list[r.far_source].obj, out);
+    }
+    rad_arena_rewind(&p->ctx.scratch, mark);
+}

@@ -1,0 +1,190 @@
+/* pointfile.c - see pointfile.h */
+#include "config.h"
+
+#include "points/pointfile.h"
+
+#include "base/files.h"
+#include "base/number.h"
+#include "points/points.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+/* Of a file: a point of text takes some 60 bytes. */
+#define LARGEST ((size_t)1 << 30)
+
+/* Room for one more. */
+static int
+reserve(struct pointfile *f, size_t *room, struct rad_error *err)
+{
+    double(*p)[6];
+
+    if (f->n < *room)
+        return 0;
+    if (f->n == RAD_MAX_POINTS)
+        return rad_fail(err, RAD_EUSAGE,
+                        "more than %d sensor points, which is the most that a "
+                        "job can have: take them apart",
+                        RAD_MAX_POINTS);
+    *room = *room ? 2 * *room : 1024;
+    p = realloc(f->point, *room * sizeof *p);
+    if (!p)
+        return rad_fail(err, RAD_ENOMEM, "out of memory");
+    f->point = p;
+    return 0;
+}
+
+static bool
+is_blank(char c)
+{
+    return c == ' ' || c == '\t' || c == '\r' || c == '\f' || c == '\v';
+}
+
+/* The number at s, which ends before `end`; returns where it ends, or NULL. */
+static const char *
+take_number(const char *s, const char *end, double *v, struct rad_error *err)
+{
+    char word[64];
+    size_t n = 0;
+
+    while (s + n < end && !is_blank(s[n]))
+        n++;
+    snprintf(word, sizeof word, "%.*s", (int)(n < 63 ? n : 63), s);
+    if (n < sizeof word && rad_parse_real(word, v))
+        return s + n;
+    rad_fail(err, RAD_EDATA, "'%.40s' is not a number", word);
+    return NULL;
+}
+
+/* Six numbers: 1; an empty line: 0. */
+static int
+take_line(const char *s, const char *end, double v[6], struct rad_error *err)
+{
+    int n = 0;
+
+    for (;; n++) {
+        double extra;
+
+        while (s < end && is_blank(*s))
+            s++;
+        if (s == end)
+            break;
+        s = take_number(s, end, n < 6 ? &v[n] : &extra, err);
+        if (!s)
+            return RAD_EDATA;
+    }
+    if (n == 0 || n == 6)
+        return n > 0;
+    return rad_fail(err, RAD_EDATA,
+                    "expected six numbers, origin and direction, got %d", n);
+}
+
+static int
+parse_text(struct pointfile *f, const char *name, const char *s, size_t n,
+           uint32_t most, struct rad_error *err)
+{
+    const char *end = s + n;
+    size_t room = 0;
+    int rc = 0;
+
+    for (long line = 1; rc == 0 && s < end && f->n < most; line++) {
+        const char *nl = memchr(s, '\n', (size_t)(end - s));
+        double v[6];
+
+        rc = take_line(s, nl ? nl : end, v, err);
+        if (rc == 1 && (rc = reserve(f, &room, err)) == 0)
+            memcpy(f->point[f->n++], v, sizeof v);
+        if (rc < 0)
+            rad_error_where(err, "%s:%ld", name, line);
+        s = nl ? nl + 1 : end;
+    }
+    return rc;
+}
+
+static void
+take_binary(const uint8_t *bytes, bool wide, double v[6])
+{
+    float narrow[6];
+
+    if (wide) {
+        memcpy(v, bytes, 6 * sizeof *v);
+        return;
+    }
+    memcpy(narrow, bytes, sizeof narrow);
+    for (int k = 0; k < 6; k++)
+        v[k] = (double)narrow[k];
+}
+
+static int
+parse_binary(struct pointfile *f, const char *name, const uint8_t *bytes,
+             size_t n, bool wide, uint32_t most, struct rad_error *err)
+{
+    size_t each = 6 * (wide ? sizeof(double) : sizeof(float)), room = 0;
+    int rc = 0;
+
+    for (; n >= each && f->n < most; n -= each, bytes += each) {
+        double *v;
+
+        if ((rc = reserve(f, &room, err)) < 0)
+            break;
+        v = f->point[f->n++];
+        take_binary(bytes, wide, v);
+        for (int k = 0; k < 6 && rc == 0; k++)
+            if (!isfinite(v[k]))
+                rc = rad_fail(err, RAD_EDATA,
+                              "sensor point %u has a number that is not finite",
+                              f->n);
+        if (rc < 0)
+            break;
+    }
+    if (rc == 0 && n > 0 && f->n < most)
+        rc = rad_fail(err, RAD_EDATA,
+                      "%zu bytes behind sensor point %u, and each has %zu", n,
+                      f->n, each);
+    if (rc < 0)
+        rad_error_where(err, "%s", name);
+    return rc;
+}
+
+int
+pointfile_parse(struct pointfile *f, const char *name, const void *bytes,
+                size_t n, char format, uint32_t most, struct rad_error *err)
+{
+    memset(f, 0, sizeof *f);
+    return format == 'a'
+               ? parse_text(f, name, bytes, n, most, err)
+               : parse_binary(f, name, bytes, n, format == 'd', most, err);
+}
+
+int
+pointfile_read(struct pointfile *f, const char *name, char format,
+               uint32_t most, struct rad_error *err)
+{
+    bool std = strcmp(name, "-") == 0;
+    unsigned char *bytes;
+    size_t n;
+    int rc;
+
+    memset(f, 0, sizeof *f);
+    if (std)
+        name = "stdin";
+    bytes = std ? rad_fd_read(STDIN_FILENO, name, LARGEST, &n, err)
+                : rad_file_read(name, LARGEST, &n, err);
+    if (!bytes)
+        return err->code;
+    rc = pointfile_parse(f, name, bytes, n, format, most, err);
+    free(bytes);
+    if (rc == 0 && f->n == 0)
+        rc = rad_fail(err, RAD_EDATA, "no sensor points in '%s'", name);
+    return rc;
+}
+
+void
+pointfile_release(struct pointfile *f)
+{
+    free(f->point);
+    memset(f, 0, sizeof *f);
+}

@@ -1,0 +1,69 @@
+#!/bin/sh
+# submit_points.sh - sensor points: values in the order of the input, the same
+# from any cluster, formats, and what is refused
+# shellcheck disable=SC2086 # options are words
+. "${top_srcdir:-.}/tests/e2e/client_lib.sh"
+set -u
+
+# inside of a sphere that shines all is known
+cat >box.rad <<'EOF'
+void glow shine 0 0 4 2 2 2 0
+shine bubble box 0 0 4 0 0 0 10
+EOF
+
+awk 'BEGIN { for (i = 0; i < 500; i++)
+    printf "%d %d %d 0 0 %d\n", i * 37 % 11 - 5, i * 17 % 7 - 3, i % 5 - 2,
+        i % 2 ? 1 : -1 }' >points.txt
+
+# radiance 2 all round; the way to the wall is sqrt(100 - x^2 - y^2) -+ z
+"$radsubmit" --local --threads=1 --points=points.txt -h- -oovL box.rad \
+    >out.txt 2>stderr || fail "values: $(cat stderr)"
+paste points.txt out.txt | awk '
+    { far = sqrt(100 - $1 * $1 - $2 * $2) - $3 * $6
+      if ($7 != $1 || $8 != $2 || $9 != $3 || $10 != 2 || $12 != 2 ||
+          ($13 - far) ^ 2 > 1e-8) bad = bad " " NR }
+    END { if (NR != 500 || bad) { print NR ":" bad; exit 1 } }' ||
+    fail "values of a bubble"
+
+# the same bytes whoever makes them, with indirect light too
+room=$scenes/room.rad
+awk 'BEGIN { for (i = 0; i < 400; i++)
+    printf "%g %g .8 0 0 1\n", .2 + i * 7 % 20 / 6, .2 + int(i / 20) / 6 }' \
+    >grid.txt
+opts='-I -h- -fad -ab 1 -ad 64 -as 0 -aa .2'
+"$radsubmit" --local --threads=1 --points=grid.txt $opts "$room" >one.bin \
+    2>stderr || fail "one: $(cat stderr)"
+[ "$(wc -c <one.bin)" -eq $((400 * 24)) ] || fail "doubles: $(wc -c <one.bin)"
+for way in auto window static scanbar; do
+    "$radsubmit" --local --workers=4 --threads=1 --partition=$way \
+        --points=- $opts "$room" <grid.txt >many.bin 2>stderr ||
+        fail "$way: $(cat stderr)"
+    cmp one.bin many.bin || fail "four workers, $way"
+done
+
+# refused STATUS TEXT OPTIONS...
+refused()
+{
+    want=$1 text=$2
+    shift 2
+    "$radsubmit" --local "$@" box.rad >out 2>err </dev/null
+    got=$?
+    [ $got = "$want" ] || fail "status $got, not $want: $*: $(cat err)"
+    grep -qF -- "$text" err || fail "$*: $(cat err)"
+}
+printf '0 0 0 0 0 1\n\n1 2 3 4 x 6\n' >word.txt
+printf '0 0 0 0 0\n' >five.txt
+refused 65 "word.txt:3: 'x' is not a number" --points=word.txt
+refused 65 "five.txt:1: expected six numbers" --points=five.txt
+refused 66 "no.txt" --points=no.txt
+head -c 50 /dev/zero >part.bin
+refused 65 "2 bytes behind sensor point 1" --points=part.bin -fda
+refused 64 "-vp is for pictures" --points=points.txt -vp 0 0 0
+refused 64 "--preview is for pictures" --points=points.txt --preview=a.png
+refused 64 "--detach" --points=points.txt --detach
+refused 64 "'t' of rtrace is not supported" --points=points.txt -otv
+refused 64 "'D' is none of rtrace's" --points=points.txt -oD
+refused 64 "'-I' is for --points" -I
+refused 64 "'points.png'" --points=points.txt -o points.png
+check_nothing_left "points"
+exit $failed
