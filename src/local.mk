@@ -4,6 +4,7 @@ librad_a_CPPFLAGS = $(AM_CPPFLAGS)
 librad_a_CFLAGS = $(AM_CFLAGS) $(PNG_CFLAGS) $(CRYPTO_CFLAGS) \
 	$(EXPAT_CFLAGS)
 librad_a_SOURCES =
+include src/arith/local.mk
 include src/base/local.mk
 include src/image/local.mk
 include src/tone/local.mk

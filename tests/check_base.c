@@ -1,16 +1,18 @@
 /* check_base.c - tests of src/base */
 #include "config.h"
 
-#include "base/angle.h"
+#include "arith/angle.h"
 #include "base/arena.h"
+#include "arith/elementary.h"
 #include "base/error.h"
-#include "base/expf.h"
+#include "arith/expf.h"
 #include "base/help.h"
 #include "base/rng.h"
 #include "base/vec.h"
 #include "unit.h"
 
 #include <float.h>
+#include <stdbool.h>
 #include <stdint.h>
 #include <string.h>
 #include <sysexits.h>
@@ -177,6 +179,154 @@ START_TEST(angles_are_those_of_libm)
 }
 END_TEST
 
+/* Units in the last place that x is off. */
+static double
+units_off(double x, long double truth)
+{
+    int e;
+
+    if (x == (double)truth)
+        return 0;
+    frexp((double)truth, &e);
+    e = e < DBL_MIN_EXP ? DBL_MIN_EXP : e;
+    return (double)fabsl((x - truth) / ldexpl(1, e - DBL_MANT_DIG));
+}
+
+static double
+third_power_of(double x)
+{
+    return rad_pow(x, 3.3);
+}
+
+static long double
+third_power_ofl(long double x)
+{
+    return powl(x, 3.3);
+}
+
+static double
+power_of_10000(double x)
+{
+    return rad_pow(x, 1e4);
+}
+
+static long double
+power_of_10000l(long double x)
+{
+    return powl(x, 1e4L);
+}
+
+static double
+angle_of(double x)
+{
+    return rad_atan2(x, -.3);
+}
+
+static long double
+angle_ofl(long double x)
+{
+    return atan2l(x, (long double)-.3);
+}
+
+static double
+length_of(double x)
+{
+    return rad_hypot(x, -.3e-160);
+}
+
+static long double
+length_ofl(long double x)
+{
+    return hypotl(x, (long double)-.3e-160);
+}
+
+static const struct {
+    double (*ours)(double);
+    long double (*truth)(long double); /* has 11 bits more on x86 */
+    double from, to;                   /* step by step, or by factors */
+    bool by_factors;
+    double units;
+} elementary[] = {
+    { rad_sin, sinl, -20, 20, false, 2 },
+    { rad_sin, sinl, 1e-300, 1.6e6, true, 2 },
+    { rad_cos, cosl, -20, 20, false, 2 },
+    { rad_cos, cosl, 1e-9, 1.6e6, true, 2 },
+    { rad_tan, tanl, -20, 20, false, 4 },
+    { rad_asin, asinl, -1, 1, false, 4 },
+    { rad_asin, asinl, 1e-300, 1, true, 4 },
+    { rad_acos, acosl, -1, 1, false, 4 },
+    { rad_atan, atanl, -3, 3, false, 2 },
+    { rad_atan, atanl, 1e-300, 1e300, true, 2 },
+    { angle_of, angle_ofl, -3, 3, false, 2 },
+    { angle_of, angle_ofl, 1e-30, 1e307, true, 2 },
+    { rad_exp, expl, -2, 2, false, 1 },
+    { rad_exp, expl, -745, 709.7, false, 1 },
+    { rad_log, logl, .5, 2, false, 1 },
+    { rad_log, logl, 5e-324, 1e308, true, 1 },
+    { rad_log10, log10l, 5e-324, 1e308, true, 1 },
+    { third_power_of, third_power_ofl, 1e-90, 1e90, true, 1 },
+    { power_of_10000, power_of_10000l, .94, 1.07, false, 1 },
+    { rad_cbrt, cbrtl, -9, 9, false, 1 },
+    { rad_cbrt, cbrtl, 5e-324, 1e308, true, 1 },
+    { length_of, length_ofl, 1e-170, 1e-150, true, 4 },
+    { length_of, length_ofl, 1e290, 1e308, true, 4 },
+};
+
+START_TEST(elementary_functions_are_those_of_libm)
+{
+    const int steps = 40009; /* a prime: no step is a round number */
+    double worst = 0, at = 0;
+
+    for (int i = 1; i < steps; i++) {
+        double share = (double)i / steps;
+        double from = elementary[_i].from, to = elementary[_i].to;
+        double x = elementary[_i].by_factors
+                       ? exp2(log2(from) + share * (log2(to) - log2(from)))
+                       : from + share * (to - from);
+        double off = units_off(elementary[_i].ours(x), elementary[_i].truth(x));
+
+        if (off > worst || isnan(off)) {
+            worst = off;
+            at = x;
+        }
+    }
+    ck_assert_msg(worst <= elementary[_i].units, "%g units at %.17g", worst,
+                  at);
+}
+END_TEST
+
+START_TEST(elementary_functions_end_as_those_of_libm)
+{
+    static const double odd[] = { 0, -0., 1,        -1,        2,   -2,
+                                  3, -3,  INFINITY, -INFINITY, NAN, .5 };
+
+    for (size_t i = 0; i < sizeof odd / sizeof *odd; i++) {
+        double x = odd[i];
+
+        ck_assert(rad_exp(x) == exp(x) || isnan(x) ||
+                  fabs(rad_exp(x) / exp(x) - 1) < 1e-15);
+        ck_assert(isnan(rad_log(x)) == isnan(log(x)));
+        ck_assert(isinf(rad_log(x)) == isinf(log(x)));
+        ck_assert(isnan(rad_sin(x)) == isnan(sin(x)));
+        ck_assert(isnan(rad_acos(x)) == isnan(acos(x)));
+        ck_assert(isnan(rad_cbrt(x)) == isnan(x));
+        for (size_t j = 0; j < sizeof odd / sizeof *odd; j++) {
+            double want = pow(x, odd[j]), have = rad_pow(x, odd[j]);
+
+            ck_assert_msg((isnan(want) && isnan(have)) || have == want ||
+                              fabs(have - want) <= 1e-15 * fabs(want),
+                          "%g to the power of %g: %g", x, odd[j], have);
+            ck_assert(signbit(want) == signbit(have) || isnan(want));
+        }
+    }
+    ck_assert(rad_pow(2, 1e300) == INFINITY && rad_pow(.5, 1e300) == 0);
+    ck_assert(rad_pow(1, 1e300) == 1 && rad_pow(-1, 1e300) == 1);
+    ck_assert(rad_log(1) == 0 && rad_exp(0) == 1 && rad_log10(1000) == 3);
+    ck_assert(rad_exp(710) == INFINITY && rad_exp(-746) == 0);
+    ck_assert_double_eq_tol(rad_cos(M_PI / 2), 6.123233995736766e-17, 1e-31);
+}
+END_TEST
+
 START_TEST(numbers_are_even_along_every_axis)
 {
     enum { N = 256 * 256 };
@@ -265,6 +415,9 @@ main(void)
     tcase_add_test(tc, exponential_is_as_good_as_float_holds);
     tcase_add_test(tc, frame_is_orthonormal);
     tcase_add_test(tc, angles_are_those_of_libm);
+    tcase_add_loop_test(tc, elementary_functions_are_those_of_libm, 0,
+                        sizeof elementary / sizeof *elementary);
+    tcase_add_test(tc, elementary_functions_end_as_those_of_libm);
     tcase_add_loop_test(tc, numbers_are_even_along_every_axis, 0, 4);
     tcase_add_loop_test(tc, help_is_as_wide_as_a_terminal, 0, N_ELEM(helps));
     suite_add_tcase(s, tc);

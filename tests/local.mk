@@ -409,6 +409,7 @@ dist_check_SCRIPTS += \
 	tests/e2e/manpages.sh \
 	tests/e2e/materials.sh \
 	tests/e2e/oversample_memory.sh \
+	tests/e2e/other_libm.sh \
 	tests/e2e/owners.sh \
 	tests/e2e/fetch_spoilt.sh \
 	tests/e2e/kept_jobs.sh \
@@ -489,6 +490,7 @@ TESTS += \
 	tests/e2e/manpages.sh \
 	tests/e2e/materials.sh \
 	tests/e2e/oversample_memory.sh \
+	tests/e2e/other_libm.sh \
 	tests/e2e/owners.sh \
 	tests/e2e/fetch_spoilt.sh \
 	tests/e2e/kept_jobs.sh \

@@ -1,6 +1,5 @@
 # what all of the renderer stands on: errors, memory, vectors, colour, options
 librad_a_SOURCES += \
-	src/base/angle.h \
 	src/base/arena.c \
 	src/base/arena.h \
 	src/base/bands.c \
@@ -9,7 +8,6 @@ librad_a_SOURCES += \
 	src/base/color.h \
 	src/base/error.c \
 	src/base/error.h \
-	src/base/expf.h \
 	src/base/files.c \
 	src/base/files.h \
 	src/base/help.c \

@@ -4,6 +4,7 @@
  * times the scale, so its inverse is its transpose over the scale's square. */
 #include "config.h"
 
+#include "arith/elementary.h"
 #include "base/xform.h"
 
 #include <math.h>
@@ -57,9 +58,9 @@ rotate(struct rad_xform *x, int axis, double deg)
     int j = (axis + 1) % 3, k = (axis + 2) % 3;
     double a = deg * (M_PI / 180);
 
-    x->m[j][j] = x->m[k][k] = cos(a);
-    x->m[j][k] = sin(a);
-    x->m[k][j] = -sin(a);
+    x->m[j][j] = x->m[k][k] = rad_cos(a);
+    x->m[j][k] = rad_sin(a);
+    x->m[k][j] = -rad_sin(a);
 }
 
 static void

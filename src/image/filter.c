@@ -9,6 +9,7 @@
 #include "config.h"
 
 #include "image/filter.h"
+#include "arith/elementary.h"
 #include "base/number.h"
 
 #include <math.h>
@@ -88,7 +89,7 @@ fill_tables(struct rad_filter *f)
     double flat = f->xratio * f->yratio * .25 / (RADIUS * RADIUS);
 
     for (int i = 0; i < TABLE; i++)
-        f->table[i] = (float)exp(-(i / STEPS <= flat ? flat : i / STEPS));
+        f->table[i] = (float)rad_exp(-(i / STEPS <= flat ? flat : i / STEPS));
     f->step[0] = 0;
     for (int e = 1; e < 256; e++)
         f->step[e] = ldexpf(1, e - 136);

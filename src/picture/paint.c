@@ -7,6 +7,7 @@
 #include "config.h"
 
 #include "picture/paint.h"
+#include "arith/elementary.h"
 #include "base/rng.h"
 #include "base/vec.h"
 #include "light/direct/source.h"
@@ -203,11 +204,11 @@ round_corners(const double centre[3], const double a[3], const double b[3],
               double (*p)[3])
 {
     const int n = RAD_PAINT_CORNERS;
-    double scale = sqrt(8 / (n * sin(2 * M_PI / n)));
+    double scale = sqrt(8 / (n * rad_sin(2 * M_PI / n)));
 
     for (int k = 0; k < n; k++) {
-        rad_madd(p[k], centre, scale * cos(2 * M_PI * k / n), a);
-        rad_madd(p[k], p[k], scale * sin(2 * M_PI * k / n), b);
+        rad_madd(p[k], centre, scale * rad_cos(2 * M_PI * k / n), a);
+        rad_madd(p[k], p[k], scale * rad_sin(2 * M_PI * k / n), b);
     }
     return n;
 }

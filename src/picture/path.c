@@ -3,6 +3,7 @@
 
 #include "picture/path.h"
 
+#include "arith/elementary.h"
 #include "base/rng.h"
 #include "base/vec.h"
 #include "trace/material.h"
@@ -93,15 +94,16 @@ rad_path_bounce(struct rad_ctx *ctx, const struct rad_ray *parent, uint64_t key,
                 int k, struct rad_ray *r)
 {
     double u = rad_rand(key, 2 * (uint32_t)k);
-    double phi = 2 * M_PI * rad_rand(key, 2 * (uint32_t)k + 1);
-    double a[3], b[3], w[3];
+    double a[3], b[3], w[3], sine, cosine;
 
     if (!rad_path_leave(ctx, parent, r))
         return false;
     rad_scale(w, parent->cos_o < 0 ? -1 : 1, parent->n);
     rad_frame(a, b, w);
+    rad_sin_and_cos(2 * M_PI * rad_rand(key, 2 * (uint32_t)k + 1), &sine,
+                    &cosine);
     rad_scale(r->dir, sqrt(1 - u), w);
-    rad_madd(r->dir, r->dir, sqrt(u) * cos(phi), a);
-    rad_madd(r->dir, r->dir, sqrt(u) * sin(phi), b);
+    rad_madd(r->dir, r->dir, sqrt(u) * cosine, a);
+    rad_madd(r->dir, r->dir, sqrt(u) * sine, b);
     return true;
 }

@@ -12,6 +12,7 @@
 #include "config.h"
 
 #include "picture/view.h"
+#include "arith/elementary.h"
 #include "base/vec.h"
 #include "base/number.h"
 
@@ -277,11 +278,11 @@ extent(char rule, double size)
 {
     switch (rule) {
     case 'v':
-        return 2 * tan(size * DEGREE / 2);
+        return 2 * rad_tan(size * DEGREE / 2);
     case 'h':
-        return 2 * sin(size * DEGREE / 2);
+        return 2 * rad_sin(size * DEGREE / 2);
     case 's':
-        return 2 * tan(size * DEGREE / 4);
+        return 2 * rad_tan(size * DEGREE / 4);
     case 'l':
         return size;
     default: /* along the arc */
@@ -385,8 +386,8 @@ angular(const struct rad_view *v, double x, double y, double dir[3])
     if (r > 1)
         return false;
     angle = 180 * DEGREE * r;
-    s = r > 0 ? sin(angle) / r : 0;
-    combine(v, cos(angle), x * s, y * s, dir);
+    s = r > 0 ? rad_sin(angle) / r : 0;
+    combine(v, rad_cos(angle), x * s, y * s, dir);
     return true;
 }
 
@@ -409,7 +410,7 @@ direction(const struct rad_view *v, double x, double y, double dir[3])
         return true;
     case 'c':
         d = x * v->horiz * DEGREE;
-        combine(v, cos(d), sin(d), y, dir);
+        combine(v, rad_cos(d), rad_sin(d), y, dir);
         return true;
     case 'a':
         return angular(v, x, y, dir);
@@ -453,8 +454,8 @@ lens_place(const struct rad_view *v, double diameter, const double u[3],
            bool thick, double p[3])
 {
     double r = diameter / 2 * sqrt(u[0]), phi = 2 * M_PI * u[1];
-    double right = r * cos(phi) / sqrt(rad_dot(v->hvec, v->hvec));
-    double up = r * sin(phi) / sqrt(rad_dot(v->vvec, v->vvec));
+    double right = r * rad_cos(phi) / sqrt(rad_dot(v->hvec, v->hvec));
+    double up = r * rad_sin(phi) / sqrt(rad_dot(v->vvec, v->vvec));
 
     rad_scale(p, thick ? M_PI / 4 * diameter * (.5 - u[2]) : 0, v->dir);
     rad_madd(p, p, right, v->hvec);
@@ -516,7 +517,7 @@ locate_fisheye(const struct rad_view *v, const double d[3], double pos[2])
     double s = sqrt(right * right + up * up); /* sine of the angle to dir */
 
     if (v->type == 'a') {
-        double angle = atan2(s, forward) / DEGREE;
+        double angle = rad_atan2(s, forward) / DEGREE;
         double scale = s > 0 ? angle / s : 0;
 
         pos[0] = right * scale / v->horiz;
@@ -560,7 +561,7 @@ locate_cylinder(const struct rad_view *v, const double disp[3], double pos[2])
 
     if (dist == 0)
         return RAD_VIEW_NOWHERE;
-    pos[0] = atan2(right, forward) / (v->horiz * DEGREE);
+    pos[0] = rad_atan2(right, forward) / (v->horiz * DEGREE);
     pos[1] = rad_dot(disp, v->vvec) / (dist * v->vn2);
     return clipped(v, dist);
 }

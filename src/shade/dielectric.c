@@ -6,6 +6,7 @@
 #include "config.h"
 
 #include "shade/dielectric.h"
+#include "arith/elementary.h"
 #include "base/vec.h"
 #include "shade/mist.h"
 
@@ -38,7 +39,7 @@ extinction(double transmission)
 {
     if (transmission < 1e-40)
         return 100;
-    return transmission >= 1 ? 0 : (float)-log(transmission);
+    return transmission >= 1 ? 0 : (float)-rad_log(transmission);
 }
 
 static struct rad_rgb

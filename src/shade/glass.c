@@ -2,6 +2,7 @@
 #include "config.h"
 
 #include "shade/glass.h"
+#include "arith/elementary.h"
 #include "base/vec.h"
 
 #define GLASS_INDEX 1.52 /* window glass, where no index is given */
@@ -40,7 +41,7 @@ rad_glass_prepare(struct rad_job *job, int32_t index,
         double tn = o->reals[job->primary[i]];
 
         m->clear |= tn > LEAST_TRANSMISSIVITY;
-        m->log_tn[i] = log(fmax(tn, LEAST_TRANSMISSIVITY));
+        m->log_tn[i] = rad_log(fmax(tn, LEAST_TRANSMISSIVITY));
     }
     m->index = o->nreals == 4 ? o->reals[3] : GLASS_INDEX;
     if (!(m->index > 0))
@@ -92,7 +93,7 @@ pane_fresnel(struct pane *p)
             R[i] = R[i - 1];
             continue;
         }
-        t = p->m->clear ? exp(p->m->log_tn[i] / cos_r) : 0;
+        t = p->m->clear ? rad_exp(p->m->log_tn[i] / cos_r) : 0;
         slab(rs * rs, t, &Ts, &Rs);
         slab(rp * rp, t, &Tp, &Rp);
         T[i] = .5 * (Ts + Tp);

@@ -23,7 +23,7 @@
 #include "config.h"
 
 #include "shade/mist.h"
-#include "base/expf.h"
+#include "arith/expf.h"
 #include "base/rng.h"
 #include "base/vec.h"
 #include "light/direct/source.h"

@@ -5,7 +5,7 @@
 #include "config.h"
 
 #include "trace/ray.h"
-#include "base/expf.h"
+#include "arith/expf.h"
 #include "base/rng.h"
 #include "base/vec.h"
 #include "trace/asks.h"

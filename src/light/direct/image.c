@@ -7,6 +7,7 @@
 #include "config.h"
 
 #include "light/direct/image.h"
+#include "arith/elementary.h"
 #include "base/vec.h"
 #include "scene/part.h"
 #include "light/direct/emitter.h"
@@ -136,11 +137,12 @@ spot_meets(const struct rad_source *root, const double aim[3],
            const double to[3], double radius)
 {
     double d = sqrt(rad_dot(to, to)), wide = radius + root->radius;
-    double half = acos(rad_most(1 - root->spot.omega / (2 * M_PI), -1));
+    double half = rad_acos(rad_most(1 - root->spot.omega / (2 * M_PI), -1));
 
     if (d <= wide)
         return true;
-    return acos(rad_least(rad_dot(aim, to) / d, 1)) <= half + asin(wide / d);
+    return rad_acos(rad_least(rad_dot(aim, to) / d, 1)) <=
+           half + rad_asin(wide / d);
 }
 
 /* The same for a source or image that is not far away, at `image`. */
@@ -340,7 +342,8 @@ set_spread(struct rad_virtual *v, const struct rad_source *root)
     if (!(root->flags & RAD_LIGHT_DISTANT))
         return;
     rad_bend_direction(b, root->centre, centre);
-    v->spread = asin(rad_least(v->spread / sqrt(rad_dot(centre, centre)), 1));
+    v->spread =
+        rad_asin(rad_least(v->spread / sqrt(rad_dot(centre, centre)), 1));
 }
 
 /* How far the places where a cone of half angle a about dir, whose cosine to
@@ -349,7 +352,7 @@ set_spread(struct rad_virtual *v, const struct rad_source *root)
 static double
 cone_slack(double c, double a)
 {
-    double least = c * cos(a) - sqrt(rad_most(1 - c * c, 0)) * sin(a);
+    double least = c * rad_cos(a) - sqrt(rad_most(1 - c * c, 0)) * rad_sin(a);
 
     return least > 0 ? 1 / least - 1 / c + a / least : INFINITY;
 }

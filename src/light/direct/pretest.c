@@ -6,6 +6,7 @@
 #include "config.h"
 
 #include "light/direct/image.h"
+#include "arith/elementary.h"
 #include "base/rng.h"
 #include "base/vec.h"
 
@@ -44,15 +45,15 @@ static void
 shrink_to_spot(struct rad_mirror *m, const struct rad_source *root,
                const struct rad_virtual *from, const double image[3], double h)
 {
-    double a = acos(rad_most(1 - root->spot.omega / (2 * M_PI), -1));
+    double a = rad_acos(rad_most(1 - root->spot.omega / (2 * M_PI), -1));
     double aim[3], cosine, b, radius;
 
     rad_virtual_turn(from, root->spot.aim, aim);
     cosine = -rad_dot(aim, m->normal);
-    b = acos(rad_most(rad_least(cosine, 1), -1));
+    b = rad_acos(rad_most(rad_least(cosine, 1), -1));
     if (a + b >= M_PI / 2)
         return;
-    radius = h * (tan(a + b) - tan(b)) + root->radius / cos(a + b);
+    radius = h * (rad_tan(a + b) - rad_tan(b)) + root->radius / rad_cos(a + b);
     if (!(radius < m->radius))
         return;
     m->radius = radius;

@@ -9,6 +9,7 @@
 
 #include "light/sample/polytree.h"
 #include "light/sample/sample.h"
+#include "arith/elementary.h"
 #include "base/vec.h"
 
 /* How far a quadrilateral's corners may be off a parallelogram's, relative to
@@ -199,7 +200,7 @@ distant_shape(struct rad_source *src, const struct rad_object *o)
     if (!(rad_normalize(src->centre) > 0) || !(o->reals[3] > 0))
         return 1;
     /* 2 pi (1 - cos) of half the angle, but without its cancellation */
-    src->radius = 2 * sin(M_PI / 720 * o->reals[3]);
+    src->radius = 2 * rad_sin(M_PI / 720 * o->reals[3]);
     src->size = M_PI * src->radius * src->radius;
     square_axes(src, src->centre, src->size);
     return 0;

@@ -8,6 +8,8 @@
 
 #include <math.h>
 
+#include "arith/elementary.h"
+
 /* Up to so many samples their share by -dc is in a table: a power for each
  * point that is lit takes longer than many a shadow ray. */
 #define RAD_FEW_SAMPLES 64
@@ -31,7 +33,7 @@ struct rad_sources {
 static inline int32_t
 rad_share_of(int32_t n, double certainty)
 {
-    return (int32_t)rad_least(n, pow(n, certainty) + .5);
+    return (int32_t)rad_least(n, rad_pow(n, certainty) + .5);
 }
 
 static inline double

@@ -32,6 +32,7 @@
 #include "light/indirect/bright.h"
 #include "light/indirect/gradient.h"
 #include "light/indirect/hemisphere.h"
+#include "arith/elementary.h"
 #include "base/vec.h"
 
 #include <stdatomic.h>
@@ -110,7 +111,7 @@ set_terms(const struct rad_ambient *amb, float weight, struct terms *t)
     double angle = M_PI / 18 + amb->scale.ambacc;
 
     if (weight < .6f)
-        angle = M_PI / 2 - (M_PI / 2 - angle) * pow((double)weight, .13);
+        angle = M_PI / 2 - (M_PI / 2 - angle) * rad_pow((double)weight, .13);
     t->weight = weight;
     t->max_angle = (float)angle;
     rad_ambfit_set(&t->fit, rad_most(1 - .5 * angle * angle, 0),
@@ -133,7 +134,7 @@ rad_ambient_new(const struct rad_job *job, struct rad_error *err)
     for (int k = 0; k < 3; k++)
         amb->org[k] = (lo[k] + hi[k] - amb->scale.side) / 2;
     for (int i = 0; i < USUAL_LEVELS; i++)
-        set_terms(amb, (float)pow(MEAN_REFLECTANCE, i), &amb->usual[i]);
+        set_terms(amb, (float)rad_pow(MEAN_REFLECTANCE, i), &amb->usual[i]);
     rad_ambread_init(&amb->read, amb->org, amb->scale.side);
     amb->cache = rad_ambcache_new(amb->org, amb->scale.side);
     if (amb->cache)
@@ -241,9 +242,9 @@ count_light(struct rad_ambient *amb, const struct rad_ambrec *rec)
 
     if (!(amb->job->params.ambvwt > 0 && lum > 0))
         return;
-    atomic_fetch_add_explicit(&amb->log_sum,
-                              (int64_t)floor(log(lum / M_PI) / LOG_UNIT + .5),
-                              memory_order_relaxed);
+    atomic_fetch_add_explicit(
+        &amb->log_sum, (int64_t)floor(rad_log(lum / M_PI) / LOG_UNIT + .5),
+        memory_order_relaxed);
     atomic_fetch_add_explicit(&amb->log_count, 1, memory_order_relaxed);
 }
 
@@ -395,7 +396,7 @@ is_walled_off(const struct rad_ambient *amb, const struct rad_ambplace *at,
               uint64_t *rays)
 {
     double n[3] = { (double)rec->n[0], (double)rec->n[1], (double)rec->n[2] };
-    double to[3], rise = tan(M_PI / 9);
+    double to[3], rise = rad_tan(M_PI / 9);
     struct rad_span span = { .tmin = 0 };
     struct rad_hit hit = { .err = at->err };
 
@@ -656,7 +657,7 @@ rad_ambient_covers(const struct rad_ambient *amb, const struct rad_ambrec *rec)
 static float
 record_weight(const struct rad_ambplace *at)
 {
-    double usual = pow(MEAN_REFLECTANCE, at->level);
+    double usual = rad_pow(MEAN_REFLECTANCE, at->level);
 
     return (float)(at->weight < .1 * usual ? LIGHT * usual : usual);
 }
@@ -792,11 +793,11 @@ constant_radiance(const struct rad_job *job)
     n = (double)atomic_load_explicit(&amb->log_count, memory_order_relaxed);
     if (!(n > 0))
         return av;
-    sum += n * log(1 - MEAN_REFLECTANCE);
+    sum += n * rad_log(1 - MEAN_REFLECTANCE);
     if (!(lum > 0))
-        return rad_grey((float)exp(sum / n));
-    sum += par->ambvwt * log(lum);
-    return rad_rgb_scale(av, (float)(exp(sum / (par->ambvwt + n)) / lum));
+        return rad_grey((float)rad_exp(sum / n));
+    sum += par->ambvwt * rad_log(lum);
+    return rad_rgb_scale(av, (float)(rad_exp(sum / (par->ambvwt + n)) / lum));
 }
 
 /* E at the place, interpolated or sampled; false: neither is possible, or there

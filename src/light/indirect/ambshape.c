@@ -4,6 +4,7 @@
 #include "light/indirect/ambshape.h"
 #include "light/indirect/gradient.h"
 #include "light/smooth/smooth.h"
+#include "arith/elementary.h"
 #include "base/vec.h"
 
 /* Records that pixels show stand as far apart as their zones are wide, but each
@@ -57,7 +58,7 @@ rad_ambscale_set(struct rad_ambscale *s, double side,
 double
 rad_ambrec_worth(const struct rad_ambrec *rec)
 {
-    return rec->weight * pow(LESS_BY_BOUNCE, rec->level);
+    return rec->weight * rad_pow(LESS_BY_BOUNCE, rec->level);
 }
 
 double
@@ -84,7 +85,7 @@ static double
 radius_of(const struct rad_ambscale *scale, double value)
 {
     value = fabs(value);
-    return value > 0 ? cbrt(scale->side * ERROR_UNIT / value) : INFINITY;
+    return value > 0 ? rad_cbrt(scale->side * ERROR_UNIT / value) : INFINITY;
 }
 
 /* The least radius, where the Hessian over E has no larger eigenvalue. */
@@ -140,7 +141,7 @@ find_corral(const struct rad_hemi *h, const double axis[2], const double r[2],
      * last, are up to two spans that none went into */
     double span = M_PI / 2 / h->n, half = 2 * span;
     int n = h->n, quarter = n / 4;
-    double wide[2] = { r[0] / cos(span), r[1] / cos(span) };
+    double wide[2] = { r[0] / rad_cos(span), r[1] / rad_cos(span) };
     uint32_t bins = 0;
 
     for (int i = quarter; i < n - quarter; i++)
@@ -156,8 +157,9 @@ find_corral(const struct rad_hemi *h, const double axis[2], const double r[2],
 
             if (!is_inside(c, u, v, wide))
                 continue;
-            int from = (int)floor((atan2(v, u) - half) * (16 / M_PI));
-            int to = (int)floor((atan2(v, u) + half) * (16 / M_PI));
+            double at = rad_atan2(v, u);
+            int from = (int)floor((at - half) * (16 / M_PI));
+            int to = (int)floor((at + half) * (16 / M_PI));
 
             for (int bin = from; bin <= to; bin++)
                 bins |= UINT32_C(1) << (bin & 31);
@@ -218,7 +220,7 @@ rad_ambrec_shape(const struct rad_ambscale *scale, const struct rad_hemi *h,
     }
     limit_radii(scale, gpos, least, rad_ambrec_worth(rec), r);
     /* over the zone E may double, not more */
-    double swing = hypot(gpos[0] * r[0], gpos[1] * r[1]);
+    double swing = rad_hypot(gpos[0] * r[0], gpos[1] * r[1]);
     double cap = swing > 1 ? 1 / swing : 1;
 
     for (int k = 0; k < 3; k++)

@@ -2,7 +2,7 @@
 #include "config.h"
 
 #include "light/indirect/bright.h"
-#include "base/angle.h"
+#include "arith/angle.h"
 #include "base/rng.h"
 #include "base/vec.h"
 

@@ -14,7 +14,8 @@
 #include "config.h"
 
 #include "light/indirect/gradient.h"
-#include "base/angle.h"
+#include "arith/angle.h"
+#include "arith/elementary.h"
 #include "base/vec.h"
 
 /* An edge whose line passes this close to the point, relative to its distance,
@@ -265,13 +266,12 @@ void
 rad_eigen2(const double m[3], double value[2], double vec[2])
 {
     double mean = (m[0] + m[2]) / 2, half = (m[0] - m[2]) / 2;
-    double root = hypot(half, m[1]), sign = mean < 0 ? -1 : 1;
-    double angle = atan2(m[1], half) / 2; /* of the larger eigenvalue */
+    double root = rad_hypot(half, m[1]), sign = mean < 0 ? -1 : 1;
+    double angle = rad_atan2(m[1], half) / 2; /* of the larger eigenvalue */
 
     value[0] = mean + sign * root;
     value[1] = mean - sign * root;
     if (sign < 0)
         angle += M_PI / 2;
-    vec[0] = cos(angle);
-    vec[1] = sin(angle);
+    rad_sin_and_cos(angle, &vec[1], &vec[0]);
 }

@@ -15,7 +15,8 @@
 
 #include "light/indirect/hemisphere.h"
 #include "light/indirect/bright.h"
-#include "base/angle.h"
+#include "arith/angle.h"
+#include "arith/elementary.h"
 #include "base/rng.h"
 #include "base/vec.h"
 
@@ -323,12 +324,13 @@ static void
 set_frame(struct sampler *s)
 {
     struct rad_hemi *h = s->h;
-    double phi = 2 * M_PI * rad_rand(s->key, DIM_TURN), a[3], b[3];
+    double a[3], b[3], sine, cosine;
 
+    rad_sin_and_cos(2 * M_PI * rad_rand(s->key, DIM_TURN), &sine, &cosine);
     rad_copy(h->w, s->plan->normal);
     rad_frame(a, b, h->w);
-    rad_scale(h->u, cos(phi), a);
-    rad_madd(h->u, h->u, sin(phi), b);
+    rad_scale(h->u, cosine, a);
+    rad_madd(h->u, h->u, sine, b);
     rad_cross(h->v, h->w, h->u);
 }
 

@@ -15,6 +15,7 @@
 #include "config.h"
 
 #include "light/sample/contour.h"
+#include "arith/elementary.h"
 #include "base/vec.h"
 
 /* B / A below which the integral of cos is summed as a series: what is left out
@@ -30,7 +31,7 @@ rad_contour_edge(double F[3], const double a[3], const double b[3])
     sine = rad_normalize(c);
     if (!(sine > 0))
         return; /* seen from along the edge */
-    angle = atan2(sine, rad_dot(a, b));
+    angle = rad_atan2(sine, rad_dot(a, b));
     rad_madd(F, F, angle / 2, c);
 }
 
@@ -43,7 +44,8 @@ inverse(double A, double B, double t)
     double half = t / 2 - M_PI * turns;
 
     return 2 / root *
-           (atan2(sqrt(A - B) * sin(half), sqrt(A + B) * cos(half)) +
+           (rad_atan2(sqrt(A - B) * rad_sin(half),
+                      sqrt(A + B) * rad_cos(half)) +
             M_PI * turns);
 }
 
@@ -56,10 +58,10 @@ cosine(double A, double B, double t)
     if (x > NEARLY_ROUND)
         return (t - A * inverse(A, B, t)) / B;
     /* of cos, cos^2, cos^3, cos^4 in turn */
-    s = sin(t);
+    s = rad_sin(t);
     s3 = s - s * s * s / 3;
-    c2 = t / 2 + sin(2 * t) / 4;
-    c4 = 3 * t / 8 + sin(2 * t) / 4 + sin(4 * t) / 32;
+    c2 = t / 2 + rad_sin(2 * t) / 4;
+    c4 = 3 * t / 8 + rad_sin(2 * t) / 4 + rad_sin(4 * t) / 32;
     return (s - x * (c2 - x * (s3 - x * c4))) / A;
 }
 
@@ -79,15 +81,16 @@ rad_contour_arc(double F[3], const double c[3], const double normal[3],
     rad_cross(e2, normal, e1);
     A = rad_dot(c, c) + radius * radius;
     B = 2 * radius * q;
-    at = atan2(rad_dot(middle, e2), rad_dot(middle, e1));
+    at = rad_atan2(rad_dot(middle, e2), rad_dot(middle, e1));
     from = at - delta;
     to = at + delta;
     rad_cross(w1, c, e1);
     rad_cross(w2, c, e2);
     double one = inverse(A, B, to) - inverse(A, B, from);
     double cos_part = cosine(A, B, to) - cosine(A, B, from);
-    double sin_part = B > 0 ? -log((A + B * cos(to)) / (A + B * cos(from))) / B
-                            : (cos(from) - cos(to)) / A;
+    double sin_part =
+        B > 0 ? -rad_log((A + B * rad_cos(to)) / (A + B * rad_cos(from))) / B
+              : (rad_cos(from) - rad_cos(to)) / A;
     double k = -sign * radius / 2;
 
     rad_madd(F, F, k * cos_part, w2);

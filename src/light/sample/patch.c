@@ -167,7 +167,8 @@ arc_corners(const struct rad_source *src, const struct rad_light_view *view,
             const struct rad_patch *p, double radius, double side,
             double v[][3])
 {
-    double step = 2 * p->delta / CHORDS, r = radius * sqrt(step / sin(step));
+    double step = 2 * p->delta / CHORDS,
+           r = radius * sqrt(step / rad_sin(step));
 
     for (int i = 0; i <= CHORDS; i++) {
         rad_ring_point(src, r, p->phi + side * (p->delta - i * step), v[i]);

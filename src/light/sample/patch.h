@@ -10,6 +10,7 @@
 
 #include "light/sample/polytree.h"
 #include "light/sample/sample.h"
+#include "arith/elementary.h"
 #include "base/vec.h"
 
 #include <math.h>
@@ -33,11 +34,12 @@ struct rad_patch {
 static inline void
 rad_ring_point(const struct rad_source *src, double r, double phi, double p[3])
 {
-    double x = r * cos(phi), y = r * sin(phi);
+    double x, y;
 
     /* the axes' length is that of the square that stands for the ring */
-    double s = 1 / sqrt(rad_dot(src->axis[0], src->axis[0]));
+    double s = r / sqrt(rad_dot(src->axis[0], src->axis[0]));
 
+    rad_sin_and_cos(phi, &y, &x);
     for (int k = 0; k < 3; k++)
         p[k] = src->centre[k] + s * (x * src->axis[0][k] + y * src->axis[1][k]);
 }

@@ -24,6 +24,7 @@
 #include "light/sample/contour.h"
 #include "light/sample/patch.h"
 #include "light/sample/quad.h"
+#include "arith/elementary.h"
 #include "base/rng.h"
 #include "base/vec.h"
 
@@ -70,8 +71,8 @@ static void
 sector_moments(struct rad_moments *m, const struct rad_source *src,
                const struct rad_patch *p)
 {
-    double sinc = p->delta < M_PI ? sin(p->delta) / p->delta : 0;
-    double cos2 = (1 + cos(p->delta) * sinc) / 2; /* sin 2d / 4d */
+    double sinc = p->delta < M_PI ? rad_sin(p->delta) / p->delta : 0;
+    double cos2 = (1 + rad_cos(p->delta) * sinc) / 2; /* sin 2d / 4d */
     double r2 = (p->r0 * p->r0 + p->r1 * p->r1) / 2;
     double rc = 2. / 3 * sinc * (p->r1 + p->r0 * p->r0 / (p->r1 + p->r0));
     double along[3], across[3];
@@ -443,7 +444,7 @@ line_flux(struct rad_light_sample *s, const struct walk *w,
           double h)
 {
     const double *view = w->view->p;
-    double r = w->src->r1, delta = acos(r / h),
+    double r = w->src->r1, delta = rad_acos(r / h),
            half = sqrt(rad_dot(p->u, p->u));
     double F[3] = { 0, 0, 0 }, to[3], near[3], side[3], end[2][3],
            line[2][2][3];
@@ -457,8 +458,8 @@ line_flux(struct rad_light_sample *s, const struct walk *w,
         rad_madd(end[e], to, e ? half : -half, axis);
         rad_contour_arc(F, end[e], axis, r, near, delta, e ? 1 : -1);
         for (int k = 0; k < 2; k++) {
-            rad_madd(line[k][e], end[e], r * cos(delta), near);
-            rad_madd(line[k][e], line[k][e], (k ? 1 : -1) * r * sin(delta),
+            rad_madd(line[k][e], end[e], r * rad_cos(delta), near);
+            rad_madd(line[k][e], line[k][e], (k ? 1 : -1) * r * rad_sin(delta),
                      side);
         }
     }
@@ -617,14 +618,15 @@ sphere_sample(struct walk *w)
         return; /* inside */
     if (view->jitter > 0) {
         double r = view->jitter * sin_max * sqrt(next_rand(w));
-        double phi = 2 * M_PI * next_rand(w);
+        double s_phi, c_phi;
 
+        rad_sin_and_cos(2 * M_PI * next_rand(w), &s_phi, &c_phi);
         cosine = sqrt(1 - r * r);
         rad_copy(to, s.aim);
         rad_frame(u, v, to);
         rad_scale(s.aim, cosine, to);
-        rad_madd(s.aim, s.aim, r * cos(phi), u);
-        rad_madd(s.aim, s.aim, r * sin(phi), v);
+        rad_madd(s.aim, s.aim, r * c_phi, u);
+        rad_madd(s.aim, s.aim, r * s_phi, v);
     }
     rad_copy(s.dir, s.aim);
     /* -ds and the reach of a glow measure to the centre */
@@ -643,12 +645,13 @@ distant_sample(struct walk *w)
     if (jit > 0) {
         /* even in solid angle */
         double h = jit * jit * next_rand(w) * src->size / (2 * M_PI);
-        double phi = 2 * M_PI * next_rand(w), r = sqrt(h * (2 - h));
+        double s_phi, c_phi, r = sqrt(h * (2 - h));
 
+        rad_sin_and_cos(2 * M_PI * next_rand(w), &s_phi, &c_phi);
         rad_frame(u, v, src->centre);
         rad_scale(s.aim, 1 - h, src->centre);
-        rad_madd(s.aim, s.aim, r * cos(phi), u);
-        rad_madd(s.aim, s.aim, r * sin(phi), v);
+        rad_madd(s.aim, s.aim, r * c_phi, u);
+        rad_madd(s.aim, s.aim, r * s_phi, v);
     }
     rad_copy(s.dir, s.aim);
     /* the focus of a spotlight at infinity makes no difference */

@@ -2,6 +2,7 @@
 #include "config.h"
 
 #include "light/sample/spot.h"
+#include "arith/elementary.h"
 #include "base/vec.h"
 
 bool
@@ -12,7 +13,7 @@ rad_spot_init(struct rad_spot *spot, const double reals[7])
     rad_copy(spot->aim, reals + 4);
     spot->focal_length = rad_normalize(spot->aim);
     /* half the angle, in radians */
-    spot->omega = 2 * M_PI * (1 - cos(M_PI / 360 * reals[3]));
+    spot->omega = 2 * M_PI * (1 - rad_cos(M_PI / 360 * reals[3]));
     return spot->focal_length > 0;
 }
 

@@ -16,6 +16,8 @@
 #include <string.h>
 #include <strings.h>
 
+#include "arith/elementary.h"
+
 #define NEGLIGIBLE (.01 / M_PI) /* a Lambertian rest below this is none */
 
 struct basis {
@@ -97,7 +99,7 @@ find_patch(const struct rings *b, double x, double y, double z)
         return -1;
     if (b->nphis[ring] == 1)
         return b->first[ring];
-    phi = atan2(y, x) / (2 * M_PI);
+    phi = rad_atan2(y, x) / (2 * M_PI);
     at = (int)((phi < 0 ? phi + 1 : phi) * b->nphis[ring] + .5);
     return b->first[ring] + (at >= b->nphis[ring] ? 0 : at);
 }
@@ -133,7 +135,7 @@ find_ring(const struct basis *b, int *patch)
 static double
 cos_squared(double degrees)
 {
-    double c = cos(degrees * (M_PI / 180));
+    double c = rad_cos(degrees * (M_PI / 180));
 
     return c * c;
 }
@@ -160,7 +162,7 @@ prepare_rings(struct rings *r, const struct basis *b)
 
     r->n = b->nrings;
     for (int i = 0; i < b->nrings; i++) {
-        r->lower[i] = cos(b->ring[i + 1].theta * (M_PI / 180));
+        r->lower[i] = rad_cos(b->ring[i + 1].theta * (M_PI / 180));
         r->nphis[i] = b->ring[i].nphis;
         r->size[i] = patch_size(b, first);
         r->first[i] = first;
@@ -193,8 +195,8 @@ patch_direction(const struct basis *b, int patch, double t, double v[3])
          p[0] * cos_squared(b->ring[ring + 1].theta);
     phi = 2 * M_PI * (patch + p[1] - .5) / b->ring[ring].nphis;
     s = sqrt(fmax(1 - c2, 0));
-    v[0] = cos(phi) * s;
-    v[1] = sin(phi) * s;
+    v[0] = rad_cos(phi) * s;
+    v[1] = rad_sin(phi) * s;
     v[2] = sqrt(c2);
 }
 

@@ -10,6 +10,8 @@
 #include <math.h>
 #include <string.h>
 
+#include "arith/elementary.h"
+
 #define TINY 1e-6 /* keeps the rim of isotropic trees off the middle */
 
 /* --- finding the way -------------------------------------------------------
@@ -139,8 +141,8 @@ to_disk(const double sq[2], double *x, double *y)
         r = a < b ? -a : -b;
         phi = a < b ? 4 + b / a : b != 0 ? 6 - a / b : 0;
     }
-    *x = r * cos(phi * (M_PI / 4));
-    *y = r * sin(phi * (M_PI / 4));
+    *x = r * rad_cos(phi * (M_PI / 4));
+    *y = r * rad_sin(phi * (M_PI / 4));
 }
 
 /* The isotropic coordinate of light from v. */

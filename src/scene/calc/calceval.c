@@ -12,6 +12,8 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "arith/elementary.h"
+
 #define MAX_VALUES    (4 * RAD_MAX_CALC_DEPTH)
 #define MAX_RETURNS   (4 * RAD_MAX_CALC_DEPTH)
 #define LARGEST_WHOLE 16 /* power that is multiplied out */
@@ -378,7 +380,7 @@ power(double a, double b)
     double product = 1;
 
     if (n == 0 || n != b)
-        return pow(a, b);
+        return rad_pow(a, b);
     for (int k = n < 0 ? -n : n; k > 0; k >>= 1, a *= a)
         if (k & 1)
             product *= a;

@@ -16,6 +16,8 @@
 
 #include <math.h>
 
+#include "arith/elementary.h"
+
 #define DEGREES (180 / M_PI)
 
 /* Where the sizes are among the real arguments. */
@@ -80,7 +82,7 @@ correct(double v, int kind, const struct rad_calc_input *in,
 static double
 azimuth(const double *c, double period, enum rad_calc_fault *fault)
 {
-    double phi = atan2(-c[D + 1], -c[D]) * DEGREES;
+    double phi = rad_atan2(-c[D + 1], -c[D]) * DEGREES;
 
     if (phi < 0)
         phi += 360;
@@ -110,7 +112,7 @@ rad_calc_luminaire(enum luminaire which, const double *v,
     case LUMINAIRE_CORR:
         return correct(v[0], (int)fmin(fmax(v[1] + .5, -1), 1000), in, fault);
     case LUMINAIRE_THETA:
-        return acos(fmin(fmax(in->channel[D + 2], -1), 1)) * DEGREES;
+        return rad_acos(fmin(fmax(in->channel[D + 2], -1), 1)) * DEGREES;
     default:
         return azimuth(in->channel, v[0], fault);
     }

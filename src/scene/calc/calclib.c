@@ -12,6 +12,8 @@
 #include <math.h>
 #include <string.h>
 
+#include "arith/elementary.h"
+
 #define STEP .0005 /* of slopes, and of the finest cube */
 
 const struct library rad_calc_library[] = {
@@ -282,29 +284,29 @@ rad_calc_library_value(int id, const double *v, const struct rad_calc_input *in,
     case LIB_SQRT:
         return sqrt(v[0]);
     case LIB_SIN:
-        return sin(v[0]);
+        return rad_sin(v[0]);
     case LIB_COS:
-        return cos(v[0]);
+        return rad_cos(v[0]);
     case LIB_TAN:
-        return tan(v[0]);
+        return rad_tan(v[0]);
     case LIB_ASIN:
-        return asin(v[0]);
+        return rad_asin(v[0]);
     case LIB_ACOS:
-        return acos(v[0]);
+        return rad_acos(v[0]);
     case LIB_ATAN:
-        return atan(v[0]);
+        return rad_atan(v[0]);
     case LIB_ATAN2:
-        return atan2(v[1], v[0]);
+        return rad_atan2(v[1], v[0]);
     case LIB_FLOOR:
         return floor(v[0]);
     case LIB_CEIL:
         return ceil(v[0]);
     case LIB_EXP:
-        return exp(v[0]);
+        return rad_exp(v[0]);
     case LIB_LOG:
-        return log(v[0]);
+        return rad_log(v[0]);
     case LIB_LOG10:
-        return log10(v[0]);
+        return rad_log10(v[0]);
     case LIB_ERF:
         return erf(v[0]);
     case LIB_ERFC:

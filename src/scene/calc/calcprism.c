@@ -15,6 +15,8 @@
 
 #include <math.h>
 
+#include "arith/elementary.h"
+
 /* Surfaces met, one behind the other and in all; what is more is lost. */
 #define MAX_MET  4096
 #define MAX_DEEP 100
@@ -234,7 +236,7 @@ come_out(struct prism *m, const struct beam *r)
 
     if (!(r->energy > m->pane.least))
         return;
-    angle = atan2(r->v[1], r->v[0]);
+    angle = rad_atan2(r->v[1], r->v[0]);
     for (int i = 0; i < m->out->n; i++) {
         struct prism_ray *o = &m->out->ray[i];
 
@@ -345,7 +347,8 @@ static void
 order(struct prism_rays *out, const double *source, double angle)
 {
     for (int j = 0; source && j < out->n; j++)
-        if (!(apart(out->ray[j].angle, atan2(source[1], source[0])) <= angle))
+        if (!(apart(out->ray[j].angle, rad_atan2(source[1], source[0])) <=
+              angle))
             out->ray[j].energy = 0;
     for (int j = 0; j < out->n; j++)
         for (int i = j + 1; i < out->n; i++)
@@ -360,7 +363,7 @@ order(struct prism_rays *out, const double *source, double angle)
 static void
 set_axis(double axis[2], double base, double rise)
 {
-    double len = hypot(base, rise);
+    double len = rad_hypot(base, rise);
 
     axis[0] = base / len;
     axis[1] = rise / len;

@@ -2,6 +2,7 @@
 #include "config.h"
 
 #include "shade/gloss/ashik.h"
+#include "arith/elementary.h"
 #include "base/rng.h"
 #include "base/vec.h"
 #include "light/indirect/ambient.h"
@@ -73,7 +74,7 @@ lobe(const struct ashik_hit *hit, const double ldir[3], double cos_l)
         return 0;
     lean = hu * hu + hv * hv;
     power = lean > 0 ? (hit->nu * hu * hu + hit->nv * hv * hv) / lean : 0;
-    return sqrt((hit->nu + 1) * (hit->nv + 1)) * pow(hn, power) /
+    return sqrt((hit->nu + 1) * (hit->nv + 1)) * rad_pow(hn, power) /
            (8 * M_PI * rad_dot(ldir, h) * rad_most(cos_l, hit->cos_n));
 }
 
@@ -139,12 +140,13 @@ draw_reflection(const struct ashik_hit *hit, int i, int trial, double dir[3])
     double x[2], a, b, len, cosine, sine, h[3];
 
     rad_gloss_square(r, RAD_DIM_RSPECULAR, i, trial, x);
-    a = sqrt(hit->nv + 1) * cos(2 * M_PI * x[0]);
-    b = sqrt(hit->nu + 1) * sin(2 * M_PI * x[0]);
+    rad_sin_and_cos(2 * M_PI * x[0], &b, &a);
+    a *= sqrt(hit->nv + 1);
+    b *= sqrt(hit->nu + 1);
     len = sqrt(a * a + b * b);
     a /= len;
     b /= len;
-    cosine = pow(1 - x[1], 1 / (hit->nu * a * a + hit->nv * b * b + 1));
+    cosine = rad_pow(1 - x[1], 1 / (hit->nu * a * a + hit->nv * b * b + 1));
     sine = sqrt(rad_most(1 - cosine * cosine, 0));
     rad_scale(h, cosine, hit->norm);
     rad_madd(h, h, a * sine, hit->u);

@@ -2,6 +2,7 @@
 #include "config.h"
 
 #include "shade/gloss/gloss.h"
+#include "arith/elementary.h"
 #include "base/rng.h"
 #include "base/vec.h"
 #include "trace/material.h"
@@ -21,7 +22,7 @@ rad_gloss_brdf(const struct rad_gloss *g, const double ldir[3], double spread)
     hv = rad_dot(h, g->v);
     hn2 = rad_dot(h, g->norm);
     hn2 *= hn2;
-    return exp(-(hu * hu / au2 + hv * hv / av2) / hn2) * rad_dot(h, h) /
+    return rad_exp(-(hu * hu / au2 + hv * hv / av2) / hn2) * rad_dot(h, h) /
            (M_PI * hn2 * hn2 * sqrt(au2 * av2));
 }
 
@@ -41,7 +42,8 @@ rad_gloss_btdf(const struct rad_gloss *g, const double ahead[3], double cos_n,
     along = du * du + dv * dv;
     if (along > 0)
         e = rad_dot(d, d) * (du * du / au2 + dv * dv / av2) / along;
-    return exp(-e) / M_PI * sqrt(-rad_dot(g->norm, ldir) / (cos_n * au2 * av2));
+    return rad_exp(-e) / M_PI *
+           sqrt(-rad_dot(g->norm, ldir) / (cos_n * au2 * av2));
 }
 
 /* --- samples -------------------------------------------------------------- */
@@ -88,12 +90,13 @@ draw_tilt(const struct rad_gloss *g, uint32_t dim, int i, int trial,
           double tilt[3])
 {
     double jitter = g->ctx->job->params.specjitter;
-    double x[2], len;
+    double x[2], len, s, c;
 
     rad_gloss_square(g->r, dim, i, trial, x);
-    len = sqrt(-log(1 - x[1] * rad_least(jitter, 1)));
-    rad_scale(tilt, len * cos(2 * M_PI * x[0]) * g->au, g->u);
-    rad_madd(tilt, tilt, len * sin(2 * M_PI * x[0]) * g->av, g->v);
+    rad_sin_and_cos(2 * M_PI * x[0], &s, &c);
+    len = sqrt(-rad_log(1 - x[1] * rad_least(jitter, 1)));
+    rad_scale(tilt, len * c * g->au, g->u);
+    rad_madd(tilt, tilt, len * s * g->av, g->v);
 }
 
 /* Cosine of dir to the surface, on the side that the ray comes from. */

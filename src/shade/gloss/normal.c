@@ -9,6 +9,7 @@
 #include "config.h"
 
 #include "shade/gloss/normal.h"
+#include "arith/elementary.h"
 #include "base/vec.h"
 #include "light/indirect/ambient.h"
 #include "light/direct/source.h"
@@ -78,7 +79,7 @@ rad_normal_prepare(struct rad_job *job, int32_t index,
 static double
 fresnel_rise(double cos_i)
 {
-    return rad_most(exp(-5.85 * cos_i) - 0.00287989916, 0); /* exp(-5.85) */
+    return rad_most(rad_exp(-5.85 * cos_i) - 0.00287989916, 0); /* exp(-5.85) */
 }
 
 static struct rad_rgb
@@ -116,7 +117,8 @@ reflect_lobe(const struct normal_hit *hit, const double ldir[3], double omega)
     hh = rad_dot(h, h);
     if (hh - hn2 > LOBE_END * hn2 * alpha2 && alpha2 < 1e6)
         return 0;
-    return exp(-(hh - hn2) / hn2 / alpha2) * hh / (M_PI * hn2 * hn2 * alpha2);
+    return rad_exp(-(hh - hn2) / hn2 / alpha2) * hh /
+           (M_PI * hn2 * hn2 * alpha2);
 }
 
 /* Ward's Gaussian about the straight way on. */
@@ -127,7 +129,7 @@ transmit_lobe(const struct normal_hit *hit, const double ldir[3], double omega,
     double alpha2 = hit->m->alpha2 + omega / M_PI;
     double two_sin2 = 2 - 2 * rad_dot(hit->ahead, ldir);
 
-    return exp(-two_sin2 / alpha2) / (M_PI * alpha2) *
+    return rad_exp(-two_sin2 / alpha2) / (M_PI * alpha2) *
            sqrt(-cos_l / hit->cos_n);
 }
 

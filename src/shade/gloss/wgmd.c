@@ -5,6 +5,7 @@
 #include "config.h"
 
 #include "shade/gloss/wgmd.h"
+#include "arith/elementary.h"
 #include "base/vec.h"
 #include "light/indirect/ambient.h"
 #include "light/direct/source.h"
@@ -230,7 +231,7 @@ is_bright_mirror(const struct wgmd_hit *hit)
 static double
 fresnel_rise(double cos_i)
 {
-    return exp(-5.85 * cos_i) - 0.00202943064;
+    return rad_exp(-5.85 * cos_i) - 0.00202943064;
 }
 
 static void

@@ -6,8 +6,8 @@
  * The polynomials interpolate at the Chebyshev nodes of their range, which was
  * worked out with 60 digits: what they leave out is below 2^-55 of the result,
  * so rounding is all of the error. */
-#ifndef RAD_BASE_ANGLE_H
-#define RAD_BASE_ANGLE_H
+#ifndef RAD_ARITH_ANGLE_H
+#define RAD_ARITH_ANGLE_H
 
 #include <math.h>
 

@@ -6,8 +6,8 @@
  * is 2^k times the Taylor series of exp(f ln 2).  Seven powers leave out less
  * than (ln 2 / 2)^8 / 8! = 5.2e-9 of it, the tenth part of what rounding to
  * float does. */
-#ifndef RAD_BASE_EXPF_H
-#define RAD_BASE_EXPF_H
+#ifndef RAD_ARITH_EXPF_H
+#define RAD_ARITH_EXPF_H
 
 #include <stdint.h>
 #include <string.h>
