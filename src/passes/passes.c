@@ -386,8 +386,9 @@ trace_colours(const struct patch *p, struct rad_pass_colours *out)
         out->n = 0;
 }
 
-/* The context is left as it was: what it blocked last decides how many tests
- * the next rays take. */
+/* What somebody sees for a while is worth no good records, which would cost far
+ * more than the rest of the look.  The context is left as it was: what it
+ * blocked last decides how many tests the next rays take. */
 static void
 look(const struct patch *p, struct rad_pass_colours *out)
 {
@@ -399,7 +400,9 @@ look(const struct patch *p, struct rad_pass_colours *out)
     struct rad_counts counts = ctx->counts;
 
     if (blocker) {
+        ctx->glance = true;
         trace_colours(p, out);
+        ctx->glance = false;
         memcpy(ctx->last_blocker, blocker, n);
     }
     ctx->counts = counts;
@@ -440,7 +443,7 @@ rad_passes_make(const struct rad_passes *p, struct rad_ctx *ctx, uint32_t tile,
     whole = !is_set(stop) && !own.failed;
     if (whole)
         hand_on(&own, fn, arg);
-    if (whole && colours && rad_pass_shows(&p->pass)) /* may make records */
+    if (whole && colours && rad_pass_shows(&p->pass))
         look(&patch, colours);
     rad_ambtile_end(&own, ctx);
     return whole;

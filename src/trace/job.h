@@ -143,6 +143,7 @@ struct rad_ctx {
     struct rad_ambtile *tile;  /* ambient records that it makes; NULL: they go
                                 * into the job's cache (light/indirect) */
     bool no_direct; /* only indirect light is wanted of what a pixel shows */
+    bool glance;    /* indirect light need not be good */
     bool fresh; /* what a pixel shows of indirect light is sampled for it alone,
                  * whatever the cache has */
     int32_t

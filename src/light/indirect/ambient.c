@@ -55,6 +55,9 @@
  * tile that lacks them. */
 #define DEEP_REACH 1.25
 
+/* For a glance hemispheres are so much coarser where no record is near. */
+#define GLANCE_SHARE (1. / 16)
+
 /* The least weight of records beyond -aa that serve. */
 #define LEAST_FAR_WEIGHT 1e-3
 
@@ -680,6 +683,8 @@ make_record(struct rad_ctx *ctx, const struct rad_ray *r,
     plan.weight = rad_ambrec_worth(&rec);
     if (amb->frozen && !ctx->tile)
         plan.weight *= ALONE_SHARE;
+    if (ctx->glance)
+        plan.weight *= GLANCE_SHARE;
     plan.side = at->level > 0 ? SIDE_DEEP : SIDE_SHOWN;
     plan.coef = rad_grey((float)MEAN_REFLECTANCE);
     plan.far = FAR_SIDES * amb->scale.side;
@@ -819,7 +824,7 @@ irradiance(struct rad_ctx *ctx, const struct rad_ray *r,
     s.asks = ctx->tile && ctx->no_direct && is_due(&s);
     if (!ctx->fresh || at->level > 0)
         search_all(&s);
-    if (!serves(&s))
+    if (!serves(&s) && !(ctx->glance && s.weight > LEAST_FAR_WEIGHT))
         return make_record(ctx, r, at, behind, E);
     if (s.asks)
         return false;
