@@ -414,6 +414,7 @@ dist_check_SCRIPTS += \
 	tests/e2e/fetch_spoilt.sh \
 	tests/e2e/kept_jobs.sh \
 	tests/e2e/launch.sh \
+	tests/e2e/launch_real.sh \
 	tests/e2e/radctl_check.sh \
 	tests/e2e/state_damage.sh \
 	tests/e2e/radctl_here.sh \
@@ -495,6 +496,7 @@ TESTS += \
 	tests/e2e/fetch_spoilt.sh \
 	tests/e2e/kept_jobs.sh \
 	tests/e2e/launch.sh \
+	tests/e2e/launch_real.sh \
 	tests/e2e/radctl_check.sh \
 	tests/e2e/state_damage.sh \
 	tests/e2e/radctl_here.sh \
