@@ -9,7 +9,7 @@
 
 #include "proto/msg_work.h"
 
-#define MSG_MOST_PASSES 644        /* of a job, in all its stages */
+#define MSG_MOST_PASSES 2400       /* of a job, in all its stages */
 #define MSG_MOST_TILES  (1u << 21) /* of a pass */
 
 /* Most record bytes of a tile; what a tile makes beyond them is not kept. */

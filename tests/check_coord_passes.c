@@ -734,7 +734,7 @@ END_TEST
 /* What no coordinator has memory for, and no message a number. */
 START_TEST(more_tiles_than_there_may_be_are_refused)
 {
-    enum { FRAMES = 300 };
+    enum { FRAMES = 3000 }; /* 94 in a batch */
     static struct msg_frame huge[FRAMES];
 
     for (uint32_t i = 0; i < FRAMES; i++)

@@ -406,7 +406,7 @@ START_TEST(each_frame_is_planned_once)
     ck_assert_uint_le(n, RAD_MOST_PASSES);
     for (uint32_t k = 0; k < n; k++)
         for (uint32_t i = pass[k].frame;
-             pass[k].finest && pass[k].field < 1 && i < nframes;
+             pass[k].finest && pass[k].field < 1 && i < pass[k].beyond;
              i += pass[k].stride)
             times[i] += pass[k].scattered ? 16 : 1;
     for (uint32_t i = 0; i < nframes; i++)
@@ -521,7 +521,7 @@ START_TEST(passes_are_weighed)
     rad_params_init(&par);
     par.ambounce = shares[_i].ambounce;
     n = rad_passes_plan(&par, &size, 1, pass);
-    rad_passcost_weigh(pass, n, 1, weight);
+    rad_passcost_weigh(pass, n, weight);
     for (uint32_t i = 0; i < n; i++)
         all += weight[i];
     for (uint32_t i = 0; i < n; i++) {
@@ -548,7 +548,7 @@ START_TEST(passes_of_many_frames_are_weighed)
     rad_params_init(&par);
     par.ambounce = 2;
     n = rad_passes_plan(&par, size, FRAMES, pass);
-    rad_passcost_weigh(pass, n, FRAMES, weight);
+    rad_passcost_weigh(pass, n, weight);
     for (uint32_t i = 0; i < n; i++) {
         ck_assert_double_gt(weight[i], 0);
         all += weight[i];
@@ -585,8 +585,10 @@ START_TEST(passes_of_other_kinds_are_weighed)
     rad_params_init(&par);
     par.ambounce = 1;
     n = rad_passes_plan_on(&par, &size, 1, pass);
-    pass[n++] = (struct rad_pass){ .check = true, .stride = 1, .tiles = 3 };
-    rad_passcost_weigh(pass, n, 1, weight);
+    pass[n++] = (struct rad_pass){
+        .check = true, .stride = 1, .beyond = 1, .tiles = 3
+    };
+    rad_passcost_weigh(pass, n, weight);
     ck_assert_double_eq(weight[0], 0);
     ck_assert_double_gt(weight[1], 0);
     ck_assert_double_gt(weight[n - 1], 0);

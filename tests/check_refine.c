@@ -338,7 +338,7 @@ open_room(struct room *m, const char *options)
                                       NULL, NULL));
         rad_ambient_insert_all(m->w.job->ambient, made.rec, made.n);
         ck_assert(rad_ambient_settle(m->w.job->ambient));
-        if (rad_refine_is_last(pass, n, i))
+        if (rad_pass_is_last(pass, n, i))
             ck_assert(rad_ambient_smooth(m->w.job->ambient));
     }
     m->ntiles = pass[n - 1].tiles;

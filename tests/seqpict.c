@@ -371,7 +371,7 @@ fill_cache(const struct task *t, const struct rad_frame *f, struct rad_ctx *ctx,
 
     for (uint32_t i = 0; rc == 0 && i < n; i++) {
         if (!plan[i].check) {
-            rc = make_pass(p, ctx, &plan[i], rad_refine_is_last(plan, n, i), &k,
+            rc = make_pass(p, ctx, &plan[i], rad_pass_is_last(plan, n, i), &k,
                            err);
             continue;
         }

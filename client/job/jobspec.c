@@ -129,19 +129,19 @@ tell_origin(struct jobspec *j, const struct submit_options *o)
                 o->stamp ? &stamp : NULL);
 }
 
-/* Passes go over all frames before the first picture is begun: of many frames,
- * whoever does not ask for that would wait for the first one too long. */
+/* A goal is for all frames together, and its stages go over all of them before
+ * the first picture: of many, that would be too long to wait. */
 #define MOST_AT_ONCE 32
 
 static uint32_t
-ambient_flags(const struct submit_options *o, uint32_t nframes)
+ambient_flags(const struct submit_options *o)
 {
     bool passes = o->ambient_way == AMBIENT_PASSES;
 
     if (submit_options_goal(o) || o->reuse)
         passes = true;
     else if (o->ambient_way == AMBIENT_NONE)
-        passes = !o->no_share && !o->fresh_frames && nframes <= MOST_AT_ONCE;
+        passes = !o->no_share && !o->fresh_frames;
     if (passes)
         return MSG_JOB_PASSES;
     return o->no_share ? 0 : MSG_JOB_SHARE;
@@ -229,13 +229,13 @@ jobspec_fill(struct jobspec *j, const struct submit_options *o,
     s->clamp = o->clamp;
     s->error_ppm = (uint32_t)lround(o->error * 1e4);
     s->time_ms = (uint32_t)lround(o->time_s * 1e3);
-    s->flags =
-        (o->points.file ? MSG_JOB_DEPTH | MSG_JOB_POINTS
-         : o->depth     ? MSG_JOB_DEPTH
-                        : 0) |
-        ambient_flags(o, frames->n) | (o->no_balance ? MSG_JOB_NO_BALANCE : 0) |
-        (o->fresh_frames ? MSG_JOB_FRESH_FRAMES : 0) |
-        (o->same_bits ? MSG_JOB_SAME_BITS : 0) | (s->views ? MSG_JOB_VIEWS : 0);
+    s->flags = (o->points.file ? MSG_JOB_DEPTH | MSG_JOB_POINTS
+                : o->depth     ? MSG_JOB_DEPTH
+                               : 0) |
+               ambient_flags(o) | (o->no_balance ? MSG_JOB_NO_BALANCE : 0) |
+               (o->fresh_frames ? MSG_JOB_FRESH_FRAMES : 0) |
+               (o->same_bits ? MSG_JOB_SAME_BITS : 0) |
+               (s->views ? MSG_JOB_VIEWS : 0);
     s->partition = choose_partition(o);
     /* the same words in the same order */
     s->order = o->order == ORDER_NONE ? MSG_ORDER_COST : (uint8_t)o->order;

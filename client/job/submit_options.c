@@ -151,8 +151,7 @@ static const struct option own[] = {
          "a static part stays with the worker that got it"),
     WORD("--ambient", ambient_way, "passes|live",
          "ambient values in passes before the picture, so that it is the same "
-         "whoever makes it, or each as rays ask for it (passes; live for more "
-         "than 32 frames)"),
+         "whoever makes it, or each as rays ask for it (passes)"),
     TEXT("--reuse", reuse, "JOB|last",
          "begin with the ambient values that a former job on the same scene "
          "left: that job, or the last one that fits"),

@@ -19,6 +19,16 @@ first_find_estimate_locked(const struct pool *p)
     return e;
 }
 
+bool
+first_is_estimating_locked(const struct pool *p)
+{
+    const struct estimating *e = p->estimates;
+
+    while (e && e->members == 0)
+        e = e->next;
+    return e != NULL;
+}
+
 /* No thread is left at the estimate: hand it to the loop. */
 static void
 end_estimate_locked(struct pool *p, struct estimating *e)

@@ -125,6 +125,8 @@ void pool_run_thread(void *arg);
 
 /* An estimate that has areas left; NULL: none. */
 struct estimating *first_find_estimate_locked(const struct pool *p);
+/* Is a thread at an estimate? */
+bool first_is_estimating_locked(const struct pool *p);
 /* Take areas until there are none. */
 void first_work_on_estimate(struct renderer *by, struct estimating *e);
 /* Have threads leave seeding and estimates. */

@@ -4,7 +4,9 @@
  * A tile reads the cache, so the cache changes only while no thread is at a
  * tile: when a pass is closed the tiles that are under way are stopped, and the
  * last thread that leaves one, or the next that looks for work, puts the
- * records of the pass in.  Likewise one thread alone finds out where the paths
+ * records of the pass in.  It waits for threads at units, too: between batches
+ * of frames these are units that another worker was faster with, which the
+ * coordinator takes back.  Likewise one thread alone finds out where the paths
  * of the next pass end. */
 #include "config.h"
 
@@ -145,7 +147,7 @@ freeze(struct renderer *by, struct pool_frozen *f)
 
     rad_ambient_insert_all(amb, f->rec, f->n);
     settled = rad_ambient_settle(amb) &&
-              (!rad_refine_is_last(k->plan, k->npasses, k->open) ||
+              (!rad_pass_is_last(k->plan, k->npasses, k->open) ||
                rad_ambient_smooth(amb));
     uv_mutex_lock(&p->mu);
     if (!settled || rad_ambient_count(amb) != before + f->n)
@@ -178,7 +180,8 @@ pool_find_tile_locked(struct pool *p, struct pool_tile_work *w)
     *w = (struct pool_tile_work){ 0 };
     if (k->changing || k->err.code)
         return false;
-    if (k->frozen && k->members == 0) {
+    if (k->frozen && k->members == 0 && !p->active &&
+        !first_is_estimating_locked(p)) {
         w->frozen = k->frozen;
         k->frozen = k->frozen->next;
         if (!k->frozen)

@@ -27,7 +27,7 @@
 /* The passes of the cache; n is 0: it does not come so. */
 struct render_passes {
     struct rad_passes *passes;
-    struct rad_pass plan[RAD_MOST_PASSES];
+    struct rad_pass *plan;
     uint32_t n;
     uint32_t base;          /* of the job's passes, the first of this stage */
     uint32_t next;          /* the first whose records have not all come */
@@ -114,6 +114,10 @@ void render_begin_passes(struct render *r);
 void render_unload_passes(struct render *r);
 /* Did the records of all passes come? */
 bool render_cache_is_whole(const struct render *r);
+/* Did those come that the frame is made with, and no others? */
+bool render_cache_serves(const struct render *r, uint32_t frame);
+/* Frames below that number are made with the records of the first batch. */
+uint32_t render_first_batch(const struct render *r);
 void render_take_tile(struct render *r, const struct msg_tile *m);
 void render_take_frozen(struct render *r, const struct msg_frozen *m);
 /* Does the job's cache come in stages? */

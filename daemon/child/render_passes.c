@@ -18,26 +18,38 @@ render_has_stages(const struct render *r)
     return spec->error_ppm > 0 || spec->time_ms > 0;
 }
 
+static bool
+plan(struct render *r)
+{
+    struct render_passes *k = &r->passes;
+    struct rad_pass_size *size = malloc((r->nframes + 1) * sizeof *size);
+    struct rad_pass *fits;
+
+    k->plan = malloc(RAD_MOST_PASSES * sizeof *k->plan);
+    for (uint32_t i = 0; size && i < r->nframes; i++)
+        size[i] =
+            (struct rad_pass_size){ r->frames[i].width, r->frames[i].height };
+    if (size && k->plan)
+        k->n = (render_has_stages(r)                       ? rad_refine_plan
+                : r->start.job_start.flags & MSG_JOB_REUSE ? rad_passes_plan_on
+                                                           : rad_passes_plan)(
+            &r->job->params, size, r->nframes, k->plan);
+    free(size);
+    fits = k->plan ? realloc(k->plan, (k->n + 1) * sizeof *fits) : NULL;
+    k->plan = fits ? fits : k->plan;
+    return size && k->plan;
+}
+
 int
 render_load_passes(struct render *r, struct rad_error *err)
 {
     struct render_passes *k = &r->passes;
-    struct rad_pass_size *size;
 
     k->next = 0;
     if (!(r->start.job_start.flags & MSG_JOB_PASSES) || !r->job->ambient)
         return 0;
-    size = malloc((r->nframes + 1) * sizeof *size);
-    if (!size)
+    if (!plan(r))
         return rad_fail(err, RAD_ENOMEM, "out of memory");
-    for (uint32_t i = 0; i < r->nframes; i++)
-        size[i] =
-            (struct rad_pass_size){ r->frames[i].width, r->frames[i].height };
-    k->n = (render_has_stages(r) ? rad_refine_plan
-            : r->start.job_start.flags & MSG_JOB_REUSE
-                ? rad_passes_plan_on
-                : rad_passes_plan)(&r->job->params, size, r->nframes, k->plan);
-    free(size);
     if (k->n == 0)
         return 0;
     k->passes = rad_passes_new(r->frames, r->nframes, err);
@@ -48,6 +60,7 @@ void
 render_unload_passes(struct render *r)
 {
     rad_passes_free(r->passes.passes);
+    free(r->passes.plan);
     free(r->passes.rec);
     r->passes = (struct render_passes){ 0 };
 }
@@ -83,6 +96,27 @@ bool
 render_cache_is_whole(const struct render *r)
 {
     return r->passes.next == r->passes.n;
+}
+
+bool
+render_cache_serves(const struct render *r, uint32_t frame)
+{
+    const struct render_passes *k = &r->passes;
+
+    return k->n == 0 ||
+           (k->next > 0 && frame < rad_passes_ready(k->plan, k->next) &&
+            frame >= rad_passes_ready(k->plan, k->next - 1));
+}
+
+uint32_t
+render_first_batch(const struct render *r)
+{
+    const struct render_passes *k = &r->passes;
+    uint32_t i = 0;
+
+    while (i < k->n && k->plan[i].ready == 0)
+        i++;
+    return i < k->n ? k->plan[i].ready : r->nframes;
 }
 
 /* Is that pass of the job the first whose records have not all come? */

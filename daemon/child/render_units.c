@@ -30,12 +30,12 @@ check_unit(const struct render *r, const struct msg_unit *u,
 {
     const struct rad_frame *f;
 
-    if (!render_cache_is_whole(r))
-        return rad_fail(err, RAD_EPROTO, "unit %u comes before its cache",
-                        u->unit);
     if (u->frame >= r->nframes)
         return rad_fail(err, RAD_EPROTO, "unit %u of frame %u, of %u", u->unit,
                         u->frame, r->nframes);
+    if (!render_cache_serves(r, u->frame))
+        return rad_fail(err, RAD_EPROTO, "unit %u comes without its cache",
+                        u->unit);
     f = &r->frames[u->frame];
     if (u->width < 1 || u->height < 1 || u->width > (uint32_t)f->width ||
         u->height > (uint32_t)f->height ||
@@ -194,7 +194,8 @@ render_take_strict(struct render *r, const struct msg *m)
 
 /* --- estimates --- */
 
-/* Send the traced pixels before the costs: they need not be traced again. */
+/* Send the traced pixels before the costs: they need not be traced again, but
+ * where the cache changes before their frames are made. */
 static void
 on_estimated(void *arg, struct estimate *e, double wall_s)
 {
@@ -203,6 +204,8 @@ on_estimated(void *arg, struct estimate *e, double wall_s)
     struct msg_facts *f;
 
     while (r->link && r->strict && (f = estimate_facts(e))) {
+        if (f->frame >= render_first_batch(r))
+            continue;
         m.facts = *f;
         m.facts.job = r->id;
         conn_send(r->link, &m);
@@ -222,7 +225,7 @@ render_take_estimate(struct render *r, const struct msg_estimate *m)
     struct rad_error err = { 0 };
     struct estimate *e = NULL;
 
-    if (render_cache_is_whole(r))
+    if (render_cache_serves(r, 0))
         e = estimate_new(r->frames, r->nframes, m, &err);
     else
         rad_fail(&err, RAD_EPROTO, "an estimate comes before its cache");

@@ -253,7 +253,7 @@ desk_idle_job(const struct job *job)
     return job_over(job) || job->stage == STAGE_ARRIVING ||
            job->state == JOB_PAUSED ||
            (job->partition && job_waiting(job) == 0 && job->late == 0 &&
-            !desk_can_balance(job));
+            !job->filling && !desk_can_balance(job));
 }
 
 bool

@@ -96,13 +96,14 @@ struct job {
     uint32_t *out; /* units that are out; the last takes the place of one that
                     * leaves, so whoever may end attempts goes backwards */
     uint32_t nout, cap_out;
-    bool exact;    /* a pixel is a function: no cache, or one in passes */
     uint32_t late; /* units that are out for too long, and may have twins */
     struct coord_owner *payer; /* whom it belongs to, at the coordinator */
     uint32_t served;       /* the last search for a unit that looked at it */
     struct kept_passes kept;
     struct kept_cache cache;
     struct passes *passes; /* NULL: none, or not yet */
+    bool exact;   /* a pixel is a function: no cache, or one in passes, */
+    bool filling; /* of which some are not closed */
     struct job_goal goal;  /* zeros: it has none */
     struct survey *survey; /* NULL: costs are not estimated, or are by now */
     struct shared *shared; /* NULL: lines are not shared */
@@ -116,8 +117,7 @@ struct job {
     uint32_t frames_ready; /* the first so many are written */
     struct job_worker *workers;
     uint32_t nworkers, cap_workers;
-    uint32_t *index; /* of a worker here, by its number at the coordinator */
-    uint32_t nindex;
+    uint32_t *index, nindex; /* of a worker here, by its number on the desk */
     struct job_speed speed;
 
     uint32_t units_done, units_redone;

@@ -121,6 +121,8 @@ partition_new(const struct partition_spec *spec, struct rad_error *err)
     if (partition_check(spec, err) != 0)
         return NULL;
     p = calloc(1, sizeof *p);
+    if (p)
+        p->open = spec->nframes;
     if (!p || !(by_lines(spec) ? lines_new(p, spec) : window_new(p, spec)) ||
         !set_first_costs(p, spec)) {
         partition_free(p);
@@ -160,7 +162,15 @@ partition_total(const struct partition *p)
 uint32_t
 partition_waiting(const struct partition *p)
 {
-    return p->waiting + (p->lines ? lines_free_count(p) : 0);
+    return p->waiting - p->shut + (p->lines ? lines_free_count(p) : 0);
+}
+
+void
+partition_open(struct partition *p, uint32_t frames)
+{
+    p->open = frames;
+    if (!p->lines)
+        p->shut = window_count_from(p, frames);
 }
 
 /* --- units --- */

@@ -67,6 +67,9 @@ bool partition_is_strict(const struct partition *p);
 
 uint32_t partition_total(const struct partition *p); /* units so far */
 
+/* Units of frames below that number may go out; at first those of all. */
+void partition_open(struct partition *p, uint32_t frames);
+
 /* How much may go out now: units that wait, and lines that are in no unit. */
 uint32_t partition_waiting(const struct partition *p);
 

@@ -63,9 +63,11 @@ lines_stretch(const struct partition_lines *s, const struct frame *f,
 }
 
 bool
-lines_may_begin(const struct partition_lines *s, uint32_t frame)
+lines_may_begin(const struct partition *p, uint32_t frame)
 {
-    return frame < s->nframes &&
+    const struct partition_lines *s = p->lines;
+
+    return frame < p->open &&
            (!s->fresh || frame == 0 || s->frame[frame - 1].undone == 0);
 }
 
@@ -224,16 +226,40 @@ lines_part(const struct partition *p, uint32_t part,
                                      base_row(s, f, line) + 1 - y };
 }
 
+/* Frames from s->lo to that one may begin. */
+static uint32_t
+lines_end(const struct partition *p)
+{
+    uint32_t lo = p->lines->lo;
+
+    return !p->lines->fresh ? p->open : lo + lines_may_begin(p, lo);
+}
+
 uint32_t
 lines_free_count(const struct partition *p)
 {
     const struct partition_lines *s = p->lines;
 
-    if (!s->fresh)
+    uint32_t n = 0;
+
+    if (!s->fresh && p->open == s->nframes)
         return s->nfree - s->nkept;
-    return lines_may_begin(s, s->lo)
-               ? s->frame[s->lo].nfree - s->frame[s->lo].nkept
-               : 0;
+    for (uint32_t i = s->lo; i < lines_end(p); i++)
+        n += s->frame[i].nfree - s->frame[i].nkept;
+    return n;
+}
+
+double
+lines_left(const struct partition *p)
+{
+    const struct partition_lines *s = p->lines;
+    double left = 0;
+
+    if (!s->fresh && p->open == s->nframes)
+        return s->left;
+    for (uint32_t i = s->lo; i < lines_end(p); i++)
+        left += s->frame[i].left;
+    return left;
 }
 
 /* --- cutting --- */

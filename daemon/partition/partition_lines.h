@@ -68,7 +68,9 @@ double lines_cost(const struct partition_lines *s, const struct frame *f,
 uint32_t lines_stretch(const struct partition_lines *s, const struct frame *f,
                        uint32_t line);
 /* May the lines of that frame go out? */
-bool lines_may_begin(const struct partition_lines *s, uint32_t frame);
+bool lines_may_begin(const struct partition *p, uint32_t frame);
+/* The cost of free lines that may go out. */
+double lines_left(const struct partition *p);
 /* NULL when memory is out. */
 struct asker *lines_asker(struct partition_lines *s, uint32_t worker);
 /* Make a unit of lines [first, last), which are free, for w.  False: memory is

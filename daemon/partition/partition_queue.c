@@ -163,7 +163,8 @@ drop_first(struct partition *p)
     sift_down(p, 0);
 }
 
-/* Are units of earlier frames than the unit's not done? */
+/* May the unit's frame not go out yet, or are units of earlier frames not
+ * done? */
 static bool
 must_wait(struct partition *p, uint32_t unit)
 {
@@ -171,7 +172,8 @@ must_wait(struct partition *p, uint32_t unit)
 
     while (q->done < unit && p->unit[q->done].state == PARTITION_DONE)
         q->done++;
-    return q->fresh && p->unit[q->done].area.frame < p->unit[unit].area.frame;
+    return p->unit[unit].area.frame >= p->open ||
+           (q->fresh && p->unit[q->done].area.frame < p->unit[unit].area.frame);
 }
 
 bool

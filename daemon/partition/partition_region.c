@@ -101,11 +101,11 @@ reach(const struct partition_lines *s, const struct frame *f, uint32_t first,
 /* Auto: are there so many lines of the frame to each worker that they are cut
  * into regions? */
 static bool
-has_regions(const struct partition_lines *s, const struct frame *f,
+has_regions(const struct partition *p, const struct frame *f,
             const struct partition_who *who)
 {
     return who->workers > 1 && f->n >= REGION * who->workers &&
-           (s->fresh ? f->left : s->left) <= f->cost * 1.000001;
+           lines_left(p) <= f->cost * 1.000001;
 }
 
 /* Auto without regions: units get no smaller than half of the worker's part of
@@ -118,14 +118,15 @@ least_share(const struct frame *f, double left, double share)
 
 /* Where a unit that begins at `first` ends. */
 static uint32_t
-unit_end(const struct partition_lines *s, const struct frame *f, uint32_t first,
+unit_end(const struct partition *p, const struct frame *f, uint32_t first,
          const struct partition_who *who)
 {
+    const struct partition_lines *s = p->lines;
     uint32_t end = lines_stretch(s, f, first), last = first + 1;
-    double left = s->fresh ? f->left : s->left, most = left * who->share;
+    double left = lines_left(p), most = left * who->share;
 
     if (s->kind == MSG_PART_AUTO) {
-        if (has_regions(s, f, who)) {
+        if (has_regions(p, f, who)) {
             if (first < f->next && f->next < end)
                 end = f->next;
             most = lines_cost(s, f, first, end);
@@ -236,7 +237,7 @@ unit_start(const struct partition *p, struct frame *f, const struct asker *w,
     const struct partition_lines *s = p->lines;
     uint32_t first, last, line;
 
-    if (s->kind == MSG_PART_AUTO && !has_regions(s, f, who))
+    if (s->kind == MSG_PART_AUTO && !has_regions(p, f, who))
         return first_free(s, f);
     if (w->began && &s->frame[w->frame] == f && line_is_free(s, f, w->line) &&
         w->line != f->next)
@@ -255,12 +256,13 @@ unit_start(const struct partition *p, struct frame *f, const struct asker *w,
 /* Does another region come for each worker after this one?  Then the truth can
  * come down meanwhile. */
 static bool
-has_time(const struct partition_lines *s, const struct frame *f,
+has_time(const struct partition *p, const struct frame *f,
          const struct partition_who *who)
 {
+    const struct partition_lines *s = p->lines;
     double lines = (double)f->n / ROUNDS, left = (double)f->n - f->next;
 
-    return s->kind == MSG_PART_AUTO && has_regions(s, f, who) &&
+    return s->kind == MSG_PART_AUTO && has_regions(p, f, who) &&
            left + who->share * lines / 2 >= lines;
 }
 
@@ -273,15 +275,15 @@ region_next(struct partition *p, struct asker *w,
     struct frame *f;
     bool bars;
 
-    while (lines_may_begin(s, frame) &&
+    while (lines_may_begin(p, frame) &&
            s->frame[frame].nfree == s->frame[frame].nkept)
         frame++;
-    if (!lines_may_begin(s, frame))
+    if (!lines_may_begin(p, frame))
         return false;
     f = &s->frame[frame];
     first = unit_start(p, f, w, who);
-    bars = has_time(s, f, who);
-    if (!lines_cut(p, frame, first, unit_end(s, f, first, who), w, unit))
+    bars = has_time(p, f, who);
+    if (!lines_cut(p, frame, first, unit_end(p, f, first, who), w, unit))
         return false;
     p->unit[*unit].bars = bars;
     return true;

@@ -112,7 +112,7 @@ next_own(struct partition *p, struct asker *w, struct asker *taker,
         uint32_t first, last;
         bool bars;
 
-        if (!lines_may_begin(s, w->own))
+        if (!lines_may_begin(p, w->own))
             return false;
         own_run(s, f, w, &first, &last);
         if (!next_part(s, f, first, last, &first, &last, &bars))
@@ -154,7 +154,7 @@ run_next(struct partition *p, struct asker *w, const struct partition_who *who,
     for (uint32_t i = 0; i < s->nwho; i++)
         if (s->who[i].absent && next_own(p, &s->who[i], w, unit))
             return true;
-    if (!s->balance || !lines_may_begin(s, s->lo))
+    if (!s->balance || !lines_may_begin(p, s->lo))
         return false;
     longest(s, &s->frame[s->lo], &first, &last);
     return lines_cut(p, s->lo, first + (last - first) / 2, last, w, unit);

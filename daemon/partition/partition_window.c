@@ -181,6 +181,16 @@ order_all(struct partition *p)
     }
 }
 
+uint32_t
+window_count_from(const struct partition *p, uint32_t frame)
+{
+    uint32_t n = p->total;
+
+    while (n > 0 && p->unit[n - 1].area.frame >= frame)
+        n--;
+    return p->total - n;
+}
+
 static uint64_t
 count_units(const struct partition_spec *spec)
 {
@@ -294,18 +304,19 @@ window_set_costs(struct partition *p, const double *cost)
     order_all(p);
 }
 
-/* Is the next unit the first of its frame, while units before it are not done?
- */
+/* May the next unit's frame not go out yet, or is it the first of its frame,
+ * while units before it are not done? */
 static bool
 must_wait(const struct partition *p)
 {
     const struct partition_window *w = p->window;
     uint32_t i = w->next;
 
-    return w->fresh && i > 0 &&
-           p->unit[w->order[i]].area.frame !=
-               p->unit[w->order[i - 1]].area.frame &&
-           p->undone > p->total - i;
+    return p->unit[w->order[i]].area.frame >= p->open ||
+           (w->fresh && i > 0 &&
+            p->unit[w->order[i]].area.frame !=
+                p->unit[w->order[i - 1]].area.frame &&
+            p->undone > p->total - i);
 }
 
 bool

@@ -69,6 +69,6 @@ void
 colours_close(struct job *job, const struct rad_pass *pass)
 {
     if (colours_wanted(job, pass))
-        for (uint32_t i = pass->frame; i < job->spec.nframes; i += pass->stride)
+        for (uint32_t i = pass->frame; i < pass->beyond; i += pass->stride)
             job->frames[i].shown = true;
 }

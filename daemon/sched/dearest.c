@@ -122,12 +122,12 @@ dearest_note(struct dearest *d, const struct rad_pass *pass, uint32_t tile,
     }
     if (!is_lattice(pass))
         return;
-    for (; i < d->n; i += pass->stride, tile -= n) {
+    for (; i < pass->beyond; i += pass->stride, tile -= n) {
         n = rad_pass_tiles(pass, d->size[i].width, d->size[i].height);
         if (tile < n)
             break;
     }
-    if (i >= d->n)
+    if (i >= pass->beyond)
         return;
     a = rad_pass_area(pass, d->size[i].width, d->size[i].height, tile);
     note_area(d, &d->grid[i], &a, (double)rays);
@@ -152,7 +152,7 @@ static void
 expect_pixels(const struct dearest *d, const struct rad_pass *pass,
               struct dear *to)
 {
-    for (uint32_t i = pass->frame; i < d->n; i += pass->stride) {
+    for (uint32_t i = pass->frame; i < pass->beyond; i += pass->stride) {
         int width = d->size[i].width, height = d->size[i].height;
         uint32_t n = rad_pass_tiles(pass, width, height);
 

@@ -12,6 +12,10 @@
  * first pass of a job that begins with a former job's records is closed from
  * the start; the store is asked for the records, and until they are here
  * nothing is sent to workers that lack them.
+ * Frames come in batches (passes/passplan.h): the units of one go out when its
+ * last pass is closed, and the first pass of the next batch is closed when they
+ * are done, for that changes the cache that they read.  Its tiles go out before
+ * that, to workers for which there are no units.
  * With a goal (stages.h) that is one stage: its last pass is a check pass,
  * whose tiles have sums in place of records.  When that is closed all begins
  * anew, with the next stage's plan, or the goal is reached.  Workers count
@@ -78,14 +82,15 @@ struct closed {
 };
 
 struct passes {
-    struct rad_pass plan[RAD_MOST_PASSES];
-    double weight[RAD_MOST_PASSES]; /* passcost.h */
+    struct rad_pass *plan;
+    double *weight; /* of each, passcost.h */
     uint32_t n;
     uint32_t base; /* passes of the stages before */
     uint32_t open; /* of the plan; n: all are closed */
     bool awaits;   /* the records of the first from the store, */
     bool asked;    /* which was asked for them */
-    struct closed closed[RAD_MOST_PASSES];
+    struct closed *closed; /* as many */
+    uint32_t done;         /* frames before are done */
     size_t bytes;      /* of all records that are here */
     struct rad_pass_size *size; /* of the frames */
     struct dearest *dearest;
@@ -118,17 +123,49 @@ drop_tiles(struct passes *s)
     s->oldest = s->newest = NO_TILE;
 }
 
+static void
+drop_records(struct passes *s)
+{
+    for (uint32_t i = 0; s->closed && i < s->n; i++)
+        free(s->closed[i].records);
+    s->bytes = 0;
+}
+
 void
 passes_free(struct passes *s)
 {
     if (!s)
         return;
     drop_tiles(s);
-    for (uint32_t i = 0; i < s->n; i++)
-        free(s->closed[i].records);
+    drop_records(s);
+    free(s->plan);
+    free(s->weight);
+    free(s->closed);
     dearest_free(s->dearest);
     free(s->size);
     free(s);
+}
+
+/* Are the frames done that the passes before the open one were for? */
+static bool
+is_due(struct passes *s, const struct job *job)
+{
+    uint32_t ready = rad_passes_ready(s->plan, s->open);
+
+    while (s->done < ready && job->frames[s->done].pixels_left == 0)
+        s->done++;
+    return s->done >= ready;
+}
+
+/* The units of frames whose passes are closed may go out. */
+static void
+open_frames(struct job *job)
+{
+    struct passes *s = job->passes;
+
+    job->filling = s->open < s->n;
+    if (s->n > 0)
+        partition_open(job->partition, rad_passes_ready(s->plan, s->open));
 }
 
 /* Passes that an earlier life of the coordinator closed are closed. */
@@ -138,7 +175,8 @@ take_up(struct coord *c, struct job *job)
     struct kept_passes *kept = &job->kept;
     struct passes *s = job->passes;
 
-    for (uint32_t i = s->base; i < kept->n && s->open < s->n; i++, s->open++) {
+    for (uint32_t i = s->base; i < kept->n && s->open < s->n && is_due(s, job);
+         i++, s->open++) {
         struct saved_pass *p = &kept->pass[i];
         struct closed *k = &s->closed[s->open];
 
@@ -208,12 +246,38 @@ is_at_start(const struct passes *s)
     return s->awaits && s->open == 0;
 }
 
+/* Memory for the plan, and the plan. */
+static int
+plan_in(struct passes *s, const struct job *job, struct rad_error *err)
+{
+    struct rad_pass *plan;
+    int rc;
+
+    free(s->plan);
+    free(s->weight);
+    free(s->closed);
+    s->weight = NULL;
+    s->closed = NULL;
+    s->plan = malloc(RAD_MOST_PASSES * sizeof *s->plan);
+    if (!s->plan)
+        return rad_fail(err, RAD_ENOMEM, "out of memory");
+    rc = stages_plan(job, s->size, s->plan, &s->n, err);
+    if (rc < 0)
+        return rc;
+    plan = realloc(s->plan, (s->n + 1) * sizeof *plan);
+    s->plan = plan ? plan : s->plan;
+    s->weight = calloc(s->n + 1, sizeof *s->weight);
+    s->closed = calloc(s->n + 1, sizeof *s->closed);
+    return s->weight && s->closed ? 0
+                                  : rad_fail(err, RAD_ENOMEM, "out of memory");
+}
+
 /* Lay out the passes of the job's stage, of which none is closed. */
 static int
 plan_stage(struct job *job, struct rad_error *err)
 {
     struct passes *s = job->passes;
-    int rc = stages_plan(job, s->size, s->plan, &s->n, err);
+    int rc = plan_in(s, job, err);
 
     s->base = job->goal.base;
     s->open = 0;
@@ -224,7 +288,8 @@ plan_stage(struct job *job, struct rad_error *err)
                           "--ambient=passes: a pass would have %u tiles, at "
                           "most %u are allowed",
                           s->plan[i].tiles, MSG_MOST_TILES);
-    rad_passcost_weigh(s->plan, s->n, job->spec.nframes, s->weight);
+    if (rc == 0)
+        rad_passcost_weigh(s->plan, s->n, s->weight);
     return rc;
 }
 
@@ -261,6 +326,7 @@ passes_begin(struct coord *c, struct job *job, struct rad_error *err)
         return rc;
     lead_begin(job, s->size);
     take_up(c, job);
+    open_frames(job);
     s->awaits = s->n > 0 && job->spec.flags & MSG_JOB_REUSE;
     passes_ask(c, job);
     if (is_at_start(s)) {
@@ -277,9 +343,9 @@ passes_begin(struct coord *c, struct job *job, struct rad_error *err)
 bool
 passes_open(const struct job *job)
 {
-    const struct passes *s = job->passes;
+    struct passes *s = job->passes;
 
-    return s && (s->open < s->n || s->awaits);
+    return s && ((s->open < s->n && is_due(s, job)) || s->awaits);
 }
 
 struct passes_state
@@ -448,7 +514,7 @@ catch_up(struct coord *c, const struct job *job, struct job_worker *jw)
     }
     for (; jw->passes < open_number(s); jw->passes++)
         send_closed(c, job, jw->passes - s->base, send_to_one, jw->worker);
-    if (passes_open(job))
+    if (job->filling)
         send_made(c, job, jw->worker);
 }
 
@@ -717,10 +783,7 @@ begin_stage(struct coord *c, struct job *job)
     struct msg m;
 
     drop_tiles(s);
-    for (uint32_t i = 0; i < s->n; i++)
-        free(s->closed[i].records);
-    memset(s->closed, 0, sizeof s->closed);
-    s->bytes = 0;
+    drop_records(s);
     if (plan_stage(job, &err) < 0) {
         verdict_job(c, job, JOB_FAILED, rad_exit_status(err.code), err.what);
         s->n = 0;
@@ -800,6 +863,7 @@ close_pass(struct coord *c, struct job *job)
                 job->hex, open_number(s), s->plan[s->open].level,
                 s->plan[s->open].step, s->ntiles, k->n);
     s->open++;
+    open_frames(job);
     if (!open_pass(s))
         c->actions.failed = true;
     c->stirred = true;
@@ -809,18 +873,32 @@ close_pass(struct coord *c, struct job *job)
 static void
 close_whole(struct coord *c, struct job *job)
 {
-    const struct passes *s = job->passes;
+    struct passes *s = job->passes;
 
-    while (s->open < s->n && s->left == 0 && !c->actions.failed)
+    while (s->open < s->n && s->left == 0 && is_due(s, job) &&
+           !c->actions.failed)
         close_pass(c, job);
 }
 
+/* The first units go out when the first frames' passes are closed. */
 static void
 close_passes(struct coord *c, struct job *job)
 {
+    bool first = rad_passes_ready(job->passes->plan, job->passes->open) == 0;
+
     close_whole(c, job);
-    if (!passes_open(job) && !job->survey)
+    if (first && !passes_open(job) && !job->survey)
         speed_share(c, job);
+}
+
+void
+passes_frame_done(struct coord *c, struct job *job)
+{
+    if (!job->filling || job_over(job))
+        return;
+    close_passes(c, job);
+    note_progress(job);
+    c->stirred = true;
 }
 
 static bool

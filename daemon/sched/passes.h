@@ -34,8 +34,10 @@ void passes_ask(struct coord *c, struct job *job);
  * sysexits.h, they cannot be had. */
 void passes_came(struct coord *c, struct job *job, uint8_t *records, size_t n,
                  int status, const char *text);
-/* Are tiles yet to be made, or records to come? */
+/* Do all units wait for tiles that are yet to be made, or for records? */
 bool passes_open(const struct job *job);
+/* All rows of a frame are there: passes may have waited for that. */
+void passes_frame_done(struct coord *c, struct job *job);
 /* A tile for a worker that is ready; false: there is none for it. */
 bool passes_give(struct coord *c, struct job *job, uint32_t index);
 /* Are there tiles that the worker could have, or does it have some? */

@@ -16,6 +16,7 @@
 #include "desk/verdict.h"
 #include "lines/handoff.h"
 #include "sched/loss.h"
+#include "sched/passes.h"
 
 #include "image/hdr.h"
 
@@ -398,6 +399,7 @@ finish(struct coord *c, struct job *job, uint32_t unit)
     if (job->shared)
         shared_drop_frame(job->shared, a.frame);
     result_frame_done(c, job, a.frame);
+    passes_frame_done(c, job);
 }
 
 void

@@ -203,7 +203,7 @@ serve_job(struct coord *c, struct job *job, struct coord_worker *w,
         !runs_empty(c, job, w, index) && balance_give_twin(c, job, index))
         return true;
     *done = runs_empty(c, job, w, index);
-    return false;
+    return !*done && job->filling && passes_give(c, job, index);
 }
 
 /* Has the worker yet to load the job, or anew? */
@@ -407,7 +407,7 @@ worker_ready(struct coord *c, struct job *job, struct coord_worker *w,
         jw->ready_ms = c->now_ms;
     jw->took_part = true;
     link_worker(c, job, w, (uint32_t)(jw - job->workers));
-    if (passes_open(job))
+    if (job->filling)
         feeding_join(c, job, (uint32_t)(jw - job->workers));
 }
 

@@ -64,13 +64,13 @@ static const double REST = .6;
 
 /* Of many pictures those that come later find half of what they need. */
 static double
-lattice_weight(const struct rad_pass *pass, uint32_t nsizes)
+lattice_weight(const struct rad_pass *pass)
 {
     double weight = (pass->scattered ? REST
                      : pass->finest  ? 2
                                      : 1) *
                     (pass->field < 0 ? 1 : .5);
-    uint32_t frames = (nsizes - 1 - pass->frame) / pass->stride + 1;
+    uint32_t frames = (pass->beyond - 1 - pass->frame) / pass->stride + 1;
 
     for (int step = pass->step; step < 16; step *= 2)
         weight *= 1.5;
@@ -78,12 +78,11 @@ lattice_weight(const struct rad_pass *pass, uint32_t nsizes)
 }
 
 void
-rad_passcost_weigh(const struct rad_pass *pass, uint32_t n, uint32_t nsizes,
-                   double *weight)
+rad_passcost_weigh(const struct rad_pass *pass, uint32_t n, double *weight)
 {
     for (uint32_t i = 0; i < n; i++)
         weight[i] = pass[i].tiles == 0  ? 0
                     : pass[i].check     ? 1
                     : pass[i].level > 0 ? level_weight(pass, n, &pass[i])
-                                        : lattice_weight(&pass[i], nsizes);
+                                        : lattice_weight(&pass[i]);
 }

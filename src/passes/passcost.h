@@ -17,8 +17,8 @@ double rad_passcost_part(const struct rad_params *par,
                          const struct rad_pass_size *size, uint32_t nsizes,
                          bool reuse);
 
-/* The work of each of these passes, in one unit, for nsizes pictures. */
+/* The work of each of these passes, in one unit. */
 void rad_passcost_weigh(const struct rad_pass *pass, uint32_t n,
-                        uint32_t nsizes, double *weight);
+                        double *weight);
 
 #endif

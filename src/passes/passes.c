@@ -46,7 +46,7 @@ struct trail {
 struct rad_passes {
     const struct rad_frame *frames; /* [fixed] */
     uint32_t nframes;               /* [fixed] */
-    uint64_t key;                   /* [fixed] */
+    uint64_t key;                   /* [fixed] while tiles are made */
     struct rad_pass pass;           /* [fixed] while tiles are made */
     struct trail *trail;            /* [fixed] likewise: of paths so far */
     uint32_t ntrails;
@@ -63,8 +63,9 @@ walk(const struct rad_passes *p, struct rad_ctx *ctx, uint32_t i, int bounces,
      struct rad_ray r[RAD_PASS_LEVELS + 1])
 {
     uint64_t key = rad_key_branch(p->key, i);
+    uint32_t n = p->pass.beyond - p->pass.frame;
 
-    if (!rad_path_begin(&p->frames[i % p->nframes], ctx, p->key, i / p->nframes,
+    if (!rad_path_begin(&p->frames[p->pass.frame + i % n], ctx, p->key, i / n,
                         key, &r[0]))
         return -1;
     for (int k = 0; k < bounces; k++)
@@ -342,7 +343,8 @@ find_patch(const struct rad_passes *p, struct rad_ctx *ctx, uint32_t number,
 {
     struct rad_pass_area a;
 
-    for (uint32_t i = p->pass.frame, n; i < p->nframes; i += p->pass.stride) {
+    for (uint32_t i = p->pass.frame, n; i < p->pass.beyond;
+         i += p->pass.stride) {
         const struct rad_frame *f = &p->frames[i];
 
         n = rad_pass_tiles(&p->pass, f->width, f->height);
@@ -451,6 +453,13 @@ rad_passes_make(const struct rad_passes *p, struct rad_ctx *ctx, uint32_t tile,
 
 /* --- from one pass to the next --- */
 
+/* Of the paths of the pass's batch. */
+static uint64_t
+key_of(const struct rad_passes *p, const struct rad_pass *pass)
+{
+    return rad_mix64(p->frames[0].job->params.seed) ^ BRANCH ^ pass->frame;
+}
+
 int
 rad_passes_begin(struct rad_passes *p, struct rad_ctx *ctx,
                  const struct rad_pass *pass, struct rad_error *err)
@@ -458,7 +467,10 @@ rad_passes_begin(struct rad_passes *p, struct rad_ctx *ctx,
     free(p->end);
     p->end = NULL;
     p->nends = 0;
+    if (pass->frame != p->pass.frame)
+        p->ntrails = 0; /* another batch's */
     p->pass = *pass;
+    p->key = key_of(p, pass);
     if (pass->level > 0 && !find_ends(p, ctx))
         return rad_fail(err, RAD_ENOMEM, "out of memory");
     return 0;
@@ -476,7 +488,6 @@ rad_passes_new(const struct rad_frame *frames, uint32_t nframes,
     }
     p->frames = frames;
     p->nframes = nframes;
-    p->key = rad_mix64(frames[0].job->params.seed) ^ BRANCH;
     return p;
 }
 

@@ -57,6 +57,11 @@
 #define REST_TILES       251
 #define LARGE_REST_TILES 1021
 
+/* Frames [frame, beyond). */
+struct batch {
+    uint32_t frame, beyond;
+};
+
 static int
 lesser(int a, int b)
 {
@@ -64,11 +69,11 @@ lesser(int a, int b)
 }
 
 static uint32_t
-count_paths(const struct rad_pass_size *size, uint32_t n)
+count_paths(const struct rad_pass_size *size, const struct batch *b)
 {
     uint64_t pixels = 0, paths;
 
-    for (uint32_t i = 0; i < n; i++)
+    for (uint32_t i = b->frame; i < b->beyond; i++)
         pixels += (uint64_t)size[i].width * (uint64_t)size[i].height;
     paths = pixels / PIXELS_A_PATH;
     return paths < LEAST_PATHS  ? LEAST_PATHS
@@ -93,42 +98,6 @@ most_rays(const struct rad_params *par, bool large)
            ((uint64_t)par->ambdiv + (uint64_t)par->ambssamp);
 }
 
-/* The rounds for records of that level: the last ends with all paths, and each
- * before it with a part of those. */
-static uint32_t
-plan_level(const struct rad_params *par, int level, uint32_t paths, bool large,
-           struct rad_pass *pass)
-{
-    uint32_t growth = large ? LARGE_ROUND_GROWTH : ROUND_GROWTH;
-    uint32_t least = large ? LARGE_LEAST_PATHS : LEAST_PATHS;
-    uint32_t n = 0, first = 0, part = 1;
-
-    while (paths / (part * growth) >= least)
-        part *= growth;
-    for (; part > 0; part /= growth, n++) {
-        uint32_t end = paths / part;
-
-        pass[n] = (struct rad_pass){ .level = level,
-                                     .first = first,
-                                     .end = end,
-                                     .tiles = count_tiles(end - first, large),
-                                     .rays = most_rays(par, large) };
-        first = end;
-    }
-    return n;
-}
-
-/* The largest step of a lattice that is no larger than that of base lines. */
-static int
-finest_step(const struct rad_params *par)
-{
-    int step = RAD_PASS_FINEST;
-
-    while (step > RAD_PASS_LEAST_STEP && step > par->psample)
-        step /= 2;
-    return step;
-}
-
 /* That of the first frame. */
 static int
 coarsest_step(const struct rad_pass_size *size)
@@ -147,6 +116,49 @@ is_large(const struct rad_pass_size *size)
     return coarsest_step(size) >= LARGE_STEP;
 }
 
+/* The rounds for records of that level: the last ends with all paths, and each
+ * before it with a part of those.  There is but one when most records are there
+ * by an earlier batch. */
+static uint32_t
+plan_level(const struct rad_params *par, int level,
+           const struct rad_pass_size *size, const struct batch *b,
+           struct rad_pass *pass)
+{
+    bool large = is_large(&size[b->frame]);
+    uint32_t growth = large ? LARGE_ROUND_GROWTH : ROUND_GROWTH;
+    uint32_t least = large ? LARGE_LEAST_PATHS : LEAST_PATHS;
+    uint32_t paths = count_paths(size, b);
+    uint32_t n = 0, first = 0, part = 1;
+
+    while (b->frame == 0 && paths / (part * growth) >= least)
+        part *= growth;
+    for (; part > 0; part /= growth, n++) {
+        uint32_t end = paths / part;
+
+        pass[n] = (struct rad_pass){ .level = level,
+                                     .first = first,
+                                     .end = end,
+                                     .frame = b->frame,
+                                     .stride = 1,
+                                     .beyond = b->beyond,
+                                     .tiles = count_tiles(end - first, large),
+                                     .rays = most_rays(par, large) };
+        first = end;
+    }
+    return n;
+}
+
+/* The largest step of a lattice that is no larger than that of base lines. */
+static int
+finest_step(const struct rad_params *par)
+{
+    int step = RAD_PASS_FINEST;
+
+    while (step > RAD_PASS_LEAST_STEP && step > par->psample)
+        step /= 2;
+    return step;
+}
+
 static int
 side_of(const struct rad_pass_size *size, int step)
 {
@@ -161,27 +173,26 @@ side_of(const struct rad_pass_size *size, int step)
 }
 
 static void
-count_lattice_tiles(struct rad_pass *pass, const struct rad_pass_size *size,
-                    uint32_t nsizes)
+count_lattice_tiles(struct rad_pass *pass, const struct rad_pass_size *size)
 {
-    for (uint32_t i = pass->frame; i < nsizes; i += pass->stride)
+    for (uint32_t i = pass->frame; i < pass->beyond; i += pass->stride)
         pass->tiles += rad_pass_tiles(pass, size[i].width, size[i].height);
 }
 
 /* All that tiles of the last lattice, which is *pass, left out: they had rays
  * of too many hemispheres. */
 static void
-plan_rest(struct rad_pass *pass, const struct rad_pass_size *size,
-          uint32_t nsizes)
+plan_rest(struct rad_pass *pass, const struct rad_pass_size *size)
 {
-    uint32_t most = is_large(size) ? LARGE_REST_TILES : REST_TILES;
+    uint32_t most =
+        is_large(&size[pass->frame]) ? LARGE_REST_TILES : REST_TILES;
 
     pass->scattered = true;
     pass->field = -1;
     pass->side = REST_PIXELS / pass->step;
     pass->rays = 0;
     pass->tiles = 0;
-    count_lattice_tiles(pass, size, nsizes);
+    count_lattice_tiles(pass, size);
     pass->tiles = pass->tiles / REST_SQUARES + 1;
     if (pass->tiles > most)
         pass->tiles = most;
@@ -190,11 +201,12 @@ plan_rest(struct rad_pass *pass, const struct rad_pass_size *size,
 /* The lattices of some frames. */
 static uint32_t
 plan_frames(const struct rad_params *par, const struct rad_pass_size *size,
-            uint32_t nsizes, uint32_t frame, uint32_t stride,
+            uint32_t frame, uint32_t stride, uint32_t beyond,
             struct rad_pass *pass)
 {
+    const struct rad_pass_size *of = &size[frame];
     int finest = finest_step(par), done = 0;
-    int step = frame == 0 ? coarsest_step(size) : LATER_STEP;
+    int step = frame == 0 ? coarsest_step(of) : LATER_STEP;
     uint32_t n = 0;
 
     for (; step >= finest; done = step, step /= 2) {
@@ -202,33 +214,52 @@ plan_frames(const struct rad_params *par, const struct rad_pass_size *size,
                               .done = done,
                               .frame = frame,
                               .stride = stride,
-                              .side = side_of(size, step),
+                              .beyond = beyond,
+                              .side = side_of(of, step),
                               .finest = step == finest,
-                              .rays = most_rays(par, is_large(size)) };
+                              .rays = most_rays(par, is_large(of)) };
         bool fields = frame == 0 && done > 0;
 
         for (k.field = fields ? 0 : -1; k.field < 2 * fields; k.field++) {
             pass[n] = k;
-            count_lattice_tiles(&pass[n], size, nsizes);
+            count_lattice_tiles(&pass[n], size);
             n += pass[n].tiles > 0; /* a single tile has one colour */
         }
     }
     pass[n] = pass[n - 1];
-    plan_rest(&pass[n], size, nsizes);
+    plan_rest(&pass[n], size);
     return n + 1;
 }
 
-/* First frame 0, then those at odd multiples of ever smaller distances. */
+/* The first frame of all, then those at odd multiples of ever smaller distances
+ * from it, or from the last frame of the batch before. */
 static uint32_t
 plan_pixels(const struct rad_params *par, const struct rad_pass_size *size,
-            uint32_t nsizes, struct rad_pass *pass)
+            const struct batch *b, struct rad_pass *pass)
 {
-    uint32_t n = plan_frames(par, size, nsizes, 0, nsizes, pass), apart = 1;
+    uint32_t from = b->frame > 0 ? b->frame - 1 : 0, apart = 1, n = 0;
 
-    while (apart < nsizes)
+    if (b->frame == 0)
+        n = plan_frames(par, size, 0, 1, 1, pass);
+    while (apart < b->beyond - from)
         apart *= 2;
     while ((apart /= 2) > 0)
-        n += plan_frames(par, size, nsizes, apart, 2 * apart, pass + n);
+        n += plan_frames(par, size, from + apart, 2 * apart, b->beyond,
+                         pass + n);
+    return n;
+}
+
+static uint32_t
+plan_batch(const struct rad_params *par, const struct rad_pass_size *size,
+           const struct batch *b, struct rad_pass *pass)
+{
+    uint32_t n = 0;
+
+    for (int level = rad_pass_deepest(par); level > 0; level--)
+        n += plan_level(par, level, size, b, pass + n);
+    n += plan_pixels(par, size, b, pass + n);
+    for (uint32_t i = 0; i < n; i++)
+        pass[i].ready = i + 1 < n ? b->frame : b->beyond;
     return n;
 }
 
@@ -290,18 +321,23 @@ uint32_t
 rad_passes_plan(const struct rad_params *par, const struct rad_pass_size *size,
                 uint32_t nsizes, struct rad_pass pass[RAD_MOST_PASSES])
 {
-    uint32_t n = 0, paths = count_paths(size, nsizes);
-    bool large = is_large(size);
+    uint32_t batches = (nsizes - 1) / RAD_PASS_BATCH + 1, n = 0;
+    struct batch b = { 0, 0 };
 
     if (par->ambounce < 1 || !(par->ambacc > 0) || par->ambdiv < 1)
         return 0;
-    for (int level = rad_pass_deepest(par); level > 0; level--)
-        n += plan_level(par, level, paths, large, pass + n);
-    return n + plan_pixels(par, size, nsizes, pass + n);
+    if (batches > RAD_PASS_BATCHES)
+        batches = RAD_PASS_BATCHES;
+    for (uint32_t i = 1; i <= batches; i++, b.frame = b.beyond) {
+        b.beyond = (uint32_t)((uint64_t)nsizes * i / batches);
+        n += plan_batch(par, size, &b, pass + n);
+    }
+    return n;
 }
 
-/* There is room for one more: paths have 5 rounds of 8 levels, the first frame
- * 15 passes, and 65536 frames 16 times 4 more. */
+/* There is room for one more: paths have 5 rounds of 8 levels in the first
+ * batch and 1 in each of 31 others, the first frame has 16 passes, and each
+ * batch, of up to 2048 frames of 65536, 12 times 5 more. */
 uint32_t
 rad_passes_plan_on(const struct rad_params *par,
                    const struct rad_pass_size *size, uint32_t nsizes,

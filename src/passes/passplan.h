@@ -2,9 +2,13 @@
  *
  * The deepest records come first, for the others are made of them; then the
  * pictures, from coarse lattices of pixels to fine ones, so that few records
- * are made twice by tiles side by side.  Frames of an animation show much the
- * same, so the first has all its lattices before others have any, then one half
- * way, then those half way between these, and so on.
+ * are made twice by tiles side by side.
+ * The frames of an animation come in batches, each with all these passes, on
+ * top of the cache that the batches before it left: the pictures of a batch can
+ * be made when its own passes are closed, before the next batch's change the
+ * cache.  Frames of a batch show much the same: the first frame of all has all
+ * its lattices first, then those in the middle between it and the batch's end,
+ * those half way between these, and so on.
  * A lattice is asked at in two passes: its tiles are the fields of a chess
  * board, and those of one colour see the records of those of the other.
  * No tile is dear, for all wait for the last one: it ends after some
@@ -27,10 +31,13 @@
 /* What one pass asks for. */
 struct rad_pass {
     int level;           /* of its records: bounces before them */
-    uint32_t first, end; /* level above 0: paths of that number, below end */
+    uint32_t first, end; /* level above 0: paths of that number, of those that
+                          * begin in the pass's frames, below end */
     int step, done; /* level 0: every step-th pixel along both axes, but those
                      * of every done-th (0: of no) */
-    uint32_t frame, stride; /* level 0: of frames frame, frame + stride, ... */
+    uint32_t frame, stride, beyond; /* of frames frame, frame + stride, ...
+                                     * below beyond */
+    uint32_t ready; /* when it is closed: frames below that can be made */
     int side;               /* level 0: of a tile, in pixels of the lattice */
     int field;   /* level 0: tiles are the fields of a chess board, and the pass
                   * has those of this colour, 0 or 1; less than 0: all */
@@ -43,7 +50,8 @@ struct rad_pass {
     bool check;  /* no records: how good is what there is (refine.h)? */
     uint32_t tiles;
 };
-#define RAD_MOST_PASSES 160
+/* See rad_passes_plan_on(). */
+#define RAD_MOST_PASSES 2400
 
 /* Records of more bounces than that are made on the way. */
 #define RAD_PASS_LEVELS 8
@@ -63,6 +71,14 @@ struct rad_pass_size {
 /* Bounces before the deepest records that have passes, 0: there are none. */
 int rad_pass_deepest(const struct rad_params *par);
 
+/* Frames of a batch, at most, unless there were more than RAD_PASS_BATCHES
+ * then; batches are about equal.  Their frames share what is looked at beside
+ * their pixels: paths to deep records, and places that a tile left out.  With
+ * fewer the ends of passes, at which workers wait, are more often; with more,
+ * pictures come later. */
+#define RAD_PASS_BATCH   32
+#define RAD_PASS_BATCHES 32
+
 /* The passes of a job with pictures of these sizes, 0 if it has no cache.
  * Returns how many there are. */
 uint32_t rad_passes_plan(const struct rad_params *par,
@@ -74,6 +90,21 @@ uint32_t rad_passes_plan(const struct rad_params *par,
 uint32_t rad_passes_plan_on(const struct rad_params *par,
                             const struct rad_pass_size *size, uint32_t nsizes,
                             struct rad_pass pass[RAD_MOST_PASSES]);
+
+/* Frames that can be made when so many passes are closed. */
+static inline uint32_t
+rad_passes_ready(const struct rad_pass *pass, uint32_t closed)
+{
+    return closed > 0 ? pass[closed - 1].ready : 0;
+}
+
+/* Is pass i the last before some pictures, or a check? */
+static inline bool
+rad_pass_is_last(const struct rad_pass *pass, uint32_t n, uint32_t i)
+{
+    return !pass[i].check && ((i + 1 < n && pass[i + 1].check) ||
+                              pass[i].ready > rad_passes_ready(pass, i));
+}
 
 /* Squares of a pass over pixels in a frame of that size: a tile each, unless it
  * is scattered. */

@@ -12,13 +12,6 @@
 #include "passes/passes.h"
 #include "refine/refine.h"
 
-/* Is pass i of n the last before a check, or the picture? */
-static inline bool
-rad_refine_is_last(const struct rad_pass *pass, uint32_t n, uint32_t i)
-{
-    return !pass[i].check && (i + 1 == n || pass[i + 1].check);
-}
-
 /* Make a tile of the check pass that p is at: a function of the job, as all
  * tiles are.  Its rays count as those of passes do.  False: within a pixel of
  * *stop, or memory is out. */

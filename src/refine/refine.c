@@ -139,8 +139,12 @@ rad_refine_plan(const struct rad_params *par, const struct rad_pass_size *size,
 
     if (n == 0 || n == RAD_MOST_PASSES)
         return 0;
+    for (uint32_t i = 0; i < n; i++)
+        pass[i].ready = 0;
     pass[n] = (struct rad_pass){ .check = true,
-                                 .stride = nsizes,
+                                 .stride = 1,
+                                 .beyond = nsizes,
+                                 .ready = nsizes,
                                  .tiles = count_windows(size, nsizes) };
     return n + 1;
 }

@@ -78,6 +78,35 @@ done
 grep -q 'passes kept .*passes=[1-9]' c.log ||
     echo "the last job was over before its coordinator was killed"
 
+# many frames are made in batches: killed in the pictures of the first batch, and
+# in those of the second
+awk 'BEGIN {
+    for (k = 0; k < 40; k++)
+        printf "rvu -vtv -vp 2 %g 1.3 -vd %g 1 -.12 -vu 0 0 1 -vh 75 -vv 60\n",
+            .15 + .01 * k, .005 * k
+}' >views
+walk="--views=views -S 1 -x 160 -y 120 -ab 2 -aa .3 -ar 16 -ad 128 -as 32"
+# shellcheck disable=SC2086
+"$radsubmit" --local --workers=1 $walk -o 'calm%d.hdr' "$room" 2>stderr ||
+    fail "calm walk: $(cat stderr)"
+: >c.log
+# shellcheck disable=SC2086
+"$radsubmit" --coordinator="$sock" --name=walk $walk -o 'walk%d.hdr' "$room" \
+    2>walk.err &
+job=$!
+there() { [ -s "walk$frame.hdr" ] || ended; }
+for frame in 1 22; do
+    until_true 60 there || fail "frame $frame does not come"
+    ended || kill_coordinator
+done
+until_true 60 ended || fail "the walk does not end: $(tail -n 5 c.log)"
+wait $job || fail "walk: $(cat walk.err)"
+for frame in $(seq 40); do
+    body "calm$frame.hdr" >calm.body.k
+    body "walk$frame.hdr" >same.body
+    cmp calm.body.k same.body || fail "another picture of frame $frame"
+done
+
 # the only worker of the two that has tiles, and one that comes later
 start worker
 until_log 'pass=2 '

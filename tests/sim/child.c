@@ -665,7 +665,7 @@ take_estimate(struct net *net, int node, const struct msg *m)
     struct wire_out out;
     struct net_event *e;
 
-    SIM_CHECK(net, sim_cache_is_whole(sim_of(net), sim_child_of(net, node)));
+    SIM_CHECK(net, sim_cache_serves(sim_of(net), sim_child_of(net, node), 0));
     e = later(net, node, net_random(net, 20 * (m->estimate.nareas + 1)),
               estimated);
 
@@ -746,7 +746,7 @@ take_unit(struct net *net, int node, const struct msg_unit *u)
     struct sim_child *k = sim_child_of(net, node);
     struct rad_error err = { 0 };
 
-    SIM_CHECK(net, sim_cache_is_whole(sim_of(net), k));
+    SIM_CHECK(net, sim_cache_serves(sim_of(net), k, u->frame));
     begin_frame(net, node, u->frame);
     if (u->mode == MSG_MODE_STRICT) {
         SIM_CHECK(net, k->strict != NULL);

@@ -272,7 +272,9 @@ void sim_take_frozen(struct net *net, int node, const struct msg_frozen *m);
 void sim_take_stage(struct net *net, int node, const struct msg_stage *m);
 /* The picture is to be written: was the store told with which options? */
 void sim_check_options(struct net *net, const struct sim_job *job);
-bool sim_cache_is_whole(const struct sim *s, const struct sim_child *k);
+/* Has its cache the records that the frame is made with, and no others? */
+bool sim_cache_serves(const struct sim *s, const struct sim_child *k,
+                      uint32_t frame);
 
 /* Clients (client.c). */
 extern const struct node_ops sim_client_ops;

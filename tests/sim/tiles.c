@@ -166,7 +166,8 @@ next_stage(const struct sim_job *job, struct stage *st)
 static void
 stage_of(const struct sim_job *job, uint32_t pass, struct stage *st)
 {
-    *st = (struct stage){ 0 };
+    st->number = st->base = 0; /* the plan is long */
+    st->rungs = (struct rad_refine_rungs){ 0 };
     plan_stage(job, st);
     while (pass >= st->base + st->n && next_stage(job, st))
         ;
@@ -334,13 +335,17 @@ sim_take_stage(struct net *net, int node, const struct msg_stage *m)
 }
 
 bool
-sim_cache_is_whole(const struct sim *s, const struct sim_child *k)
+sim_cache_serves(const struct sim *s, const struct sim_child *k, uint32_t frame)
 {
     const struct sim_job *job = &s->job[k->job];
+    uint32_t closed;
     struct stage st;
 
     stage_of(job, k->passes, &st);
-    return k->passes == st.base + st.n;
+    closed = k->passes - st.base;
+    return st.n == 0 ||
+           (closed > 0 && frame < rad_passes_ready(st.plan, closed) &&
+            frame >= rad_passes_ready(st.plan, closed - 1));
 }
 
 void
