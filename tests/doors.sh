@@ -108,6 +108,37 @@ grep '^\(daemon\|net\)/.* \(daemon\|net\)/' "$tmp/calls" >"$tmp/daemons"
 tsort <"$tmp/daemons" 2>&1 >/dev/null | sed 's/^tsort: *//' |
     tell "files that call each other in a loop (the files of one, then the next)"
 
+# --- libm: what IEEE 754 leaves open comes from src/arith, with the same bits
+# everywhere; these call libm's, for the reason beside them ---
+cat >"$tmp/free" <<'END'
+src/arith/elementary     what is not finite, sines beyond its range
+src/scene/calc/calclib   erf() and erfc() of function files
+src/passes/passcost      how far a job is, for who waits
+src/image/srgb           a picture's bytes for a screen, made by one machine
+src/image/metric         how far two pictures differ, said by one machine
+src/tone/eye             tone curves, drawn by one machine
+src/tone/falsecolour
+src/tone/human
+src/tone/tone
+END
+inexact='a?(sin|cos|tan)(h|pi)?|atan2(pi)?|sincos(pi)?|exp(2|10|m1|2m1|10m1)?'
+inexact="$inexact|log(2|10|1p|2p1|10p1)?|pow(10|n|r)?|compoundn|rootn|rsqrt|cbrt"
+inexact="$inexact|hypot|erfc?|[lt]?gamma|[jy][01n]"
+find src -name 'lib*_a-*.o' | while read -r o; do
+    file=$(echo "$o" | sed 's|/[a-z]*_a-|/|; s|\.o$||')
+    [ -f "$top/$file.c" ] && nm -P "$o" | sed "s|^|$file |"
+done >"$tmp/drawing"
+[ -s "$tmp/drawing" ] || { echo "no objects of src in $build"; exit 1; }
+awk '$3 == "U" { sub("@.*", "", $2); print $1, $2 }' "$tmp/drawing" |
+    grep -E " (__)?($inexact)(_r)?([fl]|f[0-9]+x?)?(_finite)?\$" |
+    sort -u >"$tmp/libm"
+awk 'NR == FNR { free[$1] = 1; next }
+     !($1 in free) { print $1 ".c: " $2 "()" }' "$tmp/free" "$tmp/libm" |
+    tell "functions of libm that round as the machine likes (arith/elementary.h has ours)"
+awk 'FILENAME ~ /libm$/ { calls[$1] = 1; next }
+     !($1 in calls) { print $1 ".c" }' "$tmp/libm" "$tmp/free" |
+    tell "files that may call libm and do not"
+
 # --- names: a function begins with its file's or its room's name ---
 awk '$3 == "T" && $2 != "main" { print $1, $2 }' "$tmp/symbols" | sort -u |
     awk '{
