@@ -17,27 +17,30 @@ export top_srcdir top_builddir
 # What reads bytes or texts of others: files of scenes and pictures, messages,
 # keys, settings, what is kept on disk.
 decoders='
-src/scene/lex src/scene/parse src/scene/data src/scene/font src/scene/bundle
-src/scene/calcparse src/scene/bsdfxml src/scene/bsdfmatrix src/scene/bsdftree
-src/scene/meshfile src/scene/octfile src/scene/octin
-src/picture/hdr src/picture/params src/picture/view src/picture/facts
-proto/wire proto/codec proto/message proto/msg_job proto/msg_order proto/msg_peer
-proto/msg_session proto/msg_sharing proto/msg_store proto/msg_work proto/frame
-proto/keyfile proto/tls
-daemon/conf daemon/hours daemon/address daemon/journal daemon/journal_put
-daemon/journal_read daemon/ambshare
-client/costs client/ambfile'
+src/scene/file/lex src/scene/file/parse src/scene/file/data src/scene/file/font
+src/scene/file/bundle src/scene/file/specpict src/scene/calc/calcparse
+src/scene/bsdf/bsdfxml src/scene/bsdf/bsdfmatrix src/scene/bsdf/bsdftree
+src/scene/bsdf/bsdftreeread src/scene/meshfile src/scene/octfile src/scene/octin
+src/image/hdr src/image/hdrread src/points/points src/base/params
+src/picture/view src/picture/facts
+proto/wire proto/codec proto/message proto/msg_job proto/msg_order
+proto/msg_passes proto/msg_peer proto/msg_session proto/msg_sharing
+proto/msg_store proto/msg_work proto/frame proto/ambshare
+net/key/keyfile net/tls net/address net/inifile
+daemon/ground/conf daemon/radd/hours daemon/journal/journal
+daemon/journal/journal_put daemon/journal/journal_read
+client/job/costs client/records/ambfile client/points/pointfile'
 
 cd "$top_builddir" || exit 2
-find src proto daemon client tests -name '*.gcda' -exec rm -f {} +
+find src proto net daemon client tests -name '*.gcda' -exec rm -f {} +
 {
-    for target in tests/fuzz/fuzz_*.o; do
-        name=$(basename "$target" .o)
+    for target in "$top_srcdir"/tests/fuzz/fuzz_*.c; do
+        name=$(basename "$target" .c)
         echo "tests/fuzz/$name $top_srcdir/tests/fuzz/corpus/${name#fuzz_}"
     done
-    for name in address ambfile ambshare bsdf bundle calc client conf conn \
+    for name in ambfile ambshare bsdf bundle calc client conf conn \
         costs data facts font frame func gate hdr idle keyfile message octfile \
-        octree params parse place store table tls view wire; do
+        octree params parse place points spectrum store table tls view wire; do
         [ ! -x tests/check_$name ] || echo tests/check_$name
     done
     echo "./radd --help"
