@@ -620,10 +620,40 @@ START_TEST(implausible_record_is_refused)
     case 18:
         rec.glint.lum = -1;
         break;
+    case 19:
+        rec.var = -.5f; /* RAD_AMBREC_UNSURE is the only one below 0 */
+        break;
+    case 20:
+        rec.var = 1e30f;
+        break;
+    case 21:
+        rec.glint = (struct rad_glint){ { 1e30f, 0, 0 }, 1 };
+        break;
+    case 22:
+        rec.glint = (struct rad_glint){ { 0, 0, -3e38f }, 1e-30f };
+        break;
     }
     ck_assert(!rad_ambient_insert(w.job->ambient, &rec));
     ck_assert(!rad_ambient_covers(w.job->ambient, &rec));
     ck_assert_uint_eq(rad_ambient_count(w.job->ambient), 0);
+    world_close(&w);
+}
+END_TEST
+
+/* Of no known variance, of one that a single ray rules, of the sky's glint. */
+START_TEST(plausible_records_are_taken)
+{
+    struct rad_ambrec rec = record(.1, .2, -.5, 2, 0);
+    struct world w;
+
+    world_open(&w, PLASTIC CUBE, CACHED);
+    rec.var = RAD_AMBREC_UNSURE;
+    ck_assert(rad_ambient_insert(w.job->ambient, &rec));
+    rec.var = 3;
+    ck_assert(rad_ambient_insert(w.job->ambient, &rec));
+    rec.glint = (struct rad_glint){ { 20, -20, 20 }, 1e6f };
+    ck_assert(rad_ambient_insert(w.job->ambient, &rec));
+    ck_assert_uint_eq(rad_ambient_count(w.job->ambient), 3);
     world_close(&w);
 }
 END_TEST
@@ -1020,7 +1050,8 @@ make_suite(void)
     tcase_add_test(tc, near_records_are_averaged_in);
     tcase_add_test(tc, other_side_is_not_served);
     tcase_add_test(tc, gradients_extrapolate_and_are_bounded);
-    tcase_add_loop_test(tc, implausible_record_is_refused, 0, 19);
+    tcase_add_loop_test(tc, implausible_record_is_refused, 0, 23);
+    tcase_add_test(tc, plausible_records_are_taken);
     tcase_add_test(tc, log_gives_each_record_once);
     tcase_add_test(tc, bent_light_gets_zones_below_the_bound);
     tcase_add_test(tc, interpolation_is_close_to_sampling);

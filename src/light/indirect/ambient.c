@@ -206,23 +206,33 @@ is_direction(const float v[3], const float *w)
                       (double)v[2] * w[2]) < 1e-3;
 }
 
+/* Variances of E over its square are 1 where one ray met all the light, and
+ * hardly more anywhere; glints lie within FAR_SIDES, in the cube of the scene
+ * that a record was made for. */
+#define MOST_VARIANCE 1000
+#define MOST_SIDES    1000
+
 /* Could this be a record of ours?  In the cube, or off it by rounding. */
 static bool
 is_plausible(const struct rad_ambient *amb, const struct rad_ambrec *rec)
 {
     for (int k = 0; k < 3; k++) {
         double off = rec->p[k] - amb->org[k], slack = 1e-3 * amb->scale.side;
+        double seen = (double)rec->glint.p[k] - amb->org[k];
 
-        if (!(off >= -slack && off <= amb->scale.side + slack))
+        if (!(off >= -slack && off <= amb->scale.side + slack) ||
+            (rec->glint.lum > 0 &&
+             !(fabs(seen) <= MOST_SIDES * amb->scale.side)))
             return false;
     }
     return is_direction(rec->n, NULL) && is_direction(rec->u, rec->n) &&
            rec->radius[0] > 0 && rec->radius[0] <= rec->radius[1] &&
            rec->radius[1] <= 1.001 * amb->scale.most && rad_rgb_sound(rec->E) &&
            is_finite(rec->gpos, 2) && is_finite(rec->gdir, 2) &&
-           is_finite(&rec->var, 1) && is_finite(rec->glint.p, 3) &&
-           is_finite(&rec->glint.lum, 1) && rec->glint.lum >= 0 &&
-           rec->weight > 0 && rec->weight <= 2 &&
+           (rec->var == RAD_AMBREC_UNSURE ||
+            (rec->var >= 0 && rec->var <= MOST_VARIANCE)) &&
+           is_finite(rec->glint.p, 3) && is_finite(&rec->glint.lum, 1) &&
+           rec->glint.lum >= 0 && rec->weight > 0 && rec->weight <= 2 &&
            rec->level < amb->job->params.ambounce;
 }
 
