@@ -28,6 +28,7 @@
 
 #define MOST_NEAR 160 /* neighbours; if there are more, they are nearer */
 #define NEARER    .7
+#define NEAREST   1e-9 /* of the reach; who has more of them there has none */
 
 /* Normals of neighbours differ by so little. */
 #define LEAST_COSINE .98
@@ -286,19 +287,23 @@ search_part(struct search *k, size_t lo, size_t hi)
     }
 }
 
-/* The place itself comes first. */
+/* The place itself comes first; of places that all but coincide, as no cache
+ * makes them, each is alone, after some sixty searches. */
 static void
 find_neighbours(struct search *k)
 {
     static const double here[3] = { 0, 0, 0 };
+    const double most = RAD_SMOOTH_REACH * (double)k->of->at.reach;
 
-    k->far = RAD_SMOOTH_REACH * (double)k->of->at.reach;
+    k->far = most;
     do {
         k->n = 0;
         k->full = false;
         add_sample(k, &k->of->at, here, 0);
         search_part(k, 0, k->s->n);
-    } while (k->full && (k->far *= NEARER) > 0);
+    } while (k->full && (k->far *= NEARER) > NEAREST * most);
+    if (k->full)
+        k->n = 1;
 }
 
 /* --- values --- */
