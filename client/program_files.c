@@ -133,8 +133,11 @@ program_on_frame(void *arg, uint32_t frame, const uint8_t *picture, size_t pictu
     int rc;
 
     progress_clear(&p->progress); /* it may share the terminal with stdout */
-    if (p->o.points.file)
-        return program_write_points(p, depth, depth_len, err);
+    if (p->o.points.file) {
+        rc = program_write_points(p, depth, depth_len, err);
+        p->unwritten = rc < 0;
+        return rc;
+    }
     rc = write_picture(p, frame, picture, picture_len, err);
     there = rc == 0;
     if (rc == 0 && depth)
@@ -165,6 +168,14 @@ program_say_where_it_is(const struct program *p)
         return;
     }
     msg_job_format(p->job.id, hex);
+    if (p->o.points.file) {
+        if (p->job.spec.flags & MSG_JOB_SCENE)
+            tell(stderr,
+                 "radsubmit: the coordinator keeps the ambient values: submit "
+                 "again with --reuse=%s",
+                 hex);
+        return;
+    }
     fprintf(stderr,
             "radsubmit: the coordinator keeps %s: radctl fetch %s -o FILE%s\n",
             p->frames.n > 1 ? "the pictures" : "the picture", hex,

@@ -61,26 +61,43 @@ now_ms(const struct submit *s)
     return uv_now(s->where.loop);
 }
 
+/* How to come to what the job makes.  Sensor points' values are of use only to
+ * who has the points. */
+static void
+format_way(const struct submit *s, char *buf, size_t n)
+{
+    uint32_t flags = s->job->spec->flags;
+    char hex[MSG_JOB_HEX];
+
+    msg_job_format(s->job->spec->job, hex);
+    if (!(flags & MSG_JOB_POINTS))
+        snprintf(buf, n, "radctl fetch %s -o FILE", hex);
+    else if (flags & MSG_JOB_SCENE)
+        snprintf(buf, n, "when it is done, submit again with --reuse=%s", hex);
+    else
+        snprintf(buf, n, "radctl cancel %s, and submit again", hex);
+}
+
 /* The job stays with the coordinator, and what becomes of it there. */
 static int
 left_behind(struct submit *s)
 {
-    char hex[MSG_JOB_HEX];
+    char hex[MSG_JOB_HEX], way[100];
 
     msg_job_format(s->job->spec->job, hex);
+    format_way(s, way, sizeof way);
     if (s->last.state == MSG_STATE_PAUSED)
         return rad_fail(s->err, RAD_ETEMPFAIL,
                         "interrupted; the job stays, paused: radctl resume %s, "
-                        "then radctl fetch %s -o FILE",
-                        hex, hex);
+                        "then %s",
+                        hex, way);
     if (s->last.state == MSG_STATE_HELD)
         return rad_fail(s->err, RAD_ETEMPFAIL,
                         "interrupted; the job stays, and goes on when the "
-                        "coordinator's disk has room: radctl fetch %s -o FILE",
-                        hex);
-    return rad_fail(s->err, RAD_ETEMPFAIL,
-                    "interrupted; the job goes on: radctl fetch %s -o FILE",
-                    hex);
+                        "coordinator's disk has room: %s",
+                        way);
+    return rad_fail(s->err, RAD_ETEMPFAIL, "interrupted; the job goes on: %s",
+                    way);
 }
 
 static int

@@ -66,4 +66,39 @@ refused 64 "'D' is none of rtrace's" --points=points.txt -oD
 refused 64 "'-I' is for --points" -I
 refused 64 "'points.png'" --points=points.txt -o points.png
 check_nothing_left "points"
-exit $failed
+
+# interrupted, or not to be written: only who has the points can use the values
+RADD_COORDINATOR=$work/coord.sock
+export RADD_COORDINATOR
+"$radcoord" --listen= --socket="$RADD_COORDINATOR" --state="$work/state" \
+    2>>coord.log &
+until_true 20 "$radctl" status || fail "no coordinator"
+left() # TEXT OPTIONS...
+{
+    text=$1
+    shift
+    : >left.err
+    "$radsubmit" --points=grid.txt "$@" "$room" >left.out 2>left.err &
+    waits=$!
+    until_true 30 grep -q "no worker has begun" left.err ||
+        fail "nothing of no worker: $(cat left.err)"
+    id=$(sed -n 's/^radsubmit: job //p' left.err)
+    kill -TERM $waits
+    wait $waits
+    [ $? -eq 75 ] || fail "terminated: $(cat left.err)"
+    grep -qF "the job goes on: $(printf "$text" "$id")" left.err ||
+        fail "what to do: $(cat left.err)"
+}
+left 'radctl cancel %s, and submit again' -I
+"$radctl" cancel "$id" || fail "cancel $id"
+left 'when it is done, submit again with --reuse=%s' $opts
+"$radd" --coordinator="$RADD_COORDINATOR" --name=w --threads=1 \
+    --listen=127.0.0.1:0 --cache="$work/cache" 2>>w.log &
+is_done() { "$radctl" jobs | grep "$id" | grep -q done; }
+until_true 60 is_done || fail "$id is not done: $("$radctl" jobs)"
+"$radsubmit" --points=grid.txt $opts --reuse="$id" "$room" >again.bin \
+    2>stderr || fail "--reuse: $(cat stderr)"
+cmp one.bin again.bin || fail "values over the same cache"
+expect 74 "--reuse=" "no room for the values" "$radsubmit" --points=grid.txt \
+    $opts -o /dev/full "$room"
+finish
