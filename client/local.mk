@@ -45,12 +45,18 @@ bin_PROGRAMS += raderr
 raderr_SOURCES = client/raderr.c
 raderr_LDADD = $(LIBCLIENT) $(LIBRAD)
 
-# radsubmit in the place of Radiance's rpict; found by radsubmit --rpict-path
-pkglibexec_SCRIPTS = libexec/radd/rpict
-CLEANFILES += libexec/radd/rpict
-EXTRA_DIST += client/rpict.in
+# radsubmit in the place of Radiance's rpict and rtrace; found by radsubmit
+# --rpict-path
+pkglibexec_SCRIPTS = libexec/radd/rpict libexec/radd/rtrace
+CLEANFILES += libexec/radd/rpict libexec/radd/rtrace
+EXTRA_DIST += client/rpict.in client/rtrace.in
 
 libexec/radd/rpict: client/rpict.in Makefile
 	$(AM_V_GEN)$(MKDIR_P) $(@D) && \
 	$(SED) -e 's|[@]bindir[@]|$(bindir)|g' $(srcdir)/client/rpict.in \
+		>$@.tmp && chmod +x $@.tmp && mv $@.tmp $@
+
+libexec/radd/rtrace: client/rtrace.in Makefile
+	$(AM_V_GEN)$(MKDIR_P) $(@D) && \
+	$(SED) -e 's|[@]bindir[@]|$(bindir)|g' $(srcdir)/client/rtrace.in \
 		>$@.tmp && chmod +x $@.tmp && mv $@.tmp $@

@@ -1,0 +1,96 @@
+#!/bin/sh
+# rtrace_path.sh - command lines of scripts that call rtrace, with the rtrace of
+# --rpict-path
+# shellcheck disable=SC2086,SC2016 # options are words, and a $ is rtrace's
+. "${top_srcdir:-.}/tests/e2e/client_lib.sh"
+set -u
+
+folder=$("$radsubmit" --rpict-path) || fail "--rpict-path"
+[ -x "$folder/rtrace" ] || fail "no rtrace in '$folder'"
+PATH=$folder:$PATH
+RADD_RTRACE_OPTIONS='--local --threads=1'
+export PATH RADD_RTRACE_OPTIONS
+[ "$(command -v rtrace)" = "$folder/rtrace" ] || fail "PATH finds another"
+
+# inside of a sphere that shines all is known
+cat >box.rad <<'END'
+void glow shine 0 0 4 2 2 2 0
+shine bubble box 0 0 4 0 0 0 10
+END
+"$top_builddir/radscene" freeze box.rad >box.oct
+printf '0 0 0 0 0 1\n3 0 0 1 0 0\n' >rays
+
+status() # STATUS COMMAND LINE
+{
+    want=$1
+    shift
+    sh -c "$*" >out 2>err <rays
+    got=$?
+    [ $got = "$want" ] || fail "status $got, not $want: $*: $(cat err)"
+}
+says() # LINE: each number on it is that of the output
+{
+    tr -s '\t\n' '  ' <out | awk -v want="$1" '
+        { n = split(want, w, " ")
+          if (n != NF) exit 1
+          for (i = 1; i <= n; i++)
+              if (($i - w[i]) ^ 2 > 1e-10) exit 1 }' ||
+        fail "expected $1, got $(cat out)"
+}
+
+status 0 rtrace -h -w- -oL box.oct
+says '10 7'
+status 0 rtrace -h- -ov -n 4 box.oct
+says '2 2 2 2 2 2'
+status 0 rtrace -I -h- -ab 1 -ad 64 -aa 0 -lw 1e-6 box.oct
+head -n 1 out | awk '{ exit $1 < 6.2 || $1 > 6.3 }' || fail "pi 2: $(cat out)"
+status 0 rtrace -x 1 -y 2 -fac -ab 0 box.oct
+LC_ALL=C grep -aqx -- '-Y 2 +X 1' out || fail "no size"
+[ "$(tail -c 8 out | od -An -tx1)" = ' 80 80 80 82 80 80 80 82' ] ||
+    fail "colours: $(tail -c 8 out | od -An -tx1)"
+printf -- '-h-\n-oL\n' >opt
+status 0 rtrace @opt box.oct
+says '10 7'
+status 0 "ROPT='-h- -oL'" rtrace '\$ROPT' box.oct
+says '10 7'
+echo first >said
+status 0 rtrace -h- -e said -ov box.oct
+[ "$(sed -n 1p said)" = first ] || fail "-e: $(cat said)"
+grep -q 'done in' said || fail "-e: $(cat said)"
+[ ! -s err ] || fail "-e leaves: $(cat err)"
+status 0 rtrace -ab 3 -defaults
+grep -qx -- '-ab 3 .*' out || fail "-defaults: $(cat out)"
+grep -qx -- '-ad 1024 .*' out || fail "-defaults: $(cat out)"
+status 0 rtrace -version
+
+# what is refused says so, with rtrace's statuses
+refused() # STATUS TEXT OPTIONS...
+{
+    want=$1 text=$2
+    shift 2
+    status "$want" rtrace "$@"
+    grep -qF -- "$text" err || fail "$*: $(cat err)"
+}
+refused 1 "missing octree" -h-
+refused 1 "box.oct" box.oct box.oct
+refused 1 "'-zz'" -zz box.oct
+refused 1 "'-P' of rtrace" -P file box.oct
+refused 1 "'-ti' of rtrace" -ti shine box.oct
+refused 1 "'-pY' of rtrace" -pY box.oct
+refused 1 "'t' of rtrace" -otv box.oct
+refused 1 "empty output" -o box.oct
+refused 1 "'-n'" -n 0 box.oct
+refused 1 "'-vp'" -vp 0 0 0 box.oct
+refused 2 "nothing.oct" nothing.oct
+echo 1 2 3 >rays
+refused 1 "stdin:1: expected six numbers" box.oct
+
+# the options' values are counted right: each of -defaults stands alone, too
+printf '0 0 0 0 0 1\n' >rays
+"$radsubmit" --points=- -defaults | sed 's/ *#.*//' |
+    grep -v -e ^-- -e ^-v -e '^-p[a-z]' -e '^-pXYZ' >all
+while read -r line; do
+    status 0 rtrace -h- $line box.oct
+done <all
+check_nothing_left "rtrace"
+finish
