@@ -711,6 +711,40 @@ START_TEST(a_cache_is_reused_in_passes_of_one_scene)
 }
 END_TEST
 
+static const struct {
+    uint32_t flags, nframes;
+    uint8_t oversample;
+    bool fine;
+} points[] = {
+    { MSG_JOB_POINTS | MSG_JOB_DEPTH, 1, 1, true },
+    { MSG_JOB_POINTS | MSG_JOB_DEPTH | MSG_JOB_PASSES, 1, 1, true },
+    { MSG_JOB_POINTS, 1, 1, false },
+    { MSG_JOB_POINTS | MSG_JOB_DEPTH, 2, 1, false },
+    { MSG_JOB_POINTS | MSG_JOB_DEPTH, 1, 2, false },
+    { MSG_JOB_DEPTH, 2, 2, true },
+};
+
+START_TEST(points_are_one_frame_with_distances)
+{
+    struct msg m = { .type = MSG_SUBMIT, .submit = SPEC }, back = { 0 };
+    uint8_t bytes[MOST];
+    size_t n;
+    int rc;
+
+    m.submit.flags = points[_i].flags;
+    m.submit.nframes = points[_i].nframes;
+    m.submit.oversample = points[_i].oversample;
+    m.submit.clamp = 0;
+    m.submit.ncosts = 0;
+    n = pack(&m, bytes) - MSG_HEADER;
+    rc = unpack_exactly(m.type, bytes + MSG_HEADER, n, &back);
+    ck_assert_int_eq(rc, points[_i].fine ? 0 : RAD_EPROTO);
+    if (points[_i].fine)
+        ck_assert_uint_eq(back.submit.flags, points[_i].flags);
+    msg_release(&back);
+}
+END_TEST
+
 /* Databases have some without; a message must have them. */
 START_TEST(what_a_specification_has_more_is_zero_at_its_end)
 {
@@ -1072,6 +1106,8 @@ main(void)
     tcase_add_loop_test(tc, a_filter_is_within_its_range, 0, N_ELEM(filters));
     tcase_add_loop_test(tc, a_cache_is_reused_in_passes_of_one_scene, 0,
                         N_ELEM(reuses));
+    tcase_add_loop_test(tc, points_are_one_frame_with_distances, 0,
+                        N_ELEM(points));
     tcase_add_test(tc, what_a_specification_has_more_is_zero_at_its_end);
     tcase_add_loop_test(tc, a_number_out_of_its_range_is_refused, 0,
                         (int)N_ELEM(numbers));

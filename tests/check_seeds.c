@@ -644,6 +644,30 @@ worker_work(void)
     of_job(COORD, MSG_JOB_END);
 }
 
+/* Sensor points, whose values are floats; a worker is lost. */
+static void
+session_points(void)
+{
+    struct msg offer = { .type = MSG_OFFER, .offer = { 1, missing } };
+    struct msg submit = spec(MSG_SUBMIT, MSG_PART_WINDOW, "uniform");
+
+    submit.submit.flags = MSG_JOB_POINTS | MSG_JOB_DEPTH;
+    submit.submit.nframes = 1;
+    hello(WS1, MSG_ROLE_WORKER, "ws1");
+    hello(ANA, MSG_ROLE_USER, "");
+    says(ANA, &offer);
+    says(ANA, &submit);
+    ready(WS1);
+    result(WS1, 0, 1, 0, 7, false);
+    fetch(MSG_WHAT_DEPTH);
+    is_lost(WS1);
+    hello(WS2, MSG_ROLE_WORKER, "ws2");
+    ready(WS2);
+    result(WS2, 0, 1, 0, 16, true);
+    fetch(MSG_WHAT_DEPTH);
+    fetch(MSG_WHAT_STATS);
+}
+
 static const struct {
     const char *name;
     void (*build)(void);
@@ -654,6 +678,7 @@ static const struct {
     { "session/loans", session_loans },
     { "session/lost", session_lost },
     { "session/passes", session_passes },
+    { "session/points", session_points },
     { "session/reuse", session_reuse },
     { "session/rows", session_rows },
     { "worker/no_files", worker_no_files },
