@@ -72,13 +72,13 @@ for decoder in $decoders; do
 done | awk -v percent="$percent" '
 $2 == "none" { print $1 ": not counted"; missing = 1; next }
 {
-    printf("%-26s %5d lines %6.1f %%%s\n", $1, $3, $2,
+    printf("%-32s %5d lines %6.1f %%%s\n", $1, $3, $2,
         ($2 + 0 < percent ? "  less" : ""))
     all += $3
     done += $3 * $2 / 100
 }
 END {
     if (all > 0)
-        printf("%-26s %5d lines %6.1f %%\n", "all", all, 100 * done / all)
+        printf("%-32s %5d lines %6.1f %%\n", "all", all, 100 * done / all)
     exit missing ? 2 : 100 * done < percent * all
 }'
