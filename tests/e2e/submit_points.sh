@@ -41,6 +41,17 @@ for way in auto window static scanbar; do
     cmp one.bin many.bin || fail "four workers, $way"
 done
 
+# values of a file serve, and change nothing; colours have a size
+for way in makes uses; do
+    "$radsubmit" --local --threads=1 --points=grid.txt $opts -af grid.amb \
+        "$room" >$way.bin 2>stderr || fail "-af: $(cat stderr)"
+    cmp one.bin $way.bin || fail "a file of ambient values, $way"
+done
+[ -s grid.amb ] || fail "no ambient values"
+"$radsubmit" --local --threads=1 --points=grid.txt -x 20 -y 20 -I -fac -ab 0 \
+    "$room" >grid.hdr 2>stderr || fail "-fac: $(cat stderr)"
+LC_ALL=C grep -aqx -- '-Y 20 +X 20' grid.hdr || fail "colours without a size"
+
 # refused STATUS TEXT OPTIONS...
 refused()
 {
