@@ -110,18 +110,36 @@ rescue(struct program *p, uint32_t frame, const uint8_t *picture,
             rescue_write(p->job.id, frame, ".zbf", depth, depth_len);
 }
 
+struct to_write {
+    const struct program *p;
+    struct pointjob_values v;
+};
+
+static int
+write_points(void *arg, const char *path, struct rad_error *err)
+{
+    const struct to_write *w = arg;
+
+    return pointjob_write(&w->p->points, &w->v, path, !w->p->embedded, err);
+}
+
+/* No coordinator gives them out a second time. */
 int
 program_write_points(struct program *p, const void *pixels, size_t len,
                      struct rad_error *err)
 {
-    struct pointjob_values v = { .pixels = pixels,
-                                 .len = len,
-                                 .origin = p->job.spec.origin,
-                                 .options = p->job.spec.params,
-                                 .params = &p->o.params,
-                                 .scene = &p->scene };
+    struct to_write w = { p,
+                          { .pixels = pixels,
+                            .len = len,
+                            .origin = p->job.spec.origin,
+                            .options = p->job.spec.params,
+                            .params = &p->o.params,
+                            .scene = &p->scene } };
+    int rc = write_points(&w, p->o.output, err);
 
-    return pointjob_write(&p->points, &v, p->o.output, !p->embedded, err);
+    if (rc < 0 && rc != RAD_EPROTO && pixels)
+        p->rescued = rescue_by(p->job.id, 0, ".pts", write_points, &w);
+    return rc;
 }
 
 int
@@ -157,7 +175,8 @@ program_say_where_it_is(const struct program *p)
     char hex[MSG_JOB_HEX];
 
     if (p->rescued)
-        tell(stderr, "radsubmit: the picture is in %s", p->rescued);
+        tell(stderr, "radsubmit: the %s in %s",
+             p->o.points.file ? "values are" : "picture is", p->rescued);
     if (p->rescued_depth)
         tell(stderr, "radsubmit: its distances are in %s", p->rescued_depth);
     if (!p->unwritten || p->embedded)

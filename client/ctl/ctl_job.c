@@ -324,6 +324,9 @@ ctl_run_fetch(struct ctl *c)
 
     if (c->output && (rc = rad_output_check(c->output, c->err)) < 0)
         return rc;
+    if (c->nargs > 1 && c->frame < 0 && is_numbered(c->output))
+        return rad_fail(c->err, RAD_EUSAGE,
+                        "planes are put together frame by frame: --frame=N");
     if (c->nargs > 1)
         return fetch_planes(c);
     if ((rc = ctl_find_job(c, job)) < 0)

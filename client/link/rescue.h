@@ -14,4 +14,10 @@
 char *rescue_write(const uint8_t job[MSG_JOB], uint32_t frame,
                    const char *ending, const uint8_t *bytes, size_t n);
 
+/* The same of what write(arg, path, err) puts into the file. */
+char *rescue_by(const uint8_t job[MSG_JOB], uint32_t frame, const char *ending,
+                int (*write)(void *arg, const char *path,
+                             struct rad_error *err),
+                void *arg);
+
 #endif

@@ -73,6 +73,17 @@ tell_names(const struct rad_scene *s, int32_t obj, struct pointfact *out)
     out->material = mat == RAD_VOID ? "void" : s->objects[mat].name;
 }
 
+/* By what modifies the material, as its shader has it. */
+static void
+perturb(struct pointfacts *p, struct rad_ray *r)
+{
+    const struct rad_scene *s = p->job->scene;
+    int32_t mat = rad_material_of(s, s->objects[r->hit.obj].modifier);
+
+    if (mat != RAD_VOID)
+        rad_ray_texture(&p->ctx, r, p->job->materials[mat].next);
+}
+
 void
 pointfacts_find(struct pointfacts *p, const double org[3], const double dir[3],
                 double reach, struct pointfact *out)
@@ -97,7 +108,7 @@ pointfacts_find(struct pointfacts *p, const double org[3], const double dir[3],
         out->length = r.hit.t;
         rad_copy(out->at, r.hit.p);
         rad_copy(out->normal, r.n);
-        rad_ray_texture(&p->ctx, &r, scene->objects[r.hit.obj].modifier);
+        perturb(p, &r);
         if (r.cos_o < 0)
             rad_ray_flip(&r);
         rad_ray_normal(&r, out->perturbed);

@@ -22,13 +22,13 @@ reserve(struct pointfile *f, size_t *room, struct rad_error *err)
 {
     double(*p)[6];
 
-    if (f->n < *room)
-        return 0;
     if (f->n == RAD_MAX_POINTS)
         return rad_fail(err, RAD_EUSAGE,
                         "more than %d sensor points, which is the most that a "
                         "job can have: take them apart",
                         RAD_MAX_POINTS);
+    if (f->n < *room)
+        return 0;
     *room = *room ? 2 * *room : 1024;
     p = realloc(f->point, *room * sizeof *p);
     if (!p)
@@ -53,7 +53,7 @@ take_number(const char *s, const char *end, double *v, struct rad_error *err)
     while (s + n < end && !is_blank(s[n]))
         n++;
     snprintf(word, sizeof word, "%.*s", (int)(n < 63 ? n : 63), s);
-    if (n < sizeof word && rad_parse_real(word, v))
+    if (n == strlen(word) && rad_parse_real(word, v))
         return s + n;
     rad_fail(err, RAD_EDATA, "'%.40s' is not a number", word);
     return NULL;

@@ -145,7 +145,7 @@ by_place(const void *a, const void *b)
 static double
 grid_of(const double (*point)[6], uint32_t n, double corner[3])
 {
-    double side = 0;
+    double side = 0, scale;
 
     for (int k = 0; k < 3; k++) {
         double lo = point[0][k], hi = lo;
@@ -157,10 +157,9 @@ grid_of(const double (*point)[6], uint32_t n, double corner[3])
         corner[k] = lo;
         side = fmax(side, hi - lo);
     }
-    /* of no extent, or of one that is no number, all lie in one cell */
-    return side > 0 && side < INFINITY
-               ? ((UINT32_C(1) << RAD_CURVE_BITS) - 1) / side
-               : 0;
+    scale = ((UINT32_C(1) << RAD_CURVE_BITS) - 1) / side;
+    /* of no extent, or of one that no double holds, all lie in one cell */
+    return isfinite(scale) ? scale : 0;
 }
 
 static struct place *

@@ -76,7 +76,27 @@ refused 64 "'t' of rtrace is not supported" --points=points.txt -otv
 refused 64 "'D' is none of rtrace's" --points=points.txt -oD
 refused 64 "'-I' is for --points" -I
 refused 64 "'points.png'" --points=points.txt -o points.png
+printf '1\0x 0 0 0 0 1\n' >nul.txt
+refused 65 "is not a number" --points=nul.txt -ov
 check_nothing_left "points"
+
+# a normal that a texture turns, and as it is
+cat >tilted.rad <<'END'
+void texfunc tilt 4 .25 0 0 .
+0
+0
+tilt plastic p 0 0 5 .5 .5 .5 0 0
+p polygon floor 0 0 12 -9 -9 0  9 -9 0  9 9 0  -9 9 0
+void light l 0 0 3 9 9 9
+l sphere lamp 0 0 4 3 3 5 .2
+END
+echo "0 0 1 0 0 -1" >down.txt
+"$radsubmit" --local --points=down.txt -h- -onN tilted.rad >turned 2>stderr ||
+    fail "-onN: $(cat stderr)"
+awk '{ l = sqrt(1.0625)
+       if (($1 - .25 / l)^2 + $2^2 + ($3 - 1 / l)^2 > 1e-10 ||
+           $4 != 0 || $5 != 0 || $6 != 1) exit 1 }' turned ||
+    fail "a turned normal: $(cat turned)"
 
 # interrupted, or not to be written: only who has the points can use the values
 RADD_COORDINATOR=$work/coord.sock
@@ -112,4 +132,8 @@ until_true 60 is_done || fail "$id is not done: $("$radctl" jobs)"
 cmp one.bin again.bin || fail "values over the same cache"
 expect 74 "--reuse=" "no room for the values" "$radsubmit" --points=grid.txt \
     $opts -o /dev/full "$room"
+kept=$(sed -n 's/^radsubmit: the values are in //p' stderr)
+[ -s "$kept" ] || fail "values that cannot be written are lost: $(cat stderr)"
+cmp one.bin "$kept" || fail "values that are kept elsewhere"
+rm -f "$kept"
 finish

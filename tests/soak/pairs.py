@@ -404,6 +404,7 @@ SUBMIT = {
     "same-bits": ["--same-bits"],
     "fresh-frames": ["--fresh-frames"],
     "views": ["--views=" + path("walk.vf")],
+    "points": ["--points=" + path("grid.txt")],
     "seed": ["--seed=7"],
     "output": ["-o @OUT.hdr", "-o @OUT.png", "-o @OUT%03d.hdr", "-o -"],
     "distances": ["-z @OUT.z"],
@@ -521,6 +522,8 @@ def try_clients():
     with open(path("walk.vf"), "w") as f:
         f.write("rvu -vtv -vp 2 .15 1.3 -vd 0 1 -.12 -vu 0 0 1 -vh 75 -vv 60\n")
         f.write("rvu -vtv -vp 2 .35 1.3 -vd 0 1 -.12 -vu 0 0 1 -vh 75 -vv 60\n")
+    with open(path("grid.txt"), "w") as f:
+        f.write("2 1 1 0 0 1\n2 2 1 0 0 1\n")
     with open(path("options"), "w") as f:
         f.write("-ab 0 -ps 2\n")
     more = fresh("ports")
