@@ -320,6 +320,8 @@ START_TEST(elementary_functions_end_as_those_of_libm)
         }
     }
     ck_assert(rad_pow(2, 1e300) == INFINITY && rad_pow(.5, 1e300) == 0);
+    ck_assert(rad_pow(1, 1.7e308) == 1 && rad_pow(1, -1.7e308) == 1);
+    ck_assert(signbit(rad_sin(-0.)) && signbit(rad_tan(-0.)));
     ck_assert(rad_pow(1, 1e300) == 1 && rad_pow(-1, 1e300) == 1);
     ck_assert(rad_log(1) == 0 && rad_exp(0) == 1 && rad_log10(1000) == 3);
     ck_assert(rad_exp(710) == INFINITY && rad_exp(-746) == 0);

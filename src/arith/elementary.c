@@ -208,6 +208,8 @@ rad_sin_and_cos(double x, double *sine, double *cosine)
         *sine = -*sine;
     if ((n + 1) & 2)
         *cosine = -*cosine;
+    if (x == 0)
+        *sine = x; /* -0, too */
 }
 
 double
@@ -306,6 +308,8 @@ rad_pow(double x, double y)
     if (!(x > 0 && x < INFINITY && fabs(y) < INFINITY))
         return pow(x, y);
     l = log_of(x);
+    if (l.hi == 0)
+        return 1;
     if (!(fabs(y * l.hi) < 800))
         return exp_of(y * l.hi, 0);
     p = product_of(y, l.hi);
