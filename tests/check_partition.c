@@ -156,6 +156,37 @@ START_TEST(a_unit_that_was_taken_does_not_go_out)
 }
 END_TEST
 
+/* Whether they wait, came back or are taken out of turn. */
+START_TEST(frames_that_are_not_open_stay)
+{
+    struct msg_frame f[2] = { { 0, 40, 40, "" }, { 1, 40, 40, "" } };
+    struct partition_spec spec = {
+        .kind = MSG_PART_WINDOW, .windows = 4, .nframes = 2, .frames = f
+    };
+    struct partition *p = partition_new(&spec, NULL);
+    uint32_t unit;
+
+    ck_assert_ptr_nonnull(p);
+    partition_take(p, 6);
+    partition_open(p, 1);
+    ck_assert_uint_eq(partition_waiting(p), 4);
+    partition_lost(p, 6);
+    ck_assert_uint_eq(partition_waiting(p), 4);
+    partition_take(p, 5);
+    for (uint32_t i = 0; i < 4; i++) {
+        ck_assert(next(p, &unit));
+        ck_assert_uint_lt(unit, 4);
+    }
+    ck_assert_uint_eq(partition_waiting(p), 0);
+    ck_assert(!next(p, &unit));
+    partition_open(p, 2);
+    ck_assert_uint_eq(partition_waiting(p), 3);
+    ck_assert(next(p, &unit));
+    ck_assert_uint_eq(unit, 6);
+    partition_free(p);
+}
+END_TEST
+
 START_TEST(frames_go_out_in_their_order)
 {
     struct msg_frame f[3] = { { 1, 10, 10, "" },
@@ -925,6 +956,7 @@ main(void)
     tcase_add_test(tc, orders_are_what_their_names_say);
     tcase_add_test(tc, lost_units_go_out_before_the_others);
     tcase_add_test(tc, a_unit_that_was_taken_does_not_go_out);
+    tcase_add_test(tc, frames_that_are_not_open_stay);
     tcase_add_test(tc, frames_go_out_in_their_order);
     tcase_add_test(tc, lines_are_base_lines_with_the_bar_above);
     tcase_add_test(tc, scanbar_hands_out_single_lines);

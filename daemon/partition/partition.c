@@ -159,6 +159,12 @@ partition_total(const struct partition *p)
     return p->total;
 }
 
+static bool
+is_shut(const struct partition *p, uint32_t unit)
+{
+    return p->unit[unit].area.frame >= p->open;
+}
+
 uint32_t
 partition_waiting(const struct partition *p)
 {
@@ -168,16 +174,19 @@ partition_waiting(const struct partition *p)
 void
 partition_open(struct partition *p, uint32_t frames)
 {
+    if (frames == p->open)
+        return;
     p->open = frames;
-    if (!p->lines)
-        p->shut = window_count_from(p, frames);
+    p->shut = 0;
+    for (uint32_t i = 0; i < p->total; i++)
+        p->shut += p->unit[i].state == PARTITION_WAITING && is_shut(p, i);
 }
 
 /* --- units --- */
 
 /* The unit that came back last, of those kept for that worker, or for no
- * worker; false: there is none.  Units that were taken out of turn are dropped
- * from the stack on the way. */
+ * worker, whose frame may go out; false: there is none.  Units that were taken
+ * out of turn are dropped from the stack on the way. */
 static bool
 next_kept(struct partition *p, uint32_t worker, uint32_t *unit)
 {
@@ -185,7 +194,7 @@ next_kept(struct partition *p, uint32_t worker, uint32_t *unit)
         *unit = p->back[i];
         if (p->unit[*unit].state != PARTITION_WAITING) {
             drop_back(p, i);
-        } else if (p->unit[*unit].keeper == worker) {
+        } else if (p->unit[*unit].keeper == worker && !is_shut(p, *unit)) {
             drop_back(p, i);
             return true;
         }
@@ -237,6 +246,7 @@ partition_lost(struct partition *p, uint32_t unit)
     p->unit[unit].keeper = PARTITION_NONE;
     p->unit[unit].bars = false; /* others are further, and wait for it */
     p->waiting++;
+    p->shut += is_shut(p, unit);
 }
 
 void
@@ -261,6 +271,7 @@ partition_take(struct partition *p, uint32_t unit)
         return;
     p->unit[unit].state = PARTITION_OUT;
     p->waiting--;
+    p->shut -= is_shut(p, unit);
     for (uint32_t i = 0; i < p->nback; i++)
         if (p->back[i] == unit) {
             drop_back(p, i);

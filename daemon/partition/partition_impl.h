@@ -29,7 +29,7 @@ struct partition {
     uint32_t waiting; /* units in state PARTITION_WAITING */
     uint32_t undone;  /* units that are not done */
     uint32_t open;    /* frames that may go out */
-    uint32_t shut;    /* windows of those that may not, all waiting */
+    uint32_t shut;    /* waiting units of those that may not */
     uint32_t *back;   /* units that came back, a stack */
     uint32_t nback, cap_back;
     double cost_total;
@@ -67,8 +67,6 @@ void window_free(struct partition_window *w);
 double *window_first_costs(const struct partition *p,
                            const struct partition_spec *spec);
 void window_set_costs(struct partition *p, const double *cost);
-/* How many windows lie in frames from that one on. */
-uint32_t window_count_from(const struct partition *p, uint32_t frame);
 /* The next window of those that never went out. */
 bool window_next(struct partition *p, uint32_t *unit);
 

@@ -181,16 +181,6 @@ order_all(struct partition *p)
     }
 }
 
-uint32_t
-window_count_from(const struct partition *p, uint32_t frame)
-{
-    uint32_t n = p->total;
-
-    while (n > 0 && p->unit[n - 1].area.frame >= frame)
-        n--;
-    return p->total - n;
-}
-
 static uint64_t
 count_units(const struct partition_spec *spec)
 {

@@ -164,7 +164,7 @@ open_frames(struct job *job)
     struct passes *s = job->passes;
 
     job->filling = s->open < s->n;
-    if (s->n > 0)
+    if (s->n > 0 && job->partition) /* it may be over before it has units */
         partition_open(job->partition, rad_passes_ready(s->plan, s->open));
 }
 
@@ -288,6 +288,12 @@ plan_stage(struct job *job, struct rad_error *err)
                           "--ambient=passes: a pass would have %u tiles, at "
                           "most %u are allowed",
                           s->plan[i].tiles, MSG_MOST_TILES);
+    if (rc == 0 && s->base + s->n > MSG_MOST_PASSES)
+        rc =
+            rad_fail(err, RAD_EDATA,
+                     "so many frames are too much for a goal: its stages would "
+                     "have more than %u passes",
+                     MSG_MOST_PASSES);
     if (rc == 0)
         rad_passcost_weigh(s->plan, s->n, s->weight);
     return rc;
@@ -1026,6 +1032,7 @@ passes_came(struct coord *c, struct job *job, uint8_t *records, size_t n,
             int status, const char *text)
 {
     struct passes *s = job->passes;
+    bool taken_up = s && rad_passes_ready(s->plan, s->open) > 0;
 
     if (!s || !s->awaits || status != 0 || n % AMBSHARE_BYTES != 0) {
         free(records);
@@ -1051,5 +1058,7 @@ passes_came(struct coord *c, struct job *job, uint8_t *records, size_t n,
             job->workers[i].worker->conn != 0 && job->workers[i].passes == 0)
             catch_up(c, job, &job->workers[i]);
     close_passes(c, job);
+    if (taken_up && !passes_open(job) && !job->survey)
+        speed_share(c, job); /* for passes that another life closed */
     c->stirred = true;
 }

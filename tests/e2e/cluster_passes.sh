@@ -121,5 +121,20 @@ worker_start 1 1
 worker_start 3 1
 until_true 60 ended || fail "the job does not end"
 same worker
+
+# a job that passes are closed of and that has no units yet may be cancelled
+start cancelled
+until_log 'pass=2 '
+id=$(sed -n 's/^radsubmit: job //p' cancelled.err)
+kill -KILL "$pid_1" "$pid_3"
+wait "$pid_1" "$pid_3" 2>/dev/null
+if ! ended; then
+    kill_coordinator
+    until_true 20 "$radctl" --coordinator="$sock" cancel "$id" ||
+        fail "a job with passes alone cannot be cancelled"
+    "$radctl" --coordinator="$sock" status >said ||
+        fail "the coordinator is gone: $(tail -n 3 c.log)"
+    until_true 60 ended || fail "a cancelled job does not end"
+fi
 cluster_stop
 finish
