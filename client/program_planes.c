@@ -31,16 +31,17 @@ struct planes {
     double elapsed_s;
 };
 
-/* So that people tell the jobs of a picture apart. */
+/* So that people tell the jobs of a picture apart, in lists that cut long names
+ * short, too. */
 static void
 name_plane(struct program *p)
 {
     char which[40];
-    int n = snprintf(which, sizeof which, ", plane %d of %d", p->plane + 1,
+    int n = snprintf(which, sizeof which, "plane %d of %d: ", p->plane + 1,
                      p->nplanes);
 
-    snprintf(p->plane_name, sizeof p->plane_name, "%.*s%s", MSG_MAX_LABEL - n,
-             p->job.spec.name, which);
+    snprintf(p->plane_name, sizeof p->plane_name, "%s%.*s", which,
+             MSG_MAX_LABEL - n, p->job.spec.name);
     p->job.spec.name = p->plane_name;
 }
 
