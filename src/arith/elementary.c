@@ -14,9 +14,9 @@
 #include <math.h>
 #include <stdbool.h>
 #include <stdint.h>
-#include <string.h>
 
 #include "arith/angle.h"
+#include "arith/bits.h"
 
 #define LN2_HIGH       0x1.62e42feep-1 /* 32 bits: 11 more for an exponent */
 #define LN2_LOW        0x1.a39ef35793c76p-33
@@ -55,36 +55,18 @@ product_of(double a, double b)
     return (struct pair){ p, a1 * b1 - p + a1 * b2 + a2 * b1 + a2 * b2 };
 }
 
-static inline uint64_t
-bits_of(double x)
-{
-    uint64_t bits;
-
-    memcpy(&bits, &x, sizeof bits);
-    return bits;
-}
-
-static inline double
-of_bits(uint64_t bits)
-{
-    double x;
-
-    memcpy(&x, &bits, sizeof x);
-    return x;
-}
-
 /* x = mantissa 2^exponent, x > 0 and finite, mantissa in [1, 2). */
 static double
 mantissa_of(double x, int *exponent)
 {
-    uint64_t bits = bits_of(x);
+    uint64_t bits = rad_bits_of(x);
 
     *exponent = (int)(bits >> 52) - 1023;
     if (*exponent == -1023) {
-        bits = bits_of(x * 0x1p54);
+        bits = rad_bits_of(x * 0x1p54);
         *exponent = (int)(bits >> 52) - 1023 - 54;
     }
-    return of_bits((bits & (UINT64_MAX >> 12)) | UINT64_C(1023) << 52);
+    return rad_double_of((bits & (UINT64_MAX >> 12)) | UINT64_C(1023) << 52);
 }
 
 /* Half the logarithm of m in [sqrt(1/2), sqrt(2)). */
@@ -158,7 +140,7 @@ exp_of(double x, double low)
                       r2 * (1. / 479001600 + r * (1. / 6227020800))));
     sum = 1 + (r + r2 * sum);
     if (k > -1022 && k < 1024)
-        return sum * of_bits((uint64_t)((int)k + 1023) << 52);
+        return sum * rad_power_of_two((int)k);
     return ldexp(sum, (int)k);
 }
 

@@ -6,6 +6,7 @@
 
 #include "points/points.h"
 
+#include "arith/bits.h"
 #include "points/curve.h"
 
 #include <math.h>
@@ -33,9 +34,8 @@ get_u32(const uint8_t *from)
 static void
 put_real(uint8_t *to, double v)
 {
-    uint64_t bits;
+    uint64_t bits = rad_bits_of(v);
 
-    memcpy(&bits, &v, sizeof bits);
     put_u32(to, (uint32_t)bits);
     put_u32(to + 4, (uint32_t)(bits >> 32));
 }
@@ -43,11 +43,7 @@ put_real(uint8_t *to, double v)
 static double
 get_real(const uint8_t *from)
 {
-    uint64_t bits = get_u32(from) | (uint64_t)get_u32(from + 4) << 32;
-    double v;
-
-    memcpy(&v, &bits, sizeof v);
-    return v;
+    return rad_double_of(get_u32(from) | (uint64_t)get_u32(from + 4) << 32);
 }
 
 static bool

@@ -6,8 +6,9 @@
 #ifndef RAD_SCENE_OCTREAL_H
 #define RAD_SCENE_OCTREAL_H
 
+#include "arith/bits.h"
+
 #include <stdint.h>
-#include <string.h>
 
 #define RAD_OCT_LARGEST 0x7fffffff
 
@@ -23,31 +24,6 @@ struct rad_octreal {
     int32_t mantissa;
     int exponent;
 };
-
-static inline uint64_t
-rad_bits_of(double x)
-{
-    uint64_t u;
-
-    memcpy(&u, &x, sizeof u);
-    return u;
-}
-
-static inline double
-rad_double_of(uint64_t bits)
-{
-    double x;
-
-    memcpy(&x, &bits, sizeof x);
-    return x;
-}
-
-/* 2^e, -1022 <= e <= 1023 */
-static inline double
-rad_power_of_two(int e)
-{
-    return rad_double_of((uint64_t)(e + 1023) << 52);
-}
 
 /* x = f * 2^e with f of 1/2 to 1 becomes f * (2^31 - 1), cut to an integer.
  * Exponents that a byte cannot hold give the largest number, or zero. */
