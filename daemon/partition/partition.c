@@ -159,12 +159,6 @@ partition_total(const struct partition *p)
     return p->total;
 }
 
-static bool
-is_shut(const struct partition *p, uint32_t unit)
-{
-    return p->unit[unit].area.frame >= p->open;
-}
-
 uint32_t
 partition_waiting(const struct partition *p)
 {
@@ -179,7 +173,8 @@ partition_open(struct partition *p, uint32_t frames)
     p->open = frames;
     p->shut = 0;
     for (uint32_t i = 0; i < p->total; i++)
-        p->shut += p->unit[i].state == PARTITION_WAITING && is_shut(p, i);
+        p->shut +=
+            p->unit[i].state == PARTITION_WAITING && partition_is_shut(p, i);
 }
 
 /* --- units --- */
@@ -194,7 +189,8 @@ next_kept(struct partition *p, uint32_t worker, uint32_t *unit)
         *unit = p->back[i];
         if (p->unit[*unit].state != PARTITION_WAITING) {
             drop_back(p, i);
-        } else if (p->unit[*unit].keeper == worker && !is_shut(p, *unit)) {
+        } else if (p->unit[*unit].keeper == worker &&
+                   !partition_is_shut(p, *unit)) {
             drop_back(p, i);
             return true;
         }
@@ -246,7 +242,7 @@ partition_lost(struct partition *p, uint32_t unit)
     p->unit[unit].keeper = PARTITION_NONE;
     p->unit[unit].bars = false; /* others are further, and wait for it */
     p->waiting++;
-    p->shut += is_shut(p, unit);
+    p->shut += partition_is_shut(p, unit);
 }
 
 void
@@ -271,7 +267,7 @@ partition_take(struct partition *p, uint32_t unit)
         return;
     p->unit[unit].state = PARTITION_OUT;
     p->waiting--;
-    p->shut -= is_shut(p, unit);
+    p->shut -= partition_is_shut(p, unit);
     for (uint32_t i = 0; i < p->nback; i++)
         if (p->back[i] == unit) {
             drop_back(p, i);

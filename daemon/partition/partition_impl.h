@@ -54,6 +54,13 @@ partition_is_free(const struct partition *p, uint32_t unit)
            p->unit[unit].keeper == PARTITION_NONE;
 }
 
+/* Is the unit of a frame that may not go out? */
+static inline bool
+partition_is_shut(const struct partition *p, uint32_t unit)
+{
+    return p->unit[unit].area.frame >= p->open;
+}
+
 /* Put a waiting unit before the others; false when memory is out. */
 bool partition_back(struct partition *p, uint32_t unit);
 

@@ -172,7 +172,7 @@ must_wait(struct partition *p, uint32_t unit)
 
     while (q->done < unit && p->unit[q->done].state == PARTITION_DONE)
         q->done++;
-    return p->unit[unit].area.frame >= p->open ||
+    return partition_is_shut(p, unit) ||
            (q->fresh && p->unit[q->done].area.frame < p->unit[unit].area.frame);
 }
 

@@ -302,7 +302,7 @@ must_wait(const struct partition *p)
     const struct partition_window *w = p->window;
     uint32_t i = w->next;
 
-    return p->unit[w->order[i]].area.frame >= p->open ||
+    return partition_is_shut(p, w->order[i]) ||
            (w->fresh && i > 0 &&
             p->unit[w->order[i]].area.frame !=
                 p->unit[w->order[i - 1]].area.frame &&

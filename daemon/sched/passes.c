@@ -886,15 +886,20 @@ close_whole(struct coord *c, struct job *job)
         close_pass(c, job);
 }
 
-/* The first units go out when the first frames' passes are closed. */
+/* No unit went out yet if `none_out`: the first go out when the first frames'
+ * passes are closed. */
 static void
-close_passes(struct coord *c, struct job *job)
+close_passes(struct coord *c, struct job *job, bool none_out)
 {
-    bool first = rad_passes_ready(job->passes->plan, job->passes->open) == 0;
-
     close_whole(c, job);
-    if (first && !passes_open(job) && !job->survey)
+    if (none_out && !passes_open(job) && !job->survey)
         speed_share(c, job);
+}
+
+static bool
+is_before_units(const struct passes *s)
+{
+    return rad_passes_ready(s->plan, s->open) == 0;
 }
 
 void
@@ -902,7 +907,7 @@ passes_frame_done(struct coord *c, struct job *job)
 {
     if (!job->filling || job_over(job))
         return;
-    close_passes(c, job);
+    close_passes(c, job, is_before_units(job->passes));
     note_progress(job);
     c->stirred = true;
 }
@@ -1021,7 +1026,7 @@ passes_made(struct coord *c, struct coord_worker *w, const struct msg *msg)
     count(job, index, &m->counts);
     dearest_note(s->dearest, &s->plan[s->open], m->tile, m->counts.rays);
     colours_keep(c, job, &s->plan[s->open], m);
-    close_passes(c, job);
+    close_passes(c, job, is_before_units(job->passes));
     note_progress(job);
 }
 
@@ -1032,7 +1037,6 @@ passes_came(struct coord *c, struct job *job, uint8_t *records, size_t n,
             int status, const char *text)
 {
     struct passes *s = job->passes;
-    bool taken_up = s && rad_passes_ready(s->plan, s->open) > 0;
 
     if (!s || !s->awaits || status != 0 || n % AMBSHARE_BYTES != 0) {
         free(records);
@@ -1057,8 +1061,6 @@ passes_came(struct coord *c, struct job *job, uint8_t *records, size_t n,
         if (job->workers[i].state == PART_READY &&
             job->workers[i].worker->conn != 0 && job->workers[i].passes == 0)
             catch_up(c, job, &job->workers[i]);
-    close_passes(c, job);
-    if (taken_up && !passes_open(job) && !job->survey)
-        speed_share(c, job); /* for passes that another life closed */
+    close_passes(c, job, true);
     c->stirred = true;
 }
