@@ -51,12 +51,9 @@ pkglibexec_SCRIPTS = libexec/radd/rpict libexec/radd/rtrace
 CLEANFILES += libexec/radd/rpict libexec/radd/rtrace
 EXTRA_DIST += client/rpict.in client/rtrace.in
 
-libexec/radd/rpict: client/rpict.in Makefile
+libexec/radd/rpict: client/rpict.in
+libexec/radd/rtrace: client/rtrace.in
+libexec/radd/rpict libexec/radd/rtrace: Makefile
 	$(AM_V_GEN)$(MKDIR_P) $(@D) && \
-	$(SED) -e 's|[@]bindir[@]|$(bindir)|g' $(srcdir)/client/rpict.in \
-		>$@.tmp && chmod +x $@.tmp && mv $@.tmp $@
-
-libexec/radd/rtrace: client/rtrace.in Makefile
-	$(AM_V_GEN)$(MKDIR_P) $(@D) && \
-	$(SED) -e 's|[@]bindir[@]|$(bindir)|g' $(srcdir)/client/rtrace.in \
+	$(SED) -e 's|[@]bindir[@]|$(bindir)|g' $(srcdir)/client/$(@F).in \
 		>$@.tmp && chmod +x $@.tmp && mv $@.tmp $@
