@@ -39,6 +39,7 @@ section == "time" && /"wall_s"/ { wall = number($0) }
 section == "time" && /"estimate_s"/ { estimate = number($0) }
 section == "time" && /"render_s"/ { render = number($0) }
 section == "totals" && /"rays"/ { rays = number($0) }
+section == "totals" && /"dropped_rays"/ { rays += number($0) }
 section == "totals" && /"seed_rays"/ { seed_rays = number($0) }
 section == "totals" && /"seed_s"/ { seeding = number($0) }
 section == "totals" && /"primary_rays"/ { primary = number($0) }

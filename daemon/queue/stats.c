@@ -95,8 +95,7 @@ totals(const struct job *job)
     for (uint32_t i = 0; i < job->nworkers; i++) {
         struct msg_tally w = part_tally(&job->workers[i]);
 
-        msg_counts_add(&t, &w.dropped);
-        dropped += w.dropped.rays;
+        dropped += w.dropped.rays; /* of no result that was accepted */
         msg_counts_add(&t, &w.seeded);
         msg_counts_add(&seeded, &w.seeded);
         sent += w.ambient_sent;

@@ -120,12 +120,14 @@ while [ "$run" -lt "$runs" ]; do
     [ "$(total primary_rays)" = "$primary" ] ||
         fail "$say: $(total primary_rays) primary rays, not $primary"
     # what was traced for nothing is in both
-    for kind in shadow ambient; do
-        alone=$(count "${kind}_rays")
-        [ "$bounces" = "-ab 0" ] || [ "$(total estimate_rays)" != 0 ] || [ "$(total dropped_rays)" != 0 ] ||
+    kinds="shadow_rays ambient_rays ambient_values"
+    [ "$(total paint_rays)" != "$(count paint_rays)" ] || kinds="$kinds rays"
+    for kind in $kinds; do
+        alone=$(count $kind)
+        [ "$(total estimate_rays)" != 0 ] ||
             [ "$(total speculative_rays)" != 0 ] ||
-            [ "$(total ${kind}_rays)" = "$alone" ] ||
-            fail "$say: $(total ${kind}_rays) $kind rays, not $alone"
+            [ "$(total $kind)" = "$alone" ] ||
+            fail "$say: $(total $kind) $kind, not $alone"
     done
     nothing=$(total speculative_rays)
     [ "$((nothing * 100))" -le "$primary" ] ||

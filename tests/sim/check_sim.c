@@ -211,7 +211,7 @@ check_done(struct sim *s, struct sim_job *job)
     /* a twin is an attempt, and nothing redone */
     SIM_CHECK(&s->net, number(totals, "units_redone") <= redone);
     SIM_CHECK(&s->net,
-              number(totals, "rays") == rays + number(totals, "dropped_rays") +
+              number(totals, "rays") == rays +
                                             number(totals, "estimate_rays") +
                                             number(totals, "tile_rays"));
     SIM_CHECK(&s->net, number(totals, "primary_rays") == primary);
