@@ -68,6 +68,7 @@ UNIT_TESTS = \
 	tests/check_idle \
 	tests/check_known \
 	tests/check_keyfile \
+	tests/check_link \
 	tests/check_message \
 	tests/check_doubt \
 	tests/check_metric \
@@ -262,6 +263,10 @@ tests_check_origin_LDADD = $(LIBCLIENT) $(UNIT_LIBS)
 tests_check_client_SOURCES = tests/check_client.c tests/unit.h
 tests_check_client_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS) $(JANSSON_CFLAGS)
 tests_check_client_LDADD = $(LIBCLIENT) $(UNIT_LIBS)
+
+tests_check_link_SOURCES = tests/check_link.c tests/unit.h
+tests_check_link_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
+tests_check_link_LDADD = $(LIBCLIENT) $(UNIT_LIBS)
 
 tests_check_rif_SOURCES = tests/check_rif.c tests/unit.h
 tests_check_rif_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)

@@ -114,10 +114,13 @@ fail(struct link *l, int code)
         l->why.code = code;
 }
 
+/* A turn of the loop runs timers first and then waits for what else may come:
+ * without uv_stop() that may be another 5 s, for the connection's own timer. */
 static void
 on_limit(uv_timer_t *t)
 {
     ((struct link *)t->data)->timeout = true;
+    uv_stop(t->loop);
 }
 
 /* Run the loop until `done`, a failure, the time (ms < 0: none) or a wake.

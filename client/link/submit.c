@@ -21,6 +21,7 @@
 
 enum {
     CONNECT_MS = 5000,
+    CONNECT_LEAST_MS = 1000, /* also where --wait is less */
     BACKOFF_MS = 500,
     BACKOFF_MAX_MS = 30000,
     COME_MS = 10, /* how often workers that are to come are looked for, */
@@ -566,6 +567,7 @@ static void
 on_pause_over(uv_timer_t *t)
 {
     *(bool *)t->data = true;
+    uv_stop(t->loop); /* a pause of 0 ms ends before the loop waits */
 }
 
 static void
@@ -705,30 +707,39 @@ may_retry(struct submit *s, const struct rad_error *why)
     return 0;
 }
 
+/* ms, or what is left of --wait if that is less, rounded up. */
+static uint64_t
+within_wait(struct submit *s, uint64_t ms)
+{
+    double left = 1000 * s->job->wait_s - (double)(now_ms(s) - s->start_ms);
+
+    if (s->accepted || (double)ms <= left)
+        return ms;
+    return left > 0 ? (uint64_t)left + 1 : 0;
+}
+
 /* How long to wait before the n-th next try, with up to a quarter of jitter,
  * so that many clients do not all call at once; not beyond --wait. */
 static uint64_t
 backoff_ms(struct submit *s, int n)
 {
     uint64_t ms = BACKOFF_MAX_MS, r;
-    double left;
 
     if (n < 6)
         ms = (uint64_t)BACKOFF_MS << n;
     if (uv_random(NULL, NULL, &r, sizeof r, 0, NULL) == 0)
         ms += r % (ms / 4);
-    left = 1000 * s->job->wait_s - (double)(now_ms(s) - s->start_ms);
-    if (!s->accepted && (double)ms > left)
-        ms = left > 0 ? (uint64_t)left + 1 : 0;
-    return ms;
+    return within_wait(s, ms);
 }
 
 /* One connection's life. */
 static int
 attempt(struct submit *s, int *failures)
 {
+    uint64_t ms = within_wait(s, CONNECT_MS);
     int rc = link_open(&s->link, &s->where, &s->job->to, MSG_ROLE_USER,
-                       CONNECT_MS, s->err);
+                       (int)(ms > CONNECT_LEAST_MS ? ms : CONNECT_LEAST_MS),
+                       s->err);
 
     if (rc < 0)
         return rc;

@@ -1,0 +1,105 @@
+/* check_link.c - a client whose coordinator takes the connection and says
+ * nothing: waiting for it ends in time */
+#include "config.h"
+
+#include "link/submit.h"
+#include "unit.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/socket.h>
+#include <sys/un.h>
+#include <time.h>
+#include <unistd.h>
+
+static char folder[] = "/tmp/check_link.XXXXXX";
+
+static double
+now_s(void)
+{
+    struct timespec t;
+
+    clock_gettime(CLOCK_MONOTONIC, &t);
+    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
+/* A Unix socket that accepts no connection; dialling it succeeds. */
+static int
+listen_mutely(struct target *to)
+{
+    struct sockaddr_un a = { .sun_family = AF_UNIX };
+    int fd = socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);
+
+    snprintf(a.sun_path, sizeof a.sun_path, "%s/mute", folder);
+    unlink(a.sun_path);
+    ck_assert_int_eq(bind(fd, (struct sockaddr *)&a, sizeof a), 0);
+    ck_assert_int_eq(listen(fd, 16), 0);
+    ck_assert_int_eq(target_parse(to, a.sun_path, NULL), 0);
+    return fd;
+}
+
+/* Pings, which come every 5 s, do not lengthen the wait. */
+START_TEST(no_welcome_is_no_coordinator_in_time)
+{
+    struct target to;
+    int fd = listen_mutely(&to), wake = 0;
+    uv_loop_t loop;
+    struct link_where where = { &loop, &wake };
+    struct rad_error err = { 0 };
+    struct link *l;
+    double begin;
+
+    uv_loop_init(&loop);
+    begin = now_s();
+    ck_assert_int_eq(link_open(&l, &where, &to, MSG_ROLE_USER, 400, &err),
+                     RAD_EUNAVAIL);
+    ck_assert_double_lt(now_s() - begin, 3);
+    ck_assert_ptr_nonnull(strstr(err.what, "does not answer"));
+    ck_assert_int_eq(uv_loop_close(&loop), 0);
+    close(fd);
+}
+END_TEST
+
+static void
+say(void *arg, const char *text)
+{
+    (void)arg;
+    (void)text;
+}
+
+START_TEST(a_job_does_not_wait_beyond_its_wait)
+{
+    struct submit_job job = { .wait_s = 1 };
+    struct submit_callbacks cb = { .say = say };
+    int fd = listen_mutely(&job.to), wake = 0;
+    uv_loop_t loop;
+    struct rad_error err = { 0 };
+    double begin;
+
+    uv_loop_init(&loop);
+    begin = now_s();
+    ck_assert_int_eq(submit_run(&job, &loop, &wake, &cb, &err), RAD_EUNAVAIL);
+    ck_assert_double_lt(now_s() - begin, 3.5);
+    ck_assert_int_eq(uv_loop_close(&loop), 0);
+    close(fd);
+}
+END_TEST
+
+int
+main(void)
+{
+    Suite *s = suite_create("link");
+    TCase *tc = tcase_create("link");
+    char command[100];
+    int rc;
+
+    if (!mkdtemp(folder))
+        return EXIT_FAILURE;
+    tcase_add_test(tc, no_welcome_is_no_coordinator_in_time);
+    tcase_add_test(tc, a_job_does_not_wait_beyond_its_wait);
+    suite_add_tcase(s, tc);
+    rc = unit_run(s);
+    snprintf(command, sizeof command, "rm -rf %s", folder);
+    return system(command) == 0 ? rc : EXIT_FAILURE;
+}
