@@ -34,8 +34,8 @@ struct ctl {
     struct show show;        /* of a .png that is fetched */
     int frame;               /* -1: not named */
     bool json;
-    bool admin; /* what the coordinator let us be */
-    bool local; /* it is on this machine */
+    enum msg_role role; /* what the coordinator let us be */
+    bool local;         /* it is on this machine */
     uv_loop_t loop;
     int wake;
     struct target to;
@@ -53,8 +53,7 @@ struct ctl_command {
     int number; /* message or query that it sends */
 };
 
-/* Connect to c->to, as an administrator where the coordinator lets us, else as
- * a user (radctl.c). */
+/* Connect to c->to, as the most that the coordinator lets us be (radctl.c). */
 int ctl_connect(struct ctl *c);
 
 /* --- asking (ctl.c) --- */

@@ -214,8 +214,10 @@ carry_out(struct screen *s, enum top_wish wish)
     s->c->start_ms = now_ms(s->c);
     if (!s->c->link)
         rc = rad_fail(&err, RAD_EUNAVAIL, "the coordinator is not there");
-    else if (worker && !s->c->admin)
+    else if (worker && s->c->role != MSG_ROLE_ADMIN)
         rc = rad_fail(&err, RAD_EPERM, "this is for administrators");
+    else if (s->c->role == MSG_ROLE_OBSERVER)
+        rc = rad_fail(&err, RAD_EPERM, "this is not for observers");
     else if (!worker && !msg_job_parse(s->top.about, job))
         rc = rad_fail(&err, RAD_EPROTO, "'%.40s' is no job", s->top.about);
     else {

@@ -49,12 +49,25 @@ static const struct ctl_command commands[] = {
 };
 enum { NCOMMANDS = sizeof commands / sizeof commands[0] };
 
-/* A user who said it to a coordinator would be hung up on. */
-static bool
-for_admins(const struct ctl_command *command)
+/* Is the command for somebody of that role?  A coordinator would hang up on
+ * others. */
+static int
+check_role(const struct ctl_command *command, enum msg_role role,
+           struct rad_error *err)
 {
-    return command->run == ctl_run_worker || command->run == ctl_run_key ||
-           command->run == ctl_run_enroll;
+    bool steers =
+        command->run == ctl_run_job || command->run == ctl_run_priority;
+    bool governs = command->run == ctl_run_worker ||
+                   command->run == ctl_run_key ||
+                   command->run == ctl_run_enroll;
+
+    if (governs && role != MSG_ROLE_ADMIN)
+        return rad_fail(err, RAD_EPERM, "command '%s' is for administrators",
+                        command->name);
+    if (steers && role == MSG_ROLE_OBSERVER)
+        return rad_fail(err, RAD_EPERM, "command '%s' is not for observers",
+                        command->name);
+    return 0;
 }
 
 /* --- command line --- */
@@ -373,21 +386,16 @@ ctl_connect(struct ctl *c)
 {
     const struct target *to = &c->to;
     struct link_where where = { &c->loop, &c->wake };
-    struct rad_error refused = { 0 };
-    int rc = RAD_EPERM;
+    int rc;
 
     c->local = to->local;
-    c->admin = link_may_be_admin(to);
-    if (c->admin)
-        rc = link_open(&c->link, &where, to, MSG_ROLE_ADMIN, CONNECT_MS,
-                       &refused);
-    if (rc == RAD_EPERM && (to->local || refused.code == 0)) {
-        c->admin = false;
-        return link_open(&c->link, &where, to, MSG_ROLE_USER, CONNECT_MS,
-                         c->err);
+    c->role = link_role(to);
+    rc = link_open(&c->link, &where, to, c->role, CONNECT_MS, c->err);
+    if (rc == RAD_EPERM && to->local) {
+        *c->err = (struct rad_error){ 0 };
+        c->role = MSG_ROLE_USER;
+        rc = link_open(&c->link, &where, to, c->role, CONNECT_MS, c->err);
     }
-    if (rc < 0)
-        *c->err = refused;
     return rc;
 }
 
@@ -438,9 +446,8 @@ run(struct ctl *c)
     rc = ctl_connect(c);
     if (rc == RAD_EUNAVAIL && !named)
         say_unnamed(c);
-    if (rc == 0 && !c->admin && for_admins(c->command))
-        rc = rad_fail(c->err, RAD_EPERM, "command '%s' is for administrators",
-                      c->command->name);
+    if (rc == 0)
+        rc = check_role(c->command, c->role, c->err);
     if (rc == 0)
         rc = c->command->run(c);
     link_close(c->link);

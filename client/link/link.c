@@ -340,17 +340,25 @@ load_key(struct dial_key *key, const char *path, enum msg_role role,
     return rc;
 }
 
-bool
-link_may_be_admin(const struct target *to)
+enum msg_role
+link_role(const struct target *to)
 {
+    static const enum msg_role by_rank[] = { MSG_ROLE_ADMIN, MSG_ROLE_USER,
+                                             MSG_ROLE_OBSERVER };
+    enum msg_role role = MSG_ROLE_USER;
     struct keyfile f;
-    bool may;
 
-    if (to->local || keyfile_load(&f, to->key, NULL) < 0)
-        return to->local;
-    may = keyfile_best(&f, MSG_ROLE_ADMIN, (int64_t)time(NULL)) != NULL;
+    if (to->local)
+        return MSG_ROLE_ADMIN;
+    if (keyfile_load(&f, to->key, NULL) < 0)
+        return role;
+    for (size_t i = 0; i < sizeof by_rank / sizeof by_rank[0]; i++)
+        if (keyfile_best(&f, by_rank[i], (int64_t)time(NULL))) {
+            role = by_rank[i];
+            break;
+        }
     keyfile_release(&f);
-    return may;
+    return role;
 }
 
 /* Dial; over TCP both sides prove that they have the key, if there is one. */

@@ -26,8 +26,9 @@ struct link_where {
     const int *wake;
 };
 
-/* Is there a reason to try as an admin: a Unix socket, or an admin's key? */
-bool link_may_be_admin(const struct target *to);
+/* The most that a client may hope to be there: an admin on a Unix socket, else
+ * an admin, user or observer by the keys of its file. */
+enum msg_role link_role(const struct target *to);
 
 /* Connect and say HELLO in the role (an enum msg_role) within timeout_ms.
  * RAD_EUNAVAIL also when woken. */

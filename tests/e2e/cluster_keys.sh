@@ -118,6 +118,20 @@ expect 77 "administrators" "a user who drains" \
 expect 77 "administrators" "a user who makes keys" \
     "$radctl" --coordinator="$tcp" --key=user.key key add admin:ana
 
+# An observer sees everything and changes nothing.
+(umask 077 && "$radctl" --coordinator="$tcp" --key=admin.key \
+    key add observer:eye >eye.key) || fail "no key for an observer"
+look() { "$radctl" --coordinator="$tcp" --key=eye.key "$@"; }
+good "an observer" look status
+good "an observer's list" look --json jobs
+id=$(python3 -c 'import json; print(json.load(open("stdout"))[0]["job"])')
+good "an observer's look at a user's job" look job "$id"
+good "an observer's picture" look fetch "$id" -o seen.hdr
+cmp seen.hdr over_tcp.hdr || fail "an observer gets another picture"
+expect 77 "observers" "an observer who cancels" look cancel "$id"
+expect 77 "observers" "an observer's priority" look priority "$id" 1
+expect 77 "administrators" "an observer who drains" look drain w1
+
 # A server with a certificate and no key gets not a byte of ours.
 if command -v openssl >/dev/null; then
     openssl req -x509 -newkey rsa:2048 -nodes -keyout rogue.pem \
