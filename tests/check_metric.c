@@ -59,6 +59,11 @@ START_TEST(channels_weigh_by_luminance)
     ck_assert_int_eq(rad_metric_compare(&t, &r, &m, NULL), 0);
     ck_assert_double_eq_tol(m.mean_ratio, 1.670114631, 1e-6);
     ck_assert_double_eq_tol(m.nrmse, sqrt(1. / 3), 1e-7);
+    /* 5 * .265074126 - 2 * .670114631 + .25 * .064811243, of 100 + e */
+    r.L[0] = rad_grey(100);
+    t.L[0] = rad_rgb(105, 98, 100.25f);
+    ck_assert_int_eq(rad_metric_compare(&t, &r, &m, NULL), 0);
+    ck_assert_double_eq_tol(m.p50, .00134417875 / 100.1, 1e-13);
     rad_picture_release(&t);
     rad_picture_release(&r);
 }
