@@ -43,15 +43,39 @@ static const char help_text[] =
     "band by band\n"
     "  --commands  run the commands of an octree's scene files, too\n";
 
+/* Print an error or a warning; `last` has the one before of its kind.  Objects
+ * of an octree have no lines: a thousand that lack a file say so in the same
+ * words, which are printed once. */
 static void
-print_error(void *arg, const struct rad_error *err)
+print_new(const struct rad_error *err, char last[600])
 {
     char message[600];
 
-    (void)arg;
     rad_error_format(err, message, sizeof message);
+    if (strcmp(message, last) == 0)
+        return;
+    strcpy(last, message);
     fprintf(stderr, "radscene: %s%s\n",
             err->code == RAD_WARNING ? "warning: " : "", message);
+}
+
+static void
+print_error(const struct rad_error *err)
+{
+    print_new(err, (char[600]){ 0 });
+}
+
+/* What was printed last, errors and warnings apart. */
+struct told {
+    char last[2][600];
+};
+
+static void
+print_each(void *arg, const struct rad_error *err)
+{
+    struct told *told = arg;
+
+    print_new(err, told->last[err->code == RAD_WARNING]);
 }
 
 /* The first error; a type that the renderer lacks is none here. */
@@ -226,7 +250,7 @@ run_check(struct compiled *c, struct rad_error *err)
     int rc = compile_check(c, err);
 
     if (rc)
-        print_error(NULL, err); /* reading has told the others */
+        print_error(err); /* reading has told the others */
     say_warnings(c);
     return rc;
 }
@@ -295,6 +319,7 @@ run_on_files(const struct subcommand *sub, int argc, char **argv,
     bool commands = argc > 1 && strcmp(argv[1], "--commands") == 0;
     const char *const *files = (const char *const *)argv + 1 + commands;
     int rc, n = argc - 1 - commands;
+    struct told told = { 0 };
     struct compiled c;
 
     if (n < 1)
@@ -303,7 +328,7 @@ run_on_files(const struct subcommand *sub, int argc, char **argv,
         if (files[i][0] == '-' && files[i][1] != '\0')
             return rad_fail(err, RAD_EUSAGE, "unknown option '%s'", files[i]);
     rc = sub->strict
-             ? compile_read(&c, files, n, commands, print_error, NULL, err)
+             ? compile_read(&c, files, n, commands, print_each, &told, err)
              : read_any(&c, files, n, commands, err);
     if (!rc) {
         rc = sub->run(&c, err);
@@ -324,7 +349,8 @@ main(int argc, char **argv)
     const char *name = argc > 1 ? argv[1] : "";
     int rc;
 
-    if (strcmp(name, "--help") == 0) {
+    if (strcmp(name, "--help") == 0 ||
+        (argc > 2 && strcmp(argv[2], "--help") == 0)) {
         printf("%s%s", usage_text, help_text);
         return EX_OK;
     }
@@ -348,6 +374,6 @@ main(int argc, char **argv)
         return EX_USAGE;
     }
     if (rc && err.code)
-        print_error(NULL, &err);
+        print_error(&err);
     return rad_exit_status(rc);
 }

@@ -180,6 +180,19 @@ expect 65 "bad.rad:2: brightfunc 'p': 'nix(1)': undefined function 'nix'" \
 printf '\nvoid brightfunc p 2 Px none.cal 0 0\n%s\n' "$use" >bad.rad
 expect 66 "bad.rad:2: brightfunc 'p': cannot find file 'none.cal'" \
     $radscene check bad.rad
+# an octree's objects have no lines: what is the same for many is told once
+for i in 1 2 3; do
+    printf 'void brightfunc p 2 Px gone.cal 0 0\n%s\n' "$use"
+done >bad.rad
+echo '{ }' >gone.cal
+$radscene freeze bad.rad >gone.oct || { echo "FAIL: freeze" && failed=1; }
+rm gone.cal
+expect 66 "gone.oct: brightfunc 'p': cannot find file 'gone.cal'" \
+    $radscene check gone.oct
+[ "$(grep -c '^radscene: gone' err)" -eq 1 ] ||
+    { echo "FAIL: told thrice" && failed=1; }
+expect 0 "" $radscene check --help
+
 # what no surface uses is warned of, here and where it is rendered
 cat >library.rad <<'END'
 void mixfunc mixed 4 nowhere void .5 . 0 0
