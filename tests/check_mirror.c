@@ -236,6 +236,18 @@ END_TEST
 
 /* Where all of the image was found in view, only the stretch to the mirror is
  * tested. */
+/* Geometry leaves it out, so no ray of a test would meet it. */
+START_TEST(what_is_nowhere_shows_nothing)
+{
+    ck_assert_int_eq(images_of(LAMP SUN GOLD
+                               "gold polygon vast 0 0 9 1 .2 .5 1 -.2 -1e307 "
+                               "1 -.2 1.5\n"
+                               "gold sphere there 0 0 4 0 0 0 .5\n",
+                               ""),
+                     0);
+}
+END_TEST
+
 START_TEST(pretest_saves_rays)
 {
     uint64_t rays[2];
@@ -464,6 +476,7 @@ make_suite(void)
     tcase_add_loop_test(tc, plain_panes_dim_as_those_that_take_rays, 0,
                         N_ELEM(panes) * N_ELEM(pretest));
     tcase_add_test(tc, pretest_drops_what_never_arrives);
+    tcase_add_test(tc, what_is_nowhere_shows_nothing);
     tcase_add_test(tc, pretest_saves_rays);
     tcase_add_test(tc, image_is_seen_in_the_mirror_alone);
     tcase_add_loop_test(tc, distant_light_is_relayed, 0, N_ELEM(pretest));

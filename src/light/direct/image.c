@@ -107,14 +107,17 @@ find_mirrors(struct maker *mk, struct rad_error *err)
         return rad_fail(err, RAD_ENOMEM, "out of memory");
     for (int32_t i = 0; i < rad_scene_own(mk->job->scene); i++) {
         int32_t mat = mirror_material(mk->job, i);
+        struct rad_mirror *m = &mk->mirrors.list[mk->mirrors.n];
         int rc;
 
         if (mat == RAD_VOID)
             continue;
-        rc = make_mirror(&mk->mirrors.list[mk->mirrors.n], mk->job, i, mat);
+        rc = make_mirror(m, mk->job, i, mat);
         if (rc < 0)
             return rad_fail(err, rc, "out of memory");
-        mk->mirrors.n += rc == 0;
+        /* one larger than the scene has a vertex such as 1e308, and geometry
+         * has left it out */
+        mk->mirrors.n += rc == 0 && m->radius <= 2 * mk->mirrors.size;
     }
     return 0;
 }
@@ -489,10 +492,10 @@ rad_virtuals_make(struct rad_job *job, struct rad_error *err)
 
     if (job->params.directrelay <= 0 || job->sources->nlit == 0)
         return 0;
-    code = find_mirrors(&mk, err);
     rad_geom_bounds(job->geom, lo, hi);
     for (int k = 0; k < 3; k++)
         mk.mirrors.size = rad_most(mk.mirrors.size, hi[k] - lo[k]);
+    code = find_mirrors(&mk, err);
     for (int n = 0; code == 0 && mk.mirrors.n > 0 && first < end &&
                     n < job->params.directrelay;
          n++) {
