@@ -22,7 +22,7 @@
 #define RAD_MAX_PARTS      65536
 #define RAD_MAX_PART_DEPTH 64
 
-#define RAD_MESH_FACE "mesh face"
+#define RAD_MESH_FACE "M-Tri" /* rtrace -os says so, too */
 
 struct rad_mesh;
 

@@ -25,6 +25,19 @@ paste points.txt out.txt | awk '
     END { if (NR != 500 || bad) { print NR ":" bad; exit 1 } }' ||
     fail "values of a bubble"
 
+# surfaces have the names that rtrace gives them, faces of a mesh one of all
+cp "$scenes/ball.rtm" .
+cat >mesh.rad <<'EOF'
+void plastic red 0 0 5 .5 .1 .1 0 0
+void mesh ball 1 ball.rtm 0 0
+red ring floor 0 0 8 0 0 -9 0 0 1 0 99
+EOF
+printf '0 0 20 0 0 -1\n50 0 20 0 0 -1\n50 0 20 0 0 1\n' >three.txt
+"$radsubmit" --local --points=three.txt -h- -osm mesh.rad >names.txt \
+    2>stderr || fail "names: $(cat stderr)"
+printf 'M-Tri\tb\t\nfloor\tred\t\n*\t*\t\n' | cmp - names.txt ||
+    fail "names: $(cat names.txt)"
+
 # the same bytes whoever makes them, with indirect light too
 room=$scenes/room.rad
 awk 'BEGIN { for (i = 0; i < 400; i++)
