@@ -1,13 +1,15 @@
 /* passes.c - what it costs to fill the ambient cache in passes
  *
- *      passes [--tiles=FILE] [rendering options] scene.rad... view.vf
+ *      passes [--tiles=FILE] [rendering options] scene.rad... views.vf
  *
- * The picture is rendered twice by one thread: with a cache to which each new
- * record is added at once, and with one that is filled in passes beforehand.
- * Of each pass stand there its tiles, its records, those of them that another
- * tile of the pass, or the cache, would have served already, the rays of
- * hemispheres, and seconds of a processor.  --tiles writes what each tile took,
- * for bench/sim (sim/tiles.h). */
+ * Pictures of all the views, one a line, are rendered twice by one thread: with
+ * a cache to which each new record is added at once, and with one that is
+ * filled in passes beforehand, for a batch of frames at a time. Of each pass
+ * stand there its tiles, its records, those of them that are for deeper levels
+ * than the pass, those that another tile of the pass, or the cache, would have
+ * served already, the rays of hemispheres, all rays, and seconds of a
+ * processor.  --tiles writes what each tile of a single picture took, for
+ * bench/sim (sim/tiles.h). */
 #include "config.h"
 
 #define TOOL "passes"
@@ -29,31 +31,53 @@ struct bench {
     struct compiled compiled;
     struct rad_files files;
     struct rad_params params;
-    struct rad_view view;
+    struct rad_view *view;
+    uint32_t n; /* of them */
     struct rad_job *job;
-    struct rad_frame frame;
+    struct rad_frame *frame;
     struct rad_ctx ctx;
     FILE *tiles; /* what each took; NULL: not wanted */
 };
+
+/* Each line is a view. */
+static void
+read_views(struct bench *b, const char *file)
+{
+    struct rad_error err = { 0 };
+    size_t len, n;
+    char *text = (char *)rad_file_read(file, SIZE_MAX / 2, &len, &err);
+
+    if (!text)
+        die(&err);
+    for (const char *at = text; at < text + len; at += n + 1) {
+        n = strcspn(at, "\n");
+        if (n == 0)
+            continue;
+        b->view = realloc(b->view, (b->n + 1) * sizeof *b->view);
+        if (!b->view)
+            die_of("out of memory");
+        rad_view_init(&b->view[b->n]);
+        if (rad_view_read(&b->view[b->n++], at, n, &err) < 0)
+            die(&err);
+    }
+    free(text);
+    if (b->n == 0)
+        die_of("there is no view");
+}
 
 static void
 load(struct bench *b, char **file, int n)
 {
     struct rad_error err = { 0 };
-    unsigned char *text;
-    size_t len;
 
     if (n < 2)
         die_of("usage: passes [--tiles=FILE] [rendering options] scene.rad... "
-               "view.vf");
+               "views.vf");
     if (compile_read(&b->compiled, (const char *const *)file, n - 1, false,
                      NULL, NULL, &err) < 0)
         die(&err);
     b->files = compile_files(&b->compiled);
-    text = rad_file_read(file[n - 1], SIZE_MAX / 2, &len, &err);
-    if (!text || rad_view_read(&b->view, (char *)text, len, &err) < 0)
-        die(&err);
-    free(text);
+    read_views(b, file[n - 1]);
 }
 
 static void
@@ -78,8 +102,14 @@ open_job(struct bench *b)
         die(&err);
     if (!b->job->ambient)
         die_of("the options have no ambient cache");
-    if (rad_frame_init(&b->frame, b->job, &b->view, 0, false, &err) < 0 ||
-        rad_ctx_init(&b->ctx, b->job, &err) < 0)
+    b->frame = calloc(b->n, sizeof *b->frame);
+    if (!b->frame)
+        die_of("out of memory");
+    for (uint32_t i = 0; i < b->n; i++)
+        if (rad_frame_init(&b->frame[i], b->job, &b->view[i], i, false, &err) <
+            0)
+            die(&err);
+    if (rad_ctx_init(&b->ctx, b->job, &err) < 0)
         die(&err);
 }
 
@@ -87,21 +117,23 @@ static void
 close_job(struct bench *b)
 {
     rad_ctx_release(&b->ctx);
-    rad_frame_release(&b->frame);
+    for (uint32_t i = 0; i < b->n; i++)
+        rad_frame_release(&b->frame[i]);
+    free(b->frame);
     rad_job_free(b->job);
 }
 
-/* All of the picture; returns the seconds that it took. */
+/* All of a picture; returns the seconds that it took. */
 static double
-render(struct bench *b)
+render(struct bench *b, const struct rad_frame *f)
 {
-    struct rad_window all = { 0, 0, b->frame.width, b->frame.height };
+    struct rad_window all = { 0, 0, f->width, f->height };
     struct rad_pixel **rows = calloc((size_t)all.height, sizeof *rows);
     double start = now();
 
     for (int y = 0; rows && y < all.height; y++)
         rows[y] = malloc((size_t)all.width * sizeof **rows);
-    if (!rows || rad_frame_window(&b->frame, &b->ctx, &all, rows, NULL, NULL))
+    if (!rows || rad_frame_window(f, &b->ctx, &all, rows, NULL, NULL))
         die_of("the picture cannot be rendered");
     for (int y = 0; y < all.height; y++)
         free(rows[y]);
@@ -111,8 +143,10 @@ render(struct bench *b)
 
 /* The records of a pass. */
 struct records {
+    int level; /* of the pass */
     struct rad_ambrec *v;
     size_t n, room;
+    size_t deeper; /* of these, than the pass */
 };
 
 static void
@@ -128,6 +162,8 @@ keep(void *arg, const struct rad_ambrec *rec, size_t n)
     }
     memcpy(r->v + r->n, rec, n * sizeof *rec);
     r->n += n;
+    for (size_t i = 0; i < n; i++)
+        r->deeper += rec[i].level > r->level;
 }
 
 /* Add them to the cache; returns how many of them it did not need. */
@@ -167,8 +203,8 @@ do_tile(struct bench *b, struct rad_passes *p, uint32_t tile, struct records *r)
 static void
 do_pass(struct bench *b, struct rad_passes *p, const struct rad_pass *pass)
 {
-    struct records r = { 0 };
-    uint64_t rays = b->ctx.counts.ambient_rays;
+    struct records r = { .level = pass->level };
+    struct rad_counts before = b->ctx.counts;
     double start = now(), took;
     size_t made;
 
@@ -185,11 +221,13 @@ do_pass(struct bench *b, struct rad_passes *p, const struct rad_pass *pass)
     if (pass->level > 0)
         printf("%5" PRIu32 " paths ", pass->end - pass->first);
     else
-        printf("lattice of %2d ", pass->step);
-    printf("%6" PRIu32 " tiles %7zu records %6zu needless %9" PRIu64
-           " rays %7.3f s\n",
-           pass->tiles, made, add(b, &r), b->ctx.counts.ambient_rays - rays,
-           took);
+        printf("%s of %2d ", pass->scattered ? "rest   " : "lattice",
+               pass->step);
+    printf("%6" PRIu32 " tiles %7zu records %6zu deeper %6zu needless %9" PRIu64
+           " of %9" PRIu64 " rays %7.3f s\n",
+           pass->tiles, made, r.deeper, add(b, &r),
+           b->ctx.counts.ambient_rays - before.ambient_rays,
+           b->ctx.counts.rays - before.rays, took);
     free(r.v);
 }
 
@@ -198,29 +236,41 @@ tell_picture(const struct bench *b, double live, double rendered)
 {
     if (!b->tiles)
         return;
-    fprintf(b->tiles, "picture %d %d %.6f %.6f\n", b->frame.width,
-            b->frame.height, live, rendered);
+    fprintf(b->tiles, "picture %d %d %.6f %.6f\n", b->frame->width,
+            b->frame->height, live, rendered);
     if (fclose(b->tiles) != 0)
         die_of("the file of tiles cannot be written");
 }
 
-static double
-fill(struct bench *b)
+/* Fill the cache in passes, and render the frames of each batch over it. */
+static void
+fill_and_render(struct bench *b, double *filled, double *rendered)
 {
-    struct rad_pass pass[RAD_MOST_PASSES];
-    struct rad_pass_size size = { b->frame.width, b->frame.height };
-    uint32_t n = rad_passes_plan(&b->params, &size, 1, pass);
-    struct rad_passes *p = rad_passes_new(&b->frame, 1, NULL);
-    double start = now();
+    struct rad_pass *pass = malloc(RAD_MOST_PASSES * sizeof *pass);
+    struct rad_pass_size *size = calloc(b->n, sizeof *size);
+    struct rad_passes *p = rad_passes_new(b->frame, b->n, NULL);
+    uint32_t n, done = 0;
+    double start;
 
-    if (!p)
+    if (!p || !pass || !size)
         die_of("out of memory");
-    for (uint32_t i = 0; i < n; i++)
+    for (uint32_t i = 0; i < b->n; i++)
+        size[i] =
+            (struct rad_pass_size){ b->frame[i].width, b->frame[i].height };
+    n = rad_passes_plan(&b->params, size, b->n, pass);
+    for (uint32_t i = 0; i < n; i++) {
+        start = now();
         do_pass(b, p, &pass[i]);
-    if (!rad_ambient_smooth(b->job->ambient))
-        die_of("out of memory");
+        if (rad_pass_is_last(pass, n, i) &&
+            !rad_ambient_smooth(b->job->ambient))
+            die_of("out of memory");
+        *filled += now() - start;
+        for (; done < pass[i].ready; done++)
+            *rendered += render(b, &b->frame[done]);
+    }
     rad_passes_free(p);
-    return now() - start;
+    free(size);
+    free(pass);
 }
 
 static void
@@ -228,9 +278,8 @@ tell(const struct bench *b, const char *what, double filled, double rendered)
 {
     printf("%-7s %zu records, %" PRIu64 " rays of hemispheres, %" PRIu64
            " rays; %.3f + %.3f = %.3f s\n",
-           what, rad_ambient_count(b->job->ambient),
-           b->ctx.counts.ambient_rays, b->ctx.counts.rays, filled, rendered,
-           filled + rendered);
+           what, rad_ambient_count(b->job->ambient), b->ctx.counts.ambient_rays,
+           b->ctx.counts.rays, filled, rendered, filled + rendered);
 }
 
 int
@@ -238,12 +287,11 @@ main(int argc, char **argv)
 {
     struct bench b = { 0 };
     struct rad_error err = { 0 };
-    double live, filled, rendered;
+    double live = 0, filled = 0, rendered = 0;
     const char *tiles = NULL;
     int at = 1, n;
 
     rad_params_init(&b.params);
-    rad_view_init(&b.view);
     if (at < argc && strncmp(argv[at], "--tiles=", 8) == 0)
         tiles = argv[at++] + 8;
     for (; at < argc && argv[at][0] == '-'; at += n) {
@@ -254,19 +302,22 @@ main(int argc, char **argv)
             load(&b, NULL, 0);
     }
     load(&b, argv + at, argc - at);
+    if (tiles && b.n > 1)
+        die_of("--tiles is for a single view");
     if (tiles)
         open_tiles(&b, tiles);
     open_job(&b);
-    live = render(&b);
+    for (uint32_t i = 0; i < b.n; i++)
+        live += render(&b, &b.frame[i]);
     tell(&b, "live", 0, live);
     close_job(&b);
     open_job(&b);
     rad_ambient_freeze(b.job->ambient);
-    filled = fill(&b);
-    rendered = render(&b);
+    fill_and_render(&b, &filled, &rendered);
     tell(&b, "passes", filled, rendered);
     tell_picture(&b, live, rendered);
     close_job(&b);
     compile_release(&b.compiled);
+    free(b.view);
     return 0;
 }
