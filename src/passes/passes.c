@@ -36,11 +36,16 @@ struct end {
     double place; /* in the order of the tree */
 };
 
-/* Where a path goes, by number of bounces but one. */
+/* Where a path arrives after some bounces. */
+struct bend {
+    double p[3];
+    float n[3], err, weight; /* as in struct rad_ambplace */
+};
+
+/* Where a path goes. */
 struct trail {
     bool known;
     int8_t bounces; /* then it leaves the scene, or has as many as matter */
-    float at[RAD_PASS_LEVELS][3];
 };
 
 struct rad_passes {
@@ -50,7 +55,9 @@ struct rad_passes {
     struct rad_pass pass;           /* [fixed] while tiles are made */
     struct trail *trail;            /* [fixed] likewise: of paths so far */
     uint32_t ntrails;
-    struct end *end;                /* [fixed] likewise: by place */
+    int deepest;       /* [fixed] bounces that matter, */
+    struct bend *bend; /* [fixed] so many for each trail */
+    struct end *end;   /* [fixed] likewise: by place */
     uint32_t nends;
 };
 
@@ -75,18 +82,47 @@ walk(const struct rad_passes *p, struct rad_ctx *ctx, uint32_t i, int bounces,
     return bounces;
 }
 
+/* Where path i is after k bounces, 1 to those that matter. */
+static struct bend *
+bend_of(const struct rad_passes *p, uint32_t i, int k)
+{
+    return &p->bend[(size_t)i * (size_t)p->deepest + (size_t)k - 1];
+}
+
 static void
 find_trail(struct rad_passes *p, struct rad_ctx *ctx, uint32_t i)
 {
     struct rad_ray r[RAD_PASS_LEVELS + 1];
-    struct trail *t = &p->trail[i];
-    int n = walk(p, ctx, i, rad_pass_deepest(&ctx->job->params), r);
+    struct rad_ambplace at;
+    int n = walk(p, ctx, i, p->deepest, r);
 
-    t->known = true;
-    t->bounces = (int8_t)n;
-    for (int k = 0; k < n; k++)
+    p->trail[i] = (struct trail){ true, (int8_t)n };
+    for (int k = 1; k <= n; k++) {
+        struct bend *b = bend_of(p, i, k);
+
+        rad_path_place(&r[k], k, &at);
+        rad_copy(b->p, at.p);
         for (int axis = 0; axis < 3; axis++)
-            t->at[k][axis] = (float)r[k + 1].hit.p[axis];
+            b->n[axis] = (float)at.n[axis];
+        b->err = (float)at.err;
+        b->weight = (float)at.weight;
+    }
+}
+
+static bool
+make_room(struct rad_passes *p, uint32_t n)
+{
+    struct trail *trail = realloc(p->trail, n * sizeof *trail);
+    struct bend *bend;
+
+    p->trail = trail ? trail : p->trail;
+    bend = realloc(p->bend, (size_t)n * (size_t)p->deepest * sizeof *bend);
+    p->bend = bend ? bend : p->bend;
+    if (!trail || !bend)
+        return false;
+    memset(trail + p->ntrails, 0, (n - p->ntrails) * sizeof *trail);
+    p->ntrails = n;
+    return true;
 }
 
 /* Find the trails of the pass's paths.  Their rays count in the first pass that
@@ -96,20 +132,13 @@ find_trails(struct rad_passes *p, struct rad_ctx *ctx)
 {
     const struct rad_pass *pass = &p->pass;
     struct rad_counts counts = ctx->counts;
-    struct trail *trail = p->trail;
 
-    if (pass->end > p->ntrails) {
-        trail = realloc(trail, pass->end * sizeof *trail);
-        if (!trail)
-            return false;
-        memset(trail + p->ntrails, 0, (pass->end - p->ntrails) * sizeof *trail);
-        p->trail = trail;
-        p->ntrails = pass->end;
-    }
+    if (pass->end > p->ntrails && !make_room(p, pass->end))
+        return false;
     for (uint32_t i = pass->first; i < pass->end; i++)
-        if (!trail[i].known)
+        if (!p->trail[i].known)
             find_trail(p, ctx, i);
-    if (pass->level < rad_pass_deepest(&ctx->job->params))
+    if (pass->level < p->deepest)
         ctx->counts = counts; /* of a worker that came late */
     return true;
 }
@@ -124,30 +153,21 @@ by_place(const void *a, const void *b)
                                 : x->path > y->path;
 }
 
-/* Where that end is. */
-static void
-look_up(const struct rad_passes *p, const struct end *end, double at[3])
-{
-    for (int axis = 0; axis < 3; axis++)
-        at[axis] = (double)p->trail[end->path].at[p->pass.level - 1][axis];
-}
-
 /* Put the ends into the order of the tree of where they are. */
 static bool
 sort_ends(struct rad_passes *p)
 {
-    double(*points)[3] = malloc((size_t)p->nends * sizeof *points), at[3];
+    double(*points)[3] = malloc((size_t)p->nends * sizeof *points);
     struct rad_parts *parts;
 
     if (!points)
         return false;
     for (uint32_t i = 0; i < p->nends; i++)
-        look_up(p, &p->end[i], points[i]);
+        rad_copy(points[i], bend_of(p, p->end[i].path, p->pass.level)->p);
     parts = rad_parts_new(points, p->nends);
-    for (uint32_t i = 0; parts && i < p->nends; i++) {
-        look_up(p, &p->end[i], at);
-        p->end[i].place = rad_parts_place(parts, at);
-    }
+    for (uint32_t i = 0; parts && i < p->nends; i++)
+        p->end[i].place = rad_parts_place(
+            parts, bend_of(p, p->end[i].path, p->pass.level)->p);
     free(points);
     if (!parts)
         return false;
@@ -169,8 +189,22 @@ find_ends(struct rad_passes *p, struct rad_ctx *ctx)
     return p->nends == 0 || sort_ends(p);
 }
 
-/* Ask for a record where path i ends.  *walked: add the rays of the walk, which
- * count as those of hemispheres, too. */
+static bool
+is_served(const struct rad_passes *p, struct rad_ctx *ctx, uint32_t i)
+{
+    const struct bend *b = bend_of(p, i, p->pass.level);
+    struct rad_ambplace at = { .err = (double)b->err,
+                               .level = p->pass.level,
+                               .weight = (double)b->weight };
+
+    rad_copy(at.p, b->p);
+    for (int axis = 0; axis < 3; axis++)
+        at.n[axis] = at.pn[axis] = (double)b->n[axis];
+    return rad_ambient_serves(ctx, &at);
+}
+
+/* Have a record made where path i ends, if there is none.  *walked: add the
+ * rays of the walk, which count as those of hemispheres, too. */
 static void
 ask_at_end(const struct rad_passes *p, struct rad_ctx *ctx, uint32_t i,
            uint64_t *walked)
@@ -178,7 +212,7 @@ ask_at_end(const struct rad_passes *p, struct rad_ctx *ctx, uint32_t i,
     struct rad_ray r[RAD_PASS_LEVELS + 1];
     int k = p->pass.level;
     uint64_t key = rad_key_branch(p->key, i), before = ctx->counts.ambient_rays;
-    bool asks = walk(p, ctx, i, k, r) == k && !rad_ambient_serves(ctx, &r[k]) &&
+    bool asks = !is_served(p, ctx, i) && walk(p, ctx, i, k - 1, r) == k - 1 &&
                 rad_path_bounce(ctx, &r[k - 1], key, k - 1, &r[k]);
 
     *walked += ctx->counts.ambient_rays - before;
@@ -488,6 +522,7 @@ rad_passes_new(const struct rad_frame *frames, uint32_t nframes,
     }
     p->frames = frames;
     p->nframes = nframes;
+    p->deepest = rad_pass_deepest(&frames->job->params);
     return p;
 }
 
@@ -497,6 +532,7 @@ rad_passes_free(struct rad_passes *p)
     if (!p)
         return;
     free(p->trail);
+    free(p->bend);
     free(p->end);
     free(p);
 }

@@ -107,3 +107,14 @@ rad_path_bounce(struct rad_ctx *ctx, const struct rad_ray *parent, uint64_t key,
     rad_madd(r->dir, r->dir, sqrt(u) * sine, b);
     return true;
 }
+
+void
+rad_path_place(const struct rad_ray *r, int level, struct rad_ambplace *at)
+{
+    at->level = level;
+    at->weight = (double)r->weight;
+    at->err = r->hit.err;
+    rad_copy(at->p, r->hit.p);
+    rad_scale(at->n, r->cos_o < 0 ? -1 : 1, r->n);
+    rad_copy(at->pn, at->n);
+}

@@ -7,6 +7,7 @@
 #ifndef RAD_PICTURE_PATH_H
 #define RAD_PICTURE_PATH_H
 
+#include "light/indirect/ambient.h"
 #include "picture/frame.h"
 
 /* Of the rays of paths; no hemisphere has so many. */
@@ -32,5 +33,10 @@ bool rad_path_bounce(struct rad_ctx *ctx, const struct rad_ray *parent,
 
 /* Find what r meets, and shade nothing; false: nothing. */
 bool rad_path_meet(struct rad_ctx *ctx, struct rad_ray *r);
+
+/* What r has met after so many bounces, on the side that was hit and as its
+ * geometry is, as the cache would be asked for it. */
+void rad_path_place(const struct rad_ray *r, int level,
+                    struct rad_ambplace *at);
 
 #endif

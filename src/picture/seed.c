@@ -176,11 +176,15 @@ ask(const struct rad_seed *s, struct rad_ctx *ctx, uint32_t cell,
     const struct rad_ray *r, uint64_t key)
 {
     struct rad_ray to;
+    struct rad_ambplace at;
     double p[3];
 
     draw_target(s, cell, key, p);
     if (!send(ctx, r, p, &to) || !rad_path_meet(ctx, &to) ||
-        !is_ours(s, to.hit.p) || rad_ambient_serves(ctx, &to))
+        !is_ours(s, to.hit.p))
+        return;
+    rad_path_place(&to, s->level, &at);
+    if (rad_ambient_serves(ctx, &at))
         return;
     if (send(ctx, r, p, &to)) {
         to.key = key;

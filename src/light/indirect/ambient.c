@@ -772,20 +772,14 @@ bounces(const struct rad_ray *r)
 }
 
 bool
-rad_ambient_serves(struct rad_ctx *ctx, const struct rad_ray *r)
+rad_ambient_serves(struct rad_ctx *ctx, const struct rad_ambplace *at)
 {
-    struct rad_ambplace at = { .err = r->hit.err,
-                               .level = bounces(r),
-                               .weight = (double)r->weight };
     struct search s = { .amb = ctx->job->ambient,
-                        .at = &at,
+                        .at = at,
                         .counts = &ctx->counts.geom,
                         .rays = &ctx->counts.rays,
                         .tile = ctx->tile };
 
-    rad_copy(at.p, r->hit.p);
-    rad_scale(at.n, r->cos_o < 0 ? -1 : 1, r->n);
-    rad_copy(at.pn, at.n);
     s.asks = is_due(&s);
     search_all(&s);
     return serves(&s);

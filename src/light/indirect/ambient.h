@@ -110,9 +110,8 @@ double rad_ambient_find(const struct rad_ambient *amb,
                         const struct rad_ambplace *at, struct rad_rgb *E,
                         struct rad_geom_counts *counts, uint64_t *rays);
 
-/* Would the cache serve r's hit, on the side that was hit and as its geometry
- * is: need no record be made where it is shaded?  For a ray that is entered. */
-bool rad_ambient_serves(struct rad_ctx *ctx, const struct rad_ray *r);
+/* Would the cache serve that place: need no record be made there? */
+bool rad_ambient_serves(struct rad_ctx *ctx, const struct rad_ambplace *at);
 
 /* Records that were made here since the last call, oldest first, at most max;
  * the loop thread sends them to the other workers.  One thread at a time. */
