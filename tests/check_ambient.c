@@ -797,6 +797,51 @@ START_TEST(no_light_leaks_through_a_wall)
 }
 END_TEST
 
+/* The same of deep records of a frozen cache, of which those that need a ray to
+ * find out what stands before them are left out where others serve. */
+START_TEST(deep_records_need_few_tests_for_walls)
+{
+    static const char scene[] =
+        ROOM "white polygon wall 0 0 12 .5 -1 -1 .5 -1 1 .5 1 1 .5 1 -1\n";
+    static struct rad_ambrec rec[4000];
+    struct rad_ambplace at = { .n = { 0, 0, 1 },
+                               .pn = { 0, 0, 1 },
+                               .err = 1e-9,
+                               .level = 1,
+                               .weight = .5 };
+    uint64_t cursor = 0, rays;
+    struct world w;
+    size_t n;
+
+    world_open(&w, scene, "-ab 1 -aa .3 -ar 16 -ad 256 -as 0 -av 0 0 0");
+    for (int i = 0; i < 400; i++)
+        irradiance_up(&w, .499 - .01 * (i % 20), -.9 + .09 * (i / 20), -.99);
+    n = rad_ambient_list(w.job->ambient, &cursor, rec, N_ELEM(rec));
+    world_close(&w);
+    ck_assert(n > 20 && n < N_ELEM(rec));
+    for (size_t i = 0; i < n; i++)
+        rec[i].level = 1;
+    world_open(&w, scene, "-ab 2 -aa .3 -ar 16 -ad 256 -as 0 -av 0 0 0");
+    rad_ambient_freeze(w.job->ambient);
+    rad_ambient_insert_all(w.job->ambient, rec, n);
+    ck_assert(rad_ambient_settle(w.job->ambient));
+    at.p[2] = -.99;
+    rays = w.ctx.counts.rays;
+    for (int i = 0; i < 400; i++) {
+        at.p[0] = .499 - .01 * (i % 20);
+        at.p[1] = -.9 + .09 * (i / 20);
+        ck_assert(rad_ambient_serves(&w.ctx, &at));
+    }
+    ck_assert_uint_lt(w.ctx.counts.rays - rays, 100);
+    for (int i = 0; i < 20; i++) {
+        at.p[0] = .501 + .02 * (i % 4);
+        at.p[1] = -.9 + .09 * i;
+        ck_assert(!rad_ambient_serves(&w.ctx, &at));
+    }
+    world_close(&w);
+}
+END_TEST
+
 /* Too bright to be summed: black, counted, and not kept. */
 START_TEST(infinite_irradiance_is_not_kept)
 {
@@ -1057,6 +1102,7 @@ make_suite(void)
     tcase_add_test(tc, interpolation_is_close_to_sampling);
     tcase_add_test(tc, deep_records_take_fewer_samples);
     tcase_add_test(tc, no_light_leaks_through_a_wall);
+    tcase_add_test(tc, deep_records_need_few_tests_for_walls);
     tcase_add_test(tc, infinite_irradiance_is_not_kept);
     tcase_add_test(tc, units_do_not_matter);
     tcase_add_test(tc, one_thread_is_deterministic);

@@ -61,6 +61,12 @@
 /* The least weight of records beyond -aa that serve. */
 #define LEAST_FAR_WEIGHT 1e-3
 
+/* Whether something stands before a record takes a ray to find out.  Where it
+ * matters only whether some record serves, and for deep ones of a frozen cache,
+ * so many such records are put off, and left out if others have that weight. */
+#define ENOUGH_DEEP  .05
+#define MOST_PUT_OFF 24
+
 /* -aw: luminances are averaged by logarithm, in units of 2^-20, for sums of
  * integers do not depend on their order. */
 #define LOG_UNIT 0x1p-20
@@ -449,6 +455,9 @@ struct search {
     uint64_t *rays;
     const struct rad_ambtile *tile; /* whose records serve, too; or NULL */
     bool asks; /* wanted is whether any serves, not what they hold */
+    bool spares; /* records that something may stand before are put off, */
+    int nput_off;
+    const struct rad_ambitem *put_off[MOST_PUT_OFF];
 };
 
 /* No more need be looked at. */
@@ -515,9 +524,14 @@ add_record(struct search *s, const struct rad_ambitem *it)
     hear(s, it, &says);
     if (!extrapolate(it, says.gpos, u, v, s->pn, &factor))
         return;
-    if (rec->corral && rec->corral >> rad_part_of_turn(u, v) & 1 &&
-        is_walled_off(s->amb, s->at, rec, s->counts, s->rays))
-        return;
+    if (rec->corral && rec->corral >> rad_part_of_turn(u, v) & 1) {
+        if (s->spares && s->nput_off < MOST_PUT_OFF) {
+            s->put_off[s->nput_off++] = it;
+            return;
+        }
+        if (is_walled_off(s->amb, s->at, rec, s->counts, s->rays))
+            return;
+    }
     angular = (double)(1 - turn / s->max_angle);
     if (dist < s->aa)
         s->serves += angular * (double)(1 - dist / s->aa);
@@ -554,6 +568,21 @@ want_more(void *arg, double side)
             side * s->amb->scale.ambacc <= s->amb->scale.least);
 }
 
+/* Look at records that were put off, of which those before `frozen` are of the
+ * frozen cache, until what was found will do. */
+static void
+look_at_put_off(struct search *s, int frozen)
+{
+    s->spares = false;
+    for (int i = 0; i < s->nput_off && !is_answered(s) &&
+                    (s->asks || s->weight < ENOUGH_DEEP);
+         i++) {
+        s->frozen = i < frozen;
+        add_record(s, s->put_off[i]);
+    }
+    s->frozen = false;
+}
+
 /* Find all that serves at s->at. */
 static void
 search_all(struct search *s)
@@ -563,6 +592,7 @@ search_all(struct search *s)
     const struct terms *t = &amb->usual[at->level % USUAL_LEVELS];
     struct terms others;
     struct rad_ambquery q = { .level = at->level };
+    int frozen;
 
     if ((float)at->weight != t->weight) {
         set_terms(amb, (float)at->weight, &others);
@@ -582,13 +612,16 @@ search_all(struct search *s)
         s->pn[k] = (float)at->pn[k];
     }
     s->frozen = amb->frozen;
+    s->spares = s->asks || (amb->frozen && at->level > 0);
     if (amb->frozen)
         rad_ambread_visit(&amb->read, &q, add_records, want_more, s);
     else
         rad_ambcache_visit(amb->cache, &q, add_records, want_more, s);
     s->frozen = false;
+    frozen = s->nput_off;
     if (s->tile && !is_answered(s))
         rad_ambcache_visit(s->tile->own, &q, add_records, want_more, s);
+    look_at_put_off(s, frozen);
 }
 
 /* Are records for such a place made now?  Those of a frozen cache are in a pass
