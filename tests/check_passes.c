@@ -89,7 +89,7 @@ struct tiles {
     bool backward, twice;
     _Atomic uint32_t next;
     struct list {
-        struct rad_ambrec rec[2000];
+        struct rad_ambrec rec[3000];
         size_t n;
     } * list;
 };
@@ -305,8 +305,8 @@ START_TEST(large_pictures_have_many_tiles)
 }
 END_TEST
 
-/* Each path once, each pixel of the last lattice once, and once more for what
- * tiles left out. */
+/* Each path once, each pixel of the last lattice once, and every second one
+ * along both axes once more for what tiles left out. */
 START_TEST(a_plan_asks_for_each_place_once)
 {
     struct rad_pass pass[RAD_MOST_PASSES];
@@ -324,7 +324,7 @@ START_TEST(a_plan_asks_for_each_place_once)
         ck_assert((pass[i].rays == 0) == (i == n - 1));
         if (pass[i].level == 0) {
             if (pass[i].scattered) {
-                ck_assert_int_eq(pass[i].step, done);
+                ck_assert_int_eq(pass[i].step, 2 * done);
             } else if (pass[i].field == 1) {
                 ck_assert_int_eq(pass[i - 1].field, 0);
                 ck_assert_int_eq(pass[i - 1].step, pass[i].step);
@@ -333,7 +333,8 @@ START_TEST(a_plan_asks_for_each_place_once)
                 ck_assert(done == 0 || pass[i].step == done / 2);
                 done = pass[i].step;
             }
-            ck_assert(pass[i].finest == (pass[i].step == plans[_i].finest));
+            ck_assert(pass[i].finest ==
+                      (pass[i].scattered || pass[i].step == plans[_i].finest));
         } else {
             ck_assert_uint_eq(pass[i].first, pass[i].level < level ? 0 : end);
             ck_assert_uint_gt(pass[i].end, pass[i].first);
@@ -411,6 +412,36 @@ START_TEST(each_frame_is_planned_once)
             times[i] += pass[k].scattered ? 16 : 1;
     for (uint32_t i = 0; i < nframes; i++)
         ck_assert_uint_eq(times[i], 17);
+    world_close(&w);
+}
+END_TEST
+
+/* What many frames' tiles left out is shared among as many more tiles; a number
+ * that squares of a row do not divide. */
+START_TEST(the_rest_of_many_frames_has_more_tiles)
+{
+    enum { FRAMES = 32 };
+    struct rad_pass_size size[FRAMES];
+    struct rad_pass pass[RAD_MOST_PASSES];
+    uint32_t n, single = 0, most = 0;
+    struct world w;
+
+    world_open(&w, scene_text, "-ab 1 -ps 4");
+    for (int i = 0; i < FRAMES; i++)
+        size[i] = (struct rad_pass_size){ 1920, 1280 };
+    n = rad_passes_plan(&w.job->params, size, FRAMES, pass);
+    for (uint32_t i = 0; i < n; i++) {
+        if (!pass[i].scattered)
+            continue;
+        if (pass[i].beyond == 1)
+            single = pass[i].tiles;
+        if (pass[i].tiles > most)
+            most = pass[i].tiles;
+        for (uint32_t k = 2; k * k <= pass[i].tiles; k++)
+            ck_assert_uint_ne(pass[i].tiles % k, 0);
+    }
+    ck_assert_uint_gt(single, 100);
+    ck_assert_uint_ge(most, FRAMES / 2 * single);
     world_close(&w);
 }
 END_TEST
@@ -505,9 +536,9 @@ static const struct {
     int ambounce;
     double share[17];
 } shares[] = {
-    { 1, { 3, 4, 4, 9, 9, 29, 29, 14 } },
-    { 2, { 0, 1, 2, 7, 9, 7, 7, 7, 23, 21, 16 } },
-    { 4, { 0, 0, 0, 0, 0, 1, 1, 2, 3, 7, 10, 8, 8, 7, 21, 19, 14 } },
+    { 1, { 6, 8, 8, 12, 11, 30, 24, 0 } },
+    { 2, { 1, 2, 5, 15, 9, 7, 11, 9, 23, 17, 0 } },
+    { 4, { 1, 1, 2, 1, 2, 3, 2, 3, 5, 14, 8, 6, 10, 8, 20, 15, 0 } },
 };
 
 START_TEST(passes_are_weighed)
@@ -707,6 +738,7 @@ main(void)
                         N_ELEM(none));
     tcase_add_loop_test(tc, a_plan_asks_for_each_place_once, 0, N_ELEM(plans));
     tcase_add_test(tc, large_pictures_have_many_tiles);
+    tcase_add_test(tc, the_rest_of_many_frames_has_more_tiles);
     tcase_add_loop_test(tc, each_frame_is_planned_once, 0, 41);
     tcase_add_test(tc, passes_go_over_all_frames);
     tcase_add_test(tc, a_tile_that_shows_its_colours_is_the_same);

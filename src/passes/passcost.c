@@ -5,8 +5,8 @@
  * exponents are those of the fit.
  * Of the passes a lattice takes half again as long as the next coarser one,
  * from every 16th pixel on, and the finest, which asks where objects end, too,
- * twice as long as that.  All paths of one more bounce together take a quarter
- * of the lattice of every 16th pixel. */
+ * 1.4 times as long as that.  All paths of one more bounce together take .7 of
+ * the lattice of every 16th pixel. */
 #include "config.h"
 
 #include "passes/passcost.h"
@@ -45,7 +45,7 @@ rad_passcost_part(const struct rad_params *par,
     return odds / (1 + odds);
 }
 
-static const double LEVEL = .25;
+static const double LEVEL = .7;
 
 /* All passes of a level: more paths find less that is new. */
 static double
@@ -59,15 +59,15 @@ level_weight(const struct rad_pass *pass, uint32_t n, const struct rad_pass *of)
     return LEVEL * pow(of->end - of->first, .4) / all;
 }
 
-/* What the finest lattice left out. */
-static const double REST = .6;
+/* The finest lattice, and what it left out. */
+static const double FINEST = 1.4, REST = .05;
 
 /* Of many pictures those that come later find half of what they need. */
 static double
 lattice_weight(const struct rad_pass *pass)
 {
     double weight = (pass->scattered ? REST
-                     : pass->finest  ? 2
+                     : pass->finest  ? FINEST
                                      : 1) *
                     (pass->field < 0 ? 1 : .5);
     uint32_t frames = (pass->beyond - 1 - pass->frame) / pass->stride + 1;

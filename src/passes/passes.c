@@ -284,6 +284,7 @@ struct patch {
     const struct limit *until;
     int x0, y0, x1, y1;
     int step;
+    bool objects; /* ask between those that show different ones */
 };
 
 enum { MOST_SIDE = RAD_PASS_SIDE * RAD_PASS_FINEST };
@@ -300,16 +301,6 @@ struct spots {
     struct spot at[MOST_SIDE][MOST_SIDE]; /* by row */
 };
 
-/* The pixel, if it is in the tile and was asked at; else NULL. */
-static const struct spot *
-asked_at(const struct patch *p, const struct spots *s, int i, int k)
-{
-    return i >= 0 && k >= 0 && p->x0 + i < p->x1 && p->y0 + k < p->y1 &&
-                   s->at[k][i].asked
-               ? &s->at[k][i]
-               : NULL;
-}
-
 static void
 ask_at_spot(const struct patch *p, struct spots *s, int i, int k, int distance)
 {
@@ -321,13 +312,37 @@ ask_at_spot(const struct patch *p, struct spots *s, int i, int k, int distance)
     at->made = p->ctx->tile->made > made ? (uint8_t)distance : 0;
 }
 
+/* The pixel, if it is in the tile and was asked at; else NULL.  Where objects
+ * do not matter those beyond the tile were, and made nothing. */
+static const struct spot *
+asked_at(const struct patch *p, const struct spots *s, int i, int k)
+{
+    static const struct spot beyond = { .shows = RAD_VOID };
+
+    if (i < 0 || k < 0 || p->x0 + i >= p->x1 || p->y0 + k >= p->y1)
+        return p->objects ? NULL : &beyond;
+    return s->at[k][i].asked ? &s->at[k][i] : NULL;
+}
+
 /* Does something end, or are records dense, between the two? */
 static bool
-is_between(const struct spot *a, const struct spot *b, int distance)
+is_between(const struct patch *p, const struct spot *a, const struct spot *b,
+           int distance)
 {
     return a && b &&
-           (a->shows != b->shows || a->made == 2 * distance ||
-            b->made == 2 * distance);
+           (a->made == 2 * distance || b->made == 2 * distance ||
+            (p->objects && a->shows != b->shows));
+}
+
+static bool
+is_wanted(const struct patch *p, const struct spots *s, int i, int k, int d)
+{
+    return is_between(p, asked_at(p, s, i - d, k), asked_at(p, s, i + d, k),
+                      d) ||
+           is_between(p, asked_at(p, s, i, k - d), asked_at(p, s, i, k + d),
+                      d) ||
+           is_between(p, asked_at(p, s, i - d, k - d),
+                      asked_at(p, s, i + d, k + d), d);
 }
 
 /* Half way between pixels that were asked at, ask where one object ends, or
@@ -339,13 +354,7 @@ ask_between(const struct patch *p, struct spots *s)
     for (int d = p->step / 2; d > 0; d /= 2)
         for (int k = 0; p->y0 + k < p->y1; k += d)
             for (int i = 0; p->x0 + i < p->x1 && !is_over(p->until); i += d)
-                if (!s->at[k][i].asked &&
-                    (is_between(asked_at(p, s, i - d, k),
-                                asked_at(p, s, i + d, k), d) ||
-                     is_between(asked_at(p, s, i, k - d),
-                                asked_at(p, s, i, k + d), d) ||
-                     is_between(asked_at(p, s, i - d, k - d),
-                                asked_at(p, s, i + d, k + d), d)))
+                if (!s->at[k][i].asked && is_wanted(p, s, i, k, d))
                     ask_at_spot(p, s, i, k, d);
 }
 
@@ -384,8 +393,15 @@ find_patch(const struct rad_passes *p, struct rad_ctx *ctx, uint32_t number,
         n = rad_pass_tiles(&p->pass, f->width, f->height);
         if (number < n) {
             a = rad_pass_area(&p->pass, f->width, f->height, number);
-            *out = (struct patch){ f,    ctx,  until, a.x0,
-                                   a.y0, a.x1, a.y1,  p->pass.step };
+            *out = (struct patch){ .frame = f,
+                                   .ctx = ctx,
+                                   .until = until,
+                                   .x0 = a.x0,
+                                   .y0 = a.y0,
+                                   .x1 = a.x1,
+                                   .y1 = a.y1,
+                                   .step = p->pass.step,
+                                   .objects = !p->pass.scattered };
             return true;
         }
         number -= n;

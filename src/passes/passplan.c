@@ -49,12 +49,10 @@
 #define MOST_HEMISPHERES  32
 #define LARGE_HEMISPHERES 8
 
-/* Of what that leaves out of the last lattice: a dear spot has many squares of
- * so many pixels, and they have different tiles; a prime number, or squares of
- * a tile could stand in columns. */
-#define REST_PIXELS      16
-#define REST_SQUARES     4 /* of a tile, at least */
-#define REST_TILES       251
+/* Of what that leaves out of the last lattice: a dear spot has many squares,
+ * and they have different tiles. */
+#define REST_SQUARES     4   /* of a tile, at least */
+#define REST_TILES       251 /* of a frame, at most */
 #define LARGE_REST_TILES 1021
 
 /* Frames [frame, beyond). */
@@ -179,23 +177,36 @@ count_lattice_tiles(struct rad_pass *pass, const struct rad_pass_size *size)
         pass->tiles += rad_pass_tiles(pass, size[i].width, size[i].height);
 }
 
+static bool
+is_prime(uint32_t n)
+{
+    for (uint32_t k = 2; k * k <= n; k++)
+        if (n % k == 0)
+            return false;
+    return true;
+}
+
 /* All that tiles of the last lattice, which is *pass, left out: they had rays
  * of too many hemispheres. */
 static void
 plan_rest(struct rad_pass *pass, const struct rad_pass_size *size)
 {
+    uint32_t frames = (pass->beyond - 1 - pass->frame) / pass->stride + 1;
     uint32_t most =
         is_large(&size[pass->frame]) ? LARGE_REST_TILES : REST_TILES;
 
     pass->scattered = true;
     pass->field = -1;
-    pass->side = REST_PIXELS / pass->step;
+    pass->step *= 2;
+    pass->side = RAD_PASS_SIDE / 2;
     pass->rays = 0;
     pass->tiles = 0;
     count_lattice_tiles(pass, size);
     pass->tiles = pass->tiles / REST_SQUARES + 1;
-    if (pass->tiles > most)
-        pass->tiles = most;
+    if (pass->tiles > (uint64_t)most * frames)
+        pass->tiles = most * frames;
+    while (!is_prime(pass->tiles)) /* or squares could stand in columns */
+        pass->tiles++;
 }
 
 /* The lattices of some frames. */

@@ -13,8 +13,9 @@
  * board, and those of one colour see the records of those of the other.
  * No tile is dear, for all wait for the last one: it ends after some
  * hemispheres' rays.  What a coarse lattice leaves out by that the next finer
- * one comes to; behind the finest there is a pass that asks everywhere again.
- * Its tiles have small squares all over the picture, so they are about equal.
+ * one comes to; behind the finest there is a pass that looks everywhere again,
+ * with twice its step, and goes on between pixels that made records.  Its tiles
+ * have small squares all over the picture, so they are about equal.
  * The plan depends on the options and the sizes of the pictures alone: whoever
  * shares the tiles out needs no scene.
  * Source: Jones & Reinhart 2016, Parallel multiple-bounce irradiance caching
@@ -43,8 +44,9 @@ struct rad_pass {
                   * has those of this colour, 0 or 1; less than 0: all */
     bool finest; /* level 0: the last lattice, and what lies between its
                   * pixels where objects end or records are dense */
-    bool scattered; /* level 0: a tile has not one square of pixels but all that
-                     * are as far apart in number as there are tiles */
+    bool scattered; /* level 0: what the last lattice left out; a tile has not
+                     * one square of pixels but all that are as far apart in
+                     * number as there are tiles */
     uint64_t rays;  /* of hemispheres, after which a tile asks for nothing more;
                      * 0: it asks everywhere */
     bool check;  /* no records: how good is what there is (refine.h)? */
