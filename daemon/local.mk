@@ -7,6 +7,7 @@ libdaemon_a_SOURCES =
 include daemon/ground/local.mk
 include daemon/machine/local.mk
 include daemon/partition/local.mk
+include daemon/filling/local.mk
 include daemon/sched/local.mk
 include daemon/users/local.mk
 include daemon/desk/local.mk

@@ -8,8 +8,8 @@
 #include "passes/passplan.h"
 #include "proto/ambshare.h"
 #include "refine/refine.h"
-#include "sched/dearest.h"
-#include "sched/passes.h"
+#include "filling/dearest.h"
+#include "filling/passes.h"
 
 #include <math.h>
 

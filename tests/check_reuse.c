@@ -7,7 +7,7 @@
 #include "folder/folder.h"
 #include "proto/ambshare.h"
 #include "queue/recover.h"
-#include "sched/passes.h"
+#include "filling/passes.h"
 
 #include <unistd.h>
 

@@ -1,6 +1,6 @@
 /* kept.h - records of passes that an earlier life of the coordinator closed
  *
- * They wait in the job until its first worker is ready (sched/passes.c).
+ * They wait in the job until its first worker is ready (filling/passes.c).
  * Thread: one. */
 #ifndef DAEMON_KEPT_H
 #define DAEMON_KEPT_H

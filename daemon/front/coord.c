@@ -23,11 +23,12 @@
 #include "queue/coord_job.h"
 #include "queue/coord_keep.h"
 #include "queue/telling.h"
+#include "filling/passes.h"
+#include "filling/records.h"
 #include "sched/balance.h"
 #include "sched/loss.h"
 #include "sched/result.h"
 #include "sched/sched.h"
-#include "sched/passes.h"
 #include "sched/survey.h"
 #include "users/known.h"
 #include "users/uploads.h"
@@ -266,7 +267,7 @@ static const struct {
     { MSG_PING, on_ping },
     { MSG_RECORDS, on_records },
     { MSG_TILE_MADE, passes_made },
-    { MSG_HOLDS, passes_held },
+    { MSG_HOLDS, records_held },
     { MSG_UNLINKED, on_unlinked },
     { MSG_LINE_COSTS, on_line_costs },
 };

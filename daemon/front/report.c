@@ -8,8 +8,8 @@
 #include "desk/part.h"
 #include "desk/progress.h"
 #include "queue/coord_keep.h"
-#include "sched/stages.h"
-#include "sched/passes.h"
+#include "filling/stages.h"
+#include "filling/passes.h"
 
 #include "base/text.h"
 

@@ -20,7 +20,7 @@
 #include "queue/stats.h"
 #include "queue/telling.h"
 #include "sched/sched.h"
-#include "sched/passes.h"
+#include "filling/passes.h"
 #include "sched/survey.h"
 #include "users/known.h"
 #include "users/uploads.h"

@@ -7,7 +7,7 @@
 #include "queue/reuse.h"
 
 #include "machine/jobtext.h"
-#include "sched/passes.h"
+#include "filling/passes.h"
 
 #include <string.h>
 

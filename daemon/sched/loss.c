@@ -11,9 +11,9 @@
 #include "desk/speed.h"
 #include "desk/unit.h"
 #include "desk/verdict.h"
+#include "filling/tiles.h"
 #include "links/feeding.h"
 #include "links/ring.h"
-#include "sched/passes.h"
 #include "sched/survey.h"
 
 #include "base/text.h"
@@ -127,7 +127,7 @@ static void
 take_all_back(struct coord *c, struct job *job, uint32_t index)
 {
     survey_lost(job, index);
-    passes_lost(job, index);
+    tiles_lost(job, index);
     for (uint32_t i = job->nout; i-- > 0;) {
         uint32_t unit = job->out[i];
         struct job_go *go = go_of_worker(job, unit, index);
@@ -430,7 +430,7 @@ loss_reported(struct coord *c, struct coord_worker *w, const struct msg *msg)
         if (has_unit(job, index, m->units[i]) &&
             !suspect(c, job, index, m->units[i], m->text))
             return;
-    if (jw->ntiles > 0 && !passes_crashed(c, job, index, m->text))
+    if (jw->ntiles > 0 && !tiles_crashed(c, job, index, m->text))
         return;
     surveying = jw->surveying;
     loss_all(c, job, index, to);

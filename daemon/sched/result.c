@@ -14,9 +14,9 @@
 #include "desk/speed.h"
 #include "desk/unit.h"
 #include "desk/verdict.h"
+#include "filling/passes.h"
 #include "lines/handoff.h"
 #include "sched/loss.h"
-#include "sched/passes.h"
 
 #include "image/hdr.h"
 

@@ -28,6 +28,9 @@
 #include "desk/speed.h"
 #include "desk/unit.h"
 #include "desk/verdict.h"
+#include "filling/passes.h"
+#include "filling/records.h"
+#include "filling/tiles.h"
 #include "lines/handoff.h"
 #include "links/feeding.h"
 #include "links/introduce.h"
@@ -36,7 +39,6 @@
 #include "sched/balance.h"
 #include "sched/handout.h"
 #include "sched/loss.h"
-#include "sched/passes.h"
 #include "sched/survey.h"
 
 #include <stdio.h>
@@ -191,7 +193,7 @@ serve_job(struct coord *c, struct job *job, struct coord_worker *w,
 {
     if (passes_open(job) || job->workers[index].lags) {
         *done = true; /* the next pass may be there in a moment */
-        return passes_give(c, job, index);
+        return tiles_give(c, job, index);
     }
     if (job->survey) {
         *done = job->workers[index].surveying > 0;
@@ -203,7 +205,7 @@ serve_job(struct coord *c, struct job *job, struct coord_worker *w,
         !runs_empty(c, job, w, index) && balance_give_twin(c, job, index))
         return true;
     *done = runs_empty(c, job, w, index);
-    return !*done && job->filling && passes_give(c, job, index);
+    return !*done && job->filling && tiles_give(c, job, index);
 }
 
 /* Has the worker yet to load the job, or anew? */
@@ -477,7 +479,7 @@ sched_ready(struct coord *c, struct coord_worker *w, const struct msg *msg)
     }
     if (job->restored && !take_up(c, job))
         return;
-    if (!passes_ready(c, job, index, m->passes)) { /* those of an earlier life:
+    if (!records_ready(c, job, index, m->passes)) { /* those of an earlier life:
                                                     * it is to begin anew */
         loss_all(c, job, index, PART_GONE);
         desk_send_job_end(c, w->conn, job->id);

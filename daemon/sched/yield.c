@@ -16,8 +16,9 @@
 #include "desk/hold.h"
 #include "desk/job.h"
 #include "desk/part.h"
+#include "filling/passes.h"
+#include "filling/tiles.h"
 #include "sched/loss.h"
-#include "sched/passes.h"
 #include "sched/sched.h"
 #include "sched/survey.h"
 
@@ -37,7 +38,7 @@ has_some_for(const struct coord *c, const struct job *job, uint32_t index)
     if (jw->lags)
         return true;
     if (passes_open(job))
-        return passes_has(c, job, index);
+        return tiles_has(c, job, index);
     return (job->survey && survey_has(c, job, index)) ||
            (!job->survey && job_waiting(job) > 0 && !jw->late &&
             c->now_ms >= jw->ask_ms);

@@ -21,7 +21,7 @@
  * after the other. */
 #define QUIET_MS 100
 
-/* Records of a pass, in bytes: more no coordinator takes (sched/passes.c). */
+/* Records of a pass, in bytes: more no coordinator takes (filling/passes.c). */
 #define MOST_BYTES ((uint64_t)512 << 20)
 
 /* Records in a message to the child. */

@@ -1,7 +1,7 @@
 /* colours.c - see colours.h */
 #include "config.h"
 
-#include "sched/colours.h"
+#include "filling/colours.h"
 
 _Static_assert(4 * RAD_PASS_MOST_COLOURS <= MSG_MAX_COLOURS, "too many");
 

@@ -14,10 +14,6 @@ void passes_free(struct passes *s);
 /* Lay out the passes, if the job has some; 0 or RAD_ENOMEM. */
 int passes_begin(struct coord *c, struct job *job, struct rad_error *err);
 
-/* A worker is ready that has the records of so many passes: it gets those of
- * the others that are closed.  False: it has more than there are. */
-bool passes_ready(struct coord *c, struct job *job, uint32_t index,
-                  uint32_t have);
 /* How far they are. */
 struct passes_state {
     uint32_t open, n; /* passes of the stage that are closed; all of them, 0:
@@ -38,21 +34,8 @@ void passes_came(struct coord *c, struct job *job, uint8_t *records, size_t n,
 bool passes_open(const struct job *job);
 /* All rows of a frame are there: passes may have waited for that. */
 void passes_frame_done(struct coord *c, struct job *job);
-/* A tile for a worker that is ready; false: there is none for it. */
-bool passes_give(struct coord *c, struct job *job, uint32_t index);
-/* Are there tiles that the worker could have, or does it have some? */
-bool passes_has(const struct coord *c, const struct job *job, uint32_t index);
-
-/* Messages of a worker. */
-void passes_held(struct coord *c, struct coord_worker *w,
-                 const struct msg *msg);
+/* A worker has made a tile. */
 void passes_made(struct coord *c, struct coord_worker *w,
                  const struct msg *msg);
-/* The worker will not answer: others get its tiles. */
-void passes_lost(struct job *job, uint32_t index);
-/* A child died while it had tiles: is one of them to blame?  False: the job
- * cannot go on. */
-bool passes_crashed(struct coord *c, struct job *job, uint32_t index,
-                    const char *why);
 
 #endif

@@ -5,7 +5,7 @@
  * tree over space, the same by the place in that order. */
 #include "config.h"
 
-#include "sched/dearest.h"
+#include "filling/dearest.h"
 
 #include <stdlib.h>
 

@@ -1,13 +1,13 @@
 /* lead.c - see lead.h */
 #include "config.h"
 
-#include "sched/lead.h"
+#include "filling/lead.h"
 
 #include "desk/goal.h"
 #include "desk/progress.h"
 #include "machine/jobtext.h"
 #include "passes/passcost.h"
-#include "sched/stages.h"
+#include "filling/stages.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -1,7 +1,7 @@
 /* stages.c - see stages.h */
 #include "config.h"
 
-#include "sched/stages.h"
+#include "filling/stages.h"
 
 #include "machine/jobtext.h"
 #include "proto/wire.h"

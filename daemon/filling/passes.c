@@ -1,0 +1,571 @@
+/* passes.c - see passes.h
+ *
+ * When all tiles of a pass are made (tiles.h) it is closed, and the next is
+ * open.  The first pass of a job that begins with a former job's records is
+ * closed from the start; the store is asked for the records.
+ * Frames come in batches (passes/passplan.h): the units of one go out when its
+ * last pass is closed, and the first pass of the next batch is closed when they
+ * are done, for that changes the cache that they read.  Its tiles go out before
+ * that, to workers for which there are no units.
+ * With a goal (stages.h) that is one stage: its last pass is a check pass,
+ * whose tiles have sums in place of records.  When that is closed all begins
+ * anew, with the next stage's plan, or the goal is reached.  Workers count
+ * passes on through all stages. */
+#include "config.h"
+
+#include "filling/passes.h"
+
+#include "desk/progress.h"
+#include "desk/speed.h"
+#include "desk/verdict.h"
+#include "filling/colours.h"
+#include "filling/dearest.h"
+#include "filling/lead.h"
+#include "filling/passes_impl.h"
+#include "filling/records.h"
+#include "filling/stages.h"
+#include "filling/tiles.h"
+#include "machine/rowsum.h"
+#include "machine/sums.h"
+#include "passes/passcost.h"
+#include "proto/ambshare.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sysexits.h>
+
+/* Records of a job, in bytes: when passes that are closed have half of it there
+ * are no further ones, and one pass cannot have more. */
+#define MOST_BYTES (512u << 20)
+
+_Static_assert(RAD_MOST_PASSES <= MSG_MOST_PASSES, "as in READY");
+
+/* --- the plan --- */
+
+static void
+drop_records(struct passes *s)
+{
+    for (uint32_t i = 0; s->closed && i < s->n; i++)
+        free(s->closed[i].records);
+    s->bytes = 0;
+}
+
+void
+passes_free(struct passes *s)
+{
+    if (!s)
+        return;
+    tiles_drop(s);
+    drop_records(s);
+    free(s->plan);
+    free(s->weight);
+    free(s->closed);
+    dearest_free(s->dearest);
+    free(s->size);
+    free(s);
+}
+
+/* Are the frames done that the passes before the open one were for? */
+static bool
+is_due(struct passes *s, const struct job *job)
+{
+    uint32_t ready = rad_passes_ready(s->plan, s->open);
+
+    while (s->done < ready && job->frames[s->done].pixels_left == 0)
+        s->done++;
+    return s->done >= ready;
+}
+
+/* The units of frames whose passes are closed may go out. */
+static void
+open_frames(struct job *job)
+{
+    struct passes *s = job->passes;
+
+    job->filling = s->open < s->n;
+    if (s->n > 0 && job->partition) /* it may be over before it has units */
+        partition_open(job->partition, rad_passes_ready(s->plan, s->open));
+}
+
+/* Passes that an earlier life of the coordinator closed are closed. */
+static void
+take_up(struct coord *c, struct job *job)
+{
+    struct kept_passes *kept = &job->kept;
+    struct passes *s = job->passes;
+
+    for (uint32_t i = s->base; i < kept->n && s->open < s->n && is_due(s, job);
+         i++, s->open++) {
+        struct saved_pass *p = &kept->pass[i];
+        struct closed *k = &s->closed[s->open];
+
+        if (!s->plan[s->open].check) {
+            if (p->len % AMBSHARE_BYTES != 0)
+                break;
+            k->records = (uint8_t *)p->bytes;
+            k->n = (uint32_t)(p->len / AMBSHARE_BYTES);
+            if (k->records)
+                k->sum = rowsum_hash(k->records, p->len);
+            s->bytes += p->len;
+            p->bytes = NULL;
+        }
+        k->counts = p->counts;
+        msg_counts_add(&job->tiled, &p->counts);
+    }
+    if (s->open > 0 && job->spec.flags & MSG_JOB_REUSE)
+        job->cache.reused = s->closed[0].n;
+    if (s->open > 0)
+        actions_log(&c->actions, ACT_INFO, "passes kept job=%s passes=%u of=%u",
+                    job->hex, s->open, s->n);
+    kept_drop(kept);
+}
+
+static bool
+open_pass(struct passes *s)
+{
+    tiles_drop(s);
+    for (uint32_t i = s->open; s->bytes > MOST_BYTES / 2 && i < s->n; i++)
+        if (!s->plan[i].check)
+            s->plan[i].tiles = 0;
+    if (s->open == s->n)
+        return true;
+    return tiles_open(s);
+}
+
+static void close_whole(struct coord *c, struct job *job);
+
+void
+passes_ask(struct coord *c, struct job *job)
+{
+    struct passes *s = job->passes;
+    struct action *a;
+
+    if (!s || !s->awaits || s->asked || job->stage != STAGE_OPEN ||
+        job_over(job))
+        return;
+    a = actions_add_job(&c->actions, ACT_LOAD_CACHE, 0, job->id);
+    if (a)
+        a->sequence = job->sequence;
+    s->asked = true;
+}
+
+/* Without the first pass, where that is awaited, it is not known how many bytes
+ * the others may have. */
+static bool
+is_at_start(const struct passes *s)
+{
+    return s->awaits && s->open == 0;
+}
+
+/* Memory for the plan, and the plan. */
+static int
+plan_in(struct passes *s, const struct job *job, struct rad_error *err)
+{
+    struct rad_pass *plan;
+    int rc;
+
+    free(s->plan);
+    free(s->weight);
+    free(s->closed);
+    s->weight = NULL;
+    s->closed = NULL;
+    s->plan = malloc(RAD_MOST_PASSES * sizeof *s->plan);
+    if (!s->plan)
+        return rad_fail(err, RAD_ENOMEM, "out of memory");
+    rc = stages_plan(job, s->size, s->plan, &s->n, err);
+    if (rc < 0)
+        return rc;
+    plan = realloc(s->plan, (s->n + 1) * sizeof *plan);
+    s->plan = plan ? plan : s->plan;
+    s->weight = calloc(s->n + 1, sizeof *s->weight);
+    s->closed = calloc(s->n + 1, sizeof *s->closed);
+    return s->weight && s->closed ? 0
+                                  : rad_fail(err, RAD_ENOMEM, "out of memory");
+}
+
+/* Lay out the passes of the job's stage, of which none is closed. */
+static int
+plan_stage(struct job *job, struct rad_error *err)
+{
+    struct passes *s = job->passes;
+    int rc = plan_in(s, job, err);
+
+    s->base = job->goal.base;
+    s->open = 0;
+    for (uint32_t i = 0; rc == 0 && i < s->n; i++)
+        if (s->plan[i].tiles > MSG_MOST_TILES)
+            rc = rad_fail(err, RAD_EDATA,
+                          "so many and large frames are too much for "
+                          "--ambient=passes: a pass would have %u tiles, at "
+                          "most %u are allowed",
+                          s->plan[i].tiles, MSG_MOST_TILES);
+    if (rc == 0 && s->base + s->n > MSG_MOST_PASSES)
+        rc =
+            rad_fail(err, RAD_EDATA,
+                     "so many frames are too much for a goal: its stages would "
+                     "have more than %u passes",
+                     MSG_MOST_PASSES);
+    if (rc == 0)
+        rad_passcost_weigh(s->plan, s->n, s->weight);
+    return rc;
+}
+
+/* How far the passes are: of the open one its tiles tell. */
+static void
+note_progress(struct job *job)
+{
+    const struct passes *s = job->passes;
+    double all = 0, done = 0;
+
+    for (uint32_t i = 0; i < s->n; i++) {
+        all += s->weight[i];
+        done += i < s->open ? s->weight[i] : 0;
+    }
+    if (s->ntiles > 0)
+        done += s->weight[s->open] * (s->ntiles - s->left) / s->ntiles;
+    lead_note(job, all > 0 ? done / all : 1, s->open == s->n);
+}
+
+int
+passes_begin(struct coord *c, struct job *job, struct rad_error *err)
+{
+    struct passes *s;
+    int rc;
+
+    if (!(job->spec.flags & MSG_JOB_PASSES))
+        return 0;
+    s = job->passes = calloc(1, sizeof *s);
+    if (!s || !(s->size = stages_sizes(&job->spec)) ||
+        !(s->dearest = dearest_new(s->size, job->spec.nframes)))
+        return rad_fail(err, RAD_ENOMEM, "out of memory");
+    rc = plan_stage(job, err);
+    if (rc < 0)
+        return rc;
+    lead_begin(job, s->size);
+    take_up(c, job);
+    open_frames(job);
+    s->awaits = s->n > 0 && job->spec.flags & MSG_JOB_REUSE;
+    passes_ask(c, job);
+    if (is_at_start(s)) {
+        tiles_drop(s);
+        return 0;
+    }
+    if (!open_pass(s))
+        return rad_fail(err, RAD_ENOMEM, "out of memory");
+    close_whole(c, job);
+    note_progress(job);
+    return 0;
+}
+
+bool
+passes_open(const struct job *job)
+{
+    struct passes *s = job->passes;
+
+    return s && ((s->open < s->n && is_due(s, job)) || s->awaits);
+}
+
+struct passes_state
+passes_state(const struct job *job)
+{
+    const struct passes *s = job->passes;
+    struct passes_state out = { 0 };
+
+    if (!s)
+        return out;
+    out.open = s->open;
+    out.n = s->n;
+    out.bytes = s->bytes;
+    out.checks = s->open < s->n && s->plan[s->open].check;
+    if (s->ntiles > 0)
+        out.made = 1 - (double)s->left / s->ntiles;
+    return out;
+}
+
+/* --- closed --- */
+
+/* All records of the open pass, in the order of tiles. */
+static bool
+gather(struct passes *s)
+{
+    struct closed *k = &s->closed[s->open];
+    uint8_t *to;
+
+    for (uint32_t i = 0; i < s->ntiles; i++)
+        k->n += s->tile[i].n;
+    k->records = to = malloc((size_t)k->n * AMBSHARE_BYTES + 1);
+    for (uint32_t i = 0; to && i < s->ntiles; i++) {
+        size_t len = (size_t)s->tile[i].n * AMBSHARE_BYTES;
+
+        if (len > 0)
+            memcpy(to, s->tile[i].records, len);
+        to += len;
+    }
+    if (!to)
+        return false;
+    k->sum = rowsum_hash(k->records, (size_t)k->n * AMBSHARE_BYTES);
+    return true;
+}
+
+/* Keep that pass, of the plan that is closed with these bytes, to go on from
+ * after a restart. */
+static void
+keep_closed(struct coord *c, const struct job *job, uint32_t pass,
+            const struct msg_counts *counts, const uint8_t *bytes, size_t len,
+            bool firm)
+{
+    struct saved_pass saved = { .len = len, .counts = *counts, .firm = firm };
+    struct action *a;
+
+    if (!c->env.keeps ||
+        !(a = actions_add_job(&c->actions, ACT_PUT_PASS, 0, job->id)))
+        return;
+    saved.bytes = actions_keep(&c->actions, bytes, len);
+    a->frame = pass;
+    a->pass = rad_arena_dup(&c->actions.mem, &saved, sizeof saved);
+    if (!saved.bytes || !a->pass)
+        c->actions.failed = true;
+}
+
+/* The job's goal is not reached: drop the records, and begin anew with the next
+ * stage's options, whichever pass of this one workers are at. */
+static void
+begin_stage(struct coord *c, struct job *job)
+{
+    struct passes *s = job->passes;
+    struct rad_error err = { 0 };
+
+    tiles_drop(s);
+    drop_records(s);
+    if (plan_stage(job, &err) < 0) {
+        verdict_job(c, job, JOB_FAILED, rad_exit_status(err.code), err.what);
+        s->n = 0;
+        return;
+    }
+    records_drop(c, job);
+    if (!open_pass(s))
+        c->actions.failed = true;
+    c->stirred = true;
+}
+
+/* All tiles of the check pass, the open one, are made; false: another stage
+ * begins. */
+static bool
+close_check(struct coord *c, struct job *job)
+{
+    struct passes *s = job->passes;
+    struct msg_counts counts = s->closed[s->open].counts;
+    uint32_t number = passes_number(s);
+    struct rad_refine_sums all = { 0 }, of;
+    uint8_t bytes[STAGES_BYTES];
+    uint64_t rays = 0;
+    bool reached;
+
+    for (uint32_t i = 0; i < s->ntiles; i++) {
+        if (sums_unpack(s->tile[i].records, SUMS_BYTES, &of))
+            rad_refine_add(&all, &of);
+        s->tile[i].n = 0;
+    }
+    for (uint32_t i = 0; i < s->open; i++)
+        rays += s->closed[i].counts.rays;
+    reached = stages_end(c, job, s->n, rays, &all);
+    stages_pack(c, job, bytes);
+    keep_closed(c, job, number, &counts, bytes, sizeof bytes, true);
+    if (!reached && !c->actions.failed)
+        begin_stage(c, job);
+    return reached;
+}
+
+static void
+close_pass(struct coord *c, struct job *job)
+{
+    struct passes *s = job->passes;
+    struct closed *k = &s->closed[s->open];
+    bool checks = s->plan[s->open].check;
+
+    if (checks && !close_check(c, job))
+        return;
+    if (!gather(s)) {
+        c->actions.failed = true;
+        return;
+    }
+    if (!checks)
+        keep_closed(c, job, passes_number(s), &k->counts, k->records,
+                    (size_t)k->n * AMBSHARE_BYTES, false);
+    colours_close(job, &s->plan[s->open]);
+    if (job->spec.flags & MSG_JOB_RECORDS)
+        records_keep(c, job, s->open);
+    records_ask(c, job);
+    actions_log(&c->actions, ACT_DEBUG,
+                "pass closed job=%s pass=%u level=%d step=%d tiles=%u "
+                "records=%u",
+                job->hex, passes_number(s), s->plan[s->open].level,
+                s->plan[s->open].step, s->ntiles, k->n);
+    s->open++;
+    open_frames(job);
+    if (!open_pass(s))
+        c->actions.failed = true;
+    c->stirred = true;
+}
+
+/* Passes without tiles are closed at once. */
+static void
+close_whole(struct coord *c, struct job *job)
+{
+    struct passes *s = job->passes;
+
+    while (s->open < s->n && s->left == 0 && is_due(s, job) &&
+           !c->actions.failed)
+        close_pass(c, job);
+}
+
+/* No unit went out yet if `none_out`: the first go out when the first frames'
+ * passes are closed. */
+static void
+close_passes(struct coord *c, struct job *job, bool none_out)
+{
+    close_whole(c, job);
+    if (none_out && !passes_open(job) && !job->survey)
+        speed_share(c, job);
+}
+
+static bool
+is_before_units(const struct passes *s)
+{
+    return rad_passes_ready(s->plan, s->open) == 0;
+}
+
+void
+passes_frame_done(struct coord *c, struct job *job)
+{
+    if (!job->filling || job_over(job))
+        return;
+    close_passes(c, job, is_before_units(job->passes));
+    note_progress(job);
+    c->stirred = true;
+}
+
+static bool
+keep(struct coord *c, struct job *job, struct tile *t,
+     const struct msg_tile_made *m)
+{
+    struct passes *s = job->passes;
+
+    t->records = malloc(m->len + 1);
+    if (!t->records) {
+        c->actions.failed = true;
+        return false;
+    }
+    if (m->len > 0)
+        memcpy(t->records, m->data, m->len);
+    t->n = m->count;
+    s->waiting -= t->nholders == 0; /* its worker was thought lost */
+    t->made = true;
+    s->bytes += m->len;
+    s->took_ms += c->now_ms - t->out_ms;
+    s->ntook++;
+    s->left--;
+    return true;
+}
+
+static void
+count(struct job *job, uint32_t index, const struct msg_counts *counts)
+{
+    struct passes *s = job->passes;
+
+    msg_counts_add(&s->closed[s->open].counts, counts);
+    msg_counts_add(&job->tiled, counts);
+    job->workers[index].surveyed_rays += counts->rays;
+    job->rays += counts->rays;
+    progress_see(job);
+}
+
+/* Has the message what tiles of the open pass have? */
+static bool
+is_sound(const struct passes *s, const struct msg_tile_made *m)
+{
+    struct rad_refine_sums sums;
+
+    return s->plan[s->open].check
+               ? m->count == 0 && sums_unpack(m->data, m->len, &sums)
+               : m->len == (size_t)m->count * AMBSHARE_BYTES;
+}
+
+void
+passes_made(struct coord *c, struct coord_worker *w, const struct msg *msg)
+{
+    const struct msg_tile_made *m = &msg->tile_made;
+    uint32_t index;
+    struct job *job = desk_job_of(c, w, m->job, &index);
+    struct passes *s = job ? job->passes : NULL;
+    struct tile *t;
+    bool is_open;
+
+    if (!s)
+        return;
+    is_open = m->pass == passes_number(s) && s->open < s->n;
+    if (m->pass > passes_number(s) || (is_open && m->tile >= s->ntiles) ||
+        s->bytes + m->len > MOST_BYTES ||
+        (is_open &&
+         !colours_fit(job, &s->plan[s->open], m->tile, m->colours_len))) {
+        verdict_break(c, w->conn, "a TILE_MADE that fits no tile");
+        return;
+    }
+    if (is_open && !is_sound(s, m)) {
+        verdict_break(c, w->conn,
+                      s->plan[s->open].check
+                          ? "sums of a tile that are no finite numbers"
+                          : "a TILE_MADE whose records have not their size");
+        return;
+    }
+    t = is_open ? &s->tile[m->tile] : NULL;
+    if (t && tiles_take(s, t, index)) {
+        job->workers[index].ntiles--;
+        c->stirred = true;
+    }
+    if (!t || t->made) { /* another was first */
+        msg_counts_add(&job->workers[index].past.dropped, &m->counts);
+        return;
+    }
+    if (!keep(c, job, t, m))
+        return;
+    records_feed(c, job, m->tile);
+    count(job, index, &m->counts);
+    dearest_note(s->dearest, &s->plan[s->open], m->tile, m->counts.rays);
+    colours_keep(c, job, &s->plan[s->open], m);
+    close_passes(c, job, is_before_units(job->passes));
+    note_progress(job);
+}
+
+/* --- from a former job --- */
+
+void
+passes_came(struct coord *c, struct job *job, uint8_t *records, size_t n,
+            int status, const char *text)
+{
+    struct passes *s = job->passes;
+
+    if (!s || !s->awaits || status != 0 || n % AMBSHARE_BYTES != 0) {
+        free(records);
+        if (s && s->awaits)
+            verdict_job(c, job, JOB_FAILED, status ? status : EX_DATAERR,
+                        status ? text : "no ambient records");
+        return;
+    }
+    s->awaits = false;
+    s->closed[0].records = records;
+    s->closed[0].n = (uint32_t)(n / AMBSHARE_BYTES);
+    job->cache.reused = s->closed[0].n;
+    if (s->open == 0) {
+        s->open = 1;
+        s->bytes = n;
+        if (!open_pass(s))
+            c->actions.failed = true;
+        if (job->spec.flags & MSG_JOB_RECORDS)
+            records_keep(c, job, 0);
+    }
+    records_came(c, job);
+    close_passes(c, job, true);
+    c->stirred = true;
+}

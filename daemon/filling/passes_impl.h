@@ -1,0 +1,69 @@
+/* passes_impl.h - what is known of a job's passes, for the files of this room
+ *
+ * passes.c says when a pass is open and closed, tiles.c which worker has which
+ * tile of it, records.c which worker has whose records.
+ * Thread: one. */
+#ifndef DAEMON_PASSES_IMPL_H
+#define DAEMON_PASSES_IMPL_H
+
+#include "desk/desk.h"
+#include "filling/dearest.h"
+#include "passes/passplan.h"
+
+enum { HOLDERS = 2 };
+#define NO_TILE UINT32_MAX
+
+struct tile {
+    uint32_t holder[HOLDERS]; /* workers that have it */
+    uint8_t nholders;
+    bool made;
+    uint8_t crashes;       /* of children that had it */
+    uint32_t crasher;      /* the first of their workers */
+    uint64_t out_ms;       /* when it last went out */
+    uint32_t place;        /* in the order in which they go out */
+    uint32_t before, then; /* in the list of tiles that are out */
+    uint8_t *records;      /* or sums */
+    uint32_t n;            /* of them */
+};
+
+/* The records of a pass that is closed. */
+struct closed {
+    uint8_t *records;
+    uint32_t n;
+    uint64_t sum;             /* of their bytes */
+    struct msg_counts counts; /* of its tiles that were the first */
+};
+
+struct passes {
+    struct rad_pass *plan;
+    double *weight; /* of each, passcost.h */
+    uint32_t n;
+    uint32_t base;              /* passes of the stages before */
+    uint32_t open;              /* of the plan; n: all are closed */
+    bool awaits;                /* the records of the first from the store, */
+    bool asked;                 /* which was asked for them */
+    struct closed *closed;      /* as many */
+    uint32_t done;              /* frames before are done */
+    size_t bytes;               /* of all records that are here */
+    struct rad_pass_size *size; /* of the frames */
+    struct dearest *dearest;
+    struct tile *tile; /* of the open pass */
+    uint32_t ntiles;
+    uint32_t *order;         /* in which they go out */
+    uint32_t next;           /* in that order; those before are out, or made */
+    uint32_t oldest, newest; /* of the tiles that workers have, made by others
+                              * or not: a list by when they went out */
+    uint32_t left;           /* that are not made */
+    uint32_t waiting;        /* of these, that nobody has */
+    uint64_t took_ms;        /* of all that were made, from out to made */
+    uint32_t ntook;
+};
+
+/* The number of the open pass, through all stages. */
+static inline uint32_t
+passes_number(const struct passes *s)
+{
+    return s->base + s->open;
+}
+
+#endif

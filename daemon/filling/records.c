@@ -1,0 +1,261 @@
+/* records.c - see records.h
+ *
+ * The records of a job that begins with a former job's are those of its first
+ * pass; until they are here nothing is sent to workers that lack them. */
+#include "config.h"
+
+#include "filling/records.h"
+
+#include "desk/part.h"
+#include "filling/passes_impl.h"
+#include "filling/stages.h"
+#include "links/feeding.h"
+#include "proto/ambshare.h"
+
+/* Records in a message. */
+#define TOGETHER 1000
+_Static_assert(TOGETHER *AMBSHARE_BYTES <= MSG_MAX_AMBIENT, "too many");
+
+/* Call send() for each FROZEN of a pass that is closed. */
+static void
+send_closed(struct coord *c, const struct job *job, uint32_t pass,
+            void (*send)(struct coord *c, const struct job *job,
+                         const struct msg *m, void *arg),
+            void *arg)
+{
+    const struct closed *k = &job->passes->closed[pass];
+    struct msg m = { .type = MSG_FROZEN };
+    uint32_t at = 0, n;
+
+    do {
+        n = k->n - at < TOGETHER ? k->n - at : TOGETHER;
+        m.frozen = (struct msg_frozen){ .job = job->id,
+                                        .pass = job->passes->base + pass,
+                                        .first = at,
+                                        .last = at + n == k->n,
+                                        .count = n,
+                                        .data = k->records +
+                                                (size_t)at * AMBSHARE_BYTES,
+                                        .len = (size_t)n * AMBSHARE_BYTES };
+        send(c, job, &m, arg);
+        at += n;
+    } while (at < k->n);
+}
+
+static void
+send_to_one(struct coord *c, const struct job *job, const struct msg *m,
+            void *arg)
+{
+    struct coord_worker *w = arg;
+
+    (void)job;
+    actions_send(&c->actions, w->conn, m);
+}
+
+bool
+records_up_to_date(const struct job *job, const struct job_worker *jw)
+{
+    return jw->state == PART_READY && jw->worker->conn != 0 &&
+           jw->passes == passes_number(job->passes) && !jw->lags;
+}
+
+static struct msg
+stage_of(const struct job *job)
+{
+    return (struct msg){ .type = MSG_STAGE,
+                         .stage = { job->id, job->passes->base,
+                                    goal_options(job) } };
+}
+
+/* A frame to each worker that the function chooses. */
+static void
+send_some(struct coord *c, const struct job *job, const struct msg *m,
+          bool (*wanted)(const struct job *job, uint32_t index))
+{
+    struct wire_out *out = &c->actions.scratch;
+    uint8_t *kept;
+
+    out->len = 0;
+    if (msg_pack(out, m) != 0 ||
+        !(kept = actions_keep(&c->actions, out->buf, out->len))) {
+        c->actions.failed = true;
+        return;
+    }
+    for (uint32_t i = 0; i < job->nworkers; i++)
+        if (wanted(job, i))
+            actions_send_kept(&c->actions, job->workers[i].worker->conn, kept,
+                              out->len);
+}
+
+static struct msg
+message_of(const struct job *job, uint32_t tile)
+{
+    const struct tile *t = &job->passes->tile[tile];
+    size_t len = (size_t)t->n * AMBSHARE_BYTES;
+
+    return (struct msg){ .type = MSG_TILE_RECORDS,
+                         .tile_records = { job->id, passes_number(job->passes),
+                                           tile, t->n, t->records, len } };
+}
+
+/* Records of the open pass that are there already, to a worker that comes. */
+static void
+send_made(struct coord *c, const struct job *job, const struct coord_worker *w)
+{
+    const struct passes *s = job->passes;
+
+    for (uint32_t i = 0; i < s->ntiles; i++)
+        if (s->tile[i].made && s->tile[i].n > 0) {
+            struct msg m = message_of(job, i);
+
+            actions_send(&c->actions, w->conn, &m);
+        }
+}
+
+void
+records_feed(struct coord *c, struct job *job, uint32_t tile)
+{
+    struct msg m = message_of(job, tile);
+
+    if (m.tile_records.count > 0)
+        send_some(c, job, &m, feeding_is_direct);
+}
+
+/* The worker is asked whether it has the records of the pass after those that
+ * it has. */
+static void
+ask(struct coord *c, const struct job *job, struct job_worker *jw)
+{
+    const struct passes *s = job->passes;
+    const struct closed *k = &s->closed[jw->passes - s->base];
+    struct msg m = { .type = MSG_CLOSED,
+                     .closed = { job->id, jw->passes, k->n, k->sum } };
+
+    jw->lags = true;
+    actions_send(&c->actions, jw->worker->conn, &m);
+}
+
+void
+records_ask(struct coord *c, struct job *job)
+{
+    for (uint32_t i = 0; i < job->nworkers; i++) {
+        struct job_worker *jw = &job->workers[i];
+
+        jw->ntiles = 0;
+        if (records_up_to_date(job, jw))
+            ask(c, job, jw);
+    }
+}
+
+static void
+send_records(struct coord *c, const struct job *job, const struct msg *m,
+             void *arg)
+{
+    (void)arg;
+    if (m->frozen.count > 0)
+        desk_send_records(c, job,
+                          &(struct msg_records){ job->id, m->frozen.count,
+                                                 m->frozen.data,
+                                                 m->frozen.len });
+}
+
+void
+records_keep(struct coord *c, const struct job *job, uint32_t pass)
+{
+    send_closed(c, job, pass, send_records, NULL);
+}
+
+/* Send a worker the records that it lacks, if they are here. */
+static void
+catch_up(struct coord *c, const struct job *job, struct job_worker *jw)
+{
+    const struct passes *s = job->passes;
+
+    if (!s || (s->awaits && jw->passes == 0))
+        return;
+    if (jw->passes < s->base) {
+        struct msg m = stage_of(job);
+
+        actions_send(&c->actions, jw->worker->conn, &m);
+        jw->passes = s->base;
+    }
+    for (; jw->passes < passes_number(s); jw->passes++)
+        send_closed(c, job, jw->passes - s->base, send_to_one, jw->worker);
+    if (job->filling)
+        send_made(c, job, jw->worker);
+}
+
+/* By the clock another stage may have begun in an earlier life. */
+static bool
+may_differ(const struct job *job, const struct job_worker *jw, uint32_t have)
+{
+    return job->spec.time_ms > 0 && have > jw->passes;
+}
+
+bool
+records_ready(struct coord *c, struct job *job, uint32_t index, uint32_t have)
+{
+    struct job_worker *jw = &job->workers[index];
+    struct passes *s = job->passes;
+    uint32_t closed = s ? passes_number(s) : 0;
+
+    if (have > closed || may_differ(job, jw, have))
+        return false;
+    jw->passes = have;
+    jw->lags = false;
+    jw->ntiles = 0;
+    catch_up(c, job, jw);
+    return true;
+}
+
+void
+records_held(struct coord *c, struct coord_worker *w, const struct msg *msg)
+{
+    const struct msg_holds *m = &msg->holds;
+    uint32_t index;
+    struct job *job = desk_job_of(c, w, m->job, &index);
+    struct job_worker *jw = job ? &job->workers[index] : NULL;
+
+    if (!jw || !job->passes || !jw->lags || m->pass != jw->passes)
+        return;
+    if (!m->whole) {
+        feeding_lacked(c, job, index);
+        send_closed(c, job, m->pass - job->passes->base, send_to_one, w);
+    }
+    jw->passes++;
+    jw->lags = false;
+    if (jw->passes < passes_number(job->passes))
+        ask(c, job, jw);
+    c->stirred = true;
+}
+
+static bool
+is_there(const struct job *job, uint32_t index)
+{
+    const struct job_worker *jw = &job->workers[index];
+
+    return jw->state == PART_READY && jw->worker->conn != 0;
+}
+
+void
+records_came(struct coord *c, struct job *job)
+{
+    for (uint32_t i = 0; i < job->nworkers; i++)
+        if (is_there(job, i) && job->workers[i].passes == 0)
+            catch_up(c, job, &job->workers[i]);
+}
+
+void
+records_drop(struct coord *c, struct job *job)
+{
+    struct msg m = stage_of(job);
+
+    for (uint32_t i = 0; i < job->nworkers; i++) {
+        struct job_worker *jw = &job->workers[i];
+
+        jw->ntiles = 0;
+        jw->passes = is_there(job, i) ? job->passes->base : 0;
+        jw->lags = false;
+    }
+    send_some(c, job, &m, is_there);
+}

@@ -1,0 +1,35 @@
+/* records.h - the records of passes on their way to workers
+ *
+ * Those of a tile that is made travel to all workers while others are, by way
+ * of some of them (links/feeding.h).  When a pass is closed a worker is asked
+ * whether it has them all, and gets nothing more before it has said so; if it
+ * lacks some it gets all of them, in the order of tiles.  So does a worker that
+ * comes later, of each pass that is closed.
+ * Thread: one. */
+#ifndef DAEMON_RECORDS_H
+#define DAEMON_RECORDS_H
+
+#include "desk/desk.h"
+
+/* A worker is ready that has the records of so many passes: it gets those of
+ * the others that are closed.  False: it has more than there are. */
+bool records_ready(struct coord *c, struct job *job, uint32_t index,
+                   uint32_t have);
+/* Has the worker the records of all passes before the open one? */
+bool records_up_to_date(const struct job *job, const struct job_worker *jw);
+/* A worker says whether it has all of them. */
+void records_held(struct coord *c, struct coord_worker *w,
+                  const struct msg *msg);
+
+/* A tile of the open pass is made. */
+void records_feed(struct coord *c, struct job *job, uint32_t tile);
+/* The open pass is closed: ask workers for its records. */
+void records_ask(struct coord *c, struct job *job);
+/* Send those of a closed pass to whoever keeps them (-af). */
+void records_keep(struct coord *c, const struct job *job, uint32_t pass);
+/* Those of the first pass came from a former job. */
+void records_came(struct coord *c, struct job *job);
+/* Another stage begins: whichever pass workers are at, all begin anew. */
+void records_drop(struct coord *c, struct job *job);
+
+#endif
