@@ -701,6 +701,52 @@ START_TEST(a_tile_ends_when_it_has_traced_its_rays)
 }
 END_TEST
 
+static double
+brightness(const struct list *l)
+{
+    for (size_t i = 0; i < l->n; i++)
+        if (l->rec[i].level == 0)
+            return (double)rad_rgb_lum(l->rec[i].E);
+    return 0;
+}
+
+/* Nor is the hemisphere at which it ends dear: deeper records that it lacks are
+ * made with fewer rays, and it sees much the same. */
+START_TEST(a_tile_that_ends_makes_coarse_deep_records)
+{
+    static struct list all, list;
+    struct room *m = &rooms[0];
+    struct rad_pass pass[RAD_MOST_PASSES], one;
+    struct rad_counts *counts = &m->w.ctx.counts;
+    struct rad_passes *p;
+    uint64_t before, rays;
+
+    open_room(m, "-ab 3 -ad 512");
+    one = pass[plan(m, pass) - 2];
+    one.step = SIDE;
+    one.done = 0;
+    one.finest = false;
+    one.field = -1;
+    p = rad_passes_new(&m->frame, 1, NULL);
+    all.n = list.n = 0;
+    one.rays = 0;
+    before = counts->ambient_rays;
+    ck_assert_int_eq(rad_passes_begin(p, &m->w.ctx, &one, NULL), 0);
+    ck_assert(rad_passes_make(p, &m->w.ctx, 0, &never, keep, &all, NULL));
+    rays = counts->ambient_rays - before;
+    one.rays = 1;
+    before = counts->ambient_rays;
+    ck_assert_int_eq(rad_passes_begin(p, &m->w.ctx, &one, NULL), 0);
+    ck_assert(rad_passes_make(p, &m->w.ctx, 0, &never, keep, &list, NULL));
+    ck_assert_uint_lt(2 * (counts->ambient_rays - before), rays);
+    ck_assert_double_gt(brightness(&all), 0);
+    ck_assert_double_eq_tol(brightness(&list), brightness(&all),
+                            .1 * brightness(&all));
+    rad_passes_free(p);
+    close_room(m);
+}
+END_TEST
+
 START_TEST(a_tile_that_is_stopped_hands_on_nothing)
 {
     static struct list list;
@@ -748,6 +794,7 @@ main(void)
     tcase_add_test(tc, passes_of_many_frames_are_weighed);
     tcase_add_test(tc, passes_of_other_kinds_are_weighed);
     tcase_add_test(tc, a_tile_ends_when_it_has_traced_its_rays);
+    tcase_add_test(tc, a_tile_that_ends_makes_coarse_deep_records);
     tcase_add_test(tc, a_tile_that_is_stopped_hands_on_nothing);
     suite_add_tcase(s, tc);
     return unit_run(s);

@@ -486,6 +486,7 @@ rad_passes_make(const struct rad_passes *p, struct rad_ctx *ctx, uint32_t tile,
         colours->n = 0;
     if (!rad_ambtile_begin(&own, ctx, p->pass.level))
         return false;
+    own.most = until.rays;
     ctx->no_direct = true; /* at the places that records are asked for */
     if (p->pass.level > 0)
         ask_along_paths(p, ctx, tile, &until);

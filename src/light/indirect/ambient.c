@@ -71,9 +71,8 @@
  * integers do not depend on their order. */
 #define LOG_UNIT 0x1p-20
 
-/* Where the cache is frozen and lacks a place that a pixel shows, the
- * hemisphere there serves that pixel alone: so much of a record's rays will do.
- */
+/* Of a record's rays so many will do for a place that a frozen cache lacks and
+ * one pixel shows, and for deeper records of a tile that has traced its rays. */
 #define ALONE_SHARE .25
 
 /* Stands for infinity in the positions of what is seen, in sides of the
@@ -724,7 +723,9 @@ make_record(struct rad_ctx *ctx, const struct rad_ray *r,
 
     rec.weight = record_weight(at);
     plan.weight = rad_ambrec_worth(&rec);
-    if (amb->frozen && !ctx->tile)
+    if (amb->frozen &&
+        (!ctx->tile || (at->level > ctx->tile->level &&
+                        ctx->counts.ambient_rays >= ctx->tile->most)))
         plan.weight *= ALONE_SHARE;
     if (ctx->glance)
         plan.weight *= GLANCE_SHARE;

@@ -11,6 +11,7 @@ rad_ambtile_begin(struct rad_ambtile *tile, struct rad_ctx *ctx, int level)
     rad_ambient_cube(ctx->job->ambient, org, &side);
     tile->own = rad_ambcache_new(org, side);
     tile->level = level;
+    tile->most = UINT64_MAX;
     tile->failed = false;
     tile->made = 0;
     if (!tile->own)

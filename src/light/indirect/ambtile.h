@@ -1,9 +1,8 @@
 /* ambtile.h - the ambient records of one tile of a pass
  *
- * With --ambient=passes the cache is frozen while a pass is made (picture/
- * passes.h).  What a tile lacks of it is made for that tile alone: it sees the
- * frozen cache and its own records, nothing else, so its records are a function
- * of the job, whoever makes it and how often.
+ * What a tile of a pass (passes/passes.h) lacks of the frozen cache is made for
+ * it alone: it sees that cache and its own records, nothing else, so they are a
+ * function of the job, whoever makes it and how often.
  * Growth: as the tile's records; all is free again when the next tile begins.
  * Thread: one context's. */
 #ifndef RAD_LIGHT_AMBTILE_H
@@ -17,6 +16,8 @@ struct rad_ambtile {
     uint32_t made; /* records of that level so far */
     int level; /* of the records that the pass is for; others serve a little
                 * farther than -aa */
+    uint64_t most; /* rays of hemispheres, as the context counts them, from
+                    * which on deeper records are coarse */
 };
 
 /* Begin a tile, and have ctx make its records; *tile must live until
