@@ -23,7 +23,7 @@
 /* Large pictures have smaller tiles and fewer rounds, for many workers wait at
  * the end of each. */
 #define LARGE_STEP         128 /* of the coarsest lattice, or more */
-#define LARGE_TILES        1024
+#define LARGE_TILES        4096
 #define LARGE_ROUND_TILES  256
 #define LARGE_PATHS_A_TILE 8
 #define LARGE_ROUND_GROWTH 8
