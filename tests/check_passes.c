@@ -290,8 +290,8 @@ START_TEST(large_pictures_have_many_tiles)
     for (uint32_t i = 0; i < n[0]; i++) {
         uint32_t paths = pass[0][i].end - pass[0][i].first;
 
-        if (pass[0][i].level > 0 && paths >= 8 * 256)
-            ck_assert_uint_eq(pass[0][i].tiles, 256);
+        if (pass[0][i].level > 0 && paths >= 8 * 512)
+            ck_assert_uint_eq(pass[0][i].tiles, 512);
         else if (pass[0][i].level > 0)
             ck_assert_uint_eq(pass[0][i].tiles, paths / 8);
         else
@@ -333,6 +333,8 @@ START_TEST(a_plan_asks_for_each_place_once)
                 ck_assert(done == 0 || pass[i].step == done / 2);
                 done = pass[i].step;
             }
+            if (pass[i].finest)
+                ck_assert_int_le(pass[i].side * pass[i].step, RAD_PASS_PIXELS);
             ck_assert(pass[i].finest ==
                       (pass[i].scattered || pass[i].step == plans[_i].finest));
         } else {
@@ -408,8 +410,10 @@ START_TEST(each_frame_is_planned_once)
     for (uint32_t k = 0; k < n; k++)
         for (uint32_t i = pass[k].frame;
              pass[k].finest && pass[k].field < 1 && i < pass[k].beyond;
-             i += pass[k].stride)
+             i += pass[k].stride) {
+            ck_assert_int_le(pass[k].side * pass[k].step, RAD_PASS_PIXELS);
             times[i] += pass[k].scattered ? 16 : 1;
+        }
     for (uint32_t i = 0; i < nframes; i++)
         ck_assert_uint_eq(times[i], 17);
     world_close(&w);

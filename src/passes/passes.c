@@ -287,8 +287,6 @@ struct patch {
     bool objects; /* ask between those that show different ones */
 };
 
-enum { MOST_SIDE = RAD_PASS_SIDE * RAD_PASS_FINEST };
-
 /* A pixel of a tile of the finest lattice. */
 struct spot {
     bool asked;
@@ -298,7 +296,7 @@ struct spot {
 };
 
 struct spots {
-    struct spot at[MOST_SIDE][MOST_SIDE]; /* by row */
+    struct spot at[RAD_PASS_PIXELS][RAD_PASS_PIXELS]; /* by row */
 };
 
 static void

@@ -11,7 +11,8 @@
 #include <assert.h>
 #include <string.h>
 
-/* Paths: one for so many pixels, within these bounds. */
+/* Paths: one for so many pixels, within these bounds; of more frames fewer, by
+ * the root of their number, for they show much the same. */
 #define PIXELS_A_PATH 64
 #define LEAST_PATHS   256
 #define MOST_PATHS    65536
@@ -24,7 +25,7 @@
  * the end of each. */
 #define LARGE_STEP         128 /* of the coarsest lattice, or more */
 #define LARGE_TILES        4096
-#define LARGE_ROUND_TILES  256
+#define LARGE_ROUND_TILES  512
 #define LARGE_PATHS_A_TILE 8
 #define LARGE_ROUND_GROWTH 8
 #define LARGE_LEAST_PATHS  1024
@@ -38,6 +39,10 @@
 #define MOST_STEP   256
 /* Of frames after the first, which show much that these have shown. */
 #define LATER_STEP 16
+
+/* ... and where they are more than that many together their last lattice has
+ * twice the step: others have asked for what is small. */
+#define FEW 4
 
 /* Tiles of lattices with at least such steps have fewer pixels, for there are
  * to be tiles for many workers. */
@@ -70,10 +75,13 @@ static uint32_t
 count_paths(const struct rad_pass_size *size, const struct batch *b)
 {
     uint64_t pixels = 0, paths;
+    uint32_t root = 1;
 
+    while (root * root < b->beyond - b->frame)
+        root++;
     for (uint32_t i = b->frame; i < b->beyond; i++)
         pixels += (uint64_t)size[i].width * (uint64_t)size[i].height;
-    paths = pixels / PIXELS_A_PATH;
+    paths = pixels / (PIXELS_A_PATH * root);
     return paths < LEAST_PATHS  ? LEAST_PATHS
            : paths > MOST_PATHS ? MOST_PATHS
                                 : (uint32_t)paths;
@@ -198,7 +206,7 @@ plan_rest(struct rad_pass *pass, const struct rad_pass_size *size)
     pass->scattered = true;
     pass->field = -1;
     pass->step *= 2;
-    pass->side = RAD_PASS_SIDE / 2;
+    pass->side = lesser(RAD_PASS_SIDE / 2, RAD_PASS_PIXELS / pass->step);
     pass->rays = 0;
     pass->tiles = 0;
     count_lattice_tiles(pass, size);
@@ -216,7 +224,8 @@ plan_frames(const struct rad_params *par, const struct rad_pass_size *size,
             struct rad_pass *pass)
 {
     const struct rad_pass_size *of = &size[frame];
-    int finest = finest_step(par), done = 0;
+    bool many = beyond - frame > FEW * stride;
+    int finest = finest_step(par) * (many ? 2 : 1), done = 0;
     int step = frame == 0 ? coarsest_step(of) : LATER_STEP;
     uint32_t n = 0;
 
@@ -226,7 +235,8 @@ plan_frames(const struct rad_params *par, const struct rad_pass_size *size,
                               .frame = frame,
                               .stride = stride,
                               .beyond = beyond,
-                              .side = side_of(of, step),
+                              .side = lesser(side_of(of, step),
+                                             RAD_PASS_PIXELS / finest),
                               .finest = step == finest,
                               .rays = most_rays(par, is_large(of)) };
         bool fields = frame == 0 && done > 0;

@@ -39,7 +39,7 @@ struct rad_pass {
     uint32_t frame, stride, beyond; /* of frames frame, frame + stride, ...
                                      * below beyond */
     uint32_t ready; /* when it is closed: frames below that can be made */
-    int side;               /* level 0: of a tile, in pixels of the lattice */
+    int side;       /* level 0: of a tile, in pixels of the lattice */
     int field;   /* level 0: tiles are the fields of a chess board, and the pass
                   * has those of this colour, 0 or 1; less than 0: all */
     bool finest; /* level 0: the last lattice, and what lies between its
@@ -49,7 +49,7 @@ struct rad_pass {
                      * number as there are tiles */
     uint64_t rays;  /* of hemispheres, after which a tile asks for nothing more;
                      * 0: it asks everywhere */
-    bool check;  /* no records: how good is what there is (refine.h)? */
+    bool check;     /* no records: how good is what there is (refine.h)? */
     uint32_t tiles;
 };
 /* See rad_passes_plan_on(). */
@@ -62,9 +62,11 @@ struct rad_pass {
 #define RAD_PASS_SIDE 8
 
 /* The last lattice has steps of as many pixels as base lines (-ps), within
- * these bounds. */
+ * these bounds, and of many frames that come together twice as many; its tiles
+ * have at most so many pixels along a side. */
 #define RAD_PASS_LEAST_STEP 2
 #define RAD_PASS_FINEST     4
+#define RAD_PASS_PIXELS     32
 
 struct rad_pass_size {
     int width, height; /* of a picture */
