@@ -54,8 +54,9 @@
 #define MOST_HEMISPHERES  32
 #define LARGE_HEMISPHERES 8
 
-/* Of what that leaves out of the last lattice: a dear spot has many squares,
- * and they have different tiles. */
+/* Of what that leaves out of the last lattice: a dear spot has many squares of
+ * so many pixels, and they have different tiles. */
+#define REST_PIXELS      16
 #define REST_SQUARES     4   /* of a tile, at least */
 #define REST_TILES       251 /* of a frame, at most */
 #define LARGE_REST_TILES 1021
@@ -206,7 +207,7 @@ plan_rest(struct rad_pass *pass, const struct rad_pass_size *size)
     pass->scattered = true;
     pass->field = -1;
     pass->step *= 2;
-    pass->side = lesser(RAD_PASS_SIDE / 2, RAD_PASS_PIXELS / pass->step);
+    pass->side = REST_PIXELS / pass->step;
     pass->rays = 0;
     pass->tiles = 0;
     count_lattice_tiles(pass, size);
