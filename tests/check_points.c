@@ -119,8 +119,8 @@ START_TEST(layout_gives_each_point_a_pixel_of_its_own)
         ck_assert(!taken[pixel[i]]);
         taken[pixel[i]] = true;
     }
-    file = rad_points_pack((const double(*)[6])p, n, RAD_POINTS_IRRADIANCE,
-                           width, height, pixel);
+    file = rad_points_pack((const double(*)[6])p, n, UINT64_C(5000000000),
+                           RAD_POINTS_IRRADIANCE, width, height, pixel);
     ck_assert_ptr_nonnull(file);
     ck_assert_msg(
         rad_points_open(&in, file, rad_points_bytes(width, height), &err) == 0,
@@ -132,6 +132,9 @@ START_TEST(layout_gives_each_point_a_pixel_of_its_own)
                                 (int)pixel[i] / width, org, dir));
         ck_assert_mem_eq(org, p[i], sizeof org);
         ck_assert_mem_eq(dir, p[i] + 3, sizeof dir);
+        ck_assert_uint_eq(rad_points_number(&in, (int)pixel[i] % width,
+                                            (int)pixel[i] / width),
+                          UINT64_C(5000000000) + i);
     }
     for (int i = 0; i < width * height; i++)
         ck_assert(taken[i] ||
@@ -212,15 +215,15 @@ static const struct {
     { 0, 0, 'r', true },    { 0, 0, 'x', false },      { 8, 0, 4, false },
     { 12, 0, 0, false },    { 12, 0, 3, false },       { 16, 0, 2, false },
     { 19, 0, 255, false },  { 20, 0, 1, false },       { 23, 0, 255, false },
-    { 0, 1, 'r', false },   { 0, 48, 'r', false },     { 0, 110, 'r', false },
-    { 0, 120, 'r', false }, { 24 + 6, 0, 0xf0, true },
+    { 0, 1, 'r', false },   { 0, 52, 'r', false },     { 0, 110, 'r', false },
+    { 0, 120, 'r', false }, { 32 + 6, 0, 0xf0, true },
 };
 
 START_TEST(damaged_file_is_refused)
 {
     double p[2][6] = { { 1, 2, 3, 0, 0, 1 }, { 4, 5, 6, 0, 1, 0 } };
     uint32_t pixel[2] = { 0, 1 };
-    uint8_t *file = rad_points_pack((const double(*)[6])p, 2, 0, 2, 1, pixel);
+    uint8_t *file = rad_points_pack((const double(*)[6])p, 2, 0, 0, 2, 1, pixel);
     struct rad_points in;
     struct rad_error err = { 0 };
 
@@ -241,7 +244,7 @@ START_TEST(numbers_that_are_not_finite_are_refused)
     uint8_t *file;
 
     p[1][_i] = _i % 2 ? NAN : INFINITY;
-    file = rad_points_pack((const double(*)[6])p, 2, 0, 2, 1, pixel);
+    file = rad_points_pack((const double(*)[6])p, 2, 0, 0, 2, 1, pixel);
     ck_assert_int_eq(rad_points_open(&in, file, rad_points_bytes(2, 1), NULL),
                      RAD_EDATA);
     free(file);
@@ -264,7 +267,8 @@ struct stage {
 };
 
 static void
-stage_init(struct stage *s, const double (*p)[6], uint32_t n, uint32_t flags)
+stage_init(struct stage *s, const double (*p)[6], uint32_t n, uint64_t first,
+           uint32_t flags)
 {
     static const struct rad_files none = { NULL, NULL };
     struct rad_error err = { 0 };
@@ -274,6 +278,7 @@ stage_init(struct stage *s, const double (*p)[6], uint32_t n, uint32_t flags)
     rad_params_init(&params);
     params.srcsizerat = .01;
     params.shadthresh = 0;
+    params.srcjitter = first > 0;
     for (uint32_t i = 0; i < n; i++)
         pixel[i] = i;
     s->scene = rad_scene_new();
@@ -282,7 +287,8 @@ stage_init(struct stage *s, const double (*p)[6], uint32_t n, uint32_t flags)
     s->job = rad_job_new(s->scene, &params, &none, &err);
     ck_assert_msg(s->job != NULL, "%s", err.what);
     ck_assert_int_eq(rad_ctx_init(&s->ctx, s->job, &err), 0);
-    s->file = rad_points_pack(p, n, flags, 2, (int)(n + 1) / 2, pixel);
+    s->file =
+        rad_points_pack(p, n, first, flags, 2, (int)(n + 1) / 2, pixel);
     ck_assert_int_eq(rad_points_open(&s->points, s->file,
                                      rad_points_bytes(2, (int)(n + 1) / 2),
                                      &err),
@@ -312,7 +318,7 @@ START_TEST(pixel_is_radiance_along_its_ray)
     struct stage s;
     struct rad_pixel got;
 
-    stage_init(&s, p, 5, 0);
+    stage_init(&s, p, 5, 0, 0);
     for (int i = 0; i < 6; i++) {
         ck_assert_int_eq(rad_frame_pixel(&s.frame, &s.ctx, i % 2, i / 2, &got),
                          i < 4);
@@ -331,7 +337,7 @@ START_TEST(length_of_direction_limits_a_ray_where_asked)
     struct stage s;
     struct rad_pixel got;
 
-    stage_init(&s, p, 2, RAD_POINTS_LIMITED);
+    stage_init(&s, p, 2, 0, RAD_POINTS_LIMITED);
     rad_frame_pixel(&s.frame, &s.ctx, 0, 0, &got);
     ck_assert_double_eq_tol((double)got.L.g, 0, 1e-9);
     rad_frame_pixel(&s.frame, &s.ctx, 1, 0, &got);
@@ -351,12 +357,36 @@ START_TEST(pixel_is_irradiance_on_its_surface)
     struct stage s;
     struct rad_pixel got;
 
-    stage_init(&s, p, 3, RAD_POINTS_IRRADIANCE);
+    stage_init(&s, p, 3, 0, RAD_POINTS_IRRADIANCE);
     for (int i = 0; i < 3; i++) {
         ck_assert(rad_frame_pixel(&s.frame, &s.ctx, i % 2, i / 2, &got));
         ck_assert_double_eq_tol((double)got.L.g, E[i], 2e-3 * E[i] + 1e-9);
     }
     stage_release(&s);
+}
+END_TEST
+
+/* Nor job nor pixel has a say in a point's random numbers. */
+START_TEST(value_goes_by_the_number_of_the_point)
+{
+    const double p[4][6] = { { 3, 0, 2, 0, 0, 1 },
+                             { 3, 0, 2, 0, 0, 1 },
+                             { 3, 0, 2, 0, 0, 1 },
+                             { 3, 0, 2, 0, 0, 1 } };
+    struct stage all, one;
+    struct rad_pixel a[4], b;
+
+    stage_init(&all, p, 4, 7, RAD_POINTS_IRRADIANCE);
+    for (int i = 0; i < 4; i++)
+        rad_frame_pixel(&all.frame, &all.ctx, i % 2, i / 2, &a[i]);
+    for (int i = 0; i < 4; i++) {
+        stage_init(&one, p, 1, 7 + (uint64_t)i, RAD_POINTS_IRRADIANCE);
+        rad_frame_pixel(&one.frame, &one.ctx, 0, 0, &b);
+        ck_assert(a[i].L.g == b.L.g);
+        ck_assert(i == 0 || a[i].L.g != a[i - 1].L.g);
+        stage_release(&one);
+    }
+    stage_release(&all);
 }
 END_TEST
 
@@ -368,7 +398,7 @@ START_TEST(path_begins_on_the_surface)
     struct stage s;
     int begun = 0, met = 0;
 
-    stage_init(&s, p, 1, RAD_POINTS_IRRADIANCE);
+    stage_init(&s, p, 1, 0, RAD_POINTS_IRRADIANCE);
     for (uint64_t i = 0; i < 200; i++) {
         if (!rad_path_begin(&s.frame, &s.ctx, 1, i, i, &r))
             continue;
@@ -404,6 +434,7 @@ main(void)
     tcase_add_test(tc, pixel_is_radiance_along_its_ray);
     tcase_add_test(tc, length_of_direction_limits_a_ray_where_asked);
     tcase_add_test(tc, pixel_is_irradiance_on_its_surface);
+    tcase_add_test(tc, value_goes_by_the_number_of_the_point);
     tcase_add_test(tc, path_begins_on_the_surface);
     suite_add_tcase(s, tc);
     return unit_run(s);

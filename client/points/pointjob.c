@@ -47,7 +47,7 @@ pointjob_add(const struct pointjob *j, struct compiled *scene,
     uint32_t flags = (j->spec->irradiance ? RAD_POINTS_IRRADIANCE : 0) |
                      (j->spec->limited ? RAD_POINTS_LIMITED : 0);
     uint8_t *file = rad_points_pack((const double(*)[6])j->in.point, j->in.n,
-                                    flags, j->width, j->height, j->pixel);
+                                    0, flags, j->width, j->height, j->pixel);
     int rc;
 
     if (!file)

@@ -140,6 +140,7 @@ aim_at_point(const struct rad_frame *f, int x, int y, struct rad_aim *r)
 
     if (!rad_points_at(f->points, x, y, r->org, r->dir))
         return false;
+    r->key = rad_key_branch(f->key, rad_points_number(f->points, x, y));
     length = rad_normalize(r->dir);
     r->tmax = f->points->flags & RAD_POINTS_LIMITED ? length : INFINITY;
     return length > 0;
@@ -152,9 +153,9 @@ aim(const struct rad_frame *f, int x, int y, struct rad_aim *r)
     const struct rad_params *p = &f->job->params;
     double jx = .5, jy = .5, aft, u[3];
 
-    r->key = rad_key_in_frame(f->key, (uint32_t)x, (uint32_t)y);
     if (f->points)
         return aim_at_point(f, x, y, r);
+    r->key = rad_key_in_frame(f->key, (uint32_t)x, (uint32_t)y);
     if (p->pixjitter > 0) {
         jx += p->pixjitter * (.5 - rad_rand(r->key, RAD_DIM_PIXEL));
         jy += p->pixjitter * (.5 - rad_rand(r->key, RAD_DIM_PIXEL + 1));

@@ -13,7 +13,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const char magic[8] = { 'r', 'a', 'd', 'd', 'p', 't', 's', '1' };
+static const char magic[8] = { 'r', 'a', 'd', 'd', 'p', 't', 's', '2' };
 
 /* --- bytes --- */
 
@@ -32,18 +32,16 @@ get_u32(const uint8_t *from)
 }
 
 static void
-put_real(uint8_t *to, double v)
+put_u64(uint8_t *to, uint64_t v)
 {
-    uint64_t bits = rad_bits_of(v);
-
-    put_u32(to, (uint32_t)bits);
-    put_u32(to + 4, (uint32_t)(bits >> 32));
+    put_u32(to, (uint32_t)v);
+    put_u32(to + 4, (uint32_t)(v >> 32));
 }
 
-static double
-get_real(const uint8_t *from)
+static uint64_t
+get_u64(const uint8_t *from)
 {
-    return rad_double_of(get_u32(from) | (uint64_t)get_u32(from + 4) << 32);
+    return get_u32(from) | (uint64_t)get_u32(from + 4) << 32;
 }
 
 static bool
@@ -95,6 +93,7 @@ rad_points_open(struct rad_points *p, const void *bytes, size_t n,
     width = get_u32(b + 12);
     height = get_u32(b + 16);
     p->n = get_u32(b + 20);
+    p->first = get_u64(b + 24);
     n -= RAD_POINTS_HEAD;
     if (p->flags & ~RAD_POINTS_FLAGS || width < 1 || height < 1 ||
         width > 2 * RAD_MAX_POINTS || height > 2 * RAD_MAX_POINTS ||
@@ -107,16 +106,28 @@ rad_points_open(struct rad_points *p, const void *bytes, size_t n,
     return check_points(p, err);
 }
 
+static const uint8_t *
+bytes_of(const struct rad_points *p, int x, int y)
+{
+    return p->bytes +
+           ((size_t)y * (size_t)p->width + (size_t)x) * RAD_POINT_BYTES;
+}
+
+uint64_t
+rad_points_number(const struct rad_points *p, int x, int y)
+{
+    return p->first + get_u32(bytes_of(p, x, y) + 48);
+}
+
 bool
 rad_points_at(const struct rad_points *p, int x, int y, double org[3],
               double dir[3])
 {
-    const uint8_t *at =
-        p->bytes + ((size_t)y * (size_t)p->width + (size_t)x) * RAD_POINT_BYTES;
+    const uint8_t *at = bytes_of(p, x, y);
 
     for (int k = 0; k < 3; k++) {
-        org[k] = get_real(at + 8 * k);
-        dir[k] = get_real(at + 24 + 8 * k);
+        org[k] = rad_double_of(get_u64(at + 8 * k));
+        dir[k] = rad_double_of(get_u64(at + 24 + 8 * k));
     }
     return !is_nowhere(dir);
 }
@@ -213,8 +224,8 @@ rad_points_lay(const double (*point)[6], uint32_t n, int *width, int *height,
 }
 
 uint8_t *
-rad_points_pack(const double (*point)[6], uint32_t n, uint32_t flags, int width,
-                int height, const uint32_t *pixel)
+rad_points_pack(const double (*point)[6], uint32_t n, uint64_t first,
+                uint32_t flags, int width, int height, const uint32_t *pixel)
 {
     uint8_t *b = calloc(rad_points_bytes(width, height), 1);
 
@@ -225,10 +236,13 @@ rad_points_pack(const double (*point)[6], uint32_t n, uint32_t flags, int width,
     put_u32(b + 12, (uint32_t)width);
     put_u32(b + 16, (uint32_t)height);
     put_u32(b + 20, n);
-    for (uint32_t i = 0; i < n; i++)
+    put_u64(b + 24, first);
+    for (uint32_t i = 0; i < n; i++) {
+        uint8_t *at = b + RAD_POINTS_HEAD + (size_t)pixel[i] * RAD_POINT_BYTES;
+
         for (int k = 0; k < 6; k++)
-            put_real(b + RAD_POINTS_HEAD + (size_t)pixel[i] * RAD_POINT_BYTES +
-                         8 * k,
-                     point[i][k]);
+            put_u64(at + 8 * k, rad_bits_of(point[i][k]));
+        put_u32(at + 48, i);
+    }
     return b;
 }

@@ -19,7 +19,8 @@ lay_out(const struct pointfile *f)
 
     if (pixel &&
         rad_points_lay(point, f->n, &width, &height, pixel, NULL) == 0) {
-        uint8_t *b = rad_points_pack(point, f->n, 0, width, height, pixel);
+        uint8_t *b = rad_points_pack(point, f->n, 0, 0, width, height,
+                                     pixel);
 
         if (b &&
             rad_points_open(&p, b, rad_points_bytes(width, height), NULL) != 0)
