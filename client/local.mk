@@ -36,6 +36,7 @@ radsubmit_SOURCES = \
 	client/program_files.c \
 	client/program_planes.c \
 	client/program_say.c \
+	client/program_stream.c \
 	client/radsubmit.c
 radsubmit_CPPFLAGS = $(AM_CPPFLAGS) -DRADD_LIBEXECDIR='"$(pkglibexecdir)"'
 radsubmit_CFLAGS = $(AM_CFLAGS) $(UV_CFLAGS)

@@ -4,6 +4,7 @@
  *   program_say.c     what a person is told meanwhile, on standard error
  *   program_files.c   what is written, and whether it can be
  *   program_planes.c  jobs of planes, where there are more than three bands
+ *   program_stream.c  jobs of sensor points that come one after another
  *
  * Thread: the main one; a scene is compiled on another, which has p->scene,
  * p->frames and p->err for itself until it is done. */
@@ -15,6 +16,8 @@
 #include "job/frames.h"
 #include "job/jobspec.h"
 #include "points/pointjob.h"
+#include "points/pointstream.h"
+#include "points/pointwriter.h"
 #include "trial/progress.h"
 #include "records/records.h"
 #include "rif/rifjob.h"
@@ -29,7 +32,13 @@ struct program {
     struct submit_options o;
     struct words words;
     struct frames frames;
-    struct pointjob points; /* --points */
+    struct pointjob points; /* --points: all, or a batch of them */
+    bool streams;           /* they come one after another, */
+    struct pointstream input;
+    struct stream *stream;
+    uint64_t batch;             /* their number so far */
+    struct pointwriter *writer; /* and so do their values */
+    struct pointwriter_text text;  /* that are written beside them */
     int nsaid;         /* of the notes in */
     struct rifjob rif; /* where the scene is a file of rad's variables */
     struct compiled scene;
@@ -37,7 +46,7 @@ struct program {
     struct cargo cargo;
     struct jobspec job;
     int nplanes, plane; /* of -cs, a job each; 1: there are none */
-    char plane_name[MSG_MAX_LABEL + 1]; /* of the plane's job */
+    char part_name[MSG_MAX_LABEL + 1]; /* of the job of a plane or batch */
     const struct submit_callbacks *callbacks; /* of whoever runs the planes */
     struct prediction prediction; /* --dry-run */
     struct local *local;          /* its folder holds the scene's files too */
@@ -106,6 +115,8 @@ int program_on_preview(void *program, const uint8_t *picture, size_t len,
 int program_on_frame(void *program, uint32_t frame, const uint8_t *picture,
                      size_t picture_len, const uint8_t *depth, size_t depth_len,
                      struct rad_error *err);
+/* What is written beside the values of the job's points. */
+void program_fill_text(struct program *p);
 /* Values of sensor points, four floats a pixel; NULL: no light is asked for. */
 int program_write_points(struct program *p, const void *pixels, size_t len,
                          struct rad_error *err);
@@ -122,6 +133,17 @@ void program_fill_spec(struct program *p);
 
 /* As submit_run(), with p->nplanes jobs in place of one. */
 int program_run_planes(struct program *p, const struct submit_job *job,
+                       const struct submit_callbacks *cb);
+
+/* --- program_stream.c --- */
+
+/* Is a stream of points possible with these options?  RAD_EUSAGE.  Of its
+ * first batch a frame of any size stands in p->frames. */
+int program_check_stream(struct program *p);
+
+/* The same for points that come one after another, a batch a job; the scene is
+ * compiled and records are read. */
+int program_run_stream(struct program *p, const struct submit_job *job,
                        const struct submit_callbacks *cb);
 
 #endif

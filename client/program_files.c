@@ -110,9 +110,19 @@ rescue(struct program *p, uint32_t frame, const uint8_t *picture,
             rescue_write(p->job.id, frame, ".zbf", depth, depth_len);
 }
 
+void
+program_fill_text(struct program *p)
+{
+    p->text = (struct pointwriter_text){ .origin = p->job.spec.origin,
+                                      .options = p->job.spec.params,
+                                      .params = &p->o.params,
+                                      .scene = &p->scene };
+}
+
 struct to_write {
     const struct program *p;
-    struct pointjob_values v;
+    const void *pixels;
+    size_t len;
 };
 
 static int
@@ -120,7 +130,8 @@ write_points(void *arg, const char *path, struct rad_error *err)
 {
     const struct to_write *w = arg;
 
-    return pointjob_write(&w->p->points, &w->v, path, !w->p->embedded, err);
+    return pointwriter_all(&w->p->points, &w->p->text, w->pixels, w->len, path,
+                          !w->p->embedded, err);
 }
 
 /* No coordinator gives them out a second time. */
@@ -128,14 +139,13 @@ int
 program_write_points(struct program *p, const void *pixels, size_t len,
                      struct rad_error *err)
 {
-    struct to_write w = { p,
-                          { .pixels = pixels,
-                            .len = len,
-                            .origin = p->job.spec.origin,
-                            .options = p->job.spec.params,
-                            .params = &p->o.params,
-                            .scene = &p->scene } };
-    int rc = write_points(&w, p->o.output, err);
+    struct to_write w = { p, pixels, len };
+    int rc;
+
+    if (p->streams)
+        return pointwriter_put(p->writer, &p->points, pixels, len, err);
+    program_fill_text(p);
+    rc = write_points(&w, p->o.output, err);
 
     if (rc < 0 && rc != RAD_EPROTO && pixels)
         p->rescued = rescue_by(p->job.id, 0, ".pts", write_points, &w);

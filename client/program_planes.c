@@ -12,6 +12,7 @@
 
 #include "show/spectra.h"
 
+#include <inttypes.h>
 #include <jansson.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -31,18 +32,24 @@ struct planes {
     double elapsed_s;
 };
 
-/* So that people tell the jobs of a picture apart, in lists that cut long names
- * short, too. */
+/* So that people tell the jobs of a picture, or of a stream of points, apart, in
+ * lists that cut long names short, too. */
 static void
-name_plane(struct program *p)
+name_part(struct program *p)
 {
-    char which[40];
-    int n = snprintf(which, sizeof which, "plane %d of %d: ", p->plane + 1,
-                     p->nplanes);
+    char which[80] = "";
+    int n = 0;
 
-    snprintf(p->plane_name, sizeof p->plane_name, "%s%.*s", which,
+    if (p->streams)
+        n = snprintf(which, sizeof which, "batch %" PRIu64 ": ", p->batch);
+    if (p->nplanes > 1)
+        n += snprintf(which + n, sizeof which - (size_t)n, "plane %d of %d: ",
+                      p->plane + 1, p->nplanes);
+    if (n == 0)
+        return;
+    snprintf(p->part_name, sizeof p->part_name, "%s%.*s", which,
              MSG_MAX_LABEL - n, p->job.spec.name);
-    p->job.spec.name = p->plane_name;
+    p->job.spec.name = p->part_name;
 }
 
 void
@@ -55,8 +62,7 @@ program_fill_spec(struct program *p)
         o.params.primaries = RAD_PRIM_RGB;
     }
     jobspec_fill(&p->job, &o, &p->frames, &p->scene, &p->cargo);
-    if (p->nplanes > 1)
-        name_plane(p);
+    name_part(p);
     p->job.spec.compile_s = p->compile_s;
     if (p->records.keep)
         p->job.spec.flags |= MSG_JOB_RECORDS;
@@ -142,8 +148,8 @@ on_stats(void *arg, const uint8_t *json, size_t len, struct rad_error *err)
     all = json_pack("{sO}", "planes", s->stats);
     text = json_dumps(all, JSON_INDENT(1));
     json_decref(all);
-    rc = text ? program_on_stats(s->program, (const uint8_t *)text,
-                                 strlen(text), err)
+    rc = text ? s->program->callbacks->stats(
+                    s->program, (const uint8_t *)text, strlen(text), err)
               : rad_fail(err, RAD_ENOMEM, "out of memory");
     free(text);
     return rc;

@@ -210,6 +210,15 @@ program_warn_of_nan(struct program *p)
 
     if (n->pixels == 0)
         return;
+    if (p->o.points.file) {
+        snprintf(text, sizeof text,
+                 "warning: %" PRIu64 " sensor point%s light that is negative "
+                 "or no number, which is black; first: point %" PRIu64,
+                 n->pixels, n->pixels == 1 ? " has" : "s have",
+                 pointjob_number(&p->points, n->x, n->y));
+        program_warn(p, text);
+        return;
+    }
     snprintf(text, sizeof text,
              "warning: %" PRIu64 " pixel%s radiance that is negative or no "
              "number, which is black; "

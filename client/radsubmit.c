@@ -349,7 +349,8 @@ converse(struct program *p)
         cb.alive = on_alive;
         cb.gathered = on_gathered;
     }
-    rc = p->nplanes > 1
+    rc = p->streams ? program_run_stream(p, &job, &cb)
+         : p->nplanes > 1
              ? program_run_planes(p, &job, &cb)
              : submit_run(&job, &p->loop, &p->interrupts, &cb, p->err);
     if (rc == 0)
@@ -397,14 +398,31 @@ run_dry(struct program *p)
     return rc;
 }
 
+/* A batch of points begins with what those before it have left. */
 static int
 begin_records(struct program *p)
 {
-    if (!p->o.ambient)
+    int rc;
+
+    if (p->streams && !p->o.ambient)
+        p->records.keep = p->job.spec.scene && p->nplanes == 1 &&
+                          !submit_options_goal(&p->o);
+    if (!p->o.ambient && !p->records.keep)
         return 0;
-    return records_begin(&p->records, p->o.ambient, p->records.keep,
-                         &p->o.params, &p->scene, local_folder(p->local),
-                         p->err);
+    rc = records_begin(&p->records, p->o.ambient, p->records.keep,
+                       &p->o.params, &p->scene, p->err);
+    return rc < 0 || p->streams
+               ? rc
+               : records_add(&p->records, &p->scene, local_folder(p->local),
+                             p->err);
+}
+
+static int
+add_points(struct program *p)
+{
+    if (!p->o.points.file || p->streams)
+        return 0;
+    return pointjob_add(&p->points, &p->scene, local_folder(p->local), p->err);
 }
 
 static int
@@ -418,17 +436,16 @@ run_job(struct program *p)
         (rc = begin_records(p)) < 0 ||
         (rc = jobspec_add_frames(&p->job, &p->frames, &p->scene,
                                  local_folder(p->local), p->err)) < 0 ||
-        (p->o.points.file &&
-         (rc = pointjob_add(&p->points, &p->scene, local_folder(p->local),
-                            p->err)) < 0) ||
+        (rc = add_points(p)) < 0 ||
         (rc = cargo_init(&p->cargo, &p->scene.bundle, local_folder(p->local),
                          p->err)) < 0)
         return rc;
     program_warn_of_scene(p);
     program_fill_spec(p);
-    if (p->o.points.file && !pointspec_lit(&p->o.points))
+    if (p->o.points.file && !p->streams && !pointspec_lit(&p->o.points))
         return program_write_points(p, NULL, 0, p->err);
-    if (p->embedded && (rc = start_local(p)) < 0)
+    if (p->embedded && (!p->streams || pointspec_lit(&p->o.points)) &&
+        (rc = start_local(p)) < 0)
         return rc;
     rc = converse(p);
     if (rc == 0 && p->o.detach) {
@@ -464,6 +481,9 @@ init_frames(struct program *p)
 
     if (!p->o.points.file)
         return frames_init(&p->frames, &p->o, p->err);
+    p->streams = strcmp(p->o.points.file, "-") == 0 && pointstream_is_one();
+    if (p->streams)
+        return program_check_stream(p);
     rc = pointjob_read(&p->points, &p->o.points, p->err);
     if (rc < 0)
         return rc;
@@ -519,6 +539,8 @@ run(struct program *p)
     }
     if (rc == 0 && !p->watched)
         rc = watch_signals(p);
+    if (rc == 0 && p->streams)
+        rc = pointstream_open(&p->input, &p->o.points, &p->loop, p->err);
     if (rc == 0 && !p->local)
         rc = local_new(&p->local, p->err);
     if (rc == 0 && p->frames.n == 0)
@@ -527,6 +549,7 @@ run(struct program *p)
         rc = run_dry(p);
     else if (rc == 0 && (rc = jobspec_name(&p->job, p->err)) == 0)
         rc = run_job(p);
+    pointstream_close(&p->input);
     launch_stop(p->launch);
     local_stop(p->local);
     if (!foresee_end(p->foresee, rc < 0))

@@ -450,6 +450,7 @@ dist_check_SCRIPTS += \
 	tests/e2e/submit_oversample.sh \
 	tests/e2e/rpict_path.sh \
 	tests/e2e/rtrace_path.sh \
+	tests/e2e/points_stream.sh \
 	tests/e2e/submit_points.sh \
 	tests/e2e/submit_parts.sh \
 	tests/e2e/submit_rif.sh \
@@ -533,6 +534,7 @@ TESTS += \
 	tests/e2e/submit_oversample.sh \
 	tests/e2e/rpict_path.sh \
 	tests/e2e/rtrace_path.sh \
+	tests/e2e/points_stream.sh \
 	tests/e2e/submit_points.sh \
 	tests/e2e/submit_parts.sh \
 	tests/e2e/submit_rif.sh \

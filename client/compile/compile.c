@@ -720,6 +720,20 @@ compile_add(struct compiled *c, const char *name, const void *bytes, size_t len,
     return store_end(&f, rc, c, dir, RAD_BUNDLE_FILE, name, err);
 }
 
+void
+compile_drop(struct compiled *c, const char *name, const char *dir)
+{
+    const struct rad_bundle_entry *e =
+        rad_bundle_find(&c->bundle, RAD_BUNDLE_FILE, name);
+    char *path = NULL;
+
+    if (e && asprintf(&path, "%s/%s", dir, e->hash) >= 0) {
+        unlink(path);
+        free(path);
+    }
+    rad_bundle_remove(&c->bundle, RAD_BUNDLE_FILE, name);
+}
+
 int
 compile_name(const struct compiled *c, char hex[RAD_SHA_HEX + 1],
              struct rad_error *err)

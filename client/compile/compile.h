@@ -72,6 +72,9 @@ int compile_bundle(struct compiled *c, const char *dir, struct rad_error *err);
 int compile_add(struct compiled *c, const char *name, const void *bytes,
                 size_t len, const char *dir, struct rad_error *err);
 
+/* Take such a file out of both again, if it is there. */
+void compile_drop(struct compiled *c, const char *name, const char *dir);
+
 /* A name for the scene and the files that it needs: equal for equal ones.
  * Needs compile_bundle(), and comes before compile_add(). */
 int compile_name(const struct compiled *c, char hex[RAD_SHA_HEX + 1],

@@ -784,27 +784,43 @@ submit_run(const struct submit_job *job, uv_loop_t *loop, const int *interrupts,
     return rc;
 }
 
-int
-submit_cancel(const struct target *to, uv_loop_t *loop,
-              const uint8_t job[MSG_JOB])
+/* Say *m, about a job, and wait for the answer. */
+static int
+order(const struct target *to, uv_loop_t *loop, const struct msg *m)
 {
-    struct msg m = { .type = MSG_CANCEL, .request = 1 };
     int never = 0, rc;
     struct link_where where = { loop, &never };
     struct rad_error why = { 0 };
     const struct msg *answer;
     struct link *link = NULL;
 
-    m.cancel.job = job;
     rc = link_open(&link, &where, to, MSG_ROLE_USER, CONNECT_MS, &why);
     if (rc < 0)
         return rc;
-    rc = link_send(link, &m, &why);
+    rc = link_send(link, m, &why);
     while (rc >= 0) {
         rc = link_recv(link, CANCEL_MS, &answer, &why);
-        if (rc == 0 || (rc == 1 && answer->request == 1))
+        if (rc == 0 || (rc == 1 && answer->request == m->request))
             break;
     }
     link_close(link);
     return rc < 0 ? rc : 0;
+}
+
+int
+submit_cancel(const struct target *to, uv_loop_t *loop,
+              const uint8_t job[MSG_JOB])
+{
+    struct msg m = { .type = MSG_CANCEL, .request = 1, .cancel = { job } };
+
+    return order(to, loop, &m);
+}
+
+int
+submit_delete(const struct target *to, uv_loop_t *loop,
+              const uint8_t job[MSG_JOB])
+{
+    struct msg m = { .type = MSG_DELETE, .request = 1, .delete = { job } };
+
+    return order(to, loop, &m);
 }

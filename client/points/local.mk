@@ -7,4 +7,8 @@ libclient_a_SOURCES += \
 	client/points/pointjob.c \
 	client/points/pointjob.h \
 	client/points/pointspec.c \
-	client/points/pointspec.h
+	client/points/pointspec.h \
+	client/points/pointstream.c \
+	client/points/pointstream.h \
+	client/points/pointwriter.c \
+	client/points/pointwriter.h

@@ -7,6 +7,7 @@
 #include "base/number.h"
 #include "points/points.h"
 
+#include <inttypes.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -18,7 +19,7 @@
 
 /* Room for one more. */
 static int
-reserve(struct pointfile *f, size_t *room, struct rad_error *err)
+reserve(struct pointfile *f, struct rad_error *err)
 {
     double(*p)[6];
 
@@ -27,10 +28,10 @@ reserve(struct pointfile *f, size_t *room, struct rad_error *err)
                         "more than %d sensor points, which is the most that a "
                         "job can have: take them apart",
                         RAD_MAX_POINTS);
-    if (f->n < *room)
+    if (f->n < f->room)
         return 0;
-    *room = *room ? 2 * *room : 1024;
-    p = realloc(f->point, *room * sizeof *p);
+    f->room = f->room ? 2 * f->room : 1024;
+    p = realloc(f->point, f->room * sizeof *p);
     if (!p)
         return rad_fail(err, RAD_ENOMEM, "out of memory");
     f->point = p;
@@ -82,25 +83,35 @@ take_line(const char *s, const char *end, double v[6], struct rad_error *err)
                     "expected six numbers, origin and direction, got %d", n);
 }
 
+/* Is there room for another point within the first `most`? */
+static bool
+wanted(const struct pointfile *f, uint64_t most)
+{
+    return f->taken + f->n < most;
+}
+
 static int
 parse_text(struct pointfile *f, const char *name, const char *s, size_t n,
-           uint32_t most, struct rad_error *err)
+           uint64_t most, bool last, size_t *used, struct rad_error *err)
 {
-    const char *end = s + n;
-    size_t room = 0;
+    const char *begin = s, *end = s + n;
     int rc = 0;
 
-    for (long line = 1; rc == 0 && s < end && f->n < most; line++) {
+    while (rc == 0 && s < end && wanted(f, most)) {
         const char *nl = memchr(s, '\n', (size_t)(end - s));
         double v[6];
 
+        if (!nl && !last)
+            break;
+        f->line++;
         rc = take_line(s, nl ? nl : end, v, err);
-        if (rc == 1 && (rc = reserve(f, &room, err)) == 0)
+        if (rc == 1 && (rc = reserve(f, err)) == 0)
             memcpy(f->point[f->n++], v, sizeof v);
         if (rc < 0)
-            rad_error_where(err, "%s:%ld", name, line);
+            rad_error_where(err, "%s:%ld", name, f->line);
         s = nl ? nl + 1 : end;
     }
+    *used = (size_t)(s - begin);
     return rc;
 }
 
@@ -120,48 +131,62 @@ take_binary(const uint8_t *bytes, bool wide, double v[6])
 
 static int
 parse_binary(struct pointfile *f, const char *name, const uint8_t *bytes,
-             size_t n, bool wide, uint32_t most, struct rad_error *err)
+             size_t n, bool wide, uint64_t most, bool last, size_t *used,
+             struct rad_error *err)
 {
-    size_t each = 6 * (wide ? sizeof(double) : sizeof(float)), room = 0;
+    const uint8_t *begin = bytes, *end = bytes + n;
+    size_t each = 6 * (wide ? sizeof(double) : sizeof(float));
     int rc = 0;
 
-    for (; n >= each && f->n < most; n -= each, bytes += each) {
-        double *v;
+    for (; (size_t)(end - bytes) >= each && wanted(f, most); bytes += each) {
+        double v[6];
 
-        if ((rc = reserve(f, &room, err)) < 0)
-            break;
-        v = f->point[f->n++];
         take_binary(bytes, wide, v);
         for (int k = 0; k < 6 && rc == 0; k++)
             if (!isfinite(v[k]))
                 rc = rad_fail(err, RAD_EDATA,
-                              "sensor point %u has a number that is not finite",
-                              f->n);
-        if (rc < 0)
+                              "sensor point %" PRIu64
+                              " has a number that is not finite",
+                              f->taken + f->n + 1);
+        if (rc < 0 || (rc = reserve(f, err)) < 0)
             break;
+        memcpy(f->point[f->n++], v, sizeof v);
     }
-    if (rc == 0 && n > 0 && f->n < most)
+    if (rc == 0 && last && bytes < end && wanted(f, most))
         rc = rad_fail(err, RAD_EDATA,
-                      "%zu bytes behind sensor point %u, and each has %zu", n,
-                      f->n, each);
+                      "%zu bytes behind sensor point %" PRIu64
+                      ", and each has %zu",
+                      (size_t)(end - bytes), f->taken + f->n, each);
     if (rc < 0)
         rad_error_where(err, "%s", name);
+    *used = (size_t)(bytes - begin);
     return rc;
 }
 
 int
-pointfile_parse(struct pointfile *f, const char *name, const void *bytes,
-                size_t n, char format, uint32_t most, struct rad_error *err)
+pointfile_more(struct pointfile *f, const char *name, const void *bytes,
+               size_t n, char format, uint64_t most, bool last, size_t *used,
+               struct rad_error *err)
 {
-    memset(f, 0, sizeof *f);
     return format == 'a'
-               ? parse_text(f, name, bytes, n, most, err)
-               : parse_binary(f, name, bytes, n, format == 'd', most, err);
+               ? parse_text(f, name, bytes, n, most, last, used, err)
+               : parse_binary(f, name, bytes, n, format == 'd', most, last,
+                              used, err);
+}
+
+int
+pointfile_parse(struct pointfile *f, const char *name, const void *bytes,
+                size_t n, char format, uint64_t most, struct rad_error *err)
+{
+    size_t used;
+
+    memset(f, 0, sizeof *f);
+    return pointfile_more(f, name, bytes, n, format, most, true, &used, err);
 }
 
 int
 pointfile_read(struct pointfile *f, const char *name, char format,
-               uint32_t most, struct rad_error *err)
+               uint64_t most, struct rad_error *err)
 {
     bool std = strcmp(name, "-") == 0;
     unsigned char *bytes;
@@ -180,6 +205,22 @@ pointfile_read(struct pointfile *f, const char *name, char format,
     if (rc == 0 && f->n == 0)
         rc = rad_fail(err, RAD_EDATA, "no sensor points in '%s'", name);
     return rc;
+}
+
+int
+pointfile_take(struct pointfile *from, uint32_t n, struct pointfile *to,
+               struct rad_error *err)
+{
+    *to = (struct pointfile){ .point = malloc(n * sizeof *to->point),
+                              .n = n,
+                              .room = n };
+    if (!to->point)
+        return rad_fail(err, RAD_ENOMEM, "out of memory");
+    memcpy(to->point, from->point, n * sizeof *to->point);
+    from->n -= n;
+    from->taken += n;
+    memmove(from->point, from->point + n, from->n * sizeof *from->point);
+    return 0;
 }
 
 void

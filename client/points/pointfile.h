@@ -8,12 +8,17 @@
 
 #include "base/error.h"
 
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
+/* Zeroed at first. */
 struct pointfile {
     double (*point)[6];
     uint32_t n;
+    size_t room;
+    uint64_t taken; /* points before these, that are not here any more */
+    long line;      /* lines of text so far */
 };
 
 /* Take n bytes apart, whose format is 'a' (text), 'f' or 'd'; what follows the
@@ -21,13 +26,23 @@ struct pointfile {
  * or the point, of what is wrong; RAD_ENOMEM.  *f can be released in any
  * case. */
 int pointfile_parse(struct pointfile *f, const char *name, const void *bytes,
-                    size_t n, char format, uint32_t most,
+                    size_t n, char format, uint64_t most,
                     struct rad_error *err);
+
+/* The same of n more bytes; *used of them were whole points, and unless they
+ * are the last, the caller says the others again with those that follow. */
+int pointfile_more(struct pointfile *f, const char *name, const void *bytes,
+                   size_t n, char format, uint64_t most, bool last,
+                   size_t *used, struct rad_error *err);
+
+/* The first n points become *to's.  RAD_ENOMEM. */
+int pointfile_take(struct pointfile *from, uint32_t n, struct pointfile *to,
+                   struct rad_error *err);
 
 /* The same of a file; "-" is the standard input, to its end.  RAD_ENOINPUT,
  * RAD_EUSAGE for more than RAD_MAX_POINTS. */
 int pointfile_read(struct pointfile *f, const char *name, char format,
-                   uint32_t most, struct rad_error *err);
+                   uint64_t most, struct rad_error *err);
 
 void pointfile_release(struct pointfile *f);
 

@@ -1,4 +1,4 @@
-/* pointjob.h - a job of sensor points: what is read, sent and written
+/* pointjob.h - a job of sensor points: what is read and sent
  *
  * Thread: one. */
 #ifndef RADD_CLIENT_POINTJOB_H
@@ -12,6 +12,7 @@
 struct pointjob {
     const struct pointspec *spec;
     struct pointfile in;
+    uint64_t first;    /* number of the first of them */
     uint32_t *pixel;   /* of each point, in the picture */
     int width, height; /* of that */
 };
@@ -21,28 +22,21 @@ struct pointjob {
 int pointjob_read(struct pointjob *j, const struct pointspec *spec,
                   struct rad_error *err);
 
+/* Lay out the points that are there, which are of *j->spec.  RAD_ENOMEM. */
+int pointjob_lay(struct pointjob *j, struct rad_error *err);
+
 /* Fewer than -x and -y promise? */
 bool pointjob_is_short(const struct pointjob *j);
+
+/* Which point, from 1, a pixel is of; 0: of none. */
+uint64_t pointjob_number(const struct pointjob *j, uint32_t x, uint32_t y);
 
 /* Put them into the bundle of the scene, and the folder (compile_add()). */
 int pointjob_add(const struct pointjob *j, struct compiled *scene,
                  const char *folder, struct rad_error *err);
 
-/* What the values are written of. */
-struct pointjob_values {
-    const void *pixels; /* four floats each, red, green, blue, distance; NULL:
-                         * no letter of -o asks for light */
-    size_t len;         /* their bytes */
-    const char *origin, *options; /* for the header */
-    const struct rad_params *params;
-    struct compiled *scene;
-};
-
-/* Write what -o asks for, in the order of the input, to path (NULL: standard
- * output), whole.  RAD_EPROTO for pixels of another picture; errors of
- * output.h. */
-int pointjob_write(const struct pointjob *j, const struct pointjob_values *v,
-                   const char *path, bool durable, struct rad_error *err);
+/* Take them out again. */
+void pointjob_drop(struct compiled *scene, const char *folder);
 
 void pointjob_release(struct pointjob *j);
 

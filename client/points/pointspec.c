@@ -131,12 +131,12 @@ pointspec_check(const struct pointspec *s, struct rad_error *err)
     return 0;
 }
 
-uint32_t
+uint64_t
 pointspec_most(const struct pointspec *s)
 {
     uint64_t n = s->x > 1 ? (uint64_t)s->x * (uint64_t)s->y : (uint64_t)s->y;
 
-    return n == 0 || n > UINT32_MAX ? UINT32_MAX : (uint32_t)n;
+    return n == 0 ? UINT64_MAX : n;
 }
 
 bool

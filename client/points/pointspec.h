@@ -34,7 +34,7 @@ int pointspec_option(struct pointspec *s, int argc, char *const argv[],
 int pointspec_check(const struct pointspec *s, struct rad_error *err);
 
 /* How many points are read at most, and with -x and -y at least. */
-uint32_t pointspec_most(const struct pointspec *s);
+uint64_t pointspec_most(const struct pointspec *s);
 
 /* Does any letter ask for light, or for where the ray went then? */
 bool pointspec_lit(const struct pointspec *s);

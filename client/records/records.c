@@ -31,7 +31,7 @@ read_file(struct records *r, struct rad_error *err)
     size_t len;
     int rc;
 
-    if (access(r->path, F_OK) != 0 && errno == ENOENT)
+    if (!r->path || (access(r->path, F_OK) != 0 && errno == ENOENT))
         return 0;
     bytes = rad_file_read(r->path, LARGEST, &len, err);
     if (!bytes)
@@ -48,8 +48,8 @@ read_file(struct records *r, struct rad_error *err)
 
 int
 records_begin(struct records *r, const char *path, bool keep,
-              const struct rad_params *params, struct compiled *scene,
-              const char *dir, struct rad_error *err)
+              const struct rad_params *params, const struct compiled *scene,
+              struct rad_error *err)
 {
     int rc;
 
@@ -59,12 +59,23 @@ records_begin(struct records *r, const char *path, bool keep,
     r->file.params = *params;
     wire_out_init(&r->list, LARGEST);
     rc = compile_name(scene, r->file.scene, err);
-    if (rc == 0)
-        rc = read_file(r, err);
-    if (rc == 0 && r->nfirst > 0)
-        rc = compile_add(scene, RAD_BUNDLE_RECORDS, r->list.buf, r->list.len,
-                         dir, err);
-    return rc;
+    return rc < 0 ? rc : read_file(r, err);
+}
+
+int
+records_add(const struct records *r, struct compiled *scene, const char *dir,
+            struct rad_error *err)
+{
+    if (r->nfirst + r->nfresh == 0 || r->list.bad)
+        return 0;
+    return compile_add(scene, RAD_BUNDLE_RECORDS, r->list.buf, r->list.len, dir,
+                       err);
+}
+
+void
+records_drop(struct compiled *scene, const char *dir)
+{
+    compile_drop(scene, RAD_BUNDLE_RECORDS, dir);
 }
 
 /* What there is no room for costs the next run time, and nothing else. */
@@ -91,7 +102,7 @@ records_write(const struct records *r, bool durable, struct rad_error *err)
     struct rad_output out;
     int rc;
 
-    if (!r->keep || r->nfresh == 0)
+    if (!r->path || !r->keep || r->nfresh == 0)
         return 0;
     if (r->list.bad)
         return rad_fail(err, RAD_ENOMEM,

@@ -138,6 +138,21 @@ rad_bundle_find(const struct rad_bundle *b, enum rad_bundle_role role,
     return NULL;
 }
 
+void
+rad_bundle_remove(struct rad_bundle *b, enum rad_bundle_role role,
+                  const char *name)
+{
+    const struct rad_bundle_entry *found = rad_bundle_find(b, role, name);
+    ptrdiff_t at = found ? found - b->entries : b->n;
+
+    if (!found)
+        return;
+    free(b->entries[at].name);
+    b->n--;
+    memmove(b->entries + at, b->entries + at + 1,
+            (size_t)(b->n - at) * sizeof *b->entries);
+}
+
 static int
 by_hash(const void *a, const void *b)
 {

@@ -67,6 +67,10 @@ int rad_bundle_add(struct rad_bundle *b, enum rad_bundle_role role,
                    const char *name, const char *hash, uint64_t size,
                    struct rad_error *err);
 
+/* Take one out again; nothing where there is none. */
+void rad_bundle_remove(struct rad_bundle *b, enum rad_bundle_role role,
+                       const char *name);
+
 /* NULL when there is none; name is ignored for RAD_BUNDLE_SCENE. */
 const struct rad_bundle_entry *rad_bundle_find(const struct rad_bundle *b,
                                                enum rad_bundle_role role,

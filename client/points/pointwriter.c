@@ -1,0 +1,273 @@
+/* pointwriter.c - see pointwriter.h */
+#include "config.h"
+
+#include "points/pointwriter.h"
+
+#include "base/output.h"
+#include "base/vec.h"
+#include "image/hdr.h"
+#include "points/pointfacts.h"
+
+#include <errno.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* All of one point. */
+struct record {
+    const double *org;
+    double dir[3]; /* as rtrace has it: with -I it looks at the surface */
+    float light[4];
+    struct pointfact fact;
+};
+
+struct pointwriter {
+    const struct pointspec *spec;
+    const struct pointwriter_text *text;
+    struct pointfacts *facts; /* NULL: no letter asks for one */
+    struct rad_output out;
+    FILE *to;
+};
+
+static void
+put_numbers(const struct pointwriter *w, const double *v, int n)
+{
+    for (int i = 0; i < n; i++) {
+        float narrow = (float)v[i];
+
+        if (w->spec->out == 'a')
+            fprintf(w->to, "%e\t", v[i]);
+        else if (w->spec->out == 'd')
+            fwrite(&v[i], sizeof v[i], 1, w->to);
+        else
+            fwrite(&narrow, sizeof narrow, 1, w->to);
+    }
+}
+
+static void
+put_light(const struct pointwriter *w, const float light[4])
+{
+    const double v[3] = { (double)light[0], (double)light[1],
+                          (double)light[2] };
+    uint8_t rgbe[4];
+
+    if (w->spec->out != 'c') {
+        put_numbers(w, v, 3);
+        return;
+    }
+    rad_rgbe(rad_rgb(light[0], light[1], light[2]), rgbe);
+    fwrite(rgbe, sizeof rgbe, 1, w->to);
+}
+
+static void
+put_letter(const struct pointwriter *w, char letter, const struct record *r)
+{
+    static const double one[3] = { 1, 1, 1 };
+    const double effective = (double)r->light[3];
+
+    switch (letter) {
+    case 'o':
+        put_numbers(w, r->org, 3);
+        break;
+    case 'd':
+        put_numbers(w, r->dir, 3);
+        break;
+    case 'v':
+    case 'V': /* a ray of nobody's contributes all that it is */
+        put_light(w, r->light);
+        break;
+    case 'w':
+        put_numbers(w, one, 1);
+        break;
+    case 'W':
+        put_numbers(w, one, 3);
+        break;
+    case 'l':
+        put_numbers(w, &effective, 1);
+        break;
+    case 'L':
+        put_numbers(w, &r->fact.length, 1);
+        break;
+    case 'p':
+        put_numbers(w, r->fact.at, 3);
+        break;
+    case 'n':
+        put_numbers(w, r->fact.perturbed, 3);
+        break;
+    case 'N':
+        put_numbers(w, r->fact.normal, 3);
+        break;
+    case 's':
+        fprintf(w->to, "%s\t", r->fact.surface);
+        break;
+    case 'm':
+        fprintf(w->to, "%s\t", r->fact.modifier);
+        break;
+    case 'M':
+        fprintf(w->to, "%s\t", r->fact.material);
+        break;
+    default:
+        fputs("~\t", w->to);
+    }
+}
+
+static void
+find_fact(const struct pointwriter *w, const double *point, double length,
+          struct record *r)
+{
+    const struct pointspec *s = w->spec;
+
+    pointfacts_none(&r->fact, point);
+    if (s->irradiance && length > 0)
+        r->fact.length = 0;
+    else if (w->facts && length > 0)
+        pointfacts_find(w->facts, point, r->dir, s->limited ? length : INFINITY,
+                        &r->fact);
+}
+
+static void
+put_point(const struct pointwriter *w, const struct pointjob *j,
+          const float *pixels, uint32_t i)
+{
+    const double *point = j->in.point[i];
+    const struct pointspec *s = w->spec;
+    struct record r = { .org = point, .light = { 0, 0, 0, 1e10f } };
+    double length;
+
+    rad_copy(r.dir, point + 3);
+    length = rad_normalize(r.dir);
+    find_fact(w, point, length, &r);
+    if (s->irradiance)
+        rad_scale(r.dir, -1, r.dir);
+    if (length > 0 && pixels)
+        memcpy(r.light, pixels + 4 * (size_t)j->pixel[i], sizeof r.light);
+    for (const char *c = s->values; *c; c++)
+        put_letter(w, *c, &r);
+    if (s->out == 'a')
+        putc('\n', w->to);
+}
+
+/* Numbers of a point, for the header: names count as one. */
+static int
+count_numbers(const char *values)
+{
+    int n = 0;
+
+    for (const char *c = values; *c; c++)
+        n += strchr("odvVWpnN", *c) ? 3 : *c != '~';
+    return n;
+}
+
+static void
+put_header(const struct pointwriter *w)
+{
+    static const struct {
+        char letter;
+        const char *name;
+    } format[] = { { 'a', "ascii" }, { 'f', "float" }, { 'd', "double" } };
+    const struct pointspec *s = w->spec;
+    const uint16_t order = 1;
+    const char *name = w->text->params->primaries == RAD_PRIM_XYZ
+                           ? "32-bit_rle_xyze"
+                           : "32-bit_rle_rgbe";
+    char words[160];
+
+    if (s->no_header)
+        return;
+    pointspec_format(s, words, sizeof words);
+    fprintf(w->to, "#?RADIANCE\n%sradsubmit --points %s %s\n", w->text->origin,
+            words, w->text->options);
+    fprintf(w->to, "SOFTWARE= radd " PACKAGE_VERSION "\nNCOMP=%d\n",
+            count_numbers(s->values));
+    if (s->out == 'f' || s->out == 'd')
+        fprintf(w->to, "BigEndian=%d\n", *(const uint8_t *)&order == 0);
+    for (int i = 0; i < 3; i++)
+        if (format[i].letter == s->out)
+            name = format[i].name;
+    fprintf(w->to, "FORMAT=%s\n\n", name);
+}
+
+/* Does any letter ask for what the ray meets first? */
+static bool
+wants_facts(const struct pointspec *s)
+{
+    return !s->irradiance && s->values[strcspn(s->values, "LpnNsmM")] != '\0';
+}
+
+int
+pointwriter_open(struct pointwriter **writer, const struct pointspec *spec,
+                 const struct pointwriter_text *text, const char *path,
+                 bool durable, struct rad_error *err)
+{
+    struct rad_files files = compile_files(text->scene);
+    struct pointwriter *w = calloc(1, sizeof *w);
+
+    *writer = w;
+    if (!w)
+        return rad_fail(err, RAD_ENOMEM, "out of memory");
+    w->spec = spec;
+    w->text = text;
+    if (wants_facts(spec)) {
+        w->facts =
+            pointfacts_new(text->scene->scene, &files, text->params, err);
+        if (!w->facts)
+            return err->code;
+    }
+    if (rad_output_open(&w->out, path, durable, err) < 0)
+        return err->code;
+    w->to = w->out.file;
+    put_header(w);
+    if (spec->x > 0 && spec->y > 0)
+        fprintf(w->to, "-Y %d +X %d\n", spec->y, spec->x);
+    fflush(w->to); /* who asks point by point may read the header first */
+    return 0;
+}
+
+int
+pointwriter_put(struct pointwriter *w, const struct pointjob *j,
+                const void *pixels, size_t len, struct rad_error *err)
+{
+    size_t want = (size_t)j->width * (size_t)j->height * 4 * sizeof(float);
+
+    if (pixels && len != want)
+        return rad_fail(err, RAD_EPROTO,
+                        "values of %zu bytes where %zu are expected", len,
+                        want);
+    for (uint32_t i = 0; i < j->in.n; i++)
+        put_point(w, j, pixels, i);
+    if (fflush(w->to) != 0)
+        return rad_fail(err, RAD_EIO, "cannot write the values: %s",
+                        strerror(errno));
+    return 0;
+}
+
+int
+pointwriter_close(struct pointwriter *w, bool keep, struct rad_error *err)
+{
+    int rc = 0;
+
+    if (!w)
+        return 0;
+    if (w->to && keep)
+        rc = rad_output_commit(&w->out, err);
+    else if (w->to)
+        rad_output_abort(&w->out);
+    pointfacts_free(w->facts);
+    free(w);
+    return rc;
+}
+
+int
+pointwriter_all(const struct pointjob *j, const struct pointwriter_text *text,
+                const void *pixels, size_t len, const char *path, bool durable,
+                struct rad_error *err)
+{
+    struct pointwriter *w;
+    int rc = pointwriter_open(&w, j->spec, text, path, durable, err), end;
+
+    if (rc == 0)
+        rc = pointwriter_put(w, j, pixels, len, err);
+    end = pointwriter_close(w, rc == 0, err);
+    return rc < 0 ? rc : end;
+}

@@ -1,0 +1,215 @@
+/* program_stream.c - sensor points that come one after another, on a pipe; see
+ * program.h
+ *
+ * A batch of them is a job on the same scene, whose points and ambient records
+ * are the only files that are sent anew.  Where there is an ambient cache each
+ * batch begins with the records of those before it, which radsubmit keeps as
+ * it does for -af, so a cluster that keeps no caches serves as well.  A batch's
+ * values are out before the next one is submitted, so the order is the input's;
+ * meanwhile points are read (pointstream.h). */
+#include "config.h"
+
+#include "program.h"
+
+#include "base/output.h"
+#include "link/local.h"
+
+#include <jansson.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* What all batches came to. */
+struct stream {
+    json_t *stats; /* of each; NULL: not wanted */
+    uint64_t points;
+    double elapsed_s, squares; /* of points' errors */
+};
+
+int
+program_check_stream(struct program *p)
+{
+    const char *name = p->o.time_s > 0 ? "--time"
+                       : p->o.costs    ? "--estimate=FILE"
+                                       : NULL;
+
+    if (name)
+        return rad_fail(p->err, RAD_EUSAGE,
+                        "%s is for one job, and points on a pipe make many: "
+                        "write them to a file",
+                        name);
+    return frames_init_points(&p->frames, 1, 1, p->err);
+}
+
+static int
+on_stats(void *arg, const uint8_t *json, size_t len, struct rad_error *err)
+{
+    struct program *p = arg;
+    json_t *one = json_loadb((const char *)json, len, 0, NULL);
+
+    if (!one)
+        return rad_fail(err, RAD_EPROTO, "the statistics are no JSON");
+    if (submit_options_goal(&p->o))
+        program_note_goal(p, json, len);
+    json_array_append_new(p->stream->stats, one);
+    return 0;
+}
+
+static int
+write_stats(struct program *p)
+{
+    json_t *all = json_pack("{sO}", "batches", p->stream->stats);
+    char *text = json_dumps(all, JSON_INDENT(1));
+    int rc = text ? rad_output_write(p->o.stats, text, strlen(text),
+                                     !p->embedded, p->err)
+                  : rad_fail(p->err, RAD_ENOMEM, "out of memory");
+
+    json_decref(all);
+    free(text);
+    return rc;
+}
+
+/* --- a batch -------------------------------------------------------------- */
+
+/* Its points, laid out, as a job that is not named yet; 0 points: the end. */
+static int
+take_batch(struct program *p)
+{
+    int rc;
+
+    pointjob_release(&p->points);
+    p->points.spec = &p->o.points;
+    p->points.first = pointstream_taken(&p->input);
+    rc = pointstream_take(&p->input, &p->points.in, p->err);
+    if (rc < 0 || p->points.in.n == 0)
+        return rc;
+    if ((rc = pointjob_lay(&p->points, p->err)) < 0)
+        return rc;
+    frames_release(&p->frames);
+    return frames_init_points(&p->frames, p->points.width, p->points.height,
+                              p->err);
+}
+
+static int
+load_cargo(struct program *p)
+{
+    const char *folder = local_folder(p->local);
+    int rc = pointjob_add(&p->points, &p->scene, folder, p->err);
+
+    if (rc == 0 && p->records.keep)
+        rc = records_add(&p->records, &p->scene, folder, p->err);
+    cargo_release(&p->cargo);
+    return rc < 0 ? rc
+                  : cargo_init(&p->cargo, &p->scene.bundle, folder, p->err);
+}
+
+static void
+unload_cargo(struct program *p)
+{
+    const char *folder = local_folder(p->local);
+
+    pointjob_drop(&p->scene, folder);
+    records_drop(&p->scene, folder);
+}
+
+static int
+render(struct program *p, struct submit_job *job,
+       const struct submit_callbacks *cb)
+{
+    int rc = jobspec_name(&p->job, p->err);
+
+    if (rc < 0 || (rc = load_cargo(p)) < 0)
+        return rc;
+    program_fill_spec(p);
+    rc = p->nplanes > 1 ? program_run_planes(p, job, cb)
+                        : submit_run(job, &p->loop, &p->interrupts, cb, p->err);
+    unload_cargo(p);
+    if (rc == 0 && p->nplanes == 1) /* nobody can use it any more */
+        submit_delete(&job->to, &p->loop, p->job.id);
+    return rc;
+}
+
+static void
+sum_up(struct program *p)
+{
+    struct stream *s = p->stream;
+
+    s->points += p->points.in.n;
+    s->elapsed_s += p->elapsed_s;
+    s->squares += p->points.in.n * p->error * p->error;
+    program_warn_of_nan(p);
+    memset(&p->nan, 0, sizeof p->nan);
+    progress_clear(&p->progress);
+}
+
+/* --- all of them ---------------------------------------------------------- */
+
+static int
+run_batches(struct program *p, struct submit_job *job,
+            struct submit_callbacks *cb)
+{
+    int rc;
+
+    for (;;) {
+        pointstream_wait(&p->input, &p->interrupts);
+        if (p->interrupts > 0)
+            return rad_fail(p->err, RAD_ETEMPFAIL, "interrupted");
+        if ((rc = take_batch(p)) < 0 || p->points.in.n == 0)
+            return rc;
+        p->batch++;
+        rc = pointspec_lit(&p->o.points)
+                 ? render(p, job, cb)
+                 : program_write_points(p, NULL, 0, p->err);
+        if (rc < 0)
+            return rc;
+        sum_up(p);
+        cb->accepted = NULL; /* the first job's id is said, and no other */
+        cb->reuse = NULL;
+        p->job.spec.reuse = NULL; /* its records are among ours now */
+    }
+}
+
+/* What was wrong behind the last point, or that there was none. */
+static int
+judge_end(struct program *p)
+{
+    if (p->input.end.code != 0) {
+        *p->err = p->input.end;
+        return p->err->code;
+    }
+    if (p->batch == 0)
+        return rad_fail(p->err, RAD_EDATA, "no sensor points in 'stdin'");
+    if (pointjob_is_short(&p->points))
+        program_warn(p, "warning: fewer points than -x and -y say");
+    return 0;
+}
+
+int
+program_run_stream(struct program *p, const struct submit_job *ask,
+                   const struct submit_callbacks *own)
+{
+    struct stream s = { .stats = own->stats ? json_array() : NULL };
+    struct submit_callbacks cb = *own;
+    struct submit_job job = *ask;
+    int rc, end;
+
+    p->stream = &s;
+    cb.stats = own->stats ? on_stats : NULL;
+    program_fill_text(p);
+    rc = pointwriter_open(&p->writer, &p->o.points, &p->text, p->o.output,
+                          !p->embedded, p->err);
+    if (rc == 0)
+        rc = run_batches(p, &job, &cb);
+    if (rc == 0)
+        rc = judge_end(p);
+    /* what came before something went wrong is kept */
+    end = pointwriter_close(p->writer, s.points > 0, rc < 0 ? NULL : p->err);
+    rc = rc < 0 ? rc : end;
+    if (rc == 0 && p->o.stats)
+        rc = write_stats(p);
+    p->elapsed_s = s.elapsed_s;
+    p->error = s.points > 0 ? sqrt(s.squares / (double)s.points) : 0;
+    p->stream = NULL;
+    json_decref(s.stats);
+    return rc;
+}
