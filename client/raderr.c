@@ -434,6 +434,7 @@ main(int argc, char **argv)
     char text[600];
     int rc;
 
+    rad_output_guard();
     if (argc > 1 && strcmp(argv[1], "--help") == 0) {
         printf("%s%s", usage_text, help_text);
         return EX_OK;

@@ -1,6 +1,7 @@
 /* radscene.c - looks at scenes: check, info, needs, freeze, rays */
 #include "config.h"
 
+#include "base/output.h"
 #include "compile/compile.h"
 #include "scene/overlap.h"
 #include "rays.h"
@@ -349,6 +350,7 @@ main(int argc, char **argv)
     const char *name = argc > 1 ? argv[1] : "";
     int rc;
 
+    rad_output_guard();
     if (strcmp(name, "--help") == 0 ||
         (argc > 2 && strcmp(argv[2], "--help") == 0)) {
         printf("%s%s", usage_text, help_text);

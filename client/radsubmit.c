@@ -628,8 +628,10 @@ main(int argc, char *argv[])
     struct rad_error err = { 0 };
     struct program p = { .err = &err };
     char text[600];
-    int rc = act(&p, argc, argv);
+    int rc;
 
+    rad_output_guard();
+    rc = act(&p, argc, argv);
     if (rc >= 0) /* done, or an enum submit_wish that was granted */
         return EX_OK;
     rad_error_format(&err, text, sizeof text);

@@ -7,6 +7,7 @@
 #include "ctl/ctl.h"
 #include "show/picfile.h"
 #include "base/number.h"
+#include "base/output.h"
 
 #include <errno.h>
 #include <stdio.h>
@@ -463,6 +464,7 @@ main(int argc, char *argv[])
     char text[600];
     int rc;
 
+    rad_output_guard();
     if (asks_for(argc, argv, "--help")) {
         help();
         return EX_OK;

@@ -3,6 +3,7 @@
 
 #include "ground/daemon.h"
 
+#include "base/output.h"
 #include "net/log.h"
 
 #include <signal.h>
@@ -182,8 +183,10 @@ int
 daemon_run(struct daemon *d, int argc, char *argv[])
 {
     struct rad_error err = { 0 };
-    int rc = conf_load(d->table, d->set, argc, argv, &err);
+    int rc;
 
+    rad_output_guard();
+    rc = conf_load(d->table, d->set, argc, argv, &err);
     if (rc < 0)
         return fail(d, &err);
     if (rc != CONF_RUN) {

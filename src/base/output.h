@@ -22,6 +22,11 @@ struct rad_output {
     bool durable; /* on the disk before it gets its name */
 };
 
+/* Before anything is opened: where standard input, output or error is closed,
+ * its number is taken by what can only fail to be read or written, so that no
+ * file or socket gets it. */
+void rad_output_guard(void);
+
 /* Can path be written?  RAD_ECANTCREAT with the reason.  To be asked before
  * work begins: a picture that nobody can keep need not be rendered. */
 int rad_output_check(const char *path, struct rad_error *err);

@@ -151,5 +151,22 @@ END
     2>stderr || fail "comments: $(cat stderr)"
 cmp c.hdr plain.hdr || fail "comments: another picture"
 
+# standard files that are closed: nothing else gets their numbers
+printf 'void glow g 0 0 4 1 1 1 0\ng bubble b 0 0 4 0 0 0 9\n' >closed.rad
+closed="$radsubmit --local -vp 0 0 0 -vd 0 1 0 -x 8 -y 8"
+$closed -o closed.hdr closed.rad <&- >&- 2>&- || fail "closed files: status $?"
+$closed closed.rad 2>stderr | cmp - closed.hdr ||
+    fail "a picture with closed files: $(cat stderr)"
+$closed closed.rad >&- 2>stderr
+[ $? -eq 74 ] || fail "closed standard output: $(cat stderr)"
+grep -q "cannot write 'standard output'" stderr ||
+    fail "closed standard output: $(cat stderr)"
+"$radctl" --coordinator="$work/none" status <&- >&- 2>&-
+[ $? -eq 69 ] || fail "radctl with closed files"
+timeout 20 "$radcoord" --listen= --socket="$work/c.sock" --state="$work/c" \
+    --ports-file="$work/c.ports" <&- >&- 2>&- &
+until_true 10 test -s "$work/c.ports" || fail "a coordinator with closed files"
+kill %% && wait
+
 check_nothing_left outputs
 finish
