@@ -120,6 +120,7 @@ void program_fill_text(struct program *p);
 /* Values of sensor points, four floats a pixel; NULL: no light is asked for. */
 int program_write_points(struct program *p, const void *pixels, size_t len,
                          struct rad_error *err);
+int program_write_stats_of_none(struct program *p);
 int program_on_stats(void *program, const uint8_t *json, size_t len,
                      struct rad_error *err);
 

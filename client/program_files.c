@@ -8,6 +8,7 @@
 #include "show/picfile.h"
 #include "link/rescue.h"
 #include "common/tell.h"
+#include "trial/dryrun.h"
 
 #include <errno.h>
 #include <stdio.h>
@@ -221,6 +222,24 @@ program_on_stats(void *arg, const uint8_t *json, size_t len, struct rad_error *e
     return p->o.stats
                ? rad_output_write(p->o.stats, json, len, !p->embedded, err)
                : 0;
+}
+
+/* Of sensor points that need no light: what would be said of a job that no
+ * worker has had. */
+int
+program_write_stats_of_none(struct program *p)
+{
+    char *text;
+    int rc;
+
+    if (!p->o.stats)
+        return 0;
+    text = dryrun_json_of_none(&p->job.spec);
+    rc = text ? rad_output_write(p->o.stats, text, strlen(text), !p->embedded,
+                                 p->err)
+              : rad_fail(p->err, RAD_ENOMEM, "out of memory");
+    free(text);
+    return rc;
 }
 
 /* -af: is there a use for it, and can it be written?  What was said of rpict's

@@ -206,7 +206,8 @@ program_run_stream(struct program *p, const struct submit_job *ask,
     end = pointwriter_close(p->writer, s.points > 0, rc < 0 ? NULL : p->err);
     rc = rc < 0 ? rc : end;
     if (rc == 0 && p->o.stats)
-        rc = write_stats(p);
+        rc = pointspec_lit(&p->o.points) ? write_stats(p)
+                                         : program_write_stats_of_none(p);
     p->elapsed_s = s.elapsed_s;
     p->error = s.points > 0 ? sqrt(s.squares / (double)s.points) : 0;
     p->stream = NULL;

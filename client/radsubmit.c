@@ -442,8 +442,10 @@ run_job(struct program *p)
         return rc;
     program_warn_of_scene(p);
     program_fill_spec(p);
-    if (p->o.points.file && !p->streams && !pointspec_lit(&p->o.points))
-        return program_write_points(p, NULL, 0, p->err);
+    if (p->o.points.file && !p->streams && !pointspec_lit(&p->o.points)) {
+        rc = program_write_points(p, NULL, 0, p->err);
+        return rc < 0 ? rc : program_write_stats_of_none(p);
+    }
     if (p->embedded && (!p->streams || pointspec_lit(&p->o.points)) &&
         (rc = start_local(p)) < 0)
         return rc;

@@ -222,3 +222,21 @@ dryrun_json(const struct msg_spec *spec, const char *options,
     json_decref(j);
     return text;
 }
+
+char *
+dryrun_json_of_none(const struct msg_spec *s)
+{
+    json_t *j = json_pack(
+        "{s:s,s:s,s:s,s:I,s:{s:I,s:I,s:I,s:o},s:{s:I,s:I,s:I},s:{s:f},s:{s:i}}",
+        "job", "", "radd", PACKAGE_VERSION, "options", s->params, "seed",
+        (json_int_t)(s->seed & INT64_MAX), "scene", "objects",
+        (json_int_t)s->objects, "bundle_bytes", (json_int_t)s->bundle_bytes,
+        "sent_bytes", (json_int_t)0, "needs", wordlist_json(s->needs),
+        "picture", "width", (json_int_t)s->frames[0].width, "height",
+        (json_int_t)s->frames[0].height, "frames", (json_int_t)s->nframes,
+        "time", "compile_s", s->compile_s, "totals", "rays", 0);
+    char *text = j ? json_dumps(j, JSON_INDENT(1)) : NULL;
+
+    json_decref(j);
+    return text;
+}

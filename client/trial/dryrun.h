@@ -40,4 +40,8 @@ void dryrun_print(const struct msg_spec *spec, const struct prediction *p,
 char *dryrun_json(const struct msg_spec *spec, const char *options,
                   const struct prediction *p, const struct dryrun_cluster *c);
 
+/* Statistics where there was nothing to render, to be freed; NULL: out of
+ * memory. */
+char *dryrun_json_of_none(const struct msg_spec *spec);
+
 #endif

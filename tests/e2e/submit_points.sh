@@ -65,6 +65,11 @@ done
     "$room" >grid.hdr 2>stderr || fail "-fac: $(cat stderr)"
 LC_ALL=C grep -aqx -- '-Y 20 +X 20' grid.hdr || fail "colours without a size"
 
+# what needs no light needs no job, and still has statistics
+"$radsubmit" --local --points=points.txt -h- -oL --stats=none.json box.rad \
+    >out 2>stderr || fail "-oL: $(cat stderr)"
+grep -q '"objects": 2' none.json || fail "statistics of -oL: $(cat none.json)"
+
 # refused STATUS TEXT OPTIONS...
 refused()
 {
