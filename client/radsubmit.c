@@ -150,9 +150,18 @@ static int
 try_scene(struct program *p)
 {
     struct rad_files files = compile_files(&p->scene);
+    struct rad_points points;
+    uint8_t *bytes = NULL;
+    int rc = 0;
 
-    return dryrun_predict(&p->prediction, p->scene.scene, &files, &p->o.params,
-                          p->frames.list, p->frames.n, &dryrun_effort, p->err);
+    if (p->o.points.file)
+        rc = pointjob_pack(&p->points, &points, &bytes, p->err);
+    if (rc == 0)
+        rc = dryrun_predict(&p->prediction, p->scene.scene, &files,
+                            &p->o.params, p->frames.list, p->frames.n,
+                            bytes ? &points : NULL, &dryrun_effort, p->err);
+    free(bytes);
+    return rc;
 }
 
 static void
@@ -483,7 +492,8 @@ init_frames(struct program *p)
 
     if (!p->o.points.file)
         return frames_init(&p->frames, &p->o, p->err);
-    p->streams = strcmp(p->o.points.file, "-") == 0 && pointstream_is_one();
+    p->streams = strcmp(p->o.points.file, "-") == 0 && !p->o.dry_run &&
+                 pointstream_is_one();
     if (p->streams)
         return program_check_stream(p);
     rc = pointjob_read(&p->points, &p->o.points, p->err);

@@ -854,10 +854,6 @@ check_points(struct submit_options *o, struct rad_error *err)
                         "'%s': --points makes no picture: -fac with -x and -y "
                         "writes colours for a .hdr",
                         o->output);
-    if (o->dry_run)
-        return rad_fail(err, RAD_EUSAGE,
-                        "--dry-run tries pixels of a view, and --points has "
-                        "none");
     if (o->spectral > 0 || o->params.bands.n > 3)
         return rad_fail(err, RAD_EUSAGE,
                         "--points writes three channels: leave out %s",

@@ -48,18 +48,36 @@ pointjob_number(const struct pointjob *j, uint32_t x, uint32_t y)
 }
 
 int
-pointjob_add(const struct pointjob *j, struct compiled *scene,
-             const char *folder, struct rad_error *err)
+pointjob_pack(const struct pointjob *j, struct rad_points *points,
+              uint8_t **file, struct rad_error *err)
 {
     uint32_t flags = (j->spec->irradiance ? RAD_POINTS_IRRADIANCE : 0) |
                      (j->spec->limited ? RAD_POINTS_LIMITED : 0);
-    uint8_t *file = rad_points_pack((const double(*)[6])j->in.point, j->in.n,
-                                    j->first, flags, j->width, j->height,
-                                    j->pixel);
     int rc;
 
-    if (!file)
+    *file = rad_points_pack((const double(*)[6])j->in.point, j->in.n, j->first,
+                            flags, j->width, j->height, j->pixel);
+    if (!*file)
         return rad_fail(err, RAD_ENOMEM, "out of memory");
+    rc = rad_points_open(points, *file, rad_points_bytes(j->width, j->height),
+                         err);
+    if (rc < 0) {
+        free(*file);
+        *file = NULL;
+    }
+    return rc;
+}
+
+int
+pointjob_add(const struct pointjob *j, struct compiled *scene,
+             const char *folder, struct rad_error *err)
+{
+    struct rad_points points;
+    uint8_t *file;
+    int rc = pointjob_pack(j, &points, &file, err);
+
+    if (rc < 0)
+        return rc;
     rc = compile_add(scene, RAD_BUNDLE_POINTS, file,
                      rad_points_bytes(j->width, j->height), folder, err);
     free(file);

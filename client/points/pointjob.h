@@ -7,6 +7,7 @@
 #include "compile/compile.h"
 #include "points/pointfile.h"
 #include "points/pointspec.h"
+#include "points/points.h"
 
 /* Zeroed at first. */
 struct pointjob {
@@ -30,6 +31,10 @@ bool pointjob_is_short(const struct pointjob *j);
 
 /* Which point, from 1, a pixel is of; 0: of none. */
 uint64_t pointjob_number(const struct pointjob *j, uint32_t x, uint32_t y);
+
+/* The file of a job's points, to be freed, and what is in it.  RAD_ENOMEM. */
+int pointjob_pack(const struct pointjob *j, struct rad_points *points,
+                  uint8_t **file, struct rad_error *err);
 
 /* Put them into the bundle of the scene, and the folder (compile_add()). */
 int pointjob_add(const struct pointjob *j, struct compiled *scene,

@@ -8,6 +8,7 @@
 #include "image/filter.h"
 #include "machine/wordlist.h"
 
+#include <inttypes.h>
 #include <jansson.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -72,32 +73,44 @@ dryrun_ask(struct dryrun_cluster *c, const struct link_where *where,
 
 /* --- the trial --- */
 
-int
-dryrun_predict(struct prediction *p, const struct rad_scene *scene,
-               const struct rad_files *files, const struct rad_params *params,
-               const struct msg_frame *frames, uint32_t nframes,
-               const struct trial_effort *effort, struct rad_error *err)
+/* The middle frame's. */
+static int
+read_view(struct rad_view *view, const struct msg_frame *frames,
+          uint32_t nframes, struct rad_error *err)
 {
     const struct msg_frame *middle = &frames[nframes / 2];
     size_t n = strlen(middle->view) + sizeof "VIEW= ";
     char *text = malloc(n);
-    struct rad_view view;
-    struct trial_scene tried = { scene, files, &view };
-    struct trial t;
-    double pixels = 0;
     int rc;
 
     if (!text)
         return rad_fail(err, RAD_ENOMEM, "out of memory");
     snprintf(text, n, "VIEW= %s", middle->view);
-    rad_view_init(&view);
-    rc = rad_view_read(&view, text, strlen(text), err);
+    rad_view_init(view);
+    rc = rad_view_read(view, text, strlen(text), err);
     free(text);
+    return rc < 0 ? rc : 0;
+}
+
+int
+dryrun_predict(struct prediction *p, const struct rad_scene *scene,
+               const struct rad_files *files, const struct rad_params *params,
+               const struct msg_frame *frames, uint32_t nframes,
+               const struct rad_points *points,
+               const struct trial_effort *effort, struct rad_error *err)
+{
+    struct rad_view view;
+    struct trial_scene tried = { scene, files, &view, points };
+    struct trial t;
+    double pixels = 0;
+    int rc = points ? 0 : read_view(&view, frames, nframes, err);
+
     if (rc < 0 || (rc = trial_run(&t, &tried, params, effort, err)) < 0)
         return rc;
     for (uint32_t i = 0; i < nframes; i++)
         pixels += (double)frames[i].width * frames[i].height;
     trial_predict(&t, pixels, p);
+    p->points = points ? points->n : 0;
     return 0;
 }
 
@@ -159,8 +172,12 @@ dryrun_print(const struct msg_spec *spec, const struct prediction *p,
            figure(text, (double)spec->bundle_bytes / 1e6, 3));
     printf("needs    %s\n", spec->needs);
     printf("memory   %.0f MB of each worker\n", p->bytes / 1e6);
-    printf("picture  %d x %d", rad_filter_side((int)spec->frames[0].width, n),
-           rad_filter_side((int)spec->frames[0].height, n));
+    if (p->points > 0)
+        printf("points   %" PRIu32, p->points);
+    else
+        printf("picture  %d x %d",
+               rad_filter_side((int)spec->frames[0].width, n),
+               rad_filter_side((int)spec->frames[0].height, n));
     if (n > 1)
         printf(" of %d x %d samples a pixel", n, n);
     if (spec->nframes > 1)
@@ -217,7 +234,11 @@ dryrun_json(const struct msg_spec *spec, const char *options,
         "ambient_values", p->ambient_values, "memory_bytes", p->bytes, "error",
         "estimate", p->error.all, "ambient", p->error.ambient, "sampling",
         p->error.sampling);
-    char *text = j ? json_dumps(j, JSON_INDENT(1)) : NULL;
+    char *text;
+
+    if (p->points > 0)
+        json_object_set_new(j, "points", json_integer(p->points));
+    text = j ? json_dumps(j, JSON_INDENT(1)) : NULL;
 
     json_decref(j);
     return text;

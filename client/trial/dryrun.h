@@ -23,11 +23,13 @@ int dryrun_ask(struct dryrun_cluster *c, const struct link_where *where,
 extern const struct trial_effort dryrun_effort;
 
 /* Try the scene's pixels and predict all frames of the job, in samples: with
- * --oversample those are the large picture's. */
+ * --oversample those are the large picture's; or the sensor points, unless
+ * `points` is NULL. */
 int dryrun_predict(struct prediction *p, const struct rad_scene *scene,
                    const struct rad_files *files,
                    const struct rad_params *params,
                    const struct msg_frame *frames, uint32_t nframes,
+                   const struct rad_points *points,
                    const struct trial_effort *effort, struct rad_error *err);
 
 /* For people, on stdout.  quality: the number of --quality's word, where all of

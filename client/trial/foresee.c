@@ -37,7 +37,7 @@ try_job(void *arg)
 
     effort.stop = &f->stop;
     if (dryrun_predict(&p, j->scene, &j->files, j->params, j->frames,
-                       j->nframes, &effort, &ignored) == 0)
+                       j->nframes, NULL, &effort, &ignored) == 0)
         f->rays = RARE * p.rays;
     atomic_store_explicit(&f->done, true, memory_order_release);
     return NULL;

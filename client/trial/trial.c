@@ -191,12 +191,15 @@ static int
 stand_init(struct stand *s, const struct trial_scene *scene,
            const struct rad_params *params, struct rad_error *err)
 {
-    int rc;
+    int rc = 0;
 
     s->job = rad_job_new(scene->scene, params, scene->files, err);
     if (!s->job)
         return err->code;
-    rc = rad_frame_init(&s->frame, s->job, scene->view, 0, false, err);
+    if (scene->points)
+        rad_frame_of_points(&s->frame, s->job, scene->points, 0);
+    else
+        rc = rad_frame_init(&s->frame, s->job, scene->view, 0, false, err);
     if (rc == 0 && (rc = rad_ctx_init(&s->ctx, s->job, err)) < 0)
         rad_frame_release(&s->frame);
     if (rc < 0)

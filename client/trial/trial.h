@@ -42,6 +42,7 @@ struct trial {
 
 /* What is to be expected of the picture, or of all frames. */
 struct prediction {
+    uint32_t points; /* sensor points; 0: there are pictures */
     double primary_rays, rays, ambient_values;
     double cpu_s;  /* of one processor like this one */
     double load_s; /* the part of it that each worker spends */
@@ -54,6 +55,7 @@ struct trial_scene {
     const struct rad_scene *scene;
     const struct rad_files *files;
     const struct rad_view *view;
+    const struct rad_points *points; /* NULL: it is a picture, by the view */
 };
 
 /* How much it may take.  Below the least counts little is known, however long

@@ -70,6 +70,17 @@ LC_ALL=C grep -aqx -- '-Y 20 +X 20' grid.hdr || fail "colours without a size"
     >out 2>stderr || fail "-oL: $(cat stderr)"
 grep -q '"objects": 2' none.json || fail "statistics of -oL: $(cat none.json)"
 
+# what it would take, roughly: of so few points most make a record
+"$radsubmit" --local --threads=1 --dry-run --points=grid.txt $opts \
+    --stats=dry.json "$room" >dry.txt 2>stderr || fail "dry: $(cat stderr)"
+grep -qx 'points   400' dry.txt || fail "--dry-run: $(cat dry.txt)"
+"$radsubmit" --local --threads=1 --points=grid.txt $opts --stats=wet.json \
+    "$room" >one.again 2>stderr || fail "wet: $(cat stderr)"
+rays() { awk '/^ *"rays":/ { print $2 + 0; exit }' "$1"; }
+awk -v a="$(rays dry.json)" -v b="$(rays wet.json)" \
+    'BEGIN { exit !(a > b / 4 && a < 2 * b) }' ||
+    fail "--dry-run says $(rays dry.json), and it took $(rays wet.json)"
+
 # refused STATUS TEXT OPTIONS...
 refused()
 {
