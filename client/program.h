@@ -63,7 +63,8 @@ struct program {
     char reason[300]; /* the last that the coordinator gave; "": none */
     struct progress_alone alone;
     double elapsed_s, error; /* as last told */
-    double estimate;         /* of the error, with a goal; 0: not known */
+    double estimate;         /* of the error, with a goal; 0: not known, */
+    double mean_estimate;    /* and of the mean of all points */
     int stages;              /* that it took */
     bool time_up;            /* a further one was left out for want of time */
     struct msg_nan nan;

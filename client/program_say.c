@@ -235,6 +235,8 @@ program_note_goal(struct program *p, const uint8_t *json, size_t len)
     const json_t *goal = json_object_get(root, "goal");
 
     p->estimate = json_number_value(json_object_get(goal, "estimate"));
+    p->mean_estimate =
+        json_number_value(json_object_get(goal, "mean_estimate"));
     p->stages = (int)json_integer_value(json_object_get(goal, "stages"));
     p->time_up = json_is_true(json_object_get(goal, "time_up"));
     json_decref(root);
@@ -245,12 +247,16 @@ static void
 say_goal(struct program *p)
 {
     char text[200], got[FIGURE_TEXT], asked[FIGURE_TEXT], wanted[60] = "";
+    char of_mean[FIGURE_TEXT], mean[60] = "";
 
     if (p->o.error > 0)
         snprintf(wanted, sizeof wanted, ", %s %% were asked for",
                  figure(asked, p->o.error, 3));
-    snprintf(text, sizeof text, "estimated error %s %%%s; %d stage%s%s",
-             figure(got, 100 * p->estimate, 2), wanted, p->stages,
+    if (p->o.points.file && p->mean_estimate > 0)
+        snprintf(mean, sizeof mean, ", that of the mean %s %%",
+                 figure(of_mean, 100 * p->mean_estimate, 2));
+    snprintf(text, sizeof text, "estimated error %s %%%s%s; %d stage%s%s",
+             figure(got, 100 * p->estimate, 2), wanted, mean, p->stages,
              p->stages == 1 ? "" : "s",
              p->time_up ? ", and no time for another" : "");
     program_say(p, text);

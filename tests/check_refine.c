@@ -264,6 +264,26 @@ START_TEST(a_black_picture_is_good_enough)
 }
 END_TEST
 
+/* The mean is off by what places have in common, not by what each is. */
+START_TEST(mean_keeps_what_places_err_by_in_common)
+{
+    struct rad_refine_sums s = { { 0 } };
+    double all;
+
+    s.v[RAD_REFINE_PLACES] = 100;
+    s.v[RAD_REFINE_LIGHT] = 200;
+    s.v[RAD_REFINE_OFF] = 100 * .04; /* each by 2 % */
+    s.v[RAD_REFINE_OFF2] = 100 * .04 * .04;
+    s.v[RAD_REFINE_AMBIENT] = 100 * .02 * .02;
+    s.v[RAD_REFINE_AMBIENT2] = 100 * .02 * .02 * .02 * .02;
+    all = rad_refine_error(&s).ambient;
+    ck_assert_double_eq_tol(rad_refine_error(&s).mean, all, 1e-9);
+    s.v[RAD_REFINE_OFF] = 0; /* half of them too bright, half too dark */
+    ck_assert_double_gt(rad_refine_error(&s).mean, 0);
+    ck_assert_double_le(rad_refine_error(&s).mean, all / 10);
+}
+END_TEST
+
 /* --- sums of a room --- */
 
 static const char scene_text[] =
@@ -489,6 +509,7 @@ main(void)
     tcase_add_test(decisions, more_time_is_used);
     tcase_add_loop_test(decisions, sums_may_be_anything, 0, N_ELEM(wild));
     tcase_add_test(decisions, a_black_picture_is_good_enough);
+    tcase_add_test(decisions, mean_keeps_what_places_err_by_in_common);
     suite_add_tcase(s, decisions);
     tcase_set_timeout(sums, 60);
     tcase_add_test(sums, sums_are_a_function_of_the_job);

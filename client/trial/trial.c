@@ -156,7 +156,7 @@ try_windows(struct trial *t, const struct rad_frame *f, struct rad_ctx *ctx,
     for (long k = 1; rc == 0 && k <= MOST_WINDOWS && !stopped(e); k++) {
         place(k, f->width - w.width + 1, f->height - w.height + 1, &w.x, &w.y);
         rc = rad_frame_window(f, ctx, &w, rows, NULL, NULL);
-        for (int i = 0; rc == 0 && i < w.height; i++)
+        for (int i = 0; rc == 0 && i < w.height && !f->points; i++)
             rad_rough_row(&t->rough, rows[i], w.width, i, t->psample);
         if (rc == 0)
             rc = again(t, f, ctx, &w, rows);

@@ -165,8 +165,9 @@ on_row(void *arg, int row, const struct rad_pixel *pixels)
         send_piece(u);
     if (!u->piece && !(u->piece = new_piece(u, row - u->row0)))
         return;
-    rad_rough_row(&u->rough, pixels, u->unit.window.width, row,
-                  u->pool->job->params.psample);
+    if (!u->pool->frames[u->unit.frame].points) /* whose neighbours may differ */
+        rad_rough_row(&u->rough, pixels, u->unit.window.width, row,
+                      u->pool->job->params.psample);
     u->piece->bytes += put_row((char *)u->piece->pixels + u->piece->bytes,
                                pixels, u->unit.window.width, u->channels);
     u->piece->rows++;

@@ -119,6 +119,7 @@ stages_end(struct coord *c, struct job *job, uint32_t n, uint64_t rays,
     struct rad_refine_rungs next;
     bool on = rad_refine_next(&ask, &next, &g->error);
 
+    g->mean = rad_refine_error(sums).mean;
     if (!on && job->spec.time_ms > 0) {
         double error;
 
@@ -159,6 +160,7 @@ stages_pack(struct coord *c, const struct job *job, uint8_t out[STAGES_BYTES])
     wire_put_u8(&w, g->rungs[0]);
     wire_put_u8(&w, g->rungs[1]);
     wire_put_f64(&w, g->error);
+    wire_put_f64(&w, g->mean);
     wire_put_u64(&w, (uint64_t)(1000 * seconds_spent(c, job)));
     if (w.bad)
         c->actions.failed = true;
@@ -178,8 +180,10 @@ unpack(struct job_goal *g, const struct saved_pass *p)
     g->rungs[0] = wire_get_u8(&in);
     g->rungs[1] = wire_get_u8(&in);
     g->error = wire_get_f64(&in);
+    g->mean = wire_get_f64(&in);
     g->spent_ms = wire_get_u64(&in);
-    return !in.bad && wire_left(&in) == 0 && isfinite(g->error);
+    return !in.bad && wire_left(&in) == 0 && isfinite(g->error) &&
+           isfinite(g->mean);
 }
 
 /* Take up the decision at the end of a stage of n passes: 1, or 0 if it is not

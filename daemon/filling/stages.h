@@ -29,7 +29,7 @@ bool stages_end(struct coord *c, struct job *job, uint32_t n, uint64_t rays,
                 const struct rad_refine_sums *sums);
 
 /* The decision, as it is kept. */
-#define STAGES_BYTES 20
+#define STAGES_BYTES 28
 void stages_pack(struct coord *c, const struct job *job,
                  uint8_t out[STAGES_BYTES]);
 

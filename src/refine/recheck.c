@@ -5,7 +5,8 @@
  * MOST_SQUARE: an edge of a lamp counts, but not more than all the rest.
  * Of an area few pixels are made again.  The square of a sum of differences is
  * that of their products in pairs, and of each with itself: the former come
- * from different pixels, the latter from some that are traced once more. */
+ * from different pixels, the latter from some that are traced once more.  A
+ * sensor point is an area by itself: nobody takes the mean of those around. */
 #include "config.h"
 
 #include "refine/recheck.h"
@@ -46,6 +47,9 @@ struct check {
     uint64_t key;
     uint32_t drawn; /* numbers of the key */
     struct rad_refine_sums *out;
+    int side;         /* of an area, */
+    int again, twice; /* pixels of it, */
+    int areas;        /* of a window, at most */
 };
 
 static bool
@@ -92,7 +96,7 @@ check_place(struct check *c, uint64_t n)
     const struct rad_frame *f = &c->frame[PICTURE];
     int x = (int)(fraction((double)n * .7548776662466927) * f->width);
     int y = (int)(fraction((double)n * .5698402909980532) * f->height);
-    double d[2], product, mean = 0;
+    double d[2], product, off, mean = 0;
 
     for (int k = 0; k < 2; k++) {
         double cached = pixel(c, FIRST + k, x, y), fresh;
@@ -106,6 +110,10 @@ check_place(struct check *c, uint64_t n)
     if (!(mean > 0))
         return;
     product = d[0] * d[1] / (mean * mean);
+    off = (d[0] + d[1]) / 2;
+    count(c, RAD_REFINE_LIGHT, mean);
+    count(c, RAD_REFINE_OFF, off);
+    count(c, RAD_REFINE_OFF2, off * off);
     count(c, RAD_REFINE_PLACES, 1);
     count(c, RAD_REFINE_AMBIENT, product);
     count(c, RAD_REFINE_AMBIENT2, product * product);
@@ -122,10 +130,12 @@ struct sampled {
 static void
 shuffle(struct check *c, int order[SIDE * SIDE], int n)
 {
-    for (int i = 0; i < SIDE * SIDE; i++)
+    int all = c->side * c->side;
+
+    for (int i = 0; i < all; i++)
         order[i] = i;
     for (int i = 0; i < n; i++) {
-        int k = i + draw(c, SIDE * SIDE - i), kept = order[i];
+        int k = i + draw(c, all - i), kept = order[i];
 
         order[i] = order[k];
         order[k] = kept;
@@ -141,12 +151,19 @@ struct differences {
 
 /* The square of the area's error. */
 static double
-square_of(const struct differences *d)
+square_of(const struct check *c, const struct differences *d)
 {
-    double n = SIDE * SIDE;
-    double pairs = (d->sum * d->sum - d->squares) / (AGAIN * (AGAIN - 1));
+    double n = c->side * c->side, again = c->again, pairs = 0;
 
-    return (n - 1) / n * pairs + d->own / TWICE / n;
+    if (again > 1)
+        pairs = (d->sum * d->sum - d->squares) / (again * (again - 1));
+    return (n - 1) / n * pairs + d->own / c->twice / n;
+}
+
+static int
+least(int a, int b)
+{
+    return a < b ? a : b;
 }
 
 static void
@@ -156,41 +173,35 @@ check_area(struct check *c, const struct sampled *s, int x0, int y0)
     struct differences d = { 0, 0, 0, 0 };
     double a[AGAIN], b[AGAIN], b2[TWICE], mean = 0, square;
 
-    shuffle(c, order, AGAIN);
-    for (int i = 0; i < AGAIN; i++) {
-        int x = x0 + order[i] % SIDE, y = y0 + order[i] / SIDE;
+    shuffle(c, order, c->again);
+    for (int i = 0; i < c->again; i++) {
+        int x = x0 + order[i] % c->side, y = y0 + order[i] / c->side;
 
         a[i] = rad_rgb_lum(s->pixel[y][x].L);
         b[i] = pixel(c, FIRST, s->at.x + x, s->at.y + y);
-        if (i < TWICE)
+        if (i < c->twice)
             b2[i] = pixel(c, SECOND, s->at.x + x, s->at.y + y);
-        mean += (a[i] + b[i]) / (2 * AGAIN);
+        mean += (a[i] + b[i]) / (2 * c->again);
     }
     if (!(mean > 0) || is_stopped(c))
         return;
-    for (int i = 0; i < AGAIN; i++) {
+    for (int i = 0; i < c->again; i++) {
         double off = (a[i] - b[i]) / mean;
 
         d.sum += off;
         d.squares += off * off;
-        if (i < TWICE) {
+        if (i < c->twice) {
             double other = (a[i] - b2[i]) / mean;
 
             d.own += off * other;
             d.noise += (off - other) * (off - other) / 2;
         }
     }
-    square = fmax(fmin(square_of(&d), MOST_SQUARE), -MOST_SQUARE);
+    square = fmax(fmin(square_of(c, &d), MOST_SQUARE), -MOST_SQUARE);
     count(c, RAD_REFINE_AREAS, 1);
     count(c, RAD_REFINE_PIXEL, square);
     count(c, RAD_REFINE_PIXEL2, square * square);
-    count(c, RAD_REFINE_NOISE, d.noise / TWICE / (SIDE * SIDE));
-}
-
-static int
-least(int a, int b)
-{
-    return a < b ? a : b;
+    count(c, RAD_REFINE_NOISE, d.noise / c->twice / (c->side * c->side));
 }
 
 /* A window at random, some steps of the sampler wide and high, and no less than
@@ -240,14 +251,14 @@ check_window(struct check *c)
         free(s);
         return false;
     }
-    across = s->at.width / SIDE;
-    down = s->at.height / SIDE;
+    across = s->at.width / c->side;
+    down = s->at.height / c->side;
     n = across * down;
     first = n > 0 ? draw(c, n) : 0;
-    for (int i = 0; i < least(n, AREAS) && !is_stopped(c); i++) {
+    for (int i = 0; i < least(n, c->areas) && !is_stopped(c); i++) {
         int k = (first + i) % n;
 
-        check_area(c, s, k % across * SIDE, k / across * SIDE);
+        check_area(c, s, k % across * c->side, k / across * c->side);
     }
     free(s);
     return true;
@@ -294,11 +305,18 @@ rad_refine_make(const struct rad_passes *p, struct rad_ctx *ctx, uint32_t tile,
     uint32_t nframes;
     const struct rad_frame *f = rad_passes_frames(p, &nframes);
     struct rad_counts before = ctx->counts;
-    struct check c = { .ctx = ctx, .stop = stop, .out = out };
+    struct check c = { .ctx = ctx, .stop = stop, .out = out, .side = SIDE,
+                       .areas = AREAS };
     bool ok;
 
     memset(out, 0, sizeof *out);
     f += tile % nframes;
+    if (f->points) {
+        c.side = 1;
+        c.areas = 4 * AREAS; /* they cost as much */
+    }
+    c.again = least(AGAIN, c.side * c.side);
+    c.twice = least(TWICE, c.again);
     c.key = rad_key_branch(f->key ^ BRANCH, NFRAMES + (uint64_t)tile);
     for (int i = 0; i < NFRAMES; i++)
         c.frame[i] = with_key(f, (uint64_t)i);

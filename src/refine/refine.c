@@ -189,13 +189,29 @@ pixel_square(const struct rad_refine_sums *s)
                        s->v[RAD_REFINE_PIXEL2]);
 }
 
+/* Of the mean: the square of what all places are off by together, less what
+ * chance makes of it. */
+static double
+square_of_mean(const struct rad_refine_sums *s)
+{
+    double n = s->v[RAD_REFINE_PLACES], light = s->v[RAD_REFINE_LIGHT];
+    double off = s->v[RAD_REFINE_OFF] / light, square = off * off, chance;
+
+    if (!(n >= 2 && light > 0))
+        return 0;
+    chance = sound(s->v[RAD_REFINE_OFF2] / (light * light) - square / n) * n /
+             (n - 1);
+    return DEEPER * sound(fmax(square - chance, .25 * chance));
+}
+
 struct rad_refine_error
 rad_refine_error(const struct rad_refine_sums *s)
 {
     double ambient = ambient_square(s), pixel = pixel_square(s);
 
     return (struct rad_refine_error){ sqrt(ambient), sqrt(pixel),
-                                      fmin(sqrt(ambient + pixel), MOST_ERROR) };
+                                      fmin(sqrt(ambient + pixel), MOST_ERROR),
+                                      sqrt(square_of_mean(s)) };
 }
 
 /* Parts of an octave by which squares of errors fall with a rung, as they do in

@@ -31,6 +31,9 @@ enum rad_refine_sum {
     RAD_REFINE_TRACED,   /* pixels that were traced for windows, */
     RAD_REFINE_SHOWN,    /* of so many that the windows have, */
     RAD_REFINE_RAYS,     /* and rays that it took */
+    RAD_REFINE_LIGHT,    /* of places: luminance there, */
+    RAD_REFINE_OFF,      /* by how much it was off, with its sign, */
+    RAD_REFINE_OFF2,     /* and the squares of that */
     RAD_REFINE_SUMS
 };
 struct rad_refine_sums {
@@ -71,9 +74,10 @@ struct rad_refine_ask {
     double rays_s; /* rays a second so far; with a limit */
 };
 
-/* What pictures made after this stage would be off by. */
+/* What pictures made after this stage would be off by; and the mean of all
+ * light in them, where what places err by in common remains. */
 struct rad_refine_error {
-    double ambient, pixel, all;
+    double ambient, pixel, all, mean;
 };
 struct rad_refine_error rad_refine_error(const struct rad_refine_sums *sums);
 
