@@ -118,8 +118,9 @@ int program_on_frame(void *program, uint32_t frame, const uint8_t *picture,
                      struct rad_error *err);
 /* What is written beside the values of the job's points. */
 void program_fill_text(struct program *p);
-/* Values of sensor points, four floats a pixel; NULL: no light is asked for. */
-int program_write_points(struct program *p, const void *pixels, size_t len,
+/* Values of sensor points. */
+int program_write_points(struct program *p,
+                         const struct pointwriter_light *light,
                          struct rad_error *err);
 int program_write_stats_of_none(struct program *p);
 int program_on_stats(void *program, const uint8_t *json, size_t len,

@@ -117,13 +117,13 @@ program_fill_text(struct program *p)
     p->text = (struct pointwriter_text){ .origin = p->job.spec.origin,
                                       .options = p->job.spec.params,
                                       .params = &p->o.params,
+                                      .spectral = p->o.spectral > 0,
                                       .scene = &p->scene };
 }
 
 struct to_write {
     const struct program *p;
-    const void *pixels;
-    size_t len;
+    const struct pointwriter_light *light;
 };
 
 static int
@@ -131,25 +131,25 @@ write_points(void *arg, const char *path, struct rad_error *err)
 {
     const struct to_write *w = arg;
 
-    return pointwriter_all(&w->p->points, &w->p->text, w->pixels, w->len, path,
-                          !w->p->embedded, err);
+    return pointwriter_all(&w->p->points, &w->p->text, w->light, path,
+                           !w->p->embedded, err);
 }
 
 /* No coordinator gives them out a second time. */
 int
-program_write_points(struct program *p, const void *pixels, size_t len,
+program_write_points(struct program *p, const struct pointwriter_light *light,
                      struct rad_error *err)
 {
-    struct to_write w = { p, pixels, len };
+    struct to_write w = { p, light };
     int rc;
 
     if (p->streams)
-        return pointwriter_put(p->writer, &p->points, pixels, len, err);
+        return pointwriter_put(p->writer, &p->points, light, err);
     program_fill_text(p);
     rc = write_points(&w, p->o.output, err);
-
-    if (rc < 0 && rc != RAD_EPROTO && pixels)
+    if (rc < 0 && rc != RAD_EPROTO && light->n > 0)
         p->rescued = rescue_by(p->job.id, 0, ".pts", write_points, &w);
+    p->unwritten = rc < 0 && light->n > 0;
     return rc;
 }
 
@@ -163,9 +163,9 @@ program_on_frame(void *arg, uint32_t frame, const uint8_t *picture, size_t pictu
 
     progress_clear(&p->progress); /* it may share the terminal with stdout */
     if (p->o.points.file) {
-        rc = program_write_points(p, depth, depth_len, err);
-        p->unwritten = rc < 0;
-        return rc;
+        struct pointwriter_light light = { { depth }, 1, depth_len };
+
+        return program_write_points(p, &light, err);
     }
     rc = write_picture(p, frame, picture, picture_len, err);
     there = rc == 0;
@@ -192,7 +192,7 @@ program_say_where_it_is(const struct program *p)
         tell(stderr, "radsubmit: its distances are in %s", p->rescued_depth);
     if (!p->unwritten || p->embedded)
         return;
-    if (p->nplanes > 1) {
+    if (p->nplanes > 1 && !p->o.points.file) {
         tell(stderr, "radsubmit: the coordinator keeps the planes: radctl "
                      "fetch -o FILE with all of the jobs above");
         return;

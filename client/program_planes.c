@@ -3,37 +3,36 @@
  *
  * All jobs are submitted before the first is waited for, so that they go on
  * whatever becomes of radsubmit, and workers have the next plane at hand when
- * one is nearly done.  The scene's files are sent once.  Of the pictures, which
- * come plane by plane, all are kept until the last plane's, coded as they came.
- */
+ * one is nearly done.  The scene's files are sent once.  Pictures come plane by
+ * plane, all of a plane first: until the last plane's they lie in files, coded
+ * as they came. */
 #include "config.h"
 
 #include "program.h"
 
+#include "base/files.h"
+#include "base/output.h"
+#include "link/local.h"
 #include "show/spectra.h"
 
+#include <errno.h>
 #include <inttypes.h>
 #include <jansson.h>
+#include <limits.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-struct bytes {
-    uint8_t *p;
-    size_t n;
-};
+#include <unistd.h>
 
 struct planes {
     struct program *program;
     uint8_t id[RAD_MAX_PLANES][MSG_JOB];
-    struct bytes *picture; /* by plane, then frame */
-    struct bytes *depth;   /* by frame: all planes have the same */
-    json_t *stats;         /* of each plane; NULL: not wanted */
+    json_t *stats; /* of each plane; NULL: not wanted */
     double elapsed_s;
 };
 
-/* So that people tell the jobs of a picture, or of a stream of points, apart, in
- * lists that cut long names short, too. */
+/* So that people tell the jobs of a picture, or of a stream of points, apart,
+ * in lists that cut long names short, too. */
 static void
 name_part(struct program *p)
 {
@@ -43,8 +42,8 @@ name_part(struct program *p)
     if (p->streams)
         n = snprintf(which, sizeof which, "batch %" PRIu64 ": ", p->batch);
     if (p->nplanes > 1)
-        n += snprintf(which + n, sizeof which - (size_t)n, "plane %d of %d: ",
-                      p->plane + 1, p->nplanes);
+        n += snprintf(which + n, sizeof which - (size_t)n,
+                      "plane %d of %d: ", p->plane + 1, p->nplanes);
     if (n == 0)
         return;
     snprintf(p->part_name, sizeof p->part_name, "%s%.*s", which,
@@ -70,49 +69,99 @@ program_fill_spec(struct program *p)
         progress_expect_passes(&p->progress);
 }
 
-static int
-keep(struct bytes *b, const uint8_t *p, size_t n, struct rad_error *err)
-{
-    free(b->p);
-    b->p = malloc(n + 1);
-    b->n = n;
-    if (!b->p)
-        return rad_fail(err, RAD_ENOMEM, "out of memory");
-    memcpy(b->p, p, n);
-    return 0;
-}
+/* Of a plane what is not its picture: distances, or values of points.  Of
+ * distances the first plane's are kept, for all have the same. */
+enum kept { PICTURE, DEPTH };
 
 static void
-drop(struct bytes *list, size_t n)
+name_kept(const struct planes *s, enum kept what, int plane, uint32_t frame,
+          char path[PATH_MAX])
 {
-    for (size_t i = 0; list && i < n; i++)
-        free(list[i].p);
-    free(list);
+    snprintf(path, PATH_MAX, "%s/plane-%d-%d-%" PRIu32,
+             local_folder(s->program->local), (int)what, plane, frame);
 }
 
-/* The last plane of a frame is there. */
 static int
-deliver(struct planes *s, uint32_t frame, struct rad_error *err)
+keep(const struct planes *s, enum kept what, uint32_t frame, const uint8_t *p,
+     size_t n, struct rad_error *err)
+{
+    char path[PATH_MAX];
+
+    name_kept(s, what, s->program->plane, frame, path);
+    return rad_output_write(path, p, n, false, err);
+}
+
+/* The bytes, to be freed, and the file is gone; NULL with *err set. */
+static uint8_t *
+take_kept(const struct planes *s, enum kept what, int plane, uint32_t frame,
+          size_t *n, struct rad_error *err)
+{
+    char path[PATH_MAX];
+    uint8_t *bytes;
+
+    name_kept(s, what, plane, frame, path);
+    bytes = rad_file_read(path, SIZE_MAX / 2, n, err);
+    unlink(path);
+    return bytes;
+}
+
+/* --- the last plane of a frame is there ----------------------------------- */
+
+static int
+deliver_picture(struct planes *s, uint32_t frame, bool has_depth,
+                struct rad_error *err)
 {
     struct program *p = s->program;
     struct spectra_order order = { p->o.params.bands,
                                    submit_options_spectra(&p->o),
                                    p->o.params.primaries };
-    struct spectra_plane plane[RAD_MAX_PLANES];
-    const struct bytes *depth = &s->depth[frame];
-    uint8_t *whole = NULL;
-    size_t n = 0;
-    int rc;
+    struct spectra_plane plane[RAD_MAX_PLANES] = { { NULL, 0 } };
+    uint8_t *whole = NULL, *depth = NULL, *hdr[RAD_MAX_PLANES] = { NULL };
+    size_t n = 0, depth_len = 0;
+    int rc = 0;
 
-    for (int k = 0; k < p->nplanes; k++) {
-        const struct bytes *b = &s->picture[(size_t)k * p->frames.n + frame];
-
-        plane[k] = (struct spectra_plane){ b->p, b->n };
+    for (int k = 0; k < p->nplanes && rc == 0; k++) {
+        hdr[k] = take_kept(s, PICTURE, k, frame, &plane[k].len, err);
+        plane[k].hdr = hdr[k];
+        rc = hdr[k] ? 0 : err->code;
     }
-    rc = spectra_join(&order, plane, &whole, &n, err);
+    if (rc == 0 && has_depth) {
+        depth = take_kept(s, DEPTH, 0, frame, &depth_len, err);
+        rc = depth ? 0 : err->code;
+    }
     if (rc == 0)
-        rc = program_on_frame(p, frame, whole, n, depth->p, depth->n, err);
+        rc = spectra_join(&order, plane, &whole, &n, err);
+    for (int k = 0; k < p->nplanes; k++)
+        free(hdr[k]);
+    if (rc == 0)
+        rc = program_on_frame(p, frame, whole, n, depth, depth_len, err);
     free(whole);
+    free(depth);
+    return rc;
+}
+
+static int
+deliver_points(struct planes *s, struct rad_error *err)
+{
+    struct program *p = s->program;
+    struct pointwriter_light light = { .n = 0 };
+    uint8_t *values[RAD_MAX_PLANES] = { NULL };
+    size_t n;
+    int rc = 0;
+
+    for (int k = 0; k < p->nplanes && rc == 0; k++) {
+        values[k] = take_kept(s, DEPTH, k, 0, &n, err);
+        rc = values[k] ? 0 : err->code;
+        if (rc == 0 && k > 0 && n != light.len)
+            rc = rad_fail(err, RAD_EPROTO, "planes of different sizes");
+        light.plane[light.n++] = values[k];
+        light.len = n;
+    }
+    progress_clear(&p->progress);
+    if (rc == 0)
+        rc = program_write_points(p, &light, err);
+    for (int k = 0; k < p->nplanes; k++)
+        free(values[k]);
     return rc;
 }
 
@@ -122,14 +171,17 @@ on_frame(void *arg, uint32_t frame, const uint8_t *picture, size_t len,
 {
     struct planes *s = arg;
     struct program *p = s->program;
-    int rc = keep(&s->picture[(size_t)p->plane * p->frames.n + frame], picture,
-                  len, err);
+    bool points = p->o.points.file;
+    int rc = 0;
 
-    if (rc == 0 && depth && p->plane == 0)
-        rc = keep(&s->depth[frame], depth, depth_len, err);
-    if (rc == 0 && p->plane == p->nplanes - 1)
-        rc = deliver(s, frame, err);
-    return rc;
+    if (picture)
+        rc = keep(s, PICTURE, frame, picture, len, err);
+    if (rc == 0 && depth && (points || p->plane == 0))
+        rc = keep(s, DEPTH, frame, depth, depth_len, err);
+    if (rc < 0 || p->plane < p->nplanes - 1)
+        return rc;
+    return points ? deliver_points(s, err)
+                  : deliver_picture(s, frame, depth != NULL, err);
 }
 
 static int
@@ -148,8 +200,8 @@ on_stats(void *arg, const uint8_t *json, size_t len, struct rad_error *err)
     all = json_pack("{sO}", "planes", s->stats);
     text = json_dumps(all, JSON_INDENT(1));
     json_decref(all);
-    rc = text ? s->program->callbacks->stats(
-                    s->program, (const uint8_t *)text, strlen(text), err)
+    rc = text ? s->program->callbacks->stats(s->program, (const uint8_t *)text,
+                                             strlen(text), err)
               : rad_fail(err, RAD_ENOMEM, "out of memory");
     free(text);
     return rc;
@@ -295,6 +347,23 @@ collect_all(struct planes *s, struct submit_job *job)
     return rc;
 }
 
+/* --detach: one a line. */
+static int
+print_ids(struct planes *s)
+{
+    char hex[MSG_JOB_HEX];
+
+    for (int k = 0; k < s->program->nplanes; k++) {
+        msg_job_format(s->id[k], hex);
+        puts(hex);
+    }
+    json_decref(s->stats);
+    if (fflush(stdout) == 0)
+        return 0;
+    return rad_fail(s->program->err, RAD_EIO, "cannot write: %s",
+                    strerror(errno));
+}
+
 static int
 begin(struct planes *s)
 {
@@ -305,11 +374,8 @@ begin(struct planes *s)
         rc = jobspec_name(&p->job, p->err);
         memcpy(s->id[k], p->job.id, MSG_JOB);
     }
-    s->picture =
-        calloc((size_t)RAD_MAX_PLANES * p->frames.n, sizeof *s->picture);
-    s->depth = calloc(p->frames.n, sizeof *s->depth);
     s->stats = json_array();
-    if (rc == 0 && !(s->picture && s->depth && s->stats))
+    if (rc == 0 && !s->stats)
         rc = rad_fail(p->err, RAD_ENOMEM, "out of memory");
     return rc;
 }
@@ -323,14 +389,18 @@ program_run_planes(struct program *p, const struct submit_job *ask,
     int rc = begin(&s);
 
     p->callbacks = cb;
-    if (rc == 0 && (rc = submit_all(&s, &job)) == 0)
+    if (rc == 0)
+        rc = submit_all(&s, &job);
+    if (rc == 0 && ask->detach)
+        return print_ids(&s);
+    if (rc == 0)
         rc = collect_all(&s, &job);
+    for (int k = 0; k < p->nplanes && rc == 0 && p->streams; k++)
+        submit_delete(&job.to, &p->loop, s.id[k]);
     /* an interrupt that ends radsubmit at once leaves them to go on, and so
      * does a picture that cannot be written, as with one job */
     if (rc < 0 && !p->embedded && p->interrupts < 2 && !p->unwritten)
         cancel_from(&s, 0, &job);
-    drop(s.picture, (size_t)p->nplanes * p->frames.n);
-    drop(s.depth, p->frames.n);
     json_decref(s.stats);
     return rc;
 }

@@ -148,6 +148,7 @@ static int
 run_batches(struct program *p, struct submit_job *job,
             struct submit_callbacks *cb)
 {
+    static const struct pointwriter_light dark = { .n = 0 };
     int rc;
 
     for (;;) {
@@ -159,7 +160,7 @@ run_batches(struct program *p, struct submit_job *job,
         p->batch++;
         rc = pointspec_lit(&p->o.points)
                  ? render(p, job, cb)
-                 : program_write_points(p, NULL, 0, p->err);
+                 : program_write_points(p, &dark, p->err);
         if (rc < 0)
             return rc;
         sum_up(p);

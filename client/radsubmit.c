@@ -150,16 +150,22 @@ static int
 try_scene(struct program *p)
 {
     struct rad_files files = compile_files(&p->scene);
+    struct rad_params params = p->o.params;
     struct rad_points points;
     uint8_t *bytes = NULL;
     int rc = 0;
+
+    if (p->nplanes > 1) /* of which each takes about as much */
+        params.bands.plane = 0;
 
     if (p->o.points.file)
         rc = pointjob_pack(&p->points, &points, &bytes, p->err);
     if (rc == 0)
         rc = dryrun_predict(&p->prediction, p->scene.scene, &files,
-                            &p->o.params, p->frames.list, p->frames.n,
+                            &params, p->frames.list, p->frames.n,
                             bytes ? &points : NULL, &dryrun_effort, p->err);
+    if (rc == 0)
+        trial_repeat(&p->prediction, p->nplanes);
     free(bytes);
     return rc;
 }
@@ -437,6 +443,7 @@ add_points(struct program *p)
 static int
 run_job(struct program *p)
 {
+    static const struct pointwriter_light dark = { .n = 0 };
     char hex[MSG_JOB_HEX];
     int rc;
 
@@ -452,14 +459,14 @@ run_job(struct program *p)
     program_warn_of_scene(p);
     program_fill_spec(p);
     if (p->o.points.file && !p->streams && !pointspec_lit(&p->o.points)) {
-        rc = program_write_points(p, NULL, 0, p->err);
+        rc = program_write_points(p, &dark, p->err);
         return rc < 0 ? rc : program_write_stats_of_none(p);
     }
     if (p->embedded && (!p->streams || pointspec_lit(&p->o.points)) &&
         (rc = start_local(p)) < 0)
         return rc;
     rc = converse(p);
-    if (rc == 0 && p->o.detach) {
+    if (rc == 0 && p->o.detach && p->nplanes == 1) {
         msg_job_format(p->job.id, hex);
         puts(hex);
         if (fflush(stdout) != 0)

@@ -702,9 +702,7 @@ submit_options_spectra(const struct submit_options *o)
 static const char *
 hinders_planes(const struct submit_options *o)
 {
-    return o->detach                                   ? "--detach"
-           : o->dry_run                                ? "--dry-run"
-           : o->preview                                ? "--preview"
+    return o->preview                                ? "--preview"
            : o->error > 0                              ? "--error"
            : o->time_s > 0                             ? "--time"
            : o->ambient                                ? "-af"
@@ -854,10 +852,10 @@ check_points(struct submit_options *o, struct rad_error *err)
                         "'%s': --points makes no picture: -fac with -x and -y "
                         "writes colours for a .hdr",
                         o->output);
-    if (o->spectral > 0 || o->params.bands.n > 3)
+    if (o->spectral > 0 && o->points.out == 'c')
         return rad_fail(err, RAD_EUSAGE,
-                        "--points writes three channels: leave out %s",
-                        o->spectral > 0 ? "-co" : "-cs");
+                        "-f%cc writes colours, and -co+ asks for spectra",
+                        o->points.in);
     for (int i = 0; i < o->nscenes; i++)
         if (is_dash(o->points.file) && is_dash(o->scenes[i]))
             return rad_fail(err, RAD_EUSAGE,

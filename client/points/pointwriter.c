@@ -6,6 +6,7 @@
 #include "base/output.h"
 #include "base/vec.h"
 #include "image/hdr.h"
+#include "image/spectrum.h"
 #include "points/pointfacts.h"
 
 #include <errno.h>
@@ -18,7 +19,8 @@
 struct record {
     const double *org;
     double dir[3]; /* as rtrace has it: with -I it looks at the surface */
-    float light[4];
+    struct rad_rgb light[RAD_MAX_PLANES];
+    double length; /* effective */
     struct pointfact fact;
 };
 
@@ -26,6 +28,8 @@ struct pointwriter {
     const struct pointspec *spec;
     const struct pointwriter_text *text;
     struct pointfacts *facts; /* NULL: no letter asks for one */
+    struct rad_arena arena;
+    const struct rad_spectrum *eye; /* that sees bands in colours, or NULL */
     struct rad_output out;
     FILE *to;
 };
@@ -45,26 +49,67 @@ put_numbers(const struct pointwriter *w, const double *v, int n)
     }
 }
 
-static void
-put_light(const struct pointwriter *w, const float light[4])
+/* Does the light have other numbers than red, green and blue? */
+static bool
+in_bands(const struct pointwriter *w)
 {
-    const double v[3] = { (double)light[0], (double)light[1],
-                          (double)light[2] };
+    return w->text->params->bands.n > 3;
+}
+
+static int
+numbers_of_light(const struct pointwriter *w)
+{
+    return in_bands(w) && !w->eye ? w->text->params->bands.n : 3;
+}
+
+/* The colour of all bands, in the primaries that are asked for. */
+static struct rad_rgb
+colour_of(const struct pointwriter *w, const float band[RAD_MAX_BANDS])
+{
+    const struct rad_params *p = w->text->params;
+    double sum[3] = { 0 };
+
+    for (int i = 0; i < p->bands.n; i++)
+        rad_spectrum_add(w->eye, i, (double)band[i], sum);
+    rad_spectrum_colour(w->eye, sum);
+    return rad_params_colour(
+        p, rad_rgb((float)sum[0], (float)sum[1], (float)sum[2]));
+}
+
+static void
+put_light(const struct pointwriter *w, const struct rad_rgb light[])
+{
+    struct rad_rgb c = light[0];
+    float band[RAD_MAX_BANDS];
+    double v[RAD_MAX_BANDS];
     uint8_t rgbe[4];
 
-    if (w->spec->out != 'c') {
-        put_numbers(w, v, 3);
+    if (in_bands(w))
+        rad_bands_gather(&w->text->params->bands, light, band);
+    if (w->eye)
+        c = colour_of(w, band);
+    if (w->spec->out == 'c') {
+        rad_rgbe(c, rgbe);
+        fwrite(rgbe, sizeof rgbe, 1, w->to);
         return;
     }
-    rad_rgbe(rad_rgb(light[0], light[1], light[2]), rgbe);
-    fwrite(rgbe, sizeof rgbe, 1, w->to);
+    if (w->eye || !in_bands(w)) {
+        band[0] = c.r;
+        band[1] = c.g;
+        band[2] = c.b;
+    }
+    for (int i = 0; i < numbers_of_light(w); i++)
+        v[i] = (double)band[i];
+    put_numbers(w, v, numbers_of_light(w));
 }
 
 static void
 put_letter(const struct pointwriter *w, char letter, const struct record *r)
 {
-    static const double one[3] = { 1, 1, 1 };
-    const double effective = (double)r->light[3];
+    double one[RAD_MAX_BANDS];
+
+    for (int i = 0; i < RAD_MAX_BANDS; i++)
+        one[i] = 1;
 
     switch (letter) {
     case 'o':
@@ -81,10 +126,10 @@ put_letter(const struct pointwriter *w, char letter, const struct record *r)
         put_numbers(w, one, 1);
         break;
     case 'W':
-        put_numbers(w, one, 3);
+        put_numbers(w, one, numbers_of_light(w));
         break;
     case 'l':
-        put_numbers(w, &effective, 1);
+        put_numbers(w, &r->length, 1);
         break;
     case 'L':
         put_numbers(w, &r->fact.length, 1);
@@ -128,11 +173,12 @@ find_fact(const struct pointwriter *w, const double *point, double length,
 
 static void
 put_point(const struct pointwriter *w, const struct pointjob *j,
-          const float *pixels, uint32_t i)
+          const struct pointwriter_light *light, uint32_t i)
 {
     const double *point = j->in.point[i];
     const struct pointspec *s = w->spec;
-    struct record r = { .org = point, .light = { 0, 0, 0, 1e10f } };
+    size_t at = 4 * (size_t)j->pixel[i];
+    struct record r = { .org = point, .length = 1e10 };
     double length;
 
     rad_copy(r.dir, point + 3);
@@ -140,8 +186,13 @@ put_point(const struct pointwriter *w, const struct pointjob *j,
     find_fact(w, point, length, &r);
     if (s->irradiance)
         rad_scale(r.dir, -1, r.dir);
-    if (length > 0 && pixels)
-        memcpy(r.light, pixels + 4 * (size_t)j->pixel[i], sizeof r.light);
+    for (int k = 0; length > 0 && k < light->n; k++) {
+        const float *v = (const float *)light->plane[k] + at;
+
+        r.light[k] = rad_rgb(v[0], v[1], v[2]);
+        if (k == 0)
+            r.length = (double)v[3];
+    }
     for (const char *c = s->values; *c; c++)
         put_letter(w, *c, &r);
     if (s->out == 'a')
@@ -150,13 +201,28 @@ put_point(const struct pointwriter *w, const struct pointjob *j,
 
 /* Numbers of a point, for the header: names count as one. */
 static int
-count_numbers(const char *values)
+count_numbers(const struct pointwriter *w)
 {
     int n = 0;
 
-    for (const char *c = values; *c; c++)
-        n += strchr("odvVWpnN", *c) ? 3 : *c != '~';
+    for (const char *c = w->spec->values; *c; c++)
+        n += strchr("vVW", *c)     ? numbers_of_light(w)
+             : strchr("odpnN", *c) ? 3
+                                   : *c != '~';
     return n;
+}
+
+static void
+put_bands(const struct pointwriter *w)
+{
+    const struct rad_bands *b = &w->text->params->bands;
+
+    if (!in_bands(w) || w->eye)
+        return;
+    fprintf(w->to, "WAVELENGTH_SPLITS=");
+    for (int i = 0; i < 4; i++)
+        fprintf(w->to, " %g", rad_bands_split(b, i));
+    putc('\n', w->to);
 }
 
 static void
@@ -179,7 +245,8 @@ put_header(const struct pointwriter *w)
     fprintf(w->to, "#?RADIANCE\n%sradsubmit --points %s %s\n", w->text->origin,
             words, w->text->options);
     fprintf(w->to, "SOFTWARE= radd " PACKAGE_VERSION "\nNCOMP=%d\n",
-            count_numbers(s->values));
+            count_numbers(w));
+    put_bands(w);
     if (s->out == 'f' || s->out == 'd')
         fprintf(w->to, "BigEndian=%d\n", *(const uint8_t *)&order == 0);
     for (int i = 0; i < 3; i++)
@@ -195,6 +262,21 @@ wants_facts(const struct pointspec *s)
     return !s->irradiance && s->values[strcspn(s->values, "LpnNsmM")] != '\0';
 }
 
+/* The eye that sees the bands, where their colour is asked for. */
+static int
+find_eye(struct pointwriter *w, struct rad_error *err)
+{
+    const struct rad_bands *b = &w->text->params->bands;
+    struct rad_bands colours = rad_bands_rgb();
+
+    rad_arena_init(&w->arena);
+    if (!in_bands(w) || w->text->spectral)
+        return 0;
+    w->eye =
+        rad_spectrum_new(&w->arena, b->n, b->longest, b->shortest, &colours);
+    return w->eye ? 0 : rad_fail(err, RAD_ENOMEM, "out of memory");
+}
+
 int
 pointwriter_open(struct pointwriter **writer, const struct pointspec *spec,
                  const struct pointwriter_text *text, const char *path,
@@ -208,6 +290,8 @@ pointwriter_open(struct pointwriter **writer, const struct pointspec *spec,
         return rad_fail(err, RAD_ENOMEM, "out of memory");
     w->spec = spec;
     w->text = text;
+    if (find_eye(w, err) < 0)
+        return err->code;
     if (wants_facts(spec)) {
         w->facts =
             pointfacts_new(text->scene->scene, &files, text->params, err);
@@ -226,16 +310,16 @@ pointwriter_open(struct pointwriter **writer, const struct pointspec *spec,
 
 int
 pointwriter_put(struct pointwriter *w, const struct pointjob *j,
-                const void *pixels, size_t len, struct rad_error *err)
+                const struct pointwriter_light *light, struct rad_error *err)
 {
     size_t want = (size_t)j->width * (size_t)j->height * 4 * sizeof(float);
 
-    if (pixels && len != want)
+    if (light->n > 0 && light->len != want)
         return rad_fail(err, RAD_EPROTO,
-                        "values of %zu bytes where %zu are expected", len,
-                        want);
+                        "values of %zu bytes where %zu are expected",
+                        light->len, want);
     for (uint32_t i = 0; i < j->in.n; i++)
-        put_point(w, j, pixels, i);
+        put_point(w, j, light, i);
     if (fflush(w->to) != 0)
         return rad_fail(err, RAD_EIO, "cannot write the values: %s",
                         strerror(errno));
@@ -254,20 +338,21 @@ pointwriter_close(struct pointwriter *w, bool keep, struct rad_error *err)
     else if (w->to)
         rad_output_abort(&w->out);
     pointfacts_free(w->facts);
+    rad_arena_release(&w->arena);
     free(w);
     return rc;
 }
 
 int
 pointwriter_all(const struct pointjob *j, const struct pointwriter_text *text,
-                const void *pixels, size_t len, const char *path, bool durable,
-                struct rad_error *err)
+                const struct pointwriter_light *light, const char *path,
+                bool durable, struct rad_error *err)
 {
     struct pointwriter *w;
     int rc = pointwriter_open(&w, j->spec, text, path, durable, err), end;
 
     if (rc == 0)
-        rc = pointwriter_put(w, j, pixels, len, err);
+        rc = pointwriter_put(w, j, light, err);
     end = pointwriter_close(w, rc == 0, err);
     return rc < 0 ? rc : end;
 }

@@ -473,3 +473,13 @@ trial_predict(const struct trial *t, double pixels, struct prediction *p)
     p->error = rad_doubt_error(&doubt, &t->rough, t->psample);
     p->bytes = t->peak_bytes + RECORD_BYTES * (records - last->records);
 }
+
+void
+trial_repeat(struct prediction *p, int times)
+{
+    p->primary_rays *= times;
+    p->rays *= times;
+    p->ambient_values *= times;
+    p->cpu_s *= times;
+    p->load_s *= times;
+}

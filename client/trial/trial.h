@@ -76,6 +76,9 @@ int trial_run(struct trial *t, const struct trial_scene *scene,
               const struct rad_params *params,
               const struct trial_effort *effort, struct rad_error *err);
 
+/* The same so many times, one job after another. */
+void trial_repeat(struct prediction *p, int times);
+
 /* For so many pixels, of one picture or of all frames. */
 void trial_predict(const struct trial *t, double pixels, struct prediction *p);
 

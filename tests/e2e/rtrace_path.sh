@@ -53,6 +53,8 @@ status 0 rtrace @opt box.oct
 says '10 7'
 status 0 "ROPT='-h- -oL'" rtrace '\$ROPT' box.oct
 says '10 7'
+status 0 rtrace -h- -cs 4 -co+ box.oct
+says '2 2 2 2 2 2 2 2'
 echo first >said
 status 0 rtrace -h- -e said -ov box.oct
 [ "$(sed -n 1p said)" = first ] || fail "-e: $(cat said)"

@@ -101,10 +101,38 @@ python3 -c 'import json
 assert len(json.load(open("room1.json"))["planes"]) == 2' ||
     fail "statistics of two planes"
 
+# --- a trial, and sensor points ---
+
+"$radsubmit" --local -cs 6 --dry-run -ab 1 -ad 64 -o x.hdr "$room" >dry 2>stderr ||
+    fail "--dry-run: $(cat stderr)"
+grep -q '^rays ' dry || fail "--dry-run says: $(cat dry)"
+awk 'BEGIN { for (i = 0; i < 50; i++)
+    printf "%g %g .8 0 0 1\n", .2 + i % 10 / 3, .2 + int(i / 10) / 2 }' >points
+opts='-I -ab 0 -dt 0 -dj 0 -cs 8'
+for co in -co+ -co-; do
+    # shellcheck disable=SC2086
+    "$radsubmit" --local --threads=1 --points=points -h- $opts $co "$room" \
+        >values 2>stderr || fail "points $co: $(cat stderr)"
+    # shellcheck disable=SC2086
+    "$top_builddir/radscene" rays $opts $co -dc .75 -ds .2 -dr 2 -lw 1e-4 \
+        -lr -10 "$room" <points >rays || fail "rays $co"
+    paste values rays | awk -v n="$([ $co = -co+ ] && echo 8 || echo 3)" '
+        { if (NF != 2 * n) exit 1
+          for (i = 1; i <= n; i++)
+              if (($i - $(n + i))^2 > (1e-5 * $i)^2 + 1e-20) exit 1 }' ||
+        fail "sensor points in bands, $co"
+done
+# shellcheck disable=SC2002,SC2086 # cat makes a pipe
+cat points | "$radsubmit" --local --points=- $opts -co+ "$room" >values \
+    2>stderr || fail "points on a pipe: $(cat stderr)"
+grep -qx 'NCOMP=8' values || fail "no NCOMP"
+grep -qx 'WAVELENGTH_SPLITS= 780 588 480 380' values || fail "no splits"
+[ "$(sed '1,/^$/d' values | wc -l)" -eq 50 ] || fail "points on a pipe"
+expect 64 "-co+ asks for spectra" "-fac" "$radsubmit" --local -cs 6 -co+ \
+    --points=points -fac "$room"
+
 # --- what does not go with it ---
 
-expect 64 "--dry-run does not go with" "--dry-run" "$radsubmit" --local -cs 6 \
-    --dry-run -o x.hdr "$room"
 expect 64 "--error does not go with" "--error" "$radsubmit" --local -cs 6 \
     -ab 1 --error=2 -o x.hdr "$room"
 expect 64 "--preview does not go with" "--preview" "$radsubmit" --local -cs 6 \
@@ -113,8 +141,6 @@ expect 64 "-af does not go with" "-af" "$radsubmit" --local -cs 6 -ab 1 \
     -af x.amb -o x.hdr "$room"
 expect 64 "-pc does not go with" "-pc" "$radsubmit" --local -cs 6 \
     -pc .7 .3 .2 .7 .1 .1 .3 .3 -o x.hdr "$room"
-expect 64 "--detach does not go with" "--detach" "$radsubmit" -cs 6 --detach \
-    "$room"
 expect 64 "spectra have more than three bands" ".hsr" "$radsubmit" --local \
     -o x.hsr "$room"
 expect 64 "-co- asks for none" "-co-" "$radsubmit" --local -cs 6 -co- \
@@ -171,4 +197,18 @@ expect 65 "a plane that another has shown" "twice" "$radctl" fetch -o x.hsr \
 id=$("$radsubmit" -x 8 -y 8 -o plain.hdr "$room" 2>&1 |
     sed -n 's/radsubmit: job //p')
 expect 65 "shows no plane" "three bands" "$radctl" fetch -o x.hsr "$first" "$id"
+
+# left to the coordinator, with the caches of the last picture's planes
+# shellcheck disable=SC2086
+ids=$("$radsubmit" $view -cs 6 -ab 1 -ad 64 --reuse=last --detach \
+    "$room" 2>left.err) || fail "--detach: $(cat left.err)"
+[ "$(echo "$ids" | wc -l)" -eq 2 ] || fail "--detach: $ids"
+# shellcheck disable=SC2086
+all_done() { [ "$("$radctl" jobs | grep -c 'done.*plane . of 2')" -ge 4 ]; }
+until_true 60 all_done || fail "--detach is not done: $("$radctl" jobs)"
+# shellcheck disable=SC2086
+"$radctl" fetch -o left.hsr $ids || fail "fetch of what was left"
+[ "$(grep -c 'begins with the ambient values' left.err)" -eq 2 ] ||
+    fail "--reuse=last: $(cat left.err)"
+[ -s left.hsr ] || fail "no picture of what was left"
 finish
