@@ -9,6 +9,8 @@
 #include "image/metric.h"
 #include "base/number.h"
 #include "image/png.h"
+#include "image/spectrum.h"
+#include "scene/file/specpict.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -209,6 +211,106 @@ read_options(struct task *t, int argc, char **argv, struct rad_error *err)
 /* --- pictures --------------------------------------------------------------
  */
 
+/* The value of a line "NAME=number" of the header, all of them multiplied. */
+static double
+header_factor(const char *header, const char *name)
+{
+    double product = 1;
+    size_t n = strlen(name);
+
+    for (const char *at = header; (at = strstr(at, name)); at += n)
+        if (at > header && at[-1] == '\n')
+            product *= strtod(at + n, NULL);
+    return product;
+}
+
+/* The header alone, to be freed, of spectra; NULL: they are none. */
+static char *
+spectra_header(const unsigned char *data, size_t len)
+{
+    size_t n = 1;
+    char *header;
+
+    while (n < len && n < 65536 && !(data[n - 1] == '\n' && data[n] == '\n'))
+        n++;
+    header = strndup((const char *)data, n);
+    if (header && strstr(header, "\nFORMAT=Radiance_spectra"))
+        return header;
+    free(header);
+    return NULL;
+}
+
+/* What the eye sees of spectra d, three dimensions: up, right, wavelength. */
+static int
+see(const struct rad_data *d, double exposure, struct rad_arena *arena,
+    struct rad_picture *pic, struct rad_error *err)
+{
+    struct rad_bands colours = rad_bands_rgb();
+    const struct rad_spectrum *eye;
+    double begin[3], length[3], at[3], step;
+    int n[3];
+
+    for (int k = 0; k < 3; k++)
+        rad_data_axis(d, k, &begin[k], &length[k], &n[k]);
+    step = length[2] / (n[2] - 1);
+    eye = rad_spectrum_new(arena, n[2], begin[2] - .5 * step,
+                           begin[2] + length[2] + .5 * step, &colours);
+    pic->height = n[0];
+    pic->width = n[1];
+    pic->pixaspect = 1;
+    pic->L = calloc((size_t)n[0] * (size_t)n[1], sizeof *pic->L);
+    if (!eye || !pic->L)
+        return rad_fail(err, RAD_ENOMEM, "out of memory");
+    for (int y = 0; y < n[0]; y++)
+        for (int x = 0; x < n[1]; x++) {
+            double sum[3] = { 0 };
+
+            at[0] = n[0] > 1 ? (n[0] - 1 - y) * length[0] / (n[0] - 1) : 0;
+            at[1] = n[1] > 1 ? x * length[1] / (n[1] - 1) : 0;
+            for (int i = 0; i < n[2]; i++) {
+                at[2] = begin[2] + i * step;
+                rad_spectrum_add(eye, i, rad_data_value(d, at) / exposure, sum);
+            }
+            rad_spectrum_colour(eye, sum);
+            pic->L[(size_t)y * (size_t)n[1] + (size_t)x] =
+                rad_rgb((float)sum[0], (float)sum[1], (float)sum[2]);
+        }
+    return 0;
+}
+
+static int
+read_spectra(const unsigned char *data, size_t len, const char *header,
+             struct rad_picture *pic, struct rad_error *err)
+{
+    double exposure = header_factor(header, "EXPOSURE=");
+    struct rad_arena arena;
+    const struct rad_data *d;
+    int rc = RAD_EDATA;
+
+    if (!(exposure > 0 && exposure < 1e30))
+        return rad_fail(err, RAD_EDATA, "picture: bad EXPOSURE");
+    rad_arena_init(&arena);
+    d = rad_specpict_parse(&arena, data, len, err);
+    if (d)
+        rc = see(d, exposure, &arena, pic, err);
+    if (rc < 0)
+        rad_picture_release(pic);
+    rad_arena_release(&arena);
+    return rc;
+}
+
+static int
+read_any(const unsigned char *data, size_t len, struct rad_picture *pic,
+         struct rad_error *err)
+{
+    char *header = spectra_header(data, len);
+    int rc = header ? read_spectra(data, len, header, pic, err)
+                    : rad_hdr_read(data, len, MOST_PIXELS, pic, err);
+
+    free(header);
+    return rc;
+}
+
 static int
 read_picture(const char *path, struct rad_picture *pic, struct rad_error *err)
 {
@@ -221,7 +323,7 @@ read_picture(const char *path, struct rad_picture *pic, struct rad_error *err)
     memset(pic, 0, sizeof *pic);
     if (!data)
         return err->code;
-    rc = rad_hdr_read(data, len, MOST_PIXELS, pic, &bad);
+    rc = read_any(data, len, pic, &bad);
     free(data);
     if (rc < 0) {
         rad_error_format(&bad, text, sizeof text);

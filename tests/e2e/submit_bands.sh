@@ -101,6 +101,16 @@ python3 -c 'import json
 assert len(json.load(open("room1.json"))["planes"]) == 2' ||
     fail "statistics of two planes"
 
+# --- raderr sees the colours of spectra ---
+
+# shellcheck disable=SC2086
+"$radsubmit" --local $view -cs 6 -ab 1 -ad 64 -o room1.hdr "$room" 2>stderr ||
+    fail "room1.hdr: $(cat stderr)"
+"$top_builddir/raderr" room1.hsr room1.hdr >seen || fail "raderr of spectra"
+awk '$1 == "mean_ratio" { r = $2 } $1 == "nrmse" { e = $2 }
+    END { exit !(r > .995 && r < 1.005 && e < .01) }' seen ||
+    fail "colours of spectra: $(cat seen)"
+
 # --- a trial, and sensor points ---
 
 "$radsubmit" --local -cs 6 --dry-run -ab 1 -ad 64 -o x.hdr "$room" >dry 2>stderr ||
