@@ -135,7 +135,6 @@ write_points(void *arg, const char *path, struct rad_error *err)
                            !w->p->embedded, err);
 }
 
-/* No coordinator gives them out a second time. */
 int
 program_write_points(struct program *p, const struct pointwriter_light *light,
                      struct rad_error *err)
@@ -199,10 +198,10 @@ program_say_where_it_is(const struct program *p)
     }
     msg_job_format(p->job.id, hex);
     if (p->o.points.file) {
-        if (p->job.spec.flags & MSG_JOB_SCENE)
+        if (!p->streams && p->nplanes == 1)
             tell(stderr,
-                 "radsubmit: the coordinator keeps the ambient values: submit "
-                 "again with --reuse=%s",
+                 "radsubmit: the coordinator keeps the values: submit again "
+                 "with --job=%s",
                  hex);
         return;
     }

@@ -31,6 +31,8 @@ program_check_stream(struct program *p)
 {
     const char *name = p->o.time_s > 0 ? "--time"
                        : p->o.costs    ? "--estimate=FILE"
+                       : p->o.detach   ? "--detach"
+                       : p->o.job      ? "--job"
                                        : NULL;
 
     if (name)

@@ -254,6 +254,9 @@ choose_cluster(struct program *p)
         return rad_fail(p->err, RAD_EUSAGE,
                         "--detach needs a coordinator: a cluster of "
                         "radsubmit's own ends with it");
+    if (p->embedded && p->o.job)
+        return rad_fail(p->err, RAD_EUSAGE,
+                        "--job needs a coordinator, which has it");
     if (p->embedded && p->o.reuse)
         return rad_fail(p->err, RAD_EUSAGE,
                         "--reuse needs a coordinator: a cluster of "
@@ -546,6 +549,15 @@ prepare(struct program *p)
 }
 
 static int
+name_job(struct program *p)
+{
+    if (!p->o.job)
+        return jobspec_name(&p->job, p->err);
+    msg_job_parse(p->o.job, p->job.id); /* it was looked at */
+    return 0;
+}
+
+static int
 run(struct program *p)
 {
     int rc = take_rif(p);
@@ -566,7 +578,7 @@ run(struct program *p)
         program_warn(p, "the pictures of all frames are there: nothing is rendered");
     else if (rc == 0 && p->o.dry_run)
         rc = run_dry(p);
-    else if (rc == 0 && (rc = jobspec_name(&p->job, p->err)) == 0)
+    else if (rc == 0 && (rc = name_job(p)) == 0)
         rc = run_job(p);
     pointstream_close(&p->input);
     launch_stop(p->launch);

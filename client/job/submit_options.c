@@ -155,6 +155,9 @@ static const struct option own[] = {
     TEXT("--reuse", reuse, "JOB|last",
          "begin with the ambient values that a former job on the same scene "
          "left: that job, or the last one that fits"),
+    TEXT("--job", job, "ID",
+         "of sensor points: write the values of the job that the same words "
+         "with --detach have left"),
     FLAG("--no-share", no_share, "no ambient values from worker to worker"),
     FLAG("--same-bits", same_bits,
          "only workers whose arithmetic is the same to the bit"),
@@ -837,16 +840,29 @@ check_points(struct submit_options *o, struct rad_error *err)
 {
     const char *other = is_for_pictures(o);
     int rc = pointspec_check(&o->points, err);
+    uint8_t id[MSG_JOB];
+
+    if (o->job && (!o->points.file || o->detach || o->dry_run))
+        return rad_fail(err, RAD_EUSAGE,
+                        "--job is for the values of sensor points: without "
+                        "--detach and --dry-run, and radctl fetch gets "
+                        "pictures");
+    if (o->job && !msg_job_parse(o->job, id))
+        return rad_fail(err, RAD_EUSAGE,
+                        "option '--job': '%.40s' is no job's id, of %d digits",
+                        o->job, MSG_JOB_HEX - 1);
 
     if (rc < 0 || !o->points.file)
         return rc;
     if (other)
         return rad_fail(err, RAD_EUSAGE,
                         "%s is for pictures, and --points makes none", other);
-    if (o->detach)
+    if ((o->detach || o->job) && (!pointspec_lit(&o->points) ||
+                                  submit_options_planes(o) > 1))
         return rad_fail(err, RAD_EUSAGE,
-                        "--points and --detach exclude each other: radsubmit "
-                        "puts the values into the points' order");
+                        "%s is for one job: not for -o letters that need no "
+                        "light, nor for more than three bands (-cs) of points",
+                        o->detach ? "--detach" : "--job");
     if (picfile_is_png(o->output, PICFILE_BY_SUFFIX))
         return rad_fail(err, RAD_EUSAGE,
                         "'%s': --points makes no picture: -fac with -x and -y "

@@ -81,6 +81,7 @@ struct submit_options {
     int partition, order; /* enum submit_partition, submit_order */
     int ambient_way;      /* enum submit_ambient */
     const char *reuse;    /* a job's id, or "last"; NULL: not said */
+    const char *job;      /* --job: an id; NULL: of a new job */
     int windows;          /* 0: by the picture's size */
     const char *estimate; /* "uniform", "20a" or the like; NULL: not said */
     const char *costs;    /* the file that --estimate named; or NULL */

@@ -73,10 +73,8 @@ format_way(const struct submit *s, char *buf, size_t n)
     msg_job_format(s->job->spec->job, hex);
     if (!(flags & MSG_JOB_POINTS))
         snprintf(buf, n, "radctl fetch %s -o FILE", hex);
-    else if (flags & MSG_JOB_SCENE)
-        snprintf(buf, n, "when it is done, submit again with --reuse=%s", hex);
     else
-        snprintf(buf, n, "radctl cancel %s, and submit again", hex);
+        snprintf(buf, n, "submit again with --job=%s", hex);
 }
 
 /* The job stays with the coordinator, and what becomes of it there. */

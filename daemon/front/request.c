@@ -324,15 +324,22 @@ submit_fault(const struct coord *c, const struct coord_conn *conn,
     return partition_check(&p, err);
 }
 
-/* Somebody submits a job that is here already: attach to it. */
+/* Somebody submits a job that is here already: attach to it, if it is that. */
 static void
 attach(struct coord *c, struct coord_conn *conn, uint32_t request,
-       const uint8_t *id)
+       const struct msg_spec *spec)
 {
-    struct job *job = job_of_request(c, conn, request, id);
+    struct job *job = job_of_request(c, conn, request, spec->job);
 
     if (!job)
         return;
+    if (memcmp(job->spec.manifest, spec->manifest, MSG_HASH) != 0 ||
+        strcmp(job->spec.params, spec->params) != 0) {
+        desk_reply_failed(c, conn, request, job->id, EX_DATAERR,
+                          "there is a job of that id, with other files or "
+                          "options");
+        return;
+    }
     conn->watch_request = request;
     if (job->stage == STAGE_OPEN || job_over(job))
         coord_send_accept(c, conn, job, true);
@@ -379,7 +386,7 @@ on_submit(struct coord *c, struct coord_conn *conn, const struct msg *m)
     struct job *job;
 
     if (desk_find_job(c, m->submit.job)) {
-        attach(c, conn, m->request, m->submit.job);
+        attach(c, conn, m->request, &m->submit);
         return;
     }
     if (submit_fault(c, conn, &spec, &err) != 0 ||
@@ -631,7 +638,8 @@ fetch_fault(const struct job *job, const struct msg_fetch *m, int *status)
     if (m->what == MSG_WHAT_DEPTH && !(job->spec.flags & MSG_JOB_DEPTH))
         return "the job has no distances";
     if (m->what != MSG_WHAT_DEPTH && job->spec.flags & MSG_JOB_POINTS)
-        return "the job is of sensor points: it has no picture";
+        return "the job is of sensor points: radsubmit --job writes "
+               "their values";
     *status = EX_TEMPFAIL;
     if (m->what == MSG_WHAT_PREVIEW)
         return job->pixels_done > 0 || job->frames[m->frame].shown ||

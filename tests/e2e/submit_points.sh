@@ -101,6 +101,9 @@ refused 65 "2 bytes behind sensor point 1" --points=part.bin -fda
 refused 64 "-vp is for pictures" --points=points.txt -vp 0 0 0
 refused 64 "--preview is for pictures" --points=points.txt --preview=a.png
 refused 64 "--detach" --points=points.txt --detach
+refused 64 "--job needs a coordinator" --points=points.txt --job="$(printf %032d 1)"
+refused 64 "is no job's id" --points=points.txt --job=7
+refused 64 "--job is for the values" --job="$(printf %032d 1)"
 refused 64 "'t' of rtrace is not supported" --points=points.txt -otv
 refused 64 "'D' is none of rtrace's" --points=points.txt -oD
 refused 64 "'-I' is for --points" -I
@@ -149,17 +152,28 @@ left() # TEXT OPTIONS...
     grep -qF "the job goes on: $(printf "$text" "$id")" left.err ||
         fail "what to do: $(cat left.err)"
 }
-left 'radctl cancel %s, and submit again' -I
+left 'submit again with --job=%s' -I
 "$radctl" cancel "$id" || fail "cancel $id"
-left 'when it is done, submit again with --reuse=%s' $opts
+left 'submit again with --job=%s' $opts
+left_id=$id
+id=$("$radsubmit" --points=grid.txt $opts --detach "$room") ||
+    fail "--detach"
 "$radd" --coordinator="$RADD_COORDINATOR" --name=w --threads=1 \
     --listen=127.0.0.1:0 --cache="$work/cache" 2>>w.log &
 is_done() { "$radctl" jobs | grep "$id" | grep -q done; }
 until_true 60 is_done || fail "$id is not done: $("$radctl" jobs)"
+for job in "$left_id" "$id"; do
+    "$radsubmit" --points=grid.txt $opts --job="$job" "$room" >left.bin \
+        2>stderr || fail "--job: $(cat stderr)"
+    cmp one.bin left.bin || fail "values of a job that was left"
+done
+expect 65 "other files or options" "points of another job" "$radsubmit" \
+    --points=points.txt $opts --job="$id" "$room"
+expect 64 "radsubmit --job writes" "fetch" "$radctl" fetch "$id" -o x.hdr
 "$radsubmit" --points=grid.txt $opts --reuse="$id" "$room" >again.bin \
     2>stderr || fail "--reuse: $(cat stderr)"
 cmp one.bin again.bin || fail "values over the same cache"
-expect 74 "--reuse=" "no room for the values" "$radsubmit" --points=grid.txt \
+expect 74 "--job=" "no room for the values" "$radsubmit" --points=grid.txt \
     $opts -o /dev/full "$room"
 kept=$(sed -n 's/^radsubmit: the values are in //p' stderr)
 [ -s "$kept" ] || fail "values that cannot be written are lost: $(cat stderr)"
