@@ -211,9 +211,10 @@ int
 pointfile_take(struct pointfile *from, uint32_t n, struct pointfile *to,
                struct rad_error *err)
 {
-    *to = (struct pointfile){ .point = malloc(n * sizeof *to->point),
-                              .n = n,
-                              .room = n };
+    *to = (struct pointfile){ .n = n, .room = n };
+    if (n == 0)
+        return 0;
+    to->point = malloc(n * sizeof *to->point);
     if (!to->point)
         return rad_fail(err, RAD_ENOMEM, "out of memory");
     memcpy(to->point, from->point, n * sizeof *to->point);
