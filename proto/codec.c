@@ -203,12 +203,10 @@ code_faults(struct codec *c, struct msg_fault faults[MSG_FAULTS])
 static void
 code_doubt(struct codec *c, struct msg_doubt *d)
 {
-    code_amount(c, &d->pixels);
-    code_amount(c, &d->variance);
-    code_amount(c, &d->known);
-    code_amount(c, &d->all);
-    code_amount(c, &d->rough);
-    code_amount(c, &d->nrough);
+    for (int i = 0; i < MSG_DOUBT_SUMS; i++) {
+        code_f64(c, &d->v[i]);
+        code_read_must(c, d->v[i] > -1e100 && d->v[i] < 1e100);
+    }
 }
 
 void

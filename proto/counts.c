@@ -54,12 +54,8 @@ msg_faults_add(struct msg_fault a[MSG_FAULTS],
 void
 msg_doubt_add(struct msg_doubt *a, const struct msg_doubt *b)
 {
-    a->pixels += b->pixels;
-    a->variance += b->variance;
-    a->known += b->known;
-    a->all += b->all;
-    a->rough += b->rough;
-    a->nrough += b->nrough;
+    for (int i = 0; i < MSG_DOUBT_SUMS; i++)
+        a->v[i] += b->v[i];
 }
 
 void
@@ -99,17 +95,6 @@ lack_of(double all, double have)
     return all > have ? all - have : 0;
 }
 
-static struct msg_doubt
-doubt_lack(const struct msg_doubt *all, const struct msg_doubt *have)
-{
-    return (struct msg_doubt){ lack_of(all->pixels, have->pixels),
-                               lack_of(all->variance, have->variance),
-                               lack_of(all->known, have->known),
-                               lack_of(all->all, have->all),
-                               lack_of(all->rough, have->rough),
-                               lack_of(all->nrough, have->nrough) };
-}
-
 void
 msg_counts_lack(struct msg_counts *out, const struct msg_counts *all,
                 const struct msg_counts *have)
@@ -124,7 +109,8 @@ msg_counts_lack(struct msg_counts *out, const struct msg_counts *all,
         .intersection_tests =
             lack(all->intersection_tests, have->intersection_tests),
         .ambient_values = lack(all->ambient_values, have->ambient_values),
-        .cpu_s = lack_of(all->cpu_s, have->cpu_s),
-        .doubt = doubt_lack(&all->doubt, &have->doubt)
+        .cpu_s = lack_of(all->cpu_s, have->cpu_s)
     };
+    for (int i = 0; i < MSG_DOUBT_SUMS; i++)
+        out->doubt.v[i] = all->doubt.v[i] - have->doubt.v[i];
 }

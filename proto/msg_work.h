@@ -14,11 +14,11 @@ struct msg_ready {
     uint32_t passes; /* closed ones whose records the child has (FROZEN) */
 };
 
-/* How far pixels may be off: sums of src/trace/job.h and src/picture/doubt.h,
- * each at least 0 and below 1e100. */
+/* How far off pixels were that were made again: sums of src/picture/doubt.h,
+ * each between -1e100 and 1e100. */
+#define MSG_DOUBT_SUMS 6
 struct msg_doubt {
-    double pixels, variance, known, all; /* of indirect light */
-    double rough, nrough;                /* of base lines */
+    double v[MSG_DOUBT_SUMS];
 };
 
 /* The cost of one unit; nan.frame is the unit's frame and is not sent. */

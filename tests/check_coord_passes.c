@@ -597,15 +597,15 @@ submit_goal(uint32_t error_ppm, uint32_t time_ms)
 static void
 send_sums(uint64_t conn, uint32_t pass, uint32_t tile, double v, size_t cut)
 {
-    struct rad_refine_sums sums = { { 0 } };
+    struct rad_refine_sums sums = { 0 };
+    double *sum = sums.doubt.v;
     struct wire_out w;
     struct msg m = { .type = MSG_TILE_MADE,
                      .tile_made = {
                          .job = job_a, .pass = pass, .tile = tile } };
 
-    sums.v[RAD_REFINE_PLACES] = sums.v[RAD_REFINE_AREAS] = 1;
-    sums.v[RAD_REFINE_AMBIENT] = v;
-    sums.v[RAD_REFINE_AMBIENT2] = v * v;
+    sum[RAD_DOUBT_PLACES] = sum[RAD_DOUBT_AREAS] = 1;
+    sum[RAD_DOUBT_AMBIENT] = sum[RAD_DOUBT_SAID] = v;
     wire_out_init(&w, SUMS_BYTES);
     sums_pack(&w, &sums);
     m.tile_made.data = w.buf;

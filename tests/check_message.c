@@ -58,7 +58,9 @@ static const uint8_t pixels[2 * 3 * 4] = { 0x3f, 0x80 };
     {                                                                          \
         1, 2, 3, 4, 5, 6, 7, 8, 9, { 10, 0, 11, 12 }, { { 13, 14 } }, .5, .75, \
         {                                                                      \
-            15.5, 16.5, 17.5, 18.5, 19.5, 20.5                                 \
+            {                                                                  \
+                15.5, -16.5, 17.5, 18.5, 19.5, 20.5                            \
+            }                                                                  \
         }                                                                      \
     }
 
@@ -245,9 +247,9 @@ START_TEST(what_a_sum_lacks_of_another_is_no_less_than_nothing)
                                            .shadow_rays = 7,
                                            .cpu_s = 2,
                                            .wall_s = 3,
-                                           .doubt = { .known = 5 } };
+                                           .doubt = { { [1] = 5 } } };
     static const struct msg_counts have = {
-        .rays = 4, .shadow_rays = 8, .cpu_s = .5, .doubt = { .known = 1 }
+        .rays = 4, .shadow_rays = 8, .cpu_s = .5, .doubt = { { [1] = 1 } }
     };
     struct msg_counts lack;
 
@@ -257,7 +259,7 @@ START_TEST(what_a_sum_lacks_of_another_is_no_less_than_nothing)
     ck_assert_uint_eq(lack.shadow_rays, 0);
     ck_assert_double_eq(lack.cpu_s, 1.5);
     ck_assert_double_eq(lack.wall_s, 0);
-    ck_assert_double_eq(lack.doubt.known, 4);
+    ck_assert_double_eq(lack.doubt.v[1], 4);
     msg_counts_add(&lack, &have);
     ck_assert_uint_eq(lack.rays, all.rays);
 }
@@ -583,7 +585,6 @@ static const struct {
     { MSG_READY, offsetof(struct msg, ready.load_s) },
     { MSG_RESULT, offsetof(struct msg, result.counts.cpu_s) },
     { MSG_RESULT, offsetof(struct msg, result.counts.wall_s) },
-    { MSG_RESULT, offsetof(struct msg, result.counts.doubt.all) },
     { MSG_TALLY, offsetof(struct msg, tally.busy_s) },
     { MSG_TALLY, offsetof(struct msg, tally.wait_base_line_s) },
     { MSG_TALLY, offsetof(struct msg, tally.dropped.cpu_s) },
@@ -615,6 +616,25 @@ START_TEST(an_amount_without_end_is_refused)
         n = pack(&m, bytes) - MSG_HEADER;
         ck_assert_int_eq(unpack_exactly(m.type, bytes + MSG_HEADER, n, &back),
                          RAD_EPROTO);
+    }
+    msg_release(&back);
+}
+END_TEST
+
+START_TEST(a_sum_of_doubt_has_an_end)
+{
+    static const double value[] = { -1, 9e99, NAN, INFINITY, -1e100 };
+    uint8_t bytes[MOST];
+    struct msg back = { 0 };
+
+    for (size_t i = 0; i < N_ELEM(value); i++) {
+        struct msg m = { .type = MSG_PAID, .paid = { ID, 1, 2, COUNTS } };
+        size_t n;
+
+        m.paid.counts.doubt.v[MSG_DOUBT_SUMS - 1] = value[i];
+        n = pack(&m, bytes) - MSG_HEADER;
+        ck_assert_int_eq(unpack_exactly(m.type, bytes + MSG_HEADER, n, &back),
+                         i < 2 ? 0 : RAD_EPROTO);
     }
     msg_release(&back);
 }
@@ -1100,6 +1120,7 @@ main(void)
     tcase_add_loop_test(tc, a_damaged_message_is_refused_or_consistent, 0, n);
     tcase_add_loop_test(tc, an_amount_without_end_is_refused, 0,
                         N_ELEM(amounts));
+    tcase_add_test(tc, a_sum_of_doubt_has_an_end);
     tcase_add_test(tc, a_hello_of_another_version_is_understood_so_far);
     tcase_add_loop_test(tc, each_message_arrives_only_where_it_may, 0,
                         N_ELEM(arrivals));

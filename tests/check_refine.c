@@ -118,15 +118,14 @@ ask_of(double error, double ambient, double pixel, double noise)
     struct rad_refine_ask ask = {
         .error = error, .rays = 1000000, .pixels = 100000, .left_s = INFINITY
     };
-    double *v = ask.sums.v;
+    double *v = ask.sums.doubt.v;
 
-    v[RAD_REFINE_PLACES] = v[RAD_REFINE_AREAS] = 100;
-    v[RAD_REFINE_AMBIENT] = 100 * ambient * ambient;
-    v[RAD_REFINE_PIXEL] = 100 * pixel * pixel;
-    v[RAD_REFINE_NOISE] = 100 * noise * noise;
-    v[RAD_REFINE_SHOWN] = 1000;
-    v[RAD_REFINE_TRACED] = 300;
-    v[RAD_REFINE_RAYS] = 3000;
+    v[RAD_DOUBT_PLACES] = v[RAD_DOUBT_AREAS] = 100;
+    v[RAD_DOUBT_AMBIENT] = v[RAD_DOUBT_SAID] = 100 * ambient * ambient;
+    v[RAD_DOUBT_PIXEL] = 100 * pixel * pixel;
+    v[RAD_DOUBT_NOISE] = 100 * noise * noise;
+    ask.sums.shown = 1000;
+    ask.sums.rays = 3000;
     return ask;
 }
 
@@ -228,24 +227,37 @@ END_TEST
 static const double wild[] = { 0,    -0.0,  -1,     1e-320, 1,
                                1e30, 1e308, -1e308, NAN,    INFINITY };
 
+enum { SUMS = RAD_DOUBT_SUMS + 5 };
+
+static double *
+sum(struct rad_refine_sums *s, int k)
+{
+    double *more[] = { &s->off.light, &s->off.off, &s->off.square, &s->shown,
+                       &s->rays };
+
+    return k < RAD_DOUBT_SUMS ? &s->doubt.v[k] : more[k - RAD_DOUBT_SUMS];
+}
+
 /* Whatever is said, an end comes, with a number. */
 START_TEST(sums_may_be_anything)
 {
-    for (int k = 0; k < RAD_REFINE_SUMS; k++)
+    for (int k = 0; k < SUMS; k++)
         for (int i = 0; i < N_ELEM(wild); i++)
             for (int timed = 0; timed <= 1; timed++) {
                 struct rad_refine_ask ask = ask_of(.02, .1, .1, .05);
                 struct rad_refine_rungs next = { 0, 0 };
                 double error = -1;
 
-                ask.sums.v[k] = wild[i];
-                ask.sums.v[(k + 1) % RAD_REFINE_SUMS] = wild[_i];
+                *sum(&ask.sums, k) = wild[i];
+                *sum(&ask.sums, (k + 1) % SUMS) = wild[_i];
                 ask.rungs = (struct rad_refine_rungs){ 255, 255 };
                 if (timed) {
                     ask.left_s = wild[i];
                     ask.rays_s = wild[_i];
                 }
                 rad_refine_next(&ask, &next, &error);
+                ck_assert(error >= 0 && error <= 1e6);
+                error = rad_refine_mean(&ask.sums);
                 ck_assert(error >= 0 && error <= 1e6);
                 ck_assert_int_le(next.ambient, RAD_REFINE_MOST_AMBIENT);
                 ck_assert_int_le(next.pixel, RAD_REFINE_MOST_PIXEL);
@@ -267,20 +279,20 @@ END_TEST
 /* The mean is off by what places have in common, not by what each is. */
 START_TEST(mean_keeps_what_places_err_by_in_common)
 {
-    struct rad_refine_sums s = { { 0 } };
+    struct rad_refine_sums s = { 0 };
     double all;
 
-    s.v[RAD_REFINE_PLACES] = 100;
-    s.v[RAD_REFINE_LIGHT] = 200;
-    s.v[RAD_REFINE_OFF] = 100 * .04; /* each by 2 % */
-    s.v[RAD_REFINE_OFF2] = 100 * .04 * .04;
-    s.v[RAD_REFINE_AMBIENT] = 100 * .02 * .02;
-    s.v[RAD_REFINE_AMBIENT2] = 100 * .02 * .02 * .02 * .02;
-    all = rad_refine_error(&s).ambient;
-    ck_assert_double_eq_tol(rad_refine_error(&s).mean, all, 1e-9);
-    s.v[RAD_REFINE_OFF] = 0; /* half of them too bright, half too dark */
-    ck_assert_double_gt(rad_refine_error(&s).mean, 0);
-    ck_assert_double_le(rad_refine_error(&s).mean, all / 10);
+    s.doubt.v[RAD_DOUBT_PLACES] = 100;
+    s.doubt.v[RAD_DOUBT_AMBIENT] = 100 * .02 * .02;
+    s.doubt.v[RAD_DOUBT_SAID] = 1.7 * 100 * .02 * .02;
+    s.off.light = 200;
+    s.off.off = 100 * .04; /* each by 2 % */
+    s.off.square = 100 * .04 * .04;
+    all = rad_doubt_error(&s.doubt).ambient;
+    ck_assert_double_eq_tol(rad_refine_mean(&s), all, 1e-9);
+    s.off.off = 0; /* half of them too bright, half too dark */
+    ck_assert_double_gt(rad_refine_mean(&s), 0);
+    ck_assert_double_le(rad_refine_mean(&s), all / 10);
 }
 END_TEST
 
@@ -390,7 +402,6 @@ work(void *arg)
     }
     ck_assert_uint_eq(ctx.counts.primary_rays, 0);
     ck_assert_uint_eq(ctx.counts.ambient_values, 0);
-    ck_assert_double_eq(ctx.counts.doubt.pixels, 0);
     ck_assert(!ctx.fresh);
     rad_ctx_release(&ctx);
     return NULL;
@@ -411,14 +422,14 @@ make_tiles(struct room *m, int threads, bool backward, bool twice)
         ck_assert_int_eq(pthread_join(thread[i], NULL), 0);
 }
 
-static struct rad_refine_error
+static struct rad_error_estimate
 error_of(const struct room *m)
 {
-    struct rad_refine_sums all = { { 0 } };
+    struct rad_refine_sums all = { 0 };
 
     for (uint32_t i = 0; i < m->ntiles; i++)
         rad_refine_add(&all, &m->of[i]);
-    return rad_refine_error(&all);
+    return rad_doubt_error(&all.doubt);
 }
 
 #define COARSE                                                                 \
@@ -445,7 +456,7 @@ END_TEST
 START_TEST(a_finer_cache_is_found_to_be_better)
 {
     struct room *m = &rooms[0];
-    struct rad_refine_error coarse, fine;
+    struct rad_error_estimate coarse, fine;
 
     open_room(m, COARSE);
     make_tiles(m, 1, false, false);

@@ -206,7 +206,6 @@ START_TEST(its_rays_are_ambient_and_no_pixels)
     ck_assert_uint_eq(m.w.ctx.counts.ambient_values,
                       rad_ambient_count(m.w.job->ambient));
     ck_assert_uint_eq(m.w.ctx.counts.primary_rays, 0);
-    ck_assert_double_eq(m.w.ctx.counts.doubt.pixels, 0);
     /* each record is of 25 rays at least, in a hemisphere */
     ck_assert_uint_gt(m.w.ctx.counts.ambient_rays,
                       25 * m.w.ctx.counts.ambient_values);

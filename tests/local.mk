@@ -829,9 +829,9 @@ tests_check_strict_unit_SOURCES = tests/check_strict_unit.c \
 tests_check_strict_unit_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
 tests_check_strict_unit_LDADD = $(LIBDAEMON) $(UNIT_LIBS)
 
-tests_check_doubt_SOURCES = tests/check_doubt.c tests/unit.h
+tests_check_doubt_SOURCES = tests/check_doubt.c tests/unit.h tests/world.h
 tests_check_doubt_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)
-tests_check_doubt_LDADD = $(UNIT_LIBS)
+tests_check_doubt_LDADD = $(LIBDAEMON) $(UNIT_LIBS)
 
 tests_check_metric_SOURCES = tests/check_metric.c tests/unit.h
 tests_check_metric_CFLAGS = $(AM_CFLAGS) $(CHECK_CFLAGS)

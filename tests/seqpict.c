@@ -2,7 +2,8 @@
  *
  * usage: seqpict [-vf FILE] [rpict options] [-z FILE] [--counts]
  *                [--window=X,Y,W,H] [--frame=N] [--oversample=N] [--clamp=F]
- *                [--ambient=passes] [--error=PERCENT] -o OUT.hdr scene.rad...
+ *                [--ambient=passes] [--error=PERCENT] [--doubt] -o OUT.hdr
+ *                scene.rad...
  * What a cluster must agree with.  -vf is a view file, -z gets distances as
  * rpict writes them; --counts prints what was counted on standard error;
  * --window renders that part of the picture by itself, the rest is black;
@@ -10,7 +11,8 @@
  * --oversample and --clamp filter the whole picture down as radsubmit's do;
  * --ambient=passes fills the cache in passes first; --error does so in stages,
  * until the picture is estimated to be no farther off, and says of each on
- * standard error with which rungs it was made and what was found. */
+ * standard error with which rungs it was made and what was found; --doubt says
+ * how far off the picture is, as a cluster does. */
 #include "config.h"
 
 #include "compile/compile.h"
@@ -33,7 +35,7 @@ struct task {
     struct rad_window window; /* width 0: all */
     uint32_t frame;
     const char *out, *depth;
-    bool counts, passes;
+    bool counts, passes, says;
     double error; /* 0: not asked for */
     int oversample;
     double clamp;
@@ -75,6 +77,10 @@ own_option(struct task *t, int argc, char **argv, struct rad_error *err)
 
     if (strcmp(argv[0], "--counts") == 0) {
         t->counts = true;
+        return 1;
+    }
+    if (strcmp(argv[0], "--doubt") == 0) {
+        t->says = true;
         return 1;
     }
     if (strcmp(argv[0], "--ambient=passes") == 0) {
@@ -267,6 +273,41 @@ print_counts(const struct rad_counts *c)
             c->paint_rays, c->ambient_values, c->nan_pixels, c->geom.tests);
 }
 
+/* How far off the picture is, as a cluster says it. */
+static void
+print_error(const struct rad_frame *f, struct rad_ctx *ctx,
+            struct rad_pixel *const rows[])
+{
+    const struct rad_window all = { 0, 0, f->width, f->height };
+    struct rad_doubt_share share = rad_doubt_of_picture(f);
+    struct rad_doubt found = { { 0 } };
+    struct rad_error_estimate e;
+    struct rad_quincunx q;
+    uint64_t rays = ctx->counts.rays;
+    int next = 0;
+
+    rad_frame_sampler(f, &all, &q);
+    for (int i = 0; i < rad_quincunx_nbases(&q); i++) {
+        int end = rad_quincunx_base_row(&q, i) + 1;
+        struct rad_doubt_rows r = { .frame = f,
+                                    .y = next,
+                                    .width = f->width,
+                                    .n = end - next,
+                                    .row =
+                                        (const struct rad_pixel *const *)rows +
+                                        next };
+
+        rad_doubt_look(&r, ctx, &share, NULL, &found);
+        next = end;
+    }
+    e = rad_doubt_error(&found);
+    fprintf(stderr,
+            "error %.4f ambient %.4f sampling %.4f places %.0f areas %.0f "
+            "rays %" PRIu64 "\n",
+            e.all, e.ambient, e.sampling, found.v[RAD_DOUBT_PLACES],
+            found.v[RAD_DOUBT_AREAS], ctx->counts.rays - rays);
+}
+
 static int
 render(const struct task *t, const struct rad_frame *f, struct rad_ctx *ctx,
        struct rad_error *err)
@@ -285,6 +326,8 @@ render(const struct task *t, const struct rad_frame *f, struct rad_ctx *ctx,
         rad_fail(err, rc, "cannot render that window");
     if (rc == 0)
         rc = write_picture(t, f, pixels, err);
+    if (rc == 0 && t->says)
+        print_error(f, ctx, rows);
     if (rc == 0 && t->depth)
         rc = write_depth(t, f, pixels, err);
     free(rows);
@@ -389,17 +432,16 @@ print_stage(const struct rad_refine_ask *ask, const struct rad_job *job,
             uint64_t rays)
 {
     const struct rad_params *par = &job->params;
-    struct rad_refine_error e = rad_refine_error(&ask->sums);
+    const struct rad_doubt *d = &ask->sums.doubt;
+    struct rad_error_estimate e = rad_doubt_error(d);
 
     fprintf(stderr,
             "stage %" PRIu32 " rungs %d %d error %.4f ambient %.4f pixel %.4f "
             "noise %.4f rays %" PRIu64 " check %" PRIu64
             " aa %.4g ad %d pt %.4g ds %.4g\n",
             ask->stage, ask->rungs.ambient, ask->rungs.pixel, e.all, e.ambient,
-            e.pixel,
-            sqrt(ask->sums.v[RAD_REFINE_NOISE] /
-                 fmax(ask->sums.v[RAD_REFINE_AREAS], 1)),
-            ask->rays, rays - ask->rays, par->ambacc, par->ambdiv, par->maxdiff,
+            e.sampling, sqrt(rad_doubt_squares(d).noise), ask->rays,
+            rays - ask->rays, par->ambacc, par->ambdiv, par->maxdiff,
             par->srcsizerat);
 }
 

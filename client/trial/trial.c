@@ -34,6 +34,10 @@ enum {
     LAST_FULL = 256
 };
 
+/* Of windows' pixels, in areas of no contrast, and places. */
+#define AREAS_TRIED  (1. / 2000)
+#define PLACES_TRIED (1. / 1500)
+
 static bool
 stopped(const struct trial_effort *e)
 {
@@ -132,8 +136,37 @@ again(struct trial *t, const struct rad_frame *f, struct rad_ctx *ctx,
     t->again_primary +=
         (double)(ctx->counts.primary_rays - before.primary_rays);
     t->again_rays += (double)(ctx->counts.rays - before.rays);
-    ctx->counts = before; /* no pixel is in doubt twice */
+    ctx->counts = before;
     return rc;
+}
+
+/* Make some of a window's pixels again.  Its first row is sampled more densely
+ * than others. */
+static void
+look_again(struct trial *t, const struct rad_frame *f, struct rad_ctx *ctx,
+           const struct rad_window *w, struct rad_pixel **rows)
+{
+    const struct rad_doubt_share share = { AREAS_TRIED, PLACES_TRIED };
+    struct rad_counts before = ctx->counts;
+    double begin = cpu_seconds();
+    int xstep, ystep;
+
+    rad_quincunx_steps(f->job->params.psample, &xstep, &ystep);
+    for (int y = 1; y < w->height; y += ystep) {
+        struct rad_doubt_rows r = { .frame = f,
+                                    .x = w->x,
+                                    .y = w->y + y,
+                                    .width = w->width,
+                                    .n = w->height - y < ystep ? w->height - y
+                                                               : ystep,
+                                    .row =
+                                        (const struct rad_pixel *const *)rows +
+                                        y };
+
+        rad_doubt_look(&r, ctx, &share, NULL, &t->doubt);
+    }
+    t->look_cpu_s += cpu_seconds() - begin;
+    ctx->counts = before;
 }
 
 static int
@@ -156,8 +189,8 @@ try_windows(struct trial *t, const struct rad_frame *f, struct rad_ctx *ctx,
     for (long k = 1; rc == 0 && k <= MOST_WINDOWS && !stopped(e); k++) {
         place(k, f->width - w.width + 1, f->height - w.height + 1, &w.x, &w.y);
         rc = rad_frame_window(f, ctx, &w, rows, NULL, NULL);
-        for (int i = 0; rc == 0 && i < w.height && !f->points; i++)
-            rad_rough_row(&t->rough, rows[i], w.width, i, t->psample);
+        if (rc == 0)
+            look_again(t, f, ctx, &w, rows);
         if (rc == 0)
             rc = again(t, f, ctx, &w, rows);
         t->pixels += (double)w.width * w.height;
@@ -167,7 +200,7 @@ try_windows(struct trial *t, const struct rad_frame *f, struct rad_ctx *ctx,
     free(pixels);
     t->primary = (double)(ctx->counts.primary_rays - before.primary_rays);
     t->rays = (double)(ctx->counts.rays - before.rays);
-    t->cpu_s = cpu_seconds() - begin - t->again_cpu_s;
+    t->cpu_s = cpu_seconds() - begin - t->again_cpu_s - t->look_cpu_s;
     t->records = (double)(ctx->counts.ambient_values - before.ambient_values);
     return rc;
 }
@@ -256,12 +289,10 @@ trial_run(struct trial *t, const struct trial_scene *scene,
     t->load_s = cpu_seconds() - begin;
     t->width = s.frame.width;
     t->height = s.frame.height;
-    t->psample = params->psample;
     try_pixels(t, &s.frame, &s.ctx, &part);
     rc = try_windows(t, &s.frame, &s.ctx, &part, err);
     if (rc == 0 && stopped(effort))
         rc = fail_stopped(err);
-    t->doubt = s.ctx.counts.doubt;
     t->peak_bytes = peak_bytes();
     stand_release(&s);
     return rc;
@@ -441,16 +472,17 @@ total(const struct trial *t, bool time, double primary, double more_records)
     return records + p.primary * primary;
 }
 
-/* Doubt of the picture, from that of smaller hemispheres: with more samples
- * what records differ by shrinks, but not by what extrapolation adds.  The
- * power was fitted on a box and an office at night. */
+/* What would be found of the picture, from what was with smaller hemispheres:
+ * with more samples the cache's error shrinks, but not what extrapolation adds.
+ * The power was fitted on a box and an office at night. */
 static struct rad_doubt
 doubt_of(const struct trial *t)
 {
     struct rad_doubt d = t->doubt;
+    double less = t->samples > 1 ? pow(t->samples, -.25) : 1;
 
-    if (t->samples > 1)
-        d.variance *= pow(t->samples, -.25);
+    d.v[RAD_DOUBT_AMBIENT] *= less;
+    d.v[RAD_DOUBT_SAID] *= less;
     return d;
 }
 
@@ -470,7 +502,7 @@ trial_predict(const struct trial *t, double pixels, struct prediction *p)
     p->rays = total(t, false, p->primary_rays, more);
     p->load_s = t->load_s;
     p->cpu_s = t->load_s + total(t, true, p->primary_rays, more);
-    p->error = rad_doubt_error(&doubt, &t->rough, t->psample);
+    p->error = rad_doubt_error(&doubt);
     p->bytes = t->peak_bytes + RECORD_BYTES * (records - last->records);
 }
 

@@ -33,10 +33,9 @@ struct trial {
     /* of the first of the strewn pixels, where the above was measured with
      * smaller hemispheres than are asked for; pixels 0: it was not */
     struct trial_step full, small;
-    struct rad_doubt
-        doubt; /* of pixels, with the hemispheres that were tried */
-    struct rad_rough rough; /* of the windows */
-    int psample;
+    double look_cpu_s; /* of windows, to make some of their pixels again */
+    struct rad_doubt doubt; /* that these found, with the hemispheres that were
+                             * tried */
     double samples; /* how many times larger a hemisphere is then */
 };
 

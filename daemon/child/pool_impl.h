@@ -16,7 +16,6 @@
 
 #include "child/pool.h"
 #include "child/pool_tiles.h"
-#include "picture/doubt.h"
 #include "team/team.h"
 
 #include <stdatomic.h>
@@ -46,7 +45,8 @@ struct active {
     double piece_wall0;      /* time when the piece was begun */
     struct rad_error err;    /* of a piece that could not be made */
     bool whole;              /* all rows were handed on, and count */
-    struct rad_rough rough;
+    uint64_t again; /* pixels that were made again */
+    struct msg_doubt doubt;
 };
 
 /* An estimate, under way or done. */

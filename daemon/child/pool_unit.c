@@ -6,6 +6,8 @@
 
 #include "child/pool_impl.h"
 #include "machine/counted.h"
+#include "machine/sums.h"
+#include "picture/doubt.h"
 #include "image/hdr.h"
 #ifdef RADD_TEST_HOOKS
 #include "tests/hook.h"
@@ -153,6 +155,31 @@ is_full(const struct active *u)
             pool_seconds(CLOCK_MONOTONIC) - u->piece_wall0 > PIECE_AGE);
 }
 
+/* Make some pixels of a line again.  They belong to no picture: of what they
+ * count nothing is the unit's but their number. */
+static void
+look(void *arg, struct rad_ctx *ctx, int first, int n,
+     const struct rad_pixel *const row[])
+{
+    struct active *u = arg;
+    const struct rad_frame *f = &u->pool->frames[u->unit.frame];
+    const struct rad_window *w = &u->unit.window;
+    struct rad_doubt_share share = rad_doubt_of_picture(f);
+    struct rad_doubt_rows rows = { .frame = f,
+                                   .x = w->x,
+                                   .y = w->y + first - u->row0,
+                                   .width = w->width,
+                                   .n = n,
+                                   .row = row };
+    struct rad_counts before = ctx->counts;
+    struct rad_doubt found = { { 0 } };
+
+    rad_doubt_look(&rows, ctx, &share, &u->pool->stopping, &found);
+    u->again += ctx->counts.primary_rays - before.primary_rays;
+    ctx->counts = before;
+    sums_count(&u->doubt, &found);
+}
+
 /* A row is done: put it into the piece.  A full piece is sent when the next row
  * comes: the unit's last piece must carry the counts, and a strict unit does
  * not know which of its rows is the last. */
@@ -165,9 +192,6 @@ on_row(void *arg, int row, const struct rad_pixel *pixels)
         send_piece(u);
     if (!u->piece && !(u->piece = new_piece(u, row - u->row0)))
         return;
-    if (!u->pool->frames[u->unit.frame].points) /* whose neighbours may differ */
-        rad_rough_row(&u->rough, pixels, u->unit.window.width, row,
-                      u->pool->job->params.psample);
     u->piece->bytes += put_row((char *)u->piece->pixels + u->piece->bytes,
                                pixels, u->unit.window.width, u->channels);
     u->piece->rows++;
@@ -229,7 +253,7 @@ new_team(struct active *u)
 
     rad_frame_sampler(f, pass ? &all : &u->unit.window, &spec.sampler);
     if (u->mode == TEAM_TRUTH)
-        spec.truth.rows = on_row;
+        spec.truth = (struct team_truth){ .rows = on_row, .look = look };
     if (!pass) {
         spec.last = rad_quincunx_nbases(&spec.sampler);
         return team_new(&spec);
@@ -296,8 +320,8 @@ leave_locked(struct active *u)
     *at = u->next;
     p->wait_s += team_waited(u->team);
     u->counts.wall_s = pool_seconds(CLOCK_MONOTONIC) - u->wall0;
-    u->counts.doubt.rough = u->rough.sum;
-    u->counts.doubt.nrough = u->rough.n;
+    u->counts.estimate_rays = u->again;
+    u->counts.doubt = u->doubt;
     if (u->pass)
         leave_pass_locked(u);
     else

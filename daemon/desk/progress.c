@@ -4,7 +4,7 @@
 #include "desk/progress.h"
 
 #include "desk/job.h"
-#include "machine/jobtext.h"
+#include "machine/sums.h"
 
 #include <math.h>
 #include <string.h>
@@ -70,14 +70,9 @@ cost_of_all(const struct job *job)
 struct rad_error_estimate
 progress_error(const struct job *job)
 {
-    const struct msg_doubt *m = &job->doubt;
-    const struct rad_doubt d = { m->pixels, m->variance, m->known, m->all };
-    const struct rad_rough r = { m->rough, m->nrough };
-    struct rad_params params;
+    struct rad_doubt d = sums_counted(&job->doubt);
 
-    if (jobtext_params(job->spec.params, &params, NULL) != 0)
-        params.psample = 1; /* it was read before */
-    return rad_doubt_error(&d, &r, params.psample);
+    return rad_doubt_error(&d);
 }
 
 void

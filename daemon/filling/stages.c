@@ -119,7 +119,7 @@ stages_end(struct coord *c, struct job *job, uint32_t n, uint64_t rays,
     struct rad_refine_rungs next;
     bool on = rad_refine_next(&ask, &next, &g->error);
 
-    g->mean = rad_refine_error(sums).mean;
+    g->mean = rad_refine_mean(sums);
     if (!on && job->spec.time_ms > 0) {
         double error;
 

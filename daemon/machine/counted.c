@@ -31,9 +31,5 @@ counted_add(struct msg_counts *sum, const struct rad_counts *c, double cpu_s)
     sum->ambient_values += c->ambient_values;
     msg_nan_add(&sum->nan, &nan);
     add_faults(sum->faults, c->faults);
-    sum->doubt.pixels += c->doubt.pixels;
-    sum->doubt.variance += c->doubt.variance;
-    sum->doubt.known += c->doubt.known;
-    sum->doubt.all += c->doubt.all;
     sum->cpu_s += cpu_s;
 }

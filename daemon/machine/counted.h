@@ -5,8 +5,7 @@
 #include "proto/message.h"
 #include "trace/job.h"
 
-/* Add c, which took cpu_s of processor time.  Of doubt only that of indirect
- * light: the renderer knows no rows. */
+/* Add c, which took cpu_s of processor time. */
 void counted_add(struct msg_counts *sum, const struct rad_counts *c,
                  double cpu_s);
 

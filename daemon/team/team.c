@@ -8,15 +8,27 @@
 #include <stdlib.h>
 #include <string.h>
 
+static void
+look(struct team *t, struct rad_ctx *ctx, int first, int n)
+{
+    const struct rad_pixel *row[RAD_QUINCUNX_MAX_YSTEP + 1];
+
+    for (int i = 0; i < n; i++)
+        row[i] = row_at(t, first + i);
+    t->spec.truth.look(t->spec.arg, ctx, first, n, row);
+}
+
 /* Hand on the rows of line i: its bar's and its own. */
 static void
-hand_on(struct team *t, int i)
+hand_on(struct team *t, struct rad_ctx *ctx, int i)
 {
     int row = team_line_row(&t->spec.sampler, i);
-    int end = row + team_line_rows(&t->spec.sampler, i);
+    int n = team_line_rows(&t->spec.sampler, i), end = row + n;
 
     if (t->spec.mode != TEAM_TRUTH || i < t->spec.truth.out)
         return;
+    if (t->spec.truth.look)
+        look(t, ctx, row, n);
     for (; row < end; row++) {
         t->spec.truth.rows(t->spec.arg, row, row_at(t, row));
         team_add(t, &t->out, 1);
@@ -56,7 +68,8 @@ skip_to_last_locked(struct team *t, int i)
 /* Line i is done.  If it is the first line whose rows are not handed on, hand
  * on all rows that are complete, unless another member is doing so. */
 void
-team_line_finish(struct team *t, int i, uint64_t primary)
+team_line_finish(struct team *t, struct rad_ctx *ctx, int i,
+                 uint64_t primary)
 {
     bool alike = i + 2 < t->spec.last && is_as_earlier(t, i);
 
@@ -70,7 +83,7 @@ team_line_finish(struct team *t, int i, uint64_t primary)
         t->handing_on = true;
         while (t->finished < t->begun && line_at(t, t->finished)->done) {
             uv_mutex_unlock(&t->mu);
-            hand_on(t, t->finished);
+            hand_on(t, ctx, t->finished);
             uv_mutex_lock(&t->mu);
             t->primary += line_at(t, t->finished)->primary;
             t->finished++;

@@ -133,6 +133,7 @@ has_bar(const struct team *t, int i)
 int team_line_begin(struct team *t);
 /* Line i is done, and wanted so many pixels: hand on all rows that are complete
  * by that. */
-void team_line_finish(struct team *t, int i, uint64_t primary);
+void team_line_finish(struct team *t, struct rad_ctx *ctx, int i,
+                      uint64_t primary);
 
 #endif

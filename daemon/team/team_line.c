@@ -326,7 +326,7 @@ do_lines(struct member *m)
         if (!done)
             return;
         member_tell_all(m);
-        team_line_finish(m->team, m->i, m->primary - primary);
+        team_line_finish(m->team, m->ctx, m->i, m->primary - primary);
     }
 }
 

@@ -40,6 +40,11 @@ typedef void team_paint_fn(void *arg, struct rad_ctx *ctx, int x0, int x1,
  * order, each once.  The pixels are borrowed for the call, which may wait. */
 typedef void team_rows_fn(void *arg, int row, const struct rad_pixel *pixels);
 
+/* All rows of a line are done, those of its bar and its own, n from `first` on
+ * of the sampler's area: asked of a member before they are handed on. */
+typedef void team_look_fn(void *arg, struct rad_ctx *ctx, int first, int n,
+                          const struct rad_pixel *const row[]);
+
 /* The unit's bottom is complete: a member says so, at once and once. */
 typedef void team_bottom_fn(void *arg);
 
@@ -71,6 +76,7 @@ struct team_truth {
     int out; /* rows of lines before this one were handed on by an earlier
               * pass; their base lines alone are painted again, as tops */
     team_rows_fn *rows;
+    team_look_fn *look; /* NULL: nobody wants to see them */
 };
 
 /* Of TEAM_LINES and TEAM_AHEAD, whose top may be a guess. */

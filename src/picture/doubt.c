@@ -1,66 +1,489 @@
 /* doubt.c - see doubt.h
  *
- * The factors were fitted on a box and an office at night; a drafting room, a
- * room with mirrors, and the office by day were left out.  doc/measured.md has
- * what they are off by. */
+ * Differences are relative to the mean of what is compared, which is near the
+ * difference of logarithms and never more than 2.
+ * Of an area few pixels are made again.  The square of a sum of differences is
+ * that of their products in pairs, and of each with itself: the former come
+ * from different pixels, the latter from one that is made twice.
+ * Errors of pixels are mostly at edges, which are few: areas are chosen by
+ * their contrast, and count less for it (Horvitz & Thompson 1952). */
 #include "config.h"
 
 #include "picture/doubt.h"
 
+#include "base/rng.h"
+
 #include <math.h>
+#include <stdatomic.h>
+#include <string.h>
 
-/* Differences count up to half of the mean: an edge is no noise. */
-#define ROUGHEST .25
+/* Apart from the keys of pixels, which have a frame in this place. */
+#define BRANCH UINT64_C(0x636865636b730000)
 
-/* Records about a place also err together, or to their neighbours' side. */
-#define AMBIENT_FACTOR .87
+/* An edge of a lamp counts, but not more than all the rest. */
+#define MOST_SQUARE 1.
+
+/* The square of the cache's error over what fresh samples say of it: deeper
+ * records, that both are made of, err as well. */
+#define DEEPER 1.7
 
 #define MOST_ERROR 1e6
 
-void
-rad_rough_row(struct rad_rough *r, const struct rad_pixel *pixels, int width,
-              int row, int psample)
+/* Of a picture, areas of no contrast and places; */
+#define AREAS  300.
+#define PLACES 64.
+
+/* one of so many pixels at most. */
+#define SPARSE_AREAS  1500.
+#define SPARSE_PLACES 3000.
+
+/* An area with contrast c is so many times likelier than one without: 1 +
+ * BY_CONTRAST c^2. */
+#define BY_CONTRAST 10.
+
+/* Of several places that one is chosen which records tell is off, but for so
+ * much of their mean; records tell no more than that. */
+#define EVEN     .3
+#define MOST_OFF 1.
+
+enum {
+    AREA = 25, /* pixels, about */
+    AGAIN = 3, /* of an area that are made again */
+    MOST = 40  /* pixels of an area */
+};
+_Static_assert(AREA + RAD_QUINCUNX_MAX_YSTEP / 2 <= MOST, "no room");
+
+/* Frames like the job's, with other random numbers. */
+enum { FIRST, SECOND, NFRAMES };
+
+struct look {
+    struct rad_job exact; /* the job, with -st 0 */
+    struct rad_frame frame[NFRAMES];
+    const struct rad_job *job; /* ctx's own */
+    const struct rad_doubt_rows *rows;
+    struct rad_ctx *ctx;
+    const _Atomic bool *stop;
+    uint64_t key;   /* of the area */
+    uint32_t drawn; /* numbers of it */
+    double *sum;
+    struct rad_doubt_off *off; /* NULL: not asked for */
+};
+
+static bool
+is_stopped(const struct look *k)
 {
-    int xstep, ystep, x;
+    return k->stop && atomic_load_explicit(k->stop, memory_order_relaxed);
+}
 
-    rad_quincunx_steps(psample, &xstep, &ystep);
-    if (row % ystep != 0)
+static double
+draw(struct look *k)
+{
+    return rad_rand(k->key, k->drawn++);
+}
+
+/* The luminance of a pixel of the picture that is made again. */
+static double
+pixel(struct look *k, int frame, int x, int y)
+{
+    struct rad_pixel p;
+
+    rad_frame_pixel(&k->frame[frame], k->ctx, x, y, &p);
+    return rad_rgb_lum(p.L);
+}
+
+/* The same, in the rows. */
+static double
+again(struct look *k, int frame, int x, int y)
+{
+    return pixel(k, frame, k->rows->x + x, k->rows->y + y);
+}
+
+/* The luminance that the picture has. */
+static double
+shown(const struct look *k, int x, int y)
+{
+    return rad_rgb_lum(k->rows->row[y][x].L);
+}
+
+/* --- places --- */
+
+/* Pixels of which one is made again. */
+struct tried {
+    const int (*at)[2];
+    double lum[RAD_DOUBT_TRIED]; /* as the cache has it, */
+    double off[RAD_DOUBT_TRIED]; /* and the square of its error, as records
+                                  * tell, relative */
+};
+
+/* Returns the mean of what records tell. */
+static double
+try_places(struct look *k, struct tried *t)
+{
+    double sum = 0;
+
+    for (int i = 0; i < RAD_DOUBT_TRIED; i++) {
+        k->ctx->doubt = 0;
+        t->lum[i] = pixel(k, FIRST, t->at[i][0], t->at[i][1]);
+        t->off[i] =
+            t->lum[i] > 0
+                ? fmin(k->ctx->doubt / (t->lum[i] * t->lum[i]), MOST_OFF)
+                : 0;
+        sum += t->off[i];
+    }
+    return sum / RAD_DOUBT_TRIED;
+}
+
+/* One of them, that is as likely as records tell that it is off, and a part of
+ * their mean; *weight: how many of them it stands for. */
+static int
+choose(struct look *k, const struct tried *t, double mean, double *weight)
+{
+    double share = (1 + EVEN) * RAD_DOUBT_TRIED * mean, left;
+    int i = 0;
+
+    if (!(mean > 0)) {
+        *weight = 1;
+        return (int)(draw(k) * RAD_DOUBT_TRIED);
+    }
+    left = draw(k) * share - t->off[0] - EVEN * mean;
+    while (left >= 0 && i + 1 < RAD_DOUBT_TRIED)
+        left -= t->off[++i] + EVEN * mean;
+    *weight = (1 + EVEN) * mean / (t->off[i] + EVEN * mean);
+    return i;
+}
+
+/* The square of the cache's error at a pixel where it has `cached`, relative;
+ * the pixel stands for `weight` of them. */
+static double
+square_at(struct look *k, int x, int y, double cached, double weight)
+{
+    double d[NFRAMES], mean = 0;
+
+    for (int i = 0; i < NFRAMES; i++) {
+        double fresh;
+
+        if (i != FIRST)
+            cached = pixel(k, i, x, y);
+        k->ctx->fresh = true;
+        fresh = pixel(k, i, x, y);
+        k->ctx->fresh = false;
+        d[i] = fresh - cached;
+        mean += (fresh + cached) / (2 * NFRAMES);
+    }
+    if (k->off && !is_stopped(k)) {
+        double off = weight * (d[FIRST] + d[SECOND]) / 2;
+
+        k->off->light += weight * mean;
+        k->off->off += off;
+        k->off->square += off * off;
+    }
+    return mean > 0 ? d[FIRST] * d[SECOND] / (mean * mean) : 0;
+}
+
+static void
+look_at_place(struct look *k, const int at[RAD_DOUBT_TRIED][2])
+{
+    struct tried t = { .at = at };
+    double said = try_places(k, &t), weight, square;
+    int i = choose(k, &t, said, &weight);
+
+    square = square_at(k, at[i][0], at[i][1], t.lum[i], weight);
+    if (is_stopped(k))
         return;
-    for (x = row / ystep % 2 ? xstep / 2 : 0; x + 2 * xstep < width;
-         x += xstep) {
-        double a = rad_rgb_lum(pixels[x].L);
-        double b = rad_rgb_lum(pixels[x + xstep].L);
-        double c = rad_rgb_lum(pixels[x + 2 * xstep].L);
-        double mean = (a + b + c) / 3, bend = a - 2 * b + c;
+    k->sum[RAD_DOUBT_PLACES] += 1;
+    k->sum[RAD_DOUBT_AMBIENT] += weight * square;
+    k->sum[RAD_DOUBT_SAID] += said;
+}
 
-        if (!(mean > 0))
-            continue;
-        /* of independent values with variance v the bend has 6 v */
-        r->sum += fmin(bend * bend / (6 * mean * mean), ROUGHEST);
-        r->n++;
+/* --- areas --- */
+
+/* Columns of the rows, from x on. */
+struct area {
+    int x, width, n; /* n pixels */
+};
+
+/* The first so many of `order` become some of the area's pixels, each once. */
+static int
+shuffle(struct look *k, const struct area *a, int order[MOST])
+{
+    int n = a->n < AGAIN ? a->n : AGAIN;
+
+    for (int i = 0; i < a->n; i++)
+        order[i] = i;
+    for (int i = 0; i < n; i++) {
+        int other = i + (int)(draw(k) * (a->n - i)), kept = order[i];
+
+        order[i] = order[other];
+        order[other] = kept;
+    }
+    return n;
+}
+
+/* The square of the area's error, and its pixels' noise, from what n of them
+ * are off by, and the first of them the second time. */
+static double
+square_of(const struct area *a, const double off[AGAIN], int n, double other)
+{
+    double sum = 0, squares = 0, pairs = off[0] * other;
+
+    for (int i = 0; i < n; i++) {
+        sum += off[i];
+        squares += off[i] * off[i];
+    }
+    if (n > 1)
+        pairs = (sum * sum - squares) / (n * (n - 1));
+    return ((a->n - 1) * pairs + off[0] * other) / a->n;
+}
+
+static void
+look_at_area(struct look *k, const struct area *a, double weight)
+{
+    double *sum = k->sum, off[AGAIN], lum[AGAIN], mean = 0, other, square;
+    int order[MOST], n = shuffle(k, a, order);
+
+    for (int i = 0; i < n; i++) {
+        int x = a->x + order[i] % a->width, y = order[i] / a->width;
+
+        off[i] = shown(k, x, y);
+        lum[i] = again(k, FIRST, x, y);
+        mean += (off[i] + lum[i]) / (2 * n);
+        off[i] -= lum[i];
+    }
+    if (is_stopped(k))
+        return;
+    sum[RAD_DOUBT_AREAS] += weight;
+    if (!(mean > 0))
+        return;
+    other = again(k, SECOND, a->x + order[0] % a->width, order[0] / a->width);
+    square = (other - lum[0]) * (other - lum[0]) / (mean * mean);
+    other = (off[0] + lum[0] - other) / mean;
+    sum[RAD_DOUBT_NOISE] += weight * fmin(square, 4) / (2 * a->n);
+    for (int i = 0; i < n; i++)
+        off[i] /= mean;
+    square = weight *
+             fmax(fmin(square_of(a, off, n, other), MOST_SQUARE), -MOST_SQUARE);
+    sum[RAD_DOUBT_PIXEL] += square;
+    sum[RAD_DOUBT_PIXEL2] += square * square;
+}
+
+static double
+contrast(const struct look *k, const struct area *a)
+{
+    double lo = shown(k, a->x, 0), hi = lo;
+
+    for (int i = 0; i < a->n; i++) {
+        double lum = shown(k, a->x + i % a->width, i / a->width);
+
+        lo = fmin(lo, lum);
+        hi = fmax(hi, lum);
+    }
+    return hi > 0 ? (hi - lo) / (hi + lo) : 0;
+}
+
+static void
+look_about(struct look *k, const struct area *a,
+           const struct rad_doubt_share *share)
+{
+    double c = contrast(k, a);
+    double likely = fmin(share->areas * a->n * (1 + BY_CONTRAST * c * c), 1);
+
+    if (draw(k) < likely)
+        look_at_area(k, a, 1 / likely);
+}
+
+/* --- rows --- */
+
+struct rad_doubt_share
+rad_doubt_of_picture(const struct rad_frame *f)
+{
+    double pixels = (double)f->width * f->height;
+
+    return (struct rad_doubt_share){
+        fmin(1 / SPARSE_AREAS, AREAS / pixels),
+        f->job->ambient ? fmin(1 / SPARSE_PLACES, PLACES / pixels) : 0
+    };
+}
+
+static struct rad_frame
+with_key(const struct rad_frame *f, uint64_t which)
+{
+    struct rad_frame out = *f;
+
+    out.key = rad_key_branch(f->key ^ BRANCH, which);
+    out.stamp = rad_key_branch(f->stamp ^ BRANCH, which) | 1;
+    out.depth = false;
+    return out;
+}
+
+/* The columns of an area from x on.  A sensor point is an area by itself:
+ * nobody takes the mean of those around. */
+static struct area
+area_at(const struct rad_doubt_rows *rows, int x)
+{
+    int width = rows->frame->points ? 1 : (AREA + rows->n / 2) / rows->n;
+    struct area a = { .x = x, .width = width };
+
+    if (width > rows->width - x)
+        a.width = rows->width - x;
+    a.n = a.width * rows->n;
+    return a;
+}
+
+static void
+begin(struct look *k, const struct rad_frame *f, struct rad_ctx *ctx,
+      struct rad_doubt *to)
+{
+    *k = (struct look){
+        .exact = *f->job, .job = ctx->job, .ctx = ctx, .sum = to->v
+    };
+    k->exact.params.specthresh = 0;
+    for (int i = 0; i < NFRAMES; i++) {
+        k->frame[i] = with_key(f, (uint64_t)i);
+        k->frame[i].job = &k->exact;
+    }
+    ctx->job = &k->exact;
+}
+
+void
+rad_doubt_place(const struct rad_frame *f, struct rad_ctx *ctx, uint64_t key,
+                const int at[RAD_DOUBT_TRIED][2], struct rad_doubt *to,
+                struct rad_doubt_off *off)
+{
+    struct look k;
+
+    begin(&k, f, ctx, to);
+    k.key = key;
+    k.off = off;
+    look_at_place(&k, at);
+    ctx->job = k.job;
+}
+
+/* One place in so many pixels of the rows. */
+static void
+look_at_places(struct look *k, double share)
+{
+    const struct rad_doubt_rows *r = k->rows;
+    double n = floor(share * r->width * r->n + draw(k));
+    int at[RAD_DOUBT_TRIED][2];
+
+    for (; n >= 1 && !is_stopped(k); n--) {
+        for (int i = 0; i < RAD_DOUBT_TRIED; i++) {
+            at[i][0] = r->x + (int)(draw(k) * r->width);
+            at[i][1] = r->y + (int)(draw(k) * r->n);
+        }
+        look_at_place(k, (const int(*)[2])at);
     }
 }
 
-/* Of a square that may be none. */
-static double
-root(double square)
+static void
+draw_anew(struct look *k, int x)
 {
-    return fmin(sqrt(square), MOST_ERROR);
+    const struct rad_doubt_rows *r = k->rows;
+
+    k->key = rad_key_in_frame(r->frame->key ^ BRANCH, (uint32_t)(r->x + x),
+                              (uint32_t)r->y);
+    k->drawn = 0;
+}
+
+bool
+rad_doubt_look(const struct rad_doubt_rows *rows, struct rad_ctx *ctx,
+               const struct rad_doubt_share *share, const _Atomic bool *stop,
+               struct rad_doubt *to)
+{
+    struct look k;
+    struct area a;
+
+    begin(&k, rows->frame, ctx, to);
+    k.rows = rows;
+    k.stop = stop;
+    for (int x = 0; x < rows->width && !is_stopped(&k); x += a.width) {
+        a = area_at(rows, x);
+        draw_anew(&k, x);
+        look_about(&k, &a, share);
+    }
+    draw_anew(&k, rows->width);
+    look_at_places(&k, share->places);
+    ctx->job = k.job;
+    return !is_stopped(&k);
+}
+
+/* --- errors --- */
+
+void
+rad_doubt_add(struct rad_doubt *to, const struct rad_doubt *more)
+{
+    for (int i = 0; i < RAD_DOUBT_SUMS; i++)
+        to->v[i] += more->v[i];
+}
+
+/* A number that is none, or negative, is 0. */
+static double
+sound(double x)
+{
+    return x > 0 ? fmin(x, MOST_ERROR * MOST_ERROR) : 0;
+}
+
+/* The mean of products that stand for n, and whose squares are given.  By
+ * chance it may be below 0, or near it: of so few nothing is known below half
+ * of what they may be off by themselves. */
+static double
+mean_square(double n, double sum, double squares)
+{
+    return n >= 1 ? sound(fmax(sum / n, .5 * sqrt(sound(squares)) / n)) : 0;
+}
+
+/* What fresh samples say, of which there are few, and what records do, which
+ * may be off by a factor: the mean of both is better than either. */
+static double
+ambient_square(const double *v)
+{
+    double n = v[RAD_DOUBT_PLACES];
+
+    if (!(n >= 1))
+        return 0;
+    return (DEEPER * sound(v[RAD_DOUBT_AMBIENT] / n) +
+            sound(v[RAD_DOUBT_SAID] / n)) /
+           2;
+}
+
+struct rad_error_squares
+rad_doubt_squares(const struct rad_doubt *d)
+{
+    const double *v = d->v;
+    struct rad_error_squares s = { ambient_square(v),
+                                   mean_square(v[RAD_DOUBT_AREAS],
+                                               v[RAD_DOUBT_PIXEL],
+                                               v[RAD_DOUBT_PIXEL2]),
+                                   0 };
+
+    if (v[RAD_DOUBT_AREAS] >= 1)
+        s.noise =
+            fmin(sound(v[RAD_DOUBT_NOISE] / v[RAD_DOUBT_AREAS]), s.sampling);
+    return s;
 }
 
 struct rad_error_estimate
-rad_doubt_error(const struct rad_doubt *d, const struct rad_rough *r,
-                int psample)
+rad_doubt_error(const struct rad_doubt *d)
 {
-    struct rad_error_estimate e = { 0, 0, 0 };
+    struct rad_error_squares s = rad_doubt_squares(d);
 
-    if (d->pixels > 0 && d->known > 0)
-        e.ambient = AMBIENT_FACTOR *
-                    root(d->variance / d->pixels * (d->all / d->known));
-    /* noise falls with the samples about, and what lies between them grows
-     * with their distance */
-    if (r->n > 0)
-        e.sampling = root(r->sum / r->n * (.06 + .0061 * psample * psample));
-    e.all = root(e.ambient * e.ambient + e.sampling * e.sampling);
-    return e;
+    return (struct rad_error_estimate){
+        fmin(sqrt(s.ambient), MOST_ERROR), fmin(sqrt(s.sampling), MOST_ERROR),
+        fmin(sqrt(s.ambient + s.sampling), MOST_ERROR)
+    };
+}
+
+/* The square of what all places are off by together, less what chance makes of
+ * it. */
+double
+rad_doubt_of_mean(const struct rad_doubt_off *o, double n)
+{
+    double off = o->off / o->light, square = off * off, chance;
+
+    if (!(n >= 2 && o->light > 0))
+        return 0;
+    chance = sound(o->square / (o->light * o->light) - square / n) * n /
+             (n - 1);
+    return fmin(sqrt(DEEPER * sound(fmax(square - chance, .25 * chance))),
+                MOST_ERROR);
 }

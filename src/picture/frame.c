@@ -279,21 +279,6 @@ rad_frame_sampler(const struct rad_frame *f, const struct rad_window *w,
     rad_quincunx_steps(f->job->params.psample, &q->xstep, &q->ystep);
 }
 
-/* Take what is in doubt of a pixel into the counts; nothing of a black one. */
-static void
-count_doubt(struct rad_ctx *ctx, struct rad_rgb L)
-{
-    double lum = rad_rgb_lum(L), unit = lum > 0 ? 1 / (lum * lum) : 0;
-
-    ctx->counts.doubt.pixels++;
-    /* a pixel that a value touched that is no number */
-    if (!(unit * ctx->doubt.all < 1e6 && unit * ctx->doubt.variance < 1e6))
-        return;
-    ctx->counts.doubt.variance += unit * ctx->doubt.variance;
-    ctx->counts.doubt.known += unit * ctx->doubt.known;
-    ctx->counts.doubt.all += unit * ctx->doubt.all;
-}
-
 bool
 rad_frame_pixel(const struct rad_frame *f, struct rad_ctx *ctx, int x, int y,
                 struct rad_pixel *out)
@@ -307,13 +292,9 @@ rad_frame_pixel(const struct rad_frame *f, struct rad_ctx *ctx, int x, int y,
     out->z = 0;
     if (!seen)
         return false;
-    if (ctx->job->ambient)
-        memset(&ctx->doubt, 0, sizeof ctx->doubt);
     if (!look(f, ctx, &r))
         return false;
     ctx->counts.primary_rays++;
-    if (ctx->job->ambient)
-        count_doubt(ctx, r.L);
     if (ctx->counts.unsound_rays != unsound)
         rad_counts_nan(&ctx->counts, x, y);
     out->L = rad_params_colour(&f->job->params, r.L);

@@ -1,10 +1,7 @@
 /* recheck.h - a tile of a check pass: how far off would a picture be?
  *
- * The cache is frozen.  At some places all over the picture indirect light is
- * sampled afresh, and compared with what the cache says of it; a small window
- * is sampled as a picture's would be, and compared with all its pixels traced
- * by other random numbers.  Each is done twice, independently: the product of
- * both differences is the square of the error, on average.
+ * The cache is frozen.  Some places all over the picture and a small window,
+ * sampled as the picture's would be, are made again (picture/doubt.h).
  * Thread: see rad_passes_make(). */
 #ifndef RAD_REFINE_RECHECK_H
 #define RAD_REFINE_RECHECK_H

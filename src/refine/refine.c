@@ -22,10 +22,6 @@
 #define AIM         .9
 #define NEAR_ENOUGH 1.45
 
-/* The square of the cache's error over what fresh samples say of it: deeper
- * records, that both are made of, err as well. */
-#define DEEPER 1.7
-
 /* A further stage for the time that is left brings so much at least. */
 #define WORTH_IT .8
 
@@ -111,7 +107,7 @@ rad_refine_params(const struct rad_params *job, struct rad_refine_rungs rungs,
         out->maxdiff = shorten(job->maxdiff * fall(MAXDIFF_FALL * p));
         out->srcsizerat = shorten(job->srcsizerat * direct);
         out->shadthresh = shorten(job->shadthresh * direct);
-        out->specthresh = shorten(job->specthresh * direct);
+        out->specthresh = 0; /* what it leaves out is no noise */
         out->shadcert = 1 - shorten((1 - job->shadcert) * direct);
     }
 }
@@ -152,8 +148,12 @@ rad_refine_plan(const struct rad_params *par, const struct rad_pass_size *size,
 void
 rad_refine_add(struct rad_refine_sums *to, const struct rad_refine_sums *tile)
 {
-    for (int i = 0; i < RAD_REFINE_SUMS; i++)
-        to->v[i] += tile->v[i];
+    rad_doubt_add(&to->doubt, &tile->doubt);
+    to->off.light += tile->off.light;
+    to->off.off += tile->off.off;
+    to->off.square += tile->off.square;
+    to->shown += tile->shown;
+    to->rays += tile->rays;
 }
 
 /* --- decisions --- */
@@ -163,55 +163,6 @@ static double
 sound(double x)
 {
     return x > 0 ? fmin(x, MOST_ERROR * MOST_ERROR) : 0;
-}
-
-/* The mean of n products whose squares are given.  By chance it may be below 0,
- * or near it: of so few nothing is known below half of what they may be off by
- * themselves. */
-static double
-mean_square(double n, double sum, double squares)
-{
-    return n >= 1 ? sound(fmax(sum / n, .5 * sqrt(sound(squares)) / n)) : 0;
-}
-
-static double
-ambient_square(const struct rad_refine_sums *s)
-{
-    return DEEPER * mean_square(s->v[RAD_REFINE_PLACES],
-                                s->v[RAD_REFINE_AMBIENT],
-                                s->v[RAD_REFINE_AMBIENT2]);
-}
-
-static double
-pixel_square(const struct rad_refine_sums *s)
-{
-    return mean_square(s->v[RAD_REFINE_AREAS], s->v[RAD_REFINE_PIXEL],
-                       s->v[RAD_REFINE_PIXEL2]);
-}
-
-/* Of the mean: the square of what all places are off by together, less what
- * chance makes of it. */
-static double
-square_of_mean(const struct rad_refine_sums *s)
-{
-    double n = s->v[RAD_REFINE_PLACES], light = s->v[RAD_REFINE_LIGHT];
-    double off = s->v[RAD_REFINE_OFF] / light, square = off * off, chance;
-
-    if (!(n >= 2 && light > 0))
-        return 0;
-    chance = sound(s->v[RAD_REFINE_OFF2] / (light * light) - square / n) * n /
-             (n - 1);
-    return DEEPER * sound(fmax(square - chance, .25 * chance));
-}
-
-struct rad_refine_error
-rad_refine_error(const struct rad_refine_sums *s)
-{
-    double ambient = ambient_square(s), pixel = pixel_square(s);
-
-    return (struct rad_refine_error){ sqrt(ambient), sqrt(pixel),
-                                      fmin(sqrt(ambient + pixel), MOST_ERROR),
-                                      sqrt(square_of_mean(s)) };
 }
 
 /* Parts of an octave by which squares of errors fall with a rung, as they do in
@@ -228,17 +179,15 @@ struct outlook {
 static struct outlook
 look_out(const struct rad_refine_ask *ask)
 {
-    const double *v = ask->sums.v;
+    struct rad_error_squares found = rad_doubt_squares(&ask->sums.doubt);
     struct outlook o = { .ask = ask,
-                         .ambient = ambient_square(&ask->sums),
-                         .pixel = pixel_square(&ask->sums),
+                         .ambient = found.ambient,
+                         .pixel = found.sampling,
+                         .noise = found.noise,
                          .cache = fmax((double)ask->rays, 1) };
 
-    if (v[RAD_REFINE_AREAS] >= 1)
-        o.noise = sound(v[RAD_REFINE_NOISE] / v[RAD_REFINE_AREAS]);
-    o.noise = fmin(o.noise, o.pixel);
-    if (v[RAD_REFINE_SHOWN] >= 1)
-        o.picture = sound(v[RAD_REFINE_RAYS] / v[RAD_REFINE_SHOWN]) *
+    if (ask->sums.shown >= 1)
+        o.picture = sound(ask->sums.rays / ask->sums.shown) *
                     (double)ask->pixels;
     return o;
 }
@@ -353,4 +302,10 @@ rad_refine_next(const struct rad_refine_ask *ask, struct rad_refine_rungs *next,
     *next =
         (struct rad_refine_rungs){ (uint8_t)best.ambient, (uint8_t)best.pixel };
     return true;
+}
+
+double
+rad_refine_mean(const struct rad_refine_sums *sums)
+{
+    return rad_doubt_of_mean(&sums->off, sums->doubt.v[RAD_DOUBT_PLACES]);
 }

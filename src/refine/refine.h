@@ -13,31 +13,16 @@
 #define RAD_REFINE_REFINE_H
 
 #include "passes/passplan.h"
+#include "picture/doubt.h"
 
 /* A job has at most so many stages. */
 #define RAD_REFINE_STAGES 4
 
-/* What tiles of a check pass find; all add up.  Products are those of two
- * independent differences to the truth, relative to the light there, so their
- * mean is the square of an error, and no noise of the check's own is in it. */
-enum rad_refine_sum {
-    RAD_REFINE_PLACES,   /* whose indirect light was made afresh */
-    RAD_REFINE_AMBIENT,  /* products there, of the cache's error */
-    RAD_REFINE_AMBIENT2, /* and their squares */
-    RAD_REFINE_AREAS,    /* of 5 by 5 pixels, that were made again */
-    RAD_REFINE_PIXEL,    /* products there, of pixels' error */
-    RAD_REFINE_PIXEL2,   /* and their squares */
-    RAD_REFINE_NOISE,    /* what is left of it where every pixel is traced */
-    RAD_REFINE_TRACED,   /* pixels that were traced for windows, */
-    RAD_REFINE_SHOWN,    /* of so many that the windows have, */
-    RAD_REFINE_RAYS,     /* and rays that it took */
-    RAD_REFINE_LIGHT,    /* of places: luminance there, */
-    RAD_REFINE_OFF,      /* by how much it was off, with its sign, */
-    RAD_REFINE_OFF2,     /* and the squares of that */
-    RAD_REFINE_SUMS
-};
+/* What tiles of a check pass find; all add up. */
 struct rad_refine_sums {
-    double v[RAD_REFINE_SUMS];
+    struct rad_doubt doubt;
+    struct rad_doubt_off off;
+    double shown, rays; /* pixels of windows, and what these took */
 };
 
 /* Of the order of tiles the sum depends, in its last bits. */
@@ -74,17 +59,13 @@ struct rad_refine_ask {
     double rays_s; /* rays a second so far; with a limit */
 };
 
-/* What pictures made after this stage would be off by; and the mean of all
- * light in them, where what places err by in common remains. */
-struct rad_refine_error {
-    double ambient, pixel, all, mean;
-};
-struct rad_refine_error rad_refine_error(const struct rad_refine_sums *sums);
-
 /* Should another stage be made, and with which rungs?  False: the error that is
  * wanted is reached, or no stage can come nearer, or none would be done in
  * time; *next is then as it was.  *error: of a picture after this stage. */
 bool rad_refine_next(const struct rad_refine_ask *ask,
                      struct rad_refine_rungs *next, double *error);
+
+/* What the mean of all pixels would be off by after the stage. */
+double rad_refine_mean(const struct rad_refine_sums *sums);
 
 #endif

@@ -78,16 +78,6 @@ struct rad_fault {
     uint64_t count;
 };
 
-/* How far interpolated indirect light may be off, in squares of luminance.
- * Where the zones of several records reach, what they say differs, and so the
- * mean of theirs has a variance; where one reaches nothing is known. */
-struct rad_doubt {
-    double pixels;   /* in which this was counted */
-    double variance; /* of what several records gave */
-    double known;    /* the square of that itself */
-    double all;      /* the same of all indirect light */
-};
-
 /* What one thread counts; summed by whoever owns the contexts. */
 struct rad_counts {
     uint64_t rays;         /* all, as rpict's report counts them */
@@ -104,7 +94,6 @@ struct rad_counts {
                               * is touched by it */
     struct rad_fault faults[RAD_MAX_FAULTS];
     struct rad_geom_counts geom;
-    struct rad_doubt doubt; /* of pixels, in units of their radiance squared */
 };
 
 /* A function of that object had no value. */
@@ -134,7 +123,6 @@ struct rad_ctx {
     const struct rad_job *job;
     struct rad_arena scratch; /* marked and rewound around its users */
     struct rad_counts counts;
-    struct rad_doubt doubt; /* of the pixel that it is at */
     /* the pixel it is at, RAD_AT(x, y), or 0 before the first: relaxed, for
      * whoever watches the thread */
     _Atomic uint64_t at;
@@ -144,6 +132,9 @@ struct rad_ctx {
                                 * into the job's cache (light/indirect) */
     bool no_direct; /* only indirect light is wanted of what a pixel shows */
     bool glance;    /* indirect light need not be good */
+    double doubt;   /* how far all that a pixel shows of indirect light may be
+                     * off, as the records that serve tell: squares of
+                     * luminances; who wants to know begins with 0 */
     bool fresh; /* what a pixel shows of indirect light is sampled for it alone,
                  * whatever the cache has */
     int32_t

@@ -91,10 +91,12 @@ sums(const struct sim_job *job, uint32_t pass, uint32_t tile,
      struct rad_refine_sums *out)
 {
     uint64_t key = rad_mix64(job->look + pass * 1000 + tile);
+    double *v = out->doubt.v;
 
-    for (int i = 0; i < RAD_REFINE_SUMS; i++)
-        out->v[i] = (double)(rad_mix64(key + (unsigned)i) >> 11) * 0x1p-53;
-    out->v[RAD_REFINE_PLACES] = out->v[RAD_REFINE_AREAS] = 1;
+    for (int i = 0; i < RAD_DOUBT_SUMS; i++)
+        v[i] = (double)(rad_mix64(key + (unsigned)i) >> 11) * 0x1p-53;
+    v[RAD_DOUBT_PLACES] = v[RAD_DOUBT_AREAS] = 1;
+    out->shown = out->rays = 1;
 }
 
 /* A stage of a job, or all passes of one without a goal. */

@@ -445,10 +445,9 @@ struct search {
     double serves;   /* weight of those that make a further one needless */
     double weight;   /* found so far */
     double E[3];     /* weighted */
-    /* how they differ: sums of weights squared, and of luminances squared */
-    double weight2, lum2;
-    double var;   /* of those that are smoothed, weighted; */
-    double alike; /* and by what all of these may be off alike */
+    /* how far they may be off: sums of squared luminances, and of variances of
+     * those that are smoothed, weighted */
+    double lum2, var;
     bool frozen; /* what comes now is of the frozen cache */
     struct rad_geom_counts *counts;
     uint64_t *rays;
@@ -469,7 +468,7 @@ is_answered(const struct search *s)
 /* What a record says at its place. */
 struct says {
     struct rad_rgb E;
-    float gpos[2], var, alike;
+    float gpos[2], var;
 };
 
 static inline void
@@ -481,7 +480,7 @@ hear(const struct search *s, const struct rad_ambitem *it, struct says *k)
     k->E = it->rec.E;
     k->gpos[0] = it->rec.gpos[0];
     k->gpos[1] = it->rec.gpos[1];
-    k->var = k->alike = 0;
+    k->var = 0;
     if (!s->frozen ||
         !rad_ambsmooth_at(&amb->smooth, (size_t)(it - amb->read.item), &v))
         return;
@@ -489,7 +488,6 @@ hear(const struct search *s, const struct rad_ambitem *it, struct says *k)
     k->gpos[0] = v.gpos[0];
     k->gpos[1] = v.gpos[1];
     k->var = v.var;
-    k->alike = v.alike;
 }
 
 static inline void
@@ -536,11 +534,9 @@ add_record(struct search *s, const struct rad_ambitem *it)
         s->serves += angular * (double)(1 - dist / s->aa);
     w = angular * (double)(1 - dist / s->reach);
     s->weight += w;
-    s->weight2 += w * w;
     lum = (double)(factor * rad_rgb_lum(says.E));
     s->lum2 += w * lum * lum;
     s->var += w * (double)says.var;
-    s->alike += w * (double)says.alike;
     w *= (double)factor;
     s->E[0] += w * (double)says.E.r;
     s->E[1] += w * (double)says.E.g;
@@ -659,21 +655,18 @@ rad_ambient_find(const struct rad_ambient *amb, const struct rad_ambplace *at,
     return s.serves;
 }
 
-/* Variance of what was found over its square, from what the records differ by,
- * and, where they are smoothed, from what all of them may be off by alike;
- * negative: one record, which differs from none, and whose noise is not known.
- * Weights w make the variance of a mean q / (1 - q) times that of the values, q
- * = sum w^2 / (sum w)^2. */
+/* The square of how far what was found may be off, over its own: what the
+ * records differ by, and what those that are smoothed may be off by themselves.
+ */
 static double
-variance(const struct search *s)
+doubt(const struct search *s)
 {
-    double q = s->weight2 / (s->weight * s->weight);
     double mean = rad_rgb_lum(found(s));
 
-    if (!(q < .95) || !(mean > 0))
-        return s->var > 0 ? s->var / s->weight : -1;
-    return rad_most(s->lum2 / s->weight / (mean * mean) - 1, 0) * q / (1 - q) +
-           s->alike / s->weight;
+    if (!(mean > 0))
+        return 0;
+    return rad_most(s->lum2 / s->weight / (mean * mean) - 1, 0) +
+           s->var / s->weight;
 }
 
 bool
@@ -723,7 +716,7 @@ make_record(struct rad_ctx *ctx, const struct rad_ray *r,
 
     rec.weight = record_weight(at);
     plan.weight = rad_ambrec_worth(&rec);
-    if (amb->frozen &&
+    if (amb->frozen && !ctx->fresh &&
         (!ctx->tile || (at->level > ctx->tile->level &&
                         ctx->counts.ambient_rays >= ctx->tile->most)))
         plan.weight *= ALONE_SHARE;
@@ -750,7 +743,7 @@ make_record(struct rad_ctx *ctx, const struct rad_ray *r,
         rec.var = (float)h.var;
         rec.glint = rad_bright_glint(&h, at->p, r->key);
         rad_ambrec_shape(&amb->scale, &h, &rec);
-        if (keep(amb, ctx->tile, &rec))
+        if (!ctx->fresh && keep(amb, ctx->tile, &rec))
             ctx->counts.ambient_values++;
         rad_ambitem_set(&item, &rec);
         extrapolate(&item, rec.gpos, 0, 0, pn, &factor);
@@ -849,7 +842,7 @@ constant_radiance(const struct rad_job *job)
 static bool
 irradiance(struct rad_ctx *ctx, const struct rad_ray *r,
            const struct rad_ambplace *at, bool behind,
-           const struct rad_rgb *coef, struct rad_rgb *E, double *var)
+           const struct rad_rgb *coef, struct rad_rgb *E, double *off)
 {
     struct search s = { .amb = ctx->job->ambient,
                         .at = at,
@@ -867,26 +860,20 @@ irradiance(struct rad_ctx *ctx, const struct rad_ray *r,
     if (s.asks)
         return false;
     *E = found(&s);
-    *var = variance(&s);
+    *off = doubt(&s);
     return true;
 }
 
-/* What a pixel shows of L at r's hit is in doubt with this relative variance;
- * negative: nobody knows. */
+/* What a pixel shows of L at r's hit may be off by that square. */
 static void
-doubt(struct rad_ctx *ctx, const struct rad_ray *r, struct rad_rgb L,
-      double var)
+note_doubt(struct rad_ctx *ctx, const struct rad_ray *r, struct rad_rgb L,
+           double off)
 {
-    double lum2 = rad_rgb_lum(L);
+    double lum = rad_rgb_lum(L);
 
     for (; r; r = r->parent)
-        lum2 *= rad_rgb_lum(r->coef);
-    lum2 *= lum2;
-    ctx->doubt.all += lum2;
-    if (var < 0)
-        return;
-    ctx->doubt.known += lum2;
-    ctx->doubt.variance += lum2 * var;
+        lum *= rad_rgb_lum(r->coef);
+    ctx->doubt += lum * lum * off;
 }
 
 /* Is the surface that r met left out by -ae or -ai? */
@@ -908,7 +895,7 @@ rad_ambient_apply(struct rad_ctx *ctx, struct rad_ray *r, const double n[3],
     const struct rad_params *par = &ctx->job->params;
     struct rad_ambplace at;
     struct rad_rgb E = { 0, 0, 0 };
-    double var = -1;
+    double off = 0;
     bool behind = rad_dot(r->n, n) < 0;
 
     if (par->ambounce > 0 && par->ambdiv > 0 &&
@@ -918,10 +905,10 @@ rad_ambient_apply(struct rad_ctx *ctx, struct rad_ray *r, const double n[3],
         at.err = r->hit.err;
         rad_scale(at.n, behind ? -1 : 1, r->n);
         rad_copy(at.pn, n);
-        if (irradiance(ctx, r, &at, behind, coef, &E, &var)) {
+        if (irradiance(ctx, r, &at, behind, coef, &E, &off)) {
             *coef = rad_rgb_scale(rad_rgb_mul(*coef, E), (float)(1 / M_PI));
-            if (at.level == 0 && ctx->job->ambient)
-                doubt(ctx, r, *coef, var);
+            if (at.level == 0)
+                note_doubt(ctx, r, *coef, off);
             return;
         }
     }

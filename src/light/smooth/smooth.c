@@ -396,9 +396,9 @@ set_value(const struct search *k, const struct rad_quadric *q,
         slope += share * (q->slope[i] / k->far - slope);
         v->gpos[i] = (float)(slope / lum);
     }
-    v->alike = (float)(share * share * q->risk / (lum * lum));
-    v->var =
-        v->alike + (float)((1 - share) * (1 - share) * q->noise / (lum * lum));
+    v->var = (float)((share * share * q->risk +
+                      (1 - share) * (1 - share) * q->noise) /
+                     (lum * lum));
     return true;
 }
 
@@ -412,7 +412,6 @@ keep_own(const struct rad_smooth_place *at, double cut,
     v->gpos[0] = at->gpos[0];
     v->gpos[1] = at->gpos[1];
     v->var = at->var;
-    v->alike = 0;
 }
 
 static void

@@ -41,8 +41,6 @@ struct rad_smooth_place {
 /* What it is taken to have. */
 struct rad_smooth_value {
     float E[3], gpos[2], var;
-    float alike; /* the part of var by which its neighbours' values are off,
-                  * too: the rest shows in what they differ by */
 };
 
 struct rad_smooth;
