@@ -36,7 +36,7 @@ on_timer(uv_timer_t *timer)
 {
     struct conn *c = timer->data;
     uint64_t now = uv_now(timer->loop);
-    struct msg ping = { .type = MSG_PING };
+    struct msg ping = { .type = MSG_PING, .ping = c->says };
 
     if (c->primed) {
         c->primed = false;
@@ -57,7 +57,6 @@ on_timer(uv_timer_t *timer)
         conn_out_end(c, UV_ETIMEDOUT, "silent for 15 s");
         return;
     }
-    ping.ping.progress = c->progress;
     conn_send(c, &ping);
 }
 
@@ -134,9 +133,9 @@ conn_live(struct conn *c, bool ping)
 }
 
 void
-conn_set_progress(struct conn *c, uint64_t progress)
+conn_set_ping(struct conn *c, const struct msg_ping *ping)
 {
-    c->progress = progress;
+    c->says = *ping;
 }
 
 bool

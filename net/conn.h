@@ -89,8 +89,8 @@ void conn_set_session(struct conn *c, enum msg_session session);
  * is silent; else it may be silent for ever (a child that loads). */
 void conn_live(struct conn *c, bool ping);
 
-/* The counter that goes out with PINGs. */
-void conn_set_progress(struct conn *c, uint64_t progress);
+/* What goes out with PINGs. */
+void conn_set_ping(struct conn *c, const struct msg_ping *ping);
 
 /* Queue a message; its bytes are copied.  False if it cannot be packed or is
  * none in the other side's version, which is logged, and if memory is out: then

@@ -55,7 +55,7 @@ struct conn {
     struct msg in;
     size_t queued;  /* bytes with libuv, and corked ones */
     size_t awaited; /* conn_expect() */
-    uint64_t progress;
+    struct msg_ping says; /* in PINGs */
     uint64_t opened_ms;
     unsigned silent;      /* PINGs since the last byte that came */
     struct rad_error end; /* why it ends */

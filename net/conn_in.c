@@ -12,9 +12,10 @@
 static void
 answer_ping(struct conn *c, const struct msg *ping)
 {
-    struct msg pong = { .type = MSG_PONG, .request = ping->request };
+    struct msg pong = { .type = MSG_PONG,
+                        .request = ping->request,
+                        .pong = ping->ping };
 
-    pong.pong.progress = ping->ping.progress;
     conn_send(c, &pong);
 }
 

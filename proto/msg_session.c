@@ -54,6 +54,7 @@ void
 msg_code_ping(struct codec *c, struct msg_ping *b)
 {
     code_u64(c, &b->progress);
+    code_u32(c, &b->load);
 }
 
 void

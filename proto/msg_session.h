@@ -31,9 +31,11 @@ struct msg_refuse {
     const char *text;
 };
 
-/* PING, and PONG, which repeats PING's number. */
+/* PING, and PONG, which repeats PING's numbers. */
 struct msg_ping {
     uint64_t progress; /* grows while the sender gets on with its work */
+    uint32_t load;     /* of a worker's host: processes that run or wait for a
+                        * processor, in hundredths, over the last minute */
 };
 
 struct msg_bye {

@@ -94,6 +94,7 @@ msg_code_tally(struct codec *c, struct msg_tally *b)
     code_u64(c, &b->ambient_sent);
     code_u64(c, &b->ambient_received);
     code_u64(c, &b->ambient_redundant);
+    code_u64(c, &b->cache_values);
     code_u64(c, &b->peak_rss_bytes);
     code_u64(c, &b->bytes_in);
     code_u64(c, &b->bytes_out);

@@ -80,6 +80,7 @@ struct msg_room {
 struct msg_tally {
     const uint8_t *job;
     uint64_t ambient_sent, ambient_received, ambient_redundant;
+    uint64_t cache_values; /* ambient records that its child holds now */
     uint64_t peak_rss_bytes, bytes_in, bytes_out;
     uint64_t base_line_bytes;  /* sent in BASE_LINEs, to peers and up */
     uint64_t base_line_pixels; /* of the base lines at the ends of its units */

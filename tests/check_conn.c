@@ -34,6 +34,8 @@ realloc(void *p, size_t n)
 #endif
 
 /* One connection of ours, and a bare socket at its other end. */
+enum { PING_BYTES = 12 };
+
 struct ends {
     uv_loop_t loop;
     struct conn *conn;
@@ -180,10 +182,11 @@ START_TEST(ping_is_answered_however_it_is_cut)
     }
     ck_assert_int_eq(e.nmessages, 1);
     ck_assert_uint_eq(e.last_progress, 12345);
-    ck_assert_int_eq(read(e.fd, back, sizeof back), MSG_HEADER + 8);
+    ck_assert_int_eq(read(e.fd, back, sizeof back),
+                     MSG_HEADER + PING_BYTES);
     ck_assert_uint_eq(back[5], MSG_PONG);
     ck_assert_uint_eq(back[11], 7);
-    ck_assert_uint_eq(e.written, MSG_HEADER + 8);
+    ck_assert_uint_eq(e.written, MSG_HEADER + PING_BYTES);
     wire_out_release(&w);
     close_ends(&e);
 }
@@ -458,7 +461,7 @@ END_TEST
  * and all in their order. */
 START_TEST(short_messages_go_out_in_order_and_are_counted)
 {
-    enum { MANY = 40000, SIZE = MSG_HEADER + 8 };
+    enum { MANY = 40000, SIZE = MSG_HEADER + PING_BYTES };
     static uint8_t got[MANY * SIZE];
     struct msg m = { .type = MSG_PING };
     struct ends e;
@@ -502,7 +505,7 @@ START_TEST(what_is_left_at_the_end_goes_out_at_once)
     conn_finish(e.conn);
     e.conn = NULL;
     uv_run(&e.loop, UV_RUN_NOWAIT);
-    ck_assert_int_eq(read(e.fd, got, sizeof got), MSG_HEADER + 8);
+    ck_assert_int_eq(read(e.fd, got, sizeof got), MSG_HEADER + PING_BYTES);
     ck_assert_int_eq(read(e.fd, got, sizeof got), 0);
     ck_assert_int_eq(uv_loop_alive(&e.loop), 0);
     close_ends(&e);

@@ -31,7 +31,7 @@ END_TEST
 static void
 ping(uint64_t progress)
 {
-    struct msg m = { .type = MSG_PING, .ping = { progress } };
+    struct msg m = { .type = MSG_PING, .ping = { progress, 0 } };
 
     say(&f, WORKER, &m);
 }

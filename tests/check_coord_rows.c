@@ -114,6 +114,101 @@ START_TEST(waits_for_the_line_above_are_summed_over_children)
 }
 END_TEST
 
+/* The first worker's row in the list of workers. */
+static json_t *
+worker_row(void)
+{
+    struct msg m = { .type = MSG_QUERY, .query = { MSG_QUERY_WORKERS, "" } };
+    json_t *list, *row;
+
+    say(&f, ANA, &m);
+    list = json_loadb((const char *)f.last[ANA].answer.text,
+                      f.last[ANA].answer.len, 0, NULL);
+    row = json_incref(json_array_get(list, 0));
+    json_decref(list);
+    return row;
+}
+
+static double
+number(const json_t *o, const char *key)
+{
+    ck_assert_msg(json_is_number(json_object_get(o, key)), "no %s", key);
+    return json_number_value(json_object_get(o, key));
+}
+
+START_TEST(a_worker_s_row_has_what_open_jobs_have_of_it)
+{
+    struct msg ping = { .type = MSG_PING, .ping = { 1, 325 } };
+    struct msg t = { .type = MSG_TALLY,
+                     .tally = { .job = job_a,
+                                .ambient_redundant = 5,
+                                .cache_values = 70,
+                                .peak_rss_bytes = 4096,
+                                .busy_s = 2,
+                                .rays_under_way = 9 } };
+    json_t *row;
+
+    submit(&f, ANA, job_a, 0);
+    ready(&f, WORKER, job_a);
+    result(&f, WORKER, job_a, 0, 1); /* of ten rays */
+    say(&f, WORKER, &ping);
+    say(&f, WORKER, &t);
+    row = worker_row();
+    ck_assert_double_eq(number(row, "load"), 3.25);
+    ck_assert_double_eq(number(row, "rays"), 19);
+    ck_assert_double_eq(number(row, "redundant"), 5);
+    ck_assert_double_eq(number(row, "cache"), 70);
+    ck_assert_double_eq(number(row, "memory"), 4096);
+    json_decref(row);
+    t.tally.busy_s = 1; /* another child's: what the first did stays */
+    t.tally.ambient_redundant = 1;
+    t.tally.cache_values = 3;
+    t.tally.rays_under_way = 0;
+    say(&f, WORKER, &t);
+    row = worker_row();
+    ck_assert_double_eq(number(row, "rays"), 10);
+    ck_assert_double_eq(number(row, "redundant"), 6);
+    ck_assert_double_eq(number(row, "cache"), 3);
+    json_decref(row);
+    for (uint32_t u = 1; u < 4; u++)
+        result(&f, WORKER, job_a, u, 1);
+    row = worker_row(); /* the job is over */
+    ck_assert_double_eq(number(row, "rays"), 0);
+    ck_assert_double_eq(number(row, "memory"), 0);
+    json_decref(row);
+}
+END_TEST
+
+START_TEST(statistics_tell_what_is_in_hand)
+{
+    const struct job *job;
+    json_t *root, *list, *one;
+    char *text;
+
+    submit(&f, ANA, job_a, 0);
+    ready(&f, WORKER, job_a);
+    job = desk_find_job(f.c, job_a);
+    result(&f, WORKER, job_a, 0, 1);
+    f.now_ms += 3000;
+    text = stats_json(job, f.now_ms);
+    root = json_loads(text, 0, NULL);
+    list = json_object_get(root, "running");
+    ck_assert_uint_eq(json_array_size(list), job->nout);
+    ck_assert_uint_gt(job->nout, 0);
+    one = json_array_get(list, 0);
+    ck_assert_str_eq(json_string_value(json_object_get(one, "worker")), "ws1");
+    ck_assert_double_ge(number(one, "end_s") - number(one, "start_s"), 3);
+    ck_assert_double_gt(number(one, "width"), 0);
+    json_decref(root);
+    free(text);
+    for (uint32_t u = 1; u < 4; u++)
+        result(&f, WORKER, job_a, u, 1);
+    text = stats_json(job, f.now_ms);
+    ck_assert_ptr_nonnull(strstr(text, "\"running\": []"));
+    free(text);
+}
+END_TEST
+
 START_TEST(rays_under_way_are_told_and_never_fewer)
 {
     submit(&f, ANA, job_a, 0);
@@ -250,6 +345,8 @@ main(void)
     tcase_add_loop_test(tc, coded_rows_that_are_none_end_the_connection, 0,
                         N_ELEM(coded_rows));
     tcase_add_test(tc, waits_for_the_line_above_are_summed_over_children);
+    tcase_add_test(tc, a_worker_s_row_has_what_open_jobs_have_of_it);
+    tcase_add_test(tc, statistics_tell_what_is_in_hand);
     tcase_add_test(tc, rays_under_way_are_told_and_never_fewer);
     tcase_add_test(tc, the_share_that_is_done_tells_of_units_under_way);
     tcase_add_test(tc, a_duplicate_that_differs_is_an_error);

@@ -80,8 +80,8 @@ static const struct msg examples[] = {
     { .type = MSG_WELCOME, .request = 1,
       .welcome = { 1, 0xfedcba9876543210, "radcoord 0.1.0" } },
     { .type = MSG_REFUSE, .refuse = { 76, "version 2 is not spoken here" } },
-    { .type = MSG_PING, .ping = { 42 } },
-    { .type = MSG_PONG, .pong = { 42 } },
+    { .type = MSG_PING, .ping = { 42, 150 } },
+    { .type = MSG_PONG, .pong = { 42, 150 } },
     { .type = MSG_BYE, .bye = { "drained" } },
     { .type = MSG_OFFER, .request = 2, .offer = { 2, two_hashes } },
     { .type = MSG_WANT, .request = 2, .want = { 1, two_hashes } },
@@ -122,7 +122,7 @@ static const struct msg examples[] = {
     { .type = MSG_ACK, .ack = { ID, 1, 2, 3, 4 } },
     { .type = MSG_REVOKE, .revoke = { ID, 1, 2 } },
     { .type = MSG_LOST, .lost = { ID, "killed by signal 11", 2, units } },
-    { .type = MSG_TALLY, .tally = { ID, 1, 2, 3, 4, 5, 6, 7, 8, 9.5, 10.5, 11,
+    { .type = MSG_TALLY, .tally = { ID, 1, 2, 3, 13, 4, 5, 6, 7, 8, 9.5, 10.5, 11,
                                    COUNTS, COUNTS, COUNTS, 12 } },
     { .type = MSG_TWIN, .twin = { ID, 1, 2 } },
     { .type = MSG_FACTS,
@@ -967,7 +967,7 @@ START_TEST(frames_come_out_whole_however_they_come_in)
     struct msg m = { 0 };
 
     for (int k = 0; k < 3; k++) {
-        struct msg ping = { .type = MSG_PING, .ping = { (uint64_t)k } };
+        struct msg ping = { .type = MSG_PING, .ping = { (uint64_t)k, 0 } };
 
         total += pack(&ping, bytes + total);
     }

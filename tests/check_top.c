@@ -65,7 +65,8 @@ static const char status[] =
     "{\"program\":\"radcoord 1\",\"workers\":2,\"threads\":12,\"jobs\":3}";
 static const char workers[] =
     "[{\"name\":\"ws1\",\"state\":\"working\",\"threads\":8,\"units\":2,"
-    "\"since_s\":75,\"address\":\"tcp 10.0.0.1:7421\"},"
+    "\"load\":7.25,\"rays\":%d,\"redundant\":12345,\"memory\":10485760,"
+    "\"cache\":678,\"since_s\":75,\"address\":\"tcp 10.0.0.1:7421\"},"
     "{\"name\":\"ws2\",\"state\":\"drained\",\"threads\":4,\"units\":0,"
     "\"since_s\":7300,\"address\":\"tcp 10.0.0.2:7421\"}]";
 /* newest first, as the coordinator tells them */
@@ -78,18 +79,19 @@ static const char jobs[] =
     "\"rays\":0,\"elapsed_s\":0,\"workers\":0},"
     "{\"job\":\"aa000000000000000000000000000000\",\"name\":\"room\","
     "\"owner\":\"ana\",\"state\":\"running\",\"priority\":0,\"done\":0.25,"
-    "\"rays\":%d,\"elapsed_s\":30,\"workers\":2,\"pass\":3,\"passes\":7,"
+    "\"rays\":%d,\"elapsed_s\":30,\"workers\":2,\"error\":0.034,\"pass\":3,\"passes\":7,"
     "\"pass_done\":0.5,\"units_done\":2,\"units_total\":4,\"text\":\"\"}]";
 static const char stats[] =
-    "[{\"job\":\"aa000000000000000000000000000000\","
-    "\"time\":{\"wall_s\":40},\"error\":{\"estimate\":0.034},"
+    "{\"job\":\"aa000000000000000000000000000000\","
+    "\"time\":{\"wall_s\":40},"
     "\"totals\":{\"ambient_values\":500,\"ambient_redundant\":12},"
-    "\"workers\":[{\"name\":\"ws1\",\"rays\":%d,\"units\":2,"
+    "\"workers\":[{\"name\":\"ws1\",\"rays\":20,\"units\":2,"
     "\"peak_rss_bytes\":10485760},{\"name\":\"ws2\",\"rays\":10,\"units\":1,"
     "\"peak_rss_bytes\":2048}],"
+    "\"running\":[{\"worker\":\"ws2\",\"start_s\":20,\"end_s\":40}],"
     "\"units\":[{\"worker\":\"ws1\",\"start_s\":0,\"end_s\":10},"
     "{\"worker\":\"ws1\",\"start_s\":10,\"end_s\":20},"
-    "{\"worker\":\"ws2\",\"start_s\":30,\"end_s\":40}]}]";
+    "{\"worker\":\"ws2\",\"start_s\":10,\"end_s\":20}]}";
 
 static json_t *
 parse_with(const char *fmt, int rays)
@@ -103,8 +105,8 @@ parse_with(const char *fmt, int rays)
 static void
 take(struct top *t, double s, int rays)
 {
-    top_take(t, s, parse(status), parse(workers), parse_with(jobs, rays),
-             parse_with(stats, rays));
+    top_take(t, s, parse(status), parse_with(workers, rays),
+             parse_with(jobs, rays), t->job[0] ? parse(stats) : NULL);
 }
 
 static void
@@ -128,7 +130,10 @@ START_TEST(lists_show_workers_and_jobs)
     ck_assert_int_ge(line_with(p, "WORKER "), 0);
     ck_assert_ptr_nonnull(strstr(p->line[line_with(p, "ws1")], "10 MiB"));
     ck_assert_ptr_nonnull(strstr(p->line[line_with(p, "ws1")], "1:15"));
-    ck_assert_ptr_nonnull(strstr(p->line[line_with(p, "ws1")], "1 M"));
+    ck_assert_ptr_nonnull(strstr(p->line[line_with(p, "ws1")],
+                                 "  7.2        8      2      1 M     12.3 k  "
+                                 "  10 MiB     678      1:15"));
+    ck_assert_ptr_nonnull(strstr(p->line[line_with(p, "room")], "  2/2  "));
     ck_assert_ptr_nonnull(strstr(p->line[line_with(p, "ws2")], "2 h 01"));
     ck_assert_ptr_nonnull(strstr(p->line[line_with(p, "room")], "25 %"));
     ck_assert_ptr_nonnull(strstr(p->line[line_with(p, "room")], "1:30"));
@@ -256,8 +261,9 @@ START_TEST(a_job_has_its_units_by_worker)
     memset(bar + 20, '.', 20);
     bar[40] = '\0';
     ck_assert_ptr_nonnull(strstr(p->line[line_with(p, "ws1")], bar));
-    memset(bar, '.', 30);
-    memset(bar + 30, '#', 10);
+    memset(bar, '.', 10);
+    memset(bar + 10, '#', 10);
+    memset(bar + 20, '>', 20); /* that it is at */
     ck_assert_ptr_nonnull(strstr(p->line[line_with(p, "ws2")], bar));
     top_key(&t, 'c');
     ck_assert_int_eq(top_key(&t, 'y'), TOP_CANCEL);
@@ -283,11 +289,11 @@ START_TEST(what_is_strange_is_drawn_all_the_same)
          "\"elapsed_s\":1e308,\"rays\":1e308,\"name\":5}]"),
     };
     static const char odd[] =
-        "[{\"job\":\"aa\",\"time\":{\"wall_s\":1},\"workers\":[{\"name\":\"a\"}"
+        "{\"job\":\"aa\",\"time\":{\"wall_s\":1},\"running\":[{},5],\"workers\":[{\"name\":\"a\"}"
         ","
         "3,{\"rays\":1e300,\"peak_rss_bytes\":1e300}],\"units\":[7,{\"worker\":"
         "\"a\",\"start_s\":1e300,\"end_s\":-1},{\"worker\":\"a\",\"start_s\":0,"
-        "\"end_s\":-5},{\"worker\":\"a\",\"start_s\":-4,\"end_s\":1e9}]}]";
+        "\"end_s\":-5},{\"worker\":\"a\",\"start_s\":-4,\"end_s\":1e9}]}";
     struct top t;
 
     top_init(&t);
@@ -326,7 +332,7 @@ START_TEST(many_rows_scroll_with_the_chosen_one)
         snprintf(name, sizeof name, "ws%03d", i);
         json_array_append_new(rows, json_pack("{s:s}", "name", name));
     }
-    top_take(&t, 1, parse(status), rows, json_array(), json_array());
+    top_take(&t, 1, parse(status), rows, json_array(), NULL);
     top_key(&t, '\t');
     for (int i = 0; i < 499; i++) {
         const struct picture *p;

@@ -126,7 +126,8 @@ START_TEST(units_lie_side_by_side)
     ck_assert_int_eq(
         read_text(
             &u,
-            "{\n \"job\": \"ab\",\n \"totals\": {\"rays\": 7}"
+            "{\n \"job\": \"ab\",\n \"totals\": {\"rays\": 7},"
+            "\n \"running\": [" UNIT("w2", "2", "6") "]"
             ",\n \"units\": [\n  " UNIT("w2", "1", "2") ",\n  " UNIT(
                 "w1", "1.5",
                 "3") ",\n  " UNIT("w1", "2",
@@ -141,12 +142,14 @@ START_TEST(units_lie_side_by_side)
     ck_assert_str_eq(u.workers[0], "w1"); /* by name */
     ck_assert_uint_eq(u.lanes[0], 2);
     ck_assert_uint_eq(u.lanes[1], 1);
-    ck_assert_uint_eq(u.nspans, 4);
+    ck_assert_uint_eq(u.nspans, 5);
     ck_assert_double_eq(u.spans[0].start, 1.5); /* lane 0 of w1: 1.5, 3 */
     ck_assert_double_eq(u.spans[1].start, 3);
     ck_assert_uint_eq(u.spans[2].lane, 1);
     ck_assert_double_eq(u.start_s, 1);
-    ck_assert_double_eq(u.end_s, 5);
+    ck_assert_double_eq(u.end_s, 6);
+    ck_assert_int_eq(u.spans[4].kind, UNITS_RUN); /* of w2 */
+    ck_assert_int_eq(u.spans[3].kind, UNITS_DONE);
     units_release(&u);
 }
 END_TEST

@@ -19,9 +19,7 @@
 
 enum {
     PERIOD_MS = 1000,
-    SLOWER = 5,        /* and this many times what the answers took */
-    MOST_LOOKED = 4,   /* jobs that run whose statistics are fetched, */
-    MOST_UNITS = 5000, /* of no more units, since these are told */
+    SLOWER = 5, /* and this many times what the answers took */
     MOST_JOBS = 200,
     ESCAPE_MS = 50, /* a sequence of a key that comes in parts */
     ANSWER_MS = 4500
@@ -73,45 +71,18 @@ ask_stats(struct ctl *c, const uint8_t job[MSG_JOB], json_t **stats)
     return rc < 0 ? rc : 0;
 }
 
-static bool
-wants_stats(const struct top *t, const json_t *row)
-{
-    const char *job = json_string_value(json_object_get(row, "job"));
-    const char *state = json_string_value(json_object_get(row, "state"));
-
-    if (job && strcmp(job, t->job) == 0)
-        return true;
-    return state && strcmp(state, "running") == 0 &&
-           json_integer_value(json_object_get(row, "units_total")) <=
-               MOST_UNITS;
-}
-
-/* Statistics of the job that is looked into, and of some that run; a job that
- * has gone meanwhile, or is not ours to see, has none. */
+/* Statistics of the job that is looked into; of one that has gone meanwhile, or
+ * is not ours to see, there are none. */
 static int
-ask_all_stats(struct screen *s, const json_t *jobs, json_t *list)
+ask_job(struct screen *s, json_t **stats)
 {
-    struct ctl *c = s->c;
-    const json_t *row;
     uint8_t job[MSG_JOB];
-    size_t i;
-    int rc, asked = 0;
+    int rc;
 
-    json_array_foreach(jobs, i, row)
-    {
-        const char *id = json_string_value(json_object_get(row, "job"));
-        json_t *stats = NULL;
-
-        if (!id || !wants_stats(&s->top, row) || !msg_job_parse(id, job) ||
-            (strcmp(id, s->top.job) != 0 && asked++ >= MOST_LOOKED))
-            continue;
-        rc = ask_stats(c, job, &stats);
-        if (rc == RAD_EUNAVAIL || rc == RAD_EPROTO)
-            return rc;
-        if (stats)
-            json_array_append_new(list, stats);
-    }
-    return 0;
+    if (!s->top.job[0] || !msg_job_parse(s->top.job, job))
+        return 0;
+    rc = ask_stats(s->c, job, stats);
+    return rc == RAD_EUNAVAIL || rc == RAD_EPROTO ? rc : 0;
 }
 
 static int
@@ -134,7 +105,7 @@ static int
 ask_all(struct screen *s)
 {
     struct ctl *c = s->c;
-    json_t *status, *workers = NULL, *jobs = NULL, *stats = json_array();
+    json_t *status, *workers = NULL, *jobs = NULL, *stats = NULL;
     const struct msg *answer;
     int rc;
 
@@ -146,7 +117,7 @@ ask_all(struct screen *s)
     if (rc == 0)
         rc = ask_rows(s, &workers, &jobs);
     if (rc == 0)
-        rc = ask_all_stats(s, jobs, stats);
+        rc = ask_job(s, &stats);
     if (rc == 0) {
         top_take(&s->top, (double)now_ms(c) / 1000 + 1, status, workers, jobs,
                  stats);

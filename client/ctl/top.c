@@ -47,44 +47,17 @@ find_row(const json_t *rows, const char *key, const char *name)
     return NULL;
 }
 
-static void
-add_number(json_t *row, const char *key, double x)
+/* The mean of the last rates, of a row that is at work: what workers did comes
+ * in lumps. */
+static double
+steady(const struct top *t, enum top_pane pane, const json_t *row, double rate)
 {
-    if (row)
-        json_object_set_new(
-            row, key,
-            json_real(x + json_number_value(json_object_get(row, key))));
-}
+    const json_t *was =
+        json_object_get(t->list[pane].rates, row_text(row, name_key[pane]));
+    const char *state = row_text(row, "state");
+    bool works = strcmp(state, "working") == 0 || strcmp(state, "running") == 0;
 
-static void
-raise_number(json_t *row, const char *key, double x)
-{
-    if (row && x > json_number_value(json_object_get(row, key)))
-        json_object_set_new(row, key, json_real(x));
-}
-
-/* What a job's statistics know of its workers, and of itself. */
-static void
-spread_stats(const json_t *stats, json_t *workers, json_t *jobs)
-{
-    json_t *job = find_row(jobs, "job", row_text(stats, "job"));
-    const json_t *totals = json_object_get(stats, "totals"), *w;
-    const json_t *error = json_object_get(stats, "error");
-    size_t i;
-
-    raise_number(job, "error",
-                 json_number_value(json_object_get(error, "estimate")));
-    raise_number(
-        job, "redundant",
-        json_number_value(json_object_get(totals, "ambient_redundant")));
-    json_array_foreach(json_object_get(stats, "workers"), i, w)
-    {
-        json_t *row = find_row(workers, "name", row_text(w, "name"));
-
-        add_number(row, "rays", json_number_value(json_object_get(w, "rays")));
-        raise_number(row, "memory",
-                     json_number_value(json_object_get(w, "peak_rss_bytes")));
-    }
+    return was && works ? (json_number_value(was) + rate) / 2 : rate;
 }
 
 /* Rays a second since the rows that were there before. */
@@ -104,7 +77,8 @@ rates_of(const struct top *t, enum top_pane pane, const json_t *rows, double s)
 
         /* of a worker whose job is over the sum gets smaller */
         if (then && now && s > 0 && more >= 0)
-            json_object_set_new(rates, name, json_real(more / s));
+            json_object_set_new(rates, name,
+                                json_real(steady(t, pane, row, more / s)));
     }
     return rates;
 }
@@ -113,18 +87,10 @@ void
 top_take(struct top *t, double now_s, json_t *status, json_t *workers,
          json_t *jobs, json_t *stats)
 {
-    json_t *rows[TOP_NPANE] = { workers, jobs }, *one;
-    size_t i;
+    json_t *rows[TOP_NPANE] = { workers, jobs };
 
     json_decref(t->stats);
-    t->stats = NULL;
-    json_array_foreach(stats, i, one)
-    {
-        spread_stats(one, workers, jobs);
-        if (strcmp(row_text(one, "job"), t->job) == 0)
-            t->stats = json_incref(one);
-    }
-    json_decref(stats);
+    t->stats = stats;
     for (int p = 0; p < TOP_NPANE; p++) {
         json_t *rates = rates_of(t, (enum top_pane)p, rows[p],
                                  t->at_s > 0 ? now_s - t->at_s : 0);
@@ -337,6 +303,8 @@ look_into(struct top *t)
     if (t->pane != TOP_JOBS || t->job[0])
         return TOP_NOTHING;
     snprintf(t->job, sizeof t->job, "%s", top_chosen(t, TOP_JOBS));
+    json_decref(t->stats); /* of another job */
+    t->stats = NULL;
     t->scroll = 0;
     return t->job[0] ? TOP_LOOK : TOP_NOTHING;
 }

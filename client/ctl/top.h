@@ -67,9 +67,8 @@ struct top {
 void top_init(struct top *t);
 void top_release(struct top *t);
 
-/* What came at that time [s, any origin]; takes the references.  stats: array
- * of the statistics (radd.stats(5)) of jobs that run, as many as were asked
- * for: rays and memory of workers, errors and redundancy of jobs are theirs. */
+/* What came at that time [s, any origin]; takes the references.  stats: of the
+ * job that is looked into (radd.stats(5)), or NULL. */
 void top_take(struct top *t, double now_s, json_t *status, json_t *workers,
               json_t *jobs, json_t *stats);
 

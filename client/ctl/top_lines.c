@@ -19,7 +19,21 @@
 
 enum { WIDEST = 500, GAP = 2, CELL = 200, GANTT_LEFT = 46 };
 
-enum kind { TEXT, ID, COUNT, RATE, SHARE, SMALL, BYTES, SPAN, LEFT, PASS };
+enum kind {
+    TEXT,
+    ID,
+    COUNT,
+    MANY, /* 1.2 M */
+    LOAD,
+    OF, /* of all workers */
+    RATE,
+    SHARE,
+    SMALL,
+    BYTES,
+    SPAN,
+    LEFT,
+    PASS
+};
 
 struct column {
     const char *title, *key;
@@ -30,25 +44,28 @@ struct column {
 };
 
 static const struct column tables[TOP_NPANE][12] = {
-    { { "WORKER", "name", TEXT, 12, 0, true },
+    { { "WORKER", "name", TEXT, 10, 0, true },
       { "STATE", "state", TEXT, 8, 0, false },
-      { "THREADS", "threads", COUNT, 7, 3, false },
+      { "LOAD", "load", LOAD, 4, 3, false },
+      { "THREADS", "threads", COUNT, 7, 4, false },
       { "UNITS", "units", COUNT, 5, 2, false },
       { "RAYS/S", "", RATE, 7, 1, false },
-      { "MEMORY", "memory", BYTES, 8, 4, false },
-      { "FOR", "since_s", SPAN, 8, 5, false },
-      { "ADDRESS", "address", TEXT, 21, 6, false } },
+      { "REDUNDANT", "redundant", MANY, 9, 6, false },
+      { "MEMORY", "memory", BYTES, 8, 5, false },
+      { "CACHE", "cache", MANY, 6, 7, false },
+      { "FOR", "since_s", SPAN, 8, 8, false },
+      { "ADDRESS", "address", TEXT, 21, 9, false } },
     { { "JOB", "job", ID, 8, 0, false },
       { "NAME", "name", TEXT, 10, 3, true },
       { "STATE", "state", TEXT, 9, 0, false },
       { "DONE", "done", SHARE, 5, 0, false },
       { "LEFT", "", LEFT, 8, 1, false },
       { "RAYS/S", "", RATE, 7, 2, false },
-      { "WORKERS", "workers", COUNT, 7, 4, false },
+      { "WORKERS", "workers", OF, 7, 4, false },
       { "ERROR", "error", SMALL, 6, 5, false },
       { "OWNER", "owner", TEXT, 8, 6, false },
       { "PASS", "", PASS, 5, 7, false },
-      { "REDUNDANT", "redundant", COUNT, 9, 8, false },
+      { "REDUNDANT", "ambient_redundant", MANY, 9, 8, false },
       { "PRIORITY", "priority", COUNT, 8, 9, false } },
 };
 
@@ -157,9 +174,13 @@ cell(const struct top *t, enum top_pane pane, const struct column *c,
                        row_text(row, c->key));
     else if (c->kind == COUNT && json_object_get(row, c->key))
         snprintf(text, CELL, "%.0f", row_number(row, c->key));
+    else if (c->kind == LOAD && x >= 0)
+        snprintf(text, CELL, "%.*f", x < 99.5 ? 1 : 0, x);
+    else if (c->kind == OF && x >= 0)
+        snprintf(text, CELL, "%.0f/%.0f", x, row_number(t->status, "workers"));
     else if (c->kind == PASS && x > 0)
         snprintf(text, CELL, "%.0f/%.0f", x, row_number(row, "passes"));
-    else if (c->kind == RATE && x >= 0)
+    else if ((c->kind == RATE || c->kind == MANY) && x >= 0)
         scaled(text, x, 1000, thousands);
     else if (c->kind == BYTES && x > 0)
         scaled(text, x, 1024, binary);
@@ -386,16 +407,15 @@ draw_lists(struct screen *s)
 
 /* --- one job --- */
 
-/* Units of a worker over the job's time: '#' and '=' by turns. */
+/* Units of a worker over the job's time, as the given characters by turns. */
 static void
-gantt(const json_t *units, const char *worker, double end_s, char *bar, int n)
+put_spans(const json_t *units, const char *worker, double end_s,
+          const char turns[2], char *bar, int n)
 {
     const json_t *u;
     size_t i;
     int turn = 0;
 
-    memset(bar, '.', (size_t)n);
-    bar[n] = '\0';
     json_array_foreach(units, i, u)
     {
         double from = row_number(u, "start_s"), to = row_number(u, "end_s");
@@ -408,8 +428,17 @@ gantt(const json_t *units, const char *worker, double end_s, char *bar, int n)
         b = to >= from && to <= end_s ? (int)ceil(to / end_s * n) : n;
         a = a < n ? a : n - 1;
         b = b > a ? b : a + 1;
-        memset(bar + a, turn++ % 2 ? '=' : '#', (size_t)(b - a));
+        memset(bar + a, turns[turn++ % 2], (size_t)(b - a));
     }
+}
+
+static void
+gantt(const json_t *stats, const char *worker, double end_s, char *bar, int n)
+{
+    memset(bar, '.', (size_t)n);
+    bar[n] = '\0';
+    put_spans(json_object_get(stats, "running"), worker, end_s, ">>", bar, n);
+    put_spans(json_object_get(stats, "units"), worker, end_s, "#=", bar, n);
 }
 
 static double
@@ -424,7 +453,8 @@ job_end(const json_t *stats)
         if (row_number(u, "end_s") > end)
             end = row_number(u, "end_s");
     }
-    return end;
+    u = json_array_get(json_object_get(stats, "running"), 0);
+    return row_number(u, "end_s") > end ? row_number(u, "end_s") : end;
 }
 
 static void
@@ -437,7 +467,8 @@ draw_worker(struct screen *s, const json_t *w, double end_s)
     char rays[CELL], memory[CELL], bar[WIDEST + 1] = "", units[CELL];
     struct line l = { .len = 0 };
 
-    scaled(rays, row_number(w, "rays"), 1000, thousands);
+    scaled(rays, row_number(w, "rays") + row_number(w, "rays_under_way"), 1000,
+           thousands);
     scaled(memory, row_number(w, "peak_rss_bytes"), 1024, binary);
     snprintf(units, sizeof units, "%.0f", row_number(w, "units"));
     put_cell(&l, row_text(w, "name"), 16, false);
@@ -449,9 +480,25 @@ draw_worker(struct screen *s, const json_t *w, double end_s)
     put_cell(&l, memory, 8, true);
     put_gap(&l);
     if (n > 0)
-        gantt(json_object_get(s->t->stats, "units"), row_text(w, "name"), end_s,
-              bar, n < WIDEST ? n : WIDEST);
+        gantt(s->t->stats, row_text(w, "name"), end_s, bar,
+              n < WIDEST ? n : WIDEST);
     say(s, TOP_PLAIN, "%s%s", l.text, bar);
+}
+
+/* The passes of the ambient cache, above the units for which they are. */
+static void
+draw_passes(struct screen *s, double end_s)
+{
+    const json_t *passes = json_object_get(s->t->stats, "passes");
+    int n = s->columns - GANTT_LEFT;
+    char bar[WIDEST + 1] = "";
+
+    if (json_array_size(passes) == 0 || n <= 0)
+        return;
+    memset(bar, '.', (size_t)n);
+    bar[n] = '\0';
+    put_spans(passes, "", end_s, "#=", bar, n);
+    say(s, TOP_PLAIN, "%-*s%s", GANTT_LEFT, "passes of the ambient cache", bar);
 }
 
 static void
@@ -466,6 +513,7 @@ draw_workers(struct screen *s)
     span(end, end_s);
     say(s, TOP_HEAD, "%-16s  %5s  %7s  %8s  UNITS FROM 0 TO %s", "WORKER",
         "UNITS", "RAYS", "MEMORY", end);
+    draw_passes(s, end_s);
     for (int i = first < 0 ? 0 : first; i <= most && s->at < s->lines - 1; i++)
         draw_worker(s, json_array_get(workers, (size_t)i), end_s);
 }

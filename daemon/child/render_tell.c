@@ -119,6 +119,8 @@ render_send_tally(struct render *r)
     m.tally.ambient_sent = r->sent;
     m.tally.ambient_received = r->received;
     m.tally.ambient_redundant = r->redundant;
+    m.tally.cache_values =
+        r->job->ambient ? rad_ambient_count(r->job->ambient) : 0;
     m.tally.peak_rss_bytes = (uint64_t)use.ru_maxrss * 1024;
     m.tally.busy_s = did.busy_s;
     m.tally.wait_base_line_s = did.wait_base_line_s;

@@ -33,6 +33,7 @@ struct coord_worker {
     int64_t priority;     /* the highest of jobs whose units these are, */
     int64_t rank;         /* or could be; INT64_MIN: there are none (yield.c) */
     uint64_t progress;    /* of its last PING */
+    uint32_t load;        /* likewise: of its host, in hundredths */
     uint64_t progress_ms; /* when that was new */
     bool hangs;           /* it has work, and makes no progress */
     const struct job *loading; /* what its next READY is for */

@@ -179,6 +179,7 @@ free_work(struct job *job)
     free(job->out);
     free(job->index);
     free(job->suspects);
+    kept_forget_times(&job->cache);
     for (uint32_t i = 0; job->frames && i < job->spec.nframes; i++)
         free(job->frames[i].line_s);
     free(job->workers);

@@ -34,3 +34,22 @@ kept_drop(struct kept_passes *k)
     free(k->pass);
     *k = (struct kept_passes){ 0 };
 }
+
+void
+kept_note_time(struct kept_cache *k, uint64_t now_ms)
+{
+    uint64_t *p = realloc(k->closed_ms, (k->nclosed + 1u) * sizeof *p);
+
+    if (!p)
+        return;
+    k->closed_ms = p;
+    p[k->nclosed++] = now_ms;
+}
+
+void
+kept_forget_times(struct kept_cache *k)
+{
+    free(k->closed_ms);
+    k->closed_ms = NULL;
+    k->nclosed = 0;
+}

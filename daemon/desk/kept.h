@@ -14,15 +14,22 @@ struct kept_passes {
 };
 
 /* Of a job that is over: the cache that is kept of it, for others to begin with
- * (queue/reuse.h), and of any the records that it began with itself. */
+ * (queue/reuse.h); of any the records that it began with itself, and when the
+ * passes were closed that were closed in this life. */
 struct kept_cache {
     uint64_t bytes;  /* of kept_bytes; 0: none is kept */
     uint32_t passes; /* of one that ended in this life */
     uint64_t reused; /* records, once they are here */
+    uint64_t *closed_ms;
+    uint32_t nclosed;
 };
 
 /* Copy what the store kept of a job's; false: memory is out. */
 bool kept_copy(struct kept_passes *k, const struct saved_job *s);
 void kept_drop(struct kept_passes *k);
+
+/* A pass is closed; it is left out when memory is out. */
+void kept_note_time(struct kept_cache *k, uint64_t now_ms);
+void kept_forget_times(struct kept_cache *k);
 
 #endif

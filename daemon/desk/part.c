@@ -98,3 +98,18 @@ part_tally(const struct job_worker *jw)
         t.peak_rss_bytes = jw->tally.peak_rss_bytes;
     return t;
 }
+
+uint64_t
+part_rays(const struct job_worker *jw)
+{
+    const struct msg_tally *now = &jw->tally, *past = &jw->past;
+
+    return jw->rays + jw->surveyed_rays + now->seeded.rays + past->seeded.rays +
+           now->dropped.rays + past->dropped.rays;
+}
+
+uint64_t
+part_under_way(const struct job_worker *jw)
+{
+    return jw->state == PART_READY ? jw->tally.rays_under_way : 0;
+}

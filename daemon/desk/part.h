@@ -104,5 +104,9 @@ uint32_t part_add(struct job *job, const char *name);
 /* Sum of a worker's tallies, but for rays_under_way and pixels_under_way, which
  * are 0. */
 struct msg_tally part_tally(const struct job_worker *jw);
+/* All rays that it traced for the job, in units that are done or in none. */
+uint64_t part_rays(const struct job_worker *jw);
+/* And in those that it has in hand. */
+uint64_t part_under_way(const struct job_worker *jw);
 
 #endif

@@ -112,11 +112,20 @@ put_span(struct markup *m, const struct units *u, const struct units_span *s)
     double w = (s->end - s->start) / all * WIDTH;
 
     markup_print(m,
-                 "<rect x=\"%.2f\" y=\"%d\" width=\"%.2f\" height=\"%d\">"
+                 "<rect%s x=\"%.2f\" y=\"%d\" width=\"%.2f\" height=\"%d\">"
                  "<title>",
-                 x, s->lane * LANE + 1, w > .8 ? w - .4 : .6, LANE - 2);
-    markup_print(m, "%u unit%s, %.3g s to %.3g s</title></rect>", s->units,
-                 s->units == 1 ? "" : "s", s->start, s->end);
+                 s->kind == UNITS_RUN ? " class=\"runs\"" : "", x,
+                 s->lane * LANE + 1, w > .8 ? w - .4 : .6, LANE - 2);
+    markup_print(m, "%u %s%s, %.3g s to ", s->units,
+                 s->kind == UNITS_PASS ? "pass" : "unit",
+                 s->units == 1           ? ""
+                 : s->kind == UNITS_PASS ? "es"
+                                         : "s",
+                 s->start);
+    if (s->kind == UNITS_RUN)
+        markup_raw(m, "now, at work</title></rect>");
+    else
+        markup_print(m, "%.3g s</title></rect>", s->end);
 }
 
 /* One worker's row; returns the first span that is another's. */
@@ -124,7 +133,9 @@ static size_t
 put_worker(struct markup *m, const struct units *u, size_t worker, size_t i)
 {
     markup_raw(m, "<div class=\"gantt\"><span class=\"name\">");
-    markup_text(m, u->workers[worker]);
+    markup_text(m, i < u->nspans && u->spans[i].kind == UNITS_PASS
+                       ? "(passes)"
+                       : u->workers[worker]);
     markup_print(m,
                  "</span><svg viewBox=\"0 0 %d %d\" height=\"%d\" "
                  "preserveAspectRatio=\"none\">",
@@ -143,7 +154,7 @@ chart_units(struct markup *m, const struct units *u)
     size_t i = 0;
 
     if (u->nspans == 0 || !(u->end_s > u->start_s)) {
-        markup_raw(m, "<p class=\"empty\">No unit is done yet.</p>");
+        markup_raw(m, "<p class=\"empty\">No unit is begun yet.</p>");
         return;
     }
     for (size_t k = 0; k < u->nworkers; k++)

@@ -168,6 +168,13 @@ markup_count(struct markup *m, double v)
 }
 
 void
+markup_size(struct markup *m, double v)
+{
+    markup_count(m, v);
+    markup_raw(m, v >= 999.5 ? "B" : " B");
+}
+
+void
 markup_span(struct markup *m, double s)
 {
     double min = floor(s / 60), h = floor(s / 3600);

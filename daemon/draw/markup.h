@@ -34,6 +34,8 @@ void markup_json(struct markup *m, const json_t *value);
 
 /* A number as people read it: "0", "12.3 k", "4.56 M". */
 void markup_count(struct markup *m, double v);
+/* "1.20 MB" */
+void markup_size(struct markup *m, double v);
 /* So many seconds: "5 s", "12 min", "3 h 20 min", "4 days". */
 void markup_span(struct markup *m, double s);
 

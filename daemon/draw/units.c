@@ -56,7 +56,7 @@ worker_of(struct units *u, const char *name)
 }
 
 static bool
-add_span(struct units *u, size_t *cap, size_t worker, double start, double end)
+add_span(struct units *u, size_t *cap, const struct units_span *span)
 {
     if (u->nspans == *cap) {
         size_t more = 2 * *cap + 256;
@@ -67,35 +67,39 @@ add_span(struct units *u, size_t *cap, size_t worker, double start, double end)
         u->spans = p;
         *cap = more;
     }
-    u->spans[u->nspans++] =
-        (struct units_span){ (float)start, (float)end, (uint16_t)worker, 0, 1 };
-    if (u->nspans == 1 || start < u->start_s)
-        u->start_s = start;
-    if (end > u->end_s)
-        u->end_s = end;
+    u->spans[u->nspans++] = *span;
+    if (u->nspans == 1 || span->start < u->start_s)
+        u->start_s = span->start;
+    if (span->end > u->end_s)
+        u->end_s = span->end;
     return true;
 }
 
 /* False: memory is out. */
 static bool
-add_unit(struct units *u, size_t *cap, const json_t *unit)
+add_unit(struct units *u, size_t *cap, const json_t *unit, enum units_kind kind)
 {
     double start = markup_number(unit, "start_s");
     double end = markup_number(unit, "end_s");
     size_t worker = worker_of(u, markup_member(unit, "worker"));
 
-    u->total++;
+    u->total += kind == UNITS_DONE;
     if (worker == UNITS_WORKERS || !(start >= 0) || !(end >= start) ||
         end > 1e9)
         return true;
-    return add_span(u, cap, worker, start, end);
+    return add_span(u, cap,
+                    &(struct units_span){ .start = (float)start,
+                                          .end = (float)end,
+                                          .worker = (uint16_t)worker,
+                                          .units = 1,
+                                          .kind = kind });
 }
 
 /* One value after the other, up to the list's end. */
 static int
-read_list(struct units *u, const char *p, size_t n, struct rad_error *err)
+read_list(struct units *u, size_t *cap, const char *p, size_t n,
+          struct rad_error *err)
 {
-    size_t cap = 0;
     json_error_t at;
 
     for (;;) {
@@ -114,13 +118,29 @@ read_list(struct units *u, const char *p, size_t n, struct rad_error *err)
             json_decref(unit);
             return rad_fail(err, RAD_EDATA, "the list of units is damaged");
         }
-        ok = add_unit(u, &cap, unit);
+        ok = add_unit(u, cap, unit, UNITS_DONE);
         json_decref(unit);
         if (!ok)
             return rad_fail(err, RAD_ENOMEM, "out of memory");
         p += at.position;
         n -= (size_t)at.position;
     }
+}
+
+/* Those of a list of the head. */
+static int
+add_list(struct units *u, size_t *cap, const char *list, enum units_kind kind,
+         struct rad_error *err)
+{
+    const json_t *unit;
+    size_t i;
+
+    json_array_foreach(json_object_get(u->head, list), i, unit)
+    {
+        if (!add_unit(u, cap, unit, kind))
+            return rad_fail(err, RAD_ENOMEM, "out of memory");
+    }
+    return 0;
 }
 
 /* --- lanes --- */
@@ -206,7 +226,7 @@ join(struct units *u, float gap)
         struct units_span *last = n > 0 ? &u->spans[n - 1] : NULL;
 
         if (!last || last->worker != s->worker || last->lane != s->lane ||
-            s->start - last->end > gap) {
+            last->kind != s->kind || s->start - last->end > gap) {
             u->spans[n++] = *s;
             continue;
         }
@@ -233,6 +253,7 @@ int
 units_read(struct units *u, const char *text, size_t len, struct rad_error *err)
 {
     const char *list = find_units(text, len);
+    size_t cap = 0;
     int rc;
 
     *u = (struct units){ 0 };
@@ -247,8 +268,12 @@ units_read(struct units *u, const char *text, size_t len, struct rad_error *err)
     u->lanes = calloc(UNITS_WORKERS, sizeof *u->lanes);
     list += strlen(marker);
     rc = u->workers && u->lanes
-             ? read_list(u, list, len - (size_t)(list - text), err)
+             ? read_list(u, &cap, list, len - (size_t)(list - text), err)
              : rad_fail(err, RAD_ENOMEM, "out of memory");
+    if (rc == 0)
+        rc = add_list(u, &cap, "running", UNITS_RUN, err);
+    if (rc == 0)
+        rc = add_list(u, &cap, "passes", UNITS_PASS, err);
     if (rc == 0 && !sort_workers(u))
         rc = rad_fail(err, RAD_ENOMEM, "out of memory");
     if (rc < 0) {

@@ -19,10 +19,17 @@
 #define UNITS_LANES 16   /* of a worker: units side by side */
 #define UNITS_SPANS 3000 /* that a chart has */
 
+enum units_kind {
+    UNITS_DONE,
+    UNITS_RUN, /* till now */
+    UNITS_PASS /* of the ambient cache: of no worker, whose name is empty */
+};
+
 struct units_span {
     float start, end; /* seconds since the job came */
     uint16_t worker, lane;
     uint32_t units; /* that it stands for */
+    enum units_kind kind;
 };
 
 struct units {
@@ -33,7 +40,7 @@ struct units {
     struct units_span *spans; /* by worker, lane, start */
     size_t nspans;
     uint32_t total;        /* units that are done */
-    double start_s, end_s; /* of the first, of the last */
+    double start_s, end_s; /* of the first, of the last; now, where one runs */
 };
 
 /* Read statistics; u is initialised by this.  RAD_EDATA for what are none, or

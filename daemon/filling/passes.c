@@ -402,6 +402,7 @@ close_pass(struct coord *c, struct job *job)
                 "records=%u",
                 job->hex, passes_number(s), s->plan[s->open].level,
                 s->plan[s->open].step, s->ntiles, k->n);
+    kept_note_time(&job->cache, c->now_ms);
     s->open++;
     open_frames(job);
     if (!open_pass(s))

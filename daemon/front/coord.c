@@ -181,6 +181,7 @@ on_want(struct coord *c, struct coord_worker *w, const struct msg *m)
 static void
 on_ping(struct coord *c, struct coord_worker *w, const struct msg *m)
 {
+    w->load = m->ping.load;
     if (w->progress == m->ping.progress)
         return;
     w->progress = m->ping.progress;

@@ -21,7 +21,7 @@ struct job_row {
 /* Rows of one page, in the page's order: jobs or workers. */
 struct page {
     const struct msg_page *ask;
-    uint8_t *duties; /* of workers (report.h) */
+    struct report_share *shares; /* of workers */
     uint32_t most, n;
     bool more; /* there are others behind them */
     union {
@@ -109,7 +109,7 @@ find_workers(const struct coord *c, struct page *p)
          w = w->next) {
         if (w->id < m->cursor || w->forgotten ||
             (m->state[0] &&
-             strcmp(m->state, report_worker_state(w, p->duties)) != 0))
+             strcmp(m->state, report_worker_state(w, p->shares)) != 0))
             continue;
         if (p->n == p->most)
             p->more = true;
@@ -127,7 +127,7 @@ row_text(const struct coord *c, const struct page *p, uint32_t i)
     char *text;
 
     if (p->ask->what != MSG_ROWS_JOBS)
-        row = report_worker(c, p->row.workers[i], p->duties);
+        row = report_worker(c, p->row.workers[i], p->shares);
     else if (p->row.jobs[i].job)
         row = report_job(c, p->row.jobs[i].job, MSG_MAX_LABEL);
     else
@@ -184,10 +184,10 @@ listing_page(const struct coord *c, const struct msg_page *m, const char *owner)
         p.most = m->most;
     if (m->what == MSG_ROWS_JOBS)
         find_jobs(c, &p, owner);
-    else if ((p.duties = report_duties(c)) != NULL)
+    else if ((p.shares = report_shares(c)) != NULL)
         find_workers(c, &p);
-    if (m->what == MSG_ROWS_JOBS || p.duties)
+    if (m->what == MSG_ROWS_JOBS || p.shares)
         text = page_text(c, &p);
-    free(p.duties);
+    free(p.shares);
     return text;
 }

@@ -27,71 +27,82 @@ since(const struct coord *c, uint64_t ms)
     return c->now_ms > ms ? (double)(c->now_ms - ms) / 1000 : 0;
 }
 
-/* What a job has of a worker, as bits. */
-enum {
-    LACKS_ROOM = 1, /* the worker cannot take it now */
-    PREPARES = 2    /* the worker makes tiles of a pass, or estimates: that is
-                     * work without units */
-};
-
-static unsigned
-duty_of(const struct job_worker *jw)
+static void
+add_share(struct report_share *s, const struct job_worker *jw)
 {
-    return (jw->state == PART_NO_ROOM ? LACKS_ROOM : 0u) |
-           (jw->ntiles > 0 || jw->surveying > 0 ? PREPARES : 0u);
+    const struct msg_tally *t = &jw->tally;
+    const bool here = part_is_here(jw);
+
+    s->lacks_room |= jw->state == PART_NO_ROOM;
+    s->prepares |= jw->ntiles > 0 || jw->surveying > 0;
+    s->rays += part_rays(jw) + part_under_way(jw);
+    s->redundant += t->ambient_redundant + jw->past.ambient_redundant;
+    s->cache += here ? t->cache_values : 0;
+    s->memory += here ? t->peak_rss_bytes : 0;
 }
 
-uint8_t *
-report_duties(const struct coord *c)
+struct report_share *
+report_shares(const struct coord *c)
 {
-    uint8_t *duties = calloc(c->nworkers + 1u, 1);
+    struct report_share *all = calloc(c->nworkers + 1u, sizeof *all);
 
-    for (size_t i = 0; duties && i < c->njobs; i++) {
+    for (size_t i = 0; all && i < c->njobs; i++) {
         const struct job *job = c->jobs[i];
 
         for (uint32_t k = 0; k < job->nworkers && !job_over(job); k++)
-            duties[job->workers[k].worker->id] |=
-                (uint8_t)duty_of(&job->workers[k]);
+            add_share(&all[job->workers[k].worker->id], &job->workers[k]);
     }
-    return duties;
+    return all;
 }
 
 const char *
-report_worker_state(const struct coord_worker *w, const uint8_t *duties)
+report_worker_state(const struct coord_worker *w,
+                    const struct report_share *shares)
 {
     if (w->conn == 0)
         return "gone";
     if (w->drained || w->leaving)
         return w->in_flight ? "draining" : "drained";
-    if (w->in_flight || duties[w->id] & PREPARES)
+    if (w->in_flight || shares[w->id].prepares)
         return "working";
     if (w->loading)
         return "loading";
-    return duties[w->id] & LACKS_ROOM ? "no room" : "idle";
+    return shares[w->id].lacks_room ? "no room" : "idle";
+}
+
+static json_int_t
+integer(uint64_t n)
+{
+    return (json_int_t)(n & INT64_MAX);
 }
 
 json_t *
 report_worker(const struct coord *c, const struct coord_worker *w,
-              const uint8_t *duties)
+              const struct report_share *shares)
 {
-    return json_pack("{s:s,s:s,s:I,s:I,s:s,s:s,s:f,s:s}", "name", w->name,
-                     "state", report_worker_state(w, duties), "threads",
+    const struct report_share *s = &shares[w->id];
+
+    return json_pack("{s:s,s:s,s:f,s:I,s:I,s:I,s:I,s:I,s:I,s:s,s:s,s:f,s:s}",
+                     "name", w->name, "state", report_worker_state(w, shares),
+                     "load", w->conn ? w->load / 100.0 : 0.0, "threads",
                      (json_int_t)w->threads, "units", (json_int_t)w->in_flight,
-                     "address", w->address, "program", w->program, "since_s",
-                     since(c, w->since_ms), "text",
-                     duties[w->id] & LACKS_ROOM ? w->no_room : "");
+                     "rays", integer(s->rays), "redundant",
+                     integer(s->redundant), "memory", integer(s->memory),
+                     "cache", integer(s->cache), "address", w->address,
+                     "program", w->program, "since_s", since(c, w->since_ms),
+                     "text", s->lacks_room ? w->no_room : "");
 }
 
 static json_t *
 all_workers(const struct coord *c)
 {
-    uint8_t *duties = report_duties(c);
-    json_t *list = duties ? json_array() : NULL;
+    struct report_share *shares = report_shares(c);
+    json_t *list = shares ? json_array() : NULL;
 
     for (const struct coord_worker *w = c->workers; list && w; w = w->next)
         if (!w->forgotten)
-            json_array_append_new(list, report_worker(c, w, duties));
-    free(duties);
+            json_array_append_new(list, report_worker(c, w, shares));
+    free(shares);
     return list;
 }
 
@@ -186,10 +197,9 @@ with_traffic(json_t *o, const struct job *job)
                      job->workers[i].past.ambient_redundant;
     }
     if (o) {
-        json_object_set_new(o, "bytes",
-                            json_integer((json_int_t)(bytes & INT64_MAX)));
+        json_object_set_new(o, "bytes", json_integer(integer(bytes)));
         json_object_set_new(o, "ambient_redundant",
-                            json_integer((json_int_t)(redundant & INT64_MAX)));
+                            json_integer(integer(redundant)));
     }
     return o;
 }
@@ -257,7 +267,7 @@ report_job(const struct coord *c, const struct job *job, size_t label)
                 json_pack(
                     "{s:s,s:s,s:s,s:s,s:i,s:f,s:I,s:I,s:I,s:I,s:I,s:I,s:I,s:"
                     "I,s:I,s:I,"
-                    "s:f,s:s,s:i}",
+                    "s:f,s:f,s:s,s:i}",
                     "job", job->hex, "name", name, "owner", job->owner, "state",
                     job_is(job), "priority", (int)job->spec.priority, "done",
                     done, "frames", (json_int_t)job->spec.nframes,
@@ -268,7 +278,8 @@ report_job(const struct coord *c, const struct job *job, size_t label)
                     (json_int_t)p.units_total, "units_redone",
                     (json_int_t)p.units_redone, "rays", (json_int_t)p.rays,
                     "workers", (json_int_t)p.workers, "elapsed_s", p.elapsed_s,
-                    "text", why(c, job, text), "status", job->status),
+                    "error", p.error, "text", why(c, job, text), "status",
+                    job->status),
                 job),
             job),
         job);

@@ -18,14 +18,25 @@ char *report_query(const struct coord *c, enum msg_topic what, const char *text,
  * that there is room for. */
 json_t *report_gone(const struct coord *c, const struct saved_gone *g);
 json_t *report_job(const struct coord *c, const struct job *job, size_t label);
-json_t *report_worker(const struct coord *c, const struct coord_worker *w,
-                      const uint8_t *duties);
 
-/* What workers have to do for jobs without having units, by the worker's id;
- * malloc'd, NULL when memory is out.  Walks all jobs: once for a list. */
-uint8_t *report_duties(const struct coord *c);
+/* What the jobs that are not over have of a worker. */
+struct report_share {
+    bool lacks_room; /* it cannot take one of them now */
+    bool prepares;   /* it makes tiles of a pass, or estimates: that is work
+                      * without units */
+    uint64_t rays;
+    uint64_t redundant; /* ambient records that it got and had made, too */
+    uint64_t cache;     /* ambient records that it holds */
+    uint64_t memory;    /* [bytes] of its processes, the most that each took */
+};
+
+/* The shares of all workers, by their id; malloc'd, NULL when memory is out.
+ * Walks all jobs: once for a list. */
+struct report_share *report_shares(const struct coord *c);
 /* "idle" */
 const char *report_worker_state(const struct coord_worker *w,
-                                const uint8_t *duties);
+                                const struct report_share *shares);
+json_t *report_worker(const struct coord *c, const struct coord_worker *w,
+                      const struct report_share *shares);
 
 #endif

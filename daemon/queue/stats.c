@@ -14,6 +14,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* Attempts that are told of units that are out: the loop waits meanwhile. */
+#define MOST_RUNNING 1000
+
 /* Seconds from a to b, 0 when one of them has not come. */
 static double
 seconds(uint64_t a, uint64_t b)
@@ -141,18 +144,16 @@ workers(const struct job *job)
         double busy = work > w->cpu_s ? work : w->cpu_s;
         double idle =
             w->threads * seconds(w->ready_ms, job->last_ms) - busy - wait;
-        /* all that the totals have of it, in a unit or in none */
-        uint64_t rays =
-            w->rays + w->surveyed_rays + t.seeded.rays + t.dropped.rays;
 
         if (!w->took_part)
             continue;
         json_array_append_new(
-            list, json_pack("{s:s,s:I,s:I,s:f,s:f,s:f,s:I,s:I,s:I,s:I}", "name",
-                            w->name, "threads", (json_int_t)w->threads, "rays",
-                            integer(rays), "busy_s", busy, "idle_s",
-                            idle > 0 ? idle : 0.0, "wait_base_line_s", wait,
-                            "bytes_in", integer(t.bytes_in), "bytes_out",
+            list, json_pack("{s:s,s:I,s:I,s:I,s:f,s:f,s:f,s:I,s:I,s:I,s:I}",
+                            "name", w->name, "threads", (json_int_t)w->threads,
+                            "rays", integer(part_rays(w)), "rays_under_way",
+                            integer(part_under_way(w)), "busy_s", busy,
+                            "idle_s", idle > 0 ? idle : 0.0, "wait_base_line_s",
+                            wait, "bytes_in", integer(t.bytes_in), "bytes_out",
                             integer(t.bytes_out), "peak_rss_bytes",
                             integer(t.peak_rss_bytes), "units",
                             (json_int_t)w->units));
@@ -192,6 +193,61 @@ unit(const struct job *job, uint32_t i)
         (json_int_t)u->tries);
 }
 
+/* An attempt at a unit that is out. */
+static json_t *
+attempt(const struct job *job, uint32_t i, const struct job_go *go,
+        uint64_t now_ms)
+{
+    struct partition_area a;
+
+    partition_area(job->partition, i, &a);
+    return json_pack("{s:I,s:I,s:I,s:I,s:I,s:f,s:f,s:s}", "frame",
+                     (json_int_t)job->spec.frames[a.frame].number, "x",
+                     (json_int_t)a.x, "y", (json_int_t)a.y, "width",
+                     (json_int_t)a.width, "height", (json_int_t)a.height,
+                     "start_s", seconds(job->submit_ms, go->out_ms), "end_s",
+                     seconds(job->submit_ms, now_ms), "worker",
+                     job->workers[go->worker].name);
+}
+
+/* What workers have in hand. */
+static json_t *
+running(const struct job *job, uint64_t now_ms)
+{
+    json_t *list = json_array();
+    size_t n = 0;
+
+    for (uint32_t k = 0; k < job->nout && !job_over(job); k++) {
+        const struct job_unit *u = &job->units[job->out[k]];
+
+        for (uint8_t g = 0; g < u->ngos && n < MOST_RUNNING; g++)
+            if (u->go[g].state != GO_OVER && u->go[g].origin != GO_LOAN) {
+                json_array_append_new(
+                    list, attempt(job, job->out[k], &u->go[g], now_ms));
+                n++;
+            }
+    }
+    return list;
+}
+
+/* Passes of the ambient cache that were closed, each from the end of the one
+ * before. */
+static json_t *
+passes(const struct job *job)
+{
+    json_t *list = json_array();
+    double start = 0;
+
+    for (uint32_t i = 0; i < job->cache.nclosed; i++) {
+        double end = seconds(job->submit_ms, job->cache.closed_ms[i]);
+
+        json_array_append_new(
+            list, json_pack("{s:f,s:f}", "start_s", start, "end_s", end));
+        start = end;
+    }
+    return list;
+}
+
 /* What was asked for by error and time, and what came of it. */
 static json_t *
 with_goal(json_t *o, const struct job *job)
@@ -226,7 +282,7 @@ head(const struct job *job, uint64_t now_ms)
         msg_job_format(s->reuse, reuse);
     o = json_pack(
         "{s:s,s:s,s:s,s:s,s:s,s:o,s:I,s:s,s:I,s:{s:I,s:I,s:I,s:o},"
-        "s:{s:I,s:I,s:I},s:o,s:o,s:{s:f,s:f,s:f},s:o}",
+        "s:{s:I,s:I,s:I},s:o,s:o,s:{s:f,s:f,s:f},s:o,s:o,s:o}",
         "job", job->hex, "radd", PACKAGE_VERSION, "options",
         said ? options : goal_options(job), "partition",
         partition_kind_name(p ? partition_kind(p) : s->partition), "choice",
@@ -238,7 +294,8 @@ head(const struct job *job, uint64_t now_ms)
         "width", (json_int_t)size.width, "height", (json_int_t)size.height,
         "frames", (json_int_t)s->nframes, "time", times(job, now_ms), "totals",
         totals(job), "error", "estimate", error.all, "ambient", error.ambient,
-        "sampling", error.sampling, "workers", workers(job));
+        "sampling", error.sampling, "workers", workers(job), "passes",
+        passes(job), "running", running(job, now_ms));
     return with_goal(o, job);
 }
 

@@ -164,6 +164,8 @@ struct radd {
     struct hours hours;       /* by set.hours */
     struct idle idle;
     uint64_t hours_ms; /* when it was last asked whether to work */
+    uint32_t load;     /* as in struct msg_ping; looked up at load_ms */
+    uint64_t load_ms;
     struct worker *worker;
 };
 
@@ -228,12 +230,19 @@ on_written(void *arg, uint64_t id, size_t n)
     worker_written(r->worker, now(r), id, n);
 }
 
-static uint64_t
-progress(void *arg)
+static void
+tell_ping(void *arg, struct msg_ping *ping)
 {
     struct radd *r = arg;
+    double mean[3];
 
-    return worker_progress(r->worker);
+    if (r->load_ms == 0 || now(r) - r->load_ms >= CONN_PING_MS) {
+        uv_loadavg(mean);
+        r->load = mean[0] > 0 ? (uint32_t)(100 * mean[0] + .5) : 0;
+        r->load_ms = now(r);
+    }
+    ping->progress = worker_progress(r->worker);
+    ping->load = r->load;
 }
 
 static struct action_list *
@@ -431,7 +440,7 @@ static const struct shell_ops ops = {
     .written = on_written,
     .action = on_action,
     .actions = actions,
-    .progress = progress,
+    .ping = tell_ping,
     .failed = out_of_memory,
 };
 

@@ -82,10 +82,12 @@ on_written(void *arg, struct conn *c, size_t n)
 {
     struct shell_link *l = arg;
     struct shell *s = l->shell;
+    struct msg_ping ping = { 0 };
 
-    (void)c;
-    if (s->ops->progress)
-        conn_set_progress(c, s->ops->progress(s->arg));
+    if (s->ops->ping) {
+        s->ops->ping(s->arg, &ping);
+        conn_set_ping(c, &ping);
+    }
     s->ops->written(s->arg, l->id, n);
     shell_run(s);
 }

@@ -24,7 +24,7 @@ struct shell_ops {
     /* an action that is not common to both */
     void (*action)(void *arg, const struct action *a);
     struct action_list *(*actions)(void *arg);
-    uint64_t (*progress)(void *arg); /* for PING */
+    void (*ping)(void *arg, struct msg_ping *ping); /* what it is to say */
     void (*failed)(void *arg);       /* the machine is out of memory */
 };
 

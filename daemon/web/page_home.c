@@ -143,9 +143,12 @@ put_worker(struct markup *m, const json_t *w)
     markup_raw(m, "</td><td>");
     page_state(m, markup_member(w, "state"));
     markup_print(m,
-                 "</td><td class=\"num\">%.0f</td><td class=\"num\">%.0f"
-                 "</td><td class=\"num\">",
-                 markup_number(w, "threads"), markup_number(w, "units"));
+                 "</td><td class=\"num\">%.1f</td><td class=\"num\">%.0f"
+                 "</td><td class=\"num\">%.0f</td><td class=\"num wide\">",
+                 markup_number(w, "load"), markup_number(w, "threads"),
+                 markup_number(w, "units"));
+    markup_size(m, markup_number(w, "memory"));
+    markup_raw(m, "</td><td class=\"num wide\">");
     markup_span(m, markup_number(w, "since_s"));
     markup_raw(m, "</td><td class=\"wide\">");
     markup_text(m, markup_member(w, "address"));
@@ -170,8 +173,9 @@ put_workers(struct markup *m, const struct model *c)
         return;
     }
     markup_raw(m, "<div class=\"scroll\"><table><thead><tr><th>Worker</th>"
-                  "<th>State</th><th class=\"num\">Threads</th>"
-                  "<th class=\"num\">Units</th><th class=\"num\">So for</th>"
+                  "<th>State</th><th class=\"num\">Load</th>"
+                  "<th class=\"num\">Threads</th><th class=\"num\">Units</th>"
+                  "<th class=\"num wide\">Memory</th><th class=\"num wide\">So for</th>"
                   "<th class=\"wide\">Address</th><th class=\"wide\">Program"
                   "</th><th class=\"wide\">Note</th></tr></thead><tbody>\n");
     json_array_foreach(c->workers, i, row)

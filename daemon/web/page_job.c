@@ -181,17 +181,18 @@ put_worker(struct markup *m, const json_t *w)
                  "</td><td class=\"num\">%.0f</td><td class=\"num\">%.0f"
                  "</td><td class=\"num\">",
                  markup_number(w, "threads"), markup_number(w, "units"));
-    markup_count(m, markup_number(w, "rays"));
+    markup_count(m, markup_number(w, "rays") +
+                        markup_number(w, "rays_under_way"));
     markup_raw(m, "</td><td class=\"num\">");
     if (all > 0)
         markup_print(m, "%.0f %%", 100 * busy / all);
     markup_raw(m, "</td><td class=\"num wide\">");
-    markup_count(m, markup_number(w, "bytes_in"));
-    markup_raw(m, "B</td><td class=\"num wide\">");
-    markup_count(m, markup_number(w, "bytes_out"));
-    markup_raw(m, "B</td><td class=\"num wide\">");
-    markup_count(m, markup_number(w, "peak_rss_bytes"));
-    markup_raw(m, "B</td></tr>\n");
+    markup_size(m, markup_number(w, "bytes_in"));
+    markup_raw(m, "</td><td class=\"num wide\">");
+    markup_size(m, markup_number(w, "bytes_out"));
+    markup_raw(m, "</td><td class=\"num wide\">");
+    markup_size(m, markup_number(w, "peak_rss_bytes"));
+    markup_raw(m, "</td></tr>\n");
 }
 
 static void

@@ -88,6 +88,8 @@ ended() # STATUS NAME
 
 start 120 24
 look '^radcoord .* 2 workers, 2 threads   2 jobs' start
+look '^WORKER .*LOAD .*THREADS .*UNITS .*RAYS/S .*REDUNDANT .*MEMORY .*CACHE' \
+    "columns of workers"
 look '^ws1  .* [0-9.]* [kM]  .* MiB ' "a worker's rays and memory"
 look "^$(echo "$job" | cut -c1-8)  atrium .*running .* %" "the job"
 shows 'stairs .*waiting' || fail "the second job: $(screen)"
@@ -105,6 +107,7 @@ look '  atrium ' "filter off"
 keys Enter
 look "^job $(echo "$job" | cut -c1-8)  atrium" "the job's screen"
 look '^running, .*pass [0-9] of [0-9]' "the job's passes"
+look '^passes .*  [#=]*\.*$' "the passes' chart"
 look '^ws2  .*  \.*$' "a worker without units yet"
 keys q
 

@@ -33,8 +33,10 @@ def compare_lists(b):
         assert r[6:9] == [j["owner"], str(j["priority"]), str(j["workers"])], r
     rows = {r[0]: r for r in b.run(CELLS % "workers")}
     for w in radctl("workers"):
-        assert rows[w["name"]][1:4] == [w["state"], str(w["threads"]),
-                                        str(w["units"])], rows
+        r = rows[w["name"]]
+        assert [r[1]] + r[3:5] == [w["state"], str(w["threads"]),
+                                   str(w["units"])], rows
+        assert abs(float(r[2]) - w["load"]) <= 10, rows
 
 
 def fits(b, what):
