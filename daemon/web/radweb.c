@@ -6,12 +6,15 @@
 #include "web/confine.h"
 
 #include <malloc.h>
+#include <sched.h>
 #include <stdio.h>
 #include <string.h>
+#include <sys/resource.h>
 #include <sysexits.h>
 
 #define SWEEP_MS 500
 #define WHOLE    (1 << 20) /* bytes; of so many on memory is mapped */
+#define NICE     15
 
 /* The cluster has changed.  Whether the coordinator is there stands on all
  * pages. */
@@ -51,7 +54,7 @@ on_tick(void *arg)
         r->sweep_ms = now;
         serve_sweep(r->serve);
     }
-    serve_run(r->serve);
+    serve_tick(r->serve);
 }
 
 static void
@@ -105,12 +108,26 @@ take_credentials(struct radweb_settings *s)
         service_credential("tls-key", s->tls_key, sizeof s->tls_key);
 }
 
+/* All others of this machine come first, the coordinator above all; who may not
+ * say so goes on as it is. */
+static void
+give_way(void)
+{
+    const struct sched_param none = { 0 };
+
+    if (getpriority(PRIO_PROCESS, 0) < NICE)
+        setpriority(PRIO_PROCESS, 0, NICE);
+    if (sched_getscheduler(0) == SCHED_OTHER)
+        sched_setscheduler(0, SCHED_BATCH, &none);
+}
+
 static int
 start(void *arg, struct rad_error *err)
 {
     struct radweb *r = arg;
     struct session_conf conf = { r->set.coordinator, r->set.key };
 
+    give_way();
     take_credentials(&r->set);
     mallopt(M_MMAP_THRESHOLD, WHOLE); /* what a picture took goes back */
     if (radweb_read_token(r, err) < 0 || radweb_check_listen(r, err) < 0)

@@ -15,12 +15,17 @@
 #define MEMORY   16384 /* of a connection, for what it says and is told */
 #define MOST_PEM (1u << 20)
 #define BACKLOG  511
+#define A_TURN   10 /* connections */
 
 struct serve {
     uv_loop_t *loop;
     struct serve_conf conf;
     struct MHD_Daemon *mhd;
     uv_poll_t poll;
+    uv_poll_t door; /* the socket where they come */
+    int door_fd;
+    double may; /* come in at once; grows by SERVE_PER_S a second */
+    uint64_t may_ms;
     uv_timer_t timer;
     bool open, running, again;
     struct serve_guest *guests;
@@ -226,6 +231,61 @@ serve_run(struct serve *s)
     uv_timer_start(&s->timer, on_timer, wait < 1000 ? wait : 1000, 0);
 }
 
+/* --- the door --- */
+
+static bool
+may_come(struct serve *s)
+{
+    uint64_t now = uv_now(s->loop);
+
+    s->may += (double)(now - s->may_ms) * SERVE_PER_S / 1000;
+    s->may = s->may < SERVE_AT_ONCE ? s->may : SERVE_AT_ONCE;
+    s->may_ms = now;
+    return s->may >= 1 && s->nguests < SERVE_GUESTS;
+}
+
+/* One who waits; false: nobody does, or none is let in now. */
+static bool
+let_in(struct serve *s)
+{
+    struct address a;
+    socklen_t n = sizeof a.sa;
+    int fd;
+
+    if (!may_come(s))
+        return false;
+    fd = accept4(s->door_fd, &a.sa.any, &n, SOCK_NONBLOCK | SOCK_CLOEXEC);
+    if (fd < 0)
+        return errno == ECONNABORTED;
+    s->may--;
+    MHD_add_connection(s->mhd, fd, &a.sa.any, n); /* or it is closed */
+    return true;
+}
+
+static void
+on_door(uv_poll_t *p, int status, int events)
+{
+    struct serve *s = p->data;
+    int i = 0;
+
+    (void)status;
+    (void)events;
+    while (i < A_TURN && let_in(s))
+        i++;
+    if (!may_come(s))
+        uv_poll_stop(p); /* until the next tick */
+    if (i > 0)
+        serve_run(s);
+}
+
+void
+serve_tick(struct serve *s)
+{
+    serve_run(s);
+    if (s->open && !uv_is_active((uv_handle_t *)&s->door) && may_come(s))
+        uv_poll_start(&s->door, UV_READABLE, on_door);
+}
+
 /* --- open and close --- */
 
 static int
@@ -270,10 +330,11 @@ open_socket(struct serve *s, struct rad_error *err)
 }
 
 static int
-start_library(struct serve *s, int fd, struct rad_error *err)
+start_library(struct serve *s, struct rad_error *err)
 {
     unsigned flags = MHD_USE_EPOLL | MHD_ALLOW_SUSPEND_RESUME |
-                     MHD_USE_ERROR_LOG | (s->cert ? MHD_USE_TLS : 0u);
+                     MHD_USE_NO_LISTEN_SOCKET | MHD_USE_ERROR_LOG |
+                     (s->cert ? MHD_USE_TLS : 0u);
     const struct MHD_OptionItem plain[] = { { MHD_OPTION_END, 0, NULL } };
     const struct MHD_OptionItem tls[] = {
         { MHD_OPTION_HTTPS_MEM_KEY, 0, s->key },
@@ -283,7 +344,7 @@ start_library(struct serve *s, int fd, struct rad_error *err)
 
     s->mhd = MHD_start_daemon(
         flags, 0, NULL, NULL, on_request, s, MHD_OPTION_EXTERNAL_LOGGER, on_log,
-        s, MHD_OPTION_LISTEN_SOCKET, fd, MHD_OPTION_CONNECTION_LIMIT,
+        s, MHD_OPTION_CONNECTION_LIMIT,
         (unsigned)SERVE_GUESTS, MHD_OPTION_CONNECTION_MEMORY_LIMIT,
         (size_t)MEMORY, MHD_OPTION_CONNECTION_TIMEOUT, 30u,
         MHD_OPTION_NOTIFY_COMPLETED, on_completed, s,
@@ -291,7 +352,6 @@ start_library(struct serve *s, int fd, struct rad_error *err)
         s->cert ? tls : plain, MHD_OPTION_END);
     if (s->mhd)
         return 0;
-    close(fd);
     return s->cert ? rad_fail(err, RAD_ECONFIG,
                               "the certificate and its key cannot be used")
                    : rad_fail(err, RAD_EINTERNAL, "HTTP cannot be served");
@@ -301,12 +361,12 @@ static int
 start(struct serve *s, struct rad_error *err)
 {
     const union MHD_DaemonInfo *i;
-    int fd, rc;
+    int rc;
 
     if (s->conf.tls_cert[0] && (read_pem(s->conf.tls_cert, &s->cert, err) < 0 ||
                                 read_pem(s->conf.tls_key, &s->key, err) < 0))
         return err->code;
-    if ((fd = open_socket(s, err)) < 0 || (rc = start_library(s, fd, err)) < 0)
+    if ((s->door_fd = open_socket(s, err)) < 0 || start_library(s, err) < 0)
         return err->code;
     i = MHD_get_daemon_info(s->mhd, MHD_DAEMON_INFO_EPOLL_FD);
     rc = i ? uv_poll_init(s->loop, &s->poll, i->epoll_fd) : UV_ENOSYS;
@@ -315,11 +375,14 @@ start(struct serve *s, struct rad_error *err)
         return rad_fail(err, RAD_EINTERNAL, "HTTP cannot be served: %s",
                         uv_strerror(rc));
     }
-    s->poll.data = s->timer.data = s;
+    uv_poll_init(s->loop, &s->door, s->door_fd);
+    s->poll.data = s->door.data = s->timer.data = s;
     uv_timer_init(s->loop, &s->timer);
     uv_poll_start(&s->poll, UV_READABLE, on_ready);
     s->open = true;
-    serve_run(s);
+    s->may = SERVE_AT_ONCE;
+    s->may_ms = uv_now(s->loop);
+    serve_tick(s);
     return 0;
 }
 
@@ -335,6 +398,7 @@ serve_open(uv_loop_t *loop, const struct serve_conf *conf,
     }
     s->loop = loop;
     s->conf = *conf;
+    s->door_fd = -1;
     if (start(s, err) == 0)
         return s;
     serve_free(s);
@@ -348,7 +412,7 @@ serve_close(struct serve *s)
         return;
     MHD_run(s->mhd); /* those that were woken */
     s->open = false;
-    uv_poll_stop(&s->poll);
+    uv_close((uv_handle_t *)&s->door, NULL);
     uv_close((uv_handle_t *)&s->poll, NULL);
     uv_close((uv_handle_t *)&s->timer, NULL);
     MHD_stop_daemon(s->mhd);
@@ -361,6 +425,8 @@ serve_free(struct serve *s)
         return;
     if (s->key)
         explicit_bzero(s->key, strlen(s->key));
+    if (s->door_fd >= 0)
+        close(s->door_fd);
     free(s->key);
     free(s->cert);
     free(s);

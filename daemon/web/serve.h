@@ -3,9 +3,11 @@
  * libmicrohttpd parses what browsers send; its epoll descriptor is watched by
  * libuv's loop, so all is in one thread.  What is asked for is answered by
  * route.h.
- * Bounds: SERVE_GUESTS connections, of 16 KiB each for what they say; a request
- * is whole within SERVE_ASK_MS, an answer read within SERVE_READ_MS, or the
- * connection ends; only pages that stay open for events are let be.
+ * Bounds: SERVE_GUESTS connections, SERVE_PER_S new ones a second once
+ * SERVE_AT_ONCE have come, and those above wait in the kernel, or are turned away
+ * by it, for none of our time; 16 KiB each for what they say; a request is whole
+ * within SERVE_ASK_MS, an answer read within SERVE_READ_MS, or the connection
+ * ends; only pages that stay open for events are let be.
  * Thread: the loop's. */
 #ifndef RADD_WEB_SERVE_H
 #define RADD_WEB_SERVE_H
@@ -21,6 +23,8 @@
 
 #define SERVE_GUESTS  400
 #define SERVE_STREAMS 250 /* of these, pages that stay open */
+#define SERVE_PER_S   250
+#define SERVE_AT_ONCE 200
 #define SERVE_ASK_MS  10000
 #define SERVE_READ_MS 60000
 
@@ -62,8 +66,10 @@ void serve_free(struct serve *s);
 const char *serve_address(const struct serve *s);
 unsigned serve_guests(const struct serve *s);
 
-/* The libraries' work is due: after serve_wake() and each tick. */
+/* The libraries' work is due: after serve_wake(). */
 void serve_run(struct serve *s);
+/* That, and let in who waits; each DAEMON_TICK_MS. */
+void serve_tick(struct serve *s);
 /* End those who take too long; each second or so. */
 void serve_sweep(struct serve *s);
 

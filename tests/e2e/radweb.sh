@@ -84,6 +84,23 @@ wait $slow || fail "those who are slow stay"
 ask flood "$url" "$web" "$radctl" --coordinator="$tcp" \
     --key="$work/user.key" status
 kill -0 "$web" || fail "radweb has ended: $(tail -5 web.log)"
+# it sleeps, and is killed, while a job is looked at: the job does not notice
+# shellcheck disable=SC2086
+"$radsubmit" --coordinator="$tcp" --key="$work/user.key" $view -ab 1 -ad 256 \
+    -o looked.hdr "$scenes/room.rad" 2>stderr &
+job=$!
+"$radsubmit" --local $view -ab 1 -ad 256 -o alone.hdr "$scenes/room.rad" \
+    2>/dev/null || fail "local"
+ask alive "$url"
+kill -STOP "$web"
+ask stalled "$url" "$radctl" --coordinator="$tcp" --key="$work/user.key" status
+kill -CONT "$web"
+ask alive "$url"
+kill -9 "$web"
+wait "$web"
+wait $job || fail "a job while radweb is killed: $(cat stderr)"
+cmp looked.hdr alone.hdr || fail "a picture that was looked at is another"
+web_start
 
 # it stops with pages open, and the coordinator may come and go
 try restart_begin "$url" open &
