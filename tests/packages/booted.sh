@@ -8,7 +8,7 @@ export RADD_COORDINATOR=/run/radd/radcoord.sock
 die()
 {
     echo "FAILED: $*"
-    journalctl --no-pager -n 30 -u radcoord -u radd
+    journalctl --no-pager -n 30 -u radcoord -u radd -u radweb
     exit 1
 }
 
@@ -50,7 +50,43 @@ killed radcoord
 killed radd
 within worker_there
 
-for unit in radcoord radd; do
+# radweb, as its manual page has it: on this machine, then with TLS and a token
+# for all; no other user can read the certificate's key
+umask 077
+cd /etc/radd || die "no /etc/radd"
+radctl key add observer:page --keys=keys >radweb.key || die "observer's key"
+systemctl restart radcoord
+systemctl enable -q --now radweb || die "radweb"
+page_up() # CURL'S OPTIONS
+{
+    curl -fs --max-time 5 "$@/api/v1/status.json" | grep -q '"up": *true'
+}
+within page_up http://127.0.0.1:7480
+[ "$(ps -o ni=,cls= -p "$(systemctl show -p MainPID --value radweb)" |
+    tr -s ' ')" = " 15 B" ] || die "radweb's priority"
+killed radweb
+within page_up http://127.0.0.1:7480
+echo 'a token of 24 characters' >radweb.token
+openssl req -x509 -newkey rsa:2048 -nodes -days 2 -subj /CN=render \
+    -addext 'subjectAltName=DNS:render,IP:127.0.0.1' -keyout radweb.tls-key \
+    -out radweb.tls-cert >/dev/null 2>&1 || die "a certificate"
+echo 'listen = 0.0.0.0:7480' >>radweb.conf
+systemctl restart radweb
+secure=(--cacert radweb.tls-cert -u "me:a token of 24 characters")
+within page_up "${secure[@]}" https://127.0.0.1:7480
+page_up --cacert radweb.tls-cert https://127.0.0.1:7480 &&
+    die "a page without its token"
+page_up -u "me:a token of 24 characters" http://127.0.0.1:7480 &&
+    die "a page without TLS"
+[ "$(stat -c %a radweb.tls-key)" = 600 ] || die "the key's mode"
+killed radweb
+within page_up "${secure[@]}" https://127.0.0.1:7480
+umask 022
+cd /
+within worker_there
+echo "radweb: TLS and a token"
+
+for unit in radcoord radd radweb; do
     level=$(systemd-analyze security --no-pager $unit | sed -n \
         's/.*exposure level[^:]*: *\([0-9.]*\).*/\1/p')
     echo "$unit: exposure $level"

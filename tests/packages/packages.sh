@@ -132,7 +132,7 @@ try_installed()
 try_booted()
 {
     tree booted
-    install_packages booted systemd systemd-sysv dbus
+    install_packages booted systemd systemd-sysv dbus procps curl openssl
     umount "$work/booted/proc"
     cp "$here/booted.sh" "$work/booted/root/" || die "booted.sh"
     cat >"$work/booted/etc/systemd/system/booted.service" <<'EOF'
