@@ -55,8 +55,7 @@ within worker_there
 umask 077
 cd /etc/radd || die "no /etc/radd"
 radctl key add observer:page --keys=keys >radweb.key || die "observer's key"
-systemctl restart radcoord
-systemctl enable -q --now radweb || die "radweb"
+systemctl enable -q radweb && systemctl restart radcoord radweb || die "radweb"
 page_up() # CURL'S OPTIONS
 {
     curl -fs --max-time 5 "$@/api/v1/status.json" | grep -q '"up": *true'
