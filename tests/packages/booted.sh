@@ -65,17 +65,18 @@ within page_up http://127.0.0.1:7480
     tr -s ' ')" = " 15 B" ] || die "radweb's priority"
 killed radweb
 within page_up http://127.0.0.1:7480
-echo 'a token of 24 characters' >radweb.token
+token=$(openssl rand -hex 24)
+echo "$token" >radweb.token
 openssl req -x509 -newkey rsa:2048 -nodes -days 2 -subj /CN=render \
     -addext 'subjectAltName=DNS:render,IP:127.0.0.1' -keyout radweb.tls-key \
     -out radweb.tls-cert >/dev/null 2>&1 || die "a certificate"
 echo 'listen = 0.0.0.0:7480' >>radweb.conf
 systemctl restart radweb
-secure=(--cacert radweb.tls-cert -u "me:a token of 24 characters")
+secure=(--cacert radweb.tls-cert -u "me:$token")
 within page_up "${secure[@]}" https://127.0.0.1:7480
 page_up --cacert radweb.tls-cert https://127.0.0.1:7480 &&
     die "a page without its token"
-page_up -u "me:a token of 24 characters" http://127.0.0.1:7480 &&
+page_up -u "me:$token" http://127.0.0.1:7480 &&
     die "a page without TLS"
 [ "$(stat -c %a radweb.tls-key)" = 600 ] || die "the key's mode"
 killed radweb
