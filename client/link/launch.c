@@ -33,8 +33,10 @@ static const char key_name[] = "worker:launched";
 static const char variable[] = "RADD_LAUNCH_KEY";
 
 struct launcher {
-    pid_t pid;  /* 0: has ended */
-    int status; /* of waitpid() */
+    pid_t pid;  /* its process group's number, too */
+    bool ended; /* and not yet waited for: the number stays its own */
+    int how;    /* CLD_EXITED or another of waitid()'s, */
+    int status; /* and the status or the signal */
 };
 
 struct launch {
@@ -336,13 +338,17 @@ running(struct launch *l)
 
     for (int i = 0; i < l->n; i++) {
         struct launcher *one = &l->v[i];
+        siginfo_t end = { .si_pid = 0 };
 
-        if (one->pid > 0 &&
-            waitpid(one->pid, &one->status, WNOHANG) == one->pid) {
-            local_note_group(l->local, one->pid, true);
-            one->pid = 0;
+        if (!one->ended &&
+            waitid(P_PID, (id_t)one->pid, &end, WEXITED | WNOHANG | WNOWAIT) ==
+                0 &&
+            end.si_pid == one->pid) {
+            one->ended = true;
+            one->how = end.si_code;
+            one->status = end.si_status;
         }
-        n += one->pid > 0;
+        n += !one->ended;
     }
     return n;
 }
@@ -352,16 +358,15 @@ static bool
 failed(struct launch *l, char *text, size_t size)
 {
     for (int i = 0; i < l->n; i++) {
-        int s = l->v[i].status;
+        const struct launcher *one = &l->v[i];
         char which[24] = "";
 
-        if (l->v[i].pid > 0 || s == 0)
+        if (!one->ended || one->status == 0)
             continue;
         if (launch_each(l->order.command))
             snprintf(which, sizeof which, " of worker %d", i + 1);
         snprintf(text, size, "the launcher%s ended with %s %d", which,
-                 WIFSIGNALED(s) ? "signal" : "status",
-                 WIFSIGNALED(s) ? WTERMSIG(s) : WEXITSTATUS(s));
+                 one->how == CLD_EXITED ? "status" : "signal", one->status);
         return true;
     }
     return false;
@@ -401,9 +406,10 @@ launch_gathered(struct launch *l, int n, const char *names, bool *news,
         return rad_fail(err, RAD_EUNAVAIL, "%s: %d of %d workers are there%s%s",
                         how, n, l->order.workers, n ? ": " : "", names);
     if (waited)
-        return rad_fail(err, RAD_EUNAVAIL, "%d of %d workers came in %g s%s%s",
-                        n, l->order.workers, l->order.wait_s, n ? ": " : "",
-                        names);
+        return rad_fail(err, RAD_EUNAVAIL, "%d of %d workers came in %g s%s%s%s",
+                        n, l->order.workers, l->order.wait_s,
+                        running(l) == 0 ? ", and the launcher has ended" : "",
+                        n ? ": " : "", names);
     return 0;
 }
 
@@ -427,14 +433,38 @@ launch_alive(struct launch *l, struct rad_error *err)
 
 /* --- the end --- */
 
+/* Are launchers left, or processes that one left behind in its group?  Those
+ * that have ended are waited for: while there is anybody in the group no other
+ * gets its number. */
+static bool
+are_left(struct launch *l)
+{
+    bool left = running(l) > 0;
+
+    for (int i = 0; i < l->n; i++) {
+        struct launcher *one = &l->v[i];
+
+        if (one->pid == 0 || !one->ended)
+            continue;
+        waitpid(one->pid, NULL, WNOHANG);
+        if (kill(-one->pid, 0) == 0) {
+            left = true;
+            continue;
+        }
+        local_note_group(l->local, one->pid, true);
+        one->pid = 0;
+    }
+    return left;
+}
+
 static bool
 end_within(struct launch *l, int ms)
 {
     uint64_t until = now_ms() + (uint64_t)ms;
 
-    while (running(l) > 0 && now_ms() < until)
+    while (are_left(l) && now_ms() < until)
         poll(NULL, 0, LOOK_MS);
-    return running(l) == 0;
+    return !are_left(l);
 }
 
 static void

@@ -96,9 +96,45 @@ try 69 none --launch="sleep 1000;" --wait=1
 says none "0 of 1 workers came in 1 s"
 try 69 keyless --launch="env -u RADD_LAUNCH_KEY </dev/null"
 says keyless "no key came, neither in RADD_LAUNCH_KEY nor by standard input"
-for f in status broken few none keyless; do
+try 69 early --launch="exit 0;" --wait=1
+says early "0 of 1 workers came in 1 s, and the launcher has ended"
+for f in status broken few none keyless early; do
     [ ! -e $f.hdr ] || fail "$f: there is a picture"
 done
+
+# who prints what is no text goes to standard error, not into a picture; who
+# starts more than asked is thanked
+cat >noisy <<'END'
+#!/bin/sh
+head -c 100000 /dev/urandom
+exec ./all 3 "$@"
+END
+# who forks and is gone, and leaves more than workers behind: that ends, too
+cat >forking <<'END'
+#!/bin/sh
+sleep 7654 &
+trap '' HUP
+(trap '' TERM; sleep 7655) &
+for i in 1 2; do "$@" </dev/null & done
+END
+chmod +x noisy forking
+sleepers()
+{
+    pgrep -xf 'sleep 765[45]'
+}
+no_sleepers()
+{
+    ! sleepers
+}
+# shellcheck disable=SC2086
+"$radsubmit" $quick --launch=./noisy --workers=2 "$room" >noisy.hdr 2>noisy.err ||
+    fail "noisy: $(tail -n 1 noisy.err)"
+check_gone noisy
+cmp local.hdr noisy.hdr || fail "noisy: another picture"
+grep -qaF "3 workers there: " noisy.err || fail "noisy: more than asked"
+try 0 forking --launch=./forking --workers=2
+cmp local.hdr forking.hdr || fail "forking: another picture"
+until_true 5 no_sleepers || fail "forking: left: $(sleepers)"
 
 # usage
 expect 64 "--local and --launch exclude each other" both \
@@ -153,6 +189,14 @@ done
 kill -9 $pid
 wait $pid 2>/dev/null
 check_gone "radsubmit killed"
+
+# ... with what a launcher that has ended left behind
+started forked --launch=./forking --workers=2
+[ "$(sleepers | wc -l)" -eq 2 ] || fail "forked: no sleepers"
+kill -9 $pid
+wait $pid 2>/dev/null
+check_gone "radsubmit killed after its launcher"
+until_true 10 no_sleepers || fail "forked: left: $(sleepers)"
 
 # ... a launcher that started nobody, too
 # shellcheck disable=SC2086
