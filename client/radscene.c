@@ -238,7 +238,7 @@ run_freeze(struct compiled *c, struct rad_error *err)
     if (isatty(STDOUT_FILENO))
         return rad_fail(err, RAD_EUSAGE,
                         "the octree is binary: send it to a file");
-    rc = compile_octree(c, err);
+    rc = compile_octree(c, RAD_OCTREE_LEAF, err);
     if (rc)
         return rc;
     say_warnings(c);

@@ -388,7 +388,7 @@ freeze(void)
     struct rad_sink out = rad_fd_sink(&to);
 
     ck_assert_int_eq(compile_read(&c, &file, 1, false, NULL, NULL, NULL), 0);
-    ck_assert_int_eq(compile_octree(&c, NULL), 0);
+    ck_assert_int_eq(compile_octree(&c, RAD_OCTREE_LEAF, NULL), 0);
     to.fd = open(in_dir("a.oct"), O_WRONLY | O_CREAT | O_TRUNC, 0600);
     ck_assert_int_ge(to.fd, 0);
     ck_assert_int_eq(rad_octfile_write(c.scene, &c.octree, &out, NULL), 0);

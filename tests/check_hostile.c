@@ -201,7 +201,7 @@ freeze(const char *name, size_t *len, struct rad_error *err)
         rad_fail(err, RAD_ENOINPUT, "no file '%s'", name);
     } else if (rad_parse_text(s, text, n, rad, NULL, err) == 0 &&
                rad_scene_include(s, &files, NULL, NULL, err) == 0 &&
-               rad_octree_build(&tree, s, err) == 0) {
+               rad_octree_build(&tree, s, RAD_OCTREE_LEAF, err) == 0) {
         ck_assert_int_eq(rad_octfile_write(s, &tree, &sink, err), 0);
         *len = bytes.len;
     }

@@ -40,7 +40,7 @@ written(const struct rad_scene *s)
     struct rad_memory_out file;
     struct rad_sink sink = rad_memory_sink(&file);
 
-    ck_assert_int_eq(rad_octree_build(&t, s, NULL), 0);
+    ck_assert_int_eq(rad_octree_build(&t, s, RAD_OCTREE_LEAF, NULL), 0);
     ck_assert_int_eq(rad_octfile_write(s, &t, &sink, NULL), 0);
     rad_octree_release(&t);
     return file;
@@ -147,7 +147,7 @@ START_TEST(tree_is_read_as_written)
             v[k] = (k < 3 ? 10 : .5) * rad_rand(3, (uint32_t)(4 * i + k));
         ck_assert_int_eq(rad_scene_add(s, &o, NULL), i);
     }
-    ck_assert_int_eq(rad_octree_build(&t, s, NULL), 0);
+    ck_assert_int_eq(rad_octree_build(&t, s, RAD_OCTREE_LEAF, NULL), 0);
     ck_assert_int_eq(rad_octfile_write(s, &t, &sink, NULL), 0);
     ck_assert_int_eq(read_back(back, &u, file.bytes, file.len, NULL), 0);
     ck_assert_int_eq(t.root, u.root);

@@ -182,20 +182,24 @@ static const struct {
     { 1e-6, 1e3, 40 }, { 1, 0, 5000 },  { 1e3, -1e9, 300 },
 };
 
-START_TEST(a_cube_names_every_surface_in_it)
+static void
+check_cubes(int which, int leaf)
 {
-    struct draw d = { rad_mix64((uint64_t)_i + 1), 0 };
+    struct draw d = { rad_mix64((uint64_t)which + 1), 0 };
     struct rad_scene *s = rad_scene_new();
     struct rad_octree t;
 
-    for (int i = 0; i < scenes[_i].objects; i++)
-        draw_surface(&d, s, scenes[_i].scale, scenes[_i].offset);
-    ck_assert_int_eq(rad_octree_build(&t, s, NULL), 0);
-    ck_assert(scenes[_i].objects < 100 || t.nkids > 10);
-    for (int i = 0; i < scenes[_i].objects; i++)
+    for (int i = 0; i < scenes[which].objects; i++)
+        draw_surface(&d, s, scenes[which].scale, scenes[which].offset);
+    ck_assert_int_eq(rad_octree_build(&t, s, leaf, NULL), 0);
+    if (scenes[which].objects <= leaf)
+        ck_assert_int_eq(t.nkids, 0);
+    else
+        ck_assert(t.nkids > scenes[which].objects / (16 * leaf));
+    for (int i = 0; i < scenes[which].objects; i++)
         for (int k = 0; k < 40; k++) {
-            double p[3], slack = 1e-14 * (fabs(scenes[_i].offset) +
-                                          4 * scenes[_i].scale);
+            double p[3], slack = 1e-14 * (fabs(scenes[which].offset) +
+                                          4 * scenes[which].scale);
 
             point_on(&d, &s->objects[i], p);
             ck_assert_msg(found(&t, t.root, t.org, t.size, p, slack, i),
@@ -204,6 +208,12 @@ START_TEST(a_cube_names_every_surface_in_it)
         }
     rad_octree_release(&t);
     rad_scene_free(s);
+}
+
+START_TEST(a_cube_names_every_surface_in_it)
+{
+    check_cubes(_i, RAD_OCTREE_LEAF);
+    check_cubes(_i, RAD_OCTREE_MAX_SET);
 }
 END_TEST
 
@@ -305,7 +315,7 @@ START_TEST(what_has_no_area_is_in_no_cube)
     struct rad_octree t;
 
     add(s, nothing[_i].type, nothing[_i].n, nothing[_i].reals);
-    ck_assert_int_eq(rad_octree_build(&t, s, NULL), 0);
+    ck_assert_int_eq(rad_octree_build(&t, s, RAD_OCTREE_LEAF, NULL), 0);
     ck_assert_int_eq(t.root, RAD_OCTREE_EMPTY);
     ck_assert(t.size == 0);
     rad_octree_release(&t);
@@ -322,7 +332,7 @@ START_TEST(coincident_surfaces_end)
 
     for (int i = 0; i < 600; i++)
         add(s, RAD_POLYGON, 12, square);
-    ck_assert_int_eq(rad_octree_build(&t, s, NULL), 0);
+    ck_assert_int_eq(rad_octree_build(&t, s, RAD_OCTREE_LEAF, NULL), 0);
     ck_assert_int_lt(t.nkids, 100);
     ck_assert_int_gt(t.left_out, 0); /* Radiance reads 511 in a set */
     for (int32_t at = 0; at < t.nsets; at += n + 1) {
@@ -346,7 +356,7 @@ START_TEST(crossing_surfaces_stay_within_the_budget)
             v[k] = draw(&d);
         add(s, RAD_POLYGON, 9, v);
     }
-    ck_assert_int_eq(rad_octree_build(&t, s, NULL), 0);
+    ck_assert_int_eq(rad_octree_build(&t, s, RAD_OCTREE_LEAF, NULL), 0);
     ck_assert_int_lt(t.nsets, 4 * (32 * 2000 + (1 << 20)));
     rad_octree_release(&t);
     rad_scene_free(s);
@@ -361,7 +371,7 @@ START_TEST(too_large_a_scene_is_refused)
     struct rad_octree t;
 
     add(s, RAD_SPHERE, 4, v);
-    ck_assert_int_eq(rad_octree_build(&t, s, &err), RAD_EDATA);
+    ck_assert_int_eq(rad_octree_build(&t, s, RAD_OCTREE_LEAF, &err), RAD_EDATA);
     ck_assert(err.what[0]);
     rad_octree_release(&t);
     rad_scene_free(s);

@@ -216,7 +216,7 @@ render_stored(const struct rad_scene *s, const char *opts, const char *text)
     struct rad_sink sink = rad_memory_sink(&bytes);
     struct rad_error err = { 0 };
     struct rad_octree tree;
-    int rc = rad_octree_build(&tree, s, &err);
+    int rc = rad_octree_build(&tree, s, RAD_OCTREE_LEAF, &err);
 
     if (!wild_refused(rc, 0, &err, text)) {
         struct rad_memory_in from;

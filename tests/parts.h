@@ -83,7 +83,7 @@ parts_add_octree(struct parts *p, const char *name, const char *text)
                      0);
     ck_assert_msg(rad_scene_include(s, &files, NULL, NULL, &err) == 0, "%s: %s",
                   err.where, err.what);
-    ck_assert_int_eq(rad_octree_build(&tree, s, &err), 0);
+    ck_assert_int_eq(rad_octree_build(&tree, s, RAD_OCTREE_LEAF, &err), 0);
     out = parts_add(p, name);
     ck_assert_int_eq(rad_octfile_write(s, &tree, &out, &err), 0);
     rad_octree_release(&tree);

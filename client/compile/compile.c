@@ -328,7 +328,7 @@ freeze(struct compiled *c, const char *name, const void *bytes, size_t len,
     if (!rc)
         rc = rad_scene_include(in.scene, &files, NULL, NULL, err);
     if (!rc)
-        rc = rad_octree_build(&in.octree, in.scene, err);
+        rc = rad_octree_build(&in.octree, in.scene, RAD_OCTREE_MAX_SET, err);
     if (!rc)
         rc = rad_octfile_write(in.scene, &in.octree, &out, err);
     c->depth--;
@@ -683,9 +683,9 @@ compile_read(struct compiled *c, const char *const *files, int n, bool commands,
 }
 
 int
-compile_octree(struct compiled *c, struct rad_error *err)
+compile_octree(struct compiled *c, int leaf, struct rad_error *err)
 {
-    return rad_octree_build(&c->octree, c->scene, err);
+    return rad_octree_build(&c->octree, c->scene, leaf, err);
 }
 
 int
@@ -762,7 +762,7 @@ compile_digest(struct compiled *c, char hex[RAD_SHA_HEX + 1],
     if (n < 0 || (size_t)n >= sizeof dir || !mkdtemp(dir))
         return rad_fail(err, RAD_ECANTCREAT, "cannot make a folder in '%s': %s",
                         tmp && *tmp ? tmp : "/tmp", strerror(errno));
-    rc = compile_octree(c, err);
+    rc = compile_octree(c, RAD_OCTREE_MAX_SET, err);
     if (!rc)
         rc = compile_bundle(c, dir, err);
     if (!rc)
@@ -785,7 +785,7 @@ compile_scene(struct compiled *c, const char *const *files, int n,
         return rc;
     rc = compile_check(c, err);
     if (!rc)
-        rc = compile_octree(c, err);
+        rc = compile_octree(c, RAD_OCTREE_MAX_SET, err);
     if (!rc)
         rc = compile_bundle(c, dir, err);
     if (rc)

@@ -60,7 +60,8 @@ struct rad_files compile_files(struct compiled *c);
  * RAD_EDATA or RAD_ENOINPUT, with the scene's file and line. */
 int compile_check(struct compiled *c, struct rad_error *err);
 
-int compile_octree(struct compiled *c, struct rad_error *err);
+/* The octree, with so many surfaces in a cube (scene/octree.h). */
+int compile_octree(struct compiled *c, int leaf, struct rad_error *err);
 
 /* Put the frozen octree and the files that the scene needs into the folder
  * dir, which must be there, under their hashes (cargo.h); needs

@@ -1,6 +1,6 @@
 /* sha.h - SHA-256 (FIPS 180-4), by which files are named
  *
- * A thin face over libcrypto's EVP, in one piece or as bytes come.
+ * A thin face over libcrypto, in one piece or as bytes come.
  * Thread: a struct rad_sha belongs to one thread.  */
 #ifndef RAD_BASE_SHA_H
 #define RAD_BASE_SHA_H
@@ -15,7 +15,7 @@
 #define RAD_SHA_HEX   64 /* digits; as a string one byte more */
 
 struct rad_sha {
-    void *ctx; /* EVP_MD_CTX */
+    void *ctx; /* SHA256_CTX */
     bool bad;  /* a step failed; rad_sha_final() says so */
 };
 

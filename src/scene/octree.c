@@ -323,7 +323,7 @@ free_builder(struct builder *b)
 }
 
 int
-rad_octree_build(struct rad_octree *t, const struct rad_scene *scene,
+rad_octree_build(struct rad_octree *t, const struct rad_scene *scene, int leaf,
                  struct rad_error *err)
 {
     struct builder b = { .scene = scene, .t = t, .err = err };
@@ -333,7 +333,7 @@ rad_octree_build(struct rad_octree *t, const struct rad_scene *scene,
     n = collect_surfaces(&b);
     if (!b.rc && n)
         b.rc = enclose(&b, n);
-    for (b.leaf = RAD_OCTREE_LEAF; !b.rc && n; b.leaf *= 2) {
+    for (b.leaf = leaf; !b.rc && n; b.leaf *= 2) {
         t->root = build_all(&b, n);
         if (b.budget >= 0 || b.leaf > RAD_OCTREE_MAX_SET / 2)
             break;

@@ -1,9 +1,10 @@
 /* octree.h - Radiance's octree of a scene's surfaces
  *
  * A cube around the finite surfaces, cut into eight down to 1/16384 of its
- * edge until no more than RAD_OCTREE_LEAF surfaces meet a cube: what oconv
- * builds, so that Radiance's programs can trace what we store.  Rays here use
- * the BVH (geom.h).  Two things differ from oconv, and only in scenes that it
+ * edge until no more than `leaf` surfaces meet a cube: with RAD_OCTREE_LEAF what
+ * oconv builds, for Radiance's programs to trace.  With RAD_OCTREE_MAX_SET it is
+ * made in much less time, and they can still read it: enough for a scene on
+ * its way to workers, whose rays use the BVH (geom.h).  Two things differ from oconv, and only in scenes that it
  * takes very long for: a cube is not cut where two cuts running have parted
  * nothing (coincident surfaces), and where the whole would need more than some
  * 32 entries per surface, cubes keep more surfaces.
@@ -49,7 +50,7 @@ void rad_octree_release(struct rad_octree *t);
  * for coordinates that no cube can hold).  Degenerate surfaces (no area) and
  * sources are in no cube. */
 int rad_octree_build(struct rad_octree *t, const struct rad_scene *scene,
-                     struct rad_error *err);
+                     int leaf, struct rad_error *err);
 
 /* The set of a full node, and its count in *n. */
 static inline const int32_t *
