@@ -444,6 +444,59 @@ START_TEST(literals_decide_when_an_expression_is_read)
 }
 END_TEST
 
+/* Values of calls are kept while the ray is the same. */
+static const struct {
+    const char *text[2]; /* the second evaluated again, after the first */
+    double value;        /* of that; and twice as much for twice Dx */
+    enum rad_calc_fault fault;
+} shared[] = {
+    { { "f(3)", "f(3)" }, 3, RAD_CALC_SOUND },
+    { { "f(3)+f(3)", "f(2)+f(3)-f(2)" }, 3, RAD_CALC_SOUND },
+    { { "f(A1)", "f(A1)*f(f(1))" }, 2, RAD_CALC_SOUND },
+    { { "f(0)", "f(-0)" }, 0, RAD_CALC_SOUND },
+    { { "f(2)", "log(A2)+f(2)" }, 2, RAD_CALC_MATH },
+    { { "f(2)", "log(A2)+g(2)" }, 2, RAD_CALC_SOUND }, /* forgotten */
+    { { "g(2)", "log(A2)+g(2)" }, 2, RAD_CALC_SOUND },
+    { { "h(2)", "h(2)" }, 0, RAD_CALC_MATH },
+    { { "1+0*h(2)", "f(1)+h(2)" }, 1, RAD_CALC_MATH },
+};
+
+START_TEST(what_a_call_gives_is_kept_for_a_ray)
+{
+    static const char text[] =
+        "f(x) = x*Dx; g(x) = max(x*Dx,0); h(x) = log(-x*Dx);";
+    double dx[RAD_CALC_NCHANNELS] = { 1 }, real[] = { 2, -3 };
+    struct rad_calc_input in = { dx, real, 2 };
+    struct rad_calc *c = rad_calc_new(NULL);
+    struct rad_calc_env *e;
+    enum rad_calc_fault fault;
+    int context = rad_calc_context(c, "x.cal", NULL), pc[2];
+
+    rad_calc_read(c, context, "x.cal", text, sizeof text - 1, NULL);
+    for (int i = 0; i < 2; i++) {
+        pc[i] = rad_calc_expression(c, context, shared[_i].text[i], NULL);
+        ck_assert_int_ge(pc[i], 0);
+    }
+    e = rad_calc_env_new(c);
+    for (int times = 1; times <= 2; times++) {
+        dx[0] = times;
+        rad_calc_begin(e, &in);
+        rad_calc_eval(c, pc[0], e, &fault);
+        for (int again = 0; again < 2; again++) {
+            double v = rad_calc_eval(c, pc[1], e, &fault), want;
+
+            want = shared[_i].value;
+            for (int k = 1; k < times; k++)
+                want *= strchr(shared[_i].text[1], '*') ? 8 : 2;
+            ck_assert_msg(v == want, "%s is %g", shared[_i].text[1], v);
+            ck_assert_int_eq(fault, shared[_i].fault);
+        }
+    }
+    rad_calc_env_free(e);
+    rad_calc_free(c);
+}
+END_TEST
+
 START_TEST(fault_is_told_and_bounded)
 {
     enum rad_calc_fault fault;
@@ -679,6 +732,8 @@ main(void)
     tcase_add_test(tc, files_do_not_see_each_others_names);
     tcase_add_loop_test(tc, literals_decide_when_an_expression_is_read, 0,
                         N_ELEM(folded));
+    tcase_add_loop_test(tc, what_a_call_gives_is_kept_for_a_ray, 0,
+                        N_ELEM(shared));
     tcase_add_loop_test(tc, fault_is_told_and_bounded, 0, N_ELEM(faulty));
     tcase_add_loop_test(tc, bad_text_is_refused_with_its_line, 0, N_ELEM(bad));
     tcase_add_test(tc, undefined_name_is_refused_where_it_is_used);

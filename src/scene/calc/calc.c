@@ -206,6 +206,7 @@ struct emitter {
     struct rad_calc *c;
     struct rad_error *err;
     int rc;
+    bool shares; /* calls their values, with all that are like them */
 };
 
 /* Append an instruction; returns where it is (0 after a failure, which is
@@ -345,20 +346,16 @@ put_library(struct emitter *m, int id, const struct node *call)
 }
 
 static void
-put_call(struct emitter *m, const struct node *call)
+put_call_itself(struct emitter *m, const struct node *call)
 {
-    const struct symbol *s = call->by_param ? NULL : &m->c->symbol[call->ref];
     int32_t at;
 
-    if (s && s->kind == SYM_LIBRARY) {
-        put_library(m, s->library, call);
-        return;
-    }
     if (call->nkids > RAD_MAX_CALC_ARGS) {
         m->rc = rad_fail(m->err, RAD_EDATA, "call with too many arguments");
         return;
     }
-    at = put(m, s ? OP_CALL : OP_CALL_PARAM, call->nkids, call->ref);
+    at = put(m, call->by_param ? OP_CALL_PARAM : OP_CALL, call->nkids,
+             call->ref);
     for (int i = 0; i <= call->nkids; i++)
         put(m, i < call->nkids ? OP_ARG_AT : OP_RESUME, 0, 0);
     for (const struct node *kid = call->kid; kid; kid = kid->next) {
@@ -367,6 +364,28 @@ put_call(struct emitter *m, const struct node *call)
         put(m, OP_END, 0, 0);
     }
     land(m, at + 1);
+}
+
+static void
+put_call(struct emitter *m, const struct node *call)
+{
+    const struct symbol *s = call->by_param ? NULL : &m->c->symbol[call->ref];
+    int32_t same, resume;
+
+    if (s && s->kind == SYM_LIBRARY) {
+        put_library(m, s->library, call);
+        return;
+    }
+    same = m->shares ? rad_calc_same(m->c, call) : -1;
+    if (same < 0) {
+        put_call_itself(m, call);
+        return;
+    }
+    put(m, OP_SHARED, 0, same);
+    resume = put(m, OP_RESUME, 0, 0);
+    put_call_itself(m, call);
+    put(m, OP_SHARE, 0, same);
+    land(m, resume);
 }
 
 /* A sum or product of which one side is a number; false: it is none. */
@@ -458,15 +477,31 @@ put_node(struct emitter *m, const struct node *n)
     }
 }
 
+static int32_t
+emit(struct emitter *m, const struct node *n)
+{
+    int32_t start = m->c->ncode;
+
+    put_node(m, n);
+    put(m, OP_END, 0, 0);
+    return m->rc ? m->rc : start;
+}
+
 int32_t
 rad_calc_emit(struct rad_calc *c, const struct node *n, struct rad_error *err)
 {
     struct emitter m = { .c = c, .err = err };
-    int32_t start = c->ncode;
 
-    put_node(&m, n);
-    put(&m, OP_END, 0, 0);
-    return m.rc ? m.rc : start;
+    return emit(&m, n);
+}
+
+int32_t
+rad_calc_emit_shared(struct rad_calc *c, const struct node *n,
+                     struct rad_error *err)
+{
+    struct emitter m = { .c = c, .err = err, .shares = true };
+
+    return emit(&m, n);
 }
 
 /* Does a call of this symbol depend on its arguments alone? */

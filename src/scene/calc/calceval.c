@@ -11,6 +11,7 @@
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "arith/elementary.h"
 
@@ -40,10 +41,11 @@ struct rad_calc_env {
     const double *call_value; /* of rad_calc_call() */
     struct prism_rays prism;
     uint64_t clock;
-    struct known {
+    struct value {
         uint64_t clock;
         double value;
     } * known; /* by symbol */
+    struct value same[RAD_CALC_MOST_SAME]; /* values of calls */
     int32_t nknown;
     int32_t nframes, nbacks, nkept;
     double value[MAX_VALUES];
@@ -94,6 +96,7 @@ rad_calc_env_new(const struct rad_calc *c)
     e->nknown = c->nsymbol;
     e->known = calloc((size_t)c->nsymbol + 1, sizeof *e->known);
     e->clock = 1;
+    memset(e->same, 0, sizeof e->same);
     e->in = (struct rad_calc_input){ 0 };
     e->call_value = NULL;
     e->prism.clock = 0;
@@ -200,7 +203,7 @@ PART void
 keep(struct machine *m, int32_t sym, double v)
 {
     if (sym < m->e->nknown)
-        m->e->known[sym] = (struct known){ m->e->clock, v };
+        m->e->known[sym] = (struct value){ m->e->clock, v };
 }
 
 /* Another name of a channel or of a real argument, as most variables are, is
@@ -220,6 +223,27 @@ get_variable(struct machine *m, int32_t sym)
         enter(m, s->code, -1, BACK_VARIABLE, sym);
     else
         stop(m, RAD_CALC_NAME);
+}
+
+/* A call that is like one which was made, all being sound then and now. */
+PART void
+get_shared(struct machine *m, const struct ins *in)
+{
+    const struct value *v = &m->e->same[in->a];
+
+    if (v->clock == m->e->clock && m->fault == RAD_CALC_SOUND) {
+        push(m, v->value);
+        m->at = m->c->code + in[1].a;
+    } else {
+        m->at = in + 2;
+    }
+}
+
+PART void
+share(struct machine *m, int32_t i)
+{
+    if (m->fault == RAD_CALC_SOUND)
+        m->e->same[i] = (struct value){ m->e->clock, m->top[-1] };
 }
 
 /* Code of argument i of a frame, or -1. */
@@ -505,6 +529,12 @@ step(struct machine *m, const struct ins *in)
     case OP_CALL:
     case OP_CALL_PARAM:
         call(m, in, in->op == OP_CALL ? in->a : named_function(m, in->a));
+        break;
+    case OP_SHARED:
+        get_shared(m, in);
+        break;
+    case OP_SHARE:
+        share(m, in->a);
         break;
     case OP_END:
         return leave(m);

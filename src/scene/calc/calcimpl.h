@@ -94,8 +94,16 @@ uint64_t rad_calc_hash(const char *text);
 /* What names mean may change: forget what was compiled (calcmemo.c). */
 void rad_calc_forget(struct rad_calc *c);
 
+/* A copy of a tree in the program's arena; NULL: memory is out. */
+struct node *rad_calc_copy(struct rad_calc *c, const struct node *n);
+
+/* The number that a call shares with all that are like it, or -1 where its
+ * value is not kept (calcsame.c). */
+int32_t rad_calc_same(struct rad_calc *c, const struct node *call);
+
 struct known;
 #define RAD_CALC_KNOWN_SLOTS 256
+#define RAD_CALC_MOST_SAME   256
 
 struct context {
     const char *name; /* "" or "`name" */
@@ -113,6 +121,8 @@ struct rad_calc {
     int32_t *slot; /* hash table of symbols, -1: free */
     int32_t nslot; /* a power of two */
     struct known *known[RAD_CALC_KNOWN_SLOTS]; /* lists, by hash */
+    const struct node *same[RAD_CALC_MOST_SAME]; /* calls, each once */
+    int32_t nsame;
     struct context *context;
     int32_t ncontext;
     struct rad_calc_env *env; /* folds constants */
@@ -152,6 +162,11 @@ struct node {
 /* Append the code of an expression and OP_END; returns where it starts. */
 int32_t rad_calc_emit(struct rad_calc *c, const struct node *n,
                       struct rad_error *err);
+
+/* The same of an object's expression, whose calls share their values with those
+ * of others (calcsame.c). */
+int32_t rad_calc_emit_shared(struct rad_calc *c, const struct node *n,
+                             struct rad_error *err);
 
 /* Turn a node whose kids are all numbers, or names of functions that only
  * depend on their arguments, into a number, if it always has the same value and

@@ -71,6 +71,12 @@ copy(struct rad_calc *c, const struct node *n, const struct node *arg,
     return to;
 }
 
+struct node *
+rad_calc_copy(struct rad_calc *c, const struct node *n)
+{
+    return copy(c, n, NULL, &c->arena);
+}
+
 const struct node *
 rad_calc_keep(struct rad_calc *c, const struct node *body)
 {

@@ -3,7 +3,9 @@
  *
  * Code is an array of instructions; a piece of it ends with OP_END.  A call is
  *     CALL n symbol, n words ARG_AT pc, one word RESUME pc, the arguments
- * where each argument is a piece of its own, run when it is first needed. */
+ * where each argument is a piece of its own, run when it is first needed.  One
+ * whose value is kept for others like it (calcsame.c) has SHARED and one word
+ * RESUME pc before it, and SHARE behind it. */
 #ifndef RAD_SCENE_CALCOPS_H
 #define RAD_SCENE_CALCOPS_H
 
@@ -34,6 +36,8 @@ enum op {
     OP_LIBRARY,    /* function a on n values */
     OP_CALL,       /* symbol a with n arguments */
     OP_CALL_PARAM, /* the function that parameter a names */
+    OP_SHARED, /* call a is known: push it and go on at the RESUME word behind */
+    OP_SHARE,  /* the stack's top is the value of call a */
     OP_ARG_AT,
     OP_RESUME,
     OP_HALT /* in no code: what the evaluator runs after a fault that ends it */

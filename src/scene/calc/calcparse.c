@@ -719,7 +719,7 @@ rad_calc_expression(struct rad_calc *c, int context, const char *text,
     if (!ps.failed && ps.p < ps.end)
         fail_at(&ps, "expected the end of the expression");
     if (n && !ps.failed)
-        pc = rad_calc_emit(c, n, &why);
+        pc = rad_calc_emit_shared(c, n, &why);
     rad_arena_release(&ps.arena);
     return accept_code(c, pc, &why, err);
 }

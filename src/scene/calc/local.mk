@@ -12,4 +12,5 @@ librad_a_SOURCES += \
 	src/scene/calc/calcmemo.c \
 	src/scene/calc/calcops.h \
 	src/scene/calc/calcparse.c \
-	src/scene/calc/calcprism.c
+	src/scene/calc/calcprism.c \
+	src/scene/calc/calcsame.c
