@@ -506,6 +506,29 @@ START_TEST(a_tile_that_shows_its_colours_is_the_same)
 }
 END_TEST
 
+/* Colours are those of lattices; squares of what these have left out are all over
+ * the picture. */
+START_TEST(scattered_squares_show_nothing)
+{
+    static const int side[] = { 60, 200, 948, 3840 };
+    struct rad_pass_size size = { side[_i], side[_i] };
+    struct rad_pass pass[RAD_MOST_PASSES];
+    struct rad_params par;
+    uint32_t n, shown = 0, scattered = 0;
+
+    rad_params_init(&par);
+    par.ambounce = 2;
+    n = rad_passes_plan(&par, &size, 1, pass);
+    for (uint32_t i = 0; i < n; i++) {
+        shown += rad_pass_shows(&pass[i]);
+        scattered += pass[i].scattered;
+        ck_assert(!pass[i].scattered || !rad_pass_shows(&pass[i]));
+    }
+    ck_assert_uint_gt(shown, 0);
+    ck_assert_uint_eq(scattered, 1);
+}
+END_TEST
+
 /* What was measured: rays of tiles of all rays, in the mean of five scenes, by
  * their odds. */
 static const struct {
@@ -792,6 +815,7 @@ main(void)
     tcase_add_loop_test(tc, each_frame_is_planned_once, 0, 41);
     tcase_add_test(tc, passes_go_over_all_frames);
     tcase_add_test(tc, a_tile_that_shows_its_colours_is_the_same);
+    tcase_add_loop_test(tc, scattered_squares_show_nothing, 0, 4);
     tcase_add_test(tc, tiles_are_the_picture);
     tcase_add_loop_test(tc, the_part_of_passes_is_foreseen, 0, N_ELEM(parts));
     tcase_add_loop_test(tc, passes_are_weighed, 0, N_ELEM(shares));

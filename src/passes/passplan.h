@@ -130,7 +130,7 @@ struct rad_pass_area rad_pass_area(const struct rad_pass *pass, int width,
 static inline bool
 rad_pass_shows(const struct rad_pass *pass)
 {
-    return pass->level == 0 && pass->step >= RAD_PASS_SHOWN;
+    return pass->level == 0 && pass->step >= RAD_PASS_SHOWN && !pass->scattered;
 }
 
 #endif

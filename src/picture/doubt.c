@@ -342,6 +342,14 @@ begin(struct look *k, const struct rad_frame *f, struct rad_ctx *ctx,
         k->frame[i].job = &k->exact;
     }
     ctx->job = &k->exact;
+    ctx->aside = true;
+}
+
+static void
+end(struct look *k)
+{
+    k->ctx->job = k->job;
+    k->ctx->aside = false;
 }
 
 void
@@ -355,7 +363,7 @@ rad_doubt_place(const struct rad_frame *f, struct rad_ctx *ctx, uint64_t key,
     k.key = key;
     k.off = off;
     look_at_place(&k, at);
-    ctx->job = k.job;
+    end(&k);
 }
 
 /* One place in so many pixels of the rows. */
@@ -403,7 +411,7 @@ rad_doubt_look(const struct rad_doubt_rows *rows, struct rad_ctx *ctx,
     }
     draw_anew(&k, rows->width);
     look_at_places(&k, share->places);
-    ctx->job = k.job;
+    end(&k);
     return !is_stopped(&k);
 }
 
@@ -482,8 +490,8 @@ rad_doubt_of_mean(const struct rad_doubt_off *o, double n)
 
     if (!(n >= 2 && o->light > 0))
         return 0;
-    chance = sound(o->square / (o->light * o->light) - square / n) * n /
-             (n - 1);
+    chance =
+        sound(o->square / (o->light * o->light) - square / n) * n / (n - 1);
     return fmin(sqrt(DEEPER * sound(fmax(square - chance, .25 * chance))),
                 MOST_ERROR);
 }

@@ -137,6 +137,7 @@ struct rad_ctx {
                      * luminances; who wants to know begins with 0 */
     bool fresh; /* what a pixel shows of indirect light is sampled for it alone,
                  * whatever the cache has */
+    bool aside; /* no record is kept */
     int32_t
         *last_blocker; /* by source or image of one: object that blocked
                         * last, or     RAD_VOID; only ever speeds a test up */

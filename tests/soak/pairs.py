@@ -405,6 +405,7 @@ SUBMIT = {
     "fresh-frames": ["--fresh-frames"],
     "views": ["--views=" + path("walk.vf")],
     "points": ["--points=" + path("grid.txt")],
+    "job": ["--job=" + "5" * 32],
     "seed": ["--seed=7"],
     "output": ["-o @OUT.hdr", "-o @OUT.png", "-o @OUT%03d.hdr", "-o -"],
     "distances": ["-z @OUT.z"],

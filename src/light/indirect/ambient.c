@@ -743,7 +743,7 @@ make_record(struct rad_ctx *ctx, const struct rad_ray *r,
         rec.var = (float)h.var;
         rec.glint = rad_bright_glint(&h, at->p, r->key);
         rad_ambrec_shape(&amb->scale, &h, &rec);
-        if (!ctx->fresh && keep(amb, ctx->tile, &rec))
+        if (!ctx->aside && keep(amb, ctx->tile, &rec))
             ctx->counts.ambient_values++;
         rad_ambitem_set(&item, &rec);
         extrapolate(&item, rec.gpos, 0, 0, pn, &factor);
