@@ -108,6 +108,56 @@ sample_many(struct world *w, const struct rad_bright *b)
     return f;
 }
 
+#define SIDE 9
+
+static void
+set_cells(struct rad_contrast *cell, int changed, double times)
+{
+    memset(cell, 0, SIDE * SIDE * sizeof *cell);
+    for (int k = 0; k < SIDE * SIDE; k++) {
+        double x = rad_rand(7, (uint32_t)k);
+
+        cell[k].lum = (x < .1 ? 100 : x) * (k == changed ? times : 1);
+        cell[k].square = k % 11 == 5 ? 50 : 0;
+    }
+    rad_contrast_share(cell, SIDE);
+}
+
+/* What a cell drew changes others' shares, and not its own. */
+START_TEST(a_cell_has_no_say_in_its_share)
+{
+    struct rad_contrast a[SIDE * SIDE], b[SIDE * SIDE];
+    double sum = 0;
+    int others = 0;
+
+    set_cells(a, -1, 1);
+    for (int k = 0; k < SIDE * SIDE; k++) {
+        sum += a[k].share;
+        set_cells(b, k, 30);
+        ck_assert_double_eq_tol(a[k].share, b[k].share, 1e-9 * a[k].share);
+        for (int i = 0; i < SIDE * SIDE; i++)
+            others += fabs(b[i].share - a[i].share) > 1e-3 * a[i].share;
+    }
+    ck_assert_int_gt(others, SIDE * SIDE);
+    ck_assert_double_gt(sum, 1);
+    ck_assert_double_lt(sum, 1.2);
+}
+END_TEST
+
+/* Where the samples are all the same, and nothing is known, nothing is shared
+ * out. */
+START_TEST(even_cells_have_no_share)
+{
+    struct rad_contrast cell[SIDE * SIDE] = { { 0 } };
+
+    for (int k = 0; k < SIDE * SIDE; k++)
+        cell[k].lum = 2;
+    rad_contrast_share(cell, SIDE);
+    for (int k = 0; k < SIDE * SIDE; k++)
+        ck_assert(cell[k].share == 0);
+}
+END_TEST
+
 /* With places and without, the mean of many samplings is the closed form: what
  * a cell draws has no say in how many rays it gets.  With them there is a third
  * of the noise, for the same rays; and the noise that is said is that found. */
@@ -120,7 +170,7 @@ START_TEST(rays_to_bright_places_leave_the_mean_alone)
     struct world w;
 
     see_disk(&b);
-    world_open(&w, disk_scene, "-ab 0 -ad 289 -as 0 -lw 0");
+    world_open(&w, disk_scene, "-ab 0 -ad 324 -as 0 -lw 0");
     blind = sample_many(&w, NULL);
     rays[0] = w.ctx.counts.ambient_rays;
     world_close(&w);
@@ -237,6 +287,8 @@ main(void)
     TCase *tc = tcase_create("bright");
 
     tcase_set_timeout(tc, 60);
+    tcase_add_test(tc, a_cell_has_no_say_in_its_share);
+    tcase_add_test(tc, even_cells_have_no_share);
     tcase_add_test(tc, rays_to_bright_places_leave_the_mean_alone);
     tcase_add_test(tc, places_that_are_not_seen_do_no_harm);
     tcase_add_test(tc, glints_near_each_other_are_one_place);

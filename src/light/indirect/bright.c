@@ -5,11 +5,15 @@
 #include "arith/angle.h"
 #include "base/rng.h"
 #include "base/vec.h"
+#include "light/sample/disk.h"
 
 #include <stdlib.h>
 
 /* A glint is so much brighter than the mean of its hemisphere. */
 #define FAR_ABOVE 3
+
+/* What is seen through an opening is beyond it by more than that. */
+#define NEARER .5
 
 /* Cells of the grid along the side of the scene's cube. */
 #define ACROSS 128
@@ -133,6 +137,35 @@ rad_bright_gather(struct rad_bright *b, const struct rad_ambread *from)
     return true;
 }
 
+/* How far away cell k's glint is put, over how far its ray went.  Where nearly
+ * all around is much nearer it was seen through an opening, and that is where
+ * it is seen from other places, too. */
+static double
+shortened(const struct rad_hemi *h, int k)
+{
+    static const int beside[4][2] = {
+        { -1, 0 }, { 1, 0 }, { 0, -1 }, { 0, 1 }
+    };
+    double far = sqrt(rad_dot(h->cell[k].p, h->cell[k].p)), sum = 0;
+    int around = 0, near = 0;
+
+    for (int b = 0; b < 4; b++) {
+        int y = k / h->n + beside[b][0], x = k % h->n + beside[b][1];
+
+        if (y < 0 || x < 0 || y >= h->n || x >= h->n)
+            continue;
+        const double *p = h->cell[y * h->n + x].p;
+        double dist = sqrt(rad_dot(p, p));
+
+        around++;
+        if (dist < NEARER * far) {
+            sum += dist;
+            near++;
+        }
+    }
+    return near > 1 && near >= around - 1 ? sum / near / far : 1;
+}
+
 struct rad_glint
 rad_bright_glint(const struct rad_hemi *h, const double p[3], uint64_t key)
 {
@@ -148,10 +181,13 @@ rad_bright_glint(const struct rad_hemi *h, const double p[3], uint64_t key)
         double above = rad_most((double)c->lum - floor, 0);
 
         if (above > 0) {
+            double part = shortened(h, k);
+
             g.lum = c->lum;
             for (int i = 0; i < 3; i++)
-                g.p[i] = (float)(p[i] + c->p[0] * h->u[i] + c->p[1] * h->v[i] +
-                                 c->p[2] * h->w[i]);
+                g.p[i] = (float)(p[i] +
+                                 part * (c->p[0] * h->u[i] + c->p[1] * h->v[i] +
+                                         c->p[2] * h->w[i]));
             if (all < above)
                 break;
         }
@@ -160,27 +196,9 @@ rad_bright_glint(const struct rad_hemi *h, const double p[3], uint64_t key)
     return g;
 }
 
-/* The unit disk to the unit square, keeping relative areas: the reverse of
- * hemisphere.c's. */
-static void
-disk_to_square(double x, double y, double s[2])
-{
-    double r = sqrt(x * x + y * y);
-    int along = fabs(x) > fabs(y) ? 0 : 1;
-    double lead = along ? y : x, other = along ? x : y;
-    double turn = lead != 0 ? rad_angle(fabs(other), fabs(lead)) : 0;
-
-    if ((other < 0) != (lead < 0))
-        turn = -turn;
-
-    r = lead < 0 ? -r : r;
-    s[along] = (r + 1) / 2;
-    s[!along] = (r * turn * (4 / M_PI) + 1) / 2;
-}
-
 void
 rad_bright_cells(const struct rad_bright *b, const struct rad_hemi *h,
-                 const double p[3], double *square)
+                 const double p[3], struct rad_contrast *cell)
 {
     int n = h->n;
 
@@ -196,11 +214,11 @@ rad_bright_cells(const struct rad_bright *b, const struct rad_hemi *h,
         double dist = sqrt(dist2);
         double share = q->area * up / dist / (dist2 * M_PI) * n * n;
 
-        disk_to_square(rad_dot(d, h->u) / dist, rad_dot(d, h->v) / dist, s);
+        rad_square_of_disk(rad_dot(d, h->u) / dist, rad_dot(d, h->v) / dist, s);
         int x = (int)(s[0] * n), y = (int)(s[1] * n);
 
         x = x < 0 ? 0 : x < n ? x : n - 1;
         y = y < 0 ? 0 : y < n ? y : n - 1;
-        square[y * n + x] += rad_least(share, 1) * q->lum * q->lum;
+        cell[y * n + x].square += rad_least(share, 1) * q->lum * q->lum;
     }
 }

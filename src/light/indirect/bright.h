@@ -14,6 +14,7 @@
 
 #include "light/indirect/ambread.h"
 #include "light/indirect/hemisphere.h"
+#include "light/sample/contrast.h"
 
 /* Most places that are kept: those that most records chose. */
 #define RAD_BRIGHT_MOST 512
@@ -38,9 +39,9 @@ bool rad_bright_gather(struct rad_bright *b, const struct rad_ambread *from);
 struct rad_glint rad_bright_glint(const struct rad_hemi *h, const double p[3],
                                   uint64_t key);
 
-/* Add to square[k] the mean square of the luminance that places are expected to
- * bring to cell k of a hemisphere at p. */
+/* Add to cell[k].square the mean square of the luminance that places are
+ * expected to bring to cell k of a hemisphere at p. */
 void rad_bright_cells(const struct rad_bright *b, const struct rad_hemi *h,
-                      const double p[3], double *square);
+                      const double p[3], struct rad_contrast *cell);
 
 #endif

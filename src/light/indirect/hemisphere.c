@@ -6,9 +6,7 @@
  * are stratified n^2 times and no two neighbours coincide, which would spoil
  * the gradients.
  * More samples (-as) go where bright places of the frozen cache lie (bright.h),
- * and where the cells around a cell differ.  A cell's own sample has no say in
- * it: else a cell that drew a bright sample would be averaged down and one that
- * drew a dark one would not, and the result would be too dark in the mean.
+ * and where the cells around a cell differ (light/sample/contrast.h).
  * Those of a cell are a sequence whose beginnings all are spread evenly over it
  * (Roberts 2018: by the root of x^3 = x + 1), begun at its first ray.  */
 #include "config.h"
@@ -19,6 +17,8 @@
 #include "arith/elementary.h"
 #include "base/rng.h"
 #include "base/vec.h"
+#include "light/sample/contrast.h"
+#include "light/sample/disk.h"
 
 #include <string.h>
 
@@ -69,23 +69,6 @@ struct sampler {
     struct tally *tally; /* of the cells */
 };
 
-/* The unit square to the unit disk, keeping relative areas. */
-static void
-square_to_disk(double x, double y, double d[2])
-{
-    double a = 2 * x - 1, b = 2 * y - 1, sine, cosine;
-    int along = !(fabs(a) > fabs(b)); /* the axis that is nearer */
-    double r = along ? b : a, over = along ? a : b;
-
-    if (r == 0) {
-        d[0] = d[1] = 0;
-        return;
-    }
-    rad_sin_cos(M_PI / 4 * (over / r), &sine, &cosine);
-    d[along] = r * cosine;
-    d[!along] = r * sine;
-}
-
 /* Trace the ray through (x, y) of the square; false: it was refused.  d gets
  * its direction, in the frame of the sampling, *dist how far it went. */
 static bool
@@ -97,7 +80,7 @@ trace(struct sampler *s, double x, double y, uint32_t number, double d[3],
 
     if (!rad_ray_spawn(ctx, &ray, s->kind, s->r, &s->coef, s->branch | number))
         return false;
-    square_to_disk(x, y, d);
+    rad_disk_of_square(x, y, d);
     d[2] = sqrt(rad_most(1 - d[0] * d[0] - d[1] * d[1], 0));
     rad_scale(ray.dir, d[0], s->h->u);
     rad_madd(ray.dir, ray.dir, d[1], s->h->v);
@@ -173,26 +156,6 @@ sample_cells(struct sampler *s)
     return s->traced > 0;
 }
 
-/* Standard deviation of the luminance of the cells around (i, j). */
-static double
-contrast(const struct rad_hemi *h, int i, int j)
-{
-    double sum = 0, sum2 = 0;
-    int k = 0;
-
-    for (int a = i - 1; a <= i + 1; a++)
-        for (int b = j - 1; b <= j + 1; b++) {
-            if (a < 0 || b < 0 || a >= h->n || b >= h->n || (a == i && b == j))
-                continue;
-            double lum = rad_rgb_lum(h->cell[a * h->n + b].L);
-
-            sum += lum;
-            sum2 += lum * lum;
-            k++;
-        }
-    return sqrt(rad_most(sum2 - sum * sum / k, 0) / k);
-}
-
 static double
 fraction(double x)
 {
@@ -226,22 +189,23 @@ resample_cell(struct sampler *s, int i, int j, int more, uint32_t *number)
     c->L = rad_rgb_scale(sum, 1.f / (float)t->rays);
 }
 
-/* How much noise each cell is expected to have; returns the sum. */
-static double
-expect_noise(const struct sampler *s, double *noise)
+/* What the cells' shares of more rays come from; NULL: out of memory. */
+static struct rad_contrast *
+set_shares(const struct sampler *s)
 {
     const struct rad_hemi *h = s->h;
-    double sum = 0;
+    int n2 = h->n * h->n;
+    struct rad_contrast *c =
+        rad_arena_calloc(&s->ctx->scratch, (size_t)n2, sizeof *c);
 
+    if (!c)
+        return NULL;
+    for (int k = 0; k < n2; k++)
+        c[k].lum = rad_rgb_lum(h->cell[k].L);
     if (s->plan->bright)
-        rad_bright_cells(s->plan->bright, h, s->r->hit.p, noise);
-    for (int k = 0; k < h->n * h->n; k++) {
-        double around = contrast(h, k / h->n, k % h->n);
-
-        noise[k] = sqrt(noise[k] + around * around);
-        sum += noise[k];
-    }
-    return sum;
+        rad_bright_cells(s->plan->bright, h, s->r->hit.p, c);
+    rad_contrast_share(c, h->n);
+    return c;
 }
 
 /* Are `more` rays enough to be shared out?  By what neighbours differ in alone
@@ -259,17 +223,11 @@ static void
 super_sample(struct sampler *s, int count)
 {
     int n = s->h->n;
-    double *noise, total;
+    const struct rad_contrast *c = set_shares(s);
     uint32_t number = (uint32_t)(n * n);
 
-    noise = rad_arena_calloc(&s->ctx->scratch, (size_t)(n * n), sizeof *noise);
-    if (!noise)
-        return;
-    total = expect_noise(s, noise);
-    if (!(total > 0 && total < INFINITY))
-        return;
-    for (int k = 0; k < n * n; k++) {
-        double share = noise[k] / total * count;
+    for (int k = 0; c && k < n * n; k++) {
+        double share = c[k].share * count;
         /* rounded up with the probability of the fraction */
         int more = (int)(share + rad_rand(s->key, DIM_ROUND + (uint32_t)k));
 
