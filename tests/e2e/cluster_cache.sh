@@ -68,7 +68,7 @@ cached_kib()
 
 scene a 4000
 scene b 4000
-scene c 16000
+scene c 22000
 scene d 500
 
 # --- a full disk

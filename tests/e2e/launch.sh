@@ -31,7 +31,7 @@ all_gone()
 
 check_gone() # NAME
 {
-    until_true 15 all_gone || {
+    until_true 60 all_gone || {
         fail "$1: something is left: $(launched_left)"
         # shellcheck disable=SC2046
         ps -o pid,args -p $(launched_left | grep '^[0-9]*$') 2>/dev/null

@@ -45,7 +45,7 @@ sed -n 's/^ *\([0-9]*\) %.*/\1/p' said.err | head -n 1 | grep -qx 0 ||
     fail "it began late: $(cat said.err)"
 grep '^ *0 %' said.err | head -n 1 | grep -q left &&
     fail "said before anything is known: $(cat said.err)"
-grep ' left ' said.err | head -n 1 | grep -q '^ *[0-9] %' ||
+grep ' left ' said.err | head -n 1 | grep -q '^ *[12]\{0,1\}[0-9] %' ||
     fail "said late: $(cat said.err)"
 ended said 75
 
