@@ -4,7 +4,7 @@
 #include "base/rng.h"
 #include "base/vec.h"
 #include "light/indirect/ambient.h"
-#include "light/indirect/gradient.h"
+#include "light/hemisphere/gradient.h"
 #include "lambert.h"
 #include "world.h"
 

@@ -1,7 +1,7 @@
 /* check_bright.c - bright places, and samples by them */
 #include "config.h"
 
-#include "light/indirect/bright.h"
+#include "light/hemisphere/bright.h"
 #include "base/rng.h"
 
 #include "world.h"
@@ -29,45 +29,33 @@ disk_irradiance(void)
     return 50 * M_PI * (1 - (h2 + a2 - r2) / sqrt(z * z - 4 * a2 * r2));
 }
 
-static struct rad_ambrec
-record_with(double x, double y, double z, float lum)
+static struct rad_glint
+glint_at(double x, double y, double z, float lum)
 {
-    return (struct rad_ambrec){
-        .n = { 0, 0, 1 },
-        .u = { 1, 0, 0 },
-        .radius = { .1f, .2f },
-        .weight = 1,
-        .E = { 1, 1, 1 },
-        .glint = { { (float)x, (float)y, (float)z }, lum },
-    };
+    return (struct rad_glint){ { (float)x, (float)y, (float)z }, lum };
 }
 
 static void
-gather(struct rad_bright *b, const struct rad_ambrec *rec, size_t n)
+gather(struct rad_bright *b, const struct rad_glint *glint, size_t n)
 {
     const double org[3] = { -5, -5, -5 };
-    struct rad_ambread r;
 
-    rad_ambread_init(&r, org, 10);
-    for (size_t i = 0; i < n; i++)
-        ck_assert(rad_ambread_add(&r, &rec[i]));
-    ck_assert(rad_bright_gather(b, &r));
-    rad_ambread_release(&r);
+    ck_assert(rad_bright_gather(b, glint, n, org, 10));
 }
 
 /* Places where records saw the disk. */
 static void
 see_disk(struct rad_bright *b)
 {
-    struct rad_ambrec rec[64];
+    struct rad_glint glint[64];
 
     for (int i = 0; i < 64; i++) {
         double r = RADIUS * sqrt((i + .5) / 64);
 
-        rec[i] = record_with(ASIDE + r * cos(2.4 * i), r * sin(2.4 * i), HEIGHT,
-                             100);
+        glint[i] =
+            glint_at(ASIDE + r * cos(2.4 * i), r * sin(2.4 * i), HEIGHT, 100);
     }
-    gather(b, rec, 64);
+    gather(b, glint, 64);
     ck_assert_uint_gt(b->n, 0);
 }
 
@@ -191,14 +179,14 @@ END_TEST
  * the mean is as it was. */
 START_TEST(places_that_are_not_seen_do_no_harm)
 {
-    struct rad_ambrec rec[64];
+    struct rad_glint glint[64];
     struct found f;
     struct rad_bright b;
     struct world w;
 
     for (int i = 0; i < 64; i++)
-        rec[i] = record_with(-2 + .1 * (i % 8), -1 + .1 * (i / 8.), 1, 1e4f);
-    gather(&b, rec, 64);
+        glint[i] = glint_at(-2 + .1 * (i % 8), -1 + .1 * (i / 8.), 1, 1e4f);
+    gather(&b, glint, 64);
     ck_assert_uint_gt(b.n, 30);
     world_open(&w, disk_scene, "-ab 0 -ad 144 -as 144 -lw 0");
     f = sample_many(&w, &b);
@@ -209,20 +197,20 @@ END_TEST
 
 START_TEST(glints_near_each_other_are_one_place)
 {
-    struct rad_ambrec rec[4] = { record_with(1, 2, 3, 10),
-                                 record_with(1.01, 2.01, 3, 30),
-                                 record_with(-40, 0, 0, 5),
-                                 record_with(0, 0, 0, 0) };
+    struct rad_glint glint[4] = { glint_at(1, 2, 3, 10),
+                                  glint_at(1.01, 2.01, 3, 30),
+                                  glint_at(-40, 0, 0, 5),
+                                  glint_at(0, 0, 0, 0) };
     struct rad_bright b, again;
 
-    gather(&b, rec, 4);
+    gather(&b, glint, 4);
     ck_assert_uint_eq(b.n, 2); /* most glints first; no glint, no place */
     ck_assert_double_eq_tol(b.place[0].p[0], 1.005, 1e-6);
     ck_assert_double_eq_tol(b.place[0].lum, 20, 1e-6);
     ck_assert_double_eq_tol(b.place[1].p[0], -40, 1e-6);
-    gather(&again, rec, 4);
+    gather(&again, glint, 4);
     ck_assert_mem_eq(again.place, b.place, b.n * sizeof *b.place);
-    gather(&b, rec + 3, 1);
+    gather(&b, glint + 3, 1);
     ck_assert_uint_eq(b.n, 0);
 }
 END_TEST
@@ -230,14 +218,14 @@ END_TEST
 START_TEST(most_chosen_places_are_kept)
 {
     enum { N = 3 * RAD_BRIGHT_MOST };
-    static struct rad_ambrec rec[2 * N];
+    static struct rad_glint glint[2 * N];
     struct rad_bright b;
 
     for (int i = 0; i < 2 * N; i++) /* every third place twice */
-        rec[i] =
-            record_with(-4.5 + .3 * (i % N % 30), -4.5 + .3 * (i % N / 30 % 30),
-                        -4.5 + .3 * (i % N / 900), i < N || i % 3 == 0 ? 7 : 0);
-    gather(&b, rec, 2 * N);
+        glint[i] =
+            glint_at(-4.5 + .3 * (i % N % 30), -4.5 + .3 * (i % N / 30 % 30),
+                     -4.5 + .3 * (i % N / 900), i < N || i % 3 == 0 ? 7 : 0);
+    gather(&b, glint, 2 * N);
     ck_assert_uint_eq(b.n, RAD_BRIGHT_MOST);
     for (size_t i = 0; i < b.n; i++)
         ck_assert_int_eq((int)lrint((b.place[i].p[0] + 4.5) / .3) % 3, 0);

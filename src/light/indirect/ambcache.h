@@ -2,7 +2,7 @@
  *
  * The octree finds the records whose zones may reach a point; the log holds
  * all of them in the order of their making, for the other workers.  What a
- * record means is ambient.c's.
+ * record means is ambient_find.c's.
  * Thread: any number may insert, visit and read the log at once; none ever
  * waits for another (see "Growth" in ambcache.c).  */
 #ifndef RAD_LIGHT_AMBCACHE_H

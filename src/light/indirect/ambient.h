@@ -13,17 +13,12 @@
 #ifndef RAD_LIGHT_AMBIENT_H
 #define RAD_LIGHT_AMBIENT_H
 
+#include "light/hemisphere/glint.h"
 #include "trace/ray.h"
 
 struct rad_ambient;
 
 #define RAD_AMBREC_UNSURE (-1.f)
-
-/* Something far brighter than what else a record's hemisphere saw. */
-struct rad_glint {
-    float p[3]; /* where it is */
-    float lum;  /* luminance of its radiance [W/sr/m^2]; 0: there was nothing */
-};
 
 /* One record; also what travels between workers (proto/ packs it field by
  * field). */
@@ -43,8 +38,8 @@ struct rad_ambrec {
     float var;        /* variance of E's luminance over its square, by the
                        * samples' noise; RAD_AMBREC_UNSURE: not known */
     struct rad_glint glint;
-    uint32_t corral;  /* directions blocked near by (leak plug) */
-    uint32_t fence;   /* the same farther off (struct rad_smooth_place) */
+    uint32_t corral; /* directions blocked near by (leak plug) */
+    uint32_t fence;  /* the same farther off (struct rad_smooth_place) */
 };
 
 /* Thread: one thread makes and frees it; any number may find and insert. */

@@ -2,7 +2,7 @@
 #include "config.h"
 
 #include "light/indirect/ambshape.h"
-#include "light/indirect/gradient.h"
+#include "light/hemisphere/gradient.h"
 #include "light/smooth/smooth.h"
 #include "arith/elementary.h"
 #include "base/vec.h"

@@ -11,7 +11,7 @@
 #define RAD_LIGHT_AMBSHAPE_H
 
 #include "light/indirect/ambient.h"
-#include "light/indirect/hemisphere.h"
+#include "light/hemisphere/hemisphere.h"
 
 /* What radii go by: lengths in scene units. */
 struct rad_ambscale {

@@ -1,10 +1,13 @@
-# the ambient cache and its hemispheres
+# the ambient cache
 librad_a_SOURCES += \
 	src/light/indirect/ambcache.c \
 	src/light/indirect/ambcache.h \
 	src/light/indirect/ambfind.c \
 	src/light/indirect/ambient.c \
 	src/light/indirect/ambient.h \
+	src/light/indirect/ambient_apply.c \
+	src/light/indirect/ambient_find.c \
+	src/light/indirect/ambient_impl.h \
 	src/light/indirect/ambpool.c \
 	src/light/indirect/ambpool.h \
 	src/light/indirect/ambread.c \
@@ -15,10 +18,4 @@ librad_a_SOURCES += \
 	src/light/indirect/ambsmooth.h \
 	src/light/indirect/ambtile.c \
 	src/light/indirect/ambtile.h \
-	src/light/indirect/ambtree.h \
-	src/light/indirect/bright.c \
-	src/light/indirect/bright.h \
-	src/light/indirect/gradient.c \
-	src/light/indirect/gradient.h \
-	src/light/indirect/hemisphere.c \
-	src/light/indirect/hemisphere.h
+	src/light/indirect/ambtree.h

@@ -1,7 +1,7 @@
 /* bright.c - see bright.h */
 #include "config.h"
 
-#include "light/indirect/bright.h"
+#include "light/hemisphere/bright.h"
 #include "arith/angle.h"
 #include "base/rng.h"
 #include "base/vec.h"
@@ -21,9 +21,10 @@
 /* Of the numbers drawn at the key of the ray that asked for a record. */
 #define DIM_GLINT (RAD_DIM_AMBIENT + 1)
 
-struct glint {
+/* A glint's cell of the grid, and which it is. */
+struct where {
     uint64_t cell;
-    size_t item;
+    size_t glint;
 };
 
 /* Grid cell of a point: numbers along the axes, 20 bits each.  What lies beyond
@@ -50,14 +51,14 @@ grid_cell(const float p[3], const double org[3], double side)
 static int
 by_cell(const void *a, const void *b)
 {
-    const struct glint *x = a, *y = b;
+    const struct where *x = a, *y = b;
 
     if (x->cell != y->cell)
         return x->cell < y->cell ? -1 : 1;
-    return x->item < y->item ? -1 : x->item > y->item;
+    return x->glint < y->glint ? -1 : x->glint > y->glint;
 }
 
-/* A place, and how many records chose it. */
+/* A place, how many glints it is made of, and the first of them. */
 struct found {
     struct rad_bright_place place;
     size_t glints, first;
@@ -74,24 +75,24 @@ by_glints(const void *a, const void *b)
     return x->first < y->first ? -1 : x->first > y->first;
 }
 
-/* The place of n glints: its area is that of a disk on which points are spread
- * as far from their mean as these are. */
+/* The place of the n glints that w[] tells: its area is that of a disk on which
+ * points are spread as far from their mean as these are. */
 static void
-set_place(struct rad_bright_place *to, const struct rad_ambitem *item,
-          const struct glint *g, size_t n, double least)
+set_place(struct rad_bright_place *to, const struct rad_glint *glint,
+          const struct where *w, size_t n, double least)
 {
     double spread = 0;
 
     *to = (struct rad_bright_place){ .lum = 0 };
     for (size_t i = 0; i < n; i++) {
-        const struct rad_glint *one = &item[g[i].item].rec.glint;
+        const struct rad_glint *one = &glint[w[i].glint];
 
         for (int k = 0; k < 3; k++)
             to->p[k] += (double)one->p[k] / (double)n;
         to->lum += (double)one->lum / (double)n;
     }
     for (size_t i = 0; i < n; i++) {
-        const float *q = item[g[i].item].rec.glint.p;
+        const float *q = glint[w[i].glint].p;
         double d[3] = { (double)q[0] - to->p[0], (double)q[1] - to->p[1],
                         (double)q[2] - to->p[2] };
 
@@ -101,40 +102,35 @@ set_place(struct rad_bright_place *to, const struct rad_ambitem *item,
 }
 
 bool
-rad_bright_gather(struct rad_bright *b, const struct rad_ambread *from)
+rad_bright_gather(struct rad_bright *b, const struct rad_glint *glint, size_t n,
+                  const double org[3], double side)
 {
-    const struct rad_ambitem *item = from->item;
-    size_t n = from->n;
-    struct glint *g = malloc(n * sizeof *g + 1);
-    struct found *found;
-    size_t glints = 0, places = 0, k;
-    double cell = from->side / ACROSS;
+    struct where *w = malloc(n * sizeof *w + 1);
+    struct found *found = malloc(n * sizeof *found + 1);
+    double cell = side / ACROSS;
+    size_t there = 0, places = 0, k;
+    bool ok = w && found;
 
     b->n = 0;
-    if (!g)
-        return false;
-    for (size_t i = 0; i < n; i++)
-        if (item[i].rec.glint.lum > 0)
-            g[glints++] = (struct glint){
-                grid_cell(item[i].rec.glint.p, from->org, from->side), i
-            };
-    qsort(g, glints, sizeof *g, by_cell);
-    found = malloc(glints * sizeof *found + 1);
-    for (size_t i = 0; found && i < glints; i = k, places++) {
-        for (k = i; k < glints && g[k].cell == g[i].cell; k++)
+    for (size_t i = 0; ok && i < n; i++)
+        if (glint[i].lum > 0)
+            w[there++] = (struct where){ grid_cell(glint[i].p, org, side), i };
+    if (ok)
+        qsort(w, there, sizeof *w, by_cell);
+    for (size_t i = 0; i < there; i = k, places++) {
+        for (k = i; k < there && w[k].cell == w[i].cell; k++)
             ;
-        set_place(&found[places].place, item, &g[i], k - i, cell * cell / 16);
+        set_place(&found[places].place, glint, &w[i], k - i, cell * cell / 16);
         found[places].glints = k - i;
-        found[places].first = g[i].item;
+        found[places].first = w[i].glint;
     }
-    free(g);
-    if (!found)
-        return false;
-    qsort(found, places, sizeof *found, by_glints);
-    for (; b->n < places && b->n < RAD_BRIGHT_MOST; b->n++)
+    if (ok)
+        qsort(found, places, sizeof *found, by_glints);
+    for (; ok && b->n < places && b->n < RAD_BRIGHT_MOST; b->n++)
         b->place[b->n] = found[b->n].place;
+    free(w);
     free(found);
-    return true;
+    return ok;
 }
 
 /* How far away cell k's glint is put, over how far its ray went.  Where nearly

@@ -15,7 +15,7 @@
 #ifndef RAD_LIGHT_GRADIENT_H
 #define RAD_LIGHT_GRADIENT_H
 
-#include "light/indirect/hemisphere.h"
+#include "light/hemisphere/hemisphere.h"
 
 struct rad_gradients {
     double move[2]; /* d ln E per unit along u, v */

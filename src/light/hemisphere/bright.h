@@ -7,13 +7,13 @@
  * brighter; glints travel with records.  Between passes those of all records
  * are gathered by cells of a grid into places, each with a mean point and
  * luminance and an area.  A new record's hemisphere (hemisphere.h) then knows
- * in which of its own cells they lie, before it traces a ray. Thread: any may
- * read, none while another gathers. */
+ * in which of its own cells they lie, before it traces a ray.
+ * Thread: any may read, none while another gathers. */
 #ifndef RAD_LIGHT_BRIGHT_H
 #define RAD_LIGHT_BRIGHT_H
 
-#include "light/indirect/ambread.h"
-#include "light/indirect/hemisphere.h"
+#include "light/hemisphere/glint.h"
+#include "light/hemisphere/hemisphere.h"
 #include "light/sample/contrast.h"
 
 /* Most places that are kept: those that most records chose. */
@@ -30,9 +30,11 @@ struct rad_bright {
     size_t n;
 };
 
-/* Gather the glints of all records.  What comes out depends on these and their
- * order alone.  False: out of memory. */
-bool rad_bright_gather(struct rad_bright *b, const struct rad_ambread *from);
+/* Gather the glints of n records, in a scene whose cube has its corner at org
+ * and that side.  What comes out depends on these and their order alone.
+ * False: out of memory. */
+bool rad_bright_gather(struct rad_bright *b, const struct rad_glint *glint,
+                       size_t n, const double org[3], double side);
 
 /* The glint of a record at p: what a cell's first ray met, drawn by how far it
  * is above the mean; `key` is that of the ray that asked for the record. */

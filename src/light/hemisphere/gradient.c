@@ -13,7 +13,7 @@
  * point is wanted, and with the normal along z that is x and y.  */
 #include "config.h"
 
-#include "light/indirect/gradient.h"
+#include "light/hemisphere/gradient.h"
 #include "arith/angle.h"
 #include "arith/elementary.h"
 #include "base/vec.h"

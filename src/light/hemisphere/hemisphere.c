@@ -11,8 +11,8 @@
  * (Roberts 2018: by the root of x^3 = x + 1), begun at its first ray.  */
 #include "config.h"
 
-#include "light/indirect/hemisphere.h"
-#include "light/indirect/bright.h"
+#include "light/hemisphere/hemisphere.h"
+#include "light/hemisphere/bright.h"
 #include "arith/angle.h"
 #include "arith/elementary.h"
 #include "base/rng.h"
@@ -65,7 +65,7 @@ struct sampler {
     enum rad_raykind kind;
     uint32_t branch; /* class of the rays' branch numbers */
     uint64_t key;
-    int traced; /* cells whose first ray was */
+    int traced;          /* cells whose first ray was */
     struct tally *tally; /* of the cells */
 };
 

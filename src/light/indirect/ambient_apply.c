@@ -1,0 +1,284 @@
+/* ambient_apply.c - indirect light where rays ask for it; see ambient.h
+ *
+ * Where the cache misses, the hemisphere is sampled (hemisphere.c) and a
+ * record is made of it: E, how it changes as the point moves and the normal
+ * turns, and an elliptic zone in which a linear extrapolation is good
+ * (ambshape.c).  */
+#include "config.h"
+
+#include "light/hemisphere/gradient.h"
+#include "light/hemisphere/hemisphere.h"
+#include "light/indirect/ambient_impl.h"
+#include "arith/elementary.h"
+#include "base/vec.h"
+
+/* The least weight of records beyond -aa that serve. */
+#define LEAST_FAR_WEIGHT 1e-3
+
+/* Stands for infinity in the positions of what is seen, in sides of the
+ * scene's cube: far enough to be still as the point moves. */
+#define FAR_SIDES 10.
+
+/* For a glance hemispheres are so much coarser where no record is near. */
+#define GLANCE_SHARE (1. / 16)
+
+/* Of a record's rays so many will do for a place that a frozen cache lacks and
+ * one pixel shows, and for deeper records of a tile that has traced its rays.
+ */
+#define ALONE_SHARE .25
+
+/* Fewest cells along a side: what a picture shows needs gradients. */
+#define SIDE_SHOWN 7
+#define SIDE_DEEP  5
+
+/* What records for light rays are for, in parts of the weight of rays that have
+ * been reflected as often. */
+#define LIGHT .125
+
+/* --- making records --- */
+
+/* The weight that a record made here is for: that of a ray which has been
+ * reflected as often, or of all that are much lighter: a record does not serve
+ * a heavier ray than it is for, so if each were for one weight, rays of
+ * slightly different weights would all make their own. */
+static float
+record_weight(const struct rad_ambplace *at)
+{
+    double usual = rad_pow(RAD_AMBIENT_MEAN_REFLECTANCE, at->level);
+
+    return (float)(at->weight < .1 * usual ? LIGHT * usual : usual);
+}
+
+/* Sample the hemisphere at a place and keep the result if it is fit to be
+ * kept.  False: no light could be traced. */
+static bool
+make_record(struct rad_ctx *ctx, const struct rad_ray *r,
+            const struct rad_ambplace *at, bool behind, struct rad_rgb *E)
+{
+    struct rad_ambient *amb = ctx->job->ambient;
+    struct rad_ambrec rec = { .level = (uint16_t)at->level };
+    struct rad_arena_mark mark = rad_arena_mark(&ctx->scratch);
+    struct rad_hemi_plan plan = { .behind = behind, .store = true };
+    uint64_t unsound = ctx->counts.unsound_rays;
+    struct rad_hemi h;
+    bool ok;
+
+    rec.weight = record_weight(at);
+    plan.weight = rad_ambrec_worth(&rec);
+    if (amb->frozen && !ctx->fresh &&
+        (!ctx->tile || (at->level > ctx->tile->level &&
+                        ctx->counts.ambient_rays >= ctx->tile->most)))
+        plan.weight *= ALONE_SHARE;
+    if (ctx->glance)
+        plan.weight *= GLANCE_SHARE;
+    plan.side = at->level > 0 ? SIDE_DEEP : SIDE_SHOWN;
+    plan.coef = rad_grey((float)RAD_AMBIENT_MEAN_REFLECTANCE);
+    plan.far = FAR_SIDES * amb->scale.side;
+    plan.bright = amb->bright.n > 0 ? &amb->bright : NULL;
+    rad_copy(plan.normal, at->n);
+    ok = rad_hemi_sample(ctx, r, &plan, &h);
+    if (ok)
+        *E = h.E;
+    /* what a NaN has touched on the way, now black, is not kept */
+    if (ok && h.complete && ctx->counts.unsound_rays == unsound) {
+        float pn[3] = { (float)at->pn[0], (float)at->pn[1], (float)at->pn[2] };
+        struct rad_ambitem item;
+        float factor;
+
+        rad_copy(rec.p, at->p);
+        for (int k = 0; k < 3; k++)
+            rec.n[k] = (float)at->n[k];
+        rec.E = h.E;
+        rec.var = (float)h.var;
+        rec.glint = rad_bright_glint(&h, at->p, r->key);
+        rad_ambrec_shape(&amb->scale, &h, &rec);
+        if (!ctx->aside && rad_ambient_keep(amb, ctx->tile, &rec))
+            ctx->counts.ambient_values++;
+        rad_ambitem_set(&item, &rec);
+        rad_ambient_extrapolate(&item, rec.gpos, 0, 0, pn, &factor);
+        *E = rad_rgb_scale(*E, factor);
+    }
+    rad_arena_rewind(&ctx->scratch, mark);
+    return ok;
+}
+
+/* Without a cache: sample for this place alone. */
+static bool
+sample_here(struct rad_ctx *ctx, const struct rad_ray *r,
+            const struct rad_ambplace *at, bool behind,
+            const struct rad_rgb *coef, struct rad_rgb *E)
+{
+    struct rad_arena_mark mark = rad_arena_mark(&ctx->scratch);
+    struct rad_hemi_plan plan = { .behind = behind,
+                                  .coef = *coef,
+                                  .weight = at->weight };
+    struct rad_hemi h;
+    double turn[2], axis[3];
+    bool ok;
+
+    rad_copy(plan.normal, at->n);
+    ok = rad_hemi_sample(ctx, r, &plan, &h);
+    if (ok) {
+        *E = h.E;
+        rad_cross(axis, at->n, at->pn);
+        if (rad_dot(axis, axis) > 0 && rad_rgb_lum(*E) > 0) {
+            rad_hemi_turn(&h, turn);
+            double f =
+                1 + turn[0] * rad_dot(axis, h.u) + turn[1] * rad_dot(axis, h.v);
+
+            *E = rad_rgb_scale(
+                *E, (float)rad_most(f, (double)RAD_AMBIENT_LEAST_FACTOR));
+        }
+    }
+    rad_arena_rewind(&ctx->scratch, mark);
+    return ok;
+}
+
+/* --- use --- */
+
+/* Diffuse bounces on the way to r's hit. */
+static int
+bounces(const struct rad_ray *r)
+{
+    int n = 0;
+
+    for (; r; r = r->parent)
+        if (r->kind & RAD_RAY_AMBIENT)
+            n++;
+    return n;
+}
+
+/* Are records for such a place made now?  Those of a frozen cache are in a pass
+ * of their own. */
+static bool
+is_due(const struct rad_ctx *ctx, const struct rad_ambplace *at)
+{
+    return !ctx->job->ambient->frozen ||
+           (ctx->tile && ctx->tile->level == at->level);
+}
+
+/* Does what was said do, so that no record is made?  Of a frozen cache that is
+ * not asked so much: the pass for these records has been. */
+static bool
+serves(const struct rad_ambsaid *said, bool due)
+{
+    return said->serves > 0 || (!due && said->weight > LEAST_FAR_WEIGHT);
+}
+
+bool
+rad_ambient_serves(struct rad_ctx *ctx, const struct rad_ambplace *at)
+{
+    bool due = is_due(ctx, at);
+    struct rad_ambasker asker = { .tile = ctx->tile,
+                                  .only = due,
+                                  .counts = &ctx->counts.geom,
+                                  .rays = &ctx->counts.rays };
+    struct rad_ambsaid said;
+
+    rad_ambient_ask(ctx->job->ambient, at, &asker, &said);
+    return serves(&said, due);
+}
+
+/* -av, or its mean with the records so far (-aw), times what a surface leaves
+ * of it. */
+static struct rad_rgb
+constant_radiance(const struct rad_job *job)
+{
+    const struct rad_params *par = &job->params;
+    struct rad_rgb av = par->ambval;
+    const struct rad_ambient *amb = job->ambient;
+    double lum = rad_rgb_lum(av), sum, n;
+
+    if (!amb || par->ambvwt <= 0)
+        return av;
+    sum = (double)atomic_load_explicit(&amb->log_sum, memory_order_relaxed) *
+          RAD_AMBIENT_LOG_UNIT;
+    n = (double)atomic_load_explicit(&amb->log_count, memory_order_relaxed);
+    if (!(n > 0))
+        return av;
+    sum += n * rad_log(1 - RAD_AMBIENT_MEAN_REFLECTANCE);
+    if (!(lum > 0))
+        return rad_grey((float)rad_exp(sum / n));
+    sum += par->ambvwt * rad_log(lum);
+    return rad_rgb_scale(av, (float)(rad_exp(sum / (par->ambvwt + n)) / lum));
+}
+
+/* E at the place, interpolated or sampled; false: neither is possible, or there
+ * are records for it and nobody wants E: a tile of a pass asks for records.
+ * *off becomes the square of how far that may be off, over its own. */
+static bool
+irradiance(struct rad_ctx *ctx, const struct rad_ray *r,
+           const struct rad_ambplace *at, bool behind,
+           const struct rad_rgb *coef, struct rad_rgb *E, double *off)
+{
+    struct rad_ambasker asker = { .tile = ctx->tile,
+                                  .counts = &ctx->counts.geom,
+                                  .rays = &ctx->counts.rays };
+    struct rad_ambsaid said;
+    bool due;
+
+    if (!ctx->job->ambient)
+        return sample_here(ctx, r, at, behind, coef, E);
+    due = is_due(ctx, at);
+    asker.only = ctx->tile && ctx->no_direct && due;
+    asker.fresh = ctx->fresh && at->level == 0;
+    rad_ambient_ask(ctx->job->ambient, at, &asker, &said);
+    if (!serves(&said, due) && !(ctx->glance && said.weight > LEAST_FAR_WEIGHT))
+        return make_record(ctx, r, at, behind, E);
+    if (asker.only)
+        return false;
+    *E = said.E;
+    *off = said.off;
+    return true;
+}
+
+/* What a pixel shows of L at r's hit may be off by that square. */
+static void
+note_doubt(struct rad_ctx *ctx, const struct rad_ray *r, struct rad_rgb L,
+           double off)
+{
+    double lum = rad_rgb_lum(L);
+
+    for (; r; r = r->parent)
+        lum *= rad_rgb_lum(r->coef);
+    ctx->doubt += lum * lum * off;
+}
+
+/* Is the surface that r met left out by -ae or -ai? */
+static bool
+left_out(const struct rad_job *job, const struct rad_ray *r)
+{
+    int32_t mod;
+
+    if (!job->noambient || r->hit.obj == RAD_VOID)
+        return false;
+    mod = job->scene->objects[r->hit.obj].modifier;
+    return mod != RAD_VOID && job->noambient[mod];
+}
+
+void
+rad_ambient_apply(struct rad_ctx *ctx, struct rad_ray *r, const double n[3],
+                  struct rad_rgb *coef)
+{
+    const struct rad_params *par = &ctx->job->params;
+    struct rad_ambplace at;
+    struct rad_rgb E = { 0, 0, 0 };
+    double off = 0;
+    bool behind = rad_dot(r->n, n) < 0;
+
+    if (par->ambounce > 0 && par->ambdiv > 0 &&
+        (at.level = bounces(r)) < par->ambounce && !left_out(ctx->job, r)) {
+        at.weight = r->weight;
+        rad_copy(at.p, r->hit.p);
+        at.err = r->hit.err;
+        rad_scale(at.n, behind ? -1 : 1, r->n);
+        rad_copy(at.pn, n);
+        if (irradiance(ctx, r, &at, behind, coef, &E, &off)) {
+            *coef = rad_rgb_scale(rad_rgb_mul(*coef, E), (float)(1 / M_PI));
+            if (at.level == 0)
+                note_doubt(ctx, r, *coef, off);
+            return;
+        }
+    }
+    *coef = rad_rgb_mul(*coef, constant_radiance(ctx->job));
+}
