@@ -11,6 +11,8 @@
 #include "program.h"
 
 #include "job/apart.h"
+#include "job/submit_parse.h"
+#include "job/submit_table.h"
 #include "compile/command.h"
 #include "trial/dryrun.h"
 #include "link/launch.h"
@@ -612,13 +614,13 @@ act(struct program *p, int argc, char *argv[])
     int rc = words_init(&p->words, argc, argv, p->err);
 
     if (rc == 0)
-        rc = submit_options_parse(&p->o, &p->words, p->err);
+        rc = submit_parse(&p->o, &p->words, p->err);
     switch (rc) {
     case SUBMIT_RUN:
         rc = run(p);
         break;
     case SUBMIT_HELP:
-        submit_options_help(stdout);
+        submit_table_help(stdout);
         break;
     case SUBMIT_VERSION:
         puts("radsubmit (radd) " PACKAGE_VERSION);

@@ -7,6 +7,7 @@
 #include "base/output.h"
 #include "trial/progress.h"
 #include "job/submit_options.h"
+#include "job/submit_parse.h"
 #include "common/table.h"
 #include "link/launch.h"
 #include "link/target.h"
@@ -64,7 +65,7 @@ parse(struct submit_options *o, struct words *w, const char *text,
     snprintf(line, sizeof line, "%s", text);
     argc = split(line, argv, N_ELEM(argv));
     ck_assert_int_eq(words_init(w, argc, argv, err), 0);
-    return submit_options_parse(o, w, err);
+    return submit_parse(o, w, err);
 }
 
 static const struct {

@@ -8,6 +8,7 @@
 
 #include "proto/message.h"
 #include "job/submit_options.h"
+#include "base/arena.h"
 
 struct frames {
     struct rad_arena arena; /* of list, its views and their names */

@@ -10,5 +10,11 @@ libclient_a_SOURCES += \
 	client/job/jobspec.h \
 	client/job/quality.c \
 	client/job/quality.h \
+	client/job/submit_check.c \
+	client/job/submit_check.h \
 	client/job/submit_options.c \
-	client/job/submit_options.h
+	client/job/submit_options.h \
+	client/job/submit_parse.c \
+	client/job/submit_parse.h \
+	client/job/submit_table.c \
+	client/job/submit_table.h

@@ -1,10 +1,7 @@
-/* submit_options.h - radsubmit's command line
+/* submit_options.h - what radsubmit is asked for
  *
- * Words with one dash are rpict's (src/base/params.h and view.h, and those
- * that name files); words with two are ours, "--name=value" or "--name value".
- * They may stand in any order before the first scene file; "--" ends them.
- * Everything that can be said wrong about a command line alone is said here,
- * before any file but option and view files is opened.  */
+ * A command line as a struct: submit_parse.h fills it, submit_table.c has the
+ * table of options, submit_check.c says which exclude each other. */
 #ifndef RADD_CLIENT_SUBMIT_OPTIONS_H
 #define RADD_CLIENT_SUBMIT_OPTIONS_H
 
@@ -13,15 +10,11 @@
 #include "base/params.h"
 #include "picture/view.h"
 #include "show/show.h"
-#include "common/words.h"
 
 #include <stdbool.h>
 #include <stdio.h>
 
-enum submit_wish { SUBMIT_RUN, SUBMIT_HELP, SUBMIT_VERSION, SUBMIT_DEFAULTS,
-                   SUBMIT_RPICT /* --rpict-path */ };
-
-/* the order of the words in the tables of submit_options.c */
+/* the order of the words in the table of submit_table.c */
 enum submit_progress { PROGRESS_AUTO, PROGRESS_ALWAYS, PROGRESS_NEVER };
 enum submit_partition {
     PARTITION_AUTO,
@@ -45,37 +38,37 @@ enum submit_ambient {
 
 struct submit_options {
     struct rad_params params;
-    int oversample;       /* --oversample: params' -x and -y count samples */
-    double clamp;         /* --clamp; 0: off */
-    int quality;          /* --quality: the word's number; -1: none */
-    bool quality_whole;   /* and nothing of its set was given otherwise */
-    double error;         /* --error [%]; 0: not asked for */
-    double time_s;        /* --time; 0: not asked for */
-    int psample_asked;    /* what -ps said; 0: nothing, or 0 */
-    struct rad_view view; /* as given; rad_view_setup() has accepted it */
+    int oversample;          /* --oversample: params' -x and -y count samples */
+    double clamp;            /* --clamp; 0: off */
+    int quality;             /* --quality: the word's number; -1: none */
+    bool quality_whole;      /* and nothing of its set was given otherwise */
+    double error;            /* --error [%]; 0: not asked for */
+    double time_s;           /* --time; 0: not asked for */
+    int psample_asked;       /* what -ps said; 0: nothing, or 0 */
+    struct rad_view view;    /* as given; rad_view_setup() has accepted it */
     struct pointspec points; /* --points, and rtrace's options */
     const char *for_pixels;  /* the first option that sensor points have no use
                               * for; or NULL */
     /* files; NULL where not given */
     const char *output, *depth;
-    const char *ambient; /* -af */
-    const char *views;   /* --views; NULL with -S: stdin */
-    bool no_clobber;     /* frames whose pictures are there are left out */
-    bool rpict_status;   /* exit as rpict does */
-    int first_frame;     /* -S: number of the first view; 0: one picture */
-    int format;          /* enum picfile_format */
-    int spectral;        /* -co: 1 spectra, 0 colours, -1 by the suffix */
-    struct show show;    /* of a .png */
-    const char *exposure; /* as asked for; NULL: not */
+    const char *ambient;      /* -af */
+    const char *views;        /* --views; NULL with -S: stdin */
+    bool no_clobber;          /* frames whose pictures are there are left out */
+    bool rpict_status;        /* exit as rpict does */
+    int first_frame;          /* -S: number of the first view; 0: one picture */
+    int format;               /* enum picfile_format */
+    int spectral;             /* -co: 1 spectra, 0 colours, -1 by the suffix */
+    struct show show;         /* of a .png */
+    const char *exposure;     /* as asked for; NULL: not */
     const char *false_colour; /* its scale; NULL: not asked for */
-    int tone, bits;       /* the words' numbers; -1: not asked for */
+    int tone, bits;           /* the words' numbers; -1: not asked for */
     const char *stats, *preview;
     /* where */
     const char *coordinator;
     const char *key; /* file */
     bool local;
     const char *launch, *address; /* of a cluster whose workers it starts */
-    int workers, threads; /* of an embedded cluster; 0: not said */
+    int workers, threads;         /* of an embedded cluster; 0: not said */
     double wait_s;
     /* how */
     int partition, order; /* enum submit_partition, submit_order */
@@ -85,27 +78,25 @@ struct submit_options {
     int windows;          /* 0: by the picture's size */
     const char *estimate; /* "uniform", "20a" or the like; NULL: not said */
     const char *costs;    /* the file that --estimate named; or NULL */
-    bool commands; /* of octrees are run, too */
-    bool stamp;    /* the day, the host and the job in the header */
+    bool commands;        /* of octrees are run, too */
+    bool stamp;           /* the day, the host and the job in the header */
     bool no_balance, no_share, same_bits, fresh_frames, detach, dry_run;
     int priority;
     int memory_mib; /* most that its process on a worker may have; 0: any */
     const char *name;
-    int progress;       /* enum submit_progress */
-    int report_s;       /* -t: seconds from one line of it to the next; 0: no
-                         * matter */
-    bool quiet;         /* -w-: no warnings */
-    const char *errors; /* -e: file for what else stderr gets */
+    int progress;         /* enum submit_progress */
+    int report_s;         /* -t: seconds from one line of it to the next; 0: no
+                           * matter */
+    bool quiet;           /* -w-: no warnings */
+    const char *errors;   /* -e: file for what else stderr gets */
     const char *rif_view; /* --view: the one of a .rif file; NULL: all */
     /* what */
     char *const *scenes; /* nscenes names, "-" is stdin */
     int nscenes;
 };
 
-/* Defaults, then the words of w, which must outlive *o.  Returns an enum
- * submit_wish; a negative code and a message for what is wrong. */
-int submit_options_parse(struct submit_options *o, struct words *w,
-                         struct rad_error *err);
+/* Defaults. */
+void submit_options_init(struct submit_options *o);
 
 /* Jobs that make a picture: one, or one for each plane of -cs. */
 int submit_options_planes(const struct submit_options *o);
@@ -116,8 +107,12 @@ bool submit_options_spectra(const struct submit_options *o);
 /* Is there a goal, --error or --time? */
 bool submit_options_goal(const struct submit_options *o);
 
-/* --help. */
-void submit_options_help(FILE *to);
+/* Does the picture's name end in .hsr, which is for spectra? */
+bool submit_options_hsr(const struct submit_options *o);
+
+/* Settle o->oversample if --oversample does not: by --quality; without that a
+ * .png has smooth edges, for it is for the eye alone. */
+void submit_options_samples(struct submit_options *o);
 
 /* rpict's -defaults, with what *o has changed. */
 void submit_options_defaults(const struct submit_options *o, FILE *to);

@@ -2,6 +2,7 @@
 #include "config.h"
 
 #include "rif/rifjob.h"
+#include "job/submit_parse.h"
 
 #include "common/outname.h"
 #include "base/output.h"
@@ -650,7 +651,7 @@ is_faulty(struct rifjob *j, char *const *list, int n)
     if (rc == 0)
         rc = words_init(&words, l.n, l.list, &why);
     if (rc == 0)
-        rc = submit_options_parse(&parsed, &words, &why);
+        rc = submit_parse(&parsed, &words, &why);
     words_release(&words);
     return rc < 0;
 }
@@ -693,7 +694,7 @@ take_view(struct rifjob *j, struct submit_options *o, struct words *w, int i,
     if (rc == 0)
         rc = words_init(&words, l.n, l.list, err);
     if (rc == 0)
-        rc = submit_options_parse(&parsed, &words, err);
+        rc = submit_parse(&parsed, &words, err);
     if (rc < 0) {
         int line = faulty_line(j, v);
 

@@ -12,6 +12,7 @@
 #include "job/frames.h"
 #include "rif/rif_view.h"
 #include "job/submit_options.h"
+#include "common/words.h"
 
 struct rifjob {
     bool is; /* there is such a file */

@@ -1,0 +1,402 @@
+/* submit_check.c - see submit_check.h */
+#include "config.h"
+
+#include "job/submit_check.h"
+#include "link/launch.h"
+#include "proto/message.h"
+#include "show/picfile.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+enum { MOST_LOCAL = 64 }; /* --workers on one machine */
+
+/* "20a": random pixels, and what of them counts. */
+static bool
+is_sampled(const char *text)
+{
+    enum { MOST = 1000 };
+    size_t n = strspn(text, "0123456789");
+    long rays = n > 0 && n < 9 ? strtol(text, NULL, 10) : 0;
+
+    return rays >= 1 && rays <= MOST &&
+           (strcmp(text + n, "a") == 0 || strcmp(text + n, "b") == 0);
+}
+
+static int
+check_estimate(struct submit_options *o, struct rad_error *err)
+{
+    size_t len = o->estimate ? strlen(o->estimate) : 0;
+
+    if (!o->estimate || strcmp(o->estimate, "uniform") == 0 ||
+        is_sampled(o->estimate))
+        return 0;
+    if (len <= 5 || strcmp(o->estimate + len - 5, ".json") != 0)
+        return rad_fail(err, RAD_EUSAGE,
+                        "option '--estimate': '%.40s' is not uniform, NNa or "
+                        "NNb with NN from 1 to 1000, or a FILE.json",
+                        o->estimate);
+    o->costs = o->estimate;
+    o->estimate = NULL;
+    return 0;
+}
+
+/* What is for windows asks for them, or contradicts. */
+static int
+check_sharing(struct submit_options *o, struct rad_error *err)
+{
+    bool lines =
+        o->partition == PARTITION_STATIC || o->partition == PARTITION_SCANBAR;
+
+    if (lines && o->windows > 0)
+        return rad_fail(err, RAD_EUSAGE, "--windows is for --partition=window");
+    if (lines && o->order != ORDER_NONE)
+        return rad_fail(err, RAD_EUSAGE, "--order is for --partition=window");
+    return check_estimate(o, err);
+}
+
+static bool
+is_dash(const char *name)
+{
+    return name && strcmp(name, "-") == 0;
+}
+
+/* "-" is standard output, as it is input for a scene, but the picture's. */
+static int
+check_outputs(struct submit_options *o, struct rad_error *err)
+{
+    if (o->detach && (o->output || o->depth || o->stats || o->preview))
+        return rad_fail(err, RAD_EUSAGE,
+                        "--detach waits for no picture: leave out -o, -z, "
+                        "--stats and --preview, and use radctl fetch");
+    if (is_dash(o->depth) || is_dash(o->stats) || is_dash(o->preview))
+        return rad_fail(err, RAD_EUSAGE,
+                        "'-' is a name for -o alone, not for -z, --stats or "
+                        "--preview");
+    if (is_dash(o->output))
+        o->output = NULL;
+    return 0;
+}
+
+/* Options that no picture heeds are a mistake. */
+static int
+check_show(struct submit_options *o, struct rad_error *err)
+{
+    const char *given = o->tone >= 0   ? "--tone"
+                        : o->exposure  ? "--exposure"
+                        : o->bits >= 0 ? "--bits"
+                                       : NULL;
+
+    if (given && o->false_colour)
+        return rad_fail(err, RAD_EUSAGE,
+                        "%s is no matter of --false-colour: leave one of them "
+                        "out",
+                        given);
+    if (o->false_colour)
+        given = "--false-colour";
+    if (given && o->detach)
+        return rad_fail(err, RAD_EUSAGE,
+                        "%s is for a .png, and --detach writes none: use "
+                        "radctl fetch with it",
+                        given);
+    if (given && !o->preview &&
+        !picfile_is_png(o->output, (enum picfile_format)o->format))
+        return rad_fail(err, RAD_EUSAGE,
+                        "%s is for a .png: use -o FILE.png, --format=png or "
+                        "--preview with it",
+                        given);
+    if (o->tone >= 0)
+        o->show.screen.tone.curve = (enum rad_tone_curve)o->tone;
+    if (o->bits >= 0)
+        o->show.screen.bits = o->bits == SHOW_16_BITS ? 16 : 8;
+    if (o->false_colour)
+        return show_false(&o->show, o->false_colour, err);
+    return o->exposure ? show_exposure(&o->show, o->exposure, err) : 0;
+}
+
+/* From here on -x and -y are those of what is traced, as in the job. */
+static int
+count_samples(struct submit_options *o, struct rad_error *err)
+{
+    int n, most;
+    bool wide;
+
+    submit_options_samples(o);
+    n = o->oversample;
+    most = RAD_MAX_RES / n;
+    wide = o->params.xres > most;
+    if (o->clamp > 0 && n < 2)
+        return rad_fail(err, RAD_EUSAGE,
+                        "--clamp is for the samples of --oversample=2 or more");
+    if (wide || o->params.yres > most)
+        return rad_fail(err, RAD_EUSAGE,
+                        "option '-%c': %d is too large with --oversample=%d: "
+                        "at most %d",
+                        wide ? 'x' : 'y',
+                        wide ? o->params.xres : o->params.yres, n, most);
+    o->params.xres *= n;
+    o->params.yres *= n;
+    return 0;
+}
+
+/* Passes are for values that all workers share, in all frames. */
+static int
+check_ambient(const struct submit_options *o, struct rad_error *err)
+{
+    if (o->ambient_way == AMBIENT_PASSES && (o->no_share || o->fresh_frames))
+        return rad_fail(err, RAD_EUSAGE, "%s needs --ambient=live",
+                        o->no_share ? "--no-share" : "--fresh-frames");
+    return 0;
+}
+
+/* What goes with a job for each plane. */
+static const char *
+hinders_planes(const struct submit_options *o)
+{
+    return o->preview                                  ? "--preview"
+           : o->error > 0                              ? "--error"
+           : o->time_s > 0                             ? "--time"
+           : o->ambient                                ? "-af"
+           : o->costs                                  ? "--estimate=FILE"
+           : o->reuse && strcmp(o->reuse, "last") != 0 ? "--reuse=JOB"
+           : o->params.primaries == RAD_PRIM_CUSTOM    ? "-pc"
+                                                       : NULL;
+}
+
+static int
+check_planes(const struct submit_options *o, struct rad_error *err)
+{
+    const char *not = hinders_planes(o);
+    bool spectra = submit_options_spectra(o);
+
+    if (submit_options_planes(o) == 1)
+        return submit_options_hsr(o)
+                   ? rad_fail(err, RAD_EUSAGE,
+                              "'%s': spectra have more than three bands: "
+                              "use -cs N",
+                              o->output)
+                   : 0;
+    if (not )
+        return rad_fail(err, RAD_EUSAGE,
+                        "%s does not go with more than three bands (-cs %d)",
+                        not, o->params.bands.n);
+    if (submit_options_hsr(o) && !spectra)
+        return rad_fail(err, RAD_EUSAGE,
+                        "'%s' is a name for spectra, and -co- asks for none",
+                        o->output);
+    if (spectra && picfile_is_png(o->output, (enum picfile_format)o->format))
+        return rad_fail(err, RAD_EUSAGE, "-co+: a .png has no spectra");
+    if (spectra && o->params.primaries != RAD_PRIM_RGB)
+        return rad_fail(err, RAD_EUSAGE, "-co+ and -pXYZ exclude each other");
+    if (!spectra && !rad_bands_show_colour(&o->params.bands))
+        return rad_fail(err, RAD_EUSAGE,
+                        "option '-cw': %g to %g nm show no colours: use -co+",
+                        o->params.bands.shortest, o->params.bands.longest);
+    return 0;
+}
+
+/* Options that go with no goal. */
+static const char *
+hinders_goal(const struct submit_options *o)
+{
+    return o->ambient_way == AMBIENT_LIVE ? "--ambient=live"
+           : o->no_share                  ? "--no-share"
+           : o->fresh_frames              ? "--fresh-frames"
+           : o->dry_run                   ? "--dry-run"
+           : o->ambient                   ? "-af"
+           : o->reuse                     ? "--reuse"
+                                          : NULL;
+}
+
+/* A picture is refined by its ambient cache, in passes. */
+static int
+check_goal(const struct submit_options *o, struct rad_error *err)
+{
+    const char *goal = o->error > 0 ? "--error" : "--time", *not ;
+
+    if (!submit_options_goal(o))
+        return 0;
+    not = hinders_goal(o);
+    if (not )
+        return rad_fail(err, RAD_EUSAGE, "%s does not go with %s", goal, not );
+    if (o->params.ambounce <= 0 || o->params.ambacc <= 0 ||
+        o->params.ambdiv <= 0)
+        return rad_fail(err, RAD_EUSAGE,
+                        "%s is for pictures with indirect light: -ab, -aa and "
+                        "-ad must be above 0",
+                        goal);
+    return 0;
+}
+
+static int
+check_reuse(const struct submit_options *o, struct rad_error *err)
+{
+    uint8_t job[MSG_JOB];
+    const char *other = o->ambient_way == AMBIENT_LIVE ? "--ambient=live"
+                        : o->no_share                  ? "--no-share"
+                        : o->fresh_frames              ? "--fresh-frames"
+                        : o->dry_run                   ? "--dry-run"
+                                                       : NULL;
+
+    if (!o->reuse)
+        return 0;
+    if (strcmp(o->reuse, "last") != 0 && !msg_job_parse(o->reuse, job))
+        return rad_fail(err, RAD_EUSAGE,
+                        "option '--reuse': '%.40s' is neither a job's id, of "
+                        "%d digits, nor 'last'",
+                        o->reuse, MSG_JOB_HEX - 1);
+    if (other)
+        return rad_fail(err, RAD_EUSAGE, "--reuse and %s exclude each other",
+                        other);
+    if (o->local || o->launch)
+        return rad_fail(err, RAD_EUSAGE,
+                        "--reuse needs a coordinator: a cluster of radsubmit's "
+                        "own keeps nothing");
+    return 0;
+}
+
+/* Options that are about pictures or their views. */
+static const char *
+is_for_pictures(const struct submit_options *o)
+{
+    return o->for_pixels       ? o->for_pixels
+           : o->first_frame    ? "-S"
+           : o->views          ? "--views"
+           : o->rif_view       ? "--view"
+           : o->depth          ? "-z"
+           : o->format         ? "--format"
+           : o->preview        ? "--preview"
+           : o->oversample > 1 ? "--oversample"
+           : o->clamp > 0      ? "--clamp"
+           : o->tone >= 0      ? "--tone"
+           : o->exposure       ? "--exposure"
+           : o->bits >= 0      ? "--bits"
+           : o->false_colour   ? "--false-colour"
+           : o->no_clobber     ? "--no-clobber"
+           : o->fresh_frames   ? "--fresh-frames"
+                               : NULL;
+}
+
+/* Sensor points are a picture without a view, each pixel of which is traced. */
+static int
+check_points(struct submit_options *o, struct rad_error *err)
+{
+    const char *other = is_for_pictures(o);
+    int rc = pointspec_check(&o->points, err);
+    uint8_t id[MSG_JOB];
+
+    if (o->job && (!o->points.file || o->detach || o->dry_run))
+        return rad_fail(err, RAD_EUSAGE,
+                        "--job is for the values of sensor points: without "
+                        "--detach and --dry-run, and radctl fetch gets "
+                        "pictures");
+    if (o->job && !msg_job_parse(o->job, id))
+        return rad_fail(err, RAD_EUSAGE,
+                        "option '--job': '%.40s' is no job's id, of %d digits",
+                        o->job, MSG_JOB_HEX - 1);
+
+    if (rc < 0 || !o->points.file)
+        return rc;
+    if (other)
+        return rad_fail(err, RAD_EUSAGE,
+                        "%s is for pictures, and --points makes none", other);
+    if ((o->detach || o->job) &&
+        (!pointspec_lit(&o->points) || submit_options_planes(o) > 1))
+        return rad_fail(err, RAD_EUSAGE,
+                        "%s is for one job: not for -o letters that need no "
+                        "light, nor for more than three bands (-cs) of points",
+                        o->detach ? "--detach" : "--job");
+    if (picfile_is_png(o->output, PICFILE_BY_SUFFIX))
+        return rad_fail(err, RAD_EUSAGE,
+                        "'%s': --points makes no picture: -fac with -x and -y "
+                        "writes colours for a .hdr",
+                        o->output);
+    if (o->spectral > 0 && o->points.out == 'c')
+        return rad_fail(err, RAD_EUSAGE,
+                        "-f%cc writes colours, and -co+ asks for spectra",
+                        o->points.in);
+    for (int i = 0; i < o->nscenes; i++)
+        if (is_dash(o->points.file) && is_dash(o->scenes[i]))
+            return rad_fail(err, RAD_EUSAGE,
+                            "standard input cannot hold both scene and points");
+    o->params.psample = o->oversample = 1;
+    return 0;
+}
+
+/* Whose cluster? */
+static int
+check_cluster(const struct submit_options *o, struct rad_error *err)
+{
+    char dial[LAUNCH_ADDRESS], listen[LAUNCH_ADDRESS];
+
+    if ((o->local || o->launch) && o->coordinator)
+        return rad_fail(err, RAD_EUSAGE,
+                        "--%s and --coordinator exclude each other",
+                        o->local ? "local" : "launch");
+    if (o->local && o->launch)
+        return rad_fail(err, RAD_EUSAGE,
+                        "--local and --launch exclude each other");
+    if (o->launch && strspn(o->launch, " \t\n") == strlen(o->launch))
+        return rad_fail(err, RAD_EUSAGE, "--launch: expected a command");
+    if (!o->launch && o->address)
+        return rad_fail(err, RAD_EUSAGE, "--address is for --launch");
+    if (!o->launch && o->workers > MOST_LOCAL)
+        return rad_fail(err, RAD_EUSAGE,
+                        "option '--workers': at most %d on one machine",
+                        MOST_LOCAL);
+    return o->address ? launch_address(o->address, dial, listen, err) : 0;
+}
+
+static int
+check_together(struct submit_options *o, struct rad_error *err)
+{
+    int rc = check_points(o, err);
+
+    if (rc < 0 || (rc = check_outputs(o, err)) < 0 ||
+        (rc = check_show(o, err)) < 0)
+        return rc;
+    if ((rc = check_cluster(o, err)) < 0)
+        return rc;
+    if (o->name && strlen(o->name) > MSG_MAX_LABEL)
+        return rad_fail(
+            err, RAD_EUSAGE,
+            "option '--name': %zu bytes, and at most %d are allowed",
+            strlen(o->name), MSG_MAX_LABEL);
+    if (o->views && !o->first_frame)
+        return rad_fail(err, RAD_EUSAGE, "--views needs -S");
+    if (o->errors && strpbrk(o->errors, "=:"))
+        return rad_fail(err, RAD_EUSAGE,
+                        "option '-e': '%.40s' is an expression, and "
+                        "definitions belong in the function files of the scene",
+                        o->errors);
+    if (o->params.motion > 0 && o->first_frame > 1)
+        return rad_fail(err, RAD_EUSAGE,
+                        "option '-pm' needs the view before the first: use "
+                        "-S 1 and all views");
+    if (o->fresh_frames && !o->first_frame)
+        return rad_fail(err, RAD_EUSAGE, "--fresh-frames needs -S");
+    if (o->no_clobber && !(o->first_frame && o->output))
+        return rad_fail(err, RAD_EUSAGE, "--no-clobber needs -S and -o");
+    if (o->dry_run && o->detach)
+        return rad_fail(err, RAD_EUSAGE,
+                        "--dry-run makes no job that --detach could leave");
+    if ((rc = check_sharing(o, err)) < 0 || (rc = check_ambient(o, err)) < 0 ||
+        (rc = check_reuse(o, err)) < 0 || (rc = check_goal(o, err)) < 0 ||
+        (rc = rad_params_check(&o->params, err)) < 0 ||
+        (rc = check_planes(o, err)) < 0)
+        return rc;
+    if (!o->first_frame) {
+        struct rad_view v = o->view;
+
+        return rad_view_setup(&v, err);
+    }
+    return 0;
+}
+
+int
+submit_check(struct submit_options *o, struct rad_error *err)
+{
+    int rc = check_together(o, err);
+
+    return rc == 0 ? count_samples(o, err) : rc;
+}
