@@ -361,12 +361,6 @@ listener_text(const struct listener *l)
     return l->text;
 }
 
-const char *
-listener_address(const struct listener *l)
-{
-    return strchr(l->text, ' ') + 1;
-}
-
 void
 listener_close(struct listener *l)
 {

@@ -37,9 +37,6 @@ struct listener *listener_open(uv_loop_t *loop, const char *where,
 /* "tcp 127.0.0.1:41234" or "unix /run/radd/radd.sock": as in a ports file. */
 const char *listener_text(const struct listener *l);
 
-/* The address alone, as listener_text() ends. */
-const char *listener_address(const struct listener *l);
-
 /* Stop; a Unix socket's file goes too.  NULL is accepted. */
 void listener_close(struct listener *l);
 

@@ -236,7 +236,7 @@ stranger(int host)
     int fd = socket(AF_INET, SOCK_STREAM, 0);
     unsigned a, b, c, d, port;
 
-    ck_assert_int_eq(sscanf(listener_address(s.listener), "%u.%u.%u.%u:%u", &a,
+    ck_assert_int_eq(sscanf(listener_text(s.listener), "tcp %u.%u.%u.%u:%u", &a,
                             &b, &c, &d, &port),
                      5);
     to.sin_addr.s_addr = htonl(INADDR_LOOPBACK);

@@ -26,17 +26,17 @@ taken(struct markup *m)
 /* --- text --- */
 
 static const struct {
-    const char *text, *html, *label;
+    const char *text, *html;
 } texts[] = {
-    { "room.rad", "room.rad", "room.rad" },
-    { "<b a='1'>&\"", "&lt;b a=&#39;1&#39;&gt;&amp;&quot;", "<b a='1'>&\\\"" },
-    { "a\nb\\", "a?b\\", "a?b\\\\" },
+    { "room.rad", "room.rad" },
+    { "<b a='1'>&\"", "&lt;b a=&#39;1&#39;&gt;&amp;&quot;" },
+    { "a\nb\\", "a?b\\" },
     { "\xe2\x80\xae"
       "evil\x1b[2J",
-      "?evil?[2J", "?evil?[2J" },
-    { "\xff\xfe", "??", "??" },
-    { "r\xc3\xa4um", "r\xc3\xa4um", "r\xc3\xa4um" },
-    { NULL, "", "" },
+      "?evil?[2J" },
+    { "\xff\xfe", "??" },
+    { "r\xc3\xa4um", "r\xc3\xa4um" },
+    { NULL, "" },
 };
 
 START_TEST(text_of_others_stays_text)
@@ -47,10 +47,6 @@ START_TEST(text_of_others_stays_text)
     markup_text(&m, texts[_i].text);
     text = taken(&m);
     ck_assert_str_eq(text, texts[_i].html);
-    free(text);
-    markup_label(&m, texts[_i].text);
-    text = taken(&m);
-    ck_assert_str_eq(text, texts[_i].label);
     free(text);
 }
 END_TEST

@@ -123,18 +123,6 @@ markup_text(struct markup *m, const char *s)
     put_escaped(m, s, html_word);
 }
 
-static const char *
-label_word(char c)
-{
-    return c == '\\' ? "\\\\" : c == '"' ? "\\\"" : c == '\n' ? "\\n" : NULL;
-}
-
-void
-markup_label(struct markup *m, const char *s)
-{
-    put_escaped(m, s, label_word);
-}
-
 void
 markup_json(struct markup *m, const json_t *value)
 {

@@ -2,8 +2,8 @@
  *
  * Raw pieces and formats are the program's own words and numbers; what somebody
  * else chose (names of jobs, users, workers, files) goes through
- * markup_text(), markup_json() or markup_label() alone, which leave nothing in
- * it that a browser or a scraper takes for its own.
+ * markup_text() or markup_json() alone, which leave nothing in it that a browser
+ * takes for its own.
  * A failure of memory sticks: the text is NULL at the end.
  * Thread: a struct belongs to one thread. */
 #ifndef RADD_DRAW_MARKUP_H
@@ -27,8 +27,6 @@ void markup_print(struct markup *m, const char *fmt, ...)
 /* Somebody else's text as HTML's, in an element or a quoted attribute: unsafe
  * characters (base/text.h) are '?'.  NULL is nothing. */
 void markup_text(struct markup *m, const char *s);
-/* The same as the value of an OpenMetrics label, between quotes. */
-void markup_label(struct markup *m, const char *s);
 /* A value as JSON, on one line. */
 void markup_json(struct markup *m, const json_t *value);
 

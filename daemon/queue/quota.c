@@ -13,6 +13,17 @@
 
 /* --- what there is --- */
 
+/* What a user has now. */
+struct use {
+    uint64_t jobs, frames; /* jobs that are not over, and their frames */
+    uint64_t bytes;        /* on the disk: of its jobs, and of uploads */
+    uint64_t uploads;      /* bundles and files on their way */
+    uint64_t upload_bytes; /* files that no job of its names */
+    uint64_t unfetched;    /* jobs with pictures that it has not fetched */
+    uint64_t conns, answers;
+    uint64_t unread; /* bytes of answers */
+};
+
 static uint64_t
 row_bytes(const struct msg_spec *s)
 {
@@ -40,7 +51,7 @@ job_bytes(const struct job *job)
 }
 
 static void
-count_jobs(const struct coord *c, const char *owner, struct quota_use *out)
+count_jobs(const struct coord *c, const char *owner, struct use *out)
 {
     for (size_t i = 0; i < c->njobs; i++) {
         const struct job *job = c->jobs[i];
@@ -56,12 +67,12 @@ count_jobs(const struct coord *c, const char *owner, struct quota_use *out)
     }
 }
 
-void
-quota_count(const struct coord *c, const char *owner, struct quota_use *out)
+static void
+count_use(const struct coord *c, const char *owner, struct use *out)
 {
     const struct coord_owner *o = c->owners;
 
-    *out = (struct quota_use){ 0 };
+    *out = (struct use){ 0 };
     count_jobs(c, owner, out);
     for (const struct coord_conn *i = c->conns; i; i = i->next) {
         if (strcmp(i->owner, owner) != 0)
@@ -129,12 +140,12 @@ quota_job(const struct coord *c, const struct coord_conn *conn,
           const struct msg_spec *spec, struct rad_error *err)
 {
     const struct coord_limits *l = &c->limits;
-    struct quota_use u;
+    struct use u;
     int rc;
 
     if (is_free(conn))
         return 0;
-    quota_count(c, conn->owner, &u);
+    count_use(c, conn->owner, &u);
     /* first what no waiting helps against */
     rc = check("user_frames", u.frames, job_count_frames(spec), l->frames,
                "frames to render", err);
@@ -158,11 +169,11 @@ int
 quota_upload(const struct coord *c, const struct coord_conn *conn,
              struct rad_error *err)
 {
-    struct quota_use u;
+    struct use u;
 
     if (is_free(conn))
         return 0;
-    quota_count(c, conn->owner, &u);
+    count_use(c, conn->owner, &u);
     return check("user_uploads", u.uploads, 1, c->limits.uploads,
                  "uploads under way", err);
 }
@@ -172,12 +183,12 @@ quota_file(const struct coord *c, const struct coord_conn *conn, uint64_t bytes,
            struct rad_error *err)
 {
     const struct coord_limits *l = &c->limits;
-    struct quota_use u;
+    struct use u;
     int rc;
 
     if (is_free(conn))
         return 0;
-    quota_count(c, conn->owner, &u);
+    count_use(c, conn->owner, &u);
     rc = check("user_uploads", u.uploads, 1, l->uploads, "uploads under way",
                err);
     if (rc == 0)
@@ -193,11 +204,11 @@ int
 quota_answer(const struct coord *c, const struct coord_conn *conn,
              struct rad_error *err)
 {
-    struct quota_use u;
+    struct use u;
 
     if (is_free(conn))
         return 0;
-    quota_count(c, conn->owner, &u);
+    count_use(c, conn->owner, &u);
     return check("user_answers", u.answers, 1, c->limits.answers,
                  "answers under way", err);
 }
@@ -215,11 +226,11 @@ char *
 quota_report(const struct coord *c, const char *owner)
 {
     const struct coord_limits *l = &c->limits;
-    struct quota_use u;
+    struct use u;
     json_t *root;
     char *text;
 
-    quota_count(c, owner, &u);
+    count_use(c, owner, &u);
     root = json_pack(
         "{s:s,s:[o,o,o,o,o,o,o,o,o]}", "user", owner, "limits",
         row("user_jobs", u.jobs, l->jobs, "jobs that are not over"),

@@ -13,20 +13,6 @@
 
 #include "desk/desk.h"
 
-/* What a user has now. */
-struct quota_use {
-    uint64_t jobs, frames; /* jobs that are not over, and their frames */
-    uint64_t bytes;        /* on the disk: of its jobs, and of uploads */
-    uint64_t uploads;      /* bundles and files on their way */
-    uint64_t upload_bytes; /* files that no job of its names */
-    uint64_t unfetched;    /* jobs with pictures that it has not fetched */
-    uint64_t conns, answers;
-    uint64_t unread; /* bytes of answers */
-};
-
-void quota_count(const struct coord *c, const char *owner,
-                 struct quota_use *out);
-
 /* May the user have one more?  0, or RAD_ETEMPFAIL or RAD_EDATA with a message
  * for the user. */
 int quota_job(const struct coord *c, const struct coord_conn *conn,

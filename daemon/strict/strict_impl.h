@@ -90,8 +90,6 @@ void rank_make_way(struct strict *s);
 /* The unit that a thread should begin with, and the rank of its pass; NULL:
  * none. */
 struct strict_unit *rank_choose(const struct strict *s, enum strict_rank *rank);
-/* Is the unit's bottom still to be made, and may another unit wait for it? */
-bool rank_owes_bottom(const struct strict *s, const struct strict_unit *u);
 /* Do passes ahead make the base line above the unit, too? */
 bool rank_goes_above(const struct strict_unit *u);
 

@@ -21,9 +21,9 @@ top_is_guessed(const struct strict *s, const struct strict_unit *u)
     return !rank_goes_above(u) && a && a->guess.pixels;
 }
 
-/* Is its bottom still to be made, which others may wait for? */
-bool
-rank_owes_bottom(const struct strict *s, const struct strict_unit *u)
+/* Is the unit's bottom still to be made, and may another unit wait for it? */
+static bool
+owes_bottom(const struct strict *s, const struct strict_unit *u)
 {
     return !u->bottom_done && u->last < frame_of(s, u->frame)->nlines;
 }
@@ -32,7 +32,7 @@ rank_owes_bottom(const struct strict *s, const struct strict_unit *u)
 static bool
 wants_true_lines(const struct strict *s, const struct strict_unit *u)
 {
-    if (!rank_owes_bottom(s, u))
+    if (!owes_bottom(s, u))
         return false;
     /* LINES over facts takes no time, and gives the bottom before the rows are
      * out; of a single line TRUTH makes the bottom first anyway */
@@ -87,8 +87,8 @@ comes_before(const struct strict *s, enum strict_rank rank,
     if (rank != than_rank)
         return rank < than_rank;
     if (rank == STRICT_TRUTH &&
-        rank_owes_bottom(s, u) != rank_owes_bottom(s, than))
-        return rank_owes_bottom(s, u);
+        owes_bottom(s, u) != owes_bottom(s, than))
+        return owes_bottom(s, u);
     if (u->frame != than->frame)
         return u->frame < than->frame;
     return u->first < than->first;
@@ -117,7 +117,7 @@ gives_way(const struct strict *s, const struct strict_pass *p, bool for_bottom)
     if (p->stop)
         return false;
     return !p->true_top || (for_bottom && p->mode == TEAM_TRUTH && p->keeps &&
-                            !rank_owes_bottom(s, p->of));
+                            !owes_bottom(s, p->of));
 }
 
 /* If a pass that other workers wait for can begin, have a thread leave the
@@ -127,7 +127,7 @@ rank_make_way(struct strict *s)
 {
     enum strict_rank rank;
     const struct strict_unit *due = rank_choose(s, &rank);
-    bool for_bottom = due && rank <= STRICT_TRUTH && rank_owes_bottom(s, due);
+    bool for_bottom = due && rank <= STRICT_TRUTH && owes_bottom(s, due);
     struct strict_pass *last = NULL;
 
     for (struct strict_unit *u = s->units; u; u = u->next)

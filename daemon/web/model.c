@@ -421,22 +421,6 @@ model_seen(struct model *m)
         m->due_ms = now;
 }
 
-const json_t *
-model_job(const struct model *m, const char *hex)
-{
-    const json_t *const lists[] = { m->open, m->over };
-    const json_t *row;
-    size_t i;
-
-    for (int k = 0; k < 2; k++)
-        json_array_foreach(lists[k], i, row)
-        {
-            if (strcmp(markup_member(row, "job"), hex) == 0)
-                return row;
-        }
-    return NULL;
-}
-
 bool
 model_init(struct model *m, uv_loop_t *loop, struct session *s,
            void (*changed)(void *arg), void *arg)

@@ -71,7 +71,4 @@ void model_tick(struct model *m);
 /* Somebody looks. */
 void model_seen(struct model *m);
 
-/* The row of a job that the lists have; NULL. */
-const json_t *model_job(const struct model *m, const char *hex);
-
 #endif

@@ -195,6 +195,8 @@ on_log(void *arg, const char *fmt, va_list ap)
 
 /* --- the loop --- */
 
+static void serve_run(struct serve *s);
+
 static void
 on_timer(uv_timer_t *t)
 {
@@ -209,7 +211,8 @@ on_ready(uv_poll_t *p, int status, int events)
     serve_run(p->data);
 }
 
-void
+/* The libraries' work is due. */
+static void
 serve_run(struct serve *s)
 {
     MHD_UNSIGNED_LONG_LONG wait;

@@ -1,8 +1,7 @@
 /* serve.h - the HTTP server: connections, time limits, answers
  *
- * libmicrohttpd parses what browsers send; its epoll descriptor is watched by
- * libuv's loop, so all is in one thread.  What is asked for is answered by
- * route.h.
+ * libmicrohttpd parses the requests; its epoll descriptor is watched by libuv's
+ * loop, so all is in one thread.  route.c finds the answers, answer.h sends them.
  * Bounds: SERVE_GUESTS connections, SERVE_PER_S new ones a second once
  * SERVE_AT_ONCE have come, and those above wait in the kernel, or are turned away
  * by it, for none of our time; 16 KiB each for what they say; a request is whole
@@ -38,8 +37,8 @@ struct serve_guest {
     enum { GUEST_ASKS, GUEST_READS, GUEST_STREAMS } state;
 };
 
-/* One request: `path` without its query.  To be answered by serve_answer(), or
- * put off: then the callee is called again with the same *state (NULL at
+/* One request: `path` without its query.  To be answered (answer.h), or put
+ * off: then the callee is called again with the same *state (NULL at
  * first) once serve_wake() says so. */
 typedef enum MHD_Result serve_fn(void *arg, struct MHD_Connection *c,
                                  const char *method, const char *path,
@@ -66,9 +65,7 @@ void serve_free(struct serve *s);
 const char *serve_address(const struct serve *s);
 unsigned serve_guests(const struct serve *s);
 
-/* The libraries' work is due: after serve_wake(). */
-void serve_run(struct serve *s);
-/* That, and let in who waits; each DAEMON_TICK_MS. */
+/* Let in who waits; each DAEMON_TICK_MS. */
 void serve_tick(struct serve *s);
 /* End those who take too long; each second or so. */
 void serve_sweep(struct serve *s);

@@ -15,16 +15,6 @@ encode(double v)
     return v <= STRAIGHT ? SLOPE * v : 1.055 * pow(v, 1 / 2.4) - .055;
 }
 
-uint8_t
-rad_srgb(double v)
-{
-    if (!(v > 0))
-        return 0;
-    if (v >= 1)
-        return 255;
-    return (uint8_t)(encode(v) * 255 + .5);
-}
-
 /* 2^-9 is below STRAIGHT: the first octave of the table holds the corner. */
 void
 rad_srgb_init(struct rad_srgb_table *t)

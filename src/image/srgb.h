@@ -6,12 +6,8 @@
 
 #include <stdint.h>
 
-/* 8 bit sRGB for linear values from 0 to 1; others are clipped. */
-uint8_t rad_srgb(double linear);
-
-/* The same curve for whole pictures: a table of its upper part, in steps of
- * 1/RAD_SRGB_STEPS of each power of 2, between which lines lead.  The error is
- * below .05 of 1/65535. */
+/* The curve as a table of its upper part, in steps of 1/RAD_SRGB_STEPS of each
+ * power of 2, between which lines lead.  The error is below .05 of 1/65535. */
 enum { RAD_SRGB_STEPS = 256, RAD_SRGB_OCTAVES = 9 };
 struct rad_srgb_table {
     float at[RAD_SRGB_OCTAVES * RAD_SRGB_STEPS + 1];

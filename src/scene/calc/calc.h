@@ -64,7 +64,6 @@ enum rad_calc_fault {
     RAD_CALC_DEPTH,
     RAD_CALC_STEPS
 };
-const char *rad_calc_fault_text(enum rad_calc_fault fault);
 
 /* What an evaluation takes from outside. */
 struct rad_calc_input {

@@ -70,22 +70,6 @@ static const struct ins halt = { OP_HALT, 0, 0 };
 
 #define PART static inline __attribute__((always_inline))
 
-const char *
-rad_calc_fault_text(enum rad_calc_fault fault)
-{
-    static const char *const text[] = {
-        "no error",
-        "domain or range error, or division by zero",
-        "missing argument",
-        "variable of the ray used in a constant",
-        "function used as a variable, or variable as a function",
-        "calls nested too deeply",
-        "too many steps",
-    };
-
-    return text[fault];
-}
-
 struct rad_calc_env *
 rad_calc_env_new(const struct rad_calc *c)
 {

@@ -81,10 +81,6 @@ double rad_calc_luminaire(enum luminaire which, const double *v,
                           const struct rad_calc_input *in,
                           enum rad_calc_fault *fault);
 
-double rad_calc_noise(const double p[3]);
-double rad_calc_noise_slope(const double p[3], int axis);
-double rad_calc_fractal(const double p[3]);
-
 /* The global definitions. */
 extern const char rad_calc_standard[];
 

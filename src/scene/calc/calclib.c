@@ -122,8 +122,8 @@ corner(const int cell[3], const double f[3], int which)
     return (h & 1 ? -u : u) + (h & 2 ? -v : v);
 }
 
-double
-rad_calc_noise(const double p[3])
+static double
+noise(const double p[3])
 {
     double f[3], s[3], value[8];
     int cell[3];
@@ -147,13 +147,13 @@ rad_calc_noise(const double p[3])
     return value[0];
 }
 
-double
-rad_calc_noise_slope(const double p[3], int axis)
+static double
+noise_slope(const double p[3], int axis)
 {
     double q[3] = { p[0], p[1], p[2] };
 
     q[axis] -= STEP;
-    return (rad_calc_noise(p) - rad_calc_noise(q)) / STEP;
+    return (noise(p) - noise(q)) / STEP;
 }
 
 /* A random number in (-1, 1] of a lattice point: an integer hash, in 64 bits
@@ -207,8 +207,8 @@ subdivide(double fval[8], const int64_t beg[3], int64_t size, int branch)
     memcpy(fval, next, sizeof next);
 }
 
-double
-rad_calc_fractal(const double p[3])
+static double
+fractal(const double p[3])
 {
     int64_t size = (int64_t)(1 / STEP), at[3], beg[3], v[3];
     double fval[8], mean = 0;
@@ -312,13 +312,13 @@ rad_calc_library_value(int id, const double *v, const struct rad_calc_input *in,
     case LIB_ERFC:
         return erfc(v[0]);
     case LIB_NOISE3:
-        return rad_calc_noise(v);
+        return noise(v);
     case LIB_NOISE3X:
     case LIB_NOISE3Y:
     case LIB_NOISE3Z:
-        return rad_calc_noise_slope(v, id - LIB_NOISE3X);
+        return noise_slope(v, id - LIB_NOISE3X);
     case LIB_FNOISE3:
-        return rad_calc_fractal(v);
+        return fractal(v);
     case LIB_CORR:
         return rad_calc_luminaire(LUMINAIRE_CORR, v, in, fault);
     case LIB_THETA:
