@@ -73,7 +73,8 @@ note_preview(struct program *p, const struct rad_error *why)
 }
 
 int
-program_on_preview(void *arg, const uint8_t *picture, size_t len, struct rad_error *err)
+program_on_preview(void *arg, const uint8_t *picture, size_t len,
+                   struct rad_error *err)
 {
     struct program *p = arg;
     struct rad_error why = { 0 };
@@ -115,10 +116,10 @@ void
 program_fill_text(struct program *p)
 {
     p->text = (struct pointwriter_text){ .origin = p->job.spec.origin,
-                                      .options = p->job.spec.params,
-                                      .params = &p->o.params,
-                                      .spectral = p->o.spectral > 0,
-                                      .scene = &p->scene };
+                                         .options = p->job.spec.params,
+                                         .params = &p->o.params,
+                                         .spectral = p->o.spectral > 0,
+                                         .scene = &p->scene };
 }
 
 struct to_write {
@@ -153,8 +154,9 @@ program_write_points(struct program *p, const struct pointwriter_light *light,
 }
 
 int
-program_on_frame(void *arg, uint32_t frame, const uint8_t *picture, size_t picture_len,
-         const uint8_t *depth, size_t depth_len, struct rad_error *err)
+program_on_frame(void *arg, uint32_t frame, const uint8_t *picture,
+                 size_t picture_len, const uint8_t *depth, size_t depth_len,
+                 struct rad_error *err)
 {
     struct program *p = arg;
     bool there; /* the picture is written */
@@ -212,7 +214,8 @@ program_say_where_it_is(const struct program *p)
 }
 
 int
-program_on_stats(void *arg, const uint8_t *json, size_t len, struct rad_error *err)
+program_on_stats(void *arg, const uint8_t *json, size_t len,
+                 struct rad_error *err)
 {
     struct program *p = arg;
 
@@ -253,15 +256,17 @@ program_check_ambient(struct program *p)
     if (!path)
         return 0;
     if (p->o.params.ambounce <= 0 || p->o.params.ambacc <= 0) {
-        program_warn(p, "warning: -af: there are no ambient values to keep without "
-                "-ab and -aa");
+        program_warn(
+            p, "warning: -af: there are no ambient values to keep without "
+               "-ab and -aa");
         p->o.ambient = NULL;
         return 0;
     }
     p->records.keep = !p->o.detach && !p->o.dry_run;
     if (p->o.detach)
-        program_warn(p, "warning: -af: the file is read, but nobody waits to add to "
-                "it");
+        program_warn(
+            p, "warning: -af: the file is read, but nobody waits to add to "
+               "it");
     if (!p->records.keep || access(path, W_OK) == 0)
         return 0;
     if (errno == ENOENT)

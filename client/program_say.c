@@ -29,7 +29,8 @@ program_warn(struct program *p, const char *text)
         program_say(p, text);
 }
 
-/* -ps is brought to what the sampler does; 0 is a usual way to program_say 1. */
+/* -ps is brought to what the sampler does; 0 is a usual way to program_say 1.
+ */
 void
 program_warn_of_psample(struct program *p)
 {
@@ -83,7 +84,8 @@ say_held(struct program *p, bool held)
     if (held && !p->held)
         program_say(p, "the job is held: the coordinator's disk is full");
     else if (!held && p->held)
-        program_say(p, "the coordinator's disk has room again: the job goes on");
+        program_say(p,
+                    "the coordinator's disk has room again: the job goes on");
     p->held = held;
 }
 
@@ -102,8 +104,8 @@ say_paused(struct program *p, bool paused)
     p->paused = paused;
 }
 
-/* Nothing happens, and nobody knows why: program_say it once, not to who has a cluster
- * of his own, whose workers are on their way. */
+/* Nothing happens, and nobody knows why: say it once, but not to a user with a
+ * cluster of radsubmit's own, whose workers are on their way. */
 static void
 say_waiting(struct program *p, const struct msg_progress *m)
 {
@@ -132,10 +134,12 @@ say_left(struct program *p, const struct progress_report *r, bool running)
     if (p->left || alone_s < PATIENCE_S)
         return;
     p->left = true;
-    program_say(p, "no worker is at the job any more; radctl workers says who is "
-           "there");
+    program_say(p,
+                "no worker is at the job any more; radctl workers says who is "
+                "there");
     if (p->o.same_bits)
-        program_say(p, "--same-bits takes none but such as that of the first worker: "
+        program_say(
+            p, "--same-bits takes none but such as that of the first worker: "
                "bring one of these back, or cancel the job and submit it "
                "without");
 }
@@ -144,9 +148,9 @@ say_left(struct program *p, const struct progress_report *r, bool running)
 static void
 note_wonder(struct program *p, const struct msg_progress *m)
 {
-    p->wonders = (p->waiting && m->state == MSG_STATE_WAITING &&
-                  m->workers == 0) ||
-                 p->left || m->state == MSG_STATE_HELD;
+    p->wonders =
+        (p->waiting && m->state == MSG_STATE_WAITING && m->workers == 0) ||
+        p->left || m->state == MSG_STATE_HELD;
     if (!p->wonders)
         p->reason[0] = '\0'; /* the next time it may be the same */
 }
@@ -174,8 +178,7 @@ foresee(struct program *p)
 void
 program_on_progress(void *arg, const struct msg_progress *m)
 {
-    bool lost =
-        m->state == MSG_STATE_CANCELLED || m->state == MSG_STATE_FAILED;
+    bool lost = m->state == MSG_STATE_CANCELLED || m->state == MSG_STATE_FAILED;
     struct program *p = arg;
     struct progress_report r = {
         .elapsed_s = m->elapsed_s,

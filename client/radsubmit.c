@@ -163,9 +163,9 @@ try_scene(struct program *p)
     if (p->o.points.file)
         rc = pointjob_pack(&p->points, &points, &bytes, p->err);
     if (rc == 0)
-        rc = dryrun_predict(&p->prediction, p->scene.scene, &files,
-                            &params, p->frames.list, p->frames.n,
-                            bytes ? &points : NULL, &dryrun_effort, p->err);
+        rc = dryrun_predict(&p->prediction, p->scene.scene, &files, &params,
+                            p->frames.list, p->frames.n, bytes ? &points : NULL,
+                            &dryrun_effort, p->err);
     if (rc == 0)
         trial_repeat(&p->prediction, p->nplanes);
     free(bytes);
@@ -425,16 +425,15 @@ begin_records(struct program *p)
     int rc;
 
     if (p->streams && !p->o.ambient)
-        p->records.keep = p->job.spec.scene && p->nplanes == 1 &&
-                          !submit_options_goal(&p->o);
+        p->records.keep =
+            p->job.spec.scene && p->nplanes == 1 && !submit_options_goal(&p->o);
     if (!p->o.ambient && !p->records.keep)
         return 0;
-    rc = records_begin(&p->records, p->o.ambient, p->records.keep,
-                       &p->o.params, &p->scene, p->err);
-    return rc < 0 || p->streams
-               ? rc
-               : records_add(&p->records, &p->scene, local_folder(p->local),
-                             p->err);
+    rc = records_begin(&p->records, p->o.ambient, p->records.keep, &p->o.params,
+                       &p->scene, p->err);
+    return rc < 0 || p->streams ? rc
+                                : records_add(&p->records, &p->scene,
+                                              local_folder(p->local), p->err);
 }
 
 static int
@@ -577,7 +576,8 @@ run(struct program *p)
     if (rc == 0 && !p->local)
         rc = local_new(&p->local, p->err);
     if (rc == 0 && p->frames.n == 0)
-        program_warn(p, "the pictures of all frames are there: nothing is rendered");
+        program_warn(
+            p, "the pictures of all frames are there: nothing is rendered");
     else if (rc == 0 && p->o.dry_run)
         rc = run_dry(p);
     else if (rc == 0 && (rc = name_job(p)) == 0)

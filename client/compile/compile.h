@@ -2,8 +2,8 @@
  *
  * Reads scene files, runs their commands (command.h), finds the files that
  * they need (paths.h), checks everything, builds the octree and writes the
- * bundle (scene/bundle.h).  All of it in the client, as the user: a bad scene
- * ends here, before anything is sent.
+ * bundle (scene/file/bundle.h).  All of it in the client, as the user: a bad
+ * scene ends here, before anything is sent.
  * No sockets, and nothing printed but by the commands.
  * Thread: one in the whole program, because of the commands. */
 #ifndef RADD_CLIENT_COMPILE_H
@@ -30,13 +30,14 @@ struct compiled {
 };
 
 /* Read the scene that is in n files: one octree, or scene text from any number
- * of files, "-" being the standard input, "!command" what a command prints; and the files of its instances and
- * meshes.  An octree that is not frozen is read from the scene files that it
- * names, which are looked for in its folder, too; then, and in octrees of
- * instances, `!command` lines are refused (RAD_EPERM) without `commands`.  With
- * `each` all errors that can be found are told, one by one, and what
- * compile_read() warns of (RAD_WARNING) with them; *err gets the first error.
- * On failure *c is empty. RAD_ENOINPUT  a file that is missing, or not readable
+ * of files, "-" being the standard input, "!command" what a command prints; and
+ * the files of its instances and meshes.  An octree that is not frozen is read
+ * from the scene files that it names, which are looked for in its folder, too;
+ * then, and in octrees of instances, `!command` lines are refused (RAD_EPERM)
+ * without `commands`.  With `each` all errors that can be found are told, one by
+ * one, and what compile_read() warns of (RAD_WARNING) with them; *err gets the
+ * first error.  On failure *c is empty.
+ *   RAD_ENOINPUT  a file that is missing, or not readable
  *   RAD_EDATA     what is wrong, with file and line */
 int compile_parse(struct compiled *c, const char *const *files, int n,
                   bool commands,

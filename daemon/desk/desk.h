@@ -13,7 +13,9 @@
 #include "net/log.h"
 #include "users/uploads.h"
 
-/* A worker that is, or was, connected. */
+/* A worker that is, or was, connected.  What it may get follows from conn,
+ * drained, leaving, alone and hangs (desk_takes_units()); what it does in each
+ * job is its part there (part.h), each attempt at a unit a go (go.h). */
 struct coord_worker {
     struct coord_worker *next;
     char name[MSG_MAX_NAME + 1];

@@ -1,7 +1,7 @@
 /* goal.h - of a job that goes on until its picture is good enough, or its time
  * is up: how far it is
  *
- * It goes on in stages of its ambient cache's passes (sched/stages.h).
+ * It goes on in stages of its ambient cache's passes (filling/stages.h).
  * Thread: one. */
 #ifndef DAEMON_GOAL_H
 #define DAEMON_GOAL_H

@@ -1,5 +1,20 @@
 /* job.c - see job.h
  *
+ * A job, for its users (enum job_state):
+ *
+ *                .-----resume, once a unit went out-----.
+ *                v                                      |
+ *   WAITING --> RUNNING ------------pause----------> PAUSED
+ *      ^ |  a unit, a tile or an                       ^ |
+ *      | |  estimate goes out                          | |
+ *      | '------------------pause----------------------' |
+ *      '------------resume, before that------------------'
+ *
+ *   any of these --a verdict (verdict.h), which is final-->
+ *      DONE (all pictures are written), FAILED, CANCELLED
+ *
+ * How far the store is with it (enum job_stage):
+ *
  *     ARRIVING --all files are here--> OPENING --no room--> NO_ROOM
  *      |    |                           |   |                |   |
  *      |    |                           |   '---> OPEN <-----'   |

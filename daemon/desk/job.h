@@ -24,7 +24,7 @@ struct stats_text;
 struct steps;
 struct survey;
 
-/* As in msg_progress. */
+/* As in msg_progress; drawn at the head of job.c. */
 enum job_state {
     JOB_WAITING, /* not stored whole yet, or no unit went out yet */
     JOB_RUNNING,
@@ -34,7 +34,7 @@ enum job_state {
     JOB_CANCELLED
 };
 
-/* How far the store is with a job; drawn at the head of job.c. */
+/* How far the store is with a job; drawn there, too. */
 enum job_stage {
     STAGE_ARRIVING, /* files of it are yet to come */
     STAGE_OPENING,  /* the store was asked for room for its rows */

@@ -5,7 +5,7 @@
  * first that is damaged, and written on from there.  What is lost of it is made
  * again, the same: so nobody waits for it to be on the disk, and a pass for
  * which there is no room is left out, with those that follow it.  Check passes
- * (sched/stages.h) are waited for: by what they decide rows are made.
+ * (filling/stages.h) are waited for: by what they decide rows are made.
  *
  * Of a job that is done the file may be kept, as DIR/jobs/ID/kept with a tail
  * that says how many passes there are.  A job that begins with it has the

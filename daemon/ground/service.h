@@ -31,8 +31,8 @@ uint64_t service_watchdog_ms(void);
  * space in it. */
 bool service_credential(const char *name, char *path, size_t size);
 
-/* End so (log_out_of_memory()) for what libuv and libcrypto allocate, which abort or crash in
- * places; before their first use. */
+/* End by log_out_of_memory() where libuv or libcrypto, which abort or crash in
+ * places, cannot allocate; to be called before their first use. */
 void service_catch_no_memory(void);
 
 /* Write lines to path, whole where that is a file (output.h).

@@ -93,8 +93,9 @@ journal_statement(struct journal *j, enum journal_sql what,
     int rc;
 
     if (!j->stmt[what]) {
-        rc = sqlite3_prepare_v3(j->db, journal_sql[what], -1, SQLITE_PREPARE_PERSISTENT,
-                                &j->stmt[what], NULL);
+        rc =
+            sqlite3_prepare_v3(j->db, journal_sql[what], -1,
+                               SQLITE_PREPARE_PERSISTENT, &j->stmt[what], NULL);
         if (rc != SQLITE_OK) {
             journal_failed(j, rc, err);
             return NULL;

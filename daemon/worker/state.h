@@ -37,6 +37,15 @@ struct wkept {
     size_t len;
 };
 
+/* Another worker of the job, which the coordinator named in JOB_PEERS.
+ *
+ *   it dials us --> EXPECTED --a caller has its name and token--> LINKED
+ *   we dial it ---> DIALLING --the connection is up-------------> LINKED
+ *                    |    ^
+ *                    '----'  it failed: again, MOST_TRIES times (link.c)
+ *
+ * It is forgotten when no try is left, when the link breaks, and when the
+ * coordinator says so. */
 enum peer_state { PEER_EXPECTED, PEER_DIALLING, PEER_LINKED };
 
 struct wpeer {

@@ -1,8 +1,8 @@
 /* files.h - where a job's files come from, and reading one whole
  *
  * What a scene needs at run time it names; what lies behind a name is for
- * whoever provides struct rad_files to say: along RAYPATH (client/compile/paths.h), or
- * in a bundle (scene/bundle.h).
+ * whoever provides struct rad_files to say: along RAYPATH
+ * (client/compile/paths.h), or in a bundle (scene/file/bundle.h).
  * Streams and sinks are bytes that come or go piece by piece, so that readers
  * and writers of formats need not know what is behind them.
  * Thread: as its provider says; those here may be used from one thread at a

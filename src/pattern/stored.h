@@ -22,7 +22,8 @@ const void *rad_stored(struct rad_job *job, const struct rad_object *o,
                        const struct rad_files *files, const char *name,
                        rad_stored_parse parse, struct rad_error *err);
 
-/* A data file, a picture (scene/data.h), a hyperspectral one (specpict.h). */
+/* A data file, a picture (scene/file/data.h), a hyperspectral one
+ * (specpict.h). */
 const struct rad_data *rad_stored_data(struct rad_job *job,
                                        const struct rad_object *o,
                                        const struct rad_files *files,

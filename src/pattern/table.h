@@ -1,8 +1,8 @@
 /* table.h - patterns, textures and mixtures by data files and pictures:
  * brightdata, colordata, colorpict, texdata, mixdata, mixpict
  *
- * Expressions give the place that is looked up (scene/data.h); functions are
- * applied to what is found there.  What is prepared is shaded by effect.h.
+ * Expressions give the place that is looked up (scene/file/data.h); functions
+ * are applied to what is found there.  What is prepared is shaded by effect.h.
  * Source: Radiance's reference manual, "Patterns", "Textures", "Mixtures". */
 #ifndef RAD_SHADE_TABLE_H
 #define RAD_SHADE_TABLE_H

@@ -1,13 +1,14 @@
 /* octree.h - Radiance's octree of a scene's surfaces
  *
  * A cube around the finite surfaces, cut into eight down to 1/16384 of its
- * edge until no more than `leaf` surfaces meet a cube: with RAD_OCTREE_LEAF what
- * oconv builds, for Radiance's programs to trace.  With RAD_OCTREE_MAX_SET it is
- * made in much less time, and they can still read it: enough for a scene on
- * its way to workers, whose rays use the BVH (geom.h).  Two things differ from oconv, and only in scenes that it
- * takes very long for: a cube is not cut where two cuts running have parted
- * nothing (coincident surfaces), and where the whole would need more than some
- * 32 entries per surface, cubes keep more surfaces.
+ * edge until no more than `leaf` surfaces meet a cube: with RAD_OCTREE_LEAF
+ * what oconv builds, for Radiance's programs to trace.  With RAD_OCTREE_MAX_SET
+ * it is made in much less time, and they can still read it: enough for a scene
+ * on its way to workers, whose rays use the BVH (geom.h).  Two things differ
+ * from oconv, and only in scenes that it takes very long for: a cube is not cut
+ * where two cuts running have parted nothing (coincident surfaces), and where
+ * the whole would need more than some 32 entries per surface, cubes keep more
+ * surfaces.
  * A cube may name a surface that just misses it, never the other way round.
  * An instance or a mesh is the cube that its file names, moved; the scene's
  * parts (scene/part.h) have no place of their own.

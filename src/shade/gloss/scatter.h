@@ -1,8 +1,8 @@
 /* scatter.h - BSDF and aBSDF: scattering by data from XML files
  *
- * What a file holds for a pair of directions (scene/bsdf/bsdf.h) is turned by an up
- * vector, and added to Lambertian parts of the material's own.  Patterns act on
- * all but the scattered reflection.
+ * What a file holds for a pair of directions (scene/bsdf/bsdf.h) is turned by an
+ * up vector, and added to Lambertian parts of the material's own.  Patterns act
+ * on all but the scattered reflection.
  * A BSDF of a thickness stands in for geometry that is there as well: eyes and
  * shadow rays see that geometry and not the surface, and scattered light passes
  * by it, starting a thickness deeper.
