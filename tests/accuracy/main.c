@@ -1,10 +1,9 @@
 /* main.c - the renderer against closed forms
  *
  * usage: accuracy [--table] [WORDS]
- * Prints the rows that are off by more than they may be; with --table all, as
- * doc/measured.md has them, and with 200 times as many rays where rays are
- * counted.  WORDS: only rows whose name has them.  Exit status 1 if any row is
- * off. */
+ * Prints the rows that are off by more than they may be; with --table all, and
+ * with 200 times as many rays where rays are counted.  WORDS: only rows whose
+ * name has them.  Exit status 1 if any row is off. */
 #include "config.h"
 
 #include "accuracy.h"
