@@ -2,11 +2,10 @@
 #include "config.h"
 
 #include "files/cache.h"
-#include "unit.h"
+#include "scratch.h"
 
 #include <dirent.h>
 #include <fcntl.h>
-#include <ftw.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -15,20 +14,10 @@
 
 enum { KIB = 1024, FILES = 8 };
 
-static char dir[64];
 static struct blobs blobs;
 static struct cache *c;
 static uint8_t hashes[FILES * MSG_HASH];
 static const uint8_t job_a[MSG_JOB] = { 0xaa }, job_b[MSG_JOB] = { 0xbb };
-
-static int
-remove_entry(const char *path, const struct stat *st, int flag, struct FTW *f)
-{
-    (void)st;
-    (void)flag;
-    (void)f;
-    return remove(path);
-}
 
 static const uint8_t *
 hash_of(int i)
@@ -94,8 +83,7 @@ arrive(int i)
 static void
 set_up(void)
 {
-    snprintf(dir, sizeof dir, "/tmp/check_cache.XXXXXX");
-    ck_assert_ptr_nonnull(mkdtemp(dir));
+    scratch_make();
     ck_assert_int_eq(blobs_open(&blobs, dir, false, NULL), 0);
     for (int i = 0; i < FILES; i++)
         hashes[i * MSG_HASH] = (uint8_t)(i + 1);
@@ -106,7 +94,7 @@ static void
 tear_down(void)
 {
     cache_free(c);
-    nftw(dir, remove_entry, 8, FTW_DEPTH | FTW_PHYS);
+    scratch_remove();
 }
 
 /* The third of them was used the longest time ago. */

@@ -6,11 +6,10 @@
 #include "compile/command.h"
 #include "compile/compile.h"
 #include "scene/octfile.h"
-#include "unit.h"
+#include "scratch.h"
 
 #include <errno.h>
 #include <fcntl.h>
-#include <ftw.h>
 #include <limits.h>
 #include <signal.h>
 #include <stdio.h>
@@ -20,31 +19,11 @@
 
 #define FONT "65 4\n\t40 0 220 60 220 255 40 255\n"
 
-static char dir[PATH_MAX]; /* of the test that runs */
-
 static void
-make_dir(void)
+set_up(void)
 {
-    const char *tmp = getenv("TMPDIR");
-
-    snprintf(dir, sizeof dir, "%s/check_compileXXXXXX", tmp ? tmp : "/tmp");
-    ck_assert_ptr_nonnull(mkdtemp(dir));
+    scratch_make();
     unsetenv("RAYPATH");
-}
-
-static int
-remove_one(const char *path, const struct stat *st, int flag, struct FTW *ftw)
-{
-    (void)st;
-    (void)flag;
-    (void)ftw;
-    return remove(path);
-}
-
-static void
-remove_dir(void)
-{
-    nftw(dir, remove_one, 8, FTW_DEPTH | FTW_PHYS);
 }
 
 /* dir/name, good until eight more were asked for */
@@ -525,7 +504,7 @@ main(void)
     TCase *tc = tcase_create("compile");
 
     tcase_set_timeout(tc, 600);
-    tcase_add_checked_fixture(tc, make_dir, remove_dir);
+    tcase_add_checked_fixture(tc, set_up, scratch_remove);
     tcase_add_test(tc, commands_run_in_their_files_folder);
     tcase_add_test(tc, much_output_is_read);
     tcase_add_loop_test(tc, failing_commands_are_named, 0, N_ELEM(failing));

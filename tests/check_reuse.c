@@ -3,6 +3,7 @@
 #include "config.h"
 
 #include "coord_fixture.h"
+#include "scratch.h"
 
 #include "folder/folder.h"
 #include "proto/ambshare.h"
@@ -427,14 +428,12 @@ END_TEST
 
 /* --- files --- */
 
-static char dir[] = "/tmp/reuse.XXXXXX";
 static struct folder folder;
 
 static void
 set_up_folder(void)
 {
-    memcpy(dir + sizeof dir - 7, "XXXXXX", 6);
-    ck_assert_ptr_nonnull(mkdtemp(dir));
+    scratch_make();
     memset(&folder, 0, sizeof folder);
     snprintf(folder.dir, sizeof folder.dir, "%s", dir);
     folder.durable = true;
@@ -449,6 +448,7 @@ tear_down_folder(void)
     folder_forgotten(&folder, job_a);
     folder_forgotten(&folder, job_b);
     folder_release(&folder);
+    scratch_remove();
 }
 
 static void

@@ -43,6 +43,7 @@ UNIT_TESTS = \
 	tests/check_facts \
 	tests/check_fair \
 	tests/check_falsecolour \
+	tests/check_files \
 	tests/check_filter \
 	tests/check_font \
 	tests/check_fprism \
@@ -84,6 +85,7 @@ UNIT_TESTS = \
 	tests/check_reuse \
 	tests/check_rif \
 	tests/check_ring \
+	tests/check_rows \
 	tests/check_sample \
 	tests/check_sandbox \
 	tests/check_seed \
@@ -98,6 +100,7 @@ UNIT_TESTS = \
 	tests/check_spectrum \
 	tests/check_states \
 	tests/check_store \
+	tests/check_store_lives \
 	tests/check_strict \
 	tests/check_strict_loan \
 	tests/check_strict_pass \
@@ -122,6 +125,8 @@ UNIT_TESTS = \
 	tests/check_wild \
 	tests/check_wire \
 	tests/check_worker \
+	tests/check_worker_lines \
+	tests/check_worker_peers \
 	tests/check_yield
 
 if HAVE_CHECK
@@ -141,12 +146,16 @@ noinst_HEADERS = \
 	tests/lambert.h \
 	tests/lines_fixture.h \
 	tests/parts.h \
+	tests/rows_fixture.h \
+	tests/scratch.h \
 	tests/square.h \
+	tests/store_fixture.h \
 	tests/strict_fixture.h \
 	tests/suns.h \
 	tests/team_fixture.h \
 	tests/unit.h \
 	tests/wild.h \
+	tests/worker_fixture.h \
 	tests/world.h
 
 tests_check_ambcache_LDFLAGS = $(AM_LDFLAGS) -Wl,--wrap=malloc \

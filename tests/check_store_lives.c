@@ -1,0 +1,402 @@
+/* check_store_lives.c - what a store finds of the one before it: jobs, rows,
+ * base lines; damage */
+#include "config.h"
+
+#include "journal/journal.h"
+#include "store_fixture.h"
+
+#include <stdio.h>
+
+/* --- another life --- */
+
+static const uint8_t kept_job[MSG_JOB] = { 9, 8, 7 };
+static const uint8_t kept_manifest[MSG_HASH] = { 6, 5, 4 };
+static const struct msg_frame kept_frame = { 0, W, H, "-vtv -vp 0 0 0" };
+
+static void
+open_kept(uv_loop_t *loop, struct store **s, struct heard *h)
+{
+    struct rad_error err = { 0 };
+
+    memset(h, 0, sizeof *h);
+    uv_loop_init(loop);
+    *s = store_open(loop, dir, true, &handler, h, &err);
+    ck_assert_msg(*s != NULL, "%s: %s", err.where, err.what);
+}
+
+static void
+close_kept(uv_loop_t *loop, struct store *s)
+{
+    run(loop, s);
+    store_close(s);
+    ck_assert_int_eq(uv_loop_close(loop), 0);
+}
+
+static int
+note_job(void *arg, const struct saved_job *s, struct rad_error *err)
+{
+    struct saved_job *to = arg;
+
+    (void)err;
+    ck_assert_mem_eq(s->spec.job, kept_job, MSG_JOB);
+    ck_assert_str_eq(s->spec.params, "-ab 0");
+    ck_assert_str_eq(s->owner, "ana");
+    ck_assert_str_eq(s->spec.frames[0].view, kept_frame.view);
+    *to = *s;
+    if (s->nunits > 0) {
+        ck_assert_uint_eq(s->units[0].area.height, 3);
+        ck_assert_str_eq(s->units[0].worker, "ws1");
+        ck_assert_uint_eq(s->units[0].stored, 3);
+    }
+    return 0;
+}
+
+static int
+recover(struct store *s, struct saved_job *job, struct rad_error *err)
+{
+    uint64_t epoch;
+
+    memset(job, 0, sizeof *job);
+    return store_recover(s, 1000, &epoch, note_job, job, err);
+}
+
+static void
+make_kept(uv_loop_t *loop, struct store **s, struct heard *h)
+{
+    struct saved_job p = { .spec = { .manifest = kept_manifest,
+                                     .params = "-ab 0",
+                                     .frames = &kept_frame,
+                                     .nframes = 1 },
+                           .owner = "ana" };
+    struct saved_job none;
+
+    open_kept(loop, s, h);
+    ck_assert_int_eq(recover(*s, &none, NULL), 0);
+    store_open_job(*s, kept_job, &p);
+    put_unit(*s, kept_job, 0, 3, 3);
+    run(loop, *s);
+    ck_assert_int_eq(h->jobs, 1);
+    ck_assert_int_eq(h->rows, 1);
+    ck_assert_int_eq(h->status, 0);
+}
+
+START_TEST(a_job_goes_on_in_another_life)
+{
+    struct saved_job job;
+    struct heard h;
+    uint8_t row[W * 3 * 4];
+    float px[3];
+    uv_loop_t loop;
+    struct store *s;
+
+    make_kept(&loop, &s, &h);
+    close_kept(&loop, s);
+    open_kept(&loop, &s, &h);
+    ck_assert_int_eq(recover(s, &job, NULL), 0);
+    ck_assert_uint_eq(job.nunits, 1);
+    ck_assert_uint_eq(job.lives, 1);
+    ck_assert(store_read_row(s, kept_job, 0, 2, row));
+    wire_floats_get(px, row, 3);
+    ck_assert_float_eq(px[0], 2);
+    put_unit(s, kept_job, 1, 3, 3);
+    store_write_picture(s, kept_job, 5, 0);
+    store_settle(s, 5, 44);
+    close_kept(&loop, s);
+    ck_assert_int_eq(h.pictures, 1);
+    ck_assert_uint_eq(h.settled, 44);
+    ck_assert(is_there("jobs/09080700000000000000000000000000/0.hdr"));
+    ck_assert(!is_there("jobs/09080700000000000000000000000000/0.rows"));
+}
+END_TEST
+
+START_TEST(a_job_that_is_over_is_remembered_and_forgotten)
+{
+    struct store_source from = { .what = MSG_WHAT_STATS };
+    struct saved_job job, end = { .spec = { .job = kept_job,
+                                            .manifest = kept_manifest,
+                                            .params = "-ab 0",
+                                            .frames = &kept_frame,
+                                            .nframes = 1 },
+                                  .sequence = 6,
+                                  .state = 4,
+                                  .status = 70,
+                                  .text = "it was too late",
+                                  .last = { .state = 4, .rays = 17 } };
+    struct heard h;
+    char buf[100];
+    uv_loop_t loop;
+    struct store *s;
+
+    memcpy(from.job, kept_job, MSG_JOB);
+    make_kept(&loop, &s, &h);
+    store_end_job(s, &end, strdup("{ }"), 3);
+    close_kept(&loop, s);
+    ck_assert_int_eq(h.filed, 1);
+    ck_assert_uint_eq(h.sequence, 6);
+    open_kept(&loop, &s, &h);
+    ck_assert_int_eq(recover(s, &job, NULL), 0);
+    ck_assert_uint_eq(job.state, 4);
+    ck_assert_int_eq(job.status, 70);
+    ck_assert_uint_eq(job.last.rays, 17);
+    read_all(s, &from, buf, sizeof buf, &h);
+    run(&loop, s);
+    ck_assert_int_eq(h.n, 3);
+    store_forget_job(s, &(struct saved_gone){ .job = { 9, 8, 7 } });
+    close_kept(&loop, s);
+    open_kept(&loop, &s, &h);
+    ck_assert_int_eq(recover(s, &job, NULL), 0);
+    ck_assert_ptr_null(job.spec.job);
+    close_kept(&loop, s);
+}
+END_TEST
+
+/* What somebody may do to a state folder, and what is said of it. */
+static const struct {
+    const char *command, *what;
+} damages[] = {
+    { "rm jobs/*/0.rows", "missing" },
+    { "truncate -s 100 jobs/*/0.rows", "100 bytes" },
+    { "rm radcoord.db*", "no database" },
+    { "echo no database, this >radcoord.db", "database" },
+    { "truncate -s 3000 radcoord.db", "database" },
+};
+
+START_TEST(a_damaged_folder_is_refused)
+{
+    struct rad_error err = { 0 };
+    struct saved_job job;
+    struct heard h;
+    char command[200];
+    uv_loop_t loop;
+    struct store *s;
+
+    make_kept(&loop, &s, &h);
+    close_kept(&loop, s);
+    snprintf(command, sizeof command, "cd %s && %s", dir, damages[_i].command);
+    ck_assert_int_eq(system(command), 0);
+    uv_loop_init(&loop);
+    s = store_open(&loop, dir, true, &handler, &h, &err);
+    if (s) {
+        ck_assert_int_lt(recover(s, &job, &err), 0);
+        store_close(s);
+    }
+    uv_loop_close(&loop);
+    ck_assert_int_eq(err.code, RAD_EDATA);
+    ck_assert_ptr_nonnull(strstr(err.where, "is damaged"));
+    ck_assert_msg(strstr(err.what, damages[_i].what) != NULL, "%s", err.what);
+    ck_assert_ptr_nonnull(strstr(err.what, "radctl check"));
+}
+END_TEST
+
+static uint8_t
+line_byte(int i)
+{
+    return (uint8_t)(7 * i % 64);
+}
+
+/* Rows of unit 0 come in two pieces, those of unit 1 in one; each unit leaves
+ * a base line, with so many densities. */
+static void
+put_pieces(struct store *s, bool coded, uint32_t densities)
+{
+    static const uint32_t first[] = { 0, 1, 3 }, n[] = { 1, 2, 3 };
+    uint8_t bytes[W * H * 12], code[H * RAD_HDR_ROW_BYTES(W)];
+
+    for (int i = 0; i < N_ELEM(bytes); i++)
+        bytes[i] = line_byte(i);
+
+    for (uint32_t unit = 0; unit < 2; unit++)
+        store_keep_unit(s, kept_job,
+                        &(struct saved_unit){ .unit = unit,
+                                              .area = { 0, 0, 3 * unit, W, 3 },
+                                              .worker = "ws1" });
+    for (int i = 0; i < N_ELEM(first); i++) {
+        struct action_rows a = { .unit = first[i] / 3,
+                                 .row = first[i] % 3,
+                                 .rows = n[i],
+                                 .y = first[i],
+                                 .width = W,
+                                 .channels = coded ? 1 : 3,
+                                 .pixels = bytes,
+                                 .last = i > 0,
+                                 .counts = &(struct msg_counts){ 0 } };
+
+        if (coded) {
+            a.pixels = code;
+            a.len = code_rows(0, (int)first[i], W, (int)n[i], code);
+        }
+        if (a.last) {
+            a.bottom = bytes;
+            a.nbottom = densities;
+            a.line = coded ? bytes : NULL;
+        }
+        memcpy(a.job, kept_job, MSG_JOB);
+        store_put_rows(s, &a);
+    }
+}
+
+static int
+note_stored(void *arg, const struct saved_job *s, struct rad_error *err)
+{
+    uint32_t *stored = arg;
+
+    (void)err;
+    ck_assert_uint_eq(s->nunits, 2);
+    for (uint32_t i = 0; i < 2; i++)
+        stored[i] = s->units[i].stored;
+    return 0;
+}
+
+/* What is spoilt: a byte in each row, at a row's column, of floats, of RGBE,
+ * and of the lines that are kept behind that. */
+static const struct {
+    bool coded;
+    uint32_t densities;
+    long at;
+    int unit; /* whose rows are none then; 2: both's, -1: nobody's */
+} spoilt[] = {
+    { false, 1, 0, 0 },
+    { false, 1, W * 12 + 1, 0 },
+    { false, 1, 2 * W * 12 + 2, 0 },
+    { false, 1, 3 * W * 12 + 3, 1 },
+    { false, 1, 5 * W * 12 + 5, 1 },
+    { true, 1, 0, 0 },
+    { true, 1, W * 4 + 1, 0 },
+    { true, 1, 3 * W * 4 - 1, 0 },
+    { true, 1, 3 * W * 4, 1 },
+    { true, 1, 6 * W * 4 - 1, 1 },
+    { true, 1, H *W * 4 + 2 * W * 12 - 1, -1 }, /* no line is there */
+    { true, 1, H *W * 4 + 2 * W * 12, 0 },
+    { true, 1, H *W * 4 + 6 * W * 12 - 1, 1 },
+    { true, 1, -1, -1 },
+    { true, 0, H *W * 4 + 2 * W * 12, 0 }, /* -ps 1 has none */
+    { true, 0, 0, 0 },
+    { true, 0, -1, -1 },
+    /* nothing was kept of the base line above */
+    { false, 0, 3 * W * 12 + 3, 2 },
+    { false, 0, 0, 0 },
+};
+
+/* Also in lives to come. */
+START_TEST(rows_that_a_disk_has_spoilt_are_none)
+{
+    bool coded = spoilt[_i].coded;
+    int unit = spoilt[_i].unit;
+    uint32_t stored[2];
+    struct saved_job p = { .spec = { .manifest = kept_manifest,
+                                     .params = "-ab 0",
+                                     .flags = coded ? MSG_JOB_CODED : 0,
+                                     .frames = &kept_frame,
+                                     .nframes = 1 },
+                           .owner = "ana" };
+    struct heard h;
+    uint64_t epoch;
+    char path[200];
+    uv_loop_t loop;
+    struct store *s;
+    FILE *f;
+
+    open_kept(&loop, &s, &h);
+    ck_assert_int_eq(store_recover(s, 1, &epoch, note_stored, stored, NULL), 0);
+    store_open_job(s, kept_job, &p);
+    put_pieces(s, coded, spoilt[_i].densities);
+    close_kept(&loop, s);
+    ck_assert_int_eq(h.rows, 3);
+    if (spoilt[_i].at >= 0) {
+        snprintf(path, sizeof path, "%s/jobs/%s/0.rows", dir,
+                 "09080700000000000000000000000000");
+        f = fopen(path, "r+");
+        ck_assert_ptr_nonnull(f);
+        ck_assert_int_eq(fseek(f, spoilt[_i].at, SEEK_SET), 0);
+        ck_assert_int_eq(fputc(0x55, f), 0x55);
+        ck_assert_int_eq(fclose(f), 0);
+    }
+    for (int life = 0; life < 2; life++) {
+        open_kept(&loop, &s, &h);
+        ck_assert_int_eq(store_recover(s, 1, &epoch, note_stored, stored, NULL),
+                         0);
+        close_kept(&loop, s);
+        ck_assert_uint_eq(stored[0], unit == 0 || unit == 2 ? 0 : 3);
+        ck_assert_uint_eq(stored[1], unit == 1 || unit == 2 ? 0 : 3);
+    }
+}
+END_TEST
+
+/* Its floats, of rows that are RGBE. */
+START_TEST(a_units_base_line_outlives_the_store)
+{
+    struct saved_job p = { .spec = { .manifest = kept_manifest,
+                                     .params = "-ab 0",
+                                     .flags = MSG_JOB_CODED,
+                                     .frames = &kept_frame,
+                                     .nframes = 1 },
+                           .owner = "ana" };
+    uint8_t line[W * 12];
+    uint32_t stored[2];
+    struct heard h;
+    uint64_t epoch;
+    uv_loop_t loop;
+    struct store *s;
+
+    open_kept(&loop, &s, &h);
+    ck_assert_int_eq(store_recover(s, 1, &epoch, note_stored, stored, NULL), 0);
+    store_open_job(s, kept_job, &p);
+    put_pieces(s, true, 1);
+    close_kept(&loop, s);
+    open_kept(&loop, &s, &h);
+    ck_assert_int_eq(store_recover(s, 1, &epoch, note_stored, stored, NULL), 0);
+    for (uint32_t y = 2; y < H; y += 3) {
+        ck_assert(store_read_row(s, kept_job, 0, y, line));
+        for (int i = 0; i < N_ELEM(line); i++)
+            ck_assert_uint_eq(line[i], line_byte(i));
+    }
+    ck_assert(store_read_row(s, kept_job, 0, 1, line));
+    ck_assert_uint_eq(line[1], 0); /* in the middle of a unit */
+    close_kept(&loop, s);
+}
+END_TEST
+
+/* What a loss of power leaves of one that was being made is in nobody's way, and
+ * one that has its name is whole, whatever becomes of its log. */
+START_TEST(a_database_gets_its_name_when_it_is_whole)
+{
+    char path[160], made[170], log[170];
+    struct journal *j;
+    FILE *f;
+
+    snprintf(path, sizeof path, "%s/radcoord.db", dir);
+    snprintf(made, sizeof made, "%s.new", path);
+    snprintf(log, sizeof log, "%s-wal", path);
+    f = fopen(made, "w");
+    ck_assert_ptr_nonnull(f);
+    fputs("half a database", f);
+    fclose(f);
+    ck_assert_int_eq(journal_open(&j, path, JOURNAL_MAKE, NULL), 0);
+    journal_close(j);
+    ck_assert_int_ne(access(made, F_OK), 0);
+    f = fopen(log, "w");
+    ck_assert_ptr_nonnull(f);
+    fputs("half a log", f);
+    fclose(f);
+    ck_assert_int_eq(journal_open(&j, path, JOURNAL_OPEN, NULL), 0);
+    journal_close(j);
+}
+END_TEST
+
+int
+main(void)
+{
+    Suite *s = suite_create("store_lives");
+    TCase *tc = tcase_create("store_lives");
+
+    tcase_add_checked_fixture(tc, scratch_make, scratch_remove);
+    tcase_add_test(tc, a_job_goes_on_in_another_life);
+    tcase_add_test(tc, a_job_that_is_over_is_remembered_and_forgotten);
+    tcase_add_loop_test(tc, a_damaged_folder_is_refused, 0, N_ELEM(damages));
+    tcase_add_loop_test(tc, rows_that_a_disk_has_spoilt_are_none, 0,
+                        N_ELEM(spoilt));
+    tcase_add_test(tc, a_units_base_line_outlives_the_store);
+    tcase_add_test(tc, a_database_gets_its_name_when_it_is_whole);
+    suite_add_tcase(s, tc);
+    return unit_run(s);
+}

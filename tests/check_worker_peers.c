@@ -1,0 +1,364 @@
+/* check_worker_peers.c - a worker and other workers: links, ambient records,
+ * records of tiles */
+#include "config.h"
+
+#include "proto/ambshare.h"
+#include "ground/lossy.h"
+#include "machine/rowsum.h"
+#include "worker_fixture.h"
+
+static void
+child_records(uint32_t to)
+{
+    struct msg m = { .type = MSG_AMBIENT, .ambient = { to, 1, token, 9 } };
+
+    hear(f.child, &m);
+}
+
+START_TEST(records_go_to_peers_and_from_peers_to_the_child)
+{
+    struct msg m = { .type = MSG_AMBIENT, .ambient = { 0, 1, token, 9 } };
+
+    start_job();
+    child_ready();
+    introduce(MSG_PEER_DIAL | MSG_PEER_GIVE);
+    ck_assert_uint_ne(f.peer, 0);
+    child_records(0); /* not linked yet: lost */
+    ck_assert_int_eq(said(f.peer, MSG_AMBIENT), 0);
+    worker_opened(f.w, f.now_ms, f.peer);
+    carry_out();
+    ck_assert_int_eq(said(f.peer, MSG_PEER_HELLO), 1);
+    ck_assert_int_eq(f.last.type, MSG_GIVE); /* to the child */
+    child_records(f.last.give.to);
+    child_records(0);
+    child_records(99); /* for a peer that is gone */
+    ck_assert_int_eq(said(f.peer, MSG_AMBIENT), 2);
+    hear(f.peer, &m);
+    ck_assert_int_eq(said(f.child, MSG_AMBIENT), 1);
+}
+END_TEST
+
+/* New ones alone, and to the peers too where they are shared. */
+static void
+keep_records(uint32_t flags, int to_peer)
+{
+    job_flags = flags;
+    start_job();
+    job_flags = MSG_JOB_SHARE;
+    child_ready();
+    introduce(MSG_PEER_DIAL | MSG_PEER_GIVE);
+    worker_opened(f.w, f.now_ms, f.peer);
+    carry_out();
+    child_records(f.last.give.to); /* what there was */
+    ck_assert_int_eq(said(f.coord, MSG_RECORDS), 0);
+    child_records(0);
+    ck_assert_int_eq(said(f.coord, MSG_RECORDS), 1);
+    ck_assert_int_eq(said(f.peer, MSG_AMBIENT), to_peer);
+}
+
+START_TEST(records_that_radsubmit_wants_go_to_the_coordinator)
+{
+    keep_records(MSG_JOB_RECORDS | MSG_JOB_SHARE, 2);
+}
+END_TEST
+
+START_TEST(records_that_are_not_shared_go_nowhere_else)
+{
+    keep_records(MSG_JOB_RECORDS, 0);
+}
+END_TEST
+
+START_TEST(records_that_nobody_wants_stay)
+{
+    start_job();
+    child_ready();
+    child_records(0);
+    ck_assert_int_eq(said(f.coord, MSG_RECORDS), 0);
+}
+END_TEST
+
+static bool
+is_token(void *arg, const uint8_t job[MSG_JOB], const uint8_t its[MSG_TOKEN])
+{
+    (void)arg;
+    return memcmp(job, job_id, MSG_JOB) == 0 &&
+           memcmp(its, token, MSG_TOKEN) == 0;
+}
+
+/* Only while the peer is expected, and not after the job. */
+START_TEST(a_peers_key_is_forgotten)
+{
+    struct msg end = { .type = MSG_JOB_END, .job_end = { job_id } };
+
+    start_job();
+    child_ready();
+    ck_assert(!worker_peer_token(f.w, is_token, NULL));
+    introduce(MSG_PEER_DIAL); /* ours is to dial: nobody may come with it */
+    ck_assert(!worker_peer_token(f.w, is_token, NULL));
+    introduce(0);
+    ck_assert(worker_peer_token(f.w, is_token, NULL));
+    hear(f.coord, &end);
+    ck_assert(!worker_peer_token(f.w, is_token, NULL));
+}
+END_TEST
+
+START_TEST(a_peer_that_is_no_longer_welcome_is_let_go)
+{
+    start_job();
+    child_ready();
+    introduce(MSG_PEER_DIAL);
+    worker_opened(f.w, f.now_ms, f.peer);
+    carry_out();
+    child_records(0);
+    ck_assert_int_eq(said(f.peer, MSG_AMBIENT), 1);
+    introduce(MSG_PEER_DROP);
+    child_records(0);
+    ck_assert_int_eq(said(f.peer, MSG_AMBIENT), 1);
+    introduce(MSG_PEER_DROP); /* and again: there is none */
+}
+END_TEST
+
+static void
+peer_says_hello(uint64_t conn, const uint8_t *its_token)
+{
+    struct msg m = { .type = MSG_PEER_HELLO,
+                     .peer_hello = { job_id, "ws2", its_token } };
+
+    worker_accepted(f.w, f.now_ms, conn);
+    hear(conn, &m);
+}
+
+START_TEST(a_peer_is_let_in_by_its_token_alone)
+{
+    static const uint8_t wrong[MSG_TOKEN] = { 4 };
+
+    start_job();
+    child_ready();
+    introduce(0);
+    peer_says_hello(7, wrong);
+    child_records(0);
+    ck_assert_int_eq(said(7, MSG_AMBIENT), 0);
+    peer_says_hello(8, token);
+    child_records(0);
+    ck_assert_int_eq(said(8, MSG_AMBIENT), 1);
+    ck_assert_int_eq(said(7, MSG_AMBIENT), 0);
+}
+END_TEST
+
+START_TEST(a_peer_may_call_before_the_coordinator_named_it)
+{
+    start_job();
+    child_ready();
+    peer_says_hello(8, token);
+    introduce(0);
+    child_records(0);
+    ck_assert_int_eq(said(8, MSG_AMBIENT), 1);
+}
+END_TEST
+
+/* As the coordinator says of the pair. */
+START_TEST(it_speaks_with_a_peer_what_both_know)
+{
+    const uint16_t version = (uint16_t)_i;
+    struct msg_peer p = { "ws2", "tcp x", token, MSG_PEER_DIAL, version };
+    struct msg m = { .type = MSG_JOB_PEERS, .job_peers = { job_id, 1, &p } };
+
+    start_job();
+    child_ready();
+    hear(f.coord, &m);
+    worker_opened(f.w, f.now_ms, f.peer);
+    carry_out();
+    ck_assert_int_eq(f.session, MSG_AT_PEER);
+    ck_assert_uint_eq(f.version, version);
+}
+END_TEST
+
+START_TEST(a_slow_peer_loses_the_oldest_records)
+{
+    static uint8_t data[LOSSY_WINDOW / 2];
+    struct lossy_frame *frame_out;
+    struct lossy q;
+    unsigned n = 0;
+
+    lossy_init(&q);
+    for (int i = 0; i < 30; i++) { /* 15 MiB */
+        data[0] = (uint8_t)i;
+        lossy_put(&q, data, sizeof data);
+    }
+    ck_assert_uint_eq(q.dropped, 30 - LOSSY_MAX / sizeof data);
+    while ((frame_out = lossy_take(&q)) != NULL) {
+        ck_assert_uint_eq(frame_out->bytes[0], q.dropped + n++);
+        free(frame_out);
+    }
+    ck_assert_uint_eq(n, 2); /* until they are written */
+    lossy_written(&q, sizeof data);
+    frame_out = lossy_take(&q);
+    ck_assert_ptr_nonnull(frame_out);
+    free(frame_out);
+    ck_assert_ptr_null(lossy_take(&q));
+    lossy_release(&q);
+}
+END_TEST
+
+/* --- records of tiles --- */
+
+/* A record of a tile: bytes that tell which. */
+static void
+tile_records(uint64_t conn, uint32_t pass, uint32_t tile)
+{
+    uint8_t data[AMBSHARE_BYTES];
+    struct msg m = { .type = MSG_TILE_RECORDS,
+                     .tile_records = { job_id, pass, tile, 1, data,
+                                       sizeof data } };
+
+    memset(data, (int)tile, sizeof data);
+    hear(conn, &m);
+}
+
+/* The pass has one record of each of so many tiles. */
+static void
+closed(uint32_t pass, uint32_t tiles)
+{
+    uint8_t data[4 * AMBSHARE_BYTES];
+    struct msg m = { .type = MSG_CLOSED, .closed = { job_id, pass, tiles, 0 } };
+
+    for (uint32_t i = 0; i < tiles; i++)
+        memset(data + i * AMBSHARE_BYTES, (int)i, AMBSHARE_BYTES);
+    m.closed.sum = rowsum_hash(data, tiles * AMBSHARE_BYTES);
+    hear(f.coord, &m);
+}
+
+static void
+begin_passes(void)
+{
+    connect();
+    start_job();
+    child_ready();
+    clear();
+}
+
+/* In whatever order they come, those of the next pass among them. */
+START_TEST(the_child_gets_records_in_the_order_of_tiles)
+{
+    const struct msg_frozen *z = &f.last.frozen;
+
+    begin_passes();
+    tile_records(f.coord, 0, 2);
+    tile_records(f.coord, 1, 0);
+    tile_records(f.coord, 0, 0);
+    tile_records(f.coord, 0, 0); /* twice */
+    ck_assert_int_eq(f.nsaid, 0);
+    closed(0, 3);
+    ck_assert_int_eq(f.nsaid, 0);
+    tile_records(f.coord, 0, 1);
+    ck_assert_int_eq(said(f.coord, MSG_HOLDS), 1);
+    ck_assert_int_eq(said(f.child, MSG_FROZEN), 1);
+    ck_assert(z->pass == 0 && z->first == 0 && z->last && z->count == 3);
+    for (uint32_t i = 0; i < 3; i++)
+        ck_assert_uint_eq(z->data[i * AMBSHARE_BYTES], i);
+    closed(1, 1);
+    ck_assert_int_eq(said(f.child, MSG_FROZEN), 2);
+    closed(2, 0); /* a pass without records */
+    ck_assert(z->pass == 2 && z->last && z->count == 0);
+}
+END_TEST
+
+/* After a while without any, and at once when they are others. */
+START_TEST(records_that_are_lacking_are_said_to_be)
+{
+    struct msg frozen = { .type = MSG_FROZEN,
+                          .frozen = { job_id, 0, 0, 1, 1, token, 9 } };
+
+    begin_passes();
+    tile_records(f.coord, 0, 1);
+    closed(0, 4);
+    tick(50);
+    tile_records(f.coord, 0, 3);
+    clear();
+    tick(60);
+    ck_assert_int_eq(f.nsaid, 0);
+    tick(100);
+    ck_assert_int_eq(said(f.coord, MSG_HOLDS), 1);
+    ck_assert(f.last.holds.pass == 0 && !f.last.holds.whole);
+    hear(f.coord, &frozen);
+    ck_assert_int_eq(f.last.type, MSG_FROZEN);
+    clear();
+    tile_records(f.coord, 1, 1); /* where the sum is of tile 0 */
+    closed(1, 1);
+    ck_assert_int_eq(said(f.child, MSG_FROZEN), 0);
+    ck_assert(f.last.type == MSG_HOLDS && !f.last.holds.whole);
+}
+END_TEST
+
+START_TEST(records_go_on_once_to_peers_that_are_fed)
+{
+    struct msg feed = { .type = MSG_FEED, .feed = { job_id, 1, { "ws2" } } };
+
+    begin_passes();
+    introduce(MSG_PEER_DIAL);
+    worker_opened(f.w, f.now_ms, f.peer);
+    carry_out();
+    clear();
+    tile_records(f.coord, 0, 0);
+    ck_assert_int_eq(said(f.peer, MSG_TILE_RECORDS), 0);
+    hear(f.coord, &feed);
+    tile_records(f.coord, 0, 1);
+    tile_records(f.peer, 0, 1);
+    tile_records(f.peer, 0, 2); /* it feeds us, too: that goes no further */
+    ck_assert_int_eq(said(f.peer, MSG_TILE_RECORDS), 2);
+    tile_records(f.coord, 2, 0); /* of a pass that is far */
+    ck_assert_int_eq(said(f.peer, MSG_TILE_RECORDS), 2);
+    feed.feed.n = 0;
+    hear(f.coord, &feed);
+    tile_records(f.coord, 0, 3);
+    ck_assert_int_eq(said(f.peer, MSG_TILE_RECORDS), 2);
+}
+END_TEST
+
+/* A child that is new has no pass: what was gathered for another is of no use.
+ */
+START_TEST(a_new_child_begins_with_the_first_pass)
+{
+    begin_passes();
+    tile_records(f.coord, 0, 0);
+    closed(0, 1);
+    tile_records(f.coord, 1, 0);
+    tile_records(f.coord, 2, 0);
+    worker_child_ended(f.w, ++f.now_ms, f.child, false, "signal 9");
+    carry_out();
+    start_job();
+    child_ready();
+    clear();
+    closed(1, 1);
+    ck_assert_int_eq(f.nsaid, 0);
+    closed(0, 1);
+    tile_records(f.coord, 0, 0);
+    ck_assert_int_eq(said(f.child, MSG_FROZEN), 1);
+}
+END_TEST
+
+int
+main(void)
+{
+    Suite *s = suite_create("worker_peers");
+    TCase *tc = tcase_create("worker_peers");
+
+    tcase_add_checked_fixture(tc, set_up, tear_down);
+    tcase_add_test(tc, records_go_to_peers_and_from_peers_to_the_child);
+    tcase_add_test(tc, records_that_radsubmit_wants_go_to_the_coordinator);
+    tcase_add_test(tc, records_that_are_not_shared_go_nowhere_else);
+    tcase_add_test(tc, records_that_nobody_wants_stay);
+    tcase_add_test(tc, a_peers_key_is_forgotten);
+    tcase_add_test(tc, a_peer_that_is_no_longer_welcome_is_let_go);
+    tcase_add_test(tc, a_peer_is_let_in_by_its_token_alone);
+    tcase_add_test(tc, a_peer_may_call_before_the_coordinator_named_it);
+    tcase_add_loop_test(tc, it_speaks_with_a_peer_what_both_know,
+                        MSG_VERSION_MIN, MSG_VERSION + 1);
+    tcase_add_test(tc, a_slow_peer_loses_the_oldest_records);
+    tcase_add_test(tc, the_child_gets_records_in_the_order_of_tiles);
+    tcase_add_test(tc, records_that_are_lacking_are_said_to_be);
+    tcase_add_test(tc, records_go_on_once_to_peers_that_are_fed);
+    tcase_add_test(tc, a_new_child_begins_with_the_first_pass);
+    suite_add_tcase(s, tc);
+    return unit_run(s);
+}
