@@ -88,7 +88,6 @@ msg_code_ring(struct codec *c, struct msg_ring *b)
     code_u32(c, &b->generation);
     code_u32(c, &b->places);
     code_read_must(c, b->places <= MSG_MAX_PLACES);
-    code_below(c, &b->direct, 2);
     l = code_list(c, b->links, &b->nlinks, LINK_MIN, MAX_PEERS, sizeof *l);
     for (uint32_t i = 0; i < b->nlinks && !code_bad(c); i++)
         code_ring_link(c, &l[i], b->places);

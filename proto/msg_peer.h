@@ -41,8 +41,6 @@ struct msg_ring {
     const uint8_t *job;
     uint32_t generation;
     uint32_t places; /* on the ring; 0: this worker has no place */
-    uint8_t direct;  /* 1: all workers are linked with each other, too: urgent
-                      * records go to each, or all records if places is 0 */
     uint32_t nlinks;
     const struct msg_ring_link *links;
 };

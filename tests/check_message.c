@@ -165,7 +165,7 @@ static const struct msg examples[] = {
     { .type = MSG_AMBIENT,
       .ambient = { 1, 2, (const uint8_t *)"records", 7 } },
     { .type = MSG_GIVE, .give = { 3 } },
-    { .type = MSG_RING, .ring = { ID, 1, 100, 1, 3, ring_links } },
+    { .type = MSG_RING, .ring = { ID, 1, 100, 3, ring_links } },
     { .type = MSG_SPREAD, .spread = { 1, 2, parts } },
     { .type = MSG_UNLINKED, .unlinked = { ID, "ws2", 1 } },
     { .type = MSG_RECORDS,

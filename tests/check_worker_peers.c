@@ -156,6 +156,49 @@ START_TEST(a_peer_may_call_before_the_coordinator_named_it)
 }
 END_TEST
 
+/* By the same token, as long as it is not to have been forgotten. */
+START_TEST(a_peer_whose_link_broke_is_let_in_again)
+{
+    start_job();
+    child_ready();
+    introduce(0);
+    peer_says_hello(7, token);
+    worker_closed(f.w, f.now_ms, 7, "cut");
+    carry_out();
+    clear();
+    child_records(0);
+    ck_assert_int_eq(f.nsaid, 0);
+    peer_says_hello(8, token);
+    child_records(0);
+    ck_assert_int_eq(said(8, MSG_AMBIENT), 1);
+}
+END_TEST
+
+START_TEST(a_link_that_breaks_is_dialled_again_a_few_times)
+{
+    unsigned dials;
+    int gives = 0;
+
+    start_job();
+    child_ready();
+    dials = f.dials;
+    introduce(MSG_PEER_DIAL | MSG_PEER_GIVE);
+    for (int i = 0; i < 20; i++) {
+        clear();
+        worker_opened(f.w, f.now_ms, f.peer);
+        carry_out();
+        child_records(0);
+        ck_assert_int_eq(said(f.peer, MSG_AMBIENT), i < 6);
+        gives += said(f.child, MSG_GIVE);
+        worker_closed(f.w, f.now_ms, f.peer, "cut");
+        carry_out();
+        tick(5000);
+    }
+    ck_assert_uint_eq(f.dials - dials, 6);
+    ck_assert_int_eq(gives, 1);
+}
+END_TEST
+
 /* As the coordinator says of the pair. */
 START_TEST(it_speaks_with_a_peer_what_both_know)
 {
@@ -352,6 +395,8 @@ main(void)
     tcase_add_test(tc, a_peer_that_is_no_longer_welcome_is_let_go);
     tcase_add_test(tc, a_peer_is_let_in_by_its_token_alone);
     tcase_add_test(tc, a_peer_may_call_before_the_coordinator_named_it);
+    tcase_add_test(tc, a_peer_whose_link_broke_is_let_in_again);
+    tcase_add_test(tc, a_link_that_breaks_is_dialled_again_a_few_times);
     tcase_add_loop_test(tc, it_speaks_with_a_peer_what_both_know,
                         MSG_VERSION_MIN, MSG_VERSION + 1);
     tcase_add_test(tc, a_slow_peer_loses_the_oldest_records);

@@ -18,17 +18,8 @@
 
 #define REBUILD_MS 2000 /* least time between two changes of places */
 #define LINE_LINKS 16   /* of a worker, beside those of the ring */
-#define FEWEST     4    /* have fewer links on a ring than all have with all */
 
-#define HOPELESS 2    /* links in a row that never came about */
-#define SAME_MS  1000 /* the other end says that the link of before is gone */
-
-/* In a ring of few, a pair whose link is hopeless is linked again, after a
- * longer time each time.  The worker that dials gives up within TRY_MS
- * (peer.c); from then on records would be lost no more. */
-#define LATER_MS  30000
-#define LATEST_MS (16 * LATER_MS)
-#define TRY_MS    12000
+#define HOPELESS 2 /* links in a row that never came about */
 
 enum pair_kind {
     PAIR_RING,
@@ -45,16 +36,11 @@ struct pair {
 
 /* A pair of workers whose link broke, or never came about. */
 struct broken {
-    uint32_t a, b;      /* workers of the job, a < b */
-    unsigned times;     /* reports in a row that there is no link */
-    uint64_t linked_ms; /* when we last asked for the link; 0: before */
-    uint64_t again_ms;  /* when to ask for the link again; 0: never */
-    uint64_t later_ms;  /* after so long, the last time; 0: there was none */
-    bool tried;         /* asked for again; no report since */
+    uint32_t a, b;  /* workers of the job, a < b */
+    unsigned times; /* reports in a row that there is no link */
 };
 
 struct ring {
-    bool direct;  /* a ring of few, and all are linked with all */
     bool changed; /* since places were given */
     bool stale;   /* there are links of before */
     uint64_t built_ms;
@@ -134,7 +120,7 @@ ring_wanted(const struct coord *c, const struct job *job)
         n += part_is_here(&job->workers[i]) && w->conn != 0 &&
              w->address[0] != '\0';
     }
-    return (job->ring && !job->ring->direct) || n > most;
+    return job->ring || n > most;
 }
 
 /* --- pairs --- */
@@ -281,17 +267,10 @@ find_out(struct ring *r)
     }
 }
 
-/* introduce_link(), and note when. */
 static bool
 link_two(struct coord *c, const struct job *job, uint32_t a, uint32_t b,
          uint32_t give)
 {
-    struct broken *p = find_broken(job->ring, a, b);
-
-    if (p) {
-        p->linked_ms = c->now_ms;
-        p->again_ms = 0;
-    }
     return introduce_link(c, job, job->workers[a].worker,
                           job->workers[b].worker, give);
 }
@@ -363,7 +342,6 @@ send_ring(struct coord *c, const struct job *job, uint32_t index)
     m.ring.job = job->id;
     m.ring.generation = r->generation;
     m.ring.places = r->place[index] != JOB_NOBODY ? r->nmembers : 0;
-    m.ring.direct = r->direct;
     m.ring.nlinks = list_links(job, index, v);
     m.ring.links = v;
     actions_send(&c->actions, w->conn, &m);
@@ -605,10 +583,6 @@ begin(struct coord *c, struct job *job, uint32_t newcomer)
 void
 ring_join(struct coord *c, struct job *job, uint32_t index)
 {
-    if (job->ring && job->ring->direct) {
-        ring_free(job->ring);
-        job->ring = NULL;
-    }
     if ((!job->ring && !begin(c, job, index)) ||
         !grow(job->ring, job->nworkers)) {
         c->actions.failed = true;
@@ -627,11 +601,6 @@ ring_left(struct coord *c, struct job *job, uint32_t index)
 {
     struct ring *r = job->ring;
 
-    if (r && r->direct) {
-        forget_broken(r, index);
-        ring_of_few(c, job);
-        return;
-    }
     if (!r || index >= r->cap)
         return;
     for (size_t i = r->npairs; i-- > 0;)
@@ -668,76 +637,6 @@ drop_stale(struct coord *c, struct job *job)
     r->stale = false;
 }
 
-/* Give all workers a place, or none. */
-static bool
-give_all_or_none(struct job *job)
-{
-    struct ring *r = job->ring;
-    uint32_t here = 0;
-
-    if (!grow(r, job->nworkers) || !give_places(job, JOB_NOBODY))
-        return false;
-    for (uint32_t i = 0; i < job->nworkers; i++)
-        here += is_here(job, i);
-    if (here == r->nmembers && here >= FEWEST)
-        return true;
-    r->nmembers = 0;
-    for (uint32_t i = 0; i < job->nworkers; i++) {
-        r->place[i] = JOB_NOBODY;
-        be_guest(r, i, JOB_NOBODY);
-    }
-    return true;
-}
-
-void
-ring_of_few(struct coord *c, struct job *job)
-{
-    struct ring *r = job->ring;
-    uint32_t n = 0;
-
-    for (uint32_t i = 0; i < job->nworkers; i++)
-        n += is_here(job, i);
-    if (!shares_records(job) || (!r && n < FEWEST))
-        return;
-    if (!r)
-        r = job->ring = calloc(1, sizeof *r);
-    if (!r || !give_all_or_none(job)) {
-        c->actions.failed = true;
-        return;
-    }
-    r->direct = true;
-    c->env.random(c->env.arg, &r->generation, sizeof r->generation);
-    for (uint32_t i = 0; i < job->nworkers; i++)
-        if (is_here(job, i))
-            send_ring(c, job, i);
-}
-
-/* In a ring of few, link pairs again that had no link.  Only a worker that
- * sends something finds that a link is missing: so after TRY_MS the ring is
- * used again, until a worker does. */
-static void
-link_again(struct coord *c, struct job *job)
-{
-    struct ring *r = job->ring;
-    bool changed = false;
-
-    for (size_t i = 0; i < r->nbroken; i++) {
-        struct broken *p = &r->broken[i];
-
-        if (p->again_ms != 0 && c->now_ms >= p->again_ms &&
-            is_here(job, p->a) && is_here(job, p->b)) {
-            link_two(c, job, p->a, p->b, 0);
-            p->tried = true;
-        } else if (p->tried && c->now_ms - p->linked_ms >= TRY_MS) {
-            p->tried = false;
-            p->times = HOPELESS - 1;
-            changed = true;
-        }
-    }
-    if (changed)
-        ring_of_few(c, job);
-}
-
 void
 ring_tick(struct coord *c, struct job *job)
 {
@@ -746,10 +645,6 @@ ring_tick(struct coord *c, struct job *job)
 
     if (!r || !shares_records(job))
         return;
-    if (r->direct) {
-        link_again(c, job);
-        return;
-    }
     if (r->stale && c->now_ms - r->built_ms >= REBUILD_MS)
         drop_stale(c, job);
     if (!r->changed)
@@ -788,10 +683,9 @@ void
 ring_need(struct coord *c, struct job *job, uint32_t a, uint32_t b)
 {
     struct ring *r = job->ring;
-
     struct pair *p;
 
-    if (!r || r->direct || a == b || !is_here(job, a) || !is_here(job, b))
+    if (!r || a == b || !is_here(job, a) || !is_here(job, b))
         return;
     p = find_pair(r, a, b);
     if (p && p->kind == PAIR_STALE)
@@ -801,40 +695,6 @@ ring_need(struct coord *c, struct job *job, uint32_t a, uint32_t b)
     make_room(c, job, a);
     make_room(c, job, b);
     introduce(c, job, a, b, PAIR_LINES, 0);
-}
-
-/* A link of few workers, who are linked with all, is gone: it is made again at
- * once the first times, for it may have broken by chance; later, if that was in
- * vain.  Records that are not urgent do not go round the ring then, since they
- * would end at the gap. */
-static void
-unlinked_of_few(struct coord *c, struct job *job, uint32_t a, uint32_t b,
-                bool was)
-{
-    struct ring *r = job->ring;
-    struct broken *p = find_broken(r, a, b);
-
-    if (p && (p->again_ms != 0 ||
-              (p->linked_ms != 0 && c->now_ms - p->linked_ms < SAME_MS)))
-        return;
-    p = note_broken(r, a, b, was);
-    if (!p) {
-        c->actions.failed = true;
-        return;
-    }
-    p->tried = false;
-    if (was)
-        p->later_ms = 0;
-    if (p->times < HOPELESS) {
-        link_two(c, job, a, b, 0);
-        return;
-    }
-    p->later_ms = p->later_ms == 0              ? LATER_MS
-                  : 2 * p->later_ms < LATEST_MS ? 2 * p->later_ms
-                                                : LATEST_MS;
-    p->again_ms = c->now_ms + p->later_ms;
-    if (r->nmembers > 0)
-        ring_of_few(c, job);
 }
 
 void
@@ -848,10 +708,6 @@ ring_unlinked(struct coord *c, struct job *job, uint32_t index,
     if (!r || other == JOB_NOBODY || other == index || index >= r->cap ||
         other >= r->cap || !is_here(job, index) || !is_here(job, other))
         return;
-    if (r->direct) {
-        unlinked_of_few(c, job, index, other, m->was);
-        return;
-    }
     p = find_pair(r, index, other);
     if (!p || p->kind == PAIR_LINES || p->kind == PAIR_STALE)
         return;

@@ -1,7 +1,8 @@
 /* ring.h - which workers are linked, in a job of very many workers
  *
- * The coordinator's part; spread.h is the workers'.  Up to 64 workers are all
- * linked with each other, and a record goes from its maker to each.  In a job
+ * The coordinator's part; spread.h is the workers'.  With --ambient=live up to
+ * 64 workers are all linked with each other, and a record goes from its maker to
+ * each.  In a job
  * of more, workers that can be dialled get the n places of a ring.  Each place
  * has links to the places b r^k further on, for each digit 0 < b < r of each
  * power of the radix r.  Such a link carries records that were made less than
@@ -28,17 +29,11 @@ bool ring_wanted(const struct coord *c, const struct job *job);
 void ring_join(struct coord *c, struct job *job, uint32_t index);
 void ring_left(struct coord *c, struct job *job, uint32_t index);
 
-/* In a job of few workers, which are all linked, a worker became ready or is
- * gone.  If each of these workers can have a place they get places, too, for
- * records that are not urgent. */
-void ring_of_few(struct coord *c, struct job *job);
-
 /* Link two workers for base lines, if the job has a ring. */
 void ring_need(struct coord *c, struct job *job, uint32_t a, uint32_t b);
 
 /* A worker reports that it has no link to another.  After two reports in a row
- * the ring does without the link, until one of the two workers connects anew.
- * In a ring of few workers the link is tried again from time to time. */
+ * the ring does without the link, until one of the two workers connects anew. */
 void ring_unlinked(struct coord *c, struct job *job, uint32_t index,
                    const struct msg_unlinked *m);
 

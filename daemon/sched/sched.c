@@ -394,7 +394,6 @@ link_worker(struct coord *c, struct job *job, struct coord_worker *w,
         return;
     }
     introduce_worker(c, job, w);
-    ring_of_few(c, job);
 }
 
 static void

@@ -62,6 +62,7 @@ linked(struct worker *w, struct wjob *job, struct wpeer *p)
                 p->name);
     if ((p->flags & MSG_PEER_GIVE) && job->state == WJOB_READY)
         worker_send_child(w, job, &give);
+    p->flags &= ~MSG_PEER_GIVE;
     peer_pump(w, p->conn, &p->queue); /* records that waited for the link */
     relay_linked(w, job, p->name);
     spread_linked(job, p->name, true);
@@ -185,6 +186,28 @@ link_opened(struct worker *w, uint64_t conn)
     return true;
 }
 
+/* A link broke, or did not come about: who dialled it dials again, and the
+ * other end expects that.  Of a peer that is gone the coordinator says so. */
+static void
+broke(struct worker *w, struct wjob *job, struct wpeer *p)
+{
+    p->conn = 0;
+    if (p->state == PEER_LINKED) { /* what was under way is lost */
+        lossy_release(&p->queue);
+        lossy_init(&p->queue);
+    }
+    if (!(p->flags & MSG_PEER_DIAL)) {
+        p->state = PEER_EXPECTED;
+        p->since_ms = w->now_ms;
+        match_callers(w);
+    } else if (p->tries < MOST_TRIES) {
+        p->state = PEER_DIALLING;
+        p->retry_ms = w->now_ms + ((uint64_t)RETRY_MS << (p->tries - 1));
+    } else {
+        peer_free(w, job, p);
+    }
+}
+
 bool
 link_closed(struct worker *w, uint64_t conn)
 {
@@ -196,11 +219,7 @@ link_closed(struct worker *w, uint64_t conn)
         drop_caller(w, k);
     if (!p)
         return k != NULL;
-    p->conn = 0;
-    if (p->state == PEER_DIALLING && p->tries < MOST_TRIES)
-        p->retry_ms = w->now_ms + ((uint64_t)RETRY_MS << (p->tries - 1));
-    else /* the link broke: the coordinator says when the peer is back */
-        peer_free(w, job, p);
+    broke(w, job, p);
     return true;
 }
 
@@ -294,7 +313,7 @@ link_spread(struct worker *w, struct wjob *job, const struct msg_ambient *m)
     struct msg pass = { .type = MSG_AMBIENT, .ambient = *m };
     uint8_t *kept = NULL;
 
-    if (m->to == 0 && !spread_note_own(w, job)) {
+    if (m->to == 0 && job->spread) {
         spread_own(w, job, m);
         return;
     }

@@ -21,11 +21,6 @@
  * child gathers records that are not urgent. */
 #define WAIT_MS 200
 
-/* Records that a child sends so soon after others are urgent: workers that
- * begin together look at the same things, and make records twice that are on
- * the way. */
-#define HURRY_MS 4
-
 /* After so long the coordinator is told again of a link that is gone: it may
  * have been busy with an earlier report. */
 #define TELL_MS 5000
@@ -43,7 +38,6 @@ struct slink {
 
 /* The links of one RING. */
 struct circle {
-    bool direct; /* as in msg_ring */
     uint32_t generation, places;
     uint32_t nlinks;
     struct slink *link;
@@ -54,7 +48,6 @@ struct spread {
     struct circle before;     /* for records under way when places changed */
     struct wire_out gathered; /* records for the child */
     uint32_t ngathered;
-    uint64_t own_ms; /* when the child last had something */
 };
 
 /* --- to links --- */
@@ -192,19 +185,6 @@ tell_others(struct worker *w, struct wjob *job, const struct msg_ambient *m,
 }
 
 /* --- from the child and from peers --- */
-
-bool
-spread_note_own(struct worker *w, struct wjob *job)
-{
-    struct spread *s = job->spread;
-    bool hurry;
-
-    if (!s)
-        return true;
-    hurry = w->now_ms - s->own_ms < HURRY_MS;
-    s->own_ms = w->now_ms;
-    return s->now.direct && (hurry || s->now.places == 0);
-}
 
 void
 spread_own(struct worker *w, struct wjob *job, const struct msg_ambient *m)
@@ -346,7 +326,6 @@ set_links(const struct wjob *job, const struct circle *old, struct circle *c,
     c->link = calloc(m->nlinks + 1, sizeof *c->link);
     if (!c->link)
         return false;
-    c->direct = m->direct;
     c->generation = m->generation;
     c->places = m->places;
     c->nlinks = m->nlinks;

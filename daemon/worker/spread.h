@@ -1,12 +1,11 @@
 /* spread.h - the ways of a worker's ambient records in a large job
  *
- * In a job of few workers each has links to all others, and sends them its
- * records directly while they are urgent.  Otherwise, and always in a job of
- * many, each worker has a place on a ring (links/ring.h), or is the guest of a
- * host with a place, and the coordinator has told it the links (RING).  Records
- * from `distance` places back go over those links whose `below` is greater,
- * unless they have been all around: so there is one way from each place to each
- * other.  A host sends its guests' records on like its own, and sends its
+ * With --ambient=live each worker sends its records to all others, as long as
+ * these are few; this is for jobs of many.  There each worker has a place on a
+ * ring (links/ring.h), or is the guest of a host with a place, and the
+ * coordinator has told it the links (RING).  Records from `distance` places back
+ * go over those links whose `below` is greater, unless they have been all
+ * around: so there is one way from each place to each other.  A host sends its guests' records on like its own, and sends its
  * guests all records that it receives.
  *
  * Records under way when places change go on by the old links, if they are
@@ -25,10 +24,7 @@ void spread_set(struct worker *w, struct wjob *job, const struct msg_ring *m);
 /* The coordinator named a peer (linked: false), or its link is there (true). */
 void spread_linked(struct wjob *job, const char *name, bool linked);
 
-/* The job's own child made records.  True: send them to each peer directly. */
-bool spread_note_own(struct worker *w, struct wjob *job);
-
-/* If not. */
+/* The job's own child made records, and job->spread is there. */
 void spread_own(struct worker *w, struct wjob *job,
                 const struct msg_ambient *m);
 /* Records that a peer made, or was asked to give; the child is the caller's. */

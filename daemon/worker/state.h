@@ -41,11 +41,9 @@ struct wkept {
  *
  *   it dials us --> EXPECTED --a caller has its name and token--> LINKED
  *   we dial it ---> DIALLING --the connection is up-------------> LINKED
- *                    |    ^
- *                    '----'  it failed: again, MOST_TRIES times (link.c)
  *
- * It is forgotten when no try is left, when the link breaks, and when the
- * coordinator says so. */
+ * When a dial fails or a link breaks both are as at the beginning.  The peer is
+ * forgotten after MOST_TRIES dials (link.c), and when the coordinator says so. */
 enum peer_state { PEER_EXPECTED, PEER_DIALLING, PEER_LINKED };
 
 struct wpeer {
