@@ -7,6 +7,7 @@
 #include "unit.h"
 
 #include <math.h>
+#include <stddef.h>
 #include <string.h>
 
 static const struct rad_ambrec good = {
@@ -92,71 +93,35 @@ START_TEST(truncated_record_is_refused)
 }
 END_TEST
 
-/* One field of a good record made wrong. */
+/* Fields of a good record, and what makes them wrong. */
+#define WRONG(field, v) { offsetof(struct rad_ambrec, field), sizeof good.field, v }
+/* clang-format off */
+static const struct {
+    size_t at, size;
+    double value;
+} wrong[] = {
+    WRONG(p[1], NAN), WRONG(p[2], INFINITY),
+    WRONG(n[0], 0.61f), WRONG(n[1], NAN), WRONG(u[1], 0),
+    WRONG(radius[0], 0), WRONG(radius[1], -1), WRONG(radius[1], INFINITY),
+    WRONG(E.g, -1e-9f), WRONG(E.r, NAN),
+    WRONG(gpos[0], INFINITY), WRONG(gdir[1], NAN),
+    WRONG(weight, 0), WRONG(weight, 1.5f), WRONG(weight, NAN),
+    WRONG(var, -0.5f), WRONG(var, INFINITY),
+    WRONG(glint.p[1], NAN), WRONG(glint.lum, -1)
+};
+/* clang-format on */
+
 static struct rad_ambrec
 spoiled(int i)
 {
     struct rad_ambrec r = good;
+    char *field = (char *)&r + wrong[i].at;
+    float f = (float)wrong[i].value;
 
-    switch (i) {
-    case 0:
-        r.p[1] = NAN;
-        break;
-    case 1:
-        r.p[2] = INFINITY;
-        break;
-    case 2:
-        r.n[0] = 0.61f;
-        break;
-    case 3:
-        r.n[1] = NAN;
-        break;
-    case 4:
-        r.u[1] = 0;
-        break;
-    case 5:
-        r.radius[0] = 0;
-        break;
-    case 6:
-        r.radius[1] = -1;
-        break;
-    case 7:
-        r.radius[1] = INFINITY;
-        break;
-    case 8:
-        r.E.g = -1e-9f;
-        break;
-    case 9:
-        r.E.r = NAN;
-        break;
-    case 10:
-        r.gpos[0] = INFINITY;
-        break;
-    case 11:
-        r.gdir[1] = NAN;
-        break;
-    case 12:
-        r.weight = 0;
-        break;
-    case 13:
-        r.weight = 1.5f;
-        break;
-    case 14:
-        r.weight = NAN;
-        break;
-    case 15:
-        r.var = -0.5f;
-        break;
-    case 16:
-        r.var = INFINITY;
-        break;
-    case 17:
-        r.glint.p[1] = NAN;
-        break;
-    case 18:
-        r.glint.lum = -1;
-        break;
-    }
+    if (wrong[i].size == sizeof(double))
+        memcpy(field, &wrong[i].value, sizeof(double));
+    else
+        memcpy(field, &f, sizeof f);
     return r;
 }
 
@@ -204,7 +169,7 @@ main(void)
     tcase_add_test(tc, record_survives_the_trip);
     tcase_add_test(tc, record_of_unknown_variance_is_sound);
     tcase_add_test(tc, truncated_record_is_refused);
-    tcase_add_loop_test(tc, unsound_record_is_refused, 0, 19);
+    tcase_add_loop_test(tc, unsound_record_is_refused, 0, N_ELEM(wrong));
     tcase_add_test(tc, each_record_is_new_once);
     suite_add_tcase(s, tc);
     return unit_run(s);

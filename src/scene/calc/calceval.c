@@ -435,6 +435,48 @@ library(struct machine *m, const struct ins *in)
 /* A value and the number of an instruction do. */
 #define ONE(m, op) ((m)->top[-1] op(m)->c->number[in->a])
 
+/* An instruction that decides what is next; false: it was the last. */
+PART bool
+go_on(struct machine *m, const struct ins *in)
+{
+    switch ((enum op)in->op) {
+    case OP_DIVISOR:
+        if (m->top[-1] != 0)
+            break;
+        spoil(m);
+        m->at = m->c->code + in->a;
+        break;
+    case OP_UNLESS:
+        if (!(pop(m) > 0))
+            m->at = m->c->code + in->a;
+        break;
+    case OP_JUMP:
+        m->at = m->c->code + in->a;
+        break;
+    case OP_SELECT:
+        choose(m, in);
+        break;
+    case OP_LIBRARY:
+        library(m, in);
+        break;
+    case OP_CALL:
+    case OP_CALL_PARAM:
+        call(m, in, in->op == OP_CALL ? in->a : named_function(m, in->a));
+        break;
+    case OP_SHARED:
+        get_shared(m, in);
+        break;
+    case OP_SHARE:
+        share(m, in->a);
+        break;
+    case OP_END:
+        return leave(m);
+    default: /* OP_HALT; ARG_AT and RESUME are words of calls, and never next */
+        return false;
+    }
+    return true;
+}
+
 /* One instruction; false: it was the last. */
 PART bool
 step(struct machine *m, const struct ins *in)
@@ -491,41 +533,8 @@ step(struct machine *m, const struct ins *in)
         if (m->fault || !isfinite(m->top[-1]))
             spoil(m);
         break;
-    case OP_DIVISOR:
-        if (m->top[-1] != 0)
-            break;
-        spoil(m);
-        m->at = m->c->code + in->a;
-        break;
-    case OP_UNLESS:
-        if (!(pop(m) > 0))
-            m->at = m->c->code + in->a;
-        break;
-    case OP_JUMP:
-        m->at = m->c->code + in->a;
-        break;
-    case OP_SELECT:
-        choose(m, in);
-        break;
-    case OP_LIBRARY:
-        library(m, in);
-        break;
-    case OP_CALL:
-    case OP_CALL_PARAM:
-        call(m, in, in->op == OP_CALL ? in->a : named_function(m, in->a));
-        break;
-    case OP_SHARED:
-        get_shared(m, in);
-        break;
-    case OP_SHARE:
-        share(m, in->a);
-        break;
-    case OP_END:
-        return leave(m);
-    case OP_ARG_AT: /* these two are words of calls, and never next */
-    case OP_RESUME:
-    case OP_HALT:
-        return false;
+    default:
+        return go_on(m, in);
     }
     return true;
 }
