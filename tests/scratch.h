@@ -5,9 +5,9 @@
 #ifndef RADD_TESTS_SCRATCH_H
 #define RADD_TESTS_SCRATCH_H
 
+#include "base/output.h"
 #include "unit.h"
 
-#include <ftw.h>
 #include <stdio.h>
 #include <stdlib.h>
 
@@ -23,20 +23,10 @@ scratch_make(void)
     ck_assert_ptr_nonnull(mkdtemp(dir));
 }
 
-static inline int
-scratch_unlink(const char *path, const struct stat *st, int flag,
-               struct FTW *ftw)
-{
-    (void)st;
-    (void)flag;
-    (void)ftw;
-    return remove(path);
-}
-
 static inline void
 scratch_remove(void)
 {
-    nftw(dir, scratch_unlink, 8, FTW_DEPTH | FTW_PHYS);
+    rad_remove_dir(dir);
 }
 
 #endif

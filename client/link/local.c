@@ -5,9 +5,10 @@
 
 #include "link/programs.h"
 
+#include "base/output.h"
+
 #include <errno.h>
 #include <fcntl.h>
-#include <ftw.h>
 #include <poll.h>
 #include <sched.h>
 #include <signal.h>
@@ -55,22 +56,6 @@ make_folder(struct local *l, const char *base)
     return n < (int)sizeof l->folder && mkdtemp(l->folder) != NULL;
 }
 
-static int
-remove_entry(const char *path, const struct stat *st, int flag, struct FTW *ftw)
-{
-    (void)st;
-    (void)flag;
-    (void)ftw;
-    remove(path); /* what cannot be removed stays; the rest goes */
-    return 0;
-}
-
-static void
-remove_folder(const struct local *l)
-{
-    nftw(l->folder, remove_entry, 16, FTW_DEPTH | FTW_PHYS);
-}
-
 /* End what was launched, kindly at first. */
 static void
 end_launched(const struct local *l)
@@ -114,7 +99,7 @@ keep(const struct local *l)
     end_launched(l);
     for (int i = 0; i < SWEEPS && access(l->folder, F_OK) == 0; i++) {
         poll(NULL, 0, 2 * LOOK_MS);
-        remove_folder(l);
+        rad_remove_dir(l->folder);
     }
 }
 
@@ -474,7 +459,7 @@ local_stop(struct local *l)
             close(l->launched[i]);
     if (l->notify >= 0)
         close(l->notify);
-    remove_folder(l);
+    rad_remove_dir(l->folder);
     free(l->workers);
     free(l);
 }

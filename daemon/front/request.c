@@ -415,16 +415,18 @@ on_submit(struct coord *c, struct coord_conn *conn, const struct msg *m)
     coord_try_open(c, job);
 }
 
-/* A job that is over cannot be steered, and the user is told so: it neither
- * goes on nor loses its picture. */
-static bool
-refuse_over(struct coord *c, struct coord_conn *conn, uint32_t request,
-            const struct job *job)
+/* The job that a request is to steer; NULL, and the user is told why: one that
+ * is over neither goes on nor loses its picture. */
+static struct job *
+job_to_steer(struct coord *c, struct coord_conn *conn, uint32_t request,
+             const uint8_t *id)
 {
-    if (!job_over(job))
-        return false;
+    struct job *job = job_of_request(c, conn, request, id);
+
+    if (!job || !job_over(job))
+        return job;
     desk_reply_failed(c, conn, request, job->id, EX_USAGE, "the job is over");
-    return true;
+    return NULL;
 }
 
 /* The log says who steered which job. */
@@ -447,11 +449,9 @@ log_worker(struct coord *c, const struct coord_conn *conn, const char *what,
 static void
 on_cancel(struct coord *c, struct coord_conn *conn, const struct msg *m)
 {
-    struct job *job = job_of_request(c, conn, m->request, m->cancel.job);
+    struct job *job = job_to_steer(c, conn, m->request, m->cancel.job);
 
     if (!job)
-        return;
-    if (refuse_over(c, conn, m->request, job))
         return;
     log_job(c, conn, "cancelled", job);
     verdict_job(c, job, JOB_CANCELLED, EX_TEMPFAIL, "cancelled");
@@ -462,11 +462,9 @@ on_cancel(struct coord *c, struct coord_conn *conn, const struct msg *m)
 static void
 on_pause(struct coord *c, struct coord_conn *conn, const struct msg *m)
 {
-    struct job *job = job_of_request(c, conn, m->request, m->pause.job);
+    struct job *job = job_to_steer(c, conn, m->request, m->pause.job);
 
     if (!job)
-        return;
-    if (refuse_over(c, conn, m->request, job))
         return;
     log_job(c, conn, "paused", job);
     job->state = JOB_PAUSED;
@@ -477,11 +475,9 @@ on_pause(struct coord *c, struct coord_conn *conn, const struct msg *m)
 static void
 on_resume(struct coord *c, struct coord_conn *conn, const struct msg *m)
 {
-    struct job *job = job_of_request(c, conn, m->request, m->resume.job);
+    struct job *job = job_to_steer(c, conn, m->request, m->resume.job);
 
     if (!job)
-        return;
-    if (refuse_over(c, conn, m->request, job))
         return;
     log_job(c, conn, "resumed", job);
     if (job->state == JOB_PAUSED)
@@ -511,11 +507,9 @@ static void
 on_priority(struct coord *c, struct coord_conn *conn, const struct msg *m)
 {
     struct rad_error err = { 0 };
-    struct job *job = job_of_request(c, conn, m->request, m->priority.job);
+    struct job *job = job_to_steer(c, conn, m->request, m->priority.job);
 
     if (!job)
-        return;
-    if (refuse_over(c, conn, m->request, job))
         return;
     if (quota_priority(m->priority.priority, &err) != 0) {
         desk_reply_failed(c, conn, m->request, job->id,

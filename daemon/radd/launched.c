@@ -6,9 +6,10 @@
 #include "ground/service.h"
 #include "net/key/keyfile.h"
 
+#include "base/output.h"
+
 #include <dirent.h>
 #include <errno.h>
-#include <ftw.h>
 #include <poll.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -101,16 +102,6 @@ base_folder(void)
     return tmp && tmp[0] == '/' && strlen(tmp) < 80 ? tmp : "/tmp";
 }
 
-static int
-remove_entry(const char *path, const struct stat *st, int flag, struct FTW *ftw)
-{
-    (void)st;
-    (void)flag;
-    (void)ftw;
-    remove(path); /* what cannot be removed stays; the rest goes */
-    return 0;
-}
-
 /* Remove a folder of ours that nobody holds; a worker that starts has not
  * locked its own yet. */
 static void
@@ -125,7 +116,7 @@ sweep_one(const char *path)
     lock = service_lock_dir(path, NULL);
     if (lock < 0)
         return;
-    nftw(path, remove_entry, 16, FTW_DEPTH | FTW_PHYS);
+    rad_remove_dir(path);
     close(lock);
 }
 
@@ -166,7 +157,7 @@ void
 launched_end(struct launched *l)
 {
     if (l->folder[0])
-        nftw(l->folder, remove_entry, 16, FTW_DEPTH | FTW_PHYS);
+        rad_remove_dir(l->folder);
 }
 
 /* --- the end --- */

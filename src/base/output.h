@@ -53,4 +53,8 @@ int rad_output_write(const char *path, const void *bytes, size_t n, bool durable
  * fine if it is there.  RAD_ECANTCREAT. */
 int rad_make_dir(const char *path, int mode, struct rad_error *err);
 
+/* Remove the folder and what is in it, but not what links in it lead to; what
+ * cannot be removed stays, and the rest goes. */
+void rad_remove_dir(const char *path);
+
 #endif
