@@ -45,6 +45,23 @@ coord_start()
     tcp=$(sed -n 's/^tcp //p' "$work/c.ports")
 }
 
+# The next coordinator, on the state and at the addresses of the one before.
+# shellcheck disable=SC2086 # options are words
+coord_again()
+{
+    "$radcoord" --listen="$tcp" --keys="$work/keys" --socket="$sock" \
+        --state="$work/state" $coord_options 2>>"$work/c.log" &
+    coord_pid=$!
+}
+
+# The coordinator is gone in the middle of whatever it does, and there is the next.
+coord_crash()
+{
+    kill -KILL "$coord_pid"
+    wait "$coord_pid" 2>/dev/null
+    coord_again
+}
+
 # worker_start K THREADS: on 127.0.0.K, over TCP, with $worker_options
 worker_options=
 # shellcheck disable=SC2086 # options are words

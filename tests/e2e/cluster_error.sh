@@ -85,16 +85,6 @@ finish_job()
     same "$1"
 }
 
-kill_coordinator()
-{
-    kill -KILL "$coord_pid"
-    wait "$coord_pid" 2>/dev/null
-    # shellcheck disable=SC2086
-    "$radcoord" --listen="$tcp" --keys="$work/keys" --socket="$sock" \
-        --state="$work/state" $coord_options 2>>c.log &
-    coord_pid=$!
-}
-
 coord_options=--log-level=debug
 cluster_start 2 1
 
@@ -105,7 +95,7 @@ for at in 'pass=2 ' 'stage=0 ' 'stage=1 ' 'goes_on=0' 'unit out'; do
     n=$((n + 1))
     start "again$n"
     until_log "$at"
-    ended || kill_coordinator
+    ended || coord_crash
     finish_job "again$n"
 done
 

@@ -49,16 +49,6 @@ until_log()
 
 logged() { grep -q "$pattern" c.log || ended; }
 
-kill_coordinator()
-{
-    kill -KILL "$coord_pid"
-    wait "$coord_pid" 2>/dev/null
-    # shellcheck disable=SC2086
-    "$radcoord" --listen="$tcp" --keys="$work/keys" --socket="$sock" \
-        --state="$work/state" $coord_options 2>>c.log &
-    coord_pid=$!
-}
-
 coord_options=--log-level=debug
 cluster_start 2 1
 
@@ -68,7 +58,7 @@ for at in 'pass=0 ' 'pass=4 ' 'step=8 ' 'unit out'; do
     n=$((n + 1))
     start "again$n"
     until_log "$at"
-    ended || kill_coordinator
+    ended || coord_crash
     until_true 60 ended || {
         fail "the job does not end: $(tail -n 5 c.log)"
         kill $job
@@ -97,7 +87,7 @@ job=$!
 there() { [ -s "walk$frame.hdr" ] || ended; }
 for frame in 1 22; do
     until_true 60 there || fail "frame $frame does not come"
-    ended || kill_coordinator
+    ended || coord_crash
 done
 until_true 60 ended || fail "the walk does not end: $(tail -n 5 c.log)"
 wait $job || fail "walk: $(cat walk.err)"
@@ -129,7 +119,7 @@ id=$(sed -n 's/^radsubmit: job //p' cancelled.err)
 kill -KILL "$pid_1" "$pid_3"
 wait "$pid_1" "$pid_3" 2>/dev/null
 if ! ended; then
-    kill_coordinator
+    coord_crash
     until_true 20 "$radctl" --coordinator="$sock" cancel "$id" ||
         fail "a job with passes alone cannot be cancelled"
     "$radctl" --coordinator="$sock" status >said ||

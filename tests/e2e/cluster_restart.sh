@@ -47,12 +47,7 @@ again()
     eval "stopped=\$pid_$((3 - ${top:-1}))"
     kill -STOP "$stopped"
     until_true 60 in_the_middle "$1" || fail "the job does not start"
-    kill -KILL "$coord_pid"
-    wait "$coord_pid" 2>/dev/null
-    # shellcheck disable=SC2086
-    "$radcoord" --listen="$tcp" --keys="$work/keys" --socket="$sock" \
-        --state="$work/state" $coord_options 2>>c.log &
-    coord_pid=$!
+    coord_crash
     kill -CONT "$stopped"
     until_true 60 ended || {
         fail "the job does not end: $(tail -n 5 c.log)"

@@ -70,9 +70,7 @@ end_one "$nobody_pid" "a worker of nobody"
 kill -KILL "$coord_pid"
 [ -S "$sock" ] || fail "the socket went with the coordinator"
 wait "$coord_pid" 2>/dev/null
-"$radcoord" --listen="$tcp" --keys="$work/keys" --socket="$sock" \
-    --state="$work/state" 2>>c.log &
-coord_pid=$!
+coord_again
 until_true 60 n_workers 1 || fail "the worker does not come back"
 
 # asked to stop in the middle of its units a worker gives back what is left of

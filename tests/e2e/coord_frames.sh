@@ -31,9 +31,7 @@ kill -KILL "$coord_pid"
 wait "$coord_pid" 2>/dev/null
 before=$(stat -c %s "state/jobs/$id/room")
 "$radctl" check state >check || fail "check: $(cat check)"
-"$radcoord" --listen="$tcp" --keys="$work/keys" --socket="$sock" \
-    --state="$work/state" 2>>c.log &
-coord_pid=$!
+coord_again
 more_done()
 {
     [ "$(stat -c %s "state/jobs/$id/room")" -lt "$before" ]

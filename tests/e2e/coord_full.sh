@@ -141,9 +141,7 @@ kill -TERM "$coord_pid"
 wait "$coord_pid" || fail "a full coordinator ends with $?"
 make_some_room
 make_room
-"$radcoord" --listen="$tcp" --keys="$work/keys" \
-    --socket="$sock" --state="$work/state" 2>>c.log &
-coord_pid=$!
+coord_again
 wait $job || fail "last: $(cat last.err)"
 cmp alone.hdr last.hdr || fail "the picture of another life differs"
 
@@ -237,11 +235,7 @@ os.execv(sys.argv[1], sys.argv[1:])' "$radsubmit" --coordinator="$sock" \
     until_true 30 has_room || fail "it does not get the room that there is"
     "$radctl" --coordinator="$sock" resume "$id" || fail "it cannot go on"
     "$radctl" --coordinator="$sock" pause "$id" || fail "it cannot be paused"
-    kill -KILL "$coord_pid"
-    wait "$coord_pid" 2>/dev/null
-    "$radcoord" --listen="$tcp" --keys="$work/keys" \
-        --socket="$sock" --state="$work/state" 2>>c.log &
-    coord_pid=$!
+    coord_crash
     is_paused()
     {
         "$radctl" --coordinator="$sock" --json jobs >jobs.json &&

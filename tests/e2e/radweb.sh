@@ -110,14 +110,7 @@ until_true 10 test -e open || fail "no page is open"
 kill "$pid_1" "$coord_pid"
 wait "$pid_1" "$coord_pid"
 until_true 20 try away "$url" || fail "the page does not say that it is away"
-coord_start_again()
-{
-    "$radcoord" --listen="$tcp" --keys="$work/keys" \
-        --socket="$work/run/c.sock" --state="$work/state" \
-        2>>"$work/c.log" &
-    coord_pid=$!
-}
-coord_start_again
+coord_again
 until_true 40 try back "$url" || fail "it does not dial again"
 kill "$web"
 wait "$web" || fail "exit status $? when it is stopped"

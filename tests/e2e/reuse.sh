@@ -117,17 +117,8 @@ same_as_second three
 ended() { gone $job; }
 logged() { grep -q 'pass closed' "$work/c.log" || ended; }
 
-kill_coordinator()
-{
-    kill -KILL "$coord_pid"
-    wait "$coord_pid" 2>/dev/null
-    # shellcheck disable=SC2086
-    "$radcoord" --listen="$tcp" --keys="$work/keys" --socket="$sock" \
-        --state="$work/state" --log-level=debug 2>>"$work/c.log" &
-    coord_pid=$!
-}
-
-kill_coordinator
+coord_options=--log-level=debug
+coord_crash
 until_true 30 n_workers 3 || fail "the workers do not come back"
 # shellcheck disable=SC2086
 job between $second "$@" --reuse="$former"
@@ -140,7 +131,7 @@ job=$!
 until_true 60 logged || fail "no pass is closed"
 "$radctl" --coordinator="$sock" delete "$former" 2>"$work/said" ||
     fail "delete: $(cat "$work/said")"
-ended || kill_coordinator
+ended || coord_crash
 until_true 60 ended || fail "the job does not end: $(tail -n 5 "$work/c.log")"
 wait $job || fail "killed: $(cat "$work/killed.err")"
 same_as_second killed

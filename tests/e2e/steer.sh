@@ -55,11 +55,7 @@ until_true 30 in_hand "$out" || fail "the job does not go on"
 ctl drain w1 || fail "drain"
 until_true 30 sh -c "'$radctl' --coordinator='$sock' workers |
     grep -q '^w1 *drained'" || fail "w1 is not drained"
-kill -KILL "$coord_pid"
-wait "$coord_pid" 2>/dev/null
-"$radcoord" --listen="$tcp" --keys="$work/keys" --socket="$sock" \
-    --state="$work/state" $coord_options 2>>"$work/c.log" &
-coord_pid=$!
+coord_crash
 until_true 60 sh -c "'$radctl' --coordinator='$sock' workers |
     grep -q '^w1 *drained'" || fail "w1 is not drained after a restart"
 grep -q 'worker hangs' c.log && fail "a worker is said to hang"

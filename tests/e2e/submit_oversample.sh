@@ -173,16 +173,6 @@ until_true 30 rows_come || fail "no rows come"
 kill -KILL "$coord_pid"
 wait "$coord_pid" 2>/dev/null
 grep -q '"state": "done"' job.json && fail "it was over before the accident"
-# where it was: workers look for it there
-coord_again()
-{
-    rm -f "$work/c.ports"
-    "$radcoord" --listen="$tcp" --keys="$work/keys" \
-        --socket="$work/run/c.sock" --state="$work/state" \
-        --ports-file="$work/c.ports" 2>>"$work/c.log" &
-    coord_pid=$!
-    wait_file "$work/c.ports"
-}
 coord_again
 got()
 {
