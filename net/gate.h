@@ -18,14 +18,15 @@
 
 struct gate;
 
-/* One got in: the callee owns both; tls_id() names its key. */
+/* A visitor has proven its key, which tls_id() names: stream and tls are the
+ * callee's now. */
 typedef void gate_fn(void *arg, uv_stream_t *stream, struct tls *tls,
                      const char *peer);
 
 /* find as in tls.h; each visitor has limit_ms.  NULL when memory is out. */
 struct gate *gate_new(tls_find_fn *find, void *find_arg, unsigned limit_ms,
                       gate_fn *fn, void *arg);
-/* Those who wait are let go. */
+/* Ends the connections of visitors that have not proven a key. */
 void gate_free(struct gate *g);
 
 /* Takes an open stream that came from that address. */

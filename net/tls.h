@@ -72,17 +72,18 @@ void tls_decide(struct tls *t);
 int tls_read(struct tls *t, void *p, size_t n, struct rad_error *err);
 bool tls_ended(const struct tls *t);
 
-/* Bytes for the other side, at most TLS_PIECE. */
+/* Encrypt bytes for the other side, at most TLS_PIECE of them. */
 int tls_write(struct tls *t, const void *p, size_t n, struct rad_error *err);
-/* Any number of them, and what comes of it in a block of its own, behind `head`
- * bytes that are the caller's: *n bytes, to be freed.  NULL on failure. */
+/* Encrypt any number of bytes into a block of their own, behind `head` bytes
+ * that are the caller's to fill: *n bytes in all, to be freed.  NULL on
+ * failure. */
 void *tls_seal(struct tls *t, const void *p, size_t len, size_t head, size_t *n,
                struct rad_error *err);
-/* The same into `to`, which has room for tls_room(len) bytes: how many, or
- * negative. */
+/* Encrypt into `to`, which has room for tls_room(len) bytes.  Returns how many
+ * bytes were written, or a negative code. */
 long tls_seal_into(struct tls *t, const void *p, size_t len, uint8_t *to,
                    struct rad_error *err);
-/* Say that nothing more comes. */
+/* Tell the other side that nothing more comes. */
 void tls_end(struct tls *t);
 
 /* What is to be sent: how many bytes, and where; valid until the next call on
@@ -90,7 +91,7 @@ void tls_end(struct tls *t);
 size_t tls_out(struct tls *t, const uint8_t **p);
 void tls_sent(struct tls *t);
 
-/* So many bytes at most come of a tls_write() of n. */
+/* The most bytes that n bytes are when they are encrypted. */
 size_t tls_room(size_t n);
 
 /* The key of two workers in one job, from what the coordinator gave both: its

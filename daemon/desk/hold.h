@@ -22,7 +22,8 @@ void hold_shrunk(struct job *job, uint32_t unit, struct job_go *go);
  * is a new unit.  False: no line ends there. */
 bool hold_shrink(struct coord *c, struct job *job, uint32_t unit,
                  struct job_go *go, uint32_t height);
-/* End the attempt and free it, which moves another of the unit's. */
+/* End the attempt and free it; pointers to the unit's other attempts are not
+ * valid any more. */
 void hold_release(struct coord *c, struct job *job, uint32_t unit,
                   struct job_go *go);
 /* The attempt has made the base line above its unit, if it was to, or will not.

@@ -11,7 +11,7 @@
 struct job;
 struct msg_progress;
 
-/* What comes before the units of a job: its passes. */
+/* The part of a job that comes before its units: its passes. */
 struct progress_lead {
     double part; /* of all work of the job; 0: there is none */
     double done; /* share of it that is done; it never shrinks */

@@ -31,17 +31,18 @@ bool shared_facts_fit(const struct shared *s, const struct msg_facts *m);
  * takes to trace them? */
 bool shared_loan_fits(const struct shared *s, const struct msg_loan *m);
 
-/* Keep a copy, if there is room.  Returns how many of them came before, since
- * the line was dropped last: these were traced twice.  (Not of estimates.) */
+/* Keep a copy of facts, if there is room.  Returns how many of these pixels
+ * came before, since the line was dropped last, and so were traced twice; 0 of
+ * estimates. */
 uint32_t shared_put_facts(struct shared *s, const struct msg_facts *m);
 
-/* Those of a line, in the order in which they came: *at is NULL at first.
- * False: no more.  What m points at is valid until the line is dropped; the
- * job's id is the caller's to fill in. */
+/* The facts of a line, one message after the other, in the order in which they
+ * came: *at is NULL at first.  False: there are no more.  What m points at is
+ * valid until the line is dropped; the job's id is the caller's to fill in. */
 struct shared_facts;
 bool shared_get_facts(const struct shared *s, uint32_t frame, uint32_t line,
                       const struct shared_facts **at, struct msg_facts *m);
-/* Is there something of its base line, not for an estimate? */
+/* Have the facts pixels of the line's base line, and are no estimate's? */
 bool shared_of_base(const struct shared *s, const struct msg_facts *m);
 void shared_drop_facts(struct shared *s, uint32_t frame, uint32_t line);
 

@@ -97,14 +97,14 @@ int folder_sum(struct folder *f, const uint8_t job[MSG_JOB],
  * be kept is made again. */
 void folder_put_pass(struct folder *f, const uint8_t job[MSG_JOB],
                      uint32_t pass, const struct saved_pass *p);
-/* Passes that are kept, *n of them, as far as they are sound: what they lie in
- * is malloc'd, or NULL. */
+/* The passes of the job that are kept, *n of them, as far as they are sound.
+ * Returns the bytes that pass[] points into, malloc'd, or NULL. */
 #define FOLDER_MOST_CACHE (UINT64_C(1) << 30)
 uint8_t *folder_read_passes(struct folder *f, const uint8_t job[MSG_JOB],
                             struct saved_pass pass[MSG_MOST_PASSES],
                             uint32_t *n);
-/* The same of the file's bytes, which are lent; returns how many of them are
- * sound, from the first. */
+/* The same of the bytes of such a file, which are lent; returns how many of the
+ * bytes are sound, from the first. */
 size_t folder_parse_passes(const uint8_t *bytes, size_t len,
                            struct saved_pass pass[MSG_MOST_PASSES],
                            uint32_t *n);
@@ -124,7 +124,8 @@ void folder_drop_cache(const struct folder *f, const uint8_t job[MSG_JOB]);
  * is damaged, RAD_EFULL, RAD_ESHORT, RAD_EIO. */
 int folder_reuse(struct folder *f, const uint8_t job[MSG_JOB],
                  const uint8_t from[MSG_JOB], struct rad_error *err);
-/* Those records, *len bytes, malloc'd; NULL: RAD_EDATA, RAD_ENOMEM. */
+/* The records of a first pass that came by folder_reuse(), *len bytes,
+ * malloc'd; NULL: RAD_EDATA, RAD_ENOMEM. */
 uint8_t *folder_read_first(const struct folder *f, const uint8_t job[MSG_JOB],
                            size_t *len, struct rad_error *err);
 /* The job's pictures are made with these rendering options from now on; those

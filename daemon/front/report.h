@@ -19,7 +19,7 @@ char *report_query(const struct coord *c, enum msg_topic what, const char *text,
 json_t *report_gone(const struct coord *c, const struct saved_gone *g);
 json_t *report_job(const struct coord *c, const struct job *job, size_t label);
 
-/* What the jobs that are not over have of a worker. */
+/* What a worker does for all jobs that are not over, taken together. */
 struct report_share {
     bool lacks_room; /* it cannot take one of them now */
     bool prepares;   /* it makes tiles of a pass, or estimates: that is work

@@ -99,7 +99,7 @@ typedef int journal_job_fn(void *arg, const struct saved_job *s,
                            struct rad_error *err);
 int journal_read(struct journal *j, journal_job_fn *fn, void *arg,
                  struct rad_error *err);
-/* Likewise, for each worker that is drained. */
+/* fn is called for each worker that is drained; it may end the reading, too. */
 typedef int journal_worker_fn(void *arg, const char *worker,
                               struct rad_error *err);
 int journal_read_drained(struct journal *j, journal_worker_fn *fn, void *arg,

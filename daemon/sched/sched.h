@@ -34,7 +34,7 @@ void sched_drained(struct coord *c, struct coord_worker *w);
 /* Take the units of a job back and tell its workers that it is over. */
 void sched_job_over(struct coord *c, struct job *job);
 
-/* One unit for the worker; false: it gets none now. */
+/* Hand the worker one unit; false: there is none for it now. */
 bool sched_serve(struct coord *c, struct coord_worker *w);
 
 #endif

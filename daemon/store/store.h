@@ -90,7 +90,7 @@ typedef int store_job_fn(void *arg, const struct saved_job *s,
                          struct rad_error *err);
 int store_recover(struct store *s, uint64_t now_ms, uint64_t *epoch,
                   store_job_fn *fn, void *arg, struct rad_error *err);
-/* The same of the workers that are drained. */
+/* fn is called for each worker that an earlier process left drained. */
 typedef int store_worker_fn(void *arg, const char *worker,
                             struct rad_error *err);
 int store_read_drained(struct store *s, store_worker_fn *fn, void *arg,
