@@ -66,6 +66,7 @@ UNIT_TESTS = \
 	tests/check_mist \
 	tests/check_octfile \
 	tests/check_octree \
+	tests/check_options \
 	tests/check_origin \
 	tests/check_owner \
 	tests/check_params \

@@ -23,6 +23,21 @@ scratch_make(void)
     ck_assert_ptr_nonnull(mkdtemp(dir));
 }
 
+/* A file of the folder; the name is overwritten by the next call. */
+static inline const char *
+scratch_file(const char *name, const char *text)
+{
+    static char path[200];
+    FILE *file;
+
+    snprintf(path, sizeof path, "%s/%s", dir, name);
+    file = fopen(path, "w");
+    ck_assert_ptr_nonnull(file);
+    fputs(text, file);
+    fclose(file);
+    return path;
+}
+
 static inline void
 scratch_remove(void)
 {

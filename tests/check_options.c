@@ -1,0 +1,433 @@
+/* check_options.c - radsubmit's command line */
+#include "config.h"
+
+#include "job/submit_options.h"
+#include "job/submit_parse.h"
+#include "common/words.h"
+#include "proto/message.h"
+#include "scratch.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sysexits.h>
+#include <unistd.h>
+
+/* Cut a command line at its blanks (those of `line`, which is changed). */
+static int
+split(char *line, char *argv[], int room)
+{
+    int argc = 0;
+    char *save;
+
+    argv[argc++] = (char *)"radsubmit";
+    for (char *w = strtok_r(line, " ", &save); w && argc < room - 1;
+         w = strtok_r(NULL, " ", &save))
+        argv[argc++] = w;
+    argv[argc] = NULL;
+    return argc;
+}
+
+static int
+parse(struct submit_options *o, struct words *w, const char *text,
+      struct rad_error *err)
+{
+    static char line[1000];
+    char *argv[100];
+    int argc;
+
+    snprintf(line, sizeof line, "%s", text);
+    argc = split(line, argv, N_ELEM(argv));
+    ck_assert_int_eq(words_init(w, argc, argv, err), 0);
+    return submit_parse(o, w, err);
+}
+
+START_TEST(options_of_both_kinds_mix)
+{
+    struct submit_options o;
+    struct words w;
+    struct rad_error err = { 0 };
+    int rc =
+        parse(&o, &w,
+              "-ab 2 --workers=3 -x 384 --threads 2 -vp 1 2 3 -dv- "
+              "--partition=window --order random --windows=64 -o a.hdr "
+              "--no-share --same-bits -z d.z --seed=7 --wait 2.5 a.rad b.rad",
+              &err);
+
+    ck_assert_msg(rc == SUBMIT_RUN, "%s", err.what);
+    ck_assert_int_eq(o.params.ambounce, 2);
+    ck_assert_int_eq(o.params.xres, 384);
+    ck_assert_int_eq(o.params.yres, 512);
+    ck_assert(!o.params.directvis);
+    ck_assert_uint_eq(o.params.seed, 7);
+    ck_assert_double_eq(o.view.vp[1], 2);
+    ck_assert_int_eq(o.workers, 3);
+    ck_assert_int_eq(o.threads, 2);
+    ck_assert_int_eq(o.partition, PARTITION_WINDOW);
+    ck_assert_int_eq(o.order, ORDER_RANDOM);
+    ck_assert_int_eq(o.windows, 64);
+    ck_assert_double_eq(o.wait_s, 2.5);
+    ck_assert(o.no_share);
+    ck_assert(o.same_bits);
+    ck_assert_str_eq(o.output, "a.hdr");
+    ck_assert_str_eq(o.depth, "d.z");
+    ck_assert_int_eq(o.nscenes, 2);
+    ck_assert_str_eq(o.scenes[1], "b.rad");
+    words_release(&w);
+}
+END_TEST
+
+/* The rendering options that a command line comes to. */
+static const char *
+params_of(const char *text)
+{
+    static char formatted[2][RAD_PARAMS_TEXT];
+    static int turn;
+    struct rad_error err = { 0 };
+    struct submit_options o;
+    struct words w;
+
+    ck_assert_int_eq(parse(&o, &w, text, &err), SUBMIT_RUN);
+    turn = !turn;
+    rad_params_format(&o.params, formatted[turn], RAD_PARAMS_TEXT);
+    words_release(&w);
+    return formatted[turn];
+}
+
+START_TEST(a_dash_is_standard_output)
+{
+    struct submit_options o;
+    struct words w;
+    struct rad_error err = { 0 };
+
+    ck_assert_int_eq(parse(&o, &w, "-o - a.rad", &err), SUBMIT_RUN);
+    ck_assert_ptr_null(o.output);
+    words_release(&w);
+    ck_assert_int_eq(parse(&o, &w, "-S 1 -o - a.rad", &err), SUBMIT_RUN);
+    ck_assert_ptr_null(o.output);
+    words_release(&w);
+    ck_assert_int_eq(parse(&o, &w, "-o ./- a.rad", &err), SUBMIT_RUN);
+    ck_assert_str_eq(o.output, "./-");
+    words_release(&w);
+}
+END_TEST
+
+START_TEST(quality_is_for_what_was_not_said)
+{
+    const char *plain = "-vp 0 0 0 -aa .3 s.rad";
+
+    ck_assert_str_eq(params_of("--quality=high -aa .7 -ps 2 s.rad"),
+                     params_of("-aa .7 -ps 2 --quality=high s.rad"));
+    ck_assert_str_ne(params_of("--quality=high -aa .7 s.rad"),
+                     params_of("--quality=high s.rad"));
+    ck_assert_str_ne(params_of("--quality=high s.rad"),
+                     params_of("--quality=medium s.rad"));
+    /* of several the last; what a default says counts too */
+    ck_assert_str_eq(params_of("--quality=draft --quality=high s.rad"),
+                     params_of("--quality=high s.rad"));
+    ck_assert_ptr_nonnull(
+        strstr(params_of("-ab 0 --quality=high s.rad"), "-ab 0 "));
+    ck_assert_ptr_nonnull(strstr(params_of(plain), "-aa 0.3 "));
+}
+END_TEST
+
+START_TEST(samples_go_by_quality_or_by_what_the_picture_is_for)
+{
+    static const struct {
+        const char *line;
+        int oversample;
+    } rows[] = { { "a.rad", 1 },
+                 { "-o x.hdr a.rad", 1 },
+                 { "-o x.png a.rad", 2 },
+                 { "--format=png a.rad", 2 },
+                 { "-o x.png --format=hdr a.rad", 1 },
+                 { "-o x.png --oversample=1 a.rad", 1 },
+                 { "-o x.hdr --preview=x.png a.rad", 1 },
+                 { "--quality=draft -o x.png a.rad", 1 },
+                 { "--quality=low a.rad", 2 },
+                 { "--quality=medium a.rad", 2 },
+                 { "--quality=high a.rad", 3 },
+                 { "--oversample=4 --quality=high a.rad", 4 } };
+    struct submit_options o;
+    struct words w;
+    struct rad_error err = { 0 };
+
+    ck_assert_int_eq(parse(&o, &w, rows[_i].line, &err), SUBMIT_RUN);
+    ck_assert_int_eq(o.oversample, rows[_i].oversample);
+    ck_assert_int_eq(o.params.xres, 512 * rows[_i].oversample);
+    words_release(&w);
+}
+END_TEST
+
+START_TEST(options_about_messages_are_rpicts)
+{
+    struct submit_options o;
+    struct words w;
+    struct rad_error err = { 0 };
+    static const struct {
+        const char *line;
+        bool quiet;
+    } say[] = { { "a.rad", false },
+                { "-w a.rad", true },
+                { "-w -w a.rad", false },
+                { "-w- a.rad", true },
+                { "-w -w+ a.rad", false } };
+
+    for (int i = 0; i < N_ELEM(say); i++) {
+        ck_assert_int_eq(parse(&o, &w, say[i].line, &err), SUBMIT_RUN);
+        ck_assert_int_eq(o.quiet, say[i].quiet);
+        words_release(&w);
+    }
+    ck_assert_int_eq(parse(&o, &w, "-t 30 -e err.txt a.rad", &err), SUBMIT_RUN);
+    ck_assert_int_eq(o.report_s, 30);
+    ck_assert_str_eq(o.errors, "err.txt");
+    words_release(&w);
+}
+END_TEST
+
+START_TEST(names_of_modifiers_come_from_files)
+{
+    char path[] = "/tmp/check_options.XXXXXX", line[200];
+    struct submit_options o;
+    struct words w;
+    struct rad_error err = { 0 };
+    int fd = mkstemp(path);
+
+    ck_assert_int_ge(fd, 0);
+    ck_assert_int_eq(write(fd, " red\n\tblue green ", 17), 17);
+    close(fd);
+    snprintf(line, sizeof line, "-ae white -aE %s a.rad", path);
+    ck_assert_int_eq(parse(&o, &w, line, &err), SUBMIT_RUN);
+    ck_assert_int_eq(o.params.amblisted, RAD_AMB_EXCLUDE);
+    ck_assert_str_eq(o.params.amblist, "white red blue green");
+    words_release(&w);
+    snprintf(line, sizeof line, "-ae white -aI %s a.rad", path);
+    ck_assert_int_eq(parse(&o, &w, line, &err), SUBMIT_RUN);
+    ck_assert_int_eq(o.params.amblisted, RAD_AMB_INCLUDE);
+    ck_assert_str_eq(o.params.amblist, "red blue green");
+    words_release(&w);
+    unlink(path);
+}
+END_TEST
+
+static const struct {
+    const char *line;
+    int partition, order;
+    const char *estimate, *costs;
+    bool no_balance;
+} sharing[] = {
+    { "a.rad", PARTITION_AUTO, ORDER_NONE, NULL, NULL, false },
+    { "--partition=static --estimate=20a a.rad", PARTITION_STATIC, ORDER_NONE,
+      "20a", NULL, false },
+    { "--partition static --no-balance --estimate 1000b a.rad",
+      PARTITION_STATIC, ORDER_NONE, "1000b", NULL, true },
+    { "--partition=scanbar --estimate=uniform a.rad", PARTITION_SCANBAR,
+      ORDER_NONE, "uniform", NULL, false },
+    { "--partition=window --order=cost --estimate=1a a.rad", PARTITION_WINDOW,
+      ORDER_COST, "1a", NULL, false },
+    { "--estimate=b/20a.json a.rad", PARTITION_AUTO, ORDER_NONE, NULL,
+      "b/20a.json", false },
+};
+
+START_TEST(work_is_shared_as_asked)
+{
+    struct submit_options o;
+    struct words w;
+    struct rad_error err = { 0 };
+
+    ck_assert_msg(parse(&o, &w, sharing[_i].line, &err) == SUBMIT_RUN, "%s",
+                  err.what);
+    ck_assert_int_eq(o.partition, sharing[_i].partition);
+    ck_assert_int_eq(o.order, sharing[_i].order);
+    ck_assert_pstr_eq(o.estimate, sharing[_i].estimate);
+    ck_assert_pstr_eq(o.costs, sharing[_i].costs);
+    ck_assert_int_eq(o.no_balance, sharing[_i].no_balance);
+    words_release(&w);
+}
+END_TEST
+
+/* radsubmit.c sends the place of a word. */
+START_TEST(words_stand_where_the_protocol_has_them)
+{
+    ck_assert_int_eq(PARTITION_AUTO, MSG_PART_AUTO);
+    ck_assert_int_eq(PARTITION_STATIC, MSG_PART_STATIC);
+    ck_assert_int_eq(PARTITION_SCANBAR, MSG_PART_SCANBAR);
+    ck_assert_int_eq(PARTITION_WINDOW, MSG_PART_WINDOW);
+    ck_assert_int_eq(ORDER_FORWARD, MSG_ORDER_FORWARD);
+    ck_assert_int_eq(ORDER_BACKWARD, MSG_ORDER_BACKWARD);
+    ck_assert_int_eq(ORDER_RANDOM, MSG_ORDER_RANDOM);
+    ck_assert_int_eq(ORDER_COST, MSG_ORDER_COST);
+}
+END_TEST
+
+static const struct {
+    const char *line;
+    const char *names; /* must be in the message */
+} wrong[] = {
+    { "-x abc a.rad", "-x" },
+    { "-x", "-x" },
+    { "-x -3 a.rad", "-x" },
+    { "-r f a.rad", "-r" },
+    { "-e x=3 a.rad", "-e" },
+    { "-t -1 a.rad", "-t" },
+    { "-pm .1 -S 2 -o %d.hdr a.rad", "-S" },
+    { "-aI", "-aI" },
+    { "-af", "-af" },
+    { "-features a.rad", "-features" },
+    { "-nonsense a.rad", "-nonsense" },
+    { "--nonsense a.rad", "--nonsense" },
+    { "--partition=pie a.rad", "pie" },
+    { "--partition=scanbar --windows=4 a.rad", "--windows" },
+    { "--order=cost --partition=static a.rad", "--order" },
+    { "--order=dear a.rad", "dear" },
+    { "--estimate=5c a.rad", "5c" },
+    { "--estimate=a a.rad", "--estimate" },
+    { "--estimate=0b a.rad", "--estimate" },
+    { "--estimate=1001a a.rad", "1000" },
+    { "--estimate=9999999999a a.rad", "--estimate" },
+    { "--estimate=20ab a.rad", "20ab" },
+    { "--estimate=-5a a.rad", "--estimate" },
+    { "--estimate=stats.txt a.rad", "FILE.json" },
+    { "--estimate=.json a.rad", "FILE.json" },
+    { "--no-balance=1 a.rad", "--no-balance" },
+    { "--workers=0 a.rad", "--workers" },
+    { "--workers=2.5 a.rad", "--workers" },
+    { "--workers", "--workers" },
+    { "--threads= a.rad", "--threads" },
+    { "--wait=-1 a.rad", "--wait" },
+    { "--wait=nan a.rad", "--wait" },
+    { "--local=yes a.rad", "--local" },
+    { "--local --coordinator=h:1 a.rad", "--coordinator" },
+    { "--reuse= a.rad", "--reuse" },
+    { "--reuse=latest a.rad", "--reuse" },
+    { "--reuse=0123456789abcdef a.rad", "--reuse" },
+    { "--reuse=last --ambient=live a.rad", "--ambient=live" },
+    { "--reuse=last --no-share a.rad", "--no-share" },
+    { "--reuse=last --fresh-frames -S 1 a.rad", "--fresh-frames" },
+    { "--reuse=last --dry-run a.rad", "--dry-run" },
+    { "--reuse=last --local a.rad", "coordinator" },
+    { "--views=v a.rad", "--views" },
+    { "--no-clobber -o a%d.hdr a.rad", "--no-clobber" },
+    { "--no-clobber -S 1 a.rad", "--no-clobber" },
+    { "--view a.rad", "scene" },
+    { "-S 0 -o %d.hdr a.rad", "-S" },
+    { "-S 1 -o %d.hdr -", "--views" },
+    { "--detach -o a.hdr a.rad", "--detach" },
+    { "-vu 0 1 0 a.rad", "" }, /* parallel to the direction */
+    { "-vf", "-vf" },
+    { "a.rad -x 3", "-x" },
+    { "- -", "standard input" },
+    { "", "scene" },
+    { "-ab 0", "scene" },
+};
+
+START_TEST(wrong_command_lines_are_named)
+{
+    struct submit_options o;
+    struct words w;
+    struct rad_error err = { 0 };
+
+    ck_assert_int_eq(parse(&o, &w, wrong[_i].line, &err), RAD_EUSAGE);
+    ck_assert_int_eq(rad_exit_status(err.code), EX_USAGE);
+    ck_assert_msg(strstr(err.what, wrong[_i].names), "'%s' does not name '%s'",
+                  err.what, wrong[_i].names);
+    words_release(&w);
+}
+END_TEST
+
+START_TEST(files_and_variables_open_up_in_place)
+{
+    struct submit_options o;
+    struct words w;
+    struct rad_error err = { 0 };
+    char line[600], inner[200];
+
+    snprintf(inner, sizeof inner, "%s",
+             scratch_file("inner", "-ab\n 3\t-aa .1"));
+    snprintf(line, sizeof line, "-x 11 @%s\n-y 12", inner);
+    setenv("CHECK_OPTIONS", "-ps 2 --workers=5", 1);
+    snprintf(line, sizeof line, "@%s $CHECK_OPTIONS -o @a a.rad @b",
+             scratch_file("outer", line));
+    ck_assert_msg(parse(&o, &w, line, &err) == SUBMIT_RUN, "%s", err.what);
+    ck_assert_int_eq(o.params.xres, 11);
+    ck_assert_int_eq(o.params.yres, 12);
+    ck_assert_int_eq(o.params.ambounce, 3);
+    ck_assert_double_eq(o.params.ambacc, .1);
+    ck_assert_int_eq(o.params.psample, 2);
+    ck_assert_int_eq(o.psample_asked, 2);
+    ck_assert_int_eq(o.workers, 5);
+    ck_assert_str_eq(o.output, "@a"); /* a value is no option */
+    ck_assert_int_eq(o.nscenes, 2);
+    ck_assert_str_eq(o.scenes[1], "@b"); /* nor is a scene */
+    words_release(&w);
+}
+END_TEST
+
+START_TEST(expansion_that_cannot_be_is_an_error)
+{
+    struct submit_options o;
+    struct words w;
+    struct rad_error err = { 0 };
+    char line[300];
+
+    ck_assert_int_eq(parse(&o, &w, "@/nonexistent a.rad", &err), RAD_ENOINPUT);
+    words_release(&w);
+    err.code = 0;
+    ck_assert_int_eq(parse(&o, &w, "$NO_SUCH_VARIABLE a.rad", &err),
+                     RAD_EUSAGE);
+    words_release(&w);
+    err.code = 0;
+    snprintf(line, sizeof line, "@%s/self", dir);
+    scratch_file("self", line);
+    ck_assert_int_eq(parse(&o, &w, line, &err), RAD_EUSAGE);
+    words_release(&w);
+}
+END_TEST
+
+START_TEST(view_files_are_read_in_their_place)
+{
+    struct submit_options o;
+    struct words w;
+    struct rad_error err = { 0 };
+    char line[300];
+
+    snprintf(line, sizeof line, "-vp 9 9 9 -vf %s -vh 30 a.rad",
+             scratch_file("v.vf", "rvu -vp 1 2 3 -vh 60\n"));
+    ck_assert_msg(parse(&o, &w, line, &err) == SUBMIT_RUN, "%s", err.what);
+    ck_assert_double_eq(o.view.vp[0], 1);
+    ck_assert_double_eq(o.view.horiz, 30);
+    words_release(&w);
+    ck_assert_int_eq(parse(&o, &w, "-vf /nonexistent a.rad", &err),
+                     RAD_ENOINPUT);
+    words_release(&w);
+    err = (struct rad_error){ 0 };
+    snprintf(line, sizeof line, "-vf %s a.rad",
+             scratch_file("v.vf", "no view"));
+    ck_assert_int_eq(parse(&o, &w, line, &err), RAD_EDATA);
+    words_release(&w);
+}
+END_TEST
+
+int
+main(void)
+{
+    Suite *s = suite_create("options");
+    TCase *tc = tcase_create("options");
+
+    tcase_add_checked_fixture(tc, scratch_make, scratch_remove);
+    tcase_add_test(tc, options_of_both_kinds_mix);
+    tcase_add_test(tc, a_dash_is_standard_output);
+    tcase_add_test(tc, quality_is_for_what_was_not_said);
+    tcase_add_loop_test(tc, samples_go_by_quality_or_by_what_the_picture_is_for,
+                        0, 12);
+    tcase_add_test(tc, options_about_messages_are_rpicts);
+    tcase_add_test(tc, names_of_modifiers_come_from_files);
+    tcase_add_loop_test(tc, work_is_shared_as_asked, 0, N_ELEM(sharing));
+    tcase_add_test(tc, words_stand_where_the_protocol_has_them);
+    tcase_add_loop_test(tc, wrong_command_lines_are_named, 0, N_ELEM(wrong));
+    tcase_add_test(tc, files_and_variables_open_up_in_place);
+    tcase_add_test(tc, expansion_that_cannot_be_is_an_error);
+    tcase_add_test(tc, view_files_are_read_in_their_place);
+    suite_add_tcase(s, tc);
+    return unit_run(s);
+}
