@@ -59,6 +59,23 @@ START_TEST(names_that_are_not_there_cut_nothing)
 }
 END_TEST
 
+/* A part of a mixture cuts what is behind it for that part's light. */
+START_TEST(antimatter_in_a_mixture_cuts_for_its_part)
+{
+    struct world w;
+
+    world_open(&w,
+               WALL "void antimatter hole 2 void wall 0 0\n"
+                    "void mixfunc some 4 hole void .25 . 0 0\n"
+                    "void alias most some\n"
+                    "most sphere s 0 0 4 0 0 0 1\n",
+               "-av 1 1 1");
+    near(world_see(&w, 0, 0, 5, 0, 0, -1).r, .25 * 7 + .75 * .5);
+    ck_assert_double_eq(world_see(&w, 1.01, 0, 5, 0, 0, -1).r, .5);
+    world_close(&w);
+}
+END_TEST
+
 /* A lamp behind the wall shines through the hole, and only there. */
 START_TEST(light_falls_through_a_hole)
 {
@@ -201,6 +218,7 @@ make_suite(void)
 
     tcase_add_test(tc, hole_in_a_wall_lets_one_see_through);
     tcase_add_test(tc, names_that_are_not_there_cut_nothing);
+    tcase_add_test(tc, antimatter_in_a_mixture_cuts_for_its_part);
     tcase_add_test(tc, light_falls_through_a_hole);
     tcase_add_loop_test(tc, cut_in_a_solid_shows_its_filling, 0, N_ELEM(cut));
     tcase_add_test(tc, reflection_stays_on_its_side);

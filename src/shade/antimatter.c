@@ -18,6 +18,7 @@
 #include <string.h>
 
 struct antimatter {
+    int32_t index; /* of its object */
     bool filled;     /* the first name is a material's: */
     int32_t filling; /* the modifier that cuts show */
     int32_t n;       /* modifiers named, each the first like it */
@@ -93,6 +94,7 @@ rad_antimatter_prepare(struct rad_job *job, int32_t index,
         mark(job, m);
         a->names[a->n++] = m;
     }
+    a->index = index;
     a->filled = strcmp(o->strings[0], "void") != 0;
     a->filling = rad_scene_find_modifier(scene, o->strings[0], index);
     *data = a;
@@ -110,18 +112,12 @@ goes_through(const struct rad_ray *child)
 static bool
 is_within(const struct rad_job *job, const struct rad_ray *r, int32_t modifier)
 {
-    const struct rad_object *objects = job->scene->objects;
-    int32_t m;
-
     for (; r->parent; r = r->parent) {
         const struct rad_ray *p = r->parent;
+        int32_t m = p->passed_cut;
 
-        if (!goes_through(r) || p->kind & RAD_RAY_CUT || p->hit.obj == RAD_VOID)
-            continue;
-        m = rad_material_of(job->scene, objects[p->hit.obj].modifier);
-        if (m == RAD_VOID || objects[m].type != RAD_ANTIMATTER)
-            continue;
-        if (has(job, job->materials[m].data, modifier))
+        if (goes_through(r) && m != RAD_VOID &&
+            has(job, job->materials[m].data, modifier))
             return rad_dot(p->dir, p->hit.n) < 0; /* it went in */
     }
     return false;
@@ -163,6 +159,7 @@ rad_antimatter_shade(struct rad_ctx *ctx, const struct rad_material *mat,
 {
     const struct antimatter *a = mat->data;
 
+    r->passed_cut = a->index;
     if (a->filled && depth_inside(ctx, a, r) > 0) {
         rad_ray_flip(r); /* the cut faces the hole */
         return rad_ray_shade(ctx, r, a->filling);

@@ -162,6 +162,7 @@ rad_ray_clear(struct rad_ray *r)
     r->hit.in = NULL;
     r->hit.bent = false;
     r->far_source = -1;
+    r->passed_cut = RAD_VOID;
     r->L = rad_grey(0);
     r->L_mirror = rad_grey(0);
     r->dist = INFINITY;

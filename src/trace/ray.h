@@ -50,6 +50,8 @@ struct rad_ray {
     struct rad_hit hit;     /* hit.obj is RAD_VOID: nothing (or a distant
                              * source: then far_source says which) */
     int32_t far_source;     /* index of the distant source met, or -1 */
+    int32_t passed_cut;     /* the antimatter that it has passed through there,
+                             * as a mixture's part, too; RAD_VOID: none */
     double n[3];            /* hit.n, turned by rad_ray_flip() for back sides */
     double cos_o;           /* -dir.n: positive on the side of the normal */
     double pert[3];         /* perturbation of n by textures */
