@@ -115,6 +115,27 @@ START_TEST(texture_tilts_the_normal)
 }
 END_TEST
 
+/* A distant source is at no place: its functions see where it is seen from, as
+ * in Radiance, by the eye or by what it lights. */
+START_TEST(distant_source_has_the_place_it_is_seen_from)
+{
+    static const double at[3] = { 4, 0, 0 }, up[3] = { 0, 0, 1 };
+    struct rad_ray r;
+    struct world w;
+
+    world_open(&w,
+               "void brightfunc p 2 Px+Pz/4 . 0 0\np glow g 0 0 4 2 2 2 0\n"
+               "g source sky 0 0 4 0 0 1 180\n"
+               "p light l 0 0 3 50 50 50\nl source sun 0 0 4 0 0 1 10\n",
+               "");
+    ck_assert_double_eq_tol(world_see(&w, 3, 0, 2, .6, 0, .8).r, 7, 1e-6);
+    rad_ray_irradiance(&w.ctx, &r, at, up, 1);
+    ck_assert_double_eq_tol(
+        r.L.r / (50 * 2 * M_PI * (1 - cos(5 * M_PI / 180))), 4, .02);
+    world_close(&w);
+}
+END_TEST
+
 /* Radiance's bound: what is flat decides how far sources spread gloss. */
 START_TEST(texture_of_a_millionth_is_none)
 {
@@ -400,6 +421,7 @@ main(void)
     tcase_add_test(tc, texture_tilts_the_normal);
     tcase_add_loop_test(tc, texture_called_phong_turns_nothing_that_passes, 0,
                         N_ELEM(clear));
+    tcase_add_test(tc, distant_source_has_the_place_it_is_seen_from);
     tcase_add_test(tc, texture_of_a_millionth_is_none);
     tcase_add_loop_test(tc, mixture_weighs_its_materials, 0, N_ELEM(mixed));
     tcase_add_test(tc, irradiance_goes_through_a_mixture);

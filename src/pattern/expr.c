@@ -6,7 +6,7 @@
 
 #include <stdlib.h>
 
-#define FAR 1e10 /* how far away Radiance takes distant sources to be */
+#define FAR 1e10 /* length of a ray to a distant source, as in Radiance */
 
 /* --- compiling ------------------------------------------------------------ */
 
@@ -223,14 +223,8 @@ set_channels(double c[RAD_CALC_NCHANNELS], const struct rad_expr *e,
         turn_inward(c, r->dir, c);
     if (e->channels & NORMAL)
         turn_inward(c, r->n, c + 3);
-    if (e->channels & POINT) {
-        double p[3];
-
-        rad_copy(p, r->hit.p);
-        if (!(r->hit.t < INFINITY))
-            rad_madd(p, r->org, FAR, r->dir);
-        rad_xform_point(c + 6, b, p);
-    }
+    if (e->channels & POINT)
+        rad_xform_point(c + 6, b, r->hit.p);
     if (e->channels & WAY)
         c[9] = way(r, RAD_RAY_PRIMARY) * b->scale;
     c[10] = rad_least(rad_most(r->cos_o, -1), 1);

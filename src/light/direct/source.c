@@ -227,6 +227,7 @@ rad_source_behind(struct rad_ctx *ctx, struct rad_ray *r)
         return RAD_VOID;
     r->far_source = i;
     r->hit.t = INFINITY;
+    rad_copy(r->hit.p, r->org); /* what is nowhere is seen at the eye */
     rad_scale(r->n, -1, r->dir);
     r->cos_o = 1;
     r->pert[0] = r->pert[1] = r->pert[2] = 0;
