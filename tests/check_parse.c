@@ -414,6 +414,9 @@ static const struct {
       "a.rad:1: bubble 's': negative radius: it is turned inside out" },
     { "void polygon p 0 0 12 0 0 0 1 1 1 2 2 2 3 3 3",
       "a.rad:1: polygon 'p': zero area: it is left out" },
+    { "void polygon p 0 0 12 0 0 0 1 0 0 1 1 .3 0 1 0\n",
+      "a.rad:1: polygon 'p': corners that are not in one plane: it is made "
+      "flat" },
     { MAT "m source s 0 0 4 0 0 0 5", "a.rad:2: source 's': zero direction" },
     { "void source s 0 0 4 0 0 1 0",
       "a.rad:1: source 's': angle 0 is not above 0" },

@@ -12,10 +12,12 @@
  * renderers refuse. */
 #include "config.h"
 
+#include "base/vec.h"
 #include "scene/part.h"
 
 #include <assert.h>
 #include <limits.h>
+#include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -63,6 +65,10 @@ report(struct checker *c, const struct rad_object *o, int code, const char *fmt,
         c->each(c->arg, &err);
 }
 
+/* Corners of polygons may lie so far from their plane, of the polygon's width:
+ * what text files round is less, and nobody sees it. */
+#define UNEVEN 1e-3
+
 /* --- one object ------------------------------------------------------- */
 
 static bool
@@ -71,12 +77,11 @@ zero_vector(const double v[3])
     return v[0] == 0 && v[1] == 0 && v[2] == 0;
 }
 
-/* Twice the area's vector is 0 to the last bit. */
-static bool
-zero_area(const double *v, int n)
+/* Twice a polygon's area as a vector, in the direction of its normal. */
+static void
+area_vector(const double *v, int n, double sum[3])
 {
-    double sum[3] = { 0 };
-
+    sum[0] = sum[1] = sum[2] = 0;
     for (int i = 2; i < n; i++) {
         const double *a = v + 3 * (i - 1), *b = v + 3 * i;
 
@@ -87,19 +92,53 @@ zero_area(const double *v, int n)
                       (a[z] - v[z]) * (b[y] - v[y]);
         }
     }
-    return zero_vector(sum);
+}
+
+/* How far corners are from the plane through their middle that is normal to
+ * area, as a part of how far they are from each other. */
+static double
+unevenness(const double *v, int n, const double area[3])
+{
+    double mean = 0, off = 0, wide = 0, norm[3];
+
+    rad_copy(norm, area);
+    rad_normalize(norm);
+    for (int i = 0; i < n; i++) {
+        double d[3];
+
+        rad_sub(d, v + 3 * (size_t)i, v);
+        mean += rad_dot(norm, d) / n;
+        wide = rad_most(wide, sqrt(rad_dot(d, d)));
+    }
+    for (int i = 0; i < n; i++) {
+        double d[3];
+
+        rad_sub(d, v + 3 * (size_t)i, v);
+        off = rad_most(off, fabs(rad_dot(norm, d) - mean));
+    }
+    return off / wide;
 }
 
 static void
 check_polygon(struct checker *c, const struct rad_object *o)
 {
-    if (o->nreals % 3)
+    int n = o->nreals / 3;
+    double area[3];
+
+    if (o->nreals % 3) {
         report(c, o, RAD_EDATA,
                "expected three real arguments for each vertex, got %d",
                (int)o->nreals);
-    else if (strcmp(o->name, RAD_MESH_FACE) != 0 &&
-             zero_area(o->reals, o->nreals / 3))
+        return;
+    }
+    if (strcmp(o->name, RAD_MESH_FACE) == 0)
+        return;
+    area_vector(o->reals, n, area);
+    if (zero_vector(area))
         report(c, o, RAD_WARNING, "zero area: it is left out");
+    else if (n > 3 && unevenness(o->reals, n, area) > UNEVEN)
+        report(c, o, RAD_WARNING,
+               "corners that are not in one plane: it is made flat");
 }
 
 static void
