@@ -64,6 +64,7 @@ static const struct {
     { "4 Px*10+Py . -rz 90", 28 }, /* (2,3) was (3,-2) */
     { "4 2-Dz . -s -3", 1 },       /* directions are turned, not scaled */
     { "6 U . -t 0 -1 0", 2 },
+    { "2 1+atan2(Lu,Ty) .", 1 },   /* Ty is 0, not -0 */
     { "2 sqrt(-Px) .", 1 }, /* no value: no effect */
     { "2 1/(Px-2) .", 1 },
     { "2 arg(AC+1) .", 1 },

@@ -208,6 +208,6 @@ rad_xform_invert(struct rad_xform *x, const struct rad_xform *a)
     r.scale = 1 / a->scale;
     rad_xform_vector(r.t, &r, a->t);
     for (int i = 0; i < 3; i++)
-        r.t[i] = -r.t[i];
+        r.t[i] = 0 - r.t[i]; /* 0, not -0, which atan2() tells apart */
     *x = r;
 }
