@@ -57,6 +57,7 @@ $as prlimit --pid="$pid_1" --nproc=1:
 job=$!
 until_true 30 grep -q 'child waits for a process' w1.log ||
     fail "it does not wait again: $(cat w1.log)"
+until_true 30 grep -q '^radsubmit: job ' err || fail "no id: $(cat err)"
 id=$(sed -n 's/^radsubmit: job //p' err)
 "$radctl" --coordinator="$sock" cancel "$id" || fail "it cannot be cancelled"
 wait $job && fail "a cancelled job is done"
