@@ -64,8 +64,8 @@ static const struct {
     { "4 Px*10+Py . -rz 90", 28 }, /* (2,3) was (3,-2) */
     { "4 2-Dz . -s -3", 1 },       /* directions are turned, not scaled */
     { "6 U . -t 0 -1 0", 2 },
-    { "2 1+atan2(Lu,Ty) .", 1 },   /* Ty is 0, not -0 */
-    { "2 sqrt(-Px) .", 1 }, /* no value: no effect */
+    { "2 1+atan2(Lu,Ty) .", 1 }, /* Ty is 0, not -0 */
+    { "2 sqrt(-Px) .", 1 },      /* no value: no effect */
     { "2 1/(Px-2) .", 1 },
     { "2 arg(AC+1) .", 1 },
 };
@@ -131,8 +131,8 @@ START_TEST(distant_source_has_the_place_it_is_seen_from)
                "");
     ck_assert_double_eq_tol(world_see(&w, 3, 0, 2, .6, 0, .8).r, 7, 1e-6);
     rad_ray_irradiance(&w.ctx, &r, at, up, 1);
-    ck_assert_double_eq_tol(
-        r.L.r / (50 * 2 * M_PI * (1 - cos(5 * M_PI / 180))), 4, .02);
+    ck_assert_double_eq_tol(r.L.r / (50 * 2 * M_PI * (1 - cos(5 * M_PI / 180))),
+                            4, .02);
     world_close(&w);
 }
 END_TEST

@@ -88,8 +88,8 @@ area_vector(const double *v, int n, double sum[3])
         for (int x = 0; x < 3; x++) {
             int y = (x + 1) % 3, z = (x + 2) % 3;
 
-            sum[x] += (a[y] - v[y]) * (b[z] - v[z]) -
-                      (a[z] - v[z]) * (b[y] - v[y]);
+            sum[x] +=
+                (a[y] - v[y]) * (b[z] - v[z]) - (a[z] - v[z]) * (b[y] - v[y]);
         }
     }
 }

@@ -18,7 +18,7 @@
 #include <string.h>
 
 struct antimatter {
-    int32_t index; /* of its object */
+    int32_t index;   /* of its object */
     bool filled;     /* the first name is a material's: */
     int32_t filling; /* the modifier that cuts show */
     int32_t n;       /* modifiers named, each the first like it */
