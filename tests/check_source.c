@@ -375,7 +375,10 @@ START_TEST(memory_of_the_last_blocker_changes_nothing)
         ck_assert_double_eq(irradiance_at(&warm, x, y, 0),
                             irradiance_at(&cold, x, y, 0));
         ck_assert_uint_eq(warm.ctx.counts.rays, cold.ctx.counts.rays);
+        ck_assert_uint_eq(warm.ctx.counts.geom.tests,
+                          cold.ctx.counts.geom.tests);
     }
+    ck_assert_uint_gt(warm.ctx.counts.geom.tests, 0);
     world_close(&warm);
     world_close(&cold);
 }

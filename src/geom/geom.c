@@ -503,7 +503,7 @@ rad_geom_first(const struct rad_geom *g, const struct rad_span *span,
     return hit->obj != RAD_VOID;
 }
 
-/* Test the remembered blocker; it counts as a test like any other. */
+/* Test the remembered blocker. */
 static bool
 still_blocks(const struct rad_geom *g, struct rad_walk *w, int32_t obj)
 {
@@ -516,25 +516,33 @@ still_blocks(const struct rad_geom *g, struct rad_walk *w, int32_t obj)
     p = &g->top.prims[g->prim_of[obj]];
     if (!(p->surf & RAD_SURF_OPAQUE))
         return false;
-    w->tests++;
     if (p->kind == PRIM_PLACE)
         return rad_place_meet(w, g->prim_of[obj], RAD_MEET_ANY);
     return g->kernel->one(w, p, &t);
 }
 
-/* Does something opaque stop w's walk? */
+/* Does something opaque stop w's walk?  With a memory no test counts that
+ * depends on it: of what blocks one, whatever it took to find that. */
 static bool
 is_blocked(const struct rad_geom *g, struct rad_walk *w, int32_t skip,
            int32_t *blocker)
 {
+    bool blocked;
+
     w->skip = skip;
-    if (blocker && still_blocks(g, w, *blocker))
-        return true;
-    if (!g->kernel->any(w))
-        return false;
-    if (blocker)
+    if (!blocker)
+        return g->kernel->any(w);
+    blocked = still_blocks(g, w, *blocker);
+    w->tests = w->nodes = 0;
+    if (!blocked && g->kernel->any(w)) {
         *blocker = w->prims[w->prim].obj;
-    return true;
+        blocked = true;
+    }
+    if (blocked) {
+        w->tests = 1;
+        w->nodes = 0;
+    }
+    return blocked;
 }
 
 bool

@@ -437,26 +437,17 @@ trace_colours(const struct patch *p, struct rad_pass_colours *out)
 }
 
 /* What somebody sees for a while is worth no good records, which would cost far
- * more than the rest of the look.  The context is left as it was: what it
- * blocked last decides how many tests the next rays take. */
+ * more than the rest of the look. */
 static void
 look(const struct patch *p, struct rad_pass_colours *out)
 {
     struct rad_ctx *ctx = p->ctx;
-    size_t n = sizeof *ctx->last_blocker *
-               (size_t)rad_sources_targets(ctx->job->sources);
-    struct rad_arena_mark mark = rad_arena_mark(&ctx->scratch);
-    void *blocker = rad_arena_dup(&ctx->scratch, ctx->last_blocker, n);
     struct rad_counts counts = ctx->counts;
 
-    if (blocker) {
-        ctx->glance = true;
-        trace_colours(p, out);
-        ctx->glance = false;
-        memcpy(ctx->last_blocker, blocker, n);
-    }
+    ctx->glance = true;
+    trace_colours(p, out);
+    ctx->glance = false;
     ctx->counts = counts;
-    rad_arena_rewind(&ctx->scratch, mark);
 }
 
 static void

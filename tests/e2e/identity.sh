@@ -120,7 +120,7 @@ while [ "$run" -lt "$runs" ]; do
     [ "$(total primary_rays)" = "$primary" ] ||
         fail "$say: $(total primary_rays) primary rays, not $primary"
     # what was traced for nothing is in both
-    kinds="shadow_rays ambient_rays ambient_values"
+    kinds="shadow_rays ambient_rays ambient_values intersection_tests"
     [ "$(total paint_rays)" != "$(count paint_rays)" ] || kinds="$kinds rays"
     for kind in $kinds; do
         alone=$(count $kind)
