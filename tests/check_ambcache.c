@@ -199,7 +199,7 @@ static struct sample sample[RECORDS];
 static struct rad_ambcache *
 filled(void)
 {
-    struct rad_ambcache *c = rad_ambcache_new(org, SIDE);
+    struct rad_ambcache *c = rad_ambcache_new(org, SIDE, false);
     static struct rad_ambrec rec[RECORDS];
     static struct rad_ambzone zone[RECORDS];
     bool ok = c != NULL;
@@ -626,7 +626,7 @@ START_TEST(threads_find_what_they_insert)
     uint64_t cursor = 0;
     size_t logged = 0, n;
 
-    crowd.cache = rad_ambcache_new(org, SIDE);
+    crowd.cache = rad_ambcache_new(org, SIDE, true);
     for (int i = 0; i < THREADS; i++) {
         member[i] = (struct member){ .crowd = &crowd, .number = i };
         ck_assert_int_eq(pthread_create(&member[i].thread, NULL,

@@ -296,6 +296,7 @@ struct spot {
 };
 
 struct spots {
+    bool differ; /* some show different objects, or made records */
     struct spot at[RAD_PASS_PIXELS][RAD_PASS_PIXELS]; /* by row */
 };
 
@@ -308,6 +309,7 @@ ask_at_spot(const struct patch *p, struct spots *s, int i, int k, int distance)
     at->asked = true;
     at->shows = ask_at_pixel(p->frame, p->ctx, p->x0 + i, p->y0 + k);
     at->made = p->ctx->tile->made > made ? (uint8_t)distance : 0;
+    s->differ |= at->made || at->shows != s->at[0][0].shows;
 }
 
 /* The pixel, if it is in the tile and was asked at; else NULL.  Where objects
@@ -361,11 +363,13 @@ ask_at_finest(const struct patch *p)
 {
     struct spots s;
 
-    memset(&s, 0, sizeof s);
+    s.differ = false;
+    memset(s.at, 0, (size_t)(p->y1 - p->y0) * sizeof s.at[0]);
     for (int k = 0; p->y0 + k < p->y1; k += p->step)
         for (int i = 0; p->x0 + i < p->x1 && !is_over(p->until); i += p->step)
             ask_at_spot(p, &s, i, k, p->step);
-    ask_between(p, &s);
+    if (s.differ)
+        ask_between(p, &s);
 }
 
 static void
@@ -473,8 +477,7 @@ rad_passes_make(const struct rad_passes *p, struct rad_ctx *ctx, uint32_t tile,
 
     if (colours)
         colours->n = 0;
-    if (!rad_ambtile_begin(&own, ctx, p->pass.level))
-        return false;
+    rad_ambtile_begin(&own, ctx, p->pass.level);
     own.most = until.rays;
     ctx->no_direct = true; /* at the places that records are asked for */
     if (p->pass.level > 0)

@@ -45,6 +45,9 @@
 
 #define READ_AHEAD 8 /* entries of the log */
 
+/* Records, blocks and cells come so many at a time. */
+enum { CHUNK_FEW = 16, CHUNK_MANY = 256 };
+
 enum { EMPTY, LOCAL, RECEIVED };
 
 struct entry {
@@ -53,18 +56,19 @@ struct entry {
 };
 
 struct rad_ambcache *
-rad_ambcache_new(const double org[3], double side)
+rad_ambcache_new(const double org[3], double side, bool few)
 {
     struct rad_ambcache *c = calloc(1, sizeof *c);
+    uint32_t chunk = few ? CHUNK_FEW : CHUNK_MANY;
 
     if (!c)
         return NULL;
     rad_copy(c->org, org);
     c->side = side;
     c->scale = 1 / side;
-    if (rad_ambpool_init(&c->entries, sizeof(struct entry)) &&
-        rad_ambpool_init(&c->blocks, sizeof(struct block)) &&
-        rad_ambpool_init(&c->cells, 8 * sizeof(struct cell))) {
+    if (rad_ambpool_init(&c->entries, sizeof(struct entry), chunk) &&
+        rad_ambpool_init(&c->blocks, sizeof(struct block), chunk) &&
+        rad_ambpool_init(&c->cells, 8 * sizeof(struct cell), chunk)) {
         atomic_init(&c->read_last, NULL);
         return c;
     }

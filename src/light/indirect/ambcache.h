@@ -13,8 +13,9 @@
 struct rad_ambcache;
 
 /* For points in the cube at org with this side; those outside count as on its
- * face. */
-struct rad_ambcache *rad_ambcache_new(const double org[3], double side);
+ * face.  `few` are expected, in the end, or many. */
+struct rad_ambcache *rad_ambcache_new(const double org[3], double side,
+                                      bool few);
 void rad_ambcache_free(struct rad_ambcache *c);
 
 /* Bounds of the part of space in which a record may serve: half an ellipsoid,

@@ -56,6 +56,11 @@ rad_ambfit_faces(const struct rad_ambfit *fit, const double n[3])
     most = rad_most(at[0], at[1]);
     middle = rad_most(least, rad_least(most, at[2]));
     most = rad_most(most, at[2]);
+    if (most - middle > slack) { /* no other plane is so near */
+        int k = at[0] == most ? 0 : at[1] == most ? 1 : 2;
+
+        return 1u << (2 * k + (n[k] < 0));
+    }
     for (int k = 0; k < 3; k++) {
         double aside = at[k] == most ? middle : most;
         unsigned below = n[k] < 0;

@@ -39,7 +39,7 @@ rad_ambient_new(const struct rad_job *job, struct rad_error *err)
                               (float)rad_pow(RAD_AMBIENT_MEAN_REFLECTANCE, i),
                               &amb->usual[i]);
     rad_ambread_init(&amb->read, amb->org, amb->scale.side);
-    amb->cache = rad_ambcache_new(amb->org, amb->scale.side);
+    amb->cache = rad_ambcache_new(amb->org, amb->scale.side, false);
     if (amb->cache)
         return amb;
 nomem:
@@ -186,12 +186,7 @@ rad_ambient_keep(struct rad_ambient *amb, struct rad_ambtile *tile,
     if (!tile || !is_plausible(amb, rec))
         return false;
     zone = zone_of(amb, rec);
-    if (rad_ambcache_insert(tile->own, rec, &zone, true)) {
-        tile->made += rec->level == tile->level;
-        return true;
-    }
-    tile->failed = true;
-    return false;
+    return rad_ambtile_add(tile, amb, rec, &zone);
 }
 
 bool

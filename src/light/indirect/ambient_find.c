@@ -221,6 +221,7 @@ search_all(struct search *s)
 {
     const struct rad_ambplace *at = s->at;
     const struct rad_ambient *amb = s->amb;
+    const struct rad_ambtile *tile = s->asker->tile;
     const struct rad_ambterms *t = &amb->usual[at->level % RAD_AMBIENT_USUAL];
     struct rad_ambterms others;
     struct rad_ambquery q = { .level = at->level };
@@ -252,8 +253,8 @@ search_all(struct search *s)
         rad_ambcache_visit(amb->cache, &q, add_records, want_more, s);
     s->frozen = false;
     frozen = s->nput_off;
-    if (s->asker->tile && !is_answered(s))
-        rad_ambcache_visit(s->asker->tile->own, &q, add_records, want_more, s);
+    if (tile && rad_ambtile_has(tile, at->level) && !is_answered(s))
+        rad_ambcache_visit(tile->own, &q, add_records, want_more, s);
     look_at_put_off(s, frozen);
 }
 

@@ -12,13 +12,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define CHUNK 256
-
 struct rad_ambchunk {
     _Atomic(struct rad_ambchunk *) newer;
-    _Atomic uint32_t taken; /* places given out; may pass CHUNK */
+    _Atomic uint32_t taken; /* places given out; may pass pool->chunk */
     uint64_t first;         /* [fixed] number of its first place */
-    /* CHUNK items, zero until taken */
+    /* pool->chunk items, zero until taken */
     alignas(RAD_AMBPOOL_LINE) unsigned char item[];
 };
 
@@ -31,7 +29,7 @@ item_at(const struct rad_ambpool *pool, struct rad_ambchunk *k, uint32_t i)
 static struct rad_ambchunk *
 new_chunk(const struct rad_ambpool *pool, uint64_t first)
 {
-    size_t size = sizeof(struct rad_ambchunk) + CHUNK * pool->size;
+    size_t size = sizeof(struct rad_ambchunk) + pool->chunk * pool->size;
     struct rad_ambchunk *k = aligned_alloc(RAD_AMBPOOL_LINE, size);
 
     if (!k)
@@ -42,9 +40,10 @@ new_chunk(const struct rad_ambpool *pool, uint64_t first)
 }
 
 bool
-rad_ambpool_init(struct rad_ambpool *pool, size_t size)
+rad_ambpool_init(struct rad_ambpool *pool, size_t size, uint32_t chunk)
 {
     pool->size = size;
+    pool->chunk = chunk;
     pool->oldest = new_chunk(pool, 0);
     atomic_init(&pool->newest, pool->oldest);
     return pool->oldest != NULL;
@@ -71,7 +70,7 @@ chunk_after(const struct rad_ambpool *pool, struct rad_ambchunk *k)
 
     if (newer)
         return newer;
-    mine = new_chunk(pool, k->first + CHUNK);
+    mine = new_chunk(pool, k->first + pool->chunk);
     if (!mine)
         return NULL;
     /* release: pairs with the acquires of k->newer here and in
@@ -95,9 +94,9 @@ rad_ambpool_take(struct rad_ambpool *pool)
         uint32_t i = atomic_load_explicit(&k->taken, memory_order_relaxed);
 
         /* asked first, so that the counter cannot wrap round */
-        if (i < CHUNK)
+        if (i < pool->chunk)
             i = atomic_fetch_add_explicit(&k->taken, 1, memory_order_relaxed);
-        if (i < CHUNK)
+        if (i < pool->chunk)
             return item_at(pool, k, i);
         struct rad_ambchunk *newer = chunk_after(pool, k), *old = k;
 
@@ -120,7 +119,7 @@ rad_ambpool_item(const struct rad_ambpool *pool, uint64_t number,
     if (!k || k->first > number)
         k = pool->oldest;
     *near = k;
-    while (k && k->first + CHUNK <= number) {
+    while (k && k->first + pool->chunk <= number) {
         k = atomic_load_explicit(&k->newer, memory_order_acquire);
         *near = k ? k : *near;
     }

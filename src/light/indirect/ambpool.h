@@ -18,13 +18,15 @@ struct rad_ambchunk;
 
 struct rad_ambpool {
     size_t size;                           /* [fixed] of an item, whole lines */
+    uint32_t chunk;                        /* [fixed] items that come at once */
     struct rad_ambchunk *oldest;           /* [fixed] */
     _Atomic(struct rad_ambchunk *) newest; /* a hint: maybe one behind */
 };
 
-/* size: a multiple of RAD_AMBPOOL_LINE, to which items are aligned.  False: out
- * of memory; then there is nothing to release, but it may be. */
-bool rad_ambpool_init(struct rad_ambpool *pool, size_t size);
+/* size: a multiple of RAD_AMBPOOL_LINE, to which items are aligned; memory
+ * comes for `chunk` of them at a time.  False: out of memory; then there is
+ * nothing to release, but it may be. */
+bool rad_ambpool_init(struct rad_ambpool *pool, size_t size, uint32_t chunk);
 void rad_ambpool_release(struct rad_ambpool *pool);
 
 /* A zeroed item of the caller's own; NULL: out of memory. */

@@ -3,20 +3,37 @@
 
 #include "light/indirect/ambtile.h"
 
-bool
+void
 rad_ambtile_begin(struct rad_ambtile *tile, struct rad_ctx *ctx, int level)
+{
+    *tile = (struct rad_ambtile){ .level = level, .most = UINT64_MAX };
+    ctx->tile = tile;
+}
+
+/* Most tiles find that they need make nothing. */
+static bool
+has_room(struct rad_ambtile *tile, const struct rad_ambient *amb)
 {
     double org[3], side;
 
-    rad_ambient_cube(ctx->job->ambient, org, &side);
-    tile->own = rad_ambcache_new(org, side);
-    tile->level = level;
-    tile->most = UINT64_MAX;
-    tile->failed = false;
-    tile->made = 0;
-    if (!tile->own)
+    if (!tile->own) {
+        rad_ambient_cube(amb, org, &side);
+        tile->own = rad_ambcache_new(org, side, true);
+    }
+    return tile->own != NULL;
+}
+
+bool
+rad_ambtile_add(struct rad_ambtile *tile, const struct rad_ambient *amb,
+                const struct rad_ambrec *rec, const struct rad_ambzone *zone)
+{
+    if (!has_room(tile, amb) ||
+        !rad_ambcache_insert(tile->own, rec, zone, true)) {
+        tile->failed = true;
         return false;
-    ctx->tile = tile;
+    }
+    tile->levels |= UINT32_C(1) << (rec->level & 31);
+    tile->made += rec->level == tile->level;
     return true;
 }
 
@@ -24,7 +41,8 @@ size_t
 rad_ambtile_list(const struct rad_ambtile *tile, uint64_t *cursor,
                  struct rad_ambrec *out, size_t max)
 {
-    return rad_ambcache_read(tile->own, cursor, false, out, max);
+    return tile->own ? rad_ambcache_read(tile->own, cursor, false, out, max)
+                     : 0;
 }
 
 void

@@ -11,19 +11,32 @@
 #include "light/indirect/ambcache.h"
 
 struct rad_ambtile {
-    struct rad_ambcache *own;
-    bool failed; /* memory was out: records are missing */
-    uint32_t made; /* records of that level so far */
-    int level; /* of the records that the pass is for; others serve a little
-                * farther than -aa */
+    struct rad_ambcache *own; /* NULL: it has no records yet */
+    uint32_t levels;          /* of these, as rad_ambtile_has() */
+    bool failed;              /* memory was out: records are missing */
+    uint32_t made;            /* records of that level so far */
+    int level;     /* of the records that the pass is for; others serve a little
+                    * farther than -aa */
     uint64_t most; /* rays of hemispheres, as the context counts them, from
                     * which on deeper records are coarse */
 };
 
 /* Begin a tile, and have ctx make its records; *tile must live until
- * rad_ambtile_end().  False: memory is out. */
-bool rad_ambtile_begin(struct rad_ambtile *tile, struct rad_ctx *ctx,
+ * rad_ambtile_end(). */
+void rad_ambtile_begin(struct rad_ambtile *tile, struct rad_ctx *ctx,
                        int level);
+
+/* Add a record, in the cache's cube.  False: memory is out. */
+bool rad_ambtile_add(struct rad_ambtile *tile, const struct rad_ambient *amb,
+                     const struct rad_ambrec *rec,
+                     const struct rad_ambzone *zone);
+
+/* Has the tile records of that level?  (Of some beyond 31 it may seem so.) */
+static inline bool
+rad_ambtile_has(const struct rad_ambtile *tile, int level)
+{
+    return tile->levels >> (level & 31) & 1;
+}
 
 /* The records that were made since, in their order, from *cursor on, 0 at
  * first; 0 at the end. */
