@@ -170,7 +170,7 @@ struct found {
     double reach, enough; /* last told to want, and where to stop */
 };
 
-static void
+static bool
 keep(void *arg, const struct rad_ambitem *const *found, int n)
 {
     struct found *f = arg;
@@ -179,6 +179,7 @@ keep(void *arg, const struct rad_ambitem *const *found, int n)
         ck_abort_msg("too many");
     for (int i = 0; i < n; i++)
         f->rec[f->n++] = &found[i]->rec;
+    return true;
 }
 
 static bool
@@ -449,13 +450,14 @@ __wrap_aligned_alloc(size_t align, size_t n)
 }
 
 /* ck_assert() allocates. */
-static void
+static bool
 tally(void *arg, const struct rad_ambitem *const *found, int n)
 {
     struct found *f = arg;
 
     for (int i = 0; i < n; i++)
         f->n += found[i]->rec.level < 3;
+    return true;
 }
 
 static bool
@@ -554,7 +556,7 @@ struct member {
     int number;
 };
 
-static void
+static bool
 look_for(void *arg, const struct rad_ambitem *const *found, int n)
 {
     struct found *f = arg;
@@ -570,6 +572,7 @@ look_for(void *arg, const struct rad_ambitem *const *found, int n)
                 .99f)
             ck_abort_msg("a record that is not whole");
     }
+    return true;
 }
 
 static bool

@@ -64,11 +64,11 @@ struct rad_ambquery {
 
 /* Call fn with every record that meets the query, some at a time, and with some
  * that nearly do (in the cube about the zone, and up to a seventh of its reach
- * beyond): it must look for itself.  Small zones come before large ones: `more`
- * is told how far those reach that were looked at, and says whether larger ones
- * are wanted, too.  Which records come does not depend on the order in which
+ * beyond): it must look for itself.  False: no more are wanted, though some may
+ * come.  Small zones come before large ones: `more` is told how far those reach
+ * that were looked at, and says whether larger ones are wanted, too.  Which records come does not depend on the order in which
  * they were inserted, but the order in which they come does. */
-typedef void rad_ambcache_fn(void *arg, const struct rad_ambitem *const *found,
+typedef bool rad_ambcache_fn(void *arg, const struct rad_ambitem *const *found,
                              int n);
 typedef bool rad_ambcache_more_fn(void *arg, double reach);
 void rad_ambcache_visit(const struct rad_ambcache *c,

@@ -170,7 +170,7 @@ static inline void
 hand_on(struct finds *finds)
 {
     if (finds->n > 0)
-        finds->fn(finds->arg, finds->item, finds->n);
+        (void)finds->fn(finds->arg, finds->item, finds->n);
     finds->n = 0;
 }
 

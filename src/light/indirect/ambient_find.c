@@ -28,6 +28,10 @@
 #define ENOUGH_DEEP  .05
 #define MOST_PUT_OFF 24
 
+/* Of deep records of a frozen cache the first few do that serve with more than
+ * that weight: who asks are the many rays of a hemisphere. */
+#define ENOUGH_FOR_RAYS .1
+
 /* Ten degrees and -aa radians; more for rays that weigh little. */
 void
 rad_ambient_set_terms(const struct rad_ambient *amb, float weight,
@@ -90,16 +94,18 @@ struct search {
     double lum2, var;
     bool frozen; /* what comes now is of the frozen cache */
     const struct rad_ambasker *asker;
-    bool spares; /* records that something may stand before are put off, */
+    double enough; /* no more records are wanted when these serve with more */
+    bool doubts;   /* lum2 and var are wanted */
+    bool spares;   /* records that something may stand before are put off, */
     int nput_off;
-    const struct rad_ambitem *put_off[MOST_PUT_OFF];
+    const struct rad_ambitem **put_off; /* [MOST_PUT_OFF] */
 };
 
 /* No more need be looked at. */
 static inline bool
 is_answered(const struct search *s)
 {
-    return s->asker->only && s->serves > 0;
+    return s->serves > s->enough;
 }
 
 /* What a record says at its place. */
@@ -171,9 +177,11 @@ add_record(struct search *s, const struct rad_ambitem *it)
         s->serves += angular * (double)(1 - dist / s->aa);
     w = angular * (double)(1 - dist / s->reach);
     s->weight += w;
-    lum = (double)(factor * rad_rgb_lum(says.E));
-    s->lum2 += w * lum * lum;
-    s->var += w * (double)says.var;
+    if (s->doubts) {
+        lum = (double)(factor * rad_rgb_lum(says.E));
+        s->lum2 += w * lum * lum;
+        s->var += w * (double)says.var;
+    }
     w *= (double)factor;
     s->E[0] += w * (double)says.E.r;
     s->E[1] += w * (double)says.E.g;
@@ -181,11 +189,12 @@ add_record(struct search *s, const struct rad_ambitem *it)
 }
 
 /* rad_ambcache_fn */
-static void
+static bool
 add_records(void *arg, const struct rad_ambitem *const *found, int n)
 {
     for (int i = 0; i < n && !is_answered(arg); i++)
         add_record(arg, found[i]);
+    return !is_answered(arg);
 }
 
 /* Where small zones have given enough, large ones are left out, unless they
@@ -245,6 +254,9 @@ search_all(struct search *s)
         s->n[k] = (float)at->n[k];
         s->pn[k] = (float)at->pn[k];
     }
+    s->enough = s->asker->only                 ? 0
+                : amb->frozen && at->level > 0 ? ENOUGH_FOR_RAYS
+                                               : INFINITY;
     s->frozen = amb->frozen;
     s->spares = s->asker->only || (amb->frozen && at->level > 0);
     if (amb->frozen)
@@ -283,7 +295,12 @@ void
 rad_ambient_ask(const struct rad_ambient *amb, const struct rad_ambplace *at,
                 const struct rad_ambasker *asker, struct rad_ambsaid *said)
 {
-    struct search s = { .amb = amb, .at = at, .asker = asker };
+    const struct rad_ambitem *put_off[MOST_PUT_OFF]; /* not set to anything */
+    struct search s = { .amb = amb,
+                        .at = at,
+                        .asker = asker,
+                        .doubts = at->level == 0,
+                        .put_off = put_off };
 
     if (!asker->fresh)
         search_all(&s);
@@ -291,7 +308,8 @@ rad_ambient_ask(const struct rad_ambient *amb, const struct rad_ambplace *at,
     if (asker->only || !(s.weight > 0))
         return;
     said->E = found(&s);
-    said->off = doubt(&s);
+    if (s.doubts)
+        said->off = doubt(&s);
 }
 
 double

@@ -68,7 +68,8 @@ struct rad_ambsaid {
     double serves;    /* weight of those that make a further one needless */
     double weight;    /* of all that were found */
     struct rad_rgb E; /* their mean, if there is weight */
-    double off;       /* the square of how far that may be off, over its own */
+    double off;       /* the square of how far that may be off, over its own;
+                       * 0 where pixels do not ask, at level above 0 */
 };
 
 /* ambient_find.c: ask the records for a place. */

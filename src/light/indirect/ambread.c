@@ -36,7 +36,7 @@
 #define DEEPEST 24 /* level of the smallest leaves */
 #define GRID    32 /* bits of a place in the cube */
 #define NO_SIZE 255
-#define AT_ONCE 64 /* records that are handed on together */
+#define AT_ONCE 3  /* records that are handed on together, or some more */
 
 struct places {
     uint8_t lo[3][PLACES], hi[3][PLACES]; /* the zone, in 256ths of the leaf */
@@ -633,15 +633,16 @@ struct finds {
     const struct rad_ambread *r;
     rad_ambcache_fn *fn;
     void *arg;
+    bool enough; /* nothing more is wanted */
     int n;
-    const struct rad_ambitem *item[AT_ONCE];
+    const struct rad_ambitem *item[AT_ONCE - 1 + PLACES];
 };
 
 static inline void
 hand_on(struct finds *f)
 {
     if (f->n > 0)
-        f->fn(f->arg, f->item, f->n);
+        f->enough = !f->fn(f->arg, f->item, f->n);
     f->n = 0;
 }
 
@@ -649,11 +650,9 @@ hand_on(struct finds *f)
 static inline void
 read_size(struct reading *k, uint8_t size, struct finds *f)
 {
-    while (k->size == size) {
+    while (k->size == size && !f->enough) {
         unsigned now = up_to(k->block, size), found = now & ~k->read & k->pass;
 
-        if (f->n > AT_ONCE - PLACES)
-            hand_on(f);
         for (; found; found &= found - 1) {
             const struct rad_ambitem *item =
                 &f->r->item[k->block->item[__builtin_ctz(found)]];
@@ -662,6 +661,8 @@ read_size(struct reading *k, uint8_t size, struct finds *f)
             __builtin_prefetch((const char *)item + LINE);
             f->item[f->n++] = item;
         }
+        if (f->n >= AT_ONCE)
+            hand_on(f);
         k->read = now;
         k->size = NO_SIZE;
         if (now + 1 < 1u << PLACES)
@@ -685,7 +686,7 @@ read_all(struct reading *list, int n, struct finds *f,
 
         for (int i = 0; i < n; i++)
             size = list[i].size < size ? list[i].size : size;
-        if (size == NO_SIZE)
+        if (size == NO_SIZE || f->enough)
             return;
         if (any && !more(f->arg, f->r->side / (SPAN * cells_across(MAX_DEPTH -
                                                                    size + 1))))
@@ -714,6 +715,7 @@ rad_ambread_visit(const struct rad_ambread *r, const struct rad_ambquery *q,
     finds.r = r;
     finds.fn = fn;
     finds.arg = arg;
+    finds.enough = false;
     finds.n = 0;
     for (int k = 0; k < 3; k++) {
         number[k] = grid_number((q->p[k] - r->org[k]) / r->side);
