@@ -8,7 +8,7 @@
  * stand there its tiles, its records, those of them that are for deeper levels
  * than the pass, those that another tile of the pass, or the cache, would have
  * served already, the rays of hemispheres, all rays, and seconds of a
- * processor.  --tiles writes what each tile of a single picture took, for
+ * processor; and in the end how much memory a record takes.  --tiles writes what each tile of a single picture took, for
  * bench/sim (sim/tiles.h). */
 #include "config.h"
 
@@ -315,6 +315,9 @@ main(int argc, char **argv)
     rad_ambient_freeze(b.job->ambient);
     fill_and_render(&b, &filled, &rendered);
     tell(&b, "passes", filled, rendered);
+    printf("%.0f bytes a record\n",
+           (double)rad_ambient_bytes(b.job->ambient) /
+               (double)rad_ambient_count(b.job->ambient));
     tell_picture(&b, live, rendered);
     close_job(&b);
     compile_release(&b.compiled);

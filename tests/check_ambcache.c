@@ -165,7 +165,7 @@ nearly_meets(const struct sample *s, const struct question *ask)
 }
 
 struct found {
-    const struct rad_ambrec *rec[4096];
+    const struct rad_ambitem *rec[4096];
     int n;
     double reach, enough; /* last told to want, and where to stop */
 };
@@ -178,7 +178,7 @@ keep(void *arg, const struct rad_ambitem *const *found, int n)
     if (n > N_ELEM(f->rec) - f->n)
         ck_abort_msg("too many");
     for (int i = 0; i < n; i++)
-        f->rec[f->n++] = &found[i]->rec;
+        f->rec[f->n++] = found[i];
     return true;
 }
 
@@ -225,7 +225,7 @@ filled(void)
 /* The same records, laid out for reading: settled at several times, some of
  * them far outside the cube. */
 static struct rad_ambzone
-zone_of(const void *arg, const struct rad_ambrec *rec)
+zone_of(const void *arg, const struct rad_ambitem *rec)
 {
     (void)arg;
     return sample[(int)rec->E.g].zone;
@@ -456,7 +456,7 @@ tally(void *arg, const struct rad_ambitem *const *found, int n)
     struct found *f = arg;
 
     for (int i = 0; i < n; i++)
-        f->n += found[i]->rec.level < 3;
+        f->n += found[i]->level < 3;
     return true;
 }
 
@@ -562,7 +562,7 @@ look_for(void *arg, const struct rad_ambitem *const *found, int n)
     struct found *f = arg;
 
     for (int i = 0; i < n; i++) {
-        const struct rad_ambrec *rec = &found[i]->rec;
+        const struct rad_ambitem *rec = found[i];
 
         /* E says which it is, p and n whether it is whole */
         f->n += (double)rec->E.r == f->enough;

@@ -223,7 +223,8 @@ START_TEST(records_and_picture_are_a_function_of_the_job)
 }
 END_TEST
 
-/* Pixels find what they need, and few records are made for nothing. */
+/* Pixels find what they need, and few records are made for nothing; none takes
+ * much room. */
 START_TEST(passes_leave_little_to_do)
 {
     struct room *m = &rooms[0], *live = &rooms[1];
@@ -235,6 +236,8 @@ START_TEST(passes_leave_little_to_do)
     render(m, false);
     rays = m->w.ctx.counts.ambient_rays - before;
     ck_assert_uint_lt(rays, 64 * m->nrecs / 10);
+    ck_assert_uint_gt(rad_ambient_bytes(m->w.job->ambient), 100 * m->nrecs);
+    ck_assert_uint_le(rad_ambient_bytes(m->w.job->ambient), 200 * m->nrecs);
     ck_assert_uint_eq(m->w.ctx.counts.ambient_values, 0);
     live->nrecs = 0;
     world_open(&live->w, scene_text, OPTIONS "-ab 2");

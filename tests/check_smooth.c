@@ -59,13 +59,39 @@ lay_out(field *E, double noise)
         set_place(&place[i], i, E, noise);
 }
 
+static const double *
+point_of(const void *arg, uint32_t i)
+{
+    const struct rad_smooth_place *at = arg;
+
+    return at[i].p;
+}
+
+static void
+place_of(const void *arg, uint32_t i, struct rad_smooth_place *to)
+{
+    const struct rad_smooth_place *at = arg;
+
+    *to = at[i];
+}
+
+/* Of the first n places. */
+static struct rad_smooth *
+smooth_of(uint32_t n)
+{
+    struct rad_smooth *s = rad_smooth_new(
+        &(struct rad_smooth_source){ place, n, point_of, place_of });
+
+    ck_assert_ptr_nonnull(s);
+    return s;
+}
+
 static void
 smooth(void)
 {
-    struct rad_smooth *s = rad_smooth_new(place, N);
+    struct rad_smooth *s = smooth_of(N);
 
-    ck_assert_ptr_nonnull(s);
-    for (size_t i = 0; i < N; i++)
+    for (uint32_t i = 0; i < N; i++)
         rad_smooth_at(s, i, &value[i]);
     rad_smooth_free(s);
 }
@@ -425,8 +451,7 @@ START_TEST(all_threads_see_the_same)
 
     lay_out(bowl, NOISE);
     smooth();
-    s = rad_smooth_new(place, N);
-    ck_assert_ptr_nonnull(s);
+    s = smooth_of(N);
     for (int k = 0; k < 4; k++) {
         asker[k].s = s;
         asker[k].step = step[k];
@@ -442,13 +467,12 @@ END_TEST
 
 START_TEST(few_places_are_left_alone)
 {
-    struct rad_smooth *s = rad_smooth_new(place, 0);
+    struct rad_smooth *s = smooth_of(0);
 
     rad_smooth_free(s);
     lay_out(plane, NOISE);
-    s = rad_smooth_new(place, 3);
-    ck_assert_ptr_nonnull(s);
-    for (size_t i = 0; i < 3; i++) {
+    s = smooth_of(3);
+    for (uint32_t i = 0; i < 3; i++) {
         rad_smooth_at(s, i, &value[i]);
         ck_assert(memcmp(value[i].E, place[i].E, sizeof place[i].E) == 0);
     }

@@ -42,6 +42,7 @@
 
 #include <assert.h>
 #include <stdlib.h>
+#include <string.h>
 
 #define READ_AHEAD 8 /* entries of the log */
 
@@ -52,6 +53,7 @@ enum { EMPTY, LOCAL, RECEIVED };
 
 struct entry {
     alignas(LINE) struct rad_ambitem item; /* [fixed] once ready */
+    struct rad_glint glint;                /* [fixed] likewise */
     _Atomic unsigned char state;           /* EMPTY until ready */
 };
 
@@ -161,14 +163,14 @@ static void
 fill(struct block *b, unsigned i, const struct load *l, const double from[3],
      double scale)
 {
-    const struct rad_ambrec *rec = &l->item->rec;
+    const struct rad_ambitem *item = l->item;
 
     for (int k = 0; k < 3; k++) {
         b->at[k][i] = place_byte(l->q[k] * scale - from[k]);
-        b->n[k][i] = normal_byte((double)rec->n[k]);
+        b->n[k][i] = normal_byte((double)item->n[k]);
     }
     b->reach[i] = reach_byte(l->zone.reach * scale + 0x1p-16);
-    b->weight[i] = (uint8_t)ceil(weight_steps((double)rec->weight));
+    b->weight[i] = (uint8_t)ceil(weight_steps((double)item->weight));
     b->item[i] = l->item;
 }
 
@@ -287,7 +289,7 @@ static void
 find_box(const struct load *l, uint64_t lo[3], uint64_t hi[3])
 {
     for (int k = 0; k < 3; k++) {
-        double n = l->item->rec.n[k], rest = rad_most(1 - n * n, 0);
+        double n = l->item->n[k], rest = rad_most(1 - n * n, 0);
         double reach = l->zone.reach, height = l->zone.height;
         double whole = sqrt(reach * reach * rest + height * height * n * n);
         double half = reach * sqrt(rest) + l->zone.behind;
@@ -306,8 +308,8 @@ find_box(const struct load *l, uint64_t lo[3], uint64_t hi[3])
 static void
 spread(struct bulk *b, const struct load *l)
 {
-    const struct rad_ambrec *rec = &l->item->rec;
-    struct cell *root = &b->c->root[root_of(rec->level)][face_of(rec->n)];
+    const struct rad_ambitem *item = l->item;
+    struct cell *root = &b->c->root[root_of(item->level)][face_of(item->n)];
     double side = ldexp(1, -l->depth);
     uint64_t lo[3], hi[3], at[3];
 
@@ -325,14 +327,39 @@ spread(struct bulk *b, const struct load *l)
 void
 rad_ambitem_set(struct rad_ambitem *item, const struct rad_ambrec *rec)
 {
-    const float *n = rec->n, *u = rec->u;
+    rad_copy(item->p, rec->p);
+    memcpy(item->n, rec->n, sizeof item->n);
+    memcpy(item->u, rec->u, sizeof item->u);
+    memcpy(item->radius, rec->radius, sizeof item->radius);
+    item->weight = rec->weight;
+    item->level = rec->level;
+    item->E = rec->E;
+    memcpy(item->gpos, rec->gpos, sizeof item->gpos);
+    memcpy(item->gdir, rec->gdir, sizeof item->gdir);
+    item->var = rec->var;
+    item->corral = rec->corral;
+    item->fence = rec->fence;
+}
 
-    item->rec = *rec;
-    item->across[0] = n[1] * u[2] - n[2] * u[1];
-    item->across[1] = n[2] * u[0] - n[0] * u[2];
-    item->across[2] = n[0] * u[1] - n[1] * u[0];
-    for (int k = 0; k < 2; k++)
-        item->per[k] = 1 / rec->radius[k];
+void
+rad_ambitem_get(const struct rad_ambitem *item, const struct rad_glint *glint,
+                struct rad_ambrec *rec)
+{
+    memset(rec, 0, sizeof *rec); /* between its fields, too */
+    rad_copy(rec->p, item->p);
+    memcpy(rec->n, item->n, sizeof rec->n);
+    memcpy(rec->u, item->u, sizeof rec->u);
+    memcpy(rec->radius, item->radius, sizeof rec->radius);
+    rec->weight = item->weight;
+    rec->level = item->level;
+    rec->E = item->E;
+    memcpy(rec->gpos, item->gpos, sizeof rec->gpos);
+    memcpy(rec->gdir, item->gdir, sizeof rec->gdir);
+    rec->var = item->var;
+    rec->corral = item->corral;
+    rec->fence = item->fence;
+    if (glint)
+        rec->glint = *glint;
 }
 
 /* Into the log, and among what is to be listed. */
@@ -347,6 +374,7 @@ take_in(struct bulk *b, const struct rad_ambrec *rec,
     if (!e)
         return false;
     rad_ambitem_set(&e->item, rec);
+    e->glint = rec->glint;
     l->item = &e->item;
     to_cube(c, rec->p, l->q);
     for (int k = 0; k < 3; k++)
@@ -416,7 +444,7 @@ rad_ambcache_read(struct rad_ambcache *c, uint64_t *cursor, bool local_only,
         if (state == EMPTY)
             break;
         if (state == LOCAL || !local_only)
-            out[n++] = e->item.rec;
+            rad_ambitem_get(&e->item, &e->glint, &out[n++]);
         ++*cursor;
     }
     atomic_store_explicit(&c->read_last, near, memory_order_release);

@@ -25,14 +25,31 @@ struct rad_ambzone {
     double reach, height, behind;
 };
 
-/* A record as it is kept, with what every look-up wants of it. */
+/* A record as it is kept for look-ups: all but its glint, which few have. */
 struct rad_ambitem {
-    struct rad_ambrec rec;
-    float across[3]; /* n x u, the axis of radius[1] */
-    float per[2];    /* 1 / radius */
+    double p[3];
+    float n[3], u[3], radius[2], weight;
+    uint16_t level;
+    struct rad_rgb E;
+    float gpos[2], gdir[2], var;
+    uint32_t corral, fence;
 };
 
 void rad_ambitem_set(struct rad_ambitem *item, const struct rad_ambrec *rec);
+/* The record again; glint may be NULL, for none. */
+void rad_ambitem_get(const struct rad_ambitem *item,
+                     const struct rad_glint *glint, struct rad_ambrec *rec);
+
+/* n x u, the axis of radius[1]. */
+static inline void
+rad_ambitem_across(const struct rad_ambitem *item, float across[3])
+{
+    const float *n = item->n, *u = item->u;
+
+    across[0] = n[1] * u[2] - n[2] * u[1];
+    across[1] = n[2] * u[0] - n[0] * u[2];
+    across[2] = n[0] * u[1] - n[1] * u[0];
+}
 
 /* Add a copy of *rec, which must be sound: finite, its normal near enough to
  * unit length.  False: out of memory. */
@@ -66,8 +83,9 @@ struct rad_ambquery {
  * that nearly do (in the cube about the zone, and up to a seventh of its reach
  * beyond): it must look for itself.  False: no more are wanted, though some may
  * come.  Small zones come before large ones: `more` is told how far those reach
- * that were looked at, and says whether larger ones are wanted, too.  Which records come does not depend on the order in which
- * they were inserted, but the order in which they come does. */
+ * that were looked at, and says whether larger ones are wanted, too.  Which
+ * records come does not depend on the order in which they were inserted, but
+ * the order in which they come does. */
 typedef bool rad_ambcache_fn(void *arg, const struct rad_ambitem *const *found,
                              int n);
 typedef bool rad_ambcache_more_fn(void *arg, double reach);

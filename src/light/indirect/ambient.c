@@ -137,12 +137,12 @@ is_plausible(const struct rad_ambient *amb, const struct rad_ambrec *rec)
 }
 
 static struct rad_ambzone
-zone_of(const struct rad_ambient *amb, const struct rad_ambrec *rec)
+zone_of(const struct rad_ambient *amb, const float radius[2], int level)
 {
-    double reach = rad_ambscale_reach(&amb->scale, rec->level);
+    double reach = rad_ambscale_reach(&amb->scale, level);
 
-    return (struct rad_ambzone){ .reach = rec->radius[1] * reach,
-                                 .height = rec->radius[0] * reach,
+    return (struct rad_ambzone){ .reach = radius[1] * reach,
+                                 .height = radius[0] * reach,
                                  .behind =
                                      amb->scale.least * amb->scale.ambacc };
 }
@@ -165,10 +165,13 @@ count_light(struct rad_ambient *amb, const struct rad_ambrec *rec)
 static bool
 insert(struct rad_ambient *amb, const struct rad_ambrec *rec, bool local)
 {
-    struct rad_ambzone zone = zone_of(amb, rec);
+    struct rad_ambzone zone = zone_of(amb, rec->radius, rec->level);
 
-    if (!is_plausible(amb, rec) ||
-        !(amb->frozen ? rad_ambread_add(&amb->read, rec)
+    if (!is_plausible(amb, rec))
+        return false;
+    if (amb->frozen)
+        rad_ambsmooth_release(&amb->smooth); /* it knows the records' place */
+    if (!(amb->frozen ? rad_ambread_add(&amb->read, rec)
                       : rad_ambcache_insert(amb->cache, rec, &zone, local)))
         return false;
     count_light(amb, rec);
@@ -185,7 +188,7 @@ rad_ambient_keep(struct rad_ambient *amb, struct rad_ambtile *tile,
         return insert(amb, rec, true);
     if (!tile || !is_plausible(amb, rec))
         return false;
-    zone = zone_of(amb, rec);
+    zone = zone_of(amb, rec->radius, rec->level);
     return rad_ambtile_add(tile, amb, rec, &zone);
 }
 
@@ -197,9 +200,9 @@ rad_ambient_insert(struct rad_ambient *amb, const struct rad_ambrec *rec)
 
 /* rad_ambread_zone_fn */
 static struct rad_ambzone
-zone_in(const void *arg, const struct rad_ambrec *rec)
+zone_in(const void *arg, const struct rad_ambitem *item)
 {
-    return zone_of(arg, rec);
+    return zone_of(arg, item->radius, item->level);
 }
 
 /* Of the glints of all records. */
@@ -207,14 +210,15 @@ static bool
 gather_bright(struct rad_ambient *amb)
 {
     const struct rad_ambread *read = &amb->read;
-    struct rad_glint *glint = malloc(read->n * sizeof *glint + 1);
+    struct rad_glint *glint = malloc(read->nglints * sizeof *glint + 1);
     bool ok;
 
     if (!glint)
         return false;
-    for (size_t i = 0; i < read->n; i++)
-        glint[i] = read->item[i].rec.glint;
-    ok = rad_bright_gather(&amb->bright, glint, read->n, read->org, read->side);
+    for (size_t i = 0; i < read->nglints; i++)
+        glint[i] = read->glint[i].glint;
+    ok = rad_bright_gather(&amb->bright, glint, read->nglints, read->org,
+                           read->side);
     free(glint);
     return ok;
 }
@@ -234,6 +238,14 @@ rad_ambient_smooth(struct rad_ambient *amb)
                                               amb->read.item, amb->read.n);
 }
 
+size_t
+rad_ambient_bytes(const struct rad_ambient *amb)
+{
+    return amb->frozen ? rad_ambread_bytes(&amb->read) +
+                             rad_ambsmooth_bytes(&amb->smooth)
+                       : 0;
+}
+
 void
 rad_ambient_insert_all(struct rad_ambient *amb, struct rad_ambrec *rec,
                        size_t n)
@@ -251,7 +263,7 @@ rad_ambient_insert_all(struct rad_ambient *amb, struct rad_ambrec *rec,
 
         for (size_t i = 0; i < most; i++)
             if (is_plausible(amb, &rec[i])) {
-                zone[good] = zone_of(amb, &rec[i]);
+                zone[good] = zone_of(amb, rec[i].radius, rec[i].level);
                 rec[good++] = rec[i];
             }
         if (rad_ambcache_insert_all(amb->cache, rec, zone, good, false))

@@ -61,10 +61,15 @@ bool rad_ambient_settle(struct rad_ambient *amb);
 
 /* All records of a settled cache are there: from now on pixels see what they
  * say with less noise (light/smooth/smooth.h); listed they are as they were
- * made. Nothing to do for a cache that is not frozen.  False: out of memory. */
+ * made.  To be called again after insertions.  Nothing to do for a cache that is
+ * not frozen.  False: out of memory. */
 bool rad_ambient_smooth(struct rad_ambient *amb);
 
 bool rad_ambient_is_frozen(const struct rad_ambient *amb);
+
+/* Bytes that the records of a frozen cache take, with what they are read by and
+ * what smoothing knows of them. */
+size_t rad_ambient_bytes(const struct rad_ambient *amb);
 
 /* The cube that its records are in. */
 void rad_ambient_cube(const struct rad_ambient *amb, double org[3],

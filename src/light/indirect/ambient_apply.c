@@ -83,6 +83,7 @@ make_record(struct rad_ctx *ctx, const struct rad_ray *r,
     if (ok && h.complete && ctx->counts.unsound_rays == unsound) {
         float pn[3] = { (float)at->pn[0], (float)at->pn[1], (float)at->pn[2] };
         struct rad_ambitem item;
+        float across[3];
         float factor;
 
         rad_copy(rec.p, at->p);
@@ -95,7 +96,8 @@ make_record(struct rad_ctx *ctx, const struct rad_ray *r,
         if (!ctx->aside && rad_ambient_keep(amb, ctx->tile, &rec))
             ctx->counts.ambient_values++;
         rad_ambitem_set(&item, &rec);
-        rad_ambient_extrapolate(&item, rec.gpos, 0, 0, pn, &factor);
+        rad_ambitem_across(&item, across);
+        rad_ambient_extrapolate(&item, across, rec.gpos, 0, 0, pn, &factor);
         *E = rad_rgb_scale(*E, factor);
     }
     rad_arena_rewind(&ctx->scratch, mark);

@@ -54,7 +54,7 @@ rad_ambient_set_terms(const struct rad_ambient *amb, float weight,
  * matter. */
 static bool
 is_walled_off(const struct rad_ambient *amb, const struct rad_ambplace *at,
-              const struct rad_ambrec *rec, struct rad_geom_counts *counts,
+              const struct rad_ambitem *rec, struct rad_geom_counts *counts,
               uint64_t *rays)
 {
     double n[3] = { (double)rec->n[0], (double)rec->n[1], (double)rec->n[2] };
@@ -120,9 +120,9 @@ hear(const struct search *s, const struct rad_ambitem *it, struct says *k)
     const struct rad_ambient *amb = s->amb;
     struct rad_smooth_value v;
 
-    k->E = it->rec.E;
-    k->gpos[0] = it->rec.gpos[0];
-    k->gpos[1] = it->rec.gpos[1];
+    k->E = it->E;
+    k->gpos[0] = it->gpos[0];
+    k->gpos[1] = it->gpos[1];
     k->var = 0;
     if (!s->frozen ||
         !rad_ambsmooth_at(&amb->smooth, (size_t)(it - amb->read.item), &v))
@@ -136,40 +136,41 @@ hear(const struct search *s, const struct rad_ambitem *it, struct says *k)
 static inline void
 add_record(struct search *s, const struct rad_ambitem *it)
 {
-    const struct rad_ambrec *rec = &it->rec;
-    float d[3], u, v, z, x, y, h, dist2, dist, turn2, turn, factor;
+    float d[3], across[3], u, v, z, x, y, h, dist2, dist, turn2, turn, factor;
+    float per = 1 / it->radius[0];
     double w, angular, lum;
     struct says says;
 
     for (int k = 0; k < 3; k++)
-        d[k] = (float)(s->at->p[k] - rec->p[k]);
-    u = rad_dotf(d, rec->u);
-    v = rad_dotf(d, it->across);
-    z = rad_dotf(d, rec->n);
-    x = u * it->per[0];
-    y = v * it->per[1];
-    h = z * it->per[0];
+        d[k] = (float)(s->at->p[k] - it->p[k]);
+    rad_ambitem_across(it, across);
+    u = rad_dotf(d, it->u);
+    v = rad_dotf(d, across);
+    z = rad_dotf(d, it->n);
+    x = u * per;
+    y = v * (1 / it->radius[1]);
+    h = z * per;
     dist2 = x * x + y * y + h * h; /* in the zone's units */
     for (int k = 0; k < 3; k++)
-        d[k] = rec->n[k] - s->n[k];
+        d[k] = it->n[k] - s->n[k];
     /* the chord, which is the angle for small ones */
     turn2 = rad_dotf(d, d);
     if (!(dist2 < s->reach * s->reach) | (z < s->behind) | (turn2 >= 2) |
-        (rec->level != s->at->level) | (rec->weight < s->weight9))
+        (it->level != s->at->level) | (it->weight < s->weight9))
         return;
     dist = sqrtf(dist2);
     turn = sqrtf(turn2);
     if (!(dist < s->reach) | (turn >= s->max_angle))
         return;
     hear(s, it, &says);
-    if (!rad_ambient_extrapolate(it, says.gpos, u, v, s->pn, &factor))
+    if (!rad_ambient_extrapolate(it, across, says.gpos, u, v, s->pn, &factor))
         return;
-    if (rec->corral && rec->corral >> rad_part_of_turn(u, v) & 1) {
+    if (it->corral && it->corral >> rad_part_of_turn(u, v) & 1) {
         if (s->spares && s->nput_off < MOST_PUT_OFF) {
             s->put_off[s->nput_off++] = it;
             return;
         }
-        if (is_walled_off(s->amb, s->at, rec, s->asker->counts, s->asker->rays))
+        if (is_walled_off(s->amb, s->at, it, s->asker->counts, s->asker->rays))
             return;
     }
     angular = (double)(1 - turn / s->max_angle);

@@ -92,13 +92,13 @@ rad_dotf(const float a[3], const float b[3])
  * with normal pn; false: too far to be believed.  The tilt n x pn has the
  * components -pn.across and pn.u. */
 static inline bool
-rad_ambient_extrapolate(const struct rad_ambitem *it, const float gpos[2],
-                        float u, float v, const float pn[3], float *factor)
+rad_ambient_extrapolate(const struct rad_ambitem *it, const float across[3],
+                        const float gpos[2], float u, float v,
+                        const float pn[3], float *factor)
 {
-    const struct rad_ambrec *rec = &it->rec;
     float f = 1 + gpos[0] * u + gpos[1] * v +
-              (rec->gdir[1] * rad_dotf(pn, rec->u) -
-               rec->gdir[0] * rad_dotf(pn, it->across));
+              (it->gdir[1] * rad_dotf(pn, it->u) -
+               it->gdir[0] * rad_dotf(pn, across));
 
     *factor = f < RAD_AMBIENT_LARGEST_FACTOR ? f : RAD_AMBIENT_LARGEST_FACTOR;
     if (f > RAD_AMBIENT_LEAST_FACTOR)

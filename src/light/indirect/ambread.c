@@ -36,7 +36,7 @@
 #define DEEPEST 24 /* level of the smallest leaves */
 #define GRID    32 /* bits of a place in the cube */
 #define NO_SIZE 255
-#define AT_ONCE 3  /* records that are handed on together, or some more */
+#define AT_ONCE 3 /* records that are handed on together, or some more */
 
 struct places {
     uint8_t lo[3][PLACES], hi[3][PLACES]; /* the zone, in 256ths of the leaf */
@@ -80,35 +80,96 @@ rad_ambread_release(struct rad_ambread *r)
         release_tree(&r->tree[i]);
     free(r->tree);
     free(r->item);
+    free(r->glint);
+}
+
+/* Room for one more after n; false: out of memory. */
+static bool
+make_room(void **array, size_t n, size_t *cap, size_t size)
+{
+    size_t more = n + n / 4 + 64;
+    void *larger;
+
+    if (n < *cap)
+        return true;
+    larger = realloc(*array, more * size);
+    if (!larger)
+        return false;
+    *array = larger;
+    *cap = more;
+    return true;
+}
+
+static bool
+add_glint(struct rad_ambread *r, const struct rad_glint *glint)
+{
+    void *array = r->glint;
+    bool ok = make_room(&array, r->nglints, &r->glint_cap, sizeof *r->glint);
+
+    r->glint = array;
+    if (ok)
+        r->glint[r->nglints++] =
+            (struct rad_ambread_glint){ (uint32_t)r->n, *glint };
+    return ok;
 }
 
 bool
 rad_ambread_add(struct rad_ambread *r, const struct rad_ambrec *rec)
 {
-    if (r->n == UINT32_MAX)
-        return false;
-    if (r->n == r->cap) {
-        size_t cap = r->cap + r->cap / 4 + 64;
-        struct rad_ambitem *more = realloc(r->item, cap * sizeof *more);
+    void *array = r->item;
+    bool ok =
+        r->n < UINT32_MAX && make_room(&array, r->n, &r->cap, sizeof *r->item);
 
-        if (!more)
-            return false;
-        r->item = more;
-        r->cap = cap;
-    }
+    r->item = array;
+    if (!ok || (rec->glint.lum > 0 && !add_glint(r, &rec->glint)))
+        return false;
     rad_ambitem_set(&r->item[r->n++], rec);
     return true;
+}
+
+/* The first glint of record i or a later one. */
+static size_t
+glint_from(const struct rad_ambread *r, size_t i)
+{
+    size_t lo = 0, hi = r->nglints;
+
+    while (lo < hi) {
+        size_t half = lo + (hi - lo) / 2;
+
+        if (r->glint[half].item < i)
+            lo = half + 1;
+        else
+            hi = half;
+    }
+    return lo;
 }
 
 size_t
 rad_ambread_list(const struct rad_ambread *r, uint64_t *cursor,
                  struct rad_ambrec *out, size_t max)
 {
-    size_t n = 0;
+    size_t n = 0, k = glint_from(r, *cursor);
 
-    for (; n < max && *cursor < r->n; ++*cursor)
-        out[n++] = r->item[*cursor].rec;
+    for (; n < max && *cursor < r->n; ++*cursor) {
+        bool has = k < r->nglints && r->glint[k].item == *cursor;
+
+        rad_ambitem_get(&r->item[*cursor], has ? &r->glint[k].glint : NULL,
+                        &out[n++]);
+        k += has;
+    }
     return n;
+}
+
+size_t
+rad_ambread_bytes(const struct rad_ambread *r)
+{
+    size_t bytes = r->cap * sizeof *r->item + r->glint_cap * sizeof *r->glint;
+
+    for (int i = 0; r->tree && i < ROOTS * FACES; i++)
+        bytes += sizeof *r->tree +
+                 (r->tree[i].nparts + 1) * sizeof *r->tree->part +
+                 (r->tree[i].nblocks + 1) * sizeof *r->tree->block;
+    return bytes;
 }
 
 /* --- making trees --- */
@@ -149,12 +210,14 @@ set_extent(struct extent *e, const struct rad_ambread *r, uint32_t item,
 {
     const struct rad_ambitem *it = &r->item[item];
     double per = (1 + 0x1p-20) / r->side, q[3];
+    float across[3];
     double reach = zone->reach * per + 0x1p-48;
     double height = zone->height * per + 0x1p-48;
     double behind = zone->behind * per + 0x1p-48, slack = 2e-3 * reach;
 
+    rad_ambitem_across(it, across);
     for (int k = 0; k < 3; k++) {
-        double n = it->rec.n[k], v = it->across[k];
+        double n = it->n[k], v = across[k];
         double wide = reach * reach * v * v;
         double whole =
             sqrt(wide + height * height * rad_most(1 - v * v, 0)) + slack;
@@ -163,7 +226,7 @@ set_extent(struct extent *e, const struct rad_ambread *r, uint32_t item,
             behind * fabs(n) + slack;
 
         half = rad_least(half, whole);
-        q[k] = (it->rec.p[k] - r->org[k]) / r->side;
+        q[k] = (it->p[k] - r->org[k]) / r->side;
         e->lo[k] = grid_number(q[k] - (n < 0 ? whole : half));
         e->hi[k] = grid_number(q[k] + (n < 0 ? half : whole));
         e->at[k] = (float)clamp(q[k], 0, 1);
@@ -247,7 +310,7 @@ static void
 fill(const struct build *b, struct places *to, int i, const struct extent *e,
      const struct spot *s)
 {
-    const float *n = b->r->item[e->item].rec.n;
+    const float *n = b->r->item[e->item].n;
     int axis = b->face / 2;
 
     for (int k = 0; k < 3; k++) {
@@ -422,9 +485,9 @@ make_tree(struct rad_ambread *r, int which, const struct extent *extent,
 }
 
 static int
-tree_of(const struct rad_ambrec *rec)
+tree_of(const struct rad_ambitem *item)
 {
-    return root_of(rec->level) * FACES + face_of(rec->n);
+    return root_of(item->level) * FACES + face_of(item->n);
 }
 
 /* Small zones first; else as they were added. */
@@ -449,8 +512,8 @@ remake(struct rad_ambread *r, int which, size_t n, rad_ambread_zone_fn *zone,
     if (!extent)
         return false;
     for (uint32_t i = 0; i < r->n; i++)
-        if (tree_of(&r->item[i].rec) == which) {
-            struct rad_ambzone z = zone(arg, &r->item[i].rec);
+        if (tree_of(&r->item[i]) == which) {
+            struct rad_ambzone z = zone(arg, &r->item[i]);
 
             set_extent(&extent[got++], r, i, &z);
         }
@@ -478,14 +541,14 @@ rad_ambread_settle(struct rad_ambread *r, rad_ambread_zone_fn *zone,
 {
     size_t n[ROOTS * FACES] = { 0 };
     bool grown[ROOTS * FACES] = { false };
-    struct rad_ambitem *less;
+    void *less;
 
     if (r->settled == r->n)
         return true;
     if (!make_forest(r))
         return false;
     for (size_t i = 0; i < r->n; i++) {
-        int which = tree_of(&r->item[i].rec);
+        int which = tree_of(&r->item[i]);
 
         n[which]++;
         grown[which] |= i >= r->settled;
@@ -493,9 +556,12 @@ rad_ambread_settle(struct rad_ambread *r, rad_ambread_zone_fn *zone,
     for (int i = 0; i < ROOTS * FACES; i++)
         if (grown[i] && !remake(r, i, n[i], zone, arg))
             return false;
-    less = realloc(r->item, r->n * sizeof *less);
+    less = realloc(r->item, r->n * sizeof *r->item);
     r->item = less ? less : r->item;
     r->cap = less ? r->n : r->cap;
+    less = realloc(r->glint, (r->nglints + 1) * sizeof *r->glint);
+    r->glint = less ? less : r->glint;
+    r->glint_cap = less ? r->nglints + 1 : r->glint_cap;
     r->settled = r->n;
     return true;
 }

@@ -12,10 +12,18 @@
 
 struct rad_ambread_tree;
 
+/* The glint of a record that has one. */
+struct rad_ambread_glint {
+    uint32_t item; /* whose it is, rising */
+    struct rad_glint glint;
+};
+
 struct rad_ambread {
     double org[3], side;      /* of the cube that the records are in */
     struct rad_ambitem *item; /* in the order in which they were added */
     size_t n, cap;
+    struct rad_ambread_glint *glint;
+    size_t nglints, glint_cap;
     size_t settled;                /* of n: the rest is not in the trees yet */
     struct rad_ambread_tree *tree; /* by bounces and face; NULL: none yet */
 };
@@ -27,11 +35,11 @@ void rad_ambread_release(struct rad_ambread *r);
  * False: out of memory. */
 bool rad_ambread_add(struct rad_ambread *r, const struct rad_ambrec *rec);
 
-/* Make trees anew where records have been added.  zone(arg, rec) tells where a
+/* Make trees anew where records have been added.  zone(arg, item) tells where a
  * record may serve, the same at each call.  False: out of memory; then some
  * records are not found, and the next call tries again. */
 typedef struct rad_ambzone rad_ambread_zone_fn(const void *arg,
-                                               const struct rad_ambrec *rec);
+                                               const struct rad_ambitem *item);
 bool rad_ambread_settle(struct rad_ambread *r, rad_ambread_zone_fn *zone,
                         const void *arg);
 
@@ -45,5 +53,8 @@ void rad_ambread_visit(const struct rad_ambread *r,
  * max, and move the cursor. */
 size_t rad_ambread_list(const struct rad_ambread *r, uint64_t *cursor,
                         struct rad_ambrec *out, size_t max);
+
+/* Bytes that it has taken. */
+size_t rad_ambread_bytes(const struct rad_ambread *r);
 
 #endif

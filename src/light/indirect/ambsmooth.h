@@ -15,14 +15,22 @@ struct rad_ambsmooth {
     struct rad_smooth *smooth; /* NULL: there is none */
     uint32_t *place; /* of each of the first n records, or UINT32_MAX */
     size_t n;
+    uint32_t *shown; /* the record of each place, nshown of them */
+    size_t nshown;
+    const struct rad_ambitem *item;
+    const struct rad_ambscale *scale;
 };
 
-/* Of item[], n records, in the place of what there was.  False: out of memory;
- * then there is none. */
+/* Of item[], n records, in the place of what there was.  It is asked no more
+ * when item[] changes or *scale is gone, until it is made again.  False: out of
+ * memory; then there is none. */
 bool rad_ambsmooth_make(struct rad_ambsmooth *s,
                         const struct rad_ambscale *scale,
                         const struct rad_ambitem *item, size_t n);
 void rad_ambsmooth_release(struct rad_ambsmooth *s);
+
+/* Bytes that it takes. */
+size_t rad_ambsmooth_bytes(const struct rad_ambsmooth *s);
 
 /* Record number i; false: it is not smoothed. */
 static inline bool

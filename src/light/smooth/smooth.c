@@ -50,26 +50,30 @@
 
 enum { WAITING, BUSY, DONE };
 
-struct node {
-    struct rad_smooth_place at;
-    size_t number; /* of the place, as they were given */
-    int axis;      /* across which those before and behind are parted */
-    struct rad_smooth_value value;
-    _Atomic int state; /* DONE: `value' is there */
-};
+/* The number of a place, and above it the axis across which those before and
+ * behind are parted. */
+#define AXIS 30
+#define MANY (UINT32_C(1) << AXIS)
 
 struct rad_smooth {
-    size_t n;
-    size_t *where; /* node of each place */
-    struct node node[];
+    struct rad_smooth_source of;
+    uint32_t *node;                 /* the tree */
+    struct rad_smooth_value *value; /* by number */
+    _Atomic uint8_t *state;         /* likewise; DONE: `value' is there */
 };
+
+static inline const double *
+point(const struct rad_smooth_source *of, uint32_t node)
+{
+    return of->point(of->arg, node & (MANY - 1));
+}
 
 /* --- the tree --- */
 
 static void
-swap(struct node *a, struct node *b)
+swap(uint32_t *a, uint32_t *b)
 {
-    struct node t = *a;
+    uint32_t t = *a;
 
     *a = *b;
     *b = t;
@@ -78,14 +82,15 @@ swap(struct node *a, struct node *b)
 /* Move what is at most as the middle one along the axis before all that is at
  * least that (Hoare 1961); returns the last of the first, below hi. */
 static size_t
-part_at_middle(struct node *p, size_t lo, size_t hi, int axis)
+part_at_middle(const struct rad_smooth_source *of, uint32_t *p, size_t lo,
+               size_t hi, int axis)
 {
-    double pivot = p[lo + (hi - lo) / 2].at.p[axis];
+    double pivot = point(of, p[lo + (hi - lo) / 2])[axis];
 
     for (;;) {
-        while (p[lo].at.p[axis] < pivot)
+        while (point(of, p[lo])[axis] < pivot)
             lo++;
-        while (p[hi].at.p[axis] > pivot)
+        while (point(of, p[hi])[axis] > pivot)
             hi--;
         if (lo >= hi)
             return hi;
@@ -94,67 +99,73 @@ part_at_middle(struct node *p, size_t lo, size_t hi, int axis)
 }
 
 static int
-longest_side(const struct node *p, size_t n)
+longest_side(const struct rad_smooth_source *of, const uint32_t *p, size_t n)
 {
-    double most = -1;
+    double lo[3], hi[3], most = -1;
     int axis = 0;
 
-    for (int k = 0; k < 3; k++) {
-        double lo = p[0].at.p[k], hi = lo;
+    rad_copy(lo, point(of, p[0]));
+    rad_copy(hi, lo);
+    for (size_t i = 1; i < n; i++) {
+        const double *at = point(of, p[i]);
 
-        for (size_t i = 1; i < n; i++) {
-            lo = rad_least(lo, p[i].at.p[k]);
-            hi = rad_most(hi, p[i].at.p[k]);
-        }
-        if (hi - lo > most) {
-            most = hi - lo;
-            axis = k;
+        for (int k = 0; k < 3; k++) {
+            lo[k] = rad_least(lo[k], at[k]);
+            hi[k] = rad_most(hi[k], at[k]);
         }
     }
+    for (int k = 0; k < 3; k++)
+        if (hi[k] - lo[k] > most) {
+            most = hi[k] - lo[k];
+            axis = k;
+        }
     return axis;
 }
 
 /* The node in the middle parts those before it from those behind. */
 static void
-make_tree(struct node *p, size_t n)
+make_tree(const struct rad_smooth_source *of, uint32_t *p, size_t n)
 {
     while (n > 1) {
         size_t lo = 0, hi = n - 1, half = n / 2;
-        int axis = longest_side(p, n);
+        int axis = longest_side(of, p, n);
 
         while (lo < hi) {
-            size_t j = part_at_middle(p, lo, hi, axis);
+            size_t j = part_at_middle(of, p, lo, hi, axis);
 
             if (half <= j)
                 hi = j;
             else
                 lo = j + 1;
         }
-        p[half].axis = axis;
-        make_tree(p, half);
+        p[half] |= (uint32_t)axis << AXIS;
+        make_tree(of, p, half);
         p += half + 1;
         n -= half + 1;
     }
 }
 
 struct rad_smooth *
-rad_smooth_new(const struct rad_smooth_place *place, size_t n)
+rad_smooth_new(const struct rad_smooth_source *source)
 {
-    struct rad_smooth *s = calloc(1, sizeof *s + n * sizeof s->node[0]);
+    struct rad_smooth *s = calloc(1, sizeof *s);
+    size_t n = source->n;
 
-    if (!s || !(s->where = malloc((n + 1) * sizeof *s->where))) {
-        free(s);
-        return NULL;
-    }
-    s->n = n;
-    for (size_t i = 0; i < n; i++) {
-        s->node[i].at = place[i];
-        s->node[i].number = i;
-    }
-    make_tree(s->node, n);
-    for (size_t i = 0; i < n; i++)
-        s->where[s->node[i].number] = i;
+    if (!s || n >= MANY)
+        goto fail;
+    s->of = *source;
+    s->node = malloc((n + 1) * sizeof *s->node);
+    s->value = malloc((n + 1) * sizeof *s->value);
+    s->state = calloc(n + 1, sizeof *s->state);
+    if (!s->node || !s->value || !s->state)
+        goto fail;
+    for (uint32_t i = 0; i < n; i++)
+        s->node[i] = i;
+    make_tree(&s->of, s->node, n);
     return s;
+fail:
+    rad_smooth_free(s);
+    return NULL;
 }
 
 void
@@ -162,15 +173,26 @@ rad_smooth_free(struct rad_smooth *s)
 {
     if (!s)
         return;
-    free(s->where);
+    free(s->node);
+    free(s->value);
+    free((void *)s->state);
     free(s);
+}
+
+size_t
+rad_smooth_bytes(const struct rad_smooth *s)
+{
+    return sizeof *s +
+           ((size_t)s->of.n + 1) *
+               (sizeof *s->node + sizeof *s->value + sizeof *s->state);
 }
 
 /* --- neighbours --- */
 
 struct search {
     const struct rad_smooth *s;
-    const struct node *of;
+    struct rad_smooth_place of; /* whose neighbours they are, */
+    uint32_t number;            /* and its number */
     double far;
     bool full; /* there are more than there is room for */
     int n;
@@ -237,7 +259,7 @@ static void
 add_sample(struct search *k, const struct rad_smooth_place *p,
            const double d[3], double d2)
 {
-    const struct rad_smooth_place *of = &k->of->at;
+    const struct rad_smooth_place *of = &k->of;
     struct rad_quadric_sample *to = &k->near[k->n++];
     double f = d2 > 0 ? turned(of, p) : 1;
 
@@ -251,21 +273,23 @@ add_sample(struct search *k, const struct rad_smooth_place *p,
 }
 
 static void
-try_node(struct search *k, const struct node *node)
+try_place(struct search *k, uint32_t number, const double p[3])
 {
+    struct rad_smooth_place at;
     double d[3], d2;
 
-    if (node == k->of || node->at.var < 0)
-        return;
-    rad_sub(d, node->at.p, k->of->at.p);
+    rad_sub(d, p, k->of.p);
     d2 = rad_dot(d, d);
-    if (!(d2 < k->far * k->far) ||
+    if (!(d2 < k->far * k->far) || number == k->number)
+        return;
+    k->s->of.place(k->s->of.arg, number, &at);
+    if (at.var < 0 ||
         (d2 > ROUNDING * ROUNDING * k->far * k->far &&
-         !are_neighbours(&k->of->at, &node->at, d, d2)) ||
-        dot_floats(k->of->at.n, node->at.n) < LEAST_COSINE)
+         !are_neighbours(&k->of, &at, d, d2)) ||
+        dot_floats(k->of.n, at.n) < LEAST_COSINE)
         return;
     if (k->n < MOST_NEAR)
-        add_sample(k, &node->at, d, d2);
+        add_sample(k, &at, d, d2);
     else
         k->full = true;
 }
@@ -275,10 +299,11 @@ search_part(struct search *k, size_t lo, size_t hi)
 {
     while (lo < hi && !k->full) {
         size_t half = lo + (hi - lo) / 2;
-        const struct node *node = &k->s->node[half];
-        double d = k->of->at.p[node->axis] - node->at.p[node->axis];
+        uint32_t node = k->s->node[half], axis = node >> AXIS;
+        const double *p = point(&k->s->of, node);
+        double d = k->of.p[axis] - p[axis];
 
-        try_node(k, node);
+        try_place(k, node & (MANY - 1), p);
         if (d < k->far)
             search_part(k, lo, half);
         if (d < -k->far)
@@ -293,14 +318,14 @@ static void
 find_neighbours(struct search *k)
 {
     static const double here[3] = { 0, 0, 0 };
-    const double most = RAD_SMOOTH_REACH * (double)k->of->at.reach;
+    const double most = RAD_SMOOTH_REACH * (double)k->of.reach;
 
     k->far = most;
     do {
         k->n = 0;
         k->full = false;
-        add_sample(k, &k->of->at, here, 0);
-        search_part(k, 0, k->s->n);
+        add_sample(k, &k->of, here, 0);
+        search_part(k, 0, k->s->of.n);
     } while (k->full && (k->far *= NEARER) > NEAREST * most);
     if (k->full)
         k->n = 1;
@@ -343,7 +368,7 @@ static bool
 find_best(const struct search *k, struct rad_quadric *best)
 {
     static const double width[] = { .35, .5, .7, 1 };
-    double bend = SHARPEST * (double)k->of->at.bend * k->far * k->far / 2;
+    double bend = SHARPEST * (double)k->of.bend * k->far * k->far / 2;
     double mean = 0;
     bool any = false;
 
@@ -377,7 +402,7 @@ static bool
 set_value(const struct search *k, const struct rad_quadric *q,
           struct rad_smooth_value *v)
 {
-    const struct rad_smooth_place *of = &k->of->at;
+    const struct rad_smooth_place *of = &k->of;
     const struct rad_quadric_sample *own = &k->near[0];
     double share = share_of(q), E[3], lum;
 
@@ -415,41 +440,41 @@ keep_own(const struct rad_smooth_place *at, double cut,
 }
 
 static void
-make_value(const struct rad_smooth *s, const struct node *of,
-           struct rad_smooth_value *v)
+make_value(const struct rad_smooth *s, uint32_t i, struct rad_smooth_value *v)
 {
     struct search k; /* not set as a whole, most of it need not be */
-    double lum = luminance(of->at.E);
     struct rad_quadric q;
+    double lum;
 
-    keep_own(&of->at, 1, v);
-    if (of->at.var < 0 || (lum > 0 && !(of->at.var > 0)))
+    s->of.place(s->of.arg, i, &k.of);
+    lum = luminance(k.of.E);
+    keep_own(&k.of, 1, v);
+    if (k.of.var < 0 || (lum > 0 && !(k.of.var > 0)))
         return;
     k.s = s;
-    k.of = of;
+    k.number = i;
     find_neighbours(&k);
     cut_ruled(&k);
     if (!find_best(&k, &q) || !(q.noise > 0) || !set_value(&k, &q, v))
-        keep_own(&of->at, lum > 0 ? k.near[0].lum / lum : 1, v);
+        keep_own(&k.of, lum > 0 ? k.near[0].lum / lum : 1, v);
 }
 
 void
-rad_smooth_at(struct rad_smooth *s, size_t i, struct rad_smooth_value *v)
+rad_smooth_at(struct rad_smooth *s, uint32_t i, struct rad_smooth_value *v)
 {
-    struct node *node = &s->node[s->where[i]];
     /* acquire: pairs with the release below, for `value' */
-    int state = atomic_load_explicit(&node->state, memory_order_acquire);
+    uint8_t state = atomic_load_explicit(&s->state[i], memory_order_acquire);
 
     if (state == DONE) {
-        *v = node->value;
+        *v = s->value[i];
         return;
     }
-    make_value(s, node, v);
+    make_value(s, i, v);
     /* relaxed: who finds it busy leaves it alone */
     if (state == WAITING && atomic_compare_exchange_strong_explicit(
-                                &node->state, &state, BUSY,
+                                &s->state[i], &state, BUSY,
                                 memory_order_relaxed, memory_order_relaxed)) {
-        node->value = *v;
-        atomic_store_explicit(&node->state, DONE, memory_order_release);
+        s->value[i] = *v;
+        atomic_store_explicit(&s->state[i], DONE, memory_order_release);
     }
 }

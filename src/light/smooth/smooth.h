@@ -43,15 +43,26 @@ struct rad_smooth_value {
     float E[3], gpos[2], var;
 };
 
+/* Where n places are known, by number. */
+struct rad_smooth_source {
+    const void *arg;
+    uint32_t n; /* below 2^30 */
+    const double *(*point)(const void *arg, uint32_t i); /* p of place i */
+    void (*place)(const void *arg, uint32_t i, struct rad_smooth_place *place);
+};
+
 struct rad_smooth;
 
-/* Of n places, which it copies.  NULL: out of memory. */
-struct rad_smooth *rad_smooth_new(const struct rad_smooth_place *place,
-                                  size_t n);
+/* What source->arg is must stay as it is.  NULL: out of memory. */
+struct rad_smooth *rad_smooth_new(const struct rad_smooth_source *source);
 void rad_smooth_free(struct rad_smooth *s);
 
 /* The value at place i < n. */
-void rad_smooth_at(struct rad_smooth *s, size_t i, struct rad_smooth_value *v);
+void rad_smooth_at(struct rad_smooth *s, uint32_t i,
+                   struct rad_smooth_value *v);
+
+/* Bytes that it takes. */
+size_t rad_smooth_bytes(const struct rad_smooth *s);
 
 /* Which of 32 parts of a turn from u toward v the direction (u, v) is in. */
 static inline unsigned
