@@ -126,6 +126,7 @@ ask_of(double error, double ambient, double pixel, double noise)
     v[RAD_DOUBT_NOISE] = 100 * noise * noise;
     ask.sums.shown = 1000;
     ask.sums.rays = 3000;
+    ask.check = 100000;
     return ask;
 }
 
@@ -198,6 +199,49 @@ START_TEST(stages_are_few)
     ck_assert(!rad_refine_next(&ask, &next, &error));
     ask.stage = UINT32_MAX;
     ck_assert(!rad_refine_next(&ask, &next, &error));
+}
+END_TEST
+
+/* What is far off is not foreseen well: some of it is made first, unless there
+ * is no further stage. */
+START_TEST(a_far_goal_has_a_stage_before_it)
+{
+    struct rad_refine_ask ask = ask_of(.02, .5, .01, 0);
+    struct rad_refine_rungs first, whole;
+    double error;
+
+    ck_assert(rad_refine_next(&ask, &first, &error));
+    ask.stage = RAD_REFINE_STAGES - 2;
+    ck_assert(rad_refine_next(&ask, &whole, &error));
+    ck_assert_int_gt(first.ambient, 3);
+    ck_assert_int_lt(first.ambient, whole.ambient);
+    ask = ask_of(.3, .5, .01, 0);
+    ck_assert(rad_refine_next(&ask, &first, &error));
+    ask.stage = RAD_REFINE_STAGES - 2;
+    ck_assert(rad_refine_next(&ask, &whole, &error));
+    ck_assert_int_eq(first.ambient, whole.ambient);
+}
+END_TEST
+
+/* The next stage goes the farther the less the last one brought. */
+START_TEST(what_fell_slowly_is_foreseen_so)
+{
+    static const double fell[] = { 8, 3, 1.5, .5 }; /* in four rungs */
+    int last = 0;
+
+    for (int i = 0; i < N_ELEM(fell); i++) {
+        struct rad_refine_ask ask = ask_of(.1, .2, .01, 0);
+        struct rad_refine_rungs next;
+        struct rad_refine_past now = rad_refine_pass_on(&ask);
+        double error;
+
+        ask.stage = RAD_REFINE_STAGES - 2;
+        ask.rungs.ambient = 4;
+        ask.past = (struct rad_refine_past){ fell[i] * now.ambient, 0 };
+        ck_assert(rad_refine_next(&ask, &next, &error));
+        ck_assert_int_ge(next.ambient, last + (i == 1 || i == 2));
+        last = next.ambient;
+    }
 }
 END_TEST
 
@@ -517,6 +561,8 @@ main(void)
     tcase_add_loop_test(decisions, rungs_go_by_the_cause, 0, N_ELEM(causes));
     tcase_add_test(decisions, what_cannot_be_reached_ends);
     tcase_add_test(decisions, stages_are_few);
+    tcase_add_test(decisions, a_far_goal_has_a_stage_before_it);
+    tcase_add_test(decisions, what_fell_slowly_is_foreseen_so);
     tcase_add_test(decisions, more_time_is_used);
     tcase_add_loop_test(decisions, sums_may_be_anything, 0, N_ELEM(wild));
     tcase_add_test(decisions, a_black_picture_is_good_enough);

@@ -2,8 +2,8 @@
  *
  * usage: seqpict [-vf FILE] [rpict options] [-z FILE] [--counts]
  *                [--window=X,Y,W,H] [--frame=N] [--oversample=N] [--clamp=F]
- *                [--ambient=passes] [--error=PERCENT] [--doubt] -o OUT.hdr
- *                scene.rad...
+ *                [--ambient=passes] [--error=PERCENT] [--rungs=A,P] [--doubt]
+ *                -o OUT.hdr scene.rad...
  * What a cluster must agree with.  -vf is a view file, -z gets distances as
  * rpict writes them; --counts prints what was counted on standard error;
  * --window renders that part of the picture by itself, the rest is black;
@@ -11,8 +11,9 @@
  * --oversample and --clamp filter the whole picture down as radsubmit's do;
  * --ambient=passes fills the cache in passes first; --error does so in stages,
  * until the picture is estimated to be no farther off, and says of each on
- * standard error with which rungs it was made and what was found; --doubt says
- * how far off the picture is, as a cluster does. */
+ * standard error with which rungs it was made and what was found, the first
+ * with those of --rungs; --doubt says how far off the picture is, as a cluster
+ * does. */
 #include "config.h"
 
 #include "compile/compile.h"
@@ -37,6 +38,7 @@ struct task {
     const char *out, *depth;
     bool counts, passes, says;
     double error; /* 0: not asked for */
+    int rungs[2]; /* of its first stage */
     int oversample;
     double clamp;
     int nscenes;
@@ -96,6 +98,8 @@ own_option(struct task *t, int argc, char **argv, struct rad_error *err)
         t->error /= 100;
         return 1;
     }
+    if (sscanf(argv[0], "--rungs=%d,%d", &t->rungs[0], &t->rungs[1]) == 2)
+        return 1;
     if (sscanf(argv[0], "--oversample=%d", &t->oversample) == 1 ||
         sscanf(argv[0], "--clamp=%lf", &t->clamp) == 1)
         return 1;
@@ -427,9 +431,17 @@ fill_cache(const struct task *t, const struct rad_frame *f, struct rad_ctx *ctx,
     return rc;
 }
 
+/* Of squares at places. */
+static double
+root_mean(const struct rad_doubt *d, enum rad_doubt_sum squares)
+{
+    double mean = d->v[squares] / d->v[RAD_DOUBT_PLACES];
+
+    return mean > 0 ? sqrt(mean) : 0;
+}
+
 static void
-print_stage(const struct rad_refine_ask *ask, const struct rad_job *job,
-            uint64_t rays)
+print_stage(const struct rad_refine_ask *ask, const struct rad_job *job)
 {
     const struct rad_params *par = &job->params;
     const struct rad_doubt *d = &ask->sums.doubt;
@@ -438,10 +450,11 @@ print_stage(const struct rad_refine_ask *ask, const struct rad_job *job,
     fprintf(stderr,
             "stage %" PRIu32 " rungs %d %d error %.4f ambient %.4f pixel %.4f "
             "noise %.4f rays %" PRIu64 " check %" PRIu64
-            " aa %.4g ad %d pt %.4g ds %.4g\n",
+            " fresh %.4f records %.4f aa %.4g ad %d pt %.4g ds %.4g\n",
             ask->stage, ask->rungs.ambient, ask->rungs.pixel, e.all, e.ambient,
             e.sampling, sqrt(rad_doubt_squares(d).noise), ask->rays,
-            rays - ask->rays, par->ambacc, par->ambdiv, par->maxdiff,
+            ask->check, root_mean(d, RAD_DOUBT_AMBIENT),
+            root_mean(d, RAD_DOUBT_SAID), par->ambacc, par->ambdiv, par->maxdiff,
             par->srcsizerat);
 }
 
@@ -461,8 +474,10 @@ make_stage(const struct task *t, struct rad_ctx *ctx, struct rad_frame *f,
         rc = fill_cache(t, f, ctx, ask, err);
     }
     if (rc == 0 && t->error > 0 && ctx->job->ambient) {
-        print_stage(ask, ctx->job, ctx->counts.rays);
+        ask->check = ctx->counts.rays - ask->rays;
+        print_stage(ask, ctx->job);
         if (rad_refine_next(ask, &next, &error)) {
+            ask->past = rad_refine_pass_on(ask);
             ask->rungs = next;
             ask->stage++;
             return 0;
@@ -499,7 +514,10 @@ render_stage(struct task *t, const struct rad_params *params,
 static int
 render_scene(struct task *t, struct compiled *c, struct rad_error *err)
 {
-    struct rad_refine_ask ask = { .error = t->error, .left_s = INFINITY };
+    struct rad_refine_ask ask = { .error = t->error,
+                                  .rungs = { (uint8_t)t->rungs[0],
+                                             (uint8_t)t->rungs[1] },
+                                  .left_s = INFINITY };
     struct rad_params of_job = t->params, params;
     uint32_t stage;
     int rc;

@@ -357,19 +357,19 @@ close_check(struct coord *c, struct job *job)
     struct passes *s = job->passes;
     struct msg_counts counts = s->closed[s->open].counts;
     uint32_t number = passes_number(s);
-    struct rad_refine_sums all = { 0 }, of;
+    struct stage_found all = { .check = counts.rays };
+    struct rad_refine_sums of;
     uint8_t bytes[STAGES_BYTES];
-    uint64_t rays = 0;
     bool reached;
 
     for (uint32_t i = 0; i < s->ntiles; i++) {
         if (sums_unpack(s->tile[i].records, SUMS_BYTES, &of))
-            rad_refine_add(&all, &of);
+            rad_refine_add(&all.sums, &of);
         s->tile[i].n = 0;
     }
     for (uint32_t i = 0; i < s->open; i++)
-        rays += s->closed[i].counts.rays;
-    reached = stages_end(c, job, s->n, rays, &all);
+        all.rays += s->closed[i].counts.rays;
+    reached = stages_end(c, job, s->n, &all);
     stages_pack(c, job, bytes);
     keep_closed(c, job, number, &counts, bytes, sizeof bytes, true);
     if (!reached && !c->actions.failed)

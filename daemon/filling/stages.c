@@ -73,8 +73,8 @@ seconds_spent(const struct coord *c, const struct job *job)
 
 /* What is to be decided upon; of the sums a copy. */
 static struct rad_refine_ask
-question(const struct coord *c, const struct job *job, uint64_t rays,
-         const struct rad_refine_sums *sums)
+question(const struct coord *c, const struct job *job,
+         const struct stage_found *found)
 {
     const struct job_goal *g = &job->goal;
     double spent = seconds_spent(c, job);
@@ -82,8 +82,10 @@ question(const struct coord *c, const struct job *job, uint64_t rays,
         .error = job->spec.error_ppm / 1e6,
         .stage = g->number,
         .rungs = { g->rungs[0], g->rungs[1] },
-        .sums = *sums,
-        .rays = rays,
+        .sums = found->sums,
+        .past = { g->past_ambient, g->past_rung },
+        .rays = found->rays,
+        .check = found->check,
         .left_s = INFINITY,
     };
 
@@ -111,15 +113,16 @@ tell_options(struct coord *c, const struct job *job)
 }
 
 bool
-stages_end(struct coord *c, struct job *job, uint32_t n, uint64_t rays,
-           const struct rad_refine_sums *sums)
+stages_end(struct coord *c, struct job *job, uint32_t n,
+           const struct stage_found *found)
 {
     struct job_goal *g = &job->goal;
-    struct rad_refine_ask ask = question(c, job, rays, sums);
+    struct rad_refine_ask ask = question(c, job, found);
+    struct rad_refine_past past = rad_refine_pass_on(&ask);
     struct rad_refine_rungs next;
     bool on = rad_refine_next(&ask, &next, &g->error);
 
-    g->mean = rad_refine_mean(sums);
+    g->mean = rad_refine_mean(&found->sums);
     if (!on && job->spec.time_ms > 0) {
         double error;
 
@@ -137,6 +140,8 @@ stages_end(struct coord *c, struct job *job, uint32_t n, uint64_t rays,
         return true;
     g->number++;
     g->base += n;
+    g->past_ambient = past.ambient;
+    g->past_rung = past.rung;
     g->rungs[0] = next.ambient;
     g->rungs[1] = next.pixel;
     if (!set_options(job))
@@ -161,6 +166,8 @@ stages_pack(struct coord *c, const struct job *job, uint8_t out[STAGES_BYTES])
     wire_put_u8(&w, g->rungs[1]);
     wire_put_f64(&w, g->error);
     wire_put_f64(&w, g->mean);
+    wire_put_u8(&w, g->past_rung);
+    wire_put_f64(&w, g->past_ambient);
     wire_put_u64(&w, (uint64_t)(1000 * seconds_spent(c, job)));
     if (w.bad)
         c->actions.failed = true;
@@ -181,9 +188,11 @@ unpack(struct job_goal *g, const struct saved_pass *p)
     g->rungs[1] = wire_get_u8(&in);
     g->error = wire_get_f64(&in);
     g->mean = wire_get_f64(&in);
+    g->past_rung = wire_get_u8(&in);
+    g->past_ambient = wire_get_f64(&in);
     g->spent_ms = wire_get_u64(&in);
     return !in.bad && wire_left(&in) == 0 && isfinite(g->error) &&
-           isfinite(g->mean);
+           isfinite(g->mean) && isfinite(g->past_ambient);
 }
 
 /* Take up the decision at the end of a stage of n passes: 1, or 0 if it is not

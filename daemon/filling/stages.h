@@ -22,14 +22,19 @@ int stages_plan(const struct job *job, const struct rad_pass_size *size,
                 struct rad_pass plan[RAD_MOST_PASSES], uint32_t *n,
                 struct rad_error *err);
 
-/* The check pass, the last of n, is closed with these sums, and the passes
- * before it took so many rays: end the stage.  False: another follows, the
- * job's goal says with which options. */
-bool stages_end(struct coord *c, struct job *job, uint32_t n, uint64_t rays,
-                const struct rad_refine_sums *sums);
+/* What the passes of a stage brought. */
+struct stage_found {
+    struct rad_refine_sums sums; /* of the check pass */
+    uint64_t rays, check;        /* of the passes before it, and its own */
+};
+
+/* The check pass, the last of n, is closed: end the stage.  False: another
+ * follows, the job's goal says with which options. */
+bool stages_end(struct coord *c, struct job *job, uint32_t n,
+                const struct stage_found *found);
 
 /* The decision, as it is kept. */
-#define STAGES_BYTES 28
+#define STAGES_BYTES 37
 void stages_pack(struct coord *c, const struct job *job,
                  uint8_t out[STAGES_BYTES]);
 

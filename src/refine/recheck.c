@@ -13,15 +13,16 @@
 /* Apart from the keys of pixels, which have a frame in this place. */
 #define BRANCH UINT64_C(0x636865636b740000)
 
-/* Of a tile: places, and areas of its window. */
-#define PLACES 3
-#define AREAS  2.
-#define POINTS 8. /* of sensors, an area each, in place of areas */
+/* Of a tile: places, windows, and areas of a window without contrast. */
+#define PLACES  2
+#define WINDOWS 2
+#define AREAS   2.
+#define POINTS  8. /* of sensors, an area each, in place of areas */
 
 /* Of a window, in steps of the sampler: across, and base lines. */
 enum {
-    STEPS = 6,
-    LINES = 4,
+    STEPS = 4,
+    LINES = 3,
     MOST_WIDTH = STEPS * RAD_QUINCUNX_MAX_XSTEP + 1,
     MOST_HEIGHT = LINES * RAD_QUINCUNX_MAX_YSTEP + 1
 };
@@ -31,7 +32,6 @@ struct check {
     struct rad_ctx *ctx;
     const _Atomic bool *stop;
     uint64_t key;
-    uint32_t drawn; /* numbers of the key */
     struct rad_refine_sums *out;
 };
 
@@ -41,33 +41,28 @@ is_stopped(const struct check *c)
     return atomic_load_explicit(c->stop, memory_order_relaxed);
 }
 
-/* From 0 to n - 1. */
-static int
-draw(struct check *c, int n)
+/* Number n of a sequence that is spread evenly over an area of that size
+ * (path.h). */
+static void
+spread(uint64_t n, int width, int height, int at[2])
 {
-    return (int)(rad_rand(c->key, c->drawn++) * n);
+    double x = (double)n * .7548776662466927, y = (double)n * .5698402909980532;
+
+    at[0] = (int)((x - floor(x)) * width);
+    at[1] = (int)((y - floor(y)) * height);
 }
 
 /* --- places --- */
 
-static double
-fraction(double x)
-{
-    return x - floor(x);
-}
-
-/* One of the places from number n on of a sequence that is spread evenly over
- * the picture (path.h). */
+/* One of the places from number n on. */
 static void
 check_place(struct check *c, uint64_t n)
 {
     const struct rad_frame *f = &c->frame;
     int at[RAD_DOUBT_TRIED][2];
 
-    for (int i = 0; i < RAD_DOUBT_TRIED; i++, n++) {
-        at[i][0] = (int)(fraction((double)n * .7548776662466927) * f->width);
-        at[i][1] = (int)(fraction((double)n * .5698402909980532) * f->height);
-    }
+    for (int i = 0; i < RAD_DOUBT_TRIED; i++, n++)
+        spread(n, f->width, f->height, at[i]);
     rad_doubt_place(f, c->ctx, rad_key_branch(c->key, n), (const int(*)[2])at,
                     &c->out->doubt, &c->out->off);
 }
@@ -85,30 +80,30 @@ least(int a, int b)
     return a < b ? a : b;
 }
 
-/* A window at random. */
 static struct rad_window
-draw_window(struct check *c)
+window_at(const struct check *c, uint64_t n)
 {
     const struct rad_frame *f = &c->frame;
     struct rad_window w;
-    int xstep, ystep;
+    int xstep, ystep, at[2];
 
     rad_quincunx_steps(f->job->params.psample, &xstep, &ystep);
     w.width = least(STEPS * xstep + 1, f->width);
     w.height = least(LINES * ystep + 1, f->height);
-    w.x = draw(c, f->width - w.width + 1);
-    w.y = draw(c, f->height - w.height + 1);
+    spread(n, f->width - w.width + 1, f->height - w.height + 1, at);
+    w.x = at[0];
+    w.y = at[1];
     return w;
 }
 
 static bool
-sample_window(struct check *c, struct sampled *s)
+sample_window(struct check *c, uint64_t n, struct sampled *s)
 {
     const struct rad_counts *counts = &c->ctx->counts;
     struct rad_pixel *rows[MOST_HEIGHT];
     uint64_t rays = counts->rays;
 
-    s->at = draw_window(c);
+    s->at = window_at(c, n);
     for (int y = 0; y < s->at.height; y++)
         rows[y] = s->pixel[y];
     if (rad_frame_window(&c->frame, c->ctx, &s->at, rows, NULL, NULL))
@@ -141,10 +136,10 @@ look_at_rows(struct check *c, const struct sampled *s, int y, int n)
 /* Sample a window, and make some of it again: of its first base line nothing,
  * for that is traced more densely than others. */
 static bool
-check_window(struct check *c)
+check_window(struct check *c, uint64_t n)
 {
     struct sampled *s = malloc(sizeof *s);
-    bool ok = s && sample_window(c, s);
+    bool ok = s && sample_window(c, n, s);
     int xstep, ystep;
 
     rad_quincunx_steps(c->frame.job->params.psample, &xstep, &ystep);
@@ -159,11 +154,13 @@ check_window(struct check *c)
 static bool
 check_all(struct check *c, uint32_t tile, uint32_t nframes)
 {
-    bool ok = check_window(c);
+    uint64_t n = tile / nframes; /* of the frame's tiles */
+    bool ok = true;
 
+    for (uint64_t i = 0; ok && i < WINDOWS && !is_stopped(c); i++)
+        ok = check_window(c, n * WINDOWS + i);
     for (uint64_t i = 0; ok && i < PLACES && !is_stopped(c); i++)
-        check_place(c, ((uint64_t)(tile / nframes) * PLACES + i) *
-                           RAD_DOUBT_TRIED);
+        check_place(c, (n * PLACES + i) * RAD_DOUBT_TRIED);
     return ok && !is_stopped(c);
 }
 

@@ -14,16 +14,27 @@
 
 /* Windows of a check pass: one for so many pixels, within these bounds. */
 #define PIXELS_A_WINDOW 2048
-#define LEAST_WINDOWS   24
-#define MOST_WINDOWS    64
+#define LEAST_WINDOWS   36
+#define MOST_WINDOWS    96
 
 /* Squares of errors: so much less than what is wanted is aimed at, and so much
  * more is near enough, for another stage takes longer than this one did. */
-#define AIM         .9
+#define AIM         .85
 #define NEAR_ENOUGH 1.45
 
 /* A further stage for the time that is left brings so much at least. */
 #define WORTH_IT .8
+
+/* What takes more than so many times the rays of this stage is not foreseen
+ * well: a stage with such a part of its rays comes before it, and tells how
+ * fast the error falls. */
+#define FAR    20
+#define BEFORE .25
+
+/* Rays of passes that go to lattices and paths, for a pixel: they do not grow
+ * with rungs.  But some part of a stage always does. */
+#define WALKED     .5
+#define LEAST_MADE .2
 
 /* Of the time that is left, what is planned to be used. */
 #define TIME_USED .7
@@ -166,15 +177,49 @@ sound(double x)
 }
 
 /* Parts of an octave by which squares of errors fall with a rung, as they do in
- * five scenes on average; noise up to that rung. */
-enum { AMBIENT_FALL = 3, PIXEL_FALL = 4, NOISE_FALL = 2, NOISE_RUNGS = 8 };
+ * five scenes on average; the cache's by 2 to 4 in single ones, which stages
+ * that are so many rungs apart tell.  Noise up to that rung. */
+enum {
+    AMBIENT_FALL = 3,
+    APART = 3,
+    PIXEL_FALL = 4,
+    NOISE_FALL = 3,
+    NOISE_RUNGS = 8
+};
+
+/* ... by which rays grow, those of a check and those of pictures. */
+enum { CHECK_GROWTH = 2, PICTURE_GROWTH = 2 };
 
 /* What is known after a stage. */
 struct outlook {
     const struct rad_refine_ask *ask;
     double ambient, pixel, noise; /* squares; noise: no more than pixel */
-    double cache, picture;        /* rays */
+    int fall;                     /* of .ambient with a rung */
+    double walk, made;            /* rays of passes: see WALKED, and the rest */
+    double check, picture;        /* rays */
 };
+
+/* 2 to the power of n / PARTS, n of either sign. */
+static double
+rise(int n)
+{
+    return n > 0 ? 1 / fall(n) : fall(-n);
+}
+
+/* Parts of an octave by which the cache's error has fallen with a rung. */
+static int
+observed_fall(const struct rad_refine_ask *ask, double ambient)
+{
+    int apart = ask->rungs.ambient - ask->past.rung;
+    double fell = ask->past.ambient / ambient;
+
+    if (apart < APART || !(fell > 0))
+        return AMBIENT_FALL;
+    fell *= fell;
+    return fell < rise((2 * AMBIENT_FALL - 1) * apart)   ? AMBIENT_FALL - 1
+           : fell < rise((2 * AMBIENT_FALL + 1) * apart) ? AMBIENT_FALL
+                                                         : AMBIENT_FALL + 1;
+}
 
 static struct outlook
 look_out(const struct rad_refine_ask *ask)
@@ -184,19 +229,16 @@ look_out(const struct rad_refine_ask *ask)
                          .ambient = found.ambient,
                          .pixel = found.sampling,
                          .noise = found.noise,
-                         .cache = fmax((double)ask->rays, 1) };
+                         .fall = observed_fall(ask, found.ambient),
+                         .check = (double)ask->check };
+    double cache = fmax((double)ask->rays, 1);
 
+    o.walk = fmin(WALKED * (double)ask->pixels, (1 - LEAST_MADE) * cache);
+    o.made = cache - o.walk;
     if (ask->sums.shown >= 1)
         o.picture = sound(ask->sums.rays / ask->sums.shown) *
                     (double)ask->pixels;
     return o;
-}
-
-/* 2 to the power of n / PARTS, n of either sign. */
-static double
-rise(int n)
-{
-    return n > 0 ? 1 / fall(n) : fall(-n);
 }
 
 /* What the noise of single pixels is times as large as at rung 0, by squares:
@@ -220,19 +262,27 @@ foresee_square(const struct outlook *o, int ambient, int pixel)
 {
     const struct rad_refine_rungs *now = &o->ask->rungs;
 
-    return o->ambient * rise(-AMBIENT_FALL * (ambient - now->ambient)) +
+    return o->ambient * rise(-o->fall * (ambient - now->ambient)) +
            o->noise * noise_left(pixel) / noise_left(now->pixel) +
            (o->pixel - o->noise) * rise(-PIXEL_FALL * (pixel - now->pixel));
 }
 
-/* Rays of the stage, its check and the pictures. */
+/* Rays of a stage with these rungs, and of its check. */
+static double
+foresee_stage(const struct outlook *o, int ambient)
+{
+    int a = ambient - o->ask->rungs.ambient;
+
+    return o->walk + o->made * rise((2 * AMBACC_FALL + AMBDIV_GROWTH) * a) +
+           o->check * rise(CHECK_GROWTH * a);
+}
+
+/* ... and of the pictures. */
 static double
 foresee_rays(const struct outlook *o, int ambient, int pixel)
 {
-    int a = ambient - o->ask->rungs.ambient, p = pixel - o->ask->rungs.pixel;
-
-    return o->cache * rise((2 * AMBACC_FALL + AMBDIV_GROWTH) * a) +
-           o->picture * rise(2 * p);
+    return foresee_stage(o, ambient) +
+           o->picture * rise(PICTURE_GROWTH * (pixel - o->ask->rungs.pixel));
 }
 
 struct choice {
@@ -271,6 +321,22 @@ choose(const struct outlook *o, double goal, double rays, struct choice *best)
     return any;
 }
 
+/* Come nearer, if an error that is wanted is too far for one stage, and another
+ * may follow. */
+static void
+shorten_step(const struct outlook *o, struct choice *c)
+{
+    int now = o->ask->rungs.ambient;
+    double rays = foresee_stage(o, c->ambient);
+
+    if (!(o->ask->error > 0) || o->ask->stage + 2 >= RAD_REFINE_STAGES ||
+        rays <= FAR * foresee_stage(o, now))
+        return;
+    while (c->ambient > now + APART &&
+           foresee_stage(o, c->ambient) > BEFORE * rays)
+        c->ambient--;
+}
+
 /* The square that is wanted.  Where noise of single pixels, which no rungs take
  * away, is more than that, nothing else need be less than it. */
 static double
@@ -299,9 +365,18 @@ rad_refine_next(const struct rad_refine_ask *ask, struct rad_refine_rungs *next,
     if (!choose(&o, AIM * goal, rays, &best) ||
         best.square > WORTH_IT * WORTH_IT * square)
         return false;
+    shorten_step(&o, &best);
     *next =
         (struct rad_refine_rungs){ (uint8_t)best.ambient, (uint8_t)best.pixel };
     return true;
+}
+
+struct rad_refine_past
+rad_refine_pass_on(const struct rad_refine_ask *ask)
+{
+    return (struct rad_refine_past){
+        rad_doubt_squares(&ask->sums.doubt).ambient, ask->rungs.ambient
+    };
 }
 
 double

@@ -48,12 +48,21 @@ struct rad_refine_rungs {
 void rad_refine_params(const struct rad_params *job,
                        struct rad_refine_rungs rungs, struct rad_params *out);
 
+/* The cache's error after the stage before: its square, and the rung of its
+ * options. */
+struct rad_refine_past {
+    double ambient;
+    uint8_t rung;
+};
+
 struct rad_refine_ask {
     double error;                  /* that is wanted; 0: any */
     uint32_t stage;                /* that has been made, 0 for the first */
     struct rad_refine_rungs rungs; /* its */
     struct rad_refine_sums sums;   /* of its check pass */
+    struct rad_refine_past past;   /* zeros: there is none before it */
     uint64_t rays;                 /* of its passes, but the check's */
+    uint64_t check;                /* rays of that */
     uint64_t pixels;               /* of all pictures */
     double left_s; /* until the time is up; INFINITY: there is no limit */
     double rays_s; /* rays a second so far; with a limit */
@@ -64,6 +73,9 @@ struct rad_refine_ask {
  * time; *next is then as it was.  *error: of a picture after this stage. */
 bool rad_refine_next(const struct rad_refine_ask *ask,
                      struct rad_refine_rungs *next, double *error);
+
+/* What the next stage is to know of that. */
+struct rad_refine_past rad_refine_pass_on(const struct rad_refine_ask *ask);
 
 /* What the mean of all pixels would be off by after the stage. */
 double rad_refine_mean(const struct rad_refine_sums *sums);
