@@ -19,6 +19,7 @@
 #include "compile/compile.h"
 #include "light/indirect/ambient.h"
 #include "passes/passes.h"
+#include "proto/ambshare.h"
 #include "scene/file/parse.h"
 
 #include <inttypes.h>
@@ -35,6 +36,7 @@ struct bench {
     uint32_t n; /* of them */
     struct rad_job *job;
     struct rad_frame *frame;
+    struct rad_ambient *met; /* all records of passes, as of a live cache */
     struct rad_ctx ctx;
     FILE *tiles; /* what each took; NULL: not wanted */
 };
@@ -100,7 +102,8 @@ open_job(struct bench *b)
     b->job = rad_job_new(b->compiled.scene, &b->params, &b->files, &err);
     if (!b->job)
         die(&err);
-    if (!b->job->ambient)
+    b->met = rad_ambient_new(b->job, NULL);
+    if (!b->job->ambient || !b->met)
         die_of("the options have no ambient cache");
     b->frame = calloc(b->n, sizeof *b->frame);
     if (!b->frame)
@@ -120,6 +123,7 @@ close_job(struct bench *b)
     for (uint32_t i = 0; i < b->n; i++)
         rad_frame_release(&b->frame[i]);
     free(b->frame);
+    rad_ambient_free(b->met);
     rad_job_free(b->job);
 }
 
@@ -166,42 +170,56 @@ keep(void *arg, const struct rad_ambrec *rec, size_t n)
         r->deeper += rec[i].level > r->level;
 }
 
-/* Add them to the cache; returns how many of them it did not need. */
+/* Add them to the cache; returns how many of them one by one it would not have
+ * needed. */
 static size_t
 add(struct bench *b, struct records *r)
 {
-    enum { AT_ONCE = 64 }; /* for the cache is laid out anew each time */
-    size_t needless = 0, from, n;
+    size_t needless = 0;
 
-    for (from = 0; from < r->n; from += n) {
-        n = r->n - from < AT_ONCE ? r->n - from : AT_ONCE;
-        for (size_t i = 0; i < n; i++)
-            needless += rad_ambient_covers(b->job->ambient, &r->v[from + i]);
-        rad_ambient_insert_all(b->job->ambient, &r->v[from], n);
-        if (!rad_ambient_settle(b->job->ambient))
-            die_of("out of memory");
+    for (size_t i = 0; i < r->n; i++) {
+        needless += rad_ambient_covers(b->met, &r->v[i]);
+        rad_ambient_insert(b->met, &r->v[i]);
     }
+    rad_ambient_insert_all(b->job->ambient, r->v, r->n);
+    if (!rad_ambient_settle(b->job->ambient))
+        die_of("out of memory");
     r->n = 0;
     return needless;
 }
 
+/* What the spots of a tile's paths take on their way, in records. */
+static size_t
+walk_records(const struct rad_pass *pass, uint32_t tile)
+{
+    uint32_t first;
+    size_t n = (size_t)rad_pass_paths(pass, tile, &first) *
+               (size_t)pass->walks * sizeof(struct rad_pass_spot);
+
+    return (n + AMBSHARE_BYTES - 1) / AMBSHARE_BYTES;
+}
+
 static void
-do_tile(struct bench *b, struct rad_passes *p, uint32_t tile, struct records *r)
+do_tile(struct bench *b, struct rad_passes *p, const struct rad_pass *pass,
+        uint32_t number, uint32_t tile, struct records *r)
 {
     static const _Atomic bool never;
     uint64_t rays = b->ctx.counts.rays;
     double start = now();
     size_t made = r->n;
 
-    if (!rad_passes_make(p, &b->ctx, tile, &never, keep, r, NULL))
+    if (!rad_passes_make(p, &b->ctx, pass, number - pass->reads, tile, &never,
+                         keep, r, NULL))
         die_of("out of memory");
     if (b->tiles)
         fprintf(b->tiles, "tile %.6f %" PRIu64 " %zu\n", now() - start,
-                b->ctx.counts.rays - rays, r->n - made);
+                b->ctx.counts.rays - rays,
+                pass->walks ? walk_records(pass, tile) : r->n - made);
 }
 
 static void
-do_pass(struct bench *b, struct rad_passes *p, const struct rad_pass *pass)
+do_pass(struct bench *b, struct rad_passes *p, const struct rad_pass *pass,
+        uint32_t number)
 {
     struct records r = { .level = pass->level };
     struct rad_counts before = b->ctx.counts;
@@ -214,11 +232,11 @@ do_pass(struct bench *b, struct rad_passes *p, const struct rad_pass *pass)
         fprintf(b->tiles, "pass %d %d %" PRIu32 " %.6f\n", pass->level,
                 pass->step, pass->tiles, now() - start);
     for (uint32_t i = 0; i < pass->tiles; i++)
-        do_tile(b, p, i, &r);
+        do_tile(b, p, pass, number, i, &r);
     took = now() - start;
     made = r.n;
     printf("level %d, ", pass->level);
-    if (pass->level > 0)
+    if (pass->level > 0 || pass->walks)
         printf("%5" PRIu32 " paths ", pass->end - pass->first);
     else
         printf("%s of %2d ", pass->scattered ? "rest   " : "lattice",
@@ -260,7 +278,7 @@ fill_and_render(struct bench *b, double *filled, double *rendered)
     n = rad_passes_plan(&b->params, size, b->n, pass);
     for (uint32_t i = 0; i < n; i++) {
         start = now();
-        do_pass(b, p, &pass[i]);
+        do_pass(b, p, &pass[i], i);
         if (rad_pass_is_last(pass, n, i) &&
             !rad_ambient_smooth(b->job->ambient))
             die_of("out of memory");

@@ -12,13 +12,17 @@
 #define MSG_MOST_PASSES 2400       /* of a job, in all its stages */
 #define MSG_MOST_TILES  (1u << 21) /* of a pass */
 
+/* Passes that may be open at a time. */
+#define MSG_OPEN_PASSES 4
+
 /* Most record bytes of a tile; what a tile makes beyond them is not kept. */
 #define MSG_MAX_TILE (MSG_MAX - 1024)
 
 /* Most bytes of a tile's colours: 64 pixels. */
 #define MSG_MAX_COLOURS 256
 
-/* Make a tile of the open pass. */
+/* Make a tile of a pass that is open: no other passes than are closed does it
+ * read. */
 struct msg_tile {
     const uint8_t *job;
     uint32_t pass, tile;
@@ -39,8 +43,7 @@ struct msg_tile_made {
 };
 
 /* Some records of a pass that is closed: those of all its tiles, in the order
- * of tiles.  Once the last have come the cache has them all, and the next pass
- * is open.  No thread may be at a tile by then: tiles that still are under way
+ * of tiles.  Once the last have come tiles of the pass that still are under way
  * are of no use any more. */
 struct msg_frozen {
     const uint8_t *job;

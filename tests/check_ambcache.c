@@ -283,7 +283,7 @@ START_TEST(frozen_look_up_finds_what_a_search_of_all_finds)
 
         rad_ambfit_set(&fit, ask.min_cos, ask.weight);
         q.fit = &fit;
-        rad_ambread_visit(&r, &q, keep, want, &f);
+        rad_ambread_visit(&r, RECORDS, &q, keep, want, &f);
         memset(times, 0, sizeof times);
         for (int k = 0; k < f.n; k++) {
             double its = sample[(int)f.rec[k]->E.g].zone.reach;
@@ -327,8 +327,8 @@ START_TEST(frozen_records_come_in_an_order_that_ignores_how_they_were_settled)
 
         rad_ambfit_set(&fit, ask.min_cos, ask.weight);
         q.fit = &fit;
-        rad_ambread_visit(&often, &q, keep, want, &a);
-        rad_ambread_visit(&once, &q, keep, want, &b);
+        rad_ambread_visit(&often, RECORDS, &q, keep, want, &a);
+        rad_ambread_visit(&once, RECORDS, &q, keep, want, &b);
         ck_assert_int_eq(a.n, b.n);
         for (int k = 0; k < a.n; k++)
             if (a.rec[k]->E.g != b.rec[k]->E.g)
@@ -336,6 +336,51 @@ START_TEST(frozen_records_come_in_an_order_that_ignores_how_they_were_settled)
     }
     rad_ambread_release(&often);
     rad_ambread_release(&once);
+}
+END_TEST
+
+/* Of the first half alone the same serve, in the same order, as if the others
+ * were not there. */
+START_TEST(of_frozen_records_the_later_ones_can_be_left_out)
+{
+    struct rad_ambread all, half;
+    int served = 0;
+
+    settled(&all);
+    rad_ambread_init(&half, org, SIDE);
+    for (int i = 0; i < RECORDS / 2; i++)
+        ck_assert(rad_ambread_add(&half, &sample[i].rec));
+    ck_assert(rad_ambread_settle(&half, zone_of, NULL));
+    for (int i = 0; i < QUERIES; i++) {
+        struct question ask = ask_anywhere(i);
+        struct found a = { .enough = INFINITY }, b = { .enough = INFINITY };
+        struct rad_ambquery q = ask.q;
+        struct rad_ambfit fit;
+        int k = 0;
+
+        rad_ambfit_set(&fit, ask.min_cos, ask.weight);
+        q.fit = &fit;
+        rad_ambread_visit(&all, RECORDS / 2, &q, keep, want, &a);
+        rad_ambread_visit(&half, RECORDS, &q, keep, want, &b);
+        for (int j = 0; j < a.n; j++) {
+            const struct sample *s = &sample[(int)a.rec[j]->E.g];
+
+            ck_assert_int_lt((int)a.rec[j]->E.g, RECORDS / 2);
+            if (!meets_ellipsoid(s, &ask))
+                continue;
+            while (k < b.n &&
+                   !meets_ellipsoid(&sample[(int)b.rec[k]->E.g], &ask))
+                k++;
+            ck_assert_int_lt(k, b.n);
+            ck_assert(a.rec[j]->E.g == b.rec[k++]->E.g);
+            served++;
+        }
+        for (; k < b.n; k++)
+            ck_assert(!meets_ellipsoid(&sample[(int)b.rec[k]->E.g], &ask));
+    }
+    ck_assert_int_gt(served, QUERIES / 20);
+    rad_ambread_release(&all);
+    rad_ambread_release(&half);
 }
 END_TEST
 
@@ -663,6 +708,7 @@ main(void)
     tcase_add_test(tc, frozen_look_up_finds_what_a_search_of_all_finds);
     tcase_add_test(
         tc, frozen_records_come_in_an_order_that_ignores_how_they_were_settled);
+    tcase_add_test(tc, of_frozen_records_the_later_ones_can_be_left_out);
     tcase_add_test(tc, small_zones_come_first_and_large_ones_if_wanted);
     suite_add_tcase(s, tc);
     tc = tcase_create("memory");

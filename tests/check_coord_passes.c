@@ -10,6 +10,7 @@
 #include "refine/refine.h"
 #include "filling/dearest.h"
 #include "filling/passes.h"
+#include "filling/tiles.h"
 
 #include <math.h>
 
@@ -319,14 +320,14 @@ START_TEST(the_oldest_tile_is_late_first)
     ck_assert_uint_eq(f.last[SECOND].tile.tile, 1); /* it has 0 and 1 */
     job = desk_find_job(f.c, job_a);
     made(SECOND, LAST, 0, 0);
-    ck_assert_uint_gt(job->workers[0].ntiles, 0);
+    ck_assert_uint_gt(tiles_out(&job->workers[0]), 0);
     coord_closed(f.c, ++f.now_ms, WORKER, "gone");
     carry_out(&f);
-    ck_assert_uint_eq(job->workers[0].ntiles, 0);
+    ck_assert_uint_eq(tiles_out(&job->workers[0]), 0);
     join(&f, WORKER, MSG_ROLE_WORKER, "ws1", "daemon");
     ready(&f, WORKER, job_a);
     made(WORKER, LAST, 0, 0);
-    ck_assert_uint_le(job->workers[0].ntiles, 3);
+    ck_assert_uint_le(tiles_out(&job->workers[0]), 3);
 }
 END_TEST
 
@@ -527,7 +528,7 @@ END_TEST
 /* The same of deep records, by the place in the order of the tree. */
 START_TEST(the_dearest_part_goes_out_first)
 {
-    struct rad_pass pass = { .level = 1, .tiles = 13 };
+    struct rad_pass pass = { .level = 1, .part = -1, .tiles = 13 };
     struct dearest *d = dearest_new(shown, 2);
 
     ck_assert_ptr_nonnull(d);

@@ -85,6 +85,8 @@ plan(const struct room *m, struct rad_pass pass[RAD_MOST_PASSES])
 struct tiles {
     const struct rad_passes *passes;
     const struct rad_job *job;
+    const struct rad_pass *pass;
+    uint32_t behind;
     uint32_t n;
     bool backward, twice;
     _Atomic uint32_t next;
@@ -119,8 +121,8 @@ work(void *arg)
 
         for (int k = 0; k <= t->twice; k++) {
             t->list[tile].n = 0;
-            ck_assert(rad_passes_make(t->passes, &ctx, tile, &never, keep,
-                                      &t->list[tile], NULL));
+            ck_assert(rad_passes_make(t->passes, &ctx, t->pass, t->behind, tile,
+                                      &never, keep, &t->list[tile], NULL));
         }
     }
     ck_assert_uint_eq(ctx.counts.primary_rays, 0);
@@ -163,6 +165,8 @@ fill(struct room *m, int threads, bool backward, bool twice)
     for (uint32_t i = 0; i < n; i++) {
         struct tiles t = { p,
                            m->w.job,
+                           &pass[i],
+                           i - pass[i].reads,
                            pass[i].tiles,
                            backward,
                            twice,
@@ -178,6 +182,134 @@ fill(struct room *m, int threads, bool backward, bool twice)
     ck_assert(rad_ambient_smooth(m->w.job->ambient));
     rad_passes_free(p);
 }
+
+/* Each pass of the plan in parts, of which none needs anything of another. */
+static uint32_t
+plan_parts(const struct room *m, struct rad_pass pass[RAD_MOST_PASSES])
+{
+    static struct rad_pass whole[RAD_MOST_PASSES];
+    uint32_t n = plan(m, whole), to = 1;
+
+    pass[0] = whole[0];
+    for (uint32_t i = 1; i < n; i++)
+        for (int part = 0; part < RAD_PASS_PARTS; part++) {
+            struct rad_pass *k = &pass[to];
+
+            *k = whole[i];
+            k->part = part;
+            k->reads = to < RAD_PASS_PARTS ? 1 : to + 1 - RAD_PASS_PARTS;
+            k->tiles = k->level > 0    ? (k->tiles + 3) / RAD_PASS_PARTS
+                       : k->scattered ? k->tiles
+                                      : rad_pass_tiles(k, SIDE, SIDE);
+            to += k->tiles > 0;
+        }
+    return to;
+}
+
+/* Make the tiles of passes from number i on, up to `ahead` behind it, as soon as
+ * those that they read are closed. */
+static void
+fill_parts(struct room *m, int threads, uint32_t ahead)
+{
+    struct rad_passes *p = rad_passes_new(&m->frame, 1, NULL);
+    static struct rad_pass pass[RAD_MOST_PASSES];
+    static struct tiles t[RAD_MOST_PASSES];
+    uint32_t n = plan_parts(m, pass);
+
+    memset(t, 0, sizeof t);
+    ck_assert_ptr_nonnull(p);
+    for (uint32_t i = 0; i < n; i++) {
+        for (uint32_t k = i; k <= i + ahead && k < n; k++) {
+            if (t[k].list || pass[k].reads > i)
+                continue;
+            t[k] = (struct tiles){ p,
+                                   m->w.job,
+                                   &pass[k],
+                                   i - pass[k].reads,
+                                   pass[k].tiles,
+                                   ahead > 0,
+                                   false,
+                                   0,
+                                   calloc(pass[k].tiles, sizeof *t->list) };
+            ck_assert_ptr_nonnull(t[k].list);
+            ck_assert_int_eq(rad_passes_begin(p, &m->w.ctx, &pass[k], NULL), 0);
+            make_tiles(&t[k], threads);
+        }
+        close_pass(m, &t[i]);
+        free(t[i].list);
+    }
+    ck_assert(rad_ambient_smooth(m->w.job->ambient));
+    rad_passes_free(p);
+}
+
+/* A tile does not see a pass that it does not read, whether that is closed by
+ * then or not. */
+START_TEST(a_tile_sees_the_passes_that_it_reads)
+{
+    static const char *const options[] = { "-ab 3", "-ab 3",
+                                           "-ab 2 -aw 64 -av .1 .1 .1" };
+    struct room *one = &rooms[0], *other = &rooms[1];
+
+    open_room(one, options[_i]);
+    open_room(other, options[_i]);
+    fill_parts(one, 1, 0);
+    fill_parts(other, 2, 1 + (uint32_t)_i);
+    ck_assert_uint_gt(one->nrecs, 100);
+    ck_assert_uint_eq(one->nrecs, other->nrecs);
+    ck_assert_mem_eq(one->rec, other->rec, one->nrecs * sizeof *one->rec);
+    close_room(one);
+    close_room(other);
+}
+END_TEST
+
+/* Who is told where paths go finds the same tiles as who walks them. */
+START_TEST(paths_can_be_walked_elsewhere)
+{
+    static struct list here, there;
+    struct room *m = &rooms[0];
+    struct rad_passes *p, *told;
+    struct rad_pass pass[RAD_MOST_PASSES];
+    struct rad_pass_spot *spot;
+    uint64_t rays;
+
+    open_room(m, "-ab 3");
+    ck_assert_uint_gt(plan(m, pass), 2);
+    ck_assert_int_eq(pass[0].walks, 2);
+    p = rad_passes_new(&m->frame, 1, NULL);
+    told = rad_passes_new(&m->frame, 1, NULL);
+    spot = calloc(pass[0].paths, 2 * sizeof *spot);
+    ck_assert(p && told && spot);
+    ck_assert_int_eq(rad_passes_begin(p, &m->w.ctx, &pass[0], NULL), 0);
+    for (uint32_t i = 0, first; i < pass[0].tiles; i++) {
+        rad_pass_paths(&pass[0], i, &first);
+        ck_assert(rad_passes_walk(p, &m->w.ctx, &pass[0], i, &never,
+                                  &spot[2 * (size_t)first]));
+    }
+    ck_assert(rad_passes_place(told, &pass[0], spot));
+    rays = m->w.ctx.counts.rays;
+    ck_assert_int_eq(rad_passes_begin(p, &m->w.ctx, &pass[1], NULL), 0);
+    ck_assert_int_eq(rad_passes_begin(told, &m->w.ctx, &pass[1], NULL), 0);
+    ck_assert_uint_eq(m->w.ctx.counts.rays, rays);
+    here.n = there.n = 0;
+    for (uint32_t i = 0; i < pass[1].tiles; i++) {
+        memset(&m->w.ctx.counts, 0, sizeof m->w.ctx.counts);
+        ck_assert(rad_passes_make(p, &m->w.ctx, &pass[1], 0, i, &never,
+                                  keep, &here, NULL));
+        rays = m->w.ctx.counts.rays;
+        memset(&m->w.ctx.counts, 0, sizeof m->w.ctx.counts);
+        ck_assert(rad_passes_make(told, &m->w.ctx, &pass[1], 0, i, &never,
+                                  keep, &there, NULL));
+        ck_assert_uint_eq(m->w.ctx.counts.rays, rays);
+    }
+    ck_assert_uint_gt(here.n, 10);
+    ck_assert_uint_eq(here.n, there.n);
+    ck_assert_mem_eq(here.rec, there.rec, here.n * sizeof *here.rec);
+    free(spot);
+    rad_passes_free(p);
+    rad_passes_free(told);
+    close_room(m);
+}
+END_TEST
 
 static void
 render(struct room *m, bool backward)
@@ -294,11 +426,11 @@ START_TEST(large_pictures_have_many_tiles)
         uint32_t paths = pass[0][i].end - pass[0][i].first;
 
         if (pass[0][i].level > 0 && paths >= 8 * 512)
-            ck_assert_uint_eq(pass[0][i].tiles, 512);
+            ck_assert_uint_eq(pass[0][i].tiles, 128);
         else if (pass[0][i].level > 0)
-            ck_assert_uint_eq(pass[0][i].tiles, paths / 8);
+            ck_assert_uint_eq(pass[0][i].tiles, paths / 32);
         else
-            ck_assert_uint_ge(pass[0][i].tiles, 200);
+            ck_assert_uint_ge(pass[0][i].tiles, 50);
         rounds += pass[0][i].level > 0;
     }
     ck_assert_uint_gt(rounds, 0);
@@ -308,28 +440,56 @@ START_TEST(large_pictures_have_many_tiles)
 }
 END_TEST
 
+/* Is that another part of the pass before? */
+static bool
+is_next_part(const struct rad_pass *k)
+{
+    return k->part > 0 && k[-1].part >= 0 && k[-1].part < k->part &&
+           k[-1].level == k->level && k[-1].end == k->end &&
+           k[-1].step == k->step && k[-1].field == k->field &&
+           k[-1].scattered == k->scattered;
+}
+
+static void
+check_reads(const struct rad_pass *k, uint32_t i)
+{
+    ck_assert_uint_le(k->reads, i);
+    ck_assert_uint_lt(i - k->reads, RAD_PASS_PARTS);
+    ck_assert(k->part >= 0 || k->reads == i);
+    for (uint32_t j = 1; j <= i - k->reads; j++)
+        ck_assert(k[-(int)j].part >= 0 && k[-(int)j].part != k->part);
+    ck_assert(!is_next_part(k) || k->reads < i);
+}
+
 /* Each path once, each pixel of the last lattice once, and every second one
  * along both axes once more for what tiles left out. */
 START_TEST(a_plan_asks_for_each_place_once)
 {
     struct rad_pass pass[RAD_MOST_PASSES];
-    uint32_t n, end = 0;
+    uint32_t n, end = 0, parts = 0;
     int level = 12, done = 0;
     struct world w;
 
     world_open(&w, scene_text, plans[_i].options);
     n = rad_passes_plan(&w.job->params, &plans[_i].size, 1, pass);
     ck_assert_uint_le(n, RAD_MOST_PASSES);
-    for (uint32_t i = 0; i < n; i++) {
+    ck_assert_int_eq(pass[0].walks, RAD_PASS_LEVELS);
+    for (uint32_t i = 1; i < n; i++) {
         ck_assert_uint_gt(pass[i].tiles, 0);
+        check_reads(&pass[i], i);
+        ck_assert_int_eq(pass[i].walks, 0);
+        ck_assert_uint_le(pass[i].end, pass[0].paths);
         ck_assert_int_le(pass[i].level, level);
-        ck_assert(pass[i].scattered == (i == n - 1));
-        ck_assert((pass[i].rays == 0) == (i == n - 1));
+        ck_assert(pass[i].scattered || !pass[i - 1].scattered);
+        ck_assert(pass[i].scattered == (pass[i].rays == 0));
+        if (is_next_part(&pass[i])) {
+            parts++;
+            continue;
+        }
         if (pass[i].level == 0) {
             if (pass[i].scattered) {
                 ck_assert_int_eq(pass[i].step, 2 * done);
             } else if (pass[i].field == 1) {
-                ck_assert_int_eq(pass[i - 1].field, 0);
                 ck_assert_int_eq(pass[i - 1].step, pass[i].step);
             } else {
                 ck_assert_int_eq(pass[i].done, done);
@@ -347,6 +507,9 @@ START_TEST(a_plan_asks_for_each_place_once)
         }
         level = pass[i].level;
     }
+    ck_assert(pass[n - 1].scattered);
+    ck_assert_uint_eq(end, pass[0].paths);
+    ck_assert((parts > 0) == (plans[_i].size.height > 2048));
     ck_assert_int_eq(done, plans[_i].finest);
     ck_assert_int_eq(level, 0);
     world_close(&w);
@@ -381,8 +544,8 @@ START_TEST(passes_go_over_all_frames)
         ck_assert_int_eq(rad_passes_begin(p, &m->w.ctx, &pass[k], NULL), 0);
         for (uint32_t i = 0; i < pass[k].tiles; i++) {
             list.n = 0;
-            ck_assert(
-                rad_passes_make(p, &m->w.ctx, i, &never, keep, &list, NULL));
+            ck_assert(rad_passes_make(p, &m->w.ctx, &pass[k], 0, i, &never,
+                                      keep, &list, NULL));
             made[pass[k].frame] += list.n;
         }
     }
@@ -477,11 +640,12 @@ START_TEST(a_tile_that_shows_its_colours_is_the_same)
     ck_assert_int_eq(rad_passes_begin(p, &m->w.ctx, &pass[k], NULL), 0);
     list.n = watched.n = 0;
     memset(&m->w.ctx.counts, 0, sizeof m->w.ctx.counts);
-    ck_assert(rad_passes_make(p, &m->w.ctx, 0, &never, keep, &list, NULL));
+    ck_assert(rad_passes_make(p, &m->w.ctx, &pass[k], 0, 0, &never, keep,
+                              &list, NULL));
     first = m->w.ctx.counts;
     m->w.ctx.counts = second;
-    ck_assert(
-        rad_passes_make(p, &m->w.ctx, 0, &never, keep, &watched, &colours));
+    ck_assert(rad_passes_make(p, &m->w.ctx, &pass[k], 0, 0, &never, keep,
+                              &watched, &colours));
     second = m->w.ctx.counts;
     ck_assert_uint_gt(list.n, 0);
     ck_assert_uint_eq(list.n, watched.n);
@@ -502,7 +666,8 @@ START_TEST(a_tile_that_shows_its_colours_is_the_same)
     for (k = 0; k < n && rad_pass_shows(&pass[k]);)
         k++;
     ck_assert_int_eq(rad_passes_begin(p, &m->w.ctx, &pass[k], NULL), 0);
-    ck_assert(rad_passes_make(p, &m->w.ctx, 0, &never, keep, &list, &colours));
+    ck_assert(rad_passes_make(p, &m->w.ctx, &pass[k], 0, 0, &never, keep,
+                              &list, &colours));
     ck_assert_uint_eq(colours.n, 0);
     rad_passes_free(p);
     close_room(m);
@@ -528,7 +693,7 @@ START_TEST(scattered_squares_show_nothing)
         ck_assert(!pass[i].scattered || !rad_pass_shows(&pass[i]));
     }
     ck_assert_uint_gt(shown, 0);
-    ck_assert_uint_eq(scattered, 1);
+    ck_assert_uint_eq(scattered, _i == 3 ? RAD_PASS_PARTS : 1);
 }
 END_TEST
 
@@ -564,11 +729,11 @@ END_TEST
  * of all passes. */
 static const struct {
     int ambounce;
-    double share[17];
+    double share[18];
 } shares[] = {
     { 1, { 6, 8, 8, 12, 11, 30, 24, 0 } },
-    { 2, { 1, 2, 5, 15, 9, 7, 11, 9, 23, 17, 0 } },
-    { 4, { 1, 1, 2, 1, 2, 3, 2, 3, 5, 14, 8, 6, 10, 8, 20, 15, 0 } },
+    { 2, { .4, 1, 2, 5, 15, 9, 7, 11, 9, 23, 17, 0 } },
+    { 4, { .4, 1, 1, 2, 1, 2, 3, 2, 3, 5, 14, 8, 6, 10, 8, 20, 15, 0 } },
 };
 
 START_TEST(passes_are_weighed)
@@ -634,6 +799,15 @@ see_tiles(const struct rad_pass *pass, int w, int h, uint8_t *seen)
     }
 }
 
+static bool
+all_are(const uint8_t *seen, int n, int times)
+{
+    for (int i = 0; i < n; i++)
+        if (seen[i] != times)
+            return false;
+    return true;
+}
+
 /* A pass without tiles is no work; one that checks is some. */
 START_TEST(passes_of_other_kinds_are_weighed)
 {
@@ -659,7 +833,8 @@ START_TEST(passes_of_other_kinds_are_weighed)
 END_TEST
 
 /* Each pixel of a lattice lies in one tile, whatever the size; and with two
- * fields, of two tiles side by side each has one. */
+ * fields, of two tiles side by side each has one, and so with all parts of
+ * each. */
 START_TEST(tiles_are_the_picture)
 {
     static const struct rad_pass_size size[] = { { 1, 1 },   { 64, 64 },
@@ -669,7 +844,9 @@ START_TEST(tiles_are_the_picture)
 
     for (size_t k = 0; k < N_ELEM(size); k++)
         for (int step = 2; step <= 32; step *= 2) {
-            struct rad_pass pass = { .step = step, .side = 4, .field = -1 };
+            struct rad_pass pass = {
+                .step = step, .side = 4, .part = -1, .field = -1
+            };
             int w = size[k].width, h = size[k].height;
 
             memset(seen, 0, sizeof seen);
@@ -683,8 +860,11 @@ START_TEST(tiles_are_the_picture)
                                               2);
             pass.field = 1;
             see_tiles(&pass, w, h, seen);
-            for (int i = 0; i < w * h; i++)
-                ck_assert_uint_eq(seen[i], 2);
+            ck_assert(all_are(seen, w * h, 2));
+            for (pass.part = 0; pass.part < RAD_PASS_PARTS; pass.part++)
+                for (pass.field = 0; pass.field < 2; pass.field++)
+                    see_tiles(&pass, w, h, seen);
+            ck_assert(all_are(seen, w * h, 3));
         }
 }
 END_TEST
@@ -706,10 +886,12 @@ START_TEST(a_tile_ends_when_it_has_traced_its_rays)
         all.n = list.n = 0;
         pass[i].rays = 0;
         ck_assert_int_eq(rad_passes_begin(p, &m->w.ctx, &pass[i], NULL), 0);
-        ck_assert(rad_passes_make(p, &m->w.ctx, 0, &never, keep, &all, NULL));
-        pass[i].rays = 1;
+        ck_assert(rad_passes_make(p, &m->w.ctx, &pass[i], 0, 0, &never,
+                                  keep, &all, NULL));
+        pass[i].rays = 64; /* of one */
         ck_assert_int_eq(rad_passes_begin(p, &m->w.ctx, &pass[i], NULL), 0);
-        ck_assert(rad_passes_make(p, &m->w.ctx, 0, &never, keep, &list, NULL));
+        ck_assert(rad_passes_make(p, &m->w.ctx, &pass[i], 0, 0, &never,
+                                  keep, &list, NULL));
         ck_assert_uint_ge(list.n, 1);
         ck_assert_uint_gt(all.n, list.n);
         ck_assert(memcmp(all.rec, list.rec, list.n * sizeof *list.rec) == 0);
@@ -719,8 +901,8 @@ START_TEST(a_tile_ends_when_it_has_traced_its_rays)
         pass[i].rays = 0;
         ck_assert_int_eq(rad_passes_begin(p, &m->w.ctx, &pass[i], NULL), 0);
         for (uint32_t k = 0; k < pass[i].tiles; k++)
-            ck_assert(
-                rad_passes_make(p, &m->w.ctx, k, &never, keep, &list, NULL));
+            ck_assert(rad_passes_make(p, &m->w.ctx, &pass[i], 0, k, &never,
+                                      keep, &list, NULL));
         ck_assert(i == n - 1 ? list.n > 10 : list.n * 10 < all.n);
         all.n = list.n;
         rad_ambient_insert_all(m->w.job->ambient, list.rec, list.n);
@@ -762,16 +944,23 @@ START_TEST(a_tile_that_ends_makes_coarse_deep_records)
     one.rays = 0;
     before = counts->ambient_rays;
     ck_assert_int_eq(rad_passes_begin(p, &m->w.ctx, &one, NULL), 0);
-    ck_assert(rad_passes_make(p, &m->w.ctx, 0, &never, keep, &all, NULL));
+    ck_assert(rad_passes_make(p, &m->w.ctx, &one, 0, 0, &never, keep, &all,
+                              NULL));
     rays = counts->ambient_rays - before;
-    one.rays = 1;
+    one.rays = rays / 3;
     before = counts->ambient_rays;
     ck_assert_int_eq(rad_passes_begin(p, &m->w.ctx, &one, NULL), 0);
-    ck_assert(rad_passes_make(p, &m->w.ctx, 0, &never, keep, &list, NULL));
-    ck_assert_uint_lt(2 * (counts->ambient_rays - before), rays);
+    ck_assert(rad_passes_make(p, &m->w.ctx, &one, 0, 0, &never, keep, &list,
+                              NULL));
+    ck_assert_uint_lt(3 * (counts->ambient_rays - before), 2 * rays);
     ck_assert_double_gt(brightness(&all), 0);
     ck_assert_double_eq_tol(brightness(&list), brightness(&all),
                             .1 * brightness(&all));
+    one.rays = 1; /* then it is given up */
+    list.n = 0;
+    ck_assert(rad_passes_make(p, &m->w.ctx, &one, 0, 0, &never, keep, &list,
+                              NULL));
+    ck_assert_uint_eq(list.n, 0);
     rad_passes_free(p);
     close_room(m);
 }
@@ -791,7 +980,8 @@ START_TEST(a_tile_that_is_stopped_hands_on_nothing)
     p = rad_passes_new(&m->frame, 1, NULL);
     for (uint32_t i = 0; i < n; i += n - 1) {
         ck_assert_int_eq(rad_passes_begin(p, &m->w.ctx, &pass[i], NULL), 0);
-        ck_assert(!rad_passes_make(p, &m->w.ctx, 0, &now, keep, &list, NULL));
+        ck_assert(!rad_passes_make(p, &m->w.ctx, &pass[i], 0, 0, &now, keep,
+                                   &list, NULL));
         ck_assert_uint_eq(list.n, 0);
         ck_assert(m->w.ctx.tile == NULL && !m->w.ctx.no_direct);
     }
@@ -809,6 +999,8 @@ main(void)
     tcase_set_timeout(tc, 60);
     tcase_add_loop_test(tc, records_and_picture_are_a_function_of_the_job, 0,
                         N_ELEM(ways));
+    tcase_add_loop_test(tc, a_tile_sees_the_passes_that_it_reads, 0, 3);
+    tcase_add_test(tc, paths_can_be_walked_elsewhere);
     tcase_add_test(tc, passes_leave_little_to_do);
     tcase_add_loop_test(tc, without_a_cache_there_are_no_passes, 0,
                         N_ELEM(none));

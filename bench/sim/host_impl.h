@@ -21,6 +21,7 @@
 #define RAYS_PER_S 1.7e6
 
 /* More the coordinator does not give to one thread. */
+#define HOST_GATHERED (MSG_OPEN_PASSES + 1)
 #define HOST_MOST_TILES 16
 
 struct window {
@@ -62,17 +63,20 @@ struct host {
     double pass_s;
     bool lines; /* it has had strict units */
     uint32_t passes; /* that are closed, as far as it knows */
-    uint32_t tile[HOST_MOST_TILES], ntiles; /* of the open one, to make */
+    struct host_tile {
+        uint32_t pass, tile;
+    } tile[HOST_MOST_TILES]; /* to make, the first under way */
+    uint32_t ntiles;
     enum host_state at_tiles; /* what it does for them; HOST_STATES: nothing */
     size_t tile_step;         /* counts that */
-    bool walked;              /* the paths of the open pass are there */
+    uint32_t begun;           /* passes before are ready for tiles */
     double insert_s;          /* for records that have come */
     struct gathered {
         uint32_t pass;
-        uint8_t *tile; /* which tiles' records are here */
-        uint32_t n;    /* records */
-    } gathered[2];     /* of that pass and the next, by the last bit */
-    bool closed;       /* the pass is, and has so many: */
+        uint8_t *tile;         /* which tiles' records are here */
+        uint32_t n;            /* records */
+    } gathered[HOST_GATHERED]; /* of that pass and the next, by number */
+    bool closed;               /* the pass is, and has so many: */
     uint32_t count;
     uint64_t heard_us; /* when a record of it came, or that */
     int fed[MSG_MOST_FED];

@@ -63,16 +63,23 @@ rest(struct host *h)
 
 /* --- a tile --- */
 
-static void
-send_tile(struct host *h, uint32_t tile, const struct tile_cost *cost)
+static const struct tile_cost *
+cost_of(const struct host *h, const struct host_tile *t)
 {
+    return &pass_of(h, t->pass)->tile[t->tile];
+}
+
+static void
+send_tile(struct host *h, const struct host_tile *t)
+{
+    const struct tile_cost *cost = cost_of(h, t);
     struct msg m = { .type = MSG_TILE_MADE };
     size_t len = (size_t)cost->records * AMBSHARE_BYTES;
     uint8_t *blank = sim_alloc(len + 1);
 
     m.tile_made = (struct msg_tile_made){ .job = h->cluster->job,
-                                          .pass = h->passes,
-                                          .tile = tile,
+                                          .pass = t->pass,
+                                          .tile = t->tile,
                                           .count = cost->records,
                                           .data = blank,
                                           .len = len };
@@ -84,24 +91,27 @@ send_tile(struct host *h, uint32_t tile, const struct tile_cost *cost)
 }
 
 static void
+drop_tile(struct host *h, uint32_t i)
+{
+    for (h->ntiles--; i < h->ntiles; i++)
+        h->tile[i] = h->tile[i + 1];
+}
+
+static void
 tile_done(void *arg, struct event *e)
 {
     struct host *h = host_there(arg, e);
-    const struct tile_cost *cost;
-    uint32_t tile;
+    struct host_tile t;
 
     if (!h)
         return;
-    tile = h->tile[0];
-    cost = &pass_of(h, h->passes)->tile[tile];
-    for (uint32_t i = 1; i < h->ntiles; i++)
-        h->tile[i - 1] = h->tile[i];
-    h->ntiles--;
+    t = h->tile[0];
+    drop_tile(h, 0);
     rest(h);
-    h->busy_s += cost->seconds / h->speed;
-    if (!cluster_first(h->cluster, h->passes, tile))
-        h->twice_s += cost->seconds / h->speed;
-    send_tile(h, tile, cost);
+    h->busy_s += cost_of(h, &t)->seconds / h->speed;
+    if (!cluster_first(h->cluster, t.pass, t.tile))
+        h->twice_s += cost_of(h, &t)->seconds / h->speed;
+    send_tile(h, &t);
     host_go_on(h);
 }
 
@@ -113,7 +123,7 @@ walked(void *arg, struct event *e)
     if (!h)
         return;
     rest(h);
-    h->walked = true;
+    h->begun = h->tile[0].pass + 1;
     host_go_on(h);
 }
 
@@ -131,8 +141,6 @@ inserted(void *arg, struct event *e)
 bool
 host_tiles_begin(struct host *h)
 {
-    const struct tile_pass *p;
-
     if (h->insert_s > 0) {
         spend(h, HOST_INSERTS, h->insert_s, inserted);
         h->insert_s = 0;
@@ -140,11 +148,12 @@ host_tiles_begin(struct host *h)
     }
     if (!host_tiles_open(h) || h->ntiles == 0)
         return false;
-    p = pass_of(h, h->passes);
-    if (!h->walked)
-        spend(h, HOST_WALKS, p->begin_s / h->speed, walked);
+    if (h->begun <= h->tile[0].pass)
+        spend(h, HOST_WALKS, pass_of(h, h->tile[0].pass)->begin_s / h->speed,
+              walked);
     else
-        spend(h, HOST_TILES, p->tile[h->tile[0]].seconds / h->speed, tile_done);
+        spend(h, HOST_TILES, cost_of(h, &h->tile[0])->seconds / h->speed,
+              tile_done);
     return true;
 }
 
@@ -153,27 +162,32 @@ host_tiles_begin(struct host *h)
 void
 host_tiles_take(struct host *h, const struct msg_tile *m)
 {
-    if (m->pass != h->passes || h->ntiles == HOST_MOST_TILES)
+    if (m->pass >= h->passes + MSG_OPEN_PASSES || h->ntiles == HOST_MOST_TILES)
         abort();
-    h->tile[h->ntiles++] = m->tile;
+    if (m->pass >= h->passes)
+        h->tile[h->ntiles++] = (struct host_tile){ m->pass, m->tile };
 }
 
-/* Tiles of a pass that is closed are of no use. */
+/* Tiles of the pass, which is closed, are of no use. */
 static void
-stop(struct host *h)
+stop(struct host *h, uint32_t pass)
 {
-    if (h->at_tiles == HOST_TILES)
+    bool at_it = h->ntiles > 0 && h->tile[0].pass == pass;
+
+    if (at_it && h->at_tiles == HOST_TILES)
         h->twice_s += 1e-6 * (double)(h->cluster->events.now_us - h->state_us);
-    if (h->at_tiles != HOST_STATES)
+    if (at_it && (h->at_tiles == HOST_TILES || h->at_tiles == HOST_WALKS))
         rest(h);
-    h->ntiles = 0;
+    for (uint32_t i = h->ntiles; i-- > 0;)
+        if (h->tile[i].pass == pass)
+            drop_tile(h, i);
 }
 
 /* Records of that pass are to come. */
 static void
 begin_gathered(struct host *h, uint32_t pass)
 {
-    struct gathered *g = &h->gathered[pass & 1];
+    struct gathered *g = &h->gathered[pass % HOST_GATHERED];
 
     free(g->tile);
     *g = (struct gathered){ .pass = pass,
@@ -185,10 +199,11 @@ static void
 close_pass(struct host *h, uint32_t count)
 {
     h->insert_s += 1e-6 * h->cluster->spec->insert_us * count / h->speed;
-    stop(h);
-    host_time_note(h, h->state); /* what it waited for */
+    stop(h, h->passes);
+    if (h->at_tiles == HOST_STATES)
+        host_time_note(h, h->state); /* what it waited for */
     h->passes++;
-    h->walked = h->closed = false;
+    h->closed = false;
 }
 
 void
@@ -213,7 +228,7 @@ say_held(struct host *h, bool whole)
 static void
 look(struct host *h)
 {
-    const struct gathered *g = &h->gathered[h->passes & 1];
+    const struct gathered *g = &h->gathered[h->passes % HOST_GATHERED];
 
     if (!h->closed || (g->pass == h->passes ? g->n : 0) != h->count)
         return;
@@ -249,10 +264,10 @@ host_tiles_closed(struct host *h, const struct msg_closed *m)
 void
 host_tiles_records(struct host *h, const struct msg_tile_records *m)
 {
-    struct gathered *g = &h->gathered[m->pass & 1];
+    struct gathered *g = &h->gathered[m->pass % HOST_GATHERED];
     struct msg pass = { .type = MSG_TILE_RECORDS, .tile_records = *m };
 
-    if (m->pass != h->passes && m->pass != h->passes + 1)
+    if (m->pass < h->passes || m->pass >= h->passes + HOST_GATHERED)
         return;
     if (!g->tile || g->pass != m->pass)
         begin_gathered(h, m->pass);
@@ -278,7 +293,7 @@ host_tiles_feed(struct host *h, const struct msg_feed *m)
 void
 host_tiles_forget(struct host *h)
 {
-    for (int i = 0; i < 2; i++) {
+    for (int i = 0; i < HOST_GATHERED; i++) {
         free(h->gathered[i].tile);
         h->gathered[i] = (struct gathered){ 0 };
     }
@@ -287,6 +302,6 @@ host_tiles_forget(struct host *h)
     h->ntiles = 0;
     h->insert_s = 0;
     h->passes = 0;
-    h->walked = false;
+    h->begun = 0;
     h->at_tiles = HOST_STATES;
 }

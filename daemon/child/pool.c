@@ -172,7 +172,8 @@ pool_free(struct pool *p)
         return;
     uv_mutex_lock(&p->mu);
     atomic_store(&p->stopping, true);
-    atomic_store(&p->tiling.stop, true);
+    for (int i = 0; i < MSG_OPEN_PASSES; i++)
+        atomic_store(&p->tiling.stop[i], true);
     first_stop_locked(p);
     for (struct active *u = p->active; u; u = u->next)
         team_stop(u->team);

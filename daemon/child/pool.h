@@ -95,7 +95,9 @@ void pool_seed(struct pool *p, struct rad_seed *s, pool_seed_fn *fn);
 struct pool_tile {
     struct pool_tile *next;
     uint32_t pass, tile;
-    bool shows; /* its colours are wanted */
+    bool shows;  /* its colours are wanted */
+    uint32_t behind; /* the cache has the records of so many passes more than
+                      * it sees */
     struct msg_counts counts;
     uint32_t count;          /* records */
     struct wire_out records; /* as they are sent (proto/ambshare.h) */
@@ -110,14 +112,17 @@ typedef void pool_tile_fn(void *arg, const struct pool_tile *t);
 void pool_set_passes(struct pool *p, struct rad_passes *passes,
                      const struct rad_pass *plan, uint32_t n, pool_tile_fn *fn);
 
-/* Make a tile, of the pass that is open once all that was frozen before is in
- * the cache, and its colours if it shows.  Tiles come before all other work.
- * False: memory is out. */
+/* Make a tile of a pass that is not closed, and for which all passes that it
+ * reads are, and its colours if it shows.  Tiles come before all other work,
+ * and those of a pass before those of the next.  False: memory is out. */
 bool pool_push_tile(struct pool *p, uint32_t pass, uint32_t tile, bool shows);
 
-/* The records of the next pass, which takes the malloc'd array: no more of its
- * tiles are made.  False: memory is out, and the array is the caller's. */
-bool pool_freeze(struct pool *p, struct rad_ambrec *rec, size_t n);
+/* The next pass is closed, and these are its records, or the spots of all its
+ * paths, NULL if they are not known; the malloc'd arrays are taken.  No more of
+ * its tiles are made.  False: memory is out, and the arrays are the caller's.
+ */
+bool pool_freeze(struct pool *p, struct rad_ambrec *rec, size_t n,
+                 struct rad_pass_spot *spot);
 
 /* End seeding and estimates that are under way (REST), within a pixel or a
  * record of each thread; their callbacks are called. */

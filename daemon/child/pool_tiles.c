@@ -2,17 +2,18 @@
  * that are closed
  *
  * A tile reads the cache, so the cache changes only while no thread is at a
- * tile: when a pass is closed the tiles that are under way are stopped, and the
- * last thread that leaves one, or the next that looks for work, puts the
- * records of the pass in.  It waits for threads at units, too: between batches
- * of frames these are units that another worker was faster with, which the
- * coordinator takes back.  Likewise one thread alone finds out where the paths
- * of the next pass end. */
+ * tile.  Of several passes tiles may be under way.  When the first is closed its
+ * tiles are stopped, and the last thread that leaves one of the others, or the
+ * next that looks for work, puts the records in; until then threads go on with
+ * these.  It waits for threads at units, too: between batches of frames
+ * these are units that another worker was faster with, which the coordinator
+ * takes back.  Likewise one thread alone gets a pass ready. */
 #include "config.h"
 
 #include "child/pool_impl.h"
 #include "light/indirect/ambient.h"
 #include "machine/counted.h"
+#include "machine/spots.h"
 #include "machine/sums.h"
 #include "refine/recheck.h"
 #include "proto/ambshare.h"
@@ -50,17 +51,40 @@ pool_tile_free(struct pool_tile *t)
     free(t);
 }
 
+/* Spots of a tile's paths, in place of records. */
+static bool
+keep_walk(struct renderer *by, const struct rad_pass *pass,
+          const _Atomic bool *stop, struct pool_tile *t)
+{
+    uint32_t first, paths = rad_pass_paths(pass, t->tile, &first);
+    size_t n = (size_t)paths * (size_t)pass->walks;
+    struct rad_pass_spot *spot = malloc(n * sizeof *spot + 1);
+    bool whole = spot && rad_passes_walk(by->pool->tiling.passes, &by->ctx,
+                                         pass, t->tile, stop, spot);
+
+    t->records.bad |= !spot;
+    if (whole)
+        t->count = spots_pack(&t->records, spot, n);
+    free(spot);
+    return whole;
+}
+
 /* Make it; false: it was stopped, or memory is out. */
 static bool
 fill_tile(struct renderer *by, struct pool_tile *t)
 {
     struct pool_tiling *k = &by->pool->tiling;
+    const struct rad_pass *pass = &k->plan[t->pass];
+    const _Atomic bool *stop = &k->stop[t->pass % MSG_OPEN_PASSES];
     struct rad_refine_sums sums;
 
-    if (!k->plan[t->pass].check)
-        return rad_passes_make(k->passes, &by->ctx, t->tile, &k->stop,
-                               keep_records, t, t->shows ? &t->colours : NULL);
-    if (!rad_refine_make(k->passes, &by->ctx, t->tile, &k->stop, &sums))
+    if (pass->walks)
+        return keep_walk(by, pass, stop, t);
+    if (!pass->check)
+        return rad_passes_make(k->passes, &by->ctx, pass, t->behind, t->tile,
+                               stop, keep_records, t,
+                               t->shows ? &t->colours : NULL);
+    if (!rad_refine_make(k->passes, &by->ctx, t->tile, stop, &sums))
         return false;
     sums_pack(&t->records, &sums);
     return true;
@@ -80,15 +104,10 @@ make_tile(struct renderer *by, struct pool_tile *t)
     cpu = pool_stint_end_and_lock(by, &stint);
     if (whole && !t->records.bad) {
         counted_add(&t->counts, &by->ctx.counts, cpu);
-        if (t->tile == 0) { /* the pass's paths count once, wherever that is
-                             * made, and again if it is made again */
-            msg_counts_add(&t->counts, &k->walked);
-            k->told = true;
-        }
         hand_on_locked(p, t);
     } else {
         counted_add(&k->dropped, &by->ctx.counts, cpu);
-        if (!atomic_load(&k->stop))
+        if (!atomic_load(&k->stop[t->pass % MSG_OPEN_PASSES]))
             rad_fail(&k->err, RAD_ENOMEM, "out of memory");
         pool_tile_free(t);
         uv_async_send(&p->async);
@@ -100,20 +119,21 @@ make_tile(struct renderer *by, struct pool_tile *t)
 
 /* --- from one pass to the next --- */
 
-/* No other thread is at a tile while this one is here. */
+/* No tile of the pass is made until that is done, and none is begun. */
 static void
-begin_pass(struct renderer *by)
+begin_pass(struct renderer *by, const struct rad_pass *pass)
 {
     struct pool *p = by->pool;
     struct pool_tiling *k = &p->tiling;
     struct pool_stint stint = pool_stint_begin(by);
+    uint32_t number = (uint32_t)(pass - k->plan);
     struct rad_error err = { 0 };
     double cpu;
 
-    rad_passes_begin(k->passes, &by->ctx, &k->plan[k->open], &err);
+    rad_passes_begin(k->passes, &by->ctx, pass, &err);
     cpu = pool_stint_end_and_lock(by, &stint);
-    counted_add(&k->walked, &by->ctx.counts, cpu);
-    k->begun = true;
+    counted_add(&k->dropped, &by->ctx.counts, cpu);
+    k->begun[number % MSG_OPEN_PASSES] = number + 1;
     k->changing = false;
     if (err.code)
         k->err = err;
@@ -125,7 +145,7 @@ begin_pass(struct renderer *by)
 static void
 drop_tiles_locked(struct pool_tiling *k)
 {
-    while (k->todo && k->todo->pass < k->open) {
+    while (k->todo && k->todo->pass < k->closed) {
         struct pool_tile *t = k->todo;
 
         k->todo = t->next;
@@ -135,42 +155,79 @@ drop_tiles_locked(struct pool_tiling *k)
         k->todo_end = &k->todo;
 }
 
-/* Put the records of the open pass, which is closed by that, into the cache. */
+/* The records of the open pass, into the cache. */
+static bool
+add_records(const struct pool *p, const struct pool_frozen *f)
+{
+    const struct pool_tiling *k = &p->tiling;
+    const struct rad_pass *pass = &k->plan[k->open];
+    struct rad_ambient *amb = p->job->ambient;
+    size_t before = rad_ambient_count(amb);
+
+    if (f->spot && !rad_passes_place(k->passes, pass, f->spot))
+        return false;
+    rad_ambient_insert_all(amb, f->rec, f->n);
+    return rad_ambient_settle(amb) && rad_ambient_count(amb) == before + f->n &&
+           (!rad_pass_is_last(k->plan, k->npasses, k->open) ||
+            rad_ambient_smooth(amb));
+}
+
+static void
+free_frozen(struct pool_frozen *f)
+{
+    free(f->rec);
+    free(f->spot);
+    free(f);
+}
+
+/* Put the records of a pass that is closed into the cache, and go on to the
+ * next. */
 static void
 freeze(struct renderer *by, struct pool_frozen *f)
 {
     struct pool *p = by->pool;
     struct pool_tiling *k = &p->tiling;
-    struct rad_ambient *amb = p->job->ambient;
-    size_t before = rad_ambient_count(amb);
-    bool settled;
+    bool added = add_records(p, f);
 
-    rad_ambient_insert_all(amb, f->rec, f->n);
-    settled = rad_ambient_settle(amb) &&
-              (!rad_pass_is_last(k->plan, k->npasses, k->open) ||
-               rad_ambient_smooth(amb));
     uv_mutex_lock(&p->mu);
-    if (!settled || rad_ambient_count(amb) != before + f->n)
+    if (!added)
         rad_fail(&k->err, RAD_ENOMEM,
                  "out of memory, or an ambient record does not fit the scene");
-    if (!k->told)
-        msg_counts_add(&k->dropped, &k->walked);
-    k->walked = (struct msg_counts){ 0 };
-    k->told = false;
+    if (!atomic_load(&p->stopping))
+        atomic_store(&k->stop[k->open % MSG_OPEN_PASSES], false);
     k->open++;
-    k->begun = false;
-    drop_tiles_locked(k);
-    atomic_store(&k->stop, k->frozen != NULL || atomic_load(&p->stopping));
     k->changing = false;
     if (k->err.code)
         uv_async_send(&p->async);
     uv_cond_broadcast(&p->work);
     uv_mutex_unlock(&p->mu);
-    free(f->rec);
-    free(f);
+    free_frozen(f);
 }
 
 /* --- the threads' work --- */
+
+/* What is next of those that wait, if it can be made of what is in the cache.
+ * When a pass is to be put in, and nobody is at a tile, that is first. */
+static bool
+find_todo_locked(struct pool_tiling *k, struct pool_tile_work *w)
+{
+    struct pool_tile *t = k->todo;
+
+    if (!t || k->plan[t->pass].reads > k->open || (k->frozen && !k->members))
+        return false;
+    if (k->begun[t->pass % MSG_OPEN_PASSES] != t->pass + 1) {
+        w->begins = &k->plan[t->pass];
+        k->changing = true;
+        return true;
+    }
+    t->behind = k->open - k->plan[t->pass].reads;
+    w->tile = t;
+    k->todo = t->next;
+    if (!k->todo)
+        k->todo_end = &k->todo;
+    k->members++;
+    return true;
+}
 
 bool
 pool_find_tile_locked(struct pool *p, struct pool_tile_work *w)
@@ -180,25 +237,14 @@ pool_find_tile_locked(struct pool *p, struct pool_tile_work *w)
     *w = (struct pool_tile_work){ 0 };
     if (k->changing || k->err.code)
         return false;
-    if (k->frozen && k->members == 0 && !p->active &&
-        !first_is_estimating_locked(p)) {
-        w->frozen = k->frozen;
-        k->frozen = k->frozen->next;
-        if (!k->frozen)
-            k->frozen_end = &k->frozen;
-        k->changing = true;
-    } else if (k->frozen || !k->todo) {
-        return false;
-    } else if (!k->begun) {
-        w->begins = true;
-        k->changing = true;
-    } else {
-        w->tile = k->todo;
-        k->todo = k->todo->next;
-        if (!k->todo)
-            k->todo_end = &k->todo;
-        k->members++;
-    }
+    if (!k->frozen || k->members > 0 || p->active ||
+        first_is_estimating_locked(p))
+        return find_todo_locked(k, w);
+    w->frozen = k->frozen;
+    k->frozen = k->frozen->next;
+    if (!k->frozen)
+        k->frozen_end = &k->frozen;
+    k->changing = true;
     return true;
 }
 
@@ -208,7 +254,7 @@ pool_work_on_tile(struct renderer *by, const struct pool_tile_work *w)
     if (w->frozen)
         freeze(by, w->frozen);
     else if (w->begins)
-        begin_pass(by);
+        begin_pass(by, w->begins);
     else
         make_tile(by, w->tile);
 }
@@ -249,7 +295,8 @@ pool_push_tile(struct pool *p, uint32_t pass, uint32_t tile, bool shows)
 }
 
 bool
-pool_freeze(struct pool *p, struct rad_ambrec *rec, size_t n)
+pool_freeze(struct pool *p, struct rad_ambrec *rec, size_t n,
+            struct rad_pass_spot *spot)
 {
     struct pool_tiling *k = &p->tiling;
     struct pool_frozen *f = calloc(1, sizeof *f);
@@ -258,10 +305,13 @@ pool_freeze(struct pool *p, struct rad_ambrec *rec, size_t n)
         return false;
     f->rec = rec;
     f->n = n;
+    f->spot = spot;
     uv_mutex_lock(&p->mu);
     *k->frozen_end = f;
     k->frozen_end = &f->next;
-    atomic_store(&k->stop, true);
+    atomic_store(&k->stop[k->closed % MSG_OPEN_PASSES], true);
+    k->closed++;
+    drop_tiles_locked(k);
     uv_cond_broadcast(&p->work);
     uv_mutex_unlock(&p->mu);
     return true;
@@ -310,7 +360,6 @@ pool_release_tiles(struct pool *p)
         struct pool_frozen *f = k->frozen;
 
         k->frozen = f->next;
-        free(f->rec);
-        free(f);
+        free_frozen(f);
     }
 }

@@ -15,6 +15,7 @@ struct pool_frozen {
     struct pool_frozen *next;
     struct rad_ambrec *rec;
     size_t n;
+    struct rad_pass_spot *spot; /* of a pass that walks; NULL: not told */
 };
 
 struct pool_tiling {
@@ -23,25 +24,28 @@ struct pool_tiling {
                                   * the lock: see `members' and `changing' */
     uint32_t npasses;            /* [mu] of the plan */
     pool_tile_fn *fn;            /* [loop] */
-    uint32_t open;               /* [mu] the pass whose tiles are made */
-    bool begun;                  /* [mu] threads may make them */
+    uint32_t open;               /* [mu] passes before are in the cache, and */
+    uint32_t closed;             /* [mu] those before are closed: what they
+                                  * lack is in `frozen' */
+    /* by a pass's number, of those that are open: */
+    uint32_t begun[MSG_OPEN_PASSES]; /* [mu] beyond the pass whose tiles threads
+                                      * may make */
     bool changing;     /* [mu] a thread begins a pass, or closes one */
     int members;       /* [mu] threads at tiles */
-    _Atomic bool stop; /* tiles under way are of no use; as stopping */
+    _Atomic bool stop[MSG_OPEN_PASSES]; /* tiles under way are of no use; as
+                                         * stopping */
     struct pool_tile *todo, **todo_end;       /* [mu] */
     struct pool_frozen *frozen, **frozen_end; /* [mu] to be closed */
     struct pool_tile *made;                   /* [mu] */
-    struct msg_counts walked; /* [mu] of the pass's paths: in tile 0's counts */
-    bool told;                /* [mu] they are in those of one made here */
-    struct msg_counts dropped; /* [mu] in no tile's counts */
-    struct rad_error err;      /* [mu] the job cannot go on */
+    struct msg_counts dropped;                /* [mu] in no tile's counts */
+    struct rad_error err;                     /* [mu] the job cannot go on */
 };
 
 /* What a thread does about tiles: one of these. */
 struct pool_tile_work {
     struct pool_frozen *frozen;
     struct pool_tile *tile;
-    bool begins;
+    const struct rad_pass *begins;
 };
 
 /* Is something to be done about tiles? */

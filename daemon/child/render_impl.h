@@ -31,7 +31,8 @@ struct render_passes {
     uint32_t n;
     uint32_t base;          /* of the job's passes, the first of this stage */
     uint32_t next;          /* the first whose records have not all come */
-    struct rad_ambrec *rec; /* the records of it that have */
+    struct rad_ambrec *rec; /* the records of it that have, or */
+    uint8_t *walk;          /* what of a pass that walks travels as these */
     size_t nrecs;
 };
 

@@ -6,9 +6,12 @@
 
 #include "child/render_impl.h"
 #include "child/sandbox.h"
+#include "machine/spots.h"
+#include "proto/ambshare.h"
 #include "refine/refine.h"
 
 #include <stdlib.h>
+#include <string.h>
 
 bool
 render_has_stages(const struct render *r)
@@ -62,6 +65,7 @@ render_unload_passes(struct render *r)
     rad_passes_free(r->passes.passes);
     free(r->passes.plan);
     free(r->passes.rec);
+    free(r->passes.walk);
     r->passes = (struct render_passes){ 0 };
 }
 
@@ -119,6 +123,14 @@ render_first_batch(const struct render *r)
     return i < k->n ? k->plan[i].ready : r->nframes;
 }
 
+/* May tiles of that pass be made? */
+static bool
+is_open(const struct render_passes *k, uint32_t pass)
+{
+    return k->passes && pass >= k->base + k->next && pass < k->base + k->n &&
+           k->plan[pass - k->base].reads <= k->next;
+}
+
 /* Is that pass of the job the first whose records have not all come? */
 static bool
 is_next(const struct render_passes *k, uint32_t pass)
@@ -132,10 +144,10 @@ render_take_tile(struct render *r, const struct msg_tile *m)
     const struct render_passes *k = &r->passes;
     struct rad_error err = { 0 };
 
-    if (!is_next(k, m->pass) || m->tile >= k->plan[k->next].tiles)
+    if (!is_open(k, m->pass) || m->tile >= k->plan[m->pass - k->base].tiles)
         rad_fail(&err, RAD_EPROTO, "tile %u of pass %u does not fit the job",
                  m->tile, m->pass);
-    else if (!pool_push_tile(r->pool, k->next, m->tile, m->colours))
+    else if (!pool_push_tile(r->pool, m->pass - k->base, m->tile, m->colours))
         rad_fail(&err, RAD_ENOMEM, "out of memory");
     if (err.code)
         render_fail(r, &err);
@@ -161,6 +173,48 @@ add_records(struct render_passes *k, const struct msg_frozen *m,
     return 0;
 }
 
+/* Of a pass that walks what comes is no records: keep it as it is. */
+static int
+add_walk(struct render_passes *k, const struct msg_frozen *m,
+         struct rad_error *err)
+{
+    size_t len = k->nrecs * AMBSHARE_BYTES;
+    uint8_t *walk = realloc(k->walk, len + m->len + 1);
+
+    if (!walk)
+        return rad_fail(err, RAD_ENOMEM, "out of memory");
+    k->walk = walk;
+    if (m->len != (size_t)m->count * AMBSHARE_BYTES)
+        return rad_fail(err, RAD_EPROTO, "no spots of paths");
+    if (m->len > 0)
+        memcpy(walk + len, m->data, m->len);
+    k->nrecs += m->count;
+    return 0;
+}
+
+/* All that belongs to the pass has come. */
+static int
+freeze(struct render *r, struct rad_error *err)
+{
+    struct render_passes *k = &r->passes;
+    const struct rad_pass *pass = &k->plan[k->next];
+    struct rad_pass_spot *spot = NULL;
+
+    if (pass->walks && k->nrecs > 0 &&
+        !(spot = spots_unpack(pass, k->walk, k->nrecs * AMBSHARE_BYTES, err)))
+        return err->code;
+    if (!pool_freeze(r->pool, k->rec, pass->walks ? 0 : k->nrecs, spot)) {
+        free(spot);
+        return rad_fail(err, RAD_ENOMEM, "out of memory");
+    }
+    free(k->walk);
+    k->walk = NULL;
+    k->rec = NULL;
+    k->nrecs = 0;
+    k->next++;
+    return 0;
+}
+
 static int
 take_frozen(struct render *r, const struct msg_frozen *m, struct rad_error *err)
 {
@@ -172,14 +226,11 @@ take_frozen(struct render *r, const struct msg_frozen *m, struct rad_error *err)
     if (!is_next(k, m->pass) || m->first != k->nrecs)
         return rad_fail(err, RAD_EPROTO,
                         "records of pass %u do not fit the job", m->pass);
-    rc = add_records(k, m, err);
+    rc = (k->plan[k->next].walks ? add_walk : add_records)(k, m, err);
+    if (rc == 0 && m->last)
+        rc = freeze(r, err);
     if (rc < 0 || !m->last)
         return rc;
-    if (!pool_freeze(r->pool, k->rec, k->nrecs))
-        return rad_fail(err, RAD_ENOMEM, "out of memory");
-    k->rec = NULL;
-    k->nrecs = 0;
-    k->next++;
     return render_has_stages(r) && render_cache_is_whole(r)
                ? sandbox_seal(r->sandboxed, err)
                : 0;

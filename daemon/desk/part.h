@@ -57,7 +57,7 @@ struct job_worker {
     uint32_t surveying;     /* areas that it estimates, from 1; 0: none */
     uint64_t surveyed_rays; /* of these, and of tiles */
     uint32_t passes;        /* whose records it has, or gets (passes.c) */
-    uint32_t ntiles;        /* that it makes */
+    uint32_t ntiles[MSG_OPEN_PASSES]; /* that it makes, by the pass's number */
     bool lags;       /* it has not said yet that it has those of all passes that
                       * are closed */
     uint32_t feeder; /* index + 1 of the worker that sends it records of tiles;

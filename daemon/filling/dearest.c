@@ -111,13 +111,14 @@ void
 dearest_note(struct dearest *d, const struct rad_pass *pass, uint32_t tile,
              uint64_t rays)
 {
-    uint32_t i = pass->frame, n = 0;
+    uint32_t i = pass->frame, n = 0, first, all;
     struct rad_pass_area a;
 
     if (pass->level > 0) {
-        for (uint64_t k = (uint64_t)tile * PLACES / pass->tiles;
-             k * pass->tiles < (tile + UINT64_C(1)) * PLACES; k++)
-            d->place[k] = (float)rays * (float)pass->tiles;
+        all = rad_pass_round(pass, &first);
+        for (uint64_t k = (uint64_t)(first + tile) * PLACES / all;
+             k * all < (first + tile + UINT64_C(1)) * PLACES; k++)
+            d->place[k] = (float)rays * (float)all;
         return;
     }
     if (!is_lattice(pass))
@@ -168,10 +169,11 @@ static void
 expect_deep(const struct dearest *d, const struct rad_pass *pass,
             struct dear *to)
 {
+    uint32_t first, all = rad_pass_round(pass, &first);
+
     for (uint32_t i = 0; i < pass->tiles; i++)
-        to[i].rays =
-            (double)d->place[(2 * (uint64_t)i + 1) * PLACES /
-                             (2 * (uint64_t)pass->tiles)];
+        to[i].rays = (double)d->place[(2 * (uint64_t)(first + i) + 1) * PLACES /
+                                      (2 * (uint64_t)all)];
 }
 
 static int

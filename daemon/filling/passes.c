@@ -40,6 +40,7 @@
 #define MOST_BYTES (512u << 20)
 
 _Static_assert(RAD_MOST_PASSES <= MSG_MOST_PASSES, "as in READY");
+_Static_assert(RAD_PASS_PARTS == MSG_OPEN_PASSES, "one of each part");
 
 /* --- the plan --- */
 
@@ -48,7 +49,7 @@ drop_records(struct passes *s)
 {
     for (uint32_t i = 0; s->closed && i < s->n; i++)
         free(s->closed[i].records);
-    s->bytes = 0;
+    s->bytes = s->closed_bytes = 0;
 }
 
 void
@@ -96,7 +97,7 @@ take_up(struct coord *c, struct job *job)
     struct passes *s = job->passes;
 
     for (uint32_t i = s->base; i < kept->n && s->open < s->n && is_due(s, job);
-         i++, s->open++) {
+         i++, s->opened = ++s->open) {
         struct saved_pass *p = &kept->pass[i];
         struct closed *k = &s->closed[s->open];
 
@@ -107,7 +108,7 @@ take_up(struct coord *c, struct job *job)
             k->n = (uint32_t)(p->len / AMBSHARE_BYTES);
             if (k->records)
                 k->sum = rowsum_hash(k->records, p->len);
-            s->bytes += p->len;
+            s->bytes = s->closed_bytes += p->len;
             p->bytes = NULL;
         }
         k->counts = p->counts;
@@ -121,16 +122,18 @@ take_up(struct coord *c, struct job *job)
     kept_drop(kept);
 }
 
+/* Open what can be. */
 static bool
-open_pass(struct passes *s)
+open_passes(struct passes *s)
 {
-    tiles_drop(s);
-    for (uint32_t i = s->open; s->bytes > MOST_BYTES / 2 && i < s->n; i++)
+    for (uint32_t i = s->opened; s->closed_bytes > MOST_BYTES / 2 && i < s->n;
+         i++)
         if (!s->plan[i].check)
             s->plan[i].tiles = 0;
-    if (s->open == s->n)
-        return true;
-    return tiles_open(s);
+    for (; s->opened < s->n && s->plan[s->opened].reads <= s->open; s->opened++)
+        if (!tiles_open(s, s->opened))
+            return false;
+    return true;
 }
 
 static void close_whole(struct coord *c, struct job *job);
@@ -192,7 +195,7 @@ plan_stage(struct job *job, struct rad_error *err)
     int rc = plan_in(s, job, err);
 
     s->base = job->goal.base;
-    s->open = 0;
+    s->open = s->opened = 0;
     for (uint32_t i = 0; rc == 0 && i < s->n; i++)
         if (s->plan[i].tiles > MSG_MOST_TILES)
             rc = rad_fail(err, RAD_EDATA,
@@ -222,8 +225,12 @@ note_progress(struct job *job)
         all += s->weight[i];
         done += i < s->open ? s->weight[i] : 0;
     }
-    if (s->ntiles > 0)
-        done += s->weight[s->open] * (s->ntiles - s->left) / s->ntiles;
+    for (uint32_t i = s->open; i < s->opened; i++) {
+        const struct sheet *k = passes_sheet(job->passes, i);
+
+        if (k->ntiles > 0)
+            done += s->weight[i] * (k->ntiles - k->left) / k->ntiles;
+    }
     lead_note(job, all > 0 ? done / all : 1, s->open == s->n);
 }
 
@@ -239,6 +246,7 @@ passes_begin(struct coord *c, struct job *job, struct rad_error *err)
     if (!s || !(s->size = stages_sizes(&job->spec)) ||
         !(s->dearest = dearest_new(s->size, job->spec.nframes)))
         return rad_fail(err, RAD_ENOMEM, "out of memory");
+    tiles_drop(s);
     rc = plan_stage(job, err);
     if (rc < 0)
         return rc;
@@ -247,11 +255,9 @@ passes_begin(struct coord *c, struct job *job, struct rad_error *err)
     open_frames(job);
     s->awaits = s->n > 0 && job->spec.flags & MSG_JOB_REUSE;
     passes_ask(c, job);
-    if (is_at_start(s)) {
-        tiles_drop(s);
+    if (is_at_start(s))
         return 0;
-    }
-    if (!open_pass(s))
+    if (!open_passes(s))
         return rad_fail(err, RAD_ENOMEM, "out of memory");
     close_whole(c, job);
     note_progress(job);
@@ -271,15 +277,17 @@ passes_state(const struct job *job)
 {
     const struct passes *s = job->passes;
     struct passes_state out = { 0 };
+    const struct sheet *k;
 
     if (!s)
         return out;
+    k = passes_sheet(job->passes, s->open);
     out.open = s->open;
     out.n = s->n;
     out.bytes = s->bytes;
     out.checks = s->open < s->n && s->plan[s->open].check;
-    if (s->ntiles > 0)
-        out.made = 1 - (double)s->left / s->ntiles;
+    if (s->opened > s->open && k->ntiles > 0)
+        out.made = 1 - (double)k->left / k->ntiles;
     return out;
 }
 
@@ -289,17 +297,18 @@ passes_state(const struct job *job)
 static bool
 gather(struct passes *s)
 {
+    const struct sheet *of = passes_sheet(s, s->open);
     struct closed *k = &s->closed[s->open];
     uint8_t *to;
 
-    for (uint32_t i = 0; i < s->ntiles; i++)
-        k->n += s->tile[i].n;
+    for (uint32_t i = 0; i < of->ntiles; i++)
+        k->n += of->tile[i].n;
     k->records = to = malloc((size_t)k->n * AMBSHARE_BYTES + 1);
-    for (uint32_t i = 0; to && i < s->ntiles; i++) {
-        size_t len = (size_t)s->tile[i].n * AMBSHARE_BYTES;
+    for (uint32_t i = 0; to && i < of->ntiles; i++) {
+        size_t len = (size_t)of->tile[i].n * AMBSHARE_BYTES;
 
         if (len > 0)
-            memcpy(to, s->tile[i].records, len);
+            memcpy(to, of->tile[i].records, len);
         to += len;
     }
     if (!to)
@@ -344,7 +353,7 @@ begin_stage(struct coord *c, struct job *job)
         return;
     }
     records_drop(c, job);
-    if (!open_pass(s))
+    if (!open_passes(s))
         c->actions.failed = true;
     c->stirred = true;
 }
@@ -357,15 +366,16 @@ close_check(struct coord *c, struct job *job)
     struct passes *s = job->passes;
     struct msg_counts counts = s->closed[s->open].counts;
     uint32_t number = passes_number(s);
+    const struct sheet *k = passes_sheet(s, s->open);
     struct stage_found all = { .check = counts.rays };
     struct rad_refine_sums of;
     uint8_t bytes[STAGES_BYTES];
     bool reached;
 
-    for (uint32_t i = 0; i < s->ntiles; i++) {
-        if (sums_unpack(s->tile[i].records, SUMS_BYTES, &of))
+    for (uint32_t i = 0; i < k->ntiles; i++) {
+        if (sums_unpack(k->tile[i].records, SUMS_BYTES, &of))
             rad_refine_add(&all.sums, &of);
-        s->tile[i].n = 0;
+        k->tile[i].n = 0;
     }
     for (uint32_t i = 0; i < s->open; i++)
         all.rays += s->closed[i].counts.rays;
@@ -382,7 +392,7 @@ close_pass(struct coord *c, struct job *job)
 {
     struct passes *s = job->passes;
     struct closed *k = &s->closed[s->open];
-    bool checks = s->plan[s->open].check;
+    bool checks = s->plan[s->open].check, walks = s->plan[s->open].walks;
 
     if (checks && !close_check(c, job))
         return;
@@ -390,22 +400,23 @@ close_pass(struct coord *c, struct job *job)
         c->actions.failed = true;
         return;
     }
-    if (!checks)
+    if (!checks) /* where paths go others find out alone */
         keep_closed(c, job, passes_number(s), &k->counts, k->records,
-                    (size_t)k->n * AMBSHARE_BYTES, false);
+                    walks ? 0 : (size_t)k->n * AMBSHARE_BYTES, false);
     colours_close(job, &s->plan[s->open]);
-    if (job->spec.flags & MSG_JOB_RECORDS)
+    if (job->spec.flags & MSG_JOB_RECORDS && !walks)
         records_keep(c, job, s->open);
     records_ask(c, job);
     actions_log(&c->actions, ACT_DEBUG,
                 "pass closed job=%s pass=%u level=%d step=%d tiles=%u "
                 "records=%u",
                 job->hex, passes_number(s), s->plan[s->open].level,
-                s->plan[s->open].step, s->ntiles, k->n);
+                s->plan[s->open].step, s->plan[s->open].tiles, k->n);
     kept_note_time(&job->cache, c->now_ms);
-    s->open++;
+    s->closed_bytes += walks ? 0 : (size_t)k->n * AMBSHARE_BYTES;
+    tiles_close(s, s->open++);
     open_frames(job);
-    if (!open_pass(s))
+    if (!open_passes(s))
         c->actions.failed = true;
     c->stirred = true;
 }
@@ -416,8 +427,8 @@ close_whole(struct coord *c, struct job *job)
 {
     struct passes *s = job->passes;
 
-    while (s->open < s->n && s->left == 0 && is_due(s, job) &&
-           !c->actions.failed)
+    while (s->open < s->opened && passes_sheet(s, s->open)->left == 0 &&
+           is_due(s, job) && !c->actions.failed)
         close_pass(c, job);
 }
 
@@ -448,7 +459,7 @@ passes_frame_done(struct coord *c, struct job *job)
 }
 
 static bool
-keep(struct coord *c, struct job *job, struct tile *t,
+keep(struct coord *c, struct job *job, struct sheet *k, struct tile *t,
      const struct msg_tile_made *m)
 {
     struct passes *s = job->passes;
@@ -461,80 +472,81 @@ keep(struct coord *c, struct job *job, struct tile *t,
     if (m->len > 0)
         memcpy(t->records, m->data, m->len);
     t->n = m->count;
-    s->waiting -= t->nholders == 0; /* its worker was thought lost */
+    k->waiting -= t->nholders == 0; /* its worker was thought lost */
     t->made = true;
     s->bytes += m->len;
     s->took_ms += c->now_ms - t->out_ms;
     s->ntook++;
-    s->left--;
+    k->left--;
     return true;
 }
 
 static void
-count(struct job *job, uint32_t index, const struct msg_counts *counts)
+count(struct job *job, uint32_t pass, uint32_t index,
+      const struct msg_counts *counts)
 {
-    struct passes *s = job->passes;
-
-    msg_counts_add(&s->closed[s->open].counts, counts);
+    msg_counts_add(&job->passes->closed[pass].counts, counts);
     msg_counts_add(&job->tiled, counts);
     job->workers[index].surveyed_rays += counts->rays;
     job->rays += counts->rays;
     progress_see(job);
 }
 
-/* Has the message what tiles of the open pass have? */
+/* Has the message what tiles of the pass have? */
 static bool
-is_sound(const struct passes *s, const struct msg_tile_made *m)
+is_sound(const struct rad_pass *pass, const struct msg_tile_made *m)
 {
     struct rad_refine_sums sums;
 
-    return s->plan[s->open].check
-               ? m->count == 0 && sums_unpack(m->data, m->len, &sums)
-               : m->len == (size_t)m->count * AMBSHARE_BYTES;
+    return pass->check ? m->count == 0 && sums_unpack(m->data, m->len, &sums)
+                       : m->len == (size_t)m->count * AMBSHARE_BYTES;
 }
 
 void
 passes_made(struct coord *c, struct coord_worker *w, const struct msg *msg)
 {
     const struct msg_tile_made *m = &msg->tile_made;
-    uint32_t index;
+    uint32_t index, pass;
     struct job *job = desk_job_of(c, w, m->job, &index);
     struct passes *s = job ? job->passes : NULL;
+    struct sheet *k;
     struct tile *t;
     bool is_open;
 
     if (!s)
         return;
-    is_open = m->pass == passes_number(s) && s->open < s->n;
-    if (m->pass > passes_number(s) || (is_open && m->tile >= s->ntiles) ||
-        s->bytes + m->len > MOST_BYTES ||
+    pass = m->pass - s->base;
+    is_open = m->pass >= passes_number(s) && pass < s->opened;
+    k = is_open ? passes_sheet(s, pass) : NULL;
+    if ((m->pass >= passes_number(s) && !is_open) ||
+        (is_open && m->tile >= k->ntiles) || s->bytes + m->len > MOST_BYTES ||
         (is_open &&
-         !colours_fit(job, &s->plan[s->open], m->tile, m->colours_len))) {
+         !colours_fit(job, &s->plan[pass], m->tile, m->colours_len))) {
         verdict_break(c, w->conn, "a TILE_MADE that fits no tile");
         return;
     }
-    if (is_open && !is_sound(s, m)) {
+    if (is_open && !is_sound(&s->plan[pass], m)) {
         verdict_break(c, w->conn,
-                      s->plan[s->open].check
+                      s->plan[pass].check
                           ? "sums of a tile that are no finite numbers"
                           : "a TILE_MADE whose records have not their size");
         return;
     }
-    t = is_open ? &s->tile[m->tile] : NULL;
-    if (t && tiles_take(s, t, index)) {
-        job->workers[index].ntiles--;
+    t = is_open ? &k->tile[m->tile] : NULL;
+    if (t && tiles_take(k, t, index)) {
+        job->workers[index].ntiles[pass % MSG_OPEN_PASSES]--;
         c->stirred = true;
     }
     if (!t || t->made) { /* another was first */
         msg_counts_add(&job->workers[index].past.dropped, &m->counts);
         return;
     }
-    if (!keep(c, job, t, m))
+    if (!keep(c, job, k, t, m))
         return;
-    records_feed(c, job, m->tile);
-    count(job, index, &m->counts);
-    dearest_note(s->dearest, &s->plan[s->open], m->tile, m->counts.rays);
-    colours_keep(c, job, &s->plan[s->open], m);
+    records_feed(c, job, pass, m->tile);
+    count(job, pass, index, &m->counts);
+    dearest_note(s->dearest, &s->plan[pass], m->tile, m->counts.rays);
+    colours_keep(c, job, &s->plan[pass], m);
     close_passes(c, job, is_before_units(job->passes));
     note_progress(job);
 }
@@ -559,9 +571,9 @@ passes_came(struct coord *c, struct job *job, uint8_t *records, size_t n,
     s->closed[0].n = (uint32_t)(n / AMBSHARE_BYTES);
     job->cache.reused = s->closed[0].n;
     if (s->open == 0) {
-        s->open = 1;
-        s->bytes = n;
-        if (!open_pass(s))
+        s->open = s->opened = 1;
+        s->bytes = s->closed_bytes = n;
+        if (!open_passes(s))
             c->actions.failed = true;
         if (job->spec.flags & MSG_JOB_RECORDS)
             records_keep(c, job, 0);

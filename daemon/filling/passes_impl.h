@@ -1,5 +1,6 @@
 /* passes_impl.h - what is known of a job's passes, for the files of this room
  *
+ * A pass is open when those that its tiles read are closed: a few are.
  * passes.c says when a pass is open and closed, tiles.c which worker has which
  * tile of it, records.c which worker has whose records.
  * Thread: one. */
@@ -26,6 +27,18 @@ struct tile {
     uint32_t n;            /* of them */
 };
 
+/* The tiles of an open pass. */
+struct sheet {
+    struct tile *tile; /* NULL: no pass has the sheet */
+    uint32_t ntiles;
+    uint32_t *order;         /* in which they go out */
+    uint32_t next;           /* in that order; those before are out, or made */
+    uint32_t oldest, newest; /* of the tiles that workers have, made by others
+                              * or not: a list by when they went out */
+    uint32_t left;           /* that are not made */
+    uint32_t waiting;        /* of these, that nobody has */
+};
+
 /* The records of a pass that is closed. */
 struct closed {
     uint8_t *records;
@@ -39,31 +52,32 @@ struct passes {
     double *weight; /* of each, passcost.h */
     uint32_t n;
     uint32_t base;              /* passes of the stages before */
-    uint32_t open;              /* of the plan; n: all are closed */
+    uint32_t open;              /* of the plan, the first; n: all are closed */
+    uint32_t opened;            /* beyond the last that is open */
     bool awaits;                /* the records of the first from the store, */
     bool asked;                 /* which was asked for them */
     struct closed *closed;      /* as many */
     uint32_t done;              /* frames before are done */
-    size_t bytes;               /* of all records that are here */
+    size_t bytes;               /* of all records that are here, */
+    size_t closed_bytes;        /* and of those of passes that are closed */
     struct rad_pass_size *size; /* of the frames */
     struct dearest *dearest;
-    struct tile *tile; /* of the open pass */
-    uint32_t ntiles;
-    uint32_t *order;         /* in which they go out */
-    uint32_t next;           /* in that order; those before are out, or made */
-    uint32_t oldest, newest; /* of the tiles that workers have, made by others
-                              * or not: a list by when they went out */
-    uint32_t left;           /* that are not made */
-    uint32_t waiting;        /* of these, that nobody has */
-    uint64_t took_ms;        /* of all that were made, from out to made */
+    struct sheet sheet[MSG_OPEN_PASSES]; /* of open passes, by number */
+    uint64_t took_ms;      /* of all that were made, from out to made */
     uint32_t ntook;
 };
 
-/* The number of the open pass, through all stages. */
+/* The number of the first open pass, through all stages. */
 static inline uint32_t
 passes_number(const struct passes *s)
 {
     return s->base + s->open;
+}
+
+static inline struct sheet *
+passes_sheet(struct passes *s, uint32_t pass)
+{
+    return &s->sheet[pass % MSG_OPEN_PASSES];
 }
 
 #endif

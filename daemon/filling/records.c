@@ -12,6 +12,8 @@
 #include "links/feeding.h"
 #include "proto/ambshare.h"
 
+#include <string.h>
+
 /* Records in a message. */
 #define TOGETHER 1000
 _Static_assert(TOGETHER *AMBSHARE_BYTES <= MSG_MAX_AMBIENT, "too many");
@@ -52,11 +54,19 @@ send_to_one(struct coord *c, const struct job *job, const struct msg *m,
     actions_send(&c->actions, w->conn, m);
 }
 
-bool
-records_up_to_date(const struct job *job, const struct job_worker *jw)
+static bool
+is_there(const struct job *job, uint32_t index)
 {
-    return jw->state == PART_READY && jw->worker->conn != 0 &&
-           jw->passes == passes_number(job->passes) && !jw->lags;
+    const struct job_worker *jw = &job->workers[index];
+
+    return jw->state == PART_READY && jw->worker->conn != 0;
+}
+
+bool
+records_allow(const struct job *job, uint32_t index, uint32_t passes)
+{
+    return is_there(job, index) &&
+           job->workers[index].passes >= job->passes->base + passes;
 }
 
 static struct msg
@@ -88,34 +98,38 @@ send_some(struct coord *c, const struct job *job, const struct msg *m,
 }
 
 static struct msg
-message_of(const struct job *job, uint32_t tile)
+message_of(const struct job *job, uint32_t pass, uint32_t tile)
 {
-    const struct tile *t = &job->passes->tile[tile];
+    const struct tile *t = &passes_sheet(job->passes, pass)->tile[tile];
     size_t len = (size_t)t->n * AMBSHARE_BYTES;
 
     return (struct msg){ .type = MSG_TILE_RECORDS,
-                         .tile_records = { job->id, passes_number(job->passes),
+                         .tile_records = { job->id, job->passes->base + pass,
                                            tile, t->n, t->records, len } };
 }
 
-/* Records of the open pass that are there already, to a worker that comes. */
+/* Records of open passes that are there already, to a worker that comes. */
 static void
 send_made(struct coord *c, const struct job *job, const struct coord_worker *w)
 {
-    const struct passes *s = job->passes;
+    struct passes *s = job->passes;
 
-    for (uint32_t i = 0; i < s->ntiles; i++)
-        if (s->tile[i].made && s->tile[i].n > 0) {
-            struct msg m = message_of(job, i);
+    for (uint32_t pass = s->open; pass < s->opened; pass++) {
+        const struct sheet *k = passes_sheet(s, pass);
 
-            actions_send(&c->actions, w->conn, &m);
-        }
+        for (uint32_t i = 0; i < k->ntiles; i++)
+            if (k->tile[i].made && k->tile[i].n > 0) {
+                struct msg m = message_of(job, pass, i);
+
+                actions_send(&c->actions, w->conn, &m);
+            }
+    }
 }
 
 void
-records_feed(struct coord *c, struct job *job, uint32_t tile)
+records_feed(struct coord *c, struct job *job, uint32_t pass, uint32_t tile)
 {
-    struct msg m = message_of(job, tile);
+    struct msg m = message_of(job, pass, tile);
 
     if (m.tile_records.count > 0)
         send_some(c, job, &m, feeding_is_direct);
@@ -141,8 +155,9 @@ records_ask(struct coord *c, struct job *job)
     for (uint32_t i = 0; i < job->nworkers; i++) {
         struct job_worker *jw = &job->workers[i];
 
-        jw->ntiles = 0;
-        if (records_up_to_date(job, jw))
+        jw->ntiles[job->passes->open % MSG_OPEN_PASSES] = 0;
+        if (!jw->lags && jw->passes == passes_number(job->passes) &&
+            is_there(job, i))
             ask(c, job, jw);
     }
 }
@@ -203,7 +218,7 @@ records_ready(struct coord *c, struct job *job, uint32_t index, uint32_t have)
         return false;
     jw->passes = have;
     jw->lags = false;
-    jw->ntiles = 0;
+    memset(jw->ntiles, 0, sizeof jw->ntiles);
     catch_up(c, job, jw);
     return true;
 }
@@ -229,14 +244,6 @@ records_held(struct coord *c, struct coord_worker *w, const struct msg *msg)
     c->stirred = true;
 }
 
-static bool
-is_there(const struct job *job, uint32_t index)
-{
-    const struct job_worker *jw = &job->workers[index];
-
-    return jw->state == PART_READY && jw->worker->conn != 0;
-}
-
 void
 records_came(struct coord *c, struct job *job)
 {
@@ -253,7 +260,7 @@ records_drop(struct coord *c, struct job *job)
     for (uint32_t i = 0; i < job->nworkers; i++) {
         struct job_worker *jw = &job->workers[i];
 
-        jw->ntiles = 0;
+        memset(jw->ntiles, 0, sizeof jw->ntiles);
         jw->passes = is_there(job, i) ? job->passes->base : 0;
         jw->lags = false;
     }

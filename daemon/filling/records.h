@@ -2,7 +2,8 @@
  *
  * Those of a tile that is made travel to all workers while others are, by way
  * of some of them (links/feeding.h).  When a pass is closed a worker is asked
- * whether it has them all, and gets nothing more before it has said so; if it
+ * whether it has them all, and before it has said so it gets nothing that needs
+ * them; if it
  * lacks some it gets all of them, in the order of tiles.  So does a worker that
  * comes later, of each pass that is closed.
  * Thread: one. */
@@ -15,15 +16,17 @@
  * the others that are closed.  False: it has more than there are. */
 bool records_ready(struct coord *c, struct job *job, uint32_t index,
                    uint32_t have);
-/* Has the worker the records of all passes before the open one? */
-bool records_up_to_date(const struct job *job, const struct job_worker *jw);
+/* Has the worker the records of the first `passes` of the job's stage, so that
+ * it can make tiles that read them? */
+bool records_allow(const struct job *job, uint32_t index, uint32_t passes);
 /* A worker says whether it has all of them. */
 void records_held(struct coord *c, struct coord_worker *w,
                   const struct msg *msg);
 
-/* A tile of the open pass is made. */
-void records_feed(struct coord *c, struct job *job, uint32_t tile);
-/* The open pass is closed: ask workers for its records. */
+/* A tile of an open pass is made. */
+void records_feed(struct coord *c, struct job *job, uint32_t pass,
+                  uint32_t tile);
+/* The first open pass is closed: ask workers for its records. */
 void records_ask(struct coord *c, struct job *job);
 /* Send those of a closed pass to whoever keeps them (-af). */
 void records_keep(struct coord *c, const struct job *job, uint32_t pass);

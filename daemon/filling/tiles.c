@@ -12,6 +12,7 @@
 
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 #include <sysexits.h>
 
 /* A tile goes to a second worker when it is out for so many times what tiles
@@ -19,46 +20,55 @@
 #define LATE_TIMES 3
 #define LATE_MS    100
 
-/* --- of the open pass --- */
+/* --- of open passes --- */
+
+void
+tiles_close(struct passes *s, uint32_t pass)
+{
+    struct sheet *k = passes_sheet(s, pass);
+
+    for (uint32_t i = 0; i < k->ntiles; i++)
+        free(k->tile[i].records);
+    free(k->tile);
+    free(k->order);
+    *k = (struct sheet){ .oldest = NO_TILE, .newest = NO_TILE };
+}
 
 void
 tiles_drop(struct passes *s)
 {
-    for (uint32_t i = 0; i < s->ntiles; i++)
-        free(s->tile[i].records);
-    free(s->tile);
-    free(s->order);
-    s->tile = NULL;
-    s->order = NULL;
-    s->ntiles = s->next = s->left = s->waiting = 0;
-    s->oldest = s->newest = NO_TILE;
+    for (uint32_t i = 0; i < MSG_OPEN_PASSES; i++)
+        tiles_close(s, i);
+    s->opened = s->open;
 }
 
 bool
-tiles_open(struct passes *s)
+tiles_open(struct passes *s, uint32_t pass)
 {
-    s->ntiles = s->left = s->waiting = s->plan[s->open].tiles;
-    s->tile = calloc(s->ntiles + 1, sizeof *s->tile);
-    s->order = calloc(s->ntiles + 1, sizeof *s->order);
-    if (!s->tile || !s->order ||
-        !dearest_order(s->dearest, &s->plan[s->open], s->order))
+    struct sheet *k = passes_sheet(s, pass);
+
+    k->ntiles = k->left = k->waiting = s->plan[pass].tiles;
+    k->tile = calloc(k->ntiles + 1, sizeof *k->tile);
+    k->order = calloc(k->ntiles + 1, sizeof *k->order);
+    if (!k->tile || !k->order ||
+        !dearest_order(s->dearest, &s->plan[pass], k->order))
         return false;
-    for (uint32_t i = 0; i < s->ntiles; i++)
-        s->tile[s->order[i]].place = i;
+    for (uint32_t i = 0; i < k->ntiles; i++)
+        k->tile[k->order[i]].place = i;
     return true;
 }
 
 /* --- out --- */
 
 static void
-unlist(struct passes *s, struct tile *t)
+unlist(struct sheet *s, struct tile *t)
 {
     *(t->before == NO_TILE ? &s->oldest : &s->tile[t->before].then) = t->then;
     *(t->then == NO_TILE ? &s->newest : &s->tile[t->then].before) = t->before;
 }
 
 static void
-list_newest(struct passes *s, struct tile *t)
+list_newest(struct sheet *s, struct tile *t)
 {
     uint32_t i = (uint32_t)(t - s->tile);
 
@@ -97,41 +107,93 @@ may_have(const struct coord *c, const struct job *job, const struct tile *t,
             !desk_others_may(c, job, job->workers[index].worker, false));
 }
 
-/* A tile that nobody has, else the one that is late for longest; NULL: there is
- * none. */
+/* A tile that nobody has; NULL: there is none. */
 static struct tile *
-choose(const struct coord *c, const struct job *job, uint32_t index)
+choose_new(const struct coord *c, const struct job *job, struct sheet *s,
+           uint32_t index)
 {
-    struct passes *s = job->passes;
-
     for (uint32_t i = s->next; i < s->ntiles; i++) {
         struct tile *t = &s->tile[s->order[i]];
 
         if (t->nholders == 0 && may_have(c, job, t, index))
             return t;
     }
+    return NULL;
+}
+
+/* The one that is late for longest; NULL: there is none. */
+static struct tile *
+choose_late(const struct coord *c, const struct job *job, struct sheet *s,
+            uint32_t index)
+{
     for (uint32_t i = s->oldest; i != NO_TILE; i = s->tile[i].then)
-        if (!is_late(c, s, &s->tile[i]))
+        if (!is_late(c, job->passes, &s->tile[i]))
             break;
         else if (may_have(c, job, &s->tile[i], index))
             return &s->tile[i];
     return NULL;
 }
 
+/* Beyond the last pass of which the worker could have tiles. */
+static uint32_t
+beyond_for(const struct job *job, uint32_t index)
+{
+    const struct passes *s = job->passes;
+    uint32_t n = s->opened;
+
+    while (n > s->open && !records_allow(job, index, s->plan[n - 1].reads))
+        n--;
+    return n;
+}
+
+/* A tile for the worker, of *pass; NULL: there is none. */
+static struct tile *
+choose(const struct coord *c, const struct job *job, uint32_t index,
+       uint32_t *pass)
+{
+    struct passes *s = job->passes;
+    uint32_t beyond = beyond_for(job, index);
+    struct tile *t = NULL;
+
+    for (*pass = s->open; *pass < beyond; ++*pass)
+        if ((t = choose_new(c, job, passes_sheet(s, *pass), index)))
+            return t;
+    for (*pass = s->open; *pass < beyond; ++*pass)
+        if ((t = choose_late(c, job, passes_sheet(s, *pass), index)))
+            return t;
+    return NULL;
+}
+
+uint32_t
+tiles_out(const struct job_worker *jw)
+{
+    uint32_t n = 0;
+
+    for (int i = 0; i < MSG_OPEN_PASSES; i++)
+        n += jw->ntiles[i];
+    return n;
+}
+
 static bool
 has_room(const struct job *job, uint32_t index)
 {
+    const struct passes *s = job->passes;
     const struct job_worker *jw = &job->workers[index];
     uint32_t n = jw->threads;
-    bool few = job->passes->waiting <= job->speed.threads;
+    uint32_t waiting = 0;
 
-    return jw->worker->in_flight + jw->ntiles < (few ? n : n + (n + 1) / 2);
+    for (int i = 0; i < MSG_OPEN_PASSES; i++)
+        waiting += s->sheet[i].waiting;
+    return jw->worker->in_flight + tiles_out(jw) <
+           (waiting <= job->speed.threads ? n : n + (n + 1) / 2);
 }
 
 bool
 tiles_has(const struct coord *c, const struct job *job, uint32_t index)
 {
-    return job->workers[index].ntiles > 0 || choose(c, job, index);
+    uint32_t pass;
+
+    return tiles_out(&job->workers[index]) > 0 || choose(c, job, index, &pass);
 }
 
 bool
@@ -140,29 +202,31 @@ tiles_give(struct coord *c, struct job *job, uint32_t index)
     struct job_worker *jw = &job->workers[index];
     struct passes *s = job->passes;
     struct msg m = { .type = MSG_TILE };
+    struct sheet *k;
     struct tile *t;
+    uint32_t pass;
 
-    if (!records_up_to_date(job, jw) || !has_room(job, index) ||
-        !(t = choose(c, job, index)))
+    if (!has_room(job, index) || !(t = choose(c, job, index, &pass)))
         return false;
+    k = passes_sheet(s, pass);
     if (t->nholders == 0)
-        s->waiting--;
+        k->waiting--;
     else
-        unlist(s, t);
-    list_newest(s, t);
+        unlist(k, t);
+    list_newest(k, t);
     t->holder[t->nholders++] = index;
     t->out_ms = c->now_ms;
-    jw->ntiles++;
-    while (s->next < s->ntiles && (s->tile[s->order[s->next]].nholders > 0 ||
-                                   s->tile[s->order[s->next]].made))
-        s->next++;
+    jw->ntiles[pass % MSG_OPEN_PASSES]++;
+    while (k->next < k->ntiles && (k->tile[k->order[k->next]].nholders > 0 ||
+                                   k->tile[k->order[k->next]].made))
+        k->next++;
     if (job->first_ms == 0)
         job->first_ms = c->now_ms;
     if (job->state == JOB_WAITING)
         job->state = JOB_RUNNING;
     m.tile =
-        (struct msg_tile){ job->id, passes_number(s), (uint32_t)(t - s->tile),
-                           colours_wanted(job, &s->plan[s->open]) };
+        (struct msg_tile){ job->id, s->base + pass, (uint32_t)(t - k->tile),
+                           colours_wanted(job, &s->plan[pass]) };
     actions_send(&c->actions, jw->worker->conn, &m);
     return true;
 }
@@ -170,7 +234,7 @@ tiles_give(struct coord *c, struct job *job, uint32_t index)
 /* --- back --- */
 
 bool
-tiles_take(struct passes *s, struct tile *t, uint32_t index)
+tiles_take(struct sheet *s, struct tile *t, uint32_t index)
 {
     if (!has_tile(t, index))
         return false;
@@ -192,23 +256,26 @@ void
 tiles_lost(struct job *job, uint32_t index)
 {
     struct passes *s = job->passes;
+    struct job_worker *jw = &job->workers[index];
 
-    job->workers[index].ntiles = 0;
-    job->workers[index].lags = false;
-    for (uint32_t i = s ? s->oldest : NO_TILE, then; i != NO_TILE; i = then) {
-        then = s->tile[i].then;
-        tiles_take(s, &s->tile[i], index);
-    }
+    memset(jw->ntiles, 0, sizeof jw->ntiles);
+    jw->lags = false;
+    for (uint32_t k = 0; s && k < MSG_OPEN_PASSES; k++)
+        for (uint32_t i = s->sheet[k].oldest, then; i != NO_TILE; i = then) {
+            then = s->sheet[k].tile[i].then;
+            tiles_take(&s->sheet[k], &s->sheet[k].tile[i], index);
+        }
 }
 
-bool
-tiles_crashed(struct coord *c, struct job *job, uint32_t index, const char *why)
+/* False: a tile of the pass is to blame. */
+static bool
+crashed_in(struct coord *c, struct job *job, uint32_t pass, uint32_t index,
+           const char *why)
 {
-    struct passes *s = job->passes;
+    struct sheet *s = passes_sheet(job->passes, pass);
     char text[MSG_MAX_TEXT + 1];
 
-    for (uint32_t i = s ? s->oldest : NO_TILE; i != NO_TILE;
-         i = s->tile[i].then) {
+    for (uint32_t i = s->oldest; i != NO_TILE; i = s->tile[i].then) {
         struct tile *t = &s->tile[i];
 
         if (t->made || !has_tile(t, index))
@@ -221,9 +288,20 @@ tiles_crashed(struct coord *c, struct job *job, uint32_t index, const char *why)
         snprintf(text, sizeof text,
                  "tile %u of pass %u, of the ambient cache, brought the "
                  "renderer down %u times: %.200s",
-                 i, passes_number(s), t->crashes, why);
+                 i, job->passes->base + pass, t->crashes, why);
         verdict_job(c, job, JOB_FAILED, EX_SOFTWARE, text);
         return false;
     }
+    return true;
+}
+
+bool
+tiles_crashed(struct coord *c, struct job *job, uint32_t index, const char *why)
+{
+    const struct passes *s = job->passes;
+
+    for (uint32_t i = s ? s->open : 0; s && i < s->opened; i++)
+        if (!crashed_in(c, job, i, index, why))
+            return false;
     return true;
 }

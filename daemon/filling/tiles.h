@@ -1,7 +1,8 @@
-/* tiles.h - which worker makes which tile of the open pass
+/* tiles.h - which worker makes which tile of the open passes
  *
- * The dearest go out first (dearest.h), a few more to each worker than it has
- * threads.  When none is left, those that are out for long go to a second
+ * Those of the first open pass go out before those of the next, and the dearest
+ * first (dearest.h), a few more to each worker than it has threads.  When none
+ * is left, those that are out for long go to a second
  * worker: a tile has the same records whoever makes it.  What a worker had and
  * did not send is made again by others.
  * Thread: one. */
@@ -11,18 +12,24 @@
 #include "desk/desk.h"
 
 struct passes;
+struct sheet;
 struct tile;
 
-/* Those of the open pass, of which none is out; false: out of memory. */
-bool tiles_open(struct passes *s);
+/* Those of a pass that is open from now on, of which none is out; false: out of
+ * memory. */
+bool tiles_open(struct passes *s, uint32_t pass);
+/* Those of a pass; of all. */
+void tiles_close(struct passes *s, uint32_t pass);
 void tiles_drop(struct passes *s);
 
 /* A tile for a worker that is ready; false: there is none for it. */
 bool tiles_give(struct coord *c, struct job *job, uint32_t index);
+/* How many tiles the worker has. */
+uint32_t tiles_out(const struct job_worker *jw);
 /* Are there tiles that the worker could have, or does it have some? */
 bool tiles_has(const struct coord *c, const struct job *job, uint32_t index);
 /* The worker does not have the tile any more; false: it did not have it. */
-bool tiles_take(struct passes *s, struct tile *t, uint32_t index);
+bool tiles_take(struct sheet *s, struct tile *t, uint32_t index);
 /* The worker will not answer: others get its tiles. */
 void tiles_lost(struct job *job, uint32_t index);
 /* A child died while it had tiles: is one of them to blame?  False: the job

@@ -10,6 +10,7 @@
 #include "queue/coord_keep.h"
 #include "filling/stages.h"
 #include "filling/passes.h"
+#include "filling/tiles.h"
 
 #include "base/text.h"
 
@@ -34,7 +35,7 @@ add_share(struct report_share *s, const struct job_worker *jw)
     const bool here = part_is_here(jw);
 
     s->lacks_room |= jw->state == PART_NO_ROOM;
-    s->prepares |= jw->ntiles > 0 || jw->surveying > 0;
+    s->prepares |= tiles_out(jw) > 0 || jw->surveying > 0;
     s->rays += part_rays(jw) + part_under_way(jw);
     s->redundant += t->ambient_redundant + jw->past.ambient_redundant;
     s->cache += here ? t->cache_values : 0;

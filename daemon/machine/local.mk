@@ -12,6 +12,8 @@ libdaemon_a_SOURCES += \
 	daemon/machine/rowsum.h \
 	daemon/machine/steps.c \
 	daemon/machine/steps.h \
+	daemon/machine/spots.c \
+	daemon/machine/spots.h \
 	daemon/machine/sums.c \
 	daemon/machine/sums.h \
 	daemon/machine/saved.h \

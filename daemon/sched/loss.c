@@ -424,13 +424,13 @@ loss_reported(struct coord *c, struct coord_worker *w, const struct msg *msg)
     if (jw->state == PART_LOADING && !crashed_loading(c, job, jw, m->text, &to))
         return;
     if (jw->state == PART_READY && m->nunits == 0 && !jw->surveying &&
-        jw->ntiles == 0 && !setback(c, job, jw, m->text, &to))
+        tiles_out(jw) == 0 && !setback(c, job, jw, m->text, &to))
         return;
     for (uint32_t i = 0; i < m->nunits; i++)
         if (has_unit(job, index, m->units[i]) &&
             !suspect(c, job, index, m->units[i], m->text))
             return;
-    if (jw->ntiles > 0 && !tiles_crashed(c, job, index, m->text))
+    if (tiles_out(jw) > 0 && !tiles_crashed(c, job, index, m->text))
         return;
     surveying = jw->surveying;
     loss_all(c, job, index, to);

@@ -1,6 +1,6 @@
 /* gather.c - see gather.h
  *
- * Of two passes records are kept: of the one that the child is at, and of the
+ * Of some passes records are kept: of those that the child may be at, and of the
  * next, for a peer may hear sooner than this worker that a pass is closed.
  * Each tile's records are passed on once, so that they do not go round however
  * workers are told to feed each other. */
@@ -24,6 +24,9 @@
 /* Records of a pass, in bytes: more no coordinator takes (filling/passes.c). */
 #define MOST_BYTES ((uint64_t)512 << 20)
 
+/* Of how many passes records can be here. */
+#define PASSES (MSG_OPEN_PASSES + 1)
+
 /* Records in a message to the child. */
 #define TOGETHER 1000
 
@@ -41,8 +44,8 @@ struct gpass {
 };
 
 struct gather {
-    struct gpass of[2]; /* by the pass's last bit */
-    bool closed;        /* the pass that the child is at, by: */
+    struct gpass of[PASSES]; /* by the pass's number */
+    bool closed;             /* the first pass that the child lacks, with: */
     uint32_t count;
     uint64_t sum;
     uint64_t heard_ms; /* when that, or a record of it, came */
@@ -64,8 +67,8 @@ gather_release(struct wjob *job)
 {
     if (!job->gather)
         return;
-    drop_pass(&job->gather->of[0]);
-    drop_pass(&job->gather->of[1]);
+    for (int i = 0; i < PASSES; i++)
+        drop_pass(&job->gather->of[i]);
     free(job->gather);
     job->gather = NULL;
 }
@@ -80,12 +83,11 @@ open_gather(struct worker *w, struct wjob *job)
     return job->gather;
 }
 
-/* Is that the pass that the child is at, or the next? */
 static bool
 is_near(const struct wjob *job, uint32_t pass)
 {
-    return job->state == WJOB_READY &&
-           (pass == job->ready.passes || pass == job->ready.passes + 1);
+    return job->state == WJOB_READY && pass >= job->ready.passes &&
+           pass - job->ready.passes < PASSES;
 }
 
 void
@@ -96,7 +98,7 @@ gather_turn(struct wjob *job)
     if (!g)
         return;
     g->closed = false;
-    for (int i = 0; i < 2; i++)
+    for (int i = 0; i < PASSES; i++)
         if (!is_near(job, g->of[i].pass))
             drop_pass(&g->of[i]);
 }
@@ -221,7 +223,7 @@ static void
 look(struct worker *w, struct wjob *job)
 {
     struct gather *g = job->gather;
-    struct gpass *p = &g->of[job->ready.passes & 1];
+    struct gpass *p = &g->of[job->ready.passes % PASSES];
     uint8_t *all;
     bool whole;
 
@@ -237,8 +239,7 @@ look(struct worker *w, struct wjob *job)
     say(w, job, whole);
     if (whole) {
         give_child(w, job, all, g->count);
-        job->ready.passes++;
-        job->ntiles = 0;
+        job->ntiles[job->ready.passes++ % MSG_OPEN_PASSES] = 0;
     }
     free(all);
     drop_pass(p);
@@ -252,7 +253,7 @@ gather_take(struct worker *w, struct wjob *job,
 {
     struct gather *g = is_near(job, m->pass) ? open_gather(w, job) : NULL;
 
-    if (!g || !keep(w, &g->of[m->pass & 1], m))
+    if (!g || !keep(w, &g->of[m->pass % PASSES], m))
         return;
     job->bytes_in += m->len;
     pass_on(w, job, m);

@@ -311,9 +311,10 @@ on_tile(struct worker *w, const struct msg *m)
     struct wjob *job = worker_find_job(w, m->tile.job);
 
     w->progress++;
-    if (!job || job->state != WJOB_READY || m->tile.pass != job->ready.passes)
-        return; /* the coordinator will hear of the lost child */
-    job->ntiles++;
+    if (!job || job->state != WJOB_READY || m->tile.pass < job->ready.passes)
+        return; /* its pass was closed, or the coordinator will hear of the lost
+                 * child */
+    job->ntiles[m->tile.pass % MSG_OPEN_PASSES]++;
     worker_send_child(w, job, m);
 }
 
@@ -329,8 +330,7 @@ on_frozen(struct worker *w, const struct msg *m)
     worker_send_child(w, job, m);
     if (!m->frozen.last)
         return;
-    job->ready.passes++;
-    job->ntiles = 0;
+    job->ntiles[job->ready.passes++ % MSG_OPEN_PASSES] = 0;
     gather_turn(job);
 }
 
@@ -371,7 +371,7 @@ on_stage(struct worker *w, const struct msg *m)
         return;
     worker_send_child(w, job, m);
     job->ready.passes = m->stage.pass;
-    job->ntiles = 0;
+    memset(job->ntiles, 0, sizeof job->ntiles);
     gather_turn(job);
 }
 
@@ -592,10 +592,12 @@ child_tile_made(struct worker *w, struct wjob *job, const struct msg *m)
 {
     struct msg pass = { .type = MSG_TILE_MADE, .tile_made = m->tile_made };
 
-    if (m->tile_made.pass != job->ready.passes)
+    uint32_t *n = &job->ntiles[m->tile_made.pass % MSG_OPEN_PASSES];
+
+    if (m->tile_made.pass < job->ready.passes)
         return; /* the pass was closed meanwhile */
-    if (job->ntiles > 0)
-        job->ntiles--;
+    if (*n > 0)
+        --*n;
     pass.tile_made.job = job->id;
     pass_up(w, job, &pass);
 }

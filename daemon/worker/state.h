@@ -101,7 +101,8 @@ struct wjob {
     uint64_t heard_ms; /* when the child last said something, by awake_ms */
     struct lossy to_child;
     struct msg_ready ready; /* passes: whose records it was sent meanwhile */
-    uint32_t ntiles;        /* that the child is to make */
+    uint32_t ntiles[MSG_OPEN_PASSES]; /* that the child is to make, by the
+                                       * pass's number */
     struct msg_tally tally;
     struct msg_counts paid;   /* in PAIDs of this child that were sent on, */
     struct msg_counts unpaid; /* and in PAIDs that could not be sent */

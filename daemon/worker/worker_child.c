@@ -15,6 +15,7 @@
 #include "worker/worker.h"
 
 #include <stdio.h>
+#include <string.h>
 #include <sysexits.h>
 
 static void
@@ -28,7 +29,7 @@ child_ready(struct worker *w, struct wjob *job, const struct msg *m)
     job->ready = m->ready;
     job->ready.job = ready.ready.job = job->id;
     job->ready.passes = ready.ready.passes = 0;
-    job->ntiles = 0;
+    memset(job->ntiles, 0, sizeof job->ntiles);
     gather_turn(job);
     actions_session(&w->actions, job->child, MSG_AT_PARENT, MSG_VERSION);
     worker_send_coord(w, &ready);
@@ -136,6 +137,15 @@ worker_from_child(struct worker *w, struct wjob *job, const struct msg *m)
     relay_up(w, job, m);
 }
 
+static bool
+has_tiles(const struct wjob *job)
+{
+    for (int i = 0; i < MSG_OPEN_PASSES; i++)
+        if (job->ntiles[i] > 0)
+            return true;
+    return false;
+}
+
 void
 worker_watch_children(struct worker *w)
 {
@@ -143,7 +153,7 @@ worker_watch_children(struct worker *w)
 
     for (struct wjob *job = w->jobs; job; job = job->next) {
         bool at_work =
-            job->state == WJOB_LOADING || job->nunits > 0 || job->ntiles > 0;
+            job->state == WJOB_LOADING || job->nunits > 0 || has_tiles(job);
 
         if (!job->child || !at_work || w->held)
             job->heard_ms = w->awake_ms;

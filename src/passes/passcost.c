@@ -45,7 +45,13 @@ rad_passcost_part(const struct rad_params *par,
     return odds / (1 + odds);
 }
 
-static const double LEVEL = .7;
+static const double LEVEL = .7, WALK = .05;
+
+static double
+round_weight(const struct rad_pass *pass)
+{
+    return pow(pass->end - pass->first, .4) * (pass->part < 0 ? 1 : 1. / RAD_PASS_PARTS);
+}
 
 /* All passes of a level: more paths find less that is new. */
 static double
@@ -55,8 +61,8 @@ level_weight(const struct rad_pass *pass, uint32_t n, const struct rad_pass *of)
 
     for (uint32_t i = 0; i < n; i++)
         if (pass[i].level == of->level)
-            all += pow(pass[i].end - pass[i].first, .4);
-    return LEVEL * pow(of->end - of->first, .4) / all;
+            all += round_weight(&pass[i]);
+    return LEVEL * round_weight(of) / all;
 }
 
 /* The finest lattice, and what it left out. */
@@ -69,7 +75,7 @@ lattice_weight(const struct rad_pass *pass)
     double weight = (pass->scattered ? REST
                      : pass->finest  ? FINEST
                                      : 1) *
-                    (pass->field < 0 ? 1 : .5);
+                    (pass->field < 0 ? 1 : .5) * (pass->part < 0 ? 1 : 1. / RAD_PASS_PARTS);
     uint32_t frames = (pass->beyond - 1 - pass->frame) / pass->stride + 1;
 
     for (int step = pass->step; step < 16; step *= 2)
@@ -83,6 +89,7 @@ rad_passcost_weigh(const struct rad_pass *pass, uint32_t n, double *weight)
     for (uint32_t i = 0; i < n; i++)
         weight[i] = pass[i].tiles == 0  ? 0
                     : pass[i].check     ? 1
+                    : pass[i].walks     ? WALK
                     : pass[i].level > 0 ? level_weight(pass, n, &pass[i])
                                         : lattice_weight(&pass[i]);
 }

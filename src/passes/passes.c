@@ -20,7 +20,6 @@
 #include "picture/path.h"
 #include "trace/asks.h"
 
-#include <math.h>
 #include <stdatomic.h>
 #include <stdlib.h>
 #include <string.h>
@@ -42,38 +41,58 @@ struct bend {
     float n[3], err, weight; /* as in struct rad_ambplace */
 };
 
-/* Where a path goes. */
+/* A path.  Who walks it first, of several threads, keeps where it goes. */
+enum { UNKNOWN, BEING_KEPT, KNOWN };
+
 struct trail {
-    bool known;
+    _Atomic uint8_t state; /* of its bends, and of bounces */
     int8_t bounces; /* then it leaves the scene, or has as many as matter */
+    bool placed;    /* its spots are known */
+};
+
+/* The ends of a round of paths, by place. */
+struct ends {
+    int level;
+    uint32_t first, beyond; /* paths */
+    uint32_t frame;         /* of the batch */
+    struct end *end;        /* NULL: none are known */
+    uint32_t n;
 };
 
 struct rad_passes {
     const struct rad_frame *frames; /* [fixed] */
     uint32_t nframes;               /* [fixed] */
-    uint64_t key;                   /* [fixed] while tiles are made */
-    struct rad_pass pass;           /* [fixed] while tiles are made */
-    struct trail *trail;            /* [fixed] likewise: of paths so far */
+    int deepest;                    /* [fixed] bounces that matter */
+    uint32_t frame;                 /* of the batch that has the trails */
+    struct trail *trail;            /* of all paths of the batch, */
     uint32_t ntrails;
-    int deepest;       /* [fixed] bounces that matter, */
-    struct bend *bend; /* [fixed] so many for each trail */
-    struct end *end;   /* [fixed] likewise: by place */
-    uint32_t nends;
+    struct bend *bend;          /* so many as matter for each, */
+    struct rad_pass_spot *spot; /* and roughly where these are */
+    struct ends ends[2];        /* of the passes that were begun last */
+    int newest;                 /* of these */
 };
 
 /* --- paths --- */
 
+/* Of the paths of the pass's batch. */
+static uint64_t
+key_of(const struct rad_passes *p, const struct rad_pass *pass)
+{
+    return rad_mix64(p->frames[0].job->params.seed) ^ BRANCH ^ pass->frame;
+}
+
 /* Walk path i to the end of so many bounces; r gets its rays.  Returns how
  * many there are before it leaves the scene, or -1. */
 static int
-walk(const struct rad_passes *p, struct rad_ctx *ctx, uint32_t i, int bounces,
+walk(const struct rad_passes *p, struct rad_ctx *ctx,
+     const struct rad_pass *pass, uint32_t i, int bounces,
      struct rad_ray r[RAD_PASS_LEVELS + 1])
 {
-    uint64_t key = rad_key_branch(p->key, i);
-    uint32_t n = p->pass.beyond - p->pass.frame;
+    uint64_t all = key_of(p, pass), key = rad_key_branch(all, i);
+    uint32_t n = pass->beyond - pass->frame;
 
-    if (!rad_path_begin(&p->frames[p->pass.frame + i % n], ctx, p->key, i / n,
-                        key, &r[0]))
+    if (!rad_path_begin(&p->frames[pass->frame + i % n], ctx, all, i / n, key,
+                        &r[0]))
         return -1;
     for (int k = 0; k < bounces; k++)
         if (!rad_path_bounce(ctx, &r[k], key, k, &r[k + 1]) ||
@@ -90,57 +109,145 @@ bend_of(const struct rad_passes *p, uint32_t i, int k)
 }
 
 static void
-find_trail(struct rad_passes *p, struct rad_ctx *ctx, uint32_t i)
+keep_bend(const struct rad_ray *r, int k, struct bend *b)
+{
+    struct rad_ambplace at;
+
+    rad_path_place(r, k, &at);
+    rad_copy(b->p, at.p);
+    for (int axis = 0; axis < 3; axis++)
+        b->n[axis] = (float)at.n[axis];
+    b->err = (float)at.err;
+    b->weight = (float)at.weight;
+}
+
+/* Walk path i to its end, and keep where it goes, unless that is known.
+ * Returns how many bends it has. */
+static int
+find_trail(const struct rad_passes *p, struct rad_ctx *ctx,
+           const struct rad_pass *pass, uint32_t i,
+           struct bend bend[RAD_PASS_LEVELS])
 {
     struct rad_ray r[RAD_PASS_LEVELS + 1];
-    struct rad_ambplace at;
-    int n = walk(p, ctx, i, p->deepest, r);
+    struct trail *t = &p->trail[i];
+    uint8_t was = UNKNOWN;
+    int n = walk(p, ctx, pass, i, p->deepest, r);
 
-    p->trail[i] = (struct trail){ true, (int8_t)n };
-    for (int k = 1; k <= n; k++) {
-        struct bend *b = bend_of(p, i, k);
+    for (int k = 1; k <= n; k++)
+        keep_bend(&r[k], k, &bend[k - 1]);
+    if (!atomic_compare_exchange_strong(&t->state, &was, BEING_KEPT))
+        return n;
+    t->bounces = (int8_t)n;
+    if (n > 0)
+        memcpy(bend_of(p, i, 1), bend, (size_t)n * sizeof *bend);
+    atomic_store_explicit(&t->state, KNOWN, memory_order_release);
+    return n;
+}
 
-        rad_path_place(&r[k], k, &at);
-        rad_copy(b->p, at.p);
-        for (int axis = 0; axis < 3; axis++)
-            b->n[axis] = (float)at.n[axis];
-        b->err = (float)at.err;
-        b->weight = (float)at.weight;
+static bool
+is_known(const struct rad_passes *p, uint32_t i)
+{
+    return atomic_load_explicit(&p->trail[i].state, memory_order_acquire) ==
+           KNOWN;
+}
+
+/* For all paths of the pass's batch.  Another batch's are of no use, and no
+ * tile of it is made any more. */
+static bool
+make_room(struct rad_passes *p, const struct rad_pass *pass)
+{
+    size_t bends = (size_t)pass->paths * (size_t)p->deepest;
+
+    if (pass->frame == p->frame && pass->paths == p->ntrails)
+        return true;
+    free(p->trail);
+    free(p->bend);
+    free(p->spot);
+    p->trail = calloc(pass->paths, sizeof *p->trail);
+    p->bend = malloc(bends * sizeof *p->bend);
+    p->spot = malloc(bends * sizeof *p->spot);
+    p->frame = pass->frame;
+    p->ntrails = p->trail && p->bend && p->spot ? pass->paths : 0;
+    return p->ntrails > 0;
+}
+
+/* --- where paths go, roughly --- */
+
+static void
+set_spot(const struct rad_passes *p, const double at[3],
+         struct rad_pass_spot *out)
+{
+    double org[3], side;
+
+    rad_ambient_cube(p->frames->job->ambient, org, &side);
+    for (int axis = 0; axis < 3; axis++) {
+        double q = (at[axis] - org[axis]) / side * RAD_PASS_NO_SPOT;
+
+        out->at[axis] =
+            (uint16_t)(q < 0                  ? 0
+                       : q < RAD_PASS_NO_SPOT ? q
+                                              : RAD_PASS_NO_SPOT - 1);
     }
 }
 
-static bool
-make_room(struct rad_passes *p, uint32_t n)
+/* The spots of a path with n bends. */
+static void
+set_spots(const struct rad_passes *p, const struct bend *bend, int n,
+          struct rad_pass_spot *out)
 {
-    struct trail *trail = realloc(p->trail, n * sizeof *trail);
-    struct bend *bend;
+    for (int k = 0; k < p->deepest; k++)
+        if (k < n)
+            set_spot(p, bend[k].p, &out[k]);
+        else
+            out[k] = (struct rad_pass_spot){ { RAD_PASS_NO_SPOT } };
+}
 
-    p->trail = trail ? trail : p->trail;
-    bend = realloc(p->bend, (size_t)n * (size_t)p->deepest * sizeof *bend);
-    p->bend = bend ? bend : p->bend;
-    if (!trail || !bend)
+static struct rad_pass_spot *
+spots_of(const struct rad_passes *p, uint32_t i)
+{
+    return &p->spot[(size_t)i * (size_t)p->deepest];
+}
+
+bool
+rad_passes_place(struct rad_passes *p, const struct rad_pass *pass,
+                 const struct rad_pass_spot *spot)
+{
+    if (!make_room(p, pass))
         return false;
-    memset(trail + p->ntrails, 0, (n - p->ntrails) * sizeof *trail);
-    p->ntrails = n;
+    memcpy(p->spot, spot,
+           (size_t)pass->paths * (size_t)p->deepest * sizeof *spot);
+    for (uint32_t i = 0; i < pass->paths; i++)
+        p->trail[i].placed = true;
     return true;
 }
 
-/* Find the trails of the pass's paths.  Their rays count in the first pass that
- * has them, that of the deepest records. */
-static bool
-find_trails(struct rad_passes *p, struct rad_ctx *ctx)
+/* Find the spots of a path that nobody told. */
+static void
+place_path(const struct rad_passes *p, struct rad_ctx *ctx,
+           const struct rad_pass *pass, uint32_t i)
 {
-    const struct rad_pass *pass = &p->pass;
+    struct bend bend[RAD_PASS_LEVELS];
+    struct trail *t = &p->trail[i];
+
+    if (is_known(p, i))
+        set_spots(p, bend_of(p, i, 1), t->bounces, spots_of(p, i));
+    else
+        set_spots(p, bend, find_trail(p, ctx, pass, i, bend), spots_of(p, i));
+    t->placed = true;
+}
+
+/* Find all that the pass needs.  These rays count in the tiles of the pass that
+ * walks. */
+static void
+place_paths(const struct rad_passes *p, struct rad_ctx *ctx,
+            const struct rad_pass *pass)
+{
     struct rad_counts counts = ctx->counts;
 
-    if (pass->end > p->ntrails && !make_room(p, pass->end))
-        return false;
     for (uint32_t i = pass->first; i < pass->end; i++)
-        if (!p->trail[i].known)
-            find_trail(p, ctx, i);
-    if (pass->level < p->deepest)
-        ctx->counts = counts; /* of a worker that came late */
-    return true;
+        if (!p->trail[i].placed)
+            place_path(p, ctx, pass, i);
+    ctx->counts = counts;
 }
 
 static int
@@ -153,48 +260,106 @@ by_place(const void *a, const void *b)
                                 : x->path > y->path;
 }
 
+static void
+end_at(const struct rad_passes *p, const struct ends *e, uint32_t i,
+       double at[3])
+{
+    const uint16_t *spot = spots_of(p, e->end[i].path)[e->level - 1].at;
+
+    for (int axis = 0; axis < 3; axis++)
+        at[axis] = spot[axis];
+}
+
 /* Put the ends into the order of the tree of where they are. */
 static bool
-sort_ends(struct rad_passes *p)
+sort_ends(const struct rad_passes *p, struct ends *e)
 {
-    double(*points)[3] = malloc((size_t)p->nends * sizeof *points);
+    double(*point)[3] = malloc((size_t)e->n * sizeof *point), at[3];
     struct rad_parts *parts;
 
-    if (!points)
+    if (!point)
         return false;
-    for (uint32_t i = 0; i < p->nends; i++)
-        rad_copy(points[i], bend_of(p, p->end[i].path, p->pass.level)->p);
-    parts = rad_parts_new(points, p->nends);
-    for (uint32_t i = 0; parts && i < p->nends; i++)
-        p->end[i].place = rad_parts_place(
-            parts, bend_of(p, p->end[i].path, p->pass.level)->p);
-    free(points);
+    for (uint32_t i = 0; i < e->n; i++)
+        end_at(p, e, i, point[i]);
+    parts = rad_parts_new(point, e->n);
+    for (uint32_t i = 0; parts && i < e->n; i++) {
+        end_at(p, e, i, at);
+        e->end[i].place = rad_parts_place(parts, at);
+    }
+    free(point);
     if (!parts)
         return false;
     rad_parts_free(parts);
-    qsort(p->end, p->nends, sizeof *p->end, by_place);
+    qsort(e->end, e->n, sizeof *e->end, by_place);
     return true;
 }
 
-/* Where the paths of the pass end. */
-static bool
-find_ends(struct rad_passes *p, struct rad_ctx *ctx)
+/* Those of the pass's round, if they are known. */
+static const struct ends *
+ends_of(const struct rad_passes *p, const struct rad_pass *pass)
 {
-    p->end = malloc((p->pass.end - p->pass.first) * sizeof *p->end);
-    if (!p->end || !find_trails(p, ctx))
+    for (int i = 0; i < 2; i++) {
+        const struct ends *e = &p->ends[i];
+
+        if (e->end && e->level == pass->level && e->first == pass->first &&
+            e->beyond == pass->end && e->frame == pass->frame)
+            return e;
+    }
+    return NULL;
+}
+
+/* Where the paths of the pass end.  Tiles of passes of the round before may be
+ * under way. */
+static bool
+find_ends(struct rad_passes *p, struct rad_ctx *ctx,
+          const struct rad_pass *pass)
+{
+    struct ends *e = &p->ends[p->newest ^ 1];
+
+    free(e->end);
+    *e = (struct ends){ .level = pass->level,
+                        .first = pass->first,
+                        .beyond = pass->end,
+                        .frame = pass->frame,
+                        .end = malloc((pass->end - pass->first) *
+                                      sizeof *e->end) };
+    p->newest ^= 1;
+    if (!e->end)
         return false;
-    for (uint32_t i = p->pass.first; i < p->pass.end; i++)
-        if (p->trail[i].bounces >= p->pass.level)
-            p->end[p->nends++].path = i;
-    return p->nends == 0 || sort_ends(p);
+    place_paths(p, ctx, pass);
+    for (uint32_t i = pass->first; i < pass->end; i++)
+        if (spots_of(p, i)[pass->level - 1].at[0] != RAD_PASS_NO_SPOT)
+            e->end[e->n++].path = i;
+    return e->n == 0 || sort_ends(p, e);
+}
+
+/* Where path i ends; false: a walk gets no farther than before.  Its rays do
+ * not count, for who walked there before need not walk. */
+static bool
+find_end(const struct rad_passes *p, struct rad_ctx *ctx,
+         const struct rad_pass *pass, uint32_t i, struct bend *out)
+{
+    struct rad_ray r[RAD_PASS_LEVELS + 1];
+    struct rad_counts counts = ctx->counts;
+    int k = pass->level;
+    bool there;
+
+    if (is_known(p, i)) {
+        *out = *bend_of(p, i, k);
+        return k <= p->trail[i].bounces;
+    }
+    there = walk(p, ctx, pass, i, k, r) == k;
+    ctx->counts = counts;
+    if (there)
+        keep_bend(&r[k], k, out);
+    return there;
 }
 
 static bool
-is_served(const struct rad_passes *p, struct rad_ctx *ctx, uint32_t i)
+is_served(struct rad_ctx *ctx, int level, const struct bend *b)
 {
-    const struct bend *b = bend_of(p, i, p->pass.level);
     struct rad_ambplace at = { .err = (double)b->err,
-                               .level = p->pass.level,
+                               .level = level,
                                .weight = (double)b->weight };
 
     rad_copy(at.p, b->p);
@@ -206,13 +371,16 @@ is_served(const struct rad_passes *p, struct rad_ctx *ctx, uint32_t i)
 /* Have a record made where path i ends, if there is none.  *walked: add the
  * rays of the walk, which count as those of hemispheres, too. */
 static void
-ask_at_end(const struct rad_passes *p, struct rad_ctx *ctx, uint32_t i,
-           uint64_t *walked)
+ask_at_end(const struct rad_passes *p, struct rad_ctx *ctx,
+           const struct rad_pass *pass, uint32_t i, uint64_t *walked)
 {
     struct rad_ray r[RAD_PASS_LEVELS + 1];
-    int k = p->pass.level;
-    uint64_t key = rad_key_branch(p->key, i), before = ctx->counts.ambient_rays;
-    bool asks = !is_served(p, ctx, i) && walk(p, ctx, i, k - 1, r) == k - 1 &&
+    int k = pass->level;
+    uint64_t key = rad_key_branch(key_of(p, pass), i);
+    uint64_t before = ctx->counts.ambient_rays;
+    struct bend b;
+    bool asks = find_end(p, ctx, pass, i, &b) && !is_served(ctx, k, &b) &&
+                walk(p, ctx, pass, i, k - 1, r) == k - 1 &&
                 rad_path_bounce(ctx, &r[k - 1], key, k - 1, &r[k]);
 
     *walked += ctx->counts.ambient_rays - before;
@@ -239,10 +407,10 @@ struct limit {
 };
 
 static struct limit
-limit_of(const struct rad_passes *p, const struct rad_ctx *ctx,
+limit_of(const struct rad_pass *pass, const struct rad_ctx *ctx,
          const _Atomic bool *stop)
 {
-    uint64_t most = p->pass.rays;
+    uint64_t most = pass->rays;
 
     return (struct limit){ ctx, stop,
                            most ? ctx->counts.ambient_rays + most : UINT64_MAX,
@@ -257,14 +425,36 @@ is_over(const struct limit *until)
 }
 
 static void
-ask_along_paths(const struct rad_passes *p, struct rad_ctx *ctx, uint32_t tile,
-                struct limit *until)
+ask_along_paths(const struct rad_passes *p, struct rad_ctx *ctx,
+                const struct rad_pass *pass, uint32_t tile, struct limit *until)
 {
-    uint64_t from = (uint64_t)p->nends * tile / p->pass.tiles;
-    uint64_t to = (uint64_t)p->nends * (tile + 1) / p->pass.tiles;
+    const struct ends *e = ends_of(p, pass);
+    uint32_t first, all = rad_pass_round(pass, &first);
+    uint64_t from = (uint64_t)e->n * (first + tile) / all;
+    uint64_t to = (uint64_t)e->n * (first + tile + 1) / all;
 
     for (; from < to && !is_over(until); from++)
-        ask_at_end(p, ctx, p->end[from].path, &until->walked);
+        ask_at_end(p, ctx, pass, e->end[from].path, &until->walked);
+}
+
+/* --- paths of a pass that walks --- */
+
+bool
+rad_passes_walk(const struct rad_passes *p, struct rad_ctx *ctx,
+                const struct rad_pass *pass, uint32_t tile,
+                const _Atomic bool *stop, struct rad_pass_spot *out)
+{
+    uint32_t first, n = rad_pass_paths(pass, tile, &first);
+
+    for (uint32_t i = first; i < first + n && !is_set(stop); i++) {
+        struct bend bend[RAD_PASS_LEVELS];
+        int bends = find_trail(p, ctx, pass, i, bend);
+
+        if (out)
+            set_spots(p, bend, bends,
+                      &out[(size_t)(i - first) * (size_t)p->deepest]);
+    }
+    return !is_set(stop);
 }
 
 /* Ask for what a pixel shows; returns the object that it shows, or RAD_VOID. */
@@ -383,18 +573,18 @@ ask_at_coarse(const struct patch *p, int done)
 
 /* The square of that number; false: there is none. */
 static bool
-find_patch(const struct rad_passes *p, struct rad_ctx *ctx, uint32_t number,
+find_patch(const struct rad_passes *p, struct rad_ctx *ctx,
+           const struct rad_pass *pass, uint32_t number,
            const struct limit *until, struct patch *out)
 {
     struct rad_pass_area a;
 
-    for (uint32_t i = p->pass.frame, n; i < p->pass.beyond;
-         i += p->pass.stride) {
+    for (uint32_t i = pass->frame, n; i < pass->beyond; i += pass->stride) {
         const struct rad_frame *f = &p->frames[i];
 
-        n = rad_pass_tiles(&p->pass, f->width, f->height);
+        n = rad_pass_tiles(pass, f->width, f->height);
         if (number < n) {
-            a = rad_pass_area(&p->pass, f->width, f->height, number);
+            a = rad_pass_area(pass, f->width, f->height, number);
             *out = (struct patch){ .frame = f,
                                    .ctx = ctx,
                                    .until = until,
@@ -402,8 +592,8 @@ find_patch(const struct rad_passes *p, struct rad_ctx *ctx, uint32_t number,
                                    .y0 = a.y0,
                                    .x1 = a.x1,
                                    .y1 = a.y1,
-                                   .step = p->pass.step,
-                                   .objects = !p->pass.scattered };
+                                   .step = pass->step,
+                                   .objects = !pass->scattered };
             return true;
         }
         number -= n;
@@ -415,13 +605,14 @@ find_patch(const struct rad_passes *p, struct rad_ctx *ctx, uint32_t number,
  * which is *patch then. */
 static void
 ask_along_lattice(const struct rad_passes *p, struct rad_ctx *ctx,
-                  uint32_t tile, const struct limit *until, struct patch *patch)
+                  const struct rad_pass *pass, uint32_t tile,
+                  const struct limit *until, struct patch *patch)
 {
-    for (; find_patch(p, ctx, tile, until, patch); tile += p->pass.tiles)
-        if (p->pass.finest)
+    for (; find_patch(p, ctx, pass, tile, until, patch); tile += pass->tiles)
+        if (pass->finest)
             ask_at_finest(patch);
         else
-            ask_at_coarse(patch, p->pass.done);
+            ask_at_coarse(patch, pass->done);
 }
 
 /* Trace the pixels of the lattice as those of the picture. */
@@ -466,29 +657,34 @@ hand_on(const struct rad_ambtile *tile, rad_passes_fn *fn, void *arg)
 }
 
 bool
-rad_passes_make(const struct rad_passes *p, struct rad_ctx *ctx, uint32_t tile,
+rad_passes_make(const struct rad_passes *p, struct rad_ctx *ctx,
+                const struct rad_pass *pass, uint32_t behind, uint32_t tile,
                 const _Atomic bool *stop, rad_passes_fn *fn, void *arg,
                 struct rad_pass_colours *colours)
 {
-    struct limit until = limit_of(p, ctx, stop);
+    struct limit until = limit_of(pass, ctx, stop);
     struct rad_ambtile own;
     struct patch patch;
     bool whole;
 
     if (colours)
         colours->n = 0;
-    rad_ambtile_begin(&own, ctx, p->pass.level);
+    if (pass->walks)
+        return rad_passes_walk(p, ctx, pass, tile, stop, NULL);
+    rad_ambtile_begin(&own, ctx, pass->level, behind);
     own.most = until.rays;
+    own.end = pass->rays ? until.rays + pass->rays : UINT64_MAX;
     ctx->no_direct = true; /* at the places that records are asked for */
-    if (p->pass.level > 0)
-        ask_along_paths(p, ctx, tile, &until);
+    if (pass->level > 0)
+        ask_along_paths(p, ctx, pass, tile, &until);
     else
-        ask_along_lattice(p, ctx, tile, &until, &patch);
+        ask_along_lattice(p, ctx, pass, tile, &until, &patch);
     ctx->no_direct = false;
     whole = !is_set(stop) && !own.failed;
     if (whole)
         hand_on(&own, fn, arg);
-    if (whole && colours && rad_pass_shows(&p->pass))
+    own.end = UINT64_MAX;
+    if (whole && colours && rad_pass_shows(pass))
         look(&patch, colours);
     rad_ambtile_end(&own, ctx);
     return whole;
@@ -496,25 +692,13 @@ rad_passes_make(const struct rad_passes *p, struct rad_ctx *ctx, uint32_t tile,
 
 /* --- from one pass to the next --- */
 
-/* Of the paths of the pass's batch. */
-static uint64_t
-key_of(const struct rad_passes *p, const struct rad_pass *pass)
-{
-    return rad_mix64(p->frames[0].job->params.seed) ^ BRANCH ^ pass->frame;
-}
-
 int
 rad_passes_begin(struct rad_passes *p, struct rad_ctx *ctx,
                  const struct rad_pass *pass, struct rad_error *err)
 {
-    free(p->end);
-    p->end = NULL;
-    p->nends = 0;
-    if (pass->frame != p->pass.frame)
-        p->ntrails = 0; /* another batch's */
-    p->pass = *pass;
-    p->key = key_of(p, pass);
-    if (pass->level > 0 && !find_ends(p, ctx))
+    if ((pass->walks && !make_room(p, pass)) ||
+        (pass->level > 0 && !ends_of(p, pass) &&
+         (!make_room(p, pass) || !find_ends(p, ctx, pass))))
         return rad_fail(err, RAD_ENOMEM, "out of memory");
     return 0;
 }
@@ -542,7 +726,9 @@ rad_passes_free(struct rad_passes *p)
         return;
     free(p->trail);
     free(p->bend);
-    free(p->end);
+    free(p->spot);
+    free(p->ends[0].end);
+    free(p->ends[1].end);
     free(p);
 }
 

@@ -28,10 +28,31 @@ void rad_passes_free(struct rad_passes *p);
 const struct rad_frame *rad_passes_frames(const struct rad_passes *p,
                                           uint32_t *n);
 
-/* Go on to a pass, whose predecessor's records are in the cache.  RAD_ENOMEM.
- * Thread: one, with none at a tile. */
+/* Get ready for tiles of a pass; only of those that it does not read others may
+ * be under way.  RAD_ENOMEM.  Thread: one. */
 int rad_passes_begin(struct rad_passes *p, struct rad_ctx *ctx,
                      const struct rad_pass *pass, struct rad_error *err);
+
+/* Where paths go roughly, in 65535ths of the cube of the cache's records: ends
+ * of a round are put in order by that.  Each path has as many spots as there
+ * are levels of deep records, from the nearest on; the first number of those
+ * that it does not get to is RAD_PASS_NO_SPOT. */
+#define RAD_PASS_NO_SPOT 65535
+struct rad_pass_spot {
+    uint16_t at[3];
+};
+
+/* Make a tile of a pass that walks, as below; *out becomes the spots of its
+ * paths, unless it is NULL. */
+bool rad_passes_walk(const struct rad_passes *p, struct rad_ctx *ctx,
+                     const struct rad_pass *pass, uint32_t tile,
+                     const _Atomic bool *stop, struct rad_pass_spot *out);
+
+/* That pass is closed, and these are the spots of all its paths.  Who is not
+ * told has to walk them all.  False: memory is out.  Thread: one, with none at
+ * a tile. */
+bool rad_passes_place(struct rad_passes *p, const struct rad_pass *pass,
+                      const struct rad_pass_spot *spot);
 
 /* What the pixels of a tile's lattice look like so far, row by row, as in a
  * picture file (image/hdr.h). */
@@ -40,15 +61,19 @@ struct rad_pass_colours {
     uint8_t rgbe[RAD_PASS_MOST_COLOURS][4];
 };
 
-/* Make a tile of the pass: fn gets its records in their order, some at a time.
- * Then the tile's colours, unless that is NULL, by the cache and its records:
- * these rays count nowhere, and change nothing.
- * Within a pixel of *stop, if that is set, it ends; so it does when memory is
- * out: false, and fn was not called.  Its rays count as ambient ones where they
- * leave a surface, never as primary.  Thread: any, at any number of tiles. */
+/* Make a tile of a pass that was begun: fn gets its records in their order, some
+ * at a time.  The records of pass->reads passes are in the cache, and those of
+ * `behind` more; it must not be settled meanwhile.
+ * Then the tile's colours, unless that is NULL, by the cache and its
+ * records: these rays count nowhere, and change nothing. Within a pixel of
+ * *stop, if that is set, it ends; so it does when memory is out: false, and fn
+ * was not called.  Its rays count as ambient ones where they leave a surface,
+ * never as primary.  Thread: any, at any number of tiles. */
 typedef void rad_passes_fn(void *arg, const struct rad_ambrec *rec, size_t n);
 bool rad_passes_make(const struct rad_passes *p, struct rad_ctx *ctx,
-                     uint32_t tile, const _Atomic bool *stop, rad_passes_fn *fn,
-                     void *arg, struct rad_pass_colours *colours);
+                     const struct rad_pass *pass, uint32_t behind,
+                     uint32_t tile,
+                     const _Atomic bool *stop, rad_passes_fn *fn, void *arg,
+                     struct rad_pass_colours *colours);
 
 #endif

@@ -123,6 +123,51 @@ is_large(const struct rad_pass_size *size)
     return coarsest_step(size) >= LARGE_STEP;
 }
 
+/* Where parts border on each other some records are made twice: in a small
+ * picture too many. */
+static bool
+in_parts(const struct rad_pass *pass, const struct rad_pass_size *size)
+{
+    return pass->frame == 0 && is_large(size);
+}
+
+/* All paths of the batch are walked once. */
+static void
+plan_walks(const struct rad_params *par, const struct rad_pass_size *size,
+           const struct batch *b, struct rad_pass *pass)
+{
+    uint32_t paths = count_paths(size, b);
+
+    *pass = (struct rad_pass){ .walks = rad_pass_deepest(par),
+                               .end = paths,
+                               .paths = paths,
+                               .frame = b->frame,
+                               .stride = 1,
+                               .beyond = b->beyond,
+                               .part = -1,
+                               .field = -1,
+                               .tiles = count_tiles(
+                                   paths, is_large(&size[b->frame])) };
+}
+
+/* That round's pass, or its parts; returns how many. */
+static uint32_t
+plan_round(struct rad_pass *pass, const struct rad_pass_size *size)
+{
+    bool large = is_large(&size[pass->frame]);
+    uint32_t tiles = count_tiles(pass->end - pass->first, large);
+
+    pass->tiles = tiles;
+    if (!in_parts(pass, size) || tiles < RAD_PASS_PARTS)
+        return 1;
+    pass->tiles = tiles / RAD_PASS_PARTS;
+    for (int i = 0; i < RAD_PASS_PARTS; i++) {
+        pass[i] = pass[0];
+        pass[i].part = i;
+    }
+    return RAD_PASS_PARTS;
+}
+
 /* The rounds for records of that level: the last ends with all paths, and each
  * before it with a part of those.  There is but one when most records are there
  * by an earlier batch. */
@@ -139,17 +184,19 @@ plan_level(const struct rad_params *par, int level,
 
     while (b->frame == 0 && paths / (part * growth) >= least)
         part *= growth;
-    for (; part > 0; part /= growth, n++) {
+    for (; part > 0; part /= growth) {
         uint32_t end = paths / part;
 
         pass[n] = (struct rad_pass){ .level = level,
                                      .first = first,
                                      .end = end,
+                                     .paths = paths,
                                      .frame = b->frame,
                                      .stride = 1,
                                      .beyond = b->beyond,
-                                     .tiles = count_tiles(end - first, large),
+                                     .part = -1,
                                      .rays = most_rays(par, large) };
+        n += plan_round(&pass[n], size);
         first = end;
     }
     return n;
@@ -169,7 +216,7 @@ finest_step(const struct rad_params *par)
 static int
 side_of(const struct rad_pass_size *size, int step)
 {
-    struct rad_pass pass = { .step = step, .side = 1 };
+    struct rad_pass pass = { .step = step, .side = 1, .part = -1 };
 
     if (!is_large(size))
         return step < SPARSE_STEP ? RAD_PASS_SIDE : SPARSE_SIDE;
@@ -182,6 +229,7 @@ side_of(const struct rad_pass_size *size, int step)
 static void
 count_lattice_tiles(struct rad_pass *pass, const struct rad_pass_size *size)
 {
+    pass->tiles = 0;
     for (uint32_t i = pass->frame; i < pass->beyond; i += pass->stride)
         pass->tiles += rad_pass_tiles(pass, size[i].width, size[i].height);
 }
@@ -204,18 +252,37 @@ plan_rest(struct rad_pass *pass, const struct rad_pass_size *size)
     uint32_t most =
         is_large(&size[pass->frame]) ? LARGE_REST_TILES : REST_TILES;
 
-    pass->scattered = true;
     pass->field = -1;
     pass->step *= 2;
     pass->side = REST_PIXELS / pass->step;
     pass->rays = 0;
-    pass->tiles = 0;
     count_lattice_tiles(pass, size);
     pass->tiles = pass->tiles / REST_SQUARES + 1;
     if (pass->tiles > (uint64_t)most * frames)
         pass->tiles = most * frames;
     while (!is_prime(pass->tiles)) /* or squares could stand in columns */
         pass->tiles++;
+}
+
+/* The passes that a pass over pixels comes in, those that have tiles: a single
+ * tile has one colour, and is in one part.  Returns how many there are. */
+static uint32_t
+plan_lattice(const struct rad_pass *k, const struct rad_pass_size *size,
+             struct rad_pass *pass)
+{
+    int parts = in_parts(k, size) ? RAD_PASS_PARTS : 0;
+    uint32_t n = 0;
+
+    for (int part = parts ? 0 : -1; part < parts; part++) {
+        pass[n] = *k;
+        pass[n].part = part;
+        if (k->scattered)
+            plan_rest(&pass[n], size);
+        else
+            count_lattice_tiles(&pass[n], size);
+        n += pass[n].tiles > 0;
+    }
+    return n;
 }
 
 /* The lattices of some frames. */
@@ -228,6 +295,7 @@ plan_frames(const struct rad_params *par, const struct rad_pass_size *size,
     bool many = beyond - frame > FEW * stride;
     int finest = finest_step(par) * (many ? 2 : 1), done = 0;
     int step = frame == 0 ? coarsest_step(of) : LATER_STEP;
+    struct rad_pass rest;
     uint32_t n = 0;
 
     for (; step >= finest; done = step, step /= 2) {
@@ -240,17 +308,14 @@ plan_frames(const struct rad_params *par, const struct rad_pass_size *size,
                                              RAD_PASS_PIXELS / finest),
                               .finest = step == finest,
                               .rays = most_rays(par, is_large(of)) };
-        bool fields = frame == 0 && done > 0;
+        bool fields = frame == 0 && (done > 0 || is_large(of));
 
-        for (k.field = fields ? 0 : -1; k.field < 2 * fields; k.field++) {
-            pass[n] = k;
-            count_lattice_tiles(&pass[n], size);
-            n += pass[n].tiles > 0; /* a single tile has one colour */
-        }
+        for (k.field = fields ? 0 : -1; k.field < 2 * fields; k.field++)
+            n += plan_lattice(&k, size, pass + n);
     }
-    pass[n] = pass[n - 1];
-    plan_rest(&pass[n], size);
-    return n + 1;
+    rest = pass[n - 1];
+    rest.scattered = true;
+    return n + plan_lattice(&rest, size, pass + n);
 }
 
 /* The first frame of all, then those at odd multiples of ever smaller distances
@@ -277,6 +342,8 @@ plan_batch(const struct rad_params *par, const struct rad_pass_size *size,
 {
     uint32_t n = 0;
 
+    if (rad_pass_deepest(par) > 0)
+        plan_walks(par, size, b, &pass[n++]);
     for (int level = rad_pass_deepest(par); level > 0; level--)
         n += plan_level(par, level, size, b, pass + n);
     n += plan_pixels(par, size, b, pass + n);
@@ -300,43 +367,114 @@ in_first_row(uint32_t across, int field)
     return (across + (field == 0)) / 2;
 }
 
+/* The fields that a pass has: of a row of `columns`, those from column on, and
+ * likewise of rows. */
+struct fields {
+    uint32_t column, columns, row, rows;
+};
+
+/* The field at which a part of a side of that length begins. */
+static uint32_t
+border(int part, int length, int side)
+{
+    return part < RAD_PASS_PARTS ? (uint32_t)((int64_t)length * part /
+                                                  RAD_PASS_PARTS +
+                                              side / 2) /
+                                       (uint32_t)side
+                                 : along(length, side);
+}
+
+/* Those of a part. */
+static void
+cut(int part, int length, int side, uint32_t *first, uint32_t *n)
+{
+    *first = border(part, length, side);
+    *n = border(part + 1, length, side) - *first;
+}
+
+static struct fields
+fields_of(const struct rad_pass *pass, int width, int height)
+{
+    int side = pass->side * pass->step;
+    struct fields f = { 0, along(width, side), 0, along(height, side) };
+
+    if (pass->part >= 0 && width >= height)
+        cut(pass->part, width, side, &f.column, &f.columns);
+    else if (pass->part >= 0)
+        cut(pass->part, height, side, &f.row, &f.rows);
+    return f;
+}
+
 uint32_t
 rad_pass_tiles(const struct rad_pass *pass, int width, int height)
 {
-    int side = pass->side * pass->step;
-    uint32_t across = along(width, side), down = along(height, side);
+    struct fields f = fields_of(pass, width, height);
 
     if (pass->field < 0)
-        return across * down;
-    return down / 2 * across +
-           (down % 2 ? in_first_row(across, pass->field) : 0);
+        return f.columns * f.rows;
+    return f.rows / 2 * f.columns +
+           (f.rows % 2 ? in_first_row(f.columns, pass->field) : 0);
 }
 
 struct rad_pass_area
 rad_pass_area(const struct rad_pass *pass, int width, int height, uint32_t tile)
 {
     int side = pass->side * pass->step, x, y;
-    uint32_t across = along(width, side);
-    uint32_t row = tile / across, column = tile % across;
+    struct fields f = fields_of(pass, width, height);
+    uint32_t row = tile / f.columns, column = tile % f.columns;
 
     if (pass->field >= 0) {
-        uint32_t first = in_first_row(across, pass->field);
+        uint32_t first = in_first_row(f.columns, pass->field);
         bool second = column >= first;
 
         row = 2 * row + second;
         column = second ? 2 * (column - first) + !pass->field
                         : 2 * column + (uint32_t)pass->field;
     }
-    x = (int)column * side;
-    y = (int)row * side;
+    x = (int)(f.column + column) * side;
+    y = (int)(f.row + row) * side;
     return (struct rad_pass_area){ x, y, lesser(x + side, width),
                                    lesser(y + side, height) };
+}
+
+uint32_t
+rad_pass_paths(const struct rad_pass *pass, uint32_t tile, uint32_t *first)
+{
+    uint32_t beyond =
+        (uint32_t)((uint64_t)pass->paths * (tile + 1) / pass->tiles);
+
+    *first = (uint32_t)((uint64_t)pass->paths * tile / pass->tiles);
+    return beyond - *first;
 }
 
 int
 rad_pass_deepest(const struct rad_params *par)
 {
     return lesser(par->ambounce - 1, RAD_PASS_LEVELS);
+}
+
+/* Does a pass need little of that one?  Another part, but of the last rounds of
+ * paths the first lattice lacks too many records; or one that walks, and whose
+ * end waits for the pictures of another batch. */
+static bool
+is_apart(const struct rad_pass *pass, const struct rad_pass *before)
+{
+    if (before->walks)
+        return pass->frame > 0;
+    return pass->part >= 0 && before->part >= 0 && pass->part != before->part &&
+           (pass->level > 0 || before->level == 0);
+}
+
+/* Of pass i. */
+static uint32_t
+reads(const struct rad_pass *pass, uint32_t i)
+{
+    uint32_t n = i;
+
+    while (n > 0 && i - n < RAD_PASS_PARTS - 1 &&
+           is_apart(&pass[i], &pass[n - 1]))
+        n--;
+    return n;
 }
 
 uint32_t
@@ -354,12 +492,15 @@ rad_passes_plan(const struct rad_params *par, const struct rad_pass_size *size,
         b.beyond = (uint32_t)((uint64_t)nsizes * i / batches);
         n += plan_batch(par, size, &b, pass + n);
     }
+    for (uint32_t i = 0; i < n; i++)
+        pass[i].reads = reads(pass, i);
     return n;
 }
 
-/* There is room for one more: paths have 5 rounds of 8 levels in the first
- * batch and 1 in each of 31 others, the first frame has 16 passes, and each
- * batch, of up to 2048 frames of 65536, 12 times 5 more. */
+/* There is room for one more: in the first batch paths have 5 rounds of 8
+ * levels, or 3 in 4 parts each, 1 in each of 31 others, and are walked in each,
+ * the first frame has 68 passes, and each batch, of up to 2048 frames of 65536,
+ * 12 times 5 more. */
 uint32_t
 rad_passes_plan_on(const struct rad_params *par,
                    const struct rad_pass_size *size, uint32_t nsizes,
@@ -372,5 +513,7 @@ rad_passes_plan_on(const struct rad_params *par,
     assert(n < RAD_MOST_PASSES);
     memmove(pass + 1, pass, n * sizeof *pass);
     pass[0] = (struct rad_pass){ .tiles = 0 };
+    for (uint32_t i = 1; i <= n; i++)
+        pass[i].reads++;
     return n + 1;
 }

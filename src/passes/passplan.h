@@ -9,6 +9,8 @@
  * cache.  Frames of a batch show much the same: the first frame of all has all
  * its lattices first, then those in the middle between it and the batch's end,
  * those half way between these, and so on.
+ * Where paths go does not depend on the cache: they are walked in a pass of
+ * their own, the first, and what it finds is told to all.
  * A lattice is asked at in two passes: its tiles are the fields of a chess
  * board, and those of one colour see the records of those of the other.
  * No tile is dear, for all wait for the last one: it ends after some
@@ -16,6 +18,9 @@
  * one comes to; behind the finest there is a pass that looks everywhere again,
  * with twice its step, and goes on between pixels that made records.  Its tiles
  * have small squares all over the picture, so they are about equal.
+ * Of a large picture each of these passes comes in parts, of which none reads
+ * those that are just before it: so there are tiles of some passes to be made
+ * at a time.
  * The plan depends on the options and the sizes of the pictures alone: whoever
  * shares the tiles out needs no scene.
  * Source: Jones & Reinhart 2016, Parallel multiple-bounce irradiance caching
@@ -29,16 +34,27 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+/* A pass may come in so many parts, of which none needs another much. */
+#define RAD_PASS_PARTS 4
+
 /* What one pass asks for. */
 struct rad_pass {
+    uint32_t reads; /* its tiles see the records of so many passes: of all
+                     * before it, or of all but the last few */
     int level;           /* of its records: bounces before them */
     uint32_t first, end; /* level above 0: paths of that number, of those that
-                          * begin in the pass's frames, below end */
+                          * begin in the pass's frames, below end, */
+    uint32_t paths;      /* of so many in all passes of the batch */
+    int walks; /* not 0: no records, but so many spots of each of these paths,
+                * which are for the passes behind it (passes.h) */
     int step, done; /* level 0: every step-th pixel along both axes, but those
                      * of every done-th (0: of no) */
     uint32_t frame, stride, beyond; /* of frames frame, frame + stride, ...
                                      * below beyond */
     uint32_t ready; /* when it is closed: frames below that can be made */
+    int part;  /* it has the tiles of that part of pictures, from the left, or
+                * of tall ones from the top, or of a round of paths; less than
+                * 0: all */
     int side;       /* level 0: of a tile, in pixels of the lattice */
     int field;   /* level 0: tiles are the fields of a chess board, and the pass
                   * has those of this colour, 0 or 1; less than 0: all */
@@ -120,6 +136,19 @@ struct rad_pass_area {
 };
 struct rad_pass_area rad_pass_area(const struct rad_pass *pass, int width,
                                    int height, uint32_t tile);
+
+/* All tiles of a round of paths, of which the pass has its own from *first on.
+ */
+static inline uint32_t
+rad_pass_round(const struct rad_pass *pass, uint32_t *first)
+{
+    *first = pass->part > 0 ? (uint32_t)pass->part * pass->tiles : 0;
+    return pass->part < 0 ? pass->tiles : RAD_PASS_PARTS * pass->tiles;
+}
+
+/* Paths of a tile of a pass that walks, from *first on. */
+uint32_t rad_pass_paths(const struct rad_pass *pass, uint32_t tile,
+                        uint32_t *first);
 
 /* Of passes with these lattices and coarser ones tiles can tell the colours of
  * their pixels, for whoever watches the picture come: a 64th of all pixels, and

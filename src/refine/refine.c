@@ -148,7 +148,9 @@ rad_refine_plan(const struct rad_params *par, const struct rad_pass_size *size,
         return 0;
     for (uint32_t i = 0; i < n; i++)
         pass[i].ready = 0;
-    pass[n] = (struct rad_pass){ .check = true,
+    pass[n] = (struct rad_pass){ .reads = n,
+                                 .part = -1,
+                                 .check = true,
                                  .stride = 1,
                                  .beyond = nsizes,
                                  .ready = nsizes,

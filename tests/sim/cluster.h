@@ -22,7 +22,8 @@ enum {
     SIM_CHILDREN = 96,
     SIM_THREADS = 4,
     SIM_WIDTH = 100, /* of a picture, and more */
-    SIM_HEIGHT = 200,
+    SIM_HEIGHT = 2100,
+    SIM_TALL = 200,
     SIM_EDGES = 4,
     SIM_TYPES = 128,  /* of messages */
     SIM_UNITS = 4096, /* of a job */

@@ -229,6 +229,8 @@ sim_make_pictures(struct net *net, struct sim_job *job)
     bool large = net_chance(net, 10);
     /* regions for two workers; draws nothing, for few seeds' sake */
     bool tall = !large && rad_mix64(net->seed + 78) % 8 == 0;
+    /* its passes come in halves */
+    bool tower = tall && rad_mix64(net->seed + 79) % 3 == 0;
     unsigned side = large ? 90 : 50, least = net_chance(net, 4) ? 1 : 20;
 
     job->look = rad_mix64(net->seed + 77);
@@ -238,6 +240,11 @@ sim_make_pictures(struct net *net, struct sim_job *job)
     job->paint = net_chance(net, 3);
     job->pixel_us =
         (net_chance(net, 3) ? 100 : 3000) * (1 + net_random(net, 4));
+    if (tower) {
+        job->psample = 16;
+        job->pixel_us = 10;
+        sim_of(net)->work_ms += 120000; /* many units, one after the other */
+    }
     job->bounces =
         job->spec.flags & MSG_JOB_PASSES ? (int)net_random(net, 3) : 0;
     snprintf(job->params, sizeof job->params, "-ps %d -ab %d", job->psample,
@@ -252,7 +259,11 @@ sim_make_pictures(struct net *net, struct sim_job *job)
         size_t n;
 
         if (tall)
-            h = 150 + net_random(net, SIM_HEIGHT - 150);
+            h = 150 + net_random(net, SIM_TALL - 150);
+        if (tower) {
+            w = 1 + w % 3;
+            h += SIM_HEIGHT - SIM_TALL;
+        }
         n = (size_t)w * h;
         job->frame[f] = (struct msg_frame){ f, w, h, "-vp 0 0 0" };
         make_look(job, f);

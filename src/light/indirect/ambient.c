@@ -13,6 +13,7 @@
 #include "base/vec.h"
 
 #include <stdlib.h>
+#include <string.h>
 
 /* Where the cache is frozen, so much farther than -aa deep records are asked
  * for: by tiles of passes that are not for them.  Those would be made by each
@@ -179,17 +180,17 @@ insert(struct rad_ambient *amb, const struct rad_ambrec *rec, bool local)
 }
 
 bool
-rad_ambient_keep(struct rad_ambient *amb, struct rad_ambtile *tile,
-                 const struct rad_ambrec *rec)
+rad_ambient_keep(struct rad_ctx *ctx, const struct rad_ambrec *rec)
 {
+    struct rad_ambient *amb = ctx->job->ambient;
     struct rad_ambzone zone;
 
     if (!amb->frozen)
         return insert(amb, rec, true);
-    if (!tile || !is_plausible(amb, rec))
+    if (!ctx->tile || rad_ambient_gave_up(ctx) || !is_plausible(amb, rec))
         return false;
     zone = zone_of(amb, rec->radius, rec->level);
-    return rad_ambtile_add(tile, amb, rec, &zone);
+    return rad_ambtile_add(ctx->tile, amb, rec, &zone);
 }
 
 bool
@@ -207,7 +208,7 @@ zone_in(const void *arg, const struct rad_ambitem *item)
 
 /* Of the glints of all records. */
 static bool
-gather_bright(struct rad_ambient *amb)
+gather_bright(struct rad_ambient *amb, struct rad_bright *bright)
 {
     const struct rad_ambread *read = &amb->read;
     struct rad_glint *glint = malloc(read->nglints * sizeof *glint + 1);
@@ -217,8 +218,7 @@ gather_bright(struct rad_ambient *amb)
         return false;
     for (size_t i = 0; i < read->nglints; i++)
         glint[i] = read->glint[i].glint;
-    ok = rad_bright_gather(&amb->bright, glint, read->nglints, read->org,
-                           read->side);
+    ok = rad_bright_gather(bright, glint, read->nglints, read->org, read->side);
     free(glint);
     return ok;
 }
@@ -226,9 +226,25 @@ gather_bright(struct rad_ambient *amb)
 bool
 rad_ambient_settle(struct rad_ambient *amb)
 {
-    if (!amb->frozen || amb->read.settled == amb->read.n)
+    struct rad_ambview *now = amb->view;
+
+    if (!amb->frozen)
         return true;
-    return rad_ambread_settle(&amb->read, zone_in, amb) && gather_bright(amb);
+    memmove(now + 1, now, (RAD_AMBIENT_VIEWS - 1) * sizeof *now);
+    if (now->n == amb->read.n)
+        return true;
+    now->n = amb->read.n;
+    now->log_sum = atomic_load_explicit(&amb->log_sum, memory_order_relaxed);
+    now->log_count =
+        atomic_load_explicit(&amb->log_count, memory_order_relaxed);
+    return rad_ambread_settle(&amb->read, zone_in, amb) &&
+           gather_bright(amb, &now->bright);
+}
+
+const struct rad_ambview *
+rad_ambient_view(const struct rad_ambient *amb, uint32_t behind)
+{
+    return &amb->view[behind];
 }
 
 bool

@@ -59,10 +59,17 @@ void rad_ambient_freeze(struct rad_ambient *amb);
  * out of memory; the cache must not be read then. */
 bool rad_ambient_settle(struct rad_ambient *amb);
 
+/* What look-ups read of a frozen cache, as it was before the last `behind`
+ * times that it was settled; a tile (ambtile.h) sees that alone. */
+#define RAD_AMBIENT_VIEWS 4
+struct rad_ambview;
+const struct rad_ambview *rad_ambient_view(const struct rad_ambient *amb,
+                                           uint32_t behind);
+
 /* All records of a settled cache are there: from now on pixels see what they
  * say with less noise (light/smooth/smooth.h); listed they are as they were
- * made.  To be called again after insertions.  Nothing to do for a cache that is
- * not frozen.  False: out of memory. */
+ * made.  To be called again after insertions.  Nothing to do for a cache that
+ * is not frozen.  False: out of memory. */
 bool rad_ambient_smooth(struct rad_ambient *amb);
 
 bool rad_ambient_is_frozen(const struct rad_ambient *amb);

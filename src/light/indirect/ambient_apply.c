@@ -63,6 +63,8 @@ make_record(struct rad_ctx *ctx, const struct rad_ray *r,
     struct rad_hemi h;
     bool ok;
 
+    if (rad_ambient_gave_up(ctx))
+        return false;
     rec.weight = record_weight(at);
     plan.weight = rad_ambrec_worth(&rec);
     if (amb->frozen && !ctx->fresh &&
@@ -74,7 +76,9 @@ make_record(struct rad_ctx *ctx, const struct rad_ray *r,
     plan.side = at->level > 0 ? SIDE_DEEP : SIDE_SHOWN;
     plan.coef = rad_grey((float)RAD_AMBIENT_MEAN_REFLECTANCE);
     plan.far = FAR_SIDES * amb->scale.side;
-    plan.bright = amb->bright.n > 0 ? &amb->bright : NULL;
+    plan.bright = &rad_ambient_seen(amb, ctx->tile)->bright;
+    if (plan.bright->n == 0)
+        plan.bright = NULL;
     rad_copy(plan.normal, at->n);
     ok = rad_hemi_sample(ctx, r, &plan, &h);
     if (ok)
@@ -93,7 +97,7 @@ make_record(struct rad_ctx *ctx, const struct rad_ray *r,
         rec.var = (float)h.var;
         rec.glint = rad_bright_glint(&h, at->p, r->key);
         rad_ambrec_shape(&amb->scale, &h, &rec);
-        if (!ctx->aside && rad_ambient_keep(amb, ctx->tile, &rec))
+        if (!ctx->aside && rad_ambient_keep(ctx, &rec))
             ctx->counts.ambient_values++;
         rad_ambitem_set(&item, &rec);
         rad_ambitem_across(&item, across);
@@ -181,21 +185,35 @@ rad_ambient_serves(struct rad_ctx *ctx, const struct rad_ambplace *at)
     return serves(&said, due);
 }
 
+/* Logarithms of the records so far, and how many there are. */
+static void
+sum_logs(const struct rad_ambient *amb, const struct rad_ambtile *tile,
+         double *sum, double *n)
+{
+    const struct rad_ambview *v = rad_ambient_seen(amb, tile);
+    int64_t logs = v->log_sum, count = v->log_count;
+
+    if (!amb->frozen) {
+        logs = atomic_load_explicit(&amb->log_sum, memory_order_relaxed);
+        count = atomic_load_explicit(&amb->log_count, memory_order_relaxed);
+    }
+    *sum = (double)logs * RAD_AMBIENT_LOG_UNIT;
+    *n = (double)count;
+}
+
 /* -av, or its mean with the records so far (-aw), times what a surface leaves
  * of it. */
 static struct rad_rgb
-constant_radiance(const struct rad_job *job)
+constant_radiance(const struct rad_ctx *ctx)
 {
-    const struct rad_params *par = &job->params;
+    const struct rad_params *par = &ctx->job->params;
     struct rad_rgb av = par->ambval;
-    const struct rad_ambient *amb = job->ambient;
+    const struct rad_ambient *amb = ctx->job->ambient;
     double lum = rad_rgb_lum(av), sum, n;
 
     if (!amb || par->ambvwt <= 0)
         return av;
-    sum = (double)atomic_load_explicit(&amb->log_sum, memory_order_relaxed) *
-          RAD_AMBIENT_LOG_UNIT;
-    n = (double)atomic_load_explicit(&amb->log_count, memory_order_relaxed);
+    sum_logs(amb, ctx->tile, &sum, &n);
     if (!(n > 0))
         return av;
     sum += n * rad_log(1 - RAD_AMBIENT_MEAN_REFLECTANCE);
@@ -282,5 +300,5 @@ rad_ambient_apply(struct rad_ctx *ctx, struct rad_ray *r, const double n[3],
             return;
         }
     }
-    *coef = rad_rgb_mul(*coef, constant_radiance(ctx->job));
+    *coef = rad_rgb_mul(*coef, constant_radiance(ctx));
 }

@@ -261,7 +261,8 @@ search_all(struct search *s)
     s->frozen = amb->frozen;
     s->spares = s->asker->only || (amb->frozen && at->level > 0);
     if (amb->frozen)
-        rad_ambread_visit(&amb->read, &q, add_records, want_more, s);
+        rad_ambread_visit(&amb->read, rad_ambient_seen(amb, tile)->n, &q,
+                          add_records, want_more, s);
     else
         rad_ambcache_visit(amb->cache, &q, add_records, want_more, s);
     s->frozen = false;

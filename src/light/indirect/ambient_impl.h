@@ -30,6 +30,13 @@ struct rad_ambterms {
 
 #define RAD_AMBIENT_USUAL 8
 
+/* A frozen cache with its first n records. */
+struct rad_ambview {
+    size_t n;
+    struct rad_bright bright; /* places by these records */
+    int64_t log_sum, log_count;
+};
+
 struct rad_ambient {
     const struct rad_job *job;   /* [fixed] */
     struct rad_ambcache *cache;  /* [fixed] of a cache that is not frozen */
@@ -37,8 +44,8 @@ struct rad_ambient {
     struct rad_ambsmooth smooth; /* the same with less noise */
     double org[3];               /* [fixed] the cube's corner */
     struct rad_ambscale scale;   /* [fixed] */
-    struct rad_bright bright;    /* places by the records of that */
-    bool frozen;                 /* [fixed] once there are records */
+    struct rad_ambview view[RAD_AMBIENT_VIEWS]; /* of that, the last first */
+    bool frozen; /* [fixed] once there are records */
     /* [fixed] for rays that hemispheres alone have made lighter */
     struct rad_ambterms usual[RAD_AMBIENT_USUAL];
     _Atomic int64_t log_sum; /* [atomic] relaxed: an average may lag */
@@ -46,10 +53,24 @@ struct rad_ambient {
     uint64_t drained; /* [loop] log position of rad_ambient_drain */
 };
 
-/* ambient.c: keep a sound record that was made here, in the cache, or with the
- * tile.  False: it was not kept. */
-bool rad_ambient_keep(struct rad_ambient *amb, struct rad_ambtile *tile,
-                      const struct rad_ambrec *rec);
+/* ambient.c: keep a sound record that the context made, in the cache, or with
+ * its tile.  False: it was not kept. */
+bool rad_ambient_keep(struct rad_ctx *ctx, const struct rad_ambrec *rec);
+
+/* Has the context's tile traced too much?  Hemispheres that are not done then
+ * lack what they would have seen. */
+static inline bool
+rad_ambient_gave_up(const struct rad_ctx *ctx)
+{
+    return ctx->tile && ctx->counts.ambient_rays >= ctx->tile->end;
+}
+
+/* What rays read of a frozen cache, in that tile or in none. */
+static inline const struct rad_ambview *
+rad_ambient_seen(const struct rad_ambient *amb, const struct rad_ambtile *tile)
+{
+    return tile ? tile->view : amb->view;
+}
 
 /* ambient_find.c: what is to be looked for by rays of that weight. */
 void rad_ambient_set_terms(const struct rad_ambient *amb, float weight,

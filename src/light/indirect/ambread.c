@@ -697,6 +697,7 @@ begin_list(struct reading *k, const struct rad_ambread_tree *t,
 
 struct finds {
     const struct rad_ambread *r;
+    size_t before; /* of these records */
     rad_ambcache_fn *fn;
     void *arg;
     bool enough; /* nothing more is wanted */
@@ -720,9 +721,11 @@ read_size(struct reading *k, uint8_t size, struct finds *f)
         unsigned now = up_to(k->block, size), found = now & ~k->read & k->pass;
 
         for (; found; found &= found - 1) {
-            const struct rad_ambitem *item =
-                &f->r->item[k->block->item[__builtin_ctz(found)]];
+            uint32_t i = k->block->item[__builtin_ctz(found)];
+            const struct rad_ambitem *item = &f->r->item[i];
 
+            if (i >= f->before)
+                continue;
             __builtin_prefetch(item);
             __builtin_prefetch((const char *)item + LINE);
             f->item[f->n++] = item;
@@ -765,8 +768,9 @@ read_all(struct reading *list, int n, struct finds *f,
 }
 
 void
-rad_ambread_visit(const struct rad_ambread *r, const struct rad_ambquery *q,
-                  rad_ambcache_fn *fn, rad_ambcache_more_fn *more, void *arg)
+rad_ambread_visit(const struct rad_ambread *r, size_t before,
+                  const struct rad_ambquery *q, rad_ambcache_fn *fn,
+                  rad_ambcache_more_fn *more, void *arg)
 {
     struct finds finds; /* not set as a whole, most of it need not be */
     unsigned faces = rad_ambfit_faces(q->fit, q->n);
@@ -779,6 +783,7 @@ rad_ambread_visit(const struct rad_ambread *r, const struct rad_ambquery *q,
     if (!r->tree)
         return;
     finds.r = r;
+    finds.before = before;
     finds.fn = fn;
     finds.arg = arg;
     finds.enough = false;

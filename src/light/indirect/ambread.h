@@ -43,9 +43,10 @@ typedef struct rad_ambzone rad_ambread_zone_fn(const void *arg,
 bool rad_ambread_settle(struct rad_ambread *r, rad_ambread_zone_fn *zone,
                         const void *arg);
 
-/* As rad_ambcache_visit(), of records that are settled.  In which order they
- * come depends on the records and the order of their adding alone. */
-void rad_ambread_visit(const struct rad_ambread *r,
+/* As rad_ambcache_visit(), of records that are settled, and of these of the
+ * first `before` that were added.  In which order they come depends on these
+ * and the order of their adding alone. */
+void rad_ambread_visit(const struct rad_ambread *r, size_t before,
                        const struct rad_ambquery *q, rad_ambcache_fn *fn,
                        rad_ambcache_more_fn *more, void *arg);
 

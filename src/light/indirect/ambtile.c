@@ -4,9 +4,14 @@
 #include "light/indirect/ambtile.h"
 
 void
-rad_ambtile_begin(struct rad_ambtile *tile, struct rad_ctx *ctx, int level)
+rad_ambtile_begin(struct rad_ambtile *tile, struct rad_ctx *ctx, int level,
+                  uint32_t behind)
 {
-    *tile = (struct rad_ambtile){ .level = level, .most = UINT64_MAX };
+    *tile = (struct rad_ambtile){ .view = rad_ambient_view(ctx->job->ambient,
+                                                           behind),
+                                  .level = level,
+                                  .most = UINT64_MAX,
+                                  .end = UINT64_MAX };
     ctx->tile = tile;
 }
 

@@ -11,20 +11,24 @@
 #include "light/indirect/ambcache.h"
 
 struct rad_ambtile {
-    struct rad_ambcache *own; /* NULL: it has no records yet */
-    uint32_t levels;          /* of these, as rad_ambtile_has() */
-    bool failed;              /* memory was out: records are missing */
-    uint32_t made;            /* records of that level so far */
+    const struct rad_ambview *view; /* what it reads of the frozen cache */
+    struct rad_ambcache *own;       /* NULL: it has no records yet */
+    uint32_t levels;                /* of these, as rad_ambtile_has() */
+    bool failed;                    /* memory was out: records are missing */
+    uint32_t made;                  /* records of that level so far */
     int level;     /* of the records that the pass is for; others serve a little
                     * farther than -aa */
     uint64_t most; /* rays of hemispheres, as the context counts them, from
-                    * which on deeper records are coarse */
+                    * which on deeper records are coarse, and */
+    uint64_t end;  /* from which on no record is made: what is under way then
+                    * is given up */
 };
 
-/* Begin a tile, and have ctx make its records; *tile must live until
- * rad_ambtile_end(). */
-void rad_ambtile_begin(struct rad_ambtile *tile, struct rad_ctx *ctx,
-                       int level);
+/* Begin a tile, and have ctx make its records.  It sees the frozen cache as it
+ * was before the last `behind` times that it was settled, and has no bounds of
+ * rays yet.  *tile must live until rad_ambtile_end(). */
+void rad_ambtile_begin(struct rad_ambtile *tile, struct rad_ctx *ctx, int level,
+                       uint32_t behind);
 
 /* Add a record, in the cache's cube.  False: memory is out. */
 bool rad_ambtile_add(struct rad_ambtile *tile, const struct rad_ambient *amb,
