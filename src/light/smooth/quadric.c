@@ -24,7 +24,6 @@ struct sums {
     matrix M, V;     /* lower halves */
     double y[TERMS]; /* of w x (lum - base) */
     double y2;       /* of w (lum - base)^2 */
-    double lum, noise;
     double base;
     int n;
 };
@@ -69,8 +68,6 @@ add_up(const struct rad_quadric_sample *s, int n, double width, struct sums *k)
             k->y[i] += wx * lum;
         }
         k->y2 += w * lum * lum;
-        k->lum += w * s->lum;
-        k->noise += w * s->noise;
         k->n++;
     }
 }
@@ -148,9 +145,25 @@ freedom(matrix K, struct sums *k)
     return sum;
 }
 
+double
+rad_quadric_noise(const struct rad_quadric_sample *s, int n)
+{
+    double sum = 0, all = 0;
+
+    for (int i = 0; i < n; i++) {
+        double w = weight(&s[i], 1);
+
+        if (!(w > 0))
+            continue;
+        sum += w * s[i].noise;
+        all += w;
+    }
+    return all > 0 ? sum / all : 0;
+}
+
 bool
 rad_quadric_fit(const struct rad_quadric_sample *s, int n, double width,
-                double bend, struct rad_quadric *q)
+                double noise, double bend, struct rad_quadric *q)
 {
     static const double middle[TERMS] = { 1 };
     double b[TERMS], hold, left;
@@ -161,7 +174,7 @@ rad_quadric_fit(const struct rad_quadric_sample *s, int n, double width,
     if (k.n < FEWEST || !(bend > 0))
         return false;
     q->width = width;
-    q->noise = k.noise / k.M[0][0];
+    q->noise = noise;
     hold = q->noise / (bend * bend);
     memcpy(A, k.M, sizeof A);
     for (int i = LINEAR; i < TERMS; i++)

@@ -27,16 +27,22 @@ struct rad_quadric {
     double pull[RAD_QUADRIC_TERMS]; /* with weight w, a sample counts for
                                      * w (pull[0] + pull[1] x + ...) */
     double slope[2];                /* of the luminance, at the middle */
-    double noise; /* variance of a sample, the mean of those within */
-    double risk;  /* variance of the luminance at the middle, with what the
-                   * samples are off by beyond their noise */
+    double noise;                   /* variance of a sample */
+    double risk; /* variance of the luminance at the middle, with what the
+                  * samples are off by beyond their noise */
 };
 
-/* Fit n samples; `bend` is the size that d, e and f of the luminance are
- * expected to have.  False: there are too few, or too few apart, within that
- * width. */
+/* Variance of a sample by what all of them within a width of 1 say of theirs,
+ * the same for all widths: by those within alone a narrow fit among samples
+ * that missed a rare light would seem to have less noise, be preferred, and
+ * lose the light. */
+double rad_quadric_noise(const struct rad_quadric_sample *s, int n);
+
+/* Fit n samples with that `noise`; `bend` is the size that d, e and f of the
+ * luminance are expected to have.  False: there are too few, or too few apart,
+ * within that width. */
 bool rad_quadric_fit(const struct rad_quadric_sample *s, int n, double width,
-                     double bend, struct rad_quadric *q);
+                     double noise, double bend, struct rad_quadric *q);
 
 /* E at the middle. */
 void rad_quadric_middle(const struct rad_quadric_sample *s, int n,

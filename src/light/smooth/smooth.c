@@ -369,7 +369,7 @@ find_best(const struct search *k, struct rad_quadric *best)
 {
     static const double width[] = { .35, .5, .7, 1 };
     double bend = SHARPEST * (double)k->of.bend * k->far * k->far / 2;
-    double mean = 0;
+    double mean = 0, noise = rad_quadric_noise(k->near, k->n);
     bool any = false;
 
     for (int i = 0; i < k->n; i++)
@@ -377,7 +377,7 @@ find_best(const struct search *k, struct rad_quadric *best)
     for (int i = 0; i < 4; i++) {
         struct rad_quadric q;
 
-        if (!rad_quadric_fit(k->near, k->n, width[i], bend * mean, &q) ||
+        if (!rad_quadric_fit(k->near, k->n, width[i], noise, bend * mean, &q) ||
             (any && !(q.risk < best->risk)))
             continue;
         *best = q;
