@@ -349,7 +349,7 @@ START_TEST(records_go_on_once_to_peers_that_are_fed)
     tile_records(f.peer, 0, 1);
     tile_records(f.peer, 0, 2); /* it feeds us, too: that goes no further */
     ck_assert_int_eq(said(f.peer, MSG_TILE_RECORDS), 2);
-    tile_records(f.coord, 2, 0); /* of a pass that is far */
+    tile_records(f.coord, MSG_OPEN_PASSES + 1, 0); /* of a pass that is far */
     ck_assert_int_eq(said(f.peer, MSG_TILE_RECORDS), 2);
     feed.feed.n = 0;
     hear(f.coord, &feed);

@@ -189,6 +189,10 @@ enum {
     NOISE_RUNGS = 8
 };
 
+/* Pixels' errors of stages that are so many rungs apart tell what does not
+ * fall: edges and gloss that few pixels show. */
+enum { PIXELS_APART = 3 };
+
 /* ... by which rays grow, those of a check and those of pictures. */
 enum { CHECK_GROWTH = 2, PICTURE_GROWTH = 2 };
 
@@ -196,6 +200,7 @@ enum { CHECK_GROWTH = 2, PICTURE_GROWTH = 2 };
 struct outlook {
     const struct rad_refine_ask *ask;
     double ambient, pixel, noise; /* squares; noise: no more than pixel */
+    double stuck;                 /* of pixel, what no rungs take away */
     int fall;                     /* of .ambient with a rung */
     double walk, made;            /* rays of passes: see WALKED, and the rest */
     double check, picture;        /* rays */
@@ -212,7 +217,7 @@ rise(int n)
 static int
 observed_fall(const struct rad_refine_ask *ask, double ambient)
 {
-    int apart = ask->rungs.ambient - ask->past.rung;
+    int apart = ask->rungs.ambient - ask->past.rungs.ambient;
     double fell = ask->past.ambient / ambient;
 
     if (apart < APART || !(fell > 0))
@@ -223,26 +228,6 @@ observed_fall(const struct rad_refine_ask *ask, double ambient)
                                                          : AMBIENT_FALL + 1;
 }
 
-static struct outlook
-look_out(const struct rad_refine_ask *ask)
-{
-    struct rad_error_squares found = rad_doubt_squares(&ask->sums.doubt);
-    struct outlook o = { .ask = ask,
-                         .ambient = found.ambient,
-                         .pixel = found.sampling,
-                         .noise = found.noise,
-                         .fall = observed_fall(ask, found.ambient),
-                         .check = (double)ask->check };
-    double cache = fmax((double)ask->rays, 1);
-
-    o.walk = fmin(WALKED * (double)ask->pixels, (1 - LEAST_MADE) * cache);
-    o.made = cache - o.walk;
-    if (ask->sums.shown >= 1)
-        o.picture = sound(ask->sums.rays / ask->sums.shown) *
-                    (double)ask->pixels;
-    return o;
-}
-
 /* What the noise of single pixels is times as large as at rung 0, by squares:
  * that of lamps falls, that of gloss and edges does not. */
 static double
@@ -251,22 +236,81 @@ noise_left(int pixel)
     return fall(NOISE_FALL * (pixel < NOISE_RUNGS ? pixel : NOISE_RUNGS));
 }
 
-/* The least that any rungs leave of that noise. */
+/* The square of pixels' errors by rung `now` becomes that by rung `pixel`. */
 static double
-noise_floor(const struct outlook *o)
+pixels_left(double all, double noise, int now, int pixel)
 {
-    return o->noise * noise_left(NOISE_RUNGS) / noise_left(o->ask->rungs.pixel);
+    return noise * noise_left(pixel) / noise_left(now) +
+           (all - noise) * rise(-PIXEL_FALL * (pixel - now));
+}
+
+/* Of the square of pixels' errors, what did not fall since the stage before as
+ * was foreseen. */
+static double
+observed_stuck(const struct rad_refine_ask *ask, double pixel)
+{
+    const struct rad_refine_past *past = &ask->past;
+    double left;
+
+    if (ask->rungs.pixel < past->rungs.pixel + PIXELS_APART ||
+        !(past->pixel > 0))
+        return 0;
+    left = pixels_left(past->pixel, past->noise, past->rungs.pixel,
+                       ask->rungs.pixel) /
+           past->pixel;
+    return left < 1
+               ? sound(fmin((pixel - left * past->pixel) / (1 - left), pixel))
+               : 0;
+}
+
+static struct outlook
+look_out(const struct rad_refine_ask *ask)
+{
+    struct rad_error_squares found = rad_doubt_squares(&ask->sums.doubt);
+    struct outlook o = { .ask = ask,
+                         .ambient = found.ambient,
+                         .pixel = found.sampling,
+                         .noise = found.noise,
+                         .stuck = observed_stuck(ask, found.sampling),
+                         .fall = observed_fall(ask, found.ambient),
+                         .check = (double)ask->check };
+    double cache = fmax((double)ask->rays, 1);
+
+    o.walk = fmin(WALKED * (double)ask->pixels, (1 - LEAST_MADE) * cache);
+    o.made = cache - o.walk;
+    if (ask->sums.shown >= 1)
+        o.picture =
+            sound(ask->sums.rays / ask->sums.shown) * (double)ask->pixels;
+    return o;
+}
+
+/* Of pixels' errors with that rung the square: of what is not stuck with those
+ * of now a part is left. */
+static double
+foresee_pixels(const struct outlook *o, int pixel)
+{
+    double moves = o->pixel > 0 ? 1 - o->stuck / o->pixel : 0;
+
+    return o->stuck +
+           moves * pixels_left(o->pixel, o->noise, o->ask->rungs.pixel, pixel);
+}
+
+/* The least that any rungs leave of them. */
+static double
+pixels_floor(const struct outlook *o)
+{
+    double moves = o->pixel > 0 ? 1 - o->stuck / o->pixel : 0;
+
+    return o->stuck + moves * o->noise * noise_left(NOISE_RUNGS) /
+                          noise_left(o->ask->rungs.pixel);
 }
 
 /* The square of the error with these rungs. */
 static double
 foresee_square(const struct outlook *o, int ambient, int pixel)
 {
-    const struct rad_refine_rungs *now = &o->ask->rungs;
-
-    return o->ambient * rise(-o->fall * (ambient - now->ambient)) +
-           o->noise * noise_left(pixel) / noise_left(now->pixel) +
-           (o->pixel - o->noise) * rise(-PIXEL_FALL * (pixel - now->pixel));
+    return o->ambient * rise(-o->fall * (ambient - o->ask->rungs.ambient)) +
+           foresee_pixels(o, pixel);
 }
 
 /* Rays of a stage with these rungs, and of its check. */
@@ -339,14 +383,14 @@ shorten_step(const struct outlook *o, struct choice *c)
         c->ambient--;
 }
 
-/* The square that is wanted.  Where noise of single pixels, which no rungs take
- * away, is more than that, nothing else need be less than it. */
+/* The square that is wanted.  Where pixels' errors that no rungs take away are
+ * more than that, nothing else need be less than they are. */
 static double
 goal_of(const struct outlook *o)
 {
     double wanted = o->ask->error * o->ask->error;
 
-    return wanted > 0 ? fmax(wanted, 2 * noise_floor(o)) : 0;
+    return wanted > 0 ? fmax(wanted, 2 * pixels_floor(o)) : 0;
 }
 
 bool
@@ -376,9 +420,10 @@ rad_refine_next(const struct rad_refine_ask *ask, struct rad_refine_rungs *next,
 struct rad_refine_past
 rad_refine_pass_on(const struct rad_refine_ask *ask)
 {
-    return (struct rad_refine_past){
-        rad_doubt_squares(&ask->sums.doubt).ambient, ask->rungs.ambient
-    };
+    struct rad_error_squares found = rad_doubt_squares(&ask->sums.doubt);
+
+    return (struct rad_refine_past){ ask->rungs, found.ambient, found.sampling,
+                                     found.noise };
 }
 
 double

@@ -48,11 +48,11 @@ struct rad_refine_rungs {
 void rad_refine_params(const struct rad_params *job,
                        struct rad_refine_rungs rungs, struct rad_params *out);
 
-/* The cache's error after the stage before: its square, and the rung of its
- * options. */
+/* What was left after the stage before: squares of errors, by the cache and by
+ * pixels, and of the latter by the noise of single ones. */
 struct rad_refine_past {
-    double ambient;
-    uint8_t rung;
+    struct rad_refine_rungs rungs;
+    double ambient, pixel, noise;
 };
 
 struct rad_refine_ask {
