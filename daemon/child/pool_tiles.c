@@ -141,18 +141,21 @@ begin_pass(struct renderer *by, const struct rad_pass *pass)
     uv_mutex_unlock(&p->mu);
 }
 
-/* Tiles of passes that are closed are of no use. */
+/* Tiles of passes that are closed are of no use; they may stand behind those of
+ * passes that are open. */
 static void
 drop_tiles_locked(struct pool_tiling *k)
 {
-    while (k->todo && k->todo->pass < k->closed) {
-        struct pool_tile *t = k->todo;
+    struct pool_tile **at = &k->todo, *t;
 
-        k->todo = t->next;
-        pool_tile_free(t);
-    }
-    if (!k->todo)
-        k->todo_end = &k->todo;
+    while ((t = *at))
+        if (t->pass < k->closed) {
+            *at = t->next;
+            pool_tile_free(t);
+        } else {
+            at = &t->next;
+        }
+    k->todo_end = at;
 }
 
 /* The records of the open pass, into the cache. */

@@ -198,7 +198,7 @@ dearest_order(const struct dearest *d, const struct rad_pass *pass,
         v[i].tile = i;
     if (pass->level > 0)
         expect_deep(d, pass, v);
-    else if (is_lattice(pass))
+    else if (is_lattice(pass) && pass->tiles > 0) /* it may have lost them */
         expect_pixels(d, pass, v);
     qsort(v, pass->tiles, sizeof *v, by_rays);
     for (uint32_t i = 0; i < pass->tiles; i++)

@@ -122,17 +122,33 @@ take_up(struct coord *c, struct job *job)
     kept_drop(kept);
 }
 
+/* Of the records of the first n passes, which are closed: a pass has tiles by
+ * what it reads, not by what else is closed when it is opened, for after a
+ * restart that may be more. */
+static size_t
+bytes_of(const struct passes *s, uint32_t n)
+{
+    size_t bytes = 0;
+
+    for (uint32_t i = 0; i < n; i++)
+        if (!s->plan[i].walks)
+            bytes += (size_t)s->closed[i].n * AMBSHARE_BYTES;
+    return bytes;
+}
+
 /* Open what can be. */
 static bool
 open_passes(struct passes *s)
 {
-    for (uint32_t i = s->opened; s->closed_bytes > MOST_BYTES / 2 && i < s->n;
-         i++)
-        if (!s->plan[i].check)
-            s->plan[i].tiles = 0;
-    for (; s->opened < s->n && s->plan[s->opened].reads <= s->open; s->opened++)
+    for (; s->opened < s->n && s->plan[s->opened].reads <= s->open;
+         s->opened++) {
+        struct rad_pass *pass = &s->plan[s->opened];
+
+        if (!pass->check && bytes_of(s, pass->reads) > MOST_BYTES / 2)
+            pass->tiles = 0;
         if (!tiles_open(s, s->opened))
             return false;
+    }
     return true;
 }
 

@@ -68,8 +68,7 @@ struct rad_passes {
     uint32_t ntrails;
     struct bend *bend;          /* so many as matter for each, */
     struct rad_pass_spot *spot; /* and roughly where these are */
-    struct ends ends[2];        /* of the passes that were begun last */
-    int newest;                 /* of these */
+    struct ends ends[2];        /* of the last rounds, by pass->round */
 };
 
 /* --- paths --- */
@@ -294,18 +293,17 @@ sort_ends(const struct rad_passes *p, struct ends *e)
     return true;
 }
 
-/* Those of the pass's round, if they are known. */
+/* Those of the pass's round, if they are known.  The next round's may be found
+ * meanwhile. */
 static const struct ends *
 ends_of(const struct rad_passes *p, const struct rad_pass *pass)
 {
-    for (int i = 0; i < 2; i++) {
-        const struct ends *e = &p->ends[i];
+    const struct ends *e = &p->ends[pass->round];
 
-        if (e->end && e->level == pass->level && e->first == pass->first &&
-            e->beyond == pass->end && e->frame == pass->frame)
-            return e;
-    }
-    return NULL;
+    return e->end && e->level == pass->level && e->first == pass->first &&
+                   e->beyond == pass->end && e->frame == pass->frame
+               ? e
+               : NULL;
 }
 
 /* Where the paths of the pass end.  Tiles of passes of the round before may be
@@ -314,7 +312,7 @@ static bool
 find_ends(struct rad_passes *p, struct rad_ctx *ctx,
           const struct rad_pass *pass)
 {
-    struct ends *e = &p->ends[p->newest ^ 1];
+    struct ends *e = &p->ends[pass->round];
 
     free(e->end);
     *e = (struct ends){ .level = pass->level,
@@ -323,7 +321,6 @@ find_ends(struct rad_passes *p, struct rad_ctx *ctx,
                         .frame = pass->frame,
                         .end = malloc((pass->end - pass->first) *
                                       sizeof *e->end) };
-    p->newest ^= 1;
     if (!e->end)
         return false;
     place_paths(p, ctx, pass);

@@ -483,6 +483,7 @@ rad_passes_plan(const struct rad_params *par, const struct rad_pass_size *size,
 {
     uint32_t batches = (nsizes - 1) / RAD_PASS_BATCH + 1, n = 0;
     struct batch b = { 0, 0 };
+    int round = 0;
 
     if (par->ambounce < 1 || !(par->ambacc > 0) || par->ambdiv < 1)
         return 0;
@@ -492,8 +493,11 @@ rad_passes_plan(const struct rad_params *par, const struct rad_pass_size *size,
         b.beyond = (uint32_t)((uint64_t)nsizes * i / batches);
         n += plan_batch(par, size, &b, pass + n);
     }
-    for (uint32_t i = 0; i < n; i++)
+    for (uint32_t i = 0; i < n; i++) {
+        round ^= pass[i].level > 0 && pass[i].part <= 0;
+        pass[i].round = round;
         pass[i].reads = reads(pass, i);
+    }
     return n;
 }
 

@@ -52,6 +52,7 @@ struct rad_pass {
     uint32_t frame, stride, beyond; /* of frames frame, frame + stride, ...
                                      * below beyond */
     uint32_t ready; /* when it is closed: frames below that can be made */
+    int round; /* level above 0: 0 or 1, other than that of the round before */
     int part;  /* it has the tiles of that part of pictures, from the left, or
                 * of tall ones from the top, or of a round of paths; less than
                 * 0: all */
