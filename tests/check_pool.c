@@ -803,6 +803,67 @@ START_TEST(pixel_aspect_follows_the_view_where_it_is_free)
 }
 END_TEST
 
+/* Do what there is to be done about tiles, as a thread would, but make none;
+ * how many there were. */
+static int
+work_off_tiles(struct pool *p)
+{
+    struct pool_tiling *k = &p->tiling;
+    struct pool_tile_work w;
+    int tiles = 0;
+
+    while (pool_find_tile_locked(p, &w)) {
+        k->changing = false;
+        if (w.frozen) {
+            atomic_store(&k->stop[k->open++ % MSG_OPEN_PASSES], false);
+            free(w.frozen);
+        } else if (w.begins) {
+            uint32_t pass = (uint32_t)(w.begins - k->plan);
+
+            k->begun[pass % MSG_OPEN_PASSES] = pass + 1;
+        } else {
+            ck_assert_uint_ge(w.tile->pass, k->closed);
+            ck_assert_uint_lt(w.tile->behind, RAD_AMBIENT_VIEWS);
+            k->members--;
+            tiles++;
+            pool_tile_free(w.tile);
+        }
+    }
+    return tiles;
+}
+
+/* A tile that was given again stands behind those of the pass that follows. */
+START_TEST(no_tile_of_a_closed_pass_is_made)
+{
+    struct rad_pass plan[8] = { { .tiles = 10 } };
+    struct pool *p = calloc(1, sizeof *p);
+    struct pool_tiling *k = &p->tiling;
+
+    ck_assert_ptr_nonnull(p);
+    uv_mutex_init(&p->mu);
+    uv_cond_init(&p->work);
+    for (uint32_t i = 0; i < N_ELEM(plan); i++)
+        plan[i] = (struct rad_pass){ .reads = i < 3 ? 0 : i - 3, .tiles = 10 };
+    k->plan = plan;
+    k->npasses = N_ELEM(plan);
+    k->todo_end = &k->todo;
+    k->frozen_end = &k->frozen;
+    k->open = k->closed = 4;
+    for (uint32_t i = 4; i < 6; i++)
+        k->begun[i % MSG_OPEN_PASSES] = i + 1;
+    ck_assert(pool_push_tile(p, 5, 0, false));
+    ck_assert(pool_push_tile(p, 4, 7, false));
+    ck_assert(pool_push_tile(p, 5, 1, false));
+    ck_assert(pool_push_tile(p, 4, 8, false));
+    ck_assert(pool_freeze(p, NULL, 0, NULL));
+    ck_assert(pool_push_tile(p, 6, 0, false));
+    ck_assert_int_eq(work_off_tiles(p), 3);
+    uv_cond_destroy(&p->work);
+    uv_mutex_destroy(&p->mu);
+    free(p);
+}
+END_TEST
+
 int
 main(void)
 {
@@ -822,6 +883,7 @@ main(void)
     tcase_add_test(tc, a_pool_ends_with_seeding_under_way);
     tcase_add_test(tc, revoked_units_are_not_done);
     tcase_add_test(tc, pool_ends_in_the_middle);
+    tcase_add_test(tc, no_tile_of_a_closed_pass_is_made);
     tcase_add_test(tc, fingerprint_is_the_same_each_time);
     tcase_add_loop_test(tc, bad_options_of_a_job_are_refused, 0,
                         N_ELEM(bad_texts));

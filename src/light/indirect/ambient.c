@@ -12,6 +12,7 @@
 #include "arith/elementary.h"
 #include "base/vec.h"
 
+#include <assert.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -244,6 +245,7 @@ rad_ambient_settle(struct rad_ambient *amb)
 const struct rad_ambview *
 rad_ambient_view(const struct rad_ambient *amb, uint32_t behind)
 {
+    assert(behind < RAD_AMBIENT_VIEWS);
     return &amb->view[behind];
 }
 
