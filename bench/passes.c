@@ -8,8 +8,8 @@
  * stand there its tiles, its records, those of them that are for deeper levels
  * than the pass, those that another tile of the pass, or the cache, would have
  * served already, the rays of hemispheres, all rays, and seconds of a
- * processor; and in the end how much memory a record takes.  --tiles writes what each tile of a single picture took, for
- * bench/sim (sim/tiles.h). */
+ * processor; and in the end how much memory a record takes.  --tiles writes
+ * what each tile of a single picture took, for bench/sim (sim/tiles.h). */
 #include "config.h"
 
 #define TOOL "passes"

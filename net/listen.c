@@ -22,7 +22,7 @@
 #include <unistd.h>
 
 #define BACKLOG  64
-#define AT_ONCE  64  /* connections that are taken in a turn of the loop */
+#define AT_ONCE  64    /* connections that are taken in a turn of the loop */
 #define AGAIN_MS 100   /* after a shortage */
 #define TELL_MS  60000 /* least time between lines that tell of one */
 
@@ -40,9 +40,9 @@ struct listener {
     int fd;
     int most; /* descriptors above this are not for connections */
     bool local;
-    bool waits;          /* somebody does, since the last that was taken */
-    bool told;           /* that it waits, ever; */
-    uint64_t told_ms;    /* then when */
+    bool waits;       /* somebody does, since the last that was taken */
+    bool told;        /* that it waits, ever; */
+    uint64_t told_ms; /* then when */
     struct listener_conf conf;
     struct gate *gate; /* of TCP */
     struct address at;

@@ -94,7 +94,10 @@ START_TEST(truncated_record_is_refused)
 END_TEST
 
 /* Fields of a good record, and what makes them wrong. */
-#define WRONG(field, v) { offsetof(struct rad_ambrec, field), sizeof good.field, v }
+#define WRONG(field, v)                                                        \
+    {                                                                          \
+        offsetof(struct rad_ambrec, field), sizeof good.field, v               \
+    }
 /* clang-format off */
 static const struct {
     size_t at, size;

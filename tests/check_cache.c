@@ -252,8 +252,8 @@ main(void)
 
     tcase_add_checked_fixture(tc, set_up, tear_down);
     tcase_add_test(tc, the_oldest_go_at_the_start);
-    tcase_add_test(
-        tc, what_comes_takes_the_place_of_the_oldest_that_no_job_uses);
+    tcase_add_test(tc,
+                   what_comes_takes_the_place_of_the_oldest_that_no_job_uses);
     tcase_add_test(tc, the_order_outlives_the_process);
     tcase_add_test(tc, nothing_goes_for_what_does_not_fit);
     tcase_add_test(tc, what_is_on_its_way_has_its_place);

@@ -100,7 +100,9 @@ START_TEST(wrong_pieces_leave_nothing)
     char hex[RAD_SHA_HEX + 1], path[160];
     struct rad_error err = { 0 };
 
-    ck_assert_int_eq(rad_sha_hex(wrong[_i].other ? "other" : text, wrong[_i].other ? 5 : 8, hex, NULL), 0);
+    ck_assert_int_eq(rad_sha_hex(wrong[_i].other ? "other" : text,
+                                 wrong[_i].other ? 5 : 8, hex, NULL),
+                     0);
     ck_assert_int_eq(blobs_open(&b, dir, false, NULL), 0);
     ck_assert_int_eq(blobs_part_open(&p, &b, hex, wrong[_i].total, NULL), 0);
     ck_assert_int_eq(

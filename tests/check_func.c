@@ -347,10 +347,14 @@ static const struct {
 static const struct {
     const char *expression, *file;
 } optional[] = {
-    { "if(AC-1.5,A2,.5)", "" },      { "select(A1,.5,A2)", "" },
-    { "a", "a=c(A2,1); c(x,y)=y;" }, { "a", "a=if(1-A1,1,arg(7)); c(x,y)=x;" },
-    { "c(1)", "c(x,y)=if(x,x,y);" }, { "arg(AC)", "" },
-    { "red(A1)", "" },               { "red(A1,nope,A9)", "" },
+    { "if(AC-1.5,A2,.5)", "" },
+    { "select(A1,.5,A2)", "" },
+    { "a", "a=c(A2,1); c(x,y)=y;" },
+    { "a", "a=if(1-A1,1,arg(7)); c(x,y)=x;" },
+    { "c(1)", "c(x,y)=if(x,x,y);" },
+    { "arg(AC)", "" },
+    { "red(A1)", "" },
+    { "red(A1,nope,A9)", "" },
     { "clip_g(nope(1),1,1/0)", "" },
 };
 

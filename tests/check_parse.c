@@ -363,8 +363,8 @@ warning_of(const char *text, char message[512])
     struct rad_error err = { 0 };
 
     message[0] = '\0';
-    ck_assert_int_eq(
-        rad_parse_text(s, text, strlen(text), "a.rad", NULL, &err), 0);
+    ck_assert_int_eq(rad_parse_text(s, text, strlen(text), "a.rad", NULL, &err),
+                     0);
     ck_assert_int_eq(rad_scene_check(s, keep_warning, message, &err), 0);
     ck_assert_int_eq(err.code, 0);
     rad_scene_free(s);

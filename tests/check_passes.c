@@ -198,7 +198,7 @@ plan_parts(const struct room *m, struct rad_pass pass[RAD_MOST_PASSES])
             *k = whole[i];
             k->part = part;
             k->reads = to < RAD_PASS_PARTS ? 1 : to + 1 - RAD_PASS_PARTS;
-            k->tiles = k->level > 0    ? (k->tiles + 3) / RAD_PASS_PARTS
+            k->tiles = k->level > 0   ? (k->tiles + 3) / RAD_PASS_PARTS
                        : k->scattered ? k->tiles
                                       : rad_pass_tiles(k, SIDE, SIDE);
             to += k->tiles > 0;
@@ -206,8 +206,8 @@ plan_parts(const struct room *m, struct rad_pass pass[RAD_MOST_PASSES])
     return to;
 }
 
-/* Make the tiles of passes from number i on, up to `ahead` behind it, as soon as
- * those that they read are closed. */
+/* Make the tiles of passes from number i on, up to `ahead` behind it, as soon
+ * as those that they read are closed. */
 static void
 fill_parts(struct room *m, int threads, uint32_t ahead)
 {
@@ -293,12 +293,12 @@ START_TEST(paths_can_be_walked_elsewhere)
     here.n = there.n = 0;
     for (uint32_t i = 0; i < pass[1].tiles; i++) {
         memset(&m->w.ctx.counts, 0, sizeof m->w.ctx.counts);
-        ck_assert(rad_passes_make(p, &m->w.ctx, &pass[1], 0, i, &never,
-                                  keep, &here, NULL));
+        ck_assert(rad_passes_make(p, &m->w.ctx, &pass[1], 0, i, &never, keep,
+                                  &here, NULL));
         rays = m->w.ctx.counts.rays;
         memset(&m->w.ctx.counts, 0, sizeof m->w.ctx.counts);
-        ck_assert(rad_passes_make(told, &m->w.ctx, &pass[1], 0, i, &never,
-                                  keep, &there, NULL));
+        ck_assert(rad_passes_make(told, &m->w.ctx, &pass[1], 0, i, &never, keep,
+                                  &there, NULL));
         ck_assert_uint_eq(m->w.ctx.counts.rays, rays);
     }
     ck_assert_uint_gt(here.n, 10);
@@ -640,8 +640,8 @@ START_TEST(a_tile_that_shows_its_colours_is_the_same)
     ck_assert_int_eq(rad_passes_begin(p, &m->w.ctx, &pass[k], NULL), 0);
     list.n = watched.n = 0;
     memset(&m->w.ctx.counts, 0, sizeof m->w.ctx.counts);
-    ck_assert(rad_passes_make(p, &m->w.ctx, &pass[k], 0, 0, &never, keep,
-                              &list, NULL));
+    ck_assert(rad_passes_make(p, &m->w.ctx, &pass[k], 0, 0, &never, keep, &list,
+                              NULL));
     first = m->w.ctx.counts;
     m->w.ctx.counts = second;
     ck_assert(rad_passes_make(p, &m->w.ctx, &pass[k], 0, 0, &never, keep,
@@ -666,16 +666,16 @@ START_TEST(a_tile_that_shows_its_colours_is_the_same)
     for (k = 0; k < n && rad_pass_shows(&pass[k]);)
         k++;
     ck_assert_int_eq(rad_passes_begin(p, &m->w.ctx, &pass[k], NULL), 0);
-    ck_assert(rad_passes_make(p, &m->w.ctx, &pass[k], 0, 0, &never, keep,
-                              &list, &colours));
+    ck_assert(rad_passes_make(p, &m->w.ctx, &pass[k], 0, 0, &never, keep, &list,
+                              &colours));
     ck_assert_uint_eq(colours.n, 0);
     rad_passes_free(p);
     close_room(m);
 }
 END_TEST
 
-/* Colours are those of lattices; squares of what these have left out are all over
- * the picture. */
+/* Colours are those of lattices; squares of what these have left out are all
+ * over the picture. */
 START_TEST(scattered_squares_show_nothing)
 {
     static const int side[] = { 60, 200, 948, 3840 };
@@ -886,12 +886,12 @@ START_TEST(a_tile_ends_when_it_has_traced_its_rays)
         all.n = list.n = 0;
         pass[i].rays = 0;
         ck_assert_int_eq(rad_passes_begin(p, &m->w.ctx, &pass[i], NULL), 0);
-        ck_assert(rad_passes_make(p, &m->w.ctx, &pass[i], 0, 0, &never,
-                                  keep, &all, NULL));
+        ck_assert(rad_passes_make(p, &m->w.ctx, &pass[i], 0, 0, &never, keep,
+                                  &all, NULL));
         pass[i].rays = 64; /* of one */
         ck_assert_int_eq(rad_passes_begin(p, &m->w.ctx, &pass[i], NULL), 0);
-        ck_assert(rad_passes_make(p, &m->w.ctx, &pass[i], 0, 0, &never,
-                                  keep, &list, NULL));
+        ck_assert(rad_passes_make(p, &m->w.ctx, &pass[i], 0, 0, &never, keep,
+                                  &list, NULL));
         ck_assert_uint_ge(list.n, 1);
         ck_assert_uint_gt(all.n, list.n);
         ck_assert(memcmp(all.rec, list.rec, list.n * sizeof *list.rec) == 0);
@@ -944,22 +944,22 @@ START_TEST(a_tile_that_ends_makes_coarse_deep_records)
     one.rays = 0;
     before = counts->ambient_rays;
     ck_assert_int_eq(rad_passes_begin(p, &m->w.ctx, &one, NULL), 0);
-    ck_assert(rad_passes_make(p, &m->w.ctx, &one, 0, 0, &never, keep, &all,
-                              NULL));
+    ck_assert(
+        rad_passes_make(p, &m->w.ctx, &one, 0, 0, &never, keep, &all, NULL));
     rays = counts->ambient_rays - before;
     one.rays = rays / 3;
     before = counts->ambient_rays;
     ck_assert_int_eq(rad_passes_begin(p, &m->w.ctx, &one, NULL), 0);
-    ck_assert(rad_passes_make(p, &m->w.ctx, &one, 0, 0, &never, keep, &list,
-                              NULL));
+    ck_assert(
+        rad_passes_make(p, &m->w.ctx, &one, 0, 0, &never, keep, &list, NULL));
     ck_assert_uint_lt(3 * (counts->ambient_rays - before), 2 * rays);
     ck_assert_double_gt(brightness(&all), 0);
     ck_assert_double_eq_tol(brightness(&list), brightness(&all),
                             .1 * brightness(&all));
     one.rays = 1; /* then it is given up */
     list.n = 0;
-    ck_assert(rad_passes_make(p, &m->w.ctx, &one, 0, 0, &never, keep, &list,
-                              NULL));
+    ck_assert(
+        rad_passes_make(p, &m->w.ctx, &one, 0, 0, &never, keep, &list, NULL));
     ck_assert_uint_eq(list.n, 0);
     rad_passes_free(p);
     close_room(m);

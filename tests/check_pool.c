@@ -340,7 +340,8 @@ give_part(struct cluster *c, int i, int to, uint8_t end, uint8_t flags)
 
     m.height = (uint32_t)(rad_quincunx_base_row(&c->q, part->last - 1) + 1 - y);
     part->rows[to] = 0;
-    ck_assert_int_eq(strict_unit(pool_lock_strict(c->child[to].pool), &m, NULL), 0);
+    ck_assert_int_eq(strict_unit(pool_lock_strict(c->child[to].pool), &m, NULL),
+                     0);
     pool_unlock_strict(c->child[to].pool);
 }
 

@@ -387,7 +387,8 @@ START_TEST(a_line_keeps_its_floats)
 }
 END_TEST
 
-/* The preview of a frame that holds one bright sample, at x, y, and no other. */
+/* The preview of a frame that holds one bright sample, at x, y, and no other.
+ */
 static struct rad_picture
 preview_of(int width, int height, int oversample, int x, int y)
 {
@@ -396,7 +397,8 @@ preview_of(int width, int height, int oversample, int x, int y)
                                  .options = "-ab 0",
                                  .pixaspect = 1,
                                  .width = rad_filter_side(width, oversample),
-                                 .height = rad_filter_side(height, oversample) };
+                                 .height =
+                                     rad_filter_side(height, oversample) };
     struct rows_open open = { 0 };
     struct rad_picture pic;
     unsigned char *bytes;
@@ -407,9 +409,8 @@ preview_of(int width, int height, int oversample, int x, int y)
 
     rad_rgbe(rad_grey(3), bright);
     snprintf(path, sizeof path, "%s/rows", dir);
-    ck_assert_int_eq(rows_create(&r, &open, path, width, height, ROWS_RGBE,
-                                 false, NULL),
-                     0);
+    ck_assert_int_eq(
+        rows_create(&r, &open, path, width, height, ROWS_RGBE, false, NULL), 0);
     ck_assert_int_eq(rows_write(&r, x, y, 1, 1, bright, NULL), 0);
     snprintf(path, sizeof path, "%s/preview", dir);
     ck_assert_int_eq(filtered_preview(&r, &shape, &info, path, NULL), 0);

@@ -356,8 +356,8 @@ START_TEST(a_units_base_line_outlives_the_store)
 }
 END_TEST
 
-/* What a loss of power leaves of one that was being made is in nobody's way, and
- * one that has its name is whole, whatever becomes of its log. */
+/* What a loss of power leaves of one that was being made is in nobody's way,
+ * and one that has its name is whole, whatever becomes of its log. */
 START_TEST(a_database_gets_its_name_when_it_is_whole)
 {
     char path[160], made[170], log[170];

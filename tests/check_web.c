@@ -123,13 +123,16 @@ START_TEST(units_lie_side_by_side)
         read_text(
             &u,
             "{\n \"job\": \"ab\",\n \"totals\": {\"rays\": 7},"
-            "\n \"running\": [" UNIT("w2", "2", "6") "]"
-            ",\n \"units\": [\n  " UNIT("w2", "1", "2") ",\n  " UNIT(
-                "w1", "1.5",
-                "3") ",\n  " UNIT("w1", "2",
-                                  "4") ",\n  " UNIT("w1", "3",
-                                                    "5") "\n ],\n \"line_s\": "
-                                                         "[]\n}"),
+            "\n \"running\": [" UNIT(
+                "w2", "2",
+                "6") "]"
+                     ",\n \"units\": [\n  " UNIT("w2", "1", "2") ",\n  " UNIT(
+                         "w1", "1.5",
+                         "3") ",\n  " UNIT("w1", "2",
+                                           "4") ",\n  " UNIT("w1", "3",
+                                                             "5") "\n ],\n "
+                                                                  "\"line_s\": "
+                                                                  "[]\n}"),
         0);
     ck_assert_double_eq(
         markup_number(json_object_get(u.head, "totals"), "rays"), 7);

@@ -147,7 +147,8 @@ START_TEST(what_workers_share_passes_through)
         { .type = MSG_LEND, .lend = { job_id, 3, 1, 9 } },
         { .type = MSG_BACK, .back = { job_id, 3, 1, 1, 0, 6 } },
         { .type = MSG_FACTS,
-          .facts = { job_id, 0, 1, 0, 1, 8, 0, 3, bitmap, .pixels = line_bytes } },
+          .facts = { job_id, 0, 1, 0, 1, 8, 0, 3, bitmap,
+                     .pixels = line_bytes } },
         { .type = MSG_ESTIMATE, .estimate = { job_id, 1, 5, 1, &area } },
         { .type = MSG_SEED, .seed = { job_id, 0, 5 } },
     };
@@ -158,7 +159,8 @@ START_TEST(what_workers_share_passes_through)
           .loan = { job_id, 3, 1, 0, 1, 0, 6, 1, 2, 0, 3, 0, density, bitmap,
                     line_bytes, line_bytes } },
         { .type = MSG_FACTS,
-          .facts = { job_id, 0, 1, 0, 1, 8, 0, 3, bitmap, .pixels = line_bytes } },
+          .facts = { job_id, 0, 1, 0, 1, 8, 0, 3, bitmap,
+                     .pixels = line_bytes } },
         { .type = MSG_ESTIMATED,
           .estimated = { job_id, 1, 1, &cost, { .rays = 9 } } },
     };

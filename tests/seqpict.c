@@ -216,14 +216,14 @@ write_picture(const struct task *t, const struct rad_frame *f,
               const struct rad_pixel *pixels, struct rad_error *err)
 {
     char options[RAD_FILTER_OPTIONS], view[RAD_VIEW_TEXT];
-    struct rad_hdr_info info = { .program = "seqpict",
-                                 .options = options,
-                                 .view = view,
-                                 .pixaspect = f->pixaspect,
-                                 .width = rad_filter_side(f->width,
-                                                          t->oversample),
-                                 .height = rad_filter_side(f->height,
-                                                           t->oversample) };
+    struct rad_hdr_info info = {
+        .program = "seqpict",
+        .options = options,
+        .view = view,
+        .pixaspect = f->pixaspect,
+        .width = rad_filter_side(f->width, t->oversample),
+        .height = rad_filter_side(f->height, t->oversample)
+    };
     struct rad_filter_shape s = shape_of(t, f);
     FILE *file = fopen(t->out, "wb");
     struct rad_sink sink = { write_file, file };
@@ -293,13 +293,13 @@ print_error(const struct rad_frame *f, struct rad_ctx *ctx,
     rad_frame_sampler(f, &all, &q);
     for (int i = 0; i < rad_quincunx_nbases(&q); i++) {
         int end = rad_quincunx_base_row(&q, i) + 1;
-        struct rad_doubt_rows r = { .frame = f,
-                                    .y = next,
-                                    .width = f->width,
-                                    .n = end - next,
-                                    .row =
-                                        (const struct rad_pixel *const *)rows +
-                                        next };
+        struct rad_doubt_rows r = {
+            .frame = f,
+            .y = next,
+            .width = f->width,
+            .n = end - next,
+            .row = (const struct rad_pixel *const *)rows + next
+        };
 
         rad_doubt_look(&r, ctx, &share, NULL, &found);
         next = end;
@@ -453,10 +453,9 @@ print_stage(const struct rad_refine_ask *ask, const struct rad_job *job)
             "noise %.4f rays %" PRIu64 " check %" PRIu64
             " fresh %.4f records %.4f aa %.4g ad %d pt %.4g ds %.4g\n",
             ask->stage, ask->rungs.ambient, ask->rungs.pixel, e.all, e.ambient,
-            e.sampling, sqrt(rad_doubt_squares(d).noise), ask->rays,
-            ask->check, root_mean(d, RAD_DOUBT_AMBIENT),
-            root_mean(d, RAD_DOUBT_SAID), par->ambacc, par->ambdiv, par->maxdiff,
-            par->srcsizerat);
+            e.sampling, sqrt(rad_doubt_squares(d).noise), ask->rays, ask->check,
+            root_mean(d, RAD_DOUBT_AMBIENT), root_mean(d, RAD_DOUBT_SAID),
+            par->ambacc, par->ambdiv, par->maxdiff, par->srcsizerat);
 }
 
 /* Make a stage, or all that there is without --error; the picture if it is the

@@ -21,7 +21,7 @@
 #define RAYS_PER_S 1.7e6
 
 /* More the coordinator does not give to one thread. */
-#define HOST_GATHERED (MSG_OPEN_PASSES + 1)
+#define HOST_GATHERED   (MSG_OPEN_PASSES + 1)
 #define HOST_MOST_TILES 16
 
 struct window {
@@ -61,7 +61,7 @@ struct host {
     bool skipped;            /* the pass left some of that out */
     int sent_row;            /* of a TRUTH pass: those above are out */
     double pass_s;
-    bool lines; /* it has had strict units */
+    bool lines;      /* it has had strict units */
     uint32_t passes; /* that are closed, as far as it knows */
     struct host_tile {
         uint32_t pass, tile;

@@ -29,9 +29,9 @@ quality_given quality_bit(const char *option);
 int quality_oversample(int quality);
 
 /* What a word delivers, as it was measured on six scenes (doc/accuracy.md): the
- * error of the luminance of areas of 5 by 5 pixels [%], of the best scene and of
- * the worst; false where that was not measured.  It holds of a set that the command
- * line leaves whole. */
+ * error of the luminance of areas of 5 by 5 pixels [%], of the best scene and
+ * of the worst; false where that was not measured.  It holds of a set that the
+ * command line leaves whole. */
 bool quality_promise(int quality, double *least, double *most);
 
 /* The word, of so many characters. */

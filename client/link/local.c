@@ -36,10 +36,10 @@ enum { LONGEST_FOLDER = 80, MOST_ARGS = 16, MOST_LAUNCHED = 4096 };
 struct local {
     char folder[LONGEST_FOLDER + 1];
     struct target target;
-    int alive[2]; /* the pipe; [1] is what keeps them alive */
+    int alive[2];    /* the pipe; [1] is what keeps them alive */
     int launched[2]; /* pipe: process groups that the keeper is to end, and,
                       * negative, those that it need not end any more */
-    int notify;   /* socket on which a daemon says that it is ready */
+    int notify;      /* socket on which a daemon says that it is ready */
     pid_t keeper;
     pid_t coordinator;
     pid_t *workers; /* nworkers, 0 for one that has ended */

@@ -803,5 +803,6 @@ rifjob_prepare(struct rifjob *j, const struct submit_options *o,
     optfile = rif_text(&j->rif, RIF_OPTFILE);
     if (rc < 0 || !optfile)
         return rc;
-    return rad_output_write(optfile, j->optfile, strlen(j->optfile), false, err);
+    return rad_output_write(optfile, j->optfile, strlen(j->optfile), false,
+                            err);
 }

@@ -95,7 +95,7 @@ void pool_seed(struct pool *p, struct rad_seed *s, pool_seed_fn *fn);
 struct pool_tile {
     struct pool_tile *next;
     uint32_t pass, tile;
-    bool shows;  /* its colours are wanted */
+    bool shows;      /* its colours are wanted */
     uint32_t behind; /* the cache has the records of so many passes more than
                       * it sees */
     struct msg_counts counts;

@@ -2,10 +2,10 @@
  * that are closed
  *
  * A tile reads the cache, so the cache changes only while no thread is at a
- * tile.  Of several passes tiles may be under way.  When the first is closed its
- * tiles are stopped, and the last thread that leaves one of the others, or the
- * next that looks for work, puts the records in; until then threads go on with
- * these.  It waits for threads at units, too: between batches of frames
+ * tile.  Of several passes tiles may be under way.  When the first is closed
+ * its tiles are stopped, and the last thread that leaves one of the others, or
+ * the next that looks for work, puts the records in; until then threads go on
+ * with these.  It waits for threads at units, too: between batches of frames
  * these are units that another worker was faster with, which the coordinator
  * takes back.  Likewise one thread alone gets a pass ready. */
 #include "config.h"

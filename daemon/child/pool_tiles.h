@@ -30,11 +30,11 @@ struct pool_tiling {
     /* by a pass's number, of those that are open: */
     uint32_t begun[MSG_OPEN_PASSES]; /* [mu] beyond the pass whose tiles threads
                                       * may make */
-    bool changing;     /* [mu] a thread begins a pass, or closes one */
-    int members;       /* [mu] threads at tiles */
+    bool changing; /* [mu] a thread begins a pass, or closes one */
+    int members;   /* [mu] threads at tiles */
     _Atomic bool stop[MSG_OPEN_PASSES]; /* tiles under way are of no use; as
                                          * stopping */
-    struct pool_tile *todo, **todo_end;       /* [mu] */
+    struct pool_tile *todo, **todo_end; /* [mu] */
     struct pool_frozen *frozen, **frozen_end; /* [mu] to be closed */
     struct pool_tile *made;                   /* [mu] */
     struct msg_counts dropped;                /* [mu] in no tile's counts */

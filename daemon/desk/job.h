@@ -52,7 +52,7 @@ enum job_stage {
 /* A worker that loses its child so often in a row, for reasons of its own (its
  * memory, its disk, somebody who kills it), has no more part in the job. */
 #define JOB_MAX_SETBACKS 5
-#define JOB_DURATIONS 63 /* that are remembered */
+#define JOB_DURATIONS    63 /* that are remembered */
 
 /* Changed by speed.c. */
 struct job_speed {
@@ -69,25 +69,25 @@ struct job {
     uint8_t id[MSG_JOB];
     char hex[MSG_JOB_HEX];
     char owner[MSG_MAX_NAME + 1];
-    struct msg_spec spec; /* all it points at lies in mem */
+    struct msg_spec spec;    /* all it points at lies in mem */
     uint64_t frames_counted; /* see job_count_frames() */
     struct rad_arena mem;
     uint64_t sequence; /* order of submission */
     enum job_state state;
-    bool ending;    /* what follows from its end is to be done (verdict.h) */
+    bool ending; /* what follows from its end is to be done (verdict.h) */
     enum job_stage stage; /* by job_step() alone */
-    bool full;      /* the disk is: it is held as all others are */
-    bool watched;   /* a picture was asked for before it was whole */
-    uint32_t lives; /* of the coordinator that it has seen end */
-    bool restored;  /* from an earlier life, and no worker was ready since */
+    bool full;            /* the disk is: it is held as all others are */
+    bool watched;         /* a picture was asked for before it was whole */
+    uint32_t lives;       /* of the coordinator that it has seen end */
+    bool restored; /* from an earlier life, and no worker was ready since */
     struct stats_text *filing; /* its statistics, on their way to the store */
-    struct msg_progress last; /* with STAGE_FILED */
-    uint64_t kept_bytes;      /* on the disk, once it is over */
-    uint32_t unfetched;  /* frames that are written, and not fetched */
+    struct msg_progress last;  /* with STAGE_FILED */
+    uint64_t kept_bytes;       /* on the disk, once it is over */
+    uint32_t unfetched;        /* frames that are written, and not fetched */
     uint64_t fetched_ms; /* when its owner last got one in this life; or 0 */
-    uint32_t nfound;   /* files that were seen in the store before that */
-    uint64_t found_ms; /* when the last of them was */
-    int status;        /* of sysexits.h, with JOB_FAILED */
+    uint32_t nfound;     /* files that were seen in the store before that */
+    uint64_t found_ms;   /* when the last of them was */
+    int status;          /* of sysexits.h, with JOB_FAILED */
     char text[MSG_MAX_TEXT + 1];
 
     struct partition *partition; /* NULL until the first worker is ready */
@@ -98,7 +98,7 @@ struct job {
     uint32_t nout, cap_out;
     uint32_t late; /* units that are out for too long, and may have twins */
     struct coord_owner *payer; /* whom it belongs to, at the coordinator */
-    uint32_t served;       /* the last search for a unit that looked at it */
+    uint32_t served; /* the last search for a unit that looked at it */
     struct kept_passes kept;
     struct kept_cache cache;
     struct passes *passes; /* NULL: none, or not yet */
@@ -135,12 +135,12 @@ struct job {
     struct msg_fault faults[MSG_FAULTS];
     struct msg_doubt doubt; /* of units that are done */
     uint64_t sent_bytes;    /* of the bundle, by radsubmit */
-    uint64_t offer_ms;  /* its radsubmit began to send */
-    uint64_t submit_ms; /* SUBMIT came */
-    uint64_t open_ms;   /* accepted */
-    uint64_t seed_ms;   /* parts were given out (seeding.h) */
-    uint64_t first_ms;  /* first unit went out; 0: none yet */
-    uint64_t last_ms;   /* last row was kept */
+    uint64_t offer_ms;      /* its radsubmit began to send */
+    uint64_t submit_ms;     /* SUBMIT came */
+    uint64_t open_ms;       /* accepted */
+    uint64_t seed_ms;       /* parts were given out (seeding.h) */
+    uint64_t first_ms;      /* first unit went out; 0: none yet */
+    uint64_t last_ms;       /* last row was kept */
     uint64_t end_ms;
 };
 
@@ -166,8 +166,8 @@ struct job_size job_size(const struct job *job);
 uint8_t job_channels(const struct job *job);
 void job_free(struct job *job);
 
-/* Of a job that is over keep how it ended (job.last, which is set), and which of
- * its frames there are; the store tells the rest. */
+/* Of a job that is over keep how it ended (job.last, which is set), and which
+ * of its frames there are; the store tells the rest. */
 void job_lighten(struct job *job);
 
 /* Is it over, one way or the other? */

@@ -63,7 +63,7 @@ struct passes {
     struct rad_pass_size *size; /* of the frames */
     struct dearest *dearest;
     struct sheet sheet[MSG_OPEN_PASSES]; /* of open passes, by number */
-    uint64_t took_ms;      /* of all that were made, from out to made */
+    uint64_t took_ms; /* of all that were made, from out to made */
     uint32_t ntook;
 };
 

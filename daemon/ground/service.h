@@ -40,7 +40,6 @@ void service_catch_no_memory(void);
 int service_ports_file(const char *path, const char *const lines[], int n,
                        struct rad_error *err);
 
-
 /* Take the folder for this process alone, until it ends or closes what is
  * returned; RAD_ECANTCREAT when another has it, RAD_EPERM when the lock is
  * denied to us. */

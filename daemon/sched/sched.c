@@ -479,7 +479,7 @@ sched_ready(struct coord *c, struct coord_worker *w, const struct msg *msg)
     if (job->restored && !take_up(c, job))
         return;
     if (!records_ready(c, job, index, m->passes)) { /* those of an earlier life:
-                                                    * it is to begin anew */
+                                                     * it is to begin anew */
         loss_all(c, job, index, PART_GONE);
         desk_send_job_end(c, w->conn, job->id);
         return;

@@ -26,7 +26,7 @@ void strict_unit_decide(struct strict_unit *u, enum strict_fate to);
 int strict_unit_top(const struct strict_unit *u);
 /* The unit of that number and attempt that is not gone; NULL: none. */
 struct strict_unit *strict_unit_find(const struct strict *s, uint32_t unit,
-                              uint32_t attempt);
+                                     uint32_t attempt);
 void strict_unit_free(struct strict_unit *u);
 /* Allocate the counters of the lines' costs; false: memory is out. */
 bool strict_unit_count_lines(struct strict_unit *u);
@@ -36,9 +36,9 @@ bool strict_unit_has_top(const struct strict *s, const struct strict_unit *u);
 /* The unit of this child whose bottom is u's top; whose top is u's bottom.
  * NULL: none. */
 struct strict_unit *strict_unit_above(const struct strict *s,
-                               const struct strict_unit *u);
+                                      const struct strict_unit *u);
 struct strict_unit *strict_unit_below(const struct strict *s,
-                               const struct strict_unit *u);
+                                      const struct strict_unit *u);
 /* Enter a unit in the table by its first line, or by the line after its last;
  * take it out of the table, before that line changes. */
 void strict_unit_link_first(struct strict *s, struct strict_unit *u);

@@ -86,8 +86,7 @@ comes_before(const struct strict *s, enum strict_rank rank,
 {
     if (rank != than_rank)
         return rank < than_rank;
-    if (rank == STRICT_TRUTH &&
-        owes_bottom(s, u) != owes_bottom(s, than))
+    if (rank == STRICT_TRUTH && owes_bottom(s, u) != owes_bottom(s, than))
         return owes_bottom(s, u);
     if (u->frame != than->frame)
         return u->frame < than->frame;

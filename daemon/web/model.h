@@ -18,7 +18,7 @@
 #define MODEL_WORKERS 1000
 #define MODEL_OPEN                                                             \
     1000 /* jobs that are not over: the newest and those that run */
-#define MODEL_OVER    100  /* jobs that are, the newest */
+#define MODEL_OVER    100 /* jobs that are, the newest */
 #define MODEL_TEXT    (2 << 20)
 #define MODEL_COUNTED 10000 /* jobs of which is known what was counted */
 #define MODEL_BUSY_MS 1000

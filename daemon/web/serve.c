@@ -347,12 +347,11 @@ start_library(struct serve *s, struct rad_error *err)
 
     s->mhd = MHD_start_daemon(
         flags, 0, NULL, NULL, on_request, s, MHD_OPTION_EXTERNAL_LOGGER, on_log,
-        s, MHD_OPTION_CONNECTION_LIMIT,
-        (unsigned)SERVE_GUESTS, MHD_OPTION_CONNECTION_MEMORY_LIMIT,
-        (size_t)MEMORY, MHD_OPTION_CONNECTION_TIMEOUT, 30u,
-        MHD_OPTION_NOTIFY_COMPLETED, on_completed, s,
-        MHD_OPTION_NOTIFY_CONNECTION, on_connection, s, MHD_OPTION_ARRAY,
-        s->cert ? tls : plain, MHD_OPTION_END);
+        s, MHD_OPTION_CONNECTION_LIMIT, (unsigned)SERVE_GUESTS,
+        MHD_OPTION_CONNECTION_MEMORY_LIMIT, (size_t)MEMORY,
+        MHD_OPTION_CONNECTION_TIMEOUT, 30u, MHD_OPTION_NOTIFY_COMPLETED,
+        on_completed, s, MHD_OPTION_NOTIFY_CONNECTION, on_connection, s,
+        MHD_OPTION_ARRAY, s->cert ? tls : plain, MHD_OPTION_END);
     if (s->mhd)
         return 0;
     return s->cert ? rad_fail(err, RAD_ECONFIG,

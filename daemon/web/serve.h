@@ -1,13 +1,13 @@
 /* serve.h - the HTTP server: connections, time limits, answers
  *
  * libmicrohttpd parses the requests; its epoll descriptor is watched by libuv's
- * loop, so all is in one thread.  route.c finds the answers, answer.h sends them.
- * Bounds: SERVE_GUESTS connections, SERVE_PER_S new ones a second once
- * SERVE_AT_ONCE have come, and those above wait in the kernel, or are turned away
- * by it, for none of our time; 16 KiB each for what they say; a request is whole
- * within SERVE_ASK_MS, an answer read within SERVE_READ_MS, or the connection
- * ends; only pages that stay open for events are let be.
- * Thread: the loop's. */
+ * loop, so all is in one thread.  route.c finds the answers, answer.h sends
+ * them. Bounds: SERVE_GUESTS connections, SERVE_PER_S new ones a second once
+ * SERVE_AT_ONCE have come, and those above wait in the kernel, or are turned
+ * away by it, for none of our time; 16 KiB each for what they say; a request is
+ * whole within SERVE_ASK_MS, an answer read within SERVE_READ_MS, or the
+ * connection ends; only pages that stay open for events are let be. Thread: the
+ * loop's. */
 #ifndef RADD_WEB_SERVE_H
 #define RADD_WEB_SERVE_H
 

@@ -1,7 +1,7 @@
 /* gather.c - see gather.h
  *
- * Of some passes records are kept: of those that the child may be at, and of the
- * next, for a peer may hear sooner than this worker that a pass is closed.
+ * Of some passes records are kept: of those that the child may be at, and of
+ * the next, for a peer may hear sooner than this worker that a pass is closed.
  * Each tile's records are passed on once, so that they do not go round however
  * workers are told to feed each other. */
 #include "config.h"

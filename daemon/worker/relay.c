@@ -23,9 +23,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define MOST_BYTES   ((size_t)64 << 20) /* of kept lines of a job */
-#define MOST_LINES   65536              /* kept, or known by name */
-#define BUCKETS      256
+#define MOST_BYTES ((size_t)64 << 20) /* of kept lines of a job */
+#define MOST_LINES 65536              /* kept, or known by name */
+#define BUCKETS    256
 
 struct rline {
     struct rline *next;    /* the newer one */
@@ -476,8 +476,7 @@ child_parked(struct worker *w, struct wjob *job, const struct msg *m)
 static void
 child_resumed(struct worker *w, struct wjob *job, const struct msg *m)
 {
-    struct wunit *u =
-        wjob_find_unit(job, m->resumed.unit, m->resumed.attempt);
+    struct wunit *u = wjob_find_unit(job, m->resumed.unit, m->resumed.attempt);
 
     (void)w;
     if (u)

@@ -3,10 +3,11 @@
  * With --ambient=live each worker sends its records to all others, as long as
  * these are few; this is for jobs of many.  There each worker has a place on a
  * ring (links/ring.h), or is the guest of a host with a place, and the
- * coordinator has told it the links (RING).  Records from `distance` places back
- * go over those links whose `below` is greater, unless they have been all
- * around: so there is one way from each place to each other.  A host sends its guests' records on like its own, and sends its
- * guests all records that it receives.
+ * coordinator has told it the links (RING).  Records from `distance` places
+ * back go over those links whose `below` is greater, unless they have been all
+ * around: so there is one way from each place to each other.  A host sends its
+ * guests' records on like its own, and sends its guests all records that it
+ * receives.
  *
  * Records under way when places change go on by the old links, if they are
  * still there; records that wait for a link that is gone are lost, which costs

@@ -43,7 +43,8 @@ struct wkept {
  *   we dial it ---> DIALLING --the connection is up-------------> LINKED
  *
  * When a dial fails or a link breaks both are as at the beginning.  The peer is
- * forgotten after MOST_TRIES dials (link.c), and when the coordinator says so. */
+ * forgotten after MOST_TRIES dials (link.c), and when the coordinator says so.
+ */
 enum peer_state { PEER_EXPECTED, PEER_DIALLING, PEER_LINKED };
 
 struct wpeer {
@@ -82,22 +83,22 @@ struct wjob {
     uint8_t id[MSG_JOB];
     char hex[MSG_JOB_HEX];
     enum wjob_state state;
-    bool started;        /* by the coordinator, in this connection */
-    uint32_t memory_mib; /* its own limit; 0: none */
+    bool started;           /* by the coordinator, in this connection */
+    uint32_t memory_mib;    /* its own limit; 0: none */
     uint8_t reuse[MSG_JOB]; /* the job whose cache it begins with; or zeros */
-    uint8_t *start;      /* the JOB-START frame, for children */
+    uint8_t *start;         /* the JOB-START frame, for children */
     size_t start_len;
     uint32_t nframes;
     uint32_t width, height; /* the largest of any frame */
-    uint32_t flags;   /* MSG_JOB_... */
-    uint8_t channels; /* of a pixel */
-    uint8_t *files;   /* hashes of the files that the job needs */
+    uint32_t flags;         /* MSG_JOB_... */
+    uint8_t channels;       /* of a pixel */
+    uint8_t *files;         /* hashes of the files that the job needs */
     uint32_t nfiles;
-    uint32_t nmissing;     /* fetching: of those */
-    uint64_t bundle_bytes; /* of all files, as the submitter said */
-    uint64_t look_ms;      /* no room: when to look again */
+    uint32_t nmissing;      /* fetching: of those */
+    uint64_t bundle_bytes;  /* of all files, as the submitter said */
+    uint64_t look_ms;       /* no room: when to look again */
     unsigned look_delay_ms; /* and how long after that the next time */
-    uint64_t child;    /* connection, 0: none */
+    uint64_t child;         /* connection, 0: none */
     uint64_t heard_ms; /* when the child last said something, by awake_ms */
     struct lossy to_child;
     struct msg_ready ready; /* passes: whose records it was sent meanwhile */

@@ -279,7 +279,7 @@ open_in_place(struct rad_output *out, struct rad_error *err)
 
 int
 rad_output_open(struct rad_output *out, const char *path, bool durable,
-            struct rad_error *err)
+                struct rad_error *err)
 {
     int rc = 0;
 
@@ -346,7 +346,7 @@ rad_output_abort(struct rad_output *out)
 
 int
 rad_output_write(const char *path, const void *bytes, size_t n, bool durable,
-             struct rad_error *err)
+                 struct rad_error *err)
 {
     struct rad_output out;
     int rc = rad_output_open(&out, path, durable, err);

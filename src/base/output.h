@@ -37,7 +37,7 @@ bool rad_output_same(const char *a, const char *b);
 
 /* Open for writing; path NULL: standard output.  RAD_ECANTCREAT. */
 int rad_output_open(struct rad_output *out, const char *path, bool durable,
-                struct rad_error *err);
+                    struct rad_error *err);
 
 /* Give the file its name.  RAD_EIO, and the old file stays. */
 int rad_output_commit(struct rad_output *out, struct rad_error *err);
@@ -46,8 +46,8 @@ int rad_output_commit(struct rad_output *out, struct rad_error *err);
 void rad_output_abort(struct rad_output *out);
 
 /* All three: the n bytes become the file. */
-int rad_output_write(const char *path, const void *bytes, size_t n, bool durable,
-                 struct rad_error *err);
+int rad_output_write(const char *path, const void *bytes, size_t n,
+                     bool durable, struct rad_error *err);
 
 /* Make the folder and those above it, mode 0755 (the last one `mode`); it is
  * fine if it is there.  RAD_ECANTCREAT. */

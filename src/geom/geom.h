@@ -133,8 +133,8 @@ enum rad_beyond rad_geom_beyond(const struct rad_geom *g,
 /* Does a surface with RAD_SURF_OPAQUE, other than object `skip` (RAD_VOID:
  * none), meet the span?  Stops at the first one found; *blocker (may be NULL)
  * gets its index, and if it holds an index on entry that one is tested first
- * (the caller's memory of the last occluder).  With such a memory a span that is
- * blocked counts as one test, so that what counts does not depend on it. */
+ * (the caller's memory of the last occluder).  With such a memory a span that
+ * is blocked counts as one test, so that what counts does not depend on it. */
 bool rad_geom_occluded(const struct rad_geom *g, const struct rad_span *span,
                        int32_t skip, int32_t *blocker,
                        struct rad_geom_counts *counts);

@@ -50,7 +50,8 @@ static const double LEVEL = .7, WALK = .05;
 static double
 round_weight(const struct rad_pass *pass)
 {
-    return pow(pass->end - pass->first, .4) * (pass->part < 0 ? 1 : 1. / RAD_PASS_PARTS);
+    return pow(pass->end - pass->first, .4) *
+           (pass->part < 0 ? 1 : 1. / RAD_PASS_PARTS);
 }
 
 /* All passes of a level: more paths find less that is new. */
@@ -75,7 +76,8 @@ lattice_weight(const struct rad_pass *pass)
     double weight = (pass->scattered ? REST
                      : pass->finest  ? FINEST
                                      : 1) *
-                    (pass->field < 0 ? 1 : .5) * (pass->part < 0 ? 1 : 1. / RAD_PASS_PARTS);
+                    (pass->field < 0 ? 1 : .5) *
+                    (pass->part < 0 ? 1 : 1. / RAD_PASS_PARTS);
     uint32_t frames = (pass->beyond - 1 - pass->frame) / pass->stride + 1;
 
     for (int step = pass->step; step < 16; step *= 2)

@@ -61,19 +61,18 @@ struct rad_pass_colours {
     uint8_t rgbe[RAD_PASS_MOST_COLOURS][4];
 };
 
-/* Make a tile of a pass that was begun: fn gets its records in their order, some
- * at a time.  The records of pass->reads passes are in the cache, and those of
- * `behind` more; it must not be settled meanwhile.
- * Then the tile's colours, unless that is NULL, by the cache and its
- * records: these rays count nowhere, and change nothing. Within a pixel of
- * *stop, if that is set, it ends; so it does when memory is out: false, and fn
- * was not called.  Its rays count as ambient ones where they leave a surface,
- * never as primary.  Thread: any, at any number of tiles. */
+/* Make a tile of a pass that was begun: fn gets its records in their order,
+ * some at a time.  The records of pass->reads passes are in the cache, and
+ * those of `behind` more; it must not be settled meanwhile. Then the tile's
+ * colours, unless that is NULL, by the cache and its records: these rays count
+ * nowhere, and change nothing. Within a pixel of *stop, if that is set, it
+ * ends; so it does when memory is out: false, and fn was not called.  Its rays
+ * count as ambient ones where they leave a surface, never as primary.  Thread:
+ * any, at any number of tiles. */
 typedef void rad_passes_fn(void *arg, const struct rad_ambrec *rec, size_t n);
 bool rad_passes_make(const struct rad_passes *p, struct rad_ctx *ctx,
                      const struct rad_pass *pass, uint32_t behind,
-                     uint32_t tile,
-                     const _Atomic bool *stop, rad_passes_fn *fn, void *arg,
-                     struct rad_pass_colours *colours);
+                     uint32_t tile, const _Atomic bool *stop, rad_passes_fn *fn,
+                     void *arg, struct rad_pass_colours *colours);
 
 #endif

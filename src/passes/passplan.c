@@ -377,11 +377,11 @@ struct fields {
 static uint32_t
 border(int part, int length, int side)
 {
-    return part < RAD_PASS_PARTS ? (uint32_t)((int64_t)length * part /
-                                                  RAD_PASS_PARTS +
-                                              side / 2) /
-                                       (uint32_t)side
-                                 : along(length, side);
+    return part < RAD_PASS_PARTS
+               ? (uint32_t)((int64_t)length * part / RAD_PASS_PARTS +
+                            side / 2) /
+                     (uint32_t)side
+               : along(length, side);
 }
 
 /* Those of a part. */

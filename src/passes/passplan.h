@@ -39,8 +39,8 @@
 
 /* What one pass asks for. */
 struct rad_pass {
-    uint32_t reads; /* its tiles see the records of so many passes: of all
-                     * before it, or of all but the last few */
+    uint32_t reads;      /* its tiles see the records of so many passes: of all
+                          * before it, or of all but the last few */
     int level;           /* of its records: bounces before them */
     uint32_t first, end; /* level above 0: paths of that number, of those that
                           * begin in the pass's frames, below end, */
@@ -56,11 +56,11 @@ struct rad_pass {
     int part;  /* it has the tiles of that part of pictures, from the left, or
                 * of tall ones from the top, or of a round of paths; less than
                 * 0: all */
-    int side;       /* level 0: of a tile, in pixels of the lattice */
-    int field;   /* level 0: tiles are the fields of a chess board, and the pass
-                  * has those of this colour, 0 or 1; less than 0: all */
-    bool finest; /* level 0: the last lattice, and what lies between its
-                  * pixels where objects end or records are dense */
+    int side;  /* level 0: of a tile, in pixels of the lattice */
+    int field; /* level 0: tiles are the fields of a chess board, and the pass
+                * has those of this colour, 0 or 1; less than 0: all */
+    bool finest;    /* level 0: the last lattice, and what lies between its
+                     * pixels where objects end or records are dense */
     bool scattered; /* level 0: what the last lattice left out; a tile has not
                      * one square of pixels but all that are as far apart in
                      * number as there are tiles */

@@ -138,9 +138,8 @@ struct rad_ctx {
     bool fresh; /* what a pixel shows of indirect light is sampled for it alone,
                  * whatever the cache has */
     bool aside; /* no record is kept */
-    int32_t
-        *last_blocker; /* by source or image of one: object that blocked
-                        * last, or RAD_VOID; only ever speeds a test up */
+    int32_t *last_blocker; /* by source or image of one: object that blocked
+                            * last, or RAD_VOID; only ever speeds a test up */
 };
 
 int rad_ctx_init(struct rad_ctx *ctx, const struct rad_job *job,

@@ -77,7 +77,7 @@ struct sim_job {
     bool paint;
     unsigned pixel_us; /* what a pixel costs at least */
     char params[40];
-    int bounces; /* -ab */
+    int bounces;                   /* -ab */
     char options[RAD_PARAMS_TEXT]; /* of its picture, as the store was told in
                                     * this life of the coordinator; or "" */
     uint8_t costs[4 * SIM_FRAMES * SIM_HEIGHT];
@@ -85,16 +85,16 @@ struct sim_job {
     uint8_t *line[SIM_FRAMES];             /* base lines of coded rows */
     struct rad_pixel *want[SIM_FRAMES];    /* as one alone makes it */
     struct saved_frame frames[SIM_FRAMES];
-    bool poisoned;    /* a pixel of frame 0 that kills children */
-    int poison_y;     /* in column 0 */
-    uint64_t traced;  /* by all children together */
-    uint64_t tile_rays; /* likewise, for tiles */
-    bool watched;       /* its client wants previews */
-    bool reuses;        /* it wants to begin with the cache of another, */
+    bool poisoned;         /* a pixel of frame 0 that kills children */
+    int poison_y;          /* in column 0 */
+    uint64_t traced;       /* by all children together */
+    uint64_t tile_rays;    /* likewise, for tiles */
+    bool watched;          /* its client wants previews */
+    bool reuses;           /* it wants to begin with the cache of another, */
     uint8_t from[MSG_JOB]; /* with this one's, where spec.flags say so */
-    bool cancel;      /* the client changes its mind */
-    bool vanish;      /* the client goes away for a while */
-    unsigned crashes; /* of its children so far */
+    bool cancel;           /* the client changes its mind */
+    bool vanish;           /* the client goes away for a while */
+    unsigned crashes;      /* of its children so far */
     /* its client */
     uint64_t conn;
     bool accepted, done, failed;
@@ -159,7 +159,7 @@ struct sim_fault {
 enum { SIM_FAULTS = 3 };
 
 struct sim {
-    struct net net; /* first: events and ops find the rest from it */
+    struct net net;  /* first: events and ops find the rest from it */
     uint64_t digest; /* of all actions, see digest_action() */
     struct coord *coord;
     bool store[SIM_JOBS * SIM_FILES];
@@ -169,12 +169,12 @@ struct sim {
     int njobs;
     struct sim_child child[SIM_CHILDREN];
     unsigned all_linked, direct; /* as in coord_env */
-    bool keeps;          /* what is on the disk outlives the coordinator */
-    unsigned lives;      /* of the coordinator, this one too */
-    uint64_t disk_ms;    /* the coordinator's disk is busy until then */
-    bool calm;           /* no more accidents */
-    unsigned accidents;  /* one in so many ticks; 0: none */
-    unsigned orders;     /* of users and admins; likewise */
+    bool keeps;         /* what is on the disk outlives the coordinator */
+    unsigned lives;     /* of the coordinator, this one too */
+    uint64_t disk_ms;   /* the coordinator's disk is busy until then */
+    bool calm;          /* no more accidents */
+    unsigned accidents; /* one in so many ticks; 0: none */
+    unsigned orders;    /* of users and admins; likewise */
     struct sim_fault fault[SIM_FAULTS];
     uint64_t admin; /* its connection */
     bool admin_welcome;
@@ -186,11 +186,11 @@ struct sim {
     unsigned parted;
     unsigned pauses, priorities, rests;
     unsigned yields; /* units that were to go back, all or in part */
-    unsigned late;     /* units that others got as well */
+    unsigned late;   /* units that others got as well */
     unsigned blows[SIM_TYPES][SIM_NBLOW];
     unsigned tiles, passes, stages; /* made; closed, begun at a child */
     unsigned colours;               /* tiles that told theirs */
-    unsigned reused;        /* first passes with records of other jobs */
+    unsigned reused; /* first passes with records of other jobs */
     unsigned parked, gave, twins, loans, blocked, estimates;
     unsigned estimates_left; /* of these, before their end */
     unsigned bars; /* units whose bars come along with their base lines */

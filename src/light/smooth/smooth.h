@@ -46,7 +46,7 @@ struct rad_smooth_value {
 /* Where n places are known, by number. */
 struct rad_smooth_source {
     const void *arg;
-    uint32_t n; /* below 2^30 */
+    uint32_t n;                                          /* below 2^30 */
     const double *(*point)(const void *arg, uint32_t i); /* p of place i */
     void (*place)(const void *arg, uint32_t i, struct rad_smooth_place *place);
 };

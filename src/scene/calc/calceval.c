@@ -44,7 +44,7 @@ struct rad_calc_env {
     struct value {
         uint64_t clock;
         double value;
-    } * known; /* by symbol */
+    } * known;                             /* by symbol */
     struct value same[RAD_CALC_MOST_SAME]; /* values of calls */
     int32_t nknown;
     int32_t nframes, nbacks, nkept;

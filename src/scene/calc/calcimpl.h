@@ -43,15 +43,7 @@ extern const struct library rad_calc_library[];
 extern const int rad_calc_nlibrary;
 
 /* ids of those that the compiler treats by itself; the table's order */
-enum {
-    LIB_IF,
-    LIB_SELECT,
-    LIB_MIN,
-    LIB_MAX,
-    LIB_ATAN2,
-    LIB_ARG,
-    LIB_PRISM
-};
+enum { LIB_IF, LIB_SELECT, LIB_MIN, LIB_MAX, LIB_ATAN2, LIB_ARG, LIB_PRISM };
 
 /* Value of library function id; *fault may be set. */
 double rad_calc_library_value(int id, const double *v,
@@ -116,7 +108,7 @@ struct rad_calc {
     int32_t nsymbol, symbol_size;
     int32_t *slot; /* hash table of symbols, -1: free */
     int32_t nslot; /* a power of two */
-    struct known *known[RAD_CALC_KNOWN_SLOTS]; /* lists, by hash */
+    struct known *known[RAD_CALC_KNOWN_SLOTS];   /* lists, by hash */
     const struct node *same[RAD_CALC_MOST_SAME]; /* calls, each once */
     int32_t nsame;
     struct context *context;
