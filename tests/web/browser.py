@@ -18,6 +18,10 @@ def program():
     return None
 
 
+class Left(Exception):
+    """The page went away before it answered: another one comes."""
+
+
 class Browser:
     def __init__(self, folder):
         to_child, self.out = os.pipe()
@@ -69,6 +73,8 @@ class Browser:
         while True:
             answer = self.read()
             if answer.get("id") == self.number:
+                if "navigated" in str(answer.get("error", "")):
+                    raise Left(method)
                 if "error" in answer:
                     raise RuntimeError(method + ": " + str(answer["error"]))
                 return answer["result"]
@@ -94,9 +100,13 @@ class Browser:
         return r["result"].get("value")
 
     def until(self, text, seconds=20):
+        """Wait for an expression to be true, maybe in a page that comes."""
         end = time.time() + seconds
         while time.time() < end:
-            value = self.run(text)
+            try:
+                value = self.run(text)
+            except Left:
+                value = None
             if value:
                 return value
             time.sleep(.05)
