@@ -61,16 +61,29 @@ take_view_file(struct cursor *c)
     return rc < 0 ? rc : 2;
 }
 
+/* Is that the switch of that name, with +, -, 1 or 0 behind it, or none?  Then
+ * *on is what it becomes, for none the other of what it was. */
+static bool
+take_switch(const char *word, const char *name, bool *on)
+{
+    size_t n = strlen(name);
+
+    if (strncmp(word, name, n) != 0 || (word[n] && word[n + 1]) ||
+        !strchr("+-10", word[n]))
+        return false;
+    *on = word[n] ? strchr("+1", word[n]) != NULL : !*on;
+    return true;
+}
+
 /* -w, -w+, -w-: warnings, which are on. */
 static int
 take_warnings(struct cursor *c)
 {
-    const char *word = c->w->list[c->at];
+    bool on = !c->o->quiet;
 
-    if (strncmp(word, "-w", 2) != 0 || (word[2] && word[3]) ||
-        !strchr("+-10", word[2]))
+    if (!take_switch(c->w->list[c->at], "-w", &on))
         return 0;
-    c->o->quiet = word[2] ? strchr("-0", word[2]) != NULL : !c->o->quiet;
+    c->o->quiet = !on;
     return 1;
 }
 
@@ -78,13 +91,11 @@ take_warnings(struct cursor *c)
 static int
 take_spectral(struct cursor *c)
 {
-    const char *word = c->w->list[c->at];
+    bool on = c->o->spectral == 1;
 
-    if (strncmp(word, "-co", 3) != 0 || (word[3] && word[4]) ||
-        !strchr("+-10", word[3]))
+    if (!take_switch(c->w->list[c->at], "-co", &on))
         return 0;
-    c->o->spectral =
-        word[3] ? strchr("+1", word[3]) != NULL : c->o->spectral != 1;
+    c->o->spectral = on;
     return 1;
 }
 

@@ -49,7 +49,7 @@ drop_records(struct passes *s)
 {
     for (uint32_t i = 0; s->closed && i < s->n; i++)
         free(s->closed[i].records);
-    s->bytes = s->closed_bytes = 0;
+    s->bytes = 0;
 }
 
 void
@@ -108,7 +108,7 @@ take_up(struct coord *c, struct job *job)
             k->n = (uint32_t)(p->len / AMBSHARE_BYTES);
             if (k->records)
                 k->sum = rowsum_hash(k->records, p->len);
-            s->bytes = s->closed_bytes += p->len;
+            s->bytes += p->len;
             p->bytes = NULL;
         }
         k->counts = p->counts;
@@ -429,7 +429,6 @@ close_pass(struct coord *c, struct job *job)
                 job->hex, passes_number(s), s->plan[s->open].level,
                 s->plan[s->open].step, s->plan[s->open].tiles, k->n);
     kept_note_time(&job->cache, c->now_ms);
-    s->closed_bytes += walks ? 0 : (size_t)k->n * AMBSHARE_BYTES;
     tiles_close(s, s->open++);
     open_frames(job);
     if (!open_passes(s))
@@ -588,7 +587,7 @@ passes_came(struct coord *c, struct job *job, uint8_t *records, size_t n,
     job->cache.reused = s->closed[0].n;
     if (s->open == 0) {
         s->open = s->opened = 1;
-        s->bytes = s->closed_bytes = n;
+        s->bytes = n;
         if (!open_passes(s))
             c->actions.failed = true;
         if (job->spec.flags & MSG_JOB_RECORDS)

@@ -58,8 +58,7 @@ struct passes {
     bool asked;                 /* which was asked for them */
     struct closed *closed;      /* as many */
     uint32_t done;              /* frames before are done */
-    size_t bytes;               /* of all records that are here, */
-    size_t closed_bytes;        /* and of those of passes that are closed */
+    size_t bytes;               /* of all records that are here */
     struct rad_pass_size *size; /* of the frames */
     struct dearest *dearest;
     struct sheet sheet[MSG_OPEN_PASSES]; /* of open passes, by number */
