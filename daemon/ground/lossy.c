@@ -34,6 +34,7 @@ lossy_release(struct lossy *q)
 
     while ((f = pop(q)) != NULL)
         free(f);
+    lossy_init(q);
 }
 
 void

@@ -28,6 +28,7 @@ struct lossy {
 };
 
 void lossy_init(struct lossy *q);
+/* What waits is gone, and the queue as it was at first. */
 void lossy_release(struct lossy *q);
 
 /* Queue a copy; a frame that there is no memory for counts as dropped. */

@@ -192,10 +192,8 @@ static void
 broke(struct worker *w, struct wjob *job, struct wpeer *p)
 {
     p->conn = 0;
-    if (p->state == PEER_LINKED) { /* what was under way is lost */
-        lossy_release(&p->queue);
-        lossy_init(&p->queue);
-    }
+    if (p->state == PEER_LINKED)
+        lossy_release(&p->queue); /* what was under way is lost */
     if (!(p->flags & MSG_PEER_DIAL)) {
         p->state = PEER_EXPECTED;
         p->since_ms = w->now_ms;

@@ -143,7 +143,6 @@ wjob_kill_child(struct worker *w, struct wjob *job)
     actions_add(&w->actions, ACT_KILL, job->child);
     job->child = 0;
     lossy_release(&job->to_child);
-    lossy_init(&job->to_child);
 }
 
 /* Note the properties of the pictures that a worker needs. */
