@@ -179,8 +179,9 @@ sound(double x)
 }
 
 /* Parts of an octave by which squares of errors fall with a rung, as they do in
- * five scenes on average; the cache's by 2 to 4 in single ones, which stages
- * that are so many rungs apart tell.  Noise up to that rung. */
+ * five scenes on average; the cache's by 2 to 4 in single ones, and some of
+ * pixels' not at all, edges and gloss that few of them show: that stages tell
+ * which are so many rungs apart.  Noise up to that rung. */
 enum {
     AMBIENT_FALL = 3,
     APART = 3,
@@ -189,10 +190,6 @@ enum {
     NOISE_RUNGS = 8
 };
 
-/* Pixels' errors of stages that are so many rungs apart tell what does not
- * fall: edges and gloss that few pixels show. */
-enum { PIXELS_APART = 3 };
-
 /* ... by which rays grow, those of a check and those of pictures. */
 enum { CHECK_GROWTH = 2, PICTURE_GROWTH = 2 };
 
@@ -200,7 +197,8 @@ enum { CHECK_GROWTH = 2, PICTURE_GROWTH = 2 };
 struct outlook {
     const struct rad_refine_ask *ask;
     double ambient, pixel, noise; /* squares; noise: no more than pixel */
-    double stuck;                 /* of pixel, what no rungs take away */
+    double stuck;                 /* of pixel, what no rungs take away, */
+    double moves;                 /* and the rest as a part of it */
     int fall;                     /* of .ambient with a rung */
     double walk, made;            /* rays of passes: see WALKED, and the rest */
     double check, picture;        /* rays */
@@ -252,8 +250,7 @@ observed_stuck(const struct rad_refine_ask *ask, double pixel)
     const struct rad_refine_past *past = &ask->past;
     double left;
 
-    if (ask->rungs.pixel < past->rungs.pixel + PIXELS_APART ||
-        !(past->pixel > 0))
+    if (ask->rungs.pixel < past->rungs.pixel + APART || !(past->pixel > 0))
         return 0;
     left = pixels_left(past->pixel, past->noise, past->rungs.pixel,
                        ask->rungs.pixel) /
@@ -278,6 +275,7 @@ look_out(const struct rad_refine_ask *ask)
 
     o.walk = fmin(WALKED * (double)ask->pixels, (1 - LEAST_MADE) * cache);
     o.made = cache - o.walk;
+    o.moves = o.pixel > 0 ? 1 - o.stuck / o.pixel : 0;
     if (ask->sums.shown >= 1)
         o.picture =
             sound(ask->sums.rays / ask->sums.shown) * (double)ask->pixels;
@@ -289,19 +287,15 @@ look_out(const struct rad_refine_ask *ask)
 static double
 foresee_pixels(const struct outlook *o, int pixel)
 {
-    double moves = o->pixel > 0 ? 1 - o->stuck / o->pixel : 0;
-
-    return o->stuck +
-           moves * pixels_left(o->pixel, o->noise, o->ask->rungs.pixel, pixel);
+    return o->stuck + o->moves * pixels_left(o->pixel, o->noise,
+                                             o->ask->rungs.pixel, pixel);
 }
 
 /* The least that any rungs leave of them. */
 static double
 pixels_floor(const struct outlook *o)
 {
-    double moves = o->pixel > 0 ? 1 - o->stuck / o->pixel : 0;
-
-    return o->stuck + moves * o->noise * noise_left(NOISE_RUNGS) /
+    return o->stuck + o->moves * o->noise * noise_left(NOISE_RUNGS) /
                           noise_left(o->ask->rungs.pixel);
 }
 
