@@ -41,7 +41,6 @@ ambshare_pack(struct wire_out *out, const struct rad_ambrec *rec)
     put_floats(out, rec->glint.p, 3);
     wire_put_f32(out, rec->glint.lum);
     wire_put_u32(out, rec->corral);
-    wire_put_u32(out, rec->fence);
     wire_put_f32(out, rec->weight);
     wire_put_u16(out, rec->level);
 }
@@ -100,7 +99,6 @@ ambshare_unpack(struct wire_in *in, struct rad_ambrec *rec)
     get_floats(in, rec->glint.p, 3);
     rec->glint.lum = wire_get_f32(in);
     rec->corral = wire_get_u32(in);
-    rec->fence = wire_get_u32(in);
     rec->weight = wire_get_f32(in);
     rec->level = wire_get_u16(in);
     return !in->bad && ambshare_sound(rec);

@@ -2,7 +2,7 @@
  *
  * AMBSHARE_BYTES each, big-endian, the fields of struct rad_ambrec in order:
  * three doubles (p), then floats n[3] u[3] radius[2] E[3] gpos[2] gdir[2] var
- * and the glint's p[3] and lum, u32 corral, u32 fence, float weight, u16 level.
+ * and the glint's p[3] and lum, u32 corral, float weight, u16 level.
  * radd and the coordinator never look inside.
  * Thread: any. */
 #ifndef RADD_DAEMON_AMBSHARE_H
@@ -11,7 +11,7 @@
 #include "light/indirect/ambient.h"
 #include "proto/wire.h"
 
-#define AMBSHARE_BYTES (3 * 8 + 20 * 4 + 4 + 4 + 4 + 2)
+#define AMBSHARE_BYTES (3 * 8 + 20 * 4 + 4 + 4 + 2)
 
 /* Append a record to out; out->bad when it does not fit. */
 void ambshare_pack(struct wire_out *out, const struct rad_ambrec *rec);

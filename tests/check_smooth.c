@@ -14,7 +14,7 @@
 enum { SIDE = 40, N = SIDE * SIDE };
 
 /* Places on the unit square, a 40th apart, whose E is about linear within
- * .06: a fence reaches .3. */
+ * .06: neighbours are up to .3 off. */
 #define REACH .06f
 #define NOISE .1
 
@@ -75,12 +75,22 @@ place_of(const void *arg, uint32_t i, struct rad_smooth_place *to)
     *to = at[i];
 }
 
+static bool has_wall; /* at x = .5 */
+
+static bool
+are_parted(const void *arg, const struct rad_smooth_place *a,
+           const struct rad_smooth_place *b)
+{
+    (void)arg;
+    return has_wall && (a->p[0] < .5) != (b->p[0] < .5);
+}
+
 /* Of the first n places. */
 static struct rad_smooth *
 smooth_of(uint32_t n)
 {
-    struct rad_smooth *s = rad_smooth_new(
-        &(struct rad_smooth_source){ place, n, point_of, place_of });
+    struct rad_smooth *s = rad_smooth_new(&(struct rad_smooth_source){
+        place, n, point_of, place_of, are_parted });
 
     ck_assert_ptr_nonnull(s);
     return s;
@@ -205,28 +215,6 @@ START_TEST(what_has_no_noise_stays)
 }
 END_TEST
 
-/* What stands within .3, .15 and .075 of a place across a wall at x = .5 that
- * is `wide' along y, as a hemisphere would find it. */
-static void
-put_fence(struct rad_smooth_place *at)
-{
-    double d = .5 - at->p[0];
-
-    for (int halved = 0; halved < 3; halved++) {
-        double far = ldexp(RAD_SMOOTH_REACH * (double)REACH, -halved);
-
-        for (int k = 0; k < 16; k++)
-            for (int i = 0; i <= 8; i++) {
-                double c = cos((k + i / 8.) * M_PI / 8);
-
-                if (c * d > 0 && d / c < far) {
-                    at->fence += UINT32_C(1) << 2 * k;
-                    break;
-                }
-            }
-    }
-}
-
 static bool
 is_lit(const struct rad_smooth_place *at)
 {
@@ -238,12 +226,12 @@ START_TEST(nothing_leaks_through_a_wall)
     struct off raw, less;
 
     lay_out(walled, NOISE);
-    for (int i = 0; i < N; i++) {
-        put_fence(&place[i]);
+    for (int i = 0; i < N; i++)
         if (!is_lit(&place[i])) /* dark, as far as samples tell */
             set_light(&place[i], _i * 1e-3, NOISE, (uint32_t)i);
-    }
+    has_wall = true;
     smooth();
+    has_wall = false;
     raw = off_by(walled, false, is_lit);
     less = off_by(walled, true, is_lit);
     ck_assert_double_lt(less.rms, .45 * raw.rms);
@@ -252,6 +240,43 @@ START_TEST(nothing_leaks_through_a_wall)
         if (!is_lit(&place[i]))
             ck_assert_msg(value[i].E[1] <= 1.2e-3f * (float)_i, "%g at %g",
                           (double)value[i].E[1], place[i].p[0]);
+}
+END_TEST
+
+/* A place that the others do not know: as little noise, and they stay as they
+ * are. */
+START_TEST(a_place_beside_is_as_good)
+{
+    struct rad_smooth_value v;
+    double raw = 0, less = 0, mean = 0;
+    struct rad_smooth *s;
+
+    lay_out(bowl, NOISE);
+    smooth();
+    s = smooth_of(N);
+    for (uint32_t i = 0; i < N; i++) {
+        struct rad_smooth_place at;
+        double E, d;
+
+        set_place(&at, N + i, bowl, NOISE);
+        at.p[1] -= 1; /* within the square again */
+        E = bowl(at.p, at.n);
+        set_light(&at, E, NOISE, N + i);
+        rad_smooth_beside(s, &at, &v);
+        d = (double)v.E[1] / E - 1;
+        less += d * d / N;
+        mean += d / N;
+        d = (double)at.E[1] / E - 1;
+        raw += d * d / N;
+        ck_assert(v.var > 0 && v.var < NOISE * NOISE);
+    }
+    ck_assert_double_lt(sqrt(less), .35 * sqrt(raw));
+    ck_assert_double_lt(fabs(mean), .004);
+    for (uint32_t i = 0; i < N; i++) {
+        rad_smooth_at(s, i, &v);
+        ck_assert(memcmp(&v, &value[i], sizeof v) == 0);
+    }
+    rad_smooth_free(s);
 }
 END_TEST
 
@@ -478,8 +503,11 @@ START_TEST(few_places_are_left_alone)
     rad_smooth_free(s);
     lay_out(plane, NOISE);
     s = smooth_of(3);
-    for (uint32_t i = 0; i < 3; i++) {
-        rad_smooth_at(s, i, &value[i]);
+    for (uint32_t i = 0; i < 4; i++) {
+        if (i < 3)
+            rad_smooth_at(s, i, &value[i]);
+        else
+            rad_smooth_beside(s, &place[i], &value[i]);
         ck_assert(memcmp(value[i].E, place[i].E, sizeof place[i].E) == 0);
     }
     rad_smooth_free(s);
@@ -496,6 +524,7 @@ main(void)
     tcase_add_test(t, slopes_are_the_fields);
     tcase_add_test(t, what_has_no_noise_stays);
     tcase_add_loop_test(t, nothing_leaks_through_a_wall, 0, 2);
+    tcase_add_test(t, a_place_beside_is_as_good);
     tcase_add_test(t, faces_at_an_edge_are_apart);
     tcase_add_test(t, sides_of_a_sheet_are_apart);
     tcase_add_test(t, round_surfaces_are_one);

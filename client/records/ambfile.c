@@ -13,7 +13,7 @@
 #include <string.h>
 #include <unistd.h>
 
-#define OUR_FORMAT     "radd_ambient_2"
+#define OUR_FORMAT     "radd_ambient_3"
 #define RADIANCE       "Radiance_ambval"
 #define RADIANCE_MAGIC 0x0231
 #define RADIANCE_BYTES 67

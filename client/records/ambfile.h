@@ -7,7 +7,7 @@
  *     SOFTWARE=radd 0.1
  *     SCENE=<64 hex digits>          of the scene and the files it needs
  *     OPTIONS=<rendering options>    those on which records depend
- *     FORMAT=radd_ambient_2
+ *     FORMAT=radd_ambient_3
  *
  * and then records as they travel between workers (ambshare.h), to the end of
  * the file.  FORMAT=Radiance_ambval is Radiance 6's own, with three channels:

@@ -44,7 +44,7 @@ job()
 # records FILE: of one of -af
 records()
 {
-    LC_ALL=C sed '1,/^$/d' "$work/$1" | wc -c | awk '{ print $1 / 118 }'
+    LC_ALL=C sed '1,/^$/d' "$work/$1" | wc -c | awk '{ print $1 / 114 }'
 }
 
 same_as_second()

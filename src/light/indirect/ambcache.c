@@ -338,7 +338,6 @@ rad_ambitem_set(struct rad_ambitem *item, const struct rad_ambrec *rec)
     memcpy(item->gdir, rec->gdir, sizeof item->gdir);
     item->var = rec->var;
     item->corral = rec->corral;
-    item->fence = rec->fence;
 }
 
 void
@@ -357,7 +356,6 @@ rad_ambitem_get(const struct rad_ambitem *item, const struct rad_glint *glint,
     memcpy(rec->gdir, item->gdir, sizeof rec->gdir);
     rec->var = item->var;
     rec->corral = item->corral;
-    rec->fence = item->fence;
     if (glint)
         rec->glint = *glint;
 }

@@ -32,7 +32,7 @@ struct rad_ambitem {
     uint16_t level;
     struct rad_rgb E;
     float gpos[2], gdir[2], var;
-    uint32_t corral, fence;
+    uint32_t corral;
 };
 
 void rad_ambitem_set(struct rad_ambitem *item, const struct rad_ambrec *rec);

@@ -252,8 +252,9 @@ rad_ambient_view(const struct rad_ambient *amb, uint32_t behind)
 bool
 rad_ambient_smooth(struct rad_ambient *amb)
 {
-    return !amb->frozen || rad_ambsmooth_make(&amb->smooth, &amb->scale,
-                                              amb->read.item, amb->read.n);
+    return !amb->frozen ||
+           rad_ambsmooth_make(&amb->smooth, amb->job->geom, &amb->scale,
+                              amb->read.item, amb->read.n);
 }
 
 size_t

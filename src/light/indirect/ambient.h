@@ -39,7 +39,6 @@ struct rad_ambrec {
                        * samples' noise; RAD_AMBREC_UNSURE: not known */
     struct rad_glint glint;
     uint32_t corral; /* directions blocked near by (leak plug) */
-    uint32_t fence;  /* the same farther off (struct rad_smooth_place) */
 };
 
 /* Thread: one thread makes and frees it; any number may find and insert. */

@@ -49,11 +49,42 @@ record_weight(const struct rad_ambplace *at)
     return (float)(at->weight < .1 * usual ? LIGHT * usual : usual);
 }
 
+/* Is a record made for what one pixel shows of a frozen cache? */
+static bool
+is_alone(const struct rad_ctx *ctx)
+{
+    return ctx->job->ambient->frozen && !ctx->fresh && !ctx->tile;
+}
+
+/* E of a record at its own place, whose normal textures tilt to at->pn, and
+ * *off, as irradiance() has it. */
+static struct rad_rgb
+own_light(const struct rad_ctx *ctx, const struct rad_ambrec *rec,
+          const struct rad_ambplace *at, double *off)
+{
+    float pn[3] = { (float)at->pn[0], (float)at->pn[1], (float)at->pn[2] };
+    struct rad_rgb E = rec->E;
+    struct rad_smooth_value v;
+    struct rad_ambitem item;
+    float across[3], factor;
+
+    rad_ambitem_set(&item, rec);
+    rad_ambitem_across(&item, across);
+    if (at->level == 0 && is_alone(ctx) &&
+        rad_ambsmooth_beside(&ctx->job->ambient->smooth, &item, &v)) {
+        E = rad_rgb(v.E[0], v.E[1], v.E[2]);
+        *off = (double)v.var;
+    }
+    rad_ambient_extrapolate(&item, across, rec->gpos, 0, 0, pn, &factor);
+    return rad_rgb_scale(E, factor);
+}
+
 /* Sample the hemisphere at a place and keep the result if it is fit to be
  * kept.  False: no light could be traced. */
 static bool
 make_record(struct rad_ctx *ctx, const struct rad_ray *r,
-            const struct rad_ambplace *at, bool behind, struct rad_rgb *E)
+            const struct rad_ambplace *at, bool behind, struct rad_rgb *E,
+            double *off)
 {
     struct rad_ambient *amb = ctx->job->ambient;
     struct rad_ambrec rec = { .level = (uint16_t)at->level };
@@ -67,9 +98,8 @@ make_record(struct rad_ctx *ctx, const struct rad_ray *r,
         return false;
     rec.weight = record_weight(at);
     plan.weight = rad_ambrec_worth(&rec);
-    if (amb->frozen && !ctx->fresh &&
-        (!ctx->tile || (at->level > ctx->tile->level &&
-                        ctx->counts.ambient_rays >= ctx->tile->most)))
+    if (is_alone(ctx) || (ctx->tile && at->level > ctx->tile->level &&
+                          ctx->counts.ambient_rays >= ctx->tile->most))
         plan.weight *= ALONE_SHARE;
     if (ctx->glance)
         plan.weight *= GLANCE_SHARE;
@@ -85,11 +115,6 @@ make_record(struct rad_ctx *ctx, const struct rad_ray *r,
         *E = h.E;
     /* what a NaN has touched on the way, now black, is not kept */
     if (ok && h.complete && ctx->counts.unsound_rays == unsound) {
-        float pn[3] = { (float)at->pn[0], (float)at->pn[1], (float)at->pn[2] };
-        struct rad_ambitem item;
-        float across[3];
-        float factor;
-
         rad_copy(rec.p, at->p);
         for (int k = 0; k < 3; k++)
             rec.n[k] = (float)at->n[k];
@@ -99,10 +124,7 @@ make_record(struct rad_ctx *ctx, const struct rad_ray *r,
         rad_ambrec_shape(&amb->scale, &h, &rec);
         if (!ctx->aside && rad_ambient_keep(ctx, &rec))
             ctx->counts.ambient_values++;
-        rad_ambitem_set(&item, &rec);
-        rad_ambitem_across(&item, across);
-        rad_ambient_extrapolate(&item, across, rec.gpos, 0, 0, pn, &factor);
-        *E = rad_rgb_scale(*E, factor);
+        *E = own_light(ctx, &rec, at, off);
     }
     rad_arena_rewind(&ctx->scratch, mark);
     return ok;
@@ -244,7 +266,7 @@ irradiance(struct rad_ctx *ctx, const struct rad_ray *r,
     asker.fresh = ctx->fresh && at->level == 0;
     rad_ambient_ask(ctx->job->ambient, at, &asker, &said);
     if (!serves(&said, due) && !(ctx->glance && said.weight > LEAST_FAR_WEIGHT))
-        return make_record(ctx, r, at, behind, E);
+        return make_record(ctx, r, at, behind, E, off);
     if (asker.only)
         return false;
     *E = said.E;

@@ -78,6 +78,21 @@ is_walled_off(const struct rad_ambient *amb, const struct rad_ambplace *at,
     return rad_geom_occluded(amb->job->geom, &span, RAD_VOID, NULL, counts);
 }
 
+/* Which of 32 parts of a turn from u toward v the direction (u, v) is in. */
+static inline unsigned
+part_of_turn(float u, float v)
+{
+    /* tangents of one, two and three parts */
+    const float one = .198912367f, two = .414213562f, three = .668178638f;
+    float x = fabsf(u), y = fabsf(v), lo = x < y ? x : y, hi = x < y ? y : x;
+    unsigned part = (unsigned)(lo > one * hi) + (unsigned)(lo > two * hi) +
+                    (unsigned)(lo > three * hi);
+
+    part = x < y ? 7 - part : part;
+    part = u < 0 ? 15 - part : part;
+    return v < 0 ? 31 - part : part;
+}
+
 struct search {
     const struct rad_ambient *amb;
     const struct rad_ambplace *at;
@@ -165,7 +180,7 @@ add_record(struct search *s, const struct rad_ambitem *it)
     hear(s, it, &says);
     if (!rad_ambient_extrapolate(it, across, says.gpos, u, v, s->pn, &factor))
         return;
-    if (it->corral && it->corral >> rad_part_of_turn(u, v) & 1) {
+    if (it->corral && it->corral >> part_of_turn(u, v) & 1) {
         if (s->spares && s->nput_off < MOST_PUT_OFF) {
             s->put_off[s->nput_off++] = it;
             return;

@@ -3,7 +3,6 @@
 
 #include "light/indirect/ambshape.h"
 #include "light/hemisphere/gradient.h"
-#include "light/smooth/smooth.h"
 #include "arith/elementary.h"
 #include "base/vec.h"
 
@@ -167,22 +166,6 @@ find_corral(const struct rad_hemi *h, const double axis[2], const double r[2],
     return bins;
 }
 
-/* The fence of a place from which neighbours may be `far' off. */
-static uint32_t
-find_fence(const struct rad_hemi *h, const double axis[2], double far)
-{
-    uint32_t fence = 0;
-
-    for (int halved = 0; halved < 3; halved++, far /= 2) {
-        const double r[2] = { far, far };
-        uint32_t bins = find_corral(h, axis, r, 0);
-
-        for (int k = 0; k < 32; k += 2)
-            fence += (uint32_t)((bins >> k & 3) != 0) << k;
-    }
-    return fence;
-}
-
 /* Harmonic mean distance of what is seen (Ward et al. 1988). */
 static double
 mean_distance(const struct rad_hemi *h)
@@ -234,6 +217,4 @@ rad_ambrec_shape(const struct rad_ambscale *scale, const struct rad_hemi *h,
     double zone[2] = { r[0] * reach, r[1] * reach };
 
     rec->corral = find_corral(h, vec, zone, r[0] * aa);
-    rec->fence = find_fence(
-        h, vec, RAD_SMOOTH_REACH * rad_ambscale_linear(scale, rec->radius));
 }

@@ -3,6 +3,7 @@
 
 #include "light/indirect/ambsmooth.h"
 #include "base/vec.h"
+#include "geom/geom.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -22,6 +23,11 @@ item_of(const struct rad_ambsmooth *s, uint32_t place)
     return &s->item[s->shown[place]];
 }
 
+/* Whether something stands between two places is looked at so far above them,
+ * over how far apart they are: over what is small and hides little of what the
+ * two see. */
+#define LIFT .05
+
 /* Of struct rad_smooth_source. */
 static const double *
 point(const void *arg, uint32_t i)
@@ -30,11 +36,9 @@ point(const void *arg, uint32_t i)
 }
 
 static void
-place(const void *arg, uint32_t i, struct rad_smooth_place *p)
+set_place(const struct rad_ambsmooth *s, const struct rad_ambitem *it,
+          struct rad_smooth_place *p)
 {
-    const struct rad_ambsmooth *s = arg;
-    const struct rad_ambitem *it = item_of(s, i);
-
     rad_copy(p->p, it->p);
     memcpy(p->n, it->n, sizeof p->n);
     memcpy(p->u, it->u, sizeof p->u);
@@ -47,20 +51,49 @@ place(const void *arg, uint32_t i, struct rad_smooth_place *p)
     p->var = it->var;
     p->reach = (float)rad_ambscale_linear(s->scale, it->radius);
     p->bend = (float)rad_ambscale_bend(s->scale, it->radius);
-    p->fence = it->fence;
+}
+
+static void
+place(const void *arg, uint32_t i, struct rad_smooth_place *p)
+{
+    set_place(arg, item_of(arg, i), p);
+}
+
+/* Whatever it is, it is lit otherwise.  These rays are in no statistics: each
+ * worker makes the values that its part of the picture shows. */
+static bool
+are_parted(const void *arg, const struct rad_smooth_place *a,
+           const struct rad_smooth_place *b)
+{
+    const struct rad_ambsmooth *s = arg;
+    struct rad_span span = { .tmin = 0 };
+    struct rad_geom_counts counts = { 0, 0 };
+    struct rad_hit hit;
+    double lift;
+
+    rad_sub(span.dir, b->p, a->p);
+    lift = LIFT * sqrt(rad_dot(span.dir, span.dir));
+    for (int k = 0; k < 3; k++) {
+        span.org[k] = a->p[k] + lift * (double)a->n[k];
+        span.dir[k] += lift * (double)(b->n[k] - a->n[k]);
+    }
+    span.tmax = rad_normalize(span.dir);
+    return rad_geom_nearest(s->geom, &span, &hit, &counts);
 }
 
 bool
-rad_ambsmooth_make(struct rad_ambsmooth *s, const struct rad_ambscale *scale,
+rad_ambsmooth_make(struct rad_ambsmooth *s, const struct rad_geom *geom,
+                   const struct rad_ambscale *scale,
                    const struct rad_ambitem *item, size_t n)
 {
-    struct rad_smooth_source source = { .arg = s,
-                                        .point = point,
-                                        .place = place };
+    struct rad_smooth_source source = {
+        .arg = s, .point = point, .place = place, .are_parted = are_parted
+    };
 
     rad_ambsmooth_release(s);
     for (size_t i = 0; i < n; i++)
         source.n += item[i].level == 0;
+    s->geom = geom;
     s->item = item;
     s->scale = scale;
     s->place = malloc((n + 1) * sizeof *s->place);
@@ -81,6 +114,19 @@ rad_ambsmooth_make(struct rad_ambsmooth *s, const struct rad_ambscale *scale,
     else
         rad_ambsmooth_release(s);
     return s->smooth != NULL;
+}
+
+bool
+rad_ambsmooth_beside(const struct rad_ambsmooth *s,
+                     const struct rad_ambitem *item, struct rad_smooth_value *v)
+{
+    struct rad_smooth_place at;
+
+    if (!s->smooth)
+        return false;
+    set_place(s, item, &at);
+    rad_smooth_beside(s->smooth, &at, v);
+    return true;
 }
 
 size_t

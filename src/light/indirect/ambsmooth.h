@@ -17,14 +17,15 @@ struct rad_ambsmooth {
     size_t n;
     uint32_t *shown; /* the record of each place, nshown of them */
     size_t nshown;
+    const struct rad_geom *geom;
     const struct rad_ambitem *item;
     const struct rad_ambscale *scale;
 };
 
-/* Of item[], n records, in the place of what there was.  It is asked no more
- * when item[] changes or *scale is gone, until it is made again.  False: out of
- * memory; then there is none. */
-bool rad_ambsmooth_make(struct rad_ambsmooth *s,
+/* Of item[], n records on what is in *geom, in the place of what there was.  It
+ * is asked no more when item[] changes or one of the others is gone, until it
+ * is made again.  False: out of memory; then there is none. */
+bool rad_ambsmooth_make(struct rad_ambsmooth *s, const struct rad_geom *geom,
                         const struct rad_ambscale *scale,
                         const struct rad_ambitem *item, size_t n);
 void rad_ambsmooth_release(struct rad_ambsmooth *s);
@@ -42,5 +43,11 @@ rad_ambsmooth_at(const struct rad_ambsmooth *s, size_t i,
     rad_smooth_at(s->smooth, s->place[i], v);
     return true;
 }
+
+/* A record that is not one of them and that one pixel shows; false: there is
+ * nothing to smooth it with. */
+bool rad_ambsmooth_beside(const struct rad_ambsmooth *s,
+                          const struct rad_ambitem *item,
+                          struct rad_smooth_value *v);
 
 #endif

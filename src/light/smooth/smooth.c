@@ -26,6 +26,9 @@
 #include <stdatomic.h>
 #include <stdlib.h>
 
+/* Neighbours are at most so many times a place's `reach' off. */
+#define REACH 4
+
 #define MOST_NEAR 160 /* neighbours; if there are more, they are nearer */
 #define NEARER    .7
 #define NEAREST   1e-9 /* of the reach; who has more of them there has none */
@@ -218,31 +221,21 @@ luminance(const float E[3])
     return rad_rgb_lum(rad_rgb(E[0], E[1], E[2]));
 }
 
-/* Does something stand between a place and what is at d from it? */
+/* Are the place that is asked for and b, d from it, on a surface? */
 static bool
-is_fenced(const struct rad_smooth_place *at, const double d[3], double d2)
+are_neighbours(const struct search *k, const struct rad_smooth_place *b,
+               const double d[3], double d2)
 {
-    unsigned part = rad_part_of_turn((float)dot_mixed(d, at->u),
-                                     (float)dot_mixed(d, at->v));
-    uint32_t halved = at->fence >> (part & ~1u) & 3;
-    double open = RAD_SMOOTH_REACH * (double)at->reach;
-
-    if (halved == 3)
-        return true;
-    open /= (double)(1u << halved);
-    return d2 > open * open;
-}
-
-static bool
-are_neighbours(const struct rad_smooth_place *a,
-               const struct rad_smooth_place *b, const double d[3], double d2)
-{
-    const double back[3] = { -d[0], -d[1], -d[2] };
+    const struct rad_smooth_place *a = &k->of;
+    const struct rad_smooth_source *of = &k->s->of;
     double off = dot_mixed(d, a->n) + dot_mixed(d, b->n);
 
-    return dot_floats(a->n, b->n) >= LEAST_COSINE &&
-           off * off <= OFF_PLANE * OFF_PLANE * d2 && !is_fenced(a, d, d2) &&
-           !is_fenced(b, back, d2);
+    if (!(dot_floats(a->n, b->n) >= LEAST_COSINE))
+        return false;
+    if (d2 <= ROUNDING * ROUNDING * k->far * k->far)
+        return true;
+    return off * off <= OFF_PLANE * OFF_PLANE * d2 &&
+           !of->are_parted(of->arg, a, b);
 }
 
 /* The factor by which E changes from b's normal to a's. */
@@ -283,10 +276,7 @@ try_place(struct search *k, uint32_t number, const double p[3])
     if (!(d2 < k->far * k->far) || number == k->number)
         return;
     k->s->of.place(k->s->of.arg, number, &at);
-    if (at.var < 0 ||
-        (d2 > ROUNDING * ROUNDING * k->far * k->far &&
-         !are_neighbours(&k->of, &at, d, d2)) ||
-        dot_floats(k->of.n, at.n) < LEAST_COSINE)
+    if (at.var < 0 || !are_neighbours(k, &at, d, d2))
         return;
     if (k->n < MOST_NEAR)
         add_sample(k, &at, d, d2);
@@ -318,7 +308,7 @@ static void
 find_neighbours(struct search *k)
 {
     static const double here[3] = { 0, 0, 0 };
-    const double most = RAD_SMOOTH_REACH * (double)k->of.reach;
+    const double most = REACH * (double)k->of.reach;
 
     k->far = most;
     do {
@@ -439,24 +429,20 @@ keep_own(const struct rad_smooth_place *at, double cut,
     v->var = at->var;
 }
 
+/* The value at k->of, which is number k->number. */
 static void
-make_value(const struct rad_smooth *s, uint32_t i, struct rad_smooth_value *v)
+make_value(struct search *k, struct rad_smooth_value *v)
 {
-    struct search k; /* not set as a whole, most of it need not be */
     struct rad_quadric q;
-    double lum;
+    double lum = luminance(k->of.E);
 
-    s->of.place(s->of.arg, i, &k.of);
-    lum = luminance(k.of.E);
-    keep_own(&k.of, 1, v);
-    if (k.of.var < 0 || (lum > 0 && !(k.of.var > 0)))
+    keep_own(&k->of, 1, v);
+    if (k->of.var < 0 || (lum > 0 && !(k->of.var > 0)))
         return;
-    k.s = s;
-    k.number = i;
-    find_neighbours(&k);
-    cut_ruled(&k);
-    if (!find_best(&k, &q) || !(q.noise > 0) || !set_value(&k, &q, v))
-        keep_own(&k.of, lum > 0 ? k.near[0].lum / lum : 1, v);
+    find_neighbours(k);
+    cut_ruled(k);
+    if (!find_best(k, &q) || !(q.noise > 0) || !set_value(k, &q, v))
+        keep_own(&k->of, lum > 0 ? k->near[0].lum / lum : 1, v);
 }
 
 void
@@ -464,12 +450,16 @@ rad_smooth_at(struct rad_smooth *s, uint32_t i, struct rad_smooth_value *v)
 {
     /* acquire: pairs with the release below, for `value' */
     uint8_t state = atomic_load_explicit(&s->state[i], memory_order_acquire);
+    struct search k; /* not set as a whole, most of it need not be */
 
     if (state == DONE) {
         *v = s->value[i];
         return;
     }
-    make_value(s, i, v);
+    k.s = s;
+    k.number = i;
+    s->of.place(s->of.arg, i, &k.of);
+    make_value(&k, v);
     /* relaxed: who finds it busy leaves it alone */
     if (state == WAITING && atomic_compare_exchange_strong_explicit(
                                 &s->state[i], &state, BUSY,
@@ -477,4 +467,16 @@ rad_smooth_at(struct rad_smooth *s, uint32_t i, struct rad_smooth_value *v)
         s->value[i] = *v;
         atomic_store_explicit(&s->state[i], DONE, memory_order_release);
     }
+}
+
+void
+rad_smooth_beside(const struct rad_smooth *s, const struct rad_smooth_place *at,
+                  struct rad_smooth_value *v)
+{
+    struct search k; /* not set as a whole */
+
+    k.s = s;
+    k.number = MANY;
+    k.of = *at;
+    make_value(&k, v);
 }
