@@ -176,6 +176,8 @@ insert(struct rad_ambient *amb, const struct rad_ambrec *rec, bool local)
     if (!(amb->frozen ? rad_ambread_add(&amb->read, rec)
                       : rad_ambcache_insert(amb->cache, rec, &zone, local)))
         return false;
+    if (amb->frozen) /* relaxed: whoever counts them reads none of them */
+        atomic_store_explicit(&amb->held, amb->read.n, memory_order_relaxed);
     count_light(amb, rec);
     return true;
 }
@@ -312,7 +314,8 @@ rad_ambient_list(const struct rad_ambient *amb, uint64_t *cursor,
 size_t
 rad_ambient_count(const struct rad_ambient *amb)
 {
-    return amb->frozen ? amb->read.n : rad_ambcache_count(amb->cache);
+    return amb->frozen ? atomic_load_explicit(&amb->held, memory_order_relaxed)
+                       : rad_ambcache_count(amb->cache);
 }
 
 bool

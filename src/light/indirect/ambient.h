@@ -129,6 +129,8 @@ size_t rad_ambient_drain(struct rad_ambient *amb, struct rad_ambrec *out,
  * Any number of walks may go on. */
 size_t rad_ambient_list(const struct rad_ambient *amb, uint64_t *cursor,
                         struct rad_ambrec *out, size_t max);
+
+/* How many there are.  Any thread may ask, while others insert, too. */
 size_t rad_ambient_count(const struct rad_ambient *amb);
 
 /* The indirect light at r's hit: coef (in: diffuse reflectance or

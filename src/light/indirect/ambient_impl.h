@@ -50,7 +50,8 @@ struct rad_ambient {
     struct rad_ambterms usual[RAD_AMBIENT_USUAL];
     _Atomic int64_t log_sum; /* [atomic] relaxed: an average may lag */
     _Atomic int64_t log_count;
-    uint64_t drained; /* [loop] log position of rad_ambient_drain */
+    _Atomic size_t held; /* [atomic] read.n, for the loop thread to tell */
+    uint64_t drained;    /* [loop] log position of rad_ambient_drain */
 };
 
 /* ambient.c: keep a sound record that the context made, in the cache, or with
