@@ -478,6 +478,7 @@ keep(struct coord *c, struct job *job, struct sheet *k, struct tile *t,
      const struct msg_tile_made *m)
 {
     struct passes *s = job->passes;
+    double took;
 
     t->records = malloc(m->len + 1);
     if (!t->records) {
@@ -490,8 +491,9 @@ keep(struct coord *c, struct job *job, struct sheet *k, struct tile *t,
     k->waiting -= t->nholders == 0; /* its worker was thought lost */
     t->made = true;
     s->bytes += m->len;
-    s->took_ms += c->now_ms - t->out_ms;
-    s->ntook++;
+    took = (double)(c->now_ms - t->out_ms);
+    s->took_ms += took;
+    s->took_ms2 += took * took;
     k->left--;
     return true;
 }

@@ -62,8 +62,8 @@ struct passes {
     struct rad_pass_size *size; /* of the frames */
     struct dearest *dearest;
     struct sheet sheet[MSG_OPEN_PASSES]; /* of open passes, by number */
-    uint64_t took_ms; /* of all that were made, from out to made */
-    uint32_t ntook;
+    double took_ms, took_ms2; /* sums, over all tiles that were made, of the
+                               * time from out to made, and of its square */
 };
 
 /* The number of the first open pass, through all stages. */

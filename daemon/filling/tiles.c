@@ -15,8 +15,12 @@
 #include <string.h>
 #include <sysexits.h>
 
+/* Tiles of a pass that wait for each thread are plenty if they are more. */
+#define PLENTY 4
+
 /* A tile goes to a second worker when it is out for so many times what tiles
- * took so far, but no sooner than that. */
+ * took so far, but no sooner than that.  Many tiles have nothing to make, so
+ * each counts by the time that it took. */
 #define LATE_TIMES 3
 #define LATE_MS    100
 
@@ -90,7 +94,7 @@ has_tile(const struct tile *t, uint32_t index)
 static bool
 is_late(const struct coord *c, const struct passes *s, const struct tile *t)
 {
-    uint64_t usual = s->ntook > 0 ? s->took_ms / s->ntook : 0;
+    uint64_t usual = s->took_ms > 0 ? (uint64_t)(s->took_ms2 / s->took_ms) : 0;
     uint64_t late = LATE_TIMES * usual;
 
     return c->now_ms - t->out_ms >= (late > LATE_MS ? late : LATE_MS);
@@ -107,12 +111,20 @@ may_have(const struct coord *c, const struct job *job, const struct tile *t,
             !desk_others_may(c, job, job->workers[index].worker, false));
 }
 
+static bool
+is_gone(const struct tile *t)
+{
+    return t->made || t->nholders > 0;
+}
+
 /* A tile that nobody has; NULL: there is none. */
 static struct tile *
 choose_new(const struct coord *c, const struct job *job, struct sheet *s,
            uint32_t index)
 {
-    for (uint32_t i = s->next; i < s->ntiles; i++) {
+    while (s->next < s->ntiles && is_gone(&s->tile[s->order[s->next]]))
+        s->next++;
+    for (uint32_t i = s->next; i < s->ntiles && s->waiting > 0; i++) {
         struct tile *t = &s->tile[s->order[i]];
 
         if (t->nholders == 0 && may_have(c, job, t, index))
@@ -174,6 +186,10 @@ tiles_out(const struct job_worker *jw)
     return n;
 }
 
+/* Has the worker room for another tile?  It has one for each thread, and while
+ * many wait some ahead, so that no thread waits for our answer.  What waits in
+ * later passes does not count: the end of this one would wait for a tile that
+ * stands behind a dear one. */
 static bool
 has_room(const struct job *job, uint32_t index)
 {
@@ -182,10 +198,10 @@ has_room(const struct job *job, uint32_t index)
     uint32_t n = jw->threads;
     uint32_t waiting = 0;
 
-    for (int i = 0; i < MSG_OPEN_PASSES; i++)
-        waiting += s->sheet[i].waiting;
+    for (uint32_t i = s->open; i < s->opened && waiting == 0; i++)
+        waiting = s->sheet[i % MSG_OPEN_PASSES].waiting;
     return jw->worker->in_flight + tiles_out(jw) <
-           (waiting <= job->speed.threads ? n : n + (n + 1) / 2);
+           (waiting <= PLENTY * job->speed.threads ? n : n + (n + 1) / 2);
 }
 
 bool
@@ -217,9 +233,6 @@ tiles_give(struct coord *c, struct job *job, uint32_t index)
     t->holder[t->nholders++] = index;
     t->out_ms = c->now_ms;
     jw->ntiles[pass % MSG_OPEN_PASSES]++;
-    while (k->next < k->ntiles && (k->tile[k->order[k->next]].nholders > 0 ||
-                                   k->tile[k->order[k->next]].made))
-        k->next++;
     if (job->first_ms == 0)
         job->first_ms = c->now_ms;
     if (job->state == JOB_WAITING)
