@@ -27,13 +27,12 @@
 /* Apart from the keys of pixels, which have a frame in this place. */
 #define BRANCH UINT64_C(0x7061737365730000)
 
+/* Ends that make the tree by which all are put in order: each worker makes it,
+ * and 8 for a leaf give much the same one as all. */
+#define TREE_ENDS (8 * RAD_PARTS_LEAVES)
+
 /* Records that are handed on at a time. */
 #define BATCH 64
-
-struct end {
-    uint32_t path;
-    double place; /* in the order of the tree */
-};
 
 /* Where a path arrives after some bounces. */
 struct bend {
@@ -55,7 +54,7 @@ struct ends {
     int level;
     uint32_t first, beyond; /* paths */
     uint32_t frame;         /* of the batch */
-    struct end *end;        /* NULL: none are known */
+    uint32_t *path;         /* of each end; NULL: none are known */
     uint32_t n;
 };
 
@@ -249,48 +248,57 @@ place_paths(const struct rad_passes *p, struct rad_ctx *ctx,
     ctx->counts = counts;
 }
 
-static int
-by_place(const void *a, const void *b)
-{
-    const struct end *x = a, *y = b;
-
-    return x->place != y->place ? (x->place < y->place ? -1 : 1)
-           : x->path < y->path  ? -1
-                                : x->path > y->path;
-}
-
 static void
-end_at(const struct rad_passes *p, const struct ends *e, uint32_t i,
+end_at(const struct rad_passes *p, const struct ends *e, uint32_t path,
        double at[3])
 {
-    const uint16_t *spot = spots_of(p, e->end[i].path)[e->level - 1].at;
+    const uint16_t *spot = spots_of(p, path)[e->level - 1].at;
 
     for (int axis = 0; axis < 3; axis++)
         at[axis] = spot[axis];
 }
 
-/* Put the ends into the order of the tree of where they are. */
+/* The tree of some of the ends, evenly chosen: enough for all its leaves. */
+static struct rad_parts *
+plant(const struct rad_passes *p, const struct ends *e)
+{
+    uint32_t apart = e->n / TREE_ENDS + 1, n = 0;
+    double(*point)[3] = malloc((size_t)e->n * sizeof *point);
+    struct rad_parts *parts;
+
+    for (uint32_t i = 0; point && i < e->n; i += apart)
+        end_at(p, e, e->path[i], point[n++]);
+    parts = point ? rad_parts_new(point, n) : NULL;
+    free(point);
+    return parts;
+}
+
+/* Put the ends into the order of the tree of where they are, and those in one
+ * leaf in the order of paths. */
 static bool
 sort_ends(const struct rad_passes *p, struct ends *e)
 {
-    double(*point)[3] = malloc((size_t)e->n * sizeof *point), at[3];
-    struct rad_parts *parts;
+    struct rad_parts *parts = plant(p, e);
+    uint32_t *sorted = malloc(e->n * sizeof *sorted);
+    uint16_t *leaf = malloc(e->n * sizeof *leaf);
+    uint32_t first[RAD_PARTS_LEAVES + 1] = { 0 }; /* of each leaf */
+    bool whole = parts && sorted && leaf;
+    double at[3];
 
-    if (!point)
-        return false;
-    for (uint32_t i = 0; i < e->n; i++)
-        end_at(p, e, i, point[i]);
-    parts = rad_parts_new(point, e->n);
-    for (uint32_t i = 0; parts && i < e->n; i++) {
-        end_at(p, e, i, at);
-        e->end[i].place = rad_parts_place(parts, at);
+    for (uint32_t i = 0; whole && i < e->n; i++) {
+        end_at(p, e, e->path[i], at);
+        leaf[i] = (uint16_t)(rad_parts_place(parts, at) * RAD_PARTS_LEAVES);
+        first[leaf[i] + 1]++;
     }
-    free(point);
-    if (!parts)
-        return false;
+    for (int i = 0; i < RAD_PARTS_LEAVES; i++)
+        first[i + 1] += first[i];
+    for (uint32_t i = 0; whole && i < e->n; i++)
+        sorted[first[leaf[i]]++] = e->path[i];
+    free(leaf);
     rad_parts_free(parts);
-    qsort(e->end, e->n, sizeof *e->end, by_place);
-    return true;
+    free(whole ? e->path : sorted);
+    e->path = whole ? sorted : e->path;
+    return whole;
 }
 
 /* Those of the pass's round, if they are known.  The next round's may be found
@@ -300,7 +308,7 @@ ends_of(const struct rad_passes *p, const struct rad_pass *pass)
 {
     const struct ends *e = &p->ends[pass->round];
 
-    return e->end && e->level == pass->level && e->first == pass->first &&
+    return e->path && e->level == pass->level && e->first == pass->first &&
                    e->beyond == pass->end && e->frame == pass->frame
                ? e
                : NULL;
@@ -314,19 +322,19 @@ find_ends(struct rad_passes *p, struct rad_ctx *ctx,
 {
     struct ends *e = &p->ends[pass->round];
 
-    free(e->end);
+    free(e->path);
     *e = (struct ends){ .level = pass->level,
                         .first = pass->first,
                         .beyond = pass->end,
                         .frame = pass->frame,
-                        .end = malloc((pass->end - pass->first) *
-                                      sizeof *e->end) };
-    if (!e->end)
+                        .path = malloc((pass->end - pass->first) *
+                                       sizeof *e->path) };
+    if (!e->path)
         return false;
     place_paths(p, ctx, pass);
     for (uint32_t i = pass->first; i < pass->end; i++)
         if (spots_of(p, i)[pass->level - 1].at[0] != RAD_PASS_NO_SPOT)
-            e->end[e->n++].path = i;
+            e->path[e->n++] = i;
     return e->n == 0 || sort_ends(p, e);
 }
 
@@ -431,7 +439,7 @@ ask_along_paths(const struct rad_passes *p, struct rad_ctx *ctx,
     uint64_t to = (uint64_t)e->n * (first + tile + 1) / all;
 
     for (; from < to && !is_over(until); from++)
-        ask_at_end(p, ctx, pass, e->end[from].path, &until->walked);
+        ask_at_end(p, ctx, pass, e->path[from], &until->walked);
 }
 
 /* --- paths of a pass that walks --- */
@@ -724,8 +732,8 @@ rad_passes_free(struct rad_passes *p)
     free(p->trail);
     free(p->bend);
     free(p->spot);
-    free(p->ends[0].end);
-    free(p->ends[1].end);
+    free(p->ends[0].path);
+    free(p->ends[1].path);
     free(p);
 }
 

@@ -10,8 +10,7 @@
 
 /* A leaf holds so many points at least: what is between borders of parts by
  * fewer is chance. */
-#define LEAF      4
-#define MAX_DEPTH 10
+#define LEAF 4
 
 struct node {
     int axis;
@@ -113,7 +112,7 @@ rad_parts_new(double (*p)[3], size_t n)
     struct rad_parts *parts;
     int depth = 0;
 
-    while (depth < MAX_DEPTH && n >> (depth + 1) >= LEAF)
+    while (1 << depth < RAD_PARTS_LEAVES && n >> (depth + 1) >= LEAF)
         depth++;
     parts = malloc(sizeof *parts +
                    (((size_t)1 << depth) - 1) * sizeof parts->node[0]);

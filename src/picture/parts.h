@@ -13,6 +13,9 @@
 
 struct rad_parts;
 
+/* Of a tree, at most. */
+#define RAD_PARTS_LEAVES 1024
+
 /* The tree of n points, one at least, each of finite coordinates; they are
  * put into the tree's order.  NULL: out of memory. */
 struct rad_parts *rad_parts_new(double (*p)[3], size_t n);
