@@ -138,6 +138,26 @@ START_TEST(what_is_off_is_found)
 }
 END_TEST
 
+/* One pixel of each 5 by 5, which is most of their light. */
+START_TEST(what_few_pixels_are_off_by_is_found)
+{
+    struct picture p;
+    struct rad_doubt d;
+
+    make(&p, PURE);
+    for (int y = 2; y < 90; y += 5)
+        for (int x = 3; x < 90; x += 5) {
+            struct rad_rgb *L = &p.pixel[y * 90 + x].L;
+
+            *L = rad_rgb_scale(*L, 1000);
+        }
+    d = look(&p, 5, (struct rad_doubt_share){ .02, 0 });
+    ck_assert_double_gt(rad_doubt_error(&d).all, .8);
+    ck_assert_double_le(rad_doubt_error(&d).all, 1.2);
+    drop(&p);
+}
+END_TEST
+
 /* A floor that reflects a window is too dark without it. */
 START_TEST(gloss_that_is_left_out_shows)
 {
@@ -272,6 +292,7 @@ main(void)
     tcase_set_timeout(tc, 60);
     tcase_add_test(tc, a_true_picture_has_no_error);
     tcase_add_loop_test(tc, what_is_off_is_found, 0, N_ELEM(parts));
+    tcase_add_test(tc, what_few_pixels_are_off_by_is_found);
     tcase_add_test(tc, gloss_that_is_left_out_shows);
     tcase_add_test(tc, noise_of_hemispheres_shows);
     tcase_add_test(tc, it_is_a_function_of_the_job);

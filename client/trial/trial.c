@@ -35,7 +35,7 @@ enum {
 };
 
 /* Of windows' pixels, in areas of no contrast, and places. */
-#define AREAS_TRIED  (1. / 2000)
+#define AREAS_TRIED  (1. / 1000)
 #define PLACES_TRIED (1. / 1500)
 
 static bool

@@ -2,11 +2,12 @@
  *
  * Differences are relative to the mean of what is compared, which is near the
  * difference of logarithms and never more than 2.
- * Of an area few pixels are made again.  The square of a sum of differences is
- * that of their products in pairs, and of each with itself: the former come
- * from different pixels, the latter from one that is made twice.
- * Errors of pixels are mostly at edges, which are few: areas are chosen by
- * their contrast, and count less for it (Horvitz & Thompson 1952). */
+ * Errors of pixels are mostly at edges and in a little gloss, which are few:
+ * areas are chosen by their contrast, and count less for it (Horvitz & Thompson
+ * 1952).  Of an area some pixels are made again, and one of them twice; the
+ * rest as the first are off, for which it counts more.  What is off by few of
+ * many pixels is seen by all of them alone: a part of them has neither it nor
+ * its light in the mean. */
 #include "config.h"
 
 #include "picture/doubt.h"
@@ -20,8 +21,10 @@
 /* Apart from the keys of pixels, which have a frame in this place. */
 #define BRANCH UINT64_C(0x636865636b730000)
 
-/* An edge of a lamp counts, but not more than all the rest. */
+/* An edge of a lamp counts, but not more than all the rest; of noise, what
+ * black and bright pixels make of it. */
 #define MOST_SQUARE 1.
+#define MOST_NOISE  2.
 
 /* The square of the cache's error over what fresh samples say of it: deeper
  * records, that both are made of, err as well. */
@@ -30,7 +33,7 @@
 #define MOST_ERROR 1e6
 
 /* Of a picture, areas of no contrast and places; */
-#define AREAS  300.
+#define AREAS  200.
 #define PLACES 64.
 
 /* one of so many pixels at most. */
@@ -38,8 +41,15 @@
 #define SPARSE_PLACES 3000.
 
 /* An area with contrast c is so many times likelier than one without: 1 +
- * BY_CONTRAST c^2. */
+ * BY_CONTRAST c^2.  One that is black may hide what should be there, and has so
+ * much. */
 #define BY_CONTRAST 10.
+#define BLACK       .5
+
+/* All pixels of an area are made again where the first are off by r, relative,
+ * with likelihood GO_ON + BY_OFF r. */
+#define GO_ON  .1
+#define BY_OFF 2.
 
 /* Of several places that one is chosen which records tell is off, but for so
  * much of their mean; records tell no more than that. */
@@ -48,7 +58,7 @@
 
 enum {
     AREA = 25, /* pixels, about */
-    AGAIN = 3, /* of an area that are made again */
+    FEW = 4,   /* of an area that are made again at first */
     MOST = 40  /* pixels of an area */
 };
 _Static_assert(AREA + RAD_QUINCUNX_MAX_YSTEP / 2 <= MOST, "no room");
@@ -202,68 +212,128 @@ struct area {
     int x, width, n; /* n pixels */
 };
 
-/* The first so many of `order` become some of the area's pixels, each once. */
-static int
+/* Pixels of an area that are made again. */
+struct redone {
+    int order[MOST];  /* of all, by chance */
+    int n;            /* so many of them by now */
+    double off[MOST]; /* by how much they are off, */
+    double twice;     /* the first of them when it is made the second time, */
+    double noise;     /* and the square of what makes it differ then */
+    double light;     /* of all as they are shown, */
+    double fresh;     /* and of those n anew */
+};
+
+static double
+remake(struct look *k, const struct area *a, int frame, int i)
+{
+    return again(k, frame, a->x + i % a->width, i / a->width);
+}
+
+static double
+shown_of(const struct look *k, const struct area *a, int i)
+{
+    return shown(k, a->x + i % a->width, i / a->width);
+}
+
+static void
 shuffle(struct look *k, const struct area *a, int order[MOST])
 {
-    int n = a->n < AGAIN ? a->n : AGAIN;
-
     for (int i = 0; i < a->n; i++)
         order[i] = i;
-    for (int i = 0; i < n; i++) {
+    for (int i = 0; i + 1 < a->n; i++) {
         int other = i + (int)(draw(k) * (a->n - i)), kept = order[i];
 
         order[i] = order[other];
         order[other] = kept;
     }
-    return n;
 }
 
-/* The square of the area's error, and its pixels' noise, from what n of them
- * are off by, and the first of them the second time. */
-static double
-square_of(const struct area *a, const double off[AGAIN], int n, double other)
+/* Go on until n pixels are made again. */
+static void
+redo(struct look *k, const struct area *a, struct redone *r, int n)
 {
-    double sum = 0, squares = 0, pairs = off[0] * other;
+    for (; r->n < n && !is_stopped(k); r->n++) {
+        double lum = remake(k, a, FIRST, r->order[r->n]);
 
-    for (int i = 0; i < n; i++) {
-        sum += off[i];
-        squares += off[i] * off[i];
+        r->off[r->n] = shown_of(k, a, r->order[r->n]) - lum;
+        r->fresh += lum;
     }
-    if (n > 1)
-        pairs = (sum * sum - squares) / (n * (n - 1));
-    return ((a->n - 1) * pairs + off[0] * other) / a->n;
+}
+
+static void
+redo_few(struct look *k, const struct area *a, struct redone *r)
+{
+    double differs;
+
+    *r = (struct redone){ .n = 0 };
+    shuffle(k, a, r->order);
+    for (int i = 0; i < a->n; i++)
+        r->light += shown_of(k, a, i);
+    redo(k, a, r, a->n < FEW ? a->n : FEW);
+    r->twice = shown_of(k, a, r->order[0]) - remake(k, a, SECOND, r->order[0]);
+    differs = r->off[0] - r->twice;
+    r->noise = differs * differs / 2;
+}
+
+/* The mean of the area as it is shown and as it should be. */
+static double
+mean_of(const struct area *a, const struct redone *r)
+{
+    return (r->light / a->n + r->fresh / r->n) / 2;
+}
+
+/* How likely are the others of an area with that mean made again, too? */
+static double
+go_on(const struct redone *r, double mean)
+{
+    double off = 0;
+
+    for (int i = 0; i < r->n; i++)
+        off += fabs(r->off[i]);
+    return mean > 0 ? fmin(GO_ON + BY_OFF * off / (r->n * mean), 1) : GO_ON;
+}
+
+/* The square of what all pixels are off by together, less the noise of those
+ * that were made again, which is no more than they are off by; of the first
+ * that is known better. */
+static double
+square_of(const struct redone *r)
+{
+    double sum = r->off[0], squares = 0;
+
+    for (int i = 1; i < r->n; i++) {
+        sum += r->off[i];
+        squares += r->off[i] * r->off[i];
+    }
+    return sum * sum - r->off[0] * (r->off[0] - r->twice) -
+           fmin(squares, (r->n - 1) * r->noise);
 }
 
 static void
 look_at_area(struct look *k, const struct area *a, double weight)
 {
-    double *sum = k->sum, off[AGAIN], lum[AGAIN], mean = 0, other, square;
-    int order[MOST], n = shuffle(k, a, order);
+    struct redone r;
+    double mean, likely, square;
 
-    for (int i = 0; i < n; i++) {
-        int x = a->x + order[i] % a->width, y = order[i] / a->width;
-
-        off[i] = shown(k, x, y);
-        lum[i] = again(k, FIRST, x, y);
-        mean += (off[i] + lum[i]) / (2 * n);
-        off[i] -= lum[i];
-    }
+    redo_few(k, a, &r);
     if (is_stopped(k))
         return;
-    sum[RAD_DOUBT_AREAS] += weight;
-    if (!(mean > 0))
+    mean = mean_of(a, &r);
+    k->sum[RAD_DOUBT_AREAS] += weight;
+    if (mean > 0)
+        k->sum[RAD_DOUBT_NOISE] +=
+            weight * fmin(r.noise / (mean * mean), MOST_NOISE) / a->n;
+    likely = go_on(&r, mean);
+    if (draw(k) >= likely)
         return;
-    other = again(k, SECOND, a->x + order[0] % a->width, order[0] / a->width);
-    square = (other - lum[0]) * (other - lum[0]) / (mean * mean);
-    other = (off[0] + lum[0] - other) / mean;
-    sum[RAD_DOUBT_NOISE] += weight * fmin(square, 4) / (2 * a->n);
-    for (int i = 0; i < n; i++)
-        off[i] /= mean;
-    square = weight *
-             fmax(fmin(square_of(a, off, n, other), MOST_SQUARE), -MOST_SQUARE);
-    sum[RAD_DOUBT_PIXEL] += square;
-    sum[RAD_DOUBT_PIXEL2] += square * square;
+    redo(k, a, &r, a->n);
+    mean = a->n * mean_of(a, &r);
+    if (is_stopped(k) || !(mean > 0))
+        return;
+    square = square_of(&r) / (mean * mean);
+    square = weight / likely * fmax(fmin(square, MOST_SQUARE), -MOST_SQUARE);
+    k->sum[RAD_DOUBT_PIXEL] += square;
+    k->sum[RAD_DOUBT_PIXEL2] += square * square;
 }
 
 static double
@@ -277,7 +347,7 @@ contrast(const struct look *k, const struct area *a)
         lo = fmin(lo, lum);
         hi = fmax(hi, lum);
     }
-    return hi > 0 ? (hi - lo) / (hi + lo) : 0;
+    return hi > 0 ? (hi - lo) / (hi + lo) : BLACK;
 }
 
 static void
