@@ -48,7 +48,7 @@
 
 /* All pixels of an area are made again where the first are off by r, relative,
  * with likelihood GO_ON + BY_OFF r. */
-#define GO_ON  .1
+#define GO_ON  .3
 #define BY_OFF 2.
 
 /* Of several places that one is chosen which records tell is off, but for so
