@@ -66,7 +66,8 @@ struct program {
     double estimate;         /* of the error, with a goal; 0: not known, */
     double mean_estimate;    /* and of the mean of all points */
     int stages;              /* that it took */
-    bool time_up;            /* a further one was left out for want of time */
+    bool time_up, rays_up;   /* a further one was left out for want of time,
+                              * or of rays that it may take */
     struct msg_nan nan;
     struct msg_fault faults[MSG_FAULTS];
     uv_loop_t loop;

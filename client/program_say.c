@@ -242,6 +242,7 @@ program_note_goal(struct program *p, const uint8_t *json, size_t len)
         json_number_value(json_object_get(goal, "mean_estimate"));
     p->stages = (int)json_integer_value(json_object_get(goal, "stages"));
     p->time_up = json_is_true(json_object_get(goal, "time_up"));
+    p->rays_up = json_is_true(json_object_get(goal, "rays_up"));
     json_decref(root);
 }
 
@@ -261,7 +262,9 @@ say_goal(struct program *p)
     snprintf(text, sizeof text, "estimated error %s %%%s%s; %d stage%s%s",
              figure(got, 100 * p->estimate, 2), wanted, mean, p->stages,
              p->stages == 1 ? "" : "s",
-             p->time_up ? ", and no time for another" : "");
+             p->time_up   ? ", and no time for another"
+             : p->rays_up ? ", and another would take too long without --time"
+                          : "");
     program_say(p, text);
     if (p->o.time_s > 0)
         program_say(p, "chosen by the clock: another run may choose other "

@@ -157,6 +157,7 @@ START_TEST(rungs_go_by_the_cause)
         struct rad_refine_ask ask =
             ask_of(wanted, causes[_i].ambient, causes[_i].pixel, 0);
 
+        ask.left_s = ask.rays_s = 1e9;
         ck_assert(rad_refine_next(&ask, &next, &error));
         ck_assert_int_ge(next.ambient + next.pixel, last.ambient + last.pixel);
         last = next;
@@ -266,6 +267,34 @@ START_TEST(pixels_that_do_not_fall_bound_what_is_wanted)
     ck_assert(!rad_refine_next(&ask, &next, &error));
     ask.past.pixel = 4 * pixel; /* so it is foreseen to fall */
     ck_assert(rad_refine_next(&ask, &next, &error));
+}
+END_TEST
+
+/* Of rays, and it grows with the pixels; a limit of time is in its place. */
+START_TEST(a_stage_has_a_bound)
+{
+    struct rad_refine_ask ask = ask_of(.01, .3, .1, 0);
+    struct rad_refine_rungs bound, whole, next;
+    double error;
+
+    ask.stage = RAD_REFINE_STAGES - 2;
+    ck_assert(rad_refine_next(&ask, &bound, &error));
+    ask.left_s = ask.rays_s = 1e9;
+    ck_assert(rad_refine_next(&ask, &whole, &error));
+    ck_assert_int_lt(bound.ambient, whole.ambient);
+    ck_assert(!rad_refine_is_short(&ask));
+    ask.left_s = INFINITY;
+    ask.rays = 150000000;
+    ck_assert(!rad_refine_next(&ask, &next, &error));
+    ck_assert(rad_refine_is_short(&ask));
+    ask.pixels = 100000000;
+    ck_assert(rad_refine_next(&ask, &next, &error));
+    ask.left_s = .1;
+    ck_assert(!rad_refine_next(&ask, &next, &error));
+    ck_assert(rad_refine_is_short(&ask));
+    ask.error = .4;
+    ck_assert(!rad_refine_next(&ask, &next, &error));
+    ck_assert(!rad_refine_is_short(&ask));
 }
 END_TEST
 
@@ -589,6 +618,7 @@ main(void)
     tcase_add_test(decisions, a_far_goal_has_a_stage_before_it);
     tcase_add_test(decisions, what_fell_slowly_is_foreseen_so);
     tcase_add_test(decisions, pixels_that_do_not_fall_bound_what_is_wanted);
+    tcase_add_test(decisions, a_stage_has_a_bound);
     tcase_add_test(decisions, more_time_is_used);
     tcase_add_loop_test(decisions, sums_may_be_anything, 0, N_ELEM(wild));
     tcase_add_test(decisions, a_black_picture_is_good_enough);

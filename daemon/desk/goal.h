@@ -26,7 +26,8 @@ struct job_goal {
     double mean;         /* and that of the mean of all pixels */
     uint64_t spent_ms;   /* until the last decision, in earlier lives */
     bool ended;          /* the picture is made with the stage's options */
-    bool late;           /* for want of time alone */
+    bool late;           /* for want of time alone, or, without a limit of
+                          * time, of rays that a stage may take */
 };
 
 /* Has the job one? */

@@ -126,12 +126,7 @@ stages_end(struct coord *c, struct job *job, uint32_t n,
     bool on = rad_refine_next(&ask, &next, &g->error);
 
     g->mean = rad_refine_mean(&found->sums);
-    if (!on && job->spec.time_ms > 0) {
-        double error;
-
-        ask.left_s = INFINITY;
-        g->late = rad_refine_next(&ask, &next, &error);
-    }
+    g->late = rad_refine_is_short(&ask);
     actions_log(
         &c->actions, ACT_INFO,
         "stage ends job=%s stage=%u error=%.4f wanted=%.4f seconds=%.3f "

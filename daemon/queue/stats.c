@@ -257,11 +257,13 @@ with_goal(json_t *o, const struct job *job)
     if (o && goal_is(job))
         json_object_set_new(
             o, "goal",
-            json_pack("{s:f,s:f,s:f,s:f,s:I,s:b}", "error",
+            json_pack("{s:f,s:f,s:f,s:f,s:I,s:b,s:b}", "error",
                       job->spec.error_ppm / 1e6, "time_s",
                       job->spec.time_ms / 1e3, "estimate", g->error,
                       "mean_estimate", g->mean, "stages",
-                      (json_int_t)g->number + 1, "time_up", g->late));
+                      (json_int_t)g->number + 1, "time_up",
+                      g->late && job->spec.time_ms > 0, "rays_up",
+                      g->late && job->spec.time_ms == 0));
     return o;
 }
 

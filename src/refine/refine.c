@@ -39,6 +39,12 @@
 /* Of the time that is left, what is planned to be used. */
 #define TIME_USED .7
 
+/* Without a limit of time, rays that a stage and its pictures may be foreseen
+ * to take: so many for a pixel, or some two minutes of a processor where that
+ * is more.  Whoever waits longer for an error says so by a time. */
+#define RAYS_A_PIXEL 256.
+#define ALWAYS_RAYS  2e8
+
 /* No picture any more. */
 #define MOST_ERROR 1e6
 
@@ -387,28 +393,49 @@ goal_of(const struct outlook *o)
     return wanted > 0 ? fmax(wanted, 2 * pixels_floor(o)) : 0;
 }
 
+/* Rays that a stage and its pictures may take. */
+static double
+most_rays(const struct rad_refine_ask *ask)
+{
+    return ask->left_s < INFINITY
+               ? TIME_USED * sound(ask->left_s) * sound(ask->rays_s)
+               : fmax(RAYS_A_PIXEL * (double)ask->pixels, ALWAYS_RAYS);
+}
+
+/* Is another stage worth it, in so many rays?  *best: the best one. */
+static bool
+goes_on(const struct outlook *o, double rays, struct choice *best)
+{
+    double square = o->ambient + o->pixel, goal = goal_of(o);
+
+    return o->ask->stage < RAD_REFINE_STAGES - 1 && square > 0 &&
+           square > NEAR_ENOUGH * goal && choose(o, AIM * goal, rays, best) &&
+           best->square <= WORTH_IT * WORTH_IT * square;
+}
+
 bool
 rad_refine_next(const struct rad_refine_ask *ask, struct rad_refine_rungs *next,
                 double *error)
 {
     struct outlook o = look_out(ask);
-    bool timed = ask->left_s < INFINITY;
-    double square = o.ambient + o.pixel, goal = goal_of(&o), rays = INFINITY;
     struct choice best = { 0, 0, 0, 0 };
 
-    *error = fmin(sqrt(square), MOST_ERROR);
-    if (ask->stage >= RAD_REFINE_STAGES - 1 || !(square > 0) ||
-        square <= NEAR_ENOUGH * goal)
-        return false;
-    if (timed)
-        rays = TIME_USED * sound(ask->left_s) * sound(ask->rays_s);
-    if (!choose(&o, AIM * goal, rays, &best) ||
-        best.square > WORTH_IT * WORTH_IT * square)
+    *error = fmin(sqrt(o.ambient + o.pixel), MOST_ERROR);
+    if (!goes_on(&o, most_rays(ask), &best))
         return false;
     shorten_step(&o, &best);
     *next =
         (struct rad_refine_rungs){ (uint8_t)best.ambient, (uint8_t)best.pixel };
     return true;
+}
+
+bool
+rad_refine_is_short(const struct rad_refine_ask *ask)
+{
+    struct outlook o = look_out(ask);
+    struct choice best = { 0, 0, 0, 0 };
+
+    return !goes_on(&o, most_rays(ask), &best) && goes_on(&o, INFINITY, &best);
 }
 
 struct rad_refine_past

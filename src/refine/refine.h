@@ -69,10 +69,14 @@ struct rad_refine_ask {
 };
 
 /* Should another stage be made, and with which rungs?  False: the error that is
- * wanted is reached, or no stage can come nearer, or none would be done in
- * time; *next is then as it was.  *error: of a picture after this stage. */
+ * wanted is reached, or no stage can come nearer, or none would be done in time
+ * or, where time has no limit, in the rays that a stage may take; *next is then
+ * as it was.  *error: of a picture after this stage. */
 bool rad_refine_next(const struct rad_refine_ask *ask,
                      struct rad_refine_rungs *next, double *error);
+
+/* Is it for want of time, or rays, alone that none should? */
+bool rad_refine_is_short(const struct rad_refine_ask *ask);
 
 /* What the next stage is to know of that. */
 struct rad_refine_past rad_refine_pass_on(const struct rad_refine_ask *ask);
