@@ -1,10 +1,10 @@
 /* tiles.h - which worker makes which tile of the open passes
  *
  * Those of the first open pass go out before those of the next, and the dearest
- * first (dearest.h), a few more to each worker than it has threads.  When none
- * is left, those that are out for long go to a second
- * worker: a tile has the same records whoever makes it.  What a worker had and
- * did not send is made again by others.
+ * first (dearest.h): one for each thread of a worker, and some ahead as long as
+ * many of the pass wait.  When none is left, those that are out for long go to
+ * a second worker: a tile has the same records whoever makes it.  What a worker
+ * had and did not send is made again by others.
  * Thread: one. */
 #ifndef DAEMON_TILES_H
 #define DAEMON_TILES_H
