@@ -300,6 +300,28 @@ START_TEST(a_late_tile_goes_to_a_second_worker)
 }
 END_TEST
 
+/* A worker of two threads has a third tile while many wait, and not when few
+ * do: it may stand behind a dear one. */
+START_TEST(near_the_end_of_a_pass_no_tile_stands_ahead)
+{
+    uint32_t tiles = tiles_of(LAST), out;
+
+    submit_passes(ANA, &wide, 1);
+    ready(&f, WORKER, job_a);
+    for (uint32_t pass = 0; pass < LAST; pass++)
+        make_pass(WORKER, pass);
+    ck_assert_uint_gt(tiles, 12);
+    for (uint32_t i = 0; i < tiles; i++) {
+        out = tiles_out(&desk_find_job(f.c, job_a)->workers[0]);
+        if (tiles - i >= 12)
+            ck_assert_uint_eq(out, 3);
+        if (tiles - i >= 2 && tiles - i <= 10)
+            ck_assert_uint_eq(out, 2);
+        made(WORKER, LAST, i, 0);
+    }
+}
+END_TEST
+
 /* Of many tiles that are out the one that is out for longest is late first, and
  * a worker that is lost has none, not even of those that another made. */
 START_TEST(the_oldest_tile_is_late_first)
@@ -768,6 +790,7 @@ main(void)
     tcase_add_test(tc, a_late_tile_goes_to_a_second_worker);
     tcase_add_test(tc, the_dearest_place_goes_out_first);
     tcase_add_test(tc, the_dearest_part_goes_out_first);
+    tcase_add_test(tc, near_the_end_of_a_pass_no_tile_stands_ahead);
     tcase_add_test(tc, the_oldest_tile_is_late_first);
     tcase_add_test(tc, tiles_tell_their_colours_to_who_watches);
     tcase_add_test(tc, tiles_count_as_progress);
