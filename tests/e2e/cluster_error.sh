@@ -122,6 +122,17 @@ grep -q 'another run may' clock.err || fail "no word of the clock"
 spent=$(sed -n 's/^radsubmit: done in \([0-9.]*\) s.*/\1/p' clock.err)
 awk "BEGIN { exit !($spent < 12) }" || fail "--time=2 took $spent s"
 
+# too short for a second stage
+render short --time=.1 --workers=1 --threads=1
+grep -q '1 stage, and no time for another$' short.err ||
+    fail "it is not said that time was short: $(cat short.err)"
+grep -q '"time_up": true' short.json || fail "nothing of it in statistics"
+
+# more than enough: what was asked for ends it, with the options that it would
+# have without a clock
+render both $goal --time=10000 --workers=2 --threads=1
+cmp calm.hdr both.hdr || fail "a long --time makes another picture"
+
 # --- what does not go together ---
 
 # refused WORDS OPTION...: with these words, and status 64
