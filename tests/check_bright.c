@@ -43,20 +43,26 @@ gather(struct rad_bright *b, const struct rad_glint *glint, size_t n)
     ck_assert(rad_bright_gather(b, glint, n, org, 10));
 }
 
-/* Places where records saw the disk. */
+/* Places where records saw the disk, but moved along x. */
 static void
-see_disk(struct rad_bright *b)
+see_disk_at(struct rad_bright *b, double dx)
 {
     struct rad_glint glint[64];
 
     for (int i = 0; i < 64; i++) {
         double r = RADIUS * sqrt((i + .5) / 64);
 
-        glint[i] =
-            glint_at(ASIDE + r * cos(2.4 * i), r * sin(2.4 * i), HEIGHT, 100);
+        glint[i] = glint_at(ASIDE + r * cos(2.4 * i) + dx, r * sin(2.4 * i),
+                            HEIGHT, 100);
     }
     gather(b, glint, 64);
     ck_assert_uint_gt(b->n, 0);
+}
+
+static void
+see_disk(struct rad_bright *b)
+{
+    see_disk_at(b, 0);
 }
 
 struct found {
@@ -175,6 +181,38 @@ START_TEST(rays_to_bright_places_leave_the_mean_alone)
 }
 END_TEST
 
+/* The disk is a small part of a cell.  With a few rays of a guide the mean is
+ * the closed form, and the noise that is said is that found, wherever the guide
+ * has the disk: where it is, half aside, or where it is not.  Where it is there
+ * is a quarter of the noise. */
+static const double moved[] = { 0, RADIUS, 3 * RADIUS };
+
+START_TEST(a_guide_leaves_the_mean_of_few_cells_alone)
+{
+    struct found blind, guided;
+    uint64_t rays[2];
+    struct rad_bright b;
+    struct world w;
+
+    see_disk_at(&b, moved[_i]);
+    world_open(&w, disk_scene, "-ab 0 -ad 64 -as 0 -lw 0");
+    blind = sample_many(&w, NULL);
+    rays[0] = w.ctx.counts.ambient_rays;
+    world_close(&w);
+    world_open(&w, disk_scene, "-ab 0 -ad 49 -as 9 -lw 0");
+    guided = sample_many(&w, &b);
+    rays[1] = w.ctx.counts.ambient_rays;
+    world_close(&w);
+    ck_assert_double_eq_tol(guided.mean, disk_irradiance(),
+                            4 * guided.sd / sqrt(4000));
+    ck_assert_uint_le(rays[1], rays[0]);
+    if (_i == 0)
+        ck_assert_double_lt(guided.sd, blind.sd / 4);
+    ck_assert_double_gt(guided.said, .7 * guided.sd);
+    ck_assert_double_lt(guided.said, 1.5 * guided.sd);
+}
+END_TEST
+
 /* Nothing is there any more where records saw something: rays are lost, and
  * the mean is as it was. */
 START_TEST(places_that_are_not_seen_do_no_harm)
@@ -185,7 +223,7 @@ START_TEST(places_that_are_not_seen_do_no_harm)
     struct world w;
 
     for (int i = 0; i < 64; i++)
-        glint[i] = glint_at(-2 + .1 * (i % 8), -1 + .1 * (i / 8.), 1, 1e4f);
+        glint[i] = glint_at(-2 + .2 * (i % 8), -1 + .2 * (i / 8.), 1, 1e4f);
     gather(&b, glint, 64);
     ck_assert_uint_gt(b.n, 30);
     world_open(&w, disk_scene, "-ab 0 -ad 144 -as 144 -lw 0");
@@ -278,6 +316,8 @@ main(void)
     tcase_add_test(tc, a_cell_has_no_say_in_its_share);
     tcase_add_test(tc, even_cells_have_no_share);
     tcase_add_test(tc, rays_to_bright_places_leave_the_mean_alone);
+    tcase_add_loop_test(tc, a_guide_leaves_the_mean_of_few_cells_alone, 0,
+                        N_ELEM(moved));
     tcase_add_test(tc, places_that_are_not_seen_do_no_harm);
     tcase_add_test(tc, glints_near_each_other_are_one_place);
     tcase_add_test(tc, most_chosen_places_are_kept);

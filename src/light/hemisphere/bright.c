@@ -16,7 +16,7 @@
 #define NEARER .5
 
 /* Cells of the grid along the side of the scene's cube. */
-#define ACROSS 128
+#define ACROSS 64
 
 /* Of the numbers drawn at the key of the ray that asked for a record. */
 #define DIM_GLINT (RAD_DIM_AMBIENT + 1)
@@ -79,7 +79,7 @@ by_glints(const void *a, const void *b)
  * points are spread as far from their mean as these are. */
 static void
 set_place(struct rad_bright_place *to, const struct rad_glint *glint,
-          const struct where *w, size_t n, double least)
+          const struct where *w, size_t n, double cell)
 {
     double spread = 0;
 
@@ -98,7 +98,8 @@ set_place(struct rad_bright_place *to, const struct rad_glint *glint,
 
         spread += rad_dot(d, d) / (double)n;
     }
-    to->area = rad_most(2 * M_PI * spread, least);
+    to->area = rad_most(2 * M_PI * spread, cell * cell / 16);
+    to->reach = to->area + cell * cell / (double)n;
 }
 
 bool
@@ -112,6 +113,7 @@ rad_bright_gather(struct rad_bright *b, const struct rad_glint *glint, size_t n,
     bool ok = w && found;
 
     b->n = 0;
+    b->cell = cell;
     for (size_t i = 0; ok && i < n; i++)
         if (glint[i].lum > 0)
             w[there++] = (struct where){ grid_cell(glint[i].p, org, side), i };
@@ -120,7 +122,7 @@ rad_bright_gather(struct rad_bright *b, const struct rad_glint *glint, size_t n,
     for (size_t i = 0; i < there; i = k, places++) {
         for (k = i; k < there && w[k].cell == w[i].cell; k++)
             ;
-        set_place(&found[places].place, glint, &w[i], k - i, cell * cell / 16);
+        set_place(&found[places].place, glint, &w[i], k - i, cell);
         found[places].glints = k - i;
         found[places].first = w[i].glint;
     }
@@ -192,29 +194,48 @@ rad_bright_glint(const struct rad_hemi *h, const double p[3], uint64_t key)
     return g;
 }
 
+bool
+rad_bright_see(struct rad_bright_view *v, const struct rad_bright *b, size_t i,
+               const struct rad_hemi *h, const double p[3])
+{
+    const struct rad_bright_place *q = &b->place[i];
+    double d[3], s[2];
+
+    rad_sub(d, q->p, p);
+    double dist2 = rad_dot(d, d), up = rad_dot(d, h->w);
+
+    if (!(up > 0))
+        return false;
+    double dist = sqrt(dist2);
+    double per = up / dist / (dist2 * M_PI);
+
+    rad_square_of_disk(rad_dot(d, h->u) / dist, rad_dot(d, h->v) / dist, s);
+    v->x = s[0];
+    v->y = s[1];
+    v->share = rad_least(q->area * per, 1);
+    v->width = sqrt(rad_least(q->reach * per, 1));
+    v->lum = q->lum;
+    return true;
+}
+
+void
+rad_bright_add(const struct rad_bright_view *v, int n,
+               struct rad_contrast *cell)
+{
+    int x = (int)(v->x * n), y = (int)(v->y * n);
+
+    x = x < 0 ? 0 : x < n ? x : n - 1;
+    y = y < 0 ? 0 : y < n ? y : n - 1;
+    cell[y * n + x].square += rad_least(v->share * n * n, 1) * v->lum * v->lum;
+}
+
 void
 rad_bright_cells(const struct rad_bright *b, const struct rad_hemi *h,
                  const double p[3], struct rad_contrast *cell)
 {
-    int n = h->n;
+    struct rad_bright_view v;
 
-    for (size_t i = 0; i < b->n; i++) {
-        const struct rad_bright_place *q = &b->place[i];
-        double d[3], s[2];
-
-        rad_sub(d, q->p, p);
-        double dist2 = rad_dot(d, d), up = rad_dot(d, h->w);
-
-        if (!(up > 0))
-            continue;
-        double dist = sqrt(dist2);
-        double share = q->area * up / dist / (dist2 * M_PI) * n * n;
-
-        rad_square_of_disk(rad_dot(d, h->u) / dist, rad_dot(d, h->v) / dist, s);
-        int x = (int)(s[0] * n), y = (int)(s[1] * n);
-
-        x = x < 0 ? 0 : x < n ? x : n - 1;
-        y = y < 0 ? 0 : y < n ? y : n - 1;
-        cell[y * n + x].square += rad_least(share, 1) * q->lum * q->lum;
-    }
+    for (size_t i = 0; i < b->n; i++)
+        if (rad_bright_see(&v, b, i, h, p))
+            rad_bright_add(&v, h->n, cell);
 }

@@ -20,14 +20,25 @@
 #define RAD_BRIGHT_MOST 512
 
 struct rad_bright_place {
-    double p[3]; /* mean point */
-    double lum;  /* mean luminance of its radiance [W/sr/m^2] */
-    double area; /* about, as seen from anywhere [unit^2] */
+    double p[3];  /* mean point */
+    double lum;   /* mean luminance of its radiance [W/sr/m^2] */
+    double area;  /* about, as seen from anywhere [unit^2] */
+    double reach; /* of a square that may hold it, about [unit^2] */
 };
 
 struct rad_bright {
     struct rad_bright_place place[RAD_BRIGHT_MOST];
     size_t n;
+    double cell; /* side of the cells of the grid [unit] */
+};
+
+/* A place as seen from a hemisphere's point: where it is in the hemisphere's
+ * square, and what part of it it is. */
+struct rad_bright_view {
+    double x, y;
+    double share;
+    double width; /* of a square that may hold it */
+    double lum;
 };
 
 /* Gather the glints of n records, in a scene whose cube has its corner at org
@@ -40,6 +51,14 @@ bool rad_bright_gather(struct rad_bright *b, const struct rad_glint *glint,
  * is above the mean; `key` is that of the ray that asked for the record. */
 struct rad_glint rad_bright_glint(const struct rad_hemi *h, const double p[3],
                                   uint64_t key);
+
+/* Place i of those; false: it is below the horizon. */
+bool rad_bright_see(struct rad_bright_view *v, const struct rad_bright *b,
+                    size_t i, const struct rad_hemi *h, const double p[3]);
+
+/* Add a place to the squares of the n * n cells. */
+void rad_bright_add(const struct rad_bright_view *v, int n,
+                    struct rad_contrast *cell);
 
 /* Add to cell[k].square the mean square of the luminance that places are
  * expected to bring to cell k of a hemisphere at p. */

@@ -6,13 +6,14 @@
  * are stratified n^2 times and no two neighbours coincide, which would spoil
  * the gradients.
  * More samples (-as) go where bright places of the frozen cache lie (bright.h),
- * and where the cells around a cell differ (light/sample/contrast.h).
+ * and where the cells around a cell differ (light/sample/contrast.h).  Where
+ * such places are small half of these rays are drawn from a guide (guide.h).
  * Those of a cell are a sequence whose beginnings all are spread evenly over it
  * (Roberts 2018: by the root of x^3 = x + 1), begun at its first ray.  */
 #include "config.h"
 
 #include "light/hemisphere/hemisphere.h"
-#include "light/hemisphere/bright.h"
+#include "light/hemisphere/guide.h"
 #include "arith/angle.h"
 #include "arith/elementary.h"
 #include "base/rng.h"
@@ -30,6 +31,9 @@
  * surfaces of any. */
 #define MEAN_REFLECTANCE .5f
 
+/* Of -as so much is drawn from the guide where there is one. */
+#define GUIDED .5
+
 /* In the place of -lw 0, which is divided by. */
 #define NO_WEIGHT 1e-20
 
@@ -46,13 +50,15 @@ enum {
     DIM_ROWS = 0x100000,
     DIM_COLUMNS = 0x200000,
     DIM_ROUND = 0x300000,
-    DIM_JITTER = 0x400000
+    DIM_JITTER = 0x400000,
+    DIM_GUIDE = 0x800000
 };
 
-/* Rays of a cell, and the squares of their luminances. */
+/* Rays of a cell, but for those of the guide. */
 struct tally {
     int rays;
-    double lum2;
+    double lum;  /* mean luminance of what the guide leaves to them */
+    double lum2; /* sum of the squares of that */
     double x, y; /* where the first went through the cell, from 0 to 1 */
 };
 
@@ -67,6 +73,9 @@ struct sampler {
     uint64_t key;
     int traced;          /* cells whose first ray was */
     struct tally *tally; /* of the cells */
+    struct rad_guide guide;
+    int guided; /* rays that are drawn from it; 0: there is none */
+    double var; /* of what they add to the sum of the cells' luminances */
 };
 
 /* Trace the ray through (x, y) of the square; false: it was refused.  d gets
@@ -150,6 +159,7 @@ sample_cells(struct sampler *s)
             rad_scale(c->p, dist, d);
             c->near = (float)(1 / dist);
             c->lum = rad_rgb_lum(c->L);
+            s->tally[number].lum = (double)c->lum;
             add_ray(s, number, c->L);
             s->traced++;
         }
@@ -162,6 +172,18 @@ fraction(double x)
     return x - floor(x);
 }
 
+/* Of the light at (x, y) of the square, what is for the `rays` rays of the cell
+ * to find; the rest is for those of the guide. */
+static double
+part_of_cell(const struct sampler *s, int rays, double x, double y)
+{
+    if (s->guided == 0)
+        return 1;
+    double own = (double)rays * s->h->n * s->h->n;
+
+    return own / (own + s->guided * rad_guide_density(&s->guide, x, y));
+}
+
 /* Put `more` rays into cell (i, j) and renew its mean.  They go on from its
  * first ray by steps that leave no gap and no cluster. */
 static void
@@ -170,46 +192,71 @@ resample_cell(struct sampler *s, int i, int j, int more, uint32_t *number)
     int n = s->h->n;
     uint32_t cell = (uint32_t)(i * n + j);
     struct rad_hemicell *c = &s->h->cell[cell];
-    const struct tally *t = &s->tally[cell];
-    struct rad_rgb sum = c->L;
+    struct tally *t = &s->tally[cell];
+    struct rad_rgb sum = rad_rgb_scale(
+        c->L, (float)part_of_cell(s, 1 + more, (j + t->x) / n, (i + t->y) / n));
 
+    t->rays = 0;
+    t->lum2 = 0;
+    add_ray(s, cell, sum);
     for (int k = 0; k < more; k++, ++*number) {
-        double x = fraction(t->x + (k + 1) * STEP_X);
-        double y = fraction(t->y + (k + 1) * STEP_Y);
+        double x = (j + fraction(t->x + (k + 1) * STEP_X)) / n;
+        double y = (i + fraction(t->y + (k + 1) * STEP_Y)) / n;
         double d[3], dist;
         struct rad_rgb L;
 
-        if (!trace(s, (j + x) / n, (i + y) / n, *number, d, &L, &dist))
+        if (!trace(s, x, y, *number, d, &L, &dist))
             continue;
+        L = rad_rgb_scale(L, (float)part_of_cell(s, 1 + more, x, y));
         sum = rad_rgb_add(sum, L);
         if (dist * c->near < 1)
             c->near = (float)(1 / dist);
         add_ray(s, cell, L);
     }
     c->L = rad_rgb_scale(sum, 1.f / (float)t->rays);
+    t->lum = rad_rgb_lum(c->L);
 }
 
-/* What the cells' shares of more rays come from; NULL: out of memory. */
-static struct rad_contrast *
-set_shares(const struct sampler *s)
+/* Trace the rays of the guide, and add to the cells what these left to it. */
+static void
+follow_guide(struct sampler *s, uint32_t *number)
 {
-    const struct rad_hemi *h = s->h;
-    int n2 = h->n * h->n;
-    struct rad_contrast *c =
-        rad_arena_calloc(&s->ctx->scratch, (size_t)n2, sizeof *c);
+    struct rad_hemi *h = s->h;
+    int n = h->n, side = s->guide.side, parts = side / n, lobe = 0;
+    double sum = 0, sum2 = 0, count = s->guided;
 
-    if (!c)
-        return NULL;
-    for (int k = 0; k < n2; k++)
-        c[k].lum = rad_rgb_lum(h->cell[k].L);
-    if (s->plan->bright)
-        rad_bright_cells(s->plan->bright, h, s->r->hit.p, c);
-    rad_contrast_share(c, h->n);
-    return c;
+    for (int k = 0; k < s->guided; k++, ++*number) {
+        uint32_t dim = DIM_GUIDE + 5 * (uint32_t)k;
+        double u[3] = { (k + rad_rand(s->key, dim)) / s->guided,
+                        rad_rand(s->key, dim + 1), rad_rand(s->key, dim + 2) };
+        int j, i;
+
+        rad_guide_draw(&s->guide, u, &lobe, &j, &i);
+        double x = (j + rad_rand(s->key, dim + 3)) / side;
+        double y = (i + rad_rand(s->key, dim + 4)) / side;
+        int cell = i / parts * n + j / parts;
+        struct rad_hemicell *c = &h->cell[cell];
+        double d[3], dist;
+        struct rad_rgb L;
+
+        if (!trace(s, x, y, *number, d, &L, &dist))
+            continue;
+        double all = (double)s->tally[cell].rays * n * n +
+                     s->guided * rad_guide_density(&s->guide, x, y);
+        L = rad_rgb_scale(L, (float)(n * n / all));
+        c->L = rad_rgb_add(c->L, L);
+        if (dist * c->near < 1)
+            c->near = (float)(1 / dist);
+        sum += (double)rad_rgb_lum(L);
+        sum2 += (double)rad_rgb_lum(L) * (double)rad_rgb_lum(L);
+    }
+    s->var = s->guided > 1
+                 ? rad_most(sum2 - sum * sum / count, 0) * count / (count - 1)
+                 : sum2;
 }
 
-/* Are `more` rays enough to be shared out?  By what neighbours differ in alone
- * they would mostly go where nothing is. */
+/* Are `more` rays enough to be shared out among the cells?  By what neighbours
+ * differ in alone they would mostly go where nothing is. */
 static bool
 worth_sharing(const struct sampler *s, int more)
 {
@@ -218,22 +265,53 @@ worth_sharing(const struct sampler *s, int more)
     return n >= MIN_SIDE && more >= (s->plan->bright ? 1 : 4) * n;
 }
 
-/* Share `count` more rays among the cells. */
+/* What the cells' shares of more rays come from; NULL: out of memory. */
+static struct rad_contrast *
+set_shares(const struct sampler *s)
+{
+    const struct rad_hemi *h = s->h;
+    int n = h->n;
+    struct rad_contrast *c =
+        rad_arena_calloc(&s->ctx->scratch, (size_t)(n * n), sizeof *c);
+
+    if (!c)
+        return NULL;
+    for (int k = 0; k < n * n; k++) {
+        const struct tally *t = &s->tally[k];
+
+        c[k].lum = rad_rgb_lum(h->cell[k].L) *
+                   part_of_cell(s, 1, (k % n + t->x) / n, (k / n + t->y) / n);
+    }
+    if (s->plan->bright && s->guided == 0)
+        rad_bright_cells(s->plan->bright, h, s->r->hit.p, c);
+    rad_contrast_share(c, n);
+    return c;
+}
+
+/* Share `count` more rays among the guide, if there is one, and the cells. */
 static void
 super_sample(struct sampler *s, int count)
 {
     int n = s->h->n;
-    const struct rad_contrast *c = set_shares(s);
+    const struct rad_contrast *c = NULL;
     uint32_t number = (uint32_t)(n * n);
 
-    for (int k = 0; c && k < n * n; k++) {
-        double share = c[k].share * count;
+    if (s->plan->bright && count > 0 &&
+        rad_guide_set(&s->guide, s->plan->bright, s->h, s->r->hit.p,
+                      s->plan->usual, &s->ctx->scratch))
+        s->guided = (int)(count * GUIDED + .5);
+    if (worth_sharing(s, count))
+        c = set_shares(s);
+    for (int k = 0; (c || s->guided > 0) && k < n * n; k++) {
+        double share = c ? c[k].share * (count - s->guided) : 0;
         /* rounded up with the probability of the fraction */
         int more = (int)(share + rad_rand(s->key, DIM_ROUND + (uint32_t)k));
 
-        if (more > 0)
+        if (more > 0 || s->guided > 0)
             resample_cell(s, k / n, k % n, more, &number);
     }
+    if (s->guided > 0)
+        follow_guide(s, &number);
 }
 
 /* Variance of a cell's luminance, its mean `lum`: by its own rays, or, if it
@@ -254,7 +332,7 @@ cell_variance(const struct sampler *s, int i, int j, double lum)
 
         if (y < 0 || x < 0 || y >= n || x >= n)
             continue;
-        double d = rad_rgb_lum(s->h->cell[y * n + x].L) - lum;
+        double d = s->tally[y * n + x].lum - lum;
         int others = s->tally[y * n + x].rays;
 
         sum += d * d * others / (others + 1);
@@ -269,12 +347,12 @@ static double
 variance(const struct sampler *s)
 {
     const struct rad_hemi *h = s->h;
-    double sum = 0, total = rad_rgb_lum(h->E) / M_PI * h->n * h->n;
+    double sum = s->var, total = rad_rgb_lum(h->E) / M_PI * h->n * h->n;
 
     if (!(total > 0))
         return 0;
     for (int k = 0; k < h->n * h->n; k++)
-        sum += cell_variance(s, k / h->n, k % h->n, rad_rgb_lum(h->cell[k].L));
+        sum += cell_variance(s, k / h->n, k % h->n, s->tally[k].lum);
     return sum / (total * total);
 }
 
@@ -347,7 +425,7 @@ sample(struct rad_ctx *ctx, const struct rad_ray *r,
         return false;
     h->complete = s.traced == n2;
     more = (int)(par->ambssamp * weight + .5);
-    if (h->complete && worth_sharing(&s, more))
+    if (h->complete)
         super_sample(&s, more);
     for (int k = 0; k < n2; k++)
         sum = rad_rgb_add(sum, h->cell[k].L);

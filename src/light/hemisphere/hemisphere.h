@@ -44,6 +44,7 @@ struct rad_hemi_plan {
                           * and at least `side` cells along each side */
     int side;
     const struct rad_bright *bright; /* places that may be seen; or NULL */
+    double usual;                    /* luminance that records see, about */
     double far; /* stands for infinity in cell positions [unit]; without
                  * `store` they are directions */
 };

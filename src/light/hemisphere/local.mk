@@ -5,5 +5,7 @@ librad_a_SOURCES += \
 	src/light/hemisphere/glint.h \
 	src/light/hemisphere/gradient.c \
 	src/light/hemisphere/gradient.h \
+	src/light/hemisphere/guide.c \
+	src/light/hemisphere/guide.h \
 	src/light/hemisphere/hemisphere.c \
 	src/light/hemisphere/hemisphere.h

@@ -149,13 +149,13 @@ zone_of(const struct rad_ambient *amb, const float radius[2], int level)
                                      amb->scale.least * amb->scale.ambacc };
 }
 
-/* For -aw, a record that was inserted. */
+/* The light of a record that was inserted: for -aw, and hemispheres. */
 static void
 count_light(struct rad_ambient *amb, const struct rad_ambrec *rec)
 {
     float lum = rad_rgb_lum(rec->E);
 
-    if (!(amb->job->params.ambvwt > 0 && lum > 0))
+    if (!(lum > 0))
         return;
     atomic_fetch_add_explicit(
         &amb->log_sum,

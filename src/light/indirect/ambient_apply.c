@@ -49,6 +49,16 @@ record_weight(const struct rad_ambplace *at)
     return (float)(at->weight < .1 * usual ? LIGHT * usual : usual);
 }
 
+/* The mean, by logarithm, of what the records see. */
+static double
+usual_luminance(const struct rad_ambview *seen)
+{
+    return seen->log_count > 0
+               ? rad_exp((double)seen->log_sum * RAD_AMBIENT_LOG_UNIT /
+                         (double)seen->log_count)
+               : 0;
+}
+
 /* Is a record made for what one pixel shows of a frozen cache? */
 static bool
 is_alone(const struct rad_ctx *ctx)
@@ -91,6 +101,7 @@ make_record(struct rad_ctx *ctx, const struct rad_ray *r,
     struct rad_arena_mark mark = rad_arena_mark(&ctx->scratch);
     struct rad_hemi_plan plan = { .behind = behind, .store = true };
     uint64_t unsound = ctx->counts.unsound_rays;
+    const struct rad_ambview *seen;
     struct rad_hemi h;
     bool ok;
 
@@ -106,9 +117,11 @@ make_record(struct rad_ctx *ctx, const struct rad_ray *r,
     plan.side = at->level > 0 ? SIDE_DEEP : SIDE_SHOWN;
     plan.coef = rad_grey((float)RAD_AMBIENT_MEAN_REFLECTANCE);
     plan.far = FAR_SIDES * amb->scale.side;
-    plan.bright = &rad_ambient_seen(amb, ctx->tile)->bright;
-    if (plan.bright->n == 0)
-        plan.bright = NULL;
+    seen = rad_ambient_seen(amb, ctx->tile);
+    if (seen->bright.n > 0) {
+        plan.bright = &seen->bright;
+        plan.usual = usual_luminance(seen);
+    }
     rad_copy(plan.normal, at->n);
     ok = rad_hemi_sample(ctx, r, &plan, &h);
     if (ok)
