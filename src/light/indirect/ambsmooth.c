@@ -3,7 +3,6 @@
 
 #include "light/indirect/ambsmooth.h"
 #include "base/vec.h"
-#include "geom/geom.h"
 
 #include <stdlib.h>
 #include <string.h>
