@@ -25,7 +25,8 @@
 
 /* Fewest cells along a side among which differences mean something.  It is
  * more than any least side of a record: else -as, which may be much larger than
- * -ad, would be traced for each of the many that -ad makes coarse. */
+ * -ad, would be traced for each of the many that -ad makes coarse.  Of fewer
+ * cells the guide has no more rays than the cells, for the same reason. */
 #define MIN_SIDE 8
 /* Reflectance assumed for the weight of rays that make a record, which serves
  * surfaces of any. */
@@ -298,8 +299,11 @@ super_sample(struct sampler *s, int count)
 
     if (s->plan->bright && count > 0 &&
         rad_guide_set(&s->guide, s->plan->bright, s->h, s->r->hit.p,
-                      s->plan->usual, &s->ctx->scratch))
+                      s->plan->usual, &s->ctx->scratch)) {
         s->guided = (int)(count * GUIDED + .5);
+        if (n < MIN_SIDE && s->guided > n * n)
+            s->guided = n * n;
+    }
     if (worth_sharing(s, count))
         c = set_shares(s);
     for (int k = 0; (c || s->guided > 0) && k < n * n; k++) {

@@ -2,7 +2,8 @@
  *
  * The hemisphere is mapped to the unit square so that equal areas carry equal
  * irradiance, and cut into n x n cells (-ad) with one ray each; cells whose
- * neighbours differ get more (-as).  The mean radiance times pi is the
+ * neighbours differ get more, and so do small bright places that the cache
+ * knows (-as; guide.h).  The mean radiance times pi is the
  * irradiance, and the positions and radiances of the cells are what gradients
  * and validity radii come from (gradient.h).
  * Sources: Shirley & Chiu 1997 (square to disk); Kensler 2013, Correlated

@@ -7,6 +7,11 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* Whether something stands between two places is looked at so far above them,
+ * over how far apart they are: over what is small and hides little of what the
+ * two see. */
+#define LIFT .05
+
 void
 rad_ambsmooth_release(struct rad_ambsmooth *s)
 {
@@ -21,11 +26,6 @@ item_of(const struct rad_ambsmooth *s, uint32_t place)
 {
     return &s->item[s->shown[place]];
 }
-
-/* Whether something stands between two places is looked at so far above them,
- * over how far apart they are: over what is small and hides little of what the
- * two see. */
-#define LIFT .05
 
 /* Of struct rad_smooth_source. */
 static const double *
@@ -58,8 +58,9 @@ place(const void *arg, uint32_t i, struct rad_smooth_place *p)
     set_place(arg, item_of(arg, i), p);
 }
 
-/* Whatever it is, it is lit otherwise.  These rays are in no statistics: each
- * worker makes the values that its part of the picture shows. */
+/* Anything between two places counts, glass too: behind it light differs. These
+ * rays are in no statistics, for each worker makes the values that its part of
+ * the picture shows. */
 static bool
 are_parted(const void *arg, const struct rad_smooth_place *a,
            const struct rad_smooth_place *b)
