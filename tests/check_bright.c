@@ -152,6 +152,20 @@ START_TEST(even_cells_have_no_share)
 }
 END_TEST
 
+/* The same of the disk with those options, and how many rays that took. */
+static struct found
+sample_disk(const char *options, const struct rad_bright *b, uint64_t *rays)
+{
+    struct found f;
+    struct world w;
+
+    world_open(&w, disk_scene, options);
+    f = sample_many(&w, b);
+    *rays = w.ctx.counts.ambient_rays;
+    world_close(&w);
+    return f;
+}
+
 /* With places and without, the mean of many samplings is the closed form: what
  * a cell draws has no say in how many rays it gets.  With them there is a third
  * of the noise, for the same rays; and the noise that is said is that found. */
@@ -161,17 +175,10 @@ START_TEST(rays_to_bright_places_leave_the_mean_alone)
     struct found blind, guided;
     uint64_t rays[2];
     struct rad_bright b;
-    struct world w;
 
     see_disk(&b);
-    world_open(&w, disk_scene, "-ab 0 -ad 324 -as 0 -lw 0");
-    blind = sample_many(&w, NULL);
-    rays[0] = w.ctx.counts.ambient_rays;
-    world_close(&w);
-    world_open(&w, disk_scene, "-ab 0 -ad 144 -as 144 -lw 0");
-    guided = sample_many(&w, &b);
-    rays[1] = w.ctx.counts.ambient_rays;
-    world_close(&w);
+    blind = sample_disk("-ab 0 -ad 324 -as 0 -lw 0", NULL, &rays[0]);
+    guided = sample_disk("-ab 0 -ad 144 -as 144 -lw 0", &b, &rays[1]);
     ck_assert_double_eq_tol(blind.mean, E, 4 * blind.sd / sqrt(4000));
     ck_assert_double_eq_tol(guided.mean, E, 4 * guided.sd / sqrt(4000));
     ck_assert_double_lt(guided.sd, blind.sd / 3);
@@ -192,17 +199,10 @@ START_TEST(a_guide_leaves_the_mean_of_few_cells_alone)
     struct found blind, guided;
     uint64_t rays[2];
     struct rad_bright b;
-    struct world w;
 
     see_disk_at(&b, moved[_i]);
-    world_open(&w, disk_scene, "-ab 0 -ad 64 -as 0 -lw 0");
-    blind = sample_many(&w, NULL);
-    rays[0] = w.ctx.counts.ambient_rays;
-    world_close(&w);
-    world_open(&w, disk_scene, "-ab 0 -ad 49 -as 9 -lw 0");
-    guided = sample_many(&w, &b);
-    rays[1] = w.ctx.counts.ambient_rays;
-    world_close(&w);
+    blind = sample_disk("-ab 0 -ad 64 -as 0 -lw 0", NULL, &rays[0]);
+    guided = sample_disk("-ab 0 -ad 49 -as 9 -lw 0", &b, &rays[1]);
     ck_assert_double_eq_tol(guided.mean, disk_irradiance(),
                             4 * guided.sd / sqrt(4000));
     ck_assert_uint_le(rays[1], rays[0]);

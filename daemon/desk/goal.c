@@ -11,6 +11,18 @@ goal_is(const struct job *job)
     return job->spec.error_ppm > 0 || job->spec.time_ms > 0;
 }
 
+bool
+goal_time_up(const struct job *job)
+{
+    return job->goal.late && job->spec.time_ms > 0;
+}
+
+bool
+goal_rays_up(const struct job *job)
+{
+    return job->goal.late && job->spec.time_ms == 0;
+}
+
 const char *
 goal_options(const struct job *job)
 {

@@ -26,12 +26,15 @@ struct job_goal {
     double mean;         /* and that of the mean of all pixels */
     uint64_t spent_ms;   /* until the last decision, in earlier lives */
     bool ended;          /* the picture is made with the stage's options */
-    bool late;           /* for want of time alone, or, without a limit of
-                          * time, of rays that a stage may take */
+    bool late;           /* for want of time, or of rays, alone */
 };
 
 /* Has the job one? */
 bool goal_is(const struct job *job);
+/* Did it end for want of time alone, or, without a limit of time, of rays that
+ * a stage may take? */
+bool goal_time_up(const struct job *job);
+bool goal_rays_up(const struct job *job);
 /* Rendering options of its pictures, as far as that is known by now: those of
  * the goal, or of its specification. */
 const char *goal_options(const struct job *job);

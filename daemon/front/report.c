@@ -241,10 +241,8 @@ with_goal(json_t *o, const struct job *job)
     json_object_set_new(o, "goal_error", json_real(job->spec.error_ppm / 1e6));
     json_object_set_new(o, "goal_time_s", json_real(job->spec.time_ms / 1e3));
     json_object_set_new(o, "estimated_error", json_real(g->error));
-    json_object_set_new(o, "time_up",
-                        json_boolean(g->late && job->spec.time_ms > 0));
-    json_object_set_new(o, "rays_up",
-                        json_boolean(g->late && job->spec.time_ms == 0));
+    json_object_set_new(o, "time_up", json_boolean(goal_time_up(job)));
+    json_object_set_new(o, "rays_up", json_boolean(goal_rays_up(job)));
     return o;
 }
 

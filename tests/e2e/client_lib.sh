@@ -80,6 +80,13 @@ expect()
     }
 }
 
+# records FILE: how many ambient records of 114 bytes a file of -af has, at least
+# those of units that count, and those that other attempts at them made
+records()
+{
+    LC_ALL=C sed '1,/^$/d' "$1" | wc -c | awk '{ print $1 / 114 }'
+}
+
 finish()
 {
     left_over | xargs -r kill -9 2>/dev/null

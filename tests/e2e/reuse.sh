@@ -41,12 +41,6 @@ job()
     id=$(sed -n 's/^radsubmit: job //p' "$work/$name.err")
 }
 
-# records FILE: of one of -af
-records()
-{
-    LC_ALL=C sed '1,/^$/d' "$work/$1" | wc -c | awk '{ print $1 / 114 }'
-}
-
 same_as_second()
 {
     body "$work/$1.hdr" >"$work/same.body"
@@ -88,9 +82,9 @@ job chain $third "$@" --reuse="$id" -af "$work/one.amb"
     $(($(total "$work/first.json" tile_values) +
         $(total "$work/second.json" tile_values))) ] ||
     fail "chain: $(total "$work/chain.json" reused_values) records are reused"
-[ "$(records one.amb)" -eq $(($(total "$work/chain.json" reused_values) +
+[ "$(records "$work/one.amb")" -eq $(($(total "$work/chain.json" reused_values) +
     $(total "$work/chain.json" tile_values))) ] ||
-    fail "-af: $(records one.amb) records"
+    fail "-af: $(records "$work/one.amb") records"
 "$radctl" --coordinator="$sock" delete "$id" >"$work/said"
 id=$(sed -n 's/^radsubmit: job //p' "$work/second.err")
 grep -q "begins with the ambient values of job $former" "$work/second.err" ||

@@ -25,13 +25,6 @@ submit()
         -o out.hdr "$@"
 }
 
-# How many are in the file: at least those of units that count, and those that
-# other attempts at them made
-records() # FILE
-{
-    LC_ALL=C sed '1,/^$/d' "$1" | wc -c | awk '{ print $1 / 114 }'
-}
-
 # a first run of three workers makes the file, a second one has it all
 # shellcheck disable=SC2086 # options are words
 {

@@ -218,9 +218,9 @@ rad_bright_see(struct rad_bright_view *v, const struct rad_bright *b, size_t i,
     return true;
 }
 
-void
-rad_bright_add(const struct rad_bright_view *v, int n,
-               struct rad_contrast *cell)
+/* Add a place to the squares of the n * n cells. */
+static void
+add_place(const struct rad_bright_view *v, int n, struct rad_contrast *cell)
 {
     int x = (int)(v->x * n), y = (int)(v->y * n);
 
@@ -237,5 +237,5 @@ rad_bright_cells(const struct rad_bright *b, const struct rad_hemi *h,
 
     for (size_t i = 0; i < b->n; i++)
         if (rad_bright_see(&v, b, i, h, p))
-            rad_bright_add(&v, h->n, cell);
+            add_place(&v, h->n, cell);
 }

@@ -56,10 +56,6 @@ struct rad_glint rad_bright_glint(const struct rad_hemi *h, const double p[3],
 bool rad_bright_see(struct rad_bright_view *v, const struct rad_bright *b,
                     size_t i, const struct rad_hemi *h, const double p[3]);
 
-/* Add a place to the squares of the n * n cells. */
-void rad_bright_add(const struct rad_bright_view *v, int n,
-                    struct rad_contrast *cell);
-
 /* Add to cell[k].square the mean square of the luminance that places are
  * expected to bring to cell k of a hemisphere at p. */
 void rad_bright_cells(const struct rad_bright *b, const struct rad_hemi *h,

@@ -149,13 +149,14 @@ zone_of(const struct rad_ambient *amb, const float radius[2], int level)
                                      amb->scale.least * amb->scale.ambacc };
 }
 
-/* The light of a record that was inserted: for -aw, and hemispheres. */
+/* The light of a record that was inserted: for -aw, and for hemispheres that a
+ * frozen cache guides. */
 static void
 count_light(struct rad_ambient *amb, const struct rad_ambrec *rec)
 {
     float lum = rad_rgb_lum(rec->E);
 
-    if (!(lum > 0))
+    if (!(amb->frozen || amb->job->params.ambvwt > 0) || !(lum > 0))
         return;
     atomic_fetch_add_explicit(
         &amb->log_sum,

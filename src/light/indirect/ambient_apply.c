@@ -49,14 +49,30 @@ record_weight(const struct rad_ambplace *at)
     return (float)(at->weight < .1 * usual ? LIGHT * usual : usual);
 }
 
+/* Logarithms of the records so far, and how many there are. */
+static void
+sum_logs(const struct rad_ambient *amb, const struct rad_ambtile *tile,
+         double *sum, double *n)
+{
+    const struct rad_ambview *v = rad_ambient_seen(amb, tile);
+    int64_t logs = v->log_sum, count = v->log_count;
+
+    if (!amb->frozen) {
+        logs = atomic_load_explicit(&amb->log_sum, memory_order_relaxed);
+        count = atomic_load_explicit(&amb->log_count, memory_order_relaxed);
+    }
+    *sum = (double)logs * RAD_AMBIENT_LOG_UNIT;
+    *n = (double)count;
+}
+
 /* The mean, by logarithm, of what the records see. */
 static double
-usual_luminance(const struct rad_ambview *seen)
+usual_luminance(const struct rad_ambient *amb, const struct rad_ambtile *tile)
 {
-    return seen->log_count > 0
-               ? rad_exp((double)seen->log_sum * RAD_AMBIENT_LOG_UNIT /
-                         (double)seen->log_count)
-               : 0;
+    double sum, n;
+
+    sum_logs(amb, tile, &sum, &n);
+    return n > 0 ? rad_exp(sum / n) : 0;
 }
 
 /* Is a record made for what one pixel shows of a frozen cache? */
@@ -120,7 +136,7 @@ make_record(struct rad_ctx *ctx, const struct rad_ray *r,
     seen = rad_ambient_seen(amb, ctx->tile);
     if (seen->bright.n > 0) {
         plan.bright = &seen->bright;
-        plan.usual = usual_luminance(seen);
+        plan.usual = usual_luminance(amb, ctx->tile);
     }
     rad_copy(plan.normal, at->n);
     ok = rad_hemi_sample(ctx, r, &plan, &h);
@@ -218,22 +234,6 @@ rad_ambient_serves(struct rad_ctx *ctx, const struct rad_ambplace *at)
 
     rad_ambient_ask(ctx->job->ambient, at, &asker, &said);
     return serves(&said, due);
-}
-
-/* Logarithms of the records so far, and how many there are. */
-static void
-sum_logs(const struct rad_ambient *amb, const struct rad_ambtile *tile,
-         double *sum, double *n)
-{
-    const struct rad_ambview *v = rad_ambient_seen(amb, tile);
-    int64_t logs = v->log_sum, count = v->log_count;
-
-    if (!amb->frozen) {
-        logs = atomic_load_explicit(&amb->log_sum, memory_order_relaxed);
-        count = atomic_load_explicit(&amb->log_count, memory_order_relaxed);
-    }
-    *sum = (double)logs * RAD_AMBIENT_LOG_UNIT;
-    *n = (double)count;
 }
 
 /* -av, or its mean with the records so far (-aw), times what a surface leaves
