@@ -10,6 +10,7 @@ include daemon/partition/local.mk
 include daemon/filling/local.mk
 include daemon/sched/local.mk
 include daemon/users/local.mk
+include daemon/jobs/local.mk
 include daemon/desk/local.mk
 include daemon/lines/local.mk
 include daemon/links/local.mk

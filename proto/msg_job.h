@@ -98,7 +98,7 @@ struct msg_fault {
 
 struct msg_progress {
     const uint8_t *job; /* zero: the job is not accepted yet */
-    uint8_t state;      /* enum job_state of daemon/desk/job.h: 0 waiting,
+    uint8_t state;      /* enum job_state of daemon/jobs/job.h: 0 waiting,
                          * 1 running, 2 paused, 3 done, 4 failed,
                          * 5 cancelled; or MSG_STATE_HELD: the coordinator has
                          * no room on its disk */

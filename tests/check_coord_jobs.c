@@ -3,7 +3,7 @@
 #include "config.h"
 
 #include "coord_fixture.h"
-#include "desk/progress.h"
+#include "jobs/progress.h"
 
 #include "queue/coord_keep.h"
 

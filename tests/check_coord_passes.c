@@ -3,7 +3,7 @@
 
 #include "coord_fixture.h"
 
-#include "desk/progress.h"
+#include "jobs/progress.h"
 #include "machine/sums.h"
 #include "passes/passplan.h"
 #include "proto/ambshare.h"

@@ -2,10 +2,10 @@
  * these, and workers' parts in a job, and what may follow what */
 #include "config.h"
 
-#include "desk/go.h"
-#include "desk/job.h"
-#include "desk/part.h"
-#include "desk/unit.h"
+#include "jobs/go.h"
+#include "jobs/job.h"
+#include "jobs/part.h"
+#include "jobs/unit.h"
 #include "machine/steps.h"
 #include "unit.h"
 

@@ -5,7 +5,7 @@
 
 #include "folder/folder.h"
 #include "journal/journal.h"
-#include "desk/job.h"
+#include "jobs/job.h"
 #include "front/coord.h"
 #include "queue/recover.h"
 #include "folder/rowcheck.h"

@@ -3,8 +3,8 @@
 
 #include "desk/desk.h"
 
-#include "desk/job.h"
-#include "desk/part.h"
+#include "jobs/job.h"
+#include "jobs/part.h"
 
 #include <stdio.h>
 #include <stdlib.h>

@@ -1,15 +1,15 @@
 /* desk.h - what the coordinator knows, and what all of its files look up, ask
  * and say
  *
- * The desk is the lowest floor of the coordinator: these structs are changed by
- * the files that stand above, each named where it alone does so.
+ * These structs, and those of a job (jobs/job.h), are changed by the files of
+ * the floors above; a struct that one file alone changes names it.
  * Thread: one. */
 #ifndef DAEMON_DESK_H
 #define DAEMON_DESK_H
 
 #include "desk/account.h"
 #include "desk/env.h"
-#include "desk/job.h"
+#include "jobs/job.h"
 #include "net/log.h"
 #include "users/uploads.h"
 

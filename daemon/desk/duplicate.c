@@ -9,7 +9,7 @@
 
 #include "desk/duplicate.h"
 
-#include "desk/job.h"
+#include "jobs/job.h"
 #include "machine/rowsum.h"
 
 #include "image/hdr.h"

@@ -8,10 +8,10 @@
 
 #include "desk/desk.h"
 #include "desk/duplicate.h"
-#include "desk/go.h"
-#include "desk/part.h"
 #include "desk/speed.h"
-#include "desk/unit.h"
+#include "jobs/go.h"
+#include "jobs/part.h"
+#include "jobs/unit.h"
 
 void
 hold_rate(const struct coord *c, struct coord_worker *w)

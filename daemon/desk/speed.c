@@ -12,8 +12,8 @@
 #include "desk/speed.h"
 
 #include "desk/desk.h"
-#include "desk/go.h"
-#include "desk/part.h"
+#include "jobs/go.h"
+#include "jobs/part.h"
 
 #include <math.h>
 #include <stdlib.h>

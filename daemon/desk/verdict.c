@@ -4,7 +4,7 @@
 #include "desk/verdict.h"
 
 #include "desk/desk.h"
-#include "desk/job.h"
+#include "jobs/job.h"
 
 #include "base/text.h"
 

@@ -3,8 +3,8 @@
 
 #include "filling/lead.h"
 
-#include "desk/goal.h"
-#include "desk/progress.h"
+#include "jobs/goal.h"
+#include "jobs/progress.h"
 #include "machine/jobtext.h"
 #include "passes/passcost.h"
 #include "filling/stages.h"

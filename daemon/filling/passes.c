@@ -15,7 +15,6 @@
 
 #include "filling/passes.h"
 
-#include "desk/progress.h"
 #include "desk/speed.h"
 #include "desk/verdict.h"
 #include "filling/colours.h"
@@ -25,6 +24,7 @@
 #include "filling/records.h"
 #include "filling/stages.h"
 #include "filling/tiles.h"
+#include "jobs/progress.h"
 #include "machine/rowsum.h"
 #include "machine/sums.h"
 #include "passes/passcost.h"

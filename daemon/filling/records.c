@@ -6,9 +6,9 @@
 
 #include "filling/records.h"
 
-#include "desk/part.h"
 #include "filling/passes_impl.h"
 #include "filling/stages.h"
+#include "jobs/part.h"
 #include "links/feeding.h"
 #include "proto/ambshare.h"
 

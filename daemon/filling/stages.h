@@ -10,7 +10,7 @@
 #define DAEMON_STAGES_H
 
 #include "desk/desk.h"
-#include "desk/goal.h"
+#include "jobs/goal.h"
 #include "refine/refine.h"
 
 /* The sizes of a job's pictures, malloc'd; NULL: memory is out. */

@@ -3,12 +3,12 @@
 
 #include "filling/tiles.h"
 
-#include "desk/part.h"
 #include "desk/speed.h"
 #include "desk/verdict.h"
 #include "filling/colours.h"
 #include "filling/passes_impl.h"
 #include "filling/records.h"
+#include "jobs/part.h"
 
 #include <stdio.h>
 #include <stdlib.h>

@@ -10,9 +10,9 @@
 #include "front/coord.h"
 
 #include "desk/desk.h"
-#include "desk/job.h"
-#include "desk/part.h"
-#include "desk/progress.h"
+#include "jobs/job.h"
+#include "jobs/part.h"
+#include "jobs/progress.h"
 #include "desk/verdict.h"
 #include "front/request.h"
 #include "lines/handoff.h"

@@ -3,8 +3,8 @@
 
 #include "front/listing.h"
 
-#include "desk/job.h"
 #include "front/report.h"
+#include "jobs/job.h"
 
 #include <inttypes.h>
 #include <stdio.h>

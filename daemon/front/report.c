@@ -4,9 +4,9 @@
 #include "front/report.h"
 
 #include "desk/desk.h"
-#include "desk/job.h"
-#include "desk/part.h"
-#include "desk/progress.h"
+#include "jobs/job.h"
+#include "jobs/part.h"
+#include "jobs/progress.h"
 #include "queue/coord_keep.h"
 #include "filling/stages.h"
 #include "filling/passes.h"

@@ -4,10 +4,10 @@
 #include "front/request.h"
 
 #include "desk/desk.h"
-#include "desk/job.h"
 #include "desk/verdict.h"
 #include "front/listing.h"
 #include "front/report.h"
+#include "jobs/job.h"
 #include "queue/coord_conn.h"
 #include "queue/coord_job.h"
 #include "queue/coord_keep.h"

@@ -5,7 +5,7 @@
 #include "journal/journal_impl.h"
 
 #include "proto/codec.h"
-#include "desk/job.h"
+#include "jobs/job.h"
 
 #include <stdlib.h>
 #include <string.h>

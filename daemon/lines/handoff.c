@@ -12,12 +12,12 @@
 #include "lines/handoff.h"
 
 #include "desk/desk.h"
-#include "desk/go.h"
 #include "desk/hold.h"
-#include "desk/part.h"
-#include "desk/shared.h"
 #include "desk/speed.h"
 #include "desk/verdict.h"
+#include "jobs/go.h"
+#include "jobs/part.h"
+#include "jobs/shared.h"
 #include "lines/lending.h"
 #include "links/ring.h"
 

@@ -10,14 +10,14 @@
 #include "lines/lending.h"
 
 #include "desk/desk.h"
-#include "desk/go.h"
 #include "desk/hold.h"
-#include "desk/job.h"
-#include "desk/part.h"
-#include "desk/progress.h"
-#include "desk/shared.h"
 #include "desk/speed.h"
 #include "desk/verdict.h"
+#include "jobs/go.h"
+#include "jobs/job.h"
+#include "jobs/part.h"
+#include "jobs/progress.h"
+#include "jobs/shared.h"
 
 #include <math.h>
 #include <string.h>

@@ -6,7 +6,7 @@
 
 #include "links/introduce.h"
 
-#include "desk/part.h"
+#include "jobs/part.h"
 
 /* Tell one worker of one peer. */
 static void

@@ -3,7 +3,7 @@
 
 #include "links/ring.h"
 
-#include "desk/part.h"
+#include "jobs/part.h"
 #include "links/introduce.h"
 
 #include <stdlib.h>

@@ -4,7 +4,7 @@
 #include "links/seeding.h"
 
 #include "desk/desk.h"
-#include "desk/part.h"
+#include "jobs/part.h"
 
 /* A worker that is ready later than the first by more than this would make
  * records which other workers have needed, and made, before. */

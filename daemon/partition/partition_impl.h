@@ -7,7 +7,7 @@
 #include "partition/partition.h"
 
 /* Where a unit is for the order of hand-out: OUT stands for all that enum
- * unit_state (desk/unit.h) tells apart between waiting and done. */
+ * unit_state (jobs/unit.h) tells apart between waiting and done. */
 enum partition_state { PARTITION_WAITING, PARTITION_OUT, PARTITION_DONE };
 
 struct partition_unit {

@@ -10,9 +10,9 @@
 
 #include "desk/desk.h"
 #include "desk/hold.h"
-#include "desk/job.h"
-#include "desk/progress.h"
-#include "desk/shared.h"
+#include "jobs/job.h"
+#include "jobs/progress.h"
+#include "jobs/shared.h"
 #include "desk/verdict.h"
 #include "links/ring.h"
 #include "queue/coord_conn.h"

@@ -12,7 +12,7 @@
 #include "queue/coord_keep.h"
 
 #include "desk/desk.h"
-#include "desk/job.h"
+#include "jobs/job.h"
 #include "queue/coord_job.h"
 
 #include "base/text.h"

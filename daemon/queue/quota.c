@@ -4,7 +4,7 @@
 #include "queue/quota.h"
 
 #include "desk/desk.h"
-#include "desk/job.h"
+#include "jobs/job.h"
 
 #include <inttypes.h>
 #include <jansson.h>

@@ -3,9 +3,9 @@
 
 #include "queue/stats.h"
 
-#include "desk/job.h"
-#include "desk/part.h"
-#include "desk/progress.h"
+#include "jobs/job.h"
+#include "jobs/part.h"
+#include "jobs/progress.h"
 #include "machine/jobtext.h"
 #include "machine/wordlist.h"
 

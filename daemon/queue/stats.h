@@ -6,7 +6,7 @@
 #ifndef DAEMON_STATS_H
 #define DAEMON_STATS_H
 
-#include "desk/job.h"
+#include "jobs/job.h"
 
 /* malloc'd text, NULL when memory is out. */
 char *stats_json(const struct job *job, uint64_t now_ms);

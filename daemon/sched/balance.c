@@ -10,11 +10,11 @@
 #include "sched/balance.h"
 
 #include "desk/desk.h"
-#include "desk/go.h"
 #include "desk/hold.h"
-#include "desk/job.h"
 #include "desk/speed.h"
 #include "desk/verdict.h"
+#include "jobs/go.h"
+#include "jobs/job.h"
 #include "lines/handoff.h"
 #include "lines/lending.h"
 #include "sched/handout.h"

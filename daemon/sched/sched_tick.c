@@ -4,9 +4,9 @@
 #include "sched/sched.h"
 
 #include "desk/desk.h"
-#include "desk/go.h"
-#include "desk/job.h"
 #include "desk/speed.h"
+#include "jobs/go.h"
+#include "jobs/job.h"
 #include "lines/handoff.h"
 #include "lines/lending.h"
 #include "links/ring.h"

@@ -13,9 +13,9 @@
 #include "sched/survey.h"
 
 #include "desk/desk.h"
-#include "desk/part.h"
 #include "desk/speed.h"
 #include "desk/verdict.h"
+#include "jobs/part.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -14,10 +14,10 @@
 
 #include "desk/desk.h"
 #include "desk/hold.h"
-#include "desk/job.h"
-#include "desk/part.h"
 #include "filling/passes.h"
 #include "filling/tiles.h"
+#include "jobs/job.h"
+#include "jobs/part.h"
 #include "sched/loss.h"
 #include "sched/sched.h"
 #include "sched/survey.h"

@@ -11,7 +11,7 @@
 #include "store/store_impl.h"
 
 #include "base/text.h"
-#include "desk/job.h"
+#include "jobs/job.h"
 #include "net/log.h"
 #include "folder/rowcheck.h"
 #include "files/views.h"

@@ -1,9 +1,9 @@
 /* frame.c - see frame.h */
 #include "config.h"
 
-#include "desk/frame.h"
+#include "jobs/frame.h"
 
-#include "desk/job.h"
+#include "jobs/job.h"
 #include "machine/steps.h"
 
 #include <stdlib.h>

@@ -22,10 +22,10 @@
  * WORKING; PARKED, BLOCKED or YIELDING; DELIVERED (hold.c). */
 #include "config.h"
 
-#include "desk/go.h"
+#include "jobs/go.h"
 
-#include "desk/job.h"
-#include "desk/unit.h"
+#include "jobs/job.h"
+#include "jobs/unit.h"
 #include "machine/steps.h"
 
 #include <stdlib.h>

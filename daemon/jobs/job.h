@@ -7,14 +7,14 @@
 #define DAEMON_JOB_H
 
 #include "base/arena.h"
-#include "desk/frame.h"
-#include "desk/goal.h"
-#include "desk/kept.h"
-#include "desk/part.h"
-#include "desk/progress.h"
-#include "desk/unit.h"
+#include "jobs/frame.h"
+#include "jobs/goal.h"
+#include "jobs/kept.h"
+#include "jobs/part.h"
+#include "jobs/progress.h"
+#include "jobs/unit.h"
 #include "partition/partition.h"
-#include "desk/shared.h"
+#include "jobs/shared.h"
 
 struct coord_owner;
 struct coord_worker;
@@ -117,7 +117,7 @@ struct job {
     uint32_t frames_ready; /* the first so many are written */
     struct job_worker *workers;
     uint32_t nworkers, cap_workers;
-    uint32_t *index, nindex; /* of a worker here, by its number on the desk */
+    uint32_t *index, nindex; /* in workers, by coord_worker.id */
     struct job_speed speed;
 
     uint32_t units_done, units_redone;

@@ -12,9 +12,9 @@
  * When the job is over whoever is LOADING or READY is GONE. */
 #include "config.h"
 
-#include "desk/part.h"
+#include "jobs/part.h"
 
-#include "desk/job.h"
+#include "jobs/job.h"
 #include "machine/steps.h"
 
 #include <stdio.h>

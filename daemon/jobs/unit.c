@@ -15,10 +15,10 @@
  * turn out to be kept, it is taken out of its queue again, and is DONE. */
 #include "config.h"
 
-#include "desk/unit.h"
+#include "jobs/unit.h"
 
-#include "desk/job.h"
-#include "desk/part.h"
+#include "jobs/job.h"
+#include "jobs/part.h"
 #include "machine/steps.h"
 
 #include <stdlib.h>

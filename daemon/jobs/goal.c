@@ -1,9 +1,9 @@
 /* goal.c - see goal.h */
 #include "config.h"
 
-#include "desk/goal.h"
+#include "jobs/goal.h"
 
-#include "desk/job.h"
+#include "jobs/job.h"
 
 bool
 goal_is(const struct job *job)

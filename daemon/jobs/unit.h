@@ -6,7 +6,7 @@
 #ifndef DAEMON_UNIT_H
 #define DAEMON_UNIT_H
 
-#include "desk/go.h"
+#include "jobs/go.h"
 #include "proto/message.h"
 
 struct steps;

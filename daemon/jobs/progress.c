@@ -1,9 +1,9 @@
 /* progress.c - see progress.h */
 #include "config.h"
 
-#include "desk/progress.h"
+#include "jobs/progress.h"
 
-#include "desk/job.h"
+#include "jobs/job.h"
 #include "machine/sums.h"
 
 #include <math.h>

@@ -28,11 +28,11 @@
  * store does not know it. */
 #include "config.h"
 
-#include "desk/job.h"
+#include "jobs/job.h"
 
-#include "desk/part.h"
-#include "desk/shared.h"
-#include "desk/unit.h"
+#include "jobs/part.h"
+#include "jobs/shared.h"
+#include "jobs/unit.h"
 #include "machine/jobtext.h"
 #include "machine/steps.h"
 

@@ -1,7 +1,7 @@
 /* kept.c - see kept.h */
 #include "config.h"
 
-#include "desk/kept.h"
+#include "jobs/kept.h"
 
 #include <stdlib.h>
 #include <string.h>

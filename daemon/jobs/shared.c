@@ -3,7 +3,7 @@
  * Nothing is allocated for a frame before something of it comes. */
 #include "config.h"
 
-#include "desk/shared.h"
+#include "jobs/shared.h"
 
 #include "machine/shelf.h"
 #include "team/team.h"
