@@ -30,6 +30,7 @@ include daemon/team/local.mk
 include daemon/strict/local.mk
 include daemon/web/local.mk
 include daemon/draw/local.mk
+include daemon/observer/local.mk
 
 # what a program that uses libdaemon links with, before $(LIBRAD)
 LIBDAEMON = libdaemon.a $(LIBNET) $(SECCOMP_LIBS) $(JANSSON_LIBS) \

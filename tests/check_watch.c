@@ -4,9 +4,9 @@
 #include "config.h"
 
 #include "ground/sanitized.h"
+#include "observer/model.h"
+#include "observer/watch.h"
 #include "unit.h"
-#include "web/model.h"
-#include "web/watch.h"
 
 #include <stdio.h>
 #include <stdlib.h>

@@ -5,7 +5,7 @@
 #define RADD_WEB_ANSWER_H
 
 #include "draw/markup.h"
-#include "web/blob.h"
+#include "observer/blob.h"
 
 #include <microhttpd.h>
 

@@ -7,13 +7,9 @@ libweb_a_CFLAGS = $(AM_CFLAGS) $(UV_CFLAGS) $(JANSSON_CFLAGS) \
 libweb_a_SOURCES = \
 	daemon/web/answer.c \
 	daemon/web/answer.h \
-	daemon/web/blob.c \
-	daemon/web/blob.h \
 	daemon/web/confine.c \
 	daemon/web/confine.h \
 	daemon/web/events.c \
-	daemon/web/model.c \
-	daemon/web/model.h \
 	daemon/web/page.c \
 	daemon/web/page.h \
 	daemon/web/page_home.c \
@@ -25,10 +21,6 @@ libweb_a_SOURCES = \
 	daemon/web/report.h \
 	daemon/web/route.c \
 	daemon/web/serve.c \
-	daemon/web/serve.h \
-	daemon/web/session.c \
-	daemon/web/session.h \
-	daemon/web/watch.c \
-	daemon/web/watch.h
+	daemon/web/serve.h
 
 radweb_SOURCES = daemon/web/radweb.c

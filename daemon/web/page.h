@@ -7,8 +7,8 @@
 #define RADD_WEB_PAGE_H
 
 #include "draw/markup.h"
-#include "web/model.h"
-#include "web/watch.h"
+#include "observer/model.h"
+#include "observer/watch.h"
 
 #define PAGE_JOBS    200 /* rows that are shown; others are counted */
 #define PAGE_WORKERS 300

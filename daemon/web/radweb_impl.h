@@ -14,10 +14,10 @@
 
 #include "ground/daemon.h"
 #include "net/log.h"
-#include "web/model.h"
+#include "observer/model.h"
+#include "observer/watch.h"
 #include "web/report.h"
 #include "web/serve.h"
-#include "web/watch.h"
 
 #define RADWEB_TOKEN     1024 /* longest, with its NUL */
 #define RADWEB_MIN_TOKEN 16

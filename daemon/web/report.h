@@ -7,8 +7,8 @@
 #define RADD_WEB_REPORT_H
 
 #include "draw/markup.h"
-#include "web/model.h"
-#include "web/watch.h"
+#include "observer/model.h"
+#include "observer/watch.h"
 
 /* One of the API's answers. */
 void report_status(struct markup *m, const struct model *c);

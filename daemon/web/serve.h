@@ -13,7 +13,7 @@
 
 #include "base/error.h"
 #include "net/address.h"
-#include "web/blob.h"
+#include "observer/blob.h"
 
 #include <microhttpd.h>
 #include <stdbool.h>

@@ -5,7 +5,7 @@
  * when an answer has come.  With the last answer all lists change at once. */
 #include "config.h"
 
-#include "web/model.h"
+#include "observer/model.h"
 
 #include "draw/markup.h"
 

@@ -1,7 +1,7 @@
 /* watch.c - see watch.h */
 #include "config.h"
 
-#include "web/watch.h"
+#include "observer/watch.h"
 
 #include "base/text.h"
 #include "draw/markup.h"

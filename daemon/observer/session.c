@@ -4,7 +4,7 @@
  *     ^________|____________|____________________| */
 #include "config.h"
 
-#include "web/session.h"
+#include "observer/session.h"
 
 #include "base/text.h"
 #include "net/conn.h"

@@ -10,12 +10,12 @@
  * PICTURE_BYTES twice at most, then once beside 4 * PICTURE_MOST bytes decoded
  * and what is made of them.
  * Thread: the loop's. */
-#ifndef RADD_WEB_WATCH_H
-#define RADD_WEB_WATCH_H
+#ifndef RADD_OBSERVER_WATCH_H
+#define RADD_OBSERVER_WATCH_H
 
-#include "web/blob.h"
+#include "observer/blob.h"
 #include "draw/picture.h"
-#include "web/session.h"
+#include "observer/session.h"
 #include "draw/units.h"
 
 #include <jansson.h>

@@ -1,7 +1,7 @@
 /* blob.c - see blob.h */
 #include "config.h"
 
-#include "web/blob.h"
+#include "observer/blob.h"
 
 #include <stdlib.h>
 

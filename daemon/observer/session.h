@@ -5,8 +5,8 @@
  * answered once: with bytes, or with why there are none; when the connection
  * has ended, all that wait are told so with the next session_tick().
  * Thread: the loop's. */
-#ifndef RADD_WEB_SESSION_H
-#define RADD_WEB_SESSION_H
+#ifndef RADD_OBSERVER_SESSION_H
+#define RADD_OBSERVER_SESSION_H
 
 #include "proto/message.h"
 

@@ -5,8 +5,8 @@
  * that readers who do not read cannot make radweb grow without end: while it is
  * above BLOB_MOST no page, list or event is made.
  * Thread: the loop's. */
-#ifndef RADD_WEB_BLOB_H
-#define RADD_WEB_BLOB_H
+#ifndef RADD_OBSERVER_BLOB_H
+#define RADD_OBSERVER_BLOB_H
 
 #include <stddef.h>
 

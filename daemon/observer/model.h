@@ -7,11 +7,11 @@
  * coordinator has 256 KiB for each 200; MODEL_TEXT of each list, about ten
  * times as much as values, and twice that while the next lists come. Thread:
  * the loop's. */
-#ifndef RADD_WEB_MODEL_H
-#define RADD_WEB_MODEL_H
+#ifndef RADD_OBSERVER_MODEL_H
+#define RADD_OBSERVER_MODEL_H
 
 #include "draw/history.h"
-#include "web/session.h"
+#include "observer/session.h"
 
 #include <jansson.h>
 

@@ -1,0 +1,10 @@
+# what radweb is told by the coordinator
+libweb_a_SOURCES += \
+	daemon/observer/blob.c \
+	daemon/observer/blob.h \
+	daemon/observer/model.c \
+	daemon/observer/model.h \
+	daemon/observer/session.c \
+	daemon/observer/session.h \
+	daemon/observer/watch.c \
+	daemon/observer/watch.h
