@@ -354,4 +354,13 @@ rays_told(void)
     return f.progress.rays;
 }
 
+/* As the answers of a store name the job; 0: there is none. */
+static inline uint64_t
+job_number(const uint8_t *job)
+{
+    const struct job *j = desk_find_job(f.c, job);
+
+    return j ? j->sequence : 0;
+}
+
 #endif

@@ -31,6 +31,7 @@ UNIT_TESTS = \
 	tests/check_coord_conns \
 	tests/check_coord_faults \
 	tests/check_coord_jobs \
+	tests/check_coord_keep \
 	tests/check_coord_order \
 	tests/check_coord_passes \
 	tests/check_coord_rows \
@@ -48,9 +49,11 @@ UNIT_TESTS = \
 	tests/check_font \
 	tests/check_fprism \
 	tests/check_frame \
+	tests/check_framing \
 	tests/check_func \
 	tests/check_gate \
 	tests/check_geom \
+	tests/check_gradient \
 	tests/check_handoff \
 	tests/check_hdr \
 	tests/check_hostile \
@@ -58,6 +61,7 @@ UNIT_TESTS = \
 	tests/check_keyfile \
 	tests/check_known \
 	tests/check_lending \
+	tests/check_line \
 	tests/check_link \
 	tests/check_listing \
 	tests/check_message \
@@ -73,7 +77,10 @@ UNIT_TESTS = \
 	tests/check_parked \
 	tests/check_parse \
 	tests/check_partition \
+	tests/check_partition_lines \
+	tests/check_passcost \
 	tests/check_passes \
+	tests/check_passplan \
 	tests/check_place \
 	tests/check_points \
 	tests/check_pool \
@@ -89,15 +96,18 @@ UNIT_TESTS = \
 	tests/check_rows \
 	tests/check_sample \
 	tests/check_sandbox \
+	tests/check_screen \
 	tests/check_seed \
 	tests/check_seeding \
 	tests/check_seeds \
 	tests/check_shade \
 	tests/check_shelf \
 	tests/check_shell \
+	tests/check_show \
 	tests/check_sim \
 	tests/check_smooth \
 	tests/check_source \
+	tests/check_spec \
 	tests/check_spectrum \
 	tests/check_states \
 	tests/check_store \
@@ -146,6 +156,8 @@ noinst_HEADERS = \
 	tests/hook.h \
 	tests/lambert.h \
 	tests/lines_fixture.h \
+	tests/made_picture.h \
+	tests/message_fixture.h \
 	tests/parts.h \
 	tests/rows_fixture.h \
 	tests/scratch.h \

@@ -1,0 +1,181 @@
+/* check_coord_keep.c - jobs that are over, and how long they are kept */
+#include "config.h"
+
+#include "coord_fixture.h"
+
+#include "queue/coord_keep.h"
+
+static void
+whole_job(const uint8_t *job)
+{
+    submit(&f, ANA, job, 0);
+    ready(&f, WORKER, job);
+    for (uint32_t u = 0; u < 4; u++)
+        result(&f, WORKER, job, u, 1);
+}
+
+/* By number, by age, and by size, but not before its user can have it. */
+START_TEST(jobs_that_are_over_are_kept_for_a_while)
+{
+    static const struct coord_keep keeps[] = { { 1, 0, 0, 0, 0 },
+                                               { 9, 90000, 0, 0, 0 },
+                                               { 9, 0, 1000, 0, 0 } };
+    static const unsigned until_s[] = { 0, 90, 60 };
+
+    coord_set_keep(f.c, &keeps[_i]);
+    whole_job(job_a);
+    coord_job_filed(f.c, f.now_ms, job_a, job_number(job_a), 900, 0);
+    whole_job(job_b);
+    coord_job_filed(f.c, f.now_ms, job_b, job_number(job_b), 900, 0);
+    carry_out(&f);
+    if (until_s[_i] > 0) {
+        wait_s(&f, until_s[_i] / 2);
+        ck_assert_ptr_nonnull(desk_find_job(f.c, job_a));
+        wait_s(&f, until_s[_i]);
+        coord_job_filed(f.c, f.now_ms, job_b, job_number(job_b), 900, 0);
+    }
+    ck_assert_ptr_null(desk_find_job(f.c, job_a));
+    ck_assert((desk_find_job(f.c, job_b) == NULL) == (_i == 1));
+}
+END_TEST
+
+/* A job that is over holds the memory of its windows: of many, few are kept. */
+START_TEST(large_jobs_that_are_over_count_as_several)
+{
+    static const struct coord_keep keep = { .jobs = 9 };
+    static const struct msg_frame picture = { 0, 200, 200, "" };
+
+    coord_set_keep(f.c, &keep);
+    for (int i = 0; i < 2; i++) {
+        const uint8_t *job = i == 0 ? job_a : job_b;
+        struct msg m = usual_submit(job);
+
+        m.submit.frames = &picture;
+        m.submit.partition = MSG_PART_WINDOW;
+        m.submit.windows = 8000; /* as 2000 frames: six jobs */
+        say(&f, ANA, &m);
+        ck_assert_int_eq(f.last[ANA].type, MSG_ACCEPT);
+        about(&f, ANA, MSG_CANCEL, job);
+        wait_s(&f, 2);
+        ck_assert_ptr_nonnull(desk_find_job(f.c, job));
+    }
+    ck_assert_ptr_null(desk_find_job(f.c, job_a));
+}
+END_TEST
+
+/* What was fetched goes, after a while in which its user gets the rest of it;
+ * what was not stays for longer. */
+START_TEST(what_was_not_fetched_is_kept)
+{
+    static const struct coord_keep keep = { .unfetched_ms = 90000 };
+    struct coord_conn *ana;
+    enum msg_session was;
+    char hex[MSG_JOB_HEX];
+
+    coord_set_keep(f.c, &keep);
+    whole_job(job_a);
+    whole_job(job_b);
+    carry_out(&f);
+    coord_fetched(f.c, f.now_ms, BOB, job_b, 0); /* not the owner */
+    /* on the socket, whose user the owner is, but to look only */
+    ana = desk_find_conn(f.c, ANA);
+    was = ana->session;
+    ana->session = MSG_AT_COORD_OBSERVER;
+    coord_fetched(f.c, f.now_ms, ANA, job_b, 0);
+    ana->session = was;
+    coord_fetched(f.c, f.now_ms, ANA, job_a, 0);
+    wait_s(&f, 30);
+    ck_assert_ptr_nonnull(desk_find_job(f.c, job_a));
+    wait_s(&f, 40);
+    ck_assert_ptr_null(desk_find_job(f.c, job_a));
+    ck_assert_ptr_nonnull(desk_find_job(f.c, job_b));
+    msg_job_format(job_a, hex);
+    ck_assert(coord_find_gone(f.c, hex)->fetched);
+    wait_s(&f, 40);
+    ck_assert_ptr_null(desk_find_job(f.c, job_b));
+    about(&f, ANA, MSG_CANCEL, job_b);
+    ck_assert_int_eq(f.last[ANA].failed.status, EX_NOINPUT);
+    ck_assert_ptr_nonnull(
+        strstr(f.last[ANA].failed.text, "forgotten for keep_jobs on "));
+    about(&f, BOB, MSG_CANCEL, job_b);
+    ck_assert_str_eq(f.last[BOB].failed.text, "no such job");
+}
+END_TEST
+
+/* Small jobs are fetched by the hundred in the minute that each has. */
+START_TEST(few_of_those_just_fetched_are_kept)
+{
+    static const struct coord_keep keep = { .jobs = 10, .unfetched_ms = 90000 };
+    uint8_t id[MSG_JOB] = { 0 };
+
+    coord_set_keep(f.c, &keep);
+    for (int i = 0; i < 90; i++) {
+        id[0] = (uint8_t)i;
+        whole_job(id);
+        carry_out(&f);
+        coord_fetched(f.c, f.now_ms, ANA, id, 0);
+    }
+    wait_s(&f, 2);
+    ck_assert_uint_eq(f.c->njobs, 64);
+    id[0] = 0; /* the first was fetched first */
+    ck_assert_ptr_null(desk_find_job(f.c, id));
+    id[0] = 89;
+    ck_assert_ptr_nonnull(desk_find_job(f.c, id));
+    wait_s(&f, 61);
+    ck_assert_uint_eq(f.c->njobs, 10);
+}
+END_TEST
+
+/* Who asks hears the same of it as before. */
+START_TEST(of_a_job_that_is_filed_its_end_is_kept)
+{
+    struct msg fetch = { .type = MSG_FETCH,
+                         .request = 9,
+                         .fetch = { job_a, 0, MSG_WHAT_STATS } };
+    struct msg_progress before, after;
+    struct job *job;
+
+    tear_down();
+    set_up_coord(true);
+    whole_job(job_a);
+    job = desk_find_job(f.c, job_a);
+    progress_tell(job, f.now_ms, &before);
+    coord_job_filed(f.c, f.now_ms, job_a, job_number(job_a), 900, 0);
+    wait_s(&f, 1); /* a worker may tell something yet */
+    ck_assert_ptr_nonnull(job->units);
+    wait_s(&f, 2);
+    ck_assert_int_eq(job->stage, STAGE_FILED);
+    ck_assert_ptr_null(job->units);
+    ck_assert_ptr_null(job->partition);
+    ck_assert_uint_eq(job->nworkers, 0);
+    progress_tell(job, f.now_ms, &after);
+    ck_assert_mem_eq(&before, &after, sizeof before);
+    ck_assert_uint_eq(after.units_total, 4);
+    coord_message(f.c, f.now_ms, ANA, &fetch);
+    ck_assert_int_eq(coord_actions(f.c)->v[0].type, ACT_SEND_PICTURE);
+    ck_assert_int_eq(coord_actions(f.c)->v[0].what, MSG_WHAT_STATS);
+    carry_out(&f);
+    ready(&f, WORKER, job_a); /* it is told that the job is over */
+    ck_assert_int_eq(f.last[WORKER].type, MSG_JOB_END);
+    fetch.fetch.what = MSG_WHAT_PICTURE;
+    coord_message(f.c, f.now_ms, ANA, &fetch);
+    ck_assert_int_eq(coord_actions(f.c)->v[0].type, ACT_SEND_PICTURE);
+    carry_out(&f);
+}
+END_TEST
+
+int
+main(void)
+{
+    Suite *s = suite_create("coord_keep");
+    TCase *tc = tcase_create("coord_keep");
+
+    tcase_add_checked_fixture(tc, set_up, tear_down);
+    tcase_add_test(tc, large_jobs_that_are_over_count_as_several);
+    tcase_add_test(tc, what_was_not_fetched_is_kept);
+    tcase_add_loop_test(tc, jobs_that_are_over_are_kept_for_a_while, 0, 3);
+    tcase_add_test(tc, few_of_those_just_fetched_are_kept);
+    tcase_add_test(tc, of_a_job_that_is_filed_its_end_is_kept);
+    suite_add_tcase(s, tc);
+    return unit_run(s);
+}

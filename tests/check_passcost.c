@@ -1,0 +1,134 @@
+/* check_passcost.c - how much of a job passes are, before any is made */
+#include "config.h"
+
+#include "passes/passcost.h"
+
+#include "machine/jobtext.h"
+#include "unit.h"
+
+#include <string.h>
+
+/* What was measured: rays of tiles of all rays, in the mean of five scenes, by
+ * their odds. */
+static const struct {
+    const char *options;
+    int side;
+    double part;
+} parts[] = {
+    { "-ab 1 -aa .3 -ad 128 -as 32", 400, .70 },
+    { "-ab 2 -aa .3 -ad 128 -as 32", 400, .79 },
+    { "-ab 1 -aa .2 -ad 256 -as 64", 640, .84 },
+    { "-ab 3 -aa .2 -ad 256 -as 64", 640, .88 },
+    { "-ab 2 -aa .15 -ad 256 -as 64", 1024, .89 },
+    { "-ab 2 -aa .3 -ad 128 -as 32", 1024, .63 },
+    { "-ab 5 -aa .3 -ad 64 -as 16", 1024, .64 },
+};
+
+START_TEST(the_part_of_passes_is_foreseen)
+{
+    struct rad_pass_size size = { parts[_i].side, parts[_i].side };
+    struct rad_params par;
+    double part;
+
+    ck_assert_int_eq(jobtext_params(parts[_i].options, &par, NULL), 0);
+    part = rad_passcost_part(&par, &size, 1, false);
+    ck_assert_double_eq_tol(part, parts[_i].part, .1);
+}
+END_TEST
+
+/* Of the office by night at -ab 1, 2 and 4, 640 wide, in hundredths of the rays
+ * of all passes. */
+static const struct {
+    int ambounce;
+    double share[18];
+} shares[] = {
+    { 1, { 6, 8, 8, 12, 11, 30, 24, 0 } },
+    { 2, { .4, 1, 2, 5, 15, 9, 7, 11, 9, 23, 17, 0 } },
+    { 4, { .4, 1, 1, 2, 1, 2, 3, 2, 3, 5, 14, 8, 6, 10, 8, 20, 15, 0 } },
+};
+
+START_TEST(passes_are_weighed)
+{
+    struct rad_pass_size size = { 640, 431 };
+    struct rad_pass pass[RAD_MOST_PASSES];
+    double weight[RAD_MOST_PASSES], all = 0, part = 0, want = 0;
+    struct rad_params par;
+    uint32_t n;
+
+    rad_params_init(&par);
+    par.ambounce = shares[_i].ambounce;
+    n = rad_passes_plan(&par, &size, 1, pass);
+    rad_passcost_weigh(pass, n, weight);
+    for (uint32_t i = 0; i < n; i++)
+        all += weight[i];
+    for (uint32_t i = 0; i < n; i++) {
+        ck_assert_double_gt(weight[i], 0);
+        part += weight[i] / all;
+        want += shares[_i].share[i] / 100;
+        ck_assert_double_eq_tol(part, want, .12);
+    }
+}
+END_TEST
+
+/* Of a walk: no weight is missing, and the first frame's count most. */
+START_TEST(passes_of_many_frames_are_weighed)
+{
+    enum { FRAMES = 12 };
+    struct rad_pass_size size[FRAMES];
+    struct rad_pass pass[RAD_MOST_PASSES];
+    double weight[RAD_MOST_PASSES], all = 0, first = 0;
+    struct rad_params par;
+    uint32_t n;
+
+    for (int i = 0; i < FRAMES; i++)
+        size[i] = (struct rad_pass_size){ 640, 480 };
+    rad_params_init(&par);
+    par.ambounce = 2;
+    n = rad_passes_plan(&par, size, FRAMES, pass);
+    rad_passcost_weigh(pass, n, weight);
+    for (uint32_t i = 0; i < n; i++) {
+        ck_assert_double_gt(weight[i], 0);
+        all += weight[i];
+        first += pass[i].level == 0 && pass[i].frame == 0 ? weight[i] : 0;
+    }
+    ck_assert(first > 1.9 / FRAMES * all / 2 && first < .5 * all);
+}
+END_TEST
+
+/* A pass without tiles is no work; one that checks is some. */
+START_TEST(passes_of_other_kinds_are_weighed)
+{
+    struct rad_pass_size size = { 64, 48 };
+    struct rad_pass pass[RAD_MOST_PASSES];
+    double weight[RAD_MOST_PASSES];
+    struct rad_params par;
+    uint32_t n;
+
+    rad_params_init(&par);
+    par.ambounce = 1;
+    n = rad_passes_plan_on(&par, &size, 1, pass);
+    pass[n++] = (struct rad_pass){
+        .check = true, .stride = 1, .beyond = 1, .tiles = 3
+    };
+    rad_passcost_weigh(pass, n, weight);
+    ck_assert_double_eq(weight[0], 0);
+    ck_assert_double_gt(weight[1], 0);
+    ck_assert_double_gt(weight[n - 1], 0);
+    par.ambounce = 0;
+    ck_assert_double_eq(rad_passcost_part(&par, &size, 1, false), 0);
+}
+END_TEST
+
+int
+main(void)
+{
+    Suite *s = suite_create("passcost");
+    TCase *tc = tcase_create("passcost");
+
+    tcase_add_loop_test(tc, the_part_of_passes_is_foreseen, 0, N_ELEM(parts));
+    tcase_add_loop_test(tc, passes_are_weighed, 0, N_ELEM(shares));
+    tcase_add_test(tc, passes_of_many_frames_are_weighed);
+    tcase_add_test(tc, passes_of_other_kinds_are_weighed);
+    suite_add_tcase(s, tc);
+    return unit_run(s);
+}

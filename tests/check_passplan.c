@@ -1,0 +1,298 @@
+/* check_passplan.c - which passes and tiles there are, by options and sizes */
+#include "config.h"
+
+#include "passes/passes.h"
+
+#include "machine/jobtext.h"
+#include "unit.h"
+
+#include <string.h>
+
+static const char *const none[] = { "-ab 0", "-ab 2 -aa 0", "-ab 2 -ad 0" };
+
+START_TEST(without_a_cache_there_are_no_passes)
+{
+    struct rad_pass pass[RAD_MOST_PASSES];
+    struct rad_pass_size size = { 1920, 1080 };
+    struct rad_params par;
+
+    ck_assert_int_eq(jobtext_params(none[_i], &par, NULL), 0);
+    ck_assert_uint_eq(rad_passes_plan(&par, &size, 1, pass), 0);
+}
+END_TEST
+
+static const struct {
+    struct rad_pass_size size;
+    const char *options;
+    int finest; /* step of the last lattice */
+} plans[] = {
+    { { 1, 1 }, "-ab 12 -ps 1", 2 },
+    { { 1, 65535 }, "-ab 12 -ps 2", 2 },
+    { { 100, 75 }, "-ab 12 -ps 3", 2 },
+    { { 1920, 1280 }, "-ab 12 -ps 4", 4 },
+    { { 7680, 4320 }, "-ab 12 -ps 5", 4 },
+    { { 65535, 65535 }, "-ab 12 -ps 16", 4 },
+};
+
+/* A large picture's passes have tiles for many workers; a small one's have few,
+ * for a tile costs a message, and makes some of its neighbours' records. */
+START_TEST(large_pictures_have_many_tiles)
+{
+    static const struct rad_pass_size size[] = { { 3840, 2160 }, { 640, 640 } };
+    struct rad_pass pass[2][RAD_MOST_PASSES];
+    uint32_t n[2], rounds = 0;
+    struct rad_params par;
+
+    ck_assert_int_eq(jobtext_params("-ab 3 -ps 4", &par, NULL), 0);
+    for (int k = 0; k < 2; k++)
+        n[k] = rad_passes_plan(&par, &size[k], 1, pass[k]);
+    for (uint32_t i = 0; i < n[0]; i++) {
+        uint32_t paths = pass[0][i].end - pass[0][i].first;
+
+        if (pass[0][i].level > 0 && paths >= 8 * 512)
+            ck_assert_uint_eq(pass[0][i].tiles, 128);
+        else if (pass[0][i].level > 0)
+            ck_assert_uint_eq(pass[0][i].tiles, paths / 32);
+        else
+            ck_assert_uint_ge(pass[0][i].tiles, 50);
+        rounds += pass[0][i].level > 0;
+    }
+    ck_assert_uint_gt(rounds, 0);
+    for (uint32_t i = 0; i < n[1]; i++)
+        ck_assert_uint_le(pass[1][i].tiles, 251);
+}
+END_TEST
+
+/* Is that another part of the pass before? */
+static bool
+is_next_part(const struct rad_pass *k)
+{
+    return k->part > 0 && k[-1].part >= 0 && k[-1].part < k->part &&
+           k[-1].level == k->level && k[-1].end == k->end &&
+           k[-1].step == k->step && k[-1].field == k->field &&
+           k[-1].scattered == k->scattered;
+}
+
+static void
+check_reads(const struct rad_pass *k, uint32_t i)
+{
+    ck_assert_uint_le(k->reads, i);
+    ck_assert_uint_lt(i - k->reads, RAD_PASS_PARTS);
+    ck_assert(k->part >= 0 || k->reads == i);
+    for (uint32_t j = 1; j <= i - k->reads; j++)
+        ck_assert(k[-(int)j].part >= 0 && k[-(int)j].part != k->part);
+    ck_assert(!is_next_part(k) || k->reads < i);
+}
+
+/* Each path once, each pixel of the last lattice once, and every second one
+ * along both axes once more for what tiles left out. */
+START_TEST(a_plan_asks_for_each_place_once)
+{
+    struct rad_pass pass[RAD_MOST_PASSES];
+    uint32_t n, end = 0, parts = 0;
+    int level = 12, done = 0;
+    struct rad_params par;
+
+    ck_assert_int_eq(jobtext_params(plans[_i].options, &par, NULL), 0);
+    n = rad_passes_plan(&par, &plans[_i].size, 1, pass);
+    ck_assert_uint_le(n, RAD_MOST_PASSES);
+    ck_assert_int_eq(pass[0].walks, RAD_PASS_LEVELS);
+    for (uint32_t i = 1; i < n; i++) {
+        ck_assert_uint_gt(pass[i].tiles, 0);
+        check_reads(&pass[i], i);
+        ck_assert_int_eq(pass[i].walks, 0);
+        ck_assert_uint_le(pass[i].end, pass[0].paths);
+        ck_assert_int_le(pass[i].level, level);
+        ck_assert(pass[i].scattered || !pass[i - 1].scattered);
+        ck_assert(pass[i].scattered == (pass[i].rays == 0));
+        if (is_next_part(&pass[i])) {
+            parts++;
+            continue;
+        }
+        if (pass[i].level == 0) {
+            if (pass[i].scattered) {
+                ck_assert_int_eq(pass[i].step, 2 * done);
+            } else if (pass[i].field == 1) {
+                ck_assert_int_eq(pass[i - 1].step, pass[i].step);
+            } else {
+                ck_assert_int_eq(pass[i].done, done);
+                ck_assert(done == 0 || pass[i].step == done / 2);
+                done = pass[i].step;
+            }
+            if (pass[i].finest)
+                ck_assert_int_le(pass[i].side * pass[i].step, RAD_PASS_PIXELS);
+            ck_assert(pass[i].finest ==
+                      (pass[i].scattered || pass[i].step == plans[_i].finest));
+        } else {
+            ck_assert_uint_eq(pass[i].first, pass[i].level < level ? 0 : end);
+            ck_assert_uint_gt(pass[i].end, pass[i].first);
+            end = pass[i].end;
+        }
+        level = pass[i].level;
+    }
+    ck_assert(pass[n - 1].scattered);
+    ck_assert_uint_eq(end, pass[0].paths);
+    ck_assert((parts > 0) == (plans[_i].size.height > 2048));
+    ck_assert_int_eq(done, plans[_i].finest);
+    ck_assert_int_eq(level, 0);
+}
+END_TEST
+
+/* Of any number of frames each has its last lattice once. */
+START_TEST(each_frame_is_planned_once)
+{
+    enum { FRAMES = 1000 };
+    static struct rad_pass_size size[FRAMES];
+    static uint8_t times[FRAMES];
+    struct rad_pass pass[RAD_MOST_PASSES];
+    uint32_t nframes = (uint32_t)_i < 40 ? (uint32_t)_i + 1 : FRAMES, n;
+    struct rad_params par;
+
+    ck_assert_int_eq(jobtext_params("-ab 12", &par, NULL), 0);
+    memset(times, 0, sizeof times);
+    for (uint32_t i = 0; i < nframes; i++)
+        size[i] = (struct rad_pass_size){ 100, 75 };
+    n = rad_passes_plan(&par, size, nframes, pass);
+    ck_assert_uint_le(n, RAD_MOST_PASSES);
+    for (uint32_t k = 0; k < n; k++)
+        for (uint32_t i = pass[k].frame;
+             pass[k].finest && pass[k].field < 1 && i < pass[k].beyond;
+             i += pass[k].stride) {
+            ck_assert_int_le(pass[k].side * pass[k].step, RAD_PASS_PIXELS);
+            times[i] += pass[k].scattered ? 16 : 1;
+        }
+    for (uint32_t i = 0; i < nframes; i++)
+        ck_assert_uint_eq(times[i], 17);
+}
+END_TEST
+
+/* What many frames' tiles left out is shared among as many more tiles; a number
+ * that squares of a row do not divide. */
+START_TEST(the_rest_of_many_frames_has_more_tiles)
+{
+    enum { FRAMES = 32 };
+    struct rad_pass_size size[FRAMES];
+    struct rad_pass pass[RAD_MOST_PASSES];
+    uint32_t n, single = 0, most = 0;
+    struct rad_params par;
+
+    ck_assert_int_eq(jobtext_params("-ab 1 -ps 4", &par, NULL), 0);
+    for (int i = 0; i < FRAMES; i++)
+        size[i] = (struct rad_pass_size){ 1920, 1280 };
+    n = rad_passes_plan(&par, size, FRAMES, pass);
+    for (uint32_t i = 0; i < n; i++) {
+        if (!pass[i].scattered)
+            continue;
+        if (pass[i].beyond == 1)
+            single = pass[i].tiles;
+        if (pass[i].tiles > most)
+            most = pass[i].tiles;
+        for (uint32_t k = 2; k * k <= pass[i].tiles; k++)
+            ck_assert_uint_ne(pass[i].tiles % k, 0);
+    }
+    ck_assert_uint_gt(single, 100);
+    ck_assert_uint_ge(most, FRAMES / 2 * single);
+}
+END_TEST
+
+/* Colours are those of lattices; squares of what these have left out are all
+ * over the picture. */
+START_TEST(scattered_squares_show_nothing)
+{
+    static const int side[] = { 60, 200, 948, 3840 };
+    struct rad_pass_size size = { side[_i], side[_i] };
+    struct rad_pass pass[RAD_MOST_PASSES];
+    struct rad_params par;
+    uint32_t n, shown = 0, scattered = 0;
+
+    rad_params_init(&par);
+    par.ambounce = 2;
+    n = rad_passes_plan(&par, &size, 1, pass);
+    for (uint32_t i = 0; i < n; i++) {
+        shown += rad_pass_shows(&pass[i]);
+        scattered += pass[i].scattered;
+        ck_assert(!pass[i].scattered || !rad_pass_shows(&pass[i]));
+    }
+    ck_assert_uint_gt(shown, 0);
+    ck_assert_uint_eq(scattered, _i == 3 ? RAD_PASS_PARTS : 1);
+}
+END_TEST
+
+static void
+see_tiles(const struct rad_pass *pass, int w, int h, uint8_t *seen)
+{
+    for (uint32_t i = 0; i < rad_pass_tiles(pass, w, h); i++) {
+        struct rad_pass_area a = rad_pass_area(pass, w, h, i);
+
+        ck_assert(a.x0 >= 0 && a.y0 >= 0 && a.x1 <= w && a.y1 <= h);
+        ck_assert(a.x0 < a.x1 && a.y0 < a.y1);
+        ck_assert(a.x0 % pass->step == 0 && a.y0 % pass->step == 0);
+        for (int y = a.y0; y < a.y1; y++)
+            for (int x = a.x0; x < a.x1; x++)
+                seen[y * w + x]++;
+    }
+}
+
+static bool
+all_are(const uint8_t *seen, int n, int times)
+{
+    for (int i = 0; i < n; i++)
+        if (seen[i] != times)
+            return false;
+    return true;
+}
+
+/* Each pixel of a lattice lies in one tile, whatever the size; and with two
+ * fields, of two tiles side by side each has one, and so with all parts of
+ * each. */
+START_TEST(tiles_are_the_picture)
+{
+    static const struct rad_pass_size size[] = { { 1, 1 },   { 64, 64 },
+                                                 { 65, 1 },  { 1, 257 },
+                                                 { 300, 7 }, { 511, 513 } };
+    static uint8_t seen[511 * 513];
+
+    for (size_t k = 0; k < N_ELEM(size); k++)
+        for (int step = 2; step <= 32; step *= 2) {
+            struct rad_pass pass = {
+                .step = step, .side = 4, .part = -1, .field = -1
+            };
+            int w = size[k].width, h = size[k].height;
+
+            memset(seen, 0, sizeof seen);
+            see_tiles(&pass, w, h, seen);
+            pass.field = 0;
+            see_tiles(&pass, w, h, seen);
+            for (int y = 0; y < h; y++)
+                for (int x = 0; x < w; x++)
+                    ck_assert_uint_eq(seen[y * w + x],
+                                      2 - (x / (4 * step) + y / (4 * step)) %
+                                              2);
+            pass.field = 1;
+            see_tiles(&pass, w, h, seen);
+            ck_assert(all_are(seen, w * h, 2));
+            for (pass.part = 0; pass.part < RAD_PASS_PARTS; pass.part++)
+                for (pass.field = 0; pass.field < 2; pass.field++)
+                    see_tiles(&pass, w, h, seen);
+            ck_assert(all_are(seen, w * h, 3));
+        }
+}
+END_TEST
+
+int
+main(void)
+{
+    Suite *s = suite_create("passplan");
+    TCase *tc = tcase_create("passplan");
+
+    tcase_add_loop_test(tc, without_a_cache_there_are_no_passes, 0,
+                        N_ELEM(none));
+    tcase_add_loop_test(tc, a_plan_asks_for_each_place_once, 0, N_ELEM(plans));
+    tcase_add_test(tc, large_pictures_have_many_tiles);
+    tcase_add_test(tc, the_rest_of_many_frames_has_more_tiles);
+    tcase_add_loop_test(tc, each_frame_is_planned_once, 0, 41);
+    tcase_add_loop_test(tc, scattered_squares_show_nothing, 0, 4);
+    tcase_add_test(tc, tiles_are_the_picture);
+    suite_add_tcase(s, tc);
+    return unit_run(s);
+}

@@ -1,0 +1,83 @@
+/* check_screen.c - a picture as a screen shows it, as PNG */
+#include "config.h"
+
+#include "tone/screen.h"
+
+#include "made_picture.h"
+
+#include <string.h>
+
+static struct rad_memory_out
+png_of(int width, int height, int bits)
+{
+    static const float v[] = { 1, 2, 3, 4, 5, 6 };
+    struct rad_picture p = grey(width, height, v);
+    struct rad_memory_out out = { 0 };
+    struct rad_sink sink = rad_memory_sink(&out);
+    struct rad_screen screen;
+    struct rad_tone tone = { 0 };
+
+    rad_screen_init(&screen);
+    screen.bits = bits;
+    ck_assert_int_eq(rad_screen_png(&screen, &tone, &p, NULL, &sink, NULL), 0);
+    rad_picture_release(&p);
+    return out;
+}
+
+START_TEST(png_has_its_signature_size_and_end)
+{
+    static const uint8_t start[] = { 0x89, 'P', 'N', 'G', 13,  10,  26,  10,
+                                     0,    0,   0,   13,  'I', 'H', 'D', 'R',
+                                     0,    0,   0,   3,   0,   0,   0,   2 };
+
+    for (int bits = 8; bits <= 16; bits += 8) {
+        struct rad_memory_out out = png_of(3, 2, bits);
+
+        ck_assert_uint_gt(out.len, sizeof start);
+        ck_assert_mem_eq(out.bytes, start, sizeof start);
+        ck_assert_int_eq(out.bytes[sizeof start], bits);
+        ck_assert_int_eq(out.bytes[sizeof start + 1], 2);
+        ck_assert_mem_eq(out.bytes + out.len - 8, "IEND\xae\x42\x60\x82", 8);
+        free(out.bytes);
+    }
+}
+END_TEST
+
+/* The values that PNG's specification wants beside sRGB; 4-byte lengths and
+ * checksums are libpng's. */
+START_TEST(png_says_that_it_is_srgb)
+{
+    static const struct {
+        const char *bytes;
+        size_t n;
+    } chunk[] = {
+        { "sRGB\0", 5 },
+        { "gAMA\0\0\261\217", 8 },
+        { "cHRM\0\0\172\046\0\0\200\204\0\0\372\0\0\0\200\350\0\0\165\060"
+          "\0\0\352\140\0\0\072\230\0\0\027\160",
+          36 },
+    };
+    struct rad_memory_out out = png_of(3, 2, 8);
+
+    for (int i = 0; i < N_ELEM(chunk); i++) {
+        bool found = false;
+
+        for (size_t at = 0; at + chunk[i].n <= out.len; at++)
+            found |= memcmp(out.bytes + at, chunk[i].bytes, chunk[i].n) == 0;
+        ck_assert_msg(found, "%.4s", chunk[i].bytes);
+    }
+    free(out.bytes);
+}
+END_TEST
+
+int
+main(void)
+{
+    Suite *s = suite_create("screen");
+    TCase *tc = tcase_create("screen");
+
+    tcase_add_test(tc, png_has_its_signature_size_and_end);
+    tcase_add_test(tc, png_says_that_it_is_srgb);
+    suite_add_tcase(s, tc);
+    return unit_run(s);
+}
