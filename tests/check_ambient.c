@@ -285,78 +285,34 @@ START_TEST(implausible_record_is_refused)
     struct world w;
 
     world_open(&w, PLASTIC CUBE, CACHED);
+    /* clang-format off */
     switch (_i) {
-    case 0:
-        rec.p[1] = NAN;
-        break;
-    case 1:
-        rec.p[2] = 1e3;
-        break;
-    case 2:
-        rec.n[2] = 2;
-        break;
-    case 3:
-        rec.n[0] = NAN;
-        break;
-    case 4:
-        rec.u[2] = 1;
-        break;
-    case 5:
-        rec.u[0] = 0;
-        rec.u[2] = 1; /* along the normal */
-        break;
-    case 6:
-        rec.radius[0] = 0;
-        break;
-    case 7:
-        rec.radius[1] = .05f; /* less than the smaller one */
-        break;
-    case 8:
-        rec.radius[1] = 1e6f;
-        break;
-    case 9:
-        rec.E.g = INFINITY;
-        break;
-    case 10:
-        rec.E.b = -1;
-        break;
-    case 11:
-        rec.gpos[1] = NAN;
-        break;
-    case 12:
-        rec.gdir[0] = -INFINITY;
-        break;
-    case 13:
-        rec.weight = 0;
-        break;
-    case 14:
-        rec.weight = NAN;
-        break;
-    case 15:
-        rec.level = 2; /* -ab 2 has levels 0 and 1 */
-        break;
-    case 16:
-        rec.var = NAN;
-        break;
-    case 17:
-        rec.glint.p[2] = INFINITY;
-        break;
-    case 18:
-        rec.glint.lum = -1;
-        break;
-    case 19:
-        rec.var = -.5f; /* RAD_AMBREC_UNSURE is the only one below 0 */
-        break;
-    case 20:
-        rec.var = 1e30f;
-        break;
-    case 21:
-        rec.glint = (struct rad_glint){ { 1e30f, 0, 0 }, 1 };
-        break;
-    case 22:
-        rec.glint = (struct rad_glint){ { 0, 0, -3e38f }, 1e-30f };
-        break;
+    case 0: rec.p[1] = NAN; break;
+    case 1: rec.p[2] = 1e3; break;
+    case 2: rec.n[2] = 2; break;
+    case 3: rec.n[0] = NAN; break;
+    case 4: rec.u[2] = 1; break;
+    case 5: rec.u[0] = 0; rec.u[2] = 1; break; /* along the normal */
+    case 6: rec.radius[0] = 0; break;
+    case 7: rec.radius[1] = .05f; break; /* less than the smaller one */
+    case 8: rec.radius[1] = 1e6f; break;
+    case 9: rec.E.g = INFINITY; break;
+    case 10: rec.E.b = -1; break;
+    case 11: rec.gpos[1] = NAN; break;
+    case 12: rec.gdir[0] = -INFINITY; break;
+    case 13: rec.weight = 0; break;
+    case 14: rec.weight = NAN; break;
+    case 15: rec.level = 2; break; /* -ab 2 has levels 0 and 1 */
+    case 16: rec.var = NAN; break;
+    case 17: rec.glint.p[2] = INFINITY; break;
+    case 18: rec.glint.lum = -1; break;
+    /* RAD_AMBREC_UNSURE is the only one below 0 */
+    case 19: rec.var = -.5f; break;
+    case 20: rec.var = 1e30f; break;
+    case 21: rec.glint = (struct rad_glint){ { 1e30f, 0, 0 }, 1 }; break;
+    case 22: rec.glint = (struct rad_glint){ { 0, 0, -3e38f }, 1e-30f }; break;
     }
+    /* clang-format on */
     ck_assert(!rad_ambient_insert(w.job->ambient, &rec));
     ck_assert(!rad_ambient_covers(w.job->ambient, &rec));
     ck_assert_uint_eq(rad_ambient_count(w.job->ambient), 0);

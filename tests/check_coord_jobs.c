@@ -1,11 +1,8 @@
 /* check_coord_jobs.c - the life of a job: submitted, steered, fetched,
- * cancelled, kept */
+ * cancelled */
 #include "config.h"
 
 #include "coord_fixture.h"
-#include "jobs/progress.h"
-
-#include "queue/coord_keep.h"
 
 /* --- every job can be cancelled, and who does hears of it --- */
 
