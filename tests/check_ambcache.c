@@ -1,4 +1,4 @@
-/* check_ambcache.c - tests of src/light/ambcache
+/* check_ambcache.c - tests of src/light/indirect/ambcache.c
  *
  * RADD_SOAK=long inserts 10^6 records from eight threads in place of some
  * thousand. */

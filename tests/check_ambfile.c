@@ -1,4 +1,4 @@
-/* check_ambfile.c - tests of client/ambfile */
+/* check_ambfile.c - tests of client/records/ambfile.c */
 #include "config.h"
 
 #include "records/ambfile.h"

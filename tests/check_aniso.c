@@ -1,4 +1,5 @@
-/* check_aniso.c - tests of src/shade/gloss/aniso.c: gloss that differs by direction
+/* check_aniso.c - tests of src/shade/gloss/aniso.c: gloss that differs by
+ * direction
  *
  * A square in the plane z = 0 is seen at the origin, in the plane y = 0 from
  * the side of negative x, under one sun that gives 1 W/m^2 across its rays, or

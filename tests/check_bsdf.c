@@ -1,4 +1,4 @@
-/* check_bsdf.c - tests of src/scene/bsdf and src/shade/scatter: XML files of
+/* check_bsdf.c - tests of src/scene/bsdf and gloss/scatter.c: XML files of
  * scattering data, and the materials that use them */
 #include "config.h"
 

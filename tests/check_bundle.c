@@ -1,4 +1,4 @@
-/* check_bundle.c - tests of base/hex, base/sha, base/files and scene/bundle */
+/* check_bundle.c - tests of hex, sha and files of src/base, and bundle.c */
 #include "config.h"
 
 #include "base/files.h"

@@ -1,4 +1,5 @@
-/* check_data.c - tests of src/scene/data: grids and pictures as functions */
+/* check_data.c - tests of src/scene/file/data.c: grids and pictures as
+ * functions */
 #include "config.h"
 
 #include "image/hdr.h"

@@ -1,4 +1,4 @@
-/* check_font.c - tests of src/scene/font */
+/* check_font.c - tests of src/scene/file/font.c */
 #include "config.h"
 
 #include "scene/file/font.h"

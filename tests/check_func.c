@@ -1,5 +1,5 @@
-/* check_func.c - tests of src/shade/func: functions as patterns, textures and
- * mixtures
+/* check_func.c - tests of src/pattern/func.c: functions as patterns, textures
+ * and mixtures
  *
  * A square in the plane z = 0 glows with radiance 1 and lights nothing, so that
  * what comes back from it is its pattern. */

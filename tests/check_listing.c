@@ -1,5 +1,5 @@
-/* check_listing.c - tests of daemon/listing: lists of any length, in pages; and
- * of what makes them shorter */
+/* check_listing.c - tests of daemon/front/listing.c: lists of any length, in
+ * pages; and of what makes them shorter */
 #include "coord_fixture.h"
 
 #include "front/listing.h"

@@ -1,5 +1,5 @@
-/* check_mirror.c - tests of src/shade/mirror.c and src/light/direct/image.c: what
- * mirrors show, and the light that they relay
+/* check_mirror.c - tests of src/shade/mirror.c and src/light/direct/image.c:
+ * what mirrors show, and the light that they relay
  *
  * A ball of radius R and radiance L at distance d gives E = pi L (R/d)^2 cos,
  * and so does its image, times the mirror's colour. */

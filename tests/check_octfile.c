@@ -1,4 +1,4 @@
-/* check_octfile.c - tests of scene/octfile */
+/* check_octfile.c - tests of src/scene/octfile.c */
 #include "config.h"
 
 #include "base/rng.h"

@@ -1,4 +1,4 @@
-/* check_octree.c - tests of geom/octree and overlap
+/* check_octree.c - tests of octree and overlap of src/scene
  *
  * The oracle: points drawn on a surface lie in cubes that name it, however
  * surfaces and scenes are shaped, placed and scaled. */

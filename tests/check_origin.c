@@ -1,4 +1,4 @@
-/* Where a picture is from, in its header. */
+/* check_origin.c - where a picture is from, in its header */
 #include "config.h"
 
 #include "show/origin.h"

@@ -1,4 +1,4 @@
-/* check_owner.c - tests of daemon/owner: one person is one owner */
+/* check_owner.c - tests of daemon/users/owner.c: one person is one owner */
 #include "config.h"
 
 #include "net/conn.h"

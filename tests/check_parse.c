@@ -1,4 +1,4 @@
-/* check_parse.c - tests of scene/lex, parse, scene and check */
+/* check_parse.c - tests of src/scene and its folder file: text to objects */
 #include "config.h"
 
 #include "scene/file/parse.h"

@@ -1,4 +1,4 @@
-/* check_ray.c - tests of src/shade/ray: what starts a ray and ends it */
+/* check_ray.c - tests of src/trace/ray.c: what starts a ray and ends it */
 #include "config.h"
 
 #include "world.h"

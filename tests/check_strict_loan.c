@@ -1,4 +1,5 @@
-/* check_strict_loan.c - columns of a line that a strict unit lends or has from another */
+/* check_strict_loan.c - columns of a line that a strict unit lends or has from
+ * another */
 #include "config.h"
 
 #include "strict_fixture.h"

@@ -1,4 +1,5 @@
-/* check_strict_pass.c - what a pass of a strict unit makes, hands on and counts */
+/* check_strict_pass.c - what a pass of a strict unit makes, hands on and counts
+ */
 #include "config.h"
 
 #include "strict_fixture.h"

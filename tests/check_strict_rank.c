@@ -1,4 +1,5 @@
-/* check_strict_rank.c - which strict unit a thread takes next, and for which it leaves a pass */
+/* check_strict_rank.c - which strict unit a thread takes next, and for which it
+ * leaves a pass */
 #include "config.h"
 
 #include "strict_fixture.h"

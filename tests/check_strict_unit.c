@@ -1,4 +1,5 @@
-/* check_strict_unit.c - the states of strict units: parked, revoked, looked at again */
+/* check_strict_unit.c - the states of strict units: parked, revoked, looked at
+ * again */
 #include "config.h"
 
 #include "strict_fixture.h"

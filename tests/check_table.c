@@ -1,5 +1,5 @@
-/* check_table.c - tests of src/shade/table and mixtext: data files, pictures
- * and writing as patterns, textures and mixtures
+/* check_table.c - tests of table and mixtext of src/pattern: data files,
+ * pictures and writing as patterns, textures and mixtures
  *
  * A square in the plane z = 0 glows with radiance 1 and lights nothing, so that
  * what comes back from it is its pattern. */

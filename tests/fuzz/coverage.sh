@@ -39,8 +39,9 @@ find src proto net daemon client tests -name '*.gcda' -exec rm -f {} +
         echo "tests/fuzz/$name $top_srcdir/tests/fuzz/corpus/${name#fuzz_}"
     done
     for name in ambfile ambshare bsdf bundle calc client conf conn \
-        costs data facts font frame func gate hdr idle keyfile message octfile \
-        octree params parse place points spectrum store table tls view wire; do
+        costs data facts font frame framing func gate hdr idle keyfile \
+        message octfile octree params parse place points spec spectrum \
+        store table tls view wire; do
         [ ! -x tests/check_$name ] || echo tests/check_$name
     done
     echo "./radd --help"

@@ -1,4 +1,5 @@
-/* image.h - mirrors while the images in them are made (inside light/ only) */
+/* image.h - mirrors while the images in them are made (inside light/direct
+ * only) */
 #ifndef RAD_LIGHT_IMAGE_H
 #define RAD_LIGHT_IMAGE_H
 

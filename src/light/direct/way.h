@@ -1,4 +1,5 @@
-/* way.h - the way of a shadow ray, stretch by stretch (inside light/ only)
+/* way.h - the way of a shadow ray, stretch by stretch (inside light/direct
+ * only)
  *
  * From a place that is lit a straight stretch leads to a source; or to the
  * mirror that shows an image of one, and the next from there.  Where mirrors

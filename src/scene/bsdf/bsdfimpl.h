@@ -1,4 +1,4 @@
-/* bsdfimpl.h - what the parts of bsdf share (inside scene/bsdf*.c only) */
+/* bsdfimpl.h - what the parts of bsdf share (inside scene/bsdf only) */
 #ifndef RAD_SCENE_BSDFIMPL_H
 #define RAD_SCENE_BSDFIMPL_H
 

@@ -1,4 +1,4 @@
-/* calcimpl.h - what the parts of calc share (inside scene/calc*.c only) */
+/* calcimpl.h - what the parts of calc share (inside scene/calc only) */
 #ifndef RAD_SCENE_CALCIMPL_H
 #define RAD_SCENE_CALCIMPL_H
 

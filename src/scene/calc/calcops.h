@@ -1,5 +1,5 @@
 /* calcops.h - the instructions that functions are compiled to (inside
- * scene/calc*.c only)
+ * scene/calc only)
  *
  * Code is an array of instructions; a piece of it ends with OP_END.  A call is
  *     CALL n symbol, n words ARG_AT pc, one word RESUME pc, the arguments
