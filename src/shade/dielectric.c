@@ -196,13 +196,7 @@ reflect(struct rad_ctx *ctx, const struct boundary *b, struct rad_ray *r,
     rad_madd(lr.dir, r->dir, 2 * b->cos_i, b->norm);
     if (b->textured && rad_dot(lr.dir, r->n) * b->side <= RAD_TINY)
         rad_madd(lr.dir, r->dir, 2 * r->cos_o, r->n); /* not through it */
-    rad_normalize(lr.dir);
-    rad_ray_trace(ctx, &lr);
-    r->L_mirror = rad_rgb_mul(lr.L, lr.coef);
-    r->L = rad_rgb_add(r->L, r->L_mirror);
-    r->mirror_dist = r->hit.t;
-    if (b->unmirrored)
-        r->mirror_dist += rad_ray_way_of(&lr);
+    rad_ray_mirror(ctx, r, &lr, b->unmirrored);
 }
 
 bool

@@ -158,13 +158,9 @@ reflect(struct rad_ctx *ctx, const struct pane *p, struct rad_ray *r)
                        RAD_BRANCH_REFLECT))
         return;
     rad_madd(lr.dir, r->dir, 2 * p->cos_n, p->norm);
-    rad_normalize(lr.dir);
-    rad_ray_trace(ctx, &lr);
-    r->L_mirror = rad_rgb_mul(lr.L, lr.coef);
-    r->L = rad_rgb_add(r->L, r->L_mirror);
-    r->mirror_dist = r->hit.t;
-    if (rad_ray_on_flat(ctx, r) && (!p->textured || r->path & RAD_RAY_AMBIENT))
-        r->mirror_dist += rad_ray_way_of(&lr);
+    rad_ray_mirror(ctx, r, &lr,
+                   rad_ray_on_flat(ctx, r) &&
+                       (!p->textured || r->path & RAD_RAY_AMBIENT));
 }
 
 bool

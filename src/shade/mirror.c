@@ -118,12 +118,7 @@ show(struct rad_ctx *ctx, const struct rad_rgb *coef, struct rad_ray *r)
         if (rad_dot(dir, r->n) > RAD_TINY) /* not into it */
             rad_copy(lr.dir, dir);
     }
-    rad_normalize(lr.dir);
-    rad_ray_trace(ctx, &lr);
-    r->L = r->L_mirror = rad_rgb_mul(lr.L, lr.coef);
-    r->mirror_dist = r->hit.t;
-    if (plain && rad_ray_on_flat(ctx, r))
-        r->mirror_dist += rad_ray_way_of(&lr);
+    rad_ray_mirror(ctx, r, &lr, plain && rad_ray_on_flat(ctx, r));
 }
 
 bool

@@ -497,6 +497,19 @@ rad_ray_way_of(const struct rad_ray *child)
 }
 
 void
+rad_ray_mirror(struct rad_ctx *ctx, struct rad_ray *r, struct rad_ray *child,
+               bool clear)
+{
+    rad_normalize(child->dir);
+    rad_ray_trace(ctx, child);
+    r->L_mirror = rad_rgb_mul(child->L, child->coef);
+    r->L = rad_rgb_add(r->L, r->L_mirror);
+    r->mirror_dist = r->hit.t;
+    if (clear)
+        r->mirror_dist += rad_ray_way_of(child);
+}
+
+void
 rad_ray_place(struct rad_ctx *ctx, struct rad_ray *r, const double p[3],
               const double n[3], uint64_t key)
 {

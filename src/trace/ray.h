@@ -166,6 +166,12 @@ double rad_ray_distance(const struct rad_ray *r);
  * sooner. */
 double rad_ray_way_of(const struct rad_ray *child);
 
+/* Trace a child that is mirrored, in its direction of any length, and add its
+ * light to its parent's.  clear: what the mirror shows is as far away as it
+ * looks; else it is taken to be as far as the mirror itself. */
+void rad_ray_mirror(struct rad_ctx *ctx, struct rad_ray *r,
+                    struct rad_ray *child, bool clear);
+
 /* The irradiance at a point of the scene, on the side of unit normal n: a
  * white surface there, without one being there.  Fills *r as a primary ray
  * that met it, r->L the irradiance [W/m^2].

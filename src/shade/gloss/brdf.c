@@ -341,13 +341,7 @@ mirror(struct brdf_hit *hit)
                        RAD_BRANCH_REFLECT))
         return;
     rad_madd(lr.dir, r->dir, 2 * hit->cos_n, hit->norm);
-    rad_normalize(lr.dir);
-    rad_ray_trace(hit->ctx, &lr);
-    r->L_mirror = rad_rgb_mul(lr.L, lr.coef);
-    r->L = rad_rgb_add(r->L, r->L_mirror);
-    r->mirror_dist = r->hit.t;
-    if (plain && rad_ray_on_flat(hit->ctx, r))
-        r->mirror_dist += rad_ray_way_of(&lr);
+    rad_ray_mirror(hit->ctx, r, &lr, plain && rad_ray_on_flat(hit->ctx, r));
 }
 
 bool

@@ -239,13 +239,7 @@ reflect_mirror(struct normal_hit *hit)
     rad_madd(lr.dir, r->dir, 2 * hit->cos_n, hit->norm);
     if (hit->textured && rad_dot(lr.dir, r->n) <= RAD_TINY)
         rad_madd(lr.dir, r->dir, 2 * r->cos_o, r->n); /* not into it */
-    rad_normalize(lr.dir);
-    rad_ray_trace(hit->ctx, &lr);
-    r->L_mirror = rad_rgb_mul(lr.L, lr.coef);
-    add_light(r, r->L_mirror);
-    r->mirror_dist = r->hit.t;
-    if (hit->flat && r->path & RAD_RAY_AMBIENT)
-        r->mirror_dist += rad_ray_way_of(&lr);
+    rad_ray_mirror(hit->ctx, r, &lr, hit->flat && r->path & RAD_RAY_AMBIENT);
 }
 
 /* The rough surface, whose lobes rays are drawn from. */

@@ -363,13 +363,7 @@ mirror(struct wgmd_hit *hit)
     rad_madd(lr.dir, r->dir, 2 * v->cos_n, v->norm);
     if (v->textured && rad_ray_through(r, lr.dir))
         rad_madd(lr.dir, r->dir, 2 * r->cos_o, r->n); /* not into it */
-    rad_normalize(lr.dir);
-    rad_ray_trace(hit->ctx, &lr);
-    r->L_mirror = rad_rgb_mul(lr.L, lr.coef);
-    r->L = rad_rgb_add(r->L, r->L_mirror);
-    r->mirror_dist = r->hit.t;
-    if (hit->flat && r->path & RAD_RAY_AMBIENT)
-        r->mirror_dist += rad_ray_way_of(&lr);
+    rad_ray_mirror(hit->ctx, r, &lr, hit->flat && r->path & RAD_RAY_AMBIENT);
 }
 
 /* Diffuse light from all around on one side; gloss too weak for samples of its
