@@ -301,8 +301,7 @@ link_recv(struct link *l, int timeout_ms, const struct msg **m,
         if (l->why.code)
             return lost(l, err);
         now = uv_now(l->where.loop);
-        if (!wait_for(l, now < until ? (int)(until - now) : 0) &&
-            !l->why.code)
+        if (!wait_for(l, now < until ? (int)(until - now) : 0) && !l->why.code)
             return 0;
     }
 }
@@ -316,28 +315,6 @@ left_ms(const struct link *l)
     uint64_t now = uv_now(l->where.loop);
 
     return now < l->until_ms ? (int)(l->until_ms - now) : 0;
-}
-
-/* The key that the user's file has for that role. */
-static int
-load_key(struct dial_key *key, const char *path, enum msg_role role,
-         struct rad_error *err)
-{
-    struct keyfile f;
-    const struct key *k;
-    int rc = keyfile_load(&f, path, err);
-
-    if (rc < 0)
-        return rc;
-    k = keyfile_choice(&f, role, (int64_t)time(NULL));
-    if (k) {
-        key_id(k, key->id);
-        memcpy(key->secret, k->secret, sizeof key->secret);
-    } else {
-        rc = rad_fail(err, RAD_EPERM, "there is no key in '%s'", path);
-    }
-    keyfile_release(&f);
-    return rc;
 }
 
 enum msg_role
@@ -373,7 +350,7 @@ connect_to(struct link *l, const struct target *to, enum msg_role role,
 
     l->keyless = !to->local && !to->key[0];
     if (!to->local && to->key[0] &&
-        (rc = load_key(&key, to->key, role, err)) < 0)
+        (rc = keyfile_choose(to->key, role, key.id, key.secret, err)) < 0)
         return rc;
     snprintf(address, sizeof address, six ? "[%s]:%s" : "%s:%s", to->host,
              to->port);

@@ -16,7 +16,6 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sysexits.h>
-#include <time.h>
 
 #define FIRST_MS   500   /* before it dials again */
 #define LAST_MS    30000 /* each wait is twice the one before, up to this */
@@ -313,27 +312,6 @@ on_dialled(void *arg, uint64_t id, uv_stream_t *stream, struct tls *tls,
         note_down(s, out_of_memory, out_of_memory);
 }
 
-/* The file is read at each dial, so a new key needs no restart. */
-static int
-load_key(const struct session *s, struct dial_key *key, struct rad_error *err)
-{
-    struct keyfile f;
-    const struct key *k;
-    int rc = keyfile_load(&f, s->conf.key, err);
-
-    if (rc < 0)
-        return rc;
-    k = keyfile_choice(&f, MSG_ROLE_OBSERVER, (int64_t)time(NULL));
-    if (k) {
-        key_id(k, key->id);
-        memcpy(key->secret, k->secret, sizeof key->secret);
-    } else {
-        rc = rad_fail(err, RAD_EPERM, "there is no key in '%s'", s->conf.key);
-    }
-    keyfile_release(&f);
-    return rc;
-}
-
 static void
 begin_dial(struct session *s)
 {
@@ -343,7 +321,9 @@ begin_dial(struct session *s)
     bool has = s->conf.key[0] != '\0';
 
     s->state = DIALLING;
-    if (has && load_key(s, &key, &err) < 0) {
+    /* at each dial, so a new key needs no restart */
+    if (has && keyfile_choose(s->conf.key, MSG_ROLE_OBSERVER, key.id,
+                              key.secret, &err) < 0) {
         rad_error_format(&err, text, sizeof text);
         note_down(s, text, "radweb has no key for it, its log says why");
         return;

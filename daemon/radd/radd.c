@@ -324,24 +324,15 @@ on_peer(void *arg, uv_stream_t *stream, struct tls *tls, const char *peer)
 static int
 read_key(struct radd *r, struct rad_error *err)
 {
-    struct keyfile f;
-    const struct key *k;
+    struct key k;
     int rc;
 
     if (!r->set.key[0])
         return 0;
-    if ((rc = keyfile_load(&f, r->set.key, err)) < 0)
-        return rc;
-    k = keyfile_choice(&f, MSG_ROLE_WORKER, (int64_t)time(NULL));
-    if (k) {
-        key_id(k, r->key.id);
-        memcpy(r->key.secret, k->secret, KEY_SECRET);
-        if (!r->set.name[0])
-            snprintf(r->set.name, sizeof r->set.name, "%s", k->name);
-    } else {
-        rc = rad_fail(err, RAD_EPERM, "there is no key in '%s'", r->set.key);
-    }
-    keyfile_release(&f);
+    rc = keyfile_choose(r->set.key, MSG_ROLE_WORKER, r->key.id, r->key.secret,
+                        err);
+    if (rc == 0 && !r->set.name[0] && key_id_parse(r->key.id, &k))
+        snprintf(r->set.name, sizeof r->set.name, "%s", k.name);
     return rc;
 }
 

@@ -481,8 +481,8 @@ keyfile_best(const struct keyfile *f, enum msg_role role, int64_t now)
     return best;
 }
 
-const struct key *
-keyfile_choice(const struct keyfile *f, enum msg_role role, int64_t now)
+static const struct key *
+choice(const struct keyfile *f, enum msg_role role, int64_t now)
 {
     const struct key *k = keyfile_best(f, role, now);
 
@@ -495,6 +495,27 @@ keyfile_choice(const struct keyfile *f, enum msg_role role, int64_t now)
         if (!f->v[i].retired)
             k = &f->v[i];
     return k;
+}
+
+int
+keyfile_choose(const char *path, enum msg_role role, char id[KEY_ID],
+               uint8_t secret[KEY_SECRET], struct rad_error *err)
+{
+    struct keyfile f;
+    const struct key *k;
+    int rc = keyfile_load(&f, path, err);
+
+    if (rc < 0)
+        return rc;
+    k = choice(&f, role, (int64_t)time(NULL));
+    if (k) {
+        key_id(k, id);
+        memcpy(secret, k->secret, KEY_SECRET);
+    } else {
+        rc = rad_fail(err, RAD_EPERM, "there is no key in '%s'", path);
+    }
+    keyfile_release(&f);
+    return rc;
 }
 
 void

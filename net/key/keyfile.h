@@ -89,11 +89,12 @@ const struct key *keyfile_find(const struct keyfile *f, const char *id);
 const struct key *keyfile_best(const struct keyfile *f, enum msg_role role,
                                int64_t now);
 
-/* What to dial with in that role: its best key; else one that the other side
- * will refuse and say why: an expired one, or one of another role.  (A user has
- * an admin's key before that.)  NULL: there is none but retired ones. */
-const struct key *keyfile_choice(const struct keyfile *f, enum msg_role role,
-                                 int64_t now);
+/* What to dial with in that role, from a file: its best key; else one that the
+ * other side will refuse and say why: an expired one, or one of another role.
+ * (A user has an admin's key before that.)  As keyfile_load(); RAD_EPERM, too,
+ * where there is none but retired ones. */
+int keyfile_choose(const char *path, enum msg_role role, char id[KEY_ID],
+                   uint8_t secret[KEY_SECRET], struct rad_error *err);
 
 /* A key's date: "2027-01-31", with the time of day where it is not midnight;
  * "" for never. */
