@@ -155,25 +155,12 @@ read_header(const struct ambfile *a, struct header *h, struct rad_error *err)
     return 0;
 }
 
-/* Name the first word that differs. */
-static int
-options_differ(const char *theirs, const char *ours, struct rad_error *err)
-{
-    const char *name = ours;
-    size_t i = 0;
-
-    for (; theirs[i] != '\0' && theirs[i] == ours[i]; i++)
-        if (ours[i] == ' ' && ours[i + 1] == '-' &&
-            (ours[i + 2] < '0' || ours[i + 2] > '9'))
-            name = ours + i + 1;
-    return rad_fail(err, RAD_EDATA, "was made with other options: %.*s differs",
-                    (int)strcspn(name, " "), name);
-}
-
 static int
 fits(struct ambfile *a, const struct header *h, struct rad_error *err)
 {
     char options[RAD_PARAMS_TEXT];
+    const char *name;
+    int n;
 
     if (h->format && strcmp(h->format, RADIANCE) == 0) {
         a->format = AMBFILE_RADIANCE;
@@ -186,9 +173,11 @@ fits(struct ambfile *a, const struct header *h, struct rad_error *err)
     if (strcmp(h->scene, a->scene) != 0)
         return rad_fail(err, RAD_EDATA, "belongs to another scene");
     options_text(a, options);
-    return strcmp(h->options, options) == 0
-               ? 0
-               : options_differ(h->options, options, err);
+    if (strcmp(h->options, options) == 0)
+        return 0;
+    name = rad_params_differ(h->options, options, &n);
+    return rad_fail(err, RAD_EDATA, "was made with other options: %.*s differs",
+                    n, name);
 }
 
 /* --- Radiance's records --- */

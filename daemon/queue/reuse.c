@@ -28,36 +28,26 @@ options_of(const struct msg_spec *spec, char text[RAD_PARAMS_TEXT],
     return 0;
 }
 
-/* The first option whose value differs. */
-static int
-options_differ(const struct job *job, const char *theirs, const char *ours,
-               struct rad_error *err)
-{
-    size_t name = 0;
-
-    for (size_t i = 0; ours[i] != '\0' && theirs[i] == ours[i]; i++)
-        if (ours[i] == ' ' && ours[i + 1] == '-' &&
-            (ours[i + 2] < '0' || ours[i + 2] > '9') && ours[i + 2] != '.')
-            name = i + 1;
-    return rad_fail(err, RAD_EDATA,
-                    "job %s has other options for ambient values: %.*s differs",
-                    job->hex, (int)strcspn(ours + name, " ="), ours + name);
-}
-
 /* Would the job's records be those of the new job? */
 static int
 check_fit(const struct job *job, const struct msg_spec *spec,
           struct rad_error *err)
 {
     char ours[RAD_PARAMS_TEXT], theirs[RAD_PARAMS_TEXT];
+    const char *name;
+    int n;
 
     if (memcmp(job->spec.scene, spec->scene, MSG_HASH) != 0)
         return rad_fail(err, RAD_EDATA, "job %s is of another scene", job->hex);
     if (options_of(spec, ours, err) < 0 ||
         options_of(&job->spec, theirs, err) < 0)
         return RAD_EDATA;
-    return strcmp(ours, theirs) == 0 ? 0
-                                     : options_differ(job, theirs, ours, err);
+    if (strcmp(ours, theirs) == 0)
+        return 0;
+    name = rad_params_differ(theirs, ours, &n);
+    return rad_fail(err, RAD_EDATA,
+                    "job %s has other options for ambient values: %.*s differs",
+                    job->hex, n, name);
 }
 
 /* Is there a cache of the job? */

@@ -657,6 +657,18 @@ rad_params_format(const struct rad_params *p, char *buf, size_t size)
     }
 }
 
+const char *
+rad_params_differ(const char *a, const char *b, int *n)
+{
+    const char *name = b;
+
+    for (size_t i = 0; b[i] != '\0' && a[i] == b[i]; i++)
+        if (b[i] == ' ' && b[i + 1] == '-' && !strchr("0123456789.", b[i + 2]))
+            name = b + i + 1;
+    *n = (int)strcspn(name, " =");
+    return name;
+}
+
 void
 rad_params_of_records(const struct rad_params *p, struct rad_params *out)
 {

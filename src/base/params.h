@@ -76,8 +76,8 @@ struct rad_params {
     int amblisted;                 /* RAD_AMB_* */
     char amblist[RAD_MAX_AMBLIST]; /* names, a blank between two */
     /* limits */
-    int maxdepth;     /* -lr; <= 0: Russian roulette */
-    double minweight; /* -lw */
+    int maxdepth;           /* -lr; <= 0: Russian roulette */
+    double minweight;       /* -lw */
     struct rad_bands bands; /* -cs -cw --plane */
     /* ours */
     uint64_t seed; /* --seed */
@@ -114,6 +114,9 @@ int rad_params_check(const struct rad_params *p, struct rad_error *err);
  * fewer do not suffice). */
 #define RAD_PARAMS_TEXT 4000
 void rad_params_format(const struct rad_params *p, char *buf, size_t size);
+/* The name in b, *n bytes long, of the first option whose value is another in
+ * a; both are canonical. */
+const char *rad_params_differ(const char *a, const char *b, int *n);
 
 /* rpict's -defaults: one line an option, "-dt 0.05    # direct threshold", to
  * a caller's sink. */
