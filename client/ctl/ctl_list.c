@@ -6,10 +6,10 @@
 #include "base/number.h"
 #include "common/table.h"
 #include "common/tell.h"
+#include "machine/serving.h"
 
 #include <pwd.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 /* A column that people see, and the member of a row that it shows. */
@@ -26,11 +26,9 @@ static const struct column job_columns[] = {
     { "text", "note" },         { NULL, NULL },
 };
 static const struct column worker_columns[] = {
-    { "name", "name" },       { "state", "state" },
-    { "threads", "threads" }, { "units", "units" },
-    { "address", "address" }, { "program", "program" },
-    { "since_s", "since" },   { "text", "note" },
-    { NULL, NULL },
+    { "name", "name" },     { "state", "state" },     { "threads", "threads" },
+    { "units", "units" },   { "address", "address" }, { "program", "program" },
+    { "since_s", "since" }, { "text", "note" },       { NULL, NULL },
 };
 
 /* A member of a row as people read it. */
@@ -207,53 +205,12 @@ ctl_rows(struct ctl *c, const struct msg_page *ask, json_t **rows)
 
 /* --- showing them --- */
 
-/* A job's row, and where it was. */
-struct place {
-    json_t *row;
-    json_int_t priority;
-    size_t at;
-};
-
-/* Of one priority the oldest first, who come last. */
-static int
-by_priority(const void *a, const void *b)
-{
-    const struct place *p = a, *q = b;
-
-    if (p->priority != q->priority)
-        return p->priority < q->priority ? 1 : -1;
-    return p->at < q->at ? 1 : -1;
-}
-
-/* The order in which the coordinator serves them. */
-static json_t *
-in_order(const json_t *rows)
-{
-    size_t n = json_array_size(rows);
-    struct place *v = calloc(n + 1, sizeof *v);
-    json_t *list = json_array();
-
-    for (size_t i = 0; v && i < n; i++) {
-        json_t *row = json_array_get(rows, i);
-
-        v[i] = (struct place){
-            row, json_integer_value(json_object_get(row, "priority")), i
-        };
-    }
-    if (v)
-        qsort(v, n, sizeof *v, by_priority);
-    for (size_t i = 0; v && i < n; i++)
-        json_array_append(list, v[i].row);
-    free(v);
-    return list;
-}
-
 static void
 show(const struct ctl *c, json_t *rows, bool jobs)
 {
-    json_t *shown =
-        c->json ? json_incref(rows)
-                : for_people(rows, jobs ? job_columns : worker_columns);
+    json_t *shown = c->json
+                        ? json_incref(rows)
+                        : for_people(rows, jobs ? job_columns : worker_columns);
 
     if (json_array_size(shown) == 0 && !c->json)
         puts(jobs ? "no jobs" : "no workers");
@@ -298,7 +255,7 @@ ctl_run_list(struct ctl *c)
 
     if (rc < 0)
         return rc;
-    list = jobs ? in_order(rows) : json_incref(rows);
+    list = jobs ? serving_order(rows) : json_incref(rows);
     show(c, list, jobs);
     json_decref(list);
     json_decref(rows);

@@ -19,5 +19,7 @@ libdaemon_a_SOURCES += \
 	daemon/machine/saved.h \
 	daemon/machine/shelf.c \
 	daemon/machine/shelf.h \
+	daemon/machine/serving.c \
+	daemon/machine/serving.h \
 	daemon/machine/wordlist.c \
 	daemon/machine/wordlist.h

@@ -8,8 +8,8 @@
 #include "observer/model.h"
 
 #include "draw/markup.h"
+#include "machine/serving.h"
 
-#include <stdlib.h>
 #include <string.h>
 
 enum {
@@ -189,46 +189,6 @@ take_rates(struct model *m, uint64_t now)
     history_note(&m->history, now, m->rays_s, m->at_work);
 }
 
-/* --- order --- */
-
-struct place {
-    json_t *row;
-    double priority;
-    size_t at;
-};
-
-/* Of one priority the oldest first, which come last. */
-static int
-by_priority(const void *a, const void *b)
-{
-    const struct place *p = a, *q = b;
-
-    if (p->priority != q->priority)
-        return p->priority < q->priority ? 1 : -1;
-    return p->at < q->at ? 1 : -1;
-}
-
-/* Jobs in the order in which the coordinator serves them. */
-static json_t *
-in_order(const json_t *rows)
-{
-    size_t n = json_array_size(rows);
-    struct place *v = calloc(n + 1, sizeof *v);
-    json_t *list = json_array();
-
-    for (size_t i = 0; v && i < n; i++) {
-        json_t *row = json_array_get(rows, i);
-
-        v[i] = (struct place){ row, markup_number(row, "priority"), i };
-    }
-    if (v)
-        qsort(v, n, sizeof *v, by_priority);
-    for (size_t i = 0; v && i < n; i++)
-        json_array_append(list, v[i].row);
-    free(v);
-    return list;
-}
-
 /* --- the end of a round --- */
 
 static void
@@ -243,7 +203,7 @@ static void
 end_round(struct model *m)
 {
     uint64_t now = uv_now(m->loop);
-    json_t *open = in_order(m->next_open);
+    json_t *open = serving_order(m->next_open);
 
     json_decref(m->next_open);
     m->next_open = NULL;

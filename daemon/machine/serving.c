@@ -1,0 +1,45 @@
+/* serving.c - see serving.h */
+#include "config.h"
+
+#include "machine/serving.h"
+
+#include <stdlib.h>
+
+/* A job's row, and its index in the list. */
+struct place {
+    json_t *row;
+    json_int_t priority;
+    size_t at;
+};
+
+static int
+by_priority(const void *a, const void *b)
+{
+    const struct place *p = a, *q = b;
+
+    if (p->priority != q->priority)
+        return p->priority < q->priority ? 1 : -1;
+    return p->at < q->at ? 1 : -1;
+}
+
+json_t *
+serving_order(const json_t *rows)
+{
+    size_t n = json_array_size(rows);
+    struct place *v = calloc(n + 1, sizeof *v);
+    json_t *list = json_array();
+
+    for (size_t i = 0; v && i < n; i++) {
+        json_t *row = json_array_get(rows, i);
+
+        v[i] = (struct place){
+            row, json_integer_value(json_object_get(row, "priority")), i
+        };
+    }
+    if (v)
+        qsort(v, n, sizeof *v, by_priority);
+    for (size_t i = 0; v && i < n; i++)
+        json_array_append(list, v[i].row);
+    free(v);
+    return list;
+}
