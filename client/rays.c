@@ -14,13 +14,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* What may stand behind the name of an option that is on or off. */
-static bool
-is_switch(const char *text)
-{
-    return text[0] == '\0' || (strchr("+-01", text[0]) && !text[1]);
-}
-
 int
 rays_options(struct rays_options *o, struct words *w, struct rad_error *err)
 {
@@ -45,9 +38,7 @@ rays_options(struct rays_options *o, struct words *w, struct rad_error *err)
             at++;
             continue;
         }
-        if (strncmp(word, "-co", 3) == 0 && is_switch(word + 3)) {
-            o->spectral =
-                word[3] ? strchr("+1", word[3]) != NULL : !o->spectral;
+        if (rad_params_switch(word, "-co", &o->spectral)) {
             at++;
             continue;
         }

@@ -61,27 +61,13 @@ take_view_file(struct cursor *c)
     return rc < 0 ? rc : 2;
 }
 
-/* Is that the switch of that name, with +, -, 1 or 0 behind it, or none?  Then
- * *on is what it becomes, for none the other of what it was. */
-static bool
-take_switch(const char *word, const char *name, bool *on)
-{
-    size_t n = strlen(name);
-
-    if (strncmp(word, name, n) != 0 || (word[n] && word[n + 1]) ||
-        !strchr("+-10", word[n]))
-        return false;
-    *on = word[n] ? strchr("+1", word[n]) != NULL : !*on;
-    return true;
-}
-
 /* -w, -w+, -w-: warnings, which are on. */
 static int
 take_warnings(struct cursor *c)
 {
     bool on = !c->o->quiet;
 
-    if (!take_switch(c->w->list[c->at], "-w", &on))
+    if (!rad_params_switch(c->w->list[c->at], "-w", &on))
         return 0;
     c->o->quiet = !on;
     return 1;
@@ -93,7 +79,7 @@ take_spectral(struct cursor *c)
 {
     bool on = c->o->spectral == 1;
 
-    if (!take_switch(c->w->list[c->at], "-co", &on))
+    if (!rad_params_switch(c->w->list[c->at], "-co", &on))
         return 0;
     c->o->spectral = on;
     return 1;

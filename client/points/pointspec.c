@@ -19,25 +19,6 @@ pointspec_init(struct pointspec *s)
     s->values = "v";
 }
 
-/* A switch as Radiance has them: alone it turns over. */
-static bool
-take_switch(const char *word, const char *name, bool *field)
-{
-    size_t n = strlen(name);
-
-    if (strncmp(word, name, n) != 0)
-        return false;
-    if (word[n] == '\0')
-        *field = !*field;
-    else if (word[n + 1] == '\0' && strchr("+1yYtT", word[n]))
-        *field = true;
-    else if (word[n + 1] == '\0' && strchr("-0nNfF", word[n]))
-        *field = false;
-    else
-        return false;
-    return true;
-}
-
 static int
 take_formats(struct pointspec *s, const char *word, struct rad_error *err)
 {
@@ -97,10 +78,10 @@ pointspec_option(struct pointspec *s, int argc, char *const argv[],
         return take_side(s, &s->x, argc, argv);
     if (strcmp(word, "-y") == 0)
         return take_side(s, &s->y, argc, argv);
-    if (take_switch(word, "-I", &s->irradiance) ||
-        take_switch(word, "-ld", &s->limited))
+    if (rad_params_switch(word, "-I", &s->irradiance) ||
+        rad_params_switch(word, "-ld", &s->limited))
         used = 1;
-    else if (take_switch(word, "-h", &header))
+    else if (rad_params_switch(word, "-h", &header))
         used = 1;
     else if (strncmp(word, "-f", 2) == 0)
         used = take_formats(s, word, err);

@@ -180,18 +180,32 @@ rad_params_init(struct rad_params *p)
     }
 }
 
+bool
+rad_params_switch(const char *word, const char *name, bool *on)
+{
+    const char *rest = word + strlen(name);
+
+    if (strncmp(word, name, strlen(name)) != 0 || (rest[0] && rest[1]))
+        return false;
+    if (rest[0] && !strchr("+1yYtT-0nNfF", rest[0]))
+        return false;
+    *on = rest[0] ? strchr("+1yYtT", rest[0]) != NULL : !*on;
+    return true;
+}
+
 /* What follows a boolean's or a long option's name; NULL: another option. */
 static const char *
 name_ends(const struct option *o, const char *word)
 {
     size_t n = strlen(o->name);
     const char *rest = word + n;
+    bool on = false;
 
     if (strncmp(word, o->name, n) != 0)
         return NULL;
     switch (o->kind) {
     case KIND_BOOL:
-        if (*rest == '\0' || (strchr("+yYtT1-nNfF0", *rest) && !rest[1]))
+        if (rad_params_switch(word, o->name, &on))
             return rest;
         return NULL;
     case KIND_U64:
@@ -423,8 +437,7 @@ take_value(struct rad_params *p, const struct option *o, const char *rest,
 
     switch (o->kind) {
     case KIND_BOOL:
-        *(bool *)field =
-            *rest ? strchr("+yYtT1", *rest) != NULL : !*(bool *)field;
+        rad_params_switch(rest, "", field);
         return 0;
     case KIND_INT:
         return take_int(field, o, argv[1], err);

@@ -104,6 +104,11 @@ struct rad_rgb rad_params_colour(const struct rad_params *p, struct rad_rgb L);
  * seed are the same make records by the same rules. */
 void rad_params_of_records(const struct rad_params *p, struct rad_params *out);
 
+/* Is the word the option of that name, which is on or off, as Radiance's
+ * programs take it?  Behind the name stands +, 1, y or t, or -, 0, n or f, or
+ * nothing, which turns *on over.  False leaves *on as it is. */
+bool rad_params_switch(const char *word, const char *name, bool *on);
+
 /* Check what options forbid together; 0 or RAD_EUSAGE. */
 int rad_params_check(const struct rad_params *p, struct rad_error *err);
 
