@@ -53,8 +53,8 @@ write_depth(struct program *p, uint32_t frame, const uint8_t *depth, size_t len,
     return rc;
 }
 
-/* One that cannot be written holds up no picture: a warning tells of the first,
- * and the exit status of the last. */
+/* A preview that cannot be written holds up no picture: a warning tells of the
+ * first, and the exit status of the last. */
 static void
 note_preview(struct program *p, const struct rad_error *why)
 {

@@ -304,7 +304,7 @@ turn_to(struct planes *s, int plane)
     program_fill_spec(p);
 }
 
-/* Those whose pictures nobody will take. */
+/* Cancel the jobs of planes whose pictures nobody will take. */
 static void
 cancel_from(struct planes *s, int first, const struct submit_job *job)
 {

@@ -73,7 +73,8 @@ write_stats(struct program *p)
 
 /* --- a batch -------------------------------------------------------------- */
 
-/* Its points, laid out, as a job that is not named yet; 0 points: the end. */
+/* Lay out the next batch's points as a job that is not named yet; 0 points:
+ * the end. */
 static int
 take_batch(struct program *p)
 {

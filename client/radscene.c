@@ -266,7 +266,7 @@ warn_of_faults(const struct rad_scene *scene, const struct rad_fault *f)
             tell(stderr, "radscene: %s", text);
 }
 
-/* Its options come before the files. */
+/* `radscene rays`: options come before the files. */
 static int
 run_rays(int argc, char **argv, struct rad_error *err)
 {

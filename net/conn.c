@@ -23,8 +23,8 @@ period_ms(const struct conn *c)
                                                               : CONN_PING_MS;
 }
 
-/* It is silent because we do not look at what it says, and it has read all that
- * we said. */
+/* Is the other side silent because we do not look at what it says, with all
+ * read that we said? */
 static bool
 is_patient(const struct conn *c)
 {

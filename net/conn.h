@@ -78,8 +78,9 @@ const char *conn_key(const struct conn *c);
  * it is told.  Messages are translated on their way. */
 void conn_set_version(struct conn *c, unsigned version);
 
-/* It is that user's: once its session is a user's or an admin's, its requests
- * are looked at in turn with those of others.  False: memory is out. */
+/* The connection is that user's: once its session is a user's or an admin's,
+ * its requests are looked at in turn with those of others.  False: memory is
+ * out. */
 bool conn_set_user(struct conn *c, struct fair *fair, const char *name);
 
 /* Which messages may come from now on. */

@@ -182,7 +182,8 @@ conn_in_start(struct conn *c)
     uv_read_start(&c->stream->stream, on_alloc, on_read);
 }
 
-/* It is its turn, or its answers have been read: go on with its requests. */
+/* It is the connection's turn, or its answers have been read: go on with its
+ * requests. */
 void
 conn_in_reopen(struct conn *c)
 {

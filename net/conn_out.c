@@ -69,7 +69,8 @@ paid(struct conn *c, size_t n)
     fair_paid(&c->place, n);
 }
 
-/* It stands in no line any more, and what it did not read is nobody's. */
+/* A connection that ends stands in no line any more, and what it did not read
+ * is nobody's. */
 static void
 leave_user(struct conn *c)
 {
@@ -351,7 +352,7 @@ cork_room(struct conn *c, size_t len)
     return c->cork + c->corked - len;
 }
 
-/* One that goes by itself. */
+/* A message that goes by itself. */
 static int
 queue_alone(struct conn *c, const uint8_t *bytes, size_t len)
 {

@@ -21,11 +21,11 @@ struct command;
 struct command *command_start(const char *text, const char *folder,
                               struct rad_error *err);
 
-/* Its output; the command must outlive the result. */
+/* The command's output, to be read while the command is there. */
 struct rad_stream command_output(struct command *c);
 
-/* Wait for its end, or stop it, and free it.  RAD_EDATA for an exit status
- * other than 0, or when it wrote nothing and names a program that is not
+/* Wait for the command's end, or stop it, and free it.  RAD_EDATA for an exit
+ * status other than 0, or when it wrote nothing and names a program that is not
  * installed (in a pipeline, no status tells); 0 if it was stopped. */
 int command_end(struct command *c, bool stop, struct rad_error *err);
 

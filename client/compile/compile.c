@@ -100,8 +100,8 @@ struct reading {
     void *arg;
 };
 
-/* Who names a text can read what it would run, and may have written it; what an
- * octree names nobody sees. */
+/* The user can read which commands a scene's text would run; those of an octree
+ * nobody sees. */
 static int
 refuse_command(const char *text, struct rad_error *err)
 {

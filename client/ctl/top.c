@@ -183,7 +183,7 @@ top_rows(const struct top *t, enum top_pane pane, size_t *n)
     return v;
 }
 
-/* Its place in those rows; 0 where it is not there. */
+/* The place of the row of that name; 0 where there is none. */
 static size_t
 place_of(const json_t **v, size_t n, enum top_pane pane, const char *name)
 {

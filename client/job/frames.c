@@ -95,7 +95,7 @@ add(struct frames *f, const struct submit_options *o,
     return 0;
 }
 
-/* One of a sequence, unless --no-clobber finds its picture. */
+/* Add a sequence's frame, unless --no-clobber finds its picture. */
 static int
 add_frame(struct frames *f, const struct submit_options *o,
           const struct rad_view *v, uint32_t number, struct rad_error *err)

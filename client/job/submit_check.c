@@ -323,7 +323,7 @@ check_points(struct submit_options *o, struct rad_error *err)
     return 0;
 }
 
-/* Whose cluster? */
+/* Is one cluster meant: a coordinator's, this machine's, a launcher's? */
 static int
 check_cluster(const struct submit_options *o, struct rad_error *err)
 {

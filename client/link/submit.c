@@ -595,7 +595,7 @@ pause_for(struct submit *s, uint64_t ms)
 
 /* --- workers of our own --- */
 
-/* Who is there. */
+/* Workers that are there. */
 struct roll {
     int n;
     char names[400];

@@ -86,7 +86,7 @@ on_readable(uv_poll_t *h, int status, int events)
         look(s, false);
 }
 
-/* Who writes more than is wanted for now waits. */
+/* Read the pipe, or leave it: then its writer waits. */
 static void
 look(struct pointstream *s, bool on)
 {

@@ -129,8 +129,8 @@ value_of(char *line, const char *name)
     return strncmp(line, name, n) == 0 ? line + n : NULL;
 }
 
-/* Its values, and what the other lines say of options where that counts: what
- * is in a file of ours stands in OPTIONS. */
+/* The header's values, and what its other lines say of options: in a file of
+ * ours OPTIONS has them all. */
 static int
 read_header(const struct ambfile *a, struct header *h, struct rad_error *err)
 {

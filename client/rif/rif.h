@@ -82,7 +82,7 @@ const char *rif_variable(enum rif_var v);
 /* The one value of a variable, without quotes around it; NULL: none. */
 const char *rif_text(struct rif *r, enum rif_var v);
 
-/* Its first letter in upper case; `none` without a value. */
+/* The value's first letter in upper case; `none` without a value. */
 char rif_letter(const struct rif *r, enum rif_var v, char none);
 
 /* The words of all its values, or of one text, as a shell would part them: in

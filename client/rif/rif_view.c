@@ -231,7 +231,7 @@ unknown(const struct rif *r, const char *which, struct rad_error *why)
                     names[0] ? names : "it names none");
 }
 
-/* One that the command line asks for, of the file or not. */
+/* The view that the command line asks for, of the file or not. */
 static int
 choose(struct rif *r, const struct rif_zone *z, const char *which,
        struct rif_view *v, struct rad_error *err)

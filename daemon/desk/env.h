@@ -44,7 +44,7 @@ struct coord_env {
                  * told to it */
 };
 
-/* Who is at the other end, as far as the shell knows. */
+/* The other end of a connection, as far as the shell knows. */
 struct coord_peer {
     const char *address; /* for the log: "unix uid=1000", "127.0.0.1:4711" */
     const char *owner;   /* user that its jobs belong to */

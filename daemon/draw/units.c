@@ -127,7 +127,7 @@ read_list(struct units *u, size_t *cap, const char *p, size_t n,
     }
 }
 
-/* Those of a list of the head. */
+/* Add the units of a list of the head. */
 static int
 add_list(struct units *u, size_t *cap, const char *list, enum units_kind kind,
          struct rad_error *err)

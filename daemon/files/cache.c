@@ -137,7 +137,7 @@ put(struct cache *c, const uint8_t *hash)
     return e;
 }
 
-/* It has no users. */
+/* Forget an entry without users. */
 static void
 drop(struct cache *c, struct entry *e)
 {
@@ -359,7 +359,7 @@ new_user(const uint8_t *job, const struct msg_hashes *files)
     return u;
 }
 
-/* One user more, that knows whether the file is there. */
+/* Add a user of the file, who knows whether it is there. */
 static bool
 use(struct cache *c, const uint8_t *hash)
 {
@@ -376,7 +376,8 @@ use(struct cache *c, const uint8_t *hash)
     return true;
 }
 
-/* It is the newest of those that nobody uses, in the next life as well. */
+/* Take a user away.  A file that nobody uses any more is the newest of those,
+ * in the next life as well. */
 static void
 leave(struct cache *c, const uint8_t *hash)
 {

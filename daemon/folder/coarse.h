@@ -31,7 +31,7 @@ void coarse_free(struct coarse *c);
  * lattice. */
 bool coarse_put(struct coarse *c, const struct action_colours *k);
 
-/* These pixels of the picture have come: they are never filled. */
+/* Pixels of the picture that have come: they are never filled. */
 void coarse_mark(struct coarse *c, int x, int y, int width, int height);
 
 /* Fill what has not come of row y, four bytes a pixel; what is not known by any

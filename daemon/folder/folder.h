@@ -139,7 +139,7 @@ int folder_sync(struct folder *f, struct rad_error *err);
  * their marks. */
 int folder_picture(struct folder *f, const uint8_t job[MSG_JOB], uint32_t frame,
                    struct saved_frame *marks, struct rad_error *err);
-/* It is noted that the picture is there: the frame's rows go. */
+/* Remove a frame's rows, once it is noted that its picture is there. */
 void folder_drop_rows(struct folder *f, const uint8_t job[MSG_JOB],
                       uint32_t frame);
 int folder_stats(struct folder *f, const uint8_t job[MSG_JOB], const char *text,

@@ -22,7 +22,7 @@ struct daemon_settings {
     int lifetime_fd;
 };
 
-/* Their rows, last in each daemon's table. */
+/* Rows of these settings, last in each daemon's table. */
 #define DAEMON_FIELD(f) offsetof(struct daemon_settings, f)
 #define DAEMON_KEYS                                                            \
     { "ports_file",                                                            \

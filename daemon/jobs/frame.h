@@ -36,7 +36,7 @@ struct job_frame {
 
 /* Which state may follow which; see the head of frame.c. */
 extern const struct steps frame_steps;
-/* It is in another state from here on, which must be permitted. */
+/* The frame is in another state from here on, which must be permitted. */
 void frame_step(struct job_frame *f, enum frame_state to);
 
 /* Is its picture there, fetched or not? */

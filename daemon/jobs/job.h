@@ -144,7 +144,7 @@ struct job {
     uint64_t end_ms;
 };
 
-/* Its frames, as the limit of a user's counts them: in many windows a frame
+/* A job's frames, as the limit of a user's counts them: in many windows a frame
  * counts as one for each four that were asked for, as far as it has pixels, and
  * as one for each 1024 rows: windows and lines are what takes memory. */
 uint64_t job_count_frames(const struct msg_spec *spec);
@@ -174,7 +174,7 @@ void job_lighten(struct job *job);
 bool job_over(const struct job *job);
 /* Which state may follow which; see the head of job.c. */
 extern const struct steps job_stages;
-/* It is in another stage from here on, which must be permitted. */
+/* The job is in another stage from here on, which must be permitted. */
 void job_step(struct job *job, enum job_stage to);
 
 /* Does it get no units for want of room on the disk? */

@@ -48,7 +48,7 @@ int journal_put_state(struct journal *j, const uint8_t job[MSG_JOB], int state,
 /* An admin drained the worker, or had enough of that. */
 int journal_put_drained(struct journal *j, const char *worker, bool drained,
                         struct rad_error *err);
-/* It is over: state, status, text, times, last progress and the mark of its
+/* A job is over: state, status, text, times, last progress and the mark of its
  * statistics; its units are dropped. */
 int journal_put_end(struct journal *j, const struct saved_job *s,
                     struct rad_error *err);

@@ -310,7 +310,7 @@ unpack_spec(struct reading *r, const uint8_t *spec, size_t n,
     return rc;
 }
 
-/* Its id, and the SUBMIT that it came with. */
+/* A job's id, and the SUBMIT that it came with. */
 static int
 get_spec(struct reading *r, sqlite3_stmt *s)
 {

@@ -200,9 +200,9 @@ on_answer(struct session *s, const struct msg *m)
 
 /* --- the connection --- */
 
-/* It is down: for this reason, of which browsers read what is shown.  A request
- * may be on its way into the connection that ends here, so those that wait are
- * refused with the next tick. */
+/* The connection is down: for this reason, of which browsers read what is
+ * shown.  A request may be on its way into the connection that ends here, so
+ * those that wait are refused with the next tick. */
 static void
 note_down(struct session *s, const char *why, const char *shown)
 {

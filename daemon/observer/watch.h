@@ -91,7 +91,8 @@ struct watch *watch_find(struct watches *all, const char *hex, uint32_t frame);
 bool watch_is_ready(const struct watch *w);
 bool watch_has_picture(const struct watch *w);
 
-/* One of its streams begins or ends: while there are any it stays. */
+/* A page with events of the job begins or ends: while there are any, the job is
+ * watched. */
 void watch_follow(struct watch *w);
 void watch_leave(struct watch *w);
 

@@ -251,7 +251,7 @@ try_start(uv_timer_t *again)
     start_or_wait(again->data);
 }
 
-/* Its link, as a stream of ours; NULL: there is none. */
+/* The child's link, as a stream of ours; NULL: there is none. */
 static uv_stream_t *
 open_link(struct child *c)
 {

@@ -31,7 +31,7 @@ struct store_handler {
                  int status, const char *text);
     void (*job)(void *arg, const uint8_t job[MSG_JOB], uint64_t sequence,
                 int status, const char *text);
-    /* It waits for room, and nothing else does. */
+    /* The job waits for room on the disk; others go on. */
     void (*waits)(void *arg, const uint8_t job[MSG_JOB], uint64_t sequence,
                   const char *text);
     void (*rows)(void *arg, const struct action_rows *key, int status,

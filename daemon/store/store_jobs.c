@@ -117,7 +117,7 @@ noted_run(struct task *t)
     return 0;
 }
 
-/* Others go on meanwhile. */
+/* A job waits for room on the disk; others go on meanwhile. */
 static void
 open_waits(struct task *t)
 {
@@ -413,7 +413,7 @@ strike_done(struct task *t)
     free(f);
 }
 
-/* Others have their turn between the pieces of a folder of many files. */
+/* Other tasks have their turn between the pieces of a folder of many files. */
 static void
 forget_done(struct task *t)
 {

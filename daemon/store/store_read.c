@@ -123,7 +123,8 @@ read_run(struct task *t)
     return rc;
 }
 
-/* It is the coordinator's disk that failed, and nothing of who asks. */
+/* The status that a user hears of: what failed is the coordinator's disk, not
+ * the user's request. */
 static int
 status_for_reader(const struct read_task *r)
 {

@@ -28,7 +28,7 @@ struct recovery {
     void *arg;
 };
 
-/* Its scene is there, and is what it was. */
+/* Are a job's files there, and what they were? */
 static int
 check_files(struct store *s, const struct msg_spec *spec, struct rad_error *err)
 {

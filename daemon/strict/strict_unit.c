@@ -353,7 +353,7 @@ strict_unit_resume(struct strict *s, struct strict_unit *u)
     u->parked = false; /* the unit may come to wait again */
 }
 
-/* Its facts go out too, where the wait gets long. */
+/* A unit that waits for long sends its facts, too. */
 static void
 park_facts(struct strict *s, struct strict_unit *u)
 {

@@ -23,8 +23,8 @@
 
 struct owners;
 
-/* Who is at the other end of that stream, whose uid that is: its login, or
- * "uid:1002" where it has none.  NULL: that cannot be known now.  The stream is
+/* The user at the other end of that stream: its login, or "uid:1002" where it
+ * has none.  NULL: that cannot be known now.  The stream is
  * the callee's. */
 typedef void owners_fn(void *arg, uv_stream_t *stream, const char *owner);
 

@@ -23,7 +23,7 @@
 
 struct upload;
 
-/* Of one user. */
+/* What one user has under way. */
 struct uploads_sum {
     uint32_t under_way; /* files */
     uint64_t bytes;     /* of these and of those that wait, each at least
@@ -47,12 +47,12 @@ bool uploads_knows(const struct uploads *u, uint64_t conn,
 bool uploads_begin(struct uploads *u, uint64_t conn,
                    const uint8_t hash[MSG_HASH], uint64_t total,
                    struct uploads_sum *payer);
-/* It came whole, or never will. */
+/* The file came whole, or never will. */
 void uploads_whole(struct uploads *u, uint64_t conn,
                    const uint8_t hash[MSG_HASH], uint64_t now_ms);
 void uploads_failed(struct uploads *u, uint64_t conn,
                     const uint8_t hash[MSG_HASH]);
-/* Nor will what that connection sends. */
+/* Nor will files that the connection sends: it is closed. */
 void uploads_closed(struct uploads *u, uint64_t conn);
 
 /* A job names these: they wait no more. */

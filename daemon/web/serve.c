@@ -247,7 +247,8 @@ may_come(struct serve *s)
     return s->may >= 1 && s->nguests < SERVE_GUESTS;
 }
 
-/* One who waits; false: nobody does, or none is let in now. */
+/* Accept a connection that waits; false: there is none, or none is let in now.
+ */
 static bool
 let_in(struct serve *s)
 {

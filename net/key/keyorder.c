@@ -17,7 +17,7 @@
 
 /* --- changing a file --- */
 
-/* One that is about to be changed. */
+/* A key file that is about to be changed. */
 struct edit {
     struct keyfile file;
     const char *path; /* outlives the edit */

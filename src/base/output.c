@@ -206,8 +206,8 @@ rad_output_same(const char *a, const char *b)
     return same;
 }
 
-/* Who may read and write the file that is replaced may so the new one: nobody
- * else, where its group cannot be kept. */
+/* The new file has the owner, group and mode of the one that it replaces; the
+ * group may do nothing where it cannot be kept. */
 static void
 keep_mode(int fd, const char *real)
 {

@@ -301,8 +301,8 @@ sort_ends(const struct rad_passes *p, struct ends *e)
     return whole;
 }
 
-/* Those of the pass's round, if they are known.  The next round's may be found
- * meanwhile. */
+/* Ends of paths of the pass's round, if they are known.  The next round's may
+ * be found meanwhile. */
 static const struct ends *
 ends_of(const struct rad_passes *p, const struct rad_pass *pass)
 {

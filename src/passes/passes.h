@@ -24,7 +24,7 @@ struct rad_passes *rad_passes_new(const struct rad_frame *frames,
                                   uint32_t nframes, struct rad_error *err);
 void rad_passes_free(struct rad_passes *p);
 
-/* Its frames, *n of them.  Thread: any. */
+/* The frames, *n of them.  Thread: any. */
 const struct rad_frame *rad_passes_frames(const struct rad_passes *p,
                                           uint32_t *n);
 

@@ -359,8 +359,8 @@ along(int length, int side)
     return ((uint32_t)length + (uint32_t)side - 1) / (uint32_t)side;
 }
 
-/* Those of a colour in the first row; with the second row's they are as many as
- * a row has. */
+/* Fields of one colour in the first row; with the second row's they are as many
+ * as a row has. */
 static uint32_t
 in_first_row(uint32_t across, int field)
 {
@@ -384,7 +384,7 @@ border(int part, int length, int side)
                : along(length, side);
 }
 
-/* Those of a part. */
+/* The pixels along a side that are of a part: n from *first on. */
 static void
 cut(int part, int length, int side, uint32_t *first, uint32_t *n)
 {

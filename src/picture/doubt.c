@@ -143,8 +143,8 @@ try_places(struct look *k, struct tried *t)
     return sum / RAD_DOUBT_TRIED;
 }
 
-/* One of them, that is as likely as records tell that it is off, and a part of
- * their mean; *weight: how many of them it stands for. */
+/* Choose a place, as likely as records tell that it is off, and a part of their
+ * mean; *weight: how many places it stands for. */
 static int
 choose(struct look *k, const struct tried *t, double mean, double *weight)
 {

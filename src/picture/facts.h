@@ -57,9 +57,9 @@ size_t rad_facts_unused(const struct rad_facts *f);
  * estimate), until rad_facts_settle(). */
 size_t rad_facts_late(const struct rad_facts *f);
 
-/* These, and facts made here that came from elsewhere as well, so were traced
- * twice, but for those that export gave: they may only have come back.  By the
- * exporter. */
+/* rad_facts_late(), and facts made here that came from elsewhere as well, so
+ * were traced twice, but for those that export gave: they may only have come
+ * back.  By the exporter. */
 size_t rad_facts_doubled(const struct rad_facts *f);
 
 /* Facts that export has not given yet, of both kinds: an upper bound. */

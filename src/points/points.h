@@ -35,8 +35,8 @@
 #define RAD_POINTS_LIMITED    (1u << 1) /* rtrace's -ld */
 #define RAD_POINTS_FLAGS      3u
 
-/* Of one job; 52 bytes each, and a picture of them has at most a third more
- * pixels. */
+/* Most points of a job; 52 bytes each, and a picture of them has at most a
+ * third more pixels. */
 #define RAD_MAX_POINTS 4000000
 
 struct rad_points {

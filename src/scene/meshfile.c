@@ -201,7 +201,7 @@ get_inner_triangles(struct reading *r)
         r->mesh->tris[i].face = nmods > 1 ? get_face(r) : face;
 }
 
-/* Those with one or two vertices elsewhere. */
+/* Triangles with one or two vertices in other patches. */
 static void
 get_outer_triangles(struct reading *r, int elsewhere)
 {

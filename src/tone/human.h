@@ -66,7 +66,7 @@ struct rad_histogram {
 /* Begin *h for luminances from least to most.  false: none can be seen. */
 bool rad_human_range(struct rad_human *h, double least, double most);
 
-/* One more of the weight; what is out of range does not count. */
+/* Add a sample of that weight; a luminance out of range does not count. */
 void rad_human_count(const struct rad_human *h, struct rad_histogram *w,
                      double Lw, double weight);
 

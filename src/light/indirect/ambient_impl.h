@@ -77,7 +77,7 @@ rad_ambient_seen(const struct rad_ambient *amb, const struct rad_ambtile *tile)
 void rad_ambient_set_terms(const struct rad_ambient *amb, float weight,
                            struct rad_ambterms *t);
 
-/* Who asks for records, and what for. */
+/* On whose behalf records are looked for, and how. */
 struct rad_ambasker {
     const struct rad_ambtile *tile; /* whose records serve, too; or NULL */
     bool fresh; /* none is wanted, as if there were no records */

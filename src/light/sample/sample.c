@@ -554,7 +554,7 @@ visit_quad(struct walk *w)
         put(w, &s[i]);
 }
 
-/* The other shapes. */
+/* Parts of shapes other than these. */
 static void
 visit(struct walk *w, const struct rad_patch *p, const struct rad_moments *m)
 {

@@ -44,7 +44,7 @@ struct rad_data *rad_data_parse(struct rad_arena *arena, const char *text,
 /* How many dimensions it has, 1 to RAD_MAX_DATA_DIMS. */
 int rad_data_dims(const struct rad_data *d);
 
-/* One of them: its first place, how far from there the last one is, and how
+/* A dimension: its first place, how far from there the last one is, and how
  * many values it has. */
 void rad_data_axis(const struct rad_data *d, int dim, double *begin,
                    double *length, int *n);

@@ -23,8 +23,8 @@ struct rad_parse_io {
      */
     int (*begin_command)(void *arg, const char *command, struct rad_stream *out,
                          void **job, struct rad_error *err);
-    /* Its output was read to the end, or is wanted no longer (`stop`).
-     * Negative code: the command failed. */
+    /* The command's output was read to the end, or is wanted no longer
+     * (`stop`). Negative code: the command failed. */
     int (*end_command)(void *arg, void *job, bool stop, struct rad_error *err);
     /* If not NULL, called with every error that reading can go on after
      * (undefined modifiers and types); others end it. */

@@ -18,8 +18,8 @@
 
 #include "scene/file/data.h"
 
-/* Its three dimensions are y, up from the lower edge, x, from the left, where
- * the shorter side is of length 1, and the wavelength at the middle of a
+/* The grid's three dimensions are y, up from the lower edge, x, from the left,
+ * where the shorter side is of length 1, and the wavelength at the middle of a
  * channel. NULL and *err (RAD_EDATA, RAD_ENOMEM) on failure. */
 struct rad_data *rad_specpict_parse(struct rad_arena *arena,
                                     const uint8_t *bytes, size_t len,
