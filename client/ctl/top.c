@@ -3,6 +3,7 @@
 
 #include "ctl/top.h"
 #include "ctl/row.h"
+#include "machine/serving.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -138,37 +139,17 @@ by_column(const void *a, const void *b, void *arg)
     return l->back ? -c : c;
 }
 
-/* The order in which jobs are served: by priority, of one the oldest first; the
- * coordinator tells the newest first. */
-static void
-serve_order(const json_t **v, size_t n)
-{
-    for (size_t i = 0; i < n / 2; i++) {
-        const json_t *row = v[i];
-
-        v[i] = v[n - 1 - i];
-        v[n - 1 - i] = row;
-    }
-    for (size_t i = 1; i < n; i++) {
-        const json_t *row = v[i];
-        size_t k = i;
-
-        for (; k > 0 &&
-               json_integer_value(json_object_get(row, "priority")) >
-                   json_integer_value(json_object_get(v[k - 1], "priority"));
-             k--)
-            v[k] = v[k - 1];
-        v[k] = row;
-    }
-}
-
 const json_t **
 top_rows(const struct top *t, enum top_pane pane, size_t *n)
 {
-    const json_t *rows = t->list[pane].rows, *row;
+    json_t *rows = t->list[pane].rows, *row;
     const json_t **v = calloc(json_array_size(rows) + 1, sizeof *v);
+    bool sorted = t->list[pane].sort >= 0;
     struct order o = { t, pane };
     size_t i;
+
+    rows =
+        pane == TOP_JOBS && !sorted ? serving_order(rows) : json_incref(rows);
 
     *n = 0;
     json_array_foreach(rows, i, row)
@@ -176,10 +157,9 @@ top_rows(const struct top *t, enum top_pane pane, size_t *n)
         if (v && fits(t, row))
             v[(*n)++] = row;
     }
-    if (v && t->list[pane].sort >= 0)
+    json_decref(rows); /* the list has them still */
+    if (v && sorted)
         qsort_r(v, *n, sizeof *v, by_column, &o);
-    else if (v && pane == TOP_JOBS)
-        serve_order(v, *n);
     return v;
 }
 
