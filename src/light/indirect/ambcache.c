@@ -37,7 +37,7 @@
  * costs time and happens seldom, and waiting would cost more.  */
 #include "config.h"
 
-#include "light/indirect/ambtree.h"
+#include "light/indirect/ambcache_impl.h"
 #include "base/vec.h"
 
 #include <assert.h>

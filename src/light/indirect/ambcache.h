@@ -64,7 +64,7 @@ bool rad_ambcache_insert_all(struct rad_ambcache *c,
 /* How records may differ from what is asked for: the same for many look-ups. */
 struct rad_ambfit {
     double sine;          /* of the angle between the normals; above 1: any */
-    uint8_t turn, weight; /* see ambfind.c */
+    uint8_t turn, weight; /* see ambcache_find.c */
 };
 
 /* Normals with a cosine of min_cos at least, weights that are no less than

@@ -21,7 +21,7 @@
 #include "config.h"
 
 #include "light/indirect/ambread.h"
-#include "light/indirect/ambtree.h"
+#include "light/indirect/ambcache_impl.h"
 #include "base/vec.h"
 
 #include <assert.h>

@@ -2,7 +2,8 @@
 librad_a_SOURCES += \
 	src/light/indirect/ambcache.c \
 	src/light/indirect/ambcache.h \
-	src/light/indirect/ambfind.c \
+	src/light/indirect/ambcache_find.c \
+	src/light/indirect/ambcache_impl.h \
 	src/light/indirect/ambient.c \
 	src/light/indirect/ambient.h \
 	src/light/indirect/ambient_apply.c \
@@ -17,5 +18,4 @@ librad_a_SOURCES += \
 	src/light/indirect/ambsmooth.c \
 	src/light/indirect/ambsmooth.h \
 	src/light/indirect/ambtile.c \
-	src/light/indirect/ambtile.h \
-	src/light/indirect/ambtree.h
+	src/light/indirect/ambtile.h

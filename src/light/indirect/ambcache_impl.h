@@ -1,11 +1,11 @@
-/* ambtree.h - the octree of ambient records, as ambcache.c makes it and
- * ambfind.c reads it
+/* ambcache_impl.h - the octree of ambient records, as ambcache.c makes it and
+ * ambcache_find.c reads it
  *
  * Private to these two, but for what ambread.c shares of it: trees by bounces
  * and face, sizes, bytes of normals.  ambcache.c says how the octree is laid
  * out and why.  */
-#ifndef RAD_LIGHT_AMBTREE_H
-#define RAD_LIGHT_AMBTREE_H
+#ifndef RAD_LIGHT_AMBCACHE_IMPL_H
+#define RAD_LIGHT_AMBCACHE_IMPL_H
 
 #include "light/indirect/ambcache.h"
 #include "light/indirect/ambpool.h"

@@ -1,4 +1,4 @@
-/* ambfind.c - look-ups in the octree of ambient records; see ambcache.c
+/* ambcache_find.c - look-ups in the octree of ambient records; see ambcache.c
  *
  * A vector is loaded whole, with places in it that a writer may just be
  * filling; what comes of those is masked away.  C11 has no word for such a
@@ -6,7 +6,7 @@
  * are read, one by one, which proves all but this.  */
 #include "config.h"
 
-#include "light/indirect/ambtree.h"
+#include "light/indirect/ambcache_impl.h"
 #include "base/vec.h"
 
 #include <stdlib.h>
