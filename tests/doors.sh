@@ -1,6 +1,7 @@
 #!/bin/sh
 # doors.sh - the floor plan holds: rooms use what the table says, files of the
-# daemons never call each other in a loop, names say where they are
+# daemons never call each other in a loop, names say where they are, and files
+# that are named are there
 #
 # The table of rooms in doc/architecture.md is the plan, from the ground up: a
 # room uses only rooms that its row names, and these stand above its row.  What
@@ -74,6 +75,17 @@ sort -u "$tmp/used" | awk '
     FILENAME ~ /used/ || FILENAME == "-" { used[$1 " " $2] = 1; next }
     { for (i = 2; i <= NF; i++) if (!(($1 " " $i) in used)) print $1, $i }' \
     - "$tmp/plan" | tell "doors of the table that nobody uses"
+
+# --- files that texts and comments name, by their whole path ---
+{
+    find README.md CONTRIBUTING.md doc tests -name '*.md' -o -name '*.[ch]'
+    cat "$tmp/files"
+} | xargs grep -HnoE \
+    '[^</a-z](src|proto|net|daemon|client|tests)/[a-z_0-9/]+\.(c|h|def|sh)\>' |
+    awk -F: '{ name = $NF; sub("^[^a-z]", "", name)
+               if (!(name in gone)) gone[name] = system("[ -f " name " ]")
+               if (gone[name]) print $1 ":" $2 ": " name }' |
+    tell "files that are named and not there"
 
 # --- sizes ---
 grep '\.h$' "$tmp/files" | xargs wc -l |
