@@ -32,9 +32,9 @@
 #include <sysexits.h>
 #include <unistd.h>
 
-/* --- who asks --- */
+/* --- what is asked for --- */
 
-/* Of a cluster of our own. */
+/* Workers of a cluster of our own. */
 static int
 workers_wanted(const struct program *p)
 {

@@ -379,8 +379,8 @@ queue_corked(struct conn *c, const uint8_t *bytes, size_t len)
 }
 
 /* Queue bytes that the other side understands.  Where there is no memory for
- * them the connection ends: who waits for what never comes waits for ever, but
- * who has lost a connection calls again. */
+ * them the connection ends: for a message that never comes the other side would
+ * wait for ever, but it calls again when it has lost the connection. */
 static bool
 queue(struct conn *c, const uint8_t *bytes, size_t len)
 {

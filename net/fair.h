@@ -32,7 +32,7 @@ struct fair_place {
 
 struct fair {
     uv_loop_t *loop;
-    uv_check_t after; /* the loop waited: serve who is in line */
+    uv_check_t after; /* the loop waited: serve those in line */
     uv_idle_t awake;  /* while somebody is: do not wait */
     bool open;
     struct fair_user *users;         /* all */

@@ -219,7 +219,7 @@ on_ready(uv_poll_t *poll, int status, int events)
         if (fd < 0 && (errno == EAGAIN || errno == EWOULDBLOCK))
             return;
         l->waits = false;
-        if (fd >= 0) /* else that one is gone already */
+        if (fd >= 0) /* else the visitor is gone already */
             take_one(l, fd);
     }
 }

@@ -20,7 +20,7 @@ typedef void listener_fn(void *arg, uv_stream_t *stream, struct tls *tls,
 
 struct listener_conf {
     listener_fn *fn;
-    tls_find_fn *find; /* the keys of who may come over TCP */
+    tls_find_fn *find; /* keys by which to come over TCP */
     bool anywhere;     /* on any address; else on this machine alone */
     unsigned limit_ms; /* to prove a key in; 0: HANDSHAKE_MS */
     void *arg;         /* fn's and find's */

@@ -38,8 +38,8 @@ struct tls;
 typedef const char *tls_find_fn(void *arg, const char *id,
                                 uint8_t secret[TLS_SECRET]);
 
-/* For those who accept, and for those who dial; NULL when memory is out.  A
- * context outlives its sessions' creation, not their use. */
+/* For the side that accepts, and for that which dials; NULL when memory is out.
+ * A context outlives its sessions' creation, not their use. */
 struct tls_ctx *tls_server(tls_find_fn *find, void *arg);
 struct tls_ctx *tls_client(void);
 void tls_ctx_free(struct tls_ctx *ctx);
@@ -51,8 +51,8 @@ struct tls *tls_dial(struct tls_ctx *ctx, const char *id,
 /* Wipes its keys.  NULL is accepted. */
 void tls_free(struct tls *t);
 
-/* The key that was proven, and before that the one that was named; "" for
- * none.  Printable. */
+/* The id of the key that was proven, before that of the key that was named; ""
+ * for none.  Printable. */
 const char *tls_id(const struct tls *t);
 
 /* Take n bytes that came.  RAD_EPROTO when more than TLS_MARK wait. */

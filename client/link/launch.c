@@ -26,7 +26,7 @@ enum {
     GONE_MS = 10000, /* without launcher and worker: a lost one dials again */
     LEAVE_MS = 5000, /* for workers to see that their coordinator has ended */
     KILL_MS = 2000,  /* and for a launcher that is told to end */
-    SAY_MS = 2000    /* least time between two lists of who is there */
+    SAY_MS = 2000    /* least time between two lists of workers */
 };
 
 static const char key_name[] = "worker:launched";

@@ -62,8 +62,8 @@ now_ms(const struct submit *s)
     return uv_now(s->where.loop);
 }
 
-/* How to come to what the job makes.  Sensor points' values are of use only to
- * who has the points. */
+/* How to come to what the job makes.  Sensor points' values are of no use
+ * without the points. */
 static void
 format_way(const struct submit *s, char *buf, size_t n)
 {

@@ -6,7 +6,7 @@
  * (SYSCONFDIR/radd).  An address is a socket's path (it has a '/') or
  * HOST:PORT, HOST alone meaning the default port; an IPv6 host stands in
  * brackets.
- * A coordinator's own machine has one more, for who only wants to ask: the
+ * A coordinator's own machine has one more, for clients that only ask: the
  * socket that radcoord makes where nothing else is said.
  * The key file is named in the same places: by the command line, RADD_KEY, the
  * key `key` of either file.  */

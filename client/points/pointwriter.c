@@ -304,7 +304,8 @@ pointwriter_open(struct pointwriter **writer, const struct pointspec *spec,
     put_header(w);
     if (spec->x > 0 && spec->y > 0)
         fprintf(w->to, "-Y %d +X %d\n", spec->y, spec->x);
-    fflush(w->to); /* who asks point by point may read the header first */
+    fflush(w->to); /* a script that asks point by point may read the
+                    * header first */
     return 0;
 }
 

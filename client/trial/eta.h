@@ -44,7 +44,7 @@ double eta_take(struct eta *e, const struct eta_look *look);
 void eta_foresee(struct eta *e, double rays);
 
 /* Seconds that are left by the picture's share alone, which is too long at
- * first; INFINITY: not known.  For who asks whether a trial is worth it. */
+ * first; INFINITY: not known.  Tells whether a trial is worth it. */
 double eta_by_share(const struct eta *e, double done);
 
 #endif

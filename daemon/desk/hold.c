@@ -136,7 +136,7 @@ hold_top_made(struct coord *c, struct job *job, uint32_t unit,
     c->stirred = true;
 }
 
-/* Columns are with whoever lent them again. */
+/* BACK: lent columns are their lender's again. */
 void
 hold_send_back(struct coord *c, const struct coord_worker *to,
                const struct msg_back *back)

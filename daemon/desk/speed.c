@@ -186,8 +186,8 @@ speed_left_ms(const struct coord *c, const struct job *job, uint32_t unit,
     return past > ms * LEAST_LEFT ? past : ms * LEAST_LEFT;
 }
 
-/* Static: who is here or on its way takes part, by its speed; drained workers
- * only where there are no others. */
+/* Static: workers that are here or on their way take part, by their speed;
+ * drained ones only where there are no others. */
 void
 speed_share(struct coord *c, struct job *job)
 {

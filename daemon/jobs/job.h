@@ -97,7 +97,7 @@ struct job {
                     * leaves, so whoever may end attempts goes backwards */
     uint32_t nout, cap_out;
     uint32_t late; /* units that are out for too long, and may have twins */
-    struct coord_owner *payer; /* whom it belongs to, at the coordinator */
+    struct coord_owner *payer; /* the user whose job it is */
     uint32_t served; /* the last search for a unit that looked at it */
     struct kept_passes kept;
     struct kept_cache cache;

@@ -209,7 +209,7 @@ void
 coord_recall_gone(struct coord *c, const struct saved_gone *g)
 {
     if (g->why == GONE_DELETED)
-        return; /* whoever did that knows it */
+        return; /* the user who deleted it knows */
     if (c->ngones == c->cap_gones) {
         size_t cap = c->cap_gones ? 2 * c->cap_gones : 16;
         struct saved_gone *v = realloc(c->gones, cap * sizeof *v);

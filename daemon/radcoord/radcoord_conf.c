@@ -81,7 +81,7 @@ check_text(const char *name, const char *value, struct rad_error *err)
         return value[0] ? check_socket(value, err) : 0;
     if (strcmp(name, "listen") != 0 || !value[0])
         return daemon_check_text(name, value, err);
-    if (strchr(value, '/')) /* who comes there is told by what 'socket' knows */
+    if (strchr(value, '/')) /* only at 'socket' the kernel says who is there */
         return rad_fail(err, RAD_ECONFIG,
                         "expected ADDR:PORT, got '%s': a path is for 'socket'",
                         value);

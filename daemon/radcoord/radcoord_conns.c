@@ -117,8 +117,8 @@ find_key(void *arg, const char *id, uint8_t *secret)
 
 /* --- sockets --- */
 
-/* The default socket is one for a system's coordinator: who has not the right
- * to make it, or runs a second one beside it, can do with an address. */
+/* The default socket is one for a system's coordinator: a user who has not the
+ * right to make it, or runs a second coordinator, can do with an address. */
 static int
 open_local(struct radcoord *r, struct rad_error *err)
 {

@@ -342,7 +342,7 @@ dial_coordinator(struct radd *r, uint64_t id)
     struct rad_error err = { 0 };
     char text[600];
 
-    if (read_key(r, &err) < 0) { /* the one that it had may do */
+    if (read_key(r, &err) < 0) { /* the key that it had may do */
         rad_error_format(&err, text, sizeof text);
         log_err("key not read: %s", text);
     }

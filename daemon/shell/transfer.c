@@ -102,7 +102,7 @@ go_on(struct transfers *all, uint64_t id)
     t->buf = malloc(MSG_MAX_CHUNK);
     if (!t->buf) {
         t->ended = true;
-        conn_break(t->conn, "out of memory"); /* who waits for it calls again */
+        conn_break(t->conn, "out of memory"); /* the receiver calls again */
         return false;
     }
     t->reading = true;
@@ -159,7 +159,7 @@ transfers_start(struct transfers *t, uint64_t id, struct conn *c,
     struct transfer *x = calloc(1, sizeof *x), **at = &t->list;
 
     if (!x) {
-        conn_break(c, "out of memory"); /* who waits for it calls again */
+        conn_break(c, "out of memory"); /* the receiver calls again */
         return;
     }
     x->all = t;

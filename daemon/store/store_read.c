@@ -54,7 +54,7 @@ begin(struct read_task *r)
     int rc;
 
     if (g->from.file || g->from.what == MSG_WHAT_PREVIEW || !r->store->journal)
-        return 0; /* files of scenes are checked by who gets them */
+        return 0; /* workers check scenes' files themselves */
     store_reading_release(g); /* of a try that a shortage ended */
     rc = journal_find_mark(r->store->journal, g->from.job, g->from.frame,
                            g->from.what, &g->mark, err);

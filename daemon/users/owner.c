@@ -115,7 +115,7 @@ fresh(struct owners *o, long uid)
 
 static void looked(uv_work_t *work, int status);
 
-/* Let go on who waits for what is known, and look up the next. */
+/* Hand on the streams whose owner is known by now, and look up the next. */
 static void
 go_on(struct owners *o)
 {

@@ -65,9 +65,9 @@ void serve_free(struct serve *s);
 const char *serve_address(const struct serve *s);
 unsigned serve_guests(const struct serve *s);
 
-/* Let in who waits; each DAEMON_TICK_MS. */
+/* Let in connections that wait; each DAEMON_TICK_MS. */
 void serve_tick(struct serve *s);
-/* End those who take too long; each second or so. */
+/* End connections that take too long; each second or so. */
 void serve_sweep(struct serve *s);
 
 /* Put a request off, or go on with it. */

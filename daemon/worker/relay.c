@@ -32,7 +32,7 @@ struct rline {
     struct rline *chained; /* in its bucket */
     uint32_t frame, line;
     struct shelf shelf;
-    char name[MSG_MAX_NAME + 1]; /* who waits for it; "": nobody */
+    char name[MSG_MAX_NAME + 1]; /* the peer that waits for it; "": none */
     uint32_t to;                 /* peer that the next two are of; 0: none */
     uint32_t sent_x, sent_d;
 };

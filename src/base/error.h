@@ -28,8 +28,8 @@ enum rad_code {
     RAD_EUNSUPPORTED = -5013, /* a feature of Radiance that we lack        65 */
     RAD_EFULL = -5014,       /* no room on the disk        EX_IOERR 74 */
     RAD_ESHORT = -5015,      /* descriptors or the like are short for now 75 */
-    RAD_WARNING = -5099      /* said to who asks for each problem, never the
-                              * code of a failure */
+    RAD_WARNING = -5099      /* for callers that want each problem, never
+                              * the code of a failure */
 };
 
 struct rad_error {

@@ -33,7 +33,8 @@ load(struct rad_job *job, const struct rad_object *o,
     return rc ? rad_material_file_fail(job, o, name, &why, err) : context;
 }
 
-/* rpict ends where it meets such a one. */
+/* Refuse an expression that asks for real arguments that are not there, or calls
+ * a function with too few: rpict ends where it meets such a call. */
 static int
 check_needs(const struct rad_job *job, const struct rad_object *o,
             const struct rad_calc_need *need, struct rad_error *err)

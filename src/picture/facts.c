@@ -98,7 +98,7 @@ rad_facts_use(struct rad_facts *f, int x, int row, struct rad_pixel *out)
     if (!(s & KNOWN))
         return false;
     *out = f->pixels[i];
-    /* release, for those who see this store and not the first one */
+    /* release, for threads that see this store and not the first one */
     atomic_store_explicit(&f->state[i], s | RAD_FACT_USED,
                           memory_order_release);
     return true;

@@ -34,8 +34,7 @@ struct rad_window {
 };
 
 /* The size of the picture of a view (set up) under the parameters, and its
- * pixel aspect ratio; RAD_EUSAGE if it has no pixels.  For those who split
- * pictures without rendering them. */
+ * pixel aspect ratio; RAD_EUSAGE if it has no pixels. */
 int rad_frame_size(const struct rad_params *p, const struct rad_view *view,
                    int *width, int *height, double *pixaspect,
                    struct rad_error *err);
@@ -63,7 +62,7 @@ void rad_frame_sampler(const struct rad_frame *f, const struct rad_window *w,
 int rad_frame_move(struct rad_frame *f, const struct rad_view *before,
                    struct rad_error *err);
 
-/* Trace the primary ray of a pixel, for who does not want the pixel's value;
+/* Trace the primary ray of a pixel, where the pixel's value is not wanted;
  * false: the view has none there. */
 bool rad_frame_look(const struct rad_frame *f, struct rad_ctx *ctx, int x,
                     int y, struct rad_ray *r);

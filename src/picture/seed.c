@@ -75,8 +75,8 @@ struct rad_seed {
     uint32_t npaths;                /* [fixed] */
     int levels;                     /* [fixed] bounces of a path */
     /* What paths met after each bounce, by path; x is NAN where nothing.
-     * Written while they are walked, each by who took the path; then npoints,
-     * in the order of the tree. */
+     * Written while they are walked, each by the thread that took the path;
+     * then npoints, in the order of the tree. */
     double (*met)[3];
     size_t npoints;
     struct rad_parts *parts; /* NULL: paths are walked */
@@ -233,8 +233,8 @@ begin_pieces(struct rad_seed *s, uint32_t n)
     atomic_store_explicit(&s->pieces, (uint64_t)n << 32, memory_order_release);
 }
 
-/* Take n; false: there is none.  Past their end they may count some more, by
- * those who come at the same time. */
+/* Take n; false: there is none.  Past the end of what there is
+ * threads that come at the same time may count some more. */
 static bool
 take(struct rad_seed *s, uint32_t n, uint32_t *first)
 {

@@ -134,7 +134,7 @@ struct rad_ctx {
     bool glance;    /* indirect light need not be good */
     double doubt;   /* how far all that a pixel shows of indirect light may be
                      * off, as the records that serve tell: squares of
-                     * luminances; who wants to know begins with 0 */
+                     * luminances, added to what is there */
     bool fresh; /* what a pixel shows of indirect light is sampled for it alone,
                  * whatever the cache has */
     bool aside; /* no record is kept */

@@ -29,7 +29,7 @@
 #define MOST_PUT_OFF 24
 
 /* Of deep records of a frozen cache the first few do that serve with more than
- * that weight: who asks are the many rays of a hemisphere. */
+ * that weight: the many rays of a hemisphere ask for them. */
 #define ENOUGH_FOR_RAYS .1
 
 /* Ten degrees and -aa radians; more for rays that weigh little. */

@@ -31,7 +31,7 @@
 
 #define MOST_NEAR 160 /* neighbours; if there are more, they are nearer */
 #define NEARER    .7
-#define NEAREST   1e-9 /* of the reach; who has more of them there has none */
+#define NEAREST   1e-9 /* of the reach; where all are nearer there is none */
 
 /* Normals of neighbours differ by so little. */
 #define LEAST_COSINE .98

@@ -156,8 +156,8 @@ from_rim(const double v[3])
  * the value is left at least, that a colour has all three: as in Radiance. */
 #define LEAST_CHANNEL 1e-5
 
-/* A number about 1 that is another for each cell, so that who gets the same
- * value twice knows that it is the same cell, as in Radiance. */
+/* A number about 1 that is another for each cell: two values that are the same
+ * are of one cell, as in Radiance. */
 static double
 mark(int rank, const double corner[4])
 {
