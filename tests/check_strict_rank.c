@@ -128,7 +128,7 @@ START_TEST(rows_that_are_not_kept_do_not_make_way)
     below.y = (uint32_t)team_line_row(&q, 4);
     below.height = (uint32_t)team_line_row(&q, 5) - below.y;
     ck_assert_int_eq(strict_unit(s, &below, NULL), 0);
-    give_top_of(s, &q, 1);
+    give_line(s, &q, 1, 3);
     ck_assert(!p->stop);
     strict_ended(s, p, false, NULL, NULL, &spent, &total);
     strict_free(s);

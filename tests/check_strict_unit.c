@@ -179,6 +179,23 @@ START_TEST(unit_states_follow_the_drawings)
 }
 END_TEST
 
+/* Below the last base line there is no unit. */
+START_TEST(base_lines_that_no_unit_is_below_are_dropped)
+{
+    struct rad_quincunx q = sampler(64, 60);
+    struct strict *s = strict_new(&q, 1, false, job_id);
+    uint32_t n = (uint32_t)frame_of(s, 0)->nlines;
+
+    give_line(s, &q, 1, 3);
+    give_line(s, &q, 0, UINT32_MAX);
+    give_line(s, &q, 0, n - 1);
+    ck_assert_ptr_null(s->edges);
+    give_line(s, &q, 0, n - 2);
+    ck_assert_ptr_nonnull(s->edges);
+    strict_free(s);
+}
+END_TEST
+
 int
 main(void)
 {
@@ -188,6 +205,7 @@ main(void)
     tcase_add_test(tc, a_parked_unit_that_is_worked_on_says_so);
     tcase_add_test(tc, it_says_when_to_look_again);
     tcase_add_test(tc, a_unit_that_was_revoked_and_comes_again_has_its_top);
+    tcase_add_test(tc, base_lines_that_no_unit_is_below_are_dropped);
     tcase_add_test(tc, thousands_of_units_may_wait);
     tcase_add_test(tc, unit_states_follow_the_drawings);
     suite_add_tcase(s, tc);

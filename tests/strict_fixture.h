@@ -36,14 +36,15 @@ sampler(int width, int height)
     return q;
 }
 
-/* The whole top of line 4 of a picture of 64 columns, black. */
+/* A whole base line of a picture of 64 columns, black. */
 static inline void
-give_top_of(struct strict *s, const struct rad_quincunx *q, uint32_t frame)
+give_line(struct strict *s, const struct rad_quincunx *q, uint32_t frame,
+          uint32_t line)
 {
     static const uint8_t pixels[64 * 12], density[64];
     const struct msg_base_line top = { .job = job_id,
                                        .frame = frame,
-                                       .line = 3,
+                                       .line = line,
                                        .n = 64,
                                        .ndensity =
                                            (uint32_t)rad_quincunx_ndensity(q),
@@ -54,10 +55,11 @@ give_top_of(struct strict *s, const struct rad_quincunx *q, uint32_t frame)
     strict_base_line(s, &top);
 }
 
+/* The top of line 4. */
 static inline void
 give_top(struct strict *s, const struct rad_quincunx *q)
 {
-    give_top_of(s, q, 0);
+    give_line(s, q, 0, 3);
 }
 
 static inline void
