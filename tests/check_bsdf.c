@@ -485,14 +485,8 @@ static struct rad_rgb
 see(const char *scene, const char *options, double x, double y, double z)
 {
     struct rad_files files = { read_file, NULL };
-    struct rad_rgb L;
-    struct world w;
-    int rc = world_try(&w, scene, options, &files);
 
-    ck_assert_msg(rc == 0, "%s: %s", w.err.where, w.err.what);
-    L = world_see(&w, x, y, z, -x, -y, -z);
-    world_close(&w);
-    return L;
+    return world_glance(scene, options, &files, x, y, z, -x, -y, -z);
 }
 
 static const struct {

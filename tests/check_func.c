@@ -37,14 +37,8 @@ static struct rad_rgb
 see(const char *scene, const char *file)
 {
     struct rad_files files = { read_file, (void *)(uintptr_t)file };
-    struct rad_rgb L;
-    struct world w;
-    int rc = world_try(&w, scene, PLAIN, file ? &files : NULL);
 
-    ck_assert_msg(rc == 0, "%s: %s", w.err.where, w.err.what);
-    L = world_see(&w, 2, 3, 4, 0, 0, -1);
-    world_close(&w);
-    return L;
+    return world_glance(scene, PLAIN, file ? &files : NULL, 2, 3, 4, 0, 0, -1);
 }
 
 static const struct {

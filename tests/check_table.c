@@ -54,16 +54,9 @@ static struct rad_rgb
 see(const char *scene, int *reads)
 {
     struct rad_files files = { read_file, reads };
-    struct rad_rgb L;
-    struct world w;
-    int rc;
 
     *reads = 0;
-    rc = world_try(&w, scene, PLAIN, &files);
-    ck_assert_msg(rc == 0, "%s: %s", w.err.where, w.err.what);
-    L = world_see(&w, 2, 3, 4, 0, 0, -1);
-    world_close(&w);
-    return L;
+    return world_glance(scene, PLAIN, &files, 2, 3, 4, 0, 0, -1);
 }
 
 #define PIX(m) (((m) + .5) / 128)

@@ -120,6 +120,22 @@ world_see(struct world *w, double ox, double oy, double oz, double dx,
     return r.L;
 }
 
+/* The same of a scene that is there for this ray alone. */
+static inline struct rad_rgb
+world_glance(const char *text, const char *options,
+             const struct rad_files *files, double ox, double oy, double oz,
+             double dx, double dy, double dz)
+{
+    struct rad_rgb L;
+    struct world w;
+    int rc = world_try(&w, text, options, files);
+
+    ck_assert_msg(rc == 0, "%s: %s", w.err.where, w.err.what);
+    L = world_see(&w, ox, oy, oz, dx, dy, dz);
+    world_close(&w);
+    return L;
+}
+
 /* What is seen at the origin from above, deg from the vertical, in the plane
  * y = 0. */
 static inline struct rad_rgb
