@@ -112,7 +112,6 @@ UNIT_TESTS = \
 	tests/check_states \
 	tests/check_store \
 	tests/check_store_lives \
-	tests/check_strict \
 	tests/check_strict_loan \
 	tests/check_strict_pass \
 	tests/check_strict_rank \

@@ -1,8 +1,8 @@
 /* strict_fixture.h - the strict units' machine of one child: units, tops and
  * passes, one at a time
  *
- * Clusters of such machines under many seeds are in check_strict.c.  All is
- * static: each test program has its own. */
+ * Clusters of such machines under many seeds are in tests/sim.  All is static:
+ * each test program has its own. */
 #ifndef RADD_TESTS_STRICT_FIXTURE_H
 #define RADD_TESTS_STRICT_FIXTURE_H
 
