@@ -9,7 +9,7 @@
 #define PARTS 64
 
 /* So many places are looked at: those that most records chose. */
-#define LOOKED_AT 128
+#define LOOKED_AT 256
 
 /* There is a guide where these alone, with a ray a cell, would give the mean of
  * the hemisphere such a relative variance.  At .03 a room with a mirror has one
@@ -34,7 +34,7 @@ share_of(const struct rad_bright_place *q, const struct rad_hemi *h,
     rad_sub(d, q->p, p);
     double dist2 = rad_dot(d, d), up = rad_dot(d, h->w);
 
-    return rad_most(up / (dist2 * sqrt(dist2) * M_PI), 0);
+    return up > 0 ? up / (dist2 * sqrt(dist2) * M_PI) : 0;
 }
 
 /* Are places so small and bright that they are much of the noise?  light[]
