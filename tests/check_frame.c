@@ -428,6 +428,64 @@ START_TEST(thin_lamps_look_as_large_as_they_are)
 }
 END_TEST
 
+/* The same of lamps behind the eye, in a mirror before it that reflects .8; of
+ * a mirror that is none to the eye, too, as in rpict. */
+static const struct {
+    const char *lamp, *view;
+    double area;
+} mirrored[] = {
+    { "m polygon f 0 0 12 -9 5 -9 9 5 -9 9 5 9 -9 5 9\n"
+      "l sphere s 0 0 4 .013 -1 .021 .04",
+      "-vtl -vh 2 -vv 2", M_PI * .0016 },
+    { "m polygon f 0 0 12 -9 5 -9 9 5 -9 9 5 9 -9 5 9\n"
+      "l ring r 0 0 8 .013 -1 .021 0 1 0 0 .04",
+      "-vtl -vh 2 -vv 2", M_PI * .0016 },
+    { "m polygon f 0 0 12 -9 5 -9 9 5 -9 9 5 9 -9 5 9\n"
+      "l ring r 0 0 8 .013 -1 .021 0 -1 0 0 .04",
+      "-vtl -vh 2 -vv 2", 0 },
+    { "m polygon f 0 0 12 -9 14 -9 9 -4 -9 9 -4 9 -9 14 9\n" /* y = 5 - x */
+      "l cylinder c 0 0 7 -2 5.3 -.2 -2.7 4.7 .3 .02",
+      "-vtl -vh 2 -vv 2", .04 * .78102496759066544 },
+    { "m polygon f 0 0 12 -9 5 -9 9 5 -9 9 5 9 -9 5 9\n"
+      "l sphere s 0 0 4 .13 -5 .21 .08",
+      "-vtv -vh 90 -vv 90", M_PI * .0064 / 225 },
+    { "m polygon f 0 0 12 -9 5 -9 9 5 -9 9 5 9 -9 5 9\n"
+      "l source s 0 0 4 0 -1 .001 .9",
+      "-vtv -vh 90 -vv 90", M_PI * 6.1685e-5 },
+    { "void mirror h 1 void 0 3 .8 .8 .8\n"
+      "h polygon f 0 0 12 -9 5 -9 9 5 -9 9 5 9 -9 5 9\n"
+      "l sphere s 0 0 4 .013 -1 .021 .04",
+      "-vtl -vh 2 -vv 2", M_PI * .0016 },
+};
+
+START_TEST(thin_lamps_in_mirrors_are_painted)
+{
+    struct rad_params p = params(20, 4);
+    struct rad_pixel *picture;
+    struct stage s;
+    char scene[512], view[128];
+    double sum = 0, area = .8 * mirrored[_i].area;
+
+    p.directvis = true;
+    p.pixjitter = 0;
+    p.directrelay = 1;
+    snprintf(scene, sizeof scene,
+             "void light l 0 0 3 100 100 100 void mirror m 0 0 3 .8 .8 .8\n"
+             "%s\n",
+             mirrored[_i].lamp);
+    snprintf(view, sizeof view, "VIEW= -vp 0 0 0 -vd 0 1 0 -vu 0 0 1 %s",
+             mirrored[_i].view);
+    stage_init(&s, scene, p, view, false);
+    picture = render_all(&s);
+    for (int i = 0; i < 400; i++)
+        sum += picture[i].L.r;
+    ck_assert_double_eq_tol(sum, 100 * area / 4 * 400,
+                            .02 * 100 * area / 4 * 400 + 1e-6);
+    free(picture);
+    stage_release(&s);
+}
+END_TEST
+
 /* The same with -ps 1, of lamps wider than a pixel, .1, between the middles of
  * four. */
 static const struct {
@@ -599,6 +657,8 @@ main(void)
     tcase_add_test(tc, small_lamps_are_painted_with_their_area);
     tcase_add_loop_test(tc, thin_lamps_look_as_large_as_they_are, 0,
                         N_ELEM(thin));
+    tcase_add_loop_test(tc, thin_lamps_in_mirrors_are_painted, 0,
+                        N_ELEM(mirrored));
     tcase_add_loop_test(tc, lamps_between_samples_are_not_lost, 0,
                         N_ELEM(between));
     tcase_add_test(tc, depth_changes_no_painted_pixel);

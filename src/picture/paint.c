@@ -158,31 +158,57 @@ least_width2(const corner *v, int n, double aspect2)
     return least;
 }
 
+/* A source, or the image of one, and who looks at it. */
+struct seen {
+    const struct rad_sources *sources;
+    int32_t i;
+    struct rad_source_shape shape;
+    const struct rad_object *o;
+    const struct rad_view *view;
+    double vp[3], dir[3]; /* of the view, as the source itself has it */
+};
+
+static void
+see(struct seen *s, const struct rad_job *job, int32_t i,
+    const struct rad_view *v)
+{
+    double ahead[3];
+
+    s->sources = job->sources;
+    s->i = i;
+    rad_source_shape(s->sources, i, &s->shape);
+    s->o = &job->scene->objects[s->shape.obj];
+    s->view = v;
+    rad_source_seen_from(s->sources, i, v->vp, s->vp);
+    rad_madd(ahead, v->vp, 1, v->dir);
+    rad_source_seen_from(s->sources, i, ahead, s->dir);
+    rad_sub(s->dir, s->dir, s->vp);
+}
+
 /* Where a source is looked at from: to its centre. */
 static void
-line_of_sight(const struct rad_source_shape *s, const struct rad_view *v,
-              double to[3])
+line_of_sight(const struct seen *s, double to[3])
 {
-    if (s->distant)
-        rad_copy(to, s->centre);
-    else if (v->type == 'l')
-        rad_copy(to, v->dir);
+    if (s->shape.distant)
+        rad_copy(to, s->shape.centre);
+    else if (s->view->type == 'l')
+        rad_copy(to, s->dir);
     else
-        rad_sub(to, s->centre, v->vp);
+        rad_sub(to, s->shape.centre, s->vp);
 }
 
 /* Is the source turned away, or one that cannot be outlined? */
 static bool
-unseen(const struct rad_source_shape *s, const struct rad_view *v)
+unseen(const struct seen *s)
 {
     double to[3];
 
-    if (s->distant)
-        return v->type == 'l' || s->radius >= WIDE_DISTANT;
-    if (!s->flat)
+    if (s->shape.distant)
+        return s->view->type == 'l' || s->shape.radius >= WIDE_DISTANT;
+    if (!s->shape.flat)
         return false;
-    line_of_sight(s, v, to);
-    return rad_dot(to, s->axis[2]) >= 0;
+    line_of_sight(s, to);
+    return rad_dot(to, s->shape.axis[2]) >= 0;
 }
 
 /* A parallelogram of half-axes a and b. */
@@ -216,12 +242,13 @@ round_corners(const double centre[3], const double a[3], const double b[3],
 /* What is seen of a source, by its corners in space.  Of a tube that is a
  * rectangle across the line of sight; its ends are open and show nothing. */
 static int
-silhouette(const struct rad_source_shape *s, const struct rad_object *o,
-           const struct rad_view *v, double (*p)[3])
+silhouette(const struct seen *seen, double (*p)[3])
 {
+    const struct rad_source_shape *s = &seen->shape;
+    const struct rad_object *o = seen->o;
     double to[3], a[3], b[3];
 
-    line_of_sight(s, v, to);
+    line_of_sight(seen, to);
     switch (o->type) {
     case RAD_SPHERE:
         rad_normalize(to);
@@ -249,16 +276,17 @@ silhouette(const struct rad_source_shape *s, const struct rad_object *o,
 /* Outline in picture positions of what has n corners in space; false: not
  * wholly in view, or not convex. */
 static bool
-outline(const struct rad_source_shape *s, const struct rad_view *v, int n,
-        double (*p)[3], struct rad_paint_source *out)
+outline(const struct seen *s, int n, double (*p)[3],
+        struct rad_paint_source *out)
 {
     corner v2[RAD_PAINT_CORNERS];
     double whole;
 
     for (int k = 0; k < n; k++) {
-        if (s->distant) /* any point beyond the fore plane will do */
-            rad_madd(p[k], v->vp, 1 + v->vfore, p[k]);
-        if (rad_view_locate(v, p[k], v2[k]) != 0)
+        rad_source_appears(s->sources, s->i, p[k], p[k]);
+        if (s->shape.distant) /* any point beyond the fore plane will do */
+            rad_madd(p[k], s->view->vp, 1 + s->view->vfore, p[k]);
+        if (rad_view_locate(s->view, p[k], v2[k]) != 0)
             return false;
     }
     whole = area(v2, n);
@@ -268,19 +296,20 @@ outline(const struct rad_source_shape *s, const struct rad_view *v, int n,
 }
 
 static bool
-find_outline(const struct rad_source_shape *s, const struct rad_object *o,
-             const struct rad_view *v, struct rad_paint_source *out)
+find_outline(const struct seen *s, struct rad_paint_source *out)
 {
     double p[RAD_PAINT_CORNERS][3];
 
-    if (unseen(s, v))
+    if (unseen(s))
         return false;
-    if (outline(s, v, silhouette(s, o, v, p), p, out))
+    if (outline(s, silhouette(s, p), p, out))
         return true;
     /* a polygon that is not convex, by a square as large */
-    return o->type == RAD_POLYGON &&
-           outline(s, v, four_corners(s->centre, s->axis[0], s->axis[1], p), p,
-                   out);
+    return s->o->type == RAD_POLYGON &&
+           outline(s,
+                   four_corners(s->shape.centre, s->shape.axis[0],
+                                s->shape.axis[1], p),
+                   p, out);
 }
 
 /* Can no sample miss it?  Samples are `step` picture widths apart.  A strip as
@@ -295,30 +324,45 @@ never_missed(const struct rad_paint_source *s, const struct rad_view *v,
     return least_width2(s->corner, s->ncorners, v->vn2 / v->hn2) > wide * wide;
 }
 
+/* Room for one more in the list, which doubles. */
+static bool
+grow(struct rad_paint *p)
+{
+    size_t n = (size_t)p->n;
+    struct rad_paint_source *more = p->list;
+
+    if ((n & (n - 1)) == 0)
+        more = realloc(p->list, (n ? 2 * n : 1) * sizeof *more);
+    if (more)
+        p->list = more;
+    return more;
+}
+
 int
 rad_paint_init(struct rad_paint *p, const struct rad_job *job,
                const struct rad_view *v, int width, struct rad_error *err)
 {
-    int32_t n = rad_sources_count(job->sources);
+    int32_t n = rad_sources_targets(job->sources);
     double step = (double)job->params.psample / width;
 
     p->n = 0;
-    p->list = calloc(n > 0 ? (size_t)n : 1, sizeof *p->list);
-    if (!p->list)
-        return rad_fail(err, RAD_ENOMEM, "out of memory");
+    p->list = NULL;
     for (int32_t i = 0; i < n; i++) {
-        struct rad_paint_source *s = &p->list[p->n];
-        struct rad_source_shape shape;
         const struct rad_emitter *e;
+        struct rad_paint_source s;
+        struct seen seen;
 
-        rad_source_shape(job->sources, i, &shape);
-        e = rad_emitter_of(job, shape.obj);
-        if (!e || e->type == RAD_ILLUM ||
-            !find_outline(&shape, &job->scene->objects[shape.obj], v, s) ||
-            never_missed(s, v, step))
+        see(&seen, job, i, v);
+        e = rad_emitter_of(job, seen.shape.obj);
+        if (!e || e->type == RAD_ILLUM || !find_outline(&seen, &s) ||
+            never_missed(&s, v, step))
             continue;
-        s->source = i;
-        p->n++;
+        if (!grow(p)) {
+            rad_paint_release(p);
+            return rad_fail(err, RAD_ENOMEM, "out of memory");
+        }
+        s.source = i;
+        p->list[p->n++] = s;
     }
     return 0;
 }

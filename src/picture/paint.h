@@ -4,9 +4,10 @@
  * one that is less than 1.4 times as wide.  With -dv+ those are drawn after a
  * bar is filled, each pixel with the share of its area that the source covers
  * and the radiance of a ray through the covered part.
- * Illums are left out, and what is not wholly in view, as in rpict.
- * What a pixel gets depends on the pixel and the picture alone, not on the bar
- * or window that it is painted in.
+ * Illums are left out, and what is not wholly in view, as in rpict; the images
+ * of sources in mirrors and prisms are drawn as they themselves are, also where
+ * a mirror shows the eye another material. What a pixel gets depends on the
+ * pixel and the picture alone, not on the bar or window that it is painted in.
  * Source: rpict(1) on -dv and -ps. */
 #ifndef RAD_PICTURE_PAINT_H
 #define RAD_PICTURE_PAINT_H

@@ -240,7 +240,7 @@ void
 rad_source_shape(const struct rad_sources *s, int32_t i,
                  struct rad_source_shape *shape)
 {
-    const struct rad_source *src = &s->list[i];
+    const struct rad_source *src = rad_source_root(s, i);
 
     shape->obj = src->obj;
     shape->distant = src->flags & RAD_LIGHT_DISTANT;

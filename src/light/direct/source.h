@@ -67,9 +67,9 @@ void rad_source_toward(const struct rad_sources *s, int32_t i,
 void rad_source_aimed(struct rad_ctx *ctx, struct rad_ray *r);
 
 /* Where a source is and how it extends, for painting those that look smaller
- * than a sample (see picture/paint.h).  Of disks, rings, distant sources and
- * polygons other than parallelograms the axes are those of a square as large;
- * of a tube the first is half of it. */
+ * than a sample (see picture/paint.h); of an image, the source that it shows.
+ * Of disks, rings, distant sources and polygons other than parallelograms the
+ * axes are those of a square as large; of a tube the first is half of it. */
 struct rad_source_shape {
     int32_t obj;
     bool distant; /* centre is a unit direction; axes are tangents [rad] */
@@ -82,5 +82,15 @@ struct rad_source_shape {
 };
 void rad_source_shape(const struct rad_sources *s, int32_t i,
                       struct rad_source_shape *shape);
+
+/* From where the source that image i shows is seen as the image is from p; p
+ * itself where i is no image. */
+void rad_source_seen_from(const struct rad_sources *s, int32_t i,
+                          const double p[3], double there[3]);
+
+/* Where a point of the source that i is, or shows, appears: a direction of any
+ * length where it is distant. */
+void rad_source_appears(const struct rad_sources *s, int32_t i,
+                        const double point[3], double at[3]);
 
 #endif

@@ -48,6 +48,37 @@ rad_virtual_shows(const struct rad_sources *s, const struct rad_virtual *v,
     return !(rad_dist2(at, v->middle) > slack * slack);
 }
 
+void
+rad_source_seen_from(const struct rad_sources *s, int32_t i, const double p[3],
+                     double there[3])
+{
+    const struct rad_virtual *v = rad_source_virtual(s, i);
+
+    rad_copy(there, p);
+    for (int k = 0; v && k < 3; k++)
+        there[k] = rad_dot(v->turn[k], p) + v->move[k];
+}
+
+void
+rad_source_appears(const struct rad_sources *s, int32_t i,
+                   const double point[3], double at[3])
+{
+    const struct rad_virtual *v = rad_source_virtual(s, i);
+    bool far = rad_source_root(s, i)->flags & RAD_LIGHT_DISTANT;
+    double q[3];
+
+    rad_copy(q, point);
+    if (v && v->bend) {
+        rad_bend_direction(v->bend, q, at);
+        if (!far)
+            rad_madd(at, at, 1, v->bend->move);
+        return;
+    }
+    if (v && !far)
+        rad_sub(q, q, v->move);
+    rad_virtual_turn(v, q, at);
+}
+
 struct unfolded {
     const struct rad_virtual *v;
     const struct rad_source *root;
