@@ -156,82 +156,85 @@ noise_slope(const double p[3], int axis)
     return (noise(p) - noise(q)) / STEP;
 }
 
-/* A random number in (-1, 1] of a lattice point: an integer hash, in 64 bits
- * that wrap around. */
-static double
-lattice(const int64_t v[3])
-{
-    uint64_t s =
-        17 * (uint64_t)v[0] + 23 * (uint64_t)v[1] + 29 * (uint64_t)v[2];
+/* Points of the lattice are told apart by one number, which wraps around:
+ * coordinates times these. */
+static const uint64_t stride[3] = { 17, 23, 29 };
 
-    s = s << 13 ^ s;
+/* A random number in (-1, 1] of a lattice point: an integer hash. */
+static double
+lattice(uint64_t point)
+{
+    uint64_t s = point << 13 ^ point;
+
     s = s * (s * s * 15731 + 789221) + 1376312589;
     return 1 - (double)(s & 0x7fffffff) / 1073741824.0;
 }
 
-/* A point between corners: their mean, and a number of its own. */
-static double
-between(double mean, const int64_t v[3], int64_t size)
-{
-    return mean + (double)size * STEP * lattice(v);
-}
-
-/* Take the cube of edge 2*size at beg apart, and keep the octant that `branch`
- * names: its corners become fval. */
+/* Take the cube of edge 2*size at point `beg` apart, and keep the octant that
+ * `branch` names: its corners become fval.  One is a corner of the cube; the
+ * others, which lie in the middle of the cube along the axes in `mid`, are the
+ * mean of the corners about them and a number of their own. */
 static void
-subdivide(double fval[8], const int64_t beg[3], int64_t size, int branch)
+subdivide(double fval[8], uint64_t beg, uint64_t size, int branch)
 {
-    double centre = 0;
-    double next[8];
-    int64_t v[3];
+    static const double share[8] = { 1, .5, .5, .25, .5, .25, .25, .125 };
+    double sum[8];
+    uint64_t at[8];
 
-    for (int j = 0; j < 8; j++)
-        centre += .125 * fval[j];
-    for (int k = 0; k < 8; k++) {
-        /* corner k of the octant: bits that differ from `branch` lie in the
-         * middle of the cube along their axes */
-        int mid = k ^ branch, axes = (mid & 1) + (mid >> 1 & 1) + (mid >> 2);
-        double sum = 0;
+    at[0] = beg;
+    for (int i = 0; i < 3; i++)
+        at[0] += branch >> i & 1 ? 2 * size * stride[i] : 0;
+    for (int mid = 0; mid < 8; mid++)
+        sum[mid] = fval[mid ^ branch];
+    for (int i = 0; i < 3; i++)
+        for (int mid = 1 << i; mid < 8; mid++)
+            if (mid >> i & 1)
+                sum[mid] += sum[mid ^ 1 << i];
+    fval[branch] = sum[0];
+    for (int mid = 1; mid < 8; mid++) {
+        int i = mid & 4 ? 2 : mid & 2 ? 1 : 0;
+        uint64_t step = size * stride[i];
 
-        for (int i = 0; i < 3; i++)
-            v[i] = beg[i] + (mid >> i & 1      ? size
-                             : branch >> i & 1 ? 2 * size
-                                               : 0);
-        for (int j = 0; j < 8; j++)
-            if (((j ^ branch) & ~mid) == 0)
-                sum += fval[j];
-        next[k] = mid == 0   ? fval[branch]
-                  : mid == 7 ? between(centre, v, size)
-                             : between(sum / (1 << axes), v, size);
+        at[mid] = at[mid ^ 1 << i] + (branch >> i & 1 ? -step : step);
+        fval[mid ^ branch] =
+            share[mid] * sum[mid] + (double)size * STEP * lattice(at[mid]);
     }
-    memcpy(fval, next, sizeof next);
 }
 
 static double
 fractal(const double p[3])
 {
-    int64_t size = (int64_t)(1 / STEP), at[3], beg[3], v[3];
+    int64_t size = (int64_t)(1 / STEP), at[3];
+    uint64_t point = 0;
     double fval[8], mean = 0;
 
     for (int i = 0; i < 3; i++) {
+        double whole = floor(p[i]);
+
         if (!(fabs(p[i]) < 1e12))
             return 0;
-        at[i] = (int64_t)((double)size * p[i]);
-        beg[i] = (int64_t)((double)size * floor(p[i]));
+        at[i] =
+            (int64_t)((double)size * p[i]) - (int64_t)((double)size * whole);
+        point += (uint64_t)(int64_t)((double)size * whole) * stride[i];
     }
     for (int j = 0; j < 8; j++) {
+        uint64_t v = point;
+
         for (int i = 0; i < 3; i++)
-            v[i] = beg[i] + (j >> i & 1 ? size : 0);
+            v += j >> i & 1 ? (uint64_t)size * stride[i] : 0;
         fval[j] = lattice(v);
     }
     while ((size >>= 1) > 0) {
         int branch = 0;
 
         for (int i = 0; i < 3; i++)
-            branch |= (at[i] > beg[i] + size) << i;
-        subdivide(fval, beg, size, branch);
+            branch |= (at[i] > size) << i;
+        subdivide(fval, point, (uint64_t)size, branch);
         for (int i = 0; i < 3; i++)
-            beg[i] += branch >> i & 1 ? size : 0;
+            if (branch >> i & 1) {
+                at[i] -= size;
+                point += (uint64_t)size * stride[i];
+            }
     }
     for (int j = 0; j < 8; j++)
         mean += .125 * fval[j];
