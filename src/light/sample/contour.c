@@ -41,22 +41,21 @@ inverse(double A, double B, double t)
 {
     double root = sqrt((A - B) * (A + B)),
            turns = floor((t + M_PI) / (2 * M_PI));
-    double half = t / 2 - M_PI * turns;
+    double half = t / 2 - M_PI * turns, s, c;
 
+    rad_sin_and_cos(half, &s, &c);
     return 2 / root *
-           (rad_atan2(sqrt(A - B) * rad_sin(half),
-                      sqrt(A + B) * rad_cos(half)) +
-            M_PI * turns);
+           (rad_atan2(sqrt(A - B) * s, sqrt(A + B) * c) + M_PI * turns);
 }
 
-/* Antiderivative of cos t / (A + B cos t). */
+/* Antiderivative of cos t / (A + B cos t), from that of the inverse. */
 static double
-cosine(double A, double B, double t)
+cosine(double A, double B, double t, double inverse)
 {
     double x = B / A, s, s3, c2, c4;
 
     if (x > NEARLY_ROUND)
-        return (t - A * inverse(A, B, t)) / B;
+        return (t - A * inverse) / B;
     /* of cos, cos^2, cos^3, cos^4 in turn */
     s = rad_sin(t);
     s3 = s - s * s * s / 3;
@@ -86,8 +85,8 @@ rad_contour_arc(double F[3], const double c[3], const double normal[3],
     to = at + delta;
     rad_cross(w1, c, e1);
     rad_cross(w2, c, e2);
-    double one = inverse(A, B, to) - inverse(A, B, from);
-    double cos_part = cosine(A, B, to) - cosine(A, B, from);
+    double end = inverse(A, B, to), begin = inverse(A, B, from);
+    double cos_part = cosine(A, B, to, end) - cosine(A, B, from, begin);
     double sin_part =
         B > 0 ? -rad_log((A + B * rad_cos(to)) / (A + B * rad_cos(from))) / B
               : (rad_cos(from) - rad_cos(to)) / A;
@@ -95,7 +94,7 @@ rad_contour_arc(double F[3], const double c[3], const double normal[3],
 
     rad_madd(F, F, k * cos_part, w2);
     rad_madd(F, F, -k * sin_part, w1);
-    rad_madd(F, F, k * radius * one, normal);
+    rad_madd(F, F, k * radius * (end - begin), normal);
 }
 
 void
