@@ -35,15 +35,17 @@ rad_contour_edge(double F[3], const double a[3], const double b[3])
     rad_madd(F, F, angle / 2, c);
 }
 
-/* Antiderivative of 1 / (A + B cos t), without a step where tan t/2 has one. */
+/* Antiderivative of 1 / (A + B cos t), without a step where tan t/2 has one;
+ * and cos t, from half the angle. */
 static double
-inverse(double A, double B, double t)
+inverse(double A, double B, double t, double *cos_t)
 {
     double root = sqrt((A - B) * (A + B)),
            turns = floor((t + M_PI) / (2 * M_PI));
     double half = t / 2 - M_PI * turns, s, c;
 
     rad_sin_and_cos(half, &s, &c);
+    *cos_t = 2 * c * c - 1;
     return 2 / root *
            (rad_atan2(sqrt(A - B) * s, sqrt(A + B) * c) + M_PI * turns);
 }
@@ -85,11 +87,12 @@ rad_contour_arc(double F[3], const double c[3], const double normal[3],
     to = at + delta;
     rad_cross(w1, c, e1);
     rad_cross(w2, c, e2);
-    double end = inverse(A, B, to), begin = inverse(A, B, from);
+    double cos_to, end = inverse(A, B, to, &cos_to);
+    double cos_from, begin = inverse(A, B, from, &cos_from);
     double cos_part = cosine(A, B, to, end) - cosine(A, B, from, begin);
-    double sin_part =
-        B > 0 ? -rad_log((A + B * rad_cos(to)) / (A + B * rad_cos(from))) / B
-              : (rad_cos(from) - rad_cos(to)) / A;
+    double sin_part = B > 0
+                          ? -rad_log((A + B * cos_to) / (A + B * cos_from)) / B
+                          : (cos_from - cos_to) / A;
     double k = -sign * radius / 2;
 
     rad_madd(F, F, k * cos_part, w2);
