@@ -60,6 +60,7 @@ msg_code_closed(struct codec *c, struct msg_closed *b)
     code_u32(c, &b->pass);
     code_u32(c, &b->count);
     code_u64(c, &b->sum);
+    code_below(c, &b->asks, 2);
     code_read_must(c, b->pass < MSG_MOST_PASSES);
 }
 

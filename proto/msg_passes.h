@@ -66,20 +66,21 @@ struct msg_tile_records {
     size_t len;
 };
 
-/* A pass is closed.  A worker that has its records, by TILE_RECORDS, says so;
- * or says that it lacks some, and gets FROZEN. */
+/* A pass is closed.  A worker that lacks some of its records says so; one that
+ * has all says so where it is asked. */
 struct msg_closed {
     const uint8_t *job;
     uint32_t pass;
-    uint32_t count; /* records of all tiles */
-    uint64_t sum;   /* of their bytes in the order of tiles (rowsum_hash()) */
+    uint32_t count; /* of records of all tiles */
+    uint64_t sum;   /* of their bytes in the order of tiles */
+    uint8_t asks;   /* 1: it is to say when it has them all */
 };
 
 /* The answer to CLOSED. */
 struct msg_holds {
     const uint8_t *job;
     uint32_t pass;
-    uint8_t whole; /* 1: all its records; 0: some are lacking */
+    uint8_t whole; /* 1: it has all records */
 };
 
 /* Workers to whom TILE_RECORDS are to be sent on; instead of those before. */

@@ -131,7 +131,7 @@ static const struct msg examples[] = {
     { .type = MSG_STAGE, .stage = { ID, 8, "-ab 2 -aa .1" } },
     { .type = MSG_TILE_RECORDS,
       .tile_records = { ID, 1, 2, 2, (const uint8_t *)"records", 7 } },
-    { .type = MSG_CLOSED, .closed = { ID, 1, 2, 3 } },
+    { .type = MSG_CLOSED, .closed = { ID, 1, 2, 3, 1 } },
     { .type = MSG_HOLDS, .holds = { ID, 1, 1 } },
     { .type = MSG_FEED, .feed = { ID, 2, { "ws2", "ws3" } } },
     { .type = MSG_SEED, .seed = { ID, 8192, MSG_SEED_ALL } },

@@ -6,6 +6,7 @@
 #include "ground/lossy.h"
 #include "machine/rowsum.h"
 #include "worker_fixture.h"
+#include "worker/state.h"
 
 static void
 child_records(uint32_t to)
@@ -263,7 +264,8 @@ static void
 closed(uint32_t pass, uint32_t tiles)
 {
     uint8_t data[4 * AMBSHARE_BYTES];
-    struct msg m = { .type = MSG_CLOSED, .closed = { job_id, pass, tiles, 0 } };
+    struct msg m = { .type = MSG_CLOSED,
+                     .closed = { job_id, pass, tiles, 0, 1 } };
 
     for (uint32_t i = 0; i < tiles; i++)
         memset(data + i * AMBSHARE_BYTES, (int)i, AMBSHARE_BYTES);
@@ -333,6 +335,29 @@ START_TEST(records_that_are_lacking_are_said_to_be)
 }
 END_TEST
 
+/* The coordinator goes on while this worker waits for a pass. */
+START_TEST(passes_that_are_closed_wait_for_one_that_lacks_records)
+{
+    struct msg frozen = { .type = MSG_FROZEN,
+                          .frozen = { job_id, 0, 0, 1, 1, token, 9 } };
+
+    begin_passes();
+    tile_records(f.coord, 1, 0);
+    for (uint32_t pass = 0; pass <= WJOB_PASSES; pass++)
+        closed(pass, pass < 2);
+    ck_assert_int_eq(f.nsaid, 0);
+    tick(100);
+    ck_assert_int_eq(said(f.coord, MSG_HOLDS), 1);
+    clear();
+    tick(100);
+    ck_assert_int_eq(f.nsaid, 0);
+    hear(f.coord, &frozen);
+    ck_assert_int_eq(said(f.child, MSG_FROZEN), WJOB_PASSES);
+    ck_assert_int_eq(said(f.coord, MSG_HOLDS), WJOB_PASSES);
+    ck_assert(f.last.holds.pass == WJOB_PASSES && !f.last.holds.whole);
+}
+END_TEST
+
 START_TEST(records_go_on_once_to_peers_that_are_fed)
 {
     struct msg feed = { .type = MSG_FEED, .feed = { job_id, 1, { "ws2" } } };
@@ -349,7 +374,7 @@ START_TEST(records_go_on_once_to_peers_that_are_fed)
     tile_records(f.peer, 0, 1);
     tile_records(f.peer, 0, 2); /* it feeds us, too: that goes no further */
     ck_assert_int_eq(said(f.peer, MSG_TILE_RECORDS), 2);
-    tile_records(f.coord, MSG_OPEN_PASSES + 1, 0); /* of a pass that is far */
+    tile_records(f.coord, WJOB_PASSES, 0); /* of a pass that is far */
     ck_assert_int_eq(said(f.peer, MSG_TILE_RECORDS), 2);
     feed.feed.n = 0;
     hear(f.coord, &feed);
@@ -402,6 +427,7 @@ main(void)
     tcase_add_test(tc, a_slow_peer_loses_the_oldest_records);
     tcase_add_test(tc, the_child_gets_records_in_the_order_of_tiles);
     tcase_add_test(tc, records_that_are_lacking_are_said_to_be);
+    tcase_add_test(tc, passes_that_are_closed_wait_for_one_that_lacks_records);
     tcase_add_test(tc, records_go_on_once_to_peers_that_are_fed);
     tcase_add_test(tc, a_new_child_begins_with_the_first_pass);
     suite_add_tcase(s, tc);

@@ -21,7 +21,6 @@
 #define RAYS_PER_S 1.7e6
 
 /* More the coordinator does not give to one thread. */
-#define HOST_GATHERED   (MSG_OPEN_PASSES + 1)
 #define HOST_MOST_TILES 16
 
 struct window {
@@ -72,13 +71,14 @@ struct host {
     uint32_t begun;           /* passes before are ready for tiles */
     double insert_s;          /* for records that have come */
     struct gathered {
-        uint32_t pass;
-        uint8_t *tile;         /* which tiles' records are here */
-        uint32_t n;            /* records */
-    } gathered[HOST_GATHERED]; /* of that pass and the next, by number */
-    bool closed;               /* the pass is, and has so many: */
-    uint32_t count;
-    uint64_t heard_us; /* when a record of it came, or that */
+        uint8_t *tile;  /* which tiles' records are here */
+        uint32_t n;     /* records */
+        uint32_t count; /* when it is closed: it has so many, */
+        bool asks;      /* and the host is to say that it has them */
+    } gathered[RAD_MOST_PASSES];
+    uint32_t closed;           /* passes before are closed */
+    bool lacks;                /* the first of these comes as FROZEN */
+    uint64_t heard_us;         /* when something of them came */
     int fed[MSG_MOST_FED];
     uint32_t nfed;
     struct window *windows;

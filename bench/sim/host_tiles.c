@@ -146,7 +146,8 @@ host_tiles_begin(struct host *h)
         h->insert_s = 0;
         return true;
     }
-    if (!host_tiles_open(h) || h->ntiles == 0)
+    if (!host_tiles_open(h) || h->ntiles == 0 ||
+        pass_of(h, h->tile[0].pass)->reads > h->passes)
         return false;
     if (h->begun <= h->tile[0].pass)
         spend(h, HOST_WALKS, pass_of(h, h->tile[0].pass)->begin_s / h->speed,
@@ -162,7 +163,7 @@ host_tiles_begin(struct host *h)
 void
 host_tiles_take(struct host *h, const struct msg_tile *m)
 {
-    if (m->pass >= h->passes + MSG_OPEN_PASSES || h->ntiles == HOST_MOST_TILES)
+    if (h->ntiles == HOST_MOST_TILES)
         abort();
     if (m->pass >= h->passes)
         h->tile[h->ntiles++] = (struct host_tile){ m->pass, m->tile };
@@ -183,17 +184,6 @@ stop(struct host *h, uint32_t pass)
             drop_tile(h, i);
 }
 
-/* Records of that pass are to come. */
-static void
-begin_gathered(struct host *h, uint32_t pass)
-{
-    struct gathered *g = &h->gathered[pass % HOST_GATHERED];
-
-    free(g->tile);
-    *g = (struct gathered){ .pass = pass,
-                            .tile = sim_alloc(pass_of(h, pass)->n + 1) };
-}
-
 /* All records of the pass are here. */
 static void
 close_pass(struct host *h, uint32_t count)
@@ -203,16 +193,6 @@ close_pass(struct host *h, uint32_t count)
     if (h->at_tiles == HOST_STATES)
         host_time_note(h, h->state); /* what it waited for */
     h->passes++;
-    h->closed = false;
-}
-
-void
-host_tiles_freeze(struct host *h, const struct msg_frozen *m)
-{
-    if (m->pass != h->passes)
-        abort();
-    if (m->last)
-        close_pass(h, m->first + m->count);
 }
 
 static void
@@ -221,19 +201,44 @@ say_held(struct host *h, bool whole)
     struct msg m = { .type = MSG_HOLDS,
                      .holds = { h->cluster->job, h->passes, whole } };
 
-    h->closed = false;
     host_say(h, &m);
+}
+
+static struct gathered *
+pass_at(struct host *h, uint32_t pass)
+{
+    struct gathered *g = &h->gathered[pass];
+
+    if (!g->tile)
+        g->tile = sim_alloc(pass_of(h, pass)->n + 1);
+    return g;
 }
 
 static void
 look(struct host *h)
 {
-    const struct gathered *g = &h->gathered[h->passes % HOST_GATHERED];
+    while (h->passes < h->closed && !h->lacks) {
+        const struct gathered *g = pass_at(h, h->passes);
 
-    if (!h->closed || (g->pass == h->passes ? g->n : 0) != h->count)
+        if (g->n != g->count)
+            return;
+        if (g->asks)
+            say_held(h, true);
+        close_pass(h, g->count);
+    }
+}
+
+void
+host_tiles_freeze(struct host *h, const struct msg_frozen *m)
+{
+    if (m->pass != h->passes)
+        abort();
+    if (!m->last)
         return;
-    say_held(h, true);
-    close_pass(h, h->count);
+    close_pass(h, m->first + m->count);
+    h->lacks = false;
+    h->heard_us = h->cluster->events.now_us;
+    look(h);
 }
 
 static void
@@ -241,21 +246,24 @@ lacks(void *arg, struct event *e)
 {
     struct host *h = host_alive(arg, e);
 
-    if (!h || !h->closed)
+    if (!h || h->lacks || h->passes >= h->closed)
         return;
-    if (h->cluster->events.now_us - h->heard_us >= QUIET_US)
-        say_held(h, false);
-    else
+    if (h->cluster->events.now_us - h->heard_us < QUIET_US) {
         host_later(h, QUIET_US, lacks);
+        return;
+    }
+    h->lacks = true;
+    say_held(h, false);
 }
 
 void
 host_tiles_closed(struct host *h, const struct msg_closed *m)
 {
-    if (m->pass != h->passes)
-        abort();
-    h->closed = true;
-    h->count = m->count;
+    struct gathered *g = pass_at(h, m->pass);
+
+    g->count = m->count;
+    g->asks = m->asks;
+    h->closed = m->pass + 1;
     h->heard_us = h->cluster->events.now_us;
     host_later(h, QUIET_US, lacks);
     look(h);
@@ -264,13 +272,12 @@ host_tiles_closed(struct host *h, const struct msg_closed *m)
 void
 host_tiles_records(struct host *h, const struct msg_tile_records *m)
 {
-    struct gathered *g = &h->gathered[m->pass % HOST_GATHERED];
+    struct gathered *g;
     struct msg pass = { .type = MSG_TILE_RECORDS, .tile_records = *m };
 
-    if (m->pass < h->passes || m->pass >= h->passes + HOST_GATHERED)
+    if (m->pass < h->passes)
         return;
-    if (!g->tile || g->pass != m->pass)
-        begin_gathered(h, m->pass);
+    g = pass_at(h, m->pass);
     if (g->tile[m->tile])
         return;
     g->tile[m->tile] = true;
@@ -293,11 +300,12 @@ host_tiles_feed(struct host *h, const struct msg_feed *m)
 void
 host_tiles_forget(struct host *h)
 {
-    for (int i = 0; i < HOST_GATHERED; i++) {
+    for (int i = 0; i < RAD_MOST_PASSES; i++) {
         free(h->gathered[i].tile);
         h->gathered[i] = (struct gathered){ 0 };
     }
-    h->closed = false;
+    h->closed = 0;
+    h->lacks = false;
     h->nfed = 0;
     h->ntiles = 0;
     h->insert_s = 0;

@@ -56,7 +56,7 @@ read_lines(struct tiles *t, FILE *f)
 
 /* Are the passes those that a coordinator will give out? */
 static int
-check_plan(const struct tiles *t, struct rad_error *err)
+check_plan(struct tiles *t, struct rad_error *err)
 {
     struct rad_pass_size size = { t->width, t->height };
     struct rad_pass plan[RAD_MOST_PASSES];
@@ -67,9 +67,11 @@ check_plan(const struct tiles *t, struct rad_error *err)
     if (rc < 0)
         return rc;
     n = rad_passes_plan(&params, &size, 1, plan);
-    for (uint32_t i = 0; i < n && n == t->npasses; i++)
+    for (uint32_t i = 0; i < n && n == t->npasses; i++) {
+        t->pass[i].reads = plan[i].reads;
         if (plan[i].tiles != t->pass[i].n)
             n = 0;
+    }
     return n == t->npasses
                ? 0
                : rad_fail(err, RAD_EDATA,

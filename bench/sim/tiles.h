@@ -29,7 +29,7 @@ struct tiles {
     uint32_t npasses;
     struct tile_pass {
         double begin_s;
-        uint32_t n;
+        uint32_t n, reads; /* as in struct rad_pass */
         struct tile_cost *tile;
     } pass[RAD_MOST_PASSES];
 };

@@ -123,12 +123,11 @@ render_first_batch(const struct render *r)
     return i < k->n ? k->plan[i].ready : r->nframes;
 }
 
-/* May tiles of that pass be made? */
+/* May tiles of that pass be made, now or when what they read has come? */
 static bool
-is_open(const struct render_passes *k, uint32_t pass)
+is_to_come(const struct render_passes *k, uint32_t pass)
 {
-    return k->passes && pass >= k->base + k->next && pass < k->base + k->n &&
-           k->plan[pass - k->base].reads <= k->next;
+    return k->passes && pass >= k->base + k->next && pass < k->base + k->n;
 }
 
 /* Is that pass of the job the first whose records have not all come? */
@@ -144,7 +143,7 @@ render_take_tile(struct render *r, const struct msg_tile *m)
     const struct render_passes *k = &r->passes;
     struct rad_error err = { 0 };
 
-    if (!is_open(k, m->pass) || m->tile >= k->plan[m->pass - k->base].tiles)
+    if (!is_to_come(k, m->pass) || m->tile >= k->plan[m->pass - k->base].tiles)
         rad_fail(&err, RAD_EPROTO, "tile %u of pass %u does not fit the job",
                  m->tile, m->pass);
     else if (!pool_push_tile(r->pool, m->pass - k->base, m->tile, m->colours))

@@ -422,7 +422,6 @@ close_pass(struct coord *c, struct job *job)
     colours_close(job, &s->plan[s->open]);
     if (job->spec.flags & MSG_JOB_RECORDS && !walks)
         records_keep(c, job, s->open);
-    records_ask(c, job);
     actions_log(&c->actions, ACT_DEBUG,
                 "pass closed job=%s pass=%u level=%d step=%d tiles=%u "
                 "records=%u",
@@ -430,6 +429,7 @@ close_pass(struct coord *c, struct job *job)
                 s->plan[s->open].step, s->plan[s->open].tiles, k->n);
     kept_note_time(&job->cache, c->now_ms);
     tiles_close(s, s->open++);
+    records_tell(c, job);
     open_frames(job);
     if (!open_passes(s))
         c->actions.failed = true;

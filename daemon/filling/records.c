@@ -135,30 +135,55 @@ records_feed(struct coord *c, struct job *job, uint32_t pass, uint32_t tile)
         send_some(c, job, &m, feeding_is_direct);
 }
 
-/* The worker is asked whether it has the records of the pass after those that
- * it has. */
+/* Is the first pass, which the worker lacks, yet to come from the store? */
+static bool
+awaits(const struct passes *s, const struct job_worker *jw)
+{
+    return s->awaits && jw->passes == 0;
+}
+
+/* Has the worker to say that it has the records of the pass, before it gets
+ * more?  Units may not come before these; and of a worker that has a tile which
+ * another has made meanwhile nobody knows whether it is there. */
+static bool
+is_to_say(const struct passes *s, const struct job_worker *jw, uint32_t pass)
+{
+    return jw->ntiles[pass % MSG_OPEN_PASSES] > 0 ||
+           rad_pass_is_last(s->plan, s->n, pass);
+}
+
+/* Tell a worker which passes are closed, up to one that it has to answer. */
 static void
-ask(struct coord *c, const struct job *job, struct job_worker *jw)
+tell_closed(struct coord *c, const struct job *job, struct job_worker *jw)
 {
     const struct passes *s = job->passes;
-    const struct closed *k = &s->closed[jw->passes - s->base];
-    struct msg m = { .type = MSG_CLOSED,
-                     .closed = { job->id, jw->passes, k->n, k->sum } };
 
-    jw->lags = true;
-    actions_send(&c->actions, jw->worker->conn, &m);
+    while (!jw->lags && !awaits(s, jw) && jw->passes < passes_number(s)) {
+        uint32_t pass = jw->passes - s->base;
+        const struct closed *k = &s->closed[pass];
+        struct msg m = { .type = MSG_CLOSED,
+                         .closed = { job->id, jw->passes, k->n, k->sum,
+                                     is_to_say(s, jw, pass) } };
+
+        if (m.closed.asks)
+            jw->lags = true;
+        else
+            jw->passes++;
+        actions_send(&c->actions, jw->worker->conn, &m);
+    }
 }
 
 void
-records_ask(struct coord *c, struct job *job)
+records_tell(struct coord *c, struct job *job)
 {
+    const struct passes *s = job->passes;
+
     for (uint32_t i = 0; i < job->nworkers; i++) {
         struct job_worker *jw = &job->workers[i];
 
-        jw->ntiles[job->passes->open % MSG_OPEN_PASSES] = 0;
-        if (!jw->lags && jw->passes == passes_number(job->passes) &&
-            is_there(job, i))
-            ask(c, job, jw);
+        if (is_there(job, i))
+            tell_closed(c, job, jw);
+        jw->ntiles[(s->open - 1) % MSG_OPEN_PASSES] = 0;
     }
 }
 
@@ -186,7 +211,7 @@ catch_up(struct coord *c, const struct job *job, struct job_worker *jw)
 {
     const struct passes *s = job->passes;
 
-    if (!s || (s->awaits && jw->passes == 0))
+    if (!s || awaits(s, jw))
         return;
     if (jw->passes < s->base) {
         struct msg m = stage_of(job);
@@ -196,6 +221,7 @@ catch_up(struct coord *c, const struct job *job, struct job_worker *jw)
     }
     for (; jw->passes < passes_number(s); jw->passes++)
         send_closed(c, job, jw->passes - s->base, send_to_one, jw->worker);
+    jw->lacked = jw->passes;
     if (job->filling)
         send_made(c, job, jw->worker);
 }
@@ -216,7 +242,7 @@ records_ready(struct coord *c, struct job *job, uint32_t index, uint32_t have)
 
     if (have > closed || may_differ(job, jw, have))
         return false;
-    jw->passes = have;
+    jw->passes = jw->lacked = have;
     jw->lags = false;
     memset(jw->ntiles, 0, sizeof jw->ntiles);
     catch_up(c, job, jw);
@@ -231,16 +257,19 @@ records_held(struct coord *c, struct coord_worker *w, const struct msg *msg)
     struct job *job = desk_job_of(c, w, m->job, &index);
     struct job_worker *jw = job ? &job->workers[index] : NULL;
 
-    if (!jw || !job->passes || !jw->lags || m->pass != jw->passes)
+    if (!jw || !job->passes || m->pass < jw->lacked ||
+        m->pass >= jw->passes + jw->lags || m->pass < job->passes->base)
         return;
     if (!m->whole) {
         feeding_lacked(c, job, index);
         send_closed(c, job, m->pass - job->passes->base, send_to_one, w);
+        jw->lacked = m->pass + 1;
     }
+    if (m->pass != jw->passes)
+        return;
     jw->passes++;
     jw->lags = false;
-    if (jw->passes < passes_number(job->passes))
-        ask(c, job, jw);
+    tell_closed(c, job, jw);
     c->stirred = true;
 }
 
@@ -261,7 +290,7 @@ records_drop(struct coord *c, struct job *job)
         struct job_worker *jw = &job->workers[i];
 
         memset(jw->ntiles, 0, sizeof jw->ntiles);
-        jw->passes = is_there(job, i) ? job->passes->base : 0;
+        jw->passes = jw->lacked = is_there(job, i) ? job->passes->base : 0;
         jw->lags = false;
     }
     send_some(c, job, &m, is_there);

@@ -1,10 +1,10 @@
 /* records.h - the records of passes on their way to workers
  *
  * Those of a tile that is made travel to all workers while others are, by way
- * of some of them (links/feeding.h).  When a pass is closed a worker is asked
- * whether it has them all, and before it has said so it gets nothing that needs
- * them; if it
- * lacks some it gets all of them, in the order of tiles.  So does a worker that
+ * of some of them (links/feeding.h).  When a pass is closed a worker is told
+ * so; if it lacks some it says so, and gets all of them, in the order of tiles.
+ * What needs the records waits at the worker until they are there; units do
+ * not go out to it before it has said that they are.  So does a worker that
  * comes later, of each pass that is closed.
  * Thread: one. */
 #ifndef DAEMON_RECORDS_H
@@ -19,15 +19,15 @@ bool records_ready(struct coord *c, struct job *job, uint32_t index,
 /* Has the worker the records of the first `passes` of the job's stage, so that
  * it can make tiles that read them? */
 bool records_allow(const struct job *job, uint32_t index, uint32_t passes);
-/* A worker says whether it has all of them. */
+/* A worker says that it has all of a pass that is closed, or lacks some. */
 void records_held(struct coord *c, struct coord_worker *w,
                   const struct msg *msg);
 
 /* A tile of an open pass is made. */
 void records_feed(struct coord *c, struct job *job, uint32_t pass,
                   uint32_t tile);
-/* The first open pass is closed: ask workers for its records. */
-void records_ask(struct coord *c, struct job *job);
+/* One more pass is closed. */
+void records_tell(struct coord *c, struct job *job);
 /* Send those of a closed pass to whoever keeps them (-af). */
 void records_keep(struct coord *c, const struct job *job, uint32_t pass);
 /* Those of the first pass came from a former job. */

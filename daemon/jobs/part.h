@@ -56,10 +56,11 @@ struct job_worker {
     bool seeds;                     /* it got that part */
     uint32_t surveying;     /* areas that it estimates, from 1; 0: none */
     uint64_t surveyed_rays; /* of these, and of tiles */
-    uint32_t passes;        /* whose records it has, or gets (passes.c) */
+    uint32_t passes; /* that it knows to be closed: it has their records, or
+                      * says that it lacks some (records.c) */
+    uint32_t lacked; /* passes before cannot be lacking any more */
     uint32_t ntiles[MSG_OPEN_PASSES]; /* that it makes, by the pass's number */
-    bool lags;       /* it has not said yet that it has those of all passes that
-                      * are closed */
+    bool lags;       /* it is to say first that it has those of the next */
     uint32_t feeder; /* index + 1 of the worker that sends it records of tiles;
                       * 0: the coordinator does (feeding.c) */
     uint64_t rest_ms; /* told to leave seeds and areas then (REST), and given

@@ -1,7 +1,7 @@
 /* gather.c - see gather.h
  *
- * Of some passes records are kept: of those that the child may be at, and of
- * the next, for a peer may hear sooner than this worker that a pass is closed.
+ * Of some passes records are kept, from the first that the child lacks: the
+ * coordinator goes on to the next ones without waiting for this worker.
  * Each tile's records are passed on once, so that they do not go round however
  * workers are told to feed each other. */
 #include "config.h"
@@ -24,8 +24,7 @@
 /* Records of a pass, in bytes: more no coordinator takes (filling/passes.c). */
 #define MOST_BYTES ((uint64_t)512 << 20)
 
-/* Of how many passes records can be here. */
-#define PASSES (MSG_OPEN_PASSES + 1)
+#define PASSES WJOB_PASSES
 
 /* Records in a message to the child. */
 #define TOGETHER 1000
@@ -41,14 +40,19 @@ struct gpass {
     uint32_t room;
     struct gtile *tile;
     uint64_t bytes;
+    bool closed; /* it is, with: */
+    uint32_t count;
+    uint64_t sum;
+    bool asks;
 };
 
 struct gather {
     struct gpass of[PASSES]; /* by the pass's number */
-    bool closed;             /* the first pass that the child lacks, with: */
-    uint32_t count;
-    uint64_t sum;
-    uint64_t heard_ms; /* when that, or a record of it, came */
+    uint32_t closed;         /* passes before are closed */
+    bool lacks;              /* the coordinator was told that the first of
+                              * these which the child has not got is not whole:
+                              * it comes as FROZEN */
+    uint64_t heard_ms;       /* when something of that pass came */
     uint32_t nfed;
     char fed[MSG_MOST_FED][MSG_MAX_NAME + 1];
 };
@@ -97,10 +101,26 @@ gather_turn(struct wjob *job)
 
     if (!g)
         return;
-    g->closed = false;
-    for (int i = 0; i < PASSES; i++)
+    g->closed = 0;
+    g->lacks = false;
+    for (int i = 0; i < PASSES; i++) {
+        g->of[i].closed = false;
         if (!is_near(job, g->of[i].pass))
             drop_pass(&g->of[i]);
+    }
+}
+
+/* What is known of a pass that is near. */
+static struct gpass *
+pass_at(struct gather *g, uint32_t pass)
+{
+    struct gpass *p = &g->of[pass % PASSES];
+
+    if (p->pass != pass) {
+        drop_pass(p);
+        p->pass = pass;
+    }
+    return p;
 }
 
 /* --- records that come --- */
@@ -131,8 +151,6 @@ keep(struct worker *w, struct gpass *p, const struct msg_tile_records *m)
 {
     struct gtile *t;
 
-    if (p->pass != m->pass)
-        drop_pass(p);
     if (m->count == 0 || m->len != (size_t)m->count * AMBSHARE_BYTES ||
         p->bytes + m->len > MOST_BYTES ||
         (m->tile < p->room && p->tile[m->tile].data))
@@ -142,7 +160,6 @@ keep(struct worker *w, struct gpass *p, const struct msg_tile_records *m)
         w->actions.failed = true;
         return false;
     }
-    p->pass = m->pass;
     t = &p->tile[m->tile];
     t->count = m->count;
     memcpy(t->data, m->data, m->len);
@@ -178,6 +195,13 @@ say(struct worker *w, const struct wjob *job, bool whole)
                      .holds = { job->id, job->ready.passes, whole } };
 
     worker_send_coord(w, &m);
+}
+
+static void
+say_lacks(struct worker *w, struct wjob *job)
+{
+    job->gather->lacks = true;
+    say(w, job, false);
 }
 
 /* All records of a pass in the order of tiles; NULL: memory is out. */
@@ -218,31 +242,52 @@ give_child(struct worker *w, struct wjob *job, const uint8_t *all, uint32_t n)
     } while (at < n);
 }
 
-/* If all records of the pass that is closed are here, the child gets them. */
+/* The child gets a pass that is closed if all its records are here; false: they
+ * are not. */
+static bool
+give_pass(struct worker *w, struct wjob *job, struct gpass *p)
+{
+    uint8_t *all;
+    bool whole;
+
+    if (p->bytes != (uint64_t)p->count * AMBSHARE_BYTES)
+        return false;
+    all = put_together(p);
+    if (!all) {
+        w->actions.failed = true;
+        return false;
+    }
+    whole = rowsum_hash(all, p->bytes) == p->sum;
+    if (!whole) {
+        say_lacks(w, job);
+    } else {
+        if (p->asks)
+            say(w, job, true);
+        give_child(w, job, all, p->count);
+        wjob_next_pass(job);
+    }
+    free(all);
+    drop_pass(p);
+    return whole;
+}
+
+/* Passes that are closed go to the child, in their order, up to one that is not
+ * here. */
 static void
 look(struct worker *w, struct wjob *job)
 {
     struct gather *g = job->gather;
-    struct gpass *p = &g->of[job->ready.passes % PASSES];
-    uint8_t *all;
-    bool whole;
+    bool gave = true;
 
-    if (!g->closed || p->bytes != (uint64_t)g->count * AMBSHARE_BYTES)
-        return;
-    all = put_together(p);
-    if (!all) {
-        w->actions.failed = true;
-        return;
+    while (gave && !g->lacks && job->ready.passes < g->closed) {
+        struct gpass *p = pass_at(g, job->ready.passes);
+
+        if (!p->closed) { /* it was far ahead when it was */
+            say_lacks(w, job);
+            return;
+        }
+        gave = give_pass(w, job, p);
     }
-    whole = rowsum_hash(all, p->bytes) == g->sum;
-    g->closed = false;
-    say(w, job, whole);
-    if (whole) {
-        give_child(w, job, all, g->count);
-        job->ntiles[job->ready.passes++ % MSG_OPEN_PASSES] = 0;
-    }
-    free(all);
-    drop_pass(p);
 }
 
 /* --- messages --- */
@@ -253,7 +298,7 @@ gather_take(struct worker *w, struct wjob *job,
 {
     struct gather *g = is_near(job, m->pass) ? open_gather(w, job) : NULL;
 
-    if (!g || !keep(w, &g->of[m->pass % PASSES], m))
+    if (!g || !keep(w, pass_at(g, m->pass), m))
         return;
     job->bytes_in += m->len;
     pass_on(w, job, m);
@@ -263,18 +308,44 @@ gather_take(struct worker *w, struct wjob *job,
     }
 }
 
+/* The first pass that may be open. */
+static uint32_t
+next_closed(const struct wjob *job)
+{
+    uint32_t closed = job->gather->closed;
+
+    return closed > job->ready.passes ? closed : job->ready.passes;
+}
+
 void
 gather_closed(struct worker *w, struct wjob *job, const struct msg_closed *m)
 {
-    struct gather *g = job->state == WJOB_READY && m->pass == job->ready.passes
-                           ? open_gather(w, job)
-                           : NULL;
+    struct gather *g = job->state == WJOB_READY ? open_gather(w, job) : NULL;
+    struct gpass *p;
+
+    if (!g || m->pass != next_closed(job))
+        return; /* the coordinator will hear of the lost child */
+    if (is_near(job, m->pass)) {
+        p = pass_at(g, m->pass);
+        p->closed = true;
+        p->count = m->count;
+        p->sum = m->sum;
+        p->asks = m->asks;
+    }
+    g->closed = m->pass + 1;
+    if (m->pass == job->ready.passes)
+        g->heard_ms = w->now_ms;
+    look(w, job);
+}
+
+void
+gather_frozen(struct worker *w, struct wjob *job)
+{
+    struct gather *g = job->gather;
 
     if (!g)
-        return; /* the coordinator will hear of the lost child */
-    g->closed = true;
-    g->count = m->count;
-    g->sum = m->sum;
+        return;
+    g->lacks = false;
     g->heard_ms = w->now_ms;
     look(w, job);
 }
@@ -296,8 +367,7 @@ gather_tick(struct worker *w, struct wjob *job)
 {
     struct gather *g = job->gather;
 
-    if (!g || !g->closed || w->now_ms - g->heard_ms < QUIET_MS)
-        return;
-    g->closed = false;
-    say(w, job, false);
+    if (g && !g->lacks && job->ready.passes < g->closed &&
+        w->now_ms - g->heard_ms >= QUIET_MS)
+        say_lacks(w, job);
 }

@@ -17,8 +17,10 @@ void gather_closed(struct worker *w, struct wjob *job,
                    const struct msg_closed *m);
 void gather_feed(struct worker *w, struct wjob *job, const struct msg_feed *m);
 
-/* The child has, or lacks, other passes than before: forget those that are of
- * no use. */
+/* The child got the next pass from the coordinator. */
+void gather_frozen(struct worker *w, struct wjob *job);
+/* The child has, or lacks, other passes than before, or the coordinator has
+ * another life: forget those that are of no use, and which are closed. */
 void gather_turn(struct wjob *job);
 /* Say what has been lacking for long. */
 void gather_tick(struct worker *w, struct wjob *job);

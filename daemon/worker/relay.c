@@ -314,7 +314,8 @@ on_tile(struct worker *w, const struct msg *m)
     if (!job || job->state != WJOB_READY || m->tile.pass < job->ready.passes)
         return; /* its pass was closed, or the coordinator will hear of the lost
                  * child */
-    job->ntiles[m->tile.pass % MSG_OPEN_PASSES]++;
+    if (m->tile.pass - job->ready.passes < WJOB_PASSES)
+        job->ntiles[m->tile.pass % WJOB_PASSES]++;
     worker_send_child(w, job, m);
 }
 
@@ -330,8 +331,8 @@ on_frozen(struct worker *w, const struct msg *m)
     worker_send_child(w, job, m);
     if (!m->frozen.last)
         return;
-    job->ntiles[job->ready.passes++ % MSG_OPEN_PASSES] = 0;
-    gather_turn(job);
+    wjob_next_pass(job);
+    gather_frozen(w, job);
 }
 
 static void
@@ -591,7 +592,7 @@ child_tile_made(struct worker *w, struct wjob *job, const struct msg *m)
 {
     struct msg pass = { .type = MSG_TILE_MADE, .tile_made = m->tile_made };
 
-    uint32_t *n = &job->ntiles[m->tile_made.pass % MSG_OPEN_PASSES];
+    uint32_t *n = &job->ntiles[m->tile_made.pass % WJOB_PASSES];
 
     if (m->tile_made.pass < job->ready.passes)
         return; /* the pass was closed meanwhile */

@@ -70,6 +70,11 @@ struct wpeer {
  *    |                                    '-- the child is gone --.------'
  *    v                                                            v
  *   NO_ROOM ---------- room again: the coordinator is told ----> IDLE  */
+/* Of so many passes, from the first that the child lacks, something is known:
+ * of those that may be open when it has all before, and of those that may be
+ * when the coordinator is as much ahead. */
+#define WJOB_PASSES (2 * MSG_OPEN_PASSES)
+
 enum wjob_state {
     WJOB_FETCHING, /* files are missing */
     WJOB_NO_ROOM,  /* and cannot be had now: the coordinator was told so */
@@ -102,8 +107,8 @@ struct wjob {
     uint64_t heard_ms; /* when the child last said something, by awake_ms */
     struct lossy to_child;
     struct msg_ready ready; /* passes: whose records it was sent meanwhile */
-    uint32_t ntiles[MSG_OPEN_PASSES]; /* that the child is to make, by the
-                                       * pass's number */
+    uint32_t ntiles[WJOB_PASSES]; /* that the child is to make, by the pass's
+                                   * number */
     struct msg_tally tally;
     struct msg_counts paid;   /* in PAIDs of this child that were sent on, */
     struct msg_counts unpaid; /* and in PAIDs that could not be sent */

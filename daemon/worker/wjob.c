@@ -231,6 +231,12 @@ wjob_send_lost(struct worker *w, struct wjob *job, bool local, const char *text)
     job->state = WJOB_IDLE;
 }
 
+void
+wjob_next_pass(struct wjob *job)
+{
+    job->ntiles[job->ready.passes++ % WJOB_PASSES] = 0;
+}
+
 /* As far as the worker can tell: there is at most one density for each column;
  * the child knows the frame, and looks closer. */
 bool

@@ -35,6 +35,9 @@ bool wjob_keep(struct wjob *job, const struct msg_result *r,
                const uint8_t *bytes, size_t len);
 void wjob_drop_kept(struct wjob *job, struct wkept **link);
 
+/* The child has got another pass: its tiles are of no use any more. */
+void wjob_next_pass(struct wjob *job);
+
 /* May that be a base line of the job? */
 bool wjob_fits_line(const struct wjob *job, const struct msg_base_line *m);
 

@@ -140,7 +140,7 @@ worker_from_child(struct worker *w, struct wjob *job, const struct msg *m)
 static bool
 has_tiles(const struct wjob *job)
 {
-    for (int i = 0; i < MSG_OPEN_PASSES; i++)
+    for (int i = 0; i < WJOB_PASSES; i++)
         if (job->ntiles[i] > 0)
             return true;
     return false;
