@@ -111,6 +111,7 @@ struct coord {
     uint64_t tick_ms;     /* when the scheduler looked at the time last */
     uint64_t lease_ms;    /* a unit that is out for less is not late */
     bool stirred;         /* somebody may get something since sched_run() */
+    struct coord_worker *roomy; /* ... but if that is false this one alone */
     uint32_t verdicts;    /* that wait to be carried out */
     struct coord_conn *by_id[COORD_CONNS]; /* chains of conns */
     struct log_limit breaks; /* of lines about those that are no worker's */

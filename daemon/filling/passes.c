@@ -552,7 +552,7 @@ passes_made(struct coord *c, struct coord_worker *w, const struct msg *msg)
     t = is_open ? &k->tile[m->tile] : NULL;
     if (t && tiles_take(k, t, index)) {
         job->workers[index].ntiles[pass % MSG_OPEN_PASSES]--;
-        c->stirred = true;
+        c->roomy = w;
     }
     if (!t || t->made) { /* another was first */
         msg_counts_add(&job->workers[index].past.dropped, &m->counts);

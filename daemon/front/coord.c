@@ -315,10 +315,12 @@ static void
 settle(struct coord *c, bool run)
 {
     carry_out_verdicts(c);
-    if (run || c->stirred) {
+    if (run || c->stirred)
         sched_run(c);
-        carry_out_verdicts(c);
-    }
+    else if (c->roomy)
+        sched_run_for(c, c->roomy);
+    c->roomy = NULL;
+    carry_out_verdicts(c);
 }
 
 void

@@ -342,6 +342,14 @@ let_go(struct coord *c, struct coord_worker *w)
 }
 
 void
+sched_run_for(struct coord *c, struct coord_worker *w)
+{
+    while (sched_serve(c, w))
+        ;
+    let_go(c, w);
+}
+
+void
 sched_run(struct coord *c)
 {
     bool gave;

@@ -15,8 +15,10 @@
 
 #include "desk/desk.h"
 
-/* Give units, and jobs to load, to every worker that has room. */
+/* Give units, and jobs to load, to every worker that has room; to that one,
+ * where nothing has changed for others. */
 void sched_run(struct coord *c);
+void sched_run_for(struct coord *c, struct coord_worker *w);
 
 /* Time has passed. */
 void sched_tick(struct coord *c);
