@@ -8,7 +8,7 @@
 
 /* Workers that the coordinator feeds.  It sends what all workers make to each,
  * and tiles wait behind that on its line. */
-#define DIRECT 4
+#define DIRECT 2
 /* Workers that a worker feeds: two take the least time until the last has a
  * record, where lines are the narrow part. */
 #define FED 2

@@ -56,10 +56,9 @@
 
 /* Of what that leaves out of the last lattice: a dear spot has many squares of
  * so many pixels, and they have different tiles. */
-#define REST_PIXELS      16
-#define REST_SQUARES     4   /* of a tile, at least */
-#define REST_TILES       251 /* of a frame, at most */
-#define LARGE_REST_TILES 1021
+#define REST_PIXELS  16
+#define REST_SQUARES 4   /* of a tile, at least */
+#define REST_TILES   251 /* of a frame, or a part of one, at most */
 
 /* Frames [frame, beyond). */
 struct batch {
@@ -249,8 +248,6 @@ static void
 plan_rest(struct rad_pass *pass, const struct rad_pass_size *size)
 {
     uint32_t frames = (pass->beyond - 1 - pass->frame) / pass->stride + 1;
-    uint32_t most =
-        is_large(&size[pass->frame]) ? LARGE_REST_TILES : REST_TILES;
 
     pass->field = -1;
     pass->step *= 2;
@@ -258,8 +255,8 @@ plan_rest(struct rad_pass *pass, const struct rad_pass_size *size)
     pass->rays = 0;
     count_lattice_tiles(pass, size);
     pass->tiles = pass->tiles / REST_SQUARES + 1;
-    if (pass->tiles > (uint64_t)most * frames)
-        pass->tiles = most * frames;
+    if (pass->tiles > (uint64_t)REST_TILES * frames)
+        pass->tiles = REST_TILES * frames;
     while (!is_prime(pass->tiles)) /* or squares could stand in columns */
         pass->tiles++;
 }
