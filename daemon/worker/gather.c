@@ -345,6 +345,7 @@ gather_frozen(struct worker *w, struct wjob *job)
 
     if (!g)
         return;
+    drop_pass(&g->of[(job->ready.passes - 1) % PASSES]);
     g->lacks = false;
     g->heard_ms = w->now_ms;
     look(w, job);
