@@ -158,6 +158,28 @@ START_TEST(what_few_pixels_are_off_by_is_found)
 }
 END_TEST
 
+/* What a row's width leaves over when areas are cut off it is no area that
+ * counts as much as all others: its columns are part of the last one. */
+START_TEST(a_narrow_rest_is_no_area_by_itself)
+{
+    struct picture p;
+    struct rad_doubt d;
+
+    make(&p, PURE);
+    for (int y = 0; y < 90; y++)
+        for (int x = 88; x < 90; x++) {
+            struct rad_rgb *L = &p.pixel[y * 90 + x].L;
+
+            *L = rad_rgb_scale(*L, 1.5f);
+        }
+    d = look(&p, 3, (struct rad_doubt_share){ .02, 0 });
+    /* of 11 areas the last has 2 of 9 columns that are off */
+    ck_assert_double_gt(rad_doubt_error(&d).all, .01);
+    ck_assert_double_lt(rad_doubt_error(&d).all, .06);
+    drop(&p);
+}
+END_TEST
+
 /* A floor that reflects a window is too dark without it. */
 START_TEST(gloss_that_is_left_out_shows)
 {
@@ -294,6 +316,7 @@ main(void)
     tcase_add_loop_test(tc, what_is_off_is_found, 0, N_ELEM(parts));
     tcase_add_test(tc, what_few_pixels_are_off_by_is_found);
     tcase_add_test(tc, gloss_that_is_left_out_shows);
+    tcase_add_test(tc, a_narrow_rest_is_no_area_by_itself);
     tcase_add_test(tc, noise_of_hemispheres_shows);
     tcase_add_test(tc, it_is_a_function_of_the_job);
     tcase_add_test(tc, it_can_be_stopped);

@@ -4,10 +4,10 @@
  * difference of logarithms and never more than 2.
  * Errors of pixels are mostly at edges and in a little gloss, which are few:
  * areas are chosen by their contrast, and count less for it (Horvitz & Thompson
- * 1952).  Of an area some pixels are made again, and one of them twice; the
- * rest as the first are off, for which it counts more.  What is off by few of
- * many pixels is seen by all of them alone: a part of them has neither it nor
- * its light in the mean. */
+ * 1952).  Of an area some pixels are made again at first, and all of them twice
+ * the likelier the more these are off, for which it counts less.  What is off
+ * by few of many pixels is seen by all of them alone: a part of them has
+ * neither it nor its light in the mean. */
 #include "config.h"
 
 #include "picture/doubt.h"
@@ -21,10 +21,8 @@
 /* Apart from the keys of pixels, which have a frame in this place. */
 #define BRANCH UINT64_C(0x636865636b730000)
 
-/* An edge of a lamp counts, but not more than all the rest; of noise, what
- * black and bright pixels make of it. */
+/* An edge of a lamp counts, but not more than all the rest. */
 #define MOST_SQUARE 1.
-#define MOST_NOISE  2.
 
 /* The square of the cache's error over what fresh samples say of it: deeper
  * records, that both are made of, err as well. */
@@ -214,13 +212,12 @@ struct area {
 
 /* Pixels of an area that are made again. */
 struct redone {
-    int order[MOST];  /* of all, by chance */
-    int n;            /* so many of them by now */
-    double off[MOST]; /* by how much they are off, */
-    double twice;     /* the first of them when it is made the second time, */
-    double noise;     /* and the square of what makes it differ then */
-    double light;     /* of all as they are shown, */
-    double fresh;     /* and of those n anew */
+    int order[MOST];     /* of all, by chance */
+    int n[NFRAMES];      /* so many of them by now, each time */
+    double off[NFRAMES]; /* by how much they are off, */
+    double first[MOST];  /* the first time, by pixel, */
+    double noise;        /* and the squares of what the second differs by */
+    double light, fresh; /* of all as they are shown, and of those anew */
 };
 
 static double
@@ -248,92 +245,70 @@ shuffle(struct look *k, const struct area *a, int order[MOST])
     }
 }
 
-/* Go on until n pixels are made again. */
+/* Go on until n pixels are made again that time. */
 static void
-redo(struct look *k, const struct area *a, struct redone *r, int n)
+redo(struct look *k, const struct area *a, struct redone *r, int frame, int n)
 {
-    for (; r->n < n && !is_stopped(k); r->n++) {
-        double lum = remake(k, a, FIRST, r->order[r->n]);
+    for (int i = r->n[frame]; i < n && !is_stopped(k); r->n[frame] = ++i) {
+        double lum = remake(k, a, frame, r->order[i]);
+        double off = shown_of(k, a, r->order[i]) - lum;
 
-        r->off[r->n] = shown_of(k, a, r->order[r->n]) - lum;
+        r->off[frame] += off;
         r->fresh += lum;
+        if (frame == FIRST)
+            r->first[i] = off;
+        else
+            r->noise += (off - r->first[i]) * (off - r->first[i]) / 2;
     }
-}
-
-static void
-redo_few(struct look *k, const struct area *a, struct redone *r)
-{
-    double differs;
-
-    *r = (struct redone){ .n = 0 };
-    shuffle(k, a, r->order);
-    for (int i = 0; i < a->n; i++)
-        r->light += shown_of(k, a, i);
-    redo(k, a, r, a->n < FEW ? a->n : FEW);
-    r->twice = shown_of(k, a, r->order[0]) - remake(k, a, SECOND, r->order[0]);
-    differs = r->off[0] - r->twice;
-    r->noise = differs * differs / 2;
 }
 
 /* The mean of the area as it is shown and as it should be. */
 static double
 mean_of(const struct area *a, const struct redone *r)
 {
-    return (r->light / a->n + r->fresh / r->n) / 2;
+    return (r->light / a->n + r->fresh / (r->n[FIRST] + r->n[SECOND])) / 2;
 }
 
-/* How likely are the others of an area with that mean made again, too? */
+/* How likely are all of an area made again, twice, after the first? */
 static double
-go_on(const struct redone *r, double mean)
+go_on(const struct area *a, const struct redone *r)
 {
-    double off = 0;
+    double mean = mean_of(a, r), off = 0;
 
-    for (int i = 0; i < r->n; i++)
-        off += fabs(r->off[i]);
-    return mean > 0 ? fmin(GO_ON + BY_OFF * off / (r->n * mean), 1) : GO_ON;
-}
-
-/* The square of what all pixels are off by together, less the noise of those
- * that were made again, which is no more than they are off by; of the first
- * that is known better. */
-static double
-square_of(const struct redone *r)
-{
-    double sum = r->off[0], squares = 0;
-
-    for (int i = 1; i < r->n; i++) {
-        sum += r->off[i];
-        squares += r->off[i] * r->off[i];
-    }
-    return sum * sum - r->off[0] * (r->off[0] - r->twice) -
-           fmin(squares, (r->n - 1) * r->noise);
+    for (int i = 0; i < r->n[FIRST]; i++)
+        off += fabs(r->first[i]);
+    return mean > 0 ? fmin(GO_ON + BY_OFF * off / (r->n[FIRST] * mean), 1)
+                    : GO_ON;
 }
 
 static void
 look_at_area(struct look *k, const struct area *a, double weight)
 {
-    struct redone r;
-    double mean, likely, square;
+    struct redone r = { .light = 0 };
+    double likely, all, square;
 
-    redo_few(k, a, &r);
+    shuffle(k, a, r.order);
+    for (int i = 0; i < a->n; i++)
+        r.light += shown_of(k, a, i);
+    redo(k, a, &r, FIRST, a->n < FEW ? a->n : FEW);
     if (is_stopped(k))
         return;
-    mean = mean_of(a, &r);
     k->sum[RAD_DOUBT_AREAS] += weight;
-    if (mean > 0)
-        k->sum[RAD_DOUBT_NOISE] +=
-            weight * fmin(r.noise / (mean * mean), MOST_NOISE) / a->n;
-    likely = go_on(&r, mean);
+    likely = go_on(a, &r);
     if (draw(k) >= likely)
         return;
-    redo(k, a, &r, a->n);
-    mean = a->n * mean_of(a, &r);
-    if (is_stopped(k) || !(mean > 0))
+    redo(k, a, &r, FIRST, a->n);
+    redo(k, a, &r, SECOND, a->n);
+    all = a->n * mean_of(a, &r);
+    if (is_stopped(k) || !(all > 0))
         return;
-    square = square_of(&r) / (mean * mean);
-    square = weight / likely * fmax(fmin(square, MOST_SQUARE), -MOST_SQUARE);
+    weight /= likely;
+    square = r.off[FIRST] * r.off[SECOND] / (all * all);
+    square = weight * fmax(fmin(square, MOST_SQUARE), -MOST_SQUARE);
     k->sum[RAD_DOUBT_PIXEL] += square;
     k->sum[RAD_DOUBT_PIXEL2] += square * square;
+    k->sum[RAD_DOUBT_NOISE] +=
+        weight * fmin(r.noise / (all * all), MOST_SQUARE);
 }
 
 static double
@@ -385,16 +360,16 @@ with_key(const struct rad_frame *f, uint64_t which)
     return out;
 }
 
-/* The columns of an area from x on.  A sensor point is an area by itself:
- * nobody takes the mean of those around. */
+/* The columns of an area from x on: the rows in equal parts, for a narrow one
+ * at their end would count as much as all others.  A sensor point is an area by
+ * itself: nobody takes the mean of those around. */
 static struct area
 area_at(const struct rad_doubt_rows *rows, int x)
 {
     int width = rows->frame->points ? 1 : (AREA + rows->n / 2) / rows->n;
-    struct area a = { .x = x, .width = width };
+    int left = rows->width - x, parts = (left + width / 2) / width;
+    struct area a = { .x = x, .width = parts > 1 ? left / parts : left };
 
-    if (width > rows->width - x)
-        a.width = rows->width - x;
     a.n = a.width * rows->n;
     return a;
 }
