@@ -83,10 +83,7 @@ question(const struct coord *c, const struct job *job,
         .stage = g->number,
         .rungs = { g->rungs[0], g->rungs[1] },
         .sums = found->sums,
-        .past = { { g->past_rungs[0], g->past_rungs[1] },
-                  g->past[0],
-                  g->past[1],
-                  g->past[2] },
+        .past = { g->past_rung, g->past_square },
         .rays = found->rays,
         .check = found->check,
         .left_s = INFINITY,
@@ -138,11 +135,8 @@ stages_end(struct coord *c, struct job *job, uint32_t n,
         return true;
     g->number++;
     g->base += n;
-    g->past_rungs[0] = past.rungs.ambient;
-    g->past_rungs[1] = past.rungs.pixel;
-    g->past[0] = past.ambient;
-    g->past[1] = past.pixel;
-    g->past[2] = past.noise;
+    g->past_rung = past.rung;
+    g->past_square = past.square;
     g->rungs[0] = next.ambient;
     g->rungs[1] = next.pixel;
     if (!set_options(job))
@@ -167,10 +161,8 @@ stages_pack(struct coord *c, const struct job *job, uint8_t out[STAGES_BYTES])
     wire_put_u8(&w, g->rungs[1]);
     wire_put_f64(&w, g->error);
     wire_put_f64(&w, g->mean);
-    wire_put_u8(&w, g->past_rungs[0]);
-    wire_put_u8(&w, g->past_rungs[1]);
-    for (int i = 0; i < 3; i++)
-        wire_put_f64(&w, g->past[i]);
+    wire_put_u8(&w, g->past_rung);
+    wire_put_f64(&w, g->past_square);
     wire_put_u64(&w, (uint64_t)(1000 * seconds_spent(c, job)));
     if (w.bad)
         c->actions.failed = true;
@@ -191,14 +183,11 @@ unpack(struct job_goal *g, const struct saved_pass *p)
     g->rungs[1] = wire_get_u8(&in);
     g->error = wire_get_f64(&in);
     g->mean = wire_get_f64(&in);
-    g->past_rungs[0] = wire_get_u8(&in);
-    g->past_rungs[1] = wire_get_u8(&in);
-    for (int i = 0; i < 3; i++)
-        g->past[i] = wire_get_f64(&in);
+    g->past_rung = wire_get_u8(&in);
+    g->past_square = wire_get_f64(&in);
     g->spent_ms = wire_get_u64(&in);
     return !in.bad && wire_left(&in) == 0 && isfinite(g->error) &&
-           isfinite(g->mean) && isfinite(g->past[0]) && isfinite(g->past[1]) &&
-           isfinite(g->past[2]);
+           isfinite(g->mean) && isfinite(g->past_square);
 }
 
 /* Take up the decision at the end of a stage of n passes: 1, or 0 if it is not

@@ -16,10 +16,9 @@ struct job_goal {
     uint32_t number;  /* of the stage whose passes are open, or were last */
     uint32_t base;    /* passes of the stages before it */
     uint8_t rungs[2]; /* of its options: struct rad_refine_rungs */
-    /* of the stage before it, and what was left by it, struct rad_refine_past;
-     * zeros: there is none */
-    uint8_t past_rungs[2];
-    double past[3];
+    /* of the stage before it, struct rad_refine_past; zeros: there is none */
+    uint8_t past_rung;
+    double past_square;
     const char *options; /* these, in mem; NULL: those of the specification */
     double error;        /* relative, as estimated at the end of the last stage
                           * that was looked at; 0: none was */

@@ -22,7 +22,7 @@
 #define AIM         .85
 #define NEAR_ENOUGH 1.45
 
-/* A further stage for the time that is left brings so much at least. */
+/* What does not reach what is wanted brings so much at least. */
 #define WORTH_IT .8
 
 /* What takes more than so many times the rays of this stage is not foreseen
@@ -185,14 +185,14 @@ sound(double x)
 }
 
 /* Parts of an octave by which squares of errors fall with a rung, as they do in
- * five scenes on average; the cache's by 2 to 4 in single ones, and some of
- * pixels' not at all, edges and gloss that few of them show: that stages tell
- * which are so many rungs apart.  Noise up to that rung. */
+ * five scenes on average; the cache's by 2 to 4 in single ones, which stages
+ * tell that are so many rungs apart.  Noise, which is of lamps or, and then it
+ * does not fall, of edges and gloss that few pixels show, up to that rung. */
 enum {
     AMBIENT_FALL = 3,
     APART = 3,
     PIXEL_FALL = 4,
-    NOISE_FALL = 3,
+    NOISE_FALL = 1,
     NOISE_RUNGS = 8
 };
 
@@ -203,8 +203,6 @@ enum { CHECK_GROWTH = 2, PICTURE_GROWTH = 2 };
 struct outlook {
     const struct rad_refine_ask *ask;
     double ambient, pixel, noise; /* squares; noise: no more than pixel */
-    double stuck;                 /* of pixel, what no rungs take away, */
-    double moves;                 /* and the rest as a part of it */
     int fall;                     /* of .ambient with a rung */
     double walk, made;            /* rays of passes: see WALKED, and the rest */
     double check, picture;        /* rays */
@@ -221,8 +219,8 @@ rise(int n)
 static int
 observed_fall(const struct rad_refine_ask *ask, double ambient)
 {
-    int apart = ask->rungs.ambient - ask->past.rungs.ambient;
-    double fell = ask->past.ambient / ambient;
+    int apart = ask->rungs.ambient - ask->past.rung;
+    double fell = ask->past.square / ambient;
 
     if (apart < APART || !(fell > 0))
         return AMBIENT_FALL;
@@ -232,38 +230,11 @@ observed_fall(const struct rad_refine_ask *ask, double ambient)
                                                          : AMBIENT_FALL + 1;
 }
 
-/* What the noise of single pixels is times as large as at rung 0, by squares:
- * that of lamps falls, that of gloss and edges does not. */
+/* What is left of the square of single pixels' noise at rung 0. */
 static double
 noise_left(int pixel)
 {
     return fall(NOISE_FALL * (pixel < NOISE_RUNGS ? pixel : NOISE_RUNGS));
-}
-
-/* The square of pixels' errors by rung `now` becomes that by rung `pixel`. */
-static double
-pixels_left(double all, double noise, int now, int pixel)
-{
-    return noise * noise_left(pixel) / noise_left(now) +
-           (all - noise) * rise(-PIXEL_FALL * (pixel - now));
-}
-
-/* Of the square of pixels' errors, what did not fall since the stage before as
- * was foreseen. */
-static double
-observed_stuck(const struct rad_refine_ask *ask, double pixel)
-{
-    const struct rad_refine_past *past = &ask->past;
-    double left;
-
-    if (ask->rungs.pixel < past->rungs.pixel + APART || !(past->pixel > 0))
-        return 0;
-    left = pixels_left(past->pixel, past->noise, past->rungs.pixel,
-                       ask->rungs.pixel) /
-           past->pixel;
-    return left < 1
-               ? sound(fmin((pixel - left * past->pixel) / (1 - left), pixel))
-               : 0;
 }
 
 static struct outlook
@@ -274,35 +245,33 @@ look_out(const struct rad_refine_ask *ask)
                          .ambient = found.ambient,
                          .pixel = found.sampling,
                          .noise = found.noise,
-                         .stuck = observed_stuck(ask, found.sampling),
                          .fall = observed_fall(ask, found.ambient),
                          .check = (double)ask->check };
     double cache = fmax((double)ask->rays, 1);
 
     o.walk = fmin(WALKED * (double)ask->pixels, (1 - LEAST_MADE) * cache);
     o.made = cache - o.walk;
-    o.moves = o.pixel > 0 ? 1 - o.stuck / o.pixel : 0;
     if (ask->sums.shown >= 1)
         o.picture =
             sound(ask->sums.rays / ask->sums.shown) * (double)ask->pixels;
     return o;
 }
 
-/* Of pixels' errors with that rung the square: of what is not stuck with those
- * of now a part is left. */
+/* The square of pixels' errors with that rung. */
 static double
 foresee_pixels(const struct outlook *o, int pixel)
 {
-    return o->stuck + o->moves * pixels_left(o->pixel, o->noise,
-                                             o->ask->rungs.pixel, pixel);
+    int now = o->ask->rungs.pixel;
+
+    return o->noise * noise_left(pixel) / noise_left(now) +
+           (o->pixel - o->noise) * rise(-PIXEL_FALL * (pixel - now));
 }
 
 /* The least that any rungs leave of them. */
 static double
 pixels_floor(const struct outlook *o)
 {
-    return o->stuck + o->moves * o->noise * noise_left(NOISE_RUNGS) /
-                          noise_left(o->ask->rungs.pixel);
+    return o->noise * noise_left(NOISE_RUNGS) / noise_left(o->ask->rungs.pixel);
 }
 
 /* The square of the error with these rungs. */
@@ -383,14 +352,26 @@ shorten_step(const struct outlook *o, struct choice *c)
         c->ambient--;
 }
 
-/* The square that is wanted.  Where pixels' errors that no rungs take away are
- * more than that, nothing else need be less than they are. */
-static double
+/* Squares: what is aimed at, and what is near enough to end. */
+struct goal {
+    double aim, enough;
+};
+
+/* Where half of what is wanted, or more, is noise of pixels that no rungs take
+ * away, what is just near enough is aimed at; where that noise alone is more
+ * than is wanted, a cache that is as good as pixels are. */
+static struct goal
 goal_of(const struct outlook *o)
 {
     double wanted = o->ask->error * o->ask->error;
+    double floor = 2 * pixels_floor(o);
 
-    return wanted > 0 ? fmax(wanted, 2 * pixels_floor(o)) : 0;
+    if (!(wanted > 0))
+        return (struct goal){ 0, 0 };
+    if (floor > 2 * wanted)
+        return (struct goal){ AIM * floor, NEAR_ENOUGH * floor };
+    return (struct goal){ AIM * fmax(wanted, fmin(floor, NEAR_ENOUGH * wanted)),
+                          NEAR_ENOUGH * wanted };
 }
 
 /* Rays that a stage and its pictures may take. */
@@ -406,11 +387,12 @@ most_rays(const struct rad_refine_ask *ask)
 static bool
 goes_on(const struct outlook *o, double rays, struct choice *best)
 {
-    double square = o->ambient + o->pixel, goal = goal_of(o);
+    double square = o->ambient + o->pixel;
+    struct goal goal = goal_of(o);
 
     return o->ask->stage < RAD_REFINE_STAGES - 1 && square > 0 &&
-           square > NEAR_ENOUGH * goal && choose(o, AIM * goal, rays, best) &&
-           best->square <= WORTH_IT * WORTH_IT * square;
+           square > goal.enough && choose(o, goal.aim, rays, best) &&
+           best->square <= fmax(goal.aim, WORTH_IT * WORTH_IT * square);
 }
 
 bool
@@ -441,10 +423,9 @@ rad_refine_is_short(const struct rad_refine_ask *ask)
 struct rad_refine_past
 rad_refine_pass_on(const struct rad_refine_ask *ask)
 {
-    struct rad_error_squares found = rad_doubt_squares(&ask->sums.doubt);
-
-    return (struct rad_refine_past){ ask->rungs, found.ambient, found.sampling,
-                                     found.noise };
+    return (struct rad_refine_past){
+        ask->rungs.ambient, rad_doubt_squares(&ask->sums.doubt).ambient
+    };
 }
 
 double

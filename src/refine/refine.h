@@ -48,11 +48,10 @@ struct rad_refine_rungs {
 void rad_refine_params(const struct rad_params *job,
                        struct rad_refine_rungs rungs, struct rad_params *out);
 
-/* What was left after the stage before: squares of errors, by the cache and by
- * pixels, and of the latter by the noise of single ones. */
+/* The cache after the stage before: its rung, and the square of its error. */
 struct rad_refine_past {
-    struct rad_refine_rungs rungs;
-    double ambient, pixel, noise;
+    uint8_t rung;
+    double square;
 };
 
 struct rad_refine_ask {
