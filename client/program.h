@@ -63,6 +63,7 @@ struct program {
     char reason[300]; /* the last that the coordinator gave; "": none */
     struct progress_alone alone;
     double elapsed_s, error; /* as last told */
+    int stages_said;         /* of a goal, that ended */
     double estimate;         /* of the error, with a goal; 0: not known, */
     double mean_estimate;    /* and of the mean of all points */
     int stages;              /* that it took */

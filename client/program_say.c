@@ -144,6 +144,23 @@ say_left(struct program *p, const struct progress_report *r, bool running)
                "without");
 }
 
+/* A stage of --error or --time ended. */
+static void
+say_stage(struct program *p, const struct msg_progress *m)
+{
+    char text[160], got[FIGURE_TEXT], s[FIGURE_TEXT];
+    int stages = m->stage + m->ended;
+
+    if (!submit_options_goal(&p->o) || stages <= p->stages_said)
+        return;
+    p->stages_said = stages;
+    snprintf(text, sizeof text, "stage %d: error about %s %% after %s s, %s",
+             stages, figure(got, 100 * m->goal_error, 2),
+             figure(s, m->elapsed_s, 2),
+             m->ended ? "now the picture" : "now a finer one");
+    program_say(p, text);
+}
+
 /* After "no worker": the coordinator may know more. */
 static void
 note_wonder(struct program *p, const struct msg_progress *m)
@@ -194,6 +211,7 @@ program_on_progress(void *arg, const struct msg_progress *m)
     }
     say_waiting(p, m);
     say_left(p, &r, m->state == MSG_STATE_RUNNING);
+    say_stage(p, m);
     note_wonder(p, m);
     foresee(p);
     if (!lost) /* how far it got is said anyway */
@@ -246,12 +264,16 @@ program_note_goal(struct program *p, const uint8_t *json, size_t len)
     json_decref(root);
 }
 
+/* More than so many times what was asked for is worth a word. */
+#define FAR 1.3
+
 /* What came of --error and --time. */
 static void
 say_goal(struct program *p)
 {
-    char text[200], got[FIGURE_TEXT], asked[FIGURE_TEXT], wanted[60] = "";
+    char text[300], got[FIGURE_TEXT], asked[FIGURE_TEXT], wanted[60] = "";
     char of_mean[FIGURE_TEXT], mean[60] = "";
+    bool far;
 
     if (p->o.error > 0)
         snprintf(wanted, sizeof wanted, ", %s %% were asked for",
@@ -259,12 +281,15 @@ say_goal(struct program *p)
     if (p->o.points.file && p->mean_estimate > 0)
         snprintf(mean, sizeof mean, ", that of the mean %s %%",
                  figure(of_mean, 100 * p->mean_estimate, 2));
+    far = p->o.error > 0 && 100 * p->estimate > FAR * p->o.error;
     snprintf(text, sizeof text, "estimated error %s %%%s%s; %d stage%s%s",
              figure(got, 100 * p->estimate, 2), wanted, mean, p->stages,
              p->stages == 1 ? "" : "s",
              p->time_up   ? ", and no time for another"
              : p->rays_up ? ", and another would take too long without --time"
-                          : "");
+             : far ? ", and another would hardly come nearer: the rest is "
+                     "noise of single pixels"
+                   : "");
     program_say(p, text);
     if (p->o.time_s > 0)
         program_say(p, "chosen by the clock: another run may choose other "

@@ -153,9 +153,7 @@ code_reuse(struct codec *c, struct msg_spec *b)
         code_hash(c, &b->scene);
     if (b->flags & MSG_JOB_REUSE)
         code_job(c, &b->reuse);
-    code_read_must(c, !(b->flags & MSG_JOB_SCENE) ||
-                          (b->flags & MSG_JOB_PASSES && b->error_ppm == 0 &&
-                           b->time_ms == 0));
+    code_read_must(c, !(b->flags & MSG_JOB_SCENE) || b->flags & MSG_JOB_PASSES);
     code_read_must(c, !(b->flags & MSG_JOB_REUSE) || b->flags & MSG_JOB_SCENE);
     if (c->in && !(b->flags & MSG_JOB_SCENE))
         b->scene = NULL;
@@ -306,6 +304,12 @@ msg_code_progress(struct codec *c, struct msg_progress *b)
     code_u32(c, &b->nan.y);
     code_faults(c, b->faults);
     code_amount(c, &b->error);
+    code_u8(c, &b->stage);
+    code_u8(c, &b->ended);
+    code_read_must(c, b->ended <= 1);
+    code_u8(c, &b->rungs[0]);
+    code_u8(c, &b->rungs[1]);
+    code_amount(c, &b->goal_error);
 }
 
 void

@@ -46,8 +46,8 @@ struct msg_spec {
     uint8_t oversample;  /* rendered pixels a side of each pixel of the picture,
                           * which is filtered down (image/filter.h); 0 or 1: not
                           * filtered */
-    double clamp; /* most weight of a sample, relative to its neighbours';
-                   * 0: no limit.  Otherwise oversample is at least 2 */
+    double clamp;       /* most weight of a sample, relative to its neighbours';
+                         * 0: no limit.  Otherwise oversample is at least 2 */
     uint32_t error_ppm; /* relative error that the picture may have, as it is
                          * estimated; 0: options alone say how good it is */
     uint32_t time_ms;   /* most time, from its first tile on; 0: any */
@@ -96,6 +96,9 @@ struct msg_fault {
 #define MSG_STATE_CANCELLED 5
 #define MSG_STATE_HELD      6
 
+#define MSG_PROGRESS_ADDED                                                     \
+    12 /* bytes from stage on: databases hold such as                          \
+        * lack them */
 struct msg_progress {
     const uint8_t *job; /* zero: the job is not accepted yet */
     uint8_t state;      /* enum job_state of daemon/jobs/job.h: 0 waiting,
@@ -113,6 +116,12 @@ struct msg_progress {
     struct msg_nan nan;    /* in the units that are done; frame as named */
     struct msg_fault faults[MSG_FAULTS]; /* in the units that are done */
     double error; /* estimated relative error of these units; 0: unknown */
+    /* with --error or --time: */
+    uint8_t stage;     /* that is under way, or was last; the first is 0 */
+    uint8_t ended;     /* 1: the pictures are made with its options */
+    uint8_t rungs[2];  /* of these options */
+    double goal_error; /* relative, as estimated when a stage ended; 0: none
+                        * did */
 };
 
 struct msg_done {

@@ -67,7 +67,8 @@ static const struct msg examples[] = {
     { .type = MSG_ACCEPT, .request = 3, .accept = { ID, 1, ID + 1 } },
     { .type = MSG_PROGRESS, .request = 3,
       .progress = { ID, 1, 2, 3, 4, 5, 6, 7.5, 8.5, 9, 10, 11, 12.5,
-                    { 13, 14, 15, 16 }, { { 17, 18 }, { 19, 20 } }, .0625 } },
+                    { 13, 14, 15, 16 }, { { 17, 18 }, { 19, 20 } }, .0625,
+                    2, 1, { 3, 4 }, .125 } },
     { .type = MSG_DONE, .request = 3, .done = { ID, 2 } },
     { .type = MSG_FAILED, .request = 3, .failed = { ID, 70, "no light" } },
     { .type = MSG_CANCEL, .request = 4, .cancel = { ID } },
@@ -433,6 +434,7 @@ static const struct {
     { MSG_PROGRESS, offsetof(struct msg, progress.cost_total) },
     { MSG_PROGRESS, offsetof(struct msg, progress.elapsed_s) },
     { MSG_PROGRESS, offsetof(struct msg, progress.error) },
+    { MSG_PROGRESS, offsetof(struct msg, progress.goal_error) },
 };
 
 /* Statistics are JSON, which has no infinity, not even one that is a sum. */
@@ -504,6 +506,7 @@ static const struct {
     NUMBER(MSG_SUBMIT, submit.time_ms, 1, UINT32_MAX),
     NUMBER(MSG_FAILED, failed.status, EX__BASE - 1, 0),
     NUMBER(MSG_PROGRESS, progress.state, MSG_STATE_HELD + 1, 255),
+    NUMBER(MSG_PROGRESS, progress.ended, 2, 255),
     NUMBER(MSG_SUBMIT, submit.bundle_bytes, MSG_MAX_BYTES + 1, UINT64_MAX),
     NUMBER(MSG_KEY, key.expires, MSG_MAX_DATE + 1, UINT64_MAX),
     NUMBER(MSG_PAID, paid.counts.nan.x, MSG_MAX_SIDE + 1, UINT32_MAX),

@@ -93,6 +93,45 @@ START_TEST(each_rung_is_finer)
 }
 END_TEST
 
+/* A job begins where another ended, if that is as fine in all that rungs change
+ * of records; what they do not change is its own. */
+static const struct {
+    const char *own, *former;
+    bool joins;
+} joined[] = {
+    { "-aa .2 -ad 64", "-aa .2 -ad 64", true },
+    { "-aa .2", "-aa .1", true },
+    { "-aa .1", "-aa .2", false },
+    { "-ad 64", "-ad 65", true },
+    { "-ad 65", "-ad 64", false },
+    { "-as 8", "-as 7", false },
+    { "-ar 16", "-ar 32", true },
+    { "-ar 16", "-ar 0", true }, /* no limit */
+    { "-ar 0", "-ar 4096", false },
+    { "-ds .4", "-ds .1", true },
+    { "-ds .4", "-ds 0", false }, /* no parts */
+    { "-dt .1", "-dt .2", false },
+    { "-dc .5", "-dc .4", false },
+    { "-st 0", "-st .1", false },
+};
+
+START_TEST(what_is_as_fine_is_joined)
+{
+    struct rad_params own = params_of(joined[_i].own), is = own;
+    struct rad_params former = params_of(joined[_i].former);
+    char a[RAD_PARAMS_TEXT], b[RAD_PARAMS_TEXT];
+
+    former.psample = own.psample + 1;
+    former.maxdiff = own.maxdiff + 1;
+    ck_assert_int_eq(rad_refine_join(&is, &former), joined[_i].joins);
+    former.psample = own.psample;
+    former.maxdiff = own.maxdiff;
+    rad_params_format(joined[_i].joins ? &former : &own, a, sizeof a);
+    rad_params_format(&is, b, sizeof b);
+    ck_assert_str_eq(a, b);
+}
+END_TEST
+
 START_TEST(the_check_pass_is_the_last)
 {
     struct rad_params job = params_of(jobs[0]);
@@ -100,12 +139,12 @@ START_TEST(the_check_pass_is_the_last)
     struct rad_pass own[RAD_MOST_PASSES], pass[RAD_MOST_PASSES];
     uint32_t n = rad_passes_plan(&job, size, 2, own);
 
-    ck_assert_uint_eq(rad_refine_plan(&job, size, 2, pass), n + 1);
+    ck_assert_uint_eq(rad_refine_plan(&job, size, 2, false, pass), n + 1);
     for (uint32_t i = 0; i < n; i++)
         ck_assert(!pass[i].check && pass[i].tiles == own[i].tiles);
     ck_assert(pass[n].check && pass[n].tiles > 0);
     job.ambounce = 0;
-    ck_assert_uint_eq(rad_refine_plan(&job, size, 2, pass), 0);
+    ck_assert_uint_eq(rad_refine_plan(&job, size, 2, false, pass), 0);
 }
 END_TEST
 
@@ -458,7 +497,7 @@ open_room(struct room *m, const char *options)
     ck_assert_int_eq(rad_frame_init(&m->frame, m->w.job, &view, 0, false, NULL),
                      0);
     size = (struct rad_pass_size){ m->frame.width, m->frame.height };
-    n = rad_refine_plan(&m->w.job->params, &size, 1, pass);
+    n = rad_refine_plan(&m->w.job->params, &size, 1, false, pass);
     m->passes = rad_passes_new(&m->frame, 1, NULL);
     ck_assert_ptr_nonnull(m->passes);
     for (uint32_t i = 0; i < n; i++) {
@@ -612,6 +651,7 @@ main(void)
     tcase_add_loop_test(options, the_job_s_own_options_are_rung_0, 0,
                         N_ELEM(jobs));
     tcase_add_loop_test(options, each_rung_is_finer, 0, N_ELEM(jobs));
+    tcase_add_loop_test(options, what_is_as_fine_is_joined, 0, N_ELEM(joined));
     tcase_add_test(options, the_check_pass_is_the_last);
     suite_add_tcase(s, options);
     tcase_add_test(decisions, what_is_good_enough_ends);

@@ -114,7 +114,7 @@ START_TEST(a_job_that_is_done_leaves_its_cache)
 {
     whole_job(job_a);
     ck_assert_uint_eq(find(job_a)->cache.bytes, PASSES * AMBSHARE_BYTES);
-    ck_assert_uint_eq(find(job_a)->cache.passes, PASSES);
+    ck_assert_uint_eq(find(job_a)->cache.range.all, PASSES);
     tear_down();
     set_up_coord(false); /* and nothing where nothing is kept */
     submit_job(ANA, job_a, NULL);
@@ -479,7 +479,7 @@ make_done(const uint8_t *job)
     put_pass(job, 0, 1, 30);
     put_pass(job, 1, 31, 0);
     put_pass(job, 2, 31, 20);
-    folder_keep_cache(&folder, job, 3);
+    folder_keep_cache(&folder, job, &(struct pass_range){ 0, 3, 3 });
     folder_rest(&folder, job);
     ck_assert_uint_gt(folder_cache_bytes(&folder, job), 50);
 }
@@ -510,7 +510,7 @@ START_TEST(all_passes_become_the_first_of_another_job)
     ck_assert_uint_eq(pass[1].len, 5);
     free(bytes);
     /* and these are that job's own cache, in its turn */
-    folder_keep_cache(&folder, job_b, 2);
+    folder_keep_cache(&folder, job_b, &(struct pass_range){ 0, 2, 2 });
     folder_rest(&folder, job_b);
     make(job_a);
     ck_assert_int_eq(folder_reuse(&folder, job_a, job_b, &err), 0);
@@ -525,7 +525,7 @@ START_TEST(a_cache_that_lacks_a_pass_is_not_kept)
 {
     make(job_a);
     put_pass(job_a, 0, 1, 30);
-    folder_keep_cache(&folder, job_a, 2);
+    folder_keep_cache(&folder, job_a, &(struct pass_range){ 0, 2, 2 });
     folder_rest(&folder, job_a);
     ck_assert_uint_eq(folder_cache_bytes(&folder, job_a), 0);
     make(job_b);
@@ -543,14 +543,14 @@ START_TEST(a_job_whose_end_was_not_noted_has_its_passes)
 
     make(job_a);
     put_pass(job_a, 0, 1, 30);
-    folder_keep_cache(&folder, job_a, 1);
+    folder_keep_cache(&folder, job_a, &(struct pass_range){ 0, 1, 1 });
     bytes = folder_read_passes(&folder, job_a, pass, &n);
     ck_assert_uint_eq(n, 1);
     ck_assert_uint_eq(pass[0].len, 30);
     free(bytes);
     ck_assert_uint_eq(folder_cache_bytes(&folder, job_a), 0);
     put_pass(job_a, 1, 31, 20); /* in place of the tail */
-    folder_keep_cache(&folder, job_a, 2);
+    folder_keep_cache(&folder, job_a, &(struct pass_range){ 0, 2, 2 });
     folder_rest(&folder, job_a);
     make(job_b);
     ck_assert_int_eq(folder_reuse(&folder, job_b, job_a, NULL), 0);

@@ -158,8 +158,8 @@ static const struct {
     { MSG_JOB_PASSES | MSG_JOB_REUSE, 0, 0, false },
     { MSG_JOB_SCENE, 0, 0, false },
     { MSG_JOB_SHARE | MSG_JOB_SCENE, 0, 0, false },
-    { MSG_JOB_PASSES | MSG_JOB_SCENE, 50000, 0, false },
-    { MSG_JOB_PASSES | MSG_JOB_SCENE, 0, 9000, false },
+    { MSG_JOB_PASSES | MSG_JOB_SCENE, 50000, 0, true },
+    { MSG_JOB_PASSES | MSG_JOB_SCENE | MSG_JOB_REUSE, 50000, 9000, true },
 };
 
 START_TEST(a_cache_is_reused_in_passes_of_one_scene)

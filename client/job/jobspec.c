@@ -104,8 +104,8 @@ jobspec_add_frames(struct jobspec *j, const struct frames *frames,
         rc = rad_fail(err, RAD_EUSAGE, "the views take more than %u MiB",
                       MSG_MAX_VIEWS >> 20);
     else
-        rc = compile_add(scene, RAD_BUNDLE_VIEWS, out.buf, out.len, folder,
-                         err);
+        rc =
+            compile_add(scene, RAD_BUNDLE_VIEWS, out.buf, out.len, folder, err);
     wire_out_release(&out);
     if (rc < 0)
         return rc;
@@ -179,13 +179,11 @@ jobspec_set_scene(struct jobspec *j, const struct submit_options *o,
     return 0;
 }
 
-/* Jobs whose caches other jobs may begin with, and such as begin so: not those
- * that choose their options themselves. */
+/* Jobs whose caches other jobs may begin with, and such as begin so. */
 static uint32_t
 reuse_flags(const struct msg_spec *s)
 {
-    if (!(s->flags & MSG_JOB_PASSES) || !s->scene || s->error_ppm > 0 ||
-        s->time_ms > 0)
+    if (!(s->flags & MSG_JOB_PASSES) || !s->scene)
         return 0;
     return MSG_JOB_SCENE | (s->reuse ? MSG_JOB_REUSE : 0);
 }
@@ -196,7 +194,8 @@ jobspec_check_goal(const struct submit_options *o, uint32_t nframes,
 {
     if (submit_options_goal(o) && nframes > MOST_AT_ONCE)
         return rad_fail(err, RAD_EUSAGE,
-                        "%s is for at most %d frames, and there are %" PRIu32,
+                        "%s looks at all frames before the first is made: at "
+                        "most %d frames, and there are %" PRIu32,
                         o->error > 0 ? "--error" : "--time", MOST_AT_ONCE,
                         nframes);
     return 0;

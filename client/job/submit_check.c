@@ -195,17 +195,21 @@ check_planes(const struct submit_options *o, struct rad_error *err)
     return 0;
 }
 
-/* Options that go with no goal. */
+/* Options that go with no goal, and why. */
 static const char *
 hinders_goal(const struct submit_options *o)
 {
-    return o->ambient_way == AMBIENT_LIVE ? "--ambient=live"
-           : o->no_share                  ? "--no-share"
-           : o->fresh_frames              ? "--fresh-frames"
-           : o->dry_run                   ? "--dry-run"
-           : o->ambient                   ? "-af"
-           : o->reuse                     ? "--reuse"
-                                          : NULL;
+    return o->ambient_way == AMBIENT_LIVE
+               ? "--ambient=live: it refines an ambient cache in passes"
+           : o->no_share ? "--no-share: it refines a cache that all share"
+           : o->fresh_frames
+               ? "--fresh-frames: it refines a cache of all frames"
+           : o->dry_run
+               ? "--dry-run, which foretells what given options bring: "
+                 "it chooses them on the way"
+           : o->ambient ? "-af, whose values are of given options: it chooses "
+                          "its own; --reuse begins with a former job's"
+                        : NULL;
 }
 
 /* A picture is refined by its ambient cache, in passes. */

@@ -26,6 +26,7 @@ plan(struct render *r)
 {
     struct render_passes *k = &r->passes;
     struct rad_pass_size *size = malloc((r->nframes + 1) * sizeof *size);
+    bool on = r->start.job_start.flags & MSG_JOB_REUSE && k->base == 0;
     struct rad_pass *fits;
 
     k->plan = malloc(RAD_MOST_PASSES * sizeof *k->plan);
@@ -33,10 +34,11 @@ plan(struct render *r)
         size[i] =
             (struct rad_pass_size){ r->frames[i].width, r->frames[i].height };
     if (size && k->plan)
-        k->n = (render_has_stages(r)                       ? rad_refine_plan
-                : r->start.job_start.flags & MSG_JOB_REUSE ? rad_passes_plan_on
-                                                           : rad_passes_plan)(
-            &r->job->params, size, r->nframes, k->plan);
+        k->n = render_has_stages(r)
+                   ? rad_refine_plan(&r->job->params, size, r->nframes, on,
+                                     k->plan)
+                   : (on ? rad_passes_plan_on : rad_passes_plan)(
+                         &r->job->params, size, r->nframes, k->plan);
     free(size);
     fits = k->plan ? realloc(k->plan, (k->n + 1) * sizeof *fits) : NULL;
     k->plan = fits ? fits : k->plan;

@@ -21,8 +21,8 @@ take_stage(struct render *r, const struct msg_stage *m, struct rad_error *err)
     spec.params = m->params;
     render_keep_tally(r);
     render_unload_job(r);
-    rc = render_load(r, &spec, err);
     k->base = m->pass;
+    rc = render_load(r, &spec, err);
     return rc;
 }
 

@@ -114,7 +114,7 @@ take_up(struct coord *c, struct job *job)
         k->counts = p->counts;
         msg_counts_add(&job->tiled, &p->counts);
     }
-    if (s->open > 0 && job->spec.flags & MSG_JOB_REUSE)
+    if (s->open > 0 && stages_reuse(job))
         job->cache.reused = s->closed[0].n;
     if (s->open > 0)
         actions_log(&c->actions, ACT_INFO, "passes kept job=%s passes=%u of=%u",
@@ -269,7 +269,7 @@ passes_begin(struct coord *c, struct job *job, struct rad_error *err)
     lead_begin(job, s->size);
     take_up(c, job);
     open_frames(job);
-    s->awaits = s->n > 0 && job->spec.flags & MSG_JOB_REUSE;
+    s->awaits = s->n > 0 && stages_reuse(job);
     passes_ask(c, job);
     if (is_at_start(s))
         return 0;

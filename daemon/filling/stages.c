@@ -22,22 +22,42 @@ stages_sizes(const struct msg_spec *spec)
 }
 
 int
+stages_params(const struct job *job, struct rad_params *out,
+              struct rad_error *err)
+{
+    const struct job_goal *g = &job->goal;
+    struct rad_refine_rungs rungs = { g->rungs[0], g->rungs[1] };
+    struct rad_params params;
+    int rc = jobtext_params(job->spec.params, &params, err);
+
+    if (rc == 0)
+        rad_refine_params(&params, rungs, out);
+    return rc;
+}
+
+bool
+stages_reuse(const struct job *job)
+{
+    return job->spec.flags & MSG_JOB_REUSE && job->goal.number == 0;
+}
+
+int
 stages_plan(const struct job *job, const struct rad_pass_size *size,
             struct rad_pass plan[RAD_MOST_PASSES], uint32_t *n,
             struct rad_error *err)
 {
     const struct msg_spec *spec = &job->spec;
+    bool on = stages_reuse(job);
     struct rad_params params;
-    int rc = jobtext_params(goal_options(job), &params, err);
+    int rc = stages_params(job, &params, err);
 
     if (rc < 0)
         return rc;
     if (goal_is(job))
-        *n = rad_refine_plan(&params, size, spec->nframes, plan);
-    else if (spec->flags & MSG_JOB_REUSE)
-        *n = rad_passes_plan_on(&params, size, spec->nframes, plan);
+        *n = rad_refine_plan(&params, size, spec->nframes, on, plan);
     else
-        *n = rad_passes_plan(&params, size, spec->nframes, plan);
+        *n = (on ? rad_passes_plan_on : rad_passes_plan)(&params, size,
+                                                         spec->nframes, plan);
     return 0;
 }
 
@@ -48,15 +68,12 @@ stages_plan(const struct job *job, const struct rad_pass_size *size,
 static bool
 set_options(struct job *job)
 {
-    const struct job_goal *g = &job->goal;
-    struct rad_refine_rungs rungs = { g->rungs[0], g->rungs[1] };
-    struct rad_params params, out;
+    struct rad_params params;
     char text[RAD_PARAMS_TEXT];
 
-    if (jobtext_params(job->spec.params, &params, NULL) != 0)
+    if (stages_params(job, &params, NULL) != 0)
         return false; /* it was read before */
-    rad_refine_params(&params, rungs, &out);
-    rad_params_format(&out, text, sizeof text);
+    rad_params_format(&params, text, sizeof text);
     job->goal.options = rad_arena_dup(&job->mem, text, strlen(text) + 1);
     return job->goal.options != NULL;
 }

@@ -16,6 +16,14 @@
 /* The sizes of a job's pictures, malloc'd; NULL: memory is out. */
 struct rad_pass_size *stages_sizes(const struct msg_spec *spec);
 
+/* Rendering options of its pictures, as far as that is known by now. RAD_EDATA:
+ * its specification has none. */
+int stages_params(const struct job *job, struct rad_params *out,
+                  struct rad_error *err);
+
+/* Are the records of a former job the first of the passes that are open? */
+bool stages_reuse(const struct job *job);
+
 /* The passes of its stage, the check pass as the last; or those of a job
  * without a goal.  RAD_EDATA. */
 int stages_plan(const struct job *job, const struct rad_pass_size *size,

@@ -112,10 +112,10 @@ size_t folder_parse_passes(const uint8_t *bytes, size_t len,
  * how many bytes these have, or FOLDER_NO_CACHE when it is damaged. */
 #define FOLDER_NO_CACHE SIZE_MAX
 size_t folder_parse_kept(uint8_t *bytes, size_t len);
-/* The job is done: keep its cache, if all of its passes, so many, are there; it
- * may have been called before. */
+/* The job is done: keep its cache, if all of its passes are there; it may have
+ * been called before. */
 void folder_keep_cache(struct folder *f, const uint8_t job[MSG_JOB],
-                       uint32_t passes);
+                       const struct pass_range *passes);
 /* Bytes of the cache that is kept of the job; 0: none is. */
 uint64_t folder_cache_bytes(const struct folder *f, const uint8_t job[MSG_JOB]);
 void folder_drop_cache(const struct folder *f, const uint8_t job[MSG_JOB]);

@@ -8,9 +8,10 @@
  * (filling/stages.h) are waited for: by what they decide rows are made.
  *
  * Of a job that is done the file may be kept, as DIR/jobs/ID/kept with a tail
- * that says how many passes there are.  A job that begins with it has the
- * records of all its passes, one behind the other, as its own first pass; they
- * cannot be made again, so they are on the disk before the job is accepted. */
+ * that says how many passes there are, and which have the records of its last
+ * stage.  A job that begins with it has the records of these, one behind
+ * the other, as its own first pass; they cannot be made again, so they are on
+ * the disk before the job is accepted. */
 #include "config.h"
 
 #include "folder/folder_impl.h"
@@ -30,7 +31,7 @@
 #define MAGIC      UINT32_C(0x52414443) /* "RADC" */
 #define TAIL_MAGIC UINT32_C(0x52414445) /* "RADE" */
 #define HEAD_BYTES 24
-#define TAIL_BYTES 8
+#define TAIL_BYTES 16
 #define LAYOUT     1 /* the version of the protocol that counts are as in */
 
 /* What stands before a pass's records. */
@@ -186,14 +187,17 @@ folder_read_passes(struct folder *f, const uint8_t id[MSG_JOB],
 /* --- of jobs that are done --- */
 
 static int
-write_tail(const struct folder_job *j, int fd, const char *path)
+write_tail(const struct folder_job *j, const struct pass_range *passes, int fd,
+           const char *path)
 {
     struct wire_out w;
     int rc;
 
     wire_out_init(&w, TAIL_BYTES);
     wire_put_u32(&w, TAIL_MAGIC);
-    wire_put_u32(&w, j->npasses);
+    wire_put_u32(&w, passes->first);
+    wire_put_u32(&w, passes->end);
+    wire_put_u32(&w, passes->all);
     rc = w.bad ? RAD_ENOMEM
                : disk_write_at(fd, w.buf, w.len, (off_t)j->pass_bytes, path,
                                NULL);
@@ -204,7 +208,8 @@ write_tail(const struct folder_job *j, int fd, const char *path)
 }
 
 void
-folder_keep_cache(struct folder *f, const uint8_t id[MSG_JOB], uint32_t passes)
+folder_keep_cache(struct folder *f, const uint8_t id[MSG_JOB],
+                  const struct pass_range *passes)
 {
     const struct folder_job *j = *folder_find_job(f, id);
     char path[DISK_PATH_MAX], kept[DISK_PATH_MAX];
@@ -212,12 +217,12 @@ folder_keep_cache(struct folder *f, const uint8_t id[MSG_JOB], uint32_t passes)
 
     folder_path(f, id, FOLDER_CACHE, path);
     folder_path(f, id, FOLDER_KEPT, kept);
-    if (!j || j->npasses != passes || access(path, F_OK) < 0)
+    if (!j || j->npasses != passes->all || access(path, F_OK) < 0)
         return;
     fd = open_cache(f, id, path);
     if (fd < 0)
         return;
-    if (write_tail(j, fd, path) == 0)
+    if (write_tail(j, passes, fd, path) == 0)
         rename(path, kept);
     close(fd);
 }
@@ -248,14 +253,20 @@ folder_parse_kept(uint8_t *bytes, size_t len)
 {
     struct saved_pass pass[MSG_MOST_PASSES];
     struct wire_in in;
+    struct pass_range kept;
     uint32_t n;
     size_t at = 0, end = folder_parse_passes(bytes, len, pass, &n);
+    bool is_tail;
 
     wire_in_init(&in, bytes + end, len - end);
-    if (wire_get_u32(&in) != TAIL_MAGIC || wire_get_u32(&in) != n || n == 0 ||
+    is_tail = wire_get_u32(&in) == TAIL_MAGIC;
+    kept.first = wire_get_u32(&in);
+    kept.end = wire_get_u32(&in);
+    kept.all = wire_get_u32(&in);
+    if (!is_tail || kept.all != n || kept.end > n || kept.first >= kept.end ||
         in.bad || wire_left(&in) > 0)
         return FOLDER_NO_CACHE;
-    for (uint32_t i = 0; i < n; at += pass[i++].len)
+    for (uint32_t i = kept.first; i < kept.end; at += pass[i++].len)
         memmove(bytes + at, pass[i].bytes, pass[i].len);
     return at;
 }

@@ -249,28 +249,17 @@ static const struct {
     void (*handle)(struct coord *c, struct coord_worker *w,
                    const struct msg *m);
 } handlers[] = {
-    { MSG_RESULT, result_rows },
-    { MSG_READY, sched_ready },
-    { MSG_LOST, loss_reported },
-    { MSG_TALLY, sched_tally },
-    { MSG_FACTS, handoff_facts },
-    { MSG_BASE_LINE, handoff_base_line },
-    { MSG_PARKED, handoff_parked },
-    { MSG_GAVE, balance_gave },
-    { MSG_STILL, loss_still },
-    { MSG_ESTIMATED, survey_estimated },
-    { MSG_LOAN, lending_loan },
-    { MSG_PAID, lending_paid },
-    { MSG_ROOM, loss_no_room },
-    { MSG_WANT, on_want },
-    { MSG_FAILED, on_failed },
-    { MSG_DRAIN, on_drain },
-    { MSG_PING, on_ping },
-    { MSG_RECORDS, on_records },
-    { MSG_TILE_MADE, passes_made },
-    { MSG_HOLDS, records_held },
-    { MSG_UNLINKED, on_unlinked },
-    { MSG_LINE_COSTS, on_line_costs },
+    { MSG_RESULT, result_rows },    { MSG_READY, sched_ready },
+    { MSG_LOST, loss_reported },    { MSG_TALLY, sched_tally },
+    { MSG_FACTS, handoff_facts },   { MSG_BASE_LINE, handoff_base_line },
+    { MSG_PARKED, handoff_parked }, { MSG_GAVE, balance_gave },
+    { MSG_STILL, loss_still },      { MSG_ESTIMATED, survey_estimated },
+    { MSG_LOAN, lending_loan },     { MSG_PAID, lending_paid },
+    { MSG_ROOM, loss_no_room },     { MSG_WANT, on_want },
+    { MSG_FAILED, on_failed },      { MSG_DRAIN, on_drain },
+    { MSG_PING, on_ping },          { MSG_RECORDS, on_records },
+    { MSG_TILE_MADE, passes_made }, { MSG_HOLDS, records_held },
+    { MSG_UNLINKED, on_unlinked },  { MSG_LINE_COSTS, on_line_costs },
 };
 
 /* BYE is followed by the end of the connection. */
@@ -658,7 +647,7 @@ coord_saved(const struct coord *c, const uint8_t id[MSG_JOB],
                                .open_ms = c->now_ms,
                                .end_ms = job->end_ms,
                                .cache_bytes = job->cache.bytes,
-                               .npasses = job->cache.passes,
+                               .keep = job->cache.range,
                                .sent_bytes = job->sent_bytes };
     progress_tell(job, c->now_ms, &out->last);
     return true;

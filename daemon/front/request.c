@@ -324,6 +324,15 @@ submit_fault(const struct coord *c, const struct coord_conn *conn,
     return partition_check(&p, err);
 }
 
+/* Are these the job's?  One that is as fine as another's from the start has
+ * those of that one. */
+static bool
+has_options(const struct job *job, const struct msg_spec *spec)
+{
+    return strcmp(job->spec.params, spec->params) == 0 ||
+           (goal_is(job) && job->spec.reuse);
+}
+
 /* Somebody submits a job that is here already: attach to it, if it is that. */
 static void
 attach(struct coord *c, struct coord_conn *conn, uint32_t request,
@@ -334,7 +343,7 @@ attach(struct coord *c, struct coord_conn *conn, uint32_t request,
     if (!job)
         return;
     if (memcmp(job->spec.manifest, spec->manifest, MSG_HASH) != 0 ||
-        strcmp(job->spec.params, spec->params) != 0) {
+        !has_options(job, spec)) {
         desk_reply_failed(c, conn, request, job->id, EX_DATAERR,
                           "there is a job of that id, with other files or "
                           "options");
@@ -362,7 +371,8 @@ choose_coding(struct job *job)
  * restart it is the same. */
 static int
 choose_reuse(const struct coord *c, const struct coord_conn *conn,
-             struct msg_spec *spec, struct rad_error *err)
+             struct msg_spec *spec, char options[RAD_PARAMS_TEXT],
+             struct rad_error *err)
 {
     const struct job *from;
 
@@ -372,8 +382,12 @@ choose_reuse(const struct coord *c, const struct coord_conn *conn,
     if (err->code)
         return err->code;
     spec->reuse = from ? from->id : NULL;
-    if (!from)
+    if (!from) {
         spec->flags &= ~MSG_JOB_REUSE;
+        return 0;
+    }
+    reuse_options(from, spec, options);
+    spec->params = options;
     return 0;
 }
 
@@ -382,6 +396,7 @@ on_submit(struct coord *c, struct coord_conn *conn, const struct msg *m)
 {
     struct rad_error err = { 0 };
     struct msg_spec spec = m->submit;
+    char options[RAD_PARAMS_TEXT];
     char name[200]; /* for the log */
     struct job *job;
 
@@ -390,7 +405,7 @@ on_submit(struct coord *c, struct coord_conn *conn, const struct msg *m)
         return;
     }
     if (submit_fault(c, conn, &spec, &err) != 0 ||
-        choose_reuse(c, conn, &spec, &err) != 0) {
+        choose_reuse(c, conn, &spec, options, &err) != 0) {
         desk_reply_failed(c, conn, m->request, m->submit.job,
                           rad_exit_status(err.code), err.what);
         return;

@@ -17,9 +17,9 @@ struct kept_passes {
  * (queue/reuse.h); of any the records that it began with itself, and when the
  * passes were closed that were closed in this life. */
 struct kept_cache {
-    uint64_t bytes;  /* of kept_bytes; 0: none is kept */
-    uint32_t passes; /* of one that ended in this life */
-    uint64_t reused; /* records, once they are here */
+    uint64_t bytes;          /* of kept_bytes; 0: none is kept */
+    struct pass_range range; /* of one that ended in this life */
+    uint64_t reused;         /* records, once they are here */
     uint64_t *closed_ms;
     uint32_t nclosed;
 };

@@ -102,6 +102,10 @@ progress_tell(const struct job *job, uint64_t now_ms, struct msg_progress *p)
         .elapsed_s = (double)(until - job->submit_ms) / 1000,
         .nan = job->nan,
         .error = progress_error(job).all,
+        .stage = (uint8_t)job->goal.number,
+        .ended = job->goal.ended,
+        .rungs = { job->goal.rungs[0], job->goal.rungs[1] },
+        .goal_error = job->goal.error,
     };
     memcpy(p->faults, job->faults, sizeof p->faults);
 }

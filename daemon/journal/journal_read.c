@@ -349,22 +349,34 @@ get_priority(struct reading *r, sqlite3_stmt *s)
     return 0;
 }
 
-/* How it ended, if it did. */
+static int
+unpack_progress(struct reading *r, const uint8_t *v, size_t n)
+{
+    return msg_unpack_as(JOURNAL_LAYOUT, &r->progress, MSG_PROGRESS, 0, v, n,
+                         NULL);
+}
+
+/* How it ended, if it did; of what was written before there were stages, none.
+ */
 static int
 get_progress(struct reading *r, sqlite3_stmt *s)
 {
     const uint8_t *v;
+    uint8_t *whole;
     size_t n;
 
     if (r->saved.state < JOB_DONE)
         return 0;
     if (!get_blob(s, 14, &v, &n))
         return bad(r->err, "the end", r->n);
-    v = rad_arena_dup(&r->mem, v, n);
-    if (n > 0 && !v)
+    whole = rad_arena_alloc(&r->mem, n + MSG_PROGRESS_ADDED);
+    if (!whole)
         return no_memory(r->err);
-    if (msg_unpack_as(JOURNAL_LAYOUT, &r->progress, MSG_PROGRESS, 0, v, n,
-                      NULL) < 0)
+    memset(whole, 0, n + MSG_PROGRESS_ADDED);
+    if (n > 0)
+        memcpy(whole, v, n);
+    if (unpack_progress(r, whole, n) < 0 &&
+        unpack_progress(r, whole, n + MSG_PROGRESS_ADDED) < 0)
         return bad(r->err, "the end", r->n);
     r->saved.last = r->progress.progress;
     return 0;

@@ -44,6 +44,11 @@ struct saved_pass {
     bool firm; /* to be on the disk before what comes later; not kept */
 };
 
+/* Of all passes of a job those with the records of its last stage. */
+struct pass_range {
+    uint32_t first, end, all;
+};
+
 struct saved_job {
     struct msg_spec spec;
     const char *owner;
@@ -59,20 +64,21 @@ struct saved_job {
     struct msg_progress last; /* of one that is over */
     struct mark stats;        /* likewise */
     const struct saved_frame *frames; /* by index */
-    uint32_t nunits;          /* of one that is not over */
-    const struct saved_unit *units; /* by number */
-    uint32_t npasses;               /* of one that is not over: closed ones; the
-                                     * first of a job that began with another's
-                                     * cache without its bytes */
+    uint32_t nunits;                  /* of one that is not over */
+    const struct saved_unit *units;   /* by number */
+    uint32_t npasses;       /* of one that is not over: closed ones; the
+                             * first of a job that began with another's
+                             * cache without its bytes */
+    struct pass_range keep; /* of one whose cache is to be kept */
     const struct saved_pass *passes; /* by number */
 };
 
 /* Why a job that was over is forgotten. */
 enum gone_why {
-    GONE_MANY,   /* its owner has more of them than are kept */
-    GONE_OLD,    /* it was over for longer than is kept */
-    GONE_LARGE,  /* its owner's took more room than they may */
-    GONE_BEFORE, /* radcoord ended as it was being forgotten */
+    GONE_MANY,    /* its owner has more of them than are kept */
+    GONE_OLD,     /* it was over for longer than is kept */
+    GONE_LARGE,   /* its owner's took more room than they may */
+    GONE_BEFORE,  /* radcoord ended as it was being forgotten */
     GONE_DELETED, /* somebody said so */
     GONE_NWHYS
 };

@@ -271,6 +271,8 @@ take_filed(const struct recovery *r)
     job->status = s->status;
     snprintf(job->text, sizeof job->text, "%s", s->text);
     job->last = s->last;
+    job->goal.rungs[0] = s->last.rungs[0];
+    job->goal.rungs[1] = s->last.rungs[1];
     job->kept_bytes = s->kept_bytes;
     job->cache.bytes = s->cache_bytes;
     for (uint32_t i = 0; i < job->spec.nframes; i++)

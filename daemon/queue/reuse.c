@@ -8,24 +8,36 @@
 
 #include "machine/jobtext.h"
 #include "filling/passes.h"
+#include "filling/stages.h"
 
 #include <string.h>
 
 static const uint8_t no_job[MSG_JOB];
 
 /* The options that decide about records, as one text. */
-static int
-options_of(const struct msg_spec *spec, char text[RAD_PARAMS_TEXT],
-           struct rad_error *err)
+static void
+records_text(const struct rad_params *params, char text[RAD_PARAMS_TEXT])
 {
     struct rad_params p;
-    int rc = jobtext_params(spec->params, &p, err);
 
-    if (rc < 0)
-        return rc;
-    rad_params_of_records(&p, &p);
+    rad_params_of_records(params, &p);
     rad_params_format(&p, text, RAD_PARAMS_TEXT);
-    return 0;
+}
+
+/* Options of the former job's pictures, and those with which the new one would
+ * begin. */
+static int
+options_of(const struct job *from, const struct msg_spec *spec,
+           struct rad_params *theirs, struct rad_params *ours,
+           struct rad_error *err)
+{
+    int rc = jobtext_params(spec->params, ours, err);
+
+    if (rc == 0)
+        rc = stages_params(from, theirs, err);
+    if (rc == 0 && (spec->error_ppm > 0 || spec->time_ms > 0))
+        rad_refine_join(ours, theirs);
+    return rc;
 }
 
 /* Would the job's records be those of the new job? */
@@ -34,14 +46,16 @@ check_fit(const struct job *job, const struct msg_spec *spec,
           struct rad_error *err)
 {
     char ours[RAD_PARAMS_TEXT], theirs[RAD_PARAMS_TEXT];
+    struct rad_params p, q;
     const char *name;
     int n;
 
     if (memcmp(job->spec.scene, spec->scene, MSG_HASH) != 0)
         return rad_fail(err, RAD_EDATA, "job %s is of another scene", job->hex);
-    if (options_of(spec, ours, err) < 0 ||
-        options_of(&job->spec, theirs, err) < 0)
+    if (options_of(job, spec, &p, &q, err) < 0)
         return RAD_EDATA;
+    records_text(&p, theirs);
+    records_text(&q, ours);
     if (strcmp(ours, theirs) == 0)
         return 0;
     name = rad_params_differ(theirs, ours, &n);
@@ -125,6 +139,16 @@ reuse_find(const struct coord *c, const char *owner,
 }
 
 void
+reuse_options(const struct job *from, const struct msg_spec *spec,
+              char text[RAD_PARAMS_TEXT])
+{
+    struct rad_params theirs, ours;
+
+    if (options_of(from, spec, &theirs, &ours, NULL) == 0) /* it was before */
+        rad_params_format(&ours, text, RAD_PARAMS_TEXT);
+}
+
+void
 reuse_keep(const struct coord *c, struct job *job)
 {
     struct passes_state s = passes_state(job);
@@ -133,5 +157,9 @@ reuse_keep(const struct coord *c, struct job *job)
         !c->env.keeps || s.open < s.n || s.bytes > c->keep.cache_bytes)
         return;
     job->cache.bytes = s.bytes;
-    job->cache.passes = s.n;
+    job->cache.range =
+        (struct pass_range){ .first = job->goal.base,
+                             .end = job->goal.base + s.n -
+                                    goal_is(job), /* but the check's */
+                             .all = job->goal.base + s.n };
 }

@@ -269,7 +269,7 @@ end_run(struct task *t)
     rc = folder_stats(&s->folder, o->id, o->stats, o->stats_len,
                       &o->saved.stats, &t->err);
     if (o->saved.cache_bytes > 0)
-        folder_keep_cache(&s->folder, o->id, o->saved.npasses);
+        folder_keep_cache(&s->folder, o->id, &o->saved.keep);
     /* what is left when the rows have gone */
     o->saved.kept_bytes = folder_bytes(&s->folder, o->id);
     return rc < 0 ? rc : journal_put_end(s->journal, &o->saved, &t->err);

@@ -89,13 +89,13 @@ grow(int n, double x, int limit)
 static double
 shorten(double x)
 {
-    double unit = 1e-5;
+    double scale = 1e5; /* a power of ten that is exact, or nearly */
 
     if (!(x >= 1e-12))
         return x;
-    while (x < unit * 1e5)
-        unit /= 10;
-    return floor(x / unit + .5) * unit;
+    while (x * scale < 1e5)
+        scale *= 10;
+    return floor(x * scale + .5) / scale;
 }
 
 /* Parts of an octave by which options change with a rung. */
@@ -129,6 +129,47 @@ rad_refine_params(const struct rad_params *job, struct rad_refine_rungs rungs,
     }
 }
 
+/* Of parts of a whole 0 makes one, and of -ar it sets no limit. */
+static bool
+is_finer_part(double a, double b)
+{
+    return a == b || (a > 0 && a < b);
+}
+
+static bool
+is_higher_limit(int a, int b)
+{
+    return a == b || (b > 0 && (a > b || a == 0));
+}
+
+static bool
+is_as_fine(const struct rad_params *a, const struct rad_params *b)
+{
+    return a->ambacc <= b->ambacc && a->ambdiv >= b->ambdiv &&
+           a->ambssamp >= b->ambssamp &&
+           is_higher_limit(a->ambres, b->ambres) &&
+           is_finer_part(a->srcsizerat, b->srcsizerat) &&
+           a->shadthresh <= b->shadthresh && a->specthresh <= b->specthresh &&
+           a->shadcert >= b->shadcert;
+}
+
+bool
+rad_refine_join(struct rad_params *job, const struct rad_params *former)
+{
+    if (!is_as_fine(former, job))
+        return false;
+    job->ambacc = former->ambacc;
+    job->ambdiv = former->ambdiv;
+    job->ambssamp = former->ambssamp;
+    job->ambres = former->ambres;
+    job->maxdiff = fmin(former->maxdiff, job->maxdiff);
+    job->srcsizerat = former->srcsizerat;
+    job->shadthresh = former->shadthresh;
+    job->specthresh = former->specthresh;
+    job->shadcert = former->shadcert;
+    return true;
+}
+
 /* --- passes --- */
 
 static uint32_t
@@ -146,9 +187,10 @@ count_windows(const struct rad_pass_size *size, uint32_t nsizes)
 
 uint32_t
 rad_refine_plan(const struct rad_params *par, const struct rad_pass_size *size,
-                uint32_t nsizes, struct rad_pass pass[RAD_MOST_PASSES])
+                uint32_t nsizes, bool on, struct rad_pass pass[RAD_MOST_PASSES])
 {
-    uint32_t n = rad_passes_plan(par, size, nsizes, pass);
+    uint32_t n =
+        (on ? rad_passes_plan_on : rad_passes_plan)(par, size, nsizes, pass);
 
     if (n == 0 || n == RAD_MOST_PASSES)
         return 0;

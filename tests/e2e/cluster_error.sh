@@ -38,10 +38,16 @@ same()
     done
 }
 
+# option LETTERS NAME: its value in the header
+option()
+{
+    LC_ALL=C sed -n "/^\$/q; s/^radsubmit .* -$1 \([^ ]*\).*/\1/p" "$2.hdr"
+}
+
 # --- whoever makes it ---
 
 render calm $goal --workers=1 --threads=1
-stages=$(sed -n 's/.*; \([2-4]\) stages$/\1/p' calm.err)
+stages=$(sed -n 's/.*; \([2-4]\) stages.*/\1/p' calm.err)
 [ -n "$stages" ] || fail "not several stages: $(cat calm.err)"
 grep -q 'estimated error .* %, 2.5 % were asked for' calm.err ||
     fail "it is not said what was reached: $(cat calm.err)"
@@ -84,6 +90,64 @@ finish_job()
     wait $job || fail "$1: $(cat "$1.err")"
     same "$1"
 }
+
+# submit NAME OPTION...; $id is its id
+submit()
+{
+    name=$1
+    shift
+    # shellcheck disable=SC2086
+    "$radsubmit" --coordinator="$sock" $view "$@" --stats="$name.json" \
+        -o "$name.hdr" "$room" 2>"$name.err" || fail "$name: $(cat "$name.err")"
+    id=$(sed -n 's/^radsubmit: job //p' "$name.err")
+}
+
+# --- what it leaves, and begins with (--reuse) ---
+
+other="-vp 2 2.2 1.4 -vd -.3 1 -.1"
+cluster_start 1 1
+submit first $goal
+former=$id
+grep -q "^radsubmit: stage 1: error about .* now a finer one$" first.err ||
+    fail "nothing is said of the first stage: $(cat first.err)"
+grep -q "^radsubmit: stage $stages: error about .* now the picture$" first.err ||
+    fail "nothing is said of the last stage: $(cat first.err)"
+# shellcheck disable=SC2086
+{
+    submit one --error=5 $other --reuse=last
+}
+grep -q "begins with the ambient values of job $former" one.err ||
+    fail "--reuse=last: $(cat one.err)"
+[ "$(total one.json reused_values)" -gt 0 ] || fail "nothing is reused"
+[ "$(total one.json tile_rays)" -lt "$(total first.json tile_rays)" ] ||
+    fail "tiles take $(total one.json tile_rays) rays with --reuse," \
+        "$(total first.json tile_rays) of the first view"
+[ "$(option aa one)" = "$(option aa first)" ] ||
+    fail "-aa $(option aa one) where the former job ended with" \
+        "$(option aa first)"
+# shellcheck disable=SC2086
+{
+    for name in aa ar ad as ds dt dc st; do
+        echo "-$name $(option $name first)"
+    done >words
+    submit given @words $other --reuse="$former" # no goal
+    submit next $goal --reuse="$id"              # from that, with one
+}
+worker_start 2 1
+worker_start 3 1
+coord_crash
+until_true 30 n_workers 3 || fail "the workers do not come back"
+# shellcheck disable=SC2086
+submit three --error=5 $other --reuse="$former"
+cmp one.hdr three.hdr || fail "--reuse: another picture with three workers"
+# further stages begin empty, on any cluster
+# shellcheck disable=SC2086
+submit finer --error=.5 $other --reuse="$former"
+grep -q '; [2-4] stages' finer.err || fail "not several stages: $(cat finer.err)"
+# shellcheck disable=SC2086
+submit again --error=.5 $other --reuse="$former"
+cmp finer.hdr again.hdr || fail "--reuse: another picture by further stages"
+cluster_stop
 
 coord_options=--log-level=debug
 cluster_start 2 1

@@ -111,6 +111,7 @@ struct stage {
 static void
 plan_stage(const struct sim_job *job, struct stage *st)
 {
+    bool on = job->spec.flags & MSG_JOB_REUSE && st->base == 0;
     struct rad_pass_size size[SIM_FRAMES];
     struct rad_params params;
 
@@ -120,13 +121,12 @@ plan_stage(const struct sim_job *job, struct stage *st)
     for (uint32_t f = 0; f < job->spec.nframes; f++)
         size[f] = (struct rad_pass_size){ (int)job->frame[f].width,
                                           (int)job->frame[f].height };
-    st->n =
-        !(job->spec.flags & MSG_JOB_PASSES) ? 0
-        : job->spec.flags & MSG_JOB_REUSE
-            ? rad_passes_plan_on(&st->params, size, job->spec.nframes, st->plan)
-        : job->spec.error_ppm > 0
-            ? rad_refine_plan(&st->params, size, job->spec.nframes, st->plan)
-            : rad_passes_plan(&st->params, size, job->spec.nframes, st->plan);
+    st->n = !(job->spec.flags & MSG_JOB_PASSES) ? 0
+            : job->spec.error_ppm > 0
+                ? rad_refine_plan(&st->params, size, job->spec.nframes, on,
+                                  st->plan)
+                : (on ? rad_passes_plan_on : rad_passes_plan)(
+                      &st->params, size, job->spec.nframes, st->plan);
 }
 
 /* Of so many tiles; see made(). */
