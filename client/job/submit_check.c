@@ -178,8 +178,11 @@ check_planes(const struct submit_options *o, struct rad_error *err)
                    : 0;
     if (not )
         return rad_fail(err, RAD_EUSAGE,
-                        "%s does not go with more than three bands (-cs %d)",
-                        not, o->params.bands.n);
+                        "%s does not go with more than three bands (-cs %d)%s",
+                        not, o->params.bands.n,
+                        submit_options_goal(o)
+                            ? ": each three would choose options of their own"
+                            : "");
     if (submit_options_hsr(o) && !spectra)
         return rad_fail(err, RAD_EUSAGE,
                         "'%s' is a name for spectra, and -co- asks for none",

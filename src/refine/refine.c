@@ -22,8 +22,9 @@
 #define AIM         .85
 #define NEAR_ENOUGH 1.45
 
-/* What does not reach what is wanted brings so much at least. */
-#define WORTH_IT .8
+/* A further stage brings so much at least: not the last tenth, where pixels or
+ * time leave no more. */
+#define WORTH_IT .85
 
 /* What takes more than so many times the rays of this stage is not foreseen
  * well: a stage with such a part of its rays comes before it, and tells how
@@ -434,7 +435,7 @@ goes_on(const struct outlook *o, double rays, struct choice *best)
 
     return o->ask->stage < RAD_REFINE_STAGES - 1 && square > 0 &&
            square > goal.enough && choose(o, goal.aim, rays, best) &&
-           best->square <= fmax(goal.aim, WORTH_IT * WORTH_IT * square);
+           best->square <= WORTH_IT * WORTH_IT * square;
 }
 
 bool
