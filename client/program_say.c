@@ -144,14 +144,15 @@ say_left(struct program *p, const struct progress_report *r, bool running)
                "without");
 }
 
-/* A stage of --error or --time ended. */
+/* A stage of --error or --time ended.  Of points that come in batches, a job
+ * each, there would be many. */
 static void
 say_stage(struct program *p, const struct msg_progress *m)
 {
     char text[160], got[FIGURE_TEXT], s[FIGURE_TEXT];
     int stages = m->stage + m->ended;
 
-    if (!submit_options_goal(&p->o) || stages <= p->stages_said)
+    if (!submit_options_goal(&p->o) || p->streams || stages <= p->stages_said)
         return;
     p->stages_said = stages;
     snprintf(text, sizeof text, "stage %d: error about %s %% after %s s, %s",

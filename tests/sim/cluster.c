@@ -561,8 +561,7 @@ choose_reuse(struct sim *s, int i)
     static const uint8_t scene[MSG_HASH] = { 1 };
     struct sim_job *job = &s->job[i];
 
-    if (!(job->spec.flags & MSG_JOB_PASSES) || job->bounces == 0 ||
-        job->spec.error_ppm > 0)
+    if (!(job->spec.flags & MSG_JOB_PASSES) || job->bounces == 0)
         return;
     job->spec.flags |= MSG_JOB_SCENE;
     job->spec.scene = scene;

@@ -58,6 +58,7 @@ struct sim_kept {
     char *stats; /* of one that is over */
     bool cached; /* the passes of one that is done, for others */
     uint32_t npasses;
+    struct pass_range keep;
     struct saved_pass pass[MSG_MOST_PASSES]; /* malloc'd */
     uint32_t nunits;
     struct sim_unit unit[SIM_UNITS];
@@ -76,7 +77,7 @@ struct sim_job {
     bool round; /* the view shows nothing in two corners */
     bool paint;
     unsigned pixel_us; /* what a pixel costs at least */
-    char params[40];
+    char params[RAD_PARAMS_TEXT];
     int bounces;                   /* -ab */
     char options[RAD_PARAMS_TEXT]; /* of its picture, as the store was told in
                                     * this life of the coordinator; or "" */

@@ -70,7 +70,7 @@ later(struct sim *s, int job, size_t n, entry_fn *fn)
 
 /* --- what is written --- */
 
-/* All records of the other job are the first pass of this one. */
+/* All records of the other job's last stage are the first pass of this one. */
 static void
 begin_with(struct sim *s, struct sim_kept *k, const struct sim_kept *from)
 {
@@ -78,7 +78,7 @@ begin_with(struct sim *s, struct sim_kept *k, const struct sim_kept *from)
     size_t n = 0;
 
     SIM_CHECK(&s->net, from->cached);
-    for (uint32_t i = 0; i < from->npasses; i++)
+    for (uint32_t i = from->keep.first; i < from->keep.end; i++)
         n += from->pass[i].len;
     bytes = malloc(n + 1);
     SIM_CHECK(&s->net, bytes != NULL);
@@ -86,7 +86,7 @@ begin_with(struct sim *s, struct sim_kept *k, const struct sim_kept *from)
         free((void *)k->pass[i].bytes);
     k->npasses = 1;
     k->pass[0] = (struct saved_pass){ .bytes = bytes, .len = n };
-    for (uint32_t i = 0; i < from->npasses; i++) {
+    for (uint32_t i = from->keep.first; i < from->keep.end; i++) {
         memcpy(bytes, from->pass[i].bytes, from->pass[i].len);
         bytes += from->pass[i].len;
     }
@@ -122,7 +122,10 @@ put_end(struct sim *s, struct sim_job *job, const struct entry *e)
     SIM_CHECK(&s->net, k->stats != NULL);
     memcpy(k->stats, e->bytes, e->len);
     k->cached = e->job.cache_bytes > 0;
-    SIM_CHECK(&s->net, !k->cached || e->job.npasses == k->npasses);
+    k->keep = e->job.keep;
+    SIM_CHECK(&s->net, !k->cached || (k->keep.all == k->npasses &&
+                                      k->keep.first < k->keep.end &&
+                                      k->keep.end <= k->keep.all));
     coord_job_filed(s->coord, s->net.now_ms, job->id, e->sequence, e->len,
                     e->job.cache_bytes);
 }
@@ -269,14 +272,16 @@ put_picture(struct sim *s, struct sim_job *job, const struct entry *e)
 
 /* --- what is to be written --- */
 
-/* What the coordinator has found for the job to begin with. */
+/* What the coordinator has found for the job to begin with, and its options. */
 static void
 note_reuse(struct sim_job *job, const struct msg_spec *spec)
 {
     job->spec.flags &= ~MSG_JOB_REUSE;
     job->spec.flags |= spec->flags & MSG_JOB_REUSE;
-    if (spec->flags & MSG_JOB_REUSE)
-        memcpy(job->from, spec->reuse, MSG_JOB);
+    if (!(spec->flags & MSG_JOB_REUSE))
+        return;
+    memcpy(job->from, spec->reuse, MSG_JOB);
+    snprintf(job->params, sizeof job->params, "%s", spec->params);
 }
 
 static void
