@@ -96,5 +96,5 @@ bench-sim: bench/sim/sim$(EXEEXT)
 
 # Against rpict, where that is on PATH: the scripts say how to call them.
 dist_noinst_SCRIPTS += bench/rpict.sh
-EXTRA_DIST += bench/scenes.rows
+EXTRA_DIST += bench/peep.rad bench/scenes.rows
 dist_noinst_SCRIPTS += bench/versus.sh
