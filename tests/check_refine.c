@@ -303,12 +303,36 @@ START_TEST(noise_of_pixels_bounds_what_is_wanted)
     ck_assert(rad_refine_next(&ask, &bound, &error));
     ck_assert_int_lt(bound.ambient, free.ambient);
     ck_assert_int_le(bound.pixel, free.pixel);
-    ask = ask_of(.02, .1, .1, .1);
+    ask = ask_of(.02, .09, .1, .1);
     ask.rungs.pixel = RAD_REFINE_MOST_PIXEL / 2;
     ck_assert(!rad_refine_next(&ask, &next, &error));
-    ask.error = .11;
+    ask = ask_of(.11, .13, .1, .1);
+    ask.rungs.pixel = RAD_REFINE_MOST_PIXEL / 2;
     ck_assert(rad_refine_next(&ask, &next, &error));
     ck_assert_int_gt(next.ambient, 1);
+}
+END_TEST
+
+/* A smaller error never ends where a larger one goes on, whatever part of the
+ * error is noise of pixels. */
+START_TEST(a_smaller_error_gets_no_less)
+{
+    for (int noise = 0; noise <= 10; noise++) {
+        bool on = true;
+
+        for (int i = 1; i <= 30; i++) {
+            struct rad_refine_ask ask = ask_of(.01 * i, .08, .1, .01 * noise);
+            struct rad_refine_rungs next;
+            double error;
+            bool goes_on;
+
+            ask.rungs.pixel = RAD_REFINE_MOST_PIXEL / 2;
+            goes_on = rad_refine_next(&ask, &next, &error);
+            ck_assert_msg(on || !goes_on, "noise %d, error %d", noise, i);
+            on = goes_on;
+        }
+        ck_assert(!on);
+    }
 }
 END_TEST
 
@@ -660,6 +684,7 @@ main(void)
     tcase_add_test(decisions, stages_are_few);
     tcase_add_test(decisions, a_far_goal_has_a_stage_before_it);
     tcase_add_test(decisions, what_fell_slowly_is_foreseen_so);
+    tcase_add_test(decisions, a_smaller_error_gets_no_less);
     tcase_add_test(decisions, noise_of_pixels_bounds_what_is_wanted);
     tcase_add_test(decisions, a_stage_has_a_bound);
     tcase_add_test(decisions, more_time_is_used);

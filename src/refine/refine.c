@@ -22,8 +22,11 @@
 #define AIM         .85
 #define NEAR_ENOUGH 1.45
 
-/* A further stage brings so much at least: not the last tenth, where pixels or
- * time leave no more. */
+/* Pixels' noise that no rungs take away counts as so much that is wanted. */
+#define AS_GOOD 1.4
+
+/* A further stage brings so much at least: not the last seventh, where pixels
+ * or time leave no more. */
 #define WORTH_IT .85
 
 /* What takes more than so many times the rays of this stage is not foreseen
@@ -134,7 +137,7 @@ rad_refine_params(const struct rad_params *job, struct rad_refine_rungs rungs,
 static bool
 is_finer_part(double a, double b)
 {
-    return a == b || (a > 0 && a < b);
+    return a == b || (a > 0 && (b == 0 || a < b));
 }
 
 static bool
@@ -402,19 +405,18 @@ struct goal {
 
 /* Where half of what is wanted, or more, is noise of pixels that no rungs take
  * away, what is just near enough is aimed at; where that noise alone is more
- * than is wanted, a cache that is as good as pixels are. */
+ * than is wanted, a cache about as good as pixels are.  Both grow with what is
+ * wanted: a smaller error never ends where a larger one goes on. */
 static struct goal
 goal_of(const struct outlook *o)
 {
-    double wanted = o->ask->error * o->ask->error;
-    double floor = 2 * pixels_floor(o);
+    double floor = pixels_floor(o);
+    double wanted = fmax(o->ask->error * o->ask->error, AS_GOOD * floor);
+    double near = NEAR_ENOUGH * wanted;
 
-    if (!(wanted > 0))
+    if (!(o->ask->error > 0))
         return (struct goal){ 0, 0 };
-    if (floor > 2 * wanted)
-        return (struct goal){ AIM * floor, NEAR_ENOUGH * floor };
-    return (struct goal){ AIM * fmax(wanted, fmin(floor, NEAR_ENOUGH * wanted)),
-                          NEAR_ENOUGH * wanted };
+    return (struct goal){ AIM * fmax(wanted, fmin(2 * floor, near)), near };
 }
 
 /* Rays that a stage and its pictures may take. */
