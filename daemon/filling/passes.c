@@ -362,7 +362,9 @@ begin_stage(struct coord *c, struct job *job)
     struct rad_error err = { 0 };
 
     tiles_drop(s);
+    job->goal.bytes += s->bytes;
     drop_records(s);
+    s->awaits = false; /* a former job's records were for the first stage */
     if (plan_stage(job, &err) < 0) {
         verdict_job(c, job, JOB_FAILED, rad_exit_status(err.code), err.what);
         s->n = 0;
@@ -395,6 +397,9 @@ close_check(struct coord *c, struct job *job)
     }
     for (uint32_t i = 0; i < s->open; i++)
         all.rays += s->closed[i].counts.rays;
+    /* a further stage begins empty, and makes these, too */
+    if (s->open > 0)
+        all.rays += stages_reused_rays(job, s->closed[0].n);
     reached = stages_end(c, job, s->n, &all);
     stages_pack(c, job, bytes);
     keep_closed(c, job, number, &counts, bytes, sizeof bytes, true);

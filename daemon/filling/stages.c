@@ -41,6 +41,16 @@ stages_reuse(const struct job *job)
     return job->spec.flags & MSG_JOB_REUSE && job->goal.number == 0;
 }
 
+uint64_t
+stages_reused_rays(const struct job *job, uint32_t records)
+{
+    struct rad_params p;
+
+    if (!stages_reuse(job) || stages_params(job, &p, NULL) != 0)
+        return 0;
+    return (uint64_t)records * ((uint64_t)p.ambdiv + (uint64_t)p.ambssamp);
+}
+
 int
 stages_plan(const struct job *job, const struct rad_pass_size *size,
             struct rad_pass plan[RAD_MOST_PASSES], uint32_t *n,

@@ -24,6 +24,9 @@ int stages_params(const struct job *job, struct rad_params *out,
 /* Are the records of a former job the first of the passes that are open? */
 bool stages_reuse(const struct job *job);
 
+/* About the rays that as many records took which a former job made. */
+uint64_t stages_reused_rays(const struct job *job, uint32_t records);
+
 /* The passes of its stage, the check pass as the last; or those of a job
  * without a goal.  RAD_EDATA. */
 int stages_plan(const struct job *job, const struct rad_pass_size *size,

@@ -386,8 +386,10 @@ choose_reuse(const struct coord *c, const struct coord_conn *conn,
         spec->flags &= ~MSG_JOB_REUSE;
         return 0;
     }
-    reuse_options(from, spec, options);
-    spec->params = options;
+    if (spec->error_ppm > 0 || spec->time_ms > 0) {
+        reuse_options(from, spec, options);
+        spec->params = options;
+    }
     return 0;
 }
 

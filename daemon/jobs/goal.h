@@ -23,6 +23,7 @@ struct job_goal {
     double error;        /* relative, as estimated at the end of the last stage
                           * that was looked at; 0: none was */
     double mean;         /* and that of the mean of all pixels */
+    uint64_t bytes;      /* of records of the stages before it, in this life */
     uint64_t spent_ms;   /* until the last decision, in earlier lives */
     bool ended;          /* the picture is made with the stage's options */
     bool late;           /* for want of time, or of rays, alone */

@@ -154,7 +154,8 @@ reuse_keep(const struct coord *c, struct job *job)
     struct passes_state s = passes_state(job);
 
     if (job->state != JOB_DONE || !(job->spec.flags & MSG_JOB_SCENE) ||
-        !c->env.keeps || s.open < s.n || s.bytes > c->keep.cache_bytes)
+        !c->env.keeps || s.open < s.n ||
+        job->goal.bytes + s.bytes > c->keep.cache_bytes)
         return;
     job->cache.bytes = s.bytes;
     job->cache.range =

@@ -21,7 +21,8 @@
  * after the other. */
 #define QUIET_MS 100
 
-/* Records of a pass, in bytes: more no coordinator takes (filling/passes.c). */
+/* Records of a job's passes that are here, in bytes: of all its passes no
+ * coordinator takes more (filling/passes.c). */
 #define MOST_BYTES ((uint64_t)512 << 20)
 
 #define PASSES WJOB_PASSES
@@ -145,14 +146,29 @@ make_room(struct gpass *p, uint32_t tiles)
     return true;
 }
 
+/* Is there room for so many bytes more, of a job's passes that are here and of
+ * that one? */
+static bool
+is_within(const struct gather *g, const struct gpass *p, size_t more)
+{
+    uint64_t all = more;
+
+    for (int i = 0; i < PASSES; i++)
+        all += g->of[i].bytes;
+    return all <= MOST_BYTES &&
+           (!p->closed ||
+            p->bytes + more <= (uint64_t)p->count * AMBSHARE_BYTES);
+}
+
 /* Keep a tile's records; false: they are here, or of no use. */
 static bool
-keep(struct worker *w, struct gpass *p, const struct msg_tile_records *m)
+keep(struct worker *w, struct gather *g, struct gpass *p,
+     const struct msg_tile_records *m)
 {
     struct gtile *t;
 
     if (m->count == 0 || m->len != (size_t)m->count * AMBSHARE_BYTES ||
-        p->bytes + m->len > MOST_BYTES ||
+        !is_within(g, p, m->len) ||
         (m->tile < p->room && p->tile[m->tile].data))
         return false;
     if (!make_room(p, m->tile + 1) ||
@@ -298,7 +314,7 @@ gather_take(struct worker *w, struct wjob *job,
 {
     struct gather *g = is_near(job, m->pass) ? open_gather(w, job) : NULL;
 
-    if (!g || !keep(w, pass_at(g, m->pass), m))
+    if (!g || !keep(w, g, pass_at(g, m->pass), m))
         return;
     job->bytes_in += m->len;
     pass_on(w, job, m);

@@ -63,6 +63,11 @@ struct wpeer {
     struct lossy queue;
 };
 
+/* Of so many passes, from the first that the child lacks, something is known:
+ * of those that may be open when it has all before, and of those that may be
+ * when the coordinator is as much ahead. */
+#define WJOB_PASSES (2 * MSG_OPEN_PASSES)
+
 /* A job at this worker.  From any state to FETCHING, when the coordinator
  * starts the job again.
  *
@@ -70,11 +75,6 @@ struct wpeer {
  *    |                                    '-- the child is gone --.------'
  *    v                                                            v
  *   NO_ROOM ---------- room again: the coordinator is told ----> IDLE  */
-/* Of so many passes, from the first that the child lacks, something is known:
- * of those that may be open when it has all before, and of those that may be
- * when the coordinator is as much ahead. */
-#define WJOB_PASSES (2 * MSG_OPEN_PASSES)
-
 enum wjob_state {
     WJOB_FETCHING, /* files are missing */
     WJOB_NO_ROOM,  /* and cannot be had now: the coordinator was told so */
