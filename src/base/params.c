@@ -183,9 +183,12 @@ rad_params_init(struct rad_params *p)
 bool
 rad_params_switch(const char *word, const char *name, bool *on)
 {
-    const char *rest = word + strlen(name);
+    const char *rest;
 
-    if (strncmp(word, name, strlen(name)) != 0 || (rest[0] && rest[1]))
+    if (strncmp(word, name, strlen(name)) != 0)
+        return false;
+    rest = word + strlen(name);
+    if (rest[0] && rest[1])
         return false;
     if (rest[0] && !strchr("+1yYtT-0nNfF", rest[0]))
         return false;
@@ -198,11 +201,12 @@ static const char *
 name_ends(const struct option *o, const char *word)
 {
     size_t n = strlen(o->name);
-    const char *rest = word + n;
+    const char *rest;
     bool on = false;
 
     if (strncmp(word, o->name, n) != 0)
         return NULL;
+    rest = word + n;
     switch (o->kind) {
     case KIND_BOOL:
         if (rad_params_switch(word, o->name, &on))

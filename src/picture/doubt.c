@@ -57,9 +57,10 @@
 enum {
     AREA = 25, /* pixels, about */
     FEW = 4,   /* of an area that are made again at first */
-    MOST = 40  /* pixels of an area */
+    MOST = 50  /* pixels of an area */
 };
-_Static_assert(AREA + RAD_QUINCUNX_MAX_YSTEP / 2 <= MOST, "no room");
+/* rounded to whole columns, and half a width more (area_at) */
+_Static_assert((AREA + RAD_QUINCUNX_MAX_YSTEP / 2) * 3 / 2 <= MOST, "no room");
 
 /* Frames like the job's, with other random numbers. */
 enum { FIRST, SECOND, NFRAMES };
