@@ -2,10 +2,10 @@
  *
  * Those of a tile that is made travel to all workers while others are, by way
  * of some of them (links/feeding.h).  When a pass is closed a worker is told
- * so; if it lacks some it says so, and gets all of them, in the order of tiles.
- * What needs the records waits at the worker until they are there; units do
- * not go out to it before it has said that they are.  So does a worker that
- * comes later, of each pass that is closed.
+ * so; if it lacks some it says so, and gets all of them, in the order of tiles;
+ * a worker that comes later gets them of each pass that is closed.  What needs
+ * the records waits at the worker until they are there; units do not go out to
+ * a worker before it has said that they are.
  * Thread: one. */
 #ifndef DAEMON_RECORDS_H
 #define DAEMON_RECORDS_H

@@ -1,7 +1,8 @@
 /* stages.h - a job that goes on until its picture is good enough, or time is up
  *
  * Its ambient cache comes in stages (refine/refine.h): each has its own
- * options, passes from an empty cache on, and a check pass at their end, whose
+ * options, passes from an empty cache on (the first stage may begin with that
+ * of a former job), and a check pass at their end, whose
  * tiles say how far off a picture would be.  Then it is decided: that is good
  * enough, or which options the next stage has.  By the error alone the decision
  * is a function of the job; by the clock it is not, and so it is kept.
