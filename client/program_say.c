@@ -6,7 +6,6 @@
 #include "common/figure.h"
 #include "common/tell.h"
 #include "compile/warning.h"
-#include "refine/refine.h"
 
 #include <inttypes.h>
 #include <jansson.h>
@@ -289,11 +288,8 @@ say_goal(struct program *p)
              p->stages == 1 ? "" : "s",
              p->time_up   ? ", and no time for another"
              : p->rays_up ? ", and another would take too long without --time"
-             : !far       ? ""
-             : p->stages >= RAD_REFINE_STAGES
-                 ? ", of which there are no more"
-                 : ", and another would hardly come nearer: the rest is noise "
-                   "that no options take away");
+             : far        ? ", and there is no other that comes much nearer"
+                          : "");
     program_say(p, text);
     if (p->o.time_s > 0)
         program_say(p, "chosen by the clock: another run may choose other "

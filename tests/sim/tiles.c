@@ -136,6 +136,15 @@ rays(uint64_t tiles)
     return tiles * (tiles + 1) / 2;
 }
 
+/* What the records that a job begins with are taken to have cost. */
+static uint64_t
+reused_rays(const struct sim_job *job, const struct rad_params *p)
+{
+    size_t n = job->kept.npasses > 0 ? job->kept.pass[0].len : 0;
+
+    return n / AMBSHARE_BYTES * (uint64_t)(p->ambdiv + p->ambssamp);
+}
+
 /* Is there a stage after this one?  Then it is that. */
 static bool
 next_stage(const struct sim_job *job, struct stage *st)
@@ -156,6 +165,8 @@ next_stage(const struct sim_job *job, struct stage *st)
     }
     for (uint32_t i = 0; i + 1 < st->n; i++)
         ask.rays += rays(st->plan[i].tiles);
+    if (job->spec.flags & MSG_JOB_REUSE && st->base == 0)
+        ask.rays += reused_rays(job, &st->params);
     ask.check = rays(st->plan[st->n - 1].tiles);
     for (uint32_t f = 0; f < job->spec.nframes; f++)
         ask.pixels += (uint64_t)job->frame[f].width * job->frame[f].height;
