@@ -588,7 +588,7 @@ worker_tiles(void)
     struct msg records = { .type = MSG_TILE_RECORDS,
                            .tile_records = { id, 5, 1, 1, pixels,
                                              AMBSHARE_BYTES } };
-    struct msg closed = { .type = MSG_CLOSED, .closed = { id, 5, 1, 7 } };
+    struct msg closed = { .type = MSG_CLOSED, .closed = { id, 5, 1, 7, 0 } };
 
     job_begins();
     says(COORD,
