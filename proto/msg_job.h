@@ -64,6 +64,13 @@ struct msg_spec {
                            * SUBMIT zeros stand for the last one that fits */
 };
 
+/* Does the job go on until its picture is good enough, or its time is up? */
+static inline bool
+msg_has_goal(const struct msg_spec *spec)
+{
+    return spec->error_ppm > 0 || spec->time_ms > 0;
+}
+
 /* The job is in the queue, whole. */
 struct msg_accept {
     const uint8_t *job;

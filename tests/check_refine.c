@@ -139,12 +139,12 @@ START_TEST(the_check_pass_is_the_last)
     struct rad_pass own[RAD_MOST_PASSES], pass[RAD_MOST_PASSES];
     uint32_t n = rad_passes_plan(&job, size, 2, own);
 
-    ck_assert_uint_eq(rad_refine_plan(&job, size, 2, false, pass), n + 1);
+    ck_assert_uint_eq(rad_refine_plan(&job, size, 2, false, true, pass), n + 1);
     for (uint32_t i = 0; i < n; i++)
         ck_assert(!pass[i].check && pass[i].tiles == own[i].tiles);
     ck_assert(pass[n].check && pass[n].tiles > 0);
     job.ambounce = 0;
-    ck_assert_uint_eq(rad_refine_plan(&job, size, 2, false, pass), 0);
+    ck_assert_uint_eq(rad_refine_plan(&job, size, 2, false, true, pass), 0);
 }
 END_TEST
 
@@ -521,7 +521,7 @@ open_room(struct room *m, const char *options)
     ck_assert_int_eq(rad_frame_init(&m->frame, m->w.job, &view, 0, false, NULL),
                      0);
     size = (struct rad_pass_size){ m->frame.width, m->frame.height };
-    n = rad_refine_plan(&m->w.job->params, &size, 1, false, pass);
+    n = rad_refine_plan(&m->w.job->params, &size, 1, false, true, pass);
     m->passes = rad_passes_new(&m->frame, 1, NULL);
     ck_assert_ptr_nonnull(m->passes);
     for (uint32_t i = 0; i < n; i++) {

@@ -411,9 +411,8 @@ fill_cache(const struct task *t, const struct rad_frame *f, struct rad_ctx *ctx,
 {
     struct rad_pass_size size = { f->width, f->height };
     struct rad_pass plan[RAD_MOST_PASSES];
-    uint32_t n = t->error > 0
-                     ? rad_refine_plan(&f->job->params, &size, 1, false, plan)
-                     : rad_passes_plan(&f->job->params, &size, 1, plan);
+    uint32_t n =
+        rad_refine_plan(&f->job->params, &size, 1, false, t->error > 0, plan);
     struct rad_passes *p = rad_passes_new(f, 1, err);
     struct records k = { 0 };
     int rc = p ? 0 : err->code;

@@ -16,9 +16,7 @@
 bool
 render_has_stages(const struct render *r)
 {
-    const struct msg_spec *spec = &r->start.job_start;
-
-    return spec->error_ppm > 0 || spec->time_ms > 0;
+    return msg_has_goal(&r->start.job_start);
 }
 
 static bool
@@ -34,11 +32,8 @@ plan(struct render *r)
         size[i] =
             (struct rad_pass_size){ r->frames[i].width, r->frames[i].height };
     if (size && k->plan)
-        k->n = render_has_stages(r)
-                   ? rad_refine_plan(&r->job->params, size, r->nframes, on,
-                                     k->plan)
-                   : (on ? rad_passes_plan_on : rad_passes_plan)(
-                         &r->job->params, size, r->nframes, k->plan);
+        k->n = rad_refine_plan(&r->job->params, size, r->nframes, on,
+                               render_has_stages(r), k->plan);
     free(size);
     fits = k->plan ? realloc(k->plan, (k->n + 1) * sizeof *fits) : NULL;
     k->plan = fits ? fits : k->plan;

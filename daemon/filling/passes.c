@@ -397,9 +397,6 @@ close_check(struct coord *c, struct job *job)
     }
     for (uint32_t i = 0; i < s->open; i++)
         all.rays += s->closed[i].counts.rays;
-    /* a further stage begins empty, and makes these, too */
-    if (s->open > 0)
-        all.rays += stages_reused_rays(job, s->closed[0].n);
     reached = stages_end(c, job, s->n, &all);
     stages_pack(c, job, bytes);
     keep_closed(c, job, number, &counts, bytes, sizeof bytes, true);

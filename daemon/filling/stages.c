@@ -41,33 +41,18 @@ stages_reuse(const struct job *job)
     return job->spec.flags & MSG_JOB_REUSE && job->goal.number == 0;
 }
 
-uint64_t
-stages_reused_rays(const struct job *job, uint32_t records)
-{
-    struct rad_params p;
-
-    if (!stages_reuse(job) || stages_params(job, &p, NULL) != 0)
-        return 0;
-    return (uint64_t)records * ((uint64_t)p.ambdiv + (uint64_t)p.ambssamp);
-}
-
 int
 stages_plan(const struct job *job, const struct rad_pass_size *size,
             struct rad_pass plan[RAD_MOST_PASSES], uint32_t *n,
             struct rad_error *err)
 {
-    const struct msg_spec *spec = &job->spec;
-    bool on = stages_reuse(job);
     struct rad_params params;
     int rc = stages_params(job, &params, err);
 
     if (rc < 0)
         return rc;
-    if (goal_is(job))
-        *n = rad_refine_plan(&params, size, spec->nframes, on, plan);
-    else
-        *n = (on ? rad_passes_plan_on : rad_passes_plan)(&params, size,
-                                                         spec->nframes, plan);
+    *n = rad_refine_plan(&params, size, job->spec.nframes, stages_reuse(job),
+                         goal_is(job), plan);
     return 0;
 }
 
@@ -98,6 +83,18 @@ seconds_spent(const struct coord *c, const struct job *job)
     return (double)ms / 1000;
 }
 
+/* About the rays that as many records take as a former job gave the stage: a
+ * further stage, which begins empty, makes them, too. */
+static uint64_t
+reused_rays(const struct job *job)
+{
+    struct rad_params p;
+
+    if (!stages_reuse(job) || stages_params(job, &p, NULL) != 0)
+        return 0;
+    return job->cache.reused * ((uint64_t)p.ambdiv + (uint64_t)p.ambssamp);
+}
+
 /* What is to be decided upon; of the sums a copy. */
 static struct rad_refine_ask
 question(const struct coord *c, const struct job *job,
@@ -111,7 +108,7 @@ question(const struct coord *c, const struct job *job,
         .rungs = { g->rungs[0], g->rungs[1] },
         .sums = found->sums,
         .past = { g->past_rung, g->past_square },
-        .rays = found->rays,
+        .rays = found->rays + reused_rays(job),
         .check = found->check,
         .left_s = INFINITY,
     };

@@ -2,10 +2,10 @@
  *
  * Its ambient cache comes in stages (refine/refine.h): each has its own
  * options, passes from an empty cache on (the first stage may begin with that
- * of a former job), and a check pass at their end, whose
- * tiles say how far off a picture would be.  Then it is decided: that is good
- * enough, or which options the next stage has.  By the error alone the decision
- * is a function of the job; by the clock it is not, and so it is kept.
+ * of a former job), and a check pass at their end, whose tiles say how far off
+ * a picture would be.  Then it is decided: that is good enough, or which
+ * options the next stage has.  By the error alone the decision is a function of
+ * the job; by the clock it is not, and so it is kept.
  * Thread: one. */
 #ifndef DAEMON_STAGES_H
 #define DAEMON_STAGES_H
@@ -24,9 +24,6 @@ int stages_params(const struct job *job, struct rad_params *out,
 
 /* Are the records of a former job the first of the passes that are open? */
 bool stages_reuse(const struct job *job);
-
-/* About the rays that as many records took which a former job made. */
-uint64_t stages_reused_rays(const struct job *job, uint32_t records);
 
 /* The passes of its stage, the check pass as the last; or those of a job
  * without a goal.  RAD_EDATA. */

@@ -386,7 +386,7 @@ choose_reuse(const struct coord *c, const struct coord_conn *conn,
         spec->flags &= ~MSG_JOB_REUSE;
         return 0;
     }
-    if (spec->error_ppm > 0 || spec->time_ms > 0) {
+    if (msg_has_goal(spec)) {
         reuse_options(from, spec, options);
         spec->params = options;
     }

@@ -8,7 +8,7 @@
 bool
 goal_is(const struct job *job)
 {
-    return job->spec.error_ppm > 0 || job->spec.time_ms > 0;
+    return msg_has_goal(&job->spec);
 }
 
 bool

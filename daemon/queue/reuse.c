@@ -35,7 +35,7 @@ options_of(const struct job *from, const struct msg_spec *spec,
 
     if (rc == 0)
         rc = stages_params(from, theirs, err);
-    if (rc == 0 && (spec->error_ppm > 0 || spec->time_ms > 0))
+    if (rc == 0 && msg_has_goal(spec))
         rad_refine_join(ours, theirs);
     return rc;
 }

@@ -11,19 +11,19 @@
 
 #include "desk/desk.h"
 
-/* With a goal such a job begins with the options of the former one's pictures,
- * if all that a goal makes finer is as fine there.  The job of that user whose
- * cache a new one is to begin with: that of spec->reuse, or where this is zeros
- * the one that was done last among those that fit.  NULL with err->code 0:
- * there is none such.  NULL and RAD_ENOINPUT: no such job, or its cache is
- * gone; RAD_EPERM: it is another user's; RAD_ETEMPFAIL: it is not over;
- * RAD_EDATA: it has none, or that does not fit. */
+/* The job of that user whose cache a new one is to begin with: that of
+ * spec->reuse, or where this is zeros the one that was done last among those
+ * that fit.  NULL with err->code 0: there is none such.  NULL and RAD_ENOINPUT:
+ * no such job, or its cache is gone; RAD_EPERM: it is another user's;
+ * RAD_ETEMPFAIL: it is not over; RAD_EDATA: it has none, or that does not fit.
+ * With a goal the new job begins with the options of the former one's pictures,
+ * if all that a goal makes finer is as fine there. */
 const struct job *reuse_find(const struct coord *c, const char *owner,
                              const struct msg_spec *spec,
                              struct rad_error *err);
 
-/* The rendering options of a new job that begins so: its own, or with a goal
- * those that it begins with.  Of a job that reuse_find() found. */
+/* The rendering options that a new job with a goal begins with, where
+ * reuse_find() found that job for it. */
 void reuse_options(const struct job *from, const struct msg_spec *spec,
                    char text[RAD_PARAMS_TEXT]);
 

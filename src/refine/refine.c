@@ -191,12 +191,15 @@ count_windows(const struct rad_pass_size *size, uint32_t nsizes)
 
 uint32_t
 rad_refine_plan(const struct rad_params *par, const struct rad_pass_size *size,
-                uint32_t nsizes, bool on, struct rad_pass pass[RAD_MOST_PASSES])
+                uint32_t nsizes, bool on, bool check,
+                struct rad_pass pass[RAD_MOST_PASSES])
 {
     uint32_t n =
         (on ? rad_passes_plan_on : rad_passes_plan)(par, size, nsizes, pass);
 
-    if (n == 0 || n == RAD_MOST_PASSES)
+    if (n == 0 || !check)
+        return n;
+    if (n == RAD_MOST_PASSES)
         return 0;
     for (uint32_t i = 0; i < n; i++)
         pass[i].ready = 0;

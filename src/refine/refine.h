@@ -1,16 +1,16 @@
 /* refine.h - the stages of a job that goes on until its picture is good enough
  *
  * A stage is a set of options, the passes that fill a cache under them
- * (passes/passplan.h) which is empty at first, unless the job's first stage has
- * those options and records of a former job, and a check pass, whose tiles make
- * no records but sums that say how far off a picture over that cache would be
- * (recheck.h).  Options are the job's own, finer by rungs: those of the cache,
- * and those of pixels. Errors are relative, as root mean squares over areas of
- * 5 by 5 pixels, as a picture's own estimate is (picture/doubt.h).  What all
- * stages have in common
- * (-ab, -lr, -ps, the size) is no part of them. All of this is a function of
- * the job and the sums: it is the same to the bit on all machines, and needs no
- * scene. Thread: any. */
+ * (passes/passplan.h) which is empty at first, unless the job's first stage
+ * has those options and records of a former job, and a check pass, whose
+ * tiles make no records but sums that say how far off a picture over that
+ * cache would be (recheck.h).  Options are the job's own, finer by rungs:
+ * those of the cache, and those of pixels.  Errors are relative, as root
+ * mean squares over areas of 5 by 5 pixels, as a picture's own estimate is
+ * (picture/doubt.h).  What all stages have in common (-ab, -lr, -ps, the
+ * size) is no part of them.  All of this is a function of the job and the
+ * sums: it is the same to the bit on all machines, and needs no scene.
+ * Thread: any. */
 #ifndef RAD_REFINE_REFINE_H
 #define RAD_REFINE_REFINE_H
 
@@ -31,12 +31,13 @@ struct rad_refine_sums {
 void rad_refine_add(struct rad_refine_sums *to,
                     const struct rad_refine_sums *tile);
 
-/* The passes of a stage with these options, the check pass as the last; 0 if
- * the job has no cache.  on: it begins with the records of a former job, as in
- * rad_passes_plan_on(). */
+/* The passes of a job, or of a stage, with these options; 0 if it has no cache.
+ * on: it begins with the records of a former job, as in rad_passes_plan_on().
+ * check: it is a stage, whose check pass is the last. */
 uint32_t rad_refine_plan(const struct rad_params *par,
                          const struct rad_pass_size *size, uint32_t nsizes,
-                         bool on, struct rad_pass pass[RAD_MOST_PASSES]);
+                         bool on, bool check,
+                         struct rad_pass pass[RAD_MOST_PASSES]);
 
 /* How much finer than the job's own options: some five rungs halve an error,
  * that of the cache or that of pixels.  More than RAD_REFINE_MOST_* is as

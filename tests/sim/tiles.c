@@ -121,12 +121,10 @@ plan_stage(const struct sim_job *job, struct stage *st)
     for (uint32_t f = 0; f < job->spec.nframes; f++)
         size[f] = (struct rad_pass_size){ (int)job->frame[f].width,
                                           (int)job->frame[f].height };
-    st->n = !(job->spec.flags & MSG_JOB_PASSES) ? 0
-            : job->spec.error_ppm > 0
+    st->n = job->spec.flags & MSG_JOB_PASSES
                 ? rad_refine_plan(&st->params, size, job->spec.nframes, on,
-                                  st->plan)
-                : (on ? rad_passes_plan_on : rad_passes_plan)(
-                      &st->params, size, job->spec.nframes, st->plan);
+                                  job->spec.error_ppm > 0, st->plan)
+                : 0;
 }
 
 /* Of so many tiles; see made(). */
