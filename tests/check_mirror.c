@@ -5,7 +5,7 @@
  * and so does its image, times the mirror's colour. */
 #include "config.h"
 
-#include "light/direct/source.h"
+#include "light/direct/sources.h"
 #include "world.h"
 
 #include <stdio.h>
@@ -55,7 +55,7 @@ images_of(const char *scene, const char *options)
     int32_t n;
 
     world_open(&w, scene, options);
-    n = rad_sources_targets(w.job->sources) - rad_sources_count(w.job->sources);
+    n = w.job->sources->nvirtuals;
     world_close(&w);
     return n;
 }

@@ -5,7 +5,7 @@
  * and so does its image, times the prism's coefficient. */
 #include "config.h"
 
-#include "light/direct/source.h"
+#include "light/direct/sources.h"
 #include "world.h"
 
 #include <stdio.h>
@@ -72,7 +72,7 @@ images_of(const char *scene, const char *options)
     int32_t n;
 
     open_world(&w, scene, options);
-    n = rad_sources_targets(w.job->sources) - rad_sources_count(w.job->sources);
+    n = w.job->sources->nvirtuals;
     world_close(&w);
     return n;
 }
@@ -150,8 +150,8 @@ START_TEST(lamp_is_seen_where_its_light_seems_to_come_from)
 END_TEST
 
 /* Two ways, two images. */
-/* A glow of that reach instead: it is as far as its image, not as it is from the
- * unbent place, (x - .75, 0, 0). */
+/* A glow of that reach instead: it is as far as its image, not as it is from
+ * the unbent place, (x - .75, 0, 0). */
 START_TEST(glow_reaches_along_the_bent_way)
 {
     char scene[400];
@@ -165,8 +165,7 @@ START_TEST(glow_reaches_along_the_bent_way)
                      "lit sphere ball 0 0 4 0 0 2 .01\n"
                      "void prism1 p 5 .6 x y z f.cal 0 1 .75\n" LEVEL,
                      reach);
-            expect =
-                sqrt(d2) <= reach ? .6 * BALL_FLUX / d2 * 2 / sqrt(d2) : 0;
+            expect = sqrt(d2) <= reach ? .6 * BALL_FLUX / d2 * 2 / sqrt(d2) : 0;
             if (fabs(sqrt(d2) - reach) > .01)
                 ck_assert_double_eq_tol(
                     light_at(scene, with(_i, DIRECT), x, 0, 1), expect, 1e-8);

@@ -209,9 +209,7 @@ name_ends(const struct option *o, const char *word)
     rest = word + n;
     switch (o->kind) {
     case KIND_BOOL:
-        if (rad_params_switch(word, o->name, &on))
-            return rest;
-        return NULL;
+        return rad_params_switch(rest, "", &on) ? rest : NULL;
     case KIND_U64:
         return *rest == '=' ? rest + 1 : *rest ? NULL : rest;
     default:

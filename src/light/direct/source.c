@@ -117,12 +117,6 @@ rad_sources_new(struct rad_job *job, struct rad_error *err)
 }
 
 int32_t
-rad_sources_count(const struct rad_sources *s)
-{
-    return s->n;
-}
-
-int32_t
 rad_source_object(const struct rad_sources *s, int32_t i)
 {
     return rad_source_target(s, i);

@@ -20,7 +20,6 @@ struct rad_sources; /* [fixed] once rad_sources_new() returns */
 /* Find and prepare the sources of a compiled scene (geometry and materials are
  * there).  NULL and *err on failure; no sources is not a failure. */
 struct rad_sources *rad_sources_new(struct rad_job *job, struct rad_error *err);
-int32_t rad_sources_count(const struct rad_sources *s);
 
 /* BRDF of a material toward a light sample: *coef gets radiance per radiance
  * of the source: BRDF * |cos| * omega, black where it does not reflect.

@@ -48,15 +48,24 @@ rad_virtual_shows(const struct rad_sources *s, const struct rad_virtual *v,
     return !(rad_dist2(at, v->middle) > slack * slack);
 }
 
+/* Where the image is seen from p, its source is seen from there. */
+static void
+turn_point(const struct rad_virtual *v, const double p[3], double there[3])
+{
+    for (int k = 0; k < 3; k++)
+        there[k] = rad_dot(v->turn[k], p) + v->move[k];
+}
+
 void
 rad_source_seen_from(const struct rad_sources *s, int32_t i, const double p[3],
                      double there[3])
 {
     const struct rad_virtual *v = rad_source_virtual(s, i);
 
-    rad_copy(there, p);
-    for (int k = 0; v && k < 3; k++)
-        there[k] = rad_dot(v->turn[k], p) + v->move[k];
+    if (v)
+        turn_point(v, p, there);
+    else
+        rad_copy(there, p);
 }
 
 void
@@ -202,8 +211,7 @@ rad_virtual_samples(const struct rad_sources *s, const struct rad_virtual *v,
                           .fn = fn,
                           .arg = arg };
 
-    for (int k = 0; k < 3; k++)
-        there.p[k] = rad_dot(v->turn[k], view->p) + v->move[k];
+    turn_point(v, view->p, there.p);
     if (v->bend) {
         bend_axis(&u);
         bend_reach(&u, &boundless);
