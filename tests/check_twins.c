@@ -168,6 +168,34 @@ START_TEST(a_twin_overtakes_one_that_is_silent)
 }
 END_TEST
 
+/* A minute for a row: whoever gets the unit anew has its first row before the
+ * attempt that leads has another.  The unit is done all the same. */
+START_TEST(twins_do_not_overtake_each_other_for_ever)
+{
+    struct msg_unit a, old, twin;
+    uint64_t leads = W2, other = W1;
+
+    start(MSG_PART_STATIC, MSG_JOB_NO_BALANCE, 2);
+    a = *unit_of(W1);
+    old = *unit_of(W2);
+    result(W2, &old, 0, 1, false);
+    finish(W1, &a);
+    for (int i = 0; i < 8 && !f.done; i++) {
+        uint64_t was = leads;
+
+        wait_ms(61000);
+        twin = *unit_of(other);
+        ck_assert_uint_eq(twin.unit, old.unit);
+        result(other, &twin, 0, 1, false);
+        result(leads, &old, 1, old.height - 1, true);
+        leads = other;
+        other = was;
+        old = twin;
+    }
+    ck_assert(f.done);
+}
+END_TEST
+
 int
 main(void)
 {
@@ -183,6 +211,7 @@ main(void)
     tcase_add_test(tc, one_that_waited_and_is_stuck_gets_a_twin);
     tcase_add_test(tc, a_twin_has_no_time_for_bars);
     tcase_add_test(tc, a_twin_overtakes_one_that_is_silent);
+    tcase_add_test(tc, twins_do_not_overtake_each_other_for_ever);
     suite_add_tcase(s, tc);
     return unit_run(s);
 }

@@ -25,8 +25,11 @@
 #include <string.h>
 #include <sysexits.h>
 
-/* A worker that sent rows and then none for so long may be stopped. */
-#define SILENT_MS 15000
+/* A worker that sent rows and then none for so long may be stopped.  Rows may
+ * take as long, though, so it is twice as long each time: else twins would go on
+ * to overtake each other, and no attempt would ever end. */
+#define SILENT_MS      15000
+#define SILENT_DOUBLES 16
 
 /* Are the coded rows as many as the message says, and none too long? */
 static bool
@@ -146,10 +149,11 @@ overtake(const struct coord *c, struct job *job, struct job_go *go,
          const struct msg_result *m)
 {
     struct job_unit *u = &job->units[m->unit];
+    uint64_t silent_ms = (c->lease_ms < SILENT_MS ? c->lease_ms : SILENT_MS)
+                         << u->overtaken;
 
     if (m->row != 0 || go->rows != GO_MAY_LEAD || u->next_row == 0 ||
-        c->now_ms - u->row_ms <
-            (c->lease_ms < SILENT_MS ? c->lease_ms : SILENT_MS))
+        c->now_ms - u->row_ms < silent_ms)
         return;
     for (uint8_t i = 0; i < u->ngos; i++)
         if (u->go[i].attempt == u->lead) {
@@ -159,6 +163,8 @@ overtake(const struct coord *c, struct job *job, struct job_go *go,
         }
     hold_forget_rows(job, m->unit);
     u->lead = 0;
+    if (u->overtaken < SILENT_DOUBLES)
+        u->overtaken++;
 }
 
 /* Rows of an attempt came: decide whether they count.  The attempt whose first
