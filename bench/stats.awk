@@ -7,7 +7,7 @@
 #  9 base_line_bytes 10 base_line_pixels (- where the file has none)
 # 11 units           12, 13 correlation of the units' estimates with their
 # cpu_s and with their rays (- where estimates do not differ)
-# 14 render_s        15 processor time of a ray of the units, and of seeding [s]
+# 14 render_s        15 processor time of a ray of the units [s]
 # The file is as jansson writes it with an indent of 1: a key a line.
 function number(line)
 {
@@ -40,8 +40,6 @@ section == "time" && /"estimate_s"/ { estimate = number($0) }
 section == "time" && /"render_s"/ { render = number($0) }
 section == "totals" && /"rays"/ { rays = number($0) }
 section == "totals" && /"dropped_rays"/ { rays += number($0) }
-section == "totals" && /"seed_rays"/ { seed_rays = number($0) }
-section == "totals" && /"seed_s"/ { seeding = number($0) }
 section == "totals" && /"primary_rays"/ { primary = number($0) }
 section == "totals" && /"speculative_rays"/ { speculative = number($0) }
 section == "totals" && /"ambient_values"/ { values = number($0) }
@@ -59,7 +57,7 @@ section == "units" && /"estimate"/ { e = number($0) }
 section == "units" && /"cpu_s"/ { c = number($0) }
 section == "units" && /^  }/ { end_unit() }
 END {
-    cost = sr + seed_rays > 0 ? (sc + seeding) / (sr + seed_rays) : 0
+    cost = sr > 0 ? sc / sr : 0
     printf "%s %.6g %.6g %.0f %.0f %.0f %.0f %.6g %.6g %s %s %d %s %s %.6g %.6g\n",
         head, wall, estimate, rays, primary, speculative, values, redundant,
         wait, line_bytes, line_pixels, units, correlation(sc, scc, sec),

@@ -7,15 +7,6 @@
 
 #include "proto/msg_work.h"
 
-/* Before the first unit: make the deep ambient records of a part of space;
- * other workers make those of other parts.  Parts are intervals of the order in
- * which all workers put the points that rays meet (src/picture/seed.h). */
-#define MSG_SEED_ALL 65536u
-struct msg_seed {
-    const uint8_t *job;
-    uint32_t first, last; /* first <= part < last, of MSG_SEED_ALL */
-};
-
 /* Lend columns of the unit's last line to another worker. */
 struct msg_lend {
     const uint8_t *job;

@@ -135,17 +135,6 @@ msg_code_gave(struct codec *c, struct msg_gave *b)
     code_must(c, b->height <= MSG_MAX_SIDE);
 }
 
-/* --- before the first unit --- */
-
-void
-msg_code_seed(struct codec *c, struct msg_seed *b)
-{
-    code_job(c, &b->job);
-    code_u32(c, &b->first);
-    code_u32(c, &b->last);
-    code_must(c, b->first < b->last && b->last <= MSG_SEED_ALL);
-}
-
 /* --- columns --- */
 
 void

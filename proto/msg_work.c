@@ -104,7 +104,6 @@ msg_code_tally(struct codec *c, struct msg_tally *b)
     code_amount(c, &b->wait_base_line_s);
     code_u64(c, &b->rays_under_way);
     code_counts(c, &b->dropped);
-    code_counts(c, &b->seeded);
     code_counts(c, &b->paid);
     code_u64(c, &b->pixels_under_way);
 }

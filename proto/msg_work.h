@@ -93,7 +93,6 @@ struct msg_tally {
      * not first: no RESULT and no PAID has these.  No primary rays, nan or
      * faults; speculative rays are those of facts that were not sent. */
     struct msg_counts dropped;
-    struct msg_counts seeded; /* of SEEDs; no primary rays, nan or faults */
     /* of all PAIDs that this child sent: less than this arrived if a connection
      * broke, and the coordinator counts the difference as dropped */
     struct msg_counts paid;

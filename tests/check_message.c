@@ -99,7 +99,7 @@ static const struct msg examples[] = {
     { .type = MSG_REVOKE, .revoke = { ID, 1, 2 } },
     { .type = MSG_LOST, .lost = { ID, "killed by signal 11", 2, units } },
     { .type = MSG_TALLY, .tally = { ID, 1, 2, 3, 13, 4, 5, 6, 7, 8, 9.5, 10.5, 11,
-                                   COUNTS, COUNTS, COUNTS, 12 } },
+                                   COUNTS, COUNTS, 12 } },
     { .type = MSG_TWIN, .twin = { ID, 1, 2 } },
     { .type = MSG_FACTS,
       .facts = { ID, 1, 2, 3, 2, 10, MSG_FACTS_ESTIMATE, 3, bitmap, .pixels = facts } },
@@ -135,7 +135,6 @@ static const struct msg examples[] = {
     { .type = MSG_CLOSED, .closed = { ID, 1, 2, 3, 1 } },
     { .type = MSG_HOLDS, .holds = { ID, 1, 1 } },
     { .type = MSG_FEED, .feed = { ID, 2, { "ws2", "ws3" } } },
-    { .type = MSG_SEED, .seed = { ID, 8192, MSG_SEED_ALL } },
     { .type = MSG_JOB_PEERS, .job_peers = { ID, 2, peers } },
     { .type = MSG_PEER_HELLO, .peer_hello = { ID, "ws1", ID + 1 } },
     { .type = MSG_AMBIENT,
@@ -425,7 +424,6 @@ static const struct {
     { MSG_TALLY, offsetof(struct msg, tally.busy_s) },
     { MSG_TALLY, offsetof(struct msg, tally.wait_base_line_s) },
     { MSG_TALLY, offsetof(struct msg, tally.dropped.cpu_s) },
-    { MSG_TALLY, offsetof(struct msg, tally.seeded.cpu_s) },
     { MSG_TALLY, offsetof(struct msg, tally.paid.cpu_s) },
     { MSG_ESTIMATED, offsetof(struct msg, estimated.counts.cpu_s) },
     { MSG_PAID, offsetof(struct msg, paid.counts.cpu_s) },
@@ -586,7 +584,7 @@ static const struct {
     { MSG_AT_WORKER,
       " PING PONG BYE CHUNK JOB_START JOB_END UNIT ACK REVOKE YIELD REST "
       "JOB_PEERS TWIN FACTS BASE_LINE NEXT_HOLDER SPLIT "
-      "ESTIMATE LEND LOAN BACK SEED RING TILE FROZEN STAGE TILE_RECORDS "
+      "ESTIMATE LEND LOAN BACK RING TILE FROZEN STAGE TILE_RECORDS "
       "CLOSED FEED " },
     { MSG_AT_CLIENT, " PING PONG BYE WANT CHUNK HAVE ACCEPT PROGRESS DONE "
                      "FAILED ANSWER RECORDS " },
@@ -595,7 +593,7 @@ static const struct {
     { MSG_AT_CHILD_NEW, " JOB_START " },
     { MSG_AT_CHILD,
       " JOB_END UNIT REVOKE YIELD REST AMBIENT GIVE TWIN FACTS BASE_LINE "
-      "SPLIT ESTIMATE LEND LOAN BACK SEED TILE FROZEN STAGE " },
+      "SPLIT ESTIMATE LEND LOAN BACK TILE FROZEN STAGE " },
     { MSG_AT_PARENT_NEW, " FAILED READY " },
     { MSG_AT_PARENT, " FAILED RESULT TALLY AMBIENT FACTS PARKED BASE_LINE "
                      "GAVE ESTIMATED LOAN PAID LINE_COSTS RESUMED TILE_MADE " },

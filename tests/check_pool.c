@@ -57,8 +57,6 @@ struct fixture {
     int nlast, nrows[MOST];
     uint64_t primary;
     bool in_order;
-    int seeded, first_rows;
-    size_t values;
 };
 
 static void
@@ -655,78 +653,6 @@ START_TEST(shared_cache_fills_while_threads_read_it)
 }
 END_TEST
 
-static void
-on_seeded(void *arg)
-{
-    struct fixture *f = arg;
-
-    ck_assert_int_eq(f->seeded++, 0);
-    f->first_rows = f->nrows[0]; /* of the first unit, by then */
-    f->values = rad_ambient_count(f->job->ambient);
-}
-
-static const int seeders[] = { 1, 4 };
-
-START_TEST(the_cache_is_seeded_before_units_begin)
-{
-    static struct fixture f;
-    struct pool_tally t;
-
-    open_fixture(&f, "-x 96 -y 96 -ab 2 -ad 32 -as 0 -ps 4", false,
-                 seeders[_i]);
-    pool_seed(f.pool, rad_seed_new(&f.frame, 1, 0, 1, NULL), on_seeded);
-    for (int i = 0; i < PER_ROW * PER_ROW; i++) {
-        struct pool_unit u = unit(i);
-
-        ck_assert(pool_push(f.pool, &u));
-    }
-    while (f.nlast < PER_ROW * PER_ROW)
-        uv_run(&f.loop, UV_RUN_ONCE);
-    ck_assert_int_eq(f.seeded, 1);
-    ck_assert_int_eq(f.first_rows, 0);
-    ck_assert_uint_gt(f.values, 0);
-    t = pool_tally(f.pool);
-    ck_assert_uint_gt(t.seeded.rays, 0);
-    ck_assert_uint_gt(t.seeded.ambient_values, 0);
-    ck_assert_uint_eq(t.seeded.primary_rays, 0);
-    ck_assert_double_ge(t.seeded.cpu_s, 0);
-    close_fixture(&f);
-}
-END_TEST
-
-/* Its threads go on to the units at once. */
-START_TEST(seeding_is_left_when_something_comes_first)
-{
-    static struct fixture f;
-    struct pool_unit u = unit(0);
-
-    open_fixture(&f, "-x 96 -y 96 -ab 4 -ad 4096 -aa .01 -as 0", false,
-                 seeders[_i]);
-    pool_rest(f.pool); /* of nothing */
-    pool_seed(f.pool, rad_seed_new(&f.frame, 1, 0, 1, NULL), on_seeded);
-    while (pool_tally(f.pool).seeded.rays == 0 && f.seeded == 0) {
-        pool_rest(f.pool);
-        uv_run(&f.loop, UV_RUN_ONCE);
-    }
-    while (f.seeded == 0)
-        uv_run(&f.loop, UV_RUN_ONCE);
-    ck_assert_int_eq(f.first_rows, 0);
-    ck_assert(pool_push(f.pool, &u));
-    pool_revoke(f.pool, 0, 1); /* it would take for ever */
-    close_fixture(&f);
-}
-END_TEST
-
-START_TEST(a_pool_ends_with_seeding_under_way)
-{
-    static struct fixture f;
-
-    open_fixture(&f, "-x 96 -y 96 -ab 4 -ad 4096 -aa .05 -as 0", false, 2);
-    pool_seed(f.pool, rad_seed_new(&f.frame, 1, 0, 1, NULL), on_seeded);
-    close_fixture(&f);
-}
-END_TEST
-
 START_TEST(revoked_units_are_not_done)
 {
     static struct fixture f;
@@ -878,10 +804,6 @@ main(void)
                         N_ELEM(clusters));
     tcase_add_test(tc, rows_of_a_pass_that_ends_early_go_first);
     tcase_add_test(tc, shared_cache_fills_while_threads_read_it);
-    tcase_add_loop_test(tc, the_cache_is_seeded_before_units_begin, 0,
-                        N_ELEM(seeders));
-    tcase_add_loop_test(tc, seeding_is_left_when_something_comes_first, 0, 2);
-    tcase_add_test(tc, a_pool_ends_with_seeding_under_way);
     tcase_add_test(tc, revoked_units_are_not_done);
     tcase_add_test(tc, pool_ends_in_the_middle);
     tcase_add_test(tc, no_tile_of_a_closed_pass_is_made);

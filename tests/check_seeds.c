@@ -551,8 +551,6 @@ worker_sharing(void)
                                .next_holder = { id, 0, 2, "ws2" } });
     of_unit(COORD, MSG_SPLIT, 0, 1);
     estimate();
-    says(COORD,
-         &(struct msg){ .type = MSG_SEED, .seed = { id, 0, MSG_SEED_ALL } });
     says(COORD, &(struct msg){ .type = MSG_LEND, .lend = { id, 0, 1, 32768 } });
     loan(COORD, 1, 2);
     loan(CHILD, 0, 1);

@@ -150,7 +150,6 @@ START_TEST(what_workers_share_passes_through)
           .facts = { job_id, 0, 1, 0, 1, 8, 0, 3, bitmap,
                      .pixels = line_bytes } },
         { .type = MSG_ESTIMATE, .estimate = { job_id, 1, 5, 1, &area } },
-        { .type = MSG_SEED, .seed = { job_id, 0, 5 } },
     };
     const struct msg up[] = {
         { .type = MSG_PARKED, .parked = { job_id, 3, 1 } },

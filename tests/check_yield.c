@@ -185,20 +185,6 @@ START_TEST(half_an_estimate_that_nobody_wanted_ends_the_connection)
 }
 END_TEST
 
-START_TEST(a_paused_jobs_records_are_not_made_first)
-{
-    submit(MSG_PART_AUTO, MSG_JOB_SHARE, "", 1);
-    ready(W1);
-    ck_assert_int_eq(count(W1, MSG_SEED), 1);
-    about_job(ANA, MSG_PAUSE);
-    wait_ms(100);
-    ck_assert_int_eq(count(W1, MSG_REST), 1);
-    ready(W2);
-    wait_ms(100);
-    ck_assert_int_eq(count(W2, MSG_SEED) + count(W2, MSG_REST), 0);
-}
-END_TEST
-
 START_TEST(a_worker_of_a_restarted_coordinator_does_not_hang)
 {
     struct msg_unit a, b;
@@ -227,7 +213,6 @@ main(void)
     tcase_add_test(tc, a_paused_jobs_estimate_is_left_and_begun_anew);
     tcase_add_loop_test(tc, a_worker_that_leaves_its_estimate_is_let_go, 0, 2);
     tcase_add_test(tc, half_an_estimate_that_nobody_wanted_ends_the_connection);
-    tcase_add_test(tc, a_paused_jobs_records_are_not_made_first);
     tcase_add_test(tc, a_worker_of_a_restarted_coordinator_does_not_hang);
     suite_add_tcase(s, tc);
     return unit_run(s);

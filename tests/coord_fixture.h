@@ -53,8 +53,6 @@ struct fixture {
     int full_logs, room_logs; /* that the disk is full, and has room again */
     unsigned version[CONNS];
     int peers[CONNS]; /* JOB_PEERS that came */
-    int seeds[CONNS]; /* SEEDs, before any UNIT of theirs */
-    struct msg_seed seed[CONNS];
     uint16_t peer_version[CONNS];
     unsigned files_sent; /* to workers, and the last of them */
     uint8_t file_sent[MSG_HASH];
@@ -97,10 +95,6 @@ sent(struct fixture *f, const struct action *a)
     if (m->type == MSG_UNIT) {
         f->units[a->conn]++;
         f->unit_job = m->unit.job[0];
-    }
-    if (m->type == MSG_SEED) {
-        f->seeds[a->conn] += f->units[a->conn] == 0;
-        f->seed[a->conn] = m->seed;
     }
     if (m->type == MSG_PROGRESS)
         f->progress = m->progress;

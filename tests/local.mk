@@ -78,6 +78,7 @@ UNIT_TESTS = \
 	tests/check_parse \
 	tests/check_partition \
 	tests/check_partition_lines \
+	tests/check_parts \
 	tests/check_passcost \
 	tests/check_passes \
 	tests/check_passplan \
@@ -97,8 +98,6 @@ UNIT_TESTS = \
 	tests/check_sample \
 	tests/check_sandbox \
 	tests/check_screen \
-	tests/check_seed \
-	tests/check_seeding \
 	tests/check_seeds \
 	tests/check_shade \
 	tests/check_shelf \

@@ -5,7 +5,7 @@ libdaemon_a_SOURCES += \
 	daemon/child/pool.c \
 	daemon/child/pool.h \
 	daemon/child/pool_clock.c \
-	daemon/child/pool_first.c \
+	daemon/child/pool_estimate.c \
 	daemon/child/pool_impl.h \
 	daemon/child/pool_strict.c \
 	daemon/child/pool_thread.c \

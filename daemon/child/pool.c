@@ -27,7 +27,6 @@ on_async(uv_async_t *async)
     p->done = NULL;
     p->done_end = &p->done;
     uv_mutex_unlock(&p->mu);
-    first_end_seed(p);
     if (p->tiling.fn)
         give_tiles(p);
     if (p->strict)
@@ -37,7 +36,7 @@ on_async(uv_async_t *async)
         p->fn(p->arg, r);
         free(r);
     }
-    first_give_estimates(p);
+    pool_give_estimates(p);
 }
 
 bool
@@ -106,7 +105,6 @@ pool_tally(struct pool *p)
     pool_settle_waits_locked(p);
     t.busy_s = p->busy_s;
     t.wait_base_line_s = p->wait_s;
-    t.seeded = p->seeded;
     for (const struct active *u = p->active; u; u = u->next) {
         t.wait_base_line_s += team_waited(u->team);
         t.rays_under_way += team_rays(u->team);
@@ -174,7 +172,7 @@ pool_free(struct pool *p)
     atomic_store(&p->stopping, true);
     for (int i = 0; i < MSG_OPEN_PASSES; i++)
         atomic_store(&p->tiling.stop[i], true);
-    first_stop_locked(p);
+    pool_stop_estimates_locked(p);
     for (struct active *u = p->active; u; u = u->next)
         team_stop(u->team);
     uv_cond_broadcast(&p->work);
@@ -196,10 +194,8 @@ pool_free(struct pool *p)
         p->done = r->next;
         free(r);
     }
-    first_free_estimates(p->estimates);
-    first_free_estimates(p->estimated);
-    rad_seed_free(p->seed);
-    rad_seed_free(p->seeded_one);
+    pool_free_estimates(p->estimates);
+    pool_free_estimates(p->estimated);
     pool_release_tiles(p);
     uv_close((uv_handle_t *)&p->async, async_closed);
 }

@@ -14,7 +14,6 @@
 
 #include "child/estimate.h"
 #include "passes/passes.h"
-#include "picture/seed.h"
 #include "strict/strict.h"
 
 #include <uv.h>
@@ -83,12 +82,6 @@ void pool_revoke(struct pool *p, uint32_t unit, uint32_t attempt);
 typedef void pool_estimate_fn(void *arg, struct estimate *e, double wall_s);
 bool pool_estimate(struct pool *p, struct estimate *e, pool_estimate_fn *fn);
 
-/* Have the threads seed the cache before they begin anything else.  The seed is
- * the pool's, until fn is called with the pool's arg: seeding is over.  One
- * seed at a time. */
-typedef void pool_seed_fn(void *arg);
-void pool_seed(struct pool *p, struct rad_seed *s, pool_seed_fn *fn);
-
 /* --- the ambient cache in passes --- */
 
 /* A tile that is made. */
@@ -124,8 +117,8 @@ bool pool_push_tile(struct pool *p, uint32_t pass, uint32_t tile, bool shows);
 bool pool_freeze(struct pool *p, struct rad_ambrec *rec, size_t n,
                  struct rad_pass_spot *spot);
 
-/* End seeding and estimates that are under way (REST), within a pixel or a
- * record of each thread; their callbacks are called. */
+/* End estimates that are under way (REST), within a pixel of each thread; their
+ * callbacks are called. */
 void pool_rest(struct pool *p);
 
 /* n bytes of pixels have left for good.  While more than POOL_UNSENT wait the
@@ -135,14 +128,13 @@ void pool_sent(struct pool *p, size_t n);
 
 /* The work of all threads so far, summed. */
 struct pool_tally {
-    double busy_s;             /* on units that are left, and on seeding */
+    double busy_s;             /* on units that are left */
     double wait_base_line_s;   /* asleep until the line above was ready, in
                                 * units left and present; or without work while
                                 * strict units waited for their tops */
     uint64_t rays_under_way;   /* of units that are not done */
     uint64_t pixels_under_way; /* of these units: strict_pixels() */
     struct msg_counts dropped; /* as strict_dropped() says */
-    struct msg_counts seeded;  /* of pool_seed() */
 };
 struct pool_tally pool_tally(struct pool *p);
 

@@ -4,7 +4,7 @@
  *   pool.c         set-up and end, calls of the loop
  *   pool_clock.c   the time that threads use
  *   pool_thread.c  the next work of a thread
- *   pool_first.c   work before the first unit: seeding, estimates
+ *   pool_estimate.c  work before the first unit
  *   pool_tiles.c   the ambient cache in passes
  *   pool_unit.c    one unit: its team, its rows
  *   pool_strict.c  the strict units' machine
@@ -85,13 +85,6 @@ struct pool {
     struct queued **todo_end;                 /* [mu] */
     struct active *active;                    /* [mu] */
     struct estimating *estimates, *estimated; /* [mu] under way; done */
-    struct rad_seed *seed;                    /* [mu] NULL: none is under way */
-    struct rad_seed *seeded_one;              /* [mu] a seed that is done */
-    pool_seed_fn *seed_fn;                    /* [mu] called at its end */
-    int seeding;                              /* [mu] threads at the seed */
-    bool seed_over;                           /* [mu] no piece of it is left */
-    _Atomic bool seed_stop;   /* begin no more of the seed; as stopping */
-    struct msg_counts seeded; /* [mu] counts of seeding */
     struct pool_tiling tiling;
     struct pool_rows *done;                   /* [mu] */
     struct pool_rows **done_end;              /* [mu] */
@@ -121,22 +114,19 @@ double pool_stint_end_and_lock(struct renderer *by, const struct pool_stint *s);
 /* The body of a thread of the pool; arg is its struct renderer. */
 void pool_run_thread(void *arg);
 
-/* --- pool_first.c --- */
+/* --- pool_estimate.c --- */
 
 /* An estimate that has areas left; NULL: none. */
-struct estimating *first_find_estimate_locked(const struct pool *p);
+struct estimating *pool_find_estimate_locked(const struct pool *p);
 /* Is a thread at an estimate? */
-bool first_is_estimating_locked(const struct pool *p);
+bool pool_is_estimating_locked(const struct pool *p);
 /* Take areas until there are none. */
-void first_work_on_estimate(struct renderer *by, struct estimating *e);
-/* Have threads leave seeding and estimates. */
-void first_stop_locked(struct pool *p);
+void pool_work_on_estimate(struct renderer *by, struct estimating *e);
+/* Have threads leave estimates. */
+void pool_stop_estimates_locked(struct pool *p);
 /* Hand on the estimates that are done. */
-void first_give_estimates(struct pool *p);
-void first_free_estimates(struct estimating *e);
-void first_work_on_seed(struct renderer *by, struct rad_seed *s);
-/* If a seed is done, call its callback. */
-void first_end_seed(struct pool *p);
+void pool_give_estimates(struct pool *p);
+void pool_free_estimates(struct estimating *e);
 
 /* --- pool_unit.c --- */
 

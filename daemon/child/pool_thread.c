@@ -16,7 +16,6 @@
 struct work {
     struct pool_tile_work tile;
     bool at_tile;
-    struct rad_seed *seed;
     struct estimating *estimate;
     struct active *help;
     struct queued *window;
@@ -67,15 +66,7 @@ find_locked(struct pool *p, struct work *w)
         return true;
     if (p->tiling.changing || p->tiling.frozen)
         return false; /* units read the cache */
-    if (p->seed && !atomic_load(&p->seed_stop)) {
-        /* the next step of seeding needs the pieces that others are at */
-        if (!rad_seed_open(p->seed))
-            return false;
-        w->seed = p->seed;
-        p->seeding++;
-        return true;
-    }
-    if ((w->estimate = first_find_estimate_locked(p)))
+    if ((w->estimate = pool_find_estimate_locked(p)))
         w->estimate->members++;
     else if (!find_strict_locked(p, STRICT_TRUTH, w) &&
              !(w->window = take_queued_locked(p)) &&
@@ -117,12 +108,8 @@ pool_run_thread(void *arg)
             pool_work_on_tile(by, &w.tile);
             continue;
         }
-        if (w.seed) {
-            first_work_on_seed(by, w.seed);
-            continue;
-        }
         if (w.estimate) {
-            first_work_on_estimate(by, w.estimate);
+            pool_work_on_estimate(by, w.estimate);
             continue;
         }
         if (!w.help)

@@ -241,7 +241,7 @@ pool_find_tile_locked(struct pool *p, struct pool_tile_work *w)
     if (k->changing || k->err.code)
         return false;
     if (!k->frozen || k->members > 0 || p->active ||
-        first_is_estimating_locked(p))
+        pool_is_estimating_locked(p))
         return find_todo_locked(k, w);
     w->frozen = k->frozen;
     k->frozen = k->frozen->next;

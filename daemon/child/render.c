@@ -108,9 +108,6 @@ on_message(void *arg, struct conn *c, const struct msg *m)
     case MSG_STAGE:
         render_take_stage(r, &m->stage);
         break;
-    case MSG_SEED:
-        render_take_seed(r, &m->seed);
-        break;
     case MSG_ESTIMATE:
         render_take_estimate(r, &m->estimate);
         break;

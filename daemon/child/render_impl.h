@@ -67,12 +67,10 @@ struct render {
     uint64_t loaded;      /* where records begin that others may lack */
     double doubled;       /* share of late that was redundant */
     uint64_t first_ms;    /* records were drained; 0: not yet */
-    struct msg_seed seed; /* last is 0: none came; job is not kept */
-    bool seeding;
     bool twin; /* a unit here had a twin at another worker */
     uint64_t sent, received, redundant; /* ambient records */
     struct pool_tally past;             /* of pools that are freed */
-    uint64_t told_rays;    /* under way, and of seeding, in the last TALLY */
+    uint64_t told_rays;    /* under way in the last TALLY */
     uint64_t told_dropped; /* likewise */
     uint64_t told_ms;      /* when that was */
     int status;
@@ -145,9 +143,6 @@ void render_records_again(struct render *r);
 void render_records_release(struct render *r);
 /* Send the records that the threads have made since the last call. */
 void render_drain(struct render *r);
-/* SEED: the part of the deep records, of a frame or of all, for this child. */
-void render_take_seed(struct render *r, const struct msg_seed *m);
-void render_begin_seed(struct render *r, uint32_t frame);
 void render_take_ambient(struct render *r, const struct msg_ambient *a);
 void render_take_give(struct render *r, const struct msg_give *m);
 

@@ -21,8 +21,6 @@
 #define FEW        .01
 /* Records of workers at the same unit wait no longer. */
 #define TWIN_MS 20
-/* While the cache is seeded others want the records of their own parts. */
-#define SEED_MS 10
 /* To look up whether a record was needed costs more than to insert it, so one
  * of METER_EACH records is looked up. */
 #define METER_EACH 8
@@ -82,7 +80,6 @@ go_on_giving(struct render *r, struct rad_ambrec *recs)
 static uint64_t
 drain_ms(const struct render *r)
 {
-    uint64_t least = r->seeding ? SEED_MS : DRAIN_MS;
     uint64_t most = r->twin ? TWIN_MS : CALM_MS;
     double ms =
         r->first_ms ? (double)(uv_now(&r->loop) - r->first_ms) / DRAIN_PART : 0;
@@ -90,7 +87,7 @@ drain_ms(const struct render *r)
     ms = ms < (double)most ? ms : (double)most;
     if (r->doubled > FEW)
         ms *= FEW / r->doubled;
-    return ms > (double)least ? (uint64_t)ms : least;
+    return ms > DRAIN_MS ? (uint64_t)ms : DRAIN_MS;
 }
 
 /* Send what the threads have made since the last call. */
@@ -154,49 +151,6 @@ render_take_ambient(struct render *r, const struct msg_ambient *a)
         n = 0;
     }
     rad_ambient_insert_all(r->job->ambient, recs, n);
-}
-
-/* Seeding is over: send the rest of the records at once, for other workers may
- * need them by now. */
-static void
-on_seeded(void *arg)
-{
-    struct render *r = arg;
-
-    r->seeding = false;
-    if (!r->link)
-        return;
-    render_drain(r);
-    uv_timer_start(&r->drain, on_drain, drain_ms(r), 0);
-}
-
-void
-render_begin_seed(struct render *r, uint32_t frame)
-{
-    bool fresh = r->start.job_start.flags & MSG_JOB_FRESH_FRAMES;
-    uint32_t first = fresh ? frame : 0, n = fresh ? 1 : r->nframes;
-    struct rad_seed *s;
-
-    /* with a file of records most is there */
-    if (r->seed.last == 0 || r->loaded > 0 ||
-        !rad_seed_wanted(&r->frames[first], n))
-        return;
-    s = rad_seed_new(&r->frames[first], n, (double)r->seed.first / MSG_SEED_ALL,
-                     (double)r->seed.last / MSG_SEED_ALL, NULL);
-    if (!s)
-        return; /* the records are made when rays ask for them */
-    r->seeding = true;
-    pool_seed(r->pool, s, on_seeded);
-}
-
-void
-render_take_seed(struct render *r, const struct msg_seed *m)
-{
-    if (!r->share || r->seed.last > 0 || r->frame != r->nframes)
-        return;
-    r->seed = *m;
-    r->seed.job = NULL;
-    render_begin_seed(r, 0);
 }
 
 void

@@ -92,7 +92,6 @@ tally_of(const struct render *r)
     all.rays_under_way = now.rays_under_way;
     all.pixels_under_way = now.pixels_under_way;
     msg_counts_add(&all.dropped, &now.dropped);
-    msg_counts_add(&all.seeded, &now.seeded);
     return all;
 }
 
@@ -110,7 +109,7 @@ render_send_tally(struct render *r)
     struct pool_tally did = tally_of(r);
     struct rusage use;
 
-    r->told_rays = did.rays_under_way + did.seeded.rays;
+    r->told_rays = did.rays_under_way;
     r->told_dropped = did.dropped.rays;
     r->told_ms = uv_now(&r->loop);
 
@@ -127,10 +126,6 @@ render_send_tally(struct render *r)
     m.tally.rays_under_way = did.rays_under_way;
     m.tally.pixels_under_way = did.pixels_under_way;
     m.tally.dropped = did.dropped;
-    m.tally.seeded = did.seeded;
-    m.tally.seeded.primary_rays = 0;
-    memset(&m.tally.seeded.nan, 0, sizeof m.tally.seeded.nan);
-    memset(m.tally.seeded.faults, 0, sizeof m.tally.seeded.faults);
     conn_send(r->link, &m);
 }
 
@@ -159,7 +154,7 @@ on_teller(uv_timer_t *timer)
     struct render *r = timer->data;
     struct pool_tally did = tally_of(r);
 
-    if (r->link && (did.rays_under_way + did.seeded.rays != r->told_rays ||
+    if (r->link && (did.rays_under_way != r->told_rays ||
                     uv_now(&r->loop) - r->told_ms >= SIGN_OF_LIFE_MS))
         render_send_tally(r);
     watch(r);

@@ -66,7 +66,6 @@ begin_frame(struct render *r, uint32_t frame, struct rad_error *err)
         if (rc < 0)
             return rc;
         render_records_again(r);
-        render_begin_seed(r, frame);
     }
     r->frame = frame;
     return 0;

@@ -64,8 +64,7 @@ static double
 measured(const struct job_worker *jw)
 {
     double rays = (double)jw->rays + (double)jw->tally.dropped.rays +
-                  (double)jw->past.dropped.rays +
-                  (double)jw->tally.seeded.rays + (double)jw->past.seeded.rays;
+                  (double)jw->past.dropped.rays;
 
     if (jw->state == PART_READY)
         rays += (double)jw->tally.rays_under_way;

@@ -138,7 +138,6 @@ struct job {
     uint64_t offer_ms;      /* its radsubmit began to send */
     uint64_t submit_ms;     /* SUBMIT came */
     uint64_t open_ms;       /* accepted */
-    uint64_t seed_ms;       /* parts were given out (seeding.h) */
     uint64_t first_ms;      /* first unit went out; 0: none yet */
     uint64_t last_ms;       /* last row was kept */
     uint64_t end_ms;

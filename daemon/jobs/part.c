@@ -93,7 +93,6 @@ part_tally(const struct job_worker *jw)
     t.busy_s += jw->tally.busy_s;
     t.wait_base_line_s += jw->tally.wait_base_line_s;
     msg_counts_add(&t.dropped, &jw->tally.dropped);
-    msg_counts_add(&t.seeded, &jw->tally.seeded);
     if (jw->tally.peak_rss_bytes > t.peak_rss_bytes)
         t.peak_rss_bytes = jw->tally.peak_rss_bytes;
     return t;
@@ -104,8 +103,8 @@ part_rays(const struct job_worker *jw)
 {
     const struct msg_tally *now = &jw->tally, *past = &jw->past;
 
-    return jw->rays + jw->surveyed_rays + now->seeded.rays + past->seeded.rays +
-           now->dropped.rays + past->dropped.rays;
+    return jw->rays + jw->surveyed_rays + now->dropped.rays +
+           past->dropped.rays;
 }
 
 uint64_t

@@ -52,8 +52,6 @@ struct job_worker {
     double speed;      /* of all its threads, relative to the others' */
 
     /* before the units */
-    uint32_t seed_first, seed_last; /* its part, until it gets it */
-    bool seeds;                     /* it got that part */
     uint32_t surveying;     /* areas that it estimates, from 1; 0: none */
     uint64_t surveyed_rays; /* of these, and of tiles */
     uint32_t passes; /* that it knows to be closed: it has their records, or
@@ -63,7 +61,7 @@ struct job_worker {
     bool lags;       /* it is to say first that it has those of the next */
     uint32_t feeder; /* index + 1 of the worker that sends it records of tiles;
                       * 0: the coordinator does (feeding.c) */
-    uint64_t rest_ms; /* told to leave seeds and areas then (REST), and given
+    uint64_t rest_ms; /* told to leave its areas then (REST), and given
                        * nothing since; 0: it was not */
 
     /* loss.c */

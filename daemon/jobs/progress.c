@@ -9,13 +9,6 @@
 #include <math.h>
 #include <string.h>
 
-/* Rays of the worker that are in no unit. */
-static uint64_t
-rays_aside(const struct msg_tally *t)
-{
-    return t->dropped.rays + t->seeded.rays;
-}
-
 /* The sum a + b, of which b does not bring it above `most`. */
 static uint64_t
 add_up_to(uint64_t a, uint64_t b, uint64_t most)
@@ -34,7 +27,7 @@ progress_see(struct job *job)
     for (uint32_t i = 0; i < job->nworkers; i++) {
         const struct job_worker *w = &job->workers[i];
 
-        rays += rays_aside(&w->tally) + rays_aside(&w->past);
+        rays += w->tally.dropped.rays + w->past.dropped.rays;
         if (w->state != PART_READY)
             continue;
         rays += w->tally.rays_under_way;

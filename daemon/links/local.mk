@@ -5,6 +5,4 @@ libdaemon_a_SOURCES += \
 	daemon/links/introduce.c \
 	daemon/links/introduce.h \
 	daemon/links/ring.c \
-	daemon/links/ring.h \
-	daemon/links/seeding.c \
-	daemon/links/seeding.h
+	daemon/links/ring.h

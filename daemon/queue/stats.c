@@ -92,15 +92,12 @@ totals(const struct job *job)
     uint64_t sent = 0, received = 0, redundant = 0;
     uint64_t line_bytes = job->base_line_bytes, line_pixels = 0;
     uint64_t dropped = 0;
-    struct msg_counts seeded = { 0 };
     uint32_t took_part = 0;
 
     for (uint32_t i = 0; i < job->nworkers; i++) {
         struct msg_tally w = part_tally(&job->workers[i]);
 
         dropped += w.dropped.rays; /* of no result that was accepted */
-        msg_counts_add(&t, &w.seeded);
-        msg_counts_add(&seeded, &w.seeded);
         sent += w.ambient_sent;
         received += w.ambient_received;
         redundant += w.ambient_redundant;
@@ -109,14 +106,12 @@ totals(const struct job *job)
         took_part += job->workers[i].took_part;
     }
     return json_pack(
-        "{s:I,s:I,s:I,s:I,s:f,s:I,s:I,s:f,s:I,s:I,s:I,s:I,s:I,s:I,s:I,s:I,s:I,"
+        "{s:I,s:I,s:I,s:I,s:f,s:I,s:I,s:I,s:I,s:I,s:I,s:I,s:I,s:I,"
         "s:f,"
         "s:I,s:I,s:I,"
         "s:I,"
         "s:I,s:I}",
-        "rays", integer(t.rays), "dropped_rays", integer(dropped), "seed_rays",
-        integer(seeded.rays), "seed_values", integer(seeded.ambient_values),
-        "seed_s", seeded.cpu_s, "tile_rays", integer(job->tiled.rays),
+        "rays", integer(t.rays), "dropped_rays", integer(dropped), "tile_rays", integer(job->tiled.rays),
         "tile_values", integer(job->tiled.ambient_values), "tile_s",
         job->tiled.cpu_s, "reused_values", integer(job->cache.reused),
         "primary_rays", integer(t.primary_rays), "speculative_rays",

@@ -35,7 +35,6 @@
 #include "links/feeding.h"
 #include "links/introduce.h"
 #include "links/ring.h"
-#include "links/seeding.h"
 #include "sched/balance.h"
 #include "sched/handout.h"
 #include "sched/loss.h"
@@ -482,7 +481,6 @@ sched_ready(struct coord *c, struct coord_worker *w, const struct msg *msg)
         if (!lay_out(c, job))
             return;
         speed_measure(c, job);
-        seeding_begin(c, job);
     }
     if (job->restored && !take_up(c, job))
         return;
@@ -496,7 +494,6 @@ sched_ready(struct coord *c, struct coord_worker *w, const struct msg *msg)
     worker_ready(c, job, w, jw, m);
     if (job->shared)
         handoff_back(c, job, index);
-    seeding_ready(c, job, index);
     speed_measure(c, job);
 }
 

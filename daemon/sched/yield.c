@@ -7,7 +7,7 @@
  * another owner with a job as urgent.  Every tick looks for such units.
  * A unit that was told to go back counts as parked: its worker gets others.  Of
  * a window nothing can be kept: it is taken back (REVOKE), and begun anew.
- * Seeding (seeding.c) and estimates (survey.c) end as well (REST). */
+ * Estimates (survey.c) end as well (REST). */
 #include "config.h"
 
 #include "sched/yield.h"
@@ -84,7 +84,7 @@ give_back(struct coord *c, struct job *job, uint32_t unit, struct job_go *go)
     desk_send_attempt(c, job, MSG_YIELD, unit, go);
 }
 
-/* Have the worker leave seeds and estimates. */
+/* Have the worker leave its estimates. */
 static void
 rest(struct coord *c, struct job *job, uint32_t index)
 {
@@ -92,7 +92,7 @@ rest(struct coord *c, struct job *job, uint32_t index)
     struct msg m = { .type = MSG_REST, .rest = { job->id } };
 
     if (jw->rest_ms != 0 || jw->state != PART_READY || jw->worker->conn == 0 ||
-        (!jw->seeds && !jw->surveying))
+        !jw->surveying)
         return;
     survey_rest(job, index);
     jw->rest_ms = c->now_ms;
@@ -149,8 +149,7 @@ look_at_job(struct coord *c, struct job *job)
     for (uint32_t i = 0; i < job->nworkers; i++) {
         const struct job_worker *jw = &job->workers[i];
 
-        if (jw->in_flight == 0 && jw->parked == 0 && !jw->seeds &&
-            !jw->surveying)
+        if (jw->in_flight == 0 && jw->parked == 0 && !jw->surveying)
             continue;
         if (desk_gives_way(job, i))
             give_all_back(c, job, i);

@@ -377,12 +377,6 @@ on_stage(struct worker *w, const struct msg *m)
 }
 
 static void
-on_seed(struct worker *w, const struct msg *m)
-{
-    to_child(w, m, m->seed.job, 0);
-}
-
-static void
 on_rest(struct worker *w, const struct msg *m)
 {
     to_child(w, m, m->rest.job, 0);
@@ -417,7 +411,6 @@ static const struct {
     { MSG_TILE_RECORDS, on_tile_records },
     { MSG_CLOSED, on_closed },
     { MSG_FEED, on_feed },
-    { MSG_SEED, on_seed },
     { MSG_REST, on_rest },
 };
 

@@ -62,8 +62,7 @@ child_result(struct worker *w, struct wjob *job, const struct msg *m)
 static void
 child_tally(struct worker *w, struct wjob *job, const struct msg *m)
 {
-    if (m->tally.rays_under_way != job->tally.rays_under_way ||
-        m->tally.seeded.rays != job->tally.seeded.rays)
+    if (m->tally.rays_under_way != job->tally.rays_under_way)
         w->progress++;
     job->tally = m->tally;
     worker_send_tally(w, job);

@@ -12,7 +12,7 @@
 
 #include "passes/passes.h"
 
-#include "picture/parts.h"
+#include "passes/parts.h"
 #include "base/rng.h"
 #include "base/vec.h"
 #include "image/hdr.h"

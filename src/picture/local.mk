@@ -10,13 +10,9 @@ librad_a_SOURCES += \
 	src/picture/frame.h \
 	src/picture/paint.c \
 	src/picture/paint.h \
-	src/picture/parts.c \
-	src/picture/parts.h \
 	src/picture/path.c \
 	src/picture/path.h \
 	src/picture/quincunx.c \
 	src/picture/quincunx.h \
-	src/picture/seed.c \
-	src/picture/seed.h \
 	src/picture/view.c \
 	src/picture/view.h

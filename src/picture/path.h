@@ -2,7 +2,7 @@
  * alone
  *
  * They end where rays of hemispheres do: whoever wants deep ambient records
- * before rays ask for them looks there (seed.h, passes/passes.h).
+ * before rays ask for them looks there (passes/passes.h).
  * Thread: any, each with a context of its own. */
 #ifndef RAD_PICTURE_PATH_H
 #define RAD_PICTURE_PATH_H

@@ -23,11 +23,11 @@ def same(what, a, b):
         sys.exit(f"{s['partition']}: {what}: {a} and {b}")
 same("rays of workers and in all", total(workers, "rays"),
      t["rays"] + t["dropped_rays"])
-same("rays of kinds", t["rays"] >= t["seed_rays"] + t["tile_rays"] +
-     total(units, "rays"), True)
+same("rays of kinds", t["rays"] >= t["tile_rays"] + total(units, "rays"),
+     True)
 if t["estimate_rays"] == 0:
     same("rays of units and in all",
-         total(units, "rays") + t["seed_rays"] + t["tile_rays"], t["rays"])
+         total(units, "rays") + t["tile_rays"], t["rays"])
 same("primary rays", total(units, "primary_rays"), t["primary_rays"])
 same("units", total(workers, "units"), len(units))
 scene = s["scene"] # which nobody has seen before

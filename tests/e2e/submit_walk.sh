@@ -37,7 +37,6 @@ of()
 "$radsubmit" --local --workers=2 --threads=1 --fresh-frames --stats=pair.json \
     -S 1 --views=views -x 240 -y 180 -ab 2 -aa .3 -ar 16 -ad 64 -as 16 \
     -o "pair%d.hdr" "$scenes/room.rad" 2>err || fail "two workers: $(cat err)"
-[ "$(of seed_rays)" -gt 0 ] || fail "nothing was seeded"
 [ "$(of ambient_sent)" -le "$((2 * $(of ambient_values)))" ] ||
     fail "$(of ambient_values) records, and $(of ambient_sent) sent"
 finish

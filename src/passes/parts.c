@@ -4,7 +4,7 @@
  * 2 i + 2, and its leaves are not kept, for a leaf's number says its place. */
 #include "config.h"
 
-#include "picture/parts.h"
+#include "passes/parts.h"
 
 #include <stdlib.h>
 

@@ -6,8 +6,8 @@
  * tree of the same points makes the same tree.
  * Source: Bentley 1975, Multidimensional binary search trees.
  * Thread: any, once it is made. */
-#ifndef RAD_PICTURE_PARTS_H
-#define RAD_PICTURE_PARTS_H
+#ifndef RAD_PASSES_PARTS_H
+#define RAD_PASSES_PARTS_H
 
 #include <stddef.h>
 
