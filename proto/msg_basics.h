@@ -18,9 +18,6 @@
 #define MSG_MAX         (1u << 20) /* largest payload [bytes] */
 #define MSG_MAX_CHUNK   (1u << 18) /* most file bytes in a CHUNK */
 #define MSG_MAX_AMBIENT (1u << 17) /* most record bytes in an AMBIENT */
-#define MSG_MAX_SPREAD  (MSG_MAX_AMBIENT + (1u << 16)) /* a whole SPREAD */
-#define MSG_MAX_PARTS   4096
-#define MSG_MAX_PLACES  65536           /* places on a ring */
 #define MSG_MAX_PIXELS  (MSG_MAX - 256) /* most pixel bytes in a RESULT */
 
 /* String limits [bytes, without the NUL]. */

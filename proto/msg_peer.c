@@ -8,8 +8,6 @@
 
 #define PEER_MIN  26 /* bytes of a peer with empty strings */
 #define MAX_PEERS 4096
-#define LINK_MIN  11 /* bytes of a link of a ring with an empty name */
-#define PART_MIN  12 /* bytes of a part without records */
 
 static void
 code_peer(struct codec *c, struct msg_peer *p)
@@ -66,60 +64,4 @@ void
 msg_code_give(struct codec *c, struct msg_give *b)
 {
     code_u32(c, &b->to);
-}
-
-static void
-code_ring_link(struct codec *c, struct msg_ring_link *l, uint32_t places)
-{
-    code_u32(c, &l->offset);
-    code_u32(c, &l->below);
-    code_str(c, &l->name, MSG_MAX_NAME);
-    code_read_must(c, l->offset == 0 || l->offset < places);
-    code_read_must(c,
-                   l->below <= l->offset && (l->below > 0) == (l->offset > 0));
-}
-
-void
-msg_code_ring(struct codec *c, struct msg_ring *b)
-{
-    struct msg_ring_link *l;
-
-    code_job(c, &b->job);
-    code_u32(c, &b->generation);
-    code_u32(c, &b->places);
-    code_read_must(c, b->places <= MSG_MAX_PLACES);
-    l = code_list(c, b->links, &b->nlinks, LINK_MIN, MAX_PEERS, sizeof *l);
-    for (uint32_t i = 0; i < b->nlinks && !code_bad(c); i++)
-        code_ring_link(c, &l[i], b->places);
-    b->links = l;
-}
-
-void
-msg_code_unlinked(struct codec *c, struct msg_unlinked *b)
-{
-    code_job(c, &b->job);
-    code_str(c, &b->name, MSG_MAX_NAME);
-    code_below(c, &b->was, 2);
-}
-
-static void
-code_part(struct codec *c, struct msg_part *p)
-{
-    code_u32(c, &p->distance);
-    code_u32(c, &p->count);
-    code_blob(c, &p->data, &p->len, MSG_MAX_AMBIENT);
-    code_read_must(c, p->distance > 0 && p->distance < MSG_MAX_PLACES);
-    code_read_must(c, p->count <= p->len);
-}
-
-void
-msg_code_spread(struct codec *c, struct msg_spread *b)
-{
-    struct msg_part *p;
-
-    code_u32(c, &b->generation);
-    p = code_list(c, b->parts, &b->nparts, PART_MIN, MSG_MAX_PARTS, sizeof *p);
-    for (uint32_t i = 0; i < b->nparts && !code_bad(c); i++)
-        code_part(c, &p[i]);
-    b->parts = p;
 }

@@ -39,13 +39,6 @@ static const uint8_t pixels[2 * 3 * 4] = { 0x3f, 0x80 };
         }                                                                      \
     }
 
-static const struct msg_ring_link ring_links[] = { { 1, 1, "ws2" },
-                                                   { 12, 4, "ws9" },
-                                                   { 0, 0, "ws1" } };
-static const struct msg_part parts[] = {
-    { 1, 2, (const uint8_t *)"records", 7 },
-    { 77, 1, (const uint8_t *)"more", 4 }
-};
 
 /* clang-format off */
 static const struct msg examples[] = {
@@ -140,9 +133,6 @@ static const struct msg examples[] = {
     { .type = MSG_AMBIENT,
       .ambient = { 1, 2, (const uint8_t *)"records", 7 } },
     { .type = MSG_GIVE, .give = { 3 } },
-    { .type = MSG_RING, .ring = { ID, 1, 100, 3, ring_links } },
-    { .type = MSG_SPREAD, .spread = { 1, 2, parts } },
-    { .type = MSG_UNLINKED, .unlinked = { ID, "ws2", 1 } },
     { .type = MSG_RECORDS,
       .records = { ID, 2, (const uint8_t *)"records", 7 } },
 };
@@ -572,7 +562,7 @@ static const struct {
     { MSG_AT_COORD_WORKER,
       " PING PONG BYE WANT FAILED DRAIN READY RESULT LOST TALLY FACTS PARKED "
       "BASE_LINE GAVE ESTIMATED LOAN PAID LINE_COSTS STILL RECORDS "
-      "UNLINKED ROOM TILE_MADE HOLDS " },
+      "ROOM TILE_MADE HOLDS " },
     { MSG_AT_COORD_USER,
       " PING PONG BYE OFFER CHUNK SUBMIT CANCEL PAUSE PRIORITY "
       "RESUME FETCH QUERY PAGE DELETE " },
@@ -584,12 +574,12 @@ static const struct {
     { MSG_AT_WORKER,
       " PING PONG BYE CHUNK JOB_START JOB_END UNIT ACK REVOKE YIELD REST "
       "JOB_PEERS TWIN FACTS BASE_LINE NEXT_HOLDER SPLIT "
-      "ESTIMATE LEND LOAN BACK RING TILE FROZEN STAGE TILE_RECORDS "
+      "ESTIMATE LEND LOAN BACK TILE FROZEN STAGE TILE_RECORDS "
       "CLOSED FEED " },
     { MSG_AT_CLIENT, " PING PONG BYE WANT CHUNK HAVE ACCEPT PROGRESS DONE "
                      "FAILED ANSWER RECORDS " },
     { MSG_AT_PEER_NEW, " PEER_HELLO " },
-    { MSG_AT_PEER, " PING PONG BYE AMBIENT BASE_LINE SPREAD TILE_RECORDS " },
+    { MSG_AT_PEER, " PING PONG BYE AMBIENT BASE_LINE TILE_RECORDS " },
     { MSG_AT_CHILD_NEW, " JOB_START " },
     { MSG_AT_CHILD,
       " JOB_END UNIT REVOKE YIELD REST AMBIENT GIVE TWIN FACTS BASE_LINE "
@@ -690,18 +680,62 @@ START_TEST(job_ids_are_32_hex_digits)
 }
 END_TEST
 
-/* doc/protocol.md has a heading "### NAME (number)" for each. */
-START_TEST(every_message_is_documented)
+static FILE *
+open_page(void)
 {
     const char *top = getenv("top_srcdir");
-    char path[4096], line[512], want[64];
-    bool found = false;
-    uint16_t type = examples[_i].type;
+    char path[4096];
     FILE *f;
 
     snprintf(path, sizeof path, "%s/doc/protocol.md", top ? top : ".");
     f = fopen(path, "r");
     ck_assert_msg(f != NULL, "%s: cannot open", path);
+    return f;
+}
+
+/* Is the last column of a table's line these words, in any order? */
+static bool
+last_column_is(char *line, const char *words)
+{
+    char *end = strrchr(line, '|'), *at, word[40];
+    size_t n = 0;
+
+    if (line[0] != '|' || end == line)
+        return false;
+    *end = '\0';
+    at = strrchr(line, '|') + 1;
+    for (char *w = strtok(at, " "); w; w = strtok(NULL, " "), n++) {
+        snprintf(word, sizeof word, " %s ", w);
+        if (!strstr(words, word))
+            return false;
+    }
+    for (const char *p = words; *p; p++)
+        n -= *p == ' ' && p[1] != '\0';
+    return n == 0;
+}
+
+/* "| SESSION | who reads, and when | what may arrive |" */
+START_TEST(each_session_is_documented)
+{
+    char line[1024];
+    bool found = false;
+    FILE *f = open_page();
+
+    while (!found && fgets(line, sizeof line, f))
+        found = last_column_is(line, arrivals[_i].types);
+    fclose(f);
+    ck_assert_msg(found, "no row has%s", arrivals[_i].types);
+}
+END_TEST
+
+/* doc/protocol.md has a heading "### NAME (number)" for each. */
+START_TEST(every_message_is_documented)
+{
+    char line[512], want[64];
+    bool found = false;
+    uint16_t type = examples[_i].type;
+    FILE *f = open_page();
+
     snprintf(want, sizeof want, "### %s (%u)\n", msg_name(type), type);
     while (!found && fgets(line, sizeof line, f))
         found = strcmp(line, want) == 0;
@@ -742,6 +776,7 @@ main(void)
                         N_ELEM(impossible));
     tcase_add_test(tc, job_ids_are_32_hex_digits);
     tcase_add_loop_test(tc, every_message_is_documented, 0, n);
+    tcase_add_loop_test(tc, each_session_is_documented, 0, MSG_NSESSION);
     suite_add_tcase(s, tc);
     return unit_run(s);
 }

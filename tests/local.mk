@@ -63,6 +63,7 @@ UNIT_TESTS = \
 	tests/check_lending \
 	tests/check_line \
 	tests/check_link \
+	tests/check_linking \
 	tests/check_listing \
 	tests/check_message \
 	tests/check_metric \
@@ -93,7 +94,6 @@ UNIT_TESTS = \
 	tests/check_refine \
 	tests/check_reuse \
 	tests/check_rif \
-	tests/check_ring \
 	tests/check_rows \
 	tests/check_sample \
 	tests/check_sandbox \

@@ -37,7 +37,7 @@ struct coord_env {
     const char *program; /* "radcoord 0.1.0"; outlives the coordinator */
     uint64_t epoch;      /* this life of the coordinator */
     unsigned all_linked; /* most workers of a job that are each linked with
-                          * all others; 0: 64 (ring.h) */
+                          * all others; 0: 64 (linking.h) */
     unsigned direct;     /* most workers of a job to which it sends records of
                           * tiles itself; 0: 8 (feeding.h) */
     bool keeps; /* there is a store that outlives it: what it needs to go on is

@@ -18,7 +18,7 @@
 #include "lines/handoff.h"
 #include "lines/lending.h"
 #include "links/introduce.h"
-#include "links/ring.h"
+#include "links/linking.h"
 #include "queue/coord_conn.h"
 #include "queue/coord_job.h"
 #include "queue/coord_keep.h"
@@ -219,16 +219,6 @@ on_line_costs(struct coord *c, struct coord_worker *w, const struct msg *m)
         frame_add_costs(job, &m->line_costs);
 }
 
-static void
-on_unlinked(struct coord *c, struct coord_worker *w, const struct msg *m)
-{
-    uint32_t index;
-    struct job *job = desk_job_of(c, w, m->unlinked.job, &index);
-
-    if (job)
-        ring_unlinked(c, job, index, &m->unlinked);
-}
-
 /* The child says that the job cannot be rendered: it would be so anywhere. */
 static void
 on_failed(struct coord *c, struct coord_worker *w, const struct msg *m)
@@ -259,7 +249,7 @@ static const struct {
     { MSG_FAILED, on_failed },      { MSG_DRAIN, on_drain },
     { MSG_PING, on_ping },          { MSG_RECORDS, on_records },
     { MSG_TILE_MADE, passes_made }, { MSG_HOLDS, records_held },
-    { MSG_UNLINKED, on_unlinked },  { MSG_LINE_COSTS, on_line_costs },
+    { MSG_LINE_COSTS, on_line_costs },
 };
 
 /* BYE is followed by the end of the connection. */

@@ -246,7 +246,7 @@ job_lighten(struct job *job)
     job->partition = NULL;
     job->survey = NULL;
     job->shared = NULL;
-    job->ring = NULL;
+    job->links = NULL;
     job->units = NULL;
     job->out = job->suspects = job->index = NULL;
     job->workers = NULL;

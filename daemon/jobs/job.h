@@ -19,7 +19,7 @@
 struct coord_owner;
 struct coord_worker;
 struct passes;
-struct ring;
+struct links;
 struct stats_text;
 struct steps;
 struct survey;
@@ -107,7 +107,8 @@ struct job {
     struct job_goal goal;  /* zeros: it has none */
     struct survey *survey; /* NULL: costs are not estimated, or are by now */
     struct shared *shared; /* NULL: lines are not shared */
-    struct ring *ring; /* NULL: each worker is linked with all, or none is */
+    struct links *links; /* linking.h; NULL: each worker is linked with all, or
+                          * none is */
     uint64_t base_line_bytes; /* that the coordinator sent */
     uint64_t late_rays;       /* facts of lines that were done, or came again */
     uint32_t *suspects; /* units that crashed a child: out of the partition's

@@ -19,7 +19,7 @@
 #include "jobs/part.h"
 #include "jobs/shared.h"
 #include "lines/lending.h"
-#include "links/ring.h"
+#include "links/linking.h"
 
 #include <string.h>
 
@@ -133,7 +133,7 @@ send_next_holder(struct coord *c, struct job *job, uint32_t above,
     for (uint8_t i = 0; i < u->ngos; i++) {
         if (u->go[i].origin == GO_LOAN)
             continue;
-        ring_need(c, job, u->go[i].worker, below->worker);
+        linking_need(c, job, u->go[i].worker, below->worker);
         actions_send(&c->actions, conn_of(job, &u->go[i]), &m);
     }
 }
@@ -158,7 +158,7 @@ introduce(struct coord *c, struct job *job, uint32_t unit,
         m.next_holder =
             (struct msg_next_holder){ job->id, frame, last - 1,
                                       job->workers[below->worker].name };
-        ring_need(c, job, go->worker, below->worker);
+        linking_need(c, job, go->worker, below->worker);
         actions_send(&c->actions, conn_of(job, go), &m);
     }
 }

@@ -4,7 +4,7 @@
 #include "links/feeding.h"
 
 #include "links/introduce.h"
-#include "links/ring.h"
+#include "links/linking.h"
 
 /* Workers that the coordinator feeds.  It sends what all workers make to each,
  * and tiles wait behind that on its line. */
@@ -88,15 +88,14 @@ say_fed(struct coord *c, const struct job *job, uint32_t feeder)
     actions_send(&c->actions, job->workers[feeder - 1].worker->conn, &m);
 }
 
-/* Workers that share lines are linked already, or have a ring. */
+/* Workers that share lines are linked as others are for these. */
 static bool
 link_them(struct coord *c, struct job *job, uint32_t feeder, uint32_t index)
 {
     if (!job->shared)
         return introduce_link(c, job, job->workers[feeder].worker,
                               job->workers[index].worker, 0);
-    if (ring_wanted(c, job))
-        ring_need(c, job, feeder, index);
+    linking_need(c, job, feeder, index);
     return true;
 }
 

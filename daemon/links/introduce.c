@@ -1,7 +1,7 @@
 /* introduce.c - workers of a job are named to each other, so that one dials
  *
  * Each pair has a token of its own, which neither uses for anything else.
- * Where not all workers are linked ring.c decides which pairs are. */
+ * Which pairs are linked linking.c decides. */
 #include "config.h"
 
 #include "links/introduce.h"
@@ -44,17 +44,21 @@ introduce_link(struct coord *c, const struct job *job,
 }
 
 void
-introduce_worker(struct coord *c, const struct job *job,
-                 const struct coord_worker *w)
+introduce_worker(struct coord *c, const struct job *job, uint32_t index,
+                 uint32_t most)
 {
+    const struct coord_worker *w = job->workers[index].worker;
     uint32_t give = job->spec.flags & MSG_JOB_SHARE ? MSG_PEER_GIVE : 0;
 
-    for (uint32_t i = 0; i < job->nworkers; i++) {
+    for (uint32_t k = 1; k < job->nworkers && most > 0; k++) {
+        uint32_t i = (index + job->nworkers - k) % job->nworkers;
         const struct coord_worker *o = job->workers[i].worker;
 
-        if (o != w && o->conn != 0 && job->workers[i].state == PART_READY &&
-            introduce_link(c, job, o, w, give))
+        if (o->conn != 0 && job->workers[i].state == PART_READY &&
+            introduce_link(c, job, o, w, give)) {
             give = 0;
+            most--;
+        }
     }
 }
 

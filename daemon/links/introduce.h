@@ -6,10 +6,11 @@
 
 #include "desk/desk.h"
 
-/* Link a worker that just became ready with the workers that are; the first of
- * these gives it the records of its cache. */
-void introduce_worker(struct coord *c, const struct job *job,
-                      const struct coord_worker *w);
+/* Link a worker that just became ready with the workers that are, those that
+ * came before it first, and `most` at most; the first of these gives it the
+ * records of its cache. */
+void introduce_worker(struct coord *c, const struct job *job, uint32_t index,
+                      uint32_t most);
 /* Tell the other workers of a job to end their links with this worker. */
 void introduce_drop(struct coord *c, const struct job *job,
                     const struct coord_worker *w);

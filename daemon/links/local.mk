@@ -4,5 +4,5 @@ libdaemon_a_SOURCES += \
 	daemon/links/feeding.h \
 	daemon/links/introduce.c \
 	daemon/links/introduce.h \
-	daemon/links/ring.c \
-	daemon/links/ring.h
+	daemon/links/linking.c \
+	daemon/links/linking.h

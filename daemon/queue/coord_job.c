@@ -14,7 +14,7 @@
 #include "jobs/progress.h"
 #include "jobs/shared.h"
 #include "desk/verdict.h"
-#include "links/ring.h"
+#include "links/linking.h"
 #include "queue/coord_conn.h"
 #include "queue/reuse.h"
 #include "queue/stats.h"
@@ -317,7 +317,7 @@ coord_free_job(struct job *job)
     passes_free(job->passes);
     survey_free(job->survey);
     shared_free(job->shared);
-    ring_free(job->ring);
+    linking_free(job->links);
     job_free(job);
 }
 

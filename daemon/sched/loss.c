@@ -13,7 +13,7 @@
 #include "jobs/part.h"
 #include "jobs/unit.h"
 #include "links/feeding.h"
-#include "links/ring.h"
+#include "links/linking.h"
 #include "sched/survey.h"
 
 #include "base/text.h"
@@ -244,7 +244,7 @@ loss_all(struct coord *c, struct job *job, uint32_t index, enum part_state to)
     take_all_back(c, job, index);
     if (part_is_here(&job->workers[index]))
         part_step(&job->workers[index], to);
-    ring_left(c, job, index);
+    linking_left(c, job, index);
     feeding_left(c, job, index);
     if (job->partition)
         partition_set_absent(job->partition, index, true);

@@ -34,7 +34,7 @@
 #include "lines/handoff.h"
 #include "links/feeding.h"
 #include "links/introduce.h"
-#include "links/ring.h"
+#include "links/linking.h"
 #include "sched/balance.h"
 #include "sched/handout.h"
 #include "sched/loss.h"
@@ -391,16 +391,10 @@ same_bits(const struct job *job, uint64_t fingerprint)
 
 /* To the workers that it is to share lines, or records, with. */
 static void
-link_worker(struct coord *c, struct job *job, struct coord_worker *w,
-            uint32_t index)
+link_worker(struct coord *c, struct job *job, uint32_t index)
 {
-    if (!(job->spec.flags & MSG_JOB_SHARE) && !job->shared)
-        return;
-    if (ring_wanted(c, job)) {
-        ring_join(c, job, index);
-        return;
-    }
-    introduce_worker(c, job, w);
+    if ((job->spec.flags & MSG_JOB_SHARE) || job->shared)
+        linking_join(c, job, index);
 }
 
 static void
@@ -414,7 +408,7 @@ worker_ready(struct coord *c, struct job *job, struct coord_worker *w,
     if (jw->ready_ms == 0)
         jw->ready_ms = c->now_ms;
     jw->took_part = true;
-    link_worker(c, job, w, (uint32_t)(jw - job->workers));
+    link_worker(c, job, (uint32_t)(jw - job->workers));
     if (job->filling)
         feeding_join(c, job, (uint32_t)(jw - job->workers));
 }
@@ -583,6 +577,6 @@ sched_job_over(struct coord *c, struct job *job)
     job->survey = NULL;
     shared_free(job->shared);
     job->shared = NULL;
-    ring_free(job->ring);
-    job->ring = NULL;
+    linking_free(job->links);
+    job->links = NULL;
 }

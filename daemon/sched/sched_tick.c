@@ -9,7 +9,7 @@
 #include "jobs/job.h"
 #include "lines/handoff.h"
 #include "lines/lending.h"
-#include "links/ring.h"
+#include "links/linking.h"
 #include "sched/balance.h"
 #include "sched/loss.h"
 #include "sched/yield.h"
@@ -54,7 +54,6 @@ sched_tick(struct coord *c)
             continue;
         speed_measure(c, job);
         loss_tick(c, job);
-        ring_tick(c, job);
         if (!job->shared)
             continue;
         handoff_tick(c, job);

@@ -6,7 +6,6 @@
 #include "worker/gather.h"
 #include "worker/peer.h"
 #include "worker/relay.h"
-#include "worker/spread.h"
 #include "worker/state.h"
 #include "worker/wjob.h"
 #include "worker/worker.h"
@@ -65,7 +64,6 @@ linked(struct worker *w, struct wjob *job, struct wpeer *p)
     p->flags &= ~MSG_PEER_GIVE;
     peer_pump(w, p->conn, &p->queue); /* records that waited for the link */
     relay_linked(w, job, p->name);
-    spread_linked(job, p->name, true);
 }
 
 /* Compare two tokens in a time that does not depend on them. */
@@ -142,10 +140,8 @@ link_introduce(struct worker *w, struct wjob *job,
         snprintf(p->address, sizeof p->address, "%s", in->address);
         memcpy(p->token, in->token, MSG_TOKEN);
         lossy_init(&p->queue);
-        p->since_ms = w->now_ms;
         p->next = job->peers;
         job->peers = p;
-        spread_linked(job, p->name, false);
         if (p->flags & MSG_PEER_DIAL)
             peer_dial(w, job, p);
     }
@@ -196,7 +192,6 @@ broke(struct worker *w, struct wjob *job, struct wpeer *p)
         lossy_release(&p->queue); /* what was under way is lost */
     if (!(p->flags & MSG_PEER_DIAL)) {
         p->state = PEER_EXPECTED;
-        p->since_ms = w->now_ms;
         match_callers(w);
     } else if (p->tries < MOST_TRIES) {
         p->state = PEER_DIALLING;
@@ -270,12 +265,8 @@ link_message(struct worker *w, uint64_t conn, const struct msg *m)
 
     if (p && m->type == MSG_AMBIENT) {
         peer_receive(w, job, &m->ambient);
-        if (job->spread)
-            spread_heard(w, job, p, &m->ambient);
     } else if (p && m->type == MSG_TILE_RECORDS) {
         gather_take(w, job, &m->tile_records);
-    } else if (p && m->type == MSG_SPREAD) {
-        spread_take(w, job, &m->spread);
     } else if (p && m->type == MSG_BASE_LINE) {
         if (!receive_line(w, job, m)) {
             actions_log(&w->actions, ACT_WARN,
@@ -311,10 +302,6 @@ link_spread(struct worker *w, struct wjob *job, const struct msg_ambient *m)
     struct msg pass = { .type = MSG_AMBIENT, .ambient = *m };
     uint8_t *kept = NULL;
 
-    if (m->to == 0 && job->spread) {
-        spread_own(w, job, m);
-        return;
-    }
     pass.ambient.to = 0;
     out->len = 0;
     if (!job->peers || msg_pack(out, &pass) != 0)
@@ -334,7 +321,6 @@ link_tick(struct worker *w)
         for (struct wpeer *p = job->peers; p; p = p->next)
             if (p->retry_ms != 0 && w->now_ms >= p->retry_ms)
                 peer_dial(w, job, p);
-        spread_tick(w, job);
         gather_tick(w, job);
     }
     for (struct wcaller *k = w->callers, *next; k; k = next) {
@@ -351,7 +337,6 @@ link_release_job(struct worker *w, struct wjob *job)
 {
     while (job->peers)
         peer_free(w, job, job->peers);
-    spread_release(job);
 }
 
 void

@@ -10,8 +10,6 @@ libdaemon_a_SOURCES += \
 	daemon/worker/peer.h \
 	daemon/worker/relay.c \
 	daemon/worker/relay.h \
-	daemon/worker/spread.c \
-	daemon/worker/spread.h \
 	daemon/worker/state.h \
 	daemon/worker/wjob.c \
 	daemon/worker/wjob.h \

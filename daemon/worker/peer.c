@@ -8,9 +8,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A peer that is to dial has done so by then, or cannot. */
-#define EXPECT_MS 10000
-
 /* The most bytes of records that wait for a link that is to come. */
 #define EARLY_BYTES ((size_t)1 << 20)
 
@@ -134,17 +131,6 @@ peer_linked(const struct wjob *job, const char *name)
     struct wpeer *p = peer_named(job, name);
 
     return p && p->state == PEER_LINKED ? p : NULL;
-}
-
-struct wpeer *
-peer_awaited(const struct worker *w, const struct wjob *job, const char *name)
-{
-    struct wpeer *p = peer_named(job, name);
-
-    return p && p->state == PEER_EXPECTED &&
-                   w->now_ms - p->since_ms >= EXPECT_MS
-               ? NULL
-               : p;
 }
 
 void

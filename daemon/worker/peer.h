@@ -13,9 +13,6 @@
 struct wpeer *peer_named(const struct wjob *job, const char *name);
 void peer_records(struct worker *w, struct wjob *job, struct wpeer *p,
                   uint8_t **kept);
-/* The peer of that name; NULL also if it should have dialled by now. */
-struct wpeer *peer_awaited(const struct worker *w, const struct wjob *job,
-                           const char *name);
 /* The peer of that name, if there is a link to it; else NULL. */
 struct wpeer *peer_linked(const struct wjob *job, const char *name);
 /* Send a peer a message that may not be dropped. */

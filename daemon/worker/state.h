@@ -6,7 +6,6 @@
  *   worker_end.c    a job is over
  *   link.c          events of links to other workers
  *   gather.c        records of tiles, until their pass is closed
- *   spread.c        which records go over which links
  *   relay.c         shared lines, on their way up and down
  *   peer.c          links to other workers: sending
  *   worker_files.c  files that jobs need
@@ -59,7 +58,6 @@ struct wpeer {
     uint64_t conn;
     uint64_t retry_ms; /* dial again then; 0: no */
     unsigned tries;
-    uint64_t since_ms; /* when it was made known */
     struct lossy queue;
 };
 
@@ -121,7 +119,6 @@ struct wjob {
     struct wpeer *peers;
     struct gather *gather; /* records of passes; NULL: none came */
     struct relay *relay;   /* base lines that were made here; NULL: none yet */
-    struct spread *spread; /* links of the ring; NULL: there is none */
 };
 
 /* A file that was asked for. */

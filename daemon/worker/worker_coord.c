@@ -9,7 +9,6 @@
 #include "worker/gather.h"
 #include "worker/link.h"
 #include "worker/relay.h"
-#include "worker/spread.h"
 #include "worker/state.h"
 #include "worker/wjob.h"
 #include "worker/worker_files.h"
@@ -159,7 +158,6 @@ on_job_start(struct worker *w, const struct msg *m)
     }
     job->started = true;
     gather_turn(job);
-    spread_release(job); /* only workers that are ready have places */
     if (job->state == WJOB_READY)
         resume_job(w, job);
     else if (job->state != WJOB_LOADING)
@@ -228,15 +226,6 @@ on_job_peers(struct worker *w, const struct msg *m)
         link_introduce(w, job, &m->job_peers);
 }
 
-static void
-on_ring(struct worker *w, const struct msg *m)
-{
-    struct wjob *job = worker_find_job(w, m->ring.job);
-
-    if (job)
-        spread_set(w, job, &m->ring);
-}
-
 static const struct {
     enum msg_type type;
     void (*handle)(struct worker *w, const struct msg *m);
@@ -251,7 +240,6 @@ static const struct {
     { MSG_JOB_END, on_job_end },
     { MSG_REVOKE, on_revoke },
     { MSG_JOB_PEERS, on_job_peers },
-    { MSG_RING, on_ring },
 };
 
 void

@@ -319,9 +319,7 @@ was_tried(void)
         MSG_BACK,   MSG_PAID,     MSG_TILE,      MSG_TILE_MADE, MSG_FROZEN,
         MSG_STAGE
     };
-    /* half of the clusters have rings */
-    bool tried = at_type(MSG_RING) && at_type(MSG_SPREAD) && sum.coord_deaths &&
-                 sum.deaths && sum.cuts && sum.peer_cuts && sum.crashes &&
+    bool tried = at_type(MSG_JOB_PEERS) && sum.coord_deaths && sum.deaths && sum.cuts && sum.peer_cuts && sum.crashes &&
                  sum.drains && sum.stops && sum.repeats && sum.parted &&
                  sum.late && sum.parked && sum.gave && sum.twins && sum.loans &&
                  sum.blocked && sum.bars && sum.aside && sum.tiles &&
@@ -356,9 +354,8 @@ tell(uint64_t runs)
            "%u units late, %u parked, %u answers to SPLIT, %u twins, %u "
            "loans, %u waits for them, %u by bars, %u aside, %u estimates, of "
            "these %u left; %u "
-           "and %u "
            "accidents at "
-           "RING and SPREAD\n",
+           "JOB_PEERS\n",
            (unsigned long long)runs, sum.pictures,
            (unsigned long long)sum.primary, (unsigned long long)sum.speculative,
            (unsigned long long)sum.unsaid, (unsigned long long)sum.again,
@@ -366,7 +363,7 @@ tell(uint64_t runs)
            sum.cuts, sum.peer_cuts, sum.crashes, blows, sum.drains, sum.stops,
            sum.parted, sum.repeats, sum.late, sum.parked, sum.gave, sum.twins,
            sum.loans, sum.blocked, sum.bars, sum.aside, sum.estimates,
-           sum.estimates_left, at_type(MSG_RING), at_type(MSG_SPREAD));
+           sum.estimates_left, at_type(MSG_JOB_PEERS));
     printf("%u pauses, %u priorities, %u workers drained or not: %u units went "
            "back; where that was all, %llu rays for nothing, of %llu\n",
            sum.pauses, sum.priorities, sum.rests, sum.yields,

@@ -815,15 +815,14 @@ take_strict(struct net *net, int node, const struct msg *m)
     }
 }
 
-/* Of the same job, and never one's own; but where places on a ring change, and
- * records are under way that an earlier life made. */
+/* Of the same job, and never one's own. */
 static void
 take_ambient(struct net *net, const struct sim_child *k,
              const struct msg_ambient *m)
 {
     SIM_CHECK(net, m->len == 2 * (size_t)m->count);
     for (uint32_t i = 0; i < m->count; i++) {
-        SIM_CHECK(net, m->data[2 * i] != k->worker || sim_of(net)->all_linked);
+        SIM_CHECK(net, m->data[2 * i] != k->worker);
         SIM_CHECK(net, m->data[2 * i + 1] == k->job);
     }
 }

@@ -221,11 +221,14 @@ net_find(struct net *net, int node, uint64_t conn)
     return find(net, node, conn, &link, &side);
 }
 
-/* Sent once more: e->a, e->c the node and the connection. */
+/* Sent once more: e->a, e->c the node and the connection, e->b its link.  A
+ * later life of the node numbers its connections anew. */
 static void
 repeat(struct net *net, struct net_event *e)
 {
-    if (net_find(net, e->a, e->c))
+    int link, side;
+
+    if (find(net, e->a, e->c, &link, &side) && link == e->b)
         net_send(net, e->a, e->c, e->data, e->len);
 }
 
@@ -235,6 +238,7 @@ maybe_repeat(struct net *net, const struct net_end *from, const struct msg *m)
 {
     struct net_event *e;
     struct wire_out out;
+    int link, side;
 
     if (!net->repeats || !from->open ||
         (m->type != MSG_FACTS && m->type != MSG_BASE_LINE &&
@@ -245,7 +249,9 @@ maybe_repeat(struct net *net, const struct net_end *from, const struct msg *m)
     wire_out_init(&out, MSG_FRAME_MAX);
     SIM_CHECK(net, msg_pack(&out, m) == 0);
     e = net_later(net, net_random(net, 300), repeat);
+    find(net, from->node, from->conn, &link, &side);
     e->a = from->node;
+    e->b = link;
     e->c = from->conn;
     e->len = out.len;
     e->data = malloc(out.len);

@@ -1,0 +1,171 @@
+/* linking.c - see linking.h
+ *
+ * job->links is NULL as long as all are linked with each other, and where
+ * records are shared at once. */
+#include "config.h"
+
+#include "links/linking.h"
+
+#include "jobs/job.h"
+#include "jobs/part.h"
+#include "links/introduce.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#define ALL_LINKED  64  /* workers of a job, but for coord_env.all_linked */
+#define MOST_LINKED 256 /* with whom a worker is linked as it comes, live */
+#define MOST_NEEDED 16  /* links of a worker that were needed */
+
+/* Two workers of the job that are linked, a < b. */
+struct pair {
+    uint32_t a, b;
+};
+
+struct links {
+    struct pair *pair; /* the oldest first */
+    size_t n, cap;
+};
+
+void
+linking_free(struct links *l)
+{
+    if (!l)
+        return;
+    free(l->pair);
+    free(l);
+}
+
+static bool
+is_here(const struct job *job, uint32_t i)
+{
+    return job->workers[i].state == PART_READY && job->workers[i].worker->conn;
+}
+
+static bool
+shares_records(const struct job *job)
+{
+    return job->spec.flags & MSG_JOB_SHARE;
+}
+
+/* Are they too many to link each with each?  Those that load count as well. */
+static bool
+are_many(const struct coord *c, const struct job *job)
+{
+    uint32_t most = c->env.all_linked ? c->env.all_linked : ALL_LINKED, n = 0;
+
+    for (uint32_t i = 0; i < job->nworkers; i++) {
+        const struct coord_worker *w = job->workers[i].worker;
+
+        n += part_is_here(&job->workers[i]) && w->conn != 0 &&
+             w->address[0] != '\0';
+    }
+    return n > most;
+}
+
+static bool
+has(const struct pair *p, uint32_t index)
+{
+    return p->a == index || p->b == index;
+}
+
+/* Note that two are linked; false: memory is out. */
+static bool
+note(struct links *l, uint32_t a, uint32_t b)
+{
+    if (l->n == l->cap) {
+        size_t cap = l->cap ? 2 * l->cap : 64;
+        struct pair *p = realloc(l->pair, cap * sizeof *p);
+
+        if (!p)
+            return false;
+        l->pair = p;
+        l->cap = cap;
+    }
+    l->pair[l->n++] = (struct pair){ a < b ? a : b, a < b ? b : a };
+    return true;
+}
+
+/* The workers have become many, and all that are ready but the newcomer are
+ * linked with all. */
+static bool
+begin(struct job *job, uint32_t newcomer)
+{
+    job->links = calloc(1, sizeof *job->links);
+    for (uint32_t a = 0; job->links && a < job->nworkers; a++)
+        for (uint32_t b = a + 1; b < job->nworkers; b++)
+            if (a != newcomer && b != newcomer && is_here(job, a) &&
+                is_here(job, b) && !note(job->links, a, b))
+                return false;
+    return job->links;
+}
+
+static void
+drop(struct coord *c, struct job *job, size_t i)
+{
+    struct links *l = job->links;
+    const uint32_t end[2] = { l->pair[i].a, l->pair[i].b };
+
+    for (int k = 0; k < 2; k++)
+        if (job->workers[end[k]].worker->conn != 0 &&
+            part_is_here(&job->workers[end[k]]))
+            introduce_unlink(c, job, job->workers[end[k]].worker,
+                             job->workers[end[!k]].worker);
+    memmove(&l->pair[i], &l->pair[i + 1],
+            (--l->n - i) * sizeof l->pair[0]);
+}
+
+void
+linking_join(struct coord *c, struct job *job, uint32_t index)
+{
+    if (shares_records(job))
+        introduce_worker(c, job, index, MOST_LINKED);
+    else if (!job->links && !are_many(c, job))
+        introduce_worker(c, job, index, UINT32_MAX);
+    else if (!job->links && !begin(job, index))
+        c->actions.failed = true;
+}
+
+void
+linking_left(struct coord *c, struct job *job, uint32_t index)
+{
+    struct links *l = job->links;
+
+    for (size_t i = l ? l->n : 0; i-- > 0;)
+        if (has(&l->pair[i], index))
+            drop(c, job, i);
+}
+
+/* Before one more: if a worker has as many as it may its oldest link goes. */
+static void
+make_room(struct coord *c, struct job *job, uint32_t index)
+{
+    const struct links *l = job->links;
+    size_t oldest = l->n, n = 0;
+
+    for (size_t i = l->n; i-- > 0;)
+        if (has(&l->pair[i], index)) {
+            oldest = i;
+            n++;
+        }
+    if (n >= MOST_NEEDED)
+        drop(c, job, oldest);
+}
+
+void
+linking_need(struct coord *c, struct job *job, uint32_t a, uint32_t b)
+{
+    const struct links *l = job->links;
+
+    if (!l || a == b || !is_here(job, a) || !is_here(job, b))
+        return;
+    for (size_t i = 0; i < l->n; i++)
+        if (has(&l->pair[i], a) && has(&l->pair[i], b))
+            return;
+    make_room(c, job, a);
+    make_room(c, job, b);
+    if (introduce_link(c, job, job->workers[a].worker, job->workers[b].worker,
+                       0) &&
+        !note(job->links, a, b))
+        c->actions.failed = true;
+}

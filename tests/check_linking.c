@@ -1,0 +1,146 @@
+/* check_linking.c - which workers of a job are named to which */
+#include "config.h"
+
+#include "coord_fixture.h"
+#include "jobs/job.h"
+#include "jobs/part.h"
+#include "links/linking.h"
+
+enum { FIRST = 20 }; /* connection of the first worker that has an address */
+
+/* Work for all. */
+static const struct msg_frame large = { 0, 64, 2000, "" };
+
+/* Of workers all are ready for the job, and can be dialled. */
+static void
+come(uint32_t n)
+{
+    for (uint32_t i = 0; i < n; i++) {
+        struct coord_peer peer = { "test", "daemon", 30, NULL };
+        char name[16];
+        struct msg m = { .type = MSG_HELLO,
+                         .hello = { MSG_VERSION_MIN, MSG_VERSION,
+                                    MSG_ROLE_WORKER, name, "t", "host:1", 2,
+                                    0 } };
+
+        snprintf(name, sizeof name, "w%u", i);
+        coord_opened(f.c, f.now_ms, FIRST + i, &peer);
+        say(&f, FIRST + i, &m);
+        ready(&f, FIRST + i, job_a);
+    }
+}
+
+static void
+begin_job(uint32_t flags)
+{
+    struct msg m = usual_submit(job_a);
+
+    m.submit.frames = &large;
+    m.submit.partition = MSG_PART_STATIC;
+    m.submit.flags = flags;
+    say(&f, ANA, &m);
+}
+
+/* The worker's number in the job. */
+static uint32_t
+number(const struct job *job, uint32_t i)
+{
+    char name[16];
+
+    snprintf(name, sizeof name, "w%u", i);
+    return part_find(job, name);
+}
+
+static void
+need(uint32_t a, uint32_t b)
+{
+    struct job *job = desk_find_job(f.c, job_a);
+
+    linking_need(f.c, job, number(job, a), number(job, b));
+    carry_out(&f);
+}
+
+/* JOB_PEERS that all workers got. */
+static int
+named(uint32_t n)
+{
+    int all = 0;
+
+    for (uint32_t i = 0; i < n; i++)
+        all += f.peers[FIRST + i];
+    return all;
+}
+
+static const struct {
+    uint32_t n; /* workers */
+    int last;   /* with how many of them the last is linked */
+} live[] = { { 2, 1 }, { 64, 63 }, { 65, 64 }, { 200, 199 }, { 270, 256 } };
+
+START_TEST(records_go_to_all_at_once)
+{
+    begin_job(MSG_JOB_SHARE);
+    come(live[_i].n);
+    ck_assert_int_eq(f.peers[FIRST + live[_i].n - 1], live[_i].last);
+}
+END_TEST
+
+START_TEST(few_that_share_lines_are_all_linked)
+{
+    begin_job(0);
+    come(64);
+    ck_assert_int_eq(named(64), 64 * 63);
+}
+END_TEST
+
+/* The oldest link makes way for the 17th. */
+START_TEST(of_many_those_are_linked_that_need_it)
+{
+    begin_job(0);
+    come(90);
+    ck_assert_int_eq(f.peers[FIRST + 89], 0);
+    ck_assert_int_eq(named(90), 64 * 63);
+    memset(f.peers, 0, sizeof f.peers);
+    for (uint32_t i = 0; i < 16; i++) {
+        need(70, 71 + i);
+        need(71 + i, 70); /* is there */
+    }
+    ck_assert_int_eq(f.peers[FIRST + 70], 16);
+    ck_assert_int_eq(named(90), 32);
+    need(70, 87);
+    ck_assert_int_eq(f.peers[FIRST + 70], 16 + 2);
+    ck_assert_int_eq(f.peers[FIRST + 71], 2);
+    need(71, 70); /* it has gone, so this is new */
+    ck_assert_int_eq(f.peers[FIRST + 71], 3);
+}
+END_TEST
+
+START_TEST(links_of_a_worker_that_left_are_made_anew)
+{
+    struct job *job;
+
+    begin_job(0);
+    come(80);
+    job = desk_find_job(f.c, job_a);
+    need(70, 71);
+    linking_left(f.c, job, number(job, 71));
+    carry_out(&f);
+    memset(f.peers, 0, sizeof f.peers);
+    need(70, 71);
+    ck_assert_int_eq(f.peers[FIRST + 70], 1);
+}
+END_TEST
+
+int
+main(void)
+{
+    Suite *s = suite_create("linking");
+    TCase *tc = tcase_create("linking");
+
+    tcase_add_checked_fixture(tc, set_up, tear_down);
+    tcase_add_loop_test(tc, records_go_to_all_at_once, 0, N_ELEM(live));
+    tcase_add_test(tc, few_that_share_lines_are_all_linked);
+    tcase_add_test(tc, of_many_those_are_linked_that_need_it);
+    tcase_add_test(tc, links_of_a_worker_that_left_are_made_anew);
+    suite_add_tcase(s, tc);
+    return unit_run(s);
+}
