@@ -1,9 +1,8 @@
 /* paint.c - see paint.h
  *
- * A source is painted as what is seen of it: convex polygons by their corners,
- * balls, disks and distant sources by a polygon of the circle's area, tubes by
- * a rectangle; a polygon that is not convex and a ring with a hole by a square
- * as large.  What no sample misses is left to the sampler. */
+ * What is flat or distant is painted as the parallelogram, and a ball or tube
+ * as the box, that rpict takes it for (light/direct/shape.c).  Of a box six
+ * corners are seen, without those nearest and furthest from the eye. */
 #include "config.h"
 
 #include "picture/paint.h"
@@ -17,17 +16,15 @@
 #include <string.h>
 
 enum {
-    /* clipping to a pixel adds one corner a side */
-    MOST_CORNERS = RAD_PAINT_CORNERS + 4,
+    /* clipping to a side of a pixel adds one corner, and half as many as there
+     * are where an outline crosses itself: 6, 9, 13, 19, 28 */
+    MOST_CORNERS = 28,
     /* branch of a painting ray's key, away from those of surfaces */
     BRANCH_PAINT = 0x7f000000
 };
 
 /* A distant source of this radius [rad] or more is never missed. */
 #define WIDE_DISTANT .05
-
-/* A polygon whose hull is larger by this share is not convex. */
-#define CONCAVE 1e-6
 
 /* A pixel that differs by less than this from the source has met it. */
 #define SAME_RADIANCE .07
@@ -92,46 +89,27 @@ rad_paint_coverage(const double (*in)[2], int n, int width, int height, int x,
     return area(b, n) * width * height;
 }
 
+/* Make the polygon convex: drop each corner without which it is as large. */
 static int
-by_position(const void *a, const void *b)
+drop_dents(corner *v, int n)
 {
-    const double *p = a, *q = b;
+    double whole = area(v, n);
 
-    if (p[0] != q[0])
-        return p[0] < q[0] ? -1 : 1;
-    return p[1] < q[1] ? -1 : p[1] > q[1];
-}
+    for (int i = 0; i < n;) {
+        corner rest[RAD_PAINT_CORNERS];
+        double size;
 
-/* Does the path a, b, c turn left? */
-static bool
-turns_left(const double *a, const double *b, const double *c)
-{
-    return (b[0] - a[0]) * (c[1] - a[1]) > (b[1] - a[1]) * (c[0] - a[0]);
-}
-
-/* Convex hull of the corners, which get sorted; returns how many it has.
- * Source: Andrew 1979 (monotone chain). */
-static int
-hull(corner *v, int n, corner *out)
-{
-    corner chain[2 * RAD_PAINT_CORNERS];
-    int k = 0;
-
-    qsort(v, (size_t)n, sizeof *v, by_position);
-    for (int pass = 0; pass < 2; pass++) {
-        int start = k;
-
-        for (int i = 0; i < n; i++) {
-            const double *p = v[pass ? n - 1 - i : i];
-
-            while (k >= start + 2 && !turns_left(chain[k - 2], chain[k - 1], p))
-                k--;
-            memcpy(chain[k++], p, sizeof *chain);
+        memcpy(rest, v, (size_t)i * sizeof *v);
+        memcpy(rest + i, v + i + 1, (size_t)(n - 1 - i) * sizeof *v);
+        size = area(rest, n - 1);
+        if (size >= whole) {
+            whole = size;
+            memcpy(v, rest, (size_t)--n * sizeof *v);
+        } else {
+            i++;
         }
-        k--; /* the last is the other half's first */
     }
-    memcpy(out, chain, (size_t)k * sizeof *out);
-    return k;
+    return n;
 }
 
 /* Square of the least width of a convex polygon, in picture widths; aspect2 is
@@ -158,170 +136,85 @@ least_width2(const corner *v, int n, double aspect2)
     return least;
 }
 
-/* A source, or the image of one, and who looks at it. */
-struct seen {
-    const struct rad_sources *sources;
-    int32_t i;
-    struct rad_source_shape shape;
-    const struct rad_object *o;
-    const struct rad_view *view;
-    double vp[3], dir[3]; /* of the view, as the source itself has it */
-};
-
-static void
-see(struct seen *s, const struct rad_job *job, int32_t i,
-    const struct rad_view *v)
-{
-    double ahead[3];
-
-    s->sources = job->sources;
-    s->i = i;
-    rad_source_shape(s->sources, i, &s->shape);
-    s->o = &job->scene->objects[s->shape.obj];
-    s->view = v;
-    rad_source_seen_from(s->sources, i, v->vp, s->vp);
-    rad_madd(ahead, v->vp, 1, v->dir);
-    rad_source_seen_from(s->sources, i, ahead, s->dir);
-    rad_sub(s->dir, s->dir, s->vp);
-}
-
-/* Where a source is looked at from: to its centre. */
-static void
-line_of_sight(const struct seen *s, double to[3])
-{
-    if (s->shape.distant)
-        rad_copy(to, s->shape.centre);
-    else if (s->view->type == 'l')
-        rad_copy(to, s->dir);
-    else
-        rad_sub(to, s->shape.centre, s->vp);
-}
-
-/* Is the source turned away, or one that cannot be outlined? */
+/* Is the source turned away from vp, or too wide to be missed? */
 static bool
-unseen(const struct seen *s)
+unseen(const struct rad_source_shape *s, const double vp[3],
+       const struct rad_view *v)
 {
     double to[3];
 
-    if (s->shape.distant)
-        return s->view->type == 'l' || s->shape.radius >= WIDE_DISTANT;
-    if (!s->shape.flat)
-        return false;
-    line_of_sight(s, to);
-    return rad_dot(to, s->shape.axis[2]) >= 0;
+    if (s->distant)
+        return v->type == 'l' || s->radius >= WIDE_DISTANT;
+    rad_sub(to, s->centre, vp);
+    return s->flat && rad_dot(to, s->axis[2]) >= 0;
 }
 
-/* A parallelogram of half-axes a and b. */
-static int
-four_corners(const double centre[3], const double a[3], const double b[3],
-             double (*p)[3])
+/* The corner of a shape that each half-axis is added to where its bit is set,
+ * and taken from where not. */
+static void
+corner_of(const struct rad_source_shape *s, int naxes, unsigned bits,
+          double p[3])
 {
-    for (int k = 0; k < 4; k++) {
-        rad_madd(p[k], centre, k == 1 || k == 2 ? 1 : -1, a);
-        rad_madd(p[k], p[k], k > 1 ? 1 : -1, b);
-    }
-    return 4;
+    rad_copy(p, s->centre);
+    for (int k = 0; k < naxes; k++)
+        rad_madd(p, p, bits >> k & 1 ? 1 : -1, s->axis[k]);
 }
 
-/* An ellipse, by a polygon of its area; a and b are half-axes of a
- * parallelogram as large. */
+/* The corners in space of what stands for a source that is seen from vp.  Those
+ * of a box begin with the one of the lowest bits and go round it one way, which
+ * decides what drop_dents() leaves where a parallel view shows other sides of
+ * the box than vp does. */
 static int
-round_corners(const double centre[3], const double a[3], const double b[3],
-              double (*p)[3])
+silhouette(const struct rad_source_shape *s, const double vp[3], double (*p)[3])
 {
-    const int n = RAD_PAINT_CORNERS;
-    double scale = sqrt(8 / (n * rad_sin(2 * M_PI / n)));
+    static const unsigned flat[] = { 0, 1, 3, 2 },
+                          round[] = { 1, 3, 2, 6, 4, 5 };
+    unsigned furthest = 0, parity = 0, start = 0, lowest;
+    double to[3];
 
-    for (int k = 0; k < n; k++) {
-        rad_madd(p[k], centre, scale * rad_cos(2 * M_PI * k / n), a);
-        rad_madd(p[k], p[k], scale * rad_sin(2 * M_PI * k / n), b);
+    if (s->flat || s->distant) {
+        for (int i = 0; i < 4; i++)
+            corner_of(s, 2, flat[i], p[i]);
+        return 4;
     }
-    return n;
+    rad_sub(to, s->centre, vp);
+    for (int k = 0; k < 3; k++)
+        if (rad_dot(to, s->axis[k]) > 0) {
+            furthest |= 1u << k;
+            parity ^= 1;
+        }
+    lowest = furthest == 0 || furthest == 7;
+    while ((round[start] ^ furthest) != lowest)
+        start++;
+    for (unsigned i = 0; i < 6; i++)
+        corner_of(s, 3, round[(start + (parity ? 6 - i : i)) % 6] ^ furthest,
+                  p[i]);
+    return 6;
 }
 
-/* What is seen of a source, by its corners in space.  Of a tube that is a
- * rectangle across the line of sight; its ends are open and show nothing. */
-static int
-silhouette(const struct seen *seen, double (*p)[3])
-{
-    const struct rad_source_shape *s = &seen->shape;
-    const struct rad_object *o = seen->o;
-    double to[3], a[3], b[3];
-
-    line_of_sight(seen, to);
-    switch (o->type) {
-    case RAD_SPHERE:
-        rad_normalize(to);
-        rad_frame(a, b, to);
-        rad_scale(a, sqrt(M_PI) / 2 * s->radius, a);
-        rad_scale(b, sqrt(M_PI) / 2 * s->radius, b);
-        return round_corners(s->centre, a, b, p);
-    case RAD_CYLINDER:
-        rad_cross(a, s->axis[0], to);
-        rad_normalize(a);
-        rad_scale(a, fabs(o->reals[6]), a);
-        return four_corners(s->centre, s->axis[0], a, p);
-    case RAD_POLYGON:
-        if (o->nreals > 3 * RAD_PAINT_CORNERS)
-            break;
-        memcpy(p, o->reals, (size_t)o->nreals * sizeof *o->reals);
-        return o->nreals / 3;
-    default:
-        if (o->type == RAD_SOURCE || o->reals[6] == 0 || o->reals[7] == 0)
-            return round_corners(s->centre, s->axis[0], s->axis[1], p);
-    }
-    return four_corners(s->centre, s->axis[0], s->axis[1], p);
-}
-
-/* Outline in picture positions of what has n corners in space; false: not
- * wholly in view, or not convex. */
+/* The outline of a source, or of an image of one; false: none, or it is not
+ * wholly in view. */
 static bool
-outline(const struct seen *s, int n, double (*p)[3],
-        struct rad_paint_source *out)
+find_outline(const struct rad_job *job, int32_t i,
+             const struct rad_source_shape *shape, const struct rad_view *v,
+             struct rad_paint_source *out)
 {
-    corner v2[RAD_PAINT_CORNERS];
-    double whole;
+    double p[RAD_PAINT_CORNERS][3], vp[3];
+    int n;
 
+    rad_source_seen_from(job->sources, i, v->vp, vp);
+    if (unseen(shape, vp, v))
+        return false;
+    n = silhouette(shape, vp, p);
     for (int k = 0; k < n; k++) {
-        rad_source_appears(s->sources, s->i, p[k], p[k]);
-        if (s->shape.distant) /* any point beyond the fore plane will do */
-            rad_madd(p[k], s->view->vp, 1 + s->view->vfore, p[k]);
-        if (rad_view_locate(s->view, p[k], v2[k]) != 0)
+        rad_source_appears(job->sources, i, p[k], p[k]);
+        if (shape->distant) /* any point beyond the fore plane will do */
+            rad_madd(p[k], v->vp, 1 + v->vfore, p[k]);
+        if (rad_view_locate(v, p[k], out->corner[k]) != 0)
             return false;
     }
-    whole = area(v2, n);
-    out->ncorners = hull(v2, n, out->corner);
-    return out->ncorners >= 3 &&
-           area(out->corner, out->ncorners) <= whole * (1 + CONCAVE);
-}
-
-static bool
-find_outline(const struct seen *s, struct rad_paint_source *out)
-{
-    double p[RAD_PAINT_CORNERS][3];
-
-    if (unseen(s))
-        return false;
-    if (outline(s, silhouette(s, p), p, out))
-        return true;
-    /* a polygon that is not convex, by a square as large */
-    return s->o->type == RAD_POLYGON &&
-           outline(s,
-                   four_corners(s->shape.centre, s->shape.axis[0],
-                                s->shape.axis[1], p),
-                   p, out);
-}
-
-/* Can no sample miss it?  Samples are `step` picture widths apart.  A strip as
- * wide as a step meets some; what is round or has three corners may lie between
- * four of them until it is as wide as they are across. */
-static bool
-never_missed(const struct rad_paint_source *s, const struct rad_view *v,
-             double step)
-{
-    double wide = s->ncorners == 4 ? step : M_SQRT2 * step;
-
-    return least_width2(s->corner, s->ncorners, v->vn2 / v->hn2) > wide * wide;
+    out->ncorners = n == 4 ? n : drop_dents(out->corner, n);
+    return out->ncorners >= 3;
 }
 
 /* Room for one more in the list, which doubles. */
@@ -349,13 +242,14 @@ rad_paint_init(struct rad_paint *p, const struct rad_job *job,
     p->list = NULL;
     for (int32_t i = 0; i < n; i++) {
         const struct rad_emitter *e;
+        struct rad_source_shape shape;
         struct rad_paint_source s;
-        struct seen seen;
 
-        see(&seen, job, i, v);
-        e = rad_emitter_of(job, seen.shape.obj);
-        if (!e || e->type == RAD_ILLUM || !find_outline(&seen, &s) ||
-            never_missed(&s, v, step))
+        rad_source_shape(job->sources, i, &shape);
+        e = rad_emitter_of(job, shape.obj);
+        if (!e || e->type == RAD_ILLUM ||
+            !find_outline(job, i, &shape, v, &s) ||
+            least_width2(s.corner, s.ncorners, v->vn2 / v->hn2) > step * step)
             continue;
         if (!grow(p)) {
             rad_paint_release(p);
@@ -404,15 +298,18 @@ channel_same(float a, float b)
 }
 
 /* Let the share w of a pixel have radiance L at distance dist.  One that the
- * sampler found as bright is brought down to what the source covers. */
+ * sampler found as bright, and no further away where that is known, is brought
+ * down to what the source covers. */
 static void
 cover(struct rad_pixel *p, struct rad_rgb L, double dist, double w, bool depth)
 {
     bool same = channel_same(L.r, p->L.r) && channel_same(L.g, p->L.g) &&
                 channel_same(L.b, p->L.b);
 
-    if (depth && dist < .99 * p->z)
+    if (depth && dist < .99 * p->z) {
         p->z = (float)dist;
+        same = false;
+    }
     if (same)
         p->L = rad_rgb_scale(p->L, (float)w);
     else

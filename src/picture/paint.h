@@ -1,10 +1,10 @@
 /* paint.h - light sources that are smaller in the picture than a sample
  *
- * The sampler may miss a source that is narrower than -ps pixels, and a round
- * one that is less than 1.4 times as wide.  With -dv+ those are drawn after a
- * bar is filled, each pixel with the share of its area that the source covers
- * and the radiance of a ray through the covered part.
- * Illums are left out, and what is not wholly in view, as in rpict; the images
+ * The sampler may miss a source that is narrower than -ps pixels.  With -dv+
+ * those are drawn after a bar is filled, each pixel with the share of its area
+ * that the source covers and the radiance of a ray through the covered part.
+ * A source is taken for a simple shape, as in rpict: a ball for a box.
+ * Illums are left out, and what is not wholly in view; the images
  * of sources in mirrors and prisms are drawn as they themselves are, also where
  * a mirror shows the eye another material. What a pixel gets depends on the
  * pixel and the picture alone, not on the bar or window that it is painted in.
@@ -16,8 +16,8 @@
 #include "picture/view.h"
 #include "trace/ray.h"
 
-/* A circle is a polygon of so many corners, within 1.3 % of its radius. */
-enum { RAD_PAINT_CORNERS = 16 };
+/* A box has so many corners in its outline. */
+enum { RAD_PAINT_CORNERS = 6 };
 
 /* A source's outline: a convex polygon in picture positions (0..1). */
 struct rad_paint_source {

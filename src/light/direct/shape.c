@@ -4,7 +4,9 @@
  * where that lies outside, at its centroid or in its largest triangle.  The
  * axes of what has no straight edges are those of a square of equal area
  * (ring, distant source, irregular polygon), of a cube in the sphere, of a box
- * in the cylinder, as rpict takes them.  */
+ * in the cylinder; those of a quadrilateral follow the edges at its first
+ * corner, those of a triangle are of a square about its centroid, along the
+ * edge that is nearest and up to it; all as rpict takes them.  */
 #include "config.h"
 
 #include "light/sample/polytree.h"
@@ -81,6 +83,38 @@ mean_corner(const double *v, int n, double c[3])
     }
 }
 
+/* Half-axes along the edges at a quadrilateral's first corner. */
+static void
+edge_axes(struct rad_source *src, const double *v)
+{
+    for (int k = 0; k < 3; k++) {
+        src->axis[0][k] = (v[3 + k] - v[k]) / 2;
+        src->axis[1][k] = (v[9 + k] - v[k]) / 2;
+    }
+}
+
+/* Half-axes of a triangle: the centroid is nearest to the longest edge, by a
+ * third of the height over it. */
+static void
+triangle_axes(struct rad_source *src, const double *v)
+{
+    double edge[3], longest2;
+
+    rad_sub(edge, v, v + 6);
+    longest2 = rad_dot(edge, edge);
+    for (int i = 0; i < 6; i += 3) {
+        double l2 = rad_dist2(v + i, v + i + 3);
+
+        if (l2 > longest2) {
+            longest2 = l2;
+            rad_sub(edge, v + i + 3, v + i);
+        }
+    }
+    /* height = 2 area / longest */
+    rad_scale(src->axis[0], 2 * src->size / (3 * longest2), edge);
+    rad_cross(src->axis[1], src->normal, src->axis[0]);
+}
+
 static int
 polygon_shape(struct rad_source *src, const struct rad_object *o,
               struct rad_arena *arena)
@@ -96,10 +130,14 @@ polygon_shape(struct rad_source *src, const struct rad_object *o,
     if (!(src->size > 0 && src->size < INFINITY))
         return 1;
     mean_corner(v, n, src->centre);
+    if (n == 4)
+        edge_axes(src, v);
+    else if (n == 3)
+        triangle_axes(src, v);
+    else
+        square_axes(src, src->normal, src->size);
     if (n == 4 && is_parallelogram(v)) {
         for (int k = 0; k < 3; k++) {
-            src->axis[0][k] = (v[3 + k] - v[k]) / 2;
-            src->axis[1][k] = (v[9 + k] - v[k]) / 2;
             src->root.a[k] = src->axis[0][k] / sqrt(3);
             src->root.b[k] = src->axis[1][k] / sqrt(3);
         }
@@ -107,7 +145,6 @@ polygon_shape(struct rad_source *src, const struct rad_object *o,
         rad_copy(src->root.aim, src->centre);
         src->root.area = src->size;
     } else {
-        square_axes(src, src->normal, src->size);
         src->tree = rad_polytree_new(v, n, src->normal, arena);
         if (!src->tree)
             return RAD_ENOMEM;

@@ -239,8 +239,6 @@ rad_source_shape(const struct rad_sources *s, int32_t i,
     shape->obj = src->obj;
     shape->distant = src->flags & RAD_LIGHT_DISTANT;
     shape->flat = src->flags & RAD_LIGHT_FLAT;
-    shape->round = src->flags & RAD_LIGHT_ROUND;
-    shape->direct = !(src->flags & RAD_LIGHT_SKIP);
     rad_copy(shape->centre, src->centre);
     for (int k = 0; k < 3; k++)
         rad_copy(shape->axis[k], src->axis[k]);

@@ -67,13 +67,12 @@ void rad_source_aimed(struct rad_ctx *ctx, struct rad_ray *r);
 
 /* Where a source is and how it extends, for painting those that look smaller
  * than a sample (see picture/paint.h); of an image, the source that it shows.
- * Of disks, rings, distant sources and polygons other than parallelograms the
- * axes are those of a square as large; of a tube the first is half of it. */
+ * The axes are those of what rpict takes it for (shape.c); of a tube the first
+ * is half of it. */
 struct rad_source_shape {
     int32_t obj;
     bool distant; /* centre is a unit direction; axes are tangents [rad] */
-    bool flat, round;
-    bool direct; /* gives direct light; else seen only (a far glow) */
+    bool flat;
     double centre[3];
     double axis[3][3]; /* half-axes; of flat ones the third is the unit
                         * normal, of distant ones zero */
