@@ -60,7 +60,7 @@ program_warn_of_scene(struct program *p)
 
     for (int i = 0; warning_of(&p->scene, i, text); i++)
         program_warn(p, text);
-    if (warning_dark(&p->scene, text))
+    if (warning_dark(&p->scene, p->o.params.ambounce > 0, text))
         program_warn(p, text);
 }
 

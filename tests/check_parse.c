@@ -684,7 +684,7 @@ job_end(void *arg, void *job, bool stop, struct rad_error *err)
 START_TEST(commands_are_read_in_their_place)
 {
     static const char text[] = MAT "!3\n" TRI;
-    struct rad_parse_io io = { job_begin, job_end, NULL, NULL };
+    struct rad_parse_io io = { job_begin, job_end, NULL, NULL, NULL };
     struct rad_scene *s = rad_scene_new();
 
     ck_assert_int_eq(
@@ -702,7 +702,7 @@ END_TEST
 
 START_TEST(errors_in_commands_say_where)
 {
-    struct rad_parse_io io = { job_begin, job_end, NULL, NULL };
+    struct rad_parse_io io = { job_begin, job_end, NULL, NULL, NULL };
     struct rad_scene *s = rad_scene_new();
     struct rad_error err = { 0 };
 

@@ -143,6 +143,27 @@ tell(void *arg, const struct rad_error *err)
     r->each(r->arg, err);
 }
 
+/* Warnings that nobody asks for are kept. */
+static void
+warn(void *arg, const struct rad_error *err)
+{
+    const struct reading *r = arg;
+
+    if (r->each)
+        r->each(r->arg, err);
+    else
+        warning_keep(r->c, err);
+}
+
+static struct rad_parse_io
+parse_io(struct reading *r)
+{
+    struct rad_parse_io io = { begin_command, end_command,
+                               r->each ? tell : NULL, warn, r };
+
+    return io;
+}
+
 /* Errors other than the parser's, which tells its own. */
 static int
 failed(const struct reading *r, const struct rad_error *err)
@@ -181,8 +202,7 @@ static int
 read_named(void *arg, const char *name, struct rad_error *err)
 {
     struct reading *r = arg;
-    struct rad_parse_io io = { begin_command, end_command,
-                               r->each ? tell : NULL, r };
+    struct rad_parse_io io = parse_io(r);
     const char *folder = r->folder;
     char *path;
     int rc;
@@ -231,8 +251,7 @@ read_source_file(struct compiled *c, struct source *src, const char *file,
                  bool alone, struct reading *r, struct rad_error *err)
 {
     struct rad_stream in = { read_source, src };
-    struct rad_parse_io io = { begin_command, end_command,
-                               r->each ? tell : NULL, r };
+    struct rad_parse_io io = parse_io(r);
 
     r->folder = src->folder;
     if (has_suffix(file, ".oct") || rad_octfile_is(src->head, src->len)) {
@@ -278,8 +297,7 @@ static int
 read_command(struct compiled *c, const char *text, struct reading *r,
              struct rad_error *err)
 {
-    struct rad_parse_io io = { begin_command, end_command,
-                               r->each ? tell : NULL, r };
+    struct rad_parse_io io = parse_io(r);
 
     r->folder = ".";
     return rad_parse_text(c->scene, text, strlen(text), "command line", &io,
@@ -334,6 +352,7 @@ freeze(struct compiled *c, const char *name, const void *bytes, size_t len,
     c->depth--;
     rad_octree_release(&in.octree);
     rad_scene_free(in.scene);
+    free(in.warnings);
     free(folder);
     free(path);
     return rc;
@@ -642,16 +661,14 @@ compile_parse(struct compiled *c, const char *const *files, int n,
     return rc;
 }
 
-/* What is wrong with the scene; warnings that nobody asks for are kept. */
+/* What is wrong with the scene. */
 static void
 judge(void *arg, const struct rad_error *err)
 {
     const struct reading *r = arg;
 
-    if (r->each)
-        r->each(r->arg, err);
-    else if (err->code == RAD_WARNING)
-        warning_keep(r->c, err);
+    if (r->each || err->code == RAD_WARNING)
+        warn(arg, err);
 }
 
 int

@@ -67,21 +67,24 @@ warn_of_lights(const struct compiled *c, char text[WARNING_SIZE])
     return true;
 }
 
-/* Can something of this material be bright by itself? */
+/* Does surface i light anything but itself?  Far glows and what shines within
+ * instances do so by indirect light alone. */
 static bool
-may_shine(const struct rad_scene *s, int32_t material)
+gives_light(const struct rad_scene *s, int32_t i, bool indirect)
 {
+    const struct rad_object *o = &s->objects[i], *m;
+    int32_t material = rad_material_of(s, o->modifier);
+
     if (material == RAD_VOID)
         return false;
-    switch (s->objects[material].type) {
-    case RAD_LIGHT:
-    case RAD_ILLUM:
-    case RAD_SPOTLIGHT:
-    case RAD_GLOW:
+    m = &s->objects[material];
+    if (indirect && m->type == RAD_GLOW)
         return true;
-    default: /* a mixture may be of one that does */
-        return rad_otype_class(s->objects[material].type) == RAD_CLASS_MIXTURE;
-    }
+    if (!indirect && (i >= rad_scene_own(s) ||
+                      (m->type == RAD_GLOW && o->type == RAD_SOURCE)))
+        return false;
+    return rad_material_lights(m) || /* a mixture may be of one that does */
+           rad_otype_class(m->type) == RAD_CLASS_MIXTURE;
 }
 
 /* Is there a light source of this name?  What relays it may stand before it,
@@ -179,24 +182,22 @@ warning_of(const struct compiled *c, int i, char text[WARNING_SIZE])
 }
 
 bool
-warning_dark(const struct compiled *c, char text[WARNING_SIZE])
+warning_dark(const struct compiled *c, bool indirect, char text[WARNING_SIZE])
 {
     const struct rad_scene *s = c->scene;
     int32_t surfaces = 0;
 
     for (int32_t i = 0; i < s->nobjects; i++) {
-        const struct rad_object *o = &s->objects[i];
-
-        if (rad_otype_class(o->type) != RAD_CLASS_SURFACE)
+        if (rad_otype_class(s->objects[i].type) != RAD_CLASS_SURFACE)
             continue;
         surfaces++;
-        if (may_shine(s, rad_material_of(s, o->modifier)))
+        if (gives_light(s, i, indirect))
             return false;
     }
     snprintf(text, WARNING_SIZE, "warning: %s",
              surfaces == 0 ? "the scene has no surface"
-                           : "no surface of the scene gives light: what -av "
-                             "does not light is black");
+                           : "no light sources found: what does not shine "
+                             "itself is black but for -av");
     return true;
 }
 

@@ -24,9 +24,11 @@ void warning_keep(struct compiled *c, const struct rad_error *err);
  * no more. */
 bool warning_of(const struct compiled *c, int i, char text[WARNING_SIZE]);
 
-/* Is there nothing that could light a picture of the scene, or nothing to see?
- * Said of what is rendered, for a part of a scene may well be dark. */
-bool warning_dark(const struct compiled *c, char text[WARNING_SIZE]);
+/* Is there nothing that could light a picture of the scene, with indirect light
+ * or without, or nothing to see?  Said of what is rendered, for a part of a
+ * scene may well be dark. */
+bool warning_dark(const struct compiled *c, bool indirect,
+                  char text[WARNING_SIZE]);
 
 /* What the user should know of functions of object number `object` that had no
  * value in so many places; false: there is no such object. */

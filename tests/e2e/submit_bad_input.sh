@@ -95,11 +95,19 @@ expect 69 "no.sock" "radctl without a coordinator" \
     "$radctl" --coordinator="$work/no.sock" status
 # what can only be dark is told, what may be bright is not
 printf 'void plastic p 0 0 5 .5 .5 .5 0 0\np sphere s 0 0 4 0 0 0 1\n' >dark.rad
-expect 0 "warning: no surface of the scene gives light" "no light" \
+expect 0 "warning: no light sources found" "no light" \
     "$radsubmit" --local -x 4 -y 4 -o /dev/null dark.rad
-: >empty.rad
+printf 'void glow g 0 0 4 1 1 1 0\ng source sky 0 0 4 0 0 1 180\n' >sky.rad
+expect 0 "warning: no light sources found" "a sky without indirect light" \
+    "$radsubmit" --local -x 4 -y 4 -ab 0 -o /dev/null sky.rad
+expect 0 "" "a sky" "$radsubmit" --local -x 4 -y 4 -ab 1 -o /dev/null sky.rad
+grep warning stderr && fail "the sky gives light"
+printf '# nothing\n!echo\n' >empty.rad
 expect 0 "warning: the scene has no surface" "nothing at all" \
     "$radsubmit" --local -x 4 -y 4 -o /dev/null empty.rad
+grep "warning: .*empty.rad:2 (!echo): empty file" stderr ||
+    fail "nothing comes of the command"
+grep "warning: .*empty.rad: empty file" stderr || fail "nor of the file"
 printf 'void plastic p 0 0 5 1 1 1 0 0\nvoid glow g 0 0 4 1 1 1 0
 void mixfunc m 4 p g .5 . 0 0\nm sphere s 0 0 4 0 0 0 1\n' >mixed.rad
 expect 0 "" "a mixture that shines" \

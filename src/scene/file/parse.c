@@ -442,16 +442,34 @@ read_command(struct reader *r, struct rad_error *err)
     return rc;
 }
 
+/* Tell of a text that is empty but for comments. */
+static void
+warn_of_empty(const struct reader *r)
+{
+    const struct rad_parse_io *io = r->parser->io;
+    struct rad_error now = { 0 };
+
+    if (!io || !io->warn)
+        return;
+    rad_fail(&now, RAD_WARNING, "empty file");
+    rad_error_where(&now, "%s", r->parser->scene->files[r->file]);
+    io->warn(io->arg, &now);
+}
+
 static int
 read_text(struct reader *r, struct rad_error *err)
 {
+    int32_t before = r->parser->scene->nobjects;
     int rc = 0;
 
     while (!rc) {
         int token = rad_lex_next(&r->lex, err);
 
-        if (token == RAD_TOKEN_END)
+        if (token == RAD_TOKEN_END) {
+            if (r->parser->scene->nobjects == before)
+                warn_of_empty(r);
             return 0;
+        }
         if (token == RAD_TOKEN_COMMAND)
             rc = read_command(r, err);
         else

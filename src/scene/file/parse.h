@@ -29,6 +29,8 @@ struct rad_parse_io {
     /* If not NULL, called with every error that reading can go on after
      * (undefined modifiers and types); others end it. */
     void (*each)(void *arg, const struct rad_error *err);
+    /* If not NULL, called with RAD_WARNINGs: texts without objects. */
+    void (*warn)(void *arg, const struct rad_error *err);
     void *arg;
 };
 
