@@ -37,6 +37,7 @@
 #define MSG_MAX_FRAMES     65536      /* frames of a job */
 #define MSG_MAX_VIEWS      (64u << 20) /* bytes of the file of frames */
 #define MSG_MAX_SIDE       65535       /* columns or rows that are rendered */
+#define MSG_MAX_COLUMNS    ((int)MSG_MAX_PIXELS / 16) /* a row fits a RESULT */
 #define MSG_MAX_OVERSAMPLE 8
 #define MSG_MIN_CLAMP      1. /* least clamp, but for 0: none */
 #define MSG_MAX_CLAMP      1000.

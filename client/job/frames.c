@@ -54,18 +54,18 @@ check_size(const struct submit_options *o, int width, int height,
                         "a picture of %d by %d pixels, by -x, -y and the "
                         "view's proportions: nothing to render",
                         rad_filter_side(width, n), rad_filter_side(height, n));
-    if (width <= MSG_MAX_SIDE && height <= MSG_MAX_SIDE)
+    if (width <= MSG_MAX_COLUMNS && height <= MSG_MAX_SIDE)
         return 0;
     if (n == 1)
         return rad_fail(err, RAD_EUSAGE,
-                        "a picture of %d by %d pixels: at most %d are allowed "
-                        "a side",
-                        width, height, MSG_MAX_SIDE);
+                        "a picture of %d by %d pixels: at most %d by %d are "
+                        "allowed",
+                        width, height, MSG_MAX_COLUMNS, MSG_MAX_SIDE);
     return rad_fail(err, RAD_EUSAGE,
                     "a picture of %d by %d pixels with --oversample=%d is "
-                    "rendered as %d by %d: at most %d are allowed a side",
+                    "rendered as %d by %d: at most %d by %d are allowed",
                     rad_filter_side(width, n), rad_filter_side(height, n), n,
-                    width, height, MSG_MAX_SIDE);
+                    width, height, MSG_MAX_COLUMNS, MSG_MAX_SIDE);
 }
 
 static int

@@ -11,9 +11,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A row of pixels must fit a RESULT. */
-#define WIDEST (MSG_MAX_PIXELS / 16)
-
 static bool
 by_lines(const struct partition_spec *spec)
 {
@@ -25,10 +22,10 @@ int
 partition_check(const struct partition_spec *spec, struct rad_error *err)
 {
     for (uint32_t i = 0; i < spec->nframes; i++)
-        if (spec->frames[i].width > WIDEST)
+        if (spec->frames[i].width > MSG_MAX_COLUMNS)
             return rad_fail(err, RAD_EUSAGE,
                             "picture of %u columns: at most %u are supported",
-                            spec->frames[i].width, WIDEST);
+                            spec->frames[i].width, MSG_MAX_COLUMNS);
     if (spec->ncosts > 0 && spec->ncosts != lines_of(spec))
         return rad_fail(err, RAD_EUSAGE,
                         "costs of %u lines, but the pictures have %llu",

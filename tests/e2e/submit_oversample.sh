@@ -218,7 +218,8 @@ for n in 0 .5 1001 nan much; do
 done
 refused "--clamp is for the samples of --oversample" --clamp=4
 refused "--clamp is for the samples of --oversample" --clamp=4 --oversample=1
-refused "at most 65535 are allowed a side" -x 40000 -y 40000 --oversample=2
+refused "at most 65520 by 65535 are allowed" -x 65521 -y 9 -pa 0 --dry-run
+refused "at most 65520 by 65535 are allowed" -x 40000 -y 40000 --oversample=2
 refused "too large with --oversample=8: at most 131072" -x 200000 -y 10 \
     --oversample=8
 finish
