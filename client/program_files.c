@@ -283,18 +283,27 @@ program_check_ambient(struct program *p)
 
 /* A picture that nobody can keep need not be rendered. */
 static int
-check_output(const struct program *p, const char *path, bool of_frame)
+check_output(const struct program *p, const char *path)
 {
-    char *name = NULL;
+    return path ? rad_output_check(path, p->err) : 0;
+}
+
+/* The same of each frame's: its number, or a view's name, may be a folder's. */
+static int
+check_frames(const struct program *p, const char *pattern)
+{
     int rc = 0;
 
-    if (!path)
-        return 0;
-    if (of_frame && p->frames.n > 0)
-        rc = frames_name(&p->frames, &p->o, path, 0, &name, p->err);
-    if (rc == 0)
-        rc = rad_output_check(name ? name : path, p->err);
-    free(name);
+    if (p->frames.n == 0)
+        return check_output(p, pattern);
+    for (uint32_t i = 0; pattern && rc == 0 && i < p->frames.n; i++) {
+        char *name = NULL;
+
+        rc = frames_name(&p->frames, &p->o, pattern, i, &name, p->err);
+        if (rc == 0)
+            rc = check_output(p, name);
+        free(name);
+    }
     return rc;
 }
 
@@ -320,10 +329,10 @@ program_check_outputs(const struct program *p)
 
     if ((rc = check_formats(p)) < 0)
         return rc;
-    if ((rc = check_output(p, p->o.output, true)) < 0 ||
-        (rc = check_output(p, p->o.depth, true)) < 0 ||
-        (rc = check_output(p, p->o.preview, false)) < 0 ||
-        (rc = check_output(p, p->o.stats, false)) < 0)
+    if ((rc = check_frames(p, p->o.output)) < 0 ||
+        (rc = check_frames(p, p->o.depth)) < 0 ||
+        (rc = check_output(p, p->o.preview)) < 0 ||
+        (rc = check_output(p, p->o.stats)) < 0)
         return rc;
     if (!p->o.output && !p->o.detach && !p->o.dry_run && !p->o.points.file &&
         isatty(1))

@@ -45,6 +45,13 @@ expect 74 "cannot write '/dev/full'" "a preview on a full disk" \
 [ -s f1.hdr ] && [ -s f2.hdr ] ||
     fail "a preview on a full disk lost a picture"
 
+# each frame has its folder, or nothing is rendered
+mkdir f1
+# shellcheck disable=SC2086
+expect 73 "cannot create 'f2/x.hdr': no such folder" "a frame's folder" \
+    $render -S 1 --views=two.vf -o f%d/x.hdr room.rad
+! [ -e f1/x.hdr ] || fail "the first frame was rendered in vain"
+
 mkdir elsewhere
 ln -s elsewhere/made.hdr dangling.hdr
 ln -s dangling.hdr twice.hdr
