@@ -158,7 +158,9 @@ say_stage(struct program *p, const struct msg_progress *m)
     snprintf(text, sizeof text, "stage %d: error about %s %% after %s s, %s",
              stages, figure(got, 100 * m->goal_error, 2),
              figure(s, m->elapsed_s, 2),
-             m->ended ? "now the picture" : "now a finer one");
+             !m->ended           ? "now a finer one"
+             : p->o.points.file ? "now the values"
+                                : "now the picture");
     program_say(p, text);
 }
 
@@ -292,8 +294,11 @@ say_goal(struct program *p)
                           : "");
     program_say(p, text);
     if (p->o.time_s > 0)
-        program_say(p, "chosen by the clock: another run may choose other "
-                       "options, which the picture's header names");
+        program_say(p, p->o.points.no_header
+                           ? "chosen by the clock: another run may choose "
+                             "other options"
+                           : "chosen by the clock: another run may choose "
+                             "other options, which the header names");
 }
 
 /* The last line. */
