@@ -44,8 +44,9 @@ struct launch {
     struct launch_order order;
     struct launcher *v;
     int n;
-    int workers; /* that are there, or take part */
-    bool came;   /* one was there */
+    char dial[LAUNCH_ADDRESS]; /* where workers look for this machine */
+    int workers;               /* that are there, or take part */
+    bool came;                 /* one was there */
     uint64_t begin_ms;
     uint64_t changed_ms; /* when their number did */
     int said;            /* how many of them were last said to be there, */
@@ -234,8 +235,8 @@ line_to_read(const char *line)
 }
 
 static int
-run_command(struct launch *l, const char *text, const char *to,
-            const char *line, char **env, struct rad_error *err)
+run_command(struct launch *l, const char *text, const char *line, char **env,
+            struct rad_error *err)
 {
     char path[4200], coordinator[LAUNCH_ADDRESS + 20], threads[32];
     const char *argv[] = { "/bin/sh",
@@ -254,7 +255,7 @@ run_command(struct launch *l, const char *text, const char *to,
     int in = line_to_read(line), rc;
 
     programs_path("radd", path, sizeof path);
-    snprintf(coordinator, sizeof coordinator, "--coordinator=%s", to);
+    snprintf(coordinator, sizeof coordinator, "--coordinator=%s", l->dial);
     snprintf(threads, sizeof threads, "--threads=%d", l->order.threads);
     if (in < 0)
         return rad_fail(err, RAD_ENOMEM, "cannot make a pipe: %s",
@@ -271,8 +272,7 @@ run_command(struct launch *l, const char *text, const char *to,
 
 /* Run COMMAND as often as it is to be. */
 static int
-run_all(struct launch *l, const char *to, const char *line,
-        struct rad_error *err)
+run_all(struct launch *l, const char *line, struct rad_error *err)
 {
     int times = launch_each(l->order.command) ? l->order.workers : 1, rc = 0;
     char setting[sizeof variable + KEY_LINE + 2], **env;
@@ -291,7 +291,7 @@ run_all(struct launch *l, const char *to, const char *line,
         if (!text || asprintf(&whole, "%s \"$@\"", text) < 0)
             rc = rad_fail(err, RAD_ENOMEM, "out of memory");
         else
-            rc = run_command(l, whole, to, line, env, err);
+            rc = run_command(l, whole, line, env, err);
         free(text);
         free(whole);
     }
@@ -306,7 +306,7 @@ launch_start(struct launch **out, struct local *local,
              struct rad_error *err)
 {
     struct launch *l = *out = calloc(1, sizeof *l);
-    char dial[LAUNCH_ADDRESS], listen[LAUNCH_ADDRESS], path[120];
+    char listen[LAUNCH_ADDRESS], path[120];
     char line[KEY_LINE + 1];
     int rc;
 
@@ -315,13 +315,13 @@ launch_start(struct launch **out, struct local *local,
     l->local = local;
     l->order = *order;
     snprintf(path, sizeof path, "%s/keys", local_folder(local));
-    if ((rc = launch_address(order->address, dial, listen, err)) < 0 ||
+    if ((rc = launch_address(order->address, l->dial, listen, err)) < 0 ||
         (rc = make_key(path, line, err)) < 0)
         return rc;
     rc = local_coordinate(local, listen, path, stop, err);
     if (rc == 0) {
-        snprintf(strrchr(dial, ':'), 8, ":%d", local_port(local));
-        rc = run_all(l, dial, line, err);
+        snprintf(strrchr(l->dial, ':'), 8, ":%d", local_port(local));
+        rc = run_all(l, line, err);
     }
     explicit_bzero(line, sizeof line);
     l->begin_ms = l->changed_ms = l->said_ms = now_ms();
@@ -406,8 +406,9 @@ launch_gathered(struct launch *l, int n, const char *names, bool *news,
         return rad_fail(err, RAD_EUNAVAIL, "%s: %d of %d workers are there%s%s",
                         how, n, l->order.workers, n ? ": " : "", names);
     if (waited)
-        return rad_fail(err, RAD_EUNAVAIL, "%d of %d workers came in %g s%s%s%s",
-                        n, l->order.workers, l->order.wait_s,
+        return rad_fail(err, RAD_EUNAVAIL,
+                        "%d of %d workers came to %s in %g s%s%s%s", n,
+                        l->order.workers, l->dial, l->order.wait_s,
                         running(l) == 0 ? ", and the launcher has ended" : "",
                         n ? ": " : "", names);
     return 0;
