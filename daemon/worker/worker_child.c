@@ -91,7 +91,7 @@ child_failed(struct worker *w, struct wjob *job, const struct msg *m)
         lose_child(w, job, m->failed.status != EX_SOFTWARE, m->failed.text);
         return;
     }
-    actions_log(&w->actions, ACT_ERR, "job failed job=%s why=%s", job->hex,
+    actions_log(&w->actions, ACT_WARN, "job failed job=%s why=%s", job->hex,
                 m->failed.text);
     worker_send_coord(w, &failed);
     wjob_kill_child(w, job);
