@@ -4,7 +4,7 @@
  * them may come from whom was checked by the session before
  * (proto/message.def).  Connections are looked after in coord_conn.c, jobs in
  * coord_job.c; who works on what is in sched.c, what users and admins ask for
- * in request.c. */
+ * in request.c, intake.c and delivery.c. */
 #include "config.h"
 
 #include "front/coord.h"
@@ -14,6 +14,9 @@
 #include "jobs/part.h"
 #include "jobs/progress.h"
 #include "desk/verdict.h"
+#include "front/delivery.h"
+#include "front/intake.h"
+#include "front/reply.h"
 #include "front/request.h"
 #include "lines/handoff.h"
 #include "lines/lending.h"
@@ -355,7 +358,7 @@ coord_looked(struct coord *c, uint64_t now_ms, const struct action_look *l)
     if (!conn)
         return;
     conn->answers--;
-    request_looked(c, conn, l);
+    intake_looked(c, conn, l);
 }
 
 bool
@@ -416,7 +419,7 @@ coord_settled(struct coord *c, uint64_t now_ms, uint64_t id, uint32_t request)
 
     c->now_ms = now_ms;
     if (conn)
-        request_settled(c, conn, request);
+        reply_kept(c, conn, request);
 }
 
 void
@@ -658,7 +661,8 @@ coord_tick(struct coord *c, uint64_t now_ms)
     log_fullness(c);
     sched_tick(c);
     settle(c, false);
-    request_tick(c);
+    delivery_tick(c);
+    reply_tick(c);
     look_after_uploads(c);
     coord_jobs_tick(c);
     settle(c, false);
