@@ -186,8 +186,8 @@ why(const struct coord *c, const struct job *job, char buf[MSG_MAX_TEXT + 1])
 
 /* What its workers sent, and of the ambient values that they got those that
  * they had made, too; zeros once it was lightened. */
-static json_t *
-with_traffic(json_t *o, const struct job *job)
+static void
+add_traffic(json_t *o, const struct job *job)
 {
     uint64_t bytes = 0, redundant = 0;
 
@@ -197,18 +197,15 @@ with_traffic(json_t *o, const struct job *job)
         redundant += job->workers[i].tally.ambient_redundant +
                      job->workers[i].past.ambient_redundant;
     }
-    if (o) {
-        json_object_set_new(o, "bytes", json_integer(integer(bytes)));
-        json_object_set_new(o, "ambient_redundant",
-                            json_integer(integer(redundant)));
-    }
-    return o;
+    json_object_set_new(o, "bytes", json_integer(integer(bytes)));
+    json_object_set_new(o, "ambient_redundant",
+                        json_integer(integer(redundant)));
 }
 
 /* How far the passes of the ambient cache are, else zeros; the job whose cache
  * it begins with, else nothing; and how many bytes are kept of its own. */
-static json_t *
-with_passes(json_t *o, const struct job *job)
+static void
+add_passes(json_t *o, const struct job *job)
 {
     struct passes_state s = passes_state(job);
     char reuse[MSG_JOB_HEX] = "";
@@ -216,26 +213,23 @@ with_passes(json_t *o, const struct job *job)
 
     if (job->spec.reuse)
         msg_job_format(job->spec.reuse, reuse);
-    if (o) {
-        json_object_set_new(o, "reuse", json_string(reuse));
-        json_object_set_new(
-            o, "cache_bytes",
-            json_integer((json_int_t)(job_over(job) ? job->cache.bytes : 0)));
-        json_object_set_new(o, "pass", json_integer(open ? s.open + 1 : 0));
-        json_object_set_new(o, "passes", json_integer(open ? s.n : 0));
-        json_object_set_new(o, "pass_done", json_real(open ? s.made : 0));
-    }
-    return o;
+    json_object_set_new(o, "reuse", json_string(reuse));
+    json_object_set_new(
+        o, "cache_bytes",
+        json_integer((json_int_t)(job_over(job) ? job->cache.bytes : 0)));
+    json_object_set_new(o, "pass", json_integer(open ? s.open + 1 : 0));
+    json_object_set_new(o, "passes", json_integer(open ? s.n : 0));
+    json_object_set_new(o, "pass_done", json_real(open ? s.made : 0));
 }
 
 /* With --error or --time: what is aimed at, and what is reached by now. */
-static json_t *
-with_goal(json_t *o, const struct job *job)
+static void
+add_goal(json_t *o, const struct job *job)
 {
     const struct job_goal *g = &job->goal;
 
-    if (!o || !goal_is(job))
-        return o;
+    if (!goal_is(job))
+        return;
     json_object_set_new(o, "stage", json_integer((json_int_t)g->number + 1));
     json_object_set_new(o, "stages", json_integer(RAD_REFINE_STAGES));
     json_object_set_new(o, "goal_error", json_real(job->spec.error_ppm / 1e6));
@@ -243,7 +237,6 @@ with_goal(json_t *o, const struct job *job)
     json_object_set_new(o, "estimated_error", json_real(g->error));
     json_object_set_new(o, "time_up", json_boolean(goal_time_up(job)));
     json_object_set_new(o, "rays_up", json_boolean(goal_rays_up(job)));
-    return o;
 }
 
 json_t *
@@ -254,6 +247,7 @@ report_job(const struct coord *c, const struct job *job, size_t label)
     struct msg_progress p;
     struct job_size size = job_size(job);
     double done, rows;
+    json_t *o;
 
     progress_tell(job, c->now_ms, &p);
     rad_text_print(name, label + 1, "%s", job->spec.name);
@@ -263,28 +257,25 @@ report_job(const struct coord *c, const struct job *job, size_t label)
         p.pixels_total > 0 ? (double)p.pixels_done / (double)p.pixels_total : 0;
     if (rows > done)
         done = rows;
-    return with_goal(
-        with_passes(
-            with_traffic(
-                json_pack(
-                    "{s:s,s:s,s:s,s:s,s:i,s:f,s:I,s:I,s:I,s:I,s:I,s:I,s:I,s:"
-                    "I,s:I,s:I,"
-                    "s:f,s:f,s:s,s:i}",
-                    "job", job->hex, "name", name, "owner", job->owner, "state",
-                    job_is(job), "priority", (int)job->spec.priority, "done",
-                    done, "frames", (json_int_t)job->spec.nframes,
-                    "frames_ready", (json_int_t)p.frames_ready, "width",
-                    (json_int_t)size.width, "height", (json_int_t)size.height,
-                    "oversample", (json_int_t)size.oversample, "units_done",
-                    (json_int_t)p.units_done, "units_total",
-                    (json_int_t)p.units_total, "units_redone",
-                    (json_int_t)p.units_redone, "rays", (json_int_t)p.rays,
-                    "workers", (json_int_t)p.workers, "elapsed_s", p.elapsed_s,
-                    "error", p.error, "text", why(c, job, text), "status",
-                    job->status),
-                job),
-            job),
-        job);
+    o = json_pack(
+        "{s:s,s:s,s:s,s:s,s:i,s:f,s:I,s:I,s:I,s:I,s:I,s:I,s:I,s:I,s:I,s:I,"
+        "s:f,s:f,s:s,s:i}",
+        "job", job->hex, "name", name, "owner", job->owner, "state",
+        job_is(job), "priority", (int)job->spec.priority, "done", done,
+        "frames", (json_int_t)job->spec.nframes, "frames_ready",
+        (json_int_t)p.frames_ready, "width", (json_int_t)size.width, "height",
+        (json_int_t)size.height, "oversample", (json_int_t)size.oversample,
+        "units_done", (json_int_t)p.units_done, "units_total",
+        (json_int_t)p.units_total, "units_redone", (json_int_t)p.units_redone,
+        "rays", (json_int_t)p.rays, "workers", (json_int_t)p.workers,
+        "elapsed_s", p.elapsed_s, "error", p.error, "text", why(c, job, text),
+        "status", job->status);
+    if (!o)
+        return NULL;
+    add_traffic(o, job);
+    add_passes(o, job);
+    add_goal(o, job);
+    return o;
 }
 
 json_t *

@@ -33,7 +33,7 @@ struct report_share {
 /* The shares of all workers, by their id; malloc'd, NULL when memory is out.
  * Walks all jobs: once for a list. */
 struct report_share *report_shares(const struct coord *c);
-/* "idle" */
+/* The word for what a worker does: "working", "loading", "idle", "gone"... */
 const char *report_worker_state(const struct coord_worker *w,
                                 const struct report_share *shares);
 json_t *report_worker(const struct coord *c, const struct coord_worker *w,
