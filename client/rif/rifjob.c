@@ -6,7 +6,7 @@
 
 #include "common/outname.h"
 #include "base/output.h"
-#include "show/picfile.h"
+#include "rif/rif_line.h"
 
 #include "base/files.h"
 #include "base/number.h"
@@ -393,243 +393,40 @@ rifjob_release(struct rifjob *j)
 
 /* --- the options --- */
 
-/* A command line under construction. */
-struct line {
-    struct rifjob *j;
-    char **list;
-    int n, room;
-    struct rad_error *err;
-};
-
+/* The file's options, but for the views.  --quality of the command line stands
+ * in the place of rad's rules. */
 static int
-add(struct line *l, const char *word)
-{
-    if (l->n + 1 >= l->room) {
-        int room = l->room ? 2 * l->room : 64;
-        char **list =
-            rad_arena_calloc(&l->j->rif.arena, (size_t)room, sizeof *list);
-
-        if (!list)
-            return no_memory(l->err);
-        if (l->n > 0)
-            memcpy(list, l->list, (size_t)l->n * sizeof *list);
-        l->list = list;
-        l->room = room;
-    }
-    if (!word)
-        return no_memory(l->err);
-    l->list[l->n++] = (char *)word; /* words are not written to */
-    return 0;
-}
-
-static int
-add_words(struct line *l, char *const *words, int n)
-{
-    int rc = n < 0 ? n : 0;
-
-    for (int i = 0; i < n && rc == 0; i++)
-        rc = add(l, words[i]);
-    return rc;
-}
-
-static int
-add_text(struct line *l, const char *text)
-{
-    char **words;
-    int n = rif_split(&l->j->rif, text, &words, l->err);
-
-    return add_words(l, words, n);
-}
-
-static int
-add_pair(struct line *l, const char *option, const char *value)
-{
-    int rc = add(l, option);
-
-    return rc < 0 ? rc : add(l, value);
-}
-
-/* The options of a variable, without a program's name before them. */
-static int
-add_variable(struct line *l, enum rif_var v)
-{
-    char **words;
-    int n = rif_words(&l->j->rif, v, &words, l->err);
-
-    if (n > 0 && words[0][0] != '-' && words[0][0] != '@' && v == RIF_RPICT)
-        return add_words(l, words + 1, n - 1);
-    return add_words(l, words, n);
-}
-
-static int
-add_resolution(struct line *l, int times)
-{
-    struct rif *r = &l->j->rif;
-    const char *text = rif_text(r, RIF_RESOLUTION);
-    char option[100];
-    double aspect = 1;
-    int x, y, n = sscanf(text ? text : "512", "%d %d %lf", &x, &y, &aspect);
-    char more[24] = "";
-
-    if (n == 1)
-        y = x;
-    if (n == 3)
-        snprintf(more, sizeof more, " -pa %.3f", aspect);
-    if (n < 1 || x < 1 || y < 1 || x > RAD_MAX_RES / times ||
-        y > RAD_MAX_RES / times || !(aspect >= 0 && aspect < 1e6))
-        return rif_fail(r, RIF_RESOLUTION, l->err,
-                        "expected columns, rows and a pixel's aspect");
-    snprintf(option, sizeof option, "-x %d -y %d%s", times * x, times * y,
-             more);
-    return add_text(l, option);
-}
-
-/* REPORT: minutes, and a file for what is said. */
-static int
-add_report(struct line *l)
-{
-    struct rif *r = &l->j->rif;
-    const char *text = rif_text(r, RIF_REPORT);
-    double minutes;
-    char **words;
-    int n, rc;
-
-    if (!text)
-        return 0;
-    n = rif_split(r, text, &words, l->err);
-    if (n < 0)
-        return n;
-    if (n < 1 || n > 2 || !rad_parse_real(words[0], &minutes) ||
-        !(minutes >= 0 && minutes <= 1e6))
-        return rif_fail(r, RIF_REPORT, l->err,
-                        "expected minutes, and perhaps a file");
-    rc = add_pair(l, "-t", format(l->j, "%d", (int)(60 * minutes)));
-    if (rc == 0 && n == 2)
-        rc = add_pair(l, "-e", words[1]);
-    return rc;
-}
-
-/* "%" stands for itself in a name of rad's. */
-static char *
-pattern(struct rifjob *j, const char *root, const char *suffix)
-{
-    size_t n = strlen(root);
-    char *text = rad_arena_alloc(&j->rif.arena, 2 * n + 16), *to = text;
-
-    if (!text)
-        return NULL;
-    for (; *root; root++) {
-        *to++ = *root;
-        if (*root == '%')
-            *to++ = '%';
-    }
-    strcpy(to, suffix);
-    return text;
-}
-
-static int
-add_outputs(struct line *l, enum picfile_format as)
-{
-    struct rifjob *j = l->j;
-    const char *suffix = as == PICFILE_PNG ? "_%s.png" : "_%s.hdr";
-    const char *picture = rif_text(&j->rif, RIF_PICTURE);
-    const char *depth = rif_text(&j->rif, RIF_ZFILE);
-    int rc;
-
-    picture = picture ? picture : root_name(j);
-    rc = picture ? add_pair(l, "-o", pattern(j, picture, suffix))
-                 : no_memory(l->err);
-    if (rc == 0 && depth)
-        rc = add_pair(l, "-z", pattern(j, depth, "_%s.zbf"));
-    return rc;
-}
-
-/* What rad would have in OPTFILE: an option a line. */
-static int
-note_options(struct line *l, int first)
-{
-    struct rifjob *j = l->j;
-    size_t room = 1, at = 0;
-    char *text;
-
-    for (int i = first; i < l->n; i++)
-        room += strlen(l->list[i]) + 1;
-    text = rad_arena_alloc(&j->rif.arena, room);
-    if (!text)
-        return no_memory(l->err);
-    for (int i = first; i < l->n; i++) {
-        const char *w = l->list[i];
-        bool option = w[0] == '@' || (w[0] == '-' && w[1] >= 'A');
-
-        at += (size_t)snprintf(text + at, room - at, "%s%s",
-                               i == first ? ""
-                               : option   ? "\n"
-                                          : " ",
-                               w);
-    }
-    snprintf(text + at, room - at, "\n");
-    j->optfile = text;
-    return 0;
-}
-
-/* --quality of the command line stands in the place of rad's rules. */
-static int
-add_rendering(struct line *l, const struct rif_zone *z, bool rules)
-{
-    char light[RIF_RULES_TEXT], sampling[RIF_RULES_TEXT];
-    const char *ambient = rif_text(&l->j->rif, RIF_AMBFILE);
-    int first = l->n, rc = rif_rules(&l->j->rif, z, light, sampling, l->err);
-
-    if (rc == 0 && rules)
-        rc = add_text(l, light);
-    if (rc == 0 && ambient)
-        rc = add_pair(l, "-af", ambient);
-    if (rc == 0)
-        rc = add_variable(l, RIF_RENDER);
-    if (rc == 0)
-        rc = note_options(l, first);
-    if (rc == 0 && rules)
-        rc = add_text(l, sampling);
-    return rc < 0 ? rc : add_variable(l, RIF_RPICT);
-}
-
-/* The file's options, but for the views. */
-static int
-add_file(struct line *l, const struct submit_options *o,
+add_file(struct rif_line *l, struct rifjob *j, const struct submit_options *o,
          const struct rif_zone *z)
 {
-    bool rules = o->quality < 0;
-    int times = l->j->raw ? 1 : rif_oversample(&l->j->rif);
-    int rc = add_resolution(l, l->j->raw ? rif_oversample(&l->j->rif) : 1);
+    int rc = rif_line_options(l, z, o->quality < 0, j->raw);
+    char *root;
 
-    if (rc == 0 && rules)
-        rc = add(l, format(l->j, "--oversample=%d", times));
-    if (rc == 0)
-        rc = add_rendering(l, z, rules);
-    if (rc == 0)
-        rc = add_report(l);
-    if (rc == 0 && !o->detach)
-        rc = add_outputs(l, (enum picfile_format)o->format);
-    return rc;
+    j->optfile = l->optfile;
+    if (rc < 0 || o->detach)
+        return rc;
+    root = root_name(j);
+    return root ? rif_line_outputs(l, root, (enum picfile_format)o->format)
+                : no_memory(l->err);
 }
 
 /* One view's options, the file's, the command line's, the scene's files. */
 static int
-make_line(struct line *l, const struct submit_options *o, const struct words *w,
-          const struct rif_zone *z, const struct rif_view *v)
+make_line(struct rif_line *l, struct rifjob *j, const struct submit_options *o,
+          const struct words *w, const struct rif_zone *z,
+          const struct rif_view *v)
 {
-    struct rifjob *j = l->j;
-    int rc = add(l, "radsubmit");
+    int rc = rif_line_add(l, "radsubmit");
 
     if (rc == 0)
-        rc = add_words(l, v->words, v->nwords);
+        rc = rif_line_words(l, v->words, v->nwords);
     if (rc == 0)
-        rc = add_file(l, o, z);
+        rc = add_file(l, j, o, z);
     if (rc == 0)
-        rc = add_words(l, w->list, j->ngiven);
+        rc = rif_line_words(l, w->list, j->ngiven);
     if (rc == 0 && strcmp(l->list[l->n - 1], "--") != 0)
-        rc = add(l, "--");
-    return rc < 0 ? rc : add_words(l, j->scenes, j->nscenes);
+        rc = rif_line_add(l, "--");
+    return rc < 0 ? rc : rif_line_words(l, j->scenes, j->nscenes);
 }
 
 /* Are these options wrong by themselves? */
@@ -637,17 +434,17 @@ static bool
 is_faulty(struct rifjob *j, char *const *list, int n)
 {
     struct rad_error why = { 0 };
-    struct line l = { .j = j, .err = &why };
+    struct rif_line l = { .rif = &j->rif, .err = &why };
     struct submit_options parsed;
     struct words words = { 0 };
-    int rc = add(&l, "radsubmit");
+    int rc = rif_line_add(&l, "radsubmit");
 
     if (rc == 0)
-        rc = add_words(&l, list, n);
+        rc = rif_line_words(&l, list, n);
     if (rc == 0)
-        rc = add(&l, "--");
+        rc = rif_line_add(&l, "--");
     if (rc == 0)
-        rc = add_words(&l, j->scenes, j->nscenes);
+        rc = rif_line_words(&l, j->scenes, j->nscenes);
     if (rc == 0)
         rc = words_init(&words, l.n, l.list, &why);
     if (rc == 0)
@@ -686,10 +483,10 @@ take_view(struct rifjob *j, struct submit_options *o, struct words *w, int i,
 {
     /* words of the command line as it was, which *w is no more */
     const struct words *given = i == 0 ? w : &j->given;
-    struct line l = { .j = j, .err = err };
+    struct rif_line l = { .rif = &j->rif, .err = err };
     struct submit_options parsed;
     struct words words = { 0 };
-    int rc = make_line(&l, o, given, z, v);
+    int rc = make_line(&l, j, o, given, z, v);
 
     if (rc == 0)
         rc = words_init(&words, l.n, l.list, err);
