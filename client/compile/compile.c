@@ -3,9 +3,8 @@
 
 #include "compile/compile.h"
 
-#include "compile/command.h"
+#include "compile/reading.h"
 #include "scene/octfile.h"
-#include "scene/file/parse.h"
 #include "scene/part.h"
 #include "trace/job.h"
 #include "compile/warning.h"
@@ -17,294 +16,7 @@
 #include <string.h>
 #include <unistd.h>
 
-#define STDIN_NAME "standard input"
-
-/* --- reading ----------------------------------------------------------------
- */
-
-/* One file being read: what was read to see what it is, then the rest. */
-struct source {
-    struct rad_fd fd;
-    char *folder;
-    size_t pos, len;
-    unsigned char head[16 * 1024];
-};
-
-static long
-read_source(void *arg, void *buf, size_t n, struct rad_error *err)
-{
-    struct source *src = arg;
-    struct rad_stream rest = rad_fd_stream(&src->fd);
-
-    if (src->pos == src->len)
-        return rest.read(rest.arg, buf, n, err);
-    if (n > src->len - src->pos)
-        n = src->len - src->pos;
-    memcpy(buf, src->head + src->pos, n);
-    src->pos += n;
-    return (long)n;
-}
-
-/* Open and read the beginning. */
-static int
-open_source(struct source *src, const char *file, struct rad_error *err)
-{
-    struct rad_stream in = rad_fd_stream(&src->fd);
-    bool standard = strcmp(file, "-") == 0;
-
-    src->pos = src->len = 0;
-    src->folder = NULL;
-    src->fd.name = standard ? STDIN_NAME : file;
-    src->fd.fd = standard ? STDIN_FILENO : open(file, O_RDONLY | O_CLOEXEC);
-    if (src->fd.fd < 0)
-        return rad_fail(err, RAD_ENOINPUT, "cannot open '%s': %s", file,
-                        strerror(errno));
-    src->folder = standard ? strdup(".") : paths_folder_of(file);
-    if (!src->folder)
-        return rad_fail(err, RAD_ENOMEM, "out of memory");
-    while (src->len < sizeof src->head) {
-        long n = in.read(in.arg, src->head + src->len,
-                         sizeof src->head - src->len, err);
-
-        if (n <= 0)
-            return (int)n;
-        src->len += (size_t)n;
-    }
-    return 0;
-}
-
-static void
-close_source(struct source *src)
-{
-    if (src->fd.fd > STDIN_FILENO)
-        close(src->fd.fd);
-    free(src->folder);
-}
-
-static bool
-has_suffix(const char *name, const char *suffix)
-{
-    size_t n = strlen(name), m = strlen(suffix);
-
-    return n > m && strcmp(name + n - m, suffix) == 0;
-}
-
-struct reading {
-    struct compiled *c;
-    const char *folder; /* of the file that is being read */
-    bool told;          /* what ended the reading */
-    bool octree;        /* a file is one: after a failure it is in pieces */
-    bool within;        /* what an octree names is being read */
-    bool beside;        /* it is in the octree's folder */
-    void (*each)(void *arg, const struct rad_error *err);
-    void *arg;
-};
-
-/* The user can read which commands a scene's text would run; those of an octree
- * nobody sees. */
-static int
-refuse_command(const char *text, struct rad_error *err)
-{
-    return rad_fail(err, RAD_EPERM,
-                    "command '%.60s' of an octree is not run: use --commands "
-                    "if you trust it",
-                    text);
-}
-
-static int
-begin_command(void *arg, const char *text, struct rad_stream *out, void **job,
-              struct rad_error *err)
-{
-    const struct reading *r = arg;
-    struct command *c;
-
-    if (r->within && !r->c->commands)
-        return refuse_command(text, err);
-    c = command_start(text, r->folder, err);
-    if (!c)
-        return RAD_EIO;
-    *out = command_output(c);
-    *job = c;
-    return 0;
-}
-
-static int
-end_command(void *arg, void *job, bool stop, struct rad_error *err)
-{
-    (void)arg;
-    return command_end(job, stop, err);
-}
-
-static void
-tell(void *arg, const struct rad_error *err)
-{
-    const struct reading *r = arg;
-
-    r->each(r->arg, err);
-}
-
-/* Warnings that nobody asks for are kept. */
-static void
-warn(void *arg, const struct rad_error *err)
-{
-    const struct reading *r = arg;
-
-    if (r->each)
-        r->each(r->arg, err);
-    else
-        warning_keep(r->c, err);
-}
-
-static struct rad_parse_io
-parse_io(struct reading *r)
-{
-    struct rad_parse_io io = { begin_command, end_command,
-                               r->each ? tell : NULL, warn, r };
-
-    return io;
-}
-
-/* Errors other than the parser's, which tells its own. */
-static int
-failed(const struct reading *r, const struct rad_error *err)
-{
-    if (r->each)
-        r->each(r->arg, err);
-    return err->code;
-}
-
-static int read_text_file(struct compiled *c, const char *file,
-                          struct reading *r, struct rad_error *err);
-
-/* Where an octree's scene file is: in the folder of the octree, in ours, or
- * along RAYPATH; malloc'd. */
-static char *
-find_scene_file(struct reading *r, const char *name, struct rad_error *err)
-{
-    char *path = NULL;
-
-    if (name[0] != '/' && asprintf(&path, "%s/%s", r->folder, name) < 0)
-        path = NULL;
-    if (path && access(path, R_OK) == 0) {
-        r->beside = true;
-        return path;
-    }
-    free(path);
-    if (access(name, R_OK) == 0)
-        return strdup(name);
-    return paths_find(&r->c->paths, name, err);
-}
-
-/* A scene file, or "!command", that an octree names.  As with Radiance a command
- * is run in our folder, for which oconv was given it, whatever the octree's is;
- * but in that one where the files before it were found there. */
-static int
-read_named(void *arg, const char *name, struct rad_error *err)
-{
-    struct reading *r = arg;
-    struct rad_parse_io io = parse_io(r);
-    const char *folder = r->folder;
-    char *path;
-    int rc;
-
-    if (name[0] == '!' && !r->c->commands)
-        return refuse_command(name + 1, err);
-    if (name[0] == '!') {
-        if (!r->beside)
-            r->folder = ".";
-        rc =
-            rad_parse_text(r->c->scene, name, strlen(name), "octree", &io, err);
-        r->told = rc != 0;
-        r->folder = folder;
-        return rc;
-    }
-    path = find_scene_file(r, name, err);
-    if (!path)
-        return err->code;
-    rc = read_text_file(r->c, path, r, err);
-    r->told = rc != 0;
-    r->folder = folder;
-    free(path);
-    return rc;
-}
-
-static int
-read_octree(struct compiled *c, const struct rad_stream *in, const char *name,
-            bool alone, struct reading *r, struct rad_error *err)
-{
-    struct rad_error now = { 0 };
-    struct rad_octfile how = { .text = read_named, .arg = r };
-    int rc;
-
-    r->within = alone;
-    rc = alone ? rad_octfile_read_as(c->scene, &how, in, name, &now)
-               : rad_fail(&now, RAD_EUSAGE,
-                          "octree '%s' must be the only scene file", name);
-
-    if (rc && err && err->code == 0)
-        *err = now;
-    return rc && !r->told ? failed(r, &now) : rc;
-}
-
-static int
-read_source_file(struct compiled *c, struct source *src, const char *file,
-                 bool alone, struct reading *r, struct rad_error *err)
-{
-    struct rad_stream in = { read_source, src };
-    struct rad_parse_io io = parse_io(r);
-
-    r->folder = src->folder;
-    if (has_suffix(file, ".oct") || rad_octfile_is(src->head, src->len)) {
-        r->octree = true;
-        return read_octree(c, &in, src->fd.name, alone, r, err);
-    }
-    return rad_parse(c->scene, &in, src->fd.name, &io, err);
-}
-
-static int
-read_file(struct compiled *c, const char *file, bool alone, struct reading *r,
-          struct rad_error *err)
-{
-    struct source *src = malloc(sizeof *src);
-    struct rad_error now = { 0 };
-    int rc;
-
-    if (!src)
-        return rad_fail(err, RAD_ENOMEM, "out of memory");
-    rc = open_source(src, file, &now);
-    if (!rc)
-        rc = paths_add_file(&c->paths, file, &now);
-    if (!rc)
-        rc = inputs_add_fd(&c->paths.inputs, "a file of the scene", src->fd.fd,
-                           &now);
-    if (rc && err && err->code == 0)
-        *err = now;
-    rc = rc ? failed(r, &now) : read_source_file(c, src, file, alone, r, err);
-    close_source(src);
-    free(src);
-    return rc;
-}
-
-static int
-read_text_file(struct compiled *c, const char *file, struct reading *r,
-               struct rad_error *err)
-{
-    return read_file(c, file, false, r, err);
-}
-
-/* "!command" in place of a file, as oconv(1) takes it. */
-static int
-read_command(struct compiled *c, const char *text, struct reading *r,
-             struct rad_error *err)
-{
-    struct rad_parse_io io = parse_io(r);
-
-    r->folder = ".";
-    return rad_parse_text(c->scene, text, strlen(text), "command line", &io,
-                          err);
-}
-
-/* --- octrees of instances that are not frozen ---------------------------- */
+/* --- octrees of instances that are not frozen --- */
 
 struct frozen {
     struct frozen *next;
@@ -323,7 +35,7 @@ freeze(struct compiled *c, const char *name, const void *bytes, size_t len,
     struct reading r = { .c = &in, .within = true };
     struct rad_memory_in from = { bytes, len };
     struct rad_stream stream = rad_memory_stream(&from);
-    struct rad_octfile how = { .text = read_named, .arg = &r };
+    struct rad_octfile how = { .text = reading_named, .arg = &r };
     struct rad_files files = compile_files(c);
     struct rad_sink out = rad_memory_sink(file);
     char *path = paths_find(&c->paths, name, err);
@@ -447,8 +159,7 @@ compile_files(struct compiled *c)
     return files;
 }
 
-/* --- files that the scene needs ----------------------------------------------
- */
+/* --- files that the scene needs --- */
 
 /* Call `visit` for each file name of each object that a surface reaches; its
  * failures end the visit unless someone wants all, who is warned of those of
@@ -503,8 +214,7 @@ find_file(struct compiled *c, const char *name, const char *dir,
     return path ? 0 : err->code;
 }
 
-/* --- the bundle
- * ---------------------------------------------------------------- */
+/* --- the bundle --- */
 
 /* A file that gets its name when its bytes are known. */
 struct storing {
@@ -608,8 +318,7 @@ bundle_file(struct compiled *c, const char *name, const char *dir,
     return rc;
 }
 
-/* --- the whole ---------------------------------------------------------------
- */
+/* --- the whole --- */
 
 /* Read the scene, but not the files of its instances and meshes.  After a
  * failure c holds what was read, to be released. */
@@ -627,8 +336,8 @@ read_scene(struct compiled *c, const char *const *files, int n, bool commands,
     rc = c->scene ? paths_init(&c->paths, err)
                   : rad_fail(err, RAD_ENOMEM, "out of memory");
     for (int i = 0; c->paths.raypath && i < n && (r->each || !rc); i++) {
-        int now = files[i][0] == '!' ? read_command(c, files[i], r, err)
-                                     : read_file(c, files[i], n == 1, r, err);
+        int now = files[i][0] == '!' ? reading_command(r, files[i], err)
+                                     : reading_file(r, files[i], n == 1, err);
 
         rc = rc ? rc : now;
     }
@@ -668,7 +377,7 @@ judge(void *arg, const struct rad_error *err)
     const struct reading *r = arg;
 
     if (r->each || err->code == RAD_WARNING)
-        warn(arg, err);
+        reading_warn(arg, err);
 }
 
 int

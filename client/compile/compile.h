@@ -36,8 +36,9 @@ struct compiled {
  * then, and in octrees of instances, `!command` lines are refused (RAD_EPERM)
  * without `commands`.  With `each` all errors that can be found are told, one
  * by one, and what compile_read() warns of (RAD_WARNING) with them; *err gets
- * the first error.  On failure *c is empty. RAD_ENOINPUT  a file that is
- * missing, or not readable RAD_EDATA     what is wrong, with file and line */
+ * the first error.  On failure *c is empty.
+ *   RAD_ENOINPUT  a file that is missing, or not readable
+ *   RAD_EDATA     what is wrong, with file and line */
 int compile_parse(struct compiled *c, const char *const *files, int n,
                   bool commands,
                   void (*each)(void *arg, const struct rad_error *err),

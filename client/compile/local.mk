@@ -8,5 +8,7 @@ libclient_a_SOURCES += \
 	client/compile/compile.h \
 	client/compile/paths.c \
 	client/compile/paths.h \
+	client/compile/reading.c \
+	client/compile/reading.h \
 	client/compile/warning.c \
 	client/compile/warning.h
