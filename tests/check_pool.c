@@ -759,25 +759,43 @@ work_off_tiles(struct pool *p)
     return tiles;
 }
 
-/* A tile that was given again stands behind those of the pass that follows. */
-START_TEST(no_tile_of_a_closed_pass_is_made)
+/* A pool without threads whose cache has four passes. */
+static struct pool *
+tiling_pool(struct rad_pass plan[8])
 {
-    struct rad_pass plan[8] = { { .tiles = 10 } };
     struct pool *p = calloc(1, sizeof *p);
-    struct pool_tiling *k = &p->tiling;
+    struct pool_tiling *k;
 
     ck_assert_ptr_nonnull(p);
+    k = &p->tiling;
     uv_mutex_init(&p->mu);
     uv_cond_init(&p->work);
-    for (uint32_t i = 0; i < N_ELEM(plan); i++)
+    for (uint32_t i = 0; i < 8; i++)
         plan[i] = (struct rad_pass){ .reads = i < 3 ? 0 : i - 3, .tiles = 10 };
     k->plan = plan;
-    k->npasses = N_ELEM(plan);
+    k->npasses = 8;
     k->todo_end = &k->todo;
     k->frozen_end = &k->frozen;
     k->open = k->closed = 4;
     for (uint32_t i = 4; i < 6; i++)
         k->begun[i % MSG_OPEN_PASSES] = i + 1;
+    return p;
+}
+
+static void
+free_tiling_pool(struct pool *p)
+{
+    uv_cond_destroy(&p->work);
+    uv_mutex_destroy(&p->mu);
+    free(p);
+}
+
+/* A tile that was given again stands behind those of the pass that follows. */
+START_TEST(no_tile_of_a_closed_pass_is_made)
+{
+    struct rad_pass plan[8];
+    struct pool *p = tiling_pool(plan);
+
     ck_assert(pool_push_tile(p, 5, 0, false));
     ck_assert(pool_push_tile(p, 4, 7, false));
     ck_assert(pool_push_tile(p, 5, 1, false));
@@ -785,9 +803,27 @@ START_TEST(no_tile_of_a_closed_pass_is_made)
     ck_assert(pool_freeze(p, NULL, 0, NULL));
     ck_assert(pool_push_tile(p, 6, 0, false));
     ck_assert_int_eq(work_off_tiles(p), 3);
-    uv_cond_destroy(&p->work);
-    uv_mutex_destroy(&p->mu);
-    free(p);
+    free_tiling_pool(p);
+}
+END_TEST
+
+/* The twin of a tile that is late comes behind one that waits for records. */
+START_TEST(a_tile_that_lacks_records_holds_up_no_other)
+{
+    struct rad_pass plan[8];
+    struct pool *p = tiling_pool(plan);
+
+    plan[7].reads = 5;
+    ck_assert(pool_push_tile(p, 7, 0, false));
+    ck_assert(pool_push_tile(p, 4, 3, false));
+    ck_assert(pool_push_tile(p, 7, 1, false));
+    ck_assert(pool_push_tile(p, 5, 0, false));
+    ck_assert_int_eq(work_off_tiles(p), 2);
+    ck_assert(pool_push_tile(p, 5, 1, false));
+    ck_assert_int_eq(work_off_tiles(p), 1);
+    ck_assert(pool_freeze(p, NULL, 0, NULL));
+    ck_assert_int_eq(work_off_tiles(p), 2);
+    free_tiling_pool(p);
 }
 END_TEST
 
@@ -807,6 +843,7 @@ main(void)
     tcase_add_test(tc, revoked_units_are_not_done);
     tcase_add_test(tc, pool_ends_in_the_middle);
     tcase_add_test(tc, no_tile_of_a_closed_pass_is_made);
+    tcase_add_test(tc, a_tile_that_lacks_records_holds_up_no_other);
     tcase_add_test(tc, fingerprint_is_the_same_each_time);
     tcase_add_loop_test(tc, bad_options_of_a_job_are_refused, 0,
                         N_ELEM(bad_texts));

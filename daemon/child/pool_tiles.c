@@ -141,6 +141,17 @@ begin_pass(struct renderer *by, const struct rad_pass *pass)
     uv_mutex_unlock(&p->mu);
 }
 
+/* Take a tile out of those that wait. */
+static void
+unlink_locked(struct pool_tiling *k, struct pool_tile **at)
+{
+    struct pool_tile *t = *at;
+
+    *at = t->next;
+    if (!*at)
+        k->todo_end = at;
+}
+
 /* Tiles of passes that are closed are of no use; they may stand behind those of
  * passes that are open. */
 static void
@@ -150,12 +161,11 @@ drop_tiles_locked(struct pool_tiling *k)
 
     while ((t = *at))
         if (t->pass < k->closed) {
-            *at = t->next;
+            unlink_locked(k, at);
             pool_tile_free(t);
         } else {
             at = &t->next;
         }
-    k->todo_end = at;
 }
 
 /* The records of the open pass, into the cache. */
@@ -209,14 +219,16 @@ freeze(struct renderer *by, struct pool_frozen *f)
 
 /* --- the threads' work --- */
 
-/* What is next of those that wait, if it can be made of what is in the cache.
+/* The first of the tiles that wait which can be made of what is in the cache.
  * When a pass is to be put in, and nobody is at a tile, that is first. */
 static bool
 find_todo_locked(struct pool_tiling *k, struct pool_tile_work *w)
 {
-    struct pool_tile *t = k->todo;
+    struct pool_tile **at = &k->todo, *t;
 
-    if (!t || k->plan[t->pass].reads > k->open || (k->frozen && !k->members))
+    while ((t = *at) && k->plan[t->pass].reads > k->open)
+        at = &t->next;
+    if (!t || (k->frozen && !k->members))
         return false;
     if (k->begun[t->pass % MSG_OPEN_PASSES] != t->pass + 1) {
         w->begins = &k->plan[t->pass];
@@ -225,9 +237,7 @@ find_todo_locked(struct pool_tiling *k, struct pool_tile_work *w)
     }
     t->behind = k->open - k->plan[t->pass].reads;
     w->tile = t;
-    k->todo = t->next;
-    if (!k->todo)
-        k->todo_end = &k->todo;
+    unlink_locked(k, at);
     k->members++;
     return true;
 }
