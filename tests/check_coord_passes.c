@@ -188,14 +188,45 @@ START_TEST(records_travel_while_tiles_are_made)
     ck_assert(has_tile(WORKER)); /* without a word */
     say(&f, SECOND,
         &(struct msg){ .type = MSG_HOLDS, .holds = { job_a, 0, 0 } });
-    ck_assert_uint_eq(jw[1].feeder, 0); /* that way did not do */
     ck_assert(f.last[SECOND].type == MSG_FROZEN && z->count == 2);
-    ck_assert(f.last[WORKER].type == MSG_FEED && f.last[WORKER].feed.n == 0);
     f.last[SECOND].type = 0;
     for (uint32_t pass = 0; pass < 2; pass++)
         say(&f, SECOND,
             &(struct msg){ .type = MSG_HOLDS, .holds = { job_a, pass, 0 } });
     ck_assert_int_eq(f.last[SECOND].type, 0); /* sent, and not closed */
+}
+END_TEST
+
+/* Of five the coordinator feeds the first, that one two, and so on.  When it
+ * hangs the coordinator feeds the second, too, and what is below that one feeds
+ * the third. */
+START_TEST(workers_below_one_that_hangs_are_fed_by_others)
+{
+    static const uint32_t before[] = { 0, 1, 1, 2, 2 },
+                          after[] = { 0, 0, 4, 2, 2 };
+    static const char *const name[] = { "ws2", "ws3", "ws4", "ws5" };
+    struct job_worker *jw;
+
+    submit_passes(ANA, &wide, 1);
+    for (uint64_t i = 0; i < N_ELEM(name); i++)
+        join(&f, SECOND + i, MSG_ROLE_WORKER, name[i], "daemon");
+    for (struct coord_worker *w = f.c->workers; w; w = w->next)
+        strcpy(w->address, "tcp 127.0.0.1:1");
+    for (uint64_t i = 0; i < N_ELEM(before); i++)
+        ready(&f, i > 0 ? SECOND + i - 1 : WORKER, job_a);
+    jw = desk_find_job(f.c, job_a)->workers;
+    for (uint32_t i = 0; i < N_ELEM(before); i++)
+        ck_assert_uint_eq(jw[i].feeder, before[i]);
+    make(SECOND, 0, 0, 2);
+    make(SECOND, 0, 1, 2);
+    for (uint64_t i = 0; i < N_ELEM(name); i++)
+        say(&f, SECOND + i,
+            &(struct msg){ .type = MSG_HOLDS, .holds = { job_a, 0, 0 } });
+    for (uint32_t i = 0; i < N_ELEM(before); i++)
+        ck_assert_uint_eq(jw[i].feeder, before[i]);
+    make_pass(SECOND, 1);
+    for (uint32_t i = 0; i < N_ELEM(after); i++)
+        ck_assert_uint_eq(jw[i].feeder, after[i]);
 }
 END_TEST
 
@@ -780,6 +811,7 @@ main(void)
     tcase_add_test(tc, units_come_when_all_passes_are_closed);
     tcase_add_test(tc, a_pass_that_is_closed_goes_to_all);
     tcase_add_test(tc, records_travel_while_tiles_are_made);
+    tcase_add_test(tc, workers_below_one_that_hangs_are_fed_by_others);
     tcase_add_test(tc, workers_that_were_fed_are_fed_by_others);
     tcase_add_test(tc, a_worker_that_was_too_slow_has_to_say_what_it_has);
     tcase_add_loop_test(tc, what_fits_no_tile_ends_the_connection, 0,

@@ -178,6 +178,7 @@ records_tell(struct coord *c, struct job *job)
 {
     const struct passes *s = job->passes;
 
+    feeding_mend(c, job);
     for (uint32_t i = 0; i < job->nworkers; i++) {
         struct job_worker *jw = &job->workers[i];
 
@@ -261,7 +262,7 @@ records_held(struct coord *c, struct coord_worker *w, const struct msg *msg)
         m->pass >= jw->passes + jw->lags || m->pass < job->passes->base)
         return;
     if (!m->whole) {
-        feeding_lacked(c, job, index);
+        feeding_lacked(job, index);
         send_closed(c, job, m->pass - job->passes->base, send_to_one, w);
         jw->lacked = m->pass + 1;
     }

@@ -61,6 +61,8 @@ struct job_worker {
     bool lags;       /* it is to say first that it has those of the next */
     uint32_t feeder; /* index + 1 of the worker that sends it records of tiles;
                       * 0: the coordinator does (feeding.c) */
+    bool missed;     /* some of these did not come */
+    uint32_t failures; /* times that it fed a worker which then missed some */
     uint64_t rest_ms; /* told to leave its areas then (REST), and given
                        * nothing since; 0: it was not */
 

@@ -55,21 +55,38 @@ count_fed(const struct job *job, uint32_t feeder)
     return n;
 }
 
-/* The worker that is to feed it, index + 1, as near to the coordinator as there
- * is one with room; 0: the coordinator. */
+/* Workers other than that one which the coordinator feeds.  One that failed may
+ * hang, so another is fed beside it. */
+static uint32_t
+count_direct(const struct job *job, uint32_t index)
+{
+    uint32_t n = 0;
+
+    for (uint32_t i = 0; i < job->nworkers; i++)
+        n += i != index && feeding_is_direct(job, i) &&
+             job->workers[i].failures == 0;
+    return n;
+}
+
+/* The worker that is to feed it, index + 1, of those with room and the fewest
+ * failures the nearest to the coordinator; 0: the coordinator. */
 static uint32_t
 choose(const struct coord *c, const struct job *job, uint32_t index)
 {
-    uint32_t best = 0, least = UINT32_MAX, n;
+    uint64_t least = UINT64_MAX;
+    uint32_t best = 0, n;
 
-    if (count_fed(job, 0) - feeding_is_direct(job, index) < most_direct(c))
+    if (count_direct(job, index) < most_direct(c))
         return 0;
-    for (uint32_t i = 0; i < job->nworkers; i++)
-        if (is_there(job, i) && (n = depth(job, i, index)) > 0 && n < least &&
-            count_fed(job, i + 1) < FED) {
+    for (uint32_t i = 0; i < job->nworkers; i++) {
+        uint64_t k = (uint64_t)job->workers[i].failures << 32;
+
+        if (is_there(job, i) && (n = depth(job, i, index)) > 0 &&
+            k + n < least && count_fed(job, i + 1) < FED) {
             best = i + 1;
-            least = n;
+            least = k + n;
         }
+    }
     return best;
 }
 
@@ -114,7 +131,10 @@ find_place(struct coord *c, struct job *job, uint32_t index)
 void
 feeding_join(struct coord *c, struct job *job, uint32_t index)
 {
-    job->workers[index].feeder = 0;
+    struct job_worker *jw = &job->workers[index];
+
+    jw->feeder = jw->failures = 0;
+    jw->missed = false;
     if (job->passes)
         find_place(c, job, index);
 }
@@ -134,10 +154,31 @@ feeding_left(struct coord *c, struct job *job, uint32_t index)
 }
 
 void
-feeding_lacked(struct coord *c, struct job *job, uint32_t index)
+feeding_lacked(struct job *job, uint32_t index)
 {
-    uint32_t feeder = job->workers[index].feeder;
+    job->workers[index].missed = true;
+}
 
-    job->workers[index].feeder = 0;
-    say_fed(c, job, feeder);
+/* Did the worker's feeder fail it?  One that missed records, too, had none to
+ * pass on. */
+static bool
+is_failed(const struct job *job, const struct job_worker *jw)
+{
+    return jw->missed && jw->feeder > 0 && !job->workers[jw->feeder - 1].missed;
+}
+
+void
+feeding_mend(struct coord *c, struct job *job)
+{
+    for (uint32_t i = 0; i < job->nworkers; i++) {
+        uint32_t feeder = job->workers[i].feeder;
+
+        if (!is_there(job, i) || !is_failed(job, &job->workers[i]))
+            continue;
+        job->workers[feeder - 1].failures++;
+        find_place(c, job, i);
+        say_fed(c, job, feeder);
+    }
+    for (uint32_t i = 0; i < job->nworkers; i++)
+        job->workers[i].missed = false;
 }
