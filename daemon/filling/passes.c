@@ -35,9 +35,9 @@
 #include <string.h>
 #include <sysexits.h>
 
-/* Records of a job, in bytes: when passes that are closed have half of it there
+/* When passes of a stage that are closed have half of its records' bytes there
  * are no further ones, and one pass cannot have more. */
-#define MOST_BYTES (512u << 20)
+#define MOST_BYTES SAVED_STAGE_BYTES
 
 _Static_assert(RAD_MOST_PASSES <= MSG_MOST_PASSES, "as in READY");
 _Static_assert(RAD_PASS_PARTS == MSG_OPEN_PASSES, "one of each part");

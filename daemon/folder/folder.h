@@ -99,7 +99,6 @@ void folder_put_pass(struct folder *f, const uint8_t job[MSG_JOB],
                      uint32_t pass, const struct saved_pass *p);
 /* The passes of the job that are kept, *n of them, as far as they are sound.
  * Returns the bytes that pass[] points into, malloc'd, or NULL. */
-#define FOLDER_MOST_CACHE (UINT64_C(1) << 30)
 uint8_t *folder_read_passes(struct folder *f, const uint8_t job[MSG_JOB],
                             struct saved_pass pass[MSG_MOST_PASSES],
                             uint32_t *n);

@@ -34,6 +34,11 @@
 #define TAIL_BYTES 16
 #define LAYOUT     1 /* the version of the protocol that counts are as in */
 
+/* A file has no more: all records that a job may have, and its passes' heads. */
+#define MOST_CACHE                                                             \
+    (SAVED_MOST_BYTES +                                                        \
+     MSG_MOST_PASSES * (HEAD_BYTES + sizeof(struct msg_counts)) + TAIL_BYTES)
+
 /* What stands before a pass's records. */
 static void
 put_head(struct wire_out *w, uint32_t pass, const struct saved_pass *p)
@@ -175,7 +180,7 @@ folder_read_passes(struct folder *f, const uint8_t id[MSG_JOB],
 
     take_back(f, id);
     folder_path(f, id, FOLDER_CACHE, path);
-    bytes = rad_file_read(path, FOLDER_MOST_CACHE, &len, NULL);
+    bytes = rad_file_read(path, MOST_CACHE, &len, NULL);
     end = folder_parse_passes(bytes, len, pass, n);
     if (j) {
         j->npasses = *n;
@@ -297,7 +302,7 @@ read_kept(const struct folder *f, const uint8_t id[MSG_JOB], size_t *n,
                  "the ambient cache of job %s is not kept any more", hex);
         return NULL;
     }
-    bytes = rad_file_read(path, FOLDER_MOST_CACHE, &len, NULL);
+    bytes = rad_file_read(path, MOST_CACHE, &len, NULL);
     *n = bytes ? folder_parse_kept(bytes, len) : FOLDER_NO_CACHE;
     if (*n != FOLDER_NO_CACHE)
         return bytes;
@@ -353,7 +358,7 @@ folder_read_first(const struct folder *f, const uint8_t id[MSG_JOB],
     uint8_t *bytes, *less;
 
     folder_path(f, id, FOLDER_CACHE, path);
-    bytes = rad_file_read(path, FOLDER_MOST_CACHE, &n, NULL);
+    bytes = rad_file_read(path, MOST_CACHE, &n, NULL);
     if (!bytes || !take_pass(bytes, n, 0, &at, &first)) {
         free(bytes);
         damaged("that began", id, err);

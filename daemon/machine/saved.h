@@ -10,6 +10,7 @@
 
 #include "ground/mark.h"
 #include "partition/partition.h"
+#include "refine/refine.h"
 
 /* A unit that went out: its latest attempt, and what is kept of its rows. */
 struct saved_unit {
@@ -43,6 +44,11 @@ struct saved_pass {
     struct msg_counts counts; /* of its tiles */
     bool firm; /* to be on the disk before what comes later; not kept */
 };
+
+/* Records of the passes of one stage of a job, in bytes, and what its stages may
+ * come to together. */
+#define SAVED_STAGE_BYTES (UINT64_C(512) << 20)
+#define SAVED_MOST_BYTES  (RAD_REFINE_STAGES * SAVED_STAGE_BYTES)
 
 /* Of all passes of a job those with the records of its last stage. */
 struct pass_range {

@@ -9,6 +9,7 @@
 #include "worker/gather.h"
 
 #include "machine/rowsum.h"
+#include "machine/saved.h"
 #include "proto/ambshare.h"
 #include "worker/peer.h"
 #include "worker/state.h"
@@ -21,9 +22,9 @@
  * after the other. */
 #define QUIET_MS 100
 
-/* Records of a job's passes that are here, in bytes: of all its passes no
- * coordinator takes more (filling/passes.c). */
-#define MOST_BYTES ((uint64_t)512 << 20)
+/* Records of a job's passes that are here, in bytes: of a stage no coordinator
+ * takes more (filling/passes.c). */
+#define MOST_BYTES SAVED_STAGE_BYTES
 
 #define PASSES WJOB_PASSES
 
