@@ -271,6 +271,28 @@ START_TEST(the_oldest_caches_go_first)
 }
 END_TEST
 
+/* The job that begins with it waits for its files. */
+START_TEST(a_cache_stays_until_who_begins_with_it_has_it)
+{
+    struct coord_keep keep = { .jobs = 1, .ms = 1 };
+
+    whole_job(job_a);
+    f.have = false;
+    submit_job(ANA, job_c, last);
+    ck_assert_int_ne(f.last[ANA].type, MSG_ACCEPT);
+    coord_set_keep(f.c, &keep);
+    wait_s(&f, 120);
+    ck_assert(find(job_a) && find(job_a)->cache.bytes > 0 && f.drops == 0);
+    f.have = true;
+    coord_file_stored(f.c, f.now_ms, ANA, hash);
+    carry_out(&f);
+    ck_assert_int_eq(f.last[ANA].type, MSG_ACCEPT);
+    ck_assert_mem_eq(f.last[ANA].accept.reuse, job_a, MSG_JOB);
+    wait_s(&f, 2);
+    ck_assert_ptr_null(find(job_a));
+}
+END_TEST
+
 START_TEST(a_cache_beyond_the_limit_is_not_kept_at_all)
 {
     coord_set_keep(
@@ -606,6 +628,7 @@ main(void)
     tcase_add_test(tc, a_job_that_has_no_cache_is_refused_with_why);
     tcase_add_test(tc, a_cache_that_is_gone_is_refused);
     tcase_add_test(tc, the_oldest_caches_go_first);
+    tcase_add_test(tc, a_cache_stays_until_who_begins_with_it_has_it);
     tcase_add_test(tc, a_cache_beyond_the_limit_is_not_kept_at_all);
     tcase_add_test(tc, tiles_wait_for_the_records);
     tcase_add_test(tc, a_job_without_its_records_fails);

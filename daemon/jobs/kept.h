@@ -18,6 +18,8 @@ struct kept_passes {
  * passes were closed that were closed in this life. */
 struct kept_cache {
     uint64_t bytes;          /* of kept_bytes; 0: none is kept */
+    bool held; /* until a job that begins with it has its records (coord_keep.c)
+                */
     struct pass_range range; /* of one that ended in this life */
     uint64_t reused;         /* records, once they are here */
     uint64_t *closed_ms;

@@ -6,7 +6,8 @@
  * the other limits say; that it does not grow for ever quota.c sees to, which
  * takes no further job then.  Of the rest the oldest go, one at a time, while
  * there are too many, or they are too old, or all of the owner's take too much
- * room. */
+ * room.  A job whose cache another one begins with stays until that one has the
+ * records, however long its files take to come. */
 #include "config.h"
 
 #include "queue/coord_keep.h"
@@ -72,7 +73,7 @@ count_kept(struct coord *c)
         if (!job_over(job))
             continue;
         k->bytes += job->kept_bytes;
-        if (desk_unfetched(c, job))
+        if (desk_unfetched(c, job) || job->cache.held)
             continue;
         if (is_being_fetched(c, job)) {
             k->fetching++;
@@ -103,7 +104,23 @@ forget_one(struct coord *c, const struct coord_kept *k)
     return true;
 }
 
-/* The cache of an older job than any other; *all: of all together. */
+static void
+hold_caches(struct coord *c)
+{
+    struct job *from;
+
+    for (size_t i = 0; i < c->njobs; i++)
+        c->jobs[i]->cache.held = false;
+    for (size_t i = 0; i < c->njobs; i++) {
+        const struct job *job = c->jobs[i];
+
+        if (job->spec.reuse && job->stage < STAGE_OPEN && !job_over(job) &&
+            (from = desk_find_job(c, job->spec.reuse)))
+            from->cache.held = true;
+    }
+}
+
+/* The cache of an older job than any other that may go; *all: of all together. */
 static struct job *
 oldest_cache(const struct coord *c, uint64_t *all)
 {
@@ -114,7 +131,8 @@ oldest_cache(const struct coord *c, uint64_t *all)
         struct job *job = c->jobs[i];
 
         *all += job->cache.bytes;
-        if (job->cache.bytes > 0 && (!oldest || job->end_ms < oldest->end_ms))
+        if (job->cache.bytes > 0 && !job->cache.held &&
+            (!oldest || job->end_ms < oldest->end_ms))
             oldest = job;
     }
     return oldest;
@@ -145,8 +163,10 @@ coord_forget_old(struct coord *c)
     bool again = c->keep_due || since(c, c->keep_ms) >= LOOK_MS;
 
     c->keep_due = false;
-    if (again)
+    if (again) {
+        hold_caches(c);
         limit_caches(c);
+    }
     while (again) {
         c->keep_ms = c->now_ms;
         count_kept(c);
