@@ -448,6 +448,44 @@ START_TEST(a_job_that_was_all_but_over_leaves_its_cache)
 }
 END_TEST
 
+static const struct {
+    size_t len; /* of the last stage's decision; 0: it is not there */
+    const char *why;
+} lost[] = { { 0, "had no room" }, { 36, "another version" } };
+
+/* Rows are there, and what they were made by is not, or cannot be read. */
+START_TEST(a_job_whose_decision_is_lost_says_why)
+{
+    struct msg m = submit_of(job_c, NULL);
+    struct saved_pass passes[PASSES + 1];
+    struct saved_unit unit = { .area = { 0, 0, 0, 4, 4 },
+                               .attempt = 1,
+                               .worker = "ws1",
+                               .stored = 4,
+                               .done = true };
+    struct saved_frame none = { 0 };
+    struct saved_job s = { .spec = m.submit,
+                           .owner = "ana",
+                           .text = "",
+                           .frames = &none,
+                           .nunits = 1,
+                           .units = &unit,
+                           .npasses = PASSES + (lost[_i].len > 0),
+                           .passes = passes };
+
+    s.spec.error_ppm = 100000;
+    for (uint32_t i = 0; i < PASSES; i++)
+        passes[i] = (struct saved_pass){ .bytes = records,
+                                         .len = AMBSHARE_BYTES };
+    passes[PASSES] =
+        (struct saved_pass){ .bytes = records, .len = lost[_i].len };
+    ck_assert_int_eq(recover_job(f.c, f.now_ms, &s, NULL, NULL, NULL), 0);
+    carry_out(&f);
+    ck_assert_int_eq(find(job_c)->state, JOB_FAILED);
+    ck_assert_ptr_nonnull(strstr(find(job_c)->text, lost[_i].why));
+}
+END_TEST
+
 /* --- files --- */
 
 static struct folder folder;
@@ -633,6 +671,8 @@ main(void)
     tcase_add_test(tc, tiles_wait_for_the_records);
     tcase_add_test(tc, a_job_without_its_records_fails);
     tcase_add_test(tc, a_job_of_an_earlier_life_goes_on_with_them);
+    tcase_add_loop_test(tc, a_job_whose_decision_is_lost_says_why, 0,
+                        N_ELEM(lost));
     tcase_add_loop_test(tc, a_job_that_was_all_but_over_leaves_its_cache, 0, 2);
     suite_add_tcase(s, tc);
     tcase_add_checked_fixture(files, set_up_folder, tear_down_folder);

@@ -228,6 +228,7 @@ take_stage(struct job *job, uint32_t n, struct rad_error *err)
     if (!unpack(&read, &kept->pass[last]) ||
         (!read.ended && g->number + 1 >= RAD_REFINE_STAGES)) {
         kept->n = last; /* it is decided again */
+        g->unread = true;
         return 0;
     }
     *g = read;
@@ -270,8 +271,14 @@ stages_take_up(struct coord *c, struct job *job, struct rad_error *err)
     return 0;
 }
 
-bool
+const char *
 stages_lost(const struct job *job)
 {
-    return goal_is(job) && !job->goal.ended && job->pixels_done > 0;
+    if (!goal_is(job) || job->goal.ended || job->pixels_done == 0)
+        return NULL;
+    return job->goal.unread
+               ? "the options that its picture was begun with are kept as "
+                 "another version of radcoord keeps them: submit it again"
+               : "the options that its picture was begun with are lost, as the "
+                 "disk had no room for them: submit it again";
 }

@@ -52,7 +52,7 @@ void stages_pack(struct coord *c, const struct job *job,
  * counted. RAD_EDATA, RAD_ENOMEM. */
 int stages_take_up(struct coord *c, struct job *job, struct rad_error *err);
 /* After that: are there rows of its picture, but the decision that they were
- * made by is lost?  The job cannot go on. */
-bool stages_lost(const struct job *job);
+ * made by is lost?  The job cannot go on: says why, or NULL. */
+const char *stages_lost(const struct job *job);
 
 #endif

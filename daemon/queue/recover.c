@@ -227,6 +227,7 @@ static int
 take_up(const struct recovery *r)
 {
     struct job *job = r->job;
+    const char *lost;
     int rc = take_units(r);
 
     if (rc == 0 && !kept_copy(&job->kept, r->s))
@@ -251,10 +252,8 @@ take_up(const struct recovery *r)
                 (unsigned long long)job->pixels_total);
     if (job->frames_ready == job->spec.nframes) /* only that was not kept */
         verdict_job(r->c, job, JOB_DONE, 0, NULL);
-    else if (stages_lost(job))
-        verdict_job(r->c, job, JOB_FAILED, EX_IOERR,
-                    "the options that its picture was begun with are lost, as "
-                    "the disk had no room for them: submit it again");
+    else if ((lost = stages_lost(job)))
+        verdict_job(r->c, job, JOB_FAILED, EX_IOERR, lost);
     coord_end_jobs(r->c);
     return 0;
 }
