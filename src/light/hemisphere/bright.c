@@ -194,48 +194,60 @@ rad_bright_glint(const struct rad_hemi *h, const double p[3], uint64_t key)
     return g;
 }
 
-bool
-rad_bright_see(struct rad_bright_view *v, const struct rad_bright *b, size_t i,
-               const struct rad_hemi *h, const double p[3])
+void
+rad_bright_look(const struct rad_bright *b, size_t n, const struct rad_hemi *h,
+                const double p[3], double *share)
 {
-    const struct rad_bright_place *q = &b->place[i];
-    double d[3], s[2];
+    for (size_t i = 0; i < n; i++) {
+        double d[3];
 
-    rad_sub(d, q->p, p);
-    double dist2 = rad_dot(d, d), up = rad_dot(d, h->w);
+        rad_sub(d, b->place[i].p, p);
+        double dist2 = rad_dot(d, d), up = rad_dot(d, h->w);
 
-    if (!(up > 0))
-        return false;
-    double dist = sqrt(dist2);
-    double per = up / dist / (dist2 * M_PI);
-
-    rad_square_of_disk(rad_dot(d, h->u) / dist, rad_dot(d, h->v) / dist, s);
-    v->x = s[0];
-    v->y = s[1];
-    v->share = rad_least(q->area * per, 1);
-    v->width = sqrt(rad_least(q->reach * per, 1));
-    v->lum = q->lum;
-    return true;
+        share[i] = up > 0 ? up / (dist2 * sqrt(dist2) * M_PI) : 0;
+    }
 }
 
-/* Add a place to the squares of the n * n cells. */
-static void
-add_place(const struct rad_bright_view *v, int n, struct rad_contrast *cell)
+void
+rad_bright_where(const struct rad_bright_place *q, const struct rad_hemi *h,
+                 const double p[3], double at[2])
 {
-    int x = (int)(v->x * n), y = (int)(v->y * n);
+    double d[3];
+
+    rad_sub(d, q->p, p);
+    double over = 1 / sqrt(rad_dot(d, d));
+
+    rad_square_of_disk(rad_dot(d, h->u) * over, rad_dot(d, h->v) * over, at);
+}
+
+/* The cell of n * n that has this point of the square. */
+static int
+cell_at(const double at[2], int n)
+{
+    int x = (int)(at[0] * n), y = (int)(at[1] * n);
 
     x = x < 0 ? 0 : x < n ? x : n - 1;
     y = y < 0 ? 0 : y < n ? y : n - 1;
-    cell[y * n + x].square += rad_least(v->share * n * n, 1) * v->lum * v->lum;
+    return y * n + x;
 }
 
 void
 rad_bright_cells(const struct rad_bright *b, const struct rad_hemi *h,
-                 const double p[3], struct rad_contrast *cell)
+                 const double p[3], const double *share,
+                 struct rad_contrast *cell)
 {
-    struct rad_bright_view v;
+    double square[RAD_BRIGHT_MOST], at[2], all = 0, n2 = h->n * h->n;
 
+    for (size_t i = 0; i < b->n; i++) {
+        const struct rad_bright_place *q = &b->place[i];
+
+        square[i] = rad_least(share[i] * q->area * n2, 1) * q->lum * q->lum;
+        all += square[i];
+    }
+    all /= (double)b->n;
     for (size_t i = 0; i < b->n; i++)
-        if (rad_bright_see(&v, b, i, h, p))
-            add_place(&v, h->n, cell);
+        if (square[i] > all) {
+            rad_bright_where(&b->place[i], h, p, at);
+            cell[cell_at(at, h->n)].square += square[i];
+        }
 }

@@ -32,15 +32,6 @@ struct rad_bright {
     double cell; /* side of the cells of the grid [unit] */
 };
 
-/* A place as seen from a hemisphere's point: where it is in the hemisphere's
- * square, and what part of it it is. */
-struct rad_bright_view {
-    double x, y;
-    double share;
-    double width; /* of a square that may hold it */
-    double lum;
-};
-
 /* Gather the glints of n records, in a scene whose cube has its corner at org
  * and that side.  What comes out depends on these and their order alone.
  * False: out of memory. */
@@ -52,13 +43,23 @@ bool rad_bright_gather(struct rad_bright *b, const struct rad_glint *glint,
 struct rad_glint rad_bright_glint(const struct rad_hemi *h, const double p[3],
                                   uint64_t key);
 
-/* Place i of those; false: it is below the horizon. */
-bool rad_bright_see(struct rad_bright_view *v, const struct rad_bright *b,
-                    size_t i, const struct rad_hemi *h, const double p[3]);
+/* Look at the first n places from p: share[i] gets what part of the hemisphere's
+ * square a unit of area at place i has [1/unit^2], 0 if it is below the horizon.
+ */
+void rad_bright_look(const struct rad_bright *b, size_t n,
+                     const struct rad_hemi *h, const double p[3],
+                     double *share);
 
-/* Add to cell[k].square the mean square of the luminance that places are
- * expected to bring to cell k of a hemisphere at p. */
+/* Where in the hemisphere's square a place is. */
+void rad_bright_where(const struct rad_bright_place *q,
+                      const struct rad_hemi *h, const double p[3],
+                      double at[2]);
+
+/* Add to cell[k].square the mean square of the luminance that those places which
+ * bring more than the mean of them are expected to bring to cell k of a
+ * hemisphere at p; share is of rad_bright_look(), of all places. */
 void rad_bright_cells(const struct rad_bright *b, const struct rad_hemi *h,
-                      const double p[3], struct rad_contrast *cell);
+                      const double p[3], const double *share,
+                      struct rad_contrast *cell);
 
 #endif

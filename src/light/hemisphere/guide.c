@@ -3,77 +3,58 @@
 
 #include "light/hemisphere/guide.h"
 #include "base/vec.h"
-#include "light/sample/disk.h"
 
 /* Parts along a side of the square, about. */
 #define PARTS 64
-
-/* So many places are looked at: those that most records chose. */
-#define LOOKED_AT 256
 
 /* There is a guide where these alone, with a ray a cell, would give the mean of
  * the hemisphere such a relative variance.  At .03 a room with a mirror has one
  * nearly everywhere, for no gain; at 1 dark corners lack it. */
 #define NOISY .3
 
-/* A place that brings less than this over the mean of them has no lobe. */
-#define DIM .25
-
 struct rad_guide_lobe {
     int x, y, nx, ny; /* its parts: from there on, so many */
     double upto;      /* light of lobes, this the last */
 };
-
-/* The share of the square that a unit of area at a place has. */
-static inline double
-share_of(const struct rad_bright_place *q, const struct rad_hemi *h,
-         const double p[3])
-{
-    double d[3];
-
-    rad_sub(d, q->p, p);
-    double dist2 = rad_dot(d, d), up = rad_dot(d, h->w);
-
-    return up > 0 ? up / (dist2 * sqrt(dist2) * M_PI) : 0;
-}
 
 /* Are places so small and bright that they are much of the noise?  light[]
  * becomes what each brings to the mean.  While few records have been made, few
  * places stand for all of what is bright: for noise each counts as more than
  * its area, so that all that are kept would cover as many cells of the grid. */
 static bool
-is_noisy(const struct rad_bright *b, size_t places, const struct rad_hemi *h,
-         const double p[3], double usual, float *light)
+is_noisy(const struct rad_bright *b, size_t places, int n, const double *share,
+         double usual, float *light)
 {
     double least = b->cell * b->cell * RAD_BRIGHT_MOST / (double)b->n;
     double all = usual, square = 0;
 
     for (size_t i = 0; i < places; i++) {
         const struct rad_bright_place *q = &b->place[i];
-        double share = share_of(q, h, p);
-        double wide = rad_least(share * rad_most(q->area, least), 1) * q->lum;
+        double wide =
+            rad_least(share[i] * rad_most(q->area, least), 1) * q->lum;
 
-        light[i] = (float)(rad_least(share * q->area, 1) * q->lum);
+        light[i] = (float)(rad_least(share[i] * q->area, 1) * q->lum);
         all += (double)light[i];
         square += wide * q->lum;
     }
-    return square > NOISY * h->n * h->n * all * all;
+    return square > NOISY * n * n * all * all;
 }
 
-/* Add the lobe of a place that brings `light`; `upto` counts that in.  Where it
- * is in its square is not known to half a part. */
+/* Add the lobe of a place at (x, y) that may be so wide and brings `light`;
+ * `upto` counts that in.  Where it is in its square is not known to half a part.
+ */
 static void
-add_lobe(struct rad_guide *g, const struct rad_bright_view *v, double light,
+add_lobe(struct rad_guide *g, double x, double y, double width, double light,
          double upto)
 {
     struct rad_guide_lobe *l = &g->lobe[g->lobes++];
-    double half = v->width / 2 + .5 / g->side;
+    double half = width / 2 + .5 / g->side;
     int last = g->side - 1;
 
-    l->x = (int)(rad_most(v->x - half, 0) * g->side);
-    l->y = (int)(rad_most(v->y - half, 0) * g->side);
-    l->nx = (int)((v->x + half) * g->side);
-    l->ny = (int)((v->y + half) * g->side);
+    l->x = (int)(rad_most(x - half, 0) * g->side);
+    l->y = (int)(rad_most(y - half, 0) * g->side);
+    l->nx = (int)((x + half) * g->side);
+    l->ny = (int)((y + half) * g->side);
     l->x = l->x < last ? l->x : last;
     l->y = l->y < last ? l->y : last;
     l->nx = (l->nx < last ? l->nx : last) - l->x + 1;
@@ -87,16 +68,15 @@ add_lobe(struct rad_guide *g, const struct rad_bright_view *v, double light,
 
 bool
 rad_guide_set(struct rad_guide *g, const struct rad_bright *b,
-              const struct rad_hemi *h, const double p[3], double usual,
-              struct rad_arena *scratch)
+              const struct rad_hemi *h, const double p[3], const double *share,
+              double usual, struct rad_arena *scratch)
 {
     int n = h->n;
-    size_t places = b->n < LOOKED_AT ? b->n : LOOKED_AT;
-    double all = 0, kept = 0;
-    struct rad_bright_view v;
-    float light[LOOKED_AT];
+    size_t places = b->n < RAD_GUIDE_PLACES ? b->n : RAD_GUIDE_PLACES;
+    double all = 0, kept = 0, at[2];
+    float light[RAD_GUIDE_PLACES];
 
-    if (!is_noisy(b, places, h, p, usual, light))
+    if (!is_noisy(b, places, n, share, usual, light))
         return false;
     g->side = n * ((PARTS + n - 1) / n);
     g->light = rad_arena_calloc(scratch, (size_t)(g->side * g->side),
@@ -107,13 +87,18 @@ rad_guide_set(struct rad_guide *g, const struct rad_bright *b,
         return false;
     for (size_t i = 0; i < places; i++)
         all += (double)light[i];
-    all *= DIM / (double)places;
-    for (size_t i = 0; i < places; i++)
-        if ((double)light[i] > all && rad_bright_see(&v, b, i, h, p) &&
-            v.width * n < 1) { /* else the cells do */
+    all /= (double)places;
+    for (size_t i = 0; i < places; i++) {
+        double width = sqrt(rad_least(b->place[i].reach * share[i], 1));
+
+        /* those that bring less than the mean are left to the cells, and so are
+         * those that are as wide */
+        if ((double)light[i] > all && width * n < 1) {
+            rad_bright_where(&b->place[i], h, p, at);
             kept += (double)light[i];
-            add_lobe(g, &v, (double)light[i], kept);
+            add_lobe(g, at[0], at[1], width, (double)light[i], kept);
         }
+    }
     g->scale = g->side * g->side / kept;
     return kept > 0;
 }

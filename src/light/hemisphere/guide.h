@@ -14,6 +14,9 @@
 
 #include "light/hemisphere/bright.h"
 
+/* So many places are looked at: those that most records chose. */
+#define RAD_GUIDE_PLACES 256
+
 struct rad_guide_lobe;
 
 struct rad_guide {
@@ -24,11 +27,13 @@ struct rad_guide {
     int lobes;
 };
 
-/* Set the guide of a hemisphere at p, by places and frame alone, if they are
- * expected to be much of the noise there; records see a luminance of `usual`.
+/* Set the guide of a hemisphere at p, by places (share is of rad_bright_look(),
+ * for the first of them) and frame alone, if they are expected to be much of the
+ * noise there; records see a luminance of `usual`.
  * False: there is none.  It lives as long as what scratch held before. */
 bool rad_guide_set(struct rad_guide *g, const struct rad_bright *b,
-                   const struct rad_hemi *h, const double p[3], double usual,
+                   const struct rad_hemi *h, const double p[3],
+                   const double *share, double usual,
                    struct rad_arena *scratch);
 
 /* Density at a point of the square. */

@@ -266,9 +266,10 @@ worth_sharing(const struct sampler *s, int more)
     return n >= MIN_SIDE && more >= (s->plan->bright ? 1 : 4) * n;
 }
 
-/* What the cells' shares of more rays come from; NULL: out of memory. */
+/* What the cells' shares of more rays come from; `bright` is of
+ * rad_bright_look().  NULL: out of memory. */
 static struct rad_contrast *
-set_shares(const struct sampler *s)
+set_shares(const struct sampler *s, const double *bright)
 {
     const struct rad_hemi *h = s->h;
     int n = h->n;
@@ -284,9 +285,19 @@ set_shares(const struct sampler *s)
                    part_of_cell(s, 1, (k % n + t->x) / n, (k / n + t->y) / n);
     }
     if (s->plan->bright && s->guided == 0)
-        rad_bright_cells(s->plan->bright, h, s->r->hit.p, c);
+        rad_bright_cells(s->plan->bright, h, s->r->hit.p, bright, c);
     rad_contrast_share(c, n);
     return c;
+}
+
+/* Look at all places, if cells get rays for them, else at those of the guide. */
+static void
+look_at_places(const struct sampler *s, bool all, double *share)
+{
+    const struct rad_bright *b = s->plan->bright;
+    size_t n = all || b->n < RAD_GUIDE_PLACES ? b->n : RAD_GUIDE_PLACES;
+
+    rad_bright_look(b, n, s->h, s->r->hit.p, share);
 }
 
 /* Share `count` more rays among the guide, if there is one, and the cells. */
@@ -296,16 +307,20 @@ super_sample(struct sampler *s, int count)
     int n = s->h->n;
     const struct rad_contrast *c = NULL;
     uint32_t number = (uint32_t)(n * n);
+    bool shared = worth_sharing(s, count);
+    double bright[RAD_BRIGHT_MOST];
 
+    if (s->plan->bright && count > 0)
+        look_at_places(s, shared, bright);
     if (s->plan->bright && count > 0 &&
-        rad_guide_set(&s->guide, s->plan->bright, s->h, s->r->hit.p,
+        rad_guide_set(&s->guide, s->plan->bright, s->h, s->r->hit.p, bright,
                       s->plan->usual, &s->ctx->scratch)) {
         s->guided = (int)(count * GUIDED + .5);
         if (n < MIN_SIDE && s->guided > n * n)
             s->guided = n * n;
     }
-    if (worth_sharing(s, count))
-        c = set_shares(s);
+    if (shared)
+        c = set_shares(s, bright);
     for (int k = 0; (c || s->guided > 0) && k < n * n; k++) {
         double share = c ? c[k].share * (count - s->guided) : 0;
         /* rounded up with the probability of the fraction */
