@@ -447,7 +447,7 @@ START_TEST(mean_keeps_what_places_err_by_in_common)
 
     s.doubt.v[RAD_DOUBT_PLACES] = 100;
     s.doubt.v[RAD_DOUBT_AMBIENT] = 100 * .02 * .02;
-    s.doubt.v[RAD_DOUBT_SAID] = 1.7 * 100 * .02 * .02;
+    s.doubt.v[RAD_DOUBT_SAID] = 1.3 * 100 * .02 * .02;
     s.off.light = 200;
     s.off.off = 100 * .04; /* each by 2 % */
     s.off.square = 100 * .04 * .04;

@@ -25,23 +25,25 @@
 #define MOST_SQUARE 1.
 
 /* The square of the cache's error over what fresh samples say of it: deeper
- * records, that both are made of, err as well. */
-#define DEEPER 1.7
+ * records, that both are made of, err as well.  They are few, and one of them
+ * may be most of their sum, so what all records tell counts for the rest. */
+#define DEEPER 1.3
+#define FRESH  .25
 
 #define MOST_ERROR 1e6
 
 /* Of a picture, areas of no contrast and places; */
-#define AREAS  200.
-#define PLACES 64.
+#define AREAS  600.
+#define PLACES 48.
 
 /* one of so many pixels at most. */
-#define SPARSE_AREAS  1500.
+#define SPARSE_AREAS  1000.
 #define SPARSE_PLACES 3000.
 
 /* An area with contrast c is so many times likelier than one without: 1 +
  * BY_CONTRAST c^2.  One that is black may hide what should be there, and has so
  * much. */
-#define BY_CONTRAST 10.
+#define BY_CONTRAST 3.
 #define BLACK       .5
 
 /* All pixels of an area are made again where the first are off by r, relative,
@@ -66,7 +68,7 @@ _Static_assert((AREA + RAD_QUINCUNX_MAX_YSTEP / 2) * 3 / 2 <= MOST, "no room");
 enum { FIRST, SECOND, NFRAMES };
 
 struct look {
-    struct rad_job exact; /* the job, with -st 0 */
+    struct rad_job exact; /* the job, with nothing of direct light left out */
     struct rad_frame frame[NFRAMES];
     const struct rad_job *job; /* ctx's own */
     const struct rad_doubt_rows *rows;
@@ -77,6 +79,12 @@ struct look {
     double *sum;
     struct rad_doubt_off *off; /* NULL: not asked for */
 };
+
+static double
+bound(double square)
+{
+    return fmax(fmin(square, MOST_SQUARE), -MOST_SQUARE);
+}
 
 static bool
 is_stopped(const struct look *k)
@@ -186,7 +194,7 @@ square_at(struct look *k, int x, int y, double cached, double weight)
         k->off->off += off;
         k->off->square += off * off;
     }
-    return mean > 0 ? d[FIRST] * d[SECOND] / (mean * mean) : 0;
+    return mean > 0 ? bound(d[FIRST] * d[SECOND] / (mean * mean)) : 0;
 }
 
 static void
@@ -305,7 +313,7 @@ look_at_area(struct look *k, const struct area *a, double weight)
         return;
     weight /= likely;
     square = r.off[FIRST] * r.off[SECOND] / (all * all);
-    square = weight * fmax(fmin(square, MOST_SQUARE), -MOST_SQUARE);
+    square = weight * bound(square);
     k->sum[RAD_DOUBT_PIXEL] += square;
     k->sum[RAD_DOUBT_PIXEL2] += square * square;
     k->sum[RAD_DOUBT_NOISE] +=
@@ -383,6 +391,9 @@ begin(struct look *k, const struct rad_frame *f, struct rad_ctx *ctx,
         .exact = *f->job, .job = ctx->job, .ctx = ctx, .sum = to->v
     };
     k->exact.params.specthresh = 0;
+    k->exact.params.shadthresh = 0;
+    k->exact.params.shadcert = 1;
+    k->exact.params.srcjitter = 1;
     for (int i = 0; i < NFRAMES; i++) {
         k->frame[i] = with_key(f, (uint64_t)i);
         k->frame[i].job = &k->exact;
@@ -486,8 +497,6 @@ mean_square(double n, double sum, double squares)
     return n >= 1 ? sound(fmax(sum / n, .5 * sqrt(sound(squares)) / n)) : 0;
 }
 
-/* What fresh samples say, of which there are few, and what records do, which
- * may be off by a factor: the mean of both is better than either. */
 static double
 ambient_square(const double *v)
 {
@@ -495,9 +504,8 @@ ambient_square(const double *v)
 
     if (!(n >= 1))
         return 0;
-    return (DEEPER * sound(v[RAD_DOUBT_AMBIENT] / n) +
-            sound(v[RAD_DOUBT_SAID] / n)) /
-           2;
+    return FRESH * DEEPER * sound(v[RAD_DOUBT_AMBIENT] / n) +
+           (1 - FRESH) * sound(v[RAD_DOUBT_SAID] / n);
 }
 
 struct rad_error_squares

@@ -1,16 +1,17 @@
 /* doubt.h - how far a picture is off, by pixels of it that are made again
  *
  * A few are made twice more, each time with other random numbers and with what
- * -st leaves out, and are compared with what the picture has there:
+ * -st, -dt and -dj leave out, and are compared with what the picture has there:
  *   areas     of some 25 pixels, as the eye takes them together, as they were
  *             sampled: noise of lamps and gloss, gloss that -st leaves out,
+ *             penumbras of lamps whose parts -dj samples by their middles,
  *             edges that interpolation missed
  *   places    a pixel's indirect light sampled afresh and as the cache has it
  * Both times the difference to the truth is the same, but for noise that is
  * independent, so the mean product of both is the square of the error.
  * Errors are relative to the light there, as root mean squares over areas.
- * What both times is left out does not show: bounces that -ab leaves out,
- * shadows that -dt leaves untested, light that hemispheres cannot find.
+ * What both times is left out does not show: bounces that -ab leaves out, light
+ * that hemispheres cannot find.
  * Thread: any, each with a context of its own. */
 #ifndef RAD_PICTURE_DOUBT_H
 #define RAD_PICTURE_DOUBT_H
