@@ -329,6 +329,25 @@ START_TEST(a_late_tile_goes_to_a_second_worker)
 }
 END_TEST
 
+/* A tick that comes a little early, behind one that came late, counts. */
+START_TEST(a_late_tile_is_seen_at_the_next_tick)
+{
+    wait_s(&f, 1);
+    f.now_ms += 60;
+    submit_passes(ANA, &wide, 1);
+    ready(&f, WORKER, job_a);
+    join(&f, SECOND, MSG_ROLE_WORKER, "ws2", "daemon");
+    ready(&f, SECOND, job_a);
+    for (uint64_t ms = 50; ms < 100; ms += 49) {
+        ck_assert(!has_tile(SECOND));
+        f.now_ms += ms;
+        coord_tick(f.c, f.now_ms);
+        carry_out(&f);
+    }
+    ck_assert(has_tile(SECOND));
+}
+END_TEST
+
 /* A worker of two threads has a third tile while many wait, and not when few
  * do: it may stand behind a dear one. */
 START_TEST(near_the_end_of_a_pass_no_tile_stands_ahead)
@@ -818,6 +837,7 @@ main(void)
                         N_ELEM(wrong));
     tcase_add_test(tc, tiles_of_a_lost_worker_go_to_another);
     tcase_add_test(tc, a_late_tile_goes_to_a_second_worker);
+    tcase_add_test(tc, a_late_tile_is_seen_at_the_next_tick);
     tcase_add_test(tc, the_dearest_place_goes_out_first);
     tcase_add_test(tc, the_dearest_part_goes_out_first);
     tcase_add_test(tc, near_the_end_of_a_pass_no_tile_stands_ahead);

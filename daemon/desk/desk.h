@@ -108,7 +108,6 @@ struct coord {
     uint64_t sequence;
     uint64_t known_ms;    /* when files that owners know of expired last */
     uint64_t progress_ms; /* when PROGRESS was sent last */
-    uint64_t tick_ms;     /* when the scheduler looked at the time last */
     uint64_t lease_ms;    /* a unit that is out for less is not late */
     bool stirred;         /* somebody may get something since sched_run() */
     struct coord_worker *roomy; /* ... but if that is false this one alone */

@@ -14,7 +14,6 @@
 #include "sched/loss.h"
 #include "sched/yield.h"
 
-#define TICK_MS       100
 #define DRAIN_WAIT_MS 500 /* facts of a parked unit are here by then */
 
 /* A worker that gets no more units gives up those that only wait: their facts
@@ -42,9 +41,6 @@ drain_parked(struct coord *c, struct job *job)
 void
 sched_tick(struct coord *c)
 {
-    if (c->now_ms - c->tick_ms < TICK_MS)
-        return;
-    c->tick_ms = c->now_ms;
     balance_look(c);
     yield_look(c);
     for (size_t i = 0; i < c->njobs; i++) {
