@@ -19,16 +19,19 @@ struct warnings {
     char text[MOST_KEPT][WARNING_SIZE];
 };
 
-/* Surfaces of instances and meshes that would be light sources elsewhere. */
+/* Surfaces of instances and meshes that would be light sources elsewhere; what
+ * has its material from the instance or mesh itself, as one. */
 static int32_t
 lights_within(const struct compiled *c)
 {
     const struct rad_scene *s = c->scene;
     int32_t n = 0;
 
-    for (int32_t i = rad_scene_own(s); i < s->nobjects; i++) {
+    for (int32_t i = 0; i < s->nobjects; i++) {
         const struct rad_object *o = &s->objects[i];
-        int32_t m = rad_otype_class(o->type) == RAD_CLASS_SURFACE
+        bool within = i >= rad_scene_own(s) || o->type == RAD_INSTANCE ||
+                      o->type == RAD_MESH;
+        int32_t m = within && rad_otype_class(o->type) == RAD_CLASS_SURFACE
                         ? rad_material_of(s, o->modifier)
                         : RAD_VOID;
 

@@ -522,6 +522,8 @@ check_surface(struct checker *c, const struct rad_object *o)
     case RAD_POLYGON:
     case RAD_CYLINDER:
     case RAD_RING:
+    case RAD_INSTANCE: /* what it gives its material to is no light source */
+    case RAD_MESH:
         return;
     default:
         break;

@@ -91,6 +91,11 @@ printf 'void light l 0 0 3 9 9 9\nl sphere s 0 0 4 0 0 0 1\n' >lamp.rad
 printf 'void instance i 1 lamp.oct 0 0\n' >lamps.rad
 expect 0 "1 surface of instances and meshes is of a light source's material" \
     "warning of a lamp" "$radscene" freeze lamps.rad
+printf 'void glow l 0 0 4 9 9 9 5\nl instance i 1 twig.oct 0 0\n' >glowing.rad
+RAYPATH=third expect 0 \
+    "1 surface of instances and meshes is of a light source's material" \
+    "warning of what shines as a whole" \
+    "$radscene" freeze --commands glowing.rad
 
 # a file that is missing is named with its place
 rm third/ball.rtm

@@ -46,7 +46,8 @@ make_source(struct rad_source *src, struct rad_job *job, int32_t obj,
     bool glow = em->type == RAD_GLOW;
     int rc;
 
-    if (rad_rgb_black(em->L) || (glow && !far && !(em->radius > 0)))
+    if (rad_rgb_black(em->L) || (glow && !far && !(em->radius > 0)) ||
+        o->type == RAD_INSTANCE || o->type == RAD_MESH)
         return 1;
     *src = (struct rad_source){ .obj = obj, .L = em->L, .spot = em->spot };
     rc = rad_light_shape(src, o, &job->arena);
