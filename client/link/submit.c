@@ -379,30 +379,45 @@ preview(struct submit *s)
     return rc;
 }
 
+/* Ask the coordinator about the cluster; *answer is NULL if it refuses, or the
+ * job ended meanwhile. */
+static int
+ask(struct submit *s, enum msg_topic what, const char *text,
+    const struct msg_answer **answer)
+{
+    struct msg m = { .type = MSG_QUERY, .request = ++s->request };
+    const struct msg *got;
+    int rc;
+
+    *answer = NULL;
+    m.query.what = what;
+    m.query.text = text;
+    s->fetching = true; /* a refusal is no end of the job */
+    rc = link_send(s->link, &m, s->err);
+    do
+        rc = rc < 0 ? rc : next(s, LOOK_MS, &got);
+    while (rc == 0 || (rc == 1 && got->request != s->request && !s->done));
+    s->fetching = false;
+    if (rc == 1 && got->request == s->request && got->type == MSG_ANSWER)
+        *answer = &got->answer;
+    return rc < 0 ? rc : 0;
+}
+
 /* Text of the job's row, as radctl jobs shows it. */
 static int
 ask_reason(struct submit *s)
 {
+    const struct msg_answer *answer;
     char hex[MSG_JOB_HEX];
-    struct msg m = { .type = MSG_QUERY, .request = ++s->request };
-    const struct msg *answer;
     const char *text;
     json_t *row;
     int rc;
 
     msg_job_format(s->job->spec->job, hex);
-    m.query.what = MSG_QUERY_JOB;
-    m.query.text = hex;
-    s->fetching = true; /* a refusal is no end of the job */
-    rc = link_send(s->link, &m, s->err);
-    do
-        rc = rc < 0 ? rc : next(s, LOOK_MS, &answer);
-    while (rc == 0 || (rc == 1 && answer->request != s->request && !s->done));
-    s->fetching = false;
-    if (rc < 0 || answer->request != s->request || answer->type != MSG_ANSWER)
-        return rc < 0 ? rc : 0;
-    row = json_loadb((const char *)answer->answer.text, answer->answer.len, 0,
-                     NULL);
+    rc = ask(s, MSG_QUERY_JOB, hex, &answer);
+    if (rc < 0 || !answer)
+        return rc;
+    row = json_loadb((const char *)answer->text, answer->len, 0, NULL);
     text = json_string_value(json_object_get(row, "text"));
     s->cb->reason(s->cb->arg, text ? text : "");
     json_decref(row);
@@ -433,6 +448,54 @@ deliver_stats(struct submit *s)
         rc = s->cb->stats(s->cb->arg, f.bytes, f.len, s->err);
     free(f.bytes);
     return rc;
+}
+
+/* --- who is there --- */
+
+/* Workers that are there. */
+struct roll {
+    int n;
+    bool busy; /* one of them is at some job */
+    char names[400];
+};
+
+static void
+call_roll(struct roll *r, const json_t *workers)
+{
+    size_t i, at = 0;
+    const json_t *w;
+
+    *r = (struct roll){ 0 };
+    json_array_foreach(workers, i, w)
+    {
+        const char *state = json_string_value(json_object_get(w, "state"));
+        const char *name = json_string_value(json_object_get(w, "name"));
+
+        if (!state || !name || strcmp(state, "gone") == 0)
+            continue;
+        if (at < sizeof r->names)
+            at += (size_t)snprintf(r->names + at, sizeof r->names - at, "%s%s",
+                                   r->n > 0 ? ", " : "", name);
+        r->busy |=
+            strcmp(state, "working") == 0 || strcmp(state, "loading") == 0;
+        r->n++;
+    }
+    if (at >= sizeof r->names)
+        strcpy(r->names + sizeof r->names - 5, " ...");
+}
+
+static int
+take_roll(struct submit *s, const struct msg_answer *answer, struct roll *r)
+{
+    json_t *root = json_loadb((const char *)answer->text, answer->len, 0, NULL);
+    bool whole = json_is_array(root);
+
+    if (whole)
+        call_roll(r, root);
+    json_decref(root);
+    return whole ? 0
+                 : rad_fail(s->err, RAD_EPROTO,
+                            "the coordinator's answer is no list of workers");
 }
 
 /* --- while it renders --- */
@@ -519,6 +582,23 @@ waited_for_worker(struct submit *s)
     return !s->met_worker && s->wait_ms > 0 && waited_since(s, s->wait_ms);
 }
 
+/* --wait is over.  Are workers at other jobs?  Then ours is in the queue,
+ * however long that is, and --wait begins anew.  Of more workers than one
+ * answer holds some are. */
+static int
+in_queue(struct submit *s, bool *queued)
+{
+    const struct msg_answer *answer;
+    struct roll r = { 0 };
+    int rc = ask(s, MSG_QUERY_WORKERS, "", &answer);
+
+    if (rc == 0 && answer)
+        rc = take_roll(s, answer, &r);
+    *queued = !answer || r.busy;
+    s->wait_ms = now_ms(s);
+    return rc;
+}
+
 /* Of a cluster of our own. */
 static int
 alive(struct submit *s)
@@ -534,6 +614,7 @@ static int
 watch(struct submit *s)
 {
     const struct msg *m;
+    bool queued;
     int rc;
 
     while (s->delivered < s->job->spec->nframes) {
@@ -544,8 +625,12 @@ watch(struct submit *s)
                 return rc;
             continue;
         }
-        if (waited_for_worker(s))
-            return no_worker(s);
+        if (waited_for_worker(s)) {
+            if ((rc = in_queue(s, &queued)) < 0)
+                return rc;
+            if (!queued)
+                return no_worker(s);
+        }
         if ((rc = preview(s)) < 0)
             return rc;
         if ((rc = next(s, LOOK_MS, &m)) < 0 || (rc = reason(s)) < 0)
@@ -595,75 +680,23 @@ pause_for(struct submit *s, uint64_t ms)
 
 /* --- workers of our own --- */
 
-/* Workers that are there. */
-struct roll {
-    int n;
-    char names[400];
-};
-
-static void
-call_roll(struct roll *r, const json_t *workers)
-{
-    size_t i, at = 0;
-    const json_t *w;
-
-    *r = (struct roll){ 0 };
-    json_array_foreach(workers, i, w)
-    {
-        const char *state = json_string_value(json_object_get(w, "state"));
-        const char *name = json_string_value(json_object_get(w, "name"));
-
-        if (!state || !name || strcmp(state, "gone") == 0)
-            continue;
-        if (at < sizeof r->names)
-            at += (size_t)snprintf(r->names + at, sizeof r->names - at, "%s%s",
-                                   r->n > 0 ? ", " : "", name);
-        r->n++;
-    }
-    if (at >= sizeof r->names)
-        strcpy(r->names + sizeof r->names - 5, " ...");
-}
-
-static int
-take_roll(struct submit *s, const struct msg_answer *answer, struct roll *r)
-{
-    json_t *root = json_loadb((const char *)answer->text, answer->len, 0, NULL);
-    bool whole = json_is_array(root);
-
-    if (whole)
-        call_roll(r, root);
-    json_decref(root);
-    return whole ? 0
-                 : rad_fail(s->err, RAD_EPROTO,
-                            "the coordinator's answer is no list of workers");
-}
-
-static int
-ask_workers(struct submit *s, struct roll *r)
-{
-    struct msg m = { .type = MSG_QUERY, .request = ++s->request };
-    const struct msg *answer;
-    int rc;
-
-    m.query.what = MSG_QUERY_WORKERS;
-    m.query.text = "";
-    if ((rc = link_send(s->link, &m, s->err)) < 0 ||
-        (rc = await(s, MSG_ANSWER, &answer)) < 0)
-        return rc;
-    return take_roll(s, &answer->answer, r);
-}
-
 /* Until all that are expected are there, or --wait is over. */
 static int
 await_workers(struct submit *s)
 {
     uint64_t pause_ms = COME_MS, begin_ms = now_ms(s);
+    const struct msg_answer *answer;
     struct roll r;
     int rc;
 
     if (!s->cb->gathered || s->accepted)
         return 0;
-    while ((rc = ask_workers(s, &r)) == 0) {
+    while ((rc = ask(s, MSG_QUERY_WORKERS, "", &answer)) == 0) {
+        if (!answer)
+            return rad_fail(s->err, RAD_EPROTO,
+                            "the coordinator tells of no workers");
+        if ((rc = take_roll(s, answer, &r)) < 0)
+            return rc;
         rc = s->cb->gathered(s->cb->arg, r.n, r.names, s->err);
         s->ended |= rc < 0;
         if (rc != 0)
@@ -735,9 +768,9 @@ static int
 attempt(struct submit *s, int *failures)
 {
     uint64_t ms = within_wait(s, CONNECT_MS);
-    int rc = link_open(&s->link, &s->where, &s->job->to, MSG_ROLE_USER,
-                       (int)(ms > CONNECT_LEAST_MS ? ms : CONNECT_LEAST_MS),
-                       s->err);
+    int rc =
+        link_open(&s->link, &s->where, &s->job->to, MSG_ROLE_USER,
+                  (int)(ms > CONNECT_LEAST_MS ? ms : CONNECT_LEAST_MS), s->err);
 
     if (rc < 0)
         return rc;

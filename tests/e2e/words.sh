@@ -72,6 +72,24 @@ ctl workers | grep -qE '^w1 +drained .* ago ' || fail "$(ctl workers)"
 ctl cancel "$id" || fail "cancel"
 ctl jobs | grep -qE "^$id +cancelled .* -$" || fail "$(ctl jobs)"
 
+# workers are at another job: --wait, which is for those that are not there, does
+# not run out
+ctl undrain w1 || fail "undrain"
+first=$("$radsubmit" --coordinator="$sock" --detach -vf "$scenes/room.vf" \
+    -x 1000 -y 1000 -ab 4 -ad 4096 -aa .03 "$room" 2>stderr) ||
+    fail "$(cat stderr)"
+until_true 30 sh -c "'$radctl' --coordinator='$sock' workers |
+    grep -q '^w1 *working'" || fail "$(ctl workers)"
+# shellcheck disable=SC2086
+"$radsubmit" --coordinator="$sock" --wait=.5 $view -o queued.hdr "$room" \
+    2>queued.err &
+queued=$!
+until_true 30 grep -q 'no worker has begun yet' queued.err ||
+    fail "it did not wait in the queue: $(cat queued.err)"
+ctl cancel "$first" >/dev/null || fail "cancel"
+wait $queued || fail "from the queue: $(cat queued.err)"
+ctl drain w1 || fail "drain"
+
 # an interrupt before any worker came
 # shellcheck disable=SC2086
 python3 -c 'import os, signal, sys
