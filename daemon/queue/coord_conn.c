@@ -52,6 +52,16 @@ drop_conn(struct coord *c, struct coord_conn *conn)
     free(conn);
 }
 
+/* The worker, or the user, whose connection it is, for the log: of a worker
+ * that was not welcome the name that its key is for. */
+static const char *
+whose(const struct coord_conn *conn)
+{
+    if (conn->worker)
+        return conn->worker->name;
+    return conn->name[0] ? conn->name : conn->owner;
+}
+
 void
 coord_conn_closed(struct coord *c, uint64_t id, const char *why)
 {
@@ -61,7 +71,7 @@ coord_conn_closed(struct coord *c, uint64_t id, const char *why)
         return;
     actions_log(&c->actions, conn->worker ? ACT_WARN : ACT_DEBUG,
                 "connection lost peer=%s name=%s why=%s", conn->address,
-                conn->worker ? conn->worker->name : "", why);
+                whose(conn), why);
     drop_conn(c, conn);
 }
 
@@ -79,7 +89,7 @@ log_break(struct coord *c, const struct coord_conn *conn,
         actions_log(&c->actions, ACT_WARN,
                     "connections closed and not logged n=%u", dropped);
     actions_log(&c->actions, level, "connection closed peer=%s name=%s why=%s",
-                conn->address, conn->worker ? conn->worker->name : "", why);
+                conn->address, whose(conn), why);
 }
 
 static void

@@ -84,11 +84,12 @@ once "retired key 'user:eve:k1'" "retired key"
 expect 77 "does not take the key" "expired key" status expired.key
 once "expired key 'user:old:k1'" "expired key"
 expect 77 "this role is not allowed" "worker's key" status w9.key
-once "this role is not allowed from there" "worker's key"
+once "name=w9 why=this role is not allowed from there" "worker's key"
 expect 77 "this role is not allowed" "a worker with a user's key" \
     "$radd" --coordinator="$tcp" --key=user.key --cache="$work/x" \
     --listen=127.0.0.1:0
-once "this role is not allowed from there" "a worker with a user's key"
+once "name=ana why=this role is not allowed from there" \
+    "a worker with a user's key"
 expect 77 "worker called 'w9'" "another worker's name" \
     "$radd" --coordinator="$tcp" --key=w9.key --name=w1 --cache="$work/x" \
     --listen=127.0.0.1:0
