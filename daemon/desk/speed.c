@@ -179,8 +179,8 @@ speed_left_ms(const struct coord *c, const struct job *job, uint32_t unit,
         return (double)(c->now_ms - go->out_ms) * (1 - part) /
                (part + LINES_FIRST);
     }
-    /* what is over its time may well take as long again; and it may have waited
-     * for another unit of its worker: it never needs nothing */
+    /* a unit that is over its time may well take as long again; and it may have
+     * waited for another unit of its worker: what is left is never 0 */
     past = fabs(ms - (double)(c->now_ms - go->out_ms));
     return past > ms * LEAST_LEFT ? past : ms * LEAST_LEFT;
 }

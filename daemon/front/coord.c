@@ -325,8 +325,8 @@ coord_closed(struct coord *c, uint64_t now_ms, uint64_t id, const char *why)
         settle(c, true);
 }
 
-/* Is it a message that brings work in?  There are many of these, and one by
- * which no worker gets room changes nothing for the others. */
+/* Does a message of that type bring work in?  There are many of these, and one
+ * that leaves its worker as busy as before changes nothing for the others. */
 static bool
 is_work(uint16_t type)
 {

@@ -128,7 +128,7 @@ fetch_fault(const struct job *job, const struct msg_fetch *m, int *status)
         return NULL;
     if (!job_over(job))
         return "the picture is not complete yet";
-    if (job->state == JOB_CANCELLED) { /* who tries again tries in vain */
+    if (job->state == JOB_CANCELLED) { /* trying again is no use */
         *status = EX_NOINPUT;
         return "the job was cancelled: it has no picture";
     }

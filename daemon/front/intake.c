@@ -168,7 +168,8 @@ has_options(const struct job *job, const struct msg_spec *spec)
            (goal_is(job) && job->spec.reuse);
 }
 
-/* Somebody submits a job that is here already: attach to it, if it is that. */
+/* A job of that id is here already: the user watches that one, if scene and
+ * options are the same. */
 static void
 attach(struct coord *c, struct coord_conn *conn, uint32_t request,
        const struct msg_spec *spec)

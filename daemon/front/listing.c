@@ -11,10 +11,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A row of the list of jobs: a job, or one that was forgotten. */
+/* A row of the list of jobs: a job, or what is remembered of a forgotten one.
+ */
 struct job_row {
     uint64_t sequence;
-    const struct job *job; /* NULL: it was */
+    const struct job *job; /* NULL: the row is of *gone */
     const struct saved_gone *gone;
 };
 
@@ -61,8 +62,9 @@ wants_gone(const struct msg_page *m, const char *owner,
            strcmp(m->state, "forgotten") == 0; /* to be asked for */
 }
 
-/* Among the newest so far, newest first.  Those of one priority come the oldest
- * first, so each of them may push all others on by one: of a page, no more. */
+/* Put a job among the newest so far, newest first.  Jobs of one priority come
+ * the oldest first, so each of them may push all others on by one place: of a
+ * page, no more. */
 static void
 put_job(struct page *p, const struct job_row *row)
 {

@@ -2,10 +2,11 @@
  *
  * What the store remembers of a job becomes a job again: units that are kept
  * are done, the others wait as if their workers had just gone, for these alone
- * for a while: they go on with what they are at when they call.  What was soft
- * is lost: facts, base lines that were under way, who had what.  The base lines
- * below units that are done are put together again from the rows and the
- * densities kept with them, so the sampler goes on as if nothing had been.
+ * for a while: a worker that calls goes on with the unit that it is at.  What
+ * was in memory alone is lost: facts, base lines under way, which worker had
+ * which unit.  The base lines below units that are done are put together again
+ * from the rows and the densities kept with them, so the sampler goes on as if
+ * nothing had been.
  * Thread: one. */
 #ifndef DAEMON_RECOVER_H
 #define DAEMON_RECOVER_H
