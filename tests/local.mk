@@ -229,8 +229,8 @@ tests/disaster.so: $(top_srcdir)/tests/disaster.c config.h
 
 # radd with the hooks of tests/hook.h: not to be installed
 check_PROGRAMS += tests/radd-hooked
-tests_radd_hooked_SOURCES = daemon/radd/radd.c daemon/child/pool_unit.c tests/hook.c \
-	tests/hook.h
+tests_radd_hooked_SOURCES = $(radd_SOURCES) daemon/child/pool_unit.c \
+	tests/hook.c tests/hook.h
 tests_radd_hooked_CPPFLAGS = $(radd_CPPFLAGS) -DRADD_TEST_HOOKS
 tests_radd_hooked_CFLAGS = $(radd_CFLAGS)
 tests_radd_hooked_LDADD = $(radd_LDADD)

@@ -1,5 +1,8 @@
 # the worker daemon: the shell around the worker
-radd_SOURCES = daemon/radd/radd.c
+radd_SOURCES = \
+	daemon/radd/radd.c \
+	daemon/radd/radd_conf.c \
+	daemon/radd/radd_conf.h
 libdaemon_a_SOURCES += \
 	daemon/radd/children.c \
 	daemon/radd/children.h \

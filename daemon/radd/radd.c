@@ -10,6 +10,7 @@
 #include "radd/hours.h"
 #include "radd/idle.h"
 #include "radd/launched.h"
+#include "radd/radd_conf.h"
 #include "net/key/keyfile.h"
 #include "net/listen.h"
 #include "net/log.h"
@@ -26,133 +27,20 @@
 #include <sysexits.h>
 #include <time.h>
 
-#define MAX_THREADS 1024
-
-struct settings {
-    struct daemon_settings common;
-    char coordinator[CONF_TEXT];
-    char name[CONF_TEXT];
-    char listen[CONF_TEXT];
-    char cache[CONF_TEXT];
-    char key[CONF_TEXT];
-    char sandbox[CONF_TEXT];
-    int threads;
-    int memory_mib;
-    int nice;
-    int pixel_s;
-    int load_s;
-    int cache_mib;
-    char hours[CONF_TEXT];
-    bool idle_only;
-    bool launched;
-};
-
-#define FIELD(f) offsetof(struct settings, f)
-static const struct conf_key keys[] = {
-    { "coordinator", CONF_TEXT_KEY, FIELD(coordinator), 0, 0,
-      "/run/radd/radcoord.sock", "HOST:PORT|PATH", "whom to work for", false },
-    { "key", CONF_TEXT_KEY, FIELD(key), 0, 0, "", "FILE",
-      "this host's key, for a coordinator over the network", false },
-    { "name", CONF_TEXT_KEY, FIELD(name), 0, 0, "", "NAME",
-      "of this worker, unlike all others (its key's, or the host's name)",
-      false },
-    { "listen", CONF_TEXT_KEY, FIELD(listen), 0, 0, "127.0.0.1:" RADD_PORT,
-      "ADDR:PORT|PATH", "where other workers dial", false },
-    { "cache", CONF_TEXT_KEY, FIELD(cache), 0, 0, "/var/cache/radd", "DIR",
-      "folder of the scenes' files", false },
-    { "cache_mib", CONF_INT_KEY, FIELD(cache_mib), 0, 1 << 30, "0", "N",
-      "most that these take [MiB]; 0: a tenth of the disk", true },
-    { "threads", CONF_INT_KEY, FIELD(threads), 0, MAX_THREADS, "0", "N",
-      "that render; 0: one a processor", false },
-    { "memory_mib", CONF_INT_KEY, FIELD(memory_mib), 0, 1 << 24, "0", "N",
-      "most memory of a job's process [MiB]; 0: no limit", true },
-    { "nice", CONF_INT_KEY, FIELD(nice), 0, 19, "19", "N",
-      "how much a job's process gives way to others", true },
-    { "pixel_s", CONF_INT_KEY, FIELD(pixel_s), 0, 1 << 24, "600", "N",
-      "most processor time of a pixel [s]; 0: no limit", true },
-    { "load_s", CONF_INT_KEY, FIELD(load_s), 1, 1 << 20, "3600", "N",
-      "longest that a job's process may load, or say nothing [s]", true },
-    { "hours", CONF_TEXT_KEY, FIELD(hours), 0, 0, "", "TIMES",
-      "when to work, as 'mon-fri 19:00-07:00, sat, sun' (always)", true },
-    { "idle_only", CONF_BOOL_KEY, FIELD(idle_only), 0, 0, "no", "yes|no",
-      "work only while nobody uses the machine", true },
-    { "sandbox", CONF_TEXT_KEY, FIELD(sandbox), 0, 0, "auto", "auto|required",
-      "required: render nothing where the kernel has no seccomp", false },
-    { "launched", CONF_BOOL_KEY, FIELD(launched), 0, 0, "no", NULL, NULL,
-      false },
-    DAEMON_KEYS,
-};
-
 static uint64_t
-cache_bytes_of(const struct settings *s)
+cache_bytes_of(const struct radd_settings *s)
 {
     return (uint64_t)s->cache_mib << 20;
 }
 
 static bool
-needs_sandbox(const struct settings *s)
+needs_sandbox(const struct radd_settings *s)
 {
     return strcmp(s->sandbox, "required") == 0;
 }
 
-static int
-check_text(const char *name, const char *value, struct rad_error *err)
-{
-    char host[ADDRESS_TEXT], port[8];
-    struct hours hours;
-    bool local;
-
-    if (strcmp(name, "name") == 0 && strlen(value) > MSG_MAX_NAME)
-        return rad_fail(err, RAD_ECONFIG, "longer than %d bytes", MSG_MAX_NAME);
-    if (strcmp(name, "name") == 0 && value[0] &&
-        !key_name_valid(value, strlen(value)))
-        return rad_fail(err, RAD_ECONFIG,
-                        "'%s': a worker's name needs letters, digits, '.', '_' "
-                        "or '-'",
-                        value);
-    if (strcmp(name, "sandbox") == 0 && strcmp(value, "auto") != 0 &&
-        strcmp(value, "required") != 0)
-        return rad_fail(err, RAD_ECONFIG, "expected auto or required, got '%s'",
-                        value);
-    if (strcmp(name, "hours") == 0)
-        return hours_parse(value, &hours, err);
-    if (strcmp(name, "coordinator") == 0 && value[0])
-        return address_split(value, host, port, &local, err);
-    if (strcmp(name, "listen") == 0 && value[0])
-        return address_split(value, host, port, &local, err);
-    return daemon_check_text(name, value, err);
-}
-
-static int
-check_settings(const void *settings, struct rad_error *err)
-{
-    const struct settings *s = settings;
-
-    if (s->idle_only && s->nice == 0)
-        return rad_fail(err, RAD_EUSAGE,
-                        "idle_only needs nice above 0: what gives way is told "
-                        "from what others use by that");
-    if (!s->listen[0] || !s->coordinator[0])
-        return rad_fail(err, RAD_EUSAGE, "'%s' is not set",
-                        s->listen[0] ? "coordinator" : "listen");
-    return 0;
-}
-
-static const struct conf_table table = {
-    .program = "radd",
-    .synopsis = "[--coordinator=HOST:PORT|PATH] [--threads=N] ...",
-    .about = "Render on this machine for a cluster, see radd(8); it stays in "
-             "the foreground.",
-    .file = SYSCONFDIR "/radd/radd.conf",
-    .private_key = "embedded",
-    .keys = keys,
-    .size = sizeof(struct settings),
-    .check_text = check_text,
-    .check = check_settings,
-};
-
 struct radd {
-    struct settings set;
+    struct radd_settings set;
     struct daemon daemon;
     struct listener *peers;
     struct dialler *dialler;
@@ -760,7 +648,7 @@ static const struct daemon_ops daemon_ops = { start,     on_tick, on_term,
 int
 main(int argc, char *argv[])
 {
-    static struct radd r = { .daemon = { .table = &table,
+    static struct radd r = { .daemon = { .table = &radd_table,
                                          .set = &r.set.common,
                                          .ops = &daemon_ops,
                                          .arg = &r } };
