@@ -59,6 +59,39 @@ START_TEST(even_sky_gives_pi_times_its_radiance)
 }
 END_TEST
 
+/* A texture that leans the normal by 45 degrees toward the bright side of a sky
+ * of 1 + x has sin 45 times the integral of x^2 / pi more; of fewer cells than
+ * seven a side it has no part in indirect light, as in rpict. */
+START_TEST(textures_lean_where_cells_are_many)
+{
+    static const struct {
+        const char *options;
+        double L;
+    } leaning[] = {
+        { "-ab 1 -aa 0 -ad 42 -as 0 -lw 1e-6", 1 },
+        { "-ab 1 -aa 0 -ad 49 -as 0 -lw 1e-6", 1 + M_SQRT1_2 * 2 / 3 },
+    };
+    static const char scene[] =
+        "void brightfunc f 2 1+Dx . 0 0\nf glow g 0 0 4 1 1 1 0\n"
+        "g source sky 0 0 4 0 0 1 180\nvoid texfunc t 4 1 0 0 . 0 0\n"
+        "t plastic p 0 0 5 1 1 1 0 0\np ring r 0 0 8 0 0 0 0 0 1 0 9\n";
+    struct world w;
+    double sum = 0;
+
+    world_open(&w, scene, leaning[_i].options);
+    for (int i = 0; i < 400; i++) {
+        struct rad_ray r;
+
+        world_ray(&w, &r, 0, 0, 1, 0, 0, -1);
+        r.key = rad_key_branch(1, (uint64_t)i);
+        rad_ray_trace(&w.ctx, &r);
+        sum += (double)r.L.g / 400;
+    }
+    ck_assert_double_eq_tol(sum, leaning[_i].L, .03);
+    world_close(&w);
+}
+END_TEST
+
 /* In a closed box, -av after n bounces has been reflected n times, also where
  * records of fewer bounces are at hand. */
 START_TEST(furnace_loses_the_reflectance_at_each_bounce)
@@ -754,6 +787,7 @@ make_suite(void)
 
     tcase_set_timeout(tc, 600); /* for busy machines */
     tcase_add_loop_test(tc, even_sky_gives_pi_times_its_radiance, 0, 5);
+    tcase_add_loop_test(tc, textures_lean_where_cells_are_many, 0, 2);
     tcase_add_loop_test(tc, furnace_loses_the_reflectance_at_each_bounce, 0, 2);
     tcase_add_loop_test(tc, lists_say_which_surfaces_get_ambient_light, 0,
                         2 * N_ELEM(listed));

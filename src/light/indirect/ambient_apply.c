@@ -159,7 +159,8 @@ make_record(struct rad_ctx *ctx, const struct rad_ray *r,
     return ok;
 }
 
-/* Without a cache: sample for this place alone. */
+/* Without a cache: sample for this place alone.  Of few cells, or of some that
+ * lack, textures have no part in it, as in rpict. */
 static bool
 sample_here(struct rad_ctx *ctx, const struct rad_ray *r,
             const struct rad_ambplace *at, bool behind,
@@ -178,7 +179,8 @@ sample_here(struct rad_ctx *ctx, const struct rad_ray *r,
     if (ok) {
         *E = h.E;
         rad_cross(axis, at->n, at->pn);
-        if (rad_dot(axis, axis) > 0 && rad_rgb_lum(*E) > 0) {
+        if (h.complete && h.n >= SIDE_SHOWN && rad_dot(axis, axis) > 0 &&
+            rad_rgb_lum(*E) > 0) {
             rad_hemi_turn(&h, turn);
             double f =
                 1 + turn[0] * rad_dot(axis, h.u) + turn[1] * rad_dot(axis, h.v);
