@@ -73,6 +73,22 @@ START_TEST(what_finds_no_room_is_told_and_again_when_it_does)
 }
 END_TEST
 
+/* But in a cluster of radsubmit's own no other worker has another disk. */
+START_TEST(what_finds_no_room_on_the_only_disk_fails_the_job)
+{
+    tear_down();
+    set_up_on(true);
+    f.have = false;
+    start_job();
+    worker_file_failed(f.w, f.now_ms, hash, EX_IOERR, "no room on the disk");
+    carry_out();
+    ck_assert_int_eq(said(f.coord, MSG_ROOM), 0);
+    ck_assert_int_eq(said(f.coord, MSG_FAILED), 1);
+    ck_assert_uint_eq(f.last.failed.status, EX_IOERR);
+    ck_assert_str_eq(f.last.failed.text, "no room on the disk");
+}
+END_TEST
+
 /* The store tells of the job's files when nobody can be asked for them. */
 START_TEST(what_is_missing_while_the_coordinator_is_away_is_wanted_later)
 {
@@ -601,6 +617,7 @@ main(void)
     tcase_add_test(tc, it_dials_again_and_waits_longer_each_time);
     tcase_add_test(tc, files_that_it_lacks_come_before_the_child);
     tcase_add_test(tc, what_finds_no_room_is_told_and_again_when_it_does);
+    tcase_add_test(tc, what_finds_no_room_on_the_only_disk_fails_the_job);
     tcase_add_test(
         tc, what_is_missing_while_the_coordinator_is_away_is_wanted_later);
     tcase_add_test(tc, only_what_was_asked_for_is_kept);

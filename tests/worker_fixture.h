@@ -237,16 +237,17 @@ ack(uint32_t number, uint32_t row)
 }
 
 static inline void
-set_up(void)
+set_up_on(bool one_disk)
 {
-    static const struct worker_env env = { .has_file = has_file,
-                                           .random = no_random,
-                                           .program = "radd",
-                                           .name = "ws1",
-                                           .coordinator = "test:7420",
-                                           .address = "",
-                                           .threads = 2,
-                                           .load_s = 100 };
+    const struct worker_env env = { .has_file = has_file,
+                                    .random = no_random,
+                                    .program = "radd",
+                                    .name = "ws1",
+                                    .coordinator = "test:7420",
+                                    .address = "",
+                                    .threads = 2,
+                                    .one_disk = one_disk,
+                                    .load_s = 100 };
 
     memset(&f, 0, sizeof f);
     wire_out_init(&f.bytes, MSG_FRAME_MAX);
@@ -256,6 +257,12 @@ set_up(void)
     worker_start(f.w, f.now_ms);
     carry_out();
     connect();
+}
+
+static inline void
+set_up(void)
+{
+    set_up_on(false);
 }
 
 static inline void

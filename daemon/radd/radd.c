@@ -515,6 +515,8 @@ make_worker(struct radd *r, struct rad_error *err)
                               .coordinator = r->set.coordinator,
                               .address = listener_text(r->peers),
                               .threads = (unsigned)r->set.threads,
+                              .one_disk =
+                                  r->set.common.embedded && !r->set.launched,
                               .load_s = (unsigned)r->set.load_s };
 
     children_init(&r->children, &r->shell, &conf, on_child_ended, r);

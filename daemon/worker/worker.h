@@ -25,11 +25,13 @@ struct worker_env {
     action_look_fn *look; /* then worker_looked; or NULL */
     /* the job's files may be removed from the cache; or NULL */
     void (*leave)(void *arg, const uint8_t job[MSG_JOB]);
-    const char *program;  /* "radd 0.1.0"; all strings outlive the worker */
+    const char *program; /* "radd 0.1.0"; all strings outlive the worker */
     const char *name;
     const char *coordinator; /* the coordinator's address, for the log */
     const char *address;     /* where peers dial this worker; see msg_hello */
     unsigned threads;
+    bool one_disk;   /* all workers are on it: a job whose files find no room
+                      * here has failed, and does not wait for another worker */
     unsigned load_s; /* longest time that a child may load, or be silent while
                       * it has units; 0: any */
 };

@@ -156,12 +156,26 @@ look_later(const struct worker *w, struct wjob *job)
         job->look_delay_ms = LAST_LOOK_MS;
 }
 
+static void
+fail(struct worker *w, struct wjob *job, int status, const char *text)
+{
+    struct msg m = { .type = MSG_FAILED,
+                     .failed = { job->id, (uint16_t)status, text } };
+
+    worker_send_coord(w, &m);
+    job->state = WJOB_IDLE;
+}
+
 /* Not now. */
 static void
-refuse(struct worker *w, struct wjob *job, const char *text)
+refuse(struct worker *w, struct wjob *job, int status, const char *text)
 {
     bool told = job->state == WJOB_NO_ROOM;
 
+    if (w->env.one_disk) {
+        fail(w, job, status, text);
+        return;
+    }
     job->state = WJOB_NO_ROOM;
     look_later(w, job);
     if (told)
@@ -215,7 +229,7 @@ worker_looked(struct worker *w, uint64_t now_ms, const struct action_look *l)
     if (job->state != WJOB_FETCHING && job->state != WJOB_NO_ROOM)
         return;
     if (l->status != 0)
-        refuse(w, job, l->why);
+        refuse(w, job, l->status, l->why);
     else if (job->state == WJOB_FETCHING)
         fetch(w, job);
     else
@@ -282,6 +296,6 @@ worker_file_failed(struct worker *w, uint64_t now_ms,
         if (status == EX_PROTOCOL) /* the coordinator sent another file */
             wjob_send_lost(w, job, true, text);
         else
-            refuse(w, job, text);
+            refuse(w, job, status, text);
     }
 }
