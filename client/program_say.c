@@ -105,17 +105,21 @@ say_paused(struct program *p, bool paused)
 }
 
 /* Nothing happens, and nobody knows why: say it once, but not to a user with a
- * cluster of radsubmit's own, whose workers are on their way. */
+ * cluster of radsubmit's own on this machine, whose workers are on their way.
+ * Those of --launch have come, and only their coordinator can be asked. */
 static void
 say_waiting(struct program *p, const struct msg_progress *m)
 {
     enum { PATIENCE_S = 2 };
 
-    if (p->waiting || p->embedded || m->state != MSG_STATE_WAITING ||
-        m->workers > 0 || m->elapsed_s < PATIENCE_S)
+    if (p->waiting || (p->embedded && !p->launch) ||
+        m->state != MSG_STATE_WAITING || m->workers > 0 ||
+        m->elapsed_s < PATIENCE_S)
         return;
     p->waiting = true;
-    program_say(p, "no worker has begun yet; radctl workers says what they do");
+    program_say(p, p->embedded ? "no worker has begun yet"
+                               : "no worker has begun yet; radctl workers says "
+                                 "what they do");
 }
 
 /* All workers left a job that had begun.  Others may be there that --same-bits
@@ -158,7 +162,7 @@ say_stage(struct program *p, const struct msg_progress *m)
     snprintf(text, sizeof text, "stage %d: error about %s %% after %s s, %s",
              stages, figure(got, 100 * m->goal_error, 2),
              figure(s, m->elapsed_s, 2),
-             !m->ended           ? "now a finer one"
+             !m->ended          ? "now a finer one"
              : p->o.points.file ? "now the values"
                                 : "now the picture");
     program_say(p, text);

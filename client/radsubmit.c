@@ -363,7 +363,7 @@ converse(struct program *p)
         cb.stats = program_on_stats;
     if (p->records.keep)
         cb.records = on_records;
-    if (!p->embedded)
+    if (!p->embedded || p->launch)
         cb.reason = on_reason;
     if (p->embedded) {
         cb.alive = on_alive;

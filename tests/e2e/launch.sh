@@ -137,6 +137,23 @@ try 0 forking --launch=./forking --workers=2
 cmp local.hdr forking.hdr || fail "forking: another picture"
 until_true 5 no_sleepers || fail "forking: left: $(sleepers)"
 
+# a disk without room for the scene: nothing happens, and it is said why
+cat >full <<'END'
+#!/bin/sh
+trap '' XFSZ
+ulimit -f 1
+exec "$@"
+END
+chmod +x full
+# shellcheck disable=SC2086
+setsid "$radsubmit" $quick --launch=./full -o full.hdr "$room" 2>full.err &
+pid=$!
+until_true 30 grep -q 'the coordinator says: worker .*: cannot write' \
+    full.err || fail "full: $(cat full.err)"
+kill -TERM $pid
+wait $pid
+check_gone full
+
 # usage
 expect 64 "--local and --launch exclude each other" both \
     "$radsubmit" --local --launch=srun "$room"
