@@ -5,7 +5,6 @@
 
 #include "net/address.h"
 #include "net/key/keyfile.h"
-#include "proto/message.h"
 #include "radd/hours.h"
 
 #include <string.h>
