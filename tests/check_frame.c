@@ -229,6 +229,47 @@ START_TEST(a_frame_in_anothers_place_has_rays_of_its_own)
 }
 END_TEST
 
+/* Of two pictures with other random numbers; *mean of the first. */
+static double
+noise_of(int samples, double *mean)
+{
+    struct rad_pixel *picture[2];
+    double sum = 0;
+
+    *mean = 0;
+    for (int k = 0; k < 2; k++) {
+        struct rad_params p = params(32, 1);
+        struct stage s;
+
+        p.samples = samples;
+        p.pixjitter = p.srcjitter = 1;
+        p.seed = (uint64_t)k;
+        stage_init(&s, room, p, ahead, false);
+        picture[k] = render_all(&s);
+        ck_assert_uint_eq(s.ctx.counts.primary_rays, 32 * 32);
+        stage_release(&s);
+    }
+    for (int i = 0; i < 32 * 32; i++) {
+        double d = (double)(picture[0][i].L.g - picture[1][i].L.g);
+
+        sum += d * d;
+        *mean += (double)picture[0][i].L.g;
+    }
+    free(picture[0]);
+    free(picture[1]);
+    return sqrt(sum);
+}
+
+START_TEST(a_pixel_is_the_mean_of_its_samples)
+{
+    double one, many, noise = noise_of(1, &one), left = noise_of(16, &many);
+
+    ck_assert_double_gt(left, 0);
+    ck_assert_double_lt(left, noise / 3);
+    ck_assert_double_eq_tol(many, one, .03 * one);
+}
+END_TEST
+
 START_TEST(seed_and_frame_move_the_jitter)
 {
     struct rad_params p = params(16, 1);
@@ -592,6 +633,7 @@ main(void)
     tcase_add_test(tc, painted_sources_that_are_no_numbers_count_too);
     tcase_add_test(tc, sampled_windows_repeat_themselves_in_any_order);
     tcase_add_test(tc, a_frame_in_anothers_place_has_rays_of_its_own);
+    tcase_add_test(tc, a_pixel_is_the_mean_of_its_samples);
     tcase_add_test(tc, seed_and_frame_move_the_jitter);
     tcase_add_test(tc, what_is_out_of_focus_blurs_by_the_lens);
     tcase_add_test(tc, motion_blurs_between_the_views);

@@ -166,6 +166,7 @@ static const struct {
     { "-cs x", "option '-cs': expected an integer, got 'x'" },
     { "-cw 380", "option '-cw': expected 2 values, got 1" },
     { "-cw 0 500", "option '-cw': '0' is not between 1 and 1000000" },
+    { "--samples=0", "option '--samples': '0' is not between 1 and 1024" },
     { "--plane 8", "option '--plane': '8' is not between -1 and 7" },
     { "-ro pic", "option '-ro' of rpict is not supported: a job keeps what is "
                  "rendered and goes on by itself; submit it again" },
@@ -179,6 +180,8 @@ static const struct {
     double longest, shortest;
 } bands[] = {
     { "-cs 3", "--seed=0", 3, -1, 780, 380 },
+    { "--samples 1", "--seed=0", 3, -1, 780, 380 },
+    { "--samples=4", "--samples 4 --seed=0", 3, -1, 780, 380 },
     { "-cs 20", "-cs 20 -cw 380 780 --seed=0", 20, -1, 780, 380 },
     { "-cs 99", "-cs 24 -cw 380 780 --seed=0", 24, -1, 780, 380 },
     { "-cw 700 400.5", "-cs 3 -cw 400.5 700 --seed=0", 3, -1, 700, 400.5 },

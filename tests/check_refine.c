@@ -53,6 +53,7 @@ assert_finer(const struct rad_params *a, const struct rad_params *b)
     ck_assert_int_ge(b->ambdiv, a->ambdiv);
     ck_assert_int_ge(b->ambssamp, a->ambssamp);
     ck_assert_int_ge(b->ambres, a->ambres);
+    ck_assert_int_ge(b->samples, a->samples);
     ck_assert_double_le(b->maxdiff, a->maxdiff);
     ck_assert_double_le(b->srcsizerat, a->srcsizerat);
     ck_assert_double_le(b->shadthresh, a->shadthresh);
@@ -210,8 +211,7 @@ START_TEST(rungs_go_by_the_cause)
 }
 END_TEST
 
-/* Pixels that stay noisy: the cache is not made finer than is of use, and after
- * some rungs there is no more. */
+/* Pixels that stay noisy: after some rungs there is no more. */
 START_TEST(what_cannot_be_reached_ends)
 {
     struct rad_refine_ask ask = ask_of(.001, .1, .1, .1);
@@ -285,31 +285,24 @@ START_TEST(what_fell_slowly_is_foreseen_so)
 }
 END_TEST
 
-/* Noise of pixels that hardly falls: a cache that is as good is near enough,
- * where the noise is more than is wanted; where it is most of that, the cache
- * is made better than it. */
-START_TEST(noise_of_pixels_bounds_what_is_wanted)
+/* Noise of pixels that finer parts of lamps leave: they get more rays. */
+START_TEST(noise_of_pixels_is_taken_away_by_rays)
 {
-    struct rad_refine_rungs free = { 0, 0 }, bound = { 0, 0 }, next = { 0, 0 };
-    struct rad_refine_ask ask = ask_of(.02, .2, .1, 0);
+    struct rad_params job = params_of(jobs[0]), p;
+    struct rad_refine_ask ask = ask_of(.05, .04, .1, .1);
+    struct rad_refine_rungs next;
     double error;
 
-    ask.stage = RAD_REFINE_STAGES - 2;
-    ask.rungs.pixel = RAD_REFINE_MOST_PIXEL / 2;
-    ck_assert(rad_refine_next(&ask, &free, &error));
-    ask = ask_of(.02, .2, .1, .1);
-    ask.stage = RAD_REFINE_STAGES - 2;
-    ask.rungs.pixel = RAD_REFINE_MOST_PIXEL / 2;
-    ck_assert(rad_refine_next(&ask, &bound, &error));
-    ck_assert_int_lt(bound.ambient, free.ambient);
-    ck_assert_int_le(bound.pixel, free.pixel);
-    ask = ask_of(.02, .09, .1, .1);
-    ask.rungs.pixel = RAD_REFINE_MOST_PIXEL / 2;
-    ck_assert(!rad_refine_next(&ask, &next, &error));
-    ask = ask_of(.11, .13, .1, .1);
-    ask.rungs.pixel = RAD_REFINE_MOST_PIXEL / 2;
     ck_assert(rad_refine_next(&ask, &next, &error));
-    ck_assert_int_gt(next.ambient, 1);
+    rad_refine_params(&job, next, &p);
+    ck_assert_int_gt(p.samples, 2);
+    ck_assert_int_lt(next.pixel, RAD_REFINE_MOST_PIXEL);
+    ask = ask_of(.05, .04, .1, 0);
+    ck_assert(rad_refine_next(&ask, &next, &error));
+    rad_refine_params(&job, next, &p);
+    ck_assert_int_eq(p.samples, 1);
+    ask = ask_of(.05, .02, .05, .05); /* near enough */
+    ck_assert(!rad_refine_next(&ask, &next, &error));
 }
 END_TEST
 
@@ -350,7 +343,7 @@ START_TEST(a_stage_has_a_bound)
     ck_assert_int_lt(bound.ambient, whole.ambient);
     ck_assert(!rad_refine_is_short(&ask));
     ask.left_s = INFINITY;
-    ask.rays = 150000000;
+    ask.rays = 600000000;
     ck_assert(!rad_refine_next(&ask, &next, &error));
     ck_assert(rad_refine_is_short(&ask));
     ask.pixels = 100000000;
@@ -685,7 +678,7 @@ main(void)
     tcase_add_test(decisions, a_far_goal_has_a_stage_before_it);
     tcase_add_test(decisions, what_fell_slowly_is_foreseen_so);
     tcase_add_test(decisions, a_smaller_error_gets_no_less);
-    tcase_add_test(decisions, noise_of_pixels_bounds_what_is_wanted);
+    tcase_add_test(decisions, noise_of_pixels_is_taken_away_by_rays);
     tcase_add_test(decisions, a_stage_has_a_bound);
     tcase_add_test(decisions, more_time_is_used);
     tcase_add_loop_test(decisions, sums_may_be_anything, 0, N_ELEM(wild));

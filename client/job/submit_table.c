@@ -310,6 +310,8 @@ submit_table_help(FILE *to)
           to);
     help_rows(to, own, N_ELEM(own), "=");
     fputs(
+        "  --samples=N                 rays of a pixel that is traced, for "
+        "their mean (1)\n"
         "  --seed=N                    of all random numbers (0)\n"
         "  --rpict-path                print the folder of a program "
         "rpict that calls\n"

@@ -16,6 +16,8 @@
 
 /* beyond rpict's -ps 16 nothing is sampled more coarsely, as in rpict */
 enum { LARGEST_PSAMPLE = 16 };
+/* a pixel is not left before it is done */
+enum { MOST_SAMPLES = 1024 };
 /* rays keep their depth in 16 bits */
 enum { DEEPEST = 30000 };
 
@@ -106,6 +108,8 @@ static const struct option options[] = {
     INT("-cs", bands.n, 3, INT_MAX, 3, "bands of wavelengths, 3 to 24"),
     { "-cw", KIND_WAVES, FIELD(bands), 1, 1e6, 0,
       "extreme wavelengths in nanometers" },
+    INT("--samples", samples, 1, MOST_SAMPLES, 1,
+        "rays of a pixel that is traced"),
     INT("--plane", bands.plane, -1, RAD_MAX_PLANES - 1, -1,
         "of -cs, the one that is rendered; -1: all"),
     { "--seed", KIND_U64, FIELD(seed), 0, 0, 0, "of all random numbers" }
@@ -196,6 +200,12 @@ rad_params_switch(const char *word, const char *name, bool *on)
     return true;
 }
 
+static bool
+is_long(const struct option *o)
+{
+    return o->name[1] == '-';
+}
+
 /* What follows a boolean's or a long option's name; NULL: another option. */
 static const char *
 name_ends(const struct option *o, const char *word)
@@ -210,10 +220,8 @@ name_ends(const struct option *o, const char *word)
     switch (o->kind) {
     case KIND_BOOL:
         return rad_params_switch(rest, "", &on) ? rest : NULL;
-    case KIND_U64:
-        return *rest == '=' ? rest + 1 : *rest ? NULL : rest;
     default:
-        return *rest ? NULL : rest;
+        return *rest == '=' && is_long(o) ? rest + 1 : *rest ? NULL : rest;
     }
 }
 
@@ -326,14 +334,14 @@ words_of(const struct option *o, const char *rest)
 {
     switch (o->kind) {
     case KIND_INT:
+    case KIND_U64:
+        return rest[-1] == '=' ? 0 : 1;
     case KIND_REAL:
         return 1;
     case KIND_RGB:
         return 3;
     case KIND_WAVES:
         return 2;
-    case KIND_U64:
-        return rest[-1] == '=' ? 0 : 1;
     case KIND_LIST:
         return 1;
     case KIND_PRIMS:
@@ -436,13 +444,14 @@ take_value(struct rad_params *p, const struct option *o, const char *rest,
            char *const argv[], struct rad_error *err)
 {
     void *field = field_of(p, o);
+    const char *text = rest[-1] == '=' ? rest : argv[1];
 
     switch (o->kind) {
     case KIND_BOOL:
         rad_params_switch(rest, "", field);
         return 0;
     case KIND_INT:
-        return take_int(field, o, argv[1], err);
+        return take_int(field, o, text, err);
     case KIND_REAL:
         return take_real(field, o, argv[1], err);
     case KIND_RGB:
@@ -450,7 +459,7 @@ take_value(struct rad_params *p, const struct option *o, const char *rest,
     case KIND_WAVES:
         return take_waves(field, o, argv + 1, err);
     case KIND_U64:
-        return take_u64(field, o, rest[-1] == '=' ? rest : argv[1], err);
+        return take_u64(field, o, text, err);
     case KIND_PRIMS:
         return take_prims(p, o, argv + 1, err);
     case KIND_LIST:
@@ -602,6 +611,8 @@ are_usual(const struct rad_bands *b)
 static bool
 is_said(const struct rad_params *p, const struct option *o)
 {
+    if (o->field == FIELD(samples))
+        return p->samples > 1;
     if (o->field == FIELD(bands.plane))
         return p->bands.plane >= 0;
     if (o->field == FIELD(bands.n) || o->kind == KIND_WAVES)
@@ -701,6 +712,7 @@ rad_params_of_records(const struct rad_params *p, struct rad_params *out)
     out->maxdiff = usual.maxdiff;
     out->motion = usual.motion;
     out->aperture = usual.aperture;
+    out->samples = usual.samples;
 }
 
 void

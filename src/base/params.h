@@ -48,6 +48,7 @@ struct rad_params {
     double maxdiff;   /* -pt: difference that forces a sample */
     double motion;    /* -pm: open part of the time between two frames */
     double aperture;  /* -pd: diameter of the lens [scene units] */
+    int samples;      /* --samples: rays of a pixel that is traced */
     bool directvis;   /* -dv: sources visible to the eye */
     /* direct light */
     double srcjitter;  /* -dj dstrsrc */

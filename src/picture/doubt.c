@@ -201,9 +201,12 @@ static void
 look_at_place(struct look *k, const int at[RAD_DOUBT_TRIED][2])
 {
     struct tried t = { .at = at };
-    double said = try_places(k, &t), weight, square;
-    int i = choose(k, &t, said, &weight);
+    double said, weight, square;
+    int i;
 
+    k->exact.params.samples = 1; /* of a pixel they all ask the same records */
+    said = try_places(k, &t);
+    i = choose(k, &t, said, &weight);
     square = square_at(k, at[i][0], at[i][1], t.lum[i], weight);
     if (is_stopped(k))
         return;

@@ -12,6 +12,9 @@
 #include <stdatomic.h>
 #include <string.h>
 
+/* Apart from the keys of frames and of what is made again. */
+#define SAMPLE UINT64_C(0x73616d706c650000)
+
 int
 rad_frame_size(const struct rad_params *p, const struct rad_view *view,
                int *width, int *height, double *pixaspect,
@@ -279,6 +282,24 @@ rad_frame_sampler(const struct rad_frame *f, const struct rad_window *w,
     rad_quincunx_steps(f->job->params.psample, &q->xstep, &q->ystep);
 }
 
+/* Add what further rays of a pixel bring to the first one's, for their mean:
+ * each has its own random numbers. */
+static struct rad_rgb
+look_again(const struct rad_frame *f, struct rad_ctx *ctx, int x, int y,
+           struct rad_rgb L)
+{
+    int n = f->job->params.samples;
+    struct rad_frame other = *f;
+    struct rad_ray r;
+
+    for (int i = 1; i < n; i++) {
+        other.key = rad_key_branch(f->key ^ SAMPLE, (uint64_t)i);
+        if (rad_frame_look(&other, ctx, x, y, &r))
+            L = rad_rgb_add(L, r.L);
+    }
+    return rad_rgb_scale(L, 1 / (float)n);
+}
+
 bool
 rad_frame_pixel(const struct rad_frame *f, struct rad_ctx *ctx, int x, int y,
                 struct rad_pixel *out)
@@ -295,11 +316,13 @@ rad_frame_pixel(const struct rad_frame *f, struct rad_ctx *ctx, int x, int y,
     if (!look(f, ctx, &r))
         return false;
     ctx->counts.primary_rays++;
+    if (f->depth)
+        out->z = (float)rad_ray_distance(&r);
+    if (f->job->params.samples > 1)
+        r.L = look_again(f, ctx, x, y, r.L);
     if (ctx->counts.unsound_rays != unsound)
         rad_counts_nan(&ctx->counts, x, y);
     out->L = rad_params_colour(&f->job->params, r.L);
-    if (f->depth)
-        out->z = (float)rad_ray_distance(&r);
     return true;
 }
 

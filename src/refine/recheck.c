@@ -16,7 +16,7 @@
 /* Of a tile: places, windows, and areas of a window without contrast. */
 #define PLACES  2
 #define WINDOWS 2
-#define AREAS   2.
+#define AREAS   4.
 #define POINTS  8. /* of sensors, an area each, in place of areas */
 
 /* Of a window, in steps of the sampler: across, and base lines. */

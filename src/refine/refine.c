@@ -22,11 +22,8 @@
 #define AIM         .85
 #define NEAR_ENOUGH 1.45
 
-/* Pixels' noise that no rungs take away counts as so much that is wanted. */
-#define AS_GOOD 1.4
-
-/* A further stage brings so much at least: not the last seventh, where pixels
- * or time leave no more. */
+/* A further stage brings so much at least: not the last seventh, where rays or
+ * time leave no more. */
 #define WORTH_IT .85
 
 /* What takes more than so many times the rays of this stage is not foreseen
@@ -44,10 +41,10 @@
 #define TIME_USED .7
 
 /* Without a limit of time, rays that a stage and its pictures may be foreseen
- * to take: so many for a pixel, or some two minutes of a processor where that
+ * to take: so many for a pixel, or some ten minutes of a processor where that
  * is more.  Whoever waits longer for an error says so by a time. */
-#define RAYS_A_PIXEL 256.
-#define ALWAYS_RAYS  2e8
+#define RAYS_A_PIXEL 1024.
+#define ALWAYS_RAYS  8e8
 
 /* No picture any more. */
 #define MOST_ERROR 1e6
@@ -102,11 +99,27 @@ shorten(double x)
     return floor(x * scale + .5) / scale;
 }
 
-/* Parts of an octave by which options change with a rung. */
-enum { AMBACC_FALL = 1, AMBDIV_GROWTH = 3, MAXDIFF_FALL = 4, DIRECT_FALL = 2 };
+/* Parts of an octave by which options change with a rung; from rung ONE_RAY of
+ * pixels on lamps are not cut finer, but a pixel has more rays. */
+enum {
+    AMBACC_FALL = 1,
+    AMBDIV_GROWTH = 3,
+    MAXDIFF_FALL = 4,
+    DIRECT_FALL = 2,
+    SAMPLES_GROWTH = 4,
+    ONE_RAY = 8
+};
 
-#define MOST_AMBDIV 65536
-#define MOST_AMBRES 4096
+#define MOST_AMBDIV  65536
+#define MOST_AMBRES  4096
+#define MOST_SAMPLES 64
+
+/* Rungs of pixels that give them more rays. */
+static int
+beyond_one_ray(int pixel)
+{
+    return pixel > ONE_RAY ? pixel - ONE_RAY : 0;
+}
 
 void
 rad_refine_params(const struct rad_params *job, struct rad_refine_rungs rungs,
@@ -115,7 +128,7 @@ rad_refine_params(const struct rad_params *job, struct rad_refine_rungs rungs,
     int a = least(rungs.ambient, RAD_REFINE_MOST_AMBIENT);
     int p = least(rungs.pixel, RAD_REFINE_MOST_PIXEL);
     double rays = 1 / fall(AMBDIV_GROWTH * a);
-    double direct = fall(DIRECT_FALL * p);
+    double direct = fall(DIRECT_FALL * least(p, ONE_RAY));
 
     *out = *job;
     if (a > 0) {
@@ -130,6 +143,9 @@ rad_refine_params(const struct rad_params *job, struct rad_refine_rungs rungs,
         out->shadthresh = shorten(job->shadthresh * direct);
         out->specthresh = 0; /* what it leaves out is no noise */
         out->shadcert = 1 - shorten((1 - job->shadcert) * direct);
+        out->samples =
+            grow(job->samples, 1 / fall(SAMPLES_GROWTH * beyond_one_ray(p)),
+                 MOST_SAMPLES);
     }
 }
 
@@ -167,6 +183,8 @@ rad_refine_join(struct rad_params *job, const struct rad_params *former)
     job->ambssamp = former->ambssamp;
     job->ambres = former->ambres;
     job->maxdiff = fmin(former->maxdiff, job->maxdiff);
+    job->samples = former->samples > job->samples ? former->samples
+                                                  : job->samples;
     job->srcsizerat = former->srcsizerat;
     job->shadthresh = former->shadthresh;
     job->specthresh = former->specthresh;
@@ -235,17 +253,12 @@ sound(double x)
 
 /* Parts of an octave by which squares of errors fall with a rung, as they do in
  * five scenes on average; the cache's by 2 to 4 in single ones, which stages
- * tell that are so many rungs apart.  Noise, which is of lamps or, and then it
- * does not fall, of edges and gloss that few pixels show, up to that rung. */
-enum {
-    AMBIENT_FALL = 3,
-    APART = 3,
-    PIXEL_FALL = 4,
-    NOISE_FALL = 1,
-    NOISE_RUNGS = 8
-};
+ * tell that are so many rungs apart.  Noise of a ray is of lamps or, and then it
+ * does not fall, of edges and gloss that few pixels show. */
+enum { AMBIENT_FALL = 3, APART = 3, PIXEL_FALL = 4, NOISE_FALL = 1 };
 
-/* ... by which rays grow, those of a check and those of pictures. */
+/* ... by which rays grow, those of a check and those of pictures up to one ray
+ * a pixel. */
 enum { CHECK_GROWTH = 2, PICTURE_GROWTH = 2 };
 
 /* What is known after a stage. */
@@ -283,7 +296,16 @@ observed_fall(const struct rad_refine_ask *ask, double ambient)
 static double
 noise_left(int pixel)
 {
-    return fall(NOISE_FALL * (pixel < NOISE_RUNGS ? pixel : NOISE_RUNGS));
+    return fall(NOISE_FALL * least(pixel, ONE_RAY) +
+                SAMPLES_GROWTH * beyond_one_ray(pixel));
+}
+
+/* By how much rays of a picture have grown. */
+static double
+picture_growth(int pixel)
+{
+    return 1 / fall(PICTURE_GROWTH * least(pixel, ONE_RAY) +
+                    SAMPLES_GROWTH * beyond_one_ray(pixel));
 }
 
 static struct outlook
@@ -316,13 +338,6 @@ foresee_pixels(const struct outlook *o, int pixel)
            (o->pixel - o->noise) * rise(-PIXEL_FALL * (pixel - now));
 }
 
-/* The least that any rungs leave of them. */
-static double
-pixels_floor(const struct outlook *o)
-{
-    return o->noise * noise_left(NOISE_RUNGS) / noise_left(o->ask->rungs.pixel);
-}
-
 /* The square of the error with these rungs. */
 static double
 foresee_square(const struct outlook *o, int ambient, int pixel)
@@ -346,7 +361,8 @@ static double
 foresee_rays(const struct outlook *o, int ambient, int pixel)
 {
     return foresee_stage(o, ambient) +
-           o->picture * rise(PICTURE_GROWTH * (pixel - o->ask->rungs.pixel));
+           o->picture * picture_growth(pixel) /
+               picture_growth(o->ask->rungs.pixel);
 }
 
 struct choice {
@@ -401,27 +417,6 @@ shorten_step(const struct outlook *o, struct choice *c)
         c->ambient--;
 }
 
-/* Squares: what is aimed at, and what is near enough to end. */
-struct goal {
-    double aim, enough;
-};
-
-/* Where half of what is wanted, or more, is noise of pixels that no rungs take
- * away, what is just near enough is aimed at; where that noise alone is more
- * than is wanted, a cache about as good as pixels are.  Both grow with what is
- * wanted: a smaller error never ends where a larger one goes on. */
-static struct goal
-goal_of(const struct outlook *o)
-{
-    double floor = pixels_floor(o);
-    double wanted = fmax(o->ask->error * o->ask->error, AS_GOOD * floor);
-    double near = NEAR_ENOUGH * wanted;
-
-    if (!(o->ask->error > 0))
-        return (struct goal){ 0, 0 };
-    return (struct goal){ AIM * fmax(wanted, fmin(2 * floor, near)), near };
-}
-
 /* Rays that a stage and its pictures may take. */
 static double
 most_rays(const struct rad_refine_ask *ask)
@@ -436,10 +431,11 @@ static bool
 goes_on(const struct outlook *o, double rays, struct choice *best)
 {
     double square = o->ambient + o->pixel;
-    struct goal goal = goal_of(o);
+    double wanted = o->ask->error * o->ask->error;
 
     return o->ask->stage < RAD_REFINE_STAGES - 1 && square > 0 &&
-           square > goal.enough && choose(o, goal.aim, rays, best) &&
+           square > NEAR_ENOUGH * wanted &&
+           choose(o, AIM * wanted, rays, best) &&
            best->square <= WORTH_IT * WORTH_IT * square;
 }
 

@@ -56,7 +56,7 @@ while [ "$run" -lt "$runs" ]; do
     [ "$run" = 1 ] && scene=beads
     one_of "-ps 4 -pt .05" "-ps 4 -pt .05" "-ps 8" "-ps 3 -pt .02" "-ps 1"
     sampling=$word
-    one_of "-pj 0 -dj 0" "-pj .67 -dj .5"
+    one_of "-pj 0 -dj 0" "-pj .67 -dj .5" "-pj .67 -dj .5 --samples=3"
     jitter=$word
     any 60
     size="-x $((90 + any)) -y $((90 + any))"
