@@ -52,7 +52,7 @@
 /* A tile ends when it has made so many records, or as much else: others wait
  * for the dearest. */
 #define MOST_HEMISPHERES  32
-#define LARGE_HEMISPHERES 8
+#define LARGE_HEMISPHERES 4
 
 /* Of what that leaves out of the last lattice: a dear spot has many squares of
  * so many pixels, and they have different tiles. */
@@ -242,8 +242,8 @@ is_prime(uint32_t n)
     return true;
 }
 
-/* All that tiles of the last lattice, which is *pass, left out: they had rays
- * of too many hemispheres. */
+/* What tiles of the last lattice, which is *pass, left out: they had rays of too
+ * many hemispheres. */
 static void
 plan_rest(struct rad_pass *pass, const struct rad_pass_size *size)
 {
@@ -252,7 +252,6 @@ plan_rest(struct rad_pass *pass, const struct rad_pass_size *size)
     pass->field = -1;
     pass->step *= 2;
     pass->side = REST_PIXELS / pass->step;
-    pass->rays = 0;
     count_lattice_tiles(pass, size);
     pass->tiles = pass->tiles / REST_SQUARES + 1;
     if (pass->tiles > (uint64_t)REST_TILES * frames)
@@ -312,6 +311,9 @@ plan_frames(const struct rad_params *par, const struct rad_pass_size *size,
     }
     rest = pass[n - 1];
     rest.scattered = true;
+    if (in_parts(&rest, size))
+        n += plan_lattice(&rest, size, pass + n);
+    rest.rays = 0;
     return n + plan_lattice(&rest, size, pass + n);
 }
 
@@ -500,7 +502,7 @@ rad_passes_plan(const struct rad_params *par, const struct rad_pass_size *size,
 
 /* There is room for one more: in the first batch paths have 5 rounds of 8
  * levels, or 3 in 4 parts each, 1 in each of 31 others, and are walked in each,
- * the first frame has 68 passes, and each batch, of up to 2048 frames of 65536,
+ * the first frame has 72 passes, and each batch, of up to 2048 frames of 65536,
  * 12 times 5 more. */
 uint32_t
 rad_passes_plan_on(const struct rad_params *par,

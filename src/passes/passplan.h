@@ -17,7 +17,8 @@
  * hemispheres' rays.  What a coarse lattice leaves out by that the next finer
  * one comes to; behind the finest there is a pass that looks everywhere again,
  * with twice its step, and goes on between pixels that made records.  Its tiles
- * have small squares all over the picture, so they are about equal.
+ * have small squares all over the picture, so they are about equal; in a large
+ * picture they end so, too, and a pass like it comes behind them.
  * Of a large picture each of these passes comes in parts, of which none reads
  * those that are just before it: so there are tiles of some passes to be made
  * at a time.
