@@ -382,18 +382,15 @@ preview(struct submit *s)
 /* Ask the coordinator about the cluster; *answer is NULL if it refuses, or the
  * job ended meanwhile. */
 static int
-ask(struct submit *s, enum msg_topic what, const char *text,
-    const struct msg_answer **answer)
+ask(struct submit *s, struct msg *m, const struct msg_answer **answer)
 {
-    struct msg m = { .type = MSG_QUERY, .request = ++s->request };
     const struct msg *got;
     int rc;
 
     *answer = NULL;
-    m.query.what = what;
-    m.query.text = text;
+    m->request = ++s->request;
     s->fetching = true; /* a refusal is no end of the job */
-    rc = link_send(s->link, &m, s->err);
+    rc = link_send(s->link, m, s->err);
     do
         rc = rc < 0 ? rc : next(s, LOOK_MS, &got);
     while (rc == 0 || (rc == 1 && got->request != s->request && !s->done));
@@ -407,14 +404,15 @@ ask(struct submit *s, enum msg_topic what, const char *text,
 static int
 ask_reason(struct submit *s)
 {
-    const struct msg_answer *answer;
     char hex[MSG_JOB_HEX];
+    struct msg m = { .type = MSG_QUERY, .query = { MSG_QUERY_JOB, hex } };
+    const struct msg_answer *answer;
     const char *text;
     json_t *row;
     int rc;
 
     msg_job_format(s->job->spec->job, hex);
-    rc = ask(s, MSG_QUERY_JOB, hex, &answer);
+    rc = ask(s, &m, &answer);
     if (rc < 0 || !answer)
         return rc;
     row = json_loadb((const char *)answer->text, answer->len, 0, NULL);
@@ -462,10 +460,9 @@ struct roll {
 static void
 call_roll(struct roll *r, const json_t *workers)
 {
-    size_t i, at = 0;
+    size_t i, at = strlen(r->names);
     const json_t *w;
 
-    *r = (struct roll){ 0 };
     json_array_foreach(workers, i, w)
     {
         const char *state = json_string_value(json_object_get(w, "state"));
@@ -484,18 +481,34 @@ call_roll(struct roll *r, const json_t *workers)
         strcpy(r->names + sizeof r->names - 5, " ...");
 }
 
+/* Ask for all of them, a page at a time; none if the job ended meanwhile. */
 static int
-take_roll(struct submit *s, const struct msg_answer *answer, struct roll *r)
+ask_workers(struct submit *s, struct roll *r)
 {
-    json_t *root = json_loadb((const char *)answer->text, answer->len, 0, NULL);
-    bool whole = json_is_array(root);
+    struct msg m = { .type = MSG_PAGE,
+                     .page = {
+                         .what = MSG_ROWS_WORKERS, .user = "", .state = "" } };
+    const struct msg_answer *answer;
+    uint64_t next;
+    json_t *root;
+    int rc;
 
-    if (whole)
-        call_roll(r, root);
-    json_decref(root);
-    return whole ? 0
-                 : rad_fail(s->err, RAD_EPROTO,
+    *r = (struct roll){ 0 };
+    for (;; m.page.cursor = next) {
+        if ((rc = ask(s, &m, &answer)) < 0 || s->done)
+            return rc;
+        root = answer ? json_loadb((const char *)answer->text, answer->len, 0,
+                                   NULL)
+                      : NULL;
+        if (!root)
+            return rad_fail(s->err, RAD_EPROTO,
                             "the coordinator's answer is no list of workers");
+        call_roll(r, json_object_get(root, "rows"));
+        next = (uint64_t)json_integer_value(json_object_get(root, "next"));
+        json_decref(root);
+        if (next <= m.page.cursor)
+            return 0;
+    }
 }
 
 /* --- while it renders --- */
@@ -583,18 +596,14 @@ waited_for_worker(struct submit *s)
 }
 
 /* --wait is over.  Are workers at other jobs?  Then ours is in the queue,
- * however long that is, and --wait begins anew.  Of more workers than one
- * answer holds some are. */
+ * however long that is, and --wait begins anew. */
 static int
 in_queue(struct submit *s, bool *queued)
 {
-    const struct msg_answer *answer;
-    struct roll r = { 0 };
-    int rc = ask(s, MSG_QUERY_WORKERS, "", &answer);
+    struct roll r;
+    int rc = ask_workers(s, &r);
 
-    if (rc == 0 && answer)
-        rc = take_roll(s, answer, &r);
-    *queued = !answer || r.busy;
+    *queued = s->done || r.busy;
     s->wait_ms = now_ms(s);
     return rc;
 }
@@ -685,18 +694,12 @@ static int
 await_workers(struct submit *s)
 {
     uint64_t pause_ms = COME_MS, begin_ms = now_ms(s);
-    const struct msg_answer *answer;
     struct roll r;
     int rc;
 
     if (!s->cb->gathered || s->accepted)
         return 0;
-    while ((rc = ask(s, MSG_QUERY_WORKERS, "", &answer)) == 0) {
-        if (!answer)
-            return rad_fail(s->err, RAD_EPROTO,
-                            "the coordinator tells of no workers");
-        if ((rc = take_roll(s, answer, &r)) < 0)
-            return rc;
+    while ((rc = ask_workers(s, &r)) == 0) {
         rc = s->cb->gathered(s->cb->arg, r.n, r.names, s->err);
         s->ended |= rc < 0;
         if (rc != 0)
