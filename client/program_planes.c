@@ -13,6 +13,7 @@
 #include "base/files.h"
 #include "base/output.h"
 #include "link/local.h"
+#include "link/order.h"
 #include "show/spectra.h"
 
 #include <errno.h>
@@ -309,7 +310,7 @@ static void
 cancel_from(struct planes *s, int first, const struct submit_job *job)
 {
     for (int k = first; k < s->program->nplanes; k++)
-        if (submit_cancel(&job->to, &s->program->loop, s->id[k]) < 0)
+        if (order_cancel(&job->to, &s->program->loop, s->id[k]) < 0)
             return;
 }
 
@@ -396,7 +397,7 @@ program_run_planes(struct program *p, const struct submit_job *ask,
     if (rc == 0)
         rc = collect_all(&s, &job);
     for (int k = 0; k < p->nplanes && rc == 0 && p->streams; k++)
-        submit_delete(&job.to, &p->loop, s.id[k]);
+        order_delete(&job.to, &p->loop, s.id[k]);
     /* an interrupt that ends radsubmit at once leaves them to go on, and so
      * does a picture that cannot be written, as with one job */
     if (rc < 0 && !p->embedded && p->interrupts < 2 && !p->unwritten)

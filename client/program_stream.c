@@ -13,6 +13,7 @@
 
 #include "base/output.h"
 #include "link/local.h"
+#include "link/order.h"
 
 #include <jansson.h>
 #include <math.h>
@@ -128,7 +129,7 @@ render(struct program *p, struct submit_job *job,
                         : submit_run(job, &p->loop, &p->interrupts, cb, p->err);
     unload_cargo(p);
     if (rc == 0 && p->nplanes == 1) /* nobody can use it any more */
-        submit_delete(&job->to, &p->loop, p->job.id);
+        order_delete(&job->to, &p->loop, p->job.id);
     return rc;
 }
 

@@ -8,10 +8,14 @@ libclient_a_SOURCES += \
 	client/link/link.h \
 	client/link/local.c \
 	client/link/local.h \
+	client/link/order.c \
+	client/link/order.h \
 	client/link/programs.c \
 	client/link/programs.h \
 	client/link/rescue.c \
 	client/link/rescue.h \
+	client/link/roll.c \
+	client/link/roll.h \
 	client/link/submit.c \
 	client/link/submit.h \
 	client/link/target.c \

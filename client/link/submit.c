@@ -9,6 +9,7 @@
 #include "link/submit.h"
 
 #include "link/fetch.h"
+#include "link/roll.h"
 #include "common/figure.h"
 #include "proto/frame.h"
 
@@ -450,62 +451,22 @@ deliver_stats(struct submit *s)
 
 /* --- who is there --- */
 
-/* Workers that are there. */
-struct roll {
-    int n;
-    bool busy; /* one of them is at some job */
-    char names[400];
-};
-
-static void
-call_roll(struct roll *r, const json_t *workers)
-{
-    size_t i, at = strlen(r->names);
-    const json_t *w;
-
-    json_array_foreach(workers, i, w)
-    {
-        const char *state = json_string_value(json_object_get(w, "state"));
-        const char *name = json_string_value(json_object_get(w, "name"));
-
-        if (!state || !name || strcmp(state, "gone") == 0)
-            continue;
-        if (at < sizeof r->names)
-            at += (size_t)snprintf(r->names + at, sizeof r->names - at, "%s%s",
-                                   r->n > 0 ? ", " : "", name);
-        r->busy |=
-            strcmp(state, "working") == 0 || strcmp(state, "loading") == 0;
-        r->n++;
-    }
-    if (at >= sizeof r->names)
-        strcpy(r->names + sizeof r->names - 5, " ...");
-}
-
-/* Ask for all of them, a page at a time; none if the job ended meanwhile. */
+/* Ask for all workers, a page at a time; none if the job ended meanwhile. */
 static int
 ask_workers(struct submit *s, struct roll *r)
 {
-    struct msg m = { .type = MSG_PAGE,
-                     .page = {
-                         .what = MSG_ROWS_WORKERS, .user = "", .state = "" } };
+    struct msg_page all = { .what = MSG_ROWS_WORKERS, .user = "", .state = "" };
+    struct msg m = { .type = MSG_PAGE, .page = all };
     const struct msg_answer *answer;
     uint64_t next;
-    json_t *root;
     int rc;
 
     *r = (struct roll){ 0 };
     for (;; m.page.cursor = next) {
         if ((rc = ask(s, &m, &answer)) < 0 || s->done)
             return rc;
-        root = answer ? json_loadb((const char *)answer->text, answer->len, 0,
-                                   NULL)
-                      : NULL;
-        if (!root)
-            return rad_fail(s->err, RAD_EPROTO,
-                            "the coordinator's answer is no list of workers");
-        call_roll(r, json_object_get(root, "rows"));
-        next = (uint64_t)json_integer_value(json_object_get(root, "next"));
-        json_decref(root);
+        if ((rc = roll_page(r, answer, &next, s->err)) < 0)
+            return rc;
         if (next <= m.page.cursor)
             return 0;
     }
@@ -816,45 +777,4 @@ submit_run(const struct submit_job *job, uv_loop_t *loop, const int *interrupts,
     if (rc < 0 && err)
         *err = why;
     return rc;
-}
-
-/* Say *m, about a job, and wait for the answer. */
-static int
-order(const struct target *to, uv_loop_t *loop, const struct msg *m)
-{
-    int never = 0, rc;
-    struct link_where where = { loop, &never };
-    struct rad_error why = { 0 };
-    const struct msg *answer;
-    struct link *link = NULL;
-
-    rc = link_open(&link, &where, to, MSG_ROLE_USER, CONNECT_MS, &why);
-    if (rc < 0)
-        return rc;
-    rc = link_send(link, m, &why);
-    while (rc >= 0) {
-        rc = link_recv(link, CANCEL_MS, &answer, &why);
-        if (rc == 0 || (rc == 1 && answer->request == m->request))
-            break;
-    }
-    link_close(link);
-    return rc < 0 ? rc : 0;
-}
-
-int
-submit_cancel(const struct target *to, uv_loop_t *loop,
-              const uint8_t job[MSG_JOB])
-{
-    struct msg m = { .type = MSG_CANCEL, .request = 1, .cancel = { job } };
-
-    return order(to, loop, &m);
-}
-
-int
-submit_delete(const struct target *to, uv_loop_t *loop,
-              const uint8_t job[MSG_JOB])
-{
-    struct msg m = { .type = MSG_DELETE, .request = 1, .delete = { job } };
-
-    return order(to, loop, &m);
 }

@@ -68,11 +68,4 @@ int submit_run(const struct submit_job *job, uv_loop_t *loop,
                const int *interrupts, const struct submit_callbacks *cb,
                struct rad_error *err);
 
-/* Cancel a job that somebody has submitted, whatever state it is in, or delete
- * one that is over: 0, or what keeps the coordinator from hearing of it. */
-int submit_cancel(const struct target *to, uv_loop_t *loop,
-                  const uint8_t job[MSG_JOB]);
-int submit_delete(const struct target *to, uv_loop_t *loop,
-                  const uint8_t job[MSG_JOB]);
-
 #endif
