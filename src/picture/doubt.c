@@ -37,7 +37,7 @@
 #define PLACES 48.
 
 /* one of so many pixels at most. */
-#define SPARSE_AREAS  1000.
+#define SPARSE_AREAS  600.
 #define SPARSE_PLACES 3000.
 
 /* An area with contrast c is so many times likelier than one without: 1 +
