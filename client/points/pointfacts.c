@@ -73,15 +73,64 @@ tell_names(const struct rad_scene *s, int32_t obj, struct pointfact *out)
     out->material = mat == RAD_VOID ? "void" : s->objects[mat].name;
 }
 
-/* By what modifies the material, as its shader has it. */
-static void
-perturb(struct pointfacts *p, struct rad_ray *r)
+/* The modifier that the eye sees a surface by: of an illum or mirror the one
+ * that it names, if any. */
+static int32_t
+seen_by(const struct rad_scene *s, int32_t obj)
 {
-    const struct rad_scene *s = p->job->scene;
-    int32_t mat = rad_material_of(s, s->objects[r->hit.obj].modifier);
+    int32_t mod = s->objects[obj].modifier;
 
-    if (mat != RAD_VOID)
-        rad_ray_texture(&p->ctx, r, p->job->materials[mat].next);
+    for (;;) {
+        int32_t mat = rad_material_of(s, mod);
+        const struct rad_object *o = mat == RAD_VOID ? NULL : &s->objects[mat];
+
+        if (!o || o->nstrings == 0 ||
+            (o->type != RAD_ILLUM && o->type != RAD_MIRROR))
+            return mod;
+        mod = rad_scene_find_modifier(s, o->strings[0], mat);
+    }
+}
+
+/* By what modifies the material: an alias of it may have its own modifiers. */
+static void
+perturb(struct pointfacts *p, struct rad_ray *r, int32_t mod)
+{
+    while (mod != RAD_VOID) {
+        const struct rad_material *mat = &p->job->materials[mod];
+
+        mod = mat->next;
+        if (mat->shader && !(mat->shader->flags & RAD_MAT_PATTERN))
+            break;
+    }
+    rad_ray_texture(&p->ctx, r, mod);
+}
+
+/* Does Radiance shade such a surface by a normal on the ray's side, whichever
+ * side it was met from? */
+static bool
+turns(const struct rad_scene *s, int32_t mod)
+{
+    int32_t mat = rad_material_of(s, mod);
+
+    switch (mat == RAD_VOID ? RAD_NOTYPES : s->objects[mat].type) {
+    case RAD_PLASTIC:
+    case RAD_METAL:
+    case RAD_TRANS:
+    case RAD_PLASTIC2:
+    case RAD_METAL2:
+    case RAD_TRANS2:
+    case RAD_ASHIK2:
+    case RAD_GLASS:
+    case RAD_PLASFUNC:
+    case RAD_METFUNC:
+    case RAD_TRANSFUNC:
+    case RAD_PLASDATA:
+    case RAD_METDATA:
+    case RAD_TRANSDATA:
+        return true;
+    default:
+        return false;
+    }
 }
 
 void
@@ -93,6 +142,7 @@ pointfacts_find(struct pointfacts *p, const double org[3], const double dir[3],
     struct rad_span span = { .tmin = 0, .tmax = reach };
     struct rad_arena_mark mark = rad_arena_mark(&p->ctx.scratch);
     struct rad_ray r;
+    int32_t mod;
 
     pointfacts_none(out, org);
     memset(&r, 0, sizeof r);
@@ -108,8 +158,9 @@ pointfacts_find(struct pointfacts *p, const double org[3], const double dir[3],
         out->length = r.hit.t;
         rad_copy(out->at, r.hit.p);
         rad_copy(out->normal, r.n);
-        perturb(p, &r);
-        if (r.cos_o < 0)
+        mod = seen_by(scene, r.hit.obj);
+        perturb(p, &r, mod);
+        if (r.cos_o < 0 && turns(scene, mod))
             rad_ray_flip(&r);
         rad_ray_normal(&r, out->perturbed);
         tell_names(scene, r.hit.obj, out);

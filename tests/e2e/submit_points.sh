@@ -130,6 +130,29 @@ awk '{ l = sqrt(1.0625)
            $4 != 0 || $5 != 0 || $6 != 1) exit 1 }' turned ||
     fail "a turned normal: $(cat turned)"
 
+# met from behind: materials that rtrace shades from either side turn it, an
+# alias has no texture but its own, an illum is what it names
+cat >sides.rad <<'END'
+void texfunc tilt 4 .25 0 0 .
+0
+0
+tilt plastic p 0 0 5 .5 .5 .5 0 0
+void alias plain p
+tilt dielectric d 0 0 5 1 1 1 1.5 0
+void illum i 1 p 0 3 1 1 1
+p ring r0 0 0 8 0 0 0 0 0 1 0 1
+plain ring r1 0 0 8 5 0 0 0 0 1 0 1
+d ring r2 0 0 8 10 0 0 0 0 1 0 1
+i ring r3 0 0 8 15 0 0 0 0 1 0 1
+END
+printf '%s 0 -1 0 0 1\n' 0 5 10 15 >up.txt
+"$radsubmit" --local --points=up.txt -h- -on sides.rad >turned 2>stderr ||
+    fail "-on: $(cat stderr)"
+printf '%.6e\t%.6e\n' -.2425356 -.9701425 0 -1 .2425356 .9701425 \
+    -.2425356 -.9701425 >want
+sed 's/-0\.000000e+00/0.000000e+00/g' turned | cut -f1,3 | cmp - want ||
+    fail "normals of both sides: $(cat turned)"
+
 # interrupted, or not to be written: only who has the points can use the values
 RADD_COORDINATOR=$work/coord.sock
 export RADD_COORDINATOR
