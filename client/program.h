@@ -69,6 +69,7 @@ struct program {
     int stages;              /* that it took */
     bool time_up, rays_up;   /* a further one was left out for want of time,
                               * or of rays that it may take */
+    bool dark, lit; /* no picture that came has any light; or one has */
     struct msg_nan nan;
     struct msg_fault faults[MSG_FAULTS];
     uv_loop_t loop;
@@ -90,6 +91,8 @@ struct program {
 void program_say(void *program, const char *text);
 void program_warn(struct program *p, const char *text);
 
+/* At the end, of pictures without any light. */
+void program_warn_of_dark(struct program *p);
 void program_warn_of_psample(struct program *p);
 void program_warn_of_scene(struct program *p);
 /* What rad would do and this does not; each is said once. */

@@ -170,6 +170,10 @@ program_on_frame(void *arg, uint32_t frame, const uint8_t *picture,
     }
     rc = write_picture(p, frame, picture, picture_len, err);
     there = rc == 0;
+    if (!p->lit && !submit_options_spectra(&p->o)) {
+        p->lit = !expose_nothing(picture, picture_len);
+        p->dark = !p->lit;
+    }
     if (rc == 0 && depth)
         rc = write_depth(p, frame, depth, depth_len, err);
     p->unwritten = rc < 0;

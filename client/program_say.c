@@ -229,6 +229,17 @@ program_on_progress(void *arg, const struct msg_progress *m)
     memcpy(p->faults, m->faults, sizeof p->faults);
 }
 
+void
+program_warn_of_dark(struct program *p)
+{
+    if (p->dark)
+        program_warn(p, p->frames.n > 1
+                            ? "warning: all pictures are black"
+                            : "warning: the picture is black: does the view "
+                              "see a surface, from its visible side (-bv), "
+                              "and does light reach it?");
+}
+
 /* At the end: a pixel that reproduces what is wrong. */
 void
 program_warn_of_nan(struct program *p)

@@ -380,6 +380,7 @@ converse(struct program *p)
         rc = p->preview.code;
     }
     progress_clear(&p->progress);
+    program_warn_of_dark(p);
     program_warn_of_nan(p);
     program_warn_of_faults(p);
     if (rc == 0 && !p->o.detach)

@@ -88,31 +88,52 @@ expose_rows(const uint8_t *at, const uint8_t *end, int width, int height,
     return rc;
 }
 
+/* A picture's bytes. */
+struct layout {
+    const uint8_t *head; /* the header's empty line */
+    const uint8_t *rows, *end;
+    int width, height;
+};
+
+static int
+find_rows(const uint8_t *hdr, size_t n, struct layout *at,
+          struct rad_error *err)
+{
+    const uint8_t *size = header_end(hdr, n);
+    char text[64] = "";
+    int used = 0;
+
+    if (!size)
+        return damaged(err);
+    at->head = size++;
+    at->end = hdr + n;
+    snprintf(text, sizeof text, "%.*s",
+             (int)(at->end - size < 60 ? at->end - size : 60),
+             (const char *)size);
+    if (sscanf(text, "-Y %d +X %d%n", &at->height, &at->width, &used) != 2 ||
+        text[used] != '\n' || at->width < 1 || at->height < 1)
+        return damaged(err);
+    at->rows = size + used + 1;
+    return 0;
+}
+
 int
 expose(const uint8_t *hdr, size_t n, double factor, uint8_t **out, size_t *nout,
        struct rad_error *err)
 {
-    const uint8_t *head = header_end(hdr, n), *rows;
+    struct layout at;
     struct bytes to = { 0 };
-    char line[64], size[64] = "";
-    int width, height, used = 0, rc;
+    char line[64];
+    int rc = find_rows(hdr, n, &at, err);
 
-    if (!head)
-        return damaged(err);
-    rows = head + 1;
-    snprintf(
-        size, sizeof size, "%.*s",
-        (int)(n - (size_t)(rows - hdr) < 60 ? n - (size_t)(rows - hdr) : 60),
-        (const char *)rows);
-    if (sscanf(size, "-Y %d +X %d%n", &height, &width, &used) != 2 ||
-        size[used] != '\n' || width < 1 || height < 1)
-        return damaged(err);
-    rows += used + 1;
+    if (rc < 0)
+        return rc;
     snprintf(line, sizeof line, "EXPOSURE=%e\n", factor);
-    if ((rc = append(&to, hdr, (size_t)(head - hdr), err)) == 0 &&
+    if ((rc = append(&to, hdr, (size_t)(at.head - hdr), err)) == 0 &&
         (rc = append(&to, line, strlen(line), err)) == 0 &&
-        (rc = append(&to, head, (size_t)(rows - head), err)) == 0)
-        rc = expose_rows(rows, hdr + n, width, height, factor, &to, err);
+        (rc = append(&to, at.head, (size_t)(at.rows - at.head), err)) == 0)
+        rc =
+            expose_rows(at.rows, at.end, at.width, at.height, factor, &to, err);
     if (rc < 0) {
         free(to.p);
         return rc;
@@ -120,4 +141,32 @@ expose(const uint8_t *hdr, size_t n, double factor, uint8_t **out, size_t *nout,
     *out = to.p;
     *nout = to.n;
     return 0;
+}
+
+static bool
+is_black(const uint8_t *rgbe, int width)
+{
+    for (int x = 0; x < width; x++)
+        if (rgbe[4 * x + 3] != 0)
+            return false;
+    return true;
+}
+
+bool
+expose_nothing(const uint8_t *hdr, size_t n)
+{
+    struct layout at;
+    bool black = find_rows(hdr, n, &at, NULL) == 0;
+    uint8_t *rgbe = black ? malloc(4 * (size_t)at.width) : NULL;
+
+    for (int y = 0; rgbe && black && y < at.height; y++) {
+        size_t row = rad_hdr_decode_row(at.rows, (size_t)(at.end - at.rows),
+                                        at.width, rgbe);
+
+        at.rows += row;
+        black = row > 0 && is_black(rgbe, at.width);
+    }
+    black = black && rgbe;
+    free(rgbe);
+    return black;
 }

@@ -8,6 +8,7 @@
 
 #include "base/error.h"
 
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
@@ -15,5 +16,9 @@
  * *out, of *nout bytes, is to be freed.  RAD_EDATA, RAD_ENOMEM. */
 int expose(const uint8_t *hdr, size_t n, double factor, uint8_t **out,
            size_t *nout, struct rad_error *err);
+
+/* Is there no light in such a picture, which no exposure can show?  Reads it as
+ * far as the first row that has some.  False for what is no picture. */
+bool expose_nothing(const uint8_t *hdr, size_t n);
 
 #endif

@@ -102,6 +102,12 @@ expect 0 "warning: no light sources found" "a sky without indirect light" \
     "$radsubmit" --local -x 4 -y 4 -ab 0 -o /dev/null sky.rad
 expect 0 "" "a sky" "$radsubmit" --local -x 4 -y 4 -ab 1 -o /dev/null sky.rad
 grep warning stderr && fail "the sky gives light"
+expect 0 "warning: the picture is black" "a view past the room" \
+    "$radsubmit" --local -x 4 -y 4 -vp 2 1.5 9 -vd 0 1 0 -o b.hdr "$room"
+printf 'rview -vp 2 1.5 9 -vd 0 1 0\nrview -vp 2 1 1 -vd 0 1 0\n' >two.vf
+expect 0 "" "a dark picture and another" "$radsubmit" --local -x 4 -y 4 \
+    -S 1 --views=two.vf -o two%d.hdr "$room"
+grep "warning: .* black" stderr && fail "one picture has light"
 printf '# nothing\n!echo\n' >empty.rad
 expect 0 "warning: the scene has no surface" "nothing at all" \
     "$radsubmit" --local -x 4 -y 4 -o /dev/null empty.rad
@@ -112,7 +118,7 @@ printf 'void plastic p 0 0 5 1 1 1 0 0\nvoid glow g 0 0 4 1 1 1 0
 void mixfunc m 4 p g .5 . 0 0\nm sphere s 0 0 4 0 0 0 1\n' >mixed.rad
 expect 0 "" "a mixture that shines" \
     "$radsubmit" --local -x 4 -y 4 -o /dev/null mixed.rad
-grep warning stderr && fail "it is not dark"
+grep "warning: no light" stderr && fail "it is not dark"
 expect 69 "--keys" "keys of no coordinator" "$radctl" key list
 expect 64 "out.tif" "a format that is not written, of radctl" \
     "$radctl" --coordinator="$work/no.sock" fetch 1f -o out.tif
