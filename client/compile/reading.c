@@ -15,7 +15,8 @@
 #include <string.h>
 #include <unistd.h>
 
-#define STDIN_NAME "standard input"
+#define STDIN_NAME   "standard input"
+#define COMMAND_LINE "command line"
 
 /* One file being read: what was read to see what it is, then the rest. */
 struct source {
@@ -266,12 +267,21 @@ reading_file(struct reading *r, const char *file, bool alone,
     return rc;
 }
 
+/* A command of the command line that makes nothing tells so itself. */
+static void
+warn_of_command(void *arg, const struct rad_error *err)
+{
+    if (strcmp(err->where, COMMAND_LINE) != 0)
+        reading_warn(arg, err);
+}
+
 int
 reading_command(struct reading *r, const char *text, struct rad_error *err)
 {
     struct rad_parse_io io = parse_io(r);
 
+    io.warn = warn_of_command;
     r->folder = ".";
-    return rad_parse_text(r->c->scene, text, strlen(text), "command line", &io,
+    return rad_parse_text(r->c->scene, text, strlen(text), COMMAND_LINE, &io,
                           err);
 }
