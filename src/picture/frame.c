@@ -318,7 +318,7 @@ rad_frame_pixel(const struct rad_frame *f, struct rad_ctx *ctx, int x, int y,
     ctx->counts.primary_rays++;
     if (f->depth)
         out->z = (float)rad_ray_distance(&r);
-    if (f->job->params.samples > 1)
+    if (f->job->params.samples > 1 && !ctx->glance)
         r.L = look_again(f, ctx, x, y, r.L);
     if (ctx->counts.unsound_rays != unsound)
         rad_counts_nan(&ctx->counts, x, y);

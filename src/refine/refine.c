@@ -100,7 +100,7 @@ shorten(double x)
 }
 
 /* Parts of an octave by which options change with a rung; from rung ONE_RAY of
- * pixels on lamps are not cut finer, but a pixel has more rays. */
+ * pixels on they stay, but a pixel has more rays. */
 enum {
     AMBACC_FALL = 1,
     AMBDIV_GROWTH = 3,
@@ -126,9 +126,10 @@ rad_refine_params(const struct rad_params *job, struct rad_refine_rungs rungs,
                   struct rad_params *out)
 {
     int a = least(rungs.ambient, RAD_REFINE_MOST_AMBIENT);
-    int p = least(rungs.pixel, RAD_REFINE_MOST_PIXEL);
+    int p = least(rungs.pixel, ONE_RAY);
+    int more = beyond_one_ray(least(rungs.pixel, RAD_REFINE_MOST_PIXEL));
     double rays = 1 / fall(AMBDIV_GROWTH * a);
-    double direct = fall(DIRECT_FALL * least(p, ONE_RAY));
+    double direct = fall(DIRECT_FALL * p);
 
     *out = *job;
     if (a > 0) {
@@ -144,8 +145,7 @@ rad_refine_params(const struct rad_params *job, struct rad_refine_rungs rungs,
         out->specthresh = 0; /* what it leaves out is no noise */
         out->shadcert = 1 - shorten((1 - job->shadcert) * direct);
         out->samples =
-            grow(job->samples, 1 / fall(SAMPLES_GROWTH * beyond_one_ray(p)),
-                 MOST_SAMPLES);
+            grow(job->samples, 1 / fall(SAMPLES_GROWTH * more), MOST_SAMPLES);
     }
 }
 

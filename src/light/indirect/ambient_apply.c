@@ -125,8 +125,10 @@ make_record(struct rad_ctx *ctx, const struct rad_ray *r,
         return false;
     rec.weight = record_weight(at);
     plan.weight = rad_ambrec_worth(&rec);
-    if (is_alone(ctx) || (ctx->tile && at->level > ctx->tile->level &&
-                          ctx->counts.ambient_rays >= ctx->tile->most))
+    if (is_alone(ctx)) /* the pixel's other samples have as many */
+        plan.weight *= ALONE_SHARE / ctx->job->params.samples;
+    else if (ctx->tile && at->level > ctx->tile->level &&
+             ctx->counts.ambient_rays >= ctx->tile->most)
         plan.weight *= ALONE_SHARE;
     if (ctx->glance)
         plan.weight *= GLANCE_SHARE;
