@@ -183,8 +183,8 @@ rad_refine_join(struct rad_params *job, const struct rad_params *former)
     job->ambssamp = former->ambssamp;
     job->ambres = former->ambres;
     job->maxdiff = fmin(former->maxdiff, job->maxdiff);
-    job->samples = former->samples > job->samples ? former->samples
-                                                  : job->samples;
+    job->samples =
+        former->samples > job->samples ? former->samples : job->samples;
     job->srcsizerat = former->srcsizerat;
     job->shadthresh = former->shadthresh;
     job->specthresh = former->specthresh;
@@ -253,8 +253,8 @@ sound(double x)
 
 /* Parts of an octave by which squares of errors fall with a rung, as they do in
  * five scenes on average; the cache's by 2 to 4 in single ones, which stages
- * tell that are so many rungs apart.  Noise of a ray is of lamps or, and then it
- * does not fall, of edges and gloss that few pixels show. */
+ * tell that are so many rungs apart.  Noise of a ray is of lamps or, and then
+ * it does not fall, of edges and gloss that few pixels show. */
 enum { AMBIENT_FALL = 3, APART = 3, PIXEL_FALL = 4, NOISE_FALL = 1 };
 
 /* ... by which rays grow, those of a check and those of pictures up to one ray
@@ -360,9 +360,8 @@ foresee_stage(const struct outlook *o, int ambient)
 static double
 foresee_rays(const struct outlook *o, int ambient, int pixel)
 {
-    return foresee_stage(o, ambient) +
-           o->picture * picture_growth(pixel) /
-               picture_growth(o->ask->rungs.pixel);
+    return foresee_stage(o, ambient) + o->picture * picture_growth(pixel) /
+                                           picture_growth(o->ask->rungs.pixel);
 }
 
 struct choice {
