@@ -475,8 +475,8 @@ START_TEST(a_job_whose_decision_is_lost_says_why)
 
     s.spec.error_ppm = 100000;
     for (uint32_t i = 0; i < PASSES; i++)
-        passes[i] = (struct saved_pass){ .bytes = records,
-                                         .len = AMBSHARE_BYTES };
+        passes[i] =
+            (struct saved_pass){ .bytes = records, .len = AMBSHARE_BYTES };
     passes[PASSES] =
         (struct saved_pass){ .bytes = records, .len = lost[_i].len };
     ck_assert_int_eq(recover_job(f.c, f.now_ms, &s, NULL, NULL, NULL), 0);

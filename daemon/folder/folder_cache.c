@@ -34,7 +34,7 @@
 #define TAIL_BYTES 16
 #define LAYOUT     1 /* the version of the protocol that counts are as in */
 
-/* A file has no more: all records that a job may have, and its passes' heads. */
+/* Of a file: all records that a job may have, and its passes' heads. */
 #define MOST_CACHE                                                             \
     (SAVED_MOST_BYTES +                                                        \
      MSG_MOST_PASSES * (HEAD_BYTES + sizeof(struct msg_counts)) + TAIL_BYTES)

@@ -27,7 +27,7 @@ struct job_goal {
     uint64_t spent_ms;   /* until the last decision, in earlier lives */
     bool ended;          /* the picture is made with the stage's options */
     bool late;           /* for want of time, or of rays, alone */
-    bool unread; /* an earlier life kept a decision in another layout */
+    bool unread;         /* an earlier life kept a decision in another layout */
 };
 
 /* Has the job one? */

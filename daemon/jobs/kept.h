@@ -17,7 +17,7 @@ struct kept_passes {
  * (queue/reuse.h); of any the records that it began with itself, and when the
  * passes were closed that were closed in this life. */
 struct kept_cache {
-    uint64_t bytes;          /* of kept_bytes; 0: none is kept */
+    uint64_t bytes; /* of kept_bytes; 0: none is kept */
     bool held; /* until a job that begins with it has its records (coord_keep.c)
                 */
     struct pass_range range; /* of one that ended in this life */

@@ -63,8 +63,8 @@ struct job_worker {
                       * 0: the coordinator does (feeding.c) */
     bool missed;     /* some of these did not come */
     uint32_t failures; /* times that it fed a worker which then missed some */
-    uint64_t rest_ms; /* told to leave its areas then (REST), and given
-                       * nothing since; 0: it was not */
+    uint64_t rest_ms;  /* told to leave its areas then (REST), and given
+                        * nothing since; 0: it was not */
 
     /* loss.c */
     uint32_t load_crashes; /* children that died before READY */

@@ -45,8 +45,8 @@ struct saved_pass {
     bool firm; /* to be on the disk before what comes later; not kept */
 };
 
-/* Records of the passes of one stage of a job, in bytes, and what its stages may
- * come to together. */
+/* Records of the passes of one stage of a job, in bytes, and what its stages
+ * may come to together. */
 #define SAVED_STAGE_BYTES (UINT64_C(512) << 20)
 #define SAVED_MOST_BYTES  (RAD_REFINE_STAGES * SAVED_STAGE_BYTES)
 

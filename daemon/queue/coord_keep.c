@@ -120,7 +120,7 @@ hold_caches(struct coord *c)
     }
 }
 
-/* The cache of an older job than any other that may go; *all: of all together. */
+/* Of caches that may go that of the oldest job; *all: of all together. */
 static struct job *
 oldest_cache(const struct coord *c, uint64_t *all)
 {

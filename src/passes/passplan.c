@@ -242,8 +242,8 @@ is_prime(uint32_t n)
     return true;
 }
 
-/* What tiles of the last lattice, which is *pass, left out: they had rays of too
- * many hemispheres. */
+/* What tiles of the last lattice, which is *pass, left out: they had rays of
+ * too many hemispheres. */
 static void
 plan_rest(struct rad_pass *pass, const struct rad_pass_size *size)
 {
