@@ -20,7 +20,7 @@
 /* Squares of errors: so much less than what is wanted is aimed at, and so much
  * more is near enough, for another stage takes longer than this one did. */
 #define AIM         .85
-#define NEAR_ENOUGH 1.45
+#define NEAR_ENOUGH 1.2
 
 /* A further stage brings so much at least: not the last seventh, where rays or
  * time leave no more. */
