@@ -32,7 +32,7 @@
 /* Each bounce leaves about half of the light, and what deep records get wrong
  * is averaged over the hemisphere of the one above.  So a bounce halves a
  * record's samples and doubles the area of its zone beyond what they are for
- * its weight. */
+ * its weight, but for zones that are as small as -ar lets them be. */
 #define LESS_BY_BOUNCE .5
 
 /* As in rpict, no zone is larger than a fifth of the scene, or than 64 times
@@ -100,17 +100,23 @@ least_radius(const struct rad_ambscale *scale, double value)
 }
 
 /* Limit the radii: E must not double over them, and they are `least` at least;
- * lighter and deeper rays may do with larger ones. */
+ * lighter and deeper rays may do with larger ones.  Where -ar is what stops
+ * them E bends more than it should already: there a bounce adds nothing to what
+ * the weight allows.  Else bright places would be spread over their dark
+ * surroundings where a room is small in its scene. */
 static void
 limit_radii(const struct rad_ambscale *scale, const double gpos[2],
-            double least, double weight, double r[2])
+            double least, const struct rad_ambrec *rec, double r[2])
 {
+    double larger = 1 / sqrt(rad_ambrec_worth(rec));
+
+    least /= sqrt((double)rec->weight);
     for (int k = 0; k < 2; k++)
         if (r[k] * fabs(gpos[k]) > 1)
             r[k] = 1 / fabs(gpos[k]);
     r[0] = rad_least(r[0], r[1]);
     for (int k = 0; k < 2; k++)
-        r[k] = rad_least(rad_most(r[k], least) / sqrt(weight), scale->most);
+        r[k] = rad_least(rad_most(larger * r[k], least), scale->most);
     r[1] = rad_least(r[1], 2 * r[0]);
 }
 
@@ -201,7 +207,7 @@ rad_ambrec_shape(const struct rad_ambscale *scale, const struct rad_hemi *h,
     } else {
         r[0] = r[1] = mean_distance(h);
     }
-    limit_radii(scale, gpos, least, rad_ambrec_worth(rec), r);
+    limit_radii(scale, gpos, least, rec, r);
     /* over the zone E may double, not more */
     double swing = rad_hypot(gpos[0] * r[0], gpos[1] * r[1]);
     double cap = swing > 1 ? 1 / swing : 1;
