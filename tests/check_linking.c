@@ -6,28 +6,37 @@
 #include "jobs/part.h"
 #include "links/linking.h"
 
-enum { FIRST = 20 }; /* connection of the first worker that has an address */
+enum {
+    FIRST = 20, /* connection of the first worker that comes */
+    FEW = 63    /* that are all linked: the fixture's own loads, and counts */
+};
 
 /* Work for all. */
 static const struct msg_frame large = { 0, 64, 2000, "" };
 
-/* Of workers all are ready for the job, and can be dialled. */
+/* Workers come, each ready for the job; the first of them can be dialled. */
 static void
-come(uint32_t n)
+come_of_which(uint32_t n, uint32_t dialled)
 {
     for (uint32_t i = 0; i < n; i++) {
         struct coord_peer peer = { "test", "daemon", 30, NULL };
         char name[16];
         struct msg m = { .type = MSG_HELLO,
                          .hello = { MSG_VERSION_MIN, MSG_VERSION,
-                                    MSG_ROLE_WORKER, name, "t", "host:1", 2,
-                                    0 } };
+                                    MSG_ROLE_WORKER, name, "t",
+                                    i < dialled ? "host:1" : "", 2, 0 } };
 
         snprintf(name, sizeof name, "w%u", i);
         coord_opened(f.c, f.now_ms, FIRST + i, &peer);
         say(&f, FIRST + i, &m);
         ready(&f, FIRST + i, job_a);
     }
+}
+
+static void
+come(uint32_t n)
+{
+    come_of_which(n, n);
 }
 
 static void
@@ -87,8 +96,35 @@ END_TEST
 START_TEST(few_that_share_lines_are_all_linked)
 {
     begin_job(0);
-    come(64);
-    ck_assert_int_eq(named(64), 64 * 63);
+    come(FEW);
+    ck_assert_int_eq(named(FEW), FEW * (FEW - 1));
+}
+END_TEST
+
+/* Each worker that can be dialled would be linked with all others. */
+START_TEST(many_are_many_though_few_can_be_dialled)
+{
+    begin_job(0);
+    come_of_which(80, 60);
+    ck_assert_int_eq(f.peers[FIRST], FEW - 1);
+    ck_assert_int_eq(f.peers[FIRST + 79], 0);
+}
+END_TEST
+
+/* Two workers of which neither can be dialled take no links from others. */
+START_TEST(a_link_that_cannot_be_ends_no_other)
+{
+    begin_job(0);
+    come_of_which(90, 88);
+    for (uint32_t i = 0; i < 16; i++) {
+        need(88, 70 + i);
+        need(89, 70 + i);
+    }
+    ck_assert_int_eq(f.peers[FIRST + 88], 16);
+    need(88, 89);
+    ck_assert_int_eq(f.peers[FIRST + 88], 16);
+    ck_assert_int_eq(f.peers[FIRST + 89], 16);
+    ck_assert_int_eq(f.peers[FIRST + 70], 2);
 }
 END_TEST
 
@@ -98,7 +134,7 @@ START_TEST(of_many_those_are_linked_that_need_it)
     begin_job(0);
     come(90);
     ck_assert_int_eq(f.peers[FIRST + 89], 0);
-    ck_assert_int_eq(named(90), 64 * 63);
+    ck_assert_int_eq(named(90), FEW * (FEW - 1));
     memset(f.peers, 0, sizeof f.peers);
     for (uint32_t i = 0; i < 16; i++) {
         need(70, 71 + i);
@@ -139,6 +175,8 @@ main(void)
     tcase_add_checked_fixture(tc, set_up, tear_down);
     tcase_add_loop_test(tc, records_go_to_all_at_once, 0, N_ELEM(live));
     tcase_add_test(tc, few_that_share_lines_are_all_linked);
+    tcase_add_test(tc, many_are_many_though_few_can_be_dialled);
+    tcase_add_test(tc, a_link_that_cannot_be_ends_no_other);
     tcase_add_test(tc, of_many_those_are_linked_that_need_it);
     tcase_add_test(tc, links_of_a_worker_that_left_are_made_anew);
     suite_add_tcase(s, tc);

@@ -22,6 +22,12 @@ send_peer(struct coord *c, const struct coord_worker *to, const uint8_t *job,
 }
 
 bool
+introduce_can(const struct coord_worker *a, const struct coord_worker *b)
+{
+    return a->address[0] != '\0' || b->address[0] != '\0';
+}
+
+bool
 introduce_link(struct coord *c, const struct job *job,
                const struct coord_worker *a, const struct coord_worker *b,
                uint32_t give)
@@ -29,7 +35,7 @@ introduce_link(struct coord *c, const struct job *job,
     bool dial = a->address[0] != '\0'; /* the second, where that is possible */
     uint8_t token[MSG_TOKEN];
 
-    if (!dial && b->address[0] == '\0')
+    if (!introduce_can(a, b))
         return false;
     c->env.random(c->env.arg, token, sizeof token);
     send_peer(c, a, job->id, b,

@@ -14,6 +14,8 @@ void introduce_worker(struct coord *c, const struct job *job, uint32_t index,
 /* Tell the other workers of a job to end their links with this worker. */
 void introduce_drop(struct coord *c, const struct job *job,
                     const struct coord_worker *w);
+/* Can one of the two be dialled by the other? */
+bool introduce_can(const struct coord_worker *a, const struct coord_worker *b);
 /* Tell two workers of a job of each other; a may be asked to give b the records
  * of its cache (MSG_PEER_GIVE).  False: neither can be dialled. */
 bool introduce_link(struct coord *c, const struct job *job,

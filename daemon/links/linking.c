@@ -43,6 +43,13 @@ is_here(const struct job *job, uint32_t i)
 }
 
 static bool
+may_link(const struct job *job, uint32_t a, uint32_t b)
+{
+    return a != b && is_here(job, a) && is_here(job, b) &&
+           introduce_can(job->workers[a].worker, job->workers[b].worker);
+}
+
+static bool
 shares_records(const struct job *job)
 {
     return job->spec.flags & MSG_JOB_SHARE;
@@ -54,12 +61,9 @@ are_many(const struct coord *c, const struct job *job)
 {
     uint32_t most = c->env.all_linked ? c->env.all_linked : ALL_LINKED, n = 0;
 
-    for (uint32_t i = 0; i < job->nworkers; i++) {
-        const struct coord_worker *w = job->workers[i].worker;
-
-        n += part_is_here(&job->workers[i]) && w->conn != 0 &&
-             w->address[0] != '\0';
-    }
+    for (uint32_t i = 0; i < job->nworkers; i++)
+        n +=
+            part_is_here(&job->workers[i]) && job->workers[i].worker->conn != 0;
     return n > most;
 }
 
@@ -94,8 +98,8 @@ begin(struct job *job, uint32_t newcomer)
     job->links = calloc(1, sizeof *job->links);
     for (uint32_t a = 0; job->links && a < job->nworkers; a++)
         for (uint32_t b = a + 1; b < job->nworkers; b++)
-            if (a != newcomer && b != newcomer && is_here(job, a) &&
-                is_here(job, b) && !note(job->links, a, b))
+            if (a != newcomer && b != newcomer && may_link(job, a, b) &&
+                !note(job->links, a, b))
                 return false;
     return job->links;
 }
@@ -111,8 +115,7 @@ drop(struct coord *c, struct job *job, size_t i)
             part_is_here(&job->workers[end[k]]))
             introduce_unlink(c, job, job->workers[end[k]].worker,
                              job->workers[end[!k]].worker);
-    memmove(&l->pair[i], &l->pair[i + 1],
-            (--l->n - i) * sizeof l->pair[0]);
+    memmove(&l->pair[i], &l->pair[i + 1], (--l->n - i) * sizeof l->pair[0]);
 }
 
 void
@@ -157,15 +160,14 @@ linking_need(struct coord *c, struct job *job, uint32_t a, uint32_t b)
 {
     const struct links *l = job->links;
 
-    if (!l || a == b || !is_here(job, a) || !is_here(job, b))
+    if (!l || !may_link(job, a, b))
         return;
     for (size_t i = 0; i < l->n; i++)
         if (has(&l->pair[i], a) && has(&l->pair[i], b))
             return;
     make_room(c, job, a);
     make_room(c, job, b);
-    if (introduce_link(c, job, job->workers[a].worker, job->workers[b].worker,
-                       0) &&
-        !note(job->links, a, b))
+    introduce_link(c, job, job->workers[a].worker, job->workers[b].worker, 0);
+    if (!note(job->links, a, b))
         c->actions.failed = true;
 }
