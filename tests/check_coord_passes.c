@@ -11,6 +11,7 @@
 #include "filling/dearest.h"
 #include "filling/passes.h"
 #include "filling/tiles.h"
+#include "links/feeding.h"
 
 #include <math.h>
 
@@ -197,13 +198,13 @@ START_TEST(records_travel_while_tiles_are_made)
 }
 END_TEST
 
-/* Of five the coordinator feeds the first, that one two, and so on.  When it
- * hangs the coordinator feeds the second, too, and what is below that one feeds
- * the third. */
+/* Of five the coordinator feeds the first, that one two, and so on.  When the
+ * first hangs the coordinator feeds the second, and a worker below the second
+ * feeds the third and, in case it does not hang, the first. */
 START_TEST(workers_below_one_that_hangs_are_fed_by_others)
 {
     static const uint32_t before[] = { 0, 1, 1, 2, 2 },
-                          after[] = { 0, 0, 4, 2, 2 };
+                          after[] = { 4, 0, 4, 2, 2 };
     static const char *const name[] = { "ws2", "ws3", "ws4", "ws5" };
     struct job_worker *jw;
 
@@ -227,6 +228,54 @@ START_TEST(workers_below_one_that_hangs_are_fed_by_others)
     make_pass(SECOND, 1);
     for (uint32_t i = 0; i < N_ELEM(after); i++)
         ck_assert_uint_eq(jw[i].feeder, after[i]);
+}
+END_TEST
+
+/* Records come late now and then, by any of them. */
+START_TEST(the_coordinator_does_not_come_to_feed_all)
+{
+    struct job *job;
+    uint64_t random = 1;
+
+    submit_passes(ANA, &wide, 1);
+    ready(&f, WORKER, job_a);
+    for (uint64_t i = 0; i < 9; i++) {
+        char name[] = { 'x', (char)('0' + i), '\0' };
+
+        join(&f, SECOND + i, MSG_ROLE_WORKER, name, "daemon");
+        for (struct coord_worker *w = f.c->workers; w; w = w->next)
+            strcpy(w->address, "tcp 127.0.0.1:1");
+        ready(&f, SECOND + i, job_a);
+    }
+    job = desk_find_job(f.c, job_a);
+    for (int k = 0; k < 1000; k++) {
+        uint32_t direct = 0;
+
+        random = random * 6364136223846793005u + 1442695040888963407u;
+        feeding_lacked(job, (uint32_t)(random >> 33) % job->nworkers);
+        feeding_mend(f.c, job);
+        for (uint32_t i = 0; i < job->nworkers; i++)
+            direct += feeding_is_direct(job, i);
+        ck_assert_msg(direct <= 1, "%u after %d", direct, k);
+    }
+    carry_out(&f);
+}
+END_TEST
+
+/* A link that neither end can dial never comes about. */
+START_TEST(workers_without_an_address_are_not_fed_by_each_other)
+{
+    const struct job_worker *jw;
+
+    submit_passes(ANA, &wide, 1);
+    ready(&f, WORKER, job_a);
+    for (uint64_t i = 0; i < 2; i++) {
+        join(&f, SECOND + i, MSG_ROLE_WORKER, i > 0 ? "ws3" : "ws2", "daemon");
+        ready(&f, SECOND + i, job_a);
+    }
+    jw = desk_find_job(f.c, job_a)->workers;
+    for (uint32_t i = 0; i < 3; i++)
+        ck_assert_uint_eq(jw[i].feeder, 0);
 }
 END_TEST
 
@@ -831,6 +880,8 @@ main(void)
     tcase_add_test(tc, a_pass_that_is_closed_goes_to_all);
     tcase_add_test(tc, records_travel_while_tiles_are_made);
     tcase_add_test(tc, workers_below_one_that_hangs_are_fed_by_others);
+    tcase_add_test(tc, the_coordinator_does_not_come_to_feed_all);
+    tcase_add_test(tc, workers_without_an_address_are_not_fed_by_each_other);
     tcase_add_test(tc, workers_that_were_fed_are_fed_by_others);
     tcase_add_test(tc, a_worker_that_was_too_slow_has_to_say_what_it_has);
     tcase_add_loop_test(tc, what_fits_no_tile_ends_the_connection, 0,

@@ -39,7 +39,7 @@ struct coord_env {
     unsigned all_linked; /* most workers of a job that are each linked with
                           * all others; 0: 64 (linking.h) */
     unsigned direct;     /* most workers of a job to which it sends records of
-                          * tiles itself; 0: 8 (feeding.h) */
+                          * tiles itself; 0: 2 (feeding.c) */
     bool keeps; /* there is a store that outlives it: what it needs to go on is
                  * told to it */
 };

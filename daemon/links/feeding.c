@@ -55,8 +55,9 @@ count_fed(const struct job *job, uint32_t feeder)
     return n;
 }
 
-/* Workers other than that one which the coordinator feeds.  One that failed may
- * hang, so another is fed beside it. */
+/* Workers other than this worker which the coordinator feeds, and which failed
+ * no more often.  A worker that failed may hang, so another is fed beside it.
+ */
 static uint32_t
 count_direct(const struct job *job, uint32_t index)
 {
@@ -64,12 +65,13 @@ count_direct(const struct job *job, uint32_t index)
 
     for (uint32_t i = 0; i < job->nworkers; i++)
         n += i != index && feeding_is_direct(job, i) &&
-             job->workers[i].failures == 0;
+             job->workers[i].failures <= job->workers[index].failures;
     return n;
 }
 
-/* The worker that is to feed it, index + 1, of those with room and the fewest
- * failures the nearest to the coordinator; 0: the coordinator. */
+/* The worker that is to feed this worker, index + 1: of those with room that it
+ * can be linked with, and the fewest failures, the nearest to the coordinator;
+ * 0: the coordinator. */
 static uint32_t
 choose(const struct coord *c, const struct job *job, uint32_t index)
 {
@@ -82,7 +84,8 @@ choose(const struct coord *c, const struct job *job, uint32_t index)
         uint64_t k = (uint64_t)job->workers[i].failures << 32;
 
         if (is_there(job, i) && (n = depth(job, i, index)) > 0 &&
-            k + n < least && count_fed(job, i + 1) < FED) {
+            k + n < least && count_fed(job, i + 1) < FED &&
+            introduce_can(job->workers[i].worker, job->workers[index].worker)) {
             best = i + 1;
             least = k + n;
         }
@@ -106,14 +109,14 @@ say_fed(struct coord *c, const struct job *job, uint32_t feeder)
 }
 
 /* Workers that share lines are linked as others are for these. */
-static bool
+static void
 link_them(struct coord *c, struct job *job, uint32_t feeder, uint32_t index)
 {
-    if (!job->shared)
-        return introduce_link(c, job, job->workers[feeder].worker,
-                              job->workers[index].worker, 0);
-    linking_need(c, job, feeder, index);
-    return true;
+    if (job->shared)
+        linking_need(c, job, feeder, index);
+    else
+        introduce_link(c, job, job->workers[feeder].worker,
+                       job->workers[index].worker, 0);
 }
 
 static void
@@ -121,10 +124,10 @@ find_place(struct coord *c, struct job *job, uint32_t index)
 {
     uint32_t feeder = choose(c, job, index);
 
-    job->workers[index].feeder = 0;
-    if (feeder == 0 || !link_them(c, job, feeder - 1, index))
-        return;
     job->workers[index].feeder = feeder;
+    if (feeder == 0)
+        return;
+    link_them(c, job, feeder - 1, index);
     say_fed(c, job, feeder);
 }
 
@@ -179,6 +182,9 @@ feeding_mend(struct coord *c, struct job *job)
         find_place(c, job, i);
         say_fed(c, job, feeder);
     }
-    for (uint32_t i = 0; i < job->nworkers; i++)
+    for (uint32_t i = 0; i < job->nworkers; i++) {
         job->workers[i].missed = false;
+        if (feeding_is_direct(job, i)) /* it may have failed more than others */
+            find_place(c, job, i);
+    }
 }

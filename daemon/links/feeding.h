@@ -3,8 +3,9 @@
  * In a large job the records of all tiles are too much for the coordinator to
  * send to each worker.  It sends them to a few, each of these to others, and so
  * on: a tree.  A worker that lacks records when their pass is closed gets them
- * from the coordinator, and another feeder: so a link that breaks, or never
- * comes to be, or a worker that hangs, costs time alone.
+ * from the coordinator, and another feeder.  The coordinator feeds workers that
+ * failed others the least often.  So a link that breaks, or never comes to be,
+ * or a worker that hangs, costs time alone.
  * Thread: one. */
 #ifndef DAEMON_FEEDING_H
 #define DAEMON_FEEDING_H
