@@ -231,6 +231,41 @@ START_TEST(workers_below_one_that_hangs_are_fed_by_others)
 }
 END_TEST
 
+/* A worker that got another feeder lacks what passed its former one, in all
+ * passes that were open then: its new one did not fail. */
+START_TEST(a_new_feeder_does_not_fail_at_once)
+{
+    struct job_worker *jw;
+    struct job *job;
+
+    submit_passes(ANA, &wide, 1);
+    ready(&f, WORKER, job_a);
+    for (uint64_t i = 0; i < 3; i++) {
+        char name[] = { 'x', (char)('0' + i), '\0' };
+
+        join(&f, SECOND + i, MSG_ROLE_WORKER, name, "daemon");
+        for (struct coord_worker *w = f.c->workers; w; w = w->next)
+            strcpy(w->address, "tcp 127.0.0.1:1");
+        ready(&f, SECOND + i, job_a);
+    }
+    job = desk_find_job(f.c, job_a);
+    jw = job->workers;
+    ck_assert(jw[3].feeder == 2 && jw[1].feeder == 1);
+    feeding_lacked(job, 3);
+    feeding_mend(f.c, job);
+    ck_assert(jw[3].feeder == 3 && jw[1].failures == 1);
+    for (int pass = 0; pass < MSG_OPEN_PASSES; pass++) {
+        feeding_lacked(job, 3);
+        feeding_mend(f.c, job);
+        ck_assert(jw[3].feeder == 3 && jw[2].failures == 0);
+    }
+    feeding_lacked(job, 3);
+    feeding_mend(f.c, job);
+    ck_assert_uint_eq(jw[2].failures, 1);
+    carry_out(&f);
+}
+END_TEST
+
 /* Records come late now and then, by any of them. */
 START_TEST(the_coordinator_does_not_come_to_feed_all)
 {
@@ -880,6 +915,7 @@ main(void)
     tcase_add_test(tc, a_pass_that_is_closed_goes_to_all);
     tcase_add_test(tc, records_travel_while_tiles_are_made);
     tcase_add_test(tc, workers_below_one_that_hangs_are_fed_by_others);
+    tcase_add_test(tc, a_new_feeder_does_not_fail_at_once);
     tcase_add_test(tc, the_coordinator_does_not_come_to_feed_all);
     tcase_add_test(tc, workers_without_an_address_are_not_fed_by_each_other);
     tcase_add_test(tc, workers_that_were_fed_are_fed_by_others);

@@ -63,6 +63,8 @@ struct job_worker {
                       * 0: the coordinator does (feeding.c) */
     bool missed;     /* some of these did not come */
     uint32_t failures; /* times that it fed a worker which then missed some */
+    uint32_t excused;  /* passes to be closed until those that it misses are a
+                        * failure of its feeder */
     uint64_t rest_ms;  /* told to leave its areas then (REST), and given
                         * nothing since; 0: it was not */
 

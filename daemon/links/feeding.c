@@ -131,12 +131,22 @@ find_place(struct coord *c, struct job *job, uint32_t index)
     say_fed(c, job, feeder);
 }
 
+/* Give a worker that had a feeder another place.  Of passes that are open
+ * records may have passed that feeder by now: it is not the new one's fault if
+ * the worker lacks these. */
+static void
+move(struct coord *c, struct job *job, uint32_t index)
+{
+    find_place(c, job, index);
+    job->workers[index].excused = MSG_OPEN_PASSES + 1;
+}
+
 void
 feeding_join(struct coord *c, struct job *job, uint32_t index)
 {
     struct job_worker *jw = &job->workers[index];
 
-    jw->feeder = jw->failures = 0;
+    jw->feeder = jw->failures = jw->excused = 0;
     jw->missed = false;
     if (job->passes)
         find_place(c, job, index);
@@ -153,7 +163,7 @@ feeding_left(struct coord *c, struct job *job, uint32_t index)
     say_fed(c, job, feeder);
     for (uint32_t i = 0; i < job->nworkers; i++)
         if (job->workers[i].feeder == index + 1)
-            find_place(c, job, i);
+            move(c, job, i);
 }
 
 void
@@ -167,7 +177,8 @@ feeding_lacked(struct job *job, uint32_t index)
 static bool
 is_failed(const struct job *job, const struct job_worker *jw)
 {
-    return jw->missed && jw->feeder > 0 && !job->workers[jw->feeder - 1].missed;
+    return jw->missed && jw->excused == 0 && jw->feeder > 0 &&
+           !job->workers[jw->feeder - 1].missed;
 }
 
 void
@@ -179,12 +190,15 @@ feeding_mend(struct coord *c, struct job *job)
         if (!is_there(job, i) || !is_failed(job, &job->workers[i]))
             continue;
         job->workers[feeder - 1].failures++;
-        find_place(c, job, i);
+        move(c, job, i);
         say_fed(c, job, feeder);
     }
     for (uint32_t i = 0; i < job->nworkers; i++) {
-        job->workers[i].missed = false;
+        struct job_worker *jw = &job->workers[i];
+
         if (feeding_is_direct(job, i)) /* it may have failed more than others */
-            find_place(c, job, i);
+            move(c, job, i);
+        jw->excused -= jw->excused > 0;
+        jw->missed = false;
     }
 }
