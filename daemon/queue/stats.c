@@ -111,10 +111,11 @@ totals(const struct job *job)
         "s:I,s:I,s:I,"
         "s:I,"
         "s:I,s:I}",
-        "rays", integer(t.rays), "dropped_rays", integer(dropped), "tile_rays", integer(job->tiled.rays),
-        "tile_values", integer(job->tiled.ambient_values), "tile_s",
-        job->tiled.cpu_s, "reused_values", integer(job->cache.reused),
-        "primary_rays", integer(t.primary_rays), "speculative_rays",
+        "rays", integer(t.rays), "dropped_rays", integer(dropped), "tile_rays",
+        integer(job->tiled.rays), "tile_values",
+        integer(job->tiled.ambient_values), "tile_s", job->tiled.cpu_s,
+        "reused_values", integer(job->cache.reused), "primary_rays",
+        integer(t.primary_rays), "speculative_rays",
         integer(t.speculative_rays), "shadow_rays", integer(t.shadow_rays),
         "ambient_rays", integer(t.ambient_rays), "intersection_tests",
         integer(t.intersection_tests), "ambient_values",

@@ -17,8 +17,7 @@ bool link_opened(struct worker *w, uint64_t conn);
 bool link_closed(struct worker *w, uint64_t conn);
 bool link_message(struct worker *w, uint64_t conn, const struct msg *m);
 bool link_written(struct worker *w, uint64_t conn, size_t n);
-/* Records from the job's own child go to the peers; records that wait for the
- * child are sent as far as its connection takes them. */
+/* Records from the job's own child go to the peers. */
 void link_spread(struct worker *w, struct wjob *job,
                  const struct msg_ambient *m);
 /* Dial again, and close callers that say nothing. */

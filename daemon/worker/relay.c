@@ -229,7 +229,7 @@ on_attempt(struct worker *w, const struct msg *m)
         worker_send_child(w, job, m);
 }
 
-/* FACTS, BASE_LINE, ESTIMATE, SEED and REST, which all begin with the job. */
+/* FACTS, BASE_LINE, ESTIMATE and REST, which all begin with the job. */
 static void
 to_child(struct worker *w, const struct msg *m, const uint8_t *id, size_t len)
 {
