@@ -46,7 +46,7 @@ struct job_unit {
     uint8_t crashes;  /* children that it brought down */
     uint32_t crasher; /* worker of the first of these */
     uint8_t faults;   /* attempts that came incomplete */
-    uint8_t overtaken; /* how often a twin took the lead from a silent attempt */
+    uint8_t overtaken; /* times that a twin led in place of a silent attempt */
     uint8_t losses;   /* how often its worker went, and came back without it */
     bool whole;       /* no lines of it can be given away */
     bool given_back;  /* its worker had to: the next one redoes nothing */

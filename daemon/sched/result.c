@@ -26,8 +26,8 @@
 #include <sysexits.h>
 
 /* A worker that sent rows and then none for so long may be stopped.  Rows may
- * take as long, though, so it is twice as long each time: else twins would go on
- * to overtake each other, and no attempt would ever end. */
+ * take as long, though, so the time doubles whenever a twin overtakes: else
+ * twins would go on to overtake each other, and no attempt would ever end. */
 #define SILENT_MS      15000
 #define SILENT_DOUBLES 16
 

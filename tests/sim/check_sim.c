@@ -211,8 +211,7 @@ check_done(struct sim *s, struct sim_job *job)
     /* a twin is an attempt, and nothing redone */
     SIM_CHECK(&s->net, number(totals, "units_redone") <= redone);
     SIM_CHECK(&s->net,
-              number(totals, "rays") == rays +
-                                            number(totals, "estimate_rays") +
+              number(totals, "rays") == rays + number(totals, "estimate_rays") +
                                             number(totals, "tile_rays"));
     SIM_CHECK(&s->net, number(totals, "primary_rays") == primary);
     SIM_CHECK(&s->net, (uint64_t)primary == want);
@@ -319,9 +318,10 @@ was_tried(void)
         MSG_BACK,   MSG_PAID,     MSG_TILE,      MSG_TILE_MADE, MSG_FROZEN,
         MSG_STAGE
     };
-    bool tried = at_type(MSG_JOB_PEERS) && sum.coord_deaths && sum.deaths && sum.cuts && sum.peer_cuts && sum.crashes &&
-                 sum.drains && sum.stops && sum.repeats && sum.parted &&
-                 sum.late && sum.parked && sum.gave && sum.twins && sum.loans &&
+    bool tried = at_type(MSG_JOB_PEERS) && sum.coord_deaths && sum.deaths &&
+                 sum.cuts && sum.peer_cuts && sum.crashes && sum.drains &&
+                 sum.stops && sum.repeats && sum.parted && sum.late &&
+                 sum.parked && sum.gave && sum.twins && sum.loans &&
                  sum.blocked && sum.bars && sum.aside && sum.tiles &&
                  sum.passes && sum.stages && sum.colours && sum.reused &&
                  sum.estimates && sum.estimates_left && sum.pauses &&

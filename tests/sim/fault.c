@@ -14,14 +14,16 @@
 /* Messages of hand-off and balancing, and some others; those more often that
  * are rare. */
 static const enum msg_type types[] = {
-    MSG_UNIT,     MSG_RESULT,    MSG_ACK,       MSG_REVOKE,     MSG_FACTS,
-    MSG_PARKED,   MSG_BASE_LINE, MSG_LOST,      MSG_READY,      MSG_NEXT_HOLDER,
-    MSG_ESTIMATE, MSG_ESTIMATED, MSG_JOB_PEERS, MSG_PEER_HELLO, MSG_TWIN,
-    MSG_TWIN,     MSG_TWIN,      MSG_TWIN,      MSG_SPLIT,      MSG_SPLIT,
-    MSG_GAVE,     MSG_GAVE,      MSG_LEND,      MSG_LEND,       MSG_LOAN,
-    MSG_LOAN,     MSG_BACK,      MSG_BACK,      MSG_PAID,       MSG_PAID,
-    MSG_REVOKE,   MSG_REVOKE,    MSG_LOAN,      MSG_TILE,       MSG_TILE,
-    MSG_TILE_MADE, MSG_TILE_MADE, MSG_FROZEN,   MSG_FROZEN,     MSG_STAGE,
+    MSG_UNIT,      MSG_RESULT,      MSG_ACK,       MSG_REVOKE,
+    MSG_FACTS,     MSG_PARKED,      MSG_BASE_LINE, MSG_LOST,
+    MSG_READY,     MSG_NEXT_HOLDER, MSG_ESTIMATE,  MSG_ESTIMATED,
+    MSG_JOB_PEERS, MSG_PEER_HELLO,  MSG_TWIN,      MSG_TWIN,
+    MSG_TWIN,      MSG_TWIN,        MSG_SPLIT,     MSG_SPLIT,
+    MSG_GAVE,      MSG_GAVE,        MSG_LEND,      MSG_LEND,
+    MSG_LOAN,      MSG_LOAN,        MSG_BACK,      MSG_BACK,
+    MSG_PAID,      MSG_PAID,        MSG_REVOKE,    MSG_REVOKE,
+    MSG_LOAN,      MSG_TILE,        MSG_TILE,      MSG_TILE_MADE,
+    MSG_TILE_MADE, MSG_FROZEN,      MSG_FROZEN,    MSG_STAGE,
     MSG_STAGE
 };
 
