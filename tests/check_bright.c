@@ -43,18 +43,24 @@ gather(struct rad_bright *b, const struct rad_glint *glint, size_t n)
     ck_assert(rad_bright_gather(b, glint, n, org, 10));
 }
 
+/* One of 64 glints of the disk, but moved along x. */
+static struct rad_glint
+disk_glint(int i, double dx)
+{
+    double r = RADIUS * sqrt((i + .5) / 64);
+
+    return glint_at(ASIDE + r * cos(2.4 * i) + dx, r * sin(2.4 * i), HEIGHT,
+                    100);
+}
+
 /* Places where records saw the disk, but moved along x. */
 static void
 see_disk_at(struct rad_bright *b, double dx)
 {
     struct rad_glint glint[64];
 
-    for (int i = 0; i < 64; i++) {
-        double r = RADIUS * sqrt((i + .5) / 64);
-
-        glint[i] = glint_at(ASIDE + r * cos(2.4 * i) + dx, r * sin(2.4 * i),
-                            HEIGHT, 100);
-    }
+    for (int i = 0; i < 64; i++)
+        glint[i] = disk_glint(i, dx);
     gather(b, glint, 64);
     ck_assert_uint_gt(b->n, 0);
 }
@@ -188,6 +194,27 @@ START_TEST(rays_to_bright_places_leave_the_mean_alone)
 }
 END_TEST
 
+/* So it is where all that records saw is in one cell of the grid. */
+START_TEST(one_place_is_looked_at_too)
+{
+    const double org[3] = { -29, -29.5, -30 };
+    struct rad_glint glint[64];
+    struct found blind, guided;
+    struct rad_bright b;
+    uint64_t rays;
+
+    for (int i = 0; i < 64; i++)
+        glint[i] = disk_glint(i, 0);
+    ck_assert(rad_bright_gather(&b, glint, 64, org, 60));
+    ck_assert_uint_eq(b.n, 1);
+    blind = sample_disk("-ab 0 -ad 324 -as 0 -lw 0", NULL, &rays);
+    guided = sample_disk("-ab 0 -ad 144 -as 144 -lw 0", &b, &rays);
+    ck_assert_double_eq_tol(guided.mean, disk_irradiance(),
+                            4 * guided.sd / sqrt(4000));
+    ck_assert_double_lt(guided.sd, blind.sd / 3);
+}
+END_TEST
+
 /* The disk is a small part of a cell.  With a few rays of a guide the mean is
  * the closed form, and the noise that is said is that found, wherever the guide
  * has the disk: where it is, half aside, or where it is not.  Where it is there
@@ -316,6 +343,7 @@ main(void)
     tcase_add_test(tc, a_cell_has_no_say_in_its_share);
     tcase_add_test(tc, even_cells_have_no_share);
     tcase_add_test(tc, rays_to_bright_places_leave_the_mean_alone);
+    tcase_add_test(tc, one_place_is_looked_at_too);
     tcase_add_loop_test(tc, a_guide_leaves_the_mean_of_few_cells_alone, 0,
                         N_ELEM(moved));
     tcase_add_test(tc, places_that_are_not_seen_do_no_harm);

@@ -246,7 +246,7 @@ rad_bright_cells(const struct rad_bright *b, const struct rad_hemi *h,
     }
     all /= (double)b->n;
     for (size_t i = 0; i < b->n; i++)
-        if (square[i] > all) {
+        if (square[i] >= all && all > 0) {
             rad_bright_where(&b->place[i], h, p, at);
             cell[cell_at(at, h->n)].square += square[i];
         }

@@ -56,7 +56,7 @@ void rad_bright_where(const struct rad_bright_place *q,
                       double at[2]);
 
 /* Add to cell[k].square the mean square of the luminance that those places which
- * bring more than the mean of them are expected to bring to cell k of a
+ * bring no less than the mean of them are expected to bring to cell k of a
  * hemisphere at p; share is of rad_bright_look(), of all places. */
 void rad_bright_cells(const struct rad_bright *b, const struct rad_hemi *h,
                       const double p[3], const double *share,

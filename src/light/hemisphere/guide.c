@@ -93,7 +93,7 @@ rad_guide_set(struct rad_guide *g, const struct rad_bright *b,
 
         /* those that bring less than the mean are left to the cells, and so are
          * those that are as wide */
-        if ((double)light[i] > all && width * n < 1) {
+        if ((double)light[i] >= all && width * n < 1) {
             rad_bright_where(&b->place[i], h, p, at);
             kept += (double)light[i];
             add_lobe(g, at[0], at[1], width, (double)light[i], kept);
