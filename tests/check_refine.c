@@ -301,6 +301,10 @@ START_TEST(noise_of_pixels_is_taken_away_by_rays)
     ck_assert(rad_refine_next(&ask, &next, &error));
     rad_refine_params(&job, next, &p);
     ck_assert_int_eq(p.samples, 1);
+    job.samples = 16; /* they get as many times more, as is foreseen */
+    next.pixel = RAD_REFINE_MOST_PIXEL;
+    rad_refine_params(&job, next, &p);
+    ck_assert_int_eq(p.samples, 16 * 16);
     ask = ask_of(.05, .02, .05, .05); /* near enough */
     ck_assert(!rad_refine_next(&ask, &next, &error));
 }

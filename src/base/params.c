@@ -16,8 +16,6 @@
 
 /* beyond rpict's -ps 16 nothing is sampled more coarsely, as in rpict */
 enum { LARGEST_PSAMPLE = 16 };
-/* a pixel is not left before it is done */
-enum { MOST_SAMPLES = 1024 };
 /* rays keep their depth in 16 bits */
 enum { DEEPEST = 30000 };
 
@@ -108,7 +106,7 @@ static const struct option options[] = {
     INT("-cs", bands.n, 3, INT_MAX, 3, "bands of wavelengths, 3 to 24"),
     { "-cw", KIND_WAVES, FIELD(bands), 1, 1e6, 0,
       "extreme wavelengths in nanometers" },
-    INT("--samples", samples, 1, MOST_SAMPLES, 1,
+    INT("--samples", samples, 1, RAD_MOST_SAMPLES, 1,
         "rays of a pixel that is traced"),
     INT("--plane", bands.plane, -1, RAD_MAX_PLANES - 1, -1,
         "of -cs, the one that is rendered; -1: all"),
@@ -217,12 +215,9 @@ name_ends(const struct option *o, const char *word)
     if (strncmp(word, o->name, n) != 0)
         return NULL;
     rest = word + n;
-    switch (o->kind) {
-    case KIND_BOOL:
+    if (o->kind == KIND_BOOL)
         return rad_params_switch(rest, "", &on) ? rest : NULL;
-    default:
-        return *rest == '=' && is_long(o) ? rest + 1 : *rest ? NULL : rest;
-    }
+    return *rest == '=' && is_long(o) ? rest + 1 : *rest ? NULL : rest;
 }
 
 static const struct option *

@@ -19,6 +19,9 @@
 /* most columns or rows of a picture */
 #define RAD_MAX_RES 1048576
 
+/* Most rays of a pixel: it is not left before it is done. */
+#define RAD_MOST_SAMPLES 1024
+
 /* Bytes of the names of -ae and -ai, as options ("-ae name" and a blank). */
 #define RAD_MAX_AMBLIST 2400
 

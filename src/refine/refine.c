@@ -110,9 +110,8 @@ enum {
     ONE_RAY = 8
 };
 
-#define MOST_AMBDIV  65536
-#define MOST_AMBRES  4096
-#define MOST_SAMPLES 64
+#define MOST_AMBDIV 65536
+#define MOST_AMBRES 4096
 
 /* Rungs of pixels that give them more rays. */
 static int
@@ -144,8 +143,8 @@ rad_refine_params(const struct rad_params *job, struct rad_refine_rungs rungs,
         out->shadthresh = shorten(job->shadthresh * direct);
         out->specthresh = 0; /* what it leaves out is no noise */
         out->shadcert = 1 - shorten((1 - job->shadcert) * direct);
-        out->samples =
-            grow(job->samples, 1 / fall(SAMPLES_GROWTH * more), MOST_SAMPLES);
+        out->samples = grow(job->samples, 1 / fall(SAMPLES_GROWTH * more),
+                            RAD_MOST_SAMPLES);
     }
 }
 
