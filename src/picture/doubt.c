@@ -204,7 +204,8 @@ look_at_place(struct look *k, const int at[RAD_DOUBT_TRIED][2])
     double said, weight, square;
     int i;
 
-    k->exact.params.samples = 1; /* of a pixel they all ask the same records */
+    /* all samples of a pixel ask for the same records */
+    k->exact.params.samples = 1;
     said = try_places(k, &t);
     i = choose(k, &t, said, &weight);
     square = square_at(k, at[i][0], at[i][1], t.lum[i], weight);

@@ -3,11 +3,12 @@
  * The sampler may miss a source that is narrower than -ps pixels.  With -dv+
  * those are drawn after a bar is filled, each pixel with the share of its area
  * that the source covers and the radiance of a ray through the covered part.
- * A source is taken for a simple shape, as in rpict: a ball for a box.
- * Illums are left out, and what is not wholly in view; the images
- * of sources in mirrors and prisms are drawn as they themselves are, also where
- * a mirror shows the eye another material. What a pixel gets depends on the
- * pixel and the picture alone, not on the bar or window that it is painted in.
+ * A source is taken for a simple shape, as in rpict: a ball for a box.  Illums
+ * are left out, and what is not wholly in view; the images of sources in
+ * mirrors and prisms are drawn as they themselves are, also where a mirror
+ * shows the eye another material.  What a pixel gets depends on the pixel and
+ * the picture alone, not on the bar or window that it is painted in; but on
+ * whether the picture has depths (-z), as in rpict: see cover() in paint.c.
  * Source: rpict(1) on -dv and -ps. */
 #ifndef RAD_PICTURE_PAINT_H
 #define RAD_PICTURE_PAINT_H

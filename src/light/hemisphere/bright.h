@@ -43,9 +43,9 @@ bool rad_bright_gather(struct rad_bright *b, const struct rad_glint *glint,
 struct rad_glint rad_bright_glint(const struct rad_hemi *h, const double p[3],
                                   uint64_t key);
 
-/* Look at the first n places from p: share[i] gets what part of the hemisphere's
- * square a unit of area at place i has [1/unit^2], 0 if it is below the horizon.
- */
+/* Look at the first n places from p: share[i] gets what part of the
+ * hemisphere's square a unit of area at place i has [1/unit^2], 0 if it is
+ * below the horizon. */
 void rad_bright_look(const struct rad_bright *b, size_t n,
                      const struct rad_hemi *h, const double p[3],
                      double *share);
@@ -55,9 +55,9 @@ void rad_bright_where(const struct rad_bright_place *q,
                       const struct rad_hemi *h, const double p[3],
                       double at[2]);
 
-/* Add to cell[k].square the mean square of the luminance that those places which
- * bring no less than the mean of them are expected to bring to cell k of a
- * hemisphere at p; share is of rad_bright_look(), of all places. */
+/* Add to cell[k].square the mean square of the luminance that those places
+ * which bring no less than the mean of them are expected to bring to cell k of
+ * a hemisphere at p; share is of rad_bright_look(), of all places. */
 void rad_bright_cells(const struct rad_bright *b, const struct rad_hemi *h,
                       const double p[3], const double *share,
                       struct rad_contrast *cell);

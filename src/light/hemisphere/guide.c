@@ -41,8 +41,8 @@ is_noisy(const struct rad_bright *b, size_t places, int n, const double *share,
 }
 
 /* Add the lobe of a place at (x, y) that may be so wide and brings `light`;
- * `upto` counts that in.  Where it is in its square is not known to half a part.
- */
+ * `upto` counts that in.  Its place in the square is not known to half a
+ * part. */
 static void
 add_lobe(struct rad_guide *g, double x, double y, double width, double light,
          double upto)

@@ -28,8 +28,8 @@ struct rad_guide {
 };
 
 /* Set the guide of a hemisphere at p, by places (share is of rad_bright_look(),
- * for the first of them) and frame alone, if they are expected to be much of the
- * noise there; records see a luminance of `usual`.
+ * for the first of them) and frame alone, if they are expected to be much of
+ * the noise there; records see a luminance of `usual`.
  * False: there is none.  It lives as long as what scratch held before. */
 bool rad_guide_set(struct rad_guide *g, const struct rad_bright *b,
                    const struct rad_hemi *h, const double p[3],

@@ -290,7 +290,7 @@ set_shares(const struct sampler *s, const double *bright)
     return c;
 }
 
-/* Look at all places, if cells get rays for them, else at those of the guide. */
+/* Look at all places if cells get rays for them, else at the guide's. */
 static void
 look_at_places(const struct sampler *s, bool all, double *share)
 {

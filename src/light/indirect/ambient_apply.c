@@ -161,8 +161,8 @@ make_record(struct rad_ctx *ctx, const struct rad_ray *r,
     return ok;
 }
 
-/* Without a cache: sample for this place alone.  Of few cells, or of some that
- * lack, textures have no part in it, as in rpict. */
+/* Without a cache: sample for this place alone.  Where cells are few, or rays
+ * of some were refused, textures have no part in it, as in rpict. */
 static bool
 sample_here(struct rad_ctx *ctx, const struct rad_ray *r,
             const struct rad_ambplace *at, bool behind,
