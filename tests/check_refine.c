@@ -301,6 +301,8 @@ START_TEST(noise_of_pixels_is_taken_away_by_rays)
     ck_assert(rad_refine_next(&ask, &next, &error));
     rad_refine_params(&job, next, &p);
     ck_assert_int_eq(p.samples, 1);
+    rad_refine_params(&job, (struct rad_refine_rungs){ 0, 11 }, &p);
+    ck_assert_int_eq(p.samples, 3); /* 2 to the power of 1.5, rounded */
     job.samples = 16; /* they get as many times more, as is foreseen */
     next.pixel = RAD_REFINE_MOST_PIXEL;
     rad_refine_params(&job, next, &p);

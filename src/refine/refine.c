@@ -113,11 +113,13 @@ enum {
 #define MOST_AMBDIV 65536
 #define MOST_AMBRES 4096
 
-/* Rungs of pixels that give them more rays. */
+/* How many times the rays that a pixel has at rung 0. */
 static int
-beyond_one_ray(int pixel)
+rays_of_pixel(int pixel)
 {
-    return pixel > ONE_RAY ? pixel - ONE_RAY : 0;
+    return pixel > ONE_RAY
+               ? (int)(1 / fall(SAMPLES_GROWTH * (pixel - ONE_RAY)) + .5)
+               : 1;
 }
 
 void
@@ -126,7 +128,7 @@ rad_refine_params(const struct rad_params *job, struct rad_refine_rungs rungs,
 {
     int a = least(rungs.ambient, RAD_REFINE_MOST_AMBIENT);
     int p = least(rungs.pixel, ONE_RAY);
-    int more = beyond_one_ray(least(rungs.pixel, RAD_REFINE_MOST_PIXEL));
+    int more = rays_of_pixel(least(rungs.pixel, RAD_REFINE_MOST_PIXEL));
     double rays = 1 / fall(AMBDIV_GROWTH * a);
     double direct = fall(DIRECT_FALL * p);
 
@@ -143,8 +145,7 @@ rad_refine_params(const struct rad_params *job, struct rad_refine_rungs rungs,
         out->shadthresh = shorten(job->shadthresh * direct);
         out->specthresh = 0; /* what it leaves out is no noise */
         out->shadcert = 1 - shorten((1 - job->shadcert) * direct);
-        out->samples = grow(job->samples, 1 / fall(SAMPLES_GROWTH * more),
-                            RAD_MOST_SAMPLES);
+        out->samples = grow(job->samples, more, RAD_MOST_SAMPLES);
     }
 }
 
@@ -295,16 +296,14 @@ observed_fall(const struct rad_refine_ask *ask, double ambient)
 static double
 noise_left(int pixel)
 {
-    return fall(NOISE_FALL * least(pixel, ONE_RAY) +
-                SAMPLES_GROWTH * beyond_one_ray(pixel));
+    return fall(NOISE_FALL * least(pixel, ONE_RAY)) / rays_of_pixel(pixel);
 }
 
 /* By how much rays of a picture have grown. */
 static double
 picture_growth(int pixel)
 {
-    return 1 / fall(PICTURE_GROWTH * least(pixel, ONE_RAY) +
-                    SAMPLES_GROWTH * beyond_one_ray(pixel));
+    return rays_of_pixel(pixel) / fall(PICTURE_GROWTH * least(pixel, ONE_RAY));
 }
 
 static struct outlook
