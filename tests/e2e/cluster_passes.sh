@@ -6,7 +6,7 @@
 . "$top_srcdir/tests/e2e/cluster.sh"
 set -u
 
-# so wide that passes come in halves, two of which are open at a time
+# so wide that passes come in parts, some of which are open at a time
 view="-vf $scenes/room.vf -x 2080 -y 32 -pa 0 -ps 2 -pt .01 -ab 3 -aa .15 -ar 32
 -ad 128 -as 32 --ambient=passes"
 room=$scenes/room.rad

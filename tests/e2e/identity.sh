@@ -77,7 +77,7 @@ while [ "$run" -lt "$runs" ]; do
             bounces="$bounces $word"
         fi
     fi
-    if [ "$run" = 2 ]; then # so wide that passes come in halves
+    if [ "$run" = 2 ]; then # so wide that passes come in parts
         size="-x 2100 -y 30 -pa 0"
         bounces="-ab 3 -aa .4 -ar 16 -ad 32 -as 8 --ambient=passes"
     fi
