@@ -292,11 +292,12 @@ observed_fall(const struct rad_refine_ask *ask, double ambient)
                                                          : AMBIENT_FALL + 1;
 }
 
-/* What is left of the square of single pixels' noise at rung 0. */
+/* What is left of a square at rung 0 that falls by so many parts of an octave
+ * with each rung of pixels up to one ray. */
 static double
-noise_left(int pixel)
+left_at(int pixel, int parts)
 {
-    return fall(NOISE_FALL * least(pixel, ONE_RAY)) / rays_of_pixel(pixel);
+    return fall(parts * least(pixel, ONE_RAY)) / rays_of_pixel(pixel);
 }
 
 /* By how much rays of a picture have grown. */
@@ -332,8 +333,9 @@ foresee_pixels(const struct outlook *o, int pixel)
 {
     int now = o->ask->rungs.pixel;
 
-    return o->noise * noise_left(pixel) / noise_left(now) +
-           (o->pixel - o->noise) * rise(-PIXEL_FALL * (pixel - now));
+    return o->noise * left_at(pixel, NOISE_FALL) / left_at(now, NOISE_FALL) +
+           (o->pixel - o->noise) * left_at(pixel, PIXEL_FALL) /
+               left_at(now, PIXEL_FALL);
 }
 
 /* The square of the error with these rungs. */
