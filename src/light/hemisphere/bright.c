@@ -244,9 +244,9 @@ rad_bright_cells(const struct rad_bright *b, const struct rad_hemi *h,
         square[i] = rad_least(share[i] * q->area * n2, 1) * q->lum * q->lum;
         all += square[i];
     }
-    all /= (double)b->n;
+    all *= RAD_BRIGHT_DIM / (double)b->n;
     for (size_t i = 0; i < b->n; i++)
-        if (square[i] >= all && all > 0) {
+        if (square[i] > all) {
             rad_bright_where(&b->place[i], h, p, at);
             cell[cell_at(at, h->n)].square += square[i];
         }

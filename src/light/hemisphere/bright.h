@@ -19,6 +19,9 @@
 /* Most places that are kept: those that most records chose. */
 #define RAD_BRIGHT_MOST 512
 
+/* A place that brings less than this over the mean of them is left out. */
+#define RAD_BRIGHT_DIM .25
+
 struct rad_bright_place {
     double p[3];  /* mean point */
     double lum;   /* mean luminance of its radiance [W/sr/m^2] */
@@ -55,9 +58,9 @@ void rad_bright_where(const struct rad_bright_place *q,
                       const struct rad_hemi *h, const double p[3],
                       double at[2]);
 
-/* Add to cell[k].square the mean square of the luminance that those places
- * which bring no less than the mean of them are expected to bring to cell k of
- * a hemisphere at p; share is of rad_bright_look(), of all places. */
+/* Add to cell[k].square the mean square of the luminance that all places but
+ * the dim ones are expected to bring to cell k of a hemisphere at p; share is
+ * of rad_bright_look(), of all places. */
 void rad_bright_cells(const struct rad_bright *b, const struct rad_hemi *h,
                       const double p[3], const double *share,
                       struct rad_contrast *cell);

@@ -87,13 +87,11 @@ rad_guide_set(struct rad_guide *g, const struct rad_bright *b,
         return false;
     for (size_t i = 0; i < places; i++)
         all += (double)light[i];
-    all /= (double)places;
+    all *= RAD_BRIGHT_DIM / (double)places;
     for (size_t i = 0; i < places; i++) {
         double width = sqrt(rad_least(b->place[i].reach * share[i], 1));
 
-        /* those that bring less than the mean are left to the cells, and so are
-         * those that are as wide */
-        if ((double)light[i] >= all && width * n < 1) {
+        if ((double)light[i] > all && width * n < 1) { /* else the cells do */
             rad_bright_where(&b->place[i], h, p, at);
             kept += (double)light[i];
             add_lobe(g, at[0], at[1], width, (double)light[i], kept);
