@@ -91,7 +91,8 @@ struct program {
 void program_say(void *program, const char *text);
 void program_warn(struct program *p, const char *text);
 
-/* At the end, of pictures without any light. */
+/* At the end, of pictures without any light, unless pixels that are no numbers
+ * say why. */
 void program_warn_of_dark(struct program *p);
 void program_warn_of_psample(struct program *p);
 void program_warn_of_scene(struct program *p);

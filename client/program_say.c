@@ -232,7 +232,7 @@ program_on_progress(void *arg, const struct msg_progress *m)
 void
 program_warn_of_dark(struct program *p)
 {
-    if (p->dark)
+    if (p->dark && p->nan.pixels == 0)
         program_warn(p, p->frames.n > 1
                             ? "warning: all pictures are black"
                             : "warning: the picture is black: does the view "
