@@ -101,7 +101,8 @@ END
     fail "log.rad: exit status $?"
 grep -q "warning: log.rad:1: brightfunc 'half': no value in 200 places" stderr ||
     fail "log(0) is not told: $(cat stderr)"
-[ "$(wc -l <stderr)" -eq 3 ] || fail "log(0) says more: $(cat stderr)"
+[ "$(grep -c "no value" stderr)" -eq 1 ] ||
+    fail "log(0) is told more than once: $(cat stderr)"
 
 # where it goes
 "$radsubmit" --local $view -ab 0 --threads=1 "$room" >stdout.hdr 2>stderr

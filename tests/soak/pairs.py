@@ -407,6 +407,7 @@ SUBMIT = {
     "points": ["--points=" + path("grid.txt")],
     "job": ["--job=" + "5" * 32],
     "seed": ["--seed=7"],
+    "samples": ["--samples=3"],
     "output": ["-o @OUT.hdr", "-o @OUT.png", "-o @OUT%03d.hdr", "-o -"],
     "distances": ["-z @OUT.z"],
     "records": ["-af @OUT.amb"],
