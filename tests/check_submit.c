@@ -305,12 +305,40 @@ script_is_cancelled(struct player *p)
 }
 
 static void
+player_workers(struct player *p, const char *page)
+{
+    const struct msg *in = player_expect(p, MSG_PAGE);
+    struct msg m = { .type = MSG_ANSWER, .request = in->request };
+
+    m.answer.text = (const uint8_t *)page;
+    m.answer.len = strlen(page);
+    player_send(p, &m);
+}
+
+static void
 script_has_no_worker(struct player *p)
 {
     player_welcome(p, 1);
     player_take_job(p, false);
     player_progress(p, 0, 0);
+    player_workers(p, "{\"rows\": [{\"name\": \"ws1\", \"state\": \"gone\"}]}");
     player_cancelled(p);
+}
+
+/* A worker is at another job, on the second page. */
+static void
+script_is_in_the_queue(struct player *p)
+{
+    player_welcome(p, 1);
+    player_take_job(p, false);
+    player_progress(p, 0, 0);
+    player_workers(p, "{\"rows\": [], \"next\": 7}");
+    player_workers(p,
+                   "{\"rows\": [{\"name\": \"ws1\", \"state\": \"working\"}]}");
+    player_progress(p, 1, 1);
+    player_give(p, MSG_WHAT_PICTURE, "a picture", 0);
+    player_done(p);
+    player_give(p, MSG_WHAT_STATS, "{ }", 0);
 }
 
 /* As long as it is paused no worker can come. */
@@ -494,6 +522,7 @@ static const struct script {
       .detach = false },
     { "cancelled", script_is_cancelled, RAD_ETEMPFAIL, 30, .interrupt = true },
     { "no worker", script_has_no_worker, RAD_EUNAVAIL, .01, .detach = false },
+    { "in the queue", script_is_in_the_queue, 0, .2, .detach = false },
     { "is paused", script_is_paused, 0, .01, .detach = false },
     { "detaches", script_detaches, 0, 30, .detach = true },
 };
