@@ -227,7 +227,7 @@ take_stage(struct job *job, uint32_t n, struct rad_error *err)
         return 0;
     if (!unpack(&read, &kept->pass[last]) ||
         (!read.ended && g->number + 1 >= RAD_REFINE_STAGES)) {
-        kept->n = last; /* it is decided again */
+        kept_cut(kept, last); /* it is decided again */
         g->unread = true;
         return 0;
     }

@@ -27,10 +27,16 @@ kept_copy(struct kept_passes *k, const struct saved_job *s)
 }
 
 void
+kept_cut(struct kept_passes *k, uint32_t n)
+{
+    while (k->n > n)
+        free((void *)k->pass[--k->n].bytes);
+}
+
+void
 kept_drop(struct kept_passes *k)
 {
-    for (uint32_t i = 0; i < k->n; i++)
-        free((void *)k->pass[i].bytes);
+    kept_cut(k, 0);
     free(k->pass);
     *k = (struct kept_passes){ 0 };
 }

@@ -28,6 +28,8 @@ struct kept_cache {
 
 /* Copy what the store kept of a job's; false: memory is out. */
 bool kept_copy(struct kept_passes *k, const struct saved_job *s);
+/* Forget all but the first n. */
+void kept_cut(struct kept_passes *k, uint32_t n);
 void kept_drop(struct kept_passes *k);
 
 /* A pass is closed; it is left out when memory is out. */
