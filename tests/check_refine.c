@@ -227,6 +227,22 @@ START_TEST(what_cannot_be_reached_ends)
 }
 END_TEST
 
+/* A picture of few pixels, of whose error the cache is a small part: the bound
+ * allows it minutes of a processor. */
+START_TEST(what_cannot_be_reached_costs_no_more_than_it_brings)
+{
+    struct rad_refine_ask ask = ask_of(.015, .036, .21, .106);
+    struct rad_refine_rungs next;
+    double error;
+
+    ask.pixels = 9;
+    ask.rays = ask.check = 15000;
+    ck_assert(rad_refine_next(&ask, &next, &error));
+    ck_assert_int_gt(next.pixel, 12);
+    ck_assert_int_lt(next.ambient, 9);
+}
+END_TEST
+
 START_TEST(stages_are_few)
 {
     struct rad_refine_ask ask = ask_of(.01, .5, .5, 0);
@@ -680,6 +696,8 @@ main(void)
     tcase_add_test(decisions, what_is_good_enough_ends);
     tcase_add_loop_test(decisions, rungs_go_by_the_cause, 0, N_ELEM(causes));
     tcase_add_test(decisions, what_cannot_be_reached_ends);
+    tcase_add_test(decisions,
+                   what_cannot_be_reached_costs_no_more_than_it_brings);
     tcase_add_test(decisions, stages_are_few);
     tcase_add_test(decisions, a_far_goal_has_a_stage_before_it);
     tcase_add_test(decisions, what_fell_slowly_is_foreseen_so);

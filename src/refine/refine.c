@@ -400,6 +400,21 @@ choose(const struct outlook *o, double goal, double rays, struct choice *best)
     return any;
 }
 
+/* ... and where none comes down to the goal, the cheapest of those that are a
+ * seventh worse than the best at most, and worth it: the last of it may take a
+ * hundred times the rays.  With a limit of time it is there to be used. */
+static bool
+choose_well(const struct outlook *o, double goal, double rays,
+            struct choice *best)
+{
+    double worth = WORTH_IT * WORTH_IT, square = o->ambient + o->pixel;
+
+    if (!choose(o, goal, rays, best))
+        return false;
+    return best->square <= goal || o->ask->left_s < INFINITY ||
+           choose(o, fmin(best->square / worth, worth * square), rays, best);
+}
+
 /* Come nearer, if an error that is wanted is too far for one stage, and another
  * may follow. */
 static void
@@ -434,7 +449,7 @@ goes_on(const struct outlook *o, double rays, struct choice *best)
 
     return o->ask->stage < RAD_REFINE_STAGES - 1 && square > 0 &&
            square > NEAR_ENOUGH * wanted &&
-           choose(o, AIM * wanted, rays, best) &&
+           choose_well(o, AIM * wanted, rays, best) &&
            best->square <= WORTH_IT * WORTH_IT * square;
 }
 
