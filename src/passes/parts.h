@@ -1,9 +1,9 @@
-/* parts.h - a cloud of points cut into compact parts of any shares
+/* parts.h - an order of a cloud of points by which its intervals are compact
  *
  * A k-d tree: boxes are halved by number of points, across their longest side,
  * so points in its order are near each other where they follow each other, and
- * an interval of that order is a part of space with few borders.  Who makes the
- * tree of the same points makes the same tree.
+ * an interval of that order is a part of space with few borders.  The tree of the
+ * same points is the same on every machine.
  * Source: Bentley 1975, Multidimensional binary search trees.
  * Thread: any, once it is made. */
 #ifndef RAD_PASSES_PARTS_H

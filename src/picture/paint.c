@@ -6,7 +6,6 @@
 #include "config.h"
 
 #include "picture/paint.h"
-#include "arith/elementary.h"
 #include "base/rng.h"
 #include "base/vec.h"
 #include "light/direct/source.h"

@@ -72,7 +72,7 @@ rad_guide_set(struct rad_guide *g, const struct rad_bright *b,
               double usual, struct rad_arena *scratch)
 {
     int n = h->n;
-    size_t places = b->n < RAD_GUIDE_PLACES ? b->n : RAD_GUIDE_PLACES;
+    size_t places = rad_guide_places(b);
     double all = 0, kept = 0, at[2];
     float light[RAD_GUIDE_PLACES];
 

@@ -17,6 +17,12 @@
 /* So many places are looked at: those that most records chose. */
 #define RAD_GUIDE_PLACES 256
 
+static inline size_t
+rad_guide_places(const struct rad_bright *b)
+{
+    return b->n < RAD_GUIDE_PLACES ? b->n : RAD_GUIDE_PLACES;
+}
+
 struct rad_guide_lobe;
 
 struct rad_guide {

@@ -290,14 +290,22 @@ set_shares(const struct sampler *s, const double *bright)
     return c;
 }
 
-/* Look at all places if cells get rays for them, else at the guide's. */
+/* Look at bright places: at all if cells get rays for them, else at the
+ * guide's.  Set how many of `count` rays are drawn from the guide. */
 static void
-look_at_places(const struct sampler *s, bool all, double *share)
+look_at_places(struct sampler *s, int count, bool all, double *share)
 {
     const struct rad_bright *b = s->plan->bright;
-    size_t n = all || b->n < RAD_GUIDE_PLACES ? b->n : RAD_GUIDE_PLACES;
+    const double *p = s->r->hit.p;
+    int n = s->h->n;
 
-    rad_bright_look(b, n, s->h, s->r->hit.p, share);
+    rad_bright_look(b, all ? b->n : rad_guide_places(b), s->h, p, share);
+    if (!rad_guide_set(&s->guide, b, s->h, p, share, s->plan->usual,
+                       &s->ctx->scratch))
+        return;
+    s->guided = (int)(count * GUIDED + .5);
+    if (n < MIN_SIDE && s->guided > n * n)
+        s->guided = n * n;
 }
 
 /* Share `count` more rays among the guide, if there is one, and the cells. */
@@ -311,14 +319,7 @@ super_sample(struct sampler *s, int count)
     double bright[RAD_BRIGHT_MOST];
 
     if (s->plan->bright && count > 0)
-        look_at_places(s, shared, bright);
-    if (s->plan->bright && count > 0 &&
-        rad_guide_set(&s->guide, s->plan->bright, s->h, s->r->hit.p, bright,
-                      s->plan->usual, &s->ctx->scratch)) {
-        s->guided = (int)(count * GUIDED + .5);
-        if (n < MIN_SIDE && s->guided > n * n)
-            s->guided = n * n;
-    }
+        look_at_places(s, count, shared, bright);
     if (shared)
         c = set_shares(s, bright);
     for (int k = 0; (c || s->guided > 0) && k < n * n; k++) {
