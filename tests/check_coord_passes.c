@@ -231,16 +231,14 @@ START_TEST(workers_below_one_that_hangs_are_fed_by_others)
 }
 END_TEST
 
-/* A worker that got another feeder lacks what passed its former one, in all
- * passes that were open then: its new one did not fail. */
-START_TEST(a_new_feeder_does_not_fail_at_once)
+/* Workers that can all be dialled, one and n more, become ready one after the
+ * other. */
+static struct job *
+begin_with(uint64_t n)
 {
-    struct job_worker *jw;
-    struct job *job;
-
     submit_passes(ANA, &wide, 1);
     ready(&f, WORKER, job_a);
-    for (uint64_t i = 0; i < 3; i++) {
+    for (uint64_t i = 0; i < n; i++) {
         char name[] = { 'x', (char)('0' + i), '\0' };
 
         join(&f, SECOND + i, MSG_ROLE_WORKER, name, "daemon");
@@ -248,7 +246,17 @@ START_TEST(a_new_feeder_does_not_fail_at_once)
             strcpy(w->address, "tcp 127.0.0.1:1");
         ready(&f, SECOND + i, job_a);
     }
-    job = desk_find_job(f.c, job_a);
+    return desk_find_job(f.c, job_a);
+}
+
+/* A worker that got another feeder lacks what passed its former one, in all
+ * passes that were open then: its new one did not fail. */
+START_TEST(a_new_feeder_does_not_fail_at_once)
+{
+    struct job_worker *jw;
+    struct job *job;
+
+    job = begin_with(3);
     jw = job->workers;
     ck_assert(jw[3].feeder == 2 && jw[1].feeder == 1);
     feeding_lacked(job, 3);
@@ -272,17 +280,7 @@ START_TEST(the_coordinator_does_not_come_to_feed_all)
     struct job *job;
     uint64_t random = 1;
 
-    submit_passes(ANA, &wide, 1);
-    ready(&f, WORKER, job_a);
-    for (uint64_t i = 0; i < 9; i++) {
-        char name[] = { 'x', (char)('0' + i), '\0' };
-
-        join(&f, SECOND + i, MSG_ROLE_WORKER, name, "daemon");
-        for (struct coord_worker *w = f.c->workers; w; w = w->next)
-            strcpy(w->address, "tcp 127.0.0.1:1");
-        ready(&f, SECOND + i, job_a);
-    }
-    job = desk_find_job(f.c, job_a);
+    job = begin_with(9);
     for (int k = 0; k < 1000; k++) {
         uint32_t direct = 0;
 

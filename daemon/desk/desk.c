@@ -102,6 +102,14 @@ desk_takes_units(const struct coord_worker *w)
 }
 
 bool
+desk_is_ready(const struct job *job, uint32_t index)
+{
+    const struct job_worker *jw = &job->workers[index];
+
+    return jw->state == PART_READY && jw->worker->conn != 0;
+}
+
+bool
 desk_may_take_part(const struct job *job, uint32_t index)
 {
     const struct job_worker *jw = &job->workers[index];

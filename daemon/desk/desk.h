@@ -141,6 +141,8 @@ struct job *desk_job_of(struct coord *c, const struct coord_worker *w,
 
 /* May the worker have more work? */
 bool desk_takes_units(const struct coord_worker *w);
+/* Is that worker of the job ready, and connected? */
+bool desk_is_ready(const struct job *job, uint32_t index);
 /* Does that worker of the job get units, if there are any? */
 bool desk_may_take_part(const struct job *job, uint32_t index);
 /* Has the job nothing for any worker now? */

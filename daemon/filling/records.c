@@ -54,18 +54,10 @@ send_to_one(struct coord *c, const struct job *job, const struct msg *m,
     actions_send(&c->actions, w->conn, m);
 }
 
-static bool
-is_there(const struct job *job, uint32_t index)
-{
-    const struct job_worker *jw = &job->workers[index];
-
-    return jw->state == PART_READY && jw->worker->conn != 0;
-}
-
 bool
 records_allow(const struct job *job, uint32_t index, uint32_t passes)
 {
-    return is_there(job, index) &&
+    return desk_is_ready(job, index) &&
            job->workers[index].passes >= job->passes->base + passes;
 }
 
@@ -182,7 +174,7 @@ records_tell(struct coord *c, struct job *job)
     for (uint32_t i = 0; i < job->nworkers; i++) {
         struct job_worker *jw = &job->workers[i];
 
-        if (is_there(job, i))
+        if (desk_is_ready(job, i))
             tell_closed(c, job, jw);
         jw->ntiles[(s->open - 1) % MSG_OPEN_PASSES] = 0;
     }
@@ -278,7 +270,7 @@ void
 records_came(struct coord *c, struct job *job)
 {
     for (uint32_t i = 0; i < job->nworkers; i++)
-        if (is_there(job, i) && job->workers[i].passes == 0)
+        if (desk_is_ready(job, i) && job->workers[i].passes == 0)
             catch_up(c, job, &job->workers[i]);
 }
 
@@ -291,8 +283,8 @@ records_drop(struct coord *c, struct job *job)
         struct job_worker *jw = &job->workers[i];
 
         memset(jw->ntiles, 0, sizeof jw->ntiles);
-        jw->passes = jw->lacked = is_there(job, i) ? job->passes->base : 0;
+        jw->passes = jw->lacked = desk_is_ready(job, i) ? job->passes->base : 0;
         jw->lags = false;
     }
-    send_some(c, job, &m, is_there);
+    send_some(c, job, &m, desk_is_ready);
 }

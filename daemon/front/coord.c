@@ -21,7 +21,6 @@
 #include "lines/handoff.h"
 #include "lines/lending.h"
 #include "links/introduce.h"
-#include "links/linking.h"
 #include "queue/coord_conn.h"
 #include "queue/coord_job.h"
 #include "queue/coord_keep.h"

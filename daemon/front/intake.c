@@ -6,7 +6,6 @@
 #include "desk/verdict.h"
 #include "front/reply.h"
 #include "jobs/job.h"
-#include "queue/coord_conn.h"
 #include "queue/coord_job.h"
 #include "queue/quota.h"
 #include "queue/reuse.h"

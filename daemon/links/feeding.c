@@ -14,18 +14,10 @@
 #define FED 2
 _Static_assert(FED <= MSG_MOST_FED, "names in FEED");
 
-static bool
-is_there(const struct job *job, uint32_t index)
-{
-    const struct job_worker *jw = &job->workers[index];
-
-    return jw->state == PART_READY && jw->worker->conn != 0;
-}
-
 bool
 feeding_is_direct(const struct job *job, uint32_t index)
 {
-    return is_there(job, index) && job->workers[index].feeder == 0;
+    return desk_is_ready(job, index) && job->workers[index].feeder == 0;
 }
 
 static uint32_t
@@ -51,7 +43,7 @@ count_fed(const struct job *job, uint32_t feeder)
     uint32_t n = 0;
 
     for (uint32_t i = 0; i < job->nworkers; i++)
-        n += is_there(job, i) && job->workers[i].feeder == feeder;
+        n += desk_is_ready(job, i) && job->workers[i].feeder == feeder;
     return n;
 }
 
@@ -83,7 +75,7 @@ choose(const struct coord *c, const struct job *job, uint32_t index)
     for (uint32_t i = 0; i < job->nworkers; i++) {
         uint64_t k = (uint64_t)job->workers[i].failures << 32;
 
-        if (is_there(job, i) && (n = depth(job, i, index)) > 0 &&
+        if (desk_is_ready(job, i) && (n = depth(job, i, index)) > 0 &&
             k + n < least && count_fed(job, i + 1) < FED &&
             introduce_can(job->workers[i].worker, job->workers[index].worker)) {
             best = i + 1;
@@ -99,10 +91,10 @@ say_fed(struct coord *c, const struct job *job, uint32_t feeder)
 {
     struct msg m = { .type = MSG_FEED, .feed = { .job = job->id } };
 
-    if (feeder == 0 || !is_there(job, feeder - 1))
+    if (feeder == 0 || !desk_is_ready(job, feeder - 1))
         return;
     for (uint32_t i = 0; i < job->nworkers; i++)
-        if (is_there(job, i) && job->workers[i].feeder == feeder &&
+        if (desk_is_ready(job, i) && job->workers[i].feeder == feeder &&
             m.feed.n < MSG_MOST_FED)
             m.feed.name[m.feed.n++] = job->workers[i].name;
     actions_send(&c->actions, job->workers[feeder - 1].worker->conn, &m);
@@ -187,7 +179,7 @@ feeding_mend(struct coord *c, struct job *job)
     for (uint32_t i = 0; i < job->nworkers; i++) {
         uint32_t feeder = job->workers[i].feeder;
 
-        if (!is_there(job, i) || !is_failed(job, &job->workers[i]))
+        if (!desk_is_ready(job, i) || !is_failed(job, &job->workers[i]))
             continue;
         job->workers[feeder - 1].failures++;
         move(c, job, i);

@@ -60,8 +60,7 @@ introduce_worker(struct coord *c, const struct job *job, uint32_t index,
         uint32_t i = (index + job->nworkers - k) % job->nworkers;
         const struct coord_worker *o = job->workers[i].worker;
 
-        if (o->conn != 0 && job->workers[i].state == PART_READY &&
-            introduce_link(c, job, o, w, give)) {
+        if (desk_is_ready(job, i) && introduce_link(c, job, o, w, give)) {
             give = 0;
             most--;
         }

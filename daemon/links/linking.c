@@ -37,15 +37,9 @@ linking_free(struct links *l)
 }
 
 static bool
-is_here(const struct job *job, uint32_t i)
-{
-    return job->workers[i].state == PART_READY && job->workers[i].worker->conn;
-}
-
-static bool
 may_link(const struct job *job, uint32_t a, uint32_t b)
 {
-    return a != b && is_here(job, a) && is_here(job, b) &&
+    return a != b && desk_is_ready(job, a) && desk_is_ready(job, b) &&
            introduce_can(job->workers[a].worker, job->workers[b].worker);
 }
 

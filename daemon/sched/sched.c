@@ -33,7 +33,6 @@
 #include "jobs/unit.h"
 #include "lines/handoff.h"
 #include "links/feeding.h"
-#include "links/introduce.h"
 #include "links/linking.h"
 #include "sched/balance.h"
 #include "sched/handout.h"

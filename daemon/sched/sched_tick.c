@@ -9,7 +9,6 @@
 #include "jobs/job.h"
 #include "lines/handoff.h"
 #include "lines/lending.h"
-#include "links/linking.h"
 #include "sched/balance.h"
 #include "sched/loss.h"
 #include "sched/yield.h"
