@@ -54,8 +54,10 @@ on_term(uv_signal_t *sig, int signum)
 {
     struct daemon *d = sig->data;
 
-    if (d->stopping) /* asked again: wait for nothing */
+    if (d->stopping && !d->set->embedded) /* asked again: wait for nothing */
         _exit(EX_TEMPFAIL);
+    if (d->stopping) /* its folder goes first, and no disk is waited for */
+        return;
     log_info("stopping signal=%d", signum);
     service_notify(d->notify, "STOPPING=1");
     d->ops->term(d->arg);
@@ -69,6 +71,8 @@ on_hup(uv_signal_t *sig, int signum)
     char text[600], later[CONF_TEXT];
 
     (void)signum;
+    if (d->stopping)
+        return;
     service_notify(d->notify, "RELOADING=1");
     if (conf_reload(d->table, d->set, d->loaded, d->argc, d->argv, later,
                     &err) < 0) {
@@ -130,17 +134,24 @@ close_own(void *handle)
         uv_close(h, NULL);
 }
 
+/* Signals are caught to the end: whoever stops a launcher sends many, and none
+ * may end a daemon before its folder is gone. */
 static void
 finish(struct daemon *d)
 {
+    uv_signal_t *signals[] = { &d->sigterm, &d->sigint, &d->sighup };
+    const size_t n = sizeof signals / sizeof *signals;
+
     d->ops->finish(d->arg);
     close_own(&d->ticker);
-    close_own(&d->sigterm);
-    close_own(&d->sigint);
-    close_own(&d->sighup);
     close_own(&d->lifetime.poll);
+    for (size_t i = 0; i < n; i++)
+        uv_unref((uv_handle_t *)signals[i]);
     uv_run(&d->loop, UV_RUN_DEFAULT);
     d->ops->release(d->arg);
+    for (size_t i = 0; i < n; i++)
+        close_own(signals[i]);
+    uv_run(&d->loop, UV_RUN_DEFAULT);
     uv_loop_close(&d->loop);
 }
 
