@@ -637,10 +637,23 @@ rad_geom_hit_object(const struct rad_geom *g, int32_t obj,
     return true;
 }
 
+/* By so many error bounds: twice its own off another surface that the ray meets
+ * at 60 degrees from its normal. */
+#define DRAWN_BACK 4
+
 void
 rad_geom_leave(const struct rad_hit *hit, const double dir[3], double org[3])
 {
+    double side = rad_dot(hit->n, dir), way[3], off = hit->err;
+
+    rad_copy(org, hit->p);
+    for (int k = 0; k < 3; k++)
+        way[k] = (double)hit->way[k];
+    if (side * rad_dot(hit->n, way) < 0) {
+        rad_madd(org, org, -DRAWN_BACK * hit->err, way);
+        off += DRAWN_BACK * hit->err;
+    }
     /* Twice: once to be on dir's side wherever the surface really is, once to
      * outweigh the rounding of the test that the new ray makes of it. */
-    rad_madd(org, hit->p, copysign(2 * hit->err, rad_dot(hit->n, dir)), hit->n);
+    rad_madd(org, org, copysign(2 * off, side), hit->n);
 }

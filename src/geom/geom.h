@@ -46,6 +46,7 @@ struct rad_hit {
                    * ray: outward of polygon (right-hand rule), sphere, cone,
                    * cylinder; inward of bubble, cup, tube */
     double err;   /* bound of |p - surface| [scene units] */
+    float way[3]; /* direction of the ray that met it, about; 0: none did */
     double uv[2]; /* local coordinates where the surface has some, else 0 */
     int32_t obj;  /* index in the scene, RAD_VOID: nothing hit.  What an
                    * instance or mesh with a modifier of its own holds counts
@@ -155,9 +156,12 @@ bool rad_geom_hit_object(const struct rad_geom *g, int32_t obj,
                          const struct rad_span *span, struct rad_hit *hit,
                          struct rad_geom_counts *counts);
 
-/* Where a ray that leaves the surface at hit in direction dir starts: the
- * point moved along the normal, to dir's side, by twice the hit's error bound
- * (once for where the surface is, once for the next test's own rounding). */
+/* Where a ray that leaves the surface at hit in direction dir starts: the point
+ * moved along the normal, to dir's side, by twice the bound of its error (once
+ * for where the surface is, once for the next test's own rounding).  Back on
+ * the side of the ray that met it the point is first drawn back along that ray
+ * by a few bounds: where surfaces meet it so starts in front of all of them,
+ * and does not go out through another's edge. */
 void rad_geom_leave(const struct rad_hit *hit, const double dir[3],
                     double org[3]);
 

@@ -339,6 +339,7 @@ meet_triangle(const struct rad_walk *w, uint32_t i, double t,
     hit->uv[0] = hit->uv[1] = 0;
     hit->bent = false;
     hit->in = NULL;
+    rad_hit_come(hit, w->probe.dir);
     rad_sub(a, c.v[1], c.v[0]);
     rad_sub(b, c.v[2], c.v[0]);
     rad_cross(hit->n, a, b);
@@ -434,6 +435,7 @@ carry(const struct rad_walk *w, const struct rad_prim *p, double t,
         rad_scale(hit->bend, 1 / pl->scale, hit->bend);
     }
     hit->t = t;
+    rad_hit_come(hit, w->probe.dir);
     hit->err = pl->scale * hit->err +
                2 * RAD_GEOM_ROUND *
                    (fabs(hit->p[0]) + fabs(hit->p[1]) + fabs(hit->p[2]) +

@@ -108,6 +108,7 @@ rad_prim_surface(const struct rad_prim *p, const struct rad_probe *r, double t,
     hit->uv[0] = hit->uv[1] = 0;
     hit->bent = false;
     hit->in = NULL;
+    rad_hit_come(hit, r->dir);
     switch (p->kind) {
     case PRIM_SPHERE:
         rad_sphere_surface(p, r, hit);

@@ -155,6 +155,14 @@ void rad_sphere_surface(const struct rad_prim *p, const struct rad_probe *r,
 void rad_cone_surface(const struct rad_prim *p, const struct rad_probe *r,
                       struct rad_hit *hit);
 
+/* *hit is of a ray of direction dir. */
+static inline void
+rad_hit_come(struct rad_hit *hit, const double dir[3])
+{
+    for (int k = 0; k < 3; k++)
+        hit->way[k] = (float)dir[k];
+}
+
 /* All of *hit for a hit at t. */
 void rad_prim_surface(const struct rad_prim *p, const struct rad_probe *r,
                       double t, struct rad_hit *hit);

@@ -161,6 +161,7 @@ rad_ray_clear(struct rad_ray *r)
     r->hit.t = INFINITY;
     r->hit.in = NULL;
     r->hit.bent = false;
+    memset(r->hit.way, 0, sizeof r->hit.way);
     r->far_source = -1;
     r->passed_cut = RAD_VOID;
     r->L = rad_grey(0);

@@ -262,6 +262,45 @@ moved(const double *a, int effort)
     return share_apart(&back, &there);
 }
 
+/* --- leaks from edges --- */
+
+/* A dark box of size a[0] at a[1] in light, seen from within: of rays to its
+ * edges and corners, those that find light, for others leave from there. */
+static double
+leaks_from_edges(const double *a, int effort)
+{
+    const double lo[3] = { -1, -1, -1 }, hi[3] = { 1, 1, 1 };
+    const struct place p = { .scale = a[0], .offset = a[1] };
+    struct text t = { NULL, 0, 0 };
+    struct stage s;
+    int lit = 0;
+
+    add_box(&t, &p, "w", lo, hi);
+    stage_open(&s, "-ab 1 -aa 0 -ad 64 -as 0 -dj 0",
+               "void plastic w 0 0 5 .5 .5 .5 0 0\nvoid glow g 0 0 4 1 1 1 0\n"
+               "void light l 0 0 3 1e6 1e6 1e6\n"
+               "g source s 0 0 4 0 0 1 360\nl source m 0 0 4 1 2 3 1\n%s",
+               t.at);
+    for (int i = 0; i < 600 * effort; i++) {
+        uint64_t key = rad_key_branch(17, (uint64_t)i);
+        double from[3], dir[3];
+
+        for (int k = 0; k < 3; k++) {
+            double eye = i % 2 ? rad_rand(key, (uint32_t)k) - .5 : 0;
+            double to = rad_rand(key, 3 + (uint32_t)k) < .5 ? -1 : 1;
+
+            if (k == i / 2 % 4) /* none of the coordinates: a corner */
+                to = 2 * rad_rand(key, 6) - 1;
+            from[k] = at(&p, eye);
+            dir[k] = at(&p, to) - from[k];
+        }
+        lit += stage_radiance(&s, from, dir, key) > 0;
+    }
+    stage_close(&s);
+    free(t.at);
+    return lit;
+}
+
 /* --- acne --- */
 
 /* Share of places on a ball of radius a[0] that a sun, or with a[1] a ceiling
@@ -545,6 +584,9 @@ const struct hard_row hard_rows[] = {
     { "the same, size 1e-6", leaks, { 1e-6, 0 }, 0 },
     { "the same, size 1e9", leaks, { 1e9, 0 }, 0 },
     { "the same, size 10 at 1e9", leaks, { 10, 1e9 }, 0 },
+    { "leaks from edges and corners, size 1", leaks_from_edges, { 1, 0 }, 0 },
+    { "the same, size 1e-6", leaks_from_edges, { 1e-6, 0 }, 0 },
+    { "the same, size 10 at 1e9", leaks_from_edges, { 10, 1e9 }, 0 },
     { "room scaled by 1e-6: pixels apart", scaled, { 1e-6 }, .01 },
     { "room scaled by 1e-3: pixels apart", scaled, { 1e-3 }, .01 },
     { "room scaled by 1e3: pixels apart", scaled, { 1e3 }, .01 },
