@@ -49,6 +49,17 @@ check_options() # PAGE TITLE < options
     [ "$n" -gt 0 ] || fail "$2: prints no option"
 }
 
+# Each command that --help lists stands in the page's synopsis.
+check_commands() # PAGE TITLE < help
+{
+    known=$(sed -n '/^\.Sh SYNOPSIS/,/^\.Sh DESCRIPTION/p' "$1" |
+        sed -n 's/^\.Cm //p' | tr -s ' |' '\n')
+    for command in $(sed -n 's/^  \([a-z][a-z]*\) .*/\1/p'); do
+        printf '%s\n' "$known" | grep -qxF -e "$command" ||
+            fail "$2: $command is not in the synopsis of $(basename "$1")"
+    done
+}
+
 # The table of --quality is what the words do.
 check_quality() # PAGE
 {
@@ -95,6 +106,11 @@ for program in radsubmit radctl radscene raderr radcoord radd radweb; do
     [ -z "$wide" ] || fail "$program --help is wider than a terminal: $wide"
     printf '%s\n' "$help" | offered >options.$$
     check_options "$page" "$program --help" <options.$$
+    case $program in radctl | radscene)
+        printf '%s\n' "$help" >help.$$
+        check_commands "$page" "$program --help" <help.$$
+        ;;
+    esac
 done
 
 if defaults=$("$top_builddir/radsubmit" -defaults); then
@@ -106,7 +122,7 @@ else
     fail "radsubmit -defaults: exit status $?"
 fi
 check_quality "$top_srcdir/man/radsubmit.1"
-rm -f options.$$ defaults.$$ wrong.$$
+rm -f options.$$ defaults.$$ wrong.$$ help.$$
 
 for page in "$top_srcdir"/man/*.[1-8]; do
     for section in NAME SYNOPSIS DESCRIPTION 'SEE ALSO'; do
