@@ -590,19 +590,27 @@ last_number(const struct keyfile *f, const struct key *of)
 }
 
 int
+key_name_parse(const char *name, struct key *k, struct rad_error *err)
+{
+    if (key_id_parse(name, k) && k->number == 0)
+        return 0;
+    return rad_fail(err, RAD_EUSAGE,
+                    "'%.100s' names no key: expected worker:HOST, user:NAME, "
+                    "admin:NAME or observer:PROGRAM",
+                    name);
+}
+
+int
 keyfile_add(struct keyfile *f, const char *name, int64_t expires,
             struct rad_error *err)
 {
     bool open_end = f->len > 0 && f->text[f->len - 1] != '\n';
     char line[KEY_LINE + 3];
     struct key k;
-    int rc;
+    int rc = key_name_parse(name, &k, err);
 
-    if (!key_id_parse(name, &k) || k.number != 0)
-        return rad_fail(err, RAD_EUSAGE,
-                        "'%.100s' names no key: expected worker:HOST, "
-                        "user:NAME or admin:NAME",
-                        name);
+    if (rc < 0)
+        return rc;
     k.number = last_number(f, &k) + 1;
     k.expires = expires;
     if (k.number > KEY_MAX_NUMBER || f->n >= KEY_MOST)

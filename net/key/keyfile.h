@@ -107,6 +107,9 @@ void key_format(const struct key *k, char line[KEY_LINE + 1]);
 
 /* --- changing it --- */
 
+/* Take apart the "ROLE:NAME" of a key that is to be made; RAD_EUSAGE. */
+int key_name_parse(const char *name, struct key *k, struct rad_error *err);
+
 /* Make the next key of "ROLE:NAME", random, at the text's end; it is the last
  * of f->v.  RAD_EUSAGE for a bad name, RAD_ECONFIG when there are too many. */
 int keyfile_add(struct keyfile *f, const char *name, int64_t expires,

@@ -249,6 +249,19 @@ change(struct keyfile *f, const struct key_order *o, char **json,
     return rc < 0 ? rc : 0;
 }
 
+/* Is it the order of a key that can be had?  Asked before the file is made. */
+static int
+check_add(const struct key_order *o, int64_t now, struct rad_error *err)
+{
+    struct key k;
+
+    if (o->expires != 0 && o->expires <= now)
+        return rad_fail(err, RAD_EUSAGE,
+                        "a key that has expired would never be taken: the time "
+                        "of --expires is past");
+    return key_name_parse(o->name, &k, err);
+}
+
 int
 key_order_run(const char *path, const struct key_order *o, int64_t now,
               char **json, struct rad_error *err)
@@ -258,10 +271,8 @@ key_order_run(const char *path, const struct key_order *o, int64_t now,
     int rc;
 
     *json = NULL;
-    if (o->what == MSG_KEY_ADD && o->expires != 0 && o->expires <= now)
-        return rad_fail(err, RAD_EUSAGE,
-                        "a key that has expired would never be taken: the time "
-                        "of --expires is past");
+    if (o->what == MSG_KEY_ADD && (rc = check_add(o, now, err)) < 0)
+        return rc;
     if (o->what == MSG_KEY_LIST) {
         if ((rc = keyfile_load(&f, path, err)) < 0)
             return rc;

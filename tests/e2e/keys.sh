@@ -26,6 +26,8 @@ grep -q '^# a note$' keys || fail "a comment is gone"
 grep -q '^worker:ws07:k1 retired$' keys || fail "the secret stays"
 
 expect 64 "names no key" "no role" "$radctl" key add ana --keys=keys
+expect 64 "observer:" "a role that is none" "$radctl" key add foo:a --keys=new
+[ ! -e new ] || fail "a file was made for a key that is none"
 expect 64 "date" "no date" "$radctl" key add user:a --expires=soon --keys=keys
 cp keys before
 expect 64 "past" "a date that is over" \
