@@ -30,6 +30,7 @@
 
 struct program {
     struct submit_options o;
+    int own_stderr; /* before -e */
     struct words words;
     struct frames frames;
     struct pointjob points; /* --points: all, or a batch of them */

@@ -16,7 +16,6 @@
 #include "link/order.h"
 #include "show/spectra.h"
 
-#include <errno.h>
 #include <inttypes.h>
 #include <jansson.h>
 #include <limits.h>
@@ -349,7 +348,7 @@ collect_all(struct planes *s, struct submit_job *job)
 }
 
 /* --detach: one a line. */
-static int
+static void
 print_ids(struct planes *s)
 {
     char hex[MSG_JOB_HEX];
@@ -359,10 +358,6 @@ print_ids(struct planes *s)
         puts(hex);
     }
     json_decref(s->stats);
-    if (fflush(stdout) == 0)
-        return 0;
-    return rad_fail(s->program->err, RAD_EIO, "cannot write: %s",
-                    strerror(errno));
 }
 
 static int
@@ -392,8 +387,10 @@ program_run_planes(struct program *p, const struct submit_job *ask,
     p->callbacks = cb;
     if (rc == 0)
         rc = submit_all(&s, &job);
-    if (rc == 0 && ask->detach)
-        return print_ids(&s);
+    if (rc == 0 && ask->detach) {
+        print_ids(&s);
+        return 0;
+    }
     if (rc == 0)
         rc = collect_all(&s, &job);
     for (int k = 0; k < p->nplanes && rc == 0 && p->streams; k++)

@@ -3,6 +3,7 @@
 
 #include "common/inputs.h"
 #include "common/outname.h"
+#include "common/tell.h"
 #include "base/output.h"
 #include "show/picfile.h"
 #include "tone/falsecolour.h"
@@ -534,24 +535,19 @@ main(int argc, char **argv)
     struct rad_error err = { 0 };
     struct task t = { 0 };
     char text[600];
-    int rc;
+    int rc = 0;
 
     rad_output_guard();
-    if (argc > 1 && strcmp(argv[1], "--help") == 0) {
+    if (argc > 1 && strcmp(argv[1], "--help") == 0)
         printf("%s%s", usage_text, help_text);
-        return EX_OK;
-    }
-    if (argc > 1 && strcmp(argv[1], "--version") == 0) {
+    else if (argc > 1 && strcmp(argv[1], "--version") == 0)
         puts("raderr (radd) " PACKAGE_VERSION);
-        return EX_OK;
-    }
-    rc = read_options(&t, argc, argv, &err);
-    if (rc == 0)
+    else if ((rc = read_options(&t, argc, argv, &err)) == 0)
         rc = t.mean           ? mean_pictures(&t, &err)
              : t.false_colour ? false_colour(&t, &err)
                               : compare(&t, &err);
-    if (rc == 0 && fflush(stdout) != 0)
-        rc = rad_fail(&err, RAD_EIO, "standard output: write failed");
+    if (rc == 0)
+        rc = tell_printed(&err);
     free(t.file);
     if (rc < 0) {
         rad_error_format(&err, text, sizeof text);

@@ -12,7 +12,6 @@
 #include "compile/warning.h"
 #include "common/words.h"
 
-#include <errno.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -337,8 +336,6 @@ run_on_files(const struct subcommand *sub, int argc, char **argv,
     }
     if (rc && sub->strict)
         memset(err, 0, sizeof *err);
-    if (!rc && (fflush(stdout) || ferror(stdout)))
-        rc = rad_fail(err, RAD_EIO, "cannot write: %s", strerror(errno));
     return rc;
 }
 
@@ -348,22 +345,18 @@ main(int argc, char **argv)
     struct rad_error err = { 0 };
     const struct subcommand *sub = NULL;
     const char *name = argc > 1 ? argv[1] : "";
-    int rc;
+    int rc = 0;
 
     rad_output_guard();
-    if (strcmp(name, "--help") == 0 ||
-        (argc > 2 && strcmp(argv[2], "--help") == 0)) {
-        printf("%s%s", usage_text, help_text);
-        return EX_OK;
-    }
-    if (strcmp(name, "--version") == 0) {
-        puts("radscene (radd) " PACKAGE_VERSION);
-        return EX_OK;
-    }
     for (size_t i = 0; i < sizeof subcommands / sizeof subcommands[0]; i++)
         if (strcmp(name, subcommands[i].name) == 0)
             sub = &subcommands[i];
-    if (sub) {
+    if (strcmp(name, "--help") == 0 ||
+        (argc > 2 && strcmp(argv[2], "--help") == 0)) {
+        printf("%s%s", usage_text, help_text);
+    } else if (strcmp(name, "--version") == 0) {
+        puts("radscene (radd) " PACKAGE_VERSION);
+    } else if (sub) {
         rc = run_on_files(sub, argc - 1, argv + 1, &err);
     } else if (strcmp(name, "rays") == 0) {
         rc = run_rays(argc - 1, argv + 1, &err);
@@ -375,6 +368,8 @@ main(int argc, char **argv)
         fputs(usage_text, stderr);
         return EX_USAGE;
     }
+    if (!rc)
+        rc = tell_printed(&err);
     if (rc && err.code)
         print_error(&err);
     return rad_exit_status(rc);

@@ -408,8 +408,6 @@ run_dry(struct program *p)
     program_fill_spec(p);
     dryrun_print(&p->job.spec, &p->prediction,
                  p->o.quality_whole ? p->o.quality : -1, &c);
-    if (fflush(stdout) != 0)
-        return rad_fail(p->err, RAD_EIO, "cannot write: %s", strerror(errno));
     if (!p->o.stats)
         return 0;
     json = dryrun_json(&p->job.spec, p->job.options, &p->prediction, &c);
@@ -474,26 +472,35 @@ run_job(struct program *p)
     if (rc == 0 && p->o.detach && p->nplanes == 1) {
         msg_job_format(p->job.id, hex);
         puts(hex);
-        if (fflush(stdout) != 0)
-            rc = rad_fail(p->err, RAD_EIO, "cannot write: %s", strerror(errno));
     }
     return rc;
 }
 
 /* -e: what is said from here on goes there. */
 static int
-open_errors(const struct program *p)
+open_errors(struct program *p)
 {
     FILE *f;
 
     if (!p->o.errors)
         return 0;
     f = fopen(p->o.errors, "w");
+    p->own_stderr = dup(STDERR_FILENO);
     if (!f || dup2(fileno(f), STDERR_FILENO) < 0)
         return rad_fail(p->err, RAD_ECANTCREAT, "cannot create '%s': %s",
                         p->o.errors, strerror(errno));
     fclose(f);
     return 0;
+}
+
+/* Has the file of -e taken all of it?  Else the rest is said without it. */
+static int
+check_errors(struct program *p)
+{
+    if (!p->o.errors || !ferror(stderr))
+        return 0;
+    dup2(p->own_stderr, STDERR_FILENO);
+    return rad_fail(p->err, RAD_EIO, "cannot write '%s'", p->o.errors);
 }
 
 /* The pictures, or the sensor points in their place. */
@@ -633,6 +640,8 @@ act(struct program *p, int argc, char *argv[])
         submit_options_defaults(&p->o, stdout);
         break;
     }
+    if (rc >= 0 && (rc = tell_printed(p->err)) == 0)
+        rc = check_errors(p);
     if (rc < 0) /* main() ends the program, and a trial may still be at work */
         return rc;
     jobspec_release(&p->job);
@@ -666,7 +675,7 @@ main(int argc, char *argv[])
 
     rad_output_guard();
     rc = act(&p, argc, argv);
-    if (rc >= 0) /* done, or an enum submit_wish that was granted */
+    if (rc == 0)
         return EX_OK;
     rad_error_format(&err, text, sizeof text);
     fprintf(stderr, "radsubmit: %s\n", text);

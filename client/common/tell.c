@@ -5,7 +5,9 @@
 
 #include "base/text.h"
 
+#include <errno.h>
 #include <stdarg.h>
+#include <string.h>
 
 void
 tell(FILE *to, const char *fmt, ...)
@@ -18,4 +20,12 @@ tell(FILE *to, const char *fmt, ...)
     va_end(ap);
     rad_text_clean(line);
     fprintf(to, "%s\n", line);
+}
+
+int
+tell_printed(struct rad_error *err)
+{
+    if (fflush(stdout) == 0 && !ferror(stdout))
+        return 0;
+    return rad_fail(err, RAD_EIO, "cannot write: %s", strerror(errno));
 }

@@ -5,11 +5,11 @@
 #include "config.h"
 
 #include "ctl/ctl.h"
+#include "common/tell.h"
 #include "show/picfile.h"
 #include "base/number.h"
 #include "base/output.h"
 
-#include <errno.h>
 #include <stdio.h>
 #include <string.h>
 #include <sysexits.h>
@@ -416,25 +416,14 @@ say_unnamed(struct ctl *c)
              for_key_file(c) ? " (--keys edits a key file)" : "");
 }
 
-/* What was printed is out. */
-static int
-end_output(struct ctl *c)
-{
-    if (fflush(stdout) == 0 && !ferror(stdout))
-        return 0;
-    return rad_fail(c->err, RAD_EIO, "cannot write: %s", strerror(errno));
-}
-
 static int
 run(struct ctl *c)
 {
     bool named;
     int rc;
 
-    if (c->keys || c->command->run == ctl_run_check) { /* without coordinator */
-        rc = c->command->run(c);
-        return rc < 0 ? rc : end_output(c);
-    }
+    if (c->keys || c->command->run == ctl_run_check) /* without coordinator */
+        return c->command->run(c);
     rc = target_find(&c->to, c->coordinator, c->key, c->err);
     if (rc < 0)
         return rc;
@@ -453,7 +442,7 @@ run(struct ctl *c)
         rc = c->command->run(c);
     link_close(c->link);
     uv_loop_close(&c->loop);
-    return rc < 0 ? rc : end_output(c);
+    return rc;
 }
 
 int
@@ -462,21 +451,18 @@ main(int argc, char *argv[])
     struct rad_error err = { 0 };
     struct ctl c = { .frame = -1, .err = &err };
     char text[600];
-    int rc;
+    int rc = 0;
 
     rad_output_guard();
-    if (asks_for(argc, argv, "--help")) {
-        help();
-        return EX_OK;
-    }
-    if (asks_for(argc, argv, "--version")) {
-        puts("radctl (radd) " PACKAGE_VERSION);
-        return EX_OK;
-    }
     show_init(&c.show);
-    rc = take_words(&c, argc, argv);
-    if (rc == 0)
+    if (asks_for(argc, argv, "--help"))
+        help();
+    else if (asks_for(argc, argv, "--version"))
+        puts("radctl (radd) " PACKAGE_VERSION);
+    else if ((rc = take_words(&c, argc, argv)) == 0)
         rc = run(&c);
+    if (rc >= 0)
+        rc = tell_printed(&err);
     if (rc == 0)
         return EX_OK;
     rad_error_format(&err, text, sizeof text);

@@ -293,6 +293,7 @@ grep -q 'usage: radscene check' out || failed=1
 expect 0 '' $radscene --version
 grep -q '^radscene (radd) [0-9]' out || failed=1
 expect 74 'cannot write' sh -c "$radscene needs good.rad >/dev/full"
+expect 74 'cannot write' sh -c "$radscene --help >/dev/full"
 expect 74 'cannot write' sh -c "$radscene freeze good.rad >/dev/full"
 
 # more surfaces in one place than Radiance's octree takes

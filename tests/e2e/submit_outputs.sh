@@ -45,6 +45,18 @@ expect 74 "cannot write '/dev/full'" "a preview on a full disk" \
 [ -s f1.hdr ] && [ -s f2.hdr ] ||
     fail "a preview on a full disk lost a picture"
 
+# nor is what is said and printed lost in silence
+# shellcheck disable=SC2086
+expect 74 "cannot write '/dev/full'" "messages on a full disk" \
+    $render -vf v.vf -e /dev/full -o said.hdr room.rad
+cmp said.hdr plain.hdr || fail "messages on a full disk lost the picture"
+for option in -defaults --help --version --rpict-path; do
+    expect 74 "cannot write: No space" "$option on a full disk" \
+        sh -c "'$radsubmit' $option >/dev/full"
+done
+expect 74 "cannot write: No space" "radctl --help on a full disk" \
+    sh -c "'$radctl' --help >/dev/full"
+
 # each frame has its folder, or nothing is rendered
 mkdir f1
 # shellcheck disable=SC2086
