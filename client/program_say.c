@@ -299,14 +299,15 @@ say_goal(struct program *p)
     if (p->o.points.file && p->mean_estimate > 0)
         snprintf(mean, sizeof mean, ", that of the mean %s %%",
                  figure(of_mean, 100 * p->mean_estimate, 2));
-    far = p->o.error > 0 && 100 * p->estimate > FAR * p->o.error;
+    far = 100 * p->estimate > FAR * p->o.error; /* 0: as good as may be */
     snprintf(text, sizeof text, "estimated error %s %%%s%s; %d stage%s%s",
              figure(got, 100 * p->estimate, 2), wanted, mean, p->stages,
              p->stages == 1 ? "" : "s",
              p->time_up   ? ", and no time for another"
              : p->rays_up ? ", and another would take too long without --time"
-             : far        ? ", and there is no other that comes much nearer"
-                          : "");
+             : !far       ? ""
+             : p->o.error > 0 ? ", and there is no other that comes much nearer"
+                              : ", and there is no other that is much better");
     program_say(p, text);
     if (p->o.time_s > 0)
         program_say(p, p->o.points.no_header

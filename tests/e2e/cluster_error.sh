@@ -197,6 +197,18 @@ grep -q '"time_up": true' short.json || fail "nothing of it in statistics"
 render both $goal --time=10000 --workers=2 --threads=1
 cmp calm.hdr both.hdr || fail "a long --time makes another picture"
 
+# time is left, and no stage is worth it
+cat >simple.rad <<'EOF'
+void plastic grey 0 0 5 .5 .5 .5 0 0
+grey sphere ball 0 0 4 0 0 0 1
+void light lamp 0 0 3 20 20 20
+lamp sphere bulb 0 0 4 3 3 4 .5
+EOF
+"$radsubmit" --local --time=10000 -vp 5 0 1 -vd -1 0 0 -x 64 -y 64 \
+    -o simple.hdr simple.rad 2>err || fail "$(cat err)"
+grep -q 'stages*, and there is no other that is much better$' err ||
+    fail "nothing of why it ended before its time: $(cat err)"
+
 # --- what does not go together ---
 
 # refused WORDS OPTION...: with these words, and status 64
