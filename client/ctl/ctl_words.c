@@ -96,6 +96,8 @@ ctl_tell_status(FILE *to, const json_t *status)
     snprintf(line, sizeof line, "%.0f open, %.0f over and kept", jobs,
              fmax(0, kept));
     put(to, "jobs", line);
+    if (json_is_true(json_object_get(status, "disk_full")))
+        put(to, "disk", "full: jobs are held until there is room");
     if (slow > 0) {
         snprintf(line, sizeof line,
                  "everybody had to wait %.0f time%s, for %s ms at most", slow,

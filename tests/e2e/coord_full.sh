@@ -60,6 +60,11 @@ says_held()
     grep -q "held: the coordinator's disk is full" "$1.err"
 }
 
+status_says_full()
+{
+    "$radctl" --coordinator="$sock" status | grep -q '^disk  *full'
+}
+
 is_held()
 {
     "$radctl" --coordinator="$sock" --json jobs >jobs.json &&
@@ -76,6 +81,8 @@ fill
 "$radsubmit" --coordinator="$sock" $view -o held.hdr "$room" 2>held.err &
 job=$!
 until_true 30 says_held held || fail "radsubmit does not say that it is held"
+until_true 30 status_says_full ||
+    fail "radctl status does not say that the disk is full"
 make_some_room
 [ $FULL_TMPFS = no ] ||
     until_true 30 is_held || fail "radctl does not say that it is held"
