@@ -133,12 +133,13 @@ ctl_run_priority(struct ctl *c)
     uint8_t job[MSG_JOB];
     int n, rc;
 
-    if (!c->name || !rad_parse_int(c->name, &n) || n < -MSG_MOST_PRIORITY ||
+    if (!c->name)
+        return rad_fail(c->err, RAD_EUSAGE, "command 'priority': missing N");
+    if (!rad_parse_int(c->name, &n) || n < -MSG_MOST_PRIORITY ||
         n > MSG_MOST_PRIORITY)
         return rad_fail(c->err, RAD_EUSAGE,
                         "priority: '%.80s' is no whole number from %d to %d",
-                        c->name ? c->name : "", -MSG_MOST_PRIORITY,
-                        MSG_MOST_PRIORITY);
+                        c->name, -MSG_MOST_PRIORITY, MSG_MOST_PRIORITY);
     if ((rc = ctl_find_job(c, job)) < 0)
         return rc;
     m.priority.job = job;

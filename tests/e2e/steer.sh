@@ -81,6 +81,8 @@ done
 submit late -x 60 -y 50 -ds .2 --priority=-100
 expect 64 'from -100 to 100' 'a priority out of range' \
     "$radctl" --coordinator="$sock" priority "$id" 101
+expect 64 'missing N' 'no priority' "$radctl" --coordinator="$sock" \
+    priority "$id"
 ctl priority "$id" 100 || fail "priority"
 wait $job || fail "late: $(cat late.err)"
 gone $low_job && fail "low is over before late"
