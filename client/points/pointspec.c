@@ -27,8 +27,8 @@ take_formats(struct pointspec *s, const char *word, struct rad_error *err)
     if (!word[2] || !strchr("afd", word[2]) || !strchr("afdc", out) ||
         (word[3] && word[4]))
         return rad_fail(err, RAD_EUSAGE,
-                        "option '%.20s': expected -f, a format of input (a, f, "
-                        "d) and one of output (a, f, d, c)",
+                        "unknown option '%.40s': rtrace's -f has a format of "
+                        "input (a, f, d) and one of output (a, f, d, c)",
                         word);
     s->in = word[2];
     s->out = out;
@@ -44,7 +44,8 @@ take_values(struct pointspec *s, const char *word, struct rad_error *err)
         return rad_fail(err, RAD_EUSAGE,
                         strchr(lacking, *c)
                             ? "option '%.40s': '%c' of rtrace is not supported"
-                            : "option '%.40s': '%c' is none of rtrace's",
+                            : "unknown option '%.40s': rtrace's -o has no '%c' "
+                              "(-o FILE names the file that is written)",
                         word, *c);
     }
     if (strlen(word + 2) > POINTSPEC_VALUES)

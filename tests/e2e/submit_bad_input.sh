@@ -119,6 +119,10 @@ void mixfunc m 4 p g .5 . 0 0\nm sphere s 0 0 4 0 0 0 1\n' >mixed.rad
 expect 0 "" "a mixture that shines" \
     "$radsubmit" --local -x 4 -y 4 -o /dev/null mixed.rad
 grep "warning: no light" stderr && fail "it is not dark"
+expect 64 "unknown option '-output'" "a word that begins as rtrace's -o does" \
+    "$radsubmit" --local -output a.hdr "$room"
+expect 64 "unknown option '-fov'" "a word that begins as rtrace's -f does" \
+    "$radsubmit" --local -fov 60 "$room"
 expect 69 "--keys" "keys of no coordinator" "$radctl" key list
 expect 64 "out.tif" "a format that is not written, of radctl" \
     "$radctl" --coordinator="$work/no.sock" fetch 1f -o out.tif

@@ -105,7 +105,7 @@ refused 64 "--job needs a coordinator" --points=points.txt --job="$(printf %032d
 refused 64 "is no job's id" --points=points.txt --job=7
 refused 64 "--job is for the values" --job="$(printf %032d 1)"
 refused 64 "'t' of rtrace is not supported" --points=points.txt -otv
-refused 64 "'D' is none of rtrace's" --points=points.txt -oD
+refused 64 "rtrace's -o has no 'D'" --points=points.txt -oD
 refused 64 "'-I' is for --points" -I
 refused 64 "'points.png'" --points=points.txt -o points.png
 printf '1\0x 0 0 0 0 1\n' >nul.txt
