@@ -259,6 +259,10 @@ reading_file(struct reading *r, const char *file, bool alone,
     if (!rc)
         rc = inputs_add_fd(&paths->inputs, "a file of the scene", src->fd.fd,
                            &now);
+    if (!rc && alone && src->len == 0 && strcmp(file, "-") == 0)
+        rc = rad_fail(&now, RAD_EDATA,
+                      "nothing came on " STDIN_NAME
+                      ": has what writes the scene failed?");
     if (rc && err && err->code == 0)
         *err = now;
     rc = rc ? failed(r, &now) : read_source_file(r, src, file, alone, err);

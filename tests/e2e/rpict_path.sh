@@ -86,6 +86,7 @@ status 2 rpict -ro empty.unf room.oct
 [ ! -e empty.unf ] || fail "an empty file stays in the way"
 echo text >text.unf
 status 2 rpict -ro text.unf room.oct
+status 1 rpict $opts -ps 8 -pt .08 "</dev/null" # as where oconv failed
 
 # --- ranimate: a walk; frames that are there stay; one is made again
 awk 'BEGIN { for (k = 0; k < 4; k++)

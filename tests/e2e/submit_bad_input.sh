@@ -119,6 +119,8 @@ void mixfunc m 4 p g .5 . 0 0\nm sphere s 0 0 4 0 0 0 1\n' >mixed.rad
 expect 0 "" "a mixture that shines" \
     "$radsubmit" --local -x 4 -y 4 -o /dev/null mixed.rad
 grep "warning: no light" stderr && fail "it is not dark"
+expect 65 "nothing came on standard input" "a pipe whose writer failed" \
+    "$radsubmit" --local -x 4 -y 4 -o /dev/null -
 expect 64 "unknown option '-output'" "a word that begins as rtrace's -o does" \
     "$radsubmit" --local -output a.hdr "$room"
 expect 64 "unknown option '-fov'" "a word that begins as rtrace's -f does" \
