@@ -216,7 +216,7 @@ remove_folder(void)
 static int
 order(enum msg_key_order what, const char *name, char **json)
 {
-    struct key_order o = { what, name, 0 };
+    struct key_order o = { what, name, 0, false };
 
     return key_order_run(path, &o, 1, json, NULL);
 }
@@ -288,7 +288,7 @@ START_TEST(links_are_followed_and_stay)
     snprintf(link_path, sizeof link_path, "%s/link", folder);
     ck_assert_int_eq(symlink("keys", link_path), 0); /* to nothing yet */
     for (int i = 0; i < 2; i++) {
-        struct key_order add = { MSG_KEY_ADD, "user:a", 0 };
+        struct key_order add = { MSG_KEY_ADD, "user:a", 0, false };
 
         ck_assert_int_eq(key_order_run(link_path, &add, 1, &json, NULL), 0);
         free(json);
@@ -354,7 +354,7 @@ END_TEST
 START_TEST(a_key_that_has_expired_is_not_made)
 {
     const int64_t end = 1800000000;
-    struct key_order o = { MSG_KEY_ADD, "user:a", end };
+    struct key_order o = { MSG_KEY_ADD, "user:a", end, false };
     char *json;
 
     make_folder();
@@ -363,7 +363,7 @@ START_TEST(a_key_that_has_expired_is_not_made)
     ck_assert_int_eq(access(path, F_OK), -1);
     ck_assert_int_eq(key_order_run(path, &o, end - 1, &json, NULL), 0);
     free(json);
-    o = (struct key_order){ MSG_KEY_RETIRE, "user:a", 0 };
+    o = (struct key_order){ MSG_KEY_RETIRE, "user:a", 0, false };
     ck_assert_int_eq(key_order_run(path, &o, end, &json, NULL), 0);
     free(json);
     remove_folder();

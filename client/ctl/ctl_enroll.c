@@ -34,7 +34,7 @@ struct enroll {
 static int
 order(struct ctl *c, enum msg_key_order what, const char *name, json_t **root)
 {
-    struct key_order o = { what, name, 0 };
+    struct key_order o = { .what = what, .name = name };
     struct msg m = { .type = MSG_KEY };
     const struct msg *answer;
     char *text;

@@ -24,7 +24,8 @@ keyctl_parse(struct key_order *order, const char *what, const char *name,
                         "unknown command 'key %s': expected add, retire or "
                         "list",
                         what);
-    *order = (struct key_order){ (enum msg_key_order)i, name ? name : "", 0 };
+    *order = (struct key_order){ .what = (enum msg_key_order)i,
+                                 .name = name ? name : "" };
     if (i != MSG_KEY_LIST && !name)
         return rad_fail(err, RAD_EUSAGE, "command 'key %s': missing ROLE:NAME",
                         what);

@@ -69,7 +69,7 @@ order_key(struct radcoord *r, const struct msg_key *m, const char *by,
           char **json, struct rad_error *err)
 {
     struct key_order order = { (enum msg_key_order)m->what, m->name,
-                               (int64_t)m->expires };
+                               (int64_t)m->expires, true };
     int rc;
 
     if (!keyring_has_file(r->keys))
@@ -90,6 +90,7 @@ radcoord_do_key(struct radcoord *r, const struct action *a)
 {
     struct msg m = { .type = MSG_ANSWER, .request = a->request };
     struct rad_error err = { 0 };
+    char text[MSG_MAX_TEXT + 1];
     struct conn *c;
     char *json = NULL;
     int rc = order_key(r, &a->key, a->text, &json, &err);
@@ -99,12 +100,12 @@ radcoord_do_key(struct radcoord *r, const struct action *a)
         m.answer.text = (const uint8_t *)json;
         m.answer.len = strlen(json);
     } else {
+        rad_error_format(&err, text, sizeof text);
         m.type = MSG_FAILED;
         m.failed = (struct msg_failed){ .status = (uint16_t)rad_exit_status(rc),
-                                        .text = err.what };
+                                        .text = text };
         if (a->key.what != MSG_KEY_LIST)
-            log_warn("key file not changed name=%s why=%s", a->key.name,
-                     err.what);
+            log_warn("key file not changed name=%s why=%s", a->key.name, text);
     }
     if (c)
         conn_send(c, &m);

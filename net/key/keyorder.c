@@ -279,7 +279,7 @@ key_order_run(const char *path, const struct key_order *o, int64_t now,
         *json = list_json(&f, now);
         keyfile_release(&f);
     } else {
-        rc = edit_begin(&e, path, o->what == MSG_KEY_ADD, err);
+        rc = edit_begin(&e, path, o->what == MSG_KEY_ADD && !o->in_use, err);
         if (rc < 0)
             return rc;
         rc = change(&e.file, o, json, err);

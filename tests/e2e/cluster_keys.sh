@@ -212,5 +212,16 @@ chmod 640 keys
 until_true 5 grep -q 'keys not reloaded.*chmod 600' c.log ||
     fail "a file that all may read was taken"
 chmod 600 keys
+
+# One that is gone is not begun anew, with a key that shuts all others out; of a
+# bad one the line is told.
+mv keys away
+expect 66 "No such file" "a key for a file that is gone" \
+    "$radctl" --coordinator="$sock" key add user:new
+[ ! -e keys ] || fail "the key file was begun anew"
+mv away keys
+echo nonsense >>keys
+expect 78 "keys:$(wc -l <keys)" "a key for a file with a bad line" \
+    "$radctl" --coordinator="$sock" key add user:new
 cluster_stop
 finish
