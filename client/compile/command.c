@@ -91,6 +91,7 @@ spawn_shell(pid_t *pid, const char *text, const char *folder, int fd)
     sigemptyset(&none);
     sigemptyset(&defaults);
     sigaddset(&defaults, SIGPIPE);
+    sigaddset(&defaults, SIGXFSZ);
     if (posix_spawn_file_actions_init(&actions))
         return ENOMEM;
     if (posix_spawnattr_init(&attr)) {

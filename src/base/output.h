@@ -24,7 +24,8 @@ struct rad_output {
 
 /* Before anything is opened: where standard input, output or error is closed,
  * its number is taken by what can only fail to be read or written, so that no
- * file or socket gets it. */
+ * file or socket gets it.  And a file that a limit (ulimit -f) lets grow no
+ * larger is an error of who writes it, not a signal. */
 void rad_output_guard(void);
 
 /* Can path be written?  RAD_ECANTCREAT with the reason.  To be asked before

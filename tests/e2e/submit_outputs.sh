@@ -57,6 +57,11 @@ done
 expect 74 "cannot write: No space" "radctl --help on a full disk" \
     sh -c "'$radctl' --help >/dev/full"
 
+# shellcheck disable=SC2086
+expect 74 "File too large" "files that may not grow" \
+    sh -c "ulimit -f 1; exec $render -vf v.vf -x 100 -y 100 -o big.hdr room.rad"
+! [ -e big.hdr ] || fail "half a picture"
+
 # each frame has its folder, or nothing is rendered
 mkdir f1
 # shellcheck disable=SC2086
