@@ -5,24 +5,16 @@
 #include "base/vec.h"
 
 #include <math.h>
-#include <string.h>
 
 int
 rad_mixture_parts(const struct rad_job *job, int32_t index, int32_t part[2],
                   struct rad_error *err)
 {
-    const struct rad_object *o = &job->scene->objects[index];
+    int rc = rad_scene_named(job->scene, index, 0, &part[0], err);
 
-    part[0] = part[1] = RAD_VOID;
-    for (int i = 0; i < 2; i++) {
-        if (strcmp(o->strings[i], "void") == 0)
-            continue;
-        part[i] = rad_scene_find_modifier(job->scene, o->strings[i], index);
-        if (part[i] == RAD_VOID)
-            return rad_scene_fail(job->scene, o, err, RAD_EDATA,
-                                  "undefined modifier '%s'", o->strings[i]);
-    }
-    return 0;
+    if (rc == 0)
+        rc = rad_scene_named(job->scene, index, 1, &part[1], err);
+    return rc;
 }
 
 static struct rad_rgb

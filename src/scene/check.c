@@ -255,15 +255,21 @@ check_powers(struct checker *c, const struct rad_object *o)
                o->reals[7]);
 }
 
-/* The string arguments that name a modifier defined before. */
+/* Of the first n string arguments each names a modifier defined before. */
+static void
+check_names(struct checker *c, const struct rad_object *o, int n)
+{
+    int32_t index = (int32_t)(o - c->scene->objects), mod;
+
+    for (int i = 0; i < n; i++)
+        if (rad_scene_named(c->scene, index, i, &mod, NULL) != 0)
+            report(c, o, RAD_EDATA, "undefined modifier '%s'", o->strings[i]);
+}
+
 static void
 check_reference(struct checker *c, const struct rad_object *o)
 {
-    int32_t index = (int32_t)(o - c->scene->objects);
-
-    if (o->nstrings && strcmp(o->strings[0], "void") != 0 &&
-        rad_scene_find_modifier(c->scene, o->strings[0], index) == RAD_VOID)
-        report(c, o, RAD_EDATA, "undefined modifier '%s'", o->strings[0]);
+    check_names(c, o, o->nstrings ? 1 : 0);
 }
 
 static void
@@ -282,12 +288,7 @@ check_alias(struct checker *c, const struct rad_object *o)
 static void
 check_mixture(struct checker *c, const struct rad_object *o)
 {
-    int32_t index = (int32_t)(o - c->scene->objects);
-
-    for (int i = 0; i < 2; i++)
-        if (strcmp(o->strings[i], "void") != 0 &&
-            rad_scene_find_modifier(c->scene, o->strings[i], index) == RAD_VOID)
-            report(c, o, RAD_EDATA, "undefined modifier '%s'", o->strings[i]);
+    check_names(c, o, 2);
 }
 
 static void

@@ -350,6 +350,23 @@ rad_scene_find_modifier(const struct rad_scene *s, const char *name,
 }
 
 int
+rad_scene_named(const struct rad_scene *s, int32_t index, int32_t k,
+                int32_t *mod, struct rad_error *err)
+{
+    const struct rad_object *o = &s->objects[index];
+    const char *name = o->strings[k];
+
+    *mod = RAD_VOID;
+    if (strcmp(name, "void") == 0)
+        return 0;
+    *mod = rad_scene_find_modifier(s, name, index);
+    if (*mod != RAD_VOID)
+        return 0;
+    return rad_scene_fail(s, o, err, RAD_EDATA, "undefined modifier '%s'",
+                          name);
+}
+
+int
 rad_scene_fail(const struct rad_scene *s, const struct rad_object *o,
                struct rad_error *err, int code, const char *fmt, ...)
 {

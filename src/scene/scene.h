@@ -79,6 +79,11 @@ int rad_scene_add(struct rad_scene *s, const struct rad_object *o,
 int rad_scene_find_modifier(const struct rad_scene *s, const char *name,
                             int32_t before);
 
+/* The modifier before object `index` that its string argument k names; *mod is
+ * RAD_VOID for "void".  RAD_EDATA: there is none of that name. */
+int rad_scene_named(const struct rad_scene *s, int32_t index, int32_t k,
+                    int32_t *mod, struct rad_error *err);
+
 /* "office.rad:214: material 'wood': <fmt...>", with err->where set to file and
  * line when they are known; returns code. */
 int rad_scene_fail(const struct rad_scene *s, const struct rad_object *o,

@@ -11,8 +11,6 @@
 #include "base/vec.h"
 #include "light/direct/source.h"
 
-#include <string.h>
-
 struct mirror {
     struct rad_rgb color;
     bool replaced;     /* there is a string argument; */
@@ -24,22 +22,18 @@ static int
 prepare_alternate(const struct rad_job *job, int32_t index, struct mirror *m,
                   struct rad_error *err)
 {
-    const struct rad_scene *scene = job->scene;
-    const struct rad_object *o = &scene->objects[index];
     int32_t mat;
+    int rc;
 
     m->alternate = RAD_VOID;
-    m->replaced = o->nstrings > 0;
-    if (!m->replaced || strcmp(o->strings[0], "void") == 0)
+    m->replaced = job->scene->objects[index].nstrings > 0;
+    if (!m->replaced)
         return 0;
-    m->alternate = rad_scene_find_modifier(scene, o->strings[0], index);
-    if (m->alternate == RAD_VOID)
-        return rad_scene_fail(scene, o, err, RAD_EDATA,
-                              "undefined modifier '%s'", o->strings[0]);
-    mat = rad_material_of(scene, m->alternate);
+    rc = rad_scene_named(job->scene, index, 0, &m->alternate, err);
+    mat = rad_material_of(job->scene, m->alternate);
     m->see_through =
         mat == RAD_VOID || job->materials[mat].flags & RAD_MAT_TRANSPARENT;
-    return 0;
+    return rc;
 }
 
 int

@@ -12,25 +12,6 @@
 #include "base/vec.h"
 #include "light/direct/source.h"
 
-#include <string.h>
-
-static int
-prepare_alternate(const struct rad_job *job, int32_t index,
-                  struct rad_emitter *e, struct rad_error *err)
-{
-    const struct rad_object *o = &job->scene->objects[index];
-
-    e->alternate = RAD_VOID;
-    if (o->type != RAD_ILLUM || o->nstrings == 0 ||
-        strcmp(o->strings[0], "void") == 0)
-        return 0;
-    e->alternate = rad_scene_find_modifier(job->scene, o->strings[0], index);
-    if (e->alternate == RAD_VOID)
-        return rad_scene_fail(job->scene, o, err, RAD_EDATA,
-                              "undefined modifier '%s'", o->strings[0]);
-    return 0;
-}
-
 int
 rad_emitter_prepare(struct rad_job *job, int32_t index,
                     const struct rad_files *files, const void **data,
@@ -52,7 +33,10 @@ rad_emitter_prepare(struct rad_job *job, int32_t index,
         return rad_scene_fail(job->scene, o, err, RAD_EDATA,
                               "spotlight without angle or direction");
     *data = e;
-    return prepare_alternate(job, index, e, err);
+    e->alternate = RAD_VOID;
+    if (o->type != RAD_ILLUM || o->nstrings == 0)
+        return 0;
+    return rad_scene_named(job->scene, index, 0, &e->alternate, err);
 }
 
 const struct rad_emitter *

@@ -82,19 +82,15 @@ find_modifier(struct rad_job *job, int32_t index, enum part part,
               int32_t *modifier, struct rad_error *err)
 {
     const struct rad_object *o = &job->scene->objects[index];
-    const char *name = o->strings[string_at[part]];
+    int32_t at = string_at[part];
+    bool absent = is_absent(o, part);
+    int rc;
 
     *modifier = INHERIT;
-    if (strcmp(name, "inherit") == 0)
+    if (strcmp(o->strings[at], "inherit") == 0)
         return 0;
-    *modifier = RAD_VOID;
-    if (strcmp(name, "void") == 0)
-        return 0;
-    *modifier = rad_scene_find_modifier(job->scene, name, index);
-    if (*modifier != RAD_VOID || is_absent(o, part))
-        return 0;
-    return rad_scene_fail(job->scene, o, err, RAD_EDATA,
-                          "undefined modifier '%s'", name);
+    rc = rad_scene_named(job->scene, index, at, modifier, absent ? NULL : err);
+    return absent ? 0 : rc;
 }
 
 int
