@@ -7,6 +7,7 @@
 #include "base/error.h"
 #include "arith/expf.h"
 #include "base/help.h"
+#include "base/list.h"
 #include "base/rng.h"
 #include "base/vec.h"
 #include "unit.h"
@@ -14,6 +15,7 @@
 #include <float.h>
 #include <stdbool.h>
 #include <stdint.h>
+#include <stdlib.h>
 #include <string.h>
 #include <sysexits.h>
 
@@ -97,6 +99,25 @@ START_TEST(arena_survives_rewind_and_large_blocks)
     ck_assert_ptr_null(rad_arena_calloc(&a, SIZE_MAX / 2, 4));
     ck_assert_ptr_null(rad_arena_alloc(&a, SIZE_MAX - 3));
     rad_arena_release(&a);
+}
+END_TEST
+
+START_TEST(list_keeps_what_is_in_it)
+{
+    uint16_t *v = NULL, *as_it_was;
+
+    for (size_t n = 0; n < 1000; n++) {
+        ck_assert(rad_list_grow(&v, n, sizeof *v));
+        v[n] = (uint16_t)n;
+    }
+    for (size_t n = 0; n < 1000; n++)
+        ck_assert_uint_eq(v[n], n);
+    as_it_was = v;
+    ck_assert(!rad_list_grow(&v, SIZE_MAX / 2 + 1, sizeof *v));
+    ck_assert_ptr_eq(v, as_it_was);
+    ck_assert(rad_list_grow(&v, 16, sizeof *v)); /* most were taken out again */
+    ck_assert_uint_eq(v[15], 15);
+    free(v);
 }
 END_TEST
 
@@ -413,6 +434,7 @@ main(void)
     tcase_add_test(tc, message_has_no_control_characters);
     tcase_add_test(tc, message_keeps_both_ends);
     tcase_add_test(tc, arena_survives_rewind_and_large_blocks);
+    tcase_add_test(tc, list_keeps_what_is_in_it);
     tcase_add_test(tc, normalize_keeps_extremes);
     tcase_add_test(tc, exponential_is_as_good_as_float_holds);
     tcase_add_test(tc, frame_is_orthonormal);

@@ -3,6 +3,8 @@
 
 #include "common/inputs.h"
 
+#include "base/list.h"
+
 #include <stdlib.h>
 #include <string.h>
 
@@ -21,15 +23,8 @@ add(struct inputs *in, const char *what, const struct stat *st,
 {
     if (!S_ISREG(st->st_mode) || find(in, st))
         return 0;
-    if (in->n == in->room) {
-        size_t room = in->room ? 2 * in->room : 16;
-        struct input *list = realloc(in->list, room * sizeof *list);
-
-        if (!list)
-            return rad_fail(err, RAD_ENOMEM, "out of memory");
-        in->list = list;
-        in->room = room;
-    }
+    if (!rad_list_grow(&in->list, in->n, sizeof *in->list))
+        return rad_fail(err, RAD_ENOMEM, "out of memory");
     in->list[in->n++] = (struct input){ st->st_dev, st->st_ino, what };
     return 0;
 }

@@ -19,7 +19,7 @@ struct input {
 /* Zeroed, it holds nothing. */
 struct inputs {
     struct input *list;
-    size_t n, room;
+    size_t n;
 };
 
 /* Note a file by its name (NULL: none), or by a descriptor; what is missing, or

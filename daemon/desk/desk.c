@@ -6,6 +6,8 @@
 #include "jobs/job.h"
 #include "jobs/part.h"
 
+#include "base/list.h"
+
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -74,16 +76,10 @@ desk_index(const struct job *job, const struct coord_worker *w)
 uint32_t
 desk_add_worker(struct job *job, struct coord_worker *w)
 {
-    if (w->id >= job->nindex) {
-        uint32_t n = 2 * w->id + 8;
-        uint32_t *v = realloc(job->index, n * sizeof *v);
-
-        if (!v)
+    while (job->nindex <= w->id) {
+        if (!rad_list_grow(&job->index, job->nindex, sizeof *job->index))
             return JOB_NOBODY;
-        for (uint32_t i = job->nindex; i < n; i++)
-            v[i] = JOB_NOBODY;
-        job->index = v;
-        job->nindex = n;
+        job->index[job->nindex++] = JOB_NOBODY;
     }
     if (job->index[w->id] == JOB_NOBODY) {
         uint32_t i = part_add(job, w->name);

@@ -88,7 +88,7 @@ struct coord {
     bool keep_due;            /* something happened that it asks for */
     uint64_t keep_ms;         /* when it was looked after last */
     struct saved_gone *gones; /* jobs that were forgotten, as they were */
-    size_t ngones, cap_gones;
+    size_t ngones;
     struct coord_limits limits;
     struct uploads uploads;
     uint64_t uploads_ms; /* when those that wait were looked at last */
@@ -104,7 +104,7 @@ struct coord {
     struct coord_owner *owners;
     uint32_t serving;  /* counts searches for a unit */
     struct job **jobs; /* by priority, then as they came */
-    size_t njobs, cap_jobs;
+    size_t njobs;
     uint64_t sequence;
     uint64_t known_ms;    /* when files that owners know of expired last */
     uint64_t progress_ms; /* when PROGRESS was sent last */

@@ -5,6 +5,8 @@
 
 #include "draw/markup.h"
 
+#include "base/list.h"
+
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -56,17 +58,10 @@ worker_of(struct units *u, const char *name)
 }
 
 static bool
-add_span(struct units *u, size_t *cap, const struct units_span *span)
+add_span(struct units *u, const struct units_span *span)
 {
-    if (u->nspans == *cap) {
-        size_t more = 2 * *cap + 256;
-        struct units_span *p = realloc(u->spans, more * sizeof *p);
-
-        if (!p)
-            return false;
-        u->spans = p;
-        *cap = more;
-    }
+    if (!rad_list_grow(&u->spans, u->nspans, sizeof *u->spans))
+        return false;
     u->spans[u->nspans++] = *span;
     if (u->nspans == 1 || span->start < u->start_s)
         u->start_s = span->start;
@@ -77,7 +72,7 @@ add_span(struct units *u, size_t *cap, const struct units_span *span)
 
 /* False: memory is out. */
 static bool
-add_unit(struct units *u, size_t *cap, const json_t *unit, enum units_kind kind)
+add_unit(struct units *u, const json_t *unit, enum units_kind kind)
 {
     double start = markup_number(unit, "start_s");
     double end = markup_number(unit, "end_s");
@@ -87,18 +82,16 @@ add_unit(struct units *u, size_t *cap, const json_t *unit, enum units_kind kind)
     if (worker == UNITS_WORKERS || !(start >= 0) || !(end >= start) ||
         end > 1e9)
         return true;
-    return add_span(u, cap,
-                    &(struct units_span){ .start = (float)start,
-                                          .end = (float)end,
-                                          .worker = (uint16_t)worker,
-                                          .units = 1,
-                                          .kind = kind });
+    return add_span(u, &(struct units_span){ .start = (float)start,
+                                             .end = (float)end,
+                                             .worker = (uint16_t)worker,
+                                             .units = 1,
+                                             .kind = kind });
 }
 
 /* One value after the other, up to the list's end. */
 static int
-read_list(struct units *u, size_t *cap, const char *p, size_t n,
-          struct rad_error *err)
+read_list(struct units *u, const char *p, size_t n, struct rad_error *err)
 {
     json_error_t at;
 
@@ -118,7 +111,7 @@ read_list(struct units *u, size_t *cap, const char *p, size_t n,
             json_decref(unit);
             return rad_fail(err, RAD_EDATA, "the list of units is damaged");
         }
-        ok = add_unit(u, cap, unit, UNITS_DONE);
+        ok = add_unit(u, unit, UNITS_DONE);
         json_decref(unit);
         if (!ok)
             return rad_fail(err, RAD_ENOMEM, "out of memory");
@@ -129,7 +122,7 @@ read_list(struct units *u, size_t *cap, const char *p, size_t n,
 
 /* Add the units of a list of the head. */
 static int
-add_list(struct units *u, size_t *cap, const char *list, enum units_kind kind,
+add_list(struct units *u, const char *list, enum units_kind kind,
          struct rad_error *err)
 {
     const json_t *unit;
@@ -137,7 +130,7 @@ add_list(struct units *u, size_t *cap, const char *list, enum units_kind kind,
 
     json_array_foreach(json_object_get(u->head, list), i, unit)
     {
-        if (!add_unit(u, cap, unit, kind))
+        if (!add_unit(u, unit, kind))
             return rad_fail(err, RAD_ENOMEM, "out of memory");
     }
     return 0;
@@ -253,7 +246,6 @@ int
 units_read(struct units *u, const char *text, size_t len, struct rad_error *err)
 {
     const char *list = find_units(text, len);
-    size_t cap = 0;
     int rc;
 
     *u = (struct units){ 0 };
@@ -268,12 +260,12 @@ units_read(struct units *u, const char *text, size_t len, struct rad_error *err)
     u->lanes = calloc(UNITS_WORKERS, sizeof *u->lanes);
     list += strlen(marker);
     rc = u->workers && u->lanes
-             ? read_list(u, &cap, list, len - (size_t)(list - text), err)
+             ? read_list(u, list, len - (size_t)(list - text), err)
              : rad_fail(err, RAD_ENOMEM, "out of memory");
     if (rc == 0)
-        rc = add_list(u, &cap, "running", UNITS_RUN, err);
+        rc = add_list(u, "running", UNITS_RUN, err);
     if (rc == 0)
-        rc = add_list(u, &cap, "passes", UNITS_PASS, err);
+        rc = add_list(u, "passes", UNITS_PASS, err);
     if (rc == 0 && !sort_workers(u))
         rc = rad_fail(err, RAD_ENOMEM, "out of memory");
     if (rc < 0) {

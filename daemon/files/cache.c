@@ -13,6 +13,8 @@
 
 #include "ground/disk.h"
 
+#include "base/list.h"
+
 #include <dirent.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -245,7 +247,7 @@ struct found {
 
 struct listing {
     struct found *v;
-    size_t n, cap;
+    size_t n;
 };
 
 static int
@@ -254,15 +256,8 @@ list_file(void *arg, const char *name, const struct stat *st)
     struct listing *l = arg;
     struct found *f;
 
-    if (l->n == l->cap) {
-        size_t cap = l->cap ? 2 * l->cap : 256;
-        struct found *v = realloc(l->v, cap * sizeof *v);
-
-        if (!v)
-            return RAD_ENOMEM;
-        l->v = v;
-        l->cap = cap;
-    }
+    if (!rad_list_grow(&l->v, l->n, sizeof *l->v))
+        return RAD_ENOMEM;
     f = &l->v[l->n++];
     rad_sha_from_hex(name, f->hash);
     f->bytes = (uint64_t)st->st_size;
@@ -286,7 +281,7 @@ by_use(const void *a, const void *b)
 static int
 take_stock(struct cache *c)
 {
-    struct listing l = { NULL, 0, 0 };
+    struct listing l = { NULL, 0 };
     int rc = blobs_each(c->blobs, list_file, &l);
 
     if (rc == 0 && l.n > 0)

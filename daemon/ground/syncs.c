@@ -5,6 +5,8 @@
 
 #include "ground/disk.h"
 
+#include "base/list.h"
+
 #include <errno.h>
 #include <fcntl.h>
 #include <stdlib.h>
@@ -19,18 +21,9 @@ struct syncs_file {
 int
 syncs_add(struct syncs *s, const char *path, bool named, struct rad_error *err)
 {
-    size_t cap = s->cap ? 2 * s->cap : 64;
-    struct syncs_file *v = s->file;
     char *copy = strdup(path);
 
-    if (copy && s->n == s->cap) {
-        v = realloc(s->file, cap * sizeof *v);
-        if (v) {
-            s->file = v;
-            s->cap = cap;
-        }
-    }
-    if (!copy || !v) {
+    if (!copy || !rad_list_grow(&s->file, s->n, sizeof *s->file)) {
         free(copy);
         return rad_fail(err, RAD_ENOMEM, "out of memory");
     }

@@ -18,7 +18,7 @@
 /* Zeroed, there is none. */
 struct syncs {
     struct syncs_file *file;
-    size_t n, cap;
+    size_t n;
 };
 
 /* The file is to last; named: and its name, which is new. */

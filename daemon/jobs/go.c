@@ -28,6 +28,8 @@
 #include "jobs/unit.h"
 #include "machine/steps.h"
 
+#include "base/list.h"
+
 #include <stdlib.h>
 #include <string.h>
 
@@ -69,15 +71,8 @@ go_waits(const struct job_go *go)
 static bool
 list_out(struct job *job, uint32_t unit)
 {
-    if (job->nout == job->cap_out) {
-        uint32_t cap = job->cap_out ? 2 * job->cap_out : 64;
-        uint32_t *v = realloc(job->out, cap * sizeof *v);
-
-        if (!v)
-            return false;
-        job->out = v;
-        job->cap_out = cap;
-    }
+    if (!rad_list_grow(&job->out, job->nout, sizeof *job->out))
+        return false;
     job->units[unit].slot = job->nout;
     job->out[job->nout++] = unit;
     return true;

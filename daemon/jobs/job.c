@@ -250,9 +250,7 @@ job_lighten(struct job *job)
     job->units = NULL;
     job->out = job->suspects = job->index = NULL;
     job->workers = NULL;
-    job->nunits = job->cap_units = job->nout = job->cap_out = 0;
-    job->nsuspects = job->cap_suspects = job->nindex = 0;
-    job->nworkers = job->cap_workers = 0;
+    job->nunits = job->nout = job->nsuspects = job->nindex = job->nworkers = 0;
     drop_costs(job);
 }
 

@@ -92,10 +92,10 @@ struct job {
 
     struct partition *partition; /* NULL until the first worker is ready */
     struct job_unit *units;      /* partition_total of them */
-    uint32_t nunits, cap_units;
+    uint32_t nunits;
     uint32_t *out; /* units that are out; the last takes the place of one that
                     * leaves, so whoever may end attempts goes backwards */
-    uint32_t nout, cap_out;
+    uint32_t nout;
     uint32_t late; /* units that are out for too long, and may have twins */
     struct coord_owner *payer; /* the user whose job it is */
     uint32_t served; /* the last search for a unit that looked at it */
@@ -113,11 +113,11 @@ struct job {
     uint64_t late_rays;       /* facts of lines that were done, or came again */
     uint32_t *suspects; /* units that crashed a child: out of the partition's
                          * queue, each to go to another worker alone */
-    uint32_t nsuspects, cap_suspects;
+    uint32_t nsuspects;
     struct job_frame *frames;
     uint32_t frames_ready; /* the first so many are written */
     struct job_worker *workers;
-    uint32_t nworkers, cap_workers;
+    uint32_t nworkers;
     uint32_t *index, nindex; /* in workers, by coord_worker.id */
     struct job_speed speed;
 

@@ -3,6 +3,8 @@
 
 #include "jobs/kept.h"
 
+#include "base/list.h"
+
 #include <stdlib.h>
 #include <string.h>
 
@@ -44,12 +46,8 @@ kept_drop(struct kept_passes *k)
 void
 kept_note_time(struct kept_cache *k, uint64_t now_ms)
 {
-    uint64_t *p = realloc(k->closed_ms, (k->nclosed + 1u) * sizeof *p);
-
-    if (!p)
-        return;
-    k->closed_ms = p;
-    p[k->nclosed++] = now_ms;
+    if (rad_list_grow(&k->closed_ms, k->nclosed, sizeof *k->closed_ms))
+        k->closed_ms[k->nclosed++] = now_ms;
 }
 
 void

@@ -17,8 +17,9 @@
 #include "jobs/job.h"
 #include "machine/steps.h"
 
+#include "base/list.h"
+
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 const struct steps part_steps = {
@@ -63,15 +64,8 @@ part_add(struct job *job, const char *name)
 
     if (i != JOB_NOBODY)
         return i;
-    if (job->nworkers == job->cap_workers) {
-        uint32_t cap = job->cap_workers ? 2 * job->cap_workers : 8;
-
-        w = realloc(job->workers, cap * sizeof *w);
-        if (!w)
-            return JOB_NOBODY;
-        job->workers = w;
-        job->cap_workers = cap;
-    }
+    if (!rad_list_grow(&job->workers, job->nworkers, sizeof *w))
+        return JOB_NOBODY;
     w = &job->workers[job->nworkers];
     memset(w, 0, sizeof *w);
     snprintf(w->name, sizeof w->name, "%s", name);

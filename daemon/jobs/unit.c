@@ -21,7 +21,8 @@
 #include "jobs/part.h"
 #include "machine/steps.h"
 
-#include <stdlib.h>
+#include "base/list.h"
+
 #include <string.h>
 
 const struct steps unit_steps = {
@@ -50,20 +51,12 @@ unit_first_attempt(const struct job *job)
 bool
 unit_grow(struct job *job)
 {
-    uint32_t n = partition_total(job->partition);
+    struct job_unit *u;
 
-    if (n > job->cap_units) {
-        uint32_t cap = n > 2 * job->cap_units ? n : 2 * job->cap_units;
-        struct job_unit *v = realloc(job->units, cap * sizeof *v);
-
-        if (!v)
+    for (; job->nunits < partition_total(job->partition); job->nunits++) {
+        if (!rad_list_grow(&job->units, job->nunits, sizeof *u))
             return false;
-        job->units = v;
-        job->cap_units = cap;
-    }
-    for (; job->nunits < n; job->nunits++) {
-        struct job_unit *u = &job->units[job->nunits];
-
+        u = &job->units[job->nunits];
         memset(u, 0, sizeof *u);
         u->worker = u->crasher = JOB_NOBODY;
         u->attempt = unit_first_attempt(job);
@@ -74,15 +67,8 @@ unit_grow(struct job *job)
 static bool
 add_suspect(struct job *job, uint32_t unit)
 {
-    if (job->nsuspects == job->cap_suspects) {
-        uint32_t cap = job->cap_suspects ? 2 * job->cap_suspects : 16;
-        uint32_t *v = realloc(job->suspects, cap * sizeof *v);
-
-        if (!v)
-            return false;
-        job->suspects = v;
-        job->cap_suspects = cap;
-    }
+    if (!rad_list_grow(&job->suspects, job->nsuspects, sizeof *job->suspects))
+        return false;
     job->suspects[job->nsuspects++] = unit;
     return true;
 }

@@ -7,6 +7,8 @@
 #include "proto/codec.h"
 #include "jobs/job.h"
 
+#include "base/list.h"
+
 #include <stdlib.h>
 #include <string.h>
 
@@ -97,7 +99,6 @@ struct reading {
     struct msg spec, progress;
     struct saved_frame *frames;
     struct saved_unit *units;
-    uint32_t cap;
     struct rad_arena mem; /* texts and blobs of units */
     struct rad_error *err;
 };
@@ -171,15 +172,8 @@ add_unit(struct reading *r, sqlite3_stmt *s)
 {
     struct saved_unit *u;
 
-    if (r->saved.nunits == r->cap) {
-        uint32_t cap = r->cap ? 2 * r->cap : 64;
-
-        u = realloc(r->units, cap * sizeof *u);
-        if (!u)
-            return no_memory(r->err);
-        r->units = u;
-        r->cap = cap;
-    }
+    if (!rad_list_grow(&r->units, r->saved.nunits, sizeof *u))
+        return no_memory(r->err);
     u = &r->units[r->saved.nunits];
     memset(u, 0, sizeof *u);
     if (!get_unit(r, s, u))

@@ -10,6 +10,8 @@
 #include "jobs/part.h"
 #include "links/introduce.h"
 
+#include "base/list.h"
+
 #include <stdlib.h>
 #include <string.h>
 
@@ -24,7 +26,7 @@ struct pair {
 
 struct links {
     struct pair *pair; /* the oldest first */
-    size_t n, cap;
+    size_t n;
 };
 
 void
@@ -71,15 +73,8 @@ has(const struct pair *p, uint32_t index)
 static bool
 note(struct links *l, uint32_t a, uint32_t b)
 {
-    if (l->n == l->cap) {
-        size_t cap = l->cap ? 2 * l->cap : 64;
-        struct pair *p = realloc(l->pair, cap * sizeof *p);
-
-        if (!p)
-            return false;
-        l->pair = p;
-        l->cap = cap;
-    }
+    if (!rad_list_grow(&l->pair, l->n, sizeof *l->pair))
+        return false;
     l->pair[l->n++] = (struct pair){ a < b ? a : b, a < b ? b : a };
     return true;
 }

@@ -5,6 +5,8 @@
 
 #include "proto/frame.h"
 
+#include "base/list.h"
+
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -122,17 +124,10 @@ actions_send_kept(struct action_list *l, uint64_t conn, const uint8_t *kept,
 bool
 actions_own(struct action_list *l, char *text)
 {
-    if (l->ntexts == l->cap_texts) {
-        size_t cap = l->cap_texts ? 2 * l->cap_texts : 4;
-        char **v = realloc(l->texts, cap * sizeof *v);
-
-        if (!v) {
-            free(text);
-            l->failed = true;
-            return false;
-        }
-        l->texts = v;
-        l->cap_texts = cap;
+    if (!rad_list_grow(&l->texts, l->ntexts, sizeof *l->texts)) {
+        free(text);
+        l->failed = true;
+        return false;
     }
     l->texts[l->ntexts++] = text;
     return true;

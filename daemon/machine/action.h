@@ -150,7 +150,7 @@ struct action_list {
     struct rad_arena mem;
     struct wire_out scratch; /* where messages are packed */
     char **texts;            /* that it owns, see actions_own() */
-    size_t ntexts, cap_texts;
+    size_t ntexts;
     bool failed;             /* memory is out: the daemon must end */
 };
 

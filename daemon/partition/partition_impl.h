@@ -25,13 +25,13 @@ struct partition_lines;
 
 struct partition {
     struct partition_unit *unit;
-    uint32_t total, cap;
+    uint32_t total;
     uint32_t waiting; /* units in state PARTITION_WAITING */
     uint32_t undone;  /* units that are not done */
     uint32_t open;    /* frames that may go out */
     uint32_t shut;    /* waiting units of those that may not */
     uint32_t *back;   /* units that came back, a stack */
-    uint32_t nback, cap_back;
+    uint32_t nback;
     double cost_total;
     enum msg_partition kind;
     char choice[160];

@@ -9,6 +9,7 @@
 
 #include "partition/partition_lines.h"
 
+#include "base/list.h"
 #include "picture/quincunx.h"
 
 #include <stdio.h>
@@ -267,17 +268,11 @@ lines_left(const struct partition *p)
 struct asker *
 lines_asker(struct partition_lines *s, uint32_t worker)
 {
-    if (worker >= s->cap_who) {
-        uint32_t cap = worker < 8 ? 16 : 2 * worker;
-        struct asker *v = realloc(s->who, cap * sizeof *v);
-
-        if (!v)
+    while (s->nwho <= worker) {
+        if (!rad_list_grow(&s->who, s->nwho, sizeof *s->who))
             return NULL;
-        s->who = v;
-        s->cap_who = cap;
-    }
-    while (s->nwho <= worker)
         s->who[s->nwho++] = (struct asker){ .from = 0 };
+    }
     return &s->who[worker];
 }
 

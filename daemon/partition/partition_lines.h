@@ -41,7 +41,7 @@ struct partition_lines {
     uint32_t lo;           /* frames before have no free line */
     uint32_t nfree, nkept; /* of all frames */
     struct asker *who;
-    uint32_t nwho, cap_who;
+    uint32_t nwho;
     uint32_t most; /* workers that took part at a time */
 };
 

@@ -4,7 +4,8 @@
 
 #include "partition/partition_impl.h"
 
-#include <stdlib.h>
+#include "base/list.h"
+
 #include <string.h>
 
 uint32_t
@@ -12,15 +13,8 @@ partition_add(struct partition *p, const struct partition_area *area)
 {
     struct partition_unit *u;
 
-    if (p->total == p->cap) {
-        uint32_t cap = p->cap ? 2 * p->cap : 64;
-
-        u = realloc(p->unit, cap * sizeof *u);
-        if (!u)
-            return PARTITION_NONE;
-        p->unit = u;
-        p->cap = cap;
-    }
+    if (!rad_list_grow(&p->unit, p->total, sizeof *u))
+        return PARTITION_NONE;
     u = &p->unit[p->total];
     memset(u, 0, sizeof *u);
     u->area = *area;
@@ -33,15 +27,8 @@ partition_add(struct partition *p, const struct partition_area *area)
 bool
 partition_back(struct partition *p, uint32_t unit)
 {
-    if (p->nback == p->cap_back) {
-        uint32_t cap = p->cap_back ? 2 * p->cap_back : 64;
-        uint32_t *v = realloc(p->back, cap * sizeof *v);
-
-        if (!v)
-            return false;
-        p->back = v;
-        p->cap_back = cap;
-    }
+    if (!rad_list_grow(&p->back, p->nback, sizeof *p->back))
+        return false;
     p->back[p->nback++] = unit;
     return true;
 }

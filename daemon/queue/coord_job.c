@@ -25,11 +25,11 @@
 #include "users/known.h"
 #include "users/uploads.h"
 
+#include "base/list.h"
 #include "base/text.h"
 
 #include <inttypes.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 #include <sysexits.h>
 
@@ -105,15 +105,8 @@ coord_add_job(struct coord *c, struct job *job)
 {
     size_t i = c->njobs;
 
-    if (c->njobs == c->cap_jobs) {
-        size_t cap = c->cap_jobs ? 2 * c->cap_jobs : 16;
-        struct job **v = realloc(c->jobs, cap * sizeof *v);
-
-        if (!v)
-            return false;
-        c->jobs = v;
-        c->cap_jobs = cap;
-    }
+    if (!rad_list_grow(&c->jobs, c->njobs, sizeof *c->jobs))
+        return false;
     job->payer = desk_owner(c, job->owner);
     if (!job->payer)
         return false;

@@ -16,10 +16,10 @@
 #include "jobs/job.h"
 #include "queue/coord_job.h"
 
+#include "base/list.h"
 #include "base/text.h"
 
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 #include <time.h>
 
@@ -230,15 +230,8 @@ coord_recall_gone(struct coord *c, const struct saved_gone *g)
 {
     if (g->why == GONE_DELETED)
         return; /* the user who deleted it knows */
-    if (c->ngones == c->cap_gones) {
-        size_t cap = c->cap_gones ? 2 * c->cap_gones : 16;
-        struct saved_gone *v = realloc(c->gones, cap * sizeof *v);
-
-        if (!v)
-            return; /* it is for the user's information */
-        c->gones = v;
-        c->cap_gones = cap;
-    }
+    if (!rad_list_grow(&c->gones, c->ngones, sizeof *c->gones))
+        return; /* it is for the user's information */
     c->gones[c->ngones] = *g;
     if (c->gones[c->ngones].sequence == 0)
         c->gones[c->ngones].sequence = ++c->sequence;

@@ -113,7 +113,7 @@ struct wjob {
     uint64_t bytes_in, bytes_out;
     uint64_t base_line_bytes, base_line_pixels; /* as in msg_tally */
     struct wunit *units; /* with the child, in the order in which they came */
-    size_t nunits, cap_units;
+    size_t nunits;
     size_t kept_bytes;
     struct wkept *kept, **kept_tail;
     struct wpeer *peers;
@@ -157,7 +157,7 @@ struct worker {
     struct wjob *jobs;
     struct wcaller *callers;
     struct wasked *asked; /* that have not come */
-    uint32_t nasked, cap_asked;
+    uint32_t nasked;
 };
 
 /* --- worker_post.c --- */

@@ -11,6 +11,8 @@
 #include "machine/shelf.h"
 #include "worker/state.h"
 
+#include "base/list.h"
+
 #include <stdlib.h>
 #include <string.h>
 
@@ -59,15 +61,8 @@ wjob_drop_unit(struct wjob *job, uint32_t unit, uint32_t attempt)
 bool
 wjob_add_unit(struct wjob *job, uint32_t unit, uint32_t attempt)
 {
-    if (job->nunits == job->cap_units) {
-        size_t cap = job->cap_units ? 2 * job->cap_units : 16;
-        struct wunit *v = realloc(job->units, cap * sizeof *v);
-
-        if (!v)
-            return false;
-        job->units = v;
-        job->cap_units = cap;
-    }
+    if (!rad_list_grow(&job->units, job->nunits, sizeof *job->units))
+        return false;
     job->units[job->nunits++] =
         (struct wunit){ .unit = unit, .attempt = attempt };
     return true;

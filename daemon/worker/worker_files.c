@@ -19,7 +19,8 @@
 #include "worker/wjob.h"
 #include "worker/worker.h"
 
-#include <stdlib.h>
+#include "base/list.h"
+
 #include <string.h>
 #include <sysexits.h>
 
@@ -38,15 +39,8 @@ find_asked(const struct worker *w, const uint8_t *hash)
 static bool
 add_asked(struct worker *w, const uint8_t *hash)
 {
-    if (w->nasked == w->cap_asked) {
-        uint32_t cap = w->cap_asked ? 2 * w->cap_asked : 64;
-        struct wasked *v = realloc(w->asked, cap * sizeof *v);
-
-        if (!v)
-            return false;
-        w->asked = v;
-        w->cap_asked = cap;
-    }
+    if (!rad_list_grow(&w->asked, w->nasked, sizeof *w->asked))
+        return false;
     w->asked[w->nasked] = (struct wasked){ .state = WASKED_WANTED };
     memcpy(w->asked[w->nasked++].hash, hash, MSG_HASH);
     return true;

@@ -14,6 +14,8 @@ librad_a_SOURCES += \
 	src/base/help.h \
 	src/base/hex.c \
 	src/base/hex.h \
+	src/base/list.c \
+	src/base/list.h \
 	src/base/number.c \
 	src/base/number.h \
 	src/base/output.c \

@@ -6,6 +6,7 @@
 #include "config.h"
 
 #include "picture/paint.h"
+#include "base/list.h"
 #include "base/rng.h"
 #include "base/vec.h"
 #include "light/direct/source.h"
@@ -216,20 +217,6 @@ find_outline(const struct rad_job *job, int32_t i,
     return out->ncorners >= 3;
 }
 
-/* Room for one more in the list, which doubles. */
-static bool
-grow(struct rad_paint *p)
-{
-    size_t n = (size_t)p->n;
-    struct rad_paint_source *more = p->list;
-
-    if ((n & (n - 1)) == 0)
-        more = realloc(p->list, (n ? 2 * n : 1) * sizeof *more);
-    if (more)
-        p->list = more;
-    return more;
-}
-
 int
 rad_paint_init(struct rad_paint *p, const struct rad_job *job,
                const struct rad_view *v, int width, struct rad_error *err)
@@ -250,7 +237,7 @@ rad_paint_init(struct rad_paint *p, const struct rad_job *job,
             !find_outline(job, i, &shape, v, &s) ||
             least_width2(s.corner, s.ncorners, v->vn2 / v->hn2) > step * step)
             continue;
-        if (!grow(p)) {
+        if (!rad_list_grow(&p->list, (size_t)p->n, sizeof *p->list)) {
             rad_paint_release(p);
             return rad_fail(err, RAD_ENOMEM, "out of memory");
         }

@@ -6,6 +6,7 @@
  * first. */
 #include "config.h"
 
+#include "base/list.h"
 #include "scene/meshfile.h"
 #include "scene/octfile.h"
 #include "scene/part.h"
@@ -69,18 +70,8 @@ add_part(struct rad_scene *s, const struct rad_object *o, struct rad_error *err)
                  RAD_MAX_PARTS);
         return NULL;
     }
-    if ((n & (n - 1)) == 0) { /* full at each power of two */
-        struct rad_part **more =
-            realloc(s->parts, (n ? 2 * (size_t)n : 1) * sizeof *more);
-
-        if (!more) {
-            rad_fail(err, RAD_ENOMEM, "out of memory");
-            return NULL;
-        }
-        s->parts = more;
-    }
     p = rad_arena_calloc(&s->arena, 1, sizeof *p);
-    if (!p) {
+    if (!p || !rad_list_grow(&s->parts, (size_t)n, sizeof *s->parts)) {
         rad_fail(err, RAD_ENOMEM, "out of memory");
         return NULL;
     }

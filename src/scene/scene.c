@@ -7,6 +7,7 @@
 #include "config.h"
 
 #include "scene/scene.h"
+#include "base/list.h"
 #include "scene/meshfile.h"
 
 #include <math.h>
@@ -74,14 +75,8 @@ rad_scene_add_file(struct rad_scene *s, const char *name, struct rad_error *err)
 {
     int32_t n = s->nfiles;
 
-    if ((n & (n - 1)) == 0) { /* full at each power of two */
-        const char **more =
-            realloc(s->files, (n ? 2 * (size_t)n : 1) * sizeof *more);
-
-        if (!more)
-            return out_of_memory(err);
-        s->files = more;
-    }
+    if (!rad_list_grow(&s->files, (size_t)n, sizeof *s->files))
+        return out_of_memory(err);
     s->files[n] = rad_arena_strndup(&s->arena, name, strlen(name));
     if (!s->files[n])
         return out_of_memory(err);

@@ -2,6 +2,7 @@
 #include "config.h"
 
 #include "scene/file/bundle.h"
+#include "base/list.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -72,19 +73,11 @@ check_name(const char *name, struct rad_error *err)
 static int
 reserve_one(struct rad_bundle *b, struct rad_error *err)
 {
-    struct rad_bundle_entry *more;
-    int capacity = b->capacity ? 2 * b->capacity : 8;
-
-    if (b->n < b->capacity)
-        return 0;
     if (b->n >= RAD_MAX_BUNDLE_FILES)
         return rad_fail(err, RAD_EDATA, "more than %d files",
                         RAD_MAX_BUNDLE_FILES);
-    more = realloc(b->entries, (size_t)capacity * sizeof *more);
-    if (!more)
+    if (!rad_list_grow(&b->entries, (size_t)b->n, sizeof *b->entries))
         return rad_fail(err, RAD_ENOMEM, "out of memory");
-    b->entries = more;
-    b->capacity = capacity;
     return 0;
 }
 

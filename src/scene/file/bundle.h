@@ -55,7 +55,6 @@ struct rad_bundle_entry {
 struct rad_bundle {
     struct rad_bundle_entry *entries; /* sorted by role, then name */
     int n;
-    int capacity;
 };
 
 void rad_bundle_init(struct rad_bundle *b);
