@@ -50,6 +50,25 @@ desk_find_job(const struct coord *c, const uint8_t id[MSG_JOB])
     return NULL;
 }
 
+struct job *
+desk_same_job(const struct coord *c, const uint8_t id[MSG_JOB],
+              uint64_t sequence)
+{
+    struct job *job = desk_find_job(c, id);
+
+    return job && job->sequence == sequence ? job : NULL;
+}
+
+struct coord_worker *
+desk_find_worker(const struct coord *c, const char *name)
+{
+    struct coord_worker *w = c->workers;
+
+    while (w && strcmp(w->name, name) != 0)
+        w = w->next;
+    return w;
+}
+
 struct coord_owner *
 desk_owner(struct coord *c, const char *name)
 {

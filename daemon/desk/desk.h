@@ -124,6 +124,12 @@ size_t desk_slot(uint64_t id);
 struct coord_conn *desk_find_conn(const struct coord *c, uint64_t id);
 /* The job of that id, or NULL. */
 struct job *desk_find_job(const struct coord *c, const uint8_t id[MSG_JOB]);
+/* The same, if the job has that sequence number: the id of one that was deleted
+ * may be another's now. */
+struct job *desk_same_job(const struct coord *c, const uint8_t id[MSG_JOB],
+                          uint64_t sequence);
+/* The worker of that name, there or gone, or NULL. */
+struct coord_worker *desk_find_worker(const struct coord *c, const char *name);
 /* The owner of that name, who may be new; NULL: memory is out. */
 struct coord_owner *desk_owner(struct coord *c, const char *name);
 /* Index of the worker in the job; JOB_NOBODY: it has no part in it. */

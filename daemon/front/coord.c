@@ -425,12 +425,12 @@ void
 coord_rows_stored(struct coord *c, uint64_t now_ms,
                   const struct action_rows *key, int status, const char *text)
 {
-    struct job *job = desk_find_job(c, key->job);
+    struct job *job = desk_same_job(c, key->job, key->sequence);
 
     c->now_ms = now_ms;
     if (status == 0)
         result_stored(c, key);
-    else if (job && job->sequence == key->sequence)
+    else if (job)
         verdict_job(c, job, JOB_FAILED, status, text);
     settle(c, true);
 }
@@ -459,7 +459,7 @@ void
 coord_job_filed(struct coord *c, uint64_t now_ms, const uint8_t id[MSG_JOB],
                 uint64_t sequence, uint64_t bytes, uint64_t cache_bytes)
 {
-    struct job *job = coord_same_job(c, id, sequence);
+    struct job *job = desk_same_job(c, id, sequence);
 
     c->now_ms = now_ms;
     if (job) {
@@ -477,7 +477,7 @@ coord_cache_came(struct coord *c, uint64_t now_ms, const uint8_t id[MSG_JOB],
                  uint64_t sequence, uint8_t *records, size_t n, int status,
                  const char *text)
 {
-    struct job *job = coord_same_job(c, id, sequence);
+    struct job *job = desk_same_job(c, id, sequence);
 
     c->now_ms = now_ms;
     if (job && !job_over(job))
@@ -533,14 +533,10 @@ coord_fullness(struct coord *c, uint64_t now_ms, bool full, const char *text)
 void
 coord_expel(struct coord *c, uint64_t now_ms, const char *name)
 {
-    struct coord_worker *w = c->workers;
+    const struct coord_worker *w = desk_find_worker(c, name);
 
     c->now_ms = now_ms;
-    while (w && strcmp(w->name, name) != 0)
-        w = w->next;
-    if (!w)
-        return;
-    for (size_t i = 0; i < c->njobs; i++)
+    for (size_t i = 0; w && i < c->njobs; i++)
         if (!job_over(c->jobs[i]))
             introduce_drop(c, c->jobs[i], w);
 }
@@ -582,7 +578,7 @@ void
 coord_job_waits(struct coord *c, uint64_t now_ms, const uint8_t id[MSG_JOB],
                 uint64_t sequence, const char *text)
 {
-    struct job *job = coord_same_job(c, id, sequence);
+    struct job *job = desk_same_job(c, id, sequence);
 
     c->now_ms = now_ms;
     if (!job || job_over(job))

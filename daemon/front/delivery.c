@@ -32,16 +32,6 @@ send_text(struct coord *c, const struct coord_conn *conn, uint32_t request,
     }
 }
 
-/* The job whose statistics are told; NULL: it was deleted, and its id may be
- * another's now. */
-static const struct job *
-told_of(const struct coord *c, const struct coord_telling *t)
-{
-    const struct job *job = desk_find_job(c, t->job);
-
-    return job && job->sequence == t->sequence ? job : NULL;
-}
-
 /* Send the next bytes of statistics that are whole; false: all are sent. */
 static bool
 send_more(struct coord *c, const struct coord_conn *conn,
@@ -58,7 +48,7 @@ send_more(struct coord *c, const struct coord_conn *conn,
 static bool
 tell_more(struct coord *c, struct coord_conn *conn, struct coord_telling *t)
 {
-    const struct job *job = told_of(c, t);
+    const struct job *job = desk_same_job(c, t->job, t->sequence);
     int rc;
 
     if (t->whole)

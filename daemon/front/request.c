@@ -210,16 +210,14 @@ static struct coord_worker *
 worker_of_request(struct coord *c, struct coord_conn *conn, uint32_t request,
                   const char *name)
 {
-    struct coord_worker *w = c->workers;
+    struct coord_worker *w = desk_find_worker(c, name);
     char text[MSG_MAX_TEXT + 1];
 
-    while (w && (w->forgotten || strcmp(w->name, name) != 0))
-        w = w->next;
-    if (!w) {
-        snprintf(text, sizeof text, "no worker '%s'", name);
-        desk_reply_failed(c, conn, request, NULL, EX_NOINPUT, text);
-    }
-    return w;
+    if (w && !w->forgotten)
+        return w;
+    snprintf(text, sizeof text, "no worker '%s'", name);
+    desk_reply_failed(c, conn, request, NULL, EX_NOINPUT, text);
+    return NULL;
 }
 
 static void

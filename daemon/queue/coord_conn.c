@@ -189,20 +189,18 @@ refuse(struct coord *c, struct coord_conn *conn, uint32_t request, int status,
 struct coord_worker *
 coord_worker_of(struct coord *c, const char *name)
 {
-    struct coord_worker *w, **link = &c->workers;
+    struct coord_worker *w = desk_find_worker(c, name), **end = &c->workers;
 
-    for (; (w = *link) != NULL; link = &w->next)
-        if (strcmp(w->name, name) == 0)
-            return w;
-    w = calloc(1, sizeof *w);
-    if (w) {
-        snprintf(w->name, sizeof w->name, "%s", name);
-        w->id = c->nworkers++;
-        w->relative = 1;
-        w->priority = w->rank = INT64_MIN;
-        w->since_ms = c->now_ms; /* of an earlier life: gone since then */
-        *link = w;
-    }
+    if (w || !(w = calloc(1, sizeof *w)))
+        return w;
+    snprintf(w->name, sizeof w->name, "%s", name);
+    w->id = c->nworkers++;
+    w->relative = 1;
+    w->priority = w->rank = INT64_MIN;
+    w->since_ms = c->now_ms; /* of an earlier life: gone since then */
+    while (*end)
+        end = &(*end)->next;
+    *end = w;
     return w;
 }
 

@@ -36,16 +36,6 @@
 #define LOOK_FILES 512  /* of a job at once */
 #define LINGER_MS  2000 /* a job that is over is whole */
 
-/* Another job may have been given the id of one that was deleted. */
-struct job *
-coord_same_job(const struct coord *c, const uint8_t id[MSG_JOB],
-               uint64_t sequence)
-{
-    struct job *job = desk_find_job(c, id);
-
-    return job && job->sequence == sequence ? job : NULL;
-}
-
 void
 coord_send_progress(struct coord *c, const struct coord_conn *conn,
                     const struct job *job)
@@ -247,7 +237,7 @@ static struct job *
 stored(struct coord *c, const uint8_t id[MSG_JOB], uint64_t sequence,
        int status, const char *text)
 {
-    struct job *job = coord_same_job(c, id, sequence);
+    struct job *job = desk_same_job(c, id, sequence);
 
     if (!job || job_over(job))
         return NULL;

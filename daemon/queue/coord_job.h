@@ -6,10 +6,6 @@
 
 #include "desk/desk.h"
 
-/* The job of that id, if it has that sequence number; else NULL. */
-struct job *coord_same_job(const struct coord *c, const uint8_t id[MSG_JOB],
-                           uint64_t sequence);
-
 /* To a connection that watches the job: how far the job is, that it is
  * accepted, and how it ended. */
 void coord_send_progress(struct coord *c, const struct coord_conn *conn,

@@ -411,12 +411,12 @@ finish(struct coord *c, struct job *job, uint32_t unit)
 void
 result_stored(struct coord *c, const struct action_rows *key)
 {
-    struct job *job = desk_find_job(c, key->job);
+    struct job *job = desk_same_job(c, key->job, key->sequence);
     struct coord_conn *conn = desk_find_conn(c, key->conn);
     struct job_unit *u;
     uint64_t pixels = (uint64_t)key->rows * key->width;
 
-    if (!job || job_over(job) || job->sequence != key->sequence)
+    if (!job || job_over(job))
         return;
     u = &job->units[key->unit];
     if (conn && conn->worker)
