@@ -239,10 +239,7 @@ desk_keep_unit(struct coord *c, const struct job *job, uint32_t unit)
     s->tries = u->tries;
     s->stored = u->stored_rows;
     s->fingerprint = jw ? jw->fingerprint : 0;
-    s->worker = rad_arena_strndup(&c->actions.mem, jw ? jw->name : "",
-                                  jw ? strlen(jw->name) : 0);
-    if (!s->worker)
-        c->actions.failed = true;
+    s->worker = actions_keep_text(&c->actions, jw ? jw->name : "");
 }
 
 bool

@@ -8,8 +8,6 @@
 
 #include "base/text.h"
 
-#include <string.h>
-
 static void
 note_conn(struct coord *c, uint64_t id, enum coord_verdict verdict,
           const char *why)
@@ -19,11 +17,9 @@ note_conn(struct coord *c, uint64_t id, enum coord_verdict verdict,
     if (!conn || conn->verdict != CONN_STAYS)
         return;
     conn->verdict = verdict;
-    conn->why = rad_arena_strndup(&c->actions.mem, why, strlen(why));
-    if (!conn->why) {
+    conn->why = actions_keep_text(&c->actions, why);
+    if (!conn->why)
         conn->why = "out of memory";
-        c->actions.failed = true;
-    }
     c->verdicts++;
 }
 

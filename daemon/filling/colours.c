@@ -61,8 +61,6 @@ colours_keep(struct coord *c, struct job *job, const struct rad_pass *pass,
         return;
     a->colours = lattice(job, pass, m->tile);
     a->colours.rgbe = actions_keep(&c->actions, m->colours, m->colours_len);
-    if (!a->colours.rgbe)
-        c->actions.failed = true;
 }
 
 void

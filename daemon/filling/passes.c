@@ -348,9 +348,7 @@ keep_closed(struct coord *c, const struct job *job, uint32_t pass,
         return;
     saved.bytes = actions_keep(&c->actions, bytes, len);
     a->frame = pass;
-    a->pass = rad_arena_dup(&c->actions.mem, &saved, sizeof saved);
-    if (!saved.bytes || !a->pass)
-        c->actions.failed = true;
+    a->pass = actions_keep(&c->actions, &saved, sizeof saved);
 }
 
 /* The job's goal is not reached: drop the records, and begin anew with the next

@@ -128,12 +128,8 @@ tell_options(struct coord *c, const struct job *job)
 {
     struct action *a = actions_add_job(&c->actions, ACT_OPTIONS, 0, job->id);
 
-    if (!a)
-        return;
-    a->text = rad_arena_dup(&c->actions.mem, job->goal.options,
-                            strlen(job->goal.options) + 1);
-    if (!a->text)
-        c->actions.failed = true;
+    if (a)
+        a->text = actions_keep_text(&c->actions, job->goal.options);
 }
 
 bool

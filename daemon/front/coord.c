@@ -148,9 +148,7 @@ send_file(struct coord *c, uint64_t conn, uint32_t request, const uint8_t *hash)
     if (!a)
         return;
     a->request = request;
-    a->hash = rad_arena_dup(&c->actions.mem, hash, MSG_HASH);
-    if (!a->hash)
-        c->actions.failed = true;
+    a->hash = actions_keep(&c->actions, hash, MSG_HASH);
 }
 
 /* A worker lacks files: it gets those of the job that it loads, and no others.
@@ -165,11 +163,9 @@ on_want(struct coord *c, struct coord_worker *w, const struct msg *m)
 
     if (!f || f->n == 0)
         return;
-    own = rad_arena_dup(&c->actions.mem, f->hash, (size_t)f->n * MSG_HASH);
-    if (!own) {
-        c->actions.failed = true;
+    own = actions_keep(&c->actions, f->hash, (size_t)f->n * MSG_HASH);
+    if (!own)
         return;
-    }
     n = rad_sha_unique(own, f->n);
     for (uint32_t i = 0; i < m->want.n; i++) {
         const uint8_t *hash = m->want.hash + (size_t)i * MSG_HASH;

@@ -200,9 +200,7 @@ keep_drained(struct coord *c, const struct coord_worker *w)
     if (!a)
         return;
     a->status = w->drained;
-    a->text = rad_arena_strndup(&c->actions.mem, w->name, strlen(w->name));
-    if (!a->text)
-        c->actions.failed = true;
+    a->text = actions_keep_text(&c->actions, w->name);
 }
 
 /* The worker of that name; NULL: there is none, and the sender is told. */
@@ -281,12 +279,8 @@ on_key(struct coord *c, struct coord_conn *conn, const struct msg *m)
         return;
     a->request = m->request;
     a->key = m->key;
-    a->key.name =
-        rad_arena_strndup(&c->actions.mem, m->key.name, strlen(m->key.name));
-    a->text =
-        rad_arena_strndup(&c->actions.mem, conn->owner, strlen(conn->owner));
-    if (!a->key.name || !a->text)
-        c->actions.failed = true;
+    a->key.name = actions_keep_text(&c->actions, m->key.name);
+    a->text = actions_keep_text(&c->actions, conn->owner);
 }
 
 /* Answers that wait for the disk are limited in number. */

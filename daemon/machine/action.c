@@ -63,18 +63,31 @@ actions_add(struct action_list *l, enum action_type type, uint64_t conn)
     return &l->v[l->n++];
 }
 
+void *
+actions_keep(struct action_list *l, const void *bytes, size_t len)
+{
+    void *copy = rad_arena_dup(&l->mem, bytes, len);
+
+    if (!copy)
+        l->failed = true;
+    return copy;
+}
+
+char *
+actions_keep_text(struct action_list *l, const char *text)
+{
+    return actions_keep(l, text, strlen(text) + 1);
+}
+
 struct action *
 actions_add_job(struct action_list *l, enum action_type type, uint64_t conn,
                 const uint8_t job[MSG_JOB])
 {
-    const uint8_t *copy = rad_arena_dup(&l->mem, job, MSG_JOB);
+    const uint8_t *copy = actions_keep(l, job, MSG_JOB);
     struct action *a = copy ? actions_add(l, type, conn) : NULL;
 
-    if (!a) {
-        l->failed = true;
-        return NULL;
-    }
-    a->job = copy;
+    if (a)
+        a->job = copy;
     return a;
 }
 
@@ -97,16 +110,6 @@ actions_send_bytes(struct action_list *l, uint64_t conn, const uint8_t *bytes,
 
     if (copy)
         actions_send_kept(l, conn, copy, len);
-}
-
-uint8_t *
-actions_keep(struct action_list *l, const uint8_t *bytes, size_t len)
-{
-    uint8_t *copy = rad_arena_dup(&l->mem, bytes, len);
-
-    if (!copy)
-        l->failed = true;
-    return copy;
 }
 
 void
@@ -179,7 +182,5 @@ actions_log(struct action_list *l, enum action_level level, const char *fmt,
     if (!a)
         return;
     a->level = level;
-    a->text = rad_arena_strndup(&l->mem, buf, strlen(buf));
-    if (!a->text)
-        l->failed = true;
+    a->text = actions_keep_text(l, buf);
 }

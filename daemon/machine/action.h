@@ -156,15 +156,13 @@ struct action_list {
 
 void actions_init(struct action_list *l);
 void actions_release(struct action_list *l);
-
 /* Forget the actions, after they were carried out. */
 void actions_clear(struct action_list *l);
 
-/* Append one; NULL when memory is out (l->failed is set). */
+/* Append one, or one about a job, whose id is copied; NULL when memory is out
+ * (l->failed is set). */
 struct action *actions_add(struct action_list *l, enum action_type type,
                            uint64_t conn);
-
-/* Append one about a job, whose id is copied. */
 struct action *actions_add_job(struct action_list *l, enum action_type type,
                                uint64_t conn, const uint8_t job[MSG_JOB]);
 
@@ -172,21 +170,23 @@ struct action *actions_add_job(struct action_list *l, enum action_type type,
  * a bug: it sets l->failed. */
 void actions_send(struct action_list *l, uint64_t conn, const struct msg *m);
 
-/* ACT_SEND of bytes that are a whole frame already (copied). */
+/* ACT_SEND of bytes that are a whole frame already: a copy, or these, which
+ * were kept for several connections. */
 void actions_send_bytes(struct action_list *l, uint64_t conn,
                         const uint8_t *bytes, size_t len);
-/* The same for several connections without a copy for each: keep the bytes
- * first.  NULL: memory is out, and l->failed is set. */
-uint8_t *actions_keep(struct action_list *l, const uint8_t *bytes, size_t len);
 void actions_send_kept(struct action_list *l, uint64_t conn,
                        const uint8_t *kept, size_t len);
+
+/* Copies of what an action points at, which last as long as the actions.  NULL:
+ * memory is out, and l->failed is set. */
+void *actions_keep(struct action_list *l, const void *bytes, size_t len);
+char *actions_keep_text(struct action_list *l, const char *text);
 
 /* Take a text, malloc'd, that is too long to be copied: it is freed with the
  * actions, unless actions_take() got it.  False: memory is out; it is freed,
  * and l->failed is set. */
 bool actions_own(struct action_list *l, char *text);
-/* The text that begins there is the caller's from now on; NULL: it was not the
- * list's. */
+/* That text is the caller's from now on; NULL: it was not the list's. */
 char *actions_take(struct action_list *l, const uint8_t *text);
 
 void actions_session(struct action_list *l, uint64_t conn,

@@ -306,9 +306,7 @@ coord_forget_job(struct coord *c, const struct job *job, enum gone_why why)
     char text[MSG_MAX_TEXT + 1];
 
     if (a)
-        a->gone = rad_arena_dup(&c->actions.mem, &gone, sizeof gone);
-    if (a && !a->gone)
-        c->actions.failed = true;
+        a->gone = actions_keep(&c->actions, &gone, sizeof gone);
     coord_gone_text(&gone, text);
     actions_log(&c->actions, ACT_INFO, "job forgotten job=%s owner=%s why=%s",
                 job->hex, job->owner, text);

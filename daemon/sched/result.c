@@ -105,10 +105,8 @@ put_rows(struct coord *c, const struct job *job, uint64_t conn,
     memcpy(r->job, job->id, MSG_JOB);
     if (!m->last)
         return;
-    r->counts = rad_arena_dup(&c->actions.mem, &job->units[m->unit].counts,
-                              sizeof *r->counts);
-    if (!r->counts)
-        c->actions.failed = true;
+    r->counts = actions_keep(&c->actions, &job->units[m->unit].counts,
+                             sizeof *r->counts);
     add_bottom(job, m, r);
 }
 

@@ -77,11 +77,8 @@ peer_dial(struct worker *w, const struct wjob *job, struct wpeer *p)
     a = actions_add_job(&w->actions, ACT_DIAL, p->conn, job->id);
     if (!a)
         return;
-    a->text =
-        rad_arena_strndup(&w->actions.mem, p->address, strlen(p->address));
-    a->token = rad_arena_dup(&w->actions.mem, p->token, MSG_TOKEN);
-    if (!a->text || !a->token)
-        w->actions.failed = true;
+    a->text = actions_keep_text(&w->actions, p->address);
+    a->token = actions_keep(&w->actions, p->token, MSG_TOKEN);
 }
 
 struct wpeer *

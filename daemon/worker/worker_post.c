@@ -78,9 +78,7 @@ worker_stop(struct worker *w, int status, const char *text)
     if (!a)
         return;
     a->status = status;
-    a->text = rad_arena_strndup(&w->actions.mem, text, strlen(text));
-    if (!a->text)
-        w->actions.failed = true;
+    a->text = actions_keep_text(&w->actions, text);
 }
 
 bool
