@@ -3,7 +3,12 @@
 
 #include "proto/ambshare.h"
 
+#include "proto/message.h"
+
 #include <math.h>
+
+#define TOGETHER 1000 /* records in a FROZEN */
+_Static_assert(TOGETHER *AMBSHARE_BYTES <= MSG_MAX_AMBIENT, "too many");
 
 /* A unit vector of floats: each component is rounded to 2^-24 of itself, so
  * the square of its length is off by at most about 2^-23; what is off by more
@@ -102,6 +107,19 @@ ambshare_unpack(struct wire_in *in, struct rad_ambrec *rec)
     rec->weight = wire_get_f32(in);
     rec->level = wire_get_u16(in);
     return !in->bad && ambshare_sound(rec);
+}
+
+bool
+ambshare_piece(struct msg_frozen *m, const uint8_t *records, uint32_t n)
+{
+    if (m->last)
+        return false;
+    m->first += m->count;
+    m->count = n - m->first < TOGETHER ? n - m->first : TOGETHER;
+    m->last = m->first + m->count == n;
+    m->data = records + (size_t)m->first * AMBSHARE_BYTES;
+    m->len = (size_t)m->count * AMBSHARE_BYTES;
+    return true;
 }
 
 int

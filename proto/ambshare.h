@@ -25,6 +25,12 @@ bool ambshare_unpack(struct wire_in *in, struct rad_ambrec *rec);
 /* Is the record sound by the rules of ambshare_unpack()? */
 bool ambshare_sound(const struct rad_ambrec *rec);
 
+/* The next FROZEN with some of a pass's n records; its pieces count on from
+ * *m, which has but the job and the pass at first.  A pass without records has
+ * one.  False: there are no more. */
+struct msg_frozen;
+bool ambshare_piece(struct msg_frozen *m, const uint8_t *records, uint32_t n);
+
 /* Put the records of a file into the cache, as records made elsewhere.
  * RAD_EDATA: the file ends in the middle of a record, or has records that are
  * not sound or lie outside the scene; then the cache has the others. */

@@ -301,7 +301,6 @@ passes_state(const struct job *job)
     out.open = s->open;
     out.n = s->n;
     out.bytes = s->bytes;
-    out.checks = s->open < s->n && s->plan[s->open].check;
     if (s->opened > s->open && k->ntiles > 0)
         out.made = 1 - (double)k->left / k->ntiles;
     return out;
@@ -509,14 +508,50 @@ count(struct job *job, uint32_t pass, uint32_t index,
     progress_see(job);
 }
 
-/* Has the message what tiles of the pass have? */
-static bool
-is_sound(const struct rad_pass *pass, const struct msg_tile_made *m)
+/* What is wrong with a tile of that pass of the plan; NULL: nothing. */
+static const char *
+tile_fault(const struct job *job, uint32_t pass, const struct msg_tile_made *m)
 {
+    struct passes *s = job->passes;
     struct rad_refine_sums sums;
 
-    return pass->check ? m->count == 0 && sums_unpack(m->data, m->len, &sums)
-                       : m->len == (size_t)m->count * AMBSHARE_BYTES;
+    if (pass >= s->opened || m->tile >= passes_sheet(s, pass)->ntiles ||
+        s->bytes + m->len > MOST_BYTES ||
+        !colours_fit(job, &s->plan[pass], m->tile, m->colours_len))
+        return "a TILE_MADE that fits no tile";
+    if (!s->plan[pass].check)
+        return m->len == (size_t)m->count * AMBSHARE_BYTES
+                   ? NULL
+                   : "a TILE_MADE whose records have not their size";
+    return m->count == 0 && sums_unpack(m->data, m->len, &sums)
+               ? NULL
+               : "sums of a tile that are no finite numbers";
+}
+
+/* Take a tile of an open pass; false: another worker was first. */
+static bool
+take_tile(struct coord *c, struct job *job, uint32_t pass, uint32_t index,
+          const struct msg_tile_made *m)
+{
+    struct passes *s = job->passes;
+    struct sheet *k = passes_sheet(s, pass);
+    struct tile *t = &k->tile[m->tile];
+
+    if (tiles_take(k, t, index)) {
+        job->workers[index].ntiles[pass % MSG_OPEN_PASSES]--;
+        c->roomy = job->workers[index].worker;
+    }
+    if (t->made)
+        return false;
+    if (!keep(c, job, k, t, m))
+        return true;
+    records_feed(c, job, pass, m->tile);
+    count(job, pass, index, &m->counts);
+    dearest_note(s->dearest, &s->plan[pass], m->tile, m->counts.rays);
+    colours_keep(c, job, &s->plan[pass], m);
+    close_passes(c, job, is_before_units(s));
+    note_progress(job);
+    return true;
 }
 
 void
@@ -525,47 +560,21 @@ passes_made(struct coord *c, struct coord_worker *w, const struct msg *msg)
     const struct msg_tile_made *m = &msg->tile_made;
     uint32_t index, pass;
     struct job *job = desk_job_of(c, w, m->job, &index);
-    struct passes *s = job ? job->passes : NULL;
-    struct sheet *k;
-    struct tile *t;
-    bool is_open;
+    const char *fault;
 
-    if (!s)
+    if (!job || !job->passes)
         return;
-    pass = m->pass - s->base;
-    is_open = m->pass >= passes_number(s) && pass < s->opened;
-    k = is_open ? passes_sheet(s, pass) : NULL;
-    if ((m->pass >= passes_number(s) && !is_open) ||
-        (is_open && m->tile >= k->ntiles) || s->bytes + m->len > MOST_BYTES ||
-        (is_open &&
-         !colours_fit(job, &s->plan[pass], m->tile, m->colours_len))) {
-        verdict_break(c, w->conn, "a TILE_MADE that fits no tile");
-        return;
+    pass = m->pass - job->passes->base;
+    if (m->pass >= passes_number(job->passes)) {
+        fault = tile_fault(job, pass, m);
+        if (fault) {
+            verdict_break(c, w->conn, fault);
+            return;
+        }
+        if (take_tile(c, job, pass, index, m))
+            return;
     }
-    if (is_open && !is_sound(&s->plan[pass], m)) {
-        verdict_break(c, w->conn,
-                      s->plan[pass].check
-                          ? "sums of a tile that are no finite numbers"
-                          : "a TILE_MADE whose records have not their size");
-        return;
-    }
-    t = is_open ? &k->tile[m->tile] : NULL;
-    if (t && tiles_take(k, t, index)) {
-        job->workers[index].ntiles[pass % MSG_OPEN_PASSES]--;
-        c->roomy = w;
-    }
-    if (!t || t->made) { /* another was first */
-        msg_counts_add(&job->workers[index].past.dropped, &m->counts);
-        return;
-    }
-    if (!keep(c, job, k, t, m))
-        return;
-    records_feed(c, job, pass, m->tile);
-    count(job, pass, index, &m->counts);
-    dearest_note(s->dearest, &s->plan[pass], m->tile, m->counts.rays);
-    colours_keep(c, job, &s->plan[pass], m);
-    close_passes(c, job, is_before_units(job->passes));
-    note_progress(job);
+    msg_counts_add(&job->workers[index].past.dropped, &m->counts);
 }
 
 /* --- from a former job --- */

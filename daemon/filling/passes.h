@@ -20,7 +20,6 @@ struct passes_state {
                        * there are none */
     uint64_t bytes;   /* of their records */
     double made;      /* share of the open pass's tiles */
-    bool checks;      /* the open one is a check pass */
 };
 struct passes_state passes_state(const struct job *job);
 /* The store has the job: ask it for the records that the job begins with, if

@@ -14,44 +14,18 @@
 
 #include <string.h>
 
-/* Records in a message. */
-#define TOGETHER 1000
-_Static_assert(TOGETHER *AMBSHARE_BYTES <= MSG_MAX_AMBIENT, "too many");
-
-/* Call send() for each FROZEN of a pass that is closed. */
+/* Send a worker the records of a pass that is closed. */
 static void
 send_closed(struct coord *c, const struct job *job, uint32_t pass,
-            void (*send)(struct coord *c, const struct job *job,
-                         const struct msg *m, void *arg),
-            void *arg)
+            const struct coord_worker *w)
 {
     const struct closed *k = &job->passes->closed[pass];
-    struct msg m = { .type = MSG_FROZEN };
-    uint32_t at = 0, n;
+    struct msg m = { .type = MSG_FROZEN,
+                     .frozen = { .job = job->id,
+                                 .pass = job->passes->base + pass } };
 
-    do {
-        n = k->n - at < TOGETHER ? k->n - at : TOGETHER;
-        m.frozen = (struct msg_frozen){ .job = job->id,
-                                        .pass = job->passes->base + pass,
-                                        .first = at,
-                                        .last = at + n == k->n,
-                                        .count = n,
-                                        .data = k->records +
-                                                (size_t)at * AMBSHARE_BYTES,
-                                        .len = (size_t)n * AMBSHARE_BYTES };
-        send(c, job, &m, arg);
-        at += n;
-    } while (at < k->n);
-}
-
-static void
-send_to_one(struct coord *c, const struct job *job, const struct msg *m,
-            void *arg)
-{
-    struct coord_worker *w = arg;
-
-    (void)job;
-    actions_send(&c->actions, w->conn, m);
+    while (ambshare_piece(&m.frozen, k->records, k->n))
+        actions_send(&c->actions, w->conn, &m);
 }
 
 bool
@@ -180,22 +154,17 @@ records_tell(struct coord *c, struct job *job)
     }
 }
 
-static void
-send_records(struct coord *c, const struct job *job, const struct msg *m,
-             void *arg)
-{
-    (void)arg;
-    if (m->frozen.count > 0)
-        desk_send_records(c, job,
-                          &(struct msg_records){ job->id, m->frozen.count,
-                                                 m->frozen.data,
-                                                 m->frozen.len });
-}
-
 void
 records_keep(struct coord *c, const struct job *job, uint32_t pass)
 {
-    send_closed(c, job, pass, send_records, NULL);
+    const struct closed *k = &job->passes->closed[pass];
+    struct msg_frozen m = { 0 };
+
+    while (ambshare_piece(&m, k->records, k->n))
+        if (m.count > 0)
+            desk_send_records(
+                c, job,
+                &(struct msg_records){ job->id, m.count, m.data, m.len });
 }
 
 /* Send a worker the records that it lacks, if they are here. */
@@ -213,7 +182,7 @@ catch_up(struct coord *c, const struct job *job, struct job_worker *jw)
         jw->passes = s->base;
     }
     for (; jw->passes < passes_number(s); jw->passes++)
-        send_closed(c, job, jw->passes - s->base, send_to_one, jw->worker);
+        send_closed(c, job, jw->passes - s->base, jw->worker);
     jw->lacked = jw->passes;
     if (job->filling)
         send_made(c, job, jw->worker);
@@ -255,7 +224,7 @@ records_held(struct coord *c, struct coord_worker *w, const struct msg *msg)
         return;
     if (!m->whole) {
         feeding_lacked(job, index);
-        send_closed(c, job, m->pass - job->passes->base, send_to_one, w);
+        send_closed(c, job, m->pass - job->passes->base, w);
         jw->lacked = m->pass + 1;
     }
     if (m->pass != jw->passes)

@@ -28,9 +28,6 @@
 
 #define PASSES WJOB_PASSES
 
-/* Records in a message to the child. */
-#define TOGETHER 1000
-
 struct gtile {
     uint8_t *data;
     uint32_t count;
@@ -240,23 +237,11 @@ put_together(const struct gpass *p)
 static void
 give_child(struct worker *w, struct wjob *job, const uint8_t *all, uint32_t n)
 {
-    struct msg m = { .type = MSG_FROZEN };
-    uint32_t at = 0;
+    struct msg m = { .type = MSG_FROZEN,
+                     .frozen = { .job = job->id, .pass = job->ready.passes } };
 
-    do {
-        uint32_t k = n - at < TOGETHER ? n - at : TOGETHER;
-
-        m.frozen =
-            (struct msg_frozen){ .job = job->id,
-                                 .pass = job->ready.passes,
-                                 .first = at,
-                                 .last = at + k == n,
-                                 .count = k,
-                                 .data = all + (size_t)at * AMBSHARE_BYTES,
-                                 .len = (size_t)k * AMBSHARE_BYTES };
+    while (ambshare_piece(&m.frozen, all, n))
         worker_send_child(w, job, &m);
-        at += k;
-    } while (at < n);
 }
 
 /* The child gets a pass that is closed if all its records are here; false: they
