@@ -28,7 +28,6 @@ struct planes {
     struct program *program;
     uint8_t id[RAD_MAX_PLANES][MSG_JOB];
     json_t *stats; /* of each plane; NULL: not wanted */
-    double elapsed_s;
 };
 
 /* So that people tell the jobs of a picture, or of a stream of points, apart,

@@ -27,7 +27,6 @@ struct handshake {
 /* Bytes of ours on their way; may outlive the handshake. */
 struct flight {
     uv_write_t req;
-    size_t len;
     uint8_t bytes[];
 };
 
@@ -98,7 +97,6 @@ send_out(struct handshake *h)
     f = malloc(sizeof *f + n);
     if (!f)
         return UV_ENOMEM;
-    f->len = n;
     memcpy(f->bytes, p, n);
     tls_sent(h->tls);
     f->req.data = f;

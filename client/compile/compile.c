@@ -414,8 +414,9 @@ compile_octree(struct compiled *c, int leaf, struct rad_error *err)
     return rad_octree_build(&c->octree, c->scene, leaf, err);
 }
 
-int
-compile_bundle(struct compiled *c, const char *dir, struct rad_error *err)
+/* As compile_scene(), once there is an octree. */
+static int
+make_bundle(struct compiled *c, const char *dir, struct rad_error *err)
 {
     struct reading r = { 0 };
     int rc = bundle_octree(c, dir, err);
@@ -490,7 +491,7 @@ compile_digest(struct compiled *c, char hex[RAD_SHA_HEX + 1],
                         tmp && *tmp ? tmp : "/tmp", strerror(errno));
     rc = compile_octree(c, RAD_OCTREE_MAX_SET, err);
     if (!rc)
-        rc = compile_bundle(c, dir, err);
+        rc = make_bundle(c, dir, err);
     if (!rc)
         rc = compile_name(c, hex, err);
     for (int i = 0; i < c->bundle.n; i++) {
@@ -513,7 +514,7 @@ compile_scene(struct compiled *c, const char *const *files, int n,
     if (!rc)
         rc = compile_octree(c, RAD_OCTREE_MAX_SET, err);
     if (!rc)
-        rc = compile_bundle(c, dir, err);
+        rc = make_bundle(c, dir, err);
     if (rc)
         compile_release(c);
     return rc;

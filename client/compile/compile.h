@@ -25,7 +25,7 @@ struct compiled {
     struct warnings *warnings; /* NULL: none */
     /* by compile_octree(): */
     struct rad_octree octree;
-    /* by compile_bundle(): */
+    /* by compile_scene(): */
     struct rad_bundle bundle;
 };
 
@@ -64,13 +64,8 @@ int compile_check(struct compiled *c, struct rad_error *err);
 /* The octree, with so many surfaces in a cube (scene/octree.h). */
 int compile_octree(struct compiled *c, int leaf, struct rad_error *err);
 
-/* Put the frozen octree and the files that the scene needs into the folder
- * dir, which must be there, under their hashes (cargo.h); needs
- * compile_octree(). */
-int compile_bundle(struct compiled *c, const char *dir, struct rad_error *err);
-
-/* Put one more file, that is not the scene's, into the bundle and the folder;
- * after compile_bundle(). */
+/* Put one more file, that is not the scene's, into the bundle and the folder of
+ * compile_scene(). */
 int compile_add(struct compiled *c, const char *name, const void *bytes,
                 size_t len, const char *dir, struct rad_error *err);
 
@@ -78,7 +73,7 @@ int compile_add(struct compiled *c, const char *name, const void *bytes,
 void compile_drop(struct compiled *c, const char *name, const char *dir);
 
 /* A name for the scene and the files that it needs: equal for equal ones.
- * Needs compile_bundle(), and comes before compile_add(). */
+ * Needs compile_scene(), and comes before compile_add(). */
 int compile_name(const struct compiled *c, char hex[RAD_SHA_HEX + 1],
                  struct rad_error *err);
 
@@ -86,7 +81,9 @@ int compile_name(const struct compiled *c, char hex[RAD_SHA_HEX + 1],
 int compile_digest(struct compiled *c, char hex[RAD_SHA_HEX + 1],
                    struct rad_error *err);
 
-/* Read, check and bundle it. */
+/* Read and check it, and bundle it: the frozen octree and the files that the
+ * scene needs are in the folder dir then, which must be there, under their
+ * hashes (cargo.h). */
 int compile_scene(struct compiled *c, const char *const *files, int n,
                   bool commands, const char *dir, struct rad_error *err);
 

@@ -21,7 +21,6 @@ struct grid {
 
 struct dearest {
     const struct rad_pass_size *size;
-    uint32_t n;
     int side;
     struct grid *grid; /* of each picture */
     float *rays;       /* of all */
@@ -67,7 +66,6 @@ dearest_new(const struct rad_pass_size *size, uint32_t n)
     if (!d)
         return NULL;
     d->size = size;
-    d->n = n;
     d->side = CELL_SIDE;
     while (count_cells(size, n, d->side) > MOST_CELLS && d->side < 1 << 20)
         d->side *= 2;

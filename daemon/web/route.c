@@ -20,7 +20,6 @@ struct waiting {
     struct radweb *r;
     struct MHD_Connection *conn;
     uint64_t until_ms;
-    bool put_off, tried;
     char hex[MSG_JOB_HEX];
     uint32_t frame;
     bool picture; /* that is what it waits for */
@@ -238,8 +237,6 @@ route_tick(struct radweb *r, bool all)
         if (!all && job && now < w->until_ms && !is_ready(job, w->picture))
             continue;
         forget(w);
-        w->put_off = false;
-        w->tried = true;
         serve_wake(w->conn);
     }
 }
@@ -256,7 +253,6 @@ put_off(struct radweb *r, struct MHD_Connection *c, const struct watch *job,
                            .r = r,
                            .conn = c,
                            .until_ms = uv_now(&r->daemon.loop) + WAIT_MS,
-                           .put_off = true,
                            .frame = job->frame,
                            .picture = picture };
     memcpy(w->hex, job->hex, sizeof w->hex);

@@ -35,7 +35,6 @@ peer_free(struct worker *w, struct wjob *job, struct wpeer *peer)
     free(peer);
 }
 
-/* Send the frames that wait, as far as the connection takes them. */
 void
 peer_pump(struct worker *w, uint64_t conn, struct lossy *q)
 {
@@ -47,8 +46,6 @@ peer_pump(struct worker *w, uint64_t conn, struct lossy *q)
     }
 }
 
-/* Send a frame of records to a connection.  Frames that can go at once are
- * copied once for all connections, by way of *kept. */
 void
 peer_pass_on(struct worker *w, uint64_t conn, struct lossy *q, uint8_t **kept)
 {
@@ -146,10 +143,4 @@ peer_send(struct worker *w, struct wjob *job, struct wpeer *p,
         job->base_line_bytes += out->len;
     lossy_sent(&p->queue, out->len);
     actions_send_bytes(&w->actions, p->conn, out->buf, out->len);
-}
-
-void
-peer_feed_child(struct worker *w, struct wjob *job)
-{
-    peer_pump(w, job->child, &job->to_child);
 }

@@ -6,22 +6,20 @@
 
 #include "worker/wjob.h"
 
-/* The peer of that name, linked or not yet; NULL: there is none.
- * peer_records() sends a peer the frame of records in w's scratch; if there is
- * no link yet the frame is kept for a while.  *kept is NULL for the first of
- * several peers that are sent the same frame. */
+/* The peer of that name, linked or not yet; the same if it is linked; NULL:
+ * there is none. */
 struct wpeer *peer_named(const struct wjob *job, const char *name);
+struct wpeer *peer_linked(const struct wjob *job, const char *name);
+/* Send a peer the frame of records in w's scratch, or keep the frame for a
+ * while if there is no link yet; kept as in peer_pass_on(). */
 void peer_records(struct worker *w, struct wjob *job, struct wpeer *p,
                   uint8_t **kept);
-/* The peer of that name, if there is a link to it; else NULL. */
-struct wpeer *peer_linked(const struct wjob *job, const char *name);
 /* Send a peer a message that may not be dropped. */
 void peer_send(struct worker *w, struct wjob *job, struct wpeer *p,
                const struct msg *m);
-/* The same for records from other workers; they are counted as received. */
+/* Ambient records came from a peer: they go to the child. */
 void peer_receive(struct worker *w, struct wjob *job,
                   const struct msg_ambient *m);
-void peer_feed_child(struct worker *w, struct wjob *job);
 
 /* Dial a peer. */
 void peer_dial(struct worker *w, const struct wjob *job, struct wpeer *p);

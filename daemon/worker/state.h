@@ -145,8 +145,9 @@ struct worker {
     bool held;         /* children are not listened to: worker_hold() */
     uint64_t awake_ms; /* now_ms without the time that this process slept */
     uint64_t coord;    /* connection, 0: none */
-    bool opened, welcome, parted; /* parted: the coordinator lets us go */
-    unsigned version; /* welcome: of the protocol, with the coordinator */
+    bool welcome;      /* the coordinator has answered our HELLO, */
+    unsigned version;  /* with this version of the protocol */
+    bool parted;       /* the coordinator lets us go */
     uint64_t welcome_ms, dial_ms;
     unsigned delay_ms; /* before the next dial */
     bool draining, stopped;

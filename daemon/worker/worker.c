@@ -82,7 +82,7 @@ lost_coord(struct worker *w, const char *why)
     w->parted = false;
     dial_later(w);
     w->coord = 0;
-    w->opened = w->welcome = false;
+    w->welcome = false;
     w->nasked = 0;
     for (struct wjob *job = w->jobs; job; job = job->next)
         job->started = false;
@@ -105,7 +105,6 @@ say_hello(struct worker *w)
                                 .address = w->env.address,
                                 .threads = (uint16_t)w->env.threads } };
 
-    w->opened = true;
     actions_session(&w->actions, w->coord, MSG_AT_DIALLER, MSG_VERSION);
     actions_send(&w->actions, w->coord, &m);
 }
@@ -228,7 +227,7 @@ worker_written(struct worker *w, uint64_t now_ms, uint64_t conn, size_t n)
     w->now_ms = now_ms;
     if (job) {
         lossy_written(&job->to_child, n);
-        peer_feed_child(w, job);
+        peer_pump(w, job->child, &job->to_child);
     } else {
         link_written(w, conn, n);
     }

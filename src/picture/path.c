@@ -76,9 +76,9 @@ rad_path_begin(const struct rad_frame *f, struct rad_ctx *ctx, uint64_t spread,
     return false;
 }
 
-bool
-rad_path_leave(struct rad_ctx *ctx, const struct rad_ray *parent,
-               struct rad_ray *r)
+/* Start r off the hit of `parent`; its direction is yet to be set. */
+static bool
+leave(struct rad_ctx *ctx, const struct rad_ray *parent, struct rad_ray *r)
 {
     struct rad_rgb coef = rad_grey(MEAN_REFLECTANCE);
 
@@ -96,7 +96,7 @@ rad_path_bounce(struct rad_ctx *ctx, const struct rad_ray *parent, uint64_t key,
     double u = rad_rand(key, 2 * (uint32_t)k);
     double a[3], b[3], w[3], sine, cosine;
 
-    if (!rad_path_leave(ctx, parent, r))
+    if (!leave(ctx, parent, r))
         return false;
     rad_scale(w, parent->cos_o < 0 ? -1 : 1, parent->n);
     rad_frame(a, b, w);

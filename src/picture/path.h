@@ -21,13 +21,9 @@ bool rad_path_begin(const struct rad_frame *f, struct rad_ctx *ctx,
                     uint64_t spread, uint64_t n, uint64_t key,
                     struct rad_ray *r);
 
-/* Start r off the hit of `parent`, as a ray of its hemisphere, whose direction
- * is yet to be set.  False: no ray goes on from there. */
-bool rad_path_leave(struct rad_ctx *ctx, const struct rad_ray *parent,
-                    struct rad_ray *r);
-
-/* The same with its direction: bounce number k of the path with that key draws
- * numbers 2 k and 2 k + 1 of it. */
+/* Start r off the hit of `parent`, as a ray of its hemisphere: bounce number k
+ * of the path with that key draws numbers 2 k and 2 k + 1 of it.  False: no ray
+ * goes on from there. */
 bool rad_path_bounce(struct rad_ctx *ctx, const struct rad_ray *parent,
                      uint64_t key, int k, struct rad_ray *r);
 

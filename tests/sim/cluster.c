@@ -492,7 +492,7 @@ sim_coord_cut(struct sim *s, int i)
     struct worker *machine = s->worker[i].machine;
     uint64_t conn;
 
-    if (!machine || !machine->opened)
+    if (!machine || machine->coord == 0)
         return;
     conn = machine->coord;
     if (!net_find(&s->net, NODE_WORKER + i, conn))
