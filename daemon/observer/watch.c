@@ -87,16 +87,32 @@ new_work(struct watch *w, const struct session_answer *a)
     return k;
 }
 
-/* When what was asked for at from_ms is to be asked for again.  Whatever comes
- * next, of whichever job, waits for as long as this took. */
-static uint64_t
-next_time(const struct watch *w, uint64_t from_ms, unsigned least_ms)
+/* Ask for statistics or a picture. */
+static void
+begin(struct watch *w, struct watch_query *q, struct msg *m, size_t most,
+      session_fn *answer)
 {
-    uint64_t now = uv_now(w->all->loop), took = now - from_ms;
+    state_of(w, q->of);
+    q->from_ms = uv_now(w->all->loop);
+    q->out = session_ask(w->all->session, m, most, answer, w);
+    if (!q->out)
+        q->of[0] = '\0';
+}
+
+/* It came, or did not, and is to be asked for again.  Whatever comes next, of
+ * whichever job, waits for as long as this took. */
+static void
+end(struct watch *w, struct watch_query *q, unsigned least_ms, bool came)
+{
+    uint64_t now = uv_now(w->all->loop), took = now - q->from_ms;
     uint64_t wait = SLOWER * took;
 
+    q->out = false;
+    q->answered = true;
+    q->due_ms = now + (wait > least_ms ? wait : least_ms);
     w->all->rest_ms = now + took;
-    return now + (wait > least_ms ? wait : least_ms);
+    if (!came)
+        q->of[0] = '\0';
 }
 
 /* --- statistics --- */
@@ -110,20 +126,12 @@ run_stats(uv_work_t *req)
 }
 
 static void
-end_stats(struct watch *w)
-{
-    w->stats_out = false;
-    w->asked_stats = true;
-    w->stats_ms = next_time(w, w->stats_from, STATS_MS);
-}
-
-static void
 stats_done(uv_work_t *req, int status)
 {
     struct work *k = req->data;
     struct watch *w = k->watch;
 
-    end_stats(w);
+    end(w, &w->stats, STATS_MS, true);
     if (status == 0 && k->rc == 0) {
         struct units had = w->units;
 
@@ -144,8 +152,7 @@ on_stats(void *arg, const struct session_answer *a)
         return;
     if (k)
         free_work(k);
-    end_stats(w);
-    w->stats_of[0] = '\0'; /* they are to be asked for again */
+    end(w, &w->stats, STATS_MS, false);
 }
 
 static void
@@ -153,11 +160,7 @@ ask_stats(struct watch *w)
 {
     struct msg m = { .type = MSG_FETCH, .fetch = { w->id, 0, MSG_WHAT_STATS } };
 
-    w->stats_from = uv_now(w->all->loop);
-    state_of(w, w->stats_of);
-    w->stats_out = session_ask(w->all->session, &m, WATCH_STATS, on_stats, w);
-    if (!w->stats_out)
-        w->stats_of[0] = '\0';
+    begin(w, &w->stats, &m, WATCH_STATS, on_stats);
 }
 
 /* --- picture --- */
@@ -174,12 +177,8 @@ run_picture(uv_work_t *req)
 static void
 end_picture(struct watch *w, const char *note)
 {
-    w->picture_out = false;
-    w->asked_picture = true;
-    w->picture_ms = next_time(w, w->picture_from, PICTURE_MS);
+    end(w, &w->picture, PICTURE_MS, note[0] == '\0');
     rad_text_print(w->note, sizeof w->note, "%s", note);
-    if (note[0])
-        w->picture_of[0] = '\0'; /* it is to be asked for again */
 }
 
 static void
@@ -238,7 +237,7 @@ too_large(struct watch *w)
 
     if (n <= PICTURE_MOST)
         return false;
-    w->picture_from = uv_now(w->all->loop);
+    w->picture.from_ms = uv_now(w->all->loop);
     end_picture(w, "the picture has too many pixels to be shown here");
     return true;
 }
@@ -249,14 +248,8 @@ ask_picture(struct watch *w)
     struct msg m = { .type = MSG_FETCH,
                      .fetch = { w->id, w->frame, MSG_WHAT_PREVIEW } };
 
-    if (too_large(w))
-        return;
-    state_of(w, w->picture_of);
-    w->picture_from = uv_now(w->all->loop);
-    w->picture_out =
-        session_ask(w->all->session, &m, PICTURE_BYTES, on_picture, w);
-    if (!w->picture_out)
-        w->picture_of[0] = '\0';
+    if (!too_large(w))
+        begin(w, &w->picture, &m, PICTURE_BYTES, on_picture);
 }
 
 /* --- details --- */
@@ -278,9 +271,9 @@ on_detail(void *arg, const struct session_answer *a)
 {
     struct watch *w = arg;
 
-    w->detail_out = false;
-    w->asked = true;
-    w->detail_ms = uv_now(w->all->loop) + DETAIL_MS;
+    w->row.out = false;
+    w->row.answered = true;
+    w->row.due_ms = uv_now(w->all->loop) + DETAIL_MS;
     if (a->status == 0) {
         take_detail(w, json_loadb((const char *)a->bytes, a->n, 0, NULL));
     } else if (a->status == EX_NOINPUT) { /* it was forgotten */
@@ -296,7 +289,7 @@ ask_detail(struct watch *w)
 {
     struct msg m = { .type = MSG_QUERY, .query = { MSG_QUERY_JOB, w->hex } };
 
-    w->detail_out = session_ask(w->all->session, &m, MSG_MAX, on_detail, w);
+    w->row.out = session_ask(w->all->session, &m, MSG_MAX, on_detail, w);
 }
 
 /* --- when --- */
@@ -307,14 +300,18 @@ is_looked_at(const struct watch *w)
     return w->streams > 0 || uv_now(w->all->loop) - w->seen_ms < WATCH_SEEN_MS;
 }
 
-/* Has the job got on since the last answer, or was there none? */
+/* Is it due before that time, and has the job got on since the last answer, or
+ * was there none? */
 static bool
-is_stale(const struct watch *w, const char *of, bool has)
+is_due(const struct watch *w, const struct watch_query *q, uint64_t before_ms,
+       bool has)
 {
-    char now[96];
+    char now[sizeof q->of];
 
+    if (q->due_ms >= before_ms || !has)
+        return q->due_ms < before_ms;
     state_of(w, now);
-    return !has || strcmp(now, of) != 0;
+    return strcmp(now, q->of) != 0;
 }
 
 static void
@@ -322,9 +319,9 @@ ask_due_detail(struct watch *w)
 {
     uint64_t now = uv_now(w->all->loop);
 
-    if (!w->detail_out && now >= w->detail_ms &&
-        !(w->detail && is_over(w) && w->asked_stats && w->asked_picture &&
-          now < w->detail_ms + 10 * DETAIL_MS))
+    if (!w->row.out && now >= w->row.due_ms &&
+        !(w->detail && is_over(w) && w->stats.answered && w->picture.answered &&
+          now < w->row.due_ms + 10 * DETAIL_MS))
         ask_detail(w);
 }
 
@@ -333,7 +330,7 @@ static bool
 is_busy(const struct watches *all)
 {
     for (const struct watch *w = all->first; w; w = w->next)
-        if (w->stats_out || w->picture_out)
+        if (w->stats.out || w->picture.out)
             return true;
     return false;
 }
@@ -349,15 +346,14 @@ ask_longest_due(struct watches *all)
     for (struct watch *w = all->first; w; w = w->next) {
         if (!is_looked_at(w) || !w->detail)
             continue;
-        if (w->stats_ms < first_ms && is_stale(w, w->stats_of, w->units.head)) {
+        if (is_due(w, &w->stats, first_ms, w->units.head)) {
             found = w;
-            first_ms = w->stats_ms;
+            first_ms = w->stats.due_ms;
             picture = false;
         }
-        if (room && w->picture_ms < first_ms &&
-            is_stale(w, w->picture_of, w->rgbe != NULL)) {
+        if (room && is_due(w, &w->picture, first_ms, w->rgbe)) {
             found = w;
-            first_ms = w->picture_ms;
+            first_ms = w->picture.due_ms;
             picture = true;
         }
     }
@@ -398,8 +394,8 @@ keep_pace(const struct watch *w)
     struct watch_pace *p = &w->all->paces[w->all->npaces++ % WATCH_PACES];
 
     *p = (struct watch_pace){ .frame = w->frame,
-                              .stats_ms = w->stats_ms,
-                              .picture_ms = w->picture_ms };
+                              .stats_ms = w->stats.due_ms,
+                              .picture_ms = w->picture.due_ms };
     memcpy(p->id, w->id, sizeof p->id);
 }
 
@@ -415,8 +411,8 @@ take_pace(struct watch *w)
 
         if (p->frame != w->frame || memcmp(p->id, w->id, sizeof p->id) != 0)
             continue;
-        w->stats_ms = p->stats_ms;
-        w->picture_ms = p->picture_ms;
+        w->stats.due_ms = p->stats_ms;
+        w->picture.due_ms = p->picture_ms;
         return;
     }
 }
@@ -430,8 +426,8 @@ make_room(struct watches *all)
     struct watch **oldest = NULL, *w;
 
     for (struct watch **at = &all->first; *at; at = &(*at)->next)
-        if ((*at)->streams == 0 && !(*at)->detail_out && !(*at)->stats_out &&
-            !(*at)->picture_out &&
+        if ((*at)->streams == 0 && !(*at)->row.out && !(*at)->stats.out &&
+            !(*at)->picture.out &&
             (!oldest || (*at)->seen_ms < (*oldest)->seen_ms))
             oldest = at;
     if (!oldest)
@@ -483,13 +479,13 @@ watch_find(struct watches *all, const char *hex, uint32_t frame)
 bool
 watch_is_ready(const struct watch *w)
 {
-    return w->asked && (!w->detail || w->asked_stats);
+    return w->row.answered && (!w->detail || w->stats.answered);
 }
 
 bool
 watch_has_picture(const struct watch *w)
 {
-    return w->asked && (!w->detail || w->asked_picture);
+    return w->row.answered && (!w->detail || w->picture.answered);
 }
 
 void

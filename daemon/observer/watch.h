@@ -27,6 +27,15 @@
 #define WATCH_STATS (24 << 20) /* most bytes of a job's statistics */
 #define WATCH_PACES 64         /* of jobs that gave way */
 
+/* Something that the coordinator is asked for, again and again. */
+struct watch_query {
+    bool out;         /* it is on its way */
+    bool answered;    /* it came once, or was refused */
+    uint64_t due_ms;  /* when to ask again */
+    uint64_t from_ms; /* when it was asked for */
+    char of[96];      /* at which state of the job; "": it did not come */
+};
+
 struct watch {
     struct watch *next;
     struct watches *all;
@@ -36,23 +45,16 @@ struct watch {
     unsigned streams;   /* that follow it */
     uint64_t seen_ms;   /* somebody looked */
     uint64_t version;   /* rises with each change */
-    json_t *detail;     /* the job's row; NULL: not known (yet) */
-    bool asked;         /* an answer about its details came */
-    struct units units; /* head NULL: none */
-    bool asked_stats;
+    struct watch_query row, stats, picture;
+    json_t *detail;          /* the job's row; NULL: not known (yet) */
+    struct units units;      /* head NULL: none */
     struct blob *rgbe, *png; /* as picture.h has them; NULL: none */
-    bool asked_picture;
     uint64_t picture_version;
     int width, height, factor;
     char view[PICTURE_VIEW], scene[PICTURE_VIEW]; /* as in picture.h */
     char note[300];     /* why there is no picture; "" */
     struct blob *event; /* of that version, as it is sent (events.c) */
     uint64_t event_version;
-    /* its own */
-    bool detail_out, stats_out, picture_out;
-    uint64_t detail_ms, stats_ms, picture_ms; /* when each is due */
-    uint64_t stats_from, picture_from;        /* when it was asked for */
-    char stats_of[96], picture_of[96];        /* at which state of the job */
 };
 
 /* When a job that gave way may be asked for again. */

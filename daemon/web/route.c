@@ -277,9 +277,10 @@ send_job(struct radweb *r, struct MHD_Connection *c, const struct job_path *p,
         return put_off(r, c, w, p->picture, state);
     if (!w->detail)
         return answer_error(
-            c, w->asked ? MHD_HTTP_NOT_FOUND : MHD_HTTP_SERVICE_UNAVAILABLE,
-            w->asked ? "there is no such job"
-                     : "the coordinator cannot be asked now");
+            c,
+            w->row.answered ? MHD_HTTP_NOT_FOUND : MHD_HTTP_SERVICE_UNAVAILABLE,
+            w->row.answered ? "there is no such job"
+                            : "the coordinator cannot be asked now");
     return p->send(r, c, w);
 }
 
