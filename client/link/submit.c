@@ -34,6 +34,18 @@ enum {
     CANCEL_MS = 5000       /* a coordinator that is slow to cancel is left */
 };
 
+/* What the coordinator has of the job, as far as is known here; it has no less
+ * on a later connection.
+ *
+ *   OURS --SUBMIT--> ASKED --PROGRESS with its id--> KNOWN --ACCEPT--> ACCEPTED
+ *                      '------------------ACCEPT-----------------------^  */
+enum stage {
+    STAGE_OURS,  /* nothing, or files alone */
+    STAGE_ASKED, /* SUBMIT has gone out, so the job may be there */
+    STAGE_KNOWN, /* it is: it waits for room on the disk */
+    STAGE_ACCEPTED
+};
+
 struct submit {
     const struct submit_job *job;
     const struct submit_callbacks *cb;
@@ -44,9 +56,8 @@ struct submit {
     uint64_t start_ms; /* when we began; then, when the job was accepted */
     uint64_t wait_ms;  /* since when a worker could have come; 0: not yet */
     bool connected;    /* at some time */
-    bool asked; /* SUBMIT has gone out, so the job may be there */
-    bool known; /* it is: accepted, or it waits for room on the disk */
-    bool accepted, met_worker, done, cancelled;
+    enum stage stage;
+    bool met_worker, done, cancelled;
     bool fetching;      /* a FAILED that answers this request is fetch()'s */
     bool over;          /* the job itself has failed */
     bool ended;         /* a cluster of our own has: calling again is no use */
@@ -105,9 +116,9 @@ interrupted(struct submit *s)
 {
     char hex[MSG_JOB_HEX];
 
-    if (s->cancelled || s->cb->alive || !s->asked)
+    if (s->cancelled || s->cb->alive || s->stage < STAGE_ASKED)
         return rad_fail(s->err, RAD_ETEMPFAIL, "interrupted");
-    if (s->known)
+    if (s->stage >= STAGE_KNOWN)
         return left_behind(s);
     msg_job_format(s->job->spec->job, hex);
     return rad_fail(s->err, RAD_ETEMPFAIL,
@@ -125,13 +136,15 @@ is_ours(const struct submit *s, const uint8_t *job)
            memcmp(job, none, MSG_JOB) == 0;
 }
 
-/* The coordinator has named the job: now its id is of use. */
+/* The job is as far as that, at least.  Once the coordinator has named the job
+ * its id is of use. */
 static void
-note_known(struct submit *s)
+reach(struct submit *s, enum stage to)
 {
-    if (!s->known && s->cb->accepted)
+    if (to >= STAGE_KNOWN && s->stage < STAGE_KNOWN && s->cb->accepted)
         s->cb->accepted(s->cb->arg);
-    s->known = true;
+    if (s->stage < to)
+        s->stage = to;
 }
 
 /* --- what may come at any time --- */
@@ -145,7 +158,7 @@ take(struct submit *s, const struct msg *m)
             return 0;
         s->last = m->progress;
         if (memcmp(m->progress.job, s->job->spec->job, MSG_JOB) == 0)
-            note_known(s);
+            reach(s, STAGE_KNOWN);
         if (m->progress.workers > 0)
             s->met_worker = true;
         if (s->wait_ms == 0 || m->progress.state == MSG_STATE_HELD ||
@@ -185,7 +198,7 @@ next(struct submit *s, int ms, const struct msg **m)
 {
     int rc;
 
-    if (*s->where.wake > (s->known ? 1 : 0))
+    if (*s->where.wake > (s->stage >= STAGE_KNOWN ? 1 : 0))
         return interrupted(s);
     rc = link_recv(s->link, ms, m, s->err);
     if (rc == 1) {
@@ -205,7 +218,7 @@ await(struct submit *s, uint16_t type, const struct msg **m)
 
     do {
         /* it waits for room, and nobody waits for it any more */
-        if (*s->where.wake == 1 && s->known && !s->accepted)
+        if (*s->where.wake == 1 && s->stage == STAGE_KNOWN)
             return cancel(s);
         rc = next(s, LOOK_MS, m);
     } while (rc == 0 || (rc == 1 && (*m)->type != type));
@@ -285,15 +298,14 @@ send_job(struct submit *s)
     int rc;
 
     m.submit = *s->job->spec;
-    s->asked = true;
+    reach(s, STAGE_ASKED);
     if ((rc = link_send(s->link, &m, s->err)) < 0 ||
         (rc = await(s, MSG_ACCEPT, &answer)) < 0)
         return rc;
-    note_known(s);
-    if (s->accepted)
+    if (s->stage == STAGE_ACCEPTED)
         return 0;
+    reach(s, STAGE_ACCEPTED);
     s->start_ms = now_ms(s);
-    s->accepted = true;
     if (s->cb->reuse)
         tell_reuse(s, &answer->accept);
     return 0;
@@ -658,7 +670,7 @@ await_workers(struct submit *s)
     struct roll r;
     int rc;
 
-    if (!s->cb->gathered || s->accepted)
+    if (!s->cb->gathered || s->stage == STAGE_ACCEPTED)
         return 0;
     while ((rc = ask_workers(s, &r)) == 0) {
         rc = s->cb->gathered(s->cb->arg, r.n, r.names, s->err);
@@ -697,7 +709,7 @@ may_retry(struct submit *s, const struct rad_error *why)
         return interrupted(s);
     if ((rc = alive(s)) < 0)
         return rc;
-    if (!s->accepted && waited(s))
+    if (s->stage < STAGE_ACCEPTED && waited(s))
         return rad_fail(s->err, RAD_EUNAVAIL, "%s", why->what);
     return 0;
 }
@@ -708,7 +720,7 @@ within_wait(struct submit *s, uint64_t ms)
 {
     double left = 1000 * s->job->wait_s - (double)(now_ms(s) - s->start_ms);
 
-    if (s->accepted || (double)ms <= left)
+    if (s->stage == STAGE_ACCEPTED || (double)ms <= left)
         return ms;
     return left > 0 ? (uint64_t)left + 1 : 0;
 }
