@@ -10,6 +10,7 @@
 #include "base/number.h"
 #include "base/output.h"
 
+#include <stddef.h>
 #include <stdio.h>
 #include <string.h>
 #include <sysexits.h>
@@ -136,52 +137,62 @@ option_value(const char *name, char *argv[], int *i, const char **value,
     return 1;
 }
 
+/* What options set, at that place of struct ctl. */
+static const struct option {
+    const char *name;
+    enum { SWITCH, TEXT, TEXT_OR_NONE, NUMBER } kind;
+    size_t at;
+    int least; /* of a NUMBER */
+} options[] = {
+    { "--json", SWITCH, offsetof(struct ctl, json), 0 },
+    { "--all", SWITCH, offsetof(struct ctl, all), 0 },
+    { "--coordinator", TEXT, offsetof(struct ctl, coordinator), 0 },
+    { "--key", TEXT, offsetof(struct ctl, key), 0 },
+    { "--keys", TEXT, offsetof(struct ctl, keys), 0 },
+    { "--expires", TEXT, offsetof(struct ctl, expires), 0 },
+    { "--user", TEXT, offsetof(struct ctl, user), 0 },
+    { "--state", TEXT, offsetof(struct ctl, state), 0 },
+    { "--tone", TEXT, offsetof(struct ctl, tone), 0 },
+    { "--exposure", TEXT, offsetof(struct ctl, exposure), 0 },
+    { "--bits", TEXT, offsetof(struct ctl, bits), 0 },
+    { "--false-colour", TEXT_OR_NONE, offsetof(struct ctl, false_colour), 0 },
+    { "--output", TEXT, offsetof(struct ctl, folder), 0 },
+    { "-o", TEXT, offsetof(struct ctl, output), 0 },
+    { "--frame", NUMBER, offsetof(struct ctl, frame), 0 },
+    { "--limit", NUMBER, offsetof(struct ctl, limit), 1 },
+};
+
+static int
+set_option(struct ctl *c, const struct option *o, const char *text)
+{
+    void *field = (char *)c + o->at;
+
+    if (o->kind == SWITCH)
+        *(bool *)field = true;
+    else if (o->kind != NUMBER)
+        *(const char **)field = text;
+    else if (!rad_parse_int(text, field) || *(int *)field < o->least)
+        return rad_fail(c->err, RAD_EUSAGE,
+                        "option '%s': '%s' is no whole number from %d", o->name,
+                        text, o->least);
+    return 0;
+}
+
 static int
 take_option(struct ctl *c, char *argv[], int *i)
 {
-    const char *text;
-    int rc;
+    for (size_t k = 0; k < sizeof options / sizeof options[0]; k++) {
+        const struct option *o = &options[k];
+        bool alone = o->kind == SWITCH || o->kind == TEXT_OR_NONE;
+        const char *text = "";
+        int rc = 0;
 
-    if (strcmp(argv[*i], "--json") == 0) {
-        c->json = true;
-        return 0;
-    }
-    if (strcmp(argv[*i], "--all") == 0) {
-        c->all = true;
-        return 0;
-    }
-    if (strcmp(argv[*i], "--false-colour") == 0) {
-        c->false_colour = "";
-        return 0;
-    }
-    if ((rc = option_value("--coordinator", argv, i, &c->coordinator,
-                           c->err)) != 0 ||
-        (rc = option_value("--key", argv, i, &c->key, c->err)) != 0 ||
-        (rc = option_value("--keys", argv, i, &c->keys, c->err)) != 0 ||
-        (rc = option_value("--expires", argv, i, &c->expires, c->err)) != 0 ||
-        (rc = option_value("--user", argv, i, &c->user, c->err)) != 0 ||
-        (rc = option_value("--state", argv, i, &c->state, c->err)) != 0 ||
-        (rc = option_value("--tone", argv, i, &c->tone, c->err)) != 0 ||
-        (rc = option_value("--exposure", argv, i, &c->exposure, c->err)) != 0 ||
-        (rc = option_value("--bits", argv, i, &c->bits, c->err)) != 0 ||
-        (rc = option_value("--false-colour", argv, i, &c->false_colour,
-                           c->err)) != 0 ||
-        (rc = option_value("--output", argv, i, &c->folder, c->err)) != 0 ||
-        (rc = option_value("-o", argv, i, &c->output, c->err)) != 0)
-        return rc < 0 ? rc : 0;
-    if ((rc = option_value("--frame", argv, i, &text, c->err)) != 0) {
-        if (rc > 0 && (!rad_parse_int(text, &c->frame) || c->frame < 0))
-            rc = rad_fail(c->err, RAD_EUSAGE,
-                          "option '--frame': '%s' is no whole number from 0",
-                          text);
-        return rc < 0 ? rc : 0;
-    }
-    if ((rc = option_value("--limit", argv, i, &text, c->err)) != 0) {
-        if (rc > 0 && (!rad_parse_int(text, &c->limit) || c->limit < 1))
-            rc = rad_fail(c->err, RAD_EUSAGE,
-                          "option '--limit': '%s' is no whole number from 1",
-                          text);
-        return rc < 0 ? rc : 0;
+        if (alone && strcmp(argv[*i], o->name) == 0)
+            return set_option(c, o, text);
+        if (o->kind != SWITCH)
+            rc = option_value(o->name, argv, i, &text, c->err);
+        if (rc != 0)
+            return rc < 0 ? rc : set_option(c, o, text);
     }
     return rad_fail(c->err, RAD_EUSAGE,
                     "unknown option '%s'; see radctl --help", argv[*i]);
