@@ -70,34 +70,37 @@ bool coord_has_file(const struct coord *c, uint64_t conn,
 void coord_looked(struct coord *c, uint64_t now_ms,
                   const struct action_look *l);
 
-/* Answers to ACT_JOB_OPEN, ACT_PUT_ROWS and ACT_WRITE_PICTURE: status 0, or of
- * sysexits.h with a text.  Those to ACT_PUT_ROWS come in its order.  sequence
- * is the action's: an answer about a job that was deleted is none about the one
+/* Answers of the store: status 0, or of sysexits.h with a text.  sequence is
+ * the action's: an answer about a job that was deleted is none about the one
  * that has its id now. */
-/* The answer to ACT_JOB_END and ACT_DROP_CACHE: bytes that the job's folder
- * takes, and the ambient cache that is kept in it. */
-void coord_job_filed(struct coord *c, uint64_t now_ms,
-                     const uint8_t job[MSG_JOB], uint64_t sequence,
-                     uint64_t bytes, uint64_t cache_bytes);
-/* The answer to ACT_LOAD_CACHE: n bytes, malloc'd and taken. */
-void coord_cache_came(struct coord *c, uint64_t now_ms,
-                      const uint8_t job[MSG_JOB], uint64_t sequence,
-                      uint8_t *records, size_t n, int status, const char *text);
-void coord_settled(struct coord *c, uint64_t now_ms, uint64_t conn,
-                   uint32_t request);
-/* There is no room for the job's rows now: this job is held, and no other. */
-void coord_job_waits(struct coord *c, uint64_t now_ms,
-                     const uint8_t job[MSG_JOB], uint64_t sequence,
-                     const char *text);
+/* To ACT_JOB_OPEN.  Before that, if there is no room for the job's rows now,
+ * coord_job_waits(): this job is held, and no other. */
 void coord_job_opened(struct coord *c, uint64_t now_ms,
                       const uint8_t job[MSG_JOB], uint64_t sequence, int status,
                       const char *text);
+void coord_job_waits(struct coord *c, uint64_t now_ms,
+                     const uint8_t job[MSG_JOB], uint64_t sequence,
+                     const char *text);
+/* To ACT_PUT_ROWS, in their order. */
 void coord_rows_stored(struct coord *c, uint64_t now_ms,
                        const struct action_rows *key, int status,
                        const char *text);
+/* To ACT_WRITE_PICTURE. */
 void coord_picture_written(struct coord *c, uint64_t now_ms,
                            const uint8_t job[MSG_JOB], uint64_t sequence,
                            uint32_t frame, int status, const char *text);
+/* To ACT_SETTLE: all that was asked for before is kept. */
+void coord_settled(struct coord *c, uint64_t now_ms, uint64_t conn,
+                   uint32_t request);
+/* To ACT_JOB_END and ACT_DROP_CACHE: bytes that the job's folder takes, and the
+ * ambient cache that is kept in it. */
+void coord_job_filed(struct coord *c, uint64_t now_ms,
+                     const uint8_t job[MSG_JOB], uint64_t sequence,
+                     uint64_t bytes, uint64_t cache_bytes);
+/* To ACT_LOAD_CACHE: n bytes, malloc'd and taken. */
+void coord_cache_came(struct coord *c, uint64_t now_ms,
+                      const uint8_t job[MSG_JOB], uint64_t sequence,
+                      uint8_t *records, size_t n, int status, const char *text);
 
 /* ACT_SEND_PICTURE has sent the whole picture, or failed. */
 void coord_sent(struct coord *c, uint64_t conn);
