@@ -19,6 +19,7 @@
 #include "jobs/part.h"
 #include "jobs/shared.h"
 #include "lines/lending.h"
+#include "links/introduce.h"
 #include "links/linking.h"
 
 #include <string.h>
@@ -310,7 +311,7 @@ handoff_facts(struct coord *c, struct coord_worker *w, const struct msg *msg)
         top_facts(c, job, index, m);
 }
 
-/* Two workers of which neither can be dialled have no link. */
+/* Can a worker of the unit above send the attempt something without us? */
 static bool
 can_link(const struct job *job, const struct job_unit *above,
          const struct job_go *below)
@@ -320,7 +321,7 @@ can_link(const struct job *job, const struct job_unit *above,
     for (uint8_t i = 0; i < above->ngos; i++) {
         const struct coord_worker *a = job->workers[above->go[i].worker].worker;
 
-        if (a == b || a->address[0] != '\0' || b->address[0] != '\0')
+        if (a == b || introduce_can(a, b))
             return true;
     }
     return false;
