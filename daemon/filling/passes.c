@@ -160,13 +160,13 @@ passes_ask(struct coord *c, struct job *job)
     struct passes *s = job->passes;
     struct action *a;
 
-    if (!s || !s->awaits || s->asked || job->stage != STAGE_OPEN ||
+    if (!s || s->reuse != REUSE_DUE || job->stage != STAGE_OPEN ||
         job_over(job))
         return;
     a = actions_add_job(&c->actions, ACT_LOAD_CACHE, 0, job->id);
     if (a)
         a->sequence = job->sequence;
-    s->asked = true;
+    s->reuse = REUSE_ASKED;
 }
 
 /* Without the first pass, where that is awaited, it is not known how many bytes
@@ -174,7 +174,7 @@ passes_ask(struct coord *c, struct job *job)
 static bool
 is_at_start(const struct passes *s)
 {
-    return s->awaits && s->open == 0;
+    return s->reuse != REUSE_NONE && s->open == 0;
 }
 
 /* Memory for the plan, and the plan. */
@@ -269,7 +269,7 @@ passes_begin(struct coord *c, struct job *job, struct rad_error *err)
     lead_begin(job, s->size);
     take_up(c, job);
     open_frames(job);
-    s->awaits = s->n > 0 && stages_reuse(job);
+    s->reuse = s->n > 0 && stages_reuse(job) ? REUSE_DUE : REUSE_NONE;
     passes_ask(c, job);
     if (is_at_start(s))
         return 0;
@@ -285,7 +285,7 @@ passes_open(const struct job *job)
 {
     struct passes *s = job->passes;
 
-    return s && ((s->open < s->n && is_due(s, job)) || s->awaits);
+    return s && ((s->open < s->n && is_due(s, job)) || s->reuse != REUSE_NONE);
 }
 
 struct passes_state
@@ -361,7 +361,7 @@ begin_stage(struct coord *c, struct job *job)
     tiles_drop(s);
     job->goal.bytes += s->bytes;
     drop_records(s);
-    s->awaits = false; /* a former job's records were for the first stage */
+    s->reuse = REUSE_NONE; /* that was for the first stage */
     if (plan_stage(job, &err) < 0) {
         verdict_job(c, job, JOB_FAILED, rad_exit_status(err.code), err.what);
         s->n = 0;
@@ -585,14 +585,15 @@ passes_came(struct coord *c, struct job *job, uint8_t *records, size_t n,
 {
     struct passes *s = job->passes;
 
-    if (!s || !s->awaits || status != 0 || n % AMBSHARE_BYTES != 0) {
+    if (!s || s->reuse == REUSE_NONE || status != 0 ||
+        n % AMBSHARE_BYTES != 0) {
         free(records);
-        if (s && s->awaits)
+        if (s && s->reuse != REUSE_NONE)
             verdict_job(c, job, JOB_FAILED, status ? status : EX_DATAERR,
                         status ? text : "no ambient records");
         return;
     }
-    s->awaits = false;
+    s->reuse = REUSE_NONE;
     s->closed[0].records = records;
     s->closed[0].n = (uint32_t)(n / AMBSHARE_BYTES);
     job->cache.reused = s->closed[0].n;

@@ -47,6 +47,15 @@ struct closed {
     struct msg_counts counts; /* of its tiles that were the first */
 };
 
+/* The records of the first pass, if they are a former job's.
+ *
+ *   DUE --the store has the job--> ASKED --here, or another stage--> NONE  */
+enum reuse_state {
+    REUSE_NONE, /* none are awaited */
+    REUSE_DUE,  /* the store is to be asked for them */
+    REUSE_ASKED
+};
+
 struct passes {
     struct rad_pass *plan;
     double *weight; /* of each, passcost.h */
@@ -54,8 +63,7 @@ struct passes {
     uint32_t base;              /* passes of the stages before */
     uint32_t open;              /* of the plan, the first; n: all are closed */
     uint32_t opened;            /* beyond the last that is open */
-    bool awaits;                /* the records of the first from the store, */
-    bool asked;                 /* which was asked for them */
+    enum reuse_state reuse;     /* by passes.c alone */
     struct closed *closed;      /* as many */
     uint32_t done;              /* frames before are done */
     size_t bytes;               /* of all records that are here */

@@ -105,7 +105,7 @@ records_feed(struct coord *c, struct job *job, uint32_t pass, uint32_t tile)
 static bool
 awaits(const struct passes *s, const struct job_worker *jw)
 {
-    return s->awaits && jw->passes == 0;
+    return s->reuse != REUSE_NONE && jw->passes == 0;
 }
 
 /* Has the worker to say that it has the records of the pass, before it gets
