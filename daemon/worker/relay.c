@@ -175,8 +175,9 @@ relay_linked(struct worker *w, struct wjob *job, const char *name)
 }
 
 static void
-next_holder(struct worker *w, struct wjob *job, const struct msg_next_holder *m)
+next_holder(struct worker *w, struct wjob *job, const struct msg *msg)
 {
+    const struct msg_next_holder *m = &msg->next_holder;
     struct rline *l = make_line(job, m->frame, m->line);
 
     if (!l) {
@@ -219,46 +220,32 @@ relay_repeat(struct worker *w, const struct wjob *job)
 
 /* --- down to the child --- */
 
-/* TWIN, SPLIT and YIELD, about a unit that the child has. */
+/* TWIN, SPLIT, YIELD and LEND, which begin with the attempt at a unit: if the
+ * child has that. */
 static void
-on_attempt(struct worker *w, const struct msg *m)
+on_attempt(struct worker *w, struct wjob *job, const struct msg *m)
 {
-    struct wjob *job = worker_find_job(w, m->twin.job);
-
-    if (job && wjob_find_unit(job, m->twin.unit, m->twin.attempt))
+    if (wjob_find_unit(job, m->twin.unit, m->twin.attempt))
         worker_send_child(w, job, m);
 }
 
-/* FACTS, BASE_LINE, ESTIMATE and REST, which all begin with the job. */
 static void
-to_child(struct worker *w, const struct msg *m, const uint8_t *id, size_t len)
+to_child(struct worker *w, struct wjob *job, const struct msg *m, size_t len)
 {
-    struct wjob *job = worker_find_job(w, id);
-
-    if (!job || job->state != WJOB_READY)
+    if (job->state != WJOB_READY)
         return; /* the coordinator will hear of the lost child */
     job->bytes_in += len;
     worker_send_child(w, job, m);
 }
 
-static void
-on_lend(struct worker *w, const struct msg *m)
-{
-    struct wjob *job = worker_find_job(w, m->lend.job);
-
-    if (job && wjob_find_unit(job, m->lend.unit, m->lend.attempt))
-        worker_send_child(w, job, m);
-}
-
 /* Columns that another worker lends are a unit like others, until PAID. */
 static void
-on_loan(struct worker *w, const struct msg *m)
+on_loan(struct worker *w, struct wjob *job, const struct msg *m)
 {
     const struct msg_loan *l = &m->loan;
-    struct wjob *job = worker_find_job(w, l->job);
 
     w->progress++;
-    if (!job || job->state != WJOB_READY || l->frame >= job->nframes ||
+    if (job->state != WJOB_READY || l->frame >= job->nframes ||
         l->channels != job->channels ||
         wjob_find_unit(job, l->unit, l->attempt))
         return;
@@ -267,16 +254,13 @@ on_loan(struct worker *w, const struct msg *m)
         return;
     }
     wjob_find_unit(job, l->unit, l->attempt)->loan = true;
-    job->bytes_in += (size_t)l->n * l->channels * 8;
-    worker_send_child(w, job, m);
+    to_child(w, job, m, (size_t)l->n * l->channels * 8);
 }
 
 static void
-on_back(struct worker *w, const struct msg *m)
+on_back(struct worker *w, struct wjob *job, const struct msg *m)
 {
-    struct wjob *job = worker_find_job(w, m->back.job);
-    struct wunit *u =
-        job ? wjob_find_unit(job, m->back.unit, m->back.attempt) : NULL;
+    struct wunit *u = wjob_find_unit(job, m->back.unit, m->back.attempt);
 
     if (!u)
         return;
@@ -285,33 +269,35 @@ on_back(struct worker *w, const struct msg *m)
 }
 
 static void
-on_facts(struct worker *w, const struct msg *m)
+on_facts(struct worker *w, struct wjob *job, const struct msg *m)
 {
-    to_child(w, m, m->facts.job,
-             (size_t)m->facts.npixels * m->facts.channels * 4);
+    to_child(w, job, m, (size_t)m->facts.npixels * m->facts.channels * 4);
 }
 
 static void
-on_base_line(struct worker *w, const struct msg *m)
+on_base_line(struct worker *w, struct wjob *job, const struct msg *m)
 {
-    to_child(w, m, m->base_line.job,
-             (size_t)m->base_line.n * m->base_line.channels * 4);
+    to_child(w, job, m, (size_t)m->base_line.n * m->base_line.channels * 4);
 }
 
 static void
-on_estimate(struct worker *w, const struct msg *m)
+on_estimate(struct worker *w, struct wjob *job, const struct msg *m)
 {
     w->progress++;
-    to_child(w, m, m->estimate.job, 0);
+    to_child(w, job, m, 0);
 }
 
 static void
-on_tile(struct worker *w, const struct msg *m)
+on_rest(struct worker *w, struct wjob *job, const struct msg *m)
 {
-    struct wjob *job = worker_find_job(w, m->tile.job);
+    to_child(w, job, m, 0);
+}
 
+static void
+on_tile(struct worker *w, struct wjob *job, const struct msg *m)
+{
     w->progress++;
-    if (!job || job->state != WJOB_READY || m->tile.pass < job->ready.passes)
+    if (job->state != WJOB_READY || m->tile.pass < job->ready.passes)
         return; /* its pass was closed, or the coordinator will hear of the lost
                  * child */
     if (m->tile.pass - job->ready.passes < WJOB_PASSES)
@@ -321,14 +307,11 @@ on_tile(struct worker *w, const struct msg *m)
 
 /* A child that was lost meanwhile gets all passes again, from the first. */
 static void
-on_frozen(struct worker *w, const struct msg *m)
+on_frozen(struct worker *w, struct wjob *job, const struct msg *m)
 {
-    struct wjob *job = worker_find_job(w, m->frozen.job);
-
-    if (!job || job->state != WJOB_READY || m->frozen.pass != job->ready.passes)
+    if (job->state != WJOB_READY || m->frozen.pass != job->ready.passes)
         return;
-    job->bytes_in += m->frozen.len;
-    worker_send_child(w, job, m);
+    to_child(w, job, m, m->frozen.len);
     if (!m->frozen.last)
         return;
     wjob_next_pass(job);
@@ -336,39 +319,28 @@ on_frozen(struct worker *w, const struct msg *m)
 }
 
 static void
-on_tile_records(struct worker *w, const struct msg *m)
+on_tile_records(struct worker *w, struct wjob *job, const struct msg *m)
 {
-    struct wjob *job = worker_find_job(w, m->tile_records.job);
-
-    if (job)
-        gather_take(w, job, &m->tile_records);
+    gather_take(w, job, &m->tile_records);
 }
 
 static void
-on_closed(struct worker *w, const struct msg *m)
+on_closed(struct worker *w, struct wjob *job, const struct msg *m)
 {
-    struct wjob *job = worker_find_job(w, m->closed.job);
-
     w->progress++;
-    if (job)
-        gather_closed(w, job, &m->closed);
+    gather_closed(w, job, &m->closed);
 }
 
 static void
-on_feed(struct worker *w, const struct msg *m)
+on_feed(struct worker *w, struct wjob *job, const struct msg *m)
 {
-    struct wjob *job = worker_find_job(w, m->feed.job);
-
-    if (job)
-        gather_feed(w, job, &m->feed);
+    gather_feed(w, job, &m->feed);
 }
 
 static void
-on_stage(struct worker *w, const struct msg *m)
+on_stage(struct worker *w, struct wjob *job, const struct msg *m)
 {
-    struct wjob *job = worker_find_job(w, m->stage.job);
-
-    if (!job || job->state != WJOB_READY || m->stage.pass < job->ready.passes)
+    if (job->state != WJOB_READY || m->stage.pass < job->ready.passes)
         return;
     worker_send_child(w, job, m);
     job->ready.passes = m->stage.pass;
@@ -376,50 +348,50 @@ on_stage(struct worker *w, const struct msg *m)
     gather_turn(job);
 }
 
-static void
-on_rest(struct worker *w, const struct msg *m)
-{
-    to_child(w, m, m->rest.job, 0);
-}
-
-static void
-on_next_holder(struct worker *w, const struct msg *m)
-{
-    struct wjob *job = worker_find_job(w, m->next_holder.job);
-
-    if (job)
-        next_holder(w, job, &m->next_holder);
-}
-
-static const struct {
+struct handler {
     enum msg_type type;
-    void (*handle)(struct worker *w, const struct msg *m);
-} downwards[] = {
+    void (*handle)(struct worker *w, struct wjob *job, const struct msg *m);
+};
+
+static const struct handler downwards[] = {
     { MSG_TWIN, on_attempt },
     { MSG_SPLIT, on_attempt },
     { MSG_YIELD, on_attempt },
-    { MSG_LEND, on_lend },
+    { MSG_LEND, on_attempt },
     { MSG_LOAN, on_loan },
     { MSG_BACK, on_back },
     { MSG_FACTS, on_facts },
     { MSG_BASE_LINE, on_base_line },
-    { MSG_NEXT_HOLDER, on_next_holder },
+    { MSG_NEXT_HOLDER, next_holder },
     { MSG_ESTIMATE, on_estimate },
+    { MSG_REST, on_rest },
     { MSG_TILE, on_tile },
     { MSG_FROZEN, on_frozen },
     { MSG_STAGE, on_stage },
     { MSG_TILE_RECORDS, on_tile_records },
     { MSG_CLOSED, on_closed },
     { MSG_FEED, on_feed },
-    { MSG_REST, on_rest },
 };
+
+static const struct handler *
+find_handler(const struct handler *v, size_t n, uint16_t type)
+{
+    for (size_t i = 0; i < n; i++)
+        if (v[i].type == type)
+            return &v[i];
+    return NULL;
+}
 
 void
 relay_down(struct worker *w, const struct msg *m)
 {
-    for (size_t i = 0; i < sizeof downwards / sizeof downwards[0]; i++)
-        if (downwards[i].type == m->type)
-            downwards[i].handle(w, m);
+    const struct handler *h = find_handler(
+        downwards, sizeof downwards / sizeof downwards[0], m->type);
+    /* all of these messages begin with the id of their job */
+    struct wjob *job = h ? worker_find_job(w, m->twin.job) : NULL;
+
+    if (job)
+        h->handle(w, job, m);
 }
 
 /* --- up --- */
@@ -445,25 +417,14 @@ pass_up(struct worker *w, struct wjob *job, const struct msg *m)
 }
 
 static void
-child_facts(struct worker *w, struct wjob *job, const struct msg *m)
-{
-    struct msg pass = { .type = MSG_FACTS, .facts = m->facts };
-
-    pass.facts.job = job->id;
-    pass_up(w, job, &pass);
-}
-
-static void
 child_parked(struct worker *w, struct wjob *job, const struct msg *m)
 {
-    struct msg pass = { .type = MSG_PARKED, .parked = m->parked };
     struct wunit *u = wjob_find_unit(job, m->parked.unit, m->parked.attempt);
 
     if (!u)
         return; /* revoked meanwhile */
     u->parked = true;
-    pass.parked.job = job->id;
-    pass_up(w, job, &pass);
+    pass_up(w, job, m);
 }
 
 /* The child is at the unit again: should it die, the unit is a suspect. */
@@ -483,31 +444,19 @@ child_resumed(struct worker *w, struct wjob *job, const struct msg *m)
 static void
 child_paid(struct worker *w, struct wjob *job, const struct msg *m)
 {
-    struct msg pass = { .type = MSG_PAID, .paid = m->paid };
     struct wunit *u = wjob_find_unit(job, m->paid.unit, m->paid.attempt);
 
     if (u && u->loan)
         wjob_drop_unit(job, u->unit, u->attempt);
-    pass.paid.job = job->id;
     if (job->tally.busy_s == 0)
         worker_send_tally(w, job);
     msg_counts_add(w->welcome ? &job->paid : &job->unpaid, &m->paid.counts);
-    pass_up(w, job, &pass);
-}
-
-static void
-child_line_costs(struct worker *w, struct wjob *job, const struct msg *m)
-{
-    struct msg pass = { .type = MSG_LINE_COSTS, .line_costs = m->line_costs };
-
-    pass.line_costs.job = job->id;
-    pass_up(w, job, &pass);
+    pass_up(w, job, m);
 }
 
 static void
 child_gave(struct worker *w, struct wjob *job, const struct msg *m)
 {
-    struct msg pass = { .type = MSG_GAVE, .gave = m->gave };
     struct wunit *u = wjob_find_unit(job, m->gave.unit, m->gave.attempt);
 
     if (!u)
@@ -515,8 +464,7 @@ child_gave(struct worker *w, struct wjob *job, const struct msg *m)
     u->height = m->gave.height;
     if (u->height == 0)
         wjob_drop_unit(job, u->unit, u->attempt);
-    pass.gave.job = job->id;
-    pass_up(w, job, &pass);
+    pass_up(w, job, m);
 }
 
 /* Give the child back all columns that it lent of the unit. */
@@ -546,16 +494,14 @@ relay_cut(struct worker *w)
 static void
 child_loan(struct worker *w, struct wjob *job, const struct msg *m)
 {
-    struct msg pass = { .type = MSG_LOAN, .loan = m->loan };
     struct wunit *u = wjob_find_unit(job, m->loan.unit, m->loan.attempt);
 
     if (!u)
         return;
     u->lends = true;
     u->line = m->loan.line;
-    pass.loan.job = job->id;
     if (w->welcome)
-        pass_up(w, job, &pass);
+        pass_up(w, job, m);
     else
         give_back(w, job, u); /* there is nobody to lend to */
 }
@@ -563,53 +509,41 @@ child_loan(struct worker *w, struct wjob *job, const struct msg *m)
 static void
 child_base_line(struct worker *w, struct wjob *job, const struct msg *m)
 {
-    struct msg pass = { .type = MSG_BASE_LINE, .base_line = m->base_line };
-
-    pass.base_line.job = job->id;
     job->base_line_pixels += m->base_line.n;
-    pass_up(w, job, &pass);
-    made(w, job, &pass.base_line);
-}
-
-static void
-child_estimated(struct worker *w, struct wjob *job, const struct msg *m)
-{
-    struct msg pass = { .type = MSG_ESTIMATED, .estimated = m->estimated };
-
-    pass.estimated.job = job->id;
-    pass_up(w, job, &pass);
+    pass_up(w, job, m);
+    made(w, job, &m->base_line);
 }
 
 static void
 child_tile_made(struct worker *w, struct wjob *job, const struct msg *m)
 {
-    struct msg pass = { .type = MSG_TILE_MADE, .tile_made = m->tile_made };
-
     uint32_t *n = &job->ntiles[m->tile_made.pass % WJOB_PASSES];
 
     if (m->tile_made.pass < job->ready.passes)
         return; /* the pass was closed meanwhile */
     if (*n > 0)
         --*n;
-    pass.tile_made.job = job->id;
-    pass_up(w, job, &pass);
+    pass_up(w, job, m);
 }
 
-static const struct {
-    enum msg_type type;
-    void (*handle)(struct worker *w, struct wjob *job, const struct msg *m);
-} upwards[] = {
-    { MSG_FACTS, child_facts },         { MSG_PARKED, child_parked },
-    { MSG_GAVE, child_gave },           { MSG_BASE_LINE, child_base_line },
-    { MSG_ESTIMATED, child_estimated }, { MSG_LOAN, child_loan },
-    { MSG_PAID, child_paid },           { MSG_LINE_COSTS, child_line_costs },
-    { MSG_RESUMED, child_resumed },     { MSG_TILE_MADE, child_tile_made },
+static const struct handler upwards[] = {
+    { MSG_FACTS, pass_up },         { MSG_PARKED, child_parked },
+    { MSG_GAVE, child_gave },       { MSG_BASE_LINE, child_base_line },
+    { MSG_ESTIMATED, pass_up },     { MSG_LOAN, child_loan },
+    { MSG_PAID, child_paid },       { MSG_LINE_COSTS, pass_up },
+    { MSG_RESUMED, child_resumed }, { MSG_TILE_MADE, child_tile_made },
 };
 
 void
 relay_up(struct worker *w, struct wjob *job, const struct msg *m)
 {
-    for (size_t i = 0; i < sizeof upwards / sizeof upwards[0]; i++)
-        if (upwards[i].type == m->type)
-            upwards[i].handle(w, job, m);
+    const struct handler *h =
+        find_handler(upwards, sizeof upwards / sizeof upwards[0], m->type);
+    struct msg pass = *m;
+
+    if (!h)
+        return;
+    pass.request = 0;
+    pass.parked.job = job->id; /* whatever the child says; all begin with it */
+    h->handle(w, job, &pass);
 }
