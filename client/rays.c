@@ -14,6 +14,33 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* How many words from there on are an option; 0: they are none. */
+static int
+take_option(struct rays_options *o, struct words *w, int at,
+            struct rad_error *err)
+{
+    const char *word = w->list[at];
+    int n;
+
+    if (strcmp(word, "-I") == 0) {
+        o->irradiance = true;
+        return 1;
+    }
+    if (rad_params_switch(word, "-co", &o->spectral))
+        return 1;
+    if (strcmp(word, "--commands") == 0) {
+        o->commands = true;
+        return 1;
+    }
+    if (strcmp(word, "-af") == 0 && at + 1 < w->n) {
+        o->ambfile = w->list[at + 1];
+        return 2;
+    }
+    n = amblist_option(&o->params, w->n - at, w->list + at, err);
+    return n != 0 ? n
+                  : rad_params_option(&o->params, w->n - at, w->list + at, err);
+}
+
 int
 rays_options(struct rays_options *o, struct words *w, struct rad_error *err)
 {
@@ -33,28 +60,7 @@ rays_options(struct rays_options *o, struct words *w, struct rad_error *err)
             return rad_fail(err, RAD_EUSAGE, "no scene file");
         if (word[0] != '-' || word[1] == '\0')
             break;
-        if (strcmp(word, "-I") == 0) {
-            o->irradiance = true;
-            at++;
-            continue;
-        }
-        if (rad_params_switch(word, "-co", &o->spectral)) {
-            at++;
-            continue;
-        }
-        if (strcmp(word, "--commands") == 0) {
-            o->commands = true;
-            at++;
-            continue;
-        }
-        if (strcmp(word, "-af") == 0 && at + 1 < w->n) {
-            o->ambfile = w->list[at + 1];
-            at += 2;
-            continue;
-        }
-        n = amblist_option(&o->params, w->n - at, w->list + at, err);
-        if (n == 0)
-            n = rad_params_option(&o->params, w->n - at, w->list + at, err);
+        n = take_option(o, w, at, err);
         if (n < 0)
             return n;
         if (n == 0)

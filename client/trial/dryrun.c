@@ -159,19 +159,11 @@ samples_a_side(const struct msg_spec *spec)
     return spec->oversample > 1 ? spec->oversample : 1;
 }
 
-void
-dryrun_print(const struct msg_spec *spec, const struct prediction *p,
-             int quality, const struct dryrun_cluster *c)
+static void
+print_picture(const struct msg_spec *spec, const struct prediction *p)
 {
-    char text[FIGURE_TEXT];
     int n = samples_a_side(spec);
-    double least, most;
-    int len;
 
-    printf("scene    %u objects, %s MB to be there\n", (unsigned)spec->objects,
-           figure(text, (double)spec->bundle_bytes / 1e6, 3));
-    printf("needs    %s\n", spec->needs);
-    printf("memory   %.0f MB of each worker\n", p->bytes / 1e6);
     if (p->points > 0)
         printf("points   %" PRIu32, p->points);
     else
@@ -182,13 +174,36 @@ dryrun_print(const struct msg_spec *spec, const struct prediction *p,
         printf(" of %d x %d samples a pixel", n, n);
     if (spec->nframes > 1)
         printf(", %u frames", (unsigned)spec->nframes);
-    printf("\ncluster  %d worker%s, %d thread%s%s", c->workers,
+    printf("\n");
+}
+
+static void
+print_cluster(const struct dryrun_cluster *c)
+{
+    printf("cluster  %d worker%s, %d thread%s%s", c->workers,
            c->workers == 1 ? "" : "s", c->threads, c->threads == 1 ? "" : "s",
            c->embedded ? ", of its own" : "");
     if (c->jobs > 0)
         printf(", which %s %d job%s already", c->jobs == 1 ? "has" : "have",
                c->jobs, c->jobs == 1 ? "" : "s");
-    printf("\nrays     ");
+    printf("\n");
+}
+
+void
+dryrun_print(const struct msg_spec *spec, const struct prediction *p,
+             int quality, const struct dryrun_cluster *c)
+{
+    char text[FIGURE_TEXT];
+    double least, most;
+    int len;
+
+    printf("scene    %u objects, %s MB to be there\n", (unsigned)spec->objects,
+           figure(text, (double)spec->bundle_bytes / 1e6, 3));
+    printf("needs    %s\n", spec->needs);
+    printf("memory   %.0f MB of each worker\n", p->bytes / 1e6);
+    print_picture(spec, p);
+    print_cluster(c);
+    printf("rays     ");
     print_count(p->rays);
     printf(", ");
     print_count(p->primary_rays);
