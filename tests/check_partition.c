@@ -26,9 +26,9 @@ make(uint32_t w, uint32_t h, uint32_t windows, enum msg_order order)
 static bool
 next(struct partition *p, uint32_t *unit)
 {
-    struct partition_who who = { .workers = 1, .share = 1, .idle = true };
+    struct partition_ask ask = { .workers = 1, .share = 1, .idle = true };
 
-    return partition_next(p, &who, unit);
+    return partition_next(p, &ask, unit);
 }
 
 static const struct {

@@ -38,11 +38,11 @@ static bool
 cut(struct partition *p, uint32_t worker, uint32_t n, uint32_t *first,
     uint32_t *last, uint32_t *unit)
 {
-    struct partition_who who = {
+    struct partition_ask ask = {
         .worker = worker, .workers = n, .share = 1. / n, .idle = true
     };
 
-    if (!partition_next(p, &who, unit))
+    if (!partition_next(p, &ask, unit))
         return false;
     partition_unit_lines(p, *unit, first, last);
     return true;
@@ -235,24 +235,24 @@ END_TEST
 START_TEST(auto_cuts_shares_of_what_is_left)
 {
     struct partition *p = lines(MSG_PART_AUTO, 3);
-    struct partition_who who = { .workers = 2, .share = .5, .least = 360 };
+    struct partition_ask ask = { .workers = 2, .share = .5, .least = 360 };
     uint32_t first, last, unit, n = 0;
     double before = 1e9;
 
-    ck_assert(partition_next(p, &who, &unit));
+    ck_assert(partition_next(p, &ask, &unit));
     ck_assert_double_eq(partition_cost(p, unit), 40 * 61); /* one of three */
-    who.worker = 1;
-    ck_assert(partition_next(p, &who, &unit));
+    ask.worker = 1;
+    ck_assert(partition_next(p, &ask, &unit));
     ck_assert_double_eq(partition_cost(p, unit), 40 * 61); /* one of two */
-    ck_assert(partition_next(p, &who, &unit));
+    ck_assert(partition_next(p, &ask, &unit));
     partition_unit_lines(p, unit, &first, &last);
     ck_assert(first == 0 && last == 10); /* half of one: 28 rows of 61 */
-    while (partition_next(p, &who, &unit)) {
+    while (partition_next(p, &ask, &unit)) {
         partition_unit_lines(p, unit, &first, &last);
         ck_assert(partition_cost(p, unit) >= 360 || n == 0);
         ck_assert(partition_cost(p, unit) <= before + 2 * 360);
         before = partition_cost(p, unit);
-        who.worker = n++ % 2;
+        ask.worker = n++ % 2;
     }
     ck_assert_uint_ge(n, 3);
     ck_assert_ptr_nonnull(strstr(partition_choice(p), "2 workers"));

@@ -203,27 +203,27 @@ next_back(struct partition *p, uint32_t worker, uint32_t *unit)
 
 /* Cut a unit for a worker. */
 static bool
-next_lines(struct partition *p, const struct partition_who *who, uint32_t *unit)
+next_lines(struct partition *p, const struct partition_ask *ask, uint32_t *unit)
 {
     struct partition_lines *s = p->lines;
-    struct asker *w = lines_asker(s, who->worker);
+    struct asker *w = lines_asker(s, ask->worker);
 
     if (!w || s->nfree == 0)
         return false;
-    if (who->workers > s->most) {
-        s->most = who->workers;
+    if (ask->workers > s->most) {
+        s->most = ask->workers;
         region_choose(p);
     }
-    return s->kind == MSG_PART_STATIC ? run_next(p, w, who, unit)
-                                      : region_next(p, w, who, unit);
+    return s->kind == MSG_PART_STATIC ? run_next(p, w, ask, unit)
+                                      : region_next(p, w, ask, unit);
 }
 
 bool
-partition_next(struct partition *p, const struct partition_who *who,
+partition_next(struct partition *p, const struct partition_ask *ask,
                uint32_t *unit)
 {
-    if (!next_back(p, who->worker, unit) &&
-        !(p->lines ? next_lines(p, who, unit) : window_next(p, unit)))
+    if (!next_back(p, ask->worker, unit) &&
+        !(p->lines ? next_lines(p, ask, unit) : window_next(p, unit)))
         return false;
     p->unit[*unit].state = PARTITION_OUT;
     p->waiting--;

@@ -42,8 +42,8 @@ struct partition_spec {
     const struct msg_frame *frames; /* not kept */
 };
 
-/* The worker that asks for a unit. */
-struct partition_who {
+/* A worker asks for a unit. */
+struct partition_ask {
     uint32_t worker;  /* a number that stays with it, small */
     uint32_t workers; /* that take part, it among them */
     double share;     /* its part of the speed of all, 0 to 1 */
@@ -95,7 +95,7 @@ void partition_set_absent(struct partition *p, uint32_t worker, bool absent);
 
 /* The unit that the worker should do next, out of the queue from now on; false
  * when there is none for it, or memory is out. */
-bool partition_next(struct partition *p, const struct partition_who *who,
+bool partition_next(struct partition *p, const struct partition_ask *ask,
                     uint32_t *unit);
 
 /* A unit that is out came back undone: it waits again, before the others. */

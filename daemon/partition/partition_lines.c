@@ -189,7 +189,7 @@ lines_free(struct partition_lines *s)
     free(s->unit);
     free(s->cost);
     free(s->kept);
-    free(s->who);
+    free(s->askers);
     free(s);
 }
 
@@ -268,12 +268,12 @@ lines_left(const struct partition *p)
 struct asker *
 lines_asker(struct partition_lines *s, uint32_t worker)
 {
-    while (s->nwho <= worker) {
-        if (!rad_list_grow(&s->who, s->nwho, sizeof *s->who))
+    while (s->naskers <= worker) {
+        if (!rad_list_grow(&s->askers, s->naskers, sizeof *s->askers))
             return NULL;
-        s->who[s->nwho++] = (struct asker){ .from = 0 };
+        s->askers[s->naskers++] = (struct asker){ .from = 0 };
     }
-    return &s->who[worker];
+    return &s->askers[worker];
 }
 
 static void

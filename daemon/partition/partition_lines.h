@@ -40,8 +40,8 @@ struct partition_lines {
     double left;           /* cost of all free lines */
     uint32_t lo;           /* frames before have no free line */
     uint32_t nfree, nkept; /* of all frames */
-    struct asker *who;
-    uint32_t nwho;
+    struct asker *askers;
+    uint32_t naskers;
     uint32_t most; /* workers that took part at a time */
 };
 
@@ -85,11 +85,11 @@ void region_choose(struct partition *p);
 /* Cut the next unit for a worker; false: there is none for it, or memory is
  * out; here and below. */
 bool region_next(struct partition *p, struct asker *w,
-                 const struct partition_who *who, uint32_t *unit);
+                 const struct partition_ask *ask, uint32_t *unit);
 
 /* --- partition_run.c --- */
 
 bool run_next(struct partition *p, struct asker *w,
-              const struct partition_who *who, uint32_t *unit);
+              const struct partition_ask *ask, uint32_t *unit);
 
 #endif

@@ -102,9 +102,9 @@ reach(const struct partition_lines *s, const struct frame *f, uint32_t first,
  * into regions? */
 static bool
 has_regions(const struct partition *p, const struct frame *f,
-            const struct partition_who *who)
+            const struct partition_ask *ask)
 {
-    return who->workers > 1 && f->n >= REGION * who->workers &&
+    return ask->workers > 1 && f->n >= REGION * ask->workers &&
            lines_left(p) <= f->cost * 1.000001;
 }
 
@@ -119,23 +119,23 @@ least_share(const struct frame *f, double left, double share)
 /* Where a unit that begins at `first` ends. */
 static uint32_t
 unit_end(const struct partition *p, const struct frame *f, uint32_t first,
-         const struct partition_who *who)
+         const struct partition_ask *ask)
 {
     const struct partition_lines *s = p->lines;
     uint32_t end = lines_stretch(s, f, first), last = first + 1;
-    double left = lines_left(p), most = left * who->share;
+    double left = lines_left(p), most = left * ask->share;
 
     if (s->kind == MSG_PART_AUTO) {
-        if (has_regions(p, f, who)) {
+        if (has_regions(p, f, ask)) {
             if (first < f->next && f->next < end)
                 end = f->next;
             most = lines_cost(s, f, first, end);
-        } else if (who->workers > 1)
-            most = fmax(most, least_share(f, left, who->share));
-        if (most < who->least)
-            most = who->least;
+        } else if (ask->workers > 1)
+            most = fmax(most, least_share(f, left, ask->share));
+        if (most < ask->least)
+            most = ask->least;
         last = reach(s, f, first, end, most * 1.000001);
-        if (last < end && lines_cost(s, f, last, end) < who->least)
+        if (last < end && lines_cost(s, f, last, end) < ask->least)
             last = end; /* the rest is worth no unit */
     }
     if (first == 0 && last == 1 && end > 1)
@@ -168,31 +168,31 @@ first_free(const struct partition_lines *s, const struct frame *f)
 /* Scanbar: has the frame so many lines that regions can get smaller? */
 static bool
 has_many_lines(const struct partition_lines *s, const struct frame *f,
-               const struct partition_who *who)
+               const struct partition_ask *ask)
 {
-    return s->kind == MSG_PART_SCANBAR && f->n >= MANY * who->workers;
+    return s->kind == MSG_PART_SCANBAR && f->n >= MANY * ask->workers;
 }
 
 /* How many lines the next region of the frame has. */
 static double
 region_lines(const struct partition_lines *s, const struct frame *f,
-             const struct partition_who *who)
+             const struct partition_ask *ask)
 {
-    double lines = fmax(who->share * f->n / ROUNDS, LEAST_REGION);
-    double left = who->share * (f->n - f->next) / LAST_ROUNDS;
+    double lines = fmax(ask->share * f->n / ROUNDS, LEAST_REGION);
+    double left = ask->share * (f->n - f->next) / LAST_ROUNDS;
 
-    return has_many_lines(s, f, who) ? fmin(lines, fmax(left, LEAST_RUN))
+    return has_many_lines(s, f, ask) ? fmin(lines, fmax(left, LEAST_RUN))
                                      : lines;
 }
 
 /* Begin the next region of the frame; false: there is none left. */
 static bool
 begin_region(const struct partition_lines *s, struct frame *f,
-             const struct partition_who *who, uint32_t *line)
+             const struct partition_ask *ask, uint32_t *line)
 {
     while (f->next < f->n) {
         *line = f->next;
-        f->next += (uint32_t)(fmin(region_lines(s, f, who), f->n) + .5);
+        f->next += (uint32_t)(fmin(region_lines(s, f, ask), f->n) + .5);
         if (line_is_free(s, f, *line))
             return true;
     }
@@ -204,9 +204,9 @@ static bool
 is_expected(const struct partition_lines *s, const struct frame *f,
             uint32_t line)
 {
-    for (uint32_t i = 0; i < s->nwho; i++)
-        if (s->who[i].began && !s->who[i].absent && s->who[i].line == line &&
-            &s->frame[s->who[i].frame] == f)
+    for (uint32_t i = 0; i < s->naskers; i++)
+        if (s->askers[i].began && !s->askers[i].absent &&
+            s->askers[i].line == line && &s->frame[s->askers[i].frame] == f)
             return true;
     return false;
 }
@@ -232,19 +232,19 @@ find_left_behind(const struct partition_lines *s, struct frame *f,
 /* Where the worker's next unit of a frame that has free lines begins. */
 static uint32_t
 unit_start(const struct partition *p, struct frame *f, const struct asker *w,
-           const struct partition_who *who)
+           const struct partition_ask *ask)
 {
     const struct partition_lines *s = p->lines;
     uint32_t first, last, line;
 
-    if (s->kind == MSG_PART_AUTO && !has_regions(p, f, who))
+    if (s->kind == MSG_PART_AUTO && !has_regions(p, f, ask))
         return first_free(s, f);
     if (w->began && &s->frame[w->frame] == f && line_is_free(s, f, w->line) &&
         w->line != f->next)
         return w->line; /* at f->next it is the next region that follows */
-    if (has_many_lines(s, f, who) && find_left_behind(s, f, &line))
+    if (has_many_lines(s, f, ask) && find_left_behind(s, f, &line))
         return line;
-    if (begin_region(s, f, who, &line))
+    if (begin_region(s, f, ask, &line))
         return line;
     first = first_free(s, f);
     last = lines_stretch(s, f, first);
@@ -257,18 +257,18 @@ unit_start(const struct partition *p, struct frame *f, const struct asker *w,
  * come down meanwhile. */
 static bool
 has_time(const struct partition *p, const struct frame *f,
-         const struct partition_who *who)
+         const struct partition_ask *ask)
 {
     const struct partition_lines *s = p->lines;
     double lines = (double)f->n / ROUNDS, left = (double)f->n - f->next;
 
-    return s->kind == MSG_PART_AUTO && has_regions(p, f, who) &&
-           left + who->share * lines / 2 >= lines;
+    return s->kind == MSG_PART_AUTO && has_regions(p, f, ask) &&
+           left + ask->share * lines / 2 >= lines;
 }
 
 bool
 region_next(struct partition *p, struct asker *w,
-            const struct partition_who *who, uint32_t *unit)
+            const struct partition_ask *ask, uint32_t *unit)
 {
     struct partition_lines *s = p->lines;
     uint32_t frame = s->lo, first;
@@ -281,9 +281,9 @@ region_next(struct partition *p, struct asker *w,
     if (!lines_may_begin(p, frame))
         return false;
     f = &s->frame[frame];
-    first = unit_start(p, f, w, who);
-    bars = has_time(p, f, who);
-    if (!lines_cut(p, frame, first, unit_end(p, f, first, who), w, unit))
+    first = unit_start(p, f, w, ask);
+    bars = has_time(p, f, ask);
+    if (!lines_cut(p, frame, first, unit_end(p, f, first, ask), w, unit))
         return false;
     p->unit[*unit].bars = bars;
     return true;

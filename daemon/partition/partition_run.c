@@ -141,7 +141,7 @@ longest(const struct partition_lines *s, const struct frame *f, uint32_t *first,
 }
 
 bool
-run_next(struct partition *p, struct asker *w, const struct partition_who *who,
+run_next(struct partition *p, struct asker *w, const struct partition_ask *ask,
          uint32_t *unit)
 {
     struct partition_lines *s = p->lines;
@@ -149,10 +149,10 @@ run_next(struct partition *p, struct asker *w, const struct partition_who *who,
 
     if (next_own(p, w, w, unit))
         return true;
-    if (!who->idle)
+    if (!ask->idle)
         return false;
-    for (uint32_t i = 0; i < s->nwho; i++)
-        if (s->who[i].absent && next_own(p, &s->who[i], w, unit))
+    for (uint32_t i = 0; i < s->naskers; i++)
+        if (s->askers[i].absent && next_own(p, &s->askers[i], w, unit))
             return true;
     if (!s->balance || !lines_may_begin(p, s->lo))
         return false;
@@ -181,7 +181,7 @@ partition_set_speeds(struct partition *p, const double *speed, uint32_t n)
     }
     for (uint32_t i = sum > 0 ? n : 0; i-- > 0;)
         if (speed[i] > 0) {
-            p->lines->who[i].to = 1; /* whatever rounding says */
+            p->lines->askers[i].to = 1; /* whatever rounding says */
             break;
         }
     return true;

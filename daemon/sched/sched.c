@@ -135,15 +135,15 @@ static bool
 next_unit(struct coord *c, struct job *job, const struct coord_worker *w,
           uint32_t index, uint32_t *unit)
 {
-    struct partition_who who = { .worker = index,
+    struct partition_ask ask = { .worker = index,
                                  .workers = job_active(job),
                                  .share = 1,
                                  .least = speed_cost(job, index, WORTH_MS),
                                  .idle = w->in_flight == 0 };
 
     if (job->speed.all > 0)
-        who.share = job->workers[index].speed / job->speed.all;
-    if (!partition_next(job->partition, &who, unit))
+        ask.share = job->workers[index].speed / job->speed.all;
+    if (!partition_next(job->partition, &ask, unit))
         return false;
     if (unit_grow(job))
         return true;
