@@ -32,11 +32,12 @@ struct coord_worker {
     uint32_t delivered;   /* units whose rows are on their way to the disk */
     double relative;      /* speed of a thread, by earlier jobs; 1: usual */
     uint64_t free_ms;     /* when in_flight last came to be 0 */
-    int64_t priority;     /* the highest of jobs whose units these are, */
-    int64_t rank;         /* or could be; INT64_MIN: there are none (yield.c) */
-    uint64_t progress;    /* of its last PING */
-    uint32_t load;        /* likewise: of its host, in hundredths */
-    uint64_t progress_ms; /* when that was new */
+    int64_t priority;     /* the highest of the jobs whose units it works on;
+                           * INT64_MIN: of none */
+    int64_t rank;         /* the same, with jobs that have units for it */
+    uint32_t load;        /* of its host, in hundredths, by its last PING */
+    uint64_t progress;    /* the number that the last PING had */
+    uint64_t progress_ms; /* when that number was new */
     bool hangs;           /* it has work, and makes no progress */
     const struct job *loading; /* what its next READY is for */
     bool forgotten;            /* gone, and not told of any more */
@@ -109,8 +110,8 @@ struct coord {
     uint64_t known_ms;    /* when files that owners know of expired last */
     uint64_t progress_ms; /* when PROGRESS was sent last */
     uint64_t lease_ms;    /* a unit that is out for less is not late */
-    bool stirred;         /* somebody may get something since sched_run() */
-    struct coord_worker *roomy; /* ... but if that is false this one alone */
+    bool stirred; /* workers may get something that sched_run() had not */
+    struct coord_worker *roomy; /* else this worker alone may; NULL: none */
     uint32_t verdicts;    /* that wait to be carried out */
     struct coord_conn *by_id[COORD_CONNS]; /* chains of conns */
     struct log_limit breaks; /* of lines about those that are no worker's */

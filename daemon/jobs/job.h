@@ -76,7 +76,7 @@ struct job {
     enum job_state state;
     bool ending; /* what follows from its end is to be done (verdict.h) */
     enum job_stage stage; /* by job_step() alone */
-    bool full;            /* the disk is: it is held as all others are */
+    bool full; /* the disk is full: this job is held, as all others are */
     bool watched;         /* a picture was asked for before it was whole */
     uint32_t lives;       /* of the coordinator that it has seen end */
     bool restored; /* from an earlier life, and no worker was ready since */
@@ -85,8 +85,8 @@ struct job {
     uint64_t kept_bytes;       /* on the disk, once it is over */
     uint32_t unfetched;        /* frames that are written, and not fetched */
     uint64_t fetched_ms; /* when its owner last got one in this life; or 0 */
-    uint32_t nfound;     /* files that were seen in the store before that */
-    uint64_t found_ms;   /* when the last of them was */
+    uint32_t nfound;     /* its first files that the store was seen to have */
+    uint64_t found_ms;   /* when the last of them was seen */
     int status;          /* of sysexits.h, with JOB_FAILED */
     char text[MSG_MAX_TEXT + 1];
 
@@ -102,8 +102,8 @@ struct job {
     struct kept_passes kept;
     struct kept_cache cache;
     struct passes *passes; /* NULL: none, or not yet */
-    bool exact;   /* a pixel is a function: no cache, or one in passes, */
-    bool filling; /* of which some are not closed */
+    bool exact;            /* it has no ambient cache, or one in passes */
+    bool filling;          /* some of its passes are not closed */
     struct job_goal goal;  /* zeros: it has none */
     struct survey *survey; /* NULL: costs are not estimated, or are by now */
     struct shared *shared; /* NULL: lines are not shared */

@@ -52,18 +52,21 @@ struct job_worker {
     double speed;      /* of all its threads, relative to the others' */
 
     /* before the units */
-    uint32_t surveying;     /* areas that it estimates, from 1; 0: none */
-    uint64_t surveyed_rays; /* of these, and of tiles */
+    uint32_t surveying;     /* chunk of areas that it estimates, from 1; 0: none
+                             */
+    uint64_t surveyed_rays; /* of areas, and of tiles */
     uint32_t passes; /* that it knows to be closed: it has their records, or
                       * says that it lacks some (records.c) */
-    uint32_t lacked; /* passes before cannot be lacking any more */
+    uint32_t lacked; /* of passes before this one it has been sent all records
+                      * that it lacked */
     uint32_t ntiles[MSG_OPEN_PASSES]; /* that it makes, by the pass's number */
-    bool lags;       /* it is to say first that it has those of the next */
+    bool lags;       /* nothing more goes to it before it says that it has the
+                      * records of the next pass */
     uint32_t feeder; /* index + 1 of the worker that sends it records of tiles;
                       * 0: the coordinator does (feeding.c) */
-    bool missed;     /* some of these did not come */
+    bool missed;     /* records of tiles that its feeder should have sent */
     uint32_t failures; /* times that it fed a worker which then missed some */
-    uint32_t excused;  /* passes to be closed until those that it misses are a
+    uint32_t excused;  /* passes to be closed until records that it misses are a
                         * failure of its feeder */
     uint64_t rest_ms;  /* told to leave its areas then (REST), and given
                         * nothing since; 0: it was not */
