@@ -174,8 +174,13 @@ open_fixture(struct fixture *f, const char *options, bool depth, int threads)
     ck_assert_int_eq(f->frame.width, WIDTH);
     ck_assert_int_eq(f->frame.height, HEIGHT);
     ck_assert_int_eq(uv_loop_init(&f->loop), 0);
-    f->pool = pool_new(&f->loop, f->job, &f->frame, NULL, threads, false,
-                       on_rows, NULL, f, &err);
+    f->pool = pool_new(&f->loop,
+                       &(struct pool_spec){ .job = f->job,
+                                            .frames = &f->frame,
+                                            .nthreads = threads,
+                                            .rows = on_rows,
+                                            .arg = f },
+                       &err);
     ck_assert_msg(f->pool != NULL, "%s", err.what);
 }
 

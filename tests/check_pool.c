@@ -107,8 +107,13 @@ open_fixture(struct fixture *f, const char *options, bool depth, int threads)
     ck_assert_int_eq(rad_frame_init(&f->frame, f->job, &view, 0, depth, &err),
                      0);
     ck_assert_int_eq(uv_loop_init(&f->loop), 0);
-    f->pool = pool_new(&f->loop, f->job, &f->frame, NULL, threads, false,
-                       on_rows, NULL, f, &err);
+    f->pool = pool_new(&f->loop,
+                       &(struct pool_spec){ .job = f->job,
+                                            .frames = &f->frame,
+                                            .nthreads = threads,
+                                            .rows = on_rows,
+                                            .arg = f },
+                       &err);
     ck_assert_msg(f->pool != NULL, "%s", err.what);
 }
 
@@ -458,8 +463,15 @@ open_cluster(struct cluster *c, struct fixture *f, int nchildren, int nthreads)
         k->of = c;
         k->due = STRICT_NEVER;
         k->strict = strict_new(&c->q, 1, true, id);
-        k->pool = pool_new(&f->loop, f->job, &f->frame, k->strict, nthreads,
-                           false, on_part_rows, on_children_news, k, NULL);
+        k->pool = pool_new(&f->loop,
+                           &(struct pool_spec){ .job = f->job,
+                                                .frames = &f->frame,
+                                                .strict = k->strict,
+                                                .nthreads = nthreads,
+                                                .rows = on_part_rows,
+                                                .news = on_children_news,
+                                                .arg = k },
+                           NULL);
         ck_assert(k->strict && k->pool);
     }
     uv_timer_init(&f->loop, &c->timer);

@@ -13,7 +13,7 @@ give_tiles(struct pool *p)
     struct pool_rows failed = { 0 };
 
     if (pool_give_tiles(p, &failed.err) != 0)
-        p->fn(p->arg, &failed);
+        p->rows(p->arg, &failed);
 }
 
 static void
@@ -33,7 +33,7 @@ on_async(uv_async_t *async)
         p->news(p->arg);
     for (; r; r = next) {
         next = r->next;
-        p->fn(p->arg, r);
+        p->rows(p->arg, r);
         free(r);
     }
     pool_give_estimates(p);
@@ -223,27 +223,24 @@ start_threads(struct pool *p, int nthreads, struct rad_error *err)
 }
 
 struct pool *
-pool_new(uv_loop_t *loop, const struct rad_job *job,
-         const struct rad_frame *frames, struct strict *strict, int nthreads,
-         bool coded, pool_rows_fn *fn, pool_news_fn *news, void *arg,
-         struct rad_error *err)
+pool_new(uv_loop_t *loop, const struct pool_spec *spec, struct rad_error *err)
 {
     struct pool *p = calloc(1, sizeof *p);
 
     if (p)
-        p->renderers = calloc((size_t)nthreads, sizeof *p->renderers);
+        p->renderers = calloc((size_t)spec->nthreads, sizeof *p->renderers);
     if (!p || !p->renderers) {
         free(p);
         rad_fail(err, RAD_ENOMEM, "out of memory");
         return NULL;
     }
-    p->job = job;
-    p->frames = frames;
-    p->strict = strict;
-    p->coded = coded;
-    p->fn = fn;
-    p->news = news;
-    p->arg = arg;
+    p->job = spec->job;
+    p->frames = spec->frames;
+    p->strict = spec->strict;
+    p->coded = spec->coded;
+    p->rows = spec->rows;
+    p->news = spec->news;
+    p->arg = spec->arg;
     p->todo_end = &p->todo;
     p->done_end = &p->done;
     p->tiling.todo_end = &p->tiling.todo;
@@ -253,7 +250,7 @@ pool_new(uv_loop_t *loop, const struct rad_job *job,
     uv_cond_init(&p->room);
     uv_async_init(loop, &p->async, on_async);
     p->async.data = p;
-    if (start_threads(p, nthreads, err) < 0) {
+    if (start_threads(p, spec->nthreads, err) < 0) {
         pool_free(p);
         return NULL;
     }

@@ -48,13 +48,21 @@ typedef void pool_rows_fn(void *arg, const struct pool_rows *rows);
  * messages about their unit must be sent before these rows. */
 typedef void pool_news_fn(void *arg);
 
-/* Start nthreads threads.  job, frames and strict (NULL: there will be no
- * strict units) must outlive the pool.  coded: rows leave as in a picture file.
- * NULL and *err on failure. */
-struct pool *pool_new(uv_loop_t *loop, const struct rad_job *job,
-                      const struct rad_frame *frames, struct strict *strict,
-                      int nthreads, bool coded, pool_rows_fn *fn,
-                      pool_news_fn *news, void *arg, struct rad_error *err);
+/* What a pool renders; all that it points at must outlive the pool. */
+struct pool_spec {
+    const struct rad_job *job;
+    const struct rad_frame *frames;
+    struct strict *strict; /* NULL: there will be no strict units */
+    int nthreads;
+    bool coded; /* rows leave as in a picture file */
+    pool_rows_fn *rows;
+    pool_news_fn *news; /* with strict */
+    void *arg;
+};
+
+/* Start the threads; NULL and *err on failure. */
+struct pool *pool_new(uv_loop_t *loop, const struct pool_spec *spec,
+                      struct rad_error *err);
 
 /* Queue a window, which must lie in its frame. */
 bool pool_push(struct pool *p, const struct pool_unit *u);

@@ -74,7 +74,7 @@ struct pool {
     bool coded;                     /* [fixed] rows leave as in a picture */
     int nthreads;                   /* [fixed] after pool_new() */
     struct renderer *renderers;     /* [fixed] */
-    pool_rows_fn *fn;               /* [fixed] */
+    pool_rows_fn *rows;             /* [fixed] */
     pool_news_fn *news;             /* [fixed] */
     void *arg;                      /* [fixed] */
     uv_async_t async;

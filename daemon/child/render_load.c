@@ -236,6 +236,25 @@ load_strict(struct render *r, const struct msg_spec *spec,
     return r->strict ? 0 : rad_fail(err, RAD_ENOMEM, "out of memory");
 }
 
+static int
+start_pool(struct render *r, bool coded, struct rad_error *err)
+{
+    const struct pool_spec spec = { .job = r->job,
+                                    .frames = r->frames,
+                                    .strict = r->strict,
+                                    .nthreads = r->nthreads,
+                                    .coded = coded,
+                                    .rows = render_on_rows,
+                                    .news = render_on_news,
+                                    .arg = r };
+
+    r->pool = pool_new(&r->loop, &spec, err);
+    if (!r->pool)
+        return err->code;
+    render_begin_passes(r);
+    return 0;
+}
+
 int
 render_load(struct render *r, const struct msg_spec *spec,
             struct rad_error *err)
@@ -263,13 +282,7 @@ render_load(struct render *r, const struct msg_spec *spec,
     if (rc < 0)
         return rc;
     r->frame = r->nframes;
-    r->pool = pool_new(&r->loop, r->job, r->frames, r->strict, r->nthreads,
-                       spec->flags & MSG_JOB_CODED, render_on_rows,
-                       render_on_news, r, err);
-    if (!r->pool)
-        return err->code;
-    render_begin_passes(r);
-    return 0;
+    return start_pool(r, spec->flags & MSG_JOB_CODED, err);
 }
 
 void
