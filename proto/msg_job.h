@@ -126,7 +126,8 @@ struct msg_progress {
     /* with --error or --time: */
     uint8_t stage;     /* that is under way, or was last; the first is 0 */
     uint8_t ended;     /* 1: the pictures are made with its options */
-    uint8_t rungs[2];  /* of these options */
+    uint8_t rungs[2];  /* of these options: whole ones, and quarters in the
+                        * upper two bits */
     double goal_error; /* relative, as estimated when a stage ended; 0: none
                         * did */
 };

@@ -10,6 +10,7 @@
 #include "refine/refine.h"
 #include "filling/dearest.h"
 #include "filling/passes.h"
+#include "filling/stages.h"
 #include "filling/tiles.h"
 #include "links/feeding.h"
 
@@ -58,19 +59,21 @@ hold(bool whole)
         }
 }
 
-static uint64_t tile_rays; /* that each tile takes */
+static uint64_t tile_rays; /* that each tile takes, */
+static double tile_cpu_s;  /* and seconds */
 
 static void
 make(uint64_t conn, uint32_t pass, uint32_t tile, uint32_t n)
 {
     struct msg m = { .type = MSG_TILE_MADE,
-                     .tile_made = { .job = job_a,
-                                    .pass = pass,
-                                    .tile = tile,
-                                    .counts = { .rays = tile_rays },
-                                    .count = n,
-                                    .data = records,
-                                    .len = n * AMBSHARE_BYTES } };
+                     .tile_made = {
+                         .job = job_a,
+                         .pass = pass,
+                         .tile = tile,
+                         .counts = { .rays = tile_rays, .cpu_s = tile_cpu_s },
+                         .count = n,
+                         .data = records,
+                         .len = n * AMBSHARE_BYTES } };
 
     say(&f, conn, &m);
 }
@@ -754,8 +757,11 @@ send_sums(uint64_t conn, uint32_t pass, uint32_t tile, double v, size_t cut)
     double *sum = sums.doubt.v;
     struct wire_out w;
     struct msg m = { .type = MSG_TILE_MADE,
-                     .tile_made = {
-                         .job = job_a, .pass = pass, .tile = tile } };
+                     .tile_made = { .job = job_a,
+                                    .pass = pass,
+                                    .tile = tile,
+                                    .counts = { .rays = tile_rays,
+                                                .cpu_s = tile_cpu_s } } };
 
     sum[RAD_DOUBT_PLACES] = sum[RAD_DOUBT_AREAS] = 1;
     sum[RAD_DOUBT_AMBIENT] = sum[RAD_DOUBT_SAID] = v;
@@ -874,6 +880,42 @@ START_TEST(without_time_there_is_no_other_stage)
 }
 END_TEST
 
+/* Rungs that the clock chose are quarters, and they are kept. */
+START_TEST(a_later_life_takes_up_what_the_clock_chose)
+{
+    enum { KEPT = PASSES + 1 };
+    uint8_t bytes[STAGES_BYTES];
+    struct saved_pass pass[KEPT] = { 0 };
+    struct kept_passes were;
+    struct job_goal goal;
+    struct job *job;
+
+    submit_goal(0, 30000);
+    ready(&f, WORKER, job_a);
+    f.now_ms += 8000; /* the rest is near: no stage comes before it */
+    tile_rays = 1000;
+    tile_cpu_s = .01;
+    make_stage(WORKER, 0, 1);
+    job = desk_find_job(f.c, job_a);
+    goal = job->goal;
+    ck_assert(!goal.ended && goal.number == 1);
+    ck_assert_uint_ne((goal.rungs[0] | goal.rungs[1]) >> 6, 0);
+    stages_pack(f.c, job, bytes);
+    pass[PASSES].len = sizeof bytes;
+    job->goal = (struct job_goal){ 0 };
+    were = job->kept;
+    job->kept = (struct kept_passes){ .pass = pass, .n = KEPT };
+    pass[PASSES].bytes = memcpy(malloc(sizeof bytes), bytes, sizeof bytes);
+    ck_assert_int_eq(stages_take_up(f.c, job, NULL), 0);
+    job->kept = were;
+    ck_assert_uint_eq(job->goal.number, 1);
+    ck_assert_mem_eq(job->goal.rungs, goal.rungs, 2);
+    ck_assert_str_eq(job->goal.options, goal.options);
+    tile_rays = 0;
+    tile_cpu_s = 0;
+}
+END_TEST
+
 /* A child from an earlier life may be at a stage with other options, if the
  * clock chose them. */
 START_TEST(by_the_clock_a_child_of_an_earlier_life_begins_anew)
@@ -947,6 +989,7 @@ main(void)
     tcase_add_test(tc, what_is_far_off_has_another_stage);
     tcase_add_test(tc, what_is_good_enough_has_no_other_stage);
     tcase_add_test(tc, without_time_there_is_no_other_stage);
+    tcase_add_test(tc, a_later_life_takes_up_what_the_clock_chose);
     tcase_add_loop_test(tc, by_the_clock_a_child_of_an_earlier_life_begins_anew,
                         0, 2);
     suite_add_tcase(s, tc);

@@ -151,6 +151,8 @@ END_TEST
 
 /* --- decisions --- */
 
+#define RUNGS(n) (RAD_REFINE_RUNG * (n))
+
 /* After a stage with these errors, of ambient light, pixels, and noise. */
 static struct rad_refine_ask
 ask_of(double error, double ambient, double pixel, double noise)
@@ -183,6 +185,14 @@ START_TEST(what_is_good_enough_ends)
 }
 END_TEST
 
+/* So much time is left, and a million rays take a second. */
+static void
+set_clock(struct rad_refine_ask *ask, double left_s)
+{
+    ask->left_s = left_s;
+    ask->pass_s = ask->look_s = 1e-6;
+}
+
 static const struct {
     double ambient, pixel;
 } causes[] = { { .3, .01 }, { .01, .3 }, { .2, .2 } };
@@ -197,17 +207,17 @@ START_TEST(rungs_go_by_the_cause)
         struct rad_refine_ask ask =
             ask_of(wanted, causes[_i].ambient, causes[_i].pixel, 0);
 
-        ask.left_s = ask.rays_s = 1e9;
+        set_clock(&ask, 1e12);
         ck_assert(rad_refine_next(&ask, &next, &error));
         ck_assert_int_ge(next.ambient + next.pixel, last.ambient + last.pixel);
         last = next;
     }
     if (causes[_i].ambient > causes[_i].pixel)
-        ck_assert_int_gt(last.ambient, 8 + last.pixel);
+        ck_assert_int_gt(last.ambient, RUNGS(8) + last.pixel);
     else if (causes[_i].ambient < causes[_i].pixel)
-        ck_assert_int_gt(last.pixel, 8 + last.ambient);
+        ck_assert_int_gt(last.pixel, RUNGS(8) + last.ambient);
     else
-        ck_assert(last.ambient > 8 && last.pixel > 8);
+        ck_assert(last.ambient > RUNGS(8) && last.pixel > RUNGS(8));
 }
 END_TEST
 
@@ -221,7 +231,7 @@ START_TEST(what_cannot_be_reached_ends)
     ck_assert(rad_refine_next(&ask, &next, &error));
     ck_assert_int_lt(next.ambient, RAD_REFINE_MOST_AMBIENT / 2);
     ask = ask_of(.001, .05, .1, .1);
-    ask.rungs = (struct rad_refine_rungs){ 4, RAD_REFINE_MOST_PIXEL };
+    ask.rungs = (struct rad_refine_rungs){ RUNGS(4), RAD_REFINE_MOST_PIXEL };
     ck_assert(!rad_refine_next(&ask, &next, &error));
     ck_assert_double_gt(error, .1);
 }
@@ -238,8 +248,8 @@ START_TEST(what_cannot_be_reached_costs_no_more_than_it_brings)
     ask.pixels = 9;
     ask.rays = ask.check = 15000;
     ck_assert(rad_refine_next(&ask, &next, &error));
-    ck_assert_int_gt(next.pixel, 12);
-    ck_assert_int_lt(next.ambient, 9);
+    ck_assert_int_gt(next.pixel, RUNGS(12));
+    ck_assert_int_lt(next.ambient, RUNGS(9));
 }
 END_TEST
 
@@ -269,7 +279,7 @@ START_TEST(a_far_goal_has_a_stage_before_it)
     ck_assert(rad_refine_next(&ask, &first, &error));
     ask.stage = RAD_REFINE_STAGES - 2;
     ck_assert(rad_refine_next(&ask, &whole, &error));
-    ck_assert_int_gt(first.ambient, 3);
+    ck_assert_int_gt(first.ambient, RUNGS(3));
     ck_assert_int_lt(first.ambient, whole.ambient);
     ask = ask_of(.3, .5, .01, 0);
     ck_assert(rad_refine_next(&ask, &first, &error));
@@ -292,10 +302,10 @@ START_TEST(what_fell_slowly_is_foreseen_so)
         double error;
 
         ask.stage = RAD_REFINE_STAGES - 2;
-        ask.rungs.ambient = 4;
+        ask.rungs.ambient = RUNGS(4);
         ask.past.square = fell[i] * now.square;
         ck_assert(rad_refine_next(&ask, &next, &error));
-        ck_assert_int_ge(next.ambient, last + (i == 1 || i == 2));
+        ck_assert_int_ge(next.ambient, last + RUNGS(i == 1 || i == 2));
         last = next.ambient;
     }
 }
@@ -317,7 +327,7 @@ START_TEST(noise_of_pixels_is_taken_away_by_rays)
     ck_assert(rad_refine_next(&ask, &next, &error));
     rad_refine_params(&job, next, &p);
     ck_assert_int_eq(p.samples, 1);
-    rad_refine_params(&job, (struct rad_refine_rungs){ 0, 11 }, &p);
+    rad_refine_params(&job, (struct rad_refine_rungs){ 0, RUNGS(11) }, &p);
     ck_assert_int_eq(p.samples, 3); /* 2 to the power of 1.5, rounded */
     job.samples = 16; /* they get as many times more, as is foreseen */
     next.pixel = RAD_REFINE_MOST_PIXEL;
@@ -360,7 +370,7 @@ START_TEST(a_stage_has_a_bound)
 
     ask.stage = RAD_REFINE_STAGES - 2;
     ck_assert(rad_refine_next(&ask, &bound, &error));
-    ask.left_s = ask.rays_s = 1e9;
+    set_clock(&ask, 1e12);
     ck_assert(rad_refine_next(&ask, &whole, &error));
     ck_assert_int_lt(bound.ambient, whole.ambient);
     ck_assert(!rad_refine_is_short(&ask));
@@ -379,26 +389,72 @@ START_TEST(a_stage_has_a_bound)
 }
 END_TEST
 
+/* A tenth more time is a finer stage, of either kind of rungs, up to the finest
+ * of pixels. */
 START_TEST(more_time_is_used)
 {
     struct rad_refine_rungs last = { 0, 0 }, next;
     double error;
     int stages = 0;
 
-    for (double s = 0; s < 1e6; s = 2 * s + 1) {
+    for (double s = .1; s < 1e6 && last.pixel < RUNGS(15); s *= 1.1) {
         struct rad_refine_ask ask = ask_of(0, .3, .1, .05);
 
-        ask.left_s = s;
-        ask.rays_s = 1e6;
+        set_clock(&ask, s);
+        ask.stage = 1;
         if (!rad_refine_next(&ask, &next, &error))
             continue;
         ck_assert(s > 1);
-        ck_assert_int_ge(next.ambient + 1, last.ambient);
+        ck_assert_int_ge(next.ambient + RUNGS(1), last.ambient);
+        ck_assert_msg(next.ambient != last.ambient || next.pixel != last.pixel,
+                      "%.1f s: %d %d", s, next.ambient, next.pixel);
         last = next;
         stages++;
     }
-    ck_assert_int_gt(stages, 10);
-    ck_assert_int_gt(last.ambient, 12);
+    ck_assert_int_gt(stages, 40);
+    ck_assert_int_ge(last.ambient, RUNGS(12));
+}
+END_TEST
+
+/* What takes all the time is foreseen from a stage that takes some of it. */
+START_TEST(much_time_has_a_stage_before_the_last)
+{
+    struct rad_refine_ask ask = ask_of(0, .3, .1, .05);
+    struct rad_refine_rungs first, last;
+    double error;
+
+    set_clock(&ask, 200);
+    ck_assert(rad_refine_next(&ask, &first, &error));
+    ask.stage = 1;
+    ck_assert(rad_refine_next(&ask, &last, &error));
+    ck_assert(first.ambient > RUNGS(3) &&
+              first.ambient + RUNGS(2) < last.ambient);
+    ck_assert_int_le(first.pixel, RUNGS(8));
+    ask.stage = 0;
+    set_clock(&ask, 6); /* from here it is foreseen well */
+    ck_assert(rad_refine_next(&ask, &first, &error));
+    ask.stage = 1;
+    ck_assert(rad_refine_next(&ask, &last, &error));
+    ck_assert_int_eq(first.ambient, last.ambient);
+    ck_assert_int_eq(first.pixel, last.pixel);
+}
+END_TEST
+
+/* ... but if the error that is wanted is reached in time, the clock is none. */
+START_TEST(a_goal_in_time_has_whole_rungs_as_without_a_clock)
+{
+    for (int i = 5; i <= 20; i++) {
+        struct rad_refine_ask ask = ask_of(.01 * i, .3, .1, .05);
+        struct rad_refine_rungs calm, timed;
+        double error;
+
+        ck_assert(rad_refine_next(&ask, &calm, &error));
+        ck_assert(calm.ambient % RUNGS(1) == 0 && calm.pixel % RUNGS(1) == 0);
+        set_clock(&ask, 1e5);
+        ck_assert(rad_refine_next(&ask, &timed, &error));
+        ck_assert_int_eq(timed.ambient, calm.ambient);
+        ck_assert_int_eq(timed.pixel, calm.pixel);
+    }
 }
 END_TEST
 
@@ -431,7 +487,8 @@ START_TEST(sums_may_be_anything)
                 ask.rungs = (struct rad_refine_rungs){ 255, 255 };
                 if (timed) {
                     ask.left_s = wild[i];
-                    ask.rays_s = wild[_i];
+                    ask.pass_s = wild[_i];
+                    ask.look_s = wild[(_i + 1) % N_ELEM(wild)];
                 }
                 rad_refine_next(&ask, &next, &error);
                 ck_assert(error >= 0 && error <= 1e6);
@@ -705,6 +762,9 @@ main(void)
     tcase_add_test(decisions, noise_of_pixels_is_taken_away_by_rays);
     tcase_add_test(decisions, a_stage_has_a_bound);
     tcase_add_test(decisions, more_time_is_used);
+    tcase_add_test(decisions, much_time_has_a_stage_before_the_last);
+    tcase_add_test(decisions,
+                   a_goal_in_time_has_whole_rungs_as_without_a_clock);
     tcase_add_loop_test(decisions, sums_may_be_anything, 0, N_ELEM(wild));
     tcase_add_test(decisions, a_black_picture_is_good_enough);
     tcase_add_test(decisions, mean_keeps_what_places_err_by_in_common);

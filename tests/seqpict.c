@@ -452,8 +452,9 @@ print_stage(const struct rad_refine_ask *ask, const struct rad_job *job)
             "stage %" PRIu32 " rungs %d %d error %.4f ambient %.4f pixel %.4f "
             "noise %.4f rays %" PRIu64 " check %" PRIu64
             " fresh %.4f records %.4f aa %.4g ad %d pt %.4g ds %.4g\n",
-            ask->stage, ask->rungs.ambient, ask->rungs.pixel, e.all, e.ambient,
-            e.sampling, sqrt(rad_doubt_squares(d).noise), ask->rays, ask->check,
+            ask->stage, ask->rungs.ambient / RAD_REFINE_RUNG,
+            ask->rungs.pixel / RAD_REFINE_RUNG, e.all, e.ambient, e.sampling,
+            sqrt(rad_doubt_squares(d).noise), ask->rays, ask->check,
             root_mean(d, RAD_DOUBT_AMBIENT), root_mean(d, RAD_DOUBT_SAID),
             par->ambacc, par->ambdiv, par->maxdiff, par->srcsizerat);
 }
@@ -511,12 +512,18 @@ render_stage(struct task *t, const struct rad_params *params,
     return rc;
 }
 
+static uint8_t
+rung(int whole)
+{
+    return (uint8_t)(RAD_REFINE_RUNG * whole);
+}
+
 static int
 render_scene(struct task *t, struct compiled *c, struct rad_error *err)
 {
     struct rad_refine_ask ask = { .error = t->error,
-                                  .rungs = { (uint8_t)t->rungs[0],
-                                             (uint8_t)t->rungs[1] },
+                                  .rungs = { rung(t->rungs[0]),
+                                             rung(t->rungs[1]) },
                                   .left_s = INFINITY };
     struct rad_params of_job = t->params, params;
     uint32_t stage;

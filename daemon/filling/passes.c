@@ -382,7 +382,7 @@ close_check(struct coord *c, struct job *job)
     struct msg_counts counts = s->closed[s->open].counts;
     uint32_t number = passes_number(s);
     const struct sheet *k = passes_sheet(s, s->open);
-    struct stage_found all = { .check = counts.rays };
+    struct stage_found all = { .check = counts.rays, .check_s = counts.cpu_s };
     struct rad_refine_sums of;
     uint8_t bytes[STAGES_BYTES];
     bool reached;
@@ -392,8 +392,10 @@ close_check(struct coord *c, struct job *job)
             rad_refine_add(&all.sums, &of);
         k->tile[i].n = 0;
     }
-    for (uint32_t i = 0; i < s->open; i++)
+    for (uint32_t i = 0; i < s->open; i++) {
         all.rays += s->closed[i].counts.rays;
+        all.rays_s += s->closed[i].counts.cpu_s;
+    }
     reached = stages_end(c, job, s->n, &all);
     stages_pack(c, job, bytes);
     keep_closed(c, job, number, &counts, bytes, sizeof bytes, true);

@@ -21,12 +21,35 @@ stages_sizes(const struct msg_spec *spec)
     return size;
 }
 
+/* Rungs as they are kept and told: whole ones, which are all that jobs of
+ * earlier versions have, and above these bits quarters. */
+enum { WHOLE = 63, QUARTERS = 6 };
+
+static uint8_t
+pack_rung(uint8_t rung)
+{
+    return (uint8_t)(rung / RAD_REFINE_RUNG | rung % RAD_REFINE_RUNG
+                                                  << QUARTERS);
+}
+
+static uint8_t
+unpack_rung(uint8_t packed)
+{
+    return (uint8_t)((packed & WHOLE) * RAD_REFINE_RUNG + (packed >> QUARTERS));
+}
+
+static struct rad_refine_rungs
+rungs_of(const struct job_goal *g)
+{
+    return (struct rad_refine_rungs){ unpack_rung(g->rungs[0]),
+                                      unpack_rung(g->rungs[1]) };
+}
+
 int
 stages_params(const struct job *job, struct rad_params *out,
               struct rad_error *err)
 {
-    const struct job_goal *g = &job->goal;
-    struct rad_refine_rungs rungs = { g->rungs[0], g->rungs[1] };
+    struct rad_refine_rungs rungs = rungs_of(&job->goal);
     struct rad_params params;
     int rc = jobtext_params(job->spec.params, &params, err);
 
@@ -95,28 +118,48 @@ reused_rays(const struct job *job)
     return job->cache.reused * ((uint64_t)p.ambdiv + (uint64_t)p.ambssamp);
 }
 
+/* Seconds that one of so many rays took all that were at work on the stage,
+ * who spend so many processor seconds in a second. */
+static double
+seconds_a_ray(double cpu_s, uint64_t rays, double busy)
+{
+    return rays > 0 && busy > 0 ? cpu_s / (double)rays / busy : 0;
+}
+
+static void
+note_clock(const struct job *job, const struct stage_found *found, double spent,
+           struct rad_refine_ask *ask)
+{
+    double cpu_s = found->rays_s + found->check_s;
+    double stage_s = spent - job->goal.begun_s;
+    double busy = stage_s > 0 ? cpu_s / stage_s : 0;
+
+    ask->left_s = fmax(job->spec.time_ms / 1e3 - spent, 0);
+    ask->look_s = seconds_a_ray(found->check_s, found->check, busy);
+    ask->pass_s = found->rays > 0
+                      ? seconds_a_ray(found->rays_s, found->rays, busy)
+                      : ask->look_s; /* all are a former job's */
+}
+
 /* What is to be decided upon; of the sums a copy. */
 static struct rad_refine_ask
 question(const struct coord *c, const struct job *job,
          const struct stage_found *found)
 {
     const struct job_goal *g = &job->goal;
-    double spent = seconds_spent(c, job);
     struct rad_refine_ask ask = {
         .error = job->spec.error_ppm / 1e6,
         .stage = g->number,
-        .rungs = { g->rungs[0], g->rungs[1] },
+        .rungs = rungs_of(g),
         .sums = found->sums,
-        .past = { g->past_rung, g->past_square },
+        .past = { unpack_rung(g->past_rung), g->past_square },
         .rays = found->rays + reused_rays(job),
         .check = found->check,
         .left_s = INFINITY,
     };
 
-    if (job->spec.time_ms > 0) {
-        ask.left_s = fmax(job->spec.time_ms / 1e3 - spent, 0);
-        ask.rays_s = spent > 0 ? (double)job->tiled.rays / spent : 0;
-    }
+    if (job->spec.time_ms > 0)
+        note_clock(job, found, seconds_spent(c, job), &ask);
     for (uint32_t i = 0; i < job->spec.nframes; i++)
         ask.pixels +=
             (uint64_t)job->spec.frames[i].width * job->spec.frames[i].height;
@@ -155,10 +198,11 @@ stages_end(struct coord *c, struct job *job, uint32_t n,
         return true;
     g->number++;
     g->base += n;
-    g->past_rung = past.rung;
+    g->begun_s = seconds_spent(c, job);
+    g->past_rung = pack_rung(past.rung);
     g->past_square = past.square;
-    g->rungs[0] = next.ambient;
-    g->rungs[1] = next.pixel;
+    g->rungs[0] = pack_rung(next.ambient);
+    g->rungs[1] = pack_rung(next.pixel);
     if (!set_options(job))
         c->actions.failed = true;
     else
@@ -236,6 +280,7 @@ take_stage(struct job *job, uint32_t n, struct rad_error *err)
         kept->pass[g->base].bytes = NULL;
     }
     g->number++;
+    g->begun_s = (double)g->spent_ms / 1000;
     return set_options(job) ? 1 : rad_fail(err, RAD_ENOMEM, "out of memory");
 }
 

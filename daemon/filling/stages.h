@@ -35,6 +35,7 @@ int stages_plan(const struct job *job, const struct rad_pass_size *size,
 struct stage_found {
     struct rad_refine_sums sums; /* of the check pass */
     uint64_t rays, check;        /* of the passes before it, and its own */
+    double rays_s, check_s;      /* processor seconds of these */
 };
 
 /* The check pass, the last of n, is closed: end the stage.  False: another

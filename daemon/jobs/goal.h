@@ -13,10 +13,13 @@ struct job;
 
 /* Zeros in a job without a goal. */
 struct job_goal {
-    uint32_t number;  /* of the stage whose passes are open, or were last */
-    uint32_t base;    /* passes of the stages before it */
-    uint8_t rungs[2]; /* of its options: struct rad_refine_rungs */
-    /* of the stage before it, struct rad_refine_past; zeros: there is none */
+    uint32_t number; /* of the stage whose passes are open, or were last */
+    uint32_t base;   /* passes of the stages before it */
+    /* of its options, struct rad_refine_rungs: whole ones, and quarters in the
+     * upper two bits */
+    uint8_t rungs[2];
+    /* of the stage before it, struct rad_refine_past, likewise; zeros: there is
+     * none */
     uint8_t past_rung;
     double past_square;
     const char *options; /* these, in mem; NULL: those of the specification */
@@ -25,6 +28,7 @@ struct job_goal {
     double mean;         /* and that of the mean of all pixels */
     uint64_t bytes;      /* of records of the stages before it, in this life */
     uint64_t spent_ms;   /* until the last decision, in earlier lives */
+    double begun_s;      /* seconds spent when the stage began */
     bool ended;          /* the picture is made with the stage's options */
     bool late;           /* for want of time, or of rays, alone */
     bool unread;         /* an earlier life kept a decision in another layout */

@@ -3,8 +3,8 @@
  * The next stage is foreseen from the last one's sums: errors fall by so much
  * with a rung, that of pixels not below the noise of single ones, and rays
  * grow with both kinds of rungs.  Of all rungs the cheapest that come down to
- * what is wanted are taken; with a limit of time, of those that can be done the
- * ones that come farthest down.
+ * what is wanted are taken; where time does not allow any of these, of those
+ * that it allows the ones that come farthest down, in quarters of a rung.
  * Only products, sums and square roots: they are the same everywhere. */
 #include "config.h"
 
@@ -22,9 +22,10 @@
 #define AIM         .85
 #define NEAR_ENOUGH 1.2
 
-/* A further stage brings so much at least: not the last seventh, where rays or
- * time leave no more. */
-#define WORTH_IT .85
+/* A further stage brings so much at least: not the last seventh, where rays
+ * leave no more.  Time is there to be used. */
+#define WORTH_IT       .85
+#define WORTH_ITS_TIME .95
 
 /* What takes more than so many times the rays of this stage is not foreseen
  * well: a stage with such a part of its rays comes before it, and tells how
@@ -38,7 +39,13 @@
 #define LEAST_MADE .2
 
 /* Of the time that is left, what is planned to be used. */
-#define TIME_USED .7
+#define TIME_USED .88
+
+/* ... and if that is more than so many times as long as this stage took, a
+ * stage with such a part of it comes first, for what a stage takes is foreseen
+ * well from one near it. */
+#define FAR_IN_TIME    5
+#define BEFORE_IN_TIME .15
 
 /* Without a limit of time, rays that a stage and its pictures may be foreseen
  * to take: so many for a pixel, or some ten minutes of a processor where that
@@ -51,13 +58,15 @@
 
 /* --- options --- */
 
-#define PARTS 8 /* of an octave */
+/* Of an octave, one for each quarter of a rung that falls by an eighth. */
+#define EIGHTHS 8
+#define PARTS   (EIGHTHS * RAD_REFINE_RUNG)
 
 /* 2 to the power of -n / PARTS. */
 static double
 fall(int n)
 {
-    static const double part[PARTS] = {
+    static const double eighth[EIGHTHS] = {
         1.0,
         0.91700404320467121,
         0.84089641525371454,
@@ -67,8 +76,13 @@ fall(int n)
         0.59460355750136053,
         0.54525386633262884,
     };
+    static const double part[RAD_REFINE_RUNG] = { 1.0, 0.97857206208770013,
+                                                  0.95760328069857365,
+                                                  0.93708381705514995 };
 
-    return ldexp(part[n % PARTS], -(n / PARTS));
+    return ldexp(eighth[n / RAD_REFINE_RUNG % EIGHTHS] *
+                     part[n % RAD_REFINE_RUNG],
+                 -(n / PARTS));
 }
 
 static int
@@ -99,15 +113,16 @@ shorten(double x)
     return floor(x * scale + .5) / scale;
 }
 
-/* Parts of an octave by which options change with a rung; from rung ONE_RAY of
- * pixels on they stay, but a pixel has more rays. */
+/* Eighths of an octave by which options change with a rung, and so PARTS with a
+ * quarter of one; from ONE_RAY of pixels on they stay, but a pixel has more
+ * rays. */
 enum {
     AMBACC_FALL = 1,
     AMBDIV_GROWTH = 3,
     MAXDIFF_FALL = 4,
     DIRECT_FALL = 2,
     SAMPLES_GROWTH = 4,
-    ONE_RAY = 8
+    ONE_RAY = 8 * RAD_REFINE_RUNG
 };
 
 #define MOST_AMBDIV 65536
@@ -251,11 +266,16 @@ sound(double x)
     return x > 0 ? fmin(x, MOST_ERROR * MOST_ERROR) : 0;
 }
 
-/* Parts of an octave by which squares of errors fall with a rung, as they do in
- * five scenes on average; the cache's by 2 to 4 in single ones, which stages
+/* Eighths of an octave by which squares of errors fall with a rung, as they do
+ * in five scenes on average; the cache's by 2 to 4 in single ones, which stages
  * tell that are so many rungs apart.  Noise of a ray is of lamps or, and then
  * it does not fall, of edges and gloss that few pixels show. */
-enum { AMBIENT_FALL = 3, APART = 3, PIXEL_FALL = 4, NOISE_FALL = 1 };
+enum {
+    AMBIENT_FALL = 3,
+    APART = 3 * RAD_REFINE_RUNG,
+    PIXEL_FALL = 4,
+    NOISE_FALL = 1
+};
 
 /* ... by which rays grow, those of a check and those of pictures up to one ray
  * a pixel. */
@@ -346,28 +366,87 @@ foresee_square(const struct outlook *o, int ambient, int pixel)
            foresee_pixels(o, pixel);
 }
 
-/* Rays of a stage with these rungs, and of its check. */
+/* Rays of a stage's passes with that rung. */
 static double
-foresee_stage(const struct outlook *o, int ambient)
+foresee_passes(const struct outlook *o, int ambient)
 {
     int a = ambient - o->ask->rungs.ambient;
 
-    return o->walk + o->made * rise((2 * AMBACC_FALL + AMBDIV_GROWTH) * a) +
-           o->check * rise(CHECK_GROWTH * a);
+    return o->walk + o->made * rise((2 * AMBACC_FALL + AMBDIV_GROWTH) * a);
 }
 
-/* ... and of the pictures. */
+/* ... and of its check. */
 static double
-foresee_rays(const struct outlook *o, int ambient, int pixel)
+foresee_stage(const struct outlook *o, int ambient)
 {
-    return foresee_stage(o, ambient) + o->picture * picture_growth(pixel) /
-                                           picture_growth(o->ask->rungs.pixel);
+    return foresee_passes(o, ambient) +
+           o->check * rise(CHECK_GROWTH * (ambient - o->ask->rungs.ambient));
+}
+
+/* By how much rays of a picture grow with that rung. */
+static double
+more_rays(const struct outlook *o, int pixel)
+{
+    return picture_growth(pixel) / picture_growth(o->ask->rungs.pixel);
+}
+
+/* Seconds of a stage with these rungs.  Its check is looked at more closely
+ * than where rays are compared: its windows are sampled as the picture is, and
+ * about half of what is made again are pixels, too; the rest are places of the
+ * cache. */
+static double
+foresee_wait(const struct outlook *o, int ambient, int pixel)
+{
+    const struct rad_refine_ask *ask = o->ask;
+    double windows = fmin(sound(ask->sums.rays), o->check);
+    double half = (o->check - windows) / 2;
+
+    return foresee_passes(o, ambient) * ask->pass_s +
+           ((windows + half) * more_rays(o, pixel) +
+            half * rise(CHECK_GROWTH * (ambient - ask->rungs.ambient))) *
+               ask->look_s;
 }
 
 struct choice {
     int ambient, pixel;
-    double square, rays;
+    double square, rays, seconds; /* with the pictures' */
 };
+
+static struct choice
+foresee(const struct outlook *o, int ambient, int pixel)
+{
+    double picture = o->picture * more_rays(o, pixel);
+
+    return (struct choice){ ambient, pixel, foresee_square(o, ambient, pixel),
+                            foresee_stage(o, ambient) + picture,
+                            foresee_wait(o, ambient, pixel) +
+                                picture * o->ask->look_s };
+}
+
+/* What a stage and its pictures may take. */
+struct bounds {
+    double rays, seconds;
+};
+static const struct bounds unbound = { INFINITY, INFINITY };
+
+static bool
+has_clock(const struct rad_refine_ask *ask)
+{
+    return ask->left_s < INFINITY;
+}
+
+static struct bounds
+bounds_of(const struct rad_refine_ask *ask)
+{
+    bool known = ask->pass_s > 0 && ask->look_s > 0;
+
+    return has_clock(ask)
+               ? (struct bounds){ INFINITY,
+                                  known ? TIME_USED * sound(ask->left_s) : 0 }
+               : (struct bounds){ fmax(RAYS_A_PIXEL * (double)ask->pixels,
+                                       ALWAYS_RAYS),
+                                  INFINITY };
+}
 
 /* Is a better than b?  Those that come down to the goal before those that do
  * not; of the former the cheaper, of the latter the one with less error. */
@@ -381,18 +460,20 @@ is_better(const struct choice *a, const struct choice *b, double goal)
     return there ? a->rays < b->rays : a->square < b->square;
 }
 
-/* The best rungs that can be done in these rays; false: there are none. */
+/* The best rungs within these bounds, in steps of so many quarters; false:
+ * there are none. */
 static bool
-choose(const struct outlook *o, double goal, double rays, struct choice *best)
+choose(const struct outlook *o, double goal, struct bounds within, int step,
+       struct choice *best)
 {
     bool any = false;
 
-    for (int a = o->ask->rungs.ambient; a <= RAD_REFINE_MOST_AMBIENT; a++)
-        for (int p = 0; p <= RAD_REFINE_MOST_PIXEL; p++) {
-            struct choice c = { a, p, foresee_square(o, a, p),
-                                foresee_rays(o, a, p) };
+    for (int a = o->ask->rungs.ambient; a <= RAD_REFINE_MOST_AMBIENT; a += step)
+        for (int p = 0; p <= RAD_REFINE_MOST_PIXEL; p += step) {
+            struct choice c = foresee(o, a, p);
 
-            if (c.rays <= rays && (!any || is_better(&c, best, goal))) {
+            if (c.rays <= within.rays && c.seconds < within.seconds &&
+                (!any || is_better(&c, best, goal))) {
                 *best = c;
                 any = true;
             }
@@ -404,15 +485,18 @@ choose(const struct outlook *o, double goal, double rays, struct choice *best)
  * seventh worse than the best at most, and worth it: the last of it may take a
  * hundred times the rays.  With a limit of time it is there to be used. */
 static bool
-choose_well(const struct outlook *o, double goal, double rays,
+choose_well(const struct outlook *o, double goal, struct bounds within,
             struct choice *best)
 {
     double worth = WORTH_IT * WORTH_IT, square = o->ambient + o->pixel;
+    bool any = choose(o, goal, within, RAD_REFINE_RUNG, best);
 
-    if (!choose(o, goal, rays, best))
-        return false;
-    return best->square <= goal || o->ask->left_s < INFINITY ||
-           choose(o, fmin(best->square / worth, worth * square), rays, best);
+    if (any && best->square <= goal)
+        return true;
+    if (has_clock(o->ask))
+        return choose(o, goal, within, 1, best);
+    return any && choose(o, fmin(best->square / worth, worth * square), within,
+                         RAD_REFINE_RUNG, best);
 }
 
 /* Come nearer, if an error that is wanted is too far for one stage, and another
@@ -428,29 +512,49 @@ shorten_step(const struct outlook *o, struct choice *c)
         return;
     while (c->ambient > now + APART &&
            foresee_stage(o, c->ambient) > BEFORE * rays)
-        c->ambient--;
+        c->ambient -= RAD_REFINE_RUNG;
 }
 
-/* Rays that a stage and its pictures may take. */
-static double
-most_rays(const struct rad_refine_ask *ask)
+/* Come nearer than what would take all the time, if that is far from the first
+ * stage.  Pixels get no more than a ray: how many more rays several take is
+ * known. */
+static void
+try_before(const struct outlook *o, struct choice *c)
 {
-    return ask->left_s < INFINITY
-               ? TIME_USED * sound(ask->left_s) * sound(ask->rays_s)
-               : fmax(RAYS_A_PIXEL * (double)ask->pixels, ALWAYS_RAYS);
+    const struct rad_refine_ask *ask = o->ask;
+    double most = BEFORE_IN_TIME * ask->left_s;
+    struct rad_refine_rungs now = ask->rungs;
+    int a = c->ambient, p = least(c->pixel, ONE_RAY);
+
+    if (ask->stage > 0 ||
+        c->seconds <= FAR_IN_TIME * foresee_wait(o, now.ambient, now.pixel))
+        return;
+    while (a > now.ambient && foresee_wait(o, a, p) > most)
+        a--;
+    while (p > now.pixel && foresee_wait(o, a, p) > most)
+        p--;
+    if (a > now.ambient || p > now.pixel)
+        *c = foresee(o, a, p);
 }
 
-/* Is another stage worth it, in so many rays?  *best: the best one. */
+/* Less than what is wanted is aimed at. */
+static double
+goal_of(const struct rad_refine_ask *ask)
+{
+    return AIM * ask->error * ask->error;
+}
+
+/* Is another stage worth it, within these bounds?  *best: the best one. */
 static bool
-goes_on(const struct outlook *o, double rays, struct choice *best)
+goes_on(const struct outlook *o, struct bounds within, struct choice *best)
 {
     double square = o->ambient + o->pixel;
-    double wanted = o->ask->error * o->ask->error;
+    double worth = has_clock(o->ask) ? WORTH_ITS_TIME : WORTH_IT;
 
     return o->ask->stage < RAD_REFINE_STAGES - 1 && square > 0 &&
-           square > NEAR_ENOUGH * wanted &&
-           choose_well(o, AIM * wanted, rays, best) &&
-           best->square <= WORTH_IT * WORTH_IT * square;
+           square > NEAR_ENOUGH * o->ask->error * o->ask->error &&
+           choose_well(o, goal_of(o->ask), within, best) &&
+           best->square <= worth * worth * square;
 }
 
 bool
@@ -458,12 +562,15 @@ rad_refine_next(const struct rad_refine_ask *ask, struct rad_refine_rungs *next,
                 double *error)
 {
     struct outlook o = look_out(ask);
-    struct choice best = { 0, 0, 0, 0 };
+    struct choice best = { 0 };
 
     *error = fmin(sqrt(o.ambient + o.pixel), MOST_ERROR);
-    if (!goes_on(&o, most_rays(ask), &best))
+    if (!goes_on(&o, bounds_of(ask), &best))
         return false;
-    shorten_step(&o, &best);
+    if (has_clock(ask) && best.square > goal_of(ask))
+        try_before(&o, &best);
+    else
+        shorten_step(&o, &best);
     *next =
         (struct rad_refine_rungs){ (uint8_t)best.ambient, (uint8_t)best.pixel };
     return true;
@@ -473,9 +580,9 @@ bool
 rad_refine_is_short(const struct rad_refine_ask *ask)
 {
     struct outlook o = look_out(ask);
-    struct choice best = { 0, 0, 0, 0 };
+    struct choice best = { 0 };
 
-    return !goes_on(&o, most_rays(ask), &best) && goes_on(&o, INFINITY, &best);
+    return !goes_on(&o, bounds_of(ask), &best) && goes_on(&o, unbound, &best);
 }
 
 struct rad_refine_past

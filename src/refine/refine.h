@@ -39,14 +39,16 @@ uint32_t rad_refine_plan(const struct rad_params *par,
                          bool on, bool check,
                          struct rad_pass pass[RAD_MOST_PASSES]);
 
-/* How much finer than the job's own options: some five rungs halve an error,
- * that of the cache or that of pixels.  More than RAD_REFINE_MOST_* is as
- * these. */
+/* How much finer than the job's own options, in quarters of a rung: some five
+ * rungs halve an error, that of the cache or that of pixels.  Stages that aim
+ * at an error have whole rungs; where time is short quarters use more of it.
+ * More than RAD_REFINE_MOST_* is as these. */
+#define RAD_REFINE_RUNG 4
 struct rad_refine_rungs {
     uint8_t ambient, pixel;
 };
-#define RAD_REFINE_MOST_AMBIENT 32
-#define RAD_REFINE_MOST_PIXEL   16
+#define RAD_REFINE_MOST_AMBIENT (32 * RAD_REFINE_RUNG)
+#define RAD_REFINE_MOST_PIXEL   (16 * RAD_REFINE_RUNG)
 
 /* The options of a stage; those of {0, 0} are the job's. */
 void rad_refine_params(const struct rad_params *job,
@@ -73,7 +75,9 @@ struct rad_refine_ask {
     uint64_t check;                /* rays of that */
     uint64_t pixels;               /* of all pictures */
     double left_s; /* until the time is up; INFINITY: there is no limit */
-    double rays_s; /* rays a second so far; with a limit */
+    /* With a limit, seconds that a ray of the passes took all workers together,
+     * and one of the check pass, which are as a picture's; 0: not known. */
+    double pass_s, look_s;
 };
 
 /* Should another stage be made, and with which rungs?  False: the error that is
