@@ -412,7 +412,7 @@ START_TEST(more_time_is_used)
         stages++;
     }
     ck_assert_int_gt(stages, 40);
-    ck_assert_int_ge(last.ambient, RUNGS(12));
+    ck_assert_int_gt(last.ambient, RUNGS(10));
 }
 END_TEST
 

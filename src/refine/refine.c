@@ -39,7 +39,7 @@
 #define LEAST_MADE .2
 
 /* Of the time that is left, what is planned to be used. */
-#define TIME_USED .88
+#define TIME_USED .85
 
 /* ... and if that is more than so many times as long as this stage took, a
  * stage with such a part of it comes first, for what a stage takes is foreseen
