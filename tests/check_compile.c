@@ -91,6 +91,29 @@ START_TEST(commands_run_in_their_files_folder)
 }
 END_TEST
 
+/* As Radiance runs them there, for whoever writes names from a project's folder
+ * on; the scene file's own folder comes first. */
+START_TEST(commands_run_in_our_folder_for_files_that_are_only_there)
+{
+    char *here = getcwd(NULL, 0);
+    const char *file = "sub/a.rad";
+    struct compiled c;
+
+    mkdir(in_dir("sub"), 0700);
+    mkdir(in_dir("parts"), 0700);
+    put_file("parts/ball.rad", SPHERE);
+    put_file("both.rad", SPHERE SPHERE SPHERE SPHERE);
+    put_file("sub/both.rad", SPHERE);
+    put_file("sub/a.rad", "!cat ./parts/ball.rad | cat\n!cat both.rad\n");
+    ck_assert_int_eq(chdir(in_dir(".")), 0);
+    ck_assert_int_eq(compile_read(&c, &file, 1, false, NULL, NULL, NULL), 0);
+    ck_assert_int_eq(c.scene->nobjects, 2);
+    compile_release(&c);
+    ck_assert_int_eq(chdir(here), 0);
+    free(here);
+}
+END_TEST
+
 START_TEST(much_output_is_read)
 {
     static const char text[] =
@@ -506,6 +529,8 @@ main(void)
     tcase_set_timeout(tc, 600);
     tcase_add_checked_fixture(tc, set_up, scratch_remove);
     tcase_add_test(tc, commands_run_in_their_files_folder);
+    tcase_add_test(tc,
+                   commands_run_in_our_folder_for_files_that_are_only_there);
     tcase_add_test(tc, much_output_is_read);
     tcase_add_loop_test(tc, failing_commands_are_named, 0, N_ELEM(failing));
     tcase_add_test(tc, a_stopped_pipeline_leaves_nothing_running);

@@ -10,11 +10,13 @@
 
 #include <errno.h>
 #include <fcntl.h>
+#include <limits.h>
 #include <signal.h>
 #include <spawn.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -118,6 +120,39 @@ spawn_shell(pid_t *pid, const char *text, const char *folder, int fd)
     posix_spawnattr_destroy(&attr);
     posix_spawn_file_actions_destroy(&actions);
     return rc;
+}
+
+/* Is a word of the command, split roughly as the shell does, a file's name from
+ * that folder on? */
+static bool
+names_file_in(const char *folder, const char *text)
+{
+    static const char between[] = " \t\n;|&()<>\"'`=";
+    char path[PATH_MAX];
+    struct stat st;
+
+    for (;;) {
+        text += strspn(text, between);
+
+        int n = (int)strcspn(text, between);
+
+        if (n == 0)
+            return false;
+        if (text[0] != '/' &&
+            snprintf(path, sizeof path, "%s/%.*s", folder, n, text) <
+                (int)sizeof path &&
+            stat(path, &st) == 0 && S_ISREG(st.st_mode))
+            return true;
+        text += n;
+    }
+}
+
+const char *
+command_folder(const char *text, const char *folder)
+{
+    if (!names_file_in(folder, text) && names_file_in(".", text))
+        return ".";
+    return folder;
 }
 
 struct command *

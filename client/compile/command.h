@@ -1,12 +1,12 @@
 /* command.h - the `!command` lines of scene files
  *
  * A command is run by /bin/sh, as the user, in the folder of the scene file
- * that it stands in, with no standard input; what it writes to its standard
- * error goes where ours goes.  Its output is read as it comes.  It has a
- * process group of its own, so that all of a pipeline ends when it is stopped;
- * SIGINT, SIGTERM and SIGHUP, which reach our group only, are passed on to the
- * commands that run, unless the program handles them itself: then it calls
- * command_stop_all() before it ends.
+ * that it stands in, or in ours (command_folder()), with no standard input;
+ * what it writes to its standard error goes where ours goes.  Its output is
+ * read as it comes.  It has a process group of its own, so that all of a
+ * pipeline ends when it is stopped; SIGINT, SIGTERM and SIGHUP, which reach our
+ * group only, are passed on to the commands that run, unless the program
+ * handles them itself: then it calls command_stop_all() before it ends.
  * Thread: one in the whole program. */
 #ifndef RADD_CLIENT_COMMAND_H
 #define RADD_CLIENT_COMMAND_H
@@ -16,6 +16,11 @@
 #include <stdbool.h>
 
 struct command;
+
+/* Where to run a command of a scene file in `folder`: there; but in the current
+ * folder, as Radiance does, where its words name files that are in that one and
+ * none that is in the scene file's. */
+const char *command_folder(const char *text, const char *folder);
 
 /* Start it in `folder`.  Negative code: it could not be started. */
 struct command *command_start(const char *text, const char *folder,

@@ -105,7 +105,7 @@ begin_command(void *arg, const char *text, struct rad_stream *out, void **job,
 
     if (r->within && !r->c->commands)
         return refuse_command(text, err);
-    c = command_start(text, r->folder, err);
+    c = command_start(text, command_folder(text, r->folder), err);
     if (!c)
         return RAD_EIO;
     *out = command_output(c);
