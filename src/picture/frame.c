@@ -216,6 +216,7 @@ look(const struct rad_frame *f, struct rad_ctx *ctx, struct rad_ray *r)
 {
     double org[3], dir[3];
 
+    ctx->sensor = f->points != NULL;
     if (on_surface(f)) {
         rad_copy(org, r->org);
         rad_copy(dir, r->dir);

@@ -202,4 +202,19 @@ kept=$(sed -n 's/^radsubmit: the values are in //p' stderr)
 [ -s "$kept" ] || fail "values that cannot be written are lost: $(cat stderr)"
 cmp one.bin "$kept" || fail "values that are kept elsewhere"
 rm -f "$kept"
+# light that ends between sensors: those beyond the end do not get a neighbour's
+cat >beam.rad <<'END'
+void brightfunc beam 2 if(2.5-(Px-Dx*Pz/Dz),1,.01) . 0 0
+beam glow g 0 0 4 10 10 10 0
+g polygon sky 0 0 12 0 0 3 0 4 3 4 4 3 4 0 3
+void plastic p 0 0 5 .5 .5 .5 0 0
+p polygon far 0 0 9 60 0 0 60 1 0 60 0 1
+END
+awk 'BEGIN { for (x = .5; x < 5; x += .8) print x, 2, .1, 0, 0, 1 }' >end.txt
+for aa in 0 .2; do
+    "$radsubmit" --local --points=end.txt -h- -I -ab 1 -ar 16 -ad 1024 -as 0 \
+        -aa $aa beam.rad >end.$aa 2>stderr || fail "-aa $aa: $(cat stderr)"
+done
+paste end.0 end..2 | awk '{ if ($1 < .9 * $4 || $1 > 1.1 * $4) exit 1 }' ||
+    fail "light beyond its end: $(paste end.0 end..2)"
 finish

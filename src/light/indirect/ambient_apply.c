@@ -125,7 +125,7 @@ make_record(struct rad_ctx *ctx, const struct rad_ray *r,
         return false;
     rec.weight = record_weight(at);
     plan.weight = rad_ambrec_worth(&rec);
-    if (is_alone(ctx)) /* the pixel's other samples have as many */
+    if (is_alone(ctx) && !ctx->sensor) /* the pixel's other samples have some */
         plan.weight *= ALONE_SHARE / ctx->job->params.samples;
     else if (ctx->tile && at->level > ctx->tile->level &&
              ctx->counts.ambient_rays >= ctx->tile->most)
@@ -281,6 +281,8 @@ irradiance(struct rad_ctx *ctx, const struct rad_ray *r,
     due = is_due(ctx, at);
     asker.only = ctx->tile && ctx->no_direct && due;
     asker.fresh = ctx->fresh && at->level == 0;
+    /* a sensor has a record of its own, or some near enough */
+    asker.near = ctx->sensor && at->level == 0;
     rad_ambient_ask(ctx->job->ambient, at, &asker, &said);
     if (!serves(&said, due) && !(ctx->glance && said.weight > LEAST_FAR_WEIGHT))
         return make_record(ctx, r, at, behind, E, off);

@@ -259,7 +259,7 @@ search_all(struct search *s)
     s->weight9 = (float)(.9 * at->weight);
     s->max_angle = t->max_angle;
     s->aa = (float)amb->scale.ambacc;
-    s->reach = s->asker->only
+    s->reach = s->asker->only || s->asker->near
                    ? s->aa
                    : (float)rad_ambscale_reach(&amb->scale, at->level);
     s->behind = -(float)(amb->scale.least * amb->scale.ambacc);

@@ -82,6 +82,7 @@ struct rad_ambasker {
     const struct rad_ambtile *tile; /* whose records serve, too; or NULL */
     bool fresh; /* none is wanted, as if there were no records */
     bool only;  /* wanted is whether any serves, not what they hold */
+    bool near;  /* those beyond -aa say nothing */
     struct rad_geom_counts *counts; /* of the tests for light leaks; */
     uint64_t *rays;                 /* their number is added to that */
 };
