@@ -24,6 +24,7 @@
 #include "common/tell.h"
 
 #include <errno.h>
+#include <fcntl.h>
 #include <inttypes.h>
 #include <limits.h>
 #include <stdio.h>
@@ -408,6 +409,7 @@ run_dry(struct program *p)
     program_fill_spec(p);
     dryrun_print(&p->job.spec, &p->prediction,
                  p->o.quality_whole ? p->o.quality : -1, &c);
+    fflush(stdout); /* before --stats: both may go to one pipe */
     if (!p->o.stats)
         return 0;
     json = dryrun_json(&p->job.spec, p->job.options, &p->prediction, &c);
@@ -484,8 +486,8 @@ open_errors(struct program *p)
 
     if (!p->o.errors)
         return 0;
+    p->own_stderr = fcntl(STDERR_FILENO, F_DUPFD_CLOEXEC, 0);
     f = fopen(p->o.errors, "w");
-    p->own_stderr = dup(STDERR_FILENO);
     if (!f || dup2(fileno(f), STDERR_FILENO) < 0)
         return rad_fail(p->err, RAD_ECANTCREAT, "cannot create '%s': %s",
                         p->o.errors, strerror(errno));
@@ -680,6 +682,7 @@ main(int argc, char *argv[])
     rad_error_format(&err, text, sizeof text);
     fprintf(stderr, "radsubmit: %s\n", text);
     program_say_where_it_is(&p);
+    fflush(stdout);
     /* exit() would wait for a resolver that still looks for the host */
     _exit(p.o.rpict_status ? rpict_status(rc) : rad_exit_status(rc));
 }

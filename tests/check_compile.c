@@ -104,10 +104,14 @@ START_TEST(commands_run_in_our_folder_for_files_that_are_only_there)
     put_file("parts/ball.rad", SPHERE);
     put_file("both.rad", SPHERE SPHERE SPHERE SPHERE);
     put_file("sub/both.rad", SPHERE);
-    put_file("sub/a.rad", "!cat ./parts/ball.rad | cat\n!cat both.rad\n");
+    mkdir(in_dir("sub/own"), 0700);
+    put_file("wall.rad", SPHERE SPHERE SPHERE);
+    put_file("sub/own/wall.rad", SPHERE);
+    put_file("sub/a.rad", "!cat ./parts/ball.rad | cat\n!cat both.rad\n"
+                          "!cd own; cat wall.rad\n");
     ck_assert_int_eq(chdir(in_dir(".")), 0);
     ck_assert_int_eq(compile_read(&c, &file, 1, false, NULL, NULL, NULL), 0);
-    ck_assert_int_eq(c.scene->nobjects, 2);
+    ck_assert_int_eq(c.scene->nobjects, 3);
     compile_release(&c);
     ck_assert_int_eq(chdir(here), 0);
     free(here);

@@ -880,6 +880,24 @@ START_TEST(without_time_there_is_no_other_stage)
 }
 END_TEST
 
+/* Passes that were kept have taken more than a new life's clock has seen. */
+START_TEST(what_passes_took_before_a_restart_counts)
+{
+    struct job *job;
+
+    submit_goal(0, 30000);
+    ready(&f, WORKER, job_a);
+    f.now_ms += 100;
+    tile_rays = 1000;
+    tile_cpu_s = 30;
+    make_stage(WORKER, 0, 1);
+    job = desk_find_job(f.c, job_a);
+    ck_assert(job->goal.ended && job->goal.late);
+    tile_rays = 0;
+    tile_cpu_s = 0;
+}
+END_TEST
+
 /* Rungs that the clock chose are quarters, and they are kept. */
 START_TEST(a_later_life_takes_up_what_the_clock_chose)
 {
@@ -989,6 +1007,7 @@ main(void)
     tcase_add_test(tc, what_is_far_off_has_another_stage);
     tcase_add_test(tc, what_is_good_enough_has_no_other_stage);
     tcase_add_test(tc, without_time_there_is_no_other_stage);
+    tcase_add_test(tc, what_passes_took_before_a_restart_counts);
     tcase_add_test(tc, a_later_life_takes_up_what_the_clock_chose);
     tcase_add_loop_test(tc, by_the_clock_a_child_of_an_earlier_life_begins_anew,
                         0, 2);

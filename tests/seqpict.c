@@ -515,7 +515,7 @@ render_stage(struct task *t, const struct rad_params *params,
 static uint8_t
 rung(int whole)
 {
-    return (uint8_t)(RAD_REFINE_RUNG * whole);
+    return (uint8_t)(RAD_REFINE_RUNG * (whole < 63 ? whole : 63));
 }
 
 static int

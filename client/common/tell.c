@@ -25,7 +25,9 @@ tell(FILE *to, const char *fmt, ...)
 int
 tell_printed(struct rad_error *err)
 {
+    errno = 0; /* an earlier write that failed is all that ferror() knows */
     if (fflush(stdout) == 0 && !ferror(stdout))
         return 0;
-    return rad_fail(err, RAD_EIO, "cannot write: %s", strerror(errno));
+    return rad_fail(err, RAD_EIO, "cannot write%s%s", errno ? ": " : "",
+                    errno ? strerror(errno) : "");
 }

@@ -122,8 +122,8 @@ spawn_shell(pid_t *pid, const char *text, const char *folder, int fd)
     return rc;
 }
 
-/* Is a word of the command, split roughly as the shell does, a file's name from
- * that folder on? */
+/* Is a word of the command, split roughly as the shell does, the path of a file
+ * from that folder on?  A word without a slash may be anything. */
 static bool
 names_file_in(const char *folder, const char *text)
 {
@@ -138,7 +138,7 @@ names_file_in(const char *folder, const char *text)
 
         if (n == 0)
             return false;
-        if (text[0] != '/' &&
+        if (text[0] != '/' && memchr(text, '/', (size_t)n) &&
             snprintf(path, sizeof path, "%s/%.*s", folder, n, text) <
                 (int)sizeof path &&
             stat(path, &st) == 0 && S_ISREG(st.st_mode))

@@ -18,8 +18,8 @@
 struct command;
 
 /* Where to run a command of a scene file in `folder`: there; but in the current
- * folder, as Radiance does, where its words name files that are in that one and
- * none that is in the scene file's. */
+ * folder, as Radiance does, where its words are paths, with a slash, of files
+ * from that one on and none is of a file from the scene file's. */
 const char *command_folder(const char *text, const char *folder);
 
 /* Start it in `folder`.  Negative code: it could not be started. */

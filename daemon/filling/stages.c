@@ -126,15 +126,19 @@ seconds_a_ray(double cpu_s, uint64_t rays, double busy)
     return rays > 0 && busy > 0 ? cpu_s / (double)rays / busy : 0;
 }
 
+/* Passes that an earlier life kept took time that nobody counts any more: so
+ * much at least, had all that are at work now been so then. */
 static void
 note_clock(const struct job *job, const struct stage_found *found, double spent,
            struct rad_refine_ask *ask)
 {
     double cpu_s = found->rays_s + found->check_s;
-    double stage_s = spent - job->goal.begun_s;
-    double busy = stage_s > 0 ? cpu_s / stage_s : 0;
+    double begun_s = job->goal.begun_s, stage_s = spent - begun_s, busy;
 
-    ask->left_s = fmax(job->spec.time_ms / 1e3 - spent, 0);
+    if (job->speed.threads > 0)
+        stage_s = fmax(stage_s, cpu_s / job->speed.threads);
+    busy = stage_s > 0 ? cpu_s / stage_s : 0;
+    ask->left_s = fmax(job->spec.time_ms / 1e3 - begun_s - stage_s, 0);
     ask->look_s = seconds_a_ray(found->check_s, found->check, busy);
     ask->pass_s = found->rays > 0
                       ? seconds_a_ray(found->rays_s, found->rays, busy)

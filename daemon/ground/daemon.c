@@ -142,6 +142,7 @@ finish(struct daemon *d)
     uv_signal_t *signals[] = { &d->sigterm, &d->sigint, &d->sighup };
     const size_t n = sizeof signals / sizeof *signals;
 
+    d->stopping = true; /* also where it could not start */
     d->ops->finish(d->arg);
     close_own(&d->ticker);
     close_own(&d->lifetime.poll);

@@ -138,7 +138,8 @@ struct rad_ctx {
     bool fresh; /* what a pixel shows of indirect light is sampled for it alone,
                  * whatever the cache has */
     bool aside; /* no record is kept */
-    bool sensor; /* what is seen is no picture's pixel but a sensor's */
+    bool sensor; /* what is seen is no picture's pixel but a sensor's: set when
+                  * that is traced, and of use in what it shows itself alone */
     int32_t *last_blocker; /* by source or image of one: object that blocked
                             * last, or RAD_VOID; only ever speeds a test up */
 };

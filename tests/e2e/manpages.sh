@@ -54,10 +54,13 @@ check_commands() # PAGE TITLE < help
 {
     known=$(sed -n '/^\.Sh SYNOPSIS/,/^\.Sh DESCRIPTION/p' "$1" |
         sed -n 's/^\.Cm //p' | tr -s ' |' '\n')
+    n=0
     for command in $(sed -n 's/^  \([a-z][a-z]*\) .*/\1/p'); do
+        n=$((n + 1))
         printf '%s\n' "$known" | grep -qxF -e "$command" ||
             fail "$2: $command is not in the synopsis of $(basename "$1")"
     done
+    [ "$n" -gt 0 ] || fail "$2: tells of no command"
 }
 
 # The table of --quality is what the words do.

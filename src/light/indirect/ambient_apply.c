@@ -23,7 +23,7 @@
 #define GLANCE_SHARE (1. / 16)
 
 /* Of a record's rays so many will do for a place that a frozen cache lacks and
- * one pixel shows, and for deeper records of a tile that has traced its rays.
+ * one pixel shows, but no sensor, and for deeper records of a tile that has traced its rays.
  */
 #define ALONE_SHARE .25
 
@@ -125,7 +125,8 @@ make_record(struct rad_ctx *ctx, const struct rad_ray *r,
         return false;
     rec.weight = record_weight(at);
     plan.weight = rad_ambrec_worth(&rec);
-    if (is_alone(ctx) && !ctx->sensor) /* the pixel's other samples have some */
+    /* the pixel's other samples have as many, and a sensor has none */
+    if (is_alone(ctx) && !(ctx->sensor && at->level == 0))
         plan.weight *= ALONE_SHARE / ctx->job->params.samples;
     else if (ctx->tile && at->level > ctx->tile->level &&
              ctx->counts.ambient_rays >= ctx->tile->most)
