@@ -59,7 +59,7 @@ void rad_refine_params(const struct rad_params *job,
  * *job is as it was. */
 bool rad_refine_join(struct rad_params *job, const struct rad_params *former);
 
-/* The cache after the stage before: its rungs in quarters, and the square of its
+/* The cache after the stage before: its rung, in quarters, and the square of its
  * error. */
 struct rad_refine_past {
     uint8_t rung;

@@ -327,7 +327,6 @@ scatter_at(struct rad_ctx *ctx, const struct rad_ray *r, int32_t source,
     rad_ray_clear(&at);
     at.hit.t = t;
     at.hit.err = 0;
-    memset(at.hit.way, 0, sizeof at.hit.way);
     at.hit.uv[0] = at.hit.uv[1] = 0;
     rad_copy(at.hit.p, p);
     rad_scale(at.hit.n, -1, r->dir);
@@ -540,11 +539,7 @@ go_far(struct rad_ctx *ctx, const struct rad_ray *r,
     p->length = 0;
     follow(&p->last, r);
     p->last.parent = r;
-    p->last.hit.t = r->hit.t;
-    rad_copy(p->last.hit.p, r->hit.p);
-    rad_copy(p->last.hit.n, r->hit.n);
-    p->last.hit.err = r->hit.err;
-    memcpy(p->last.hit.way, r->hit.way, sizeof r->hit.way);
+    p->last.hit = r->hit;
     while (m && go_through(ctx, p, m, medium, ext) && !p->dead)
         m = next_mist(ctx, &p->last);
     return p->n > 0 || p->dead ? p : NULL;

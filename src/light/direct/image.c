@@ -227,7 +227,6 @@ aim_at_mirror(struct rad_ctx *ctx, const double image[3], bool far,
     rad_madd(r->org, m->centre, -r->hit.t, r->dir);
     r->hit.obj = m->obj;
     r->hit.err = 0;
-    memset(r->hit.way, 0, sizeof r->hit.way);
     r->hit.uv[0] = r->hit.uv[1] = 0;
     rad_copy(r->hit.p, m->centre);
     rad_copy(r->hit.n, m->normal);

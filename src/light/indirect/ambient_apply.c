@@ -23,8 +23,8 @@
 #define GLANCE_SHARE (1. / 16)
 
 /* Of a record's rays so many will do for a place that a frozen cache lacks and
- * one pixel shows, but no sensor, and for deeper records of a tile that has traced its rays.
- */
+ * one pixel shows, but no sensor, and for deeper records of a tile that has
+ * traced its rays. */
 #define ALONE_SHARE .25
 
 /* Fewest cells along a side: what a picture shows needs gradients. */
@@ -82,6 +82,14 @@ is_alone(const struct rad_ctx *ctx)
     return ctx->job->ambient->frozen && !ctx->fresh && !ctx->tile;
 }
 
+/* Is it a sensor's own place?  It gets a record of its own, with all samples, or
+ * has some that are near enough. */
+static bool
+is_sensors(const struct rad_ctx *ctx, const struct rad_ambplace *at)
+{
+    return ctx->sensor && at->level == 0;
+}
+
 /* E of a record at its own place, whose normal textures tilt to at->pn, and
  * *off, as irradiance() has it. */
 static struct rad_rgb
@@ -125,8 +133,8 @@ make_record(struct rad_ctx *ctx, const struct rad_ray *r,
         return false;
     rec.weight = record_weight(at);
     plan.weight = rad_ambrec_worth(&rec);
-    /* the pixel's other samples have as many, and a sensor has none */
-    if (is_alone(ctx) && !(ctx->sensor && at->level == 0))
+    if (is_alone(ctx) && !is_sensors(ctx, at))
+        /* the pixel's other samples have as many */
         plan.weight *= ALONE_SHARE / ctx->job->params.samples;
     else if (ctx->tile && at->level > ctx->tile->level &&
              ctx->counts.ambient_rays >= ctx->tile->most)
@@ -282,8 +290,7 @@ irradiance(struct rad_ctx *ctx, const struct rad_ray *r,
     due = is_due(ctx, at);
     asker.only = ctx->tile && ctx->no_direct && due;
     asker.fresh = ctx->fresh && at->level == 0;
-    /* a sensor has a record of its own, or some near enough */
-    asker.near = ctx->sensor && at->level == 0;
+    asker.near = is_sensors(ctx, at);
     rad_ambient_ask(ctx->job->ambient, at, &asker, &said);
     if (!serves(&said, due) && !(ctx->glance && said.weight > LEAST_FAR_WEIGHT))
         return make_record(ctx, r, at, behind, E, off);
