@@ -2,6 +2,7 @@
  * again */
 #include "config.h"
 
+#include "strict/strict_state.h"
 #include "strict_fixture.h"
 
 /* If its child dies of a pixel, a unit that is made while it is parked has

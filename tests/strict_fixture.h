@@ -6,7 +6,7 @@
 #ifndef RADD_TESTS_STRICT_FIXTURE_H
 #define RADD_TESTS_STRICT_FIXTURE_H
 
-#include "strict/strict_impl.h"
+#include "strict/strict_unit.h"
 #include "unit.h"
 
 static const uint8_t job_id[MSG_JOB] = { 7 };

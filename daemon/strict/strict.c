@@ -1,7 +1,12 @@
-/* strict.c - see strict.h, and strict_impl.h for its other files */
+/* strict.c - see strict.h; strict_state.h names the other files */
 #include "config.h"
 
-#include "strict/strict_impl.h"
+#include "strict/strict.h"
+
+#include "strict/strict_edge.h"
+#include "strict/strict_facts.h"
+#include "strict/strict_out.h"
+#include "strict/strict_state.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -7,7 +7,9 @@
  * since the coordinator has a copy. */
 #include "config.h"
 
-#include "strict/strict_impl.h"
+#include "strict/strict_edge.h"
+
+#include "strict/strict_state.h"
 
 #include <stdlib.h>
 #include <string.h>

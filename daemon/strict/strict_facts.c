@@ -6,7 +6,9 @@
  * unit that is split leaves its facts to the next. */
 #include "config.h"
 
-#include "strict/strict_impl.h"
+#include "strict/strict_facts.h"
+
+#include "strict/strict_state.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -52,7 +54,6 @@ facts_at(const struct strict *s, uint32_t frame, int line)
     return atomic_load_explicit(&f->facts[line], memory_order_relaxed);
 }
 
-/* Allocate the table of a frame's facts by line; teams find new facts there. */
 bool
 facts_make_table(struct strict *s, uint32_t frame)
 {
@@ -90,15 +91,6 @@ facts_make_all(struct strict *s, const struct strict_unit *u)
 {
     for (int i = strict_unit_top(u); i < u->last; i++)
         if (!facts_make(s, u->frame, i))
-            return false;
-    return true;
-}
-
-bool
-facts_have_all(const struct strict *s, const struct strict_unit *u)
-{
-    for (int i = u->first; i < u->last; i++)
-        if (!facts_at(s, u->frame, i))
             return false;
     return true;
 }
@@ -167,7 +159,6 @@ early_add(struct strict *s, uint32_t frame, int line)
     }
 }
 
-/* Of many frames, those that are done keep no table. */
 void
 facts_drop_table(struct strict *s, uint32_t frame)
 {
@@ -291,8 +282,6 @@ facts_suffice(struct strict *s, uint32_t frame, int line)
     return !s->error && !t.lacks;
 }
 
-/* With the colours of the base line above a unit, which another worker has, the
- * first bar can be traced, too. */
 void
 facts_use_above(struct strict *s, struct strict_unit *u)
 {

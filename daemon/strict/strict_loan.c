@@ -4,7 +4,12 @@
  * its rows.  To the borrower the columns, of one line, are a unit. */
 #include "config.h"
 
-#include "strict/strict_impl.h"
+#include "strict/strict_loan.h"
+
+#include "strict/strict_facts.h"
+#include "strict/strict_out.h"
+#include "strict/strict_rank.h"
+#include "strict/strict_state.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -99,7 +104,7 @@ strict_back(struct strict *s, const struct msg_back *m)
     if (blocked)
         rank_make_way(s);
     if (u->parked)
-        out_resumed(s, u); /* PARKED may have been sent while BACK came */
+        out_state(s, ITEM_RESUMED, u); /* PARKED may have been sent while BACK came */
     u->parked = false;     /* the unit may come to wait for its top */
     if (u->pass)
         u->pass->back |= blocks;
@@ -134,23 +139,22 @@ get_pixels(struct rad_pixel *to, const uint8_t *from, uint32_t n, int channels)
     }
 }
 
-/* A copy of the message's loan, whose own memory goes with the message; NULL:
- * memory is out. */
-static struct loan *
-copy_loan(const struct msg_loan *m)
+/* Give the unit a copy of the message's loan, whose own memory goes with the
+ * message; false: memory is out. */
+static bool
+copy_loan(struct strict_unit *u, const struct msg_loan *m)
 {
     bool base = m->flags & MSG_LOAN_LINE;
     size_t bits = (m->n + 7) / 8;
     struct loan *l = calloc(1, sizeof *l);
 
+    u->loan = l;
     if (!l)
-        return NULL;
+        return false;
     l->pixels = malloc(2 * (size_t)m->n * sizeof *l->pixels);
     l->bytes = malloc(bits + m->ndensity);
-    if (!l->pixels || !l->bytes) {
-        strict_unit_free_loan(l);
-        return NULL;
-    }
+    if (!l->pixels || !l->bytes)
+        return false;
     memcpy(l->bytes, m->wanted, bits);
     if (m->ndensity > 0)
         memcpy(l->bytes + bits, m->density, m->ndensity);
@@ -166,39 +170,30 @@ copy_loan(const struct msg_loan *m)
                             .density = m->ndensity > 0 ? l->bytes + bits : NULL,
                             .bottom = base ? NULL : l->pixels + m->n,
                             .wanted = l->bytes };
-    return l;
+    return true;
 }
 
 int
 strict_loan(struct strict *s, const struct msg_loan *m, struct rad_error *err)
 {
-    struct strict_unit *u, **at = &s->units;
+    struct strict_unit *u;
+    int line = (int)m->line;
 
     if (strict_unit_find(s, m->unit, m->attempt))
         return 0;
     if (!loan_fits(s, m)) {
-        out_paid(
-            s, &(struct strict_unit){ .unit = m->unit, .attempt = m->attempt });
+        out_state(
+            s, ITEM_PAID,
+            &(struct strict_unit){ .unit = m->unit, .attempt = m->attempt });
         return rad_fail(err, RAD_EPROTO, "a loan of unit %u fits no line",
                         m->unit);
     }
-    u = calloc(1, sizeof *u);
-    if (u)
-        u->loan = copy_loan(m);
-    if (u) {
-        u->first = (int)m->line;
-        u->last = u->first + 1;
-    }
-    if (!u || !u->loan || !strict_unit_count_lines(u)) {
+    u = strict_unit_new(m->unit, m->attempt, m->frame, line, line + 1);
+    if (!u || !copy_loan(u, m)) {
         strict_unit_free(u);
         return rad_fail(err, RAD_ENOMEM, "out of memory");
     }
-    u->unit = m->unit;
-    u->attempt = m->attempt;
-    u->frame = m->frame;
-    while (*at)
-        at = &(*at)->next;
-    *at = u;
+    strict_unit_enter(s, u);
     return 0;
 }
 
@@ -208,6 +203,6 @@ loan_end(struct strict *s, struct strict_unit *u)
     u->spent.speculative_rays += facts_late(s, u);
     out_facts(s, &s->urgent, u, u->first);
     out_line_costs(s, u);
-    out_paid(s, u);
+    out_state(s, ITEM_PAID, u);
     strict_unit_decide(u, FATE_OVER);
 }

@@ -6,7 +6,10 @@
  * top comes before. */
 #include "config.h"
 
-#include "strict/strict_impl.h"
+#include "strict/strict_out.h"
+
+#include "strict/strict_facts.h"
+#include "strict/strict_state.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -117,29 +120,9 @@ out_forget(struct strict *s, const struct strict_unit *u)
 }
 
 void
-out_parked(struct strict *s, const struct strict_unit *u)
+out_state(struct strict *s, enum item_kind kind, const struct strict_unit *u)
 {
-    struct item it = { .kind = ITEM_PARKED,
-                       .unit = u->unit,
-                       .attempt = u->attempt };
-
-    push(s, &s->urgent, &it);
-}
-
-void
-out_resumed(struct strict *s, const struct strict_unit *u)
-{
-    struct item it = { .kind = ITEM_RESUMED,
-                       .unit = u->unit,
-                       .attempt = u->attempt };
-
-    push(s, &s->urgent, &it);
-}
-
-void
-out_paid(struct strict *s, const struct strict_unit *u)
-{
-    struct item it = { .kind = ITEM_PAID,
+    struct item it = { .kind = kind,
                        .unit = u->unit,
                        .attempt = u->attempt,
                        .counts = u->spent };

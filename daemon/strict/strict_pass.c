@@ -6,7 +6,15 @@
  * unit gets the next pass. */
 #include "config.h"
 
-#include "strict/strict_impl.h"
+#include "strict/strict.h"
+
+#include "strict/strict_edge.h"
+#include "strict/strict_facts.h"
+#include "strict/strict_loan.h"
+#include "strict/strict_order.h"
+#include "strict/strict_out.h"
+#include "strict/strict_rank.h"
+#include "strict/strict_state.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -185,6 +193,16 @@ set_chain(const struct strict *s, struct strict_pass *p)
     p->filled = p->first; /* bars are facts, or need lines that are left out */
 }
 
+/* Are there facts of each of the unit's lines? */
+static bool
+has_facts(const struct strict *s, const struct strict_unit *u)
+{
+    for (int i = u->first; i < u->last; i++)
+        if (!facts_at(s, u->frame, i))
+            return false;
+    return true;
+}
+
 static struct strict_pass *
 pass_new(struct strict *s, struct strict_unit *u, enum strict_rank rank)
 {
@@ -219,7 +237,7 @@ pass_new(struct strict *s, struct strict_unit *u, enum strict_rank rank)
     p->facts = frame_of(s, u->frame)->facts;
     set_chain(s, p);
     p->cpu_ns = u->cpu_ns + (p->first - (u->first - 1));
-    p->keeps = facts_have_all(s, u);
+    p->keeps = has_facts(s, u);
     p->lend = p->keeps ? u->lending.part : 0;
     return p;
 }
@@ -237,7 +255,7 @@ strict_next(struct strict *s, enum strict_rank least)
     if (!p)
         s->error = RAD_ENOMEM;
     u->pass = p;
-    strict_unit_resume(s, u);
+    order_resume(s, u);
     return p;
 }
 
@@ -369,7 +387,7 @@ end_unit(struct strict *s, struct strict_unit *u, bool over)
     uint32_t frame = u->frame;
     int top = u->first - 1;
 
-    strict_unit_drop(s, u);
+    order_drop(s, u);
     if (over)
         edge_drop(s, frame, top);
 }
@@ -444,7 +462,7 @@ strict_cut(struct strict *s, struct strict_pass *p, struct team *t)
         return;
     loan_forget(u);
     p->last = last;
-    strict_unit_give_lines(s, u, last);
+    order_give_lines(s, u, last);
     p->sent_columns = p->sent_densities = 0;
 }
 
@@ -507,16 +525,16 @@ strict_ended(struct strict *s, struct strict_pass *p, bool done,
     u->pass = NULL;
     pass_free(p);
     if (!is_gone(u))
-        strict_unit_say_top(s, u);
+        order_say_top(s, u);
     if (paid)
-        strict_unit_drop(s, u);
+        order_drop(s, u);
     else if (over || is_gone(u))
         end_unit(s, u, over);
     else if (u->fate == FATE_YIELDS)
-        strict_unit_hand_back(s, u);
+        order_hand_back(s, u);
     else if (u->fate == FATE_SPLITS)
-        strict_unit_split_idle(s, u);
+        order_split_idle(s, u);
     for (u = s->units; u; u = u->next)
-        strict_unit_park(s, u);
+        order_park(s, u);
     return over;
 }

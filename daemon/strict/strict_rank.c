@@ -4,9 +4,10 @@
  * end when other workers wait for the result of another. */
 #include "config.h"
 
-#include "strict/strict_impl.h"
+#include "strict/strict_rank.h"
 
-/* Is the base line above gone over ahead, too? */
+#include "strict/strict_state.h"
+
 bool
 rank_goes_above(const struct strict_unit *u)
 {
@@ -119,8 +120,6 @@ gives_way(const struct strict *s, const struct strict_pass *p, bool for_bottom)
                             !owes_bottom(s, p->of));
 }
 
-/* If a pass that other workers wait for can begin, have a thread leave the
- * least urgent pass. */
 void
 rank_make_way(struct strict *s)
 {

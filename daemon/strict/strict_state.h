@@ -1,10 +1,20 @@
 /* strict_state.h - what the strict units' machine knows
  *
- * Private to strict*.c.  Everything is found by frame and line. */
+ * Private to strict*.c, as are the headers of these files.  Calls go down:
+ *   strict.c        the machine's beginning and end
+ *   strict_pass.c   the next pass: of which unit, in which mode; how it ends
+ *   strict_order.c  orders about units: UNIT, SPLIT, YIELD, REVOKE, TWIN
+ *   strict_loan.c   columns that are lent, and that others lend
+ *   strict_rank.c   which unit comes first
+ *   strict_out.c    messages that go out
+ *   strict_facts.c  facts by line
+ *   strict_unit.c   states of a unit (drawn in strict_unit.h); units by number
+ *                   and by line
+ *   strict_edge.c   tops and bottoms by line
+ * Units, facts and edges are found by frame and line. */
 #ifndef DAEMON_STRICT_STATE_H
 #define DAEMON_STRICT_STATE_H
 
-#include "machine/shelf.h"
 #include "strict/strict_unit.h"
 
 #include <stdatomic.h>
@@ -13,38 +23,22 @@
  * child may have thousands of units that wait. */
 #define STRICT_SLOTS 1024
 
-/* The base line under some unit, true. */
-struct edge {
-    struct edge *next;    /* the next newer edge */
-    struct edge *chained; /* the next edge in the same slot */
-    uint32_t frame;
-    int line;
-    struct shelf shelf; /* pieces from other workers; empty once all came */
-    struct rad_pixel *pixels; /* the width; NULL: the edge is not whole */
-    uint8_t *density;
+/* A message that is to be sent, one or, of FACTS, some. */
+enum item_kind {
+    ITEM_FACTS,
+    ITEM_PARKED,
+    ITEM_RESUMED,
+    ITEM_GAVE,
+    ITEM_PIECE,
+    ITEM_LOAN,
+    ITEM_PAID,
+    ITEM_LINE_COSTS
 };
 
-/* Columns that another worker lends, and what its pixels point to. */
-struct loan {
-    struct team_loan is;
-    struct rad_pixel *pixels;
-    uint8_t *bytes;
-};
-
-/* Something to send. */
 struct item {
     struct item *next;
-    enum {
-        ITEM_FACTS,
-        ITEM_PARKED,
-        ITEM_RESUMED,
-        ITEM_GAVE,
-        ITEM_PIECE,
-        ITEM_LOAN,
-        ITEM_PAID,
-        ITEM_LINE_COSTS
-    } kind;
-    uint32_t unit, attempt; /* of PARKED, GAVE and PAID, and of lazy FACTS */
+    enum item_kind kind;
+    uint32_t unit, attempt; /* but of PIECE and LINE_COSTS */
     uint32_t height;        /* of GAVE */
     uint32_t frame;
     int line;
@@ -85,7 +79,7 @@ struct strict {
     bool painted;
     struct strict_unit *units;
     struct strict_unit *by_first[STRICT_SLOTS], *by_last[STRICT_SLOTS];
-    struct edge *edges; /* the oldest first */
+    struct edge *edges; /* strict_edge.h; the oldest first */
     struct edge *by_line[STRICT_SLOTS];
     struct early *early, **early_end;
     size_t early_bytes;

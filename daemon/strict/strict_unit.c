@@ -1,425 +1,233 @@
-/* strict_unit.c - the strict units of a child, and the messages about them */
+/* strict_unit.c - see strict_unit.h */
 #include "config.h"
 
-#include "strict/strict_impl.h"
+#include "strict/strict_unit.h"
+
+#include "strict/strict_edge.h"
+#include "strict/strict_state.h"
 
 #include <stdlib.h>
-#include <string.h>
 
-/* A unit has waited so long for its top before its facts go out: short waits
- * cost no traffic. */
-#define PARK_MS 200
+const struct steps strict_progress_steps = {
+    STRICT_PROGRESSES,
+    {
+        [PROGRESS_NONE] = { "none", STEP(PROGRESS_LINES) },
+        [PROGRESS_LINES] = { "lines",
+                             STEP(PROGRESS_AHEAD) | STEP(PROGRESS_GUESSED) },
+        [PROGRESS_AHEAD] = { "ahead",
+                             STEP(PROGRESS_LINES) | STEP(PROGRESS_GUESSED) },
+        [PROGRESS_GUESSED] = { "guessed", 0 },
+    },
+};
 
-/* The time between two looks at a pass under way: other workers may wait for
- * its facts, for a piece of its bottom, or for columns that it can lend. */
-#define LOOK_MS 10
+const struct steps strict_fate_steps = {
+    STRICT_FATES,
+    {
+        [FATE_STAYS] = { "stays", STEP(FATE_SPLITS) | STEP(FATE_YIELDS) |
+                                      STEP(FATE_OVER) | STEP(FATE_GONE) },
+        [FATE_SPLITS] = { "splits", STEP(FATE_STAYS) | STEP(FATE_YIELDS) |
+                                        STEP(FATE_OVER) | STEP(FATE_GONE) },
+        [FATE_YIELDS] = { "yields", STEP(FATE_OVER) | STEP(FATE_GONE) },
+        [FATE_OVER] = { "over", 0 },
+        [FATE_GONE] = { "gone", 0 },
+    },
+};
 
-/* The line whose first row is `row`, or nlines for the height; -1: none. */
-static int
-line_from_row(const struct frame *f, uint32_t row)
+void
+strict_unit_advance(struct strict_unit *u, enum strict_progress to)
 {
-    int i = row == 0 ? 0 : (int)((row - 1) / (uint32_t)f->q.ystep) + 1;
-
-    if (row == (uint32_t)f->q.height)
-        return f->nlines;
-    return i < f->nlines && (uint32_t)row_of(f, i) == row ? i : -1;
+    u->progress = (enum strict_progress)steps_take(&strict_progress_steps,
+                                                   u->progress, to);
 }
 
-/* Forget a unit that has no pass, its facts and its top. */
 void
-strict_unit_drop(struct strict *s, struct strict_unit *u)
+strict_unit_decide(struct strict_unit *u, enum strict_fate to)
+{
+    u->fate = (enum strict_fate)steps_take(&strict_fate_steps, u->fate, to);
+}
+
+int
+strict_unit_top(const struct strict_unit *u)
+{
+    return u->first - (u->above == ABOVE_MADE_HERE);
+}
+
+struct strict_unit *
+strict_unit_find(const struct strict *s, uint32_t unit, uint32_t attempt)
+{
+    struct strict_unit *u = s->units;
+
+    while (u && (u->unit != unit || u->attempt != attempt || is_gone(u)))
+        u = u->next;
+    return u;
+}
+
+/* Where the unit, or the end of the list, is in the slot of its first line; of
+ * the line after its last. */
+static struct strict_unit **
+in_first_slot(struct strict *s, const struct strict_unit *u)
+{
+    struct strict_unit **at = &s->by_first[slot_of(u->frame, u->first)];
+
+    while (*at && *at != u)
+        at = &(*at)->same_first;
+    return at;
+}
+
+static struct strict_unit **
+in_last_slot(struct strict *s, const struct strict_unit *u)
+{
+    struct strict_unit **at = &s->by_last[slot_of(u->frame, u->last)];
+
+    while (*at && *at != u)
+        at = &(*at)->same_last;
+    return at;
+}
+
+static void
+unlink_last(struct strict *s, struct strict_unit *u)
+{
+    *in_last_slot(s, u) = u->same_last;
+    u->same_last = NULL;
+}
+
+void
+strict_unit_enter(struct strict *s, struct strict_unit *u)
+{
+    struct strict_unit **at = &s->units;
+
+    while (*at)
+        at = &(*at)->next;
+    *at = u;
+    if (u->loan)
+        return;
+    *in_first_slot(s, u) = u;
+    *in_last_slot(s, u) = u;
+}
+
+void
+strict_unit_leave(struct strict *s, struct strict_unit *u)
 {
     struct strict_unit **at = &s->units;
 
     while (*at != u)
         at = &(*at)->next;
     *at = u->next;
-    if (u->fate != FATE_OVER) {
-        msg_counts_add(&s->dropped, &u->spent);
-        s->dropped.speculative_rays += facts_untold(s, u);
-    }
-    if (!u->loan) {
-        strict_unit_unlink_first(s, u);
-        strict_unit_unlink_last(s, u);
-    }
-    out_forget(s, u);
-    for (int i = u->first > 0 ? u->first - 1 : 0; i < u->last; i++)
-        facts_drop(s, u->frame, i);
-    facts_drop_table(s, u->frame);
-    strict_unit_free(u);
+    if (u->loan)
+        return;
+    *in_first_slot(s, u) = u->same_first;
+    u->same_first = NULL;
+    unlink_last(s, u);
 }
 
-uint64_t
-strict_rays(const struct strict *s)
+/* Forget the guess at the unit's bottom. */
+static void
+free_guess(struct strict_unit *u)
 {
-    uint64_t n = 0;
+    free(u->guess.pixels);
+    free(u->guess.density);
+    free(u->guess.above);
+    u->guess.pixels = NULL;
+    u->guess.density = u->guess.above = NULL;
+}
 
-    for (const struct strict_unit *u = s->units; u; u = u->next)
-        n += is_gone(u) ? 0 : u->spent.rays;
-    return n;
+void
+strict_unit_end_at(struct strict *s, struct strict_unit *u, int last)
+{
+    unlink_last(s, u);
+    u->last = last;
+    *in_last_slot(s, u) = u;
+    u->bottom_done = false;
+    u->sent_columns = 0;
+    u->sent_densities = 0;
+    free_guess(u);
+}
+
+static void
+free_loan(struct loan *l)
+{
+    if (!l)
+        return;
+    free(l->pixels);
+    free(l->bytes);
+    free(l);
+}
+
+void
+strict_unit_free(struct strict_unit *u)
+{
+    if (!u)
+        return;
+    free_guess(u);
+    free(u->chain.density);
+    free(u->cpu_ns);
+    free_loan(u->loan);
+    free(u);
+}
+
+struct strict_unit *
+strict_unit_new(uint32_t unit, uint32_t attempt, uint32_t frame, int first,
+                int last)
+{
+    struct strict_unit *u = calloc(1, sizeof *u);
+
+    if (!u)
+        return NULL;
+    *u = (struct strict_unit){ .unit = unit,
+                               .attempt = attempt,
+                               .frame = frame,
+                               .first = first,
+                               .last = last,
+                               .nlines = last - first + 1 };
+    u->cpu_ns = calloc((size_t)u->nlines, sizeof *u->cpu_ns);
+    if (!u->cpu_ns) {
+        strict_unit_free(u);
+        return NULL;
+    }
+    return u;
+}
+
+bool
+strict_unit_has_top(const struct strict *s, const struct strict_unit *u)
+{
+    const struct edge *e;
+
+    if (u->first == 0)
+        return true;
+    e = edge_find(s, u->frame, u->first - 1);
+    return e && e->pixels;
+}
+
+struct strict_unit *
+strict_unit_above(const struct strict *s, const struct strict_unit *u)
+{
+    struct strict_unit *a = s->by_last[slot_of(u->frame, u->first)];
+
+    while (a && (is_gone(a) || a->frame != u->frame || a->last != u->first))
+        a = a->same_last;
+    return a;
+}
+
+struct strict_unit *
+strict_unit_below(const struct strict *s, const struct strict_unit *u)
+{
+    struct strict_unit *b = s->by_first[slot_of(u->frame, u->last)];
+
+    while (b && (is_gone(b) || b->frame != u->frame || b->first != u->last))
+        b = b->same_first;
+    return b;
 }
 
 static uint64_t
-pixels_of(const struct strict *s, const struct strict_unit *u)
+most(uint64_t a, uint64_t b)
 {
-    const struct frame *f = frame_of(s, u->frame);
-    struct team_made made = { 0 };
-    struct strict_unit now = { .made = u->made };
-    int begin = row_of(f, u->first);
-    uint64_t all, out;
-
-    if (u->fate >= FATE_OVER || u->loan)
-        return 0;
-    if (u->pass)
-        made = u->pass->made;
-    strict_unit_made(&now, &made);
-    all = (uint64_t)(row_of(f, u->last) - begin) * (uint64_t)f->q.width;
-    out = made.out;
-    if (u->out > u->first)
-        out += (uint64_t)(row_of(f, u->out) - begin) * (uint64_t)f->q.width;
-    /* the unit may have given lines away, or made the line above */
-    if (now.made.base + now.made.bars < all)
-        all = now.made.base + now.made.bars;
-    return all > out ? all - out : 0;
+    return a > b ? a : b;
 }
 
-uint64_t
-strict_pixels(const struct strict *s)
-{
-    uint64_t n = 0;
-
-    for (const struct strict_unit *u = s->units; u; u = u->next)
-        n += pixels_of(s, u);
-    return n;
-}
-
+/* Each pass goes over the same lines again. */
 void
-strict_dropped(const struct strict *s, struct msg_counts *out)
+strict_unit_made(struct strict_unit *u, const struct team_made *made)
 {
-    *out = s->dropped;
-    out->primary_rays = 0;
-    out->nan = (struct msg_nan){ 0 };
-    memset(out->faults, 0, sizeof out->faults);
-}
-
-static int
-read_lines(const struct strict *s, const struct msg_unit *m,
-           struct strict_unit *u, struct rad_error *err)
-{
-    const struct frame *f;
-    uint32_t end = m->y + m->height;
-
-    if (m->frame >= s->nframes)
-        return rad_fail(err, RAD_EPROTO, "unit %u of frame %u, of %u", m->unit,
-                        m->frame, s->nframes);
-    f = frame_of(s, m->frame);
-    if (m->height < 1 || m->y >= (uint32_t)f->q.height || end < m->y ||
-        end > (uint32_t)f->q.height || m->x != 0 ||
-        m->width != (uint32_t)f->q.width)
-        return rad_fail(err, RAD_EPROTO, "unit %u is not within the frame",
-                        m->unit);
-    u->first = line_from_row(f, m->y);
-    u->last = line_from_row(f, end);
-    if (u->first < 0 || u->last <= u->first)
-        return rad_fail(err, RAD_EPROTO, "unit %u is no run of lines", m->unit);
-    return 0;
-}
-
-int
-strict_unit(struct strict *s, const struct msg_unit *m, struct rad_error *err)
-{
-    struct strict_unit *u, **at = &s->units;
-    int rc;
-
-    if (strict_unit_find(s, m->unit, m->attempt))
-        return 0;
-    u = calloc(1, sizeof *u);
-    if (!u)
-        return rad_fail(err, RAD_ENOMEM, "out of memory");
-    rc = read_lines(s, m, u, err);
-    if (rc == 0 && !strict_unit_count_lines(u))
-        rc = rad_fail(err, RAD_ENOMEM, "out of memory");
-    if (rc < 0) {
-        free(u);
-        return rc;
-    }
-    u->unit = m->unit;
-    u->attempt = m->attempt;
-    u->frame = m->frame;
-    u->end = (enum team_end)m->end;
-    if (m->flags & MSG_UNIT_TOP && u->first > 0)
-        u->above = ABOVE_MADE_HERE;
-    u->flags = m->flags & (MSG_UNIT_TWIN | MSG_UNIT_BARS);
-    while (*at)
-        at = &(*at)->next;
-    *at = u;
-    strict_unit_link_first(s, u);
-    strict_unit_link_last(s, u);
-    facts_use_above(s, u);
-    if (u->first > 0 && strict_unit_has_top(s, u)) /* came before the unit */
-        rank_make_way(s);
-    return 0;
-}
-
-void
-strict_revoke(struct strict *s, uint32_t unit, uint32_t attempt)
-{
-    struct strict_unit *u = strict_unit_find(s, unit, attempt);
-
-    if (!u)
-        return;
-    if (u->pass) {
-        strict_unit_decide(u, FATE_GONE);
-        u->pass->stop = true;
-    } else {
-        strict_unit_drop(s, u);
-    }
-}
-
-void
-strict_unit_give_lines(struct strict *s, struct strict_unit *u, int last)
-{
-    int end = u->last;
-
-    if (last < end) {
-        /* and the base line above, which the next worker would make again */
-        for (int i = last - 1; i < end; i++)
-            out_facts(s, &s->urgent, u, i);
-        strict_unit_unlink_last(s, u);
-        u->last = last;
-        strict_unit_link_last(s, u);
-        u->bottom_done = false;
-        loan_of_other_line(u);
-        u->sent_columns = 0;
-        u->sent_densities = 0;
-        /* the guess was the bottom of another line */
-        strict_unit_free_guess(u);
-        for (int i = last; i < end; i++)
-            facts_drop(s, u->frame, i);
-    }
-    out_gave(s, u, last < end ? last : end);
-}
-
-/* Give half of the bars that are left of a unit that no team is at. */
-void
-strict_unit_split_idle(struct strict *s, struct strict_unit *u)
-{
-    int from = u->filled > u->first ? u->filled : u->first;
-
-    if (u->progress >= PROGRESS_AHEAD)
-        from = u->last;
-    if (from < u->out) /* the unit keeps lines whose rows are out */
-        from = u->out;
-    if (u->fate == FATE_SPLITS)
-        strict_unit_decide(u, FATE_STAYS);
-    strict_unit_give_lines(s, u, u->last - (u->last - from) / 2);
-}
-
-/* Send all facts of the unit that were not sent: the worker that gets the unit
- * next traces none of them again.  Columns that the unit lent are forgotten. */
-void
-strict_unit_hand_back(struct strict *s, struct strict_unit *u)
-{
-    if (u->loan) {
-        loan_end(s, u);
-    } else {
-        for (int i = strict_unit_top(u); i < u->last; i++)
-            out_facts(s, &s->urgent, u, i);
-        out_line_costs(s, u);
-        out_gave(s, u, u->first);
-    }
-    strict_unit_drop(s, u);
-}
-
-/* Where rows went out with an earlier pass the unit cannot end with them: then
- * all of it goes back, with facts of these rows, too. */
-void
-strict_yield(struct strict *s, uint32_t unit, uint32_t attempt)
-{
-    struct strict_unit *u = strict_unit_find(s, unit, attempt);
-
-    if (!u)
-        return;
-    if (u->pass) {
-        if (u->fate != FATE_YIELDS)
-            strict_unit_decide(u, FATE_YIELDS);
-        u->pass->stop = true;
-    } else {
-        strict_unit_hand_back(s, u);
-    }
-}
-
-/* Half of the unit is to go back when its pass has ended, or sooner. */
-static void
-want_split(struct strict_unit *u)
-{
-    if (u->fate != FATE_SPLITS)
-        strict_unit_decide(u, FATE_SPLITS);
-}
-
-/* What is left to do is counted in bars.  A pass of LINES works at all lines at
- * once: it ends first, and is made again over its facts. */
-void
-strict_split(struct strict *s, uint32_t unit, uint32_t attempt)
-{
-    struct strict_unit *u = strict_unit_find(s, unit, attempt);
-
-    if (!u || u->loan || u->fate == FATE_YIELDS)
-        return;
-    if (loan_is_out(u)) { /* of its last line, which is begun */
-        strict_unit_give_lines(s, u, u->last);
-    } else if (!u->pass) {
-        strict_unit_split_idle(s, u);
-    } else if (u->pass->mode == TEAM_LINES || u->pass->stop) {
-        want_split(u);
-        u->pass->stop = true;
-    } else {
-        want_split(u);
-        u->pass->split = true;
-    }
-}
-
-void
-strict_shrunk(struct strict *s, struct strict_pass *p, int last)
-{
-    struct strict_unit *u = p->of;
-
-    p->split = false;
-    if (u->fate != FATE_SPLITS)
-        return;
-    strict_unit_decide(u, FATE_STAYS);
-    p->last = last;
-    strict_unit_give_lines(s, u, last);
-    p->sent_columns = u->sent_columns; /* the bottom may be another now */
-    p->sent_densities = u->sent_densities;
-}
-
-/* Send the facts of the base line above, if the unit made it, and only when the
- * guess has all its pixels: until then no other worker begins that line. */
-void
-strict_unit_say_top(struct strict *s, const struct strict_unit *u)
-{
-    if (u->above == ABOVE_MADE_HERE && u->progress >= PROGRESS_LINES)
-        out_facts(s, &s->urgent, u, u->first - 1);
-}
-
-/* Send the facts that a twin of the unit needs. */
-static void
-push_twin_facts(struct strict *s, const struct strict_unit *u)
-{
-    for (int i = u->first; i < u->last; i++)
-        out_facts(s, &s->urgent, u, i);
-}
-
-void
-strict_twin(struct strict *s, uint32_t unit, uint32_t attempt)
-{
-    struct strict_unit *u = strict_unit_find(s, unit, attempt);
-
-    if (!u || u->flags & MSG_UNIT_TWIN)
-        return;
-    u->flags |= MSG_UNIT_TWIN;
-    if (facts_make_all(s, u))
-        push_twin_facts(s, u);
-}
-
-/* Is the unit above here and at work?  Then the top comes soon enough. */
-static bool
-is_near(const struct strict *s, const struct strict_unit *u)
-{
-    const struct strict_unit *a = strict_unit_above(s, u);
-
-    return a && !rank_waits(s, a);
-}
-
-/* Say so at once: its thread has room for another. */
-void
-strict_unit_park(struct strict *s, struct strict_unit *u)
-{
-    if (is_gone(u) || u->parked || !rank_waits(s, u) ||
-        (!u->lending.blocked && is_near(s, u)))
-        return;
-    u->parked = true;
-    loan_nothing_left(u);
-    out_parked(s, u);
-}
-
-void
-strict_unit_resume(struct strict *s, struct strict_unit *u)
-{
-    u->wait.waiting = false;
-    if (u->parked)
-        out_resumed(s, u);
-    u->parked = false; /* the unit may come to wait again */
-}
-
-/* A unit that waits for long sends its facts, too. */
-static void
-park_facts(struct strict *s, struct strict_unit *u)
-{
-    u->wait.kept = true;
-    for (int i = u->first; i < u->last; i++)
-        out_facts(s, &s->lazy, u, i);
-}
-
-/* Are the unit's facts to be sent when the unit has waited for long? */
-static bool
-will_keep(const struct strict *s, const struct strict_unit *u)
-{
-    return u->wait.waiting && u->parked && !u->wait.kept && !is_near(s, u);
-}
-
-/* May another worker wait for the bottom, facts or columns of the unit's pass?
- */
-static bool
-is_awaited(const struct strict *s, const struct strict_unit *u)
-{
-    bool bottom = u->pass->true_top && !u->bottom_done &&
-                  u->last < frame_of(s, u->frame)->nlines;
-
-    return !is_gone(u) &&
-           (bottom || u->flags & MSG_UNIT_TWIN || u->pass->lend > 0);
-}
-
-/* When to look at a unit again; u->wait is up to date. */
-static uint64_t
-due_ms(const struct strict *s, const struct strict_unit *u, uint64_t now_ms)
-{
-    uint64_t due = STRICT_NEVER;
-
-    if (u->pass)
-        return is_awaited(s, u) ? now_ms + LOOK_MS : due;
-    if (will_keep(s, u))
-        due = u->wait.since_ms + PARK_MS;
-    return due;
-}
-
-static void
-tick_unit(struct strict *s, struct strict_unit *u, uint64_t now_ms)
-{
-    bool waiting = rank_waits(s, u);
-
-    if (u->flags & MSG_UNIT_TWIN && !is_gone(u))
-        push_twin_facts(s, u);
-    if (waiting && !u->wait.waiting)
-        u->wait.since_ms = now_ms;
-    u->wait.waiting = waiting;
-    strict_unit_park(s, u);
-    if (will_keep(s, u) && now_ms - u->wait.since_ms >= PARK_MS)
-        park_facts(s, u);
-}
-
-uint64_t
-strict_tick(struct strict *s, uint64_t now_ms)
-{
-    uint64_t due = STRICT_NEVER;
-
-    for (struct strict_unit *u = s->units; u; u = u->next) {
-        uint64_t at;
-
-        tick_unit(s, u, now_ms);
-        at = due_ms(s, u, now_ms);
-        due = at < due ? at : due;
-    }
-    return due;
+    u->made.base = most(u->made.base, made->base);
+    u->made.bars = most(u->made.bars, made->bars);
 }

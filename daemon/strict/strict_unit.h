@@ -1,14 +1,14 @@
 /* strict_unit.h - a strict unit of a child, and what it may be in
  *
- * Private to strict*.c; the functions are in strict_impl.h. */
+ * Private to strict*.c.  The machine owns units; a pointer is good until the
+ * unit is dropped (strict_order.h).
+ * Thread: under the machine's lock, but for cpu_ns, which a team adds to. */
 #ifndef DAEMON_STRICT_UNIT_H
 #define DAEMON_STRICT_UNIT_H
 
 #include "strict/strict.h"
 
 #include "machine/steps.h"
-
-struct loan;
 
 /* What is traced of a unit before its true top is there.  Lower case: the pass
  * that ended, or what came:
@@ -81,6 +81,13 @@ struct strict_chain {
     int first, last;
 };
 
+/* Columns that another worker lends, and what its pixels point to. */
+struct loan {
+    struct team_loan is;
+    struct rad_pixel *pixels;
+    uint8_t *bytes;
+};
+
 struct strict_unit {
     struct strict_unit *next;
     struct strict_unit *same_first, *same_last; /* the newer units in the slots
@@ -126,5 +133,36 @@ covers(const struct strict_unit *u, uint32_t frame, int line)
 {
     return u->frame == frame && line < u->last && line >= u->first - 1;
 }
+
+/* Lines [first, last) of a frame, in no machine yet; NULL: memory is out. */
+struct strict_unit *strict_unit_new(uint32_t unit, uint32_t attempt,
+                                    uint32_t frame, int first, int last);
+void strict_unit_free(struct strict_unit *u);
+
+/* Change the unit's progress or fate; the step must be in strict_progress_steps
+ * or strict_fate_steps.  Called by the files of this folder alone. */
+void strict_unit_advance(struct strict_unit *u, enum strict_progress to);
+void strict_unit_decide(struct strict_unit *u, enum strict_fate to);
+/* The first line that the unit makes: its own first, or the base line above. */
+int strict_unit_top(const struct strict_unit *u);
+/* The unit of that number and attempt that is not gone; NULL: none. */
+struct strict_unit *strict_unit_find(const struct strict *s, uint32_t unit,
+                                     uint32_t attempt);
+/* Keep the most pixels that a pass of the unit has gone over. */
+void strict_unit_made(struct strict_unit *u, const struct team_made *made);
+/* Is the unit's top here, true and whole?  Line 0 needs none. */
+bool strict_unit_has_top(const struct strict *s, const struct strict_unit *u);
+/* The unit of this child whose bottom is u's top; whose top is u's bottom.
+ * NULL: none. */
+struct strict_unit *strict_unit_above(const struct strict *s,
+                                      const struct strict_unit *u);
+struct strict_unit *strict_unit_below(const struct strict *s,
+                                      const struct strict_unit *u);
+/* Put a unit into the machine, last of its units; take it out. */
+void strict_unit_enter(struct strict *s, struct strict_unit *u);
+void strict_unit_leave(struct strict *s, struct strict_unit *u);
+/* The unit has lines before `last` alone from now on: what was sent or guessed
+ * of its bottom was of another line. */
+void strict_unit_end_at(struct strict *s, struct strict_unit *u, int last);
 
 #endif
