@@ -28,10 +28,18 @@ put(struct rows *r, int x, int y, int w, int h)
         for (int i = 0; i < w; i++)
             for (int c = 0; c < (int)r->kind; c++)
                 px[(j * w + i) * (int)r->kind + c] = value(x + i, y + j, c);
-    ck_assert_int_eq(rows_write(r, x, y, w, h, px, NULL), 0);
+    ck_assert_int_eq(rows_write(r, (struct rows_area){ x, y, w, h }, px, NULL),
+                     0);
 }
 
 static struct rows_open opened;
+
+static void
+create(struct rows *r, struct rows_open *among, const char *path,
+       struct rows_form form)
+{
+    ck_assert_int_eq(rows_create(r, among, path, form, NULL), 0);
+}
 
 /* Use others until none of before is open. */
 static void
@@ -42,9 +50,8 @@ push_out(void)
 
     for (int i = 0; i < ROWS_OPEN; i++) {
         snprintf(path, sizeof path, "%s/other.%d", dir, i);
-        ck_assert_int_eq(rows_create(&other[i], &opened, path, W, H,
-                                     ROWS_COLOURS, false, NULL),
-                         0);
+        create(&other[i], &opened, path,
+               (struct rows_form){ W, H, ROWS_COLOURS, false });
         put(&other[i], 0, 0, W, 1);
     }
     for (int i = 0; i < ROWS_OPEN; i++)
@@ -57,7 +64,7 @@ make_rows(struct rows *r, enum rows_kind kind)
     char path[160];
 
     snprintf(path, sizeof path, "%s/f.rows", dir);
-    ck_assert_int_eq(rows_create(r, &opened, path, W, H, kind, true, NULL), 0);
+    create(r, &opened, path, (struct rows_form){ W, H, kind, true });
 }
 
 START_TEST(windows_make_a_whole)
@@ -107,9 +114,8 @@ START_TEST(few_of_many_files_are_open)
 
     for (int i = 0; i < MANY; i++) {
         snprintf(path, sizeof path, "%s/%d.rows", dir, i);
-        ck_assert_int_eq(
-            rows_create(&r[i], &opened, path, W, H, ROWS_COLOURS, true, NULL),
-            0);
+        create(&r[i], &opened, path,
+               (struct rows_form){ W, H, ROWS_COLOURS, true });
         put(&r[i], 0, i % H, W, 1);
     }
     ck_assert_int_le(open_files(), before + ROWS_OPEN);
@@ -126,7 +132,7 @@ START_TEST(few_of_many_files_are_open)
 }
 END_TEST
 
-static const int outside[][4] = {
+static const struct rows_area outside[] = {
     { -1, 0, 1, 1 },    { 0, -1, 1, 1 },         { 0, 0, W + 1, 1 },
     { 0, 0, 1, H + 1 }, { W, 0, 1, 1 },          { 0, H, 1, 1 },
     { 0, 0, 0, 1 },     { 3, 3, 2000000000, 1 },
@@ -134,13 +140,11 @@ static const int outside[][4] = {
 
 START_TEST(pixels_outside_are_refused)
 {
-    const int *o = outside[_i];
     struct rows r;
     float px[W * H * 4] = { 0 };
 
     make_rows(&r, ROWS_COLOURS);
-    ck_assert_int_eq(rows_write(&r, o[0], o[1], o[2], o[3], px, NULL),
-                     RAD_EPROTO);
+    ck_assert_int_eq(rows_write(&r, outside[_i], px, NULL), RAD_EPROTO);
     rows_remove(&r);
 }
 END_TEST
@@ -196,12 +200,20 @@ START_TEST(picture_and_depth_hold_the_rows)
 END_TEST
 
 static int
+write_code(struct rows *r, int x, int y, int w, int h, const uint8_t *code,
+           size_t n, uint64_t *sum)
+{
+    return rows_write_coded(r, (struct rows_area){ x, y, w, h },
+                            (struct rows_code){ code, n }, sum, NULL);
+}
+
+static int
 put_coded(struct rows *r, int x, int y, int w, int h)
 {
     uint8_t code[H * RAD_HDR_ROW_BYTES(W)];
     size_t n = code_rows(x, y, w, h, code);
 
-    return rows_write_coded(r, x, y, w, h, code, n, NULL, NULL);
+    return write_code(r, x, y, w, h, code, n, NULL);
 }
 
 static const struct {
@@ -233,10 +245,9 @@ START_TEST(coded_rows_make_the_picture_of_the_others)
 
     for (int coded = 0; coded < 2; coded++) {
         snprintf(path, sizeof path, "%s/f.rows", dir);
-        ck_assert_int_eq(rows_create(&r, &opened, path, W, H,
-                                     coded ? kind : ROWS_COLOURS,
-                                     codings[_i].durable, NULL),
-                         0);
+        create(&r, &opened, path,
+               (struct rows_form){ W, H, coded ? kind : ROWS_COLOURS,
+                                   codings[_i].durable });
         for (int i = 0; i < N_ELEM(order); i++) {
             int y = order[i][0], h = order[i][1], rc;
 
@@ -275,27 +286,20 @@ START_TEST(coded_rows_that_are_none_are_refused)
     struct rows r;
 
     snprintf(path, sizeof path, "%s/f.rows", dir);
-    ck_assert_int_eq(
-        rows_create(&r, &opened, path, W, H, ROWS_CODED, true, NULL),
-        RAD_EINTERNAL);
-    ck_assert_int_eq(
-        rows_create(&r, &opened, path, W, H, (enum rows_kind)_i, false, NULL),
-        0);
-    ck_assert_int_eq(rows_write_coded(&r, 0, H, W, 1, code, n, NULL, NULL),
-                     RAD_EPROTO);
-    ck_assert_int_eq(rows_write_coded(&r, 0, -1, W, 1, code, n, NULL, NULL),
-                     RAD_EPROTO);
-    ck_assert_int_eq(rows_write_coded(&r, 1, 0, W, 1, code, n, NULL, NULL),
-                     RAD_EPROTO);
-    ck_assert_int_eq(rows_write_coded(&r, 0, 0, W, 2, code, n, NULL, NULL),
-                     RAD_EPROTO);
-    ck_assert_int_eq(rows_write_coded(&r, 0, 0, W, 1, code, n + 1, NULL, NULL),
-                     RAD_EPROTO);
-    ck_assert_int_eq(rows_write_coded(&r, 0, 0, W, 1, code, n - 1, NULL, NULL),
-                     RAD_EPROTO);
-    ck_assert_int_eq(rows_write_coded(&r, 0, 0, W - 1, 1, code, n, NULL, NULL),
-                     RAD_EPROTO);
-    ck_assert_int_eq(rows_write_coded(&r, 0, 0, W, 1, code, n, NULL, NULL), 0);
+    ck_assert_int_eq(rows_create(&r, &opened, path,
+                                 (struct rows_form){ W, H, ROWS_CODED, true },
+                                 NULL),
+                     RAD_EINTERNAL);
+    create(&r, &opened, path,
+           (struct rows_form){ W, H, (enum rows_kind)_i, false });
+    ck_assert_int_eq(write_code(&r, 0, H, W, 1, code, n, NULL), RAD_EPROTO);
+    ck_assert_int_eq(write_code(&r, 0, -1, W, 1, code, n, NULL), RAD_EPROTO);
+    ck_assert_int_eq(write_code(&r, 1, 0, W, 1, code, n, NULL), RAD_EPROTO);
+    ck_assert_int_eq(write_code(&r, 0, 0, W, 2, code, n, NULL), RAD_EPROTO);
+    ck_assert_int_eq(write_code(&r, 0, 0, W, 1, code, n + 1, NULL), RAD_EPROTO);
+    ck_assert_int_eq(write_code(&r, 0, 0, W, 1, code, n - 1, NULL), RAD_EPROTO);
+    ck_assert_int_eq(write_code(&r, 0, 0, W - 1, 1, code, n, NULL), RAD_EPROTO);
+    ck_assert_int_eq(write_code(&r, 0, 0, W, 1, code, n, NULL), 0);
     rows_remove(&r);
 }
 END_TEST
@@ -338,16 +342,15 @@ START_TEST(coded_rows_are_taken_apart_a_few_at_a_time)
     at[MANY] = n;
     ck_assert_uint_lt(n, 512 << 10);
     snprintf(path, sizeof path, "%s/f.rows", dir);
-    ck_assert_int_eq(
-        rows_create(&r, &opened, path, WIDE, MANY, ROWS_RGBE, false, NULL), 0);
+    create(&r, &opened, path,
+           (struct rows_form){ WIDE, MANY, ROWS_RGBE, false });
     if (!RAD_SANITIZED) /* a sanitizer's shadow is memory, too */
         limit_memory(8 << 20);
-    ck_assert_int_eq(
-        rows_write_coded(&r, 0, 0, WIDE, MANY, code, n, &sum, NULL), 0);
+    ck_assert_int_eq(write_code(&r, 0, 0, WIDE, MANY, code, n, &sum), 0);
     limit_memory(0);
     for (int y = 0; y < MANY; y++) {
-        ck_assert_int_eq(rows_write_coded(&r, 0, y, WIDE, 1, code + at[y],
-                                          at[y + 1] - at[y], &part, NULL),
+        ck_assert_int_eq(write_code(&r, 0, y, WIDE, 1, code + at[y],
+                                    at[y + 1] - at[y], &part),
                          0);
         pieces ^= part;
     }
@@ -371,7 +374,9 @@ START_TEST(a_line_keeps_its_floats)
     ck_assert_int_eq(rows_write_line(&r, H - 1, line, NULL), 0);
     ck_assert_int_eq(put_coded(&r, 0, 0, W, H), 0);
     ck_assert_int_eq(rows_sync(&opened, NULL), 0);
-    ck_assert_int_eq(rows_open(&again, &opened, r.path, W, H, ROWS_RGBE, NULL),
+    ck_assert_int_eq(rows_open(&again, &opened, r.path,
+                               (struct rows_form){ W, H, ROWS_RGBE, true },
+                               NULL),
                      0);
     ck_assert_int_eq(rows_read_line(&again, H - 1, back, NULL), 0);
     ck_assert_mem_eq(line, back, sizeof line);
@@ -409,9 +414,10 @@ preview_of(int width, int height, int oversample, int x, int y)
 
     rad_rgbe(rad_grey(3), bright);
     snprintf(path, sizeof path, "%s/rows", dir);
+    create(&r, &open, path,
+           (struct rows_form){ width, height, ROWS_RGBE, false });
     ck_assert_int_eq(
-        rows_create(&r, &open, path, width, height, ROWS_RGBE, false, NULL), 0);
-    ck_assert_int_eq(rows_write(&r, x, y, 1, 1, bright, NULL), 0);
+        rows_write(&r, (struct rows_area){ x, y, 1, 1 }, bright, NULL), 0);
     snprintf(path, sizeof path, "%s/preview", dir);
     ck_assert_int_eq(filtered_preview(&r, &shape, &info, path, NULL), 0);
     rows_remove(&r);
@@ -465,8 +471,9 @@ put_some(struct rows *r, const struct action_colours *colours)
     rows_put_colours(r, colours);
     for (int y = 8; y < 12 && rc == 0; y++)
         rc = r->kind == ROWS_DISTANCES
-                 ? rows_write(r, 0, y, r->width, 1, floats, NULL)
-                 : rows_write_coded(r, 0, y, r->width, 1, code, n, NULL, NULL);
+                 ? rows_write(r, (struct rows_area){ 0, y, r->width, 1 },
+                              floats, NULL)
+                 : write_code(r, 0, y, r->width, 1, code, n, NULL);
     ck_assert_int_eq(rc, 0);
 }
 
@@ -491,8 +498,7 @@ START_TEST(previews_show_colours_where_rows_are_missing)
     for (size_t i = 0; i < 9; i++)
         rad_rgbe(rad_grey(3), rgbe + 4 * i);
     snprintf(path, sizeof path, "%s/rows", dir);
-    ck_assert_int_eq(
-        rows_create(&r, &open, path, w, h, shown[_i].kind, false, NULL), 0);
+    create(&r, &open, path, (struct rows_form){ w, h, shown[_i].kind, false });
     put_some(&r, &k);
     snprintf(path, sizeof path, "%s/preview", dir);
     ck_assert_int_eq(n > 1 ? filtered_preview(&r, &shape, &info, path, NULL)

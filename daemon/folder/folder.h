@@ -73,13 +73,18 @@ void folder_forgotten(const struct folder *f, const uint8_t job[MSG_JOB]);
 /* Bytes that its files take. */
 uint64_t folder_bytes(const struct folder *f, const uint8_t job[MSG_JOB]);
 
-/* pixels is n bytes, of floats or coded; line, which may be NULL, what goes
- * with coded ones: floats of the last row.  Where sum is not NULL it gets their
- * rowsum(), as they are in the file.  RAD_EPROTO when they do not lie in the
- * picture. */
+/* Pixels of rows to be put, as the file holds them or coded. */
+struct folder_pixels {
+    void *bytes; /* n bytes of floats or code */
+    size_t n;
+    float *line; /* of coded rows: the last one's floats; NULL: none to keep */
+};
+
+/* Where sum is not NULL it gets their rowsum(), as they are in the file.
+ * RAD_EPROTO when they do not lie in the picture. */
 int folder_put_rows(struct folder *f, const struct action_rows *key,
-                    const void *pixels, size_t n, const float *line,
-                    uint64_t *sum, struct rad_error *err);
+                    const struct folder_pixels *pixels, uint64_t *sum,
+                    struct rad_error *err);
 /* For previews: what rows have not come of a frame is filled from such colours.
  * Those for which there is no room or memory are left out. */
 void folder_put_colours(struct folder *f, const uint8_t job[MSG_JOB],

@@ -17,6 +17,7 @@ begin_frame(struct folder *f, struct folder_job *j, uint32_t i,
             struct rad_error *err)
 {
     struct frame_rows *r = &j->frames[i];
+    struct rows_form form = { r->width, r->height, j->kind, f->durable };
     uint64_t room = f->durable ? j->room - folder_frame_bytes(j, r) : 0;
     char path[DISK_PATH_MAX];
     int rc = 0;
@@ -30,8 +31,7 @@ begin_frame(struct folder *f, struct folder_job *j, uint32_t i,
     }
     folder_frame_path(f, j->id, i, ".rows", path);
     if (rc == 0)
-        rc = rows_create(r->rows, &f->opened, path, r->width, r->height,
-                         j->kind, f->durable, err);
+        rc = rows_create(r->rows, &f->opened, path, form, err);
     if (rc < 0) {
         free(r->rows);
         r->rows = NULL;
@@ -76,25 +76,27 @@ folder_drop_rows(struct folder *f, const uint8_t id[MSG_JOB], uint32_t frame)
 }
 
 static int
-put_coded(struct rows *r, const struct action_rows *k, const void *pixels,
-          size_t n, const float *line, uint64_t *sum, struct rad_error *err)
+put_coded(struct rows *r, struct rows_area a, const struct folder_pixels *p,
+          uint64_t *sum, struct rad_error *err)
 {
-    uint32_t last = k->y + k->rows - 1;
-    int rc = rows_write_coded(r, (int)k->x, (int)k->y, (int)k->width,
-                              (int)k->rows, pixels, n, sum, err);
+    int last = a.y + a.h - 1;
+    int rc =
+        rows_write_coded(r, a, (struct rows_code){ p->bytes, p->n }, sum, err);
 
-    if (rc == 0 && line)
-        rc = rows_write_line(r, (int)last, line, err);
-    if (rc == 0 && line && sum)
-        *sum ^= rowsum(line, ROWS_LINE_BYTES(r->width), last, 1);
+    if (rc == 0 && p->line)
+        rc = rows_write_line(r, last, p->line, err);
+    if (rc == 0 && p->line && sum)
+        *sum ^= rowsum(p->line, ROWS_LINE_BYTES(r->width), (uint32_t)last, 1);
     return rc;
 }
 
 int
 folder_put_rows(struct folder *f, const struct action_rows *k,
-                const void *pixels, size_t n, const float *line, uint64_t *sum,
+                const struct folder_pixels *p, uint64_t *sum,
                 struct rad_error *err)
 {
+    struct rows_area area = { (int)k->x, (int)k->y, (int)k->width,
+                              (int)k->rows };
     struct frame_rows *r;
     struct folder_job *j;
     int rc = folder_find_rows(f, k->job, k->frame, &j, &r, err);
@@ -102,14 +104,13 @@ folder_put_rows(struct folder *f, const struct action_rows *k,
     if (rc < 0)
         return rc;
     if (k->channels == 1)
-        return put_coded(r->rows, k, pixels, n, line, sum, err);
+        return put_coded(r->rows, area, p, sum, err);
     if (k->channels != (int)r->rows->kind)
         return rad_fail(err, RAD_EPROTO, "rows of %d channels, expected %d",
                         k->channels, (int)r->rows->kind);
-    rc = rows_write(r->rows, (int)k->x, (int)k->y, (int)k->width, (int)k->rows,
-                    pixels, err);
+    rc = rows_write(r->rows, area, p->bytes, err);
     if (rc == 0 && sum)
-        *sum = rowsum(pixels, n / k->rows, k->y, k->rows);
+        *sum = rowsum(p->bytes, p->n / k->rows, k->y, k->rows);
     return rc;
 }
 

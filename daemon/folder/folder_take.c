@@ -133,6 +133,7 @@ take_rows(struct folder *f, struct folder_job *j, uint32_t i, bool noted,
           struct rad_error *err)
 {
     struct frame_rows *r = &j->frames[i];
+    struct rows_form form = { r->width, r->height, j->kind, true };
     struct rad_error why = { 0 };
     char path[DISK_PATH_MAX];
 
@@ -140,8 +141,7 @@ take_rows(struct folder *f, struct folder_job *j, uint32_t i, bool noted,
     if (!r->rows)
         return rad_fail(err, RAD_ENOMEM, "out of memory");
     folder_frame_path(f, j->id, i, ".rows", path);
-    if (rows_open(r->rows, &f->opened, path, r->width, r->height, j->kind,
-                  &why) == 0) {
+    if (rows_open(r->rows, &f->opened, path, form, &why) == 0) {
         r->file = FILE_ROWS;
         return 0;
     }

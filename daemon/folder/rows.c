@@ -30,8 +30,8 @@ rows_bytes(const struct rows *r, int w)
 
 /* The file's name and what lies in it. */
 static int
-describe(struct rows *r, struct rows_open *among, const char *path, int width,
-         int height, enum rows_kind kind, struct rad_error *err)
+describe(struct rows *r, struct rows_open *among, const char *path,
+         struct rows_form form, struct rad_error *err)
 {
     memset(r, 0, sizeof *r);
     r->among = among;
@@ -39,9 +39,10 @@ describe(struct rows *r, struct rows_open *among, const char *path, int width,
     if (strlen(path) >= sizeof r->path)
         return rad_fail(err, RAD_ECANTCREAT, "path too long: '%s'", path);
     memcpy(r->path, path, strlen(path) + 1);
-    r->width = width;
-    r->height = height;
-    r->kind = kind;
+    r->width = form.width;
+    r->height = form.height;
+    r->kind = form.kind;
+    r->durable = form.durable;
     return 0;
 }
 
@@ -52,6 +53,12 @@ pixels_size(const struct rows *r)
     if (r->kind == ROWS_CODED)
         return 0;
     return (off_t)rows_bytes(r, r->width) * r->height;
+}
+
+static off_t
+pixel_at(const struct rows *r, int x, int y)
+{
+    return (off_t)rows_bytes(r, r->width) * y + (off_t)rows_bytes(r, x);
 }
 
 static off_t
@@ -149,9 +156,9 @@ rows_sync(struct rows_open *among, struct rad_error *err)
 /* --- files --- */
 
 static int
-make_room(const struct rows *r, int fd, bool durable, struct rad_error *err)
+make_room(const struct rows *r, int fd, struct rad_error *err)
 {
-    int number = durable ? posix_fallocate(fd, 0, pixels_size(r)) : 0;
+    int number = r->durable ? posix_fallocate(fd, 0, pixels_size(r)) : 0;
 
     if (number == 0 && ftruncate(fd, whole_size(r)) < 0)
         number = errno;
@@ -160,20 +167,18 @@ make_room(const struct rows *r, int fd, bool durable, struct rad_error *err)
 
 int
 rows_create(struct rows *r, struct rows_open *among, const char *path,
-            int width, int height, enum rows_kind kind, bool durable,
-            struct rad_error *err)
+            struct rows_form form, struct rad_error *err)
 {
-    int rc = describe(r, among, path, width, height, kind, err), fd;
+    int rc = describe(r, among, path, form, err), fd;
 
     if (rc < 0)
         return rc;
-    r->durable = durable;
-    if (durable && kind == ROWS_CODED)
+    if (r->durable && r->kind == ROWS_CODED)
         return rad_fail(err, RAD_EINTERNAL, "coded rows do not last");
     fd = open(path, O_RDWR | O_CREAT | O_TRUNC | O_CLOEXEC, 0600);
     if (fd < 0)
         return disk_fail(err, errno, "create", path);
-    rc = make_room(r, fd, durable, err);
+    rc = make_room(r, fd, err);
     close(fd);
     if (rc < 0)
         unlink(r->path);
@@ -181,15 +186,14 @@ rows_create(struct rows *r, struct rows_open *among, const char *path,
 }
 
 int
-rows_open(struct rows *r, struct rows_open *among, const char *path, int width,
-          int height, enum rows_kind kind, struct rad_error *err)
+rows_open(struct rows *r, struct rows_open *among, const char *path,
+          struct rows_form form, struct rad_error *err)
 {
-    int rc = describe(r, among, path, width, height, kind, err);
+    int rc = describe(r, among, path, form, err);
     struct stat st;
 
     if (rc < 0)
         return rc;
-    r->durable = true;
     if (stat(path, &st) < 0 || access(path, R_OK | W_OK) < 0)
         return mark_missing(path, errno, err);
     if (!S_ISREG(st.st_mode) || st.st_size != whole_size(r))
@@ -200,38 +204,34 @@ rows_open(struct rows *r, struct rows_open *among, const char *path, int width,
 }
 
 static int
-check_place(const struct rows *r, int x, int y, int w, int h,
-            struct rad_error *err)
+check_place(const struct rows *r, struct rows_area a, struct rad_error *err)
 {
-    if (x >= 0 && y >= 0 && w >= 1 && h >= 1 && w <= r->width - x &&
-        h <= r->height - y)
+    if (a.x >= 0 && a.y >= 0 && a.w >= 1 && a.h >= 1 && a.w <= r->width - a.x &&
+        a.h <= r->height - a.y)
         return 0;
     return rad_fail(err, RAD_EPROTO,
-                    "pixels %d,%d %dx%d do not lie in a picture of %dx%d", x, y,
-                    w, h, r->width, r->height);
+                    "pixels %d,%d %dx%d do not lie in a picture of %dx%d", a.x,
+                    a.y, a.w, a.h, r->width, r->height);
 }
 
 int
-rows_write(struct rows *r, int x, int y, int w, int h, const void *pixels,
+rows_write(struct rows *r, struct rows_area a, const void *pixels,
            struct rad_error *err)
 {
-    int step = h, rc = check_place(r, x, y, w, h, err);
+    size_t bytes = rows_bytes(r, a.w);
+    int step = a.h, rc = check_place(r, a, err);
 
     if (rc == 0)
         rc = rows_use(r, err);
     r->dirty |= rc == 0;
-    if (w < r->width) /* not contiguous in the file */
+    if (a.w < r->width) /* not contiguous in the file */
         step = 1;
-    for (int k = 0; k < h && rc == 0; k += step) {
-        off_t at =
-            (off_t)rows_bytes(r, r->width) * (y + k) + (off_t)rows_bytes(r, x);
-
-        rc = disk_write_at(r->fd,
-                           (const char *)pixels + rows_bytes(r, w) * (size_t)k,
-                           rows_bytes(r, w) * (size_t)step, at, r->path, err);
-    }
+    for (int k = 0; k < a.h && rc == 0; k += step)
+        rc = disk_write_at(r->fd, (const char *)pixels + bytes * (size_t)k,
+                           bytes * (size_t)step, pixel_at(r, a.x, a.y + k),
+                           r->path, err);
     if (rc == 0 && r->coarse)
-        coarse_mark(r->coarse, x, y, w, h);
+        coarse_mark(r->coarse, a.x, a.y, a.w, a.h);
     return rc;
 }
 
@@ -243,7 +243,7 @@ damaged(int h, struct rad_error *err)
 
 /* Note where rows lie that will be written at the end of the file. */
 static int
-place_rows(struct rows *r, int y, int h, const uint8_t *code, size_t n,
+place_rows(struct rows *r, int y, int h, struct rows_code code,
            struct rad_error *err)
 {
     size_t at = 0;
@@ -253,13 +253,13 @@ place_rows(struct rows *r, int y, int h, const uint8_t *code, size_t n,
     if (!r->place)
         return rad_fail(err, RAD_ENOMEM, "out of memory");
     for (int k = 0; k < h; k++) {
-        size_t row = rad_hdr_row_bytes(code + at, n - at, r->width);
+        size_t row = rad_hdr_row_bytes(code.bytes + at, code.n - at, r->width);
 
         if (row == 0 || row > RAD_HDR_CODED_BYTES(r->width))
             break;
         r->place[y + k] = (struct rows_place){ r->end + at, row };
         at += row;
-        if (k + 1 == h && at == n)
+        if (k + 1 == h && at == code.n)
             return 0;
     }
     memset(r->place + y, 0, (size_t)h * sizeof *r->place);
@@ -267,76 +267,77 @@ place_rows(struct rows *r, int y, int h, const uint8_t *code, size_t n,
 }
 
 static int
-append_coded(struct rows *r, int y, int h, const uint8_t *code, size_t n,
+append_coded(struct rows *r, int y, int h, struct rows_code code,
              struct rad_error *err)
 {
     int rc = rows_use(r, err);
 
     if (rc == 0)
-        rc = place_rows(r, y, h, code, n, err);
+        rc = place_rows(r, y, h, code, err);
     if (rc == 0)
-        rc = disk_write_at(r->fd, code, n, (off_t)r->end, r->path, err);
+        rc = disk_write_at(r->fd, code.bytes, code.n, (off_t)r->end, r->path,
+                           err);
     if (rc < 0)
         return rc;
-    r->end += n;
+    r->end += code.n;
     if (r->coarse)
         coarse_mark(r->coarse, 0, y, r->width, h);
     return 0;
 }
 
-/* Are those n bytes h rows of w pixels? */
+/* Are those bytes h rows of w pixels? */
 static int
-check_code(int w, int h, const uint8_t *code, size_t n, struct rad_error *err)
+check_code(int w, int h, struct rows_code code, struct rad_error *err)
 {
     size_t at = 0;
 
     for (int k = 0; k < h; k++) {
-        size_t row = rad_hdr_row_bytes(code + at, n - at, w);
+        size_t row = rad_hdr_row_bytes(code.bytes + at, code.n - at, w);
 
         if (row == 0)
             return damaged(h, err);
         at += row;
     }
-    return at == n ? 0 : damaged(h, err);
+    return at == code.n ? 0 : damaged(h, err);
 }
 
-/* Decode h rows of w pixels to rgbe; *code goes beyond them. */
+/* Decode h rows of w pixels to rgbe; *code has the rows behind them left. */
 static int
-decode_rows(int w, int h, const uint8_t **code, const uint8_t *end,
-            uint8_t *rgbe, struct rad_error *err)
+decode_rows(int w, int h, struct rows_code *code, uint8_t *rgbe,
+            struct rad_error *err)
 {
     for (int k = 0; k < h; k++) {
-        size_t row = rad_hdr_decode_row(*code, (size_t)(end - *code), w,
+        size_t row = rad_hdr_decode_row(code->bytes, code->n, w,
                                         rgbe + 4 * (size_t)w * (size_t)k);
 
         if (row == 0)
             return damaged(h, err);
-        *code += row;
+        code->bytes += row;
+        code->n -= row;
     }
     return 0;
 }
 
 /* A few rows at a time; some are written if the disk fails at later ones. */
 static int
-write_decoded(struct rows *r, int x, int y, int w, int h, const uint8_t *code,
-              size_t n, uint64_t *sum, struct rad_error *err)
+write_decoded(struct rows *r, struct rows_area a, struct rows_code code,
+              uint64_t *sum, struct rad_error *err)
 {
-    size_t bytes = rows_bytes(r, w);
+    size_t bytes = rows_bytes(r, a.w);
     int most = bytes < DECODE_BYTES ? (int)(DECODE_BYTES / bytes) : 1, rc = 0;
-    const uint8_t *end = code + n;
-    uint8_t *rgbe = malloc(bytes * (size_t)(h < most ? h : most));
+    uint8_t *rgbe = malloc(bytes * (size_t)(a.h < most ? a.h : most));
     uint64_t all = 0;
 
     if (!rgbe)
         return rad_fail(err, RAD_ENOMEM, "out of memory");
-    for (int k = 0; k < h && rc == 0; k += most) {
-        int rows = h - k < most ? h - k : most;
-
-        rc = decode_rows(w, rows, &code, end, rgbe, err);
+    for (int left = a.h; left > 0 && rc == 0; left -= most) {
+        a.h = left < most ? left : most;
+        rc = decode_rows(a.w, a.h, &code, rgbe, err);
         if (rc == 0)
-            rc = rows_write(r, x, y + k, w, rows, rgbe, err);
+            rc = rows_write(r, a, rgbe, err);
         if (rc == 0 && sum)
-            all ^= rowsum(rgbe, bytes, (uint32_t)(y + k), (uint32_t)rows);
+            all ^= rowsum(rgbe, bytes, (uint32_t)a.y, (uint32_t)a.h);
+        a.y += a.h;
     }
     if (rc == 0 && sum)
         *sum = all;
@@ -345,21 +346,20 @@ write_decoded(struct rows *r, int x, int y, int w, int h, const uint8_t *code,
 }
 
 int
-rows_write_coded(struct rows *r, int x, int y, int w, int h,
-                 const uint8_t *code, size_t n, uint64_t *sum,
-                 struct rad_error *err)
+rows_write_coded(struct rows *r, struct rows_area a, struct rows_code code,
+                 uint64_t *sum, struct rad_error *err)
 {
-    int rc = check_place(r, x, y, w, h, err);
+    int rc = check_place(r, a, err);
 
     if (rc < 0)
         return rc;
-    if (r->kind == ROWS_CODED && w == r->width)
-        return append_coded(r, y, h, code, n, err);
+    if (r->kind == ROWS_CODED && a.w == r->width)
+        return append_coded(r, a.y, a.h, code, err);
     if (r->kind != ROWS_RGBE)
         return rad_fail(err, RAD_EPROTO, "no coded rows are wanted");
-    rc = check_code(w, h, code, n, err);
+    rc = check_code(a.w, a.h, code, err);
     if (rc == 0)
-        rc = write_decoded(r, x, y, w, h, code, n, sum, err);
+        rc = write_decoded(r, a, code, sum, err);
     return rc;
 }
 
@@ -408,9 +408,7 @@ rows_read_part(struct rows *r, int x, int y, int w, void *pixels,
     rc = rows_use(r, err);
     if (rc < 0)
         return rc;
-    return disk_read_at(r->fd, pixels, rows_bytes(r, w),
-                        (off_t)rows_bytes(r, r->width) * y +
-                            (off_t)rows_bytes(r, x),
+    return disk_read_at(r->fd, pixels, rows_bytes(r, w), pixel_at(r, x, y),
                         r->path, err);
 }
 

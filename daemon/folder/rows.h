@@ -35,6 +35,26 @@ enum rows_kind {
     ROWS_DISTANCES = 4
 };
 
+/* What a file is made for. */
+struct rows_form {
+    int width, height;
+    enum rows_kind kind;
+    bool durable; /* it has all its space on the disk, so that a full one shows
+                   * when it is made, and lasts as soon as what is written to
+                   * it does (its name, when its folder is synced) */
+};
+
+/* Pixels of the frame: w columns from x on of h rows from y on. */
+struct rows_area {
+    int x, y, w, h;
+};
+
+/* Rows that are coded one behind the other (rad_hdr_encode_row()); borrowed. */
+struct rows_code {
+    const uint8_t *bytes;
+    size_t n;
+};
+
 /* Where a coded row lies in the file; n is 0: it has not come. */
 struct rows_place {
     uint64_t at;
@@ -68,33 +88,27 @@ struct rows {
                                * NULL: nothing tells */
 };
 
-/* Make the file; durable: it has all its space on the disk, so that a full one
- * shows here, and lasts as soon as what is written to it does (its name, when
- * its folder is synced).  ROWS_CODED
- * has no durable file (RAD_EINTERNAL).  RAD_EFULL, RAD_ESHORT, RAD_EIO. */
+/* Make the file.  ROWS_CODED has no durable file (RAD_EINTERNAL).  RAD_EFULL,
+ * RAD_ESHORT, RAD_EIO. */
 int rows_create(struct rows *r, struct rows_open *among, const char *path,
-                int width, int height, enum rows_kind kind, bool durable,
-                struct rad_error *err);
+                struct rows_form form, struct rad_error *err);
 
-/* The same file as it was left; RAD_EDATA when it is missing, or not as long.
- */
+/* The same file, a durable one, as it was left; RAD_EDATA when it is missing,
+ * or not as long. */
 int rows_open(struct rows *r, struct rows_open *among, const char *path,
-              int width, int height, enum rows_kind kind,
-              struct rad_error *err);
+              struct rows_form form, struct rad_error *err);
 
-/* Put h rows of w pixels at column x, row y; pixels are as in the file, which
- * holds floats or RGBE.  RAD_EPROTO if they do not lie in the picture. */
-int rows_write(struct rows *r, int x, int y, int w, int h, const void *pixels,
+/* Put the pixels of an area, as in the file, which holds floats or RGBE.
+ * RAD_EPROTO if they do not lie in the picture. */
+int rows_write(struct rows *r, struct rows_area a, const void *pixels,
                struct rad_error *err);
 
-/* The same of n bytes in which the rows are coded one behind the other
- * (rad_hdr_encode_row()), of which only a few are taken apart at a time; in
+/* The same of coded rows, of which only a few are taken apart at a time; in
  * ROWS_CODED they must be whole rows.  Where sum is not NULL it gets their
  * rowsum(), as they are in the file, of ROWS_RGBE.  RAD_EPROTO also for what is
  * not so many rows, or none. */
-int rows_write_coded(struct rows *r, int x, int y, int w, int h,
-                     const uint8_t *code, size_t n, uint64_t *sum,
-                     struct rad_error *err);
+int rows_write_coded(struct rows *r, struct rows_area a, struct rows_code code,
+                     uint64_t *sum, struct rad_error *err);
 
 /* What has not come is filled from these colours (coarse.h) from now on, where
  * the rows are read as RGBE or made a picture; without room or memory it is

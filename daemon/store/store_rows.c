@@ -219,10 +219,8 @@ struct rows_task {
     struct store *store;
     struct action_rows key;
     struct msg_counts counts;
-    void *pixels; /* floats, or coded bytes */
+    struct folder_pixels pixels; /* owned */
     uint8_t *bottom;
-    float *line; /* NULL: none is to be kept */
-    size_t bytes;
 };
 
 static int
@@ -249,8 +247,8 @@ rows_run(struct task *t)
     struct rows_task *r = (struct rows_task *)t;
     bool noted = r->store->journal;
     uint64_t sum = 0;
-    int rc = folder_put_rows(&r->store->folder, &r->key, r->pixels, r->bytes,
-                             r->line, noted ? &sum : NULL, &t->err);
+    int rc = folder_put_rows(&r->store->folder, &r->key, &r->pixels,
+                             noted ? &sum : NULL, &t->err);
 
     return rc == 0 && noted ? note_rows(r, sum) : rc;
 }
@@ -258,9 +256,9 @@ rows_run(struct task *t)
 static void
 free_rows(struct rows_task *r)
 {
-    free(r->pixels);
+    free(r->pixels.bytes);
+    free(r->pixels.line);
     free(r->bottom);
-    free(r->line);
     free(r);
 }
 
@@ -270,7 +268,7 @@ rows_done(struct task *t)
     struct rows_task *r = (struct rows_task *)t;
     struct store *s = r->store;
 
-    s->backlog -= r->bytes + ROWS_WEIGHT;
+    s->backlog -= r->pixels.n + ROWS_WEIGHT;
     if (!is_mute(s, t))
         s->handler->rows(s->arg, &r->key, status_of(t), failure(t));
     free_rows(r);
@@ -284,10 +282,10 @@ copy_line(struct rows_task *r, const uint8_t *line)
 
     if (!line || !r->store->journal)
         return true;
-    r->line = malloc(n * sizeof *r->line);
-    if (r->line)
-        wire_floats_get(r->line, line, n);
-    return r->line;
+    r->pixels.line = malloc(n * sizeof *r->pixels.line);
+    if (r->pixels.line)
+        wire_floats_get(r->pixels.line, line, n);
+    return r->pixels.line;
 }
 
 /* Own what the action lends; false: memory is out. */
@@ -303,15 +301,15 @@ copy_rows(struct rows_task *r, const struct action_rows *rows)
     r->key.line = NULL;
     if (rows->counts)
         r->counts = *rows->counts;
-    r->bytes = rows->channels == 1 ? rows->len : n * sizeof(float);
-    r->pixels = malloc(r->bytes + 1);
+    r->pixels.n = rows->channels == 1 ? rows->len : n * sizeof(float);
+    r->pixels.bytes = malloc(r->pixels.n + 1);
     r->bottom = malloc(rows->nbottom + 1);
-    if (!r->pixels || !r->bottom || !copy_line(r, rows->line))
+    if (!r->pixels.bytes || !r->bottom || !copy_line(r, rows->line))
         return false;
     if (rows->channels == 1)
-        memcpy(r->pixels, rows->pixels, r->bytes);
+        memcpy(r->pixels.bytes, rows->pixels, r->pixels.n);
     else
-        wire_floats_get(r->pixels, rows->pixels, n);
+        wire_floats_get(r->pixels.bytes, rows->pixels, n);
     if (rows->nbottom > 0)
         memcpy(r->bottom, rows->bottom, rows->nbottom);
     return true;
@@ -330,7 +328,7 @@ store_put_rows(struct store *s, const struct action_rows *rows)
         s->handler->broken(s->arg, EX_OSERR, "out of memory");
         return;
     }
-    s->backlog += r->bytes + ROWS_WEIGHT;
+    s->backlog += r->pixels.n + ROWS_WEIGHT;
     store_push_lasting(s, &r->task);
 }
 
