@@ -66,8 +66,6 @@ check_PROGRAMS += bench/sim/sim
 bench_sim_sim_SOURCES = \
 	bench/sim/cluster.c \
 	bench/sim/cluster.h \
-	bench/sim/event.c \
-	bench/sim/event.h \
 	bench/sim/host.c \
 	bench/sim/host.h \
 	bench/sim/host_block.c \
@@ -84,7 +82,9 @@ bench_sim_sim_SOURCES = \
 	bench/sim/map.h \
 	bench/sim/sim.c \
 	bench/sim/tiles.c \
-	bench/sim/tiles.h
+	bench/sim/tiles.h \
+	tests/sim/event.c \
+	tests/sim/event.h
 bench_sim_sim_CFLAGS = $(AM_CFLAGS) $(UV_CFLAGS)
 bench_sim_sim_LDADD = $(LIBDAEMON) $(LIBCLIENT) $(LIBRAD)
 SIM_FLAGS =

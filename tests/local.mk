@@ -190,6 +190,8 @@ tests_check_sim_SOURCES = \
 	tests/sim/cluster.c \
 	tests/sim/cluster.h \
 	tests/sim/disk.c \
+	tests/sim/event.c \
+	tests/sim/event.h \
 	tests/sim/fault.c \
 	tests/sim/fibre.c \
 	tests/sim/fibre.h \

@@ -23,7 +23,7 @@
 static uint64_t
 now_ms(const struct cluster *c)
 {
-    return 1000 + c->events.now_us / 1000; /* 0 means never */
+    return 1000 + c->now_us / 1000; /* 0 means never */
 }
 
 double
@@ -36,10 +36,9 @@ static void
 later(struct cluster *c, double delay_us, int host, uint64_t n,
       void (*fn)(void *arg, struct event *e))
 {
-    struct event e = { .at_us = c->events.now_us + (uint64_t)delay_us,
-                       .fn = fn,
-                       .host = host,
-                       .n = n };
+    struct event e = {
+        .at = c->now_us + (uint64_t)delay_us, .fn = fn, .node = host, .n = n
+    };
 
     events_add(&c->events, &e);
 }
@@ -87,7 +86,7 @@ static void
 tell(const struct cluster *c, const char *to, const struct msg *m)
 {
     if (c->spec->verbose)
-        printf("%10.6f %s %s\n", 1e-6 * (double)c->events.now_us, to,
+        printf("%10.6f %s %s\n", 1e-6 * (double)c->now_us, to,
                msg_name(m->type));
 }
 
@@ -110,14 +109,14 @@ reach_coordinator(void *arg, struct event *e)
 {
     struct cluster *c = arg;
     struct event then = *e;
-    uint64_t begin = c->events.now_us;
+    uint64_t begin = c->now_us;
 
     if (begin < c->coord_busy_us)
         begin = c->coord_busy_us;
     c->coord_busy_us =
         begin + (uint64_t)(c->spec->coord_us +
                            1e6 * (double)e->len / c->spec->bandwidth);
-    then.at_us = c->coord_busy_us;
+    then.at = c->coord_busy_us;
     then.fn = at_coordinator;
     events_add(&c->events, &then);
     e->bytes = NULL; /* went along */
@@ -151,8 +150,8 @@ packed(struct cluster *c, const struct msg *m, uint64_t n)
 static uint64_t
 through(const struct cluster *c, uint64_t *link_us, size_t len)
 {
-    if (*link_us < c->events.now_us)
-        *link_us = c->events.now_us;
+    if (*link_us < c->now_us)
+        *link_us = c->now_us;
     *link_us += (uint64_t)(1e6 * (double)len / c->spec->bandwidth);
     return *link_us;
 }
@@ -164,7 +163,7 @@ to_coordinator(struct cluster *c, uint64_t conn, uint64_t *link_us,
     struct event e = packed(c, m, conn);
 
     e.fn = reach_coordinator;
-    e.at_us = through(c, link_us, e.len) + (uint64_t)c->spec->latency_us;
+    e.at = through(c, link_us, e.len) + (uint64_t)c->spec->latency_us;
     events_add(&c->events, &e);
 }
 
@@ -182,13 +181,13 @@ static void
 at_host(void *arg, struct event *e)
 {
     struct cluster *c = arg;
-    struct host *h = host_at(c, e->host);
+    struct host *h = host_at(c, e->node);
     char name[32];
 
     if (e->n != 0 && e->n != host_conn(h))
         return; /* it died meanwhile */
     decode(c, e->bytes, e->len);
-    snprintf(name, sizeof name, "w%d", e->host);
+    snprintf(name, sizeof name, "w%d", e->node);
     tell(c, name, &c->msg);
     host_message(c, h, &c->msg);
 }
@@ -199,9 +198,9 @@ cluster_send_peer(struct cluster *c, int host, int to, const struct msg *m)
     struct event e = packed(c, m, 0);
 
     e.fn = at_host;
-    e.host = to;
-    e.at_us = through(c, host_peer_us(host_at(c, host)), e.len) +
-              (uint64_t)c->spec->latency_us;
+    e.node = to;
+    e.at = through(c, host_peer_us(host_at(c, host)), e.len) +
+           (uint64_t)c->spec->latency_us;
     events_add(&c->events, &e);
 }
 
@@ -214,7 +213,7 @@ at_client(void *arg, struct event *e)
     tell(c, "client", &c->msg);
     if (c->msg.type == MSG_DONE) {
         c->out->done = c->over = true;
-        c->out->seconds = 1e-6 * (double)(c->events.now_us - c->start_us);
+        c->out->seconds = 1e-6 * (double)(c->now_us - c->start_us);
     } else if (c->msg.type == MSG_FAILED) {
         c->over = true;
         snprintf(c->out->text, sizeof c->out->text, "%s", c->msg.failed.text);
@@ -258,8 +257,8 @@ note_records(struct cluster *c, const struct action *a)
     decode(c, a->bytes, a->len);
     if (c->msg.closed.pass != open)
         return;
-    c->closed_us[open] = c->events.now_us;
-    c->out->passes_s = 1e-6 * (double)(c->events.now_us - c->start_us);
+    c->closed_us[open] = c->now_us;
+    c->out->passes_s = 1e-6 * (double)(c->now_us - c->start_us);
     c->passes++;
 }
 
@@ -268,7 +267,7 @@ send_out(struct cluster *c, const struct action *a)
 {
     int host = host_of(c, a->conn);
     struct event e = { .fn = host == CLIENT ? at_client : at_host,
-                       .host = host,
+                       .node = host,
                        .n = a->conn,
                        .len = a->len };
     uint64_t at = through(c, &c->coord_out_us, a->len);
@@ -287,7 +286,7 @@ send_out(struct cluster *c, const struct action *a)
     note_records(c, a);
     e.bytes = sim_alloc(a->len);
     memcpy(e.bytes, a->bytes, a->len);
-    e.at_us = at + (uint64_t)c->spec->latency_us;
+    e.at = at + (uint64_t)c->spec->latency_us;
     events_add(&c->events, &e);
 }
 
@@ -329,10 +328,10 @@ put_rows(struct cluster *c, const struct action *a)
 
     e.bytes = sim_alloc(e.len);
     memcpy(e.bytes, &a->rows, e.len);
-    e.at_us = c->events.now_us + (uint64_t)c->spec->disk_us;
-    if (e.at_us < c->disk_us)
-        e.at_us = c->disk_us;
-    c->disk_us = e.at_us;
+    e.at = c->now_us + (uint64_t)c->spec->disk_us;
+    if (e.at < c->disk_us)
+        e.at = c->disk_us;
+    c->disk_us = e.at;
     events_add(&c->events, &e);
 }
 
@@ -345,7 +344,7 @@ carry_out(struct cluster *c, const struct action *a)
         break;
     case ACT_LOG:
         if (c->spec->verbose || a->level == ACT_ERR)
-            printf("%10.6f %s\n", 1e-6 * (double)c->events.now_us, a->text);
+            printf("%10.6f %s\n", 1e-6 * (double)c->now_us, a->text);
         break;
     case ACT_JOB_OPEN:
         c->sequence = a->sequence;
@@ -487,7 +486,7 @@ submit(struct cluster *c)
     if (optimum)
         costs = line_costs(m, &msg.submit.ncosts);
     msg.submit.costs = costs;
-    c->start_us = c->events.now_us;
+    c->start_us = c->now_us;
     coord_file_stored(c->coord, now_ms(c), c->client, hash);
     to_coordinator(c, c->client, &link, &msg);
     free(costs);
@@ -516,7 +515,7 @@ static void
 fail_host(void *arg, struct event *e)
 {
     struct cluster *c = arg;
-    struct host *h = host_at(c, e->host);
+    struct host *h = host_at(c, e->node);
 
     if (host_conn(h) != 0) {
         uint64_t conn = host_conn(h);
@@ -526,7 +525,7 @@ fail_host(void *arg, struct event *e)
         coordinate(c);
         c->out->failed++;
     }
-    later(c, -log(1 - cluster_random(c)) * 3600e6 / c->spec->failures, e->host,
+    later(c, -log(1 - cluster_random(c)) * 3600e6 / c->spec->failures, e->node,
           0, fail_host);
 }
 
@@ -573,10 +572,10 @@ run_to_end(struct cluster *c)
 {
     double most = STUCK * (c->out->work / c->out->speed * c->spec->hosts + 100);
 
-    while (!c->over && events_step(&c->events, c))
-        if ((double)c->events.now_us > 1e6 * most) {
+    while (!c->over && events_step(&c->events, &c->now_us, c))
+        if ((double)c->now_us > 1e6 * most) {
             snprintf(c->out->text, sizeof c->out->text, "stuck after %.0f s",
-                     1e-6 * (double)c->events.now_us);
+                     1e-6 * (double)c->now_us);
             return;
         }
 }

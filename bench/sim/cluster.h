@@ -11,7 +11,7 @@
 #define SIM_CLUSTER_H
 
 #include "front/coord.h"
-#include "event.h"
+#include "tests/sim/event.h"
 #include "map.h"
 #include "tiles.h"
 #include "strict/strict.h"
@@ -91,6 +91,7 @@ struct cluster {
     const struct cluster_spec *spec;
     struct cluster_result *out;
     struct events events;
+    uint64_t now_us;
     struct coord *coord;
     struct host *hosts;
     uint8_t job[MSG_JOB];

@@ -60,10 +60,9 @@ void
 host_later(struct host *h, double delay_us,
            void (*fn)(void *arg, struct event *e))
 {
-    struct event e = { .at_us =
-                           h->cluster->events.now_us + (uint64_t)ceil(delay_us),
+    struct event e = { .at = h->cluster->now_us + (uint64_t)ceil(delay_us),
                        .fn = fn,
-                       .host = h->number,
+                       .node = h->number,
                        .n = h->life };
 
     events_add(&h->cluster->events, &e);
@@ -72,7 +71,7 @@ host_later(struct host *h, double delay_us,
 struct host *
 host_alive(void *arg, const struct event *e)
 {
-    struct host *h = host_at(arg, e->host);
+    struct host *h = host_at(arg, e->node);
 
     return h->life == e->n ? h : NULL;
 }
@@ -172,7 +171,7 @@ tick(void *arg, struct event *e)
     h->ticking = false;
     if (!h->strict)
         return;
-    strict_tick(h->strict, h->cluster->events.now_us / 1000);
+    strict_tick(h->strict, h->cluster->now_us / 1000);
     host_go_on(h);
 }
 

@@ -32,10 +32,9 @@ static void
 spend(struct host *h, enum host_state what, double seconds,
       void (*fn)(void *arg, struct event *e))
 {
-    struct event e = { .at_us = h->cluster->events.now_us +
-                                (uint64_t)(1e6 * seconds),
+    struct event e = { .at = h->cluster->now_us + (uint64_t)(1e6 * seconds),
                        .fn = fn,
-                       .host = h->number,
+                       .node = h->number,
                        .n = h->life,
                        .len = ++h->tile_step };
 
@@ -176,7 +175,7 @@ stop(struct host *h, uint32_t pass)
     bool at_it = h->ntiles > 0 && h->tile[0].pass == pass;
 
     if (at_it && h->at_tiles == HOST_TILES)
-        h->twice_s += 1e-6 * (double)(h->cluster->events.now_us - h->state_us);
+        h->twice_s += 1e-6 * (double)(h->cluster->now_us - h->state_us);
     if (at_it && (h->at_tiles == HOST_TILES || h->at_tiles == HOST_WALKS))
         rest(h);
     for (uint32_t i = h->ntiles; i-- > 0;)
@@ -237,7 +236,7 @@ host_tiles_freeze(struct host *h, const struct msg_frozen *m)
         return;
     close_pass(h, m->first + m->count);
     h->lacks = false;
-    h->heard_us = h->cluster->events.now_us;
+    h->heard_us = h->cluster->now_us;
     look(h);
 }
 
@@ -248,7 +247,7 @@ lacks(void *arg, struct event *e)
 
     if (!h || h->lacks || h->passes >= h->closed)
         return;
-    if (h->cluster->events.now_us - h->heard_us < QUIET_US) {
+    if (h->cluster->now_us - h->heard_us < QUIET_US) {
         host_later(h, QUIET_US, lacks);
         return;
     }
@@ -264,7 +263,7 @@ host_tiles_closed(struct host *h, const struct msg_closed *m)
     g->count = m->count;
     g->asks = m->asks;
     h->closed = m->pass + 1;
-    h->heard_us = h->cluster->events.now_us;
+    h->heard_us = h->cluster->now_us;
     host_later(h, QUIET_US, lacks);
     look(h);
 }
@@ -284,7 +283,7 @@ host_tiles_records(struct host *h, const struct msg_tile_records *m)
     g->n += m->count;
     for (uint32_t i = 0; i < h->nfed; i++)
         cluster_send_peer(h->cluster, h->number, h->fed[i], &pass);
-    h->heard_us = h->cluster->events.now_us;
+    h->heard_us = h->cluster->now_us;
     look(h);
 }
 

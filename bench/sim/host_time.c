@@ -12,9 +12,9 @@ host_time_wait(struct host *h)
     bool waits = !h->working && strict_waits(h->strict);
 
     if (waits && h->idle_us == 0)
-        h->idle_us = h->cluster->events.now_us;
+        h->idle_us = h->cluster->now_us;
     if (!waits && h->idle_us != 0) {
-        h->wait_s += 1e-6 * (double)(h->cluster->events.now_us - h->idle_us);
+        h->wait_s += 1e-6 * (double)(h->cluster->now_us - h->idle_us);
         h->idle_us = 0;
     }
 }
@@ -41,8 +41,7 @@ host_time_tell(const struct host *h, const char *what)
 
     if (!h->cluster->spec->verbose)
         return;
-    printf("%10.6f %s %s", 1e-6 * (double)h->cluster->events.now_us, h->name,
-           what);
+    printf("%10.6f %s %s", 1e-6 * (double)h->cluster->now_us, h->name, what);
     if (p)
         printf(" unit=%u attempt=%u mode=%d lines=%d-%d at=%d%s", p->unit,
                p->attempt, (int)p->mode, p->first, h->last, h->line,
@@ -91,7 +90,7 @@ host_time_note(struct host *h, enum host_state next)
             book(h, state, c->closed_us[h->passes]);
         state = HOST_RECORDS;
     }
-    book(h, state, c->events.now_us);
+    book(h, state, c->now_us);
     host_time_tell(h, name[next]);
     h->state = next;
 }

@@ -4,7 +4,7 @@
 #include "map.h"
 
 #include "job/costs.h"
-#include "event.h"
+#include "tests/sim/event.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -3,7 +3,7 @@
 
 #include "tiles.h"
 
-#include "event.h"
+#include "tests/sim/event.h"
 #include "machine/jobtext.h"
 
 #include <errno.h>

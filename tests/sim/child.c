@@ -55,19 +55,19 @@ channels_of(const struct sim_job *job)
 
 /* The link of a child that is still the same one. */
 static bool
-alive(struct net *net, const struct net_event *e)
+alive(struct net *net, const struct event *e)
 {
-    return net->ops[e->a] && sim_child_of(net, e->a)->conn == e->c;
+    return net->ops[e->node] && sim_child_of(net, e->node)->conn == e->n;
 }
 
-static struct net_event *
+static struct event *
 later(struct net *net, int node, unsigned delay,
-      void (*fn)(struct net *net, struct net_event *e))
+      void (*fn)(void *net, struct event *e))
 {
-    struct net_event *e = net_later(net, delay, fn);
+    struct event *e = net_later(net, delay, fn);
 
-    e->a = node;
-    e->c = sim_child_of(net, node)->conn;
+    e->node = node;
+    e->n = sim_child_of(net, node)->conn;
     return e;
 }
 
@@ -314,7 +314,7 @@ new_team(struct sim_task *t)
     return team_new(&spec);
 }
 
-static void slice(struct net *net, struct net_event *e);
+static void slice(void *net, struct event *e);
 
 static void
 start_task(struct net *net, int node, int slot, const struct msg_unit *unit,
@@ -343,7 +343,7 @@ start_task(struct net *net, int node, int slot, const struct msg_unit *unit,
     t->fibre = fibre_new(run_task, t);
     SIM_CHECK(net, t->rows && t->team && t->fibre);
     sim_child_of(net, node)->task[slot] = t;
-    later(net, node, 0, slice)->b = slot;
+    later(net, node, 0, slice)->k = slot;
 }
 
 /* --- what is done next --- */
@@ -403,12 +403,12 @@ look_at_passes(struct sim_child *k)
 static void look(struct net *net, int node);
 
 static void
-tick(struct net *net, struct net_event *e)
+tick(void *net, struct event *e)
 {
     if (!alive(net, e))
         return;
-    sim_child_of(net, e->a)->tick_ms = 0;
-    look(net, e->a);
+    sim_child_of(net, e->node)->tick_ms = 0;
+    look(net, e->node);
 }
 
 /* Tell the machine the time; it says when it is to be told again. */
@@ -513,8 +513,9 @@ end_task(struct net *net, int node, int slot)
 
 /* A thread has been at work for a while, or begins. */
 static void
-slice(struct net *net, struct net_event *e)
+slice(void *arg, struct event *e)
 {
+    struct net *net = arg;
     struct sim_child *k;
     struct sim_task *t;
     const struct sim_worker *w;
@@ -522,17 +523,17 @@ slice(struct net *net, struct net_event *e)
 
     if (!alive(net, e))
         return;
-    k = sim_child_of(net, e->a);
-    if (!k->task[e->b] || k->task[e->b]->over) {
-        if (k->task[e->b])
-            end_task(net, e->a, e->b);
+    k = sim_child_of(net, e->node);
+    if (!k->task[e->k] || k->task[e->k]->over) {
+        if (k->task[e->k])
+            end_task(net, e->node, e->k);
         return;
     }
-    t = k->task[e->b];
+    t = k->task[e->k];
     w = &sim_of(net)->worker[k->worker];
     if (w->stopped_ms > net->now_ms) {
-        later(net, e->a, (unsigned)(w->stopped_ms - net->now_ms), slice)->b =
-            e->b;
+        later(net, e->node, (unsigned)(w->stopped_ms - net->now_ms), slice)->k =
+            e->k;
         return;
     }
     interrupt(t);
@@ -540,16 +541,16 @@ slice(struct net *net, struct net_event *e)
     t->pixels = 1 + net_random(net, SLICE_PIXELS);
     fibre_run(t->fibre);
     if (t->killed) {
-        die(net, e->a);
+        die(net, e->node);
         return;
     }
     us = t->used_us * w->slow;
     t->cost_us += us;
     sim_of(net)->work_ms += us / 1000;
     t->used_us = 0;
-    later(net, e->a, (unsigned)(us / 1000 + net_random(net, 2)), slice)->b =
-        e->b;
-    look(net, e->a);
+    later(net, e->node, (unsigned)(us / 1000 + net_random(net, 2)), slice)->k =
+        e->k;
+    look(net, e->node);
 }
 
 /* --- estimates --- */
@@ -616,44 +617,46 @@ end:
 
 /* How many areas of an estimate are traced: half of them if REST came since. */
 static uint32_t
-areas_before_rest(struct net *net, const struct net_event *e,
+areas_before_rest(struct net *net, const struct event *e,
                   const struct msg_estimate *m)
 {
     if (!alive(net, e))
         return 0;
-    return sim_child_of(net, e->a)->rests == e->b ? m->nareas : m->nareas / 2;
+    return sim_child_of(net, e->node)->rests == e->k ? m->nareas
+                                                     : m->nareas / 2;
 }
 
-/* e->data: ESTIMATE, packed; e->b: RESTs before it. */
+/* e->bytes: ESTIMATE, packed; e->k: RESTs before it. */
 static void
-estimated(struct net *net, struct net_event *e)
+estimated(void *net, struct event *e)
 {
     struct msg m = { 0 }, done = { .type = MSG_ESTIMATED };
     struct msg_cost *v;
 
     if (!alive(net, e))
         return;
-    SIM_CHECK(net, msg_unpack(&m, MSG_ESTIMATE, 0, e->data + MSG_HEADER,
+    SIM_CHECK(net, msg_unpack(&m, MSG_ESTIMATE, 0, e->bytes + MSG_HEADER,
                               e->len - MSG_HEADER, NULL) == 0);
     v = calloc(m.estimate.nareas + 1, sizeof *v);
     SIM_CHECK(net, v != NULL);
     for (uint32_t i = 0; i < areas_before_rest(net, e, &m.estimate); i++) {
-        estimate_area(net, e->a, &m.estimate.areas[i], m.estimate.rays, &v[i]);
+        estimate_area(net, e->node, &m.estimate.areas[i], m.estimate.rays,
+                      &v[i]);
         done.estimated.counts.rays += v[i].rays;
         done.estimated.counts.estimate_rays += v[i].rays;
     }
     if (!alive(net, e))
         goto end;
     sim_of(net)->estimates++;
-    if (sim_child_of(net, e->a)->rests != e->b) {
+    if (sim_child_of(net, e->node)->rests != e->k) {
         sim_of(net)->estimates_left++;
         m.estimate.nareas = 0;
     }
-    done.estimated.job = job_of(net, e->a)->id;
+    done.estimated.job = job_of(net, e->node)->id;
     done.estimated.id = m.estimate.id;
     done.estimated.ncosts = m.estimate.nareas;
     done.estimated.costs = v;
-    net_send_msg(net, e->a, sim_child_of(net, e->a)->conn, &done);
+    net_send_msg(net, e->node, sim_child_of(net, e->node)->conn, &done);
 end:
     free(v);
     msg_release(&m);
@@ -663,18 +666,18 @@ static void
 take_estimate(struct net *net, int node, const struct msg *m)
 {
     struct wire_out out;
-    struct net_event *e;
+    struct event *e;
 
     SIM_CHECK(net, sim_cache_serves(sim_of(net), sim_child_of(net, node), 0));
     e = later(net, node, net_random(net, 20 * (m->estimate.nareas + 1)),
               estimated);
 
-    e->b = sim_child_of(net, node)->rests;
+    e->k = sim_child_of(net, node)->rests;
     wire_out_init(&out, MSG_FRAME_MAX);
     SIM_CHECK(net, msg_pack(&out, m) == 0);
-    e->data = malloc(out.len);
-    SIM_CHECK(net, e->data != NULL);
-    memcpy(e->data, out.buf, out.len);
+    e->bytes = malloc(out.len);
+    SIM_CHECK(net, e->bytes != NULL);
+    memcpy(e->bytes, out.buf, out.len);
     e->len = out.len;
     wire_out_release(&out);
 }
@@ -699,9 +702,9 @@ load(struct net *net, int node)
 }
 
 static void
-ready(struct net *net, struct net_event *e)
+ready(void *net, struct event *e)
 {
-    struct sim_child *k = sim_child_of(net, e->a);
+    struct sim_child *k = sim_child_of(net, e->node);
     struct msg m = { .type = MSG_READY };
 
     if (!alive(net, e))
@@ -710,7 +713,7 @@ ready(struct net *net, struct net_event *e)
         (struct msg_ready){ sim_of(net)->job[k->job].id, .05, 42,
                             (uint16_t)sim_of(net)->worker[k->worker].threads,
                             0 };
-    net_send_msg(net, e->a, k->conn, &m);
+    net_send_msg(net, e->node, k->conn, &m);
 }
 
 /* As in render_units.c: something of another frame than the last. */

@@ -44,32 +44,32 @@ submit(struct net *net, int node)
 }
 
 static void
-cancel(struct net *net, struct net_event *e)
+cancel(void *net, struct event *e)
 {
-    struct sim_job *job = job_of(net, e->a);
+    struct sim_job *job = job_of(net, e->node);
     struct msg m = { .type = MSG_CANCEL, .request = 8, .cancel = { job->id } };
 
     if (job->done || job->failed || job->conn == 0)
         return;
-    net_send_msg(net, e->a, job->conn, &m);
+    net_send_msg(net, e->node, job->conn, &m);
 }
 
 static void
-dial_again(struct net *net, struct net_event *e)
+dial_again(void *net, struct event *e)
 {
-    sim_client_dial(sim_of(net), e->a - NODE_CLIENT);
+    sim_client_dial(sim_of(net), e->node - NODE_CLIENT);
 }
 
 static void
-vanish(struct net *net, struct net_event *e)
+vanish(void *net, struct event *e)
 {
-    struct sim_job *job = job_of(net, e->a);
+    struct sim_job *job = job_of(net, e->node);
 
     if (job->done || job->failed || job->conn == 0)
         return;
-    net_close(net, e->a, job->conn);
+    net_close(net, e->node, job->conn);
     job->conn = 0;
-    net_later(net, net_random(net, 5000), dial_again)->a = e->a;
+    net_later(net, net_random(net, 5000), dial_again)->node = e->node;
 }
 
 /* There may be nothing to be seen yet: that is asked for, too. */
@@ -92,9 +92,9 @@ accepted(struct net *net, int node)
     if (job->watched)
         ask_preview(net, node);
     if (!job->accepted && job->cancel)
-        net_later(net, net_random(net, 1500), cancel)->a = node;
+        net_later(net, net_random(net, 1500), cancel)->node = node;
     if (!job->accepted && job->vanish)
-        net_later(net, net_random(net, 1500), vanish)->a = node;
+        net_later(net, net_random(net, 1500), vanish)->node = node;
     job->accepted = true;
 }
 
@@ -181,7 +181,7 @@ closed(struct net *net, int node, uint64_t conn)
     if (job->conn != conn || (job->stats && !job->partial))
         return;
     job->conn = 0;
-    net_later(net, net_random(net, 2000), dial_again)->a = node;
+    net_later(net, net_random(net, 2000), dial_again)->node = node;
 }
 
 const struct node_ops sim_client_ops = { message, closed };
@@ -220,7 +220,7 @@ admin_message(struct net *net, int node, uint64_t conn, const struct msg *m)
 }
 
 static void
-admin_again(struct net *net, struct net_event *e)
+admin_again(void *net, struct event *e)
 {
     (void)e;
     sim_admin_dial(sim_of(net));

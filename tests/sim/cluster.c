@@ -244,20 +244,21 @@ worker_random(void *arg, void *buf, size_t n)
 
 /* A task of the worker's store has looked for a job's files, and for room. */
 static void
-looked(struct net *net, struct net_event *e)
+looked(void *arg, struct event *e)
 {
+    struct net *net = arg;
     struct sim *s = sim_of(net);
-    struct sim_worker *w = &s->worker[e->a];
+    struct sim_worker *w = &s->worker[e->node];
     struct action_look l = { .why = "no room" };
 
-    if (!w->machine || w->life != (unsigned)e->b)
+    if (!w->machine || w->life != (unsigned)e->k)
         return;
-    memcpy(l.job, e->data, MSG_JOB);
+    memcpy(l.job, e->bytes, MSG_JOB);
     if (!s->calm && net_chance(net, 2))
         l.status = EX_IOERR;
     s->refused += l.status != 0;
     worker_looked(w->machine, net->now_ms, &l);
-    sim_worker_actions(s, e->a);
+    sim_worker_actions(s, e->node);
 }
 
 /* In some clusters disks are full now and then. */
@@ -266,16 +267,16 @@ worker_look(void *arg, const struct action_look *l)
 {
     struct sim_worker *w = arg;
     struct sim *s = w->sim;
-    struct net_event *e;
+    struct event *e;
 
     if (s->net.seed % 7 != 0)
         return true;
     e = net_later(&s->net, net_random(&s->net, 30), looked);
-    e->a = (int)(w - s->worker);
-    e->b = (int)w->life;
-    e->data = malloc(MSG_JOB);
-    SIM_CHECK(&s->net, e->data != NULL);
-    memcpy(e->data, l->job, MSG_JOB);
+    e->node = (int)(w - s->worker);
+    e->k = (int)w->life;
+    e->bytes = malloc(MSG_JOB);
+    SIM_CHECK(&s->net, e->bytes != NULL);
+    memcpy(e->bytes, l->job, MSG_JOB);
     return false;
 }
 
@@ -283,21 +284,22 @@ static const struct node_ops worker_ops;
 
 /* A dial ends: with a link if the other side lives. */
 static void
-dialled(struct net *net, struct net_event *e)
+dialled(void *arg, struct event *e)
 {
+    struct net *net = arg;
     struct sim *s = sim_of(net);
-    int other = e->b;
-    struct sim_worker *w = &s->worker[e->a];
+    int other = e->k;
+    struct sim_worker *w = &s->worker[e->node];
     uint64_t there = ++net->next_conn;
 
-    if (!w->machine || w->life != (unsigned)e->len || e->c == w->given_up)
+    if (!w->machine || w->life != (unsigned)e->len || e->n == w->given_up)
         return;
     if (!net->ops[other] || (!s->calm && net_chance(net, 10))) {
-        worker_closed(w->machine, net->now_ms, e->c, "refused");
-        sim_worker_actions(s, e->a);
+        worker_closed(w->machine, net->now_ms, e->n, "refused");
+        sim_worker_actions(s, e->node);
         return;
     }
-    net_join(net, NODE_WORKER + e->a, e->c, other, there, MSG_NSESSION,
+    net_join(net, NODE_WORKER + e->node, e->n, other, there, MSG_NSESSION,
              other == NODE_COORD ? MSG_AT_COORD_NEW : MSG_AT_PEER_NEW);
     if (other == NODE_COORD) {
         coord_opened(s->coord, net->now_ms, there,
@@ -309,18 +311,18 @@ dialled(struct net *net, struct net_event *e)
                         there);
         sim_worker_actions(s, other - NODE_WORKER);
     }
-    worker_opened(w->machine, net->now_ms, e->c);
-    sim_worker_actions(s, e->a);
+    worker_opened(w->machine, net->now_ms, e->n);
+    sim_worker_actions(s, e->node);
 }
 
 static void
 dial(struct sim *s, int worker, uint64_t conn, const char *address)
 {
-    struct net_event *e = net_later(&s->net, net_random(&s->net, 30), dialled);
+    struct event *e = net_later(&s->net, net_random(&s->net, 30), dialled);
 
-    e->a = worker;
-    e->b = address[0] ? NODE_WORKER + atoi(address + 4) : NODE_COORD;
-    e->c = conn;
+    e->node = worker;
+    e->k = address[0] ? NODE_WORKER + atoi(address + 4) : NODE_COORD;
+    e->n = conn;
     e->len = s->worker[worker].life;
 }
 
@@ -333,13 +335,13 @@ worker_put_chunk(struct sim *s, int worker, const struct msg_chunk *c)
     worker_file_stored(w->machine, s->net.now_ms, c->hash);
 }
 
-static void left(struct net *net, struct net_event *e);
+static void left(void *net, struct event *e);
 
 static void
 worker_action(struct sim *s, int i, const struct action *a)
 {
     struct net *net = &s->net;
-    struct net_event *e;
+    struct event *e;
     int node = NODE_WORKER + i;
 
     switch (a->type) {
@@ -376,8 +378,8 @@ worker_action(struct sim *s, int i, const struct action *a)
     case ACT_STOP:
         SIM_CHECK(net, a->status == 0);
         e = net_later(net, net_random(net, 20), left);
-        e->a = i;
-        e->b = (int)s->worker[i].life;
+        e->node = i;
+        e->k = (int)s->worker[i].life;
         break;
     default:
         net_fail(net, __FILE__, __LINE__, "no action of a worker here");
@@ -460,10 +462,10 @@ birth(struct sim *s, int i)
 }
 
 static void
-reborn(struct net *net, struct net_event *e)
+reborn(void *net, struct event *e)
 {
-    if (!sim_of(net)->worker[e->a].machine)
-        birth(sim_of(net), e->a);
+    if (!sim_of(net)->worker[e->node].machine)
+        birth(sim_of(net), e->node);
 }
 
 void
@@ -473,17 +475,17 @@ sim_worker_dies(struct sim *s, int i)
     s->net.ops[NODE_WORKER + i] = NULL;
     worker_free(s->worker[i].machine);
     s->worker[i].machine = NULL;
-    net_later(&s->net, net_random(&s->net, 4000), reborn)->a = i;
+    net_later(&s->net, net_random(&s->net, 4000), reborn)->node = i;
 }
 
 /* It has drained. */
 static void
-left(struct net *net, struct net_event *e)
+left(void *net, struct event *e)
 {
-    struct sim_worker *w = &sim_of(net)->worker[e->a];
+    struct sim_worker *w = &sim_of(net)->worker[e->node];
 
-    if (w->machine && w->life == (unsigned)e->b)
-        sim_worker_dies(sim_of(net), e->a);
+    if (w->machine && w->life == (unsigned)e->k)
+        sim_worker_dies(sim_of(net), e->node);
 }
 
 void
@@ -510,8 +512,9 @@ sim_coord_cut(struct sim *s, int i)
 /* --- time, and accidents --- */
 
 static void
-tick(struct net *net, struct net_event *e)
+tick(void *arg, struct event *e)
 {
+    struct net *net = arg;
     struct sim *s = sim_of(net);
 
     (void)e;
@@ -536,21 +539,21 @@ tick(struct net *net, struct net_event *e)
 }
 
 static void
-late_worker(struct net *net, struct net_event *e)
+late_worker(void *net, struct event *e)
 {
-    birth(sim_of(net), e->a);
+    birth(sim_of(net), e->node);
 }
 
 /* What is to begin with another's cache waits for the job before it. */
 static void
-new_client(struct net *net, struct net_event *e)
+new_client(void *net, struct event *e)
 {
-    const struct sim_job *job = &sim_of(net)->job[e->a];
+    const struct sim_job *job = &sim_of(net)->job[e->node];
 
     if (job->reuses && !job[-1].stats)
-        net_later(net, 200, new_client)->a = e->a;
+        net_later(net, 200, new_client)->node = e->node;
     else
-        sim_client_dial(sim_of(net), e->a);
+        sim_client_dial(sim_of(net), e->node);
 }
 
 /* Half of the jobs that may begin with the cache of the last that is done, and
@@ -617,7 +620,7 @@ make_job(struct sim *s, int i)
         job->poison_y = sim_any_traced(net, job);
     job->cancel = net_chance(net, 6);
     job->vanish = net_chance(net, 4);
-    net_later(net, net_random(net, 2000), new_client)->a = i;
+    net_later(net, net_random(net, 2000), new_client)->node = i;
 }
 
 static void
@@ -741,7 +744,8 @@ sim_init(struct sim *s, uint64_t seed)
     for (int i = 0; i < s->nworkers; i++) {
         s->worker[i].threads = 1 + net_random(net, SIM_THREADS);
         s->worker[i].slow = net_chance(net, 3) ? 1 + net_random(net, 8) : 1;
-        net_later(net, net_random(net, i < 2 ? 10 : 6000), late_worker)->a = i;
+        net_later(net, net_random(net, i < 2 ? 10 : 6000), late_worker)->node =
+            i;
     }
     for (int i = 0; i < s->njobs; i++)
         make_job(s, i);

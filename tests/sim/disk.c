@@ -37,15 +37,16 @@ typedef void entry_fn(struct sim *s, struct sim_job *job,
                       const struct entry *e);
 
 static void
-write_entry(struct net *net, struct net_event *e)
+write_entry(void *net, struct event *e)
 {
     struct sim *s = sim_of(net);
     entry_fn *fn;
 
-    if ((unsigned)e->b != s->lives)
+    if ((unsigned)e->k != s->lives)
         return; /* it never got to the disk */
-    memcpy(&fn, &e->c, sizeof fn);
-    fn(s, e->a < 0 ? NULL : &s->job[e->a], (const struct entry *)e->data);
+    memcpy(&fn, &e->n, sizeof fn);
+    fn(s, e->node < 0 ? NULL : &s->job[e->node],
+       (const struct entry *)e->bytes);
     sim_coord_actions(s);
 }
 
@@ -53,19 +54,19 @@ write_entry(struct net *net, struct net_event *e)
 static struct entry *
 later(struct sim *s, int job, size_t n, entry_fn *fn)
 {
-    struct net_event *e;
+    struct event *e;
 
     /* the disk keeps its order, and falls behind */
     s->disk_ms += net_random(&s->net, 8);
     if (s->disk_ms < s->net.now_ms)
         s->disk_ms = s->net.now_ms;
     e = net_later(&s->net, (unsigned)(s->disk_ms - s->net.now_ms), write_entry);
-    e->a = job;
-    e->b = (int)s->lives;
-    memcpy(&e->c, &fn, sizeof fn);
-    e->data = calloc(1, sizeof(struct entry) + n);
-    SIM_CHECK(&s->net, e->data != NULL);
-    return (struct entry *)e->data;
+    e->node = job;
+    e->k = (int)s->lives;
+    memcpy(&e->n, &fn, sizeof fn);
+    e->bytes = calloc(1, sizeof(struct entry) + n);
+    SIM_CHECK(&s->net, e->bytes != NULL);
+    return (struct entry *)e->bytes;
 }
 
 /* --- what is written --- */

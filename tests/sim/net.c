@@ -53,9 +53,7 @@ free_link(struct net_link *l)
 void
 net_release(struct net *net)
 {
-    for (size_t i = 0; i < net->nheap; i++)
-        free(net->heap[i].data);
-    free(net->heap);
+    events_release(&net->events);
     for (size_t i = 0; i < net->nlinks; i++)
         free_link(net->links[i]);
     free(net->links);
@@ -84,85 +82,19 @@ net_bytes(void *arg, void *buf, size_t n)
         *p++ = (uint8_t)net_random(arg, 256);
 }
 
-/* --- events: a heap by time, then by age --- */
-
-static bool
-before(const struct net_event *a, const struct net_event *b)
-{
-    return a->at_ms != b->at_ms ? a->at_ms < b->at_ms
-                                : a->sequence < b->sequence;
-}
-
-static void
-swap(struct net_event *a, struct net_event *b)
-{
-    struct net_event t = *a;
-
-    *a = *b;
-    *b = t;
-}
-
-static struct net_event *
-push(struct net *net, uint64_t at_ms,
-     void (*fn)(struct net *net, struct net_event *e), struct net_event e)
-{
-    size_t i = net->nheap++;
-
-    if (i == net->cap_heap) {
-        net->cap_heap = i ? 2 * i : 64;
-        net->heap = realloc(net->heap, net->cap_heap * sizeof *net->heap);
-        SIM_CHECK(net, net->heap != NULL);
-    }
-    e.at_ms = at_ms;
-    e.sequence = net->sequence++;
-    e.fn = fn;
-    net->heap[i] = e;
-    while (i > 0 && before(&net->heap[i], &net->heap[(i - 1) / 2])) {
-        swap(&net->heap[i], &net->heap[(i - 1) / 2]);
-        i = (i - 1) / 2;
-    }
-    return &net->heap[i];
-}
-
-static struct net_event
-pop(struct net *net)
-{
-    struct net_event top = net->heap[0];
-    size_t i = 0;
-
-    net->heap[0] = net->heap[--net->nheap];
-    for (;;) {
-        size_t least = i;
-
-        for (size_t k = 2 * i + 1; k <= 2 * i + 2 && k < net->nheap; k++)
-            if (before(&net->heap[k], &net->heap[least]))
-                least = k;
-        if (least == i)
-            return top;
-        swap(&net->heap[i], &net->heap[least]);
-        i = least;
-    }
-}
-
-struct net_event *
+struct event *
 net_later(struct net *net, unsigned delay_ms,
-          void (*fn)(struct net *net, struct net_event *e))
+          void (*fn)(void *net, struct event *e))
 {
-    return push(net, net->now_ms + delay_ms, fn, (struct net_event){ 0 });
+    struct event e = { .at = net->now_ms + delay_ms, .fn = fn };
+
+    return events_add(&net->events, &e);
 }
 
 bool
 net_step(struct net *net)
 {
-    struct net_event e;
-
-    if (net->nheap == 0)
-        return false;
-    e = pop(net);
-    net->now_ms = e.at_ms;
-    e.fn(net, &e);
-    free(e.data);
-    return true;
+    return events_step(&net->events, &net->now_ms, net);
 }
 
 /* --- links --- */
@@ -221,22 +153,22 @@ net_find(struct net *net, int node, uint64_t conn)
     return find(net, node, conn, &link, &side);
 }
 
-/* Sent once more: e->a, e->c the node and the connection, e->b its link.  A
+/* Sent once more: e->node, e->n the node and the connection, e->k its link.  A
  * later life of the node numbers its connections anew. */
 static void
-repeat(struct net *net, struct net_event *e)
+repeat(void *net, struct event *e)
 {
     int link, side;
 
-    if (find(net, e->a, e->c, &link, &side) && link == e->b)
-        net_send(net, e->a, e->c, e->data, e->len);
+    if (find(net, e->node, e->n, &link, &side) && link == e->k)
+        net_send(net, e->node, e->n, e->bytes, e->len);
 }
 
 /* Facts, base lines and tiles may come twice. */
 static void
 maybe_repeat(struct net *net, const struct net_end *from, const struct msg *m)
 {
-    struct net_event *e;
+    struct event *e;
     struct wire_out out;
     int link, side;
 
@@ -250,13 +182,13 @@ maybe_repeat(struct net *net, const struct net_end *from, const struct msg *m)
     SIM_CHECK(net, msg_pack(&out, m) == 0);
     e = net_later(net, net_random(net, 300), repeat);
     find(net, from->node, from->conn, &link, &side);
-    e->a = from->node;
-    e->b = link;
-    e->c = from->conn;
+    e->node = from->node;
+    e->k = link;
+    e->n = from->conn;
     e->len = out.len;
-    e->data = malloc(out.len);
-    SIM_CHECK(net, e->data != NULL);
-    memcpy(e->data, out.buf, out.len);
+    e->bytes = malloc(out.len);
+    SIM_CHECK(net, e->bytes != NULL);
+    memcpy(e->bytes, out.buf, out.len);
     wire_out_release(&out);
 }
 
@@ -310,10 +242,11 @@ hear(struct net *net, const struct net_link *l, int side)
 
 /* Bytes, or with none the end of the connection, reach an end. */
 static void
-arrive(struct net *net, struct net_event *e)
+arrive(void *arg, struct event *e)
 {
-    struct net_end *end = &net->links[e->a]->end[e->b];
-    const uint8_t *p = e->data;
+    struct net *net = arg;
+    struct net_end *end = &net->links[e->n]->end[e->k];
+    const uint8_t *p = e->bytes;
     size_t left = e->len;
 
     if (!end->open || !net->ops[end->node] || (end->deaf && left > 0))
@@ -337,20 +270,25 @@ arrive(struct net *net, struct net_event *e)
         if (rc < 0)
             net_fail(net, "frame", end->node, err.what);
         if (rc == 1)
-            hear(net, net->links[e->a], e->b);
+            hear(net, net->links[e->n], e->k);
     }
 }
 
-static struct net_event *
+static struct event *
 to_other(struct net *net, int link, int side)
 {
     struct net_end *other = &net->links[link]->end[!side];
-    uint64_t at = net->now_ms + net_random(net, net->most_delay_ms + 1);
+    struct event e = {
+        .at = net->now_ms + net_random(net, net->most_delay_ms + 1),
+        .fn = arrive,
+        .n = (uint64_t)link,
+        .k = !side,
+    };
 
-    if (at < other->busy_ms)
-        at = other->busy_ms;
-    other->busy_ms = at;
-    return push(net, at, arrive, (struct net_event){ .a = link, .b = !side });
+    if (e.at < other->busy_ms)
+        e.at = other->busy_ms;
+    other->busy_ms = e.at;
+    return events_add(&net->events, &e);
 }
 
 /* A HELLO offers what its sender speaks. */
@@ -365,7 +303,7 @@ void
 net_send(struct net *net, int node, uint64_t conn, const uint8_t *bytes,
          size_t len)
 {
-    struct net_event *e;
+    struct event *e;
     struct wire_out out;
     int link, side;
 
@@ -377,7 +315,7 @@ net_send(struct net *net, int node, uint64_t conn, const uint8_t *bytes,
     if (msg_frame_type(bytes, len) == MSG_HELLO)
         set_offer(out.buf, net->offers[node]);
     e = to_other(net, link, side);
-    e->data = out.buf; /* that of wire_out_release() */
+    e->bytes = out.buf; /* that of wire_out_release() */
     e->len = out.len;
 }
 

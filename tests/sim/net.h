@@ -9,6 +9,7 @@
 #define SIM_NET_H
 
 #include "proto/frame.h"
+#include "event.h"
 
 struct net;
 
@@ -34,23 +35,12 @@ struct net_link {
     struct net_end end[2];
 };
 
-/* An event that comes due; a, b, data mean what fn takes them for. */
-struct net_event {
-    uint64_t at_ms, sequence;
-    void (*fn)(struct net *net, struct net_event *e);
-    int a, b;
-    uint64_t c;
-    uint8_t *data; /* freed afterwards */
-    size_t len;
-};
-
 struct net {
     uint64_t seed, random;
-    uint64_t now_ms, sequence;
+    uint64_t now_ms;
     unsigned most_delay_ms;
     bool verbose;
-    struct net_event *heap;
-    size_t nheap, cap_heap;
+    struct events events;
     struct net_link **links;
     size_t nlinks, cap_links;
     uint64_t next_conn;
@@ -84,9 +74,10 @@ unsigned net_random(struct net *net, unsigned n);
 bool net_chance(struct net *net, unsigned n);
 void net_bytes(void *net, void *buf, size_t n);
 
-/* Call fn after delay; data is taken. */
-struct net_event *net_later(struct net *net, unsigned delay_ms,
-                            void (*fn)(struct net *net, struct net_event *e));
+/* Have fn called with the net after that delay; what is returned may be filled
+ * in until the next event is made. */
+struct event *net_later(struct net *net, unsigned delay_ms,
+                        void (*fn)(void *net, struct event *e));
 
 /* Deal with the next event; false: there is none. */
 bool net_step(struct net *net);

@@ -211,32 +211,33 @@ fill(const struct sim_job *job, struct msg_tile_made *t,
     wire_out_release(&w);
 }
 
-static void made(struct net *net, struct net_event *e);
+static void made(void *net, struct event *e);
 
-/* Events as such a tile has them: e->b is the tile, e->len twice its pass, and
+/* Events as such a tile has them: e->k is the tile, e->len twice its pass, and
  * 1 if its colours are wanted. */
 static void
-make_later(struct net *net, unsigned ms, const struct net_event *like)
+make_later(struct net *net, unsigned ms, const struct event *like)
 {
-    struct net_event *e = net_later(net, ms, made);
+    struct event *e = net_later(net, ms, made);
 
-    e->a = like->a;
-    e->b = like->b;
-    e->c = like->c;
+    e->node = like->node;
+    e->k = like->k;
+    e->n = like->n;
     e->len = like->len;
 }
 
 static void
-made(struct net *net, struct net_event *e)
+made(void *arg, struct event *e)
 {
-    struct sim_child *k = sim_child_of(net, e->a);
+    struct net *net = arg;
+    struct sim_child *k = sim_child_of(net, e->node);
     uint8_t data[MOST_RECORDS * AMBSHARE_BYTES], shown[MSG_MAX_COLOURS];
     const struct sim_job *job = &sim_of(net)->job[k->job];
     struct stage st;
     struct msg m = { .type = MSG_TILE_MADE };
     struct msg_tile_made *t = &m.tile_made;
 
-    if (!net->ops[e->a] || k->conn != e->c || k->passes > e->len / 2)
+    if (!net->ops[e->node] || k->conn != e->n || k->passes > e->len / 2)
         return; /* a pass that was closed */
     stage_of(job, (uint32_t)e->len / 2, &st);
     if (st.base + st.plan[e->len / 2 - st.base].reads > k->passes) {
@@ -245,7 +246,7 @@ made(struct net *net, struct net_event *e)
     }
     *t = (struct msg_tile_made){ .job = sim_of(net)->job[k->job].id,
                                  .pass = (uint32_t)e->len / 2,
-                                 .tile = (uint32_t)e->b,
+                                 .tile = (uint32_t)e->k,
                                  .data = data };
     fill(job, t, data);
     t->colours = shown;
@@ -256,7 +257,7 @@ made(struct net *net, struct net_event *e)
     t->counts.cpu_s = .001;
     sim_of(net)->job[k->job].tile_rays += t->counts.rays;
     sim_of(net)->tiles++;
-    net_send_msg(net, e->a, k->conn, &m);
+    net_send_msg(net, e->node, k->conn, &m);
 }
 
 void
@@ -276,10 +277,10 @@ sim_take_tile(struct net *net, int node, const struct msg_tile *m)
         ms += (unsigned)(w->stopped_ms - net->now_ms);
     sim_of(net)->work_ms += ms + TELL_MS;
     make_later(net, ms,
-               &(struct net_event){ .a = node,
-                                    .b = (int)m->tile,
-                                    .c = k->conn,
-                                    .len = 2 * (size_t)m->pass + m->colours });
+               &(struct event){ .node = node,
+                                .k = (int)m->tile,
+                                .n = k->conn,
+                                .len = 2 * (size_t)m->pass + m->colours });
 }
 
 /* Byte `at` and those that follow of a pass's records, tile after tile. */

@@ -22,8 +22,7 @@ sim_alloc(size_t n)
 static bool
 before(const struct event *a, const struct event *b)
 {
-    return a->at_us != b->at_us ? a->at_us < b->at_us
-                                : a->sequence < b->sequence;
+    return a->at != b->at ? a->at < b->at : a->sequence < b->sequence;
 }
 
 static void
@@ -35,7 +34,7 @@ swap(struct event *a, struct event *b)
     *b = t;
 }
 
-void
+struct event *
 events_add(struct events *v, const struct event *e)
 {
     size_t i = v->n++;
@@ -50,6 +49,7 @@ events_add(struct events *v, const struct event *e)
     v->heap[i].sequence = v->sequence++;
     for (; i > 0 && before(&v->heap[i], &v->heap[(i - 1) / 2]); i = (i - 1) / 2)
         swap(&v->heap[i], &v->heap[(i - 1) / 2]);
+    return &v->heap[i];
 }
 
 static struct event
@@ -73,14 +73,14 @@ pop(struct events *v)
 }
 
 bool
-events_step(struct events *v, void *arg)
+events_step(struct events *v, uint64_t *now, void *arg)
 {
     struct event e;
 
     if (v->n == 0)
         return false;
     e = pop(v);
-    v->now_us = e.at_us;
+    *now = e.at;
     e.fn(arg, &e);
     free(e.bytes);
     return true;
