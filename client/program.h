@@ -6,6 +6,7 @@
  *   program_planes.c  jobs of planes, where there are more than three bands
  *   program_stream.c  jobs of sensor points that come one after another
  *
+ * main() owns the program, and all in it lives as long.
  * Thread: the main one; a scene is compiled on another, which has p->scene,
  * p->frames and p->err for itself until it is done. */
 #ifndef RADD_CLIENT_PROGRAM_H
@@ -28,61 +29,101 @@
 
 #include <uv.h>
 
-struct program {
-    struct submit_options o;
-    int own_stderr; /* before -e */
-    struct words words;
-    struct frames frames;
-    struct pointjob points; /* --points: all, or a batch of them */
-    bool streams;           /* they come one after another, */
-    struct pointstream input;
-    struct stream *stream;
-    uint64_t batch;             /* their number so far */
-    struct pointwriter *writer; /* and so do their values */
-    struct pointwriter_text text;  /* that are written beside them */
-    int nsaid;         /* of the notes in */
-    struct rifjob rif; /* where the scene is a file of rad's variables */
-    struct compiled scene;
-    struct records records; /* -af */
-    struct cargo cargo;
-    struct jobspec job;
-    int nplanes, plane; /* of -cs, a job each; 1: there are none */
-    char part_name[MSG_MAX_LABEL + 1]; /* of the job of a plane or batch */
-    const struct submit_callbacks *callbacks; /* of whoever runs the planes */
-    struct prediction prediction; /* --dry-run */
-    struct local *local;          /* its folder holds the scene's files too */
-    struct launch *launch;        /* NULL: its workers are local's */
-    uint64_t began_ms;            /* the embedded cluster */
-    bool embedded;
-    bool unwritten; /* a picture came and could not be written, */
-    char *rescued, *rescued_depth; /* but here; NULL: or nowhere */
+struct program_cluster { /* where the job is rendered */
     struct target target;
-    struct progress progress;
-    struct foresee *foresee; /* NULL: no trial was begun */
-    bool held, paused, waiting, left; /* were said */
+    bool embedded;         /* a cluster of radsubmit's own, ... */
+    uint64_t began_ms;     /* ... which began then, by the loop's time */
+    struct local *local;   /* its folder holds the scene's files in any case */
+    struct launch *launch; /* NULL: its workers are local's */
+};
+
+struct program_loop { /* events, and signals among them */
+    uv_loop_t uv;
+    uv_signal_t signals[3];
+    bool watched;   /* the above are in use */
+    int interrupts; /* so far: 2 end the program at once */
+};
+
+struct program_stream { /* points one after another, and so their values */
+    bool is;            /* else all points are one job's */
+    struct pointstream input;
+    uint64_t batch; /* its number, from 1 */
+    struct pointwriter *writer;
+    struct batches *sums; /* what all came to; program_stream.c */
+};
+
+struct program_planes {  /* of -cs, a job each */
+    int n, at;           /* which is at work; n is 1: there are no planes */
+    struct planes *jobs; /* program_planes.c; while these run */
+};
+
+struct program_result { /* of the job so far, or of all */
+    double elapsed_s, error;
+    struct program_goal {
+        double estimate;       /* of the error; 0: not known; */
+        double mean_estimate;  /* of the error of the mean of all points */
+        int stages;            /* that it took; 0: there was no goal */
+        bool time_up, rays_up; /* a further one was left out for want of time,
+                                * or of rays that it may take */
+    } goal;
+    enum {
+        LIGHT_UNSEEN,
+        LIGHT_NONE,
+        LIGHT_SOME
+    } light; /* of pictures so far */
+    struct msg_nan nan;
+    struct msg_fault faults[MSG_FAULTS];
+};
+
+struct program_said { /* lest it be said again */
+    bool held, paused, waiting, left;
     bool wonders;     /* nobody is at the job, and it is not said why */
     char reason[300]; /* the last that the coordinator gave; "": none */
     struct progress_alone alone;
-    double elapsed_s, error; /* as last told */
-    int stages_said;         /* of a goal, that ended */
-    double estimate;         /* of the error, with a goal; 0: not known, */
-    double mean_estimate;    /* and of the mean of all points */
-    int stages;              /* that it took */
-    bool time_up, rays_up;   /* a further one was left out for want of time,
-                              * or of rays that it may take */
-    bool dark, lit; /* no picture that came has any light; or one has */
-    struct msg_nan nan;
-    struct msg_fault faults[MSG_FAULTS];
-    uv_loop_t loop;
-    uv_signal_t signals[3];
-    int interrupts;
-    bool watched; /* signals, on the loop */
-    bool compiled;
-    int compile_rc;
+    int stages; /* of a goal, that ended */
+    int notes;  /* of the file of rad's variables */
+};
+
+struct program_preview {
+    struct show_last last;
+    bool warned;
+    struct rad_error why; /* the last one was not written */
+};
+
+struct program_rescue { /* what came and could not be written, is there: */
+    bool needed;
+    char *picture, *depth; /* NULL: nowhere */
+};
+
+struct program {
+    /* what is asked for */
+    struct words words;
+    struct submit_options o;
+    struct rifjob rif; /* where the scene is a file of rad's variables */
+    int own_stderr;    /* before -e */
+    /* what is to be rendered */
+    struct frames frames;
+    struct pointjob points; /* --points: all, or a batch of them */
+    struct program_stream stream;
+    struct pointwriter_text text; /* beside the points' values */
+    struct program_planes planes;
+    struct compiled scene;
     double compile_s;
-    struct show_last last; /* preview */
-    bool preview_warned;
-    struct rad_error preview; /* why the last one was not written */
+    struct records records; /* -af */
+    struct cargo cargo;
+    struct jobspec job;
+    char part_name[MSG_MAX_LABEL + 1]; /* of the job of a plane or batch */
+    struct prediction prediction;      /* --dry-run */
+    /* by whom, and what comes of it */
+    struct program_cluster cluster;
+    struct program_loop loop;
+    struct program_result result;
+    struct program_preview preview;
+    struct program_rescue rescue;
+    /* what is said */
+    struct progress progress;
+    struct foresee *foresee; /* NULL: no trial was begun */
+    struct program_said said;
     struct rad_error *err;
 };
 
@@ -92,9 +133,7 @@ struct program {
 void program_say(void *program, const char *text);
 void program_warn(struct program *p, const char *text);
 
-/* At the end, of pictures without any light, unless pixels that are no numbers
- * say why. */
-void program_warn_of_dark(struct program *p);
+/* Before the job. */
 void program_warn_of_psample(struct program *p);
 void program_warn_of_scene(struct program *p);
 /* What rad would do and this does not; each is said once. */
@@ -103,12 +142,14 @@ void program_warn_of_rif(struct program *p);
 /* How far the job is (submit.h), and why nothing happens. */
 void program_on_progress(void *program, const struct msg_progress *m);
 
-/* At the end: pixels and functions that failed, and the last line. */
+/* At the end: pictures without any light, unless pixels that are no numbers say
+ * why; pixels and functions that failed; the last line. */
+void program_warn_of_dark(struct program *p);
 void program_warn_of_nan(struct program *p);
 void program_warn_of_faults(struct program *p);
 void program_say_done(struct program *p);
 /* The job's statistics, as JSON: what came of --error and --time. */
-void program_note_goal(struct program *p, const uint8_t *json, size_t len);
+void program_note_goal(struct program_goal *g, const uint8_t *json, size_t len);
 
 /* --- program_files.c --- */
 
@@ -141,7 +182,7 @@ void program_say_where_it_is(const struct program *p);
 /* The job, or its current plane, for the coordinator. */
 void program_fill_spec(struct program *p);
 
-/* As submit_run(), with p->nplanes jobs in place of one. */
+/* As submit_run(), with p->planes.n jobs in place of one. */
 int program_run_planes(struct program *p, const struct submit_job *job,
                        const struct submit_callbacks *cb);
 

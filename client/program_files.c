@@ -34,7 +34,7 @@ write_picture(struct program *p, uint32_t frame, const uint8_t *picture,
     }
     if (rc == 0)
         rc = picfile_write(name, (enum picfile_format)p->o.format, picture, len,
-                           !p->embedded, &p->o.show, err);
+                           !p->cluster.embedded, &p->o.show, err);
     free(exposed);
     free(name);
     return rc;
@@ -48,7 +48,7 @@ write_depth(struct program *p, uint32_t frame, const uint8_t *depth, size_t len,
     int rc = frames_name(&p->frames, &p->o, p->o.depth, frame, &name, err);
 
     if (rc == 0)
-        rc = rad_output_write(name, depth, len, !p->embedded, err);
+        rc = rad_output_write(name, depth, len, !p->cluster.embedded, err);
     free(name);
     return rc;
 }
@@ -58,12 +58,12 @@ write_depth(struct program *p, uint32_t frame, const uint8_t *depth, size_t len,
 static void
 note_preview(struct program *p, const struct rad_error *why)
 {
-    bool warned = p->preview_warned;
+    bool warned = p->preview.warned;
     char text[sizeof *why + 80];
     int n;
 
-    p->preview = *why;
-    p->preview_warned |= why->code != 0;
+    p->preview.why = *why;
+    p->preview.warned |= why->code != 0;
     if (why->code == 0 || warned)
         return;
     n = snprintf(text, sizeof text,
@@ -80,7 +80,8 @@ program_on_preview(void *arg, const uint8_t *picture, size_t len,
     struct rad_error why = { 0 };
 
     (void)err;
-    picfile_preview(p->o.preview, picture, len, &p->o.show, &p->last, &why);
+    picfile_preview(p->o.preview, picture, len, &p->o.show, &p->preview.last,
+                    &why);
     note_preview(p, &why);
     return 0;
 }
@@ -94,7 +95,7 @@ last_preview(struct program *p, const uint8_t *picture, size_t len)
     picfile_write(p->o.preview, PICFILE_PNG, picture, len, false, &p->o.show,
                   &why);
     note_preview(p, &why);
-    memset(&p->last, 0, sizeof p->last);
+    memset(&p->preview.last, 0, sizeof p->preview.last);
 }
 
 /* The cluster ends with us.  NULL: that is written, or was not asked for. */
@@ -105,10 +106,10 @@ rescue(struct program *p, uint32_t frame, const uint8_t *picture,
     const char *suffix = submit_options_spectra(&p->o) ? ".hsr" : ".hdr";
 
     if (picture)
-        p->rescued =
+        p->rescue.picture =
             rescue_write(p->job.id, frame, suffix, picture, picture_len);
     if (depth)
-        p->rescued_depth =
+        p->rescue.depth =
             rescue_write(p->job.id, frame, ".zbf", depth, depth_len);
 }
 
@@ -133,7 +134,7 @@ write_points(void *arg, const char *path, struct rad_error *err)
     const struct to_write *w = arg;
 
     return pointwriter_all(&w->p->points, &w->p->text, w->light, path,
-                           !w->p->embedded, err);
+                           !w->p->cluster.embedded, err);
 }
 
 int
@@ -143,13 +144,13 @@ program_write_points(struct program *p, const struct pointwriter_light *light,
     struct to_write w = { p, light };
     int rc;
 
-    if (p->streams)
-        return pointwriter_put(p->writer, &p->points, light, err);
+    if (p->stream.is)
+        return pointwriter_put(p->stream.writer, &p->points, light, err);
     program_fill_text(p);
     rc = write_points(&w, p->o.output, err);
     if (rc < 0 && rc != RAD_EPROTO && light->n > 0)
-        p->rescued = rescue_by(p->job.id, 0, ".pts", write_points, &w);
-    p->unwritten = rc < 0 && light->n > 0;
+        p->rescue.picture = rescue_by(p->job.id, 0, ".pts", write_points, &w);
+    p->rescue.needed = rc < 0 && light->n > 0;
     return rc;
 }
 
@@ -170,41 +171,39 @@ program_on_frame(void *arg, uint32_t frame, const uint8_t *picture,
     }
     rc = write_picture(p, frame, picture, picture_len, err);
     there = rc == 0;
-    if (!p->lit && !submit_options_spectra(&p->o)) {
-        p->lit = !expose_nothing(picture, picture_len);
-        p->dark = !p->lit;
-    }
+    if (p->result.light != LIGHT_SOME && !submit_options_spectra(&p->o))
+        p->result.light =
+            expose_nothing(picture, picture_len) ? LIGHT_NONE : LIGHT_SOME;
     if (rc == 0 && depth)
         rc = write_depth(p, frame, depth, depth_len, err);
-    p->unwritten = rc < 0;
-    if (p->unwritten && p->embedded)
+    p->rescue.needed = rc < 0;
+    if (p->rescue.needed && p->cluster.embedded)
         rescue(p, frame, there ? NULL : picture, picture_len, depth, depth_len);
     if (rc == 0 && p->o.preview)
         last_preview(p, picture, picture_len);
     return rc;
 }
 
-/* What could not be written is not lost. */
 void
 program_say_where_it_is(const struct program *p)
 {
     char hex[MSG_JOB_HEX];
 
-    if (p->rescued)
+    if (p->rescue.picture)
         tell(stderr, "radsubmit: the %s in %s",
-             p->o.points.file ? "values are" : "picture is", p->rescued);
-    if (p->rescued_depth)
-        tell(stderr, "radsubmit: its distances are in %s", p->rescued_depth);
-    if (!p->unwritten || p->embedded)
+             p->o.points.file ? "values are" : "picture is", p->rescue.picture);
+    if (p->rescue.depth)
+        tell(stderr, "radsubmit: its distances are in %s", p->rescue.depth);
+    if (!p->rescue.needed || p->cluster.embedded)
         return;
-    if (p->nplanes > 1 && !p->o.points.file) {
+    if (p->planes.n > 1 && !p->o.points.file) {
         tell(stderr, "radsubmit: the coordinator keeps the planes: radctl "
                      "fetch -o FILE with all of the jobs above");
         return;
     }
     msg_job_format(p->job.id, hex);
     if (p->o.points.file) {
-        if (!p->streams && p->nplanes == 1)
+        if (!p->stream.is && p->planes.n == 1)
             tell(stderr,
                  "radsubmit: the coordinator keeps the values: submit again "
                  "with --job=%s",
@@ -224,14 +223,12 @@ program_on_stats(void *arg, const uint8_t *json, size_t len,
     struct program *p = arg;
 
     if (submit_options_goal(&p->o))
-        program_note_goal(p, json, len);
-    return p->o.stats
-               ? rad_output_write(p->o.stats, json, len, !p->embedded, err)
-               : 0;
+        program_note_goal(&p->result.goal, json, len);
+    return p->o.stats ? rad_output_write(p->o.stats, json, len,
+                                         !p->cluster.embedded, err)
+                      : 0;
 }
 
-/* Of sensor points that need no light: what would be said of a job that no
- * worker has had. */
 int
 program_write_stats_of_none(struct program *p)
 {
@@ -241,8 +238,8 @@ program_write_stats_of_none(struct program *p)
     if (!p->o.stats)
         return 0;
     text = dryrun_json_of_none(&p->job.spec);
-    rc = text ? rad_output_write(p->o.stats, text, strlen(text), !p->embedded,
-                                 p->err)
+    rc = text ? rad_output_write(p->o.stats, text, strlen(text),
+                                 !p->cluster.embedded, p->err)
               : rad_fail(p->err, RAD_ENOMEM, "out of memory");
     free(text);
     return rc;
@@ -287,9 +284,9 @@ program_check_ambient(struct program *p)
 
 /* A picture that nobody can keep need not be rendered. */
 static int
-check_output(const struct program *p, const char *path)
+check_output(const char *path, struct rad_error *err)
 {
-    return path ? rad_output_check(path, p->err) : 0;
+    return path ? rad_output_check(path, err) : 0;
 }
 
 /* The same of each frame's: its number, or a view's name, may be a folder's. */
@@ -299,30 +296,29 @@ check_frames(const struct program *p, const char *pattern)
     int rc = 0;
 
     if (p->frames.n == 0)
-        return check_output(p, pattern);
+        return check_output(pattern, p->err);
     for (uint32_t i = 0; pattern && rc == 0 && i < p->frames.n; i++) {
         char *name = NULL;
 
         rc = frames_name(&p->frames, &p->o, pattern, i, &name, p->err);
         if (rc == 0)
-            rc = check_output(p, name);
+            rc = check_output(name, p->err);
         free(name);
     }
     return rc;
 }
 
 static int
-check_formats(const struct program *p)
+check_formats(const struct submit_options *o, struct rad_error *err)
 {
-    const struct submit_options *o = &p->o;
     int rc = 0;
 
     if (o->points.file)
         return 0;
     if (o->output && o->format == PICFILE_BY_SUFFIX)
-        rc = picfile_check(o->output, false, p->err);
+        rc = picfile_check(o->output, false, err);
     if (rc == 0 && o->preview)
-        rc = picfile_check(o->preview, true, p->err);
+        rc = picfile_check(o->preview, true, err);
     return rc;
 }
 
@@ -331,12 +327,12 @@ program_check_outputs(const struct program *p)
 {
     int rc;
 
-    if ((rc = check_formats(p)) < 0)
+    if ((rc = check_formats(&p->o, p->err)) < 0)
         return rc;
     if ((rc = check_frames(p, p->o.output)) < 0 ||
         (rc = check_frames(p, p->o.depth)) < 0 ||
-        (rc = check_output(p, p->o.preview)) < 0 ||
-        (rc = check_output(p, p->o.stats)) < 0)
+        (rc = check_output(p->o.preview, p->err)) < 0 ||
+        (rc = check_output(p->o.stats, p->err)) < 0)
         return rc;
     if (!p->o.output && !p->o.detach && !p->o.dry_run && !p->o.points.file &&
         isatty(1))

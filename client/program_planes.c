@@ -26,6 +26,7 @@
 
 struct planes {
     struct program *program;
+    const struct submit_callbacks *own; /* of whoever runs the planes */
     uint8_t id[RAD_MAX_PLANES][MSG_JOB];
     json_t *stats; /* of each plane; NULL: not wanted */
 };
@@ -38,11 +39,12 @@ name_part(struct program *p)
     char which[80] = "";
     int n = 0;
 
-    if (p->streams)
-        n = snprintf(which, sizeof which, "batch %" PRIu64 ": ", p->batch);
-    if (p->nplanes > 1)
+    if (p->stream.is)
+        n = snprintf(which, sizeof which, "batch %" PRIu64 ": ",
+                     p->stream.batch);
+    if (p->planes.n > 1)
         n += snprintf(which + n, sizeof which - (size_t)n,
-                      "plane %d of %d: ", p->plane + 1, p->nplanes);
+                      "plane %d of %d: ", p->planes.at + 1, p->planes.n);
     if (n == 0)
         return;
     snprintf(p->part_name, sizeof p->part_name, "%s%.*s", which,
@@ -55,8 +57,8 @@ program_fill_spec(struct program *p)
 {
     struct submit_options o = p->o;
 
-    if (p->nplanes > 1) { /* which know of no colour */
-        o.params.bands.plane = p->plane;
+    if (p->planes.n > 1) { /* which know of no colour */
+        o.params.bands.plane = p->planes.at;
         o.params.primaries = RAD_PRIM_RGB;
     }
     jobspec_fill(&p->job, &o, &p->frames, &p->scene, &p->cargo);
@@ -77,7 +79,7 @@ name_kept(const struct planes *s, enum kept what, int plane, uint32_t frame,
           char path[PATH_MAX])
 {
     snprintf(path, PATH_MAX, "%s/plane-%d-%d-%" PRIu32,
-             local_folder(s->program->local), (int)what, plane, frame);
+             local_folder(s->program->cluster.local), (int)what, plane, frame);
 }
 
 static int
@@ -86,7 +88,7 @@ keep(const struct planes *s, enum kept what, uint32_t frame, const uint8_t *p,
 {
     char path[PATH_MAX];
 
-    name_kept(s, what, s->program->plane, frame, path);
+    name_kept(s, what, s->program->planes.at, frame, path);
     return rad_output_write(path, p, n, false, err);
 }
 
@@ -119,7 +121,7 @@ deliver_picture(struct planes *s, uint32_t frame, bool has_depth,
     size_t n = 0, depth_len = 0;
     int rc = 0;
 
-    for (int k = 0; k < p->nplanes && rc == 0; k++) {
+    for (int k = 0; k < p->planes.n && rc == 0; k++) {
         hdr[k] = take_kept(s, PICTURE, k, frame, &plane[k].len, err);
         plane[k].hdr = hdr[k];
         rc = hdr[k] ? 0 : err->code;
@@ -130,7 +132,7 @@ deliver_picture(struct planes *s, uint32_t frame, bool has_depth,
     }
     if (rc == 0)
         rc = spectra_join(&order, plane, &whole, &n, err);
-    for (int k = 0; k < p->nplanes; k++)
+    for (int k = 0; k < p->planes.n; k++)
         free(hdr[k]);
     if (rc == 0)
         rc = program_on_frame(p, frame, whole, n, depth, depth_len, err);
@@ -148,7 +150,7 @@ deliver_points(struct planes *s, struct rad_error *err)
     size_t n;
     int rc = 0;
 
-    for (int k = 0; k < p->nplanes && rc == 0; k++) {
+    for (int k = 0; k < p->planes.n && rc == 0; k++) {
         values[k] = take_kept(s, DEPTH, k, 0, &n, err);
         rc = values[k] ? 0 : err->code;
         if (rc == 0 && k > 0 && n != light.len)
@@ -159,7 +161,7 @@ deliver_points(struct planes *s, struct rad_error *err)
     progress_clear(&p->progress);
     if (rc == 0)
         rc = program_write_points(p, &light, err);
-    for (int k = 0; k < p->nplanes; k++)
+    for (int k = 0; k < p->planes.n; k++)
         free(values[k]);
     return rc;
 }
@@ -168,16 +170,16 @@ static int
 on_frame(void *arg, uint32_t frame, const uint8_t *picture, size_t len,
          const uint8_t *depth, size_t depth_len, struct rad_error *err)
 {
-    struct planes *s = arg;
-    struct program *p = s->program;
+    struct program *p = arg;
+    struct planes *s = p->planes.jobs;
     bool points = p->o.points.file;
     int rc = 0;
 
     if (picture)
         rc = keep(s, PICTURE, frame, picture, len, err);
-    if (rc == 0 && depth && (points || p->plane == 0))
+    if (rc == 0 && depth && (points || p->planes.at == 0))
         rc = keep(s, DEPTH, frame, depth, depth_len, err);
-    if (rc < 0 || p->plane < p->nplanes - 1)
+    if (rc < 0 || p->planes.at < p->planes.n - 1)
         return rc;
     return points ? deliver_points(s, err)
                   : deliver_picture(s, frame, depth != NULL, err);
@@ -186,7 +188,8 @@ on_frame(void *arg, uint32_t frame, const uint8_t *picture, size_t len,
 static int
 on_stats(void *arg, const uint8_t *json, size_t len, struct rad_error *err)
 {
-    struct planes *s = arg;
+    struct program *p = arg;
+    struct planes *s = p->planes.jobs;
     json_t *of_plane = json_loadb((const char *)json, len, 0, NULL), *all;
     char *text;
     int rc;
@@ -194,100 +197,41 @@ on_stats(void *arg, const uint8_t *json, size_t len, struct rad_error *err)
     if (!of_plane)
         return rad_fail(err, RAD_EPROTO, "the statistics are no JSON");
     json_array_append_new(s->stats, of_plane);
-    if (s->program->plane < s->program->nplanes - 1)
+    if (p->planes.at < p->planes.n - 1)
         return 0;
     all = json_pack("{sO}", "planes", s->stats);
     text = json_dumps(all, JSON_INDENT(1));
     json_decref(all);
-    rc = text ? s->program->callbacks->stats(s->program, (const uint8_t *)text,
-                                             strlen(text), err)
+    rc = text ? s->own->stats(p, (const uint8_t *)text, strlen(text), err)
               : rad_fail(err, RAD_ENOMEM, "out of memory");
     free(text);
     return rc;
 }
 
-/* --- callbacks that are the program's own --------------------------------- */
-
-static void
-on_say(void *arg, const char *text)
-{
-    program_say(((struct planes *)arg)->program, text);
-}
-
 static void
 on_accepted(void *arg)
 {
-    struct program *p = ((struct planes *)arg)->program;
+    struct program *p = arg;
     char hex[MSG_JOB_HEX], text[120];
 
     msg_job_format(p->job.id, hex);
-    snprintf(text, sizeof text, "job %s, plane %d of %d", hex, p->plane + 1,
-             p->nplanes);
+    snprintf(text, sizeof text, "job %s, plane %d of %d", hex, p->planes.at + 1,
+             p->planes.n);
     program_say(p, text);
 }
 
-static void
-on_progress(void *arg, const struct msg_progress *m)
-{
-    struct planes *s = arg;
-
-    s->program->callbacks->progress(s->program, m);
-}
-
-static void
-on_reuse(void *arg, const uint8_t *from)
-{
-    struct program *p = ((struct planes *)arg)->program;
-
-    p->callbacks->reuse(p, from);
-}
-
-static void
-on_reason(void *arg, const char *why)
-{
-    struct program *p = ((struct planes *)arg)->program;
-
-    p->callbacks->reason(p, why);
-}
-
-static bool
-on_wonders(void *arg)
-{
-    return ((struct planes *)arg)->program->wonders;
-}
-
-static int
-on_alive(void *arg, struct rad_error *err)
-{
-    struct program *p = ((struct planes *)arg)->program;
-
-    return p->callbacks->alive(p, err);
-}
-
-static int
-on_gathered(void *arg, int n, const char *names, struct rad_error *err)
-{
-    struct program *p = ((struct planes *)arg)->program;
-
-    return p->callbacks->gathered(p, n, names, err);
-}
-
-/* Whatever the program asks for is asked of each plane. */
+/* Whatever the program asks for is asked of each plane, but for previews and
+ * records. */
 static struct submit_callbacks
-callbacks(struct planes *s)
+callbacks(const struct planes *s)
 {
-    const struct submit_callbacks *own = s->program->callbacks;
-    struct submit_callbacks cb = { .say = on_say,
-                                   .progress = on_progress,
-                                   .wonders = on_wonders,
-                                   .frame = on_frame,
-                                   .arg = s };
+    struct submit_callbacks cb = *s->own;
 
-    cb.stats = own->stats ? on_stats : NULL;
-    cb.reuse = own->reuse ? on_reuse : NULL;
-    cb.reason = own->reason ? on_reason : NULL;
-    cb.alive = own->alive ? on_alive : NULL;
-    cb.gathered = own->gathered ? on_gathered : NULL;
+    cb.frame = on_frame;
+    cb.stats = cb.stats ? on_stats : NULL;
+    cb.accepted = NULL;
+    cb.preview = NULL;
+    cb.records = NULL;
     return cb;
 }
 
@@ -298,7 +242,7 @@ turn_to(struct planes *s, int plane)
 {
     struct program *p = s->program;
 
-    p->plane = plane;
+    p->planes.at = plane;
     memcpy(p->job.id, s->id[plane], MSG_JOB);
     program_fill_spec(p);
 }
@@ -307,8 +251,8 @@ turn_to(struct planes *s, int plane)
 static void
 cancel_from(struct planes *s, int first, const struct submit_job *job)
 {
-    for (int k = first; k < s->program->nplanes; k++)
-        if (order_cancel(&job->to, &s->program->loop, s->id[k]) < 0)
+    for (int k = first; k < s->program->planes.n; k++)
+        if (order_cancel(&job->to, &s->program->loop.uv, s->id[k]) < 0)
             return;
 }
 
@@ -321,9 +265,9 @@ submit_all(struct planes *s, struct submit_job *job)
 
     cb.accepted = on_accepted;
     job->detach = true;
-    for (int k = 0; k < p->nplanes && rc == 0; k++) {
+    for (int k = 0; k < p->planes.n && rc == 0; k++) {
         turn_to(s, k);
-        rc = submit_run(job, &p->loop, &p->interrupts, &cb, p->err);
+        rc = submit_run(job, &p->loop.uv, &p->loop.interrupts, &cb, p->err);
     }
     job->detach = false;
     return rc;
@@ -337,9 +281,9 @@ collect_all(struct planes *s, struct submit_job *job)
     int rc = 0;
 
     cb.reuse = NULL; /* that was said */
-    for (int k = 0; k < p->nplanes && rc == 0; k++) {
+    for (int k = 0; k < p->planes.n && rc == 0; k++) {
         turn_to(s, k);
-        rc = submit_run(job, &p->loop, &p->interrupts, &cb, p->err);
+        rc = submit_run(job, &p->loop.uv, &p->loop.interrupts, &cb, p->err);
         if (rc == 0)
             program_warn_of_nan(p);
     }
@@ -348,15 +292,14 @@ collect_all(struct planes *s, struct submit_job *job)
 
 /* --detach: one a line. */
 static void
-print_ids(struct planes *s)
+print_ids(const struct planes *s)
 {
     char hex[MSG_JOB_HEX];
 
-    for (int k = 0; k < s->program->nplanes; k++) {
+    for (int k = 0; k < s->program->planes.n; k++) {
         msg_job_format(s->id[k], hex);
         puts(hex);
     }
-    json_decref(s->stats);
 }
 
 static int
@@ -365,7 +308,7 @@ begin(struct planes *s)
     struct program *p = s->program;
     int rc = 0;
 
-    for (int k = 0; k < p->nplanes && rc == 0; k++) {
+    for (int k = 0; k < p->planes.n && rc == 0; k++) {
         rc = jobspec_name(&p->job, p->err);
         memcpy(s->id[k], p->job.id, MSG_JOB);
     }
@@ -379,25 +322,25 @@ int
 program_run_planes(struct program *p, const struct submit_job *ask,
                    const struct submit_callbacks *cb)
 {
-    struct planes s = { .program = p };
+    struct planes s = { .program = p, .own = cb };
     struct submit_job job = *ask;
     int rc = begin(&s);
 
-    p->callbacks = cb;
+    p->planes.jobs = &s;
     if (rc == 0)
         rc = submit_all(&s, &job);
-    if (rc == 0 && ask->detach) {
+    if (rc == 0 && ask->detach)
         print_ids(&s);
-        return 0;
-    }
-    if (rc == 0)
+    else if (rc == 0)
         rc = collect_all(&s, &job);
-    for (int k = 0; k < p->nplanes && rc == 0 && p->streams; k++)
-        order_delete(&job.to, &p->loop, s.id[k]);
+    for (int k = 0; k < p->planes.n && rc == 0 && p->stream.is; k++)
+        order_delete(&job.to, &p->loop.uv, s.id[k]);
     /* an interrupt that ends radsubmit at once leaves them to go on, and so
      * does a picture that cannot be written, as with one job */
-    if (rc < 0 && !p->embedded && p->interrupts < 2 && !p->unwritten)
+    if (rc < 0 && !p->cluster.embedded && p->loop.interrupts < 2 &&
+        !p->rescue.needed)
         cancel_from(&s, 0, &job);
+    p->planes.jobs = NULL;
     json_decref(s.stats);
     return rc;
 }

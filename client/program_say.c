@@ -21,7 +21,6 @@ program_say(void *arg, const char *text)
     tell(stderr, "radsubmit: %s", text);
 }
 
-/* -w- */
 void
 program_warn(struct program *p, const char *text)
 {
@@ -45,12 +44,11 @@ program_warn_of_psample(struct program *p)
     program_warn(p, text);
 }
 
-/* What rad would do and this does not; each is said once. */
 void
 program_warn_of_rif(struct program *p)
 {
-    for (; p->nsaid < p->rif.nnotes; p->nsaid++)
-        program_warn(p, p->rif.notes[p->nsaid]);
+    for (; p->said.notes < p->rif.nnotes; p->said.notes++)
+        program_warn(p, p->rif.notes[p->said.notes]);
 }
 
 void
@@ -81,12 +79,12 @@ share_done(const struct msg_progress *m)
 static void
 say_held(struct program *p, bool held)
 {
-    if (held && !p->held)
+    if (held && !p->said.held)
         program_say(p, "the job is held: the coordinator's disk is full");
-    else if (!held && p->held)
+    else if (!held && p->said.held)
         program_say(p,
                     "the coordinator's disk has room again: the job goes on");
-    p->held = held;
+    p->said.held = held;
 }
 
 /* Somebody paused it, and somebody has to resume it. */
@@ -97,11 +95,11 @@ say_paused(struct program *p, bool paused)
 
     msg_job_format(p->job.id, hex);
     snprintf(text, sizeof text, "the job is paused: radctl resume %s", hex);
-    if (paused && !p->paused)
+    if (paused && !p->said.paused)
         program_say(p, text);
-    else if (!paused && p->paused)
+    else if (!paused && p->said.paused)
         program_say(p, "the job goes on");
-    p->paused = paused;
+    p->said.paused = paused;
 }
 
 /* Nothing happens, and nobody knows why: say it once, but not to a user with a
@@ -112,14 +110,15 @@ say_waiting(struct program *p, const struct msg_progress *m)
 {
     enum { PATIENCE_S = 2 };
 
-    if (p->waiting || (p->embedded && !p->launch) ||
+    if (p->said.waiting || (p->cluster.embedded && !p->cluster.launch) ||
         m->state != MSG_STATE_WAITING || m->workers > 0 ||
         m->elapsed_s < PATIENCE_S)
         return;
-    p->waiting = true;
-    program_say(p, p->embedded ? "no worker has begun yet"
-                               : "no worker has begun yet; radctl workers says "
-                                 "what they do");
+    p->said.waiting = true;
+    program_say(p, p->cluster.embedded
+                       ? "no worker has begun yet"
+                       : "no worker has begun yet; radctl workers says "
+                         "what they do");
 }
 
 /* All workers left a job that had begun.  Others may be there that --same-bits
@@ -128,16 +127,16 @@ static void
 say_left(struct program *p, const struct progress_report *r, bool running)
 {
     enum { PATIENCE_S = 5 }; /* they may come back */
-    double alone_s = progress_alone(&p->alone, r, running);
+    double alone_s = progress_alone(&p->said.alone, r, running);
 
     if (alone_s == 0) {
-        if (p->left && r->workers > 0)
+        if (p->said.left && r->workers > 0)
             program_say(p, "a worker is at the job again");
-        p->left = false;
+        p->said.left = false;
     }
-    if (p->left || alone_s < PATIENCE_S)
+    if (p->said.left || alone_s < PATIENCE_S)
         return;
-    p->left = true;
+    p->said.left = true;
     program_say(p,
                 "no worker is at the job any more; radctl workers says who is "
                 "there");
@@ -156,9 +155,9 @@ say_stage(struct program *p, const struct msg_progress *m)
     char text[160], got[FIGURE_TEXT], s[FIGURE_TEXT];
     int stages = m->stage + m->ended;
 
-    if (!submit_options_goal(&p->o) || p->streams || stages <= p->stages_said)
+    if (!submit_options_goal(&p->o) || p->stream.is || stages <= p->said.stages)
         return;
-    p->stages_said = stages;
+    p->said.stages = stages;
     snprintf(text, sizeof text, "stage %d: error about %s %% after %s s, %s",
              stages, figure(got, 100 * m->goal_error, 2),
              figure(s, m->elapsed_s, 2),
@@ -172,11 +171,11 @@ say_stage(struct program *p, const struct msg_progress *m)
 static void
 note_wonder(struct program *p, const struct msg_progress *m)
 {
-    p->wonders =
-        (p->waiting && m->state == MSG_STATE_WAITING && m->workers == 0) ||
-        p->left || m->state == MSG_STATE_HELD;
-    if (!p->wonders)
-        p->reason[0] = '\0'; /* the next time it may be the same */
+    p->said.wonders =
+        (p->said.waiting && m->state == MSG_STATE_WAITING && m->workers == 0) ||
+        p->said.left || m->state == MSG_STATE_HELD;
+    if (!p->said.wonders)
+        p->said.reason[0] = '\0'; /* the next time it may be the same */
 }
 
 /* How many rays will it take?  Records that there are already would have to be
@@ -206,7 +205,7 @@ program_on_progress(void *arg, const struct msg_progress *m)
     struct program *p = arg;
     struct progress_report r = {
         .elapsed_s = m->elapsed_s,
-        .done = (p->plane + share_done(m)) / p->nplanes,
+        .done = (p->planes.at + share_done(m)) / p->planes.n,
         .rays = m->rays,
         .workers = (int)m->workers,
         .working = m->state == MSG_STATE_RUNNING && m->workers > 0
@@ -223,16 +222,16 @@ program_on_progress(void *arg, const struct msg_progress *m)
     foresee(p);
     if (!lost) /* how far it got is said anyway */
         progress_update(&p->progress, &r);
-    p->elapsed_s = m->elapsed_s;
-    p->error = m->error;
-    p->nan = m->nan;
-    memcpy(p->faults, m->faults, sizeof p->faults);
+    p->result.elapsed_s = m->elapsed_s;
+    p->result.error = m->error;
+    p->result.nan = m->nan;
+    memcpy(p->result.faults, m->faults, sizeof p->result.faults);
 }
 
 void
 program_warn_of_dark(struct program *p)
 {
-    if (p->dark && p->nan.pixels == 0)
+    if (p->result.light == LIGHT_NONE && p->result.nan.pixels == 0)
         program_warn(p, p->frames.n > 1
                             ? "warning: all pictures are black"
                             : "warning: the picture is black: does the view "
@@ -240,11 +239,11 @@ program_warn_of_dark(struct program *p)
                               "and does light reach it?");
 }
 
-/* At the end: a pixel that reproduces what is wrong. */
+/* A pixel that reproduces what is wrong. */
 void
 program_warn_of_nan(struct program *p)
 {
-    const struct msg_nan *n = &p->nan;
+    const struct msg_nan *n = &p->result.nan;
     char text[160];
 
     if (n->pixels == 0)
@@ -268,17 +267,17 @@ program_warn_of_nan(struct program *p)
 }
 
 void
-program_note_goal(struct program *p, const uint8_t *json, size_t len)
+program_note_goal(struct program_goal *g, const uint8_t *json, size_t len)
 {
     json_t *root = json_loadb((const char *)json, len, 0, NULL);
     const json_t *goal = json_object_get(root, "goal");
 
-    p->estimate = json_number_value(json_object_get(goal, "estimate"));
-    p->mean_estimate =
+    g->estimate = json_number_value(json_object_get(goal, "estimate"));
+    g->mean_estimate =
         json_number_value(json_object_get(goal, "mean_estimate"));
-    p->stages = (int)json_integer_value(json_object_get(goal, "stages"));
-    p->time_up = json_is_true(json_object_get(goal, "time_up"));
-    p->rays_up = json_is_true(json_object_get(goal, "rays_up"));
+    g->stages = (int)json_integer_value(json_object_get(goal, "stages"));
+    g->time_up = json_is_true(json_object_get(goal, "time_up"));
+    g->rays_up = json_is_true(json_object_get(goal, "rays_up"));
     json_decref(root);
 }
 
@@ -289,6 +288,7 @@ program_note_goal(struct program *p, const uint8_t *json, size_t len)
 static void
 say_goal(struct program *p)
 {
+    const struct program_goal *g = &p->result.goal;
     char text[300], got[FIGURE_TEXT], asked[FIGURE_TEXT], wanted[60] = "";
     char of_mean[FIGURE_TEXT], mean[60] = "";
     bool far;
@@ -296,15 +296,15 @@ say_goal(struct program *p)
     if (p->o.error > 0)
         snprintf(wanted, sizeof wanted, ", %s %% were asked for",
                  figure(asked, p->o.error, 3));
-    if (p->o.points.file && p->mean_estimate > 0)
+    if (p->o.points.file && g->mean_estimate > 0)
         snprintf(mean, sizeof mean, ", that of the mean %s %%",
-                 figure(of_mean, 100 * p->mean_estimate, 2));
-    far = 100 * p->estimate > FAR * p->o.error; /* 0: as good as may be */
+                 figure(of_mean, 100 * g->mean_estimate, 2));
+    far = 100 * g->estimate > FAR * p->o.error; /* 0: as good as may be */
     snprintf(text, sizeof text, "estimated error %s %%%s%s; %d stage%s%s",
-             figure(got, 100 * p->estimate, 2), wanted, mean, p->stages,
-             p->stages == 1 ? "" : "s",
-             p->time_up   ? ", and no time for another"
-             : p->rays_up ? ", and another would take too long without --time"
+             figure(got, 100 * g->estimate, 2), wanted, mean, g->stages,
+             g->stages == 1 ? "" : "s",
+             g->time_up   ? ", and no time for another"
+             : g->rays_up ? ", and another would take too long without --time"
              : !far       ? ""
              : p->o.error > 0 ? ", and there is no other that comes much nearer"
                               : ", and there is no other that is much better");
@@ -323,12 +323,12 @@ program_say_done(struct program *p)
 {
     char text[120], s[FIGURE_TEXT], percent[FIGURE_TEXT];
 
-    figure(s, p->elapsed_s, 3);
-    if (p->stages > 0)
+    figure(s, p->result.elapsed_s, 3);
+    if (p->result.goal.stages > 0)
         say_goal(p);
-    if (p->error > 0 && p->stages == 0)
+    if (p->result.error > 0 && p->result.goal.stages == 0)
         snprintf(text, sizeof text, "done in %s s, relative error about %s %%",
-                 s, figure(percent, 100 * p->error, 2));
+                 s, figure(percent, 100 * p->result.error, 2));
     else
         snprintf(text, sizeof text, "done in %s s", s);
     program_say(p, text);
@@ -337,7 +337,7 @@ program_say_done(struct program *p)
 void
 program_warn_of_faults(struct program *p)
 {
-    const struct msg_fault *f = p->faults;
+    const struct msg_fault *f = p->result.faults;
     char text[WARNING_SIZE];
 
     for (int i = 0; i < MSG_FAULTS && f[i].count > 0; i++)

@@ -21,7 +21,7 @@
 #include <string.h>
 
 /* What all batches came to. */
-struct stream {
+struct batches {
     json_t *stats; /* of each; NULL: not wanted */
     uint64_t points;
     double elapsed_s, squares; /* of points' errors */
@@ -53,18 +53,18 @@ on_stats(void *arg, const uint8_t *json, size_t len, struct rad_error *err)
     if (!one)
         return rad_fail(err, RAD_EPROTO, "the statistics are no JSON");
     if (submit_options_goal(&p->o))
-        program_note_goal(p, json, len);
-    json_array_append_new(p->stream->stats, one);
+        program_note_goal(&p->result.goal, json, len);
+    json_array_append_new(p->stream.sums->stats, one);
     return 0;
 }
 
 static int
 write_stats(struct program *p)
 {
-    json_t *all = json_pack("{sO}", "batches", p->stream->stats);
+    json_t *all = json_pack("{sO}", "batches", p->stream.sums->stats);
     char *text = json_dumps(all, JSON_INDENT(1));
     int rc = text ? rad_output_write(p->o.stats, text, strlen(text),
-                                     !p->embedded, p->err)
+                                     !p->cluster.embedded, p->err)
                   : rad_fail(p->err, RAD_ENOMEM, "out of memory");
 
     json_decref(all);
@@ -83,8 +83,8 @@ take_batch(struct program *p)
 
     pointjob_release(&p->points);
     p->points.spec = &p->o.points;
-    p->points.first = pointstream_taken(&p->input);
-    rc = pointstream_take(&p->input, &p->points.in, p->err);
+    p->points.first = pointstream_taken(&p->stream.input);
+    rc = pointstream_take(&p->stream.input, &p->points.in, p->err);
     if (rc < 0 || p->points.in.n == 0)
         return rc;
     if ((rc = pointjob_lay(&p->points, p->err)) < 0)
@@ -97,7 +97,7 @@ take_batch(struct program *p)
 static int
 load_cargo(struct program *p)
 {
-    const char *folder = local_folder(p->local);
+    const char *folder = local_folder(p->cluster.local);
     int rc = pointjob_add(&p->points, &p->scene, folder, p->err);
 
     if (rc == 0 && p->records.keep)
@@ -110,7 +110,7 @@ load_cargo(struct program *p)
 static void
 unload_cargo(struct program *p)
 {
-    const char *folder = local_folder(p->local);
+    const char *folder = local_folder(p->cluster.local);
 
     pointjob_drop(&p->scene, folder);
     records_drop(&p->scene, folder);
@@ -125,24 +125,25 @@ render(struct program *p, struct submit_job *job,
     if (rc < 0 || (rc = load_cargo(p)) < 0)
         return rc;
     program_fill_spec(p);
-    rc = p->nplanes > 1 ? program_run_planes(p, job, cb)
-                        : submit_run(job, &p->loop, &p->interrupts, cb, p->err);
+    rc = p->planes.n > 1
+             ? program_run_planes(p, job, cb)
+             : submit_run(job, &p->loop.uv, &p->loop.interrupts, cb, p->err);
     unload_cargo(p);
-    if (rc == 0 && p->nplanes == 1) /* nobody can use it any more */
-        order_delete(&job->to, &p->loop, p->job.id);
+    if (rc == 0 && p->planes.n == 1) /* nobody can use it any more */
+        order_delete(&job->to, &p->loop.uv, p->job.id);
     return rc;
 }
 
 static void
 sum_up(struct program *p)
 {
-    struct stream *s = p->stream;
+    struct batches *s = p->stream.sums;
 
     s->points += p->points.in.n;
-    s->elapsed_s += p->elapsed_s;
-    s->squares += p->points.in.n * p->error * p->error;
+    s->elapsed_s += p->result.elapsed_s;
+    s->squares += p->points.in.n * p->result.error * p->result.error;
     program_warn_of_nan(p);
-    memset(&p->nan, 0, sizeof p->nan);
+    memset(&p->result.nan, 0, sizeof p->result.nan);
     progress_clear(&p->progress);
 }
 
@@ -156,12 +157,12 @@ run_batches(struct program *p, struct submit_job *job,
     int rc;
 
     for (;;) {
-        pointstream_wait(&p->input, &p->interrupts);
-        if (p->interrupts > 0)
+        pointstream_wait(&p->stream.input, &p->loop.interrupts);
+        if (p->loop.interrupts > 0)
             return rad_fail(p->err, RAD_ETEMPFAIL, "interrupted");
         if ((rc = take_batch(p)) < 0 || p->points.in.n == 0)
             return rc;
-        p->batch++;
+        p->stream.batch++;
         rc = pointspec_lit(&p->o.points)
                  ? render(p, job, cb)
                  : program_write_points(p, &dark, p->err);
@@ -178,11 +179,11 @@ run_batches(struct program *p, struct submit_job *job,
 static int
 judge_end(struct program *p)
 {
-    if (p->input.end.code != 0) {
-        *p->err = p->input.end;
+    if (p->stream.input.end.code != 0) {
+        *p->err = p->stream.input.end;
         return p->err->code;
     }
-    if (p->batch == 0)
+    if (p->stream.batch == 0)
         return rad_fail(p->err, RAD_EDATA, "no sensor points in 'stdin'");
     if (pointjob_is_short(&p->points))
         program_warn(p, "warning: fewer points than -x and -y say");
@@ -193,29 +194,30 @@ int
 program_run_stream(struct program *p, const struct submit_job *ask,
                    const struct submit_callbacks *own)
 {
-    struct stream s = { .stats = own->stats ? json_array() : NULL };
+    struct batches s = { .stats = own->stats ? json_array() : NULL };
     struct submit_callbacks cb = *own;
     struct submit_job job = *ask;
     int rc, end;
 
-    p->stream = &s;
+    p->stream.sums = &s;
     cb.stats = own->stats ? on_stats : NULL;
     program_fill_text(p);
-    rc = pointwriter_open(&p->writer, &p->o.points, &p->text, p->o.output,
-                          !p->embedded, p->err);
+    rc = pointwriter_open(&p->stream.writer, &p->o.points, &p->text,
+                          p->o.output, !p->cluster.embedded, p->err);
     if (rc == 0)
         rc = run_batches(p, &job, &cb);
     if (rc == 0)
         rc = judge_end(p);
     /* what came before something went wrong is kept */
-    end = pointwriter_close(p->writer, s.points > 0, rc < 0 ? NULL : p->err);
+    end = pointwriter_close(p->stream.writer, s.points > 0,
+                            rc < 0 ? NULL : p->err);
     rc = rc < 0 ? rc : end;
     if (rc == 0 && p->o.stats)
         rc = pointspec_lit(&p->o.points) ? write_stats(p)
                                          : program_write_stats_of_none(p);
-    p->elapsed_s = s.elapsed_s;
-    p->error = s.points > 0 ? sqrt(s.squares / (double)s.points) : 0;
-    p->stream = NULL;
+    p->result.elapsed_s = s.elapsed_s;
+    p->result.error = s.points > 0 ? sqrt(s.squares / (double)s.points) : 0;
+    p->stream.sums = NULL;
     json_decref(s.stats);
     return rc;
 }

@@ -37,9 +37,9 @@
 
 /* Workers of a cluster of our own. */
 static int
-workers_wanted(const struct program *p)
+workers_wanted(const struct submit_options *o)
 {
-    return p->o.workers ? p->o.workers : 1;
+    return o->workers ? o->workers : 1;
 }
 
 static void
@@ -55,9 +55,9 @@ on_alive(void *arg, struct rad_error *err)
 {
     struct program *p = arg;
 
-    if (p->launch)
-        return launch_alive(p->launch, err);
-    if (local_alive(p->local))
+    if (p->cluster.launch)
+        return launch_alive(p->cluster.launch, err);
+    if (local_alive(p->cluster.local))
         return 0;
     return rad_fail(err, RAD_EINTERNAL,
                     "the cluster on this machine has ended");
@@ -72,13 +72,14 @@ on_gathered(void *arg, int n, const char *names, struct rad_error *err)
     bool news;
     int rc;
 
-    if (!p->launch)
-        return n >= local_workers(p->local) ||
-               (double)(uv_now(&p->loop) - p->began_ms) >= 1000 * p->o.wait_s;
-    rc = launch_gathered(p->launch, n, names, &news, err);
-    snprintf(of, sizeof of, " of %d", workers_wanted(p));
+    if (!p->cluster.launch)
+        return n >= local_workers(p->cluster.local) ||
+               (double)(uv_now(&p->loop.uv) - p->cluster.began_ms) >=
+                   1000 * p->o.wait_s;
+    rc = launch_gathered(p->cluster.launch, n, names, &news, err);
+    snprintf(of, sizeof of, " of %d", workers_wanted(&p->o));
     snprintf(text, sizeof text, "%d%s workers there%s%s", n,
-             n > workers_wanted(p) ? "" : of, n > 0 ? ": " : "", names);
+             n > workers_wanted(&p->o) ? "" : of, n > 0 ? ": " : "", names);
     if (news)
         program_say(p, text);
     return rc;
@@ -89,8 +90,8 @@ on_progress(void *arg, const struct msg_progress *m)
 {
     struct program *p = arg;
 
-    if (p->launch)
-        launch_note_workers(p->launch, (int)m->workers);
+    if (p->cluster.launch)
+        launch_note_workers(p->cluster.launch, (int)m->workers);
     program_on_progress(p, m);
 }
 
@@ -101,10 +102,10 @@ on_progress(void *arg, const struct msg_progress *m)
 static void
 on_signal(uv_signal_t *h, int signum)
 {
-    struct program *p = h->data;
+    struct program_loop *l = h->data;
 
-    p->interrupts += signum == SIGINT ? 1 : 2;
-    uv_stop(&p->loop);
+    l->interrupts += signum == SIGINT ? 1 : 2;
+    uv_stop(&l->uv);
 }
 
 /* Has who started the program, such as nohup, it ignore hang-ups? */
@@ -117,33 +118,33 @@ hang_ups_ignored(void)
 }
 
 static int
-watch_signals(struct program *p)
+watch_signals(struct program_loop *l, struct rad_error *err)
 {
     static const int which[] = { SIGINT, SIGTERM, SIGHUP };
 
-    if (uv_loop_init(&p->loop) != 0)
-        return rad_fail(p->err, RAD_ENOMEM, "out of memory");
-    p->watched = true;
+    if (uv_loop_init(&l->uv) != 0)
+        return rad_fail(err, RAD_ENOMEM, "out of memory");
+    l->watched = true;
     signal(SIGPIPE, SIG_IGN);
     signal(SIGCHLD, SIG_DFL); /* whose end is waited for */
     for (int i = 0; i < 3; i++) {
-        uv_signal_init(&p->loop, &p->signals[i]);
-        p->signals[i].data = p;
+        uv_signal_init(&l->uv, &l->signals[i]);
+        l->signals[i].data = l;
         if (which[i] == SIGHUP && hang_ups_ignored())
             continue;
-        uv_signal_start(&p->signals[i], on_signal, which[i]);
-        uv_unref((uv_handle_t *)&p->signals[i]);
+        uv_signal_start(&l->signals[i], on_signal, which[i]);
+        uv_unref((uv_handle_t *)&l->signals[i]);
     }
     return 0;
 }
 
 static void
-release_loop(struct program *p)
+release_loop(struct program_loop *l)
 {
     for (int i = 0; i < 3; i++)
-        uv_close((uv_handle_t *)&p->signals[i], NULL);
-    while (uv_loop_close(&p->loop) == UV_EBUSY)
-        uv_run(&p->loop, UV_RUN_ONCE);
+        uv_close((uv_handle_t *)&l->signals[i], NULL);
+    while (uv_loop_close(&l->uv) == UV_EBUSY)
+        uv_run(&l->uv, UV_RUN_ONCE);
 }
 
 /* --- the scene --- */
@@ -158,7 +159,7 @@ try_scene(struct program *p)
     uint8_t *bytes = NULL;
     int rc = 0;
 
-    if (p->nplanes > 1) /* of which each takes about as much */
+    if (p->planes.n > 1) /* of which each takes about as much */
         params.bands.plane = 0;
 
     if (p->o.points.file)
@@ -168,53 +169,61 @@ try_scene(struct program *p)
                             p->frames.list, p->frames.n, bytes ? &points : NULL,
                             &dryrun_effort, p->err);
     if (rc == 0)
-        trial_repeat(&p->prediction, p->nplanes);
+        trial_repeat(&p->prediction, p->planes.n);
     free(bytes);
     return rc;
 }
 
+/* What the thread that compiles is asked for, and answers. */
+struct compiling {
+    struct program *p;
+    bool done;
+    int rc;
+};
+
 static void
 compile_work(uv_work_t *w)
 {
-    struct program *p = w->data;
+    struct compiling *c = w->data;
+    struct program *p = c->p;
     uint64_t begin = uv_hrtime();
 
     if (!p->scene.scene) {
-        p->compile_rc = compile_scene(
-            &p->scene, (const char *const *)p->o.scenes, p->o.nscenes,
-            p->o.commands, local_folder(p->local), p->err);
+        c->rc = compile_scene(&p->scene, (const char *const *)p->o.scenes,
+                              p->o.nscenes, p->o.commands,
+                              local_folder(p->cluster.local), p->err);
         p->compile_s = (double)(uv_hrtime() - begin) * 1e-9;
     }
-    if (p->compile_rc == 0 && p->o.dry_run && p->frames.n > 0)
-        p->compile_rc = try_scene(p);
+    if (c->rc == 0 && p->o.dry_run && p->frames.n > 0)
+        c->rc = try_scene(p);
 }
 
 static void
 compile_done(uv_work_t *w, int status)
 {
     (void)status;
-    ((struct program *)w->data)->compiled = true;
+    ((struct compiling *)w->data)->done = true;
 }
 
 /* Ends the program when it is interrupted: the thread cannot be. */
 static int
 compile(struct program *p)
 {
-    uv_work_t work = { .data = p };
+    struct compiling c = { .p = p };
+    uv_work_t work = { .data = &c };
 
-    p->compiled = false;
-    if (uv_queue_work(&p->loop, &work, compile_work, compile_done) != 0)
+    if (uv_queue_work(&p->loop.uv, &work, compile_work, compile_done) != 0)
         return rad_fail(p->err, RAD_ENOMEM, "out of memory");
-    while (!p->compiled) {
-        uv_run(&p->loop, UV_RUN_ONCE);
-        if (p->interrupts > 0 && !p->compiled) {
+    while (!c.done) {
+        uv_run(&p->loop.uv, UV_RUN_ONCE);
+        if (p->loop.interrupts > 0 && !c.done) {
             command_stop_all();
-            local_stop(p->local);
+            local_stop(p->cluster.local);
             _exit(EX_TEMPFAIL);
         }
     }
-    if (p->compile_rc < 0)
-        return p->compile_rc;
+    if (c.rc < 0)
+        return c.rc;
     return apart_inputs(&p->o, &p->frames, &p->scene.paths.inputs, p->err);
 }
 
@@ -232,8 +241,9 @@ take_rif(struct program *p)
         rc = rad_fail(p->err, RAD_EUSAGE, "--view is for a .rif file");
     if (rc < 0 || !p->rif.is)
         return rc;
-    if ((rc = watch_signals(p)) < 0 ||
-        (rc = local_new(&p->local, p->err)) < 0 || (rc = compile(p)) < 0 ||
+    if ((rc = watch_signals(&p->loop, p->err)) < 0 ||
+        (rc = local_new(&p->cluster.local, p->err)) < 0 ||
+        (rc = compile(p)) < 0 ||
         (rc = rifjob_finish(&p->rif, &p->o, &p->words, &p->scene.octree,
                             p->err)) < 0)
         return rc;
@@ -249,22 +259,23 @@ choose_cluster(struct program *p)
     int rc = 0;
 
     if (!p->o.local && !p->o.launch)
-        rc = target_find(&p->target, p->o.coordinator, p->o.key, p->err);
+        rc =
+            target_find(&p->cluster.target, p->o.coordinator, p->o.key, p->err);
     if (rc < 0)
         return rc;
-    p->embedded = rc == 0;
-    if (p->embedded && p->o.detach)
+    p->cluster.embedded = rc == 0;
+    if (p->cluster.embedded && p->o.detach)
         return rad_fail(p->err, RAD_EUSAGE,
                         "--detach needs a coordinator: a cluster of "
                         "radsubmit's own ends with it");
-    if (p->embedded && p->o.job)
+    if (p->cluster.embedded && p->o.job)
         return rad_fail(p->err, RAD_EUSAGE,
                         "--job needs a coordinator, which has it");
-    if (p->embedded && p->o.reuse)
+    if (p->cluster.embedded && p->o.reuse)
         return rad_fail(p->err, RAD_EUSAGE,
                         "--reuse needs a coordinator: a cluster of "
                         "radsubmit's own keeps nothing");
-    if (!p->embedded && (p->o.workers || p->o.threads))
+    if (!p->cluster.embedded && (p->o.workers || p->o.threads))
         return rad_fail(p->err, RAD_EUSAGE,
                         "--workers and --threads are for a cluster of "
                         "radsubmit's own: use --local or --launch with "
@@ -303,7 +314,7 @@ on_reuse(void *arg, const uint8_t *from)
 static bool
 on_wonders(void *arg)
 {
-    return ((struct program *)arg)->wonders;
+    return ((struct program *)arg)->said.wonders;
 }
 
 /* Why nobody is at the job, as the coordinator says; once for each reason. */
@@ -311,12 +322,13 @@ static void
 on_reason(void *arg, const char *why)
 {
     struct program *p = arg;
-    char text[sizeof p->reason + 40];
+    char text[sizeof p->said.reason + 40];
 
-    if (why[0] == '\0' || strncmp(why, p->reason, sizeof p->reason - 1) == 0)
+    if (why[0] == '\0' ||
+        strncmp(why, p->said.reason, sizeof p->said.reason - 1) == 0)
         return;
-    snprintf(p->reason, sizeof p->reason, "%s", why);
-    snprintf(text, sizeof text, "the coordinator says: %s", p->reason);
+    snprintf(p->said.reason, sizeof p->said.reason, "%s", why);
+    snprintf(text, sizeof text, "the coordinator says: %s", p->said.reason);
     program_say(p, text);
 }
 
@@ -325,18 +337,19 @@ start_local(struct program *p)
 {
     struct launch_order order = { .command = p->o.launch,
                                   .address = p->o.address,
-                                  .workers = workers_wanted(p),
+                                  .workers = workers_wanted(&p->o),
                                   .threads = p->o.threads,
                                   .wait_s = p->o.wait_s };
-    int rc = p->o.launch ? launch_start(&p->launch, p->local, &order,
-                                        &p->interrupts, p->err)
-                         : local_start(p->local, order.workers, order.threads,
-                                       &p->interrupts, p->err);
+    int rc = p->o.launch
+                 ? launch_start(&p->cluster.launch, p->cluster.local, &order,
+                                &p->loop.interrupts, p->err)
+                 : local_start(p->cluster.local, order.workers, order.threads,
+                               &p->loop.interrupts, p->err);
 
-    uv_update_time(&p->loop);
-    p->began_ms = uv_now(&p->loop);
+    uv_update_time(&p->loop.uv);
+    p->cluster.began_ms = uv_now(&p->loop.uv);
     if (rc == 0)
-        p->target = *local_target(p->local);
+        p->cluster.target = *local_target(p->cluster.local);
     return rc;
 }
 
@@ -351,7 +364,7 @@ converse(struct program *p)
                                    .arg = p };
     struct submit_job job = { .spec = &p->job.spec,
                               .cargo = &p->cargo,
-                              .to = p->target,
+                              .to = p->cluster.target,
                               .wait_s = p->o.wait_s,
                               .detach = p->o.detach };
     int rc;
@@ -364,21 +377,21 @@ converse(struct program *p)
         cb.stats = program_on_stats;
     if (p->records.keep)
         cb.records = on_records;
-    if (!p->embedded || p->launch)
+    if (!p->cluster.embedded || p->cluster.launch)
         cb.reason = on_reason;
-    if (p->embedded) {
+    if (p->cluster.embedded) {
         cb.alive = on_alive;
         cb.gathered = on_gathered;
     }
-    rc = p->streams ? program_run_stream(p, &job, &cb)
-         : p->nplanes > 1
+    rc = p->stream.is ? program_run_stream(p, &job, &cb)
+         : p->planes.n > 1
              ? program_run_planes(p, &job, &cb)
-             : submit_run(&job, &p->loop, &p->interrupts, &cb, p->err);
+             : submit_run(&job, &p->loop.uv, &p->loop.interrupts, &cb, p->err);
     if (rc == 0)
-        rc = records_write(&p->records, !p->embedded, p->err);
-    if (rc == 0 && p->preview.code != 0) {
-        *p->err = p->preview;
-        rc = p->preview.code;
+        rc = records_write(&p->records, !p->cluster.embedded, p->err);
+    if (rc == 0 && p->preview.why.code != 0) {
+        *p->err = p->preview.why;
+        rc = p->preview.why.code;
     }
     progress_clear(&p->progress);
     program_warn_of_dark(p);
@@ -393,14 +406,15 @@ converse(struct program *p)
 static int
 run_dry(struct program *p)
 {
-    struct dryrun_cluster c = { .embedded = p->embedded };
-    struct link_where where = { &p->loop, &p->interrupts };
+    struct dryrun_cluster c = { .embedded = p->cluster.embedded };
+    struct link_where where = { &p->loop.uv, &p->loop.interrupts };
     char *json;
     int rc;
 
-    c.workers = workers_wanted(p);
+    c.workers = workers_wanted(&p->o);
     c.threads = c.workers * local_threads(c.workers, p->o.threads);
-    if (!p->embedded && (rc = dryrun_ask(&c, &where, &p->target, p->err)) < 0)
+    if (!p->cluster.embedded &&
+        (rc = dryrun_ask(&c, &where, &p->cluster.target, p->err)) < 0)
         return rc;
     if ((rc = compile(p)) < 0 ||
         (rc = cargo_init(&p->cargo, &p->scene.bundle, NULL, p->err)) < 0)
@@ -425,24 +439,26 @@ begin_records(struct program *p)
 {
     int rc;
 
-    if (p->streams && !p->o.ambient)
-        p->records.keep =
-            p->job.spec.scene && p->nplanes == 1 && !submit_options_goal(&p->o);
+    if (p->stream.is && !p->o.ambient)
+        p->records.keep = p->job.spec.scene && p->planes.n == 1 &&
+                          !submit_options_goal(&p->o);
     if (!p->o.ambient && !p->records.keep)
         return 0;
     rc = records_begin(&p->records, p->o.ambient, p->records.keep, &p->o.params,
                        &p->scene, p->err);
-    return rc < 0 || p->streams ? rc
-                                : records_add(&p->records, &p->scene,
-                                              local_folder(p->local), p->err);
+    return rc < 0 || p->stream.is
+               ? rc
+               : records_add(&p->records, &p->scene,
+                             local_folder(p->cluster.local), p->err);
 }
 
 static int
 add_points(struct program *p)
 {
-    if (!p->o.points.file || p->streams)
+    if (!p->o.points.file || p->stream.is)
         return 0;
-    return pointjob_add(&p->points, &p->scene, local_folder(p->local), p->err);
+    return pointjob_add(&p->points, &p->scene, local_folder(p->cluster.local),
+                        p->err);
 }
 
 static int
@@ -456,22 +472,22 @@ run_job(struct program *p)
         (rc = jobspec_set_scene(&p->job, &p->o, &p->scene, p->err)) < 0 ||
         (rc = begin_records(p)) < 0 ||
         (rc = jobspec_add_frames(&p->job, &p->frames, &p->scene,
-                                 local_folder(p->local), p->err)) < 0 ||
+                                 local_folder(p->cluster.local), p->err)) < 0 ||
         (rc = add_points(p)) < 0 ||
-        (rc = cargo_init(&p->cargo, &p->scene.bundle, local_folder(p->local),
-                         p->err)) < 0)
+        (rc = cargo_init(&p->cargo, &p->scene.bundle,
+                         local_folder(p->cluster.local), p->err)) < 0)
         return rc;
     program_warn_of_scene(p);
     program_fill_spec(p);
-    if (p->o.points.file && !p->streams && !pointspec_lit(&p->o.points)) {
+    if (p->o.points.file && !p->stream.is && !pointspec_lit(&p->o.points)) {
         rc = program_write_points(p, &dark, p->err);
         return rc < 0 ? rc : program_write_stats_of_none(p);
     }
-    if (p->embedded && (!p->streams || pointspec_lit(&p->o.points)) &&
+    if (p->cluster.embedded && (!p->stream.is || pointspec_lit(&p->o.points)) &&
         (rc = start_local(p)) < 0)
         return rc;
     rc = converse(p);
-    if (rc == 0 && p->o.detach && p->nplanes == 1) {
+    if (rc == 0 && p->o.detach && p->planes.n == 1) {
         msg_job_format(p->job.id, hex);
         puts(hex);
     }
@@ -513,9 +529,9 @@ init_frames(struct program *p)
 
     if (!p->o.points.file)
         return frames_init(&p->frames, &p->o, p->err);
-    p->streams = strcmp(p->o.points.file, "-") == 0 && !p->o.dry_run &&
-                 pointstream_is_one();
-    if (p->streams)
+    p->stream.is = strcmp(p->o.points.file, "-") == 0 && !p->o.dry_run &&
+                   pointstream_is_one();
+    if (p->stream.is)
         return program_check_stream(p);
     rc = pointjob_read(&p->points, &p->o.points, p->err);
     if (rc < 0)
@@ -547,11 +563,11 @@ prepare(struct program *p)
         progress_every(&p->progress, stderr, p->o.report_s);
     program_warn_of_psample(p);
     program_warn_of_rif(p);
-    p->nplanes = submit_options_planes(&p->o);
+    p->planes.n = submit_options_planes(&p->o);
     if ((rc = choose_cluster(p)) < 0 ||
         (!p->rif.is && (rc = init_frames(p)) < 0) ||
         (rc = jobspec_check_goal(&p->o, p->frames.n, p->err)) < 0 ||
-        (rc = inputs_add(in, "the key", p->target.key, p->err)) < 0 ||
+        (rc = inputs_add(in, "the key", p->cluster.target.key, p->err)) < 0 ||
         (rc = apart_inputs(&p->o, &p->frames, in, p->err)) < 0 ||
         (rc = jobspec_read_costs(&p->job, &p->o, &p->frames, p->err)) < 0 ||
         (rc = program_check_outputs(p)) < 0)
@@ -560,11 +576,11 @@ prepare(struct program *p)
 }
 
 static int
-name_job(struct program *p)
+name_job(struct jobspec *job, const char *id, struct rad_error *err)
 {
-    if (!p->o.job)
-        return jobspec_name(&p->job, p->err);
-    msg_job_parse(p->o.job, p->job.id); /* it was looked at */
+    if (!id)
+        return jobspec_name(job, err);
+    msg_job_parse(id, job->id); /* it was looked at */
     return 0;
 }
 
@@ -579,29 +595,31 @@ run(struct program *p)
         rc = rifjob_prepare(&p->rif, &p->o, p->err);
         program_warn_of_rif(p);
     }
-    if (rc == 0 && !p->watched)
-        rc = watch_signals(p);
-    if (rc == 0 && p->streams)
-        rc = pointstream_open(&p->input, &p->o.points, &p->loop, p->err);
-    if (rc == 0 && !p->local)
-        rc = local_new(&p->local, p->err);
+    if (rc == 0 && !p->loop.watched)
+        rc = watch_signals(&p->loop, p->err);
+    if (rc == 0 && p->stream.is)
+        rc = pointstream_open(&p->stream.input, &p->o.points, &p->loop.uv,
+                              p->err);
+    if (rc == 0 && !p->cluster.local)
+        rc = local_new(&p->cluster.local, p->err);
     if (rc == 0 && p->frames.n == 0)
         program_warn(
             p, "the pictures of all frames are there: nothing is rendered");
     else if (rc == 0 && p->o.dry_run)
         rc = run_dry(p);
-    else if (rc == 0 && (rc = name_job(p)) == 0)
+    else if (rc == 0 && (rc = name_job(&p->job, p->o.job, p->err)) == 0)
         rc = run_job(p);
-    pointstream_close(&p->input);
-    launch_stop(p->launch);
-    local_stop(p->local);
+    pointstream_close(&p->stream.input);
+    launch_stop(p->cluster.launch);
+    local_stop(p->cluster.local);
     if (!foresee_end(p->foresee, rc < 0))
         return rc;
     cargo_release(&p->cargo);
     records_release(&p->records);
     compile_release(&p->scene);
-    if (p->watched && rc != RAD_EUNAVAIL) /* a resolver may still be at work */
-        release_loop(p);
+    if (p->loop.watched &&
+        rc != RAD_EUNAVAIL) /* a resolver may still be at work */
+        release_loop(&p->loop);
     return rc;
 }
 
