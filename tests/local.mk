@@ -30,11 +30,13 @@ UNIT_TESTS = \
 	tests/check_conn \
 	tests/check_coord_conns \
 	tests/check_coord_faults \
+	tests/check_coord_feeding \
 	tests/check_coord_jobs \
 	tests/check_coord_keep \
 	tests/check_coord_order \
 	tests/check_coord_passes \
 	tests/check_coord_rows \
+	tests/check_coord_stages \
 	tests/check_costs \
 	tests/check_credentials \
 	tests/check_data \
@@ -150,6 +152,7 @@ noinst_HEADERS = \
 	tests/analytic.h \
 	tests/closed_mesh.h \
 	tests/coord_fixture.h \
+	tests/coord_passes_fixture.h \
 	tests/geom_scene.h \
 	tests/hook.h \
 	tests/lambert.h \

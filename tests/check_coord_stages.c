@@ -1,0 +1,241 @@
+/* check_coord_stages.c - stages of a job that has a goal */
+#include "config.h"
+
+#include "coord_passes_fixture.h"
+
+#include "filling/stages.h"
+#include "machine/sums.h"
+#include "refine/refine.h"
+
+#include <math.h>
+
+static void
+submit_goal(uint32_t error_ppm, uint32_t time_ms)
+{
+    struct msg m = passes_submit(&wide, 1);
+
+    m.submit.error_ppm = error_ppm;
+    m.submit.time_ms = time_ms;
+    say(&f, ANA, &m);
+}
+
+static void
+send_sums(uint64_t conn, uint32_t pass, uint32_t tile, double v, size_t cut)
+{
+    struct rad_refine_sums sums = { 0 };
+    double *sum = sums.doubt.v;
+    struct wire_out w;
+    struct msg m = { .type = MSG_TILE_MADE,
+                     .tile_made = { .job = job_a,
+                                    .pass = pass,
+                                    .tile = tile,
+                                    .counts = { .rays = tile_rays,
+                                                .cpu_s = tile_cpu_s } } };
+
+    sum[RAD_DOUBT_PLACES] = sum[RAD_DOUBT_AREAS] = 1;
+    sum[RAD_DOUBT_AMBIENT] = sum[RAD_DOUBT_SAID] = v;
+    wire_out_init(&w, SUMS_BYTES);
+    sums_pack(&w, &sums);
+    m.tile_made.data = w.buf;
+    m.tile_made.len = w.len - cut;
+    say(&f, conn, &m);
+    wire_out_release(&w);
+    hold(true);
+}
+
+/* Is the open pass the last of a stage, which is its check pass? */
+static bool
+checks(void)
+{
+    return state().open + 1 == state().n;
+}
+
+/* All tiles of the stage that begins with that pass, those of its check pass
+ * with a square of the error; the job is at rest before the last, so that
+ * nothing hides what is said at its end. */
+static void
+make_stage(uint64_t conn, uint32_t base, double square)
+{
+    struct job *job = desk_find_job(f.c, job_a);
+
+    for (uint32_t pass = 0; pass < PASSES; pass++)
+        for (uint32_t i = 0; i < tiles_of(pass); i++)
+            made(conn, base + pass, i, 1);
+    ck_assert(checks());
+    job->state = JOB_PAUSED;
+    for (uint32_t i = 0; checks() && i < 1000; i++)
+        send_sums(conn, base + PASSES, i, square, 0);
+}
+
+static const struct {
+    double v;
+    size_t cut;
+} unsound[] = { { NAN, 0 }, { INFINITY, 0 }, { -INFINITY, 0 },
+                { 1, 1 },   { 1, 8 },        { 1, SUMS_BYTES } };
+
+START_TEST(sums_that_are_no_numbers_end_the_connection)
+{
+    submit_goal(50000, 0);
+    ready(&f, WORKER, job_a);
+    for (uint32_t pass = 0; pass < PASSES; pass++)
+        make_pass(WORKER, pass);
+    ck_assert(checks() && !f.closed[WORKER]);
+    send_sums(WORKER, PASSES, 0, unsound[_i].v, unsound[_i].cut);
+    ck_assert(f.closed[WORKER]);
+}
+END_TEST
+
+START_TEST(what_is_far_off_has_another_stage)
+{
+    const struct msg_stage *st = &f.last[WORKER].stage;
+    struct job *job;
+
+    submit_goal(50000, 0);
+    ready(&f, WORKER, job_a);
+    make_stage(WORKER, 0, 1);
+    job = desk_find_job(f.c, job_a);
+    ck_assert_int_eq(f.last[WORKER].type, MSG_STAGE);
+    ck_assert_uint_eq(st->pass, PASSES + 1);
+    ck_assert_str_eq(st->params, goal_options(job));
+    ck_assert_str_ne(st->params, job->spec.params);
+    ck_assert_uint_eq(state().open, 0);
+    ck_assert_uint_eq(f.units[WORKER], 0);
+    ck_assert(job->goal.error > .9 && !job->goal.ended);
+    /* one that is late gets this stage alone */
+    made(WORKER, PASSES + 1, 0, 1);
+    for (uint32_t i = 1; i < tiles_of(0); i++)
+        made(WORKER, PASSES + 1, i, 1);
+    job->state = JOB_RUNNING;
+    join(&f, SECOND, MSG_ROLE_WORKER, "ws2", "daemon");
+    job->state = JOB_PAUSED;
+    ready(&f, SECOND, job_a);
+    ck_assert_int_eq(f.last[SECOND].type, MSG_FROZEN);
+    ck_assert_uint_eq(f.last[SECOND].frozen.pass, PASSES + 1);
+    /* tiles of the old one are of no use */
+    made(SECOND, 3, 0, 1);
+    ck_assert(!f.closed[SECOND]);
+}
+END_TEST
+
+START_TEST(what_is_good_enough_has_no_other_stage)
+{
+    struct job *job;
+
+    submit_goal(50000, 0);
+    ready(&f, WORKER, job_a);
+    make_stage(WORKER, 0, 1e-6);
+    job = desk_find_job(f.c, job_a);
+    ck_assert(job->goal.ended && !job->goal.late && job->goal.number == 0);
+    ck_assert(job->goal.error > 0 && job->goal.error <= .05);
+    ck_assert_str_eq(goal_options(job), job->spec.params);
+    ck_assert(!passes_open(job));
+    job->state = JOB_RUNNING;
+    wait_s(&f, 1);
+    ck_assert_uint_gt(f.units[WORKER], 0);
+}
+END_TEST
+
+/* However much that would bring. */
+START_TEST(without_time_there_is_no_other_stage)
+{
+    struct job *job;
+
+    submit_goal(0, 1000);
+    ready(&f, WORKER, job_a);
+    f.now_ms += 5000;
+    make_stage(WORKER, 0, 1);
+    job = desk_find_job(f.c, job_a);
+    ck_assert(job->goal.ended && job->goal.late);
+}
+END_TEST
+
+/* Passes that were kept have taken more than a new life's clock has seen. */
+START_TEST(what_passes_took_before_a_restart_counts)
+{
+    struct job *job;
+
+    submit_goal(0, 30000);
+    ready(&f, WORKER, job_a);
+    f.now_ms += 100;
+    tile_rays = 1000;
+    tile_cpu_s = 30;
+    make_stage(WORKER, 0, 1);
+    job = desk_find_job(f.c, job_a);
+    ck_assert(job->goal.ended && job->goal.late);
+    tile_rays = 0;
+    tile_cpu_s = 0;
+}
+END_TEST
+
+/* Rungs that the clock chose are quarters, and they are kept. */
+START_TEST(a_later_life_takes_up_what_the_clock_chose)
+{
+    enum { KEPT = PASSES + 1 };
+    uint8_t bytes[STAGES_BYTES];
+    struct saved_pass pass[KEPT] = { 0 };
+    struct kept_passes were;
+    struct job_goal goal;
+    struct job *job;
+
+    submit_goal(0, 30000);
+    ready(&f, WORKER, job_a);
+    f.now_ms += 8000; /* the rest is near: no stage comes before it */
+    tile_rays = 1000;
+    tile_cpu_s = .01;
+    make_stage(WORKER, 0, 1);
+    job = desk_find_job(f.c, job_a);
+    goal = job->goal;
+    ck_assert(!goal.ended && goal.number == 1);
+    ck_assert_uint_ne((goal.rungs[0] | goal.rungs[1]) >> 6, 0);
+    stages_pack(f.c, job, bytes);
+    pass[PASSES].len = sizeof bytes;
+    job->goal = (struct job_goal){ 0 };
+    were = job->kept;
+    job->kept = (struct kept_passes){ .pass = pass, .n = KEPT };
+    pass[PASSES].bytes = memcpy(malloc(sizeof bytes), bytes, sizeof bytes);
+    ck_assert_int_eq(stages_take_up(f.c, job, NULL), 0);
+    job->kept = were;
+    ck_assert_uint_eq(job->goal.number, 1);
+    ck_assert_mem_eq(job->goal.rungs, goal.rungs, 2);
+    ck_assert_str_eq(job->goal.options, goal.options);
+    tile_rays = 0;
+    tile_cpu_s = 0;
+}
+END_TEST
+
+/* A child from an earlier life may be at a stage with other options, if the
+ * clock chose them. */
+START_TEST(by_the_clock_a_child_of_an_earlier_life_begins_anew)
+{
+    struct msg m = { .type = MSG_READY, .ready = { job_a, .1, 7, 2, 1 } };
+
+    submit_goal(50000, _i ? 60000 : 0);
+    ready(&f, WORKER, job_a);
+    make_pass(WORKER, 0);
+    make_pass(WORKER, 1);
+    join(&f, SECOND, MSG_ROLE_WORKER, "ws2", "daemon");
+    desk_find_job(f.c, job_a)->state = JOB_PAUSED;
+    say(&f, SECOND, &m);
+    ck_assert_int_eq(f.last[SECOND].type, _i ? MSG_JOB_END : MSG_FROZEN);
+}
+END_TEST
+
+int
+main(void)
+{
+    Suite *s = suite_create("coord_stages");
+    TCase *tc = tcase_create("coord_stages");
+
+    tcase_add_checked_fixture(tc, set_up, tear_down);
+    tcase_add_loop_test(tc, sums_that_are_no_numbers_end_the_connection, 0,
+                        N_ELEM(unsound));
+    tcase_add_test(tc, what_is_far_off_has_another_stage);
+    tcase_add_test(tc, what_is_good_enough_has_no_other_stage);
+    tcase_add_test(tc, without_time_there_is_no_other_stage);
+    tcase_add_test(tc, what_passes_took_before_a_restart_counts);
+    tcase_add_test(tc, a_later_life_takes_up_what_the_clock_chose);
+    tcase_add_loop_test(tc, by_the_clock_a_child_of_an_earlier_life_begins_anew,
+                        0, 2);
+    suite_add_tcase(s, tc);
+    return unit_run(s);
+}
