@@ -140,13 +140,16 @@ edge_set(struct strict *s, struct edge *e, const struct rad_pixel *pixels,
     return true;
 }
 
-static struct rad_pixel
-pixel_of(const uint8_t *from, uint8_t channels)
+void
+edge_decode(struct rad_pixel *to, const uint8_t *from, uint32_t n, int channels)
 {
-    float v[4] = { 0 };
+    for (uint32_t i = 0; i < n; i++) {
+        float v[4] = { 0 };
 
-    wire_floats_get(v, from, channels);
-    return (struct rad_pixel){ .L = rad_rgb(v[0], v[1], v[2]), .z = v[3] };
+        wire_floats_get(v, from, (size_t)channels);
+        from += (size_t)channels * sizeof(float);
+        to[i] = (struct rad_pixel){ { v[0], v[1], v[2] }, v[3] };
+    }
 }
 
 bool
@@ -163,9 +166,8 @@ edge_put(struct strict *s, struct edge *e, const struct msg_base_line *m)
     }
     if (!shelf_is_whole(&e->shelf, &size) || !edge_alloc(s, e))
         return false;
-    for (int x = 0; x < f->q.width; x++)
-        e->pixels[x] = pixel_of(e->shelf.pixels + (size_t)x * size.channels * 4,
-                                size.channels);
+    edge_decode(e->pixels, e->shelf.pixels, (uint32_t)f->q.width,
+                size.channels);
     if (f->ndensity > 0)
         memcpy(e->density, e->shelf.density, f->ndensity);
     shelf_clear(&e->shelf);

@@ -29,6 +29,9 @@ bool edge_set(struct strict *s, struct edge *e, const struct rad_pixel *pixels,
               const uint8_t *density);
 /* A piece that fits came.  True: it makes the line whole. */
 bool edge_put(struct strict *s, struct edge *e, const struct msg_base_line *m);
+/* Decode n pixels of a message. */
+void edge_decode(struct rad_pixel *to, const uint8_t *from, uint32_t n,
+                 int channels);
 /* The size of shelves of a frame's lines. */
 struct shelf_size edge_size(const struct strict *s, uint32_t frame);
 void edge_release(struct strict *s);

@@ -6,6 +6,7 @@
 
 #include "strict/strict_loan.h"
 
+#include "strict/strict_edge.h"
 #include "strict/strict_facts.h"
 #include "strict/strict_out.h"
 #include "strict/strict_rank.h"
@@ -103,9 +104,9 @@ strict_back(struct strict *s, const struct msg_back *m)
     u->lending.blocked = false;
     if (blocked)
         rank_make_way(s);
-    if (u->parked)
-        out_state(s, ITEM_RESUMED, u); /* PARKED may have been sent while BACK came */
-    u->parked = false;     /* the unit may come to wait for its top */
+    if (u->parked) /* PARKED may have been sent while BACK came */
+        out_state(s, ITEM_RESUMED, u);
+    u->parked = false; /* the unit may come to wait for its top */
     if (u->pass)
         u->pass->back |= blocks;
 }
@@ -127,18 +128,6 @@ loan_fits(const struct strict *s, const struct msg_loan *m)
            team_blocks_of(&f->q, (int)m->x, (int)m->n) != 0;
 }
 
-static void
-get_pixels(struct rad_pixel *to, const uint8_t *from, uint32_t n, int channels)
-{
-    for (uint32_t i = 0; i < n; i++) {
-        float v[4] = { 0 };
-
-        wire_floats_get(v, from, (size_t)channels);
-        from += (size_t)channels * sizeof(float);
-        to[i] = (struct rad_pixel){ { v[0], v[1], v[2] }, v[3] };
-    }
-}
-
 /* Give the unit a copy of the message's loan, whose own memory goes with the
  * message; false: memory is out. */
 static bool
@@ -158,9 +147,9 @@ copy_loan(struct strict_unit *u, const struct msg_loan *m)
     memcpy(l->bytes, m->wanted, bits);
     if (m->ndensity > 0)
         memcpy(l->bytes + bits, m->density, m->ndensity);
-    get_pixels(l->pixels, m->top, m->n, m->channels);
+    edge_decode(l->pixels, m->top, m->n, m->channels);
     if (!base)
-        get_pixels(l->pixels + m->n, m->bottom, m->n, m->channels);
+        edge_decode(l->pixels + m->n, m->bottom, m->n, m->channels);
     l->is =
         (struct team_loan){ .line = (int)m->line,
                             .x = (int)m->x,
