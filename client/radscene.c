@@ -124,14 +124,12 @@ summarize(struct summary *sum, const struct rad_scene *s)
     for (int32_t i = 0; i < rad_scene_own(s); i++) {
         const struct rad_object *o = &s->objects[i];
         struct rad_extent e;
-        int32_t m;
 
         sum->count[o->type]++;
         if (rad_otype_class(o->type) != RAD_CLASS_SURFACE)
             continue;
         sum->surfaces++;
-        m = rad_material_of(s, o->modifier);
-        sum->sources += m != RAD_VOID && rad_material_lights(&s->objects[m]);
+        sum->sources += rad_surface_lights(s, i);
         if (!rad_extent_of(o, &e))
             continue;
         for (int k = 0; k < 3; k++) {

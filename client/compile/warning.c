@@ -31,11 +31,8 @@ lights_within(const struct compiled *c)
         const struct rad_object *o = &s->objects[i];
         bool within = i >= rad_scene_own(s) || o->type == RAD_INSTANCE ||
                       o->type == RAD_MESH;
-        int32_t m = within && rad_otype_class(o->type) == RAD_CLASS_SURFACE
-                        ? rad_material_of(s, o->modifier)
-                        : RAD_VOID;
 
-        n += m != RAD_VOID && rad_material_lights(&s->objects[m]);
+        n += within && rad_surface_lights(s, i);
     }
     return n;
 }
@@ -99,16 +96,9 @@ is_light(const struct rad_scene *s, const char *name)
 
     if (last)
         name = last + 1;
-    for (int32_t i = 0; i < rad_scene_own(s); i++) {
-        const struct rad_object *o = &s->objects[i];
-        int32_t m = rad_otype_class(o->type) == RAD_CLASS_SURFACE &&
-                            strcmp(o->name, name) == 0
-                        ? rad_material_of(s, o->modifier)
-                        : RAD_VOID;
-
-        if (m != RAD_VOID && rad_material_lights(&s->objects[m]))
+    for (int32_t i = 0; i < rad_scene_own(s); i++)
+        if (strcmp(s->objects[i].name, name) == 0 && rad_surface_lights(s, i))
             return true;
-    }
     return false;
 }
 

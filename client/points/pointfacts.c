@@ -87,7 +87,7 @@ seen_by(const struct rad_scene *s, int32_t obj)
         if (!o || o->nstrings == 0 ||
             (o->type != RAD_ILLUM && o->type != RAD_MIRROR))
             return mod;
-        mod = rad_scene_find_modifier(s, o->strings[0], mat);
+        rad_scene_named(s, mat, 0, &mod, NULL);
     }
 }
 

@@ -54,6 +54,17 @@ rad_material_lights(const struct rad_object *m)
     }
 }
 
+bool
+rad_surface_lights(const struct rad_scene *scene, int32_t i)
+{
+    const struct rad_object *o = &scene->objects[i];
+    int32_t m = rad_otype_class(o->type) == RAD_CLASS_SURFACE
+                    ? rad_material_of(scene, o->modifier)
+                    : RAD_VOID;
+
+    return m != RAD_VOID && rad_material_lights(&scene->objects[m]);
+}
+
 static int
 compile_alias(struct rad_job *job, int32_t index, struct rad_error *err)
 {

@@ -80,8 +80,9 @@ rad_material_first(const struct rad_job *job, int32_t mod)
     return mod == RAD_VOID ? NULL : &job->materials[mod];
 }
 
-/* Is surface material m a light source's? */
+/* Is surface material m a light source's?  Is object i a surface of such? */
 bool rad_material_lights(const struct rad_object *m);
+bool rad_surface_lights(const struct rad_scene *scene, int32_t i);
 
 /* The material that ends the chain from modifier mod (an alias is replaced by
  * what it stands for), as an object's index, or RAD_VOID. */
