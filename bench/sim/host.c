@@ -227,21 +227,6 @@ host_message(struct cluster *c, struct host *h, const struct msg *m)
     case MSG_UNIT:
         take_unit(h, &m->unit);
         break;
-    case MSG_TILE:
-        host_tiles_take(h, &m->tile);
-        break;
-    case MSG_TILE_RECORDS:
-        host_tiles_records(h, &m->tile_records);
-        break;
-    case MSG_CLOSED:
-        host_tiles_closed(h, &m->closed);
-        break;
-    case MSG_FEED:
-        host_tiles_feed(h, &m->feed);
-        break;
-    case MSG_FROZEN:
-        host_tiles_freeze(h, &m->frozen);
-        break;
     case MSG_REVOKE:
         strict_revoke(h->strict, m->revoke.unit, m->revoke.attempt);
         host_window_revoke(h, &m->revoke);
@@ -280,7 +265,8 @@ host_message(struct cluster *c, struct host *h, const struct msg *m)
         host_estimate_take(h, &m->estimate);
         break;
     default:
-        return;
+        if (!host_tiles_message(h, m))
+            return;
     }
     host_go_on(h);
 }

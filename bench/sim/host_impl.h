@@ -189,11 +189,8 @@ void host_lines_forget(struct host *h);
 
 /* Are tiles to be made before the picture? */
 bool host_tiles_open(const struct host *h);
-void host_tiles_take(struct host *h, const struct msg_tile *m);
-void host_tiles_records(struct host *h, const struct msg_tile_records *m);
-void host_tiles_closed(struct host *h, const struct msg_closed *m);
-void host_tiles_feed(struct host *h, const struct msg_feed *m);
-void host_tiles_freeze(struct host *h, const struct msg_frozen *m);
+/* False: the message is not of tiles. */
+bool host_tiles_message(struct host *h, const struct msg *m);
 /* Begin what is to be done for them next; false: there is nothing. */
 bool host_tiles_begin(struct host *h);
 void host_tiles_forget(struct host *h);

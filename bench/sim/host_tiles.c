@@ -159,8 +159,8 @@ host_tiles_begin(struct host *h)
 
 /* --- messages --- */
 
-void
-host_tiles_take(struct host *h, const struct msg_tile *m)
+static void
+take(struct host *h, const struct msg_tile *m)
 {
     if (h->ntiles == HOST_MOST_TILES)
         abort();
@@ -227,8 +227,8 @@ look(struct host *h)
     }
 }
 
-void
-host_tiles_freeze(struct host *h, const struct msg_frozen *m)
+static void
+freeze(struct host *h, const struct msg_frozen *m)
 {
     if (m->pass != h->passes)
         abort();
@@ -255,8 +255,8 @@ lacks(void *arg, struct event *e)
     say_held(h, false);
 }
 
-void
-host_tiles_closed(struct host *h, const struct msg_closed *m)
+static void
+on_closed(struct host *h, const struct msg_closed *m)
 {
     struct gathered *g = pass_at(h, m->pass);
 
@@ -268,8 +268,8 @@ host_tiles_closed(struct host *h, const struct msg_closed *m)
     look(h);
 }
 
-void
-host_tiles_records(struct host *h, const struct msg_tile_records *m)
+static void
+take_records(struct host *h, const struct msg_tile_records *m)
 {
     struct gathered *g;
     struct msg pass = { .type = MSG_TILE_RECORDS, .tile_records = *m };
@@ -287,13 +287,37 @@ host_tiles_records(struct host *h, const struct msg_tile_records *m)
     look(h);
 }
 
-void
-host_tiles_feed(struct host *h, const struct msg_feed *m)
+static void
+feed(struct host *h, const struct msg_feed *m)
 {
     h->nfed = 0;
     for (uint32_t i = 0; i < m->n; i++)
         if (cluster_find(h->cluster, m->name[i]) >= 0)
             h->fed[h->nfed++] = cluster_find(h->cluster, m->name[i]);
+}
+
+bool
+host_tiles_message(struct host *h, const struct msg *m)
+{
+    switch (m->type) {
+    case MSG_TILE:
+        take(h, &m->tile);
+        return true;
+    case MSG_TILE_RECORDS:
+        take_records(h, &m->tile_records);
+        return true;
+    case MSG_CLOSED:
+        on_closed(h, &m->closed);
+        return true;
+    case MSG_FEED:
+        feed(h, &m->feed);
+        return true;
+    case MSG_FROZEN:
+        freeze(h, &m->frozen);
+        return true;
+    default:
+        return false;
+    }
 }
 
 void
