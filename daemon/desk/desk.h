@@ -86,14 +86,14 @@ struct coord_conn {
 struct coord {
     struct coord_env env;
     struct coord_keep keep;
-    bool keep_due;            /* something happened that it asks for */
-    uint64_t keep_ms;         /* when it was looked after last */
-    struct saved_gone *gones; /* jobs that were forgotten, as they were */
+    bool keep_due;            /* a job ended or was fetched */
+    uint64_t keep_ms;         /* of the last coord_forget_old() */
+    struct saved_gone *gones; /* how jobs that were forgotten ended */
     size_t ngones;
     struct coord_limits limits;
     struct uploads uploads;
     uint64_t uploads_ms; /* when those that wait were looked at last */
-    bool full;           /* the disk is: jobs are held */
+    bool full;           /* the disk is full: jobs are held */
     char full_text[MSG_MAX_TEXT + 1];
     bool full_told;        /* the log has it that the disk is full now */
     uint64_t full_told_ms; /* when it last said so; 0: never */
@@ -101,7 +101,7 @@ struct coord {
     uint64_t now_ms;
     struct coord_conn *conns;
     struct coord_worker *workers;
-    uint32_t nworkers; /* all that ever were */
+    uint32_t nworkers; /* that ever were; the next one's id */
     struct coord_owner *owners;
     uint32_t serving;  /* counts searches for a unit */
     struct job **jobs; /* by priority, then as they came */
@@ -110,11 +110,11 @@ struct coord {
     uint64_t known_ms;    /* when files that owners know of expired last */
     uint64_t progress_ms; /* when PROGRESS was sent last */
     uint64_t lease_ms;    /* a unit that is out for less is not late */
-    bool stirred; /* workers may get something that sched_run() had not */
-    struct coord_worker *roomy; /* else this worker alone may; NULL: none */
+    bool stirred; /* since sched_run() any worker may get a unit or tile */
+    struct coord_worker *roomy; /* if not: this worker alone; NULL: none */
     uint32_t verdicts;    /* that wait to be carried out */
     struct coord_conn *by_id[COORD_CONNS]; /* chains of conns */
-    struct log_limit breaks; /* of lines about those that are no worker's */
+    struct log_limit breaks; /* of lines on others' connections than workers' */
 };
 
 /* --- look up --- */

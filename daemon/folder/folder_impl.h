@@ -1,6 +1,7 @@
 /* folder_impl.h - what the files of the folder share
  *
- * Private to folder*.c. */
+ * Private to folder*.c.
+ * Thread: one at a time, as folder.h. */
 #ifndef DAEMON_FOLDER_IMPL_H
 #define DAEMON_FOLDER_IMPL_H
 

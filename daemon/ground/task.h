@@ -39,7 +39,7 @@ enum {
     TASK_SHORT_MS = 100
 };
 
-/* What writing wants, and there is none of for now. */
+/* What tasks that write wait for: room on the disk; descriptors or memory. */
 enum task_lack { TASK_LACKS_NOTHING, TASK_LACKS_ROOM, TASK_LACKS_MEANS };
 
 /* Embedded first in what a task needs; allocated by the caller. */
@@ -49,7 +49,7 @@ struct task {
     bool writes;                   /* in order; breaks the queue */
     bool lasts;                    /* done when settled */
     void (*waits)(struct task *t); /* loop: it is held alone; NULL: it is not */
-    bool told;                     /* that it is; loop's while it is held */
+    bool told;                     /* waits() was called; loop's while held */
     int code;
     struct rad_error err;
     struct task *next;
@@ -81,18 +81,20 @@ struct task_queue {
     enum task_lack told_lack;   /* [loop] */
     bool told_broken;           /* [loop] */
     bool ends;                  /* [loop] it was told to */
-    bool retry, ending;         /* [loop] while not busy, else [pool] */
+    bool retry, ending;         /* [loop] while not busy, else [pool]: try held
+                                 * tasks again; `ends` as the pool knows it */
     struct task_list waiting;   /* [loop] */
-    struct task_list running;   /* likewise, and so are the rest */
-    struct task_list unsettled; /* they have run */
+    /* [loop] while not busy, else [pool]: */
+    struct task_list running;
+    struct task_list unsettled; /* have run, and are to last */
     struct task_list held;
     struct task_list finished;
     struct task_list telling; /* [loop] finished, done() is to be called */
     uint64_t settled_ns;      /* when settling began last */
-    uint64_t retried_ns;      /* when what is held ran last */
-    bool soon;                /* what is held waits for means */
+    uint64_t retried_ns;      /* when held tasks were tried last */
+    bool soon;                /* held tasks wait for means: retry soon */
     enum task_lack lack;
-    struct rad_error why; /* it lacks that; or is broken: code is set */
+    struct rad_error why; /* of the lack, or of being broken */
     bool is_broken;
 };
 

@@ -74,7 +74,7 @@ struct job {
     struct rad_arena mem;
     uint64_t sequence; /* order of submission */
     enum job_state state;
-    bool ending; /* what follows from its end is to be done (verdict.h) */
+    bool ending;          /* over, and what follows is to be done (verdict.h) */
     enum job_stage stage; /* by job_step() alone */
     bool full; /* the disk is full: this job is held, as all others are */
     bool watched;         /* a picture was asked for before it was whole */
@@ -86,7 +86,7 @@ struct job {
     uint32_t unfetched;        /* frames that are written, and not fetched */
     uint64_t fetched_ms; /* when its owner last got one in this life; or 0 */
     uint32_t nfound;     /* its first files that the store was seen to have */
-    uint64_t found_ms;   /* when the last of them was seen */
+    uint64_t found_ms;   /* when the last of these files was seen */
     int status;          /* of sysexits.h, with JOB_FAILED */
     char text[MSG_MAX_TEXT + 1];
 
@@ -98,7 +98,7 @@ struct job {
     uint32_t nout;
     uint32_t late; /* units that are out for too long, and may have twins */
     struct coord_owner *payer; /* the user whose job it is */
-    uint32_t served; /* the last search for a unit that looked at it */
+    uint32_t served; /* coord.serving of the last search that asked this job */
     struct kept_passes kept;
     struct kept_cache cache;
     struct passes *passes; /* NULL: none, or not yet */
@@ -127,11 +127,11 @@ struct job {
     struct progress_lead lead;
     uint64_t rays;              /* of units that are done */
     uint64_t estimate_ms;       /* that the estimate took */
-    struct msg_counts surveyed; /* and its rays */
+    struct msg_counts surveyed; /* by the estimate */
     struct msg_counts tiled;    /* by the tiles of passes (passes.c) */
-    uint64_t rays_seen;   /* and of those under way; what is lost stays in */
+    uint64_t rays_seen;   /* of units done, under way and lost; only grows */
     uint64_t pixels_seen; /* pixels_done, and those that units under way are
-                           * past; likewise, and never all */
+                           * past; only grows, and never to all */
     struct msg_nan nan;   /* frame: its number */
     struct msg_fault faults[MSG_FAULTS];
     struct msg_doubt doubt; /* of units that are done */

@@ -3,7 +3,8 @@
  *   journal.c       the database: opening, errors, transactions
  *   journal_put.c   putting
  *   journal_read.c  reading
- *   journal_sql.c   tables and statements in SQL */
+ *   journal_sql.c   tables and statements in SQL
+ * Thread: one at a time, as journal.h. */
 #ifndef DAEMON_JOURNAL_IMPL_H
 #define DAEMON_JOURNAL_IMPL_H
 

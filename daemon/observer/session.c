@@ -17,9 +17,9 @@
 #include <string.h>
 #include <sysexits.h>
 
-#define FIRST_MS   500   /* before it dials again */
-#define LAST_MS    30000 /* each wait is twice the one before, up to this */
-#define MOST_ASKED 64    /* requests that wait */
+#define FIRST_REDIAL_MS 500 /* wait; then twice as long each time, */
+#define LAST_REDIAL_MS  30000 /* up to this */
+#define MOST_ASKED      64 /* requests that wait */
 
 static const char out_of_memory[] = "out of memory";
 
@@ -210,7 +210,8 @@ note_down(struct session *s, const char *why, const char *shown)
     s->conn = NULL;
     rad_text_print(s->why, sizeof s->why, "%s", shown);
     s->dial_ms = uv_now(s->loop) + s->wait_ms;
-    s->wait_ms = s->wait_ms < LAST_MS / 2 ? 2 * s->wait_ms : LAST_MS;
+    s->wait_ms =
+        s->wait_ms < LAST_REDIAL_MS / 2 ? 2 * s->wait_ms : LAST_REDIAL_MS;
     if (!s->told)
         log_warn("no coordinator at=%s why=%s", s->conf.coordinator, why);
     s->told = true;
@@ -229,7 +230,7 @@ on_welcome(struct session *s, const struct msg *m)
     conn_set_session(s->conn, MSG_AT_CLIENT);
     conn_live(s->conn, true);
     s->state = UP;
-    s->wait_ms = FIRST_MS;
+    s->wait_ms = FIRST_REDIAL_MS;
     s->told = false;
     log_info("connected coordinator=%s program=%s", s->conf.coordinator,
              m->welcome.program);
@@ -352,7 +353,7 @@ session_new(uv_loop_t *loop, const struct session_conf *conf)
         return NULL;
     s->conf = *conf;
     s->loop = loop;
-    s->wait_ms = FIRST_MS;
+    s->wait_ms = FIRST_REDIAL_MS;
     snprintf(s->why, sizeof s->why, "not connected yet");
     s->dialler = dialler_new(loop, on_dialled, s);
     if (s->dialler)

@@ -29,11 +29,11 @@
 
 /* Something that the coordinator is asked for, again and again. */
 struct watch_query {
-    bool out;         /* it is on its way */
-    bool answered;    /* it came once, or was refused */
+    bool out;         /* asked for, and not answered yet */
+    bool answered;    /* once at least, be it by a refusal */
     uint64_t due_ms;  /* when to ask again */
     uint64_t from_ms; /* when it was asked for */
-    char of[96];      /* at which state of the job; "": it did not come */
+    char of[96];      /* the job's state when asked; "": that failed */
 };
 
 struct watch {
@@ -42,7 +42,7 @@ struct watch {
     uint8_t id[MSG_JOB];
     char hex[MSG_JOB_HEX];
     uint32_t frame;
-    unsigned streams;   /* that follow it */
+    unsigned streams;   /* pages with events that follow the job */
     uint64_t seen_ms;   /* somebody looked */
     uint64_t version;   /* rises with each change */
     struct watch_query row, stats, picture;

@@ -1,6 +1,7 @@
 /* partition_impl.h - what partition.c shares with the two ways to partition
  *
- * Private to partition*.c. */
+ * Private to partition*.c.
+ * Thread: one. */
 #ifndef DAEMON_PARTITION_IMPL_H
 #define DAEMON_PARTITION_IMPL_H
 

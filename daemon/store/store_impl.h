@@ -9,7 +9,8 @@
  *   store_submit.c   frames of jobs that are submitted
  *   store_rows.c     units, rows and pictures
  *   store_read.c     reading files and pictures
- *   store_recover.c  jobs of earlier lives */
+ *   store_recover.c  jobs of earlier lives
+ * Thread: the loop's, but for what tasks run (task.h). */
 #ifndef RADD_DAEMON_STORE_IMPL_H
 #define RADD_DAEMON_STORE_IMPL_H
 

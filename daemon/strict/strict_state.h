@@ -11,7 +11,8 @@
  *   strict_unit.c   states of a unit (drawn in strict_unit.h); units by number
  *                   and by line
  *   strict_edge.c   tops and bottoms by line
- * Units, facts and edges are found by frame and line. */
+ * Units, facts and edges are found by frame and line.
+ * Thread: under the lock of strict.h, but for facts that a team is at. */
 #ifndef DAEMON_STRICT_STATE_H
 #define DAEMON_STRICT_STATE_H
 

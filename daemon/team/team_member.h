@@ -1,6 +1,7 @@
 /* team_member.h - one member of a team, at work on one line
  *
- * Private to team*.c; see team_impl.h. */
+ * Private to team*.c; see team_impl.h.
+ * Thread: the member's own. */
 #ifndef DAEMON_TEAM_MEMBER_H
 #define DAEMON_TEAM_MEMBER_H
 

@@ -97,14 +97,15 @@ struct wjob {
     uint8_t channels;       /* of a pixel */
     uint8_t *files;         /* hashes of the files that the job needs */
     uint32_t nfiles;
-    uint32_t nmissing;      /* fetching: of those */
+    uint32_t nmissing;      /* with WJOB_FETCHING: of these files */
     uint64_t bundle_bytes;  /* of all files, as the submitter said */
-    uint64_t look_ms;       /* no room: when to look again */
+    uint64_t look_ms;       /* with WJOB_NO_ROOM: when to look again */
     unsigned look_delay_ms; /* and how long after that the next time */
     uint64_t child;         /* connection, 0: none */
     uint64_t heard_ms; /* when the child last said something, by awake_ms */
     struct lossy to_child;
-    struct msg_ready ready; /* passes: whose records it was sent meanwhile */
+    struct msg_ready ready;       /* the child's, but for passes: of so many the
+                                   * child has had the records by now */
     uint32_t ntiles[WJOB_PASSES]; /* that the child is to make, by the pass's
                                    * number */
     struct msg_tally tally;
@@ -132,7 +133,7 @@ struct wasked {
 struct wcaller {
     struct wcaller *next;
     uint64_t conn, since_ms;
-    bool said; /* its PEER-HELLO, below */
+    bool said; /* its PEER-HELLO came: what follows is known */
     uint8_t job[MSG_JOB], token[MSG_TOKEN];
     char name[MSG_MAX_NAME + 1];
 };
@@ -147,17 +148,17 @@ struct worker {
     uint64_t coord;    /* connection, 0: none */
     bool welcome;      /* the coordinator has answered our HELLO, */
     unsigned version;  /* with this version of the protocol */
-    bool parted;       /* the coordinator lets us go */
+    bool parted;       /* by BYE or REFUSE: its end is no loss */
     uint64_t welcome_ms, dial_ms;
     unsigned delay_ms; /* before the next dial */
     bool draining, stopped;
-    bool away; /* by worker_allow() */
+    bool away; /* the machine is not to be used now: worker_allow() */
     uint64_t next_conn;
     uint32_t next_peer;
     uint64_t progress;
     struct wjob *jobs;
     struct wcaller *callers;
-    struct wasked *asked; /* that have not come */
+    struct wasked *asked; /* files that have not come */
     uint32_t nasked;
 };
 

@@ -26,10 +26,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define FIRST_DELAY_MS 500
-#define LAST_DELAY_MS  30000
-#define LONG_TICK_MS   1000 /* longer is no tick: the process was stopped */
-#define STEADY_MS      10000 /* after such a connection dial without delay */
+#define FIRST_REDIAL_MS 500 /* wait; then twice as long each time, */
+#define LAST_REDIAL_MS  30000 /* up to this */
+#define LONG_TICK_MS    1000 /* longer is no tick: the process was stopped */
+#define STEADY_MS       10000 /* after such a connection dial without delay */
 
 static struct wjob *
 find_child(const struct worker *w, uint64_t conn)
@@ -63,12 +63,12 @@ dial_later(struct worker *w)
 
     if (w->delay_ms == 0 ||
         (w->welcome && w->now_ms - w->welcome_ms >= STEADY_MS))
-        w->delay_ms = FIRST_DELAY_MS;
+        w->delay_ms = FIRST_REDIAL_MS;
     w->env.random(w->env.arg, &jitter, sizeof jitter);
     w->dial_ms = w->now_ms + w->delay_ms + w->delay_ms * jitter / 131072;
     w->delay_ms *= 2;
-    if (w->delay_ms > LAST_DELAY_MS)
-        w->delay_ms = LAST_DELAY_MS;
+    if (w->delay_ms > LAST_REDIAL_MS)
+        w->delay_ms = LAST_REDIAL_MS;
 }
 
 /* Log the loss of the coordinator, unless it had said BYE or REFUSE. */

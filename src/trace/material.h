@@ -6,7 +6,8 @@
  * shade/gloss/, light sources in light/direct/emitter.c, patterns, textures and
  * mixtures in pattern/.
  * A shader returns true when it was a material and has set r->L; a texture or
- * pattern changes r->pert or r->pattern and returns false. */
+ * pattern changes r->pert or r->pattern and returns false.
+ * Thread: materials are compiled by one, and read by all from then on. */
 #ifndef RAD_TRACE_MATERIAL_H
 #define RAD_TRACE_MATERIAL_H
 

@@ -4,6 +4,8 @@
  * the material that its surface's modifier chain ends in, which may spawn
  * more.  A ray cannot fail: it misses, and brings back black.
  * L is radiance [W/sr/m^2] toward the ray's origin.
+ * Thread: a ray, its parents and its rad_ctx are of one thread; the job is read
+ * by all.
  * Source: Ward 1994, The RADIANCE lighting simulation and rendering system. */
 #ifndef RAD_TRACE_RAY_H
 #define RAD_TRACE_RAY_H

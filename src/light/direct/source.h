@@ -8,6 +8,7 @@
  * Selective testing must not make one pixel depend on another: where Radiance
  * estimates untested sources from hit counts so far, we use figures that are
  * the same everywhere (source.c says which).
+ * Thread: the list is made by one, and read by all from then on.
  * Sources: Ward 1991, Adaptive shadow testing for ray tracing;
  * rpict(1) on -dj -ds -dt -dc. */
 #ifndef RAD_LIGHT_SOURCE_H

@@ -6,6 +6,7 @@
  * knows (-as; guide.h).  The mean radiance times pi is the
  * irradiance, and the positions and radiances of the cells are what gradients
  * and validity radii come from (gradient.h).
+ * Thread: any; a sampling lies in its rad_ctx's scratch.
  * Sources: Shirley & Chiu 1997 (square to disk); Kensler 2013, Correlated
  * multi-jittered sampling.  */
 #ifndef RAD_LIGHT_HEMISPHERE_H
