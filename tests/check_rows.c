@@ -170,6 +170,7 @@ START_TEST(picture_and_depth_hold_the_rows)
     struct rad_picture pic;
     struct rows r;
     char path[160];
+    struct rows_output lasting = { .path = path, .durable = true };
     unsigned char *data;
     float z;
     size_t n;
@@ -177,7 +178,7 @@ START_TEST(picture_and_depth_hold_the_rows)
     make_rows(&r, ROWS_DISTANCES);
     put(&r, 0, 0, W, H);
     snprintf(path, sizeof path, "%s/f.hdr", dir);
-    ck_assert_int_eq(rows_picture(&r, &info, path, true, NULL, NULL), 0);
+    ck_assert_int_eq(rows_picture(&r, &info, &lasting, NULL), 0);
     data = slurp(path, &n);
     ck_assert_int_eq(rad_hdr_read(data, n, 1000, &pic, NULL), 0);
     ck_assert_int_eq(pic.width, W);
@@ -189,7 +190,7 @@ START_TEST(picture_and_depth_hold_the_rows)
     rad_picture_release(&pic);
     free(data);
     snprintf(path, sizeof path, "%s/f.z", dir);
-    ck_assert_int_eq(rows_depth(&r, false, path, true, NULL, NULL), 0);
+    ck_assert_int_eq(rows_depth(&r, 1, false, &lasting, NULL), 0);
     data = slurp(path, &n);
     ck_assert_uint_eq(n, W * H * sizeof(float));
     memcpy(&z, data + (3 * W + 2) * sizeof z, sizeof z);
@@ -240,6 +241,7 @@ START_TEST(coded_rows_make_the_picture_of_the_others)
     unsigned char *data[2];
     int split = codings[_i].split;
     char path[160];
+    struct rows_output out = { .path = path };
     struct rows r;
     size_t n[2];
 
@@ -267,7 +269,7 @@ START_TEST(coded_rows_make_the_picture_of_the_others)
             return;
         }
         snprintf(path, sizeof path, "%s/f.hdr", dir);
-        ck_assert_int_eq(rows_picture(&r, &info, path, false, NULL, NULL), 0);
+        ck_assert_int_eq(rows_picture(&r, &info, &out, NULL), 0);
         data[coded] = slurp(path, &n[coded]);
         rows_remove(&r);
     }
@@ -410,6 +412,7 @@ preview_of(int width, int height, int oversample, int x, int y)
     uint8_t bright[4];
     struct rows r;
     char path[160];
+    struct rows_output out = { .path = path, .preview = true };
     size_t n;
 
     rad_rgbe(rad_grey(3), bright);
@@ -419,7 +422,7 @@ preview_of(int width, int height, int oversample, int x, int y)
     ck_assert_int_eq(
         rows_write(&r, (struct rows_area){ x, y, 1, 1 }, bright, NULL), 0);
     snprintf(path, sizeof path, "%s/preview", dir);
-    ck_assert_int_eq(filtered_preview(&r, &shape, &info, path, NULL), 0);
+    ck_assert_int_eq(filtered_picture(&r, &shape, &info, &out, NULL), 0);
     rows_remove(&r);
     bytes = rad_file_read(path, 1 << 24, &n, NULL);
     ck_assert_ptr_nonnull(bytes);
@@ -493,6 +496,7 @@ START_TEST(previews_show_colours_where_rows_are_missing)
     unsigned char *bytes;
     struct rows r;
     char path[160];
+    struct rows_output out = { .path = path, .preview = true };
     size_t len;
 
     for (size_t i = 0; i < 9; i++)
@@ -501,8 +505,8 @@ START_TEST(previews_show_colours_where_rows_are_missing)
     create(&r, &open, path, (struct rows_form){ w, h, shown[_i].kind, false });
     put_some(&r, &k);
     snprintf(path, sizeof path, "%s/preview", dir);
-    ck_assert_int_eq(n > 1 ? filtered_preview(&r, &shape, &info, path, NULL)
-                           : rows_picture(&r, &info, path, false, NULL, NULL),
+    ck_assert_int_eq(n > 1 ? filtered_picture(&r, &shape, &info, &out, NULL)
+                           : rows_picture(&r, &info, &out, NULL),
                      0);
     rows_remove(&r);
     bytes = rad_file_read(path, 1 << 24, &len, NULL);

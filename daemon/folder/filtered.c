@@ -108,86 +108,26 @@ filter_rows(struct rows *r, struct workplace *p, int width,
     return rc;
 }
 
-static int
-write_picture(struct rows *r, const struct rad_filter_shape *s, bool pick,
-              const struct rad_hdr_info *info, const char *path, bool durable,
-              struct mark *mark, struct rad_error *err)
+int
+filtered_picture(struct rows *r, const struct rad_filter_shape *s,
+                 const struct rad_hdr_info *info, const struct rows_output *out,
+                 struct rad_error *err)
 {
+    bool pick = out->preview && (double)s->width * s->height > FILTERED_PREVIEW;
     struct disk_file w;
     struct rad_sink sink = { disk_file_write, &w };
     struct workplace p;
     int rc = prepare(&p, s, info->width, err);
 
     if (rc == 0)
-        rc = disk_file_open(&w, path, mark, err);
+        rc = disk_file_open(&w, out->path, out->mark, err);
     if (rc == 0) {
         rc = rad_hdr_write_header(info, &sink, err);
         if (rc == 0)
             rc = pick ? pick_rows(r, s, &p, info, &sink, err)
                       : filter_rows(r, &p, info->width, &sink, err);
-        rc = rows_close_picture(r, &w, rc, durable, err);
+        rc = rows_close_picture(r, &w, rc, out->durable, err);
     }
     release(&p);
-    return rc;
-}
-
-int
-filtered_picture(struct rows *r, const struct rad_filter_shape *s,
-                 const struct rad_hdr_info *info, const char *path,
-                 bool durable, struct mark *mark, struct rad_error *err)
-{
-    return write_picture(r, s, false, info, path, durable, mark, err);
-}
-
-int
-filtered_preview(struct rows *r, const struct rad_filter_shape *s,
-                 const struct rad_hdr_info *info, const char *path,
-                 struct rad_error *err)
-{
-    bool many = (double)s->width * s->height > FILTERED_PREVIEW;
-
-    return write_picture(r, s, many, info, path, false, NULL, err);
-}
-
-/* Take the distances of a row of pixels out of those of samples, in place. */
-static void
-thin_out(const struct rad_filter_shape *s, int width, float *samples)
-{
-    for (int x = 0; x < width; x++) {
-        int at = rad_filter_middle(s->width, s->oversample, x);
-
-        samples[x] = samples[4 * (size_t)at + 3];
-    }
-}
-
-int
-filtered_depth(struct rows *r, const struct rad_filter_shape *s,
-               const char *path, bool durable, struct mark *mark,
-               struct rad_error *err)
-{
-    int width = rad_filter_side(s->width, s->oversample);
-    int height = rad_filter_side(s->height, s->oversample), rc;
-    struct disk_file w;
-    float *row;
-
-    if (r->kind != ROWS_DISTANCES)
-        return rad_fail(err, RAD_EDATA, "the job has no depth");
-    row = malloc(rows_bytes(r, r->width));
-    if (!row)
-        return rad_fail(err, RAD_ENOMEM, "out of memory");
-    rc = disk_file_open(&w, path, mark, err);
-    if (rc < 0) {
-        free(row);
-        return rc;
-    }
-    for (int y = 0; y < height && rc == 0; y++) {
-        rc = rows_read(r, rad_filter_middle(s->height, s->oversample, y), row,
-                       err);
-        thin_out(s, width, row);
-        if (rc == 0)
-            rc = disk_file_write(&w, row, (size_t)width * sizeof *row, err);
-    }
-    rc = rows_close_picture(r, &w, rc, durable, err);
-    free(row);
     return rc;
 }

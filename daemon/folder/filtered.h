@@ -19,23 +19,12 @@ int filtered_shape(struct rad_filter_shape *s, int width, int height,
                    int oversample, double clamp, const char *view,
                    struct rad_error *err);
 
-/* As rows_picture(), of info's size. */
-int filtered_picture(struct rows *r, const struct rad_filter_shape *s,
-                     const struct rad_hdr_info *info, const char *path,
-                     bool durable, struct mark *mark, struct rad_error *err);
-
-/* A picture of what is there, for somebody who watches.  Of more samples than
- * that, which would keep the store's thread for more than about half a second,
- * each pixel is the one nearest to its middle. */
+/* As rows_picture(), of info's size.  In a preview of more samples than that,
+ * which would keep the store's thread for more than about half a second, each
+ * pixel is the one nearest to its middle. */
 #define FILTERED_PREVIEW (1 << 25)
-int filtered_preview(struct rows *r, const struct rad_filter_shape *s,
-                     const struct rad_hdr_info *info, const char *path,
-                     struct rad_error *err);
-
-/* As rows_depth(): of each pixel that of the sample nearest to its middle, of
- * several the last. */
-int filtered_depth(struct rows *r, const struct rad_filter_shape *s,
-                   const char *path, bool durable, struct mark *mark,
-                   struct rad_error *err);
+int filtered_picture(struct rows *r, const struct rad_filter_shape *s,
+                     const struct rad_hdr_info *info,
+                     const struct rows_output *out, struct rad_error *err);
 
 #endif

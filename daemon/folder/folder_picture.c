@@ -9,19 +9,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* How its rows become the picture. */
-static int
-shape_of(const struct folder_job *j, const struct frame_rows *f,
-         struct rad_filter_shape *shape, struct rad_error *err)
-{
-    return filtered_shape(shape, f->width, f->height, j->oversample, j->clamp,
-                          f->view, err);
-}
-
 /* A picture of the rows so far. */
 static int
-write_rgbe(const struct folder_job *j, struct frame_rows *f, const char *path,
-           bool preview, bool durable, struct mark *mark, struct rad_error *err)
+write_rgbe(const struct folder_job *j, struct frame_rows *f,
+           const struct rows_output *out, struct rad_error *err)
 {
     struct rad_hdr_info info = { .origin = j->origin,
                                  .software = "radd " PACKAGE_VERSION,
@@ -33,15 +24,15 @@ write_rgbe(const struct folder_job *j, struct frame_rows *f, const char *path,
                                  .height = f->height };
     char options[RAD_FILTER_OPTIONS];
     struct rad_filter_shape shape;
-
     int rc = jobtext_pixaspect(j->params, f->view, f->width, f->height,
                                &info.pixaspect, err);
 
     if (rc < 0)
         return rc;
     if (j->oversample == 1)
-        return rows_picture(f->rows, &info, path, durable, mark, err);
-    rc = shape_of(j, f, &shape, err);
+        return rows_picture(f->rows, &info, out, err);
+    rc = filtered_shape(&shape, f->width, f->height, j->oversample, j->clamp,
+                        f->view, err);
     if (rc == 0)
         rc = jobtext_options(j->params, j->oversample, j->clamp, options, err);
     if (rc < 0)
@@ -50,24 +41,7 @@ write_rgbe(const struct folder_job *j, struct frame_rows *f, const char *path,
     info.width = rad_filter_side(f->width, j->oversample);
     info.height = rad_filter_side(f->height, j->oversample);
     info.pixaspect = rad_filter_pixaspect(&shape, info.pixaspect);
-    if (preview)
-        return filtered_preview(f->rows, &shape, &info, path, err);
-    return filtered_picture(f->rows, &shape, &info, path, durable, mark, err);
-}
-
-static int
-write_depth(const struct folder_job *j, struct frame_rows *f, const char *path,
-            bool durable, struct mark *mark, struct rad_error *err)
-{
-    struct rad_filter_shape shape;
-    int rc;
-
-    if (j->oversample == 1)
-        return rows_depth(f->rows, j->points, path, durable, mark, err);
-    rc = shape_of(j, f, &shape, err);
-    if (rc < 0)
-        return rc;
-    return filtered_depth(f->rows, &shape, path, durable, mark, err);
+    return filtered_picture(f->rows, &shape, &info, out, err);
 }
 
 int
@@ -94,20 +68,21 @@ folder_picture(struct folder *f, const uint8_t id[MSG_JOB], uint32_t frame,
     struct frame_rows *r;
     struct folder_job *j;
     char path[DISK_PATH_MAX];
+    struct rows_output out = { .path = path, .durable = f->durable };
     int rc = folder_find_rows(f, id, frame, &j, &r, err);
 
     if (rc == 0) /* it is whole */
         rows_drop_colours(r->rows);
     if (rc == 0 && j->depth) {
         folder_frame_path(f, id, frame, folder_suffix_of(MSG_WHAT_DEPTH), path);
-        rc = write_depth(j, r, path, f->durable, marks ? &marks->depth : NULL,
-                         err);
+        out.mark = marks ? &marks->depth : NULL;
+        rc = rows_depth(r->rows, j->oversample, j->points, &out, err);
     }
     if (rc < 0)
         return rc;
     folder_frame_path(f, id, frame, folder_suffix_of(MSG_WHAT_PICTURE), path);
-    return write_rgbe(j, r, path, false, f->durable,
-                      marks ? &marks->picture : NULL, err);
+    out.mark = marks ? &marks->picture : NULL;
+    return write_rgbe(j, r, &out, err);
 }
 
 int
@@ -131,6 +106,7 @@ folder_find(struct folder *f, const uint8_t id[MSG_JOB], uint32_t frame,
             enum msg_what what, bool make, char path[DISK_PATH_MAX],
             struct rad_error *err)
 {
+    struct rows_output out = { .path = path, .preview = true };
     struct rad_error why = { 0 };
     struct frame_rows *r;
     struct folder_job *j;
@@ -145,8 +121,7 @@ folder_find(struct folder *f, const uint8_t id[MSG_JOB], uint32_t frame,
         return 0;
     }
     rc = folder_find_rows(f, id, frame, &j, &r, &why);
-    if (rc ==
-        RAD_ENOINPUT) { /* its rows are gone: the picture is the preview */
+    if (rc == RAD_ENOINPUT) { /* without rows the picture is the preview */
         folder_frame_path(f, id, frame, folder_suffix_of(MSG_WHAT_PICTURE),
                           path);
         return 0;
@@ -154,5 +129,5 @@ folder_find(struct folder *f, const uint8_t id[MSG_JOB], uint32_t frame,
     if (rc < 0)
         return rad_fail(err, rc, "%s", why.what);
     folder_frame_path(f, id, frame, folder_suffix_of(what), path);
-    return make ? write_rgbe(j, r, path, true, false, NULL, err) : 0;
+    return make ? write_rgbe(j, r, &out, err) : 0;
 }

@@ -144,8 +144,16 @@ int rows_read(struct rows *r, int y, void *pixels, struct rad_error *err);
 int rows_read_rgbe(struct rows *r, int y, uint8_t *rgbe, void *work,
                    struct rad_error *err);
 
-/* Close what was made of them, rc being what came of that; durable: it lasts
- * after the next rows_sync(). */
+/* Where what is made of rows is written: whole, under another name until then.
+ */
+struct rows_output {
+    const char *path;
+    bool preview;      /* for somebody who watches */
+    bool durable;      /* it lasts after the next rows_sync() */
+    struct mark *mark; /* gets what was written, or is NULL */
+};
+
+/* Close what was made of them, rc being what came of that. */
 int rows_close_picture(struct rows *r, struct disk_file *w, int rc,
                        bool durable, struct rad_error *err);
 
@@ -158,16 +166,14 @@ void rows_remove(struct rows *r);
 /* Open the file if it was closed to make place for others. */
 int rows_use(struct rows *r, struct rad_error *err);
 
-/* Make the RGBE picture at path, whole: temporary file, rename; durable: it
- * lasts after the next rows_sync().  info's width and height are those of the
- * rows.  mark gets what was written, and may be NULL. */
+/* Make the RGBE picture.  info's width and height are those of the rows. */
 int rows_picture(struct rows *r, const struct rad_hdr_info *info,
-                 const char *path, bool durable, struct mark *mark,
-                 struct rad_error *err);
+                 const struct rows_output *out, struct rad_error *err);
 
-/* The same of the distances: width * height floats, or with `whole` the pixels
- * as they are, four floats each; needs ROWS_DISTANCES. */
-int rows_depth(struct rows *r, bool whole, const char *path, bool durable,
-               struct mark *mark, struct rad_error *err);
+/* The same of the distances, a float for each pixel of the picture: that of the
+ * sample nearest to its middle, of several the last; or with `whole` the
+ * samples as they are, four floats each.  Needs ROWS_DISTANCES. */
+int rows_depth(struct rows *r, int oversample, bool whole,
+               const struct rows_output *out, struct rad_error *err);
 
 #endif

@@ -3,6 +3,8 @@
 
 #include "folder/rows.h"
 
+#include "image/filter.h"
+
 #include <stdlib.h>
 
 /* Coded bytes that are copied at a time, but for long rows. */
@@ -88,12 +90,12 @@ rows_close_picture(struct rows *r, struct disk_file *w, int rc, bool durable,
 }
 
 int
-rows_picture(struct rows *r, const struct rad_hdr_info *info, const char *path,
-             bool durable, struct mark *mark, struct rad_error *err)
+rows_picture(struct rows *r, const struct rad_hdr_info *info,
+             const struct rows_output *out, struct rad_error *err)
 {
     struct disk_file w;
     struct rad_sink sink = { disk_file_write, &w };
-    int rc = disk_file_open(&w, path, mark, err);
+    int rc = disk_file_open(&w, out->path, out->mark, err);
 
     if (rc < 0)
         return rc;
@@ -101,37 +103,49 @@ rows_picture(struct rows *r, const struct rad_hdr_info *info, const char *path,
     if (rc == 0)
         rc = r->kind == ROWS_CODED && !r->coarse ? copy_coded(r, &sink, err)
                                                  : encode_rows(r, &sink, err);
-    return rows_close_picture(r, &w, rc, durable, err);
+    return rows_close_picture(r, &w, rc, out->durable, err);
+}
+
+/* Take the distances of a row of pixels out of those of samples, in place. */
+static void
+thin_out(const struct rows *r, int oversample, int width, float *samples)
+{
+    for (int x = 0; x < width; x++) {
+        int at = rad_filter_middle(r->width, oversample, x);
+
+        samples[x] = samples[4 * (size_t)at + 3];
+    }
 }
 
 int
-rows_depth(struct rows *r, bool whole, const char *path, bool durable,
-           struct mark *mark, struct rad_error *err)
+rows_depth(struct rows *r, int oversample, bool whole,
+           const struct rows_output *out, struct rad_error *err)
 {
-    size_t channels = whole ? 4 : 1;
+    int width = rad_filter_side(r->width, oversample);
+    int height = rad_filter_side(r->height, oversample), rc;
+    size_t n = (size_t)width * (whole ? 4 : 1);
     struct disk_file w;
     float *pixels;
-    int rc;
 
     if (r->kind != ROWS_DISTANCES)
         return rad_fail(err, RAD_EDATA, "the job has no depth");
     pixels = malloc(rows_bytes(r, r->width));
     if (!pixels)
         return rad_fail(err, RAD_ENOMEM, "out of memory");
-    rc = disk_file_open(&w, path, mark, err);
+    rc = disk_file_open(&w, out->path, out->mark, err);
     if (rc < 0) {
         free(pixels);
         return rc;
     }
-    for (int y = 0; y < r->height && rc == 0; y++) {
-        rc = rows_read(r, y, pixels, err);
-        for (int x = 0; x < r->width && !whole; x++)
-            pixels[x] = pixels[4 * (size_t)x + 3];
+    for (int y = 0; y < height && rc == 0; y++) {
+        rc = rows_read(r, rad_filter_middle(r->height, oversample, y), pixels,
+                       err);
+        if (!whole)
+            thin_out(r, oversample, width, pixels);
         if (rc == 0)
-            rc = disk_file_write(
-                &w, pixels, channels * (size_t)r->width * sizeof *pixels, err);
+            rc = disk_file_write(&w, pixels, n * sizeof *pixels, err);
     }
-    rc = rows_close_picture(r, &w, rc, durable, err);
+    rc = rows_close_picture(r, &w, rc, out->durable, err);
     free(pixels);
     return rc;
 }
