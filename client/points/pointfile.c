@@ -83,21 +83,21 @@ take_line(const char *s, const char *end, double v[6], struct rad_error *err)
                     "expected six numbers, origin and direction, got %d", n);
 }
 
-/* Is there room for another point within the first `most`? */
+/* Is there room for another point within the first f->most? */
 static bool
-wanted(const struct pointfile *f, uint64_t most)
+wanted(const struct pointfile *f)
 {
-    return f->taken + f->n < most;
+    return f->taken + f->n < f->most;
 }
 
 static int
-parse_text(struct pointfile *f, const char *name, const char *s, size_t n,
-           uint64_t most, bool last, size_t *used, struct rad_error *err)
+parse_text(struct pointfile *f, const char *s, size_t n, bool last,
+           size_t *used, struct rad_error *err)
 {
     const char *begin = s, *end = s + n;
     int rc = 0;
 
-    while (rc == 0 && s < end && wanted(f, most)) {
+    while (rc == 0 && s < end && wanted(f)) {
         const char *nl = memchr(s, '\n', (size_t)(end - s));
         double v[6];
 
@@ -108,7 +108,7 @@ parse_text(struct pointfile *f, const char *name, const char *s, size_t n,
         if (rc == 1 && (rc = reserve(f, err)) == 0)
             memcpy(f->point[f->n++], v, sizeof v);
         if (rc < 0)
-            rad_error_where(err, "%s:%ld", name, f->line);
+            rad_error_where(err, "%s:%ld", f->name, f->line);
         s = nl ? nl + 1 : end;
     }
     *used = (size_t)(s - begin);
@@ -130,15 +130,15 @@ take_binary(const uint8_t *bytes, bool wide, double v[6])
 }
 
 static int
-parse_binary(struct pointfile *f, const char *name, const uint8_t *bytes,
-             size_t n, bool wide, uint64_t most, bool last, size_t *used,
-             struct rad_error *err)
+parse_binary(struct pointfile *f, const uint8_t *bytes, size_t n, bool last,
+             size_t *used, struct rad_error *err)
 {
+    bool wide = f->format == 'd';
     const uint8_t *begin = bytes, *end = bytes + n;
     size_t each = 6 * (wide ? sizeof(double) : sizeof(float));
     int rc = 0;
 
-    for (; (size_t)(end - bytes) >= each && wanted(f, most); bytes += each) {
+    for (; (size_t)(end - bytes) >= each && wanted(f); bytes += each) {
         double v[6];
 
         take_binary(bytes, wide, v);
@@ -152,58 +152,50 @@ parse_binary(struct pointfile *f, const char *name, const uint8_t *bytes,
             break;
         memcpy(f->point[f->n++], v, sizeof v);
     }
-    if (rc == 0 && last && bytes < end && wanted(f, most))
+    if (rc == 0 && last && bytes < end && wanted(f))
         rc = rad_fail(err, RAD_EDATA,
                       "%zu bytes behind sensor point %" PRIu64
                       ", and each has %zu",
                       (size_t)(end - bytes), f->taken + f->n, each);
     if (rc < 0)
-        rad_error_where(err, "%s", name);
+        rad_error_where(err, "%s", f->name);
     *used = (size_t)(bytes - begin);
     return rc;
 }
 
 int
-pointfile_more(struct pointfile *f, const char *name, const void *bytes,
-               size_t n, char format, uint64_t most, bool last, size_t *used,
-               struct rad_error *err)
+pointfile_more(struct pointfile *f, const void *bytes, size_t n, bool last,
+               size_t *used, struct rad_error *err)
 {
-    return format == 'a'
-               ? parse_text(f, name, bytes, n, most, last, used, err)
-               : parse_binary(f, name, bytes, n, format == 'd', most, last,
-                              used, err);
+    return f->format == 'a' ? parse_text(f, bytes, n, last, used, err)
+                            : parse_binary(f, bytes, n, last, used, err);
+}
+
+void
+pointfile_init(struct pointfile *f, const char *name, char format,
+               uint64_t most)
+{
+    *f = (struct pointfile){ .name = name, .format = format, .most = most };
 }
 
 int
-pointfile_parse(struct pointfile *f, const char *name, const void *bytes,
-                size_t n, char format, uint64_t most, struct rad_error *err)
+pointfile_read(struct pointfile *f, struct rad_error *err)
 {
-    size_t used;
-
-    memset(f, 0, sizeof *f);
-    return pointfile_more(f, name, bytes, n, format, most, true, &used, err);
-}
-
-int
-pointfile_read(struct pointfile *f, const char *name, char format,
-               uint64_t most, struct rad_error *err)
-{
-    bool std = strcmp(name, "-") == 0;
+    bool std = strcmp(f->name, "-") == 0;
     unsigned char *bytes;
-    size_t n;
+    size_t n, used;
     int rc;
 
-    memset(f, 0, sizeof *f);
     if (std)
-        name = "stdin";
-    bytes = std ? rad_fd_read(STDIN_FILENO, name, LARGEST, &n, err)
-                : rad_file_read(name, LARGEST, &n, err);
+        f->name = "stdin";
+    bytes = std ? rad_fd_read(STDIN_FILENO, f->name, LARGEST, &n, err)
+                : rad_file_read(f->name, LARGEST, &n, err);
     if (!bytes)
         return err->code;
-    rc = pointfile_parse(f, name, bytes, n, format, most, err);
+    rc = pointfile_more(f, bytes, n, true, &used, err);
     free(bytes);
     if (rc == 0 && f->n == 0)
-        rc = rad_fail(err, RAD_EDATA, "no sensor points in '%s'", name);
+        rc = rad_fail(err, RAD_EDATA, "no sensor points in '%s'", f->name);
     return rc;
 }
 

@@ -12,8 +12,10 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/* Zeroed at first. */
 struct pointfile {
+    const char *name; /* for errors; borrowed */
+    char format;      /* 'a' (text), 'f' or 'd' */
+    uint64_t most;    /* what follows so many points is not looked at */
     double (*point)[6];
     uint32_t n;
     size_t room;
@@ -21,28 +23,22 @@ struct pointfile {
     long line;      /* lines of text so far */
 };
 
-/* Take n bytes apart, whose format is 'a' (text), 'f' or 'd'; what follows the
- * first `most` points is not looked at.  RAD_EDATA, with `name` and the line,
- * or the point, of what is wrong; RAD_ENOMEM.  *f can be released in any
- * case. */
-int pointfile_parse(struct pointfile *f, const char *name, const void *bytes,
-                    size_t n, char format, uint64_t most,
-                    struct rad_error *err);
+void pointfile_init(struct pointfile *f, const char *name, char format,
+                    uint64_t most);
 
-/* The same of n more bytes; *used of them were whole points, and unless they
- * are the last, the caller says the others again with those that follow. */
-int pointfile_more(struct pointfile *f, const char *name, const void *bytes,
-                   size_t n, char format, uint64_t most, bool last,
+/* Take n more bytes apart; *used of them were whole points, and unless they are
+ * the last, the caller says the others again with those that follow. RAD_EDATA,
+ * with the name and the line, or the point, of what is wrong; RAD_ENOMEM. */
+int pointfile_more(struct pointfile *f, const void *bytes, size_t n, bool last,
                    size_t *used, struct rad_error *err);
 
 /* The first n points become *to's.  RAD_ENOMEM. */
 int pointfile_take(struct pointfile *from, uint32_t n, struct pointfile *to,
                    struct rad_error *err);
 
-/* The same of a file; "-" is the standard input, to its end.  RAD_ENOINPUT,
- * RAD_EUSAGE for more than RAD_MAX_POINTS. */
-int pointfile_read(struct pointfile *f, const char *name, char format,
-                   uint64_t most, struct rad_error *err);
+/* All of the file of that name; "-" is the standard input, to its end.
+ * RAD_ENOINPUT, RAD_EUSAGE for more than RAD_MAX_POINTS. */
+int pointfile_read(struct pointfile *f, struct rad_error *err);
 
 void pointfile_release(struct pointfile *f);
 

@@ -23,10 +23,11 @@ int
 pointjob_read(struct pointjob *j, const struct pointspec *spec,
               struct rad_error *err)
 {
-    int rc = pointfile_read(&j->in, spec->file, spec->in, pointspec_most(spec),
-                            err);
+    int rc;
 
     j->spec = spec;
+    pointfile_init(&j->in, spec->file, spec->in, pointspec_most(spec));
+    rc = pointfile_read(&j->in, err);
     return rc < 0 ? rc : pointjob_lay(j, err);
 }
 

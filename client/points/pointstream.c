@@ -47,8 +47,7 @@ take_bytes(struct pointstream *s, size_t n)
     size_t used = 0;
 
     s->nrest += n;
-    if (pointfile_more(&s->in, "stdin", s->rest, s->nrest, s->spec->in,
-                       pointspec_most(s->spec), last, &used, &s->end) < 0)
+    if (pointfile_more(&s->in, s->rest, s->nrest, last, &used, &s->end) < 0)
         end(s);
     s->nrest -= used;
     memmove(s->rest, s->rest + used, s->nrest);
@@ -56,7 +55,7 @@ take_bytes(struct pointstream *s, size_t n)
         s->first_ms = before > 0 ? s->first_ms : now;
         s->last_ms = now;
     }
-    if (s->in.taken + s->in.n == pointspec_most(s->spec) || last)
+    if (s->in.taken + s->in.n == s->in.most || last)
         end(s);
     else if (s->nrest > LONGEST && !s->ended) {
         rad_fail(&s->end, RAD_EDATA, "a line of more than %d bytes", LONGEST);
@@ -105,9 +104,8 @@ pointstream_open(struct pointstream *s, const struct pointspec *spec,
 {
     int rc;
 
-    *s = (struct pointstream){ .spec = spec,
-                               .loop = loop,
-                               .size = POINTSTREAM_FIRST };
+    *s = (struct pointstream){ .loop = loop, .size = POINTSTREAM_FIRST };
+    pointfile_init(&s->in, "stdin", spec->in, pointspec_most(spec));
     s->rest = malloc(LONGEST + PIECE);
     if (!s->rest)
         return rad_fail(err, RAD_ENOMEM, "out of memory");

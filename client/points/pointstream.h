@@ -19,7 +19,6 @@
 #define POINTSTREAM_MOST  (1u << 20)
 
 struct pointstream {
-    const struct pointspec *spec;
     uv_loop_t *loop;
     uv_poll_t poll;
     uv_timer_t timer;    /* ends a wait */

@@ -38,10 +38,10 @@ LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     rad_points_open(&p, data, size, NULL);
     for (const char *format = "afd"; *format; format++) {
         struct pointfile f;
+        size_t used;
 
-        if (pointfile_parse(&f, "fuzz", data, size, *format, UINT32_MAX,
-                            NULL) == 0 &&
-            f.n > 0)
+        pointfile_init(&f, "fuzz", *format, UINT32_MAX);
+        if (pointfile_more(&f, data, size, true, &used, NULL) == 0 && f.n > 0)
             lay_out(&f);
         pointfile_release(&f);
     }
