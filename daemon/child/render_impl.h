@@ -24,15 +24,15 @@
  * when no more than so many bytes wait in the link. */
 #define RENDER_AHEAD (1u << 20)
 
-/* The passes of the cache; n is 0: it does not come so. */
+/* The passes of the cache; n is 0: it has none. */
 struct render_passes {
     struct rad_passes *passes;
     struct rad_pass *plan;
     uint32_t n;
     uint32_t base;          /* of the job's passes, the first of this stage */
     uint32_t next;          /* the first whose records have not all come */
-    struct rad_ambrec *rec; /* the records of it that have, or */
-    uint8_t *walk;          /* what of a pass that walks travels as these */
+    struct rad_ambrec *rec; /* of that pass: records that have come; or */
+    uint8_t *walk;          /* in a pass of paths their ends (spots.h) */
     size_t nrecs;
 };
 
@@ -71,8 +71,8 @@ struct render {
     uint64_t sent, received, redundant; /* ambient records */
     struct pool_tally past;             /* of pools that are freed */
     uint64_t told_rays;    /* under way in the last TALLY */
-    uint64_t told_dropped; /* likewise */
-    uint64_t told_ms;      /* when that was */
+    uint64_t told_dropped; /* dropped rays in the last TALLY */
+    uint64_t told_ms;      /* when the last TALLY was sent */
     int status;
 };
 

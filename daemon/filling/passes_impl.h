@@ -23,20 +23,20 @@ struct tile {
     uint64_t out_ms;       /* when it last went out */
     uint32_t place;        /* in the order in which they go out */
     uint32_t before, then; /* in the list of tiles that are out */
-    uint8_t *records;      /* or sums */
-    uint32_t n;            /* of them */
+    uint8_t *records;      /* of a check pass: sums */
+    uint32_t n;            /* of records */
 };
 
 /* The tiles of an open pass. */
 struct sheet {
     struct tile *tile; /* NULL: no pass has the sheet */
     uint32_t ntiles;
-    uint32_t *order;         /* in which they go out */
-    uint32_t next;           /* in that order; those before are out, or made */
+    uint32_t *order;         /* tiles as they go out */
+    uint32_t next;           /* in order: tiles before are out, or made */
     uint32_t oldest, newest; /* of the tiles that workers have, made by others
                               * or not: a list by when they went out */
-    uint32_t left;           /* that are not made */
-    uint32_t waiting;        /* of these, that nobody has */
+    uint32_t left;           /* tiles that are not made */
+    uint32_t waiting;        /* tiles that are not made and that nobody has */
 };
 
 /* The records of a pass that is closed. */
@@ -58,13 +58,13 @@ enum reuse_state {
 
 struct passes {
     struct rad_pass *plan;
-    double *weight; /* of each, passcost.h */
+    double *weight; /* of each pass, passcost.h */
     uint32_t n;
     uint32_t base;              /* passes of the stages before */
-    uint32_t open;              /* of the plan, the first; n: all are closed */
+    uint32_t open;              /* the first in the plan; n: all are closed */
     uint32_t opened;            /* beyond the last that is open */
     enum reuse_state reuse;     /* by passes.c alone */
-    struct closed *closed;      /* as many */
+    struct closed *closed;      /* of each pass, once it is closed */
     uint32_t done;              /* frames before are done */
     size_t bytes;               /* of all records that are here */
     struct rad_pass_size *size; /* of the frames */

@@ -28,9 +28,9 @@ void records_feed(struct coord *c, struct job *job, uint32_t pass,
                   uint32_t tile);
 /* One more pass is closed. */
 void records_tell(struct coord *c, struct job *job);
-/* Send those of a closed pass to whoever keeps them (-af). */
+/* Send the records of a closed pass to whoever keeps them (-af). */
 void records_keep(struct coord *c, const struct job *job, uint32_t pass);
-/* Those of the first pass came from a former job. */
+/* The records of the first pass came, from a former job. */
 void records_came(struct coord *c, struct job *job);
 /* Another stage begins: whichever pass workers are at, all begin anew. */
 void records_drop(struct coord *c, struct job *job);

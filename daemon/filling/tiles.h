@@ -15,10 +15,10 @@ struct passes;
 struct sheet;
 struct tile;
 
-/* Those of a pass that is open from now on, of which none is out; false: out of
+/* A pass is open from now on: make its sheet, with no tile out; false: out of
  * memory. */
 bool tiles_open(struct passes *s, uint32_t pass);
-/* Those of a pass; of all. */
+/* Free the sheet of a pass; of all passes. */
 void tiles_close(struct passes *s, uint32_t pass);
 void tiles_drop(struct passes *s);
 

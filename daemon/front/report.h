@@ -21,9 +21,9 @@ json_t *report_job(const struct coord *c, const struct job *job, size_t label);
 
 /* What a worker does for all jobs that are not over, taken together. */
 struct report_share {
-    bool lacks_room; /* it cannot take one of them now */
-    bool prepares;   /* it makes tiles of a pass, or estimates: that is work
-                      * without units */
+    bool lacks_room; /* for the files of one of these jobs */
+    bool prepares;   /* makes tiles of a pass, or estimates: work without
+                      * units */
     uint64_t rays;
     uint64_t redundant; /* ambient records that it got and had made, too */
     uint64_t cache;     /* ambient records that it holds */

@@ -29,7 +29,7 @@ struct job_frame {
     bool shown;             /* tiles told its colours in this life */
     double *line_s;  /* processor time that was spent on each line in this life
                       * of the coordinator; NULL: nothing is known */
-    uint32_t nlines; /* so many */
+    uint32_t nlines; /* in line_s */
     bool untold;     /* not all of line_s is said: a worker lost a unit that it
                       * had spent something on */
 };

@@ -21,9 +21,9 @@ struct saved_unit {
     const char *worker;   /* of that attempt; "": it never went out */
     uint64_t fingerprint; /* of that worker */
     uint32_t stored;      /* rows of it that are kept, from its top */
-    uint64_t sum;         /* rowsum() of these; put: of those that came now, */
-    uint32_t now;         /* so many */
-    bool done;            /* all of them; then the rest is known */
+    uint64_t sum;         /* rowsum() of these; when put: of the new ones */
+    uint32_t now;         /* when put: how many of these are new */
+    bool done;            /* all rows are kept; then the rest is known */
     uint64_t end_ms;
     struct msg_counts counts;
     const uint8_t *bottom; /* densities of its last base line */
@@ -68,7 +68,7 @@ struct saved_job {
     uint64_t cache_bytes;     /* and of that its ambient cache; to be kept: not
                                * 0 */
     struct msg_progress last; /* of one that is over */
-    struct mark stats;        /* likewise */
+    struct mark stats;        /* of one that is over */
     const struct saved_frame *frames; /* by index */
     uint32_t nunits;                  /* of one that is not over */
     const struct saved_unit *units;   /* by number */
@@ -81,7 +81,7 @@ struct saved_job {
 
 /* Why a job that was over is forgotten. */
 enum gone_why {
-    GONE_MANY,    /* its owner has more of them than are kept */
+    GONE_MANY,    /* its owner has more such jobs than are kept */
     GONE_OLD,     /* it was over for longer than is kept */
     GONE_LARGE,   /* its owner's took more room than they may */
     GONE_BEFORE,  /* radcoord ended as it was being forgotten */
@@ -89,14 +89,14 @@ enum gone_why {
     GONE_NWHYS
 };
 
-/* What is remembered of it, for a while. */
+/* What is remembered of a job that was forgotten, for a while. */
 #define SAVED_GONES 100 /* of each owner, the last so many */
 struct saved_gone {
     uint8_t job[MSG_JOB];
     char owner[MSG_MAX_NAME + 1];
     char name[MSG_MAX_NAME + 1]; /* or as much of it as fits */
     enum gone_why why;
-    bool fetched; /* there was no picture that nobody has */
+    bool fetched; /* its owner had all of its pictures */
     uint64_t end_ms, gone_ms;
     uint64_t sequence; /* in this life: its place in a list of jobs */
 };

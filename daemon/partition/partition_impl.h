@@ -30,15 +30,15 @@ struct partition {
     uint32_t waiting; /* units in state PARTITION_WAITING */
     uint32_t undone;  /* units that are not done */
     uint32_t open;    /* frames that may go out */
-    uint32_t shut;    /* waiting units of those that may not */
+    uint32_t shut;    /* waiting units of frames that may not */
     uint32_t *back;   /* units that came back, a stack */
     uint32_t nback;
     double cost_total;
     enum msg_partition kind;
     char choice[160];
-    struct partition_window *window; /* one of the two */
+    struct partition_window *window; /* NULL: lines are shared */
     struct partition_queue *queue;   /* of windows by what is measured */
-    struct partition_lines *lines;
+    struct partition_lines *lines;   /* NULL: units are windows */
 };
 
 /* --- partition_table.c --- */

@@ -35,8 +35,8 @@ struct partition_lines {
     uint32_t nframes, nlines;
     struct frame *frame;
     uint32_t *unit;        /* by line of all frames: PARTITION_NONE, free */
-    float *cost;           /* likewise */
-    bool *kept;            /* likewise */
+    float *cost;           /* by line, too */
+    bool *kept; /* by line: it is kept back, see partition_keep_line() */
     double left;           /* cost of all free lines */
     uint32_t lo;           /* frames before have no free line */
     uint32_t nfree, nkept; /* of all frames */
