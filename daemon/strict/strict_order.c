@@ -10,8 +10,6 @@
 #include "strict/strict_rank.h"
 #include "strict/strict_state.h"
 
-#include <string.h>
-
 /* A unit has waited so long for its top before its facts go out: short waits
  * cost no traffic. */
 #define PARK_MS 200
@@ -44,59 +42,6 @@ order_drop(struct strict *s, struct strict_unit *u)
         facts_drop(s, u->frame, i);
     facts_drop_table(s, u->frame);
     strict_unit_free(u);
-}
-
-uint64_t
-strict_rays(const struct strict *s)
-{
-    uint64_t n = 0;
-
-    for (const struct strict_unit *u = s->units; u; u = u->next)
-        n += is_gone(u) ? 0 : u->spent.rays;
-    return n;
-}
-
-static uint64_t
-pixels_of(const struct strict *s, const struct strict_unit *u)
-{
-    const struct frame *f = frame_of(s, u->frame);
-    struct team_made made = { 0 };
-    struct strict_unit now = { .made = u->made };
-    int begin = row_of(f, u->first);
-    uint64_t all, out;
-
-    if (u->fate >= FATE_OVER || u->loan)
-        return 0;
-    if (u->pass)
-        made = u->pass->made;
-    strict_unit_made(&now, &made);
-    all = (uint64_t)(row_of(f, u->last) - begin) * (uint64_t)f->q.width;
-    out = made.out;
-    if (u->out > u->first)
-        out += (uint64_t)(row_of(f, u->out) - begin) * (uint64_t)f->q.width;
-    /* the unit may have given lines away, or made the line above */
-    if (now.made.base + now.made.bars < all)
-        all = now.made.base + now.made.bars;
-    return all > out ? all - out : 0;
-}
-
-uint64_t
-strict_pixels(const struct strict *s)
-{
-    uint64_t n = 0;
-
-    for (const struct strict_unit *u = s->units; u; u = u->next)
-        n += pixels_of(s, u);
-    return n;
-}
-
-void
-strict_dropped(const struct strict *s, struct msg_counts *out)
-{
-    *out = s->dropped;
-    out->primary_rays = 0;
-    out->nan = (struct msg_nan){ 0 };
-    memset(out->faults, 0, sizeof out->faults);
 }
 
 /* The lines [*first, *last) of the message's rows. */

@@ -1,7 +1,7 @@
 /* strict_state.h - what the strict units' machine knows
  *
  * Private to strict*.c, as are the headers of these files.  Calls go down:
- *   strict.c        the machine's beginning and end
+ *   strict.c        the machine's beginning and end, and what it counts
  *   strict_pass.c   the next pass: of which unit, in which mode; how it ends
  *   strict_order.c  orders about units: UNIT, SPLIT, YIELD, REVOKE, TWIN
  *   strict_loan.c   columns that are lent, and that others lend
@@ -24,7 +24,7 @@
  * child may have thousands of units that wait. */
 #define STRICT_SLOTS 1024
 
-/* A message that is to be sent, one or, of FACTS, some. */
+/* A message that is to be sent; of FACTS one or more. */
 enum item_kind {
     ITEM_FACTS,
     ITEM_PARKED,
@@ -39,7 +39,7 @@ enum item_kind {
 struct item {
     struct item *next;
     enum item_kind kind;
-    uint32_t unit, attempt; /* but of PIECE and LINE_COSTS */
+    uint32_t unit, attempt; /* of all but PIECE and LINE_COSTS */
     uint32_t height;        /* of GAVE */
     uint32_t frame;
     int line;
