@@ -509,6 +509,35 @@ START_TEST(no_light_leaks_through_a_wall)
 }
 END_TEST
 
+/* The same through which a thousandth of the light comes, straight on: rays of
+ * the hemispheres pass it. */
+static const char *const dark_pane[] = {
+    "void glass pane 0 0 3 .001 .001 .001\n",
+    "void trans pane 0 0 7 .5 .5 .5 0 0 .002 1\n",
+};
+
+START_TEST(no_light_leaks_through_a_dark_pane)
+{
+    char scene[2000];
+    struct world w;
+    double lit;
+
+    snprintf(scene, sizeof scene,
+             ROOM "%spane polygon p 0 0 12 .5 -1 -1 .5 -1 1 .5 1 1 .5 1 -1\n",
+             dark_pane[_i]);
+    world_open(&w, scene, "-ab 1 -aa .3 -ar 16 -ad 256 -as 0 -av 0 0 0");
+    for (int i = 0; i < 400; i++)
+        irradiance_up(&w, .499 - .01 * (i % 20), -.9 + .09 * (i / 20), -.99);
+    lit = (double)irradiance_up(&w, .45, 0, -.99).g;
+    for (int i = 0; i < 20; i++) {
+        double x = .501 + .02 * (i % 4), y = -.9 + .09 * i;
+
+        ck_assert_double_lt((double)irradiance_up(&w, x, y, -.99).g, .01 * lit);
+    }
+    world_close(&w);
+}
+END_TEST
+
 /* The same of deep records of a frozen cache, of which those that need a ray to
  * find out what stands before them are left out where others serve. */
 START_TEST(deep_records_need_few_tests_for_walls)
@@ -805,6 +834,8 @@ make_suite(void)
     tcase_add_test(tc, interpolation_is_close_to_sampling);
     tcase_add_test(tc, deep_records_take_fewer_samples);
     tcase_add_test(tc, no_light_leaks_through_a_wall);
+    tcase_add_loop_test(tc, no_light_leaks_through_a_dark_pane, 0,
+                        N_ELEM(dark_pane));
     tcase_add_test(tc, deep_records_need_few_tests_for_walls);
     tcase_add_test(tc, infinite_irradiance_is_not_kept);
     tcase_add_test(tc, units_do_not_matter);

@@ -79,14 +79,31 @@ struct sampler {
     double var; /* of what they add to the sum of the cells' luminances */
 };
 
-/* Trace the ray through (x, y) of the square; false: it was refused.  d gets
- * its direction, in the frame of the sampling, *dist how far it went. */
+/* How far away is what a ray of the cell met?  *wall gets 1 / distance of the
+ * surface, which may be a pane before that. */
+static double
+distance_met(const struct sampler *s, const struct rad_ray *ray, float *wall)
+{
+    double dist = rad_ray_distance(ray);
+
+    dist = dist < s->plan->far ? dist : s->plan->far;
+    dist = rad_most(dist, NEAREST * s->plan->far);
+    *wall = (float)(1 / dist);
+    if (ray->hit.obj != RAD_VOID && ray->hit.t < dist)
+        *wall = (float)(1 / rad_most(ray->hit.t, NEAREST * s->plan->far));
+    return dist;
+}
+
+/* Trace the ray through (x, y) of the square, which is in cell c; false: it was
+ * refused.  d gets its direction, in the frame of the sampling, *dist how far
+ * it went. */
 static bool
-trace(struct sampler *s, double x, double y, uint32_t number, double d[3],
-      struct rad_rgb *L, double *dist)
+trace(struct sampler *s, struct rad_hemicell *c, double x, double y,
+      uint32_t number, double d[3], struct rad_rgb *L, double *dist)
 {
     struct rad_ctx *ctx = s->ctx;
     struct rad_ray ray;
+    float near, wall;
 
     if (!rad_ray_spawn(ctx, &ray, s->kind, s->r, &s->coef, s->branch | number))
         return false;
@@ -103,9 +120,10 @@ trace(struct sampler *s, double x, double y, uint32_t number, double d[3],
         *dist = 1;
         return true;
     }
-    *dist = rad_ray_distance(&ray);
-    *dist = *dist < s->plan->far ? *dist : s->plan->far;
-    *dist = rad_most(*dist, NEAREST * s->plan->far);
+    *dist = distance_met(s, &ray, &wall);
+    near = (float)(1 / *dist);
+    c->near = c->near > near ? c->near : near;
+    c->wall = c->wall > wall ? c->wall : wall;
     return true;
 }
 
@@ -154,11 +172,10 @@ sample_cells(struct sampler *s)
 
             s->tally[number].x = x / n;
             s->tally[number].y = y / n;
-            if (!trace(s, (j + x / n) / n, (i + y / n) / n, number, d, &c->L,
+            if (!trace(s, c, (j + x / n) / n, (i + y / n) / n, number, d, &c->L,
                        &dist))
                 continue;
             rad_scale(c->p, dist, d);
-            c->near = (float)(1 / dist);
             c->lum = rad_rgb_lum(c->L);
             s->tally[number].lum = (double)c->lum;
             add_ray(s, number, c->L);
@@ -206,12 +223,10 @@ resample_cell(struct sampler *s, int i, int j, int more, uint32_t *number)
         double d[3], dist;
         struct rad_rgb L;
 
-        if (!trace(s, x, y, *number, d, &L, &dist))
+        if (!trace(s, c, x, y, *number, d, &L, &dist))
             continue;
         L = rad_rgb_scale(L, (float)part_of_cell(s, 1 + more, x, y));
         sum = rad_rgb_add(sum, L);
-        if (dist * c->near < 1)
-            c->near = (float)(1 / dist);
         add_ray(s, cell, L);
     }
     c->L = rad_rgb_scale(sum, 1.f / (float)t->rays);
@@ -240,14 +255,12 @@ follow_guide(struct sampler *s, uint32_t *number)
         double d[3], dist;
         struct rad_rgb L;
 
-        if (!trace(s, x, y, *number, d, &L, &dist))
+        if (!trace(s, c, x, y, *number, d, &L, &dist))
             continue;
         double all = (double)s->tally[cell].rays * n * n +
                      s->guided * rad_guide_density(&s->guide, x, y);
         L = rad_rgb_scale(L, (float)(n * n / all));
         c->L = rad_rgb_add(c->L, L);
-        if (dist * c->near < 1)
-            c->near = (float)(1 / dist);
         sum += (double)rad_rgb_lum(L);
         sum2 += (double)rad_rgb_lum(L) * (double)rad_rgb_lum(L);
     }

@@ -19,6 +19,8 @@ struct rad_hemicell {
                        * frame of the sampling */
     float lum;        /* luminance of that */
     float near;       /* 1 / distance of the nearest thing met [1/unit] */
+    float wall;       /* likewise of the nearest surface: a pane's, not of what
+                       * is seen through it */
     struct rad_rgb L; /* mean radiance of the cell */
 };
 

@@ -49,9 +49,9 @@ rad_ambient_set_terms(const struct rad_ambient *amb, float weight,
 
 /* --- interpolation --- */
 
-/* Is something between the point and the air above the record?  The ray rises
- * at 20 degrees from the plane of the point, over what is small and does not
- * matter. */
+/* Is something between the point and the air above the record, be it a pane?
+ * The ray rises at 20 degrees from the plane of the point, over what is small
+ * and does not matter. */
 static bool
 is_walled_off(const struct rad_ambient *amb, const struct rad_ambplace *at,
               const struct rad_ambitem *rec, struct rad_geom_counts *counts,
@@ -60,7 +60,8 @@ is_walled_off(const struct rad_ambient *amb, const struct rad_ambplace *at,
     double n[3] = { (double)rec->n[0], (double)rec->n[1], (double)rec->n[2] };
     double to[3], rise = rad_tan(M_PI / 9);
     struct rad_span span = { .tmin = 0 };
-    struct rad_hit hit = { .err = at->err };
+    struct rad_hit hit = { .err = at->err }, veil;
+    struct rad_line line;
 
     rad_sub(to, rec->p, at->p);
     double height = rad_dot(to, at->n), d2 = rad_dot(to, to);
@@ -75,7 +76,8 @@ is_walled_off(const struct rad_ambient *amb, const struct rad_ambplace *at,
     rad_copy(hit.n, at->n);
     rad_geom_leave(&hit, span.dir, span.org);
     ++*rays;
-    return rad_geom_occluded(amb->job->geom, &span, RAD_VOID, NULL, counts);
+    return rad_geom_sight(amb->job->geom, &span, RAD_VOID, NULL, &veil, &line,
+                          counts) != RAD_SIGHT_CLEAR;
 }
 
 /* Which of 32 parts of a turn from u toward v the direction (u, v) is in. */

@@ -120,15 +120,16 @@ limit_radii(const struct rad_ambscale *scale, const double gpos[2],
     r[1] = rad_least(r[1], 2 * r[0]);
 }
 
-/* Does the cell's ray end above the ellipse with half-axes r about f? */
+/* Does a ray of the cell meet a surface above the ellipse with half-axes r
+ * about the record? */
 static bool
 is_inside(const struct rad_hemicell *c, double u, double v, const double r[2])
 {
     double a = u / r[0], b = v / r[1];
 
-    /* the distance is that of the nearest thing met, c->p a direction; seen
+    /* the distance is that of the nearest surface, c->p a direction; seen
      * from above it is shorter by the same part as (u, v) is */
-    return rad_dot(c->p, c->p) * c->near * c->near > a * a + b * b;
+    return rad_dot(c->p, c->p) * c->wall * c->wall > a * a + b * b;
 }
 
 /* Directions, 32 of them about the normal from the record's axis u on, which is
@@ -136,7 +137,8 @@ is_inside(const struct rad_hemicell *c, double u, double v, const double r[2])
  * than the zone's edge, or may be where the cell's ray did not go: a wall that
  * is met aside of its nearest point seems farther.  r are the half-axes up to
  * which the record is asked for, `low` is how near all is under a low ceiling,
- * where the test would find that. */
+ * where the test would find that.  A pane counts: light may differ behind it.
+ */
 static uint32_t
 find_corral(const struct rad_hemi *h, const double axis[2], const double r[2],
             double low)
@@ -151,7 +153,7 @@ find_corral(const struct rad_hemi *h, const double axis[2], const double r[2],
 
     for (int i = quarter; i < n - quarter; i++)
         for (int j = quarter; j < n - quarter; j++)
-            overhead = rad_least(overhead, h->cell[i * n + j].near);
+            overhead = rad_least(overhead, h->cell[i * n + j].wall);
     if (overhead * low >= 1)
         return 0;
     for (int i = 0; i < n; i++)
