@@ -491,6 +491,25 @@ START_TEST(deep_records_take_fewer_samples)
 }
 END_TEST
 
+/* Where a frozen cache has nothing at all, a picture's place samples for itself
+ * alone, and so does what each of its rays meets, by few rays. */
+START_TEST(what_a_frozen_cache_lacks_takes_few_samples)
+{
+    struct world w;
+    double E;
+
+    world_open(&w, ROOM, "-ab 3 -aa .3 -ar 16 -ad 128 -as 0 -av 0 0 0");
+    rad_ambient_freeze(w.job->ambient);
+    ck_assert(rad_ambient_settle(w.job->ambient));
+    E = (double)irradiance_up(&w, .1, .2, -.9).g;
+    ck_assert(E > 0);
+    /* 49 rays, 9 of each of what they meet, and 4 of each of what these do */
+    ck_assert_uint_le(w.ctx.counts.ambient_rays, 49 + 49 * 9 + 49 * 9 * 4);
+    ck_assert_uint_gt(w.ctx.counts.ambient_rays, 49 + 49 * 4);
+    world_close(&w);
+}
+END_TEST
+
 /* Two rooms that share a floor, one dark; the cache is filled in the lit one,
  * right up to the wall. */
 START_TEST(no_light_leaks_through_a_wall)
@@ -833,6 +852,7 @@ make_suite(void)
     tcase_add_test(tc, bent_light_gets_zones_below_the_bound);
     tcase_add_test(tc, interpolation_is_close_to_sampling);
     tcase_add_test(tc, deep_records_take_fewer_samples);
+    tcase_add_test(tc, what_a_frozen_cache_lacks_takes_few_samples);
     tcase_add_test(tc, no_light_leaks_through_a_wall);
     tcase_add_loop_test(tc, no_light_leaks_through_a_dark_pane, 0,
                         N_ELEM(dark_pane));

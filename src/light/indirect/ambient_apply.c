@@ -27,9 +27,13 @@
  * traced its rays. */
 #define ALONE_SHARE .25
 
-/* Fewest cells along a side: what a picture shows needs gradients. */
+/* Fewest cells along a side: what a picture shows needs gradients.  What a ray
+ * of a hemisphere alone needs, for a frozen cache lacks it, is one of that
+ * hemisphere's many samples: in a cleft that the passes missed each ray needs
+ * its own. */
 #define SIDE_SHOWN 7
 #define SIDE_DEEP  5
+#define SIDE_ALONE 2
 
 /* What records for light rays are for, in parts of the weight of rays that have
  * been reflected as often. */
@@ -113,6 +117,14 @@ own_light(const struct rad_ctx *ctx, const struct rad_ambrec *rec,
     return rad_rgb_scale(E, factor);
 }
 
+static int
+least_side(const struct rad_ctx *ctx, const struct rad_ambplace *at)
+{
+    if (at->level == 0)
+        return SIDE_SHOWN;
+    return is_alone(ctx) ? SIDE_ALONE : SIDE_DEEP;
+}
+
 /* Sample the hemisphere at a place and keep the result if it is fit to be
  * kept.  False: no light could be traced. */
 static bool
@@ -141,7 +153,7 @@ make_record(struct rad_ctx *ctx, const struct rad_ray *r,
         plan.weight *= ALONE_SHARE;
     if (ctx->glance)
         plan.weight *= GLANCE_SHARE;
-    plan.side = at->level > 0 ? SIDE_DEEP : SIDE_SHOWN;
+    plan.side = least_side(ctx, at);
     plan.coef = rad_grey((float)RAD_AMBIENT_MEAN_REFLECTANCE);
     plan.far = FAR_SIDES * amb->scale.side;
     seen = rad_ambient_seen(amb, ctx->tile);
@@ -153,8 +165,10 @@ make_record(struct rad_ctx *ctx, const struct rad_ray *r,
     ok = rad_hemi_sample(ctx, r, &plan, &h);
     if (ok)
         *E = h.E;
-    /* what a NaN has touched on the way, now black, is not kept */
-    if (ok && h.complete && ctx->counts.unsound_rays == unsound) {
+    /* what a NaN has touched on the way, now black, is not kept, and of few
+     * cells gradients are noise */
+    if (ok && h.complete && h.n >= SIDE_DEEP &&
+        ctx->counts.unsound_rays == unsound) {
         rad_copy(rec.p, at->p);
         for (int k = 0; k < 3; k++)
             rec.n[k] = (float)at->n[k];
