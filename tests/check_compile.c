@@ -159,6 +159,12 @@ static const struct {
       "a.rad:1 (!while :; do echo x y z 0 0 0; done):1: undefined modifier "
       "'x'" },
     { "!true\n" SPHERE, "" }, /* no output is fine */
+    /* these name no further program */
+    { "!echo told >&2\n" SPHERE, "" },
+    { "!true >|/dev/null 2>&1 # nothing; at-all\n" SPHERE, "" },
+    { "!cat 2>&1 | no-such-generator_x # made\n",
+      "a.rad:1: program 'no-such-generator_x' is not installed: '!cat 2>&1 | "
+      "no-such-generator_x # made'" },
 };
 
 START_TEST(failing_commands_are_named)

@@ -227,14 +227,29 @@ shell_knows(const char *word)
     return spawn_shell(&pid, text, "/", -1) != 0 || wait_for(pid) == 0;
 }
 
+/* Does a command end at p, outside of quotes?  Not in `2>&1` or `>|file`. */
+static bool
+parts_commands(const char *text, const char *p)
+{
+    return strchr("|&;\n", *p) && (p == text || !strchr("<>", p[-1]));
+}
+
+/* Does a comment begin at p, outside of quotes? */
+static bool
+begins_comment(const char *text, const char *p)
+{
+    return *p == '#' && (p == text || strchr(" \t\n|&;", p[-1]));
+}
+
 /* The name that a command of a pipeline or list begins with, if it is a plain
- * one; `at` goes behind that command.  Quotes hide what parts commands. */
+ * one; `at` goes behind that command.  Quotes and comments hide what parts
+ * commands. */
 static bool
 next_program(const char **at, char *word, size_t size)
 {
     static const char plain[] = "abcdefghijklmnopqrstuvwxyz"
                                 "ABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_+.-";
-    const char *p = *at + strspn(*at, " \t\n\\|&;");
+    const char *text = *at, *p = text + strspn(text, " \t\n\\|&;");
     size_t n = strspn(p, plain);
     char quote = 0;
     bool good = n > 0 && n < size && strchr(" \t\n|;&", p[n]);
@@ -246,8 +261,10 @@ next_program(const char **at, char *word, size_t size)
         memcpy(word, p, n);
         word[n] = '\0';
     }
-    for (; *p && (quote || !strchr("|&;\n", *p)); p++) {
-        if (*p == '\\' && p[1] && quote != '\'')
+    for (; *p && (quote || !parts_commands(text, p)); p++) {
+        if (!quote && begins_comment(text, p))
+            p += strcspn(p, "\n") - 1;
+        else if (*p == '\\' && p[1] && quote != '\'')
             p++;
         else if (quote ? *p == quote : *p == '"' || *p == '\'')
             quote = quote ? 0 : *p;
