@@ -101,4 +101,8 @@ struct msg_stage {
     const char *params; /* rad_params_format() */
 };
 
+/* SHOW: no stage follows, all passes before that number are closed, and the
+ * pictures are made over the cache that is there with these options, which
+ * differ from the stage's in what pixels alone depend on (rad_job_show()). */
+
 #endif

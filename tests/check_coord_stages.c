@@ -4,6 +4,7 @@
 #include "coord_passes_fixture.h"
 
 #include "filling/stages.h"
+#include "machine/jobtext.h"
 #include "machine/sums.h"
 #include "refine/refine.h"
 
@@ -119,6 +120,9 @@ END_TEST
 
 START_TEST(what_is_good_enough_has_no_other_stage)
 {
+    const struct msg_stage *show = &f.last[WORKER].show;
+    struct rad_params own;
+    char text[RAD_PARAMS_TEXT];
     struct job *job;
 
     submit_goal(50000, 0);
@@ -127,7 +131,12 @@ START_TEST(what_is_good_enough_has_no_other_stage)
     job = desk_find_job(f.c, job_a);
     ck_assert(job->goal.ended && !job->goal.late && job->goal.number == 0);
     ck_assert(job->goal.error > 0 && job->goal.error <= .05);
-    ck_assert_str_eq(goal_options(job), job->spec.params);
+    ck_assert_int_eq(jobtext_params(job->spec.params, &own, NULL), 0);
+    rad_params_format(&own, text, sizeof text);
+    ck_assert_str_eq(goal_options(job), text);
+    ck_assert_int_eq(f.last[WORKER].type, MSG_SHOW);
+    ck_assert_uint_eq(show->pass, PASSES + 1);
+    ck_assert_str_eq(show->params, text);
     ck_assert(!passes_open(job));
     job->state = JOB_RUNNING;
     wait_s(&f, 1);

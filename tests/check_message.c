@@ -123,6 +123,7 @@ static const struct msg examples[] = {
     { .type = MSG_FROZEN,
       .frozen = { ID, 1, 2, 1, 2, (const uint8_t *)"records", 7 } },
     { .type = MSG_STAGE, .stage = { ID, 8, "-ab 2 -aa .1" } },
+    { .type = MSG_SHOW, .show = { ID, 8, "-ab 2 -aa .1 --samples=4" } },
     { .type = MSG_TILE_RECORDS,
       .tile_records = { ID, 1, 2, 2, (const uint8_t *)"records", 7 } },
     { .type = MSG_CLOSED, .closed = { ID, 1, 2, 3, 1 } },
@@ -574,7 +575,7 @@ static const struct {
     { MSG_AT_WORKER,
       " PING PONG BYE CHUNK JOB_START JOB_END UNIT ACK REVOKE YIELD REST "
       "JOB_PEERS TWIN FACTS BASE_LINE NEXT_HOLDER SPLIT "
-      "ESTIMATE LEND LOAN BACK TILE FROZEN STAGE TILE_RECORDS "
+      "ESTIMATE LEND LOAN BACK TILE FROZEN STAGE SHOW TILE_RECORDS "
       "CLOSED FEED " },
     { MSG_AT_CLIENT, " PING PONG BYE WANT CHUNK HAVE ACCEPT PROGRESS DONE "
                      "FAILED ANSWER RECORDS " },
@@ -583,7 +584,7 @@ static const struct {
     { MSG_AT_CHILD_NEW, " JOB_START " },
     { MSG_AT_CHILD,
       " JOB_END UNIT REVOKE YIELD REST AMBIENT GIVE TWIN FACTS BASE_LINE "
-      "SPLIT ESTIMATE LEND LOAN BACK TILE FROZEN STAGE " },
+      "SPLIT ESTIMATE LEND LOAN BACK TILE FROZEN STAGE SHOW " },
     { MSG_AT_PARENT_NEW, " FAILED READY " },
     { MSG_AT_PARENT, " FAILED RESULT TALLY AMBIENT FACTS PARKED BASE_LINE "
                      "GAVE ESTIMATED LOAN PAID LINE_COSTS RESUMED TILE_MADE " },

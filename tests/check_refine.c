@@ -56,6 +56,7 @@ assert_finer(const struct rad_params *a, const struct rad_params *b)
     ck_assert_int_ge(b->samples, a->samples);
     ck_assert_double_le(b->maxdiff, a->maxdiff);
     ck_assert_double_le(b->srcsizerat, a->srcsizerat);
+    ck_assert_double_ge(b->srcjitter, a->srcjitter);
     ck_assert_double_le(b->shadthresh, a->shadthresh);
     ck_assert_double_le(b->specthresh, a->specthresh);
     ck_assert_double_ge(b->shadcert, a->shadcert);
@@ -178,10 +179,13 @@ START_TEST(what_is_good_enough_ends)
     struct rad_refine_rungs next = { 77, 77 };
     double error;
 
+    ask.rungs = (struct rad_refine_rungs){ RUNGS(3), RUNGS(1) };
+
     ck_assert(!rad_refine_next(&ask, &next, &error));
     ck_assert_double_gt(error, .06);
     ck_assert_double_lt(error, .09);
-    ck_assert_int_eq(next.ambient, 77);
+    ck_assert_int_eq(next.ambient, RUNGS(3));
+    ck_assert_int_eq(next.pixel, RUNGS(1));
 }
 END_TEST
 
@@ -197,10 +201,11 @@ static const struct {
     double ambient, pixel;
 } causes[] = { { .3, .01 }, { .01, .3 }, { .2, .2 } };
 
-/* The less is wanted, the higher the rungs of what is the cause. */
+/* The less is wanted, the higher the rungs of what is the cause: those of the
+ * cache in the next stage, those of pixels at its end. */
 START_TEST(rungs_go_by_the_cause)
 {
-    struct rad_refine_rungs last = { 0, 0 }, next;
+    struct rad_refine_rungs last = { 0, 0 }, next, end;
     double error;
 
     for (double wanted = .16; wanted > .03; wanted /= 2) {
@@ -209,15 +214,19 @@ START_TEST(rungs_go_by_the_cause)
 
         set_clock(&ask, 1e12);
         ck_assert(rad_refine_next(&ask, &next, &error));
-        ck_assert_int_ge(next.ambient + next.pixel, last.ambient + last.pixel);
-        last = next;
+        ck_assert_int_ge(next.ambient, last.ambient);
+        ck_assert_int_le(next.pixel, RUNGS(1));
+        ask = ask_of(wanted, .01, causes[_i].pixel, 0);
+        ask.stage = RAD_REFINE_STAGES - 1;
+        ask.rungs = next;
+        ck_assert(!rad_refine_next(&ask, &end, &error));
+        ck_assert_int_eq(end.ambient, next.ambient);
+        ck_assert_int_ge(end.pixel, last.pixel);
+        ck_assert_double_le(error, 1.1 * wanted);
+        last = end;
     }
-    if (causes[_i].ambient > causes[_i].pixel)
-        ck_assert_int_gt(last.ambient, RUNGS(8) + last.pixel);
-    else if (causes[_i].ambient < causes[_i].pixel)
-        ck_assert_int_gt(last.pixel, RUNGS(8) + last.ambient);
-    else
-        ck_assert(last.ambient > RUNGS(8) && last.pixel > RUNGS(8));
+    ck_assert_int_eq(last.ambient > RUNGS(8), causes[_i].ambient > .1);
+    ck_assert_int_eq(last.pixel > RUNGS(8), causes[_i].pixel > .1);
 }
 END_TEST
 
@@ -248,8 +257,12 @@ START_TEST(what_cannot_be_reached_costs_no_more_than_it_brings)
     ask.pixels = 9;
     ask.rays = ask.check = 15000;
     ck_assert(rad_refine_next(&ask, &next, &error));
-    ck_assert_int_gt(next.pixel, RUNGS(12));
+    ck_assert_int_eq(next.pixel, RUNGS(1));
     ck_assert_int_lt(next.ambient, RUNGS(9));
+    ask.rungs = next;
+    ask.stage = RAD_REFINE_STAGES - 1;
+    ck_assert(!rad_refine_next(&ask, &next, &error));
+    ck_assert_int_gt(next.pixel, RUNGS(10));
 }
 END_TEST
 
@@ -311,7 +324,7 @@ START_TEST(what_fell_slowly_is_foreseen_so)
 }
 END_TEST
 
-/* Noise of pixels that finer parts of lamps leave: they get more rays. */
+/* ... when the last cache is there: no stage has more than a ray of a pixel. */
 START_TEST(noise_of_pixels_is_taken_away_by_rays)
 {
     struct rad_params job = params_of(jobs[0]), p;
@@ -321,18 +334,21 @@ START_TEST(noise_of_pixels_is_taken_away_by_rays)
 
     ck_assert(rad_refine_next(&ask, &next, &error));
     rad_refine_params(&job, next, &p);
-    ck_assert_int_gt(p.samples, 2);
-    ck_assert_int_lt(next.pixel, RAD_REFINE_MOST_PIXEL);
-    ask = ask_of(.05, .04, .1, 0);
-    ck_assert(rad_refine_next(&ask, &next, &error));
-    rad_refine_params(&job, next, &p);
     ck_assert_int_eq(p.samples, 1);
-    rad_refine_params(&job, (struct rad_refine_rungs){ 0, RUNGS(11) }, &p);
+    ask = ask_of(.05, .04, .1, .1);
+    ask.rungs = next;
+    ck_assert(!rad_refine_next(&ask, &next, &error));
+    ck_assert(rad_refine_same_cache(ask.rungs, next));
+    ck_assert_double_le(error, .05);
+    rad_refine_params(&job, next, &p);
+    ck_assert_int_ge(p.samples, 10); /* squares: .01 / (.0025 - .0016) */
+    ck_assert_int_le(p.samples, 13);
+    rad_refine_params(&job, (struct rad_refine_rungs){ 0, RUNGS(4) }, &p);
     ck_assert_int_eq(p.samples, 3); /* 2 to the power of 1.5, rounded */
     job.samples = 16; /* they get as many times more, as is foreseen */
     next.pixel = RAD_REFINE_MOST_PIXEL;
     rad_refine_params(&job, next, &p);
-    ck_assert_int_eq(p.samples, 16 * 16);
+    ck_assert_int_eq(p.samples, 16 * 64);
     ask = ask_of(.05, .02, .05, .05); /* near enough */
     ck_assert(!rad_refine_next(&ask, &next, &error));
 }
@@ -389,15 +405,15 @@ START_TEST(a_stage_has_a_bound)
 }
 END_TEST
 
-/* A tenth more time is a finer stage, of either kind of rungs, up to the finest
- * of pixels. */
+/* More time is a finer stage, and at its end more rays of a pixel: of a clock
+ * that goes up by tenths none is for nothing, up to the finest of pixels. */
 START_TEST(more_time_is_used)
 {
     struct rad_refine_rungs last = { 0, 0 }, next;
     double error;
     int stages = 0;
 
-    for (double s = .1; s < 1e6 && last.pixel < RUNGS(15); s *= 1.1) {
+    for (double s = .1; s < 1e6 && last.ambient < RUNGS(15); s *= 1.1) {
         struct rad_refine_ask ask = ask_of(0, .3, .1, .05);
 
         set_clock(&ask, s);
@@ -406,13 +422,24 @@ START_TEST(more_time_is_used)
             continue;
         ck_assert(s > 1);
         ck_assert_int_ge(next.ambient + RUNGS(1), last.ambient);
-        ck_assert_msg(next.ambient != last.ambient || next.pixel != last.pixel,
-                      "%.1f s: %d %d", s, next.ambient, next.pixel);
+        stages += next.ambient != last.ambient;
         last = next;
-        stages++;
     }
-    ck_assert_int_gt(stages, 40);
-    ck_assert_int_gt(last.ambient, RUNGS(10));
+    ck_assert_int_gt(stages, 20);
+    last.pixel = RUNGS(1);
+    for (double s = .5; last.pixel < RAD_REFINE_MOST_PIXEL; s *= 1.1) {
+        struct rad_refine_ask ask = ask_of(0, .01, .1, .05);
+
+        set_clock(&ask, s);
+        ask.stage = RAD_REFINE_STAGES - 1;
+        ask.rungs.pixel = RUNGS(1);
+        ck_assert(!rad_refine_next(&ask, &next, &error));
+        ck_assert_int_ge(next.pixel, last.pixel);
+        ck_assert(s < 100);
+        stages += next.pixel != last.pixel;
+        last = next;
+    }
+    ck_assert_int_gt(stages, 50);
 }
 END_TEST
 

@@ -31,7 +31,8 @@
 #include <sysexits.h>
 
 struct task {
-    struct rad_params params;
+    struct rad_params params; /* of the stage, or the picture */
+    struct rad_params own;    /* as they were asked for */
     struct rad_view view;
     struct rad_window window; /* width 0: all */
     uint32_t frame;
@@ -459,11 +460,23 @@ print_stage(const struct rad_refine_ask *ask, const struct rad_job *job)
             par->ambacc, par->ambdiv, par->maxdiff, par->srcsizerat);
 }
 
+/* The picture is made with these rungs. */
+static void
+show_with(struct task *t, struct rad_job *job, struct rad_refine_rungs rungs,
+          double error)
+{
+    rad_refine_params(&t->own, rungs, &t->params);
+    rad_job_show(job, &t->params);
+    fprintf(stderr, "picture error %.4f pt %.4g samples %d\n", error,
+            t->params.maxdiff, t->params.samples);
+}
+
 /* Make a stage, or all that there is without --error; the picture if it is the
  * last: ask->stage goes on if it is not. */
 static int
-make_stage(const struct task *t, struct rad_ctx *ctx, struct rad_frame *f,
-           struct rad_refine_ask *ask, struct rad_error *err)
+make_stage(struct task *t, struct rad_job *job, struct rad_ctx *ctx,
+           struct rad_frame *f, struct rad_refine_ask *ask,
+           struct rad_error *err)
 {
     struct rad_refine_rungs next;
     double error;
@@ -483,6 +496,7 @@ make_stage(const struct task *t, struct rad_ctx *ctx, struct rad_frame *f,
             ask->stage++;
             return 0;
         }
+        show_with(t, job, next, error);
     }
     return rc == 0 ? render(t, f, ctx, err) : rc;
 }
@@ -502,7 +516,7 @@ render_stage(struct task *t, const struct rad_params *params,
     if (job && (rc = rad_ctx_init(&ctx, job, err)) == 0) {
         rc = rad_frame_init(&f, job, &t->view, t->frame, t->depth != NULL, err);
         if (rc == 0)
-            rc = make_stage(t, &ctx, &f, ask, err);
+            rc = make_stage(t, job, &ctx, &f, ask, err);
         if (rc == 0 && t->counts)
             print_counts(&ctx.counts);
         rad_frame_release(&f);
@@ -525,13 +539,14 @@ render_scene(struct task *t, struct compiled *c, struct rad_error *err)
                                   .rungs = { rung(t->rungs[0]),
                                              rung(t->rungs[1]) },
                                   .left_s = INFINITY };
-    struct rad_params of_job = t->params, params;
+    struct rad_params params;
     uint32_t stage;
     int rc;
 
+    t->own = t->params;
     do {
         stage = ask.stage;
-        rad_refine_params(&of_job, ask.rungs, &params);
+        rad_refine_params(&t->own, ask.rungs, &params);
         rc = render_stage(t, &params, c, &ask, err);
     } while (rc == 0 && ask.stage > stage);
     return rc;

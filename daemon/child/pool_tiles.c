@@ -193,6 +193,19 @@ free_frozen(struct pool_frozen *f)
     free(f);
 }
 
+static void
+show(struct renderer *by, struct pool_frozen *f)
+{
+    struct pool *p = by->pool;
+
+    rad_job_show(f->shown, &f->params);
+    uv_mutex_lock(&p->mu);
+    p->tiling.changing = false;
+    uv_cond_broadcast(&p->work);
+    uv_mutex_unlock(&p->mu);
+    free_frozen(f);
+}
+
 /* Put the records of a pass that is closed into the cache, and go on to the
  * next. */
 static void
@@ -264,7 +277,9 @@ pool_find_tile_locked(struct pool *p, struct pool_tile_work *w)
 void
 pool_work_on_tile(struct renderer *by, const struct pool_tile_work *w)
 {
-    if (w->frozen)
+    if (w->frozen && w->frozen->shown)
+        show(by, w->frozen);
+    else if (w->frozen)
         freeze(by, w->frozen);
     else if (w->begins)
         begin_pass(by, w->begins);
@@ -307,6 +322,15 @@ pool_push_tile(struct pool *p, uint32_t pass, uint32_t tile, bool shows)
     return true;
 }
 
+/* It is done when no thread is at work. */
+static void
+push_frozen_locked(struct pool *p, struct pool_frozen *f)
+{
+    *p->tiling.frozen_end = f;
+    p->tiling.frozen_end = &f->next;
+    uv_cond_broadcast(&p->work);
+}
+
 bool
 pool_freeze(struct pool *p, struct rad_ambrec *rec, size_t n,
             struct rad_pass_spot *spot)
@@ -320,12 +344,25 @@ pool_freeze(struct pool *p, struct rad_ambrec *rec, size_t n,
     f->n = n;
     f->spot = spot;
     uv_mutex_lock(&p->mu);
-    *k->frozen_end = f;
-    k->frozen_end = &f->next;
+    push_frozen_locked(p, f);
     atomic_store(&k->stop[k->closed % MSG_OPEN_PASSES], true);
     k->closed++;
     drop_tiles_locked(k);
-    uv_cond_broadcast(&p->work);
+    uv_mutex_unlock(&p->mu);
+    return true;
+}
+
+bool
+pool_show(struct pool *p, struct rad_job *job, const struct rad_params *params)
+{
+    struct pool_frozen *f = calloc(1, sizeof *f);
+
+    if (!f)
+        return false;
+    f->shown = job;
+    f->params = *params;
+    uv_mutex_lock(&p->mu);
+    push_frozen_locked(p, f);
     uv_mutex_unlock(&p->mu);
     return true;
 }

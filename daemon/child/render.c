@@ -108,6 +108,9 @@ on_message(void *arg, struct conn *c, const struct msg *m)
     case MSG_STAGE:
         render_take_stage(r, &m->stage);
         break;
+    case MSG_SHOW:
+        render_take_show(r, &m->show);
+        break;
     case MSG_ESTIMATE:
         render_take_estimate(r, &m->estimate);
         break;

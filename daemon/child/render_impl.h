@@ -34,6 +34,7 @@ struct render_passes {
     struct rad_ambrec *rec; /* of that pass: records that have come; or */
     uint8_t *walk;          /* in a pass of paths their ends (spots.h) */
     size_t nrecs;
+    bool shown;             /* it is known how pictures are made over it */
 };
 
 struct render {
@@ -125,6 +126,7 @@ bool render_has_stages(const struct render *r);
 /* --- render_stages.c --- */
 
 void render_take_stage(struct render *r, const struct msg_stage *m);
+void render_take_show(struct render *r, const struct msg_stage *m);
 
 /* --- render_units.c --- */
 

@@ -46,6 +46,7 @@ render_load_passes(struct render *r, struct rad_error *err)
     struct render_passes *k = &r->passes;
 
     k->next = 0;
+    k->shown = false;
     if (!(r->start.job_start.flags & MSG_JOB_PASSES) || !r->job->ambient)
         return 0;
     if (!plan(r))

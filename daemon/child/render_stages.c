@@ -1,10 +1,12 @@
 /* render_stages.c - the stages of a job's child
  *
  * A stage has other options than the one before: all that is made of them is
- * made anew. */
+ * made anew.  Pictures have those of the last one but for what pixels alone
+ * depend on. */
 #include "config.h"
 
 #include "child/render_impl.h"
+#include "machine/jobtext.h"
 
 static int
 take_stage(struct render *r, const struct msg_stage *m, struct rad_error *err)
@@ -32,5 +34,34 @@ render_take_stage(struct render *r, const struct msg_stage *m)
     struct rad_error err = { 0 };
 
     if (take_stage(r, m, &err) < 0)
+        render_fail(r, &err);
+}
+
+static int
+take_show(struct render *r, const struct msg_stage *m, struct rad_error *err)
+{
+    struct render_passes *k = &r->passes;
+    struct rad_params params;
+
+    if (!render_has_stages(r) || !k->passes || m->pass != k->base + k->n ||
+        !render_cache_is_whole(r))
+        return rad_fail(err, RAD_EPROTO,
+                        "pictures after pass %u do not fit the job", m->pass);
+    if (k->shown) /* before the connection to the coordinator broke */
+        return 0;
+    if (jobtext_params(m->params, &params, err) < 0)
+        return err->code;
+    if (!pool_show(r->pool, r->job, &params))
+        return rad_fail(err, RAD_ENOMEM, "out of memory");
+    k->shown = true;
+    return 0;
+}
+
+void
+render_take_show(struct render *r, const struct msg_stage *m)
+{
+    struct rad_error err = { 0 };
+
+    if (take_show(r, m, &err) < 0)
         render_fail(r, &err);
 }

@@ -43,6 +43,22 @@ stage_of(const struct job *job)
                                     goal_options(job) } };
 }
 
+/* Tell a worker that knows all passes of a goal to be closed with which options
+ * the pictures are made: it may have been there since before that was known. */
+static void
+show_pictures(struct coord *c, const struct job *job, struct job_worker *jw)
+{
+    const struct passes *s = job->passes;
+    struct msg m = { .type = MSG_SHOW,
+                     .show = { job->id, s->base + s->n, goal_options(job) } };
+
+    if (!job->goal.ended || s->n == 0 || jw->shows || jw->lags ||
+        jw->passes != m.show.pass)
+        return;
+    actions_send(&c->actions, jw->worker->conn, &m);
+    jw->shows = true;
+}
+
 /* A frame to each worker that the function chooses. */
 static void
 send_some(struct coord *c, const struct job *job, const struct msg *m,
@@ -137,6 +153,7 @@ tell_closed(struct coord *c, const struct job *job, struct job_worker *jw)
             jw->passes++;
         actions_send(&c->actions, jw->worker->conn, &m);
     }
+    show_pictures(c, job, jw);
 }
 
 void
@@ -184,6 +201,7 @@ catch_up(struct coord *c, const struct job *job, struct job_worker *jw)
     for (; jw->passes < passes_number(s); jw->passes++)
         send_closed(c, job, jw->passes - s->base, jw->worker);
     jw->lacked = jw->passes;
+    show_pictures(c, job, jw);
     if (job->filling)
         send_made(c, job, jw->worker);
 }
@@ -205,7 +223,7 @@ records_ready(struct coord *c, struct job *job, uint32_t index, uint32_t have)
     if (have > closed || may_differ(job, jw, have))
         return false;
     jw->passes = jw->lacked = have;
-    jw->lags = false;
+    jw->lags = jw->shows = false;
     memset(jw->ntiles, 0, sizeof jw->ntiles);
     catch_up(c, job, jw);
     return true;

@@ -198,23 +198,26 @@ stages_end(struct coord *c, struct job *job, uint32_t n,
         job->hex, g->number, g->error, job->spec.error_ppm / 1e6,
         seconds_spent(c, job), on);
     g->ended = !on;
-    if (!on)
-        return true;
-    g->number++;
-    g->base += n;
-    g->begun_s = seconds_spent(c, job);
-    g->past_rung = pack_rung(past.rung);
-    g->past_square = past.square;
     g->rungs[0] = pack_rung(next.ambient);
     g->rungs[1] = pack_rung(next.pixel);
+    if (on) {
+        g->number++;
+        g->base += n;
+        g->begun_s = seconds_spent(c, job);
+        g->past_rung = pack_rung(past.rung);
+        g->past_square = past.square;
+    }
     if (!set_options(job))
         c->actions.failed = true;
     else
         tell_options(c, job);
-    return false;
+    return !on;
 }
 
 /* --- as they are kept --- */
+
+/* Of what is kept, and of what rungs stand for. */
+enum { LAYOUT = 2 };
 
 void
 stages_pack(struct coord *c, const struct job *job, uint8_t out[STAGES_BYTES])
@@ -223,6 +226,7 @@ stages_pack(struct coord *c, const struct job *job, uint8_t out[STAGES_BYTES])
     struct wire_out w;
 
     wire_out_init(&w, STAGES_BYTES);
+    wire_put_u8(&w, LAYOUT);
     wire_put_u8(&w, g->ended);
     wire_put_u8(&w, g->late);
     wire_put_u8(&w, g->rungs[0]);
@@ -245,6 +249,8 @@ unpack(struct job_goal *g, const struct saved_pass *p)
     struct wire_in in;
 
     wire_in_init(&in, p->bytes, p->len);
+    if (wire_get_u8(&in) != LAYOUT)
+        return false;
     g->ended = wire_get_u8(&in);
     g->late = wire_get_u8(&in);
     g->rungs[0] = wire_get_u8(&in);
@@ -276,14 +282,12 @@ take_stage(struct job *job, uint32_t n, struct rad_error *err)
         return 0;
     }
     *g = read;
-    if (g->ended)
-        return 1;
-    for (; g->base <= last; g->base++) {
+    for (; !g->ended && g->base <= last; g->base++) {
         msg_counts_add(&job->tiled, &kept->pass[g->base].counts);
         free((void *)kept->pass[g->base].bytes);
         kept->pass[g->base].bytes = NULL;
     }
-    g->number++;
+    g->number += !g->ended;
     g->begun_s = (double)g->spent_ms / 1000;
     return set_options(job) ? 1 : rad_fail(err, RAD_ENOMEM, "out of memory");
 }

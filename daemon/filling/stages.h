@@ -44,7 +44,7 @@ bool stages_end(struct coord *c, struct job *job, uint32_t n,
                 const struct stage_found *found);
 
 /* The decision, as it is kept. */
-#define STAGES_BYTES 37
+#define STAGES_BYTES 38
 void stages_pack(struct coord *c, const struct job *job,
                  uint8_t out[STAGES_BYTES]);
 

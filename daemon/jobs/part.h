@@ -62,6 +62,7 @@ struct job_worker {
     uint32_t ntiles[MSG_OPEN_PASSES]; /* that it makes, by the pass's number */
     bool lags;       /* nothing more goes to it before it says that it has the
                       * records of the next pass */
+    bool shows;      /* it was told with which options pictures are made */
     uint32_t feeder; /* index + 1 of the worker that sends it records of tiles;
                       * 0: the coordinator does (feeding.c) */
     bool missed;     /* records of tiles that its feeder should have sent */

@@ -348,6 +348,13 @@ on_stage(struct worker *w, struct wjob *job, const struct msg *m)
     gather_turn(job);
 }
 
+static void
+on_show(struct worker *w, struct wjob *job, const struct msg *m)
+{
+    if (job->state == WJOB_READY)
+        worker_send_child(w, job, m);
+}
+
 struct handler {
     enum msg_type type;
     void (*handle)(struct worker *w, struct wjob *job, const struct msg *m);
@@ -368,6 +375,7 @@ static const struct handler downwards[] = {
     { MSG_TILE, on_tile },
     { MSG_FROZEN, on_frozen },
     { MSG_STAGE, on_stage },
+    { MSG_SHOW, on_show },
     { MSG_TILE_RECORDS, on_tile_records },
     { MSG_CLOSED, on_closed },
     { MSG_FEED, on_feed },

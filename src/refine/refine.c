@@ -114,16 +114,23 @@ shorten(double x)
 }
 
 /* Eighths of an octave by which options change with a rung, and so PARTS with a
- * quarter of one; from ONE_RAY of pixels on they stay, but a pixel has more
- * rays. */
+ * quarter of one.  Those of direct light change once, with the first rung of
+ * pixels; then a pixel gets more rays, which bring more for their price
+ * (doc/measured.md). */
 enum {
     AMBACC_FALL = 1,
     AMBDIV_GROWTH = 3,
-    MAXDIFF_FALL = 4,
-    DIRECT_FALL = 2,
+    MAXDIFF_FALL = 1,
     SAMPLES_GROWTH = 4,
-    ONE_RAY = 8 * RAD_REFINE_RUNG
+    ONE_RAY = RAD_REFINE_RUNG
 };
+
+/* Parts of lamps that look smaller than this take more rays than samples with
+ * -dj that find as much. */
+#define SMALL_PART .2
+
+/* What is left of what -dt and -dc leave out. */
+#define SHADOWS_LEFT .25
 
 #define MOST_AMBDIV 65536
 #define MOST_AMBRES 4096
@@ -142,10 +149,8 @@ rad_refine_params(const struct rad_params *job, struct rad_refine_rungs rungs,
                   struct rad_params *out)
 {
     int a = least(rungs.ambient, RAD_REFINE_MOST_AMBIENT);
-    int p = least(rungs.pixel, ONE_RAY);
-    int more = rays_of_pixel(least(rungs.pixel, RAD_REFINE_MOST_PIXEL));
+    int p = least(rungs.pixel, RAD_REFINE_MOST_PIXEL);
     double rays = 1 / fall(AMBDIV_GROWTH * a);
-    double direct = fall(DIRECT_FALL * p);
 
     *out = *job;
     if (a > 0) {
@@ -156,12 +161,19 @@ rad_refine_params(const struct rad_params *job, struct rad_refine_rungs rungs,
     }
     if (p > 0) {
         out->maxdiff = shorten(job->maxdiff * fall(MAXDIFF_FALL * p));
-        out->srcsizerat = shorten(job->srcsizerat * direct);
-        out->shadthresh = shorten(job->shadthresh * direct);
+        out->samples = grow(job->samples, rays_of_pixel(p), RAD_MOST_SAMPLES);
+        out->srcsizerat = fmin(job->srcsizerat, SMALL_PART);
+        out->srcjitter = fmax(job->srcjitter, 1);
+        out->shadthresh = shorten(job->shadthresh * SHADOWS_LEFT);
+        out->shadcert = 1 - shorten((1 - job->shadcert) * SHADOWS_LEFT);
         out->specthresh = 0; /* what it leaves out is no noise */
-        out->shadcert = 1 - shorten((1 - job->shadcert) * direct);
-        out->samples = grow(job->samples, more, RAD_MOST_SAMPLES);
     }
+}
+
+bool
+rad_refine_same_cache(struct rad_refine_rungs a, struct rad_refine_rungs b)
+{
+    return a.ambient == b.ambient && (a.pixel > 0) == (b.pixel > 0);
 }
 
 /* Of parts of a whole 0 makes one, and of -ar it sets no limit. */
@@ -184,8 +196,8 @@ is_as_fine(const struct rad_params *a, const struct rad_params *b)
            a->ambssamp >= b->ambssamp &&
            is_higher_limit(a->ambres, b->ambres) &&
            is_finer_part(a->srcsizerat, b->srcsizerat) &&
-           a->shadthresh <= b->shadthresh && a->specthresh <= b->specthresh &&
-           a->shadcert >= b->shadcert;
+           a->srcjitter >= b->srcjitter && a->shadthresh <= b->shadthresh &&
+           a->specthresh <= b->specthresh && a->shadcert >= b->shadcert;
 }
 
 bool
@@ -201,6 +213,7 @@ rad_refine_join(struct rad_params *job, const struct rad_params *former)
     job->samples =
         former->samples > job->samples ? former->samples : job->samples;
     job->srcsizerat = former->srcsizerat;
+    job->srcjitter = former->srcjitter;
     job->shadthresh = former->shadthresh;
     job->specthresh = former->specthresh;
     job->shadcert = former->shadcert;
@@ -266,20 +279,20 @@ sound(double x)
     return x > 0 ? fmin(x, MOST_ERROR * MOST_ERROR) : 0;
 }
 
-/* Eighths of an octave by which squares of errors fall with a rung, as they do
- * in five scenes on average; the cache's by 2 to 4 in single ones, which stages
- * tell that are so many rungs apart.  Noise of a ray is of lamps or, and then
- * it does not fall, of edges and gloss that few pixels show. */
-enum {
-    AMBIENT_FALL = 3,
-    APART = 3 * RAD_REFINE_RUNG,
-    PIXEL_FALL = 4,
-    NOISE_FALL = 1
-};
+/* Eighths of an octave by which the square of the cache's error falls with a
+ * rung, as it does in five scenes on average; by 2 to 4 in single ones, which
+ * stages tell that are so many rungs apart. */
+enum { AMBIENT_FALL = 3, APART = 3 * RAD_REFINE_RUNG };
 
-/* ... by which rays grow, those of a check and those of pictures up to one ray
- * a pixel. */
-enum { CHECK_GROWTH = 2, PICTURE_GROWTH = 2 };
+/* ... by which rays of a check grow. */
+enum { CHECK_GROWTH = 2 };
+
+/* What the first rung of pixels leaves of squares of their errors, and of noise
+ * of a ray, which is of lamps or, and then it stays, of edges and gloss that few
+ * pixels show; and how many times the rays it takes. */
+#define PIXEL_LEFT  .5
+#define NOISE_LEFT  .7
+#define FIRST_TAKES 1.4
 
 /* What is known after a stage. */
 struct outlook {
@@ -312,19 +325,18 @@ observed_fall(const struct rad_refine_ask *ask, double ambient)
                                                          : AMBIENT_FALL + 1;
 }
 
-/* What is left of a square at rung 0 that falls by so many parts of an octave
- * with each rung of pixels up to one ray. */
+/* What that rung leaves of a square of which the first leaves so much. */
 static double
-left_at(int pixel, int parts)
+left_at(int pixel, double by_first)
 {
-    return fall(parts * least(pixel, ONE_RAY)) / rays_of_pixel(pixel);
+    return (pixel > 0 ? by_first : 1) / rays_of_pixel(pixel);
 }
 
 /* By how much rays of a picture have grown. */
 static double
 picture_growth(int pixel)
 {
-    return rays_of_pixel(pixel) / fall(PICTURE_GROWTH * least(pixel, ONE_RAY));
+    return (pixel > 0 ? FIRST_TAKES : 1) * rays_of_pixel(pixel);
 }
 
 static struct outlook
@@ -353,9 +365,9 @@ foresee_pixels(const struct outlook *o, int pixel)
 {
     int now = o->ask->rungs.pixel;
 
-    return o->noise * left_at(pixel, NOISE_FALL) / left_at(now, NOISE_FALL) +
-           (o->pixel - o->noise) * left_at(pixel, PIXEL_FALL) /
-               left_at(now, PIXEL_FALL);
+    return o->noise * left_at(pixel, NOISE_LEFT) / left_at(now, NOISE_LEFT) +
+           (o->pixel - o->noise) * left_at(pixel, PIXEL_LEFT) /
+               left_at(now, PIXEL_LEFT);
 }
 
 /* The square of the error with these rungs. */
@@ -391,9 +403,9 @@ more_rays(const struct outlook *o, int pixel)
 }
 
 /* Seconds of a stage with these rungs.  Its check is looked at more closely
- * than where rays are compared: its windows are sampled as the picture is, and
- * about half of what is made again are pixels, too; the rest are places of the
- * cache. */
+ * than where rays are compared: its windows are sampled as the picture is, but
+ * with one ray a pixel, and about half of what is made again are pixels, too;
+ * the rest are places of the cache. */
 static double
 foresee_wait(const struct outlook *o, int ambient, int pixel)
 {
@@ -402,13 +414,14 @@ foresee_wait(const struct outlook *o, int ambient, int pixel)
     double half = (o->check - windows) / 2;
 
     return foresee_passes(o, ambient) * ask->pass_s +
-           ((windows + half) * more_rays(o, pixel) +
+           ((windows + half) * more_rays(o, least(pixel, ONE_RAY)) +
             half * rise(CHECK_GROWTH * (ambient - ask->rungs.ambient))) *
                ask->look_s;
 }
 
 struct choice {
     int ambient, pixel;
+    bool ends; /* the pictures are made over the cache that is there */
     double square, rays, seconds; /* with the pictures' */
 };
 
@@ -416,14 +429,22 @@ static struct choice
 foresee(const struct outlook *o, int ambient, int pixel)
 {
     double picture = o->picture * more_rays(o, pixel);
+    struct rad_refine_rungs rungs = { (uint8_t)ambient, (uint8_t)pixel };
+    struct choice c = { .ambient = ambient,
+                        .pixel = pixel,
+                        .ends = rad_refine_same_cache(o->ask->rungs, rungs),
+                        .square = foresee_square(o, ambient, pixel),
+                        .rays = picture,
+                        .seconds = picture * o->ask->look_s };
 
-    return (struct choice){ ambient, pixel, foresee_square(o, ambient, pixel),
-                            foresee_stage(o, ambient) + picture,
-                            foresee_wait(o, ambient, pixel) +
-                                picture * o->ask->look_s };
+    if (!c.ends) {
+        c.rays += foresee_stage(o, ambient);
+        c.seconds += foresee_wait(o, ambient, pixel);
+    }
+    return c;
 }
 
-/* What a stage and its pictures may take. */
+/* What a stage and its pictures, or these alone, may take. */
 struct bounds {
     double rays, seconds;
 };
@@ -448,32 +469,65 @@ bounds_of(const struct rad_refine_ask *ask)
                                   INFINITY };
 }
 
+/* Squares that are wanted, where a stage is to be made and where none is. */
+struct goals {
+    double stage, end;
+};
+
+/* Less than what is wanted is aimed at by what is foreseen from afar. */
+static struct goals
+goals_of(const struct rad_refine_ask *ask)
+{
+    double square = ask->error * ask->error;
+
+    return (struct goals){ AIM * square, square };
+}
+
+static bool
+is_there(const struct choice *c, struct goals goals)
+{
+    return c->square <= (c->ends ? goals.end : goals.stage);
+}
+
 /* Is a better than b?  Those that come down to the goal before those that do
  * not; of the former the cheaper, of the latter the one with less error. */
 static bool
-is_better(const struct choice *a, const struct choice *b, double goal)
+is_better(const struct choice *a, const struct choice *b, struct goals goals)
 {
-    bool there = a->square <= goal, other = b->square <= goal;
+    bool there = is_there(a, goals), other = is_there(b, goals);
 
     if (there != other)
         return there;
     return there ? a->rays < b->rays : a->square < b->square;
 }
 
-/* The best rungs within these bounds, in steps of so many quarters; false:
- * there are none. */
+/* May that be chosen?  Stages are in steps of so many quarters of a rung, and
+ * after the last there is none; pixels lose no rays. */
 static bool
-choose(const struct outlook *o, double goal, struct bounds within, int step,
-       struct choice *best)
+is_open(const struct rad_refine_ask *ask, const struct choice *c,
+        struct bounds within, int step)
+{
+    bool open = c->ends ? c->pixel >= ask->rungs.pixel
+                        : ask->stage < RAD_REFINE_STAGES - 1 &&
+                              c->pixel % step == 0;
+
+    return open && c->rays <= within.rays && c->seconds < within.seconds;
+}
+
+/* The best rungs, of the cache's from the stage's to that one; false: there are
+ * none. */
+static bool
+choose(const struct outlook *o, struct goals goals, struct bounds within,
+       int step, int most, struct choice *best)
 {
     bool any = false;
 
-    for (int a = o->ask->rungs.ambient; a <= RAD_REFINE_MOST_AMBIENT; a += step)
-        for (int p = 0; p <= RAD_REFINE_MOST_PIXEL; p += step) {
+    for (int a = o->ask->rungs.ambient; a <= most; a += step)
+        for (int p = 0; p <= RAD_REFINE_MOST_PIXEL; p++) {
             struct choice c = foresee(o, a, p);
 
-            if (c.rays <= within.rays && c.seconds < within.seconds &&
-                (!any || is_better(&c, best, goal))) {
+            if (is_open(o->ask, &c, within, step) &&
+                (!any || is_better(&c, best, goals))) {
                 *best = c;
                 any = true;
             }
@@ -481,22 +535,43 @@ choose(const struct outlook *o, double goal, struct bounds within, int step,
     return any;
 }
 
+/* The square without any further stage or ray. */
+static double
+square_now(const struct outlook *o)
+{
+    return o->ambient + o->pixel;
+}
+
 /* ... and where none comes down to the goal, the cheapest of those that are a
  * seventh worse than the best at most, and worth it: the last of it may take a
  * hundred times the rays.  With a limit of time it is there to be used. */
 static bool
-choose_well(const struct outlook *o, double goal, struct bounds within,
-            struct choice *best)
+choose_well(const struct outlook *o, struct bounds within, struct choice *best)
 {
-    double worth = WORTH_IT * WORTH_IT, square = o->ambient + o->pixel;
-    bool any = choose(o, goal, within, RAD_REFINE_RUNG, best);
+    struct goals goals = goals_of(o->ask);
+    double worth = WORTH_IT * WORTH_IT;
+    int most = RAD_REFINE_MOST_AMBIENT, step = RAD_REFINE_RUNG;
+    bool any = choose(o, goals, within, step, most, best);
 
-    if (any && best->square <= goal)
+    if (any && is_there(best, goals))
         return true;
     if (has_clock(o->ask))
-        return choose(o, goal, within, 1, best);
-    return any && choose(o, fmin(best->square / worth, worth * square), within,
-                         RAD_REFINE_RUNG, best);
+        return choose(o, goals, within, 1, most, best);
+    goals.end = goals.stage = fmin(best->square / worth, worth * square_now(o));
+    return any && choose(o, goals, within, step, most, best);
+}
+
+/* No further stage, if pictures come near enough without for less. */
+static void
+end_if_near(const struct outlook *o, struct bounds within, struct choice *best)
+{
+    struct goals goals = { 0, NEAR_ENOUGH * goals_of(o->ask).end };
+    struct choice end;
+
+    if (!best->ends &&
+        choose(o, goals, within, 1, o->ask->rungs.ambient, &end) &&
+        is_there(&end, goals) && end.rays <= best->rays)
+        *best = end;
 }
 
 /* Come nearer, if an error that is wanted is too far for one stage, and another
@@ -529,32 +604,31 @@ try_before(const struct outlook *o, struct choice *c)
     if (ask->stage > 0 ||
         c->seconds <= FAR_IN_TIME * foresee_wait(o, now.ambient, now.pixel))
         return;
-    while (a > now.ambient && foresee_wait(o, a, p) > most)
+    while (a > now.ambient + 1 && foresee_wait(o, a, p) > most)
         a--;
-    while (p > now.pixel && foresee_wait(o, a, p) > most)
+    while (p > 0 && foresee_wait(o, a, p) > most)
         p--;
-    if (a > now.ambient || p > now.pixel)
-        *c = foresee(o, a, p);
+    *c = foresee(o, a, p);
 }
 
-/* Less than what is wanted is aimed at. */
-static double
-goal_of(const struct rad_refine_ask *ask)
+/* What is best within these bounds: what is there, where nothing else is worth
+ * it. */
+static struct choice
+decide(const struct outlook *o, struct bounds within)
 {
-    return AIM * ask->error * ask->error;
-}
+    const struct rad_refine_ask *ask = o->ask;
+    struct choice now = { .ambient = ask->rungs.ambient,
+                          .pixel = ask->rungs.pixel,
+                          .ends = true,
+                          .square = square_now(o) };
+    double worth = has_clock(ask) ? WORTH_ITS_TIME : WORTH_IT;
+    struct choice best;
 
-/* Is another stage worth it, within these bounds?  *best: the best one. */
-static bool
-goes_on(const struct outlook *o, struct bounds within, struct choice *best)
-{
-    double square = o->ambient + o->pixel;
-    double worth = has_clock(o->ask) ? WORTH_ITS_TIME : WORTH_IT;
-
-    return o->ask->stage < RAD_REFINE_STAGES - 1 && square > 0 &&
-           square > NEAR_ENOUGH * o->ask->error * o->ask->error &&
-           choose_well(o, goal_of(o->ask), within, best) &&
-           best->square <= worth * worth * square;
+    if (now.square <= NEAR_ENOUGH * ask->error * ask->error ||
+        !choose_well(o, within, &best))
+        return now;
+    end_if_near(o, within, &best);
+    return best.square <= worth * worth * now.square ? best : now;
 }
 
 bool
@@ -562,27 +636,28 @@ rad_refine_next(const struct rad_refine_ask *ask, struct rad_refine_rungs *next,
                 double *error)
 {
     struct outlook o = look_out(ask);
-    struct choice best = { 0 };
+    struct choice best = decide(&o, bounds_of(ask));
 
-    *error = fmin(sqrt(o.ambient + o.pixel), MOST_ERROR);
-    if (!goes_on(&o, bounds_of(ask), &best))
-        return false;
-    if (has_clock(ask) && best.square > goal_of(ask))
+    if (!best.ends && has_clock(ask) && !is_there(&best, goals_of(ask)))
         try_before(&o, &best);
-    else
+    else if (!best.ends)
         shorten_step(&o, &best);
-    *next =
-        (struct rad_refine_rungs){ (uint8_t)best.ambient, (uint8_t)best.pixel };
-    return true;
+    *error = fmin(sqrt(best.ends ? best.square : square_now(&o)), MOST_ERROR);
+    next->ambient = (uint8_t)least(best.ambient, RAD_REFINE_MOST_AMBIENT);
+    next->pixel = (uint8_t)least(best.pixel, best.ends ? RAD_REFINE_MOST_PIXEL
+                                                       : ONE_RAY);
+    return !best.ends;
 }
 
 bool
 rad_refine_is_short(const struct rad_refine_ask *ask)
 {
     struct outlook o = look_out(ask);
-    struct choice best = { 0 };
+    struct choice best = decide(&o, bounds_of(ask));
+    struct choice free = decide(&o, unbound);
 
-    return !goes_on(&o, bounds_of(ask), &best) && goes_on(&o, unbound, &best);
+    return best.ends && best.square > NEAR_ENOUGH * ask->error * ask->error &&
+           free.square <= WORTH_IT * WORTH_IT * best.square;
 }
 
 struct rad_refine_past

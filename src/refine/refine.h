@@ -40,7 +40,9 @@ uint32_t rad_refine_plan(const struct rad_params *par,
                          struct rad_pass pass[RAD_MOST_PASSES]);
 
 /* How much finer than the job's own options, in quarters of a rung: some five
- * rungs halve an error, that of the cache or that of pixels.  Stages that aim
+ * rungs halve an error, that of the cache or that of pixels.  Of pixels the
+ * first rung is finer options for direct light; further ones are rays of a
+ * pixel, which stages do not need: pictures alone have them.  Stages that aim
  * at an error have whole rungs; where time is short quarters use more of it.
  * More than RAD_REFINE_MOST_* is as these. */
 #define RAD_REFINE_RUNG 4
@@ -48,11 +50,16 @@ struct rad_refine_rungs {
     uint8_t ambient, pixel;
 };
 #define RAD_REFINE_MOST_AMBIENT (32 * RAD_REFINE_RUNG)
-#define RAD_REFINE_MOST_PIXEL   (16 * RAD_REFINE_RUNG)
+#define RAD_REFINE_MOST_PIXEL   (13 * RAD_REFINE_RUNG)
 
 /* The options of a stage; those of {0, 0} are the job's. */
 void rad_refine_params(const struct rad_params *job,
                        struct rad_refine_rungs rungs, struct rad_params *out);
+
+/* Do the options differ in -pt and --samples at most?  Then pictures with the
+ * one are made over a cache, and by a job, that was made with the other. */
+bool rad_refine_same_cache(struct rad_refine_rungs a,
+                           struct rad_refine_rungs b);
 
 /* Begin with the options of a former job's pictures, where all that rungs
  * change of its cache and of light is as fine there.  False: it is not, and
@@ -81,10 +88,11 @@ struct rad_refine_ask {
     double pass_s, look_s;
 };
 
-/* Should another stage be made, and with which rungs?  False: the error that is
- * wanted is reached, or no stage can come nearer, or none would be done in time
- * or, where time has no limit, in the rays that a stage may take; *next is then
- * as it was.  *error: of a picture after this stage. */
+/* Should another stage be made?  False: the error that is wanted is reached, or
+ * no stage can come nearer, or none would be done in time or, where time has no
+ * limit, in the rays that a stage may take.  *next: the rungs of that stage, or
+ * those of the pictures, of the same light as this stage's.  *error: of a
+ * picture now, or of those that are made. */
 bool rad_refine_next(const struct rad_refine_ask *ask,
                      struct rad_refine_rungs *next, double *error);
 

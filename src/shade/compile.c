@@ -189,3 +189,10 @@ rad_job_free(struct rad_job *job)
     rad_arena_release(&job->arena);
     free(job);
 }
+
+void
+rad_job_show(struct rad_job *job, const struct rad_params *params)
+{
+    job->params.maxdiff = params->maxdiff;
+    job->params.samples = params->samples;
+}

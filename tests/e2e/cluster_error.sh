@@ -108,8 +108,8 @@ other="-vp 2 2.2 1.4 -vd -.3 1 -.1"
 cluster_start 1 1
 submit first $goal
 former=$id
-grep -q "^radsubmit: stage 1: error about .* now a finer one$" first.err ||
-    fail "nothing is said of the first stage: $(cat first.err)"
+grep -Eq "^radsubmit: stage [1-4]: error about .* now (a finer one|the picture)$" \
+    first.err || fail "nothing is said of stages: $(cat first.err)"
 grep -q "^radsubmit: stage $stages: error about .* now the picture$" first.err ||
     fail "nothing is said of the last stage: $(cat first.err)"
 # shellcheck disable=SC2086
@@ -127,7 +127,7 @@ grep -q "begins with the ambient values of job $former" one.err ||
         "$(option aa first)"
 # shellcheck disable=SC2086
 {
-    for name in aa ar ad as ds dt dc st; do
+    for name in aa ar ad as ds dj dt dc st; do
         echo "-$name $(option $name first)"
     done >words
     submit given @words $other --reuse="$former" # no goal

@@ -870,6 +870,9 @@ message(struct net *net, int node, uint64_t conn, const struct msg *m)
     case MSG_STAGE:
         sim_take_stage(net, node, &m->stage);
         return;
+    case MSG_SHOW:
+        sim_take_show(net, node, &m->show);
+        return;
     case MSG_ESTIMATE:
         take_estimate(net, node, m);
         break;

@@ -581,6 +581,7 @@ make_job(struct sim *s, int i)
 {
     struct net *net = &s->net;
     struct sim_job *job = &s->job[i];
+    bool goal = s->fault[0].type == MSG_STAGE || s->fault[0].type == MSG_SHOW;
 
     net_bytes(net, job->id, MSG_JOB);
     for (int f = 0; f < SIM_FILES; f++)
@@ -603,14 +604,16 @@ make_job(struct sim *s, int i)
         .windows = 1 + net_random(net, 30),
         .files = { SIM_FILES, job->hash },
     };
+    if (goal)
+        job->spec.flags &= ~(uint32_t)(MSG_JOB_SHARE | MSG_JOB_FRESH_FRAMES);
     if (!(job->spec.flags & (MSG_JOB_SHARE | MSG_JOB_FRESH_FRAMES)) &&
-        net_chance(net, 2))
+        (goal || net_chance(net, 2)))
         job->spec.flags |= MSG_JOB_PASSES;
     job->watched = (job->spec.flags & MSG_JOB_PASSES) && /* draws nothing */
                    rad_mix64(net->seed + 79 + (unsigned)i) % 3 == 0;
     /* drawn apart, for few seeds' sake */
     if (job->spec.flags & MSG_JOB_PASSES &&
-        rad_mix64(net->seed + 81 + (unsigned)i) % 2 == 0)
+        (goal || rad_mix64(net->seed + 81 + (unsigned)i) % 2 == 0))
         job->spec.error_ppm =
             1 + (uint32_t)(rad_mix64(net->seed + 82) % 500000);
     sim_make_pictures(net, job);

@@ -126,6 +126,7 @@ struct sim_child {
     uint32_t passes;   /* whose records it has */
     uint32_t stage;    /* the first pass of the stage that it is at */
     uint32_t nrecords; /* of the next, so far */
+    bool shown;        /* it knows how pictures are made over them */
 };
 
 struct sim_worker {
@@ -272,6 +273,7 @@ void sim_check_colours(struct net *net, const struct sim_job *job,
 void sim_take_tile(struct net *net, int node, const struct msg_tile *m);
 void sim_take_frozen(struct net *net, int node, const struct msg_frozen *m);
 void sim_take_stage(struct net *net, int node, const struct msg_stage *m);
+void sim_take_show(struct net *net, int node, const struct msg_stage *m);
 /* The picture is to be written: was the store told with which options? */
 void sim_check_options(struct net *net, const struct sim_job *job);
 /* Has its cache the records that the frame is made with, and no others? */

@@ -24,7 +24,7 @@ static const enum msg_type types[] = {
     MSG_PAID,      MSG_PAID,        MSG_REVOKE,    MSG_REVOKE,
     MSG_LOAN,      MSG_TILE,        MSG_TILE,      MSG_TILE_MADE,
     MSG_TILE_MADE, MSG_FROZEN,      MSG_FROZEN,    MSG_STAGE,
-    MSG_STAGE
+    MSG_STAGE,     MSG_SHOW
 };
 
 #define NTYPES (sizeof types / sizeof types[0])
@@ -39,6 +39,8 @@ which(struct net *net, enum msg_type type)
         type == MSG_LEND || type == MSG_LOAN || type == MSG_BACK ||
         type == MSG_PAID || type == MSG_REVOKE)
         return 1 + net_random(net, 2);
+    if (type == MSG_SHOW)
+        return 1;
     return 1 + net_random(net, net_chance(net, 3) ? 40 : 8);
 }
 

@@ -104,7 +104,7 @@ struct stage {
     uint32_t number, base, n;
     struct rad_refine_rungs rungs;
     struct rad_refine_past past;
-    struct rad_params params;
+    struct rad_params params, pictures; /* the latter once no stage follows */
     struct rad_pass plan[RAD_MOST_PASSES];
 };
 
@@ -118,6 +118,7 @@ plan_stage(const struct sim_job *job, struct stage *st)
     if (jobtext_params(job->params, &params, NULL) != 0)
         abort();
     rad_refine_params(&params, st->rungs, &st->params);
+    st->pictures = st->params;
     for (uint32_t f = 0; f < job->spec.nframes; f++)
         size[f] = (struct rad_pass_size){ (int)job->frame[f].width,
                                           (int)job->frame[f].height };
@@ -152,7 +153,9 @@ next_stage(const struct sim_job *job, struct stage *st)
                                   .rungs = st->rungs,
                                   .past = st->past,
                                   .left_s = INFINITY };
+    struct rad_refine_rungs next;
     struct rad_refine_sums of;
+    struct rad_params params;
     double error;
 
     if (st->n == 0 || job->spec.error_ppm == 0)
@@ -168,8 +171,13 @@ next_stage(const struct sim_job *job, struct stage *st)
     ask.check = rays(st->plan[st->n - 1].tiles);
     for (uint32_t f = 0; f < job->spec.nframes; f++)
         ask.pixels += (uint64_t)job->frame[f].width * job->frame[f].height;
-    if (!rad_refine_next(&ask, &st->rungs, &error))
+    if (!rad_refine_next(&ask, &next, &error)) {
+        if (jobtext_params(job->params, &params, NULL) != 0)
+            abort();
+        rad_refine_params(&params, next, &st->pictures);
         return false;
+    }
+    st->rungs = next;
     st->past = rad_refine_pass_on(&ask);
     st->number++;
     st->base += st->n;
@@ -351,21 +359,44 @@ sim_take_frozen(struct net *net, int node, const struct msg_frozen *m)
     sim_of(net)->passes++;
 }
 
+static bool
+says(const char *text, const struct rad_params *p)
+{
+    char other[RAD_PARAMS_TEXT];
+
+    rad_params_format(p, other, sizeof other);
+    return strcmp(text, other) == 0;
+}
+
+/* One that comes late has the pictures' options from the start. */
 void
 sim_take_stage(struct net *net, int node, const struct msg_stage *m)
 {
     struct sim_child *k = sim_child_of(net, node);
     const struct sim_job *job = &sim_of(net)->job[k->job];
-    char text[RAD_PARAMS_TEXT];
     struct stage st;
 
     stage_of(job, m->pass, &st);
-    rad_params_format(&st.params, text, sizeof text);
     SIM_CHECK(net, m->pass == st.base && m->pass >= k->passes && st.base > 0);
-    SIM_CHECK(net, strcmp(m->params, text) == 0);
+    SIM_CHECK(net, says(m->params, &st.params) ||
+                       (!next_stage(job, &st) && says(m->params, &st.pictures)));
     k->passes = k->stage = m->pass;
     k->nrecords = 0;
+    k->shown = false;
     sim_of(net)->stages++;
+}
+
+void
+sim_take_show(struct net *net, int node, const struct msg_stage *m)
+{
+    struct sim_child *k = sim_child_of(net, node);
+    const struct sim_job *job = &sim_of(net)->job[k->job];
+    struct stage st;
+
+    stage_of(job, MSG_MOST_PASSES, &st);
+    SIM_CHECK(net, k->stage == st.base && k->passes == st.base + st.n);
+    SIM_CHECK(net, m->pass == k->passes && says(m->params, &st.pictures));
+    k->shown = true;
 }
 
 bool
@@ -377,6 +408,8 @@ sim_cache_serves(const struct sim *s, const struct sim_child *k, uint32_t frame)
 
     stage_of(job, k->passes, &st);
     closed = k->passes - st.base;
+    if (st.n > 0 && job->spec.error_ppm > 0 && !k->shown)
+        return false;
     return st.n == 0 ||
            (closed > 0 && frame < rad_passes_ready(st.plan, closed) &&
             frame >= rad_passes_ready(st.plan, closed - 1));
@@ -385,10 +418,10 @@ sim_cache_serves(const struct sim *s, const struct sim_child *k, uint32_t frame)
 void
 sim_check_options(struct net *net, const struct sim_job *job)
 {
-    char text[RAD_PARAMS_TEXT];
+    bool goal = job->spec.error_ppm > 0;
     struct stage st;
 
     stage_of(job, MSG_MOST_PASSES, &st);
-    rad_params_format(&st.params, text, sizeof text);
-    SIM_CHECK(net, strcmp(job->options, st.base > 0 ? text : "") == 0);
+    SIM_CHECK(net, goal && st.n > 0 ? says(job->options, &st.pictures)
+                                    : !*job->options);
 }
