@@ -1,10 +1,11 @@
 /* refine.c - see refine.h
  *
- * The next stage is foreseen from the last one's sums: errors fall by so much
- * with a rung, that of pixels not below the noise of single ones, and rays
- * grow with both kinds of rungs.  Of all rungs the cheapest that come down to
- * what is wanted are taken; where time does not allow any of these, of those
- * that it allows the ones that come farthest down, in quarters of a rung.
+ * What comes next is foreseen from the last stage's sums: errors fall by so
+ * much with a rung, and rays grow.  Of all rungs the cheapest that come down to
+ * what is wanted are taken: those of a further stage, or more rays of a pixel
+ * over the cache that is there.  Where time does not allow any of these, of
+ * those that it allows the ones that come farthest down are, in quarters of a
+ * rung.
  * Only products, sums and square roots: they are the same everywhere. */
 #include "config.h"
 
