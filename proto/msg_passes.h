@@ -103,6 +103,6 @@ struct msg_stage {
 
 /* SHOW: no stage follows, all passes before that number are closed, and the
  * pictures are made over the cache that is there with these options, which
- * differ from the stage's in what pixels alone depend on (rad_job_show()). */
+ * differ from the stage's in --samples at most (rad_job_show()). */
 
 #endif

@@ -467,8 +467,8 @@ show_with(struct task *t, struct rad_job *job, struct rad_refine_rungs rungs,
 {
     rad_refine_params(&t->own, rungs, &t->params);
     rad_job_show(job, &t->params);
-    fprintf(stderr, "picture error %.4f pt %.4g samples %d\n", error,
-            t->params.maxdiff, t->params.samples);
+    fprintf(stderr, "picture error %.4f samples %d\n", error,
+            t->params.samples);
 }
 
 /* Make a stage, or all that there is without --error; the picture if it is the

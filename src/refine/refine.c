@@ -115,13 +115,11 @@ shorten(double x)
 }
 
 /* Eighths of an octave by which options change with a rung, and so PARTS with a
- * quarter of one.  Those of direct light change once, with the first rung of
- * pixels; then a pixel gets more rays, which bring more for their price
- * (doc/measured.md). */
+ * quarter of one.  Those of pixels change once, with their first rung; then a
+ * pixel gets more rays, which bring more for their price (doc/measured.md). */
 enum {
     AMBACC_FALL = 1,
     AMBDIV_GROWTH = 3,
-    MAXDIFF_FALL = 1,
     SAMPLES_GROWTH = 4,
     ONE_RAY = RAD_REFINE_RUNG
 };
@@ -130,8 +128,9 @@ enum {
  * -dj that find as much. */
 #define SMALL_PART .2
 
-/* What is left of what -dt and -dc leave out. */
+/* What is left of what -dt and -dc leave out, and of what -pt lets pass. */
 #define SHADOWS_LEFT .25
+#define MAXDIFF_LEFT .5
 
 #define MOST_AMBDIV 65536
 #define MOST_AMBRES 4096
@@ -161,7 +160,7 @@ rad_refine_params(const struct rad_params *job, struct rad_refine_rungs rungs,
         out->ambres = grow(job->ambres, 1 / fall(AMBACC_FALL * a), MOST_AMBRES);
     }
     if (p > 0) {
-        out->maxdiff = shorten(job->maxdiff * fall(MAXDIFF_FALL * p));
+        out->maxdiff = shorten(job->maxdiff * MAXDIFF_LEFT);
         out->samples = grow(job->samples, rays_of_pixel(p), RAD_MOST_SAMPLES);
         out->srcsizerat = fmin(job->srcsizerat, SMALL_PART);
         out->srcjitter = fmax(job->srcjitter, 1);

@@ -56,8 +56,8 @@ struct rad_refine_rungs {
 void rad_refine_params(const struct rad_params *job,
                        struct rad_refine_rungs rungs, struct rad_params *out);
 
-/* Do the options differ in -pt and --samples at most?  Then pictures with the
- * one are made over a cache, and by a job, that was made with the other. */
+/* Do the options differ in --samples at most?  Then pictures with the one are
+ * made over a cache, and by a job, that was made with the other. */
 bool rad_refine_same_cache(struct rad_refine_rungs a,
                            struct rad_refine_rungs b);
 

@@ -193,6 +193,5 @@ rad_job_free(struct rad_job *job)
 void
 rad_job_show(struct rad_job *job, const struct rad_params *params)
 {
-    job->params.maxdiff = params->maxdiff;
     job->params.samples = params->samples;
 }

@@ -70,8 +70,8 @@ int rad_job_check(const struct rad_scene *scene, const struct rad_files *files,
                   struct rad_error *err);
 void rad_job_free(struct rad_job *job);
 
-/* Make pictures with these options' -pt and --samples from now on, which nothing
- * that is compiled depends on. */
+/* Make pictures with these options' --samples from now on, which nothing that is
+ * compiled depends on.  Thread: none renders. */
 void rad_job_show(struct rad_job *job, const struct rad_params *params);
 
 /* Objects whose functions failed to give a value, by number, the first few:
