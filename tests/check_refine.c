@@ -354,6 +354,27 @@ START_TEST(noise_of_pixels_is_taken_away_by_rays)
 }
 END_TEST
 
+/* What is off by too much does not stay so where stages are left, and rays: the
+ * last part of it is not too little to go for. */
+START_TEST(what_is_not_near_enough_does_not_end)
+{
+    for (int i = 0; i < 4; i++)
+        for (int k = 0; k < 13; k++) {
+            struct rad_refine_ask ask =
+                ask_of(.05, .005 * k, .02 + .005 * i, .016 + .004 * i);
+            struct rad_refine_rungs next;
+            double error;
+
+            ask.stage = 1;
+            ask.rungs = (struct rad_refine_rungs){ RUNGS(10), RUNGS(1) };
+            ck_assert_msg(rad_refine_next(&ask, &next, &error) ||
+                              error <= .05 * sqrt(1.2) + 1e-9,
+                          "ambient %.3f, pixels %.3f: %.4f", .005 * k,
+                          .02 + .005 * i, error);
+        }
+}
+END_TEST
+
 /* A smaller error never ends where a larger one goes on, whatever part of the
  * error is noise of pixels. */
 START_TEST(a_smaller_error_gets_no_less)
@@ -464,6 +485,27 @@ START_TEST(much_time_has_a_stage_before_the_last)
     ck_assert(rad_refine_next(&ask, &last, &error));
     ck_assert_int_eq(first.ambient, last.ambient);
     ck_assert_int_eq(first.pixel, last.pixel);
+}
+END_TEST
+
+/* ... a stage, though pixels alone are off, and their first rung takes more than
+ * the part of the time that such a stage may. */
+START_TEST(a_stage_before_the_last_is_one)
+{
+    for (double s = .5; s < 50; s *= 1.05) {
+        struct rad_refine_ask ask = ask_of(0, 0, .3, .2);
+        struct rad_refine_rungs first, last;
+        double error;
+
+        set_clock(&ask, s);
+        ask.rays = 10000;
+        ask.stage = 1;
+        if (!rad_refine_next(&ask, &last, &error))
+            continue;
+        ask.stage = 0;
+        ck_assert_msg(rad_refine_next(&ask, &first, &error), "%.2f s", s);
+        ck_assert(!rad_refine_same_cache(ask.rungs, first));
+    }
 }
 END_TEST
 
@@ -785,11 +827,13 @@ main(void)
     tcase_add_test(decisions, stages_are_few);
     tcase_add_test(decisions, a_far_goal_has_a_stage_before_it);
     tcase_add_test(decisions, what_fell_slowly_is_foreseen_so);
+    tcase_add_test(decisions, what_is_not_near_enough_does_not_end);
     tcase_add_test(decisions, a_smaller_error_gets_no_less);
     tcase_add_test(decisions, noise_of_pixels_is_taken_away_by_rays);
     tcase_add_test(decisions, a_stage_has_a_bound);
     tcase_add_test(decisions, more_time_is_used);
     tcase_add_test(decisions, much_time_has_a_stage_before_the_last);
+    tcase_add_test(decisions, a_stage_before_the_last_is_one);
     tcase_add_test(decisions,
                    a_goal_in_time_has_whole_rungs_as_without_a_clock);
     tcase_add_loop_test(decisions, sums_may_be_anything, 0, N_ELEM(wild));

@@ -561,11 +561,18 @@ choose_well(const struct outlook *o, struct bounds within, struct choice *best)
     return any && choose(o, goals, within, step, most, best);
 }
 
+/* Squares that are near enough to what is wanted. */
+static double
+near_enough(const struct rad_refine_ask *ask)
+{
+    return NEAR_ENOUGH * goals_of(ask).end;
+}
+
 /* No further stage, if pictures come near enough without for less. */
 static void
 end_if_near(const struct outlook *o, struct bounds within, struct choice *best)
 {
-    struct goals goals = { 0, NEAR_ENOUGH * goals_of(o->ask).end };
+    struct goals goals = { 0, near_enough(o->ask) };
     struct choice end;
 
     if (!best->ends &&
@@ -592,7 +599,7 @@ shorten_step(const struct outlook *o, struct choice *c)
 
 /* Come nearer than what would take all the time, if that is far from the first
  * stage.  Pixels get no more than a ray: how many more rays several take is
- * known. */
+ * known.  It stays a stage, of other options than this one. */
 static void
 try_before(const struct outlook *o, struct choice *c)
 {
@@ -606,13 +613,13 @@ try_before(const struct outlook *o, struct choice *c)
         return;
     while (a > now.ambient + 1 && foresee_wait(o, a, p) > most)
         a--;
-    while (p > 0 && foresee_wait(o, a, p) > most)
+    while (p > (a == now.ambient) && foresee_wait(o, a, p) > most)
         p--;
     *c = foresee(o, a, p);
 }
 
 /* What is best within these bounds: what is there, where nothing else is worth
- * it. */
+ * it.  What brings the error that is wanted is, however little that is. */
 static struct choice
 decide(const struct outlook *o, struct bounds within)
 {
@@ -624,11 +631,13 @@ decide(const struct outlook *o, struct bounds within)
     double worth = has_clock(ask) ? WORTH_ITS_TIME : WORTH_IT;
     struct choice best;
 
-    if (now.square <= NEAR_ENOUGH * ask->error * ask->error ||
-        !choose_well(o, within, &best))
+    if (now.square <= near_enough(ask) || !choose_well(o, within, &best))
         return now;
     end_if_near(o, within, &best);
-    return best.square <= worth * worth * now.square ? best : now;
+    return best.square <= near_enough(ask) ||
+                   best.square <= worth * worth * now.square
+               ? best
+               : now;
 }
 
 bool
@@ -656,7 +665,7 @@ rad_refine_is_short(const struct rad_refine_ask *ask)
     struct choice best = decide(&o, bounds_of(ask));
     struct choice free = decide(&o, unbound);
 
-    return best.ends && best.square > NEAR_ENOUGH * ask->error * ask->error &&
+    return best.ends && best.square > near_enough(ask) &&
            free.square <= WORTH_IT * WORTH_IT * best.square;
 }
 
