@@ -125,7 +125,7 @@ struct msg_progress {
     double error; /* estimated relative error of these units; 0: unknown */
     /* with --error or --time: */
     uint8_t stage;     /* that is under way, or was last; the first is 0 */
-    uint8_t ended;     /* 1: the pictures are made with its options */
+    uint8_t ended;     /* 1: none follows; the pictures are made with these */
     uint8_t rungs[2];  /* of these options: whole ones, and quarters in the
                         * upper two bits */
     double goal_error; /* relative, as estimated when a stage ended; 0: none

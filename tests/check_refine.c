@@ -488,8 +488,8 @@ START_TEST(much_time_has_a_stage_before_the_last)
 }
 END_TEST
 
-/* ... a stage, though pixels alone are off, and their first rung takes more than
- * the part of the time that such a stage may. */
+/* ... a stage, though pixels alone are off, and their first rung takes more
+ * than the part of the time that such a stage may. */
 START_TEST(a_stage_before_the_last_is_one)
 {
     for (double s = .5; s < 50; s *= 1.05) {

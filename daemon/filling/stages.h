@@ -38,8 +38,8 @@ struct stage_found {
     double rays_s, check_s;      /* processor seconds of these */
 };
 
-/* The check pass, the last of n, is closed: end the stage.  False: another
- * follows, the job's goal says with which options. */
+/* The check pass, the last of n, is closed: end the stage.  The job's goal says
+ * with which options the next one is made, or, true: none follows, pictures. */
 bool stages_end(struct coord *c, struct job *job, uint32_t n,
                 const struct stage_found *found);
 

@@ -24,12 +24,14 @@ struct job_goal {
     double past_square;
     const char *options; /* these, in mem; NULL: those of the specification */
     double error;        /* relative, as estimated at the end of the last stage
-                          * that was looked at; 0: none was */
+                          * that was looked at, and if it ended as pictures are
+                          * foreseen to be; 0: none was */
     double mean;         /* and that of the mean of all pixels */
     uint64_t bytes;      /* of records of the stages before it, in this life */
     uint64_t spent_ms;   /* until the last decision, in earlier lives */
     double begun_s;      /* seconds spent when the stage began */
-    bool ended;          /* the picture is made with the stage's options */
+    bool ended;          /* no stage follows: the picture is made with .options,
+                          * over the last one's cache */
     bool late;           /* for want of time, or of rays, alone */
     bool unread;         /* an earlier life kept a decision in another layout */
 };

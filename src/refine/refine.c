@@ -288,8 +288,8 @@ enum { AMBIENT_FALL = 3, APART = 3 * RAD_REFINE_RUNG };
 enum { CHECK_GROWTH = 2 };
 
 /* What the first rung of pixels leaves of squares of their errors, and of noise
- * of a ray, which is of lamps or, and then it stays, of edges and gloss that few
- * pixels show; and how many times the rays it takes. */
+ * of a ray, which is of lamps or, and then it stays, of edges and gloss that
+ * few pixels show; and how many times the rays it takes. */
 #define PIXEL_LEFT  .5
 #define NOISE_LEFT  .7
 #define FIRST_TAKES 1.4

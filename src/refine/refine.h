@@ -43,7 +43,8 @@ uint32_t rad_refine_plan(const struct rad_params *par,
  * rungs halve an error, that of the cache or that of pixels.  Of pixels the
  * first rung is finer options for direct light; further ones are rays of a
  * pixel, which stages do not need: pictures alone have them.  Stages that aim
- * at an error have whole rungs; where time is short quarters use more of it.
+ * at an error have whole rungs, and pictures quarters; where time is short
+ * stages have quarters, too, to use more of it.
  * More than RAD_REFINE_MOST_* is as these. */
 #define RAD_REFINE_RUNG 4
 struct rad_refine_rungs {
