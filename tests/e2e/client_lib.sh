@@ -34,6 +34,25 @@ left_over()
     done
 }
 
+# The processes that have a launched worker's command line in theirs, of this
+# test alone: radd's arguments name no folder of the test's, but its files are
+# there.
+of_launchers()
+{
+    pgrep -f -- "$radd --embedded --launched" | while read -r pid; do
+        tr '\0' '\n' 2>/dev/null <"/proc/$pid/environ" |
+            grep -qxF "TMPDIR=$work" && echo "$pid"
+    done
+}
+
+# The workers among them: not the launchers' shells.
+launched()
+{
+    of_launchers | while read -r pid; do
+        [ "$(readlink "/proc/$pid/exe")" = "$radd" ] && echo "$pid"
+    done
+}
+
 # until_true SECONDS COMMAND...: wait for a condition; false after so long on a
 # machine that is not busy with other things.  One that is may need a good deal
 # longer, and a sanitizer with it: only a test that fails has to wait for that.

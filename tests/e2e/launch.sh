@@ -15,12 +15,7 @@ slow="--threads=1 --address=127.0.0.1 -vf $scenes/room.vf -x 900 -y 675 -ab 2
 launched_left()
 {
     left_over
-    # radd's arguments name no folder, but its files are here
-    pgrep -f -- "$top_builddir/radd --embedded --launched" |
-        while read -r pid; do
-            tr '\0' '\n' 2>/dev/null <"/proc/$pid/environ" |
-                grep -qxF "TMPDIR=$work" && echo "$pid"
-        done
+    of_launchers
     ls -d "$work"/radsubmit.* "$work"/radd-launched-* 2>/dev/null
 }
 
@@ -165,18 +160,9 @@ expect 64 "--launch: expected a command" empty "$radsubmit" --launch=' ' "$room"
 expect 64 "--address: expected HOST" address \
     "$radsubmit" --launch=srun --address=/x "$room"
 
-# not the shells that have radd's command line behind theirs
-workers()
-{
-    pgrep -f -- "$top_builddir/radd --embedded --launched" |
-        while read -r p; do
-            [ "$(readlink "/proc/$p/exe")" = "$top_builddir/radd" ] && echo "$p"
-        done
-}
-
 has_workers() # N
 {
-    [ "$(workers | wc -l)" -ge "$1" ]
+    [ "$(launched | wc -l)" -ge "$1" ]
 }
 
 started() # NAME OPTIONS...: a long job whose workers are at it
@@ -198,7 +184,7 @@ key=$(sed 's/.* //' "$work"/radsubmit.*/keys)
 [ ${#key} -eq 64 ] || fail "no key: $key"
 [ "$(stat -c %a "$work"/radsubmit.*/keys)" = 600 ] || fail "others read the key"
 ps -eo args | grep -v grep | grep -qF "$key" && fail "the key is in an argument"
-for p in $(workers); do
+for p in $(launched); do
     tr '\0' '\n' <"/proc/$p/environ" | grep -qF "$key" &&
         fail "worker $p still shows the key"
 done
@@ -281,7 +267,7 @@ medium="-vf $scenes/room.vf -x 400 -y 300 -ab 1 -ad 256 -as 64 --oversample=1
     -o lost.hdr "$room" 2>lost.err &
 pid=$!
 until_true 20 grep -q 'radsubmit: job' lost.err || fail "lost: $(cat lost.err)"
-workers | head -n 1 | xargs kill -9
+launched | head -n 1 | xargs kill -9
 wait $pid || fail "lost: $(cat lost.err)"
 cmp whole.hdr lost.hdr || fail "a lost worker changes the picture"
 touch -d '2 minutes ago' "$work"/radd-launched-* 2>/dev/null

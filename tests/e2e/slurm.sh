@@ -109,7 +109,7 @@ ls -d "$work"/radd-launched-* 2>/dev/null && fail "workers left their files"
 # the worker on a node
 on_node() # NODE
 {
-    for p in $(pgrep -f "^$radd --embedded --launched"); do
+    for p in $(launched); do
         tr '\0' '\n' 2>/dev/null <"/proc/$p/environ" |
             grep -qx "SLURMD_NODENAME=$1" && echo "$p"
     done
@@ -154,7 +154,7 @@ END
 
 no_workers()
 {
-    ! pgrep -f "^$radd --embedded --launched" && idle
+    [ -z "$(of_launchers)" ] && idle
 }
 
 # shellcheck disable=SC2086
