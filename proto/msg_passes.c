@@ -89,5 +89,5 @@ msg_code_stage(struct codec *c, struct msg_stage *b)
     code_job(c, &b->job);
     code_u32(c, &b->pass);
     code_str(c, &b->params, MSG_MAX_PARAMS);
-    code_read_must(c, b->pass <= MSG_MOST_PASSES); /* SHOW is behind the last */
+    code_read_must(c, b->pass < MSG_MOST_PASSES);
 }

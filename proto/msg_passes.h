@@ -101,8 +101,9 @@ struct msg_stage {
     const char *params; /* rad_params_format() */
 };
 
-/* SHOW: no stage follows, all passes before that number are closed, and the
- * pictures are made over the cache that is there with these options, which
- * differ from the stage's in --samples at most (rad_job_show()). */
+/* SHOW has the same fields: no stage follows, the pass of that number, the last,
+ * is closed, and the pictures are made over the cache that is there with these
+ * options, which differ from the stage's in --samples at most (rad_job_show()).
+ */
 
 #endif

@@ -135,7 +135,7 @@ START_TEST(what_is_good_enough_has_no_other_stage)
     rad_params_format(&own, text, sizeof text);
     ck_assert_str_eq(goal_options(job), text);
     ck_assert_int_eq(f.last[WORKER].type, MSG_SHOW);
-    ck_assert_uint_eq(show->pass, PASSES + 1);
+    ck_assert_uint_eq(show->pass, PASSES);
     ck_assert_str_eq(show->params, text);
     ck_assert(!passes_open(job));
     job->state = JOB_RUNNING;

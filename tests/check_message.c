@@ -490,8 +490,8 @@ static const struct {
     NUMBER(MSG_TILE_RECORDS, tile_records.tile, MSG_MOST_TILES, UINT32_MAX),
     NUMBER(MSG_CLOSED, closed.pass, MSG_MOST_PASSES, UINT32_MAX),
     NUMBER(MSG_HOLDS, holds.pass, MSG_MOST_PASSES, UINT32_MAX),
-    NUMBER(MSG_STAGE, stage.pass, MSG_MOST_PASSES + 1, UINT32_MAX),
-    NUMBER(MSG_SHOW, show.pass, MSG_MOST_PASSES + 1, UINT32_MAX),
+    NUMBER(MSG_STAGE, stage.pass, MSG_MOST_PASSES, UINT32_MAX),
+    NUMBER(MSG_SHOW, show.pass, MSG_MOST_PASSES, UINT32_MAX),
     NUMBER(MSG_SUBMIT, submit.error_ppm, 1, 1000001), /* without passes */
     NUMBER(MSG_SUBMIT, submit.time_ms, 1, UINT32_MAX),
     NUMBER(MSG_FAILED, failed.status, EX__BASE - 1, 0),

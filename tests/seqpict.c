@@ -466,7 +466,7 @@ show_with(struct task *t, struct rad_job *job, struct rad_refine_rungs rungs,
           double error)
 {
     rad_refine_params(&t->own, rungs, &t->params);
-    rad_job_show(job, &t->params);
+    rad_job_show(job, t->params.samples);
     fprintf(stderr, "picture error %.4f samples %d\n", error,
             t->params.samples);
 }

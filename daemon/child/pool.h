@@ -125,10 +125,10 @@ bool pool_push_tile(struct pool *p, uint32_t pass, uint32_t tile, bool shows);
 bool pool_freeze(struct pool *p, struct rad_ambrec *rec, size_t n,
                  struct rad_pass_spot *spot);
 
-/* All passes are closed: units that begin from now on are of pictures with these
- * options (rad_job_show()) of the pool's own job.  False: memory is out. */
-bool pool_show(struct pool *p, struct rad_job *job,
-               const struct rad_params *params);
+/* All passes are closed: units that begin from now on are of pictures with so
+ * many rays of a pixel (rad_job_show()) of the pool's own job.  False: memory is
+ * out. */
+bool pool_show(struct pool *p, struct rad_job *job, int samples);
 
 /* End estimates that are under way (REST), within a pixel of each thread; their
  * callbacks are called. */

@@ -119,6 +119,15 @@ make_tile(struct renderer *by, struct pool_tile *t)
 
 /* --- from one pass to the next --- */
 
+/* The cache, or what is made over it, is changed: threads may go on. */
+static void
+end_change_and_unlock(struct pool *p)
+{
+    p->tiling.changing = false;
+    uv_cond_broadcast(&p->work);
+    uv_mutex_unlock(&p->mu);
+}
+
 /* No tile of the pass is made until that is done, and none is begun. */
 static void
 begin_pass(struct renderer *by, const struct rad_pass *pass)
@@ -134,11 +143,9 @@ begin_pass(struct renderer *by, const struct rad_pass *pass)
     cpu = pool_stint_end_and_lock(by, &stint);
     counted_add(&k->dropped, &by->ctx.counts, cpu);
     k->begun[number % MSG_OPEN_PASSES] = number + 1;
-    k->changing = false;
     if (err.code)
         k->err = err;
-    uv_cond_broadcast(&p->work);
-    uv_mutex_unlock(&p->mu);
+    end_change_and_unlock(p);
 }
 
 /* Take a tile out of those that wait. */
@@ -194,16 +201,12 @@ free_frozen(struct pool_frozen *f)
 }
 
 static void
-show(struct renderer *by, struct pool_frozen *f)
+show(struct pool *p, struct pool_frozen *f)
 {
-    struct pool *p = by->pool;
-
-    rad_job_show(f->shown, &f->params);
-    uv_mutex_lock(&p->mu);
-    p->tiling.changing = false;
-    uv_cond_broadcast(&p->work);
-    uv_mutex_unlock(&p->mu);
+    rad_job_show(f->job, f->samples);
     free_frozen(f);
+    uv_mutex_lock(&p->mu);
+    end_change_and_unlock(p);
 }
 
 /* Put the records of a pass that is closed into the cache, and go on to the
@@ -222,11 +225,9 @@ freeze(struct renderer *by, struct pool_frozen *f)
     if (!atomic_load(&p->stopping))
         atomic_store(&k->stop[k->open % MSG_OPEN_PASSES], false);
     k->open++;
-    k->changing = false;
     if (k->err.code)
         uv_async_send(&p->async);
-    uv_cond_broadcast(&p->work);
-    uv_mutex_unlock(&p->mu);
+    end_change_and_unlock(p);
     free_frozen(f);
 }
 
@@ -277,8 +278,8 @@ pool_find_tile_locked(struct pool *p, struct pool_tile_work *w)
 void
 pool_work_on_tile(struct renderer *by, const struct pool_tile_work *w)
 {
-    if (w->frozen && w->frozen->shown)
-        show(by, w->frozen);
+    if (w->frozen && w->frozen->job)
+        show(by->pool, w->frozen);
     else if (w->frozen)
         freeze(by, w->frozen);
     else if (w->begins)
@@ -353,14 +354,14 @@ pool_freeze(struct pool *p, struct rad_ambrec *rec, size_t n,
 }
 
 bool
-pool_show(struct pool *p, struct rad_job *job, const struct rad_params *params)
+pool_show(struct pool *p, struct rad_job *job, int samples)
 {
     struct pool_frozen *f = calloc(1, sizeof *f);
 
     if (!f)
         return false;
-    f->shown = job;
-    f->params = *params;
+    f->job = job;
+    f->samples = samples;
     uv_mutex_lock(&p->mu);
     push_frozen_locked(p, f);
     uv_mutex_unlock(&p->mu);

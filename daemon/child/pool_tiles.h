@@ -13,8 +13,8 @@ struct renderer;
 /* Records of a pass that is closed; or, when all are, how pictures are made. */
 struct pool_frozen {
     struct pool_frozen *next;
-    struct rad_job *shown; /* the pool's own; NULL: it is a pass */
-    struct rad_params params;
+    struct rad_job *job; /* the pool's own, for pictures; NULL: it is a pass */
+    int samples;         /* of these pictures */
     struct rad_ambrec *rec;
     size_t n;
     struct rad_pass_spot *spot; /* of a pass that walks; NULL: not told */

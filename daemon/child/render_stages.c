@@ -1,8 +1,7 @@
 /* render_stages.c - the stages of a job's child
  *
  * A stage has other options than the one before: all that is made of them is
- * made anew.  Pictures have those of the last one but for what pixels alone
- * depend on. */
+ * made anew.  Pictures have those of the last one but for --samples. */
 #include "config.h"
 
 #include "child/render_impl.h"
@@ -43,7 +42,7 @@ take_show(struct render *r, const struct msg_stage *m, struct rad_error *err)
     struct render_passes *k = &r->passes;
     struct rad_params params;
 
-    if (!render_has_stages(r) || !k->passes || m->pass != k->base + k->n ||
+    if (!render_has_stages(r) || !k->passes || m->pass + 1 != k->base + k->n ||
         !render_cache_is_whole(r))
         return rad_fail(err, RAD_EPROTO,
                         "pictures after pass %u do not fit the job", m->pass);
@@ -51,7 +50,7 @@ take_show(struct render *r, const struct msg_stage *m, struct rad_error *err)
         return 0;
     if (jobtext_params(m->params, &params, err) < 0)
         return err->code;
-    if (!pool_show(r->pool, r->job, &params))
+    if (!pool_show(r->pool, r->job, params.samples))
         return rad_fail(err, RAD_ENOMEM, "out of memory");
     k->shown = true;
     return 0;

@@ -14,12 +14,12 @@
 static size_t
 row_bytes(const struct rad_frame *f, const struct msg_unit *u)
 {
+    const struct rad_window w = { 0, 0, (int)u->width, 1 };
     size_t pixels = (size_t)u->width * (f->depth ? 16 : 12);
     size_t bits = rad_facts_stride((int)u->width), densities;
-    struct rad_quincunx q = { .width = (int)u->width, .height = 1 };
+    struct rad_quincunx q;
 
-    /* -pt has no part in it, which a thread may be changing (pool_show()) */
-    rad_quincunx_steps(f->job->params.psample, &q.xstep, &q.ystep);
+    rad_frame_sampler(f, &w, &q);
     densities = rad_quincunx_ndensity(&q);
     return pixels + (bits > densities ? bits : densities);
 }

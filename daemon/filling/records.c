@@ -50,10 +50,11 @@ show_pictures(struct coord *c, const struct job *job, struct job_worker *jw)
 {
     const struct passes *s = job->passes;
     struct msg m = { .type = MSG_SHOW,
-                     .show = { job->id, s->base + s->n, goal_options(job) } };
+                     .show = { job->id, s->base + s->n - 1,
+                               goal_options(job) } };
 
     if (!job->goal.ended || s->n == 0 || jw->shows || jw->lags ||
-        jw->passes != m.show.pass)
+        jw->passes != s->base + s->n)
         return;
     actions_send(&c->actions, jw->worker->conn, &m);
     jw->shows = true;

@@ -288,7 +288,7 @@ on_estimate(struct worker *w, struct wjob *job, const struct msg *m)
 }
 
 static void
-on_rest(struct worker *w, struct wjob *job, const struct msg *m)
+on_order(struct worker *w, struct wjob *job, const struct msg *m)
 {
     to_child(w, job, m, 0);
 }
@@ -348,13 +348,6 @@ on_stage(struct worker *w, struct wjob *job, const struct msg *m)
     gather_turn(job);
 }
 
-static void
-on_show(struct worker *w, struct wjob *job, const struct msg *m)
-{
-    if (job->state == WJOB_READY)
-        worker_send_child(w, job, m);
-}
-
 struct handler {
     enum msg_type type;
     void (*handle)(struct worker *w, struct wjob *job, const struct msg *m);
@@ -371,11 +364,11 @@ static const struct handler downwards[] = {
     { MSG_BASE_LINE, on_base_line },
     { MSG_NEXT_HOLDER, next_holder },
     { MSG_ESTIMATE, on_estimate },
-    { MSG_REST, on_rest },
+    { MSG_REST, on_order },
     { MSG_TILE, on_tile },
     { MSG_FROZEN, on_frozen },
     { MSG_STAGE, on_stage },
-    { MSG_SHOW, on_show },
+    { MSG_SHOW, on_order },
     { MSG_TILE_RECORDS, on_tile_records },
     { MSG_CLOSED, on_closed },
     { MSG_FEED, on_feed },

@@ -501,8 +501,9 @@ is_better(const struct choice *a, const struct choice *b, struct goals goals)
     return there ? a->rays < b->rays : a->square < b->square;
 }
 
-/* May that be chosen?  Stages are in steps of so many quarters of a rung, and
- * after the last there is none; pixels lose no rays. */
+/* May c be chosen?  Over the cache that is there pixels get no fewer rays than
+ * they have; further stages are in steps of so many quarters of a rung, and
+ * there is none after the last that a job may have. */
 static bool
 is_open(const struct rad_refine_ask *ask, const struct choice *c,
         struct bounds within, int step)
@@ -514,8 +515,8 @@ is_open(const struct rad_refine_ask *ask, const struct choice *c,
     return open && c->rays <= within.rays && c->seconds < within.seconds;
 }
 
-/* The best rungs, of the cache's from the stage's to that one; false: there are
- * none. */
+/* The best rungs within these bounds, those of the cache no higher than that;
+ * false: there are none. */
 static bool
 choose(const struct outlook *o, struct goals goals, struct bounds within,
        int step, int most, struct choice *best)
@@ -542,9 +543,10 @@ square_now(const struct outlook *o)
     return o->ambient + o->pixel;
 }
 
-/* ... and where none comes down to the goal, the cheapest of those that are a
- * seventh worse than the best at most, and worth it: the last of it may take a
- * hundred times the rays.  With a limit of time it is there to be used. */
+/* The best rungs within these bounds; where none comes down to the goals, the
+ * cheapest of those that are a seventh worse than the best at most, and worth
+ * it: the last of it may take a hundred times the rays.  With a limit of time
+ * it is there to be used. */
 static bool
 choose_well(const struct outlook *o, struct bounds within, struct choice *best)
 {

@@ -191,7 +191,7 @@ rad_job_free(struct rad_job *job)
 }
 
 void
-rad_job_show(struct rad_job *job, const struct rad_params *params)
+rad_job_show(struct rad_job *job, int samples)
 {
-    job->params.samples = params->samples;
+    job->params.samples = samples;
 }

@@ -70,9 +70,9 @@ int rad_job_check(const struct rad_scene *scene, const struct rad_files *files,
                   struct rad_error *err);
 void rad_job_free(struct rad_job *job);
 
-/* Make pictures with these options' --samples from now on, which nothing that is
- * compiled depends on.  Thread: none renders. */
-void rad_job_show(struct rad_job *job, const struct rad_params *params);
+/* Make pictures with so many rays of a pixel (--samples) from now on, which
+ * nothing that is compiled depends on.  Thread: none renders. */
+void rad_job_show(struct rad_job *job, int samples);
 
 /* Objects whose functions failed to give a value, by number, the first few:
  * count 0 ends them. */

@@ -109,15 +109,23 @@ struct stage {
 };
 
 static void
+options_of(const struct sim_job *job, struct rad_refine_rungs rungs,
+           struct rad_params *out)
+{
+    struct rad_params own;
+
+    if (jobtext_params(job->params, &own, NULL) != 0)
+        abort();
+    rad_refine_params(&own, rungs, out);
+}
+
+static void
 plan_stage(const struct sim_job *job, struct stage *st)
 {
     bool on = job->spec.flags & MSG_JOB_REUSE && st->base == 0;
     struct rad_pass_size size[SIM_FRAMES];
-    struct rad_params params;
 
-    if (jobtext_params(job->params, &params, NULL) != 0)
-        abort();
-    rad_refine_params(&params, st->rungs, &st->params);
+    options_of(job, st->rungs, &st->params);
     st->pictures = st->params;
     for (uint32_t f = 0; f < job->spec.nframes; f++)
         size[f] = (struct rad_pass_size){ (int)job->frame[f].width,
@@ -155,7 +163,6 @@ next_stage(const struct sim_job *job, struct stage *st)
                                   .left_s = INFINITY };
     struct rad_refine_rungs next;
     struct rad_refine_sums of;
-    struct rad_params params;
     double error;
 
     if (st->n == 0 || job->spec.error_ppm == 0)
@@ -172,9 +179,7 @@ next_stage(const struct sim_job *job, struct stage *st)
     for (uint32_t f = 0; f < job->spec.nframes; f++)
         ask.pixels += (uint64_t)job->frame[f].width * job->frame[f].height;
     if (!rad_refine_next(&ask, &next, &error)) {
-        if (jobtext_params(job->params, &params, NULL) != 0)
-            abort();
-        rad_refine_params(&params, next, &st->pictures);
+        options_of(job, next, &st->pictures);
         return false;
     }
     st->rungs = next;
@@ -395,7 +400,7 @@ sim_take_show(struct net *net, int node, const struct msg_stage *m)
 
     stage_of(job, MSG_MOST_PASSES, &st);
     SIM_CHECK(net, k->stage == st.base && k->passes == st.base + st.n);
-    SIM_CHECK(net, m->pass == k->passes && says(m->params, &st.pictures));
+    SIM_CHECK(net, m->pass + 1 == k->passes && says(m->params, &st.pictures));
     k->shown = true;
 }
 
