@@ -115,11 +115,17 @@ shorten(double x)
 }
 
 /* Eighths of an octave by which options change with a rung, and so PARTS with a
- * quarter of one.  Those of pixels change once, with their first rung; then a
- * pixel gets more rays, which bring more for their price (doc/measured.md). */
+ * quarter of one.  -ar grows fast in the first AMBRES_RUNGS: a coarse limit leaves
+ * zones that are too large wherever objects are near, and no other option mends
+ * that (doc/measured.md).  Options of pixels change once, with their
+ * first rung; then a pixel gets more rays, which bring more for their price. */
 enum {
     AMBACC_FALL = 1,
-    AMBDIV_GROWTH = 3,
+    AMBDIV_GROWTH = 2,
+    AMBRES_GROWTH = 2,
+    AMBRES_FIRST = 6,
+    AMBRES_RUNGS = 4 * RAD_REFINE_RUNG,
+    AMBRES_SOON = AMBRES_RUNGS * (AMBRES_FIRST - AMBRES_GROWTH),
     SAMPLES_GROWTH = 4,
     ONE_RAY = RAD_REFINE_RUNG
 };
@@ -133,7 +139,15 @@ enum {
 #define MAXDIFF_LEFT .5
 
 #define MOST_AMBDIV 65536
-#define MOST_AMBRES 4096
+#define MOST_AMBRES 1024
+
+/* How many times the job's -ar a rung of the cache has. */
+static double
+ambres_at(int ambient)
+{
+    return 1 / fall(least(AMBRES_FIRST * ambient,
+                          AMBRES_SOON + AMBRES_GROWTH * ambient));
+}
 
 /* How many times the rays that a pixel has at rung 0. */
 static int
@@ -157,7 +171,7 @@ rad_refine_params(const struct rad_params *job, struct rad_refine_rungs rungs,
         out->ambacc = shorten(job->ambacc * fall(AMBACC_FALL * a));
         out->ambdiv = grow(job->ambdiv, rays, MOST_AMBDIV);
         out->ambssamp = grow(job->ambssamp, rays, MOST_AMBDIV);
-        out->ambres = grow(job->ambres, 1 / fall(AMBACC_FALL * a), MOST_AMBRES);
+        out->ambres = grow(job->ambres, ambres_at(a), MOST_AMBRES);
     }
     if (p > 0) {
         out->maxdiff = shorten(job->maxdiff * MAXDIFF_LEFT);
@@ -280,12 +294,18 @@ sound(double x)
 }
 
 /* Eighths of an octave by which the square of the cache's error falls with a
- * rung, as it does in five scenes on average; by 2 to 4 in single ones, which
- * stages tell that are so many rungs apart. */
-enum { AMBIENT_FALL = 3, APART = 3 * RAD_REFINE_RUNG };
+ * rung, as it does in four scenes on average: the faster while -ar grows fast.
+ * In single scenes it falls by one more or less, which stages tell that are so
+ * many rungs apart. */
+enum {
+    AMBIENT_FALL_FIRST = 5,
+    AMBIENT_FALL = 2,
+    AMBIENT_SOON = AMBRES_RUNGS * (AMBIENT_FALL_FIRST - AMBIENT_FALL),
+    APART = 3 * RAD_REFINE_RUNG
+};
 
-/* ... by which rays of a check grow. */
-enum { CHECK_GROWTH = 2 };
+/* ... by which rays of passes grow, and those of a check. */
+enum { MADE_GROWTH = 2 * AMBACC_FALL + AMBDIV_GROWTH, CHECK_GROWTH = 2 };
 
 /* What the first rung of pixels leaves of squares of their errors, and of noise
  * of a ray, which is of lamps or, and then it stays, of edges and gloss that
@@ -298,7 +318,7 @@ enum { CHECK_GROWTH = 2 };
 struct outlook {
     const struct rad_refine_ask *ask;
     double ambient, pixel, noise; /* squares; noise: no more than pixel */
-    int fall;                     /* of .ambient with a rung */
+    int steeper; /* .ambient falls by so much more with a rung, -1 to 1 */
     double walk, made;            /* rays of passes: see WALKED, and the rest */
     double check, picture;        /* rays */
 };
@@ -310,19 +330,27 @@ rise(int n)
     return n > 0 ? 1 / fall(n) : fall(-n);
 }
 
-/* Parts of an octave by which the cache's error has fallen with a rung. */
+/* Parts of an octave by which the square of the cache's error falls from one
+ * rung to another, on average. */
 static int
-observed_fall(const struct rad_refine_ask *ask, double ambient)
+cache_fall(int from, int to)
+{
+    return least(AMBIENT_FALL_FIRST * to, AMBIENT_SOON + AMBIENT_FALL * to) -
+           least(AMBIENT_FALL_FIRST * from, AMBIENT_SOON + AMBIENT_FALL * from);
+}
+
+/* By how much more than on average it has fallen with a rung. */
+static int
+observed_steeper(const struct rad_refine_ask *ask, double ambient)
 {
     int apart = ask->rungs.ambient - ask->past.rung;
+    int usual = cache_fall(ask->past.rung, ask->rungs.ambient);
     double fell = ask->past.square / ambient;
 
     if (apart < APART || !(fell > 0))
-        return AMBIENT_FALL;
+        return 0;
     fell *= fell;
-    return fell < rise((2 * AMBIENT_FALL - 1) * apart)   ? AMBIENT_FALL - 1
-           : fell < rise((2 * AMBIENT_FALL + 1) * apart) ? AMBIENT_FALL
-                                                         : AMBIENT_FALL + 1;
+    return fell < rise(2 * usual - apart) ? -1 : fell > rise(2 * usual + apart);
 }
 
 /* What that rung leaves of a square of which the first leaves so much. */
@@ -347,7 +375,7 @@ look_out(const struct rad_refine_ask *ask)
                          .ambient = found.ambient,
                          .pixel = found.sampling,
                          .noise = found.noise,
-                         .fall = observed_fall(ask, found.ambient),
+                         .steeper = observed_steeper(ask, found.ambient),
                          .check = (double)ask->check };
     double cache = fmax((double)ask->rays, 1);
 
@@ -374,8 +402,10 @@ foresee_pixels(const struct outlook *o, int pixel)
 static double
 foresee_square(const struct outlook *o, int ambient, int pixel)
 {
-    return o->ambient * rise(-o->fall * (ambient - o->ask->rungs.ambient)) +
-           foresee_pixels(o, pixel);
+    int now = o->ask->rungs.ambient;
+    int fallen = cache_fall(now, ambient) + o->steeper * (ambient - now);
+
+    return o->ambient * rise(-fallen) + foresee_pixels(o, pixel);
 }
 
 /* Rays of a stage's passes with that rung. */
@@ -384,7 +414,7 @@ foresee_passes(const struct outlook *o, int ambient)
 {
     int a = ambient - o->ask->rungs.ambient;
 
-    return o->walk + o->made * rise((2 * AMBACC_FALL + AMBDIV_GROWTH) * a);
+    return o->walk + o->made * rise(MADE_GROWTH * a);
 }
 
 /* ... and of its check. */
@@ -570,17 +600,40 @@ near_enough(const struct rad_refine_ask *ask)
     return NEAR_ENOUGH * goals_of(ask).end;
 }
 
+/* Pictures over the cache that is there which come down to that square. */
+static bool
+choose_end(const struct outlook *o, struct bounds within, double square,
+           struct choice *end)
+{
+    struct goals goals = { 0, square };
+
+    return choose(o, goals, within, 1, o->ask->rungs.ambient, end) &&
+           is_there(end, goals);
+}
+
 /* No further stage, if pictures come near enough without for less. */
 static void
 end_if_near(const struct outlook *o, struct bounds within, struct choice *best)
 {
-    struct goals goals = { 0, near_enough(o->ask) };
     struct choice end;
 
-    if (!best->ends &&
-        choose(o, goals, within, 1, o->ask->rungs.ambient, &end) &&
-        is_there(&end, goals) && end.rays <= best->rays)
+    if (!best->ends && choose_end(o, within, near_enough(o->ask), &end) &&
+        end.rays <= best->rays)
         *best = end;
+}
+
+/* What is near enough takes no further stage: rays of pixels alone, if these
+ * bring the rest for less than the stage took. */
+static struct choice
+come_closer(const struct outlook *o, struct bounds within, struct choice now)
+{
+    const struct rad_refine_ask *ask = o->ask;
+    double most = (double)ask->rays + (double)ask->check;
+    struct choice end;
+
+    return choose_end(o, within, goals_of(ask).end, &end) && end.rays <= most
+               ? end
+               : now;
 }
 
 /* Come nearer, if an error that is wanted is too far for one stage, and another
@@ -633,7 +686,9 @@ decide(const struct outlook *o, struct bounds within)
     double worth = has_clock(ask) ? WORTH_ITS_TIME : WORTH_IT;
     struct choice best;
 
-    if (now.square <= near_enough(ask) || !choose_well(o, within, &best))
+    if (now.square <= near_enough(ask))
+        return come_closer(o, within, now);
+    if (!choose_well(o, within, &best))
         return now;
     end_if_near(o, within, &best);
     return best.square <= near_enough(ask) ||
