@@ -64,7 +64,9 @@ check_role(const struct ctl_command *command, enum msg_role role,
                    command->run == ctl_run_enroll;
 
     if (governs && role != MSG_ROLE_ADMIN)
-        return rad_fail(err, RAD_EPERM, "command '%s' is for administrators",
+        return rad_fail(err, RAD_EPERM,
+                        "command '%s' is for administrators: use --key with "
+                        "an admin's key, or root on the coordinator's machine",
                         command->name);
     if (steers && role == MSG_ROLE_OBSERVER)
         return rad_fail(err, RAD_EPERM, "command '%s' is not for observers",

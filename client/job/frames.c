@@ -161,7 +161,8 @@ add_file(struct frames *f, const struct submit_options *o,
     free(text);
     if (rc == 0 && f->seen == 0) {
         rad_error_where(err, "%s", name);
-        rc = rad_fail(err, RAD_EDATA, "no view line in it");
+        rc = rad_fail(err, RAD_EDATA,
+                      "no view line, as 'VIEW= -vp 1 2 3 -vd 0 1 0'");
     }
     return rc;
 }

@@ -109,7 +109,7 @@ count 1 jobs
 expect 66 "no such job" "deleted" \
     "$radctl" --coordinator="$sock" fetch "$second" -o x.hdr
 
-expect 77 "for administrators" "forget by a user" \
+expect 77 "for administrators: use --key" "forget by a user" \
     "$radctl" --coordinator="$tcp" --key="$work/user.key" forget w1
 expect 66 "no worker 'w7'" "one that never was" \
     "$radctl" --coordinator="$sock" forget w7

@@ -120,5 +120,10 @@ expect 64 "more than 65536 views" "65537 views" "$radsubmit" \
     --coordinator=127.0.0.1:9 --wait=0 -S 1 --views=many.vf $view \
     -o 'm%d.hdr' "$room"
 
+# options of views without the word that makes a line one of a view
+echo '-vp 2 1 1' >bare.vf
+expect 65 "bare.vf: no view line, as 'VIEW= " "no view line" "$radsubmit" \
+    --local -S 1 --views=bare.vf $view -o 'm%d.hdr' "$room"
+
 cluster_stop
 exit $failed
