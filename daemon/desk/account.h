@@ -1,6 +1,6 @@
 /* account.h - what a user has at the coordinator
  *
- * Thread: one. */
+ * Thread: the coordinator's loop. */
 #ifndef DAEMON_ACCOUNT_H
 #define DAEMON_ACCOUNT_H
 

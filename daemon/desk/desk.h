@@ -3,7 +3,7 @@
  *
  * These structs, and those of a job (jobs/job.h), are changed by the files of
  * the floors above; a struct that one file alone changes names it.
- * Thread: one. */
+ * Thread: the coordinator's loop. */
 #ifndef DAEMON_DESK_H
 #define DAEMON_DESK_H
 

@@ -1,6 +1,6 @@
 /* duplicate.h - rows that come twice must be the same
  *
- * Thread: one. */
+ * Thread: the coordinator's loop. */
 #ifndef DAEMON_DUPLICATE_H
 #define DAEMON_DUPLICATE_H
 

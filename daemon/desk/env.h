@@ -1,6 +1,6 @@
 /* env.h - what the coordinator's machine is told of the world around it
  *
- * Thread: one. */
+ * Thread: the coordinator's loop. */
 #ifndef DAEMON_ENV_H
 #define DAEMON_ENV_H
 

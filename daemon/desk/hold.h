@@ -1,6 +1,6 @@
 /* hold.h - which worker has which units
  *
- * Thread: one. */
+ * Thread: the coordinator's loop. */
 #ifndef DAEMON_HOLD_H
 #define DAEMON_HOLD_H
 

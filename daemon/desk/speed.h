@@ -1,6 +1,6 @@
 /* speed.h - how fast workers are, and how long a unit will take
  *
- * Thread: one. */
+ * Thread: the coordinator's loop. */
 #ifndef DAEMON_SPEED_H
 #define DAEMON_SPEED_H
 

@@ -5,7 +5,7 @@
  * goes away under a function that is at work on it.  job_over() is true of a
  * job from its verdict on; its workers, its files and the users that wait for
  * it hear of its end at the end of the event.
- * Thread: one. */
+ * Thread: the coordinator's loop. */
 #ifndef DAEMON_VERDICT_H
 #define DAEMON_VERDICT_H
 

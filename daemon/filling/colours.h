@@ -5,7 +5,7 @@
  * from these (folder/coarse.h).  Of a tile that is made twice the first ones
  * count.  They decide nothing: neither records nor counts nor pictures know of
  * them.
- * Thread: one. */
+ * Thread: the coordinator's loop. */
 #ifndef DAEMON_COLOURS_H
 #define DAEMON_COLOURS_H
 

@@ -3,7 +3,7 @@
  * All workers wait for the last tile of a pass, so those that take longest go
  * out first: where earlier passes took many rays, this one will, too.  The
  * order has no influence on what a tile makes.
- * Thread: one. */
+ * Thread: the coordinator's loop. */
 #ifndef DAEMON_DEAREST_H
 #define DAEMON_DEAREST_H
 

@@ -3,7 +3,7 @@
  * What part of a job's work they are is a guess (passes/passcost.h).  With a
  * goal nobody knows how many stages there will be: the first counts as half of
  * all, the next as half of what is left, and so on.
- * Thread: one. */
+ * Thread: the coordinator's loop. */
 #ifndef DAEMON_LEAD_H
 #define DAEMON_LEAD_H
 

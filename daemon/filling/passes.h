@@ -1,7 +1,7 @@
 /* passes.h - a job's ambient cache, filled in passes before its units go out
  *
  * See passes.c.
- * Thread: one. */
+ * Thread: the coordinator's loop. */
 #ifndef DAEMON_PASSES_H
 #define DAEMON_PASSES_H
 

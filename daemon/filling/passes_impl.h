@@ -3,7 +3,7 @@
  * A pass is open when those that its tiles read are closed: a few are.
  * passes.c says when a pass is open and closed, tiles.c which worker has which
  * tile of it, records.c which worker has whose records.
- * Thread: one. */
+ * Thread: the coordinator's loop. */
 #ifndef DAEMON_PASSES_IMPL_H
 #define DAEMON_PASSES_IMPL_H
 

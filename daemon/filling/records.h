@@ -6,7 +6,7 @@
  * a worker that comes later gets them of each pass that is closed.  What needs
  * the records waits at the worker until they are there; units do not go out to
  * a worker before it has said that they are.
- * Thread: one. */
+ * Thread: the coordinator's loop. */
 #ifndef DAEMON_RECORDS_H
 #define DAEMON_RECORDS_H
 

@@ -6,7 +6,7 @@
  * a picture would be.  Then it is decided: that is good enough, or which
  * options the next stage has.  By the error alone the decision is a function of
  * the job; by the clock it is not, and so it is kept.
- * Thread: one. */
+ * Thread: the coordinator's loop. */
 #ifndef DAEMON_STAGES_H
 #define DAEMON_STAGES_H
 

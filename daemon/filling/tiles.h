@@ -5,7 +5,7 @@
  * many of the pass wait.  When none is left, those that are out for long go to
  * a second worker: a tile has the same records whoever makes it.  What a worker
  * had and did not send is made again by others.
- * Thread: one. */
+ * Thread: the coordinator's loop. */
 #ifndef DAEMON_TILES_H
 #define DAEMON_TILES_H
 

@@ -12,7 +12,7 @@
  * which they came.  A worker serves the first job that has a unit for it.
  *
  * now_ms: milliseconds on a clock that never goes back.
- * Thread: one. */
+ * Thread: the coordinator's loop. */
 #ifndef DAEMON_COORD_H
 #define DAEMON_COORD_H
 

@@ -1,7 +1,7 @@
 /* delivery.h - pictures, previews and statistics for those who fetch them
  *
  * Private to the coordinator's own files.
- * Thread: one. */
+ * Thread: the coordinator's loop. */
 #ifndef DAEMON_DELIVERY_H
 #define DAEMON_DELIVERY_H
 

@@ -1,7 +1,7 @@
 /* intake.h - what users send: files of scenes, and jobs
  *
  * Private to the coordinator's own files.
- * Thread: one. */
+ * Thread: the coordinator's loop. */
 #ifndef DAEMON_INTAKE_H
 #define DAEMON_INTAKE_H
 

@@ -5,7 +5,7 @@
  * when it was submitted, or a worker when it first came: it says where to go on
  * whatever comes, goes and changes its priority meanwhile.
  * Pure: reads the coordinator's state and changes nothing.
- * Thread: one. */
+ * Thread: the coordinator's loop. */
 #ifndef DAEMON_LISTING_H
 #define DAEMON_LISTING_H
 

@@ -1,7 +1,7 @@
 /* reply.h - what the coordinator's answers to users have in common
  *
  * Private to the coordinator's own files.
- * Thread: one. */
+ * Thread: the coordinator's loop. */
 #ifndef DAEMON_REPLY_H
 #define DAEMON_REPLY_H
 

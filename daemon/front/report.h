@@ -1,7 +1,7 @@
 /* report.h - what radctl is told, as JSON
  *
  * Pure: reads the coordinator's state and changes nothing.
- * Thread: one. */
+ * Thread: the coordinator's loop. */
 #ifndef DAEMON_REPORT_H
 #define DAEMON_REPORT_H
 

@@ -1,7 +1,7 @@
 /* request.h - what users, admins and observers ask of the coordinator
  *
  * Private to the coordinator's own files.
- * Thread: one. */
+ * Thread: the coordinator's loop. */
 #ifndef DAEMON_REQUEST_H
 #define DAEMON_REQUEST_H
 

@@ -3,7 +3,7 @@
  *     OPEN -> WRITING -> WRITTEN -> FETCHED
  *       '-----------------^-----------^       recovered after a restart
  *
- * Thread: one. */
+ * Thread: the coordinator's loop. */
 #ifndef DAEMON_FRAME_H
 #define DAEMON_FRAME_H
 
@@ -23,30 +23,32 @@ enum frame_state {
 #define FRAME_STATES 4
 
 struct job_frame {
-    enum frame_state state; /* by frame_step() alone */
-    uint64_t pixels_left;   /* in units that are not done */
-    uint64_t rows_pixels;   /* pixels kept so far */
-    bool shown;             /* tiles told its colours in this life */
-    double *line_s;  /* processor time that was spent on each line in this life
-                      * of the coordinator; NULL: nothing is known */
-    uint32_t nlines; /* in line_s */
-    bool untold;     /* not all of line_s is said: a worker lost a unit that it
-                      * had spent something on */
+    enum frame_state state; /* changed by frame_step() alone */
+    uint64_t pixels_left;   /* pixels of units that are not done */
+    uint64_t rows_pixels;   /* pixels of rows that are on the disk */
+    bool shown;      /* a tile sent colours of this frame in this life of the
+                      * coordinator (filling/colours.h) */
+    double *line_s;  /* processor time spent on each line in this life of the
+                      * coordinator; NULL: nothing is known */
+    uint32_t nlines; /* length of line_s */
+    bool untold;     /* line_s lacks the time that an attempt which was lost had
+                      * spent */
 };
 
 /* Which state may follow which; see the head of frame.c. */
 extern const struct steps frame_steps;
-/* The frame is in another state from here on, which must be permitted. */
+/* Change the frame's state; the step must be in frame_steps. */
 void frame_step(struct job_frame *f, enum frame_state to);
 
-/* Is its picture there, fetched or not? */
+/* Is the frame's picture on the disk, fetched or not? */
 bool frame_is_written(const struct job_frame *f);
 
-/* Frames are delivered in order: count the first ones without a gap. */
+/* Count in job->frames_ready the frames from the first that are written without
+ * a gap: frames are delivered in order. */
 void frame_count_ready(struct job *job);
 
-/* Add what was spent on lines, if the job has these.  Without memory the
- * statistics go without. */
+/* Add the processor time that a worker reports for lines to line_s.  Ignored if
+ * the job's lines are not shared or memory is out. */
 void frame_add_costs(struct job *job, const struct msg_line_costs *m);
 
 #endif

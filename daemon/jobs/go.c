@@ -1,6 +1,7 @@
 /* go.c - see go.h
  *
- *               begins: UNIT, a loan, STILL, or rows of an attempt that was lost
+ *       begins: UNIT, a loan, STILL, or rows of an attempt that was thought
+ * lost
  *                                   |
  *              PARKED               v             PARKED, and it lends
  *          .--------------------  WORKING  ---------------------.
@@ -11,15 +12,16 @@
  *          |                         v                          |
  *          '------- YIELD ------> YIELDING <------ YIELD -------'
  *
- *     from each of the four: all its rows are here           -> DELIVERED
- *     from each of the five: its rows are kept, the unit was given back (GAVE) or
- *                            taken (REVOKE), the loan was paid (PAID), or its
- *                            worker or its child is gone     -> OVER
+ *     these four -> DELIVERED: all rows came
+ *     all five   -> OVER:      its rows are kept; the unit was given back
+ * (GAVE)
+ *                              or taken (REVOKE); the loan was paid (PAID); its
+ *                              worker or its child is gone
  *
- * A message that crosses another may name a state that is past: it is then
- * ignored (PARKED of an attempt that waits already, GAVE without YIELD).  A
- * worker's counts in_flight, parked and delivered are the attempts that are
- * WORKING; PARKED, BLOCKED or YIELDING; DELIVERED (hold.c). */
+ * Messages cross, so one may come that does not fit the state any more (PARKED
+ * of an attempt that waits already, GAVE without YIELD): it is ignored.  hold.c
+ * counts a worker's attempts: in_flight those that are WORKING; parked those
+ * that are PARKED, BLOCKED or YIELDING; delivered those that are DELIVERED. */
 #include "config.h"
 
 #include "jobs/go.h"

@@ -1,8 +1,9 @@
-/* goal.h - of a job that goes on until its picture is good enough, or its time
- * is up: how far it is
+/* goal.h - how far a job with a goal is: an error of its picture (--error), or
+ * a limit of time (--time)
  *
- * It goes on in stages of its ambient cache's passes (filling/stages.h).
- * Thread: one. */
+ * Such a job fills its ambient cache in stages, each with better options than
+ * the stage before (filling/stages.h).
+ * Thread: the coordinator's loop. */
 #ifndef DAEMON_GOAL_H
 #define DAEMON_GOAL_H
 
@@ -13,37 +14,39 @@ struct job;
 
 /* Zeros in a job without a goal. */
 struct job_goal {
-    uint32_t number; /* of the stage whose passes are open, or were last */
-    uint32_t base;   /* passes of the stages before it */
-    /* of its options, struct rad_refine_rungs: whole ones, and quarters in the
-     * upper two bits */
-    uint8_t rungs[2];
-    /* of the stage before it, struct rad_refine_past, likewise; zeros: there is
-     * none */
-    uint8_t past_rung;
-    double past_square;
-    const char *options; /* these, in mem; NULL: those of the specification */
-    double error;        /* relative, as estimated at the end of the last stage
-                          * that was looked at, and if it ended as pictures are
-                          * foreseen to be; 0: none was */
-    double mean;         /* and that of the mean of all pixels */
-    uint64_t bytes;      /* of records of the stages before it, in this life */
-    uint64_t spent_ms;   /* until the last decision, in earlier lives */
-    double begun_s;      /* seconds spent when the stage began */
-    bool ended;          /* no stage follows: the picture is made with .options,
-                          * over the last one's cache */
-    bool late;           /* for want of time, or of rays, alone */
-    bool unread;         /* an earlier life kept a decision in another layout */
+    uint32_t number;  /* of the present stage, or of the last if .ended */
+    uint32_t base;    /* number of the present stage's first pass */
+    uint8_t rungs[2]; /* the present options as struct rad_refine_rungs: whole
+                       * rungs, and quarters of one in the upper two bits */
+    uint8_t past_rung;   /* the stage before, as struct rad_refine_past; both */
+    double past_square;  /* are 0 where there is none */
+    const char *options; /* the present options as text, in job.mem; NULL: those
+                          * of the specification */
+    double error;        /* relative error that was estimated at the end of the
+                          * last stage; once .ended, that foreseen of the
+                          * pictures; 0: not estimated */
+    double mean;         /* the same of the mean of all pixels */
+    uint64_t bytes;      /* of records of earlier stages, in this life of the
+                          * coordinator */
+    uint64_t spent_ms;   /* time spent until the last decision, in earlier
+                          * lives of the coordinator */
+    double begun_s;      /* seconds the job had spent when the stage began */
+    bool ended;          /* no stage follows: pictures are made with .options
+                          * over the cache of the last stage */
+    bool late;           /* the stages ended only because time, or the rays that
+                          * a stage may take, ran out */
+    bool unread;         /* an earlier life kept a decision in a layout that
+                          * this program does not read */
 };
 
-/* Has the job one? */
+/* Has the job a goal? */
 bool goal_is(const struct job *job);
-/* Did it end for want of time alone, or, without a limit of time, of rays that
- * a stage may take? */
+/* Did the stages end only because the time of --time ran out?  Or, without
+ * --time, because a stage may take no more rays? */
 bool goal_time_up(const struct job *job);
 bool goal_rays_up(const struct job *job);
-/* Rendering options of its pictures, as far as that is known by now: those of
- * the goal, or of its specification. */
+/* Rendering options of the job's pictures, as chosen so far: the goal's, else
+ * the specification's. */
 const char *goal_options(const struct job *job);
 
 #endif

@@ -24,8 +24,8 @@
  *      |                                        |   over, and the store has its
  *      '-- restart, was over ----> FILED <------'   statistics
  *
- * A job that is over while files of it are yet to come stays ARRIVING: the
- * store does not know it. */
+ * A job that ends before all its files are here stays ARRIVING: the store does
+ * not know it. */
 #include "config.h"
 
 #include "jobs/job.h"
@@ -42,7 +42,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* see job_count_frames() and job_weight() */
+/* Used by job_count_frames() and job_weight(). */
 #define WINDOWS_A_FRAME 4
 #define ROWS_A_FRAME    1024
 #define FRAMES_A_JOB    400
@@ -67,7 +67,7 @@ copy_bytes(struct rad_arena *mem, const uint8_t *src, size_t n, bool *ok)
     return p;
 }
 
-/* Own everything that the message lent, but the id. */
+/* Copy *from into *s, and into mem all that it points at but the job's id. */
 static bool
 copy_spec(struct rad_arena *mem, struct msg_spec *s,
           const struct msg_spec *from)
@@ -180,7 +180,7 @@ job_channels(const struct job *job)
     return job->spec.flags & MSG_JOB_DEPTH ? 4 : 3;
 }
 
-/* What is needed while it is worked on, and to tell of that. */
+/* Free what a job that is over does not need (job_lighten()). */
 static void
 free_work(struct job *job)
 {
@@ -211,8 +211,8 @@ job_free(struct job *job)
     free(job);
 }
 
-/* What it was submitted with, without the costs of its lines, which may be of
- * 32 MiB.  Without memory for a copy they stay. */
+/* Free the costs of lines in the specification, up to 32 MiB, by a copy of all
+ * the rest.  They stay if memory is out. */
 static void
 drop_costs(struct job *job)
 {
@@ -348,7 +348,7 @@ make_partition(const struct job *job, bool single, struct rad_error *err)
     return p;
 }
 
-/* Where lines are shared, what of them is to be remembered. */
+/* Make job->shared, if the job's lines are shared; false: memory is out. */
 static bool
 make_shared(struct job *job)
 {
@@ -358,13 +358,13 @@ make_shared(struct job *job)
     if (!partition_is_strict(job->partition))
         return true;
     if (jobtext_params(s->params, &params, NULL) != 0)
-        return false; /* it was read before */
+        return false; /* cannot be: make_partition() has read them */
     job->shared = shared_new(s->frames, s->nframes, params.psample,
                              s->flags & MSG_JOB_DEPTH ? 4 : 3);
     return job->shared != NULL;
 }
 
-/* Is the cache off, or a function of the job? */
+/* Has the job no ambient cache, or one that is a function of the job? */
 static bool
 is_exact(const struct job *job)
 {

@@ -1,8 +1,8 @@
 /* job.h - what the coordinator knows about one job
  *
- * Plain data.  Units are numbers of the job's partition; a worker of the job
- * keeps its index for the job's life, so that what it did stays counted.
- * Thread: one. */
+ * Plain data.  A unit is known by its number in the job's partition, a worker
+ * by its index in job.workers, which it keeps until the job is forgotten.
+ * Thread: the coordinator's loop. */
 #ifndef DAEMON_JOB_H
 #define DAEMON_JOB_H
 
@@ -24,9 +24,9 @@ struct stats_text;
 struct steps;
 struct survey;
 
-/* As in msg_progress; drawn at the head of job.c. */
+/* Numbers as in msg_progress; drawn at the head of job.c. */
 enum job_state {
-    JOB_WAITING, /* not stored whole yet, or no unit went out yet */
+    JOB_WAITING, /* its files are not all here, or no work went out yet */
     JOB_RUNNING,
     JOB_PAUSED,
     JOB_DONE,
@@ -34,129 +34,140 @@ enum job_state {
     JOB_CANCELLED
 };
 
-/* How far the store is with a job; drawn there, too. */
+/* How far the store is with a job; drawn at the head of job.c. */
 enum job_stage {
-    STAGE_ARRIVING, /* files of it are yet to come */
-    STAGE_OPENING,  /* the store was asked for room for its rows */
-    STAGE_NO_ROOM,  /* the store waits for that room: text says why */
-    STAGE_OPEN,     /* bundle and room for rows are there */
-    STAGE_KEPT,     /* it is over, and the store has its statistics */
-    STAGE_FILED     /* but for its end and its frames only the store knows it */
+    STAGE_ARRIVING, /* some of its files are yet to come */
+    STAGE_OPENING,  /* the store was asked to make room for the job's rows */
+    STAGE_NO_ROOM,  /* the disk has no such room yet: job.text says why */
+    STAGE_OPEN,     /* files, and room for rows, are on the disk */
+    STAGE_KEPT,     /* the job is over, and the store has its statistics */
+    STAGE_FILED     /* only how it ended is in memory (job_lighten()); the store
+                     * has the rest */
 };
 #define JOB_STAGES 6
 
-/* A unit fails its job when it brought down the children of two workers, or,
- * where there is but one worker, that worker's child this often. */
+/* A unit fails its job when it brought down children of two workers, or, of a
+ * single worker, this many. */
 #define JOB_MAX_CRASHES 3
 
-/* A worker that loses its child so often in a row, for reasons of its own (its
- * memory, its disk, somebody who kills it), has no more part in the job. */
+/* A worker that loses this many children in a row for reasons of its own (its
+ * memory, its disk, somebody who kills them) is excluded from the job. */
 #define JOB_MAX_SETBACKS 5
-#define JOB_DURATIONS    63 /* that are remembered */
+#define JOB_DURATIONS    63 /* durations of units that are remembered */
 
 /* Changed by speed.c. */
 struct job_speed {
-    uint32_t threads; /* of all workers that are ready */
-    double all;       /* speeds of all workers that are there */
-    double pace;      /* cost done in a ms, for a speed of 1; 0: not known */
-    double finished;  /* cost finished or traced ahead, of all attempts */
-    double workload;  /* ms of all workers, times their speed */
-    uint32_t took_ms[JOB_DURATIONS]; /* of the last units that were done */
-    uint32_t ntook;                  /* how many there were in all */
+    uint32_t threads; /* threads of all workers that are ready */
+    double all;       /* sum of the speeds of workers that load or are ready */
+    double pace;      /* cost that a speed of 1 works off in a ms; 0: unknown */
+    double finished;  /* cost of units that were finished or traced ahead, over
+                       * all attempts */
+    double workload;  /* sum over workers of work time [ms] times speed */
+    uint32_t took_ms[JOB_DURATIONS]; /* ring: how long the last units took */
+    uint32_t ntook;                  /* durations written to the ring so far */
 };
 
 struct job {
     uint8_t id[MSG_JOB];
     char hex[MSG_JOB_HEX];
     char owner[MSG_MAX_NAME + 1];
-    struct msg_spec spec;    /* all it points at lies in mem */
+    struct msg_spec spec;    /* its pointers lead into mem */
     uint64_t frames_counted; /* see job_count_frames() */
     struct rad_arena mem;
     uint64_t sequence; /* order of submission */
     enum job_state state;
-    bool ending;          /* over, and what follows is to be done (verdict.h) */
-    enum job_stage stage; /* by job_step() alone */
-    bool full; /* the disk is full: this job is held, as all others are */
-    bool watched;         /* a picture was asked for before it was whole */
-    uint32_t lives;       /* of the coordinator that it has seen end */
-    bool restored; /* from an earlier life, and no worker was ready since */
-    struct stats_text *filing; /* its statistics, on their way to the store */
-    struct msg_progress last;  /* with STAGE_FILED */
-    uint64_t kept_bytes;       /* on the disk, once it is over */
-    uint32_t unfetched;        /* frames that are written, and not fetched */
-    uint64_t fetched_ms; /* when its owner last got one in this life; or 0 */
-    uint32_t nfound;     /* its first files that the store was seen to have */
+    bool ending;          /* over, and the end is not carried out yet
+                           * (verdict.h) */
+    enum job_stage stage; /* changed by job_step() alone */
+    bool full;            /* the disk is full, so the job is held */
+    bool watched;         /* a preview was asked for */
+    uint32_t lives;       /* lives of the coordinator that the job outlived */
+    bool restored; /* it comes from an earlier life of the coordinator, and no
+                    * worker was ready since */
+    struct stats_text *filing; /* statistics under way to the store, or NULL */
+    struct msg_progress last;  /* how it ended; set in STAGE_FILED */
+    uint64_t kept_bytes; /* size of its folder on the disk, once it is over */
+    uint32_t unfetched;  /* frames that are written and not fetched */
+    uint64_t fetched_ms; /* when its owner last fetched a frame in this life of
+                          * the coordinator; 0: never */
+    uint32_t nfound;     /* the first nfound files were seen in the store */
     uint64_t found_ms;   /* when the last of these files was seen */
-    int status;          /* of sysexits.h, with JOB_FAILED */
-    char text[MSG_MAX_TEXT + 1];
-
+    int status;          /* of sysexits.h, in JOB_FAILED */
+    char text[MSG_MAX_TEXT + 1]; /* why it failed or is held */
     struct partition *partition; /* NULL until the first worker is ready */
-    struct job_unit *units;      /* partition_total of them */
+    struct job_unit *units;      /* by their numbers in the partition */
     uint32_t nunits;
-    uint32_t *out; /* units that are out; the last takes the place of one that
-                    * leaves, so whoever may end attempts goes backwards */
+    uint32_t *out; /* units that are out, in no order: the last fills the gap of
+                    * a unit that leaves, so a loop that may end attempts counts
+                    * down */
     uint32_t nout;
     uint32_t late; /* units that are out for too long, and may have twins */
-    struct coord_owner *payer; /* the user whose job it is */
+    struct coord_owner *payer; /* at whose limits the job counts */
     uint32_t served; /* coord.serving of the last search that asked this job */
     struct kept_passes kept;
     struct kept_cache cache;
-    struct passes *passes; /* NULL: none, or not yet */
-    bool exact;            /* it has no ambient cache, or one in passes */
+    struct passes *passes; /* NULL: no passes, or not yet */
+    bool exact;            /* pixels are a function of the job: it has no
+                            * ambient cache, or fills it in passes */
     bool filling;          /* some of its passes are not closed */
-    struct job_goal goal;  /* zeros: it has none */
-    struct survey *survey; /* NULL: costs are not estimated, or are by now */
+    struct job_goal goal;  /* zeros: no goal */
+    struct survey *survey; /* NULL: costs are not estimated, or all are */
     struct shared *shared; /* NULL: lines are not shared */
     struct links *links; /* linking.h; NULL: each worker is linked with all, or
-                          * none is */
-    uint64_t base_line_bytes; /* that the coordinator sent */
-    uint64_t late_rays;       /* facts of lines that were done, or came again */
-    uint32_t *suspects; /* units that crashed a child: out of the partition's
-                         * queue, each to go to another worker alone */
+                          * with none */
+    uint64_t base_line_bytes; /* bytes of base lines that the coordinator sent
+                               */
+    uint64_t late_rays;       /* facts that came twice, or when their line was
+                               * done */
+    uint32_t *suspects; /* units that crashed a child: no longer in the
+                         * partition's queue; each goes to a worker that has
+                         * nothing else */
     uint32_t nsuspects;
     struct job_frame *frames;
-    uint32_t frames_ready; /* the first so many are written */
+    uint32_t frames_ready; /* frames written, from the first without a gap */
     struct job_worker *workers;
     uint32_t nworkers;
-    uint32_t *index, nindex; /* in workers, by coord_worker.id */
+    uint32_t *index, nindex; /* places in workers, by coord_worker.id */
     struct job_speed speed;
 
     uint32_t units_done, units_redone;
     uint64_t pixels_done, pixels_total;
-    double cost_done, cost_total; /* of units */
+    double cost_done, cost_total; /* of units, as the partition has costs */
     struct progress_lead lead;
     uint64_t rays;              /* of units that are done */
-    uint64_t estimate_ms;       /* that the estimate took */
-    struct msg_counts surveyed; /* by the estimate */
-    struct msg_counts tiled;    /* by the tiles of passes (passes.c) */
-    uint64_t rays_seen;   /* of units done, under way and lost; only grows */
-    uint64_t pixels_seen; /* pixels_done, and those that units under way are
-                           * past; only grows, and never to all */
-    struct msg_nan nan;   /* frame: its number */
+    uint64_t estimate_ms;       /* how long the estimate took */
+    struct msg_counts surveyed; /* counts of the estimate */
+    struct msg_counts tiled;    /* counts of the passes' tiles (passes.c) */
+    uint64_t rays_seen;   /* rays of units done, under way and lost; it only
+                           * grows */
+    uint64_t pixels_seen; /* pixels_done, and pixels that units under way have
+                           * passed; it only grows, and stays below
+                           * pixels_total */
+    struct msg_nan nan;   /* its frame is the frame's number in the animation */
     struct msg_fault faults[MSG_FAULTS];
     struct msg_doubt doubt; /* of units that are done */
-    uint64_t sent_bytes;    /* of the bundle, by radsubmit */
-    uint64_t offer_ms;      /* its radsubmit began to send */
+    uint64_t sent_bytes;    /* of the bundle, sent by radsubmit */
+    uint64_t offer_ms;      /* radsubmit began to send files */
     uint64_t submit_ms;     /* SUBMIT came */
-    uint64_t open_ms;       /* accepted */
-    uint64_t first_ms;      /* first unit went out; 0: none yet */
-    uint64_t last_ms;       /* last row was kept */
+    uint64_t open_ms;       /* the job was accepted */
+    uint64_t first_ms;      /* the first unit went out; 0: none yet */
+    uint64_t last_ms;       /* the last row was kept */
     uint64_t end_ms;
 };
 
-/* A job's frames, as the limit of a user's counts them: in many windows a frame
- * counts as one for each four that were asked for, as far as it has pixels, and
- * as one for each 1024 rows: windows and lines are what takes memory. */
+/* The frames of a job, as a user's limit counts them.  A frame counts once for
+ * each 4 windows that were asked for (never more than it has pixels), or once
+ * for each 1024 rows if that is more, for windows and lines take the memory. */
 uint64_t job_count_frames(const struct msg_spec *spec);
-/* How many of the jobs that are kept it counts as: it holds memory until it is
- * forgotten, about 1 MiB for each 400 frames so counted, and from
- * job_lighten() on 80 KiB for each 400 frames. */
+/* How many jobs this job counts as among those that are remembered: 1, and 1
+ * more for each 400 counted frames, which take about 1 MiB.  After
+ * job_lighten() each 400 frames take 80 KiB. */
 uint32_t job_weight(const struct job *job);
 
 /* Copies what spec lends.  NULL: memory is out. */
 struct job *job_new(const struct msg_spec *spec, const char *owner);
 
-/* Pixels of the first frame as written, and samples a side of each. */
+/* Pixels of the first frame's picture, and samples along a pixel's side. */
 struct job_size {
     uint32_t width, height, oversample;
 };
@@ -166,35 +177,35 @@ struct job_size job_size(const struct job *job);
 uint8_t job_channels(const struct job *job);
 void job_free(struct job *job);
 
-/* Of a job that is over keep how it ended (job.last, which is set), and which
- * of its frames there are; the store tells the rest. */
+/* Free all of a job that is over but how it ended (job.last, which the caller
+ * has set) and the states of its frames; the store has the rest. */
 void job_lighten(struct job *job);
 
-/* Is it over, one way or the other? */
+/* Is the job done, failed or cancelled? */
 bool job_over(const struct job *job);
-/* Which state may follow which; see the head of job.c. */
+/* Which stage may follow which; see the head of job.c. */
 extern const struct steps job_stages;
-/* The job is in another stage from here on, which must be permitted. */
+/* Change the job's stage; the step must be in job_stages. */
 void job_step(struct job *job, enum job_stage to);
 
-/* Does it get no units for want of room on the disk? */
+/* Does the job get no units because the disk is full? */
 bool job_held(const struct job *job);
 
 const char *job_state_name(enum job_state state); /* "running" */
 const char *job_is(const struct job *job);        /* the same, or "held" */
 
-/* How a job is to be split, but for single and the values of costs; RAD_EDATA
- * when its options are no options. */
+/* Set *spec, but for its fields single and costs (the values), by the job's
+ * specification.  RAD_EDATA: its rendering options are wrong. */
 int job_partition_spec(const struct msg_spec *from, struct partition_spec *spec,
                        struct rad_error *err);
 
-/* Lay out the units; single as in partition_spec. */
+/* Cut the job into units; single as in partition_spec. */
 int job_split(struct job *job, bool single, struct rad_error *err);
 
 /* Units that may go out: waiting ones and suspects. */
 uint32_t job_waiting(const struct job *job);
 
-/* Workers that were told of the job and are still there. */
+/* Workers that load the job or are ready. */
 uint32_t job_active(const struct job *job);
 
 #endif

@@ -9,7 +9,7 @@
  *            '--- ROOM (has) --- NO_ROOM '-> EXCLUDED <----'
  *                 or gone
  *
- * When the job is over whoever is LOADING or READY is GONE. */
+ * When the job is over its workers that are LOADING or READY become GONE. */
 #include "config.h"
 
 #include "jobs/part.h"

@@ -9,7 +9,7 @@
 #include <math.h>
 #include <string.h>
 
-/* The sum a + b, of which b does not bring it above `most`. */
+/* a + b, but b adds nothing beyond `most`. */
 static uint64_t
 add_up_to(uint64_t a, uint64_t b, uint64_t most)
 {
@@ -39,8 +39,8 @@ progress_see(struct job *job)
         job->pixels_seen = pixels;
 }
 
-/* Cost of units counts when they are done: until then the pixels that they are
- * past stand for it. */
+/* The cost of the job's units so far.  A unit's cost counts when it is done;
+ * until then the share of pixels that were passed stands for it. */
 static double
 cost_seen(const struct job *job)
 {
@@ -52,8 +52,7 @@ cost_seen(const struct job *job)
     return fmax(job->cost_done, share * job->cost_total);
 }
 
-/* The cost of all of the job, what comes before its units included, in the unit
- * of theirs. */
+/* The cost of the passes and of all units, in the units' measure. */
 static double
 cost_of_all(const struct job *job)
 {

@@ -1,6 +1,6 @@
 /* progress.h - how far a job is, and how far its pixels may be off
  *
- * Thread: one. */
+ * Thread: the coordinator's loop. */
 #ifndef DAEMON_PROGRESS_H
 #define DAEMON_PROGRESS_H
 
@@ -11,20 +11,20 @@
 struct job;
 struct msg_progress;
 
-/* The part of a job that comes before its units: its passes. */
+/* The passes, which come before the units, as a part of the job's work. */
 struct progress_lead {
-    double part; /* of all work of the job; 0: there is none */
-    double done; /* share of it that is done; it never shrinks */
+    double part; /* the passes' share of all work of the job; 0: no passes */
+    double done; /* share of the passes' work that is done; it never shrinks */
 };
 
-/* Bring rays_seen and pixels_seen up to date: a unit is done, or a worker has
- * told what it has traced. */
+/* Bring job.rays_seen and job.pixels_seen up to date, after a unit was done or
+ * a worker told what it has traced. */
 void progress_see(struct job *job);
 
-/* How far the units that are done may be off. */
+/* The estimated error of the pixels in units that are done. */
 struct rad_error_estimate progress_error(const struct job *job);
 
-/* What a PROGRESS says of the job. */
+/* Fill in the PROGRESS message of the job. */
 void progress_tell(const struct job *job, uint64_t now_ms,
                    struct msg_progress *p);
 

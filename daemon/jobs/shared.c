@@ -15,22 +15,23 @@
 
 struct shared_facts {
     struct shared_facts *next;
-    struct msg_facts m; /* its pointers lead into bytes */
+    struct msg_facts m; /* its pointers lead into .bytes */
     size_t len;
     uint8_t bytes[];
 };
 
 struct line {
     struct shared_facts *facts, **end; /* end: NULL while there are none */
-    uint8_t *seen;     /* bitmap of all rows: facts that came; NULL: none */
-    struct shelf shelf; /* the base line, as far as it is there */
-    uint64_t whole_ms;  /* since when it is whole; 0: it is not */
+    uint8_t *seen;      /* bitmap of the line's pixels whose facts came; NULL:
+                         * none did */
+    struct shelf shelf; /* the base line, as far as it came */
+    uint64_t whole_ms;  /* when the base line became whole; 0: it is not */
 };
 
 struct frame {
     struct rad_quincunx q;
     uint32_t ndensity;
-    struct line *line; /* NULL: nothing came, or all is dropped */
+    struct line *line; /* NULL: nothing is kept of the frame */
 };
 
 struct shared {
@@ -94,7 +95,7 @@ make_line(struct shared *s, uint32_t frame, uint32_t line)
     return f->line ? &f->line[line] : NULL;
 }
 
-/* NULL: there is nothing of it. */
+/* The line; NULL: nothing is kept of its frame. */
 static struct line *
 find_line(const struct shared *s, uint32_t frame, uint32_t line)
 {
@@ -103,7 +104,7 @@ find_line(const struct shared *s, uint32_t frame, uint32_t line)
     return f->line ? &f->line[line] : NULL;
 }
 
-/* Is it a line of a frame of that width? */
+/* Is there such a line, and is that the number of channels? */
 static bool
 fits(const struct shared *s, uint32_t frame, uint32_t line, uint8_t channels)
 {
@@ -113,6 +114,7 @@ fits(const struct shared *s, uint32_t frame, uint32_t line, uint8_t channels)
 
 /* --- facts --- */
 
+/* Rows of a line: its base line and the bar above. */
 static uint32_t
 rows_of(const struct rad_quincunx *q, uint32_t line)
 {
@@ -154,7 +156,7 @@ shared_of_base(const struct shared *s, const struct msg_facts *m)
            m->row + m->rows == rows_of(&s->frame[m->frame].q, m->line);
 }
 
-/* Note the pixels; returns those that were noted before. */
+/* Mark the facts' pixels as seen; returns how many were before. */
 static uint32_t
 see(struct shared *s, struct line *l, const struct msg_facts *m)
 {

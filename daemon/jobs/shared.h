@@ -1,21 +1,22 @@
-/* shared.h - what the coordinator remembers of lines: facts, and base lines
+/* shared.h - facts and base lines that the coordinator keeps
  *
- * Facts of lines that are not done, for whoever gets them next, and the base
- * lines above units that are not done, in pieces as they came.  Their values
- * are the workers' affair; here it is only seen to that they fit the picture.
- * Thread: one. */
+ * Facts of lines that are not done, for the worker that gets such a line next,
+ * and the base lines above units that are not done, in pieces as they came.
+ * The coordinator checks that they fit the picture, not their values.
+ * Thread: the coordinator's loop. */
 #ifndef DAEMON_SHARED_H
 #define DAEMON_SHARED_H
 
 #include "proto/message.h"
 
-/* Most bytes of facts that are kept of one job.  More are not kept: what is
- * lost is traced again. */
+/* Most bytes of facts that are kept for one job.  Further facts are dropped:
+ * workers trace their pixels again. */
 #define SHARED_MAX_FACTS ((size_t)512 << 20)
 
 struct shared;
 
-/* For pictures of that many channels at -ps psample.  NULL: memory is out. */
+/* For pictures with that many channels, sampled with -ps psample.  NULL: memory
+ * is out. */
 struct shared *shared_new(const struct msg_frame *frames, uint32_t nframes,
                           int psample, uint8_t channels);
 void shared_free(struct shared *s);
@@ -24,25 +25,27 @@ uint32_t shared_nlines(const struct shared *s, uint32_t frame);
 
 /* --- facts --- */
 
-/* Do they fit a line of a frame? */
+/* Do the facts lie in a line of a frame? */
 bool shared_facts_fit(const struct shared *s, const struct msg_facts *m);
 
-/* Are a LOAN's columns whole blocks of a line that has a bar, with what it
- * takes to trace them? */
+/* Are the columns of a LOAN whole blocks of a line that has a bar, and has the
+ * message the densities that the line needs? */
 bool shared_loan_fits(const struct shared *s, const struct msg_loan *m);
 
-/* Keep a copy of facts, if there is room.  Returns how many of these pixels
- * came before, since the line was dropped last, and so were traced twice; 0 of
- * estimates. */
+/* Keep a copy of facts, if there is room.  Returns how many of these pixels had
+ * come before, since the line's facts were last dropped: these were traced
+ * twice.  Facts of an estimate count as 0. */
 uint32_t shared_put_facts(struct shared *s, const struct msg_facts *m);
 
-/* The facts of a line, one message after the other, in the order in which they
- * came: *at is NULL at first.  False: there are no more.  What m points at is
- * valid until the line is dropped; the job's id is the caller's to fill in. */
+/* Walk the facts of a line, message by message, in the order in which they
+ * came.  *at is NULL at first.  False: there are no more.  Pointers of *m are
+ * valid until the line's facts are dropped; m->job is for the caller to fill
+ * in. */
 struct shared_facts;
 bool shared_get_facts(const struct shared *s, uint32_t frame, uint32_t line,
                       const struct shared_facts **at, struct msg_facts *m);
-/* Have the facts pixels of the line's base line, and are no estimate's? */
+/* Do the facts have pixels of the line's base line, and come from no estimate?
+ */
 bool shared_of_base(const struct shared *s, const struct msg_facts *m);
 void shared_drop_facts(struct shared *s, uint32_t frame, uint32_t line);
 
@@ -50,29 +53,30 @@ void shared_drop_facts(struct shared *s, uint32_t frame, uint32_t line);
 
 bool shared_base_fits(const struct shared *s, const struct msg_base_line *m);
 
-/* Put a piece to those that are there; one that leaves a gap is ignored.  True:
- * the line is whole now, and was not before. */
+/* Add a piece of a base line; a piece that would leave a gap is ignored.  True:
+ * this piece made the line whole. */
 bool shared_put_base(struct shared *s, const struct msg_base_line *m,
                      uint64_t now_ms);
 
-/* The piece from column *x and density *first on, which then stand behind it
- * (shelf.h); false: there is nothing more.  Valid until the line is dropped. */
+/* Put into *m the next piece of a base line, from column *x and density *first
+ * on, and move *x and *first behind it (shelf.h); false: there is no more.
+ * Pointers of *m are valid until the base line is dropped. */
 bool shared_get_base(const struct shared *s, uint32_t frame, uint32_t line,
                      uint32_t *x, uint32_t *first, struct msg_base_line *m);
 
-/* How many densities a base line of the frame leaves; and those of one that is
- * whole (NULL: it is not), or its pixels. */
+/* How many densities a base line of the frame leaves. */
 uint32_t shared_ndensity(const struct shared *s, uint32_t frame);
+/* The densities, or the pixels, of a base line; NULL: it is not whole. */
 const uint8_t *shared_densities(const struct shared *s, uint32_t frame,
                                 uint32_t line);
 const uint8_t *shared_pixels(const struct shared *s, uint32_t frame,
                              uint32_t line);
 
-/* Since when it is whole; 0: it is not. */
+/* When the base line became whole; 0: it is not. */
 uint64_t shared_whole_ms(const struct shared *s, uint32_t frame, uint32_t line);
 void shared_drop_base(struct shared *s, uint32_t frame, uint32_t line);
 
-/* Drop all of a frame. */
+/* Drop all facts and base lines of a frame. */
 void shared_drop_frame(struct shared *s, uint32_t frame);
 
 #endif

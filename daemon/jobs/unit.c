@@ -1,6 +1,6 @@
 /* unit.c - see unit.h
  *
- *                lost, or given back
+ *               lost, or given back
  *              .---------------------.
  *              v                     |
  *     new -> WAITING -- goes out --> OUT -- its rows are kept --> DONE
@@ -10,9 +10,10 @@
  *              |                   SUSPECT                         |
  *              '-------- recovered with all its rows --------------'
  *
- * A unit that is OUT has attempts (go.c), but for a moment when its last one has
- * ended.  When it is lost while rows of it are on their way to the disk, and all
- * turn out to be kept, it is taken out of its queue again, and is DONE. */
+ * A unit that is OUT has attempts (go.c), but for the moment after its last
+ * attempt ended.  A unit may be lost while its last rows are on their way to
+ * the disk: when all are kept it is taken out of its queue again, and is DONE.
+ */
 #include "config.h"
 
 #include "jobs/unit.h"

@@ -1,6 +1,6 @@
 /* handoff.h - facts and base lines on their way between workers
  *
- * Thread: one. */
+ * Thread: the coordinator's loop. */
 #ifndef DAEMON_HANDOFF_H
 #define DAEMON_HANDOFF_H
 

@@ -1,6 +1,6 @@
 /* lending.h - columns of a busy worker's line, for an idle worker
  *
- * Thread: one. */
+ * Thread: the coordinator's loop. */
 #ifndef DAEMON_LENDING_H
 #define DAEMON_LENDING_H
 

@@ -6,7 +6,7 @@
  * from the coordinator, and another feeder.  The coordinator feeds workers that
  * failed others the least often.  So a link that breaks, or never comes to be,
  * or a worker that hangs, costs time alone.
- * Thread: one. */
+ * Thread: the coordinator's loop. */
 #ifndef DAEMON_FEEDING_H
 #define DAEMON_FEEDING_H
 

@@ -1,6 +1,6 @@
 /* introduce.h - workers of a job are named to each other, so that one dials
  *
- * Thread: one. */
+ * Thread: the coordinator's loop. */
 #ifndef DAEMON_INTRODUCE_H
 #define DAEMON_INTRODUCE_H
 

@@ -6,7 +6,7 @@
  * With --ambient=live each record goes to all workers at once, so there a
  * worker that comes is linked with each, or with the 256 that came just before
  * it: a worker does not hear of records of those that came long before.
- * Thread: one. */
+ * Thread: the coordinator's loop. */
 #ifndef DAEMON_LINKING_H
 #define DAEMON_LINKING_H
 

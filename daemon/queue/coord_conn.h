@@ -1,6 +1,6 @@
 /* coord_conn.h - who is connected to the coordinator, and as what
  *
- * Thread: one. */
+ * Thread: the coordinator's loop. */
 #ifndef DAEMON_COORD_CONN_H
 #define DAEMON_COORD_CONN_H
 

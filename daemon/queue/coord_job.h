@@ -1,6 +1,6 @@
 /* coord_job.h - the life of a job, as far as it is not the scheduler's
  *
- * Thread: one. */
+ * Thread: the coordinator's loop. */
 #ifndef DAEMON_COORD_JOB_H
 #define DAEMON_COORD_JOB_H
 

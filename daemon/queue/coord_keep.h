@@ -1,6 +1,6 @@
 /* coord_keep.h - how long jobs that are over are remembered
  *
- * Thread: one. */
+ * Thread: the coordinator's loop. */
 #ifndef DAEMON_COORD_KEEP_H
 #define DAEMON_COORD_KEEP_H
 

@@ -7,7 +7,7 @@
  * where something of the user's will end by itself, 65 where the request alone
  * is more than the limit.
  * Private to the coordinator's own files, but struct coord_limits (coord.h).
- * Thread: one. */
+ * Thread: the coordinator's loop. */
 #ifndef DAEMON_QUOTA_H
 #define DAEMON_QUOTA_H
 

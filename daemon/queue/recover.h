@@ -7,7 +7,7 @@
  * which unit.  The base lines below units that are done are put together again
  * from the rows and the densities kept with them, so the sampler goes on as if
  * nothing had been.
- * Thread: one. */
+ * Thread: the coordinator's loop. */
 #ifndef DAEMON_RECOVER_H
 #define DAEMON_RECOVER_H
 

@@ -5,7 +5,7 @@
  * (coord_keep.h).  A later job of the same user may have them as its first
  * pass, if both are on the same scene and make records by the same options and
  * seed: all rendering options but those of rad_params_of_records().
- * Thread: one. */
+ * Thread: the coordinator's loop. */
 #ifndef DAEMON_REUSE_H
 #define DAEMON_REUSE_H
 

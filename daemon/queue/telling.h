@@ -1,6 +1,6 @@
 /* telling.h - answers that a connection waits for, and that take a while
  *
- * Thread: one. */
+ * Thread: the coordinator's loop. */
 #ifndef DAEMON_TELLING_H
 #define DAEMON_TELLING_H
 

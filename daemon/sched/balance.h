@@ -1,6 +1,6 @@
 /* balance.h - lines of a busy worker, or a twin, for an idle worker
  *
- * Thread: one. */
+ * Thread: the coordinator's loop. */
 #ifndef DAEMON_BALANCE_H
 #define DAEMON_BALANCE_H
 

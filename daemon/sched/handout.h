@@ -1,6 +1,6 @@
 /* handout.h - a unit goes out to a worker
  *
- * Thread: one. */
+ * Thread: the coordinator's loop. */
 #ifndef DAEMON_HANDOUT_H
 #define DAEMON_HANDOUT_H
 

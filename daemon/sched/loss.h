@@ -1,6 +1,6 @@
 /* loss.h - workers and children that go, and their units
  *
- * Thread: one. */
+ * Thread: the coordinator's loop. */
 #ifndef DAEMON_LOSS_H
 #define DAEMON_LOSS_H
 

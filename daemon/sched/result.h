@@ -1,6 +1,6 @@
 /* result.h - rows that come, and units that are done
  *
- * Thread: one. */
+ * Thread: the coordinator's loop. */
 #ifndef DAEMON_RESULT_H
 #define DAEMON_RESULT_H
 

@@ -9,7 +9,7 @@
  *   yield.c       units given back, for work that comes first
  *   survey.c      estimates of cost, before the first unit
  *   sched_tick.c  calls the others as time passes
- * Thread: one. */
+ * Thread: the coordinator's loop. */
 #ifndef DAEMON_SCHED_H
 #define DAEMON_SCHED_H
 

@@ -1,7 +1,7 @@
 /* survey.h - an estimate of the costs of a job's parts, under way
  *
  * See survey.c.
- * Thread: one. */
+ * Thread: the coordinator's loop. */
 #ifndef DAEMON_SURVEY_H
 #define DAEMON_SURVEY_H
 

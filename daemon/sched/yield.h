@@ -1,6 +1,6 @@
 /* yield.h - units that workers give back, for work that comes first
  *
- * Thread: one. */
+ * Thread: the coordinator's loop. */
 #ifndef DAEMON_YIELD_H
 #define DAEMON_YIELD_H
 
