@@ -1,4 +1,4 @@
-/* account.h - what a user has at the coordinator
+/* account.h - what the coordinator keeps of one user
  *
  * Thread: the coordinator's loop. */
 #ifndef DAEMON_ACCOUNT_H
@@ -10,24 +10,24 @@
 
 struct job;
 
-/* What is kept of an owner's jobs that are over. */
+/* Jobs of an owner that are over and still remembered. */
 struct coord_kept {
-    uint64_t bytes;            /* of all */
-    uint32_t fetching;         /* that are being fetched */
-    const struct job *fetched; /* the longest ago of these; NULL: there are
-                                * none */
-    /* of those that may be forgotten */
+    uint64_t bytes;            /* of all their folders */
+    uint32_t fetching;         /* jobs whose pictures are being fetched */
+    const struct job *fetched; /* of these, the job fetched from the longest
+                                * ago; NULL: there are none */
+    /* jobs that may be forgotten */
     uint32_t jobs;
-    uint64_t weight;          /* of these, see job_weight() */
+    uint64_t weight;          /* sum of their job_weight() */
     const struct job *oldest; /* NULL: there is none */
 };
 
-/* A user, as far as jobs are concerned. */
+/* A user as an owner of jobs. */
 struct coord_owner {
     struct coord_owner *next;
     char name[MSG_MAX_NAME + 1];
-    uint32_t threads;   /* of workers at units of theirs */
-    struct known files; /* of the store that they may know of */
+    uint32_t threads;   /* of workers that are at units of this user's jobs */
+    struct known files; /* files of the store that the user may refer to */
     struct uploads_sum uploads;
     struct coord_kept kept; /* as coord_forget_old() last counted */
 };

@@ -1,4 +1,4 @@
-/* desk.c - what the coordinator's files look up, ask and say; see desk.h */
+/* desk.c - see desk.h */
 #include "config.h"
 
 #include "desk/desk.h"
@@ -12,7 +12,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* The low bits count up in the shell, and are a host's in the simulation. */
+/* The shell counts ids up; the simulation puts the host into the upper bits. */
 size_t
 desk_slot(uint64_t id)
 {

@@ -6,14 +6,14 @@
 
 #include "desk/desk.h"
 
-/* Keep a hash of rows that count, of a unit of that height. */
+/* Keep hashes of rows that count, of a unit that has `height` rows. */
 void duplicate_keep(struct job *job, uint32_t index, const struct msg_result *m,
                     uint32_t height);
-/* Rows that do not count, but lie in their unit, came: the log says so if they
- * differ from the rows that did. */
+/* Compare rows that do not count, but lie in their unit, with the hashes of the
+ * rows that do; log a difference. */
 void duplicate_check(struct coord *c, struct job *job, uint32_t index,
                      const struct msg_result *m);
-/* The rows of the unit that counted do not count any more. */
+/* Forget the hashes: the unit's rows do not count any more. */
 void duplicate_forget(struct job_unit *u);
 
 #endif

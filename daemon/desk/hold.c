@@ -1,7 +1,7 @@
-/* hold.c - which worker has which units
+/* hold.c - see hold.h
  *
- * Attempts at units from when they begin until they are over, and how many of
- * them, in which state, a worker has in a job and in all (go.c). */
+ * Holds attempts from their begin to their end, and counts them by state for
+ * each worker, in a job and in all jobs (go.c). */
 #include "config.h"
 
 #include "desk/hold.h"
@@ -27,7 +27,7 @@ hold_rate(const struct coord *c, struct coord_worker *w)
     }
 }
 
-/* Lines that the attempt has. */
+/* Lines of the unit that the attempt has; a loan is of one. */
 static uint32_t
 lines_of(const struct job *job, uint32_t unit, const struct job_go *go)
 {
@@ -136,7 +136,7 @@ hold_top_made(struct coord *c, struct job *job, uint32_t unit,
     c->stirred = true;
 }
 
-/* BACK: lent columns are their lender's again. */
+
 void
 hold_send_back(struct coord *c, const struct coord_worker *to,
                const struct msg_back *back)

@@ -1,12 +1,13 @@
 /* speed.c - how fast workers are, and how long a unit will take
  *
- * A worker's speed is what it does of a job in the time in which it had
- * something to do, by our own clock: rays, where enough of them are known, else
- * its threads times what earlier jobs showed.  Only ratios matter.  The pace of
- * a job is the cost, in the units of its partition, that a speed of 1 works off
- * in a millisecond.
- * The workers' own counts are used to share work, never to decide that a worker
- * is late; and bounded, so that a wrong one costs time and nothing else. */
+ * A worker's speed in a job is its rays per ms of work, by the coordinator's
+ * clock; until enough rays are known, its threads times their speed in earlier
+ * jobs.  Only ratios of speeds matter.  A job's pace is the cost, as its
+ * partition has costs, that a speed of 1 works off in a millisecond.
+ * Rays are the workers' own counts.  They serve to share work, never to decide
+ * that a worker is late, and are bounded, so that a wrong count costs only
+ * time.
+ */
 #include "config.h"
 
 #include "desk/speed.h"
@@ -19,17 +20,18 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A worker's rays tell its speed after so much work. */
+/* Work after which a worker's rays tell its speed. */
 #define ENOUGH_MS 500
 
-/* Part of a unit that is left, at least, as long as nothing is heard of it. */
+/* The least part of a unit that is taken to be left while none of its rows has
+ * come. */
 #define LEAST_LEFT .25
 
-/* What the base lines of a unit cost, which are made first, over the cost of
- * its bars.  Office at night, -ps 4. */
+/* Cost of a unit's base lines, which are made first, over the cost of its bars;
+ * measured in the office at night with -ps 4. */
 #define LINES_FIRST .75
 
-/* Threads differ by no more, whatever they count. */
+/* Bound on the ratio of a thread's speed to the mean. */
 #define MOST_RATIO 64.0
 
 static double
@@ -59,7 +61,7 @@ speed_finished(struct job *job, uint32_t unit, struct job_go *go)
     job->speed.finished += partition_cost(job->partition, unit);
 }
 
-/* Rays of a thread in a ms of work; 0: not known yet. */
+/* Rays that a thread traces in a ms of work; 0: not known yet. */
 static double
 measured(const struct job_worker *jw)
 {
@@ -73,7 +75,7 @@ measured(const struct job_worker *jw)
     return rays / (double)jw->work_ms / jw->threads;
 }
 
-/* The mean over workers whose speed was measured; 0: there are none. */
+/* The mean over the workers with a measured speed; 0: there are none. */
 static double
 mean_measured(const struct job *job)
 {
@@ -89,8 +91,8 @@ mean_measured(const struct job *job)
     return n ? sum / n : 0;
 }
 
-/* Cost of the rows that came of units that are not done: at the beginning of a
- * job all that is known. */
+/* Cost of the rows that came of units which are not done: early in a job this
+ * is all that is known. */
 static double
 under_way(const struct job *job)
 {
@@ -147,7 +149,7 @@ speed_keep(const struct coord *c, struct job *job)
         double v = measured(&job->workers[i]);
         struct coord_worker *w = job->workers[i].worker;
 
-        if (v > 0) /* half of it, since jobs differ */
+        if (v > 0) /* the mean of old and new, since jobs differ */
             w->relative = clamp((w->relative + v / mean) / 2);
     }
 }
@@ -168,25 +170,25 @@ speed_left_ms(const struct coord *c, const struct job *job, uint32_t unit,
     struct partition_area a;
     double part;
 
-    if (job->speed.pace <= 0) /* nothing is known: by cost alone, and long */
+    if (job->speed.pace <= 0) /* unknown: any large time, in order of costs */
         return 1e9 * cost / partition_cost_total(job->partition);
     rate = speed_cost(job, go->worker, 1) / (jw->in_flight ? jw->in_flight : 1);
     ms = cost / rate;
     if (u->lead == go->attempt && u->next_row > 0) {
-        /* at its own pace: parts of a picture differ */
+        /* at the attempt's own pace, since parts of a picture differ */
         partition_area(job->partition, unit, &a);
         part = (double)u->next_row / a.height;
         return (double)(c->now_ms - go->out_ms) * (1 - part) /
                (part + LINES_FIRST);
     }
-    /* a unit that is over its time may well take as long again; and it may have
-     * waited for another unit of its worker: what is left is never 0 */
+    /* a unit that is over its time may take as long again, or waited for
+     * another unit of its worker: what is left is never 0 */
     past = fabs(ms - (double)(c->now_ms - go->out_ms));
     return past > ms * LEAST_LEFT ? past : ms * LEAST_LEFT;
 }
 
-/* Static: workers that are here or on their way take part, by their speed;
- * drained ones only where there are no others. */
+/* Workers that load or are ready have a share by their speed.  Drained, leaving
+ * and late workers have one only where there are no others. */
 void
 speed_share(struct coord *c, struct job *job)
 {

@@ -6,11 +6,12 @@
 #include "links/introduce.h"
 #include "links/linking.h"
 
-/* Workers that the coordinator feeds.  It sends what all workers make to each,
- * and tiles wait behind that on its line. */
+/* Workers that the coordinator feeds.  Few, for it sends each of them the
+ * records of all tiles, and tiles to be made wait behind these on the
+ * connection. */
 #define DIRECT 2
-/* Workers that a worker feeds: two take the least time until the last has a
- * record, where lines are the narrow part. */
+/* Workers that a worker feeds.  With 2 the last worker has a record soonest,
+ * where the rate of lines is the limit. */
 #define FED 2
 _Static_assert(FED <= MSG_MOST_FED, "names in FEED");
 
@@ -26,7 +27,7 @@ most_direct(const struct coord *c)
     return c->env.direct > 0 ? c->env.direct : DIRECT;
 }
 
-/* Links from the coordinator to the worker; 0: they lead by way of that one. */
+/* Links from the coordinator to the worker; 0: worker not_by is among them. */
 static uint32_t
 depth(const struct job *job, uint32_t index, uint32_t not_by)
 {
@@ -47,9 +48,8 @@ count_fed(const struct job *job, uint32_t feeder)
     return n;
 }
 
-/* Workers other than this worker which the coordinator feeds, and which failed
- * no more often.  A worker that failed may hang, so another is fed beside it.
- */
+/* Workers that the coordinator feeds, other than this worker, with no more
+ * failures.  A worker with more failures may hang, so it does not count. */
 static uint32_t
 count_direct(const struct job *job, uint32_t index)
 {
@@ -61,11 +61,11 @@ count_direct(const struct job *job, uint32_t index)
     return n;
 }
 
-/* The worker that is to feed this worker, index + 1: of those with room that it
- * can be linked with, and the fewest failures, the nearest to the coordinator;
- * 0: the coordinator. */
+/* The feeder for this worker, as index + 1; 0: the coordinator.  Of the ready
+ * workers that can be linked with it and feed fewer than FED, the worker with
+ * the fewest failures and then the fewest links to the coordinator. */
 static uint32_t
-choose(const struct coord *c, const struct job *job, uint32_t index)
+choose_feeder(const struct coord *c, const struct job *job, uint32_t index)
 {
     uint64_t least = UINT64_MAX;
     uint32_t best = 0, n;
@@ -85,9 +85,9 @@ choose(const struct coord *c, const struct job *job, uint32_t index)
     return best;
 }
 
-/* Tell a worker whom it feeds. */
+/* Send FEED: tell a feeder which workers it feeds. */
 static void
-say_fed(struct coord *c, const struct job *job, uint32_t feeder)
+send_feed(struct coord *c, const struct job *job, uint32_t feeder)
 {
     struct msg m = { .type = MSG_FEED, .feed = { .job = job->id } };
 
@@ -100,9 +100,10 @@ say_fed(struct coord *c, const struct job *job, uint32_t feeder)
     actions_send(&c->actions, job->workers[feeder - 1].worker->conn, &m);
 }
 
-/* Workers that share lines are linked as others are for these. */
+/* A job that shares lines has links by linking.h; in others a feeder and the
+ * worker that it feeds are linked here. */
 static void
-link_them(struct coord *c, struct job *job, uint32_t feeder, uint32_t index)
+link_feeder(struct coord *c, struct job *job, uint32_t feeder, uint32_t index)
 {
     if (job->shared)
         linking_need(c, job, feeder, index);
@@ -112,24 +113,23 @@ link_them(struct coord *c, struct job *job, uint32_t feeder, uint32_t index)
 }
 
 static void
-find_place(struct coord *c, struct job *job, uint32_t index)
+assign_feeder(struct coord *c, struct job *job, uint32_t index)
 {
-    uint32_t feeder = choose(c, job, index);
+    uint32_t feeder = choose_feeder(c, job, index);
 
     job->workers[index].feeder = feeder;
     if (feeder == 0)
         return;
-    link_them(c, job, feeder - 1, index);
-    say_fed(c, job, feeder);
+    link_feeder(c, job, feeder - 1, index);
+    send_feed(c, job, feeder);
 }
 
-/* Give a worker that had a feeder another place.  Of passes that are open
- * records may have passed that feeder by now: it is not the new one's fault if
- * the worker lacks these. */
+/* Give a worker another feeder.  That feeder is not to blame for records of
+ * open passes that went past it before now. */
 static void
-move(struct coord *c, struct job *job, uint32_t index)
+change_feeder(struct coord *c, struct job *job, uint32_t index)
 {
-    find_place(c, job, index);
+    assign_feeder(c, job, index);
     job->workers[index].excused = MSG_OPEN_PASSES + 1;
 }
 
@@ -141,7 +141,7 @@ feeding_join(struct coord *c, struct job *job, uint32_t index)
     jw->feeder = jw->failures = jw->excused = 0;
     jw->missed = false;
     if (job->passes)
-        find_place(c, job, index);
+        assign_feeder(c, job, index);
 }
 
 void
@@ -152,10 +152,10 @@ feeding_left(struct coord *c, struct job *job, uint32_t index)
     job->workers[index].feeder = 0;
     if (!job->passes)
         return;
-    say_fed(c, job, feeder);
+    send_feed(c, job, feeder);
     for (uint32_t i = 0; i < job->nworkers; i++)
         if (job->workers[i].feeder == index + 1)
-            move(c, job, i);
+            change_feeder(c, job, i);
 }
 
 void
@@ -164,8 +164,8 @@ feeding_lacked(struct job *job, uint32_t index)
     job->workers[index].missed = true;
 }
 
-/* Did the worker's feeder fail it?  One that missed records, too, had none to
- * pass on. */
+/* Did the worker's feeder fail it?  A feeder that missed records itself had
+ * none to pass on. */
 static bool
 is_failed(const struct job *job, const struct job_worker *jw)
 {
@@ -182,14 +182,14 @@ feeding_mend(struct coord *c, struct job *job)
         if (!desk_is_ready(job, i) || !is_failed(job, &job->workers[i]))
             continue;
         job->workers[feeder - 1].failures++;
-        move(c, job, i);
-        say_fed(c, job, feeder);
+        change_feeder(c, job, i);
+        send_feed(c, job, feeder);
     }
     for (uint32_t i = 0; i < job->nworkers; i++) {
         struct job_worker *jw = &job->workers[i];
 
-        if (feeding_is_direct(job, i)) /* it may have failed more than others */
-            move(c, job, i);
+        if (feeding_is_direct(job, i)) /* others may have failed less often */
+            change_feeder(c, job, i);
         jw->excused -= jw->excused > 0;
         jw->missed = false;
     }

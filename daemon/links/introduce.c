@@ -1,14 +1,14 @@
-/* introduce.c - workers of a job are named to each other, so that one dials
+/* introduce.c - see introduce.h
  *
- * Each pair has a token of its own, which neither uses for anything else.
- * Which pairs are linked linking.c decides. */
+ * Each pair of workers gets a token of its own, for this link only.  linking.c
+ * decides which pairs are linked. */
 #include "config.h"
 
 #include "links/introduce.h"
 
 #include "jobs/part.h"
 
-/* Tell one worker of one peer. */
+/* Tell worker `to` of worker `about`. */
 static void
 send_peer(struct coord *c, const struct coord_worker *to, const uint8_t *job,
           const struct coord_worker *about, struct msg_peer peer)
@@ -32,7 +32,7 @@ introduce_link(struct coord *c, const struct job *job,
                const struct coord_worker *a, const struct coord_worker *b,
                uint32_t give)
 {
-    bool dial = a->address[0] != '\0'; /* the second, where that is possible */
+    bool dial = a->address[0] != '\0'; /* b dials a, where a can be dialled */
     uint8_t token[MSG_TOKEN];
 
     if (!introduce_can(a, b))

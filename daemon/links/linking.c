@@ -1,7 +1,7 @@
 /* linking.c - see linking.h
  *
- * job->links is NULL as long as all are linked with each other, and where
- * records are shared at once. */
+ * job->links is NULL as long as all workers are linked with each other, and in
+ * jobs with --ambient=live. */
 #include "config.h"
 
 #include "links/linking.h"
@@ -15,11 +15,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define ALL_LINKED  64  /* workers of a job, but for coord_env.all_linked */
-#define MOST_LINKED 256 /* with whom a worker is linked as it comes, live */
-#define MOST_NEEDED 16  /* links of a worker that were needed */
+#define ALL_LINKED  64  /* workers of a job, where coord_env.all_linked is 0 */
+#define MOST_LINKED 256 /* links of a new worker, with --ambient=live */
+#define MOST_NEEDED 16  /* links of a worker that linking_need() made */
 
-/* Two workers of the job that are linked, a < b. */
+/* Two linked workers of the job, a < b. */
 struct pair {
     uint32_t a, b;
 };
@@ -39,7 +39,7 @@ linking_free(struct links *l)
 }
 
 static bool
-may_link(const struct job *job, uint32_t a, uint32_t b)
+can_be_linked(const struct job *job, uint32_t a, uint32_t b)
 {
     return a != b && desk_is_ready(job, a) && desk_is_ready(job, b) &&
            introduce_can(job->workers[a].worker, job->workers[b].worker);
@@ -51,7 +51,7 @@ shares_records(const struct job *job)
     return job->spec.flags & MSG_JOB_SHARE;
 }
 
-/* Are they too many to link each with each?  Those that load count as well. */
+/* Are there too many workers, loading ones included, to link all with all? */
 static bool
 are_many(const struct coord *c, const struct job *job)
 {
@@ -64,14 +64,14 @@ are_many(const struct coord *c, const struct job *job)
 }
 
 static bool
-has(const struct pair *p, uint32_t index)
+pair_has(const struct pair *p, uint32_t index)
 {
     return p->a == index || p->b == index;
 }
 
-/* Note that two are linked; false: memory is out. */
+/* Add a pair to the list; false: memory is out. */
 static bool
-note(struct links *l, uint32_t a, uint32_t b)
+note_link(struct links *l, uint32_t a, uint32_t b)
 {
     if (!rad_list_grow(&l->pair, l->n, sizeof *l->pair))
         return false;
@@ -79,22 +79,22 @@ note(struct links *l, uint32_t a, uint32_t b)
     return true;
 }
 
-/* The workers have become many, and all that are ready but the newcomer are
- * linked with all. */
+/* The workers have become too many to link all with all: list the links that
+ * there are, all pairs but the newcomer's. */
 static bool
-begin(struct job *job, uint32_t newcomer)
+begin_links(struct job *job, uint32_t newcomer)
 {
     job->links = calloc(1, sizeof *job->links);
     for (uint32_t a = 0; job->links && a < job->nworkers; a++)
         for (uint32_t b = a + 1; b < job->nworkers; b++)
-            if (a != newcomer && b != newcomer && may_link(job, a, b) &&
-                !note(job->links, a, b))
+            if (a != newcomer && b != newcomer && can_be_linked(job, a, b) &&
+                !note_link(job->links, a, b))
                 return false;
     return job->links;
 }
 
 static void
-drop(struct coord *c, struct job *job, size_t i)
+end_link(struct coord *c, struct job *job, size_t i)
 {
     struct links *l = job->links;
     const uint32_t end[2] = { l->pair[i].a, l->pair[i].b };
@@ -114,7 +114,7 @@ linking_join(struct coord *c, struct job *job, uint32_t index)
         introduce_worker(c, job, index, MOST_LINKED);
     else if (!job->links && !are_many(c, job))
         introduce_worker(c, job, index, UINT32_MAX);
-    else if (!job->links && !begin(job, index))
+    else if (!job->links && !begin_links(job, index))
         c->actions.failed = true;
 }
 
@@ -124,11 +124,11 @@ linking_left(struct coord *c, struct job *job, uint32_t index)
     struct links *l = job->links;
 
     for (size_t i = l ? l->n : 0; i-- > 0;)
-        if (has(&l->pair[i], index))
-            drop(c, job, i);
+        if (pair_has(&l->pair[i], index))
+            end_link(c, job, i);
 }
 
-/* Before one more: if a worker has as many as it may its oldest link goes. */
+/* End the worker's oldest link, if it has MOST_NEEDED. */
 static void
 make_room(struct coord *c, struct job *job, uint32_t index)
 {
@@ -136,12 +136,12 @@ make_room(struct coord *c, struct job *job, uint32_t index)
     size_t oldest = l->n, n = 0;
 
     for (size_t i = l->n; i-- > 0;)
-        if (has(&l->pair[i], index)) {
+        if (pair_has(&l->pair[i], index)) {
             oldest = i;
             n++;
         }
     if (n >= MOST_NEEDED)
-        drop(c, job, oldest);
+        end_link(c, job, oldest);
 }
 
 void
@@ -149,14 +149,14 @@ linking_need(struct coord *c, struct job *job, uint32_t a, uint32_t b)
 {
     const struct links *l = job->links;
 
-    if (!l || !may_link(job, a, b))
+    if (!l || !can_be_linked(job, a, b))
         return;
     for (size_t i = 0; i < l->n; i++)
-        if (has(&l->pair[i], a) && has(&l->pair[i], b))
+        if (pair_has(&l->pair[i], a) && pair_has(&l->pair[i], b))
             return;
     make_room(c, job, a);
     make_room(c, job, b);
     introduce_link(c, job, job->workers[a].worker, job->workers[b].worker, 0);
-    if (!note(job->links, a, b))
+    if (!note_link(job->links, a, b))
         c->actions.failed = true;
 }
