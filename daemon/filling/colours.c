@@ -5,7 +5,7 @@
 
 _Static_assert(4 * RAD_PASS_MOST_COLOURS <= MSG_MAX_COLOURS, "too many");
 
-/* The lattice of a tile. */
+/* Where the pixels of a tile's lattice lie. */
 static struct action_colours
 lattice(const struct job *job, const struct rad_pass *pass, uint32_t tile)
 {

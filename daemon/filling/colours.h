@@ -1,10 +1,9 @@
-/* colours.h - what tiles of passes tell of the picture, for whoever watches it
+/* colours.h - colours that tiles of passes report, for a preview
  *
- * From the first FETCH of a picture that is not whole (job->watched) tiles of
- * coarse lattices tell the colours of their pixels, and previews are filled
- * from these (folder/coarse.h).  Of a tile that is made twice the first ones
- * count.  They decide nothing: neither records nor counts nor pictures know of
- * them.
+ * Once a preview was asked for (job->watched), tiles of coarse lattices report
+ * the colours of their pixels, and folder/coarse.h fills previews with them.
+ * If a tile is made twice the first colours stay.  Records, counts and pictures
+ * do not depend on them.
  * Thread: the coordinator's loop. */
 #ifndef DAEMON_COLOURS_H
 #define DAEMON_COLOURS_H
@@ -12,18 +11,18 @@
 #include "desk/desk.h"
 #include "passes/passplan.h"
 
-/* Is a tile of that pass to tell its colours? */
+/* Shall a tile of that pass report its colours? */
 bool colours_wanted(const struct job *job, const struct rad_pass *pass);
 
-/* May the tile, which the pass has, have sent so many bytes of them? */
+/* Is len a size that the colours of this tile may have? */
 bool colours_fit(const struct job *job, const struct rad_pass *pass,
                  uint32_t tile, size_t len);
 
-/* Have the tile's colours kept, if it sent some. */
+/* Give the store the colours that the tile reported, if any. */
 void colours_keep(struct coord *c, struct job *job, const struct rad_pass *pass,
                   const struct msg_tile_made *m);
 
-/* The pass is closed: frames that it goes over can be seen as a whole. */
+/* The pass is closed: note that previews can show its frames as a whole. */
 void colours_close(struct job *job, const struct rad_pass *pass);
 
 #endif

@@ -1,30 +1,30 @@
 /* dearest.c - see dearest.h
  *
- * Of each picture there is a grid of cells with the rays that a pixel of a
- * lattice last took there; of deep records, whose tiles are in the order of a
- * tree over space, the same by the place in that order. */
+ * Each picture has a grid of cells, with the rays per pixel that tiles took
+ * there last.  Tiles of deep records, whose order follows a tree over space,
+ * have such cells along that order. */
 #include "config.h"
 
 #include "filling/dearest.h"
 
 #include <stdlib.h>
 
-#define CELL_SIDE  32 /* pixels, or a multiple, so that there are at most */
+#define CELL_SIDE  32 /* pixels; doubled until there are at most MOST_CELLS */
 #define MOST_CELLS (1u << 20)
 
-#define PLACES 512 /* in the order of the tree */
+#define PLACES 512 /* cells along the order of deep tiles */
 
 struct grid {
     int columns;
-    float *rays; /* of a pixel, by row */
+    float *rays; /* per pixel, row by row of cells */
 };
 
 struct dearest {
     const struct rad_pass_size *size;
-    int side;
+    int side;          /* of a cell, in pixels */
     struct grid *grid; /* of each picture */
-    float *rays;       /* of all */
-    float place[PLACES];
+    float *rays;       /* memory of all grids */
+    float place[PLACES]; /* rays of deep tiles, as if there were one tile */
 };
 
 struct dear {
@@ -32,7 +32,7 @@ struct dear {
     uint32_t tile;
 };
 
-/* Are its tiles squares of pixels?  Others have no place. */
+/* Are the tiles of the pass rectangles of pixels?  Only these have a place. */
 static bool
 is_lattice(const struct rad_pass *pass)
 {
@@ -134,7 +134,7 @@ dearest_note(struct dearest *d, const struct rad_pass *pass, uint32_t tile,
 
 /* --- the order --- */
 
-/* What the cells of the area took, as far as they lie in it. */
+/* Rays that a tile of this area will take, by its cells' rays per pixel. */
 static double
 expect(const struct dearest *d, const struct grid *g,
        const struct rad_pass_area *a)
@@ -196,7 +196,7 @@ dearest_order(const struct dearest *d, const struct rad_pass *pass,
         v[i].tile = i;
     if (pass->level > 0)
         expect_deep(d, pass, v);
-    else if (is_lattice(pass) && pass->tiles > 0) /* it may have lost them */
+    else if (is_lattice(pass) && pass->tiles > 0) /* see open_passes() */
         expect_pixels(d, pass, v);
     qsort(v, pass->tiles, sizeof *v, by_rays);
     for (uint32_t i = 0; i < pass->tiles; i++)

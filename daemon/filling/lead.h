@@ -1,8 +1,8 @@
-/* lead.h - how far a job is before its units are: its passes
+/* lead.h - progress of a job's passes, which come before its units
  *
- * What part of a job's work they are is a guess (passes/passcost.h).  With a
- * goal nobody knows how many stages there will be: the first counts as half of
- * all, the next as half of what is left, and so on.
+ * The passes' share of the job's work is a guess (passes/passcost.h).  In a job
+ * with a goal the number of stages is not known: the first stage counts as half
+ * of the passes' work, the next as half of the rest, and so on.
  * Thread: the coordinator's loop. */
 #ifndef DAEMON_LEAD_H
 #define DAEMON_LEAD_H
@@ -10,14 +10,14 @@
 #include "desk/desk.h"
 #include "passes/passplan.h"
 
-/* The job has passes, for pictures of these sizes. */
+/* The job has passes, for pictures of these sizes: guess their share. */
 void lead_begin(struct job *job, const struct rad_pass_size *size);
 
-/* So much of its stage's passes is done, 0 to 1, or of all of them. */
+/* Note the share of the stage's passes that is done, 0 to 1; `all`: no further
+ * stage follows. */
 void lead_note(struct job *job, double done, bool all);
 
-/* The job goes on after a restart: it has units only if its passes were all
- * closed. */
+/* After a restart: a job of which units went out has all its passes closed. */
 void lead_restore(struct job *job);
 
 #endif

@@ -1,16 +1,16 @@
 /* passes.c - see passes.h
  *
- * When all tiles of a pass are made (tiles.h) it is closed, and the next is
- * open.  The first pass of a job that begins with a former job's records is
- * closed from the start; the store is asked for the records.
- * Frames come in batches (passes/passplan.h): the units of one go out when its
- * last pass is closed, and the first pass of the next batch is closed when they
- * are done, for that changes the cache that they read.  Its tiles go out before
- * that, to workers for which there are no units.
- * With a goal (stages.h) that is one stage: its last pass is a check pass,
- * whose tiles have sums in place of records.  When that is closed all begins
- * anew, with the next stage's plan, or the goal is reached.  Workers count
- * passes on through all stages. */
+ * A pass is closed when all its tiles (tiles.h) are made; then passes that read
+ * it may be opened.  If a job begins with another job's records, they are its
+ * first pass, which has no tiles: the store is asked for the records.
+ * Frames come in batches (passes/passplan.h).  The units of a batch go out when
+ * its last pass is closed.  The first pass of the next batch changes the cache
+ * that these units read, so it is closed only when they are done; but its tiles
+ * go out before that, to workers for which there are no units.
+ * In a job with a goal (stages.h) the plan is of one stage, and its last pass
+ * is a check pass, whose tiles have sums in place of records.  When that pass
+ * is closed either the units follow, or all begins anew with the plan of the
+ * next stage.  Passes are numbered on through all stages. */
 #include "config.h"
 
 #include "filling/passes.h"
@@ -35,8 +35,8 @@
 #include <string.h>
 #include <sysexits.h>
 
-/* When passes of a stage that are closed have half of its records' bytes there
- * are no further ones, and one pass cannot have more. */
+/* Most bytes of a stage's records.  Once the closed passes have half of that,
+ * the following passes get no tiles; one pass cannot make the other half. */
 #define MOST_BYTES SAVED_STAGE_BYTES
 
 _Static_assert(RAD_MOST_PASSES <= MSG_MOST_PASSES, "as in READY");
@@ -67,7 +67,8 @@ passes_free(struct passes *s)
     free(s);
 }
 
-/* Are the frames done that the passes before the open one were for? */
+/* Are all frames done whose passes are closed?  Their units read the cache that
+ * the next pass to be closed would change. */
 static bool
 is_due(struct passes *s, const struct job *job)
 {
@@ -78,20 +79,20 @@ is_due(struct passes *s, const struct job *job)
     return s->done >= ready;
 }
 
-/* The units of frames whose passes are closed may go out. */
+/* Let the units of frames whose passes are closed go out. */
 static void
 open_frames(struct job *job)
 {
     struct passes *s = job->passes;
 
     job->filling = s->open < s->n;
-    if (s->n > 0 && job->partition) /* it may be over before it has units */
+    if (s->n > 0 && job->partition) /* a job may end before it has units */
         partition_open(job->partition, rad_passes_ready(s->plan, s->open));
 }
 
-/* Passes that an earlier life of the coordinator closed are closed. */
+/* Close the passes that an earlier life of the coordinator closed. */
 static void
-take_up(struct coord *c, struct job *job)
+take_up_kept(struct coord *c, struct job *job)
 {
     struct kept_passes *kept = &job->kept;
     struct passes *s = job->passes;
@@ -122,9 +123,9 @@ take_up(struct coord *c, struct job *job)
     kept_drop(kept);
 }
 
-/* Of the records of the first n passes, which are closed: a pass has tiles by
- * what it reads, not by what else is closed when it is opened, for after a
- * restart that may be more. */
+/* Bytes of records of the first n passes, all closed.  A pass has tiles or not
+ * by the passes that it reads, not by those that are closed when it is opened:
+ * these may be more after a restart. */
 static size_t
 bytes_of(const struct passes *s, uint32_t n)
 {
@@ -136,7 +137,7 @@ bytes_of(const struct passes *s, uint32_t n)
     return bytes;
 }
 
-/* Open what can be. */
+/* Open the passes that read only closed ones; false: memory is out. */
 static bool
 open_passes(struct passes *s)
 {
@@ -152,7 +153,7 @@ open_passes(struct passes *s)
     return true;
 }
 
-static void close_whole(struct coord *c, struct job *job);
+static void close_made(struct coord *c, struct job *job);
 
 void
 passes_ask(struct coord *c, struct job *job)
@@ -169,17 +170,17 @@ passes_ask(struct coord *c, struct job *job)
     s->reuse = REUSE_ASKED;
 }
 
-/* Without the first pass, where that is awaited, it is not known how many bytes
- * the others may have. */
+/* Is the first pass yet to come from the store?  Until then no pass is opened,
+ * for the bytes of its records limit the others. */
 static bool
-is_at_start(const struct passes *s)
+awaits_first(const struct passes *s)
 {
     return s->reuse != REUSE_NONE && s->open == 0;
 }
 
-/* Memory for the plan, and the plan. */
+/* Make the plan of the present stage. */
 static int
-plan_in(struct passes *s, const struct job *job, struct rad_error *err)
+make_plan(struct passes *s, const struct job *job, struct rad_error *err)
 {
     struct rad_pass *plan;
     int rc;
@@ -203,12 +204,12 @@ plan_in(struct passes *s, const struct job *job, struct rad_error *err)
                                   : rad_fail(err, RAD_ENOMEM, "out of memory");
 }
 
-/* Lay out the passes of the job's stage, of which none is closed. */
+/* Lay out the passes of the present stage; none is closed. */
 static int
 plan_stage(struct job *job, struct rad_error *err)
 {
     struct passes *s = job->passes;
-    int rc = plan_in(s, job, err);
+    int rc = make_plan(s, job, err);
 
     s->base = job->goal.base;
     s->open = s->opened = 0;
@@ -230,7 +231,7 @@ plan_stage(struct job *job, struct rad_error *err)
     return rc;
 }
 
-/* How far the passes are: of the open one its tiles tell. */
+/* Note how far the passes are; open ones count by their tiles. */
 static void
 note_progress(struct job *job)
 {
@@ -267,15 +268,15 @@ passes_begin(struct coord *c, struct job *job, struct rad_error *err)
     if (rc < 0)
         return rc;
     lead_begin(job, s->size);
-    take_up(c, job);
+    take_up_kept(c, job);
     open_frames(job);
     s->reuse = s->n > 0 && stages_reuse(job) ? REUSE_DUE : REUSE_NONE;
     passes_ask(c, job);
-    if (is_at_start(s))
+    if (awaits_first(s))
         return 0;
     if (!open_passes(s))
         return rad_fail(err, RAD_ENOMEM, "out of memory");
-    close_whole(c, job);
+    close_made(c, job);
     note_progress(job);
     return 0;
 }
@@ -308,9 +309,10 @@ passes_state(const struct job *job)
 
 /* --- closed --- */
 
-/* All records of the open pass, in the order of tiles. */
+/* Put the records of the first open pass together, in the order of tiles;
+ * false: memory is out. */
 static bool
-gather(struct passes *s)
+gather_records(struct passes *s)
 {
     const struct sheet *of = passes_sheet(s, s->open);
     struct closed *k = &s->closed[s->open];
@@ -332,8 +334,8 @@ gather(struct passes *s)
     return true;
 }
 
-/* Keep that pass, of the plan that is closed with these bytes, to go on from
- * after a restart. */
+/* Have the store keep a closed pass, with its counts and bytes, so that a next
+ * life of the coordinator goes on from it. */
 static void
 keep_closed(struct coord *c, const struct job *job, uint32_t pass,
             const struct msg_counts *counts, const uint8_t *bytes, size_t len,
@@ -350,8 +352,7 @@ keep_closed(struct coord *c, const struct job *job, uint32_t pass,
     a->pass = actions_keep(&c->actions, &saved, sizeof saved);
 }
 
-/* The job's goal is not reached: drop the records, and begin anew with the next
- * stage's options, whichever pass of this one workers are at. */
+/* The goal is not reached: drop all records, and begin the next stage. */
 static void
 begin_stage(struct coord *c, struct job *job)
 {
@@ -361,7 +362,7 @@ begin_stage(struct coord *c, struct job *job)
     tiles_drop(s);
     job->goal.bytes += s->bytes;
     drop_records(s);
-    s->reuse = REUSE_NONE; /* that was for the first stage */
+    s->reuse = REUSE_NONE; /* the first stage alone begins with such records */
     if (plan_stage(job, &err) < 0) {
         verdict_job(c, job, JOB_FAILED, rad_exit_status(err.code), err.what);
         s->n = 0;
@@ -373,8 +374,8 @@ begin_stage(struct coord *c, struct job *job)
     c->stirred = true;
 }
 
-/* All tiles of the check pass, the open one, are made; false: another stage
- * begins. */
+/* Close the check pass, whose tiles are all made; false: another stage begins.
+ */
 static bool
 close_check(struct coord *c, struct job *job)
 {
@@ -413,11 +414,11 @@ close_pass(struct coord *c, struct job *job)
 
     if (checks && !close_check(c, job))
         return;
-    if (!gather(s)) {
+    if (!gather_records(s)) {
         c->actions.failed = true;
         return;
     }
-    if (!checks) /* where paths go others find out alone */
+    if (!checks) /* paths are not kept: a worker can walk them again */
         keep_closed(c, job, passes_number(s), &k->counts, k->records,
                     walks ? 0 : (size_t)k->n * AMBSHARE_BYTES, false);
     colours_close(job, &s->plan[s->open]);
@@ -437,9 +438,9 @@ close_pass(struct coord *c, struct job *job)
     c->stirred = true;
 }
 
-/* Passes without tiles are closed at once. */
+/* Close open passes, in their order, whose tiles are all made. */
 static void
-close_whole(struct coord *c, struct job *job)
+close_made(struct coord *c, struct job *job)
 {
     struct passes *s = job->passes;
 
@@ -448,16 +449,17 @@ close_whole(struct coord *c, struct job *job)
         close_pass(c, job);
 }
 
-/* No unit went out yet if `none_out`: the first go out when the first frames'
- * passes are closed. */
+/* The same; and if `none_out`, no unit went out yet, share the units out when
+ * the first frames' passes are closed. */
 static void
 close_passes(struct coord *c, struct job *job, bool none_out)
 {
-    close_whole(c, job);
+    close_made(c, job);
     if (none_out && !passes_open(job) && !job->survey)
         speed_share(c, job);
 }
 
+/* Are the passes of the first batch of frames not closed yet? */
 static bool
 is_before_units(const struct passes *s)
 {
@@ -475,7 +477,7 @@ passes_frame_done(struct coord *c, struct job *job)
 }
 
 static bool
-keep(struct coord *c, struct job *job, struct sheet *k, struct tile *t,
+keep_tile(struct coord *c, struct job *job, struct sheet *k, struct tile *t,
      const struct msg_tile_made *m)
 {
     struct passes *s = job->passes;
@@ -489,7 +491,7 @@ keep(struct coord *c, struct job *job, struct sheet *k, struct tile *t,
     if (m->len > 0)
         memcpy(t->records, m->data, m->len);
     t->n = m->count;
-    k->waiting -= t->nholders == 0; /* its worker was thought lost */
+    k->waiting -= t->nholders == 0; /* it was taken from its worker */
     t->made = true;
     s->bytes += m->len;
     took = (double)(c->now_ms - t->out_ms);
@@ -500,7 +502,7 @@ keep(struct coord *c, struct job *job, struct sheet *k, struct tile *t,
 }
 
 static void
-count(struct job *job, uint32_t pass, uint32_t index,
+count_tile(struct job *job, uint32_t pass, uint32_t index,
       const struct msg_counts *counts)
 {
     msg_counts_add(&job->passes->closed[pass].counts, counts);
@@ -510,7 +512,7 @@ count(struct job *job, uint32_t pass, uint32_t index,
     progress_see(job);
 }
 
-/* What is wrong with a tile of that pass of the plan; NULL: nothing. */
+/* Why a TILE_MADE does not fit a pass of the plan; NULL: it does. */
 static const char *
 tile_fault(const struct job *job, uint32_t pass, const struct msg_tile_made *m)
 {
@@ -530,7 +532,7 @@ tile_fault(const struct job *job, uint32_t pass, const struct msg_tile_made *m)
                : "sums of a tile that are no finite numbers";
 }
 
-/* Take a tile of an open pass; false: another worker was first. */
+/* Take a tile that was made, of an open pass; false: it was made before. */
 static bool
 take_tile(struct coord *c, struct job *job, uint32_t pass, uint32_t index,
           const struct msg_tile_made *m)
@@ -545,10 +547,10 @@ take_tile(struct coord *c, struct job *job, uint32_t pass, uint32_t index,
     }
     if (t->made)
         return false;
-    if (!keep(c, job, k, t, m))
+    if (!keep_tile(c, job, k, t, m))
         return true;
     records_feed(c, job, pass, m->tile);
-    count(job, pass, index, &m->counts);
+    count_tile(job, pass, index, &m->counts);
     dearest_note(s->dearest, &s->plan[pass], m->tile, m->counts.rays);
     colours_keep(c, job, &s->plan[pass], m);
     close_passes(c, job, is_before_units(s));

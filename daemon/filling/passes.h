@@ -11,29 +11,28 @@ struct passes;
 
 void passes_free(struct passes *s);
 
-/* Lay out the passes, if the job has some; 0 or RAD_ENOMEM. */
+/* Lay out the job's passes, if it has any; 0, or negative with *err. */
 int passes_begin(struct coord *c, struct job *job, struct rad_error *err);
 
-/* How far they are. */
+/* How far the passes of the present stage are. */
 struct passes_state {
-    uint32_t open, n; /* passes of the stage that are closed; all of them, 0:
-                       * there are none */
-    uint64_t bytes;   /* of their records */
-    double made;      /* share of the open pass's tiles */
+    uint32_t open, n; /* closed passes, and all passes; n 0: there are none */
+    uint64_t bytes;   /* records so far */
+    double made;      /* share of the first open pass's tiles that are made */
 };
 struct passes_state passes_state(const struct job *job);
-/* The store has the job: ask it for the records that the job begins with, if
- * they are wanted by now. */
+/* Ask the store for another job's records that the job begins with, if these
+ * are due and the store has the job. */
 void passes_ask(struct coord *c, struct job *job);
-/* The records that the job begins with, n bytes, malloc'd and taken; status: of
- * sysexits.h, they cannot be had. */
+/* The answer: n bytes of records, malloc'd and taken; or status, of sysexits.h
+ * and not 0, and text say why there are none. */
 void passes_came(struct coord *c, struct job *job, uint8_t *records, size_t n,
                  int status, const char *text);
-/* Do all units wait for tiles that are yet to be made, or for records? */
+/* Must all units wait, for tiles to be made or for records from the store? */
 bool passes_open(const struct job *job);
-/* All rows of a frame are there: passes may have waited for that. */
+/* All rows of a frame are here: a pass may now be closed. */
 void passes_frame_done(struct coord *c, struct job *job);
-/* A worker has made a tile. */
+/* Handler of TILE_MADE. */
 void passes_made(struct coord *c, struct coord_worker *w,
                  const struct msg *msg);
 

@@ -1,8 +1,8 @@
-/* passes_impl.h - what is known of a job's passes, for the files of this room
+/* passes_impl.h - a job's passes and tiles, for the files of this room
  *
- * A pass is open when those that its tiles read are closed: a few are.
- * passes.c says when a pass is open and closed, tiles.c which worker has which
- * tile of it, records.c which worker has whose records.
+ * A pass is open when all passes that its tiles read are closed, so several may
+ * be open.  passes.c opens and closes passes, tiles.c says which worker has
+ * which tile, records.c which worker has the records of which passes.
  * Thread: the coordinator's loop. */
 #ifndef DAEMON_PASSES_IMPL_H
 #define DAEMON_PASSES_IMPL_H
@@ -11,67 +11,71 @@
 #include "filling/dearest.h"
 #include "passes/passplan.h"
 
-enum { HOLDERS = 2 };
+enum { HOLDERS = 2 }; /* workers that may have a tile at the same time */
 #define NO_TILE UINT32_MAX
 
 struct tile {
-    uint32_t holder[HOLDERS]; /* workers that have it */
+    uint32_t holder[HOLDERS]; /* indices of the workers that have the tile */
     uint8_t nholders;
     bool made;
-    uint8_t crashes;       /* of children that had it */
-    uint32_t crasher;      /* the first of their workers */
+    uint8_t crashes;       /* children that died while they had it */
+    uint32_t crasher;      /* index of the first such child's worker */
     uint64_t out_ms;       /* when it last went out */
-    uint32_t place;        /* in the order in which they go out */
-    uint32_t before, then; /* in the list of tiles that are out */
-    uint8_t *records;      /* of a check pass: sums */
-    uint32_t n;            /* of records */
+    uint32_t place;        /* its place in sheet.order */
+    uint32_t before, then; /* previous and next in the list of tiles that
+                            * workers have, by when they went out */
+    uint8_t *records;      /* in a check pass sums instead (machine/sums.h) */
+    uint32_t n;            /* number of records */
 };
 
 /* The tiles of an open pass. */
 struct sheet {
-    struct tile *tile; /* NULL: no pass has the sheet */
+    struct tile *tile; /* NULL: the sheet is free */
     uint32_t ntiles;
-    uint32_t *order;         /* tiles as they go out */
-    uint32_t next;           /* in order: tiles before are out, or made */
-    uint32_t oldest, newest; /* of the tiles that workers have, made by others
-                              * or not: a list by when they went out */
+    uint32_t *order;         /* tiles in the order in which they go out */
+    uint32_t next;           /* tiles before this place of order are made, or
+                              * some worker has them */
+    uint32_t oldest, newest; /* ends of the list of tiles that workers have,
+                              * including tiles that another worker made */
     uint32_t left;           /* tiles that are not made */
-    uint32_t waiting;        /* tiles that are not made and that nobody has */
+    uint32_t waiting;        /* tiles that are not made and no worker has */
 };
 
-/* The records of a pass that is closed. */
+/* The records of a closed pass. */
 struct closed {
     uint8_t *records;
-    uint32_t n;
-    uint64_t sum;             /* of their bytes */
-    struct msg_counts counts; /* of its tiles that were the first */
+    uint32_t n;               /* number of records */
+    uint64_t sum;             /* hash of their bytes */
+    struct msg_counts counts; /* of its tiles, each counted once */
 };
 
-/* The records of the first pass, if they are a former job's.
+/* The first pass of a job that begins with another job's records:
  *
  *   DUE --the store has the job--> ASKED --here, or another stage--> NONE  */
 enum reuse_state {
-    REUSE_NONE, /* none are awaited */
-    REUSE_DUE,  /* the store is to be asked for them */
+    REUSE_NONE, /* there are none, or they are here */
+    REUSE_DUE,  /* the store has yet to be asked for them */
     REUSE_ASKED
 };
 
 struct passes {
-    struct rad_pass *plan;
-    double *weight; /* of each pass, passcost.h */
-    uint32_t n;
-    uint32_t base;              /* passes of the stages before */
-    uint32_t open;              /* the first in the plan; n: all are closed */
-    uint32_t opened;            /* beyond the last that is open */
-    enum reuse_state reuse;     /* by passes.c alone */
+    struct rad_pass *plan; /* passes of the present stage */
+    double *weight;        /* share of each pass in their work, passcost.h */
+    uint32_t n;            /* length of plan, weight and closed */
+    uint32_t base;         /* number of the stage's first pass, counted through
+                            * all stages */
+    uint32_t open;         /* index in plan of the first open pass; n: all are
+                            * closed */
+    uint32_t opened;       /* index after the last open pass */
+    enum reuse_state reuse;     /* changed by passes.c alone */
     struct closed *closed;      /* of each pass, once it is closed */
-    uint32_t done;              /* frames before are done */
-    size_t bytes;               /* of all records that are here */
+    uint32_t done;              /* number of frames done from the first on */
+    size_t bytes;               /* of the stage's records so far */
     struct rad_pass_size *size; /* of the frames */
     struct dearest *dearest;
-    struct sheet sheet[MSG_OPEN_PASSES]; /* of open passes, by number */
-    double took_ms, took_ms2; /* sums, over all tiles that were made, of the
-                               * time from out to made, and of its square */
+    struct sheet sheet[MSG_OPEN_PASSES]; /* of open passes, by index modulo */
+    double took_ms, took_ms2; /* sums over all tiles that were made of the time
+                               * from when they went out, and of its square */
 };
 
 /* The number of the first open pass, through all stages. */

@@ -1,7 +1,7 @@
 /* records.c - see records.h
  *
- * The records of a job that begins with a former job's are those of its first
- * pass; until they are here nothing is sent to workers that lack them. */
+ * A job that begins with another job's records has them as its first pass.
+ * Until the store has sent them nothing goes to workers that lack them. */
 #include "config.h"
 
 #include "filling/records.h"
@@ -14,7 +14,7 @@
 
 #include <string.h>
 
-/* Send a worker the records of a pass that is closed. */
+/* Send a worker the records of a closed pass (FROZEN). */
 static void
 send_closed(struct coord *c, const struct job *job, uint32_t pass,
             const struct coord_worker *w)
@@ -43,8 +43,8 @@ stage_of(const struct job *job)
                                     goal_options(job) } };
 }
 
-/* Tell a worker that knows all passes of a goal to be closed with which options
- * the pictures are made: it may have been there since before that was known. */
+/* Send SHOW to a worker that was told of all passes of a goal: the options of
+ * the pictures.  A worker that came earlier may not know them. */
 static void
 show_pictures(struct coord *c, const struct job *job, struct job_worker *jw)
 {
@@ -60,7 +60,7 @@ show_pictures(struct coord *c, const struct job *job, struct job_worker *jw)
     jw->shows = true;
 }
 
-/* A frame to each worker that the function chooses. */
+/* Pack a message once, and send it to each worker that wanted() names. */
 static void
 send_some(struct coord *c, const struct job *job, const struct msg *m,
           bool (*wanted)(const struct job *job, uint32_t index))
@@ -91,7 +91,7 @@ message_of(const struct job *job, uint32_t pass, uint32_t tile)
                                            tile, t->n, t->records, len } };
 }
 
-/* Records of open passes that are there already, to a worker that comes. */
+/* Send a new worker the records of tiles of open passes that are made. */
 static void
 send_made(struct coord *c, const struct job *job, const struct coord_worker *w)
 {
@@ -118,35 +118,37 @@ records_feed(struct coord *c, struct job *job, uint32_t pass, uint32_t tile)
         send_some(c, job, &m, feeding_is_direct);
 }
 
-/* Is the first pass, which the worker lacks, yet to come from the store? */
+/* Must the worker wait for the first pass, which has yet to come from the
+ * store?
+ */
 static bool
-awaits(const struct passes *s, const struct job_worker *jw)
+awaits_store(const struct passes *s, const struct job_worker *jw)
 {
     return s->reuse != REUSE_NONE && jw->passes == 0;
 }
 
-/* Has the worker to say that it has the records of the pass, before it gets
- * more?  Units may not come before these; and of a worker that has a tile which
- * another has made meanwhile nobody knows whether it is there. */
+/* Must the worker answer that it has the records of the pass, before it gets
+ * more?  Yes after a batch's last pass, for units follow; and if it has a tile
+ * of the pass that another worker made meanwhile, for it may hang. */
 static bool
-is_to_say(const struct passes *s, const struct job_worker *jw, uint32_t pass)
+must_confirm(const struct passes *s, const struct job_worker *jw, uint32_t pass)
 {
     return jw->ntiles[pass % MSG_OPEN_PASSES] > 0 ||
            rad_pass_is_last(s->plan, s->n, pass);
 }
 
-/* Tell a worker which passes are closed, up to one that it has to answer. */
+/* Tell a worker of closed passes, up to one that it must answer. */
 static void
 tell_closed(struct coord *c, const struct job *job, struct job_worker *jw)
 {
     const struct passes *s = job->passes;
 
-    while (!jw->lags && !awaits(s, jw) && jw->passes < passes_number(s)) {
+    while (!jw->lags && !awaits_store(s, jw) && jw->passes < passes_number(s)) {
         uint32_t pass = jw->passes - s->base;
         const struct closed *k = &s->closed[pass];
         struct msg m = { .type = MSG_CLOSED,
                          .closed = { job->id, jw->passes, k->n, k->sum,
-                                     is_to_say(s, jw, pass) } };
+                                     must_confirm(s, jw, pass) } };
 
         if (m.closed.asks)
             jw->lags = true;
@@ -185,13 +187,13 @@ records_keep(struct coord *c, const struct job *job, uint32_t pass)
                 &(struct msg_records){ job->id, m.count, m.data, m.len });
 }
 
-/* Send a worker the records that it lacks, if they are here. */
+/* Send a worker all that it lacks and that is here: stage, records, options. */
 static void
 catch_up(struct coord *c, const struct job *job, struct job_worker *jw)
 {
     const struct passes *s = job->passes;
 
-    if (!s || awaits(s, jw))
+    if (!s || awaits_store(s, jw))
         return;
     if (jw->passes < s->base) {
         struct msg m = stage_of(job);
@@ -207,9 +209,10 @@ catch_up(struct coord *c, const struct job *job, struct job_worker *jw)
         send_made(c, job, jw->worker);
 }
 
-/* By the clock another stage may have begun in an earlier life. */
+/* With a limit of time a restarted coordinator may decide otherwise, so passes
+ * that the worker has may be of another stage. */
 static bool
-may_differ(const struct job *job, const struct job_worker *jw, uint32_t have)
+may_be_stale(const struct job *job, const struct job_worker *jw, uint32_t have)
 {
     return job->spec.time_ms > 0 && have > jw->passes;
 }
@@ -221,7 +224,7 @@ records_ready(struct coord *c, struct job *job, uint32_t index, uint32_t have)
     struct passes *s = job->passes;
     uint32_t closed = s ? passes_number(s) : 0;
 
-    if (have > closed || may_differ(job, jw, have))
+    if (have > closed || may_be_stale(job, jw, have))
         return false;
     jw->passes = jw->lacked = have;
     jw->lags = jw->shows = false;

@@ -1,38 +1,39 @@
-/* records.h - the records of passes on their way to workers
+/* records.h - send the records of passes to workers
  *
- * Those of a tile that is made travel to all workers while others are, by way
- * of some of them (links/feeding.h).  When a pass is closed a worker is told
- * so; if it lacks some it says so, and gets all of them, in the order of tiles;
- * a worker that comes later gets them of each pass that is closed.  What needs
- * the records waits at the worker until they are there; units do not go out to
- * a worker before it has said that they are.
+ * Records of a tile travel to all workers as soon as it is made, through some
+ * of the workers (links/feeding.h).  When a pass is closed each worker is told
+ * (CLOSED); a worker that lacks records of it says so (HOLDS) and gets all of
+ * them, in the order of tiles (FROZEN).  A worker that comes later gets all
+ * closed passes.  A tile that reads a pass waits in the worker for its records;
+ * units go only to a worker that has said that it has all records.
  * Thread: the coordinator's loop. */
 #ifndef DAEMON_RECORDS_H
 #define DAEMON_RECORDS_H
 
 #include "desk/desk.h"
 
-/* A worker is ready that has the records of so many passes: it gets those of
- * the others that are closed.  False: it has more than there are. */
+/* A worker is ready and has the records of the first `have` passes: send it the
+ * other closed ones.  False: it has passes that this job does not. */
 bool records_ready(struct coord *c, struct job *job, uint32_t index,
                    uint32_t have);
-/* Has the worker the records of the first `passes` of the job's stage, so that
- * it can make tiles that read them? */
+/* Has the worker, or gets before them, the records of the stage's first
+ * `passes` passes, so that it may have tiles that read these? */
 bool records_allow(const struct job *job, uint32_t index, uint32_t passes);
-/* A worker says that it has all of a pass that is closed, or lacks some. */
+/* Handler of HOLDS: a worker has all records of a closed pass, or lacks some.
+ */
 void records_held(struct coord *c, struct coord_worker *w,
                   const struct msg *msg);
 
-/* A tile of an open pass is made. */
+/* A tile of an open pass is made: send its records. */
 void records_feed(struct coord *c, struct job *job, uint32_t pass,
                   uint32_t tile);
-/* One more pass is closed. */
+/* A pass was closed: tell the workers. */
 void records_tell(struct coord *c, struct job *job);
-/* Send the records of a closed pass to whoever keeps them (-af). */
+/* Send the records of a closed pass to the radsubmits that wait (-af). */
 void records_keep(struct coord *c, const struct job *job, uint32_t pass);
-/* The records of the first pass came, from a former job. */
+/* Another job's records came as the first pass: send them to the workers. */
 void records_came(struct coord *c, struct job *job);
-/* Another stage begins: whichever pass workers are at, all begin anew. */
+/* Another stage begins: tell all workers to begin with an empty cache. */
 void records_drop(struct coord *c, struct job *job);
 
 #endif

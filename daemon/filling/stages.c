@@ -21,8 +21,8 @@ stages_sizes(const struct msg_spec *spec)
     return size;
 }
 
-/* Rungs as they are kept and told: whole ones, which are all that jobs of
- * earlier versions have, and above these bits quarters. */
+/* A rung in a byte: the whole ones, which are all that earlier versions had,
+ * and in the upper bits the quarters. */
 enum { WHOLE = 63, QUARTERS = 6 };
 
 static uint8_t
@@ -81,7 +81,7 @@ stages_plan(const struct job *job, const struct rad_pass_size *size,
 
 /* --- decisions --- */
 
-/* The text of the options of the goal's rungs, in the job's memory; false:
+/* Set goal.options to the text of the options at the goal's rungs; false:
  * memory is out. */
 static bool
 set_options(struct job *job)
@@ -90,7 +90,7 @@ set_options(struct job *job)
     char text[RAD_PARAMS_TEXT];
 
     if (stages_params(job, &params, NULL) != 0)
-        return false; /* it was read before */
+        return false; /* cannot be: the options were read before */
     rad_params_format(&params, text, sizeof text);
     job->goal.options = rad_arena_dup(&job->mem, text, strlen(text) + 1);
     return job->goal.options != NULL;
@@ -106,8 +106,8 @@ seconds_spent(const struct coord *c, const struct job *job)
     return (double)ms / 1000;
 }
 
-/* About the rays that as many records take as a former job gave the stage: a
- * further stage, which begins empty, makes them, too. */
+/* About the rays that the records took which the stage got from another job: a
+ * further stage begins empty and has to make them, too. */
 static uint64_t
 reused_rays(const struct job *job)
 {
@@ -118,16 +118,17 @@ reused_rays(const struct job *job)
     return job->cache.reused * ((uint64_t)p.ambdiv + (uint64_t)p.ambssamp);
 }
 
-/* Seconds that one of so many rays took all that were at work on the stage,
- * who spend so many processor seconds in a second. */
+/* Seconds by the clock for a ray of a pass that took so many processor seconds
+ * and rays, while `busy` processors were at work. */
 static double
 seconds_a_ray(double cpu_s, uint64_t rays, double busy)
 {
     return rays > 0 && busy > 0 ? cpu_s / (double)rays / busy : 0;
 }
 
-/* Passes that an earlier life kept took time that nobody counts any more: so
- * much at least, had all that are at work now been so then. */
+/* Fill in the times of the question.  The time of passes that an earlier life
+ * of the coordinator closed is not known: a stage took at least its processor
+ * time divided by the threads of now. */
 static void
 note_clock(const struct job *job, const struct stage_found *found, double spent,
            struct rad_refine_ask *ask)
@@ -142,12 +143,12 @@ note_clock(const struct job *job, const struct stage_found *found, double spent,
     ask->look_s = seconds_a_ray(found->check_s, found->check, busy);
     ask->pass_s = found->rays > 0
                       ? seconds_a_ray(found->rays_s, found->rays, busy)
-                      : ask->look_s; /* all are a former job's */
+                      : ask->look_s; /* all records are another job's */
 }
 
-/* What is to be decided upon; of the sums a copy. */
+/* The question that rad_refine_next() decides; it has a copy of the sums. */
 static struct rad_refine_ask
-question(const struct coord *c, const struct job *job,
+make_ask(const struct coord *c, const struct job *job,
          const struct stage_found *found)
 {
     const struct job_goal *g = &job->goal;
@@ -184,7 +185,7 @@ stages_end(struct coord *c, struct job *job, uint32_t n,
            const struct stage_found *found)
 {
     struct job_goal *g = &job->goal;
-    struct rad_refine_ask ask = question(c, job, found);
+    struct rad_refine_ask ask = make_ask(c, job, found);
     struct rad_refine_past past = rad_refine_pass_on(&ask);
     struct rad_refine_rungs next;
     bool on = rad_refine_next(&ask, &next, &g->error);
@@ -218,7 +219,7 @@ stages_end(struct coord *c, struct job *job, uint32_t n,
 
 /* --- as they are kept --- */
 
-/* Of what is kept, and of what rungs stand for. */
+/* Version of what stages_pack() writes and of what its rungs mean. */
 enum { LAYOUT = 2 };
 
 void
@@ -266,8 +267,8 @@ unpack(struct job_goal *g, const struct saved_pass *p)
            isfinite(g->mean) && isfinite(g->past_square);
 }
 
-/* Take up the decision at the end of a stage of n passes: 1, or 0 if it is not
- * kept. */
+/* Repeat the kept decision at the end of a stage of n passes.  1: done; 0: none
+ * is kept; negative with *err. */
 static int
 take_stage(struct job *job, uint32_t n, struct rad_error *err)
 {
@@ -279,7 +280,7 @@ take_stage(struct job *job, uint32_t n, struct rad_error *err)
         return 0;
     if (!unpack(&read, &kept->pass[last]) ||
         (!read.ended && g->number + 1 >= RAD_REFINE_STAGES)) {
-        kept_cut(kept, last); /* it is decided again */
+        kept_cut(kept, last); /* the check pass is made, and decided, again */
         g->unread = true;
         return 0;
     }
@@ -310,7 +311,7 @@ stages_take_up(struct coord *c, struct job *job, struct rad_error *err)
         return rad_fail(err, RAD_ENOMEM, "out of memory");
     while (rc > 0 && !g->ended) {
         rc = stages_plan(job, size, plan, &n, err);
-        g->ended = rc == 0 && n == 0; /* there is no cache */
+        g->ended = rc == 0 && n == 0; /* the job has no cache */
         if (rc == 0)
             rc = take_stage(job, n, err);
     }

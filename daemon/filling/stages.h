@@ -1,11 +1,12 @@
-/* stages.h - a job that goes on until its picture is good enough, or time is up
+/* stages.h - the stages of a job with a goal: an error, or a limit of time
  *
- * Its ambient cache comes in stages (refine/refine.h): each has its own
- * options, passes from an empty cache on (the first stage may begin with that
- * of a former job), and a check pass at their end, whose tiles say how far off
- * a picture would be.  Then it is decided: that is good enough, or which
- * options the next stage has.  By the error alone the decision is a function of
- * the job; by the clock it is not, and so it is kept.
+ * A stage (refine/refine.h) has rendering options of its own and fills the
+ * ambient cache in passes from empty (the first stage may begin with another
+ * job's cache).  Its last pass is a check pass, whose tiles estimate the error
+ * that a picture with these options would have.  Then the coordinator decides:
+ * either the pictures follow, or another stage with better options.  Without a
+ * limit of time the decision is a function of the job; with one it depends on
+ * the clock, so it is kept on the disk.
  * Thread: the coordinator's loop. */
 #ifndef DAEMON_STAGES_H
 #define DAEMON_STAGES_H
@@ -17,43 +18,44 @@
 /* The sizes of a job's pictures, malloc'd; NULL: memory is out. */
 struct rad_pass_size *stages_sizes(const struct msg_spec *spec);
 
-/* Rendering options of its pictures, as far as that is known by now. RAD_EDATA:
- * its specification has none. */
+/* Rendering options of the present stage, or of the pictures once the goal has
+ * ended.  RAD_EDATA: the options of the specification are wrong. */
 int stages_params(const struct job *job, struct rad_params *out,
                   struct rad_error *err);
 
-/* Are the records of a former job the first of the passes that are open? */
+/* Is the first pass of the present stage another job's records? */
 bool stages_reuse(const struct job *job);
 
-/* The passes of its stage, the check pass as the last; or those of a job
- * without a goal.  RAD_EDATA. */
+/* The passes of the present stage, the check pass last; in a job without a
+ * goal, all its passes.  Fails as stages_params(). */
 int stages_plan(const struct job *job, const struct rad_pass_size *size,
                 struct rad_pass plan[RAD_MOST_PASSES], uint32_t *n,
                 struct rad_error *err);
 
-/* What the passes of a stage brought. */
+/* What the passes of a stage found and took. */
 struct stage_found {
     struct rad_refine_sums sums; /* of the check pass */
-    uint64_t rays, check;        /* of the passes before it, and its own */
-    double rays_s, check_s;      /* processor seconds of these */
+    uint64_t rays, check;        /* of the other passes; of the check pass */
+    double rays_s, check_s;      /* processor time of these [s] */
 };
 
-/* The check pass, the last of n, is closed: end the stage.  The job's goal says
- * with which options the next one is made, or, true: none follows, pictures. */
+/* The check pass, the last of n passes, is closed: end the stage, and set in
+ * the job's goal the options of the next stage or of the pictures.  True:
+ * pictures follow. */
 bool stages_end(struct coord *c, struct job *job, uint32_t n,
                 const struct stage_found *found);
 
-/* The decision, as it is kept. */
+/* Write the last decision as it is kept on the disk. */
 #define STAGES_BYTES 38
 void stages_pack(struct coord *c, const struct job *job,
                  uint8_t out[STAGES_BYTES]);
 
-/* Take up what earlier lives of the coordinator decided, from the passes that
- * are kept; those of stages that are past are dropped but for what they
- * counted. RAD_EDATA, RAD_ENOMEM. */
+/* After a restart: repeat the decisions that are kept among the passes.
+ * Records of earlier stages are dropped, their counts are added to job->tiled.
+ * RAD_EDATA, RAD_ENOMEM. */
 int stages_take_up(struct coord *c, struct job *job, struct rad_error *err);
-/* After that: are there rows of its picture, but the decision that they were
- * made by is lost?  The job cannot go on: says why, or NULL. */
+/* After stages_take_up(): has the job rows of its pictures, but the decision on
+ * their options is lost?  Then it cannot go on: says why.  NULL: it can. */
 const char *stages_lost(const struct job *job);
 
 #endif

@@ -15,12 +15,12 @@
 #include <string.h>
 #include <sysexits.h>
 
-/* Tiles of a pass that wait for each thread are plenty if they are more. */
+/* Many tiles wait if there are more than this for each thread. */
 #define PLENTY 4
 
-/* A tile goes to a second worker when it is out for so many times what tiles
- * took so far, but no sooner than that.  Many tiles have nothing to make, so
- * each counts by the time that it took. */
+/* A tile goes to a second worker when it is out for LATE_TIMES the usual time
+ * of a tile and at least LATE_MS.  The usual time is a mean in which each tile
+ * counts by its own time, for many tiles take none. */
 #define LATE_TIMES 3
 #define LATE_MS    100
 
@@ -100,8 +100,8 @@ is_late(const struct coord *c, const struct passes *s, const struct tile *t)
     return c->now_ms - t->out_ms >= (late > LATE_MS ? late : LATE_MS);
 }
 
-/* May the worker have it?  A tile of which its child may have died goes to
- * another worker, if there is one. */
+/* May the worker have the tile?  If its child died with the tile, another
+ * worker gets it, where there is one. */
 static bool
 may_have(const struct coord *c, const struct job *job, const struct tile *t,
          uint32_t index)
@@ -117,7 +117,8 @@ is_gone(const struct tile *t)
     return t->made || t->nholders > 0;
 }
 
-/* A tile that nobody has; NULL: there is none. */
+/* The next tile of the sheet that no worker has and this one may have; NULL:
+ * none. */
 static struct tile *
 choose_new(const struct coord *c, const struct job *job, struct sheet *s,
            uint32_t index)
@@ -133,7 +134,8 @@ choose_new(const struct coord *c, const struct job *job, struct sheet *s,
     return NULL;
 }
 
-/* The one that is late for longest; NULL: there is none. */
+/* The tile that is late for longest and that this worker may have; NULL: none.
+ */
 static struct tile *
 choose_late(const struct coord *c, const struct job *job, struct sheet *s,
             uint32_t index)
@@ -146,7 +148,7 @@ choose_late(const struct coord *c, const struct job *job, struct sheet *s,
     return NULL;
 }
 
-/* Beyond the last pass of which the worker could have tiles. */
+/* Index after the last open pass of which the worker may have tiles. */
 static uint32_t
 beyond_for(const struct job *job, uint32_t index)
 {
@@ -158,7 +160,7 @@ beyond_for(const struct job *job, uint32_t index)
     return n;
 }
 
-/* A tile for the worker, of *pass; NULL: there is none. */
+/* A tile for the worker, and its pass; NULL: there is none. */
 static struct tile *
 choose(const struct coord *c, const struct job *job, uint32_t index,
        uint32_t *pass)
@@ -187,9 +189,9 @@ tiles_out(const struct job_worker *jw)
 }
 
 /* Has the worker room for another tile?  It has one for each thread, and while
- * many wait some ahead, so that no thread waits for our answer.  What waits in
- * later passes does not count: the end of this one would wait for a tile that
- * stands behind a dear one. */
+ * many wait half as many more, so that no thread waits for the coordinator.
+ * Only tiles of the first pass that has waiting ones count as waiting: at the
+ * end of a pass no tile must stand behind a dear one in a worker. */
 static bool
 has_room(const struct job *job, uint32_t index)
 {
@@ -280,7 +282,8 @@ tiles_lost(struct job *job, uint32_t index)
         }
 }
 
-/* False: a tile of the pass is to blame. */
+/* Note at the worker's tiles of a pass that a child died; false: one of them
+ * has brought down too many. */
 static bool
 crashed_in(struct coord *c, struct job *job, uint32_t pass, uint32_t index,
            const char *why)

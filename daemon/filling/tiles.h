@@ -1,10 +1,10 @@
 /* tiles.h - which worker makes which tile of the open passes
  *
- * Those of the first open pass go out before those of the next, and the dearest
- * first (dearest.h): one for each thread of a worker, and some ahead as long as
- * many of the pass wait.  When none is left, those that are out for long go to
- * a second worker: a tile has the same records whoever makes it.  What a worker
- * had and did not send is made again by others.
+ * Tiles of an earlier pass go out before those of a later one, the dearest of a
+ * pass first (dearest.h).  A worker has one for each thread, and some ahead as
+ * long as many wait.  When no tile waits, one that is out for long goes to a
+ * second worker, too: its records are the same whoever makes it.  Tiles that a
+ * lost worker had go out again.
  * Thread: the coordinator's loop. */
 #ifndef DAEMON_TILES_H
 #define DAEMON_TILES_H
@@ -15,25 +15,24 @@ struct passes;
 struct sheet;
 struct tile;
 
-/* A pass is open from now on: make its sheet, with no tile out; false: out of
- * memory. */
+/* Make the sheet of a pass that is open from now on; false: memory is out. */
 bool tiles_open(struct passes *s, uint32_t pass);
-/* Free the sheet of a pass; of all passes. */
+/* Free the sheet of a pass, or of all passes. */
 void tiles_close(struct passes *s, uint32_t pass);
 void tiles_drop(struct passes *s);
 
-/* A tile for a worker that is ready; false: there is none for it. */
+/* Send a ready worker a tile; false: there is none for it. */
 bool tiles_give(struct coord *c, struct job *job, uint32_t index);
 /* How many tiles the worker has. */
 uint32_t tiles_out(const struct job_worker *jw);
-/* Are there tiles that the worker could have, or does it have some? */
+/* Has the worker tiles, or could it get one? */
 bool tiles_has(const struct coord *c, const struct job *job, uint32_t index);
-/* The worker does not have the tile any more; false: it did not have it. */
+/* Take the tile from the worker; false: it did not have the tile. */
 bool tiles_take(struct sheet *s, struct tile *t, uint32_t index);
-/* The worker will not answer: others get its tiles. */
+/* Take all tiles from a worker that will not answer. */
 void tiles_lost(struct job *job, uint32_t index);
-/* A child died while it had tiles: is one of them to blame?  False: the job
- * cannot go on. */
+/* A worker's child died: note it at the tiles that it had.  False: one of them
+ * has brought down too many children, and the job has failed. */
 bool tiles_crashed(struct coord *c, struct job *job, uint32_t index,
                    const char *why);
 

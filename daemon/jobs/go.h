@@ -74,7 +74,7 @@ struct job_go {
     bool counted;       /* the unit's cost is in job.speed.finished (speed.c) */
     uint64_t out_ms;    /* when the unit went out to the worker */
     uint64_t parked_ms; /* when the attempt last began to wait (go_waits()), or
-                         * its top went to it; 0: never */
+                         * PARKED came while its top was on its way; 0: never */
     uint64_t split_ms;  /* when SPLIT was sent (balance.c); 0: never, or it was
                          * answered */
     uint64_t yield_ms;  /* when YIELD was sent (yield.c) */

@@ -1,12 +1,13 @@
-/* handoff.c - facts and base lines on their way between workers
+/* handoff.c - see handoff.h
  *
- * What holds a unit back is the base line above it, its top.  The worker that
- * makes the top sends it straight to the worker that waits (NEXT_HOLDER told to
- * whom), and a copy here.  The copy serves a worker that gets the unit later,
- * and one whose link is broken: a parked attempt whose top has been here whole
- * for a moment is sent the top. Facts are kept as long as their line is not
- * done, and passed on to others that have the line: so nothing is traced twice
- * because a worker went, or gave lines away, or has a twin. */
+ * A unit can only be finished with the base line above it, its top.  The worker
+ * that makes the top sends it straight to the worker that waits for it (the
+ * coordinator says to whom: NEXT_HOLDER), and a copy to the coordinator.  The
+ * copy serves a worker that gets the unit later, and a worker that its link has
+ * failed: a waiting attempt gets the copy when the top has been here for
+ * LINK_MS.  Facts are kept until their line is done, and sent to all workers
+ * that have the line or get it.  So no pixel is traced twice when a worker is
+ * lost, gives lines away, or has a twin. */
 #include "config.h"
 
 #include "lines/handoff.h"
@@ -24,10 +25,10 @@
 
 #include <string.h>
 
-#define LINK_MS  100  /* by then a link between workers has brought the top */
-#define STUCK_MS 5000 /* an attempt has made the base line above by then */
+#define LINK_MS  100  /* time for a link between two workers to bring the top */
+#define STUCK_MS 5000 /* an attempt has this long to make the top of its unit */
 
-/* Lines [*first, *last) of a unit; its frame. */
+/* Set [*first, *last) to the lines of a unit; returns its frame. */
 static uint32_t
 lines_of_unit(const struct job *job, uint32_t unit, uint32_t *first,
               uint32_t *last)
@@ -39,7 +40,7 @@ lines_of_unit(const struct job *job, uint32_t unit, uint32_t *first,
     return a.frame;
 }
 
-/* The unit that has a line; PARTITION_NONE: none, or there is no such line. */
+/* The unit that has the line; PARTITION_NONE: no unit, or no such line. */
 static uint32_t
 unit_at(const struct job *job, uint32_t frame, uint32_t line)
 {
@@ -56,11 +57,12 @@ conn_of(const struct job *job, const struct job_go *go)
 
 /* --- out --- */
 
-/* Without the colours of the base line above, a unit's first bar cannot be
- * traced ahead.  If another worker has that line, or is about to get it, the
- * colours come from there: a worker makes base lines first, and a second copy
- * would be waste.  If no worker has the line above, this unit's worker makes
- * its base line (MSG_UNIT_TOP), and no other gets the line until it is made. */
+/* The first bar of a unit cannot be traced ahead without the colours of the
+ * base line above.  Another worker that has that line sends them early, for
+ * workers make base lines first; in a static partition some worker always has
+ * the line, or will get it soon.  Else this unit's worker makes the base line,
+ * too (MSG_UNIT_TOP), and no other worker gets the line above until it is made.
+ */
 uint8_t
 handoff_flags(struct job *job, uint32_t unit, struct job_go *go)
 {
@@ -78,9 +80,9 @@ handoff_flags(struct job *job, uint32_t unit, struct job_go *go)
     return flags | MSG_UNIT_TOP;
 }
 
-/* Does the attempt make that line, the top of its unit? */
+/* Is that line the top of the attempt's unit, which the attempt makes? */
 static bool
-makes(const struct job *job, uint32_t unit, const struct job_go *go,
+is_making_top(const struct job *job, uint32_t unit, const struct job_go *go,
       uint32_t frame, uint32_t line)
 {
     uint32_t first, last;
@@ -103,7 +105,7 @@ send_facts(struct coord *c, const struct job *job, uint32_t frame,
     }
 }
 
-/* Send the pieces of a base line that are here. */
+/* Send the attempt what is here of a base line, and note if that is all. */
 static void
 send_base(struct coord *c, struct job *job, uint32_t frame, uint32_t line,
           struct job_go *go)
@@ -121,7 +123,8 @@ send_base(struct coord *c, struct job *job, uint32_t frame, uint32_t line,
     go->handoff.top_sent = shared_whole_ms(job->shared, frame, line) != 0;
 }
 
-/* Tell the workers of a unit which worker waits for the unit's bottom. */
+/* Tell the workers of the unit above which worker waits for the unit's bottom.
+ */
 static void
 send_next_holder(struct coord *c, struct job *job, uint32_t above,
                  uint32_t frame, uint32_t line, const struct job_go *below)
@@ -139,8 +142,8 @@ send_next_holder(struct coord *c, struct job *job, uint32_t above,
     }
 }
 
-/* A unit went out or was cut: link its workers with those of the units above
- * and below. */
+/* An attempt begins: tell the workers of the unit above of it, and its worker
+ * of the unit below, and link them. */
 static void
 introduce(struct coord *c, struct job *job, uint32_t unit,
           const struct job_go *go)
@@ -188,7 +191,7 @@ handoff_out(struct coord *c, struct job *job, uint32_t unit, struct job_go *go)
     introduce(c, job, unit, go);
 }
 
-/* No facts are sent: the worker's child has them. */
+/* Facts are not sent: the worker's child still has them. */
 void
 handoff_back(struct coord *c, struct job *job, uint32_t index)
 {
@@ -207,8 +210,8 @@ handoff_back(struct coord *c, struct job *job, uint32_t index)
 
 /* --- in --- */
 
-/* A guess of the top of the unit below, with which its first bar can be traced
- * too. */
+/* Facts of a unit's bottom line are a guess at the top of the unit below: with
+ * them the first bar below can be traced ahead.  Send them to its workers. */
 static void
 pass_below(struct coord *c, const struct job *job, uint32_t from,
            const struct msg *pass)
@@ -227,9 +230,9 @@ pass_below(struct coord *c, const struct job *job, uint32_t from,
             actions_send(&c->actions, conn_of(job, &u->go[i]), pass);
 }
 
-/* Does the attempt want facts of the line?  A loan does not. */
+/* Can the attempt use facts of the line?  A loan cannot. */
 static bool
-needs(const struct job *job, uint32_t unit, const struct job_go *go,
+wants(const struct job *job, uint32_t unit, const struct job_go *go,
       uint32_t line)
 {
     uint32_t first, last;
@@ -238,7 +241,7 @@ needs(const struct job *job, uint32_t unit, const struct job_go *go,
     return go->origin != GO_LOAN && line + 1 >= first && line < last;
 }
 
-/* Pass facts on to the other workers that have the line now. */
+/* Send facts on to the other workers that have the line now. */
 static void
 pass_on(struct coord *c, const struct job *job, uint32_t from,
         const struct msg_facts *m)
@@ -252,14 +255,14 @@ pass_on(struct coord *c, const struct job *job, uint32_t from,
     u = &job->units[unit];
     pass.facts.job = job->id;
     for (uint8_t i = 0; i < u->ngos; i++)
-        if (u->go[i].worker != from && needs(job, unit, &u->go[i], m->line))
+        if (u->go[i].worker != from && wants(job, unit, &u->go[i], m->line))
             actions_send(&c->actions, conn_of(job, &u->go[i]), &pass);
     if (go_of_worker(job, unit, from))
         pass_below(c, job, from, &pass);
 }
 
-/* The job of a message about lines, if this worker may send it; NULL: ignore
- * the message, as any message about a frame that is done. */
+/* The job that a worker's message about lines is for; NULL: ignore the message.
+ */
 static struct job *
 job_with_lines(struct coord *c, struct coord_worker *w, const uint8_t *id,
                uint32_t *index)
@@ -271,8 +274,8 @@ job_with_lines(struct coord *c, struct coord_worker *w, const uint8_t *id,
     return job;
 }
 
-/* Facts of a line that is in no unit come from the worker that made the base
- * line as its unit's top; the top is made then. */
+/* Facts came of a line that is in no unit: if they are the base line that an
+ * attempt at the unit below makes as its top, that top is made. */
 static void
 top_facts(struct coord *c, struct job *job, uint32_t index,
           const struct msg_facts *m)
@@ -281,7 +284,7 @@ top_facts(struct coord *c, struct job *job, uint32_t index,
     struct job_go *go =
         below != PARTITION_NONE ? go_of_worker(job, below, index) : NULL;
 
-    if (go && makes(job, below, go, m->frame, m->line) &&
+    if (go && is_making_top(job, below, go, m->frame, m->line) &&
         shared_of_base(job->shared, m))
         hold_top_made(c, job, below, go);
 }
@@ -311,7 +314,7 @@ handoff_facts(struct coord *c, struct coord_worker *w, const struct msg *msg)
         top_facts(c, job, index, m);
 }
 
-/* Can a worker of the unit above send the attempt something without us? */
+/* Can some worker of the unit above send the attempt its bottom itself? */
 static bool
 can_link(const struct job *job, const struct job_unit *above,
          const struct job_go *below)
@@ -327,8 +330,8 @@ can_link(const struct job *job, const struct job_unit *above,
     return false;
 }
 
-/* The top of a unit is here whole: send it to the attempts that wait for it,
- * unless another worker has just sent it to them. */
+/* If the top of a unit is here, send it to the attempts that wait for it; but
+ * first leave links between workers LINK_MS to bring it. */
 static void
 offer_top(struct coord *c, struct job *job, uint32_t unit)
 {
@@ -354,22 +357,24 @@ offer_top(struct coord *c, struct job *job, uint32_t unit)
     }
 }
 
-/* Attempts that waited for nothing but the unit's top have work again: at least
- * the part of a bar that could not be traced ahead. */
+/* The top of a unit has come.  Attempts that were parked for it have work
+ * again: the decisions of the whole unit, and at least part of its first bar.
+ */
 static void
 top_is_here(struct coord *c, struct job *job, uint32_t unit)
 {
     struct job_unit *u = &job->units[unit];
 
     offer_top(c, job, unit);
-    u->whole = false; /* the unit is begun at its first line again */
+    u->whole = false; /* its lines are gone over again: some can be given away
+                       */
     for (uint8_t i = 0; i < u->ngos; i++)
         if (u->go[i].state == GO_PARKED)
             hold_step(c, job, unit, &u->go[i], GO_WORKING);
 }
 
-/* May the worker make lines of the unit?  It has the unit, or had the unit last
- * and no worker has it now. */
+/* May the worker send lines of the unit?  It has an attempt, or had the last
+ * and no worker has one now. */
 static bool
 may_make(const struct job *job, uint32_t unit, uint32_t index)
 {
@@ -403,6 +408,7 @@ handoff_base_line(struct coord *c, struct coord_worker *w,
         top_is_here(c, job, below);
 }
 
+/* Is the top of the unit here, or does it need none? */
 static bool
 has_work_to_come(const struct job *job, uint32_t unit)
 {
@@ -434,7 +440,7 @@ handoff_parked(struct coord *c, struct coord_worker *w, const struct msg *msg)
     else if (!has_work_to_come(job, m->unit))
         hold_step(c, job, m->unit, go, GO_PARKED);
     else
-        go->parked_ms = c->now_ms; /* the top is on its way to the worker */
+        go->parked_ms = c->now_ms; /* the top is on its way to the attempt */
     offer_top(c, job, m->unit);
 }
 

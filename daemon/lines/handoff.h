@@ -1,4 +1,4 @@
-/* handoff.h - facts and base lines on their way between workers
+/* handoff.h - the coordinator passes on facts and base lines between workers
  *
  * Thread: the coordinator's loop. */
 #ifndef DAEMON_HANDOFF_H
@@ -6,7 +6,7 @@
 
 #include "desk/desk.h"
 
-/* Messages of workers. */
+/* Handlers of FACTS, BASE_LINE and PARKED, which workers send. */
 void handoff_facts(struct coord *c, struct coord_worker *w,
                    const struct msg *msg);
 void handoff_base_line(struct coord *c, struct coord_worker *w,
@@ -14,21 +14,23 @@ void handoff_base_line(struct coord *c, struct coord_worker *w,
 void handoff_parked(struct coord *c, struct coord_worker *w,
                     const struct msg *msg);
 
-/* The flags of the UNIT message for that attempt, which begins now. */
+/* The flags of the UNIT message for an attempt that begins.  May also have it
+ * make the unit's top. */
 uint8_t handoff_flags(struct job *job, uint32_t unit, struct job_go *go);
-/* The unit went out for that attempt. */
+/* Called when an attempt begins: send its worker the facts of the unit and as
+ * much of its top as is here, and tell it and its neighbours of each other. */
 void handoff_out(struct coord *c, struct job *job, uint32_t unit,
                  struct job_go *go);
-/* A worker came back and goes on with its units: introduce it to the workers of
- * the units above and below, as if its units had just gone out. */
+/* A worker came back and goes on with its units: as handoff_out(), but without
+ * facts. */
 void handoff_back(struct coord *c, struct job *job, uint32_t index);
-/* The time when the base line above a unit was here whole; 0: it is not. */
+/* When the whole base line above a unit was here; 0: it is not. */
 uint64_t handoff_top_ms(const struct job *job, uint32_t unit);
-/* Is the unit's bottom here, if any unit below needs it? */
+/* Is the unit's bottom here, or needed by no unit? */
 bool handoff_complete(const struct job *job, uint32_t unit);
-/* A unit is done. */
+/* A unit is done: drop its facts and its top. */
 void handoff_done(struct job *job, uint32_t unit);
-/* Send tops to parked units that have not got them from another worker. */
+/* Send tops to waiting attempts that did not get them from another worker. */
 void handoff_tick(struct coord *c, struct job *job);
 
 #endif

@@ -1,10 +1,11 @@
-/* lending.c - columns of a line for an idle worker
+/* lending.c - see lending.h
  *
- * The attempt that has the most time left at its last line, and can give no
- * whole lines, lends columns of this line (LEND, LOAN).  The borrower traces
- * these columns alone, and can lend some of them on.  The lender's rows wait
- * for them, so no pixel is traced twice.  When the borrower has done them
- * (PAID), is lost or late, the columns are the lender's again (BACK). */
+ * Of the attempts that can give no whole lines away, the one with the most time
+ * left lends columns of its last line (LEND, LOAN).  The borrower traces only
+ * these columns, and may lend some of them on.  The lender holds back the rows
+ * of the line until the columns are its own again (BACK): when the borrower has
+ * done them (PAID), is lost or is late.  So no pixel is traced twice, but for
+ * those of a loan that is late. */
 #include "config.h"
 
 #include "lines/lending.h"
@@ -22,20 +23,19 @@
 #include <math.h>
 #include <string.h>
 
-/* Less is not worth the messages [ms of its worker]. */
+/* An attempt with less time left is not asked: the messages cost more [ms]. */
 #define LEAST_LOAN_MS 10
 
-/* A LEND that can be answered at once is answered by then. */
+/* A worker that can lend at once answers LEND within this time [ms]. */
 #define LEND_MS 5
 
-/* A loan for which its lender waits is late after LATE_LOAN_MS more than
- * LATE_LOANS times its expected time; after UNKNOWN_LOAN_MS if that time is not
- * known. */
+/* A loan that its lender waits for is late after LATE_LOANS times its expected
+ * time and LATE_LOAN_MS more; after UNKNOWN_LOAN_MS if nothing is expected. */
 #define LATE_LOANS      3
 #define LATE_LOAN_MS    400
 #define UNKNOWN_LOAN_MS 3000
 
-/* May columns of a line of the job be lent? */
+/* May columns be lent in this job? */
 static bool
 lends(const struct job *job)
 {
@@ -51,7 +51,7 @@ thread_speed(const struct job *job, uint32_t index)
     return jw->speed / (jw->threads ? jw->threads : 1);
 }
 
-/* How long a thread of the worker takes for a line of the unit [ms]; 0: not
+/* Time that a thread of the worker takes for a line of the unit [ms]; 0: not
  * known. */
 static double
 line_time(const struct job *job, uint32_t unit, uint32_t index)
@@ -65,9 +65,8 @@ line_time(const struct job *job, uint32_t unit, uint32_t index)
     return partition_cost(job->partition, unit) / (last - first) / speed;
 }
 
-/* The time that the attempt still needs for the line of which it could lend
- * columns [ms].  A line that has taken longer than expected may well take as
- * long again. */
+/* Time that the attempt still needs for the line that it would lend of [ms].  A
+ * line that has taken longer than expected may take as long again. */
 static double
 lendable_ms(const struct coord *c, const struct job *job, uint32_t unit,
             const struct job_go *go)
@@ -80,7 +79,7 @@ lendable_ms(const struct coord *c, const struct job *job, uint32_t unit,
     return fabs(ms - (double)(c->now_ms - go->lending.line_ms));
 }
 
-/* May the attempt be asked to lend?  Only if it can give no lines. */
+/* May the attempt be asked to lend?  Not if it can give whole lines away. */
 static bool
 may_lend(const struct job *job, uint32_t unit, const struct job_go *go)
 {
@@ -92,9 +91,10 @@ may_lend(const struct job *job, uint32_t unit, const struct job_go *go)
            (job->units[unit].whole || last - first == 1 || !desk_splits(job));
 }
 
-/* The attempt that may lend and has the most time left; NULL: none. */
+/* Of the attempts that may lend, the one with the most time left; NULL: none.
+ */
 static struct job_go *
-longest(const struct coord *c, const struct job *job, uint32_t *unit)
+choose_lender(const struct coord *c, const struct job *job, uint32_t *unit)
 {
     struct job_go *best = NULL;
     double most = LEAST_LOAN_MS;
@@ -120,8 +120,8 @@ longest(const struct coord *c, const struct job *job, uint32_t *unit)
     return best;
 }
 
-/* How many LENDs will be answered yet.  An attempt that cannot lend at once
- * does so later. */
+/* LENDs whose answer is still expected.  A worker that cannot lend at once may
+ * answer later than that. */
 static uint32_t
 count_lending(const struct coord *c, const struct job *job)
 {
@@ -137,7 +137,8 @@ count_lending(const struct coord *c, const struct job *job)
     return n;
 }
 
-/* An idle worker that may get columns of the unit; JOB_NOBODY: none. */
+/* An idle worker without an attempt at the unit; JOB_NOBODY: none.  Any idle
+ * worker if unit is PARTITION_NONE. */
 static uint32_t
 idle_for(const struct job *job, uint32_t unit)
 {
@@ -148,7 +149,6 @@ idle_for(const struct job *job, uint32_t unit)
     return JOB_NOBODY;
 }
 
-/* Ask for columns until as many are on their way as workers are idle. */
 void
 lending_ask(struct coord *c, struct job *job, uint32_t idle)
 {
@@ -158,7 +158,7 @@ lending_ask(struct coord *c, struct job *job, uint32_t idle)
 
     if (index == JOB_NOBODY || !lends(job))
         return;
-    while (asked < idle && (go = longest(c, job, &unit))) {
+    while (asked < idle && (go = choose_lender(c, job, &unit))) {
         double mine = thread_speed(job, index);
         double part = mine / (mine + thread_speed(job, go->worker));
         struct msg m = { .type = MSG_LEND,
@@ -175,22 +175,23 @@ lending_ask(struct coord *c, struct job *job, uint32_t idle)
 bool
 lending_parked(const struct coord *c, struct job_go *go)
 {
-    go->lending.asked_ms = 0; /* the attempt has no columns to lend */
+    go->lending.asked_ms = 0; /* PARKED is its answer: it lends nothing */
     if (go->lending.loans > 0 && go->lending.blocked_ms == 0)
         go->lending.blocked_ms = c->now_ms;
     return go->lending.loans > 0;
 }
 
-/* The expected time of the loan [ms]: by the cost of the unit, or more if the
- * lender took more for the part of the line that it kept.  0: not known. */
+/* Expected time of a loan [ms]; 0: not known.  It follows from the unit's cost,
+ * or from the time that the lender took for the rest of the line if that was
+ * longer for its length. */
 static double
 loan_time(const struct job *job, uint32_t unit, const struct job_go *lender,
           const struct job_go *loan)
 {
     double line = line_time(job, unit, loan->worker), took = 0;
 
-    /* after a wait for its top, and with LEND and PARKED crossing, the attempt
-     * may lend again */
+    /* line_ms may be after blocked_ms: the attempt may lend again when it has
+     * waited for its top, or when LEND and PARKED cross */
     if (lender->lending.line_left > 0 &&
         lender->lending.blocked_ms > lender->lending.line_ms)
         took = (double)(lender->lending.blocked_ms - lender->lending.line_ms) /
@@ -199,8 +200,9 @@ loan_time(const struct job *job, uint32_t unit, const struct job_go *lender,
     return loan->lending.line_left * (took > line ? took : line);
 }
 
-/* A loan is late only while its lender waits for it, unless its worker hangs. A
- * lender that is to give its unit back waits no more: its loans end with it. */
+/* A loan is late if its worker hangs, or if its lender waits for it for too
+ * long.  A lender that is to give its unit back does not wait: its loans end
+ * with its attempt. */
 static bool
 is_late_loan(const struct coord *c, const struct job *job, uint32_t unit,
              const struct job_go *loan)
@@ -235,7 +237,8 @@ lending_tick(struct coord *c, struct job *job)
     }
 }
 
-/* Do the columns lie in the unit's last line, and in the lender's? */
+/* Do the columns lie in the unit's last line, and does the attempt have them?
+ */
 static bool
 loan_fits(const struct job *job, const struct job_go *go,
           const struct msg_loan *m)
@@ -252,8 +255,8 @@ loan_fits(const struct job *job, const struct job_go *go,
              m->x + m->n <= go->lending.x + go->lending.n));
 }
 
-/* A loan is lent on in pieces from its right end, so that each worker has its
- * columns together. */
+/* May a loan lend these columns on?  Only from its right end, so that what it
+ * keeps is one piece.  Any other attempt may. */
 static bool
 is_whole_end(const struct job_go *go, const struct msg_loan *m)
 {
@@ -262,7 +265,7 @@ is_whole_end(const struct job_go *go, const struct msg_loan *m)
             m->x + m->n == go->lending.x + go->lending.n);
 }
 
-/* Note how much of the line the attempt has now. */
+/* Note what part of the line the attempt has now, in units of 1 / 65535. */
 static void
 note_left(const struct coord *c, struct job_go *go, unsigned part)
 {
@@ -270,7 +273,7 @@ note_left(const struct coord *c, struct job_go *go, unsigned part)
     go->lending.line_ms = c->now_ms;
 }
 
-/* Columns of an attempt for an idle worker. */
+/* Begin a loan of the attempt's columns for an idle worker. */
 static void
 lend_to(struct coord *c, struct job *job, uint32_t index, uint32_t attempt,
         const struct msg_loan *m)
@@ -318,8 +321,7 @@ lending_loan(struct coord *c, struct coord_worker *w, const struct msg *msg)
     if (!job || !job->shared || m->unit >= job->nunits)
         return;
     go = go_find(job, m->unit, index, m->attempt);
-    if (!go ||
-        go->state == GO_DELIVERED) { /* else the worker would wait for ever */
+    if (!go || go->state == GO_DELIVERED) { /* no answer: it waits for ever */
         hold_send_back(c, w, &back);
         return;
     }
@@ -337,9 +339,9 @@ lending_loan(struct coord *c, struct coord_worker *w, const struct msg *msg)
         hold_send_back(c, w, &back);
 }
 
-/* The cost of the loan is added to the unit's, but for black pixels, which the
- * lender makes.  The cost of a loan that was taken back just before is in no
- * unit. */
+/* The borrower's cost is added to the unit's; black pixels (counts.nan) are
+ * left out, for the lender makes these again.  If the loan was taken back
+ * before PAID came, its cost counts as dropped. */
 void
 lending_paid(struct coord *c, struct coord_worker *w, const struct msg *msg)
 {
@@ -357,8 +359,8 @@ lending_paid(struct coord *c, struct coord_worker *w, const struct msg *msg)
     go = !job_over(job) && m->unit < job->nunits
              ? go_find(job, m->unit, index, m->attempt)
              : NULL;
-    counts.primary_rays = 0; /* counted by the lender, which uses them */
-    counts.wall_s = 0;       /* while the unit's own went on */
+    counts.primary_rays = 0; /* the lender counts the pixels that it uses */
+    counts.wall_s = 0;       /* it is within the lender's time */
     counts.nan = (struct msg_nan){ 0 };
     if (!go || go->origin != GO_LOAN) {
         memset(counts.faults, 0, sizeof counts.faults);
