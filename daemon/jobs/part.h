@@ -84,7 +84,8 @@ struct job_worker {
     /* yield.c */
     uint8_t passed;  /* how often in a row it had room, and none of the job's
                       * waiting units was for it; bounded */
-    uint64_t ask_ms; /* the job is not asked for it again before then */
+    uint64_t ask_ms; /* until then, waiting units of the job are taken to be none
+                      * for it */
 
     /* what it did */
     uint32_t units; /* units that were accepted from it */

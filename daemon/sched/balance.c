@@ -1,10 +1,11 @@
-/* balance.c - work of busy workers for idle ones
+/* balance.c - see balance.h
  *
- * Where a worker is idle and no unit waits, the attempt with the most work left
- * is asked to give away half of the lines that it has not begun (SPLIT, GAVE);
- * these are a new unit, which waits.  Where no lines can be given, columns are
- * lent (lending.c).  A unit that is very late gets a twin: another worker does
- * all of the unit, before it gets units of other jobs. */
+ * Where a worker is idle and no unit waits, the attempt with the most time left
+ * is asked to give away half of the lines that it has not begun (SPLIT); what
+ * it gives (GAVE) becomes a new unit, which waits.  An attempt that has no
+ * lines to give lends columns (lending.c).  A unit that is very late gets a
+ * twin: another worker does all of it, too, before it gets units of other jobs.
+ */
 #include "config.h"
 
 #include "sched/balance.h"
@@ -20,25 +21,25 @@
 #include "sched/handout.h"
 #include "sched/loss.h"
 
-/* Less is not worth the messages [ms of its worker]. */
+/* An attempt with less time left is not asked: the messages cost more [ms]. */
 #define LEAST_SPLIT_MS 40
 
-/* A SPLIT that was not answered: nothing is given. */
+/* A SPLIT is not answered any more after this time: the unit is left whole. */
 #define SPLIT_LOST_MS 2000
 
-/* A unit is late after so many times the median, but not before the
- * coordinator's lease. */
+/* A unit is late when it is out for LATE_MEDIANS times the median time of a
+ * unit, but not before the coordinator's lease. */
 #define LATE_MEDIANS 10
 
-/* An attempt that waited is late when it has had its base line for so long. */
+/* An attempt that waits is late when it has had its top for this long. */
 #define STUCK_MS 5000
 
 /* --- splitting --- */
 
-/* The attempt with the most time left of those that may be asked for lines;
+/* Of the attempts that may be asked for lines, the one with the most time left;
  * NULL: none. */
 static struct job_go *
-richest(const struct coord *c, const struct job *job, uint32_t *unit)
+choose_giver(const struct coord *c, const struct job *job, uint32_t *unit)
 {
     struct job_go *best = NULL;
     double most = LEAST_SPLIT_MS;
@@ -62,8 +63,8 @@ richest(const struct coord *c, const struct job *job, uint32_t *unit)
     return best;
 }
 
-/* Give up SPLITs that were not answered in time.  Returns how many are still to
- * be answered. */
+/* Mark units whose SPLIT was not answered in time as whole.  Returns how many
+ * SPLITs may still be answered. */
 static uint32_t
 expire_splits(const struct coord *c, struct job *job)
 {
@@ -76,7 +77,7 @@ expire_splits(const struct coord *c, struct job *job)
             if (u->go[k].split_ms == 0)
                 continue;
             if (c->now_ms - u->go[k].split_ms >= SPLIT_LOST_MS)
-                u->whole = true; /* and an answer still counts */
+                u->whole = true; /* if it is answered yet, that counts */
             else
                 n++;
         }
@@ -84,15 +85,15 @@ expire_splits(const struct coord *c, struct job *job)
     return n;
 }
 
-/* Ask until as many answers are on their way as workers are idle.  Returns how
- * many will get nothing so. */
+/* Send SPLIT until as many answers are awaited as there are idle workers.
+ * Returns the number of idle workers for which no attempt could be asked. */
 static uint32_t
-ask(struct coord *c, struct job *job, uint32_t idle)
+ask_for_lines(struct coord *c, struct job *job, uint32_t idle)
 {
     uint32_t asked = expire_splits(c, job), unit = 0;
     struct job_go *go;
 
-    while (asked < idle && (go = richest(c, job, &unit))) {
+    while (asked < idle && (go = choose_giver(c, job, &unit))) {
         go->split_ms = c->now_ms;
         asked++;
         desk_log_unit(c, job, unit, go, "unit split");
@@ -101,7 +102,7 @@ ask(struct coord *c, struct job *job, uint32_t idle)
     return asked < idle ? idle - asked : 0;
 }
 
-/* Has another worker the unit, too? */
+/* Has a worker other than the attempt's the unit? */
 static bool
 has_twin(const struct job_unit *u, const struct job_go *go)
 {
@@ -125,7 +126,7 @@ balance_gave(struct coord *c, struct coord_worker *w, const struct msg *msg)
         return;
     go = go_find(job, m->unit, index, m->attempt);
     if (!go || (go->split_ms == 0 && go->state != GO_YIELDING &&
-                go->origin != GO_RESUMED)) /* which was asked before */
+                go->origin != GO_RESUMED)) /* asked before it was lost */
         return;
     go->split_ms = 0;
     partition_area(job->partition, m->unit, &a);
@@ -141,9 +142,10 @@ balance_gave(struct coord *c, struct coord_worker *w, const struct msg *msg)
         u->whole = true;
         return;
     }
-    if (go->lending.loans > 0) /* of the line that was its last */
+    if (go->lending.loans > 0) /* they are of a line that was given away */
         loss_end_loans(c, job, m->unit, go->attempt);
-    if (has_twin(u, go)) { /* GAVE came late; the twin has all lines */
+    if (has_twin(u, go)) { /* GAVE came after TWIN, and the twin has all lines
+                            */
         desk_send_attempt(c, job, MSG_REVOKE, m->unit, go);
         loss_of(c, job, m->unit, go);
         return;
@@ -154,8 +156,8 @@ balance_gave(struct coord *c, struct coord_worker *w, const struct msg *msg)
 
 /* --- twins --- */
 
-/* Does the attempt take too long?  Not while it waits for its top; but once the
- * top is here it has next to nothing to do. */
+/* Does the attempt take too long?  Not while it waits for its top; once the top
+ * is here it has next to nothing left to do. */
 static bool
 is_slow(const struct coord *c, const struct job *job, uint32_t unit,
         const struct job_go *go, uint64_t lease_ms)
@@ -172,7 +174,7 @@ is_slow(const struct coord *c, const struct job *job, uint32_t unit,
            c->now_ms - go->parked_ms >= STUCK_MS;
 }
 
-/* Is the unit late, whatever its cost says? */
+/* Are all attempts at the unit that may still count slow? */
 static bool
 is_late(const struct coord *c, const struct job *job, uint32_t unit,
         uint64_t lease_ms)
@@ -187,7 +189,7 @@ is_late(const struct coord *c, const struct job *job, uint32_t unit,
     return true;
 }
 
-/* May the unit have a twin because it is late? */
+/* Shall the unit get a twin because it is late? */
 static bool
 wants_twin(const struct coord *c, const struct job *job, uint32_t unit,
            uint64_t lease_ms)
@@ -206,8 +208,8 @@ lease_of(const struct coord *c, const struct job *job)
     return ms > c->lease_ms ? ms : c->lease_ms;
 }
 
-/* End attempts whose rows did not count: their workers may get the unit again.
- */
+/* End attempts that have sent all rows and do not count, so that their workers
+ * may get the unit again. */
 static void
 release_spent(struct coord *c, struct job *job, uint32_t unit)
 {
@@ -218,7 +220,7 @@ release_spent(struct coord *c, struct job *job, uint32_t unit)
             hold_release(c, job, unit, &u->go[k]);
 }
 
-/* Note workers that have work, and whose PINGs report no progress. */
+/* Note workers that have work and whose progress counter stands still. */
 static void
 look_at_workers(struct coord *c)
 {
@@ -256,7 +258,7 @@ balance_look(struct coord *c)
     }
 }
 
-/* Workers that have a late unit get no other: twins of it go to others. */
+/* Give no further units of the job to workers that have this late unit. */
 static void
 leave_out(struct job *job, uint32_t unit)
 {
@@ -307,7 +309,7 @@ balance_run(struct coord *c)
         for (uint32_t i = 0; i < job->nworkers; i++)
             idle += desk_is_idle(job, i);
         if (idle > 0 && desk_splits(job))
-            idle = ask(c, job, idle);
+            idle = ask_for_lines(c, job, idle);
         if (idle > 0)
             lending_ask(c, job, idle);
     }

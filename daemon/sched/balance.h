@@ -1,4 +1,4 @@
-/* balance.h - lines of a busy worker, or a twin, for an idle worker
+/* balance.h - idle workers get lines of busy workers, or twins of their units
  *
  * Thread: the coordinator's loop. */
 #ifndef DAEMON_BALANCE_H
@@ -6,15 +6,15 @@
 
 #include "desk/desk.h"
 
-/* A message of a worker. */
+/* Handler of GAVE. */
 void balance_gave(struct coord *c, struct coord_worker *w,
                   const struct msg *msg);
 
 /* Find work for idle workers: ask busy ones for lines or columns. */
 void balance_run(struct coord *c);
-/* See which workers hang, and which units are late. */
+/* Note which workers hang and how many units are late. */
 void balance_look(struct coord *c);
-/* A late unit for a worker, as a twin; false: there is none. */
+/* Give a worker a late unit of others as a twin; false: there is none. */
 bool balance_give_twin(struct coord *c, struct job *job, uint32_t index);
 
 #endif

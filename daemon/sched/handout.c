@@ -1,4 +1,4 @@
-/* handout.c - a unit goes out to a worker */
+/* handout.c - see handout.h */
 #include "config.h"
 
 #include "sched/handout.h"
@@ -7,15 +7,14 @@
 #include "desk/hold.h"
 #include "lines/handoff.h"
 
-#define APART 8 /* of scanbar's first units */
+#define APART 8 /* units of a worker that are begun apart, with scanbar */
 
-/* May the workers of a job each begin their lines at another end?  If all went
+/* Shall the worker begin its lines at an end of its own?  If all workers went
  * from left to right they would see the same things at the same time, and each
- * make the same ambient records of them.  With single lines only the first unit
- * of a worker is begun apart: pieces of later base lines should come as they
- * are made.  Not with several threads, which go down the lines one close behind
- * the other, nor at the top of a frame, whose first unit is true from the start
- * and needs no facts. */
+ * make the same ambient records.  With scanbar only its first units: pieces of
+ * a later base line should come as they are made.  Not with several threads,
+ * which follow each other down the lines; nor at the top of a frame, where the
+ * unit's rows are true from the start and need no facts. */
 static bool
 begins_apart(const struct job *job, const struct job_worker *jw, uint32_t unit)
 {
@@ -28,7 +27,7 @@ begins_apart(const struct job *job, const struct job_worker *jw, uint32_t unit)
            jw->given < APART;
 }
 
-/* Where a worker begins its lines: a unit's holders each at another end. */
+/* Where a worker begins its lines: another end for each attempt at a unit. */
 static uint8_t
 choose_end(struct job *job, uint32_t index, uint32_t unit)
 {
@@ -75,7 +74,7 @@ send_unit(struct coord *c, struct job *job, uint32_t unit, struct job_go *go)
     actions_send(&c->actions, job->workers[go->worker].worker->conn, &m);
 }
 
-/* Tell the unit's other workers that it has a twin now. */
+/* Tell the workers of the unit's attempts that it has twins now. */
 static void
 tell_twins(struct coord *c, const struct job *job, uint32_t unit)
 {
@@ -84,7 +83,7 @@ tell_twins(struct coord *c, const struct job *job, uint32_t unit)
     for (uint8_t i = 0; i < u->ngos; i++)
         if (!u->go[i].twin) {
             u->go[i].twin = true;
-            if (i + 1 < u->ngos) /* the last hears of it in its UNIT */
+            if (i + 1 < u->ngos) /* the newest learns it from its UNIT */
                 desk_send_attempt(c, job, MSG_TWIN, unit, &u->go[i]);
         }
 }
@@ -115,7 +114,7 @@ handout_unit(struct coord *c, struct job *job, uint32_t index, uint32_t unit)
         u->worker = index;
         u->out_ms = go->out_ms;
     } else if (u->next_row == 0) {
-        u->lead = 0; /* the first whose rows come */
+        u->lead = 0; /* the attempt whose rows come first will lead */
     }
     if (u->ngos == 1)
         desk_keep_unit(c, job, unit);

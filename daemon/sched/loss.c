@@ -1,4 +1,4 @@
-/* loss.c - workers and children that go, and their units */
+/* loss.c - see loss.h */
 #include "config.h"
 
 #include "sched/loss.h"
@@ -21,16 +21,17 @@
 #include <stdio.h>
 #include <sysexits.h>
 
-/* Units wait for a worker whose connection broke for so long: it dials again
- * after at most .75 s. */
+/* How long units wait for a worker whose connection broke; it dials again after
+ * at most .75 s. */
 #define REDIAL_MS 2000
 
-/* A unit is kept for the worker that lost it at most so many times, if the
- * worker never came back to it: a worker that dies of the unit, and is started
- * again, would keep the unit from others for ever. */
+/* Units are kept for the worker that lost them at most so many times in a row.
+ * Else a worker that dies of a unit and is started again would keep it for
+ * ever.
+ */
 #define MOST_LOSSES 2
 
-/* Is there another worker than w? */
+/* Is there a worker other than w that takes units? */
 static bool
 others_than(const struct coord *c, const struct coord_worker *w)
 {
@@ -40,8 +41,8 @@ others_than(const struct coord *c, const struct coord_worker *w)
     return false;
 }
 
-/* The attempt that led is over: another may lead, but none whose first rows
- * were dropped. */
+/* The leading attempt is over: another may lead.  End the attempts whose rows
+ * were dropped, for they cannot. */
 static void
 new_lead(struct coord *c, struct job *job, uint32_t unit)
 {
@@ -56,8 +57,7 @@ new_lead(struct coord *c, struct job *job, uint32_t unit)
         }
 }
 
-/* End the loans of an attempt that is over, or has another last line now.
- * Facts of the loans serve the worker that gets the line. */
+/* The facts of such a loan serve the worker that gets the line. */
 void
 loss_end_loans(struct coord *c, struct job *job, uint32_t unit, uint32_t lender)
 {
@@ -70,6 +70,7 @@ loss_end_loans(struct coord *c, struct job *job, uint32_t unit, uint32_t lender)
         }
 }
 
+/* End the attempt, and choose what comes of the unit. */
 static void
 lose(struct coord *c, struct job *job, uint32_t unit, struct job_go *go)
 {
@@ -95,7 +96,7 @@ loss_of(struct coord *c, struct job *job, uint32_t unit, struct job_go *go)
     lose(c, job, unit, go);
 }
 
-/* If no worker has the unit, rows on their way count no more. */
+/* If no worker has the unit, let rows of it that are on their way not count. */
 static void
 close_rows(struct job_unit *u)
 {
@@ -122,7 +123,7 @@ loss_given_back(struct coord *c, struct job *job, uint32_t unit,
     u->given_back = u->ngos == 0;
 }
 
-/* End the worker's attempts at units of the job. */
+/* End all that the worker does for the job. */
 static void
 take_all_back(struct coord *c, struct job *job, uint32_t index)
 {
@@ -181,13 +182,13 @@ loss_at_ready(struct coord *c, struct job *job, uint32_t index)
         if (job->units[unit].next_row < a.height)
             loss_of(c, job, unit, go);
     }
-    /* the worker's other units go to it now, if it takes units at all */
+    /* the units that it lost go to it now, if it takes units at all */
     loss_keep(c, job, index,
               desk_takes_units(job->workers[index].worker) ? REDIAL_MS : 0);
 }
 
-/* The attempt that the worker names by STILL; NULL if another worker was given
- * the unit. */
+/* The attempt that the worker names by STILL, begun again if need be; NULL: the
+ * unit went to another worker, or is done. */
 static struct job_go *
 find_or_revive(struct coord *c, struct job *job, uint32_t index,
                const struct msg_gave *m)
@@ -203,8 +204,8 @@ find_or_revive(struct coord *c, struct job *job, uint32_t index,
 }
 
 static bool
-take_up(struct coord *c, struct job *job, uint32_t index,
-        const struct msg_gave *m)
+resume(struct coord *c, struct job *job, uint32_t index,
+       const struct msg_gave *m)
 {
     struct partition_area a;
     struct job_go *go;
@@ -234,7 +235,7 @@ loss_still(struct coord *c, struct coord_worker *w, const struct msg *msg)
                       .revoke = { m->job, m->unit, m->attempt } };
 
     if (job && (job->workers[index].state != PART_LOADING ||
-                !take_up(c, job, index, m)))
+                !resume(c, job, index, m)))
         actions_send(&c->actions, w->conn, &no);
 }
 
@@ -251,11 +252,10 @@ loss_all(struct coord *c, struct job *job, uint32_t index, enum part_state to)
     speed_measure(c, job);
 }
 
-/* How long units are kept for a worker that goes now.  A worker that was to
- * leave does not come back.  A worker that was not ready yet does not make its
- * units wait longer than they would have. */
+/* How long units are kept for a worker that is gone: not if it was leaving.  If
+ * it was not ready yet, no longer than they would have been. */
 static uint64_t
-patience(const struct coord *c, const struct job_worker *jw)
+keep_time_ms(const struct coord *c, const struct job_worker *jw)
 {
     if (jw->worker->leaving)
         return 0;
@@ -273,23 +273,22 @@ loss_worker_gone(struct coord *c, struct coord_worker *w)
         uint32_t index = desk_index(job, w);
         uint64_t ms;
 
-        if (index != JOB_NOBODY &&
-            job->workers[index].state == PART_NO_ROOM) /* it may come back
-                                                        * another */
+        /* when it comes back its disk may have room */
+        if (index != JOB_NOBODY && job->workers[index].state == PART_NO_ROOM)
             part_step(&job->workers[index], PART_GONE);
         if (index == JOB_NOBODY || !part_is_here(&job->workers[index]))
             continue;
-        ms = patience(c, &job->workers[index]);
+        ms = keep_time_ms(c, &job->workers[index]);
         loss_all(c, job, index, PART_GONE);
         if (!job_over(job))
             loss_keep(c, job, index, ms);
     }
 }
 
-/* A unit's child died; false: the job cannot go on. */
+/* A child died while it worked on the unit; false: the job has failed. */
 static bool
-suspect(struct coord *c, struct job *job, uint32_t index, uint32_t unit,
-        const char *why)
+note_crash(struct coord *c, struct job *job, uint32_t index, uint32_t unit,
+           const char *why)
 {
     struct job_unit *u = &job->units[unit];
     struct partition_area a;
@@ -321,8 +320,8 @@ ready_worker(const struct job *job)
     return false;
 }
 
-/* A child died before it was ready: set *to, the next state of its worker's
- * part.  False: the job cannot go on. */
+/* A child died before it was ready.  Sets *to to the next state of its worker's
+ * part.  False: the job has failed. */
 static bool
 crashed_loading(struct coord *c, struct job *job, struct job_worker *jw,
                 const char *why, enum part_state *to)
@@ -335,8 +334,7 @@ crashed_loading(struct coord *c, struct job *job, struct job_worker *jw,
         workers += job->workers[i].load_crashes > 0;
     if (workers < 2 && jw->load_crashes < JOB_MAX_CRASHES)
         return true;
-    /* as long as other workers can load it, or may, the scene is not to blame
-     */
+    /* the scene is not to blame while another worker can load it, or may */
     if (ready_worker(job) || (workers < 2 && others_than(c, jw->worker))) {
         *to = PART_EXCLUDED;
         return true;
@@ -346,8 +344,8 @@ crashed_loading(struct coord *c, struct job *job, struct job_worker *jw,
     return false;
 }
 
-/* A child died while it had units, but not because of them.  Like
- * crashed_loading(). */
+/* A child died while it had units, but not because of them.  Arguments and
+ * result as of crashed_loading(). */
 static bool
 setback(struct coord *c, struct job *job, struct job_worker *jw,
         const char *why, enum part_state *to)
@@ -368,8 +366,8 @@ setback(struct coord *c, struct job *job, struct job_worker *jw,
     return false;
 }
 
-/* A worker's disk is full: other workers go on with the job; if there are none,
- * the job waits until a worker has room. */
+/* A worker has no room for the job's files: other workers go on, or the job
+ * waits until a worker has room. */
 void
 loss_no_room(struct coord *c, struct coord_worker *w, const struct msg *msg)
 {
@@ -428,7 +426,7 @@ loss_reported(struct coord *c, struct coord_worker *w, const struct msg *msg)
         return;
     for (uint32_t i = 0; i < m->nunits; i++)
         if (has_unit(job, index, m->units[i]) &&
-            !suspect(c, job, index, m->units[i], m->text))
+            !note_crash(c, job, index, m->units[i], m->text))
             return;
     if (tiles_out(jw) > 0 && !tiles_crashed(c, job, index, m->text))
         return;

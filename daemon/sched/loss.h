@@ -1,4 +1,4 @@
-/* loss.h - workers and children that go, and their units
+/* loss.h - workers and children that are lost, and their attempts at units
  *
  * Thread: the coordinator's loop. */
 #ifndef DAEMON_LOSS_H
@@ -6,7 +6,7 @@
 
 #include "desk/desk.h"
 
-/* Messages of workers. */
+/* Handlers of LOST, ROOM and STILL. */
 void loss_reported(struct coord *c, struct coord_worker *w,
                    const struct msg *msg);
 void loss_no_room(struct coord *c, struct coord_worker *w,
@@ -14,34 +14,35 @@ void loss_no_room(struct coord *c, struct coord_worker *w,
 void loss_still(struct coord *c, struct coord_worker *w,
                 const struct msg *msg);
 
-/* A worker went: its units wait again. */
+/* A worker's connection is gone: end its attempts; their units wait again. */
 void loss_worker_gone(struct coord *c, struct coord_worker *w);
-/* An attempt at the unit is over, unfinished: another attempt goes on, or the
+/* End an attempt that did not finish the unit: another attempt goes on, or the
  * unit waits again. */
 void loss_of(struct coord *c, struct job *job, uint32_t unit,
              struct job_go *go);
-/* Take the unit from the worker of that attempt (REVOKE). */
+/* The same, and take the unit from the attempt's worker (REVOKE). */
 void loss_taken(struct coord *c, struct job *job, uint32_t unit,
                 struct job_go *go);
-/* The worker gave the unit back (GAVE); its facts came before. */
+/* End an attempt whose worker gave the whole unit back (GAVE), after its facts.
+ */
 void loss_given_back(struct coord *c, struct job *job, uint32_t unit,
                      struct job_go *go);
-/* End the loans of that attempt at the unit: its columns are its own again. */
+/* End the loans of attempt `lender`, which is over or has another last line
+ * now.
+ */
 void loss_end_loans(struct coord *c, struct job *job, uint32_t unit,
                     uint32_t lender);
-/* End a worker's part in the job, and with it all its attempts; the part's
- * state is `to` then. */
+/* End all that the worker does for the job, and put its part in state `to`. */
 void loss_all(struct coord *c, struct job *job, uint32_t index,
               enum part_state to);
-/* For that long, units that the worker lost go to nobody else: its connection
- * may be made again. */
+/* Keep units that the worker lost for it for so long, in case it connects
+ * again: no other worker gets them. */
 void loss_keep(const struct coord *c, struct job *job, uint32_t index,
                uint64_t ms);
-/* End that wait for workers that did not come back in time. */
+/* Let other workers have the units that were kept long enough. */
 void loss_tick(struct coord *c, struct job *job);
-/* A worker that was in the job before is READY again.  It works at the units
- * that it named by STILL.  Another attempt of this worker goes on only if all
- * its rows came before READY; else it is lost. */
+/* A worker is READY again.  It goes on with the units that it named by STILL.
+ * Any other attempt of its is lost, unless all its rows came before READY. */
 void loss_at_ready(struct coord *c, struct job *job, uint32_t index);
 
 #endif

@@ -1,4 +1,4 @@
-/* result.c - rows that come, and units that are done */
+/* result.c - see result.h */
 #include "config.h"
 
 #include "sched/result.h"
@@ -25,13 +25,13 @@
 #include <string.h>
 #include <sysexits.h>
 
-/* A worker that sent rows and then none for so long may be stopped.  Rows may
- * take as long, though, so the time doubles whenever a twin overtakes: else
- * twins would go on to overtake each other, and no attempt would ever end. */
+/* The leading attempt may have been stopped if it sent rows and then none for
+ * this long.  But rows may take that long, so the time doubles whenever a twin
+ * takes the lead: else attempts could overtake each other for ever. */
 #define SILENT_MS      15000
 #define SILENT_DOUBLES 16
 
-/* Are the coded rows as many as the message says, and none too long? */
+/* Has the message as many coded rows as it says, and none too long? */
 static bool
 is_coded_right(const struct msg_result *m)
 {
@@ -48,7 +48,7 @@ is_coded_right(const struct msg_result *m)
     return at == m->len;
 }
 
-/* Does the piece lie where the unit's rows lie? */
+/* Do the rows lie in the unit, and are they of its kind? */
 static bool
 result_fits(const struct job *job, const struct msg_result *m,
             const struct partition_area *a)
@@ -59,8 +59,8 @@ result_fits(const struct job *job, const struct msg_result *m,
            (m->channels > 1 || is_coded_right(m));
 }
 
-/* The densities of the unit's bottom, which the unit below needs beside the
- * last row. */
+/* Have the densities of the unit's bottom kept with its last row: the unit
+ * below needs both. */
 static void
 add_bottom(const struct job *job, const struct msg_result *m,
            struct action_rows *r)
@@ -110,7 +110,7 @@ put_rows(struct coord *c, const struct job *job, uint64_t conn,
     add_bottom(job, m, r);
 }
 
-/* Rows that do not count: let the worker forget them. */
+/* Acknowledge rows that do not count, so that the worker forgets them. */
 static void
 ack(struct coord *c, const struct coord_worker *w, const struct job *job,
     const struct msg_result *m)
@@ -118,11 +118,12 @@ ack(struct coord *c, const struct coord_worker *w, const struct job *job,
     desk_send_ack(c, w->conn, job->id, m->unit, m->attempt, m->row, m->rows);
 }
 
-/* The attempt came to its end without all rows or without its bottom: the unit
- * waits again.  That is no fault of the worker if a message was lost with a
- * connection; a unit that comes incomplete again and again fails the job. */
+/* The attempt's last row came, but other rows or the bottom are missing: the
+ * unit waits again.  A message may have been lost with a connection, so only a
+ * unit that comes incomplete again and again fails the job. */
 static void
-spoilt(struct coord *c, struct job *job, uint32_t unit, struct job_go *go)
+drop_incomplete(struct coord *c, struct job *job, uint32_t unit,
+                struct job_go *go)
 {
     struct job_unit *u = &job->units[unit];
     char text[MSG_MAX_TEXT + 1];
@@ -140,8 +141,8 @@ spoilt(struct coord *c, struct job *job, uint32_t unit, struct job_go *go)
     verdict_job(c, job, JOB_FAILED, EX_SOFTWARE, text);
 }
 
-/* A twin begins to send rows while the attempt that leads has been silent for
- * so long that its worker may be stopped: the twin leads. */
+/* Let the twin that sends its first rows lead, if the leading attempt has been
+ * silent for so long that its worker may be stopped. */
 static void
 overtake(const struct coord *c, struct job *job, struct job_go *go,
          const struct msg_result *m)
@@ -156,7 +157,7 @@ overtake(const struct coord *c, struct job *job, struct job_go *go,
     for (uint8_t i = 0; i < u->ngos; i++)
         if (u->go[i].attempt == u->lead) {
             if (u->go[i].state == GO_DELIVERED)
-                return; /* all its rows are here: the disk is slow */
+                return; /* it is not silent: the disk is slow */
             u->go[i].rows = GO_DROPPED;
         }
     hold_forget_rows(job, m->unit);
@@ -165,11 +166,11 @@ overtake(const struct coord *c, struct job *job, struct job_go *go,
         u->overtaken++;
 }
 
-/* Rows of an attempt came: decide whether they count.  The attempt whose first
- * rows come first leads. */
+/* Rows of an attempt came: decide which attempt leads.  The one whose first
+ * rows come first. */
 static void
-elect(struct coord *c, struct job *job, struct job_go *go,
-      const struct msg_result *m)
+choose_lead(struct coord *c, struct job *job, struct job_go *go,
+            const struct msg_result *m)
 {
     struct job_unit *u = &job->units[m->unit];
 
@@ -185,9 +186,9 @@ elect(struct coord *c, struct job *job, struct job_go *go,
         go->rows = GO_DROPPED;
 }
 
-/* Do the rows count?  Not if another attempt leads, nor if the unit is done. If
- * the unit has no attempts the rows are of an attempt that was lost; it goes on
- * if no other began. */
+/* Do the rows count?  Only rows of the leading attempt, while the unit is not
+ * done.  If no worker has the unit, this attempt was thought lost: its rows
+ * count if they go on where the last ended. */
 static bool
 counts(const struct job *job, uint32_t index, const struct msg_result *m)
 {
@@ -200,8 +201,8 @@ counts(const struct job *job, uint32_t index, const struct msg_result *m)
             (u->ngos == 0 && u->worker == index && m->row <= u->next_row));
 }
 
-/* All rows of the attempt are here: while they go to the disk its worker, and
- * those of its twins, have room for other units. */
+/* All rows of the attempt are here: release its worker, and those of its twins,
+ * before the rows are on the disk. */
 static void
 delivered(struct coord *c, struct job *job, uint32_t unit, struct job_go *go)
 {
@@ -216,8 +217,8 @@ delivered(struct coord *c, struct job *job, uint32_t unit, struct job_go *go)
         }
 }
 
-/* Are the rows of an earlier life of the coordinator?  A worker sends the rows
- * that it kept from that life before it is ready. */
+/* Are these rows that the worker kept from an earlier life of the coordinator?
+ * It sends those before it is ready. */
 static bool
 is_old(const struct job *job, uint32_t index, const struct msg_result *m)
 {
@@ -225,9 +226,9 @@ is_old(const struct job *job, uint32_t index, const struct msg_result *m)
            job->workers[index].state != PART_READY;
 }
 
-/* The last row came of an attempt whose rows do not count. */
+/* If the last row came of an attempt that does not count, note that. */
 static void
-note_end(struct job *job, uint32_t index, const struct msg_result *m)
+note_spent(struct job *job, uint32_t index, const struct msg_result *m)
 {
     struct job_go *go = go_find(job, m->unit, index, m->attempt);
 
@@ -236,8 +237,8 @@ note_end(struct job *job, uint32_t index, const struct msg_result *m)
         go->rows = GO_SPENT;
 }
 
-/* Are the rows the unit's last because the worker gave lines away, and its GAVE
- * was lost with a connection?  A unit with twins keeps its lines. */
+/* Has the worker given the lines below these rows away, and was its GAVE lost
+ * with a connection?  A unit with twins gives no lines away. */
 static bool
 gave_before(const struct job *job, uint32_t index, const struct msg_result *m,
             const struct partition_area *a)
@@ -247,7 +248,7 @@ gave_before(const struct job *job, uint32_t index, const struct msg_result *m,
            job->units[m->unit].ngos == 1;
 }
 
-/* Rows that do not count, of a twin or of an attempt that is over. */
+/* Drop rows that do not count, but compare them with those that do. */
 static void
 refuse_rows(struct coord *c, const struct coord_worker *w, struct job *job,
             uint32_t index, const struct msg_result *m,
@@ -255,22 +256,22 @@ refuse_rows(struct coord *c, const struct coord_worker *w, struct job *job,
 {
     if (result_fits(job, m, a))
         duplicate_check(c, job, index, m);
-    note_end(job, index, m);
+    note_spent(job, index, m);
     ack(c, w, job, m);
 }
 
-/* Rows before these are missing. */
+/* Rows came while earlier rows of the attempt are missing. */
 static void
 out_of_turn(struct coord *c, const struct coord_worker *w,
             const struct job *job, uint32_t index, const struct msg_result *m)
 {
     if (is_old(job, index, m))
-        ack(c, w, job, m); /* an earlier life did not keep those before */
+        ack(c, w, job, m); /* an earlier life of the coordinator lost them */
     else
         verdict_break(c, w->conn, "a RESULT out of turn");
 }
 
-/* Rows that count go to the disk. */
+/* Have rows that count written to the disk. */
 static void
 keep_rows(struct coord *c, const struct coord_worker *w, struct job *job,
           uint32_t index, const struct msg_result *m, struct partition_area *a)
@@ -287,7 +288,7 @@ keep_rows(struct coord *c, const struct coord_worker *w, struct job *job,
     if (m->last &&
         (m->row + m->rows < a->height || !handoff_complete(job, m->unit))) {
         ack(c, w, job, m);
-        spoilt(c, job, m->unit, go);
+        drop_incomplete(c, job, m->unit, go);
         return;
     }
     duplicate_keep(job, index, m, a->height);
@@ -310,7 +311,7 @@ take_result(struct coord *c, struct coord_worker *w, struct job *job,
     struct job_unit *u;
     struct job_go *go;
 
-    if (!job->partition) { /* rows of a life that kept nothing of the job */
+    if (!job->partition) { /* an earlier life kept nothing of the job */
         ack(c, w, job, m);
         return;
     }
@@ -325,14 +326,15 @@ take_result(struct coord *c, struct coord_worker *w, struct job *job,
     u = &job->units[m->unit];
     go = go_find(job, m->unit, index, m->attempt);
     if (go && u->state != UNIT_DONE && part_is_here(&job->workers[index]))
-        elect(c, job, go, m);
+        choose_lead(c, job, go, m);
     if (!counts(job, index, m))
         refuse_rows(c, w, job, index, m, &a);
     else if (!result_fits(job, m, &a))
         verdict_break(c, w->conn, "a RESULT that fits no unit");
     else if (m->row > u->next_row)
         out_of_turn(c, w, job, index, m);
-    else if (m->row == u->next_row) /* those before go to the disk already */
+    else if (m->row == u->next_row) /* earlier rows are with the store already
+                                     */
         keep_rows(c, w, job, index, m, &a);
 }
 
@@ -347,7 +349,7 @@ result_rows(struct coord *c, struct coord_worker *w, const struct msg *msg)
         take_result(c, w, job, index, m);
 }
 
-/* --- rows that are kept --- */
+/* --- rows on the disk --- */
 
 void
 result_frame_done(struct coord *c, struct job *job, uint32_t frame)
@@ -362,7 +364,7 @@ result_frame_done(struct coord *c, struct job *job, uint32_t frame)
     a->frame = frame;
 }
 
-/* End all attempts at a unit whose rows are kept. */
+/* End all attempts at a unit whose rows are all on the disk. */
 static void
 release_all(struct coord *c, struct job *job, uint32_t unit)
 {
@@ -382,7 +384,7 @@ release_all(struct coord *c, struct job *job, uint32_t unit)
 }
 
 static void
-finish(struct coord *c, struct job *job, uint32_t unit)
+finish_unit(struct coord *c, struct job *job, uint32_t unit)
 {
     struct job_unit *u = &job->units[unit];
     struct partition_area a;
@@ -393,7 +395,7 @@ finish(struct coord *c, struct job *job, uint32_t unit)
     if (u->ngos > 0)
         release_all(c, job, unit);
     else
-        unit_take(job, unit); /* the worker went just now */
+        unit_take(job, unit); /* its worker was lost just before */
     unit_done(job, unit, c->now_ms);
     progress_see(job);
     if (job->shared)
@@ -427,5 +429,5 @@ result_stored(struct coord *c, const struct action_rows *key)
     job->pixels_done += pixels;
     job->frames[key->frame].rows_pixels += pixels;
     if (key->last)
-        finish(c, job, key->unit);
+        finish_unit(c, job, key->unit);
 }

@@ -1,4 +1,4 @@
-/* result.h - rows that come, and units that are done
+/* result.h - rows come, and units and frames are done
  *
  * Thread: the coordinator's loop. */
 #ifndef DAEMON_RESULT_H
@@ -6,12 +6,12 @@
 
 #include "desk/desk.h"
 
-/* A message of a worker. */
+/* Handler of RESULT. */
 void result_rows(struct coord *c, struct coord_worker *w,
                  const struct msg *msg);
-/* Rows are kept. */
+/* Event: rows are on the disk. */
 void result_stored(struct coord *c, const struct action_rows *key);
-/* All rows of the frame are kept: its picture is to be written. */
+/* All rows of the frame are on the disk: have its picture written. */
 void result_frame_done(struct coord *c, struct job *job, uint32_t frame);
 
 #endif

@@ -1,20 +1,19 @@
 /* sched.c - see sched.h
  *
  * A worker has room for one unit a thread where units are small (windows,
- * scanbar), else for one unit, which its threads render together; and for some
- * units ahead, so that no thread waits for the network, but not near the end of
- * a job.  Units that wait for their tops take no room.
+ * scanbar), else for one unit, which its threads render together.  While many
+ * units wait it has some more at hand, so that no thread waits for the network.
+ * Units that wait for their tops take no room.
  *
- * A unit keeps the number of its latest attempt.  When its worker goes, the
- * unit waits again, for a while for that worker alone.  Until another worker
- * has the unit, the attempt goes on when the worker comes back, so that a
- * connection that breaks for a moment costs nothing.  Once there is another
- * attempt, rows of the earlier one are ignored.  With twins, each with an
- * attempt of its own, the attempt whose rows come first leads.
+ * When a worker is lost its unit waits again, at first for this worker alone.
+ * Until the unit goes out to another worker, the attempt goes on if the worker
+ * comes back, so a connection that breaks for a moment costs nothing.  After
+ * that, rows of the earlier attempt are ignored.  Of twins the attempt whose
+ * rows come first leads.
  *
- * A child that dies leaves suspects: the units that it was at work on.  Each is
- * tried again alone, on another worker if there is one, so that a second crash
- * names the culprit. */
+ * When a child dies the units that it worked on become suspects.  Each goes out
+ * again alone, to another worker if there is one, so that a second crash names
+ * the unit that is to blame. */
 #include "config.h"
 
 #include "sched/sched.h"
@@ -43,18 +42,19 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define WORTH_MS 50  /* a unit of auto takes at least so long */
-#define AWAIT_MS 300 /* lines that busy workers give away are here by then */
+#define WORTH_MS 50  /* least time that a unit of auto should take */
+#define AWAIT_MS 300 /* busy workers give lines away within this time */
 
-/* A job that had no unit for a worker, though units wait, is not asked again
- * for that worker for PASSED_MS, then for twice as long, and so on. */
+/* If units of a job wait and none is for an idle worker, the job's units count
+ * as not for this worker for PASSED_MS (yield.c), then for twice as long, and
+ * so on. */
 #define PASSED_MS  1000
 #define MOST_TIMES 6
 
 /* --- handing out --- */
 
-/* Is so much left that, at the speeds so far, the worker would get two more
- * units for each of its threads? */
+/* Do so many units wait that, by its share of all speed, the worker would get
+ * two more of them for each of its threads? */
 static bool
 has_plenty(const struct job *job, uint32_t index, uint32_t threads)
 {
@@ -64,10 +64,10 @@ has_plenty(const struct job *job, uint32_t index, uint32_t threads)
 }
 
 /* Has the worker room for another unit?  Windows: one for each thread, and half
- * as many at hand.  Lines: one for each thread.  A long run occupies all
- * threads, so a worker has no units of another job beside it, nor any at hand,
- * which no other worker could share.  Of single lines it has one at hand, so
- * that no thread waits for our answer when a line is done or parked. */
+ * as many at hand while many wait.  Lines: as many as threads, none of another
+ * job beside them and none at hand, for other workers could not share these.
+ * Single lines (scanbar): one for each thread, and one at hand, so that no
+ * thread waits for the coordinator when a line is done or parked. */
 static bool
 has_room(const struct job *job, const struct coord_worker *w, uint32_t index)
 {
@@ -103,7 +103,7 @@ start_job(struct coord *c, struct job *job, struct coord_worker *w)
     actions_send(&c->actions, w->conn, &m);
 }
 
-/* A suspect that this worker may try; false: none. */
+/* A suspect unit that this worker may try; false: none. */
 static bool
 find_suspect(const struct coord *c, const struct job *job, uint32_t index,
              uint32_t *unit)
@@ -120,7 +120,7 @@ find_suspect(const struct coord *c, const struct job *job, uint32_t index,
     return false;
 }
 
-/* Is the worker to get no unit until it can take a suspect alone? */
+/* Shall the worker get no unit until it has none, to take a suspect alone? */
 static bool
 runs_empty(const struct coord *c, const struct job *job,
            const struct coord_worker *w, uint32_t index)
@@ -130,7 +130,7 @@ runs_empty(const struct coord *c, const struct job *job,
     return w->in_flight > 0 && find_suspect(c, job, index, &unit);
 }
 
-/* The partition's next unit for the worker. */
+/* The partition's next unit for the worker; false: none. */
 static bool
 next_unit(struct coord *c, struct job *job, const struct coord_worker *w,
           uint32_t index, uint32_t *unit)
@@ -151,7 +151,7 @@ next_unit(struct coord *c, struct job *job, const struct coord_worker *w,
     return false;
 }
 
-/* Is the worker silent, while others are not? */
+/* Is the worker late, and another worker of the job is not? */
 static bool
 is_left_out(const struct job *job, uint32_t index)
 {
@@ -163,7 +163,7 @@ is_left_out(const struct job *job, uint32_t index)
     return job->workers[index].late && others;
 }
 
-/* One unit of the job for the worker; false: it gets none now. */
+/* Give the worker a unit of the job; false: it gets none now. */
 static bool
 give_unit(struct coord *c, struct job *job, struct coord_worker *w,
           uint32_t index)
@@ -183,14 +183,14 @@ give_unit(struct coord *c, struct job *job, struct coord_worker *w,
     return true;
 }
 
-/* A tile, areas or a unit of a job that the worker has loaded; *done: the
- * worker gets none of other jobs either. */
+/* Give the worker a tile, areas or a unit of a job that it has loaded; false:
+ * it gets none now.  *done: nor shall it get any of other jobs. */
 static bool
 serve_job(struct coord *c, struct job *job, struct coord_worker *w,
           uint32_t index, bool *done)
 {
     if (passes_open(job) || job->workers[index].lags) {
-        *done = true; /* the next pass may be there in a moment */
+        *done = true; /* the next pass may be open in a moment */
         return tiles_give(c, job, index);
     }
     if (job->survey) {
@@ -206,16 +206,16 @@ serve_job(struct coord *c, struct job *job, struct coord_worker *w,
     return !*done && job->filling && tiles_give(c, job, index);
 }
 
-/* Has the worker yet to load the job, or anew? */
+/* Has the worker to load the job first? */
 static bool
 is_new_to(const struct job *job, uint32_t index)
 {
     return index == JOB_NOBODY || !part_is_here(&job->workers[index]);
 }
 
-/* Might the job have something for the worker?  A worker loads jobs that are
- * new to it one at a time, even before they are stored: however many jobs wait,
- * a search looks at the first of them alone. */
+/* May the job have something for the worker?  A worker loads new jobs one at a
+ * time, even before their files are all here.  So a search looks at one of
+ * them, however many wait. */
 static bool
 may_look(const struct job *job, const struct coord_worker *w)
 {
@@ -227,11 +227,11 @@ may_look(const struct job *job, const struct coord_worker *w)
            (index == JOB_NOBODY || job->workers[index].state == PART_GONE);
 }
 
-/* The next job to look at, in this search: the highest priority first, of
- * equals whose owner has the fewest threads at work, of these the oldest. NULL:
- * none is left. */
+/* The next job of this search: of those with the highest priority the job whose
+ * owner has the fewest threads at work, of these the oldest.  NULL: no job is
+ * left. */
 static struct job *
-fairest(const struct coord *c, const struct coord_worker *w)
+next_job(const struct coord *c, const struct coord_worker *w)
 {
     struct job *best = NULL;
 
@@ -248,11 +248,11 @@ fairest(const struct coord *c, const struct coord_worker *w)
     return best;
 }
 
-/* Is the worker to wait for its share of a job that comes first, of which
- * others have something to give away? */
+/* Shall an idle worker wait for lines of this job that busy workers may give
+ * away, before it gets units of jobs with a lower priority? */
 static bool
-awaits(const struct coord *c, const struct coord_worker *w,
-       const struct job *job)
+waits_for_lines(const struct coord *c, const struct coord_worker *w,
+                const struct job *job)
 {
     uint32_t index = desk_index(job, w);
 
@@ -261,9 +261,9 @@ awaits(const struct coord *c, const struct coord_worker *w,
            w->in_flight == 0 && c->now_ms - w->free_ms < AWAIT_MS;
 }
 
-/* A worker that was away may be at units of a job that was paused meanwhile, or
- * have been drained: start these jobs on it, so that it names its units, which
- * then go back. */
+/* A worker that was away may still work on units of a job that was paused
+ * meanwhile, or that worker was drained.  Start the job on it: it names its
+ * units (STILL), and gives them back. */
 static void
 recall(struct coord *c, struct coord_worker *w)
 {
@@ -280,6 +280,7 @@ recall(struct coord *c, struct coord_worker *w)
     }
 }
 
+/* Units of the job wait, and none was for this idle worker. */
 static void
 note_passed(const struct coord *c, struct job *job, uint32_t index)
 {
@@ -292,9 +293,8 @@ note_passed(const struct coord *c, struct job *job, uint32_t index)
         jw->passed++;
 }
 
-/* Give the worker one unit, of the first job that has one for it.  While the
- * worker has units of a job, or may yet get some, it gets none of later jobs.
- */
+/* Give the worker one unit of the first job that has one.  While it has units
+ * of a job, or may yet get some, it gets none of jobs with a lower priority. */
 bool
 sched_serve(struct coord *c, struct coord_worker *w)
 {
@@ -306,7 +306,7 @@ sched_serve(struct coord *c, struct coord_worker *w)
     if (!desk_takes_units(w) || w->alone || c->full)
         return false;
     c->serving++;
-    while (!done && (job = fairest(c, w))) {
+    while (!done && (job = next_job(c, w))) {
         uint32_t index = desk_index(job, w);
 
         taken = job->spec.priority < floor || job->spec.priority < w->priority;
@@ -319,14 +319,14 @@ sched_serve(struct coord *c, struct coord_worker *w)
                 return true;
             if (w->in_flight == 0)
                 note_passed(c, job, index);
-            if (awaits(c, w, job))
+            if (waits_for_lines(c, w, job))
                 floor = job->spec.priority;
         }
     }
     return false;
 }
 
-/* A worker that leaves has nothing left to do. */
+/* End the connection of a worker that leaves and has nothing left to do. */
 static void
 let_go(struct coord *c, struct coord_worker *w)
 {
@@ -353,7 +353,7 @@ sched_run(struct coord *c)
     bool gave;
 
     c->stirred = false;
-    do { /* a unit each, in turn, so that few units spread over all workers */
+    do { /* one unit each in turn, so that all workers get some of few units */
         gave = false;
         for (struct coord_worker *w = c->workers; w; w = w->next)
             gave |= sched_serve(c, w);
@@ -376,7 +376,7 @@ one_worker_in_all(const struct coord *c)
     return n == 1;
 }
 
-/* With --same-bits the first worker's fingerprint is the job's. */
+/* With --same-bits: are these the bits of the job's first worker? */
 static bool
 same_bits(const struct job *job, uint64_t fingerprint)
 {
@@ -388,7 +388,7 @@ same_bits(const struct job *job, uint64_t fingerprint)
     return true;
 }
 
-/* To the workers that it is to share lines, or records, with. */
+/* Link the worker with those that it shares lines or records with. */
 static void
 link_worker(struct coord *c, struct job *job, uint32_t index)
 {
@@ -412,7 +412,7 @@ worker_ready(struct coord *c, struct job *job, struct coord_worker *w,
         feeding_join(c, job, (uint32_t)(jw - job->workers));
 }
 
-/* The first worker is ready: lay out the job's units; false: the job ends. */
+/* The first worker is ready: lay out the job's units; false: the job failed. */
 static bool
 lay_out(struct coord *c, struct job *job)
 {
@@ -429,10 +429,10 @@ lay_out(struct coord *c, struct job *job)
     return true;
 }
 
-/* The first worker is ready for a job from an earlier life; false: the job
- * ends. */
+/* The first worker is ready for a job from an earlier life of the coordinator;
+ * false: the job failed. */
 static bool
-take_up(struct coord *c, struct job *job)
+take_up_restored(struct coord *c, struct job *job)
 {
     struct rad_error err = { 0 };
 
@@ -475,10 +475,10 @@ sched_ready(struct coord *c, struct coord_worker *w, const struct msg *msg)
             return;
         speed_measure(c, job);
     }
-    if (job->restored && !take_up(c, job))
+    if (job->restored && !take_up_restored(c, job))
         return;
-    if (!records_ready(c, job, index, m->passes)) { /* those of an earlier life:
-                                                     * it is to begin anew */
+    if (!records_ready(c, job, index, m->passes)) { /* it has other passes, of
+                                                     * an earlier life */
         loss_all(c, job, index, PART_GONE);
         desk_send_job_end(c, w->conn, job->id);
         return;
@@ -490,9 +490,11 @@ sched_ready(struct coord *c, struct coord_worker *w, const struct msg *msg)
     speed_measure(c, job);
 }
 
-/* A connection keeps messages in order.  So the costs of earlier PAIDs that
- * have not come by now were lost with a connection: they are in no unit.  PAIDs
- * of an earlier life of the coordinator are in units already. */
+/* Count what earlier PAIDs of this worker told and never came: they were lost
+ * with a connection, for messages keep their order.  Such cost is in no unit,
+ * so it counts as dropped; but before the first TALLY in this life of the
+ * coordinator, PAIDs that an earlier life got are missing, too, and these are
+ * in units. */
 static void
 note_unpaid(struct job_worker *jw, const struct msg_counts *paid)
 {
@@ -505,8 +507,8 @@ note_unpaid(struct job_worker *jw, const struct msg_counts *paid)
     jw->tallied = true;
 }
 
-/* The last twins are taken back when the job is all but over: their costs are
- * counted even after its end. */
+/* A TALLY counts even after the job's end: the last twins are taken back then.
+ */
 void
 sched_tally(struct coord *c, struct coord_worker *w, const struct msg *msg)
 {

@@ -1,13 +1,12 @@
-/* sched.h - which worker gets which unit: the part of the coordinator that
- * hands out
+/* sched.h - which worker gets which unit
  *
- *   sched.c       which worker gets which unit next; messages of workers
- *   handout.c     a unit goes out
- *   result.c      rows that come, units that are done
- *   loss.c        workers and children that go
- *   balance.c     lines given away, and twins, for idle workers
- *   yield.c       units given back, for work that comes first
- *   survey.c      estimates of cost, before the first unit
+ *   sched.c       which worker gets which unit next; READY and TALLY
+ *   handout.c     a unit goes out to a worker
+ *   result.c      rows come, units are done
+ *   loss.c        workers and children are lost
+ *   balance.c     idle workers get lines of others, and twins
+ *   yield.c       units are given back for work that comes first
+ *   survey.c      costs are estimated before the first unit
  *   sched_tick.c  calls the others as time passes
  * Thread: the coordinator's loop. */
 #ifndef DAEMON_SCHED_H
@@ -15,28 +14,29 @@
 
 #include "desk/desk.h"
 
-/* Give units, and jobs to load, to every worker that has room; to that one,
- * where nothing has changed for others. */
+/* Give units, and jobs to load, to all workers that have room; or to one
+ * worker, if nothing has changed for the others. */
 void sched_run(struct coord *c);
 void sched_run_for(struct coord *c, struct coord_worker *w);
 
-/* Time has passed. */
+/* Called every tick. */
 void sched_tick(struct coord *c);
 
-/* Messages of workers. */
+/* Handlers of READY and TALLY. */
 void sched_ready(struct coord *c, struct coord_worker *w,
                  const struct msg *msg);
 void sched_tally(struct coord *c, struct coord_worker *w,
                  const struct msg *msg);
 
-/* An admin drained a worker, or undrained it: other workers may take its share
- * of the units of a job from then on, or no longer. */
+/* An admin drained or undrained a worker: other workers may take its share of a
+ * job's units, or no longer. */
 void sched_drained(struct coord *c, struct coord_worker *w);
 
-/* Take the units of a job back and tell its workers that it is over. */
+/* End all attempts of a job that is over, and tell its workers. */
 void sched_job_over(struct coord *c, struct job *job);
 
-/* Hand the worker one unit; false: there is none for it now. */
+/* Give the worker one unit, tile or chunk of areas; false: there is none for it
+ * now. */
 bool sched_serve(struct coord *c, struct coord_worker *w);
 
 #endif

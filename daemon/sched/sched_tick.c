@@ -1,4 +1,4 @@
-/* sched_tick.c - the scheduler's work as time passes */
+/* sched_tick.c - what the scheduler does as time passes */
 #include "config.h"
 
 #include "sched/sched.h"
@@ -13,10 +13,10 @@
 #include "sched/loss.h"
 #include "sched/yield.h"
 
-#define DRAIN_WAIT_MS 500 /* facts of a parked unit are here by then */
+#define DRAIN_WAIT_MS 500 /* the facts of a parked unit have come after this */
 
-/* A worker that gets no more units gives up those that only wait: their facts
- * are here, for the workers that get these units. */
+/* Take units that only wait from workers that get no more units: their facts
+ * are here, for the workers that get them next. */
 static void
 drain_parked(struct coord *c, struct job *job)
 {
@@ -32,7 +32,7 @@ drain_parked(struct coord *c, struct job *job)
                 desk_takes_units(job->workers[go->worker].worker))
                 continue;
             loss_taken(c, job, unit, go);
-            break; /* the others may have moved */
+            break; /* other attempts may have moved */
         }
     }
 }

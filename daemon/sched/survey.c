@@ -1,13 +1,13 @@
 /* survey.c - see survey.h
  *
- * With --estimate=NNa or NNb the workers trace NN random pixels of each part (a
- * line or a window) before the first unit goes out, and count rays (a) or tests
- * of intersection (b).  Parts go out in chunks; when none is left, a chunk that
- * was not answered goes out again.  Which pixels are traced depends on the part
- * alone, so the costs do not depend on which worker answers first.  If children
- * die of a chunk there is no estimate; units will show which pixel it was.  A
- * worker that has to make way (yield.c) answers with the traced pixels, as
- * facts, and its chunk is begun anew. */
+ * With --estimate=NNa or NNb workers trace NN random pixels of each part (a
+ * line or a window) before the first unit goes out, and count rays (a) or
+ * intersection tests (b).  Parts go out in chunks; when all have gone out, a
+ * chunk that is not answered in time goes to another worker, too.  The pixels
+ * follow from the part, so the costs do not depend on which worker answers
+ * first.  If two children die of a chunk the estimate is given up: units will
+ * tell which pixel it was.  A worker that must make way (yield.c) answers with
+ * facts of the pixels that it traced, and its chunk goes out again. */
 #include "config.h"
 
 #include "sched/survey.h"
@@ -21,30 +21,31 @@
 #include <string.h>
 
 #define MOST_RAYS       10000
-#define MOST_PARTS      40000 /* in a chunk, which must fit a message */
+#define MOST_PARTS      40000 /* of a chunk, which must fit a message */
 #define CHUNKS_A_WORKER 4
-#define MOST_CRASHES    2    /* of children at a chunk */
-#define LATE_MS         2000 /* and another is asked too */
-#define LEAVING_MS      5000 /* until a worker that leaves has answered */
+#define MOST_CRASHES    2    /* children that may die of a chunk */
+#define LATE_MS         2000 /* then a chunk goes to another worker, too */
+#define LEAVING_MS      5000 /* how long a worker that leaves may take to answer
+                              */
 
 struct chunk {
-    uint32_t first, n; /* parts */
+    uint32_t first, n; /* parts [first, first + n) */
     uint32_t holders, crashes;
     bool done;
-    uint64_t out_ms; /* when it went to the last worker */
+    uint64_t out_ms; /* when it last went to a worker */
 };
 
 struct survey {
-    uint32_t rays;
-    bool tests;  /* count tests of intersection, else rays */
-    bool failed; /* there will be no estimate */
-    uint32_t nchunks, left;
+    uint32_t rays; /* pixels to trace of each part */
+    bool tests;    /* costs are intersection tests, else rays */
+    bool failed;   /* the estimate is given up */
+    uint32_t nchunks, left; /* left: chunks that are not done */
     struct chunk *chunk;
-    double *cost;      /* by part */
-    uint64_t begin_ms; /* first ESTIMATE; 0: none yet */
+    double *cost;      /* of each part */
+    uint64_t begin_ms; /* when the first ESTIMATE was sent; 0: not yet */
 };
 
-/* "5a", "20b"; anything else asks for no survey. */
+/* Does the text ask for a survey, as "5a" and "20b" do? */
 static bool
 wanted(const char *text, uint32_t *rays, bool *tests)
 {
@@ -99,7 +100,7 @@ survey_begin(struct job *job, uint32_t workers, struct rad_error *err)
 
 /* --- out --- */
 
-/* A chunk that no worker has, else a late chunk; NULL: there is none. */
+/* A chunk that no worker has, else a late chunk; NULL: neither. */
 static struct chunk *
 choose(struct survey *s, uint64_t now_ms)
 {
@@ -139,7 +140,7 @@ send_chunk(struct coord *c, const struct job *job, const struct job_worker *jw,
     actions_send(&c->actions, jw->worker->conn, &m);
 }
 
-/* The estimate is over: units may go out, with the costs that are known. */
+/* End the survey: units may go out, by the costs that are known. */
 static void
 end_survey(struct coord *c, struct job *job)
 {
@@ -165,7 +166,7 @@ survey_give(struct coord *c, struct job *job, uint32_t index)
     struct survey *s = job->survey;
     struct chunk *k;
 
-    if (s->failed) { /* log it now that a partition is there */
+    if (s->failed) { /* ended here, where units can go out */
         end_survey(c, job);
         return true;
     }
@@ -184,7 +185,7 @@ survey_give(struct coord *c, struct job *job, uint32_t index)
     return true;
 }
 
-/* Others may have its chunk. */
+/* Let other workers have its chunk, unless survey_rest() did. */
 static void
 let_others(struct job *job, const struct job_worker *jw)
 {
@@ -236,7 +237,7 @@ survey_crashed(struct coord *c, struct job *job, uint32_t chunk)
     job->survey->failed = true;
 }
 
-/* The cost of a part, scaled up from that of its traced pixels. */
+/* The cost of a part, scaled from its traced pixels to all. */
 static double
 scaled(const struct survey *s, const struct job *job, uint32_t part,
        const struct msg_cost *cost)
@@ -252,7 +253,7 @@ scaled(const struct survey *s, const struct job *job, uint32_t part,
 }
 
 static void
-finish(struct coord *c, struct job *job)
+use_costs(struct coord *c, struct job *job)
 {
     partition_set_costs(job->partition, job->survey->cost);
     job->cost_total = partition_cost_total(job->partition);
@@ -281,7 +282,7 @@ survey_estimated(struct coord *c, struct coord_worker *w, const struct msg *msg)
         return;
     jw = &job->workers[index];
     if (!job->survey || jw->surveying == 0 || jw->surveying - 1 != m->id) {
-        count_rays(job, index, &m->counts); /* late, but the rays were traced */
+        count_rays(job, index, &m->counts); /* late: only its rays count */
         return;
     }
     k = &job->survey->chunk[m->id];
@@ -298,5 +299,5 @@ survey_estimated(struct coord *c, struct coord_worker *w, const struct msg *msg)
             scaled(job->survey, job, k->first + i, &m->costs[i]);
     k->done = true;
     if (--job->survey->left == 0)
-        finish(c, job);
+        use_costs(c, job);
 }

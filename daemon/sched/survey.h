@@ -1,4 +1,4 @@
-/* survey.h - an estimate of the costs of a job's parts, under way
+/* survey.h - an estimate of the costs of a job's parts before its units go out
  *
  * See survey.c.
  * Thread: the coordinator's loop. */
@@ -11,26 +11,26 @@ struct survey;
 
 void survey_free(struct survey *s);
 
-/* A message of a worker. */
+/* Handler of ESTIMATED. */
 void survey_estimated(struct coord *c, struct coord_worker *w,
                       const struct msg *msg);
 
-/* Estimate costs first, if the job wants it; 0 or RAD_ENOMEM. */
+/* Make job->survey, if the job wants an estimate; 0 or RAD_ENOMEM. */
 int survey_begin(struct job *job, uint32_t workers, struct rad_error *err);
-/* Areas for a worker that is ready, or units if the estimate was given up;
- * false: there is neither. */
+/* Send a ready worker areas, or, if the estimate was given up, end it so that
+ * units may go out.  False: neither. */
 bool survey_give(struct coord *c, struct job *job, uint32_t index);
-/* Has the estimate areas for the worker, or is the worker at some? */
+/* Does the worker estimate areas, or are there some for it? */
 bool survey_has(const struct coord *c, const struct job *job, uint32_t index);
-/* The worker is told to answer at once, with the pixels that it has traced;
- * called before rest_ms is set. */
+/* The worker is about to be told to answer at once (REST): let other workers
+ * have its areas.  Called before rest_ms is set. */
 void survey_rest(struct job *job, uint32_t index);
-/* Has the worker, which leaves, yet to send the pixels that it has traced? */
+/* Is an answer of this worker, which leaves, still awaited? */
 bool survey_tells(const struct coord *c, const struct coord_worker *w);
 /* The worker will not answer. */
 void survey_lost(struct job *job, uint32_t index);
-/* A child died of that chunk of areas: the second time the estimate is given
- * up, and units go out as without one. */
+/* A child died of a chunk of areas; when a second one does the estimate is
+ * given up. */
 void survey_crashed(struct coord *c, struct job *job, uint32_t chunk);
 
 #endif

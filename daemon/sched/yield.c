@@ -1,13 +1,13 @@
-/* yield.c - units that go back, for work that comes first
+/* yield.c - see yield.h
  *
  * A unit may be a third of a worker's share of a picture, so nothing waits for
- * its end.  A unit goes back (YIELD, GAVE), with its rows and facts kept, when
- * its job is paused, when its worker is to leave, when a job of higher priority
- * has a unit for the worker, and when its owner has more of the workers than
- * another owner with a job as urgent.  Every tick looks for such units.
- * A unit that was told to go back counts as parked: its worker gets others.  Of
- * a window nothing can be kept: it is taken back (REVOKE), and begun anew.
- * Estimates (survey.c) end as well (REST). */
+ * its end.  A unit is given back (YIELD, GAVE), and its rows and facts are
+ * kept, when its job is paused; its worker is to leave; a job of higher
+ * priority has a unit for the worker; or its owner has more workers than
+ * another owner with a job of the same priority.
+ * A unit that is to be given back counts as parked, so its worker gets others.
+ * Of a window nothing can be kept: it is taken back (REVOKE) and begins anew.
+ * Estimates (survey.c) are ended by REST. */
 #include "config.h"
 
 #include "sched/yield.h"
@@ -22,11 +22,11 @@
 #include "sched/sched.h"
 #include "sched/survey.h"
 
-/* A child that has not answered YIELD by then is at a pixel without end. */
+/* How long an answer to YIELD may take: longer only at a pixel without end. */
 #define LOST_MS    30000
-#define LEAVING_MS 5000 /* the same for a worker that is to leave */
+#define LEAVING_MS 5000 /* the same, of a worker that is to leave */
 
-/* Has the job, as far as is known, a unit or areas for the worker? */
+/* Has the job, as far as is known, work for the worker? */
 static bool
 has_some_for(const struct coord *c, const struct job *job, uint32_t index)
 {
@@ -44,7 +44,8 @@ has_some_for(const struct coord *c, const struct job *job, uint32_t index)
             c->now_ms >= jw->ask_ms);
 }
 
-/* The priority of the job that the worker is at, or could be at. */
+/* The highest priority of the jobs that the worker works on or could work on.
+ */
 static int64_t
 rank_of(const struct coord *c, const struct coord_worker *w)
 {
@@ -70,7 +71,7 @@ may_yield(const struct job *job, const struct job_go *go)
            job->workers[go->worker].state == PART_READY;
 }
 
-/* The attempt is over then, unless its worker is to answer. */
+/* Have one attempt's unit given back; the attempt may be over after that. */
 static void
 give_back(struct coord *c, struct job *job, uint32_t unit, struct job_go *go)
 {
@@ -84,9 +85,9 @@ give_back(struct coord *c, struct job *job, uint32_t unit, struct job_go *go)
     desk_send_attempt(c, job, MSG_YIELD, unit, go);
 }
 
-/* Have the worker leave its estimates. */
+/* Have the worker end its estimate (REST). */
 static void
-rest(struct coord *c, struct job *job, uint32_t index)
+end_estimate(struct coord *c, struct job *job, uint32_t index)
 {
     struct job_worker *jw = &job->workers[index];
     struct msg m = { .type = MSG_REST, .rest = { job->id } };
@@ -99,11 +100,11 @@ rest(struct coord *c, struct job *job, uint32_t index)
     actions_send(&c->actions, jw->worker->conn, &m);
 }
 
-/* Have all that the worker has of the job go back. */
+/* Have all given back that the worker has of the job. */
 static void
 give_all_back(struct coord *c, struct job *job, uint32_t index)
 {
-    rest(c, job, index);
+    end_estimate(c, job, index);
     for (uint32_t i = job->nout; i-- > 0;) {
         uint32_t unit = job->out[i];
         struct job_unit *u = &job->units[unit];
@@ -128,8 +129,8 @@ is_unanswered(const struct coord *c, const struct job *job,
            (desk_takes_units(w) ? LOST_MS : LEAVING_MS);
 }
 
-/* Units of a child that does not answer are lost.  A single walk over all units
- * that are out, of which there may be thousands, with many workers. */
+/* Take the units from children that did not answer YIELD.  One walk over all
+ * units that are out: with many workers these are thousands. */
 static void
 give_up(struct coord *c, struct job *job)
 {
@@ -159,11 +160,11 @@ look_at_job(struct coord *c, struct job *job)
 
 /* --- owners --- */
 
-/* The job on this worker that has to make way for `job`, since its owner has
- * more of the workers than the owner of `job`; NULL: none. */
+/* The job that this worker works on and that must make way for `job`: of the
+ * same priority, and its owner has more threads at work.  NULL: none. */
 static struct job *
-richer(const struct coord *c, const struct job *job,
-       const struct coord_worker *w)
+job_to_yield(const struct coord *c, const struct job *job,
+             const struct coord_worker *w)
 {
     struct job *has = NULL;
 
@@ -183,17 +184,17 @@ richer(const struct coord *c, const struct job *job,
     return has;
 }
 
-/* Owners share the workers equally, in whatever order they came: an owner with
- * fewer workers gets some that work at an equal priority for another. */
+/* Owners share the workers equally, whatever the order in which they came: an
+ * owner with few workers gets some that work for an owner with more. */
 static void
-share(struct coord *c, struct job *job)
+share_workers(struct coord *c, struct job *job)
 {
     for (uint32_t i = 0; i < job->nworkers; i++) {
         struct coord_worker *w = job->workers[i].worker;
         struct job *other;
 
         if (!has_some_for(c, job, i) || job->survey || passes_open(job) ||
-            !desk_takes_units(w) || !(other = richer(c, job, w)))
+            !desk_takes_units(w) || !(other = job_to_yield(c, job, w)))
             continue;
         give_all_back(c, other, desk_index(other, w));
         sched_serve(c, w);
@@ -210,5 +211,5 @@ yield_look(struct coord *c)
             look_at_job(c, c->jobs[i]);
     for (size_t i = 0; i < c->njobs && !c->full; i++)
         if (!job_over(c->jobs[i]) && c->jobs[i]->partition)
-            share(c, c->jobs[i]);
+            share_workers(c, c->jobs[i]);
 }
