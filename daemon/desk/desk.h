@@ -118,7 +118,7 @@ struct coord {
                    * the last sched_run() */
     struct coord_worker *roomy; /* if not stirred: only this worker may; NULL:
                                  * none may */
-    uint32_t verdicts;    /* verdicts to be carried out */
+    uint32_t verdicts;          /* verdicts to be carried out */
     struct coord_conn *by_id[COORD_CONNS]; /* hash table of conns: chains */
     struct log_limit breaks; /* of log lines on connections of non-workers */
 };

@@ -56,9 +56,9 @@ struct coord_peer {
 /* How long jobs that are over are remembered, with their pictures
  * (coord_keep.c).  Each owner's jobs count by themselves. */
 struct coord_keep {
-    uint32_t jobs;  /* at most so many: the last ones */
-    uint64_t ms;    /* for so long; 0: no limit */
-    uint64_t bytes; /* at most so many in their folders; 0: no limit */
+    uint32_t jobs;         /* at most so many: the last ones */
+    uint64_t ms;           /* for so long; 0: no limit */
+    uint64_t bytes;        /* at most so many in their folders; 0: no limit */
     uint64_t unfetched_ms; /* jobs with frames that are not fetched: at least so
                             * long */
     uint64_t cache_bytes;  /* most bytes of ambient caches that are kept of such

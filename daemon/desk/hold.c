@@ -136,7 +136,6 @@ hold_top_made(struct coord *c, struct job *job, uint32_t unit,
     c->stirred = true;
 }
 
-
 void
 hold_send_back(struct coord *c, const struct coord_worker *to,
                const struct msg_back *back)

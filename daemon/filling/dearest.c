@@ -21,9 +21,9 @@ struct grid {
 
 struct dearest {
     const struct rad_pass_size *size;
-    int side;          /* of a cell, in pixels */
-    struct grid *grid; /* of each picture */
-    float *rays;       /* memory of all grids */
+    int side;            /* of a cell, in pixels */
+    struct grid *grid;   /* of each picture */
+    float *rays;         /* memory of all grids */
     float place[PLACES]; /* rays of deep tiles, as if there were one tile */
 };
 

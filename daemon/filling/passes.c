@@ -478,7 +478,7 @@ passes_frame_done(struct coord *c, struct job *job)
 
 static bool
 keep_tile(struct coord *c, struct job *job, struct sheet *k, struct tile *t,
-     const struct msg_tile_made *m)
+          const struct msg_tile_made *m)
 {
     struct passes *s = job->passes;
     double took;
@@ -503,7 +503,7 @@ keep_tile(struct coord *c, struct job *job, struct sheet *k, struct tile *t,
 
 static void
 count_tile(struct job *job, uint32_t pass, uint32_t index,
-      const struct msg_counts *counts)
+           const struct msg_counts *counts)
 {
     msg_counts_add(&job->passes->closed[pass].counts, counts);
     msg_counts_add(&job->tiled, counts);

@@ -59,18 +59,18 @@ enum reuse_state {
 };
 
 struct passes {
-    struct rad_pass *plan; /* passes of the present stage */
-    double *weight;        /* share of each pass in their work, passcost.h */
-    uint32_t n;            /* length of plan, weight and closed */
-    uint32_t base;         /* number of the stage's first pass, counted through
-                            * all stages */
-    uint32_t open;         /* index in plan of the first open pass; n: all are
-                            * closed */
-    uint32_t opened;       /* index after the last open pass */
-    enum reuse_state reuse;     /* changed by passes.c alone */
-    struct closed *closed;      /* of each pass, once it is closed */
-    uint32_t done;              /* number of frames done from the first on */
-    size_t bytes;               /* of the stage's records so far */
+    struct rad_pass *plan;  /* passes of the present stage */
+    double *weight;         /* share of each pass in their work, passcost.h */
+    uint32_t n;             /* length of plan, weight and closed */
+    uint32_t base;          /* number of the stage's first pass, counted through
+                             * all stages */
+    uint32_t open;          /* index in plan of the first open pass; n: all are
+                             * closed */
+    uint32_t opened;        /* index after the last open pass */
+    enum reuse_state reuse; /* changed by passes.c alone */
+    struct closed *closed;  /* of each pass, once it is closed */
+    uint32_t done;          /* number of frames done from the first on */
+    size_t bytes;           /* of the stage's records so far */
     struct rad_pass_size *size; /* of the frames */
     struct dearest *dearest;
     struct sheet sheet[MSG_OPEN_PASSES]; /* of open passes, by index modulo */

@@ -14,12 +14,12 @@ struct job;
 
 /* Zeros in a job without a goal. */
 struct job_goal {
-    uint32_t number;  /* of the present stage, or of the last if .ended */
-    uint32_t base;    /* number of the present stage's first pass */
-    uint8_t rungs[2]; /* the present options as struct rad_refine_rungs: whole
-                       * rungs, and quarters of one in the upper two bits */
-    uint8_t past_rung;   /* the stage before, as struct rad_refine_past; both */
-    double past_square;  /* are 0 where there is none */
+    uint32_t number;    /* of the present stage, or of the last if .ended */
+    uint32_t base;      /* number of the present stage's first pass */
+    uint8_t rungs[2];   /* the present options as struct rad_refine_rungs: whole
+                         * rungs, and quarters of one in the upper two bits */
+    uint8_t past_rung;  /* the stage before, as struct rad_refine_past; both */
+    double past_square; /* are 0 where there is none */
     const char *options; /* the present options as text, in job.mem; NULL: those
                           * of the specification */
     double error;        /* relative error that was estimated at the end of the

@@ -119,9 +119,9 @@ struct job {
                                */
     uint64_t late_rays;       /* facts that came twice, or when their line was
                                * done */
-    uint32_t *suspects; /* units that crashed a child: no longer in the
-                         * partition's queue; each goes to a worker that has
-                         * nothing else */
+    uint32_t *suspects;       /* units that crashed a child: no longer in the
+                               * partition's queue; each goes to a worker that has
+                               * nothing else */
     uint32_t nsuspects;
     struct job_frame *frames;
     uint32_t frames_ready; /* frames written, from the first without a gap */

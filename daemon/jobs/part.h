@@ -84,13 +84,13 @@ struct job_worker {
     /* yield.c */
     uint8_t passed;  /* how often in a row it had room, and none of the job's
                       * waiting units was for it; bounded */
-    uint64_t ask_ms; /* until then, waiting units of the job are taken to be none
-                      * for it */
+    uint64_t ask_ms; /* until then, waiting units of the job are taken to be
+                      * none for it */
 
     /* what it did */
-    uint32_t units; /* units that were accepted from it */
-    uint64_t rays;  /* of these units */
-    double cpu_s;   /* of these units */
+    uint32_t units;         /* units that were accepted from it */
+    uint64_t rays;          /* of these units */
+    double cpu_s;           /* of these units */
     struct msg_tally tally; /* of its present child; tally.job is not kept */
     struct msg_tally past;  /* sum over its earlier children */
     struct msg_counts paid; /* counts in its present child's PAID messages, and

@@ -26,7 +26,7 @@
 #include <string.h>
 
 #define LINK_MS  100  /* time for a link between two workers to bring the top */
-#define STUCK_MS 5000 /* an attempt has this long to make the top of its unit */
+#define STUCK_MS 5000 /* time for an attempt to make the top of its unit */
 
 /* Set [*first, *last) to the lines of a unit; returns its frame. */
 static uint32_t
@@ -83,7 +83,7 @@ handoff_flags(struct job *job, uint32_t unit, struct job_go *go)
 /* Is that line the top of the attempt's unit, which the attempt makes? */
 static bool
 is_making_top(const struct job *job, uint32_t unit, const struct job_go *go,
-      uint32_t frame, uint32_t line)
+              uint32_t frame, uint32_t line)
 {
     uint32_t first, last;
 

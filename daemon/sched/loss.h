@@ -11,8 +11,7 @@ void loss_reported(struct coord *c, struct coord_worker *w,
                    const struct msg *msg);
 void loss_no_room(struct coord *c, struct coord_worker *w,
                   const struct msg *msg);
-void loss_still(struct coord *c, struct coord_worker *w,
-                const struct msg *msg);
+void loss_still(struct coord *c, struct coord_worker *w, const struct msg *msg);
 
 /* A worker's connection is gone: end its attempts; their units wait again. */
 void loss_worker_gone(struct coord *c, struct coord_worker *w);

@@ -13,7 +13,7 @@
 #include "sched/loss.h"
 #include "sched/yield.h"
 
-#define DRAIN_WAIT_MS 500 /* the facts of a parked unit have come after this */
+#define DRAIN_WAIT_MS 500 /* time for the facts of a parked unit to come */
 
 /* Take units that only wait from workers that get no more units: their facts
  * are here, for the workers that get them next. */

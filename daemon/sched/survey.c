@@ -25,8 +25,7 @@
 #define CHUNKS_A_WORKER 4
 #define MOST_CRASHES    2    /* children that may die of a chunk */
 #define LATE_MS         2000 /* then a chunk goes to another worker, too */
-#define LEAVING_MS      5000 /* how long a worker that leaves may take to answer
-                              */
+#define LEAVING_MS      5000 /* time for a worker that leaves to answer */
 
 struct chunk {
     uint32_t first, n; /* parts [first, first + n) */
@@ -36,9 +35,9 @@ struct chunk {
 };
 
 struct survey {
-    uint32_t rays; /* pixels to trace of each part */
-    bool tests;    /* costs are intersection tests, else rays */
-    bool failed;   /* the estimate is given up */
+    uint32_t rays;          /* pixels to trace of each part */
+    bool tests;             /* costs are intersection tests, else rays */
+    bool failed;            /* the estimate is given up */
     uint32_t nchunks, left; /* left: chunks that are not done */
     struct chunk *chunk;
     double *cost;      /* of each part */
