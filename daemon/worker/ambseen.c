@@ -1,7 +1,7 @@
 /* ambseen.c - see ambseen.h
  *
- * The numbers are spread evenly already, so a table does that is at most half
- * full, and in which a number whose slot is taken goes to the next. */
+ * A hash table, at most half full; the numbers are evenly spread already.  A
+ * number whose slot is taken goes to the next free one. */
 #include "config.h"
 
 #include "worker/ambseen.h"
@@ -12,7 +12,7 @@
 #include <string.h>
 
 #define FEWEST 1024
-#define MORE   4 /* times as large: to be filled anew costs more than room */
+#define MORE   4 /* growth factor: filling a table anew costs more than room */
 
 /* The finalizer of SplitMix64 (Steele, Lea & Flood 2014). */
 static uint64_t
@@ -25,9 +25,9 @@ mix(uint64_t x)
     return x ^ x >> 31;
 }
 
-/* A hash of the record's place, irradiance and radii.  Two records that agree
- * in all of these but face other ways, as on both sides of a sheet in even
- * light, count as one: the second is made again.  Never 0. */
+/* A hash of the record's place, irradiance and radii, never 0.  Two records
+ * that differ only in the direction that they face, as on both sides of a sheet
+ * in even light, count as one: the second is made again. */
 static uint64_t
 number_of(const uint8_t *record)
 {
@@ -43,7 +43,7 @@ number_of(const uint8_t *record)
     return h ? h : 1;
 }
 
-/* The slot of a number, which holds it or is free. */
+/* The slot that holds the number, or the free one where it belongs. */
 static uint64_t *
 find(const struct ambseen *s, uint64_t number)
 {

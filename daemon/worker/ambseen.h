@@ -1,13 +1,13 @@
 /* ambseen.h - which ambient records a job's child has had
  *
  * A record usually comes to each worker once.  But a worker that joins, or
- * starts a job again with a new life of the coordinator, is sent the whole
- * cache of another, most of which it may have had, or even made; and while
- * links change some records come by two ways.  Twice in the cache, a record
- * would take memory and slow down look-ups.
- * Of a record a number of 64 bits is kept.  Among a million records two have
- * the same number with a probability of 3e-8; one of them is then made again.
- * Thread: one. */
+ * starts a job again with a new life of the coordinator, gets the whole cache
+ * of another worker, most of which it may have had or made itself; and while
+ * links change some records come by two ways.  A record that is in the cache
+ * twice takes memory and slows look-ups down.
+ * The set keeps a 64 bit hash of each record.  The probability that two of a
+ * million records have the same hash is 3e-8; the second of them is not used.
+ * Thread: the child's loop. */
 #ifndef RADD_DAEMON_AMBSEEN_H
 #define RADD_DAEMON_AMBSEEN_H
 
@@ -22,7 +22,7 @@ struct ambseen {
     size_t n;
 };
 
-/* Add a record (AMBSHARE_BYTES as they travel).  True: it is new, or memory is
+/* Add a record, as AMBSHARE_BYTES on the wire.  True: it is new, or memory is
  * out. */
 bool ambseen_add(struct ambseen *s, const uint8_t *record);
 

@@ -1,9 +1,9 @@
 /* gather.c - see gather.h
  *
- * Of some passes records are kept, from the first that the child lacks: the
- * coordinator goes on to the next ones without waiting for this worker.
- * Each tile's records are passed on once, so that they do not go round however
- * workers are told to feed each other. */
+ * Records are kept of WJOB_PASSES passes from the first that the child lacks
+ * on, for the coordinator goes on to further passes without waiting for this
+ * worker.  Each tile's records are passed on to peers once: so they cannot go
+ * round for ever, whatever feeds whatever. */
 #include "config.h"
 
 #include "worker/gather.h"
@@ -18,12 +18,12 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Records that are under way when a pass is closed take no longer than that one
- * after the other. */
+/* Records that are on the way when a pass is closed follow each other within
+ * this time. */
 #define QUIET_MS 100
 
-/* Records of a job's passes that are here, in bytes: of a stage no coordinator
- * takes more (filling/passes.c). */
+/* Most bytes of records of a job's passes that are kept: the most that a stage
+ * may have (filling/passes.c). */
 #define MOST_BYTES SAVED_STAGE_BYTES
 
 #define PASSES WJOB_PASSES
@@ -35,24 +35,23 @@ struct gtile {
 
 /* The records of a pass, by tile. */
 struct gpass {
-    uint32_t pass;
-    uint32_t room;
-    struct gtile *tile;
-    uint64_t bytes;
-    bool closed; /* it is, with: */
-    uint32_t count;
-    uint64_t sum;
-    bool asks;
+    uint32_t pass;      /* its number */
+    uint32_t room;      /* length of tile */
+    struct gtile *tile; /* of each tile that came */
+    uint64_t bytes;     /* of all records */
+    bool closed;        /* CLOSED came, with: */
+    uint32_t count;     /* how many records there are */
+    uint64_t sum;       /* hash of their bytes */
+    bool asks;          /* the coordinator waits for HOLDS */
 };
 
 struct gather {
-    struct gpass of[PASSES]; /* by the pass's number */
-    uint32_t closed;         /* passes before are closed */
-    bool lacks;              /* the coordinator was told that the first of
-                              * these which the child has not got is not whole:
-                              * it comes as FROZEN */
-    uint64_t heard_ms;       /* when something of that pass came */
-    uint32_t nfed;
+    struct gpass pass[PASSES]; /* by pass number modulo PASSES */
+    uint32_t closed;   /* number of the pass after the last closed one */
+    bool lacks;        /* the coordinator was told that the next pass of
+                        * the child is not whole here, and sends FROZEN */
+    uint64_t heard_ms; /* when something of that pass last came */
+    uint32_t nfed;     /* workers that this worker feeds */
     char fed[MSG_MOST_FED][MSG_MAX_NAME + 1];
 };
 
@@ -71,7 +70,7 @@ gather_release(struct wjob *job)
     if (!job->gather)
         return;
     for (int i = 0; i < PASSES; i++)
-        drop_pass(&job->gather->of[i]);
+        drop_pass(&job->gather->pass[i]);
     free(job->gather);
     job->gather = NULL;
 }
@@ -86,6 +85,7 @@ open_gather(struct worker *w, struct wjob *job)
     return job->gather;
 }
 
+/* Is the pass one of those that are kept? */
 static bool
 is_near(const struct wjob *job, uint32_t pass)
 {
@@ -103,17 +103,17 @@ gather_turn(struct wjob *job)
     g->closed = 0;
     g->lacks = false;
     for (int i = 0; i < PASSES; i++) {
-        g->of[i].closed = false;
-        if (!is_near(job, g->of[i].pass))
-            drop_pass(&g->of[i]);
+        g->pass[i].closed = false;
+        if (!is_near(job, g->pass[i].pass))
+            drop_pass(&g->pass[i]);
     }
 }
 
-/* What is known of a pass that is near. */
+/* The place of a pass that is near; empty if it had another pass. */
 static struct gpass *
 pass_at(struct gather *g, uint32_t pass)
 {
-    struct gpass *p = &g->of[pass % PASSES];
+    struct gpass *p = &g->pass[pass % PASSES];
 
     if (p->pass != pass) {
         drop_pass(p);
@@ -124,7 +124,7 @@ pass_at(struct gather *g, uint32_t pass)
 
 /* --- records that come --- */
 
-/* Room for that many tiles; false: memory is out. */
+/* Make room for that many tiles; false: memory is out. */
 static bool
 make_room(struct gpass *p, uint32_t tiles)
 {
@@ -144,24 +144,24 @@ make_room(struct gpass *p, uint32_t tiles)
     return true;
 }
 
-/* Is there room for so many bytes more, of a job's passes that are here and of
- * that one? */
+/* May so many more bytes be kept, of the job's passes in all and of this one?
+ */
 static bool
 is_within(const struct gather *g, const struct gpass *p, size_t more)
 {
     uint64_t all = more;
 
     for (int i = 0; i < PASSES; i++)
-        all += g->of[i].bytes;
+        all += g->pass[i].bytes;
     return all <= MOST_BYTES &&
            (!p->closed ||
             p->bytes + more <= (uint64_t)p->count * AMBSHARE_BYTES);
 }
 
-/* Keep a tile's records; false: they are here, or of no use. */
+/* Keep a tile's records; false: they were here, or are of no use. */
 static bool
-keep(struct worker *w, struct gather *g, struct gpass *p,
-     const struct msg_tile_records *m)
+keep_tile(struct worker *w, struct gather *g, struct gpass *p,
+          const struct msg_tile_records *m)
 {
     struct gtile *t;
 
@@ -200,10 +200,10 @@ pass_on(struct worker *w, struct wjob *job, const struct msg_tile_records *m)
     }
 }
 
-/* --- a pass that is closed --- */
+/* --- closed passes --- */
 
 static void
-say(struct worker *w, const struct wjob *job, bool whole)
+send_holds(struct worker *w, const struct wjob *job, bool whole)
 {
     struct msg m = { .type = MSG_HOLDS,
                      .holds = { job->id, job->ready.passes, whole } };
@@ -212,13 +212,13 @@ say(struct worker *w, const struct wjob *job, bool whole)
 }
 
 static void
-say_lacks(struct worker *w, struct wjob *job)
+tell_lack(struct worker *w, struct wjob *job)
 {
     job->gather->lacks = true;
-    say(w, job, false);
+    send_holds(w, job, false);
 }
 
-/* All records of a pass in the order of tiles; NULL: memory is out. */
+/* All records of a pass, in the order of tiles; NULL: memory is out. */
 static uint8_t *
 put_together(const struct gpass *p)
 {
@@ -244,8 +244,7 @@ give_child(struct worker *w, struct wjob *job, const uint8_t *all, uint32_t n)
         worker_send_child(w, job, &m);
 }
 
-/* The child gets a pass that is closed if all its records are here; false: they
- * are not. */
+/* Give the child the records of a closed pass; false: they are not all here. */
 static bool
 give_pass(struct worker *w, struct wjob *job, struct gpass *p)
 {
@@ -261,10 +260,10 @@ give_pass(struct worker *w, struct wjob *job, struct gpass *p)
     }
     whole = rowsum_hash(all, p->bytes) == p->sum;
     if (!whole) {
-        say_lacks(w, job);
+        tell_lack(w, job);
     } else {
         if (p->asks)
-            say(w, job, true);
+            send_holds(w, job, true);
         give_child(w, job, all, p->count);
         wjob_next_pass(job);
     }
@@ -273,10 +272,9 @@ give_pass(struct worker *w, struct wjob *job, struct gpass *p)
     return whole;
 }
 
-/* Passes that are closed go to the child, in their order, up to one that is not
- * here. */
+/* Give the child closed passes, in their order, as far as they are here. */
 static void
-look(struct worker *w, struct wjob *job)
+feed_child(struct worker *w, struct wjob *job)
 {
     struct gather *g = job->gather;
     bool gave = true;
@@ -284,8 +282,8 @@ look(struct worker *w, struct wjob *job)
     while (gave && !g->lacks && job->ready.passes < g->closed) {
         struct gpass *p = pass_at(g, job->ready.passes);
 
-        if (!p->closed) { /* it was far ahead when it was */
-            say_lacks(w, job);
+        if (!p->closed) { /* when CLOSED came the pass was too far ahead */
+            tell_lack(w, job);
             return;
         }
         gave = give_pass(w, job, p);
@@ -300,17 +298,17 @@ gather_take(struct worker *w, struct wjob *job,
 {
     struct gather *g = is_near(job, m->pass) ? open_gather(w, job) : NULL;
 
-    if (!g || !keep(w, g, pass_at(g, m->pass), m))
+    if (!g || !keep_tile(w, g, pass_at(g, m->pass), m))
         return;
     job->bytes_in += m->len;
     pass_on(w, job, m);
     if (m->pass == job->ready.passes) {
         g->heard_ms = w->now_ms;
-        look(w, job);
+        feed_child(w, job);
     }
 }
 
-/* The first pass that may be open. */
+/* The number of the first pass that may be open. */
 static uint32_t
 next_closed(const struct wjob *job)
 {
@@ -326,7 +324,7 @@ gather_closed(struct worker *w, struct wjob *job, const struct msg_closed *m)
     struct gpass *p;
 
     if (!g || m->pass != next_closed(job))
-        return; /* the coordinator will hear of the lost child */
+        return; /* the coordinator is about to hear that the child is gone */
     if (is_near(job, m->pass)) {
         p = pass_at(g, m->pass);
         p->closed = true;
@@ -337,7 +335,7 @@ gather_closed(struct worker *w, struct wjob *job, const struct msg_closed *m)
     g->closed = m->pass + 1;
     if (m->pass == job->ready.passes)
         g->heard_ms = w->now_ms;
-    look(w, job);
+    feed_child(w, job);
 }
 
 void
@@ -347,10 +345,10 @@ gather_frozen(struct worker *w, struct wjob *job)
 
     if (!g)
         return;
-    drop_pass(&g->of[(job->ready.passes - 1) % PASSES]);
+    drop_pass(&g->pass[(job->ready.passes - 1) % PASSES]);
     g->lacks = false;
     g->heard_ms = w->now_ms;
-    look(w, job);
+    feed_child(w, job);
 }
 
 void
@@ -372,5 +370,5 @@ gather_tick(struct worker *w, struct wjob *job)
 
     if (g && !g->lacks && job->ready.passes < g->closed &&
         w->now_ms - g->heard_ms >= QUIET_MS)
-        say_lacks(w, job);
+        tell_lack(w, job);
 }

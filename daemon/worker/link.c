@@ -14,8 +14,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define CALLER_MS    10000 /* for a PEER-HELLO, and for the coordinator's word */
-#define RETRY_MS     100   /* twice as long each time */
+#define CALLER_MS    10000 /* time for PEER_HELLO and JOB_PEERS to come */
+#define RETRY_MS     100   /* before dialling again, doubled each time */
 #define MOST_TRIES   6
 #define MOST_CALLERS 64
 
@@ -51,7 +51,7 @@ drop_caller(struct worker *w, struct wcaller *caller)
 }
 
 static void
-linked(struct worker *w, struct wjob *job, struct wpeer *p)
+link_up(struct worker *w, struct wjob *job, struct wpeer *p)
 {
     struct msg give = { .type = MSG_GIVE, .give = { p->id } };
 
@@ -66,7 +66,7 @@ linked(struct worker *w, struct wjob *job, struct wpeer *p)
     relay_linked(w, job, p->name);
 }
 
-/* Compare two tokens in a time that does not depend on them. */
+/* Compare two tokens in a time that does not depend on where they differ. */
 static bool
 same_token(const uint8_t *a, const uint8_t *b)
 {
@@ -77,7 +77,8 @@ same_token(const uint8_t *a, const uint8_t *b)
     return differ == 0;
 }
 
-/* A caller that said hello belongs to a peer that is expected: link them. */
+/* Link a caller that said PEER_HELLO with the peer that it is; false: no such
+ * peer is expected. */
 static bool
 match(struct worker *w, struct wcaller *caller)
 {
@@ -92,7 +93,7 @@ match(struct worker *w, struct wcaller *caller)
         return false;
     p->conn = caller->conn;
     drop_caller(w, caller);
-    linked(w, job, p);
+    link_up(w, job, p);
     return true;
 }
 
@@ -124,7 +125,7 @@ link_introduce(struct worker *w, struct wjob *job,
         const struct msg_peer *in = &m->peers[i];
         struct wpeer *p = peer_named(job, in->name);
 
-        if (p) /* a peer that is new again, or no longer welcome */
+        if (p) /* it is introduced anew, or dropped */
             peer_free(w, job, p);
         if (in->flags & MSG_PEER_DROP)
             continue;
@@ -178,18 +179,18 @@ link_opened(struct worker *w, uint64_t conn)
         return false;
     m.peer_hello = (struct msg_peer_hello){ job->id, w->env.name, p->token };
     actions_send(&w->actions, conn, &m);
-    linked(w, job, p);
+    link_up(w, job, p);
     return true;
 }
 
-/* A link broke, or did not come about: who dialled it dials again, and the
- * other end expects that.  Of a peer that is gone the coordinator says so. */
+/* A link broke, or a dial failed: the worker that dialled dials again, and the
+ * other waits for that.  If a peer is gone for good the coordinator says so. */
 static void
-broke(struct worker *w, struct wjob *job, struct wpeer *p)
+link_lost(struct worker *w, struct wjob *job, struct wpeer *p)
 {
     p->conn = 0;
     if (p->state == PEER_LINKED)
-        lossy_release(&p->queue); /* what was under way is lost */
+        lossy_release(&p->queue); /* records under way are lost */
     if (!(p->flags & MSG_PEER_DIAL)) {
         p->state = PEER_EXPECTED;
         match_callers(w);
@@ -212,7 +213,7 @@ link_closed(struct worker *w, uint64_t conn)
         drop_caller(w, k);
     if (!p)
         return k != NULL;
-    broke(w, job, p);
+    link_lost(w, job, p);
     return true;
 }
 
@@ -229,7 +230,7 @@ caller_hello(struct worker *w, struct wcaller *k,
     memcpy(k->job, m->job, MSG_JOB);
     memcpy(k->token, m->token, MSG_TOKEN);
     snprintf(k->name, sizeof k->name, "%s", m->name);
-    /* until a caller is matched its messages are read and dropped */
+    /* messages of a caller are ignored until it is matched with a peer */
     actions_session(&w->actions, k->conn, MSG_AT_PEER, MSG_VERSION);
     match(w, k);
 }
@@ -240,7 +241,7 @@ line_bytes(const struct msg_base_line *m)
     return (size_t)m->n * m->channels * 4 + m->ndensity;
 }
 
-/* Give the child a base line from a peer; false: no frame has such a line. */
+/* Give the child a base line from a peer; false: the job has no such line. */
 static bool
 receive_line(struct worker *w, struct wjob *job, const struct msg *m)
 {

@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* The most bytes of records that wait for a link that is to come. */
+/* Most bytes of records that wait for a link to come up. */
 #define EARLY_BYTES ((size_t)1 << 20)
 
 void

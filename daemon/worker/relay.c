@@ -1,14 +1,14 @@
-/* relay.c - shared lines, and tiles of passes, on their way through a worker
+/* relay.c - see relay.h
  *
  * Messages about units that the child has pass between the coordinator and the
  * child.  A base line that the child makes goes to the coordinator, and at once
  * to the peer that waits for it.  The coordinator names that peer
- * (NEXT_HOLDER), often before the line is begun, sometimes when it is made
- * already, and may name another later.  So the pieces of a base line are kept
- * here, put together, and sent from the beginning to a peer that is named, or
- * linked, later.  When there are too many lines the oldest are dropped: the
- * coordinator has a copy of all.  Unlike ambient records, base lines are never
- * dropped on a link that lives. */
+ * (NEXT_HOLDER): often before the line is begun, sometimes when it is made
+ * already, and it may name another peer later.  So the pieces of each base line
+ * are kept here, put together, and a peer that is named or linked late gets
+ * them from the first on.  If there are too many lines the oldest are dropped,
+ * for the coordinator has a copy of all.  Unlike ambient records, base lines
+ * are never dropped on a link that works. */
 #include "config.h"
 
 #include "worker/relay.h"
@@ -23,18 +23,20 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define MOST_BYTES ((size_t)64 << 20) /* of kept lines of a job */
-#define MOST_LINES 65536              /* kept, or known by name */
+#define MOST_BYTES ((size_t)64 << 20) /* of kept base lines of a job */
+#define MOST_LINES 65536              /* base lines kept, or named */
 #define BUCKETS    256
 
+/* A base line of the job, as far as it came. */
 struct rline {
-    struct rline *next;    /* the newer one */
-    struct rline *chained; /* in its bucket */
+    struct rline *next;    /* the next newer line */
+    struct rline *chained; /* next in its bucket */
     uint32_t frame, line;
     struct shelf shelf;
     char name[MSG_MAX_NAME + 1]; /* the peer that waits for it; "": none */
-    uint32_t to;                 /* peer that the next two are of; 0: none */
-    uint32_t sent_x, sent_d;
+    uint32_t to;                 /* id of the peer that sent_x and sent_d are
+                                  * about; 0: none */
+    uint32_t sent_x, sent_d;     /* columns and densities sent to that peer */
 };
 
 struct relay {
@@ -79,7 +81,7 @@ drop_oldest(struct relay *r)
     free(l);
 }
 
-/* The line, made if need be; NULL when memory is out. */
+/* The line, made if need be; NULL: memory is out. */
 static struct rline *
 make_line(struct wjob *job, uint32_t frame, uint32_t line)
 {
@@ -124,7 +126,7 @@ relay_release(struct wjob *job)
 /* --- pieces --- */
 
 static bool
-put(struct relay *r, struct rline *l, const struct msg_base_line *m)
+put_piece(struct relay *r, struct rline *l, const struct msg_base_line *m)
 {
     size_t before = shelf_bytes(&l->shelf);
     int rc = shelf_put(&l->shelf, m);
@@ -133,11 +135,11 @@ put(struct relay *r, struct rline *l, const struct msg_base_line *m)
     return rc == 0;
 }
 
-/* The piece from column *x and density *first on, which then stand behind it;
- * false: there is none. */
+/* Put into *m the next piece of the line, from column *x and density *first on,
+ * and move *x and *first behind it; false: there is no more. */
 static bool
-piece(const struct wjob *job, const struct rline *l, uint32_t *x,
-      uint32_t *first, struct msg_base_line *m)
+next_piece(const struct wjob *job, const struct rline *l, uint32_t *x,
+           uint32_t *first, struct msg_base_line *m)
 {
     *m = (struct msg_base_line){ .job = job->id,
                                  .frame = l->frame,
@@ -147,10 +149,10 @@ piece(const struct wjob *job, const struct rline *l, uint32_t *x,
 
 /* --- to peers --- */
 
-/* Send the peer that waits for the line the pieces that it has not got, if it
- * is linked. */
+/* Send the peer that waits for the line, if it is linked, the pieces that it
+ * has not got. */
 static void
-flush(struct worker *w, struct wjob *job, struct rline *l)
+send_to_waiting(struct worker *w, struct wjob *job, struct rline *l)
 {
     struct wpeer *p = l->name[0] ? peer_linked(job, l->name) : NULL;
     struct msg m = { .type = MSG_BASE_LINE };
@@ -161,7 +163,7 @@ flush(struct worker *w, struct wjob *job, struct rline *l)
         l->to = p->id;
         l->sent_x = l->sent_d = 0;
     }
-    while (piece(job, l, &l->sent_x, &l->sent_d, &m.base_line))
+    while (next_piece(job, l, &l->sent_x, &l->sent_d, &m.base_line))
         peer_send(w, job, p, &m);
 }
 
@@ -171,7 +173,7 @@ relay_linked(struct worker *w, struct wjob *job, const char *name)
     for (struct rline *l = job->relay ? job->relay->first : NULL; l;
          l = l->next)
         if (strcmp(l->name, name) == 0)
-            flush(w, job, l);
+            send_to_waiting(w, job, l);
 }
 
 static void
@@ -185,21 +187,21 @@ next_holder(struct worker *w, struct wjob *job, const struct msg *msg)
         return;
     }
     snprintf(l->name, sizeof l->name, "%s", m->name);
-    flush(w, job, l);
+    send_to_waiting(w, job, l);
 }
 
 /* --- from the child --- */
 
 static void
-made(struct worker *w, struct wjob *job, const struct msg_base_line *m)
+keep_line(struct worker *w, struct wjob *job, const struct msg_base_line *m)
 {
     struct rline *l = make_line(job, m->frame, m->line);
 
-    if (!l || !put(job->relay, l, m)) {
+    if (!l || !put_piece(job->relay, l, m)) {
         w->actions.failed = true;
         return;
     }
-    flush(w, job, l);
+    send_to_waiting(w, job, l);
     while (job->relay->bytes > MOST_BYTES && job->relay->first->next)
         drop_oldest(job->relay);
 }
@@ -213,15 +215,15 @@ relay_repeat(struct worker *w, const struct wjob *job)
          l = l->next) {
         uint32_t x = 0, first = 0;
 
-        while (piece(job, l, &x, &first, &m.base_line))
+        while (next_piece(job, l, &x, &first, &m.base_line))
             actions_send(&w->actions, w->coord, &m);
     }
 }
 
 /* --- down to the child --- */
 
-/* TWIN, SPLIT, YIELD and LEND, which begin with the attempt at a unit: if the
- * child has that. */
+/* TWIN, SPLIT, YIELD or LEND for an attempt, which all begin with the same
+ * fields: pass it on if the child has the attempt. */
 static void
 on_attempt(struct worker *w, struct wjob *job, const struct msg *m)
 {
@@ -233,12 +235,12 @@ static void
 to_child(struct worker *w, struct wjob *job, const struct msg *m, size_t len)
 {
     if (job->state != WJOB_READY)
-        return; /* the coordinator will hear of the lost child */
+        return; /* the coordinator is about to hear that the child is gone */
     job->bytes_in += len;
     worker_send_child(w, job, m);
 }
 
-/* Columns that another worker lends are a unit like others, until PAID. */
+/* Columns that another worker lends are a unit of the child until PAID. */
 static void
 on_loan(struct worker *w, struct wjob *job, const struct msg *m)
 {
@@ -298,14 +300,15 @@ on_tile(struct worker *w, struct wjob *job, const struct msg *m)
 {
     w->progress++;
     if (job->state != WJOB_READY || m->tile.pass < job->ready.passes)
-        return; /* its pass was closed, or the coordinator will hear of the lost
-                 * child */
+        return; /* its pass was closed, or the coordinator is about to hear that
+                 * the child is gone */
     if (m->tile.pass - job->ready.passes < WJOB_PASSES)
         job->ntiles[m->tile.pass % WJOB_PASSES]++;
     worker_send_child(w, job, m);
 }
 
-/* A child that was lost meanwhile gets all passes again, from the first. */
+/* Ignore a pass that is not the child's next: a new child gets all passes again
+ * from the first. */
 static void
 on_frozen(struct worker *w, struct wjob *job, const struct msg *m)
 {
@@ -388,7 +391,7 @@ relay_down(struct worker *w, const struct msg *m)
 {
     const struct handler *h = find_handler(
         downwards, sizeof downwards / sizeof downwards[0], m->type);
-    /* all of these messages begin with the id of their job */
+    /* all these messages begin with the job's id */
     struct wjob *job = h ? worker_find_job(w, m->twin.job) : NULL;
 
     if (job)
@@ -397,7 +400,8 @@ relay_down(struct worker *w, const struct msg *m)
 
 /* --- up --- */
 
-/* Send a message up, if the coordinator is there; its loss costs time alone. */
+/* Send a message up if the coordinator is there.  If it is lost pixels are
+ * traced again, no more. */
 static void
 pass_up(struct worker *w, struct wjob *job, const struct msg *m)
 {
@@ -428,7 +432,7 @@ child_parked(struct worker *w, struct wjob *job, const struct msg *m)
     pass_up(w, job, m);
 }
 
-/* The child is at the unit again: should it die, the unit is a suspect. */
+/* The child works on the unit again: if it dies the unit is a suspect. */
 static void
 child_resumed(struct worker *w, struct wjob *job, const struct msg *m)
 {
@@ -439,9 +443,10 @@ child_resumed(struct worker *w, struct wjob *job, const struct msg *m)
         u->parked = false;
 }
 
-/* Pass PAID on even if the loan was revoked meanwhile, for no other message has
- * its cost.  TALLY has the sum of all PAIDs, in case a PAID is lost; a child's
- * sum begins at 0, which the coordinator is told before the first PAID. */
+/* Pass PAID on even if the loan was revoked meanwhile, for no other message
+ * tells its cost.  In case a PAID is lost TALLY tells the sum of all.  A new
+ * child's sum begins at 0: the coordinator is told that before its first PAID.
+ */
 static void
 child_paid(struct worker *w, struct wjob *job, const struct msg *m)
 {
@@ -468,7 +473,8 @@ child_gave(struct worker *w, struct wjob *job, const struct msg *m)
     pass_up(w, job, m);
 }
 
-/* Give the child back all columns that it lent of the unit. */
+/* Tell the child that all columns which it lent of the unit are its own again.
+ */
 static void
 give_back(struct worker *w, struct wjob *job, struct wunit *u)
 {
@@ -504,7 +510,7 @@ child_loan(struct worker *w, struct wjob *job, const struct msg *m)
     if (w->welcome)
         pass_up(w, job, m);
     else
-        give_back(w, job, u); /* there is nobody to lend to */
+        give_back(w, job, u); /* nobody can borrow now */
 }
 
 static void
@@ -512,7 +518,7 @@ child_base_line(struct worker *w, struct wjob *job, const struct msg *m)
 {
     job->base_line_pixels += m->base_line.n;
     pass_up(w, job, m);
-    made(w, job, &m->base_line);
+    keep_line(w, job, &m->base_line);
 }
 
 static void
@@ -545,6 +551,6 @@ relay_up(struct worker *w, struct wjob *job, const struct msg *m)
     if (!h)
         return;
     pass.request = 0;
-    pass.parked.job = job->id; /* whatever the child says; all begin with it */
+    pass.parked.job = job->id; /* in place of the child's; all begin with it */
     h->handle(w, job, &pass);
 }

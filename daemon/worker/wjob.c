@@ -1,9 +1,9 @@
-/* wjob.c - the jobs of a worker: their units, results and children
+/* wjob.c - see wjob.h
  *
- * A unit is with the child until its last rows are there.  A RESULT is kept, as
- * bytes to be sent, until the coordinator has acknowledged it.  So results
- * outlive their units and the connection, but not the job, and results of units
- * that are given up are freed with these. */
+ * A unit is listed until its last rows came from the child.  A RESULT is kept
+ * as bytes, ready to be sent, until the coordinator has acknowledged it.  So
+ * results outlive their unit and the connection, but not the job; results of a
+ * unit that is given up are freed with it. */
 #include "config.h"
 
 #include "worker/wjob.h"
@@ -140,7 +140,7 @@ wjob_kill_child(struct worker *w, struct wjob *job)
     lossy_release(&job->to_child);
 }
 
-/* Note the properties of the pictures that a worker needs. */
+/* Note what a worker needs to know of the job's frames. */
 static void
 note_frames(struct wjob *job, const struct msg_spec *spec)
 {
@@ -232,8 +232,8 @@ wjob_next_pass(struct wjob *job)
     job->ntiles[job->ready.passes++ % WJOB_PASSES] = 0;
 }
 
-/* As far as the worker can tell: there is at most one density for each column;
- * the child knows the frame, and looks closer. */
+/* The worker does not know the frame, only that a base line has at most one
+ * density for each column; the child checks the rest. */
 bool
 wjob_fits_line(const struct wjob *job, const struct msg_base_line *m)
 {

@@ -1,16 +1,15 @@
 /* worker.c - see worker.h
  *
- * A job at a worker goes from fetching its files to loading (a child was
- * started) to ready.  Its units are with the child in the order in which they
- * came; when the child dies, the first of them, one per thread, are named as
- * suspects.
+ * A job goes from fetching its files to loading (its child was started) to
+ * ready.  Its units are listed in the order in which they came; if the child
+ * dies the first of them, one for each thread, are named as suspects.
  *
- * When the coordinator is lost, the children go on and results are kept.  When
- * the coordinator is back, be it in another life, and starts the job again, the
- * worker first sends rows that were not acknowledged, then names the units that
- * are not finished (STILL), then says READY.  The coordinator revokes units
- * that other workers got meanwhile.  Until READY no new row is sent, for new
- * rows would overtake the kept ones. */
+ * When the coordinator is lost the children go on, and their results are kept.
+ * When it is back, perhaps in another life, and starts the job again, the
+ * worker first sends the rows that were not acknowledged, then names its
+ * unfinished units (STILL), then says READY.  The coordinator revokes units
+ * that other workers got meanwhile.  New rows are kept until then, for they
+ * would overtake the old ones. */
 #include "config.h"
 
 #include "worker/worker.h"
@@ -26,10 +25,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define FIRST_REDIAL_MS 500 /* wait; then twice as long each time, */
+#define FIRST_REDIAL_MS 500   /* before dialling again, doubled each time */
 #define LAST_REDIAL_MS  30000 /* up to this */
-#define LONG_TICK_MS    1000 /* longer is no tick: the process was stopped */
-#define STEADY_MS       10000 /* after such a connection dial without delay */
+#define LONG_TICK_MS    1000  /* ticks further apart: the process was stopped */
+#define STEADY_MS       10000 /* a connection this long resets the delay */
 
 static struct wjob *
 find_child(const struct worker *w, uint64_t conn)
@@ -54,8 +53,8 @@ dial(struct worker *w)
         a->text = "";
 }
 
-/* Wait longer each time, up to half as long again by chance, so that workers
- * do not come back all at once. */
+/* Plan the next dial.  Chance adds up to half of the delay, so that workers do
+ * not all come back at once. */
 static void
 dial_later(struct worker *w)
 {
@@ -71,7 +70,8 @@ dial_later(struct worker *w)
         w->delay_ms = LAST_REDIAL_MS;
 }
 
-/* Log the loss of the coordinator, unless it had said BYE or REFUSE. */
+/* The connection to the coordinator is gone; log that, unless it said BYE or
+ * REFUSE. */
 static void
 lost_coord(struct worker *w, const char *why)
 {
@@ -87,7 +87,7 @@ lost_coord(struct worker *w, const char *why)
     for (struct wjob *job = w->jobs; job; job = job->next)
         job->started = false;
     relay_cut(w);
-    while (w->away && w->jobs) /* the machine is somebody else's now */
+    while (w->away && w->jobs) /* the machine may not be used now */
         worker_end_job(w, w->jobs);
     if (w->draining)
         worker_stop(w, 0, "");
@@ -128,7 +128,7 @@ worker_free(struct worker *w)
 {
     if (!w)
         return;
-    w->env.leave = NULL; /* no job is left that the files could be for */
+    w->env.leave = NULL; /* no job needs room in the cache now */
     while (w->jobs)
         worker_end_job(w, w->jobs);
     link_release_callers(w);

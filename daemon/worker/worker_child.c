@@ -1,8 +1,9 @@
-/* worker_child.c - messages of a job's child, and its silence
+/* worker_child.c - messages of a job's child to its worker
  *
- * One handler per message, found in a table.  A child has one job: its messages
- * are about that job, whatever id they carry.  They are sent on if the
- * coordinator is there; results are kept in any case. */
+ * child_handlers[] has the handler of each message; relay.c has the others.  A
+ * child has one job, so its messages count as about that job, whatever id they
+ * carry.  They are passed on if the coordinator is there; results are kept in
+ * any case. */
 #include "config.h"
 
 #include "worker/worker_says.h"
@@ -43,7 +44,7 @@ child_result(struct worker *w, struct wjob *job, const struct msg *m)
     const struct msg_result *r = &m->result;
 
     if (!wjob_has_unit(job, r->unit, r->attempt))
-        return; /* revoked meanwhile */
+        return; /* the unit was revoked meanwhile */
     pass.result.job = job->id;
     pass.request = 0;
     out->len = 0;
@@ -68,7 +69,7 @@ child_tally(struct worker *w, struct wjob *job, const struct msg *m)
     worker_send_tally(w, job);
 }
 
-/* The child is of no more use. */
+/* Kill the child and tell the coordinator that it is lost. */
 static void
 lose_child(struct worker *w, struct wjob *job, bool local, const char *text)
 {
@@ -85,7 +86,7 @@ child_failed(struct worker *w, struct wjob *job, const struct msg *m)
 
     failed.failed.job = job->id;
     /* a fault of the scene is the same at all workers; with a fault of this
-     * machine, or of ours, another worker may try */
+     * machine or of radd itself another worker may try */
     if (m->failed.status == EX_SOFTWARE ||
         worker_status_is_local(m->failed.status)) {
         lose_child(w, job, m->failed.status != EX_SOFTWARE, m->failed.text);
@@ -99,7 +100,8 @@ child_failed(struct worker *w, struct wjob *job, const struct msg *m)
     job->state = WJOB_IDLE;
 }
 
-/* Pass on records of the child; records that answer a GIVE are not new. */
+/* Pass on records of the child.  Records for one peer (a->to, the answer to
+ * GIVE) are not new, so they are not for files. */
 static void
 child_ambient(struct worker *w, struct wjob *job, const struct msg *m)
 {

@@ -1,7 +1,7 @@
-/* worker_coord.c - messages of the coordinator
+/* worker_coord.c - messages of the coordinator to a worker
  *
- * One handler per message, found in a table.  Messages about shared lines are
- * relay.c's. */
+ * coord_handlers[] has the handler of each message; relay.c has those of shared
+ * lines and of passes. */
 #include "config.h"
 
 #include "worker/worker_says.h"
@@ -35,7 +35,7 @@ on_welcome(struct worker *w, const struct msg *m)
     actions_log(&w->actions, ACT_INFO,
                 "welcome program=%s epoch=%llu protocol=%u", m->welcome.program,
                 (unsigned long long)m->welcome.epoch, version);
-    /* the answer to a TALLY of a job that is over is JOB-END */
+    /* of a job that ended meanwhile the coordinator answers TALLY by JOB_END */
     for (struct wjob *job = w->jobs; job; job = job->next)
         worker_send_tally(w, job);
     if (w->draining || w->away) {
@@ -45,8 +45,8 @@ on_welcome(struct worker *w, const struct msg *m)
     }
 }
 
-/* A refusal is for good, unless its status says that later may be better.  A
- * status that is none of sysexits.h breaks the protocol. */
+/* The worker stops when it is refused, unless the status says to try later.  A
+ * status that is not of sysexits.h breaks the protocol. */
 static void
 on_refuse(struct worker *w, const struct msg *m)
 {
@@ -88,16 +88,17 @@ on_chunk(struct worker *w, const struct msg *m)
             job->bytes_in += m->chunk.len;
 }
 
-/* Give up borrowed columns: their lender has them again. */
+/* Give up borrowed columns: when the connection broke their lender took them
+ * back. */
 static void
-give_up(struct worker *w, struct wjob *job)
+drop_loans(struct worker *w, struct wjob *job)
 {
     for (size_t i = job->nunits; i-- > 0;)
         if (job->units[i].loan)
             wjob_revoke_unit(w, job, job->units[i].unit, job->units[i].attempt);
 }
 
-/* Name the units that the child is at. */
+/* Name the units that the child has. */
 static void
 say_still(struct worker *w, const struct wjob *job)
 {
@@ -115,14 +116,14 @@ say_still(struct worker *w, const struct wjob *job)
     }
 }
 
-/* The coordinator, which was away, starts a job that is here already. */
+/* The coordinator is back and starts a job that this worker is ready for. */
 static void
 resume_job(struct worker *w, struct wjob *job)
 {
     struct msg ready = { .type = MSG_READY, .ready = job->ready };
 
-    give_up(w, job);
-    /* a unit is nothing without its base line */
+    drop_loans(w, job);
+    /* before the rows: a unit is not complete without its bottom */
     if ((job->kept || job->nunits > 0) && w->welcome)
         relay_repeat(w, job);
     for (const struct wkept *k = job->kept; k; k = k->next)
@@ -131,8 +132,8 @@ resume_job(struct worker *w, struct wjob *job)
     worker_send_coord(w, &ready);
 }
 
-/* A coordinator that died before it had kept a job was given it again: another
- * job's cache may be the last one that fits by now. */
+/* Does JOB_START name another job's cache to begin with than before?  So it may
+ * be if the coordinator died before it kept the job, and got it once more. */
 static bool
 begins_otherwise(const struct wjob *job, const struct msg_spec *spec)
 {
@@ -181,7 +182,7 @@ on_unit(struct worker *w, const struct msg *m)
     struct wjob *job = worker_find_job(w, m->unit.job);
 
     if (!job || job->state != WJOB_READY)
-        return; /* the coordinator will hear of the lost child */
+        return; /* the coordinator is about to hear that the child is gone */
     if (!wjob_add_unit(job, m->unit.unit, m->unit.attempt)) {
         w->actions.failed = true;
         return;

@@ -1,4 +1,4 @@
-/* worker_end.c - a job is over at a worker */
+/* worker_end.c - the end of a job at a worker */
 #include "config.h"
 
 #include "worker/worker_says.h"

@@ -1,16 +1,17 @@
 /* worker_files.c - files that a worker's jobs need
  *
- * A file is asked for once, however many jobs need it; `asked` holds the files
- * that have not come.  A job starts its child when no file is missing.
+ * A file is asked for once, however many jobs need it; `asked` lists the files
+ * that have not come.  A job's child is started when no file is missing.
  *
- * If a job's files find no room here, or cannot be written, the coordinator is
- * told (ROOM) and gives the job to other workers.  Then we look for room again,
- * after a delay that grows, and tell the coordinator when there is room.
+ * If a job's files find no room, or cannot be written, the worker tells the
+ * coordinator (ROOM), which gives the job to other workers.  The worker looks
+ * for room again, after a delay that grows, and tells the coordinator when
+ * there is.
  *
- * Files of a job that ends may still come, or never, if the coordinator ended
- * the job before our WANT arrived.  They count as lapsed, and are asked for
- * again should another job need them.  Files that come twice, or were not asked
- * for, are ignored. */
+ * Files of a job that ended may still come, or never, if the coordinator ended
+ * the job before WANT arrived.  They are marked as lapsed, and asked for again
+ * if another job needs them.  Files that come twice, or were not asked for, are
+ * ignored. */
 #include "config.h"
 
 #include "worker/worker_files.h"
@@ -24,8 +25,8 @@
 #include <string.h>
 #include <sysexits.h>
 
-#define FIRST_LOOK_MS 1000
-#define LAST_LOOK_MS  30000
+#define FIRST_LOOK_MS 1000  /* delay before looking for room again, doubled */
+#define LAST_LOOK_MS  30000 /* up to this */
 
 static struct wasked *
 find_asked(const struct worker *w, const uint8_t *hash)
@@ -46,7 +47,7 @@ add_asked(struct worker *w, const uint8_t *hash)
     return true;
 }
 
-/* Take a file from those asked for; false: it is not among them. */
+/* Take a file off the list of those asked for; false: it is not listed. */
 static bool
 forget_asked(struct worker *w, const uint8_t *hash)
 {
@@ -57,7 +58,7 @@ forget_asked(struct worker *w, const uint8_t *hash)
     return a != NULL;
 }
 
-/* A file is missing: note it as asked for; true: it was not, so send a WANT. */
+/* List a missing file as asked for; true: it was not, and WANT is due. */
 static bool
 ask_anew(struct worker *w, const uint8_t *hash)
 {
@@ -81,9 +82,9 @@ want(struct worker *w, const uint8_t *hashes, uint32_t n)
         worker_send_coord(w, &m);
 }
 
-/* Ask for the job's missing files that were not asked for; start the child if
- * none is missing.  While the coordinator is away ask for none: it will start
- * the job again. */
+/* Start the child if no file is missing; else ask for the missing files that
+ * were not asked for.  Not while the coordinator is away: it will start the job
+ * again. */
 static void
 fetch(struct worker *w, struct wjob *job)
 {
@@ -112,7 +113,7 @@ fetch(struct worker *w, struct wjob *job)
         wjob_spawn(w, job);
 }
 
-/* How often the job names that file. */
+/* How often the job's list names the file. */
 static uint32_t
 times_named(const struct wjob *job, const uint8_t *hash)
 {
@@ -151,7 +152,7 @@ look_later(const struct worker *w, struct wjob *job)
 }
 
 static void
-fail(struct worker *w, struct wjob *job, int status, const char *text)
+fail_job(struct worker *w, struct wjob *job, int status, const char *text)
 {
     struct msg m = { .type = MSG_FAILED,
                      .failed = { job->id, (uint16_t)status, text } };
@@ -160,14 +161,14 @@ fail(struct worker *w, struct wjob *job, int status, const char *text)
     job->state = WJOB_IDLE;
 }
 
-/* Not now. */
+/* The job's files find no room, or cannot be written: try again later. */
 static void
-refuse(struct worker *w, struct wjob *job, int status, const char *text)
+wait_for_room(struct worker *w, struct wjob *job, int status, const char *text)
 {
     bool told = job->state == WJOB_NO_ROOM;
 
     if (w->env.one_disk) {
-        fail(w, job, status, text);
+        fail_job(w, job, status, text);
         return;
     }
     job->state = WJOB_NO_ROOM;
@@ -181,7 +182,7 @@ refuse(struct worker *w, struct wjob *job, int status, const char *text)
         w->env.leave(w->env.arg, job->id);
 }
 
-/* There is room again: the coordinator decides whether we get the job. */
+/* There is room again: tell the coordinator, which may start the job again. */
 static void
 offer_again(struct worker *w, struct wjob *job)
 {
@@ -192,9 +193,9 @@ offer_again(struct worker *w, struct wjob *job)
         w->env.leave(w->env.arg, job->id);
 }
 
-/* Are its files known, and room for the others? */
+/* Ask the shell which files are here, and whether the others find room. */
 static void
-look(struct worker *w, struct wjob *job)
+look_for(struct worker *w, struct wjob *job)
 {
     struct action_look l = { .nlook = job->nfiles,
                              .files = { job->nfiles, job->files },
@@ -209,7 +210,7 @@ void
 files_look(struct worker *w, struct wjob *job)
 {
     job->state = WJOB_FETCHING;
-    look(w, job);
+    look_for(w, job);
 }
 
 void
@@ -223,7 +224,7 @@ worker_looked(struct worker *w, uint64_t now_ms, const struct action_look *l)
     if (job->state != WJOB_FETCHING && job->state != WJOB_NO_ROOM)
         return;
     if (l->status != 0)
-        refuse(w, job, l->status, l->why);
+        wait_for_room(w, job, l->status, l->why);
     else if (job->state == WJOB_FETCHING)
         fetch(w, job);
     else
@@ -236,7 +237,7 @@ files_watch_room(struct worker *w)
     for (struct wjob *job = w->jobs; job; job = job->next)
         if (job->state == WJOB_NO_ROOM && w->now_ms >= job->look_ms) {
             job->look_ms = UINT64_MAX; /* until the look has ended */
-            look(w, job);
+            look_for(w, job);
         }
 }
 
@@ -248,7 +249,7 @@ worker_take_chunk(struct worker *w, const struct msg_chunk *chunk)
     struct wasked *a = find_asked(w, chunk->hash);
 
     if (!a || (a->state == WASKED_WANTED && chunk->offset > 0))
-        return false; /* of a file that was given up */
+        return false; /* the rest of a file that was given up */
     a->state = WASKED_COMES;
     return true;
 }
@@ -273,7 +274,7 @@ worker_file_stored(struct worker *w, uint64_t now_ms,
             continue;
         job->nmissing -= n < job->nmissing ? n : job->nmissing;
         if (job->nmissing == 0)
-            fetch(w, job); /* in case a file is gone again */
+            fetch(w, job); /* looks again: a file may have been removed */
     }
 }
 
@@ -290,6 +291,6 @@ worker_file_failed(struct worker *w, uint64_t now_ms,
         if (status == EX_PROTOCOL) /* the coordinator sent another file */
             wjob_send_lost(w, job, true, text);
         else
-            refuse(w, job, status, text);
+            wait_for_room(w, job, status, text);
     }
 }

@@ -1,4 +1,4 @@
-/* worker_post.c - messages of a worker to the coordinator and to children */
+/* worker_post.c - sending to the coordinator and to children; see state.h */
 #include "config.h"
 
 #include "worker/state.h"
