@@ -13,10 +13,8 @@
 #include "net/log.h"
 #include "users/uploads.h"
 
-/* A worker that is, or was, connected.  It may get work while conn is set and
- * neither drained nor leaving is (desk_takes_units()).  Its part in each job is
- * a struct job_worker (part.h), each attempt at a unit a struct job_go (go.h).
- */
+/* A worker that is, or was, connected.  May it get work? desk_takes_units().
+ * Its part in a job is a struct job_worker (part.h). */
 struct coord_worker {
     struct coord_worker *next;
     char name[MSG_MAX_NAME + 1];
@@ -33,8 +31,7 @@ struct coord_worker {
     uint32_t delivered;   /* attempts that are GO_DELIVERED */
     double relative;      /* speed of a thread in earlier jobs; 1: the mean */
     uint64_t free_ms;     /* when in_flight last became 0 */
-    int64_t priority;     /* highest priority of the jobs it has in flight;
-                           * INT64_MIN: none */
+    int64_t priority;     /* highest of its jobs in flight; INT64_MIN: none */
     int64_t rank;         /* the same, and of jobs that have units for it */
     uint32_t load;        /* of its host, in hundredths, by its last PING */
     uint64_t progress;    /* progress counter of the last PING */
@@ -72,12 +69,10 @@ struct coord_conn {
     struct coord_worker *worker; /* set in the session MSG_AT_COORD_WORKER */
     const struct job *watch;     /* job whose progress is sent to it */
     uint32_t watch_request;      /* request id of its SUBMIT */
-    uint64_t offer_ms;           /* first OFFER since its last SUBMIT; 0: none
-                                  */
+    uint64_t offer_ms;           /* first OFFER since last SUBMIT; 0: none */
     uint64_t sent_bytes;         /* bytes of CHUNK since offer_ms */
     uint64_t moved_ms;           /* when the last OFFER or CHUNK came */
-    uint32_t answers;            /* answers in the making, which take several
-                                  * turns of the loop */
+    uint32_t answers; /* answers that are being made, in several turns */
     struct coord_owner *payer;
     struct coord_settling *settling;
     struct coord_telling *telling;
@@ -114,10 +109,8 @@ struct coord {
     uint64_t known_ms;    /* when owners' known files last expired */
     uint64_t progress_ms; /* when PROGRESS was last sent */
     uint64_t lease_ms;    /* a unit that is out for less is not late */
-    bool stirred; /* any worker may get a unit or tile that it could not get at
-                   * the last sched_run() */
-    struct coord_worker *roomy; /* if not stirred: only this worker may; NULL:
-                                 * none may */
+    bool stirred; /* any worker may get a unit or tile since sched_run() */
+    struct coord_worker *roomy; /* if not stirred: only this one may; or NULL */
     uint32_t verdicts;          /* verdicts to be carried out */
     struct coord_conn *by_id[COORD_CONNS]; /* hash table of conns: chains */
     struct log_limit breaks; /* of log lines on connections of non-workers */

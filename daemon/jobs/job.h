@@ -60,9 +60,9 @@ struct job_speed {
     uint32_t threads; /* threads of all workers that are ready */
     double all;       /* sum of the speeds of workers that load or are ready */
     double pace;      /* cost that a speed of 1 works off in a ms; 0: unknown */
-    double finished;  /* cost of units that were finished or traced ahead, over
-                       * all attempts */
-    double workload;  /* sum over workers of work time [ms] times speed */
+    double
+        finished; /* cost of units finished or traced ahead, of all attempts */
+    double workload; /* sum over workers of work time [ms] times speed */
     uint32_t took_ms[JOB_DURATIONS]; /* ring: how long the last units took */
     uint32_t ntook;                  /* durations written to the ring so far */
 };
@@ -76,20 +76,17 @@ struct job {
     struct rad_arena mem;
     uint64_t sequence; /* order of submission */
     enum job_state state;
-    bool ending;          /* over, and the end is not carried out yet
-                           * (verdict.h) */
+    bool ending;          /* over, but not carried out yet (verdict.h) */
     enum job_stage stage; /* changed by job_step() alone */
     bool full;            /* the disk is full, so the job is held */
     bool watched;         /* a preview was asked for */
     uint32_t lives;       /* lives of the coordinator that the job outlived */
-    bool restored; /* it comes from an earlier life of the coordinator, and no
-                    * worker was ready since */
+    bool restored; /* from an earlier life, and no worker was ready since */
     struct stats_text *filing; /* statistics under way to the store, or NULL */
     struct msg_progress last;  /* how it ended; set in STAGE_FILED */
     uint64_t kept_bytes; /* size of its folder on the disk, once it is over */
     uint32_t unfetched;  /* frames that are written and not fetched */
-    uint64_t fetched_ms; /* when its owner last fetched a frame in this life of
-                          * the coordinator; 0: never */
+    uint64_t fetched_ms; /* when a frame was last fetched in this life; or 0 */
     uint32_t nfound;     /* the first nfound files were seen in the store */
     uint64_t found_ms;   /* when the last of these files was seen */
     int status;          /* of sysexits.h, in JOB_FAILED */
@@ -97,9 +94,8 @@ struct job {
     struct partition *partition; /* NULL until the first worker is ready */
     struct job_unit *units;      /* by their numbers in the partition */
     uint32_t nunits;
-    uint32_t *out; /* units that are out, in no order: the last fills the gap of
-                    * a unit that leaves, so a loop that may end attempts counts
-                    * down */
+    uint32_t *out; /* units that are out; the last fills the gap of one that
+                    * leaves, so a loop that may end attempts counts down */
     uint32_t nout;
     uint32_t late; /* units that are out for too long, and may have twins */
     struct coord_owner *payer; /* at whose limits the job counts */
@@ -107,21 +103,17 @@ struct job {
     struct kept_passes kept;
     struct kept_cache cache;
     struct passes *passes; /* NULL: no passes, or not yet */
-    bool exact;            /* pixels are a function of the job: it has no
-                            * ambient cache, or fills it in passes */
+    bool exact; /* no ambient cache, or in passes: pixels follow from the job */
     bool filling;          /* some of its passes are not closed */
     struct job_goal goal;  /* zeros: no goal */
     struct survey *survey; /* NULL: costs are not estimated, or all are */
     struct shared *shared; /* NULL: lines are not shared */
-    struct links *links; /* linking.h; NULL: each worker is linked with all, or
-                          * with none */
-    uint64_t base_line_bytes; /* bytes of base lines that the coordinator sent
-                               */
-    uint64_t late_rays;       /* facts that came twice, or when their line was
-                               * done */
-    uint32_t *suspects;       /* units that crashed a child: no longer in the
-                               * partition's queue; each goes to a worker that has
-                               * nothing else */
+    struct links
+        *links; /* linking.h; NULL: all workers are linked, or none is */
+    uint64_t base_line_bytes; /* of base lines that the coordinator sent */
+    uint64_t late_rays;       /* facts that came twice, or too late */
+    uint32_t *suspects; /* units that crashed a child; out of the partition's
+                         * queue, for workers that have nothing else */
     uint32_t nsuspects;
     struct job_frame *frames;
     uint32_t frames_ready; /* frames written, from the first without a gap */
@@ -138,11 +130,9 @@ struct job {
     uint64_t estimate_ms;       /* how long the estimate took */
     struct msg_counts surveyed; /* counts of the estimate */
     struct msg_counts tiled;    /* counts of the passes' tiles (passes.c) */
-    uint64_t rays_seen;   /* rays of units done, under way and lost; it only
-                           * grows */
+    uint64_t rays_seen;   /* of units done, under way and lost; only grows */
     uint64_t pixels_seen; /* pixels_done, and pixels that units under way have
-                           * passed; it only grows, and stays below
-                           * pixels_total */
+                           * passed; only grows, and stays below pixels_total */
     struct msg_nan nan;   /* its frame is the frame's number in the animation */
     struct msg_fault faults[MSG_FAULTS];
     struct msg_doubt doubt; /* of units that are done */
@@ -159,9 +149,8 @@ struct job {
  * each 4 windows that were asked for (never more than it has pixels), or once
  * for each 1024 rows if that is more, for windows and lines take the memory. */
 uint64_t job_count_frames(const struct msg_spec *spec);
-/* How many jobs this job counts as among those that are remembered: 1, and 1
- * more for each 400 counted frames, which take about 1 MiB.  After
- * job_lighten() each 400 frames take 80 KiB. */
+/* How many jobs it counts as while it is remembered: 1, and 1 more for each 400
+ * counted frames: about 1 MiB, and 80 KiB after job_lighten(). */
 uint32_t job_weight(const struct job *job);
 
 /* Copies what spec lends.  NULL: memory is out. */
