@@ -17,20 +17,21 @@ enum { MOST_PASSES = 2 };
 struct area {
     uint32_t frame; /* index */
     struct rad_window part;
-    /* by pass: made by the thread that took the area; then all in the first */
+    /* of each pass, by the thread that took the area; merge() puts all into the
+     * first */
     struct rad_sampled *sampled[MOST_PASSES];
-    size_t n[MOST_PASSES]; /* pixels by pass */
+    size_t n[MOST_PASSES]; /* length of sampled */
 };
 
 struct estimate {
     const struct rad_frame *frames; /* [fixed] */
     uint32_t id, rays, nareas;      /* [fixed] */
-    uint32_t passes;                /* [fixed]; the last pass counts */
-    struct area *areas;             /* [fixed]; each its taker's */
+    uint32_t passes;                /* [fixed]; costs are those of the last */
+    struct area *areas;             /* [fixed]; each belongs to its thread */
     struct msg_cost *costs;         /* likewise */
-    _Atomic uint32_t taken, done;   /* areas, of all passes */
-    struct msg_counts counts;       /* under the lock of estimate_count() */
-    /* estimate_facts(): the area and pixel that are next; the message */
+    _Atomic uint32_t taken, done;   /* areas, summed over passes */
+    struct msg_counts counts;       /* under the pool's lock */
+    /* of estimate_facts(): the next area and pixel; the message */
     uint32_t at;
     size_t at_pixel;
     uint8_t *bitmap, *pixels;
@@ -131,8 +132,9 @@ estimate_open(const struct estimate *e)
            e->nareas * e->passes;
 }
 
-/* The second pass has n pixels, too.  In an area of less than 2 n pixels some
- * of them are the first pass's, which are not kept twice. */
+/* Trace the pixels of a pass in an area: as many in each pass.  In an area of
+ * less than 2 n pixels some of the second pass are traced twice, and kept once.
+ */
 static void
 work_on(struct estimate *e, uint32_t i, uint32_t pass, struct rad_ctx *ctx,
         const _Atomic bool *stop)
@@ -147,7 +149,7 @@ work_on(struct estimate *e, uint32_t i, uint32_t pass, struct rad_ctx *ctx,
     struct rad_sampled *v = malloc((n + 1) * sizeof *v);
 
     if (!v)
-        abort(); /* the job goes on elsewhere */
+        abort(); /* the coordinator gives the work to another worker */
     if (left < n)
         rad_estimate_trace(f, ctx, &a->part, 0, n - left, stop, &cost, v);
     a->n[pass] =
@@ -169,8 +171,8 @@ estimate_work(struct estimate *e, struct rad_ctx *ctx, const _Atomic bool *stop)
         work_on(e, i % e->nareas, i / e->nareas, ctx, stop);
 }
 
-/* Pixels of an estimate count as estimate_rays: primary rays are counted by the
- * pass that uses the pixels as facts. */
+/* Pixels of an estimate count as estimate_rays.  Those that are used as facts
+ * count as primary rays in the unit that uses them. */
 void
 estimate_count(struct estimate *e, const struct rad_counts *c, double cpu_s)
 {
@@ -184,7 +186,7 @@ estimate_count(struct estimate *e, const struct rad_counts *c, double cpu_s)
 
 /* --- pixels as facts --- */
 
-/* The line of a row: the first whose base line is not above that row. */
+/* The line that a row belongs to: the first base line at or below it. */
 static int
 line_of(const struct rad_quincunx *q, int row)
 {
@@ -207,7 +209,7 @@ sampler_of(const struct rad_frame *f)
     return q;
 }
 
-/* Pixels of `from`, in order, that lie in rows up to `row`. */
+/* How many of the sorted pixels lie in rows up to `row`. */
 static size_t
 pixels_to(const struct rad_sampled *from, size_t n, int row)
 {
@@ -218,7 +220,7 @@ pixels_to(const struct rad_sampled *from, size_t n, int row)
     return k;
 }
 
-/* Room for a message's parts; those of the message before are freed. */
+/* Memory for a message's bitmap and pixels; that of the last one is freed. */
 static bool
 make_room(struct estimate *e, size_t bitmap, size_t pixels)
 {
@@ -229,7 +231,7 @@ make_room(struct estimate *e, size_t bitmap, size_t pixels)
     return e->bitmap && e->pixels;
 }
 
-/* Put the pixels of all passes over an area into one list. */
+/* Put the pixels of an area's passes into one sorted list. */
 static void
 merge(struct area *a)
 {
@@ -237,7 +239,7 @@ merge(struct area *a)
     struct rad_sampled *v = malloc((n + 1) * sizeof *v);
 
     if (!v)
-        abort(); /* the job goes on elsewhere */
+        abort(); /* as in work_on() */
     for (int k = 0, at = 0; k < MOST_PASSES; at += (int)a->n[k++])
         if (a->n[k] > 0)
             memcpy(v + at, a->sampled[k], a->n[k] * sizeof *v);
@@ -251,8 +253,9 @@ merge(struct area *a)
     a->n[0] = n;
 }
 
-/* A message of the first pixels of `from`: those of one line.  *used of them
- * are in it, or dropped where it would be too long or memory is out. */
+/* Make e->facts of those of the first pixels that lie in one line; *used: how
+ * many these are.  False: they are dropped, for the message would be too long
+ * or memory is out. */
 static bool
 pack_line(struct estimate *e, uint32_t frame, const struct rad_sampled *from,
           size_t n, size_t *used)

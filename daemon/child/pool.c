@@ -1,4 +1,4 @@
-/* pool.c - see pool.h: set-up and end, calls of the loop */
+/* pool.c - see pool.h; files as in pool_impl.h */
 #include "config.h"
 
 #include "child/pool_impl.h"
@@ -6,7 +6,7 @@
 #include <pthread.h>
 #include <stdlib.h>
 
-/* A failure goes the way of a unit's. */
+/* Hand on tiles that are made; report a failure as that of a unit. */
 static void
 give_tiles(struct pool *p)
 {
@@ -123,7 +123,7 @@ pool_tally(struct pool *p)
 
 /* Processor time of a thread. */
 static double
-used(const struct renderer *by)
+cpu_of(const struct renderer *by)
 {
     clockid_t clock;
 
@@ -139,7 +139,7 @@ pool_stuck(struct pool *p, double limit_s, int *x, int *y)
     for (int i = 0; i < p->nthreads && limit_s > 0 && !stuck; i++) {
         struct renderer *by = &p->renderers[i];
         uint64_t at = atomic_load_explicit(&by->ctx.at, memory_order_relaxed);
-        double cpu = used(by);
+        double cpu = cpu_of(by);
 
         if (at != by->seen)
             by->seen_cpu = cpu;
@@ -200,7 +200,7 @@ pool_free(struct pool *p)
     uv_close((uv_handle_t *)&p->async, async_closed);
 }
 
-/* nthreads counts the threads that run, even if a later one fails to start. */
+/* Sets p->nthreads to the threads that run, even if one fails to start. */
 static int
 start_threads(struct pool *p, int nthreads, struct rad_error *err)
 {

@@ -1,4 +1,4 @@
-/* pool_clock.c - the time that threads use: elapsed, and of processors */
+/* pool_clock.c - elapsed time and processor time of threads */
 #include "config.h"
 
 #include "child/pool_impl.h"

@@ -1,4 +1,4 @@
-/* pool_estimate.c - work of threads before the first unit: estimates */
+/* pool_estimate.c - estimates in the pool: threads work on them before units */
 #include "config.h"
 
 #include "child/pool_impl.h"
@@ -25,7 +25,7 @@ pool_is_estimating_locked(const struct pool *p)
     return e != NULL;
 }
 
-/* No thread is left at the estimate: hand it to the loop. */
+/* No thread is at the estimate any more: hand it to the loop. */
 static void
 end_estimate_locked(struct pool *p, struct estimating *e)
 {
@@ -88,7 +88,7 @@ pool_estimate(struct pool *p, struct estimate *estimate, pool_estimate_fn *fn)
     if (estimate_open(estimate))
         uv_cond_broadcast(&p->work);
     else
-        end_estimate_locked(p, e); /* no areas */
+        end_estimate_locked(p, e); /* it has no areas */
     uv_mutex_unlock(&p->mu);
     return true;
 }

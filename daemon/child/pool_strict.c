@@ -1,7 +1,7 @@
-/* pool_strict.c - the strict units' machine (strict.h), as the pool runs it
+/* pool_strict.c - the strict units' machine (strict.h) in the pool
  *
- * Every call of the machine, and every change of a pass, is followed by a look
- * at all passes, under the pool's lock. */
+ * After each call of the machine, and each change of a pass, all passes are
+ * looked at, under the pool's lock. */
 #include "config.h"
 
 #include "child/pool_impl.h"
@@ -33,7 +33,7 @@ void
 pool_changed_locked(struct pool *p)
 {
     pool_look_locked(p);
-    /* a bottom that made another true may have ended that pass */
+    /* a new bottom may prove another unit's top true, and end its pass */
     pool_look_locked(p);
     pool_settle_waits_locked(p);
     uv_cond_broadcast(&p->work);

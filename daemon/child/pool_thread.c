@@ -1,18 +1,18 @@
 /* pool_thread.c - the next work of a thread of the pool
  *
  * A thread takes a unit from the queue and renders it as the first member of
- * its team (team.h).  A thread that finds the queue empty joins a team that has
- * lines left to begin.  So each of many units has a thread to itself, and a
- * single unit, or the last units, have all threads.
- * Of a strict unit a team makes one pass; strict_rank.c chooses the next.
- * Passes under true tops come before passes ahead.  A thread rather joins a
- * pass of TRUTH or LINES than begins a less urgent pass: other workers may wait
- * for its result. */
+ * its team (team.h).  If the queue is empty it joins a team that has lines left
+ * to begin.  So each of many units has a thread of its own, and a single unit,
+ * or the last units, have all threads.
+ * Of a strict unit a team makes one pass at a time; strict_rank.c chooses the
+ * next.  Passes under true tops come before passes ahead.  A thread joins a
+ * pass of TRUTH or LINES rather than begin a less urgent pass, for other
+ * workers may wait for its result. */
 #include "config.h"
 
 #include "child/pool_impl.h"
 
-/* A thread's next work: one of these. */
+/* A thread's next work: one of these is set. */
 struct work {
     struct pool_tile_work tile;
     bool at_tile;
@@ -22,7 +22,7 @@ struct work {
     struct strict_pass *pass;
 };
 
-/* A unit that has lines left to begin, in a pass as urgent as `least`. */
+/* A unit with lines left to begin, at least as urgent as `least`. */
 static struct active *
 find_open_locked(const struct pool *p, enum strict_rank least)
 {
@@ -46,7 +46,8 @@ take_queued_locked(struct pool *p)
     return q;
 }
 
-/* Strict work as urgent as `least`: to be begun, or helped with. */
+/* Strict work at least as urgent as `least`: a pass to begin, or to help with.
+ */
 static bool
 find_strict_locked(struct pool *p, enum strict_rank least, struct work *w)
 {
@@ -65,7 +66,7 @@ find_locked(struct pool *p, struct work *w)
     if (p->tiling.passes && (w->at_tile = pool_find_tile_locked(p, &w->tile)))
         return true;
     if (p->tiling.changing || p->tiling.frozen)
-        return false; /* units read the cache */
+        return false; /* the cache changes, and units read it */
     if ((w->estimate = pool_find_estimate_locked(p)))
         w->estimate->members++;
     else if (!find_strict_locked(p, STRICT_TRUTH, w) &&
@@ -79,7 +80,7 @@ find_locked(struct pool *p, struct work *w)
     return true;
 }
 
-/* Wait for work; false: the thread is to end. */
+/* Wait for work; false: the pool is stopping. */
 static bool
 find_work(struct pool *p, struct work *w)
 {

@@ -1,13 +1,13 @@
-/* pool_tiles.c - the ambient cache in passes: tiles, and the records of passes
- * that are closed
+/* pool_tiles.c - the ambient cache in passes: tiles, and records of closed
+ * passes
  *
  * A tile reads the cache, so the cache changes only while no thread is at a
- * tile.  Of several passes tiles may be under way.  When the first is closed
- * its tiles are stopped, and the last thread that leaves one of the others, or
- * the next that looks for work, puts the records in; until then threads go on
- * with these.  It waits for threads at units, too: between batches of frames
- * these are units that another worker was faster with, which the coordinator
- * takes back.  Likewise one thread alone gets a pass ready. */
+ * tile.  Several passes may be open.  When the first is closed its tiles are
+ * stopped, and the next thread that looks for work while none is at a tile puts
+ * the records into the cache; until then threads go on with tiles of other
+ * passes.  Threads at units are waited for, too: between two batches of frames
+ * these are units that another worker has finished, which the coordinator takes
+ * back. In the same way one thread alone gets a pass ready for its tiles. */
 #include "config.h"
 
 #include "child/pool_impl.h"
@@ -22,8 +22,8 @@
 
 /* --- a tile --- */
 
-/* Keep records as they are sent; those that a message has no room for are left
- * out, by everybody who makes the tile. */
+/* Keep records as they are on the wire.  Records beyond the largest message are
+ * left out, by each worker that makes the tile. */
 static void
 keep_records(void *arg, const struct rad_ambrec *rec, size_t n)
 {
@@ -51,7 +51,8 @@ pool_tile_free(struct pool_tile *t)
     free(t);
 }
 
-/* Spots of a tile's paths, in place of records. */
+/* Keep the ends of the tile's paths in place of records; false: stopped, or out
+ * of memory. */
 static bool
 keep_walk(struct renderer *by, const struct rad_pass *pass,
           const _Atomic bool *stop, struct pool_tile *t)
@@ -69,7 +70,7 @@ keep_walk(struct renderer *by, const struct rad_pass *pass,
     return whole;
 }
 
-/* Make it; false: it was stopped, or memory is out. */
+/* Make the tile; false: it was stopped, or memory is out. */
 static bool
 fill_tile(struct renderer *by, struct pool_tile *t)
 {
@@ -128,7 +129,7 @@ end_change_and_unlock(struct pool *p)
     uv_mutex_unlock(&p->mu);
 }
 
-/* No tile of the pass is made until that is done, and none is begun. */
+/* Get a pass ready for its tiles, by one thread while no pass changes. */
 static void
 begin_pass(struct renderer *by, const struct rad_pass *pass)
 {
@@ -148,7 +149,7 @@ begin_pass(struct renderer *by, const struct rad_pass *pass)
     end_change_and_unlock(p);
 }
 
-/* Take a tile out of those that wait. */
+/* Take tile *at off the list of those to be made. */
 static void
 unlink_locked(struct pool_tiling *k, struct pool_tile **at)
 {
@@ -159,8 +160,7 @@ unlink_locked(struct pool_tiling *k, struct pool_tile **at)
         k->todo_end = at;
 }
 
-/* Tiles of passes that are closed are of no use; they may stand behind those of
- * passes that are open. */
+/* Free the listed tiles of closed passes. */
 static void
 drop_tiles_locked(struct pool_tiling *k)
 {
@@ -175,7 +175,8 @@ drop_tiles_locked(struct pool_tiling *k)
         }
 }
 
-/* The records of the open pass, into the cache. */
+/* Put the records of the first open pass into the cache; false: they do not
+ * fit, or memory is out. */
 static bool
 add_records(const struct pool *p, const struct pool_frozen *f)
 {
@@ -201,7 +202,7 @@ free_frozen(struct pool_frozen *f)
 }
 
 static void
-show(struct pool *p, struct pool_frozen *f)
+show_pictures(struct pool *p, struct pool_frozen *f)
 {
     rad_job_show(f->job, f->samples);
     free_frozen(f);
@@ -209,10 +210,9 @@ show(struct pool *p, struct pool_frozen *f)
     end_change_and_unlock(p);
 }
 
-/* Put the records of a pass that is closed into the cache, and go on to the
- * next. */
+/* Put a closed pass into the cache, by one thread while none is at a tile. */
 static void
-freeze(struct renderer *by, struct pool_frozen *f)
+close_pass(struct renderer *by, struct pool_frozen *f)
 {
     struct pool *p = by->pool;
     struct pool_tiling *k = &p->tiling;
@@ -233,8 +233,9 @@ freeze(struct renderer *by, struct pool_frozen *f)
 
 /* --- the threads' work --- */
 
-/* The first of the tiles that wait which can be made of what is in the cache.
- * When a pass is to be put in, and nobody is at a tile, that is first. */
+/* The first listed tile for which the cache has all that it reads; none if a
+ * pass waits for the cache and no thread is at a tile, for the pass comes
+ * first. */
 static bool
 find_todo_locked(struct pool_tiling *k, struct pool_tile_work *w)
 {
@@ -279,9 +280,9 @@ void
 pool_work_on_tile(struct renderer *by, const struct pool_tile_work *w)
 {
     if (w->frozen && w->frozen->job)
-        show(by->pool, w->frozen);
+        show_pictures(by->pool, w->frozen);
     else if (w->frozen)
-        freeze(by, w->frozen);
+        close_pass(by, w->frozen);
     else if (w->begins)
         begin_pass(by, w->begins);
     else
@@ -323,7 +324,8 @@ pool_push_tile(struct pool *p, uint32_t pass, uint32_t tile, bool shows)
     return true;
 }
 
-/* It is done when no thread is at work. */
+/* List a pass for the cache, or a change of options: a thread does it when none
+ * is at work. */
 static void
 push_frozen_locked(struct pool *p, struct pool_frozen *f)
 {

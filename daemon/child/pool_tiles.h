@@ -10,53 +10,56 @@
 
 struct renderer;
 
-/* Records of a pass that is closed; or, when all are, how pictures are made. */
+/* The records of a closed pass; or how pictures are made, when all are closed.
+ */
 struct pool_frozen {
     struct pool_frozen *next;
     struct rad_job *job; /* the pool's own, for pictures; NULL: it is a pass */
     int samples;         /* of these pictures */
     struct rad_ambrec *rec;
     size_t n;
-    struct rad_pass_spot *spot; /* of a pass that walks; NULL: not told */
+    struct rad_pass_spot *spot; /* ends of a pass of paths; NULL: not known */
 };
 
+/* Tiles are made, and the cache changes, outside of the lock: `members' and
+ * `changing' keep the two apart. */
 struct pool_tiling {
-    struct rad_passes *passes;   /* [mu] NULL: the cache does not come so; */
-    const struct rad_pass *plan; /* its tiles are made, and it changes, without
-                                  * the lock: see `members' and `changing' */
-    uint32_t npasses;            /* [mu] of the plan */
+    struct rad_passes *passes;   /* [mu] NULL: the cache has no passes */
+    const struct rad_pass *plan; /* [mu] */
+    uint32_t npasses;            /* [mu] length of plan */
     pool_tile_fn *fn;            /* [loop] */
-    uint32_t open;               /* [mu] passes before are in the cache, and */
-    uint32_t closed;             /* [mu] those before are closed: what they
-                                  * lack is in `frozen' */
-    /* by a pass's number, of those that are open: */
-    uint32_t begun[MSG_OPEN_PASSES]; /* [mu] beyond the pass whose tiles threads
-                                      * may make */
-    bool changing; /* [mu] a thread begins a pass, or closes one */
+    uint32_t open;               /* [mu] passes that are in the cache */
+    uint32_t closed;             /* [mu] passes that are closed; those not in
+                                  * the cache yet are in `frozen' */
+    uint32_t begun[MSG_OPEN_PASSES]; /* [mu] by pass number modulo: 1 + number
+                                      * of the pass that was begun last */
+    bool changing; /* [mu] one thread begins or closes a pass */
     int members;   /* [mu] threads at tiles */
-    _Atomic bool stop[MSG_OPEN_PASSES]; /* tiles under way are of no use; as
-                                         * stopping */
+    _Atomic bool stop[MSG_OPEN_PASSES]; /* end tiles of that pass; written with
+                                         * mu held, read anywhere */
     struct pool_tile *todo, **todo_end; /* [mu] */
-    struct pool_frozen *frozen, **frozen_end; /* [mu] to be closed */
-    struct pool_tile *made;                   /* [mu] */
-    struct msg_counts dropped;                /* [mu] in no tile's counts */
+    struct pool_frozen *frozen, **frozen_end; /* [mu] passes for the cache */
+    struct pool_tile *made;                   /* [mu] tiles for the loop */
+    struct msg_counts dropped;                /* [mu] work in no tile's counts
+                                               */
     struct rad_error err;                     /* [mu] the job cannot go on */
 };
 
-/* What a thread does about tiles: one of these. */
+/* A thread's work on the passes: one of these is set. */
 struct pool_tile_work {
-    struct pool_frozen *frozen;
-    struct pool_tile *tile;
-    const struct rad_pass *begins;
+    struct pool_frozen *frozen;    /* close this pass, or show */
+    struct pool_tile *tile;        /* make this tile */
+    const struct rad_pass *begins; /* get this pass ready for its tiles */
 };
 
-/* Is something to be done about tiles? */
+/* Find work on the passes; false: there is none now. */
 bool pool_find_tile_locked(struct pool *p, struct pool_tile_work *w);
 void pool_work_on_tile(struct renderer *by, const struct pool_tile_work *w);
-/* Hand on the tiles that are made; the code of *err, 0: the job can go on. */
+/* Hand the tiles that are made to pool_tiling.fn.  Returns, and sets *err to,
+ * why the job cannot go on; 0: it can. */
 int pool_give_tiles(struct pool *p, struct rad_error *err);
 void pool_tile_free(struct pool_tile *t);
-/* The threads are gone. */
+/* Free all; the threads are gone. */
 void pool_release_tiles(struct pool *p);
 
 #endif

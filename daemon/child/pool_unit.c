@@ -1,6 +1,6 @@
-/* pool_unit.c - one unit, or a pass of a strict one: its team, its rows
+/* pool_unit.c - one unit, or one pass of a strict unit: its team and its rows
  *
- * The member that leaves last reports the end of the unit, and the counts of
+ * The member that leaves last reports the end of the unit, with the counts of
  * all members. */
 #include "config.h"
 
@@ -18,11 +18,11 @@
 #include <sysexits.h>
 #include <unistd.h>
 
-/* a piece of rows is sent when it has so many bytes */
+/* A piece of rows is handed on when it has more bytes than this. */
 #define PIECE_BYTES (64u << 10)
 
-/* Coded rows are so short that many fit in a piece; a piece waits no longer
- * than this [s], so that previews show its rows. */
+/* Many coded rows fit in a piece.  So that previews show them a piece waits no
+ * longer than this [s]. */
 #define PIECE_AGE .25
 
 /* --- rows --- */
@@ -36,7 +36,7 @@ put_done_locked(struct pool *p, struct pool_rows *rows, size_t bytes)
     uv_async_send(&p->async);
 }
 
-/* Hand a piece to the loop; waits while too much is under way. */
+/* Hand a piece to the loop; waits while too many bytes are not sent. */
 static void
 put_done(struct pool *p, struct pool_rows *rows, size_t bytes)
 {
@@ -47,7 +47,7 @@ put_done(struct pool *p, struct pool_rows *rows, size_t bytes)
     uv_mutex_unlock(&p->mu);
 }
 
-/* Write a row to `to` in the form in which it is sent; returns its bytes. */
+/* Write a row to `to` in the form of a RESULT; returns its bytes. */
 static size_t
 put_row(void *to, const struct rad_pixel *from, int width, int channels)
 {
@@ -65,7 +65,7 @@ put_row(void *to, const struct rad_pixel *from, int width, int channels)
     return (size_t)((char *)p - (char *)to);
 }
 
-/* The most bytes that a row takes, those that put_row() works in among them. */
+/* Most bytes that put_row() may write for a row. */
 static size_t
 row_room(const struct active *u)
 {
@@ -76,7 +76,7 @@ row_room(const struct active *u)
     return width * (size_t)u->channels * sizeof(float);
 }
 
-/* Begin a piece at `row` of the unit; NULL: memory is out, which ends the unit.
+/* Begin a piece at `row` of the unit; NULL: memory is out, and the unit ends.
  */
 static struct pool_rows *
 new_piece(struct active *u, int row)
@@ -113,9 +113,9 @@ trace(void *arg, struct rad_ctx *ctx, int x, int y, struct rad_pixel *out)
     return seen;
 }
 
-/* Trace a pixel of borrowed columns.  A value that is no number is left to the
- * lender: as a fact it would be black without being counted as no number, and
- * facts may be used even after the loan was taken back. */
+/* Trace a pixel of borrowed columns; false: its value was no number.  Such a
+ * pixel is left to the lender, who counts it: as a fact it would be black, and
+ * counted nowhere. */
 static bool
 trace_lent(void *arg, struct rad_ctx *ctx, int x, int y, struct rad_pixel *out)
 {
@@ -134,7 +134,7 @@ paint(void *arg, struct rad_ctx *ctx, int x0, int x1, int y,
 }
 
 static uint64_t
-count(void *arg, const struct rad_ctx *ctx)
+count_rays(void *arg, const struct rad_ctx *ctx)
 {
     (void)arg;
     return ctx->counts.rays;
@@ -155,11 +155,11 @@ is_full(const struct active *u)
             pool_seconds(CLOCK_MONOTONIC) - u->piece_wall0 > PIECE_AGE);
 }
 
-/* Make some pixels of a line again.  They belong to no picture: of what they
- * count nothing is the unit's but their number. */
+/* Trace some pixels of a line again, to estimate the error.  They belong to no
+ * picture, so only their number is counted. */
 static void
-look(void *arg, struct rad_ctx *ctx, int first, int n,
-     const struct rad_pixel *const row[])
+trace_again(void *arg, struct rad_ctx *ctx, int first, int n,
+            const struct rad_pixel *const row[])
 {
     struct active *u = arg;
     const struct rad_frame *f = &u->pool->frames[u->unit.frame];
@@ -180,9 +180,9 @@ look(void *arg, struct rad_ctx *ctx, int first, int n,
     sums_count(&u->doubt, &found);
 }
 
-/* A row is done: put it into the piece.  A full piece is sent when the next row
- * comes: the unit's last piece must carry the counts, and a strict unit does
- * not know which of its rows is the last. */
+/* A row is done: put it into the piece.  A full piece is handed on only when
+ * the next row comes: the unit's last piece must have the counts, and a strict
+ * unit does not know which row is its last. */
 static void
 on_row(void *arg, int row, const struct rad_pixel *pixels)
 {
@@ -214,13 +214,13 @@ send_failure(struct pool *p, const struct pool_unit *unit,
     struct pool_rows *r = calloc(1, sizeof *r);
 
     if (!r)
-        _exit(EX_OSERR); /* the unit would never end */
+        _exit(EX_OSERR); /* else the unit would never end */
     r->unit = *unit;
     r->err = *err;
     put_done(p, r, 0);
 }
 
-/* The last thread has left the unit: send the rest of its rows. */
+/* The last member has left the unit: hand on the rest of its rows. */
 static void
 end_active(struct active *u)
 {
@@ -231,7 +231,7 @@ end_active(struct active *u)
         u->piece->counts = u->counts;
         send_piece(u);
     } else if (u->piece) {
-        send_piece(u); /* of a window that was revoked */
+        send_piece(u); /* a window that was revoked */
     }
     free_active(u);
 }
@@ -247,13 +247,13 @@ new_team(struct active *u)
     struct team_spec spec = { .mode = u->mode,
                               .trace = trace,
                               .paint = paint,
-                              .count = count,
+                              .count = count_rays,
                               .arg = u,
                               .nthreads = u->pool->nthreads };
 
     rad_frame_sampler(f, pass ? &all : &u->unit.window, &spec.sampler);
     if (u->mode == TEAM_TRUTH)
-        spec.truth = (struct team_truth){ .rows = on_row, .look = look };
+        spec.truth = (struct team_truth){ .rows = on_row, .look = trace_again };
     if (!pass) {
         spec.last = rad_quincunx_nbases(&spec.sampler);
         return team_new(&spec);
@@ -270,7 +270,7 @@ new_team(struct active *u)
     return team_new(&spec);
 }
 
-/* NULL: memory is out. */
+/* A unit for threads to work on; NULL: memory is out. */
 static struct active *
 new_active(struct pool *p, const struct pool_unit *unit,
            struct strict_pass *pass)
@@ -295,9 +295,8 @@ new_active(struct pool *p, const struct pool_unit *unit,
     return u;
 }
 
-/* A pass ends.  If it ended early another thread may go on with the unit as
- * soon as the lock is free: send the rows that are done before that thread's.
- */
+/* End a pass.  If it ends early another thread may go on with the unit as soon
+ * as the lock is free, so hand its rows on before that. */
 static void
 leave_pass_locked(struct active *u)
 {
@@ -308,7 +307,7 @@ leave_pass_locked(struct active *u)
     u->piece = NULL;
 }
 
-/* The last member has left. */
+/* The last member of the unit has left. */
 static void
 leave_locked(struct active *u)
 {
@@ -347,7 +346,7 @@ pool_unit_work(struct renderer *by, struct active *u)
         end_active(u);
 }
 
-/* Where the rows of a pass's unit are. */
+/* The rows of a pass's unit as a window. */
 static struct pool_unit
 unit_of_pass(const struct pool *p, const struct strict_pass *pass)
 {
@@ -365,7 +364,7 @@ unit_of_pass(const struct pool *p, const struct strict_pass *pass)
                                .window = { 0, y, f->width, end - y } };
 }
 
-/* Memory is out. */
+/* Report that a unit could not begin because memory is out. */
 static void
 fail_begin(struct pool *p, const struct pool_unit *unit,
            struct strict_pass *pass)
@@ -400,8 +399,8 @@ pool_unit_begin(struct pool *p, struct queued *window, struct strict_pass *pass)
     if (atomic_load(&p->stopping))
         team_stop(u->team);
     if (u->pass) {
-        pool_look_locked(p);      /* a stop or split may have come by now */
-        uv_async_send(&p->async); /* other workers may wait for its bottom */
+        pool_look_locked(p);      /* SPLIT or a stop may have come meanwhile */
+        uv_async_send(&p->async); /* its bottom may be wanted: send messages */
     }
     if (!p->todo)
         uv_cond_broadcast(&p->work); /* idle threads can help */

@@ -1,6 +1,6 @@
 /* render.c - see render.h
  *
- * The loop's thread talks and loads; the pool's threads render. */
+ * The loop thread talks and loads; the pool's threads render. */
 #include "config.h"
 
 #include "child/render.h"
@@ -23,7 +23,7 @@
 
 /* --- the start of a job --- */
 
-/* Copy JOB_START: its pointers are valid until the next message only. */
+/* Copy JOB_START into r->start, for the message is valid only for the call. */
 static int
 keep_start(struct render *r, const struct msg *m, struct rad_error *err)
 {
@@ -45,8 +45,8 @@ keep_start(struct render *r, const struct msg *m, struct rad_error *err)
     return msg_unpack(&r->start, m->type, 0, r->start_bytes, n, err);
 }
 
-/* The scene is loaded: let no more files be opened, unless each frame is loaded
- * anew, or each stage, which ends with the last pass. */
+/* The scene is loaded: open no files from now on.  Not yet if each frame is
+ * loaded again, or each stage: then the last pass is followed by the seal. */
 static int
 seal(const struct render *r, const struct msg_spec *spec, struct rad_error *err)
 {
@@ -151,8 +151,8 @@ on_closed(void *arg, struct conn *c, const char *why)
     (void)arg;
     (void)c;
     (void)why;
-    /* radd is gone, and nobody is left to render for, or memory is out, and
-     * radd hands the units to somebody else; threads may be deep in a bar */
+    /* radd is gone, so nobody wants the pictures; or memory is out, and radd
+     * gives the units to another child.  Do not wait for threads in a bar. */
     _exit(EX_OSERR);
 }
 
@@ -174,7 +174,7 @@ static const struct conn_handler handler = { .message = on_message,
 
 /* --- the process --- */
 
-/* Give way to the user of the machine; die with radd. */
+/* Limit memory, give way to other processes, and die with radd. */
 static void
 confine(unsigned memory_mib, int give_way)
 {
@@ -184,11 +184,11 @@ confine(unsigned memory_mib, int give_way)
 
     prctl(PR_SET_PDEATHSIG, SIGKILL);
     if (getppid() == 1)
-        _exit(EX_OK); /* radd was gone before that took effect */
+        _exit(EX_OK); /* radd ended before PR_SET_PDEATHSIG */
     if (memory_mib > 0)
         setrlimit(RLIMIT_DATA, &memory);
     signal(SIGPIPE, SIG_IGN);
-    signal(SIGINT, SIG_IGN); /* a terminal's; radd decides */
+    signal(SIGINT, SIG_IGN); /* from a terminal: radd decides */
     ignored = nice(give_way);
     (void)ignored;
 }
@@ -235,7 +235,7 @@ render_main(int argc, char *argv[])
     int rc;
 
     if (argc != 8)
-        return EX_USAGE; /* to be started by radd alone */
+        return EX_USAGE; /* only radd starts this */
     r.files_dir = argv[2];
     r.nthreads = atoi(argv[3]);
     r.pixel_s = atoi(argv[6]);

@@ -1,9 +1,9 @@
-/* render.h - the body of a job's child: threads that render, a loop that talks
+/* render.h - the main function of a job's child: threads render, a loop talks
  *
- * radd starts this in a process of its own, with one end of a socket pair as
- * descriptor RENDER_LINK_FD: the link.  Its messages are those that
- * proto/message.def permits at CHILD_NEW, CHILD, PARENT_NEW and PARENT.  The
- * process ends when the link does. */
+ * radd starts it in a process of its own, with one end of a socket pair, the
+ * link, as descriptor RENDER_LINK_FD.  On the link go the messages that
+ * proto/message.def permits in the sessions CHILD_NEW, CHILD, PARENT_NEW and
+ * PARENT.  When the link is closed the process ends. */
 #ifndef RADD_DAEMON_RENDER_H
 #define RADD_DAEMON_RENDER_H
 
@@ -11,8 +11,9 @@
 #define RENDER_LINK_FD      3
 
 /* radd --child FILES-DIR THREADS MEMORY-MIB NICE PIXEL-S SANDBOX; returns the
- * exit status.  SANDBOX: RENDER_SANDBOXED if a sandbox is required (sandbox.h),
- * else empty.  PIXEL-S: most processor time of a pixel, 0 for any. */
+ * exit status.  PIXEL-S: most processor seconds of a pixel, 0: no limit.
+ * SANDBOX: RENDER_SANDBOXED if a sandbox is required (sandbox.h), else empty.
+ */
 #define RENDER_SANDBOXED "sandboxed"
 int render_main(int argc, char *argv[]);
 

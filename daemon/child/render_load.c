@@ -1,9 +1,10 @@
-/* render_load.c - a job's child reads the scene
+/* render_load.c - a job's child loads the scene and what is made of it
  *
- * All files come from the cache, by the names that the bundle's manifest has
- * for them.  The cache also has files of other users' jobs, and to know a hash
- * is no right to a file.  The coordinator has checked the user's right to the
- * files that the job names; no other file is opened, nor another manifest. */
+ * All files are read from the cache, under the names that the bundle's manifest
+ * has for them.  The cache has files of other users' jobs, too, and to know a
+ * hash gives no right to a file.  The coordinator has checked the user's right
+ * to the files that the job names: no other file is opened, not even a
+ * manifest. */
 #include "config.h"
 
 #include "child/render_impl.h"
@@ -40,8 +41,9 @@ read_manifest(struct render *r, const uint8_t *hash, struct rad_bundle *bundle,
     return rc;
 }
 
-/* The job names these n files, sorted.  No file is opened that is not among
- * them: errors would tell which files other users have. */
+/* Read the bundle, all of whose files must be among the job's n files, which
+ * are sorted.  Others are not opened: errors would tell which files other users
+ * have. */
 static int
 read_own(struct render *r, const uint8_t *manifest, const uint8_t *files,
          size_t n, struct rad_bundle *bundle, struct rad_error *err)
@@ -81,7 +83,7 @@ load_bundle(struct render *r, const struct msg_spec *spec,
     return rc;
 }
 
-/* Load the ambient records that the job begins with, if it has any. */
+/* Load the file of ambient records, if the job has one. */
 static int
 load_records(struct render *r, const struct rad_bundle *bundle,
              struct rad_error *err)
@@ -107,7 +109,7 @@ load_records(struct render *r, const struct rad_bundle *bundle,
     return rc;
 }
 
-/* The scene may be there from the stage before. */
+/* Load the scene, unless it was kept from the stage before. */
 static int
 load_scene(struct render *r, const struct rad_bundle *bundle,
            const struct rad_files *files, struct rad_error *err)
@@ -147,7 +149,7 @@ load_job(struct render *r, const struct rad_bundle *bundle,
     return load_records(r, bundle, err);
 }
 
-/* The one frame of a job of sensor points. */
+/* Make the one frame of a job of sensor points. */
 static int
 load_points(struct render *r, const struct rad_bundle *bundle,
             const struct msg_spec *spec, struct rad_error *err)
@@ -211,7 +213,7 @@ load_frames(struct render *r, const struct msg_spec *spec,
     return 0;
 }
 
-/* The machine of strict units, where there may be some. */
+/* Make the strict units' machine, unless the job has windows. */
 static int
 load_strict(struct render *r, const struct msg_spec *spec,
             struct rad_error *err)

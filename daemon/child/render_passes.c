@@ -1,7 +1,7 @@
 /* render_passes.c - the ambient cache of a job's child in passes: tiles that it
- * makes, and the records of passes that are closed
+ * makes, and records of closed passes
  *
- * Both come from the network, and are checked here. */
+ * Messages about both come from the network, and are checked here. */
 #include "config.h"
 
 #include "child/render_impl.h"
@@ -121,14 +121,14 @@ render_first_batch(const struct render *r)
     return i < k->n ? k->plan[i].ready : r->nframes;
 }
 
-/* May tiles of that pass be made, now or when what they read has come? */
+/* May the child be told to make tiles of that pass of the job? */
 static bool
 is_to_come(const struct render_passes *k, uint32_t pass)
 {
     return k->passes && pass >= k->base + k->next && pass < k->base + k->n;
 }
 
-/* Is that pass of the job the first whose records have not all come? */
+/* Is that pass of the job the next whose records are to come? */
 static bool
 is_next(const struct render_passes *k, uint32_t pass)
 {
@@ -170,7 +170,7 @@ add_records(struct render_passes *k, const struct msg_frozen *m,
     return 0;
 }
 
-/* Of a pass that walks what comes is no records: keep it as it is. */
+/* Keep the ends of a pass of paths as bytes: they are no records. */
 static int
 add_walk(struct render_passes *k, const struct msg_frozen *m,
          struct rad_error *err)
@@ -189,7 +189,7 @@ add_walk(struct render_passes *k, const struct msg_frozen *m,
     return 0;
 }
 
-/* All that belongs to the pass has come. */
+/* All of the next pass has come: give it to the pool. */
 static int
 freeze(struct render *r, struct rad_error *err)
 {
@@ -218,7 +218,7 @@ take_frozen(struct render *r, const struct msg_frozen *m, struct rad_error *err)
     struct render_passes *k = &r->passes;
     int rc;
 
-    if (m->first == 0) /* again, if the connection broke in the middle */
+    if (m->first == 0) /* sent again, if the connection broke meanwhile */
         k->nrecs = 0;
     if (!is_next(k, m->pass) || m->first != k->nrecs)
         return rad_fail(err, RAD_EPROTO,

@@ -1,37 +1,37 @@
-/* render_records.c - ambient records on their way out of a job's child and in
+/* render_records.c - ambient records that leave a job's child, and that come
  *
- * Records that render threads made are collected every few ms.  Records that
- * arrive are put into the cache by the loop's thread, while render threads go
- * on. */
+ * Records that render threads made are collected every few ms.  The loop thread
+ * puts records that arrive into the cache, while render threads go on. */
 #include "config.h"
 
 #include "child/render_impl.h"
 
 #include <stdlib.h>
 
-/* A record is needed by another worker soon, or not for long.  So records wait
- * for 1 / DRAIN_PART of the time since the first record, within these bounds,
- * and go out together: a message costs the machines on its way 40 microseconds
- * for each receiver, half the cost of a deep record.  Workers that look at the
- * same things make more records twice; they notice that by the records that
- * arrive, and wait less while more than a given share of these is redundant. */
+/* Another worker needs a record soon, or not for long.  So records wait for
+ * 1 / DRAIN_PART of the time since the first record, within DRAIN_MS and
+ * CALM_MS, and are sent together: a message costs the machines on its way 40
+ * microseconds for each receiver, half the cost of a deep record.  Workers that
+ * look at the same things make more records twice.  They see that by the
+ * records that arrive, and send sooner while more than FEW of these are
+ * redundant. */
 #define DRAIN_MS   2
 #define DRAIN_PART 20
 #define CALM_MS    200
 #define FEW        .01
-/* Records of workers at the same unit wait no longer. */
+/* Records of workers at the same unit wait no longer than this. */
 #define TWIN_MS 20
-/* To look up whether a record was needed costs more than to insert it, so one
- * of METER_EACH records is looked up. */
+/* Records of which one is looked up, to see whether it was redundant: that
+ * costs more than to insert it. */
 #define METER_EACH 8
-/* The share of redundant records is a mean over about so many. */
+/* About how many look-ups the share of redundant records is a mean of. */
 #define METER_MEAN 32
 
-/* A peer that is being sent all records. */
+/* A peer that gets the whole cache. */
 struct give {
     struct give *next;
-    uint32_t to;
-    uint64_t cursor;
+    uint32_t to;     /* the peer's number */
+    uint64_t cursor; /* of rad_ambient_list(): what it has got */
 };
 
 static void
@@ -46,7 +46,7 @@ send_batch(struct render *r, uint32_t to, const struct rad_ambrec *recs,
         size_t at = w.len;
 
         ambshare_pack(&w, &recs[i]);
-        if (r->share && to == 0 && !w.bad) /* a peer may send it back */
+        if (r->share && to == 0 && !w.bad) /* should a peer send it back */
             ambseen_add(&r->seen, w.buf + at);
     }
     m.ambient.to = to;
@@ -58,7 +58,7 @@ send_batch(struct render *r, uint32_t to, const struct rad_ambrec *recs,
     wire_out_release(&w);
 }
 
-/* Go on sending the whole cache to the peers that asked. */
+/* Send peers that get the whole cache more of it, while the link has room. */
 static void
 go_on_giving(struct render *r, struct rad_ambrec *recs)
 {
@@ -76,7 +76,7 @@ go_on_giving(struct render *r, struct rad_ambrec *recs)
     }
 }
 
-/* When to look for records again. */
+/* How long to wait before records are sent again. */
 static uint64_t
 drain_ms(const struct render *r)
 {
@@ -90,7 +90,6 @@ drain_ms(const struct render *r)
     return ms > DRAIN_MS ? (uint64_t)ms : DRAIN_MS;
 }
 
-/* Send what the threads have made since the last call. */
 void
 render_drain(struct render *r)
 {
@@ -117,7 +116,8 @@ on_drain(uv_timer_t *timer)
         uv_timer_start(timer, on_drain, drain_ms(r), 0);
 }
 
-/* Was the record redundant?  It stands for records that are not looked up. */
+/* Look up whether the record was redundant.  It counts for METER_EACH records.
+ */
 static void
 meter(struct render *r, const struct rad_ambrec *rec)
 {
@@ -162,9 +162,9 @@ render_take_give(struct render *r, const struct msg_give *m)
         return;
     g = calloc(1, sizeof *g);
     if (!g)
-        return; /* costs the peer time, nothing else */
+        return; /* the peer makes these records itself */
     g->to = m->to;
-    g->cursor = r->loaded; /* the job's file of records is everybody's */
+    g->cursor = r->loaded; /* each worker has the records of the job's files */
     g->next = r->gives;
     r->gives = g;
 }
@@ -181,7 +181,7 @@ render_records_again(struct render *r)
     for (struct give *g = r->gives; g; g = g->next)
         g->cursor = r->loaded;
     ambseen_release(&r->seen);
-    /* an empty cache again, in which much is wanted by several at once */
+    /* into an empty cache, several workers want the same records at once */
     r->first_ms = 0;
     r->doubled = 0;
     if (r->share || r->records)

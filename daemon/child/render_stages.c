@@ -1,7 +1,8 @@
-/* render_stages.c - the stages of a job's child
+/* render_stages.c - the stages of a goal, in a job's child
  *
- * A stage has other options than the one before: all that is made of them is
- * made anew.  Pictures have those of the last one but for --samples. */
+ * Each stage has other options, so all but the scene is made again.  Pictures
+ * are made over the cache of the last stage, with --samples of their own (SHOW).
+ */
 #include "config.h"
 
 #include "child/render_impl.h"
@@ -46,7 +47,7 @@ take_show(struct render *r, const struct msg_stage *m, struct rad_error *err)
         !render_cache_is_whole(r))
         return rad_fail(err, RAD_EPROTO,
                         "pictures after pass %u do not fit the job", m->pass);
-    if (k->shown) /* before the connection to the coordinator broke */
+    if (k->shown) /* SHOW came before the connection broke */
         return 0;
     if (jobtext_params(m->params, &params, err) < 0)
         return err->code;

@@ -1,5 +1,5 @@
-/* render_tell.c - messages of a job's child to radd: rows, messages of strict
- * units, tallies, FAILED */
+/* render_tell.c - messages of a job's child to radd: rows, those of strict
+ * units, TALLY and FAILED */
 #include "config.h"
 
 #include "child/render_impl.h"
@@ -13,13 +13,14 @@
 #include <sysexits.h>
 #include <unistd.h>
 
-/* how often the coordinator hears of rays while units are under way */
+/* Time between tallies while rays are traced. */
 #define TALLY_MS 500
-/* and at least, so that radd knows that the loop runs */
+/* Most time between tallies, so that radd sees that the loop runs. */
 #define SIGN_OF_LIFE_MS 10000
 
-/* Memory is out: by whose limit?  The job's own limit is the same at all
- * workers, so the job fails; radd's or the machine's is not. */
+/* Memory is out: change the code if the limit was the job's own (--memory-mib).
+ * That is the same at all workers, so the job fails; the limits of radd and of
+ * the machine are not. */
 static int
 blame_limit(const struct render *r, int code, char *text, size_t size)
 {
@@ -56,7 +57,6 @@ send_failed(struct render *r, const struct rad_error *err)
         conn_send(r->link, &m);
 }
 
-/* Exit when all messages are sent. */
 void
 render_end(struct render *r, int status)
 {
@@ -78,7 +78,7 @@ render_fail(struct render *r, const struct rad_error *err)
     render_end(r, rad_exit_status(err->code));
 }
 
-/* The counts of the child's work so far. */
+/* What all pools of the child have done so far. */
 static struct pool_tally
 tally_of(const struct render *r)
 {
@@ -129,7 +129,7 @@ render_send_tally(struct render *r)
     conn_send(r->link, &m);
 }
 
-/* A pixel that takes so long never ends: say so, and no more. */
+/* If a pixel takes so long that it never ends, say so. */
 static void
 watch(struct render *r)
 {
@@ -142,7 +142,7 @@ watch(struct render *r)
              "the pixel at x %d, y %d took more than %d s of a processor", x, y,
              r->pixel_s);
     send_failed(r, &err);
-    /* its thread would never be joined: radd ends this process */
+    /* the pixel's thread cannot be joined: radd ends this process */
     uv_timer_stop(&r->drain);
     uv_timer_stop(&r->teller);
     uv_timer_stop(&r->ticker);
@@ -182,7 +182,7 @@ render_on_rows(void *arg, const struct pool_rows *p)
     if (p->channels > 1) {
         floats = malloc(p->bytes + 1);
         if (!floats)
-            _exit(EX_OSERR); /* radd hands the unit to somebody else */
+            _exit(EX_OSERR); /* radd gives the unit to another child */
         wire_floats_put(floats, (const float *)p->pixels,
                         p->bytes / sizeof(float));
     }
@@ -197,16 +197,14 @@ render_on_rows(void *arg, const struct pool_rows *p)
     m.result.counts = p->counts;
     m.result.pixels = floats ? floats : (const uint8_t *)p->pixels;
     m.result.len = p->bytes;
-    if (p->last && r->records)
-        render_drain(
-            r); /* after the last unit's rows nobody would wait for them */
+    if (p->last && r->records) /* after the last rows nobody waits for them */
+        render_drain(r);
     if (p->last)
         render_send_tally(r);
     conn_send(r->link, &m);
     free(floats);
 }
 
-/* Send the messages of the strict units. */
 void
 render_send_news(struct render *r)
 {
@@ -215,10 +213,10 @@ render_send_news(struct render *r)
 
     while (r->link && r->strict &&
            (m = pool_message(r->pool, conn_queued(r->link) < RENDER_AHEAD))) {
-        /* these columns may be the last that the job waits for */
+        /* the job may be done when this PAID arrives */
         if (m->type == MSG_PAID && r->records)
             render_drain(r);
-        /* the worker may be let go when this GAVE arrives */
+        /* the worker may leave when this GAVE arrives */
         if (m->type == MSG_GAVE && m->gave.height == 0)
             render_send_tally(r);
         conn_send(r->link, m);
@@ -239,7 +237,6 @@ on_ticker(uv_timer_t *timer)
     render_on_news(timer->data);
 }
 
-/* Something changed with strict units, or time has passed for them. */
 void
 render_on_news(void *arg)
 {

@@ -1,7 +1,7 @@
-/* render_units.c - work that comes to a job's child
+/* render_units.c - work for a job's child
  *
- * Units, facts and base lines of other workers, and estimates: checked here,
- * for they come from the network, and handed to the pool. */
+ * Units, facts and base lines of other workers, and estimates come from the
+ * network, are checked here, and go to the pool. */
 #include "config.h"
 
 #include "child/render_impl.h"
@@ -9,8 +9,8 @@
 #include "child/estimate.h"
 #include "net/log.h"
 
-/* The most that a row takes in a message: as a base line with its densities, or
- * as facts with a bit for each. */
+/* Most bytes of a row in a message: as a base line with its densities, or as
+ * facts with a bit for each pixel. */
 static size_t
 row_bytes(const struct rad_frame *f, const struct msg_unit *u)
 {
@@ -50,8 +50,8 @@ check_unit(const struct render *r, const struct msg_unit *u,
     return 0;
 }
 
-/* A unit of another frame than the last, where nothing is to be kept: begin as
- * with a new job. */
+/* Begin a frame.  With --fresh-frames nothing is kept from the frame before:
+ * the job is loaded again. */
 static int
 begin_frame(struct render *r, uint32_t frame, struct rad_error *err)
 {
@@ -114,8 +114,8 @@ render_take_unit(struct render *r, const struct msg_unit *u)
         render_fail(r, &err);
 }
 
-/* Facts and base lines come before the unit that needs them.  Those of a later
- * frame begin that frame, lest they be forgotten when its first unit does.
+/* Facts, base lines and loans may come before the first unit of their frame.
+ * Those of a later frame begin that frame, or its first unit would drop them.
  * Those of an earlier frame are late, and ignored. */
 static int
 begin_lines(struct render *r, const struct msg *m, struct rad_error *err)
@@ -135,7 +135,8 @@ begin_lines(struct render *r, const struct msg *m, struct rad_error *err)
     return begin_frame(r, frame, err);
 }
 
-/* A wrong LOAN is the fault of the worker that made it, not of the job. */
+/* Begin a loan.  A wrong LOAN is the fault of the worker that made it, so it
+ * does not fail the job. */
 static void
 take_loan(struct strict *s, const struct msg_loan *m, struct rad_error *err)
 {
@@ -145,7 +146,6 @@ take_loan(struct strict *s, const struct msg_loan *m, struct rad_error *err)
     *err = (struct rad_error){ 0 };
 }
 
-/* Hand a message to the machine of the strict units. */
 void
 render_take_strict(struct render *r, const struct msg *m)
 {
@@ -193,8 +193,8 @@ render_take_strict(struct render *r, const struct msg *m)
 
 /* --- estimates --- */
 
-/* Send the traced pixels before the costs: they need not be traced again, but
- * where the cache changes before their frames are made. */
+/* An estimate is done: send its pixels as facts, then its costs.  Not the
+ * pixels of frames for which the cache still changes. */
 static void
 on_estimated(void *arg, struct estimate *e, double wall_s)
 {

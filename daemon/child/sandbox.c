@@ -1,13 +1,14 @@
 /* sandbox.c - see sandbox.h
  *
  * Two filters: the first, a list of permitted calls, is put on before a scene
- * is read; the second denies opening files, too.  Both let the process
- * speculate (SCMP_FLTATR_CTL_SSB): kernels before 5.16 otherwise make every
- * load wait for the stores before it, which costs a renderer a tenth and more,
- * to protect secrets that this process does not have.
+ * is read; the second forbids opening files.  Both let the processor speculate
+ * (SCMP_FLTATR_CTL_SSB): otherwise kernels before 5.16 make every load wait for
+ * the stores before it.  That would cost a renderer a tenth of its speed and
+ * more, to protect secrets that this process does not have.
  *
- * clone3 hides its flags from a filter, so it fails as in a kernel without it;
- * the C library then uses clone, whose flags tell threads from processes. */
+ * A filter cannot see the flags of clone3, so clone3 fails as in a kernel
+ * without it.  The C library then calls clone, whose flags tell threads from
+ * processes. */
 #include "config.h"
 
 #include "child/sandbox.h"
@@ -30,16 +31,16 @@
 #include <sys/syscall.h>
 #include <unistd.h>
 
-/* open descriptors: the link, the loop's, one file while loading */
+/* Most open descriptors: the link, the loop's, one file while loading. */
 #define MOST_FILES 64
-/* any of these in open's flags is more than reading */
+/* Flags of open that ask for more than reading. */
 #define WRITES (O_WRONLY | O_RDWR | O_CREAT | O_TRUNC | O_APPEND)
 
 /* --- the lists --- */
 
 /* clang-format off */
 
-/* Allowed with any arguments. */
+/* Calls that are allowed with any arguments. */
 static const int allowed[] = {
     SCMP_SYS(brk), SCMP_SYS(clock_getres), SCMP_SYS(clock_gettime),
     SCMP_SYS(clock_nanosleep), SCMP_SYS(close), SCMP_SYS(epoll_create1),
@@ -60,7 +61,7 @@ static const int allowed[] = {
     SCMP_SYS(write), SCMP_SYS(writev),
 };
 
-/* Calls that libraries try, and can do without. */
+/* Calls that libraries try and can do without: they fail with this errno. */
 static const struct {
     int call, with;
 } probed[] = {
@@ -74,7 +75,7 @@ static const struct {
     { SCMP_SYS(statx), ENOSYS },
 };
 
-/* Denied by the loose filter, which allows all other calls. */
+/* Calls that the loose filter denies; it allows all others. */
 static const int denied[] = {
     SCMP_SYS(accept), SCMP_SYS(accept4), SCMP_SYS(bind), SCMP_SYS(bpf),
     SCMP_SYS(connect), SCMP_SYS(creat), SCMP_SYS(execve), SCMP_SYS(execveat),
@@ -92,8 +93,8 @@ static const int denied[] = {
 
 #define N_ELEM(a) (sizeof(a) / sizeof((a)[0]))
 
-/* Argument number n: it is x, it is not x, it is x in the bits of the mask.  All
- * fields are named, where the library's own macros leave one to the compiler. */
+/* Argument number n is x; is not x; is x in the bits of the mask.  The
+ * library's own macros leave a field unnamed, which compilers warn of. */
 /* clang-format off */
 #define EQUAL(n, x) \
     { .arg = (n), .op = SCMP_CMP_EQ, .datum_a = (uint32_t)(x) }
@@ -103,8 +104,8 @@ static const int denied[] = {
     { .arg = (n), .op = SCMP_CMP_MASKED_EQ, .datum_a = (mask), .datum_b = (x) }
 /* clang-format on */
 
-/* Arguments that are allowed or denied.  A call may have several rows: any that
- * fits decides; the filter's default decides where none does. */
+/* Calls that are allowed or denied by an argument.  Any rule of a call that
+ * fits decides; if none fits the filter's default does. */
 static const struct rule {
     int call;
     unsigned with; /* errno; 0: allowed */
@@ -127,12 +128,12 @@ static const struct rule {
     { SCMP_SYS(prctl), 0, EQUAL(0, PR_SET_NAME) },
     /* names of mappings, and calls that later libraries may try */
     { SCMP_SYS(prctl), EPERM, OTHER(0, PR_SET_NAME) },
-    /* asking is fine, setting is not */
+    /* a limit may be read, not set */
     { SCMP_SYS(prlimit64), 0, EQUAL(2, 0) },
     { SCMP_SYS(prlimit64), EPERM, OTHER(2, 0) },
 };
 
-/* Arguments that even a loose filter denies. */
+/* Calls that even the loose filter denies by an argument. */
 static const struct rule loose_rules[] = {
     { SCMP_SYS(open), EACCES, MASKED(1, O_CREAT, O_CREAT) },
     { SCMP_SYS(open), EACCES, MASKED(1, O_ACCMODE, O_WRONLY) },
@@ -150,7 +151,7 @@ sandbox_kills(void)
     return !RAD_SANITIZED;
 }
 
-/* valgrind makes the process's calls itself, and more. */
+/* valgrind makes the calls of its process itself, and others of its own. */
 static bool
 in_valgrind(void)
 {
@@ -171,7 +172,7 @@ add_rules(scmp_filter_ctx f, const struct rule *r, size_t n)
     return rc;
 }
 
-/* Signals to itself alone: abort() and raise(). */
+/* Allow signals to the process itself: for abort() and raise(). */
 static int
 add_own_signals(scmp_filter_ctx f)
 {
@@ -217,7 +218,7 @@ fill_seal(scmp_filter_ctx f)
     return rc;
 }
 
-/* Put a filter on, in all threads; 0 or a negative errno. */
+/* Put a filter on all threads; 0 or a negative errno. */
 static int
 put_on(uint32_t otherwise, int (*fill)(scmp_filter_ctx f))
 {
@@ -225,12 +226,12 @@ put_on(uint32_t otherwise, int (*fill)(scmp_filter_ctx f))
     int rc = f ? 0 : -ENOMEM;
 
     if (rc == 0)
-        rc = seccomp_attr_set(f, SCMP_FLTATR_CTL_NNP, 0); /* set before */
+        rc = seccomp_attr_set(f, SCMP_FLTATR_CTL_NNP, 0); /* is set already */
     if (rc == 0)
         rc = seccomp_attr_set(f, SCMP_FLTATR_CTL_TSYNC, 1);
     if (rc == 0)
         rc = seccomp_attr_set(f, SCMP_FLTATR_CTL_SSB, 1);
-    if (rc == 0) /* a search, not a walk */
+    if (rc == 0) /* a binary search among calls, not a walk */
         rc = seccomp_attr_set(f, SCMP_FLTATR_CTL_OPTIMIZE, 2);
     if (rc == 0)
         rc = fill(f);
@@ -258,8 +259,8 @@ landlock_version(void)
                         LANDLOCK_CREATE_RULESET_VERSION);
 }
 
-/* All that this kernel can deny for files: one more bit in the versions 2, 3
- * and 5. */
+/* All access to files that this kernel can deny: versions 2, 3 and 5 know one
+ * bit more each. */
 static uint64_t
 landlock_files(int version)
 {
@@ -274,8 +275,8 @@ landlock_files(int version)
     return bits;
 }
 
-/* Let files below the folder be read by name; the folder cannot be listed.  0
- * or a negative errno. */
+/* Allow to read files below the folder by name, not to list it; 0 or a negative
+ * errno. */
 static int
 confine_files(const char *files_dir)
 {
@@ -360,6 +361,6 @@ int
 sandbox_seal(bool required, struct rad_error *err)
 {
     if (RAD_SANITIZED || !has_seccomp())
-        return 0; /* sandbox_begin() has logged it */
+        return 0; /* as in sandbox_begin(); radd has told that it is lacking */
     return failed(put_on(SCMP_ACT_ALLOW, fill_seal), required, err);
 }
