@@ -9,7 +9,7 @@
 #include <string.h>
 
 static void
-look(struct team *t, struct rad_ctx *ctx, int first, int n)
+show_rows(struct team *t, struct rad_ctx *ctx, int first, int n)
 {
     const struct rad_pixel *row[RAD_QUINCUNX_MAX_YSTEP + 1];
 
@@ -28,16 +28,16 @@ hand_on(struct team *t, struct rad_ctx *ctx, int i)
     if (t->spec.mode != TEAM_TRUTH || i < t->spec.truth.out)
         return;
     if (t->spec.truth.look)
-        look(t, ctx, row, n);
+        show_rows(t, ctx, row, n);
     for (; row < end; row++) {
         t->spec.truth.rows(t->spec.arg, row, row_at(t, row));
         team_add(t, &t->out, 1);
     }
 }
 
-/* Where a pass has the densities after line i. */
+/* Where the densities after line i are recorded. */
 static size_t
-recorded(const struct team *t, int i)
+record_place(const struct team *t, int i)
 {
     return (size_t)(i - t->spec.first) * t->ndensity;
 }
@@ -46,11 +46,12 @@ static bool
 is_as_earlier(const struct team *t, int i)
 {
     return t->spec.ahead.earlier &&
-           memcmp(t->spec.ahead.earlier + recorded(t, i),
+           memcmp(t->spec.ahead.earlier + record_place(t, i),
                   line_at(t, i)->density, t->ndensity) == 0;
 }
 
-/* Line i came out as in the earlier pass: leave out all others but the last. */
+/* Line i came out as in the earlier pass, and so will those below: skip to the
+ * last line. */
 static void
 skip_to_last_locked(struct team *t, int i)
 {
@@ -59,23 +60,22 @@ skip_to_last_locked(struct team *t, int i)
 
     if (last - 2 <= i)
         return;
-    memcpy(above->density, t->spec.ahead.earlier + recorded(t, last - 2),
+    memcpy(above->density, t->spec.ahead.earlier + record_place(t, last - 2),
            t->ndensity);
     atomic_store(&above->ready, t->ndensity + 1);
     t->begun = t->finished = last - 1;
 }
 
-/* Line i is done.  If it is the first line whose rows are not handed on, hand
- * on all rows that are complete, unless another member is doing so. */
+/* If line i is the first whose rows are not handed on, hand on all rows that
+ * are complete, unless another member does so. */
 void
-team_line_finish(struct team *t, struct rad_ctx *ctx, int i,
-                 uint64_t primary)
+team_line_finish(struct team *t, struct rad_ctx *ctx, int i, uint64_t primary)
 {
     bool alike = i + 2 < t->spec.last && is_as_earlier(t, i);
 
     if (t->spec.ahead.record)
-        memcpy(t->spec.ahead.record + recorded(t, i), line_at(t, i)->density,
-               t->ndensity);
+        memcpy(t->spec.ahead.record + record_place(t, i),
+               line_at(t, i)->density, t->ndensity);
     uv_mutex_lock(&t->mu);
     line_at(t, i)->primary = primary;
     line_at(t, i)->done = true;
@@ -103,8 +103,8 @@ is_open_locked(const struct team *t)
            !is_stopped(t);
 }
 
-/* Take blocks of the line from the member: those that are lent, and with LOAN
- * all outside of the loan. */
+/* Mark blocks of the line as taken that its member may not trace: lent ones,
+ * and in TEAM_LOAN all outside of the loan. */
 static void
 begin_blocks_locked(struct team *t, int i)
 {
@@ -122,7 +122,6 @@ begin_blocks_locked(struct team *t, int i)
     atomic_store(&line_at(t, i)->taken[PART_BAR], away.bar);
 }
 
-/* The next line to begin, once its buffers are free; -1: there is none. */
 int
 team_line_begin(struct team *t)
 {
@@ -171,9 +170,9 @@ team_shrink(struct team *t, int least)
 
     uv_mutex_lock(&t->mu);
     last = atomic_load_explicit(&t->last, memory_order_relaxed);
-    keep = last - (last - t->begun + 1) / 2; /* it has begun lines, too */
+    keep = last - (last - t->begun + 1) / 2; /* some lines are begun */
     if (keep == t->begun && t->spec.mode != TEAM_TRUTH)
-        keep++; /* that line was not painted as the bottom */
+        keep++; /* the last line begun was not painted as a bottom */
     if (keep < least)
         keep = least;
     if (keep < last) {
@@ -257,8 +256,9 @@ team_primary(const struct team *t)
     return t->primary;
 }
 
-/* Pixels are written before they are read, and to clear them takes as long as a
- * pass over facts; but a pass of LOAN reads beyond its columns, too. */
+/* malloc() for pixels, which are written before they are read: to clear them
+ * would take as long as a pass over facts.  But TEAM_LOAN also reads beyond its
+ * columns. */
 static struct rad_pixel *
 make_pixels(const struct team *t, size_t n)
 {
@@ -266,7 +266,7 @@ make_pixels(const struct team *t, size_t n)
                         : malloc(n * sizeof *t->pixels);
 }
 
-/* Every buffer; the lines' densities and pixels lie one after the other. */
+/* Make all buffers; the densities and pixels of lines lie side by side. */
 static bool
 make_buffers(struct team *t)
 {

@@ -1,9 +1,9 @@
 /* team_lend.c - columns of a team's last line that another team traces
  *
- * A loan is a run of blocks that no thread has begun, the rightmost ones, with
- * a part of the cost that is left.  The borrower gets it by message, with the
- * colours and densities that decide which pixels are traced.  No block is lent
- * twice, so that a line's work comes to an end. */
+ * A loan is a run of blocks that no thread has begun, the rightmost ones, of a
+ * given part of the cost that is left.  The borrower gets it as a message, with
+ * the colours and densities that decide which pixels are traced.  No block is
+ * lent twice, so a line's work comes to an end. */
 #include "config.h"
 
 #include "team/team_member.h"
@@ -12,13 +12,13 @@
 
 #include <string.h>
 
-/* A base line's row costs so much more than a bar's. */
+/* Cost of a pixel of a base line over that of a bar. */
 #define BASE_WEIGHT 1.5
 
-/* The most columns of a loan, which must fit a message. */
+/* Most columns of a loan, which must fit a message. */
 #define MOST_LENT 24000
 
-/* The longest run of blocks. */
+/* The longest run of set bits. */
 static uint64_t
 longest_run(uint64_t blocks)
 {
@@ -37,14 +37,15 @@ longest_run(uint64_t blocks)
            ~((UINT64_C(1) << (end - longest)) - 1);
 }
 
-/* Is line i's base line done?  If not, parts of it may be lent if the densities
- * above are known, and the member claims each block before its gaps. */
+/* Is line i's base line done? */
 static bool
 base_is_done(struct team *t, int i)
 {
     return atomic_load(&line_at(t, i)->ready) == t->ndensity + 1;
 }
 
+/* May parts of line i's base line be lent, which is not done?  Its densities
+ * above must be known, and the member must claim blocks before their gaps. */
 static bool
 base_can_be_lent(const struct team *t, int i)
 {
@@ -53,10 +54,10 @@ base_can_be_lent(const struct team *t, int i)
     return i == t->spec.first || t->spec.nthreads == 1;
 }
 
-/* Are there facts in columns [x, x + n) of rows [row, row + rows) of line i?
- * The borrower would trace these pixels again. */
+/* Are there facts in columns [x, x + n) of rows [row, row + rows) of line i?  A
+ * borrower would trace these pixels again. */
 static bool
-knows(const struct team *t, int i, int x, int n, int row, int rows)
+has_facts(const struct team *t, int i, int x, int n, int row, int rows)
 {
     const struct rad_facts *f =
         atomic_load_explicit(&t->spec.facts[i], memory_order_acquire);
@@ -69,16 +70,16 @@ knows(const struct team *t, int i, int x, int n, int row, int rows)
     return false;
 }
 
-/* The line to lend of, and its member's view of it. */
+/* The line that columns are lent of. */
 struct lending {
     struct team *t;
-    int i, bars; /* the line, and its bar's rows */
+    int i, bars; /* its number, and how many rows its bar has */
     bool base;   /* its base line is to be traced, too */
-    bool unsure;
-    struct rad_pixel *rows[RAD_QUINCUNX_MAX_YSTEP + 1];
+    bool unsure; /* member_is_unsure() of its member */
+    struct rad_pixel *rows[RAD_QUINCUNX_MAX_YSTEP + 1]; /* member_bar_rows() */
 };
 
-/* Is there a pixel to trace in column x of the bar? */
+/* Has column x of the bar a pixel to trace? */
 static bool
 wants_column(const struct lending *l, int x)
 {
@@ -87,10 +88,12 @@ wants_column(const struct lending *l, int x)
     if (loan ? !is_wanted(loan, x)
              : l->unsure && !member_bar_is_certain(l->t, l->i, l->rows, x))
         return false;
-    return !knows(l->t, l->i, x, 1, 0, l->bars);
+    return !has_facts(l->t, l->i, x, 1, 0, l->bars);
 }
 
-/* The cost of block b that is left, the line's being 1; 0: not worth a loan. */
+/* Cost of what is left of block b, as a part of the line's; 0: not worth
+ * lending.
+ */
 static double
 block_cost(const struct lending *l, int b)
 {
@@ -99,7 +102,7 @@ block_cost(const struct lending *l, int b)
     int end = x + columns < q->width ? x + columns : q->width;
     double all = (BASE_WEIGHT + l->bars) * q->width;
 
-    if (l->base && knows(l->t, l->i, x, end - x, l->bars, 1))
+    if (l->base && has_facts(l->t, l->i, x, end - x, l->bars, 1))
         return 0;
     for (int k = x; k < end; k++)
         n += wants_column(l, k);
@@ -108,8 +111,8 @@ block_cost(const struct lending *l, int b)
     return (n * l->bars + (l->base ? BASE_WEIGHT * (end - x) : 0)) / all;
 }
 
-/* Claim blocks.  If a member was quicker at some, give back those that are not
- * in one run. */
+/* Claim blocks for a loan.  A member may have been quicker at some: of the
+ * others keep the longest run, and give the rest back. */
 static uint64_t
 take_blocks(struct line *l, enum part part, uint64_t blocks)
 {
@@ -120,8 +123,8 @@ take_blocks(struct line *l, enum part part, uint64_t blocks)
     return run;
 }
 
-/* The right end of a run of blocks, of the cost `most` and of n blocks at most;
- * no block, if the rightmost costs more than twice `most`. */
+/* The right end of a run of blocks: about of the cost `most`, at most n blocks;
+ * none if the rightmost block costs more than twice `most`. */
 static uint64_t
 right_part(uint64_t run, const double cost[MOST_BLOCKS], double most, int n)
 {
@@ -139,8 +142,7 @@ right_part(uint64_t run, const double cost[MOST_BLOCKS], double most, int n)
     return got;
 }
 
-/* Claim blocks for another team, by a part of the cost that is left; 0: none.
- */
+/* Claim blocks of a part of the cost that is left, for a loan; 0: none. */
 static uint64_t
 lend_blocks(const struct lending *by, double part, struct team_loan *loan)
 {
@@ -172,7 +174,7 @@ lend_blocks(const struct lending *by, double part, struct team_loan *loan)
     return got;
 }
 
-/* Columns of the bar that its lender would fill there. */
+/* Set loan->wanted: the columns of the bar that the lender would fill. */
 static void
 want_columns(const struct lending *by, struct team_loan *loan)
 {
@@ -190,7 +192,7 @@ want_columns(const struct lending *by, struct team_loan *loan)
             loan->wanted[i / 8] |= (uint8_t)(1u << i % 8);
 }
 
-/* The line that may be lent of: -1: none. */
+/* The line of which columns may be lent; -1: none. */
 static int
 line_to_lend(const struct team *t)
 {
@@ -203,7 +205,7 @@ line_to_lend(const struct team *t)
     return i;
 }
 
-/* False: nothing can be lent now. */
+/* Set *by to the line that can be lent of; false: there is none now. */
 static bool
 start_lending(struct lending *by, struct team *t)
 {
@@ -220,7 +222,7 @@ start_lending(struct lending *by, struct team *t)
     return by->bars > 0 && (!by->base || base_can_be_lent(t, by->i));
 }
 
-/* Fill in the loan of these blocks. */
+/* Fill in the loan of these claimed blocks. */
 static void
 describe_loan(const struct lending *by, uint64_t blocks, struct team_loan *loan)
 {

@@ -1,7 +1,7 @@
-/* team_line.c - a member's work at one line
+/* team_line.c - a member's work on one line
  *
  * The member samples the base line close behind the member on the line above,
- * then fills the bar between the two; team_impl.h has the waits. */
+ * then fills the bar between the two; team_impl.h tells what it waits for. */
 #include "config.h"
 
 #include "team/team_member.h"
@@ -9,11 +9,11 @@
 #include <string.h>
 #include <time.h>
 
-/* The bottom is painted, and told of, in pieces of so many columns at least. */
+/* The bottom is painted and shown in pieces of at least so many columns. */
 #define BOTTOM_COLUMNS 64
 
-/* Is the member's base line painted in this pass?  In LINES only the bottom is,
- * which is the top of the unit below. */
+/* Does this pass paint the member's base line?  In LINES only the bottom is
+ * painted, for it is the top of the unit below. */
 static bool
 is_painted(const struct member *m)
 {
@@ -24,7 +24,8 @@ is_painted(const struct member *m)
             m->i + 1 == atomic_load_explicit(&t->last, memory_order_relaxed));
 }
 
-/* Put columns up to `end` of the member's base line into the picture. */
+/* Put columns up to `end` of the member's base line into their row, painted if
+ * need be. */
 static void
 show(struct member *m, int end)
 {
@@ -49,7 +50,7 @@ is_bottom(const struct member *m)
            atomic_load_explicit(&m->team->last, memory_order_relaxed);
 }
 
-/* Publish the columns of the bottom up to `end`: the unit below may wait. */
+/* Show columns of the bottom up to `end`: the unit below may wait for them. */
 static void
 show_bottom(struct member *m, int end)
 {
@@ -61,10 +62,10 @@ show_bottom(struct member *m, int end)
         show(m, end);
 }
 
-/* Densities of the line above that the next step reads.  The last step of a
+/* How many densities of the line above the next step needs.  The last step of a
  * line copies all that lie beyond the line's own. */
 static size_t
-needed(const struct member *m, const struct rad_quincunx_line *s)
+densities_needed(const struct member *m, const struct rad_quincunx_line *s)
 {
     size_t n = rad_quincunx_line_needs(s);
 
@@ -75,18 +76,19 @@ needed(const struct member *m, const struct rad_quincunx_line *s)
     return n;
 }
 
-/* Is the member's line to be traced ahead in an order of its own? */
+/* Shall the member's line be traced ahead, in the order that spec.end says? */
 static bool
 wants_sweep(const struct member *m)
 {
     return m->team->spec.end != TEAM_FROM_LEFT && facts_of(m);
 }
 
-/* While the densities of the line above are not there, trace gaps of line i to
- * the right of s's: the pixels that the ends of a gap force, which densities
- * can only add to.  They are kept as facts, or by the line.  Gaps are taken
- * from the right, far from where the line above is: close by, both lines would
- * make the same ambient records (2 % more rays in a Cornell box). */
+/* While the densities of the line above are not there, trace gaps of the line
+ * to the right of s's: only pixels that the ends of a gap force, to which
+ * densities can only add.  They are kept as facts, or by the line.  Gaps are
+ * taken from the right, far from where the line above is: close to it both
+ * lines would make the same ambient records (2 % more rays in a Cornell box).
+ */
 static void
 trace_early(struct member *m, const struct rad_quincunx_line *s, size_t need)
 {
@@ -105,7 +107,7 @@ trace_early(struct member *m, const struct rad_quincunx_line *s, size_t need)
     m->early = false;
 }
 
-/* Only lent blocks are left of the line. */
+/* Note that only lent blocks are left of the line; returns false. */
 static bool
 leave_blocked(struct member *m)
 {
@@ -117,10 +119,11 @@ leave_blocked(struct member *m)
     return false;
 }
 
-/* Blocks of the base line are lent: trace the others, and the bar above them. A
- * block's first columns belong to a gap that begins in the block before. */
+/* Blocks of the base line are lent: trace the others, and the bar above them.
+ * The first columns of a block belong to a gap that begins in the block before,
+ * so the bar of a block needs both. */
 static bool
-leave_line(struct member *m)
+leave_lent_blocks(struct member *m)
 {
     struct rad_pixel *rows[RAD_QUINCUNX_MAX_YSTEP + 1];
     uint64_t mine;
@@ -136,7 +139,7 @@ leave_line(struct member *m)
     return leave_blocked(m);
 }
 
-/* Is that gap of the base line the member's to trace? */
+/* Is the gap of the base line for the member to trace?  Not if it is lent. */
 static bool
 claim_gap(struct member *m, size_t gap)
 {
@@ -148,7 +151,7 @@ claim_gap(struct member *m, size_t gap)
     return sweep_claim(m, PART_BASE, x / team_block_columns(&m->q));
 }
 
-/* Sample base line i; false: stopped, or blocked. */
+/* Sample the base line; false: the team is stopped, or blocks are lent. */
 static bool
 sample_line(struct member *m)
 {
@@ -159,11 +162,11 @@ sample_line(struct member *m)
     if (wants_sweep(m) && !sweep_line(m))
         return false;
     if (!sweep_claim(m, PART_BASE, 0))
-        return leave_line(m);
+        return leave_lent_blocks(m);
     rad_quincunx_line_start(&s, &m->q, m->i, density_above(m), l->density,
                             l->sampled);
     do {
-        size_t need = needed(m, &s);
+        size_t need = densities_needed(m, &s);
 
         if (s.ndensity > 0 && t->spec.nthreads > 1) /* else nobody waits */
             member_publish(t, l, s.ndensity);
@@ -173,7 +176,7 @@ sample_line(struct member *m)
         if (is_stopped(t) || !member_wait(m, need))
             return false;
         if (!claim_gap(m, s.gap))
-            return leave_line(m);
+            return leave_lent_blocks(m);
     } while (rad_quincunx_line_step(&s));
     show(m, m->q.width);
     team_add(t, &t->base, 1);
@@ -183,8 +186,8 @@ sample_line(struct member *m)
     return true;
 }
 
-/* Fill the bar in order, but for blocks that are lent: ahead of the truth these
- * are left out.  False: stopped, or blocked. */
+/* Fill the bar in order.  Lent blocks are left out, and end TRUTH.  False: the
+ * team is stopped, or TRUTH has to wait for lent blocks. */
 static bool
 fill_blocks(struct member *m, struct rad_pixel *const rows[])
 {
@@ -207,8 +210,8 @@ fill_blocks(struct member *m, struct rad_pixel *const rows[])
     return true;
 }
 
-/* Paint a bar that is full; not if its rows are out, for then it was painted
- * before, and is filled again to count its pixels alone. */
+/* Paint a bar that is filled; not if its rows were handed on, for then it was
+ * painted before, and is filled again only to count its pixels. */
 static void
 paint_bar(struct member *m, struct rad_pixel *const rows[])
 {
@@ -223,7 +226,7 @@ paint_bar(struct member *m, struct rad_pixel *const rows[])
                     rows[k]);
 }
 
-/* Fill the bar above base line i; false: stopped, or blocked. */
+/* Fill the bar above the base line; result as of fill_blocks(). */
 static bool
 fill_bar(struct member *m)
 {
@@ -242,8 +245,8 @@ fill_bar(struct member *m)
     return true;
 }
 
-/* Blocks of the bar whose base line was traced here: a block's first columns
- * belong to a gap that begins in the block before. */
+/* Blocks of a loan's bar whose base line was traced here, see
+ * leave_lent_blocks(). */
 static uint64_t
 bars_of(const struct member *m, const struct team_loan *loan)
 {
@@ -253,7 +256,7 @@ bars_of(const struct member *m, const struct team_loan *loan)
     return mine & (mine << 1 | UINT64_C(1) << first);
 }
 
-/* Columns that another team lends. */
+/* Trace the columns that this team borrows; false: the team is stopped. */
 static bool
 do_loan(struct member *m)
 {
@@ -298,7 +301,7 @@ cpu_ns(void)
     return (uint64_t)t.tv_sec * 1000000000 + (uint64_t)t.tv_nsec;
 }
 
-/* The member leaves its line: add the time since it left the last. */
+/* Add the time since the member left its last line to this line. */
 static void
 count_line(const struct member *m, uint64_t *since)
 {
@@ -312,7 +315,7 @@ count_line(const struct member *m, uint64_t *since)
     *since = now;
 }
 
-/* Work on lines until there is none. */
+/* Work on lines until there is none, or the team is stopped or blocked. */
 static void
 do_lines(struct member *m)
 {

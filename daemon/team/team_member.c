@@ -1,19 +1,19 @@
 /* team_member.c - how a member of a team traces pixels, waits for the line
- * above and wakes the member below */
+ * above, and wakes the member below */
 #include "config.h"
 
 #include "team/team_member.h"
 
 #include <string.h>
 
-/* How often a thread looks for the densities before it goes to sleep. */
+/* How often a member looks for the densities before it sleeps. */
 #define SPINS 200
 
-/* A member adds its rays to the team's when so many are new: some ms of work,
- * so that members do not wait for each other's cache line. */
+/* A member adds its rays to the team's when so many are new.  That is some ms
+ * of work, so members do not contend for the counter's cache line. */
 #define RAYS_UNTOLD 4096
 
-/* A member counts its pixels after so many. */
+/* Pixels between two looks at the number of rays. */
 #define PIXELS_UNSEEN 16
 
 /* Columns of a bar between two looks at whether the team is stopped. */
@@ -30,7 +30,7 @@ trace_new(struct member *m, int x, int y, struct rad_pixel *out)
     return true;
 }
 
-/* A pixel that the true sampler wants. */
+/* A pixel that the true sampler wants: use the fact, or trace it. */
 static void
 trace_truth(struct member *m, struct rad_facts *f, int x, int y,
             struct rad_pixel *out)
@@ -44,13 +44,13 @@ trace_truth(struct member *m, struct rad_facts *f, int x, int y,
     if (!trace_new(m, x, y, out))
         return;
     m->primary++;
-    /* if another worker's fact has just come, that is used */
+    /* if another worker's fact came meanwhile, use that */
     if (!rad_facts_put(f, column, row, out, RAD_FACT_USED))
         rad_facts_use(f, column, row, out);
 }
 
-/* Trace a pixel that the truth may want.  If another worker's fact has just
- * come, that counts, as it will for the truth. */
+/* Trace a pixel that TRUTH may want, into facts.  If another worker's fact came
+ * meanwhile it counts, as it will in TRUTH. */
 static void
 trace_ahead(struct member *m, struct rad_facts *f, int x, int y,
             struct rad_pixel *out)
@@ -62,7 +62,7 @@ trace_ahead(struct member *m, struct rad_facts *f, int x, int y,
         rad_facts_get(f, column, row, out);
 }
 
-/* A pixel that the member traced before it slept; false: it did not. */
+/* Get a pixel that the member traced before it slept; false: it did not. */
 static bool
 recall(const struct member *m, int x, int y, struct rad_pixel *out)
 {
@@ -102,8 +102,8 @@ trace(void *arg, int x, int y, struct rad_pixel *out)
         trace_ahead(m, f, x, y, out);
 }
 
-/* The order of store and load here, and in wait_for(), is what keeps a waker
- * from missing a sleeper: both are sequentially consistent. */
+/* Stores ready, then loads wanted; wait_for() stores wanted, then loads ready.
+ * All are sequentially consistent, so no wake-up is missed. */
 void
 member_publish(struct team *t, struct line *l, size_t ready)
 {
@@ -118,7 +118,8 @@ member_publish(struct team *t, struct line *l, size_t ready)
     uv_mutex_unlock(&t->mu);
 }
 
-/* Wait until `need` of the line's densities are final; false: stopped. */
+/* Wait until `need` densities of line l are final; false: the team is stopped.
+ */
 static bool
 wait_for(struct team *t, struct line *l, size_t need)
 {
@@ -155,7 +156,6 @@ member_tell_all(struct member *m)
     atomic_fetch_add_explicit(&m->team->rays, n, memory_order_relaxed);
 }
 
-/* The same, if there are so many; called often. */
 void
 member_tell_rays(struct member *m)
 {
@@ -166,7 +166,7 @@ member_tell_rays(struct member *m)
         member_tell_all(m);
 }
 
-/* The first line's top is there from the start. */
+/* The first line's top is there from the start, so it need not wait. */
 bool
 member_wait(const struct member *m, size_t need)
 {
@@ -176,8 +176,8 @@ member_wait(const struct member *m, size_t need)
            wait_for(t, line_at(t, m->i - 1), need);
 }
 
-/* Was this pixel of base line i traced for this pass?  A fact alone does not
- * say so: it may be of an estimate, or of a better guess of another worker. */
+/* Was this pixel of base line i traced in this pass?  That there is a fact is
+ * not enough: it may be of an estimate, or of another worker's better guess. */
 static bool
 was_traced(const struct team *t, int i, int x, const struct rad_pixel *here)
 {
@@ -189,10 +189,9 @@ was_traced(const struct team *t, int i, int x, const struct rad_pixel *here)
            memcmp(&p, here, sizeof p) == 0;
 }
 
-/* Does the truth want all pixels that this column of the bar traces?  Yes,
- * between two pixels that were traced themselves: the truth has the same
- * colours there, and no less density.  In a gap where the sampler traced none
- * that may be for lack of densities. */
+/* A column between two pixels that were traced themselves is certain: TRUTH has
+ * the same colours there, and no less density.  Where the sampler traced none
+ * in a gap, that may be for lack of densities. */
 bool
 member_bar_is_certain(const struct team *t, int i,
                       struct rad_pixel *const rows[], int x)
@@ -203,7 +202,8 @@ member_bar_is_certain(const struct team *t, int i,
            was_traced(t, i - 1, x, &rows[0][x]);
 }
 
-/* Fill columns up to `end` of the bar below base line i - 1, some. */
+/* Fill columns up to `end` of the bar, without a look at whether the team is
+ * stopped. */
 static void
 fill_some(struct member *m, struct rad_pixel *const rows[],
           struct rad_quincunx_fill *s, int end)
@@ -225,7 +225,6 @@ fill_some(struct member *m, struct rad_pixel *const rows[],
     s->found = 0;
 }
 
-/* The same, any number; false: stopped. */
 bool
 member_fill(struct member *m, struct rad_pixel *const rows[],
             struct rad_quincunx_fill *s, int end)
@@ -241,7 +240,6 @@ member_fill(struct member *m, struct rad_pixel *const rows[],
     return true;
 }
 
-/* The rows of line i, and of the base line above, for the bar. */
 void
 member_bar_rows(const struct member *m, struct rad_pixel *rows[])
 {
@@ -253,8 +251,7 @@ member_bar_rows(const struct member *m, struct rad_pixel *rows[])
     rows[n] = line_at(m->team, m->i)->sampled;
 }
 
-/* Lines whose densities go into those above line i, as far as the guess knows
- * of them. */
+/* How many lines the densities above line i follow from, as far as is known. */
 static int
 known_above(const struct team *t, int i)
 {
@@ -262,8 +259,6 @@ known_above(const struct team *t, int i)
            (t->spec.top_density ? t->spec.ahead.top_known : 0);
 }
 
-/* Are the colours above the member's bar sampled with too little known of the
- * densities? */
 bool
 member_is_unsure(const struct member *m)
 {

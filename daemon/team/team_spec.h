@@ -1,25 +1,25 @@
-/* team_spec.h - the work of a team: lines, mode, callbacks
+/* team_spec.h - what a team is to do: lines, mode, callbacks
  *
- * Lines are those of team.h.  Thread: read-only while members work, but where a
- * field says otherwise. */
+ * Lines are those of team.h.
+ * Thread: read-only while members work, unless a field says otherwise. */
 #ifndef RADD_DAEMON_TEAM_SPEC_H
 #define RADD_DAEMON_TEAM_SPEC_H
 
 #include "picture/facts.h"
 #include "picture/quincunx.h"
 
-struct rad_ctx; /* a member's own; the callbacks' affair */
+struct rad_ctx; /* each member has its own, for the callbacks */
 
 enum team_mode { TEAM_TRUTH, TEAM_LINES, TEAM_AHEAD, TEAM_LOAN };
 
-/* So many base lines below a line of which nothing is known, guessed densities
- * are as good as true. */
+/* Where nothing is known of a line, guessed densities are as good as true ones
+ * this many base lines below it. */
 enum { TEAM_SURE = 4 };
 
-/* Where a line is begun, so that workers at the same unit meet late.  A line is
- * traced ahead in this order, into facts, and then gone over from the left;
- * TEAM_FROM_LEFT needs no facts.  Where a member meets another worker's facts
- * (RAD_FACT_FOREIGN) it goes on in the middle of the widest gap left. */
+/* Where members begin a line, so that workers at the same unit meet late.  The
+ * line is traced ahead from there, into facts, and then gone over from the
+ * left.  TEAM_FROM_LEFT needs no facts.  A member that meets another worker's
+ * facts (RAD_FACT_FOREIGN) goes on in the middle of the widest gap left. */
 enum team_end {
     TEAM_FROM_LEFT,
     TEAM_FROM_RIGHT,
@@ -27,106 +27,110 @@ enum team_end {
     TEAM_MIDDLE_LEFTWARDS
 };
 
-/* Trace column x, row y of the picture; false: the view shows nothing there,
- * and *out is the picture's value for that. */
+/* Trace column x, row y of the picture into *out; false: the view shows nothing
+ * there, and *out is the picture's value for that. */
 typedef bool team_trace_fn(void *arg, struct rad_ctx *ctx, int x, int y,
                            struct rad_pixel *out);
 
-/* Paint columns x0 to x1-1 of row y of the picture; row[0] is column x0. */
+/* Paint small sources on columns x0 to x1 - 1 of row y of the picture; row[0]
+ * is column x0. */
 typedef void team_paint_fn(void *arg, struct rad_ctx *ctx, int x0, int x1,
                            int y, struct rad_pixel *row);
 
-/* Row number `row` of the sampler's area is done; rows of the unit come in
- * order, each once.  The pixels are borrowed for the call, which may wait. */
+/* Take row number `row` of the sampler's area, which is done; rows of the unit
+ * come in order, each once.  The pixels are borrowed for the call, which may
+ * wait. */
 typedef void team_rows_fn(void *arg, int row, const struct rad_pixel *pixels);
 
-/* All rows of a line are done, those of its bar and its own, n from `first` on
- * of the sampler's area: asked of a member before they are handed on. */
+/* Look at the n rows of a line, from `first` of the sampler's area on, before
+ * they are handed on. */
 typedef void team_look_fn(void *arg, struct rad_ctx *ctx, int first, int n,
                           const struct rad_pixel *const row[]);
 
-/* The unit's bottom is complete: a member says so, at once and once. */
+/* The unit's bottom is complete; called once, at once, by a member. */
 typedef void team_bottom_fn(void *arg);
 
-/* All rays of a context so far. */
+/* The number of rays that were traced with a context so far. */
 typedef uint64_t team_count_fn(void *arg, const struct rad_ctx *ctx);
 
-/* Blocks of columns of a line, a bit each, from the left. */
+/* Blocks of columns of a line, one bit each, from the left. */
 struct team_blocks {
-    uint64_t base, bar; /* of its base line, of its bar: lent */
-    uint64_t ever;      /* not to be lent any more */
+    uint64_t base, bar; /* of its base line, and of its bar, that are lent */
+    uint64_t ever;      /* that were lent once, and may not be again */
 };
 
-/* Columns that are lent, whole blocks, and the data that decide which of their
+/* Columns that are lent, in whole blocks, with what decides which of their
  * pixels are traced. */
 struct team_loan {
-    int line, x, n;
-    bool base;          /* the base line is to be traced as well */
+    int line, x, n;     /* columns [x, x + n) of that line */
+    bool base;          /* the base line is to be traced, too */
     double given, left; /* parts of the line's cost: the loan's; and that of
                          * blocks that the lender keeps and has not begun */
     const struct rad_pixel *top;    /* n pixels of the base line above */
-    const uint8_t *density;         /* with base: after the line above, all */
-    const struct rad_pixel *bottom; /* without: n pixels, as sampled */
+    const uint8_t *density;         /* with base: all densities after the line
+                                     * above; else NULL */
+    const struct rad_pixel *bottom; /* without base: n pixels of the base line,
+                                     * as sampled; else NULL */
     uint8_t *wanted; /* bit i % 8 of byte i / 8: fill column x + i of the bar;
-                      * (width + 7) / 8 bytes, the caller's */
+                      * (width + 7) / 8 bytes of the caller's */
 };
 
-/* Of TEAM_TRUTH alone. */
+/* For TEAM_TRUTH only. */
 struct team_truth {
-    int out; /* rows of lines before this one were handed on by an earlier
-              * pass; their base lines alone are painted again, as tops */
+    int out; /* an earlier pass handed on the rows of lines before this one; of
+              * these only the base lines are painted again, as tops */
     team_rows_fn *rows;
-    team_look_fn *look; /* NULL: nobody wants to see them */
+    team_look_fn *look; /* or NULL */
 };
 
-/* Of TEAM_LINES and TEAM_AHEAD, whose top may be a guess. */
+/* For TEAM_LINES and TEAM_AHEAD. */
 struct team_ahead {
     bool true_top; /* LINES: the top is true */
-    int top_known; /* AHEAD: the densities of the top were guessed from so many
-                    * lines; from TEAM_SURE on they are as good as true */
+    int top_known; /* AHEAD: how many lines the guessed densities of the top
+                    * follow from; TEAM_SURE lines make them as good as true */
     int filled;    /* LINES: make the bars of lines before this one, too */
     /* Room for the densities after each line from `first` on; or NULL. */
     uint8_t *record;
-    /* LINES with true_top, one member and no bars: what an earlier pass recorded
-     * of all lines from `first` to last - 2, over facts that are here; or NULL.
-     * If a line's densities come out the same, so would those of all lines that
-     * follow it: the pass goes on with the last line. */
+    /* LINES with true_top, one member and no bars; else NULL: what an earlier
+     * pass recorded of lines `first` to last - 2, over facts that are all here.
+     * If a line's densities come out the same, those of all lines below would,
+     * too: the pass goes on with the last line. */
     const uint8_t *earlier;
 };
 
 struct team_spec {
-    struct rad_quincunx sampler; /* of the window or frame; trace and arg are
-                                  * not looked at */
+    struct rad_quincunx sampler; /* of the window or frame; its trace and arg
+                                  * are not used */
     enum team_mode mode;
     enum team_end end;
-    int first, last; /* lines [first, last) of the sampler's */
-    /* Colours of base line first - 1, and the densities that it leaves; copied.
-     * With TEAM_TRUTH they are true and not NULL (but if first is 0, or the
-     * sampler has no densities).  Else NULL: no colours; no density known. */
+    int first, last; /* lines [first, last) of the sampler's area */
+    /* Colours of base line first - 1, and the densities after it; copied.  For
+     * TEAM_TRUTH they are true and not NULL, unless first is 0 or the sampler
+     * has no densities.  For other modes NULL means: not known. */
     const struct rad_pixel *top;
     const uint8_t *top_density;
-    /* facts[i] is for line i, as wide as the sampler's area and with as many
-     * rows as line i has (team_line_rows()); must stay until team_free(); NULL:
-     * the line has no facts.  TEAM_TRUTH looks again for each pixel, so facts
-     * may be stored (release) meanwhile.  LINES and AHEAD need facts for all
-     * lines from the start. */
+    /* facts[i] is of line i: as wide as the sampler's area, with as many rows
+     * as line i has (team_line_rows()); stays until team_free().  NULL: the
+     * line has no facts.  TEAM_TRUTH looks for each pixel, so facts may be
+     * stored (release) meanwhile.  LINES and AHEAD need facts of all lines from
+     * the start. */
     _Atomic(struct rad_facts *) *facts;
-    /* NULL, or the processor time of each line from first on [ns], to which the
-     * line's member adds as it leaves the line. */
+    /* NULL, or processor time of each line from `first` on [ns], to which a
+     * member adds when it leaves the line. */
     uint64_t *cpu_ns;
     /* Blocks of line last - 1 that are lent. */
     struct team_blocks lent;
-    /* With LOAN: first is its line, last the next; top, top_density and the
-     * rest about tops are not looked at.  Must stay until team_free(). */
+    /* Of TEAM_LOAN, for which last is first + 1 and the tops are not used;
+     * stays until team_free(). */
     const struct team_loan *loan;
     struct team_truth truth;
     struct team_ahead ahead;
     team_trace_fn *trace;
-    team_paint_fn *paint;   /* NULL: none */
-    team_bottom_fn *bottom; /* NULL: nobody wants to know */
-    team_count_fn *count;   /* NULL: the pixels traced are counted */
-    void *arg;
-    int nthreads; /* members at once, at most */
+    team_paint_fn *paint;   /* NULL: nothing is painted */
+    team_bottom_fn *bottom; /* or NULL */
+    team_count_fn *count;   /* NULL: traced pixels are counted as rays */
+    void *arg;              /* of all callbacks */
+    int nthreads;           /* most members at once */
 };
 
 #endif

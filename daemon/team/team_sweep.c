@@ -1,25 +1,25 @@
-/* team_sweep.c - blocks of columns of a line, and tracing a line ahead by them
+/* team_sweep.c - a line is traced ahead, block by block of its columns
  *
- * The thread that claims a block traces all gaps that begin in it.  Blocks are
- * taken from the end that the team's spec names; where another worker's facts
- * are met, from the middle of the widest gap left, so that workers at the same
- * line meet late and seldom. */
+ * The member that claims a block traces all gaps that begin in it.  Blocks are
+ * taken from the end that spec.end names; where another worker's facts are met,
+ * from the middle of the widest gap left, so that workers at the same line meet
+ * late and seldom. */
 #include "config.h"
 
 #include "team/team_member.h"
 
-/* A line that is traced ahead in blocks of gaps or of columns. */
+/* The blocks of a member's base line or bar that are traced ahead. */
 struct sweep {
     struct member *m;
     enum part part;
-    int row, rows; /* of the line, that the blocks have */
-    int nblocks;   /* at most 64 */
-    int columns;   /* of a block, but for the last */
-    uint64_t done; /* blocks begun or not worth it */
-    int at, step;  /* the block that comes next, and which way then */
+    int row, rows; /* the rows of the line that the blocks lie in */
+    int nblocks;   /* at most MOST_BLOCKS */
+    int columns;   /* of a block, but the last */
+    uint64_t done; /* blocks that were begun, or need no work */
+    int at, step;  /* the next block, and the way from there */
 };
 
-/* Begin where the spec says. */
+/* Begin at the end that spec.end names. */
 static void
 start_sweep(struct sweep *s, struct member *m, enum part part)
 {
@@ -40,7 +40,7 @@ start_sweep(struct sweep *s, struct member *m, enum part part)
         s->at = s->nblocks / 2 - (s->step < 0 && s->nblocks > 1);
 }
 
-/* Is there nothing to do in block b: begun here, or by another worker? */
+/* Was block b begun, by this member or another worker? */
 static bool
 is_taken(struct sweep *s, int b)
 {
@@ -52,7 +52,7 @@ is_taken(struct sweep *s, int b)
                          left < s->columns ? left : s->columns);
 }
 
-/* The middle of the longest run of blocks that are not taken; -1: none. */
+/* The middle of the longest run of blocks that are not taken; -1: all are. */
 static int
 widest_gap(struct sweep *s)
 {
@@ -68,7 +68,7 @@ widest_gap(struct sweep *s)
     return most > 0 ? best - most / 2 : -1;
 }
 
-/* The next block; -1: all are taken, or the team is stopped. */
+/* Claim the next block; -1: none is left, or the team is stopped. */
 static int
 next_block(struct sweep *s)
 {
@@ -87,7 +87,6 @@ next_block(struct sweep *s)
     return -1;
 }
 
-/* Is the block the member's to trace?  Not if it is lent. */
 bool
 sweep_claim(struct member *m, enum part part, int b)
 {
@@ -100,7 +99,6 @@ sweep_claim(struct member *m, enum part part, int b)
     return true;
 }
 
-/* Trace base line i ahead; false: stopped. */
 bool
 sweep_line(struct member *m)
 {
@@ -132,7 +130,6 @@ sweep_line(struct member *m)
     return !is_stopped(t);
 }
 
-/* Trace these blocks of the bar with these rows ahead; false: stopped. */
 bool
 sweep_bar(struct member *m, struct rad_pixel *const rows[], uint64_t blocks)
 {
