@@ -88,7 +88,7 @@ pixels_of(const struct strict *s, const struct strict_unit *u)
     out = made.out;
     if (u->out > u->first)
         out += (uint64_t)(row_of(f, u->out) - begin) * (uint64_t)f->q.width;
-    /* the unit may have given lines away, or made the line above */
+    /* given lines do not count, nor the base line above */
     if (now.made.base + now.made.bars < all)
         all = now.made.base + now.made.bars;
     return all > out ? all - out : 0;

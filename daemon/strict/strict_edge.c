@@ -1,10 +1,11 @@
-/* strict_edge.c - the tops of the strict units
+/* strict_edge.c - tops and bottoms of the strict units
  *
- * A top belongs to a line (struct edge).  Pieces of a top that another worker
- * makes may come twice, or before the unit that needs it, and lie on a shelf
- * until all are there.  Bottoms that this child made are kept for units below
- * that may come; when there are too many edges those without a unit are freed,
- * since the coordinator has a copy. */
+ * Pieces of a top that another worker makes may come twice, or before the unit
+ * that needs it; they lie on a shelf until all have come.  Bottoms that this
+ * child made are kept for units below that may come.  When there are too many
+ * edges the oldest that no unit needs are freed, for the coordinator has a
+ * copy.
+ */
 #include "config.h"
 
 #include "strict/strict_edge.h"
@@ -14,7 +15,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Edges that no unit here asks for. */
+/* Most edges that no unit of this child needs. */
 #define SPARE_EDGES 256
 
 struct edge *
@@ -65,7 +66,7 @@ edge_drop(struct strict *s, uint32_t frame, int line)
     edge_free(e);
 }
 
-/* Let the oldest go that nobody asks for, if there are too many. */
+/* Free the oldest edges that no unit needs, if there are too many. */
 static void
 edges_limit(struct strict *s)
 {
@@ -105,7 +106,7 @@ edge_make(struct strict *s, uint32_t frame, int line)
     return e;
 }
 
-/* Room for the values of a line that is whole now. */
+/* Make room for the values of a line; false: memory is out. */
 static bool
 edge_alloc(struct strict *s, struct edge *e)
 {

@@ -1,9 +1,9 @@
 /* strict_facts.c - the facts of the strict units' lines
  *
- * Facts belong to a line, not to a unit.  A line's facts stay while a unit of
- * this child covers the line, or while they wait to be sent.  So facts that one
- * unit made of the base line above it serve the unit which has that line, and a
- * unit that is split leaves its facts to the next. */
+ * Facts belong to a line, not to a unit.  They stay while a unit of this child
+ * covers the line, or until they are sent.  So facts that a unit made of the
+ * base line above it serve the unit that has that line, and lines that a unit
+ * gave away leave their facts to the next unit. */
 #include "config.h"
 
 #include "strict/strict_facts.h"
@@ -13,11 +13,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Bytes of facts that no unit here asks for. */
+/* Most bytes of facts of lines that no unit of this child has. */
 #define SPARE_FACTS (64u << 20)
 
-/* Are facts of the line in the urgent queue?  (Those in the lazy queue are of
- * units that are here, which keep them.) */
+/* Are facts of the line in the urgent queue?  (Units whose facts are in the
+ * lazy queue are still here.) */
 static bool
 is_to_be_sent(const struct strict *s, uint32_t frame, int line)
 {
@@ -27,7 +27,7 @@ is_to_be_sent(const struct strict *s, uint32_t frame, int line)
     return false;
 }
 
-/* Does another unit need the line's facts, or are they to be sent? */
+/* Does a unit other than `by' cover the line, or are its facts to be sent? */
 static bool
 is_needed_but_for(const struct strict *s, uint32_t frame, int line,
                   const struct strict_unit *by)
@@ -131,8 +131,8 @@ facts_drop(struct strict *s, uint32_t frame, int line)
     rad_facts_free(facts);
 }
 
-/* New facts of a line that no unit here has; the oldest such go if there are
- * too many. */
+/* Facts came of a line that no unit of this child has.  If there are too many
+ * such facts free the oldest. */
 static void
 early_add(struct strict *s, uint32_t frame, int line)
 {
@@ -166,7 +166,7 @@ facts_drop_table(struct strict *s, uint32_t frame)
 
     for (const struct strict_unit *u = s->units; u; u = u->next)
         if (u->frame == frame)
-            return; /* its pass may look there */
+            return; /* its pass may use the table */
     for (int i = 0; f->facts && i < f->nlines; i++)
         if (facts_at(s, frame, i))
             return;
@@ -174,7 +174,7 @@ facts_drop_table(struct strict *s, uint32_t frame)
     f->facts = NULL;
 }
 
-/* The facts of a line that are freed with the unit; NULL: there are none. */
+/* The facts of a line that are freed with the unit; NULL: it has none. */
 static const struct rad_facts *
 facts_of_alone(const struct strict *s, const struct strict_unit *u, int line)
 {
@@ -183,7 +183,7 @@ facts_of_alone(const struct strict *s, const struct strict_unit *u, int line)
     return facts && !is_needed_but_for(s, u->frame, line, u) ? facts : NULL;
 }
 
-/* How many of these were sent to nobody. */
+/* How many facts are freed with the unit and were sent to no worker. */
 static uint64_t
 untold(const struct strict *s, const struct strict_unit *u, int line)
 {
@@ -236,7 +236,7 @@ facts_fit(const struct strict *s, const struct msg_facts *m)
            m->channels == channels_of(f);
 }
 
-/* A line that is sampled over facts alone, to see whether any pixel lacks. */
+/* For sampling a line over facts alone: does any pixel lack? */
 struct trial {
     const struct rad_facts *facts;
     bool lacks;
@@ -254,8 +254,8 @@ try_fact(void *arg, int x, int y, struct rad_pixel *out)
     }
 }
 
-/* Are all facts there that a guess wants of a base line of which nothing else
- * is known? */
+/* Are all facts of a base line here that the sampler wants when it guesses the
+ * densities above? */
 static bool
 facts_suffice(struct strict *s, uint32_t frame, int line)
 {

@@ -1,7 +1,7 @@
-/* strict_loan.c - columns that are lent, and that others lend
+/* strict_loan.c - columns that are lent, and that are borrowed
  *
- * The lender leaves these columns out of its passes, and needs their facts for
- * its rows.  To the borrower the columns, of one line, are a unit. */
+ * The lender leaves lent columns out of its passes, and needs their facts for
+ * its rows.  To the borrower these columns, of one line, are a unit. */
 #include "config.h"
 
 #include "strict/strict_loan.h"
@@ -76,8 +76,8 @@ strict_blocked(struct strict *s, struct strict_pass *p, int finished)
     struct strict_unit *u = p->of;
 
     (void)s;
-    u->lending.blocked = loan_is_out(u); /* a BACK may have come just now */
-    u->lending.lent.ever = UINT64_MAX;   /* nothing but that is left */
+    u->lending.blocked = loan_is_out(u); /* BACK may have come meanwhile */
+    u->lending.lent.ever = UINT64_MAX;   /* all other blocks are done */
     u->parked = false;
     if (p->mode == TEAM_TRUTH && finished > u->out)
         u->out = finished;
@@ -104,14 +104,14 @@ strict_back(struct strict *s, const struct msg_back *m)
     u->lending.blocked = false;
     if (blocked)
         rank_make_way(s);
-    if (u->parked) /* PARKED may have been sent while BACK came */
+    if (u->parked) /* PARKED may have been sent while BACK was on its way */
         out_state(s, ITEM_RESUMED, u);
-    u->parked = false; /* the unit may come to wait for its top */
+    u->parked = false; /* the unit may wait for its top next */
     if (u->pass)
         u->pass->back |= blocks;
 }
 
-/* --- columns that other workers lend --- */
+/* --- borrowing --- */
 
 static bool
 loan_fits(const struct strict *s, const struct msg_loan *m)
@@ -128,8 +128,7 @@ loan_fits(const struct strict *s, const struct msg_loan *m)
            team_blocks_of(&f->q, (int)m->x, (int)m->n) != 0;
 }
 
-/* Give the unit a copy of the message's loan, whose own memory goes with the
- * message; false: memory is out. */
+/* Copy the message's loan into the unit; false: memory is out. */
 static bool
 copy_loan(struct strict_unit *u, const struct msg_loan *m)
 {

@@ -1,5 +1,5 @@
-/* strict_order.c - what the coordinator orders about units, and what a unit does
- * that waits, goes back or goes away */
+/* strict_order.c - orders of the coordinator about units; a unit waits, gives
+ * lines away, goes back or ends */
 #include "config.h"
 
 #include "strict/strict_order.h"
@@ -10,15 +10,15 @@
 #include "strict/strict_rank.h"
 #include "strict/strict_state.h"
 
-/* A unit has waited so long for its top before its facts go out: short waits
- * cost no traffic. */
+/* How long a unit waits for its top before its facts are sent, so that short
+ * waits cost no traffic. */
 #define PARK_MS 200
 
-/* The time between two looks at a pass under way: other workers may wait for
- * its facts, for a piece of its bottom, or for columns that it can lend. */
+/* Time between two looks at a pass under way: other workers may wait for its
+ * facts, for a piece of its bottom, or for columns that it can lend. */
 #define LOOK_MS 10
 
-/* The line whose first row is `row`, or nlines for the height; -1: none. */
+/* The line whose first row is `row`, nlines for the height; -1: none. */
 static int
 line_from_row(const struct frame *f, uint32_t row)
 {
@@ -44,7 +44,7 @@ order_drop(struct strict *s, struct strict_unit *u)
     strict_unit_free(u);
 }
 
-/* The lines [*first, *last) of the message's rows. */
+/* Set [*first, *last) to the lines of the message's rows. */
 static int
 read_lines(const struct strict *s, const struct msg_unit *m, int *first,
            int *last, struct rad_error *err)
@@ -88,7 +88,7 @@ strict_unit(struct strict *s, const struct msg_unit *m, struct rad_error *err)
     u->flags = m->flags & (MSG_UNIT_TWIN | MSG_UNIT_BARS);
     strict_unit_enter(s, u);
     facts_use_above(s, u);
-    if (u->first > 0 && strict_unit_has_top(s, u)) /* came before the unit */
+    if (u->first > 0 && strict_unit_has_top(s, u)) /* it came before */
         rank_make_way(s);
     return 0;
 }
@@ -132,7 +132,7 @@ order_split_idle(struct strict *s, struct strict_unit *u)
 
     if (u->progress >= PROGRESS_AHEAD)
         from = u->last;
-    if (from < u->out) /* the unit keeps lines whose rows are out */
+    if (from < u->out) /* rows of these lines are handed on */
         from = u->out;
     if (u->fate == FATE_SPLITS)
         strict_unit_decide(u, FATE_STAYS);
@@ -153,8 +153,8 @@ order_hand_back(struct strict *s, struct strict_unit *u)
     order_drop(s, u);
 }
 
-/* Where rows went out with an earlier pass the unit cannot end with them: then
- * all of it goes back, with facts of these rows, too. */
+/* A unit without a pass is given back whole, even if an earlier pass handed on
+ * some rows; their facts are sent, too. */
 void
 strict_yield(struct strict *s, uint32_t unit, uint32_t attempt)
 {
@@ -171,7 +171,8 @@ strict_yield(struct strict *s, uint32_t unit, uint32_t attempt)
     }
 }
 
-/* Half of the unit is to go back when its pass has ended, or sooner. */
+/* Let the unit give half of its lines away when its pass has ended, or sooner.
+ */
 static void
 want_split(struct strict_unit *u)
 {
@@ -179,8 +180,8 @@ want_split(struct strict_unit *u)
         strict_unit_decide(u, FATE_SPLITS);
 }
 
-/* What is left to do is counted in bars.  A pass of LINES works at all lines at
- * once: it ends first, and is made again over its facts. */
+/* Halves are counted in lines without bars.  LINES works on all lines at once,
+ * so it ends first, and is made again over its facts. */
 void
 strict_split(struct strict *s, uint32_t unit, uint32_t attempt)
 {
@@ -188,7 +189,7 @@ strict_split(struct strict *s, uint32_t unit, uint32_t attempt)
 
     if (!u || u->loan || u->fate == FATE_YIELDS)
         return;
-    if (loan_is_out(u)) { /* of its last line, which is begun */
+    if (loan_is_out(u)) { /* its last line is begun: nothing can be given */
         order_give_lines(s, u, u->last);
     } else if (!u->pass) {
         order_split_idle(s, u);
@@ -216,7 +217,7 @@ strict_shrunk(struct strict *s, struct strict_pass *p, int last)
     p->sent_densities = u->sent_densities;
 }
 
-/* Only when the guess has all pixels of the line above: until then no other
+/* Not before the guess has all pixels of the line above: until then no other
  * worker begins that line. */
 void
 order_say_top(struct strict *s, const struct strict_unit *u)
@@ -225,7 +226,7 @@ order_say_top(struct strict *s, const struct strict_unit *u)
         out_facts(s, &s->urgent, u, u->first - 1);
 }
 
-/* Send the facts that a twin of the unit needs. */
+/* Send all new facts of the unit, for its twins. */
 static void
 push_twin_facts(struct strict *s, const struct strict_unit *u)
 {
@@ -245,7 +246,7 @@ strict_twin(struct strict *s, uint32_t unit, uint32_t attempt)
         push_twin_facts(s, u);
 }
 
-/* Is the unit above here and at work?  Then the top comes soon enough. */
+/* Is the unit above at work in this child?  Then the top will come soon. */
 static bool
 is_near(const struct strict *s, const struct strict_unit *u)
 {
@@ -271,10 +272,10 @@ order_resume(struct strict *s, struct strict_unit *u)
     u->wait.waiting = false;
     if (u->parked)
         out_state(s, ITEM_RESUMED, u);
-    u->parked = false; /* the unit may come to wait again */
+    u->parked = false; /* so that PARKED is sent when it waits again */
 }
 
-/* A unit that waits for long sends its facts, too. */
+/* Queue the unit's facts in case this worker is lost. */
 static void
 park_facts(struct strict *s, struct strict_unit *u)
 {
@@ -283,15 +284,14 @@ park_facts(struct strict *s, struct strict_unit *u)
         out_facts(s, &s->lazy, u, i);
 }
 
-/* Are the unit's facts to be sent when the unit has waited for long? */
+/* Shall park_facts() be called when the unit has waited for long? */
 static bool
 will_keep(const struct strict *s, const struct strict_unit *u)
 {
     return u->wait.waiting && u->parked && !u->wait.kept && !is_near(s, u);
 }
 
-/* May another worker wait for the bottom, facts or columns of the unit's pass?
- */
+/* May another worker wait for bottom, facts or columns of the unit's pass? */
 static bool
 is_awaited(const struct strict *s, const struct strict_unit *u)
 {
@@ -302,7 +302,7 @@ is_awaited(const struct strict *s, const struct strict_unit *u)
            (bottom || u->flags & MSG_UNIT_TWIN || u->pass->lend > 0);
 }
 
-/* When to look at a unit again; u->wait is up to date. */
+/* When to look at the unit again; u->wait is up to date. */
 static uint64_t
 due_ms(const struct strict *s, const struct strict_unit *u, uint64_t now_ms)
 {

@@ -1,7 +1,7 @@
 /* strict_out.c - the messages of the strict units
  *
  * There are two queues.  Urgent messages, for which other workers may wait, are
- * sent at once.  Lazy ones are the facts of parked units, needed only if this
+ * sent at once.  Lazy ones are facts of parked units, which matter only if this
  * worker is lost: they are sent when there is room, and dropped if the unit's
  * top comes before. */
 #include "config.h"
@@ -14,7 +14,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A copy, in no queue; NULL: memory is out. */
+/* A copy of an item, in no queue; NULL: memory is out. */
 static struct item *
 copy_of(struct strict *s, const struct item *it)
 {
@@ -29,7 +29,7 @@ copy_of(struct strict *s, const struct item *it)
     return copy;
 }
 
-/* NULL: memory is out. */
+/* Put a copy of the item last into the queue; NULL: memory is out. */
 static struct item *
 push(struct strict *s, struct queue *q, const struct item *it)
 {
@@ -122,15 +122,14 @@ out_forget(struct strict *s, const struct strict_unit *u)
 void
 out_state(struct strict *s, enum item_kind kind, const struct strict_unit *u)
 {
-    struct item it = { .kind = kind,
-                       .unit = u->unit,
-                       .attempt = u->attempt,
-                       .counts = u->spent };
+    struct item it = {
+        .kind = kind, .unit = u->unit, .attempt = u->attempt, .counts = u->spent
+    };
 
     push(s, &s->urgent, &it);
 }
 
-/* If memory is out the message is left out: the job goes on without it. */
+/* If memory is out the message is left out: the job does without it. */
 void
 out_line_costs(struct strict *s, const struct strict_unit *u)
 {
@@ -174,7 +173,7 @@ put_pixels(uint8_t *to, const struct rad_pixel *from, uint32_t n, int channels)
     return to;
 }
 
-/* Fill the bytes of a piece; false: memory is out. */
+/* Copy densities and pixels of a piece into the item; false: memory is out. */
 static bool
 fill_piece(struct strict *s, struct item *it, const struct rad_pixel *pixels,
            const uint8_t *density)
@@ -245,8 +244,7 @@ out_loan(struct strict *s, const struct strict_unit *u,
         free(it.bytes);
 }
 
-/* The last item of a queue, if the piece `it` continues that item; else NULL.
- */
+/* The last item of a queue, if the piece `it' continues it; else NULL. */
 static struct item *
 continued(const struct queue *q, const struct item *it)
 {
@@ -259,8 +257,8 @@ continued(const struct queue *q, const struct item *it)
                : NULL;
 }
 
-/* Over facts pieces of a line come faster than they are sent: a piece that
- * continues the last one in the queue is put to that. */
+/* Over facts pieces of a line are made faster than they are sent: a piece that
+ * continues the last one in the queue is joined to it. */
 void
 out_piece(struct strict *s, const struct strict_pass *p, int columns,
           size_t densities, const struct rad_pixel *pixels,
@@ -293,8 +291,8 @@ out_piece(struct strict *s, const struct strict_pass *p, int columns,
         free(it.bytes);
 }
 
-/* Many bottoms may become true at a time, of which others wait but for the
- * last. */
+/* Many bottoms may become true at once, of which other workers wait only for
+ * the last. */
 void
 out_bottom(struct strict *s, const struct strict_unit *u,
            const struct rad_pixel *pixels, const uint8_t *density)
@@ -314,7 +312,7 @@ out_bottom(struct strict *s, const struct strict_unit *u,
 }
 
 static bool
-room_for(struct strict *s, size_t bitmap, size_t floats)
+make_room(struct strict *s, size_t bitmap, size_t floats)
 {
     if (s->bitmap_room < bitmap) {
         free(s->bitmap);
@@ -333,10 +331,11 @@ room_for(struct strict *s, size_t bitmap, size_t floats)
     return !s->error;
 }
 
-/* The next rows' facts of an item into the message; false: there are no more.
+/* Put the next rows' facts of an item into the message; false: there are no
+ * more.
  */
 static bool
-say_facts(struct strict *s, struct item *it)
+pack_facts(struct strict *s, struct item *it)
 {
     const struct frame *f = frame_of(s, it->frame);
     struct rad_facts *facts = facts_at(s, it->frame, it->line);
@@ -350,7 +349,7 @@ say_facts(struct strict *s, struct item *it)
         int row = it->row;
         size_t count;
 
-        if (!room_for(s, (size_t)n * stride, (size_t)n * width * channels))
+        if (!make_room(s, (size_t)n * stride, (size_t)n * width * channels))
             return false;
         it->row += n;
         count = rad_facts_export(facts, row, n, (int)channels, 0, s->bitmap,
@@ -375,7 +374,7 @@ say_facts(struct strict *s, struct item *it)
 }
 
 static void
-say_piece(struct strict *s, const struct item *it)
+pack_piece(struct strict *s, const struct item *it)
 {
     s->msg.type = MSG_BASE_LINE;
     s->msg.base_line = (struct msg_base_line){
@@ -392,15 +391,15 @@ say_piece(struct strict *s, const struct item *it)
     };
 }
 
-/* Put an item into the message; false: there is nothing (more) to say. */
+/* Put an item into s->msg; false: it has nothing (more) to say. */
 static bool
-say(struct strict *s, struct item *it)
+pack(struct strict *s, struct item *it)
 {
     switch (it->kind) {
     case ITEM_FACTS:
-        return say_facts(s, it);
+        return pack_facts(s, it);
     case ITEM_PIECE:
-        say_piece(s, it);
+        pack_piece(s, it);
         break;
     case ITEM_PARKED:
         s->msg.type = MSG_PARKED;
@@ -445,7 +444,7 @@ strict_message(struct strict *s, bool room)
                 : room && s->lazy.first ? &s->lazy
                                         : NULL)) {
         struct item *it = q->first;
-        bool said = say(s, it);
+        bool said = pack(s, it);
 
         if (said && it->kind == ITEM_FACTS)
             return &s->msg; /* the item stays: there may be more facts */

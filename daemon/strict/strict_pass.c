@@ -1,9 +1,8 @@
 /* strict_pass.c - the passes of strict units: how they begin and end
- *
  * A pass begins with the colours and densities that are known of its unit's
- * top, and ends with a bottom that is a guess or true.  It is told to end early
- * when the true top comes in place of a guess.  strict_rank.c decides which
- * unit gets the next pass. */
+ * top, and ends with a bottom that is a guess or true.  A pass on a guess is
+ * told to stop when the true top comes.  strict_rank.c decides which unit gets
+ * the next pass. */
 #include "config.h"
 
 #include "strict/strict.h"
@@ -19,11 +18,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* The most pixels of a unit whose facts are kept in case it gets a twin. */
+/* Most pixels of a unit whose facts are kept in case it gets a twin. */
 #define MOST_KEPT (1 << 22)
 
-/* Was the unit's bottom guessed from just these densities?  Then the bottom is
- * true, since a base line depends on the densities above alone. */
+/* Was the unit's bottom guessed from just these densities?  Then it is true: a
+ * base line depends only on the densities above it. */
 static bool
 guess_holds(const struct strict *s, const struct strict_unit *u,
             const uint8_t *density)
@@ -35,7 +34,8 @@ guess_holds(const struct strict *s, const struct strict_unit *u,
            memcmp(u->guess.above, density, f->ndensity) == 0;
 }
 
-/* The unit's bottom, which was a guess; NULL: memory is out. */
+/* Make the guessed bottom of the unit true; returns its edge, NULL: memory is
+ * out. */
 static const struct edge *
 make_guess_true(struct strict *s, struct strict_unit *u)
 {
@@ -48,10 +48,10 @@ make_guess_true(struct strict *s, struct strict_unit *u)
     return e;
 }
 
-/* An edge is complete.  If that makes the bottom of the unit below true as
- * well, return the edge of that bottom; else NULL. */
+/* The edge is whole: the true top of units below it.  If that makes the bottom
+ * of such a unit true, returns the edge of that bottom; else NULL. */
 static const struct edge *
-top_came(struct strict *s, const struct edge *e, bool *idle)
+top_of_below(struct strict *s, const struct edge *e, bool *idle)
 {
     struct strict_unit *u = s->by_first[slot_of(e->frame, e->line + 1)];
     const struct edge *next = NULL;
@@ -71,17 +71,17 @@ top_came(struct strict *s, const struct edge *e, bool *idle)
 }
 
 static void
-pass_top_came(struct strict *s, const struct edge *e)
+spread_top(struct strict *s, const struct edge *e)
 {
     bool idle = false;
 
     while (e)
-        e = top_came(s, e, &idle);
+        e = top_of_below(s, e, &idle);
     if (idle)
         rank_make_way(s);
 }
 
-/* Copy a top, of which the pixels may be NULL. */
+/* Copy a top to the pass; pixels may be NULL.  False: memory is out. */
 static bool
 copy_top(const struct strict *s, struct strict_pass *p,
          const struct rad_pixel *pixels, const uint8_t *density)
@@ -104,7 +104,8 @@ copy_top(const struct strict *s, struct strict_pass *p,
     return true;
 }
 
-/* Set the top of a pass: true, guessed, or the part that is known. */
+/* Set the top of a pass: true, guessed, or the part that is known.  False:
+ * memory is out. */
 static bool
 set_top(struct strict *s, struct strict_pass *p)
 {
@@ -116,7 +117,7 @@ set_top(struct strict *s, struct strict_pass *p)
     p->top_known = p->first > 0 ? 0 : TEAM_SURE;
     if (p->first < u->first && u->above != ABOVE_MADE_HERE)
         return true; /* with densities the pass might trace needless pixels */
-    /* of a line of another unit only the base line is made, not the bar */
+    /* if p->first is another unit's line only its base line is made, no bar */
     if (e && e->pixels) {
         p->top_known = TEAM_SURE;
         return copy_top(s, p, p->first == u->first ? e->pixels : NULL,
@@ -149,9 +150,9 @@ mode_of(enum strict_rank rank)
                                   : TEAM_LINES;
 }
 
-/* May another worker get the unit, or lines of it, before the unit's end?  Then
- * facts that are traced under the true top are of use.  A unit that is a whole
- * frame, or very large, hardly ever goes to another worker. */
+/* May another worker get the unit, or lines of it, before its end?  Then facts
+ * that TRUTH traces are of use.  Not if the unit is a whole frame or very
+ * large: such units hardly ever go to another worker. */
 static bool
 may_get_help(const struct strict *s, const struct strict_unit *u)
 {
@@ -161,8 +162,9 @@ may_get_help(const struct strict *s, const struct strict_unit *u)
     return rows < f->q.height && rows * f->q.width <= MOST_KEPT;
 }
 
-/* The line before which LINES makes bars, too: none, or all.  Nobody waits for
- * the last line of a frame. */
+/* The line before which LINES makes the bars, too: first (no bars) or last
+ * (all).  No unit waits for the last line of a frame, so bars need not come
+ * later. */
 static int
 filled_until(const struct strict *s, const struct strict_unit *u)
 {
@@ -174,8 +176,8 @@ filled_until(const struct strict *s, const struct strict_unit *u)
                : u->first;
 }
 
-/* Set the densities that the pass records by line, or those of an earlier pass
- * that it compares with.  Without memory the pass does neither. */
+/* Let the pass record its lines' densities, or compare them with those of an
+ * earlier pass.  If memory is out it does neither. */
 static void
 set_chain(const struct strict *s, struct strict_pass *p)
 {
@@ -190,7 +192,7 @@ set_chain(const struct strict *s, struct strict_pass *p)
         return;
     }
     p->earlier = u->chain.density + (size_t)(p->first - u->chain.first) * n;
-    p->filled = p->first; /* bars are facts, or need lines that are left out */
+    p->filled = p->first; /* its bars are facts, or made later */
 }
 
 /* Are there facts of each of the unit's lines? */
@@ -280,7 +282,7 @@ strict_base_line(struct strict *s, const struct msg_base_line *m)
         return;
     e = edge_make(s, m->frame, (int)m->line);
     if (e && edge_put(s, e, m))
-        pass_top_came(s, e);
+        spread_top(s, e);
 }
 
 void
@@ -306,10 +308,10 @@ strict_bottom(struct strict *s, struct strict_pass *p, int columns,
         return;
     p->of->bottom_done = true;
     if (edge_set(s, e, pixels, density))
-        pass_top_came(s, e);
+        spread_top(s, e);
 }
 
-/* LINES or AHEAD is done: its bottom is a guess for the unit below. */
+/* Keep the bottom of LINES or AHEAD as a guess for the unit below. */
 static void
 keep_guess(struct strict *s, struct strict_pass *p,
            const struct rad_pixel *pixels, const uint8_t *density)
@@ -332,7 +334,7 @@ keep_guess(struct strict *s, struct strict_pass *p,
     free(u->guess.above);
     u->guess.above = NULL;
     if (f->ndensity == 0) {
-        u->guess.above = calloc(1, 1); /* none are needed */
+        u->guess.above = calloc(1, 1); /* there are no densities */
     } else if (p->first == u->first) {
         u->guess.above = p->top_density;
         p->top_density = NULL;
@@ -348,7 +350,7 @@ end_ahead(struct strict *s, struct strict_unit *u, struct strict_pass *p,
     strict_bottom(s, p, f->q.width, f->ndensity, pixels, density);
     if (p->mode == TEAM_AHEAD)
         strict_unit_advance(u, p->top || p->first < u->first ? PROGRESS_GUESSED
-                                                      : PROGRESS_AHEAD);
+                                                             : PROGRESS_AHEAD);
     else if (u->progress < PROGRESS_LINES)
         strict_unit_advance(u, PROGRESS_LINES);
     u->guess.known = p->top_known + p->last - p->first;
@@ -359,7 +361,7 @@ end_ahead(struct strict *s, struct strict_unit *u, struct strict_pass *p,
         keep_guess(s, p, pixels, density);
 }
 
-/* TRUTH came to its end: sum the cost of the unit. */
+/* TRUTH is done, and so the unit: sum its cost. */
 static void
 end_truth(struct strict *s, struct strict_pass *p,
           const struct rad_pixel *pixels, const uint8_t *density,
@@ -373,14 +375,14 @@ end_truth(struct strict *s, struct strict_pass *p,
     out_line_costs(s, u);
     *total = u->spent;
     total->speculative_rays = facts_unused(s, u);
-    /* a unit below that made its top may still have facts of these lines */
+    /* a unit below that made this bottom as its top may have facts of it */
     for (int i = u->first; i < u->last; i++)
         if (facts_at(s, u->frame, i))
             rad_facts_settle(facts_at(s, u->frame, i));
 }
 
-/* Forget the unit and, if the unit is done, its top.  A unit that was revoked
- * may come again, and its top may already have come again before it. */
+/* Drop the unit; if it is done its top, too.  A unit that was revoked may come
+ * again, and its top may have come again already. */
 static void
 end_unit(struct strict *s, struct strict_unit *u, bool over)
 {
@@ -392,9 +394,9 @@ end_unit(struct strict *s, struct strict_unit *u, bool over)
         edge_drop(s, frame, top);
 }
 
-/* Lend the columns that LEND asks for, if the team can. */
+/* Let the team lend the columns that LEND asks for, if it can. */
 static void
-look_lend(struct strict *s, struct strict_pass *p, struct team *t)
+lend_columns(struct strict *s, struct strict_pass *p, struct team *t)
 {
     size_t width = (size_t)frame_of(s, p->frame)->q.width;
     struct team_loan loan = { .wanted = malloc((width + 7) / 8) };
@@ -444,7 +446,7 @@ strict_look(struct strict *s, struct strict_pass *p, struct team *t)
         team_back(t, p->back);
     p->back = 0;
     if (p->lend > 0)
-        look_lend(s, p, t);
+        lend_columns(s, p, t);
     if (!p->true_top)
         return;
     team_bottom(t, &b);
@@ -466,8 +468,8 @@ strict_cut(struct strict *s, struct strict_pass *p, struct team *t)
     p->sent_columns = p->sent_densities = 0;
 }
 
-/* A pass of TRUTH ends early: the rows that it handed on stay valid, and the
- * pass that goes on counts all primary rays. */
+/* A pass of TRUTH ended early: the rows that it handed on stay valid.  The pass
+ * that goes on counts all primary rays. */
 static void
 keep_out(struct strict_unit *u, const struct strict_pass *p)
 {
@@ -478,7 +480,7 @@ keep_out(struct strict_unit *u, const struct strict_pass *p)
         u->out = p->finished;
 }
 
-/* How many lines a pass of LINES has left with their bars. */
+/* Note for how many lines a pass of LINES has made the bars. */
 static void
 keep_filled(struct strict_unit *u, const struct strict_pass *p)
 {
@@ -488,7 +490,8 @@ keep_filled(struct strict_unit *u, const struct strict_pass *p)
         u->filled = end;
 }
 
-/* The densities that a pass has left, if there are none of more lines. */
+/* Keep the densities that a pass recorded, unless more lines are kept already.
+ */
 static void
 keep_chain(struct strict_unit *u, struct strict_pass *p)
 {

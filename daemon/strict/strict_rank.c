@@ -1,7 +1,7 @@
-/* strict_rank.c - which strict unit comes first, and which thread leaves for it
+/* strict_rank.c - which strict unit comes first, and which pass stops for it
  *
  * The most urgent pass is chosen over all units.  A pass under way is told to
- * end when other workers wait for the result of another. */
+ * stop when other workers wait for the result of a more urgent one. */
 #include "config.h"
 
 #include "strict/strict_rank.h"
@@ -22,25 +22,25 @@ top_is_guessed(const struct strict *s, const struct strict_unit *u)
     return !rank_goes_above(u) && a && a->guess.pixels;
 }
 
-/* Is the unit's bottom still to be made, and may another unit wait for it? */
+/* Is the unit's bottom not made yet, and may a unit below wait for it? */
 static bool
 owes_bottom(const struct strict *s, const struct strict_unit *u)
 {
     return !u->bottom_done && u->last < frame_of(s, u->frame)->nlines;
 }
 
-/* Is the bottom, to be had before the bars, of use to others? */
+/* Is it of use to make the bottom before the bars? */
 static bool
 wants_true_lines(const struct strict *s, const struct strict_unit *u)
 {
     if (!owes_bottom(s, u))
         return false;
-    /* LINES over facts takes no time, and gives the bottom before the rows are
-     * out; of a single line TRUTH makes the bottom first anyway */
+    /* over facts LINES takes no time, and the bottom comes before the rows; of
+     * a single line TRUTH makes the bottom first anyway */
     return u->progress >= PROGRESS_AHEAD || u->last - u->first > 1;
 }
 
-/* The rank of the unit's next pass; false: there is no pass to make. */
+/* The rank of the unit's next pass; false: no pass can be made now. */
 static bool
 next_rank(const struct strict *s, const struct strict_unit *u,
           enum strict_rank *rank)
@@ -78,8 +78,8 @@ strict_waits(const struct strict *s)
     return false;
 }
 
-/* Does unit u come before unit `than`?  Of units with true tops those come
- * first whose bottoms other workers may wait for. */
+/* Does unit u come before unit `than'?  Of units for TRUTH those come first
+ * whose bottoms other workers may wait for. */
 static bool
 comes_before(const struct strict *s, enum strict_rank rank,
              const struct strict_unit *u, enum strict_rank than_rank,
@@ -109,8 +109,8 @@ rank_choose(const struct strict *s, enum strict_rank *rank)
     return best;
 }
 
-/* May a thread leave the pass for a more urgent one?  For a bottom also TRUTH
- * whose own bottom is out, if all pixels that it traced are kept as facts. */
+/* May the pass be stopped for a more urgent one?  Passes on a guess may.  For a
+ * bottom also TRUTH whose own bottom is out, if all its pixels are facts. */
 static bool
 gives_way(const struct strict *s, const struct strict_pass *p, bool for_bottom)
 {

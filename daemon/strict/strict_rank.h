@@ -4,15 +4,15 @@
 
 #include "strict/strict_unit.h"
 
-/* Can the unit do nothing but wait for its top? */
+/* Can the unit only wait, for its top or for columns that it lent? */
 bool rank_waits(const struct strict *s, const struct strict_unit *u);
-/* Where a more urgent pass is due than one under way, have a thread leave the
- * latter. */
+/* Something more urgent came to do: tell the least urgent pass that may be left
+ * for it to stop. */
 void rank_make_way(struct strict *s);
-/* The unit that a thread should begin with, and the rank of its pass; NULL:
+/* The unit whose pass should be begun next, and the rank of that pass; NULL:
  * none. */
 struct strict_unit *rank_choose(const struct strict *s, enum strict_rank *rank);
-/* Do passes ahead make the base line above the unit, too? */
+/* Do passes ahead go over the base line above the unit, too? */
 bool rank_goes_above(const struct strict_unit *u);
 
 #endif

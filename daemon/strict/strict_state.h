@@ -1,18 +1,17 @@
-/* strict_state.h - what the strict units' machine knows
+/* strict_state.h - the state of the strict units' machine
  *
  * Private to strict*.c, as are the headers of these files.  Calls go down:
  *   strict.c        the machine's beginning and end, and what it counts
  *   strict_pass.c   the next pass: of which unit, in which mode; how it ends
  *   strict_order.c  orders about units: UNIT, SPLIT, YIELD, REVOKE, TWIN
- *   strict_loan.c   columns that are lent, and that others lend
+ *   strict_loan.c   columns that are lent, and that are borrowed
  *   strict_rank.c   which unit comes first
- *   strict_out.c    messages that go out
+ *   strict_out.c    messages that go
  *   strict_facts.c  facts by line
  *   strict_unit.c   states of a unit (drawn in strict_unit.h); units by number
  *                   and by line
  *   strict_edge.c   tops and bottoms by line
- * Units, facts and edges are found by frame and line.
- * Thread: under the lock of strict.h, but for facts that a team is at. */
+ * Thread: under the lock of strict.h, but for facts that a team works on. */
 #ifndef DAEMON_STRICT_STATE_H
 #define DAEMON_STRICT_STATE_H
 
@@ -20,11 +19,11 @@
 
 #include <stdatomic.h>
 
-/* Units and edges are found by frame and line in tables of so many slots: a
- * child may have thousands of units that wait. */
+/* Slots of the tables by frame and line: a child may have thousands of units
+ * that wait. */
 #define STRICT_SLOTS 1024
 
-/* A message that is to be sent; of FACTS one or more. */
+/* The message that an item becomes; ITEM_FACTS become several. */
 enum item_kind {
     ITEM_FACTS,
     ITEM_PARKED,
@@ -43,48 +42,49 @@ struct item {
     uint32_t height;        /* of GAVE */
     uint32_t frame;
     int line;
-    int row;                  /* of FACTS: those of rows above were sent */
-    uint32_t x, n;            /* of PIECE */
-    uint32_t first, ndensity; /* of PIECE */
+    int row;                  /* of FACTS: rows above it were sent */
+    uint32_t x, n;            /* of PIECE: columns [x, x + n) */
+    uint32_t first, ndensity; /* of PIECE: densities */
     uint8_t *bytes;           /* of PIECE: densities, then pixels */
-    uint32_t nlines;          /* of LINE_COSTS, from line on */
+    uint32_t nlines;          /* of LINE_COSTS: lines from .line on */
     uint64_t *cpu_ns;         /* of LINE_COSTS: nlines values */
-    struct msg_loan loan;     /* of LOAN; its pointers are into bytes */
+    struct msg_loan loan;     /* of LOAN; its pointers lead into bytes */
     struct msg_counts counts; /* of PAID */
 };
 
 /* A line whose facts came before its unit, as they do for a unit that another
- * worker had before. */
+ * worker had. */
 struct early {
-    struct early *next; /* the next later line */
+    struct early *next; /* the next line in the order in which they came */
     uint32_t frame;
     int line;
     size_t bytes;
 };
 
 struct queue {
-    struct item *first, *last; /* NULL: there is none */
+    struct item *first, *last; /* NULL: empty */
 };
 
 struct frame {
     struct rad_quincunx q;
     size_t ndensity;
     int nlines;
-    _Atomic(struct rad_facts *) *facts; /* by line; NULL: none needed yet */
+    _Atomic(struct rad_facts *) *facts; /* by line; NULL: not needed yet */
 };
 
 struct strict {
     uint8_t job[MSG_JOB];
     struct frame *frames;
     uint32_t nframes;
-    bool painted;
+    bool painted; /* base lines may be painted over */
     struct strict_unit *units;
+    /* by the slot of their first line; of the line after their last */
     struct strict_unit *by_first[STRICT_SLOTS], *by_last[STRICT_SLOTS];
     struct edge *edges; /* strict_edge.h; the oldest first */
     struct edge *by_line[STRICT_SLOTS];
     struct early *early, **early_end;
     size_t early_bytes;
-    struct queue urgent, lazy;
+    struct queue urgent, lazy; /* strict_out.c */
     struct msg_counts dropped;
     struct item *saying; /* owns the memory that msg points to */
     struct msg msg;
@@ -106,7 +106,7 @@ channels_of(const struct frame *f)
     return f->q.depth ? 4 : 3;
 }
 
-/* The first row of the lines from i on: nlines gives the height. */
+/* The first row of line i; of line nlines the frame's height. */
 static inline int
 row_of(const struct frame *f, int i)
 {

@@ -62,8 +62,8 @@ strict_unit_find(const struct strict *s, uint32_t unit, uint32_t attempt)
     return u;
 }
 
-/* Where the unit, or the end of the list, is in the slot of its first line; of
- * the line after its last. */
+/* Where u, or the end of the list, is in the slot of its first line; or, for
+ * in_last_slot(), of the line after its last. */
 static struct strict_unit **
 in_first_slot(struct strict *s, const struct strict_unit *u)
 {
@@ -224,7 +224,7 @@ most(uint64_t a, uint64_t b)
     return a > b ? a : b;
 }
 
-/* Each pass goes over the same lines again. */
+/* The most of each, for each pass goes over the same lines again. */
 void
 strict_unit_made(struct strict_unit *u, const struct team_made *made)
 {
