@@ -1,10 +1,9 @@
 /* coord.c - see coord.h
  *
- * Events come in here, messages go through a table of short handlers; which of
- * them may come from whom was checked by the session before
- * (proto/message.def).  Connections are looked after in coord_conn.c, jobs in
- * coord_job.c; who works on what is in sched.c, what users and admins ask for
- * in request.c, intake.c and delivery.c. */
+ * Events come in here; messages go to a table of handlers.  That a message may
+ * come from its sender was checked before, by the session (proto/message.def).
+ * coord_conn.c has the life of connections, coord_job.c that of jobs; sched.c
+ * says who works on what; request.c, intake.c and delivery.c answer users. */
 #include "config.h"
 
 #include "front/coord.h"
@@ -43,13 +42,13 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define PROGRESS_MS  500
-#define FULL_TELL_MS 60000 /* least time between lines of a full disk */
+#define PROGRESS_MS  500   /* between two PROGRESS of a job */
+#define FULL_TELL_MS 60000 /* between two log lines that the disk is full */
 #define LEASE_MS     60000
-#define KEPT_JOBS    100 /* that are over */
+#define KEPT_JOBS    100 /* jobs that are over */
 #define KEPT_CACHES  (UINT64_C(2) << 30)
 
-/* More than a room of people needs, less than what hurts others. */
+/* More than a room of people needs, and less than would harm others. */
 static const struct coord_limits usual_limits = {
     .jobs = 1000,
     .frames = 200000,
@@ -151,8 +150,8 @@ send_file(struct coord *c, uint64_t conn, uint32_t request, const uint8_t *hash)
     a->hash = actions_keep(&c->actions, hash, MSG_HASH);
 }
 
-/* A worker lacks files: it gets those of the job that it loads, and no others.
- * If this job has just ended the worker will hear so. */
+/* Send a worker the files that it wants, if they are of the job that it loads.
+ * If that job has just ended JOB_END is on its way to the worker. */
 static void
 on_want(struct coord *c, struct coord_worker *w, const struct msg *m)
 {
@@ -175,7 +174,7 @@ on_want(struct coord *c, struct coord_worker *w, const struct msg *m)
     }
 }
 
-/* The shell answers a PING; its number says whether the worker gets on. */
+/* The shell answers PING; here its counter is compared with the last. */
 static void
 on_ping(struct coord *c, struct coord_worker *w, const struct msg *m)
 {
@@ -186,8 +185,7 @@ on_ping(struct coord *c, struct coord_worker *w, const struct msg *m)
     w->progress_ms = c->now_ms;
 }
 
-/* The worker drains by itself; sched_run() says BYE when it has nothing left.
- */
+/* The worker leaves: it gives back what it has, and sched_run() sends BYE. */
 static void
 on_drain(struct coord *c, struct coord_worker *w, const struct msg *m)
 {
@@ -196,7 +194,7 @@ on_drain(struct coord *c, struct coord_worker *w, const struct msg *m)
     w->leaving = true;
 }
 
-/* Ambient records go to the connections that watch the job. */
+/* Send ambient records to the connections that watch the job. */
 static void
 on_records(struct coord *c, struct coord_worker *w, const struct msg *m)
 {
@@ -217,7 +215,7 @@ on_line_costs(struct coord *c, struct coord_worker *w, const struct msg *m)
         frame_add_costs(job, &m->line_costs);
 }
 
-/* The child says that the job cannot be rendered: it would be so anywhere. */
+/* A child says that the job cannot be rendered, here or at any other worker. */
 static void
 on_failed(struct coord *c, struct coord_worker *w, const struct msg *m)
 {
@@ -231,26 +229,36 @@ on_failed(struct coord *c, struct coord_worker *w, const struct msg *m)
     verdict_job(c, job, JOB_FAILED, m->failed.status, text);
 }
 
-/* What a worker says. */
+/* Handlers of workers' messages. */
 static const struct {
     enum msg_type type;
     void (*handle)(struct coord *c, struct coord_worker *w,
                    const struct msg *m);
 } handlers[] = {
-    { MSG_RESULT, result_rows },    { MSG_READY, sched_ready },
-    { MSG_LOST, loss_reported },    { MSG_TALLY, sched_tally },
-    { MSG_FACTS, handoff_facts },   { MSG_BASE_LINE, handoff_base_line },
-    { MSG_PARKED, handoff_parked }, { MSG_GAVE, balance_gave },
-    { MSG_STILL, loss_still },      { MSG_ESTIMATED, survey_estimated },
-    { MSG_LOAN, lending_loan },     { MSG_PAID, lending_paid },
-    { MSG_ROOM, loss_no_room },     { MSG_WANT, on_want },
-    { MSG_FAILED, on_failed },      { MSG_DRAIN, on_drain },
-    { MSG_PING, on_ping },          { MSG_RECORDS, on_records },
-    { MSG_TILE_MADE, passes_made }, { MSG_HOLDS, records_held },
+    { MSG_RESULT, result_rows },
+    { MSG_READY, sched_ready },
+    { MSG_LOST, loss_reported },
+    { MSG_TALLY, sched_tally },
+    { MSG_FACTS, handoff_facts },
+    { MSG_BASE_LINE, handoff_base_line },
+    { MSG_PARKED, handoff_parked },
+    { MSG_GAVE, balance_gave },
+    { MSG_STILL, loss_still },
+    { MSG_ESTIMATED, survey_estimated },
+    { MSG_LOAN, lending_loan },
+    { MSG_PAID, lending_paid },
+    { MSG_ROOM, loss_no_room },
+    { MSG_WANT, on_want },
+    { MSG_FAILED, on_failed },
+    { MSG_DRAIN, on_drain },
+    { MSG_PING, on_ping },
+    { MSG_RECORDS, on_records },
+    { MSG_TILE_MADE, passes_made },
+    { MSG_HOLDS, records_held },
     { MSG_LINE_COSTS, on_line_costs },
 };
 
-/* BYE is followed by the end of the connection. */
+/* BYE has no handler: the connection ends after it. */
 static void
 handle(struct coord *c, struct coord_conn *conn, const struct msg *m)
 {
@@ -275,8 +283,8 @@ handle(struct coord *c, struct coord_conn *conn, const struct msg *m)
 
 /* --- events --- */
 
-/* The end of a worker's connection may be the end of a job: a unit of it was
- * lost once too often. */
+/* In a loop: the end of a worker's connection may be the end of a job, if a
+ * unit was lost once too often. */
 static void
 carry_out_verdicts(struct coord *c)
 {
@@ -286,8 +294,8 @@ carry_out_verdicts(struct coord *c)
     }
 }
 
-/* The end of an event: verdicts are carried out, and workers that may get
- * something get it, which may bring further verdicts. */
+/* The end of an event: carry out verdicts, then give work to workers that may
+ * get some, which may bring further verdicts.  run: any worker may. */
 static void
 settle(struct coord *c, bool run)
 {
@@ -320,8 +328,8 @@ coord_closed(struct coord *c, uint64_t now_ms, uint64_t id, const char *why)
         settle(c, true);
 }
 
-/* Does a message of that type bring work in?  There are many of these, and one
- * that leaves its worker as busy as before changes nothing for the others. */
+/* Is the message part of a worker's usual work?  There are many of these; only
+ * if one sets stirred or roomy may workers get something. */
 static bool
 is_work(uint16_t type)
 {
@@ -338,7 +346,7 @@ coord_message(struct coord *c, uint64_t now_ms, uint64_t id,
 
     c->now_ms = now_ms;
     if (!conn || !msg_allowed(conn->session, m->type))
-        return; /* it was on its way when we closed the connection */
+        return; /* it came while its connection was closed */
     handle(c, conn, m);
     settle(c, !is_work(m->type));
     coord_forget_old(c);
@@ -383,7 +391,7 @@ coord_file_stored(struct coord *c, uint64_t now_ms, uint64_t id,
 
     c->now_ms = now_ms;
     if (!conn)
-        return; /* whoever sent it is asked for it again */
+        return; /* the user will be asked for the file again */
     owner = conn->payer;
     if (!known_sent(&owner->files, now_ms, hash)) {
         c->actions.failed = true;
@@ -483,7 +491,8 @@ coord_cache_came(struct coord *c, uint64_t now_ms, const uint8_t id[MSG_JOB],
     settle(c, true);
 }
 
-/* Tell a user why its files are not taken: there is no job yet that says so. */
+/* Tell a user whose files are not taken that the disk is full; there is no job
+ * yet that could say so. */
 static void
 say_held(struct coord *c, const struct coord_conn *conn)
 {
@@ -493,9 +502,8 @@ say_held(struct coord *c, const struct coord_conn *conn)
     actions_send(&c->actions, conn->id, &m);
 }
 
-/* A disk at its limit has room and has none by turns: the log has a pair of
- * lines about that once a minute, and says that the disk is full once it stays
- * so. */
+/* A disk at its limit is full and has room by turns.  So the log tells of a
+ * full disk at most once a minute; if it stays full longer, then. */
 static void
 log_fullness(struct coord *c)
 {
@@ -522,7 +530,7 @@ coord_fullness(struct coord *c, uint64_t now_ms, bool full, const char *text)
     log_fullness(c);
     for (size_t i = 0; i < c->njobs; i++)
         c->jobs[i]->full = full;
-    c->progress_ms = 0; /* those who watch hear of it at the next tick */
+    c->progress_ms = 0; /* users hear of it at the next tick */
     settle(c, true);
 }
 
@@ -549,8 +557,8 @@ expire_known(struct coord *c)
         known_expire(&o->files, c->now_ms > ms ? c->now_ms - ms : 0);
 }
 
-/* Forget files that no job has named for upload_ms, and end connections that
- * began to send a scene and have not gone on for as long. */
+/* Forget files that no job has named for upload_ms, and end connections whose
+ * files have not gone on for as long. */
 static void
 look_after_uploads(struct coord *c)
 {
@@ -586,7 +594,7 @@ coord_job_waits(struct coord *c, uint64_t now_ms, const uint8_t id[MSG_JOB],
     wire_clean(job->text);
     actions_log(&c->actions, ACT_WARN, "job waits for room job=%s why=%s",
                 job->hex, text);
-    c->progress_ms = 0; /* those who watch hear of it at the next tick */
+    c->progress_ms = 0; /* users hear of it at the next tick */
 }
 
 uint8_t *

@@ -13,10 +13,11 @@
 #include <string.h>
 #include <sysexits.h>
 
-/* Of statistics that are whole, in a tick: well below a millisecond. */
+/* Most bytes of statistics that a tick sends to a connection; takes well below
+ * a millisecond. */
 #define TELL_BYTES ((size_t)4 * MSG_MAX_CHUNK)
 
-/* Bytes at to end of a text, as CHUNKs. */
+/* Send bytes [at, end) of a text of `total` bytes as CHUNKs. */
 static void
 send_text(struct coord *c, const struct coord_conn *conn, uint32_t request,
           const char *text, size_t total, size_t at, size_t end)
@@ -32,7 +33,7 @@ send_text(struct coord *c, const struct coord_conn *conn, uint32_t request,
     }
 }
 
-/* Send the next bytes of statistics that are whole; false: all are sent. */
+/* Send more of statistics that are made; false: all are sent. */
 static bool
 send_more(struct coord *c, const struct coord_conn *conn,
           struct coord_telling *t)
@@ -44,7 +45,7 @@ send_more(struct coord *c, const struct coord_conn *conn,
     return end < t->len;
 }
 
-/* The next piece; false: there is none any more. */
+/* Make, or send, the next piece of statistics; false: all are sent. */
 static bool
 tell_more(struct coord *c, struct coord_conn *conn, struct coord_telling *t)
 {
@@ -68,8 +69,7 @@ tell_more(struct coord *c, struct coord_conn *conn, struct coord_telling *t)
     return send_more(c, conn, t);
 }
 
-/* Statistics of few units are answered at once, those of many piece by piece.
- */
+/* The first piece is made at once: it has all units, if these are few. */
 static void
 fetch_stats(struct coord *c, struct coord_conn *conn, const struct msg *m,
             const struct job *job)

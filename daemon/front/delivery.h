@@ -1,4 +1,4 @@
-/* delivery.h - pictures, previews and statistics for those who fetch them
+/* delivery.h - users fetch pictures, previews and statistics
  *
  * Private to the coordinator's own files.
  * Thread: the coordinator's loop. */
@@ -7,12 +7,12 @@
 
 #include "desk/desk.h"
 
-/* A FETCH: what is on the disk the store sends; statistics of a job that is in
- * memory are made, of one with many units piece by piece. */
+/* Handler of FETCH.  The store sends what is on the disk.  Statistics of a job
+ * that is in memory are made here, for many units piece by piece. */
 void delivery_fetch(struct coord *c, struct coord_conn *conn,
                     const struct msg *m);
 
-/* Make or send one piece of statistics for each connection that waits. */
+/* Make or send one more piece of statistics for each connection that waits. */
 void delivery_tick(struct coord *c);
 
 #endif

@@ -17,7 +17,7 @@
 #include <string.h>
 #include <sysexits.h>
 
-#define MOST_JOBS 20000 /* of all users, that are not over */
+#define MOST_JOBS 20000 /* jobs of all users that are not over */
 
 /* --- files --- */
 
@@ -43,9 +43,9 @@ intake_looked(struct coord *c, struct coord_conn *conn,
     actions_send(&c->actions, conn->id, &want);
 }
 
-/* Sort what is offered: first what this user may know to be here, for which the
- * store is looked at.  All else is wanted without a look, whose time would
- * tell, too, what others have sent. */
+/* Sort the offered files: first those that the user may know to be here, for
+ * which the store looks.  The others are wanted without a look: the time that
+ * it takes would tell what other users have sent. */
 static bool
 sort_offer(struct coord *c, struct known *files, struct action_look *l,
            const struct msg_hashes *offer)
@@ -93,9 +93,8 @@ intake_offer(struct coord *c, struct coord_conn *conn, const struct msg *m)
         conn->answers++;
 }
 
-/* A piece of a file came; with the first the file is admitted, or refused.
- * False: the piece is not wanted.  Pieces that follow a refused one are dropped
- * without a word. */
+/* A piece of a file came.  With its first piece a file is admitted or refused.
+ * False: the piece is dropped, as are all later ones of a refused file. */
 static bool
 admit_chunk(struct coord *c, struct coord_conn *conn, const struct msg *m)
 {
@@ -158,8 +157,8 @@ submit_fault(const struct coord *c, const struct coord_conn *conn,
     return partition_check(&p, err);
 }
 
-/* Are these the job's?  One that is as fine as another's from the start has
- * those of that one. */
+/* Has the job the options that were submitted?  In a job with a goal that began
+ * with another job's cache they may be that job's. */
 static bool
 has_options(const struct job *job, const struct msg_spec *spec)
 {
@@ -167,8 +166,8 @@ has_options(const struct job *job, const struct msg_spec *spec)
            (goal_is(job) && job->spec.reuse);
 }
 
-/* A job of that id is here already: the user watches that one, if scene and
- * options are the same. */
+/* There is a job of that id: if scene and options are the same, let the user
+ * watch it. */
 static void
 attach(struct coord *c, struct coord_conn *conn, uint32_t request,
        const struct msg_spec *spec)
@@ -193,7 +192,8 @@ attach(struct coord *c, struct coord_conn *conn, uint32_t request,
         conn->watch = job;
 }
 
-/* Rows come as they lie in the picture, unless distances come with them. */
+/* Let workers send rows coded as in a picture file, unless they have distances.
+ */
 static void
 choose_coding(struct job *job)
 {
@@ -202,8 +202,7 @@ choose_coding(struct job *job)
         job->spec.flags |= MSG_JOB_CODED;
 }
 
-/* The job whose cache this one begins with is found now, for good: after a
- * restart it is the same. */
+/* Choose, once and for all, the job whose cache this job begins with. */
 static int
 choose_reuse(const struct coord *c, const struct coord_conn *conn,
              struct msg_spec *spec, char options[RAD_PARAMS_TEXT],

@@ -1,4 +1,4 @@
-/* intake.h - what users send: files of scenes, and jobs
+/* intake.h - users send files of scenes, and submit jobs
  *
  * Private to the coordinator's own files.
  * Thread: the coordinator's loop. */
@@ -7,20 +7,21 @@
 
 #include "desk/desk.h"
 
-/* Which files of a scene are wanted?  The store is asked to look for those that
- * the user may know to be here. */
+/* Handler of OFFER: ask the store for those files that the user may know to be
+ * here. */
 void intake_offer(struct coord *c, struct coord_conn *conn,
                   const struct msg *m);
 
-/* The store has looked: say which are wanted. */
+/* The store's answer: send WANT with the files that are lacking. */
 void intake_looked(struct coord *c, struct coord_conn *conn,
                    const struct action_look *l);
 
-/* A piece of a file, which goes to the store if its user may send it. */
+/* Handler of CHUNK: a piece of a file, for the store if the user may send it.
+ */
 void intake_chunk(struct coord *c, struct coord_conn *conn,
                   const struct msg *m);
 
-/* A job, new or here already. */
+/* Handler of SUBMIT: a new job, or a job that is here already. */
 void intake_submit(struct coord *c, struct coord_conn *conn,
                    const struct msg *m);
 

@@ -11,20 +11,19 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A row of the list of jobs: a job, or what is remembered of a forgotten one.
- */
+/* A row of the list of jobs: a job, or the record of a forgotten one. */
 struct job_row {
     uint64_t sequence;
     const struct job *job; /* NULL: the row is of *gone */
     const struct saved_gone *gone;
 };
 
-/* Rows of one page, in the page's order: jobs or workers. */
+/* Rows of one page in their order: jobs or workers. */
 struct page {
     const struct msg_page *ask;
     struct report_share *shares; /* of workers */
-    uint32_t most, n;
-    bool more; /* there are others behind them */
+    uint32_t most, n;            /* n: rows so far, at most `most` */
+    bool more;                   /* there are further rows after the last */
     union {
         struct job_row jobs[LISTING_ROWS];
         const struct coord_worker *workers[LISTING_ROWS];
@@ -59,12 +58,11 @@ wants_gone(const struct msg_page *m, const char *owner,
     return (m->cursor == 0 || g->sequence < m->cursor) &&
            (!m->mine || strcmp(g->owner, owner) == 0) &&
            (m->user[0] == '\0' || strcmp(g->owner, m->user) == 0) &&
-           strcmp(m->state, "forgotten") == 0; /* to be asked for */
+           strcmp(m->state, "forgotten") == 0; /* only if asked for */
 }
 
-/* Put a job among the newest so far, newest first.  Jobs of one priority come
- * the oldest first, so each of them may push all others on by one place: of a
- * page, no more. */
+/* Insert a job into the page, newest first.  Jobs of equal priority come oldest
+ * first, so each may move all rows by one place: no more than a page. */
 static void
 put_job(struct page *p, const struct job_row *row)
 {
@@ -139,7 +137,7 @@ row_text(const struct coord *c, const struct page *p, uint32_t i)
     return text;
 }
 
-/* The cursor that leads behind row i. */
+/* The cursor for the rows after row i. */
 static uint64_t
 cursor_of(const struct page *p, uint32_t i)
 {

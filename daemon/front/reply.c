@@ -12,7 +12,7 @@
 #include <string.h>
 #include <sysexits.h>
 
-#define FULL_MS 3000 /* an answer waits for room on the disk */
+#define FULL_MS 3000 /* how long an answer waits for room on the disk */
 
 void
 reply_answer(struct coord *c, const struct coord_conn *conn, uint32_t request,
@@ -62,13 +62,14 @@ reply_kept(struct coord *c, struct coord_conn *conn, uint32_t request)
     while (*at && (*at)->request != request)
         at = &(*at)->next;
     if (!*at)
-        return; /* the disk was full for too long */
+        return; /* tell_unsettled() has answered */
     telling_drop_settling(conn, at);
     reply_answer(c, conn, request, "");
 }
 
-/* While the disk is full: the end of a job that waits for room makes room
- * within a second, but that of a job under way has to wait for room itself. */
+/* The disk is full: answer requests whose changes have waited too long for it.
+ * The end of a job that waits for room is kept within a second, for it makes
+ * room; other changes wait for room themselves. */
 static void
 tell_unsettled(struct coord *c, struct coord_conn *conn)
 {
@@ -113,8 +114,8 @@ may_steer(const struct coord_conn *conn, const struct job *job)
            strcmp(conn->owner, job->owner) == 0;
 }
 
-/* There is no such job; if it was forgotten, its owner and an admin are told
- * so. */
+/* Tell the sender that there is no such job; its owner and an admin are told if
+ * it was forgotten. */
 static void
 reply_no_job(struct coord *c, struct coord_conn *conn, uint32_t request,
              const uint8_t *id)

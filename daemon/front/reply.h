@@ -1,4 +1,4 @@
-/* reply.h - what the coordinator's answers to users have in common
+/* reply.h - the coordinator's answers to users
  *
  * Private to the coordinator's own files.
  * Thread: the coordinator's loop. */
@@ -7,28 +7,29 @@
 
 #include "desk/desk.h"
 
-/* An ANSWER of that text, or that it is too long. */
+/* Send ANSWER with that text, or FAILED if the text is too long. */
 void reply_answer(struct coord *c, const struct coord_conn *conn,
                   uint32_t request, const char *text);
 
-/* Answer a request, without a text, once the store keeps the change that it
- * made: a user does not hear of a change that a crash could undo. */
+/* Send an empty ANSWER when the store has kept the change that the request
+ * made: a user is not told of a change that a crash could undo. */
 void reply_settled(struct coord *c, struct coord_conn *conn, uint32_t request);
 
-/* The store keeps that change: answer, once. */
+/* The store has kept that change: send the answer, unless it was sent. */
 void reply_kept(struct coord *c, struct coord_conn *conn, uint32_t request);
 
-/* While the disk is full, tell users whose changes cannot be kept now. */
+/* While the disk is full, tell users that their changes cannot be kept now. */
 void reply_tick(struct coord *c);
 
-/* Would a request be more than its user may have?  Then the user is told. */
+/* Does the request exceed a limit of its user?  Then the user is told. */
 typedef int reply_limit_fn(const struct coord *c, const struct coord_conn *conn,
                            struct rad_error *err);
 bool reply_refused(struct coord *c, const struct coord_conn *conn,
                    const struct msg *m, reply_limit_fn *limit);
 
-/* The job that a request names, if there is one and the sender may steer it, or
- * only `look` at it; else NULL, and the sender is told. */
+/* The job that a request names, if the sender may steer it, or, with `look`,
+ * look at it.  NULL: there is none, or the sender may not; the sender is told.
+ */
 struct job *reply_find_job(struct coord *c, struct coord_conn *conn,
                            uint32_t request, const uint8_t *id, bool look);
 

@@ -19,8 +19,8 @@
 #include <string.h>
 #include <sysexits.h>
 
-#define MOST_WHOLE 1000 /* rows of a list that is told whole */
-#define LIST_LABEL 80   /* bytes of a job's name in the list of jobs */
+#define MOST_WHOLE 1000 /* rows of a list that is sent whole, not in pages */
+#define LIST_LABEL 80   /* most bytes of a job's name in such a list */
 
 static double
 since(const struct coord *c, uint64_t ms)
@@ -107,7 +107,7 @@ all_workers(const struct coord *c)
     return list;
 }
 
-/* Is no worker at a job of --same-bits though there are workers? */
+/* With --same-bits: are all workers excluded for their bits? */
 static bool
 lacks_bits(const struct job *job)
 {
@@ -120,8 +120,7 @@ lacks_bits(const struct job *job)
            job_active(job) == 0;
 }
 
-/* A worker that cannot take the job for want of room, where no other is at it.
- */
+/* A worker that has no room for the job's files, if no worker is at the job. */
 static const struct coord_worker *
 without_room(const struct job *job)
 {
@@ -131,7 +130,7 @@ without_room(const struct job *job)
     return NULL;
 }
 
-/* Why no worker is at a job that could be worked at. */
+/* Why no worker is at a job that waits or runs; NULL: some worker may be. */
 static const char *
 lacks_workers(const struct coord *c, const struct job *job)
 {
@@ -149,7 +148,8 @@ lacks_workers(const struct coord *c, const struct job *job)
     return some ? "all workers are drained" : "no worker is there";
 }
 
-/* Why the job is over, or gets nowhere; in buf, if the text has to be made. */
+/* Why the job is over or gets nowhere, for users; in buf if it has to be made.
+ */
 static const char *
 why(const struct coord *c, const struct job *job, char buf[MSG_MAX_TEXT + 1])
 {
@@ -184,8 +184,8 @@ why(const struct coord *c, const struct job *job, char buf[MSG_MAX_TEXT + 1])
     return buf;
 }
 
-/* What its workers sent, and of the ambient values that they got those that
- * they had made, too; zeros once it was lightened. */
+/* Add the bytes that workers sent, and the redundant ambient records that came;
+ * zeros in STAGE_FILED. */
 static void
 add_traffic(json_t *o, const struct job *job)
 {
@@ -202,8 +202,8 @@ add_traffic(json_t *o, const struct job *job)
                         json_integer(integer(redundant)));
 }
 
-/* How far the passes of the ambient cache are, else zeros; the job whose cache
- * it begins with, else nothing; and how many bytes are kept of its own. */
+/* Add how far the passes are (zeros: none is open), the job whose cache this
+ * job began with, and the size of its own cache that is kept. */
 static void
 add_passes(json_t *o, const struct job *job)
 {
@@ -222,7 +222,7 @@ add_passes(json_t *o, const struct job *job)
     json_object_set_new(o, "pass_done", json_real(open ? s.made : 0));
 }
 
-/* With --error or --time: what is aimed at, and what is reached by now. */
+/* Add the goal of a job with --error or --time, and what is reached. */
 static void
 add_goal(json_t *o, const struct job *job)
 {
@@ -251,7 +251,7 @@ report_job(const struct coord *c, const struct job *job, size_t label)
 
     progress_tell(job, c->now_ms, &p);
     rad_text_print(name, label + 1, "%s", job->spec.name);
-    /* the cost is that of whole units: of a single one rows tell more */
+    /* the cost is of whole units, so rows may tell more if these are few */
     done = p.cost_total > 0 ? p.cost_done / p.cost_total : 0;
     rows =
         p.pixels_total > 0 ? (double)p.pixels_done / (double)p.pixels_total : 0;
@@ -328,7 +328,7 @@ status_of(const struct coord *c)
         "longest_turn_cpu_ms", pace.longest_cpu_ms);
 }
 
-/* The job whose id begins with text; *status says why there is none. */
+/* The job whose id begins with text; NULL, and *status: none, or several do. */
 static const struct job *
 find_prefix(const struct coord *c, const char *text, int *status)
 {
@@ -377,7 +377,7 @@ query_job(const struct coord *c, const char *text, int *status, json_t **root)
                    text);
 }
 
-/* A whole list, where it is not too long for the loop and for one answer. */
+/* A whole list, unless it is too long for a turn of the loop and one answer. */
 static char *
 query_whole(const struct coord *c, enum msg_topic what, int *status,
             json_t **root)

@@ -22,10 +22,10 @@
 #include <string.h>
 #include <sysexits.h>
 
-/* --- jobs, by their owners and by an admin --- */
+/* --- jobs: requests of their owners and of admins --- */
 
-/* The job that a request is to steer; NULL, and the user is told why: one that
- * is over neither goes on nor loses its picture. */
+/* The job that a request steers; NULL: there is none, it is over, or the sender
+ * may not; the sender is told. */
 static struct job *
 job_to_steer(struct coord *c, struct coord_conn *conn, uint32_t request,
              const uint8_t *id)
@@ -38,7 +38,7 @@ job_to_steer(struct coord *c, struct coord_conn *conn, uint32_t request,
     return NULL;
 }
 
-/* The log says who steered which job. */
+/* Log who steered the job. */
 static void
 log_job(struct coord *c, const struct coord_conn *conn, const char *what,
         const struct job *job)
@@ -56,7 +56,7 @@ on_cancel(struct coord *c, struct coord_conn *conn, const struct msg *m)
         return;
     log_job(c, conn, "cancelled", job);
     verdict_job(c, job, JOB_CANCELLED, EX_TEMPFAIL, "cancelled");
-    coord_end_jobs(c); /* the answer waits until the store keeps this end */
+    coord_end_jobs(c); /* so that its end is kept before the answer */
     reply_settled(c, conn, m->request);
 }
 
@@ -124,10 +124,10 @@ on_priority(struct coord *c, struct coord_conn *conn, const struct msg *m)
     reply_settled(c, conn, m->request);
 }
 
-/* --- what there is to know --- */
+/* --- queries --- */
 
-/* The limits, and how much of each a user has: the asker, or for an admin any
- * user. */
+/* Answer with the limits, and how much of each a user has: the sender, or for
+ * an admin any user. */
 static void
 report_limits(struct coord *c, struct coord_conn *conn, const struct msg *m)
 {
@@ -179,7 +179,7 @@ on_page(struct coord *c, struct coord_conn *conn, const struct msg *m)
     free(text);
 }
 
-/* --- workers, by an admin --- */
+/* --- workers: requests of admins --- */
 
 static void
 log_worker(struct coord *c, const struct coord_conn *conn, const char *what,
@@ -189,8 +189,7 @@ log_worker(struct coord *c, const struct coord_conn *conn, const char *what,
                 conn->owner);
 }
 
-/* The worker stays drained, after a restart too, until an admin says otherwise.
- */
+/* Have the store keep that the worker is drained, or not any more. */
 static void
 keep_drained(struct coord *c, const struct coord_worker *w)
 {
@@ -267,9 +266,9 @@ on_forget(struct coord *c, struct coord_conn *conn, const struct msg *m)
     reply_settled(c, conn, m->request);
 }
 
-/* --- keys, by an admin --- */
+/* --- keys: requests of admins --- */
 
-/* Keys are the shell's: it has the key file. */
+/* Pass the order on to the shell, which has the key file. */
 static void
 on_key(struct coord *c, struct coord_conn *conn, const struct msg *m)
 {
@@ -283,7 +282,8 @@ on_key(struct coord *c, struct coord_conn *conn, const struct msg *m)
     a->text = actions_keep_text(&c->actions, conn->owner);
 }
 
-/* Answers that wait for the disk are limited in number. */
+/* Handlers of requests.  waits: the answer waits for the disk; a user may have
+ * only so many of these. */
 static const struct {
     enum msg_type type;
     void (*handle)(struct coord *c, struct coord_conn *conn,

@@ -1,4 +1,4 @@
-/* request.h - what users, admins and observers ask of the coordinator
+/* request.h - requests of users, admins and observers to the coordinator
  *
  * Private to the coordinator's own files.
  * Thread: the coordinator's loop. */
@@ -7,7 +7,7 @@
 
 #include "desk/desk.h"
 
-/* A message that arrived in MSG_AT_COORD_USER, _ADMIN or _OBSERVER. */
+/* A message that came in MSG_AT_COORD_USER, _ADMIN or _OBSERVER. */
 void request_handle(struct coord *c, struct coord_conn *conn,
                     const struct msg *m);
 
