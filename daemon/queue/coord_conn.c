@@ -1,7 +1,7 @@
-/* coord_conn.c - who is connected to the coordinator, and as what
+/* coord_conn.c - see coord_conn.h
  *
- * Each connection has a number from the shell, and a session which says what
- * may come on it; what it may become is known when it opens, what it is by its
+ * A connection has a number from the shell, and a session, which says what may
+ * come on it.  What it may become is known when it opens, what it is by its
  * HELLO.  A worker has one connection: a new one of its name replaces the old.
  */
 #include "config.h"
@@ -21,13 +21,13 @@
 #include <string.h>
 #include <sysexits.h>
 
-#define MOST_THREADS 4096 /* of one worker */
+#define MOST_THREADS 4096 /* that a worker may say it has */
 
 static const char crowded[] =
     "too many connections of this user: close some, or try again later (limit "
     "user_connections)";
 
-/* Forget a connection that is closed, or about to be. */
+/* Free a connection that has ended, or is about to. */
 static void
 drop_conn(struct coord *c, struct coord_conn *conn)
 {
@@ -52,8 +52,8 @@ drop_conn(struct coord *c, struct coord_conn *conn)
     free(conn);
 }
 
-/* The worker, or the user, whose connection it is, for the log: of a worker
- * that was not welcome the name that its key is for. */
+/* The worker's or the user's name, for the log; of a worker that was refused
+ * the name that its key is for. */
 static const char *
 whose(const struct coord_conn *conn)
 {
@@ -75,8 +75,8 @@ coord_conn_closed(struct coord *c, uint64_t id, const char *why)
     drop_conn(c, conn);
 }
 
-/* Log that we close a connection.  Connections of no worker come and are closed
- * as often as somebody likes, so lines about them are limited. */
+/* Log that the coordinator closes a connection.  Anybody may open connections
+ * that are closed again, so lines about those of non-workers are limited. */
 static void
 log_break(struct coord *c, const struct coord_conn *conn,
           enum action_level level, const char *why)
@@ -114,9 +114,9 @@ coord_end_conns(struct coord *c)
     }
 }
 
-/* How many connections the user of this connection has: all, or those alone
- * that have said HELLO; 0 for workers and administrators, who have no limit.
- * *oldest is the user's oldest connection without a HELLO, or NULL. */
+/* How many connections the user of this connection has, or, if `greeted`, how
+ * many of these have said HELLO; 0 for workers and administrators, who have no
+ * limit.  *oldest: the user's oldest connection without HELLO, or NULL. */
 static unsigned
 count_user(const struct coord *c, const struct coord_conn *conn, bool greeted,
            const struct coord_conn **oldest)
@@ -133,12 +133,14 @@ count_user(const struct coord *c, const struct coord_conn *conn, bool greeted,
             continue;
         n += !(greeted && is_new);
         if (is_new)
-            *oldest = i; /* they begin with the newest */
+            *oldest = i; /* the list begins with the newest */
     }
     return n;
 }
 
-/* Before one more connection: no user takes all descriptors of the process. */
+/* A user at the limit of connections loses the oldest without HELLO for a new
+ * one.
+ */
 static void
 make_room(struct coord *c, const struct coord_conn *conn)
 {
@@ -197,7 +199,7 @@ coord_worker_of(struct coord *c, const char *name)
     w->id = c->nworkers++;
     w->relative = 1;
     w->priority = w->rank = INT64_MIN;
-    w->since_ms = c->now_ms; /* of an earlier life: gone since then */
+    w->since_ms = c->now_ms; /* gone since now, if not connected */
     while (*end)
         end = &(*end)->next;
     *end = w;
@@ -229,8 +231,8 @@ coord_drop_forgotten(struct coord *c)
     }
 }
 
-/* Where peers dial a worker: at the address that it says; where that is the
- * wildcard, at the address that its connection comes from. */
+/* Note where peers dial the worker: at the address that it says, or, if that is
+ * a wildcard, at the address that its connection comes from. */
 static void
 note_address(struct coord_worker *w, const struct coord_conn *conn,
              const char *said)
@@ -246,10 +248,10 @@ note_address(struct coord_worker *w, const struct coord_conn *conn,
         snprintf(w->address, sizeof w->address, "%s", said);
 }
 
-/* The worker called again before its old connection was known to be dead; or
- * two hosts have one name, and then both should hear of it.  The old connection
- * ends at once and not by a verdict: the worker must have left its jobs before
- * the new connection brings it back. */
+/* End the worker's old connection: it was not known to be dead yet; or two
+ * hosts have one name, and both should hear of that.  Ended at once and not by
+ * a verdict, for the worker must leave its jobs before the new connection
+ * brings it back. */
 static void
 replace(struct coord *c, const struct coord_worker *w,
         const struct coord_conn *by)
@@ -280,7 +282,7 @@ join_worker(struct coord *c, struct coord_conn *conn, const struct msg_hello *m)
     w->threads = m->threads;
     w->fingerprint = m->fingerprint;
     w->since_ms = c->now_ms;
-    w->progress_ms = c->now_ms; /* none of this connection is old */
+    w->progress_ms = c->now_ms; /* its counter counts from now */
     w->leaving = w->alone = w->hangs = w->forgotten = false;
     snprintf(w->program, sizeof w->program, "%s", m->program);
     note_address(w, conn, m->address);
@@ -288,7 +290,7 @@ join_worker(struct coord *c, struct coord_conn *conn, const struct msg_hello *m)
     return true;
 }
 
-/* why a connection may not have that role, and what it takes */
+/* Why a connection may not have a role, and what gives it the right. */
 static const char *const not_allowed[] = {
     [MSG_ROLE_WORKER] =
         "this role is not allowed from there: workers need a key 'worker:NAME' "
@@ -305,7 +307,7 @@ static const char *const not_allowed[] = {
         "coordinator's own user",
 };
 
-/* Why a HELLO is not welcome; NULL: it is. */
+/* Why HELLO is refused; NULL: it is welcome. */
 static const char *
 hello_fault(const struct coord *c, const struct coord_conn *conn,
             const struct msg_hello *m, char text[MSG_MAX_TEXT + 1], int *status)
@@ -341,7 +343,7 @@ hello_fault(const struct coord *c, const struct coord_conn *conn,
     return NULL;
 }
 
-/* A worker has a name, other connections an owner. */
+/* Log a HELLO: a worker has a name, other connections have an owner. */
 static void
 log_hello(struct coord *c, const struct coord_conn *conn,
           const struct msg_hello *m)

@@ -1,9 +1,9 @@
-/* coord_job.c - the life of a job, as far as it is not the scheduler's
+/* coord_job.c - see coord_job.h
  *
- * A job waits until its bundle is stored and there is room for its rows; then
- * it is accepted.  It is over when every frame's picture is written, when it
- * failed, or when it was cancelled; it is then remembered, without its place
- * in the queue, for a while (struct coord_keep). */
+ * A job waits until its files are stored and there is room for its rows; then
+ * it is accepted.  It is over when all pictures are written, when it failed, or
+ * when it was cancelled; then it is remembered for a while (struct coord_keep).
+ */
 #include "config.h"
 
 #include "queue/coord_job.h"
@@ -33,8 +33,8 @@
 #include <string.h>
 #include <sysexits.h>
 
-#define LOOK_FILES 512  /* of a job at once */
-#define LINGER_MS  2000 /* a job that is over is whole */
+#define LOOK_FILES 512  /* files of a job that are looked for at a time */
+#define LINGER_MS  2000 /* how long a job that is over stays whole in memory */
 
 void
 coord_send_progress(struct coord *c, const struct coord_conn *conn,
@@ -46,7 +46,6 @@ coord_send_progress(struct coord *c, const struct coord_conn *conn,
     actions_send(&c->actions, conn->id, &m);
 }
 
-/* The last messages to a connection that watches the job. */
 void
 coord_send_end(struct coord *c, const struct coord_conn *conn,
                const struct job *job)
@@ -74,7 +73,8 @@ coord_send_accept(struct coord *c, const struct coord_conn *conn,
     actions_send(&c->actions, conn->id, &m);
 }
 
-/* Into the first n jobs, which are in order: by priority, then as they came. */
+/* Insert the job into the first n, which are in order: by priority, then age.
+ */
 static void
 put_in_order(struct coord *c, struct job *job, size_t n)
 {
@@ -135,12 +135,12 @@ lacks_files(const struct job *job)
     return job->stage == STAGE_ARRIVING && !job_over(job);
 }
 
-/* Once the job's files are all there, ask for room for its rows; workers load
- * the job meanwhile.  A file counts as there only if the job's owner sent it: a
- * user who knows nothing but the hash of another's file gets no picture of it.
- * Files that were found are not looked for again, for each file that comes is a
- * reason to look.  To look for a file takes some microseconds: of very many the
- * rest has its turn later. */
+/* The job's workers may load it from STAGE_OPENING on.
+ * A file counts as here only if the job's owner sent it: a user who knows only
+ * the hash of another's file gets no picture of it.  The search goes on where
+ * it ended, for it begins again with each file that comes.  To look for a file
+ * takes some microseconds, so of very many files the rest is looked for later.
+ */
 void
 coord_try_open(struct coord *c, struct job *job)
 {
@@ -183,13 +183,13 @@ coord_file_came(struct coord *c, const struct coord_owner *owner,
     }
 }
 
-/* End a job of which no file has come for too long. */
+/* End a job if no file of it has come for too long. */
 static void
 end_stalled(struct coord *c, struct job *job)
 {
     char text[MSG_MAX_TEXT + 1];
 
-    if (c->full) /* they would come if there were room */
+    if (c->full) /* files cannot come while there is no room */
         job->found_ms = c->now_ms;
     if (c->now_ms - job->found_ms < c->limits.upload_ms)
         return;
@@ -200,10 +200,9 @@ end_stalled(struct coord *c, struct job *job)
     verdict_job(c, job, JOB_FAILED, EX_TEMPFAIL, text);
 }
 
-/* Once the store has the statistics of a job that is over, nothing but its end
- * and its frames are needed in memory.  Its workers' last messages still come
- * for LINGER_MS, and users who fetch its statistics now get them from memory.
- */
+/* When the store has the statistics of a job that is over, free all of it but
+ * how it ended.  Not for LINGER_MS, for its workers' last messages still come,
+ * nor while a user gets its statistics from memory. */
 static void
 lighten(struct coord *c, struct job *job)
 {
@@ -231,8 +230,8 @@ coord_jobs_tick(struct coord *c)
     }
 }
 
-/* The store has done what it was asked to do for a job, or failed with that
- * status, which ends the job.  Returns the job if it goes on, else NULL. */
+/* The store answers about a job; a status that is not 0 ends it.  Returns the
+ * job if it goes on, else NULL. */
 static struct job *
 stored(struct coord *c, const uint8_t id[MSG_JOB], uint64_t sequence,
        int status, const char *text)
@@ -261,8 +260,8 @@ coord_keep_state(struct coord *c, const struct job *job)
     a->priority = job->spec.priority;
 }
 
-/* The job has its room now.  The store had no place for a pause or a change of
- * priority meanwhile: it is told of them now. */
+/* The job has room now.  Tell the store of a pause or a change of priority,
+ * which it had no place for until now. */
 static void
 wait_no_more(struct coord *c, struct job *job)
 {
@@ -321,7 +320,7 @@ coord_drop_job(struct coord *c, const struct job *gone)
     coord_drop_forgotten(c);
 }
 
-/* The store learns how the job ended, if it knows the job at all. */
+/* Give the store the job's statistics, and with them how it ended. */
 static void
 file_text(struct coord *c, struct job *job)
 {
@@ -339,7 +338,7 @@ file_text(struct coord *c, struct job *job)
     a->bytes = (uint8_t *)text;
 }
 
-/* Make the next piece of a job's statistics; with the last the job is filed. */
+/* Make the next piece of the statistics; the last goes to the store. */
 static void
 go_on_filing(struct coord *c, struct job *job)
 {
@@ -363,9 +362,9 @@ file_job(struct coord *c, struct job *job)
         c->actions.failed = true;
 }
 
-/* A job that an earlier life of the coordinator had all rows of is over before
- * any worker is ready: what its passes counted is taken up for its statistics,
- * and to see whether all are there. */
+/* If all rows of a job come from an earlier life of the coordinator it is over
+ * before any worker is ready: take up its passes now, for their counts, and to
+ * see whether all are there. */
 static void
 take_up_passes(struct coord *c, struct job *job)
 {

@@ -1,4 +1,4 @@
-/* coord_job.h - the life of a job, as far as it is not the scheduler's
+/* coord_job.h - the life of a job, apart from its units
  *
  * Thread: the coordinator's loop. */
 #ifndef DAEMON_COORD_JOB_H
@@ -6,8 +6,7 @@
 
 #include "desk/desk.h"
 
-/* To a connection that watches the job: how far the job is, that it is
- * accepted, and how it ended. */
+/* Send a connection that watches the job PROGRESS; ACCEPT; or how it ended. */
 void coord_send_progress(struct coord *c, const struct coord_conn *conn,
                          const struct job *job);
 void coord_send_accept(struct coord *c, const struct coord_conn *conn,
@@ -15,22 +14,22 @@ void coord_send_accept(struct coord *c, const struct coord_conn *conn,
 void coord_send_end(struct coord *c, const struct coord_conn *conn,
                     const struct job *job);
 
-/* Put a job into the queue; false when memory is out. */
+/* Put a job into the queue; false: memory is out. */
 bool coord_add_job(struct coord *c, struct job *job);
-/* Jobs of higher priority go first; jobs that work now give way within a tick.
- */
+/* Change the job's priority; workers at other jobs give way within a tick. */
 void coord_set_priority(struct coord *c, struct job *job, int32_t priority);
-/* Once the job's files are all there, ask the store for room for its rows. */
+/* If the job's files are all here, ask the store to make room for its rows. */
 void coord_try_open(struct coord *c, struct job *job);
-/* The owner has sent that file: open the jobs that wait for it. */
+/* The owner has sent that file: coord_try_open() the jobs that wait for it. */
 void coord_file_came(struct coord *c, const struct coord_owner *owner,
                      const uint8_t hash[MSG_HASH]);
-/* Go on with opening jobs, and end those whose files do not come. */
+/* Called every tick: go on with opening jobs, and end those whose files do not
+ * come. */
 void coord_jobs_tick(struct coord *c);
 /* Have the store keep the job's state and priority. */
 void coord_keep_state(struct coord *c, const struct job *job);
-/* The job has room for its rows, or a picture was written; a status other than
- * 0 ends the job. */
+/* The store has room for the job's rows; or has written a picture.  A status
+ * that is not 0 ends the job. */
 void coord_open_job(struct coord *c, const uint8_t id[MSG_JOB],
                     uint64_t sequence, int status, const char *text);
 void coord_take_picture(struct coord *c, const uint8_t id[MSG_JOB],
@@ -38,9 +37,9 @@ void coord_take_picture(struct coord *c, const uint8_t id[MSG_JOB],
                         const char *text);
 /* Carry out the verdicts on jobs (desk/verdict.h). */
 void coord_end_jobs(struct coord *c);
-/* Free a job (NULL: nothing) with all that higher rooms keep of it. */
+/* Free a job (or NULL), with what higher rooms keep in it. */
 void coord_free_job(struct job *job);
-/* Take the job from the queue and free it. */
+/* Take the job out of the queue and free it. */
 void coord_drop_job(struct coord *c, const struct job *job);
 
 #endif

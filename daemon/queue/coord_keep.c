@@ -1,12 +1,12 @@
-/* coord_keep.c - how long jobs that are over are remembered, and what is still
- * said of those that were forgotten
+/* coord_keep.c - how long jobs that are over are remembered, and what is kept
+ * of those that were forgotten
  *
- * Each owner's are counted by themselves, so nobody's jobs take another's
- * pictures.  What an owner has not fetched is kept for unfetched_ms, whatever
- * the other limits say; that it does not grow for ever quota.c sees to, which
- * takes no further job then.  Of the rest the oldest go, one at a time, while
- * there are too many, or they are too old, or all of the owner's take too much
- * room.  A job whose cache another one begins with stays until that one has the
+ * Each owner's jobs are counted by themselves, so nobody's jobs take another's
+ * pictures.  A job with frames that the owner has not fetched is kept for
+ * unfetched_ms, whatever the other limits say; quota.c takes no further job
+ * when there are too many of these.  Of the others the oldest is forgotten
+ * while there are too many, it is too old, or all of the owner's take too much
+ * room. A job whose cache a new job begins with stays until that one has the
  * records, however long its files take to come. */
 #include "config.h"
 
@@ -23,9 +23,9 @@
 #include <string.h>
 #include <time.h>
 
-#define FETCH_MS 60000 /* in which a user gets all of a job that is done */
-#define FETCHING 64    /* jobs of a user for which that is waited */
-#define LOOK_MS  1000  /* between looks where nothing happened */
+#define FETCH_MS 60000 /* time in which a user fetches all of a job */
+#define FETCHING 64    /* jobs of a user that may be fetched at once */
+#define LOOK_MS  1000  /* between two looks while nothing happens */
 
 static uint64_t
 since(const struct coord *c, uint64_t ms)
@@ -35,16 +35,14 @@ since(const struct coord *c, uint64_t ms)
 
 /* --- what is kept --- */
 
-/* A user is just getting the job: after the pictures come distances and
- * statistics. */
+/* May the user still fetch more of the job, as distances and statistics? */
 static bool
 is_being_fetched(const struct coord *c, const struct job *job)
 {
     return job->fetched_ms > 0 && since(c, job->fetched_ms) < FETCH_MS;
 }
 
-/* Why the oldest job of an owner has to be forgotten; GONE_NWHYS: it need not
- * be. */
+/* Why the oldest job of an owner must be forgotten; GONE_NWHYS: it need not. */
 static enum gone_why
 reason(const struct coord *c, const struct coord_kept *k)
 {
@@ -88,8 +86,9 @@ count_kept(struct coord *c)
     }
 }
 
-/* Small jobs may be fetched by the hundred in a minute: of more than FETCHING
- * the job that was fetched the longest ago counts as fetched whole. */
+/* Forget one job of an owner; false: none need be.  Small jobs may be fetched
+ * by the hundred in a minute: of more than FETCHING the job fetched from the
+ * longest ago counts as fetched. */
 static bool
 forget_one(struct coord *c, const struct coord_kept *k)
 {
@@ -120,7 +119,8 @@ hold_caches(struct coord *c)
     }
 }
 
-/* Of caches that may go that of the oldest job; *all: of all together. */
+/* The oldest job whose cache may be dropped, or NULL; *all: size of all caches.
+ */
 static struct job *
 oldest_cache(const struct coord *c, uint64_t *all)
 {
@@ -138,7 +138,7 @@ oldest_cache(const struct coord *c, uint64_t *all)
     return oldest;
 }
 
-/* Ambient caches go while those of all users take too much. */
+/* Drop ambient caches while those of all users are too large. */
 static void
 limit_caches(struct coord *c)
 {
@@ -214,7 +214,8 @@ drop_gone(struct coord *c, size_t i)
     c->ngones--;
 }
 
-/* Remember no more forgotten jobs of an owner than it may keep. */
+/* Forget the oldest records of an owner's forgotten jobs, beyond SAVED_GONES.
+ */
 static void
 limit_gones(struct coord *c, const char *owner)
 {
@@ -229,9 +230,9 @@ void
 coord_recall_gone(struct coord *c, const struct saved_gone *g)
 {
     if (g->why == GONE_DELETED)
-        return; /* the user who deleted it knows */
+        return; /* its user has deleted it and knows */
     if (!rad_list_grow(&c->gones, c->ngones, sizeof *c->gones))
-        return; /* it is for the user's information */
+        return; /* only the user's information is lost */
     c->gones[c->ngones] = *g;
     if (c->gones[c->ngones].sequence == 0)
         c->gones[c->ngones].sequence = ++c->sequence;
@@ -282,7 +283,7 @@ coord_gone_text(const struct saved_gone *g, char text[MSG_MAX_TEXT + 1])
              g->fetched ? "" : ", not fetched");
 }
 
-/* A forgotten job as it is remembered. */
+/* What is remembered of a job that is forgotten. */
 static struct saved_gone
 gone_of(const struct coord *c, const struct job *job, enum gone_why why)
 {

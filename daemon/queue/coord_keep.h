@@ -6,26 +6,27 @@
 
 #include "desk/desk.h"
 
-/* Forget what need not be kept of jobs that are over. */
+/* Forget what need not be kept any more of jobs that are over. */
 void coord_forget_old(struct coord *c);
 /* Forget a job that is over, with its pictures. */
 void coord_forget_job(struct coord *c, const struct job *job,
                       enum gone_why why);
-/* The job that was forgotten last of those whose id begins with these digits;
- * NULL: there is none. */
+/* Of the forgotten jobs whose id begins with these digits, the last; NULL:
+ * there is none. */
 const struct saved_gone *coord_find_gone(const struct coord *c,
                                          const char *hex);
-/* When and why the job was forgotten. */
+/* When and why the job was forgotten, as text. */
 void coord_gone_text(const struct saved_gone *g, char text[MSG_MAX_TEXT + 1]);
-/* "2026-11-22 23:41 UTC" */
+/* The time as "2026-11-22 23:41 UTC". */
 #define COORD_TIME 32
 void coord_time_text(uint64_t ms, char text[COORD_TIME]);
 
-/* All of a frame's picture was sent to that connection: it is fetched if the
- * job's owner is there, and not to look only. */
+/* A frame's whole picture was sent to that connection: it counts as fetched if
+ * the connection is the owner's, and not an observer's. */
 void coord_fetched(struct coord *c, uint64_t now_ms, uint64_t conn,
                    const uint8_t job[MSG_JOB], uint32_t frame);
-/* A job that an earlier life has forgotten; before those of recover.h. */
+/* A job that an earlier life of the coordinator forgot; called before
+ * recover_job(). */
 void coord_recall_gone(struct coord *c, const struct saved_gone *g);
 
 #endif

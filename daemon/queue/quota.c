@@ -11,15 +11,14 @@
 #include <stdio.h>
 #include <string.h>
 
-/* --- what there is --- */
+/* --- what a user has --- */
 
-/* What a user has now. */
 struct use {
     uint64_t jobs, frames; /* jobs that are not over, and their frames */
-    uint64_t bytes;        /* on the disk: of its jobs, and of uploads */
-    uint64_t uploads;      /* bundles and files on their way */
-    uint64_t upload_bytes; /* files that no job of its names */
-    uint64_t unfetched;    /* jobs with pictures that it has not fetched */
+    uint64_t bytes;        /* on the disk: of jobs and of uploads */
+    uint64_t uploads;      /* bundles and files that are being sent */
+    uint64_t upload_bytes; /* of files that no job of the user's names */
+    uint64_t unfetched;    /* jobs with pictures that were not fetched */
     uint64_t conns, answers;
     uint64_t unread; /* bytes of answers */
 };
@@ -27,7 +26,7 @@ struct use {
 static uint64_t
 row_bytes(const struct msg_spec *s)
 {
-    return s->flags & MSG_JOB_DEPTH ? 16 : 4; /* a pixel (rows.h) */
+    return s->flags & MSG_JOB_DEPTH ? 16 : 4; /* of a pixel (rows.h) */
 }
 
 static uint64_t
@@ -92,9 +91,10 @@ count_use(const struct coord *c, const char *owner, struct use *out)
         out->unread = c->env.unread(c->env.arg, owner);
 }
 
-/* --- what may be --- */
+/* --- what a user may have --- */
 
-/* Limits are for users: an administrator could end the cluster as well. */
+/* Has the connection no limits?  Administrators could end the cluster anyway.
+ */
 static bool
 is_free(const struct coord_conn *conn)
 {
@@ -102,7 +102,7 @@ is_free(const struct coord_conn *conn)
            conn->roles != 1u << MSG_ROLE_OBSERVER;
 }
 
-/* May there be `more` beside those that are used, up to `most` in all? */
+/* May there be `more` beside `used`, up to `most` in all? */
 static int
 check(const char *name, uint64_t used, uint64_t more, uint64_t most,
       const char *what, struct rad_error *err)
@@ -146,10 +146,10 @@ quota_job(const struct coord *c, const struct coord_conn *conn,
     if (is_free(conn))
         return 0;
     count_use(c, conn->owner, &u);
-    /* first what no waiting helps against */
+    /* first the limit that no waiting helps against */
     rc = check("user_frames", u.frames, job_count_frames(spec), l->frames,
                "frames to render", err);
-    /* files of the bundle count already */
+    /* the bundle's files count already */
     if (rc == 0)
         rc = check("user_mib", mib(u.bytes), mib(spec_bytes(spec)),
                    l->bytes >> 20, "MiB stored", err);

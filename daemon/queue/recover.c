@@ -23,7 +23,7 @@
 #include <string.h>
 #include <sysexits.h>
 
-/* Workers that lost the coordinator for a few seconds are back by then. */
+/* Time for workers that lost the coordinator to be back. */
 #define RETURN_MS 10000
 
 struct recovery {
@@ -50,8 +50,8 @@ damaged(const struct recovery *r, const char *what, uint32_t number)
 
 /* --- units --- */
 
-/* The index of the worker that had the unit, gone for now; JOB_NOBODY for none,
- * or when memory is out. */
+/* The index of the worker that had the unit, which is gone for now; JOB_NOBODY:
+ * none had, or memory is out. */
 static uint32_t
 worker_of(const struct recovery *r, const struct saved_unit *s)
 {
@@ -112,7 +112,7 @@ take_unit(const struct recovery *r, const struct saved_unit *s)
     return 0;
 }
 
-/* Units that are not done wait, the first of them in front. */
+/* Let units that are not done wait, the first of them first. */
 static void
 queue_units(const struct recovery *r)
 {
@@ -127,8 +127,8 @@ queue_units(const struct recovery *r)
 
 /* --- base lines --- */
 
-/* Does a unit that is not done need the last base line of that unit, which is
- * done? */
+/* Is the last base line of this unit, which is done, the top of a unit that is
+ * not done?  *line: its number. */
 static bool
 is_needed(const struct job *job, const struct saved_unit *s, uint32_t *line)
 {
@@ -208,7 +208,7 @@ take_units(const struct recovery *r)
     const struct saved_job *s = r->s;
     int rc = 0;
 
-    /* how many workers there are matters to no picture */
+    /* whether there is a single worker matters to no picture */
     if (s->nunits > 0)
         rc = job_split(r->job, false, r->err);
     for (uint32_t i = 0; i < s->nunits && rc == 0; i++)
@@ -250,7 +250,7 @@ take_up(const struct recovery *r)
                 job->hex, job->owner, job->units_done,
                 (unsigned long long)job->pixels_done,
                 (unsigned long long)job->pixels_total);
-    if (job->frames_ready == job->spec.nframes) /* only that was not kept */
+    if (job->frames_ready == job->spec.nframes) /* its end was not kept */
         verdict_job(r->c, job, JOB_DONE, 0, NULL);
     else if ((lost = stages_lost(job)))
         verdict_job(r->c, job, JOB_FAILED, EX_IOERR, lost);
@@ -258,7 +258,7 @@ take_up(const struct recovery *r)
     return 0;
 }
 
-/* Take up a job that is over, and is remembered. */
+/* Take up a job that is over. */
 static void
 take_filed(const struct recovery *r)
 {
@@ -282,8 +282,8 @@ take_filed(const struct recovery *r)
     frame_count_ready(job);
 }
 
-/* Times of an earlier life may lie ahead, where the clock was set back
- * meanwhile. */
+/* A time of an earlier life may lie in the future, if the clock was set back.
+ */
 static uint64_t
 not_after(uint64_t now_ms, uint64_t ms)
 {

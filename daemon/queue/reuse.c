@@ -1,7 +1,7 @@
 /* reuse.c - see reuse.h
  *
- * Specifications of jobs that are over are here as long as the jobs are, so
- * they are compared themselves, and a user is told what differs. */
+ * The specifications of jobs that are over are in memory, so they are compared
+ * themselves, and the user is told what differs. */
 #include "config.h"
 
 #include "queue/reuse.h"
@@ -14,7 +14,7 @@
 
 static const uint8_t no_job[MSG_JOB];
 
-/* The options that decide about records, as one text. */
+/* The options that records depend on, as text. */
 static void
 records_text(const struct rad_params *params, char text[RAD_PARAMS_TEXT])
 {
@@ -24,8 +24,8 @@ records_text(const struct rad_params *params, char text[RAD_PARAMS_TEXT])
     rad_params_format(&p, text, RAD_PARAMS_TEXT);
 }
 
-/* Options of the former job's pictures, and those with which the new one would
- * begin. */
+/* *theirs: the options of the other job's pictures; *ours: those with which the
+ * new job would begin. */
 static int
 options_of(const struct job *from, const struct msg_spec *spec,
            struct rad_params *theirs, struct rad_params *ours,
@@ -40,7 +40,7 @@ options_of(const struct job *from, const struct msg_spec *spec,
     return rc;
 }
 
-/* Would the job's records be those of the new job? */
+/* Would the new job make the records that the job has? */
 static int
 check_fit(const struct job *job, const struct msg_spec *spec,
           struct rad_error *err)
@@ -64,7 +64,7 @@ check_fit(const struct job *job, const struct msg_spec *spec,
                     job->hex, n, name);
 }
 
-/* Is there a cache of the job? */
+/* Has the job a cache? */
 static int
 check_cache(const struct coord *c, const struct job *job, struct rad_error *err)
 {
@@ -144,7 +144,8 @@ reuse_options(const struct job *from, const struct msg_spec *spec,
 {
     struct rad_params theirs, ours;
 
-    if (options_of(from, spec, &theirs, &ours, NULL) == 0) /* it was before */
+    if (options_of(from, spec, &theirs, &ours, NULL) == 0) /* as it was before
+                                                            */
         rad_params_format(&ours, text, RAD_PARAMS_TEXT);
 }
 
@@ -161,6 +162,6 @@ reuse_keep(const struct coord *c, struct job *job)
     job->cache.range =
         (struct pass_range){ .first = job->goal.base,
                              .end = job->goal.base + s.n -
-                                    goal_is(job), /* but the check's */
+                                    goal_is(job), /* no check pass */
                              .all = job->goal.base + s.n };
 }

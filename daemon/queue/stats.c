@@ -14,10 +14,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Attempts that are told of units that are out: the loop waits meanwhile. */
+/* Most attempts under way that are listed, for the loop waits meanwhile. */
 #define MOST_RUNNING 1000
 
-/* Seconds from a to b, 0 when one of them has not come. */
+/* Seconds from a to b; 0 if a or b has not happened. */
 static double
 seconds(uint64_t a, uint64_t b)
 {
@@ -30,7 +30,7 @@ integer(uint64_t n)
     return n > INT64_MAX ? INT64_MAX : (json_int_t)n;
 }
 
-/* Fingerprints that took part: one, or "mixed". */
+/* The fingerprint of all workers that took part, or "mixed". */
 static json_t *
 fingerprint(const struct job *job)
 {
@@ -70,7 +70,7 @@ times(const struct job *job, uint64_t now_ms)
         job_over(job) && job->last_ms ? seconds(job->last_ms, end) : 0.0);
 }
 
-/* Sum over accepted units, and the estimate before them. */
+/* Sum over accepted units, tiles and the estimate. */
 static struct msg_counts
 sum_counts(const struct job *job)
 {
@@ -167,7 +167,7 @@ knows_lines(const struct job *job)
     return true;
 }
 
-/* One unit; times count from when the job came. */
+/* A unit; times are since the job was submitted. */
 static json_t *
 unit(const struct job *job, uint32_t i)
 {
@@ -206,7 +206,7 @@ attempt(const struct job *job, uint32_t i, const struct job_go *go,
                      job->workers[go->worker].name);
 }
 
-/* What workers have in hand. */
+/* The attempts under way. */
 static json_t *
 running(const struct job *job, uint64_t now_ms)
 {
@@ -226,8 +226,7 @@ running(const struct job *job, uint64_t now_ms)
     return list;
 }
 
-/* Passes of the ambient cache that were closed, each from the end of the one
- * before. */
+/* The passes that were closed, each from the end of the one before. */
 static json_t *
 passes(const struct job *job)
 {
@@ -244,7 +243,7 @@ passes(const struct job *job)
     return list;
 }
 
-/* What was asked for by error and time, and what came of it. */
+/* Add the goal, if there is one, and what was reached. */
 static json_t *
 with_goal(json_t *o, const struct job *job)
 {
@@ -301,9 +300,9 @@ head(const struct job *job, uint64_t now_ms)
 struct stats_text {
     char *text;
     size_t len, cap;
-    uint32_t unit;        /* the next of its units */
-    uint32_t frame, line; /* the next of its lines */
-    bool any;             /* the list that is written has something */
+    uint32_t unit;        /* the next unit to write */
+    uint32_t frame, line; /* the next line to write */
+    bool any;             /* the list being written is not empty */
     enum { IN_UNITS, IN_LINES, AT_END } at;
 };
 
@@ -404,7 +403,7 @@ stats_begin(const struct job *job, uint64_t now_ms)
         root ? json_dumps(root, JSON_INDENT(1) | JSON_REAL_PRECISION(9)) : NULL;
 
     json_decref(root);
-    /* goes on where the object would end */
+    /* without the closing brace: further lists follow */
     if (!t || !s || !put(t, s, strlen(s) - strlen("\n}")) ||
         !put_text(t, ",\n \"units\": [")) {
         stats_free(t);

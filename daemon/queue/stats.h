@@ -1,19 +1,21 @@
 /* stats.h - the statistics of a job as JSON
  *
- * The names are those of radsubmit(1), --stats; a job that is not over gives
- * what is known so far.
- * Pure; thread: one. */
+ * radsubmit(1) describes the names, under --stats; of a job that is not over
+ * there is what is known so far.
+ * Pure.
+ * Thread: the coordinator's loop. */
 #ifndef DAEMON_STATS_H
 #define DAEMON_STATS_H
 
 #include "jobs/job.h"
 
-/* malloc'd text, NULL when memory is out. */
+/* malloc'd text; NULL: memory is out. */
 char *stats_json(const struct job *job, uint64_t now_ms);
 
-/* The same in pieces, for a job may have very many units: its beginning, as
- * things are now; then so many units and lines at a time.  1: all is there, and
- * stats_take() gives it and frees the rest; 0: there is more; or RAD_ENOMEM. */
+/* The same in pieces, for a job may have very many units.  stats_begin() writes
+ * the beginning, as of now; each stats_more() up to `most` units and lines.  It
+ * returns 1: all is written, stats_take() returns the text and frees the rest;
+ * 0: there is more; or RAD_ENOMEM. */
 #define STATS_PIECE 500 /* some milliseconds */
 struct stats_text;
 struct stats_text *stats_begin(const struct job *job, uint64_t now_ms);
