@@ -117,8 +117,8 @@ shorten(double x)
 /* Eighths of an octave by which options change with a rung, and so PARTS with a
  * quarter of one.  -ar grows fast in the first AMBRES_RUNGS: a coarse limit leaves
  * zones that are too large wherever objects are near, and no other option mends
- * that (doc/measured.md).  Options of pixels change once, with their
- * first rung; then a pixel gets more rays, which bring more for their price. */
+ * that (doc/measured.md).  Options of pixels change once, with their first rung;
+ * then a pixel gets more rays, which bring more for their price. */
 enum {
     AMBACC_FALL = 1,
     AMBDIV_GROWTH = 2,
