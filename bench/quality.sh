@@ -120,9 +120,9 @@ error_of() # OPTIONS...
         printf "%.2g", 100 * sqrt(e > 0 ? e : 0) }'
 }
 
-percent_in() # FILE: the last number before a % sign
+percent() # of standard input, the last number before a % sign
 {
-    sed -n 's/.*[^0-9.]\([0-9.]\{1,\}\) %.*/\1/p' "$1" | tail -n 1
+    sed -n 's/.*[^0-9.]\([0-9.]\{1,\}\) %.*/\1/p' | tail -n 1
 }
 
 measure() # SCENE QUALITY RUN
@@ -130,9 +130,9 @@ measure() # SCENE QUALITY RUN
     local said dry
     render --dry-run --seed="$3" --quality="$2" -x "$size" -y "$size" \
         >"$tmp/dry"
-    dry=$(percent_in "$tmp/dry")
+    dry=$(grep '^error ' "$tmp/dry" | percent)
     render --seed="$3" --quality="$2" -x "$size" -y "$size" -o "$tmp/out.hdr"
-    said=$(percent_in "$tmp/err")
+    said=$(percent <"$tmp/err")
     echo "$1 $2 $(tail -n 1 "$tmp/time") $(error_of) $(error_of -b 5)" \
         "${said:--} ${dry:--}" >>"$data"
 }

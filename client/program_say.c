@@ -6,6 +6,7 @@
 #include "common/figure.h"
 #include "common/tell.h"
 #include "compile/warning.h"
+#include "refine/refine.h"
 
 #include <inttypes.h>
 #include <jansson.h>
@@ -306,6 +307,8 @@ say_goal(struct program *p)
              g->time_up   ? ", and no time for another"
              : g->rays_up ? ", and another would take too long without --time"
              : !far       ? ""
+             : g->stages == RAD_REFINE_STAGES
+                 ? ", which is as many as a job may have"
              : p->o.error > 0 ? ", and there is no other that comes much nearer"
                               : ", and there is no other that is much better");
     program_say(p, text);

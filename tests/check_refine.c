@@ -13,6 +13,7 @@
 #include <pthread.h>
 #include <stdatomic.h>
 #include <stdio.h>
+#include <stdlib.h>
 
 /* --- options --- */
 
@@ -92,6 +93,33 @@ START_TEST(each_rung_is_finer)
         ck_assert_int_eq(p.ambounce, job.ambounce);
         last = p;
     }
+}
+END_TEST
+
+/* Kept jobs go on with the options that their rungs had: who changes these
+ * changes LAYOUT (daemon/filling/stages.c), too. */
+static const struct {
+    double rung;
+    const char *aa;
+    int ad, as, ar;
+} rungs[] = {
+    { 1, ".458502", 76, 19, 27 },      { 4, ".353553", 128, 32, 128 },
+    { 4.25, ".345977", 134, 33, 134 }, { 8, ".25", 256, 64, 256 },
+    { 16, ".125", 1024, 256, 1024 },   { 32, ".03125", 16384, 4096, 1024 },
+};
+
+START_TEST(rungs_keep_their_meaning)
+{
+    struct rad_params job = params_of(jobs[0]), p;
+    uint8_t rung = (uint8_t)(RAD_REFINE_RUNG * rungs[_i].rung);
+
+    rad_refine_params(&job, (struct rad_refine_rungs){ rung, 0 }, &p);
+    ck_assert_double_eq(p.ambacc, atof(rungs[_i].aa));
+    ck_assert_int_eq(p.ambdiv, rungs[_i].ad);
+    ck_assert_int_eq(p.ambssamp, rungs[_i].as);
+    ck_assert_int_eq(p.ambres, rungs[_i].ar);
+    ck_assert_double_eq(p.srcsizerat, job.srcsizerat);
+    ck_assert_int_eq(p.samples, 1);
 }
 END_TEST
 
@@ -355,6 +383,65 @@ START_TEST(noise_of_pixels_is_taken_away_by_rays)
 }
 END_TEST
 
+/* A pixel has a most number of rays: what is beyond is not counted upon. */
+START_TEST(a_full_pixel_gets_no_better)
+{
+    struct rad_refine_ask ask = ask_of(.02, .015, .1, .1);
+    struct rad_refine_rungs next;
+    double error;
+
+    ask.rungs = (struct rad_refine_rungs){ RUNGS(8), RUNGS(1) };
+    set_clock(&ask, 1e12);
+    ask.stage = RAD_REFINE_STAGES - 1;
+    ck_assert(!rad_refine_next(&ask, &next, &error));
+    ck_assert_double_le(error, .022);
+    ask.samples = RAD_MOST_SAMPLES / 4;
+    ck_assert(!rad_refine_next(&ask, &next, &error));
+    ck_assert_double_gt(error, .05); /* a quarter of the square */
+    ask.samples = RAD_MOST_SAMPLES;
+    ck_assert(!rad_refine_next(&ask, &next, &error));
+    ck_assert_double_gt(error, .1);
+}
+END_TEST
+
+/* The rest of an error that is nearly small enough is taken away by rays of
+ * pixels, as long as they cost no more than the stage did. */
+START_TEST(what_is_near_enough_comes_closer_if_that_is_cheap)
+{
+    struct rad_refine_ask ask = ask_of(.08, .07, .043, .04);
+    struct rad_refine_rungs next;
+    double error;
+
+    ask.stage = 1;
+    ask.rungs = (struct rad_refine_rungs){ RUNGS(8), RUNGS(1) };
+    ck_assert(!rad_refine_next(&ask, &next, &error));
+    ck_assert_int_gt(next.pixel, RUNGS(2));
+    ck_assert_double_le(error, .08);
+    ask.rays = ask.check = 100; /* ... of so cheap a stage it is not */
+    ck_assert(!rad_refine_next(&ask, &next, &error));
+    ck_assert_int_eq(next.pixel, RUNGS(1));
+    ck_assert_double_gt(error, .08);
+}
+END_TEST
+
+/* No option of a stage is coarser than in the stage before. */
+START_TEST(a_stage_keeps_the_options_of_pixels)
+{
+    for (int i = 0; i < 200; i++) {
+        struct rad_refine_ask ask = ask_of(.02, .01 + .001 * i, .01, .005);
+        struct rad_refine_rungs next;
+        double error;
+
+        ask.stage = 1;
+        ask.rungs = (struct rad_refine_rungs){ RUNGS(4), RUNGS(1) };
+        if (rad_refine_next(&ask, &next, &error)) {
+            ck_assert_int_ge(next.ambient, RUNGS(4));
+            ck_assert_int_ge(next.pixel, RUNGS(1));
+        }
+    }
+}
+END_TEST
+
 /* What is off by too much does not stay so where stages are left, and rays: the
  * last part of it is not too little to go for. */
 START_TEST(what_is_not_near_enough_does_not_end)
@@ -554,7 +641,8 @@ START_TEST(sums_may_be_anything)
 
                 *sum(&ask.sums, k) = wild[i];
                 *sum(&ask.sums, (k + 1) % SUMS) = wild[_i];
-                ask.rungs = (struct rad_refine_rungs){ 255, 255 };
+                if (timed ^ (k & 1))
+                    ask.rungs = (struct rad_refine_rungs){ 255, 255 };
                 if (timed) {
                     ask.left_s = wild[i];
                     ask.pass_s = wild[_i];
@@ -795,6 +883,7 @@ static const char *const sizes[] = { "-x 1 -y 1 ", "-x 1 -y 300 ",
 START_TEST(small_pictures_have_an_error_too)
 {
     struct room *m = &rooms[0];
+    const double *a = m->of[0].doubt.v, *b = m->of[1].doubt.v;
     char options[300];
 
     snprintf(options, sizeof options, COARSE "%s -pa 0", sizes[_i]);
@@ -802,6 +891,8 @@ START_TEST(small_pictures_have_an_error_too)
     make_tiles(m, 1, false, false);
     ck_assert_double_ge(error_of(m).all, 0);
     ck_assert_double_lt(error_of(m).all, 1);
+    ck_assert_double_gt(a[RAD_DOUBT_AREAS], 0);
+    ck_assert(a[RAD_DOUBT_PIXEL] != b[RAD_DOUBT_PIXEL]); /* other samples */
     close_room(m);
 }
 END_TEST
@@ -817,6 +908,7 @@ main(void)
     tcase_add_loop_test(options, the_job_s_own_options_are_rung_0, 0,
                         N_ELEM(jobs));
     tcase_add_loop_test(options, each_rung_is_finer, 0, N_ELEM(jobs));
+    tcase_add_loop_test(options, rungs_keep_their_meaning, 0, N_ELEM(rungs));
     tcase_add_loop_test(options, what_is_as_fine_is_joined, 0, N_ELEM(joined));
     tcase_add_test(options, the_check_pass_is_the_last);
     suite_add_tcase(s, options);
@@ -831,6 +923,10 @@ main(void)
     tcase_add_test(decisions, what_is_not_near_enough_does_not_end);
     tcase_add_test(decisions, a_smaller_error_gets_no_less);
     tcase_add_test(decisions, noise_of_pixels_is_taken_away_by_rays);
+    tcase_add_test(decisions, a_full_pixel_gets_no_better);
+    tcase_add_test(decisions,
+                   what_is_near_enough_comes_closer_if_that_is_cheap);
+    tcase_add_test(decisions, a_stage_keeps_the_options_of_pixels);
     tcase_add_test(decisions, a_stage_has_a_bound);
     tcase_add_test(decisions, more_time_is_used);
     tcase_add_test(decisions, much_time_has_a_stage_before_the_last);

@@ -426,6 +426,7 @@ fill_cache(const struct task *t, const struct rad_frame *f, struct rad_ctx *ctx,
         }
         ask->rays = ctx->counts.rays;
         ask->pixels = (uint64_t)f->width * (uint64_t)f->height;
+        ask->samples = t->own.samples;
         rc = make_check(p, ctx, &plan[i], &ask->sums, err);
     }
     rad_passes_free(p);

@@ -146,6 +146,15 @@ note_clock(const struct job *job, const struct stage_found *found, double spent,
                       : ask->look_s; /* all records are another job's */
 }
 
+/* Rays of a pixel by the job's own options. */
+static int
+own_samples(const struct job *job)
+{
+    struct rad_params p;
+
+    return jobtext_params(job->spec.params, &p, NULL) == 0 ? p.samples : 1;
+}
+
 /* The question that rad_refine_next() decides; it has a copy of the sums. */
 static struct rad_refine_ask
 make_ask(const struct coord *c, const struct job *job,
@@ -160,6 +169,7 @@ make_ask(const struct coord *c, const struct job *job,
         .past = { unpack_rung(g->past_rung), g->past_square },
         .rays = found->rays + reused_rays(job),
         .check = found->check,
+        .samples = own_samples(job),
         .left_s = INFINITY,
     };
 
@@ -220,7 +230,7 @@ stages_end(struct coord *c, struct job *job, uint32_t n,
 /* --- as they are kept --- */
 
 /* Version of what stages_pack() writes and of what its rungs mean. */
-enum { LAYOUT = 2 };
+enum { LAYOUT = 3 };
 
 void
 stages_pack(struct coord *c, const struct job *job, uint8_t out[STAGES_BYTES])

@@ -70,6 +70,7 @@ check_place(struct check *c, uint64_t n)
 /* --- windows --- */
 
 struct sampled {
+    struct rad_frame frame; /* like the check's, with other random numbers */
     struct rad_window at;
     struct rad_pixel pixel[MOST_HEIGHT][MOST_WIDTH];
 };
@@ -104,9 +105,12 @@ sample_window(struct check *c, uint64_t n, struct sampled *s)
     uint64_t rays = counts->rays;
 
     s->at = window_at(c, n);
+    s->frame = c->frame;
+    s->frame.key = rad_key_branch(c->frame.key, ~n); /* n: keys of tiles */
+    s->frame.stamp = rad_key_branch(c->frame.stamp, n) | 1;
     for (int y = 0; y < s->at.height; y++)
         rows[y] = s->pixel[y];
-    if (rad_frame_window(&c->frame, c->ctx, &s->at, rows, NULL, NULL))
+    if (rad_frame_window(&s->frame, c->ctx, &s->at, rows, NULL, NULL))
         return false;
     c->out->rays += (double)(counts->rays - rays);
     c->out->shown += (double)s->at.width * s->at.height;
@@ -119,9 +123,9 @@ look_at_rows(struct check *c, const struct sampled *s, int y, int n)
 {
     const struct rad_pixel *row[RAD_QUINCUNX_MAX_YSTEP];
     double pixels = (double)s->at.width * s->at.height;
-    double areas = c->frame.points ? POINTS : AREAS;
+    double areas = s->frame.points ? POINTS : AREAS;
     struct rad_doubt_share share = { areas / pixels, 0 };
-    struct rad_doubt_rows rows = { .frame = &c->frame,
+    struct rad_doubt_rows rows = { .frame = &s->frame,
                                    .x = s->at.x,
                                    .y = s->at.y + y,
                                    .width = s->at.width,
@@ -134,7 +138,7 @@ look_at_rows(struct check *c, const struct sampled *s, int y, int n)
 }
 
 /* Sample a window, and make some of it again: of its first base line nothing,
- * for that is traced more densely than others. */
+ * for that is traced more densely than others, where there are others. */
 static bool
 check_window(struct check *c, uint64_t n)
 {
@@ -143,7 +147,7 @@ check_window(struct check *c, uint64_t n)
     int xstep, ystep;
 
     rad_quincunx_steps(c->frame.job->params.psample, &xstep, &ystep);
-    for (int y = 1; ok && y < s->at.height; y += ystep)
+    for (int y = ok && s->at.height > 1; ok && y < s->at.height; y += ystep)
         ok = look_at_rows(c, s, y, least(ystep, s->at.height - y));
     free(s);
     return ok;

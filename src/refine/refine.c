@@ -114,11 +114,12 @@ shorten(double x)
     return floor(x * scale + .5) / scale;
 }
 
-/* Eighths of an octave by which options change with a rung, and so PARTS with a
- * quarter of one.  -ar grows fast in the first AMBRES_RUNGS: a coarse limit leaves
- * zones that are too large wherever objects are near, and no other option mends
- * that (doc/measured.md).  Options of pixels change once, with their first rung;
- * then a pixel gets more rays, which bring more for their price. */
+/* Eighths of an octave by which options change with a rung, which is as many
+ * PARTS of an octave with a quarter of a rung.  -ar grows fast in the first
+ * AMBRES_RUNGS: a coarse limit leaves zones that are too large wherever objects
+ * are near, and no other option mends that (doc/measured.md).  Options of
+ * pixels change once, with their first rung; then a pixel gets more rays, which
+ * bring more for their price. */
 enum {
     AMBACC_FALL = 1,
     AMBDIV_GROWTH = 2,
@@ -149,7 +150,8 @@ ambres_at(int ambient)
                           AMBRES_SOON + AMBRES_GROWTH * ambient));
 }
 
-/* How many times the rays that a pixel has at rung 0. */
+/* How many times the rays that a pixel has at rung 0, as a whole number: as
+ * many up to half a rung above ONE_RAY. */
 static int
 rays_of_pixel(int pixel)
 {
@@ -318,9 +320,10 @@ enum { MADE_GROWTH = 2 * AMBACC_FALL + AMBDIV_GROWTH, CHECK_GROWTH = 2 };
 struct outlook {
     const struct rad_refine_ask *ask;
     double ambient, pixel, noise; /* squares; noise: no more than pixel */
-    int steeper; /* .ambient falls by so much more with a rung, -1 to 1 */
-    double walk, made;            /* rays of passes: see WALKED, and the rest */
-    double check, picture;        /* rays */
+    int steeper;       /* .ambient falls by so much more with a rung, -1 to 1 */
+    double walk, made; /* rays of passes: see WALKED, and the rest */
+    double check, picture; /* rays */
+    int most_rays; /* times the rays of a pixel at rung 0 that it may have */
 };
 
 /* 2 to the power of n / PARTS, n of either sign. */
@@ -353,18 +356,26 @@ observed_steeper(const struct rad_refine_ask *ask, double ambient)
     return fell < rise(2 * usual - apart) ? -1 : fell > rise(2 * usual + apart);
 }
 
+/* How many times the rays of rung 0 a pixel gets, which has RAD_MOST_SAMPLES at
+ * most. */
+static int
+rays_given(const struct outlook *o, int pixel)
+{
+    return least(rays_of_pixel(pixel), o->most_rays);
+}
+
 /* What that rung leaves of a square of which the first leaves so much. */
 static double
-left_at(int pixel, double by_first)
+left_at(const struct outlook *o, int pixel, double by_first)
 {
-    return (pixel > 0 ? by_first : 1) / rays_of_pixel(pixel);
+    return (pixel > 0 ? by_first : 1) / rays_given(o, pixel);
 }
 
 /* By how much rays of a picture have grown. */
 static double
-picture_growth(int pixel)
+picture_growth(const struct outlook *o, int pixel)
 {
-    return (pixel > 0 ? FIRST_TAKES : 1) * rays_of_pixel(pixel);
+    return (pixel > 0 ? FIRST_TAKES : 1) * rays_given(o, pixel);
 }
 
 static struct outlook
@@ -376,7 +387,9 @@ look_out(const struct rad_refine_ask *ask)
                          .pixel = found.sampling,
                          .noise = found.noise,
                          .steeper = observed_steeper(ask, found.ambient),
-                         .check = (double)ask->check };
+                         .check = (double)ask->check,
+                         .most_rays =
+                             RAD_MOST_SAMPLES / (int)fmax(ask->samples, 1) };
     double cache = fmax((double)ask->rays, 1);
 
     o.walk = fmin(WALKED * (double)ask->pixels, (1 - LEAST_MADE) * cache);
@@ -393,9 +406,10 @@ foresee_pixels(const struct outlook *o, int pixel)
 {
     int now = o->ask->rungs.pixel;
 
-    return o->noise * left_at(pixel, NOISE_LEFT) / left_at(now, NOISE_LEFT) +
-           (o->pixel - o->noise) * left_at(pixel, PIXEL_LEFT) /
-               left_at(now, PIXEL_LEFT);
+    return o->noise * left_at(o, pixel, NOISE_LEFT) /
+               left_at(o, now, NOISE_LEFT) +
+           (o->pixel - o->noise) * left_at(o, pixel, PIXEL_LEFT) /
+               left_at(o, now, PIXEL_LEFT);
 }
 
 /* The square of the error with these rungs. */
@@ -429,7 +443,7 @@ foresee_stage(const struct outlook *o, int ambient)
 static double
 more_rays(const struct outlook *o, int pixel)
 {
-    return picture_growth(pixel) / picture_growth(o->ask->rungs.pixel);
+    return picture_growth(o, pixel) / picture_growth(o, o->ask->rungs.pixel);
 }
 
 /* Seconds of a stage with these rungs.  Its check is looked at more closely
@@ -531,15 +545,18 @@ is_better(const struct choice *a, const struct choice *b, struct goals goals)
     return there ? a->rays < b->rays : a->square < b->square;
 }
 
-/* May c be chosen?  Over the cache that is there pixels get no fewer rays than
- * they have; further stages are in steps of so many quarters of a rung, and
- * there is none after the last that a job may have. */
+/* May c be chosen?  No options are coarser than those of the stage before, and
+ * over its cache pixels get no fewer rays than they have; further stages are in
+ * steps of so many quarters of a rung, and there is none after the last that a
+ * job may have. */
 static bool
 is_open(const struct rad_refine_ask *ask, const struct choice *c,
         struct bounds within, int step)
 {
-    bool open = c->ends ? c->pixel >= ask->rungs.pixel
+    int pixel = ask->rungs.pixel;
+    bool open = c->ends ? c->pixel >= pixel
                         : ask->stage < RAD_REFINE_STAGES - 1 &&
+                              c->pixel >= least(pixel, ONE_RAY) &&
                               c->pixel % step == 0;
 
     return open && c->rays <= within.rays && c->seconds < within.seconds;
@@ -589,8 +606,10 @@ choose_well(const struct outlook *o, struct bounds within, struct choice *best)
         return true;
     if (has_clock(o->ask))
         return choose(o, goals, within, 1, most, best);
+    if (!any)
+        return false;
     goals.end = goals.stage = fmin(best->square / worth, worth * square_now(o));
-    return any && choose(o, goals, within, step, most, best);
+    return choose(o, goals, within, step, most, best);
 }
 
 /* Squares that are near enough to what is wanted. */
@@ -710,8 +729,8 @@ rad_refine_next(const struct rad_refine_ask *ask, struct rad_refine_rungs *next,
         shorten_step(&o, &best);
     *error = fmin(sqrt(best.ends ? best.square : square_now(&o)), MOST_ERROR);
     next->ambient = (uint8_t)least(best.ambient, RAD_REFINE_MOST_AMBIENT);
-    next->pixel = (uint8_t)least(best.pixel, best.ends ? RAD_REFINE_MOST_PIXEL
-                                                       : ONE_RAY);
+    next->pixel =
+        (uint8_t)least(best.pixel, best.ends ? RAD_REFINE_MOST_PIXEL : ONE_RAY);
     return !best.ends;
 }
 

@@ -39,8 +39,9 @@ uint32_t rad_refine_plan(const struct rad_params *par,
                          bool on, bool check,
                          struct rad_pass pass[RAD_MOST_PASSES]);
 
-/* How much finer than the job's own options, in quarters of a rung: some five
- * rungs halve an error, that of the cache or that of pixels.  Of pixels the
+/* How much finer than the job's own options, in quarters of a rung.  The
+ * cache's error is halved by some three rungs at first, later by eight; that of
+ * pixels by four.  Of pixels the
  * first rung is finer options for direct light; further ones are rays of a
  * pixel, which stages do not need: pictures alone have them.  Stages that aim
  * at an error have whole rungs, and pictures quarters; where time is short
@@ -83,6 +84,7 @@ struct rad_refine_ask {
     uint64_t rays;                 /* of its passes, but the check's */
     uint64_t check;                /* rays of that */
     uint64_t pixels;               /* of all pictures */
+    int samples; /* rays of a pixel by the job's options, from 1 */
     double left_s; /* until the time is up; INFINITY: there is no limit */
     /* With a limit, seconds that a ray of the passes took all workers together,
      * and one of the check pass, which are as a picture's; 0: not known. */
@@ -90,8 +92,9 @@ struct rad_refine_ask {
 };
 
 /* Should another stage be made?  False: the error that is wanted is reached, or
- * no stage can come nearer, or none would be done in time or, where time has no
- * limit, in the rays that a stage may take.  *next: the rungs of that stage, or
+ * no stage can come nearer, or the job has had all RAD_REFINE_STAGES, or none
+ * would be done in time or, where time has no limit, in the rays that a stage
+ * may take.  *next: the rungs of that stage, or
  * those of the pictures, of the same light as this stage's.  *error: of a
  * picture now, or of those that are made. */
 bool rad_refine_next(const struct rad_refine_ask *ask,
