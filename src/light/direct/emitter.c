@@ -1,11 +1,13 @@
 /* emitter.c - what a ray sees that meets a light, illum, glow or spotlight
  *
- * Direct light is gathered by aiming at sources (light/direct/source.h), so a ray
- * that meets one by chance must not count it again: indirect diffuse and
- * glossy rays see black there, and so does a shadow ray that aims elsewhere.
- * Seen by the eye, in mirrors and through glass, sources are bright.
- * An illum stands in for what lies behind it: it is a source where one aims at
- * it, and anywhere else its alternate material, or nothing. */
+ * Direct light is gathered by shadow rays that aim at sources
+ * (light/direct/source.h).  A ray that meets a source by chance must not count
+ * its light again: indirect diffuse and glossy rays see black there, and so
+ * does a shadow ray that aims at another source.  Seen by the eye, in mirrors
+ * and through glass, sources are bright.
+ * An illum stands for the light that comes from behind it: to a shadow ray that
+ * aims at it it is a source, to all other rays its alternate material, or
+ * nothing. */
 #include "config.h"
 
 #include "light/direct/emitter.h"
@@ -55,7 +57,7 @@ rad_emitter_of(const struct rad_job *job, int32_t obj)
     return mat->shader->flags & RAD_MAT_EMITS ? mat->data : NULL;
 }
 
-/* Where a ray is aimed (RAD_VOID: nowhere) and what it met. */
+/* The object that a ray is aimed at (RAD_VOID: none), and the one it met. */
 struct aim {
     int32_t target, met;
 };
@@ -80,7 +82,8 @@ far_glow(const struct rad_emitter *e, double d)
     return e->type == RAD_GLOW && e->radius >= -RAD_TINY && d > e->radius;
 }
 
-/* Has direct light counted this already? */
+/* Does a shadow ray count the emitter's light in place of r?  Yes, if r is an
+ * indirect or glossy ray that meets the front of a source. */
 static bool
 counted_already(const struct rad_emitter *e, const struct rad_ray *r)
 {
@@ -89,9 +92,10 @@ counted_already(const struct rad_emitter *e, const struct rad_ray *r)
     return !(r->path & RAD_RAY_SHADOW || r->cos_o < 0 || far_glow(e, r->hit.t));
 }
 
-/* A shadow ray that aims at another source stops here, but passes an illum
- * from behind, or from the front when what it aims at is neither illum nor
- * glow: those stand for what is behind them. */
+/* Does the emitter stop a shadow ray that aims at another source?  Only an
+ * illum lets it pass: from behind always, from the front if the other source is
+ * a light or spotlight.  (An illum or glow stands for the light from behind it,
+ * which the illum in front of it already stands for.) */
 static bool
 in_the_way(const struct rad_ctx *ctx, const struct rad_emitter *e,
            const struct rad_ray *r, const struct aim *a)
@@ -107,8 +111,8 @@ in_the_way(const struct rad_ctx *ctx, const struct rad_emitter *e,
            (target->type == RAD_ILLUM || target->type == RAD_GLOW);
 }
 
-/* Does the ray look for this very source, and not for what a mirror in its
- * place shows? */
+/* Is the ray aimed at the source that it met?  Not if that object is a mirror,
+ * too, and the ray is aimed at an image in it. */
 static bool
 aimed_at(const struct rad_ctx *ctx, const struct rad_ray *r,
          const struct aim *a)
@@ -118,7 +122,8 @@ aimed_at(const struct rad_ctx *ctx, const struct rad_ray *r,
             rad_source_shown(ctx->job->sources, r->source) < 0);
 }
 
-/* -dv- hides sources from all but shadow rays; a far glow is none. */
+/* Does -dv- hide the emitter?  It hides sources from all rays but shadow rays;
+ * a glow that is too far away, along the whole path, is no source. */
 static bool
 hidden(const struct rad_ctx *ctx, const struct rad_emitter *e,
        const struct rad_ray *r)
@@ -152,7 +157,7 @@ rad_emitter_shade(struct rad_ctx *ctx, const struct rad_material *mat,
     }
     if (hidden(ctx, e, r))
         return true;
-    if (r->cos_o < 0) { /* dark behind, or with -bv- not there */
+    if (r->cos_o < 0) { /* its back is black, or invisible with -bv- */
         if (!ctx->job->params.backvis)
             rad_ray_transmit(ctx, r);
         return true;

@@ -1,7 +1,7 @@
 /* emitter.h - the materials that give light: light, illum, glow, spotlight
  *
- * What light/ needs of them to make sources; how a ray that meets one is
- * shaded is in emitter.c.
+ * The parameters of which sources are made, and the shader for rays that meet
+ * an emitter.
  * Source: Radiance's reference manual, "light" to "spotlight". */
 #ifndef RAD_SHADE_EMITTER_H
 #define RAD_SHADE_EMITTER_H
@@ -12,18 +12,21 @@
 struct rad_emitter {
     enum rad_otype type;
     struct rad_rgb L;     /* radiance before patterns [W/sr/m^2] */
-    double radius;        /* glow: it lights what is nearer than this; 0: only
-                           * what is traced to it by chance; negative: nothing.
-                           * INFINITY for the other types */
+    double radius;        /* glow: surfaces nearer than this get direct light;
+                           * 0: none do, but rays may meet it by chance;
+                           * negative: it lights nothing.  INFINITY for the
+                           * other types */
     struct rad_spot spot; /* spotlight */
     int32_t alternate;    /* illum: modifier that other rays see, or RAD_VOID */
 };
 
-/* The emitter that obj has for its material; NULL: it has none, or is no
- * surface. */
+/* The emitter that is the material of obj; NULL: obj has another material, or
+ * none, or is no surface. */
 const struct rad_emitter *rad_emitter_of(const struct rad_job *job,
                                          int32_t obj);
 
+/* Of the table of materials (trace/material.h): compile the material, and shade
+ * a ray that meets it. */
 int rad_emitter_prepare(struct rad_job *job, int32_t index,
                         const struct rad_files *files, const void **data,
                         struct rad_error *err);

@@ -1,9 +1,10 @@
-/* image.c - what images the sources have in mirrors and prisms
+/* image.c - the images of light sources in mirrors and prisms
  *
- * Images are made level by level: first of the sources, then of the first
- * images, and so on.  A mirror relays what can possibly shine on it; these
- * tests only save work, for a way that does not exist brings no light.  What
- * -dp then finds (pretest.c) does decide.  */
+ * Images are made level by level: first those of the sources, then images of
+ * these images, and so on.  A mirror relays every source or image that may
+ * shine on it.  These tests only save work: an image that no light comes from
+ * would add nothing.  The tests of -dp (pretest.c) change the picture: they
+ * drop images that no test ray reaches.  */
 #include "config.h"
 
 #include "light/direct/image.h"
@@ -25,8 +26,8 @@ struct maker {
 
 /* --- mirrors --- */
 
-/* The material that makes obj a mirror or prism, its own or what an illum puts
- * in its place; RAD_VOID: it is none. */
+/* The mirror or prism material of obj, be it its own material or the alternate
+ * of an illum; RAD_VOID: obj is neither mirror nor prism. */
 static int32_t
 mirror_material(const struct rad_job *job, int32_t obj)
 {
@@ -53,8 +54,8 @@ mirror_material(const struct rad_job *job, int32_t obj)
     }
 }
 
-/* The box about a ring; or a polygon, and what is in its plane there, if it is
- * not quite flat. */
+/* Set lo and hi to a box about the mirror.  A polygon that is not quite flat is
+ * met in its mean plane: the box grows by how far corners are off it. */
 static void
 box_mirror(struct rad_mirror *m, const struct rad_object *o)
 {
@@ -76,7 +77,7 @@ box_mirror(struct rad_mirror *m, const struct rad_object *o)
     }
 }
 
-/* 0, 1 if it has no area, or a negative code. */
+/* Fill in *m for obj.  0, 1 if obj has no area, or a negative code. */
 static int
 make_mirror(struct rad_mirror *m, struct rad_job *job, int32_t obj, int32_t mat)
 {
@@ -115,8 +116,8 @@ find_mirrors(struct maker *mk, struct rad_error *err)
         rc = make_mirror(m, mk->job, i, mat);
         if (rc < 0)
             return rad_fail(err, rc, "out of memory");
-        /* one larger than the scene has a vertex such as 1e308, and geometry
-         * has left it out */
+        /* a mirror larger than the scene has a vertex such as 1e308, and the
+         * tree of surfaces lacks it */
         mk->mirrors.n += rc == 0 && m->radius <= 2 * mk->mirrors.size;
     }
     return 0;
@@ -133,8 +134,10 @@ reach(const double a[3], const double b[3], double radius)
     return radius * sqrt(rad_most(1 - c * c, 0));
 }
 
-/* Does any of the cone of a spotlight, which stands to[] before the mirror,
- * fall on it? */
+/* Does any of a spotlight's cone fall on a disk of this radius about the
+ * mirror's centre?
+ *   aim  the cone's axis, a unit vector
+ *   to   from the spotlight to the mirror's centre */
 static bool
 spot_meets(const struct rad_source *root, const double aim[3],
            const double to[3], double radius)
@@ -148,7 +151,9 @@ spot_meets(const struct rad_source *root, const double aim[3],
            half + rad_asin(wide / d);
 }
 
-/* The same for a source or image that is not far away, at `image`. */
+/* Does any light of a source that is not distant fall on the mirror?
+ *   v      image of the source, NULL: the source itself
+ *   image  centre of the image or source */
 static bool
 local_meets(const struct rad_source *root, const struct rad_virtual *v,
             const double image[3], const struct rad_mirror *m)
@@ -181,12 +186,12 @@ may_relay(const struct rad_sources *s, int32_t i, const struct rad_mirror *m)
 
     if (root->flags & RAD_LIGHT_SKIP || rad_source_object(s, i) == m->obj)
         return false;
-    /* what a mirror relays goes on before it */
+    /* light that the image's mirror relays is before that mirror */
     if (v && !(rad_dot(v->normal, m->centre) - v->offset >
                -reach(v->normal, m->normal, m->radius)))
         return false;
     if (m->prism != RAD_VOID)
-        return true; /* its functions say */
+        return true; /* a prism sends light where its functions say */
     if (root->flags & RAD_LIGHT_DISTANT)
         return rad_dot(m->normal, image) > -root->radius;
     return local_meets(root, v, image, m);
@@ -194,12 +199,13 @@ may_relay(const struct rad_sources *s, int32_t i, const struct rad_mirror *m)
 
 /* --- images --- */
 
-/* What a mirror or prism does to space: p + (normal.p - offset) w, where w is
- * `in` for the place that the source sees a point from, and `out` for the image
- * of a point of the source.  Each undoes the other. */
+/* A mirror or prism maps space by p + (normal.p - offset) w.  With w = out a
+ * point of the source goes to its image; with w = in a point that sees the
+ * image goes to where the source is seen in the same way.  The two maps are
+ * inverse to each other. */
 struct fold {
     double in[3], out[3];
-    bool backwards; /* what comes through leaves against the normal */
+    bool backwards; /* light leaves the prism against m's normal */
 };
 
 static void
@@ -210,7 +216,8 @@ fold_mirror(const struct rad_mirror *m, struct fold *f)
     f->backwards = false;
 }
 
-/* A ray from a source or image to the middle of a mirror, entered. */
+/* Make r a ray that has met the centre of the mirror, and comes from a source
+ * or image: from the place `image`, or, if it is far, from that direction. */
 static void
 aim_at_mirror(struct rad_ctx *ctx, const double image[3], bool far,
               const struct rad_mirror *m, struct rad_ray *r)
@@ -233,9 +240,10 @@ aim_at_mirror(struct rad_ctx *ctx, const double image[3], bool far,
     rad_ray_enter(r);
 }
 
-/* A prism turns the light of a source as it turns the ray from the source's
- * centre to its own: space behind it is sheared along it, and mirrored if the
- * ray comes back.  False: no light comes of it. */
+/* Set *f to the map of a prism: the ray from the source's centre to the
+ * prism's is turned as the prism's functions say, other rays by the same map.
+ * It shears space along the prism's plane, and mirrors it if the ray comes back
+ * to the side of the source.  False: the prism sends no light this way. */
 static bool
 fold_prism(struct rad_ctx *ctx, const double image[3], bool far,
            const struct rad_mirror *m, int way, struct fold *f)
@@ -263,7 +271,7 @@ fold_prism(struct rad_ctx *ctx, const double image[3], bool far,
     return true;
 }
 
-/* p folded, or as a direction where offset is 0. */
+/* Map the point p by w (struct fold); with offset 0 the direction p. */
 static void
 folded(const double normal[3], double offset, const double w[3],
        const double p[3], double q[3])
@@ -271,7 +279,8 @@ folded(const double normal[3], double offset, const double w[3],
     rad_madd(q, p, rad_dot(normal, p) - offset, w);
 }
 
-/* The way from the source to its image, where there is a prism between. */
+/* Set *b to the map from the source to its image, if a prism is on the way.
+ *   before  the image that m relays, NULL: the source itself */
 static void
 make_bend(const struct rad_virtual *before, const struct rad_mirror *m,
           const struct fold *f, struct rad_bend *b)
@@ -281,7 +290,7 @@ make_bend(const struct rad_virtual *before, const struct rad_mirror *m,
 
         if (before && before->bend)
             rad_copy(column, before->bend->axis[j]);
-        else if (before) /* its inverse is its transpose */
+        else if (before) /* turn is orthogonal: its transpose is its inverse */
             for (int k = 0; k < 3; k++)
                 column[k] = before->turn[j][k];
         folded(m->normal, 0, f->out, column, b->axis[j]);
@@ -328,8 +337,8 @@ make_image(const struct rad_sources *s, int32_t from,
     rad_copy(v->hi, m->hi);
 }
 
-/* How far the image reaches from its centre.  A linear map stretches no vector
- * by more than the root of the sum of all its squares. */
+/* Set v->spread, the radius of the image about its centre.  A linear map
+ * stretches no vector by more than its Frobenius norm. */
 static void
 set_spread(struct rad_virtual *v, const struct rad_source *root)
 {
@@ -349,9 +358,10 @@ set_spread(struct rad_virtual *v, const struct rad_source *root)
         rad_asin(rad_least(v->spread / sqrt(rad_dot(centre, centre)), 1));
 }
 
-/* How far the places where a cone of half angle a about dir, whose cosine to
- * the plane is c, meets a plane at distance 1 may lie from where dir does;
- * INFINITY: any distance. */
+/* A cone of half angle a meets a plane at distance 1 from its apex; c is the
+ * cosine between the cone's axis and the plane's normal.  Returns a bound of
+ * the distance, in the plane, from the point where the axis meets it to any
+ * point of the cone; INFINITY: there is no bound. */
 static double
 cone_slack(double c, double a)
 {
@@ -360,7 +370,7 @@ cone_slack(double c, double a)
     return least > 0 ? 1 / least - 1 / c + a / least : INFINITY;
 }
 
-/* What rad_virtual_shows() needs of a distant image. */
+/* Set what rad_virtual_shows() reads of a distant image. */
 static void
 set_slack(struct rad_virtual *v)
 {
@@ -370,7 +380,7 @@ set_slack(struct rad_virtual *v)
     v->loose = cone_slack(c, v->spread);
 }
 
-/* What it shows, where that is one colour. */
+/* Set v->plain, and v->L if the image is plain. */
 static void
 set_radiance(const struct rad_job *job, struct rad_virtual *v)
 {
@@ -429,9 +439,9 @@ add_image(struct maker *mk, int32_t from, const struct rad_mirror *m, int way,
     return 0;
 }
 
-/* --- all of them --- */
+/* --- all images --- */
 
-/* Images of source or image i in a prism. */
+/* Add the images of source or image i in a prism: one for each of its ways. */
 static int
 relay_by_prism(struct maker *mk, int32_t i, const struct rad_mirror *m,
                struct rad_error *err)
@@ -466,7 +476,7 @@ relay_one(struct maker *mk, int32_t i, const struct rad_mirror *m,
     return add_image(mk, i, m, 0, &f, err);
 }
 
-/* Images of the sources from `first` to `end` in all mirrors. */
+/* Add the images of sources (or images) first .. end - 1 in all mirrors. */
 static int
 relay(struct maker *mk, int32_t first, int32_t end, struct rad_error *err)
 {

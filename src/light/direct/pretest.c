@@ -1,8 +1,8 @@
 /* pretest.c - which images are hidden, and which in full view (-dp)
  *
- * Rays go to each image from random places of its mirror.  What they find
- * decides: an image that none of them has reached is dropped, as in rpict, so
- * the number of rays is rpict's.  */
+ * Rays go to each image from random places of its mirror.  An image that no ray
+ * reaches is dropped.  That changes the picture, so the number of rays is
+ * rpict's.  */
 #include "config.h"
 
 #include "light/direct/image.h"
@@ -10,14 +10,15 @@
 #include "base/rng.h"
 #include "base/vec.h"
 
-/* Rays that test an image at least, and places tried for each, as in rpict. */
+/* The least number of rays that test an image, and how many random places are
+ * tried for each ray until the mirror is met; both as in rpict. */
 #define MIN_SAMPLES 16
 #define MAX_TRIES   32
 #define MAX_SAMPLES (1 << 24)
-/* rpict's density of the test for distant sources: samples for a mirror as
- * large as the scene, for each that -dp asks for. */
+/* Rays that test a distant source in a mirror as large as the scene, for each
+ * ray that -dp asks for; as in rpict. */
 #define DISTANT_SAMPLES 32.0
-/* A loss of more than this share of the light is something in the way. */
+/* If more than this share of the light is lost, something is in the way. */
 #define DIMMED 1e-6
 
 struct pick {
@@ -26,7 +27,7 @@ struct pick {
     struct rad_light_sample sample;
 };
 
-/* rad_light_fn: keep one of all samples, each as likely. */
+/* rad_light_fn: keep one of all samples, all with the same probability. */
 static void
 pick_one(void *arg, const struct rad_light_sample *s)
 {
@@ -37,10 +38,11 @@ pick_one(void *arg, const struct rad_light_sample *s)
     p->n++;
 }
 
-/* Let the disk hold only what a spotlight's cone meets of the mirror, whose
- * plane is h before the image.  With a the half angle of the cone and b that
- * between its axis and the plane's normal, the cone reaches farthest from its
- * axis on the outer side: h (tan(a + b) - tan b). */
+/* Shrink the mirror's disk to the part that a spotlight's cone may meet.  The
+ * mirror's plane is at distance h from the spotlight, or its image, at `image`.
+ * Let a be the half angle of the cone and b the angle between its axis and the
+ * plane's normal: in the plane the cone reaches farthest from its axis on the
+ * outer side, by h (tan(a + b) - tan b). */
 static void
 shrink_to_spot(struct rad_mirror *m, const struct rad_source *root,
                const struct rad_virtual *from, const double image[3], double h)
@@ -60,7 +62,8 @@ shrink_to_spot(struct rad_mirror *m, const struct rad_source *root,
     rad_madd(m->centre, image, h / cosine, aim);
 }
 
-/* The same for the reach of a glow, which is as far from its image. */
+/* Shrink the mirror's disk to the part that lies within the reach of a glow,
+ * which is measured from its image. */
 static void
 shrink_to_reach(struct rad_mirror *m, const struct rad_source *root,
                 const struct rad_virtual *v)
@@ -74,7 +77,7 @@ shrink_to_reach(struct rad_mirror *m, const struct rad_source *root,
     rad_madd(m->centre, v->image, h, m->normal);
 }
 
-/* The part of mirror m in which an image may be seen. */
+/* Set *part to the part of mirror m in which image v may be seen. */
 static void
 find_part(const struct rad_sources *s, const struct rad_virtual *v,
           const struct rad_mirror *m, struct rad_mirror *part)
@@ -108,7 +111,8 @@ sample_count(const struct rad_job *job, double size,
                            : MIN_SAMPLES;
 }
 
-/* A ray that has met a random place of the mirror; false: it has missed. */
+/* Make r a ray that has met a random place of the mirror's disk; false: the
+ * mirror is not there. */
 static bool
 meet_mirror(struct rad_ctx *ctx, const struct rad_mirror *m, uint64_t key,
             struct rad_ray *r)
@@ -136,7 +140,7 @@ meet_mirror(struct rad_ctx *ctx, const struct rad_mirror *m, uint64_t key,
 
 enum light { NO_LIGHT, HIDDEN, DIM, FULL };
 
-/* How much of the light of source i arrives where r met a mirror? */
+/* How much light of source or image i arrives where r met a mirror? */
 static enum light
 look(struct rad_ctx *ctx, const struct rad_ray *r, int32_t i)
 {
@@ -175,8 +179,8 @@ look(struct rad_ctx *ctx, const struct rad_ray *r, int32_t i)
     return all - rad_rgb_lum(sr.L) > DIMMED * all ? DIM : FULL;
 }
 
-/* Test image v in m; sets v->sure.  False: nowhere on the mirror does any of
- * it arrive. */
+/* Test image v in mirror m; sets v->sure.  False: no ray brought light, so the
+ * image is hidden. */
 static bool
 test_image(struct rad_ctx *ctx, struct rad_virtual *v,
            const struct rad_mirror *m, double size, uint64_t key)
@@ -194,7 +198,7 @@ test_image(struct rad_ctx *ctx, struct rad_virtual *v,
         struct rad_ray r;
 
         if (t == tries)
-            return true; /* too small to hit: as if it were not tested */
+            return true; /* the mirror fills too little of its disk to test */
         if (!meet_mirror(ctx, &part, rad_key_branch(key, (uint64_t)t), &r))
             continue;
         n--;
@@ -217,7 +221,7 @@ test_image(struct rad_ctx *ctx, struct rad_virtual *v,
     return full;
 }
 
-/* The mirror that shows v; they are in the order of objects. */
+/* The mirror that shows v, found by bisection. */
 static const struct rad_mirror *
 mirror_of(const struct rad_mirrors *mirrors, const struct rad_virtual *v)
 {

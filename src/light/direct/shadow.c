@@ -1,29 +1,31 @@
 /* shadow.c - which light sources a point sees
  *
- * First every sample of every source is weighed: what would it add if nothing
- * were in the way?  Then shadow rays are sent in order of that potential, until
- * what the untested ones could add is below -dt of what was found (Ward 1991;
- * -dc says how many of them are looked at together).
- * What is untested still counts.  Radiance takes its visibility from the hit
- * rates of each source so far, so one pixel's luck colours the next.  The
- * visible share of what was tested at this very point would leave a pixel a
- * function, but is too bright where what is weak is hidden more often than what
- * is strong.  So one of the samples left is drawn, as likely as its part in the
- * sum of their potentials, and tested for all of them (Shirley, Wang &
- * Zimmerman 1996, Monte Carlo techniques for direct lighting calculations):
- * their sum is right in the mean, and its noise within -dt.
+ * First every sample of every source is weighed: its potential is the light
+ * that it would add if nothing were in the way.  Then shadow rays are sent to
+ * samples, largest potential first, until the next untested samples together
+ * could add less than -dt of the light found so far (Ward 1991; -dc says how
+ * many samples are taken together).
+ * The untested samples still count.  Radiance guesses their visibility from the
+ * hit rate of each source in earlier pixels, so a pixel depends on others.  The
+ * visible share of the samples tested at this point would not, but gives too
+ * much light where weak sources are hidden more often than strong ones.  So one
+ * of the untested samples is drawn, with a probability in proportion to its
+ * potential, and tested for all of them (Shirley, Wang & Zimmerman 1996, Monte
+ * Carlo techniques for direct lighting calculations): the mean of their sum is
+ * right, and its noise within -dt.
  *
- * Rays of indirect light are many, and what each says need be right in the mean
- * only: there one sample is drawn from all, but for one that is most of their
- * sum.
+ * Rays of indirect light are many, and their light need only have the right
+ * mean: for such a ray one sample is drawn from all, but a sample that is most
+ * of their sum is tested by itself.
  *
- * A shadow ray stops at the first opaque thing it finds, whichever that is.
- * Only if there is none, but something to see through, does it go on, from
- * surface to surface, as a ray that materials shade; no rays are made for what
- * are plain panes and mirrors alone (way.h).
+ * A shadow ray stops at the first opaque surface that is found, which need not
+ * be the nearest.  If there are transparent surfaces alone, the shadow ray goes
+ * from surface to surface as a ray that materials shade; where all of them are
+ * plain panes and mirrors, no rays are made (way.h).
  *
- * The ray to an image in a mirror ends at the mirror, which shows it what is at
- * the end of the way (rad_source_aimed).  It is tested stretch by stretch.  */
+ * The shadow ray to an image in a mirror ends at the mirror, whose shader sends
+ * a ray on toward the source (rad_source_aimed).  Each stretch of the way is
+ * tested by itself.  */
 #include "config.h"
 
 #include "light/direct/way.h"
@@ -33,43 +35,45 @@
 
 #include <string.h>
 
-/* Shadow rays sent whatever -dt says, as in rpict. */
+/* So many shadow rays are sent whatever -dt says, as in rpict. */
 #define MIN_TESTS 2
 
-/* For rays of hemispheres sources are cut into parts so many times as large as
- * -ds says.  One of them is tested, whatever they are; unobstructed their light
- * is exact, and its colours may take long: those of an illum are a function.
- * Not without -dj: then what stands before a source is seen by the middle of a
- * part alone, and larger parts would be another picture. */
+/* At hits of hemispheres' rays sources are cut into parts so many times as
+ * large as -ds says.  One part alone is tested there, however many there are,
+ * and each costs time: an illum's radiance, for one, is a function.  The light
+ * of unobstructed parts is exact at any size.  With -dj 0 the size stays: a
+ * shadow ray aims at the middle of its part, so larger parts would shift the
+ * shadows. */
 #define COARSER 2
 
-/* Where one sample is drawn from all, one that is more than this part of the
- * sum is tested by itself: so strong a source that cannot be seen, like the sun
- * from most of a room, would be drawn nearly always, and what is left, at last
- * drawn once, would count for many times what it is. */
+/* Where one sample is drawn from all, a sample of more than this part of the
+ * sum is tested by itself.  Else a strong source that is hidden, like the sun
+ * from most of a room, would be drawn nearly always; and a weak one, when it is
+ * drawn at last, would count many times its own light. */
 #define APART .5
 
+/* A sample of a source, and the light that it would add. */
 struct potential {
-    struct rad_span span; /* of the shadow ray, which ends short of the
-                           * source */
-    struct rad_rgb coef;  /* of the source's radiance */
-    struct rad_rgb val;   /* coef times radiance, if all of it is seen */
-    int32_t source;
-    uint32_t branch; /* of the shadow ray */
+    struct rad_span span; /* of the shadow ray; ends short of the source */
+    struct rad_rgb coef;  /* factor of the source's radiance (rad_brdf_fn) */
+    struct rad_rgb val;   /* coef times radiance: the light if unobstructed */
+    int32_t source;       /* number of a source or image */
+    uint32_t branch;      /* of the shadow ray's key */
 };
 
-/* The order of testing; and, from the end, what is still to come. */
+/* An entry of the list that says in which order potentials are tested. */
 struct order {
-    float lum; /* of val */
+    float lum; /* luminance of the potential's val */
     int32_t i; /* index of the potential */
 };
 
-/* Where shadow rays start to one side of the hit. */
+/* Where shadow rays to the lamp start, on one side of the surface that is hit.
+ */
 struct start {
-    bool known;
+    bool known; /* the other fields are set */
     double org[3];
-    double height; /* above the lamp's plane: of flat ones */
-    double round;  /* bound of what rounding does to that */
+    double height; /* above the plane of a flat lamp */
+    double round;  /* bound of the rounding error of height */
 };
 
 struct direct {
@@ -77,17 +81,18 @@ struct direct {
     struct rad_ray *r;
     rad_brdf_fn *brdf;
     void *data;
-    int32_t source;    /* whose samples are being weighed */
-    uint32_t nsamples; /* so far, weighed or not */
-    /* that source, if nothing of the place aimed at need be known */
+    int32_t source;    /* the source or image whose samples are weighed */
+    uint32_t nsamples; /* samples of all sources so far, weighed or not */
+    /* that source, if its radiance is the same everywhere on it, so that the
+     * place where a shadow ray meets it need not be known; or NULL */
     const struct rad_source *lamp;
-    struct start start[2]; /* for directions above and below the hit */
+    struct start start[2]; /* above and below the surface (along hit.n) */
     struct potential *list;
     int32_t n, capacity;
 };
 
-/* Nothing is weighed yet.  (Clearing all of *d would take longer than most of
- * what follows.) */
+/* Initialize *d with no sample weighed.  Field by field, since clearing all of
+ * *d would take longer than most of the work that follows. */
 static void
 begin(struct direct *d, struct rad_ctx *ctx, struct rad_ray *r,
       rad_brdf_fn *brdf, void *data)
@@ -101,7 +106,8 @@ begin(struct direct *d, struct rad_ctx *ctx, struct rad_ray *r,
     d->n = d->capacity = 0;
 }
 
-/* Room for one more; false: out of memory, and the sample is lost. */
+/* Make room for one more potential; false: out of memory, and the sample is
+ * lost. */
 static bool
 reserve(struct direct *d)
 {
@@ -121,7 +127,8 @@ reserve(struct direct *d)
     return true;
 }
 
-/* A ray along p's span, not yet traced.  False: the path is too deep. */
+/* Make *sr a shadow ray along p's span, not yet traced.  False: the path is too
+ * deep. */
 static bool
 start_ray(const struct direct *d, const struct potential *p, struct rad_ray *sr)
 {
@@ -138,7 +145,7 @@ start_ray(const struct direct *d, const struct potential *p, struct rad_ray *sr)
     return true;
 }
 
-/* How shadow rays start in direction dir. */
+/* Where shadow rays to d->lamp in direction dir start. */
 static const struct start *
 start_of(struct direct *d, const double dir[3])
 {
@@ -159,8 +166,9 @@ start_of(struct direct *d, const double dir[3])
     return s;
 }
 
-/* How far is a sphere in direction dir, less what rounding may do to that and
- * to another surface on it?  Not positive: it is missed. */
+/* The distance to a spherical lamp in direction dir, less the rounding errors
+ * of it and of another surface that touches the lamp.  Not positive: the lamp
+ * is missed. */
 static double
 reach_sphere(const struct rad_source *lamp, const struct start *s,
              const double dir[3])
@@ -177,7 +185,8 @@ reach_sphere(const struct rad_source *lamp, const struct start *s,
     return along - deep - s->round * lamp->r1 / deep;
 }
 
-/* rad_way_aim() for p's span, if it goes to d's lamp. */
+/* Set p's span as rad_way_aim() does, where it goes to d->lamp.  False: the
+ * lamp is missed. */
 static bool
 meet_lamp(struct direct *d, struct potential *p, const double dir[3])
 {
@@ -192,8 +201,8 @@ meet_lamp(struct direct *d, struct potential *p, const double dir[3])
     return p->span.tmax > 0;
 }
 
-/* The source, if it is flat or a sphere and looks the same all over; else
- * NULL. */
+/* The source, if it is flat or a sphere and has the same radiance everywhere;
+ * else NULL. */
 static const struct rad_source *
 plain_lamp(const struct rad_sources *s, int32_t source)
 {
@@ -208,7 +217,7 @@ plain_lamp(const struct rad_sources *s, int32_t source)
                : NULL;
 }
 
-/* The source whose samples are weighed next. */
+/* Note the source or image whose samples are weighed next. */
 static void
 turn_to(struct direct *d, int32_t source)
 {
@@ -217,8 +226,8 @@ turn_to(struct direct *d, int32_t source)
     d->start[0].known = d->start[1].known = false;
 }
 
-/* Shade a ray that nothing has stopped on its way to its source, which it meets
- * at hit. */
+/* Shade a shadow ray that meets its target (source or mirror) at hit; the way
+ * there is taken to be clear. */
 static void
 shade_target(struct rad_ctx *ctx, struct rad_ray *sr, const struct rad_hit *hit)
 {
@@ -237,7 +246,8 @@ shade_target(struct rad_ctx *ctx, struct rad_ray *sr, const struct rad_hit *hit)
     rad_ray_absorb(ctx, sr);
 }
 
-/* What the source, met at hit, sends along p's span. */
+/* The radiance that arrives along p's span from its source or image, which is
+ * met at hit, if nothing is in the way but the mist that the point lies in. */
 static struct rad_rgb
 source_radiance(const struct direct *d, const struct potential *p,
                 const struct rad_hit *hit)
@@ -266,7 +276,7 @@ source_radiance(const struct direct *d, const struct potential *p,
     return sr.L;
 }
 
-/* rad_light_fn */
+/* rad_light_fn: add the sample to the list, unless it has no light. */
 static void
 weigh(void *arg, const struct rad_light_sample *s)
 {
@@ -292,8 +302,9 @@ weigh(void *arg, const struct rad_light_sample *s)
         d->n++;
 }
 
-/* Is nothing but products of colours between p's source and where it is seen
- * from, if that is clear? */
+/* Is the light of p, where nothing is in the way, known without a ray?  Yes, if
+ * its source has one radiance, its mirrors have one colour each, and the point
+ * does not lie in mist. */
 static bool
 is_plain(const struct direct *d, const struct potential *p)
 {
@@ -304,16 +315,16 @@ is_plain(const struct direct *d, const struct potential *p)
                              : s->virtuals[p->source - s->n].plain);
 }
 
-/* Is L, of a shadow ray, light that arrives?  By the mean of its channels, as
- * in Radiance: what it went through may make one negative. */
+/* Does a shadow ray with radiance L bring light?  As in Radiance the mean of
+ * the channels decides: materials on the way may make one of them negative. */
 static bool
 arrives(struct rad_rgb L)
 {
     return L.r + L.g + L.b > 0;
 }
 
-/* The way to the image that p aims at is clear; is it so behind the mirror?
- * False: no light arrives.  Sets p->val to what does. */
+/* The way to the mirror that shows p's image is clear: is it clear from there
+ * to the source?  Sets p->val to the light that arrives; false: none does. */
 static bool
 see_in_mirror(const struct direct *d, struct potential *p)
 {
@@ -341,15 +352,16 @@ see_in_mirror(const struct direct *d, struct potential *p)
     return arrives(sr.L);
 }
 
-/* The same for p's source, image or not. */
+/* The way to p's target is clear: does its light arrive?  A source's does; for
+ * an image see see_in_mirror(). */
 static bool
 see_beyond(const struct direct *d, struct potential *p)
 {
     return p->source < d->ctx->job->sources->n || see_in_mirror(d, p);
 }
 
-/* Let a shadow ray, which meets what hit and line say, go through that and on
- * to its source. */
+/* Let a shadow ray go through the surfaces on its way (the first at hit, all on
+ * line) and on to its source. */
 static void
 go_through(struct rad_ctx *ctx, struct rad_ray *sr, const struct rad_hit *hit,
            const struct rad_line *line)
@@ -363,8 +375,8 @@ go_through(struct rad_ctx *ctx, struct rad_ray *sr, const struct rad_hit *hit,
     sr->line = NULL;
 }
 
-/* Follow the shadow ray of p through what is not opaque, first at hit; false:
- * no light arrives.  Sets p->val to what does. */
+/* Follow the shadow ray of p through transparent surfaces, the first at hit.
+ * Sets p->val to the light that arrives; false: none does. */
 static bool
 see_through(const struct direct *d, struct potential *p,
             const struct rad_hit *hit, const struct rad_line *line)
@@ -384,7 +396,7 @@ see_through(const struct direct *d, struct potential *p,
         if (seen != RAD_SIGHT_VEILED)
             return seen == RAD_SIGHT_CLEAR;
     }
-    /* up to a lamp there may be nothing but mist */
+    /* if there is nothing but mist before the lamp, no ray is needed */
     if (lamp && line->n > 0 &&
         rad_geom_ahead(job->geom, line, line->n - 1) == target &&
         rad_mist_veils(d->ctx, d->r, &p->span, line, &T)) {
@@ -398,7 +410,8 @@ see_through(const struct direct *d, struct potential *p,
     return arrives(sr.L);
 }
 
-/* Send p's shadow ray; false: no light arrives. */
+/* Send p's shadow ray.  Sets p->val to the light that arrives; false: none
+ * does. */
 static bool
 test(const struct direct *d, struct potential *p)
 {
@@ -421,8 +434,8 @@ test(const struct direct *d, struct potential *p)
     }
 }
 
-/* Is r's way to its source, along the span, clear?  If not, r gets what comes
- * through. */
+/* Is r's way to its target, along the span, clear?  If not, r gets the light
+ * that comes through what is in the way. */
 static bool
 is_clear(struct rad_ctx *ctx, struct rad_ray *r, const struct rad_span *span)
 {
@@ -463,7 +476,8 @@ rad_source_aimed(struct rad_ctx *ctx, struct rad_ray *r)
         shade_target(ctx, r, &hit);
 }
 
-/* Larger first; the order of the samples settles ties, so that it is one. */
+/* Is a tested before b?  Larger luminance first; of equal ones the sample that
+ * was weighed first, so that there is only one order. */
 static bool
 before(const struct order *a, const struct order *b)
 {
@@ -507,7 +521,7 @@ add_if_seen(struct direct *d, struct potential *p)
         d->r->L = rad_rgb_add(d->r->L, p->val);
 }
 
-/* With -dt 0 every one is tested, so the order does not matter. */
+/* Test every sample (-dt 0), in any order. */
 static void
 test_all(struct direct *d)
 {
@@ -515,7 +529,8 @@ test_all(struct direct *d)
         add_if_seen(d, &d->list[i]);
 }
 
-/* The sum of the samples' luminances, and the brightest of them. */
+/* Returns the sum of the samples' luminances; *brightest is the index of the
+ * largest. */
 static double
 sum_up(const struct direct *d, int32_t *brightest)
 {
@@ -533,8 +548,8 @@ sum_up(const struct direct *d, int32_t *brightest)
     return all;
 }
 
-/* Test a sample that is most of the sum by itself, if there is one, and take it
- * off the list.  Returns the sum of the others. */
+/* If a sample is most of the sum, test it by itself and take it off the list.
+ * Returns the sum of the samples on the list. */
 static double
 test_apart(struct direct *d)
 {
@@ -548,7 +563,8 @@ test_apart(struct direct *d)
     return sum_up(d, &i);
 }
 
-/* The sample that is drawn, tested for all but one that is tested apart. */
+/* Test one sample that is drawn, for all samples but the one that is tested
+ * apart. */
 static void
 test_drawn(struct direct *d)
 {
@@ -556,7 +572,7 @@ test_drawn(struct direct *d)
     struct potential *p = d->list;
 
     at = all * rad_rand(d->r->key, RAD_DIM_SOURCE);
-    /* rounding may leave nothing behind the last */
+    /* where rounding leaves at >= 0 to the end the last sample is drawn */
     for (int32_t i = 0; i < d->n && at >= 0; i++) {
         p = &d->list[i];
         lum = rad_rgb_lum(p->val);
@@ -567,7 +583,7 @@ test_drawn(struct direct *d)
             rad_rgb_add(d->r->L, rad_rgb_scale(p->val, (float)(all / lum)));
 }
 
-/* The part of each channel of a that is left in b. */
+/* The part, by channel, of light a that arrives as b; 1 at most. */
 static struct rad_rgb
 part_left(struct rad_rgb a, struct rad_rgb b)
 {
@@ -578,15 +594,15 @@ part_left(struct rad_rgb a, struct rad_rgb b)
                    a.b > 0 ? fminf(b.b / a.b, 1) : all);
 }
 
-/* Draw from the samples from the first of o on, n of them, which add up to a
- * luminance of `all`, and test that: what is left of it is left of each, so
- * where all is seen there is no noise. */
+/* Draw and test one of the n samples that begin at *o; `all` is the sum of
+ * their luminances.  The part of its light that arrives is taken for the part
+ * of each sample's, so where all are visible there is no noise. */
 static void
 test_rest(struct direct *d, const struct order *o, int32_t n, double all)
 {
     double at = all * rad_rand(d->r->key, RAD_DIM_SOURCE);
     struct rad_rgb sum = { 0, 0, 0 }, was;
-    struct potential *p = &d->list[o->i]; /* also where `all` is infinite */
+    struct potential *p = &d->list[o->i]; /* drawn if `all` is infinite */
 
     for (int32_t i = 0; i < n; i++) {
         struct potential *q = &d->list[o[i].i];
@@ -602,6 +618,8 @@ test_rest(struct direct *d, const struct order *o, int32_t n, double all)
             rad_rgb_add(d->r->L, rad_rgb_mul(sum, part_left(was, p->val)));
 }
 
+/* Test samples, largest first, until -dt allows to stop; then one drawn from
+ * the rest.  o has room for all samples. */
 static void
 test_selected(struct direct *d, struct order *o)
 {
@@ -635,8 +653,8 @@ test_selected(struct direct *d, struct order *o)
         test_rest(d, o + k, d->n - k, rest[k]);
 }
 
-/* How high is the centre of the source, which is there, above the horizon of
- * r's hit?  Below minus its radius nothing of it is to be seen. */
+/* The height of a source's (or its image's) centre above the plane of r's hit,
+ * on r's side.  If it is below minus the radius the source is out of sight. */
 static double
 height_of(const struct rad_source *src, const double centre[3],
           const struct rad_ray *r)
@@ -649,19 +667,19 @@ height_of(const struct rad_source *src, const double centre[3],
     return side * rad_dot(d, r->n);
 }
 
-/* The key of the random numbers for samples of a source or image; without
- * jitter there are none. */
+/* The key of the random numbers for samples of a source or image; 0 without
+ * jitter, which needs none. */
 static uint64_t
 sample_key(const struct rad_ray *r, const struct rad_light_view *view,
            int32_t source)
 {
-    /* above every ray's branch number, below every dimension's bit */
+    /* rays' branch numbers have 32 bits, dimensions of random numbers bit 63 */
     return view->jitter > 0
                ? rad_key_branch(r->key, (uint64_t)(source + 1) << 32)
                : 0;
 }
 
-/* Weigh the samples of the sources themselves. */
+/* Weigh the samples of all sources; skip: not of those below the horizon. */
 static void
 weigh_sources(struct direct *d, struct rad_light_view *view, bool skip)
 {
@@ -686,7 +704,7 @@ weigh_sources(struct direct *d, struct rad_light_view *view, bool skip)
     view->up = NULL;
 }
 
-/* Weigh the samples of what mirrors show. */
+/* Weigh the samples of all images; skip: not of those below the horizon. */
 static void
 weigh_images(struct direct *d, struct rad_light_view *view, bool skip)
 {
@@ -717,7 +735,7 @@ rad_direct(struct rad_ctx *ctx, struct rad_ray *r, rad_brdf_fn *brdf,
     struct rad_arena_mark mark;
     struct direct d;
     struct order *o;
-    /* a tilted normal may see what the surface itself does not */
+    /* a normal tilted by a texture may face sources below the horizon */
     bool skip = !through && !rad_ray_perturbed(r), drawn;
 
     if (s->nlit == 0 || ctx->no_direct)

@@ -1,12 +1,13 @@
 /* shape.c - the shapes of light sources, from the surfaces of a scene
  *
- * An undivided polygon is sampled at the mean of its corners, as in rpict, or
- * where that lies outside, at its centroid or in its largest triangle.  The
- * axes of what has no straight edges are those of a square of equal area
- * (ring, distant source, irregular polygon), of a cube in the sphere, of a box
- * in the cylinder; those of a quadrilateral follow the edges at its first
- * corner, those of a triangle are of a square about its centroid, along the
- * edge that is nearest and up to it; all as rpict takes them.  */
+ * An undivided polygon is sampled at the mean of its corners, as in rpict; if
+ * that point lies outside, at its centroid or in its largest triangle.
+ * The half-axes are rpict's:
+ *   quadrilateral       along the edges at its first corner
+ *   triangle            of a square about the centroid that touches the nearest
+ *                       edge, parallel to that edge
+ *   other polygon, ring, distant source    of a square of equal area
+ *   sphere, cylinder    of a cube, or box, within it  */
 #include "config.h"
 
 #include "light/sample/polytree.h"
@@ -15,15 +16,17 @@
 #include "base/vec.h"
 
 /* How far a quadrilateral's corners may be off a parallelogram's, relative to
- * its diagonals: what single precision in the scene's text leaves. */
+ * its longer diagonal: allows for coordinates of single precision in a scene's
+ * text. */
 #define PARALLEL 1e-6
 
-/* rpict's: half the side of the cube that stands for the unit sphere, and of
- * the square that stands for the unit circle of a cylinder's section */
+/* Half the side of the cube that stands for the unit sphere, and of the square
+ * that stands for the unit circle of a cylinder's section; as in rpict. */
 #define SPHERE_BOX   0.7236
 #define CYLINDER_BOX 0.8559
 
-/* A unit vector perpendicular to n, by the last axis that is not along it. */
+/* A unit vector u perpendicular to n: the cross product of n with the last
+ * coordinate axis that is not nearly parallel to it. */
 static void
 perpendicular(double u[3], const double n[3])
 {
@@ -37,7 +40,7 @@ perpendicular(double u[3], const double n[3])
     rad_normalize(u);
 }
 
-/* Half-axes of a square of this area. */
+/* Half-axes of a square of this area, perpendicular to n. */
 static void
 square_axes(struct rad_source *src, const double n[3], double area)
 {
@@ -46,7 +49,8 @@ square_axes(struct rad_source *src, const double n[3], double area)
     rad_cross(src->axis[1], n, src->axis[0]);
 }
 
-/* Newell's normal, whose length is twice the area. */
+/* The unit normal of a polygon, by the sum of its triangles' cross products
+ * (Newell); returns the polygon's area. */
 static double
 polygon_normal(const double *v, int n, double normal[3])
 {
@@ -93,8 +97,8 @@ edge_axes(struct rad_source *src, const double *v)
     }
 }
 
-/* Half-axes of a triangle: the centroid is nearest to the longest edge, by a
- * third of the height over it. */
+/* Half-axes of a triangle: the edge nearest to the centroid is the longest one,
+ * at a third of the height over it. */
 static void
 triangle_axes(struct rad_source *src, const double *v)
 {
@@ -149,7 +153,7 @@ polygon_shape(struct rad_source *src, const struct rad_object *o,
         if (!src->tree)
             return RAD_ENOMEM;
         src->root = src->tree->m;
-        /* rpict aims at the mean of the corners, where that is inside */
+        /* as in rpict: aim at the mean of the corners, if that is inside */
         if (rad_polytree_has(src->tree, src->centre, src->normal))
             rad_copy(src->root.aim, src->centre);
     }
@@ -181,7 +185,7 @@ ring_shape(struct rad_source *src, const struct rad_object *o)
     rad_copy(src->axis[2], src->normal);
     rad_copy(src->root.c, src->centre);
     rad_copy(src->root.aim, src->centre);
-    if (src->r0 > 0) /* there is nothing in the hole */
+    if (src->r0 > 0) /* aim beside the hole */
         rad_madd(src->root.aim, src->centre, sqrt(2 * r2 / src->size),
                  src->axis[0]);
     src->root.area = src->size;
@@ -236,7 +240,8 @@ distant_shape(struct rad_source *src, const struct rad_object *o)
     rad_copy(src->centre, o->reals);
     if (!(rad_normalize(src->centre) > 0) || !(o->reals[3] > 0))
         return 1;
-    /* 2 pi (1 - cos) of half the angle, but without its cancellation */
+    /* size is the solid angle 2 pi (1 - cos a), a half the angle, as
+     * 4 pi sin^2(a / 2), which does not cancel for a small a */
     src->radius = 2 * rad_sin(M_PI / 720 * o->reals[3]);
     src->size = M_PI * src->radius * src->radius;
     square_axes(src, src->centre, src->size);

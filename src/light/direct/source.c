@@ -1,8 +1,8 @@
 /* source.c - see source.h
  *
- * Finding the light sources of a scene, and the distant ones behind it.  Where
- * they are sampled is in sample.c, what they look like in shape.c, and which
- * of them a point sees in shadow.c.  */
+ * Finds the light sources of a scene, and the distant source that a ray meets
+ * if it meets no surface.  Where sources are sampled is in light/sample, their
+ * shapes are in shape.c, and which of them a point sees in shadow.c.  */
 #include "config.h"
 
 #include "light/direct/sources.h"
@@ -12,7 +12,8 @@
 
 #include <float.h>
 
-/* Is the light of obj the emitter's own, without pattern or texture? */
+/* Does obj have its emitter's radiance everywhere: is there no pattern or
+ * texture on it? */
 static bool
 is_plain(const struct rad_job *job, int32_t obj)
 {
@@ -25,7 +26,7 @@ is_plain(const struct rad_job *job, int32_t obj)
     return true;
 }
 
-/* Does any of the cone leave the front of a flat source? */
+/* Does any of a spotlight's cone leave the front of a flat source? */
 static bool
 spot_shines(const struct rad_spot *spot, const double normal[3])
 {
@@ -35,8 +36,8 @@ spot_shines(const struct rad_spot *spot, const double normal[3])
     return d > 0 || 1 - d * d < cone * cone;
 }
 
-/* Make *src the source that obj, under emitter em, is.  0, 1 if it is none, or
- * a negative code. */
+/* Fill in *src for obj, whose material is em.  0, 1 if obj is no source, or a
+ * negative code. */
 static int
 make_source(struct rad_source *src, struct rad_job *job, int32_t obj,
             const struct rad_emitter *em, struct rad_error *err)
@@ -77,7 +78,8 @@ make_source(struct rad_source *src, struct rad_job *job, int32_t obj,
     return 0;
 }
 
-/* What instances and meshes hold is seen, but is no source, as in Radiance. */
+/* As in Radiance, emitters inside instances and meshes are seen by rays, but
+ * are no sources. */
 struct rad_sources *
 rad_sources_new(struct rad_job *job, struct rad_error *err)
 {
@@ -161,13 +163,13 @@ rad_sources_targets(const struct rad_sources *s)
     return s->n + s->nvirtuals;
 }
 
-/* What the difference of two unit vectors may be off by. */
+/* Bound of the rounding error in the difference of two unit vectors. */
 #define ROUNDING (4 * DBL_EPSILON)
 
-/* Does direction dir meet distant source src?  By the chord between dir and its
- * middle: 1 - cos has no digits left where a source is small.  A ray aimed at
- * its very edge must, and a level one half of the sky, whatever rounding has
- * done to them. */
+/* Does direction dir meet distant source src?  By the length of the chord from
+ * the source's centre to dir: 1 - cos would lose all digits where a source is
+ * small.  A ray aimed at the source's edge must meet it whatever its rounding
+ * errors are, and a horizontal ray must meet the sky. */
 static bool
 meets(const struct rad_source *src, const double dir[3])
 {
@@ -190,7 +192,7 @@ find_behind(const struct rad_sources *s, const struct rad_ray *r)
     if (r->source >= 0) {
         const struct rad_source *src = &s->list[r->source];
 
-        if (r->source >= s->n) /* an image, whose mirror it has missed */
+        if (r->source >= s->n) /* aimed at an image, and missed its mirror */
             return -1;
         return src->flags & RAD_LIGHT_DISTANT && meets(src, r->dir) ? r->source
                                                                     : -1;
@@ -222,7 +224,7 @@ rad_source_behind(struct rad_ctx *ctx, struct rad_ray *r)
         return RAD_VOID;
     r->far_source = i;
     r->hit.t = INFINITY;
-    rad_copy(r->hit.p, r->org); /* what is nowhere is seen at the eye */
+    rad_copy(r->hit.p, r->org); /* no place: patterns get the ray's origin */
     rad_scale(r->n, -1, r->dir);
     r->cos_o = 1;
     r->pert[0] = r->pert[1] = r->pert[2] = 0;

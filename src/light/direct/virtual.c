@@ -1,6 +1,6 @@
 /* virtual.c - see virtual.h
  *
- * Images as they are seen from a point; image.c makes them.  */
+ * How images are seen from a point; image.c makes them.  */
 #include "config.h"
 
 #include "light/direct/sources.h"
@@ -12,8 +12,12 @@ rad_virtual_faces(const struct rad_virtual *v, const double p[3], double err)
     return rad_dot(v->normal, p) - v->offset > err;
 }
 
-/* The same for what leads to a ball of radius r, whose centre is at distance
- * behind on the other side and d from the cone's point. */
+/* Lines go from a point, at distance k before a plane, to all points of a ball
+ * of radius r behind the plane.  Returns a bound of the distance, in the plane,
+ * from where the line to the ball's centre meets it to where any other line
+ * does; INFINITY: the ball meets the plane.
+ *   behind  distance of the ball's centre to the plane
+ *   d       distance of the ball's centre to the point */
 static double
 ball_slack(double k, double behind, double d, double r)
 {
@@ -48,7 +52,8 @@ rad_virtual_shows(const struct rad_sources *s, const struct rad_virtual *v,
     return !(rad_dist2(at, v->middle) > slack * slack);
 }
 
-/* Where the image is seen from p, its source is seen from there. */
+/* Set `there` to the point from which the source looks as the image does from
+ * p. */
 static void
 turn_point(const struct rad_virtual *v, const double p[3], double there[3])
 {
@@ -88,13 +93,14 @@ rad_source_appears(const struct rad_sources *s, int32_t i,
     rad_virtual_turn(v, q, at);
 }
 
+/* An image whose source is being sampled. */
 struct unfolded {
     const struct rad_virtual *v;
     const struct rad_source *root;
-    const double *p;         /* where the image is seen from, */
-    const double *there;     /* and where the source is */
+    const double *p;         /* the point that sees the image */
+    const double *there;     /* the point that sees the source as p the image */
     double axis[3], bent[3]; /* the source's normal or axis, and the image's */
-    double reach;            /* of its light, by the bent way */
+    double reach;            /* of a glow, to its image; or INFINITY */
     rad_light_fn *fn;
     void *arg;
 };
@@ -111,7 +117,8 @@ fold(void *arg, const struct rad_light_sample *s)
     u->fn(u->arg, &image);
 }
 
-/* Where the point at a distance along dir from the source's side appears. */
+/* Set `to` to the unit direction from u->p to the image of a point, which lies
+ * at a distance along dir from u->there; returns the distance of that image. */
 static double
 bend_point(const struct unfolded *u, const double dir[3], double dist,
            double to[3])
@@ -125,8 +132,10 @@ bend_point(const struct unfolded *u, const double dir[3], double dist,
     return rad_normalize(to);
 }
 
-/* How wide the source shows itself in direction dir, whose normal or axis is
- * as given. */
+/* The factor by which a source looks smaller, seen in direction dir, than in
+ * full view: a cosine if it is flat, the sine of the angle to a cylinder's
+ * axis, 1 for a sphere.
+ *   axis  the source's normal, or the cylinder's axis */
 static double
 width(const struct rad_source *src, const double axis[3], const double dir[3])
 {
@@ -148,8 +157,8 @@ bend_axis(struct unfolded *u)
     rad_normalize(u->bent);
 }
 
-/* The image keeps the source's area, and its normal or axis is bent as any
- * direction is: so Radiance has it. */
+/* The solid angle of a sample of a bent image.  As in Radiance the image has
+ * the source's area, and its normal or axis is bent as any direction is. */
 static double
 bent_size(const struct unfolded *u, const struct rad_light_sample *s,
           const struct rad_light_sample *image)
@@ -161,7 +170,7 @@ bent_size(const struct unfolded *u, const struct rad_light_sample *s,
     return s->omega * now * s->dist * s->dist / width(src, u->axis, s->aim);
 }
 
-/* rad_light_fn: the same as fold() by way of a prism. */
+/* rad_light_fn: as fold(), for an image in a prism. */
 static void
 fold_bent(void *arg, const struct rad_light_sample *s)
 {
@@ -182,9 +191,9 @@ fold_bent(void *arg, const struct rad_light_sample *s)
         u->fn(u->arg, &image);
 }
 
-/* A glow reaches as far by the way that a prism bends as it does without one:
- * its samples, seen from the unbent place, are not to be cut off by how far
- * away that is. */
+/* The reach of a glow is compared with the distance to its image.  Let the
+ * source that is sampled have no reach, since its distance from `there` is
+ * another where a prism is on the way. */
 static void
 bend_reach(struct unfolded *u, struct rad_source *boundless)
 {

@@ -37,8 +37,8 @@ rad_way_faces(const struct rad_sources *s, int32_t source,
            rad_virtual_faces(&s->virtuals[source - s->n], at->p, at->err);
 }
 
-/* The stretch behind a mirror, met at hit in direction dir, toward a source or
- * image: *span and *next as of rad_way_aim(), dir the new direction. */
+/* Reflect dir at a mirror, which is met at hit, and aim the next stretch of the
+ * way at a source or image.  *span and *next as in rad_way_aim(). */
 static bool
 turn(struct rad_ctx *ctx, int32_t source, const struct rad_hit *hit,
      double dir[3], struct rad_span *span, struct rad_hit *next)
@@ -72,16 +72,16 @@ rad_way_leads(struct rad_ctx *ctx, const struct rad_virtual *v,
     return true;
 }
 
-/* A way that is followed: where it has come to, and what it takes. */
+/* A way that is being followed. */
 struct follow {
     struct rad_ctx *ctx;
-    struct rad_hit at;
-    struct rad_rgb T;
-    uint64_t stretches, panes; /* rays that are saved, and count all the same */
+    struct rad_hit at; /* how far it has come: a mirror, pane or the source */
+    struct rad_rgb T;  /* product of the colours so far */
+    uint64_t stretches, panes; /* passed: they count as rays, without a ray */
 };
 
-/* Pass the panes on a stretch, of which the first is at f->at; CLEAR: f->at is
- * where it leads to, unless that is distant. */
+/* Pass the panes on a stretch, of which the first is at f->at.  CLEAR: f->at is
+ * the stretch's target, unless that is distant. */
 static enum rad_sight
 pass_panes(struct follow *f, int32_t source, const struct rad_span *span,
            const struct rad_line *line)
@@ -117,7 +117,7 @@ pass_panes(struct follow *f, int32_t source, const struct rad_span *span,
     return RAD_SIGHT_CLEAR;
 }
 
-/* From the mirror of v, which is met at f->at, to the source. */
+/* Follow the way from the mirror of v, which is met at f->at, to the source. */
 static enum rad_sight
 follow_mirrors(struct follow *f, const struct rad_virtual *v,
                const double dir[3])
@@ -148,6 +148,7 @@ follow_mirrors(struct follow *f, const struct rad_virtual *v,
     }
 }
 
+/* Count the way's rays and set *T, unless it is VEILED. */
 static enum rad_sight
 finish(const struct follow *f, enum rad_sight seen, struct rad_rgb *T)
 {
