@@ -5,21 +5,21 @@
  *     r = c + R (cos t e1 + sin t e2),
  *     r x dr = R ((c x e2) cos t - (c x e1) sin t + R n) dt,
  *     |r|^2 = A + B cos t,  A = c.c + R^2,  B = 2 R q.
- * The three integrals of 1, cos t and sin t over that denominator are
- * elementary.  Over the whole circle that of the sine vanishes, and with
- * D = sqrt(A^2 - B^2) the others are 2 pi / D and -2 pi B / (D (A + D)), so
- * that F = -pi R^2 / D ((1 - 2 q^2 / (A + D)) n + 2 (c.n) / (A + D) q e1),
- * which for a face parallel or perpendicular to the disk are the factors in
- * Howell, A catalog of radiation heat transfer configuration factors, B-13 and
- * B-12.  */
+ * The integrals of 1, cos t and sin t over this denominator are elementary.
+ * Over the whole circle that of sin t is 0, and with D = sqrt(A^2 - B^2) the
+ * others are 2 pi / D and -2 pi B / (D (A + D)), so that
+ *     F = -pi R^2 / D ((1 - 2 q^2 / (A + D)) n + 2 (c.n) / (A + D) q e1).
+ * For a face parallel or perpendicular to the disk these are factors B-13 and
+ * B-12 of Howell, A catalog of radiation heat transfer configuration factors.
+ */
 #include "config.h"
 
 #include "light/sample/contour.h"
 #include "arith/elementary.h"
 #include "base/vec.h"
 
-/* B / A below which the integral of cos is summed as a series: what is left out
- * is the fifth power of that. */
+/* Below this B / A the integral of cos t is summed as a series in B / A, up to
+ * its fourth power. */
 #define NEARLY_ROUND 2e-3
 
 void
@@ -35,8 +35,8 @@ rad_contour_edge(double F[3], const double a[3], const double b[3])
     rad_madd(F, F, angle / 2, c);
 }
 
-/* Antiderivative of 1 / (A + B cos t), without a step where tan t/2 has one;
- * and cos t, from half the angle. */
+/* Antiderivative of 1 / (A + B cos t), continuous where tan t/2 is not;
+ * *cos_t gets cos t. */
 static double
 inverse(double A, double B, double t, double *cos_t)
 {
@@ -50,7 +50,8 @@ inverse(double A, double B, double t, double *cos_t)
            (rad_atan2(sqrt(A - B) * s, sqrt(A + B) * c) + M_PI * turns);
 }
 
-/* Antiderivative of cos t / (A + B cos t), from that of the inverse. */
+/* Antiderivative of cos t / (A + B cos t); inverse is that of 1 / (A + B cos t)
+ * at the same t. */
 static double
 cosine(double A, double B, double t, double inverse)
 {
@@ -58,7 +59,7 @@ cosine(double A, double B, double t, double inverse)
 
     if (x > NEARLY_ROUND)
         return (t - A * inverse) / B;
-    /* of cos, cos^2, cos^3, cos^4 in turn */
+    /* antiderivatives of cos, cos^2, cos^3, cos^4: s, c2, s3, c4 */
     s = rad_sin(t);
     s3 = s - s * s * s / 3;
     c2 = t / 2 + rad_sin(2 * t) / 4;
@@ -75,7 +76,7 @@ rad_contour_arc(double F[3], const double c[3], const double normal[3],
 
     rad_madd(e1, c, -rad_dot(c, normal), normal);
     q = rad_normalize(e1);
-    if (!(q > 1e-12 * radius)) { /* on the axis any direction will do */
+    if (!(q > 1e-12 * radius)) { /* on the axis e1 is any direction */
         rad_copy(e1, middle);
         q = 0;
     }

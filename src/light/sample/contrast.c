@@ -10,7 +10,7 @@ struct block {
     int top, bottom, left, right;
 };
 
-/* The cells around cell k, and itself. */
+/* The block of cell k and the cells around it. */
 static struct block
 block_of(int k, int n)
 {
@@ -20,6 +20,7 @@ block_of(int k, int n)
                            j > 0 ? j - 1 : 0, j < n - 1 ? j + 1 : j };
 }
 
+/* Sum up the luminances of the cells around cell k. */
 static void
 look_around(struct rad_contrast *cell, int k, int n)
 {
@@ -38,8 +39,9 @@ look_around(struct rad_contrast *cell, int k, int n)
         }
 }
 
-/* By `around` cells around.  This is asked nine times for each cell, and a
- * division takes as long as all else. */
+/* The deviation expected of a cell, by its `square` and the sums over `around`
+ * neighbours.  It is computed nine times for each cell, and a division would
+ * take as long as all the rest: so inverses are in a table. */
 static double
 expected(double square, int around, double sum, double sum2)
 {
@@ -50,7 +52,8 @@ expected(double square, int around, double sum, double sum2)
     return sqrt(square + rad_most(sum2 * over[around] - mean * mean, 0));
 }
 
-/* By how much cell k's sample raises what is expected of the cells around. */
+/* By how much cell k's sample raises the deviations expected of the cells
+ * around it, in all. */
 static double
 own_part(const struct rad_contrast *cell, int k, int n)
 {

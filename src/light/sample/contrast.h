@@ -1,26 +1,31 @@
-/* contrast.h - which cells of a grid of samples get more of them
+/* contrast.h - how further samples are shared out among the cells of a grid
  *
- * Where the cells around a cell differ, and where more is known to come.  A
- * cell's own sample has no say in its share: else a cell that drew a bright
- * sample would be averaged down and one that drew a dark one would not, and the
- * result would be too dark in the mean.  Nor has it by what the cells around
- * take of the whole: a cell with a small window that drew it would make them
- * take its own share, and count for up to twice what the window is. */
+ * Each cell has one sample.  Its share of the further samples grows with its
+ * expected deviation: with how much the samples of the cells around it differ,
+ * and with a mean square that the caller knows of the cell.
+ * A cell's own sample must not change its share.  Else a cell that drew a
+ * bright sample would get more samples and be averaged down, one that drew a
+ * dark sample would not, and the mean would be too dark.  Shares are parts of
+ * the sum over all cells, so a bright sample that raises the shares of the
+ * cells around would lower its own cell's share, and count for up to twice its
+ * light: a cell's share is of the sum as it is without its own sample. */
 #ifndef RAD_LIGHT_CONTRAST_H
 #define RAD_LIGHT_CONTRAST_H
 
 struct rad_contrast {
     double lum;    /* luminance of the cell's one sample */
-    double square; /* what is known of the cell: a mean square of luminance */
-    double share;  /* gets its share; their sum is about 1, and 0 where nothing
-                    * differs and nothing is known */
-    /* inside only: of the cells around it, how many, their sum and that of
-     * their squares; and the deviation that is expected of the cell */
+    double square; /* mean square of luminance that is known of the cell */
+    double share;  /* set to the cell's share of the further samples; the sum of
+                    * all is about 1, or 0 if no luminance differs and all
+                    * squares are 0 */
+    /* inside only: the number of cells around it, the sum of their luminances
+     * and that of the squares of these; the deviation expected of the cell */
     int around;
     double sum, sum2, noise;
 };
 
-/* Set the shares of n * n cells, row by row, of which the rest is 0. */
+/* Set the shares of n * n cells, row by row.  The caller has set lum and
+ * square, and all other fields to 0. */
 void rad_contrast_share(struct rad_contrast *cell, int n);
 
 #endif

@@ -12,7 +12,7 @@ void
 rad_disk_of_square(double x, double y, double d[2])
 {
     double a = 2 * x - 1, b = 2 * y - 1, sine, cosine;
-    int along = !(fabs(a) > fabs(b)); /* the axis that is nearer */
+    int along = !(fabs(a) > fabs(b)); /* index of the larger coordinate */
     double r = along ? b : a, over = along ? a : b;
 
     if (r == 0) {

@@ -1,13 +1,13 @@
 /* patch.c - see patch.h
  *
- * What is above the horizon of a flat patch with straight sides is a polygon
- * again, and so is a triangle's part; arcs are cut as chords. */
+ * The part above the horizon of a flat patch with straight sides is a polygon;
+ * arcs are replaced by chords before they are cut. */
 #include "config.h"
 
 #include "light/sample/patch.h"
 #include "light/sample/contour.h"
 
-/* --- the flux of the whole --- */
+/* --- the flux of whole patches --- */
 
 static void
 triangle_flux(double F[3], const double at[3], const double p0[3],
@@ -33,7 +33,7 @@ group_flux(double F[3], const double at[3], const struct rad_polytree *t)
     }
 }
 
-/* The two straight sides of a sector are at its ends. */
+/* A sector's outline is an outer arc, an inner arc, and two straight sides. */
 static void
 sector_flux(double F[3], const double at[3], const struct rad_source *src,
             const struct rad_patch *p)
@@ -78,20 +78,22 @@ rad_patch_flux(double F[3], const struct rad_source *src, const double at[3],
 
 /* --- patches across the horizon --- */
 
-/* Places on a sector's arc that its outline goes through, where it is cut: the
- * chords hold its area, so their flux is off by 1e-4 at most, but next to the
- * arc. */
+/* Chords that stand for an arc of a sector that is cut by the horizon.  They
+ * enclose the sector's area, so the flux is off by 1e-4 at most, except next to
+ * the arc. */
 enum { CHORDS = 24, MOST_CORNERS = 2 * (CHORDS + 1) };
 
-/* What of a patch is above the horizon. */
+/* The part of a patch above the horizon, relative to the point that sees it. */
 struct risen {
-    double F[3];
-    double aim[3], height; /* the highest place that may be aimed at */
-    double middle[3];      /* in its stead, if that is below */
+    double F[3];           /* its flux */
+    double aim[3], height; /* highest place to aim at, and its height; height
+                            * 0: all of these are below the horizon */
+    double middle[3];      /* the place to aim at then: the mean corner */
 };
 
-/* Add `sign` times the flux of what of a polygon is above: its corners are seen
- * from the point, and of n at most MOST_CORNERS. */
+/* Add `sign` times the flux of the part of a polygon above the horizon of `up`.
+ * Its n corners, at most MOST_CORNERS, are relative to the point that sees it.
+ */
 static void
 add_above(struct risen *sum, const double up[3], double v[][3], int n,
           double sign)
@@ -120,7 +122,7 @@ add_above(struct risen *sum, const double up[3], double v[][3], int n,
     rad_madd(sum->F, sum->F, rad_dot(F, to) < 0 ? -sign : sign, F);
 }
 
-/* May the place p, seen from the point, be aimed at rather than others? */
+/* Aim at p, relative to the point, if it is higher than the places before. */
 static void
 offer_aim(struct risen *sum, const double up[3], const double p[3])
 {
@@ -141,7 +143,7 @@ rise_triangle(struct risen *sum, const struct rad_light_view *view,
     rad_sub(v[0], p0, view->p);
     rad_madd(v[1], v[0], 1, e1);
     rad_madd(v[2], v[0], 1, e2);
-    for (int i = 0; i < 3; i++) { /* next to each corner, inside */
+    for (int i = 0; i < 3; i++) { /* a place inside, next to each corner */
         for (int k = 0; k < 3; k++)
             near[k] = (v[0][k] + v[1][k] + v[2][k] + 7 * v[i][k]) / 10;
         offer_aim(sum, view->up, near);
@@ -161,7 +163,8 @@ rise_group(struct risen *sum, const struct rad_light_view *view,
     }
 }
 
-/* The corners of an arc in v, from side to side; returns their number. */
+/* Put the corners of an arc's chords in v, relative to the point, in the order
+ * that side (1 or -1) says; returns their number. */
 static int
 arc_corners(const struct rad_source *src, const struct rad_light_view *view,
             const struct rad_patch *p, double radius, double side,
@@ -177,7 +180,8 @@ arc_corners(const struct rad_source *src, const struct rad_light_view *view,
     return CHORDS + 1;
 }
 
-/* Is the point next to a part of the circle of that radius that is above? */
+/* Is the point within a quarter of the radius of a circle's nearest place, and
+ * is that place above the horizon? */
 static bool
 is_next_to_risen(const struct rad_source *src,
                  const struct rad_light_view *view, double radius)
@@ -188,14 +192,15 @@ is_next_to_risen(const struct rad_source *src,
     rad_madd(near, c, -rad_dot(c, src->normal), src->normal);
     q = rad_normalize(near);
     if (!(q > 0))
-        return false; /* it is as far from all of it */
+        return false; /* on the axis: no place is nearest */
     rad_madd(near, c, -radius, near);
     return rad_dot(near, near) < radius * radius / 16 &&
            rad_dot(near, view->up) > 0;
 }
 
-/* Of a sector next to which the point is, the whole by its arcs without what
- * chords say is below; else what they say is above. */
+/* Chords are imprecise for a point next to an arc.  There the flux is that of
+ * the whole sector, by its arcs, less that of the part below the horizon, by
+ * chords; elsewhere it is that of the part above, by chords. */
 static void
 rise_sector(struct risen *sum, const struct rad_source *src,
             const struct rad_light_view *view, const struct rad_patch *p)
@@ -217,7 +222,7 @@ rise_sector(struct risen *sum, const struct rad_source *src,
         up = down;
         sign = -1;
     }
-    if (p->delta >= M_PI) { /* two circles, each from a place to the same */
+    if (p->delta >= M_PI) { /* whole circles: the last corner is the first */
         add_above(sum, up, v, n - 1, sign);
         if (p->r0 > 0) {
             n = arc_corners(src, view, p, p->r0, 1, v);
@@ -234,8 +239,8 @@ rise_sector(struct risen *sum, const struct rad_source *src,
     add_above(sum, up, v, n, sign);
 }
 
-/* Parallelograms are not looked at so: they have all of their flux while their
- * middle is above, as in rpict. */
+/* Not called for parallelograms (quad.c): as in rpict, they have all of their
+ * flux while their middle is above the horizon. */
 bool
 rad_patch_risen(struct rad_light_sample *s, const struct rad_source *src,
                 const struct rad_light_view *view, const struct rad_patch *p)

@@ -1,10 +1,11 @@
 /* polytree.c - see polytree.h
  *
- * Ears are cut in the plane of the two larger components of the normal.  A
- * corner is an ear if it turns left and no other corner lies strictly inside
- * its triangle; corners that coincide, as along a seam, do not block each
- * other.  If rounding leaves no ear, the corner with the largest triangle is
- * cut, so the loop ends for any input.  */
+ * Ears are cut off the polygon as it is projected along the axis of the
+ * normal's largest component.  A corner is an ear if it turns left and no other
+ * corner lies strictly inside the triangle of the corner and its neighbours;
+ * corners that coincide, as along a seam, do not block each other.  If rounding
+ * leaves no ear, the corner with the largest triangle is cut off, so the loop
+ * ends for any input.  */
 #include "config.h"
 
 #include "light/sample/polytree.h"
@@ -31,12 +32,12 @@ rad_triangle_moments(struct rad_moments *m, const double p0[3],
 
 struct corners {
     const double *v; /* the polygon's points */
-    int ax, ay;      /* the plane's axes, right-handed about the normal */
-    int *next;       /* ring of the corners that are left */
+    int ax, ay;      /* the projection's axes, right-handed about the normal */
+    int *next;       /* ring of the corners that are not cut off yet */
     int *prev;
 };
 
-/* Twice the signed area of corners i, j, k in the plane. */
+/* Twice the signed area of the projected triangle i, j, k. */
 static double
 turn(const struct corners *c, int i, int j, int k)
 {
@@ -70,7 +71,7 @@ find_ear(const struct corners *c, int at)
     do {
         double area = turn(c, c->prev[j], j, c->next[j]);
 
-        /* a corner with no area may always go */
+        /* a corner whose triangle has no area may always be cut off */
         if (area == 0 || is_ear(c, j))
             return j;
         if (area > most) {
@@ -82,7 +83,7 @@ find_ear(const struct corners *c, int at)
     return best;
 }
 
-/* Leaf i from corners j's triangle; false if it has no area. */
+/* Make *leaf the triangle of corner j; false: it has no area. */
 static bool
 make_leaf(struct rad_polytree *leaf, const struct corners *c, int j)
 {
@@ -109,14 +110,15 @@ cut_ears(struct corners *c, int n, struct rad_polytree *leaves)
             nleaves++;
         c->next[c->prev[j]] = c->next[j];
         c->prev[c->next[j]] = c->prev[j];
-        /* not the neighbour: fans of slivers sample badly */
+        /* skip the neighbour: else the triangles would be a fan of slivers,
+         * which are bad to sample */
         at = c->next[c->next[j]];
     }
     return nleaves;
 }
 
-/* Moments of two patches together, about the normal's plane: the in-plane
- * covariance, whose Cholesky factors are a and b. */
+/* Moments of two coplanar patches together; a and b are the Cholesky factors of
+ * their covariance. */
 static void
 join_moments(struct rad_moments *m, const struct rad_moments *p,
              const struct rad_moments *q)
@@ -134,7 +136,8 @@ join_moments(struct rad_moments *m, const struct rad_moments *p,
     for (int i = 0; i < 3; i++)
         m->c[i] = w[0] * p->c[i] + w[1] * q->c[i];
     m->area = p->area + q->area;
-    /* rank two: pivot on the largest variance, then on what is left */
+    /* rank two: pivot on the largest variance, then on the largest that remains
+     */
     memset(m->a, 0, sizeof m->a);
     memset(m->b, 0, sizeof m->b);
     for (int step = 0; step < 2; step++) {
@@ -171,8 +174,8 @@ rad_polytree_has(const struct rad_polytree *t, const double p[3],
     return u >= 0 && v >= 0 && u + v <= 2 * t->m.area;
 }
 
-/* Group leaves[0..n) under one node taken from *spare; ends with the node's
- * aim: its centroid if a triangle has it, else the largest triangle's. */
+/* Group n leaves under one node, which is taken from *spare.  The node's aim is
+ * its centroid if that lies in a triangle, else the largest triangle's. */
 static const struct rad_polytree *
 group(struct rad_polytree *leaves, int n, struct rad_polytree **spare,
       const double normal[3])
@@ -236,7 +239,7 @@ rad_polytree_new(const double *v, int n, const double normal[3],
     for (int i = 1; i < 3; i++)
         if (fabs(normal[i]) > fabs(normal[k]))
             k = i;
-    /* so that counter-clockwise about the normal turns left */
+    /* a corner that turns counter-clockwise about the normal turns left */
     c.ax = (k + (normal[k] > 0 ? 1 : 2)) % 3;
     c.ay = (k + (normal[k] > 0 ? 2 : 1)) % 3;
     for (int i = 0; i < n; i++) {

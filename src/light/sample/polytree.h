@@ -1,10 +1,10 @@
 /* polytree.h - a polygon as triangles, and triangles in ever larger groups
  *
- * A light source that is neither parallelogram nor triangle is triangulated
- * once; the triangles are the leaves of a binary tree whose nodes know the
- * moments of all below them.  From afar one node stands for the whole, from
- * near by the triangles do.  Concave polygons and holes joined by a seam are
- * welcome.
+ * A polygonal light source that is no parallelogram is triangulated once; the
+ * triangles are the leaves of a binary tree, and each node has the moments of
+ * all triangles below it.  Seen from afar one node stands for the whole, from
+ * near by the triangles do.  Polygons may be concave, and have holes that are
+ * joined by a seam.
  * Source: Meisters 1975, Polygons have ears.  */
 #ifndef RAD_LIGHT_POLYTREE_H
 #define RAD_LIGHT_POLYTREE_H

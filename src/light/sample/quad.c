@@ -1,15 +1,14 @@
 /* quad.c - see quad.h
  *
  * A parallelogram is halved across its longer side until each part is small.
- * A part has the axes of the whole but for powers of two, s and t, so what it
- * needs of them is worked out once, from the axes a and b of the whole's
- * moments: with c the part's middle and q = c.c, the second order of the flux
- * (sample.c) is
+ * A part's axes are those of the whole times s and t, powers of two.  With a
+ * and b the axes of the whole's moments, c the part's middle and q = c.c, the
+ * second order of the flux (sample.c) is
  *     e = (2 (s^2 a.a + t^2 b.b) - 8 h / q) / q,
  *     corr = -4/q (s^2 (c.a) a + t^2 (c.b) b - h/q c),
  *     h = s^2 (c.a)^2 + t^2 (c.b)^2.
- * Two parts go at a time, which is what the registers of every processor hold:
- * roots and quotients are what a sample costs. */
+ * Two parts are computed at a time, in vectors of two doubles, which every
+ * processor has: square roots and divisions are most of a sample's cost. */
 #include "config.h"
 
 #include "light/sample/quad.h"
@@ -22,32 +21,33 @@
 /* Halvings that make RAD_LIGHT_PATCHES. */
 enum { LEVELS = 6 };
 
-/* Variance of a part over its squared distance below which the expansion to
- * second order is good for 3e-3, as small as -ds asks for: nearer ones are all
- * that 64 parts can be. */
+/* A part's variance over its squared distance up to which the expansion to
+ * second order is off by 3e-3 at most.  A part that could not be cut further,
+ * since it is one of 64, may be above it: it gets the flux of its outline. */
 #define FAR_VARIANCE .02
 
-/* The same of parts that are as small as is asked for where that is not much,
- * as for rays of little weight: below it the mean over all places is too bright
- * by 3e-3, at .5 by a fifth. */
+/* The same bound for parts that are as small as -ds asks, where that is large,
+ * as for rays of little weight: with parts below it the mean over all places is
+ * too bright by 3e-3, with parts up to .5 by a fifth. */
 #define COARSE_VARIANCE .05
 
 typedef double pair __attribute__((vector_size(16)));
 
-/* What is left to be cut: as numbers by themselves, for what is copied as a
- * whole waits until the last of it is written. */
+/* A part that may be cut further.  Its numbers are members by themselves, since
+ * an array would be copied by vectors, and their loads would wait until the
+ * stores of all elements are done. */
 struct part {
-    double x, y, z; /* middle, from the point */
+    double x, y, z; /* middle, relative to the point */
     double s, t;    /* its axes over those of the whole */
-    int budget;     /* parts that may come of it */
+    int budget;     /* how many parts it may be cut into */
 };
 
-/* The parts, ready for two at a time. */
+/* The parts that are cut, in arrays that are read two elements at a time. */
 struct parts {
-    double c[3][RAD_LIGHT_PATCHES]; /* from the point */
+    double c[3][RAD_LIGHT_PATCHES]; /* middles, relative to the point */
     double s[RAD_LIGHT_PATCHES], t[RAD_LIGHT_PATCHES];
-    bool last[RAD_LIGHT_PATCHES]; /* could not be cut further */
-    bool coarse;                  /* small enough may be too near */
+    bool last[RAD_LIGHT_PATCHES]; /* this part could not be cut further */
+    bool coarse;                  /* parts may be above COARSE_VARIANCE */
     int n;
 };
 
@@ -65,7 +65,8 @@ keep(struct parts *l, const struct part *p)
     l->n++;
 }
 
-/* The first half of p stays, the other goes to *half. */
+/* Halve p across the axis whose factor is *size (&p->s or &p->t): *p becomes
+ * one half, *half the other. */
 static inline void
 halve(struct part *p, struct part *half, double *size, const double axis[3])
 {
@@ -85,6 +86,7 @@ halve(struct part *p, struct part *half, double *size, const double axis[3])
     p->z -= dz;
 }
 
+/* Cut a parallelogram into parts that are small enough for -ds. */
 static void
 cut(const struct rad_source *src, const struct rad_light_view *view,
     struct parts *l)
@@ -103,7 +105,8 @@ cut(const struct rad_source *src, const struct rad_light_view *view,
     p.z = src->centre[2] - view->p[2];
     p.budget = view->sizerat > 0 ? RAD_LIGHT_PATCHES : 1;
     l->n = 0;
-    l->coarse = 2 * limit > COARSE_VARIANCE; /* the sum of two */
+    /* a part's two variances add up to 2 limit d2 at most */
+    l->coarse = 2 * limit > COARSE_VARIANCE;
     for (;;) {
         while (p.budget > 1) {
             double ss = p.s * p.s, tt = p.t * p.t;
@@ -124,7 +127,7 @@ cut(const struct rad_source *src, const struct rad_light_view *view,
     }
 }
 
-/* --- two at a time --- */
+/* --- samples, two at a time --- */
 
 static pair
 take(const double *v)
@@ -149,7 +152,7 @@ dot(const pair c[3], const double a[3])
     return c[0] * a[0] + c[1] * a[1] + c[2] * a[2];
 }
 
-/* Samples i and i + 1 aim at c and are as long as that. */
+/* Aim two samples at the places c; returns the inverses of their distances. */
 static pair
 aim(struct rad_light_sample s[2], const pair c[3])
 {
@@ -166,7 +169,8 @@ aim(struct rad_light_sample s[2], const pair c[3])
     return per;
 }
 
-/* What of the flux's second order lies along c, as a factor. */
+/* The factor of the flux along c that its second order makes, where e is the
+ * correction: 1 / (1 + e), or 1 - e, at most 2, if e is not positive. */
 static pair
 along(pair e)
 {
@@ -178,8 +182,9 @@ along(pair e)
     return f;
 }
 
-/* Far outside its range the expansion still must point at the part: what lies
- * across is at most half as long as c, whose inverse square is per2. */
+/* A factor of the correction across c, whose inverse square is per2, that makes
+ * it at most half as long as c: so the flux points at the part even where the
+ * expansion does not hold. */
 static pair
 across(const pair corr[3], pair per2)
 {
@@ -193,8 +198,9 @@ across(const pair corr[3], pair per2)
     return f;
 }
 
-/* Aim at the middles c of two parts, whose axes are s and t times the whole's;
- * k is n.c times their area. */
+/* Make the samples of two parts with middles c by the expansion to second
+ * order.  Their axes are s and t times the whole's; k is -n.c times their area.
+ */
 static void
 expand(struct rad_light_sample smp[2], const struct rad_moments *m,
        const pair c[3], pair s, pair t, pair k)
@@ -226,7 +232,7 @@ expand(struct rad_light_sample smp[2], const struct rad_moments *m,
     }
 }
 
-/* Aim at two points c, each a random one of a part's. */
+/* Make two samples at the points c, each a random point of its part. */
 static void
 shoot(struct rad_light_sample smp[2], const pair c[3], pair k)
 {
@@ -239,8 +245,8 @@ shoot(struct rad_light_sample smp[2], const pair c[3], pair k)
     }
 }
 
-/* A random number for each of two parts, the first of which is number i, drawn
- * toward the middle by 1 - jitter, from -1 to 1; which: for u or v. */
+/* A random number between -jitter and jitter for each of parts i and i + 1;
+ * which: 0 along axis u, 1 along v. */
 static pair
 jittered(const struct rad_light_view *view, int i, int which)
 {
@@ -252,6 +258,7 @@ jittered(const struct rad_light_view *view, int i, int which)
     return x;
 }
 
+/* Make the samples of parts i and i + 1. */
 static void
 two_samples(const struct rad_source *src, const struct rad_light_view *view,
             const struct parts *l, int i, struct rad_light_sample smp[2])
@@ -274,7 +281,8 @@ two_samples(const struct rad_source *src, const struct rad_light_view *view,
 
 /* --- parts that are too near --- */
 
-/* The flux by the outline, if there is any. */
+/* Set dir and omega of a part's sample to the flux of its outline, unless that
+ * is 0; c is its middle, s and t are its axes over the whole's. */
 static void
 outlined(struct rad_light_sample *smp, const struct rad_source *src,
          const double c[3], double s, double t)
@@ -297,6 +305,7 @@ outlined(struct rad_light_sample *smp, const struct rad_source *src,
     rad_copy(smp->dir, dir);
 }
 
+/* Give part i the flux of its outline if it is too near for the expansion. */
 static void
 outline(const struct rad_source *src, const struct parts *l, int i,
         struct rad_light_sample *smp)
@@ -323,7 +332,7 @@ rad_quad_samples(const struct rad_source *src,
     cut(src, view, &l);
     for (i = 0; i + 1 < l.n; i += 2)
         two_samples(src, view, &l, i, &s[i]);
-    if (i < l.n) { /* the odd one is its own neighbour */
+    if (i < l.n) { /* an odd part at the end is paired with itself */
         for (int k = 0; k < 3; k++)
             l.c[k][i + 1] = l.c[k][i];
         l.s[i + 1] = l.s[i];

@@ -1,22 +1,23 @@
 /* sample.c - see sample.h
  *
- * The flux of a flat patch toward a point is known exactly (contour.h): near
- * ones get that.  From afar less does.  With r the vector from the point to a
- * place on the patch, the irradiance vector per radiance is
+ * The flux of a flat patch toward a point is computed exactly (contour.h) if
+ * the patch is near; if it is far an expansion will do.  With r the vector from
+ * the point to a place on the patch, the irradiance vector per radiance is
  *     F = -(n.r) integral r / |r|^4 dA,
- * for n.r is the same all over the plane.  With g(r) = r / |r|^4 expanded
- * about the centroid c, the first order vanishes and the second is half the
- * sum of g's second derivatives along the moment axes a and b:
+ * since n.r is the same everywhere in the plane.  Let g(r) = r / |r|^4 be
+ * expanded about the centroid c: the first order vanishes, and the second is
+ * half the sum of g's second derivatives along the moment axes a and b:
  *     g_aa = -8 (c.a) a / q^3 + (24 (c.a)^2 / q^4 - 4 (a.a) / q^3) c,  q = c.c
- * The part of the correction along c enters as 1 / (1 + e), not 1 - e: the
- * same to second order, exact on the axis of a disk, and of the right size
- * even where the patch is as wide as it is far.
+ * Let e be the correction along c.  Its factor is 1 / (1 + e), not 1 - e: that
+ * is the same to second order, exact on the axis of a disk, and of the right
+ * size even where the patch is as wide as it is far.
  * A cylinder seen from perpendicular distance h is a strip of width 2r facing
  * the point; its flux is 2r h integral r / |r|^4 dl, the same integral.
  *
- * Spheres and the lateral jitter of cylinders sample sin(angle from the
- * centre) evenly, so that omega at the centre is the projected disk's,
- * pi r^2/d^2, which is exact for irradiance, and the mean over many is right.
+ * Samples of a sphere, and of a cylinder across its axis, are uniform in the
+ * sine of the angle from the centre.  So omega at the centre is that of the
+ * projected disk, pi r^2/d^2, which is exact for irradiance, and the mean over
+ * many samples is right.
  * Source: Radiance's use of -ds and -dj (rpict(1)); Lambert 1760 for F.  */
 #include "config.h"
 
@@ -30,11 +31,12 @@
 
 #include <string.h>
 
-/* Variance of a patch over its squared distance below which the expansion to
- * second order is good for 3e-5 (the third order of a triangle grows with the
- * power 3/2). */
+/* Below this variance of a patch over its squared distance the expansion to
+ * second order is off by 3e-5 at most (by the third order of a triangle, which
+ * grows with the power 3/2). */
 #define FAR_VARIANCE 2e-4
 
+/* The patches of one source being visited. */
 struct walk {
     const struct rad_source *src;
     const struct rad_light_view *view;
@@ -51,8 +53,8 @@ next_rand(struct walk *w)
 
 /* --- moments of patches --- */
 
-/* A stretch of cylinder: its strip has no second axis, for its width is part
- * of the formula (see above). */
+/* Of a stretch of cylinder: its strip has no second axis, since its width is
+ * part of the formula (see above). */
 static void
 line_moments(struct rad_moments *m, const double c[3], const double u[3],
              double radius)
@@ -64,9 +66,9 @@ line_moments(struct rad_moments *m, const double c[3], const double u[3],
     m->area = 4 * radius * sqrt(rad_dot(u, u));
 }
 
-/* Part of a ring between two radii and two angles.  Along the middle angle the
- * centroid is at rc, and <r^2> = (r0^2 + r1^2) / 2 splits between the two
- * directions by the mean of cos^2 and sin^2. */
+/* Of a part of a ring between two radii and two angles.  The centroid is at
+ * radius rc on the middle angle, and <r^2> = (r0^2 + r1^2) / 2 is shared
+ * between the two directions by the means of cos^2 and sin^2. */
 static void
 sector_moments(struct rad_moments *m, const struct rad_source *src,
                const struct rad_patch *p)
@@ -84,7 +86,7 @@ sector_moments(struct rad_moments *m, const struct rad_source *src,
     rad_scale(m->a, sqrt(rad_most(r2 * cos2 - rc * rc, 0)), along);
     rad_scale(m->b, sqrt(r2 * (1 - cos2)), across);
     m->area = p->delta * (p->r1 * p->r1 - p->r0 * p->r0);
-    /* the centroid of a bent patch may be in the hole */
+    /* the centroid may lie in the ring's hole: then aim at the mean radius */
     rad_madd(m->aim, src->centre, rc > p->r0 || p->r0 == 0 ? rc : sqrt(r2),
              along);
 }
@@ -111,6 +113,7 @@ patch_moments(const struct rad_source *src, const struct rad_patch *p,
 
 /* --- cutting --- */
 
+/* Halve a triangle across its longest side. */
 static void
 split_triangle(const struct rad_patch *p, struct rad_patch half[2])
 {
@@ -148,8 +151,9 @@ split_line(const struct rad_patch *p, struct rad_patch half[2])
     }
 }
 
-/* Across the longer axis; what goes about a hole only ever by angle, which ends
- * that, whatever rounding has made of two axes that are equal. */
+/* Halve a sector across its longer axis.  A sector with a hole and a half angle
+ * above 1 is always halved by angle, even if rounding of two equal axes says
+ * otherwise. */
 static void
 split_sector(const struct rad_patch *p, const struct rad_moments *m,
              struct rad_patch half[2])
@@ -164,6 +168,7 @@ split_sector(const struct rad_patch *p, const struct rad_moments *m,
     }
 }
 
+/* Make p the patch of a node: a group, or the triangle of a leaf. */
 static void
 from_node(struct rad_patch *p, const struct rad_polytree *node)
 {
@@ -201,9 +206,9 @@ split(const struct rad_patch *p, const struct rad_moments *m,
     }
 }
 
-/* Is the patch small enough at its distance?  One without a longer side, as in
- * rpict, by the square of the same area, for its flux is exact however large it
- * is. */
+/* Is the patch small enough at its distance?  A stretch of cylinder is compared
+ * by its length; other patches, as in rpict, by the side of a square of the
+ * same area, which may be coarse since their flux is exact at any size. */
 static bool
 small_enough(const struct rad_patch *p, const struct rad_moments *m,
              const struct rad_light_view *view)
@@ -219,7 +224,8 @@ small_enough(const struct rad_patch *p, const struct rad_moments *m,
 
 /* --- samples of one patch --- */
 
-/* Is the point that s aims at too far for a glow, or dark for a spotlight? */
+/* Is the point that s aims at beyond a glow's reach, or outside a spotlight's
+ * cone? */
 static bool
 out_of_reach(const struct rad_source *src, const struct rad_light_sample *s)
 {
@@ -228,6 +234,7 @@ out_of_reach(const struct rad_source *src, const struct rad_light_sample *s)
             rad_spot_outside(&src->spot, s->aim));
 }
 
+/* Pass a sample to the caller, unless it brings no light. */
 static void
 put(struct walk *w, struct rad_light_sample *s)
 {
@@ -243,8 +250,8 @@ put(struct walk *w, struct rad_light_sample *s)
     w->fn(w->arg, s);
 }
 
-/* Set dir and omega from the flux k * integral of g (see above).  What is added
- * along c is -e, and across it, with t = (c.a)^2 + (c.b)^2,
+/* Set dir and omega from the flux k * integral of g (see above).  The
+ * correction is -e along c, and corr across it; with t = (c.a)^2 + (c.b)^2,
  *     e = (2 (a.a + b.b) - 8 t / q) / q,
  *     corr = -4/q ((c.a) a + (c.b) b - t/q c). */
 static void
@@ -260,7 +267,7 @@ second_order(struct rad_light_sample *s, const struct rad_light_view *view,
 
     for (int i = 0; i < 3; i++)
         corr[i] = -4 * per * (ca * m->a[i] + cb * m->b[i] - t * c[i]);
-    /* far outside its range the expansion still must point at the patch */
+    /* the flux must point at the patch even where the expansion fails */
     double side = rad_dot(corr, corr) * per;
 
     if (side > .25)
@@ -269,8 +276,8 @@ second_order(struct rad_light_sample *s, const struct rad_light_view *view,
     s->omega = k * (per * per) * rad_normalize(s->dir);
 }
 
-/* Aim at point p; returns the inverse of its distance.  As rad_normalize(), by
- * one quotient. */
+/* Aim at point p; returns the inverse of its distance.  Like rad_normalize(),
+ * with one division. */
 static double
 aim(struct rad_light_sample *s, const struct rad_light_view *view,
     const double p[3])
@@ -289,7 +296,8 @@ aim(struct rad_light_sample *s, const struct rad_light_view *view,
     return per;
 }
 
-/* The sample at point p of a patch whose flux is k * |r| / |r|^4 there. */
+/* Make the sample of a patch as if all of it were at point p: with r from
+ * view->p to p, its flux is k |r| / |r|^4. */
 static void
 at_point(struct rad_light_sample *s, const struct rad_light_view *view,
          const double p[3], double k)
@@ -300,6 +308,7 @@ at_point(struct rad_light_sample *s, const struct rad_light_view *view,
     rad_copy(s->dir, s->aim);
 }
 
+/* The point of a triangle for s and t in [0, 1]: uniform if these are. */
 static void
 triangle_point(double d[3], const double p0[3], const double e1[3],
                const double e2[3], double s, double t)
@@ -312,13 +321,14 @@ triangle_point(double d[3], const double p0[3], const double e1[3],
     rad_madd(d, d, t, e2);
 }
 
-/* The same for a sector.  What is convex shrinks about its centroid, so that
- * the mean stays there; a whole disk must not lose a wedge.  It shrinks to the
- * spread of the square that rpict bends to a disk, so that -dj .9 means the
- * same: points (u sqrt(1 - v^2/2), v sqrt(1 - u^2/2)) with u and v even in
- * (-j, j), whose squared radius is 2/3 j^2 - 1/9 j^4 in the mean.
- * What is bent about a hole shrinks in radius and angle, or it would leave the
- * ring; all of a ring in radius alone. */
+/* The jittered point of a sector for s and u in [0, 1].  Jitter j below 1
+ * shrinks the sector, so that the mean point stays.
+ * A sector without a hole shrinks about its centroid.  A whole disk shrinks so
+ * that its points have the mean squared radius of rpict's: rpict bends a square
+ * to a disk, with points (u sqrt(1 - v^2/2), v sqrt(1 - u^2/2)) for u and v
+ * uniform in (-j, j), whose squared radius is 2/3 j^2 - 1/9 j^4 in the mean.
+ * A sector of a ring shrinks in radius and angle, since about its centroid it
+ * would leave the ring; a whole ring shrinks in radius alone. */
 static void
 sector_point(const struct walk *w, const struct rad_patch *p, double s,
              double u, double d[3])
@@ -342,7 +352,7 @@ sector_point(const struct walk *w, const struct rad_patch *p, double s,
         d[k] = m.c[k] + jit * (d[k] - m.c[k]);
 }
 
-/* A random point of the patch, drawn toward its middle by 1 - jitter. */
+/* A random point of the patch, which is shrunk to `jitter` about its middle. */
 static void
 jittered_point(struct walk *w, const struct rad_patch *p, double d[3])
 {
@@ -364,7 +374,8 @@ jittered_point(struct walk *w, const struct rad_patch *p, double d[3])
         }
         break;
     case RAD_PATCH_GROUP:
-        /* a triangle by its area; s is rescaled at each step down */
+        /* draw a triangle in proportion to its area by s, which is rescaled at
+         * each step down to be uniform again */
         while (t->kid[0]) {
             double f = t->kid[0]->m.area / t->m.area;
 
@@ -380,7 +391,8 @@ jittered_point(struct walk *w, const struct rad_patch *p, double d[3])
     }
 }
 
-/* Set dir and omega; false: they must come from the moments. */
+/* Set dir and omega to the exact flux of a patch; false: it is far away, or has
+ * no flux, so second_order() is to be used. */
 static bool
 exact(struct rad_light_sample *s, const struct walk *w,
       const struct rad_patch *p, const struct rad_moments *m)
@@ -418,12 +430,13 @@ flat_sample(struct walk *w, const struct rad_patch *p,
     } else {
         at_point(&s, view, m->aim, k);
         if (out_of_reach(w->src, &s))
-            return; /* before it costs more */
+            return; /* before the flux is computed */
         if (view->sizerat > 0) {
             if (!exact(&s, w, p, m))
                 second_order(&s, view, m, k);
         } else if (p->kind == RAD_PATCH_SECTOR && p->r0 > 0) {
-            /* the middle is the hole's, and cannot be aimed at */
+            /* dir and omega are those of the ring's centre, which lies in the
+             * hole and cannot be aimed at */
             double d2 = rad_dot(to, to);
 
             s.omega = k / (d2 * sqrt(d2));
@@ -434,10 +447,12 @@ flat_sample(struct walk *w, const struct rad_patch *p,
     put(w, &s);
 }
 
-/* The flux of a stretch of cylinder, whose axis is unit and from which the
- * point is h away against perp: what is seen of it lies between two lines along
- * it and the near arcs of its ends, wherever the point is.  False: it is far
- * enough to do without. */
+/* Set dir and omega to the exact flux of a stretch of cylinder.  Its outline,
+ * seen from any point, is two lines along it and the near arcs of its ends.
+ *   axis  the cylinder's axis, a unit vector
+ *   perp  unit vector from the point to the axis, perpendicular to it
+ *   h     distance of the point to the axis
+ * False: it is far away, or has no flux, so second_order() is to be used. */
 static bool
 line_flux(struct rad_light_sample *s, const struct walk *w,
           const struct rad_patch *p, const double axis[3], const double perp[3],
@@ -469,10 +484,12 @@ line_flux(struct rad_light_sample *s, const struct walk *w,
     return s->omega > 0;
 }
 
-/* A random point of what is seen of a stretch of cylinder; see line_flux() for
- * axis, perp and h.  The sine of the angle about the axis through view->p is
- * even in (-r/h, r/h), the height even on the stretch; at t from that axis an
- * element of both is t^2 / d^3 wide. */
+/* Sample a random point of the visible side of a stretch of cylinder; axis,
+ * perp and h are those of line_flux().  Let `lat` be the sine of the angle
+ * between the point and perp, about the axis' direction through view->p: it is
+ * uniform in (-r/h, r/h), and the point's height is uniform on the stretch.
+ * An element of both, at distance t in that plane and d in space, has the solid
+ * angle t^2 / d^3. */
 static void
 wall_sample(struct rad_light_sample *s, struct walk *w,
             const struct rad_patch *p, const double axis[3],
@@ -496,8 +513,8 @@ wall_sample(struct rad_light_sample *s, struct walk *w,
              t * t / cosine * 2 * (r / h) * 2 * sqrt(rad_dot(p->u, p->u)));
 }
 
-/* Aim at the middle of a stretch of cylinder; where the way there leads through
- * its open end, at the wall before that. */
+/* Aim at the middle of a stretch of cylinder; where the ray would enter by the
+ * cylinder's open end, aim at the near wall of the stretch. */
 static void
 line_aim(struct rad_light_sample *s, const struct walk *w,
          const struct rad_moments *m, const double axis[3],
@@ -518,7 +535,7 @@ line_aim(struct rad_light_sample *s, const struct walk *w,
     aim(s, w->view, met);
 }
 
-/* A stretch of cylinder. */
+/* Make the sample of a stretch of cylinder. */
 static void
 line_sample(struct walk *w, const struct rad_patch *p,
             const struct rad_moments *m)
@@ -543,7 +560,7 @@ line_sample(struct walk *w, const struct rad_patch *p,
     put(w, &s);
 }
 
-/* Parallelograms: see quad.h. */
+/* Make the samples of a parallelogram (quad.h). */
 static void
 visit_quad(struct walk *w)
 {
@@ -554,7 +571,7 @@ visit_quad(struct walk *w)
         put(w, &s[i]);
 }
 
-/* Parts of shapes other than these. */
+/* Make the samples of patch p: cut it, if it is too large, into halves. */
 static void
 visit(struct walk *w, const struct rad_patch *p, const struct rad_moments *m)
 {
@@ -574,7 +591,7 @@ visit(struct walk *w, const struct rad_patch *p, const struct rad_moments *m)
     }
 }
 
-/* --- sources without patches --- */
+/* --- sources that are not cut into patches --- */
 
 static bool
 is_quad(const struct rad_source *src)
@@ -582,7 +599,8 @@ is_quad(const struct rad_source *src)
     return !src->tree && src->shape == RAD_POLYGON;
 }
 
-/* Has a flat source one sample, the same as flat_sample() would make of it? */
+/* Is the source flat, and seen by one sample without jitter, whose dir is aim?
+ */
 static bool
 is_whole(const struct rad_source *src, const struct rad_light_view *view)
 {
@@ -615,7 +633,7 @@ sphere_sample(struct walk *w)
     double sin_max = src->r1 * aim(&s, view, src->centre), cosine = 1;
 
     if (!(sin_max < 1))
-        return; /* inside */
+        return; /* the point is inside the sphere */
     if (view->jitter > 0) {
         double r = view->jitter * sin_max * sqrt(next_rand(w));
         double s_phi, c_phi;
@@ -629,7 +647,7 @@ sphere_sample(struct walk *w)
         rad_madd(s.aim, s.aim, r * s_phi, v);
     }
     rad_copy(s.dir, s.aim);
-    /* -ds and the reach of a glow measure to the centre */
+    /* s.dist is the distance to the centre, to which a glow's reach applies */
     s.omega = M_PI * sin_max * sin_max / cosine;
     put(w, &s);
 }
@@ -643,7 +661,7 @@ distant_sample(struct walk *w)
 
     rad_copy(s.aim, src->centre);
     if (jit > 0) {
-        /* even in solid angle */
+        /* uniform in solid angle; h is 1 - cos(angle from the centre) */
         double h = jit * jit * next_rand(w) * src->size / (2 * M_PI);
         double s_phi, c_phi, r = sqrt(h * (2 - h));
 
@@ -654,7 +672,7 @@ distant_sample(struct walk *w)
         rad_madd(s.aim, s.aim, r * s_phi, v);
     }
     rad_copy(s.dir, s.aim);
-    /* the focus of a spotlight at infinity makes no difference */
+    /* not put(): the focal length makes no difference at infinity */
     if (!(src->flags & RAD_LIGHT_SPOT) || !rad_spot_outside(&src->spot, s.aim))
         w->fn(w->arg, &s);
 }
@@ -687,8 +705,8 @@ rad_light_set_apex(struct rad_source *src)
     src->cone2 = c * c * (1 - 1e-9);
 }
 
-/* Is a point, at d from the centre, outside of any light of a spotlight?  By
- * more than rounding: samples tell the rest. */
+/* Does a spotlight not reach a point, at d from its centre?  False where
+ * rounding leaves a doubt: rad_spot_outside() tests each sample. */
 static bool
 spot_misses(const struct rad_source *src, const double d[3])
 {
@@ -723,7 +741,7 @@ rad_light_reaches(const struct rad_source *src, const double p[3])
         return false;
     if (src->flags & RAD_LIGHT_FLAT || src->shape == RAD_SPHERE)
         return true;
-    /* inside the cylinder, however long? */
+    /* is the point outside the infinite cylinder? */
     z = rad_dot(d, src->axis[0]);
     z *= z / rad_dot(src->axis[0], src->axis[0]);
     return d2 - z > src->r1 * src->r1;

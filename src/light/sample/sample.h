@@ -2,20 +2,20 @@
  *
  * A source is cut into patches until each is small against its distance (-ds),
  * and each patch gives one sample: the direction in which a shadow ray tests
- * it and the solid angle that it stands for.  Patches of one source are equal
- * in area or, in triangulated polygons, counted by their area, so every part of
- * the source weighs what it should.  There are no more patches than rpict
- * makes.
+ * it and the solid angle that it stands for.  A sample counts by the area of
+ * its patch, so each part of the source has its due weight.  There are no more
+ * patches than rpict makes.
  *
- * Without division (-ds 0) a sample is the patch's middle with the solid angle
- * of a small patch there, as rpict takes it.  With division and no jitter each
- * patch has the direction and size of its flux, exactly (contour.h) or, from
- * afar and for parallelograms, expanded to second order about its centroid:
- * that takes the error of a patch a fifth as wide as its distance from 1 % to
- * under 0.1 %.  With jitter (-dj) the sample is a random point and its solid
- * angle is that of the density, so that the mean over many is right.
+ * Without division (-ds 0) a sample is the source's middle, with the solid
+ * angle of a small patch there, as in rpict.  With division and without jitter
+ * a sample has the direction and size of its patch's flux: exact (contour.h),
+ * or, for distant patches and parallelograms, expanded to second order about
+ * the centroid.  That lowers the error of a patch that is a fifth as wide as
+ * its distance from 1 % to under 0.1 %.  With jitter (-dj) the sample is a
+ * random point of the patch, and its solid angle follows from the density of
+ * such points, so that the mean over many samples is right.
  *
- * omega is meant for irradiance: L * omega * cos is what the patch adds.
+ * omega is meant for irradiance: a patch adds L * omega * cos.
  * Thread: rad_light_samples() reads the source and writes nothing shared.  */
 #ifndef RAD_LIGHT_SAMPLE_H
 #define RAD_LIGHT_SAMPLE_H
@@ -30,19 +30,19 @@
 enum {
     RAD_LIGHT_DISTANT = 1, /* at infinity: centre is its direction */
     RAD_LIGHT_SKIP = 2,    /* seen, but gives no direct light */
-    RAD_LIGHT_NEAR = 4,    /* a glow: lights only what is within `reach` */
-    RAD_LIGHT_SPOT = 8,
-    RAD_LIGHT_FLAT = 16, /* one-sided, with a normal */
-    RAD_LIGHT_ROUND = 32,
-    RAD_LIGHT_PASSES = 64, /* illum over void: may be looked through */
-    RAD_LIGHT_PLAIN = 128  /* L is the same everywhere on it */
+    RAD_LIGHT_NEAR = 4,    /* a glow: lights only points within `reach` */
+    RAD_LIGHT_SPOT = 8,    /* a spotlight */
+    RAD_LIGHT_FLAT = 16,   /* one-sided, with a normal */
+    RAD_LIGHT_ROUND = 32,  /* ring, sphere or distant source */
+    RAD_LIGHT_PASSES = 64, /* an illum without alternate: rays pass it */
+    RAD_LIGHT_PLAIN = 128  /* has the same radiance L everywhere */
 };
 
 /* First and second moments of a uniform patch: E[(p - c)(p - c)^T] is
  * a a^T + b b^T. */
 struct rad_moments {
     double c[3], a[3], b[3];
-    double aim[3]; /* a point of the patch, c itself if that is one */
+    double aim[3]; /* a point of the patch: c, if that lies on it */
     double area;   /* [scene units^2]; of a cylinder, diameter x length */
 };
 
@@ -62,17 +62,19 @@ struct rad_source {
                            * solid angle [sr] */
     double reach;         /* of a glow [scene units] */
     struct rad_spot spot;
-    double apex;             /* of a spotlight: a cone as wide as its own that
-                              * begins so far behind the centre holds all that
-                              * any of it lights; INFINITY: no cone does */
-    double cone2;            /* square of the cosine of its half angle, less
+    double apex;             /* of a spotlight: a cone with its angle and axis,
+                              * whose tip lies this far behind the centre, holds
+                              * all points that the source lights; INFINITY:
+                              * there is no such cone */
+    double cone2;            /* squared cosine of the cone's half angle, less
                               * rounding */
-    struct rad_rgb L;        /* where RAD_LIGHT_PLAIN */
-    struct rad_moments root; /* of the whole, but sphere and distant ones */
+    struct rad_rgb L;        /* radiance [W/sr/m^2] before patterns */
+    struct rad_moments root; /* of the whole source; not of spheres and distant
+                              * sources */
     const struct rad_polytree *tree; /* polygons that are no parallelogram */
 };
 
-/* Set src->apex and cone2; its shape and spot are set. */
+/* Set src->apex and cone2 of a spotlight whose shape and spot are set. */
 void rad_light_set_apex(struct rad_source *src);
 
 /* Set the shape of *src from a surface of the scene.  Triangulations go to
@@ -88,28 +90,31 @@ struct rad_light_sample {
     double omega;  /* [sr] */
 };
 
+/* A point that sees a source, and how samples are made for it. */
 struct rad_light_view {
-    double p[3];      /* looked at from here */
+    double p[3];      /* the point */
     double sizerat;   /* -ds over the ray's weight; 0: no division */
     double jitter;    /* -dj */
     uint64_t key;     /* of the random numbers */
-    const double *up; /* unit normal at p, if the source may lie partly below
-                       * its horizon and that part gives nothing; else NULL */
+    const double *up; /* unit normal at p, if a part of the source may lie below
+                       * its horizon and is to be left out; else NULL */
 };
 
 typedef void rad_light_fn(void *arg, const struct rad_light_sample *s);
 
-/* May anything of *src reach a point?  Not where that is behind a flat source,
- * inside a round one, or out of reach. */
+/* May light of *src reach p, if nothing is in the way?  Not behind a flat
+ * source, inside a cylinder, outside a spotlight's cone, or beyond a glow's
+ * reach. */
 bool rad_light_reaches(const struct rad_source *src, const double p[3]);
 
-/* The same as rad_light_samples() where it is known that it reaches. */
+/* The same as rad_light_samples() where rad_light_reaches() is known to be
+ * true. */
 void rad_light_samples_within(const struct rad_source *src,
                               const struct rad_light_view *view,
                               rad_light_fn *fn, void *arg);
 
-/* Call fn with each sample of *src from *view, in a fixed order; none where it
- * does not reach. */
+/* Call fn with each sample of *src, seen from *view, in a fixed order; with
+ * none where the source's light does not reach. */
 void rad_light_samples(const struct rad_source *src,
                        const struct rad_light_view *view, rad_light_fn *fn,
                        void *arg);

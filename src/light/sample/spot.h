@@ -1,4 +1,4 @@
-/* spot.h - the cone that a spotlight material keeps its light in
+/* spot.h - the cone within which a spotlight material shines
  *
  * A spotlight shines within a cone about a fixed direction, and its light
  * comes from a focus behind the surface: at distance d from the surface it
@@ -15,9 +15,9 @@ struct rad_spot {
     double omega;        /* solid angle of the cone [sr] */
 };
 
-/* From the seven real arguments of a spotlight: red green blue, full angle
- * [degrees], direction with the focal length as its length.  False: no angle
- * or no direction. */
+/* Fill in *spot from the seven real arguments of a spotlight: red green blue,
+ * full angle [degrees], direction with the focal length as its length.  False:
+ * the angle is not positive, or the direction zero. */
 bool rad_spot_init(struct rad_spot *spot, const double reals[7]);
 
 /* Does a ray that runs in unit direction dir toward the light, from outside,
