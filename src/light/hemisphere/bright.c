@@ -9,26 +9,29 @@
 
 #include <stdlib.h>
 
-/* A glint is so much brighter than the mean of its hemisphere. */
+/* A glint is brighter than so many times the mean of its hemisphere. */
 #define FAR_ABOVE 3
 
-/* What is seen through an opening is beyond it by more than that. */
+/* A glint is seen through an opening if hits beside it are nearer than this
+ * part of its distance. */
 #define NEARER .5
 
 /* Cells of the grid along the side of the scene's cube. */
 #define ACROSS 64
 
-/* Of the numbers drawn at the key of the ray that asked for a record. */
+/* Dimension of the random number that draws a glint, at the key of the ray that
+ * asked for the record. */
 #define DIM_GLINT (RAD_DIM_AMBIENT + 1)
 
-/* A glint's cell of the grid, and which it is. */
+/* A glint's cell of the grid, and its index. */
 struct where {
     uint64_t cell;
     size_t glint;
 };
 
-/* Grid cell of a point: numbers along the axes, 20 bits each.  What lies beyond
- * the cube, as sky does, has cells as much larger as it is farther. */
+/* Grid cell of a point: its numbers along the axes, 20 bits each.  Cells beyond
+ * the cube, as for the sky, are larger by the power of two of their distance.
+ */
 static uint64_t
 grid_cell(const float p[3], const double org[3], double side)
 {
@@ -40,7 +43,7 @@ grid_cell(const float p[3], const double org[3], double side)
         q[k] = ((double)p[k] - org[k]) / side - .5;
         most = rad_most(most, fabs(q[k]));
     }
-    frexp(most, &larger); /* 1 for what is within the cube or near it */
+    frexp(most, &larger); /* 1 within the cube and near it */
     for (int k = 0; k < 3; k++)
         cell = cell << 20 |
                ((uint64_t)(floor(ldexp(q[k], 1 - larger) * ACROSS) + 0x1p19) &
@@ -58,13 +61,13 @@ by_cell(const void *a, const void *b)
     return x->glint < y->glint ? -1 : x->glint > y->glint;
 }
 
-/* A place, how many glints it is made of, and the first of them. */
+/* A place, the number of its glints, and the index of the first. */
 struct found {
     struct rad_bright_place place;
     size_t glints, first;
 };
 
-/* Most glints first. */
+/* Orders places by their glints, most first. */
 static int
 by_glints(const void *a, const void *b)
 {
@@ -75,8 +78,9 @@ by_glints(const void *a, const void *b)
     return x->first < y->first ? -1 : x->first > y->first;
 }
 
-/* The place of the n glints that w[] tells: its area is that of a disk on which
- * points are spread as far from their mean as these are. */
+/* Make the place of n glints, whose indices w[] has.  Its area is that of a
+ * disk whose points have the mean squared distance of the glints from their
+ * mean. */
 static void
 set_place(struct rad_bright_place *to, const struct rad_glint *glint,
           const struct where *w, size_t n, double cell)
@@ -135,9 +139,10 @@ rad_bright_gather(struct rad_bright *b, const struct rad_glint *glint, size_t n,
     return ok;
 }
 
-/* How far away cell k's glint is put, over how far its ray went.  Where nearly
- * all around is much nearer it was seen through an opening, and that is where
- * it is seen from other places, too. */
+/* The distance at which the glint of cell k is put, over the distance of its
+ * hit.  If nearly all cells beside it met much nearer surfaces, the glint was
+ * seen through an opening: it is put in the opening, where other places see it,
+ * too. */
 static double
 shortened(const struct rad_hemi *h, int k)
 {
@@ -220,7 +225,7 @@ rad_bright_where(const struct rad_bright_place *q, const struct rad_hemi *h,
     rad_square_of_disk(rad_dot(d, h->u) * over, rad_dot(d, h->v) * over, at);
 }
 
-/* The cell of n * n that has this point of the square. */
+/* The number of the cell, of n * n, in which a point of the square lies. */
 static int
 cell_at(const double at[2], int n)
 {

@@ -1,12 +1,12 @@
-/* glint.h - something far brighter than what else a hemisphere saw
+/* glint.h - a place that is far brighter than the rest of a hemisphere
  *
- * An ambient record keeps that of its hemisphere, and travels with it.  */
+ * An ambient record keeps one such place of its hemisphere (bright.h).  */
 #ifndef RAD_LIGHT_GLINT_H
 #define RAD_LIGHT_GLINT_H
 
 struct rad_glint {
-    float p[3]; /* where it is */
-    float lum;  /* luminance of its radiance [W/sr/m^2]; 0: there was nothing */
+    float p[3]; /* its point in the scene */
+    float lum;  /* luminance of its radiance [W/sr/m^2]; 0: there is none */
 };
 
 #endif

@@ -2,15 +2,15 @@
  *
  * An edge from a to b = a + e adds n.(a x b) I / 2 to the irradiance, where
  *     I = integral over the edge of dt / |r|^2,  r = a + t e, 0 <= t <= 1,
- * and differentiating twice with respect to the point, for which dr = -dx,
+ * and the derivatives with respect to the point x, for which dr = -dx, are
  *     grad = [ (n x e) I + n.(a x b) G ] / 2
  *     hess = [ (n x e) G^T + G (n x e)^T + n.(a x b) K ] / 2
  *     G = 2 integral r / |r|^4,  K = integral of 8 r r^T / |r|^6 - 2 / |r|^4.
  * With h the foot of the perpendicular on the edge's line and s the length
  * along it from there, r = h + s e/|e|, every integral is one of
  *     A_k = integral ds / q^k,  B_k = ... s / q^k,  C_3 = ... s^2 / q^3,
- * q = h^2 + s^2, which have closed forms.  Only what is in the plane of the
- * point is wanted, and with the normal along z that is x and y.  */
+ * q = h^2 + s^2, which have closed forms.  Only derivatives in the plane of the
+ * point are wanted: those along x and y, since the normal is along z.  */
 #include "config.h"
 
 #include "light/hemisphere/gradient.h"
@@ -19,7 +19,8 @@
 #include "base/vec.h"
 
 /* An edge whose line passes this close to the point, relative to its distance,
- * is seen end on: it spans no angle worth the cancellation in h. */
+ * is seen end on and left out: it spans no angle to speak of, and h has lost
+ * its digits to cancellation. */
 #define END_ON 1e-6
 
 /* The end of an edge. */
@@ -36,6 +37,7 @@ corner_at(const double p[3])
     return (struct corner){ p, q, 1 / q };
 }
 
+/* rad_edge_slope() */
 static inline void
 add_edge(const struct corner *a, const struct corner *b, double scale,
          struct rad_slope *sum)
@@ -87,15 +89,16 @@ rad_edge_slope(const double a[3], const double b[3], double scale,
     add_edge(&from, &to, scale, sum);
 }
 
-/* What a cell may count for at most, over the mean. */
+/* A cell's luminance counts as at most so many times the mean. */
 #define MOST_SHARE 4
 
-/* The mean luminance of the cells, of which none counts for more than *most,
- * about MOST_SHARE times that.  A cell that drew a rare bright sample would
- * else make all other differences small, so that its record, which is too
- * bright, would get a larger zone than those without, which are too dark: the
- * picture would be too bright.  Where most cells are black and some alike the
- * limit is small, but so is the mean, and their ratio stays. */
+/* The mean luminance of the cells, each counted as *most at most, which is set
+ * to about MOST_SHARE times that mean.
+ * A rare bright sample would else make all other differences small, relative to
+ * E: the record that drew it, which is too bright, would get a larger zone than
+ * records without, which are too dark, and the picture would be too bright.
+ * Where most cells are black and the others alike, the limit is small, but so
+ * is the mean, and the ratio of the others to it stays right. */
 static double
 fair_mean(const struct rad_hemi *h, double *most)
 {
@@ -113,7 +116,7 @@ fair_mean(const struct rad_hemi *h, double *most)
     return mean;
 }
 
-/* Luminance of the farthest of three cells, at most `most`. */
+/* Luminance of the farthest of three cells, limited to `most`. */
 static double
 behind(const struct rad_hemi *h, int a, int b, int c, double most)
 {
@@ -126,7 +129,8 @@ behind(const struct rad_hemi *h, int a, int b, int c, double most)
     return rad_least(rad_rgb_lum(far->L), most);
 }
 
-/* The two triangles of the square of cells above and right of (i, j). */
+/* Luminance of the lower triangle between cell (i, j) and the cells to its
+ * right and above. */
 static double
 lower(const struct rad_hemi *h, int i, int j, double most)
 {
@@ -135,6 +139,7 @@ lower(const struct rad_hemi *h, int i, int j, double most)
     return behind(h, k, k + 1, k + h->n, most);
 }
 
+/* Luminance of the upper triangle of the same square of four cells. */
 static double
 upper(const struct rad_hemi *h, int i, int j, double most)
 {
@@ -143,19 +148,21 @@ upper(const struct rad_hemi *h, int i, int j, double most)
     return behind(h, k + h->n + 1, k + h->n, k + 1, most);
 }
 
-/* What stands at the horizon is nearer by this than what is seen above it. */
+/* An object stands out at the horizon if it is nearer by this factor than what
+ * is seen above it. */
 #define STANDS_OUT 2
 
-/* Two neighbours of the mesh's outline, counter-clockwise, and the third corner
- * of their triangle, whose luminance is `in`. */
+/* An edge of the mesh's outline: cells a and b, counter-clockwise, and c, the
+ * third corner of their triangle. */
 struct rim {
     int a, b, c;
-    double in;
+    double in; /* luminance of the triangle */
 };
 
-/* Where what a and b meet stands before what c meets, as a house does that is
- * seen from afar, their triangle has the luminance of the latter, and the house
- * would be overlooked.  It covers what is between them and the horizon. */
+/* Count an object that stands out at the horizon, like a house seen from afar.
+ * If cells a and b met it and c met something much farther, their triangle has
+ * the luminance of c's hit, and the object would be overlooked.  So it is taken
+ * to fill the quadrangle between the edge from a to b and the horizon. */
 static void
 add_rim(const struct rad_hemi *h, const struct rim *r, struct rad_slope *sum,
         double most)
@@ -197,9 +204,9 @@ sum_rims(const struct rad_hemi *h, struct rad_slope *sum, double most)
     }
 }
 
-/* Each edge between two triangles, with the difference of its left one and its
- * right one.  The mesh's outline has no right side: what lies beyond is taken
- * to go on as it is, but see add_rim(). */
+/* Add each edge between two triangles, times the luminance of its left triangle
+ * less that of its right one.  Edges of the mesh's outline add nothing, as if
+ * the luminance were the same beyond; but see add_rim(). */
 static void
 sum_edges(const struct rad_hemi *h, struct rad_slope *sum, double most)
 {
@@ -243,8 +250,8 @@ rad_hemi_gradients(const struct rad_hemi *h, struct rad_gradients *g)
         g->hess[k] = sum.hess[k] / E;
 }
 
-/* Turning the normal by da about axis t adds L da.(n x d) / (n.d) per sample
- * of direction d, for samples are as dense as n.d. */
+/* A turn of the normal by the vector da adds L da.(n x d) / (n.d) for a sample
+ * in direction d: the density of samples is in proportion to n.d. */
 void
 rad_hemi_turn(const struct rad_hemi *h, double turn[2])
 {
@@ -254,7 +261,8 @@ rad_hemi_turn(const struct rad_hemi *h, double turn[2])
     turn[0] = turn[1] = 0;
     for (int k = 0; k < h->n * h->n; k++) {
         const double *d = h->cell[k].p;
-        /* a uniform part turns nothing, but low rays would make it noise */
+        /* less the mean: a uniform part adds nothing in the mean, but noise
+         * from directions near the horizon */
         double f = (rad_rgb_lum(h->cell[k].L) - mean) / d[2];
 
         turn[0] -= scale * f * d[1];
@@ -267,7 +275,7 @@ rad_eigen2(const double m[3], double value[2], double vec[2])
 {
     double mean = (m[0] + m[2]) / 2, half = (m[0] - m[2]) / 2;
     double root = rad_hypot(half, m[1]), sign = mean < 0 ? -1 : 1;
-    double angle = rad_atan2(m[1], half) / 2; /* of the larger eigenvalue */
+    double angle = rad_atan2(m[1], half) / 2; /* to mean + root's vector */
 
     value[0] = mean + sign * root;
     value[1] = mean - sign * root;

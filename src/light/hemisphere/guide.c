@@ -4,23 +4,24 @@
 #include "light/hemisphere/guide.h"
 #include "base/vec.h"
 
-/* Parts along a side of the square, about. */
+/* The square is cut into about so many parts along a side. */
 #define PARTS 64
 
-/* There is a guide where these alone, with a ray a cell, would give the mean of
- * the hemisphere such a relative variance.  At .03 a room with a mirror has one
- * nearly everywhere, for no gain; at 1 dark corners lack it. */
+/* A hemisphere has a guide if, with one ray a cell, bright places alone would
+ * give its mean this relative variance.  At .03 a room with a mirror has guides
+ * nearly everywhere, for no gain; at 1 dark corners lack them. */
 #define NOISY .3
 
 struct rad_guide_lobe {
-    int x, y, nx, ny; /* its parts: from there on, so many */
-    double upto;      /* light of lobes, this the last */
+    int x, y, nx, ny; /* its parts: the first column and row, and how many */
+    double upto;      /* sum of the light of the lobes up to this one */
 };
 
-/* Are places so small and bright that they are much of the noise?  light[]
- * becomes what each brings to the mean.  While few records have been made, few
- * places stand for all of what is bright: for noise each counts as more than
- * its area, so that all that are kept would cover as many cells of the grid. */
+/* Are places so small and bright that they make much of the noise?  light[i] is
+ * set to what place i is expected to add to the mean luminance.
+ * While few records are made, few places stand for all that is bright.  So, for
+ * the noise, the places count as so wide that all together cover at least
+ * RAD_BRIGHT_MOST cells of the grid. */
 static bool
 is_noisy(const struct rad_bright *b, size_t places, int n, const double *share,
          double usual, float *light)
@@ -40,9 +41,9 @@ is_noisy(const struct rad_bright *b, size_t places, int n, const double *share,
     return square > NOISY * n * n * all * all;
 }
 
-/* Add the lobe of a place at (x, y) that may be so wide and brings `light`;
- * `upto` counts that in.  Its place in the square is not known to half a
- * part. */
+/* Add the lobe of a place at (x, y) of the square, which may be so wide there
+ * and brings `light`; `upto` is the sum with it.  The lobe is half a part wider
+ * on each side, by which (x, y) may be off. */
 static void
 add_lobe(struct rad_guide *g, double x, double y, double width, double light,
          double upto)
@@ -91,7 +92,8 @@ rad_guide_set(struct rad_guide *g, const struct rad_bright *b,
     for (size_t i = 0; i < places; i++) {
         double width = sqrt(rad_least(b->place[i].reach * share[i], 1));
 
-        if ((double)light[i] > all && width * n < 1) { /* else the cells do */
+        /* places wider than a cell are left to the cells' own rays */
+        if ((double)light[i] > all && width * n < 1) {
             rad_bright_where(&b->place[i], h, p, at);
             kept += (double)light[i];
             add_lobe(g, at[0], at[1], width, (double)light[i], kept);

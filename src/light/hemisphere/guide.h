@@ -1,20 +1,22 @@
-/* guide.h - a density of directions that knows small bright places
+/* guide.h - a density of directions that favours small bright places
  *
- * A place that fills little of a cell of a hemisphere is missed by most of the
- * cell's rays, and counts for far too much with one that meets it.  The guide
- * is a density over the hemisphere's square (hemisphere.h), constant in the
- * parts that its cells are cut into: a mixture of lobes, one for each place
- * (bright.h), by what it is expected to bring, even over the parts that it may
- * touch.  Some rays are drawn from it, and a ray counts by what all together
- * send its way (the balance heuristic of Veach & Guibas 1995), so that the mean
- * is right whatever the guide says.
- * Thread: as its scratch arena. */
+ * A bright place that fills little of a hemisphere's cell is missed by most of
+ * the cell's rays; a ray that meets it makes the cell far too bright.  The
+ * guide is a density over the hemisphere's square (hemisphere.h), constant in
+ * each of the parts that cells are cut into.  It is a mixture of lobes, one for
+ * each place (bright.h): a lobe is uniform over the parts that the place may
+ * touch, and weighted by the light that it is expected to bring.
+ * Some rays are drawn from the guide.  A ray counts by the inverse of the
+ * density of all rays, the cells' and the guide's, in its direction (the
+ * balance heuristic of Veach & Guibas 1995), so the mean is right whatever the
+ * guide says.
+ * Thread: that of its scratch arena. */
 #ifndef RAD_LIGHT_GUIDE_H
 #define RAD_LIGHT_GUIDE_H
 
 #include "light/hemisphere/bright.h"
 
-/* So many places are looked at: those that most records chose. */
+/* Only so many places have lobes: those with most glints. */
 #define RAD_GUIDE_PLACES 256
 
 static inline size_t
@@ -27,22 +29,24 @@ struct rad_guide_lobe;
 
 struct rad_guide {
     int side;     /* parts along a side of the square, a multiple of h->n */
-    float *light; /* of parts, row by row */
-    double scale; /* light times this is density, whose mean is 1 */
+    float *light; /* expected from each part, row by row */
+    double scale; /* light times scale is the density; its mean is 1 */
     struct rad_guide_lobe *lobe;
     int lobes;
 };
 
-/* Set the guide of a hemisphere at p, by places (share is of rad_bright_look(),
- * for the first of them) and frame alone, if they are expected to be much of
- * the noise there; records see a luminance of `usual`.
- * False: there is none.  It lives as long as what scratch held before. */
+/* Set the guide of a hemisphere at p, if places are expected to make much of
+ * its noise.  Of h only n and the frame are read.
+ *   share   of the first rad_guide_places(), from rad_bright_look()
+ *   usual   luminance that records see, about
+ * False: the hemisphere has no guide, or memory is out.  The guide lives in
+ * scratch until the caller rewinds it. */
 bool rad_guide_set(struct rad_guide *g, const struct rad_bright *b,
                    const struct rad_hemi *h, const double p[3],
                    const double *share, double usual,
                    struct rad_arena *scratch);
 
-/* Density at a point of the square. */
+/* The density at a point of the square. */
 static inline double
 rad_guide_density(const struct rad_guide *g, double x, double y)
 {
@@ -53,8 +57,9 @@ rad_guide_density(const struct rad_guide *g, double x, double y)
     return (double)g->light[i * g->side + j] * g->scale;
 }
 
-/* Draw a part, in column *x and row *y, by three numbers of [0, 1).  `lobe` is
- * that of the last draw, whose u[0] was no larger, and 0 at first. */
+/* Draw a part, in column *x and row *y, by three random numbers u of [0, 1).
+ * Draws go in order of u[0]: *lobe is 0 at first, and keeps the lobe of the
+ * last draw. */
 void rad_guide_draw(const struct rad_guide *g, const double u[3], int *lobe,
                     int *x, int *y);
 

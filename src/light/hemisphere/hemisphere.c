@@ -1,15 +1,17 @@
 /* hemisphere.c - see hemisphere.h
  *
  * Samples are correlated multi-jittered: the ray of the cell in row i and
- * column j has the column offset of its row and the row offset of its column,
- * each a permutation of n finer steps, so that the projections on both axes
- * are stratified n^2 times and no two neighbours coincide, which would spoil
- * the gradients.
- * More samples (-as) go where bright places of the frozen cache lie (bright.h),
- * and where the cells around a cell differ (light/sample/contrast.h).  Where
- * such places are small half of these rays are drawn from a guide (guide.h).
- * Those of a cell are a sequence whose beginnings all are spread evenly over it
- * (Roberts 2018: by the root of x^3 = x + 1), begun at its first ray.  */
+ * column j has an offset along x that belongs to row i, and an offset along y
+ * that belongs to column j, each from a permutation of n finer steps.  So the
+ * projections on both axes are stratified n^2 times, and no two neighbours
+ * coincide, which would spoil the gradients.
+ * Further rays (-as) go to cells where bright places of the frozen cache lie
+ * (bright.h), and to cells whose neighbours differ (light/sample/contrast.h).
+ * If the places are small, half of the further rays are drawn from a guide
+ * (guide.h).
+ * The rays of one cell follow a sequence, begun at its first ray, whose first
+ * rays are spread evenly over the cell however many they are (Roberts 2018: by
+ * the root of x^3 = x + 1).  */
 #include "config.h"
 
 #include "light/hemisphere/hemisphere.h"
@@ -23,29 +25,32 @@
 
 #include <string.h>
 
-/* Fewest cells along a side among which differences mean something.  It is
- * more than any least side of a record: else -as, which may be much larger than
- * -ad, would be traced for each of the many that -ad makes coarse.  Of fewer
- * cells the guide has no more rays than the cells, for the same reason. */
+/* With fewer cells along a side than this, no further rays are shared out among
+ * cells, whose differences say too little.  It is more than the least side of
+ * any record (rad_hemi_plan): else each of the many records that a small -ad
+ * makes coarse would trace all of -as, which may be much more.  For the same
+ * reason a guide has, with fewer cells, at most as many rays as there are
+ * cells. */
 #define MIN_SIDE 8
-/* Reflectance assumed for the weight of rays that make a record, which serves
- * surfaces of any. */
+/* Reflectance assumed for the weight of rays that make a record: a record
+ * serves surfaces of any reflectance. */
 #define MEAN_REFLECTANCE .5f
 
-/* Of -as so much is drawn from the guide where there is one. */
+/* The part of -as that is drawn from the guide, if there is one. */
 #define GUIDED .5
 
-/* In the place of -lw 0, which is divided by. */
+/* Added to the divisor, which -lw 0 makes 0. */
 #define NO_WEIGHT 1e-20
 
-/* The shortest distance that is told from zero, relative to the longest. */
+/* The least distance of a hit, relative to plan->far; 1 / distance stays
+ * finite. */
 #define NEAREST 1e-12
 
-/* Of the sequence: the root's inverse, and that squared. */
+/* Steps of the sequence: the root's inverse, and its square. */
 #define STEP_X 0.7548776662466927
 #define STEP_Y 0.5698402909980532
 
-/* Dimensions of the numbers drawn at the hemisphere's own key. */
+/* Dimensions of the random numbers that are drawn at the hemisphere's key. */
 enum {
     DIM_TURN = 0,
     DIM_ROWS = 0x100000,
@@ -55,32 +60,33 @@ enum {
     DIM_GUIDE = 0x800000
 };
 
-/* Rays of a cell, but for those of the guide. */
+/* The rays of a cell, without those of the guide. */
 struct tally {
     int rays;
-    double lum;  /* mean luminance of what the guide leaves to them */
-    double lum2; /* sum of the squares of that */
-    double x, y; /* where the first went through the cell, from 0 to 1 */
+    double lum;  /* mean luminance of the rays, less the guide's part */
+    double lum2; /* sum of the squares of their luminances, likewise */
+    double x, y; /* where the first ray went through the cell, from 0 to 1 */
 };
 
+/* A hemisphere being sampled. */
 struct sampler {
     struct rad_ctx *ctx;
     const struct rad_ray *r;
     const struct rad_hemi_plan *plan;
     struct rad_hemi *h;
-    struct rad_rgb coef; /* of one ray, for its weight */
+    struct rad_rgb coef; /* coefficient of one ray, for its weight */
     enum rad_raykind kind;
-    uint32_t branch; /* class of the rays' branch numbers */
-    uint64_t key;
-    int traced;          /* cells whose first ray was */
-    struct tally *tally; /* of the cells */
+    uint32_t branch;     /* added to the rays' branch numbers */
+    uint64_t key;        /* of the hemisphere's own random numbers */
+    int traced;          /* number of cells whose first ray was traced */
+    struct tally *tally; /* of each cell */
     struct rad_guide guide;
-    int guided; /* rays that are drawn from it; 0: there is none */
-    double var; /* of what they add to the sum of the cells' luminances */
+    int guided; /* number of rays drawn from the guide; 0: there is no guide */
+    double var; /* variance of what these add to the sum of cells' luminances */
 };
 
-/* How far away is what a ray of the cell met?  *wall gets 1 / distance of the
- * surface, which may be a pane before that. */
+/* The distance of what a ray shows, seen through panes and in mirrors.  *wall
+ * gets 1 / distance of the nearest surface it met, which may be a pane. */
 static double
 distance_met(const struct sampler *s, const struct rad_ray *ray, float *wall)
 {
@@ -94,9 +100,9 @@ distance_met(const struct sampler *s, const struct rad_ray *ray, float *wall)
     return dist;
 }
 
-/* Trace the ray through (x, y) of the square, which is in cell c; false: it was
- * refused.  d gets its direction, in the frame of the sampling, *dist how far
- * it went. */
+/* Trace a ray through (x, y) of the square, which lies in cell c; false: the
+ * ray was refused (-lw, -lr).  *L gets its radiance, d its direction in the
+ * hemisphere's frame, *dist the distance of its hit. */
 static bool
 trace(struct sampler *s, struct rad_hemicell *c, double x, double y,
       uint32_t number, double d[3], struct rad_rgb *L, double *dist)
@@ -127,7 +133,7 @@ trace(struct sampler *s, struct rad_hemicell *c, double x, double y,
     return true;
 }
 
-/* Permutation of 0..n-1 drawn at the given dimensions. */
+/* A random permutation of 0..n-1, drawn at dimensions dim to dim + n - 1. */
 static void
 permute(uint64_t key, uint32_t dim, int n, int *perm)
 {
@@ -140,6 +146,7 @@ permute(uint64_t key, uint32_t dim, int n, int *perm)
     }
 }
 
+/* Count a ray of the cell that found light L. */
 static void
 add_ray(struct sampler *s, uint32_t cell, struct rad_rgb L)
 {
@@ -149,7 +156,7 @@ add_ray(struct sampler *s, uint32_t cell, struct rad_rgb L)
     s->tally[cell].lum2 += lum * lum;
 }
 
-/* First ray of each cell. */
+/* Trace the first ray of each cell; false: none was traced. */
 static bool
 sample_cells(struct sampler *s)
 {
@@ -190,8 +197,8 @@ fraction(double x)
     return x - floor(x);
 }
 
-/* Of the light at (x, y) of the square, what is for the `rays` rays of the cell
- * to find; the rest is for those of the guide. */
+/* The part of the light at (x, y) of the square that counts for the cell's own
+ * `rays` rays; the rest counts for the guide's. */
 static double
 part_of_cell(const struct sampler *s, int rays, double x, double y)
 {
@@ -202,8 +209,8 @@ part_of_cell(const struct sampler *s, int rays, double x, double y)
     return own / (own + s->guided * rad_guide_density(&s->guide, x, y));
 }
 
-/* Put `more` rays into cell (i, j) and renew its mean.  They go on from its
- * first ray by steps that leave no gap and no cluster. */
+/* Trace `more` rays in cell (i, j) and make its mean anew.  *number is the
+ * branch number of the next ray. */
 static void
 resample_cell(struct sampler *s, int i, int j, int more, uint32_t *number)
 {
@@ -233,7 +240,7 @@ resample_cell(struct sampler *s, int i, int j, int more, uint32_t *number)
     t->lum = rad_rgb_lum(c->L);
 }
 
-/* Trace the rays of the guide, and add to the cells what these left to it. */
+/* Trace the rays of the guide, and add their part of the light to the cells. */
 static void
 follow_guide(struct sampler *s, uint32_t *number)
 {
@@ -269,8 +276,9 @@ follow_guide(struct sampler *s, uint32_t *number)
                  : sum2;
 }
 
-/* Are `more` rays enough to be shared out among the cells?  By what neighbours
- * differ in alone they would mostly go where nothing is. */
+/* Are `more` rays enough to be shared out among the cells?  If no places are
+ * known, differences of neighbours alone decide, and few rays would mostly go
+ * to cells where they find nothing. */
 static bool
 worth_sharing(const struct sampler *s, int more)
 {
@@ -279,8 +287,8 @@ worth_sharing(const struct sampler *s, int more)
     return n >= MIN_SIDE && more >= (s->plan->bright ? 1 : 4) * n;
 }
 
-/* What the cells' shares of more rays come from; `bright` is of
- * rad_bright_look().  NULL: out of memory. */
+/* The cells' shares of the further rays, in scratch; `bright` is of
+ * rad_bright_look(), for all places.  NULL: out of memory. */
 static struct rad_contrast *
 set_shares(const struct sampler *s, const double *bright)
 {
@@ -303,8 +311,9 @@ set_shares(const struct sampler *s, const double *bright)
     return c;
 }
 
-/* Look at bright places: at all if cells get rays for them, else at the
- * guide's.  Set how many of `count` rays are drawn from the guide. */
+/* Look at bright places: at all of them if cells get rays for them, else at
+ * those of the guide.  Sets s->guided: how many of `count` rays are drawn from
+ * the guide. */
 static void
 look_at_places(struct sampler *s, int count, bool all, double *share)
 {
@@ -321,7 +330,7 @@ look_at_places(struct sampler *s, int count, bool all, double *share)
         s->guided = n * n;
 }
 
-/* Share `count` more rays among the guide, if there is one, and the cells. */
+/* Trace `count` further rays, of the guide, if there is one, and of cells. */
 static void
 super_sample(struct sampler *s, int count)
 {
@@ -337,7 +346,7 @@ super_sample(struct sampler *s, int count)
         c = set_shares(s, bright);
     for (int k = 0; (c || s->guided > 0) && k < n * n; k++) {
         double share = c ? c[k].share * (count - s->guided) : 0;
-        /* rounded up with the probability of the fraction */
+        /* rounded up with a probability equal to the fraction */
         int more = (int)(share + rad_rand(s->key, DIM_ROUND + (uint32_t)k));
 
         if (more > 0 || s->guided > 0)
@@ -347,8 +356,8 @@ super_sample(struct sampler *s, int count)
         follow_guide(s, &number);
 }
 
-/* Variance of a cell's luminance, its mean `lum`: by its own rays, or, if it
- * has but one, by how its neighbours differ from it. */
+/* The variance of a cell's mean luminance `lum`: by its own rays, or, if it has
+ * one ray alone, by how its neighbours differ from it. */
 static double
 cell_variance(const struct sampler *s, int i, int j, double lum)
 {
@@ -374,8 +383,8 @@ cell_variance(const struct sampler *s, int i, int j, double lum)
     return found > 0 ? sum / found : lum * lum;
 }
 
-/* Of E over its square.  What light differs by between neighbours that have one
- * ray each counts as noise. */
+/* The variance of E's luminance over its square.  Between cells of one ray each
+ * all differences count as noise. */
 static double
 variance(const struct sampler *s)
 {
@@ -389,6 +398,7 @@ variance(const struct sampler *s)
     return sum / (total * total);
 }
 
+/* A frame about the normal, turned by a random angle. */
 static void
 set_frame(struct sampler *s)
 {
@@ -403,8 +413,9 @@ set_frame(struct sampler *s)
     rad_cross(h->v, h->w, h->u);
 }
 
-/* Cells along a side for -ad and the weight.  Without a record to be made,
- * few enough that each ray is still worth tracing (-lw). */
+/* The number of cells along a side, by -ad and the plan's weight, which *weight
+ * gets.  If no record is made, *weight is lowered until each ray has a weight
+ * above -lw. */
 static int
 choose_side(const struct rad_params *par, const struct rad_ray *r,
             const struct rad_hemi_plan *plan, double *weight)
@@ -451,7 +462,7 @@ sample(struct rad_ctx *ctx, const struct rad_ray *r,
         return false;
     s.kind = plan->behind ? RAD_RAY_TAMBIENT : RAD_RAY_RAMBIENT;
     s.branch = plan->behind ? RAD_BRANCH_TAMBIENT : RAD_BRANCH_RAMBIENT;
-    s.key = rad_key_branch(r->key, s.branch | 0xffffff); /* no ray's own */
+    s.key = rad_key_branch(r->key, s.branch | 0xffffff); /* not of any ray */
     set_coef(&s);
     set_frame(&s);
     if (!sample_cells(&s))
