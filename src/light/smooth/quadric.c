@@ -1,9 +1,10 @@
 /* quadric.c - see quadric.h
  *
- * With the moments M = sum w x x^T and the pull of the prior D on the diagonal,
- * the coefficients are (M + D)^-1 sum w x E.  All that is wanted of the
- * samples' noise follows from M and from V = sum w^2 x x^T, so samples are gone
- * over once. */
+ * Let x be a sample's terms 1, x, y, x^2, xy, y^2 and w its weight.  With the
+ * moments M = sum w x x^T and the prior's weights D on the diagonal, the
+ * coefficients are (M + D)^-1 sum w x E.  What the fit makes of the samples'
+ * noise follows from M and from V = sum w^2 x x^T, so one loop over the samples
+ * is enough. */
 #include "config.h"
 
 #include "light/smooth/quadric.h"
@@ -13,19 +14,19 @@
 
 #define TERMS  RAD_QUADRIC_TERMS
 #define LINEAR 3 /* terms of a plane */
-#define FEWEST 8
+#define FEWEST 8 /* samples of a fit */
 
-/* A pivot below that part of its element is rounding. */
+/* A pivot below this part of its diagonal element is all rounding. */
 #define SINGULAR 1e-3
 
 typedef double matrix[TERMS][TERMS];
 
 struct sums {
-    matrix M, V;     /* lower halves */
-    double y[TERMS]; /* of w x (lum - base) */
-    double y2;       /* of w (lum - base)^2 */
-    double base;
-    int n;
+    matrix M, V;     /* see above; lower halves */
+    double y[TERMS]; /* sum of w x (lum - base) */
+    double y2;       /* sum of w (lum - base)^2 */
+    double base;     /* a luminance near all others */
+    int n;           /* samples of positive weight */
 };
 
 static void
@@ -51,7 +52,7 @@ add_up(const struct rad_quadric_sample *s, int n, double width, struct sums *k)
     double x[TERMS];
 
     memset(k, 0, sizeof *k);
-    k->base = s[0].lum; /* of differences less is rounded away */
+    k->base = s[0].lum; /* differences keep more digits than luminances */
     for (; n > 0; n--, s++) {
         double w = weight(s, width), lum = s->lum - k->base;
 
@@ -72,8 +73,8 @@ add_up(const struct rad_quadric_sample *s, int n, double width, struct sums *k)
     }
 }
 
-/* The inverse of what Cholesky's method makes of a symmetric matrix, whose
- * lower half is m: with K, m^-1 = K^T K.  False: it is singular. */
+/* K is set to the inverse of the Cholesky factor of a symmetric matrix, whose
+ * lower half is m: m^-1 = K^T K.  False: the matrix is singular. */
 static bool
 invert_root(matrix m, matrix K)
 {
@@ -133,8 +134,8 @@ product(const double a[TERMS], matrix m, const double b[TERMS])
     return sum;
 }
 
-/* The weight of what the samples leave free: of all, less that of their pull on
- * the fit at their own place, trace(K V K^T). */
+/* The residual degrees of freedom, as a weight: the sum of all weights, less
+ * trace(K V K^T), by which samples pull the fit at their own places. */
 static double
 freedom(matrix K, struct sums *k)
 {
@@ -186,7 +187,8 @@ rad_quadric_fit(const struct rad_quadric_sample *s, int n, double width,
     left = freedom(K, &k);
     if (!(left > 0))
         return false;
-    /* squares of what the fit leaves, beyond what noise does */
+    /* the mean square that the fit leaves; then what is beyond the noise; then
+     * the noise of the fit itself, of the samples and of the prior */
     q->risk = (k.y2 - 2 * b[0] * k.y[0] + product(b, k.M, b)) / left;
     for (int i = 1; i < TERMS; i++)
         q->risk -= 2 * b[i] * k.y[i] / left;

@@ -1,21 +1,23 @@
 /* smooth.c - see smooth.h
  *
- * Neighbours are found in a k-d tree.  Several widths are tried, and that is
- * taken whose fit is expected to be nearest to the truth: off by its noise, and
- * by what its samples differ from it beyond theirs.  The value is a mean of the
- * fit and the place's own measurement, by what is expected of both.
+ * Neighbours are found in a k-d tree.  Fits of several widths are tried, and
+ * the fit with the least expected error is taken.  It errs by its noise, and by
+ * how far its samples are off it beyond their own noise.  The value is a mean
+ * of the fit and the place's own measurement, weighted by their expected
+ * errors.
  *
- * All samples weigh the same, whatever their own variances: of two hemispheres
- * beside a small bright patch the one that hit it has the larger variance, and
- * weights by variance would lose the patch's light.
+ * Samples are not weighted by their own variances: of two hemispheres beside a
+ * small bright patch the one that hit it has the larger variance, and such
+ * weights would lose the patch's light.
  *
- * A place whose E is mostly one ray's says so by its variance.  Where it is far
- * above its neighbours it is cut down to LARGEST times their mean, or it would
- * be a splotch as wide as the fits.  Where more than FEW of the neighbours are
- * so, they have met the same light, which few rays find: then they are averaged
- * as they are.  So is a place of which no ray met light, whose variance is 0:
- * it is a sample like the others, and of those that met some the mean would be
- * lost else. Source of the tree: Bentley 1975. */
+ * If one ray makes most of a place's E, its variance is large.  If such a place
+ * is far above its neighbours too, it is cut down to LARGEST times their mean;
+ * else it would be a splotch as wide as the fits.  But if more than FEW of the
+ * neighbours have such a variance, they met the same light, which few rays
+ * find: then all are averaged as they are.  A place without light, whose
+ * variance is 0, is a sample like the others: without it the mean would be that
+ * of the places that met light.
+ * Source of the tree: Bentley 1975. */
 #include "config.h"
 
 #include "light/smooth/smooth.h"
@@ -26,45 +28,52 @@
 #include <stdatomic.h>
 #include <stdlib.h>
 
-/* Neighbours are at most so many times a place's `reach' off. */
+/* Neighbours are at most so many times a place's `reach' away. */
 #define REACH 4
 
-#define MOST_NEAR 160 /* neighbours; if there are more, they are nearer */
+/* At most so many neighbours: if there are more, the distance that is searched
+ * is multiplied by NEARER, until NEAREST of the first. */
+#define MOST_NEAR 160
 #define NEARER    .7
-#define NEAREST   1e-9 /* of the reach; where all are nearer there is none */
+#define NEAREST   1e-9
 
-/* Normals of neighbours differ by so little. */
+/* The least cosine between the normals of neighbours. */
 #define LEAST_COSINE .98
-/* And neither is off the plane of the other by more, over their distance, or
- * both as on a round surface. */
+/* How far neighbours may be off each other's plane, over their distance: the
+ * sum for both, with signs that cancel on a round surface. */
 #define OFF_PLANE .05
-#define ROUNDING  1e-6
+/* Places nearer than this, relative to the search, are not tested for that. */
+#define ROUNDING 1e-6
 
-/* Turned to another's normal E is not believed to change by more. */
+/* Turning a neighbour's E to the place's normal changes it at most by this
+ * factor. */
 #define MOST_TURNED 2
 
-/* More than that of E's variance over its square: one ray may rule it. */
+/* One ray may rule E if its variance, over its square, is larger than this. */
 #define RULED   .25
 #define LARGEST 4
 #define FEW     2
 
-/* What a place expects of its bend is a mean over all directions. */
+/* A place's `bend' is a mean over all directions; along one it may be so many
+ * times as large. */
 #define SHARPEST 6
 
+/* States of a value: not made, being stored, stored. */
 enum { WAITING, BUSY, DONE };
 
-/* The number of a place, and above it the axis across which those before and
- * behind are parted. */
+/* A node of the tree is the number of a place, and from this bit on the axis
+ * along which it parts the nodes before it from those behind. */
 #define AXIS 30
 #define MANY (UINT32_C(1) << AXIS)
 
 struct rad_smooth {
     struct rad_smooth_source of;
-    uint32_t *node;                 /* the tree */
-    struct rad_smooth_value *value; /* by number */
-    _Atomic uint8_t *state;         /* likewise; DONE: `value' is there */
+    uint32_t *node;                 /* the tree: n nodes in order */
+    struct rad_smooth_value *value; /* by number of a place */
+    _Atomic uint8_t *state;         /* of the value, by number */
 };
 
+/* The point of a node's place. */
 static inline const double *
 point(const struct rad_smooth_source *of, uint32_t node)
 {
@@ -82,8 +91,9 @@ swap(uint32_t *a, uint32_t *b)
     *b = t;
 }
 
-/* Move what is at most as the middle one along the axis before all that is at
- * least that (Hoare 1961); returns the last of the first, below hi. */
+/* Partition p[lo..hi] along the axis by the coordinate of the middle node
+ * (Hoare 1961): nodes up to the returned index, which is below hi, have at most
+ * that coordinate, those behind at least that. */
 static size_t
 part_at_middle(const struct rad_smooth_source *of, uint32_t *p, size_t lo,
                size_t hi, int axis)
@@ -125,7 +135,8 @@ longest_side(const struct rad_smooth_source *of, const uint32_t *p, size_t n)
     return axis;
 }
 
-/* The node in the middle parts those before it from those behind. */
+/* Put n nodes in order: the middle one parts those before it from those behind
+ * along the axis in which they extend most; the same holds for both halves. */
 static void
 make_tree(const struct rad_smooth_source *of, uint32_t *p, size_t n)
 {
@@ -192,12 +203,13 @@ rad_smooth_bytes(const struct rad_smooth *s)
 
 /* --- neighbours --- */
 
+/* A search for the neighbours of a place. */
 struct search {
     const struct rad_smooth *s;
-    struct rad_smooth_place of; /* whose neighbours they are, */
-    uint32_t number;            /* and its number */
-    double far;
-    bool full; /* there are more than there is room for */
+    struct rad_smooth_place of; /* the place */
+    uint32_t number;            /* of the place; MANY: it is not of the tree */
+    double far;                 /* neighbours are nearer than this */
+    bool full;                  /* there are more than MOST_NEAR */
     int n;
     struct rad_quadric_sample near[MOST_NEAR]; /* in units of `far' */
 };
@@ -221,7 +233,7 @@ luminance(const float E[3])
     return rad_rgb_lum(rad_rgb(E[0], E[1], E[2]));
 }
 
-/* Are the place that is asked for and b, d from it, on a surface? */
+/* Are k->of and b, which is at d from it, neighbours on one surface? */
 static bool
 are_neighbours(const struct search *k, const struct rad_smooth_place *b,
                const double d[3], double d2)
@@ -248,6 +260,7 @@ turned(const struct rad_smooth_place *a, const struct rad_smooth_place *b)
     return rad_least(rad_most(f, 1. / MOST_TURNED), MOST_TURNED);
 }
 
+/* Add place p, at d from k->of, to the samples. */
 static void
 add_sample(struct search *k, const struct rad_smooth_place *p,
            const double d[3], double d2)
@@ -265,6 +278,7 @@ add_sample(struct search *k, const struct rad_smooth_place *p,
     to->noise = (double)p->var * to->lum * to->lum;
 }
 
+/* Add place `number', whose point is p, if it is a neighbour. */
 static void
 try_place(struct search *k, uint32_t number, const double p[3])
 {
@@ -284,6 +298,7 @@ try_place(struct search *k, uint32_t number, const double p[3])
         k->full = true;
 }
 
+/* Look for neighbours among the nodes from lo to hi - 1. */
 static void
 search_part(struct search *k, size_t lo, size_t hi)
 {
@@ -302,8 +317,9 @@ search_part(struct search *k, size_t lo, size_t hi)
     }
 }
 
-/* The place itself comes first; of places that all but coincide, as no cache
- * makes them, each is alone, after some sixty searches. */
+/* Find the neighbours of k->of; its own sample is the first.  (If more than
+ * MOST_NEAR places all but coincide, which no cache makes, some sixty searches
+ * end with the place alone.) */
 static void
 find_neighbours(struct search *k)
 {
@@ -323,7 +339,8 @@ find_neighbours(struct search *k)
 
 /* --- values --- */
 
-/* Cut down what one ray rules.  The mean is that of what has been cut. */
+/* Cut down samples that one ray rules, to LARGEST times the mean of all after
+ * the cut, which is found by iteration. */
 static void
 cut_ruled(struct search *k)
 {
@@ -354,6 +371,7 @@ cut_ruled(struct search *k)
     }
 }
 
+/* Set *best to the fit of least risk; false: there is no fit. */
 static bool
 find_best(const struct search *k, struct rad_quadric *best)
 {
@@ -376,8 +394,9 @@ find_best(const struct search *k, struct rad_quadric *best)
     return any;
 }
 
-/* Part of the fit in the value: least is what is expected of the squared error
- * of both, of which the place's own noise is a part. */
+/* The weight of the fit in the value, for the least expected squared error.
+ * The place's own sample is part of the fit, by pull[0], so the errors of both
+ * are correlated. */
 static double
 share_of(const struct rad_quadric *q)
 {
@@ -387,7 +406,7 @@ share_of(const struct rad_quadric *q)
     return own < 1 ? rad_least(share, 1) : 0;
 }
 
-/* The value by a fit; false: it has no light, or less. */
+/* Set *v by fit q; false: a channel would be negative, or all be zero. */
 static bool
 set_value(const struct search *k, const struct rad_quadric *q,
           struct rad_smooth_value *v)
@@ -417,7 +436,7 @@ set_value(const struct search *k, const struct rad_quadric *q,
     return true;
 }
 
-/* The place's own measurement, cut down by that factor. */
+/* Set *v to the place's own measurement, times the factor `cut'. */
 static void
 keep_own(const struct rad_smooth_place *at, double cut,
          struct rad_smooth_value *v)
@@ -429,7 +448,7 @@ keep_own(const struct rad_smooth_place *at, double cut,
     v->var = at->var;
 }
 
-/* The value at k->of, which is number k->number. */
+/* Set *v to the value at k->of. */
 static void
 make_value(struct search *k, struct rad_smooth_value *v)
 {
@@ -450,7 +469,7 @@ rad_smooth_at(struct rad_smooth *s, uint32_t i, struct rad_smooth_value *v)
 {
     /* acquire: pairs with the release below, for `value' */
     uint8_t state = atomic_load_explicit(&s->state[i], memory_order_acquire);
-    struct search k; /* not set as a whole, most of it need not be */
+    struct search k; /* only set in part: its array is large */
 
     if (state == DONE) {
         *v = s->value[i];
@@ -460,7 +479,7 @@ rad_smooth_at(struct rad_smooth *s, uint32_t i, struct rad_smooth_value *v)
     k.number = i;
     s->of.place(s->of.arg, i, &k.of);
     make_value(&k, v);
-    /* relaxed: who finds it busy leaves it alone */
+    /* relaxed: a thread that does not win stores nothing, and reads nothing */
     if (state == WAITING && atomic_compare_exchange_strong_explicit(
                                 &s->state[i], &state, BUSY,
                                 memory_order_relaxed, memory_order_relaxed)) {
@@ -473,7 +492,7 @@ void
 rad_smooth_beside(const struct rad_smooth *s, const struct rad_smooth_place *at,
                   struct rad_smooth_value *v)
 {
-    struct search k; /* not set as a whole */
+    struct search k; /* only set in part */
 
     k.s = s;
     k.number = MANY;

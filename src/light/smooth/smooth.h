@@ -1,15 +1,17 @@
-/* smooth.h - irradiance at places on surfaces, with less noise than each has
+/* smooth.h - irradiance at places on surfaces, smoothed over neighbours
  *
- * Places side by side see nearly the same, each with a noise of its own, whose
- * variance is known.  What a place is taken to have is a fit through its
- * neighbours (quadric.h), as far as these agree with one within their noise;
- * where they do not, its own measurement.  Nobody is a neighbour whose normal
- * differs, who lies off the surface, or behind something that stands on it.
- * Values are made when they are asked for, each once: of many workers each
+ * Places side by side see nearly the same, and each has measured its irradiance
+ * with a noise of its own, whose variance is known.  A place's smoothed value
+ * is a fit through its neighbours' measurements (quadric.h), as far as these
+ * agree with the fit within their noise; where they do not, it is the place's
+ * own measurement.  Places are no neighbours if their normals differ, if they
+ * are off each other's plane, or if something that stands on the surface parts
+ * them.
+ * Values are made when they are asked for, each once: each of many workers
  * makes those that its part of the picture shows, and all make the same.
  * Units: lengths are scene units, E is irradiance [W/m^2].
- * Thread: one makes and frees it; any number may ask at once, and none waits
- * for another.  */
+ * Thread: one thread makes and frees a struct rad_smooth; any number of threads
+ * may ask for values at once, and none waits for another.  */
 #ifndef RAD_LIGHT_SMOOTH_H
 #define RAD_LIGHT_SMOOTH_H
 
@@ -17,25 +19,26 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/* What is known of a place. */
+/* A place and its measurement. */
 struct rad_smooth_place {
     double p[3];
     float n[3], u[3], v[3]; /* unit: its normal, and axes of its plane */
     float E[3];
     float gpos[2]; /* gradient of ln E along u, v [1/unit] */
-    float gdir[2]; /* about u, v [1/rad] */
+    float gdir[2]; /* gradient of ln E for turns about u, v [1/rad] */
     float var;     /* variance of E's luminance over its square; negative: not
-                    * known, and the place is left alone */
-    float reach;   /* in which E is about linear */
-    float bend;    /* E'' / E that is expected [1/unit^2] */
+                    * known: the place keeps E, and is nobody's neighbour */
+    float reach;   /* distance within which E is about linear */
+    float bend;    /* expected E'' / E, a mean over directions [1/unit^2] */
 };
 
-/* What it is taken to have. */
+/* The smoothed value of a place; fields as above. */
 struct rad_smooth_value {
     float E[3], gpos[2], var;
 };
 
-/* Where n places are known, by number, and what stands between two of them. */
+/* Callbacks for n places, by number; are_parted(): does something stand between
+ * two of them? */
 struct rad_smooth_source {
     const void *arg;
     uint32_t n;                                          /* below 2^30 */
@@ -47,20 +50,21 @@ struct rad_smooth_source {
 
 struct rad_smooth;
 
-/* What source->arg is must stay as it is.  NULL: out of memory. */
+/* *source is copied; what source->arg points to must not change until
+ * rad_smooth_free().  NULL: out of memory. */
 struct rad_smooth *rad_smooth_new(const struct rad_smooth_source *source);
 void rad_smooth_free(struct rad_smooth *s);
 
-/* The value at place i < n. */
+/* Set *v to the value at place i < n. */
 void rad_smooth_at(struct rad_smooth *s, uint32_t i,
                    struct rad_smooth_value *v);
 
-/* The value at another place, which is nobody's neighbour itself. */
+/* Set *v to the value at a place that is not among the n. */
 void rad_smooth_beside(const struct rad_smooth *s,
                        const struct rad_smooth_place *at,
                        struct rad_smooth_value *v);
 
-/* Bytes that it takes. */
+/* The memory that s takes [bytes]. */
 size_t rad_smooth_bytes(const struct rad_smooth *s);
 
 #endif
