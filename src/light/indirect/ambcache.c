@@ -1,40 +1,44 @@
 /* ambcache.c - see ambcache.h
  *
- * Look-up.  A record is listed in every cell that its zone touches, of the
- * smallest cells at least SPAN times as wide as the zone reaches; so a look-up
- * walks one path, from the root to the smallest cell about the point, and then
- * back up.  A list is made of blocks of LANES places each.  Of ten records in a
- * list about one may serve, so a block says of each in a byte a number what
- * tells most of the others: where it is, how far it reaches, its normal, and
- * its weight.  The places of a block are tried all at once, in two lines of
- * memory, and only what passes is fetched and handed on.  Bytes are rounded so
- * that nothing is left out that may serve.
- * SPAN weighs insertions against look-ups: nanoseconds of both and bytes a
- * record (bench/ambient) are 900, 530, 505 with 1.4, 380, 440, 265 with 2 and
- * 250, 510, 185 with 3 for an office's 28000 dense records, and 700, 620, 392,
- * 440, 590, 242 and 310, 520, 184 for 100000 sparse ones.
+ * Look-up.  The cells that list a record are the smallest whose side is at
+ * least SPAN times the reach of its zone; every such cell that the zone touches
+ * lists it.  So a look-up walks one path, from the root down to the smallest
+ * cell about the point, and then back up through the lists.
+ * A list is made of blocks of LANES places each, one place for a record.  Of
+ * ten records in a list about one may serve.  So a place has, as bytes, the
+ * numbers by which most others are ruled out: the record's point, the reach of
+ * its zone, its normal and its weight.  All places of a block are tested at
+ * once, which reads two lines of memory, and only records that pass are fetched
+ * and handed on.  Bytes are rounded so that no record is left out that may
+ * serve.
+ * SPAN weighs insertions against look-ups.  By bench/ambient, in nanoseconds of
+ * an insertion, of a look-up, and bytes of a record:
+ *     SPAN                        1.4            2              3
+ *     28000 dense (an office)     900 530 505    380 440 265    250 510 185
+ *     100000 sparse               700 620 392    440 590 242    310 520 184
  *
- * Records of each number of bounces have octrees of their own, for only those
- * of one are wanted at a time; beyond ROOTS - 1 bounces they share them.  There
- * are six to a number, by the axis that a record's normal is nearest to: where
- * floor and walls are near each other, a look-up on one walks past the records
- * of all others.  One about a normal in between, or for a ray of little weight,
- * which takes records with other normals, walks several.
+ * Records of each number of bounces have octrees of their own, since a look-up
+ * wants those of one number; from ROOTS - 1 bounces on they share them.  Each
+ * number has six octrees, by the axis that a record's normal is nearest to: so
+ * where floor and walls are near each other, a look-up on the floor does not
+ * pass the walls' records.  A look-up for a normal between two axes, or for a
+ * ray of little weight, which takes records with other normals, walks several
+ * octrees.
  *
- * Growth.  Nothing is ever moved, changed or taken away until all is freed, so
- * a reader may hold on to whatever it has found.
- * Records, blocks and cells come from pools (ambpool.c), that of records being
- * the log: having written the record, its writer marks the place ready, then
- * lists it in cells: it takes the next place of the list's first block by
- * adding to its counter, fills it, and sets the place's bit among those that
- * are ready; where the block is full it puts another before it by
- * compare-and-swap, whose first place is filled already.  Children of a cell
- * come eight at a time, hung in by compare-and-swap; who is late wastes eight.
- * A writer that is stopped half way holds up the log's readers, who come again
- * later, and no render thread: those find records through the octree.
+ * Growth.  Nothing is moved, changed or freed until the whole cache is freed,
+ * so a reader may keep pointers to what it has found.
+ * Records, blocks and cells come from pools (ambpool.c); the pool of records is
+ * the log.  A writer writes a record, marks it ready for the log's readers, and
+ * then lists it in cells: it takes the next place of the list's first block by
+ * adding to the block's counter, fills the place, and sets its bit in `ready`.
+ * If the block is full the writer puts a new block, whose first place is
+ * filled, before it by compare-and-swap.  A cell gets its eight children at
+ * once, by compare-and-swap; a thread that comes late wastes its eight.
+ * A writer that is stopped half way holds up readers of the log, which come
+ * again later, but no render thread: those find records through the octree.
  *
- * Two threads that miss at the same place both sample and both insert; that
- * costs time and happens seldom, and waiting would cost more.  */
+ * Two threads that miss at the same place both sample and both insert: that is
+ * rare, and to wait for each other would cost more.  */
 #include "config.h"
 
 #include "light/indirect/ambcache_impl.h"
@@ -44,13 +48,14 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define READ_AHEAD 8 /* entries of the log */
+#define READ_AHEAD 8 /* entries of the log that are prefetched */
 
-/* Records, blocks and cells come so many at a time. */
+/* Records, blocks and cells are allocated so many at a time. */
 enum { CHUNK_FEW = 16, CHUNK_MANY = 256 };
 
 enum { EMPTY, LOCAL, RECEIVED };
 
+/* An entry of the log. */
 struct entry {
     alignas(LINE) struct rad_ambitem item; /* [fixed] once ready */
     struct rad_glint glint;                /* [fixed] likewise */
@@ -89,6 +94,7 @@ rad_ambcache_free(struct rad_ambcache *c)
     free(c);
 }
 
+/* p in coordinates of the cube, from 0 to 1. */
 static void
 to_cube(const struct rad_ambcache *c, const double p[3], double q[3])
 {
@@ -96,6 +102,7 @@ to_cube(const struct rad_ambcache *c, const double p[3], double q[3])
         q[k] = (p[k] - c->org[k]) * c->scale;
 }
 
+/* Which child of a cell at that depth holds the smallest cell `number`. */
 static int
 octant_at(const uint64_t number[3], int depth)
 {
@@ -105,7 +112,7 @@ octant_at(const uint64_t number[3], int depth)
                  (number[2] >> bit & 1) << 2);
 }
 
-/* The eight children of a cell, made if there are none; NULL: no memory. */
+/* The eight children of a cell, made if need be; NULL: out of memory. */
 static struct cell *
 kids_of(struct rad_ambcache *c, struct cell *cell)
 {
@@ -130,35 +137,38 @@ kids_of(struct rad_ambcache *c, struct cell *cell)
 struct load {
     const struct rad_ambitem *item;
     struct rad_ambzone zone; /* in sides of the cube */
-    double q[3];             /* its point, likewise, put on the cube's face
-                              * where it is outside */
-    int depth;               /* of the cells to list it in */
+    double q[3];             /* the record's point, in sides of the cube; moved
+                              * to the cube's face if it is outside */
+    int depth;               /* of the cells that are to list it */
 };
 
-/* One of those cells, and how far down to it the walk has come. */
+/* One of the cells that are to list a record, and how far down to it the walk
+ * has come. */
 struct place {
     const struct load *load;
-    uint64_t cell[3]; /* its number, at its depth */
-    struct cell *at;
-    int depth; /* of `at` */
+    uint64_t cell[3]; /* number of the cell, at load->depth */
+    struct cell *at;  /* the cell on the way that has been reached */
+    int depth;        /* of `at` */
 };
 
-/* Records that go into the octree together.  What they touch is seldom in the
- * processor's own memory, so all of them go down a level at a time, each having
- * asked for what it needs next: an office's 25000 records from others, between
- * which a thread rendered, took 800 nanoseconds each when one went after the
- * other. */
+/* Records that go into the octree together.  The cells and lists that they
+ * touch are seldom in the processor's caches.  So all records go down one level
+ * at a time, and each prefetches what it needs next.  (One after the other, an
+ * office's 25000 records from other workers took 800 nanoseconds each while
+ * threads rendered.) */
 enum { TOGETHER = 16, MOST_PLACES = 8 * TOGETHER };
 
 struct bulk {
     struct rad_ambcache *c;
     int nloads, nplaces;
-    bool ok; /* no memory was missing */
+    bool ok; /* memory was not out so far */
     struct load load[TOGETHER];
     struct place place[MOST_PLACES];
 };
 
-/* Fill place i.  The reach has a margin for what both points are rounded by. */
+/* Fill place i of a block, whose cell has the corner `from` in sides of the
+ * cell; the side of the cube is `scale` cells.  The reach has a margin for the
+ * rounding of both points. */
 static void
 fill(struct block *b, unsigned i, const struct load *l, const double from[3],
      double scale)
@@ -174,7 +184,8 @@ fill(struct block *b, unsigned i, const struct load *l, const double from[3],
     b->item[i] = l->item;
 }
 
-/* List it in a cell whose corner is `from`, in sides of the cell. */
+/* List a record in a cell; `from` and `scale` as of fill().  False: out of
+ * memory. */
 static bool
 push(struct rad_ambcache *c, struct cell *cell, const struct load *l,
      const double from[3], double scale)
@@ -184,7 +195,7 @@ push(struct rad_ambcache *c, struct cell *cell, const struct load *l,
 
     /* acquire: pairs with the release below, for `taken` and `ready` */
     head = atomic_load_explicit(&cell->list, memory_order_acquire);
-    /* asked first, so that the counter cannot wrap round */
+    /* read before it is added to, so that the counter cannot wrap round */
     if (head &&
         atomic_load_explicit(&head->taken, memory_order_relaxed) < LANES) {
         i = atomic_fetch_add_explicit(&head->taken, 1, memory_order_relaxed);
@@ -204,8 +215,8 @@ push(struct rad_ambcache *c, struct cell *cell, const struct load *l,
     atomic_store_explicit(&mine->ready, 1, memory_order_relaxed);
     mine->next = head;
     /* release: pairs with the acquires of cell->list here and in
-     * descend; what is further down the list was released by those
-     * who pushed it, and each push is part of the same release sequence */
+     * descend; earlier blocks of the list were released by the threads that
+     * pushed them, and each push is part of the same release sequence */
     while (!atomic_compare_exchange_weak_explicit(&cell->list, &mine->next,
                                                   mine, memory_order_acq_rel,
                                                   memory_order_acquire))
@@ -213,7 +224,8 @@ push(struct rad_ambcache *c, struct cell *cell, const struct load *l,
     return true;
 }
 
-/* Does the zone touch the cell of that number, at its depth? */
+/* Does the zone touch the cell with this number and side, in sides of the cube?
+ */
 static bool
 touches(const struct load *l, const uint64_t cell[3], double side)
 {
@@ -229,8 +241,8 @@ touches(const struct load *l, const uint64_t cell[3], double side)
     return d2 <= l->zone.reach * l->zone.reach;
 }
 
-/* Take all a level down, or leave them where there is no memory for smaller
- * cells; false: none can go farther. */
+/* Take all places one level down, except those for which there is no memory for
+ * smaller cells; false: no place went down. */
 static bool
 step_down(struct bulk *b)
 {
@@ -253,7 +265,7 @@ step_down(struct bulk *b)
     return moved;
 }
 
-/* List it in the cell that was reached. */
+/* List a place's record in the cell that was reached. */
 static bool
 list_at(struct rad_ambcache *c, const struct place *p)
 {
@@ -264,14 +276,14 @@ list_at(struct rad_ambcache *c, const struct place *p)
     return push(c, p->at, p->load, from, ldexp(1, p->depth));
 }
 
-/* List what was gathered. */
+/* List all records that were gathered. */
 static void
 list_all(struct bulk *b)
 {
     while (step_down(b))
         ;
     for (int i = 0; i < b->nplaces; i++) {
-        /* relaxed: what is there is not looked at */
+        /* relaxed: the block is only prefetched, not read */
         const char *head = (const char *)atomic_load_explicit(
             &b->place[i].at->list, memory_order_relaxed);
 
@@ -283,8 +295,8 @@ list_all(struct bulk *b)
     b->nloads = b->nplaces = 0;
 }
 
-/* The box about the zone, as numbers of cells at its depth: half an ellipsoid
- * about the normal. */
+/* The box about the zone, half an ellipsoid about the normal, as numbers of
+ * cells at l->depth. */
 static void
 find_box(const struct load *l, uint64_t lo[3], uint64_t hi[3])
 {
@@ -295,7 +307,8 @@ find_box(const struct load *l, uint64_t lo[3], uint64_t hi[3])
         double half = reach * sqrt(rest) + l->zone.behind;
         int shift = BITS - l->depth;
 
-        /* the normal is rounded by 2^-24, and the root of that may count */
+        /* the normal is rounded by 2^-24, and `rest` by as much: its square
+         * root may be off by 2^-12 */
         whole += 1e-3 * reach;
         half = rad_least(half + 1e-3 * reach, whole);
         lo[k] = cell_number(l->q[k] - (n < 0 ? whole : half)) >> shift;
@@ -303,8 +316,8 @@ find_box(const struct load *l, uint64_t lo[3], uint64_t hi[3])
     }
 }
 
-/* Gather the cells that the zone touches: they are wider than it is, so there
- * are at most eight. */
+/* Gather the cells that a record's zone touches: each cell is wider than the
+ * zone, so there are at most eight. */
 static void
 spread(struct bulk *b, const struct load *l)
 {
@@ -344,7 +357,7 @@ void
 rad_ambitem_get(const struct rad_ambitem *item, const struct rad_glint *glint,
                 struct rad_ambrec *rec)
 {
-    memset(rec, 0, sizeof *rec); /* between its fields, too */
+    memset(rec, 0, sizeof *rec); /* the padding, too */
     rad_copy(rec->p, item->p);
     memcpy(rec->n, item->n, sizeof rec->n);
     memcpy(rec->u, item->u, sizeof rec->u);
@@ -360,7 +373,7 @@ rad_ambitem_get(const struct rad_ambitem *item, const struct rad_glint *glint,
         rec->glint = *glint;
 }
 
-/* Into the log, and among what is to be listed. */
+/* Add a record to the log, and to the records that are to be listed. */
 static bool
 take_in(struct bulk *b, const struct rad_ambrec *rec,
         const struct rad_ambzone *zone, bool local)
@@ -377,7 +390,7 @@ take_in(struct bulk *b, const struct rad_ambrec *rec,
     to_cube(c, rec->p, l->q);
     for (int k = 0; k < 3; k++)
         l->q[k] = clamp(l->q[k], 0, 1);
-    /* rounded up by what places in the cube are rounded by, both ends */
+    /* a margin for the rounding of both points in the cube */
     l->zone.reach = zone->reach / c->side * (1 + 0x1p-20) + 0x1p-48;
     l->zone.height = zone->height / c->side * (1 + 0x1p-20) + 0x1p-48;
     l->zone.behind = zone->behind / c->side * (1 + 0x1p-20) + 0x1p-48;
@@ -427,7 +440,7 @@ rad_ambcache_read(struct rad_ambcache *c, uint64_t *cursor, bool local_only,
         atomic_load_explicit(&c->read_last, memory_order_acquire);
     size_t n = 0;
 
-    /* most who ask find nothing new; the count may lag, and they ask again */
+    /* most calls find nothing new; if the count lags a later call finds it */
     if (*cursor >= rad_ambcache_count(c))
         return 0;
     while (n < max) {
@@ -436,7 +449,7 @@ rad_ambcache_read(struct rad_ambcache *c, uint64_t *cursor, bool local_only,
 
         if (!e)
             break;
-        /* past the chunk's end that asks for what is not wanted, no more */
+        /* beyond the chunk's end this prefetches in vain, which is harmless */
         __builtin_prefetch(&e[READ_AHEAD].state);
         state = atomic_load_explicit(&e->state, memory_order_acquire);
         if (state == EMPTY)

@@ -1,9 +1,9 @@
 /* ambcache_find.c - look-ups in the octree of ambient records; see ambcache.c
  *
- * A vector is loaded whole, with places in it that a writer may just be
- * filling; what comes of those is masked away.  C11 has no word for such a
- * load, and ThreadSanitizer would report it, so under that only ready places
- * are read, one by one, which proves all but this.  */
+ * A vector is loaded whole, although a writer may just be filling some of its
+ * places; their results are masked out.  C11 does not define such a load, and
+ * ThreadSanitizer would report it.  So under ThreadSanitizer ready places alone
+ * are read, one by one: that tests all other accesses.  */
 #include "config.h"
 
 #include "light/indirect/ambcache_impl.h"
@@ -15,14 +15,14 @@
 #include <emmintrin.h>
 #endif
 
-/* A query on its way through a cell, in bytes as in a block. */
+/* A query in a cell, as bytes that compare with those of a block. */
 struct probe {
     uint8_t at[3], n[3], weight;
-    uint8_t turn; /* so far may a normal be off along each axis */
+    uint8_t turn; /* how far a normal may be off along each axis */
 };
 
-/* The steps by which normals with a cosine of that at least differ along each
- * axis at most: no more than the chord between them. */
+/* By how many steps two normals with at least this cosine may differ along an
+ * axis: by no more than the chord between them, and rounding. */
 static uint8_t
 turn_byte(double cosine)
 {
@@ -38,11 +38,12 @@ rad_ambfit_set(struct rad_ambfit *fit, double min_cos, double weight)
     fit->weight = (uint8_t)weight_steps(weight);
 }
 
-/* The axes that normals within an angle of n can be nearest to, as bits.  Those
- * of an axis are on its side of four planes, of which one is farther from n
- * than any other: that far, as a sine, a normal must be off, and a little for
- * what the lengths of normals are off.  Nor are they more than 55 degrees from
- * it, so what is beyond 145 does not matter. */
+/* The normals that are nearest to one axis lie on its side of four planes, such
+ * as x = y.  If n is on the other side of one, the sine of its angle to such
+ * normals is at least its distance to that plane: if this is more than
+ * fit->sine, and a little more, since normals are not quite of unit length, the
+ * face is ruled out.  These normals are also within 55 degrees of their axis,
+ * so an axis more than 145 degrees from n is ruled out. */
 unsigned
 rad_ambfit_faces(const struct rad_ambfit *fit, const double n[3])
 {
@@ -56,7 +57,7 @@ rad_ambfit_faces(const struct rad_ambfit *fit, const double n[3])
     most = rad_most(at[0], at[1]);
     middle = rad_most(least, rad_least(most, at[2]));
     most = rad_most(most, at[2]);
-    if (most - middle > slack) { /* no other plane is so near */
+    if (most - middle > slack) { /* all planes are farther: one axis alone */
         int k = at[0] == most ? 0 : at[1] == most ? 1 : 2;
 
         return 1u << (2 * k + (n[k] < 0));
@@ -88,7 +89,7 @@ load16(const void *p)
     return _mm_load_si128(p);
 }
 
-/* How far bytes are apart, or `far` if that is more. */
+/* The larger of `far` and the distance of each byte to `from`. */
 static inline __m128i
 apart(__m128i far, const uint8_t *bytes, uint8_t from)
 {
@@ -98,8 +99,8 @@ apart(__m128i far, const uint8_t *bytes, uint8_t from)
                         _mm_or_si128(_mm_subs_epu8(a, b), _mm_subs_epu8(b, a)));
 }
 
-/* The places that may serve, as bits: within whose reach the point is along
- * each axis, that look the same way, and that were made for as much weight. */
+/* The ready places whose records may serve, as bits: the point is within their
+ * reach along each axis, and their normal and weight fit. */
 static inline unsigned
 passing(const struct block *b, const struct probe *q, unsigned ready)
 {
@@ -131,7 +132,7 @@ may_serve(const struct block *b, const struct probe *q, unsigned i)
     return b->weight[i] >= q->weight;
 }
 
-/* The places that may serve, as bits. */
+/* The ready places whose records may serve, as bits. */
 static unsigned
 passing(const struct block *b, const struct probe *q, unsigned ready)
 {
@@ -147,7 +148,7 @@ passing(const struct block *b, const struct probe *q, unsigned ready)
 
 #endif
 
-/* All but the last records' addresses. */
+/* Prefetch three of a block's four lines, all but the last items. */
 static inline void
 prefetch(const struct block *b)
 {
@@ -156,7 +157,7 @@ prefetch(const struct block *b)
     __builtin_prefetch((const char *)b + 2 * LINE);
 }
 
-/* What was found and is to be handed on. */
+/* Records that were found and are not handed on yet. */
 enum { MOST_FOUND = 4 * LANES };
 
 struct finds {
@@ -174,7 +175,7 @@ hand_on(struct finds *finds)
     finds->n = 0;
 }
 
-/* Walk a list and find what may serve. */
+/* Walk a list and find the records that may serve. */
 static inline void
 scan(const struct block *b, const struct probe *q, struct finds *finds)
 {
@@ -198,7 +199,7 @@ scan(const struct block *b, const struct probe *q, struct finds *finds)
 
 /* The lists of the cells about a point, from the root to the smallest. */
 struct path {
-    int depth; /* of that */
+    int depth; /* of the smallest cell */
     const struct block *list[MAX_DEPTH + 1];
 };
 
@@ -227,8 +228,8 @@ descend(const struct cell *cell, const uint64_t number[3], struct path *path)
     }
 }
 
-/* The point as the cell at that depth has it: place_byte(), from the bits of
- * its number that follow the cell's. */
+/* Set the probe's point for a cell at that depth: as place_byte(), from the
+ * bits of the point's number that follow the cell's. */
 static inline void
 aim(struct probe *probe, const uint64_t number[3], int depth)
 {
@@ -242,12 +243,12 @@ struct visit {
     const struct rad_ambcache *c;
     uint64_t number[3];
     struct probe probe;
-    bool any; /* something was looked at */
+    bool any; /* a list has been looked at */
     rad_ambcache_more_fn *more;
     struct finds finds;
 };
 
-/* Be ready for lists of that depth; false: enough was found before. */
+/* Prepare to look at lists of that depth; false: `more` wants none. */
 static inline bool
 go_on(struct visit *v, int depth)
 {
@@ -266,7 +267,7 @@ look_at(struct visit *v, const struct block *list)
     hand_on(&v->finds);
 }
 
-/* Back up along the path. */
+/* Look at the lists of a path, from the smallest cell up. */
 static inline void
 ascend(struct visit *v, const struct path *path)
 {
@@ -279,7 +280,7 @@ ascend(struct visit *v, const struct path *path)
     }
 }
 
-/* The same along several, in step. */
+/* The same for several paths: all lists of one depth, then of the next. */
 static void
 ascend_all(struct visit *v, const struct path *path, int n)
 {

@@ -1,9 +1,9 @@
 /* ambcache_impl.h - the octree of ambient records, as ambcache.c makes it and
  * ambcache_find.c reads it
  *
- * Private to these two, but for what ambread.c shares of it: trees by bounces
- * and face, sizes, bytes of normals.  ambcache.c says how the octree is laid
- * out and why.  */
+ * Private to these two files; ambread.c uses the numbering of trees by bounces
+ * and face, the sizes, and the bytes of normals.  ambcache.c says how the
+ * octree is laid out and why.  */
 #ifndef RAD_LIGHT_AMBCACHE_IMPL_H
 #define RAD_LIGHT_AMBCACHE_IMPL_H
 
@@ -14,18 +14,18 @@
 #include <stdalign.h>
 
 #define LINE         RAD_AMBPOOL_LINE
-#define WIDTH        16 /* of a vector of bytes */
-#define LANES        14 /* so many make a block four lines of memory */
-#define STEPS_LOG    7  /* of the steps to the side of a cell */
+#define WIDTH        16 /* bytes of a vector */
+#define LANES        14 /* places of a block, which is four lines of memory */
+#define STEPS_LOG    7  /* a byte of a place has so many bits for the cell */
 #define STEPS        (1 << STEPS_LOG)
 #define NORMAL_STEPS 127.
-#define SPAN         3 /* a cell's side over the zones that it lists */
-#define ROOTS        8
-#define FACES        6
-#define BITS         48 /* of a cell's number: beyond is rounding */
+#define SPAN         3  /* least side of a cell over the reach of its zones */
+#define ROOTS        8  /* octrees by number of bounces */
+#define FACES        6  /* octrees by normal: face_of() */
+#define BITS         48 /* of a cell's number; further bits are rounding */
 #define MAX_DEPTH    (BITS - STEPS_LOG)
 
-/* Places of a list, newer blocks first.  What belongs to a place is [fixed]
+/* Places of a list, newer blocks first.  A place's bytes and item are [fixed]
  * once its bit in `ready` is set. */
 struct block {
     alignas(LINE) uint8_t at[3][WIDTH]; /* the record's point: place_byte() */
@@ -34,7 +34,7 @@ struct block {
     uint8_t weight[WIDTH];              /* weight_steps(), rounded up */
     struct block *next;                 /* [fixed] once pushed */
     _Atomic uint32_t taken;             /* places given out; may pass LANES */
-    _Atomic uint32_t ready;             /* a bit for each */
+    _Atomic uint32_t ready;             /* a bit for each place */
     const struct rad_ambitem *item[LANES];
 };
 
@@ -47,9 +47,9 @@ struct rad_ambcache {
     double org[3], side;                       /* [fixed] */
     double scale;                              /* [fixed] 1 / side */
     struct cell root[ROOTS][FACES];            /* by bounces and face_of() */
-    struct rad_ambpool entries, blocks, cells; /* cells: eight an item */
+    struct rad_ambpool entries, blocks, cells; /* cells: items of eight */
     _Atomic size_t count; /* relaxed: shown, never decided on */
-    /* of entries: where the last reader was, or NULL */
+    /* chunk of entries that rad_ambcache_read() came to last, or NULL */
     _Atomic(struct rad_ambchunk *) read_last;
 };
 
@@ -59,38 +59,41 @@ clamp(double x, double lo, double hi)
     return x < lo ? lo : x > hi ? hi : x;
 }
 
-/* A place along an axis in sides of a cell, from its corner: STEPS to the side,
- * and half a side before and behind, for records outside it that reach into
- * it.  What lies farther out counts as there, which brings no two places
- * farther apart.  Two bytes differ by less than one more than the places. */
+/* A coordinate relative to a cell's corner, in sides of the cell, as a byte:
+ * STEPS to the side, and half a side before and behind, for records outside the
+ * cell that reach into it.  Coordinates farther out are moved there, which
+ * brings no two of them farther apart.  Two bytes differ by at most one step
+ * more than the coordinates. */
 static inline uint8_t
 place_byte(double x)
 {
     return (uint8_t)clamp((x + .5) * STEPS, 0, 255);
 }
 
-/* The steps within which a place is that is nearer than `reach` sides. */
+/* The largest difference of place_byte() between coordinates that are at most
+ * `reach` sides apart. */
 static inline uint8_t
 reach_byte(double reach)
 {
     return (uint8_t)clamp(ceil(reach * STEPS) + 1, 0, 255);
 }
 
-/* Weights beyond 1.27 count as one.  Never less for more. */
+/* A weight in steps of a byte; rises with the weight up to 1.27. */
 static inline double
 weight_steps(double weight)
 {
     return clamp(weight * 200, 0, 255);
 }
 
-/* A component of a unit vector, off by half a step. */
+/* A component of a unit vector, rounded to a step. */
 static inline uint8_t
 normal_byte(double x)
 {
     return (uint8_t)(lrint(clamp(x, -1, 1) * NORMAL_STEPS) + 128);
 }
 
-/* The axis that n is nearest to, and its sign. */
+/* Which of six: twice the axis that n is nearest to, plus 1 if it is negative.
+ */
 static inline int
 face_of(const float n[3])
 {
@@ -101,16 +104,17 @@ face_of(const float n[3])
     return 2 * k + (n[k] < 0);
 }
 
-/* The tree of records of that many bounces. */
+/* The tree of records of `level` bounces. */
 static inline int
 root_of(int level)
 {
     return level < ROOTS ? level : ROOTS - 1;
 }
 
-/* Number of the smallest cell there could be, along an axis: bit BITS - 1 - d
- * says which child to take at depth d.  What is a little outside the cube
- * counts as on its face, which brings no two points farther apart. */
+/* The number of the smallest possible cell at coordinate q, in sides of the
+ * cube, along an axis: bit BITS - 1 - d says which child to take at depth d.
+ * Points outside the cube are moved to its face, which brings no two of them
+ * farther apart. */
 static inline uint64_t
 cell_number(double q)
 {
@@ -121,7 +125,8 @@ cell_number(double q)
     return q >= 1 ? last : (uint64_t)(q * 0x1p48);
 }
 
-/* Depth of the smallest cells that are SPAN times as wide. */
+/* The depth of the smallest cells whose side is at least SPAN times `reach`,
+ * which is in sides of the cube. */
 static inline int
 depth_for(double reach)
 {
@@ -131,10 +136,10 @@ depth_for(double reach)
     return e > 0 ? 0 : e < -MAX_DEPTH ? MAX_DEPTH : -e;
 }
 
-/* The faces that records which fit a normal may have, as bits. */
+/* The faces (face_of()) that records whose normal fits n may have, as bits. */
 unsigned rad_ambfit_faces(const struct rad_ambfit *fit, const double n[3]);
 
-/* Cells of that depth in a row. */
+/* How many cells of that depth the cube's side has. */
 static inline double
 cells_across(int depth)
 {

@@ -1,11 +1,11 @@
-/* ambient.c - the ambient records of a job: taken in, kept, listed; see
+/* ambient.c - the ambient records of a job: inserted, kept, listed; see
  * ambient.h
  *
- * What they say of a place is ambient_find.c's, how they are made
- * ambient_apply.c's.
+ * ambient_find.c computes what records say of a place; ambient_apply.c makes
+ * records.
  *
- * The cache's cube is the one in which oconv would put the scene, and -ar
- * counts in it as rpict has it.  */
+ * The cache's cube is the one that oconv would make about the scene; -ar is
+ * relative to its side, as in rpict.  */
 #include "config.h"
 
 #include "light/indirect/ambient_impl.h"
@@ -16,9 +16,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Where the cache is frozen, so much farther than -aa deep records are asked
- * for: by tiles of passes that are not for them.  Those would be made by each
- * tile that lacks them. */
+/* In a frozen cache, tiles of passes for other records ask for deep records up
+ * to so many times -aa: else each tile that lacks a deep record would make it.
+ */
 #define DEEP_REACH 1.25
 
 struct rad_ambient *
@@ -94,8 +94,8 @@ is_finite(const float *v, int n)
     return true;
 }
 
-/* Unit length, and perpendicular to w unless w is NULL, to what single
- * precision and a conversion on the way may lose. */
+/* Is v of unit length and, unless w is NULL, perpendicular to w?  Within the
+ * errors of single precision and of a conversion. */
 static bool
 is_direction(const float v[3], const float *w)
 {
@@ -108,13 +108,13 @@ is_direction(const float v[3], const float *w)
                       (double)v[2] * w[2]) < 1e-3;
 }
 
-/* Variances of E over its square are 1 where one ray met all the light, and
- * hardly more anywhere; glints lie within ten sides of the
- * cube of the scene that a record was made for. */
+/* Limits of a plausible record.  The variance of E over its square is 1 where
+ * one ray met all the light, and hardly ever more.  Glints lie within ten sides
+ * of the cube, whose scene may be another than this. */
 #define MOST_VARIANCE 1000
 #define MOST_SIDES    1000
 
-/* Could this be a record of ours?  In the cube, or off it by rounding. */
+/* Could radd have made this record in this scene? */
 static bool
 is_plausible(const struct rad_ambient *amb, const struct rad_ambrec *rec)
 {
@@ -149,8 +149,8 @@ zone_of(const struct rad_ambient *amb, const float radius[2], int level)
                                      amb->scale.least * amb->scale.ambacc };
 }
 
-/* The light of a record that was inserted: for -aw, and for hemispheres that a
- * frozen cache guides. */
+/* Count the light of a record that was inserted: -aw wants the mean, and so do
+ * hemispheres' guides (usual_luminance()). */
 static void
 count_light(struct rad_ambient *amb, const struct rad_ambrec *rec)
 {
@@ -173,11 +173,11 @@ insert(struct rad_ambient *amb, const struct rad_ambrec *rec, bool local)
     if (!is_plausible(amb, rec))
         return false;
     if (amb->frozen)
-        rad_ambsmooth_release(&amb->smooth); /* it knows the records' place */
+        rad_ambsmooth_release(&amb->smooth); /* has pointers to the records */
     if (!(amb->frozen ? rad_ambread_add(&amb->read, rec)
                       : rad_ambcache_insert(amb->cache, rec, &zone, local)))
         return false;
-    if (amb->frozen) /* relaxed: whoever counts them reads none of them */
+    if (amb->frozen) /* relaxed: threads that count the records read none */
         atomic_store_explicit(&amb->held, amb->read.n, memory_order_relaxed);
     count_light(amb, rec);
     return true;
@@ -210,7 +210,7 @@ zone_in(const void *arg, const struct rad_ambitem *item)
     return zone_of(arg, item->radius, item->level);
 }
 
-/* Of the glints of all records. */
+/* Gather the glints of all records into places. */
 static bool
 gather_bright(struct rad_ambient *amb, struct rad_bright *bright)
 {

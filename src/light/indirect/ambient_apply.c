@@ -1,9 +1,8 @@
 /* ambient_apply.c - indirect light where rays ask for it; see ambient.h
  *
- * Where the cache misses, the hemisphere is sampled (hemisphere.c) and a
- * record is made of it: E, how it changes as the point moves and the normal
- * turns, and an elliptic zone in which a linear extrapolation is good
- * (ambshape.c).  */
+ * Where the cache misses, the hemisphere is sampled (hemisphere.c) and a record
+ * is made: E, its gradients as the point moves and the normal turns, and an
+ * elliptic zone in which a linear extrapolation is good (ambshape.c).  */
 #include "config.h"
 
 #include "light/hemisphere/gradient.h"
@@ -12,39 +11,41 @@
 #include "arith/elementary.h"
 #include "base/vec.h"
 
-/* The least weight of records beyond -aa that serve. */
+/* Records beyond -aa serve if their weights sum to more than this. */
 #define LEAST_FAR_WEIGHT 1e-3
 
-/* Stands for infinity in the positions of what is seen, in sides of the
- * scene's cube: far enough to be still as the point moves. */
+/* The distance that stands for infinity in the positions of hits, in sides of
+ * the scene's cube: so far that a hit seems to stand still as the point moves.
+ */
 #define FAR_SIDES 10.
 
-/* For a glance hemispheres are so much coarser where no record is near. */
+/* With ctx->glance, a hemisphere has this part of its rays. */
 #define GLANCE_SHARE (1. / 16)
 
-/* Of a record's rays so many will do for a place that a frozen cache lacks and
- * one pixel shows, but no sensor, and for deeper records of a tile that has
- * traced its rays. */
+/* This part of a record's rays is enough for a place that a frozen cache lacks
+ * and that one pixel shows, unless it is a sensor; and for deeper records of a
+ * tile that has traced its share of rays. */
 #define ALONE_SHARE .25
 
-/* Fewest cells along a side: what a picture shows needs gradients.  What a ray
- * of a hemisphere alone needs, for a frozen cache lacks it, is one of that
- * hemisphere's many samples: in a cleft that the passes missed each ray needs
- * its own. */
+/* The fewest cells along a side of a hemisphere.  A place that a picture shows
+ * needs gradients.  A deep place that a frozen cache lacks is needed by one ray
+ * of a hemisphere alone, one of many samples; and in a cleft that the passes
+ * missed each ray needs such a place of its own. */
 #define SIDE_SHOWN 7
 #define SIDE_DEEP  5
 #define SIDE_ALONE 2
 
-/* What records for light rays are for, in parts of the weight of rays that have
+/* Records for light rays are made for this part of the weight of rays that have
  * been reflected as often. */
 #define LIGHT .125
 
 /* --- making records --- */
 
-/* The weight that a record made here is for: that of a ray which has been
- * reflected as often, or of all that are much lighter: a record does not serve
- * a heavier ray than it is for, so if each were for one weight, rays of
- * slightly different weights would all make their own. */
+/* The weight for which a record is made: the usual weight of a ray that has
+ * been reflected as often, or LIGHT times that for much lighter rays.  (A
+ * record does not serve rays that are heavier than its weight: if it had just
+ * that of the ray, rays of slightly different weights would each make theirs.)
+ */
 static float
 record_weight(const struct rad_ambplace *at)
 {
@@ -53,7 +54,7 @@ record_weight(const struct rad_ambplace *at)
     return (float)(at->weight < .1 * usual ? LIGHT * usual : usual);
 }
 
-/* Logarithms of the records so far, and how many there are. */
+/* The sum of the logarithms of the records' luminances, and their number. */
 static void
 sum_logs(const struct rad_ambient *amb, const struct rad_ambtile *tile,
          double *sum, double *n)
@@ -69,7 +70,7 @@ sum_logs(const struct rad_ambient *amb, const struct rad_ambtile *tile,
     *n = (double)count;
 }
 
-/* The mean, by logarithm, of what the records see. */
+/* The geometric mean of the luminances that records see. */
 static double
 usual_luminance(const struct rad_ambient *amb, const struct rad_ambtile *tile)
 {
@@ -79,23 +80,24 @@ usual_luminance(const struct rad_ambient *amb, const struct rad_ambtile *tile)
     return n > 0 ? rad_exp(sum / n) : 0;
 }
 
-/* Is a record made for what one pixel shows of a frozen cache? */
+/* Does a record that is made now serve one pixel alone?  Yes, with a frozen
+ * cache, unless a tile or a check makes it. */
 static bool
 is_alone(const struct rad_ctx *ctx)
 {
     return ctx->job->ambient->frozen && !ctx->fresh && !ctx->tile;
 }
 
-/* Is it a sensor's own place?  It gets a record of its own, with all samples, or
- * has some that are near enough. */
+/* Is it a sensor's own place?  It is served by records within -aa alone, or
+ * gets a record of its own with all samples. */
 static bool
 is_sensors(const struct rad_ctx *ctx, const struct rad_ambplace *at)
 {
     return ctx->sensor && at->level == 0;
 }
 
-/* E of a record at its own place, whose normal textures tilt to at->pn, and
- * *off, as irradiance() has it. */
+/* E of a new record at its own place, for the normal at->pn that textures have
+ * tilted.  *off is set as by irradiance() if E was smoothed. */
 static struct rad_rgb
 own_light(const struct rad_ctx *ctx, const struct rad_ambrec *rec,
           const struct rad_ambplace *at, double *off)
@@ -125,8 +127,9 @@ least_side(const struct rad_ctx *ctx, const struct rad_ambplace *at)
     return is_alone(ctx) ? SIDE_ALONE : SIDE_DEEP;
 }
 
-/* Sample the hemisphere at a place and keep the result if it is fit to be
- * kept.  False: no light could be traced. */
+/* Sample the hemisphere at a place, and keep the result as a record if it is
+ * sound.  Sets *E and *off as irradiance() does.  False: no ray could be
+ * traced. */
 static bool
 make_record(struct rad_ctx *ctx, const struct rad_ray *r,
             const struct rad_ambplace *at, bool behind, struct rad_rgb *E,
@@ -146,7 +149,7 @@ make_record(struct rad_ctx *ctx, const struct rad_ray *r,
     rec.weight = record_weight(at);
     plan.weight = rad_ambrec_worth(&rec);
     if (is_alone(ctx) && !is_sensors(ctx, at))
-        /* the pixel's other samples have as many */
+        /* each of the pixel's samples makes a record of its own */
         plan.weight *= ALONE_SHARE / ctx->job->params.samples;
     else if (ctx->tile && at->level > ctx->tile->level &&
              ctx->counts.ambient_rays >= ctx->tile->most)
@@ -165,8 +168,8 @@ make_record(struct rad_ctx *ctx, const struct rad_ray *r,
     ok = rad_hemi_sample(ctx, r, &plan, &h);
     if (ok)
         *E = h.E;
-    /* what a NaN has touched on the way, now black, is not kept, and of few
-     * cells gradients are noise */
+    /* not kept: a hemisphere in which a ray was NaN, which counted as black,
+     * or with so few cells that gradients would be noise */
     if (ok && h.complete && h.n >= SIDE_DEEP &&
         ctx->counts.unsound_rays == unsound) {
         rad_copy(rec.p, at->p);
@@ -184,8 +187,9 @@ make_record(struct rad_ctx *ctx, const struct rad_ray *r,
     return ok;
 }
 
-/* Without a cache: sample for this place alone.  Where cells are few, or rays
- * of some were refused, textures have no part in it, as in rpict. */
+/* Without a cache: sample the hemisphere for this place alone.  If it has few
+ * cells, or the rays of some were refused, textures do not tilt the normal, as
+ * in rpict. */
 static bool
 sample_here(struct rad_ctx *ctx, const struct rad_ray *r,
             const struct rad_ambplace *at, bool behind,
@@ -232,8 +236,8 @@ bounces(const struct rad_ray *r)
     return n;
 }
 
-/* Are records for such a place made now?  Those of a frozen cache are in a pass
- * of their own. */
+/* Are records of the place's level made now?  In a frozen cache each level has
+ * passes of its own. */
 static bool
 is_due(const struct rad_ctx *ctx, const struct rad_ambplace *at)
 {
@@ -241,8 +245,9 @@ is_due(const struct rad_ctx *ctx, const struct rad_ambplace *at)
            (ctx->tile && ctx->tile->level == at->level);
 }
 
-/* Does what was said do, so that no record is made?  Of a frozen cache that is
- * not asked so much: the pass for these records has been. */
+/* Do the records that were found serve, so that none is made?  If records of
+ * this level are not due, records beyond -aa are good enough: the passes for
+ * this level are over. */
 static bool
 serves(const struct rad_ambsaid *said, bool due)
 {
@@ -263,8 +268,8 @@ rad_ambient_serves(struct rad_ctx *ctx, const struct rad_ambplace *at)
     return serves(&said, due);
 }
 
-/* -av, or its mean with the records so far (-aw), times what a surface leaves
- * of it. */
+/* -av; with -aw its geometric mean with the radiances of the records so far,
+ * which are E / pi times 1 - the mean reflectance. */
 static struct rad_rgb
 constant_radiance(const struct rad_ctx *ctx)
 {
@@ -285,9 +290,9 @@ constant_radiance(const struct rad_ctx *ctx)
     return rad_rgb_scale(av, (float)(rad_exp(sum / (par->ambvwt + n)) / lum));
 }
 
-/* E at the place, interpolated or sampled; false: neither is possible, or there
- * are records for it and nobody wants E: a tile of a pass asks for records.
- * *off becomes the square of how far that may be off, over its own. */
+/* Set *E at the place, interpolated or sampled, and *off to its expected
+ * squared error, over its square.  False: no ray could be traced; or records
+ * serve, and E itself is not wanted, since a tile asks for records only. */
 static bool
 irradiance(struct rad_ctx *ctx, const struct rad_ray *r,
            const struct rad_ambplace *at, bool behind,
@@ -315,7 +320,8 @@ irradiance(struct rad_ctx *ctx, const struct rad_ray *r,
     return true;
 }
 
-/* What a pixel shows of L at r's hit may be off by that square. */
+/* Add to the pixel's doubt that light L at r's hit has the expected squared
+ * error `off`, over its square. */
 static void
 note_doubt(struct rad_ctx *ctx, const struct rad_ray *r, struct rad_rgb L,
            double off)

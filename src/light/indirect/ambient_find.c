@@ -1,38 +1,41 @@
-/* ambient_find.c - what the ambient records say of a place; see ambient.h
+/* ambient_find.c - irradiance at a place, from ambient records; see ambient.h
  *
- * Where the zones of several records reach, their extrapolations are averaged
+ * The extrapolations of all records in whose zones a place lies are averaged,
  * with weights that fall to zero at the edges of the zones, in distance and in
- * angle, so nothing jumps where a zone ends.
+ * angle: so E does not jump where a zone ends.
  *
- * A record serves its own level alone.  One of a lower level holds the light of
- * more bounces than a deeper ray has left, so that as many bounces as -ab says
- * would become up to twice as many: with -ab 4 the Cornell box was 1.6 % too
+ * A record serves rays of its own level alone.  A record of a lower level holds
+ * the light of more bounces than a deeper ray has left, which would make up to
+ * twice as many bounces as -ab says: with -ab 4 the Cornell box was 1.6 % too
  * bright however fine the cache.
  *
- * Light leaks: a record made in the open, near a wall that does not reach down
- * to it, must not serve beyond the wall.  A record remembers in which
- * directions something stood near by at the horizon; asked for from there, it
- * serves only if a ray toward a place above it passes.  */
+ * Light leaks.  A record that was made near a wall which does not reach down to
+ * the record's surface must not serve beyond the wall.  So a record remembers
+ * the directions in which a surface stands near by at the horizon (its corral);
+ * to a place in such a direction it serves only if a ray from there to a point
+ * above the record meets nothing.  */
 #include "config.h"
 
 #include "light/indirect/ambient_impl.h"
 #include "arith/elementary.h"
 #include "base/vec.h"
 
-/* Zones of the smaller cells suffice if their weights sum to this. */
+/* Larger zones are left out if the weights of smaller ones sum to this. */
 #define ENOUGH_WEIGHT .05
 
-/* Whether something stands before a record takes a ray to find out.  Where it
- * matters only whether some record serves, and for deep ones of a frozen cache,
- * so many such records are put off, and left out if others have that weight. */
+/* The test for a light leak takes a ray.  If the question is only whether some
+ * record serves, and for deep records of a frozen cache, up to MOST_PUT_OFF
+ * records that need the test are put off, and left out if other records have
+ * the weight ENOUGH_DEEP. */
 #define ENOUGH_DEEP  .05
 #define MOST_PUT_OFF 24
 
-/* Of deep records of a frozen cache the first few do that serve with more than
- * that weight: the many rays of a hemisphere ask for them. */
+/* A search for deep records of a frozen cache ends when those found serve with
+ * this weight: each of the many rays of a hemisphere makes such a search. */
 #define ENOUGH_FOR_RAYS .1
 
-/* Ten degrees and -aa radians; more for rays that weigh little. */
+/* The largest angle between normals is ten degrees and -aa radians, and more
+ * for rays of little weight. */
 void
 rad_ambient_set_terms(const struct rad_ambient *amb, float weight,
                       struct rad_ambterms *t)
@@ -49,9 +52,9 @@ rad_ambient_set_terms(const struct rad_ambient *amb, float weight,
 
 /* --- interpolation --- */
 
-/* Is something between the point and the air above the record, be it a pane?
- * The ray rises at 20 degrees from the plane of the point, over what is small
- * and does not matter. */
+/* Does a surface, which may be a pane, stand between the place and a point
+ * above the record?  The ray rises at 20 degrees from the place's plane, so
+ * that it passes over small objects, which hide little light. */
 static bool
 is_walled_off(const struct rad_ambient *amb, const struct rad_ambplace *at,
               const struct rad_ambitem *rec, struct rad_geom_counts *counts,
@@ -80,7 +83,8 @@ is_walled_off(const struct rad_ambient *amb, const struct rad_ambplace *at,
                           counts) != RAD_SIGHT_CLEAR;
 }
 
-/* Which of 32 parts of a turn from u toward v the direction (u, v) is in. */
+/* In which of 32 equal parts of a full turn, from axis u toward axis v, the
+ * direction (u, v) lies. */
 static inline unsigned
 part_of_turn(float u, float v)
 {
@@ -95,37 +99,39 @@ part_of_turn(float u, float v)
     return v < 0 ? 31 - part : part;
 }
 
+/* A search for the records that serve at a place. */
 struct search {
     const struct rad_ambient *amb;
     const struct rad_ambplace *at;
     float n[3], pn[3]; /* of at */
-    float weight9;     /* the least of a record's */
-    float max_angle;
-    float aa, reach; /* relative distance of those that serve, are wanted */
-    float behind;    /* distance behind a record's surface where it serves */
-    double serves;   /* weight of those that make a further one needless */
-    double weight;   /* found so far */
-    double E[3];     /* weighted */
-    /* how far they may be off: sums of squared luminances, and of variances of
-     * those that are smoothed, weighted */
+    float weight9;     /* least weight of a record: .9 times the ray's */
+    float max_angle;   /* between normals [rad] */
+    float aa, reach;   /* distance in radii up to which records serve, and up to
+                        * which they are averaged */
+    float behind;  /* least height over a record's surface where it serves */
+    double serves; /* weight of records within aa, found so far */
+    double weight; /* of all records found so far */
+    double E[3];   /* weighted sum */
+    /* weighted sums for the expected error: of squared luminances, and of
+     * variances of smoothed values */
     double lum2, var;
-    bool frozen; /* what comes now is of the frozen cache */
+    bool frozen; /* records that come now are the frozen cache's */
     const struct rad_ambasker *asker;
-    double enough; /* no more records are wanted when these serve with more */
+    double enough; /* the search ends when `serves' is more */
     bool doubts;   /* lum2 and var are wanted */
-    bool spares;   /* records that something may stand before are put off, */
+    bool spares;   /* records that need a test for leaks are put off */
     int nput_off;
     const struct rad_ambitem **put_off; /* [MOST_PUT_OFF] */
 };
 
-/* No more need be looked at. */
+/* Is the search over? */
 static inline bool
 is_answered(const struct search *s)
 {
     return s->serves > s->enough;
 }
 
-/* What a record says at its place. */
+/* A record's values at its own place, smoothed if they can be. */
 struct says {
     struct rad_rgb E;
     float gpos[2], var;
@@ -150,6 +156,7 @@ hear(const struct search *s, const struct rad_ambitem *it, struct says *k)
     k->var = v.var;
 }
 
+/* Add a record to the sums, if it serves at the place. */
 static inline void
 add_record(struct search *s, const struct rad_ambitem *it)
 {
@@ -167,10 +174,10 @@ add_record(struct search *s, const struct rad_ambitem *it)
     x = u * per;
     y = v * (1 / it->radius[1]);
     h = z * per;
-    dist2 = x * x + y * y + h * h; /* in the zone's units */
+    dist2 = x * x + y * y + h * h; /* squared distance in radii */
     for (int k = 0; k < 3; k++)
         d[k] = it->n[k] - s->n[k];
-    /* the chord, which is the angle for small ones */
+    /* the square of the chord, which is about the angle between normals */
     turn2 = rad_dotf(d, d);
     if (!(dist2 < s->reach * s->reach) | (z < s->behind) | (turn2 >= 2) |
         (it->level != s->at->level) | (it->weight < s->weight9))
@@ -215,8 +222,8 @@ add_records(void *arg, const struct rad_ambitem *const *found, int n)
     return !is_answered(arg);
 }
 
-/* Where small zones have given enough, large ones are left out, unless they
- * could not be much larger. */
+/* rad_ambcache_more_fn: if records with small zones serve well enough, larger
+ * zones are left out, except those near the least size. */
 static bool
 want_more(void *arg, double side)
 {
@@ -227,8 +234,8 @@ want_more(void *arg, double side)
             side * s->amb->scale.ambacc <= s->amb->scale.least);
 }
 
-/* Look at records that were put off, of which those before `frozen` are of the
- * frozen cache, until what was found will do. */
+/* Test records that were put off, until those found are enough; the first
+ * `frozen` of them are the frozen cache's. */
 static void
 look_at_put_off(struct search *s, int frozen)
 {
@@ -242,7 +249,7 @@ look_at_put_off(struct search *s, int frozen)
     s->frozen = false;
 }
 
-/* Find all that serves at s->at. */
+/* Find the records that serve at s->at. */
 static void
 search_all(struct search *s)
 {
@@ -289,6 +296,7 @@ search_all(struct search *s)
     look_at_put_off(s, frozen);
 }
 
+/* The mean E of the records found. */
 static struct rad_rgb
 found(const struct search *s)
 {
@@ -296,9 +304,8 @@ found(const struct search *s)
                    (float)(s->E[2] / s->weight));
 }
 
-/* The square of how far what was found may be off, over its own: what the
- * records differ by, and what those that are smoothed may be off by themselves.
- */
+/* The expected squared error of the mean, over its square: by the variance
+ * between the records, and the mean variance of smoothed ones. */
 static double
 doubt(const struct search *s)
 {
@@ -314,7 +321,7 @@ void
 rad_ambient_ask(const struct rad_ambient *amb, const struct rad_ambplace *at,
                 const struct rad_ambasker *asker, struct rad_ambsaid *said)
 {
-    const struct rad_ambitem *put_off[MOST_PUT_OFF]; /* not set to anything */
+    const struct rad_ambitem *put_off[MOST_PUT_OFF]; /* not initialized */
     struct search s = { .amb = amb,
                         .at = at,
                         .asker = asker,

@@ -1,5 +1,5 @@
-/* ambient_impl.h - what the files of the ambient cache share: its fields, and
- * what one does for another.  Not for others. */
+/* ambient_impl.h - fields and functions that the files of the ambient cache
+ * share (inside light/indirect only) */
 #ifndef RAD_LIGHT_AMBIENT_IMPL_H
 #define RAD_LIGHT_AMBIENT_IMPL_H
 
@@ -13,95 +13,101 @@
 
 #include <stdatomic.h>
 
-/* Reflectance that is assumed where the real one must not matter: each bounce
- * halves the weight of records, and -aw averages radiance, not irradiance. */
+/* The reflectance that is assumed where the real one must not matter: each
+ * bounce halves the weight of records, and -aw makes radiances of the records'
+ * irradiances. */
 #define RAD_AMBIENT_MEAN_REFLECTANCE .5
 
-/* -aw: luminances are averaged by logarithm, in units of 2^-20, for sums of
- * integers do not depend on their order. */
+/* For -aw, logarithms of luminances are summed as integers in this unit: such
+ * sums do not depend on their order. */
 #define RAD_AMBIENT_LOG_UNIT 0x1p-20
 
-/* What a search for a ray of some weight looks for. */
+/* The records that a ray of this weight may use. */
 struct rad_ambterms {
     float weight;
-    float max_angle; /* between the normals [rad], as their chord has it */
+    float max_angle; /* between the normals [rad], measured as their chord */
     struct rad_ambfit fit;
 };
 
+/* rad_ambient has terms for the usual weights of so many levels. */
 #define RAD_AMBIENT_USUAL 8
 
-/* A frozen cache with its first n records. */
+/* A state of a frozen cache: its first n records. */
 struct rad_ambview {
     size_t n;
-    struct rad_bright bright; /* places by these records */
+    struct rad_bright bright; /* places by the glints of these records */
+    /* sum of their luminances' logarithms [RAD_AMBIENT_LOG_UNIT], and how many
+     * luminances it has */
     int64_t log_sum, log_count;
 };
 
 struct rad_ambient {
     const struct rad_job *job;   /* [fixed] */
-    struct rad_ambcache *cache;  /* [fixed] of a cache that is not frozen */
-    struct rad_ambread read;     /* of one that is */
-    struct rad_ambsmooth smooth; /* the same with less noise */
+    struct rad_ambcache *cache;  /* [fixed] the records of a live cache */
+    struct rad_ambread read;     /* the records of a frozen cache */
+    struct rad_ambsmooth smooth; /* smoothed values of a frozen cache */
     double org[3];               /* [fixed] the cube's corner */
     struct rad_ambscale scale;   /* [fixed] */
-    struct rad_ambview view[RAD_AMBIENT_VIEWS]; /* of that, the last first */
+    struct rad_ambview view[RAD_AMBIENT_VIEWS]; /* of `read', newest first */
     bool frozen; /* [fixed] once there are records */
-    /* [fixed] for rays that hemispheres alone have made lighter */
+    /* [fixed] by level, for rays of the weight that is usual there */
     struct rad_ambterms usual[RAD_AMBIENT_USUAL];
     _Atomic int64_t log_sum; /* [atomic] relaxed: an average may lag */
     _Atomic int64_t log_count;
-    _Atomic size_t held; /* [atomic] read.n, for the loop thread to tell */
+    _Atomic size_t held; /* [atomic] read.n, for the loop thread */
     uint64_t drained;    /* [loop] log position of rad_ambient_drain */
 };
 
-/* ambient.c: keep a sound record that the context made, in the cache, or with
- * its tile.  False: it was not kept. */
+/* ambient.c: keep a sound record that the context made: in a live cache, or
+ * with the context's tile.  False: it was not kept. */
 bool rad_ambient_keep(struct rad_ctx *ctx, const struct rad_ambrec *rec);
 
-/* Has the context's tile traced too much?  Hemispheres that are not done then
- * lack what they would have seen. */
+/* Has the context's tile traced all rays that it may?  A hemisphere that is
+ * under way then is given up: no record is kept of it. */
 static inline bool
 rad_ambient_gave_up(const struct rad_ctx *ctx)
 {
     return ctx->tile && ctx->counts.ambient_rays >= ctx->tile->end;
 }
 
-/* What rays read of a frozen cache, in that tile or in none. */
+/* The state of a frozen cache that rays read; tile: the context's, or NULL. */
 static inline const struct rad_ambview *
 rad_ambient_seen(const struct rad_ambient *amb, const struct rad_ambtile *tile)
 {
     return tile ? tile->view : amb->view;
 }
 
-/* ambient_find.c: what is to be looked for by rays of that weight. */
+/* ambient_find.c: set *t for rays of that weight. */
 void rad_ambient_set_terms(const struct rad_ambient *amb, float weight,
                            struct rad_ambterms *t);
 
-/* On whose behalf records are looked for, and how. */
+/* How records are looked for. */
 struct rad_ambasker {
-    const struct rad_ambtile *tile; /* whose records serve, too; or NULL */
-    bool fresh; /* none is wanted, as if there were no records */
-    bool only;  /* wanted is whether any serves, not what they hold */
-    bool near;  /* those beyond -aa say nothing */
-    struct rad_geom_counts *counts; /* of the tests for light leaks; */
-    uint64_t *rays;                 /* their number is added to that */
+    const struct rad_ambtile *tile; /* its own records serve, too; or NULL */
+    bool fresh; /* find nothing, as if there were no records */
+    bool only;  /* find out whether any record serves; E is not wanted */
+    bool near;  /* leave out records beyond -aa */
+    struct rad_geom_counts *counts; /* work of rays that test for light leaks */
+    uint64_t *rays;                 /* the number of these rays is added */
 };
 
+/* The records' answer. */
 struct rad_ambsaid {
-    double serves;    /* weight of those that make a further one needless */
-    double weight;    /* of all that were found */
-    struct rad_rgb E; /* their mean, if there is weight */
-    double off;       /* the square of how far that may be off, over its own;
-                       * 0 where pixels do not ask, at level above 0 */
+    double serves;    /* weight of records within -aa; if it is positive, no
+                       * further record is needed */
+    double weight;    /* of all records found */
+    struct rad_rgb E; /* their mean, if weight is positive and !only */
+    double off;       /* expected squared error of E, over its square; 0 at a
+                       * level above 0 */
 };
 
-/* ambient_find.c: ask the records for a place. */
+/* ambient_find.c: look for records at a place and set *said. */
 void rad_ambient_ask(const struct rad_ambient *amb,
                      const struct rad_ambplace *at,
                      const struct rad_ambasker *asker,
                      struct rad_ambsaid *said);
 
-/* A factor beyond which an extrapolation is not believed. */
+/* An extrapolation is believed up to these factors. */
 #define RAD_AMBIENT_LEAST_FACTOR   .05f
 #define RAD_AMBIENT_LARGEST_FACTOR 20.f
 
@@ -111,9 +117,9 @@ rad_dotf(const float a[3], const float b[3])
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
-/* The factor by which E of the record changes at displacement u, v in its plane
- * with normal pn; false: too far to be believed.  The tilt n x pn has the
- * components -pn.across and pn.u. */
+/* Set *factor, by which the record's E changes at the displacement u, v in its
+ * plane, for a surface with normal pn; false: it is below the least.  The tilt
+ * n x pn has the components -pn.across and pn.u. */
 static inline bool
 rad_ambient_extrapolate(const struct rad_ambitem *it, const float across[3],
                         const float gpos[2], float u, float v,

@@ -1,9 +1,9 @@
 /* ambpool.c - see ambpool.h
  *
- * A list of chunks.  Who wants an item takes the next place of the last chunk
- * by adding to its counter; past the end it makes a new chunk and hangs it
- * behind the last by compare-and-swap; if another was quicker it frees its own
- * and uses that.  */
+ * A pool is a list of chunks.  A thread takes the next place of the last chunk
+ * by adding to its counter.  If the chunk is full the thread makes a new chunk
+ * and appends it by compare-and-swap; if another thread was quicker it frees
+ * its own chunk and uses the other's.  */
 #include "config.h"
 
 #include "light/indirect/ambpool.h"
@@ -15,7 +15,7 @@
 struct rad_ambchunk {
     _Atomic(struct rad_ambchunk *) newer;
     _Atomic uint32_t taken; /* places given out; may pass pool->chunk */
-    uint64_t first;         /* [fixed] number of its first place */
+    uint64_t first;         /* [fixed] number of its first item */
     /* pool->chunk items, zero until taken */
     alignas(RAD_AMBPOOL_LINE) unsigned char item[];
 };
@@ -93,7 +93,7 @@ rad_ambpool_take(struct rad_ambpool *pool)
     for (;;) {
         uint32_t i = atomic_load_explicit(&k->taken, memory_order_relaxed);
 
-        /* asked first, so that the counter cannot wrap round */
+        /* read before it is added to, so that the counter cannot wrap round */
         if (i < pool->chunk)
             i = atomic_fetch_add_explicit(&k->taken, 1, memory_order_relaxed);
         if (i < pool->chunk)
@@ -102,7 +102,7 @@ rad_ambpool_take(struct rad_ambpool *pool)
 
         if (!newer)
             return NULL;
-        /* a failure means that another has moved it on already */
+        /* if this fails another thread has moved `newest' on already */
         atomic_compare_exchange_strong_explicit(&pool->newest, &old, newer,
                                                 memory_order_release,
                                                 memory_order_relaxed);

@@ -1,23 +1,26 @@
 /* ambread.c - see ambread.h
  *
- * Records of each number of bounces and face of the normal have a tree of their
- * own, as in ambcache.c: an octree of the cube, whose leaves list every record
- * with a zone that touches them.  A look-up goes down to one leaf and reads one
- * list, from end to end or until it has enough: small zones come first.
+ * Records of each number of bounces and each face (the axis nearest to the
+ * normal) have a tree of their own, as in ambcache.c: an octree of the cube,
+ * each leaf of which lists every record whose zone touches it.  A look-up goes
+ * down to one leaf and reads one list, small zones first, to its end or until
+ * it has found enough.
  *
- * Lists are made of blocks of LANES places.  Of ten records in a list about one
- * serves; a block says of each, in bytes, between which planes along each axis
- * its zone lies, in 256ths of the leaf, and which way its normal leans.  All
- * places of a block are tried at once, and only what passes is fetched.  The
- * box is that of half the ellipsoid about the record's axes, so that a zone on
- * a wall is as thin as it serves.  Point and planes become bytes by the same
- * steps of one grid, so rounding leaves nothing out.
+ * A list is made of blocks of PLACES places.  Of ten records in a list about
+ * one serves.  So a place has, as bytes, the box of the record's zone, in
+ * 256ths of the leaf, and two components of its normal.  All places of a block
+ * are tested at once, and only records that pass are fetched.  The box is that
+ * of half the ellipsoid about the record's axes, so on a wall it is thin.  The
+ * point of a look-up and the sides of boxes become bytes by the steps of one
+ * grid, so rounding leaves no record out.
  *
- * A cell is divided while its list would take longer to read than those of its
- * eight parts, by the half of a block that a step down costs, a part being
- * asked for as often as it has records: they are made where look-ups miss.
- * Copies are bounded: a tree has at most COPIES places a record, or one block,
- * of which what the parts of a cell leave is shared out among them.  */
+ * A cell is divided if its parts' lists take less to read than its own, by the
+ * half of a block that a step down costs.  A part is taken to be looked up in
+ * proportion to its number of records, for records are made where look-ups
+ * miss.
+ * Copies are bounded: a tree has at most COPIES places for a record, or one
+ * block.  When a cell is divided its bound is shared out among its parts, in
+ * proportion to their blocks.  */
 #include "config.h"
 
 #include "light/indirect/ambread.h"
@@ -32,28 +35,29 @@
 #endif
 
 #define PLACES  16 /* of a block: a vector of bytes */
-#define COPIES  6  /* most places a record takes */
-#define DEEPEST 24 /* level of the smallest leaves */
-#define GRID    32 /* bits of a place in the cube */
+#define COPIES  6  /* places for a record, in the mean, at most */
+#define DEEPEST 24 /* depth of the smallest leaves */
+#define GRID    32 /* bits of a coordinate in the cube */
 #define NO_SIZE 255
-#define AT_ONCE 3 /* records that are handed on together, or some more */
+#define AT_ONCE 3 /* records are handed on when there are so many */
 
+/* A block of a list. */
 struct places {
     uint8_t lo[3][PLACES], hi[3][PLACES]; /* the zone, in 256ths of the leaf */
-    uint8_t lean[2][PLACES]; /* the normal's components beside the face's axis:
-                              * normal_byte() */
+    uint8_t lean[2][PLACES]; /* the normal's components along the two axes that
+                              * are not the face's: normal_byte() */
     uint8_t size[PLACES];    /* MAX_DEPTH - depth_for(reach), rising; NO_SIZE:
                               * the place is empty */
     uint32_t item[PLACES];
 };
 
-/* A cell is a leaf, LEAF | blocks << 32 | the first of them; or the number of
- * the first of its parts. */
+/* A cell is a number.  A leaf: LEAF | number of its blocks << 32 | index of the
+ * first block.  A cell that is divided: index of its first part. */
 #define LEAF (UINT64_C(1) << 63)
 
 struct rad_ambread_tree {
     uint64_t root;
-    uint64_t *part; /* eight to a cell that is divided */
+    uint64_t *part; /* cells: eight for each cell that is divided */
     struct places *block;
     size_t nparts, nblocks;
 };
@@ -83,7 +87,7 @@ rad_ambread_release(struct rad_ambread *r)
     free(r->glint);
 }
 
-/* Room for one more after n; false: out of memory. */
+/* Make room in *array for one more element after n; false: out of memory. */
 static bool
 make_room(void **array, size_t n, size_t *cap, size_t size)
 {
@@ -127,7 +131,7 @@ rad_ambread_add(struct rad_ambread *r, const struct rad_ambrec *rec)
     return true;
 }
 
-/* The first glint of record i or a later one. */
+/* The index of the first glint that belongs to record i or a later record. */
 static size_t
 glint_from(const struct rad_ambread *r, size_t i)
 {
@@ -174,36 +178,38 @@ rad_ambread_bytes(const struct rad_ambread *r)
 
 /* --- making trees --- */
 
-/* A place along an axis of the cube, as a number. */
+/* A coordinate, in sides of the cube, as an integer of GRID bits. */
 static inline uint32_t
 grid_number(double q)
 {
     return (uint32_t)(cell_number(q) >> (BITS - GRID));
 }
 
-/* Where a record may serve. */
+/* The zone of a record. */
 struct extent {
     uint32_t lo[3], hi[3]; /* its box, by grid_number() */
     float at[3], reach;    /* the ball about it, in sides of the cube; rounded
-                            * up by what floats lose */
-    uint32_t item;
-    uint8_t size;
+                            * up by the errors of floats */
+    uint32_t item;         /* index of the record */
+    uint8_t size;          /* as of struct places */
 };
 
+/* A tree being made. */
 struct build {
     const struct rad_ambread *r;
     struct rad_ambread_tree tree;
-    size_t most_parts, most_blocks; /* that there is room for */
+    size_t most_parts, most_blocks; /* room in tree.part and tree.block */
     int face;
     const struct extent *extent;
-    uint32_t *list; /* those of the cells on the way down, one after another */
-    size_t top, most;
-    uint8_t *touched; /* of what is being divided: parts, as bits */
+    uint32_t *list;   /* a stack: indices of extents, for each cell on the way
+                       * down and its parts */
+    size_t top, most; /* length of list, and its room */
+    uint8_t *touched; /* parts that each extent of a cell touches, as bits */
     bool failed;      /* memory was out */
 };
 
-/* Half an ellipsoid about the normal, whose axis across is `reach` long and
- * whose others are `height`; and what rounding of the axes may do to it. */
+/* Set *e to the zone, half an ellipsoid about the normal (struct rad_ambzone),
+ * with a margin for the rounding of its axes. */
 static void
 set_extent(struct extent *e, const struct rad_ambread *r, uint32_t item,
            const struct rad_ambzone *zone)
@@ -236,13 +242,14 @@ set_extent(struct extent *e, const struct rad_ambread *r, uint32_t item,
     e->size = (uint8_t)(MAX_DEPTH - depth_for(reach));
 }
 
+/* Which cell of the octree. */
 struct spot {
-    uint32_t cell[3]; /* its number, at its depth */
+    uint32_t cell[3]; /* its number along each axis, at its depth */
     int depth;
 };
 
-/* Squared distances of a place from the halves of a cell along an axis, and
- * which halves a box reaches, as bits. */
+/* Set d2 to the squared distances of a zone's centre from the two halves of a
+ * cell along axis k; returns which halves the zone's box reaches, as bits. */
 static inline unsigned
 halves(const struct extent *e, const struct spot *s, int k, float d2[2])
 {
@@ -295,7 +302,8 @@ push(struct build *b, uint32_t e)
     b->list[b->top++] = e;
 }
 
-/* One end of a box as a byte in that cell, 0 or 255 beyond it. */
+/* A coordinate of a box, by grid_number(), as a byte in a cell: 0 or 255 beyond
+ * the cell. */
 static uint8_t
 byte_in(uint32_t number, uint32_t cell, int depth)
 {
@@ -323,7 +331,7 @@ fill(const struct build *b, struct places *to, int i, const struct extent *e,
     to->item[i] = e->item;
 }
 
-/* A leaf that lists n extents from list[from] on. */
+/* Make a leaf of the n extents from list[from] on. */
 static uint64_t
 make_leaf(struct build *b, size_t from, size_t n, const struct spot *s)
 {
@@ -360,12 +368,14 @@ part_of(const struct spot *s, unsigned k)
                           s->depth + 1 };
 }
 
-/* The lists of a cell's eight parts, and what they amount to. */
+/* The lists of a cell's eight parts, on the stack. */
 struct parts {
     size_t from[8], n[8];
-    size_t blocks;
+    size_t blocks; /* of all eight, as leaves */
 };
 
+/* Put the lists of a cell's parts on the stack; the cell's own list has n
+ * extents from list[from] on. */
 static void
 divide(struct build *b, size_t from, size_t n, const struct spot *s,
        struct parts *p)
@@ -384,7 +394,8 @@ divide(struct build *b, size_t from, size_t n, const struct spot *s,
     }
 }
 
-/* Does reading the parts' lists take less, by half a block? */
+/* Do the parts' lists take less to read than the cell's, of n extents, by half
+ * a block?  Means, weighted by the parts' numbers of records. */
 static bool
 pays(const struct parts *p, size_t n)
 {
@@ -397,6 +408,7 @@ pays(const struct parts *p, size_t n)
     return sum < whole * (2 * blocks_for(n) - 1);
 }
 
+/* Eight new cells; returns the index of the first. */
 static size_t
 new_parts(struct build *b)
 {
@@ -416,7 +428,8 @@ new_parts(struct build *b)
     return t->nparts - 8;
 }
 
-/* The cell that lists n extents from list[from] on, in `most` blocks. */
+/* Make the cell of the n extents from list[from] on, with at most `most` blocks
+ * unless it is a leaf; returns its number. */
 static uint64_t
 make_cell(struct build *b, size_t from, size_t n, size_t most,
           const struct spot *s)
@@ -445,7 +458,7 @@ make_cell(struct build *b, size_t from, size_t n, size_t most,
     return at;
 }
 
-/* Give back what was not needed. */
+/* Give back memory that was not needed. */
 static void
 trim(struct build *b)
 {
@@ -457,7 +470,8 @@ trim(struct build *b)
     t->block = less ? less : t->block;
 }
 
-/* The tree of n extents, smallest first. */
+/* Make the tree of n extents, which are in the order of compare(), in place of
+ * the old one.  False: out of memory; the old one stays. */
 static bool
 make_tree(struct rad_ambread *r, int which, const struct extent *extent,
           size_t n)
@@ -490,7 +504,7 @@ tree_of(const struct rad_ambitem *item)
     return root_of(item->level) * FACES + face_of(item->n);
 }
 
-/* Small zones first; else as they were added. */
+/* Orders extents: small zones first, then as their records were added. */
 static int
 compare(const void *one, const void *other)
 {
@@ -501,6 +515,7 @@ compare(const void *one, const void *other)
     return a->item < b->item ? -1 : 1;
 }
 
+/* Make a tree anew from all n records that belong to it. */
 static bool
 remake(struct rad_ambread *r, int which, size_t n, rad_ambread_zone_fn *zone,
        const void *arg)
@@ -568,7 +583,7 @@ rad_ambread_settle(struct rad_ambread *r, rad_ambread_zone_fn *zone,
 
 /* --- look-up --- */
 
-/* What is asked of a list, in bytes as in a block. */
+/* A query for a list, as bytes that compare with those of a block. */
 struct probe {
     uint8_t at[3], lean[2], turn;
 };
@@ -598,7 +613,8 @@ leans(const uint8_t bytes[PLACES], uint8_t from, __m128i turn)
                          turn);
 }
 
-/* The places of a block that may serve, as bits; those that are empty, too. */
+/* The places of a block whose records may serve, as bits; empty places may be
+ * among them. */
 static inline unsigned
 passing(const struct places *b, const struct probe *q)
 {
@@ -613,7 +629,7 @@ passing(const struct places *b, const struct probe *q)
         _mm_cmpeq_epi8(over, _mm_setzero_si128()));
 }
 
-/* The places with zones of at most that size, as bits. */
+/* The places of a block with zones of at most that size, as bits. */
 static inline unsigned
 up_to(const struct places *b, uint8_t size)
 {
@@ -655,9 +671,10 @@ up_to(const struct places *b, uint8_t size)
 
 /* A list that is being read. */
 struct reading {
-    const struct places *block, *end; /* NULL: there is none */
+    const struct places *block, *end; /* the block being read; the list's end */
     struct probe probe;
-    unsigned pass, read; /* places of `block` that may serve, that were read */
+    unsigned pass, read; /* places of `block` that may serve, and that were
+                          * read, as bits */
     uint8_t size;        /* of the next place; NO_SIZE: all is read */
 };
 
@@ -695,12 +712,13 @@ begin_list(struct reading *k, const struct rad_ambread_tree *t,
     begin_block(k);
 }
 
+/* Records that were found and are not handed on yet. */
 struct finds {
     const struct rad_ambread *r;
-    size_t before; /* of these records */
+    size_t before; /* only records with a smaller index are handed on */
     rad_ambcache_fn *fn;
     void *arg;
-    bool enough; /* nothing more is wanted */
+    bool enough; /* fn wants no more */
     int n;
     const struct rad_ambitem *item[AT_ONCE - 1 + PLACES];
 };
@@ -713,7 +731,8 @@ hand_on(struct finds *f)
     f->n = 0;
 }
 
-/* Find what may serve among the places of that size, which come next. */
+/* Read the places of this size, if they come next in the list, and find the
+ * records that may serve. */
 static inline void
 read_size(struct reading *k, uint8_t size, struct finds *f)
 {
@@ -743,7 +762,8 @@ read_size(struct reading *k, uint8_t size, struct finds *f)
     }
 }
 
-/* Read all lists in step. */
+/* Read n lists together: the zones of one size of all lists, then of the next.
+ */
 static void
 read_all(struct reading *list, int n, struct finds *f,
          rad_ambcache_more_fn *more)
@@ -772,7 +792,7 @@ rad_ambread_visit(const struct rad_ambread *r, size_t before,
                   const struct rad_ambquery *q, rad_ambcache_fn *fn,
                   rad_ambcache_more_fn *more, void *arg)
 {
-    struct finds finds; /* not set as a whole, most of it need not be */
+    struct finds finds; /* set by members: its array need not be */
     unsigned faces = rad_ambfit_faces(q->fit, q->n);
     struct reading list[FACES];
     uint32_t number[3];

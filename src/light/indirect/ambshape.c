@@ -6,44 +6,45 @@
 #include "arith/elementary.h"
 #include "base/vec.h"
 
-/* Records that pixels show stand as far apart as their zones are wide, but each
- * is asked for so much farther out: of the mean of more of them, less is noise.
- * At 64 to 128 rays a record that lessens a picture's error by 5 to 15 %; at 2
- * what extrapolation gets wrong begins to count, and looking up takes longer.
- * With a large -aa that is most of the error already.  Where deeper rays end
- * all is averaged anyway. */
+/* Records of level 0, which pixels show, are made where no other is within its
+ * zone, but are averaged so many times farther out: the mean of more records
+ * has less noise.  With 64 to 128 rays a record this lowers a picture's error
+ * by 5 to 15 %; at a factor of 2 the error of extrapolation begins to count,
+ * and look-ups take longer.  With a large -aa that error is most of the error
+ * already, so -aa times the factor is limited to FARTHEST_OVERLAP.  Deeper
+ * records are averaged by hemispheres anyway. */
 #define OVERLAP          1.5
 #define FARTHEST_OVERLAP .75
 
 /* The length that stands for the unit in radius_of(), in sides of the cube:
- * what bends within a tenth of the scene gets zones as small as -ar 32 lets
- * them be. At much more than that most zones are as large as they may be, and
- * their error, then most of the picture's, hardly falls with more rays; at less
- * there are more records, and little is gained. */
+ * where E bends within a tenth of the scene, zones are as small as -ar 32
+ * allows.  With a much larger length most zones are as large as they may be,
+ * and their error, then most of the picture's, hardly falls with more rays;
+ * with a smaller length there are more records for little gain. */
 #define ERROR_UNIT .003
 
-/* Where light bends so much that at the edge of the smallest zone that -ar
- * allows E would be off by more than a quarter, zones are smaller, down to half
- * of that: in a scene that is much larger than the room in view, that is most
- * of the error, and far beyond the samples' noise. */
+/* Where E would be off by more than a quarter at the edge of the smallest zone
+ * that -ar allows, zones are smaller, down to FINEST of that: in a scene much
+ * larger than the room in view such places make most of the error, far more
+ * than the samples' noise. */
 #define MOST_BENT .5 /* E'' r^2 / E; the error is half of it */
 #define FINEST    .5
 
-/* Each bounce leaves about half of the light, and what deep records get wrong
- * is averaged over the hemisphere of the one above.  So a bounce halves a
- * record's samples and doubles the area of its zone beyond what they are for
- * its weight, but for zones that are as small as -ar lets them be. */
+/* Each bounce leaves about half of the light, and the errors of deep records
+ * are averaged over the hemisphere above.  So a bounce halves a record's
+ * samples and doubles the area of its zone, beyond the effect of its weight;
+ * but not of zones that are as small as -ar allows. */
 #define LESS_BY_BOUNCE .5
 
-/* As in rpict, no zone is larger than a fifth of the scene, or than 64 times
- * the smallest; without -ar, none is too small for rounding. */
+/* As in rpict, no radius is larger than a fifth of the scene, or than 64 times
+ * the smallest; without -ar, the smallest is well above rounding. */
 void
 rad_ambscale_set(struct rad_ambscale *s, double side,
                  const struct rad_params *par)
 {
     double aa = par->ambacc;
 
-    s->side = side > 0 ? side : 1; /* nothing to stand on: any cube will do */
+    s->side = side > 0 ? side : 1; /* no surfaces: any cube will do */
     s->most = .2 * s->side;
     s->least = par->ambres > 0 ? s->side / par->ambres : 1e-7 * s->side;
     if (par->ambres > 0)
@@ -74,12 +75,12 @@ rad_ambscale_bend(const struct rad_ambscale *scale, const float radius[2])
     return scale->side * ERROR_UNIT / (r2 * sqrt(r2));
 }
 
-/* Radius for an eigenvalue of the Hessian over E.  In its zone a record is
- * wrong by about value * r^2, and there are 1 / r^2 records to the area
- * (Schwarzhaupt et al. 2012).  For so many records the squared error, summed
- * over the area, is least if value^2 r^6 is the same for all; their paper,
- * which sums the error itself, has value r^4.  The scene's size stands for the
- * unit, so that units do not matter. */
+/* The radius for an eigenvalue of the Hessian over E.  In its zone a record is
+ * off by about value * r^2, and an area has 1 / r^2 records (Schwarzhaupt et
+ * al. 2012).  For a given number of records, the squared error summed over the
+ * area is least if value^2 r^6 is the same for all; their paper, which sums the
+ * error itself, has value r^4.  Lengths are relative to the scene's size, so
+ * units do not matter. */
 static double
 radius_of(const struct rad_ambscale *scale, double value)
 {
@@ -87,7 +88,8 @@ radius_of(const struct rad_ambscale *scale, double value)
     return value > 0 ? rad_cbrt(scale->side * ERROR_UNIT / value) : INFINITY;
 }
 
-/* The least radius, where the Hessian over E has no larger eigenvalue. */
+/* The least radius, where `value' is the larger eigenvalue of the Hessian over
+ * E: that of -ar, or smaller (MOST_BENT). */
 static double
 least_radius(const struct rad_ambscale *scale, double value)
 {
@@ -99,11 +101,11 @@ least_radius(const struct rad_ambscale *scale, double value)
     return rad_most(sqrt(MOST_BENT / value), FINEST * scale->least);
 }
 
-/* Limit the radii: E must not double over them, and they are `least` at least;
- * lighter and deeper rays may do with larger ones.  Where -ar is what stops
- * them E bends more than it should already: there a bounce adds nothing to what
- * the weight allows.  Else bright places would be spread over their dark
- * surroundings where a room is small in its scene. */
+/* Limit the radii r: E must not double over them, and they are not below
+ * `least`.  Records for lighter and deeper rays get larger ones.  Where `least`
+ * limits a radius E bends too much already: there the weight counts, but not
+ * the bounces.  Else bright places would be spread over their dark surroundings
+ * where a room is small in its scene. */
 static void
 limit_radii(const struct rad_ambscale *scale, const double gpos[2],
             double least, const struct rad_ambrec *rec, double r[2])
@@ -120,32 +122,34 @@ limit_radii(const struct rad_ambscale *scale, const double gpos[2],
     r[1] = rad_least(r[1], 2 * r[0]);
 }
 
-/* Does a ray of the cell meet a surface above the ellipse with half-axes r
- * about the record? */
+/* Did a ray of the cell, in direction (u, v) of the record's axes, meet a
+ * surface above the ellipse with half-axes r about the record? */
 static bool
 is_inside(const struct rad_hemicell *c, double u, double v, const double r[2])
 {
     double a = u / r[0], b = v / r[1];
 
-    /* the distance is that of the nearest surface, c->p a direction; seen
-     * from above it is shorter by the same part as (u, v) is */
+    /* 1 / c->wall is the distance of the surface, and (u, v) the projection of
+     * c->p: the surface's distance, projected, is to it as (u, v) to |c->p| */
     return rad_dot(c->p, c->p) * c->wall * c->wall > a * a + b * b;
 }
 
-/* Directions, 32 of them about the normal from the record's axis u on, which is
- * `axis` in the sampling's frame, in which something at the horizon is nearer
- * than the zone's edge, or may be where the cell's ray did not go: a wall that
- * is met aside of its nearest point seems farther.  r are the half-axes up to
- * which the record is asked for, `low` is how near all is under a low ceiling,
- * where the test would find that.  A pane counts: light may differ behind it.
- */
+/* The corral of a record, as bits of 32 directions about the normal from its
+ * axis u on: those in which a surface at the horizon is nearer than the zone's
+ * edge, or may be nearer between the cells' rays, since a wall that is met
+ * beside its nearest point seems farther.  A pane counts: the light may differ
+ * behind it.
+ *   axis  the record's axis u, in the hemisphere's frame
+ *   r     half-axes of the zone
+ *   low   if all that is overhead is nearer than this, under a low ceiling,
+ *         there is no corral: the test's rays would meet the ceiling */
 static uint32_t
 find_corral(const struct rad_hemi *h, const double axis[2], const double r[2],
             double low)
 {
-    double overhead = INFINITY; /* 1 / distance of what is farthest there */
-    /* what a cell spans; between two rays that meet a wall, and beyond the
-     * last, are up to two spans that none went into */
+    double overhead = INFINITY; /* 1 / distance of the farthest hit overhead */
+    /* the angle that a cell spans at the horizon; between two rays that meet a
+     * wall, and beyond the last, up to two spans have no ray */
     double span = M_PI / 2 / h->n, half = 2 * span;
     int n = h->n, quarter = n / 4;
     double wide[2] = { r[0] / rad_cos(span), r[1] / rad_cos(span) };
@@ -174,7 +178,7 @@ find_corral(const struct rad_hemi *h, const double axis[2], const double r[2],
     return bins;
 }
 
-/* Harmonic mean distance of what is seen (Ward et al. 1988). */
+/* The harmonic mean distance of all hits (Ward et al. 1988). */
 static double
 mean_distance(const struct rad_hemi *h)
 {
@@ -185,7 +189,8 @@ mean_distance(const struct rad_hemi *h)
     return h->n * h->n / near;
 }
 
-/* Where all is black there is nothing to differ: distance alone decides. */
+/* Where all is black there are no gradients: the mean distance is the radius.
+ */
 void
 rad_ambrec_shape(const struct rad_ambscale *scale, const struct rad_hemi *h,
                  struct rad_ambrec *rec)
@@ -203,14 +208,14 @@ rad_ambrec_shape(const struct rad_ambscale *scale, const struct rad_hemi *h,
         gdir[1] = g.turn[1] * vec[0] - g.turn[0] * vec[1];
         for (int k = 0; k < 2; k++)
             r[k] = radius_of(scale, value[k]);
-        /* what a pixel shows; deeper errors are averaged */
+        /* only for pixels: hemispheres average the errors of deeper records */
         if (rec->level == 0)
             least = least_radius(scale, value[0]);
     } else {
         r[0] = r[1] = mean_distance(h);
     }
     limit_radii(scale, gpos, least, rec, r);
-    /* over the zone E may double, not more */
+    /* gradients are cut so that E at most doubles over the zone */
     double swing = rad_hypot(gpos[0] * r[0], gpos[1] * r[1]);
     double cap = swing > 1 ? 1 / swing : 1;
 

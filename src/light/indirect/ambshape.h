@@ -1,9 +1,10 @@
-/* ambshape.h - in how large a zone a new ambient record serves
+/* ambshape.h - the gradients, radii and corral of a new ambient record
  *
- * From the samples of its hemisphere: how E changes as the point moves and the
- * normal turns, the ellipse in which a linear extrapolation is good, from the
- * Hessian of E (gradient.h), and the directions in which a wall stands in it.
- * The ellipse's radii are kept as for -aa 1, and count times -aa.
+ * From the hits of its hemisphere follow the gradients of E as the point moves
+ * and the normal turns; the ellipse in which a linear extrapolation is good,
+ * from the Hessian of E (gradient.h); and the directions in which a wall stands
+ * in the ellipse.  The ellipse's radii are kept as for -aa 1, and are used
+ * times -aa.
  * Sources: Schwarzhaupt, Jensen & Jarosz 2012 (radii from the Hessian); Ward,
  * Rubinstein & Clear 1988 (mean distance, where all is black).
  * Thread: any; pure functions of their arguments.  */
@@ -13,39 +14,40 @@
 #include "light/indirect/ambient.h"
 #include "light/hemisphere/hemisphere.h"
 
-/* What radii go by: lengths in scene units. */
+/* The limits and factors of radii; lengths in scene units. */
 struct rad_ambscale {
     double side;        /* of the scene's cube */
-    double least, most; /* radii: what -ar allows */
+    double least, most; /* radii that -ar allows */
     double ambacc;      /* -aa */
-    double shown;       /* rad_ambscale_reach() of what pixels show */
-    double deep;        /* and of all else */
+    double shown;       /* rad_ambscale_reach() of level 0 */
+    double deep;        /* rad_ambscale_reach() of other levels */
 };
 
-/* side: of the cube about all objects; 0: there is none. */
+/* side: of the cube about all objects; 0: there are none. */
 void rad_ambscale_set(struct rad_ambscale *scale, double side,
                       const struct rad_params *par);
 
-/* The distance, in radii, up to which a record of that level is asked for. */
+/* The distance, in radii, up to which a record of that level is averaged. */
 static inline double
 rad_ambscale_reach(const struct rad_ambscale *scale, int level)
 {
     return level > 0 ? scale->deep : scale->shown;
 }
 
-/* How far from a record with these radii E is about linear, in the mean of all
- * directions, and the second derivative of E over E for which it has them. */
+/* The distance from a record with these radii within which E is about linear, a
+ * mean over all directions [scene units]. */
 double rad_ambscale_linear(const struct rad_ambscale *scale,
                            const float radius[2]);
+/* The second derivative of E over E that gives these radii, likewise. */
 double rad_ambscale_bend(const struct rad_ambscale *scale,
                          const float radius[2]);
 
-/* What is spent on a record, as a part of what a bright pixel gets: less for a
- * lighter ray, and for a deeper one. */
+/* The part of -ad and -as that a record gets: 1 for one that a pixel shows
+ * unattenuated, less for lighter and deeper rays. */
 double rad_ambrec_worth(const struct rad_ambrec *rec);
 
-/* Set axes, radii, gradients and corral of *rec, the sampling of whose place is
- * h.  E, level and weight are there. */
+/* Set axes, radii, gradients and corral of *rec, whose hemisphere is h.  The
+ * caller has set E, level and weight. */
 void rad_ambrec_shape(const struct rad_ambscale *scale,
                       const struct rad_hemi *h, struct rad_ambrec *rec);
 

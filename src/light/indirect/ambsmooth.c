@@ -7,9 +7,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Whether something stands between two places is looked at so far above them,
- * over how far apart they are: over what is small and hides little of what the
- * two see. */
+/* The ray that finds out whether something stands between two places runs so
+ * high above them, over their distance: so it passes over small objects, which
+ * hide little from either place. */
 #define LIFT .05
 
 void
@@ -27,7 +27,7 @@ item_of(const struct rad_ambsmooth *s, uint32_t place)
     return &s->item[s->shown[place]];
 }
 
-/* Of struct rad_smooth_source. */
+/* struct rad_smooth_source's */
 static const double *
 point(const void *arg, uint32_t i)
 {
@@ -58,9 +58,9 @@ place(const void *arg, uint32_t i, struct rad_smooth_place *p)
     set_place(arg, item_of(arg, i), p);
 }
 
-/* Anything between two places counts, glass too: behind it light differs. These
- * rays are in no statistics, for each worker makes the values that its part of
- * the picture shows. */
+/* struct rad_smooth_source's: any surface between two places parts them, glass
+ * too, since light differs behind it.  These rays are in no statistics: their
+ * number depends on which pixels a worker makes. */
 static bool
 are_parted(const void *arg, const struct rad_smooth_place *a,
            const struct rad_smooth_place *b)

@@ -1,9 +1,10 @@
-/* ambsmooth.h - what pixels show of a frozen cache, with less noise
+/* ambsmooth.h - the records of a frozen cache, smoothed for pixels
  *
- * The records that pixels ask for are smoothed among themselves (light/smooth/
- * smooth.h) once all passes have been.  Deeper ones are averaged by the
- * hemispheres that ask for them.
- * Thread: any number may ask at once, none while another makes it.  */
+ * The records that pixels show, those of level 0, are smoothed among themselves
+ * (light/smooth/smooth.h) when all passes are closed.  Deeper records are not:
+ * hemispheres average them.
+ * Thread: any number may ask for values at once, none while another makes or
+ * releases it.  */
 #ifndef RAD_LIGHT_AMBSMOOTH_H
 #define RAD_LIGHT_AMBSMOOTH_H
 
@@ -13,27 +14,27 @@
 
 struct rad_ambsmooth {
     struct rad_smooth *smooth; /* NULL: there is none */
-    uint32_t *place; /* of each of the first n records, or UINT32_MAX */
-    size_t n;
-    uint32_t *shown; /* the record of each place, nshown of them */
-    size_t nshown;
+    uint32_t *place; /* place of each record, or UINT32_MAX: it has none */
+    size_t n;        /* records */
+    uint32_t *shown; /* record of each place */
+    size_t nshown;   /* places */
     const struct rad_geom *geom;
     const struct rad_ambitem *item;
     const struct rad_ambscale *scale;
 };
 
-/* Of item[], n records on what is in *geom, in the place of what there was.  It
- * is asked no more when item[] changes or one of the others is gone, until it
- * is made again.  False: out of memory; then there is none. */
+/* Make *s anew for n records, item[], of a scene with *geom.  It keeps all
+ * these pointers, so it must be made again, or released, before item[] changes.
+ * False: out of memory; then no record is smoothed. */
 bool rad_ambsmooth_make(struct rad_ambsmooth *s, const struct rad_geom *geom,
                         const struct rad_ambscale *scale,
                         const struct rad_ambitem *item, size_t n);
 void rad_ambsmooth_release(struct rad_ambsmooth *s);
 
-/* Bytes that it takes. */
+/* The memory that s takes [bytes]. */
 size_t rad_ambsmooth_bytes(const struct rad_ambsmooth *s);
 
-/* Record number i; false: it is not smoothed. */
+/* Set *v to the smoothed value of record i; false: it has none. */
 static inline bool
 rad_ambsmooth_at(const struct rad_ambsmooth *s, size_t i,
                  struct rad_smooth_value *v)
@@ -44,8 +45,8 @@ rad_ambsmooth_at(const struct rad_ambsmooth *s, size_t i,
     return true;
 }
 
-/* A record that is not one of them and that one pixel shows; false: there is
- * nothing to smooth it with. */
+/* Set *v to the smoothed value of a record that is not among them, and that one
+ * pixel shows; false: there are no smoothed records. */
 bool rad_ambsmooth_beside(const struct rad_ambsmooth *s,
                           const struct rad_ambitem *item,
                           struct rad_smooth_value *v);

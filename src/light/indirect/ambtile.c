@@ -15,7 +15,8 @@ rad_ambtile_begin(struct rad_ambtile *tile, struct rad_ctx *ctx, int level,
     ctx->tile = tile;
 }
 
-/* Most tiles find that they need make nothing. */
+/* Make the tile's cache with its first record: most tiles have none.  False:
+ * out of memory. */
 static bool
 has_room(struct rad_ambtile *tile, const struct rad_ambient *amb)
 {
