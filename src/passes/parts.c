@@ -1,15 +1,15 @@
 /* parts.c - see parts.h
  *
- * The tree is complete, its nodes in one array: those of node i are 2 i + 1 and
- * 2 i + 2, and its leaves are not kept, for a leaf's number says its place. */
+ * The tree is complete.  Its inner nodes lie in one array, the children of node
+ * i at 2 i + 1 and 2 i + 2.  Leaves are not stored: a leaf's place in the order
+ * follows from its number. */
 #include "config.h"
 
 #include "passes/parts.h"
 
 #include <stdlib.h>
 
-/* A leaf holds so many points at least: what is between borders of parts by
- * fewer is chance. */
+/* A leaf has at least so many points: with fewer, its borders are chance. */
 #define LEAF 4
 
 struct node {
@@ -33,8 +33,9 @@ swap(double a[3], double b[3])
     }
 }
 
-/* Move what is at most as p[lo + (hi - lo) / 2] along the axis before all that
- * is at least that (Hoare 1961); returns the last of the first, below hi. */
+/* Partition p[lo..hi] along the axis by the coordinate of the middle point
+ * (Hoare 1961): points up to the returned index, which is below hi, have at
+ * most that coordinate, those behind at least that. */
 static size_t
 part_at_middle(double (*p)[3], size_t lo, size_t hi, int axis)
 {
@@ -52,8 +53,8 @@ part_at_middle(double (*p)[3], size_t lo, size_t hi, int axis)
     }
 }
 
-/* Put the n points so that none before number `at` is above it along the axis,
- * and none behind it below. */
+/* Reorder n points along the axis: none before index `at` has a larger
+ * coordinate than the point at that index, none behind it a smaller one. */
 static void
 select_nth(double (*p)[3], size_t n, size_t at, int axis)
 {
@@ -90,7 +91,8 @@ longest_side(double (*p)[3], size_t n)
     return axis;
 }
 
-/* Cut n points, one at least, at node i. */
+/* Make node i, at that depth, and those below it from n points, at least one.
+ */
 static void
 cut(struct rad_parts *parts, size_t i, int depth, double (*p)[3], size_t n)
 {

@@ -1,9 +1,9 @@
-/* parts.h - an order of a cloud of points by which its intervals are compact
+/* parts.h - an order of points in space whose intervals are compact
  *
- * A k-d tree: boxes are halved by number of points, across their longest side,
- * so points in its order are near each other where they follow each other, and
- * an interval of that order is a part of space with few borders.  The tree of the
- * same points is the same on every machine.
+ * The order of the leaves of a k-d tree.  Boxes are halved by number of points,
+ * across their longest side: so points that follow each other are near each
+ * other, and an interval of the order is a compact part of space.  The same
+ * points make the same tree on every machine.
  * Source: Bentley 1975, Multidimensional binary search trees.
  * Thread: any, once it is made. */
 #ifndef RAD_PASSES_PARTS_H
@@ -13,16 +13,16 @@
 
 struct rad_parts;
 
-/* Of a tree, at most. */
+/* Leaves of a tree, at most. */
 #define RAD_PARTS_LEAVES 1024
 
-/* The tree of n points, one at least, each of finite coordinates; they are
- * put into the tree's order.  NULL: out of memory. */
+/* Make the tree of n points, at least one, with finite coordinates; p[] is
+ * reordered.  NULL: out of memory. */
 struct rad_parts *rad_parts_new(double (*p)[3], size_t n);
 void rad_parts_free(struct rad_parts *parts);
 
-/* Where p is in the order of the tree, from 0 up to below 1: about that
- * fraction of the points comes before it. */
+/* The place of p in the tree's order, in [0, 1): about this fraction of the
+ * points comes before p. */
 double rad_parts_place(const struct rad_parts *parts, const double p[3]);
 
 #endif

@@ -1,28 +1,28 @@
 /* passcost.c - see passcost.h
  *
- * Tiles trace hemispheres, of -ad rays and -as more, for records, of which
- * there are more for a smaller -aa, and not much more for more pixels: the
+ * Tiles trace a hemisphere, of -ad and -as rays, for each record.  There are
+ * more records with a smaller -aa, and slightly more with more pixels: the
  * exponents are those of the fit.
- * Of the passes a lattice takes half again as long as the next coarser one,
- * from every 16th pixel on, and the finest, which asks where objects end, too,
- * 1.4 times as long as that.  All paths of one more bounce together take .7 of
- * the lattice of every 16th pixel. */
+ * From the lattice of every 16th pixel on, each lattice takes 1.5 times as long
+ * as the next coarser one; the finest, which also asks where objects end, takes
+ * 1.4 times that.  All paths to records of one level together take .7 of the
+ * lattice of every 16th pixel. */
 #include "config.h"
 
 #include "passes/passcost.h"
 
 #include <math.h>
 
-/* Rays of tiles over those of pixels, in a picture of SOME_PIXELS with
- * SOME_RAYS for a hemisphere, at SOME_ACC. */
+/* Rays of tiles over rays of pixels, in a picture of SOME_PIXELS, with
+ * SOME_RAYS for a hemisphere, -aa SOME_ACC and two bounces. */
 static const double ODDS = 4, SOME_PIXELS = 160000, SOME_RAYS = 160,
                     SOME_ACC = .3;
 
-/* ... with two bounces.  With one hemispheres find no other records; each
- * further one adds few. */
+/* The factor for one bounce, which needs no deep records; and for each bounce
+ * after two, which adds few. */
 static const double SINGLE = .6, FURTHER = 1.09;
 
-/* ... and where records of a former job of the scene are there. */
+/* The factor if the job begins with the records of a former job. */
 static const double REUSED = .25;
 
 static const double LEAST_ODDS = 1. / 4, MOST_ODDS = 12;
@@ -45,8 +45,12 @@ rad_passcost_part(const struct rad_params *par,
     return odds / (1 + odds);
 }
 
+/* Work of all passes of a level of deep records, and of the pass that walks,
+ * over that of the lattice of every 16th pixel. */
 static const double LEVEL = .7, WALK = .05;
 
+/* The work of a round of paths, or of a part of it, in any unit: it grows less
+ * than the number of paths, since later paths find less that is new. */
 static double
 round_weight(const struct rad_pass *pass)
 {
@@ -54,7 +58,7 @@ round_weight(const struct rad_pass *pass)
            (pass->part < 0 ? 1 : 1. / RAD_PASS_PARTS);
 }
 
-/* All passes of a level: more paths find less that is new. */
+/* The work of pass `of', its share of LEVEL. */
 static double
 level_weight(const struct rad_pass *pass, uint32_t n, const struct rad_pass *of)
 {
@@ -66,10 +70,11 @@ level_weight(const struct rad_pass *pass, uint32_t n, const struct rad_pass *of)
     return LEVEL * round_weight(of) / all;
 }
 
-/* The finest lattice, and what it left out. */
+/* Factors for the finest lattice, and for the pass over what it left out. */
 static const double FINEST = 1.4, REST = .05;
 
-/* Of many pictures those that come later find half of what they need. */
+/* The work of a pass over pixels.  Frames after the first find half of the
+ * records that they need. */
 static double
 lattice_weight(const struct rad_pass *pass)
 {

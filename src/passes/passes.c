@@ -1,13 +1,14 @@
 /* passes.c - see passes.h
  *
- * Deep records.  A path leaves a pixel and bounces about, by intersection
- * alone; where bounce number k ends a record of level k is asked for, by a ray
- * that is shaded.  Such places are as often where hemispheres' rays go as these
- * are.  What the last round of paths misses is made by the tiles that come to
- * need it.  A round's ends are put in the order of a tree (parts.h), and a tile
- * has some that follow each other: a compact part of space.
+ * Deep records.  A random path leaves a pixel and bounces from surface to
+ * surface; its rays are intersected, but not shaded.  At the end of bounce k it
+ * asks for a record of level k, by a ray that is shaded.  These ends are
+ * distributed like the hits of hemispheres' rays.  A record that the last round
+ * of paths misses is made by the tile that needs it.  The ends of a round are
+ * put in the order of a tree (parts.h), and a tile has an interval of them: a
+ * compact part of space.
  *
- * Pixels.  A tile has a square of its lattice's. */
+ * Pixels.  A tile has a square of its lattice's pixels. */
 #include "config.h"
 
 #include "passes/passes.h"
@@ -24,63 +25,67 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Apart from the keys of pixels, which have a frame in this place. */
+/* Makes the keys of paths differ from those of pixels, which have the number of
+ * a frame in its place. */
 #define BRANCH UINT64_C(0x7061737365730000)
 
-/* Ends that make the tree by which all are put in order: each worker makes it,
- * and 8 for a leaf give much the same one as all. */
+/* The tree that orders all ends is made of so many of them: each worker makes
+ * the tree, and 8 ends for a leaf give much the same tree as all ends. */
 #define TREE_ENDS (8 * RAD_PARTS_LEAVES)
 
-/* Records that are handed on at a time. */
+/* Records are handed on so many at a time. */
 #define BATCH 64
 
-/* Where a path arrives after some bounces. */
+/* The place where a path arrives after some bounces. */
 struct bend {
     double p[3];
     float n[3], err, weight; /* as in struct rad_ambplace */
 };
 
-/* A path.  Who walks it first, of several threads, keeps where it goes. */
+/* The state of a path's bends.  Several threads may walk a path at once: the
+ * first that is done keeps the bends. */
 enum { UNKNOWN, BEING_KEPT, KNOWN };
 
+/* A path. */
 struct trail {
-    _Atomic uint8_t state; /* of its bends, and of bounces */
-    int8_t bounces; /* then it leaves the scene, or has as many as matter */
+    _Atomic uint8_t state; /* of its bends and of `bounces' */
+    int8_t bounces; /* before it leaves the scene, rad_passes.deepest at most */
     bool placed;    /* its spots are known */
 };
 
-/* The ends of a round of paths, by place. */
+/* The ends of a round of paths, in the order of the tree. */
 struct ends {
     int level;
-    uint32_t first, beyond; /* paths */
-    uint32_t frame;         /* of the batch */
-    uint32_t *path;         /* of each end; NULL: none are known */
-    uint32_t n;
+    uint32_t first, beyond; /* paths of the round: first .. beyond - 1 */
+    uint32_t frame;         /* first frame of the batch */
+    uint32_t *path;         /* path of each end; NULL: ends are not known */
+    uint32_t n;             /* ends */
 };
 
 struct rad_passes {
     const struct rad_frame *frames; /* [fixed] */
     uint32_t nframes;               /* [fixed] */
-    int deepest;                    /* [fixed] bounces that matter */
-    uint32_t frame;                 /* of the batch that has the trails */
-    struct trail *trail;            /* of all paths of the batch, */
+    int deepest;                    /* [fixed] level of the deepest records */
+    uint32_t frame;                 /* first frame of the batch of the trails */
+    struct trail *trail;            /* the paths of that batch */
     uint32_t ntrails;
-    struct bend *bend;          /* so many as matter for each, */
-    struct rad_pass_spot *spot; /* and roughly where these are */
-    struct ends ends[2];        /* of the last rounds, by pass->round */
+    struct bend *bend;          /* `deepest' for each path */
+    struct rad_pass_spot *spot; /* the same places, roughly */
+    struct ends ends[2];        /* of the last two rounds, by pass->round */
 };
 
 /* --- paths --- */
 
-/* Of the paths of the pass's batch. */
+/* The key of the paths of the pass's batch. */
 static uint64_t
 key_of(const struct rad_passes *p, const struct rad_pass *pass)
 {
     return rad_mix64(p->frames[0].job->params.seed) ^ BRANCH ^ pass->frame;
 }
 
-/* Walk path i to the end of so many bounces; r gets its rays.  Returns how
- * many there are before it leaves the scene, or -1. */
+/* Walk path i for so many bounces; r[k] gets its ray after k bounces.  Returns
+ * the number of bounces before it leaves the scene; -1: the pixel shows nothing
+ * from which a path could begin. */
 static int
 walk(const struct rad_passes *p, struct rad_ctx *ctx,
      const struct rad_pass *pass, uint32_t i, int bounces,
@@ -99,7 +104,7 @@ walk(const struct rad_passes *p, struct rad_ctx *ctx,
     return bounces;
 }
 
-/* Where path i is after k bounces, 1 to those that matter. */
+/* The place of path i after k bounces, 1 <= k <= p->deepest. */
 static struct bend *
 bend_of(const struct rad_passes *p, uint32_t i, int k)
 {
@@ -119,8 +124,8 @@ keep_bend(const struct rad_ray *r, int k, struct bend *b)
     b->weight = (float)at.weight;
 }
 
-/* Walk path i to its end, and keep where it goes, unless that is known.
- * Returns how many bends it has. */
+/* Walk path i to its end; bend[] gets its bends, whose number is returned.
+ * They are kept in *p, too, unless another thread has done that. */
 static int
 find_trail(const struct rad_passes *p, struct rad_ctx *ctx,
            const struct rad_pass *pass, uint32_t i,
@@ -149,8 +154,8 @@ is_known(const struct rad_passes *p, uint32_t i)
            KNOWN;
 }
 
-/* For all paths of the pass's batch.  Another batch's are of no use, and no
- * tile of it is made any more. */
+/* Make room for the paths of the pass's batch.  Those of another batch are
+ * dropped: no tile of it is made any more.  False: out of memory. */
 static bool
 make_room(struct rad_passes *p, const struct rad_pass *pass)
 {
@@ -171,6 +176,7 @@ make_room(struct rad_passes *p, const struct rad_pass *pass)
 
 /* --- where paths go, roughly --- */
 
+/* Set *out to the spot of a point. */
 static void
 set_spot(const struct rad_passes *p, const double at[3],
          struct rad_pass_spot *out)
@@ -188,7 +194,7 @@ set_spot(const struct rad_passes *p, const double at[3],
     }
 }
 
-/* The spots of a path with n bends. */
+/* Set out[] to the spots of a path with n bends. */
 static void
 set_spots(const struct rad_passes *p, const struct bend *bend, int n,
           struct rad_pass_spot *out)
@@ -219,7 +225,7 @@ rad_passes_place(struct rad_passes *p, const struct rad_pass *pass,
     return true;
 }
 
-/* Find the spots of a path that nobody told. */
+/* Find the spots of path i, by a walk if its bends are not known. */
 static void
 place_path(const struct rad_passes *p, struct rad_ctx *ctx,
            const struct rad_pass *pass, uint32_t i)
@@ -234,8 +240,8 @@ place_path(const struct rad_passes *p, struct rad_ctx *ctx,
     t->placed = true;
 }
 
-/* Find all that the pass needs.  These rays count in the tiles of the pass that
- * walks. */
+/* Find the missing spots of the pass's paths.  The rays are not counted: they
+ * count in the tiles of the pass that walks. */
 static void
 place_paths(const struct rad_passes *p, struct rad_ctx *ctx,
             const struct rad_pass *pass)
@@ -248,6 +254,7 @@ place_paths(const struct rad_passes *p, struct rad_ctx *ctx,
     ctx->counts = counts;
 }
 
+/* The place of a path's end, in units of its spots. */
 static void
 end_at(const struct rad_passes *p, const struct ends *e, uint32_t path,
        double at[3])
@@ -258,7 +265,8 @@ end_at(const struct rad_passes *p, const struct ends *e, uint32_t path,
         at[axis] = spot[axis];
 }
 
-/* The tree of some of the ends, evenly chosen: enough for all its leaves. */
+/* Make the tree that orders the ends, of about TREE_ENDS of them, evenly
+ * chosen.  NULL: out of memory. */
 static struct rad_parts *
 plant(const struct rad_passes *p, const struct ends *e)
 {
@@ -273,8 +281,8 @@ plant(const struct rad_passes *p, const struct ends *e)
     return parts;
 }
 
-/* Put the ends into the order of the tree of where they are, and those in one
- * leaf in the order of paths. */
+/* Put the ends into the order of the tree's leaves; within a leaf they stay in
+ * the order of paths.  False: out of memory. */
 static bool
 sort_ends(const struct rad_passes *p, struct ends *e)
 {
@@ -301,8 +309,8 @@ sort_ends(const struct rad_passes *p, struct ends *e)
     return whole;
 }
 
-/* Ends of paths of the pass's round, if they are known.  The next round's may
- * be found meanwhile. */
+/* The ends of the pass's round, or NULL if they are not known.  (Those of the
+ * next round may be found at the same time.) */
 static const struct ends *
 ends_of(const struct rad_passes *p, const struct rad_pass *pass)
 {
@@ -314,8 +322,8 @@ ends_of(const struct rad_passes *p, const struct rad_pass *pass)
                : NULL;
 }
 
-/* Where the paths of the pass end.  Tiles of passes of the round before may be
- * under way. */
+/* Find and order the ends of the pass's round, while tiles of the round before
+ * may be under way.  False: out of memory. */
 static bool
 find_ends(struct rad_passes *p, struct rad_ctx *ctx,
           const struct rad_pass *pass)
@@ -338,8 +346,9 @@ find_ends(struct rad_passes *p, struct rad_ctx *ctx,
     return e->n == 0 || sort_ends(p, e);
 }
 
-/* Where path i ends; false: a walk gets no farther than before.  Its rays do
- * not count, for who walked there before need not walk. */
+/* Set *out to the place where path i ends; false: it has no such end.  If it is
+ * walked its rays are not counted, since threads that know its bends do not
+ * walk. */
 static bool
 find_end(const struct rad_passes *p, struct rad_ctx *ctx,
          const struct rad_pass *pass, uint32_t i, struct bend *out)
@@ -360,6 +369,7 @@ find_end(const struct rad_passes *p, struct rad_ctx *ctx,
     return there;
 }
 
+/* Do records serve the place? */
 static bool
 is_served(struct rad_ctx *ctx, int level, const struct bend *b)
 {
@@ -373,8 +383,9 @@ is_served(struct rad_ctx *ctx, int level, const struct bend *b)
     return rad_ambient_serves(ctx, &at);
 }
 
-/* Have a record made where path i ends, if there is none.  *walked: add the
- * rays of the walk, which count as those of hemispheres, too. */
+/* Have a record made where path i ends, unless records serve there.  The rays
+ * of the walk are added to *walked: the context counts them as ambient rays,
+ * like those of hemispheres. */
 static void
 ask_at_end(const struct rad_passes *p, struct rad_ctx *ctx,
            const struct rad_pass *pass, uint32_t i, uint64_t *walked)
@@ -403,12 +414,12 @@ is_set(const _Atomic bool *stop)
     return atomic_load_explicit(stop, memory_order_relaxed);
 }
 
-/* When a tile asks for nothing more. */
+/* When a tile asks for nothing more: it is stopped, or has traced its rays. */
 struct limit {
     const struct rad_ctx *ctx;
     const _Atomic bool *stop;
-    uint64_t rays;   /* of hemispheres, as the context counts them; */
-    uint64_t walked; /* and of paths, which do not count here */
+    uint64_t rays;   /* the context's ambient rays, less `walked', at the end */
+    uint64_t walked; /* rays of paths, which do not count here */
 };
 
 static struct limit
@@ -429,6 +440,7 @@ is_over(const struct limit *until)
            until->ctx->counts.ambient_rays - until->walked >= until->rays;
 }
 
+/* Ask for records at the ends that are the tile's. */
 static void
 ask_along_paths(const struct rad_passes *p, struct rad_ctx *ctx,
                 const struct rad_pass *pass, uint32_t tile, struct limit *until)
@@ -462,7 +474,8 @@ rad_passes_walk(const struct rad_passes *p, struct rad_ctx *ctx,
     return !is_set(stop);
 }
 
-/* Ask for what a pixel shows; returns the object that it shows, or RAD_VOID. */
+/* Ask for a record at the point that a pixel shows; returns the object that it
+ * shows, or RAD_VOID. */
 static int32_t
 ask_at_pixel(const struct rad_frame *f, struct rad_ctx *ctx, int x, int y)
 {
@@ -472,29 +485,31 @@ ask_at_pixel(const struct rad_frame *f, struct rad_ctx *ctx, int x, int y)
     return rad_frame_look(f, ctx, x, y, &r) ? r.hit.obj : RAD_VOID;
 }
 
-/* The pixels that a tile may ask at. */
+/* A square of pixels at which a tile asks for records. */
 struct patch {
     const struct rad_frame *frame;
     struct rad_ctx *ctx;
     const struct limit *until;
-    int x0, y0, x1, y1;
-    int step;
-    bool objects; /* ask between those that show different ones */
+    int x0, y0, x1, y1; /* x1 and y1 beyond the last */
+    int step;           /* of the lattice */
+    bool objects; /* ask, too, between pixels that show different objects */
 };
 
 /* A pixel of a tile of the finest lattice. */
 struct spot {
     bool asked;
-    uint8_t made;  /* records were made here, when pixels so far apart were
-                    * asked at; 0: none was */
-    int32_t shows; /* an object */
+    uint8_t made;  /* a record was made here: the distance of pixels at which
+                    * was asked then; 0: no record was made */
+    int32_t shows; /* the object it shows */
 };
 
 struct spots {
-    bool differ; /* some show different objects, or made records */
+    bool differ; /* pixels show different objects, or a record was made */
     struct spot at[RAD_PASS_PIXELS][RAD_PASS_PIXELS]; /* by row */
 };
 
+/* Ask at pixel (i, k) of the patch, when pixels at that distance are asked at.
+ */
 static void
 ask_at_spot(const struct patch *p, struct spots *s, int i, int k, int distance)
 {
@@ -507,8 +522,8 @@ ask_at_spot(const struct patch *p, struct spots *s, int i, int k, int distance)
     s->differ |= at->made || at->shows != s->at[0][0].shows;
 }
 
-/* The pixel, if it is in the tile and was asked at; else NULL.  Where objects
- * do not matter those beyond the tile were, and made nothing. */
+/* Pixel (i, k) of the patch, if it was asked at; else NULL.  If objects do not
+ * matter, a pixel beyond the patch counts as asked at, with no record made. */
 static const struct spot *
 asked_at(const struct patch *p, const struct spots *s, int i, int k)
 {
@@ -519,7 +534,9 @@ asked_at(const struct patch *p, const struct spots *s, int i, int k)
     return s->at[k][i].asked ? &s->at[k][i] : NULL;
 }
 
-/* Does something end, or are records dense, between the two? */
+/* Is a pixel half way between a and b wanted?  Yes, if one of them made a
+ * record when it was asked at, or if they show different objects and these
+ * matter. */
 static bool
 is_between(const struct patch *p, const struct spot *a, const struct spot *b,
            int distance)
@@ -529,6 +546,7 @@ is_between(const struct patch *p, const struct spot *a, const struct spot *b,
             (p->objects && a->shows != b->shows));
 }
 
+/* Is pixel (i, k), half way between pixels at distance d, wanted? */
 static bool
 is_wanted(const struct patch *p, const struct spots *s, int i, int k, int d)
 {
@@ -540,9 +558,9 @@ is_wanted(const struct patch *p, const struct spots *s, int i, int k, int d)
                       asked_at(p, s, i + d, k + d), d);
 }
 
-/* Half way between pixels that were asked at, ask where one object ends, or
- * there may be a small one, and where these pixels made records; again at half
- * the distance, and so on. */
+/* Ask half way between pixels that were asked at, if they show different
+ * objects (one ends there, or a small one lies between), or made records; then
+ * again at half the distance, and so on. */
 static void
 ask_between(const struct patch *p, struct spots *s)
 {
@@ -553,6 +571,7 @@ ask_between(const struct patch *p, struct spots *s)
                     ask_at_spot(p, s, i, k, d);
 }
 
+/* Ask at a patch of the finest lattice, or of a scattered pass. */
 static void
 ask_at_finest(const struct patch *p)
 {
@@ -567,6 +586,8 @@ ask_at_finest(const struct patch *p)
         ask_between(p, &s);
 }
 
+/* Ask at a patch of another lattice, except at pixels of the lattice of step
+ * `done', which is over. */
 static void
 ask_at_coarse(const struct patch *p, int done)
 {
@@ -576,7 +597,7 @@ ask_at_coarse(const struct patch *p, int done)
                 ask_at_pixel(p->frame, p->ctx, x, y);
 }
 
-/* The square of that number; false: there is none. */
+/* Set *out to square number `number' of the pass; false: there is none. */
 static bool
 find_patch(const struct rad_passes *p, struct rad_ctx *ctx,
            const struct rad_pass *pass, uint32_t number,
@@ -606,8 +627,8 @@ find_patch(const struct rad_passes *p, struct rad_ctx *ctx,
     return false;
 }
 
-/* Ask at the squares of a tile, one unless the pass is scattered, the last of
- * which is *patch then. */
+/* Ask at the squares of a tile: one, unless the pass is scattered.  *patch gets
+ * the last square. */
 static void
 ask_along_lattice(const struct rad_passes *p, struct rad_ctx *ctx,
                   const struct rad_pass *pass, uint32_t tile,
@@ -620,7 +641,7 @@ ask_along_lattice(const struct rad_passes *p, struct rad_ctx *ctx,
             ask_at_coarse(patch, pass->done);
 }
 
-/* Trace the pixels of the lattice as those of the picture. */
+/* Trace the patch's pixels with all their light. */
 static void
 trace_colours(const struct patch *p, struct rad_pass_colours *out)
 {
@@ -632,12 +653,12 @@ trace_colours(const struct patch *p, struct rad_pass_colours *out)
             rad_frame_pixel(p->frame, p->ctx, x, y, &pixel);
             rad_rgbe(pixel.L, out->rgbe[out->n++]);
         }
-    if (is_set(p->until->stop)) /* some are missing */
+    if (is_set(p->until->stop)) /* pixels are missing */
         out->n = 0;
 }
 
-/* What somebody sees for a while is worth no good records, which would cost far
- * more than the rest of the look. */
+/* Set *out to the colours of the patch's pixels, for a preview.  Good records
+ * would cost far more than the rest, so coarse ones do (ctx->glance). */
 static void
 look(const struct patch *p, struct rad_pass_colours *out)
 {
@@ -650,6 +671,7 @@ look(const struct patch *p, struct rad_pass_colours *out)
     ctx->counts = counts;
 }
 
+/* Call fn with the tile's records. */
 static void
 hand_on(const struct rad_ambtile *tile, rad_passes_fn *fn, void *arg)
 {
@@ -679,7 +701,7 @@ rad_passes_make(const struct rad_passes *p, struct rad_ctx *ctx,
     rad_ambtile_begin(&own, ctx, pass->level, behind);
     own.most = until.rays;
     own.end = pass->rays ? until.rays + pass->rays : UINT64_MAX;
-    ctx->no_direct = true; /* at the places that records are asked for */
+    ctx->no_direct = true; /* only hits of hemispheres need direct light */
     if (pass->level > 0)
         ask_along_paths(p, ctx, pass, tile, &until);
     else

@@ -1,9 +1,9 @@
 /* passplan.c - see passplan.h
  *
- * Few paths tell of the large zones, and each further round of them, some times
- * as many, of smaller ones.
- * To ask at every pixel takes longer than it saves: the picture's sampling
- * leaves most of them out, too. */
+ * A first round of few paths makes records with large zones; each further round
+ * has several times as many paths, and makes records with smaller zones.
+ * Lattices do not ask at every pixel: that would take longer than it saves,
+ * since the picture's sampling leaves most pixels out, too. */
 #include "config.h"
 
 #include "passes/passplan.h"
@@ -11,56 +11,57 @@
 #include <assert.h>
 #include <string.h>
 
-/* Paths: one for so many pixels, within these bounds; of more frames fewer, by
- * the root of their number, for they show much the same. */
+/* There is one path for so many pixels, within these bounds; fewer for several
+ * frames, by the root of their number, since frames show much the same. */
 #define PIXELS_A_PATH 64
 #define LEAST_PATHS   256
 #define MOST_PATHS    65536
 
-#define ROUND_GROWTH       4   /* paths up to a round's end over those before */
-#define TILES              128 /* of a round, but */
+#define ROUND_GROWTH       4   /* all paths up to a round's end, over before */
+#define TILES              128 /* of a round, at most */
 #define LEAST_PATHS_A_TILE 64
 
-/* Large pictures have smaller tiles and fewer rounds, for many workers wait at
- * the end of each. */
-#define LARGE_STEP         128 /* of the coarsest lattice, or more */
+/* Large pictures have smaller tiles and fewer rounds, since many workers wait
+ * at the end of each round. */
+#define LARGE_STEP         128 /* large: the coarsest lattice has this step */
 #define LARGE_TILES        4096
 #define LARGE_ROUND_TILES  512
 #define LARGE_PATHS_A_TILE 8
 #define LARGE_ROUND_GROWTH 8
 #define LARGE_LEAST_PATHS  1024
 
-/* The coarsest lattice has steps of so many pixels, or, in large pictures, so
- * many that it has no more points along a side, as long as steps are in bounds:
- * points of one pass that are nearer to each other than records reach make the
- * same records. */
+/* The step of the coarsest lattice [pixels]: COARSE_STEP, or larger in large
+ * pictures, up to MOST_STEP, until there are MOST_POINTS along a side.  Points
+ * of one pass that lie in each other's zones would make the same records. */
 #define COARSE_STEP 32
 #define MOST_POINTS 32
 #define MOST_STEP   256
-/* Of frames after the first, which show much that these have shown. */
+/* The coarsest step of frames after the first: earlier frames have shown much
+ * of what they show. */
 #define LATER_STEP 16
 
-/* ... and where they are more than that many together their last lattice has
- * twice the step: others have asked for what is small. */
+/* If more frames than this are looked at together, their last lattice has twice
+ * the step: other frames have asked for small things. */
 #define FEW 4
 
-/* Tiles of lattices with at least such steps have fewer pixels, for there are
- * to be tiles for many workers. */
+/* Tiles of lattices with at least this step have fewer pixels, so that there
+ * are tiles for many workers. */
 #define SPARSE_STEP 16
 #define SPARSE_SIDE 4
 
-/* A tile ends when it has made so many records, or as much else: others wait
- * for the dearest. */
+/* A tile ends when it has traced the rays of so many hemispheres: workers wait
+ * for the last tile of a pass. */
 #define MOST_HEMISPHERES  32
 #define LARGE_HEMISPHERES 4
 
-/* Of what that leaves out of the last lattice: a dear spot has many squares of
- * so many pixels, and they have different tiles. */
+/* For the scattered pass over what tiles of the last lattice left out.  Its
+ * squares have sides of so many pixels: a part of the picture that takes long
+ * has many of them, in different tiles. */
 #define REST_PIXELS  16
 #define REST_SQUARES 4   /* of a tile, at least */
-#define REST_TILES   251 /* of a frame, or a part of one, at most */
+#define REST_TILES   251 /* of a frame, or a part of it, at most */
 
-/* Frames [frame, beyond). */
+/* Frames frame .. beyond - 1. */
 struct batch {
     uint32_t frame, beyond;
 };
@@ -87,6 +88,7 @@ count_paths(const struct rad_pass_size *size, const struct batch *b)
                                 : (uint32_t)paths;
 }
 
+/* The number of tiles for so many paths. */
 static uint32_t
 count_tiles(uint32_t paths, bool large)
 {
@@ -96,7 +98,7 @@ count_tiles(uint32_t paths, bool large)
     return n < 1 ? 1 : n > most ? most : n;
 }
 
-/* Of hemispheres, that a tile may trace. */
+/* How many rays of hemispheres a tile may trace. */
 static uint64_t
 most_rays(const struct rad_params *par, bool large)
 {
@@ -104,7 +106,7 @@ most_rays(const struct rad_params *par, bool large)
            ((uint64_t)par->ambdiv + (uint64_t)par->ambssamp);
 }
 
-/* That of the first frame. */
+/* The step of the coarsest lattice of the first frame [pixels]. */
 static int
 coarsest_step(const struct rad_pass_size *size)
 {
@@ -122,15 +124,15 @@ is_large(const struct rad_pass_size *size)
     return coarsest_step(size) >= LARGE_STEP;
 }
 
-/* Where parts border on each other some records are made twice: in a small
- * picture too many. */
+/* Does the pass come in parts?  Only those of a large first frame: at the
+ * borders of parts some records are made twice, in a small picture too many. */
 static bool
 in_parts(const struct rad_pass *pass, const struct rad_pass_size *size)
 {
     return pass->frame == 0 && is_large(size);
 }
 
-/* All paths of the batch are walked once. */
+/* Plan the pass in which all paths of the batch are walked. */
 static void
 plan_walks(const struct rad_params *par, const struct rad_pass_size *size,
            const struct batch *b, struct rad_pass *pass)
@@ -149,7 +151,8 @@ plan_walks(const struct rad_params *par, const struct rad_pass_size *size,
                                    paths, is_large(&size[b->frame])) };
 }
 
-/* That round's pass, or its parts; returns how many. */
+/* Plan the tiles of a round, *pass, or the passes of its parts; returns how
+ * many passes there are. */
 static uint32_t
 plan_round(struct rad_pass *pass, const struct rad_pass_size *size)
 {
@@ -167,9 +170,10 @@ plan_round(struct rad_pass *pass, const struct rad_pass_size *size)
     return RAD_PASS_PARTS;
 }
 
-/* The rounds for records of that level: the last ends with all paths, and each
- * before it with a part of those.  There is but one when most records are there
- * by an earlier batch. */
+/* Plan the rounds for records of a level.  The last round ends with the last
+ * path; each round before it ends with `growth` times fewer.  Batches after the
+ * first have one round: earlier batches have made most of the records.
+ * Returns the number of passes. */
 static uint32_t
 plan_level(const struct rad_params *par, int level,
            const struct rad_pass_size *size, const struct batch *b,
@@ -201,7 +205,7 @@ plan_level(const struct rad_params *par, int level,
     return n;
 }
 
-/* The largest step of a lattice that is no larger than that of base lines. */
+/* The step of the last lattice: at most that of base lines (-ps), in bounds. */
 static int
 finest_step(const struct rad_params *par)
 {
@@ -212,6 +216,7 @@ finest_step(const struct rad_params *par)
     return step;
 }
 
+/* The side of a tile, in pixels of a lattice with that step. */
 static int
 side_of(const struct rad_pass_size *size, int step)
 {
@@ -242,8 +247,8 @@ is_prime(uint32_t n)
     return true;
 }
 
-/* What tiles of the last lattice, which is *pass, left out: they had rays of
- * too many hemispheres. */
+/* Make of *pass, the last lattice, the scattered pass over what its tiles left
+ * out when they had traced their rays. */
 static void
 plan_rest(struct rad_pass *pass, const struct rad_pass_size *size)
 {
@@ -256,12 +261,13 @@ plan_rest(struct rad_pass *pass, const struct rad_pass_size *size)
     pass->tiles = pass->tiles / REST_SQUARES + 1;
     if (pass->tiles > (uint64_t)REST_TILES * frames)
         pass->tiles = REST_TILES * frames;
-    while (!is_prime(pass->tiles)) /* or squares could stand in columns */
+    while (!is_prime(pass->tiles)) /* else a tile's squares may form columns */
         pass->tiles++;
 }
 
-/* The passes that a pass over pixels comes in, those that have tiles: a single
- * tile has one colour, and is in one part.  Returns how many there are. */
+/* Plan pass *k over pixels, or the passes of its parts.  Passes without tiles
+ * are left out: a single tile has one colour, and is in one part.  Returns the
+ * number of passes. */
 static uint32_t
 plan_lattice(const struct rad_pass *k, const struct rad_pass_size *size,
              struct rad_pass *pass)
@@ -281,7 +287,8 @@ plan_lattice(const struct rad_pass *k, const struct rad_pass_size *size,
     return n;
 }
 
-/* The lattices of some frames. */
+/* Plan the lattices of frames frame, frame + stride, ... below beyond; returns
+ * the number of passes. */
 static uint32_t
 plan_frames(const struct rad_params *par, const struct rad_pass_size *size,
             uint32_t frame, uint32_t stride, uint32_t beyond,
@@ -317,8 +324,9 @@ plan_frames(const struct rad_params *par, const struct rad_pass_size *size,
     return n + plan_lattice(&rest, size, pass + n);
 }
 
-/* The first frame of all, then those at odd multiples of ever smaller distances
- * from it, or from the last frame of the batch before. */
+/* Plan the lattices of a batch: of the job's first frame, then of frames at odd
+ * multiples of ever smaller distances from it, or from the last frame of the
+ * batch before.  Returns the number of passes. */
 static uint32_t
 plan_pixels(const struct rad_params *par, const struct rad_pass_size *size,
             const struct batch *b, struct rad_pass *pass)
@@ -351,28 +359,28 @@ plan_batch(const struct rad_params *par, const struct rad_pass_size *size,
     return n;
 }
 
-/* Fields along a side of that length [pixels]. */
+/* The number of fields, squares of that side, along a length [pixels]. */
 static uint32_t
 along(int length, int side)
 {
     return ((uint32_t)length + (uint32_t)side - 1) / (uint32_t)side;
 }
 
-/* Fields of one colour in the first row; with the second row's they are as many
- * as a row has. */
+/* The number of fields of one colour in the first row; those of the first two
+ * rows together are as many as a row has fields. */
 static uint32_t
 in_first_row(uint32_t across, int field)
 {
     return (across + (field == 0)) / 2;
 }
 
-/* The fields that a pass has: of a row of `columns`, those from column on, and
- * likewise of rows. */
+/* The fields of a pass in a frame: `columns` of them from `column` on, in each
+ * of `rows` rows from `row` on. */
 struct fields {
     uint32_t column, columns, row, rows;
 };
 
-/* The field at which a part of a side of that length begins. */
+/* The field at which a part of the length begins. */
 static uint32_t
 border(int part, int length, int side)
 {
@@ -383,7 +391,7 @@ border(int part, int length, int side)
                : along(length, side);
 }
 
-/* The pixels along a side that are of a part: n from *first on. */
+/* The fields along a length that belong to a part: *n from *first on. */
 static void
 cut(int part, int length, int side, uint32_t *first, uint32_t *n)
 {
@@ -452,9 +460,10 @@ rad_pass_deepest(const struct rad_params *par)
     return lesser(par->ambounce - 1, RAD_PASS_LEVELS);
 }
 
-/* Does a pass need little of that one?  Another part, but of the last rounds of
- * paths the first lattice lacks too many records; or one that walks, and whose
- * end waits for the pictures of another batch. */
+/* May `pass' go without the records of the pass `before'?  Yes, if they are
+ * different parts; but a lattice needs all parts of the rounds of paths.  And
+ * yes, if `before' walks for a later batch: it is closed only when the pictures
+ * of the batch before are made. */
 static bool
 is_apart(const struct rad_pass *pass, const struct rad_pass *before)
 {
@@ -464,7 +473,8 @@ is_apart(const struct rad_pass *pass, const struct rad_pass *before)
            (pass->level > 0 || before->level == 0);
 }
 
-/* Of pass i. */
+/* How many passes pass i reads: all before it but the last few that are apart.
+ */
 static uint32_t
 reads(const struct rad_pass *pass, uint32_t i)
 {
@@ -500,10 +510,10 @@ rad_passes_plan(const struct rad_params *par, const struct rad_pass_size *size,
     return n;
 }
 
-/* There is room for one more: in the first batch paths have 5 rounds of 8
- * levels, or 3 in 4 parts each, 1 in each of 31 others, and are walked in each,
- * the first frame has 72 passes, and each batch, of up to 2048 frames of 65536,
- * 12 times 5 more. */
+/* RAD_MOST_PASSES leaves room for one more pass.  The first batch has 5 rounds
+ * of paths (or 3, in 4 parts each) for each of 8 levels, each of the 31 others
+ * has 1, and each batch has a pass that walks.  The first frame has 72 passes,
+ * and each batch, of up to 2048 of 65536 frames, has 12 times 5 more. */
 uint32_t
 rad_passes_plan_on(const struct rad_params *par,
                    const struct rad_pass_size *size, uint32_t nsizes,
