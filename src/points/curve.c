@@ -1,14 +1,15 @@
 /* curve.c - see curve.h
  *
- * The number of a cell, cut into digits of one bit for each axis, and its
- * coordinates differ by a Gray code and, digit by digit, by an exchange or a
- * reflection of axes in all that is below. */
+ * A cell's number has digits of one bit for each axis.  Its digits differ from
+ * the bits of the cell's coordinates by a Gray code, and, for each digit, by an
+ * exchange or a reflection of axes in all lower digits (Skilling's transform).
+ */
 #include "config.h"
 
 #include "points/curve.h"
 
-/* What digit `bit` of axis i asks of all lower ones: a reflection of the first
- * axis if it is set, an exchange of the first and i if it is not. */
+/* Change all bits below `bit`: if x[i] has `bit`, reflect axis 0; if not,
+ * exchange axes 0 and i. */
 static void
 turn(uint32_t *x, int i, uint32_t bit)
 {
@@ -23,7 +24,7 @@ turn(uint32_t *x, int i, uint32_t bit)
     }
 }
 
-/* x[] are the digits of the number, one bit of each axis a digit. */
+/* The number whose digits are the bits of x[], one bit of each axis a digit. */
 static uint64_t
 number_of(const uint32_t *x, int axes, int bits)
 {

@@ -1,7 +1,7 @@
 /* curve.h - Hilbert's curve through cubes and squares
  *
- * It goes through all cells of a grid, each next to the one before, so places
- * that are close on the curve are close in space.
+ * The curve goes through all cells of a grid, each beside the cell before, so
+ * places that are close on the curve are close in space.
  * Source: Skilling 2004, Programming the Hilbert curve.
  * Thread: any. */
 #ifndef RAD_POINTS_CURVE_H
@@ -9,10 +9,10 @@
 
 #include <stdint.h>
 
-/* Cells along each side of the cube: 2 to this power. */
+/* The cube has 2 to this power cells along each side. */
 #define RAD_CURVE_BITS 21
 
-/* How far along the curve through the cube the cell lies. */
+/* The number of a cell on the curve through the cube. */
 uint64_t rad_curve_in_cube(const uint32_t cell[3]);
 
 /* The column and row of cell number `at` of the curve through a square of

@@ -1,7 +1,7 @@
 /* points.c - see points.h
  *
- * Points come in the order of a curve through their bounding cube, and lie in
- * the picture along curves through squares, one below the other. */
+ * Points are sorted along a curve through their bounding cube, and laid out in
+ * the picture along curves through squares, one square below the other. */
 #include "config.h"
 
 #include "points/points.h"
@@ -44,6 +44,7 @@ get_u64(const uint8_t *from)
     return get_u32(from) | (uint64_t)get_u32(from + 4) << 32;
 }
 
+/* Does the direction say that a pixel has no point? */
 static bool
 is_nowhere(const double dir[3])
 {
@@ -58,7 +59,7 @@ rad_points_bytes(int width, int height)
 
 /* --- reading --- */
 
-/* Are all numbers finite, and so many points there? */
+/* RAD_EDATA if a number is not finite, or there are more than p->n points. */
 static int
 check_points(const struct rad_points *p, struct rad_error *err)
 {
@@ -134,9 +135,10 @@ rad_points_at(const struct rad_points *p, int x, int y, double org[3],
 
 /* --- layout --- */
 
+/* The place of a point in the order of the curve. */
 struct place {
-    uint64_t at; /* along the curve */
-    uint32_t i;  /* the point's number */
+    uint64_t at; /* number on the curve */
+    uint32_t i;  /* index of the point */
 };
 
 static int
@@ -148,7 +150,8 @@ by_place(const void *a, const void *b)
                           : (x->i > y->i) - (x->i < y->i);
 }
 
-/* The cube that has all origins: its corner, and cells per unit of length. */
+/* The bounding cube of all origins: sets its corner, and returns the number of
+ * cells per unit of length; 0: all points lie in one cell. */
 static double
 grid_of(const double (*point)[6], uint32_t n, double corner[3])
 {
@@ -165,7 +168,7 @@ grid_of(const double (*point)[6], uint32_t n, double corner[3])
         side = fmax(side, hi - lo);
     }
     scale = ((UINT32_C(1) << RAD_CURVE_BITS) - 1) / side;
-    /* of no extent, or of one that no double holds, all lie in one cell */
+    /* 0 if there is no extent, or it is too large for a double */
     return isfinite(scale) ? scale : 0;
 }
 
@@ -189,8 +192,8 @@ sort_points(const double (*point)[6], uint32_t n)
     return place;
 }
 
-/* Squares of these sides, 2^bits, fill a picture that is two to eight times as
- * high as wide: of a third more pixels than points at most. */
+/* Squares of side 2^bits make a picture that is two to eight times as high as
+ * wide, with at most a third more pixels than points. */
 static int
 bits_for(uint32_t n)
 {
@@ -213,7 +216,7 @@ rad_points_lay(const double (*point)[6], uint32_t n, int *width, int *height,
         return rad_fail(err, RAD_ENOMEM, "out of memory");
     for (uint32_t k = 0; k < n; k++) {
         rad_curve_in_square(bits, k % square, cell);
-        cell[0] += k / square << bits; /* the row: half a square has few */
+        cell[0] += k / square << bits; /* the row, in the picture */
         last = cell[0] > last ? cell[0] : last;
         pixel[place[k].i] = (cell[0] << bits) + cell[1];
     }
