@@ -1,5 +1,5 @@
-/* job.c - what a thread needs, and what it counts; see job.h, and
- * shade/compile.c for a job as a whole */
+/* job.c - contexts of threads, and counts; see job.h.  Jobs are made in
+ * shade/compile.c. */
 #include "config.h"
 
 #include "trace/job.h"
@@ -40,7 +40,7 @@ rad_counts_fault(struct rad_counts *c, int32_t object)
     while (at < RAD_MAX_FAULTS && f[at].count > 0 && f[at].object < object)
         at++;
     if (at == RAD_MAX_FAULTS)
-        return; /* what comes later is not told */
+        return; /* no room for a later object */
     if (f[at].count == 0 || f[at].object != object) {
         memmove(f + at + 1, f + at,
                 (size_t)(RAD_MAX_FAULTS - 1 - at) * sizeof *f);

@@ -1,6 +1,6 @@
-/* kinds.h - what rays are for, and which random numbers belong to which use
+/* kinds.h - kinds of rays, and numbers that keep random numbers apart
  *
- * Source: what each ray kind means: Radiance's ray types. */
+ * Source: Radiance's ray types, for the meaning of kinds. */
 #ifndef RAD_TRACE_KINDS_H
 #define RAD_TRACE_KINDS_H
 
@@ -9,16 +9,16 @@ enum rad_raykind {
     RAD_RAY_RSHADOW = 02,   /* to a light source, off the near side */
     RAD_RAY_REFLECTED = 04, /* mirror reflection */
     RAD_RAY_REFRACTED = 010,
-    RAD_RAY_TRANS = 020,      /* passed on unbent */
-    RAD_RAY_RAMBIENT = 040,   /* indirect diffuse, near side */
-    RAD_RAY_RSPECULAR = 0100, /* sampled gloss */
-    RAD_RAY_TSHADOW = 0200,   /* to a light source through the surface */
-    RAD_RAY_TAMBIENT = 0400,
-    RAD_RAY_TSPECULAR = 01000,
-    /* no kinds, but kept with them: */
-    RAD_RAY_UNTESTED = 02000, /* in path: a shadow ray that nothing stops
-                               * between mirrors */
-    RAD_RAY_CUT = 04000       /* in kind: what it met is cut away */
+    RAD_RAY_TRANS = 020,       /* passed on, straight */
+    RAD_RAY_RAMBIENT = 040,    /* indirect diffuse, near side */
+    RAD_RAY_RSPECULAR = 0100,  /* sampled gloss, reflected */
+    RAD_RAY_TSHADOW = 0200,    /* to a light source through the surface */
+    RAD_RAY_TAMBIENT = 0400,   /* indirect diffuse, far side */
+    RAD_RAY_TSPECULAR = 01000, /* sampled gloss, transmitted */
+    /* flags that are kept with kinds: */
+    RAD_RAY_UNTESTED = 02000, /* in path: a shadow ray for which surfaces in the
+                               * way do not count */
+    RAD_RAY_CUT = 04000       /* in kind: the surface it met is cut away */
 };
 #define RAD_RAY_SHADOW   (RAD_RAY_RSHADOW | RAD_RAY_TSHADOW)
 #define RAD_RAY_AMBIENT  (RAD_RAY_RAMBIENT | RAD_RAY_TAMBIENT)
@@ -28,7 +28,8 @@ enum rad_raykind {
     (RAD_RAY_RSHADOW | RAD_RAY_REFLECTED | RAD_RAY_RAMBIENT | RAD_RAY_RSPECULAR)
 
 /* Branch numbers of the rays that a surface spawns (rad_ray_spawn): a class in
- * the high byte, and below it an index, or 0 where there is one of a kind. */
+ * the high byte, and below it an index, or 0 if there is one ray of the
+ * class. */
 enum {
     RAD_BRANCH_TRANSMIT = 0x01000000,
     RAD_BRANCH_REFLECT = 0x02000000,
@@ -41,8 +42,8 @@ enum {
     RAD_BRANCH_SCATTER = 0x09000000    /* a medium's sources: see mist.c */
 };
 
-/* Dimensions of the random numbers that a ray's key is good for (rad_rand):
- * all of them, so that no two uses share one. */
+/* Dimensions of the random numbers that are drawn at a ray's key (rad_rand).
+ * All are listed here, so that no two uses share one. */
 enum {
     RAD_DIM_ROULETTE = 0,           /* does this ray live on (-lr <= 0)? */
     RAD_DIM_PIXEL = 1,              /* and 2: place in the pixel */

@@ -1,8 +1,8 @@
 /* material.c - modifiers and their compilation; their table is shade/families.c
  *
- * An alias is gone after compilation: its entry is what it stands for, with
- * the alias's own modifier behind it.  Modifiers that no surface leads to are
- * not compiled: they may be of any type, and their files need not exist. */
+ * The entry of an alias is a copy of the modifier that it stands for, with the
+ * alias's own modifier behind it.  Modifiers that no surface leads to are not
+ * compiled: they may be of any type, and their files need not exist. */
 #include "config.h"
 
 #include "trace/asks.h"
@@ -10,8 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A mixture that nothing modifies counts as a material: what it mixes may be
- * some. */
+/* A mixture without a modifier counts as a material: it may mix materials. */
 static bool
 is_material(const struct rad_object *o)
 {
@@ -84,8 +83,7 @@ compile_alias(struct rad_job *job, int32_t index, struct rad_error *err)
     return 0;
 }
 
-/* What is seen through where a string of the object's, from `first` on, is no
- * "0"; else it stops shadow rays. */
+/* TRANSPARENT if one of n strings, from `first` on, is not "0"; else OPAQUE. */
 static unsigned
 flags_by_strings(const struct rad_object *o, int first, int n)
 {
@@ -95,6 +93,7 @@ flags_by_strings(const struct rad_object *o, int first, int n)
     return RAD_MAT_OPAQUE;
 }
 
+/* The material's flags: the type's, unless they depend on its arguments. */
 static unsigned
 flags_of(const struct rad_job *job, const struct rad_object *o,
          const struct rad_shader *shader)
@@ -102,12 +101,12 @@ flags_of(const struct rad_job *job, const struct rad_object *o,
     unsigned flags;
 
     switch (o->type) {
-    case RAD_BRTDFUNC: /* what passes */
+    case RAD_BRTDFUNC: /* its specular transmittances */
         return flags_by_strings(o, 3, 3);
-    case RAD_WGMDFUNC: /* the same, if it is there at all */
+    case RAD_WGMDFUNC: /* its specular transmittance; with -bv- not opaque */
         flags = flags_by_strings(o, 5, 1);
         return job->params.backvis ? flags : flags & ~(unsigned)RAD_MAT_OPAQUE;
-    case RAD_BSDF: /* a thickness: the geometry behind it */
+    case RAD_BSDF: /* its thickness: rays see the geometry behind it */
         return flags_by_strings(o, 0, 1) & RAD_MAT_TRANSPARENT;
     default:
         return shader->flags;

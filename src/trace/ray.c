@@ -1,7 +1,8 @@
 /* ray.c - see ray.h
  *
- * Which surfaces a ray sees and what its length is follow Radiance's ray
- * tracing core, so that depth pictures and irradiance agree with rpict's. */
+ * Which surfaces a ray sees, and what counts as its length, is decided as in
+ * Radiance's ray tracing core, so that depth pictures and irradiance agree with
+ * rpict's. */
 #include "config.h"
 
 #include "trace/ray.h"
@@ -17,8 +18,9 @@
  * times any sensible radiance can hold. */
 #define OPAQUE_DEPTH 92.0
 
-/* Extinction along the parent's length, for the weight: of the clearest
- * channel, and only where it is worth an exponential. */
+/* The factor by which extinction along the parent's length lowers a child's
+ * weight: that of the clearest channel, and 1 if the depth is too small to be
+ * worth an exponential. */
 static float
 medium_weight(const struct rad_ray *parent)
 {
@@ -67,14 +69,14 @@ spawn_child(struct rad_ray *r, enum rad_raykind kind,
     r->sample = kind & RAD_RAY_AMBIENT ? r->weight : parent->sample;
 }
 
-/* A hemisphere's ray is a sample among many, whose noise hardly falls when all
- * that it branches into is traced, too: parts of less than that share of it are
- * left to roulette.  With .25 offices and rooms of mirrors take .66 to .75 of
- * the time at the same error (doc/accuracy.md). */
+/* A hemisphere's ray is a sample among many, and the noise of their mean hardly
+ * falls if all its branches are traced: a branch with less than this share of
+ * its weight is left to roulette.  With .25 offices and rooms of mirrors take
+ * .66 to .75 of the time at the same error (doc/accuracy.md). */
 #define WHOLE_SHARE .25f
 
-/* Let rays below that weight die at random, and the survivors count for the
- * dead. */
+/* Russian roulette: let a ray below the weight `least` die at random; one that
+ * survives gets that weight, and a coefficient raised as much. */
 static bool
 roulette(struct rad_ray *r, double least)
 {
@@ -87,13 +89,14 @@ roulette(struct rad_ray *r, double least)
     return true;
 }
 
-/* All of a ray but its direction.  False: it cannot exist, or nothing would
- * come of it. */
+/* Set all fields of a spawned ray but its direction.  False: its parent is
+ * infinitely long, the path is too deep, or its weight is 0. */
 static bool
 begin(const struct rad_ctx *ctx, struct rad_ray *r, enum rad_raykind kind,
       const struct rad_ray *parent, const struct rad_rgb *coef, uint32_t branch)
 {
-    /* each by itself: what has just been stored cannot be loaded as a whole */
+    /* channel by channel: a load of all three would have to wait for the stores
+     * of each, which the caller has just made */
     r->coef = coef ? rad_rgb(coef->r, coef->g, coef->b) : rad_grey(1);
     /* coefficients above 1 must not let paths grow */
     r->weight = rad_rgb_max(r->coef);
@@ -111,11 +114,11 @@ begin(const struct rad_ctx *ctx, struct rad_ray *r, enum rad_raykind kind,
     return r->weight > 0;
 }
 
-/* Is it worth tracing, by -lw and -lr? */
+/* Is r within the limits of -lw and -lr? */
 static bool
 goes_far_enough(const struct rad_params *p, const struct rad_ray *r)
 {
-    if (r->path & RAD_RAY_SHADOW) /* once aimed, a shadow ray goes through */
+    if (r->path & RAD_RAY_SHADOW) /* no limit applies to shadow rays */
         return true;
     return r->weight >= p->minweight && r->level <= abs(p->maxdepth);
 }
@@ -191,8 +194,8 @@ rad_ray_enter(struct rad_ray *r)
     r->dist = r->hit.t;
 }
 
-/* Negative channels are cut off at 0, the others stay, as in rpict's pictures;
- * what is not finite anywhere is black. */
+/* L with negative channels set to 0, as in rpict's pictures; black if a channel
+ * is not finite. */
 static struct rad_rgb
 made_sound(struct rad_rgb L)
 {
@@ -200,9 +203,10 @@ made_sound(struct rad_rgb L)
     return rad_rgb_sound(L) ? L : rad_grey(0);
 }
 
-/* What is not finite is cut off, and counted.  What is negative is so where a
- * pixel or an ambient record would get it; a ray that comes from such a surface
- * to another takes from the sum there, as in rpict's pictures. */
+/* Make r's radiance sound if it is not, and count that.  A radiance must be
+ * finite; one that goes to a pixel or an ambient record must not be negative.
+ * A negative radiance may go to another surface, where it lowers the sum, as in
+ * rpict. */
 static void
 drop_unsound(struct rad_ctx *ctx, struct rad_ray *r)
 {
@@ -228,8 +232,8 @@ rad_ray_onward(struct rad_ray *r)
     }
 }
 
-/* Find what r meets; false: nothing.  `own` is for what lies behind that, where
- * it is not known yet. */
+/* Find what r meets; false: nothing.  If it is not known yet what lies straight
+ * ahead (r->line), *own may become r's line. */
 static bool
 meet(struct rad_ctx *ctx, struct rad_ray *r, struct rad_line *own)
 {
@@ -293,8 +297,8 @@ rad_ray_continue(struct rad_ctx *ctx, struct rad_ray *r)
         rad_ray_transmit(ctx, r);
 }
 
-/* With -i, what the eye sees directly is replaced by its irradiance: clear
- * materials let the ray through, emitters are seen as they are. */
+/* Shade a surface that the eye sees directly with -i: L is its irradiance.
+ * Transparent materials let the ray through, emitters are seen as they are. */
 static bool
 shade_irradiance(struct rad_ctx *ctx, const struct rad_material *mat,
                  struct rad_ray *r)
@@ -339,7 +343,7 @@ rad_ray_transmit(struct rad_ctx *ctx, struct rad_ray *r)
 {
     struct rad_ray tr;
 
-    /* no limit applies: nothing is lost here */
+    /* not rad_ray_spawn(): -lw and -lr do not apply, since nothing is lost */
     if (!begin(ctx, &tr, RAD_RAY_TRANS, r, NULL, RAD_BRANCH_TRANSMIT))
         return;
     rad_copy(tr.dir, r->dir);
@@ -364,7 +368,7 @@ rad_ray_absorb(struct rad_ctx *ctx, struct rad_ray *r)
         rad_mist_participate(ctx, r);
         return;
     }
-    /* exp(-0 * INFINITY) would be no number: a clear channel is unchanged */
+    /* a clear channel is unchanged: exp(-0 * INFINITY) would be NaN */
     T.r = e->r > 0 ? rad_expf(-e->r * t) : 1;
     T.g = e->g == e->r ? T.r : e->g > 0 ? rad_expf(-e->g * t) : 1;
     T.b = e->b == e->g ? T.g : e->b > 0 ? rad_expf(-e->b * t) : 1;
@@ -404,8 +408,8 @@ rad_ray_normal(const struct rad_ray *r, double norm[3])
     }
     cos_n = -rad_dot(norm, r->dir);
     if ((cos_n > 0) != (r->cos_o > 0)) {
-        /* mirror it about the plane across the ray, so that the side that
-         * is seen stays the side that was hit */
+        /* reflect the normal at the plane perpendicular to the ray, so that
+         * the side that is seen is the side that was hit */
         rad_madd(norm, norm, 2 * cos_n, r->dir);
         cos_n = -cos_n;
     }
@@ -474,7 +478,8 @@ rad_ray_through(const struct rad_ray *r, const double dir[3])
     return (r->cos_o > 0) != (rad_dot(r->n, dir) > 0);
 }
 
-/* The effective distance of r, of whose radiance `whole` is the whole. */
+/* The effective distance of r: that of the mirrored part if it is more than
+ * half of the radiance `whole`. */
 static double
 effective(const struct rad_ray *r, struct rad_rgb whole)
 {
