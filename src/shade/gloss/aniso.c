@@ -12,21 +12,21 @@
 struct aniso {
     enum rad_otype type;
     struct rad_rgb color;
-    double spec, au, av, trans, tspec; /* as given */
-    struct rad_expr expr;              /* of u */
+    double spec, au, av, trans, tspec; /* the arguments */
+    struct rad_expr expr;              /* of vector u */
 };
 
 /* A hit on such a surface. */
 struct aniso_hit {
     const struct aniso *m;
     struct rad_gloss gloss;
-    struct rad_rgb color; /* with the patterns */
-    struct rad_rgb spec_color;
-    double rdiff, tdiff, tspec, trans; /* parts of the light; trans is
-                                        * tdiff + tspec */
+    struct rad_rgb color;              /* with the patterns */
+    struct rad_rgb spec_color;         /* of the reflected lobe */
+    double rdiff, tdiff, tspec, trans; /* parts of the light (normal.c); trans
+                                        * is tdiff + tspec */
     double cos_n;                      /* -dir.norm, at least .001 */
-    double ahead[3];                   /* where tspec goes on */
-    bool flat;
+    double ahead[3];                   /* direction of tspec's lobe */
+    bool flat;                         /* flat, and without texture */
 };
 
 int
@@ -59,7 +59,7 @@ scaled(struct rad_rgb c, double s)
     return rad_rgb_scale(c, (float)s);
 }
 
-/* rad_brdf_fn: what a light source of solid angle omega at ldir adds. */
+/* rad_brdf_fn */
 static void
 brdf(struct rad_rgb *coef, void *data, const double ldir[3], double omega)
 {
@@ -74,7 +74,7 @@ brdf(struct rad_rgb *coef, void *data, const double ldir[3], double omega)
     if (part > RAD_TINY)
         *coef = scaled(hit->color, part * fabs(cos_l) * omega / M_PI);
     if (cos_l > 0 && hit->m->spec > RAD_TINY) {
-        /* the light's extent: -dj 0 sends all its samples to its centre */
+        /* the light's extent, since -dj 0 aims all samples at its centre */
         double spread = (1 - g->ctx->job->params.srcjitter) * omega;
 
         lobe = rad_gloss_brdf(g, ldir, hit->flat ? spread / (4 * M_PI) : 0);
@@ -96,7 +96,7 @@ rad_aniso_frame(double u[3], double v[3], const double norm[3],
     double len2 = rad_dot(along, along);
 
     rad_cross(v, norm, along);
-    /* what is left of a parallel vector is rounding */
+    /* a parallel vector leaves rounding errors only */
     if (!(rad_dot(v, v) > 64 * DBL_EPSILON * DBL_EPSILON * len2) ||
         rad_normalize(v) == 0) {
         rad_frame(u, v, norm);
@@ -106,6 +106,8 @@ rad_aniso_frame(double u[3], double v[3], const double norm[3],
     return true;
 }
 
+/* Turn the expressions' values to the world, or set zero if they are
+ * unsound. */
 static void
 take_along(double along[3], const struct rad_expr *e, const struct rad_ray *r,
            bool sound)
@@ -130,7 +132,8 @@ rad_aniso_get(struct rad_ctx *ctx, const struct rad_expr *e, int first,
     take_along(along, e, r, rad_expr_get(ctx, e, first, 3, along));
 }
 
-/* Lay the roughness along u.  Without a direction it is the same in all. */
+/* Set the roughness along u and v.  Without a direction u it is the same in all
+ * directions. */
 static void
 orient(struct aniso_hit *hit)
 {
@@ -177,8 +180,8 @@ enter(struct aniso_hit *hit, struct rad_ctx *ctx, const struct aniso *m,
     orient(hit);
 }
 
-/* Follow the lobes that are strong enough (-st); what is not joins the diffuse
- * light from all around. */
+/* Add all light but that of sources.  Lobes that are strong enough (-st) are
+ * sampled; weaker ones get ambient light, with the diffuse parts. */
 static void
 add_surroundings(struct aniso_hit *hit)
 {

@@ -13,18 +13,19 @@
 struct ashik {
     struct rad_rgb color, spec_color;
     double nu, nv;        /* powers along u and v */
-    struct rad_expr expr; /* of u */
+    struct rad_expr expr; /* of vector u */
 };
 
 /* A hit on such a surface. */
 struct ashik_hit {
     struct rad_ctx *ctx;
     struct rad_ray *r;
-    struct rad_rgb color;      /* with the patterns */
-    struct rad_rgb spec_color; /* as it is toward the eye */
-    double norm[3], u[3], v[3];
+    struct rad_rgb color;       /* with the patterns */
+    struct rad_rgb spec_color;  /* at the eye's angle */
+    double norm[3], u[3], v[3]; /* orthonormal, norm tilted by textures */
     double nu, nv;
     double cos_n; /* -dir.norm, at least .001 */
+    /* there is gloss; it is strong enough to be sampled (-st) */
     bool glossy, follow;
 };
 
@@ -48,7 +49,8 @@ rad_ashik_prepare(struct rad_job *job, int32_t index,
     return rad_expr_prepare(job, o, files, 3, 07, &m->expr, err);
 }
 
-/* Schlick's share of what is left that Fresnel's formula adds. */
+/* Schlick's approximation of Fresnel's formula: at this angle reflectance R
+ * rises to R + (1 - R) times this. */
 static double
 schlick(double cosine)
 {
@@ -57,8 +59,8 @@ schlick(double cosine)
     return s * s * s * s * s;
 }
 
-/* The exponent of cos(theta_h) is that of the direction in which h leans; at
- * the normal the lobe is 1 whatever it is. */
+/* The lobe for a light at ldir.  The exponent of cos(theta_h) depends on the
+ * direction in which h leans; at the normal any exponent gives 1. */
 static double
 lobe(const struct ashik_hit *hit, const double ldir[3], double cos_l)
 {
@@ -78,7 +80,7 @@ lobe(const struct ashik_hit *hit, const double ldir[3], double cos_l)
            (8 * M_PI * rad_dot(ldir, h) * rad_most(cos_l, hit->cos_n));
 }
 
-/* rad_brdf_fn: what a light source of solid angle omega at ldir adds. */
+/* rad_brdf_fn */
 static void
 brdf(struct rad_rgb *coef, void *data, const double ldir[3], double omega)
 {
@@ -98,8 +100,9 @@ brdf(struct rad_rgb *coef, void *data, const double ldir[3], double omega)
             *coef, rad_rgb_scale(hit->spec_color, (float)(f * cos_l * omega)));
 }
 
-/* Without a direction the power is the same in all, the harmonic mean: as in
- * Radiance, which adds 1e-5 so that powers of 0 have one. */
+/* Set u, v and the powers along them.  Without a direction u the power is the
+ * same in all directions: the harmonic mean, as in Radiance, which adds 1e-5 so
+ * that powers of 0 have a mean. */
 static void
 orient(struct ashik_hit *hit, const struct ashik *m)
 {
@@ -131,8 +134,8 @@ enter(struct ashik_hit *hit, struct rad_ctx *ctx, const struct ashik *m,
     orient(hit, m);
 }
 
-/* A direction of reflection, drawn from the model's density of half vectors;
- * false: it is not before the surface. */
+/* Draw a direction of reflection from the model's density of half vectors;
+ * false: it does not leave the surface. */
 static bool
 draw_reflection(const struct ashik_hit *hit, int i, int trial, double dir[3])
 {
@@ -155,7 +158,8 @@ draw_reflection(const struct ashik_hit *hit, int i, int trial, double dir[3])
     return rad_normalize(dir) > 0 && rad_dot(dir, r->n) > RAD_TINY;
 }
 
-/* Each sample counts in full; what falls below the surface is drawn again. */
+/* Add gloss by samples.  Each has weight 1; a sample below the surface is drawn
+ * again. */
 static void
 reflect_gloss(const struct ashik_hit *hit)
 {

@@ -1,10 +1,11 @@
 /* ashik.h - ashik2: the anisotropic Phong model of Ashikhmin and Shirley
  *
- * A diffuse base under gloss whose highlight falls off by one power of the
- * cosine along a vector u, which three expressions give, and by another across
- * it; both change toward grazing as Schlick approximates Fresnel's formula.
- * As in Radiance the base loses at the light's side alone, the gloss gains by
- * the eye's angle, and -ss below 1 does not narrow the samples.
+ * A diffuse base under gloss.  The highlight falls off by one power of the
+ * cosine along a vector u, which three expressions give, and by another power
+ * across it.  Toward grazing the gloss grows and the base dims, by Schlick's
+ * approximation of Fresnel's formula.  As in Radiance, the base dims by the
+ * light's angle alone, the gloss grows by the eye's angle alone, and -ss below
+ * 1 does not narrow the samples.
  * Source: Ashikhmin & Shirley 2000, An anisotropic Phong BRDF model; Schlick
  * 1994; Radiance's reference manual, "ashik2". */
 #ifndef RAD_SHADE_ASHIK_H

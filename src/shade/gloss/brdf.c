@@ -14,14 +14,16 @@
 struct brdf {
     enum rad_otype type;
     struct rad_rgb color;
-    double rdiff, rspec, trans, tdiff, tspec; /* parts of the light */
+    double rdiff, rspec, trans, tdiff, tspec; /* parts of the light (normal.c);
+                                               * trans is tdiff + tspec */
     struct rad_rgb front, back, through; /* BRTDfunc: diffuse reflectance of
-                                          * both sides, transmittance */
-    struct rad_expr expr;         /* BRTDfunc: what is mirrored, what passes */
-    int function[3];              /* by channel; -1: nothing */
-    bool shines;                  /* there is one */
-    const struct rad_data *data;  /* what the function is applied to, NULL */
-    int place[RAD_MAX_DATA_DIMS]; /* functions: where to look it up */
+                                          * both sides, diffuse transmittance */
+    struct rad_expr expr;         /* BRTDfunc: colours of the mirrored and of
+                                   * the transmitted light */
+    int function[3];              /* of light, by channel; -1: none */
+    bool shines;                  /* a channel has a function */
+    const struct rad_data *data;  /* its value is the first argument; or NULL */
+    int place[RAD_MAX_DATA_DIMS]; /* functions that give the place in data */
 };
 
 /* A hit on such a surface. */
@@ -30,16 +32,16 @@ struct brdf_hit {
     struct rad_ray *r;
     const struct brdf *m;
     struct rad_rgb color;        /* with the patterns */
-    struct rad_rgb rdiff, tdiff; /* reflected and passed diffusely */
-    double norm[3]; /* as textures tilt it, on the side of the ray */
+    struct rad_rgb rdiff, tdiff; /* diffuse reflectance and transmittance */
+    double norm[3]; /* tilted by textures, on the side of the ray */
     double cos_n;   /* -dir.norm */
     struct rad_expr_scope scope;
 };
 
 /* --- compiling ------------------------------------------------------------ */
 
-/* One function for all channels; how many strings name functions of light is
- * n, from `first` on, and "0" is none where there are several. */
+/* Compile the functions of light, which n strings name from `first` on: one for
+ * all channels, or three, of which "0" means none. */
 static int
 compile_functions(struct rad_job *job, const struct rad_object *o, int first,
                   int n, struct brdf *m, struct rad_error *err)
@@ -81,8 +83,8 @@ prepare_brtd(struct rad_job *job, const struct rad_object *o,
     return rc ? rc : compile_functions(job, o, 6, 3, m, err);
 }
 
-/* The data file behind the function's name, and a function for each of its
- * dimensions behind the function file. */
+/* Read the data file that the second string names, and compile a function for
+ * each of its dimensions, which strings from the fourth on name. */
 static int
 prepare_data(struct rad_job *job, const struct rad_object *o,
              const struct rad_files *files, struct brdf *m,
@@ -162,7 +164,8 @@ rad_brdf_prepare(struct rad_job *job, int32_t index,
 
 /* --- light sources -------------------------------------------------------- */
 
-/* The value at the place that the functions give, as arg[0]; false: none. */
+/* Set arg[0] to the data's value at the place that functions of the other
+ * arguments give; false: they have no value. */
 static bool
 look_up(struct brdf_hit *hit, double arg[5])
 {
@@ -176,7 +179,8 @@ look_up(struct brdf_hit *hit, double arg[5])
     return true;
 }
 
-/* What the functions give for a light of omega at ldir; false: no value. */
+/* Set *f to the functions' values for a light of solid angle omega at ldir;
+ * false: they have none. */
 static bool
 scatter(struct brdf_hit *hit, const double ldir[3], double omega,
         struct rad_rgb *f)
@@ -207,7 +211,7 @@ scatter(struct brdf_hit *hit, const double ldir[3], double omega,
     return true;
 }
 
-/* rad_brdf_fn: what a light source of solid angle omega at ldir adds. */
+/* rad_brdf_fn */
 static void
 brdf(struct rad_rgb *coef, void *data, const double ldir[3], double omega)
 {
@@ -235,6 +239,7 @@ brdf(struct rad_rgb *coef, void *data, const double ldir[3], double omega)
 
 /* --- other light ---------------------------------------------------------- */
 
+/* Add coef times the ambient light on one side. */
 static void
 add_ambient(struct brdf_hit *hit, bool behind, struct rad_rgb coef)
 {
@@ -286,7 +291,7 @@ rad_brdf_shade(struct rad_ctx *ctx, const struct rad_material *mat,
     return true;
 }
 
-/* The values of three expressions as a colour; false: there is none. */
+/* Set *c to the colour of three expressions; false: they have no value. */
 static bool
 color_of(struct brdf_hit *hit, int first, struct rad_rgb *c)
 {
@@ -299,7 +304,8 @@ color_of(struct brdf_hit *hit, int first, struct rad_rgb *c)
     return true;
 }
 
-/* pert points to r->n's side, whichever the ray comes from. */
+/* Turn r's direction by the tilt of the normal.  (r->pert belongs to r->n,
+ * which may be on either side.) */
 static void
 turn_ahead(const struct rad_ray *r, double dir[3])
 {
@@ -359,7 +365,7 @@ rad_brtd_shade(struct rad_ctx *ctx, const struct rad_material *mat,
     reflects = rad_rgb_max(hit.rdiff) > RAD_TINY;
     passes = rad_rgb_max(hit.tdiff) > RAD_TINY;
     let_pass(&hit);
-    if (r->path & RAD_RAY_SHADOW) /* the rest of it casts a shadow */
+    if (r->path & RAD_RAY_SHADOW) /* the other parts cast a shadow */
         return true;
     mirror(&hit);
     if (reflects)

@@ -1,10 +1,10 @@
 /* scatter.c - see scatter.h
  *
  * Directions are looked up in the surface's own frame: z along its normal,
- * whichever side is hit, y as near to the up vector as can be.  Both directions
- * point away from the surface, and light and eye may be exchanged.
- * A lookup is blurred: the eye's direction is jittered within its cell for
- * every sample, so that the cells of the data do not show. */
+ * whichever side is hit, and y as near to the up vector as possible.  Both
+ * directions point away from the surface, and may be exchanged.
+ * Look-ups are blurred: for each sample the eye's direction is jittered within
+ * its cell, so that the cells of the data do not show. */
 #include "config.h"
 
 #include "shade/gloss/scatter.h"
@@ -20,31 +20,33 @@
 
 enum { MAX_SAMPLES = 10000 };
 
-/* Random numbers of a hit, by what they are for; below 2^24 altogether. */
+/* Dimensions of a hit's random numbers, by use; below 2^24 altogether. */
 enum {
-    DIM_TOTAL = 0,       /* 2: where the total is looked up */
-    DIM_DIRECT = 16,     /* 2 for each lookup of direct light */
+    DIM_TOTAL = 0,       /* 2: jitter of the look-up of the total */
+    DIM_DIRECT = 16,     /* 2 for each look-up of direct light */
     DIM_SAMPLE = 1 << 20 /* 3 for each ray that is drawn */
 };
 
 struct scatter {
-    struct rad_expr expr; /* thickness and up, or up */
+    struct rad_expr expr; /* BSDF: thickness and up; aBSDF: up */
     const struct rad_bsdf *bsdf;
     bool proxy_type;                     /* BSDF, not aBSDF */
-    struct rad_rgb front, back, through; /* Lambertian, the material's own */
+    struct rad_rgb front, back, through; /* diffuse parts, by the arguments */
 };
 
+/* A hit on such a surface. */
 struct scatter_hit {
     struct rad_ctx *ctx;
     struct rad_ray *r;
     const struct scatter *s;
-    double norm[3];          /* perturbed, on the side that is hit */
-    double axis[3][3];       /* of the surface's frame, in the world */
-    struct rad_bsdf_eye eye; /* toward where the ray came from, there */
-    double cell[2]; /* square roots of the smallest and largest cells */
-    double thick;   /* of what the surface stands in for */
-    struct rad_rgb peak, around; /* straight ahead; and beside that */
-    struct rad_rgb rdiff, tdiff; /* Lambertian, with the patterns */
+    double norm[3];          /* tilted by textures, on the side that is hit */
+    double axis[3][3];       /* axes of the surface's frame, in the world */
+    struct rad_bsdf_eye eye; /* direction to the eye, in that frame */
+    double cell[2]; /* roots of the projected solid angles of the smallest and
+                     * the largest cell for this eye */
+    double thick;   /* thickness of the geometry that it stands for */
+    struct rad_rgb peak, around; /* the peak's transmittance; value beside it */
+    struct rad_rgb rdiff, tdiff; /* diffuse parts, with the patterns */
     struct rad_ray behind;       /* the ray as if it had met the far side */
 };
 
@@ -108,8 +110,8 @@ scaled(struct rad_rgb c, double s)
     return rad_rgb_scale(c, (float)s);
 }
 
-/* To the job's channels.  A colour beyond what red, green and blue can hold is
- * paled. */
+/* A colour in the job's channels.  A colour outside the gamut of red, green and
+ * blue is made paler. */
 static struct rad_rgb
 to_rgb(const struct scatter_hit *hit, const double xyz[3])
 {
@@ -153,7 +155,8 @@ to_world(const struct scatter_hit *hit, const double local[3], double v[3])
     rad_normalize(v);
 }
 
-/* False: up has no direction across the normal. */
+/* Set the surface's frame, and the eye in it.  False: up is parallel to the
+ * normal. */
 static bool
 set_frame(struct scatter_hit *hit, const double up[3])
 {
@@ -171,8 +174,8 @@ set_frame(struct scatter_hit *hit, const double up[3])
     return true;
 }
 
-/* The eye's direction somewhere in a cell of that width; *store keeps it if it
- * is another. */
+/* The eye's direction, jittered within a cell of that width.  Returns store, or
+ * &hit->eye without jitter. */
 static const struct rad_bsdf_eye *
 jitter(const struct scatter_hit *hit, double width, uint32_t dim,
        struct rad_bsdf_eye *store)
@@ -190,7 +193,7 @@ jitter(const struct scatter_hit *hit, double width, uint32_t dim,
     return store;
 }
 
-/* Is it on the front side that the ray came from? */
+/* Does the ray come from the front side? */
 static bool
 from_front(const struct scatter_hit *hit)
 {
@@ -200,7 +203,8 @@ from_front(const struct scatter_hit *hit)
 /* --- the peak straight ahead -----------------------------------------------
  */
 
-/* Where it is looked for, in widths of the smallest cell: the centre first. */
+/* Directions in which the peak is looked for, relative to straight ahead, in
+ * widths of the smallest cell. */
 static const double probe[][2] = {
     { 0, 0 },     { -.6, 0 },    { 0, .6 },      { 0, -.6 },    { .6, 0 },
     { -.6, .6 },  { -.6, -.6 },  { .6, .6 },     { .6, -.6 },   { -1.2, 0 },
@@ -215,7 +219,7 @@ struct probed {
     double xyz[3], omega;
 };
 
-/* Look up all probes; order[] gets their numbers, the brightest first. */
+/* Look up all probes; order[] gets their indices, the brightest first. */
 static void
 look_ahead(const struct scatter_hit *hit, struct probed list[NPROBES],
            uint8_t order[NPROBES])
@@ -236,14 +240,15 @@ look_ahead(const struct scatter_hit *hit, struct probed list[NPROBES],
     }
 }
 
-/* What the cells count for: peak [0] and its surroundings [1]. */
+/* Sums over the cells of the peak [0] and of its surroundings [1]. */
 struct sums {
     struct rad_rgb light[2];
     double omega[2];
 };
 
-/* Cells that are small and not much dimmer than the brightest are the peak.
- * The same value twice is the same cell.  False: there is none. */
+/* Sum up the cells that were probed.  Small cells that are not much dimmer than
+ * the brightest belong to the peak.  Two probes with the same value lie in the
+ * same cell.  False: there is no peak. */
 static bool
 sum_peak(const struct scatter_hit *hit, const struct probed list[NPROBES],
          const uint8_t order[NPROBES], struct sums *sums)
@@ -281,6 +286,7 @@ minus(struct rad_rgb a, struct rad_rgb b)
                    fmaxf(a.b - b.b, 0));
 }
 
+/* Set hit->peak and hit->around, if there is a peak. */
 static void
 find_peak(struct scatter_hit *hit)
 {
@@ -310,7 +316,7 @@ find_peak(struct scatter_hit *hit)
 /* --- light from sources ----------------------------------------------------
  */
 
-/* Is a light that way part of the peak, which a ray of its own has met? */
+/* Is a light in direction way part of the peak, which is traced by a ray? */
 static bool
 in_peak(const struct scatter_hit *hit, const double way[3], double omega)
 {
@@ -324,8 +330,8 @@ in_peak(const struct scatter_hit *hit, const double way[3], double omega)
            2.5 * 4 / M_PI * (omega + cell + 2 * sqrt(omega * cell));
 }
 
-/* The mean of jittered lookups, the Lambertian rest apart.  Where the cell is
- * much finer than at the eye's own direction, it is left out. */
+/* The mean of jittered look-ups, less the diffuse part.  A look-up in a cell
+ * that is much finer than that of the unjittered eye is left out. */
 static struct rad_rgb
 average(const struct scatter_hit *hit, const double way[3])
 {
@@ -364,7 +370,8 @@ average(const struct scatter_hit *hit, const double way[3])
     return rest[1] > RAD_TINY ? minus(sum, to_rgb(hit, rest)) : sum;
 }
 
-/* What is scattered from a light at ldir, of solid angle omega [1/sr]. */
+/* The BSDF, less the diffuse part, for a light of solid angle omega at ldir
+ * [1/sr]. */
 static struct rad_rgb
 scattered(const struct scatter_hit *hit, const double ldir[3], double omega)
 {
@@ -380,7 +387,8 @@ scattered(const struct scatter_hit *hit, const double ldir[3], double omega)
     return average(hit, way);
 }
 
-/* rad_brdf_fn for light from both sides, and from one only. */
+/* rad_brdf_fn: light from both sides; direct_near(): only from the side of the
+ * ray; direct_far(): only from the other side. */
 static void
 direct_both(struct rad_rgb *coef, void *data, const double ldir[3],
             double omega)
@@ -446,11 +454,11 @@ add_direct(struct scatter_hit *hit)
 /* --- light from elsewhere --------------------------------------------------
  */
 
-/* In the place of -lw 0, which is divided by. */
+/* Added to the divisor, which -lw 0 makes 0. */
 #define NO_WEIGHT 1e-20
 
-/* The weight of one of n rays; n is lowered until each has -lw.  False: none
- * has. */
+/* Spawn *sr as ray i of *n, with 1 / *n of coef.  For ray 0, *n is lowered
+ * until each ray has a weight of -lw.  False: do not trace it. */
 static bool
 spawn_sample(const struct scatter_hit *hit, struct rad_ray *sr, bool through,
              struct rad_rgb coef, int *n, int i)
@@ -475,7 +483,8 @@ spawn_sample(const struct scatter_hit *hit, struct rad_ray *sr, bool through,
     }
 }
 
-/* How far in the random number goes for ray i of n. */
+/* A random number in [0, 1) for ray i of n: stratified if n > 1; -ss below 1
+ * draws it toward .5. */
 static double
 draw(const struct scatter_hit *hit, uint32_t dim, int i, int n)
 {
@@ -487,6 +496,7 @@ draw(const struct scatter_hit *hit, uint32_t dim, int i, int n)
     return width < 1 ? .5 + width * (x - .5) : x;
 }
 
+/* Add scattered light by rays; peak_apart: leave out the peak's directions. */
 static void
 follow(struct scatter_hit *hit, bool through, bool peak_apart)
 {
@@ -524,7 +534,7 @@ follow(struct scatter_hit *hit, bool through, bool peak_apart)
     }
 }
 
-/* One ray straight ahead.  False: it is too weak. */
+/* Trace the peak by one ray straight ahead.  False: it is too weak. */
 static bool
 follow_peak(struct scatter_hit *hit)
 {
@@ -540,8 +550,9 @@ follow_peak(struct scatter_hit *hit)
     return true;
 }
 
-/* Scattered light: by rays of its own, or, where it is weaker than -st, as a
- * part of the ambient light, which is returned. */
+/* Add scattered light from one side (through: from beyond the surface) by rays.
+ * If it is weaker than -st, returns the factor for ambient light in its place.
+ */
 static struct rad_rgb
 sample(struct scatter_hit *hit, bool through)
 {
@@ -598,7 +609,7 @@ add_ambient(struct scatter_hit *hit, struct rad_rgb reflected,
 /* --- a hit -----------------------------------------------------------------
  */
 
-/* Lambertian parts, with the patterns. */
+/* Set the diffuse parts, with the patterns. */
 static void
 set_diffuse(struct scatter_hit *hit, bool front)
 {
@@ -613,7 +624,7 @@ set_diffuse(struct scatter_hit *hit, bool front)
     hit->tdiff = rad_rgb_mul(hit->tdiff, hit->r->pattern);
 }
 
-/* Thickness and up vector.  False: they cannot be worked out. */
+/* Evaluate thickness and up vector.  False: they have no value. */
 static bool
 evaluate(const struct scatter_hit *hit, double *thick, double up[3])
 {
@@ -630,8 +641,8 @@ evaluate(const struct scatter_hit *hit, double *thick, double up[3])
     return true;
 }
 
-/* What the surface stands in for is seen itself by the eye, by lights, and by
- * all from the side that it is on. */
+/* Does the ray see the geometry that the surface stands for?  Yes, if it is a
+ * view ray or shadow ray, or comes from the side of that geometry. */
 static bool
 shows_geometry(const struct scatter_hit *hit, double thick)
 {
@@ -681,7 +692,7 @@ rad_scatter_shade(struct rad_ctx *ctx, const struct rad_material *mat,
         return true;
     }
     if (!evaluate(&hit, &hit.thick, up))
-        return true; /* black: no orientation */
+        return true; /* black: its orientation is not known */
     if (shows_geometry(&hit, hit.thick)) {
         rad_ray_transmit(ctx, r);
         return true;

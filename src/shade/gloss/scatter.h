@@ -1,14 +1,15 @@
 /* scatter.h - BSDF and aBSDF: scattering by data from XML files
  *
- * What a file holds for a pair of directions (scene/bsdf/bsdf.h) is turned by
- * an up vector, and added to Lambertian parts of the material's own.  Patterns
- * act on all but the scattered reflection. A BSDF of a thickness stands in for
- * geometry that is there as well: eyes and shadow rays see that geometry and
- * not the surface, and scattered light passes by it, starting a thickness
- * deeper. An aBSDF looks for a narrow peak straight ahead: that is followed by
- * one ray, so that one sees through, and cast as a shadow. Source: Radiance's
- * reference manual, "BSDF", "aBSDF"; Ward, Kurt & Bonneel 2012
- * (scene/bsdf/bsdf.h); Ward et al. 2021, Modeling specular transmission of
+ * A file has values for pairs of directions (scene/bsdf/bsdf.h).  They are
+ * oriented by an up vector, and added to diffuse parts that the material's
+ * arguments give.  Patterns apply to all but the scattered reflection.
+ * A BSDF with a thickness stands for geometry that the scene has as well: view
+ * rays and shadow rays see that geometry, not the surface; scattered rays that
+ * pass through start a thickness deeper, behind the geometry.
+ * An aBSDF looks for a narrow peak straight ahead, which is traced by one ray:
+ * so one can see through it, and it casts a sharp shadow.
+ * Sources: Radiance's reference manual, "BSDF", "aBSDF"; Ward, Kurt & Bonneel
+ * 2012 (scene/bsdf/bsdf.h); Ward et al. 2021, Modeling specular transmission of
  * complex fenestration systems with data-driven BSDFs (peak extraction). */
 #ifndef RAD_SHADE_SCATTER_H
 #define RAD_SHADE_SCATTER_H

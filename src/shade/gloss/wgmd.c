@@ -1,7 +1,7 @@
 /* wgmd.c - see wgmd.h
  *
- * Nothing is turned to the ray's side but the normals that the modifiers make:
- * they are kept as seen from where the ray comes from.  */
+ * r->n is not turned to the side that the ray comes from.  Only the normals
+ * that modifiers tilt (struct view) are.  */
 #include "config.h"
 
 #include "shade/gloss/wgmd.h"
@@ -16,35 +16,37 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Reflectance from which a mirror grows brighter toward grazing. */
+/* From this reflectance on a mirror grows brighter toward grazing. */
 #define FRESNEL_SPEC 0.017999
 
-/* The parts of the light, in the order in which their modifiers are used. */
+/* The parts of the light (normal.c), in the order in which their modifiers are
+ * applied. */
 enum part { RDIFF, TSPEC, TDIFF, RSPEC, NPARTS };
 
-/* Where the strings of the specular parts begin, a modifier and three
- * expressions; and the diffuse part's modifier. */
+/* Index of the string that names a part's modifier; for specular parts three
+ * expressions follow. */
 static const int string_at[NPARTS] = { -1, 4, 8, 0 };
 
-/* What stands for the material's own modifier. */
+/* Stands for the material's own modifier. */
 #define INHERIT (RAD_VOID - 1)
 
 struct wgmd {
-    struct rad_rgb front, back, through; /* diffuse */
+    struct rad_rgb front, back, through; /* diffuse parts */
     int32_t modifier[NPARTS];
     struct rad_expr expr; /* of rspec 0 to 2, of tspec 3 to 5, of u 6 to 8 */
 };
 
-/* A hit as it is under one modifier. */
+/* A hit as one modifier has changed it. */
 struct view {
-    bool known;
+    bool known; /* the other fields are set */
     int32_t modifier;
-    double norm[3]; /* on the ray's side */
+    double norm[3]; /* tilted by textures, on the ray's side */
     double cos_n;   /* -dir.norm */
     struct rad_rgb pattern;
-    bool textured, bends;
+    bool textured, bends; /* norm is tilted; it turns tspec (rad_ray_bends()) */
 };
 
+/* A hit on such a surface. */
 struct wgmd_hit {
     struct rad_ctx *ctx;
     struct rad_ray *r;
@@ -52,19 +54,19 @@ struct wgmd_hit {
     int32_t own; /* the material's modifier */
     struct view view[NPARTS];
     struct rad_rgb color[NPARTS];
-    bool there[NPARTS]; /* specular parts */
-    bool pure[NPARTS];  /* of these: no roughness */
-    bool follow[NPARTS];
-    struct rad_gloss gloss[NPARTS]; /* of rough ones */
-    double along[3];                /* u */
-    double ahead[3];                /* where tspec goes on */
-    bool flat;
+    bool there[NPARTS];  /* specular parts: there is such a part */
+    bool pure[NPARTS];   /* specular parts: there, and without roughness */
+    bool follow[NPARTS]; /* strong enough to be sampled (-st) */
+    struct rad_gloss gloss[NPARTS]; /* of rough specular parts */
+    double along[3];                /* vector u */
+    double ahead[3];                /* direction of tspec, or of its lobe */
+    bool flat;                      /* flat, and rspec without texture */
     struct rad_expr_scope scope;
 };
 
 /* --- compiling ------------------------------------------------------------ */
 
-/* Is a part never there, whatever its modifier? */
+/* Is a part 0 by its arguments, whatever its modifier? */
 static bool
 is_absent(const struct rad_object *o, enum part part)
 {
@@ -77,6 +79,7 @@ is_absent(const struct rad_object *o, enum part part)
     return strtod(text, &end) <= RAD_TINY && end > text && *end == '\0';
 }
 
+/* Find the modifier that a part names.  If the part is 0 it need not exist. */
 static int
 find_modifier(struct rad_job *job, int32_t index, enum part part,
               int32_t *modifier, struct rad_error *err)
@@ -116,9 +119,11 @@ rad_wgmd_prepare(struct rad_job *job, int32_t index,
     return code;
 }
 
-/* --- what there is of each part ------------------------------------------- */
+/* --- the parts of a hit
+ * ---------------------------------------------------- */
 
-/* The hit under the modifier of a part; parts may have the same. */
+/* Set the view of a part: apply its modifier to the hit, unless that was done
+ * for another part. */
 static const struct view *
 look(struct wgmd_hit *hit, enum part part)
 {
@@ -148,8 +153,8 @@ look(struct wgmd_hit *hit, enum part part)
     return v;
 }
 
-/* Let the expressions see the hit as a part does; its modifier may have
- * evaluated others. */
+/* Let the expressions see the hit as in view v.  (To be repeated for each part,
+ * since modifiers may have evaluated other expressions.) */
 static void
 show(struct wgmd_hit *hit, const struct view *v)
 {
@@ -162,7 +167,7 @@ evaluate(const struct wgmd_hit *hit, int i, double *v)
     return rad_expr_get(hit->ctx, &hit->m->expr, i, 1, v);
 }
 
-/* The roughness of a specular part; false: it has no value. */
+/* Set the roughness of a specular part; false: it has no value. */
 static bool
 find_roughness(struct wgmd_hit *hit, enum part part)
 {
@@ -222,8 +227,8 @@ is_bright_mirror(const struct wgmd_hit *hit)
            rad_rgb_lum(hit->color[RSPEC]) >= FRESNEL_SPEC;
 }
 
-/* As in plastic (normal.c), but .0009 at normal incidence: so Radiance has it.
- */
+/* As fresnel_rise() of normal.c, but .0009 at normal incidence, as in
+ * Radiance. */
 static double
 fresnel_rise(double cos_i)
 {
@@ -294,7 +299,7 @@ add_gloss(const struct wgmd_hit *hit, const double ldir[3], double omega,
     }
 }
 
-/* rad_brdf_fn: what a light source of solid angle omega at ldir adds. */
+/* rad_brdf_fn */
 static void
 brdf(struct rad_rgb *coef, void *data, const double ldir[3], double omega)
 {
@@ -305,8 +310,8 @@ brdf(struct rad_rgb *coef, void *data, const double ldir[3], double omega)
 
 /* --- rays ----------------------------------------------------------------- */
 
-/* Where what passes goes on: turned as its modifier's texture tilts the normal,
- * as long as that is still through the surface. */
+/* Set hit->ahead: r's direction, turned by the tilt of tspec's normal, as long
+ * as it still leads through the surface. */
 static void
 find_way_ahead(struct wgmd_hit *hit)
 {
@@ -358,12 +363,12 @@ mirror(struct wgmd_hit *hit)
         return;
     rad_madd(lr.dir, r->dir, 2 * v->cos_n, v->norm);
     if (v->textured && rad_ray_through(r, lr.dir))
-        rad_madd(lr.dir, r->dir, 2 * r->cos_o, r->n); /* not into it */
+        rad_madd(lr.dir, r->dir, 2 * r->cos_o, r->n); /* not into the surface */
     rad_ray_mirror(hit->ctx, r, &lr, hit->flat && r->path & RAD_RAY_AMBIENT);
 }
 
-/* Diffuse light from all around on one side; gloss too weak for samples of its
- * own (-st) sees the same. */
+/* Add ambient light on one side, for the diffuse part, and for gloss that is
+ * too weak to be sampled (-st). */
 static void
 add_ambient(struct wgmd_hit *hit, enum part diffuse, enum part gloss)
 {
@@ -399,7 +404,7 @@ enter(struct wgmd_hit *hit, struct rad_ctx *ctx, const struct rad_material *mat,
     rad_aniso_get(ctx, &hit->m->expr, 6, r, hit->along);
 }
 
-/* All parts but the first two, which shadow rays may have no use for. */
+/* Find the parts after RDIFF and TSPEC, which most shadow rays do not need. */
 static void
 find_rest(struct wgmd_hit *hit)
 {
@@ -431,7 +436,7 @@ rad_wgmd_shade(struct rad_ctx *ctx, const struct rad_material *mat,
     find_rest(&hit);
     if (hit.there[TSPEC] && hit.pure[TSPEC])
         let_pass(&hit);
-    if (r->path & RAD_RAY_SHADOW) /* the rest of it casts a shadow */
+    if (r->path & RAD_RAY_SHADOW) /* the other parts cast a shadow */
         return true;
     if (hit.there[RSPEC] && hit.pure[RSPEC])
         mirror(&hit);

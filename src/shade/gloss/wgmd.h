@@ -1,15 +1,15 @@
-/* wgmd.h - WGMDfunc: gloss and mirror by expressions, with modifiers for each
+/* wgmd.h - WGMDfunc: gloss and mirror by expressions, with a modifier for each
  * part of the light
  *
- * What is reflected and what is passed specularly have each a modifier, a
- * coefficient and two roughnesses, all by expressions; with a roughness of 0
- * the part is a mirror's or passes unbent, else its lobe is that of plastic2
- * and its like (gloss.h).  What is reflected and passed diffusely is given by
- * numbers, different for front and back.  Where a mirror reflects more than
- * .018, it brightens toward grazing by an approximation of Fresnel's formula,
- * and the rest dims.
- * A modifier of "inherit" is the material's own, which the diffuse reflection
- * always has.
+ * The specular reflection and the specular transmission have each a modifier,
+ * and by expressions a coefficient and two roughnesses.  With a roughness of 0
+ * the part is mirrored, or passes unbent; else it has the lobe of plastic2 and
+ * its like (gloss.h).  The diffuse parts are numbers; the reflection has one
+ * for the front and one for the back.  A mirror that reflects more than .018
+ * brightens toward grazing by an approximation of Fresnel's formula, and the
+ * other parts dim.
+ * The modifier "inherit" is the material's own, which diffuse reflection always
+ * has.
  * Source: Radiance's reference manual, "WGMDfunc"; the papers of gloss.h. */
 #ifndef RAD_SHADE_WGMD_H
 #define RAD_SHADE_WGMD_H
