@@ -1,15 +1,16 @@
 /* antimatter.c - see antimatter.h
  *
- * A ray carries no list of what is cut away where it is: its ancestors know.
- * The last antimatter that the path has passed through, and that names a
- * modifier, says whether that is cut away: it is if the path went in.  Rays
- * that go back from a surface stay on the side that it was met from.  Only
- * rays that meet surfaces which some antimatter names look up their path.
+ * A ray has no list of modifiers that are cut away where it is: its ancestors
+ * tell.  A modifier is cut away if the path went into the last antimatter that
+ * it passed and that names the modifier.  A ray that is reflected from a
+ * surface stays on the side from which it came.  Only rays that meet a surface
+ * whose modifier some antimatter names look up their path.
  *
- * A name means the first of the definitions that are the same (scene.h), while
- * a surface from a frozen octree goes by its place in that file: where two
- * files define the same material, and the same antimatter, each must cut what
- * is made of either.  So modifiers are compared by the first one like them. */
+ * A name stands for the first of equal definitions (scene.h), but a surface
+ * from a frozen octree refers to its modifier by place.  If two files define
+ * the same material and the same antimatter, the antimatter of each must cut
+ * the surfaces of both.  So modifiers are compared by the first of equal
+ * definitions. */
 #include "config.h"
 
 #include "shade/antimatter.h"
@@ -19,12 +20,13 @@
 
 struct antimatter {
     int32_t index;   /* of its object */
-    bool filled;     /* the first name is a material's: */
-    int32_t filling; /* the modifier that cuts show */
-    int32_t n;       /* modifiers named, each the first like it */
-    int32_t names[];
+    bool filled;     /* the first name is not "void" */
+    int32_t filling; /* the modifier that cuts show then */
+    int32_t n;       /* number of modifiers that are named */
+    int32_t names[]; /* these, each the first of equal definitions */
 };
 
+/* Does the antimatter name the modifier? */
 static bool
 has(const struct rad_job *job, const struct antimatter *a, int32_t modifier)
 {
@@ -36,7 +38,8 @@ has(const struct rad_job *job, const struct antimatter *a, int32_t modifier)
     return false;
 }
 
-/* Make what all antimatter of the job needs, unless it is there. */
+/* Make job->cut and job->first_like, unless they are made.  False: out of
+ * memory. */
 static bool
 begin(struct rad_job *job)
 {
@@ -58,7 +61,8 @@ begin(struct rad_job *job)
     return true;
 }
 
-/* Surfaces of modifier m, and of all that are the same, may be cut. */
+/* Note in job->cut that surfaces of modifier m, and of equal ones, may be cut.
+ */
 static void
 mark(struct rad_job *job, int32_t m)
 {
@@ -89,7 +93,7 @@ rad_antimatter_prepare(struct rad_job *job, int32_t index,
     for (int32_t i = 0; i < o->nstrings; i++) {
         int32_t m = rad_scene_find_modifier(scene, o->strings[i], index);
 
-        if (m == RAD_VOID) /* as in Radiance, an unknown one is none */
+        if (m == RAD_VOID) /* as in Radiance, an unknown name is ignored */
             continue;
         mark(job, m);
         a->names[a->n++] = m;
@@ -101,14 +105,14 @@ rad_antimatter_prepare(struct rad_job *job, int32_t index,
     return 0;
 }
 
-/* Has the path left r's hit to the other side, by way of child? */
+/* Does the child go on through the surface that its parent met? */
 static bool
 goes_through(const struct rad_ray *child)
 {
     return !(child->kind & RAD_RAY_REFL);
 }
 
-/* Is r where antimatter cuts away what the modifier applies to? */
+/* Is r inside antimatter that cuts away surfaces of the modifier? */
 static bool
 is_within(const struct rad_job *job, const struct rad_ray *r, int32_t modifier)
 {
@@ -135,7 +139,8 @@ rad_antimatter_hides(const struct rad_ctx *ctx, struct rad_ray *r)
     return true;
 }
 
-/* How many surfaces of the named modifiers is r inside? */
+/* How many surfaces of the named modifiers has r's path entered, less those
+ * that it left? */
 static int
 depth_inside(const struct rad_ctx *ctx, const struct antimatter *a,
              const struct rad_ray *r)

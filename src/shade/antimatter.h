@@ -1,8 +1,8 @@
-/* antimatter.h - surfaces that cut holes in others
+/* antimatter.h - surfaces that cut holes in other surfaces
  *
- * Within a closed surface of antimatter, the surfaces whose modifiers it names
- * are not there.  Where the first name is a material's, and the ray is inside
- * something made of the named ones, the cut shows that material.
+ * Within a closed surface of antimatter, surfaces of the modifiers that it
+ * names are not there.  If the first name is a material's, and the ray is
+ * inside a solid of the named modifiers, the cut shows that material.
  * Source: Radiance's reference manual, "antimatter". */
 #ifndef RAD_SHADE_ANTIMATTER_H
 #define RAD_SHADE_ANTIMATTER_H
@@ -14,6 +14,5 @@ int rad_antimatter_prepare(struct rad_job *job, int32_t index,
                            struct rad_error *err);
 bool rad_antimatter_shade(struct rad_ctx *ctx, const struct rad_material *mat,
                           struct rad_ray *r);
-
 
 #endif

@@ -1,4 +1,4 @@
-/* compile.c - a scene made ready to render: rad_job_new(); see trace/job.h */
+/* compile.c - rad_job_new() and the like; see trace/job.h */
 #include "config.h"
 
 #include "light/direct/source.h"
@@ -11,7 +11,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* What intersection must know of surface i's material. */
+/* The properties of surface i's material that intersection needs:
+ * RAD_SURF_*. */
 static uint8_t
 surface_flags(const struct rad_job *job, int32_t i)
 {
@@ -24,9 +25,9 @@ surface_flags(const struct rad_job *job, int32_t i)
         return RAD_SURF_NOMATERIAL | RAD_SURF_PASSED;
     flags = job->materials[m].flags;
     if (scene->objects[m].type == RAD_MIRROR && scene->objects[m].nstrings > 0)
-        flags &= ~(unsigned)RAD_MAT_OPAQUE; /* another material's place */
+        flags &= ~(unsigned)RAD_MAT_OPAQUE; /* rays see its alternate */
     if (job->cut && job->cut[mod])
-        flags &= ~(unsigned)RAD_MAT_OPAQUE; /* not everywhere */
+        flags &= ~(unsigned)RAD_MAT_OPAQUE; /* it may be cut away */
     if (!job->params.backvis && flags & RAD_MAT_OPAQUE &&
         !(flags & RAD_MAT_EMITS))
         onesided = RAD_SURF_ONESIDED;
@@ -54,7 +55,7 @@ compile_geometry(struct rad_job *job, struct rad_error *err)
     return job->geom ? 0 : RAD_EDATA;
 }
 
-/* Is the name one of those between blanks? */
+/* Is the name in a list of words with blanks between them? */
 static bool
 is_listed(const char *list, const char *name)
 {
@@ -67,9 +68,9 @@ is_listed(const char *list, const char *name)
     return false;
 }
 
-/* -ae -ai: which modifiers' surfaces get the ambient value alone.  As in
- * Radiance all modifiers of a name are meant, and one that is not there is
- * none. */
+/* Set job->noambient by -ae or -ai: surfaces of these modifiers get the ambient
+ * value alone.  As in Radiance a name means all modifiers that have it, and a
+ * name that no modifier has is ignored. */
 static int
 compile_ambient_list(struct rad_job *job, struct rad_error *err)
 {
@@ -88,7 +89,7 @@ compile_ambient_list(struct rad_job *job, struct rad_error *err)
     return 0;
 }
 
-/* What the channels show; the colours among the options as they show them. */
+/* Set job->primary, and job->params with its colours in the job's channels. */
 static void
 set_channels(struct rad_job *job, const struct rad_params *params)
 {
@@ -171,7 +172,7 @@ rad_job_check(const struct rad_scene *scene, const struct rad_files *files,
     rad_arena_init(&job->arena);
     code = rad_materials_compile(job, files, &why);
     if (code < 0 && why.code < 0)
-        code = why.code; /* a file that is missing is no wrong datum */
+        code = why.code; /* more exact: RAD_ENOINPUT if a file is missing */
     if (code < 0 && err)
         *err = why;
     rad_job_free(job);

@@ -1,8 +1,9 @@
 /* dielectric.c - see dielectric.h
  *
- * The surface stands between two media: the inner one that its normal points
- * away from, and the outer one.  A ray that arrives from within is charged for
- * its way only now (r->ext), when it is known what it went through. */
+ * The surface parts two media: the inner one, from which its normal points
+ * away, and the outer one.  The extinction along a ray that arrives from within
+ * is known only at this hit, which shows what medium the ray went through: it
+ * is set in r->ext, and applied when the ray is finished. */
 #include "config.h"
 
 #include "shade/dielectric.h"
@@ -10,30 +11,30 @@
 #include "base/vec.h"
 #include "shade/mist.h"
 
-#define HARTMANN_NM 500.0 /* wavelength that the index is taken at */
+#define HARTMANN_NM 500.0 /* wavelength for which the index is computed */
 
 struct dielectric {
     double n_ratio;                 /* index inside / index outside */
     double in[3], out[3];           /* transmission per unit length */
-    struct rad_rgb in_ext, out_ext; /* the same as extinction */
-    bool interface;                 /* something else than air outside */
+    struct rad_rgb in_ext, out_ext; /* the same as extinction [1/unit] */
+    bool interface;                 /* type interface: a solid outside, too */
 };
 
 /* A hit on a dielectric. */
 struct boundary {
     double norm[3], cos_i; /* perturbed normal on the ray's side */
     double eta;            /* index on the ray's side / beyond */
-    double cos_r;          /* of refraction; 0: total reflection */
+    double cos_r;          /* cosine of refraction; 0: total reflection */
     double side;           /* 1: the ray is outside, -1: inside */
-    bool textured;
-    bool unmirrored;       /* flat: images lie at the distance of their path */
-    struct rad_rgb beyond; /* extinction behind it, */
-    const struct rad_medium *medium; /* and what scatters there: */
-    struct rad_medium link;          /* often this */
+    bool textured;         /* a texture tilts the normal */
+    bool unmirrored;       /* flat: an image looks as far as its path is long */
+    struct rad_rgb beyond; /* extinction beyond the surface */
+    const struct rad_medium *medium; /* medium beyond: mist.h */
+    struct rad_medium link;          /* storage for it */
 };
 
-/* Extinction for a transmission per unit length; what would be 0 or less is
- * held at 100, more than a float times exp() can tell from nothing. */
+/* Extinction for a transmission per unit length.  For a transmission of 0 or
+ * less it is 100: exp(-100) times any float is as good as 0. */
 static float
 extinction(double transmission)
 {
@@ -90,8 +91,9 @@ is_white(struct rad_rgb c)
     return c.r == 1 && c.g == 1 && c.b == 1;
 }
 
-/* What scatters on either side.  Beyond a dielectric's surface is what was
- * there before the ray came in; that of an interface is between two solids. */
+/* Set b->medium, the medium beyond, and correct r->medium.  Beyond a
+ * dielectric, for a ray from within, is the medium in which the dielectric was
+ * entered; an interface lies between two solids. */
 static void
 cross_mists(const struct rad_job *job, const struct dielectric *m,
             struct rad_ray *r, struct boundary *b, bool inside)
@@ -99,7 +101,7 @@ cross_mists(const struct rad_job *job, const struct dielectric *m,
     const struct rad_medium *here = r->medium;
 
     if ((inside || m->interface) && here && !here->solid)
-        r->medium = NULL; /* it started inside */
+        r->medium = NULL; /* the ray started inside the solid, without a link */
     if (m->interface)
         b->medium = r->medium;
     else if (!inside)
@@ -108,7 +110,7 @@ cross_mists(const struct rad_job *job, const struct dielectric *m,
         b->beyond = b->medium->ext;
 }
 
-/* Settle what the ray came through, and what lies beyond. */
+/* Set the extinction and medium of the ray, and those beyond the surface. */
 static void
 cross_media(const struct rad_job *job, const struct dielectric *m,
             struct rad_ray *r, struct boundary *b)

@@ -1,8 +1,8 @@
-/* dielectric.h - bodies that refract: dielectric and interface
+/* dielectric.h - solids that refract: dielectric and interface
  *
- * Fresnel's formulas and Snell's law at the surface, absorption by length
- * within.  The index of refraction is n + h/500 for Hartmann's constant h and
- * light of 500 nm; colours are not spread.
+ * Fresnel's formulas and Snell's law at the surface, absorption along the way
+ * within.  The index of refraction is n + h/500, with Hartmann's constant h,
+ * for light of 500 nm; there is no dispersion.
  * Source: Radiance's reference manual, "dielectric" and "interface". */
 #ifndef RAD_SHADE_DIELECTRIC_H
 #define RAD_SHADE_DIELECTRIC_H

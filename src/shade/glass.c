@@ -5,7 +5,7 @@
 #include "arith/elementary.h"
 #include "base/vec.h"
 
-#define GLASS_INDEX 1.52 /* window glass, where no index is given */
+#define GLASS_INDEX 1.52 /* of window glass, if no index is given */
 
 /* A transmissivity below this is raised to it, so that it has a logarithm. */
 #define LEAST_TRANSMISSIVITY 1e-15
@@ -13,7 +13,7 @@
 struct glass {
     double log_tn[3]; /* logarithm of the transmissivity at normal incidence */
     double index;
-    bool clear; /* lets some light through */
+    bool clear; /* lets light through in some channel */
 };
 
 /* A hit on glass. */
@@ -51,8 +51,8 @@ rad_glass_prepare(struct rad_job *job, int32_t index,
     return 0;
 }
 
-/* What a slab with surface reflectance r and inner transmittance t passes and
- * reflects, all inner reflections summed:
+/* Transmittance T and reflectance R of a slab, with surface reflectance r and
+ * inner transmittance t, all inner reflections summed:
  *   T = (1-r)^2 t / (1 - r^2 t^2),  R = r (1 + (1-2r) t^2) / (1 - r^2 t^2) */
 static void
 slab(double r, double t, double *T, double *R)
@@ -62,14 +62,14 @@ slab(double r, double t, double *T, double *R)
     if (q > 0) {
         *T = (1 - r) * (1 - r) * t / q;
         *R = r * (1 + (1 - 2 * r) * t * t) / q;
-    } else { /* grazing, where both surfaces reflect all */
+    } else { /* grazing: both surfaces reflect all light */
         *T = 0;
         *R = 1;
     }
 }
 
-/* Transmittance and reflectance for both polarizations, by channel.  cos_r is
- * the cosine within the glass, so light travels 1/cos_r times its thickness. */
+/* Set p->T and p->R, the means of both polarizations.  cos_r is the cosine
+ * within the glass: light travels 1/cos_r times the glass's thickness. */
 static void
 pane_fresnel(struct pane *p)
 {

@@ -1,5 +1,6 @@
-/* glass.h - thin panes, both sides and all inner reflections in one surface
+/* glass.h - thin panes: one surface stands for both sides of the glass
  *
+ * All reflections between the two sides are summed.
  * Source: Ward, Behavior of materials in RADIANCE, "glass"; Radiance's
  * reference manual. */
 #ifndef RAD_SHADE_GLASS_H

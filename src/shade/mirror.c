@@ -1,10 +1,10 @@
 /* mirror.c - see mirror.h
  *
- * What a shadow ray brings from an image of a source, the mirror relays: it
- * sends the ray on toward what it is the image of.  No other ray may count
- * that light again; so where there is a material in the mirror's place,
- * indirect rays on the mirror's front pass to it only if it is one to look
- * through, as in Radiance. */
+ * A shadow ray that is aimed at an image of a source is relayed: the mirror
+ * sends it on toward the source, or other image, that it shows.  No other ray
+ * may count that light again.  So if the mirror has an alternate material,
+ * indirect rays that meet its front see that material only if it is
+ * transparent, as in Radiance. */
 #include "config.h"
 
 #include "shade/mirror.h"
@@ -13,9 +13,9 @@
 
 struct mirror {
     struct rad_rgb color;
-    bool replaced;     /* there is a string argument; */
-    int32_t alternate; /* the modifier that it names, RAD_VOID: nothing */
-    bool see_through;  /* what it names is one to look through */
+    bool replaced;     /* a string argument names an alternate */
+    int32_t alternate; /* this modifier, RAD_VOID: the name is "void" */
+    bool see_through;  /* the alternate is transparent, or void */
 };
 
 static int
@@ -86,13 +86,14 @@ relay(struct rad_ctx *ctx, const struct rad_rgb *coef, struct rad_ray *r,
     if (!rad_ray_spawn(ctx, &lr, RAD_RAY_REFLECTED, r, coef,
                        RAD_BRANCH_REFLECT))
         return;
-    reflect(lr.dir, r, r->cos_o, r->n); /* where a texture is cannot be aimed */
+    reflect(lr.dir, r, r->cos_o, r->n); /* without textures: it is aimed */
     rad_normalize(lr.dir);
     lr.source = next;
     rad_source_aimed(ctx, &lr);
     r->L = rad_rgb_mul(lr.L, lr.coef);
 }
 
+/* Reflect a ray that is not relayed. */
 static void
 show(struct rad_ctx *ctx, const struct rad_rgb *coef, struct rad_ray *r)
 {
@@ -109,7 +110,7 @@ show(struct rad_ctx *ctx, const struct rad_rgb *coef, struct rad_ray *r)
 
         cosine = rad_ray_normal(r, norm);
         reflect(dir, r, cosine, norm);
-        if (rad_dot(dir, r->n) > RAD_TINY) /* not into it */
+        if (rad_dot(dir, r->n) > RAD_TINY) /* not into the mirror */
             rad_copy(lr.dir, dir);
     }
     rad_ray_mirror(ctx, r, &lr, plain && rad_ray_on_flat(ctx, r));
@@ -121,7 +122,7 @@ rad_mirror_shade(struct rad_ctx *ctx, const struct rad_material *mat,
 {
     const struct mirror *m = mat->data;
     const struct rad_sources *s = ctx->job->sources;
-    int32_t next = -1; /* what it shows to a ray that looks for that here */
+    int32_t next = -1; /* what the mirror shows to a ray aimed at its image */
     struct rad_rgb coef;
 
     if (r->source >= 0 && rad_source_object(s, r->source) == r->hit.obj)
@@ -138,7 +139,7 @@ rad_mirror_shade(struct rad_ctx *ctx, const struct rad_material *mat,
         }
     }
     if (r->source >= 0 && next < 0)
-        return true; /* it looks for something else */
+        return true; /* a shadow ray to another target: it is blocked */
     if (r->cos_o < 0) {
         if (!ctx->job->params.backvis)
             rad_ray_transmit(ctx, r);

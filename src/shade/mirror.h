@@ -1,8 +1,8 @@
 /* mirror.h - mirrors that relay light sources
  *
- * A mirror is a surface of one colour that reflects one ray, and shows light
- * sources to direct light (light/direct/virtual.h).  One string argument names a
- * material that all other rays see in its place.
+ * A mirror has one colour and reflects one ray.  It relays shadow rays to the
+ * images of light sources in it (light/direct/virtual.h).  A string argument
+ * names an alternate material, which all other rays see in its place.
  * Source: Radiance's reference manual, "mirror". */
 #ifndef RAD_SHADE_MIRROR_H
 #define RAD_SHADE_MIRROR_H

@@ -1,22 +1,22 @@
 /* mist.c - see mist.h
  *
- * Rays carry a chain of the media that they are in, one link for each mist that
- * they have entered, the innermost first.  A link is on the stack of the shader
- * that made it, which lives as long as the rays that see it.  Leaving a mist
- * takes out its link, wherever that is in the chain, so mists may overlap; what
- * the others add stays.  The innermost that states an albedo or eccentricity
- * has its way.
+ * A ray has a chain of the media that it is in: one link for each mist that it
+ * has entered, the innermost first.  A link lies on the stack of the shader
+ * that made it, which lives as long as the rays that see the link.  Leaving a
+ * mist takes out its link, wherever it is in the chain: so mists may overlap,
+ * and the other links stay.  Albedo and eccentricity are those of the innermost
+ * mist that states them.
  *
- * As in Radiance a ray that leaves a mist it has not entered must have started
- * inside.  If that mist names sources, the ray is charged for its way then, for
- * it may be all that shows the light; else it is left as it is, for those rays
- * that end inside would not know.
+ * As in Radiance, a ray that leaves a mist which it has not entered started
+ * inside.  If that mist names sources, its extinction and scattering are
+ * applied to the ray's way now, since this may be all that shows the light.  If
+ * it does not, nothing is applied, as for rays that start inside and end there.
  *
- * In-scattering: each source that lights the medium is sampled at -ms apart
- * along the ray, at most 16 times, as in Radiance; each sample is a random
- * place in its stretch.  One shadow ray goes from there to the source, which is
- * not divided.  It is dimmed by absorption alone, as what scatters out of it is
- * taken to be made up for by what scatters in.
+ * In-scattering: each source that lights the medium is sampled every -ms along
+ * the ray, at most 16 times, as in Radiance; each sample is a random place in
+ * its stretch.  One shadow ray goes from there to the source, which is not
+ * divided.  Only absorption dims that shadow ray: light that is scattered out
+ * of it is taken to be balanced by light that is scattered into it.
  * With s the distance, L gains the integral over the way of
  *     albedo ext exp(-ext s) p(angle) L_source omega ds,
  *     p = (1 - g^2) / (4 pi (1 + g^2 - 2 g cos)^(3/2)).  */
@@ -31,18 +31,19 @@
 #include <stddef.h>
 #include <string.h>
 
-/* Samples of one source along one ray at most, as in Radiance. */
+/* Samples of one source along one ray, at most, as in Radiance. */
 #define MAX_SAMPLES 16
 
-/* Between the names of a relayed source and of what relays it. */
+/* In the name of a relayed source: after the mirror, before the source. */
 #define RELAY '>'
 
+/* A compiled mist; fields as of struct rad_medium. */
 struct rad_mist {
     struct rad_rgb ext, albedo;
     float g;
-    bool has_ext, has_albedo, has_g;
+    bool has_ext, has_albedo, has_g; /* the arguments are given */
     int32_t nlights;
-    int32_t *lights; /* sources or images, see rad_sources_targets() */
+    int32_t *lights; /* numbers of sources or images (rad_sources_targets()) */
 };
 
 int
@@ -82,8 +83,8 @@ object_name(const struct rad_job *job, int32_t source)
     return job->scene->objects[obj].name;
 }
 
-/* Is source i what `name` says: a surface, or a mirror's and, behind '>', what
- * that mirror shows? */
+/* Does `name` mean source or image i?  A name is a surface's, or a mirror's,
+ * '>', and the name of what the mirror shows. */
 static bool
 is_named(const struct rad_job *job, int32_t i, const char *name)
 {
@@ -113,8 +114,9 @@ has(const int32_t *list, int32_t n, int32_t x)
     return false;
 }
 
-/* As in Radiance the last of several with one name counts, and a name that no
- * source has is none. */
+/* Find the sources that the mist's object o names.  As in Radiance the last of
+ * several sources of one name counts, and a name that no source has is ignored.
+ */
 static int
 find_lights(struct rad_job *job, struct rad_mist *m, const struct rad_object *o,
             struct rad_error *err)
@@ -157,7 +159,7 @@ rad_mists_resolve(struct rad_job *job, struct rad_error *err)
 
         if (o->type != RAD_MIST || o->nstrings == 0 || !job->materials[i].data)
             continue;
-        /* the job is still being made, and this is its own */
+        /* the cast drops const: the job is still being made */
         m = (struct rad_mist *)job->materials[i].data;
         code = find_lights(job, m, o, err);
         if (code < 0)
@@ -168,7 +170,8 @@ rad_mists_resolve(struct rad_job *job, struct rad_error *err)
 
 /* --- the chain of media --- */
 
-/* Let link have what lights `outer` and its own mist.  False: out of memory. */
+/* Let link have the lights of `outer` and of its own mist.  False: out of
+ * memory. */
 static bool
 add_lights(struct rad_ctx *ctx, struct rad_medium *link,
            const struct rad_medium *outer)
@@ -187,8 +190,8 @@ add_lights(struct rad_ctx *ctx, struct rad_medium *link,
     return true;
 }
 
-/* Put what link's mist says on top of what is about it.  False: out of
- * memory. */
+/* Set link's fields by its mist, within the medium `outer` (NULL: none), whose
+ * extinction is *outer_ext.  False: out of memory. */
 static bool
 add_link(struct rad_ctx *ctx, struct rad_medium *link,
          const struct rad_medium *outer, const struct rad_rgb *outer_ext)
@@ -209,6 +212,7 @@ add_link(struct rad_ctx *ctx, struct rad_medium *link,
     return !lit || m->nlights == 0 || add_lights(ctx, link, outer);
 }
 
+/* The link of mist m in the chain, up to a solid; NULL: there is none. */
 static const struct rad_medium *
 find_link(const struct rad_medium *chain, const struct rad_mist *m)
 {
@@ -217,8 +221,8 @@ find_link(const struct rad_medium *chain, const struct rad_mist *m)
     return chain;
 }
 
-/* The chain without one of its links, and its extinction; copies of the links
- * that are further in go to scratch memory. */
+/* The chain without one of its links; *ext gets its extinction.  Links further
+ * in are copied to scratch memory. */
 static const struct rad_medium *
 without(struct rad_ctx *ctx, const struct rad_medium *chain,
         const struct rad_medium *link, struct rad_rgb *ext)
@@ -237,7 +241,7 @@ without(struct rad_ctx *ctx, const struct rad_medium *chain,
         if (!add_link(ctx, copy, outer, ext))
             copy = NULL;
     }
-    if (!copy) { /* out of memory: as if it had not been left */
+    if (!copy) { /* out of memory: as if the ray had not left the mist */
         *ext = chain->ext;
         return chain;
     }
@@ -266,12 +270,13 @@ rad_medium_about(const struct rad_job *job, const struct rad_medium *m)
 
 /* --- scattering --- */
 
-/* Inline, as all that handles colours had better be: a call puts three floats
- * into two registers by way of memory, and waits for that. */
+/* The transmittance for extinction ext over length t.
+ * Inline, since a call would return three floats in two registers by way of
+ * memory, and wait for that. */
 static inline __attribute__((always_inline)) struct rad_rgb
 transmission(struct rad_rgb ext, double t)
 {
-    /* exp(-0 * INFINITY) would be no number: what is clear stays so */
+    /* a clear channel stays 1: exp(-0 * INFINITY) would be NaN */
     double r = ext.r > 0 ? -ext.r * t : 0, b = ext.b > 0 ? -ext.b * t : 0;
     struct rad_rgb T;
 
@@ -283,13 +288,14 @@ transmission(struct rad_rgb ext, double t)
     return T;
 }
 
-/* rad_brdf_fn: of what a sample of the source sends, the part that is
- * scattered toward the eye, per length and scattering coefficient. */
+/* The data of phase(). */
 struct scattered {
     const double *dir; /* of the ray, from the eye */
     double g;
 };
 
+/* rad_brdf_fn: the part of a light sample's radiance that is scattered toward
+ * the eye, per length and scattering coefficient. */
 static void
 phase(struct rad_rgb *coef, void *data, const double ldir[3], double omega)
 {
@@ -303,23 +309,23 @@ phase(struct rad_rgb *coef, void *data, const double ldir[3], double omega)
     *coef = rad_grey((float)(p * omega / (4 * M_PI)));
 }
 
-/* Let *to go the way of r; what it meets and brings back is not copied, for
- * that is most of a ray. */
+/* Copy r's way to *to.  The fields for what r meets and brings back are not
+ * copied: they are most of a ray. */
 static void
 follow(struct rad_ray *to, const struct rad_ray *r)
 {
     memcpy(to, r, offsetof(struct rad_ray, hit));
 }
 
-/* What comes by way of the place p at distance t, for a stretch of length
- * ds. */
+/* The light of a source that r's medium scatters into r, along a stretch of
+ * length ds about the place p at distance t. */
 static struct rad_rgb
 scatter_at(struct rad_ctx *ctx, const struct rad_ray *r, int32_t source,
            const double p[3], double t, double ds, uint64_t key)
 {
     const struct rad_medium *m = r->medium;
     struct scattered s = { r->dir, m->g };
-    struct rad_ray at; /* as if r ended there, in mid-air */
+    struct rad_ray at; /* r as if it ended at p, in the air */
     struct rad_rgb f;
 
     follow(&at, r);
@@ -348,7 +354,7 @@ sample_count(const struct rad_ctx *ctx, double length)
     return n > MAX_SAMPLES ? MAX_SAMPLES : (int)n;
 }
 
-/* Add what sources send by way of r's stretch, each by n samples. */
+/* Add to r->L the light of sources that r's medium scatters into r. */
 static void
 scatter(struct rad_ctx *ctx, struct rad_ray *r)
 {
@@ -372,9 +378,9 @@ scatter(struct rad_ctx *ctx, struct rad_ray *r)
     }
 }
 
-/* Let a stretch of length t of a medium (NULL: one that does not scatter) dim
- * *L, which comes through it, and add what it scatters of the ambient value.
- * True: sources light it, too. */
+/* Let a medium (NULL: one that does not scatter) dim *L along a stretch of
+ * length t, and add the light that it scatters of the ambient value.  True: it
+ * scatters light of sources, too, which scatter() adds. */
 static bool
 dim(const struct rad_ctx *ctx, const struct rad_medium *m,
     const struct rad_rgb *extinction, double t, bool shadow, struct rad_rgb *L)
@@ -392,7 +398,7 @@ dim(const struct rad_ctx *ctx, const struct rad_medium *m,
         return false;
     a = rad_rgb_mul(m->albedo, ctx->job->params.ambval);
     *L = rad_rgb_add(*L, rad_rgb_mul(a, rad_rgb(1 - T.r, 1 - T.g, 1 - T.b)));
-    /* of eccentricity 1, all or nothing comes straight on */
+    /* with eccentricity 1 light is scattered straight on: no sample meets it */
     return m->nlights > 0 && t < INFINITY && m->g < 1 - RAD_TINY;
 }
 
@@ -405,8 +411,8 @@ rad_mist_participate(struct rad_ctx *ctx, struct rad_ray *r)
 
 /* --- the surface --- */
 
-/* From one boundary to the next: what of a ray differs from stretch to
- * stretch. */
+/* A stretch of a ray from one boundary to the next: the fields of the ray that
+ * differ from stretch to stretch. */
 struct stretch {
     double org[3], t;
     uint64_t key;
@@ -414,20 +420,21 @@ struct stretch {
     uint16_t depth;
     struct rad_rgb ext;
     const struct rad_medium *medium;
-    struct rad_medium link; /* of the mist that begins at its end */
+    struct rad_medium link; /* link of the mist that begins at its end */
 };
 
-/* The boundaries that a ray meets one after the other behind the first. */
+/* A ray's way from one boundary of a mist through the boundaries that follow,
+ * without other surfaces between them. */
 struct passage {
     struct stretch way[RAD_LINE_MOST];
     int n;
-    bool dead;           /* nothing goes on behind the last */
+    bool dead;           /* no ray goes on behind the last boundary */
     double length;       /* of all stretches */
     struct rad_ray last; /* the ray of the last stretch */
 };
 
-/* The mist that number i of a line bounds, if that needs no shading; NULL:
- * it is something else. */
+/* The mist whose boundary is surface i of a line, if the mist has no pattern;
+ * NULL: the surface is another. */
 static const struct rad_mist *
 mist_of(const struct rad_job *job, const struct rad_line *line, int i)
 {
@@ -445,15 +452,15 @@ mist_of(const struct rad_job *job, const struct rad_line *line, int i)
                : NULL;
 }
 
-/* The one that is next on r's way. */
+/* The same for the next surface on r's way. */
 static const struct rad_mist *
 next_mist(const struct rad_ctx *ctx, const struct rad_ray *r)
 {
     return r->line ? mist_of(ctx->job, r->line, r->line_at) : NULL;
 }
 
-/* A ray enters m, or if `old` is its link leaves it: set *medium and *ext to
- * what is behind the boundary.  False: out of memory. */
+/* A ray enters m, or leaves it if `old` is m's link.  Sets *medium and *ext to
+ * those behind the boundary.  False: out of memory. */
 static bool
 cross(struct rad_ctx *ctx, const struct rad_mist *m,
       const struct rad_medium *old, struct rad_medium *link,
@@ -473,8 +480,8 @@ cross(struct rad_ctx *ctx, const struct rad_mist *m,
     return true;
 }
 
-/* A ray that started in m leaves it at the end of s: charge it for that
- * stretch, as settle() does. */
+/* A ray that started in m leaves it at the end of s: apply m to the stretch, as
+ * settle() does. */
 static bool
 settle_stretch(struct rad_ctx *ctx, const struct rad_mist *m, struct stretch *s)
 {
@@ -482,9 +489,9 @@ settle_stretch(struct rad_ctx *ctx, const struct rad_mist *m, struct stretch *s)
            cross(ctx, m, NULL, &s->link, &s->medium, &s->ext);
 }
 
-/* Go to the next boundary, which is that of m, and through it; *medium and
- * *ext are those on the way there, and then those behind.  False: what is there
- * is not sure. */
+/* Go to the next boundary, which is m's, and through it.  *medium and *ext are
+ * those on the way there, and become those behind it.  False: it is not sure
+ * what comes next. */
 static bool
 go_through(struct rad_ctx *ctx, struct passage *p, const struct rad_mist *m,
            const struct rad_medium **medium, struct rad_rgb *ext)
@@ -523,8 +530,9 @@ go_through(struct rad_ctx *ctx, struct passage *p, const struct rad_mist *m,
     return true;
 }
 
-/* Go on from r's hit through all boundaries of mists that are known to be
- * there.  NULL: there is none. */
+/* Go on from r's hit through all boundaries of mists that come next on r's
+ * line.  *medium and *ext as in go_through().  NULL: none comes next, or memory
+ * is out. */
 static struct passage *
 go_far(struct rad_ctx *ctx, const struct rad_ray *r,
        const struct rad_medium **medium, struct rad_rgb *ext)
@@ -545,7 +553,7 @@ go_far(struct rad_ctx *ctx, const struct rad_ray *r,
     return p->n > 0 || p->dead ? p : NULL;
 }
 
-/* Let at be the ray of stretch s, for what its medium scatters. */
+/* Make *at the ray of stretch s. */
 static void
 return_to(struct rad_ray *at, const struct stretch *s)
 {
@@ -558,8 +566,8 @@ return_to(struct rad_ray *at, const struct stretch *s)
     at->medium = s->medium;
 }
 
-/* Bring r->L, which is what comes from behind the last boundary, back to r's
- * hit. */
+/* Bring r->L, the light from behind the last boundary, back to r's hit through
+ * all stretches. */
 static void
 come_back(struct rad_ctx *ctx, struct rad_ray *r, struct passage *p)
 {
@@ -574,7 +582,7 @@ come_back(struct rad_ctx *ctx, struct rad_ray *r, struct passage *p)
         if (rad_rgb_black(s->ext) ||
             !dim(ctx, s->medium, &s->ext, s->t, shadow, &L))
             continue;
-        r->hit.t = met + before; /* it stands for all that came before */
+        r->hit.t = met + before; /* r stands for all stretches before s */
         return_to(&p->last, s);
         p->last.L = L;
         scatter(ctx, &p->last);
@@ -584,7 +592,8 @@ come_back(struct rad_ctx *ctx, struct rad_ray *r, struct passage *p)
     r->L = L;
 }
 
-/* What comes from behind r's hit, or that of the last boundary passed. */
+/* Set r->L to the light from behind r's hit, or from behind the passage's last
+ * boundary. */
 static void
 trace_behind(struct rad_ctx *ctx, struct rad_ray *r,
              const struct rad_medium *medium, const struct rad_rgb *ext,
@@ -603,7 +612,7 @@ trace_behind(struct rad_ctx *ctx, struct rad_ray *r,
     tr.medium = medium;
     tr.ext = *ext;
     rad_ray_onward(&tr);
-    if (p) /* r stands for all but the last stretch */
+    if (p) /* r stands for all stretches but the last */
         r->hit.t = met + length - p->last.hit.t;
     rad_ray_trace(ctx, &tr);
     r->hit.t = met;
@@ -613,7 +622,7 @@ trace_behind(struct rad_ctx *ctx, struct rad_ray *r,
     r->mirror_dist = met + length + tr.mirror_dist;
 }
 
-/* Go on in another medium. */
+/* Pass the ray on in another medium. */
 static void
 pass(struct rad_ctx *ctx, struct rad_ray *r, const struct rad_medium *medium,
      const struct rad_rgb *behind)
@@ -636,7 +645,7 @@ rad_mist_veil(const struct rad_ctx *ctx, const struct rad_ray *r, double t)
     return T;
 }
 
-/* See rad_mist_veils(); memory is the caller's to give back. */
+/* rad_mist_veils(); the caller rewinds the scratch memory. */
 static bool
 look_through(struct rad_ctx *ctx, const struct rad_ray *r,
              const struct rad_span *span, const struct rad_line *line,
@@ -665,7 +674,7 @@ look_through(struct rad_ctx *ctx, const struct rad_ray *r,
         if (rad_geom_faces(job->geom, line, i, span))
             old = NULL;
         else if (!old)
-            return false; /* it has started inside */
+            return false; /* the ray started inside m */
         if (!cross(ctx, m, old, &link[i], &medium, &ext))
             return false;
     }
@@ -681,12 +690,13 @@ rad_mist_veils(struct rad_ctx *ctx, const struct rad_ray *r,
     bool ok = look_through(ctx, r, span, line, T);
 
     rad_arena_rewind(&ctx->scratch, mark);
-    if (ok) /* as many as if each had been a ray */
+    if (ok) /* count as if each stretch had been a ray */
         ctx->counts.rays += (uint64_t)line->n - 1;
     return ok;
 }
 
-/* The ray started inside: charge it for its way now that this is known. */
+/* The ray started inside link's mist, as is known now: apply the mist to its
+ * way. */
 static void
 settle(struct rad_ctx *ctx, struct rad_ray *r, struct rad_medium *link)
 {

@@ -1,10 +1,10 @@
 /* mist.h - media that scatter light, and the surfaces that bound them
  *
- * A ray in a medium loses light to extinction, and gains what the medium
- * scatters into it: of the ambient value evenly, and of light sources that are
- * named for the place, by sampling along the way.  The medium of the whole
- * scene is -me -ma -mg; surfaces of material mist add to it within.
- * Extinction is in 1/unit; the albedo is the part of it that is scattering.
+ * A ray in a medium loses light by extinction, and gains light that the medium
+ * scatters into it: of the ambient value uniformly, of light sources that a
+ * mist names by samples along the way.  The whole scene has a medium by -me -ma
+ * -mg; closed surfaces of material mist add to it within.
+ * Extinction is in 1/unit; the albedo is the scattered part of it.
  * Sources: Radiance reference manual, "mist"; rpict(1) on -me -ma -mg -ms;
  *          Henyey & Greenstein 1941 (phase function).  */
 #ifndef RAD_SHADE_MIST_H
@@ -14,21 +14,21 @@
 
 struct rad_mist;
 
-/* What a ray goes through where light scatters, or once scattered: the
- * innermost of a chain whose links live as long as the ray that entered.
- * A ray without any (NULL) is in no such medium: its `ext` says all. */
+/* A link of the chain of media that a ray is in.  r->medium is the innermost; a
+ * link lives as long as the rays that entered it.  A ray without links (NULL)
+ * is in a medium that only dims, by its `ext`. */
 struct rad_medium {
     const struct rad_medium *outer; /* entered before this; NULL: none */
-    const struct rad_mist *mist;    /* that bounds it; NULL: the scene's own,
-                                     * or a solid */
-    bool solid;                     /* a dielectric: nothing scatters */
-    struct rad_rgb ext, outer_ext;  /* here, and before this was entered */
-    struct rad_rgb own_ext;         /* the difference */
+    const struct rad_mist *mist;    /* NULL: the scene's own medium, or a
+                                     * solid */
+    bool solid;                     /* inside of a dielectric: it scatters
+                                     * nothing, but keeps the links outside */
+    struct rad_rgb ext, outer_ext;  /* extinction here, and in `outer' */
+    struct rad_rgb own_ext;         /* their difference */
     struct rad_rgb albedo;
     float g;               /* Henyey-Greenstein's eccentricity */
-    int32_t nlights;       /* sources, or images of them, that light it: */
-    const int32_t *lights; /* their numbers, all of the chain, no two the
-                            * same */
+    int32_t nlights;       /* number of sources and images that light it */
+    const int32_t *lights; /* these, of all links, each once */
 };
 
 int rad_mist_prepare(struct rad_job *job, int32_t index,
@@ -37,17 +37,17 @@ int rad_mist_prepare(struct rad_job *job, int32_t index,
 bool rad_mist_shade(struct rad_ctx *ctx, const struct rad_material *mat,
                     struct rad_ray *r);
 
-/* Once materials and all sources are there: make job->medium, and find the
- * sources that mists name.  0 or RAD_ENOMEM. */
+/* Make job->medium, and find the sources that mists name; to be called when
+ * materials, sources and their images are made.  0 or RAD_ENOMEM. */
 int rad_mists_resolve(struct rad_job *job, struct rad_error *err);
 
-/* Make *link the inside of a dielectric that is met in medium m, and return
- * what a ray in there has for its medium. */
+/* The medium of a ray that enters a dielectric from medium m: *link, made the
+ * solid's, or NULL if m is NULL. */
 const struct rad_medium *rad_medium_solid(struct rad_medium *link,
                                           const struct rad_medium *m);
 
-/* What is about the innermost solid of chain m; the scene's own medium where
- * there is none. */
+/* The medium outside the innermost solid of chain m; the scene's own medium if
+ * the chain has no solid. */
 const struct rad_medium *rad_medium_about(const struct rad_job *job,
                                           const struct rad_medium *m);
 

@@ -8,7 +8,7 @@
 
 struct prism {
     int ways;
-    struct rad_expr expr; /* for each way a coefficient and a direction */
+    struct rad_expr expr; /* for each way: coefficient and direction */
 };
 
 int
@@ -33,7 +33,8 @@ rad_prism_ways(const struct rad_material *mat)
     return ((const struct prism *)mat->data)->ways;
 }
 
-/* Coefficient and direction of a way, to a source in direction aim or NULL. */
+/* Evaluate the coefficient and direction of a way; aim is the direction to a
+ * relayed source, or NULL.  False: they have no value. */
 static bool
 find_way(struct rad_ctx *ctx, const struct prism *m, const struct rad_ray *r,
          int way, const double aim[3], double *coef, double dir[3])
@@ -61,7 +62,8 @@ rad_prism_way(struct rad_ctx *ctx, const struct rad_material *mat,
            coef > RAD_TINY;
 }
 
-/* Send r on; where it looks for what the surface relays, to source `next`. */
+/* Send r on by a way; if `next' >= 0, as a shadow ray to that source or image,
+ * which the prism relays. */
 static void
 send(struct rad_ctx *ctx, const struct prism *m, struct rad_ray *r, int way,
      int32_t next)
@@ -103,7 +105,7 @@ rad_prism_shade(struct rad_ctx *ctx, const struct rad_material *mat,
 
         if (next >= 0 && rad_source_object(s, r->source) == r->hit.obj)
             send(ctx, m, r, rad_source_way(s, r->source), next);
-        return true; /* else it looks for something else */
+        return true; /* a shadow ray to another target is blocked */
     }
     for (int way = 0; way < m->ways; way++)
         send(ctx, m, r, way, -1);
