@@ -58,7 +58,7 @@ round_weight(const struct rad_pass *pass)
            (pass->part < 0 ? 1 : 1. / RAD_PASS_PARTS);
 }
 
-/* The work of pass `of', its share of LEVEL. */
+/* The work of pass `of`, its share of LEVEL. */
 static double
 level_weight(const struct rad_pass *pass, uint32_t n, const struct rad_pass *of)
 {

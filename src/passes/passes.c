@@ -48,7 +48,7 @@ enum { UNKNOWN, BEING_KEPT, KNOWN };
 
 /* A path. */
 struct trail {
-    _Atomic uint8_t state; /* of its bends and of `bounces' */
+    _Atomic uint8_t state; /* of its bends and of `bounces` */
     int8_t bounces; /* before it leaves the scene, rad_passes.deepest at most */
     bool placed;    /* its spots are known */
 };
@@ -69,7 +69,7 @@ struct rad_passes {
     uint32_t frame;                 /* first frame of the batch of the trails */
     struct trail *trail;            /* the paths of that batch */
     uint32_t ntrails;
-    struct bend *bend;          /* `deepest' for each path */
+    struct bend *bend;          /* `deepest` for each path */
     struct rad_pass_spot *spot; /* the same places, roughly */
     struct ends ends[2];        /* of the last two rounds, by pass->round */
 };
@@ -418,7 +418,7 @@ is_set(const _Atomic bool *stop)
 struct limit {
     const struct rad_ctx *ctx;
     const _Atomic bool *stop;
-    uint64_t rays;   /* the context's ambient rays, less `walked', at the end */
+    uint64_t rays;   /* the context's ambient rays, less `walked`, at the end */
     uint64_t walked; /* rays of paths, which do not count here */
 };
 
@@ -587,7 +587,7 @@ ask_at_finest(const struct patch *p)
 }
 
 /* Ask at a patch of another lattice, except at pixels of the lattice of step
- * `done', which is over. */
+ * `done`, which is over. */
 static void
 ask_at_coarse(const struct patch *p, int done)
 {
@@ -597,7 +597,7 @@ ask_at_coarse(const struct patch *p, int done)
                 ask_at_pixel(p->frame, p->ctx, x, y);
 }
 
-/* Set *out to square number `number' of the pass; false: there is none. */
+/* Set *out to square number `number` of the pass; false: there is none. */
 static bool
 find_patch(const struct rad_passes *p, struct rad_ctx *ctx,
            const struct rad_pass *pass, uint32_t number,

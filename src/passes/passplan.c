@@ -460,9 +460,9 @@ rad_pass_deepest(const struct rad_params *par)
     return lesser(par->ambounce - 1, RAD_PASS_LEVELS);
 }
 
-/* May `pass' go without the records of the pass `before'?  Yes, if they are
+/* May `pass` go without the records of the pass `before`?  Yes, if they are
  * different parts; but a lattice needs all parts of the rounds of paths.  And
- * yes, if `before' walks for a later batch: it is closed only when the pictures
+ * yes, if `before` walks for a later batch: it is closed only when the pictures
  * of the batch before are made. */
 static bool
 is_apart(const struct rad_pass *pass, const struct rad_pass *before)
@@ -511,9 +511,10 @@ rad_passes_plan(const struct rad_params *par, const struct rad_pass_size *size,
 }
 
 /* RAD_MOST_PASSES leaves room for one more pass.  The first batch has 5 rounds
- * of paths (or 3, in 4 parts each) for each of 8 levels, each of the 31 others
- * has 1, and each batch has a pass that walks.  The first frame has 72 passes,
- * and each batch, of up to 2048 of 65536 frames, has 12 times 5 more. */
+ * of paths (or 3, in 4 parts each) for each of 8 levels, each of the 31 other
+ * batches has 1 for each, and each batch has a pass that walks.  The first
+ * frame has 72 passes, and each batch, of up to 2048 of 65536 frames, has 12
+ * times 5 more. */
 uint32_t
 rad_passes_plan_on(const struct rad_params *par,
                    const struct rad_pass_size *size, uint32_t nsizes,

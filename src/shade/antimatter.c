@@ -166,7 +166,7 @@ rad_antimatter_shade(struct rad_ctx *ctx, const struct rad_material *mat,
 
     r->passed_cut = a->index;
     if (a->filled && depth_inside(ctx, a, r) > 0) {
-        rad_ray_flip(r); /* the cut faces the hole */
+        rad_ray_flip(r); /* the cut's front is on the side of the hole */
         return rad_ray_shade(ctx, r, a->filling);
     }
     rad_ray_transmit(ctx, r);

@@ -23,7 +23,7 @@ struct rad_medium {
                                      * solid */
     bool solid;                     /* inside of a dielectric: it scatters
                                      * nothing, but keeps the links outside */
-    struct rad_rgb ext, outer_ext;  /* extinction here, and in `outer' */
+    struct rad_rgb ext, outer_ext;  /* extinction here, and in `outer` */
     struct rad_rgb own_ext;         /* their difference */
     struct rad_rgb albedo;
     float g;               /* Henyey-Greenstein's eccentricity */

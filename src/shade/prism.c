@@ -62,7 +62,7 @@ rad_prism_way(struct rad_ctx *ctx, const struct rad_material *mat,
            coef > RAD_TINY;
 }
 
-/* Send r on by a way; if `next' >= 0, as a shadow ray to that source or image,
+/* Send r on by a way; if `next` >= 0, as a shadow ray to that source or image,
  * which the prism relays. */
 static void
 send(struct rad_ctx *ctx, const struct prism *m, struct rad_ray *r, int way,

@@ -13,7 +13,7 @@
 
 /* --- of the table of families (shade/families.c) --- */
 
-/* The row of a modifier's type; NULL: it is not supported. */
+/* The row of a modifier's type in the table; NULL: it is not supported. */
 const struct rad_shader *rad_families_shader(enum rad_otype type);
 
 /* --- of light sources (light/direct/source.c) --- */
@@ -45,8 +45,8 @@ void rad_mist_participate(struct rad_ctx *ctx, struct rad_ray *r);
 
 /* Set *T to the transmittance of r's medium and of mists on the way of a shadow
  * ray from r's hit, along the span.  *line is what the ray meets: boundaries of
- * mists, and the source as the last entry.  False: it meets something else, and
- * *T is not set. */
+ * mists, and the source as the last entry.  False: it meets something else, or
+ * started in a mist; then *T is of no use. */
 bool rad_mist_veils(struct rad_ctx *ctx, const struct rad_ray *r,
                     const struct rad_span *span, const struct rad_line *line,
                     struct rad_rgb *T);

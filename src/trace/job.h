@@ -136,7 +136,8 @@ struct rad_ctx {
     struct rad_aim aim;
     struct rad_calc_env *calc; /* NULL: no functions */
     struct rad_ambtile *tile;  /* the tile that gets new ambient records; NULL:
-                                * the job's cache does (light/indirect) */
+                                * they go to the job's cache, if that is live
+                                * (light/indirect) */
     bool no_direct; /* leave out direct light, except at hemispheres' hits */
     bool glance;    /* indirect light may be coarse */
     double doubt;   /* expected squared errors of the luminance of indirect

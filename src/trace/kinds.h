@@ -46,7 +46,7 @@ enum {
  * All are listed here, so that no two uses share one. */
 enum {
     RAD_DIM_ROULETTE = 0,           /* does this ray live on (-lr <= 0)? */
-    RAD_DIM_PIXEL = 1,              /* and 2: place in the pixel */
+    RAD_DIM_PIXEL = 1,              /* and 2: place within the pixel */
     RAD_DIM_MOTION = 3,             /* time, with -pm */
     RAD_DIM_LENS = 4,               /* and 5, 6: place on the lens, with -pd */
     RAD_DIM_SOURCE = 0x01000000,    /* + anything below 2^24 */

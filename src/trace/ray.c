@@ -14,8 +14,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Optical depth beyond which nothing is left: exp(-92) is below what a float
- * times any sensible radiance can hold. */
+/* Beyond this optical depth the transmittance is 0: exp(-92) times any sensible
+ * radiance is too small for a float. */
 #define OPAQUE_DEPTH 92.0
 
 /* The factor by which extinction along the parent's length lowers a child's
@@ -383,8 +383,8 @@ rad_ray_texture(struct rad_ctx *ctx, struct rad_ray *r, int32_t mod)
 
         if (mat->shader) {
             if (!(mat->shader->flags & (RAD_MAT_PATTERN | RAD_MAT_MIXTURE)))
-                return; /* a second material: rad_scene_check() lets none
-                         * reach a surface */
+                return; /* a second material: rad_scene_check() refuses
+                         * surfaces with one */
             mat->shader->shade(ctx, mat, r);
         }
         mod = mat->next;

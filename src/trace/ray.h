@@ -42,8 +42,8 @@ struct rad_ray {
                           * aimed at; else -1 */
     struct rad_rgb ext;  /* extinction of the medium that it goes through, of a
                           * dielectric or mist [1/unit] */
-    const struct rad_medium *medium; /* innermost of the mists it is in; NULL:
-                                      * it is in none (shade/mist.h) */
+    const struct rad_medium *medium; /* innermost link of the chain of media
+                                      * that it is in (shade/mist.h), or NULL */
     /* the surfaces straight ahead that it or an ancestor has found; number
      * line_at is next; NULL: not known */
     const struct rad_line *line;
@@ -175,8 +175,8 @@ double rad_ray_way_of(const struct rad_ray *child);
 void rad_ray_mirror(struct rad_ctx *ctx, struct rad_ray *r,
                     struct rad_ray *child, bool clear);
 
-/* Make *r a primary ray that met a surface at p with unit normal n, where none
- * need be, and set r->L to the irradiance there [W/m^2].
+/* Make *r a primary ray that met a surface at p with unit normal n, whether or
+ * not there is one, and set r->L to the irradiance there [W/m^2].
  * p counts as exact to a millionth of its largest coordinate or of the scene's
  * extent, whichever is more: the precision of six written digits. */
 void rad_ray_irradiance(struct rad_ctx *ctx, struct rad_ray *r,

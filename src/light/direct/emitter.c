@@ -5,9 +5,9 @@
  * its light again: indirect diffuse and glossy rays see black there, and so
  * does a shadow ray that aims at another source.  Seen by the eye, in mirrors
  * and through glass, sources are bright.
- * An illum stands for the light that comes from behind it: to a shadow ray that
- * aims at it it is a source, to all other rays its alternate material, or
- * nothing. */
+ * An illum stands for the light that comes from behind it.  A shadow ray that
+ * aims at the illum sees a source; all other rays see its alternate material,
+ * or pass it. */
 #include "config.h"
 
 #include "light/direct/emitter.h"

@@ -125,7 +125,8 @@ find_mirrors(struct maker *mk, struct rad_error *err)
 
 /* --- may a mirror relay a source? --- */
 
-/* How far a disk about a point of normal b reaches along a. */
+/* How far a disk with unit normal b reaches from its centre along unit vector
+ * a. */
 static double
 reach(const double a[3], const double b[3], double radius)
 {

@@ -1,5 +1,5 @@
-/* image.h - mirrors while the images in them are made (inside light/direct
- * only) */
+/* image.h - the mirrors and prisms of a scene, for making the images of sources
+ * in them (inside light/direct only) */
 #ifndef RAD_LIGHT_IMAGE_H
 #define RAD_LIGHT_IMAGE_H
 

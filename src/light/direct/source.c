@@ -179,10 +179,10 @@ meets(const struct rad_source *src, const double dir[3])
     return rad_dot(off, off) <= edge * edge;
 }
 
-/* The distant source in direction r->dir, or -1.  A light comes before a glow
- * (the sky behind the sun), and before an illum that may be looked through;
- * ambient and gloss rays must not see the glow behind such an illum, for it
- * stands for that glow. */
+/* The number of the distant source that r meets, or -1.  A light hides a glow
+ * (the sky behind the sun), and an illum without alternate, which rays pass;
+ * ambient and glossy rays do not see the glow behind such an illum, since the
+ * illum stands for it. */
 static int32_t
 find_behind(const struct rad_sources *s, const struct rad_ray *r)
 {

@@ -275,7 +275,7 @@ rad_eigen2(const double m[3], double value[2], double vec[2])
 {
     double mean = (m[0] + m[2]) / 2, half = (m[0] - m[2]) / 2;
     double root = rad_hypot(half, m[1]), sign = mean < 0 ? -1 : 1;
-    double angle = rad_atan2(m[1], half) / 2; /* to mean + root's vector */
+    double angle = rad_atan2(m[1], half) / 2; /* of mean + root's eigenvector */
 
     value[0] = mean + sign * root;
     value[1] = mean - sign * root;

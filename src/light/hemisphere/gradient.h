@@ -26,7 +26,7 @@ struct rad_gradients {
 /* Set *g from a complete hemisphere whose E has a positive luminance. */
 void rad_hemi_gradients(const struct rad_hemi *h, struct rad_gradients *g);
 
-/* Set turn as rad_gradients has it; without a mesh. */
+/* Set turn alone, as of struct rad_gradients; it needs no mesh. */
 void rad_hemi_turn(const struct rad_hemi *h, double turn[2]);
 
 /* Derivatives of irradiance per radiance as the point moves in its plane. */

@@ -9,9 +9,9 @@
  * (bright.h), and to cells whose neighbours differ (light/sample/contrast.h).
  * If the places are small, half of the further rays are drawn from a guide
  * (guide.h).
- * The rays of one cell follow a sequence, begun at its first ray, whose first
- * rays are spread evenly over the cell however many they are (Roberts 2018: by
- * the root of x^3 = x + 1).  */
+ * The rays of one cell follow a sequence that starts with the cell's first ray.
+ * However many rays there are, they are spread evenly over the cell (Roberts
+ * 2018: by the root of x^3 = x + 1).  */
 #include "config.h"
 
 #include "light/hemisphere/hemisphere.h"

@@ -38,8 +38,9 @@ struct rad_ambitem {
     uint32_t corral;
 };
 
+/* Set *item from *rec. */
 void rad_ambitem_set(struct rad_ambitem *item, const struct rad_ambrec *rec);
-/* The record again; glint may be NULL, for none. */
+/* Set *rec from *item; glint NULL: it has none. */
 void rad_ambitem_get(const struct rad_ambitem *item,
                      const struct rad_glint *glint, struct rad_ambrec *rec);
 

@@ -110,7 +110,8 @@ is_direction(const float v[3], const float *w)
 
 /* Limits of a plausible record.  The variance of E over its square is 1 where
  * one ray met all the light, and hardly ever more.  Glints lie within ten sides
- * of the cube, whose scene may be another than this. */
+ * of the cube of the scene for which the record was made, which may be another
+ * version of this scene. */
 #define MOST_VARIANCE 1000
 #define MOST_SIDES    1000
 

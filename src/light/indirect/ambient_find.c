@@ -117,7 +117,7 @@ struct search {
     double lum2, var;
     bool frozen; /* records that come now are the frozen cache's */
     const struct rad_ambasker *asker;
-    double enough; /* the search ends when `serves' is more */
+    double enough; /* the search ends when `serves` is more */
     bool doubts;   /* lum2 and var are wanted */
     bool spares;   /* records that need a test for leaks are put off */
     int nput_off;

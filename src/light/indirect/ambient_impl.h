@@ -48,7 +48,7 @@ struct rad_ambient {
     struct rad_ambsmooth smooth; /* smoothed values of a frozen cache */
     double org[3];               /* [fixed] the cube's corner */
     struct rad_ambscale scale;   /* [fixed] */
-    struct rad_ambview view[RAD_AMBIENT_VIEWS]; /* of `read', newest first */
+    struct rad_ambview view[RAD_AMBIENT_VIEWS]; /* of `read`, newest first */
     bool frozen; /* [fixed] once there are records */
     /* [fixed] by level, for rays of the weight that is usual there */
     struct rad_ambterms usual[RAD_AMBIENT_USUAL];

@@ -102,7 +102,7 @@ rad_ambpool_take(struct rad_ambpool *pool)
 
         if (!newer)
             return NULL;
-        /* if this fails another thread has moved `newest' on already */
+        /* if this fails another thread has moved `newest` on already */
         atomic_compare_exchange_strong_explicit(&pool->newest, &old, newer,
                                                 memory_order_release,
                                                 memory_order_relaxed);

@@ -88,7 +88,7 @@ radius_of(const struct rad_ambscale *scale, double value)
     return value > 0 ? rad_cbrt(scale->side * ERROR_UNIT / value) : INFINITY;
 }
 
-/* The least radius, where `value' is the larger eigenvalue of the Hessian over
+/* The least radius, where `value` is the larger eigenvalue of the Hessian over
  * E: that of -ar, or smaller (MOST_BENT). */
 static double
 least_radius(const struct rad_ambscale *scale, double value)

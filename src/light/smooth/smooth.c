@@ -31,8 +31,9 @@
 /* Neighbours are at most so many times a place's `reach' away. */
 #define REACH 4
 
-/* At most so many neighbours: if there are more, the distance that is searched
- * is multiplied by NEARER, until NEAREST of the first. */
+/* At most so many neighbours.  If there are more, the distance within which
+ * they are searched is multiplied by NEARER, down to NEAREST of the first
+ * one. */
 #define MOST_NEAR 160
 #define NEARER    .7
 #define NEAREST   1e-9

@@ -123,7 +123,7 @@ draw_reflection(const struct rad_gloss *g, int i, int trial, double dir[3])
     return cosine_before(r, dir);
 }
 
-/* Add the mean of n samples, whose radiances add up to `sum'. */
+/* Add the mean of n samples, whose radiances add up to `sum`. */
 static void
 add_light(const struct rad_gloss *g, struct rad_rgb sum,
           const struct rad_ray *sample, int n)

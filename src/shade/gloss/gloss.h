@@ -40,7 +40,7 @@ void rad_gloss_reflect(const struct rad_gloss *g, const struct rad_rgb *coef);
 void rad_gloss_transmit(const struct rad_gloss *g, const double ahead[3],
                         const struct rad_rgb *coef);
 
-/* How many rays to draw from a lobe at r's hit; `sample' is spawned with the
+/* How many rays to draw from a lobe at r's hit; `sample` is spawned with the
  * weight of all of them.  With -ss above 1.5 it is -ss times r's weight, but so
  * few that each ray has a weight of -lw; else 1. */
 int rad_gloss_count(const struct rad_ctx *ctx, const struct rad_ray *r,
