@@ -1,13 +1,15 @@
 /* doubt.c - see doubt.h
  *
- * Differences are relative to the mean of what is compared, which is near the
- * difference of logarithms and never more than 2.
- * Errors of pixels are mostly at edges and in a little gloss, which are few:
- * areas are chosen by their contrast, and count less for it (Horvitz & Thompson
- * 1952).  Of an area some pixels are made again at first, and all of them twice
- * the likelier the more these are off, for which it counts less.  What is off
- * by few of many pixels is seen by all of them alone: a part of them has
- * neither it nor its light in the mean. */
+ * Differences are relative to the mean of the two values that are compared,
+ * which is close to the difference of their logarithms and at most 2.
+ *
+ * Most error is at edges and in a little gloss, on a few pixels.  So areas are
+ * chosen by their contrast, and an area that was likelier to be chosen counts
+ * less (Horvitz & Thompson 1952).  A few pixels of a chosen area are rendered
+ * first; the more these are off, the likelier all pixels of the area are
+ * rendered, twice, and again the area counts less for that.  All pixels are
+ * needed: an error on a few of many pixels is missing from most subsets, and
+ * so is its light from their mean. */
 #include "config.h"
 
 #include "picture/doubt.h"
@@ -18,66 +20,71 @@
 #include <stdatomic.h>
 #include <string.h>
 
-/* Apart from the keys of pixels, which have a frame in this place. */
+/* Keeps the keys of this file apart from those of pixels, which have a frame's
+ * number in this place. */
 #define BRANCH UINT64_C(0x636865636b730000)
 
-/* An edge of a lamp counts, but not more than all the rest. */
+/* The largest square of an error: one wrong edge of a lamp must not outweigh
+ * all other areas. */
 #define MOST_SQUARE 1.
 
-/* The square of the cache's error over what fresh samples say of it: deeper
- * records, that both are made of, err as well.  They are few, and one of them
- * may be most of their sum, so what all records tell counts for the rest. */
+/* DEEPER: the square of the cache's error over the square that fresh samples
+ * show.  Cached and fresh light are both made of deeper records, whose error
+ * does not show.
+ * FRESH: the part of the fresh samples in the estimate.  They are few, and one
+ * may be most of their sum; the squares that all records predict are the
+ * rest. */
 #define DEEPER 1.3
 #define FRESH  .25
 
 #define MOST_ERROR 1e6
 
-/* Of a picture, areas of no contrast and places; */
+/* Areas without contrast, and places, looked at in a picture; */
 #define AREAS  600.
 #define PLACES 48.
 
-/* one of so many pixels at most. */
+/* but at most one for so many pixels. */
 #define SPARSE_AREAS  600.
 #define SPARSE_PLACES 3000.
 
-/* An area with contrast c is so many times likelier than one without: 1 +
- * BY_CONTRAST c^2.  One that is black may hide what should be there, and has so
- * much. */
+/* An area with contrast c is 1 + BY_CONTRAST c^2 times as likely to be chosen
+ * as one without.  A black area has contrast BLACK: light may be missing. */
 #define BY_CONTRAST 3.
 #define BLACK       .5
 
-/* All pixels of an area are made again where the first are off by r, relative,
- * with likelihood GO_ON + BY_OFF r. */
+/* If the first pixels of an area are off by r, relative, all of its pixels are
+ * rendered again with probability GO_ON + BY_OFF r. */
 #define GO_ON  .3
 #define BY_OFF 2.
 
-/* Of several places that one is chosen which records tell is off, but for so
- * much of their mean; records tell no more than that. */
+/* Of the tried pixels one becomes the place, with a probability that goes by
+ * the square of the error that its records predict (cut at MOST_OFF), plus EVEN
+ * times the mean square of all, so that each has a chance. */
 #define EVEN     .3
 #define MOST_OFF 1.
 
 enum {
-    AREA = 25, /* pixels, about */
-    FEW = 4,   /* of an area that are made again at first */
-    MOST = 50  /* pixels of an area */
+    AREA = 25, /* pixels of an area, about */
+    FEW = 4,   /* pixels of an area that are rendered first */
+    MOST = 50  /* pixels of an area, at most */
 };
-/* rounded to whole columns, and half a width more (area_at) */
+/* area_at() rounds to whole columns, and may add half a width */
 _Static_assert((AREA + RAD_QUINCUNX_MAX_YSTEP / 2) * 3 / 2 <= MOST, "no room");
 
-/* Frames like the job's, with other random numbers. */
+/* The two renderings: frames like the job's, with other random numbers. */
 enum { FIRST, SECOND, NFRAMES };
 
 struct look {
-    struct rad_job exact; /* the job, with nothing of direct light left out */
+    struct rad_job exact; /* the job, with all direct light */
     struct rad_frame frame[NFRAMES];
     const struct rad_job *job; /* ctx's own */
     const struct rad_doubt_rows *rows;
     struct rad_ctx *ctx;
     const _Atomic bool *stop;
-    uint64_t key;   /* of the area */
-    uint32_t drawn; /* numbers of it */
+    uint64_t key;   /* of the area or place */
+    uint32_t drawn; /* random numbers drawn of this key */
     double *sum;
-    struct rad_doubt_off *off; /* NULL: not asked for */
+    struct rad_doubt_off *off; /* NULL: not wanted */
 };
 
 static double
@@ -98,7 +105,7 @@ draw(struct look *k)
     return rad_rand(k->key, k->drawn++);
 }
 
-/* The luminance of a pixel of the picture that is made again. */
+/* Render pixel (x, y) of the picture again; its luminance. */
 static double
 pixel(struct look *k, int frame, int x, int y)
 {
@@ -108,14 +115,14 @@ pixel(struct look *k, int frame, int x, int y)
     return rad_rgb_lum(p.L);
 }
 
-/* The same, in the rows. */
+/* The same for column x, row y of the rows. */
 static double
 again(struct look *k, int frame, int x, int y)
 {
     return pixel(k, frame, k->rows->x + x, k->rows->y + y);
 }
 
-/* The luminance that the picture has. */
+/* The luminance that the picture has there. */
 static double
 shown(const struct look *k, int x, int y)
 {
@@ -124,15 +131,15 @@ shown(const struct look *k, int x, int y)
 
 /* --- places --- */
 
-/* Pixels of which one is made again. */
+/* Pixels of which one becomes the place. */
 struct tried {
     const int (*at)[2];
-    double lum[RAD_DOUBT_TRIED]; /* as the cache has it, */
-    double off[RAD_DOUBT_TRIED]; /* and the square of its error, as records
-                                  * tell, relative */
+    double lum[RAD_DOUBT_TRIED]; /* luminance with cached indirect light */
+    double off[RAD_DOUBT_TRIED]; /* square of its relative error, as the
+                                  * records predict */
 };
 
-/* Returns the mean of what records tell. */
+/* Fill in t; returns the mean of t->off. */
 static double
 try_places(struct look *k, struct tried *t)
 {
@@ -150,8 +157,9 @@ try_places(struct look *k, struct tried *t)
     return sum / RAD_DOUBT_TRIED;
 }
 
-/* Choose a place, as likely as records tell that it is off, and a part of their
- * mean; *weight: how many places it stands for. */
+/* Choose one of the tried pixels, with a probability in proportion to
+ * off[i] + EVEN mean.  *weight is what it counts for: equal chances over its
+ * own. */
 static int
 choose(struct look *k, const struct tried *t, double mean, double *weight)
 {
@@ -169,8 +177,9 @@ choose(struct look *k, const struct tried *t, double mean, double *weight)
     return i;
 }
 
-/* The square of the cache's error at a pixel where it has `cached`, relative;
- * the pixel stands for `weight` of them. */
+/* The square of the cache's relative error at a pixel, as the product of two
+ * differences.  cached is the pixel's luminance in the first frame with the
+ * cache's light; weight is what the place counts for. */
 static double
 square_at(struct look *k, int x, int y, double cached, double weight)
 {
@@ -204,7 +213,7 @@ look_at_place(struct look *k, const int at[RAD_DOUBT_TRIED][2])
     double said, weight, square;
     int i;
 
-    /* all samples of a pixel ask for the same records */
+    /* one ray is enough: all samples of a pixel ask for the same records */
     k->exact.params.samples = 1;
     said = try_places(k, &t);
     i = choose(k, &t, said, &weight);
@@ -218,19 +227,21 @@ look_at_place(struct look *k, const int at[RAD_DOUBT_TRIED][2])
 
 /* --- areas --- */
 
-/* Columns of the rows, from x on. */
+/* Columns x to x + width - 1 of the rows. */
 struct area {
-    int x, width, n; /* n pixels */
+    int x, width, n; /* n: pixels */
 };
 
-/* Pixels of an area that are made again. */
+/* Pixels of an area that are rendered again. */
 struct redone {
-    int order[MOST];     /* of all, by chance */
-    int n[NFRAMES];      /* so many of them by now, each time */
-    double off[NFRAMES]; /* by how much they are off, */
-    double first[MOST];  /* the first time, by pixel, */
-    double noise;        /* and the squares of what the second differs by */
-    double light, fresh; /* of all as they are shown, and of those anew */
+    int order[MOST];     /* the area's pixels, shuffled */
+    int n[NFRAMES];      /* so many of them are done, in each frame */
+    double off[NFRAMES]; /* sums of shown less fresh luminance */
+    double first[MOST];  /* the same in the first frame, by pixel */
+    double noise;        /* sum of the pixels' variances, each from two
+                          * values */
+    double light, fresh; /* luminance of all pixels as shown, and of all that
+                          * were rendered again */
 };
 
 static double
@@ -258,7 +269,7 @@ shuffle(struct look *k, const struct area *a, int order[MOST])
     }
 }
 
-/* Go on until n pixels are made again that time. */
+/* Render pixels again in one frame until n are done. */
 static void
 redo(struct look *k, const struct area *a, struct redone *r, int frame, int n)
 {
@@ -275,14 +286,15 @@ redo(struct look *k, const struct area *a, struct redone *r, int frame, int n)
     }
 }
 
-/* The mean of the area as it is shown and as it should be. */
+/* The area's mean luminance: half shown, half rendered again. */
 static double
 mean_of(const struct area *a, const struct redone *r)
 {
     return (r->light / a->n + r->fresh / (r->n[FIRST] + r->n[SECOND])) / 2;
 }
 
-/* How likely are all of an area made again, twice, after the first? */
+/* The probability that all pixels of the area are rendered again, given the
+ * first few. */
 static double
 go_on(const struct area *a, const struct redone *r)
 {
@@ -373,9 +385,9 @@ with_key(const struct rad_frame *f, uint64_t which)
     return out;
 }
 
-/* The columns of an area from x on: the rows in equal parts, for a narrow one
- * at their end would count as much as all others.  A sensor point is an area by
- * itself: nobody takes the mean of those around. */
+/* The area that begins at column x.  The columns left are cut into equal parts,
+ * because a narrow area at the end would count as much as any other.  A sensor
+ * point is an area by itself: nobody averages over neighbouring points. */
 static struct area
 area_at(const struct rad_doubt_rows *rows, int x)
 {
@@ -427,7 +439,7 @@ rad_doubt_place(const struct rad_frame *f, struct rad_ctx *ctx, uint64_t key,
     end(&k);
 }
 
-/* One place in so many pixels of the rows. */
+/* Look at `share` places per pixel of the rows. */
 static void
 look_at_places(struct look *k, double share)
 {
@@ -485,16 +497,16 @@ rad_doubt_add(struct rad_doubt *to, const struct rad_doubt *more)
         to->v[i] += more->v[i];
 }
 
-/* A number that is none, or negative, is 0. */
+/* NaN and negative numbers become 0, large ones are cut. */
 static double
 sound(double x)
 {
     return x > 0 ? fmin(x, MOST_ERROR * MOST_ERROR) : 0;
 }
 
-/* The mean of products that stand for n, and whose squares are given.  By
- * chance it may be below 0, or near it: of so few nothing is known below half
- * of what they may be off by themselves. */
+/* The mean over n areas, given the sum of their products and the sum of the
+ * products' squares.  By chance the sum may be negative or near 0, so the
+ * result is at least half of its own standard error. */
 static double
 mean_square(double n, double sum, double squares)
 {
@@ -539,8 +551,8 @@ rad_doubt_error(const struct rad_doubt *d)
     };
 }
 
-/* The square of what all places are off by together, less what chance makes of
- * it. */
+/* The square of the places' summed error, less the part that their noise is
+ * expected to leave in it. */
 double
 rad_doubt_of_mean(const struct rad_doubt_off *o, double n)
 {

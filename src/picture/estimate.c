@@ -1,10 +1,10 @@
 /* estimate.c - see estimate.h
  *
- * The order is a permutation that is computed, not stored: a few rounds that
- * map the numbers of k bits onto themselves, repeated for a number that comes
- * out beyond the part's pixels (cycle walking; at most every second does, for
- * k is as small as it can be).  So it needs no memory, and a part may have
- * 2^32 - 1 pixels. */
+ * The order is a permutation that is computed, not stored, so it needs no
+ * memory even for a part of 2^32 - 1 pixels.  A few rounds permute the numbers
+ * of k bits; a number that comes out beyond the part's pixels goes through the
+ * rounds again (cycle walking).  k is the least possible, so at most every
+ * second number does. */
 #include "config.h"
 
 #include "picture/estimate.h"
@@ -13,14 +13,15 @@
 #include <stdatomic.h>
 #include <stdlib.h>
 
-/* Rounds after which the steps from one pixel to the next are as chance gives
- * them: check_estimate still sees what three rounds leave. */
+/* With this many rounds the step from one pixel to the next looks random;
+ * check_estimate still finds a pattern after three. */
 #define ROUNDS 4
 
-/* Apart from the keys of pixels, which have a frame in this place. */
+/* Keeps these keys apart from those of pixels, which have a frame's number in
+ * this place. */
 #define BRANCH UINT64_C(0x657374696d617465)
 
-/* Each step can be undone, so each number of `bits` bits comes from one. */
+/* A permutation of the numbers of `bits` bits: each step can be undone. */
 static uint64_t
 scramble(uint64_t i, uint64_t key, unsigned bits)
 {

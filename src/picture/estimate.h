@@ -1,9 +1,9 @@
 /* estimate.h - what a part of a picture will cost, from a few of its pixels
  *
- * Random pixels of the part are traced, and their rays and tests of
- * intersection counted.  Which pixels is a function of seed, frame and part
- * alone, so that whoever estimates it traces the same ones.  They are distinct,
- * and pixels are pure (frame.h): what was traced is worth keeping.
+ * Random pixels of the part are traced, and their rays and intersection tests
+ * counted.  Which pixels is a function of seed, frame and part alone, so all
+ * workers that estimate a part trace the same ones.  The pixels are distinct.
+ * A pixel is a function of its place (frame.h), so the traced values are kept.
  * Thread: any, each with a context of its own. */
 #ifndef RAD_PICTURE_ESTIMATE_H
 #define RAD_PICTURE_ESTIMATE_H
@@ -21,16 +21,16 @@ struct rad_sampled {
     struct rad_pixel pixel;
 };
 
-/* The i-th pixel of the part, i below width * height, in a random order that
- * has each of them once. */
+/* The i-th pixel of the part, i below width * height.  The order is random and
+ * has each pixel once. */
 void rad_estimate_pixel(uint64_t seed, uint32_t frame,
                         const struct rad_window *part, uint32_t i, int *x,
                         int *y);
 
-/* Trace pixels `first` to first + n - 1 of that order, as far as the part has
- * them, and add what they cost.  The part must lie in the frame.  out has room
- * for n; it gets those that the view shows.  Returns their number.
- * They are fewer where *stop is set meanwhile; NULL: it is not. */
+/* Trace pixels `first` to first + n - 1 of that order, or up to the last of the
+ * part, and add their cost to *cost.  The part must lie in the frame.  out,
+ * with room for n, gets the pixels that the view shows; returns their number.
+ * If *stop is set meanwhile, pixels are left out; stop may be NULL. */
 size_t rad_estimate_trace(const struct rad_frame *f, struct rad_ctx *ctx,
                           const struct rad_window *part, uint32_t first,
                           uint32_t n, const _Atomic bool *stop,

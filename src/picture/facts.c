@@ -1,9 +1,9 @@
 /* facts.c - see facts.h
  *
- * A pixel has a byte that says how far it is.  EMPTY becomes BUSY by compare
- * and swap, so that one thread writes the pixel; its store of KNOWN pairs with
- * the load in rad_facts_get().  BUSY lasts for a copy, not for a trace, and
- * counts as unknown meanwhile. */
+ * Each pixel has a state byte.  A thread that puts a pixel changes EMPTY to
+ * BUSY by compare and swap, so one thread alone writes it; its store of KNOWN
+ * pairs with the load in rad_facts_get().  BUSY lasts for a copy, not for a
+ * trace; a BUSY pixel counts as unknown. */
 #include "config.h"
 
 #include "picture/facts.h"
@@ -14,7 +14,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* States of a pixel, in a byte with the origin; USED is KNOWN and the bit. */
+/* States of a pixel, or'ed with its origin.  USED is KNOWN with a further bit;
+ * DOUBLED: a fact made here also came from another worker. */
 enum {
     EMPTY = 0,
     KNOWN = 2,
@@ -26,11 +27,11 @@ enum {
 struct rad_facts {
     int width, rows;           /* [fixed] */
     _Atomic(uint8_t) *state;   /* [atomic] */
-    struct rad_pixel *pixels;  /* each written while its state is BUSY */
-    _Atomic(size_t) made_here; /* [atomic] relaxed: only tells of news */
-    _Atomic(size_t) made_late; /* [atomic] relaxed: when they were known */
-    uint8_t *given;            /* [exporter] bitmap */
-    size_t ngiven;             /* [exporter] */
+    struct rad_pixel *pixels;  /* each is written while its state is BUSY */
+    _Atomic(size_t) made_here; /* [atomic] relaxed: a hint that facts are new */
+    _Atomic(size_t) made_late; /* [atomic] relaxed: see rad_facts_late() */
+    uint8_t *given;            /* [exporter] bitmap of facts exported */
+    size_t ngiven;             /* [exporter] their number */
 };
 
 struct rad_facts *
@@ -87,8 +88,9 @@ rad_facts_get(const struct rad_facts *f, int x, int row, struct rad_pixel *out)
     return true;
 }
 
-/* A known pixel's state changes no more but for this bit, which only grows: so
- * a plain store does, and costs a tenth of an exchange. */
+/* Of a known pixel's state only this bit changes (and DOUBLED, which only
+ * serves a count), so a plain store is enough; an exchange costs ten times as
+ * much. */
 bool
 rad_facts_use(struct rad_facts *f, int x, int row, struct rad_pixel *out)
 {
@@ -98,7 +100,7 @@ rad_facts_use(struct rad_facts *f, int x, int row, struct rad_pixel *out)
     if (!(s & KNOWN))
         return false;
     *out = f->pixels[i];
-    /* release, for threads that see this store and not the first one */
+    /* release, for threads that load this store and not the first one */
     atomic_store_explicit(&f->state[i], s | RAD_FACT_USED,
                           memory_order_release);
     return true;
@@ -168,7 +170,7 @@ rad_facts_stride(int width)
     return ((size_t)width + 7) / 8;
 }
 
-/* Is there a fact of this origin to give that was not given yet? */
+/* Is there a fact of this origin that was not exported? */
 static bool
 is_new(const struct rad_facts *f, int x, int row, unsigned origin)
 {
@@ -250,7 +252,7 @@ bit_of(const uint8_t *bitmap, size_t stride, int row, int x)
     return bitmap[(size_t)row * stride + (size_t)x / 8] >> x % 8 & 1;
 }
 
-/* All bits of n rows, those beyond the width included. */
+/* The number of bits set in len bytes, with those beyond the width. */
 static size_t
 count_bits(const uint8_t *bitmap, size_t len)
 {
@@ -273,7 +275,7 @@ bits_beyond(const struct rad_facts *f, int n, const uint8_t *bitmap)
     return false;
 }
 
-/* A pixel that arrived; false: it is none. */
+/* Read a pixel that another worker sent; false: its values are not sound. */
 static bool
 take(const float *from, int channels, struct rad_pixel *p)
 {
@@ -282,7 +284,9 @@ take(const float *from, int channels, struct rad_pixel *p)
     return rad_rgb_sound(p->L) && !isnan(p->z);
 }
 
-/* (rad_facts_use() may undo the mark if it comes at that very moment.) */
+/* Put another worker's pixel, or mark the fact DOUBLED if it was made here.
+ * rad_facts_use() in another thread may overwrite the mark; a count that is too
+ * low by one is no harm. */
 static void
 put_foreign(struct rad_facts *f, int x, int row, const struct rad_pixel *p,
             unsigned origin)

@@ -1,7 +1,7 @@
 /* frame.c - see frame.h
  *
- * Radiance counts rows from the bottom where it aims its rays; here that shows
- * in aim() alone. */
+ * Rows count from the top.  Radiance aims its rays by rows from the bottom;
+ * aim() converts. */
 #include "config.h"
 
 #include "picture/frame.h"
@@ -12,7 +12,8 @@
 #include <stdatomic.h>
 #include <string.h>
 
-/* Apart from the keys of frames and of what is made again. */
+/* Keeps the keys of a pixel's further samples apart from those of frames and of
+ * pixels rendered again (doubt.c). */
 #define SAMPLE UINT64_C(0x73616d706c650000)
 
 int
@@ -43,7 +44,7 @@ stamp_view(uint64_t stamp, const struct rad_view *v)
     return stamp;
 }
 
-/* A hash of what the rays of its pixels are made from, beside the job. */
+/* Set the stamp: a hash of all that the frame's rays depend on but the job. */
 static void
 stamp(struct rad_frame *f)
 {
@@ -116,9 +117,9 @@ rad_frame_release(struct rad_frame *f)
     rad_paint_release(&f->paint);
 }
 
-/* Move a ray, and the distance to its aft plane, toward that of the last
- * frame's view at the same place, or beyond.  As in rpict there is no blur
- * where that view has no ray. */
+/* -pm: move a ray, and its distance to the aft plane, toward the ray that the
+ * last frame's view has at the same position, or away from it.  Where that view
+ * has no ray there is no blur, as in rpict. */
 static bool
 move(const struct rad_frame *f, double h, double v, struct rad_aim *r,
      double *aft)
@@ -149,7 +150,7 @@ aim_at_point(const struct rad_frame *f, int x, int y, struct rad_aim *r)
     return length > 0;
 }
 
-/* Set up the primary ray of a pixel; false: the view has none there. */
+/* Compute the primary ray of a pixel; false: the view has none there. */
 static bool
 aim(const struct rad_frame *f, int x, int y, struct rad_aim *r)
 {
@@ -186,7 +187,7 @@ follow(const struct rad_aim *a, struct rad_ray *r)
     rad_copy(r->dir, a->dir);
 }
 
-/* Is it the irradiance at a point that is wanted? */
+/* Are pixels the irradiance at sensor points? */
 static bool
 on_surface(const struct rad_frame *f)
 {
@@ -210,7 +211,7 @@ rad_frame_start(const struct rad_frame *f, struct rad_ctx *ctx, int x, int y,
     return rad_ray_spawn(ctx, r, RAD_RAY_PRIMARY, NULL, NULL, 0);
 }
 
-/* Trace r, which is aimed. */
+/* Trace r, whose origin, direction and key are set. */
 static bool
 look(const struct rad_frame *f, struct rad_ctx *ctx, struct rad_ray *r)
 {
@@ -242,9 +243,10 @@ rad_frame_look(const struct rad_frame *f, struct rad_ctx *ctx, int x, int y,
     return look(f, ctx, r);
 }
 
-/* Set up r as the primary ray of a pixel, and where pixels come in even steps
- * along a row the next one's: its square root and divisions, one waiting for
- * the other, take place while r is on its way.  False: the view has none. */
+/* Set up r as the primary ray of a pixel; false: the view has none.  If pixels
+ * come in even steps along a row, also compute the next pixel's ray into
+ * ctx->aim: its square root and divisions, which wait for each other, then
+ * overlap with the tracing of r. */
 static bool
 take_aim(const struct rad_frame *f, struct rad_ctx *ctx, int x, int y,
          struct rad_ray *r)
@@ -283,8 +285,8 @@ rad_frame_sampler(const struct rad_frame *f, const struct rad_window *w,
     rad_quincunx_steps(f->job->params.psample, &q->xstep, &q->ystep);
 }
 
-/* Add what further rays of a pixel bring to the first one's, for their mean:
- * each has its own random numbers. */
+/* Trace the further samples of a pixel, whose first one gave L; the mean of
+ * all.  Each has random numbers of its own. */
 static struct rad_rgb
 look_again(const struct rad_frame *f, struct rad_ctx *ctx, int x, int y,
            struct rad_rgb L)
@@ -355,8 +357,8 @@ trace(void *arg, int x, int y, struct rad_pixel *out)
     rad_frame_pixel(t->frame, t->ctx, x, y, out);
 }
 
-/* Paint rows y0 to y1-1 of the window; the line that two bars share is painted
- * once, with the bar above it. */
+/* Paint rows y0 to y1 - 1 of the window.  A base line belongs to the bar above
+ * it, so that it is painted once. */
 static void
 paint(const struct rad_frame *f, struct rad_ctx *ctx,
       const struct rad_window *w, struct rad_pixel *const rows[], int y0,

@@ -1,10 +1,11 @@
 /* frame.h - one picture of a job: pixels as a function, and windows of it
  *
- * Ties a compiled scene to a view and a resolution, or to sensor points.  A
- * pixel's value depends on job, view, frame number and (x, y) alone (with the
- * ambient cache off or frozen). Rows count from the top; L is radiance. Thread:
- * a frame is read-only once set up; any thread may render any window of it with
- * a context of its own. */
+ * A frame ties a compiled scene to a view and a resolution, or to sensor
+ * points.  A pixel's value depends on job, view, frame number and (x, y) alone
+ * (with the ambient cache off or frozen).  Rows count from the top; L is
+ * radiance.
+ * Thread: a frame is read-only once set up; any thread may render any window of
+ * it with a context of its own. */
 #ifndef RAD_PICTURE_FRAME_H
 #define RAD_PICTURE_FRAME_H
 
@@ -17,16 +18,16 @@
 struct rad_frame {
     const struct rad_job *job;
     struct rad_view view;   /* set up */
-    const struct rad_points *points; /* [borrowed] in its place; or NULL */
+    const struct rad_points *points; /* [borrowed] instead of a view; or NULL */
     int width, height;      /* what rad_view_resolution() made of -x -y -pa */
     double pixaspect;       /* height / width of a pixel, for the header */
     uint32_t number;        /* 0 for a still, 1.. in an animation */
-    uint64_t key;           /* of its random numbers */
-    uint64_t stamp;         /* tells its rays from other frames', not 0 */
+    uint64_t key;           /* of the pixels' random numbers */
+    uint64_t stamp;         /* identifies its rays in ctx->aim; not 0 */
     bool depth;             /* -z wanted */
-    bool moving;            /* -pm: between these views */
-    struct rad_view before; /* the last frame's, set up */
-    struct rad_paint paint; /* sources to be painted; none with -dv- */
+    bool moving;            /* -pm: blurred by motion from `before` */
+    struct rad_view before; /* the last frame's view, set up */
+    struct rad_paint paint; /* small sources to paint; none with -dv- */
 };
 
 struct rad_window {
@@ -46,50 +47,52 @@ int rad_frame_init(struct rad_frame *f, const struct rad_job *job,
                    struct rad_error *err);
 void rad_frame_release(struct rad_frame *f);
 
-/* The same of sensor points, which must outlive it: a pixel is what rtrace
- * gives for its point, its distance included. */
+/* A frame of sensor points, which must outlive it.  A pixel has the radiance
+ * and distance that rtrace gives for its point. */
 void rad_frame_of_points(struct rad_frame *f, const struct rad_job *job,
                          const struct rad_points *points, uint32_t number);
 
-/* The sampler of a window (of the whole frame: how strict partitions see it)
- * but for trace and arg, which are left alone. */
+/* Set up the sampler of a window, which for strict partitions is the whole
+ * frame; trace and arg are left alone. */
 void rad_frame_sampler(const struct rad_frame *f, const struct rad_window *w,
                        struct rad_quincunx *q);
 
-/* With -pm, blur the frame between the view of the one before and the next, as
- * if the change went on; small sources are then not painted.  Without -pm
- * nothing happens.  RAD_EUSAGE for an impossible view. */
+/* With -pm blur the frame by the motion from `before`, the last frame's view:
+ * half of the blur lies toward that view, half beyond the frame's own.  Small
+ * sources are then not painted.  Without -pm nothing happens.  RAD_EUSAGE for
+ * an impossible view. */
 int rad_frame_move(struct rad_frame *f, const struct rad_view *before,
                    struct rad_error *err);
 
-/* Trace the primary ray of a pixel, where the pixel's value is not wanted;
- * false: the view has none there. */
+/* Trace the primary ray of a pixel into *r, without what rad_frame_pixel()
+ * adds; false: the view has no ray there. */
 bool rad_frame_look(const struct rad_frame *f, struct rad_ctx *ctx, int x,
                     int y, struct rad_ray *r);
 
-/* Start the primary ray of a pixel, which has met nothing yet; but where a
- * sensor point is a place on a surface, *met, the ray has met that.  False: the
- * view has none there. */
+/* Set up the primary ray of a pixel without tracing it.  If the frame is of
+ * points on surfaces, *met is set and the ray has met the pixel's point.
+ * False: the view has no ray there. */
 bool rad_frame_start(const struct rad_frame *f, struct rad_ctx *ctx, int x,
                      int y, struct rad_ray *r, bool *met);
 
-/* Trace one pixel and count it as a primary ray; what the view does not show
- * is black and no ray: false.  A pixel that a value touched that is not finite
- * or negative is counted in nan_pixels; nan_x and nan_y keep the first. */
+/* Trace one pixel and count a primary ray.  False, with a black pixel and no
+ * ray counted, where the view shows nothing.  If radiance that is not finite or
+ * is negative turned up on the way, the pixel is counted in nan_pixels; nan_x
+ * and nan_y keep the first such pixel. */
 bool rad_frame_pixel(const struct rad_frame *f, struct rad_ctx *ctx, int x,
                      int y, struct rad_pixel *out);
 
-/* Paint the small sources into pixels x0 to x1-1 of row y, once they are
- * sampled; row[0] is that of column x0.  Nothing with -dv-. */
+/* Paint the small sources into pixels x0 to x1 - 1 of row y, after these were
+ * sampled; row[0] is the pixel of column x0.  With -dv- nothing is painted. */
 void rad_frame_paint_row(const struct rad_frame *f, struct rad_ctx *ctx, int x0,
                          int x1, int y, struct rad_pixel *row);
 
-/* Render a window by itself (its own edges and densities), small sources
- * painted with -dv.  rows[k] points at the k-th row of the window (from the
- * top), window.width pixels each.  stop (may be NULL) is asked between bars
- * with the rows that are done from the top: true ends early.  Returns 0,
- * RAD_ENOMEM, RAD_EUSAGE for a window that is not within the picture, or
- * RAD_ETEMPFAIL when stopped. */
+/* Render a window by itself, with edges and densities of its own; with -dv
+ * small sources are painted.  rows[k] has room for the window's k-th row from
+ * the top.  stop (may be NULL) is called between bars with the number of rows
+ * that are done; if it returns true, rendering ends early.  Returns 0,
+ * RAD_ENOMEM, RAD_EUSAGE for a window outside the picture, or RAD_ETEMPFAIL
+ * when stopped. */
 int rad_frame_window(const struct rad_frame *f, struct rad_ctx *ctx,
                      const struct rad_window *w, struct rad_pixel *const rows[],
                      bool (*stop)(void *arg, int rows_done), void *arg);

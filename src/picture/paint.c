@@ -1,8 +1,8 @@
 /* paint.c - see paint.h
  *
- * What is flat or distant is painted as the parallelogram, and a ball or tube
- * as the box, that rpict takes it for (light/direct/shape.c).  Of a box six
- * corners are seen, without those nearest and furthest from the eye. */
+ * As in rpict, a flat or distant source is painted as a parallelogram, a ball
+ * or tube as a box (light/direct/shape.c).  A box's outline has six corners:
+ * all but the nearest to the eye and the furthest. */
 #include "config.h"
 
 #include "picture/paint.h"
@@ -16,23 +16,23 @@
 #include <string.h>
 
 enum {
-    /* clipping to a side of a pixel adds one corner, and half as many as there
-     * are where an outline crosses itself: 6, 9, 13, 19, 28 */
+    /* clipping at one side of a pixel adds a corner, and half as many as there
+     * are if the outline crosses itself: 6, 9, 13, 19, 28 */
     MOST_CORNERS = 28,
-    /* branch of a painting ray's key, away from those of surfaces */
+    /* branch of a painting ray's key, apart from those of surfaces */
     BRANCH_PAINT = 0x7f000000
 };
 
-/* A distant source of this radius [rad] or more is never missed. */
+/* A distant source of this radius [rad] or more cannot be missed. */
 #define WIDE_DISTANT .05
 
-/* A pixel that differs by less than this from the source has met it. */
+/* The sampler has met the source in a pixel that differs by less than this. */
 #define SAME_RADIANCE .07
 
 typedef double corner[2];
 
-/* Clip a polygon to side * v[axis] >= side * limit; the far side of each pair
- * is open, so that an edge between two pixels belongs to one.
+/* Clip a polygon to side * v[axis] >= side * limit.  Side -1 excludes the limit
+ * itself, so that an edge between two pixels belongs to one of them.
  * Source: Sutherland & Hodgman 1974. */
 static int
 clip(const corner *in, int n, int axis, double limit, int side, corner *out)
@@ -89,7 +89,7 @@ rad_paint_coverage(const double (*in)[2], int n, int width, int height, int x,
     return area(b, n) * width * height;
 }
 
-/* Make the polygon convex: drop each corner without which it is as large. */
+/* Make a polygon convex: drop each corner without which the area is no less. */
 static int
 drop_dents(corner *v, int n)
 {
@@ -149,8 +149,8 @@ unseen(const struct rad_source_shape *s, const double vp[3],
     return s->flat && rad_dot(to, s->axis[2]) >= 0;
 }
 
-/* The corner of a shape that each half-axis is added to where its bit is set,
- * and taken from where not. */
+/* The corner of a shape at the + end of each half-axis whose bit is set, and at
+ * the - end of the others. */
 static void
 corner_of(const struct rad_source_shape *s, int naxes, unsigned bits,
           double p[3])
@@ -160,10 +160,10 @@ corner_of(const struct rad_source_shape *s, int naxes, unsigned bits,
         rad_madd(p, p, bits >> k & 1 ? 1 : -1, s->axis[k]);
 }
 
-/* The corners in space of what stands for a source that is seen from vp.  Those
- * of a box begin with the one of the lowest bits and go round it one way, which
- * decides what drop_dents() leaves where a parallel view shows other sides of
- * the box than vp does. */
+/* The corners, in space, of the shape that is painted for a source seen from
+ * vp.  Those of a box begin with the one of the lowest bits and go round the
+ * box in one direction.  The order decides which corners drop_dents() leaves if
+ * a parallel view shows other sides of the box than are seen from vp. */
 static int
 silhouette(const struct rad_source_shape *s, const double vp[3], double (*p)[3])
 {
@@ -192,7 +192,7 @@ silhouette(const struct rad_source_shape *s, const double vp[3], double (*p)[3])
     return 6;
 }
 
-/* The outline of a source, or of an image of one; false: none, or it is not
+/* The outline of a source or of its image; false: there is none, or it is not
  * wholly in view. */
 static bool
 find_outline(const struct rad_job *job, int32_t i,
@@ -208,7 +208,7 @@ find_outline(const struct rad_job *job, int32_t i,
     n = silhouette(shape, vp, p);
     for (int k = 0; k < n; k++) {
         rad_source_appears(job->sources, i, p[k], p[k]);
-        if (shape->distant) /* any point beyond the fore plane will do */
+        if (shape->distant) /* any point beyond the fore plane serves */
             rad_madd(p[k], v->vp, 1 + v->vfore, p[k]);
         if (rad_view_locate(v, p[k], out->corner[k]) != 0)
             return false;
@@ -255,8 +255,8 @@ rad_paint_release(struct rad_paint *p)
     p->n = 0;
 }
 
-/* The radiance of source i along the ray at picture position pos, and its
- * distance; black where it is hidden. */
+/* The radiance of source i along the ray at picture position pos, and the
+ * distance; black if the source is hidden. */
 static struct rad_rgb
 look(const struct rad_canvas *canvas, struct rad_ctx *ctx, int32_t i,
      uint64_t key, const double pos[2], double *dist)
@@ -283,9 +283,9 @@ channel_same(float a, float b)
     return a - b <= SAME_RADIANCE * b && b - a <= SAME_RADIANCE * a;
 }
 
-/* Let the share w of a pixel have radiance L at distance dist.  One that the
- * sampler found as bright, and no further away where that is known, is brought
- * down to what the source covers. */
+/* Let the source, of radiance L at distance dist, cover the share w of a pixel.
+ * If the sampler has met the source there (same radiance, and with depths no
+ * nearer now), the pixel is all source, and is scaled down to the share. */
 static void
 cover(struct rad_pixel *p, struct rad_rgb L, double dist, double w, bool depth)
 {
@@ -303,8 +303,8 @@ cover(struct rad_pixel *p, struct rad_rgb L, double dist, double w, bool depth)
                            rad_rgb_scale(L, (float)w));
 }
 
-/* The columns of [x0, x1) that a source may cover in row y from the bottom;
- * false: none. */
+/* Narrow [*x0, *x1) to the columns that a source may cover in row y from the
+ * bottom; false: there are none. */
 static bool
 columns(const struct rad_paint_source *s, const struct rad_canvas *canvas,
         int y, int *x0, int *x1)

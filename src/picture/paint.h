@@ -1,14 +1,15 @@
-/* paint.h - light sources that are smaller in the picture than a sample
+/* paint.h - light sources that are too small in the picture for the sampler
  *
  * The sampler may miss a source that is narrower than -ps pixels.  With -dv+
- * those are drawn after a bar is filled, each pixel with the share of its area
- * that the source covers and the radiance of a ray through the covered part.
- * A source is taken for a simple shape, as in rpict: a ball for a box.  Illums
- * are left out, and what is not wholly in view; the images of sources in
- * mirrors and prisms are drawn as they themselves are, also where a mirror
- * shows the eye another material.  What a pixel gets depends on the pixel and
- * the picture alone, not on the bar or window that it is painted in; but on
- * whether the picture has depths (-z), as in rpict: see cover() in paint.c.
+ * such sources are painted after a bar is filled: each pixel gets the radiance
+ * of a ray to the source for the share of its area that the source covers.
+ * As in rpict, a source is painted as a simple shape: a ball as a box.  Illums
+ * are not painted, nor sources that are not wholly in view.  Images of sources
+ * in mirrors and prisms are painted like sources, even where the mirror looks
+ * like another material to the eye.  A painted pixel depends on the pixel and
+ * the picture alone, not on the bar or window that it is painted in; it does
+ * depend on whether the picture has depths (-z), as in rpict: see cover() in
+ * paint.c.
  * Source: rpict(1) on -dv and -ps. */
 #ifndef RAD_PICTURE_PAINT_H
 #define RAD_PICTURE_PAINT_H
@@ -17,7 +18,7 @@
 #include "picture/view.h"
 #include "trace/ray.h"
 
-/* A box has so many corners in its outline. */
+/* The most corners of an outline: those of a box. */
 enum { RAD_PAINT_CORNERS = 6 };
 
 /* A source's outline: a convex polygon in picture positions (0..1). */
@@ -28,7 +29,7 @@ struct rad_paint_source {
 };
 
 struct rad_paint {
-    struct rad_paint_source *list; /* in the order of the scene */
+    struct rad_paint_source *list; /* in the scene's order */
     int32_t n;
 };
 
@@ -38,7 +39,7 @@ int rad_paint_init(struct rad_paint *p, const struct rad_job *job,
                    const struct rad_view *v, int width, struct rad_error *err);
 void rad_paint_release(struct rad_paint *p);
 
-/* The picture that is painted in. */
+/* The picture to paint in. */
 struct rad_canvas {
     const struct rad_view *view;
     int width, height;
@@ -47,15 +48,15 @@ struct rad_canvas {
     bool depth;
 };
 
-/* Paint pixels x0 to x1-1 of row y (from the top) of the picture; row[0] is
- * that of column x0.  Counts paint_rays. */
+/* Paint pixels x0 to x1 - 1 of row y (from the top) of the picture; row[0] is
+ * the pixel of column x0.  Rays are counted in paint_rays. */
 void rad_paint_row(const struct rad_paint *p, const struct rad_canvas *canvas,
                    struct rad_ctx *ctx, int x0, int x1, int y,
                    struct rad_pixel *row);
 
-/* The area of pixel (x, y), y from the bottom, that a convex polygon of
- * picture positions covers, as a share of the pixel, and the mean of the
- * covered part's corners.  0: none. */
+/* The share of pixel (x, y), y from the bottom, that a convex polygon of
+ * picture positions covers; 0: none.  centre gets the mean of the covered
+ * part's corners. */
 double rad_paint_coverage(const double (*corner)[2], int n, int width,
                           int height, int x, int y, double centre[2]);
 

@@ -11,14 +11,14 @@
 #include <math.h>
 #include <stdatomic.h>
 
-/* Panes that a view is seen through. */
+/* The most panes that a path passes at its start. */
 #define MOST_PANES 8
 
-/* Reflectance that is assumed of what a path meets, as where records are made
- * for any. */
+/* The reflectance that a path assumes of all surfaces, as passes do that make
+ * records before rays ask for them. */
 #define MEAN_REFLECTANCE .5f
 
-/* Would light go on through what was hit? */
+/* Does light pass straight through the surface that was hit? */
 static bool
 is_pane(const struct rad_job *job, const struct rad_hit *hit)
 {
@@ -60,7 +60,7 @@ rad_path_begin(const struct rad_frame *f, struct rad_ctx *ctx, uint64_t spread,
     int x = (int)(u * f->width), y = (int)(v * f->height);
     bool met;
 
-    /* a pattern may never end here as it may for a pixel */
+    /* for the watcher of stuck threads: a pattern may never end here, too */
     atomic_store_explicit(&ctx->at, RAD_AT(x, y), memory_order_relaxed);
     if (!rad_frame_start(f, ctx, x, y, r, &met))
         return false;
@@ -76,7 +76,7 @@ rad_path_begin(const struct rad_frame *f, struct rad_ctx *ctx, uint64_t spread,
     return false;
 }
 
-/* Start r off the hit of `parent`; its direction is yet to be set. */
+/* Start r off the hit of `parent`; the caller sets its direction. */
 static bool
 leave(struct rad_ctx *ctx, const struct rad_ray *parent, struct rad_ray *r)
 {

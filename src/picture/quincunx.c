@@ -1,10 +1,11 @@
 /* quincunx.c - see quincunx.h
  *
- * The decisions are rpict's to the last bit, so precision matters where it
- * decides: pixels are floats, products with -pt and with the weights of an
- * interpolation are taken in double.
+ * The decisions are rpict's to the last bit, so the precision of each step is
+ * rpict's: pixels are floats, but products with -pt and with interpolation
+ * weights are taken in double.
  * Columns of a bar are bisected from the lower base line upwards, since rpict
- * counts rows from the bottom; that shows wherever a gap's halves differ. */
+ * counts rows from the bottom; the direction matters where a gap's halves have
+ * different lengths. */
 #include "config.h"
 
 #include "picture/quincunx.h"
@@ -28,7 +29,7 @@ rad_quincunx_steps(int psample, int *xstep, int *ystep)
 size_t
 rad_quincunx_ndensity(const struct rad_quincunx *q)
 {
-    /* one for each sample, one for the gap cut in half, one at the end */
+    /* one for each sample, one for the halved gap, one at the end */
     return q->xstep > 2 ? (size_t)(q->width / q->xstep) + 3 : 0;
 }
 
@@ -71,8 +72,8 @@ get(const struct rad_pixel *p)
     return v;
 }
 
-/* In one piece, since it is read so: what was written in several is slow to
- * come back. */
+/* One 16-byte store, as get() is one load: a load that spans several smaller
+ * stores is slow. */
 static inline void
 put(struct rad_pixel *p, v4f v)
 {
@@ -105,10 +106,10 @@ are_all_three(v4i m)
 #endif
 }
 
-/* Most pixels are far from the limit, on this side of it: a test in float that
- * is too strict by more than it rounds is enough for them.  Equal channels do
- * not differ whatever they are, but for NaN, which fails here and is left to
- * the test proper; so is what a product below FLT_MIN was compared with. */
+/* Do a and b differ by more than maxdiff?  Most pairs do not, by far, so a test
+ * in float comes first; its limit is lower by more than its rounding, and pairs
+ * that fail it get the exact test.  Equal channels do not differ.  NaN and
+ * limits below FLT_MIN fail the float test, too. */
 static inline bool
 differ(const struct rad_quincunx *q, v4f a, v4f b)
 {
@@ -139,7 +140,7 @@ weighted(v4f v, double w)
 #endif
 }
 
-/* A pixel between a and b, at wb of the way. */
+/* The pixel at fraction wb of the way from a to b. */
 static inline v4f
 blend(const struct rad_quincunx *q, v4f a, v4f b, double wb)
 {
@@ -155,28 +156,29 @@ blend(const struct rad_quincunx *q, v4f a, v4f b, double wb)
     return sum;
 }
 
-/* len / 2 over len: where the middle of a gap is. */
+/* (len / 2) / len by len, the position of a gap's middle pixel. */
 static const double middle_of[RAD_QUINCUNX_MAX_XSTEP + 1] = {
     0,  0,       .5, 1. / 3,  .5, 2. / 5,   .5, 3. / 7,
     .5, 4. / 9,  .5, 5. / 11, .5, 6. / 13,  .5, 7. / 15,
     .5, 8. / 17, .5, 9. / 19, .5, 10. / 21, .5, 11. / 23
 };
 
-/* Where two pixels are well within the limit, all that bisection finds between
- * them is within it, too, and need not be asked again: it lies between them but
- * for its rounding.  For a channel from a to b, 0 < a <= b <= (1 + c) a, values
- * that lie between them before r roundings differ by at most c a + 2 r u b,
- * u being 2^-24, and none is below a (1 - r u).  With c 15/16 of the limit m,
- * that is no more than m times the lesser while 2 r u (1 + m)^2 is below m /
- * 16: for the few roundings of a gap's bisection with room to spare from
- * CALM_LEAST on.  Nothing of it is denormal; and between two zeros all is zero.
- */
+/* Two pixels are calm if they differ by so much less than the limit that
+ * bisection between them finds no difference and traces nothing: all values
+ * found lie between the two, but for rounding.
+ * For a channel with ends a and b, 0 < a <= b <= (1 + c) a, values that are
+ * computed between them in r roundings differ by at most c a + 2 r u b, with
+ * u = 2^-24, and none is below a (1 - r u).  With c = 15/16 of the limit m,
+ * that is at most m times the lesser value as long as 2 r u (1 + m)^2 < m / 16,
+ * which the few roundings of one gap satisfy easily for m >= CALM_LEAST.
+ * CALM_NORMAL keeps all of it from denormal numbers; between two zeros all
+ * values are 0. */
 #define CALM_LEAST  1e-4
 #define CALM_MOST   1.
 #define CALM_FACTOR (15. / 16)
 #define CALM_NORMAL 1e-30f /* far from where products lose digits */
 
-/* The factor for are_calm(); below 0: nothing is known to be calm. */
+/* The factor for are_calm(); negative: no pixels count as calm. */
 static inline float
 calm_limit(const struct rad_quincunx *q)
 {
@@ -185,7 +187,7 @@ calm_limit(const struct rad_quincunx *q)
     return (float)(q->maxdiff * CALM_FACTOR);
 }
 
-/* factor is above 0. */
+/* Are a and b calm?  No, if the factor is not above 0. */
 static inline bool
 are_calm(v4f a, v4f b, float factor)
 {
@@ -198,7 +200,7 @@ are_calm(v4f a, v4f b, float factor)
                                        ((a == 0) & (b == 0)));
 }
 
-/* The middle of two pixels, as blend() has it. */
+/* The pixel halfway between a and b, as by blend(). */
 static inline v4f
 middle(v4f a, v4f b)
 {
@@ -211,7 +213,7 @@ mix(v4f a, v4f b, double wb)
     return weighted(b, wb) + weighted(a, 1 - wb);
 }
 
-/* What fill_gap() finds in a calm gap of 2 and of 3. */
+/* The pixels that fill_gap() puts into a calm gap of length 2, and 3. */
 static inline void
 mix_two(struct rad_pixel *p, v4f a, v4f b)
 {
@@ -227,7 +229,7 @@ mix_three(struct rad_pixel *p, v4f a, v4f b)
     put(&p[2], middle(m, b));
 }
 
-/* The same of any. */
+/* The same for a gap of any length. */
 static void
 mix_gap(struct rad_pixel *p, int len)
 {
@@ -263,15 +265,15 @@ mix_gap(struct rad_pixel *p, int len)
     }
 }
 
-/* A gap on its way through bisection: pixels p[0] to p[len] in a row or going
- * up a column from (x, y). */
+/* A gap in bisection: pixels p[0] to p[len], rightwards in a row or upwards in
+ * a column, from (x, y). */
 struct gap {
     const struct rad_quincunx *q;
     bool upwards;
 };
 
-/* Fill between p[0] and p[len], len at least 2; at least `density` pixels are
- * traced, spread evenly.  Returns how many were. */
+/* Fill in pixels between p[0] and p[len], len at least 2; trace at least
+ * `density` of them, evenly spread.  Returns the number traced. */
 static int
 fill_gap(const struct gap *g, struct rad_pixel *p, int x, int y, int len,
          int density)
@@ -302,7 +304,7 @@ fill_gap(const struct gap *g, struct rad_pixel *p, int x, int y, int len,
     }
 }
 
-/* The same of a whole gap. */
+/* fill_gap() with the short cut for calm ends. */
 static int
 fill_whole(const struct gap *g, struct rad_pixel *p, int x, int y, int len,
            int density)
@@ -316,15 +318,15 @@ fill_whole(const struct gap *g, struct rad_pixel *p, int x, int y, int len,
     return 0;
 }
 
-/* Every other line has its samples half a step to the left, the first gap cut
- * in half. */
+/* Every other base line has its samples half a step to the left, so its first
+ * gap is half as long. */
 static bool
 is_offset(const struct rad_quincunx_line *s)
 {
     return s->i & 1;
 }
 
-/* Columns that the first gap of base line i lacks. */
+/* Columns by which the first gap of base line i is shorter than xstep. */
 static int
 cut_off(const struct rad_quincunx *q, int i)
 {
@@ -366,7 +368,7 @@ rad_quincunx_line_needs(const struct rad_quincunx_line *s)
     return s->above ? s->gap + 2 : 0;
 }
 
-/* The densities beyond what the line reached stay as they were above. */
+/* Densities beyond the line's gaps are copied from the line above. */
 static void
 finish_densities(struct rad_quincunx_line *s)
 {
@@ -381,8 +383,8 @@ finish_densities(struct rad_quincunx_line *s)
     s->ndensity = n;
 }
 
-/* A line without offset hands each gap's count to the gap that begins half a
- * step before its end, so its densities lag by one. */
+/* Gaps of a line without offset lie half a step right of the gaps of the line
+ * below, so the count of a gap becomes density number gap + 1. */
 static void
 leave_density(struct rad_quincunx_line *s, int found)
 {
@@ -470,8 +472,9 @@ rad_quincunx_gap(const struct rad_quincunx *q, int i, int g,
         fill_whole(&gap, pixels + x, x, y, len, density / 2);
 }
 
-/* Fill the columns of a bar of three rows, the commonest, that are calm, from x
- * on; returns the next. */
+/* Fill calm columns of a bar whose base lines are three rows apart, the most
+ * common case, from column x up to the first that is not calm; returns that
+ * column. */
 static int
 mix_columns(struct rad_pixel *const rows[], int x, int end, float factor)
 {
@@ -492,8 +495,7 @@ mix_columns(struct rad_pixel *const rows[], int x, int end, float factor)
     return x;
 }
 
-/* What fill_gap() does in such a bar where nothing is to be traced: columns
- * from x on, as long as that is so.  Returns the next. */
+/* The same up to the first column in which fill_gap() would trace a pixel. */
 static int
 blend_columns(const struct rad_quincunx *q, struct rad_pixel *const rows[],
               int x, int end)

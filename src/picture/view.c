@@ -1,8 +1,8 @@
 /* view.c - see view.h
  *
- * Options are a table as in params.c.  The projections: with (a, b) the
+ * Options are a table as in params.c.  The projections, where (a, b) is the
  * position from the picture's centre in widths and heights (shift and lift
- * added) and h, v, d the right, up and forward unit vectors,
+ * added) and h, v, d are the unit vectors to the right, up and forward:
  *   'v'  d + a w h + b z v          w, z = 2 tan(angle / 2)
  *   'l'  d, from a w h + b z v      w, z as given
  *   'h'  a w h + b z v, the rest along d;      w, z = 2 sin(angle / 2)
@@ -53,7 +53,7 @@ static const struct {
     { 'a', "angular" }, { 'c', "cylindrical" }, { 's', "planisphere" }
 };
 
-/* whose header lines hold view options; radsubmit is ours */
+/* words that start a view line: Radiance's programs, and ours */
 static const char *const makers[] = {
     "VIEW=", "rpict", "rvu", "rpiece", "rxpiece", "pinterp", "rview",
     "radsubmit"
@@ -62,7 +62,7 @@ static const char *const makers[] = {
 
 #define NELEM(a) (sizeof(a) / sizeof((a)[0]))
 
-/* Words of a view line: an option and its values are at most this long. */
+/* The longest word of a view line that can be an option or a value. */
 enum { LONGEST_WORD = 64 };
 
 void
@@ -130,8 +130,8 @@ rad_view_option(struct rad_view *v, int argc, char *const argv[],
     return 0;
 }
 
-/* The next word of [*at, end) into word; words beyond LONGEST_WORD are cut,
- * which leaves them no options and no numbers.  False: no more. */
+/* Copy the next word of [*at, end); a word longer than LONGEST_WORD is cut, and
+ * is neither an option nor a number then.  False: there is none. */
 static bool
 next_word(const char **at, const char *end, char word[LONGEST_WORD + 1])
 {
@@ -153,8 +153,8 @@ next_word(const char **at, const char *end, char word[LONGEST_WORD + 1])
     return true;
 }
 
-/* Does the line start with a program whose options may hold a view?  A folder
- * before its name is skipped. */
+/* Does the line start with one of `makers`?  A path before a program's name is
+ * skipped. */
 static bool
 is_view_line(const char *line, const char *end)
 {
@@ -226,7 +226,7 @@ rad_view_read(struct rad_view *v, const char *text, size_t len,
     return nlines;
 }
 
-/* The largest angle that a type can show, and whether it may reach it. */
+/* Is the angle above 0 and below the largest, or equal to it if `reached`? */
 static bool
 angle_fits(double angle, double largest, bool reached)
 {
@@ -271,8 +271,8 @@ check_sizes(const struct rad_view *v, struct rad_error *err)
     return 0;
 }
 
-/* Width or height of the view plane at distance 1 for an angle [degrees], by
- * the rules at the top. */
+/* Width or height of the view plane at distance 1 for a size of this type, in
+ * degrees but for 'l'; see the table at the top. */
 static double
 extent(char rule, double size)
 {
@@ -343,7 +343,7 @@ plane_aspect(const struct rad_view *v)
     return sqrt(v->vn2 / v->hn2);
 }
 
-/* Round to the nearest, and keep what was there if it would grow. */
+/* Round to the nearest integer, but to no more than `most`. */
 static int
 reduced(double size, int most)
 {
@@ -391,8 +391,8 @@ angular(const struct rad_view *v, double x, double y, double dir[3])
     return true;
 }
 
-/* The direction at (x, y) from the centre, not yet of unit length for 'v' and
- * 'c'; false outside the projection. */
+/* The direction at (x, y) from the centre, of any length for 'v' and 'c', else
+ * of length 1; false outside the projection. */
 static bool
 direction(const struct rad_view *v, double x, double y, double dir[3])
 {
@@ -441,14 +441,15 @@ rad_view_ray(const struct rad_view *v, double x, double y, double org[3],
         rad_madd(org, org, x, v->hvec);
         rad_madd(org, org, y, v->vvec);
     }
-    /* planes for 'v' and a cylinder for 'c': distances grow off the axis */
+    /* clipping is by planes for 'v' and by cylinders for 'c', so along the ray
+     * distances grow off the axis */
     len = rad_normalize(dir);
     if (v->type != 'v' && v->type != 'c')
         len = 1;
     return v->vaft > 0 ? (v->vaft - v->vfore) * len : 0;
 }
 
-/* A place of the lens, from its centre. */
+/* The point of the lens that u chooses, from the lens's centre. */
 static void
 lens_place(const struct rad_view *v, double diameter, const double u[3],
            bool thick, double p[3])
@@ -480,8 +481,8 @@ rad_view_lens(const struct rad_view *v, double diameter, const double u[3],
     rad_scale(way, focus, dir);
     rad_sub(way, way, place);
     if (rad_normalize(way) == 0)
-        return aft; /* the lens reaches to its focus */
-    if (flat) {     /* the planes stay where they are */
+        return aft; /* the lens point is the focus itself */
+    if (flat) {     /* the clipping planes stay where they are */
         double cosine = rad_dot(way, v->dir);
 
         if (!(cosine > 0))
@@ -495,7 +496,7 @@ rad_view_lens(const struct rad_view *v, double diameter, const double u[3],
     return aft;
 }
 
-/* Clipping by a distance along the axis, from it, or from the view point. */
+/* Which clipping planes exclude a point at this distance? */
 static unsigned
 clipped(const struct rad_view *v, double dist)
 {
@@ -523,7 +524,7 @@ locate_fisheye(const struct rad_view *v, const double d[3], double pos[2])
         pos[0] = right * scale / v->horiz;
         pos[1] = up * scale / v->vert;
         if (s == 0 && forward < 0)
-            return RAD_VIEW_NOWHERE; /* all of the circle's edge */
+            return RAD_VIEW_NOWHERE; /* backward is all of the circle's edge */
         return 0;
     }
     if (1 + forward <= 0)
@@ -533,8 +534,8 @@ locate_fisheye(const struct rad_view *v, const double d[3], double pos[2])
     return 0;
 }
 
-/* Perspective, parallel and hemispherical: disp is from the view point, and
- * becomes what (hvec, vvec) measure. */
+/* Perspective, parallel and hemispherical.  disp is the point from the view
+ * point; it is scaled to the view plane. */
 static unsigned
 locate_flat(const struct rad_view *v, double disp[3], double pos[2])
 {
