@@ -1,7 +1,7 @@
 /* arena.c - see arena.h
  *
- * Blocks form a stack; a rewind pops to the mark and keeps the emptied blocks
- * as spares, so a scratch arena stops calling malloc after its first bars. */
+ * Blocks form a stack.  A rewind pops blocks down to the mark and keeps them as
+ * spares, so a scratch arena calls malloc only for the first bars. */
 #include "config.h"
 
 #include "base/arena.h"
@@ -47,8 +47,8 @@ rad_arena_release(struct rad_arena *a)
     memset(a, 0, sizeof *a);
 }
 
-/* Push a block with room for n bytes: a spare one or a new one, each new one
- * twice the size of the one before up to LARGEST_STEP. */
+/* Push a block with room for n bytes: a spare one, or a new one of twice the
+ * size of the block below, up to LARGEST_STEP. */
 static struct rad_arena_block *
 push_block(struct rad_arena *a, size_t n)
 {

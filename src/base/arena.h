@@ -1,8 +1,8 @@
-/* arena.h - memory that is given back all at once
+/* arena.h - memory that is freed all at once
  *
- * A scene lives in one arena and dies with it; each render thread has a
- * scratch arena that is marked and rewound, so that no ray allocates: once its
- * blocks have grown to the high-water mark, rewinding keeps them.
+ * A scene lives in one arena and is freed with it.  Each render thread has a
+ * scratch arena that is marked and rewound; rewinding keeps its blocks, so that
+ * tracing a ray allocates nothing once they are large enough.
  * Thread: an arena belongs to one thread at a time.  */
 #ifndef RAD_BASE_ARENA_H
 #define RAD_BASE_ARENA_H
@@ -14,7 +14,7 @@ struct rad_arena_block;
 struct rad_arena {
     struct rad_arena_block *head; /* block in use; older ones behind it */
     struct rad_arena_block *spare; /* blocks that a rewind emptied */
-    size_t total;                 /* bytes asked of malloc so far */
+    size_t total;                 /* bytes allocated by malloc so far */
 };
 
 struct rad_arena_mark {
@@ -32,10 +32,13 @@ void *rad_arena_alloc(struct rad_arena *a, size_t n);
  * overflows. */
 void *rad_arena_calloc(struct rad_arena *a, size_t count, size_t size);
 
-/* Copies; the string one takes len bytes and adds a NUL. */
+/* Copies in the arena; rad_arena_strndup() copies len bytes and adds a NUL.
+ * NULL when memory is out. */
 void *rad_arena_dup(struct rad_arena *a, const void *src, size_t n);
 char *rad_arena_strndup(struct rad_arena *a, const char *s, size_t len);
 
+/* A rewind frees all that was allocated after the mark; the arena keeps the
+ * memory for later allocations. */
 struct rad_arena_mark rad_arena_mark(const struct rad_arena *a);
 void rad_arena_rewind(struct rad_arena *a, struct rad_arena_mark mark);
 

@@ -3,8 +3,8 @@
 
 #include "base/bands.h"
 
-/* Where red and blue are at their purest [nm]: a range that does not hold both
- * shows no colours. */
+/* Where red and blue are purest [nm].  A range with both of them shows
+ * colours. */
 #define RED_PEAK  607.
 #define BLUE_PEAK 469.
 

@@ -1,15 +1,15 @@
 /* bands.h - the wavelengths that light is sampled at (-cs -cw)
  *
- * A range of wavelengths is cut into bands of the same width, the longest
- * first.  Three of them stand for red, green and blue, and colours are what
- * they always are.  Where there are more, rays still carry three channels, and
- * a picture is made in *planes*, each of which shows three of the bands.  The
- * bands of a plane lie a third of the range apart, so that each plane has long,
- * middle and short waves, and what goes by luminance (thresholds, chances)
- * goes much the same way in all of them.
- * A colour that is given as red, green and blue becomes a spectrum of three
- * steps, as in Radiance: at 588 and 480 nm, or at thirds of a range that lacks
- * one of the primaries.
+ * A range of wavelengths is cut into bands of equal width, the longest waves
+ * first.  Three bands stand for red, green and blue, and colours are treated as
+ * ever.  With more bands rays still carry three channels, and a picture is made
+ * in *planes*, each of which shows three of the bands.  The bands of a plane
+ * lie a third of the range apart: each plane has long, middle and short waves,
+ * so decisions by luminance (thresholds, probabilities) come out much the same
+ * in all planes.
+ * A colour given as red, green and blue becomes a spectrum of three steps, as
+ * in Radiance.  It steps at 588 and 480 nm, or at thirds of the range if that
+ * lacks red or blue.
  * Source: rpict(1), -cs and -cw. */
 #ifndef RAD_BASE_BANDS_H
 #define RAD_BASE_BANDS_H
@@ -21,21 +21,21 @@
 #define RAD_MAX_BANDS  24
 #define RAD_MAX_PLANES ((RAD_MAX_BANDS + 2) / 3)
 
-/* What is sampled where nobody says otherwise [nm]. */
+/* The default range [nm]. */
 #define RAD_LONGEST_WAVE  780.
 #define RAD_SHORTEST_WAVE 380.
 
-/* A range is no less [nm]. */
+/* The least width of a range [nm]. */
 #define RAD_LEAST_RANGE 50.
 
 struct rad_bands {
     int n;                    /* 3 to RAD_MAX_BANDS */
-    double longest, shortest; /* [nm], RAD_LEAST_RANGE apart at least */
-    int plane;                /* which of the planes is shown, from 0; -1: the
-                               * first, or each in its turn */
+    double longest, shortest; /* [nm], at least RAD_LEAST_RANGE apart */
+    int plane;                /* which plane is rendered, from 0; -1: the first
+                               * one, or all, one after the other */
 };
 
-/* Red, green and blue of the usual range. */
+/* Red, green and blue of the default range. */
 struct rad_bands rad_bands_rgb(void);
 
 /* Are these bands red, green and blue? */
@@ -45,26 +45,25 @@ rad_bands_are_rgb(const struct rad_bands *b)
     return b->n == 3;
 }
 
-/* How many planes it takes. */
+/* The number of planes. */
 int rad_bands_planes(const struct rad_bands *b);
 
-/* The band that a channel (0 to 2) of a plane shows, of the first for -1. Where
- * bands run out, the last channel of a plane shows the band of the one before.
- */
+/* The band that a channel (0 to 2) of a plane shows; plane -1 is the first one.
+ * If there are no bands left, the last channel repeats the channel before. */
 int rad_bands_of(const struct rad_bands *b, int plane, int channel);
 
-/* What each band has, of what all planes show. */
+/* The values of all bands, from those of all planes. */
 void rad_bands_gather(const struct rad_bands *b, const struct rad_rgb plane[],
                       float band[RAD_MAX_BANDS]);
 
-/* Where red begins, becomes green, becomes blue, and blue ends [nm]; i from 0
- * to 3. */
+/* The steps of a colour's spectrum [nm]: for i from 0 to 3 where red begins,
+ * green begins, blue begins and blue ends. */
 double rad_bands_split(const struct rad_bands *b, int i);
 
-/* Which of red, green and blue a band has the value of: 0, 1, 2. */
+/* Which of red (0), green (1) and blue (2) gives a band its value. */
 int rad_bands_primary(const struct rad_bands *b, int band);
 
-/* Has the range all three primaries in it? */
+/* Does the range contain red and blue? */
 bool rad_bands_show_colour(const struct rad_bands *b);
 
 #endif

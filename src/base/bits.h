@@ -1,10 +1,10 @@
-/* bits.h - sets of up to 64 things, a bit each */
+/* bits.h - sets of up to 64 elements, as bits */
 #ifndef RAD_BASE_BITS_H
 #define RAD_BASE_BITS_H
 
 #include <stdint.h>
 
-/* How many are set. */
+/* The number of elements. */
 static inline int
 rad_count_bits(uint64_t v)
 {

@@ -1,8 +1,8 @@
 /* color.h - radiance, irradiance and reflectance per channel
  *
- * Three floats: red, green, blue in Radiance's standard primaries.  Luminance
- * weights are those of Radiance's primaries (CIE x,y .640 .330, .290 .600,
- * .150 .060, equal-energy white); 179 lm/W applies only on the way out. */
+ * Three floats: red, green, blue of Radiance's standard primaries (CIE x,y
+ * .640 .330, .290 .600, .150 .060, equal-energy white), from which the weights
+ * of luminance follow.  The factor 179 lm/W applies only on output. */
 #ifndef RAD_BASE_COLOR_H
 #define RAD_BASE_COLOR_H
 
@@ -56,8 +56,8 @@ rad_rgb_lum(struct rad_rgb a)
     return RAD_LUM_R * a.r + RAD_LUM_G * a.g + RAD_LUM_B * a.b;
 }
 
-/* CIE tristimulus values, with the efficacy in them, so that Y is luminance
- * [cd/m^2]; and back. */
+/* CIE tristimulus values, times 179 lm/W, so that Y is luminance [cd/m^2]; and
+ * back. */
 static inline struct rad_rgb
 rad_rgb_to_xyz(struct rad_rgb c)
 {
@@ -82,7 +82,7 @@ rad_xyz_to_rgb(struct rad_rgb c)
     return rgb;
 }
 
-/* The largest channel: what decides a ray's weight. */
+/* The largest channel, which decides a ray's weight. */
 static inline float
 rad_rgb_max(struct rad_rgb a)
 {
@@ -99,7 +99,7 @@ rad_rgb_black(struct rad_rgb a)
 
 #define RAD_MAX_RADIANCE 3.4e38f
 
-/* Finite: what a ray may bring another. */
+/* Finite, as the radiance of a ray must be? */
 static inline bool
 rad_rgb_bounded(struct rad_rgb a)
 {
@@ -107,7 +107,7 @@ rad_rgb_bounded(struct rad_rgb a)
            fabsf(a.b) <= RAD_MAX_RADIANCE;
 }
 
-/* Finite and not negative: what may enter a pixel or a cache. */
+/* Finite and not negative, as values in a pixel or a cache must be? */
 static inline bool
 rad_rgb_sound(struct rad_rgb a)
 {

@@ -8,8 +8,8 @@
 #include <string.h>
 #include <sysexits.h>
 
-/* vsnprintf() of text that may hold a whole path: what does not fit is left out
- * in the middle, for the end has the line, or the reason. */
+/* vsnprintf() for text with long paths: if it does not fit, its middle is left
+ * out, because the end names the line or the reason. */
 static void
 print_ends(char *buf, size_t size, const char *fmt, va_list ap)
 {
@@ -25,7 +25,7 @@ print_ends(char *buf, size_t size, const char *fmt, va_list ap)
     }
     rad_text_print(buf, head + 1, "%s", all);
     while (tail > 0 && (all[n - tail] & 0xc0) == 0x80)
-        tail--; /* the middle of a character */
+        tail--; /* do not begin inside a character */
     rad_text_print(buf + strlen(buf), size - strlen(buf), "%s%s", gap,
                    all + n - tail);
 }

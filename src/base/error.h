@@ -2,10 +2,10 @@
  *
  * Fallible functions return 0 or a negative code and take a struct rad_error *
  * last, which may be NULL.  The first failure wins: a later rad_fail() on the
- * same struct changes nothing, so callers may add an empty `where` and pass the
- * code up.  Our codes lie below libuv's range: both travel in one int.
+ * same struct changes nothing.  So callers may fill an empty `where` and pass
+ * the code up.  Our codes lie below libuv's, so one int holds either.
  * Libraries never print and never exit; main prints once (rad_error_format)
- * and leaves with rad_exit_status().
+ * and exits with rad_exit_status().
  * Thread: a struct rad_error belongs to one thread.  */
 #ifndef RAD_BASE_ERROR_H
 #define RAD_BASE_ERROR_H
@@ -27,9 +27,9 @@ enum rad_code {
     RAD_ECONFIG = -5012,     /* bad configuration file     EX_CONFIG 78 */
     RAD_EUNSUPPORTED = -5013, /* a feature of Radiance that we lack        65 */
     RAD_EFULL = -5014,       /* no room on the disk        EX_IOERR 74 */
-    RAD_ESHORT = -5015,      /* descriptors or the like are short for now 75 */
-    RAD_WARNING = -5099      /* for callers that want each problem, never
-                              * the code of a failure */
+    RAD_ESHORT = -5015,      /* out of descriptors or the like, for now  75 */
+    RAD_WARNING = -5099      /* marks a warning for callers that want every
+                              * problem; never the code of a failure */
 };
 
 struct rad_error {
@@ -39,8 +39,8 @@ struct rad_error {
 };
 
 /* Record the first failure and return its code: `return rad_fail(...)`.
- * err may be NULL.  Lower case, no full stop, the problem first, the subject
- * quoted. */
+ * err may be NULL.  The message is lower case without a full stop, says the
+ * problem first and quotes the subject. */
 int rad_fail(struct rad_error *err, int code, const char *fmt, ...)
     __attribute__((format(printf, 3, 4)));
 
@@ -48,11 +48,12 @@ int rad_fail(struct rad_error *err, int code, const char *fmt, ...)
 void rad_error_where(struct rad_error *err, const char *fmt, ...)
     __attribute__((format(printf, 2, 3)));
 
-/* "where: what" (or what alone) into buf, always terminated and fit for a
- * terminal or a log, whatever came from input (text.h). */
+/* Put "where: what", or just what, into buf.  The text is terminated, and safe
+ * for a terminal or a log even if it quotes input (text.h). */
 void rad_error_format(const struct rad_error *err, char *buf, size_t size);
 
-/* The sysexits.h status for a code; 0 for 0, 70 for what is not ours. */
+/* The sysexits.h status for a code: 0 for 0, EX_SOFTWARE (70) for codes that
+ * are not ours. */
 int rad_exit_status(int code);
 
 #endif

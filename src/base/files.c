@@ -10,8 +10,8 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-/* Room for what stat promises and the probe for the end behind it; a pipe
- * promises nothing. */
+/* The first size of a buffer: the file's size by stat and a byte more, which
+ * the read that finds the end needs.  A pipe has no size. */
 static size_t
 first_size(int fd, size_t max)
 {

@@ -6,7 +6,7 @@
 #include <stdio.h>
 #include <string.h>
 
-/* The bytes of text that make a line: whole words where one fits. */
+/* How many bytes of the text go on one line: whole words, at least one. */
 static int
 line_of(const char *text)
 {

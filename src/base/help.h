@@ -4,9 +4,9 @@
 #ifndef RAD_BASE_HELP_H
 #define RAD_BASE_HELP_H
 
-/* Give `line` the lines of a row, without their ends: head, indented by two,
- * and text from column RAD_HELP_COLUMN on, in as many lines of at most
- * RAD_HELP_WIDTH columns as it takes.  A word that is longer stands alone. */
+/* Call `line` for each line of a row, without line ends.  head is indented by
+ * two; text begins in column RAD_HELP_COLUMN and is broken at RAD_HELP_WIDTH
+ * columns.  A word that is wider has a line of its own. */
 #define RAD_HELP_COLUMN 30
 #define RAD_HELP_WIDTH  79
 void rad_help_row(const char *head, const char *text,

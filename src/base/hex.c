@@ -17,7 +17,7 @@ rad_hex_write(const uint8_t *bytes, size_t n, char *hex)
     hex[2 * n] = '\0';
 }
 
-/* -1: it is none. */
+/* The value of a digit; -1: it is not one. */
 static int
 value(char c)
 {

@@ -9,14 +9,14 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/* n bytes as 2n digits, 0-9 a-f, and a NUL. */
+/* Write n bytes as 2n digits, 0-9 a-f, and a NUL. */
 void rad_hex_write(const uint8_t *bytes, size_t n, char *hex);
 
-/* n bytes of the first 2n characters; false: one of these is no digit (A-F
- * are), and then bytes may hold anything. */
+/* Read n bytes from the first 2n characters.  False if one of these is no digit
+ * (A-F are digits); bytes may hold anything then. */
 bool rad_hex_read(const char *hex, size_t n, uint8_t *bytes);
 
-/* Is it as rad_hex_write() makes it of n bytes, with nothing behind? */
+/* Is hex a string of exactly 2n digits, as rad_hex_write() writes them? */
 bool rad_hex_valid(const char *hex, size_t n);
 
 #endif

@@ -15,7 +15,7 @@ rad_list_grow(void *list, size_t n, size_t size)
     size_t room = n < FEWEST ? FEWEST : 2 * n;
     void *v;
 
-    memcpy(&v, list, sizeof v); /* whatever it points at */
+    memcpy(&v, list, sizeof v); /* whatever type the pointer has */
     if (n > 0 && (n < FEWEST || (n & (n - 1)) != 0))
         return true;
     if (n > SIZE_MAX / 2 / size || !(v = realloc(v, room * size)))

@@ -7,11 +7,11 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-/* Make room for one more behind the n elements, of `size` bytes each, of an
- * array: *(T **)list, which is NULL at first, which this function alone
- * allocates, and whose caller frees it.  It is full whenever n is a power of
- * two, so nobody has to remember how large it is.  False: memory is out, and
- * the array is as it was. */
+/* Make room for one more element in an array of n elements of `size` bytes.
+ * list is the address of the pointer to the array, which is NULL at first.
+ * Only this function allocates the array; the caller frees it.  An array is
+ * full whenever n is a power of two, so its capacity need not be kept.  False:
+ * memory is out, and the array is unchanged. */
 bool rad_list_grow(void *list, size_t n, size_t size);
 
 #endif

@@ -57,8 +57,8 @@ rad_parse_u64(const char *s, uint64_t *value)
     return true;
 }
 
-/* Whole numbers that a double counts one by one are written as such: 100, not
- * 1e+02. */
+/* Write a whole number that a double holds exactly without an exponent: 100,
+ * not 1e+02. */
 static bool
 format_whole(char buf[RAD_NUMBER_TEXT], double value)
 {

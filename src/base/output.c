@@ -20,7 +20,7 @@ rad_output_guard(void)
 {
     signal(SIGXFSZ, SIG_IGN);
     for (int fd = STDIN_FILENO; fd <= STDERR_FILENO; fd++)
-        if (fcntl(fd, F_GETFD) < 0) /* then open() gives this number */
+        if (fcntl(fd, F_GETFD) < 0) /* so open() returns this number */
             (void)!open("/dev/null", fd == STDIN_FILENO ? O_WRONLY : O_RDONLY);
 }
 
@@ -30,7 +30,7 @@ cannot_create(const char *path, const char *why, struct rad_error *err)
     return rad_fail(err, RAD_ECANTCREAT, "cannot create '%s': %s", path, why);
 }
 
-/* The folder that path's file is made in; to be freed. */
+/* The folder that path's file is made in; the caller frees it. */
 static char *
 folder_of(const char *path)
 {
@@ -42,8 +42,8 @@ folder_of(const char *path)
     return folder;
 }
 
-/* The descriptor of ours that a name stands for, which may be a file's but is
- * where somebody else has begun to write; -1: none. */
+/* The number of the descriptor of ours that path names, or -1.  It may be open
+ * on a file, but somebody else has begun to write there. */
 static int
 own_descriptor(const char *path)
 {
@@ -65,7 +65,8 @@ own_descriptor(const char *path)
     return -1;
 }
 
-/* What the link at `name` says, from where that is; NULL: it is none. */
+/* The target of the link at `name`, relative to where `name` is; NULL: it is no
+ * link.  The caller frees it. */
 static char *
 read_link(const char *name)
 {
@@ -84,12 +85,12 @@ read_link(const char *name)
     return path;
 }
 
-/* The name that is written or replaced: links are followed, to a file that need
- * not be there.  To be freed. */
+/* The name to write or replace: path with all links followed, maybe to a file
+ * that does not exist.  The caller frees it. */
 static char *
 real_name(const char *path)
 {
-    enum { MOST_LINKS = 40 }; /* the kernel's own */
+    enum { MOST_LINKS = 40 }; /* the kernel's own limit */
     char *name = strdup(path), *to;
 
     for (int i = 0; name && i < MOST_LINKS && own_descriptor(name) < 0; i++) {
@@ -102,8 +103,8 @@ real_name(const char *path)
     return name;
 }
 
-/* Does the name, all links followed, stand for something that must be written
- * as it is? */
+/* Is the name, all links followed, something to write to directly: a
+ * descriptor, a terminal, a pipe? */
 static bool
 in_place(const char *real)
 {
@@ -159,8 +160,8 @@ rad_output_check(const char *path, struct rad_error *err)
     return rc;
 }
 
-/* The name from the root on, of a file that need not be there; NULL if its
- * folder is not.  To be freed. */
+/* The absolute name of a file that need not exist; NULL if its folder does not.
+ * The caller frees it. */
 static char *
 full_name(const char *path)
 {
@@ -181,7 +182,7 @@ full_name(const char *path)
     return real;
 }
 
-/* A file, and no terminal, pipe or descriptor. */
+/* Is path a regular file, existing or to be made? */
 static bool
 is_file(const char *path)
 {
@@ -208,8 +209,8 @@ rad_output_same(const char *a, const char *b)
     return same;
 }
 
-/* The new file has the owner, group and mode of the one that it replaces; the
- * group may do nothing where it cannot be kept. */
+/* Give the new file the owner, group and mode of the file that it replaces.  If
+ * the group cannot be kept, the group gets no permissions. */
 static void
 keep_mode(int fd, const char *real)
 {
@@ -226,8 +227,8 @@ keep_mode(int fd, const char *real)
     fchmod(fd, mode);
 }
 
-/* The pattern of temporary names beside a file; the longest name is cut for it.
- * To be freed. */
+/* The pattern of temporary names beside a file; a name near the limit is cut to
+ * make room.  The caller frees it. */
 static char *
 temp_name(const char *real)
 {
@@ -264,7 +265,7 @@ open_temp(struct rad_output *out, struct rad_error *err)
     return 0;
 }
 
-/* What is there stays: a descriptor is written on from where it stands. */
+/* Open without truncating: a descriptor is written on from where it stands. */
 static int
 open_in_place(struct rad_output *out, struct rad_error *err)
 {
@@ -355,7 +356,7 @@ rad_output_write(const char *path, const void *bytes, size_t n, bool durable,
 
     if (rc < 0)
         return rc;
-    if (n > 0) /* a failure shows at the commit */
+    if (n > 0) /* a failure is reported by the commit */
         (void)!fwrite(bytes, 1, n, out.file);
     return rad_output_commit(&out, err);
 }

@@ -1,10 +1,10 @@
-/* output.h - files that are there whole or not at all
+/* output.h - files that are written whole or not at all
  *
- * A file is written under a temporary name in its own folder and renamed over
- * its name when complete, with the mode, and as far as may be the owner and
- * group, of the one that was there.  What is no regular file (a terminal, a
- * pipe, /dev/null), and what a descriptor of ours already writes (/dev/stdout),
- * is written as it is; a link's target is made or replaced, not the link.
+ * A file is written under a temporary name in its own folder and then renamed.
+ * It takes the mode and, if permitted, owner and group of the file that it
+ * replaces.  What is no regular file (a terminal, a pipe, /dev/null), or is a
+ * descriptor of this process (/dev/stdout), is written to directly.  For a link
+ * its target is made or replaced, not the link.
  * Thread: any, each output its own.  */
 #ifndef RADD_PROTO_OUTPUT_H
 #define RADD_PROTO_OUTPUT_H
@@ -17,45 +17,46 @@
 struct rad_output {
     FILE *file;
     char *path; /* for messages; NULL: standard output */
-    char *real; /* what is written or replaced: path without links */
-    char *temp;
-    bool durable; /* on the disk before it gets its name */
+    char *real; /* path without links: the name to write or replace */
+    char *temp; /* temporary name; NULL: written to directly */
+    bool durable; /* sync to the disk before the file gets its name */
 };
 
-/* Before anything is opened: where standard input, output or error is closed,
- * its number is taken by what can only fail to be read or written, so that no
- * file or socket gets it.  And a file that a limit (ulimit -f) lets grow no
- * larger is an error of who writes it, not a signal. */
+/* Guard the process before it opens anything.  A closed standard input, output
+ * or error is replaced by a descriptor that can only fail, so that no file or
+ * socket gets its number.  And writing beyond a limit on file sizes (ulimit -f)
+ * becomes an error of the write instead of a signal. */
 void rad_output_guard(void);
 
-/* Can path be written?  RAD_ECANTCREAT with the reason.  To be asked before
- * work begins: a picture that nobody can keep need not be rendered. */
+/* Can path be written?  0, or RAD_ECANTCREAT with the reason.  Called before
+ * work begins, since a picture that cannot be kept need not be rendered. */
 int rad_output_check(const char *path, struct rad_error *err);
 
-/* Do two names stand for one file, of which the second writer would take away
- * what the first wrote?  A terminal, a pipe or /dev/null does not count. */
+/* Do two names stand for the same file, so that writing the second would
+ * overwrite the first?  False for terminals, pipes and /dev/null. */
 bool rad_output_same(const char *a, const char *b);
 
-/* Open for writing; path NULL: standard output.  RAD_ECANTCREAT. */
+/* Open for writing; path NULL: standard output.  0, RAD_ECANTCREAT or
+ * RAD_ENOMEM. */
 int rad_output_open(struct rad_output *out, const char *path, bool durable,
                     struct rad_error *err);
 
-/* Give the file its name.  RAD_EIO, and the old file stays. */
+/* Close the file and give it its name.  RAD_EIO: the old file stays. */
 int rad_output_commit(struct rad_output *out, struct rad_error *err);
 
-/* Take back what was written; does nothing after a commit. */
+/* Discard what was written.  After a commit nothing happens. */
 void rad_output_abort(struct rad_output *out);
 
-/* All three: the n bytes become the file. */
+/* Write a file of n bytes: open, write, commit. */
 int rad_output_write(const char *path, const void *bytes, size_t n,
                      bool durable, struct rad_error *err);
 
-/* Make the folder and those above it, mode 0755 (the last one `mode`); it is
- * fine if it is there.  RAD_ECANTCREAT. */
+/* Make a folder with this mode, and missing folders above it with mode 0755.
+ * It may exist already.  RAD_ECANTCREAT. */
 int rad_make_dir(const char *path, int mode, struct rad_error *err);
 
-/* Remove the folder and what is in it, but not what links in it lead to; what
- * cannot be removed stays, and the rest goes. */
+/* Remove a folder and all in it; links in it are removed, not followed.  What
+ * cannot be removed stays. */
 void rad_remove_dir(const char *path);
 
 #endif

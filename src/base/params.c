@@ -1,7 +1,7 @@
 /* params.c - see params.h
  *
- * One row of the table is all that there is to an option: parsing, printing,
- * range and help all walk it.  The order is that of rpict -defaults. */
+ * An option is one row of the table, which parsing, printing, range checks and
+ * help share.  The order is that of rpict -defaults. */
 #include "config.h"
 
 #include "base/params.h"
@@ -14,9 +14,9 @@
 #include <stdio.h>
 #include <string.h>
 
-/* beyond rpict's -ps 16 nothing is sampled more coarsely, as in rpict */
+/* rpict treats a larger -ps as 16, and so do we */
 enum { LARGEST_PSAMPLE = 16 };
-/* rays keep their depth in 16 bits */
+/* a ray's depth has 16 bits */
 enum { DEEPEST = 30000 };
 
 enum kind {
@@ -25,8 +25,8 @@ enum kind {
     KIND_REAL,
     KIND_RGB,
     KIND_U64,   /* --seed=N */
-    KIND_PRIMS, /* -pRGB -pXYZ -pc: one of them */
-    KIND_LIST,  /* -ae -ai: names that add up */
+    KIND_PRIMS, /* -pRGB -pXYZ -pc: exclude each other */
+    KIND_LIST,  /* -ae -ai: each use adds a name */
     KIND_WAVES  /* -cw: two wavelengths */
 };
 
@@ -113,7 +113,7 @@ static const struct option options[] = {
     { "--seed", KIND_U64, FIELD(seed), 0, 0, 0, "of all random numbers" }
 };
 
-/* what else rpict(1) has, but for what programs do themselves: -vf -o -z -S
+/* rpict's options that we lack.  Programs take some by themselves: -vf -o -z -S
  * -t -e -w -aE -aI -af -defaults -help -version -features */
 static const struct {
     const char *name, *why;
@@ -175,7 +175,7 @@ rad_params_init(struct rad_params *p)
             ((struct rad_bands *)field)->longest = RAD_LONGEST_WAVE;
             ((struct rad_bands *)field)->shortest = RAD_SHORTEST_WAVE;
             break;
-        case KIND_PRIMS: /* RGB, and no names: zero */
+        case KIND_PRIMS: /* RGB and an empty list are all zeros */
         case KIND_LIST:
             break;
         }
@@ -204,7 +204,7 @@ is_long(const struct option *o)
     return o->name[1] == '-';
 }
 
-/* What follows a boolean's or a long option's name; NULL: another option. */
+/* The text after the name of a boolean or long option; NULL: another option. */
 static const char *
 name_ends(const struct option *o, const char *word)
 {
@@ -293,7 +293,7 @@ take_rgb(struct rad_rgb *field, const struct option *o, char *const argv[],
     return 0;
 }
 
-/* In either order. */
+/* Take two wavelengths, in either order. */
 static int
 take_waves(struct rad_bands *b, const struct option *o, char *const argv[],
            struct rad_error *err)
@@ -323,7 +323,7 @@ take_u64(uint64_t *field, const struct option *o, const char *text,
     return 0;
 }
 
-/* How many words of values follow. */
+/* How many words of values follow the option. */
 static int
 words_of(const struct option *o, const char *rest)
 {
@@ -360,8 +360,8 @@ are_standard(const double c[8])
     return true;
 }
 
-/* Do they span colours?  As in rpict: nothing absurd, no two points the same,
- * and a white that is one. */
+/* Do the chromaticities span colours?  As in rpict: none out of range, no two
+ * the same, and a white point inside the diagram. */
 static bool
 chromaticities_fit(const double c[8])
 {
@@ -405,7 +405,8 @@ take_prims(struct rad_params *p, const struct option *o, char *const argv[],
     return 0;
 }
 
-/* As in rpict, there is one list: of the last kind. */
+/* Add a name to the list.  As in rpict there is one list, of the kind of the
+ * last option. */
 static int
 take_name(struct rad_params *p, const struct option *o, const char *name,
           struct rad_error *err)
@@ -517,7 +518,7 @@ rad_params_colour(const struct rad_params *p, struct rad_rgb L)
     if (p->primaries != RAD_PRIM_XYZ)
         return L;
     xyz = rad_rgb_to_xyz(L);
-    /* the largest radiance has no float for its luminance */
+    /* the XYZ of a radiance near the largest float would overflow */
     return rad_rgb(fminf(xyz.r, RAD_MAX_RADIANCE),
                    fminf(xyz.g, RAD_MAX_RADIANCE),
                    fminf(xyz.b, RAD_MAX_RADIANCE));
@@ -574,7 +575,7 @@ format_chroma(char *buf, const double c[8])
     }
 }
 
-/* The list as one option a name; nothing if it is of the other kind. */
+/* Write the list as one option a name; nothing if it is of the other kind. */
 static void
 format_names(const struct rad_params *p, const struct option *o, char *buf,
              size_t size)
@@ -594,7 +595,7 @@ format_names(const struct rad_params *p, const struct option *o, char *buf,
     }
 }
 
-/* Are wavelengths the usual ones, red, green and blue? */
+/* Are these the default bands, red, green and blue? */
 static bool
 are_usual(const struct rad_bands *b)
 {
@@ -602,7 +603,8 @@ are_usual(const struct rad_bands *b)
            b->shortest == RAD_SHORTEST_WAVE;
 }
 
-/* Does the option say anything?  Of those that exclude each other one does. */
+/* Is the option to be written?  Some are written only if not at their defaults;
+ * of options that exclude each other only the one in effect. */
 static bool
 is_said(const struct rad_params *p, const struct option *o)
 {
@@ -619,7 +621,7 @@ is_said(const struct rad_params *p, const struct option *o)
     return true;
 }
 
-/* One option as one would type it. */
+/* Write an option as a user would type it. */
 static void
 format_option(const struct rad_params *p, const struct option *o, char *buf,
               size_t size)
@@ -668,7 +670,7 @@ rad_params_format(const struct rad_params *p, char *buf, size_t size)
     if (size > 0)
         buf[0] = '\0';
     for (size_t i = 0; i < NOPTIONS && used < size; i++) {
-        /* the usual output goes without saying */
+        /* -pRGB is the default and is left out */
         if (!is_said(p, &options[i]) ||
             (options[i].kind == KIND_PRIMS && options[i].value == RAD_PRIM_RGB))
             continue;

@@ -3,7 +3,7 @@
  * One table in params.c (name, kind, range, default, help) parses the options
  * of rpict(1), prints -defaults and the canonical option string that goes into
  * picture headers, and is checked against radsubmit(1).
- * A struct rad_params is plain data without pointers: it is copied freely and
+ * A struct rad_params is plain data without pointers: it is copied freely, and
  * read-only while a job renders. */
 #ifndef RAD_PICTURE_PARAMS_H
 #define RAD_PICTURE_PARAMS_H
@@ -16,72 +16,72 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/* most columns or rows of a picture */
+/* The most columns or rows of a picture. */
 #define RAD_MAX_RES 1048576
 
-/* Most rays of a pixel: it is not left before it is done. */
+/* The most rays of a pixel; a thread finishes a pixel before it can stop. */
 #define RAD_MOST_SAMPLES 1024
 
-/* Bytes of the names of -ae and -ai, as options ("-ae name" and a blank). */
+/* The most bytes of the names of -ae or -ai, with "-ae" and two blanks each. */
 #define RAD_MAX_AMBLIST 2400
 
-/* What the numbers of a pixel stand for. */
+/* The colour space of a picture's pixels. */
 enum rad_primaries {
     RAD_PRIM_RGB,   /* -pRGB: Radiance's own primaries */
-    RAD_PRIM_XYZ,   /* -pXYZ: CIE tristimulus values, 179 lm/W in them */
-    RAD_PRIM_CUSTOM /* -pc: the same numbers, declared to be others */
+    RAD_PRIM_XYZ,   /* -pXYZ: CIE tristimulus values, times 179 lm/W */
+    RAD_PRIM_CUSTOM /* -pc: values as for -pRGB, declared as other primaries */
 };
 
-/* What -ae and -ai say of the surfaces of the modifiers that they name. */
+/* The kind of the list of modifiers that -ae or -ai gives. */
 enum {
-    RAD_AMB_ALL,     /* nothing is named */
-    RAD_AMB_EXCLUDE, /* they get no ambient calculation, */
-    RAD_AMB_INCLUDE  /* or they alone do */
+    RAD_AMB_ALL,     /* no list */
+    RAD_AMB_EXCLUDE, /* surfaces of these get no ambient calculation */
+    RAD_AMB_INCLUDE  /* only surfaces of these get it */
 };
 
 struct rad_params {
     /* picture */
-    int xres, yres; /* -x -y: most columns and rows */
+    int xres, yres; /* -x -y: the most columns and rows */
     enum rad_primaries primaries;
     double chroma[8]; /* -pc: x y of red, green, blue, white; else 0 */
     double pixaspect; /* -pa: height / width of a pixel; 0: fill x by y */
     double pixjitter; /* -pj: 0 centre .. 1 anywhere in the pixel */
-    int psample;      /* -ps: sample spacing [pixels], 1: every pixel; what
-                       * is beyond 1..16 is brought there, as in rpict */
+    int psample;      /* -ps: sample spacing [pixels], 1: every pixel; values
+                       * outside 1..16 are brought there, as in rpict */
     double maxdiff;   /* -pt: difference that forces a sample */
-    double motion;    /* -pm: open part of the time between two frames */
+    double motion;    /* -pm: shutter time, in times between two frames */
     double aperture;  /* -pd: diameter of the lens [scene units] */
     int samples;      /* --samples: rays of a pixel that is traced */
     bool directvis;   /* -dv: sources visible to the eye */
     /* direct light */
     double srcjitter;  /* -dj dstrsrc */
     double srcsizerat; /* -ds: largest source size / distance; 0: whole */
-    double shadthresh; /* -dt */
-    double shadcert;   /* -dc */
-    int directrelay;   /* -dr */
-    int vspretest;     /* -dp [samples/sr] */
+    double shadthresh; /* -dt: direct threshold */
+    double shadcert;   /* -dc: direct certainty */
+    int directrelay;   /* -dr: direct relays */
+    int vspretest;     /* -dp: direct pretest density [samples/sr] */
     /* specular */
-    double specjitter; /* -ss */
-    double specthresh; /* -st */
-    bool backvis;      /* -bv */
+    double specjitter; /* -ss: specular sampling */
+    double specthresh; /* -st: specular threshold */
+    bool backvis;      /* -bv: back faces are visible */
     bool irradiance;   /* -i */
-    bool rand_samp;    /* -u: pure Monte Carlo; never takes the clock */
+    bool rand_samp;    /* -u: pure Monte Carlo; the seed is --seed, not time */
     /* medium: -me [1/unit] -ma -mg -ms [unit] */
     struct rad_rgb cextinction, salbedo;
     double seccg, ssampdist;
     /* indirect light */
-    int ambounce;                  /* -ab */
-    double ambacc;                 /* -aa */
-    int ambres;                    /* -ar */
-    int ambdiv;                    /* -ad */
-    int ambssamp;                  /* -as */
+    int ambounce;                  /* -ab: bounces */
+    double ambacc;                 /* -aa: accuracy */
+    int ambres;                    /* -ar: resolution */
+    int ambdiv;                    /* -ad: samples of a hemisphere */
+    int ambssamp;                  /* -as: further samples */
     struct rad_rgb ambval;         /* -av: radiance [W/sr/m^2] */
-    int ambvwt;                    /* -aw */
+    int ambvwt;                    /* -aw: weight of ambval */
     int amblisted;                 /* RAD_AMB_* */
     char amblist[RAD_MAX_AMBLIST]; /* names, a blank between two */
     /* limits */
-    int maxdepth;           /* -lr; <= 0: Russian roulette */
-    double minweight;       /* -lw */
+    int maxdepth;           /* -lr: bounces; <= 0: Russian roulette */
+    double minweight;       /* -lw: least weight of a ray */
     struct rad_bands bands; /* -cs -cw --plane */
     /* ours */
     uint64_t seed; /* --seed */
@@ -90,45 +90,44 @@ struct rad_params {
 /* rpict's defaults. */
 void rad_params_init(struct rad_params *p);
 
-/* Try to take the option at argv[0] (argc words are there).  Returns the
- * number of words used (>= 1), 0 if it is no rendering option of ours, or
+/* Take the option at argv[0], which is followed by argc - 1 words.  Returns how
+ * many words it takes (>= 1), 0 if it is no rendering option of ours, or
  * RAD_EUSAGE with a message that names the option: a bad or missing number, a
  * value out of range, or an option of rpict that we lack.
- * Not here, for programs to take: -vf -o -z -S -t -e -w -aE -aI -defaults -help
- * -version. */
+ * Programs take -vf -o -z -S -t -e -w -aE -aI -defaults -help -version by
+ * themselves. */
 int rad_params_option(struct rad_params *p, int argc, char *const argv[],
                       struct rad_error *err);
 
-/* What a pixel of radiance L holds under -pRGB, -pXYZ or -pc. */
+/* The values of a pixel of radiance L under -pRGB, -pXYZ or -pc. */
 struct rad_rgb rad_params_colour(const struct rad_params *p, struct rad_rgb L);
 
-/* The same but for all that decides about no ambient record: which pixels there
- * are, where in them and through which lens and in which time they are looked
- * at, and how they are written.  Two jobs on one scene for which this and the
- * seed are the same make records by the same rules. */
+/* Copy *p, with defaults for the options that ambient records do not depend on:
+ * which pixels there are, where in a pixel, through which lens and at what time
+ * rays go, and how pixels are written.  If the results for two jobs on one
+ * scene are equal, seed included, their records are made by the same rules. */
 void rad_params_of_records(const struct rad_params *p, struct rad_params *out);
 
-/* Is the word the option of that name, which is on or off, as Radiance's
- * programs take it?  Behind the name stands +, 1, y or t, or -, 0, n or f, or
- * nothing, which turns *on over.  False leaves *on as it is. */
+/* Is the word the on/off option `name`, as Radiance's programs take it?  The
+ * name is followed by one of + 1 y t (on), by one of - 0 n f (off), in either
+ * case, or by nothing, which inverts *on.  If false, *on is unchanged. */
 bool rad_params_switch(const char *word, const char *name, bool *on);
 
-/* Check what options forbid together; 0 or RAD_EUSAGE. */
+/* Check options that exclude each other; 0 or RAD_EUSAGE. */
 int rad_params_check(const struct rad_params *p, struct rad_error *err);
 
-/* The options that matter to pixels, canonical: every option in table order
- * with its value, one blank between words, the same string for the same
- * parameters.  Needs at most RAD_PARAMS_TEXT bytes; parsing its words again
- * gives the same struct, bit for bit (reals are printed with 17 digits where
- * fewer do not suffice). */
+/* Write the options as canonical text: in the table's order with their values,
+ * one blank between words.  Equal parameters give equal text, and parsing its
+ * words gives the same struct, bit for bit (with up to 17 digits).  The text
+ * has at most RAD_PARAMS_TEXT bytes. */
 #define RAD_PARAMS_TEXT 4000
 void rad_params_format(const struct rad_params *p, char *buf, size_t size);
-/* The name in b, *n bytes long, of the first option whose value is another in
- * a; both are canonical. */
+/* Find the first option whose value differs between two canonical texts: its
+ * name in b, *n bytes long. */
 const char *rad_params_differ(const char *a, const char *b, int *n);
 
-/* rpict's -defaults: one line an option, "-dt 0.05    # direct threshold", to
- * a caller's sink. */
+/* rpict's -defaults: call `line` with one line for each option, such as
+ * "-dt 0.05    # direct threshold". */
 void rad_params_print_defaults(const struct rad_params *p,
                                void (*line)(void *arg, const char *text),
                                void *arg);

@@ -8,9 +8,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Functions that OpenSSL would rather see gone: those that it recommends first
- * read a configuration and list all algorithms, a millisecond in each process,
- * of which a small picture starts four. */
+/* These functions are deprecated.  The ones that OpenSSL recommends read a
+ * configuration file first and list all algorithms, which takes a millisecond;
+ * a small picture starts four processes that would do so. */
 #define OPENSSL_SUPPRESS_DEPRECATED
 #include <openssl/sha.h>
 

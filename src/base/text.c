@@ -58,7 +58,8 @@ within(const struct range *r, size_t n, uint32_t code)
     return false;
 }
 
-/* Not UTF-8: overlong forms, surrogates, what lies above U+10FFFF, and NUL. */
+/* Overlong forms, surrogates, code points above U+10FFFF and NUL are not taken
+ * for UTF-8 characters. */
 size_t
 rad_text_char(const char *text, size_t n, uint32_t *code)
 {
@@ -147,7 +148,8 @@ columns_of(uint32_t code)
     return IN(combining, code) ? 0 : IN(wide, code) ? 2 : 1;
 }
 
-/* Bytes of the first characters that take so many columns; which these are. */
+/* The bytes of the first characters that fit in `most` columns; *columns is how
+ * many they take. */
 static size_t
 measure(const char *s, size_t most, size_t *columns)
 {
@@ -183,7 +185,7 @@ rad_text_fit(const char *s, size_t columns)
     return measure(s, columns, &taken);
 }
 
-/* Of a surrogate pair the second half, too. */
+/* Write a JSON escape; above U+FFFF it is a surrogate pair. */
 static size_t
 escape(char *to, uint32_t code)
 {
@@ -197,7 +199,7 @@ escape(char *to, uint32_t code)
 char *
 rad_text_json(const char *text, size_t n)
 {
-    char *out = malloc(6 * n + 1); /* a byte becomes six at most */
+    char *out = malloc(6 * n + 1); /* a byte becomes at most six */
     size_t to = 0;
     uint32_t code = 0;
 

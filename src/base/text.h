@@ -1,11 +1,11 @@
-/* text.h - text that came from outside, made fit for a terminal or a log
+/* text.h - text from outside, made safe for a terminal or a log
  *
- * A name of somebody else's may hold what a terminal obeys: control characters
- * of ASCII and of ISO 6429 (U+0080 to U+009F), and what nobody sees but turns
- * the line around or hides a part of it: marks and overrides of direction,
- * zero-width characters, line and paragraph separators.  Those, and bytes that
- * are not UTF-8, are unsafe.  Whatever prints text that it did not write sends
- * it through here.
+ * A name that somebody else chose may hold unsafe characters.  A terminal obeys
+ * control characters of ASCII and ISO 6429 (U+0080 to U+009F).  Others are
+ * invisible, but reverse a line or hide a part of it: marks and overrides of
+ * direction, zero-width characters, line and paragraph separators.  Bytes that
+ * are not UTF-8 are unsafe, too.  All foreign text goes through here before it
+ * is printed.
  * Widths are columns of a terminal: 2 for the ideographs, kana, Hangul and
  * pictographs of East Asia, 0 for marks that combine, else 1.
  * Sources: The Unicode Standard 15, general categories Cc and Cf, East Asian
@@ -18,33 +18,32 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/* How many of the n bytes at s are one character, which goes to *code (or
- * NULL); 0: they are not UTF-8, or begin with NUL. */
+/* The length in bytes of the first character of s, which has n bytes; *code
+ * (may be NULL) is its code point.  0: it is not UTF-8, or NUL. */
 size_t rad_text_char(const char *s, size_t n, uint32_t *code);
 
-/* Put '?' in place of each character that is unsafe, and of each byte that is
- * no UTF-8. */
+/* Replace each unsafe character, and each byte that is not UTF-8, by '?'. */
 void rad_text_clean(char *s);
 
-/* Of text that was cut to fit, drop the character at its end that is not
- * whole. */
+/* Drop an incomplete character at the end of text that was cut to fit. */
 void rad_text_trim(char *s);
 
-/* snprintf() that cuts between characters. */
+/* vsnprintf() and snprintf() that cut between characters. */
 void rad_text_vprint(char *buf, size_t size, const char *fmt, va_list ap)
     __attribute__((format(printf, 3, 0)));
 void rad_text_print(char *buf, size_t size, const char *fmt, ...)
     __attribute__((format(printf, 3, 4)));
 
-/* Columns of clean text. */
+/* The columns that clean text takes. */
 size_t rad_text_width(const char *s);
 
-/* Bytes of its first characters that take so many columns at most. */
+/* The bytes of the first characters of clean text that take at most so many
+ * columns. */
 size_t rad_text_fit(const char *s, size_t columns);
 
-/* JSON text of n bytes as a terminal can have it: unsafe characters, which
- * stand in its strings alone, as \uXXXX; its newlines stay, and what it says is
- * the same.  malloc'd and terminated; NULL when memory is out. */
+/* Make n bytes of JSON text safe for a terminal: unsafe characters become
+ * \uXXXX, which means the same, since they occur only in strings; newlines
+ * stay.  malloc'd and terminated; NULL when memory is out. */
 char *rad_text_json(const char *text, size_t n);
 
 #endif

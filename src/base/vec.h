@@ -1,7 +1,7 @@
 /* vec.h - points and vectors in double[3]
  *
- * Plain arrays, so that literature's formulas read as written.  No function
- * here fails; rad_normalize() says so when there was nothing to scale. */
+ * Plain arrays, so that formulas read as in the literature.  No function here
+ * fails; rad_normalize() returns 0 for a vector without a direction. */
 #ifndef RAD_BASE_VEC_H
 #define RAD_BASE_VEC_H
 
@@ -64,8 +64,8 @@ rad_dist2(const double a[3], const double b[3])
     return rad_dot(d, d);
 }
 
-/* The smaller and the larger of two, the second where the first is no number:
- * without the calls that fmin() and fmax() are, for their rules about NaN. */
+/* The smaller and the larger of two numbers; b, if a is NaN.  Unlike fmin() and
+ * fmax(), which have rules for NaN, these are not function calls. */
 static inline double
 rad_least(double a, double b)
 {
@@ -78,7 +78,7 @@ rad_most(double a, double b)
     return a > b ? a : b;
 }
 
-/* rad_normalize() where the square of the length is out of range. */
+/* rad_normalize() for a vector whose squared length is out of range. */
 static inline double
 rad_normalize_scaled(double v[3])
 {
@@ -98,10 +98,10 @@ rad_normalize_scaled(double v[3])
     return len * m;
 }
 
-/* Scale v to unit length; return its former length, or 0 (v untouched) if it
- * is zero or not finite.  Where the square of the length would lose digits or
- * overflow, v is scaled by its largest component first, so lengths from 1e-300
- * to 1e300 do neither. */
+/* Scale v to unit length.  Returns its former length, or 0, with v unchanged,
+ * if that is zero or not finite.  Where the squared length would lose digits or
+ * overflow, v is first divided by its largest component, so lengths from 1e-300
+ * to 1e300 are safe. */
 static inline double
 rad_normalize(double v[3])
 {
@@ -116,7 +116,7 @@ rad_normalize(double v[3])
     return len;
 }
 
-/* Two unit vectors that make a right-handed frame (u, v, n) with unit n.
+/* Unit vectors u and v that make a right-handed frame (u, v, n) with unit n.
  * Source: Duff et al. 2017, Building an orthonormal basis, revisited. */
 static inline void
 rad_frame(double u[3], double v[3], const double n[3])

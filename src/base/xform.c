@@ -1,7 +1,7 @@
 /* xform.c - see xform.h
  *
- * Each word makes an elementary transform.  m is a rotation or reflection
- * times the scale, so its inverse is its transpose over the scale's square. */
+ * Each word makes an elementary transform.  m is a rotation or reflection times
+ * the scale, so its inverse is its transpose over the scale squared. */
 #include "config.h"
 
 #include "arith/elementary.h"
@@ -33,7 +33,7 @@ rad_xform_starts(const char *word)
            strchr("xyz", word[2]);
 }
 
-/* Read n numbers after the word. */
+/* Read the n numbers after words[0]. */
 static int
 read_numbers(const char *const *words, int left, int n, double *v,
              struct rad_error *err)
@@ -71,7 +71,7 @@ resize(struct rad_xform *x, double factor)
     x->scale = fabs(factor);
 }
 
-/* One elementary transform; returns how many words it took. */
+/* Read one elementary transform; returns how many words it takes. */
 static int
 parse_one(struct rad_xform *x, const char *const *words, int left,
           struct rad_error *err)
@@ -102,7 +102,8 @@ parse_one(struct rad_xform *x, const char *const *words, int left,
     return n + 1;
 }
 
-/* The count after -i: 0 or less leaves out what follows. */
+/* Read the count after -i; with 0 or less the transforms after it are left
+ * out. */
 static int
 read_count(const char *const *words, int left, int *count,
            struct rad_error *err)
@@ -208,6 +209,6 @@ rad_xform_invert(struct rad_xform *x, const struct rad_xform *a)
     r.scale = 1 / a->scale;
     rad_xform_vector(r.t, &r, a->t);
     for (int i = 0; i < 3; i++)
-        r.t[i] = 0 - r.t[i]; /* 0, not -0, which atan2() tells apart */
+        r.t[i] = 0 - r.t[i]; /* 0, not -0: atan2() tells them apart */
     *x = r;
 }
