@@ -1,11 +1,11 @@
-/* bvh.c - building the tree, and rays in its coordinates
+/* bvh.c - building the tree
  *
  * Top down: a node starts as one range of items, and the range of the largest
- * surface is split in two until eight are there.  A split is the best of up to
- * 16 bins along each axis by the surface area heuristic (Wald 2007, On fast
- * construction of SAH-based bounding volume hierarchies).  Lanes that would
- * stay empty are filled by splitting small ranges: testing a lane is free, an
- * item is not. */
+ * surface area is split in two until there are eight.  A split is the best
+ * border between up to 16 bins along each axis by the surface area heuristic
+ * (Wald 2007, On fast construction of SAH-based bounding volume hierarchies).
+ * Lanes that would stay empty are filled by splitting small ranges, since
+ * testing another lane is free, and testing an item is not. */
 #include "config.h"
 
 #include "geom/bvh.h"
@@ -22,12 +22,12 @@
 #endif
 
 #define NBINS     16
-#define SAMPLE    2048 /* items that tell where to cut a large range */
-#define LEAF      4    /* a larger range always gets a node of its own */
+#define SAMPLE    2048 /* items that decide where to cut a large range */
+#define LEAF      4    /* a range of more items always gets a node */
 #define NODE_COST 1.0f /* of testing a node, in tests of an item */
 
-/* Four floats, of which the fourth does not count, where it is no index.  The
- * least and most of them are one instruction each where there is one. */
+/* Four floats, of which the fourth is unused, or an index.  Minima and maxima
+ * are one instruction on some processors. */
 typedef float v4f __attribute__((vector_size(16)));
 typedef int32_t v4i __attribute__((vector_size(16)));
 
@@ -36,8 +36,8 @@ struct bounds {
     v4f lo, hi;
 };
 
-/* An item; its index is HALF_INDEX * lo[3] + hi[3], both integers that float
- * holds exactly. */
+/* An item; its index is HALF_INDEX * lo[3] + hi[3], where both are integers
+ * that a float holds exactly. */
 struct item {
     struct bounds box;
 };
@@ -45,11 +45,11 @@ struct item {
 
 struct range {
     struct bounds box;
-    struct bounds mid; /* of twice the items' middles; halving changes no
-                        * comparison */
+    struct bounds mid; /* of the items' middles, doubled: halving would change
+                        * no comparison */
     uint32_t first, count;
-    float area; /* half of the box's */
-    bool node;  /* wants one of its own */
+    float area; /* half of the box's surface */
+    bool node;  /* becomes a node, not a leaf */
 };
 
 struct build {
@@ -157,8 +157,8 @@ middle(const struct item *it)
     return it->box.lo + it->box.hi;
 }
 
-/* Does a node for the items of r save tests enough to pay for itself?  The
- * chance that a ray which meets r meets an item is the ratio of surfaces. */
+/* Does a node over the items of r save more tests than it costs?  A ray that
+ * meets r meets an item with a probability equal to the ratio of surfaces. */
 static bool
 wants_node(const struct item *items, const struct range *r)
 {
@@ -171,7 +171,7 @@ wants_node(const struct item *items, const struct range *r)
     return NODE_COST * r->area + parts < (float)r->count * r->area;
 }
 
-/* r has its items and bounds: the rest. */
+/* Set area and node; the items and bounds of r are set. */
 static void
 finish(const struct item *items, struct range *r)
 {
@@ -190,7 +190,7 @@ fit(const struct item *items, struct range *r)
     finish(items, r);
 }
 
-/* The bins of the three axes. */
+/* Bins along each of the three axes. */
 struct bins {
     struct bounds box[3][NBINS];
     uint32_t count[3][NBINS];
@@ -201,8 +201,8 @@ struct cut {
     int axis, bin; /* bins below `bin` go left */
 };
 
-/* What turns a middle into bins: (middle - base) * per; per is 0 along an axis
- * on which all middles are one.  There are no more bins than items: most ranges
+/* Bins from middles: (middle - base) * per.  per is 0 along an axis on which
+ * all middles are equal.  There are no more bins than items, since most ranges
  * are small. */
 struct scale {
     v4f base, per, last;
@@ -234,7 +234,8 @@ bins_of(const struct item *it, const struct scale *s)
     return __builtin_convertvector(at, v4i);
 }
 
-/* Cost of each border between bins of one axis; keeps the best. */
+/* Find the cheapest border between the bins of one axis, if it is cheaper than
+ * *best. */
 static void
 sweep(const struct bins *b, int nbins, int axis, struct cut *best)
 {
@@ -289,7 +290,7 @@ find_cut(const struct item *items, const struct range *r,
     return best;
 }
 
-/* Put what lies in bins below the cut's first. */
+/* Split r at the cut: items in bins below it stay in r, others go to right. */
 static void
 partition(struct item *items, struct range *r, struct range *right,
           const struct scale *scale, const struct cut *c)
@@ -318,7 +319,7 @@ partition(struct item *items, struct range *r, struct range *right,
     finish(items, right);
 }
 
-/* Split r in two; halve: by count, whatever the places. */
+/* Split r in two; halve: in halves by count, wherever the items are. */
 static void
 split(struct item *items, struct range *r, struct range *right, bool halve)
 {
@@ -347,7 +348,7 @@ choose(const struct range *r, int n, bool halve)
     float score = -1;
 
     for (int i = 0; i < n; i++) {
-        /* those that need a node come first */
+        /* ranges that need a node come first */
         float mine = halve       ? (float)r[i].count
                      : r[i].node ? 1e3f + r[i].area
                                  : r[i].area;
@@ -360,7 +361,7 @@ choose(const struct range *r, int n, bool halve)
     return best;
 }
 
-/* Largest first; what comes first settles ties. */
+/* Is a before b in a node?  Larger areas come first; ties go by first item. */
 static bool
 precedes(const struct range *a, const struct range *b)
 {
@@ -449,7 +450,7 @@ build_node(struct build *b, const struct range *whole, int depth,
     return 0;
 }
 
-/* Bounds of all, and the frame that they give. */
+/* Set the bounds of all items, and the coordinates of the tree. */
 static void
 set_frame(struct rad_bvh *bvh, const struct rad_box *boxes, uint32_t n)
 {
@@ -473,7 +474,7 @@ set_frame(struct rad_bvh *bvh, const struct rad_box *boxes, uint32_t n)
     }
     frexp(half, &e);
     bvh->scale = half > 0 ? ldexp(1, -e) : 1;
-    /* outweighs the rounding of a slab test in float, and of this */
+    /* more than the rounding of a slab test in float, and of this product */
     bvh->reach = bvh->scale * (1 + 0x1p-20);
 }
 
@@ -495,7 +496,7 @@ set_items(struct item *items, const struct rad_bvh *bvh,
     }
 }
 
-/* The items of the tree, in the caller's order; NULL: out of memory. */
+/* The tree's items, in the caller's order; NULL: memory is out. */
 static struct item *
 make_items(struct rad_bvh *bvh, const struct rad_bvh_items *list)
 {

@@ -1,22 +1,22 @@
 /* bvh.h - boxes in boxes, eight at a time (inside geom/ only)
  *
- * A tree whose nodes hold the float bounds of up to eight children; a child is
- * a node or a few consecutive items.  The caller's items are put in the
- * tree's order by the permutation that building returns.
+ * A tree whose nodes hold the bounds, as floats, of up to eight children.  A
+ * child is a node or a leaf: a few consecutive items.  The caller puts its
+ * items in the tree's order, by the permutation that building returns.
  *
- * Coordinates in the tree are (x - centre) * scale, worked out in double, with
- * scale the power of two that brings the scene to about [-1, 1]: so neither an
- * offset of 1e9 nor a size of 1e-6 costs float's digits.  Bounds are rounded
- * outwards twice over (the second step pays for the rounding in double).
+ * Coordinates in the tree are (x - centre) * scale, computed in double.  scale
+ * is the power of two that brings the scene to about [-1, 1], so neither an
+ * offset of 1e9 nor a size of 1e-6 costs digits of float.  Bounds are rounded
+ * outwards by two steps; the second makes up for the rounding in double.
  *
- * A ray is widened, not an epsilon added (Ize 2013, Robust BVH ray traversal):
- * each axis has two origins, one for the plane where the ray enters and one for
- * where it leaves, moved apart by the rounding of double to float; the three
- * roundings of (bound - org) * inv are paid for by a factor on the
- * leaving side.  A direction component that is (nearly) zero has inv held at
- * 2^120, and the origins are at least 2^-60 off, so that no product is NaN and
- * a ray inside the slab or on its face stays in.  Bounds and limits are finite,
- * also those of lanes without a child.
+ * Instead of adding an epsilon, the ray is widened (Ize 2013, Robust BVH ray
+ * traversal).  Each axis has two origins, one for the plane where the ray
+ * enters and one for the plane where it leaves, moved apart by the rounding of
+ * double to float.  A factor on the leaving side makes up for the three
+ * roundings of (bound - org) * inv.  If a component of the direction is zero,
+ * or nearly, inv is 2^120; the origins are at least 2^-60 away from a bound
+ * then, so no product is NaN, and a ray inside the slab or on its face stays
+ * inside.  Bounds and limits are finite, even those of lanes without a child.
  * Thread: immutable once made. */
 #ifndef RAD_GEOM_BVH_H
 #define RAD_GEOM_BVH_H
@@ -29,17 +29,19 @@
 #include <stdint.h>
 
 #define RAD_BVH_WIDTH 8
-/* where a node's bounds of an axis start, side 0 lo, 1 hi */
+/* Where the bounds of an axis begin in a node; side 0 is lo, 1 is hi. */
 #define RAD_BVH_BOUND(axis, side) ((2 * (axis) + (side)) * RAD_BVH_WIDTH)
-/* Deeper than RAD_BVH_DEPTH a range is halved by count, so that a stack of
- * RAD_BVH_STACK holds any tree: 11 more levels reach 8^11 > 2^32 items. */
+/* Ranges below depth RAD_BVH_DEPTH are halved by count, so that a stack of
+ * RAD_BVH_STACK is enough for any tree: 11 more levels reach 8^11 > 2^32
+ * items. */
 #define RAD_BVH_DEPTH 32
 #define RAD_BVH_STACK ((RAD_BVH_DEPTH + 12) * (RAD_BVH_WIDTH - 1) + 1)
 
-/* children, biggest surface first; a lane without a child has lo > hi */
+/* Children by surface area, the largest first; a lane without a child has
+ * lo > hi. */
 struct rad_bvh_node {
-    float bound[6 * RAD_BVH_WIDTH]; /* axis by axis the lo, then the hi */
-    uint32_t child[RAD_BVH_WIDTH];  /* node index, or leaf: see below */
+    float bound[6 * RAD_BVH_WIDTH]; /* for each axis all lo, then all hi */
+    uint32_t child[RAD_BVH_WIDTH];  /* index of a node, or a leaf: see below */
 };
 
 /* A leaf is RAD_BVH_LEAF | (count - 1) << RAD_BVH_SHIFT | first item. */
@@ -69,69 +71,70 @@ struct rad_bvh {
     struct rad_bvh_node *nodes; /* [0] is the root */
     uint32_t nnodes, capacity;
     double centre[3], scale;
-    double reach;        /* scale, and what rad_bvh_limit() adds */
-    double lo[3], hi[3]; /* of all items, in the scene's coordinates */
+    double reach;        /* scale with the margin of rad_bvh_limit() */
+    double lo[3], hi[3]; /* bounds of all items, in the scene's coordinates */
 };
 
 /* A ray in the tree's coordinates. */
 struct rad_bvh_ray {
-    float org[2][3]; /* for the bound where it enters, leaves; by axis */
+    float org[2][3]; /* for the plane where it enters, and leaves; by axis */
     float inv[3];
-    int64_t enter[3], leave[3]; /* by which of a node's bounds: their index */
+    int64_t enter[3], leave[3]; /* where in bound[] these planes are */
     float tmin;
 };
 
 struct rad_set;    /* place.h */
 struct rad_meshed; /* place.h */
 
-/* A hit, and what decides between it and others in its place. */
+/* A hit, and what the tie rule needs to know of it. */
 struct rad_met {
     struct rad_hit hit;
     uint8_t surf;    /* RAD_SURF_ bits */
-    int32_t obj;     /* the surface itself, whatever stands for it in hit */
+    int32_t obj;     /* the surface, even if hit.obj is its instance or mesh */
     uint32_t number; /* of a mesh's triangle */
 };
 
-/* What one walk through the tree carries (walk.inc). */
+/* The state of a walk through one tree (walk.inc). */
 struct rad_walk {
     const struct rad_bvh *bvh;
     const struct rad_prim *prims;    /* NULL: the tree is a mesh's */
-    const struct rad_meshed *meshed; /* NULL: the tree is none */
-    const struct rad_geom *geom;     /* that the whole walk goes through */
-    const struct rad_set *set;       /* what the tree is over */
+    const struct rad_meshed *meshed; /* NULL: the tree is no mesh's */
+    const struct rad_geom *geom;     /* the whole scene's */
+    const struct rad_set *set;       /* the surfaces in the tree */
     struct rad_probe probe;
     double tmin, tmax; /* of the span */
-    double cut;        /* hits from here on do not matter */
-    double best;       /* nearest t so far */
-    uint32_t prim;     /* which item that is */
-    bool tie;          /* another hit lies within the window behind best */
-    int32_t skip;      /* object that does not count */
-    bool veiled;       /* something not opaque is on the way */
-    bool vague;        /* any: and line lacks it, as it was met in a place */
-    /* NULL: not wanted; along: surfaces that are passed; any: all that are not
-     * opaque */
+    double cut;        /* hits at this distance or beyond do not matter */
+    double best;       /* distance of the nearest hit so far */
+    uint32_t prim;     /* its item */
+    bool tie;          /* another hit lies in the window behind the nearest */
+    int32_t skip;      /* object to ignore */
+    bool veiled;       /* something that is not opaque is in the way */
+    bool vague;        /* WALK(any): such a thing is in a place, so it is
+                        * missing in line */
+    /* NULL: not wanted; WALK(along) notes surfaces that are passed, WALK(any)
+     * all that are not opaque */
     struct rad_line *line;
-    /* an instance's own modifier: the bits of what is met become
-     * (surf & keep) | give */
+    /* for an instance with a modifier of its own: the bits of a surface in it
+     * become (surf & keep) | give */
     uint8_t keep, give;
     uint64_t tests, nodes;
-    /* ties: called with every hit */
+    /* for ties: called with every hit */
     void (*offer)(struct rad_walk *w, const struct rad_met *met);
-    void *arg;          /* of offer */
-    struct rad_met met; /* the nearest, if prims[prim] is a place */
+    void *arg;          /* for offer */
+    struct rad_met met; /* the nearest hit, if prims[prim] is a place */
 };
 
 #define RAD_NO_PRIM UINT32_MAX
 
-/* What a tree is built over: n items and their bounds. */
+/* The n items to build a tree of, and their bounds. */
 struct rad_bvh_items {
     void (*bounds)(const void *arg, uint32_t i, struct rad_box *box);
     const void *arg;
     uint32_t n;
 };
 
-/* Build.  order (of n) gets which item is where: the tree's item i is the
- * caller's order[i].  Returns 0 or RAD_ENOMEM. */
+/* Build.  order[n] gets the permutation: the tree's item i is the caller's item
+ * order[i].  Returns 0, RAD_ENOMEM, or RAD_EDATA: there are too many items. */
 int rad_bvh_build(struct rad_bvh *bvh, const struct rad_bvh_items *items,
                   uint32_t *order, struct rad_error *err);
 void rad_bvh_release(struct rad_bvh *bvh);
@@ -151,7 +154,8 @@ rad_bvh_ray_axis(struct rad_bvh_ray *r, const struct rad_bvh *bvh,
     r->inv[a] = (float)(fabs(rcp) < 0x1p120 ? rcp : copysign(0x1p120, rcp));
 }
 
-/* A probe in the tree's coordinates.  (A loop here would stay one.) */
+/* A probe in the tree's coordinates.  (The compiler would not unroll a
+ * loop.) */
 static inline __attribute__((always_inline)) void
 rad_bvh_ray_init(struct rad_bvh_ray *r, const struct rad_bvh *bvh,
                  const struct rad_probe *probe, double tmin)
@@ -159,35 +163,34 @@ rad_bvh_ray_init(struct rad_bvh_ray *r, const struct rad_bvh *bvh,
     rad_bvh_ray_axis(r, bvh, probe, 0);
     rad_bvh_ray_axis(r, bvh, probe, 1);
     rad_bvh_ray_axis(r, bvh, probe, 2);
-    /* 2^-20 outweighs what float rounds, here and in the slab test */
+    /* 2^-20 is more than the rounding to float, here and in the slab test */
     r->tmin = (float)(tmin * bvh->scale * (1 - 0x1p-20));
 }
 
-/* The double t as a float in the tree's coordinates that is not below it, with
- * the rounding of a slab test paid for.  Finite, so that what lies infinitely
- * far (a ray from beyond float's range) is not met. */
+/* The distance t in the tree's coordinates, as a float that is no less, with a
+ * margin for the rounding of a slab test.  It is finite, so that bounds at
+ * infinity (for a ray from beyond the range of float) are not met. */
 static inline float
 rad_bvh_limit(const struct rad_bvh *bvh, double t)
 {
     return (float)rad_least(t * bvh->reach, FLT_MAX);
 }
 
-/* One instruction set's walks; all give the same bits. */
+/* The walks for one instruction set; all kernels give the same bits. */
 struct rad_kernel {
     const char *name;
-    bool (*usable)(void); /* by this processor */
-    /* does the ray, of which only probe, tmin and cut are looked at, meet p,
-     * which is no place? */
+    bool (*usable)(void); /* has this processor the instructions? */
+    /* does the ray meet p, which is no place?  Uses only probe, tmin and cut */
     bool (*one)(const struct rad_walk *w, const struct rad_prim *p, double *t);
-    /* the nearest hit into w->best, w->prim, w->tie */
+    /* find the nearest hit: w->best, w->prim, w->tie */
     void (*nearest)(struct rad_walk *w);
-    /* the same but for what is passed, which goes into w->line */
+    /* the same, but surfaces that are passed are noted in w->line */
     void (*along)(struct rad_walk *w);
-    /* the first opaque hit met, into w->prim; false: none */
+    /* find any opaque hit: w->prim; false: none */
     bool (*any)(struct rad_walk *w);
-    /* all hits before w->cut, to w->offer */
+    /* offer all hits before w->cut to w->offer */
     void (*all)(struct rad_walk *w);
-    /* the same through a mesh */
+    /* the same through the tree of a mesh */
     void (*mesh_nearest)(struct rad_walk *w);
     bool (*mesh_any)(struct rad_walk *w);
     void (*mesh_all)(struct rad_walk *w);

@@ -2,17 +2,16 @@
  *
  * In the frame of the axis, with x and y across it and h along it, the surface
  * is x^2 + y^2 = (r0 + k h)^2, 0 <= h <= len, k = (r1 - r0)/len; a cylinder
- * has k = 0.  Along the ray, with f the origin's and d the direction's part
- * across the axis, w = r0 + k h_f the radius at the origin's height and
- * m = k h_d its rate,
+ * has k = 0.  Let f be the origin's and d the direction's part across the axis,
+ * w = r0 + k h_f the radius at the origin's height and m = k h_d its rate along
+ * the ray.  Then
  *      A t^2 - 2 B t + C = 0,   A = d.d - m^2,  B = w m - f.d,
  *      C = f.f - w^2,   B^2 - A C = |w d - m f|^2 - (f x d)^2.
  * The right-hand form does not cancel where B^2 and A C are both huge (a thin
- * pipe seen from afar); the roots are C/q and q/A with q = B +- sqrt(..), of
- * which neither cancels.
- * Of what is wide and low, as the cones that a torus is made of, most rays meet
- * the surface beyond its ends only: where they are between them is asked first.
- */
+ * pipe seen from afar).  The roots are C/q and q/A with q = B +- sqrt(..), with
+ * the sign that does not cancel.
+ * A wide, low cone, such as a torus is made of, is tested first for whether the
+ * ray is near the surface between the ends: most rays are only beyond them. */
 #include "config.h"
 
 #include "geom/prim.h"
@@ -27,9 +26,9 @@ struct rad_cone {
     double x[3], y[3], axis[3]; /* orthonormal */
     double len, r0, r1, k;
     double upright;     /* 1 / sqrt(1 + k^2) */
-    double mid[3];      /* of p0 and the other end */
-    double least, most; /* of r0 and r1 */
-    bool low;           /* no higher than it is wide */
+    double mid[3];      /* the middle between p0 and the other end */
+    double least, most; /* the lesser and the greater radius */
+    bool low;           /* less high than wide */
 };
 
 bool
@@ -90,7 +89,7 @@ rad_cone_bounds(const struct rad_prim *p, struct rad_box *box)
     }
 }
 
-/* Is t on the ray's stretch, and between the ends? */
+/* Is t within the ray's limits, and the point between the cone's ends? */
 static bool
 between(double t, double tmin, double tmax, double h, double rise,
         const struct rad_cone *c, double err)
@@ -100,13 +99,13 @@ between(double t, double tmin, double tmax, double h, double rise,
     return t > tmin && t < tmax && at >= -err && at <= c->len + err;
 }
 
-/* Is the ray nowhere between the ends near the surface?  It is half way between
- * them at t, where it is far[] from the axis, and between them for a distance
- * before and behind that, on which it comes nearer to the axis, or goes off, by
- * that distance times the sine of its angle to it, sqrt(1 - rise^2) <=
- * 1 - rise^2 / 2, at most.  What rounding and its bound `err` may change is
- * allowed for, generously; of a ray across the axis all is infinite or NaN, and
- * nothing said. */
+/* Is the ray far from the surface wherever it is between the ends?  At t it is
+ * half way between the ends, at far[] from the middle of the axis, and it stays
+ * between them for `half` before and after.  In that stretch its distance from
+ * the axis changes by at most half times the sine of its angle to the axis,
+ * sqrt(1 - rise^2) <= 1 - rise^2 / 2.  Margins for rounding and for the bound
+ * `err` are generous.  For a ray across the axis all values are infinite or
+ * NaN, and the answer is no. */
 static inline bool
 is_missed(const struct rad_cone *c, const struct rad_probe *r, double tmin,
           double tmax, double err)
@@ -116,7 +115,7 @@ is_missed(const struct rad_cone *c, const struct rad_probe *r, double tmin,
 
     rad_sub(o, r->org, c->mid);
     h = rad_dot(o, c->axis);
-    t = copysign(1, rise) * -h; /* times steep, as yet */
+    t = copysign(1, rise) * -h; /* not divided by steep yet */
     if (t + half < tmin * steep || t - half > tmax * steep)
         return true;
     t /= steep;
@@ -157,7 +156,7 @@ rad_cone_hit(const struct rad_prim *p, const struct rad_probe *r, double tmin,
     double t0 = (fx * fx + fy * fy - w * w) / q;
     double t1 = q / (dx * dx + dy * dy - m * m);
 
-    /* either may be infinite or NaN: comparisons refuse it */
+    /* either may be infinite or NaN: the comparisons fail then */
     *t = t0 < t1 ? t0 : t1;
     if (between(*t, tmin, tmax, h, rise, c, err))
         return true;
@@ -177,7 +176,7 @@ rad_cone_surface(const struct rad_prim *p, const struct rad_probe *r,
     h = rad_least(rad_most(rad_dot(d, c->axis), 0), c->len);
     rad_madd(radial, d, -rad_dot(d, c->axis), c->axis);
     if (!(rad_normalize(radial) > 0))
-        rad_copy(radial, c->x); /* at the apex any will do */
+        rad_copy(radial, c->x); /* at the apex any direction serves */
     rad_madd(hit->p, c->p0, h, c->axis);
     rad_madd(hit->p, hit->p, rad_most(c->r0 + c->k * h, 0), radial);
     for (int i = 0; i < 3; i++)

@@ -1,16 +1,17 @@
 /* geom.c - see geom.h
  *
- * Compiles each surface into a struct rad_prim, builds the tree over them and
- * puts them in its order.
+ * Each surface is compiled into a struct rad_prim; a tree is built over these,
+ * and they are put in its order.
  *
- * The tie rule needs two steps to be free of the order of traversal.  The walk
- * finds the nearest hit, and notes whether any other lay within a narrow
- * window behind it (a bound of ray and distance alone, so it holds whichever
- * was found first).  Only then, which is rare, a second walk offers every hit
- * within the nearest one's own error bound, and the best by rank is kept.
+ * The tie rule must not depend on the order of traversal, so it takes two
+ * walks.  The first one finds the nearest hit, and notes whether another hit
+ * lies in a narrow window behind it.  The window depends on ray and distance
+ * alone, so the answer is the same whichever hit is found first.  If there is
+ * one, which is rare, a second walk offers every hit within the nearest one's
+ * error bound, and the best by rank is kept.
  *
- * Each part of the scene gets a set of its own, after those that it holds
- * copies of. */
+ * Each part of the scene gets a set of its own, made after the parts that it
+ * holds copies of. */
 #include "config.h"
 
 #include "geom/geom.h"
@@ -35,7 +36,7 @@ best_kernel(void)
     return *k;
 }
 
-/* What a set is made of: objects `first` to `first` + n - 1. */
+/* A set to be made, of objects `first` to `first` + n - 1. */
 struct making {
     struct rad_geom *g;
     struct rad_set *set;
@@ -54,7 +55,7 @@ make_prim(const struct making *mk, struct rad_prim *p, int32_t i, bool *nomem)
                           mk->set->nplaces + 1, &mk->g->arena, nomem);
 }
 
-/* Was the file of an instance or mesh read? */
+/* Refuse an instance or mesh whose file was not read. */
 static int
 check_use(const struct making *mk, int32_t i, struct rad_error *err)
 {
@@ -92,7 +93,7 @@ make_prims(const struct making *mk, struct rad_error *err)
     return 0;
 }
 
-/* Put the prims in the tree's order, cycle by cycle; order is used up. */
+/* Put the prims in the tree's order, cycle by cycle; overwrites order. */
 static void
 reorder(struct rad_set *set, uint32_t *order)
 {
@@ -110,7 +111,7 @@ reorder(struct rad_set *set, uint32_t *order)
     }
 }
 
-/* Lay the faces' vertices out, in the tree's order: they are read in it. */
+/* Lay out the faces' vertices in the tree's order, in which they are read. */
 static int
 lay_polygons(const struct making *mk, struct rad_error *err)
 {
@@ -129,7 +130,7 @@ lay_polygons(const struct making *mk, struct rad_error *err)
     return 0;
 }
 
-/* List the places of a set by their numbers, and see whether one number tells
+/* List the places of a set by their numbers, and check that one number can tell
  * all copies apart. */
 static int
 list_places(struct rad_geom *g, struct rad_set *set, struct rad_error *err)
@@ -172,7 +173,7 @@ make_set(const struct making *mk, struct rad_error *err)
     struct rad_set *set = mk->set;
     struct rad_bvh_items items = { .bounds = prim_item_bounds };
     uint32_t *order;
-    size_t n = 1; /* one past, to try in */
+    size_t n = 1; /* one more, for a prim that is tried and left out */
     int rc;
 
     for (int32_t i = mk->first; i < mk->first + mk->n; i++)
@@ -195,7 +196,7 @@ make_set(const struct making *mk, struct rad_error *err)
     return rc;
 }
 
-/* Where the objects of the scene itself are, by their number. */
+/* Index the scene's own surfaces by their objects. */
 static int
 index_prims(struct rad_geom *g, int32_t n, struct rad_error *err)
 {
@@ -221,7 +222,7 @@ make_part(struct rad_geom *g, const struct rad_part *part, const uint8_t *surf,
                       : make_set(&mk, err);
 }
 
-/* The parts by their depth: those that hold no copies first. */
+/* Make the sets of the parts by depth, so that copied parts come first. */
 static int
 make_parts(struct rad_geom *g, const uint8_t *surf, struct rad_error *err)
 {
@@ -334,7 +335,7 @@ rad_geom_place(const struct rad_hit *hit, struct rad_xform *move)
     return true;
 }
 
-/* False: the span is no ray (a NaN or an infinity in it). */
+/* Set up the probe; false: the span is no ray (it has a NaN or an infinity). */
 static bool
 probe_span(struct rad_probe *probe, const struct rad_span *span)
 {
@@ -346,7 +347,7 @@ probe_span(struct rad_probe *probe, const struct rad_span *span)
            (span->tmin < span->tmax);
 }
 
-/* Make ready to test prims by themselves.  False: the span is no ray. */
+/* Set up a walk over the scene's own surfaces; false: the span is no ray. */
 static bool
 walk_init(struct rad_walk *w, const struct rad_geom *g,
           const struct rad_span *span)
@@ -367,8 +368,8 @@ add_counts(struct rad_geom_counts *counts, const struct rad_walk *w)
     counts->nodes += w->nodes;
 }
 
-/* Is a the better of two hits in one place?  Radiance's order; then numbers,
- * so that there is always one answer. */
+/* Does hit a win over hit b in the same place?  Radiance's rules come first,
+ * then numbers, so that the answer is definite. */
 static bool
 outranks(const struct rad_geom *g, const struct rad_met *a, bool a_front,
          const struct rad_met *b, bool b_front)
@@ -378,7 +379,7 @@ outranks(const struct rad_geom *g, const struct rad_met *a, bool a_front,
     int ka = a->surf & (RAD_SURF_NOMATERIAL | RAD_SURF_TRANSPARENT);
     int kb = b->surf & (RAD_SURF_NOMATERIAL | RAD_SURF_TRANSPARENT);
 
-    if (ka != kb) /* NOMATERIAL is the higher bit and the worse lack */
+    if (ka != kb) /* NOMATERIAL is the higher bit: having none is worse */
         return ka < kb;
     if (a_front != b_front)
         return a_front;
@@ -408,7 +409,7 @@ offer(struct rad_walk *w, const struct rad_met *met)
         c->leader = *met;
 }
 
-/* Choose among what lies within the nearest hit's error bound of it. */
+/* Let the tie rule choose among the hits within the nearest hit's error. */
 static void
 settle_tie(const struct rad_geom *g, struct rad_walk *w, struct rad_hit *hit)
 {
@@ -419,8 +420,8 @@ settle_tie(const struct rad_geom *g, struct rad_walk *w, struct rad_hit *hit)
         c.leader = w->met;
     else
         rad_walk_met(w, w->prim, w->best, &c.leader);
-    /* along the ray an error of the surface's place counts 1/cos times; never
-     * beyond the window that the walk was sure to see */
+    /* along the ray an error of the surface's place counts 1/cos times; stay
+     * within the window, in which the first walk saw all hits */
     slope = fabs(rad_dot(hit->n, w->probe.dir));
     if (rad_least(hit->err, reach) < reach * slope)
         reach = rad_least(hit->err, reach) / slope;
@@ -431,7 +432,7 @@ settle_tie(const struct rad_geom *g, struct rad_walk *w, struct rad_hit *hit)
     *hit = c.leader.hit;
 }
 
-/* What the walk has met, if anything; settles ties. */
+/* The hit that the walk found, if any, with ties settled. */
 static inline void
 take_met(const struct rad_geom *g, struct rad_walk *w, struct rad_hit *hit)
 {
@@ -471,7 +472,7 @@ start_line(struct rad_walk *w, struct rad_line *line)
     w->line = line;
 }
 
-/* Nothing is known of what follows. */
+/* Make the line empty, as if it had not been looked for. */
 static void
 forget_line(struct rad_line *line)
 {
@@ -503,7 +504,7 @@ rad_geom_first(const struct rad_geom *g, const struct rad_span *span,
     return hit->obj != RAD_VOID;
 }
 
-/* Test the remembered blocker. */
+/* Does the object that blocked last block again? */
 static bool
 still_blocks(const struct rad_geom *g, struct rad_walk *w, int32_t obj)
 {
@@ -521,8 +522,8 @@ still_blocks(const struct rad_geom *g, struct rad_walk *w, int32_t obj)
     return g->kernel->one(w, p, &t);
 }
 
-/* Does something opaque stop w's walk?  With a memory no test counts that
- * depends on it: of what blocks one, whatever it took to find that. */
+/* Does something opaque stop w's walk?  If blocker is given, the counts must
+ * not depend on what it remembers: a blocked span counts as one test. */
 static bool
 is_blocked(const struct rad_geom *g, struct rad_walk *w, int32_t skip,
            int32_t *blocker)
@@ -560,7 +561,8 @@ rad_geom_occluded(const struct rad_geom *g, const struct rad_span *span,
     return blocked;
 }
 
-/* Behind all that w's line holds is what it leads to. */
+/* Add the target at the end of w's line, if it lies clearly behind all surfaces
+ * in the line. */
 static void
 end_at_target(const struct rad_geom *g, struct rad_walk *w, int32_t target,
               struct rad_geom_counts *counts)
@@ -600,8 +602,8 @@ rad_geom_sight(const struct rad_geom *g, const struct rad_span *span,
         return RAD_SIGHT_BLOCKED;
     if (!w.veiled)
         return RAD_SIGHT_CLEAR;
-    /* nothing opaque is there: what that walk met first is the nearest, but in
-     * places, and where the tie rule has to choose */
+    /* nothing is opaque, so the first surface noted is the nearest, unless some
+     * are in places or the tie rule has to choose */
     if (!w.vague && !rad_line_untie(&w)) {
         if (span->tmax < INFINITY)
             end_at_target(g, &w, skip, counts);
@@ -637,8 +639,8 @@ rad_geom_hit_object(const struct rad_geom *g, int32_t obj,
     return true;
 }
 
-/* By so many error bounds: twice its own off another surface that the ray meets
- * at 60 degrees from its normal. */
+/* A point is drawn back by so many error bounds.  That takes it two bounds away
+ * from a second surface there that the ray meets 60 degrees off its normal. */
 #define DRAWN_BACK 4
 
 void
@@ -653,7 +655,8 @@ rad_geom_leave(const struct rad_hit *hit, const double dir[3], double org[3])
         rad_madd(org, org, -DRAWN_BACK * hit->err, way);
         off += DRAWN_BACK * hit->err;
     }
-    /* Twice: once to be on dir's side wherever the surface really is, once to
-     * outweigh the rounding of the test that the new ray makes of it. */
+    /* Two bounds: one to be on dir's side wherever the surface really is, one
+     * to outweigh the rounding of the new ray's own test against the
+     * surface. */
     rad_madd(org, org, copysign(2 * off, side), hit->n);
 }

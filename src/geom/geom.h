@@ -1,15 +1,15 @@
 /* geom.h - where rays meet the surfaces of a scene
  *
- * Compiles the surfaces of a scene into a BVH of width 8 (bvh.h) over
- * primitives with one file per family, and answers two questions: what does
- * this ray meet first, and does anything opaque stand in its way.  Only this
- * folder knows where a primitive's data lies.
- * Sources (`source` surfaces) are at infinity and have no place here: see
+ * The surfaces of a scene are compiled into primitives, with one file for each
+ * family, and a BVH of width 8 over them (bvh.h).  It answers two questions:
+ * which surface does this ray meet first, and is anything opaque in its way?
+ * Only this folder knows where a primitive's data lies.
+ * Sources (`source` surfaces) are at infinity and not part of it: see
  * light/direct/source.h.
  * An instance or a mesh is one primitive that holds a transform and points to
- * what it is a copy of, which all copies share (place.h).
- * Points are double[3] in world space.  No absolute epsilon: a hit carries the
- * bound of its own rounding error, and rays are started beyond it.
+ * the surfaces that it is a copy of, which all copies share (place.h).
+ * Points are double[3] in world space.  There is no absolute epsilon: a hit
+ * carries a bound of its own rounding error, and rays start beyond it.
  * Thread: immutable once made; rays may be traced from any thread. */
 #ifndef RAD_GEOM_GEOM_H
 #define RAD_GEOM_GEOM_H
@@ -22,13 +22,13 @@
 
 struct rad_geom;
 
-/* What shading knows of a surface and intersection must know too. */
+/* Properties of a surface's material that intersection needs. */
 enum {
     RAD_SURF_OPAQUE = 1,      /* its material stops every shadow ray */
-    RAD_SURF_TRANSPARENT = 2, /* loses ties against what is not (tie rule) */
-    RAD_SURF_NOMATERIAL = 4,  /* loses ties against all that has one */
-    RAD_SURF_PASSED = 8,      /* what meets it mostly goes straight on, */
-    RAD_SURF_ONESIDED = 16    /* or what meets its back, at least */
+    RAD_SURF_TRANSPARENT = 2, /* loses ties against others (tie rule) */
+    RAD_SURF_NOMATERIAL = 4,  /* loses ties against all that have a material */
+    RAD_SURF_PASSED = 8,      /* most rays that meet it go straight on */
+    RAD_SURF_ONESIDED = 16    /* most rays that meet its back go straight on */
 };
 
 /* A stretch of a line: p(t) = org + t*dir, tmin < t < tmax. */
@@ -46,33 +46,34 @@ struct rad_hit {
                    * ray: outward of polygon (right-hand rule), sphere, cone,
                    * cylinder; inward of bubble, cup, tube */
     double err;   /* bound of |p - surface| [scene units] */
-    float way[3]; /* direction of the ray that met it, about; 0: none did */
-    double uv[2]; /* local coordinates where the surface has some, else 0 */
-    int32_t obj;  /* index in the scene, RAD_VOID: nothing hit.  What an
-                   * instance or mesh with a modifier of its own holds counts
-                   * as that instance or mesh */
+    float way[3]; /* direction of the ray that hit, rounded; 0: no ray */
+    double uv[2]; /* local coordinates if the surface has some, else 0 */
+    int32_t obj;  /* index in the scene, RAD_VOID: nothing hit.  For a surface
+                   * in an instance or mesh with a modifier of its own, that
+                   * instance or mesh */
     bool bent;    /* bend is set: the surface looks curved */
-    const struct rad_geom *in; /* NULL: not within a copy; else copy says
-                                * within which: rad_geom_place() */
+    const struct rad_geom *in; /* not NULL: the surface is in a copy, told by
+                                * `copy`; see rad_geom_place() */
     uint64_t copy;
-    double bend[3]; /* what turns n into the normal of the curved surface that
-                     * a mesh stands for */
+    double bend[3]; /* to be added to n for the normal of the curved surface
+                     * that a mesh stands for */
 };
 
-/* What a ray meets one after the other, if it goes straight on: found in one
- * walk.  Filled where there are surfaces that are passed (RAD_SURF_PASSED). */
+/* Surfaces that a ray meets one after the other if it goes straight on, found
+ * in one walk.  Filled in scenes that have surfaces that are passed
+ * (RAD_SURF_PASSED). */
 #define RAD_LINE_MOST 8
 struct rad_line {
-    int n;     /* how many are known */
-    bool open; /* behind the last of them there may be more */
+    int n;     /* surfaces known */
+    bool open; /* there may be more behind the last */
     struct {
         double t;      /* distance from the line's origin */
-        uint32_t item; /* of the tree */
+        uint32_t item; /* the tree's item */
     } at[RAD_LINE_MOST];
 };
 
-/* Instances within instances may make this many copies, 0 for what is none:
- * a number of 64 bits tells them apart.  More is RAD_EDATA. */
+/* Instances within instances can make this many copies, because a number of 64
+ * bits tells them apart (0: not in a copy).  More is RAD_EDATA. */
 #define RAD_GEOM_COPIES 0x1p64
 
 /* Counted per thread by the caller's context. */
@@ -82,15 +83,15 @@ struct rad_geom_counts {
 };
 
 /* Compile.  surf[i] holds the RAD_SURF_ bits of object i (0 for modifiers).
- * The scene must outlive the result.  NULL and *err on failure; a degenerate
- * surface (no area, or coordinates that are no numbers or beyond 2^170) is
- * left out, not an error. */
+ * The scene must outlive the result.  NULL and *err on failure.  Degenerate
+ * surfaces (without area, or with coordinates that are no numbers or beyond
+ * 2^170) are left out without an error. */
 struct rad_geom *rad_geom_new(const struct rad_scene *scene,
                               const uint8_t *surf, struct rad_error *err);
 void rad_geom_free(struct rad_geom *g);
 
-/* The transform that brought what was hit to its place: from the coordinates
- * of the file that holds it to the world's.  False: it lies there as it is. */
+/* The transform of the copy that was hit: from the coordinates of its file to
+ * the world's.  False: the surface is in no copy. */
 struct rad_xform;
 bool rad_geom_place(const struct rad_hit *hit, struct rad_xform *move);
 
@@ -99,32 +100,34 @@ void rad_geom_bounds(const struct rad_geom *g, double lo[3], double hi[3]);
 
 /* The first surface on the span.  Among hits within their error bounds of the
  * nearest the tie rule decides: opaque over transparent, front over back, the
- * modifier defined later, at last the higher object index.  False: nothing hit
- * (hit->obj is RAD_VOID). */
+ * modifier that is defined later, then the higher object index.  False: nothing
+ * is hit (hit->obj is RAD_VOID). */
 bool rad_geom_nearest(const struct rad_geom *g, const struct rad_span *span,
                       struct rad_hit *hit, struct rad_geom_counts *counts);
 
-/* The same; *line gets what was met on the way to the first surface that is not
- * passed, this one too; nothing where no surface ever is.  hit is its first
- * entry. */
+/* The same, and fill *line with the surfaces up to the first that is not
+ * passed, that one included; hit is the line's first entry.  The line stays
+ * empty in a scene without surfaces that are passed. */
 bool rad_geom_first(const struct rad_geom *g, const struct rad_span *span,
                     struct rad_hit *hit, struct rad_line *line,
                     struct rad_geom_counts *counts);
 
-/* The object that is number i of the line; RAD_VOID: it does not tell. */
+/* The object of the line's surface number i; RAD_VOID: the line ends before. */
 int32_t rad_geom_ahead(const struct rad_geom *g, const struct rad_line *line,
                        int i);
 
-/* Does the span, along which *line was found, meet number i on its front? */
+/* Does the span, along which *line was found, meet surface number i on its
+ * front? */
 bool rad_geom_faces(const struct rad_geom *g, const struct rad_line *line,
                     int i, const struct rad_span *span);
 
-/* Are there surfaces that are passed? */
+/* Has the scene surfaces that are passed? */
 bool rad_geom_passes(const struct rad_geom *g);
 
-/* What is behind the hit `last`, which was number i - 1 of the line, in the
- * same direction?  MET: *hit gets that, at its distance from last->p.  UNKNOWN:
- * ask rad_geom_first(); too much is there for the line to tell, or too near. */
+/* The surface behind the hit `last`, which is number i - 1 of the line, for a
+ * ray that goes on from org in the same direction.  MET: *hit gets it, with its
+ * distance from last->p.  NONE: there is none.  UNKNOWN: the line ends here, or
+ * the next surface is too near to the last; ask rad_geom_first(). */
 enum rad_beyond { RAD_BEYOND_NONE, RAD_BEYOND_MET, RAD_BEYOND_UNKNOWN };
 enum rad_beyond rad_geom_beyond(const struct rad_geom *g,
                                 const struct rad_line *line, int i,
@@ -132,18 +135,19 @@ enum rad_beyond rad_geom_beyond(const struct rad_geom *g,
                                 const double dir[3], struct rad_hit *hit);
 
 /* Does a surface with RAD_SURF_OPAQUE, other than object `skip` (RAD_VOID:
- * none), meet the span?  Stops at the first one found; *blocker (may be NULL)
- * gets its index, and if it holds an index on entry that one is tested first
- * (the caller's memory of the last occluder).  With such a memory a span that
- * is blocked counts as one test, so that what counts does not depend on it. */
+ * none), meet the span?  The walk stops at the first one found.  *blocker is
+ * the caller's memory of the last object that blocked (RAD_VOID: none): it is
+ * tested first, and gets the object that blocks now.  A blocked span then
+ * counts as one test, so that counts do not depend on the memory.  blocker may
+ * be NULL. */
 bool rad_geom_occluded(const struct rad_geom *g, const struct rad_span *span,
                        int32_t skip, int32_t *blocker,
                        struct rad_geom_counts *counts);
 
-/* The same, and where nothing opaque is in the way: does anything else meet the
- * span, something that could dim or turn the light?  VEILED: *hit gets the
- * first such surface (of all but object `skip`, if the tie rule does not
- * prefer that), as rad_geom_nearest() would, and *line all that follow. */
+/* The same, and if nothing opaque is in the way: does anything else meet the
+ * span, which may dim or turn the light?  VEILED: *hit gets the first such
+ * surface, as rad_geom_nearest() would, and *line the surfaces that follow.
+ * Object `skip` does not count, unless the tie rule prefers it. */
 enum rad_sight { RAD_SIGHT_CLEAR, RAD_SIGHT_VEILED, RAD_SIGHT_BLOCKED };
 enum rad_sight rad_geom_sight(const struct rad_geom *g,
                               const struct rad_span *span, int32_t skip,
@@ -151,17 +155,18 @@ enum rad_sight rad_geom_sight(const struct rad_geom *g,
                               struct rad_line *line,
                               struct rad_geom_counts *counts);
 
-/* Test one surface alone (a light source that a shadow ray aims at). */
+/* Test one surface alone: the light source that a shadow ray aims at. */
 bool rad_geom_hit_object(const struct rad_geom *g, int32_t obj,
                          const struct rad_span *span, struct rad_hit *hit,
                          struct rad_geom_counts *counts);
 
-/* Where a ray that leaves the surface at hit in direction dir starts: the point
- * moved along the normal, to dir's side, by twice the bound of its error (once
- * for where the surface is, once for the next test's own rounding).  Back on
- * the side of the ray that met it the point is first drawn back along that ray
- * by a few bounds: where surfaces meet it so starts in front of all of them,
- * and does not go out through another's edge. */
+/* The origin of a ray that leaves the surface at hit in direction dir.  It is
+ * the point moved along the normal, to dir's side, by twice its error bound:
+ * once for the unknown place of the surface, once for the rounding of the next
+ * test.  If dir leads back to the side that the ray of the hit came from, the
+ * point is first drawn back along that ray by a few bounds.  So at an edge
+ * where surfaces meet, the new ray starts in front of all of them and does not
+ * slip out between them. */
 void rad_geom_leave(const struct rad_hit *hit, const double dir[3],
                     double org[3]);
 

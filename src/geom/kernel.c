@@ -1,8 +1,8 @@
-/* kernel.c - which kernels there are, best first
+/* kernel.c - list of the kernels, best first
  *
- * AVX-512 tests a node in fewer instructions, yet rooms of some dozen surfaces
- * take 10 to 17 % longer with it on the one machine that was measured, and
- * meshes as long. */
+ * AVX-512 tests a node in fewer instructions than AVX2.  Yet on the one machine
+ * that was measured, scenes of some dozen surfaces take 10 to 17 % longer with
+ * it, and meshes take as long. */
 #include "config.h"
 
 #include "geom/kernel.h"

@@ -1,4 +1,4 @@
-/* kernel.h - the kernels there are, and what their files share (inside geom/
+/* kernel.h - list of the kernels, and what their files share (inside geom/
  * only) */
 #ifndef RAD_GEOM_KERNEL_H
 #define RAD_GEOM_KERNEL_H
@@ -17,12 +17,12 @@
 #define RAD_ARM64 1
 #endif
 
-/* Pays for the three roundings of each plane's distance, entering and leaving:
+/* Makes up for the three roundings of a plane's distance, entering and leaving:
  * 1 + 2 gamma_3 < 1 + 2^-21 in float (Ize 2013). */
 #define RAD_BVH_WIDEN (1 + 0x1p-21f)
 
-/* How far behind the nearest hit another may tie with it, of the size of the
- * numbers: ample for grazing faces. */
+/* How far behind the nearest hit another one may tie with it, relative to the
+ * size of the coordinates: ample, even for surfaces that are grazed. */
 #define RAD_WALK_WINDOW 0x1p-30
 
 static inline double
@@ -31,23 +31,24 @@ rad_walk_window(const struct rad_walk *w, double t)
     return RAD_WALK_WINDOW * (w->probe.size + t);
 }
 
-/* What all that is in geom/ may see. */
+/* Defined here for the files of geom/. */
 struct rad_geom {
     const struct rad_scene *scene;
     const struct rad_kernel *kernel;
     struct rad_arena arena;
     struct rad_set top;   /* the scene's own surfaces */
-    struct rad_set *sets; /* by part */
-    int32_t nown;         /* objects of the scene itself */
-    uint32_t *prim_of;    /* by these; RAD_NO_PRIM: none */
-    bool passes;          /* top holds surfaces with RAD_SURF_PASSED */
+    struct rad_set *sets; /* by index of the part */
+    int32_t nown;         /* number of the scene's own objects */
+    uint32_t *prim_of;    /* item of each in top; RAD_NO_PRIM: none */
+    bool passes;          /* top has surfaces with RAD_SURF_PASSED or
+                           * RAD_SURF_ONESIDED */
 };
 
-/* Best first, ended by NULL. */
+/* All kernels, best first, then NULL. */
 const struct rad_kernel *const *rad_kernels(void);
 
-/* Walk with k from now on; rad_geom_new() takes the best.  For measuring and
- * comparing kernels. */
+/* Use kernel k from now on, instead of the best, which rad_geom_new() takes: to
+ * measure and compare kernels. */
 void rad_geom_use(struct rad_geom *g, const struct rad_kernel *k);
 
 extern const struct rad_kernel rad_kernel_plain;

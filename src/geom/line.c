@@ -8,7 +8,8 @@
 
 #include <math.h>
 
-/* Returns how far the line is complete. */
+/* Insert item i, met at t.  Returns the distance up to which the line holds all
+ * that was inserted. */
 static double
 put(struct rad_line *line, uint32_t i, double t)
 {
@@ -37,7 +38,7 @@ rad_line_note(const struct rad_walk *w, uint32_t i, double t)
     double end = put(w->line, i, t), again;
     bool twice = false;
 
-    /* what is round has a far side */
+    /* round surfaces are met twice */
     if (p->kind == PRIM_SPHERE)
         twice = rad_sphere_hit(p, &w->probe, t, w->cut, &again);
     else if (p->kind == PRIM_CONE)
@@ -60,7 +61,8 @@ rad_line_untie(const struct rad_walk *w)
     return false;
 }
 
-/* Does the line hold nothing before what stops w? */
+/* Drop the entries at or behind the surface that stops w, and note ties with
+ * it.  True: no entry is left. */
 static bool
 only_stopped(struct rad_walk *w)
 {
@@ -73,7 +75,7 @@ only_stopped(struct rad_walk *w)
     return line->n == 0;
 }
 
-/* rad_line_untie(), and the last entry goes, too, if that is unsure. */
+/* rad_line_untie(); also drop the last entry if it is unsure. */
 static bool
 untie_but(const struct rad_walk *w, bool unsure)
 {

@@ -1,27 +1,27 @@
-/* line.h - what a ray meets on its straight way through surfaces (inside geom/
- * only)
+/* line.h - surfaces that a ray meets one after the other, straight on (inside
+ * geom/ only)
  *
- * Behind a pane, a mist's boundary or antimatter most rays go straight on, and
- * what they meet there the walk to the pane has been near already.  So where a
- * scene has such surfaces the walk does not end at them: it collects the
- * nearest, up to the first that stops it, and the rays behind take what they
- * meet from that (rad_geom_beyond).  A shadow ray collects all that does not
- * stop it.
+ * Behind a pane, a mist's boundary or antimatter most rays go straight on to
+ * surfaces that the walk to the pane has already been near.  So in a scene with
+ * such surfaces the walk does not end at them: it collects the nearest ones, up
+ * to the first that stops the ray, and rays that go on find what they meet in
+ * this line (rad_geom_beyond).  A shadow ray collects all that does not stop
+ * it.
  *
- * An entry stands for itself only if no other is near enough to tie with it,
- * and if it is farther behind the one before than where a ray is started that
- * leaves that; else the line ends before it, and the ray walks as any does. */
+ * An entry is used only if no other is near enough to tie with it, and if it is
+ * farther behind the entry before it than where a ray that leaves that one
+ * starts.  Else the line ends before it, and the ray walks by itself. */
 #ifndef RAD_GEOM_LINE_H
 #define RAD_GEOM_LINE_H
 
 #include "base/vec.h"
 #include "geom/bvh.h"
 
-/* Put what w meets of item i, first at t, into w->line, which keeps the
- * nearest.  Returns how far it is complete. */
+/* Put item i, which w meets first at t, into w->line, which keeps the nearest
+ * surfaces.  Returns the distance up to which the line is complete. */
 double rad_line_note(const struct rad_walk *w, uint32_t i, double t);
 
-/* Is p, which the ray meets, likely to be passed? */
+/* Do most rays that meet p from r's side pass it? */
 static inline bool
 rad_line_passes(const struct rad_prim *p, const struct rad_probe *r)
 {
@@ -32,11 +32,11 @@ rad_line_passes(const struct rad_prim *p, const struct rad_probe *r)
 }
 
 /* Let w's line end before the first two entries that may tie.  True: those are
- * number 0 and the one behind it, and nothing is left. */
+ * entries 0 and 1, and the line is empty. */
 bool rad_line_untie(const struct rad_walk *w);
 
-/* After a walk along: let w->best, w->prim and w->tie be those of the first
- * thing met, whether it is passed or not, and w->line all of them. */
+/* After WALK(along): set w->best, w->prim and w->tie to those of the first
+ * surface met, passed or not, and complete w->line. */
 void rad_line_end(struct rad_walk *w);
 
 #endif

@@ -12,10 +12,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* --- making ----------------------------------------------------------------
- */
+/* --- making --- */
 
-/* What the integers of a mesh mean: x = org + (i + 2^31 + 1/2) * unit. */
+/* Let the transform take in what a mesh's integers i mean:
+ * x = org + (i + 2^31 + 1/2) * unit. */
 static void
 unpack_mesh(struct rad_place *pl, const struct rad_mesh *mesh,
             const struct rad_xform *move)
@@ -40,10 +40,10 @@ multiply(double out[3], const double v[3], const double m[3][3])
     out[2] = x * m[0][2] + y * m[1][2] + z * m[2][2];
 }
 
-/* m / scale is a rotation or reflection but for the rounding of a product of
- * any number of them: one step of the iteration that takes it to the nearest
- * that is orthogonal (Bjorck & Bowie 1971), which squares the error.  False: it
- * is far from one. */
+/* Make m / scale orthogonal.  It is a rotation or reflection, but for the
+ * rounding of the product of transforms that it is.  One step of the iteration
+ * toward the nearest orthogonal matrix (Bjorck & Bowie 1971) squares the error.
+ * False: it is far from orthogonal. */
 static bool
 straighten(double m[3][3], double scale)
 {
@@ -64,9 +64,9 @@ straighten(double m[3][3], double scale)
     return true;
 }
 
-/* The inverse by cofactors: m need not be orthogonal to the last bit, as it is
- * the product of any number of turns.  Scaled first, so that nothing leaves the
- * range of double. */
+/* Invert the transform, by cofactors, since m is not orthogonal to the last
+ * bit.  m is divided by its scale first, so that nothing leaves the range of
+ * double.  False: the result is out of range. */
 static bool
 invert(struct rad_place *pl)
 {
@@ -78,7 +78,7 @@ invert(struct rad_place *pl)
     rad_cross(c[1], m[2], m[0]);
     rad_cross(c[2], m[0], m[1]);
     det = rad_dot(m[0], c[0]);
-    if (!(fabs(det) > .5 && fabs(det) < 2)) /* it is 1 or -1 */
+    if (!(fabs(det) > .5 && fabs(det) < 2)) /* it should be 1 or -1 */
         return false;
     for (int i = 0; i < 3; i++)
         for (int j = 0; j < 3; j++)
@@ -131,7 +131,8 @@ rad_place_make(struct rad_prim *p, const struct rad_object *o,
     return rad_prim_bounded(p);
 }
 
-/* Of the boxes of the root, which fit better than one around them. */
+/* Bounds of the root's boxes, which fit more tightly than one box around
+ * all. */
 void
 rad_place_bounds(const struct rad_prim *p, struct rad_box *box)
 {
@@ -168,8 +169,7 @@ rad_place_bounds(const struct rad_prim *p, struct rad_box *box)
     }
 }
 
-/* --- meshes ----------------------------------------------------------------
- */
+/* --- meshes --- */
 
 struct corners {
     double v[3][3];
@@ -183,7 +183,8 @@ get_corners(struct corners *c, const struct rad_meshed *m, uint32_t i)
             c->v[k][a] = m->xyz[m->tris[i].v[k]][a];
 }
 
-/* A normal carries what is computed a little off the vertices. */
+/* Bounds of a triangle, with a margin: points computed on it along the normal
+ * may lie a little beyond its vertices. */
 static void
 triangle_bounds(const void *arg, uint32_t i, struct rad_box *box)
 {
@@ -254,8 +255,8 @@ rad_meshed_make(struct rad_set *set, const struct rad_part *part,
     return rc;
 }
 
-/* Shares of the corners at p, a point of the triangle with normal n; false: it
- * has no area. */
+/* The shares w of the three corners in p, a point of the triangle; false: the
+ * triangle has no area. */
 static bool
 shares(double w[3], const struct corners *c, const double p[3])
 {
@@ -276,8 +277,8 @@ shares(double w[3], const struct corners *c, const double p[3])
     return true;
 }
 
-/* The normal between those of the corners, as what n lacks of it; nothing if
- * one of them has none. */
+/* Interpolate the corners' normals at a hit, and set hit->bend; not if a corner
+ * has no normal. */
 static void
 bend(const struct rad_mesh *mesh, const uint32_t v[3], const double w[3],
      struct rad_hit *hit)
@@ -320,7 +321,7 @@ coordinates(const struct rad_mesh *mesh, const uint32_t v[3], const double w[3],
     hit->uv[1] = uv[1];
 }
 
-/* A hit on triangle i, in the mesh's coordinates. */
+/* Fill *met for a hit on triangle i, in the mesh's coordinates. */
 static void
 meet_triangle(const struct rad_walk *w, uint32_t i, double t,
               struct rad_met *met)
@@ -357,8 +358,7 @@ meet_triangle(const struct rad_walk *w, uint32_t i, double t,
     }
 }
 
-/* --- walking ---------------------------------------------------------------
- */
+/* --- walking --- */
 
 void
 rad_walk_met(const struct rad_walk *w, uint32_t i, double t,
@@ -374,8 +374,8 @@ rad_walk_met(const struct rad_walk *w, uint32_t i, double t,
     met->number = 0;
 }
 
-/* Turn the outer walk's ray into the coordinates of the set.  Returns how much
- * longer distances are there; 0: it is no ray there. */
+/* Start a walk `in` the place p: turn w's ray into the coordinates of its set.
+ * Returns the factor of distances; 0: the ray is out of range there. */
 static double
 turn(struct rad_walk *in, const struct rad_walk *w, const struct rad_prim *p)
 {
@@ -396,7 +396,7 @@ turn(struct rad_walk *in, const struct rad_walk *w, const struct rad_prim *p)
     in->tmax = w->tmax * len;
     if (!(in->tmax < DBL_MAX))
         in->tmax = DBL_MAX;
-    /* a little more: what is too far is told apart out here */
+    /* with a margin: the exact comparison is made outside */
     in->cut = w->cut * len * (1 + 0x1p-50);
     if (!(in->cut < in->tmax))
         in->cut = in->tmax;
@@ -417,7 +417,7 @@ count(struct rad_walk *w, const struct rad_walk *in)
     w->nodes += in->nodes;
 }
 
-/* Carry what was met in a place out of it: its distance here is t. */
+/* Carry a hit in a place out of it; t is its distance outside. */
 static void
 carry(const struct rad_walk *w, const struct rad_prim *p, double t,
       struct rad_met *met)
@@ -452,7 +452,8 @@ carry(const struct rad_walk *w, const struct rad_prim *p, double t,
     }
 }
 
-/* The nearest in the place, against the nearest so far: as in walk.inc. */
+/* Find the nearest hit in a place and compare it with the nearest so far, as
+ * walk.inc does for other surfaces. */
 static void
 meet_nearest(struct rad_walk *w, uint32_t i)
 {
@@ -493,7 +494,7 @@ meet_any(struct rad_walk *w, uint32_t i)
 
     if (turn(&in, w, &w->prims[i]) == 0)
         return false;
-    if (w->line) /* is there something in here? */
+    if (w->line) /* find out whether this place holds something */
         in.veiled = false;
     blocked =
         (in.meshed ? w->geom->kernel->mesh_any : w->geom->kernel->any)(&in);
@@ -503,7 +504,7 @@ meet_any(struct rad_walk *w, uint32_t i)
     return blocked;
 }
 
-/* Where hits in a place are offered. */
+/* The walk outside, to which hits in a place are offered. */
 struct outside {
     struct rad_walk *w;
     const struct rad_prim *p;

@@ -1,34 +1,34 @@
 /* place.h - copies: instances and meshes (inside geom/ only)
  *
- * A set is a tree over surfaces: those of the scene itself, or of one of its
- * parts.  A place is a surface of a set that stands for another set under a
- * transform.  A ray that meets a place's bounds is turned into the coordinates
- * of that set, walks it, and what it met is carried back.
+ * A set is a tree over surfaces: the scene's own, or those of one of its parts.
+ * A place is a surface of a set that stands for another set under a transform.
+ * A ray that meets a place's bounds is turned into the coordinates of that set,
+ * walks its tree, and the hit is carried back.
  *
- * The ray's direction keeps its unit length, so that a distance there is `len`
- * times that here; m is the scale times a rotation or reflection, made
- * orthogonal to the last bits whatever it was the product of.  What tells the
- * surface's side is computed there, from the surface's own numbers, so faces of
- * a copy share edges as those of the original do.
+ * The turned direction has unit length, so a distance inside is `len` times the
+ * distance outside.  m is the scale times a rotation or reflection, made
+ * orthogonal to the last bits, whatever product of transforms it came from.
+ * Which side of a surface a ray is on is computed inside, from the surface's
+ * own numbers, so faces of a copy share edges as those of the original do.
  *
  * Rounding (prim.h).  Turning the ray moves its origin by fewer than eight
- * roundings of |m^-1||org| + |t'|; that is put into probe.size, which bounds
- * the error of every test.  A point carried back is off by its own error,
- * scaled, and by as many roundings of |m||p| + |t|; and a ray that leaves it
- * suffers what any that comes in does: the hit's error has room for both.
+ * roundings of |m^-1||org| + |t'|; this is added to probe.size, which bounds
+ * the error of every test.  A point that is carried back is off by its own
+ * error, scaled, and by as many roundings of |m||p| + |t|.  A ray that leaves
+ * it is turned again, like any ray, so the hit's error bound has room for both.
  *
- * A triangle of a mesh has integer coordinates, as its file holds them: the
- * transform takes in what they mean.
+ * A triangle of a mesh has integer coordinates, as in its file; the place's
+ * transform includes the one from integers to coordinates.
  *
- * Copies are told apart by one number.  In a set with n places, number 0 is
- * what lies in no place, and 1 + i + n k what is number k in place i. */
+ * One number tells copies apart.  In a set with n places, number 0 means in no
+ * place, and 1 + i + n k means number k inside place i. */
 #ifndef RAD_GEOM_PLACE_H
 #define RAD_GEOM_PLACE_H
 
 #include "geom/bvh.h"
 #include "scene/meshfile.h"
 
-/* A mesh's triangles in its tree's order. */
+/* A triangle of a mesh, in the tree's order. */
 struct rad_tri {
     uint32_t v[3];
     uint32_t number; /* in the mesh */
@@ -36,52 +36,53 @@ struct rad_tri {
 
 struct rad_meshed {
     const struct rad_mesh *mesh;
-    const int32_t (*xyz)[3]; /* the mesh's */
+    const int32_t (*xyz)[3]; /* the mesh's vertices */
     struct rad_tri *tris;
     uint8_t *surf; /* RAD_SURF_ bits by face */
 };
 
 struct rad_set {
     struct rad_bvh bvh;
-    struct rad_prim *prims; /* in the tree's order; NULL: a mesh */
+    struct rad_prim *prims; /* in the tree's order; NULL: the set is a mesh */
     struct rad_meshed *meshed;
     uint32_t nprims;
     const struct rad_place **places; /* by number - 1 */
     uint32_t nplaces;
-    double copies; /* numbers needed: 1 where there are no places */
+    double copies; /* how many numbers tell its copies apart; 1: no places */
 };
 
 struct rad_place {
-    const struct rad_set *set; /* what it is a copy of */
+    const struct rad_set *set; /* what the place is a copy of */
     const struct rad_use *use;
-    double m[3][3], t[3];       /* p here = p there m + t */
+    double m[3][3], t[3];       /* p outside = p inside * m + t */
     double back[3][3], from[3]; /* the inverse */
     double scale, size;         /* |m|, |t|_1 */
     double len;                 /* 1 / scale */
-    uint32_t number;            /* 1 + its place among those of its set */
-    bool covers;                /* its modifier replaces theirs */
+    uint32_t number;            /* 1 + index among the places of its set */
+    bool covers;                /* its modifier replaces the surfaces' own */
 };
 
-/* Make p a copy of set.  False: there is nothing to copy, or it is too far
- * away.  Sets *nomem. */
+/* Make p a copy of set.  False: the set is empty, or the transform is out of
+ * range, or memory is out, which sets *nomem. */
 bool rad_place_make(struct rad_prim *p, const struct rad_object *o,
                     const struct rad_set *set, uint8_t surf, uint32_t number,
                     struct rad_arena *arena, bool *nomem);
 
-/* The walk meets the place that is its item i.  How: */
+/* Let the walk go through the place that is its item i, for this purpose. */
 enum rad_meet { RAD_MEET_NEAREST, RAD_MEET_ANY, RAD_MEET_ALL };
-/* True: RAD_MEET_ANY met something opaque. */
+/* True: a walk for RAD_MEET_ANY met something opaque. */
 bool rad_place_meet(struct rad_walk *w, uint32_t i, enum rad_meet how);
 
-/* Build a mesh's tree; surf by object of the scene. */
+/* Build a mesh's tree; surf holds RAD_SURF_ bits by object of the scene.
+ * RAD_ENOMEM, RAD_EDATA. */
 int rad_meshed_make(struct rad_set *set, const struct rad_part *part,
                     const uint8_t *surf, struct rad_error *err);
 
-/* Of a hit at t on the tree's item i: all of *met. */
+/* Fill *met for a hit at t on the tree's item i. */
 void rad_walk_met(const struct rad_walk *w, uint32_t i, double t,
                   struct rad_met *met);
 
-/* Make ready to walk a set; probe and the span's ends are the caller's. */
+/* Set up a walk through a set; the caller sets probe, tmin, tmax and cut. */
 static inline void
 rad_walk_start(struct rad_walk *w, const struct rad_geom *g,
                const struct rad_set *set)
@@ -103,8 +104,8 @@ rad_walk_start(struct rad_walk *w, const struct rad_geom *g,
     w->tests = w->nodes = 0;
 }
 
-/* Does the ray meet the triangle?  As rad_quad_inside() tells, for edges and
- * vertices shared by triangles; the distance is between those of the
+/* Does the ray meet the triangle?  Edges and vertices that triangles share are
+ * handled as in rad_quad_inside(); the distance lies between those of the
  * vertices. */
 static inline __attribute__((always_inline)) bool
 rad_tri_hit(const struct rad_meshed *m, uint32_t i, const struct rad_probe *r,
@@ -118,7 +119,7 @@ rad_tri_hit(const struct rad_meshed *m, uint32_t i, const struct rad_probe *r,
     double ax = a[kx] - ox - r->sx * az, ay = a[ky] - oy - r->sy * az;
     double bx = b[kx] - ox - r->sx * bz, by = b[ky] - oy - r->sy * bz;
     double cx = c[kx] - ox - r->sx * cz, cy = c[ky] - oy - r->sy * cz;
-    /* each is exactly minus what the neighbour across that edge has */
+    /* each is exactly the negative of the neighbour's value for that edge */
     double e = cx * by - cy * bx;
     double f = ax * cy - ay * cx;
     double g = bx * ay - by * ax;

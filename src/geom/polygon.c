@@ -1,6 +1,6 @@
 /* polygon.c - flat faces of any number of vertices, concave or with holes
  *
- * The test of a ray is in polygon.h; here is what happens once or seldom. */
+ * The test of a ray is in polygon.h; this file is what runs once or seldom. */
 #include "config.h"
 
 #include "geom/polygon.h"
@@ -9,13 +9,14 @@
 
 #include <math.h>
 
-/* Vertices of a frozen octree keep 31 bits of mantissa, so a flat face may
- * come back warped by this much of its coordinates; what goes beyond is the
- * author's and no rounding error. */
+/* Vertices of a frozen octree have 31 bits of mantissa, so a flat face may come
+ * back warped by this part of its coordinates.  Warps beyond that are the
+ * author's, and no rounding error. */
 #define STORED_ROUND 0x1p-30
 
-/* Twice the area times the normal (sum of the fan's cross products around the
- * first vertex) and the largest distance from it. */
+/* Twice the area times the normal (the sum of cross products in a fan around
+ * the first vertex); returns the squared distance of the vertex farthest from
+ * the first. */
 static double
 area_vector(double n[3], const double *v, int nv)
 {
@@ -43,7 +44,7 @@ rad_polygon_make(struct rad_prim *p, const struct rad_object *o)
     if (nv < 3)
         return false;
     size2 = area_vector(p->k, v, nv);
-    /* below this the normal is made of rounding errors alone */
+    /* with less area the normal is nothing but rounding errors */
     if (!(rad_dot(p->k, p->k) > 0) ||
         !(sqrt(rad_dot(p->k, p->k)) > nv * 0x1p-51 * size2) ||
         !(rad_normalize(p->k) > 0))
@@ -61,7 +62,7 @@ rad_polygon_make(struct rad_prim *p, const struct rad_object *o)
     }
     p->k[3] = rad_dot(p->k, v) + mean;
     if (!(fabs(p->k[3]) <= big * 4 && big < INFINITY))
-        return false; /* not a number somewhere */
+        return false; /* there is a NaN */
     p->kind = PRIM_POLYGON;
     p->v = v;
     p->nv = nv;
@@ -84,7 +85,7 @@ rad_polygon_bounds(const struct rad_prim *p, struct rad_box *box)
             box->hi[i] = v[i] > box->hi[i] ? v[i] : box->hi[i];
         }
     }
-    for (int i = 0; i < 3; i++) { /* points lie on the mean plane */
+    for (int i = 0; i < 3; i++) { /* hit points lie on the mean plane */
         box->lo[i] -= warp * fabs(p->k[i]);
         box->hi[i] += warp * fabs(p->k[i]);
     }
@@ -102,8 +103,8 @@ rad_polygon_lay(struct rad_prim *p, double *to)
     p->v = to;
 }
 
-/* The point is put onto the plane along the normal: its error is then that of
- * the face's own numbers, however far the ray came from. */
+/* The point is moved onto the plane along the normal, so that its error depends
+ * on the face's own numbers and not on the ray's length. */
 void
 rad_plane_surface(const struct rad_prim *p, const struct rad_probe *r,
                   struct rad_hit *hit)

@@ -1,26 +1,26 @@
 /* polygon.h - the test of a ray against a flat face (inside geom/ only)
  *
- * Here and not in polygon.c so that each kernel has it inline, compiled for
- * its own instruction set: it is what most of a ray's time goes into.
- * Vertices come four at a time, as rad_polygon_lay() put them; what a face has
- * less than a multiple of four is filled up with its first vertex, and edges
- * without a length change nothing.
+ * The test is in a header so that each kernel inlines it, compiled for its own
+ * instruction set: most of a ray's time is spent here.
+ * Vertices come four at a time, as rad_polygon_lay() put them.  Their number is
+ * filled up to a multiple of four with the first vertex; the edges of length 0
+ * that this adds change nothing.
  *
- * A face is inside out where its edges cross the ray an odd number of times to
- * one side; so seams (edges run both ways, by which the scene language makes
- * holes) cancel, repeated vertices do not matter, and no triangulation is
- * needed.  The test is made in the plane across the ray after the shear of
- * Woop, Benthin & Wald 2013 (Watertight ray/triangle intersection): a vertex's
+ * A ray is inside a face if the face's edges cross it an odd number of times to
+ * one side.  So seams cancel (edges that run both ways, by which the scene
+ * language makes holes), repeated vertices do not matter, and no triangulation
+ * is needed.  The test is made in the plane across the ray after the shear of
+ * Woop, Benthin & Wald 2013 (Watertight ray/triangle intersection).  A vertex's
  * place there depends on ray and vertex alone, and the side of an edge is
- * decided from products that are bitwise the same for a->b and b->a.  Two
- * faces that share an edge therefore agree on it, rounding or not: the ray
- * meets an odd number of the faces on either side, never none.
- * A ray that meets an edge exactly meets both its faces, so that the tie rule
- * chooses between them and not the direction of an edge.
+ * decided from products that are bitwise the same for a->b and b->a.  So two
+ * faces that share an edge agree on it, rounding or not: the ray meets an odd
+ * number of the faces on either side, never none.
+ * A ray that meets an edge exactly meets both of its faces, so that the tie
+ * rule chooses between them and not the direction of an edge.
  *
- * The distance comes from the plane (mean offset, for faces that are not quite
- * flat), held between the nearest and the farthest vertex along the ray: in a
- * face seen edge-on the quotient would be noise. */
+ * The distance comes from the plane (for faces that are not quite flat, at the
+ * mean offset) and is kept between those of the nearest and the farthest vertex
+ * along the ray: for a face seen edge-on the quotient would be noise. */
 #ifndef RAD_GEOM_POLYGON_H
 #define RAD_GEOM_POLYGON_H
 
@@ -31,14 +31,14 @@
 #include <math.h>
 #include <string.h>
 
-/* What is known of a face's edges, element by element. */
+/* Edges of a face, in four lanes. */
 struct rad_edges {
-    rad_v4d x, y; /* the vertices looked at last */
-    rad_v4i odd;  /* all bits: an odd number of edges crosses the ray's side */
-    rad_v4i met;  /* the ray meets an edge exactly */
+    rad_v4d x, y; /* the last four vertices */
+    rad_v4i odd;  /* all bits: an odd number of edges crossed to one side */
+    rad_v4i met;  /* all bits: the ray meets an edge exactly */
 };
 
-/* The vertices at v of an axis' n each, as the ray sees them. */
+/* Load four vertices at v, of n for each axis, and shear them. */
 static inline __attribute__((always_inline)) void
 rad_edges_see(struct rad_edges *s, const double *v, size_t n,
               const struct rad_probe *r, rad_v4d *z)
@@ -51,7 +51,7 @@ rad_edges_see(struct rad_edges *s, const double *v, size_t n,
     s->y = s->y - r->org[r->ky] - r->sy * *z;
 }
 
-/* The edges from (x0, y0) to where s is now. */
+/* Add the edges from (x0, y0) to the vertices in s. */
 static inline __attribute__((always_inline)) void
 rad_edges_add(struct rad_edges *s, const rad_v4d *x0, const rad_v4d *y0)
 {
@@ -65,11 +65,11 @@ rad_edges_add(struct rad_edges *s, const rad_v4d *x0, const rad_v4d *y0)
     s->met |= (e == f) & (*x0 * s->x <= 0) & (*y0 * s->y <= 0);
 }
 
-/* Inside, or with `edges` on an edge? */
+/* Is the ray inside the face, or with `edges` on one of its edges? */
 static inline __attribute__((always_inline)) bool
 rad_edges_inside(const struct rad_edges *s, bool edges)
 {
-    /* the sum of four counts both */
+    /* one sum over the lanes adds up both counts */
     rad_v4i both = (s->odd & 1) + (s->met & 16), swapped;
     int64_t n;
 
@@ -108,7 +108,7 @@ rad_quad_inside(const struct rad_prim *p, const struct rad_probe *r, bool edges,
     return true;
 }
 
-/* The same for any number of vertices. */
+/* The same for a face of any number of vertices. */
 static inline __attribute__((always_inline)) bool
 rad_polygon_inside(const struct rad_prim *p, const struct rad_probe *r,
                    bool edges, double *zlo, double *zhi)
@@ -118,7 +118,7 @@ rad_polygon_inside(const struct rad_prim *p, const struct rad_probe *r,
     rad_v4d x, y, x0, y0, z;
     double lo, hi;
 
-    rad_edges_see(&s, p->v + n - 4, n, r, &z); /* before the first, the last */
+    rad_edges_see(&s, p->v + n - 4, n, r, &z); /* the last precede the first */
     rad_span_of(&z, zlo, zhi);
     for (size_t i = 0; i < n; i += 4) {
         x = s.x;
@@ -146,10 +146,10 @@ rad_polygon_hit(const struct rad_prim *p, const struct rad_probe *r,
 
     den *= sign;
     num *= sign;
-    /* out of reach whatever the rounding; t itself can wait */
+    /* beyond the limits, rounding or not; this needs no division */
     if (!((num >= tmin * den - err) & (num <= tmax * den + err)))
         return false;
-    /* all edges of a face seen edge-on are met: none counts */
+    /* a ray along a face would meet all its edges: none counts */
     edges = den > RAD_GEOM_ROUND;
     if (!(p->nv <= 4 ? rad_quad_inside(p, r, edges, &zlo, &zhi)
                      : rad_polygon_inside(p, r, edges, &zlo, &zhi)))
@@ -164,7 +164,7 @@ rad_polygon_hit(const struct rad_prim *p, const struct rad_probe *r,
     return s > tmin && s < tmax;
 }
 
-/* Dispatch to the family; a place is none. */
+/* Test p by its family; a place belongs to none. */
 static inline __attribute__((always_inline)) bool
 rad_prim_hit(const struct rad_prim *p, const struct rad_probe *r, double tmin,
              double tmax, double *t)

@@ -1,10 +1,10 @@
-/* prim.h - one surface, ready to be met by a ray (inside geom/ only)
+/* prim.h - one surface, compiled for intersection (inside geom/ only)
  *
- * Each family of surfaces (polygon.c sphere.c cone.c ring.c) offers the same
- * four functions:
+ * Each family of surfaces (polygon.c sphere.c cone.c ring.c) has the same four
+ * functions:
  *   rad_X_make     compile an object; false if it is degenerate (no area)
- *   rad_X_bounds   its bounds, before widening by its slack
- *   rad_X_hit      the first t in (tmin, tmax) where the ray meets it
+ *   rad_X_bounds   bounds, before they are widened by the slack
+ *   rad_X_hit      the first t in (tmin, tmax) where the ray meets the surface
  *   rad_X_surface  point, normal and error bound of a hit found by rad_X_hit
  *
  * Rounding.  u = 2^-53 is the unit roundoff of double.  Every computed
@@ -30,8 +30,8 @@
 
 #define RAD_GEOM_ROUND 0x1p-50
 
-/* Coordinates from here on are refused: slack would leave the range of float,
- * and soon products that of double. */
+/* Coordinates must be below this: beyond it slack leaves the range of float,
+ * and soon products the range of double. */
 #define RAD_GEOM_MOST 0x1p+170
 
 enum rad_prim_kind {
@@ -50,25 +50,26 @@ struct rad_prim {
                   * sphere: centre and radius; cone, place: unused */
     union {
         const double *v; /* polygon: vertices, see rad_polygon_lay(); ring:
-                          * its arguments */
+                          * the object's arguments */
         const struct rad_cone *cone;
         const struct rad_place *place;
     };
     int32_t obj;  /* index in the scene */
     int32_t nv;   /* polygon: number of vertices */
-    float slack;  /* bound of the error that its own numbers bring */
+    float slack;  /* error bound of a hit that its own numbers cause */
     uint8_t kind; /* enum rad_prim_kind */
-    uint8_t surf; /* RAD_SURF_ bits of the object; a place without a modifier
-                   * of its own: OPAQUE, something in it may be */
+    uint8_t surf; /* RAD_SURF_ bits of the object; for a place without a
+                   * modifier OPAQUE, since something in it may be */
     int8_t side;  /* sphere, cone: 1 normal outward, -1 inward */
 };
 
-/* Four numbers at a time: the compiler's vectors, two registers, one, or none,
- * the same operations on each element, so the same bits. */
+/* Four numbers at a time, as vectors of the compiler: whether these are two
+ * registers, one or none, each element goes through the same operations and has
+ * the same bits. */
 typedef double rad_v4d __attribute__((vector_size(32)));
 typedef int64_t rad_v4i __attribute__((vector_size(32)));
 
-/* A ray with what every test needs of it, worked out once. */
+/* A ray with values that every test needs. */
 struct rad_probe {
     double org[3], dir[3];
     double rcp[3];  /* 1/dir */
@@ -102,11 +103,11 @@ rad_probe_init(struct rad_probe *r, const struct rad_span *span)
     r->sy = dir[r->ky] * r->rcp[k];
 }
 
-/* Is this a type of surface that has a family here? */
+/* Is this a type of surface with a family here? */
 bool rad_prim_has(enum rad_otype type);
 
-/* Compile object o, which is no instance or mesh.  False: it has no area, or is
- * no surface; or memory ran out, which sets *nomem. */
+/* Compile object o, which is no instance or mesh.  False: it has no area or is
+ * no surface, or memory is out, which sets *nomem. */
 bool rad_prim_make(struct rad_prim *p, const struct rad_object *o,
                    struct rad_arena *arena, bool *nomem);
 
@@ -116,22 +117,23 @@ bool rad_ring_make(struct rad_prim *p, const struct rad_object *o);
 bool rad_cone_make(struct rad_prim *p, const struct rad_object *o,
                    struct rad_arena *arena, bool *nomem);
 
-/* Is it of a size that can be computed with?  Squares must not overflow. */
+/* Are all coordinates below RAD_GEOM_MOST, so that no square overflows? */
 bool rad_prim_bounded(const struct rad_prim *p);
 
-/* Bounds that hold every point that a hit can have. */
+/* Bounds that contain every point that a hit can have. */
 void rad_prim_bounds(const struct rad_prim *p, struct rad_box *box);
 
-/* Doubles that rad_polygon_lay() needs. */
+/* The number of doubles that rad_polygon_lay() needs. */
 static inline size_t
 rad_polygon_room(const struct rad_prim *p)
 {
     return 3 * (((size_t)p->nv + 3) & ~(size_t)3);
 }
 
-/* Copy the vertices of a polygon that was made to `to`, which must live as long
- * as p, as its test wants them: all x, all y, all z, each filled up to a
- * multiple of four with the first one's.  Bounds are asked for before this. */
+/* Copy the vertices of a compiled polygon to `to`, which must live as long as
+ * p, in the layout of the test: all x, all y, all z, each filled up to a
+ * multiple of four with the first vertex's.  rad_prim_bounds() works only
+ * before this. */
 void rad_polygon_lay(struct rad_prim *p, double *to);
 
 void rad_polygon_bounds(const struct rad_prim *p, struct rad_box *box);
@@ -147,7 +149,7 @@ bool rad_ring_hit(const struct rad_prim *p, const struct rad_probe *r,
 bool rad_cone_hit(const struct rad_prim *p, const struct rad_probe *r,
                   double tmin, double tmax, double *t);
 
-/* hit->t is set on entry; sets p, n, err. */
+/* Set p, n and err of a hit; hit->t is set. */
 void rad_plane_surface(const struct rad_prim *p, const struct rad_probe *r,
                        struct rad_hit *hit);
 void rad_sphere_surface(const struct rad_prim *p, const struct rad_probe *r,
@@ -155,7 +157,7 @@ void rad_sphere_surface(const struct rad_prim *p, const struct rad_probe *r,
 void rad_cone_surface(const struct rad_prim *p, const struct rad_probe *r,
                       struct rad_hit *hit);
 
-/* *hit is of a ray of direction dir. */
+/* Note that a ray of direction dir made the hit. */
 static inline void
 rad_hit_come(struct rad_hit *hit, const double dir[3])
 {
@@ -163,7 +165,7 @@ rad_hit_come(struct rad_hit *hit, const double dir[3])
         hit->way[k] = (float)dir[k];
 }
 
-/* All of *hit for a hit at t. */
+/* Set all of *hit for a hit at t. */
 void rad_prim_surface(const struct rad_prim *p, const struct rad_probe *r,
                       double t, struct rad_hit *hit);
 

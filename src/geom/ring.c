@@ -1,7 +1,7 @@
 /* ring.c - flat ring or disk
  *
- * The point where the ray meets the plane must lie between the radii, each
- * widened by the error of that point, so that a ring which closes a cylinder
+ * The point where the ray meets the plane must lie between the radii.  These
+ * are widened by the point's error, so that a ring that closes a cylinder
  * leaves no gap along the rim. */
 #include "config.h"
 
@@ -42,7 +42,7 @@ rad_ring_bounds(const struct rad_prim *p, struct rad_box *box)
 
     for (int i = 0; i < 3; i++) {
         int j = (i + 1) % 3, k = (i + 2) % 3;
-        /* not r sqrt(1 - n_i^2), which cancels for n near the axis */
+        /* not r sqrt(1 - n_i^2), which cancels if n is near this axis */
         double h = r * sqrt(p->k[j] * p->k[j] + p->k[k] * p->k[k]);
 
         box->lo[i] = p->v[i] - h;

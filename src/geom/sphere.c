@@ -1,11 +1,11 @@
 /* sphere.c - sphere and bubble
  *
- * The quadratic in the form of Haines, Guenther & Akenine-Moller 2019
+ * The quadratic is solved as in Haines, Guenther & Akenine-Moller 2019
  * (Precision improvements for ray/sphere intersection, Ray Tracing Gems,
- * ch. 7): the discriminant from the ray's distance to the centre, which does
- * not cancel for small or distant spheres, and the roots as c/q and q, which
- * does not for huge ones.  The point is then put onto the sphere, so its error
- * is that of centre and radius however far the ray came from. */
+ * ch. 7).  The discriminant comes from the ray's distance to the centre, which
+ * does not cancel for small or distant spheres; the roots are c/q and q, which
+ * do not cancel for huge ones.  The point is then moved onto the sphere, so its
+ * error is that of centre and radius, however long the ray. */
 #include "config.h"
 
 #include "geom/prim.h"

@@ -1,9 +1,9 @@
 /* walk_avx512.c - the walks with AVX-512: both planes of an axis, of all eight
  * boxes, in one register
  *
- * A register holds the eight distances where the ray enters, then those where
- * it leaves with the sign turned, so that one maximum serves both; turning a
- * sign rounds nothing. */
+ * A register holds the eight distances where the ray enters, and the negatives
+ * of those where it leaves, so that one maximum serves both; negation rounds
+ * nothing. */
 #include "config.h"
 
 #include "geom/kernel.h"
@@ -15,7 +15,7 @@
 #define WALK_TARGET __attribute__((target("avx512f,avx512dq,avx2")))
 #define WALK(name)  avx512_##name
 
-/* lo in the lower half and hi in the upper */
+/* lo in the lower half, hi in the upper half */
 static inline WALK_TARGET __m512
 avx512_halves(float lo, float hi)
 {
@@ -31,7 +31,7 @@ avx512_boxes(const struct rad_bvh_node *node, const struct rad_bvh_ray *r,
     for (int a = 0; a < 3; a++) {
         __m512 b = _mm512_loadu_ps(node->bound + RAD_BVH_BOUND(a, 0));
 
-        if (r->enter[a] > r->leave[a]) /* enters by the upper bound */
+        if (r->enter[a] > r->leave[a]) /* it enters at the upper bound */
             b = _mm512_shuffle_f32x4(b, b, 0x4e);
         b = _mm512_sub_ps(b, avx512_halves(r->org[0][a], r->org[1][a]));
         b = _mm512_mul_ps(b, avx512_halves(r->inv[a], -r->inv[a]));
