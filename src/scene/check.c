@@ -1,13 +1,13 @@
-/* check.c - are a scene's objects what their types demand?
+/* check.c - do a scene's objects satisfy the rules of their types?
  *
- * First every object by itself: the counts of its arguments from one table,
- * then what else its type asks for.  Then each surface's chain of modifiers:
- * does it lead through types that this renderer has, to one material?  An
- * object refers only to such as were defined before it, so that passes over
- * the array find this out without recursion.
- * A modifier that no surface uses may be as it likes, for libraries of
- * materials are full of such; and what Radiance leaves out of a scene with a
- * warning we do.
+ * First each object by itself: a table has the counts of its arguments, and a
+ * function for further rules of its type.  Then each surface's chain of
+ * modifiers: does it lead to at most one material?  An object refers only to
+ * objects that were defined before it, so a pass over the array answers this
+ * without recursion.
+ * Problems of a modifier that no surface uses are only warnings, because
+ * libraries of materials have many of them.  An object that Radiance leaves out
+ * of a scene with a warning is left out here, too.
  * Source: Radiance's reference manual, "Scene description", and what its
  * renderers refuse. */
 #include "config.h"
@@ -30,7 +30,7 @@ struct checker {
     struct rad_error *err; /* the first problem */
     int rc;                /* its code */
     uint8_t *reached;      /* by object: does a surface lead to it? */
-    int32_t *material;     /* by object: of the chain from it on */
+    int32_t *material;     /* by object: where its chain of modifiers ends */
     int32_t *depth;        /* by object: rad_scene_nesting() */
 };
 
@@ -40,8 +40,8 @@ is_surface(const struct rad_object *o)
     return rad_otype_class(o->type) == RAD_CLASS_SURFACE;
 }
 
-/* Note a problem of object o; later ones only go to `each`, and so do those of
- * a modifier that no surface uses, as warnings. */
+/* Report a problem of object o: to `each`, and in c->err if it is the first.  A
+ * problem of a modifier that no surface uses becomes a warning. */
 __attribute__((format(printf, 4, 5))) static void
 report(struct checker *c, const struct rad_object *o, int code, const char *fmt,
        ...)
@@ -65,8 +65,8 @@ report(struct checker *c, const struct rad_object *o, int code, const char *fmt,
         c->each(c->arg, &err);
 }
 
-/* Corners of polygons may lie so far from their plane, of the polygon's width:
- * what text files round is less, and nobody sees it. */
+/* Corners of a polygon may be this far off its plane, in widths of the polygon,
+ * without a warning: rounding in text files is less, and cannot be seen. */
 #define UNEVEN 1e-3
 
 /* --- one object ------------------------------------------------------- */
@@ -94,8 +94,8 @@ area_vector(const double *v, int n, double sum[3])
     }
 }
 
-/* How far corners are from the plane through their middle that is normal to
- * area, as a part of how far they are from each other. */
+/* The largest distance of a corner from the mean plane normal to area, divided
+ * by the largest distance between the first corner and another. */
 static double
 unevenness(const double *v, int n, const double area[3])
 {
@@ -204,7 +204,7 @@ check_glass(struct checker *c, const struct rad_object *o)
                o->reals[3]);
 }
 
-/* Wavelengths that a spectrum goes from and to. */
+/* Check the wavelengths of a spectrum's ends. */
 static void
 check_range(struct checker *c, const struct rad_object *o)
 {
@@ -220,8 +220,8 @@ check_interface(struct checker *c, const struct rad_object *o)
         report(c, o, RAD_EDATA, "refractive index is not above 0");
 }
 
-/* Right and down must span a plane: the cross product of parallel vectors
- * vanishes but for its rounding, a few units in the last place of |R||D|. */
+/* Right and down must span a plane.  The cross product of parallel vectors is
+ * zero but for its rounding, a few units in the last place of |R||D|. */
 static void
 check_text(struct checker *c, const struct rad_object *o)
 {
@@ -235,7 +235,7 @@ check_text(struct checker *c, const struct rad_object *o)
         report(c, o, RAD_EDATA, "right and down vectors are parallel");
 }
 
-/* Radiance's least roughness that it divides by. */
+/* Radiance divides by the roughness only above this. */
 #define LEAST_ROUGHNESS 1e-6
 
 static void
@@ -246,7 +246,7 @@ check_rough(struct checker *c, const struct rad_object *o)
                o->reals[5]);
 }
 
-/* A power of -1 or less has no lobe. */
+/* There is no lobe with a power of -1 or less. */
 static void
 check_powers(struct checker *c, const struct rad_object *o)
 {
@@ -255,7 +255,7 @@ check_powers(struct checker *c, const struct rad_object *o)
                o->reals[7]);
 }
 
-/* Of the first n string arguments each names a modifier defined before. */
+/* Each of the first n string arguments must name a modifier defined before. */
 static void
 check_names(struct checker *c, const struct rad_object *o, int n)
 {
@@ -278,13 +278,14 @@ check_alias(struct checker *c, const struct rad_object *o)
     bool nothing = o->nstrings == 0 ? o->modifier == RAD_VOID
                                     : strcmp(o->strings[0], "void") == 0;
 
-    /* of a line of text its reader has told, by the name that it looked for */
+    /* if o has a line, the parser has reported this, with the name in
+     * question */
     if (nothing && o->line == 0)
         report(c, o, RAD_EDATA, "alias of nothing");
     check_reference(c, o);
 }
 
-/* What it mixes is either defined before it or nothing, "void". */
+/* Each of the two mixed modifiers is defined before o, or "void". */
 static void
 check_mixture(struct checker *c, const struct rad_object *o)
 {
@@ -306,8 +307,8 @@ check_mixtext(struct checker *c, const struct rad_object *o)
     check_text(c, o);
 }
 
-/* What the supported types take.  Strings that a type does not use are
- * ignored, as in Radiance. */
+/* The arguments of each type.  Strings that a type does not use are ignored, as
+ * in Radiance. */
 static const struct rule {
     enum rad_otype type;
     int min_strings, max_strings;
@@ -377,7 +378,7 @@ static const struct rule {
     /* clang-format on */
 };
 
-/* Every type has one. */
+/* The rule for a type; every type has one. */
 static const struct rule *
 find_rule(enum rad_otype type)
 {
@@ -420,8 +421,9 @@ check_object(struct checker *c, const struct rad_object *o)
 
 /* --- chains of modifiers ---------------------------------------------- */
 
-/* Find the material of the chain that starts at each object, upwards for the
- * same reason.  `stands_for` is what an alias is replaced by. */
+/* For each object find the material in which its chain of modifiers ends; one
+ * pass upwards is enough, as above.  stands_for[i] is the object that alias i
+ * resolves to, or i. */
 static void
 find_materials(const struct rad_scene *s, int32_t *material,
                int32_t *stands_for)
@@ -446,7 +448,7 @@ find_materials(const struct rad_scene *s, int32_t *material,
     }
 }
 
-/* The material behind object o, its own type apart. */
+/* The material of the chain of modifiers behind object o, without o itself. */
 static const struct rad_object *
 material_behind(const struct checker *c, const struct rad_object *o)
 {
@@ -455,7 +457,7 @@ material_behind(const struct checker *c, const struct rad_object *o)
     return m == RAD_VOID ? NULL : &c->scene->objects[m];
 }
 
-/* A material whose own modifiers hold another one has no meaning. */
+/* Refuse a material that is modified by another material. */
 static void
 check_material(struct checker *c, const struct rad_object *o)
 {
@@ -481,7 +483,7 @@ shines(const struct rad_object *m)
     }
 }
 
-/* Is it a source of direct light?  A glow without a radius is none. */
+/* Is the material a source of direct light?  A glow of radius 0 is not. */
 static bool
 gives_light(const struct rad_object *m)
 {
@@ -489,7 +491,7 @@ gives_light(const struct rad_object *m)
            (m->type != RAD_GLOW || m->nreals != 4 || m->reals[3] > 0);
 }
 
-/* A source of a material that does not shine is nowhere. */
+/* Problems of a source that does not shine are warnings: it is left out. */
 static void
 check_source(struct checker *c, const struct rad_object *o,
              const struct rad_object *m)
@@ -510,10 +512,10 @@ check_surface(struct checker *c, const struct rad_object *o)
     const struct rad_object *m = material_behind(c, o);
 
     if (o - c->scene->objects >= rad_scene_own(c->scene))
-        return; /* what a part holds is no light source, whatever it is */
+        return; /* surfaces of parts are never light sources */
     switch (o->type) {
     case RAD_SPHERE:
-        /* else it is no surface: worms of genworm begin and end with one */
+        /* other spheres of radius 0 are left out: genworm makes some */
         if (o->nreals == 4 && o->reals[3] == 0 && m && gives_light(m))
             report(c, o, RAD_EDATA, "a light source of zero radius");
         return;
@@ -523,7 +525,7 @@ check_surface(struct checker *c, const struct rad_object *o)
     case RAD_POLYGON:
     case RAD_CYLINDER:
     case RAD_RING:
-    case RAD_INSTANCE: /* what it gives its material to is no light source */
+    case RAD_INSTANCE: /* a material that it gives to its part is no source */
     case RAD_MESH:
         return;
     default:
@@ -538,7 +540,7 @@ check_surface(struct checker *c, const struct rad_object *o)
 static void
 check_reached(struct checker *c, const struct rad_object *o)
 {
-    /* told once, where it begins */
+    /* report it once, where the nesting becomes too deep */
     if (c->depth[o - c->scene->objects] == RAD_MAX_NESTED + 1 &&
         (o->modifier == RAD_VOID || c->depth[o->modifier] <= RAD_MAX_NESTED))
         report(c, o, RAD_EDATA, "modifiers are nested more than %d deep",

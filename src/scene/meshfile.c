@@ -1,7 +1,7 @@
 /* meshfile.c - see meshfile.h
  *
- * A file's patches are laid one behind the other; a vertex of another patch is
- * looked up when all patches are there. */
+ * The patches' vertices are stored one patch after the other.  A vertex of
+ * another patch is looked up when all patches have been read. */
 #include "config.h"
 
 #include "scene/meshfile.h"
@@ -14,10 +14,10 @@
 #define HAS_NORMALS 2
 #define HAS_UV      4
 
-/* A triangle's corner is its index, or, until all patches are read, the place
- * in the file: patch << 8 | vertex. */
+/* A triangle's corner is the index of a vertex; until all patches are read it
+ * is the vertex' place in the file: patch << 8 | vertex. */
 struct patch {
-    uint32_t first; /* of its vertices */
+    uint32_t first; /* index of its first vertex */
     uint32_t n;
 };
 
@@ -28,7 +28,7 @@ struct reading {
     int32_t npatches, max_patches;
     uint32_t max_verts, max_tris;
     int32_t nmods;     /* modifiers in the file */
-    uint32_t *face_of; /* by modifier + 1; 0: none yet */
+    uint32_t *face_of; /* by modifier: index in faces, 0: none yet */
 };
 
 static int
@@ -41,7 +41,7 @@ out_of_memory(struct reading *r)
     return r->f->rc;
 }
 
-/* Room for n elements of `size` bytes in *p. */
+/* Resize the array *p to n elements of `size` bytes. */
 static int
 grow(struct reading *r, void *p, size_t size, size_t n)
 {
@@ -62,7 +62,7 @@ reserve_verts(struct reading *r, uint32_t n, bool normals, bool uv)
     bool more = n > r->max_verts - m->nverts;
     uint32_t max = more ? r->max_verts / 2 * 3 + n + 256 : r->max_verts;
 
-    if (max > UINT32_MAX / 4) /* patches are too few to get here */
+    if (max > UINT32_MAX / 4) /* the limit on patches excludes this */
         return rad_octin_bad(r->f, "too many vertices");
     if (more && grow(r, &m->xyz, sizeof *m->xyz, max))
         return r->f->rc;
@@ -86,7 +86,7 @@ reserve_verts(struct reading *r, uint32_t n, bool normals, bool uv)
     return 0;
 }
 
-/* A count of 0, or `least`, to most. */
+/* Read a count from least to most. */
 static uint32_t
 get_count(struct reading *r, int least, int most, const char *what)
 {
@@ -133,7 +133,7 @@ get_vertices(struct reading *r)
     m->nverts += n;
 }
 
-/* The face for a modifier as the file numbers them. */
+/* Read a modifier by the file's numbers; returns its face. */
 static uint32_t
 get_face(struct reading *r)
 {
@@ -150,7 +150,8 @@ get_face(struct reading *r)
         return 0;
     if (r->face_of[mod] == 0) {
         r->face_of[mod] = m->nfaces;
-        m->faces[m->nfaces++] = (int32_t)mod; /* an object later */
+        m->faces[m->nfaces++] = (int32_t)mod; /* add_faces() makes it an
+                                               * object */
     }
     return r->face_of[mod];
 }
@@ -237,7 +238,7 @@ get_patch(struct reading *r)
     r->npatches++;
 }
 
-/* Corners become indices of vertices. */
+/* Replace the corners' places in the file by indices of vertices. */
 static void
 link_corners(struct reading *r)
 {
@@ -272,7 +273,7 @@ get_patches(struct reading *r)
         rad_octin_bad(r->f, "unknown data behind the mesh");
 }
 
-/* An object for each modifier that triangles have. */
+/* Add an object for each modifier that triangles have. */
 static void
 add_faces(struct reading *r, struct rad_scene *s, int32_t file)
 {
@@ -395,10 +396,11 @@ rad_mesh_free(struct rad_mesh *mesh)
     free(mesh);
 }
 
-/* Bits 0 to 2: signs of x, y, z; 3: |x| <= |y|; 4: |z| is not the largest; 5 to
- * 17 and 18 to 30: two components, the smaller of |x| and |y| and the smaller
- * of |z| and the other, of which 11584.5 makes 1.  The third, at least half of
- * the square's, follows. */
+/* Bits 0 to 2 are the signs of x, y, z.  Two of the absolute values are stored,
+ * times 11584.5 (2^13 / sqrt 2), and the third, the largest, follows from the
+ * unit length.  Bits 5 to 17: the lesser of |x| and |y|, which is |x| if bit 3
+ * is set.  Bits 18 to 30: the lesser of the other one and |z|, which is |z| if
+ * bit 4 is set. */
 void
 rad_mesh_normal(double n[3], uint32_t code)
 {

@@ -1,5 +1,4 @@
-/* octfile.c - reading octree files; see octfile.h, and octwrite.c for the rest
- */
+/* octfile.c - reading octree files; see octfile.h.  octwrite.c writes them. */
 #include "config.h"
 
 #include "scene/octfile.h"
@@ -14,10 +13,10 @@
 #include <unistd.h>
 
 #define MAX_LINE  2048
-#define MAX_DEPTH 64 /* of a tree that we read; Radiance's go to 14 */
+#define MAX_DEPTH 64 /* levels of a tree; Radiance's have up to 14 */
 
-/* The scene files that it names, each read as text.  Returns whether there are
- * any: then the objects are theirs. */
+/* Read the names of scene files, and each file as text.  True: there are any,
+ * and the octree holds no objects of its own. */
 static bool
 get_names(struct rad_octin *f, const struct rad_octfile *how)
 {
@@ -39,7 +38,7 @@ get_names(struct rad_octin *f, const struct rad_octfile *how)
     return any;
 }
 
-/* What stands before the tree. */
+/* Read all that comes before the names of scene files. */
 static int
 get_start(struct rad_octin *f, struct rad_octfile *how)
 {
@@ -56,7 +55,7 @@ get_start(struct rad_octin *f, struct rad_octfile *how)
 
 /* --- trees */
 
-/* Room for n more int32_t or kids. */
+/* Make room for `sets` more int32_t in the sets and `kids` more nodes. */
 static int
 reserve(struct rad_octin *f, struct rad_octree *t, int32_t sets, int32_t kids)
 {
@@ -128,7 +127,7 @@ get_tree(struct rad_octin *f, struct rad_octree *t, int depth)
         return RAD_OCTREE_EMPTY;
     node = t->nkids++;
     for (int i = 0; i < 8; i++) {
-        /* kids may move while one is read */
+        /* reading a child may move t->kids, so get its number first */
         int32_t kid = f->rc ? RAD_OCTREE_EMPTY : get_tree(f, t, depth + 1);
 
         t->kids[node][i] = kid;
@@ -136,8 +135,8 @@ get_tree(struct rad_octin *f, struct rad_octree *t, int depth)
     return node;
 }
 
-/* The differences that make the reals exact; the type of a real's place in
- * the scene is const for all but who builds it. */
+/* Add the differences that make the reals exact.  An object's reals are const
+ * for everybody but the reader of its file. */
 static int
 get_exact_reals(struct rad_octin *f, struct rad_object *o)
 {
@@ -168,7 +167,7 @@ get_exact(struct rad_octin *f, struct rad_scene *s)
 {
     const char *magic = RAD_OCT_EXACT;
 
-    if (!rad_octin_fill(f)) /* the file ends as Radiance's do */
+    if (!rad_octin_fill(f)) /* Radiance's files end here */
         return f->rc;
     for (; *magic; magic++)
         if (rad_octin_byte(f) != (unsigned char)*magic)
@@ -226,8 +225,8 @@ rad_octfile_names(const void *start, size_t len)
     return names;
 }
 
-/* The objects lie in other files, which were read: are they those of which the
- * octree was made? */
+/* The octree's objects were read from other files: are there as many as when
+ * the octree was made? */
 static void
 check_names(struct rad_octin *f, const struct rad_scene *s)
 {

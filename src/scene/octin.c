@@ -12,7 +12,7 @@
 
 #define MAX_HEADER (1024 * 1024)
 #define MAX_LINE   2048
-#define MAX_DEPTH  64 /* of a tree; Radiance's go to 14 */
+#define MAX_DEPTH  64 /* levels of a tree; Radiance's have up to 14 */
 
 int
 rad_octin_bad(struct rad_octin *f, const char *fmt, ...)
@@ -95,7 +95,7 @@ rad_octin_index(struct rad_octin *f, int32_t max, const char *what)
     return (int32_t)v;
 }
 
-/* A header's line without its newline; longer ones are cut. */
+/* Read a line of the header, without its newline; a long one is cut. */
 static int
 get_line(struct rad_octin *f, char *buf, size_t size)
 {
@@ -187,7 +187,7 @@ rad_octin_cube(struct rad_octin *f, double org[3], double *size)
 void
 rad_octin_skip_tree(struct rad_octin *f)
 {
-    /* how many trees are still to come at each level */
+    /* how many trees are left to read at each level */
     int left[MAX_DEPTH + 1], depth = 0;
 
     left[0] = 1;
@@ -235,7 +235,7 @@ rad_octin_types(struct rad_octin *f)
     }
 }
 
-/* Buffers of one object's arguments, used again for the next. */
+/* Buffers for one object's arguments, used for all objects in turn. */
 struct workspace {
     char name[RAD_MAX_WORD + 1];
     const char *strings[RAD_MAX_ARGS];
@@ -283,8 +283,8 @@ get_reals(struct rad_octin *f, struct workspace *w, struct rad_object *o)
     return f->rc;
 }
 
-/* What an object modifies must be a modifier that came before it in its
- * file. */
+/* Read the modifier of an object: a modifier that comes before it in the file,
+ * or none. */
 static int
 get_modifier(struct rad_octin *f, const struct rad_scene *s, int32_t *modifier)
 {
@@ -301,7 +301,7 @@ get_modifier(struct rad_octin *f, const struct rad_scene *s, int32_t *modifier)
     return 0;
 }
 
-/* One object; *more is false at the end of them. */
+/* Read an object; *more becomes false at the end of the objects. */
 static int
 get_object(struct rad_octin *f, struct rad_scene *s, int32_t file,
            struct workspace *w, bool *more)

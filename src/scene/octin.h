@@ -1,9 +1,9 @@
-/* octin.h - reading what octree and mesh files have in common (inside scene/
- * only)
+/* octin.h - reading the parts that octree and mesh files have in common (inside
+ * scene/ only)
  *
- * The input remembers its first failure, so that the code that follows a format
- * is straight and checks at its ends.  No count is believed: arrays grow with
- * what really arrives.  Functions return rc, or what they read, which means
+ * The input remembers its first failure, so that code that follows a format is
+ * straight and checks only at its end.  No count in a file is trusted: arrays
+ * grow as data arrives.  Functions return rc or the value read, which means
  * nothing once rc is set. */
 #ifndef RAD_SCENE_OCTIN_H
 #define RAD_SCENE_OCTIN_H
@@ -16,7 +16,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#define RAD_OCTIN_TYPES 128 /* a type's place is a signed byte */
+#define RAD_OCTIN_TYPES 128 /* a type's number is a signed byte */
 
 struct rad_octin {
     struct rad_stream in;
@@ -25,44 +25,44 @@ struct rad_octin {
     uint64_t base; /* offset of buf in the file */
     size_t pos, len;
     int width;        /* bytes of an index */
-    int32_t first;    /* where the scene keeps the file's first object */
-    int32_t nobjects; /* that it says it has; -1: it does not say */
+    int32_t first;    /* index of the file's first object in the scene */
+    int32_t nobjects; /* number of objects by the file; -1: it has none */
     int types[RAD_OCTIN_TYPES]; /* enum rad_otype, or -1: unknown */
-    char unknown[32];           /* the first of those */
+    char unknown[32];           /* name of the first unknown type */
     int ntypes;
     unsigned char buf[64 * 1024];
 };
 
-/* Fail with RAD_EDATA at the byte that is next. */
+/* Fail with RAD_EDATA, and note the offset of the next byte. */
 int rad_octin_bad(struct rad_octin *f, const char *fmt, ...)
     __attribute__((format(printf, 2, 3)));
 
-/* True if a byte is there. */
+/* Is there another byte?  Reads more if need be. */
 bool rad_octin_fill(struct rad_octin *f);
 
-/* A string into buf; the failure for one of `size` bytes or more. */
+/* Read a string into buf; one of `size` bytes or more is a failure. */
 int rad_octin_string(struct rad_octin *f, char *buf, size_t size);
 
-/* An index or count of 0 to max, else the failure and 0. */
+/* Read an index or count from 0 to max; another one is a failure. */
 int32_t rad_octin_index(struct rad_octin *f, int32_t max, const char *what);
 
-/* May a file that starts so have a header?  Old ones begin with the command
+/* May a file with this start have a header?  Old files begin with the command
  * that made the octree and not with "#?". */
 bool rad_octin_begins(const char *start, size_t len);
 
-/* The text to its empty line; it must say that it is of that format. */
+/* Read the text up to its empty line; it must name this format. */
 int rad_octin_header(struct rad_octin *f, const char *format);
 
-/* Is that what a line of a header says? */
+/* Does this line of a header name the format? */
 bool rad_octin_says(const char *line, const char *format);
 
-/* The lowest corner and the edge of the cube. */
+/* Read the lowest corner and the edge of the cube. */
 int rad_octin_cube(struct rad_octin *f, double org[3], double *size);
 
 void rad_octin_skip_tree(struct rad_octin *f);
 
-/* The types' names, then the objects, to the end of them, appended to the
- * scene as read from its file number `file`. */
+/* Read the types' names; read all objects and append them to the scene, as from
+ * its file number `file`. */
 int rad_octin_types(struct rad_octin *f);
 int rad_octin_objects(struct rad_octin *f, struct rad_scene *s, int32_t file);
 
@@ -76,8 +76,8 @@ rad_octin_byte(struct rad_octin *f)
     return f->buf[f->pos++];
 }
 
-/* Big-endian, two's complement, 1 to 8 bytes.  Four that are there, nearly all
- * of a file, need no look at each. */
+/* A big-endian integer in two's complement, of 1 to 8 bytes.  There is a short
+ * cut for 4 bytes in the buffer, since nearly all integers are such. */
 static inline int64_t
 rad_octin_int(struct rad_octin *f, int bytes)
 {

@@ -1,8 +1,8 @@
 /* octreal.h - the reals of octree files, for the reader and the writer
  *
- * A mantissa of 31 bits and an exponent of a byte; see octfile.h.  The bits of
- * doubles are taken apart here because a large scene has tens of millions of
- * them: ldexp() took a seventh of the time to load one.  */
+ * A real has a mantissa of 31 bits and an exponent of a byte; see octfile.h.
+ * Doubles are split by their bits and not by ldexp() and frexp(), because a
+ * large scene has tens of millions: ldexp() took a seventh of its loading. */
 #ifndef RAD_SCENE_OCTREAL_H
 #define RAD_SCENE_OCTREAL_H
 
@@ -12,7 +12,7 @@
 
 #define RAD_OCT_LARGEST 0x7fffffff
 
-/* What our files have in common besides. */
+/* Other constants of the formats. */
 #define RAD_OCT_FORMAT  "Radiance_octree"
 #define RAD_MESH_FORMAT "Radiance_tmesh"
 #define RAD_OCT_MAGIC   283 /* plus the bytes of an index */
@@ -25,8 +25,8 @@ struct rad_octreal {
     int exponent;
 };
 
-/* x = f * 2^e with f of 1/2 to 1 becomes f * (2^31 - 1), cut to an integer.
- * Exponents that a byte cannot hold give the largest number, or zero. */
+/* x = f * 2^e with f from 1/2 to 1 becomes f * (2^31 - 1), cut to an integer.
+ * If a byte cannot hold e, the result is the largest number, or zero. */
 static inline struct rad_octreal
 rad_octreal_of(double x)
 {

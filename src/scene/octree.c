@@ -1,14 +1,14 @@
 /* octree.c - see octree.h
  *
- * Built from the top: a cube has a list of the surfaces that meet it; if it is
- * too long, a byte per surface says which of the eight parts it meets, and
- * each part gets its own list in turn.  Lists lie on one stack, as the parts
- * are done one by one.  A surface whose bounds lie within one part needs no
- * test there, which spares nearly all tests but in the lowest levels.
+ * The tree is built from the top.  A cube has a list of the surfaces that meet
+ * it.  If the list is too long, a byte for each surface says which of the eight
+ * parts it meets, and each part gets a list in turn.  Parts are done one by
+ * one, so lists lie on one stack.  A surface whose bounds lie within one part
+ * needs no further test, which saves nearly all tests but in the lowest levels.
  *
- * Surfaces that coincide would be cut for ever: every part that any of them
- * meets is met by all.  One cut may do that to surfaces that lie near each
- * other, two running seldom do (see SAME_MAX). */
+ * Surfaces that coincide would be cut for ever, since every part that one of
+ * them meets is met by all.  For surfaces that are only near each other one cut
+ * may give that result, but two in a row seldom do (see SAME_MAX). */
 #include "config.h"
 
 #include "scene/octree.h"
@@ -21,10 +21,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Cuts running that part nothing, after which a cube is left as it is. */
+/* After so many cuts in a row that separated nothing a cube is not cut. */
 #define SAME_MAX 2
-/* Entries of all sets per surface, and a base for small scenes: a million
- * separate triangles of a mesh need about 5 each. */
+/* The most entries of all sets, per surface, and a base for small scenes.  A
+ * million separate triangles of a mesh need about 5 each. */
 #define BUDGET_PER_OBJECT 32
 #define BUDGET_BASE       (1 << 20)
 /* oconv's margin around the scene */
@@ -34,13 +34,13 @@ struct builder {
     const struct rad_scene *scene;
     struct rad_octree *t;
     struct rad_error *err;
-    struct rad_extent *extents; /* by place in `list` */
-    int32_t *index;             /* object of that place */
-    int32_t *stack;             /* lists of places, one behind the other */
+    struct rad_extent *extents; /* of the surfaces that are entered */
+    int32_t *index;             /* their objects, in the same order */
+    int32_t *stack;             /* lists of their numbers in this order */
     size_t used, size;
-    uint8_t *parts[RAD_OCTREE_DEPTH + 1]; /* by level */
+    uint8_t *parts[RAD_OCTREE_DEPTH + 1]; /* by level: parts met, as bits */
     size_t nparts[RAD_OCTREE_DEPTH + 1];  /* allocated */
-    int leaf;                             /* surfaces that a cube may have */
+    int leaf;                             /* a cube with more is cut */
     int64_t budget;                       /* entries that may still be made */
     int rc;
 };
@@ -48,7 +48,7 @@ struct builder {
 struct cube {
     double centre[3], half;
     int level;
-    int same; /* cuts running above it that parted nothing */
+    int same; /* cuts in a row above it that separated nothing */
 };
 
 void
@@ -122,13 +122,12 @@ new_set(struct builder *b, const int32_t *list, int32_t n)
     set = t->sets + at;
     *set++ = n;
     for (int32_t i = 0; i < n; i++)
-        *set++ = b->index[list[i]]; /* lists keep the order of the objects */
+        *set++ = b->index[list[i]]; /* a list has the order of the objects */
     t->nsets = at + n + 1;
     return -2 - at;
 }
 
-/* --- cuts ------------------------------------------------------------------
- */
+/* --- cuts --- */
 
 static void
 part_of(struct cube *part, const struct cube *c, int k)
@@ -140,7 +139,7 @@ part_of(struct cube *part, const struct cube *c, int k)
             c->centre[i] + (k >> i & 1 ? part->half : -part->half);
 }
 
-/* Bit k: does the surface meet part k of the cube, which it meets? */
+/* The parts of the cube that a surface in its list meets, as bits. */
 static uint8_t
 parts_met(const struct builder *b, const struct cube *c, int32_t place)
 {
@@ -148,7 +147,7 @@ parts_met(const struct builder *b, const struct cube *c, int32_t place)
                               &b->extents[place], c->centre, c->half);
 }
 
-/* Room on the stack for n more, and for n parts at the level. */
+/* Make room on the stack for n more, and for n bytes of parts at the level. */
 static int
 reserve(struct builder *b, int level, size_t n)
 {
@@ -172,7 +171,7 @@ reserve(struct builder *b, int level, size_t n)
     return 0;
 }
 
-/* Did the cut part anything?  Not if all surfaces meet the same parts. */
+/* Do all surfaces meet the same parts?  Then the cut separates nothing. */
 static bool
 all_same(const uint8_t *parts, int32_t n)
 {
@@ -185,7 +184,7 @@ all_same(const uint8_t *parts, int32_t n)
 static int32_t build(struct builder *b, const struct cube *c, size_t list,
                      int32_t n);
 
-/* Cut a cube whose list begins at stack[list]. */
+/* Cut a cube whose list of n surfaces begins at stack[list]. */
 static int32_t
 cut(struct builder *b, const struct cube *c, size_t list, int32_t n)
 {
@@ -209,7 +208,7 @@ cut(struct builder *b, const struct cube *c, size_t list, int32_t n)
 
         if (reserve(b, c->level, (size_t)n + 1))
             break;
-        for (int32_t i = 0; i < n; i++) { /* no branch: it would be guessed */
+        for (int32_t i = 0; i < n; i++) { /* no branch: it is unpredictable */
             b->stack[b->used] = b->stack[list + (size_t)i];
             b->used += parts[i] >> k & 1;
         }
@@ -232,8 +231,7 @@ build(struct builder *b, const struct cube *c, size_t list, int32_t n)
     return cut(b, c, list, n);
 }
 
-/* --- the whole -------------------------------------------------------------
- */
+/* --- the whole --- */
 
 static int32_t
 collect_surfaces(struct builder *b)
@@ -257,7 +255,7 @@ collect_surfaces(struct builder *b)
     return n;
 }
 
-/* As the file will have it: with twelve digits. */
+/* A number as it will be in the file: with twelve digits. */
 static double
 as_written(double x)
 {
@@ -267,8 +265,9 @@ as_written(double x)
     return strtod(text, NULL);
 }
 
-/* A cube around all, larger by a margin: oconv's, but no more than that part
- * of a small scene, and enough for the twelve digits of a distant one. */
+/* Set a cube around all surfaces, larger by oconv's margin.  The margin is
+ * smaller for a small scene, relative to it, and large enough for the twelve
+ * digits of the cube if the scene is far from the origin. */
 static int
 enclose(struct builder *b, int32_t n)
 {

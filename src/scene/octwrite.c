@@ -43,7 +43,7 @@ put_int(struct rad_output *f, int64_t v, int bytes)
         f->buf[f->used++] = (unsigned char)((uint64_t)v >> 8 * bytes);
 }
 
-/* With its NUL, or without. */
+/* Write a string, with its NUL or without. */
 static void
 put_text(struct rad_output *f, const char *s, bool nul)
 {
@@ -114,8 +114,8 @@ put_object(struct rad_output *f, const struct rad_object *o, int place)
         put_real(f, o->reals[i]);
 }
 
-/* Only types that are there are listed: programs that know fewer can read
- * what does not use the others. */
+/* List only types that occur, so that programs that know fewer types can read
+ * scenes that do not use the others. */
 static void
 put_objects(struct rad_output *f, const struct rad_scene *s)
 {

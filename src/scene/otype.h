@@ -1,8 +1,7 @@
 /* otype.h - the primitive types of Radiance's scene language
  *
- * One table, otype.def, names every type with its class; what a type's
- * arguments must look like is checked in check.c, what it does in geom/ and
- * shade/.  A type that is in the table but not supported is refused by name. */
+ * One table, otype.def, lists every type with its class.  check.c checks the
+ * arguments of a type; its behaviour is in geom/, pattern/ and shade/. */
 #ifndef RAD_SCENE_OTYPE_H
 #define RAD_SCENE_OTYPE_H
 

@@ -13,12 +13,11 @@
 #include <emmintrin.h>
 #endif
 
-/* Rounding of the few dozen operations of a test, relative to the largest
- * coordinate that takes part: 2^-53 each, with a lot to spare. */
+/* Bounds the rounding of the few dozen operations of a test, relative to the
+ * largest coordinate: each is 2^-53, and there is ample room. */
 #define ROUND 1e-13
 
-/* --- extents ---------------------------------------------------------------
- */
+/* --- extents --- */
 
 static void
 include_point(struct rad_extent *e, const double p[3])
@@ -29,7 +28,7 @@ include_point(struct rad_extent *e, const double p[3])
     }
 }
 
-/* Sum of cross products: twice the area, along the normal. */
+/* The sum of cross products: a vector along the normal, of twice the area. */
 static void
 polygon_normal(const struct rad_object *o, double n[3])
 {
@@ -45,7 +44,7 @@ polygon_normal(const struct rad_object *o, double n[3])
     }
 }
 
-/* The surface lies in the mean plane of the vertices, which may leave it. */
+/* The surface lies in the mean plane of the vertices, which may be off it. */
 static bool
 polygon_extent(const struct rad_object *o, struct rad_extent *e)
 {
@@ -64,8 +63,8 @@ polygon_extent(const struct rad_object *o, struct rad_extent *e)
     return true;
 }
 
-/* The curve that makes a cone, cylinder or ring when turned about its axis:
- * from height 0 and radius r0 to height len and radius r1. */
+/* The line that makes a cone, cylinder or ring when turned about the axis: from
+ * height 0 and radius r0 to height len and radius r1. */
 struct generator {
     double base[3], axis[3]; /* axis of unit length */
     double len, r0, r1;
@@ -109,12 +108,12 @@ generator_extent(const struct rad_object *o, struct rad_extent *e)
             e->hi[i] = fmax(e->hi[i], c + w);
         }
     }
-    /* 1 - axis^2 has lost half of its digits where it is small */
+    /* if 1 - axis^2 is small, half of its digits are lost */
     e->slack = 1e-8 * fmax(g.r0, g.r1);
     return true;
 }
 
-/* Middle and half-edge, turned, of the cube around a copy. */
+/* The transformed cube around an instance or mesh. */
 struct turned {
     double middle[3], half;
     double axis[3][3]; /* of unit length */
@@ -151,7 +150,7 @@ copy_extent(const struct rad_object *o, struct rad_extent *e)
         e->lo[i] = t.middle[i] - w;
         e->hi[i] = t.middle[i] + w;
     }
-    /* the twelve digits of the cube, and the turning */
+    /* for the twelve digits of the cube, and rounding of the transform */
     e->slack = 1e-10 * t.half;
     return true;
 }
@@ -203,20 +202,20 @@ rad_extent_of(const struct rad_object *o, struct rad_extent *e)
     return good;
 }
 
-/* --- polygons ----------------------------------------------------------------
- */
+/* --- polygons --- */
 
-/* Are the shadows a and b of a triangle, and the shadow of a cube, which is
- * -r to r, apart?  Plain comparisons: this is where most of the time of a
- * large mesh goes. */
+/* Is the projection of a triangle, from a to b, apart from that of a cube, from
+ * -r to r?  Plain comparisons, because a large mesh spends most of its time
+ * here. */
 static inline bool
 apart(double a, double b, double r)
 {
     return (a > r && b > r) || (a < -r && b < -r);
 }
 
-/* Is an axis along the cross product of edge and x, y or z one that parts the
- * triangle (an end of the edge, and the corner opposite) from the cube? */
+/* Does an axis along the cross product of the edge e and x, y or z separate the
+ * triangle from the cube?  The triangle is given by an end of the edge and the
+ * corner opposite to it. */
 static inline bool
 edge_parts(const double e[3], const double end[3], const double corner[3],
            double h, double pad)
@@ -238,10 +237,11 @@ within(const double p[3], double h)
     return fabs(p[0]) <= h && fabs(p[1]) <= h && fabs(p[2]) <= h;
 }
 
-/* Cube around 0 with half-edge h.  The bounds are known to meet: left are the
- * plane and nine products of edges.  The pads bound what rounding does to an
- * edge, |v|, and from there to the products: it must not lose a sliver.  An
- * axis without length parts nothing. */
+/* Does a triangle meet the cube around 0 with half-edge h?  Their bounds meet,
+ * so what is left to test are the triangle's plane and nine cross products of
+ * edges.  The pads bound the rounding of an edge, relative to |v|, and of the
+ * products, so that no sliver is lost.  An axis of length 0
+ * separates nothing. */
 static bool
 triangle_meets_cube(const double v[3][3], double h)
 {
@@ -266,13 +266,13 @@ triangle_meets_cube(const double v[3][3], double h)
            !edge_parts(e[2], v[2], v[1], h, pad);
 }
 
-/* Polygons of more vertices than this are not clipped: their bounds and their
- * plane decide. */
+/* Polygons with more vertices are not clipped, and only their bounds and their
+ * plane are tested. */
 #define MAX_CLIPPED 32
-/* each of six planes adds at most one vertex per two edges */
+/* Each of six planes adds at most one vertex per two edges. */
 #define MAX_VERTICES (MAX_CLIPPED * 12)
 
-/* Keep what lies at side * v[axis] <= h. */
+/* Clip a loop to side * v[axis] <= h; returns the number of vertices. */
 static int
 clip_loop(double out[][3], const double in[][3], int n, int axis, double side,
           double h)
@@ -336,8 +336,7 @@ polygon_meets_cube(const struct rad_object *o, const double centre[3], double h)
     return loop_meets_cube(v, n, h);
 }
 
-/* --- curved surfaces
- * ---------------------------------------------------------- */
+/* --- curved surfaces --- */
 
 static bool
 sphere_meets_cube(const struct rad_object *o, const double centre[3], double h)
@@ -354,7 +353,7 @@ sphere_meets_cube(const struct rad_object *o, const double centre[3], double h)
     return near <= r2 && far >= r2;
 }
 
-/* Distance of p from the surface. */
+/* The distance of p from the surface. */
 static double
 generator_distance(const struct generator *g, const double p[3])
 {
@@ -371,7 +370,8 @@ generator_distance(const struct generator *g, const double p[3])
     return sqrt(a * a + b * b);
 }
 
-/* The balls within and around the cube decide, or its eight parts. */
+/* Test the balls inside and around the cube, then the same for its eight parts,
+ * to the given depth. */
 static bool
 generator_meets_cube(const struct generator *g, const double centre[3],
                      double h, double slack, int depth)
@@ -395,10 +395,10 @@ generator_meets_cube(const struct generator *g, const double centre[3],
     return false;
 }
 
-/* --- copies
- * ------------------------------------------------------------------ */
+/* --- copies --- */
 
-/* Do the shadows on the axis part them?  d is from the cube to the copy. */
+/* Do the projections on the axis separate the cube from the copy?  d is the
+ * vector from the cube's middle to the copy's. */
 static bool
 axis_parts(const double axis[3], const double d[3], const struct turned *t,
            double h)
@@ -410,8 +410,8 @@ axis_parts(const double axis[3], const double d[3], const struct turned *t,
     return fabs(rad_dot(axis, d)) > reach * (1 + 1e-10);
 }
 
-/* The bounds are known to meet: left are the copy's axes, and those across an
- * edge of each. */
+/* The bounds meet, so what is left to test are the copy's axes, and the cross
+ * products of an edge of each. */
 static bool
 copy_meets_cube(const struct rad_object *o, const double centre[3], double h)
 {
@@ -427,7 +427,7 @@ copy_meets_cube(const struct rad_object *o, const double centre[3], double h)
             return false;
         for (int k = 0; k < 3; k++) {
             rad_cross(axis, t.axis[i], edge[k]);
-            /* nearly along each other: the edges themselves decide */
+            /* nearly parallel edges: other axes decide */
             if (rad_dot(axis, axis) > 1e-12 && axis_parts(axis, d, &t, h))
                 return false;
         }
@@ -476,7 +476,7 @@ bits_of(v4i v)
 #endif
 }
 
-/* The parts by the bounds alone. */
+/* The parts that the bounds meet. */
 static uint8_t
 parts_by_bounds(const struct rad_extent *e, const double centre[3])
 {
@@ -501,16 +501,16 @@ is_within_cube(const struct rad_extent *e, const double centre[3], double half)
     return true;
 }
 
-/* A triangle may be so much larger than a part for the test below. */
+/* triangle_parts() serves triangles up to so many times a part's half-edge. */
 #define MOST_TIMES 256
-/* What rounding to float does to a product of numbers up to 1, some 16 times:
- * it must not lose a sliver. */
+/* Bounds the rounding to float of a product of numbers up to 1, some 16 times
+ * over, so that no sliver is lost. */
 #define FLOAT_PAD 2e-6f
 
 /* The tests of triangle_meets_cube() for the eight parts at once, in float,
- * with all numbers scaled to 1 at most.  Around the cube's middle: a part's is
- * at +-h along each axis, and what that adds to a shadow is the same for all
- * corners. */
+ * with all numbers scaled to at most 1.  Coordinates are relative to the middle
+ * of the cube, and a part's middle is at +-h along each axis; this adds the
+ * same to the projections of all corners. */
 static uint8_t
 triangle_parts(const double vertex[3][3], double half, double size,
                double slack)
@@ -518,7 +518,7 @@ triangle_parts(const double vertex[3][3], double half, double size,
     static const v4f even = { -1, 1, -1, 1 }, pair = { -1, -1, 1, 1 };
     const float h = (float)(half / size), wide = h + (float)(slack / size);
     float v[3][3], e[3][3], n[3], d, r;
-    v4i low = { 0 }, high = { 0 }; /* of z: which parts are apart from it? */
+    v4i low = { 0 }, high = { 0 }; /* parts of low and high z that are apart */
     v4f s, t;
 
     for (int k = 0; k < 3; k++)
@@ -537,7 +537,8 @@ triangle_parts(const double vertex[3][3], double half, double size,
     s = even * (h * n[0]) + pair * (h * n[1]);
     low |= (s > d + h * n[2] + r) | (s < d + h * n[2] - r);
     high |= (s > d - h * n[2] + r) | (s < d - h * n[2] - r);
-    for (int k = 0; k < 3; k++) { /* edge, its beginning, the corner opposite */
+    for (int k = 0; k < 3; k++) { /* f: edge, a: its begin, b: opposite
+                                   * corner */
         const float *f = e[k], *a = v[k], *b = v[k == 0 ? 2 : k - 1];
 
         for (int i = 0; i < 3; i++) {
@@ -570,8 +571,8 @@ triangle_parts(const double vertex[3][3], double half, double size,
     return (uint8_t) ~(bits_of(low) | bits_of(high) << 4);
 }
 
-/* The vertices of a triangle around the middle of a cube with half-edge h, and
- * the largest of them and h; 0: no triangle. */
+/* Get the vertices of a triangle relative to the middle of a cube with
+ * half-edge h; returns the largest coordinate, or h.  0: o is no triangle. */
 static double
 get_triangle(double v[3][3], const struct rad_object *o, const double centre[3],
              double h)
@@ -598,7 +599,7 @@ rad_overlaps_parts(const struct rad_object *o, const struct rad_extent *e,
 
     if (one == 0)
         return met;
-    /* two parts, and nothing of it outside: it is in both */
+    /* two parts, and it lies within the cube: it is in both */
     if ((one & (one - 1)) == 0 && is_within_cube(e, centre, half))
         return met;
     size = get_triangle(v, o, centre, half / 2);

@@ -1,9 +1,9 @@
 /* part.c - see part.h
  *
- * The scene's array is gone through once; parts that are read on the way append
- * theirs, which are gone through in turn.  A part is found by its name: many
- * objects that follow each other name the same, so the last one is tried
- * first. */
+ * The scene's array is gone through once.  A part that is read on the way
+ * appends its objects, which are gone through before the next object.  Parts
+ * are found by name, the last one found first, since objects that follow each
+ * other often name the same file. */
 #include "config.h"
 
 #include "base/list.h"
@@ -20,12 +20,12 @@ struct including {
     const struct rad_files *files;
     void (*each)(void *arg, const struct rad_error *err);
     void *arg;
-    struct rad_error *err; /* the first */
+    struct rad_error *err; /* gets the first error */
     int rc;                /* its code */
-    struct rad_part *last; /* found */
+    struct rad_part *last; /* the part found last */
 };
 
-/* Note what is wrong with object i. */
+/* Report an error of object i. */
 static void
 report(struct including *in, int32_t i, const struct rad_error *why)
 {
@@ -75,7 +75,7 @@ add_part(struct rad_scene *s, const struct rad_object *o, struct rad_error *err)
         rad_fail(err, RAD_ENOMEM, "out of memory");
         return NULL;
     }
-    p->name = o->strings[0]; /* lives as long */
+    p->name = o->strings[0]; /* it lives in the same arena */
     p->type = o->type;
     p->first = s->nobjects;
     p->index = n;
@@ -103,7 +103,7 @@ read_bytes(struct rad_scene *s, struct rad_part *p, const void *bytes,
 static void include_range(struct including *in, int32_t first, int32_t end,
                           int level, int *depth);
 
-/* Read a part and what it holds copies of. */
+/* Read a part and the parts within it. */
 static int
 read_part(struct including *in, struct rad_part *p, int level,
           struct rad_error *err)
@@ -133,7 +133,7 @@ read_part(struct including *in, struct rad_part *p, int level,
     return 0;
 }
 
-/* The part that object i names. */
+/* The part that object i names, read if need be. */
 static struct rad_part *
 get_part(struct including *in, int32_t i, int level, struct rad_error *err)
 {
@@ -143,7 +143,7 @@ get_part(struct including *in, int32_t i, int level, struct rad_error *err)
     if (!p) {
         p = add_part(in->scene, o, err);
         if (p && read_part(in, p, level, err))
-            p->failed = true; /* told once, not for every object */
+            p->failed = true; /* report it once, not for every object */
         if (!p || p->failed)
             return NULL;
     }
@@ -153,7 +153,8 @@ get_part(struct including *in, int32_t i, int level, struct rad_error *err)
     return NULL;
 }
 
-/* Set what object i is a copy of, and make *depth at least what that takes. */
+/* Set what object i is a copy of; *depth becomes at least the depth of a part
+ * that holds it. */
 static int
 include(struct including *in, int32_t i, int level, int *depth,
         struct rad_error *err)

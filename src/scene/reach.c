@@ -1,4 +1,4 @@
-/* reach.c - what of a scene its surfaces use; see scene.h */
+/* reach.c - which objects a scene's surfaces use; see scene.h */
 #include "config.h"
 
 #include "scene/part.h"
@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Which strings of an object name modifiers: bits. */
+/* Which strings of an object name modifiers, as bits. */
 static unsigned
 named_strings(const struct rad_object *o)
 {
@@ -14,7 +14,7 @@ named_strings(const struct rad_object *o)
     case RAD_ALIAS:
     case RAD_ILLUM:
     case RAD_MIRROR:
-    case RAD_ANTIMATTER: /* of the others only the name counts */
+    case RAD_ANTIMATTER: /* its further strings are compared as names only */
         return 1;
     case RAD_MIXFUNC:
     case RAD_MIXDATA:
@@ -28,8 +28,8 @@ named_strings(const struct rad_object *o)
     }
 }
 
-/* Mark the parts that those of n objects from the first on are copies of with
- * modifiers of their own. */
+/* Mark the parts that objects [first, first + n) are copies of without a
+ * modifier that would replace those of the part. */
 static void
 bare(const struct rad_scene *s, int32_t first, int32_t n, uint8_t *parts)
 {
@@ -41,8 +41,9 @@ bare(const struct rad_scene *s, int32_t first, int32_t n, uint8_t *parts)
     }
 }
 
-/* By part: is there a copy of it whose surfaces have their own modifiers?  A
- * part holds only such as are less deep.  malloc'd; NULL: out of memory. */
+/* By part: is there a copy of it in which surfaces keep their own modifiers?
+ * One pass by depth is enough, since a part holds only parts of lesser depth.
+ * malloc'd; NULL: memory is out. */
 static uint8_t *
 bare_parts(const struct rad_scene *s)
 {
@@ -67,7 +68,7 @@ reach_surfaces(const struct rad_scene *s, int32_t first, int32_t n,
             reached[i] = 1;
 }
 
-/* An object refers to lower indices only, so one pass downwards finds all. */
+/* An object refers only to objects before it, so a pass downwards is enough. */
 void
 rad_scene_reach(const struct rad_scene *s, uint8_t *reached)
 {
@@ -76,7 +77,7 @@ rad_scene_reach(const struct rad_scene *s, uint8_t *reached)
     memset(reached, 0, (size_t)s->nobjects);
     reach_surfaces(s, 0, rad_scene_own(s), reached);
     for (int32_t i = 0; i < s->nparts; i++)
-        if (!parts || parts[i]) /* out of memory: all there are */
+        if (!parts || parts[i]) /* if memory is out, every part */
             reach_surfaces(s, s->parts[i]->first, s->parts[i]->n, reached);
     free(parts);
     for (int32_t i = s->nobjects; i-- > 0;) {
@@ -124,17 +125,17 @@ rad_scene_needs(const struct rad_scene *s, bool needs[RAD_NOTYPES])
     if (reached)
         rad_scene_reach(s, reached);
     for (int32_t i = 0; i < s->nobjects; i++)
-        if (!reached || reached[i] || /* out of memory: all there are */
+        if (!reached || reached[i] || /* if memory is out, every type */
             rad_otype_class(s->objects[i].type) == RAD_CLASS_SURFACE)
             needs[s->objects[i].type] = true;
     free(reached);
 }
 
-/* Which strings of a type name files. */
+/* Which strings of a type name files: the function file, and n others. */
 static const struct {
     enum rad_otype type;
     int function; /* the function file, or -1 */
-    int first, n; /* others */
+    int first, n; /* the others */
 } named_files[] = {
     { RAD_BRIGHTTEXT, -1, 0, 2 }, /* the font and the text */
     { RAD_COLORTEXT, -1, 0, 2 },  { RAD_MIXTEXT, -1, 2, 2 },
@@ -155,7 +156,8 @@ static const struct {
     { RAD_BSDF, 5, 1, 1 },        { RAD_ABSDF, 4, 0, 1 },
 };
 
-/* Is the text of a text type in the object itself, behind the font? */
+/* Is string `at` the first word of a text that follows in the object itself,
+ * instead of the name of a file? */
 static bool
 is_own_text(const struct rad_object *o, int at)
 {
@@ -170,7 +172,7 @@ is_own_text(const struct rad_object *o, int at)
     }
 }
 
-/* String `at`, if it names a file; "." stands for no function file. */
+/* String `at` if it names a file.  For a function file "." means none. */
 static const char *
 file_at(const struct rad_object *o, int at, bool function)
 {

@@ -1,9 +1,9 @@
 /* scene.c - see scene.h
  *
- * Objects are an array on the heap, what they point to lies in the arena, name
- * and arguments of one object side by side.  Modifiers are found by name in a
- * hash table with open addressing; an entry keeps all definitions of its name
- * in order, so that "the last one before" is a binary search. */
+ * Objects are an array on the heap.  Name and arguments of an object lie side
+ * by side in the arena.  Modifiers are found by name in a hash table with open
+ * addressing.  An entry keeps all definitions of its name in order, so that
+ * "the last one before" is found by binary search. */
 #include "config.h"
 
 #include "scene/scene.h"
@@ -83,8 +83,8 @@ rad_scene_add_file(struct rad_scene *s, const char *name, struct rad_error *err)
     return s->nfiles++;
 }
 
-/* Room for one more object.  What doubling takes too much is never touched,
- * so it costs addresses, not memory. */
+/* Make room for one more object.  Memory that doubling reserves but does not
+ * use is never touched, so it costs only address space. */
 static int
 reserve_object(struct rad_scene *s, struct rad_error *err)
 {
@@ -104,7 +104,7 @@ reserve_object(struct rad_scene *s, struct rad_error *err)
     return 0;
 }
 
-/* FNV-1a, mixed once more: the table uses its low bits. */
+/* FNV-1a, with its high half mixed in, since the table uses the low bits. */
 static uint64_t
 hash_name(const char *name)
 {
@@ -115,7 +115,7 @@ hash_name(const char *name)
     return h ^ h >> 32;
 }
 
-/* The entry of name, or the free one where it would go; size is not 0. */
+/* The entry of a name, or the free one where it would go; t->size is not 0. */
 static struct name_entry *
 find_entry(const struct rad_names *t, const char *name, uint64_t hash)
 {
@@ -147,7 +147,7 @@ grow_names(struct rad_names *t, struct rad_error *err)
     return 0;
 }
 
-/* How many of a definition's first strings name modifiers. */
+/* How many of a modifier's first strings name modifiers. */
 static int32_t
 reference_count(const struct rad_object *o)
 {
@@ -168,8 +168,8 @@ reference_count(const struct rad_object *o)
     }
 }
 
-/* Equal to 1e-6 of the second, as Radiance compares definitions: what was
- * written with six digits and read again is still the same. */
+/* Is a equal to b, to 1e-6 of b?  Radiance compares definitions so: a number
+ * that was written with six digits and read again is still the same. */
 static bool
 same_real(double a, double b)
 {
@@ -193,8 +193,9 @@ same_arguments(const struct rad_object *a, const struct rad_object *b)
     return true;
 }
 
-/* Do objects a and b mean the same?  References are compared by what they
- * lead to; beyond `depth` they count as different, which is safe. */
+/* Do objects a and b mean the same?  References are compared by the definitions
+ * that they lead to; nested beyond `depth` they count as different, which is
+ * always safe. */
 static bool
 same_definition(const struct rad_scene *s, int32_t a, int32_t b, int depth)
 {
@@ -215,7 +216,7 @@ same_definition(const struct rad_scene *s, int32_t a, int32_t b, int depth)
     return true;
 }
 
-/* Enter object `index`, a modifier. */
+/* Enter object `index`, a modifier, in the index of names. */
 static int
 index_name(struct rad_scene *s, int32_t index, struct rad_error *err)
 {
@@ -247,7 +248,7 @@ index_name(struct rad_scene *s, int32_t index, struct rad_error *err)
     return 0;
 }
 
-/* Copy name and arguments of *src into the arena, and their places to *dst. */
+/* Copy the name and arguments of *src into the arena; *dst points to them. */
 static int
 copy_arguments(struct rad_scene *s, struct rad_object *dst,
                const struct rad_object *src, struct rad_error *err)
@@ -333,7 +334,7 @@ rad_scene_find_modifier(const struct rad_scene *s, const char *name,
     hi = e->name ? e->ndefs : 0;
     if (hi && e->defs[hi - 1] < before)
         return e->defs[hi - 1];
-    while (lo < hi) { /* how many definitions lie before? */
+    while (lo < hi) { /* how many definitions come before? */
         int32_t mid = lo + (hi - lo) / 2;
 
         if (e->defs[mid] < before)
