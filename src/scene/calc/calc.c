@@ -1,8 +1,8 @@
-/* calc.c - programs of functions: their names, and the code they become
+/* calc.c - programs of functions: names, and the code of definitions
  *
- * A reference is bound when it is read: to the context's own symbol if there is
- * one by then, else to the global one, else to a library function, else to a
- * new symbol of the context, which a later definition may fill. */
+ * A reference is bound when it is read: to the symbol of its own context if
+ * there is one by then, else to the global symbol, else to a library function,
+ * else to a new symbol of the context, which a later definition may fill. */
 #include "config.h"
 
 #include "scene/calc/calcimpl.h"
@@ -23,7 +23,7 @@ no_memory(struct rad_error *err)
     return rad_fail(err, RAD_ENOMEM, "out of memory for functions");
 }
 
-/* Make room for one more element behind n. */
+/* Make room for one more element after n. */
 static bool
 reserve(void *array, int32_t n, int32_t *size, size_t each)
 {
@@ -118,8 +118,8 @@ insert(struct rad_calc *c, const char *name, struct rad_error *err)
     return c->nsymbol++;
 }
 
-/* A context may hold several levels, `a`b: all of them, without the first,
- * and so on are looked at. */
+/* A context may have several levels, `a`b.  A name is looked for with all of
+ * them, then without the first, and so on. */
 int32_t
 rad_calc_symbol(struct rad_calc *c, const char *context, const char *name,
                 bool defined, struct rad_error *err)
@@ -206,11 +206,11 @@ struct emitter {
     struct rad_calc *c;
     struct rad_error *err;
     int rc;
-    bool shares; /* calls their values, with all that are like them */
+    bool shares; /* calls share their values with equal calls */
 };
 
-/* Append an instruction; returns where it is (0 after a failure, which is
- * noted). */
+/* Append an instruction; returns its index, or 0 after a failure, which is in
+ * m->rc. */
 static int32_t
 put(struct emitter *m, enum op op, int n, int32_t a)
 {
@@ -228,7 +228,7 @@ put(struct emitter *m, enum op op, int n, int32_t a)
     return c->ncode++;
 }
 
-/* Let the instruction at pc point to what comes next. */
+/* Let the instruction at pc point to the next one to be put. */
 static void
 land(struct emitter *m, int32_t pc)
 {
@@ -268,7 +268,7 @@ put_if(struct emitter *m, const struct node *cond)
     land(m, jump);
 }
 
-/* The jumps behind the choices are one chain until its end is known. */
+/* The jumps at the ends of the choices are chained until the end is known. */
 static void
 put_select(struct emitter *m, const struct node *which, int n)
 {
@@ -293,8 +293,8 @@ put_select(struct emitter *m, const struct node *which, int n)
     land(m, select);
 }
 
-/* The first argument, then the others from the last on: so the last fault that
- * is dropped is the one that Radiance drops. */
+/* Evaluate the first argument, then the others from the last one down, so that
+ * the same faults are dropped as in Radiance. */
 static void
 put_extreme(struct emitter *m, int id, const struct node *call)
 {
@@ -337,7 +337,7 @@ put_library(struct emitter *m, int id, const struct node *call)
         put_node(m, kid);
         put(m, OP_LIBRARY, 2, id);
         break;
-    default: /* what is too much is not evaluated */
+    default: /* further arguments are not evaluated */
         for (int i = 0; i < lib->nargs; i++, kid = kid->next)
             put_node(m, kid);
         put(m, OP_LIBRARY, lib->nargs, id);
@@ -388,7 +388,7 @@ put_call(struct emitter *m, const struct node *call)
     land(m, resume);
 }
 
-/* A sum or product of which one side is a number; false: it is none. */
+/* A sum, difference or product with a number on one side; false: it is none. */
 static bool
 put_with_number(struct emitter *m, const struct node *n)
 {
@@ -409,15 +409,15 @@ put_with_number(struct emitter *m, const struct node *n)
     return true;
 }
 
-/* Of a power and of atan2() the second value is found first, as in Radiance's
- * programs: a fault in it is dropped by what the first value calls. */
+/* The second value of a power, as of atan2(), is evaluated first, as in
+ * Radiance's programs: library calls in the first value drop its faults. */
 static void
 put_binary(struct emitter *m, const struct node *n)
 {
     const struct node *a = n->kid, *b = a->next;
     int32_t divisor;
 
-    if (n->op == '/') { /* what is over 0 is not evaluated */
+    if (n->op == '/') { /* a dividend over 0 is not evaluated */
         put_node(m, b);
         divisor = put(m, OP_DIVISOR, 0, 0);
         put_node(m, a);
@@ -504,7 +504,7 @@ rad_calc_emit_shared(struct rad_calc *c, const struct node *n,
     return emit(&m, n);
 }
 
-/* Does a call of this symbol depend on its arguments alone? */
+/* Does a call of this symbol depend on nothing but its arguments? */
 static bool
 is_constant(const struct symbol *s)
 {
@@ -513,7 +513,7 @@ is_constant(const struct symbol *s)
     return s->kind == SYM_FUNCTION && s->constant;
 }
 
-/* May a node with such a kid be a number, too? */
+/* Is the kid constant, so that its parent may be a number? */
 static bool
 is_settled(const struct rad_calc *c, const struct node *parent,
            const struct node *kid)
@@ -554,7 +554,7 @@ rad_calc_fold(struct rad_calc *c, struct node *n)
         *n = (struct node){ .type = N_NUMBER, .number = v, .literal = literal };
 }
 
-/* Let a library function be called by its name through a parameter. */
+/* Give a library function code, so that a parameter can stand for it. */
 static int
 make_callable(struct rad_calc *c, int id, struct rad_error *err)
 {

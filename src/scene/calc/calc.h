@@ -1,22 +1,23 @@
 /* calc.h - the function language of .cal files
  *
- * A program holds definitions: variables (x = ...), functions (f(a,b) = ...),
- * constants (with : for =), each in a context, which is named after the file
- * that it was read from.  A name is looked for in the context where it is used,
- * then globally; `name is the context's own, name` the global one.  The global
- * definitions are those that Radiance's renderers have before any file is read
- * (Dx, Px, T, A1, PI, noise3, hermite, ...): rad_calc_new() makes them.
- * Everything is compiled as it is read, into code for a small stack machine;
- * arguments of functions are evaluated at most once, and only if used.
+ * A program holds definitions: variables (x = ...), functions (f(a,b) = ...)
+ * and constants (with : for =).  Each belongs to a context, which is named
+ * after the file that it was read from.  A name is looked for in the context
+ * where it is used, then globally; `name is always the context's own, name` the
+ * global one.  rad_calc_new() makes the global definitions: those that
+ * Radiance's renderers have before any file is read (Dx, Px, T, A1, PI, noise3,
+ * hermite, ...).  Definitions are compiled as they are read, into code for a
+ * small stack machine.  Arguments of functions are evaluated at most once, and
+ * only if used.
  *
- * Arithmetic that goes wrong (log(0), 1/0, sqrt(-1)) counts as 0, and marks the
- * evaluation as faulty; the mark is carried and dropped as in Radiance: a call
- * of a library function or a power drops what came before it, and is itself 0
- * if its arguments were faulty.
- * Limits: RAD_MAX_CALC_* below; what is beyond one is an error when read, and
- * ends the evaluation with 0 when run.
- * Thread: a program is read-only once all is read, and serves any number of
- * threads; each has a rad_calc_env.
+ * Arithmetic that goes wrong (log(0), 1/0, sqrt(-1)) gives 0 and marks the
+ * evaluation as faulty.  The mark is kept and dropped as in Radiance: a call of
+ * a library function or a power drops marks from before it, and is 0 itself if
+ * its arguments were faulty.
+ * Limits: RAD_MAX_CALC_* below.  A file beyond one is an error when it is read;
+ * an evaluation beyond one ends with 0.
+ * Thread: a program is read-only once all files are read, and serves any number
+ * of threads, each with a rad_calc_env of its own.
  * Source: Radiance's reference manual, "Function files". */
 #ifndef RAD_SCENE_CALC_H
 #define RAD_SCENE_CALC_H
@@ -34,8 +35,9 @@
 #define RAD_MAX_CALC_DEPTH   4096      /* of calls under way */
 #define RAD_MAX_CALC_STEPS   10000000  /* of one evaluation */
 
-/* Channels that a file may name, $1 to $27, and those behind them, which only
- * the variables of materials stand for (enum rad_calc_offer). */
+/* Channels, the values that a ray gives to functions.  Files may name $1 to
+ * $27; the others are only reached by variables of some materials (enum
+ * rad_calc_offer). */
 enum {
     RAD_CALC_NPUBLIC = 27,
     RAD_CALC_NORMAL = RAD_CALC_NPUBLIC,   /* NxP NyP NzP RdotP */
@@ -44,7 +46,7 @@ enum {
     RAD_CALC_NCHANNELS = RAD_CALC_AIM + 3
 };
 
-/* Variables that not everything has which holds expressions. */
+/* Groups of variables that only some materials have. */
 enum rad_calc_offer {
     RAD_CALC_OFFER_NORMAL = 1,
     RAD_CALC_OFFER_COLOR = 2,
@@ -54,7 +56,7 @@ enum rad_calc_offer {
 struct rad_calc;
 struct rad_calc_env;
 
-/* What went wrong in an evaluation, the mildest first. */
+/* What went wrong in an evaluation, from mild to severe. */
 enum rad_calc_fault {
     RAD_CALC_SOUND,
     RAD_CALC_MATH,       /* domain or range error, division by zero */
@@ -65,7 +67,7 @@ enum rad_calc_fault {
     RAD_CALC_STEPS
 };
 
-/* What an evaluation takes from outside. */
+/* Inputs of an evaluation. */
 struct rad_calc_input {
     const double *channel; /* $1 at [0]; RAD_CALC_NCHANNELS, or NULL */
     const double *args;    /* arg(1) at [0] */
@@ -75,12 +77,12 @@ struct rad_calc_input {
 struct rad_calc *rad_calc_new(struct rad_error *err);
 void rad_calc_free(struct rad_calc *c);
 
-/* The context of a file: its name without .cal, and _ for what a name may not
- * hold; "" for ".".  Returns an index >= 0 that stands for it, or a code. */
+/* The context of a file: its name without .cal, with _ for each character that
+ * a name may not have; "" for ".".  Returns its index >= 0, or a code. */
 int rad_calc_context(struct rad_calc *c, const char *file,
                      struct rad_error *err);
 
-/* Has a file been read into it?  rad_calc_read() sets this. */
+/* Has a file been read into the context by rad_calc_read()? */
 int rad_calc_loaded(const struct rad_calc *c, int context);
 
 /* Read the definitions of a file; name is for messages.  RAD_EDATA with
@@ -88,44 +90,45 @@ int rad_calc_loaded(const struct rad_calc *c, int context);
 int rad_calc_read(struct rad_calc *c, int context, const char *name,
                   const char *text, size_t len, struct rad_error *err);
 
-/* What the expressions and calls compiled from here on may use:
- * RAD_CALC_OFFER_* together.  To others these variables are not defined. */
+/* Set which groups of variables (RAD_CALC_OFFER_*, or'ed) the expressions and
+ * calls compiled from now on may use.  Other groups are undefined for them. */
 void rad_calc_offer(struct rad_calc *c, unsigned offer);
 
-/* Compile an expression.  Everything that it can reach must be defined by now:
- * err->where is the place of a definition that lacks something, or empty.
+/* Compile an expression.  All that it can reach must be defined by now; if not,
+ * err->where is the place of the definition that lacks something, or empty.
  * Returns its index >= 0 or a negative code. */
 int rad_calc_expression(struct rad_calc *c, int context, const char *text,
                         struct rad_error *err);
 
-/* How many parameters the function of that name has where it is used in this
+/* The number of parameters of the function of that name, if used in this
  * context; 0 if there is no such function, or a code. */
 int rad_calc_params(struct rad_calc *c, int context, const char *name,
                     struct rad_error *err);
 
-/* Compile a call of the function of that name with n values that will be given
- * to rad_calc_call(), up to RAD_MAX_CALC_ARGS; those beyond its parameters are
- * not used.  As rad_calc_expression(). */
+/* Compile a call of the function of that name with n arguments, up to
+ * RAD_MAX_CALC_ARGS, which rad_calc_call() gets later; those beyond its
+ * parameters are not used.  Returns as rad_calc_expression(). */
 int rad_calc_function(struct rad_calc *c, int context, const char *name, int n,
                       struct rad_error *err);
 
-/* Is the expression a number?  Sets *value if so. */
+/* Is the expression just a number?  Sets *value if so. */
 bool rad_calc_number(const struct rad_calc *c, int expression, double *value);
 
-/* Which channels may what was compiled last read?  Bit 0 for $1. */
+/* The channels that the expression compiled last may read; bit 0 is $1. */
 uint64_t rad_calc_channels(const struct rad_calc *c, int expression);
 
-/* What an expression needs whatever the ray is: beyond what if(), select() and
- * a divisor of 0 may leave out.  Where nothing is known (no memory, too long to
- * look through) it needs nothing. */
+/* What every evaluation of an expression needs, whatever the ray: code that
+ * if(), select() or a divisor of 0 may leave out does not count.  If memory is
+ * out or the code is too long to follow, no need is found. */
 struct rad_calc_need {
-    int reals;            /* arg(reals) is asked for, and none beyond it */
-    const char *function; /* one that asks for an argument it is not given */
+    int reals;            /* the highest n for which arg(n) is asked for */
+    const char *function; /* one that asks for an argument that its call does
+                           * not have; NULL: none */
 };
 void rad_calc_needs(const struct rad_calc *c, int expression,
                     struct rad_calc_need *need);
 
-/* All of that of an expression. */
+/* An expression and what is known of it. */
 struct rad_calc_compiled {
     int code; /* its index */
     bool is_number;
@@ -134,30 +137,31 @@ struct rad_calc_compiled {
     struct rad_calc_need need;
 };
 
-/* rad_calc_expression(), and what the three above say of it; an expression that
- * was compiled before, in the same context and with the same on offer, is not
- * compiled again. */
+/* Compile an expression, and find what the three functions above tell.  An
+ * expression that was compiled before, in the same context and with the same
+ * groups on offer, is not compiled again. */
 int rad_calc_compile(struct rad_calc *c, int context, const char *text,
                      struct rad_calc_compiled *out, struct rad_error *err);
 
-/* An evaluator for programs of this size; NULL: out of memory. */
+/* An evaluator for programs of this size; NULL: memory is out. */
 struct rad_calc_env *rad_calc_env_new(const struct rad_calc *c);
 void rad_calc_env_free(struct rad_calc_env *env);
 
-/* Start anew: variables will be evaluated again.  in is kept. */
+/* Begin with new inputs: variables will be evaluated again.  *in is copied, the
+ * arrays that it points to are not. */
 void rad_calc_begin(struct rad_calc_env *env, const struct rad_calc_input *in);
 
-/* Is that what was last begun with, with these channels? */
+/* Was the evaluator last begun with these arrays? */
 bool rad_calc_is_begun(const struct rad_calc_env *env,
                        const struct rad_calc_input *in);
 
-/* The value of an expression.  *fault is set to what is still wrong at its
- * end; the value is 0 then for all but RAD_CALC_MATH. */
+/* The value of an expression.  *fault is the fault that is left at its end; for
+ * all but RAD_CALC_MATH the value is 0 then. */
 double rad_calc_eval(const struct rad_calc *c, int expression,
                      struct rad_calc_env *env, enum rad_calc_fault *fault);
 
-/* The value of a function for as many values as it was compiled for; what
- * rad_calc_begin() started with holds. */
+/* The value of a function for as many arguments as it was compiled for, with
+ * the inputs of rad_calc_begin(). */
 double rad_calc_call(const struct rad_calc *c, int function,
                      const double value[], struct rad_calc_env *env,
                      enum rad_calc_fault *fault);

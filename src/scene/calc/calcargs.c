@@ -1,19 +1,19 @@
-/* calcargs.c - what an expression needs whatever the ray
+/* calcargs.c - what every evaluation of an expression needs
  *
- * Code is followed as the machine (calceval.c) would run it, but past what it
- * may leave out: both sides of if(), the choices of select(), what is over a
- * divisor, and arguments of functions until they are asked for.  What is met on
- * this way is always evaluated. */
+ * Code is followed in the order in which the machine (calceval.c) runs it.
+ * What the machine may leave out is skipped: both sides of if(), the choices of
+ * select(), dividends, and arguments of functions until they are used.  So all
+ * code that is passed is always evaluated. */
 #include "config.h"
 
 #include "scene/calc/calcimpl.h"
 
 #include <stdlib.h>
 
-#define MOST_STEPS 100000 /* beyond them nothing is found */
-#define MOST_DEPTH 200    /* of calls and variables */
+#define MOST_STEPS 100000 /* the search ends after so many */
+#define MOST_DEPTH 200    /* of nested calls and variables */
 
-/* A call whose function is being followed. */
+/* A call whose function is followed. */
 struct frame {
     int32_t at; /* its code */
     const struct frame *parent;
@@ -21,7 +21,7 @@ struct frame {
 
 struct search {
     const struct rad_calc *c;
-    uint8_t *seen; /* by symbol: each is followed once */
+    uint8_t *seen; /* by symbol: it is followed once */
     int32_t steps;
     int depth;
     struct rad_calc_need *need;
@@ -40,8 +40,8 @@ follow_symbol(struct search *s, int32_t sym, const struct frame *f)
     follow(s, to->code, f);
 }
 
-/* A parameter's argument is evaluated in the frame of the call; one that was
- * not given is missed. */
+/* An argument is evaluated in the frame of its call.  If the call does not have
+ * it, note the function. */
 static void
 follow_param(struct search *s, int32_t i, const struct frame *f)
 {
@@ -56,7 +56,7 @@ follow_param(struct search *s, int32_t i, const struct frame *f)
         s->need->function = s->c->symbol[call->a].name;
 }
 
-/* arg(n) of a number that stands right before it. */
+/* Note arg(n), if n is a number. */
 static void
 note_real(struct search *s, const struct ins *in)
 {
@@ -86,7 +86,7 @@ pass(struct search *s, int32_t pc, const struct frame *f)
     case OP_LIBRARY:
         note_real(s, in);
         break;
-    case OP_UNLESS: /* before the other side is a jump behind it */
+    case OP_UNLESS: /* the jump behind both sides is before the second one */
         return code[in->a - 1].a;
     case OP_DIVISOR:
     case OP_JUMP:

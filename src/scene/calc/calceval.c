@@ -1,10 +1,10 @@
 /* calceval.c - the machine that runs compiled functions
  *
- * Values lie on a stack.  A frame holds the arguments of a call: where their
- * code is, and the values of those that were needed.  What a piece of code
- * returns to lies on a third stack: an argument's value is kept in its frame,
- * a variable's until the next rad_calc_begin().  Nothing is allocated, and C's
- * own stack does not grow with the depth of calls. */
+ * Values are on a stack.  A frame holds the arguments of a call: where their
+ * code is, and the values of those that have been used.  A third stack holds
+ * the places to return to.  An argument's value is kept in its frame, a
+ * variable's until the next rad_calc_begin().  Nothing is allocated, and C's
+ * stack does not grow with the depth of calls. */
 #include "config.h"
 
 #include "scene/calc/calcimpl.h"
@@ -17,12 +17,12 @@
 
 #define MAX_VALUES    (4 * RAD_MAX_CALC_DEPTH)
 #define MAX_RETURNS   (4 * RAD_MAX_CALC_DEPTH)
-#define LARGEST_WHOLE 16 /* power that is multiplied out */
+#define LARGEST_WHOLE 16 /* largest power computed by multiplying */
 #define MAX_KEPT      (8 * RAD_MAX_CALC_DEPTH) /* arguments of all frames */
 
 struct frame {
     int32_t call;   /* the call's code */
-    int32_t parent; /* frame that its arguments run in, -1: none */
+    int32_t parent; /* frame in which its arguments are evaluated, or -1 */
     int32_t kept;   /* index of the first argument's value */
     uint32_t known; /* bit i: argument i has been evaluated */
 };
@@ -32,20 +32,20 @@ enum { BACK_END, BACK_CALL, BACK_PARAM, BACK_VARIABLE };
 struct back {
     const struct ins *at;
     int32_t frame;
-    int32_t what; /* parameter or symbol */
+    int32_t what; /* parameter or symbol that gets the value */
     int32_t kind; /* BACK_* */
 };
 
 struct rad_calc_env {
     struct rad_calc_input in;
-    const double *call_value; /* of rad_calc_call() */
+    const double *call_value; /* arguments of rad_calc_call() */
     struct prism_rays prism;
     uint64_t clock;
     struct value {
         uint64_t clock;
         double value;
     } * known;                             /* by symbol */
-    struct value same[RAD_CALC_MOST_SAME]; /* values of calls */
+    struct value same[RAD_CALC_MOST_SAME]; /* by class of equal calls */
     int32_t nknown;
     int32_t nframes, nbacks, nkept;
     double value[MAX_VALUES];
@@ -54,18 +54,18 @@ struct rad_calc_env {
     double kept[MAX_KEPT];
 };
 
-/* What it works on; a variable of rad_calc_run() and of functions that become
- * part of it, so that it can stay in registers. */
+/* State of a run.  It is local to rad_calc_run(), and all functions that use it
+ * are inlined, so that it can stay in registers. */
 struct machine {
     const struct rad_calc *c;
     struct rad_calc_env *e;
-    double *top;          /* behind the last value */
-    const struct ins *at; /* what is next */
-    int32_t frame;        /* whose parameters are meant, -1: none */
+    double *top;          /* after the last value */
+    const struct ins *at; /* the next instruction */
+    int32_t frame;        /* whose parameters OP_PARAM reads, or -1 */
     enum rad_calc_fault fault;
 };
 
-/* What is next when nothing can go on. */
+/* The next instruction after a fault that ends the run. */
 static const struct ins halt = { OP_HALT, 0, 0 };
 
 #define PART static inline __attribute__((always_inline))
@@ -128,14 +128,14 @@ push(struct machine *m, double v)
         *m->top++ = v;
 }
 
-/* Code never takes more than it put there. */
+/* Code never pops more than it pushed. */
 PART double
 pop(struct machine *m)
 {
     return *--m->top;
 }
 
-/* Go on at pc in a frame, and come back to where it is now. */
+/* Run the code at pc in a frame, and then return to here. */
 PART void
 enter(struct machine *m, int32_t pc, int32_t frame, int kind, int32_t what)
 {
@@ -168,8 +168,8 @@ push_value(struct machine *m, int32_t i)
         stop(m, RAD_CALC_NO_ARG);
 }
 
-/* What OP_CLEAR, the number n, arg() and OP_CHECK do; false: they would find a
- * fault. */
+/* Push arg(n), with the effects of OP_CLEAR and OP_CHECK; false: these would
+ * find a fault. */
 PART bool
 get_real(struct machine *m, int32_t n)
 {
@@ -182,7 +182,7 @@ get_real(struct machine *m, int32_t n)
     return true;
 }
 
-/* Variables are evaluated once. */
+/* Keep a variable's value: it is evaluated once. */
 PART void
 keep(struct machine *m, int32_t sym, double v)
 {
@@ -190,8 +190,8 @@ keep(struct machine *m, int32_t sym, double v)
         m->e->known[sym] = (struct value){ m->e->clock, v };
 }
 
-/* Another name of a channel or of a real argument, as most variables are, is
- * read without ado. */
+/* Most variables are another name of a channel or a real argument, and need no
+ * code to be run. */
 PART void
 get_variable(struct machine *m, int32_t sym)
 {
@@ -209,7 +209,7 @@ get_variable(struct machine *m, int32_t sym)
         stop(m, RAD_CALC_NAME);
 }
 
-/* A call that is like one which was made, all being sound then and now. */
+/* Use the value of an equal call, if it was sound and nothing is wrong now. */
 PART void
 get_shared(struct machine *m, const struct ins *in)
 {
@@ -230,7 +230,7 @@ share(struct machine *m, int32_t i)
         m->e->same[i] = (struct value){ m->e->clock, m->top[-1] };
 }
 
-/* Code of argument i of a frame, or -1. */
+/* The code of argument i of a frame, or -1. */
 PART int32_t
 argument(const struct machine *m, const struct frame *f, int32_t i)
 {
@@ -239,8 +239,8 @@ argument(const struct machine *m, const struct frame *f, int32_t i)
     return i < call->n ? call[1 + i].a : -1;
 }
 
-/* Argument i of f, if it is a number, a channel, a value or a parameter alone,
- * is read where it is, for there is nothing to be kept; false: it is more. */
+/* Push argument i of f if it is a single number, channel, value or parameter,
+ * which needs no code to be run and no value kept; false: it is more. */
 PART bool
 get_plain(struct machine *m, const struct frame *f, int32_t i)
 {
@@ -297,8 +297,8 @@ get_param(struct machine *m, int32_t i)
         enter(m, pc, f->parent, BACK_PARAM, i);
 }
 
-/* The symbol that a parameter names: its argument is a bare name, or a bare
- * parameter of the frame before, and so on. */
+/* The symbol of the function that a parameter names: its argument is a bare
+ * name, or a bare parameter of the parent frame, and so on. */
 PART int32_t
 named_function(const struct machine *m, int32_t param)
 {
@@ -317,7 +317,7 @@ named_function(const struct machine *m, int32_t param)
     return -1;
 }
 
-/* Call symbol sym. */
+/* Call symbol sym, of any kind but a variable. */
 PART void
 call(struct machine *m, const struct ins *in, int32_t sym)
 {
@@ -343,7 +343,7 @@ call(struct machine *m, const struct ins *in, int32_t sym)
     enter(m, s->code, e->nframes++, BACK_CALL, 0);
 }
 
-/* A piece is done, its value is on the stack.  False: so is all. */
+/* Return from code whose value is on the stack.  False: the run ends. */
 PART bool
 leave(struct machine *m)
 {
@@ -379,8 +379,9 @@ spoil(struct machine *m)
         m->fault = RAD_CALC_MATH;
 }
 
-/* Skies are full of small whole powers: a few products instead of a logarithm
- * and an exponential, as exact to some units in the last place. */
+/* Function files for skies have many small whole powers.  A few products are
+ * faster than a logarithm and an exponential, and as exact, but for some units
+ * in the last place. */
 static double
 power(double a, double b)
 {
@@ -395,7 +396,7 @@ power(double a, double b)
     return n < 0 ? 1 / product : product;
 }
 
-/* The stack's top says which: 0 how many there are, else that one. */
+/* select(): the stack's top is the choice; 0 asks for the number of choices. */
 PART void
 choose(struct machine *m, const struct ins *in)
 {
@@ -417,7 +418,8 @@ PART void
 library(struct machine *m, const struct ins *in)
 {
     struct rad_calc_env *e = m->e;
-    enum rad_calc_fault fault = m->fault; /* m itself has no address */
+    enum rad_calc_fault fault = m->fault; /* a copy: taking m's address would
+                                           * keep it out of registers */
     double *v = m->top - in->n;
 
     v[0] = in->a == LIB_PRISM
@@ -430,12 +432,12 @@ library(struct machine *m, const struct ins *in)
         m->fault = fault;
 }
 
-/* Two values become one. */
+/* Replace the top two values by one. */
 #define TWO(m, op) ((m)->top--, (m)->top[-1] op(m)->top[0])
-/* A value and the number of an instruction do. */
+/* Replace the top value by its result with the instruction's number. */
 #define ONE(m, op) ((m)->top[-1] op(m)->c->number[in->a])
 
-/* An instruction that decides what is next; false: it was the last. */
+/* Run an instruction that may change what is next; false: the run ends. */
 PART bool
 go_on(struct machine *m, const struct ins *in)
 {
@@ -471,13 +473,13 @@ go_on(struct machine *m, const struct ins *in)
         break;
     case OP_END:
         return leave(m);
-    default: /* OP_HALT; ARG_AT and RESUME are words of calls, and never next */
+    default: /* OP_HALT; ARG_AT and RESUME are data of calls, and are not run */
         return false;
     }
     return true;
 }
 
-/* One instruction; false: it was the last. */
+/* Run one instruction; false: the run ends. */
 PART bool
 step(struct machine *m, const struct ins *in)
 {

@@ -1,4 +1,4 @@
-/* calcimpl.h - what the parts of calc share (inside scene/calc only) */
+/* calcimpl.h - shared by the files of calc (inside scene/calc only) */
 #ifndef RAD_SCENE_CALCIMPL_H
 #define RAD_SCENE_CALCIMPL_H
 
@@ -19,42 +19,43 @@ struct symbol {
     uint64_t hash;
     enum kind kind;
     bool constant;
-    unsigned checked; /* CHECKED and the offer under which all that it leads to
-                       * is defined; 0: not looked at */
-    int32_t code;     /* of its definition, or of a library function's call */
-    int32_t end;      /* behind it */
-    int32_t library;  /* index of the function that it names, or -1 */
-    int32_t channel;  /* that a variable is another name of, or -1 */
-    int32_t real;     /* argument that it is another name of, or 0 */
+    unsigned checked; /* CHECKED and the offer with which all that it reaches is
+                       * defined; 0: not checked */
+    int32_t code;     /* of its definition, or of a call of a library
+                       * function */
+    int32_t end;      /* of that code */
+    int32_t library;  /* index of the library function of that name, or -1 */
+    int32_t channel;  /* for a variable like Dx=$1: the channel, or -1 */
+    int32_t real;     /* for a variable like A1=arg(1): the argument, or 0 */
     int32_t nparams;  /* of a function that a file defines */
-    const struct node *body; /* of one whose calls it may replace, or NULL */
+    const struct node *body; /* of a function that is inlined, or NULL */
     int32_t line;
     const char *file;
 };
 
 struct library {
     const char *name;
-    int nargs; /* at least; more only where variadic */
+    int nargs; /* at least so many; more only if variadic */
     bool variadic;
-    bool constant;  /* the same arguments give the same value */
-    unsigned offer; /* what it needs of RAD_CALC_OFFER_* */
+    bool constant;  /* the value depends on the arguments alone */
+    unsigned offer; /* RAD_CALC_OFFER_* that it needs */
 };
 extern const struct library rad_calc_library[];
 extern const int rad_calc_nlibrary;
 
-/* ids of those that the compiler treats by itself; the table's order */
+/* ids of functions with code of their own in the compiler; the table's order */
 enum { LIB_IF, LIB_SELECT, LIB_MIN, LIB_MAX, LIB_ATAN2, LIB_ARG, LIB_PRISM };
 
-/* Value of library function id; *fault may be set. */
+/* The value of library function id for arguments v; *fault may be set. */
 double rad_calc_library_value(int id, const double *v,
                               const struct rad_calc_input *in,
                               enum rad_calc_fault *fault);
 
-/* Rays that come out of a pane of prisms, the strongest first. */
+/* Rays that leave a pane of prisms, the strongest first. */
 #define MAX_PRISM_RAYS 64
 struct prism_rays {
-    uint64_t clock; /* of the evaluator, when they were found */
-    bool sound;     /* the arguments have a meaning */
+    uint64_t clock; /* the evaluator's, when the rays were found */
+    bool sound;     /* the pane's arguments make sense */
     int n;
     struct prism_ray {
         double v[3], energy;
@@ -62,7 +63,7 @@ struct prism_rays {
     } ray[MAX_PRISM_RAYS];
 };
 
-/* fprism_val(v[0], v[1], v[2]); finds the rays once for each time of the
+/* fprism_val(v[0], v[1], v[2]).  The rays are found once for each value of the
  * clock. */
 double rad_calc_prism(const double *v, const struct rad_calc_input *in,
                       uint64_t clock, struct prism_rays *out,
@@ -79,13 +80,13 @@ extern const char rad_calc_standard[];
 /* FNV-1a of a text. */
 uint64_t rad_calc_hash(const char *text);
 
-/* What names mean may change: forget what was compiled (calcmemo.c). */
+/* The meaning of names may change: forget compiled expressions (calcmemo.c). */
 void rad_calc_forget(struct rad_calc *c);
 
 /* A copy of a tree in the program's arena; NULL: memory is out. */
 struct node *rad_calc_copy(struct rad_calc *c, const struct node *n);
 
-/* The number that a call shares with all that are like it, or -1 where its
+/* The number of the class of equal calls that a call belongs to, or -1 if its
  * value is not kept (calcsame.c). */
 int32_t rad_calc_same(struct rad_calc *c, const struct node *call);
 
@@ -109,18 +110,17 @@ struct rad_calc {
     int32_t *slot; /* hash table of symbols, -1: free */
     int32_t nslot; /* a power of two */
     struct known *known[RAD_CALC_KNOWN_SLOTS];   /* lists, by hash */
-    const struct node *same[RAD_CALC_MOST_SAME]; /* calls, each once */
+    const struct node *same[RAD_CALC_MOST_SAME]; /* one call of each class */
     int32_t nsame;
     struct context *context;
     int32_t ncontext;
-    struct rad_calc_env *env; /* folds constants */
+    struct rad_calc_env *env; /* to evaluate constants */
     bool standard;            /* the global definitions are being read */
     unsigned offer;
 };
 
-/* Find or make the symbol that a name stands for in a context.  A name that is
- * defined (not only used) is the context's own.  Returns its index or a code.
- */
+/* Find or make the symbol that a name stands for in a context.  If it is to be
+ * defined, the symbol is the context's own.  Returns its index or a code. */
 int32_t rad_calc_symbol(struct rad_calc *c, const char *context,
                         const char *name, bool defined, struct rad_error *err);
 
@@ -137,13 +137,13 @@ struct node {
         N_CALL
     } type;
     char op;       /* of N_BINARY: + - * / ^ */
-    bool by_param; /* N_CALL: `ref` is a parameter */
-    bool literal;  /* N_NUMBER: Radiance has one here, too, once it has read the
-                    * expression */
+    bool by_param; /* N_CALL: `ref` is a parameter that names the function */
+    bool literal;  /* N_NUMBER: in Radiance it is a number, too, once the
+                    * expression is read */
     double number;
     int32_t ref; /* channel, symbol, parameter or value, from 0 */
     int32_t nkids;
-    int32_t height; /* of the tree below, bounded: compiling recurses */
+    int32_t height; /* of the tree below; limited, because compiling recurses */
     struct node *kid, *next;
 };
 
@@ -151,27 +151,27 @@ struct node {
 int32_t rad_calc_emit(struct rad_calc *c, const struct node *n,
                       struct rad_error *err);
 
-/* The same of an object's expression, whose calls share their values with those
- * of others (calcsame.c). */
+/* The same for an object's expression, whose calls share their values with
+ * equal calls in others (calcsame.c). */
 int32_t rad_calc_emit_shared(struct rad_calc *c, const struct node *n,
                              struct rad_error *err);
 
-/* Turn a node whose kids are all numbers, or names of functions that only
- * depend on their arguments, into a number, if it always has the same value and
- * no fault. */
+/* Replace a node by a number if it always has the same value without a fault.
+ * Its kids must be numbers, or names of functions that depend on their
+ * arguments alone. */
 void rad_calc_fold(struct rad_calc *c, struct node *n);
 
-/* The number that a constant (c : a*2;) stands for, by what is defined now.
- * False: it has none yet, and is evaluated when it is used. */
+/* The value of a constant (c : a*2;), with the definitions of now.  False: it
+ * has none yet, and is evaluated when used. */
 bool rad_calc_reduce(struct rad_calc *c, const struct node *body,
                      double *value);
 
-/* Keep the body of a function in the program's arena, so that it may stand
- * where it is called; NULL: it is not one for that, or memory is out. */
+/* Keep a copy of a function's body in the program's arena, for inlining; NULL:
+ * it is not suited, or memory is out. */
 const struct node *rad_calc_keep(struct rad_calc *c, const struct node *body);
 
-/* What stands for a call of such a function, in arena; its height is the
- * call's own.  NULL: it stays a call. */
+/* The expression that replaces a call of such a function, in arena; the height
+ * of its root is not set.  NULL: the call stays. */
 struct node *rad_calc_inlined(struct rad_calc *c, const struct node *call,
                               struct rad_arena *arena);
 

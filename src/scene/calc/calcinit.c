@@ -1,9 +1,8 @@
-/* calcinit.c - what every function file may use without defining it
+/* calcinit.c - the definitions that every function file may use
  *
- * The names and what they mean are Radiance's, by its manual and its function
- * files; names with `P. are not meant to be used elsewhere.  Channels: see
- * expr.c of shade/, which sets them.  Those above $27 are the variables that
- * only some materials have (rad_calc_offer).
+ * Names and meanings are Radiance's, by its manual and its function files.
+ * Names with `P. are internal.  pattern/expr.c sets the channels; those above
+ * $27 are for variables that only some materials have (rad_calc_offer).
  * Source: Abramowitz & Stegun 1964, 26.2.23 (normal quantile); Catmull-Clark's
  * uniform cubic B-spline, Bernstein's and Hermite's bases. */
 #include "config.h"
@@ -66,18 +65,18 @@ const char rad_calc_standard[] =
     "+turbulencey(x,y,z,2*s),0);"
     "turbulencez(x,y,z,s):if(1.01-s,side`P.(x,y,z,s)*noise3z(x/s,y/s,z/s)"
     "+turbulencez(x,y,z,2*s),0);"
-    /* from even to normal distribution */
+    /* from uniform to normal distribution */
     "tail`P.(t):t-(2.515517+.802853*t+.010328*t*t)"
     "/(1+1.432788*t+.189269*t*t+.001308*t*t*t);"
     "upper`P.(p):tail`P.(sqrt(-2*log(p)));"
     "unif2norm(p):if(.5-p,-upper`P.(p),upper`P.(1-p));"
     "nrand(v)=unif2norm(rand(v));"
-    /* U and V across the normal, V upright where it can be */
+    /* U and V: coordinates across the normal, V upright if possible */
     "flat`P.=Nx*Nx+Ny*Ny;"
     "U=if(flat`P.-FTINY,(Nx*Py-Ny*Px)/flat`P.,Px);"
     "V=if(flat`P.-FTINY,Pz-Nz*(Nx*Px+Ny*Py)/flat`P.,Py);"
-    /* directions as a surface sees them, its y axis across the normal and the
-     * vector that the last three arguments are, up */
+    /* directions in a surface's frame: z is the normal, y the part of the up
+     * vector, which the last three arguments are, across the normal */
     "up`P.(k)=arg(AC-3+k);"
     "yx`P.=up`P.(2)*NzP-up`P.(3)*NyP; yy`P.=up`P.(3)*NxP-up`P.(1)*NzP;"
     "yz`P.=up`P.(1)*NyP-up`P.(2)*NxP;"

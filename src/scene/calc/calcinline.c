@@ -1,24 +1,23 @@
-/* calcinline.c - calls of small functions that all files have, in place
+/* calcinline.c - calls of small standard functions, inlined
  *
- * and(), bound(), clip() and their like are a line each, and expressions are
- * full of them: as calls, each is a frame, its arguments are pieces of code
- * with a way there and back, and so is its body.  In place of the call stands
- * its body with the arguments for the parameters, where that is the same in
- * value and faults:
- * an argument that is used once may be anything, for it is evaluated where it
- * would have been; one that is used more often must be cheap, and have no fault
- * of its own: a variable tells of one only when it is first evaluated, as an
- * argument does.  One that is not used at all is gone, as is whatever is wrong
- * with it: red(1, nope, 1) is 1 in Radiance, too, which evaluates no argument
- * before it is asked for. */
+ * and(), bound(), clip() and the like are a line each, and expressions are full
+ * of them.  Each call would make a frame, with jumps to its arguments and its
+ * body and back.  So a call is replaced by the body, with arguments for the
+ * parameters, where values and faults stay the same.
+ * An argument that is used once may be any expression, since it is evaluated
+ * where it would have been.  One that is used more often must be cheap, and
+ * must have no faults of its own; a variable in it shows a fault only when it
+ * is first evaluated, as an argument does.  One that is not used disappears
+ * with all its errors: red(1, nope, 1) is 1 in Radiance, too, which evaluates
+ * an argument only when it is used. */
 #include "config.h"
 
 #include "scene/calc/calcimpl.h"
 
-#define MOST_NODES 16 /* of a body */
-#define MOST_CHEAP 4  /* of an argument that is evaluated again */
+#define MOST_NODES 16 /* of a body that is inlined */
+#define MOST_CHEAP 4  /* of an argument that may be evaluated twice */
 
-/* Nodes of a body; more than MOST_NODES where it is one to be called. */
+/* The number of nodes of a body; above MOST_NODES if it cannot be inlined. */
 static int
 body_size(const struct node *n)
 {
@@ -30,18 +29,18 @@ body_size(const struct node *n)
     return size;
 }
 
-/* A call of a library function and a power drop what was wrong before them,
- * also where their value is always the same. */
+/* Does the node keep faults of its operands?  Library calls and powers drop
+ * faults, so they must not be folded into numbers here. */
 static bool
 drops_no_fault(const struct node *n)
 {
     return n->type == N_NEGATE || (n->type == N_BINARY && n->op != '^');
 }
 
-/* Copy a tree; parameters are replaced by the arguments from `arg` on, if it is
- * not NULL.  What an argument is made of stays where it is, for nothing changes
- * nodes that have a parent; else calls in calls would copy it for each of them.
- * NULL: memory is out. */
+/* Copy a tree.  If arg is not NULL, parameters are replaced by the arguments
+ * that begin there.  The nodes below an argument are shared, not copied, since
+ * nobody changes a node that has a parent; otherwise each level of nested calls
+ * would copy them again.  NULL: memory is out. */
 static struct node *
 copy(struct rad_calc *c, const struct node *n, const struct node *arg,
      struct rad_arena *arena)
@@ -94,8 +93,8 @@ uses(const struct node *n, int32_t param)
     return found;
 }
 
-/* Nodes of an argument that may be evaluated again; more than MOST_CHEAP where
- * it may not. */
+/* The number of nodes of an argument; above MOST_CHEAP if it may not be
+ * evaluated twice. */
 static int
 cheap_size(const struct node *n)
 {

@@ -1,15 +1,16 @@
-/* calclamp.c - library functions for luminaires as they are measured
+/* calclamp.c - library functions for measured luminaires
  *
- * source_corr(v, kind) turns what was measured from afar into the radiance of a
- * body that stands for the luminaire: A1, the multiplier, times v over the area
- * that it shows.  kind 0 is no correction, 1 a flat one by the cosine, 2 a box
- * of A2 by A3 by A4, 3 the same seen from near, 4 an upright cylinder of
- * diameter A2 and height A3.  source_theta(180) and source_phi(period) are the
- * angles of the light's way from the nadir and about it [degree], folded where
- * the distribution repeats after less than 360.
+ * source_corr(v, kind) turns an intensity that was measured from afar into the
+ * radiance of the surface that stands for the luminaire: A1, the multiplier,
+ * times v over the area that is seen.  kind 0 makes no correction; 1 is a flat
+ * luminaire, by the cosine; 2 a box of A2 by A3 by A4; 3 the same seen from
+ * near; 4 an upright cylinder of diameter A2 and height A3.  source_theta(180)
+ * and source_phi(period) are the angles [degree] of the light's direction from
+ * the nadir and about it, folded if the distribution repeats after less than
+ * 360 degrees.
  * A single real argument is the multiplier, as the library's source.cal says,
- * though Radiance 6 takes none then.
- * Source: source.cal of Radiance's library, which calls these. */
+ * although Radiance 6 then uses none.
+ * Source: source.cal of Radiance's library, which calls these functions. */
 #include "config.h"
 
 #include "scene/calc/calcimpl.h"
@@ -20,14 +21,14 @@
 
 #define DEGREES (180 / M_PI)
 
-/* Where the sizes are among the real arguments. */
+/* Indices of the multiplier and the sizes among the real arguments. */
 enum { A1, A2, A3, A4 };
 
 /* Channels: see calcinit.c. */
 enum { D = 0, P = 6, RDOT = 10, TS = 24 };
 
-/* The shown area of a box; of a near one, of those sides that are seen from
- * P - D Ts, where its middle is the origin. */
+/* The area of a box that is seen.  From near these are the sides seen from
+ * P - D Ts, in coordinates with the box's middle as origin. */
 static double
 box(const double *c, const double *size, bool near)
 {
@@ -45,7 +46,7 @@ box(const double *c, const double *size, bool near)
 static double
 drum(const double *c, const double *size)
 {
-    double down = c[D + 2] >= 1 ? 1 - 1e-6 : c[D + 2]; /* never edge on */
+    double down = c[D + 2] >= 1 ? 1 - 1e-6 : c[D + 2]; /* never 0 */
 
     return size[0] * size[1] * sqrt(fmax(1 - down * down, 0)) +
            M_PI / 4 * size[0] * size[0] * fabs(down);

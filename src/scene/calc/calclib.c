@@ -1,9 +1,10 @@
 /* calclib.c - library functions and noise of the function language
  *
- * Noise is Perlin's gradient noise of 2002, with the fractal noise of
- * Radiance beside it: a cube is halved again and again, each new corner the
- * mean of its neighbours and a random number that shrinks with the cube.
- * Slopes are differences over 1/2000, not derivatives: pictures depend on it.
+ * noise3() is Perlin's gradient noise of 2002.  fnoise3() is Radiance's fractal
+ * noise: a cube is halved again and again, and each new corner is the mean of
+ * its neighbours plus a random number that shrinks with the cube.  Slopes are
+ * differences over 1/2000 instead of derivatives, because pictures depend on
+ * it.
  * Source: Perlin 2002, Improving noise; Radiance's reference manual. */
 #include "config.h"
 
@@ -102,8 +103,8 @@ static const uint8_t perm[256] = {
     /* clang-format on */
 };
 
-/* The slope that a lattice point has, times the way from it: one of twelve
- * directions to the edges of a cube (four of them twice). */
+/* The gradient of a lattice point times the vector from it.  The gradients are
+ * the twelve directions to the edges of a cube, four of them twice. */
 static double
 corner(const int cell[3], const double f[3], int which)
 {
@@ -129,12 +130,12 @@ noise(const double p[3])
     int cell[3];
 
     for (int i = 0; i < 3; i++) {
-        /* truncated, and one less below 0, as Radiance does: at whole numbers
-         * below 0 that is the far end of the cell */
+        /* truncated, and one less below 0, as in Radiance; so negative whole
+         * numbers are at the far end of a cell */
         double whole = trunc(p[i]) - (p[i] < 0);
 
         if (!(fabs(whole) < 1e9))
-            return 0; /* beyond the lattice: no digits are left to vary */
+            return 0; /* beyond the lattice, where floats have no fraction */
         cell[i] = (int)whole;
         f[i] = p[i] - whole;
         s[i] = f[i] * f[i] * f[i] * (f[i] * (f[i] * 6 - 15) + 10);
@@ -156,11 +157,11 @@ noise_slope(const double p[3], int axis)
     return (noise(p) - noise(q)) / STEP;
 }
 
-/* Points of the lattice are told apart by one number, which wraps around:
- * coordinates times these. */
+/* Lattice points are numbered: the sum of coordinates times strides, which
+ * wraps around. */
 static const uint64_t stride[3] = { 17, 23, 29 };
 
-/* A random number in (-1, 1] of a lattice point: an integer hash. */
+/* A random number in (-1, 1] for a lattice point: an integer hash. */
 static double
 lattice(uint64_t point)
 {
@@ -170,10 +171,10 @@ lattice(uint64_t point)
     return 1 - (double)(s & 0x7fffffff) / 1073741824.0;
 }
 
-/* Take the cube of edge 2*size at point `beg` apart, and keep the octant that
- * `branch` names: its corners become fval.  One is a corner of the cube; the
- * others, which lie in the middle of the cube along the axes in `mid`, are the
- * mean of the corners about them and a number of their own. */
+/* Divide the cube of edge 2*size at point `beg`, and keep the octant `branch`:
+ * its corners become fval.  One of these is a corner of the cube.  The others
+ * lie half-way along the axes in `mid`; each is the mean of the corners around
+ * it plus a random number of its own. */
 static void
 subdivide(double fval[8], uint64_t beg, uint64_t size, int branch)
 {
@@ -243,8 +244,8 @@ fractal(const double p[3])
 
 /* --- the table's functions ----------------------------------------------- */
 
-/* A number in [0, 1) that looks random; Radiance's formula, which patterns
- * are tuned to. */
+/* A number in [0, 1) that looks random, by Radiance's formula, which patterns
+ * depend on. */
 static double
 scramble(double x)
 {

@@ -1,9 +1,9 @@
-/* calcmemo.c - expressions that were compiled before
+/* calcmemo.c - expressions that were compiled before are not compiled again
  *
- * A mesh whose faces all have a texture of their own, as converters make them,
- * says the same three expressions for each of ten thousand faces, and differs
- * in the real arguments alone, which code asks for when it runs.  What names
- * mean changes when a file is read; then all is compiled anew. */
+ * Converters make meshes in which each of ten thousand faces has a texture of
+ * its own, all with the same three expressions; only the real arguments differ,
+ * which code reads when it runs.  When a file is read, names may change their
+ * meaning, and all expressions are compiled anew. */
 #include "config.h"
 
 #include "scene/calc/calcimpl.h"
@@ -43,7 +43,7 @@ find(struct rad_calc *c, uint64_t hash, int context, const char *text)
     return k;
 }
 
-/* Without memory it is compiled again when it comes again. */
+/* If memory is out, the expression is compiled again next time. */
 static void
 keep(struct rad_calc *c, uint64_t hash, int context, const char *text,
      const struct rad_calc_compiled *is)

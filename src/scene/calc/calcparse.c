@@ -1,10 +1,10 @@
-/* calcparse.c - the text of functions: definitions and expressions
+/* calcparse.c - parsing definitions and expressions
  *
  *     file  = { [ name [ (param, ...) ] (= | :) sum ] ; }
  *     sum   = term { (+ | -) term }        term  = power { (* | /) power }
  *     power = sign [ ^ power ]             sign  = [ + | - ] atom
  *     atom  = (sum) | $n | number | name [ (sum, ...) ]
- * so that -2^2 is 4 and 2^3^2 is 512.  Comments stand in braces, which nest. */
+ * so -2^2 is 4 and 2^3^2 is 512.  Comments are in braces, which nest. */
 #include "config.h"
 
 #include "scene/calc/calcimpl.h"
@@ -14,14 +14,14 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define MAX_HEIGHT 4000 /* of an expression's tree: terms in a row, mostly */
-#define MAX_NAME   127  /* what is longer is cut, as in Radiance */
+#define MAX_HEIGHT 4000 /* of an expression's tree: many terms in a row */
+#define MAX_NAME   127  /* longer names are cut, as in Radiance */
 
 struct parser {
     struct rad_calc *c;
     const char *context;
     const char *p, *end;
-    int line; /* 0: an expression, which has none */
+    int line; /* 0: an expression, without lines */
     int depth;
     const char *param[RAD_MAX_CALC_ARGS];
     int nparams;
@@ -30,7 +30,7 @@ struct parser {
     bool failed;
 };
 
-/* Returns NULL, for callers that make a node. */
+/* Report an error; returns NULL, for callers that make a node. */
 static struct node *
 fail(struct parser *ps, int code, const char *what)
 {
@@ -53,7 +53,7 @@ fail_at(struct parser *ps, const char *what)
     return NULL;
 }
 
-/* The next byte, 0 at the end. */
+/* The next byte, or 0 at the end. */
 static int
 peek(const struct parser *ps)
 {
@@ -213,8 +213,8 @@ parse_arguments(struct parser *ps, struct node *call)
     expect(ps, ')', "expected ')'");
 }
 
-/* What stands for a name: the value of a constant, the channel of a variable
- * that is one for all files. */
+/* Replace a name by its value if it is a constant, or by its channel if it is a
+ * standard variable for one. */
 static void
 inline_variable(const struct rad_calc *c, const struct symbol *s,
                 struct node *n)
@@ -255,7 +255,7 @@ resolve(struct parser *ps, struct node *n, const char *name)
         inline_variable(ps->c, &ps->c->symbol[n->ref], n);
 }
 
-/* A call, or what stands for it. */
+/* A call, or the expression that it is inlined to. */
 static struct node *
 in_place(struct parser *ps, struct node *n)
 {
@@ -264,10 +264,11 @@ in_place(struct parser *ps, struct node *n)
 
     if (!body)
         return n;
-    /* bounded by the nesting of calls and the size of such bodies: an
-     * expression is not to be refused for the functions that it calls */
+    /* not counted as nesting, so that the functions in an expression do not
+     * make it too deep: calls are limited themselves, and so are inlined
+     * bodies */
     body->height = n->height;
-    body->literal = false; /* for Radiance it stays a call */
+    body->literal = false; /* in Radiance it is still a call */
     return body;
 }
 
@@ -342,9 +343,10 @@ is_literally(const struct node *n, double number)
     return n->literal && n->number == number;
 }
 
-/* The side of a product, quotient or power that is its value whatever the other
- * side is, or NULL.  Radiance finds out when it reads the expression, and drops
- * the other side: it has no fault, and may lack its names and arguments. */
+/* The side that decides the value of a product, quotient or power, whatever the
+ * other side is; NULL: none does.  Radiance sees this when it reads the
+ * expression, and drops the other side with its faults, undefined names and
+ * missing arguments. */
 static struct node *
 deciding_side(int op, struct node *a, struct node *b)
 {
@@ -454,8 +456,7 @@ parse_params(struct parser *ps)
     expect(ps, ')', "expected ')'");
 }
 
-/* The real argument that a variable is when this defines it, as A1=arg(1); 0:
- * none. */
+/* The n of a variable defined as arg(n), as in A1=arg(1); 0: it is another. */
 static int32_t
 real_of(const struct rad_calc *c, const struct node *body)
 {
@@ -470,7 +471,7 @@ real_of(const struct rad_calc *c, const struct node *body)
     return (int32_t)which->number;
 }
 
-/* What stands for a name from here on. */
+/* Let a name stand for this definition from now on. */
 static void
 define(struct parser *ps, const char *name, const char *file, int line,
        bool constant, const struct node *body)
@@ -569,7 +570,7 @@ rad_calc_read(struct rad_calc *c, int context, const char *name,
     return why.code;
 }
 
-/* Is this one of the variables that only some materials have? */
+/* Is this variable in a group that is not on offer? */
 static bool
 is_missing(const struct rad_calc *c, const struct symbol *s)
 {
@@ -584,7 +585,7 @@ is_missing(const struct rad_calc *c, const struct symbol *s)
     return !(c->offer & offer);
 }
 
-/* Is all defined that a piece of code uses?  Symbols that it leads to are put
+/* Is everything defined that the code uses?  Symbols that it refers to are put
  * on the stack, each once. */
 static int
 check_code(struct rad_calc *c, int32_t from, int32_t to, int32_t *stack,
@@ -635,7 +636,7 @@ check_names(struct rad_calc *c, int32_t from, int32_t to, struct rad_error *err)
     return rc;
 }
 
-/* The code at pc is an expression's if all that it needs is there. */
+/* Return the code at pc if it compiled and all that it uses is defined. */
 static int
 accept_code(struct rad_calc *c, int32_t pc, struct rad_error *why,
             struct rad_error *err)
@@ -657,8 +658,8 @@ rad_calc_number(const struct rad_calc *c, int at, double *value)
     return true;
 }
 
-/* What a piece of code reads itself; symbols that it leads to are put on the
- * stack, each once. */
+/* The channels that the code reads itself.  Symbols that it refers to are put
+ * on the stack, each once. */
 static uint64_t
 channels_of(const struct rad_calc *c, int32_t from, int32_t to, uint8_t *seen,
             int32_t *stack, int32_t *n)
@@ -672,7 +673,7 @@ channels_of(const struct rad_calc *c, int32_t from, int32_t to, uint8_t *seen,
             read |= UINT64_C(1) << in->a;
         else if (in->op == OP_LIBRARY && in->a != LIB_ARG &&
                  !rad_calc_library[in->a].constant)
-            read = UINT64_MAX; /* it looks for itself */
+            read = UINT64_MAX; /* such a function may read any */
         else if ((in->op == OP_VARIABLE || in->op == OP_CALL) && !seen[in->a])
             seen[stack[(*n)++] = in->a] = 1;
     }
@@ -724,7 +725,7 @@ rad_calc_expression(struct rad_calc *c, int context, const char *text,
     return accept_code(c, pc, &why, err);
 }
 
-/* The symbol that a name stands for, or a code. */
+/* The symbol that a function's name stands for, or a code. */
 static int32_t
 find_name(struct rad_calc *c, int context, const char *name,
           struct rad_error *err)

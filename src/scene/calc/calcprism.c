@@ -1,12 +1,12 @@
 /* calcprism.c - light through a pane of prisms: the function fprism_val()
  *
  * The pane is flat on one side and ribbed on the other.  In the section across
- * the ribs, x is the normal from the flat side, y along it; each rib is a
- * triangle over the flat side, of height d, whose foot divides its base into a
- * and b.  A ray is followed from surface to surface, its energy being divided
- * by Fresnel's formulas for two states of polarization and by the share of a
- * rib's width from which the next surface is met.  What comes out in nearly the
- * same direction is one ray.
+ * the ribs, x is the normal away from the flat side and y runs along it; each
+ * rib is a triangle on the flat side, of height d, whose apex divides the base
+ * into a and b.  A ray is followed from surface to surface.  At each its energy
+ * is divided by Fresnel's formulas for two states of polarization, and by the
+ * part of a rib's width from which each next surface is met.  Rays that leave
+ * in nearly the same direction are merged.
  * Source: the function's arguments as Radiance's fprism.cal describes them, and
  * their effect there (R. Compagnon, EPFL 1992). */
 #include "config.h"
@@ -17,11 +17,13 @@
 
 #include "arith/elementary.h"
 
-/* Surfaces met, one behind the other and in all; what is more is lost. */
+/* Limits on the surfaces met, in all and one after the other; further rays are
+ * lost. */
 #define MAX_MET  4096
 #define MAX_DEEP 100
 
-/* Surfaces: flat side, the sides over a and b, and the plane of the ridges. */
+/* Surfaces: the flat side, the ribs' sides over a and b, and the plane of the
+ * ridges. */
 enum face { FLAT, SIDE_A, SIDE_B, RIDGES };
 
 struct state {
@@ -38,12 +40,12 @@ struct beam {
 
 struct pane {
     double a, b, d;
-    double axis[2][2]; /* cosine and sine of the turn to a side's axes */
+    double axis[2][2]; /* cosine and sine of the turn into a side's axes */
     double index2;     /* square of the refractive index */
-    double least;      /* energy worth following */
+    double least;      /* rays of less energy are dropped */
     int mirror;        /* face that is metallic, or -1 */
     double metal;      /* its reflectance */
-    double together;   /* [rad] */
+    double together;   /* rays closer than this are merged [rad] */
     double to_source;
 };
 
@@ -53,7 +55,7 @@ struct prism {
     int nmet;
 };
 
-/* --- one surface, whose normal is x --------------------------------------- */
+/* --- one surface, with normal x ------------------------------------------- */
 
 static double
 root(double x)
@@ -63,7 +65,7 @@ root(double x)
 
 struct incidence {
     double cosine;
-    double ratio;  /* square of the index behind over that before */
+    double ratio;  /* square of the refractive index behind over that before */
     double behind; /* ratio of the indices times the cosine behind */
     bool passes;
 };
@@ -79,7 +81,7 @@ meet(const struct pane *p, const struct beam *r, struct incidence *i)
     i->passes = !(sine2 > i->ratio) && (int)r->to != p->mirror;
 }
 
-/* Multiply the amplitudes; returns the mean gain in intensity. */
+/* Multiply the amplitudes; returns the mean factor of intensity. */
 static double
 polarize(struct beam *r, double par, double per)
 {
@@ -97,7 +99,7 @@ polarize(struct beam *r, double par, double per)
     return gain;
 }
 
-/* What is thrown back, and what goes on. */
+/* Divide a beam into the reflected and the refracted one. */
 static void
 divide(const struct pane *p, const struct beam *r, struct beam *back,
        struct beam *on)
@@ -129,9 +131,10 @@ divide(const struct pane *p, const struct beam *r, struct beam *back,
 
 /* --- from one surface's axes to another's --------------------------------- */
 
-/* By an angle about z of cosine c and sine s.  The plane of incidence, through
- * x and the beam, is turned about the beam by an angle whose cosine is (y y' +
- * z^2 c) / (r r') and whose sine is z s / (r r'), with r^2 = y^2 + z^2. */
+/* Turn a beam about z by an angle with cosine c and sine s.  The plane of
+ * incidence, through x and the beam, is turned about the beam by an angle with
+ * cosine (y y' + z^2 c) / (r r') and sine z s / (r r'), with r^2 = y^2 +
+ * z^2. */
 static struct beam
 turned(const struct beam *b, double c, double s)
 {
@@ -156,8 +159,8 @@ turned(const struct beam *b, double c, double s)
 
 /* --- which surface is next ------------------------------------------------ */
 
-/* The share of a beam that left `from` for SIDE_A and not for SIDE_B, or, from
- * one of these, that does not meet the other. */
+/* For a beam from FLAT or RIDGES the part that meets SIDE_A, not SIDE_B; for a
+ * beam from one of these sides the part that does not meet the other side. */
 static double
 share(const struct pane *p, const struct beam *r, enum face from)
 {
@@ -189,8 +192,8 @@ go(struct prism *m, const struct beam *r, double part, enum face to, int depth)
         follow(m, &next, depth);
 }
 
-/* Leave a side of the ribs, in whose axes the beam is, inside or outside the
- * glass. */
+/* Follow a beam that leaves a side of the ribs, given in that side's axes,
+ * inside or outside the glass. */
 static void
 leave_side(struct prism *m, const struct beam *there, enum face side, int depth)
 {
@@ -220,7 +223,7 @@ leave_level(struct prism *m, const struct beam *r, int depth)
     go(m, r, 1 - part, SIDE_B, depth);
 }
 
-/* The angle between two directions, either way round. */
+/* The angle between two directions, at most pi. */
 static double
 apart(double a, double b)
 {
@@ -251,7 +254,7 @@ come_out(struct prism *m, const struct beam *r)
         };
 }
 
-/* The flat side, met from outside by the ray itself alone. */
+/* Follow a beam that meets the flat side: from outside only the first ray. */
 static void
 follow_flat(struct prism *m, const struct beam *r, int depth)
 {
@@ -301,7 +304,7 @@ follow(struct prism *m, const struct beam *r, int depth)
 
 /* --- the function --------------------------------------------------------- */
 
-/* False: the arguments have no meaning. */
+/* False: the arguments make no sense. */
 static bool
 read_pane(struct pane *p, const double *arg)
 {
@@ -341,8 +344,8 @@ enter(struct prism *m, const double dir[3])
     follow(m, &r, 0);
 }
 
-/* What does not go to the source is nothing; then the strongest first, by
- * exchanging, which tells equal ones apart as Radiance does. */
+/* Set rays that miss the source to 0, then sort by energy.  Sorting by exchange
+ * orders equal rays as Radiance does. */
 static void
 order(struct prism_rays *out, const double *source, double angle)
 {
@@ -369,7 +372,7 @@ set_axis(double axis[2], double base, double rise)
     axis[1] = rise / len;
 }
 
-/* Find all rays that come out. */
+/* Find all rays that leave the pane. */
 static void
 find_rays(const struct rad_calc_input *in, const double *source,
           struct prism_rays *out)
@@ -386,7 +389,7 @@ find_rays(const struct rad_calc_input *in, const double *source,
     order(out, source, m.pane.to_source);
 }
 
-/* The rank-th ray with v.x of the sign of side, which 0 leaves open; NULL:
+/* Ray number `rank` of those whose v.x has the sign of `side` (0: any); NULL:
  * there is none. */
 static const struct prism_ray *
 pick(const struct prism_rays *out, double side, int rank)
@@ -399,7 +402,7 @@ pick(const struct prism_rays *out, double side, int rank)
     return NULL;
 }
 
-/* The source that a ray in search of one looks for. */
+/* The source that a ray is searching for; NULL: none. */
 static const double *
 source_of(const struct rad_calc_input *in)
 {
@@ -428,11 +431,11 @@ rad_calc_prism(const double *v, const struct rad_calc_input *in, uint64_t clock,
         *fault = RAD_CALC_MATH;
         return 0;
     }
-    /* rounded as there: a side of -1 is 0, either */
+    /* Radiance rounds so: a side of -1 becomes 0, which means either */
     what = (int)(v[0] + .5);
     rank = (int)(v[2] + .5);
     ahead = in->channel[0] < 0 ? -1 : 1;
-    if (rank == 2 && source_of(in)) /* its image was made by the second ray */
+    if (rank == 2 && source_of(in)) /* the second ray made this image */
         rank = 1;
     ray = pick(out, (int)(v[1] + .5) * ahead, rank);
     if (what < 0 || what > 3)

@@ -1,22 +1,23 @@
-/* calcsame.c - calls that are made more than once for a ray
+/* calcsame.c - equal calls are evaluated once for each ray
  *
- * A pattern's red, green and blue call the same function of the same values, a
- * texture's three slopes do, and so on.  What such a call gives depends on what
- * the ray is alone, as a variable does, if there is no parameter in it; so its
- * value is kept as a variable's is, until the next rad_calc_begin().  Those of
- * expressions alone: a definition is a variable's, which is kept itself, or is
- * full of parameters.
- * Faults are as if it was called each time: a value is kept where the call was
- * sound, and serves where nothing was wrong before it.  */
+ * Red, green and blue of a pattern often call the same function with the same
+ * arguments, and so do the three slopes of a texture.  A call without
+ * parameters in it depends on the ray alone, like a variable.  So its value is
+ * kept like a variable's, until the next rad_calc_begin().  This is done for
+ * expressions only: definitions are variables, which are kept themselves, or
+ * functions with parameters.
+ * Faults are the same as if it were called each time: a value is kept if the
+ * call was sound, and used if nothing is wrong before it.  */
 #include "config.h"
 
 #include "scene/calc/calcimpl.h"
 
 #include <string.h>
 
-#define MOST_NODES 16 /* of a call */
+#define MOST_NODES 16 /* of a call whose value is kept */
 
-/* Nodes of a tree; more than MOST_NODES where its value is not the ray's. */
+/* The number of nodes of a tree; above MOST_NODES if its value depends on more
+ * than the ray. */
 static int
 size_of(const struct node *n)
 {
@@ -30,7 +31,7 @@ size_of(const struct node *n)
     return size;
 }
 
-/* No tree is higher than MOST_NODES. */
+/* Are the calls equal?  Recursion is limited by MOST_NODES. */
 static bool
 is_same(const struct node *a, const struct node *b)
 {
