@@ -1,5 +1,5 @@
-/* bsdf.c - see bsdf.h; the parts are read and looked up in bsdfmatrix.c and
- * bsdftree.c */
+/* bsdf.c - see bsdf.h; bsdfmatrix.c and bsdftree.c have the two forms of
+ * parts */
 #include "config.h"
 
 #include "scene/bsdf/bsdfimpl.h"
@@ -9,7 +9,7 @@
 #include <string.h>
 #include <strings.h>
 
-#define NEGLIGIBLE .001 /* a part that scatters no more is Lambertian */
+#define NEGLIGIBLE .001 /* a part that scatters no more has only its rest */
 
 bool
 rad_bsdf_number(const char **p, double *value)
@@ -45,8 +45,8 @@ rad_bsdf_unsharpen(double xyz[3], const double s[3])
     xyz[2] = -.0122601375 * s[0] + .016743052 * s[1] + .99551876 * s[2];
 }
 
-/* The curve through quarter 0 is mirrored about the diagonal, that through the
- * last about the other one. */
+/* The curve through quarter 0 is mirrored about the diagonal, the curve through
+ * quarter 3 about the other diagonal. */
 void
 rad_hilbert_enter(struct hilbert *h, unsigned q, unsigned *x, unsigned *y)
 {
@@ -91,7 +91,7 @@ rad_bsdf_which(const struct xml_node *n, const char *kid,
     return -1;
 }
 
-/* The file calls front what we call back. */
+/* The file's front is our back. */
 int
 rad_bsdf_side(const struct xml_node *block)
 {
@@ -109,7 +109,8 @@ is_there(const struct bsdf_part *p)
     return p->matrix || p->tree;
 }
 
-/* What passes one way but for the rest passes the other way too. */
+/* Transmission that the file gives for one side only is valid for both: let the
+ * other side have the same rest.  Drop parts that scatter next to nothing. */
 static void
 settle(struct rad_bsdf *b)
 {
@@ -170,9 +171,10 @@ rad_bsdf_parse(struct rad_arena *arena, const char *xml, size_t len,
     return b;
 }
 
-/* --- questions to the right part ------------------------------------------ */
+/* --- questions to the right part --- */
 
-/* NULL: Lambertian.  What passes is reciprocal: the other side's data serve. */
+/* The part, or NULL if there is only a rest.  Transmission is reciprocal, so
+ * the other side's data serve as well. */
 static const struct bsdf_part *
 find_part(const struct rad_bsdf *b, bool front, bool through)
 {
@@ -291,7 +293,7 @@ rad_bsdf_total(const struct rad_bsdf_eye *eye, bool through)
     return w->part->matrix ? rad_matrix_total(w) : rad_tree_total(w);
 }
 
-/* A share of light that counts as none: Radiance's. */
+/* A smaller share of light counts as nothing, as in Radiance. */
 #define NOTHING 1e-6
 
 bool

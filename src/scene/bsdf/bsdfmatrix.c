@@ -1,11 +1,11 @@
 /* bsdfmatrix.c - scattering between the patches of two hemispheres
  *
- * A basis divides a hemisphere into rings by polar angle and each ring evenly
- * by azimuth, the first patch of each about azimuth 0.  A direction within a
- * patch is drawn evenly by projected solid angle.
- * Values differ by less than a thousandth from patch to patch, by a number made
- * of their places, as in Radiance: equal ones tell m_bsdf that it looks at the
- * same patch twice. */
+ * A basis divides a hemisphere into rings by polar angle, and each ring evenly
+ * by azimuth; the first patch of a ring is centred on azimuth 0.  Directions in
+ * a patch are drawn evenly by projected solid angle.
+ * As in Radiance, each value is multiplied by a factor within a thousandth of 1
+ * that depends on the pair of patches.  So two values are equal only if they
+ * are of the same pair, which shade/gloss/scatter.c relies on. */
 #include "config.h"
 
 #include "scene/bsdf/bsdfimpl.h"
@@ -18,14 +18,14 @@
 
 #include "arith/elementary.h"
 
-#define NEGLIGIBLE (.01 / M_PI) /* a Lambertian rest below this is none */
+#define NEGLIGIBLE (.01 / M_PI) /* a smaller Lambertian rest counts as none */
 
 struct basis {
     const char *name;
     int nangles, nrings;
     struct ring {
         double theta; /* where it begins [degree] */
-        int nphis;    /* 0 behind the last one, at 90 degrees */
+        int nphis;    /* number of patches; 0: the end, at 90 degrees */
     } ring[RAD_MAX_BSDF_RINGS + 1];
 };
 
@@ -60,31 +60,32 @@ static const struct basis klems[] = {
       { { 0, 1 }, { 9, 8 }, { 27, 12 }, { 45, 12 }, { 63, 8 }, { 90, 0 } } },
 };
 
-/* What finding a patch in a basis needs. */
+/* A basis as find_patch() needs it. */
 struct rings {
     int n;
-    double lower[RAD_MAX_BSDF_RINGS]; /* cosine of where a ring ends */
+    double lower[RAD_MAX_BSDF_RINGS]; /* cosine of the angle where it ends */
     double size[RAD_MAX_BSDF_RINGS];  /* projected solid angle of its patches */
     int nphis[RAD_MAX_BSDF_RINGS];
-    int first[RAD_MAX_BSDF_RINGS]; /* patch */
+    int first[RAD_MAX_BSDF_RINGS]; /* its first patch */
 };
 
 enum { Y, X, Z, NCHANNELS };
 
 struct bsdf_matrix {
     const struct basis *in, *out;
-    struct rings rin, rout;  /* the same */
+    struct rings rin, rout;  /* of these bases */
     float *value[NCHANNELS]; /* [out * in->nangles + in]; X and Z NULL: grey */
-    double rest[3];          /* taken off: sharp channels, or Y in all */
-    double rest_y;           /* its luminance */
-    double *sum[2];          /* of values times solid angles, over out for each
-                              * in (nangles + 1 numbers), and the reverse */
+    double rest[3];          /* subtracted: sharp channels; Y in all if grey */
+    double rest_y;           /* luminance of the rest */
+    double *sum[2];          /* running sums of values times solid angles: for
+                              * each in over all out (nangles + 1 numbers), and
+                              * the reverse */
 };
 
 /* --- directions and patches ----------------------------------------------- */
 
-/* The patch of a direction whose z is not negative; -1: none.  Cosines are
- * compared, which saves an arc cosine. */
+/* The patch of a direction with z >= 0; -1: none.  Comparing cosines saves an
+ * arc cosine. */
 static int
 find_patch(const struct rings *b, double x, double y, double z)
 {
@@ -104,7 +105,8 @@ find_patch(const struct rings *b, double x, double y, double z)
     return b->first[ring] + (at >= b->nphis[ring] ? 0 : at);
 }
 
-/* The patch of light that comes in along v (pointing away) by its basis. */
+/* The incident patch of light that comes along v, which points away from the
+ * surface. */
 static int
 find_in(const struct bsdf_matrix *m, enum side side, const double v[3])
 {
@@ -121,7 +123,7 @@ find_out(const struct bsdf_matrix *m, enum side side, const double v[3])
     return find_patch(&m->rout, v[0], v[1], sign * v[2]);
 }
 
-/* The ring of a patch; *patch becomes its place in it. */
+/* The ring of a patch; *patch becomes its index in the ring. */
 static int
 find_ring(const struct basis *b, int *patch)
 {
@@ -140,7 +142,7 @@ cos_squared(double degrees)
     return c * c;
 }
 
-/* Projected solid angle of a patch; 0 for none. */
+/* The projected solid angle of a patch; 0 for -1. */
 static double
 patch_size(const struct basis *b, int patch)
 {
@@ -170,7 +172,7 @@ prepare_rings(struct rings *r, const struct basis *b)
     }
 }
 
-/* The same from there. */
+/* The same, from struct rings. */
 static double
 ring_size(const struct rings *r, int patch)
 {
@@ -183,7 +185,7 @@ ring_size(const struct rings *r, int patch)
     return r->size[i];
 }
 
-/* The direction after a fraction t of a way through a patch, z positive. */
+/* The direction, z positive, after a fraction t of a curve through a patch. */
 static void
 patch_direction(const struct basis *b, int patch, double t, double v[3])
 {
@@ -200,8 +202,7 @@ patch_direction(const struct basis *b, int patch, double t, double v[3])
     v[2] = sqrt(c2);
 }
 
-/* --- reading ---------------------------------------------------------------
- */
+/* --- reading --- */
 
 struct bases {
     struct basis *own[RAD_MAX_BSDF_BASES];
@@ -256,7 +257,7 @@ read_rings(struct basis *b, const struct xml_node *block, struct rad_error *err)
                      : rad_fail(err, RAD_EDATA, "basis '%s' is empty", b->name);
 }
 
-/* Bases that have a name of ours are taken to be those. */
+/* Read the bases that a file defines; names that we know keep our meaning. */
 static int
 read_bases(struct bases *bases, struct rad_arena *arena,
            const struct xml_node *layer, struct rad_error *err)
@@ -306,8 +307,7 @@ read_values(const struct xml_node *block, bool rows, struct bsdf_matrix *m,
     return 0;
 }
 
-/* A block holds one channel of one side; a later one of the same replaces it.
- */
+/* Read a block: one channel of one part.  It replaces an earlier block. */
 static int
 read_block(struct rad_bsdf *b, struct rad_arena *arena,
            const struct bases *bases, const struct xml_node *block, int channel,
@@ -343,11 +343,10 @@ read_block(struct rad_bsdf *b, struct rad_arena *arena,
     return read_values(block, rows, m, m->value[channel], err);
 }
 
-/* --- what follows from the values ------------------------------------------
- */
+/* --- what follows from the values --- */
 
-/* A number about 1, within 3e-4, that is another for each pair of patches: as
- * in Radiance, see bsdftree.c. */
+/* The factor for a pair of patches, within 3e-4 of 1 and different for each
+ * pair, by Radiance's formula. */
 static double
 mark(const struct bsdf_matrix *m, int in, int out)
 {
@@ -357,8 +356,8 @@ mark(const struct bsdf_matrix *m, int in, int out)
     return 1 + 6e-4 * (d - (int)d - .5);
 }
 
-/* The value of two patches with the rest, as sharp channels where it has
- * colour. */
+/* The value of two patches with the rest: sharp channels if it has colour, else
+ * Y in all. */
 static void
 channels(const struct bsdf_matrix *m, int in, int out, double c[3])
 {
@@ -375,7 +374,7 @@ channels(const struct bsdf_matrix *m, int in, int out, double c[3])
     }
 }
 
-/* Take off the least of each channel, if that makes enough light. */
+/* Subtract the minimum of each channel as the rest, if it is enough light. */
 static void
 take_rest(struct bsdf_matrix *m, double diffuse[3])
 {
@@ -399,7 +398,7 @@ take_rest(struct bsdf_matrix *m, double diffuse[3])
         diffuse[k] = M_PI * xyz[k];
 }
 
-/* Photopic value of two patches without the rest and without its mark. */
+/* The photopic value of two patches, without rest and factor. */
 static double
 value_y(const struct bsdf_matrix *m, int in, int out)
 {
@@ -408,7 +407,8 @@ value_y(const struct bsdf_matrix *m, int in, int out)
            m->rest_y;
 }
 
-/* Running sums for light from each patch; reverse: from each `out` patch. */
+/* Make the running sums for each incident patch; reverse: for each outgoing
+ * one. */
 static double *
 sum_up(const struct bsdf_matrix *m, struct rad_arena *arena, bool reverse)
 {
@@ -449,7 +449,7 @@ finish(struct bsdf_part *p, struct rad_arena *arena, double diffuse[3],
 {
     struct bsdf_matrix *m = p->matrix;
 
-    if (!m->value[Y]) { /* nothing without luminance */
+    if (!m->value[Y]) { /* without luminance the part is dropped */
         p->matrix = NULL;
         return 0;
     }
@@ -505,8 +505,7 @@ rad_bsdf_read_matrices(struct rad_bsdf *b, struct rad_arena *arena,
     return rc;
 }
 
-/* --- looking up ------------------------------------------------------------
- */
+/* --- looking up --- */
 
 void
 rad_matrix_look_from(struct rad_bsdf_way *w, const double v[3])
@@ -562,8 +561,8 @@ rad_matrix_cells(const struct rad_bsdf_way *w, const double in[3],
     }
 }
 
-/* The running sums of light from a direction; *to gets the basis they are of.
- * NULL: it is on no side of it. */
+/* The running sums for w's direction, over the patches of *to; NULL: it is in
+ * no patch. */
 static const double *
 find_sums(const struct rad_bsdf_way *w, const struct basis **to)
 {
@@ -584,7 +583,7 @@ rad_matrix_total(const struct rad_bsdf_way *w)
     return sum ? sum[to->nangles] : 0;
 }
 
-/* Turn a direction of z > 0 in the basis that light from `in` goes to into the
+/* Turn a direction with z > 0 in the basis that the light goes to into the
  * frame of the surface. */
 static void
 face(const struct rad_bsdf_way *w, const double in[3], double v[3])

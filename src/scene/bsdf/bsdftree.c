@@ -1,8 +1,8 @@
-/* bsdftree.c - what a tensor tree says of directions, and drawing from it
+/* bsdftree.c - looking up directions in a tensor tree, and sampling
  *
- * For drawing the running sums of a cell are searched for a block (bsdftree.h);
- * within it the slice's few leaves are visited along Hilbert's curve.  What the
- * curve passes first is met first by small random numbers. */
+ * To sample, the running sums of an incident cell are searched for a block
+ * (bsdftree.h).  The few leaves of the slice in that block are then visited
+ * along Hilbert's curve, so that near random numbers give near directions. */
 #include "config.h"
 
 #include "scene/bsdf/bsdftree.h"
@@ -12,14 +12,13 @@
 
 #include "arith/elementary.h"
 
-#define TINY 1e-6 /* keeps the rim of isotropic trees off the middle */
+#define TINY 1e-6 /* keeps the normal in the lower half of isotropic trees */
 
-/* --- finding the way -------------------------------------------------------
- */
+/* --- going down --- */
 
-/* The value at a place, and the cell that it lies in: its lowest corner, and
- * the log of 1 over its width; NULL: not asked for.  The bits of a coordinate
- * are the way down. */
+/* The value at a place.  corner and level, which may be NULL, get its cell: the
+ * lowest corner, and log2 of 1 / its width.  The bits of the coordinates choose
+ * the way down. */
 static double
 look_up(const struct bsdf_node *n, int rank, const double place[4],
         double corner[4], int *level)
@@ -52,8 +51,7 @@ look_up(const struct bsdf_node *n, int rank, const double place[4],
     return (double)n->u.value[at];
 }
 
-/* --- colours ---------------------------------------------------------------
- */
+/* --- colours --- */
 
 static void
 to_xyz(double y, double u, double v, double xyz[3])
@@ -81,8 +79,7 @@ rad_tree_channels(const struct bsdf_tree *t, double y, const double place[4],
     rad_bsdf_sharpen(c, xyz);
 }
 
-/* --- looking up ------------------------------------------------------------
- */
+/* --- looking up --- */
 
 static double
 inside(double x)
@@ -90,8 +87,9 @@ inside(double x)
     return x > 0 ? x < 1 ? x : 1 - 0x1p-53 : 0;
 }
 
-/* The arc tangent of t in [-1, 1], times 4 / pi, to 1e-13: reduced twice by
- * atan(t) = 2 atan(t / (1 + sqrt(1 + t^2))), then its series. */
+/* The arc tangent of t in [-1, 1], times 4 / pi, to 1e-13: the argument is
+ * reduced twice by atan(t) = 2 atan(t / (1 + sqrt(1 + t^2))), then the
+ * series. */
 static double
 eighths(double t)
 {
@@ -111,8 +109,9 @@ eighths(double t)
                                                       x2 * (1. / 17)))))))));
 }
 
-/* Shirley and Chiu's map of the disk to the unit square: the longer coordinate
- * becomes the radius, the other its share by angle. */
+/* Shirley and Chiu's map from the disk to the unit square.  The larger
+ * coordinate becomes the radius, the other one a share of the radius by
+ * angle. */
 static void
 to_square(double x, double y, double sq[2])
 {
@@ -145,19 +144,19 @@ to_disk(const double sq[2], double *x, double *y)
     *y = r * rad_sin(phi * (M_PI / 4));
 }
 
-/* The isotropic coordinate of light from v. */
+/* The first coordinate of an isotropic tree, for light from v. */
 static double
 from_rim(const double v[3])
 {
     return inside(.5 - TINY - .5 * sqrt(v[0] * v[0] + v[1] * v[1]));
 }
 
-/* Of a channel from which the even part of the scattering was taken so much of
- * the value is left at least, that a colour has all three: as in Radiance. */
+/* When the rest is subtracted, each channel keeps at least this part of the
+ * luminance, so that all colours have three channels, as in Radiance. */
 #define LEAST_CHANNEL 1e-5
 
-/* A number about 1 that is another for each cell: two values that are the same
- * are of one cell, as in Radiance. */
+/* A factor near 1 that is different for each cell, as in Radiance: two equal
+ * values are of the same cell. */
 static double
 mark(int rank, const double corner[4])
 {
@@ -183,8 +182,7 @@ is_through(const struct rad_bsdf_way *w)
     return w->part->side == SIDE_TF || w->part->side == SIDE_TB;
 }
 
-/* Set what turns light from v into the half plane that isotropic trees are
- * for. */
+/* Set the turn that brings light from v to the azimuth of isotropic trees. */
 static void
 set_turn(const double v[3], double turn[2])
 {
@@ -209,7 +207,7 @@ rad_tree_look_from(struct rad_bsdf_way *w, const double v[3])
     }
 }
 
-/* Where light from the eye to `out` lies in an isotropic tree. */
+/* The place of incident and outgoing light in an isotropic tree. */
 static void
 turned_place(const struct rad_bsdf_way *w, const double *in, const double *out,
              double place[4])
@@ -265,8 +263,8 @@ rad_tree_value(const struct rad_bsdf_way *w, const double in[3],
     rad_bsdf_unsharpen(xyz, c);
 }
 
-/* The cell of the slice that light from the eye meets, and the place of its
- * middle.  NULL: there is none. */
+/* The incident cell of the light, and the place of the cell's middle.  NULL:
+ * there is none. */
 static const struct bsdf_cell *
 find_slice(const struct rad_bsdf_way *w, double middle[2])
 {
@@ -303,24 +301,25 @@ rad_tree_total(const struct rad_bsdf_way *w)
     return c ? M_PI * c->total : 0;
 }
 
-/* --- drawing ---------------------------------------------------------------
- */
+/* --- sampling --- */
 
-/* A walk along the curve through a slice. */
+/* A walk along the curve through a slice, to the point of the sample. */
 struct walk {
     const struct bsdf_tree *t;
     const struct bsdf_slices *s;
-    double left;   /* light to pass before the place is reached */
-    double out[2]; /* that place */
+    double left;   /* light still to pass */
+    double out[2]; /* the point */
 };
 
+/* A cell of the walk. */
 struct step {
     struct bsdf_cursor c;
     struct hilbert h;
-    double in[2], low[2], size; /* low: corner of the outgoing cell */
+    double in[2], low[2], size; /* low, size: corner and width in out's
+                                 * square */
 };
 
-/* Into quarter q of the outgoing square. */
+/* Go into quarter q of the outgoing square. */
 static struct step
 take_step(const struct walk *w, const struct step *from, unsigned q)
 {
@@ -346,7 +345,7 @@ take_step(const struct walk *w, const struct step *from, unsigned q)
     return to;
 }
 
-/* Walk through a cell.  True: the place is in it. */
+/* Walk through a cell.  True: the point is in it. */
 static bool
 walk_through(struct walk *w, const struct step *at)
 {
@@ -363,7 +362,7 @@ walk_through(struct walk *w, const struct step *at)
     }
     light = rad_tree_above_rest(w->t, rad_tree_leaf_value(&at->c, w->t->rank)) *
             at->size * at->size;
-    /* remembered for when rounding leads beyond the last */
+    /* always set, in case rounding makes the walk pass the last leaf */
     if (light > 0) {
         rad_hilbert_point(at->h, fmin(w->left / light, 1), p);
         for (int i = 0; i < 2; i++)
@@ -375,7 +374,7 @@ walk_through(struct walk *w, const struct step *at)
     return false;
 }
 
-/* The block that a fraction x of a slice's light leads into. */
+/* The block of the point after a fraction x of a slice's light. */
 static unsigned
 find_block(const struct bsdf_cell *c, double x)
 {

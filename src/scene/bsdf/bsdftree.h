@@ -1,15 +1,15 @@
-/* bsdftree.h - scattering as a tensor tree: what reading one and looking into
- * one share
+/* bsdftree.h - scattering as a tensor tree, for reading and looking up
  *
  * The unit square stands for a hemisphere, mapped so that areas are projected
- * solid angles over pi.  A tree of rank 4 has two coordinates for light that
- * comes in (where it goes on to) and two for light that goes out; one of rank 3
- * has half the distance of the first from the rim, and the second turned so
- * that light always comes from the same azimuth.  A node divides each
- * coordinate in two, or is a grid of 2^k values along each.
+ * solid angles over pi.  A tree of rank 4 has two coordinates for incident
+ * light (of the direction that it travels in) and two for outgoing light.  A
+ * tree of rank 3 has half the distance of the incident direction from the rim,
+ * and the outgoing direction turned so that light always comes from the same
+ * azimuth.  A node halves each coordinate, or is a grid of 2^k values along
+ * each.
  *
- * Light from one direction meets a slice of the tree.  For drawing from it we
- * keep, for every cell of the finest resolution, running sums over the 64
+ * Light from one direction meets a slice of the tree.  For sampling we keep,
+ * for every incident cell of the finest resolution, running sums over the 64
  * blocks of the outgoing square, along Hilbert's curve.
  * Private to bsdftree.c and bsdftreeread.c. */
 #ifndef RAD_SCENE_BSDFTREE_H
@@ -21,24 +21,24 @@
 #define NBLOCKS   (1 << 2 * BLOCK_LOG)
 
 struct bsdf_node {
-    int lg; /* of a grid: 2^lg values along each coordinate; -1: a branch */
+    int lg; /* a grid of 2^lg values along each coordinate; -1: a branch */
     union {
         struct bsdf_node **kid; /* bit i: upper half of coordinate i */
-        float *value;           /* the last coordinate's are neighbours */
+        float *value;           /* the last coordinate varies fastest */
     } u;
 };
 
-/* The light of a cell, over pi, and which fraction of it lies before each block
- * along the curve. */
+/* The scattered light of an incident cell, over pi, and the fraction of it that
+ * lies before each block along the curve. */
 struct bsdf_cell {
     double total;
-    uint32_t before[NBLOCKS]; /* 2^32 would be all */
-    uint8_t finest, coarsest; /* logs of 1 over a leaf's width */
+    uint32_t before[NBLOCKS]; /* times 2^32 */
+    uint8_t finest, coarsest; /* log2 of 1 / a leaf's width */
 };
 
 struct bsdf_slices {
     int res_log;
-    bool reverse; /* light comes in where the tree has it go out */
+    bool reverse; /* in and out are exchanged (reciprocity) */
     struct bsdf_cell *cell;
 };
 
@@ -47,17 +47,17 @@ enum { Y, U, V, NCHANNELS };
 struct bsdf_tree {
     int rank;
     struct bsdf_node *root[NCHANNELS]; /* U and V NULL: grey */
-    int finest;                        /* log of 1 over the smallest leaf */
-    double rest[3];                    /* sharp channels, or Y in all */
+    int finest;                        /* log2 of 1 / the smallest width */
+    double rest[3];                    /* sharp channels; Y in all if grey */
     double rest_y;
     struct bsdf_slices slices;
-    struct bsdf_slices reverse; /* of rank 4, light passing */
+    struct bsdf_slices reverse; /* for transmission of rank 4 */
 };
 
-/* A cell of a tree: a node, or a part of a node's grid. */
+/* A cell on the way down a tree: a node, or a part of a node's grid. */
 struct bsdf_cursor {
     const struct bsdf_node *n;
-    int left; /* levels that are left of the grid */
+    int left; /* levels of the grid below it */
     uint32_t at[4];
 };
 
@@ -73,7 +73,7 @@ rad_tree_at_leaf(const struct bsdf_cursor *c)
     return c->left == 0;
 }
 
-/* Into a half along each coordinate. */
+/* Go into one half along each coordinate. */
 static inline void
 rad_tree_descend(struct bsdf_cursor *c, int rank, unsigned bits)
 {
@@ -96,11 +96,11 @@ rad_tree_leaf_value(const struct bsdf_cursor *c, int rank)
     return (double)c->n->u.value[i];
 }
 
-/* The sharp channels of luminance y at a place. */
+/* The sharp channels of a value with luminance y at a place. */
 void rad_tree_channels(const struct bsdf_tree *t, double y,
                        const double place[4], double c[3]);
 
-/* What of luminance y is not in the Lambertian rest. */
+/* The part of luminance y above the Lambertian rest. */
 static inline double
 rad_tree_above_rest(const struct bsdf_tree *t, double y)
 {

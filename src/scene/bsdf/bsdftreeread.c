@@ -1,5 +1,5 @@
-/* bsdftreeread.c - the tensor trees of a file, and what follows from their
- * values: the Lambertian rest and the sums to draw by */
+/* bsdftreeread.c - reading tensor trees, and what follows from their values:
+ * the Lambertian rest and the sums for sampling */
 #include "config.h"
 
 #include "scene/bsdf/bsdftree.h"
@@ -9,12 +9,11 @@
 #include <string.h>
 #include <strings.h>
 
-#define NEGLIGIBLE  (.01 / M_PI) /* a Lambertian rest below this is none */
-#define IMPOSSIBLE  (1.5 / M_PI) /* and one from this on is no rest */
-#define MAX_RES_LOG 8            /* cells of slices: Radiance's finest */
+#define NEGLIGIBLE  (.01 / M_PI) /* a smaller Lambertian rest counts as none */
+#define IMPOSSIBLE  (1.5 / M_PI) /* a rest cannot be this large */
+#define MAX_RES_LOG 8            /* log2 of Radiance's finest resolution */
 
-/* --- reading ---------------------------------------------------------------
- */
+/* --- reading --- */
 
 struct source {
     const char *p;
@@ -37,7 +36,7 @@ bad_tree(struct source *in, const char *what)
     return NULL;
 }
 
-/* How many numbers are there up to the brace? */
+/* The number of values before the next brace. */
 static size_t
 count_values(const char *p)
 {
@@ -143,10 +142,9 @@ read_block(struct rad_bsdf *b, struct rad_arena *arena,
                : 0;
 }
 
-/* --- what follows from the values ------------------------------------------
- */
+/* --- what follows from the values --- */
 
-/* Called for every leaf of the luminance. */
+/* A function that is called for every leaf of the luminance. */
 struct visitor {
     const struct bsdf_tree *t;
     void (*leaf)(void *arg, double value, const uint32_t at[4], int level);
@@ -189,7 +187,8 @@ struct least {
     int finest;
 };
 
-/* Half of an isotropic tree means nothing: no direction is beyond the rim. */
+/* No direction is in the upper half of an isotropic tree: its values are left
+ * out. */
 static void
 find_least(void *arg, double value, const uint32_t at[4], int level)
 {
@@ -232,10 +231,10 @@ take_rest(struct bsdf_tree *t, double diffuse[3])
 struct filler {
     const struct bsdf_tree *t;
     struct bsdf_slices *s;
-    double *sum; /* by cell and block, in rows */
+    double *sum; /* by cell and block, blocks in rows */
 };
 
-/* Add a leaf's light to the blocks that it covers, of one cell. */
+/* Add a leaf's light to the blocks that it covers, for one incident cell. */
 static void
 fill_blocks(const struct filler *f, size_t cell, double value,
             const uint32_t out[2], int level)
@@ -271,14 +270,15 @@ fill_cell(const struct filler *f, size_t cell, double value,
         c->coarsest = (uint8_t)level;
 }
 
-/* The cells [*from, *to) whose middles a leaf covers along one coordinate. */
+/* The incident cells [*from, *to) whose middles a leaf covers along one
+ * coordinate. */
 static void
 covered(uint32_t at, int level, int res_log, uint32_t *from, uint32_t *to)
 {
     if (level <= res_log) {
         *from = at << (res_log - level);
         *to = (at + 1) << (res_log - level);
-    } else { /* a cell's middle lies at the lower end of one of the leaves */
+    } else { /* a cell's middle is at the lower end of one of these leaves */
         uint32_t half = 1u << (level - res_log - 1);
 
         *from = at >> (level - res_log);
@@ -295,7 +295,8 @@ fill_leaf(void *arg, double value, const uint32_t at[4], int level)
 
     for (int i = 0; i < 2; i++)
         out[i] = f->s->reverse ? (1u << level) - 1 - at[i] : at[nin + i];
-    for (int i = 0; i < nin; i++) /* the only one of rank 3 counts columns */
+    for (int i = 0; i < nin; i++) /* with rank 3, the coordinate is the
+                                   * column */
         covered(at[in + i], level, f->s->res_log, &from[2 - nin + i],
                 &to[2 - nin + i]);
     for (uint32_t x = from[0]; x < to[0]; x++)
@@ -310,7 +311,7 @@ count_cells(const struct bsdf_tree *t, const struct bsdf_slices *s)
     return (size_t)1 << s->res_log * (t->rank - 2);
 }
 
-/* Sums along the curve. */
+/* Make a cell's running sums along the curve. */
 static void
 run_up(const double *block, struct bsdf_cell *cell)
 {
@@ -358,7 +359,7 @@ make_slices(const struct bsdf_tree *t, struct bsdf_slices *s,
     return 0;
 }
 
-/* The most that any direction scatters: of boxes of 1/32 or of the cells. */
+/* The largest share that is scattered, averaged over boxes of 1/32 or cells. */
 static double
 find_most(const struct bsdf_tree *t)
 {
@@ -367,7 +368,7 @@ find_most(const struct bsdf_tree *t)
     int n = 1 << (s->res_log - skip), rows = t->rank == 4 ? n : 1;
     double most = 0;
 
-    /* the outer half of an isotropic tree is beyond the rim */
+    /* no direction is in the upper half of an isotropic tree */
     for (int i = 0; i < rows; i++)
         for (int j = 0; j < (rows == 1 ? (n + 1) / 2 : n); j++) {
             double sum = 0;

@@ -1,7 +1,7 @@
 /* bsdfxml.c - the elements of an XML file as a tree
  *
- * The text of elements is gathered in one buffer, a NUL behind each, and put
- * into the arena at the end, when it no longer grows. */
+ * The text of an element is collected in a buffer, and put into the arena when
+ * the element ends. */
 #include "config.h"
 
 #include "scene/bsdf/bsdfimpl.h"
@@ -19,10 +19,10 @@ struct reader {
     struct rad_error *err;
     struct xml_node *root;
     struct open {
-        struct xml_node *node, **tail; /* tail: where its next kid goes */
+        struct xml_node *node, **tail; /* tail: link for its next kid */
     } open[MAX_DEPTH];
     int depth, nodes;
-    char *text; /* of the innermost element so far */
+    char *text; /* of the innermost element, so far */
     size_t used, size;
     bool failed;
 };
@@ -121,7 +121,7 @@ end_element(void *arg, const XML_Char *name)
     in->used = 0;
 }
 
-/* Nothing that we read defines entities; what does may mean to blow up. */
+/* BSDF files define no entities, which may expand to more than memory holds. */
 static void
 refuse_entity(void *arg, const XML_Char *name, int parameter,
               const XML_Char *value, int len, const XML_Char *base,
@@ -148,7 +148,7 @@ rad_xml_parse(struct rad_arena *arena, const char *xml, size_t len,
         rad_fail(err, RAD_ENOMEM, "out of memory");
         return NULL;
     }
-    XML_SetHashSalt(in.xml, 1); /* asks the system for no random numbers */
+    XML_SetHashSalt(in.xml, 1); /* or the system is asked for random numbers */
     XML_SetUserData(in.xml, &in);
     XML_SetElementHandler(in.xml, start_element, end_element);
     XML_SetCharacterDataHandler(in.xml, add_text);
