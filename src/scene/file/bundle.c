@@ -28,7 +28,7 @@ rad_bundle_release(struct rad_bundle *b)
     rad_bundle_init(b);
 }
 
-/* The order of a manifest's lines. */
+/* Compare in the order of a manifest's lines. */
 static int
 compare(const struct rad_bundle_entry *e, enum rad_bundle_role role,
         const char *name)
@@ -177,7 +177,7 @@ rad_bundle_format(const struct rad_bundle *b, size_t *len)
     size_t size = sizeof MAGIC, used;
     char *text;
 
-    for (int i = 0; i < b->n; i++) /* hash, 20 digits, role, name, blanks */
+    for (int i = 0; i < b->n; i++) /* hash, 20 digits, role, name, separators */
         size += RAD_SHA_HEX + 20 + 5 + strlen(b->entries[i].name) + 4;
     text = malloc(size);
     if (!text)
@@ -194,7 +194,7 @@ rad_bundle_format(const struct rad_bundle *b, size_t *len)
     return text;
 }
 
-/* Decimal digits, at most 19 so that nothing overflows, and a blank. */
+/* Read decimal digits, at most 19, which cannot overflow, and a blank. */
 static const char *
 parse_size(const char *p, const char *end, uint64_t *size)
 {
@@ -223,7 +223,7 @@ parse_role(const char *p, const char *end, enum rad_bundle_role *role)
     return NULL;
 }
 
-/* One line from p to end, which is its newline. */
+/* Read the line from p to its newline, end. */
 static int
 parse_line(struct rad_bundle *b, const char *p, const char *end,
            struct rad_error *err)

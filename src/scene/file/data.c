@@ -1,7 +1,7 @@
 /* data.c - see data.h
  *
- * Places and values are floats, as in Radiance, so that a place that is meant
- * to be on a grid line is on the same side of it. */
+ * Places and values are floats, as in Radiance, so that a place meant to be on
+ * a grid line falls on the same side of it. */
 #include "config.h"
 
 #include "scene/file/data.h"
@@ -17,15 +17,15 @@
 #define MAX_WORD 63 /* bytes of a number */
 
 struct axis {
-    float org, len;  /* place of the first, and from it to the last */
-    const float *at; /* places, NULL: evenly spaced */
-    int32_t n;       /* at least 2; 1 in pictures only */
+    float org, len;  /* place of the first value, distance to the last */
+    const float *at; /* places, NULL: at even steps */
+    int32_t n;       /* at least 2; 1 only in pictures */
 };
 
 struct rad_data {
     int dims;
     struct axis axis[RAD_MAX_DATA_DIMS];
-    float *value; /* the last dimension's are neighbours */
+    float *value; /* the last dimension varies fastest */
 };
 
 struct rad_pict {
@@ -33,7 +33,7 @@ struct rad_pict {
     uint8_t *rgbe; /* the top row first */
 };
 
-/* Where a coordinate lies: between values i and i + 1, and their weights. */
+/* A coordinate between values i and i + 1, and the weights of these. */
 struct place {
     int32_t i;
     double w[2];
@@ -64,7 +64,7 @@ skip_blanks(struct reader *in)
             in->line++;
 }
 
-/* Digits, a point and an exponent: what strtod() takes besides is no number. */
+/* Is it made of digits, a point and an exponent?  strtod() takes more. */
 static bool
 is_decimal(const char *word)
 {
@@ -106,8 +106,8 @@ read_real(struct reader *in, float *value)
     return 0;
 }
 
-/* A count of at least `least`.  Each of what it counts takes two bytes of the
- * file, so more than are left is an error before anything is allocated. */
+/* Read a count of at least `least`.  Each counted number takes two bytes of the
+ * file, so a count too large for the file is refused before allocation. */
 static int
 read_count(struct reader *in, int32_t least, int32_t *n)
 {
@@ -128,7 +128,7 @@ read_count(struct reader *in, int32_t least, int32_t *n)
     return 0;
 }
 
-/* Places rise or fall from first to last; equal ones count as falling. */
+/* Read places that all rise or all fall; equal ones count as falling. */
 static int
 read_places(struct reader *in, struct rad_arena *arena, struct axis *a)
 {
@@ -250,7 +250,7 @@ rad_data_grid(struct rad_arena *arena, int dims, const int n[],
 
 /* --- interpolation ------------------------------------------------------- */
 
-/* The last i whose place is not beyond x, by bisection. */
+/* The last i whose place is not beyond x; 0 if there is none. */
 static int32_t
 find_place(const struct axis *a, double x)
 {
@@ -268,9 +268,9 @@ find_place(const struct axis *a, double x)
 }
 
 /* Set the weights of values i and i + 1 at x, in steps from the first value.
- * Up to one step beyond the ends they are those of the straight line; from
- * there they fall.  Beyond the last value they begin to fall from a third of
- * what they were, as they do in Radiance's pictures. */
+ * Up to one step beyond the ends they continue the straight line; from there
+ * they fall.  Beyond the last value the fall begins at a third of the weights,
+ * as in Radiance's pictures. */
 static void
 weigh(struct place *at, double x)
 {
@@ -295,7 +295,7 @@ locate(const struct axis *a, double x)
     int32_t last = a->n - 2;
 
     if (last < 0)
-        return at; /* the only one there is, everywhere */
+        return at; /* there is only one value */
     if (!a->at) {
         x = (x - (double)a->org) / (double)a->len * (a->n - 1);
         at.i = x >= last ? last : x > 0 ? (int32_t)x : 0;
@@ -310,8 +310,8 @@ locate(const struct axis *a, double x)
     return at;
 }
 
-/* The corners of the cell, one after the other: bit k of `corner` is set for
- * the upper value along axis k.  A weight of 0 hides what it weighs. */
+/* Add up the cell's corners: bit k of `corner` is set for the upper value along
+ * axis k.  With weight 0 a value does not count, even if it is infinite. */
 double
 rad_data_value(const struct rad_data *d, const double at[])
 {

@@ -4,14 +4,15 @@
  * dimensions:
  *
  *     N
- *     begin end n             N times: n values, evenly from begin to end, or
+ *     begin end n             N times: n values, at even steps from begin to
+ *                             end, or
  *     0 0 n  p1 p2 ... pn     at these places, in rising or falling order
- *     values                  those of the last dimension follow each other
+ *     values                  the index of the last dimension varies fastest
  *
- * Words are parted by white space; # starts a comment that ends with its line.
- * Between its places a value is interpolated linearly along each dimension;
- * beyond the ends it goes on in a straight line as far as one step, and falls
- * from there towards 0 as one over the distance.
+ * Words are separated by white space; # starts a comment up to the end of the
+ * line.  Between places values are interpolated linearly along each dimension.
+ * Beyond the ends they continue in a straight line for one step, and then fall
+ * towards 0 like one over the distance.
  *
  * A picture is such a grid of two dimensions for each of three channels, with
  * the origin at its lower left, x to the right, y up, and the shorter side of
@@ -41,31 +42,31 @@ struct rad_pict;
 struct rad_data *rad_data_parse(struct rad_arena *arena, const char *text,
                                 size_t len, struct rad_error *err);
 
-/* How many dimensions it has, 1 to RAD_MAX_DATA_DIMS. */
+/* The number of dimensions, 1 to RAD_MAX_DATA_DIMS. */
 int rad_data_dims(const struct rad_data *d);
 
-/* A dimension: its first place, how far from there the last one is, and how
- * many values it has. */
+/* A dimension: the place of its first value, the distance to the last one, and
+ * the number of values. */
 void rad_data_axis(const struct rad_data *d, int dim, double *begin,
                    double *length, int *n);
 
-/* A grid of dims dimensions with n[] values each, evenly from 0 (but for the
- * last dimension: from begin) to length[]; *values is to be filled in, the last
- * dimension's neighbours.  NULL: out of memory. */
+/* Make a grid of dims dimensions, with n[] values each at even steps from 0 to
+ * length[]; the last dimension begins at `begin` instead.  The caller fills
+ * *values, in which the last dimension varies fastest.  NULL: memory is out. */
 struct rad_data *rad_data_grid(struct rad_arena *arena, int dims, const int n[],
                                const double length[], double begin,
                                float **values);
 
-/* The value at a place of as many coordinates.  Anywhere; no finite number
- * where a coordinate is none. */
+/* The value at a place, anywhere.  It is no finite number if a coordinate is
+ * none. */
 double rad_data_value(const struct rad_data *d, const double at[]);
 
-/* Decode a picture file (image/hdr.h says which).  NULL and *err on failure.
- */
+/* Decode a picture file; image/hdr.h names the formats.  NULL and *err on
+ * failure. */
 struct rad_pict *rad_pict_parse(struct rad_arena *arena, const uint8_t *bytes,
                                 size_t len, struct rad_error *err);
 
-/* Red, green and blue at (x, y); anywhere. */
+/* Red, green and blue at (x, y), anywhere. */
 void rad_pict_value(const struct rad_pict *p, double x, double y,
                     double rgb[3]);
 

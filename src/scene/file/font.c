@@ -1,7 +1,8 @@
 /* font.c - see font.h
  *
- * Setting a line works on gaps: gap[i] lies between the starts of letter i-1
- * and letter i, gap[0] before the first, gap[n] after the last. */
+ * A line is set by its gaps: gap[i] is the distance from the start of letter
+ * i-1 to the start of letter i, gap[0] comes before the first, gap[n] after the
+ * last. */
 #include "config.h"
 
 #include "scene/file/font.h"
@@ -10,18 +11,18 @@
 #include <string.h>
 
 #define CELL 255
-/* Letters in a line, so that its width stays far below INT32_MAX. */
+/* The most letters in a line, so that its width is far below INT32_MAX. */
 #define MAX_LINE 100000
-/* Spaces in a row that end a column, in proportional spacing. */
+/* With proportional spacing, so many spaces in a row end a column. */
 #define COLUMN_SPACES 3
 
-/* Words of a font file. */
+/* A font file being read. */
 struct reader {
     const char *p, *end;
     int line;
 };
 
-/* The next integer.  1: found, 0: end of the text, negative: not a number. */
+/* Read the next integer.  1: found, 0: end of the text, negative: no number. */
 static int
 next_int(struct reader *in, int *value)
 {
@@ -135,8 +136,8 @@ rad_font_parse(struct rad_arena *arena, const char *text, size_t len,
 }
 
 /* Even-odd rule: count the edges that a ray toward +x crosses.  An edge is
- * taken from its lower end whatever its direction, so that the two edges of a
- * seam always agree. */
+ * computed from its lower end, whatever its direction, so that the two edges of
+ * a seam agree. */
 bool
 rad_glyph_inside(const struct rad_glyph *g, double x, double y)
 {
@@ -183,9 +184,8 @@ set_cells(struct setter *s)
         s->gap[i + 1] = glyph_at(s, i) ? CELL : 0;
 }
 
-/* Put letters `space` apart, each by its own extent; a space is as wide as the
- * mean letter.  A character without a glyph takes no room: what follows the
- * letter before it counts before it. */
+/* Put letters `space` apart, each with its own width; a space is as wide as the
+ * mean letter.  A character without a glyph takes no room. */
 static void
 set_squeezed(struct setter *s, int space)
 {
@@ -209,9 +209,10 @@ set_squeezed(struct setter *s, int space)
     s->gap[s->n] += half;
 }
 
-/* One column: letters from i up to where more than COLUMN_SPACES characters
- * make one letter with the spaces behind it.  Returns its end; *cells gets how
- * many mean letters wide it should be. */
+/* The end of the column that begins at letter i.  A letter counts with the
+ * spaces behind it; the column ends with the first that has more than
+ * COLUMN_SPACES characters so.  *cells is the column's width in mean
+ * letters. */
 static int
 column_end(const struct setter *s, int i, int *cells)
 {
@@ -233,8 +234,8 @@ column_end(const struct setter *s, int i, int *cells)
     return i;
 }
 
-/* Squeeze, then stretch each column to the width of as many mean letters, so
- * that columns of different lines stand below each other. */
+/* Squeeze, then stretch each column to a whole number of mean letters, so that
+ * columns of several lines are aligned. */
 static void
 set_proportional(struct setter *s, int space)
 {
@@ -268,7 +269,7 @@ rad_textline_set(struct rad_textline *line, const struct rad_font *font,
     if (len > MAX_LINE || spacing > MAX_LINE / 10 || spacing < -MAX_LINE / 10)
         return rad_fail(err, RAD_EDATA, "line of text is too long");
     s.gap = rad_arena_calloc(arena, len + 1, sizeof *s.gap);
-    line->start = s.gap; /* becomes that: the sum of the gaps up to there */
+    line->start = s.gap; /* gaps are replaced by their running sum, below */
     line->reach = rad_arena_alloc(arena, (len + 1) * sizeof *line->reach);
     line->glyph = rad_arena_alloc(arena, (len + 1) * sizeof *line->glyph);
     if (!s.gap || !line->reach || !line->glyph)
@@ -291,8 +292,8 @@ rad_textline_set(struct rad_textline *line, const struct rad_font *font,
     return 0;
 }
 
-/* Letters are tried from the last that starts at or before x back to where
- * none could reach it: a cell is 255 wide at most. */
+/* Try letters from the last one that begins at or before x back to where none
+ * can reach x: a letter is at most 255 wide. */
 bool
 rad_textline_inside(const struct rad_textline *line, double x, double y)
 {

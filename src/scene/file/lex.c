@@ -1,15 +1,15 @@
 /* lex.c - see lex.h
  *
- * A million triangles are nine million numbers, so the common ones are
- * converted here: with at most 19 significant digits that fit 53 bits, and a
- * power of ten up to 22, one multiplication or division of two exact doubles
+ * A million triangles have nine million numbers, so common numbers are
+ * converted here.  With at most 19 significant digits that fit in 53 bits, and
+ * a power of ten up to 22, one multiplication or division of two exact doubles
  * rounds correctly (Clinger 1990, How to read floating point numbers
- * accurately).  strtod() gets the rest.
+ * accurately).  strtod() converts the others.
  *
- * Nearly all words and numbers lie whole in the buffer: those are taken where
- * they are, up to the NUL behind it.  What does not (it goes on in the next
- * buffer, has quotes, or is wrong) is read from its beginning, one character
- * after the other, by the code that knows all cases. */
+ * Nearly all words and numbers lie whole in the buffer, and are read in place,
+ * up to the NUL behind the buffer's text.  Others (which continue in the next
+ * buffer, have quotes, or are wrong) are read from their beginning, character
+ * by character, by code that handles all cases. */
 #include "config.h"
 
 #include "scene/file/lex.h"
@@ -19,7 +19,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define END (-1) /* of the text, or of what could be read */
+#define END (-1) /* of the text, or of the part that could be read */
 
 void
 rad_lex_init(struct rad_lex *lex, const struct rad_stream *in)
@@ -33,8 +33,7 @@ rad_lex_init(struct rad_lex *lex, const struct rad_stream *in)
     lex->word[0] = '\0';
 }
 
-/* The next buffer.  Text has no NUL: a file that does is not worth a guess at
- * what its words could mean. */
+/* Read the next buffer.  A file with a NUL is no text, and is refused. */
 static bool
 refill(struct rad_lex *lex, struct rad_error *err)
 {
@@ -133,7 +132,7 @@ unexpected_end(struct rad_lex *lex, const char *what, struct rad_error *err)
     return rad_fail(err, RAD_EDATA, "text ends where %s is expected", what);
 }
 
-/* Take a word that lies whole and without quotes in the buffer. */
+/* Read a word in place; false: it is not whole in the buffer, or has quotes. */
 static bool
 take_word(struct rad_lex *lex)
 {
@@ -223,13 +222,13 @@ rad_lex_count(struct rad_lex *lex, const char *what, int max, int *n,
     return 0;
 }
 
-/* What a number's characters say: mantissa * 10^exponent. */
+/* A number as it is written: mantissa * 10^exponent. */
 struct decimal {
-    uint64_t mantissa; /* leading 19 significant digits at most */
+    uint64_t mantissa; /* the first 19 significant digits at most */
     int digits;        /* significant digits in it */
     int exponent;
     bool negative;
-    bool inexact; /* digits were left out, or the exponent is beyond all */
+    bool inexact; /* digits other than 0 were left out */
 };
 
 static const char *
@@ -264,7 +263,7 @@ scan_exponent(const char *p, struct decimal *d)
     return p;
 }
 
-/* False: these characters are no number. */
+/* Read all of the text at p as a number; false: it is none. */
 static bool
 scan_decimal(const char *p, struct decimal *d)
 {
@@ -286,7 +285,7 @@ scan_decimal(const char *p, struct decimal *d)
     return p && *p == '\0';
 }
 
-/* True: *x is the double nearest to d. */
+/* Set *x to the double nearest to d, if that is exact; else false. */
 static bool
 convert_exactly(const struct decimal *d, double *x)
 {
@@ -308,8 +307,8 @@ convert_exactly(const struct decimal *d, double *x)
     return true;
 }
 
-/* Take a number that lies whole in the buffer, without exponent and of so few
- * digits that none need be left out. */
+/* Read a number in place if it is whole in the buffer, has no exponent, and has
+ * so few digits that all are kept. */
 static bool
 take_real(struct rad_lex *lex, double *x)
 {

@@ -5,9 +5,9 @@
  *     0
  *     n real1 .. realn
  *
- * One struct reader is one text; a command's output is another one, read while
- * its own waits.  Arguments are collected in buffers that are used again for
- * each object. */
+ * A struct reader is one text.  A command's output has a reader of its own,
+ * which is read while the outer one waits.  Arguments are collected in buffers
+ * that are used for all objects in turn. */
 #include "config.h"
 
 #include "scene/file/parse.h"
@@ -17,11 +17,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define MODIFIER_INHERIT (-2) /* alias: take the modifier of the old name */
+#define MODIFIER_INHERIT (-2) /* of an alias: the old name's modifier */
 
 /* Arguments of the object being read. */
 struct arguments {
-    char *text; /* strings, one behind the other, NULs between */
+    char *text; /* strings, one after the other, with their NULs */
     size_t text_size, text_used;
     const char **strings;
     double *reals;
@@ -29,18 +29,18 @@ struct arguments {
     int max_strings, max_reals; /* allocated */
 };
 
-/* What all levels share. */
+/* State that all readers share. */
 struct parser {
     struct rad_scene *scene;
     const struct rad_parse_io *io;
     struct arguments args;
-    struct rad_error first; /* that reading went on after */
+    struct rad_error first; /* error after which reading went on */
 };
 
-/* One text. */
+/* A text that is being read. */
 struct reader {
     struct parser *parser;
-    int depth; /* of commands above it */
+    int depth; /* of nested commands */
     int32_t file;
     struct rad_lex lex;
 };
@@ -54,7 +54,7 @@ fail_at(const struct reader *r, int line, struct rad_error *err)
     return err->code;
 }
 
-/* Put the object's type and name before what went wrong. */
+/* Put the object's type and name in front of an error's text. */
 static void
 name_object(const struct rad_object *o, struct rad_error *err)
 {
@@ -65,8 +65,8 @@ name_object(const struct rad_object *o, struct rad_error *err)
              rad_otype_name(o->type), o->name, what);
 }
 
-/* An error that reading can go on after, if someone wants to know the others:
- * 0 to go on, else its code in *err. */
+/* Note an error after which reading can go on, if io->each wants further
+ * errors: returns 0 to go on, else the error's code, with *err set. */
 static int
 survive(struct reader *r, int line, struct rad_error *now,
         struct rad_error *err)
@@ -86,8 +86,8 @@ survive(struct reader *r, int line, struct rad_error *now,
 
 /* --- arguments ---------------------------------------------------------- */
 
-/* An array with room for n elements of `size` bytes and perhaps more, instead
- * of `old`, which has room for *max; NULL: out of memory, old is as it was. */
+/* Grow `old`, which has room for *max elements of `size` bytes, to n or more;
+ * NULL: memory is out, and old is unchanged. */
 static void *
 grow(void *old, size_t size, int *max, int n, struct rad_error *err)
 {
@@ -126,8 +126,8 @@ reserve_reals(struct arguments *a, int n, struct rad_error *err)
     return 0;
 }
 
-/* Keep the lexer's word as the next string argument.  Its place is known only
- * when all have been read, as the text may move. */
+/* Keep a word as the next string argument.  Since the buffer may move, pointers
+ * to strings are set when all have been read. */
 static int
 keep_string(struct arguments *a, const char *word, struct rad_error *err)
 {
@@ -147,7 +147,8 @@ keep_string(struct arguments *a, const char *word, struct rad_error *err)
     return 0;
 }
 
-/* A claimed count allocates nothing: the buffers grow with what is read. */
+/* The count that the text claims allocates nothing: buffers grow as words are
+ * read. */
 static int
 read_strings(struct rad_lex *lex, struct arguments *a, struct rad_error *err)
 {
@@ -221,14 +222,14 @@ read_modifier(struct reader *r, struct rad_object *o, struct rad_error *err)
     return survive(r, r->lex.line, &now, err);
 }
 
-/* Unknown types are read over like known ones and leave an alias behind, so
- * that what they modify is not called undefined. */
+/* Read a type.  An object of unknown type is read like others, and becomes an
+ * alias, so that its name is not reported as undefined later. */
 static int
 read_type(struct reader *r, struct rad_object *o, bool *known,
           struct rad_error *err)
 {
     struct rad_error now = { 0 };
-    int type, rc = rad_lex_next(&r->lex, err); /* skips comments */
+    int type, rc = rad_lex_next(&r->lex, err); /* to skip comments */
 
     if (rc == RAD_TOKEN_COMMAND)
         return rad_fail(err, RAD_EDATA, "expected a type, got '!'");
@@ -263,9 +264,10 @@ read_name(struct reader *r, const struct rad_object *o, char *name,
     return 0;
 }
 
-/* What an alias refers to.  One that changes no modifier is a plain
- * replacement (no string argument, its modifier is what it stands for), so
- * that chains of them stay short. */
+/* Read the name that an alias refers to.  An alias that does not change the
+ * modifier becomes a plain replacement: it has no string argument, and its
+ * modifier is the object that it stands for.  This keeps chains of aliases
+ * short. */
 static int
 read_alias(struct reader *r, struct rad_object *o, struct rad_error *err)
 {
@@ -378,7 +380,7 @@ new_reader(struct parser *p, const struct rad_stream *in, const char *name,
     return r;
 }
 
-/* Read a command's output in its place, as a text called after it. */
+/* Read a command's output, as a text whose name says file, line and command. */
 static int
 read_output(struct reader *r, const char *command, int line,
             const struct rad_stream *out, struct rad_error *err)
@@ -442,7 +444,7 @@ read_command(struct reader *r, struct rad_error *err)
     return rc;
 }
 
-/* Tell of a text that is empty but for comments. */
+/* Warn of a text without objects. */
 static void
 warn_of_empty(const struct reader *r)
 {

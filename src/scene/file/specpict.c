@@ -12,17 +12,18 @@
 #define LONGEST_LINE 4096
 #define LONGEST_SIDE (1 << 24)
 
-/* Channels of a byte for the exponent have half of a step added. */
+/* Bias of the exponent's byte, and 8 bits of the mantissa; decode() adds half a
+ * step to each mantissa. */
 #define EXPONENT_EXCESS (128 + 8)
 
 struct reader {
     const uint8_t *at, *end;
     struct rad_error *err;
     int channels;
-    float edge[4]; /* wavelengths [nm] */
+    float edge[4]; /* WAVELENGTH_SPLITS [nm] */
     double pixaspect;
     int width, height;
-    bool ends; /* the header has */
+    bool ends; /* the header has ended */
 };
 
 static int
@@ -101,7 +102,7 @@ read_header(struct reader *in)
     return 0;
 }
 
-/* What is there is all that is allocated for. */
+/* Is the file as long as its size says?  Checked before memory is allocated. */
 static int
 check_size(const struct reader *in)
 {
