@@ -1,8 +1,8 @@
-/* effect.h - what a value does as a pattern, a texture or a mixture, whether a
- * function (func.h) or a table (table.h) gives it
+/* effect.h - what values do to a ray, as a pattern, a texture or a mixture
  *
- * A value that cannot be worked out leaves a pattern or texture without effect
- * there, and a mixture without either of its parts, as in Radiance.
+ * The values come from functions (func.h), tables (table.h) or spectra
+ * (spectral.h).  As in Radiance, if a value cannot be computed, a pattern or a
+ * texture has no effect there, and a mixture shades nothing.
  * Source: Radiance's reference manual, "Patterns", "Textures", "Mixtures". */
 #ifndef RAD_SHADE_EFFECT_H
 #define RAD_SHADE_EFFECT_H
@@ -12,21 +12,21 @@
 
 struct rad_effect;
 
-/* The values at r's hit, one or three; false: one cannot be worked out. */
+/* Compute the values at r's hit, one or three; false: one has no value. */
 typedef bool rad_effect_fn(struct rad_ctx *ctx, const struct rad_effect *e,
                            const struct rad_ray *r, double value[3]);
 
-/* The first member of what a modifier's prepare function makes. */
+/* The first member of the data of a modifier. */
 struct rad_effect {
     rad_effect_fn *values;
-    rad_effect_fn *colour; /* red, green and blue, where values() gives other
-                            * channels; else NULL */
-    struct rad_expr expr; /* its expressions; their place is the texture's */
-    int32_t part[2];      /* modifiers that a mixture mixes */
+    rad_effect_fn *colour; /* if the job's channels are not red, green and blue:
+                            * computes these, and values() the channels */
+    struct rad_expr expr; /* the modifier's expressions and transform */
+    int32_t part[2];      /* of a mixture: the two modifiers */
 };
 
-/* What values() gives is red, green and blue: have it give what the job's
- * channels show.  Nothing changes where these are the same. */
+/* values() gives red, green and blue: make it give the job's channels.  In a
+ * job of red, green and blue nothing changes. */
 void rad_effect_channels(const struct rad_job *job, struct rad_effect *e);
 
 bool rad_effect_brighten(struct rad_ctx *ctx, const struct rad_material *mat,

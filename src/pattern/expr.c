@@ -10,7 +10,7 @@
 
 /* --- compiling ------------------------------------------------------------ */
 
-/* Read a function file, unless it has been; returns its context. */
+/* Read a function file, unless it is read already; returns its context. */
 static int
 load(struct rad_job *job, const struct rad_object *o,
      const struct rad_files *files, const char *name, struct rad_error *err)
@@ -33,8 +33,9 @@ load(struct rad_job *job, const struct rad_object *o,
     return rc ? rad_material_file_fail(job, o, name, &why, err) : context;
 }
 
-/* Refuse an expression that asks for real arguments that are not there, or calls
- * a function with too few: rpict ends where it meets such a call. */
+/* Refuse an expression that needs real arguments which the object does not
+ * have, or that calls a function with too few arguments: rpict ends at such a
+ * call. */
 static int
 check_needs(const struct rad_job *job, const struct rad_object *o,
             const struct rad_calc_need *need, struct rad_error *err)
@@ -75,7 +76,8 @@ compile_expressions(struct rad_job *job, const struct rad_object *o,
     return 0;
 }
 
-/* The transform starts at the first word that may, behind the file. */
+/* Read the transform, which begins with the first word after the file's name
+ * that can begin one. */
 static int
 read_transform(const struct rad_job *job, const struct rad_object *o, int file,
                struct rad_expr *e, struct rad_error *err)
@@ -91,7 +93,7 @@ read_transform(const struct rad_job *job, const struct rad_object *o, int file,
     return 0;
 }
 
-/* The variables that a type has beyond those of all. */
+/* Groups of variables that a type has beyond the standard ones. */
 static unsigned
 offer_of(enum rad_otype type)
 {
@@ -121,7 +123,7 @@ rad_expr_prepare(struct rad_job *job, const struct rad_object *o,
 {
     int rc;
 
-    /* a shift by 32 or more has no meaning */
+    /* nstrings may be 32 or more, for which the shift is undefined */
     if (o->nstrings <= file || (o->nstrings < 32 && which >> o->nstrings))
         return rad_scene_fail(job->scene, o, err, RAD_EDATA,
                               "too few string arguments");
@@ -159,7 +161,7 @@ length(const struct rad_ray *r)
     return r->hit.t < FAR ? r->hit.t : FAR;
 }
 
-/* Length of the ray and its ancestors, as long as their path is of a kind. */
+/* The length of the ray and its ancestors, as long as they are of this kind. */
 static double
 way(const struct rad_ray *r, unsigned kind)
 {
@@ -170,7 +172,7 @@ way(const struct rad_ray *r, unsigned kind)
     return sum;
 }
 
-/* Where the axes' directions are among the channels. */
+/* Index of the channels of the axes' directions. */
 #define AXES 15
 
 /* Channels that are set together, as bits. */
@@ -195,7 +197,7 @@ rad_expr_inward(const struct rad_expr_scope *scope, const double v[3],
     turn_inward(scope->channel, v, w);
 }
 
-/* The channels of a transform: S to Kz. */
+/* Set the channels of a transform: S to Kz. */
 static void
 set_place(double c[RAD_CALC_NCHANNELS], const struct rad_xform *back)
 {
@@ -205,8 +207,8 @@ set_place(double c[RAD_CALC_NCHANNELS], const struct rad_xform *back)
         rad_scale(c + AXES + 3 * i, 1 / back->scale, back->m[i]);
 }
 
-/* Channels $1 to $27, in the order that calcinit.c names them; those that take
- * time only if they are read. */
+/* Set channels $1 to $27, in calcinit.c's order.  Those that take time are set
+ * only if some expression reads them. */
 static void
 set_channels(double c[RAD_CALC_NCHANNELS], const struct rad_expr *e,
              const struct rad_ray *r)
@@ -246,7 +248,7 @@ rad_expr_begin(struct rad_ctx *ctx, const struct rad_expr *e,
     rad_calc_begin(ctx->calc, &scope->in);
 }
 
-/* Where nothing else was begun, variables keep their values. */
+/* If no other ray was begun in between, variables keep their values. */
 void
 rad_expr_resume(struct rad_ctx *ctx, const struct rad_expr_scope *scope)
 {
@@ -283,7 +285,7 @@ rad_expr_set_aim(struct rad_ctx *ctx, struct rad_expr_scope *scope,
     rad_calc_begin(ctx->calc, &scope->in);
 }
 
-/* A value that may be used, or a failure that is counted. */
+/* Is the value valid?  If not, count a failure. */
 static bool
 is_sound(struct rad_ctx *ctx, const struct rad_expr *e, double value,
          enum rad_calc_fault fault)

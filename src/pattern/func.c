@@ -5,10 +5,10 @@
 #include "pattern/effect.h"
 #include "pattern/mixture.h"
 
-/* Where the string arguments of a type are. */
+/* Where a type has its string arguments. */
 static const struct layout {
     enum rad_otype type;
-    unsigned exprs; /* bit by string */
+    unsigned exprs; /* a bit for each string that is an expression */
     int file;
 } layouts[] = {
     { RAD_BRIGHTFUNC, 01, 1 },

@@ -24,7 +24,8 @@ mix(struct rad_rgb a, struct rad_rgb b, double t)
                        rad_rgb_scale(b, (float)(1 - t)));
 }
 
-/* The part of r's light that one modifier gives.  True: it is a material. */
+/* Shade `part`, a copy of the ray, with one modifier, whose share is coef.
+ * True: it is a material. */
 static bool
 shade_part(struct rad_ctx *ctx, struct rad_ray *part, int32_t mod, double coef)
 {
@@ -35,8 +36,8 @@ shade_part(struct rad_ctx *ctx, struct rad_ray *part, int32_t mod, double coef)
     return rad_ray_shade(ctx, part, mod);
 }
 
-/* Light and distances of a mixture of two materials, the fraction t of fore,
- * which is r itself: the distances are of the brighter part. */
+/* Mix light and distances of two materials, the fraction t of the foreground,
+ * which is r itself.  The distances are those of the brighter part. */
 static void
 mix_light(struct rad_ray *r, const struct rad_ray *back, double t)
 {
@@ -54,9 +55,10 @@ mix_light(struct rad_ray *r, const struct rad_ray *back, double t)
         r->dist = back->dist;
 }
 
-/* Where one part is all there is, as where a function chooses between two
- * materials: what mixing it with r as it was comes to.  Of two black parts the
- * second says how far it is, which may be what lies behind it. */
+/* Shade r with one modifier alone, as where a function chooses between two.
+ * The result is the same as mixing with a black part that has r's old
+ * distances: if the material is black, too, the second part's distances
+ * count. */
 static bool
 shade_whole(struct rad_ctx *ctx, struct rad_ray *r, int32_t mod, bool second)
 {
@@ -75,8 +77,9 @@ shade_whole(struct rad_ctx *ctx, struct rad_ray *r, int32_t mod, bool second)
     return true;
 }
 
-/* A mist that a ray leaves from inside has charged its part for the way there
- * already (mist.c), and r will not be charged for both: do so for the other. */
+/* A mist may have charged its part of the ray for absorption on the way
+ * (mist.c) and the other material not.  Since they become one ray, charge the
+ * other part as well. */
 static void
 charge_alike(struct rad_ctx *ctx, struct rad_ray *r, struct rad_ray *back)
 {
@@ -88,7 +91,7 @@ charge_alike(struct rad_ctx *ctx, struct rad_ray *r, struct rad_ray *back)
     r->ext = rad_grey(0);
 }
 
-/* A ray is some 400 bytes, and r serves as its own first part. */
+/* r serves as its own first part, since a ray has some 400 bytes. */
 bool
 rad_mixture_shade(struct rad_ctx *ctx, struct rad_ray *r, const int32_t part[2],
                   double t)

@@ -10,20 +10,21 @@
 #include <math.h>
 #include <string.h>
 
-/* A part of a specfunc is nearly as wide as a band: the middle alone would make
- * much of a narrow function, or nothing. */
+/* Places of a sample at which a specfunc is evaluated.  A part is nearly as
+ * wide as a band, so its middle alone may overrate a narrow function or miss
+ * it. */
 enum { BAND_POINTS = 4 };
 
 struct spectral {
-    struct rad_effect effect; /* expressions of the place in the data */
+    struct rad_effect effect; /* expressions: the place in the data */
     const struct rad_spectrum *eye;
     int samples;
     double first, step; /* wavelengths: of the first sample, to the next */
-    int points;         /* of a sample, at which a function is asked */
+    int points;         /* places of a sample where a function is evaluated */
     const struct rad_data *data;
-    bool turned;   /* the data's first dimension is y: a picture's */
+    bool turned;   /* a picture, whose first dimension is y */
     int call;      /* of the function */
-    double rgb[3]; /* where the spectrum is the same everywhere */
+    double rgb[3]; /* of a constant spectrum */
 };
 
 static bool
@@ -54,7 +55,7 @@ ask(struct rad_ctx *ctx, const struct spectral *s, int i, double *sample)
     return true;
 }
 
-/* The function of each wavelength. */
+/* specfunc: a function of the wavelength. */
 static bool
 by_function(struct rad_ctx *ctx, const struct rad_effect *e,
             const struct rad_ray *r, double value[3])
@@ -78,7 +79,7 @@ by_function(struct rad_ctx *ctx, const struct rad_effect *e,
     return true;
 }
 
-/* The function of each sample of the data at a place and of its wavelength. */
+/* specdata, specpict: a function of data at a place, and of the wavelength. */
 static bool
 by_data(struct rad_ctx *ctx, const struct rad_effect *e,
         const struct rad_ray *r, double value[3])
@@ -114,7 +115,7 @@ by_data(struct rad_ctx *ctx, const struct rad_effect *e,
 
 /* --- preparing ----------------------------------------------------------- */
 
-/* Samples at first, first + step, ..., each of which stands for a step. */
+/* Let there be n samples, at first, first + step, ..., each a step wide. */
 static int
 sample(struct rad_job *job, struct spectral *s, int n, double first,
        double step, struct rad_error *err)
@@ -143,7 +144,7 @@ prepare_spectrum(struct rad_job *job, const struct rad_object *o,
     return 0;
 }
 
-/* The data's last dimension is the wavelength. */
+/* Take the samples from the data's last dimension, the wavelength. */
 static int
 sample_axis(struct rad_job *job, struct spectral *s, struct rad_error *err)
 {
@@ -187,8 +188,8 @@ find_function(struct rad_job *job, const struct rad_object *o,
     return s->call < 0 ? s->call : 0;
 }
 
-/* Parts that Radiance cuts the wavelengths of a specfunc into: RAD_MAX_BANDS,
- * but no narrower than a quarter of a band. */
+/* Cut the wavelengths of a specfunc into parts, as Radiance does:
+ * RAD_MAX_BANDS, but none narrower than a quarter of a band. */
 static int
 prepare_function(struct rad_job *job, const struct rad_object *o,
                  const struct rad_files *files, struct spectral *s,

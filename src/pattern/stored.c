@@ -12,7 +12,7 @@ struct rad_stored {
     struct rad_stored *next;
     rad_stored_parse parse;
     const char *name;
-    const void *what;
+    const void *what; /* made by parse */
 };
 
 static const void *

@@ -1,8 +1,8 @@
-/* stored.h - files that several modifiers of a job read: data, pictures
+/* stored.h - data and picture files that several modifiers of a job may use
  *
  * A file is read once, however many objects name it, and lives as long as the
  * job.
- * Thread: while the job is being made, one. */
+ * Thread: the one that makes the job. */
 #ifndef RAD_SHADE_STORED_H
 #define RAD_SHADE_STORED_H
 
@@ -11,19 +11,19 @@
 struct rad_data;
 struct rad_pict;
 
-/* What is made of a file's bytes, in arena; NULL and *err on failure. */
+/* Makes an object of a file's bytes, in arena; NULL and *err on failure. */
 typedef const void *(*rad_stored_parse)(struct rad_arena *arena,
                                         const char *bytes, size_t len,
                                         struct rad_error *err);
 
-/* The file that object o names, as parse makes it.  NULL and *err, which names
- * o and the file, on failure. */
+/* The object that parse makes of the file called `name`, which o names.  NULL
+ * and *err, with o and the file, on failure. */
 const void *rad_stored(struct rad_job *job, const struct rad_object *o,
                        const struct rad_files *files, const char *name,
                        rad_stored_parse parse, struct rad_error *err);
 
-/* A data file, a picture (scene/file/data.h), a hyperspectral one
- * (specpict.h). */
+/* The same for a data file, a picture (scene/file/data.h) and a hyperspectral
+ * picture (specpict.h). */
 const struct rad_data *rad_stored_data(struct rad_job *job,
                                        const struct rad_object *o,
                                        const struct rad_files *files,

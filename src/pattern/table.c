@@ -8,18 +8,18 @@
 #include "pattern/stored.h"
 
 struct table {
-    struct rad_effect effect; /* as many expressions as dimensions */
+    struct rad_effect effect; /* expressions: one for each dimension */
     const struct rad_pict *pict;
-    const struct rad_data *data[3]; /* where there is no picture */
-    int ndata;                      /* different ones: 1 or 3 */
+    const struct rad_data *data[3]; /* if there is no picture */
+    int ndata;                      /* how many of them differ: 1 or 3 */
     int nfuncs;
     struct function {
         int call;
-        int first; /* of the values that it gets */
+        int first; /* index of its first argument among the values */
     } func[3];
 };
 
-/* Where the string arguments of a type are, and how many. */
+/* Where a type has its string arguments, and how many. */
 static const struct layout {
     enum rad_otype type;
     int func, nfuncs;
@@ -40,7 +40,8 @@ find_layout(enum rad_otype type)
     return NULL;
 }
 
-/* Find the data or the picture; returns how many coordinates a place has. */
+/* Find the data or the picture; returns the number of coordinates, or a
+ * code. */
 static int
 read_tables(struct rad_job *job, const struct rad_object *o,
             const struct rad_files *files, const struct layout *at,
@@ -68,8 +69,9 @@ read_tables(struct rad_job *job, const struct rad_object *o,
     return rad_data_dims(t->data[0]);
 }
 
-/* A function gets all values of the place.  Those of green and blue that take
- * less than three get their own channel's alone. */
+/* Find the functions.  Each gets all values of the place; but a function for
+ * green or blue with fewer than three parameters gets its own channel's
+ * alone. */
 static int
 find_functions(struct rad_job *job, const struct rad_object *o,
                const struct layout *at, struct table *t, struct rad_error *err)
@@ -93,7 +95,7 @@ find_functions(struct rad_job *job, const struct rad_object *o,
     return 0;
 }
 
-/* What is found at a place. */
+/* The values at a place. */
 static void
 look_up(const struct table *t, const double place[], double found[3])
 {
@@ -107,12 +109,12 @@ look_up(const struct table *t, const double place[], double found[3])
         found[1] = found[2] = found[0];
 }
 
-/* The functions of what is found; false: one cannot be worked out. */
+/* Apply the functions to the values at a place; false: a value is missing. */
 static bool
 values(struct rad_ctx *ctx, const struct rad_effect *e, const struct rad_ray *r,
        double value[3])
 {
-    const struct table *t = (const struct table *)e; /* its first member */
+    const struct table *t = (const struct table *)e; /* e is its first member */
     double place[RAD_MAX_DATA_DIMS], found[3];
     struct rad_expr_scope scope;
 

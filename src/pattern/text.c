@@ -1,9 +1,9 @@
 /* text.c - see text.h
  *
- * Text lies in a plane: the anchor is its upper left corner, one vector is a
- * character's width to the right, one a line's height down.  Both are turned
- * into covectors once, so that a point's column and line are two products.
- * A point off the plane is projected onto it along the plane's normal. */
+ * Text is in a plane.  The anchor is its upper left corner; one vector is the
+ * width of a character to the right, the other the height of a line down.  Both
+ * become covectors, so that a point's column and line are two dot products.  A
+ * point off the plane is projected onto it along the normal. */
 #include "config.h"
 
 #include "pattern/text.h"
@@ -21,25 +21,26 @@
 #define MAX_LINES 1000000
 
 struct text {
-    double anchor[3], right[3], down[3]; /* covectors: lines, columns */
-    double column;                       /* font units in one column */
+    double anchor[3], right[3], down[3]; /* covectors: right in columns, down
+                                          * in lines */
+    double column;                       /* width of a column in font units */
     const struct rad_font *font;
     struct rad_textline *line;
     int32_t nlines;
     int spacing;
     struct rad_rgb fore, back;
-    int32_t part[2]; /* of mixtext: modifiers in their place */
+    int32_t part[2]; /* of mixtext, instead of colours */
 };
 
-/* Which string names the font; the text follows. */
+/* The string that names the font; the text follows it. */
 static int
 font_at(const struct rad_object *o)
 {
     return o->type == RAD_MIXTEXT ? 2 : 0;
 }
 
-/* right, down: the parts of R and D across each other, scaled so that
- * right.R = down.D = 1. */
+/* Set right and down: the part of R across D and the part of D across R, scaled
+ * so that right.R = down.D = 1. */
 static int
 set_plane(const struct rad_job *job, const struct rad_object *o, struct text *t,
           struct rad_error *err)
@@ -61,7 +62,7 @@ set_plane(const struct rad_job *job, const struct rad_object *o, struct text *t,
     return 0;
 }
 
-/* The font of an earlier text serves again. */
+/* The font called `name`, if an earlier text uses it; else NULL. */
 static const struct rad_font *
 find_font(const struct rad_job *job, int32_t index, const char *name)
 {
@@ -136,7 +137,7 @@ set_lines(struct rad_job *job, struct text *t, const char *s, size_t len,
     return 0;
 }
 
-/* The words from string `first` on are one line. */
+/* Set the words from string `first` on, as one line. */
 static int
 set_words(struct rad_job *job, const struct rad_object *o, int first,
           struct text *t, struct rad_error *err)
@@ -221,11 +222,11 @@ rad_text_prepare(struct rad_job *job, int32_t index,
         return rad_fail(err, RAD_ENOMEM, "out of memory");
     if (o->nreals > n)
         spacing = o->reals[n];
-    if (!(fabs(spacing) <= 30)) /* in letters: keeps widths in range */
+    if (!(fabs(spacing) <= 30)) /* in letters; keeps widths in range */
         return rad_scene_fail(job->scene, o, err, RAD_EDATA,
                               "spacing out of range");
-    /* a spacing of .2 is 51 units in theory, but 50 in every picture of a
-     * frozen octree, where it is a little less */
+    /* a spacing of .2 should be 51 units, but is 50 in all pictures of frozen
+     * octrees, which store slightly less than .2 */
     t->spacing = (int)(CELL * rad_octfile_real(spacing));
     set_colors(job, o, t);
     code = set_plane(job, o, t, err);
@@ -243,8 +244,8 @@ rad_text_prepare(struct rad_job *job, int32_t index,
     return 0;
 }
 
-/* Is there a letter at the hit?  Within a copy the text is as its file has it.
- */
+/* Is there a letter at the hit?  In an instance or mesh the text is placed in
+ * the coordinates of its file. */
 static bool
 is_foreground(const struct text *t, const struct rad_ray *r)
 {
@@ -278,7 +279,8 @@ rad_text_shade(struct rad_ctx *ctx, const struct rad_material *mat,
     return false;
 }
 
-/* What is written is one modifier's, all around it another's. */
+/* Shade letters with the first modifier, the space around them with the
+ * second. */
 bool
 rad_text_mix(struct rad_ctx *ctx, const struct rad_material *mat,
              struct rad_ray *r)

@@ -6,6 +6,7 @@
 
 #include "trace/material.h"
 
+/* Prepare modifier `index`: *data gets a struct text.  0 or a code. */
 int rad_text_prepare(struct rad_job *job, int32_t index,
                      const struct rad_files *files, const void **data,
                      struct rad_error *err);
