@@ -1,11 +1,11 @@
-/* angle.h - angles, their sines and cosines where libm's are dear
+/* angle.h - angles, sines and cosines for inner loops
  *
- * The calls in the inner loops of indirect light need no ranges beyond these,
- * and a call to libm costs several times as much; nor does libm promise the
- * same bits on every machine.  Here they are sums and products alone.
- * The polynomials interpolate at the Chebyshev nodes of their range, which was
- * worked out with 60 digits: what they leave out is below 2^-55 of the result,
- * so rounding is all of the error. */
+ * Inner loops of indirect light need only these ranges.  A call to libm takes
+ * several times as long, and its result may differ from machine to machine;
+ * these functions use only sums, products and quotients.
+ * The polynomials interpolate at the Chebyshev nodes of their range and were
+ * computed with 60 digits.  Their own error is below 2^-55 of the result, so
+ * rounding is all that counts. */
 #ifndef RAD_ARITH_ANGLE_H
 #define RAD_ARITH_ANGLE_H
 
@@ -23,12 +23,13 @@ rad_arc(double t)
     double e = -0.050854078345894844 + 0.03923044778479309 * z;
     double f = -0.019175404711104935;
 
-    /* pairs, so that no sum waits for all before it */
+    /* sums in pairs, so that few additions wait for each other */
     return t + t * z * ((a + b * z2) + ((c + d * z2) + (e + f * z2) * z4) * z4);
 }
 
-/* The angle of (x, y), y >= 0, against the x axis: in [0, pi].  Within 2^-51 of
- * the true one, relatively; of what is not finite, anything. */
+/* The angle of (x, y), y >= 0, from the x axis: in [0, pi], with a relative
+ * error of at most 2^-51.  For arguments that are not finite it may be
+ * anything. */
 static inline double
 rad_angle(double y, double x)
 {
@@ -46,7 +47,7 @@ rad_angle(double y, double x)
     return x < 0 ? M_PI - turn : turn;
 }
 
-/* Sine and cosine of an angle of at most pi / 4 to either side. */
+/* Sine and cosine of an angle in [-pi / 4, pi / 4]. */
 static inline void
 rad_sin_cos(double angle, double *sine, double *cosine)
 {

@@ -1,4 +1,4 @@
-/* bits.h - doubles by their bits, as IEEE 754 has them
+/* bits.h - access to the bits of IEEE 754 doubles
  *
  * Thread: any; pure functions. */
 #ifndef RAD_ARITH_BITS_H

@@ -1,13 +1,13 @@
 /* elementary.c - sines, powers and the like, with the same bits everywhere
  *
- * A logarithm is ln 2 times the exponent and, of the mantissa m in
- * [sqrt(1/2), sqrt(2)), 2 artanh(s), s = (m - 1) / (m + 1), by its series
- * s + s^3 / 3 + s^5 / 5 + ...  A power needs more bits of it than a double has:
- * the first two terms are sums of two doubles, by the exact products and sums
- * of Dekker (A floating-point technique for extending the available precision,
- * 1971).  Sines are reduced to an eighth of a turn by pi / 2 in three parts
- * (Cody and Waite 1980); the first two have 33 bits, so that whole numbers
- * below 2^20 times these are exact. */
+ * A logarithm is ln 2 times the exponent plus the logarithm of the mantissa m
+ * in [sqrt(1/2), sqrt(2)), which is 2 artanh(s), s = (m - 1) / (m + 1), by the
+ * series s + s^3 / 3 + s^5 / 5 + ...  A power needs more bits of the logarithm
+ * than a double has: so the first two terms are sums of two doubles, by the
+ * exact products and sums of Dekker (A floating-point technique for extending
+ * the available precision, 1971).  Sines are reduced to an eighth of a turn by
+ * pi / 2 in three parts (Cody and Waite 1980); the first two have 33 bits, so
+ * their products with whole numbers below 2^20 are exact. */
 #include "config.h"
 #include "arith/elementary.h"
 
@@ -18,13 +18,13 @@
 #include "arith/angle.h"
 #include "arith/bits.h"
 
-#define LN2_HIGH       0x1.62e42feep-1 /* 32 bits: 11 more for an exponent */
+#define LN2_HIGH       0x1.62e42feep-1 /* 32 bits: k LN2_HIGH is exact */
 #define LN2_LOW        0x1.a39ef35793c76p-33
 #define HALF_PI_HIGH   0x1.921fb544p+0
 #define HALF_PI_MIDDLE 0x1.0b4611a6p-34
 #define HALF_PI_LOW    0x1.3198a2e037073p-69
 
-/* Quarter turns beyond which a sine is libm's. */
+/* Beyond so many quarter turns sines are libm's. */
 #define MOST_QUARTERS 0x1p20
 
 /* hi + lo, |lo| at most half a unit in the last place of hi. */
@@ -99,7 +99,7 @@ half_log(double m)
     return p;
 }
 
-/* Of x > 0, finite; to some 2^-64 of it. */
+/* The logarithm of x > 0, finite, with a relative error of some 2^-64. */
 static struct pair
 log_of(double x)
 {
@@ -118,7 +118,7 @@ log_of(double x)
     return sum_of(sum.hi, sum.lo + (2 * half.lo + k * LN2_LOW));
 }
 
-/* exp(x + low), low at most a unit in the last place of x. */
+/* exp(x + low), where low is at most a unit in the last place of x. */
 static double
 exp_of(double x, double low)
 {
@@ -144,7 +144,7 @@ exp_of(double x, double low)
     return ldexp(sum, (int)k);
 }
 
-/* x = r + *low + n pi / 2, |r| <= pi / 4; false: x is too far off. */
+/* x = r + *low + n pi / 2, |r| <= pi / 4; false: x is too large. */
 static bool
 reduce(double x, double *r, double *low, unsigned *n)
 {
@@ -191,7 +191,7 @@ rad_sin_and_cos(double x, double *sine, double *cosine)
     if ((n + 1) & 2)
         *cosine = -*cosine;
     if (x == 0)
-        *sine = x; /* -0, too */
+        *sine = x; /* keeps the sign of -0 */
 }
 
 double

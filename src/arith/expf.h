@@ -1,11 +1,11 @@
 /* expf.h - exp() to the accuracy of a float
  *
- * What a medium lets through goes into a colour, which is float; exp() takes
- * twice as long to be right to the last bit of a double.
- * With k the integer nearest to x / ln 2 and f what is left, |f| <= 1/2, exp(x)
- * is 2^k times the Taylor series of exp(f ln 2).  Seven powers leave out less
- * than (ln 2 / 2)^8 / 8! = 5.2e-9 of it, the tenth part of what rounding to
- * float does. */
+ * For what a medium lets through, which becomes a colour in float.  An exp()
+ * that is right to the last bit of a double takes twice as long.
+ * With k the integer nearest to x / ln 2 and f the remainder, |f| <= 1/2,
+ * exp(x) is 2^k times the Taylor series of exp(f ln 2).  Seven powers leave an
+ * error below (ln 2 / 2)^8 / 8! = 5.2e-9, a tenth of that of rounding to
+ * float. */
 #ifndef RAD_ARITH_EXPF_H
 #define RAD_ARITH_EXPF_H
 
@@ -15,12 +15,12 @@
 typedef double rad_v2d __attribute__((vector_size(16)));
 typedef uint64_t rad_v2u __attribute__((vector_size(16)));
 
-/* For two numbers x <= 0; 0 where a float has nothing so small, and of a
- * NaN. */
+/* For two numbers x <= 0.  The result is 0 if a float holds nothing so small,
+ * or if x is NaN. */
 static inline void
 rad_expf2(double x0, double x1, float *e0, float *e1)
 {
-    /* added to a number it leaves it rounded to an integer, in the low bits */
+    /* adding this to a number rounds it to an integer, in the low bits */
     const rad_v2d magic = { 0x1.8p52, 0x1.8p52 }, low = { -150, -150 };
     const rad_v2d one = { 1, 1 },
                   per_ln2 = { 1.4426950408889634, 1.4426950408889634 };
@@ -42,12 +42,12 @@ rad_expf2(double x0, double x1, float *e0, float *e1)
     memcpy(&bits, &k, sizeof bits);
     bits = ((bits + 1023) << 52) & (rad_v2u)(y > low);
     memcpy(&k, &bits, sizeof k);
-    s *= k; /* by 0 where there is nothing, but for what is no number */
+    s *= k; /* 0 below the range of float; NaN stays NaN */
     *e0 = y[0] > low[0] ? (float)s[0] : 0;
     *e1 = y[1] > low[1] ? (float)s[1] : 0;
 }
 
-/* The same for one. */
+/* The same for one number. */
 static inline float
 rad_expf(double x)
 {
