@@ -1,11 +1,11 @@
 /* filter.c - see filter.h
  *
- * Weights come from a table of the squared distance in steps of 1/20, as in
- * pfilt, so they do not part into a row's and a column's.  Where samples come
- * in whole numbers to a pixel, each pixel of a row has the same weights, and
- * eight of them are summed at a time; rows are kept with their samples sorted
- * by place in the pixel ("phase"), so that these eight lie side by side.  A
- * pixel's own sums are the same either way, in the same order. */
+ * Weights come from a table by squared distance in steps of 1/20, as in pfilt,
+ * so they are no product of a row's and a column's weight.  If pixels have a
+ * whole number of samples, all pixels of a row have the same weights, and eight
+ * pixels are summed at a time.  For that the samples of a row are sorted by
+ * their place within a pixel ("phase"), so that the eight are neighbours.  Both
+ * ways a pixel's sums are made in the same order and come out the same. */
 #include "config.h"
 
 #include "image/filter.h"
@@ -19,7 +19,7 @@
 
 #define RADIUS 0.6
 #define CUTOFF 2.0 /* radii */
-#define STEPS  20. /* of the table, to a squared radius */
+#define STEPS  20. /* of the table, for each squared radius */
 #define TINY   1e-6
 
 enum { TABLE = 444 * 4, BLOCK = 8 };
@@ -27,18 +27,18 @@ enum { TABLE = 444 * 4, BLOCK = 8 };
 struct rad_filter {
     struct rad_filter_shape s;
     int columns, rows;     /* of the small picture */
-    double xratio, yratio; /* small to large */
-    int xrad, yrad;        /* samples to each side */
-    int phases;            /* of a row's samples */
-    int room;              /* samples of a phase */
+    double xratio, yratio; /* small picture over large one */
+    int xrad, yrad;        /* samples to each side of the middle */
+    int phases;            /* 1, or the samples of a pixel in a row */
+    int room;              /* samples of a row in each phase */
     int pushed, clamped, pulled;
     float table[TABLE];
-    float step[256]; /* of an exponent */
-    double *dx2;     /* squared distances of a pixel's columns, each pixel's */
-    float *window;   /* 2 * yrad + 1 rows of 3 colours, phases of room */
-    struct rad_rgb *raw; /* the last three rows as they came, if clamped */
-    float *kernel;       /* of a row of pixels */
-    bool even;           /* all pixels of a row are weighed alike */
+    float step[256]; /* of a mantissa, by exponent */
+    double *dx2;     /* for each pixel the squared distances of its columns */
+    float *window;   /* 2 * yrad + 1 rows of 3 colours of phases of room */
+    struct rad_rgb *raw; /* with clamp the last three rows, as they came */
+    float *kernel;       /* weights of the pixels of a row */
+    bool even;           /* all pixels of a row have the same weights */
 };
 
 int
@@ -127,7 +127,7 @@ column_middle(const struct rad_filter *f, int column)
     return (int)((column + .5) * f->s.width / f->columns);
 }
 
-/* Distances of columns from their pixels: are they the same for all pixels? */
+/* Fill dx2, and find out whether it is the same for all pixels. */
 static void
 fill_distances(struct rad_filter *f)
 {
@@ -144,8 +144,8 @@ fill_distances(struct rad_filter *f)
     }
 }
 
-/* The weights of a row of pixels, whose window begins at sample row y0 and has
- * n rows; false: they are not the same for all pixels, by rounding. */
+/* Fill in the kernel for a row of pixels, whose window begins at sample row y0
+ * and has n rows.  False: by rounding, weights may differ between pixels. */
 static bool
 fill_kernel(struct rad_filter *f, int row, int y0, int n, double *sum)
 {
@@ -158,7 +158,7 @@ fill_kernel(struct rad_filter *f, int row, int y0, int n, double *sum)
         for (int i = 0; i < taps(f); i++) {
             double at = STEPS * (f->dx2[i] + dy2) + .5;
 
-            /* halves, quarters and eighths have no rounding to differ by */
+            /* with halves, quarters and eighths nothing is rounded */
             if (f->s.oversample & (f->s.oversample - 1) &&
                 fabs(at - rint(at)) < 1e-6)
                 return false;
@@ -170,7 +170,7 @@ fill_kernel(struct rad_filter *f, int row, int y0, int n, double *sum)
 
 /* --- the window --- */
 
-/* A phase of a colour of sample row y. */
+/* One phase of one colour of sample row y. */
 static float *
 plane(const struct rad_filter *f, int y, int colour, int phase)
 {
@@ -219,7 +219,7 @@ amount(struct rad_rgb L)
     return (double)L.r + L.g + L.b;
 }
 
-/* Mean amount of the samples about it. */
+/* The mean amount of a sample's neighbours. */
 static double
 mean_about(const struct rad_filter *f, int x, int y)
 {
@@ -238,7 +238,7 @@ mean_about(const struct rad_filter *f, int x, int y)
     return n > 0 ? sum / n : INFINITY;
 }
 
-/* Row y goes into the window, those about it being there. */
+/* Clamp row y, whose neighbours are there, and put it into the window. */
 static void
 clamp_row(struct rad_filter *f, int y, struct rad_rgb *to)
 {
@@ -256,7 +256,7 @@ clamp_row(struct rad_filter *f, int y, struct rad_rgb *to)
 
 /* --- sums --- */
 
-/* A pixel by itself: at an edge, or weighed like no other. */
+/* Compute a single pixel: one at an edge, or with weights of its own. */
 static struct rad_rgb
 pixel_alone(const struct rad_filter *f, int column, int row, int y0, int y1)
 {
@@ -296,8 +296,8 @@ add_weighed(float *restrict sum, const float *restrict from, float w)
         sum[k] += w * from[k];
 }
 
-/* So many pixels from a column on, all of whose samples lie in the picture; the
- * kernel is theirs, and its sum. */
+/* Compute BLOCK pixels from a column on.  All their samples lie in the picture;
+ * the kernel has their weights, whose sum is `all`. */
 static void
 block(const struct rad_filter *f, int column, int y0, int y1, double all,
       struct rad_rgb *out)
@@ -317,7 +317,7 @@ block(const struct rad_filter *f, int column, int y0, int y1, double all,
                          (float)(sum[2][k] * all));
 }
 
-/* Do all samples of so many pixels from there on lie in the picture? */
+/* Do all samples of BLOCK pixels from that column on lie in the picture? */
 static bool
 is_inside(const struct rad_filter *f, int column)
 {
@@ -353,7 +353,7 @@ bool
 rad_filter_pull(struct rad_filter *f, struct rad_rgb *out)
 {
     int row = f->pulled, middle, y0, y1, c = 0;
-    double all = 1; /* of the kernel, where it is filled */
+    double all = 1; /* sum of the kernel, if it is used */
     bool even;
 
     if (row == f->rows)

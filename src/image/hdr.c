@@ -21,8 +21,8 @@ enum {
     EXPONENT_BIAS = 128,
 };
 
-/* What follows the option `name` in a line of options; NULL: it is not there.
- */
+/* The text after the option `name` in a line of options; NULL: the option is
+ * not there. */
 static const char *
 find_word(const char *options, const char *name)
 {
@@ -34,7 +34,7 @@ find_word(const char *options, const char *name)
     return NULL;
 }
 
-/* The lines of a header that say what a pixel's numbers are. */
+/* Write the lines of a header that name a picture's format and primaries. */
 static void
 colour_lines(const char *options, char *buf, size_t size)
 {
@@ -71,7 +71,7 @@ rad_hdr_write_header(const struct rad_hdr_info *info,
     char text[16384], extra[96] = "", colour[160], software[128] = "";
     int n, used = 0;
 
-    /* Radiance says nothing of pixels within half a percent of square */
+    /* Radiance leaves it out within half a percent of 1 */
     if (fabs(info->pixaspect - 1) > .005)
         used = snprintf(extra, sizeof extra, "PIXASPECT=%f\n", info->pixaspect);
     if (info->frame > 0)
@@ -91,7 +91,7 @@ rad_hdr_write_header(const struct rad_hdr_info *info,
     return sink->write(sink->arg, text, (size_t)n, err);
 }
 
-/* Radiance writes nothing up to 1e-32; this is the float below that. */
+/* Radiance writes 0 for values up to 1e-32; this is the float below. */
 #define LEAST_CODED 0x1.9f623cp-107f
 
 static inline float
@@ -100,7 +100,7 @@ clamped(float v)
     return v > 0 ? v <= FLT_MAX ? v : FLT_MAX : 0; /* NaN is 0 */
 }
 
-/* v times 2^k, cut off, at most 255; scale is 2^k. */
+/* v * scale, truncated, at most 255. */
 static inline uint32_t
 mantissa(float v, float scale)
 {
@@ -109,9 +109,9 @@ mantissa(float v, float scale)
     return (uint32_t)(m < UINT8_MAX ? m : UINT8_MAX);
 }
 
-/* The four bytes in one number, red lowest.  With most = m 2^e, m from .5 up to
- * 1, the exponent is e and mantissas are in 1/256 2^e; multiplying by a power
- * of two is exact. */
+/* The four bytes as one number, red lowest.  With most = m 2^e, m from .5 to 1,
+ * the exponent is e and mantissas count 2^e / 256.  Multiplying by a power of
+ * two is exact. */
 static inline uint32_t
 coded(struct rad_rgb L)
 {
@@ -153,8 +153,7 @@ rad_rgbe_radiance(const uint8_t rgbe[4])
                    (rgbe[2] + .5f) * step);
 }
 
-/* Which of a component's bytes are like the next, a bit for each, and zeros
- * behind them. */
+/* A bit for each byte of a component that equals the next one, then zeros. */
 struct alike {
     uint64_t bit[(LONGEST_CODED + 63) / 64 + 2];
 };
@@ -196,12 +195,12 @@ bits_from(const struct alike *a, int i)
     return i % 64 ? w[0] >> i % 64 | w[1] << (64 - i % 64) : w[0];
 }
 
-/* From byte i of n on, the index of the first where a run of four starts, n if
- * there is none; a shorter one costs more than it saves. */
+/* The index of the next run of at least four equal bytes, from byte i of n on;
+ * n if there is none.  A shorter run costs more than it saves. */
 static inline int
 find_run(const struct alike *a, int i, int n)
 {
-    for (; i < n; i += 62) { /* the last two of 64 do not see enough */
+    for (; i < n; i += 62) { /* two of 64 bits have too few behind them */
         uint64_t same = bits_from(a, i);
 
         same &= same >> 1 & same >> 2;
@@ -211,7 +210,7 @@ find_run(const struct alike *a, int i, int n)
     return n;
 }
 
-/* Length of the run of equal bytes that starts at i. */
+/* The length of the run of equal bytes that begins at i. */
 static inline int
 run_length(const struct alike *a, int i)
 {
@@ -234,7 +233,7 @@ copy(uint8_t *out, const uint8_t *c, int n)
 
     for (; n - i >= 8; i += 8)
         memcpy(out + i, c + i, 8);
-    if (n >= 8) /* the last eight, some of them again */
+    if (n >= 8) /* the last eight, maybe some of them twice */
         memcpy(out + n - 8, c + n - 8, 8);
     else
         for (; i < n; i++)
@@ -251,9 +250,9 @@ encode_component(const uint8_t *c, int n, uint8_t *out)
 
     find_alike(c, n, &a);
     while (i < n) {
-        int run = find_run(&a, i, n); /* where the next one is */
+        int run = find_run(&a, i, n); /* start of the next run */
 
-        while (i < run) { /* literals up to there */
+        while (i < run) { /* literals before it */
             int k = run - i < LONGEST_LITERAL ? run - i : LONGEST_LITERAL;
 
             *out++ = (uint8_t)k;
@@ -271,17 +270,17 @@ encode_component(const uint8_t *c, int n, uint8_t *out)
     return out;
 }
 
-/* Bytes of a row's pixels by component. */
+/* A row's bytes, component by component. */
 struct planes {
     uint8_t *c[4]; /* red, green, blue, exponent */
 };
 
-/* Rows come as colours alone, or as pixels with a distance behind each: floats
- * from one to the next. */
+/* Rows are colours, or pixels with a distance: the number of floats for
+ * each. */
 enum { COLOURS = 3, PIXELS = 4 };
 
 #ifdef __SSE2__
-/* Red, green and blue of four pixels. */
+/* Load red, green and blue of four pixels. */
 static inline void
 load_four(const float *row, int step, __m128 v[3])
 {
@@ -307,7 +306,7 @@ load_four(const float *row, int step, __m128 v[3])
                           _MM_SHUFFLE(3, 0, 2, 0));
 }
 
-/* What coded() does, for four pixels at a time: in c the components of each. */
+/* coded() for four pixels at once; c gets their components. */
 static inline void
 code_four(const float *row, int step, __m128i c[4])
 {
@@ -316,12 +315,12 @@ code_four(const float *row, int step, __m128i c[4])
     __m128i e, none;
 
     load_four(row, step, v);
-    for (int k = 0; k < 3; k++) /* the second of two wins where one is NaN */
+    for (int k = 0; k < 3; k++) /* if one value is NaN, the second is taken */
         v[k] = _mm_min_ps(_mm_max_ps(v[k], zero), most_float);
     most = _mm_max_ps(_mm_max_ps(v[0], v[1]), v[2]);
     none = _mm_castps_si128(_mm_cmple_ps(most, _mm_set1_ps(LEAST_CODED)));
     e = _mm_srli_epi32(_mm_castps_si128(most), 23);
-    /* biased as in a float, where 126 stands for e = 0; the greatest is 127 */
+    /* biased as in a float, where 126 means e = 0; 127 is the greatest e */
     e = _mm_add_epi32(e, _mm_cmpgt_epi32(e, _mm_set1_epi32(253)));
     scale = _mm_castsi128_ps(
         _mm_slli_epi32(_mm_sub_epi32(_mm_set1_epi32(8 + 126 + 127), e), 23));
@@ -331,7 +330,7 @@ code_four(const float *row, int step, __m128i c[4])
     c[3] = _mm_andnot_si128(none, _mm_add_epi32(e, _mm_set1_epi32(2)));
 }
 
-/* Sixteen pixels from column x on; packing holds what is above 255 at that. */
+/* Code sixteen pixels from column x on; packing also limits values to 255. */
 static inline void
 code_sixteen(const float *row, int step, const struct planes *to, int x)
 {
@@ -371,8 +370,8 @@ code_row(const float *row, int step, int width, const struct planes *to)
     }
 }
 
-/* Bytes by component are in the upper half of a row's room, their coding in the
- * lower. */
+/* The work space of components is the upper half of a row's room; coded bytes
+ * go to the lower half. */
 static inline struct planes
 planes_of(uint8_t *out, int width)
 {

@@ -1,10 +1,10 @@
 /* hdr.h - Radiance pictures: run-length coded RGBE
  *
- * Four bytes a pixel: three mantissas that share an exponent.  The writer
- * makes the same bytes from the same picture: no date, no host.  The reader
- * takes every picture that Radiance wrote: flat, old and new run lengths, any
- * orientation, EXPOSURE and COLORCORR, with and without "#?" at its start;
- * XYZE becomes RGB.
+ * A pixel is four bytes: three mantissas with a common exponent.  The writer
+ * makes the same bytes of the same picture: it adds no date and no host.  The
+ * reader takes every picture that Radiance ever wrote: flat pixels, old and new
+ * run lengths, any orientation, EXPOSURE and COLORCORR, with "#?" at its start
+ * or without; XYZE becomes RGB.
  * Rows count from the top, columns from the left; L is radiance.
  * Source: Ward 1991, Real pixels (Graphics Gems II); Radiance's file format
  * reference, "Picture file format". */
@@ -21,47 +21,47 @@
 
 struct rad_pixel; /* pixel.h */
 
-/* What a picture's header says of it. */
+/* The contents of a picture's header. */
 struct rad_hdr_info {
-    const char *origin;   /* lines of where it is from, each with its newline;
-                           * NULL: none */
-    const char *software; /* "radd 0.1.0"; NULL: not said */
+    const char *origin;   /* lines about where the picture comes from, each with
+                           * its newline; NULL: none */
+    const char *software; /* "radd 0.1.0"; NULL: left out */
     const char *program;  /* "radsubmit" */
-    const char *options; /* rad_params_format()'s text, which also says what
-                          * the numbers stand for (-pXYZ, -pc) */
-    const char *view;    /* rad_view_format()'s text; NULL: no one view */
+    const char *options; /* rad_params_format()'s text, which also tells the
+                          * colour space (-pXYZ, -pc) */
+    const char *view;    /* rad_view_format()'s text; NULL: there is no view */
     double pixaspect;    /* height / width of a pixel */
     uint32_t frame;      /* 0: a still */
     int width, height;
 };
 
-/* The header, the resolution line included. */
+/* Write the header with the resolution line. */
 int rad_hdr_write_header(const struct rad_hdr_info *info,
                          const struct rad_sink *sink, struct rad_error *err);
 
-/* RGBE of one pixel, rounded as Radiance does: mantissas are cut off, and the
- * reader adds half a step.  A value that is not finite or negative gives 0,
- * one beyond the format's range the largest there is. */
+/* Convert a pixel to RGBE, and back.  As in Radiance, mantissas are truncated,
+ * and the reader adds half a step.  NaN and negative values become 0; infinity
+ * and values beyond the format's range become the largest that there is. */
 void rad_rgbe(struct rad_rgb L, uint8_t rgbe[4]);
 struct rad_rgb rad_rgbe_radiance(const uint8_t rgbe[4]);
 
-/* Code one row of width pixels into out, which has room for
- * RAD_HDR_ROW_BYTES(width), half of it to work in; returns the bytes used.
- * Rows of less than 8 or more than 32767 columns are written flat. */
+/* Code a row of width pixels into out, which has room for
+ * RAD_HDR_ROW_BYTES(width); half of that is work space.  Returns the bytes
+ * used.  Rows of less than 8 or more than 32767 columns are written flat. */
 #define RAD_HDR_ROW_BYTES(width) (8 * ((size_t)(width) + (width) / 128 + 2))
 size_t rad_hdr_encode_row(const struct rad_rgb *row, int width, uint8_t *out);
 size_t rad_hdr_encode_pixels(const struct rad_pixel *row, int width,
                              uint8_t *out);
 
-/* Bytes of the row of width pixels that code begins with, as one of the two
- * above may have made it; 0 where the len bytes hold no such row.  Never more
- * than RAD_HDR_CODED_BYTES(width) of a row that they did make. */
+/* The bytes of the coded row of width pixels at the begin of code; 0 if its len
+ * bytes do not begin with such a row.  For a row made by one of the functions
+ * above it is at most RAD_HDR_CODED_BYTES(width). */
 #define RAD_HDR_CODED_BYTES(width) (RAD_HDR_ROW_BYTES(width) / 2)
 size_t rad_hdr_row_bytes(const uint8_t *code, size_t len, int width);
 
-/* Four bytes a pixel of such a row, and back: the bytes are those of the one
- * that was decoded.  rad_hdr_decode_row() returns as rad_hdr_row_bytes(); rgbe,
- * of 4 * width bytes, may be written to where it is 0. */
+/* Convert a coded row to four bytes a pixel, and back to the same bytes.
+ * rad_hdr_decode_row() returns as rad_hdr_row_bytes() does; rgbe has 4 * width
+ * bytes, which may be overwritten even if it returns 0. */
 size_t rad_hdr_decode_row(const uint8_t *code, size_t len, int width,
                           uint8_t *rgbe);
 size_t rad_hdr_encode_rgbe(const uint8_t *rgbe, int width, uint8_t *out);
@@ -69,22 +69,22 @@ size_t rad_hdr_encode_rgbe(const uint8_t *rgbe, int width, uint8_t *out);
 /* A whole picture in memory. */
 struct rad_picture {
     int width, height;
-    double pixaspect;  /* 1 where the header says nothing */
+    double pixaspect;  /* 1 if the header does not say */
     struct rad_rgb *L; /* width * height, malloc'd, the top row first */
-    bool irradiance;   /* not radiance, as its rendering options say */
-    bool other_primaries; /* a PRIMARIES line: the numbers in L are of others */
-    double chroma[8];     /* than Radiance's: x y of red, green, blue, white */
+    bool irradiance;   /* by the options in its header, not radiance */
+    bool other_primaries; /* a PRIMARIES line: L has primaries other than */
+    double chroma[8];     /* Radiance's: x y of red, green, blue, white */
 };
 void rad_picture_release(struct rad_picture *pic);
 
-/* Decode a picture from bytes.  Values are divided by EXPOSURE and COLORCORR.
- * More than max_pixels are refused (RAD_EDATA); memory grows with what was
- * decoded, not with what the resolution line claims.  RAD_EDATA for what is no
- * RGBE picture, is damaged or ends early; *pic is then empty. */
+/* Decode a picture.  Values are divided by EXPOSURE and COLORCORR.  More than
+ * max_pixels are refused (RAD_EDATA); memory grows with the rows decoded, not
+ * with the size that the file claims.  RAD_EDATA for a file that is no RGBE
+ * picture, is damaged or ends early; *pic is empty then. */
 int rad_hdr_read(const uint8_t *data, size_t len, size_t max_pixels,
                  struct rad_picture *pic, struct rad_error *err);
 
-/* The same as it is coded, for what keeps many pixels and looks at few. */
+/* A picture in coded pixels, for callers that keep many and look at few. */
 struct rad_coded_picture {
     int width, height;
     double pixaspect;
@@ -92,7 +92,8 @@ struct rad_coded_picture {
 };
 void rad_coded_picture_release(struct rad_coded_picture *pic);
 
-/* Decode as rad_hdr_read() does, but leave EXPOSURE and COLORCORR alone. */
+/* Decode as rad_hdr_read() does, but without EXPOSURE and COLORCORR; XYZE is
+ * refused. */
 int rad_hdr_read_coded(const uint8_t *data, size_t len, size_t max_pixels,
                        struct rad_coded_picture *pic, struct rad_error *err);
 

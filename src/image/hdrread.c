@@ -1,4 +1,4 @@
-/* hdrread.c - reading of pictures: coded rows, and files in all their forms;
+/* hdrread.c - reading pictures: coded rows, and files in all their forms;
  * see hdr.h, and hdrimpl.h for the format of a row */
 #include "config.h"
 
@@ -13,7 +13,7 @@
 
 enum { LONGEST_SIDE = 1 << 24 };
 
-/* Bytes of one coded component of n pixels; 0: it is none. */
+/* The bytes of a coded component of n pixels; 0: there is none. */
 static size_t
 component_bytes(const uint8_t *c, size_t len, int n)
 {
@@ -65,11 +65,11 @@ struct reader {
     double divide[3]; /* EXPOSURE times COLORCORR */
     double pixaspect;
     double chroma[8];   /* PRIMARIES */
-    bool primaries;     /* were given */
-    bool irradiance;    /* -i of a command line in the header */
+    bool primaries;     /* there is a PRIMARIES line */
+    bool irradiance;    /* -i in a command line in the header */
     bool xyz;           /* tristimulus values instead of RGB */
-    bool xmajor;        /* scan lines run along y */
-    bool yup, xleft;    /* the first scan line, pixel is the lower, right one */
+    bool xmajor;        /* scan lines are columns */
+    bool yup, xleft;    /* rows begin at the bottom, columns at the right */
     int nscan, nlength; /* scan lines, pixels in each */
 };
 
@@ -79,7 +79,7 @@ damaged(struct reader *in, const char *what)
     return rad_fail(in->err, RAD_EDATA, "picture: %s", what);
 }
 
-/* Copy the next line, without its end, into line; longer ones are cut. */
+/* Copy the next line, without its end, into line; a long one is cut. */
 static int
 get_line(struct reader *in, char *line, size_t size)
 {
@@ -99,7 +99,8 @@ get_line(struct reader *in, char *line, size_t size)
     return 0;
 }
 
-/* A factor of a header line: finite and above 0. */
+/* Multiply *value by a factor from a header line; false: the factor is not
+ * finite and above 0. */
 static bool
 get_factor(char **text, double *value)
 {
@@ -117,7 +118,7 @@ get_colorcorr(struct reader *in, char *text)
            get_factor(&text, &in->divide[2]);
 }
 
-/* A line that says less than it should is none, as in Radiance. */
+/* Read a PRIMARIES line; as in Radiance, an incomplete one is ignored. */
 static void
 get_primaries(struct reader *in, char *text)
 {
@@ -132,7 +133,7 @@ get_primaries(struct reader *in, char *text)
     in->primaries = true;
 }
 
-/* Of the line of a program that renders, does it say -i? */
+/* If a line is the command of a program that renders, note its -i. */
 static void
 get_irradiance(struct reader *in, const char *line)
 {
@@ -212,7 +213,8 @@ read_header(struct reader *in)
     return 0;
 }
 
-/* "-Y 480 +X 640": the axis that scan lines step along comes first. */
+/* Read a line like "-Y 480 +X 640": the axis from one scan line to the next
+ * comes first. */
 static int
 read_resolution(struct reader *in)
 {
@@ -239,8 +241,8 @@ read_resolution(struct reader *in)
     return 0;
 }
 
-/* The oldest pictures do not begin with "#?": what is no picture at all is told
- * by what follows. */
+/* Read header and resolution.  The oldest pictures do not begin with "#?", so
+ * only the rest tells whether a file is a picture. */
 static int
 read_head(struct reader *in)
 {
@@ -263,7 +265,7 @@ static int
 decode_component(struct reader *in, uint8_t *component, int n)
 {
     for (int i = 0; i < n;) {
-        const uint8_t *from; /* stores into the row cannot change it */
+        const uint8_t *from; /* a local: stores into the row do not change it */
         uint8_t byte;
         int k;
 
@@ -291,7 +293,7 @@ decode_component(struct reader *in, uint8_t *component, int n)
     return 0;
 }
 
-/* Flat pixels and old runs. */
+/* Decode flat pixels and old run lengths. */
 static int
 decode_old(struct reader *in, uint8_t *rgbe, int n)
 {
@@ -301,7 +303,7 @@ decode_old(struct reader *in, uint8_t *rgbe, int n)
         if (in->end - in->at < 4)
             return damaged(in, "ends early");
         if (in->at[0] == 1 && in->at[1] == 1 && in->at[2] == 1) {
-            /* a count beyond 24 bits is beyond any row */
+            /* a count of more than 24 bits is more than any row has */
             long k = shift < 24 ? (long)in->at[3] << shift : LONG_MAX;
 
             if (i == 0 || (in->at[3] && k > n - i))
@@ -352,7 +354,7 @@ rad_hdr_decode_row(const uint8_t *code, size_t len, int width, uint8_t *rgbe)
     return decode_row(&in, rgbe) < 0 ? 0 : (size_t)(in.at - code);
 }
 
-/* Decode all rows into *rgbe, which grows with them. */
+/* Decode all rows into *rgbe, which grows as they come. */
 static int
 decode_rows(struct reader *in, uint8_t **rgbe)
 {
@@ -380,7 +382,7 @@ decode_rows(struct reader *in, uint8_t **rgbe)
     return 0;
 }
 
-/* Where in rgbe the pixel in column x of row y lies, in standard order. */
+/* The pixel in column x of row y, counted in standard order. */
 static const uint8_t *
 pixel_at(const struct reader *in, const uint8_t *rgbe, int x, int y)
 {
@@ -393,7 +395,7 @@ pixel_at(const struct reader *in, const uint8_t *rgbe, int x, int y)
     return rgbe + 4 * at;
 }
 
-/* Header and pixels, the latter malloc'd in the file's order. */
+/* Read header and pixels; *rgbe is malloc'd, in the file's order. */
 static int
 read_coded(struct reader *in, size_t max_pixels, uint8_t **rgbe)
 {
@@ -433,7 +435,7 @@ within_gamut(struct rad_rgb c)
     return rad_rgb(fmaxf(c.r, 0), fmaxf(c.g, 0), fmaxf(c.b, 0));
 }
 
-/* Turn coded pixels into radiance in standard order. */
+/* Convert coded pixels to radiance in standard order. */
 static int
 arrange(const struct reader *in, const uint8_t *rgbe, struct rad_picture *pic)
 {

@@ -75,7 +75,7 @@ clip(struct rad_picture *p, double most)
                           fminf(p->L[i].b, m));
 }
 
-/* Average both into blocks, in place. */
+/* Average a picture in blocks, in place. */
 static int
 reduce(struct rad_picture *p, int n, struct rad_error *err)
 {
@@ -149,8 +149,8 @@ rad_metric_prepare(const struct rad_picture *test,
     return rc;
 }
 
-/* In double, weights and all: of pictures that are nearly alike the rounding of
- * a float is 1e-4 of the difference. */
+/* In double, weights included: for pictures that are nearly alike the rounding
+ * of a float would be 1e-4 of the difference. */
 static double
 luminance(struct rad_rgb c)
 {
@@ -176,7 +176,7 @@ by_value(const void *a, const void *b)
     return x < y ? -1 : x > y;
 }
 
-/* Of sorted values: linear between the two that the place falls between. */
+/* A percentile of sorted values, interpolated between neighbours. */
 static double
 percentile(const double *v, size_t n, double percent)
 {

@@ -1,4 +1,4 @@
-/* metric.h - how far one picture is from another
+/* metric.h - differences between two pictures
  *
  * Pictures are in radiance; luminance here is that of base/color.h without the
  * 179 lm/W.  With a and b the test's and the reference's values, L their
@@ -21,18 +21,18 @@ struct rad_metric {
 
 struct rad_metric_options {
     int down;    /* average down x down pixels of the test picture first */
-    double clip; /* bound both to clip * mean(b); 0: no bound */
+    double clip; /* cut values of both at clip * mean(b); 0: do not */
     int block;   /* then average block x block pixels of both */
 };
 
-/* Average n by n pixels into one; what is left over at the right and below is
- * dropped.  RAD_EDATA if that leaves nothing, RAD_ENOMEM. */
+/* Average blocks of n by n pixels; pixels left over at the right and below are
+ * dropped.  RAD_EDATA if there is no whole block, RAD_ENOMEM. */
 int rad_picture_blocks(const struct rad_picture *in, int n,
                        struct rad_picture *out, struct rad_error *err);
 
-/* Bring two pictures to one size by the options; *a and *b are new pictures
- * for the caller to release.  RAD_EDATA where they do not match or hold values
- * that are not finite. */
+/* Bring two pictures to one size by the options.  *a and *b are new pictures,
+ * which the caller releases.  RAD_EDATA if their sizes do not match or a value
+ * is not finite. */
 int rad_metric_prepare(const struct rad_picture *test,
                        const struct rad_picture *ref,
                        const struct rad_metric_options *o,

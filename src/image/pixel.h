@@ -1,4 +1,4 @@
-/* pixel.h - one pixel as it is rendered */
+/* pixel.h - a pixel as it is rendered */
 #ifndef RAD_IMAGE_PIXEL_H
 #define RAD_IMAGE_PIXEL_H
 
@@ -6,7 +6,7 @@
 
 struct rad_pixel {
     struct rad_rgb L;
-    float z; /* distance, with -z only; else 0 */
+    float z; /* distance; 0 without -z */
 };
 
 #endif

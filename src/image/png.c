@@ -75,8 +75,8 @@ rad_png_rows(const struct rad_png *p, rad_png_row_fn *fn, void *arg,
         free(row);
         return rad_fail(err, RAD_ENOMEM, "out of memory");
     }
-    /* nothing that is used after the jump changes after this point but w,
-     * whose address libpng holds */
+    /* variables used after the jump do not change from here on, except w, whose
+     * address libpng has */
     if (setjmp(png_jmpbuf(png)) == 0) {
         png_set_write_fn(png, &w, put, no_flush);
         png_set_user_limits(png, PNG_UINT_31_MAX, PNG_UINT_31_MAX);

@@ -1,8 +1,8 @@
 /* png.h - PNG files of sRGB pictures
  *
- * The chunk sRGB says so, with perceptual intent; gAMA and cHRM say the same to
- * readers that do not know it, in the values that PNG's specification gives for
- * them. */
+ * The chunk sRGB names the colour space, with perceptual intent.  gAMA and cHRM
+ * approximate it for readers that do not know sRGB, with the values that PNG's
+ * specification gives. */
 #ifndef RAD_PICTURE_PNG_H
 #define RAD_PICTURE_PNG_H
 
@@ -17,7 +17,7 @@ struct rad_png {
     double pixaspect; /* height of a pixel over its width */
 };
 
-/* Fill row y with width * 3 channels, of 16 bits the upper byte first. */
+/* Fill in row y: width * 3 channels; with 16 bits the upper byte first. */
 typedef void rad_png_row_fn(void *arg, int y, uint8_t *out);
 
 /* Write a picture row by row, the top one first.  RAD_ENOMEM, or what the sink
@@ -25,7 +25,7 @@ typedef void rad_png_row_fn(void *arg, int y, uint8_t *out);
 int rad_png_rows(const struct rad_png *png, rad_png_row_fn *fn, void *arg,
                  const struct rad_sink *sink, struct rad_error *err);
 
-/* Width by height pixels of three bytes. */
+/* Write width by height pixels of three bytes each. */
 int rad_png_write(const uint8_t *rgb, int width, int height, double pixaspect,
                   const struct rad_sink *sink, struct rad_error *err);
 

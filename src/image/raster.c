@@ -8,8 +8,8 @@
 
 enum { FIRST = ' ', LAST = '~', ROWS = 9, COLUMNS = 5 };
 
-/* Each character's rows from the top, two below the line; of a row the highest
- * of five bits is the leftmost dot. */
+/* The rows of each character from the top; the last two are below the base
+ * line.  Of the five bits of a row the highest is the leftmost dot. */
 /* clang-format off */
 static const uint8_t font[LAST - FIRST + 1][ROWS] = {
     { 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00 }, /* blank */

@@ -1,8 +1,9 @@
-/* raster.h - an 8 bit picture in memory, and what is drawn into it
+/* raster.h - drawing into an 8 bit picture in memory
  *
- * Three bytes a pixel, the top row first.  What lies outside is not drawn.
- * Text is in a font of ours, of 5 by 7 dots with descenders of 2: the printable
- * ASCII.  Thread: any. */
+ * Three bytes a pixel, the top row first.  Whatever lies outside is cut off.
+ * The font is our own: the printable ASCII characters in 5 by 7 dots, with
+ * descenders of 2 dots.
+ * Thread: any. */
 #ifndef RAD_PICTURE_RASTER_H
 #define RAD_PICTURE_RASTER_H
 
@@ -21,7 +22,7 @@ enum {
     RAD_FONT_LINE = 10    /* from a line to the next */
 };
 
-/* Black; RAD_ENOMEM. */
+/* Make a black picture; RAD_ENOMEM. */
 int rad_image_new(struct rad_image *m, int width, int height,
                   struct rad_error *err);
 
@@ -29,12 +30,13 @@ void rad_image_pixel(struct rad_image *m, int x, int y, const uint8_t rgb[3]);
 void rad_image_fill(struct rad_image *m, int x, int y, int width, int height,
                     const uint8_t rgb[3]);
 
-/* Text whose first capital has its upper left corner at x, y; dot: pixels of a
- * dot's side.  What the font lacks is a box. */
+/* Draw text; the upper left corner of the first capital is at x, y, and a dot
+ * has sides of `dot` pixels.  A character that the font lacks is drawn as a
+ * box. */
 void rad_image_text(struct rad_image *m, int x, int y, int dot,
                     const char *text, const uint8_t rgb[3]);
 
-/* Pixels that text is wide. */
+/* The width of text in pixels. */
 int rad_image_text_width(const char *text, int dot);
 
 #endif

@@ -1,13 +1,13 @@
 /* spectrum.c - see spectrum.h
  *
- * All of it but the last step is linear, so that a sample has three weights. */
+ * All steps but the last are linear, so a sample has one weight per channel. */
 #include "config.h"
 
 #include "image/spectrum.h"
 
 #include <math.h>
 
-/* What the observer sees at 360 nm, 365 nm, ...: X, Y, Z. */
+/* The observer's response at 360 nm, 365 nm, ...: X, Y, Z. */
 #define FIRST 360
 #define STEP  5
 static const double observer[][3] = {
@@ -103,12 +103,12 @@ enum {
 };
 
 struct rad_spectrum {
-    bool as_it_is;     /* bands are the channels: no colour to be made paler */
-    double (*part)[3]; /* of a sample of 1 in each channel */
+    bool as_it_is;     /* sums are channels already: none is made paler */
+    double (*part)[3]; /* by sample: its weight in each channel */
 };
 
-/* The observer at FIRST + i nm: the cubic through the four nearest of the
- * table, as CIE 167:2005 recommends. */
+/* The observer at FIRST + i nm, by the cubic through the four nearest values of
+ * the table, as CIE 167:2005 recommends. */
 static double
 observe(int i, int channel)
 {
@@ -128,7 +128,7 @@ observe(int i, int channel)
     return sum;
 }
 
-/* The part of all that the observer sees that lies below FIRST + i nm. */
+/* The part of the observer's total response that is below FIRST + i nm. */
 struct seen {
     double below[NWAVES + 1][3];
 };
@@ -149,7 +149,7 @@ add_up(struct seen *seen)
     }
 }
 
-/* Radiance's sums hold what is up to a nanometre above the edge of a band. */
+/* As in Radiance, a sum contains up to one nanometre above a band's edge. */
 static const double *
 seen_below(const struct seen *seen, double nm)
 {
@@ -158,7 +158,7 @@ seen_below(const struct seen *seen, double nm)
     return seen->below[i < 0 ? 0 : i > NWAVES ? NWAVES : (int)i];
 }
 
-/* Red, green and blue of a band of 1. */
+/* Red, green and blue of a spectrum that is 1 in this band. */
 static void
 band_colour(const struct seen *seen, double longer, double shorter,
             double rgb[3])
@@ -178,7 +178,8 @@ band_colour(const struct seen *seen, double longer, double shorter,
     }
 }
 
-/* n bands from the longest wavelength down; three are the channels. */
+/* The colours of n bands, the longest waves first; three bands are the
+ * channels. */
 static void
 band_colours(int n, double longest, double shortest, double (*rgb)[3])
 {
@@ -195,7 +196,7 @@ band_colours(int n, double longest, double shortest, double (*rgb)[3])
                         shortest + (n - 1 - i) * step, rgb[i]);
 }
 
-/* How much of band j of n of a range wavelengths a to b fill. */
+/* The fraction of band j of n that wavelengths a to b fill. */
 static double
 filled(double a, double b, int j, int n, const struct rad_bands *range)
 {
@@ -208,7 +209,7 @@ filled(double a, double b, int j, int n, const struct rad_bands *range)
     return common > 0 ? common / step : 0;
 }
 
-/* A sample of wavelengths a to b in n bands of the whole range. */
+/* The weights of a sample of wavelengths a to b, over n bands of the range. */
 static void
 spread(double a, double b, int n, const struct rad_bands *range,
        double (*rgb)[3], double part[3])
@@ -222,8 +223,8 @@ spread(double a, double b, int n, const struct rad_bands *range,
     }
 }
 
-/* How many bands Radiance makes of n samples; a spectrum of which it would have
- * less than three in sight has as many as there may be. */
+/* The number of bands that Radiance makes of n samples.  If it were below three
+ * in the visible range, the most possible are made. */
 static int
 count_bands(int n, double begin, double end, const struct rad_bands *range)
 {
@@ -233,7 +234,7 @@ count_bands(int n, double begin, double end, const struct rad_bands *range)
     return bands < 3 || bands > RAD_MAX_BANDS ? RAD_MAX_BANDS : (int)bands;
 }
 
-/* Red, green and blue of each sample. */
+/* Set the weights of all samples for red, green and blue. */
 static void
 to_colours(struct rad_spectrum *sp, int n, double begin, double end,
            const struct rad_bands *range)
@@ -253,8 +254,9 @@ to_colours(struct rad_spectrum *sp, int n, double begin, double end,
     sp->as_it_is = nbands == 3;
 }
 
-/* The bands of a plane.  As in Radiance, samples that lie where the bands do,
- * but for a fraction of a nanometre, are these. */
+/* Set the weights of all samples for the bands of a plane.  As in Radiance,
+ * samples that have the wavelengths of the bands, but for a fraction of a
+ * nanometre, are these bands. */
 static void
 to_bands(struct rad_spectrum *sp, int n, double begin, double end,
          const struct rad_bands *b)
@@ -301,7 +303,7 @@ rad_spectrum_add(const struct rad_spectrum *sp, int i, double sample,
         sum[k] += sample * sp->part[i][k];
 }
 
-/* Where a channel is negative go towards the grey of the same luminance. */
+/* Where a channel is negative, mix in grey of the same luminance. */
 void
 rad_spectrum_colour(const struct rad_spectrum *sp, double sum[3])
 {

@@ -6,7 +6,7 @@
 #include <math.h>
 #include <string.h>
 
-#define STRAIGHT .0031308 /* below it the curve is a line */
+#define STRAIGHT .0031308 /* below this the curve is a straight line */
 #define SLOPE    12.92
 
 static double
@@ -15,7 +15,8 @@ encode(double v)
     return v <= STRAIGHT ? SLOPE * v : 1.055 * pow(v, 1 / 2.4) - .055;
 }
 
-/* 2^-9 is below STRAIGHT: the first octave of the table holds the corner. */
+/* 2^-9 is below STRAIGHT, so the table's first octave has the end of the line.
+ * The line itself is not in the table. */
 void
 rad_srgb_init(struct rad_srgb_table *t)
 {
@@ -30,7 +31,7 @@ rad_srgb_init(struct rad_srgb_table *t)
     t->at[N] = 1;
 }
 
-/* A float's bits, exponent and mantissa together, count the steps. */
+/* The upper bits of a float, exponent and mantissa, are the step's number. */
 float
 rad_srgb_encode(const struct rad_srgb_table *t, float v)
 {
