@@ -1,7 +1,7 @@
 /* eye.c - see eye.h
  *
- * Where pcond(1) takes random pixels for its histogram this takes a lattice of
- * them, so that a picture is always shown alike. */
+ * The histogram is made of a lattice of pixels, where pcond(1) takes random
+ * ones, so that a picture always looks the same. */
 #include "config.h"
 
 #include "tone/eye.h"
@@ -14,27 +14,27 @@
 #include <string.h>
 
 #define DEGREE (3.14159265358979323846 / 180)
-#define VEIL   .08f /* share of what the eye adapts to that is scattered */
+#define VEIL   .08f /* share of the light that is scattered in the eye */
 
-/* Rods see alone below, cones alone above [cd/m^2]. */
+/* Only rods see below the first, only cones above the second [cd/m^2]. */
 #define MESOPIC_LOW  5.62e-3
 #define MESOPIC_HIGH 5.62
 
-#define BRIGHTEST    1e25 /* radiance of a sample: sums of them are floats */
-#define NARROWEST    5.   /* view whose angles are believed [degrees] */
-#define USUAL_VIEW   40.  /* and what is taken instead */
-#define VEILED_RANGE 4.5  /* ln: with less there is no veil to be seen */
-#define DARK_SHARE   .05  /* of samples, for what the eye has least light */
+#define BRIGHTEST    1e25 /* largest radiance of a sample, so that sums fit */
+#define NARROWEST    5.   /* views of a smaller angle [degrees] are unknown, */
+#define USUAL_VIEW   40.  /* and this angle is assumed for them */
+#define VEILED_RANGE 4.5  /* ln; in a smaller range no veil can be seen */
+#define DARK_SHARE   .05  /* share of samples that count as dark */
 
 enum {
-    FEWEST = 3,           /* samples a side */
-    MOST_SAMPLES = 32800, /* a fish-eye's of 180 degrees; all pairs meet */
+    FEWEST = 3,           /* samples along each side */
+    MOST_SAMPLES = 32800, /* for a fish-eye of 180 degrees; time is quadratic */
     LANES = 4,
-    LATTICE = 1 << 20, /* pixels of the histogram at most */
+    LATTICE = 1 << 20, /* most pixels in the histogram */
     MOST_LEVELS = 8    /* of the pyramid */
 };
 
-/* Averages over squares of 2^level pixels. */
+/* The picture, averaged over squares of 2^level pixels. */
 struct level {
     int width, height;
     struct rad_rgb *L;
@@ -44,16 +44,16 @@ struct rad_eye {
     const struct rad_picture *pic;
     struct rad_view view;
     bool partial;
-    int nx, ny;     /* samples, the first in the upper left corner */
-    size_t room;    /* for all of them, in whole LANES, which are 0 beyond */
-    float *rgb[3];  /* of each, with the veil once there is one */
-    float *dir[3];  /* unit; 0 outside the view, or where nothing is known */
-    float *veil[3]; /* what is scattered there */
-    float *rate;    /* pixels that detail of the least visible size takes */
+    int nx, ny;     /* numbers of samples, the first at the upper left */
+    size_t room;    /* for nx * ny, rounded up to whole LANES, which are 0 */
+    float *rgb[3];  /* radiance of each, after add_veil() with its veil */
+    float *dir[3];  /* of length 1; 0 outside the view and if not known */
+    float *veil[3]; /* light scattered to each */
+    float *rate;    /* pixels of a cycle of the finest visible detail */
     bool veiled, rated;
-    struct level level[MOST_LEVELS]; /* the first is the picture */
+    struct level level[MOST_LEVELS]; /* level 0 is the picture */
     int nlevels;
-    float *memory; /* of all arrays of samples */
+    float *memory; /* for all arrays of samples */
 };
 
 static double
@@ -62,7 +62,7 @@ luminance(struct rad_rgb L)
     return RAD_HUMAN_EFFICACY * rad_rgb_lum(L);
 }
 
-/* What rods see of it, where white is 1. */
+/* What rods see, in units in which white is 1. */
 static double
 scotopic(struct rad_rgb L)
 {
@@ -77,13 +77,13 @@ degrees_of(double tangent)
     return 2 / DEGREE * atan(tangent);
 }
 
-/* The view that the picture has, or is taken to have. */
+/* Set the picture's view, or the one that is assumed. */
 static void
 take_view(struct rad_eye *e, const struct rad_view *view)
 {
     const double tangent = tan(USUAL_VIEW / 2 * DEGREE);
     double aspect =
-        e->pic->pixaspect * e->pic->height / e->pic->width; /* its sides' */
+        e->pic->pixaspect * e->pic->height / e->pic->width; /* of the picture */
 
     if (view && view->type != 'l' && view->horiz > NARROWEST &&
         view->vert > NARROWEST) {
@@ -96,7 +96,8 @@ take_view(struct rad_eye *e, const struct rad_view *view)
     rad_view_setup(&e->view, NULL);
 }
 
-/* A degree of the view's middle each, or what MOST_SAMPLES allow. */
+/* Let a sample be a degree at the middle of the view, or larger if MOST_SAMPLES
+ * requires. */
 static void
 take_size(struct rad_eye *e)
 {
@@ -113,7 +114,7 @@ take_size(struct rad_eye *e)
     e->ny = (int)y;
 }
 
-/* First pixel, and the one behind the last, of sample i of n over `size`. */
+/* The pixels [*first, *end) of sample i of n along a side of `size`. */
 static void
 span(int i, int n, int size, int *first, int *end)
 {
@@ -123,7 +124,7 @@ span(int i, int n, int size, int *first, int *end)
         *end = *first + 1;
 }
 
-/* Mean radiance of sample number (i, j).  false: nothing is known there. */
+/* The mean radiance of sample (i, j); false: none of it is known. */
 static bool
 average(const struct rad_eye *e, int i, int j, double mean[3])
 {
@@ -218,8 +219,8 @@ sample(const struct rad_eye *e, size_t at)
 
 /* --- adaptation --- */
 
-/* Pixels that the histogram is made of, whose rows and columns are `step`
- * apart, and how many of them are known. */
+/* The pixels in the histogram: rows and columns are `step` apart, and n pixels
+ * are known. */
 struct lattice {
     int step;
     size_t n;
@@ -237,7 +238,7 @@ pixel(const struct rad_eye *e, int x, int y)
     return e->pic->L + (size_t)y * (size_t)e->pic->width + (size_t)x;
 }
 
-/* The ends of what there is to be seen, of samples and pixels. */
+/* Find the least and the greatest luminance of samples and lattice pixels. */
 static void
 find_ends(const struct rad_eye *e, struct lattice *l, double *least,
           double *most)
@@ -263,7 +264,7 @@ find_ends(const struct rad_eye *e, struct lattice *l, double *least,
             }
 }
 
-/* All pixels of the lattice together weigh as much as all samples. */
+/* Fill the histogram.  All pixels together weigh as much as all samples. */
 static void
 count(const struct rad_eye *e, const struct lattice *l,
       const struct rad_human *h, struct rad_histogram *w)
@@ -283,7 +284,7 @@ count(const struct rad_eye *e, const struct lattice *l,
                 rad_human_count(h, w, luminance(*pixel(e, x, y)), weight);
 }
 
-/* false: there is nothing to be seen. */
+/* Set the range and fill the histogram; false: nothing can be seen. */
 static bool
 look(const struct rad_eye *e, struct rad_human *h, struct rad_histogram *w)
 {
@@ -299,8 +300,8 @@ look(const struct rad_eye *e, struct rad_human *h, struct rad_histogram *w)
 
 /* --- veil --- */
 
-/* GCC's and Clang's vectors: plain C of this is not taken together by either
- * without leave to reorder sums. */
+/* Vectors of GCC and Clang: neither vectorizes these sums in plain C unless it
+ * is allowed to reorder them. */
 typedef float lanes __attribute__((vector_size(LANES * sizeof(float))));
 typedef int32_t mask __attribute__((vector_size(LANES * sizeof(float))));
 
@@ -313,8 +314,8 @@ load(const float *p)
     return v;
 }
 
-/* Light from all other samples, by their angle: cos(t) / t^2, with 2 - 2 cos(t)
- * for t^2; a sample is the only one so near to itself as 1e-6. */
+/* Add up light from all other samples, weighted by angle: cos(t) / t^2, with
+ * 2 - 2 cos(t) for t^2.  Only the sample itself is nearer than 1e-6. */
 static void
 scatter(const struct rad_eye *e, size_t to, lanes sum[4])
 {
@@ -377,11 +378,11 @@ rad_eye_fit(struct rad_eye *e, struct rad_human *h)
     range = h->bmax - h->bmin;
     dark = rad_human_darkest(h, &w, DARK_SHARE);
     veil = range >= VEILED_RANGE;
-    if (veil) { /* which changes what there is to be seen */
+    if (veil) { /* the veil changes what can be seen */
         add_veil(e);
         look(e, h, &w);
     }
-    /* pixels of a degree, on the mean of both sides */
+    /* pixels to a degree, averaged over both sides */
     lines = DEGREE / 2 *
             (e->pic->width / sqrt(e->view.hn2) +
              e->pic->height / sqrt(e->view.vn2));
@@ -394,7 +395,7 @@ rad_eye_fit(struct rad_eye *e, struct rad_human *h)
 
 /* --- acuity --- */
 
-/* Difference of two samples' directions, times k. */
+/* The difference of two samples' directions, times k. */
 static void
 direction_step(const struct rad_eye *e, size_t a, size_t b, double k,
                double step[3])
@@ -419,7 +420,8 @@ rate_at(const struct rad_eye *e, int i, int j)
                    rad_human_acuity(luminance(sample(e, at))));
 }
 
-/* The samples at the edge have what their neighbours have. */
+/* Set all rates; samples at the edge get those of their neighbours.  Returns
+ * the largest. */
 static float
 take_rates(struct rad_eye *e)
 {
@@ -463,7 +465,7 @@ halve(const struct level *from, struct level *to)
     return to->L != NULL;
 }
 
-/* Levels up to one that is coarser than the largest rate. */
+/* Build levels up to one that is coarser than the largest rate. */
 static int
 build_levels(struct rad_eye *e, float most, struct rad_error *err)
 {
@@ -490,7 +492,7 @@ rad_eye_open(struct rad_eye *e, const struct rad_human *h,
     return 0;
 }
 
-/* Two neighbours on a side of n, and how far x is from the first. */
+/* A place between elements i and i + 1 of n: `part` is the weight of i + 1. */
 struct between {
     int i;
     float part;
@@ -533,7 +535,7 @@ at_level(const struct rad_eye *e, int k, int x, int y)
     return mix(mix(a[0], a[1], u.part), mix(b[0], b[1], u.part), v.part);
 }
 
-/* The picture around (x, y), as fine as `rate` pixels. */
+/* The picture around (x, y) without detail finer than `rate` pixels. */
 static struct rad_rgb
 blurred(const struct rad_eye *e, int x, int y, float rate)
 {
@@ -543,7 +545,7 @@ blurred(const struct rad_eye *e, int x, int y, float rate)
         k++;
     if (k == 0)
         return at_level(e, 0, x, y);
-    /* between levels k - 1 and k, whose squares are 2^(k - 1) and 2^k wide */
+    /* between levels k - 1 and k, with squares of 2^(k - 1) and 2^k pixels */
     return mix(
         at_level(e, k, x, y), at_level(e, k - 1, x, y),
         fminf(fmaxf(((float)(1 << k) - rate) / (float)(1 << (k - 1)), 0), 1));
@@ -551,7 +553,7 @@ blurred(const struct rad_eye *e, int x, int y, float rate)
 
 /* --- rows --- */
 
-/* Rods see grey. */
+/* Mix in what rods see, which is grey. */
 static struct rad_rgb
 faded(struct rad_rgb L)
 {
@@ -570,7 +572,7 @@ shown(const struct rad_human *h, struct rad_rgb L)
 {
     double Lw = luminance(L), Ld;
 
-    if (h->linear) /* what is far beyond white stays a number */
+    if (h->linear) /* keep values far above white finite */
         return rad_rgb_scale(L,
                              (float)fmin(h->scale, BRIGHTEST / rad_rgb_max(L)));
     if (!(Lw >= RAD_HUMAN_LEAST))

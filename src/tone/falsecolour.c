@@ -12,12 +12,12 @@
 #include <string.h>
 
 #define EFFICACY 179.0 /* [lm/W] */
-#define LARGEST  0.69314718055994530942 /* ln 2, of differences */
+#define LARGEST  0.69314718055994530942 /* largest difference: ln 2 */
 
-#define LARGEST_VALUE 1e40 /* stands for infinity */
+#define LARGEST_VALUE 1e40 /* replaces larger values and infinity */
 #define AUTO_DECADES 3
 #define DIVISIONS    10
-#define BRIGHTER     1e-3 /* share of pixels beyond a scale's end */
+#define BRIGHTER     1e-3 /* share of pixels that may exceed an automatic top */
 
 /* Colours along a scale from 0 to 1, evenly spaced. */
 struct ramp {
@@ -52,7 +52,7 @@ colour_at(const struct ramp *s, double t, uint8_t rgb[3])
 
 /* --- the scale --- */
 
-/* "word=" at *at is passed over. */
+/* Skip "key=" at *at; false: it is not there. */
 static bool
 take_key(const char **at, const char *key)
 {
@@ -77,7 +77,7 @@ take_contour(struct rad_false_scale *s, const char *word)
     return false;
 }
 
-/* A label is what the font has. */
+/* Set the label, which may only have characters of the font. */
 static bool
 take_label(struct rad_false_scale *s, const char *text)
 {
@@ -142,7 +142,7 @@ value_of(struct rad_rgb L)
     return v > 0 ? fmin(v, LARGEST_VALUE) : 0; /* NaN is 0 */
 }
 
-/* Values by their logarithm, in 16ths of an octave. */
+/* Bins of values by logarithm, each 1/16 of an octave. */
 enum { PER_OCTAVE = 16, OCTAVES = 256, BINS = PER_OCTAVE * OCTAVES };
 
 static int
@@ -153,8 +153,8 @@ bin_of(double value)
     return b < 0 ? 0 : b < BINS ? (int)b : BINS - 1;
 }
 
-/* The value that a share BRIGHTER of the pixels exceed, but for the width of a
- * bin; 0: all is black. */
+/* The value that a share BRIGHTER of the pixels exceed, to the width of a bin;
+ * 0: all pixels are black. */
 static double
 brightest(const struct rad_picture *pic)
 {
@@ -175,7 +175,7 @@ brightest(const struct rad_picture *pic)
     return above > 0 ? exp2((i + 1.) / PER_OCTAVE - OCTAVES / 2) : 0;
 }
 
-/* The least of 1, 2, 5, 10 times a power of ten that is no less. */
+/* The least of 1, 2, 5 or 10 times a power of ten that is not below v. */
 static double
 round_up(double v)
 {
@@ -203,7 +203,7 @@ rad_false_fit(struct rad_false_scale *s, const struct rad_picture *pic)
     return s->top > 0;
 }
 
-/* The place of a value on the scale; from 0, which is its lower end, on. */
+/* The place of a value on the scale; values below the scale have place 0. */
 static double
 place_of(const struct rad_false_scale *s, double value)
 {
@@ -240,8 +240,8 @@ scale_colour(const void *arg, double v, uint8_t rgb[3])
     colour_at(&luminance_ramp, v, rgb);
 }
 
-/* Is that place within half a division of a contour of which there is a tick?
- * There is none at 0. */
+/* Is place v within half a division of a contour that has a tick?  There is no
+ * contour at 0. */
 static bool
 near_contours(const struct rad_false_scale *s, double v)
 {
@@ -274,7 +274,7 @@ place_at(const struct field *f, int x, int y)
                     value_of(f->pic->L[(size_t)y * (size_t)w + (size_t)x]));
 }
 
-/* Does a contour part the pixel's neighbours? */
+/* Is there a contour between the pixel's neighbours? */
 static bool
 on_line(const struct field *f, int x, int y)
 {
@@ -287,7 +287,8 @@ on_line(const struct field *f, int x, int y)
                 floor(n * place_at(f, x, y + 1)));
 }
 
-/* The colour of a contour, that of its place, brought to the whole ramp. */
+/* The colour of the contour nearest to place v.  The contours' colours spread
+ * over the whole ramp. */
 static void
 contour_colour(const struct rad_false_scale *s, double v, uint8_t rgb[3])
 {
@@ -307,7 +308,7 @@ pixel_colour(const struct field *f, int x, int y, uint8_t rgb[3])
         scale_colour(s, v, rgb);
     else if (s->contour == RAD_CONTOUR_LINES ? on_line(f, x, y) : in_band(s, v))
         contour_colour(s, v, rgb);
-    else /* half as bright as white, for lines to stand out */
+    else /* half as bright as white, so that contours stand out */
         memset(rgb, (int)(128 * pow(v < 1 ? v : 1, s->decades > 0 ? 1 : 1 / 2.2)),
                3);
 }
@@ -323,7 +324,8 @@ write_value(char text[RAD_LEGEND_TEXT], double v)
         snprintf(text, RAD_LEGEND_TEXT, "%.2g", v);
 }
 
-/* A tick at each division, from 0, where contours have none. */
+/* Set a tick at each division; not at 0 if the scale has contours or is
+ * logarithmic. */
 static void
 tick_divisions(const struct rad_false_scale *s, struct rad_legend *l)
 {
@@ -336,8 +338,8 @@ tick_divisions(const struct rad_false_scale *s, struct rad_legend *l)
     }
 }
 
-/* Of a logarithmic scale without contours ticks at 1, 2 and 5 times powers of
- * ten, or at powers of ten alone where these are many. */
+/* For a logarithmic scale without contours set ticks at 1, 2 and 5 times powers
+ * of ten, or only at powers of ten if there are many. */
 static void
 tick_powers(const struct rad_false_scale *s, struct rad_legend *l)
 {

@@ -10,7 +10,7 @@
 #include <string.h>
 
 #define MOST_OF_WORLD 1e7  /* [cd/m^2] */
-#define TRIMMED       .025 /* share of samples that may stay untrimmed */
+#define TRIMMED       .025 /* share of samples that may remain to be trimmed */
 
 /* --- formulas --- */
 
@@ -98,9 +98,9 @@ accumulate(struct rad_human *h, const double bin[RAD_HUMAN_BINS])
     h->below[RAD_HUMAN_BINS] = 1;
 }
 
-/* Samples that a bin of luminance Lw may have, of all, for the curve to rise
- * no faster than visible contrast: the screen's relative step over the world's
- * is that of the thresholds. */
+/* The most samples that a bin at luminance Lw may have, of `total`, so that the
+ * curve does not exceed visible contrast: the relative step of the screen over
+ * that of the world must be at most the ratio of the thresholds. */
 static double
 most_in_bin(const struct rad_human *h, double Lw, double total)
 {
@@ -111,8 +111,8 @@ most_in_bin(const struct rad_human *h, double Lw, double total)
     return total * step * ratio * Lw / (Ld * display_range());
 }
 
-/* Trim bins until the curve holds.  false: nothing is left, since the screen
- * can show all contrasts there are. */
+/* Trim bins until the curve satisfies this; false: nothing is left, because the
+ * screen can show all contrasts. */
 static bool
 trim(struct rad_human *h, const struct rad_histogram *world)
 {
@@ -191,7 +191,8 @@ rad_human_fits(const struct rad_human *h)
     return h->bmax - h->bmin <= display_range();
 }
 
-/* Where all contrasts fit: the same threshold for the middle of both. */
+/* The factor if all contrasts fit: it maps the threshold at the mean luminance
+ * to the threshold at the middle of the screen's range. */
 static double
 linear_scale(double mean)
 {
@@ -206,7 +207,7 @@ rad_human_adapt(struct rad_human *h, const struct rad_histogram *w, bool fits)
 {
     struct rad_histogram world = *w;
 
-    if (h->spare) { /* it has half of the lowest */
+    if (h->spare) { /* give it half of the lowest bin in use */
         world.bin[1] *= .5;
         world.bin[0] += world.bin[1];
     }

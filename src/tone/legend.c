@@ -5,17 +5,17 @@
  *               -
  *           bar - text of a tick   margin
  *
- * All in dots of the font, whose size goes by the picture's height. */
+ * Sizes are in dots of the font, which grow with the picture's height. */
 #include "config.h"
 
 #include "tone/legend.h"
 
 enum {
-    DOT_PER = 270, /* rows of a picture for each pixel of a dot */
-    MARGIN = 5,    /* all in dots */
+    DOT_PER = 270, /* a dot is one pixel for each so many rows of the picture */
+    MARGIN = 5,    /* this and the next two in dots */
     BAR = 12,
     TICK = 3,
-    LEAST_ROWS = 90 /* of the image */
+    LEAST_ROWS = 90 /* of the image, in pixels */
 };
 
 static int
@@ -39,7 +39,7 @@ widest_tick(const struct rad_legend *l, int dot)
     return most;
 }
 
-/* The bar's rows. */
+/* The rows that the bar takes. */
 struct extent {
     int top, height;
 };
@@ -52,7 +52,7 @@ bar_extent(const struct rad_image *m, int dot)
     return (struct extent){ top, m->height - top - 2 * MARGIN * dot };
 }
 
-/* Every how many-th tick leaves room for its text? */
+/* The least n so that each n-th tick has room for its text. */
 static int
 tick_step(const struct rad_legend *l, const struct extent *bar, int dot)
 {

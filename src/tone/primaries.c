@@ -59,7 +59,7 @@ invert(double to[3][3], const double m[3][3])
     return true;
 }
 
-/* X, Y, Z of what has the chromaticity and Y = 1. */
+/* X, Y, Z of the colour with these chromaticities and Y = 1. */
 static bool
 tristimulus(const double xy[2], double xyz[3])
 {
@@ -71,13 +71,14 @@ tristimulus(const double xy[2], double xyz[3])
     return true;
 }
 
-/* From numbers of the primaries to X, Y, Z, and white's cone responses. */
+/* The matrix from numbers in the primaries to X, Y, Z; also the cone responses
+ * to white. */
 static bool
 to_xyz(const double chroma[8], double m[3][3], double white_cones[3])
 {
     double xyz[3][3], inverse[3][3], white[3], amount[3];
 
-    for (int p = 0; p < 3; p++) { /* by sums of x, y, z: blue's y may be 0 */
+    for (int p = 0; p < 3; p++) { /* x, y, z instead of X, Y, Z: y may be 0 */
         xyz[0][p] = chroma[2 * p];
         xyz[1][p] = chroma[2 * p + 1];
         xyz[2][p] = 1 - chroma[2 * p] - chroma[2 * p + 1];
@@ -113,7 +114,7 @@ rad_primaries_matrix(const double chroma[8], double m[3][3])
     return true;
 }
 
-/* As its header would have it, which has four digits. */
+/* Are these Radiance's own primaries, as four digits in a header give them? */
 static bool
 are_radiances(const double chroma[8])
 {

@@ -1,14 +1,14 @@
-/* primaries.h - pictures whose numbers are not of Radiance's primaries
+/* primaries.h - pictures in primaries other than Radiance's
  *
- * A PRIMARIES line of a picture's header, as rpict's -pc writes it, says that
- * its numbers, as those of the scene's colours, are amounts of that red, green,
- * blue and white.  For a screen they become sRGB's, and white stays white: what
- * the eye is adapted to changes with it.
- * Numbers of Radiance's own primaries are taken for sRGB's as they are, and so
- * are those without such a line.  By the letter red would grow by a sixth and
- * lose as much of the green, since equal-energy white and D65 differ too; but
- * scenes have their colours from screens and colour pickers, which then would
- * not come out as they went in, and none of Radiance's converters does it.
+ * A PRIMARIES line in a picture's header, as rpict -pc writes it, says that its
+ * numbers, and those of the scene's colours, are amounts of that red, green and
+ * blue, with that white.  For a screen they are converted to sRGB.  White stays
+ * white, since the eye's adaptation changes with it.
+ * Numbers in Radiance's own primaries, or without a PRIMARIES line, are taken
+ * for sRGB as they are.  Strictly converted, red would grow by a sixth and
+ * green lose as much, since equal-energy white differs from D65.  But scenes
+ * have their colours from screens and colour pickers, and would not show the
+ * same colours again; none of Radiance's converters does it either.
  * Sources: Radiance's picture format; IEC 61966-2-1; Lam 1985 (Bradford's
  * adaptation). */
 #ifndef RAD_PICTURE_PRIMARIES_H
@@ -16,12 +16,12 @@
 
 #include "image/hdr.h"
 
-/* From numbers of the primaries chroma (x y of red, green, blue, white) to
- * those of sRGB's.  false: they span no colours. */
+/* The matrix from numbers in the primaries chroma (x y of red, green, blue,
+ * white) to sRGB.  False: the primaries span no colours. */
 bool rad_primaries_matrix(const double chroma[8], double m[3][3]);
 
-/* Make a picture's numbers sRGB's; colours beyond its primaries lose what is
- * negative. */
+/* Convert a picture to sRGB; negative channels of colours outside sRGB become
+ * 0. */
 void rad_primaries_convert(struct rad_picture *pic);
 
 #endif

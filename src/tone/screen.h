@@ -1,4 +1,4 @@
-/* screen.h - a picture as a screen shows it, in a PNG
+/* screen.h - a picture as a PNG for a screen
  *
  * Thread: any. */
 #ifndef RAD_PICTURE_SCREEN_H
@@ -11,11 +11,11 @@ struct rad_screen {
     int bits; /* of a channel: 8 or 16 */
 };
 
-/* Photographic, its own exposure, 8 bits. */
+/* The defaults: photographic, automatic exposure, 8 bits. */
 void rad_screen_init(struct rad_screen *s);
 
-/* Write the picture as an sRGB PNG; *tone and view as rad_toner_init() has
- * them.  RAD_ENOMEM, or what the sink returns. */
+/* Write the picture as an sRGB PNG; *tone and view are those of
+ * rad_toner_init().  RAD_ENOMEM, or the sink's failure. */
 int rad_screen_png(const struct rad_screen *s, struct rad_tone *tone,
                    const struct rad_picture *pic, const struct rad_view *view,
                    const struct rad_sink *sink, struct rad_error *err);

@@ -6,24 +6,25 @@
 #include <math.h>
 #include <string.h>
 
-/* Scaled log-average luminance: a little above the 18 % of photography, since
- * the shoulder takes some of it away. */
+/* Scaled log-average luminance.  It is above the 18 % of photography, since the
+ * compression takes some of it away. */
 #define MIDDLE_GREY .25
 /* White, where exposure is absolute: four stops above middle grey. */
 #define FIXED_WHITE (16 * MIDDLE_GREY)
 
-/* pfilt(1): what it brings the mean to, and what is too bright to count. */
+/* pfilt(1): the mean that it aims at, and values too bright to count for it. */
 #define MEAN_BRIGHTNESS .5
 #define HOT             100
 
-/* Saturation that the brightest keep: with less a red rug in the sun is pink,
- * with more it is a flat patch. */
+/* The saturation that the brightest colours keep.  With less, a red rug in the
+ * sun is pink; with more, it is a flat patch. */
 #define LEAST_SATURATION .5
 
-/* Bins of luminance are 1/16 of a factor of 2 wide, from 2^-64 on. */
+/* Bins of luminance: each is 1/16 of a factor of 2, and the first is at
+ * 2^-64. */
 enum { STEPS = 16, LOWEST = -64, NBINS = 128 * STEPS };
 
-/* Pixels of a range of luminance, and the sum of its logarithms to 2. */
+/* The pixels in a range of luminance, and the sum of their log2 luminances. */
 struct bin {
     size_t count;
     double logs;
@@ -58,7 +59,7 @@ fill_bins(struct bin bins[NBINS], const struct rad_picture *pic)
     return counted;
 }
 
-/* The bin that a share of the n counted pixels lie in or below. */
+/* The first bin up to which a share of the n counted pixels lie. */
 static int
 percentile(const struct bin bins[NBINS], size_t n, double share)
 {
@@ -71,7 +72,7 @@ percentile(const struct bin bins[NBINS], size_t n, double share)
     return i;
 }
 
-/* Equation 1, with the ends cut off, and the white of equation 4. */
+/* Equation 1, with both ends cut off, and equation 4's white. */
 static bool
 fit_photographic(struct rad_tone *t, const struct rad_picture *pic)
 {
@@ -82,7 +83,7 @@ fit_photographic(struct rad_tone *t, const struct rad_picture *pic)
 
     if (n == 0)
         return false;
-    /* the darkest and brightest hundredths are not what one looks at */
+    /* the darkest and brightest hundredths do not matter to viewers */
     lo = percentile(bins, n, .01);
     hi = percentile(bins, n, .99);
     least = bins[lo].logs / (double)bins[lo].count;
@@ -92,20 +93,20 @@ fit_photographic(struct rad_tone *t, const struct rad_picture *pic)
                : i > hi ? (double)bins[i].count * most
                         : bins[i].logs;
     t->scale = MIDDLE_GREY / exp2(sum / (double)n);
-    /* within four and forty times the average */
+    /* from four to forty times the average */
     t->white = t->scale * exp2(most);
     t->white = fmin(fmax(t->white, 4 * MIDDLE_GREY), 40 * MIDDLE_GREY);
     return true;
 }
 
-/* Equation 4 over scaled luminance. */
+/* Equation 4, for scaled luminance. */
 static double
 photographic(double in, double white)
 {
     return in < white ? in * (1 + in / (white * white)) / (1 + in) : 1;
 }
 
-/* In double: a scale may be beyond what a float holds. */
+/* In double, since the scale may exceed the range of float. */
 static struct rad_rgb
 scaled(struct rad_rgb L, double s)
 {
@@ -124,7 +125,8 @@ photographic_pixel(const struct rad_tone *t, struct rad_rgb L)
 
 /* --- linear --- */
 
-/* Mean luminance of what is not black and, unless all of it is, not hot. */
+/* The mean luminance of pixels that are not black and, if there are any such,
+ * not too bright. */
 static bool
 fit_linear(struct rad_tone *t, const struct rad_picture *pic)
 {
@@ -152,7 +154,7 @@ fit_linear(struct rad_tone *t, const struct rad_picture *pic)
 static struct rad_rgb
 linear_pixel(const struct rad_tone *t, struct rad_rgb L)
 {
-    /* the largest radiance times the largest scale is no float */
+    /* the product of large radiance and scale may exceed the range of float */
     double most = rad_rgb_max(L) * t->scale;
     double s = most < 1e30 ? t->scale : t->scale * 1e30 / most;
 
@@ -171,7 +173,7 @@ rad_tone_fit_gamut(struct rad_rgb c)
     lum = rad_rgb_lum(c);
     m = most / lum;
     s = (float)LEAST_SATURATION + (1 - (float)LEAST_SATURATION) / most;
-    /* Y (1 + s (m - 1)) = 1: never more than the luminance that it had */
+    /* Y (1 + s (m - 1)) = 1: luminance does not increase */
     Y = 1 / (1 + s * (m - 1));
     return rad_rgb(Y * (1 + s * (c.r / lum - 1)), Y * (1 + s * (c.g / lum - 1)),
                    Y * (1 + s * (c.b / lum - 1)));
