@@ -1,12 +1,13 @@
 /* store.c - see store.h
  *
- * Each request is a task that owns copies of all it needs.  The arriving files,
- * the job folders and the journal are the pool thread's; the loop never looks
- * at them once the jobs of earlier lives are recovered.
+ * Each request is a task that owns copies of all it needs.  Arriving files, job
+ * folders and the journal belong to the pool thread; the loop does not touch
+ * them after store_recover().
  *
- * What is noted in the journal is so before: files, then their names, then the
- * note.  What is removed is so after, but a folder that is forgotten, which
- * disappears at once: of that the journal may know a little longer. */
+ * Whatever the journal notes is on the disk before: first the file, then its
+ * name, then the note.  Files are removed after the journal's note of that.
+ * Only the folder of a forgotten job goes first, so the journal may still list
+ * the job for a moment. */
 #include "config.h"
 
 #include "base/output.h"
@@ -39,8 +40,8 @@ store_refuse(const struct store *s, const struct rad_error *why,
 
 /* --- opening and end --- */
 
-/* One fdatasync for all rows that a group of tasks wrote to a file, one commit
- * for all that they noted. */
+/* Sync all files of rows that a group of tasks wrote, one fdatasync each; then
+ * commit their notes, all at once. */
 static int
 settle(void *arg, struct rad_error *err)
 {
@@ -57,7 +58,8 @@ settle(void *arg, struct rad_error *err)
     return rc;
 }
 
-/* Of a full disk somebody should hear; the rest passes by itself. */
+/* Tell the handler of a full disk, for an administrator has to act; a shortage
+ * of memory or descriptors passes by itself. */
 static void
 on_lack(void *arg, enum task_lack what, const char *text)
 {
@@ -81,7 +83,8 @@ on_broken(void *arg, const struct rad_error *err)
     s->handler->broken(s->arg, rad_exit_status(err->code), err->what);
 }
 
-/* With a journal what is acknowledged is kept, or the daemon ends. */
+/* A store with a journal has promised to keep what it acknowledged, so it ends
+ * when that fails. */
 static const struct task_ops plain_ops = { settle, on_lack, NULL };
 static const struct task_ops journal_ops = { settle, on_lack, on_broken };
 
@@ -128,7 +131,7 @@ open_dirs(struct store *s, const char *dir, struct rad_error *err)
         rc = statedir_check_owner(dir, err);
     if (rc == 0)
         rc = s->lock = service_lock_dir(dir, err);
-    if (rc >= 0) /* jobs first: a folder that is refused stays as it is */
+    if (rc >= 0) /* jobs first: a refused folder is not changed */
         rc = s->handler->job ? open_jobs(s, err) : 0;
     return rc == 0 ? blobs_open(&s->blobs, files, s->durable, err) : rc;
 }
@@ -189,7 +192,7 @@ store_close(struct store *s)
     task_queue_release(&s->queue);
     store_release_arriving(s);
     cache_free(s->cache);
-    if (s->journal) /* what did not last is nobody's */
+    if (s->journal) /* notes that were not committed are not acknowledged */
         journal_rollback(s->journal);
     journal_close(s->journal);
     folder_release(&s->folder);

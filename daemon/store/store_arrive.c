@@ -1,15 +1,16 @@
 /* store_arrive.c - files that connections send to the store
  *
- * A file that is not yet whole is found by its connection and its hash: two
- * connections may send the same one at a time, and neither has to know of the
- * other, for a file gets its name only when it is whole and right (blobs.h).
- * The list is the pool thread's.  The loop only pushes tasks, and so the end
- * of a connection is one too, behind the chunks that came before it.
+ * An incomplete file is identified by its connection and its hash.  Two
+ * connections may send the same file at a time without harm, for a file gets
+ * its name only when it is complete and has the right hash (blobs.h).
+ * The list belongs to the pool thread; the loop only pushes tasks.  So the end
+ * of a connection is a task, too, behind those of the chunks that came before
+ * it.
  *
- * On a full disk what is small waits, and with it all that writes.  A file that
- * is larger than what the disk spares for others is refused instead where there
- * is no room for it, at its first piece or, if others took the room, at a later
- * one: its sender can try again, and nobody waits for that. */
+ * On a full disk a small file waits, and with it all tasks that write.  A file
+ * that is larger than the room that the disk keeps for others is refused
+ * instead: at its first piece or, if other files took the room, at a later one.
+ * Its sender can try again, and no other task waits for it. */
 #include "config.h"
 
 #include "store/store_impl.h"
@@ -31,7 +32,7 @@ struct arriving {
     struct blob_part part;
 };
 
-/* Bytes that have yet to come of files that are on their way. */
+/* Bytes that have not come yet of files that are arriving. */
 static uint64_t
 bytes_to_come(const struct store *s)
 {
@@ -95,8 +96,8 @@ refuse_file(uint64_t total, const char *why, struct rad_error *err)
                     total >> 10, why);
 }
 
-/* A coordinator's: is there room for all of a file that begins to come, beside
- * those that do? */
+/* At a coordinator: is there room for all of a file that begins to arrive, and
+ * for the rest of those that are arriving? */
 static int
 check_room(const struct store *s, uint64_t total, struct rad_error *err)
 {
@@ -147,14 +148,17 @@ begin_arriving(struct store *s, const struct chunk_task *c,
     return 0;
 }
 
-/* A worker takes no job that it has no room for. */
+/* Will the task run again after this failure?  A coordinator's does while its
+ * disk is full; a worker gives the file up, for it takes no job without room
+ * for it. */
 static bool
 is_tried_again(const struct store *s, int rc)
 {
     return rc == RAD_ESHORT || (rc == RAD_EFULL && s->journal);
 }
 
-/* Of a large file others took the room: it gives back what it has. */
+/* When a large file finds no room any more, refuse it, so that its bytes are
+ * freed. */
 static int
 fail_if_large(const struct store *s, const struct arriving *a, int rc,
               struct rad_error *err)
@@ -273,7 +277,8 @@ store_drop_conn(struct store *s, uint64_t conn)
 
     if (!d)
         return;
-    d->task.writes = true; /* after its chunks, which may be held */
+    d->task.writes = true; /* so that it runs after the connection's chunks,
+                            * which may be held */
     d->store = s;
     d->conn = conn;
     task_push(&s->queue, &d->task);

@@ -1,11 +1,11 @@
 /* store_files.c - the store's files by hash: are they sound, are they needed
  *
- * Whether a file is what its name says is the loop's to know (sound.h); reading
- * it may take long and is a task's.  So store_look() asks first what is known,
- * and pushes a task only for the rest.  What is found to be damaged is removed
- * on the loop when the task is done: whoever needs it sends it again.
- * Files go when no job needs them and nobody has asked for them for a while,
- * which their times tell. */
+ * The loop knows which files it has found to be sound (sound.h).  To read a
+ * file may take long, so a task does it: store_look() pushes one for the files
+ * that are not known.  When the task is done, damaged files are removed on the
+ * loop; a user or the coordinator will send them again.
+ * A coordinator's file is removed when no job needs it and it was neither sent
+ * nor looked for for a while, as its time tells. */
 #include "config.h"
 
 #include "store/store_impl.h"
@@ -23,11 +23,13 @@ struct look_task {
     struct task task;
     struct store *store;
     struct action_look look;
-    int8_t *found; /* of each file, as sounds_read(); 2: it was known */
+    int8_t *found; /* of each file the result of sounds_read(), or 2: known
+                    * before */
     uint8_t hash[];
 };
 
-/* A file that cannot be had now may be later: the task does not fail. */
+/* A worker without room for the files now may have it later, so the task does
+ * not fail; the status tells. */
 static void
 use_files(struct look_task *l)
 {
@@ -116,7 +118,7 @@ store_look(struct store *s, const struct action_look *from)
     bool known = !s->cache;
 
     if (!l)
-        return false; /* the daemon ends */
+        return false; /* out of memory: the daemon ends */
     for (uint32_t i = 0; i < from->nlook; i++) {
         const uint8_t *hash = l->hash + (size_t)i * MSG_HASH;
 
@@ -164,7 +166,7 @@ store_limit(struct store *s, uint64_t bytes, struct rad_error *err)
     }
     w = store_new_task(s, sizeof *w, limit_run, store_free_task);
     if (!w)
-        return 0; /* the daemon ends */
+        return 0; /* out of memory: the daemon ends */
     w->store = s;
     w->limit = bytes;
     task_push(&s->queue, &w->task);
@@ -194,7 +196,7 @@ store_leave(struct store *s, const uint8_t job[MSG_JOB])
     task_push(&s->queue, &w->task);
 }
 
-/* --- files that nobody needs any more --- */
+/* --- removing files that no job needs --- */
 
 struct sweep_task {
     struct task task;
@@ -260,7 +262,8 @@ store_check_file(struct store *s, const uint8_t hash[MSG_HASH])
     there = sounds_check(&s->sounds, hash, path, &damaged);
     if (damaged)
         remove_damaged(path);
-    if (there && s->handler->job) /* a coordinator's, which sweeps */
+    if (there && s->handler->job) /* a coordinator's store, which sweeps by
+                                   * these times */
         blobs_touch(&s->blobs, name);
     return there;
 }

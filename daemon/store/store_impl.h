@@ -25,8 +25,8 @@
 #include "ground/task.h"
 
 struct arriving;   /* a file that a connection sends */
-struct saved_task; /* a job that is to be kept */
-struct submit_task; /* one whose frames are being read */
+struct saved_task; /* a job that is being kept */
+struct submit_task; /* a job whose frames are being read */
 
 struct store {
     struct task_queue queue;
@@ -38,11 +38,13 @@ struct store {
     struct sounds sounds;       /* [loop] */
     bool durable;               /* [fixed] */
     bool ending;                /* [loop] */
-    bool full;                  /* [loop] the disk is, and that was told */
+    bool full;                  /* [loop] the handler was told that the disk is
+                                 * full */
     size_t backlog;             /* [loop] */
     struct saved_task *opening; /* [loop] */
     struct submit_task *submitting; /* [loop] */
-    struct cache *cache;        /* [pool]; NULL: nothing goes by itself */
+    struct cache *cache;        /* [pool]; NULL: files are removed by
+                                 * store_sweep() alone */
     struct arriving *arriving;  /* [pool] */
     struct folder folder;       /* [pool] */
     struct journal *journal;    /* [pool]; NULL: nothing outlives the process */
@@ -60,7 +62,7 @@ status_of(const struct task *t)
     return t->code < 0 ? rad_exit_status(t->code) : 0;
 }
 
-/* Not to be told: it failed with the whole store. */
+/* The handler is not told: the task failed because the whole store ends. */
 static inline bool
 is_mute(const struct store *s, const struct task *t)
 {
@@ -78,42 +80,43 @@ path_of(const struct store *s, const uint8_t *hash, char path[BLOBS_PATH_MAX])
 
 /* --- store_task.c --- */
 
-/* Room for a task; NULL when memory is out, and then the handler knows that the
- * store does not answer. */
+/* A new task of that size, zeroed.  NULL: memory is out, and the handler's
+ * broken() was called. */
 void *store_new_task(struct store *s, size_t size, int (*run)(struct task *t),
                      void (*done)(struct task *t));
-/* The done() of a task whose end nobody is told. */
+/* A done() for tasks that the handler does not hear of. */
 void store_free_task(struct task *t);
-/* To be kept: it may be held, and is done when it lasts. */
+/* Push a task whose effect must last: it may be held while the disk is full,
+ * and is done when it is on the disk. */
 void store_push_lasting(struct store *s, struct task *t);
 
 /* --- store.c --- */
 
-/* The folder cannot be taken up; the tool is named to whoever has to deal with
- * it.  Returns why->code. */
+/* Report that the folder cannot be taken up; names 'radctl check' to the
+ * administrator if it is damaged.  Returns the code of *err. */
 int store_refuse(const struct store *s, const struct rad_error *why,
                  struct rad_error *err);
 
 /* --- store_arrive.c --- */
 
-/* Forget all that was sent by halves; only when idle. */
+/* Drop all incomplete files.  Only when the store is idle. */
 void store_release_arriving(struct store *s);
 
 /* --- store_jobs.c --- */
 
-/* A task that is about a job, and needs no more than this. */
+/* A task about a job that needs no more than these fields. */
 struct job_task {
     struct task task;
     struct store *store;
     uint8_t id[MSG_JOB];
-    uint64_t sequence; /* as the action's */
+    uint64_t sequence; /* the action's */
     uint32_t frame;
     int state;
     int32_t priority;
     uint64_t bytes, cache_bytes;
 };
 
-/* NULL: as store_new_task(). */
+/* NULL: as of store_new_task(). */
 struct job_task *store_new_job_task(struct store *s, const uint8_t *id,
                                     int (*run)(struct task *t),
                                     void (*done)(struct task *t));

@@ -1,12 +1,13 @@
 /* store_jobs.c - jobs of the store: kept, over, forgotten
  *
- * What is kept of a job points at much (its SUBMIT, its owner, a text), so a
- * task has copies of it all: the specification is packed and unpacked, which
- * copies exactly what the wire can carry.
- * The end is two tasks: one notes it, and when that lasts another removes the
- * rows that are left and counts the bytes.  Forgetting is two as well: the
- * folder goes at once, also while the disk is full, for that makes room; then
- * the journal's entry, which may have to wait. */
+ * A struct saved_job points at its SUBMIT, its owner and a text, so a task
+ * needs copies of all these.  The specification is packed and unpacked, which
+ * copies exactly what a message can carry.
+ * A job's end takes two tasks: the first notes it; when the note is on the disk
+ * the second removes the rows that are left and counts the bytes.  Forgetting a
+ * job takes two as well: the folder is removed at once, also while the disk is
+ * full, for that makes room; then the journal's entry, which may have to wait.
+ */
 #include "config.h"
 
 #include "store/store_impl.h"
@@ -33,19 +34,19 @@ store_new_job_task(struct store *s, const uint8_t *id,
     return j;
 }
 
-/* A job that is to be kept, or how it ended, with all that it points at. */
+/* A task that keeps a job, or how it ended, with copies of all it points at. */
 struct saved_task {
     struct task task;
     struct store *store;
     uint8_t id[MSG_JOB];
     struct saved_job saved;
-    struct wire_out bytes; /* its SUBMIT */
-    struct msg msg;        /* and that unpacked */
+    struct wire_out bytes; /* the job's SUBMIT, packed */
+    struct msg msg;        /* the same, unpacked; `saved` points into it */
     char owner[MSG_MAX_NAME + 1], text[MSG_MAX_TEXT + 1];
     char *stats;
     size_t stats_len;
-    struct saved_task *next; /* [loop] the next job that is being opened */
-    atomic_bool over;        /* that job is, before it was opened */
+    struct saved_task *next; /* [loop] the list of jobs that are being opened */
+    atomic_bool over;        /* the job was over before it was opened */
 };
 
 static void
@@ -117,7 +118,7 @@ noted_run(struct task *t)
     return 0;
 }
 
-/* A job waits for room on the disk; others go on meanwhile. */
+/* The job waits for room on the disk; other jobs go on meanwhile. */
 static void
 open_waits(struct task *t)
 {
@@ -168,8 +169,8 @@ store_open_job(struct store *s, const uint8_t job[MSG_JOB],
     store_push_lasting(s, &o->task);
 }
 
-/* A job that waits for room, and the tasks that write with it, need not wait
- * any longer. */
+/* Mark a job that is being opened as over, so that its task fails instead of
+ * waiting for room, and tasks behind it can go on. */
 static void
 give_up_opening(struct store *s, const uint8_t *id)
 {
@@ -265,12 +266,12 @@ end_run(struct task *t)
     int rc;
 
     if (!folder_is_there(&s->folder, o->id))
-        return 0; /* forgotten while this was held */
+        return 0; /* the job was forgotten while this task was held */
     rc = folder_stats(&s->folder, o->id, o->stats, o->stats_len,
                       &o->saved.stats, &t->err);
     if (o->saved.cache_bytes > 0)
         folder_keep_cache(&s->folder, o->id, &o->saved.keep);
-    /* what is left when the rows have gone */
+    /* the size without the rows, which rest_run() removes */
     o->saved.kept_bytes = folder_bytes(&s->folder, o->id);
     return rc < 0 ? rc : journal_put_end(s->journal, &o->saved, &t->err);
 }
@@ -319,7 +320,8 @@ drop_cache_run(struct task *t)
     return 0;
 }
 
-/* Also while the disk is full, for it makes room. */
+/* The task does not count as writing: it may run while the disk is full, and
+ * makes room. */
 void
 store_drop_cache(struct store *s, const uint8_t job[MSG_JOB], uint64_t sequence)
 {
@@ -413,7 +415,7 @@ strike_done(struct task *t)
     free(f);
 }
 
-/* Other tasks have their turn between the pieces of a folder of many files. */
+/* A large folder is removed in pieces, so that other tasks run between them. */
 static void
 forget_done(struct task *t)
 {
@@ -436,6 +438,7 @@ store_forget_job(struct store *s, const struct saved_gone *gone)
 {
     struct forget_task *f = new_forget(s, gone, forget_run, forget_done);
 
-    if (f) /* also while the disk is full: it makes room */
+    if (f) /* not a writing task: it may run while the disk is full, and makes
+            * room */
         task_push(&s->queue, &f->task);
 }

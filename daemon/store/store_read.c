@@ -1,11 +1,11 @@
-/* store_read.c - reading back what is in the store, piece by piece
+/* store_read.c - reading files and pictures of the store, piece by piece
  *
- * A read is a task in the same queue as what writes, so it finds what was asked
- * to be written before it, unless that is held because the disk is full.  The
- * file is opened anew for each piece: nothing stays open for a reader that does
- * not come back.
- * What is finished of a job is hashed as it is read and held against its mark:
- * who fetches it never has all of what a disk has spoilt. */
+ * Reads are tasks in the same queue as writes, so a read sees all that was
+ * written before it, unless that write is held because the disk is full.  Each
+ * piece opens the file anew, so nothing stays open for a reader that does not
+ * come back.  Finished files of a job are hashed as they are read and compared
+ * with their marks.  If the disk has spoilt one its last piece is not sent, so
+ * no user takes it for whole. */
 #include "config.h"
 
 #include "store/store_impl.h"
@@ -45,7 +45,8 @@ source_path(struct read_task *r, char path[DISK_PATH_MAX])
     return 0;
 }
 
-/* The mark that the file is to have, if it is known. */
+/* Before the first piece: find the mark of the file, if the database has one.
+ */
 static int
 begin(struct read_task *r)
 {
@@ -54,8 +55,9 @@ begin(struct read_task *r)
     int rc;
 
     if (g->from.file || g->from.what == MSG_WHAT_PREVIEW || !r->store->journal)
-        return 0; /* workers check scenes' files themselves */
-    store_reading_release(g); /* of a try that a shortage ended */
+        return 0; /* files of scenes have no mark: workers compare their hash */
+    store_reading_release(g); /* an earlier try may have ended for want of
+                               * memory or descriptors */
     rc = journal_find_mark(r->store->journal, g->from.job, g->from.frame,
                            g->from.what, &g->mark, err);
     if (rc == 0 && g->mark.known)
@@ -64,7 +66,8 @@ begin(struct read_task *r)
     return rc;
 }
 
-/* Go on with the digest; after the last bytes it must be the mark's. */
+/* Add the piece to the digest, which must be the mark's after the last piece.
+ */
 static int
 hash(struct read_task *r, const char *path)
 {
@@ -123,7 +126,7 @@ read_run(struct task *t)
     return rc;
 }
 
-/* The status that a user hears of: what failed is the coordinator's disk, not
+/* The status for the user: an error of the coordinator's disk is no error of
  * the user's request. */
 static int
 status_for_reader(const struct read_task *r)

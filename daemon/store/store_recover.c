@@ -1,11 +1,12 @@
-/* store_recover.c - jobs of earlier lives are taken up
+/* store_recover.c - take up the jobs of earlier lives
  *
- * Before anything else, so on the loop's thread and without tasks.  The journal
- * says what there is; each job's scene and rows are held against what is noted
- * of them, and pictures by their size.  What is gone or damaged is an error,
- * for it is not to be had again; but rows that are damaged are struck, and made
- * again.  Nothing is removed before all is found to be sound, and then only
- * what is to go by statedir.h. */
+ * This comes before all requests, so it runs on the loop's thread, without
+ * tasks.  The journal says which jobs there are.  Their scenes and rows are
+ * compared with the hashes that were noted of them, pictures with their sizes.
+ * If something is lost or damaged the folder is refused, for nobody can make it
+ * again; but damaged rows are struck from the journal and rendered again.
+ * Nothing is removed until all was found to be sound, and then only what
+ * statedir.h says is to go. */
 #include "config.h"
 
 #include "store/store_impl.h"
@@ -20,7 +21,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* All that is needed of the store while it recovers. */
+/* What the functions that recover one job need. */
 struct recovery {
     struct store *s;
     uint64_t now_ms;
@@ -28,7 +29,7 @@ struct recovery {
     void *arg;
 };
 
-/* Are a job's files there, and what they were? */
+/* Are the files of a job's scene there and sound? */
 static int
 check_files(struct store *s, const struct msg_spec *spec, struct rad_error *err)
 {
@@ -44,7 +45,8 @@ check_files(struct store *s, const struct msg_spec *spec, struct rad_error *err)
     return rc;
 }
 
-/* Rows that are not what they were are made again. */
+/* Strike a unit's damaged rows from the journal; they will be rendered again.
+ */
 static int
 drop_damaged(void *arg, const struct saved_job *saved,
              const struct saved_unit *unit, struct rad_error *err)
@@ -58,7 +60,7 @@ drop_damaged(void *arg, const struct saved_job *saved,
     return journal_put_rows(s->journal, saved->spec.job, unit, err);
 }
 
-/* Take up a job that goes on, as far as its rows are sound. */
+/* Take up a job that is not over, with those of its rows that are sound. */
 static int
 recover_open(struct recovery *r, const struct saved_job *saved,
              struct rad_error *err)
@@ -76,7 +78,7 @@ recover_open(struct recovery *r, const struct saved_job *saved,
     cache = folder_read_passes(&r->s->folder, saved->spec.job, passes,
                                &sound.npasses);
     if (saved->spec.flags & MSG_JOB_REUSE && sound.npasses > 0)
-        passes[0].bytes = NULL; /* read when the job is worked at */
+        passes[0].bytes = NULL; /* read when the first worker is ready */
     rc = rowcheck_job(&r->s->folder, saved, units, drop_damaged, r->s, err);
     if (rc == 0)
         rc = r->fn(r->arg, &sound, err);
@@ -85,7 +87,8 @@ recover_open(struct recovery *r, const struct saved_job *saved,
     return rc;
 }
 
-/* The last life ended as it was being forgotten. */
+/* The job's folder was being removed when the last life ended: forget the job.
+ */
 static int
 forget_now(struct recovery *r, const struct saved_job *saved,
            struct rad_error *err)
@@ -128,7 +131,8 @@ recover_one(void *arg, const struct saved_job *saved, struct rad_error *err)
     return rc;
 }
 
-/* All folders of jobs are known, or to go. */
+/* Check that the journal knows the folder's job, or that the folder is to go.
+ */
 static int
 check_fate(void *arg, const uint8_t job[MSG_JOB], bool going,
            struct rad_error *err)
@@ -141,7 +145,8 @@ check_fate(void *arg, const uint8_t job[MSG_JOB], bool going,
                                                : rc;
 }
 
-/* Remove what is to go, now that this is noted. */
+/* After the commit: remove the folder, or the rest of its rows, if it is to go.
+ */
 static int
 tidy(void *arg, const uint8_t job[MSG_JOB], bool going, struct rad_error *err)
 {

@@ -1,8 +1,9 @@
-/* store_rows.c - what a job's units bring: rows, and pictures made of them
+/* store_rows.c - rows of a job's units, and the pictures made of them
  *
- * Rows go to the job's folder first and are then noted, so that the journal
- * never knows of rows that are not there.  A picture likewise: its file, the
- * note, and only when that lasts do the frame's rows go. */
+ * Rows are written to the job's folder before they are noted, so the journal
+ * never lists rows that are not there.  The same holds for a picture: first its
+ * file, then the note; when the note is on the disk the frame's rows are
+ * removed. */
 #include "config.h"
 
 #include "store/store_impl.h"
@@ -12,9 +13,9 @@
 #include <string.h>
 #include <sysexits.h>
 
-/* What a piece of rows, and a picture, count for in the backlog beside the
- * bytes of rows: of small frames it is not bytes that the disk is busy with,
- * and all that is asked for waits behind what is in the queue. */
+/* What each piece of rows and each picture adds to the backlog, beside the
+ * rows' bytes: with small frames the disk is busy with files rather than bytes,
+ * and every request waits behind those in the queue. */
 #define ROWS_WEIGHT    (128u << 10)
 #define PICTURE_WEIGHT (1u << 20)
 
@@ -274,7 +275,8 @@ rows_done(struct task *t)
     free_rows(r);
 }
 
-/* Only another life needs it. */
+/* Copy the base line that comes with the rows, if there is a journal: only a
+ * later life of the coordinator reads it. */
 static bool
 copy_line(struct rows_task *r, const uint8_t *line)
 {
@@ -288,7 +290,7 @@ copy_line(struct rows_task *r, const uint8_t *line)
     return r->pixels.line;
 }
 
-/* Own what the action lends; false: memory is out. */
+/* Copy what the action only lends; false: memory is out. */
 static bool
 copy_rows(struct rows_task *r, const struct action_rows *rows)
 {

@@ -1,8 +1,9 @@
 /* store_submit.c - the frames of a job that is submitted
  *
- * They are in a file of the job (views.h).  Reading it is a task behind those
- * that wrote it; the whole message is then handed back.  One at a time for a
- * connection: what waits is bounded by their number. */
+ * A large SUBMIT has its frames in a file of the bundle (views.h).  A task
+ * reads the file, behind the tasks that wrote it, and the handler gets the
+ * whole message.  Each connection has one such task at a time, so their number
+ * is bounded. */
 #include "config.h"
 
 #include "store/store_impl.h"
@@ -17,10 +18,10 @@ struct submit_task {
     struct task task;
     struct store *store;
     uint64_t conn;
-    struct wire_out bytes; /* the SUBMIT */
-    struct msg msg;        /* and that unpacked */
+    struct wire_out bytes; /* the SUBMIT, packed */
+    struct msg msg;        /* the same, unpacked */
     struct views views;
-    struct submit_task *next; /* [loop] the next SUBMIT that is being read */
+    struct submit_task *next; /* [loop] the list of those that are being read */
 };
 
 static void
@@ -73,7 +74,7 @@ store_read_submit(struct store *s, uint64_t conn, const struct msg *m)
         return false;
     o = store_new_task(s, sizeof *o, submit_run, submit_done);
     if (!o)
-        return true; /* the store said so */
+        return true; /* the handler's broken() was called */
     o->store = s;
     o->conn = conn;
     wire_out_init(&o->bytes, MSG_FRAME_MAX);
