@@ -16,7 +16,7 @@
 
 /* --- from the connections to the machine --- */
 
-/* The machine is told of a job when all that it has to know of it is there. */
+/* Give the machine a SUBMIT; if its frames are in a file, read that first. */
 static void
 read_submit(struct radcoord *r, uint64_t id, const struct msg *m)
 {
@@ -191,7 +191,7 @@ static const struct shell_ops ops = {
 
 /* --- start and end --- */
 
-/* What connections that are gone held goes back to the system. */
+/* Return memory of closed connections to the system. */
 static void
 give_back_memory(struct radcoord *r)
 {
@@ -246,7 +246,7 @@ start(void *arg, struct rad_error *err)
     r->shell.turns = &r->turns;
     fair_init(&r->fair, &r->daemon.loop);
     service_return_memory();
-    if (!r->set.keys[0]) /* systemd's, if it has one */
+    if (!r->set.keys[0]) /* else the key file that systemd passes, if any */
         service_credential("keys", r->set.keys, sizeof r->set.keys);
     if (keyring_open(&r->keys, r->set.keys, err) < 0)
         return err->code;
@@ -259,12 +259,13 @@ start(void *arg, struct rad_error *err)
                   daemon_now(&r->daemon);
     if (radcoord_open_store(r, err) < 0 || radcoord_listen(r, err) < 0)
         return err->code;
-    shell_run(&r->shell); /* what jobs of earlier lives want */
+    shell_run(&r->shell); /* actions of recovered jobs */
     turns_start(&r->turns, &r->daemon.loop);
     return 0;
 }
 
-/* What was handed to the store is still written. */
+/* Close all sockets, then wait until the store has written what it was given.
+ */
 static void
 finish(void *arg)
 {

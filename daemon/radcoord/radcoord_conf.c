@@ -58,7 +58,7 @@ static const struct conf_key keys[] = {
     DAEMON_KEYS,
 };
 
-/* A path all of it, in the current folder where it has no slash. */
+/* Any value is a path; without a slash it is one in the current folder. */
 static int
 check_socket(const char *value, struct rad_error *err)
 {
@@ -81,7 +81,7 @@ check_text(const char *name, const char *value, struct rad_error *err)
         return value[0] ? check_socket(value, err) : 0;
     if (strcmp(name, "listen") != 0 || !value[0])
         return daemon_check_text(name, value, err);
-    if (strchr(value, '/')) /* only at 'socket' the kernel says who is there */
+    if (strchr(value, '/')) /* only a Unix socket tells the peer's uid */
         return rad_fail(err, RAD_ECONFIG,
                         "expected ADDR:PORT, got '%s': a path is for 'socket'",
                         value);
@@ -111,7 +111,7 @@ const struct conf_table radcoord_table = {
     .check = check_settings,
 };
 
-/* --- what the machine is told of it --- */
+/* --- settings passed to the machine --- */
 
 static void
 set_keep(struct radcoord *r)
@@ -133,7 +133,7 @@ set_lease(struct radcoord *r)
     coord_set_lease(r->coord, UINT64_C(1000) * (unsigned)r->set.lease_floor_s);
 }
 
-/* Bytes of the disk that the state folder is on. */
+/* Size of the disk that holds the state folder [bytes]. */
 static uint64_t
 disk_bytes(const struct radcoord *r)
 {
@@ -144,7 +144,8 @@ disk_bytes(const struct radcoord *r)
     return (uint64_t)st.f_frsize * st.f_blocks;
 }
 
-/* As it is set, or that part of the disk and at least a GiB. */
+/* A limit [bytes]: the setting or, if that is 0, 1/part of the disk but at
+ * least 1 GiB. */
 static uint64_t
 share(int set_mib, uint64_t disk, unsigned part)
 {

@@ -1,4 +1,5 @@
-/* radcoord_conns.c - who comes to the coordinator; see radcoord_impl.h */
+/* radcoord_conns.c - connections to the coordinator, and their roles; see
+ * radcoord_impl.h */
 #include "config.h"
 
 #include "radcoord/radcoord_impl.h"
@@ -13,8 +14,8 @@
 
 /* --- connections --- */
 
-/* On one machine: its root and the daemon's own user may be anything, others
- * only use it. */
+/* Roles of a local connection: root and the daemon's own user may take any,
+ * other users that of a user. */
 static unsigned
 roles_of(long uid)
 {
@@ -26,7 +27,7 @@ roles_of(long uid)
            1u << MSG_ROLE_OBSERVER;
 }
 
-/* A key is for one role, but that who may steer may also use. */
+/* Roles of a key: its own; an administrator's key is also good for a user. */
 static unsigned
 roles_of_key(const struct key *k)
 {
@@ -72,7 +73,8 @@ radcoord_on_login(void *arg, uv_stream_t *stream, const char *owner)
     conn_stream_close(stream);
 }
 
-/* Of a cluster of its own there is one user. */
+/* All connections of an embedded coordinator belong to the one user who started
+ * it. */
 static void
 on_local(void *arg, uv_stream_t *stream, struct tls *tls, const char *peer)
 {
@@ -93,14 +95,15 @@ on_keyed(void *arg, uv_stream_t *stream, struct tls *tls, const char *peer)
     struct coord_peer who = { .address = peer, .owner = owner };
     struct key k;
 
-    if (!key_id_parse(tls_id(tls), &k)) { /* it is one that we have */
+    if (!key_id_parse(tls_id(tls), &k)) { /* cannot be: our file has the key */
         tls_free(tls);
         conn_stream_close(stream);
         return;
     }
     owners_of_key(r->owners, &k, owner);
     who.roles = roles_of_key(&k);
-    /* the workers of a cluster of its own have one key, and choose names */
+    /* workers of an embedded coordinator share one key and choose their names
+     */
     if (k.role == MSG_ROLE_WORKER && !r->set.common.embedded)
         who.name = k.name;
     log_debug("connection peer=%s key=%s", peer, tls_id(tls));
@@ -117,8 +120,9 @@ find_key(void *arg, const char *id, uint8_t *secret)
 
 /* --- sockets --- */
 
-/* The default socket is one for a system's coordinator: a user who has not the
- * right to make it, or runs a second coordinator, can do with an address. */
+/* Open the Unix socket.  The default path is for the system's coordinator:
+ * where it cannot be made, for want of rights or because another coordinator
+ * runs, an address to listen at is enough. */
 static int
 open_local(struct radcoord *r, struct rad_error *err)
 {
@@ -126,8 +130,8 @@ open_local(struct radcoord *r, struct rad_error *err)
     struct listener_conf conf = { .fn = on_local, .arg = r };
     char path[CONF_TEXT + 2];
 
-    /* a path in any case: "x:80" must not become an address, where nobody
-     * could tell who comes */
+    /* always a path: "x:80" must not be taken for an address, at which the
+     * kernel does not tell the peer's uid */
     snprintf(path, sizeof path, "%s%s", strchr(r->set.socket, '/') ? "" : "./",
              r->set.socket);
     r->local = listener_open(&r->daemon.loop, path, &conf, &why);

@@ -2,11 +2,11 @@
  *
  * Private to radcoord*.c:
  *   radcoord.c        main; events and actions of the machine, start and end
- *   radcoord_conf.c   settings, and what the machine is told of them
- *   radcoord_conns.c  sockets, and who comes by them as what
- *   radcoord_keys.c   the key file: orders, changes, keys that end
- *   radcoord_store.c  what the disk has done; jobs of earlier lives
- * Everything in them carries bytes: what is decided is decided in coord.c.
+ *   radcoord_conf.c   settings, and those that the machine is told
+ *   radcoord_conns.c  sockets; the roles and owners of connections
+ *   radcoord_keys.c   the key file: orders, changes, keys that expire
+ *   radcoord_store.c  answers of the store; jobs of earlier lives
+ * These files only carry bytes; coord.c decides.
  * Thread: the loop's. */
 #ifndef DAEMON_RADCOORD_IMPL_H
 #define DAEMON_RADCOORD_IMPL_H
@@ -46,20 +46,21 @@ struct radcoord {
     struct listener *tcp, *local;
     struct keyring *keys;
     struct owners *owners;
-    uint64_t keys_ms;  /* when they were last looked after */
-    uint64_t sweep_ms; /* when files that nobody needs last went */
+    uint64_t keys_ms;  /* when the key file was last looked at */
+    uint64_t sweep_ms; /* when unneeded files were last removed */
     struct store *store;
     struct transfers *transfers;
     struct shell shell;
     struct fair fair;
     struct turns turns;
-    bool lost_conns;  /* since memory was given back */
-    uint64_t trim_ms; /* when that was */
+    bool lost_conns;  /* connections closed since trim_ms */
+    uint64_t trim_ms; /* when memory was last returned to the system */
     struct coord *coord;
-    uint64_t clock_ms; /* what the clock on the wall is ahead of the loop's */
+    uint64_t clock_ms; /* wall clock less the loop's clock, at the start */
 };
 
-/* Never goes back in one life, and goes on with the next. */
+/* [ms]: never goes back in one life, and begins at the wall clock's time in the
+ * next. */
 static inline uint64_t
 radcoord_now(struct radcoord *r)
 {
@@ -70,30 +71,31 @@ radcoord_now(struct radcoord *r)
 
 extern const struct conf_table radcoord_table;
 
-/* Tell the machine what is set; again when that has changed. */
+/* Tell the machine its settings, at the start and when they have changed. */
 void radcoord_apply(struct radcoord *r);
 
 /* --- radcoord_conns.c --- */
 
-/* The connection is of that login, or NULL: it cannot be found. */
+/* A connection by the Unix socket, of this login; NULL: the login is unknown.
+ */
 void radcoord_on_login(void *arg, uv_stream_t *stream, const char *owner);
 int radcoord_listen(struct radcoord *r, struct rad_error *err);
 
-/* FAILED, in answer to a SUBMIT. */
+/* Answer a SUBMIT by FAILED. */
 void radcoord_refuse_submit(struct radcoord *r, uint64_t id,
                             const struct msg *m, int status, const char *text);
 
 /* --- radcoord_keys.c --- */
 
-/* Take the key file over as it is now, or log why it cannot be. */
+/* Read the key file again; log why if that fails. */
 void radcoord_reload_keys(struct radcoord *r);
 void radcoord_tick_keys(struct radcoord *r);
-/* An admin's order. */
+/* Carry out an administrator's order about keys (ACT_KEY). */
 void radcoord_do_key(struct radcoord *r, const struct action *a);
 
 /* --- radcoord_store.c --- */
 
-/* The state folder, and the jobs that are in it. */
+/* Open the state folder and recover its jobs. */
 int radcoord_open_store(struct radcoord *r, struct rad_error *err);
 void radcoord_tick_files(struct radcoord *r);
 

@@ -10,8 +10,8 @@
 #include <string.h>
 #include <time.h>
 
-/* Why the key of a connection is no longer good; then its worker's friends
- * hear of it, too. */
+/* Why the key of a connection is no longer valid; NULL: it is.  If it is a
+ * worker's, other workers are told to drop the worker, too. */
 static const char *
 key_fault(void *arg, const char *id)
 {
@@ -24,7 +24,8 @@ key_fault(void *arg, const char *id)
     return fault;
 }
 
-/* Take the file over as it is now, and let those go whose key it ends. */
+/* Read the key file again, and close connections whose key is no longer valid.
+ */
 static int
 reload_keys(struct radcoord *r, struct rad_error *err)
 {
@@ -49,7 +50,7 @@ radcoord_reload_keys(struct radcoord *r)
     log_err("keys not reloaded: %s", text);
 }
 
-/* Every second: the file may have changed, a key may have come to its end. */
+/* Once a second: has the file changed, or a key expired? */
 void
 radcoord_tick_keys(struct radcoord *r)
 {
@@ -84,7 +85,8 @@ order_key(struct radcoord *r, const struct msg_key *m, const char *by,
     return reload_keys(r, err);
 }
 
-/* An admin's order.  One that retires its own key hears no answer. */
+/* An administrator who retires the key of this very connection gets no answer:
+ * the connection is closed before. */
 void
 radcoord_do_key(struct radcoord *r, const struct action *a)
 {

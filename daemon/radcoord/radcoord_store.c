@@ -9,7 +9,7 @@
 
 #include <string.h>
 
-/* --- what the disk has done --- */
+/* --- answers of the store --- */
 
 static void
 settled(struct radcoord *r)
@@ -136,7 +136,7 @@ disk_full(void *arg, bool full, const char *text)
     shell_run(&r->shell);
 }
 
-/* Nothing is acknowledged from now on: what senders hear nothing of they send
+/* Nothing is acknowledged from now on; whatever was not, workers and users send
  * again to the next life. */
 static void
 store_broken(void *arg, int status, const char *text)
@@ -286,10 +286,11 @@ radcoord_open_store(struct radcoord *r, struct rad_error *err)
     return 0;
 }
 
-/* --- files that nobody needs --- */
+/* --- files that no job needs --- */
 
-/* At first, and now and then: files that no job names have no use, but that of
- * one whose user has sent them and has yet to say so. */
+/* At the start, then every quarter of upload_s: remove files that no job names.
+ * Those that came within upload_s stay, for their user may still submit the
+ * job. */
 void
 radcoord_tick_files(struct radcoord *r)
 {

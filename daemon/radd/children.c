@@ -16,31 +16,36 @@
 
 extern char **environ;
 
-/* A process that cannot be started now, for there are too many or too little
- * memory, is tried again so often. */
+/* A process that cannot be started now, because there are too many or memory is
+ * short, is tried again every AGAIN_MS [ms], AGAIN_FOR times. */
 #define AGAIN_MS  250
 #define AGAIN_FOR 120
 
-/*  waits -> runs -> exited: settle() looks for the end of its link, too
- *      \-----------/           */
+/* A child's process:
+ *
+ *  waits -> runs -> exited
+ *      \_____________/
+ *
+ * The child is over when its process has exited and its link is closed; see
+ * settle(). */
 struct child {
-    uv_process_t *process; /* NULL: none was started */
-    uv_timer_t again;      /* while it waits for one */
+    uv_process_t *process; /* NULL: not started */
+    uv_timer_t again;      /* runs until the process is started */
     int tries;
-    int link; /* the process's end until it has it; -1 */
+    int link; /* the process's end, until it is started; or -1 */
     unsigned memory_mib;
     struct child *next;
     struct children *all;
     uint64_t id;
-    bool exited;    /* the process has */
-    bool link_gone; /* nothing more will come from it */
-    bool silent;    /* nobody wants to know */
+    bool exited;    /* the process has exited, or will not start */
+    bool link_gone; /* the connection has ended: nothing more comes */
+    bool silent;    /* ended() is not called */
     struct child_end how;
     char text[160];
 };
 
-/* A child's folder is the root, so that it holds no other one in use: names
- * must not depend on ours. */
+/* Make a path absolute, for a child runs in "/": so it keeps no folder in use,
+ * and no name depends on ours. */
 static void
 absolute(const char *path, char out[CHILDREN_PATH_MAX])
 {
@@ -51,9 +56,10 @@ absolute(const char *path, char out[CHILDREN_PATH_MAX])
     snprintf(out + n, CHILDREN_PATH_MAX - n, "%s%s", n > 0 ? "/" : "", path);
 }
 
-/* What the loader, the C library and sanitizers look at before main(), and what
- * the form of lines in the log depends on.  All else is none of a scene's
- * business: whoever started radd may have put secrets there. */
+/* What a child gets of the environment: variables that the loader, the C
+ * library and sanitizers read before main(), and those that log lines depend
+ * on.  Whoever started radd may have put secrets into others, which no scene
+ * may read. */
 static const char *const passed_on[CHILDREN_MAX_ENV] = {
     "LD_LIBRARY_PATH", "LD_PRELOAD",     "GLIBC_TUNABLES",
     "ASAN_OPTIONS",    "LSAN_OPTIONS",   "TSAN_OPTIONS",
@@ -112,7 +118,8 @@ find(struct children *all, uint64_t id)
     return c;
 }
 
-/* Both ends have been seen: tell of it and forget it. */
+/* When the process has exited and the link is closed, tell ended() and free the
+ * child. */
 static void
 settle(struct child *c)
 {
@@ -146,7 +153,7 @@ on_exit_cb(uv_process_t *process, int64_t status, int signum)
     settle(c);
 }
 
-/* Of two where 0 is none. */
+/* The lower of two limits, where 0 means no limit. */
 static unsigned
 lower_limit(int radds, uint32_t jobs)
 {
@@ -206,7 +213,7 @@ give_up(struct child *c, int rc)
     c->exited = true;
     c->how = (struct child_end){ EX_OSERR, 0 };
     snprintf(c->text, sizeof c->text, "cannot start: %s", uv_strerror(rc));
-    drop_link(c); /* our end of which sees that, and tells */
+    drop_link(c); /* so its other end closes, which ends the child */
 }
 
 static bool
@@ -218,7 +225,7 @@ may_pass(int rc)
 
 static void try_start(uv_timer_t *again);
 
-/* What was sent to it meanwhile is in its link. */
+/* Messages that were sent before the process runs wait in its link. */
 static void
 start_or_wait(struct child *c)
 {
@@ -251,7 +258,7 @@ try_start(uv_timer_t *again)
     start_or_wait(again->data);
 }
 
-/* The child's link, as a stream of ours; NULL: there is none. */
+/* Make the child's link; returns our end of it, NULL on failure. */
 static uv_stream_t *
 open_link(struct child *c)
 {
@@ -260,7 +267,7 @@ open_link(struct child *c)
     int rc;
 
     if (!stream)
-        log_out_of_memory(); /* the machine would wait for ever */
+        log_out_of_memory(); /* else the machine would wait for ever */
     rc = uv_socketpair(SOCK_STREAM, 0, ends, UV_NONBLOCK_PIPE, 0);
     if (rc == 0) {
         c->link = ends[1];
@@ -283,7 +290,7 @@ children_spawn(struct children *all, uint64_t id, uint32_t memory_mib)
     char name[32];
 
     if (!c)
-        log_out_of_memory(); /* the machine would wait for ever */
+        log_out_of_memory(); /* else the machine would wait for ever */
     c->all = all;
     c->id = id;
     c->link = -1;
@@ -302,7 +309,7 @@ children_spawn(struct children *all, uint64_t id, uint32_t memory_mib)
              (unsigned long long)(id & ~ACT_OWN_CONN));
     if (!shell_add(all->shell, id, stream, NULL, MSG_AT_PARENT_NEW, name))
         shell_gone(all->shell, id, "out of memory");
-    else /* it may take its time */
+    else /* no silence is too long: threads may keep the child busy */
         conn_live(shell_conn(all->shell, id), false);
     if (all->held)
         children_hold(all, true);
@@ -346,10 +353,10 @@ children_closed(struct children *all, uint64_t id, const char *why)
     if (!c)
         return false;
     c->link_gone = true;
-    /* a child that dies closes its link first: how it died says more */
+    /* a dying child closes its link first: its exit status will say more */
     if (!c->exited && strcmp(why, CONN_BROKE_PROTOCOL) == 0)
         snprintf(c->text, sizeof c->text, "it broke the protocol");
-    kill_child(c); /* without a link it is of no use */
+    kill_child(c); /* a child without its link is useless */
     settle(c);
     return true;
 }
@@ -370,7 +377,7 @@ children_kill_all(struct children *all)
         c->silent = true;
         c->link_gone = true;
         kill_child(c);
-        if (!c->process) /* no exit of which would tell */
+        if (!c->process) /* no exit callback will come */
             settle(c);
     }
 }

@@ -15,15 +15,15 @@
 #define CHILDREN_MAX_ENV  9
 
 struct children_conf {
-    const char *files_dir; /* of the store */
+    const char *files_dir; /* of the store; may be relative */
     int threads;
     int memory_mib; /* most that a child may use; 0: no limit */
     int nice;       /* 0..19: how much a child gives way to others */
     int pixel_s;    /* most processor time of a pixel [s]; 0: any */
-    bool sandboxed; /* must be: without seccomp none is started */
+    bool sandboxed; /* start no child where the kernel lacks seccomp */
 };
 
-/* How a process ended; both -1 where that is not why it is gone. */
+/* How a process ended; both are -1 if it was the link that ended. */
 struct child_end {
     int status, signal;
 };
@@ -36,7 +36,7 @@ struct child;
 struct children {
     struct shell *shell;
     struct children_conf conf;
-    char files_dir[CHILDREN_PATH_MAX]; /* conf's, from the root */
+    char files_dir[CHILDREN_PATH_MAX]; /* conf's, made absolute */
     child_ended_fn *ended;
     void *arg;
     struct child *list;
@@ -47,24 +47,25 @@ void children_init(struct children *all, struct shell *shell,
                    const struct children_conf *conf, child_ended_fn *ended,
                    void *arg);
 
-/* Start one as connection id, whose job wants no more than memory_mib (0: any);
- * the lower limit holds.  If that fails, ended() is called later, as for every
- * other end. */
+/* Start a child as connection id.  memory_mib: the job's limit; the lower one
+ * of this and conf's holds, 0 is none.  If the start fails, ended() is called
+ * later, as for any other end. */
 void children_spawn(struct children *all, uint64_t id, uint32_t memory_mib);
 
-/* End one; ended() will not be called. */
+/* End the child; ended() is not called. */
 void children_kill(struct children *all, uint64_t id);
 
-/* The shell says that connection id is gone.  False: it is no child's. */
+/* The shell tells that connection id has ended.  Returns false if it is not a
+ * child's. */
 bool children_closed(struct children *all, uint64_t id, const char *why);
 
-/* Read nothing from any of them, or go on. */
+/* Stop reading from all children, or go on. */
 void children_hold(struct children *all, bool held);
 
-/* What a child has of the environment at `from`. */
+/* Pick from the environment `from` the variables that a child gets. */
 void children_environment(char *const *from, char *to[CHILDREN_MAX_ENV + 1]);
 
-/* End all, at once. */
+/* Kill all children; ended() is not called. */
 void children_kill_all(struct children *all);
 
 #endif

@@ -16,7 +16,7 @@ skip_space(const char **s)
         ++*s;
 }
 
-/* "mon" to "sun"; -1: none of these. */
+/* The number of a day, "sun" to "sat" (0 to 6); -1: not a day. */
 static int
 take_day(const char **s)
 {
@@ -36,7 +36,7 @@ take_day(const char **s)
     return -1;
 }
 
-/* One or two digits; -1: there are none, or more. */
+/* A number of one or two digits; -1: none, or more digits. */
 static int
 take_number(const char **s)
 {
@@ -47,7 +47,7 @@ take_number(const char **s)
     return n == 1 || n == 2 ? v : -1;
 }
 
-/* "7", "7:30", "24": minutes; -1: no time. */
+/* "7", "7:30" or "24" in minutes; -1: not a time. */
 static int
 take_time(const char **s)
 {
@@ -70,7 +70,7 @@ open_minutes(struct hours *h, int day, int from, int to)
     }
 }
 
-/* One item up to its comma; false: it is none. */
+/* Take one item, up to its comma; false: it is malformed. */
 static bool
 take_item(const char **s, struct hours *h)
 {

@@ -41,7 +41,8 @@ idle_judge(struct idle *i, uint64_t now_ms, double used_s, double terminal_s)
     return i->last_ms != 0 && now_ms - i->last_ms < 1000 * IDLE_QUIET_S;
 }
 
-/* How long ago a terminal of that folder was last used [s]. */
+/* Seconds since a terminal in the folder, whose name is prefix and digits, was
+ * last used; INFINITY: there is none. */
 static double
 since_used(const char *dir, const char *prefix, time_t now)
 {
@@ -54,7 +55,7 @@ since_used(const char *dir, const char *prefix, time_t now)
         struct stat st;
         double s;
 
-        /* pts/3, tty2; not the console, ptmx or a serial line's tty */
+        /* such as pts/3 or tty2; not console, ptmx or ttyS0 */
         if (strncmp(e->d_name, prefix, strlen(prefix)) != 0 || *rest < '0' ||
             *rest > '9' || fstatat(dirfd(d), e->d_name, &st, 0) < 0 ||
             !S_ISCHR(st.st_mode))

@@ -1,10 +1,10 @@
 /* idle.h - does somebody use this machine?
  *
  * Two signs are looked at: a terminal that was typed at or written to, and
- * processor time that others than us take.  Our own processes give way
- * (nice(2)), and Linux counts their time apart, so all time of programs that do
- * not give way is somebody's.  The machine is idle again once neither was seen
- * for IDLE_QUIET_S.
+ * processor time of other people's programs.  Our processes run at a lower
+ * priority (nice(2)), and Linux counts the time of such processes apart; so all
+ * time at normal priority counts as other people's.  The machine is idle again
+ * when neither sign was seen for IDLE_QUIET_S.
  * Thread: the loop's. */
 #ifndef RADD_DAEMON_IDLE_H
 #define RADD_DAEMON_IDLE_H
@@ -13,26 +13,28 @@
 #include <stdint.h>
 
 #define IDLE_QUIET_S 300
-#define IDLE_LOOK_MS 5000 /* how often idle_look() is worth its while */
-/* of one processor: a desktop at rest takes less, somebody at work more */
+#define IDLE_LOOK_MS 5000 /* least time between two calls of idle_look() */
+/* Processors in use from which on the machine is in use: a desktop at rest
+ * takes less, somebody at work more. */
 #define IDLE_LOAD .5
 
 struct idle {
     uint64_t looked_ms; /* 0: never */
-    double used_s;      /* by programs that do not give way, since boot */
-    uint64_t last_ms;   /* when somebody was there last; 0: never seen */
+    double used_s;      /* by programs at normal priority, since boot */
+    uint64_t last_ms;   /* when a sign of use was last seen; 0: never */
 };
 
-/* Seconds of user and system time from the text of /proc/stat, without what
- * gave way; negative: that is no such text.  ticks: of the clock, a second. */
+/* User and system time [s] of programs at normal priority, from the text of
+ * /proc/stat; negative: malformed.  ticks: of the kernel's clock, per second.
+ */
 double idle_used(const char *stat, long ticks);
 
-/* What was found at that time: tells whether somebody is there.  terminal_s:
- * since when nobody was at a terminal. */
+/* Take in what was found at now_ms; returns whether somebody uses the machine.
+ * terminal_s: seconds since a terminal was last used. */
 bool idle_judge(struct idle *i, uint64_t now_ms, double used_s,
                 double terminal_s);
 
-/* Look at the machine, and the same. */
+/* Look at the machine, and judge. */
 bool idle_look(struct idle *i, uint64_t now_ms);
 
 #endif

@@ -1,9 +1,10 @@
 /* launched.h - a worker that a launcher started for one job
  *
- * radsubmit --launch has srun, mpirun or ssh start "radd --launched".  What is
- * otherwise in radd.conf such a worker has of its own: the job's key, which is
- * in no argument; a name unlike all others; a folder for the scene's files,
- * gone with it.  It ends when its coordinator has.
+ * radsubmit --launch has srun, mpirun or ssh start "radd --launched".  Such a
+ * worker reads no key file and needs no settings: it gets the job's key, which
+ * stands in no argument; it makes itself a unique name and a folder for the
+ * scene's files, which it removes at its end.  It ends when its coordinator
+ * does.
  * Thread: main's. */
 #ifndef RADD_DAEMON_LAUNCHED_H
 #define RADD_DAEMON_LAUNCHED_H
@@ -13,34 +14,37 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-/* holds a line of a key file; wiped where /proc would show it */
+/* environment variable with a line of a key file; wiped once it is read, for
+ * /proc shows it */
 #define LAUNCHED_VARIABLE "RADD_LAUNCH_KEY"
-/* so long without a coordinator and the job is taken to be over */
+/* after so long without a coordinator the job counts as over */
 #define LAUNCHED_PATIENCE_MS 30000
 
 struct launched {
     char folder[128]; /* "": none was made */
-    bool welcome;     /* the coordinator was there */
+    bool welcome;     /* the coordinator was connected at some time */
     uint64_t heard_ms;
 };
 
-/* The key of the variable or, where it is not set, of standard input's first
- * line, as a launcher forwards one of them.  RAD_ENOINPUT where neither has
- * one within the patience, RAD_ECONFIG for a line that is none. */
+/* Read the key from LAUNCHED_VARIABLE or, if that is not set, from the first
+ * line of standard input; a launcher forwards one of these.  RAD_ENOINPUT:
+ * neither came within LAUNCHED_PATIENCE_MS; RAD_ECONFIG: the line is not one
+ * valid key. */
 int launched_key(struct dial_key *key, struct rad_error *err);
 
-/* HOST-PID into name of that size. */
+/* Write HOST-PID into name, of that size. */
 void launched_name(char *name, size_t size);
 
-/* Make the folder, below TMPDIR or /tmp, for a store that locks it, and remove
- * those whose workers were killed.  RAD_ECANTCREAT. */
+/* Make the folder in TMPDIR or /tmp; the store will lock it.  Also removes
+ * folders of workers that were killed.  RAD_ECANTCREAT. */
 int launched_begin(struct launched *l, struct rad_error *err);
 
-/* Remove the folder; again, for what has come into it since. */
+/* Remove the folder.  May be called again, for files that were written since.
+ */
 void launched_end(struct launched *l);
 
-/* Time passes; connected: to the coordinator.  True when it is gone for good:
- * for longer than the patience. */
+/* Called as time passes; connected: to the coordinator.  True: the coordinator
+ * has been away for longer than LAUNCHED_PATIENCE_MS. */
 bool launched_over(struct launched *l, uint64_t now_ms, bool connected);
 
 #endif

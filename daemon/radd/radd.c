@@ -1,7 +1,7 @@
 /* radd.c - the worker daemon: the shell around worker.h
  *
- * Everything here carries bytes: what is decided is decided in worker.c, and
- * what is rendered is rendered in children (render.c). */
+ * This file only carries bytes: worker.c decides, children (render.c) render.
+ */
 #include "config.h"
 
 #include "radd/children.h"
@@ -44,15 +44,15 @@ struct radd {
     struct daemon daemon;
     struct listener *peers;
     struct dialler *dialler;
-    struct dial_key key; /* this host's; id empty: none */
+    struct dial_key key; /* of this host; id empty: none */
     struct store *store;
     struct shell shell;
     struct children children;
-    struct launched launched; /* by radsubmit, for one job */
-    struct hours hours;       /* by set.hours */
+    struct launched launched; /* if radsubmit's launcher started this worker */
+    struct hours hours;       /* set.hours, parsed */
     struct idle idle;
-    uint64_t hours_ms; /* when it was last asked whether to work */
-    uint32_t load;     /* as in struct msg_ping; looked up at load_ms */
+    uint64_t hours_ms; /* when judge_work() was last called */
+    uint32_t load;     /* as in struct msg_ping; measured at load_ms */
     uint64_t load_ms;
     struct worker *worker;
 };
@@ -63,14 +63,14 @@ now(struct radd *r)
     return daemon_now(&r->daemon);
 }
 
-/* Rows that are not acknowledged [bytes]. */
+/* Rows without ACK [bytes] above which children are held. */
 #define KEPT_HIGH ((size_t)64 << 20)
 
 /* --- from connections and children to the machine --- */
 
-/* Children make what goes to the coordinator.  While it takes less than that
- * they are not read, and their threads wait as soon as their own room is full;
- * they go on when half of it has left. */
+/* Stop reading from children while the coordinator takes rows more slowly than
+ * they make them, and go on when half of the bytes have left.  A child whose
+ * messages are not read has its threads wait. */
 static void
 balance_flow(struct radd *r)
 {
@@ -150,7 +150,7 @@ out_of_memory(void *arg)
     daemon_stop(&r->daemon, EX_OSERR);
 }
 
-/* By whoever looks after the machine, or by its kernel for want of memory. */
+/* By an administrator, or by the kernel for want of memory. */
 static bool
 killed_from_outside(int signum)
 {
@@ -178,7 +178,7 @@ on_dialled(void *arg, uint64_t id, uv_stream_t *stream, struct tls *tls,
     if (!stream) {
         if (r->launched.welcome && why->code == UV_ECONNREFUSED &&
             id == worker_coord(r->worker))
-            daemon_stop(&r->daemon, EX_OK); /* its coordinator has ended */
+            daemon_stop(&r->daemon, EX_OK); /* the coordinator has ended */
         shell_gone(&r->shell, id, why->what);
         return;
     }
@@ -206,9 +206,9 @@ on_peer(void *arg, uv_stream_t *stream, struct tls *tls, const char *peer)
 
 /* --- keys --- */
 
-/* The key of a worker's file; one of another role if it has none, for the
- * coordinator to refuse.  The file is read at each dial, so a new key needs no
- * restart. */
+/* Read the worker's key.  If the file has none of a worker, a key of another
+ * role is taken, and the coordinator refuses it.  The file is read at each
+ * dial, so a new key needs no restart. */
 static int
 read_key(struct radd *r, struct rad_error *err)
 {
@@ -230,13 +230,13 @@ dial_coordinator(struct radd *r, uint64_t id)
     struct rad_error err = { 0 };
     char text[600];
 
-    if (read_key(r, &err) < 0) { /* the key that it had may do */
+    if (read_key(r, &err) < 0) { /* the key read before may still be valid */
         rad_error_format(&err, text, sizeof text);
         log_err("key not read: %s", text);
     }
     if (!dial(r->dialler, r->set.coordinator, id,
               r->key.id[0] ? &r->key : NULL))
-        log_out_of_memory(); /* the worker would wait for ever */
+        log_out_of_memory(); /* else the worker would wait for ever */
 }
 
 static void
@@ -247,7 +247,7 @@ dial_peer(struct radd *r, const struct action *a)
         tls_peer_key(a->job, MSG_JOB, a->token, MSG_TOKEN, key.id, key.secret);
 
     if (!dial(r->dialler, a->text, a->conn, made ? &key : NULL))
-        log_out_of_memory(); /* the worker would wait for ever */
+        log_out_of_memory(); /* else the worker would wait for ever */
     explicit_bzero(&key, sizeof key);
 }
 
@@ -271,8 +271,9 @@ fits(void *arg, const uint8_t job[MSG_JOB], const uint8_t token[MSG_TOKEN])
     return same;
 }
 
-/* A peer comes with the key that the coordinator gave it and us, perhaps to it
- * before us. */
+/* Find a peer's key, which the coordinator gives to both workers of a link.
+ * The peer may have got it first; then the handshake waits for ours
+ * (TLS_LATER). */
 static const char *
 find_peer(void *arg, const char *id, uint8_t *secret)
 {
@@ -323,7 +324,7 @@ static const struct shell_ops ops = {
     .failed = out_of_memory,
 };
 
-/* --- the cache --- */
+/* --- the store --- */
 
 static void
 file_done(void *arg, uint64_t conn, const uint8_t hash[MSG_HASH], int status,
@@ -397,7 +398,7 @@ has_file(void *arg, const uint8_t hash[MSG_HASH])
 
 /* --- start and end --- */
 
-/* See whether the machine may work now. */
+/* May the machine work now, by its hours and by idle_only? */
 static bool
 judge_work(struct radd *r)
 {
@@ -410,7 +411,7 @@ judge_work(struct radd *r)
     return !r->set.idle_only || !idle_look(&r->idle, now(r));
 }
 
-/* Every few seconds, or at once. */
+/* Judge again if IDLE_LOOK_MS have passed, or at once. */
 static void
 look_at_clock(struct radd *r, bool at_once)
 {
@@ -420,7 +421,7 @@ look_at_clock(struct radd *r, bool at_once)
     worker_allow(r->worker, now(r), judge_work(r));
 }
 
-/* A launched worker is for one coordinator, which has one life. */
+/* A launched worker ends with its coordinator, which will not come back. */
 static void
 watch_coordinator(struct radd *r)
 {
@@ -526,7 +527,8 @@ make_worker(struct radd *r, struct rad_error *err)
     return 0;
 }
 
-/* Say once what children will lack; RAD_EPERM where that is too much. */
+/* Log once what children's sandbox will lack; RAD_EPERM if that is not
+ * acceptable. */
 static int
 check_sandbox(const struct radd *r, struct rad_error *err)
 {
@@ -541,7 +543,7 @@ check_sandbox(const struct radd *r, struct rad_error *err)
     return 0;
 }
 
-/* Over the network it takes a key. */
+/* A coordinator over the network needs a key. */
 static int
 check_coordinator(const struct radd *r, struct rad_error *err)
 {
@@ -557,7 +559,7 @@ check_coordinator(const struct radd *r, struct rad_error *err)
                     r->set.coordinator);
 }
 
-/* What radsubmit's launcher did not say. */
+/* Take the key and set what the launcher's arguments leave out. */
 static int
 begin_launched(struct radd *r, struct rad_error *err)
 {
@@ -592,7 +594,7 @@ start(void *arg, struct rad_error *err)
         return rad_fail(err, RAD_ENOMEM, "out of memory");
     if (r->set.launched)
         rc = begin_launched(r, err);
-    else if (!r->set.key[0]) /* systemd's, if it has one */
+    else if (!r->set.key[0]) /* else the key file that systemd passes, if any */
         service_credential("key", r->set.key, sizeof r->set.key);
     if (rc < 0 || (rc = read_key(r, err)) < 0 ||
         (rc = check_coordinator(r, err)) < 0)
@@ -604,7 +606,7 @@ start(void *arg, struct rad_error *err)
     if (!r->store)
         return err->code;
     r->shell.store = r->store;
-    if (!r->set.common.embedded) /* whose cache goes with it */
+    if (!r->set.common.embedded) /* embedded: the folder goes at the end */
         rc = store_limit(r->store, cache_bytes_of(&r->set), err);
     if (rc == 0)
         rc = open_socket(r, err);
@@ -628,7 +630,7 @@ finish(void *arg)
     dialler_close(r->dialler);
     children_kill_all(&r->children);
     shell_close(&r->shell);
-    launched_end(&r->launched); /* now: who ends a launcher signals often */
+    launched_end(&r->launched); /* early: SIGKILL may follow soon */
     while (r->store && !store_idle(r->store))
         uv_run(&r->daemon.loop, UV_RUN_ONCE);
 }
