@@ -5,7 +5,7 @@
 
 #include <stdlib.h>
 
-static size_t alive; /* [loop] of the one process that serves */
+static size_t alive; /* [loop] bytes of all blobs, of one process */
 
 struct blob *
 blob_new(char *bytes, size_t len)

@@ -1,9 +1,10 @@
 /* blob.h - bytes that several answers share
  *
- * A page, an event or a picture is made once and sent to all who want it; the
- * slowest reader keeps it alive.  blob_alive() is what all of them take, so
- * that readers who do not read cannot make radweb grow without end: while it is
- * above BLOB_MOST no page, list or event is made.
+ * A page, an event or a picture is made once and sent to all browsers that ask
+ * for it; it is freed when the slowest of them has read it.  blob_alive() is
+ * the memory that all blobs take: while it is above BLOB_MOST no page, list or
+ * event is made, so browsers that do not read cannot make radweb grow without
+ * end.
  * Thread: the loop's. */
 #ifndef RADD_OBSERVER_BLOB_H
 #define RADD_OBSERVER_BLOB_H
@@ -17,13 +18,13 @@ struct blob {
     char *bytes;
 };
 
-/* Takes the malloc'd bytes; one reference.  NULL when they are NULL or memory
- * is out. */
+/* Takes the malloc'd bytes; the blob has one reference.  NULL if bytes is NULL
+ * or memory is out; the bytes are freed then. */
 struct blob *blob_new(char *bytes, size_t len);
-struct blob *blob_ref(struct blob *b); /* NULL is accepted by both */
+struct blob *blob_ref(struct blob *b); /* both accept NULL */
 void blob_unref(struct blob *b);
 
-/* Bytes of all blobs that there are. */
+/* Bytes of all blobs. */
 size_t blob_alive(void);
 
 #endif

@@ -1,8 +1,10 @@
 /* model.c - see model.h
  *
- * A round of requests: status, workers, open jobs, of more than are listed
- * those that run, jobs that are over; each list page by page, the next request
- * when an answer has come.  With the last answer all lists change at once. */
+ * A round of requests asks for the status, the workers, the open jobs, the
+ * running jobs if there are more open ones than are listed, and the jobs that
+ * are over.  Each list comes page by page; the next request is sent when an
+ * answer has come.  With the last answer of a round all lists are replaced at
+ * once. */
 #include "config.h"
 
 #include "observer/model.h"
@@ -21,7 +23,7 @@ enum {
     STEP_OVER
 };
 
-#define RATE_MS 2500 /* rays a second are taken over so long at least */
+#define RATE_MS 2500 /* least time over which rays per second are measured */
 
 static void ask_step(struct model *m);
 
@@ -61,7 +63,7 @@ fail_round(struct model *m)
 
 /* --- sums --- */
 
-/* How much a counter of a job rose since the sums saw it last. */
+/* How much a counter of a job has risen since it was last added to the sums. */
 static double
 rise(json_t *seen, const json_t *row, const char *key)
 {
@@ -82,17 +84,18 @@ count_end(struct model *m, json_t *seen, const json_t *row, bool before)
         return;
     json_object_set_new(seen, "over", json_true());
     if (before)
-        return; /* it was over before we came */
+        return; /* it was over before radweb saw it */
     m->sums.done += strcmp(state, "done") == 0;
     m->sums.failed += strcmp(state, "failed") == 0;
     m->sums.cancelled += strcmp(state, "cancelled") == 0;
 }
 
-/* Add what the jobs of a list did since the last round; `next` gets what is
- * counted of them.  A job that was never seen counts whole where it is new: it
- * is open, or over and submitted later than all of those that are known; but in
- * the first round, and while there are open jobs that are not listed, what it
- * did before it was seen does not count. */
+/* Add to the sums what the jobs of a list did since the last round.  `next`
+ * gets the counters of each job as they are now.
+ * A job that is seen for the first time counts whole if it is new: if it is
+ * open, or if it is over and stands ahead of all known jobs, the newest first.
+ * Its work so far does not count in the first round, nor after a round that did
+ * not list all open jobs, for it may be old. */
 static void
 count_list(struct model *m, const json_t *list, bool over, json_t *next)
 {
@@ -120,7 +123,7 @@ count_list(struct model *m, const json_t *list, bool over, json_t *next)
     }
 }
 
-/* Jobs that are not listed for a while count on where they were. */
+/* Keep the counters of jobs that are not listed now, in case they come back. */
 static void
 keep_counted(const struct model *m, json_t *next)
 {
@@ -150,7 +153,7 @@ count_jobs(struct model *m)
     m->counted = next;
 }
 
-/* Of threads that are there, those whose worker is at work. */
+/* The share of connected workers' threads whose worker is at work, 0 to 1. */
 static double
 share_at_work(const json_t *workers)
 {
@@ -233,7 +236,7 @@ most_rows(unsigned step)
                                 : MODEL_OPEN;
 }
 
-/* Add rows of jobs that are not there yet. */
+/* Append the rows of jobs that `rows` does not have yet. */
 static void
 merge(json_t *rows, const json_t *more)
 {
@@ -249,7 +252,8 @@ merge(json_t *rows, const json_t *more)
     json_decref(ids);
 }
 
-/* All rows of a list are here, or as many as are shown: then it is cut. */
+/* A list has all its rows or, if cut, as many as are shown; go on with the
+ * next. */
 static void
 end_list(struct model *m, bool cut)
 {

@@ -1,12 +1,14 @@
 /* model.h - what radweb knows of the cluster: its lists, and its last hour
  *
- * Asks the coordinator for its status, its workers and its jobs, once a second
- * while somebody looks and once in MODEL_IDLE_MS else, one request after the
- * other.  The rows are the coordinator's, as `radctl --json` shows them.
- * Bounds: MODEL_WORKERS, MODEL_OPEN and MODEL_OVER rows, of which a page of the
- * coordinator has 256 KiB for each 200; MODEL_TEXT of each list, about ten
- * times as much as values, and twice that while the next lists come. Thread:
- * the loop's. */
+ * Asks the coordinator for its status, workers and jobs, one request after the
+ * other: once a second while pages are looked at, else once in MODEL_IDLE_MS.
+ * The rows are the coordinator's, as `radctl --json` shows them.
+ *
+ * Bounds: MODEL_WORKERS, MODEL_OPEN and MODEL_OVER rows; a page of the
+ * coordinator has at most 200 rows and 256 KiB.  MODEL_TEXT bytes of text for
+ * each list, which take some ten times as much memory as JSON values, and twice
+ * that while the next round's lists come.
+ * Thread: the loop's. */
 #ifndef RADD_OBSERVER_MODEL_H
 #define RADD_OBSERVER_MODEL_H
 
@@ -17,58 +19,59 @@
 
 #define MODEL_WORKERS 1000
 #define MODEL_OPEN                                                             \
-    1000 /* jobs that are not over: the newest and those that run */
-#define MODEL_OVER    100 /* jobs that are, the newest */
+    1000 /* jobs that are not over: the newest, and all running ones */
+#define MODEL_OVER    100 /* jobs that are over: the newest */
 #define MODEL_TEXT    (2 << 20)
-#define MODEL_COUNTED 10000 /* jobs of which is known what was counted */
+#define MODEL_COUNTED 10000 /* jobs whose counters are kept */
 #define MODEL_BUSY_MS 1000
 #define MODEL_IDLE_MS 10000
-#define MODEL_SEEN_MS 20000 /* somebody looked: asked often for so long */
+#define MODEL_SEEN_MS 20000 /* asked often so long after model_seen() */
 
 /* Sums since radweb started, for /metrics: they never fall. */
 struct model_sums {
-    double rays, bytes, redundant;    /* redundant: ambient values */
-    uint64_t done, failed, cancelled; /* jobs that ended so */
-    uint64_t polls, lost; /* times that all was asked, and that it failed */
+    double rays, bytes, redundant;    /* redundant: ambient records */
+    uint64_t done, failed, cancelled; /* jobs that ended in that state */
+    uint64_t polls, lost; /* rounds that succeeded, and that failed */
 };
 
 struct model {
     struct session *session;
     uv_loop_t *loop;
     uint64_t version;  /* rises with each change that a page shows */
-    bool up;           /* the lists are of a coordinator that answers */
-    uint64_t asked_ms; /* of the last answer to all */
-    json_t *status;    /* never NULL, as the lists: empty at first */
+    bool up;           /* the last round succeeded */
+    uint64_t asked_ms; /* when the last round ended */
+    json_t *status;    /* never NULL, nor are the lists: empty at first */
     json_t *workers;   /* in the order in which they came */
     json_t *open;      /* jobs in the order in which they are served */
     json_t *over;      /* the newest first */
     double rays_s;     /* of the whole cluster, over the last seconds */
-    double at_work;    /* threads whose worker is at work, of all; 0 to 1 */
+    double at_work;    /* threads of busy workers, as a share of all; 0 to 1 */
     struct history history;
     struct model_sums sums;
-    /* its own */
+    /* private to model.c */
     uint64_t seen_ms, due_ms, rate_ms;
     double rate_rays;
-    unsigned round; /* a number of the request that is out; 0: none is */
-    json_t *coming; /* rows that were got so far */
-    size_t text;    /* bytes that they were */
+    unsigned round; /* the step of the round that is under way; 0: none */
+    json_t *coming; /* rows of the step's list so far */
+    size_t text;    /* bytes of their text */
     uint64_t cursor;
     bool cut, was_cut; /* more jobs are open than are listed: in this round, in
                         * the one before */
     json_t *next_workers, *next_open, *next_over, *next_status;
-    json_t *counted; /* by job: what the sums have of it */
+    json_t *counted; /* by job: counters in the sums so far */
     void (*changed)(void *arg);
     void *arg;
 };
 
-/* False: memory is out.  changed is called whenever version has risen. */
+/* Returns false if memory is out.  changed is called whenever version has
+ * risen. */
 bool model_init(struct model *m, uv_loop_t *loop, struct session *s,
                 void (*changed)(void *arg), void *arg);
 void model_release(struct model *m);
 
-/* Ask if it is time; each DAEMON_TICK_MS. */
+/* Begin a round if it is due; call each DAEMON_TICK_MS. */
 void model_tick(struct model *m);
-/* Somebody looks. */
+/* A page was asked for: ask the coordinator often for MODEL_SEEN_MS. */
 void model_seen(struct model *m);
 
 #endif

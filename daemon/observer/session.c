@@ -17,9 +17,9 @@
 #include <string.h>
 #include <sysexits.h>
 
-#define FIRST_REDIAL_MS 500 /* wait; then twice as long each time, */
-#define LAST_REDIAL_MS  30000 /* up to this */
-#define MOST_ASKED      64 /* requests that wait */
+#define FIRST_REDIAL_MS 500 /* first wait; doubled at each dial */
+#define LAST_REDIAL_MS  30000 /* longest wait */
+#define MOST_ASKED      64 /* most requests that wait for an answer */
 
 static const char out_of_memory[] = "out of memory";
 
@@ -29,7 +29,7 @@ struct asked {
     size_t most;
     session_fn *fn;
     void *arg;
-    uint8_t *bytes; /* of CHUNKs: total of them, n are there */
+    uint8_t *bytes; /* of CHUNKs: n of `total` have come */
     size_t n, total;
 };
 
@@ -41,13 +41,13 @@ struct session {
     struct dialler *dialler;
     struct conn *conn;
     enum state state;
-    uint64_t dial_ms; /* not before */
+    uint64_t dial_ms; /* do not dial before */
     unsigned wait_ms;
-    uint32_t request; /* the last */
+    uint32_t request; /* number of the last request */
     struct asked *asked;
     unsigned nasked;
-    char why[300]; /* as browsers may read it: no path of a file */
-    bool told;     /* that it is down, in the log */
+    char why[300]; /* for browsers: names no path */
+    bool told;     /* the log says that the connection is down */
 };
 
 bool
@@ -153,7 +153,7 @@ session_ask(struct session *s, struct msg *m, size_t most, session_fn *fn,
 
 /* --- answers --- */
 
-/* Pieces of one answer come in order, from its beginning to its end. */
+/* The CHUNKs of an answer come in order. */
 static void
 on_chunk(struct session *s, const struct msg *m)
 {
@@ -162,7 +162,7 @@ on_chunk(struct session *s, const struct msg *m)
     struct session_answer what = { 0 };
 
     if (!a)
-        return; /* of an answer that was refused */
+        return; /* a late CHUNK of an answer that was refused */
     if (k->total > a->most) {
         refuse(s, m->request, EX_DATAERR, "it is too large to be shown here");
         return;
@@ -200,9 +200,9 @@ on_answer(struct session *s, const struct msg *m)
 
 /* --- the connection --- */
 
-/* The connection is down: for this reason, of which browsers read what is
- * shown.  A request may be on its way into the connection that ends here, so
- * those that wait are refused with the next tick. */
+/* Note that the connection is down.  why is for the log, shown for browsers.
+ * Waiting requests are refused at the next tick and not here: this may run
+ * inside session_ask(). */
 static void
 note_down(struct session *s, const char *why, const char *shown)
 {
@@ -322,7 +322,7 @@ begin_dial(struct session *s)
     bool has = s->conf.key[0] != '\0';
 
     s->state = DIALLING;
-    /* at each dial, so a new key needs no restart */
+    /* read at each dial, so a new key needs no restart */
     if (has && keyfile_choose(s->conf.key, MSG_ROLE_OBSERVER, key.id,
                               key.secret, &err) < 0) {
         rad_error_format(&err, text, sizeof text);
@@ -370,7 +370,7 @@ session_close(struct session *s)
     dialler_close(s->dialler);
     conn_close(s->conn);
     s->conn = NULL;
-    s->state = DIALLING; /* and it stays so */
+    s->state = DIALLING; /* for good: not dialled again */
     refuse_all(s);
 }
 

@@ -1,9 +1,10 @@
-/* session.h - what radweb asks the coordinator for, and what it answers
+/* session.h - radweb's requests to the coordinator, and their answers
  *
- * One connection, dialled in the role of an observer and dialled again when it
- * ends, after half a second at first and half a minute at last.  A request is
- * answered once: with bytes, or with why there are none; when the connection
- * has ended, all that wait are told so with the next session_tick().
+ * One connection, in the role of an observer.  When it ends it is dialled
+ * again, after half a second at first and half a minute at most.  A request is
+ * answered once: with bytes, or with the reason why there are none.  When the
+ * connection has ended all waiting requests are answered so by the next
+ * session_tick().
  * Thread: the loop's. */
 #ifndef RADD_OBSERVER_SESSION_H
 #define RADD_OBSERVER_SESSION_H
@@ -17,11 +18,11 @@ struct session;
 
 struct session_conf {
     const char *coordinator; /* an address of net/address.h */
-    const char *key;         /* the observer's key file; "": none */
+    const char *key;         /* the observer's key file; "": no key */
 };
 
-/* status 0: n bytes, valid during the call; else one of sysexits.h, and text
- * says why. */
+/* status 0: n bytes, valid during the call; else a status of sysexits.h, with
+ * the reason in text. */
 struct session_answer {
     int status;
     const char *text;
@@ -30,24 +31,24 @@ struct session_answer {
 };
 typedef void session_fn(void *arg, const struct session_answer *a);
 
-/* conf, whose texts must outlive it.  NULL when memory is out. */
+/* conf's texts must outlive the session.  NULL: memory is out. */
 struct session *session_new(uv_loop_t *loop, const struct session_conf *conf);
-/* All that wait are told; the loop must run on until its handles are closed,
- * then session_free(). */
+/* Answer all waiting requests and close the connection.  Run the loop until its
+ * handles are closed, then call session_free(). */
 void session_close(struct session *s);
 void session_free(struct session *s);
 
-/* Dial when it is time to; each DAEMON_TICK_MS. */
+/* Dial when it is time to; call each DAEMON_TICK_MS. */
 void session_tick(struct session *s);
 
 bool session_is_up(const struct session *s);
-/* Why it is not up, for whoever looks at a page; "" while it is, or nothing is
- * known. */
+/* Why the connection is down, for the reader of a page; "" while it is up. */
 const char *session_why(const struct session *s);
 
-/* Ask; fn is called later, once, never from inside.  An answer of more than
- * `most` bytes is refused with EX_DATAERR.  False: it is not up, too much waits
- * or memory is out; fn is not called then. */
+/* Send a request; fn is called once, after session_ask() has returned.  An
+ * answer of more than `most` bytes is refused with EX_DATAERR.  Returns false,
+ * and fn is not called, if the connection is down, too many requests wait or
+ * memory is out. */
 bool session_ask(struct session *s, struct msg *m, size_t most, session_fn *fn,
                  void *arg);
 

@@ -14,7 +14,7 @@
 #define DETAIL_MS  1000
 #define STATS_MS   4000
 #define PICTURE_MS 2000
-#define SLOWER     20 /* what takes long is asked so much more seldom */
+#define SLOWER     20 /* an answer that takes t is asked for again after 20 t */
 
 static void
 note_change(struct watch *w)
@@ -32,7 +32,8 @@ is_over(const struct watch *w)
            strcmp(state, "cancelled") == 0;
 }
 
-/* How far the job is, as far as its picture and statistics depend on it. */
+/* Write the job's progress as a text.  The picture and the statistics are asked
+ * for again only when it has changed. */
 static void
 state_of(const struct watch *w, char text[96])
 {
@@ -44,7 +45,7 @@ state_of(const struct watch *w, char text[96])
              markup_number(w->detail, "pass"));
 }
 
-/* --- off the loop --- */
+/* --- decoding, off the loop --- */
 
 struct work {
     uv_work_t req;
@@ -99,8 +100,9 @@ begin(struct watch *w, struct watch_query *q, struct msg *m, size_t most,
         q->of[0] = '\0';
 }
 
-/* It came, or did not, and is to be asked for again.  Whatever comes next, of
- * whichever job, waits for as long as this took. */
+/* A request has ended; came: with a usable answer.  It is due again after
+ * SLOWER times as long as it took, and at least least_ms; any picture or
+ * statistics wait for as long as this request took. */
 static void
 end(struct watch *w, struct watch_query *q, unsigned least_ms, bool came)
 {
@@ -276,7 +278,7 @@ on_detail(void *arg, const struct session_answer *a)
     w->row.due_ms = uv_now(w->all->loop) + DETAIL_MS;
     if (a->status == 0) {
         take_detail(w, json_loadb((const char *)a->bytes, a->n, 0, NULL));
-    } else if (a->status == EX_NOINPUT) { /* it was forgotten */
+    } else if (a->status == EX_NOINPUT) { /* the job was forgotten */
         json_decref(w->detail);
         w->detail = NULL;
         rad_text_print(w->note, sizeof w->note, "%s", a->text);
@@ -292,7 +294,7 @@ ask_detail(struct watch *w)
     w->row.out = session_ask(w->all->session, &m, MSG_MAX, on_detail, w);
 }
 
-/* --- when --- */
+/* --- when requests are due --- */
 
 static bool
 is_looked_at(const struct watch *w)
@@ -300,8 +302,8 @@ is_looked_at(const struct watch *w)
     return w->streams > 0 || uv_now(w->all->loop) - w->seen_ms < WATCH_SEEN_MS;
 }
 
-/* Is it due before that time, and has the job got on since the last answer, or
- * was there none? */
+/* Is the request due before before_ms, and is there a reason for it: has the
+ * job made progress since the last answer, or is there no answer (!has)? */
 static bool
 is_due(const struct watch *w, const struct watch_query *q, uint64_t before_ms,
        bool has)
@@ -373,7 +375,7 @@ watch_tick(struct watches *all)
         ask_longest_due(all);
 }
 
-/* --- which --- */
+/* --- jobs that are watched --- */
 
 static void
 free_watch(struct watch *w)
@@ -386,7 +388,7 @@ free_watch(struct watch *w)
     free(w);
 }
 
-/* --- the pace of those that gave way --- */
+/* --- when jobs that were dropped may be asked for again --- */
 
 static void
 keep_pace(const struct watch *w)
@@ -399,7 +401,7 @@ keep_pace(const struct watch *w)
     memcpy(p->id, w->id, sizeof p->id);
 }
 
-/* The newest that is kept. */
+/* Take the due times that were kept last for this job and frame. */
 static void
 take_pace(struct watch *w)
 {
@@ -417,9 +419,10 @@ take_pace(struct watch *w)
     }
 }
 
-/* --- room --- */
+/* --- making room --- */
 
-/* Let the one go that nobody has looked at for longest; false: all are. */
+/* Drop the watch that was looked at the longest ago; false: each is followed by
+ * a page, or waits for an answer. */
 static bool
 make_room(struct watches *all)
 {

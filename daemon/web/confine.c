@@ -1,8 +1,8 @@
 /* confine.c - see confine.h
  *
- * A list of what is denied and not, as for a job's child, of what is allowed:
- * to dial again radweb looks up names, for which the C library reads files and
- * asks servers in ways of its own. */
+ * The list names the system calls that are denied.  A job's child has a list of
+ * those that are allowed; radweb cannot, for it looks up names when it dials
+ * again, and the C library may read any files and ask any servers for that. */
 #include "config.h"
 
 #include "web/confine.h"
@@ -65,7 +65,8 @@ fill(scmp_filter_ctx f)
     for (size_t i = 0; i < N_ELEM(rules) && rc == 0; i++)
         rc = seccomp_rule_add(f, SCMP_ACT_ERRNO(EPERM), rules[i].call, 1,
                               rules[i].arg);
-    if (rc == 0) /* its flags cannot be seen: clone is used in its place */
+    if (rc == 0) /* clone3's flags are in memory, which a filter cannot read;
+                  * libc falls back on clone */
         rc = seccomp_rule_add(f, SCMP_ACT_ERRNO(ENOSYS), SCMP_SYS(clone3), 0);
     return rc;
 }

@@ -1,8 +1,8 @@
 /* events.c - pages that stay open: server-sent events; see radweb_impl.h
  *
- * An event is the page's sections as they are now, made once for all who look
- * at the same.  A stream whose event is sent is put off until there is a newer
- * one; whoever reads slowly misses those between. */
+ * An event has the page's sections as they are now; it is made once for all
+ * streams of the same page.  A stream that has sent its event waits until there
+ * is a newer one, so a slow reader misses the events in between. */
 #include "config.h"
 
 #include "web/radweb_impl.h"
@@ -13,15 +13,15 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define SIGN_MS 15000 /* a sign of life after so long without news */
+#define SIGN_MS 15000 /* comment sent after so long without an event */
 
 struct stream {
     struct stream *next;
     struct radweb *r;
     struct MHD_Connection *conn;
-    struct watch *watch; /* NULL: of the cluster */
-    uint64_t version;    /* of the event that is being sent, or was last */
-    struct blob *now;    /* NULL: none is */
+    struct watch *watch; /* the job's; NULL: of the cluster */
+    uint64_t version;    /* of the event that is, or was last, being sent */
+    struct blob *now;    /* the event that is being sent; NULL: none */
     size_t at;
     bool put_off, sign;
     uint64_t sent_ms;
@@ -29,7 +29,8 @@ struct stream {
 
 /* --- events --- */
 
-/* HTML as the data of an event: each line of it a line of data. */
+/* Make an event of a page's sections: each line of HTML becomes a line of data.
+ */
 static struct blob *
 make_event(struct markup *page)
 {
@@ -87,7 +88,7 @@ version_of(const struct stream *s)
     return s->watch ? s->watch->version : s->r->model.version;
 }
 
-/* Take the newest event, if it was not sent yet. */
+/* Begin the newest event, unless this stream has sent it. */
 static void
 take_event(struct stream *s)
 {

@@ -1,4 +1,4 @@
-/* page.c - what the pages have in common; see page.h */
+/* page.c - parts that all pages have; see page.h */
 #include "config.h"
 
 #include "web/page.h"
@@ -70,7 +70,7 @@ page_trouble(struct markup *m, const struct model *c)
     markup_raw(m, "</section>\n");
 }
 
-/* Words of a state that tell its colour. */
+/* The style class of a state: its colour. */
 static const char *
 class_of(const char *state)
 {
@@ -100,7 +100,7 @@ page_done(struct markup *m, const json_t *job)
     double done = markup_number(job, "done");
 
     done = done < 0 ? 0 : done > 1 ? 1 : done;
-    /* rounded down: 100 is all */
+    /* rounded down, so 100 % means done */
     markup_print(m, "<progress value=\"%.4f\"></progress> <b>%d %%</b>", done,
                  (int)(done * 100));
 }

@@ -8,7 +8,7 @@
 #include <stdio.h>
 #include <string.h>
 
-/* --- in one line --- */
+/* --- the cluster in a row of figures --- */
 
 static void
 begin_tile(struct markup *m, const char *what)

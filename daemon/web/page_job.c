@@ -7,7 +7,7 @@
 
 #include <string.h>
 
-/* --- what it is, and how far --- */
+/* --- facts and progress --- */
 
 static void
 begin_fact(struct markup *m, const char *what)
@@ -37,7 +37,7 @@ put_time(struct markup *m, const char *what, double s)
     end_fact(m);
 }
 
-/* Relative error as the coordinator estimates it from what is rendered. */
+/* The relative error, as the coordinator estimates it from the rows so far. */
 static void
 put_error(struct markup *m, const struct watch *w)
 {
@@ -166,7 +166,7 @@ put_picture(struct markup *m, const struct watch *w)
     markup_raw(m, "</section>\n");
 }
 
-/* --- who did what --- */
+/* --- units and workers --- */
 
 static void
 put_worker(struct markup *m, const json_t *w)
@@ -269,11 +269,11 @@ put_statistics(struct markup *m, const struct watch *w)
     markup_raw(m, "</dl></section>\n");
 }
 
-/* --- how to have it made again --- */
+/* --- the command that makes the picture again --- */
 
-/* Words of somebody else, as a shell takes them for nothing but words; of
- * files, also as radsubmit takes them for nothing but files, no option, command
- * or variable. */
+/* Add words of the job to a command line, quoted so that a shell takes each for
+ * a plain word.  files: put "./" ahead of a word that radsubmit would take for
+ * an option, a command or a variable. */
 static void
 put_words(struct markup *to, const char *s, bool files)
 {
@@ -298,8 +298,8 @@ put_words(struct markup *to, const char *s, bool files)
     }
 }
 
-/* Options of a view and their numbers, and nothing else: who submits a job has
- * a say in the header of its picture. */
+/* Does the text consist of view options and numbers alone?  It comes from the
+ * picture's header, into which a user can write anything. */
 static bool
 is_view(const char *s)
 {

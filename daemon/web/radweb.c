@@ -13,11 +13,11 @@
 #include <sysexits.h>
 
 #define SWEEP_MS 500
-#define WHOLE    (1 << 20) /* bytes; of so many on memory is mapped */
+#define WHOLE    (1 << 20) /* bytes; blocks from that size on are mapped */
 #define NICE     15
 
-/* The cluster has changed.  Whether the coordinator is there stands on all
- * pages. */
+/* The cluster has changed.  Jobs' pages change, too, if the coordinator has
+ * gone or come back, for all pages say that. */
 static void
 on_model(void *arg)
 {
@@ -68,7 +68,7 @@ on_term(void *arg)
 static void
 on_reload(void *arg)
 {
-    (void)arg; /* what may change while it runs is the log's level */
+    (void)arg; /* nothing of ours may change at run time */
 }
 
 static int
@@ -94,7 +94,7 @@ open_http(struct radweb *r, struct rad_error *err)
     return service_ports_file(r->set.common.ports_file, lines, 1, err);
 }
 
-/* Files of systemd's, where it has some and the configuration names none. */
+/* Use the files that systemd passes for settings that name none. */
 static void
 take_credentials(struct radweb_settings *s)
 {
@@ -108,8 +108,8 @@ take_credentials(struct radweb_settings *s)
         service_credential("tls-key", s->tls_key, sizeof s->tls_key);
 }
 
-/* All others of this machine come first, the coordinator above all; who may not
- * say so goes on as it is. */
+/* Run at low priority, behind the coordinator above all.  A failure is ignored.
+ */
 static void
 give_way(void)
 {
@@ -129,7 +129,7 @@ start(void *arg, struct rad_error *err)
 
     give_way();
     take_credentials(&r->set);
-    mallopt(M_MMAP_THRESHOLD, WHOLE); /* what a picture took goes back */
+    mallopt(M_MMAP_THRESHOLD, WHOLE); /* so pictures' memory is returned */
     if (radweb_read_token(r, err) < 0 || radweb_check_listen(r, err) < 0)
         return err->code;
     r->session = session_new(&r->daemon.loop, &conf);
@@ -142,7 +142,7 @@ start(void *arg, struct rad_error *err)
     return confine_begin(err);
 }
 
-/* Every page that is open ends, every request that was put off is answered. */
+/* End all open event streams, and answer all requests that wait. */
 static void
 finish(void *arg)
 {

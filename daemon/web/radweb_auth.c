@@ -1,10 +1,11 @@
-/* radweb_auth.c - who may ask; see radweb_impl.h
+/* radweb_auth.c - who may send requests; see radweb_impl.h
  *
- * With a token: who says it, as a bearer's ("Authorization: Bearer TOKEN") or
- * as the password of any user, which is what a browser asks its user for.
- * Without one only this machine is served, and then a page of somebody else's,
- * whose name was made to lead here, must not read what is shown: the Host that
- * a browser names has to be this machine's. */
+ * With a token a request must carry it, as a bearer's ("Authorization: Bearer
+ * TOKEN") or as the password of any user name, for which a browser asks its
+ * user.  Without a token radweb serves this machine alone.  A stranger's page
+ * in a browser here must not read the answers, though it may have the name of
+ * its server resolve to 127.0.0.1 (DNS rebinding): so the Host that the browser
+ * sends has to be a name of this machine. */
 #include "config.h"
 
 #include "web/radweb_impl.h"
@@ -64,7 +65,8 @@ radweb_check_listen(const struct radweb *r, struct rad_error *err)
     return 0;
 }
 
-/* In a time that does not depend on what it is. */
+/* Is it our token?  The time that this takes does not tell how much of it is
+ * right. */
 static bool
 is_token(const struct radweb *r, const char *said)
 {
@@ -95,13 +97,13 @@ knows_token(const struct radweb *r, struct MHD_Connection *c)
     return ok;
 }
 
-/* "localhost", 127.x.y.z or [::1], with or without a port. */
+/* Is the host "localhost", 127.x.y.z or [::1], with or without a port? */
 static bool
 names_this_machine(const char *host)
 {
     size_t n;
 
-    if (!host) /* no browser: HTTP/1.1 asks for it, and they say it */
+    if (!host) /* no browser: these always send a Host */
         return true;
     if (host[0] == '[')
         return strncmp(host, "[::1]", 5) == 0 &&

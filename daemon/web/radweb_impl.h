@@ -1,13 +1,14 @@
-/* radweb_impl.h - the daemon radweb, as its own files see it
+/* radweb_impl.h - what the files of radweb share
  *
- *   radweb.c       starts and ends it
+ * Private to:
+ *   radweb.c       start and end
  *   radweb_conf.c  settings
- *   radweb_auth.c  who may ask: token, Host
- *   route.c        what is at which path
+ *   radweb_auth.c  who may send requests: token, Host
+ *   route.c        the answer of each path
  *   events.c       pages that stay open
  *   answer.c       headers that all answers have
- * Around them: session (the coordinator), model and watch (what it said), page,
- * chart and report (how that is shown), serve (HTTP).
+ * They use session (requests to the coordinator), model and watch (its
+ * answers), page and report (pages, JSON, metrics), serve (HTTP).
  * Thread: the loop's. */
 #ifndef RADD_WEB_RADWEB_IMPL_H
 #define RADD_WEB_RADWEB_IMPL_H
@@ -35,7 +36,7 @@ struct radweb_settings {
 };
 extern const struct conf_table radweb_table;
 
-/* A text as it was at that version of the model. */
+/* A text made at that version of the model. */
 struct radweb_sheet {
     uint64_t version;
     struct blob *blob;
@@ -51,22 +52,23 @@ struct radweb {
     struct model model;
     struct watches watches;
     struct serve *serve;
-    char token[RADWEB_TOKEN]; /* "": none is asked for */
+    char token[RADWEB_TOKEN]; /* "": none, and only this machine is served */
     struct radweb_sheet sheets[RADWEB_SHEETS];
     struct radweb_sheet event; /* of the cluster's page */
     struct stream *streams;
-    struct waiting *waiting; /* requests that are put off */
+    struct waiting *waiting; /* requests that wait for a job's data */
     struct report_served served;
     struct log_limit refused;
     uint64_t sweep_ms;
     bool was_up, closing;
 };
 
-/* radweb_auth.c: read the token, and see that where it listens is permitted
- * with what there is: RAD_EPERM, or RAD_EUSAGE for half a certificate. */
+/* radweb_auth.c: read the token; then check that the address may be listened at
+ * with the token and certificate that are set.  RAD_EPERM: it may not;
+ * RAD_EUSAGE: a certificate without its key, or the reverse. */
 int radweb_read_token(struct radweb *r, struct rad_error *err);
 int radweb_check_listen(const struct radweb *r, struct rad_error *err);
-/* 0, or the HTTP status with which the request is refused. */
+/* Returns 0, or the HTTP status that refuses the request. */
 unsigned radweb_refuses(struct radweb *r, struct MHD_Connection *c);
 
 /* route.c: a serve_fn, and its end. */
@@ -74,14 +76,15 @@ enum MHD_Result route_request(void *arg, struct MHD_Connection *c,
                               const char *method, const char *path,
                               void **state);
 void route_ended(void *arg, void *state);
-/* Go on with requests whose job has been asked about; all: with all. */
+/* Answer waiting requests whose data have come or whose time is over; all:
+ * every one. */
 void route_tick(struct radweb *r, bool all);
-/* events.c: begin a stream, of a job or (NULL) of the cluster. */
+/* events.c: begin an event stream of a job, or of the cluster (w is NULL). */
 enum MHD_Result events_begin(struct radweb *r, struct MHD_Connection *c,
                              struct watch *w);
-/* There is news, of that job or of the cluster. */
+/* The job (w), or the cluster (NULL), has changed. */
 void events_wake(struct radweb *r, const struct watch *w);
-/* Signs of life; closing: all end. */
+/* Send a sign of life where it is due; while closing, end all streams. */
 void events_tick(struct radweb *r);
 
 #endif

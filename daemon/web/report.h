@@ -1,7 +1,7 @@
-/* report.h - what programs read: /api/v1/ in JSON, /metrics in OpenMetrics
+/* report.h - answers for programs: /api/v1/ in JSON, /metrics in OpenMetrics
  *
- * Rows are the coordinator's own, with the members that `radctl --json` shows;
- * radweb(8) lists what is around them.
+ * Rows are the coordinator's, with the members that `radctl --json` shows;
+ * radweb(8) lists the members around them.
  * Thread: the loop's. */
 #ifndef RADD_WEB_REPORT_H
 #define RADD_WEB_REPORT_H
@@ -10,18 +10,18 @@
 #include "observer/model.h"
 #include "observer/watch.h"
 
-/* One of the API's answers. */
+/* The API's answers. */
 void report_status(struct markup *m, const struct model *c);
 void report_workers(struct markup *m, const struct model *c);
 void report_jobs(struct markup *m, const struct model *c);
 void report_history(struct markup *m, const struct model *c);
 void report_job(struct markup *m, const struct watch *w);
 
-/* What radweb itself has done, for its own metrics. */
+/* radweb's own counters, for its metrics. */
 struct report_served {
     uint64_t requests, refused;
     unsigned streams, guests;
-    size_t answer_bytes; /* that are kept */
+    size_t answer_bytes; /* of all blobs */
 };
 void report_metrics(struct markup *m, const struct model *c,
                     const struct report_served *s);

@@ -1,4 +1,4 @@
-/* route.c - what is at which path; see radweb_impl.h */
+/* route.c - the answer of each path; see radweb_impl.h */
 #include "config.h"
 
 #include "web/radweb_impl.h"
@@ -12,9 +12,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define WAIT_MS 4000 /* for what the coordinator says of a job */
+#define WAIT_MS 4000 /* longest wait for a job's data */
 
-/* A request that was put off until its job has been asked about. */
+/* A request that waits until the coordinator has answered about its job. */
 struct waiting {
     struct waiting *next;
     struct radweb *r;
@@ -22,13 +22,13 @@ struct waiting {
     uint64_t until_ms;
     char hex[MSG_JOB_HEX];
     uint32_t frame;
-    bool picture; /* that is what it waits for */
+    bool picture; /* it waits for the picture */
 };
 
 static const char html[] = "text/html; charset=utf-8";
 static const char json[] = "application/json";
 
-/* --- what shows the cluster --- */
+/* --- pages and lists of the cluster --- */
 
 static void
 whole_home(struct markup *m, const struct model *c)
@@ -51,8 +51,8 @@ static const struct {
 enum { NSHEETS = sizeof sheets / sizeof sheets[0] };
 _Static_assert(NSHEETS <= RADWEB_SHEETS, "a sheet without a place");
 
-/* Made once for each version of the model; while the coordinator is away it
- * says how old it is, so it is made anew. */
+/* A sheet is made once per version of the model.  While the coordinator is away
+ * it is made for each request, for it tells the age of the data. */
 static enum MHD_Result
 send_sheet(struct radweb *r, struct MHD_Connection *c, int i)
 {
@@ -91,7 +91,7 @@ send_asset(struct MHD_Connection *c, const struct asset *a)
                            MHD_RESPMEM_PERSISTENT));
 }
 
-/* --- what shows a job --- */
+/* --- pages and data of a job --- */
 
 static enum MHD_Result
 send_page(struct radweb *r, struct MHD_Connection *c, const struct watch *w)
@@ -146,7 +146,7 @@ send_events(struct radweb *r, struct MHD_Connection *c, const struct watch *w)
     return events_begin(r, c, watch_find(&r->watches, w->hex, w->frame));
 }
 
-/* Paths are AHEAD, the 32 digits of a job's id, BEHIND. */
+/* A path consists of `ahead`, the 32 digits of a job's id, and `behind`. */
 static const struct job_path {
     const char *ahead, *behind;
     bool picture;
@@ -194,7 +194,7 @@ frame_of(struct MHD_Connection *c)
                : 0;
 }
 
-/* --- requests that are put off --- */
+/* --- requests that wait --- */
 
 static void
 forget(struct waiting *w)
@@ -284,7 +284,7 @@ send_job(struct radweb *r, struct MHD_Connection *c, const struct job_path *p,
     return p->send(r, c, w);
 }
 
-/* --- all --- */
+/* --- any path --- */
 
 static enum MHD_Result
 send_path(struct radweb *r, struct MHD_Connection *c, const char *path,

@@ -12,19 +12,19 @@
 #include <string.h>
 #include <unistd.h>
 
-#define MEMORY   16384 /* of a connection, for what it says and is told */
+#define MEMORY   16384 /* libmicrohttpd's buffer of a connection [bytes] */
 #define MOST_PEM (1u << 20)
 #define BACKLOG  511
-#define A_TURN   10 /* connections */
+#define A_TURN   10 /* connections accepted in one turn of the loop */
 
 struct serve {
     uv_loop_t *loop;
     struct serve_conf conf;
     struct MHD_Daemon *mhd;
     uv_poll_t poll;
-    uv_poll_t door; /* the socket where they come */
+    uv_poll_t door; /* the listening socket */
     int door_fd;
-    double may; /* come in at once; grows by SERVE_PER_S a second */
+    double may; /* be accepted now; grows by SERVE_PER_S a second */
     uint64_t may_ms;
     uv_timer_t timer;
     bool open, running, again;
@@ -67,7 +67,7 @@ on_connection(void *arg, struct MHD_Connection *c, void **context,
     if (what == MHD_CONNECTION_NOTIFY_STARTED) {
         g = calloc(1, sizeof *g);
         if (!g)
-            return; /* it lives without a time limit */
+            return; /* out of memory: it has no time limit */
         *g = (struct serve_guest){ .next = s->guests,
                                    .conn = c,
                                    .since_ms = uv_now(s->loop) };
@@ -105,7 +105,7 @@ serve_is_stream(struct MHD_Connection *c)
         g->state = GUEST_STREAMS;
 }
 
-/* The library closes a connection whose socket is at its end. */
+/* Shut the socket down; the library then closes the connection. */
 static void
 end_guest(const struct serve_guest *g)
 {
@@ -129,9 +129,9 @@ serve_sweep(struct serve *s)
 
 /* --- requests --- */
 
-/* A request whose head has come; a request's body is none of ours. */
+/* A request whose header has come.  Requests with a body are refused. */
 struct request {
-    void *state; /* the callee's */
+    void *state; /* for serve_fn */
 };
 
 static enum MHD_Result
@@ -211,7 +211,7 @@ on_ready(uv_poll_t *p, int status, int events)
     serve_run(p->data);
 }
 
-/* The libraries' work is due. */
+/* Have the library do what is due, and set the timer for the next time. */
 static void
 serve_run(struct serve *s)
 {
@@ -219,7 +219,7 @@ serve_run(struct serve *s)
 
     if (!s->open)
         return;
-    if (s->running) { /* from a callback of its own */
+    if (s->running) { /* called by a callback of MHD_run() */
         s->again = true;
         return;
     }
@@ -234,7 +234,7 @@ serve_run(struct serve *s)
     uv_timer_start(&s->timer, on_timer, wait < 1000 ? wait : 1000, 0);
 }
 
-/* --- the door --- */
+/* --- accepting connections --- */
 
 static bool
 may_come(struct serve *s)
@@ -247,7 +247,7 @@ may_come(struct serve *s)
     return s->may >= 1 && s->nguests < SERVE_GUESTS;
 }
 
-/* Accept a connection that waits; false: there is none, or none is let in now.
+/* Accept a waiting connection.  False: none waits, or none may be accepted now.
  */
 static bool
 let_in(struct serve *s)
@@ -262,7 +262,7 @@ let_in(struct serve *s)
     if (fd < 0)
         return errno == ECONNABORTED;
     s->may--;
-    MHD_add_connection(s->mhd, fd, &a.sa.any, n); /* or it is closed */
+    MHD_add_connection(s->mhd, fd, &a.sa.any, n); /* closes fd if it fails */
     return true;
 }
 
@@ -277,7 +277,7 @@ on_door(uv_poll_t *p, int status, int events)
     while (i < A_TURN && let_in(s))
         i++;
     if (!may_come(s))
-        uv_poll_stop(p); /* until the next tick */
+        uv_poll_stop(p); /* serve_tick() starts it again */
     if (i > 0)
         serve_run(s);
 }
@@ -301,7 +301,7 @@ read_pem(const char *path, char **text, struct rad_error *err)
     return *text ? 0 : err->code;
 }
 
-/* An open socket that listens; negative with *err set. */
+/* Open the listening socket; negative with *err set. */
 static int
 open_socket(struct serve *s, struct rad_error *err)
 {
@@ -413,7 +413,7 @@ serve_close(struct serve *s)
 {
     if (!s || !s->open)
         return;
-    MHD_run(s->mhd); /* those that were woken */
+    MHD_run(s->mhd); /* ends requests that serve_wake() has woken */
     s->open = false;
     uv_close((uv_handle_t *)&s->door, NULL);
     uv_close((uv_handle_t *)&s->poll, NULL);

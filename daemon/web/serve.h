@@ -1,13 +1,14 @@
 /* serve.h - the HTTP server: connections, time limits, answers
  *
- * libmicrohttpd parses the requests; its epoll descriptor is watched by libuv's
- * loop, so all is in one thread.  route.c finds the answers, answer.h sends
- * them. Bounds: SERVE_GUESTS connections, SERVE_PER_S new ones a second once
- * SERVE_AT_ONCE have come, and those above wait in the kernel, or are turned
- * away by it, for none of our time; 16 KiB each for what they say; a request is
- * whole within SERVE_ASK_MS, an answer read within SERVE_READ_MS, or the
- * connection ends; only pages that stay open for events are let be. Thread: the
- * loop's. */
+ * libmicrohttpd parses requests; libuv's loop watches its epoll descriptor, so
+ * all runs in one thread.  route.c finds the answers, answer.h sends them.
+ *
+ * Bounds: SERVE_GUESTS connections; after the first SERVE_AT_ONCE, SERVE_PER_S
+ * new ones a second, while others wait in the kernel, which turns away what its
+ * queue cannot hold.  Each has a buffer of 16 KiB for its request.  A
+ * connection ends if a request is not whole within SERVE_ASK_MS, or its answer
+ * not read within SERVE_READ_MS; event streams have no such limit.
+ * Thread: the loop's. */
 #ifndef RADD_WEB_SERVE_H
 #define RADD_WEB_SERVE_H
 
@@ -21,7 +22,7 @@
 #include <uv.h>
 
 #define SERVE_GUESTS  400
-#define SERVE_STREAMS 250 /* of these, pages that stay open */
+#define SERVE_STREAMS 250 /* of these, event streams */
 #define SERVE_PER_S   250
 #define SERVE_AT_ONCE 200
 #define SERVE_ASK_MS  10000
@@ -29,17 +30,17 @@
 
 struct serve;
 
-/* A connection of a browser's. */
+/* A browser's connection. */
 struct serve_guest {
     struct serve_guest *next;
     struct MHD_Connection *conn;
-    uint64_t since_ms; /* it connected, or its last answer was read */
+    uint64_t since_ms; /* when it connected, or its last answer was read */
     enum { GUEST_ASKS, GUEST_READS, GUEST_STREAMS } state;
 };
 
-/* One request: `path` without its query.  To be answered (answer.h), or put
- * off: then the callee is called again with the same *state (NULL at
- * first) once serve_wake() says so. */
+/* Handle a request; path is without its query.  Send an answer (answer.h), or
+ * put the request off (serve_put_off()): then serve_fn is called again, with
+ * the same *state, after serve_wake().  *state is NULL at first. */
 typedef enum MHD_Result serve_fn(void *arg, struct MHD_Connection *c,
                                  const char *method, const char *path,
                                  void **state);
@@ -49,7 +50,7 @@ struct serve_conf {
     const char *tls_cert; /* PEM files; "": plain HTTP */
     const char *tls_key;
     serve_fn *fn;
-    void (*ended)(void *arg, void *state); /* of a request that is over */
+    void (*ended)(void *arg, void *state); /* a request is over */
     void *arg;
 };
 
@@ -57,23 +58,24 @@ struct serve_conf {
  * RAD_ECONFIG for the certificate. */
 struct serve *serve_open(uv_loop_t *loop, const struct serve_conf *conf,
                          struct rad_error *err);
-/* No request may be put off any more.  Closes its handles. */
+/* Close all connections and the handles; no request may be put off any more.
+ * Run the loop until the handles are closed, then call serve_free(). */
 void serve_close(struct serve *s);
 void serve_free(struct serve *s);
 
-/* "127.0.0.1:7480" */
+/* The address that is listened at, such as "127.0.0.1:7480". */
 const char *serve_address(const struct serve *s);
 unsigned serve_guests(const struct serve *s);
 
-/* Let in connections that wait; each DAEMON_TICK_MS. */
+/* Accept connections that wait; call each DAEMON_TICK_MS. */
 void serve_tick(struct serve *s);
-/* End connections that take too long; each second or so. */
+/* End connections that take too long; call about once a second. */
 void serve_sweep(struct serve *s);
 
-/* Put a request off, or go on with it. */
+/* Put a request off; go on with it. */
 void serve_put_off(struct MHD_Connection *c);
 void serve_wake(struct MHD_Connection *c);
-/* The answer to this request does not end. */
+/* The answer to this request is an event stream: no time limit. */
 void serve_is_stream(struct MHD_Connection *c);
 
 #endif
