@@ -7,12 +7,13 @@
 
 #include <math.h>
 
-#define TOGETHER 1000 /* records in a FROZEN */
+#define TOGETHER 1000 /* most records in a FROZEN */
 _Static_assert(TOGETHER *AMBSHARE_BYTES <= MSG_MAX_AMBIENT, "too many");
 
-/* A unit vector of floats: each component is rounded to 2^-24 of itself, so
- * the square of its length is off by at most about 2^-23; what is off by more
- * than this was not made by normalizing. */
+/* Tolerance of the squared length of a unit vector in floats.  Each component
+ * is rounded by at most 2^-24 of itself, which changes the square of the length
+ * by about 2^-23 at most; a vector beyond the tolerance was never normalized.
+ */
 #define UNIT_TOLERANCE 1e-5
 
 static void

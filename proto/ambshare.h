@@ -13,27 +13,27 @@
 
 #define AMBSHARE_BYTES (3 * 8 + 20 * 4 + 4 + 4 + 2)
 
-/* Append a record to out; out->bad when it does not fit. */
+/* Append a record to out; if it does not fit, out->bad is set. */
 void ambshare_pack(struct wire_out *out, const struct rad_ambrec *rec);
 
-/* Take one record from in.  False when bytes are missing (in->bad), or when
- * it is no record: a value that is not finite, a normal that is not of unit
- * length, a radius that is not positive, light or a known variance that is
- * negative. */
+/* Read one record.  False, with in->bad set, if bytes are missing or the record
+ * is unsound: a value that is not finite, a normal that is not of unit length,
+ * a radius that is not positive, negative light, or a known variance below 0.
+ */
 bool ambshare_unpack(struct wire_in *in, struct rad_ambrec *rec);
 
-/* Is the record sound by the rules of ambshare_unpack()? */
+/* Does the record meet the rules of ambshare_unpack()? */
 bool ambshare_sound(const struct rad_ambrec *rec);
 
-/* The next FROZEN with some of a pass's n records; its pieces count on from
- * *m, which has but the job and the pass at first.  A pass without records has
- * one.  False: there are no more. */
+/* Make the next FROZEN of a pass's n records.  At first *m has only the job and
+ * the pass; each call continues after the piece in *m.  A pass without records
+ * gets one empty FROZEN.  False: there are no more. */
 struct msg_frozen;
 bool ambshare_piece(struct msg_frozen *m, const uint8_t *records, uint32_t n);
 
-/* Put the records of a file into the cache, as records made elsewhere.
- * RAD_EDATA: the file ends in the middle of a record, or has records that are
- * not sound or lie outside the scene; then the cache has the others. */
+/* Put the records of a file into the cache, like records of other workers.
+ * RAD_EDATA: the file ends in the middle of a record, or some records are
+ * unsound or lie outside the scene; the cache then has all others. */
 int ambshare_load(struct rad_ambient *amb, const void *bytes, size_t len,
                   struct rad_error *err);
 

@@ -137,9 +137,9 @@ code_count(struct codec *c, uint32_t *n, size_t least, uint32_t max)
     wire_put_u32(c->out, *n);
 }
 
-/* Room for n entries in the message's own list; NULL when n is 0, or (and bad)
- * when memory is out.  n was checked against the payload, so this is bounded
- * by it. */
+/* Room for n entries in the message's own list.  NULL if n is 0, or if memory
+ * is out, which sets bad.  The caller has checked n against the payload, so a
+ * peer cannot make this large. */
 static void *
 list_room(struct msg *m, struct wire_in *in, size_t n, size_t entry)
 {
@@ -175,7 +175,7 @@ code_list(struct codec *c, const void *list, uint32_t *n, size_t least,
 
 /* --- counts --- */
 
-/* Do the objects rise, with no fault behind the count of 0 that ends them? */
+/* Do the faults' objects rise, and is there none behind a count of 0? */
 static bool
 faults_fit(const struct msg_fault faults[MSG_FAULTS])
 {

@@ -1,7 +1,8 @@
 /* counts.c - sums of what units cost
  *
- * Pixels that are no numbers are known by the first of them in the picture, so
- * that a sum does not depend on the order; so are faults by the first few. */
+ * Of pixels that are no numbers a sum names the first one in the picture, and
+ * of faults the first few by object: so a sum does not depend on the order in
+ * which units are added. */
 #include "config.h"
 
 #include "proto/message.h"

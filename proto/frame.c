@@ -56,8 +56,8 @@ frame_header(struct msg_header *h, enum msg_session session, unsigned version,
     return 0;
 }
 
-/* Move bytes until r->buf holds `want`; 1 when it does, 0 when more are
- * needed.  The buffer at most doubles, so it follows what came. */
+/* Move bytes until r->buf holds `want`.  Returns 1 when it does, 0 if more must
+ * come.  The buffer at most doubles, so it never grows far beyond what came. */
 static int
 fill(struct frame_reader *r, size_t want, const uint8_t **data, size_t *n,
      struct rad_error *err)

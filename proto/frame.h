@@ -23,29 +23,29 @@ struct msg_header {
 struct frame_reader {
     /* the owner sets both when the state of the connection changes */
     enum msg_session session;
-    unsigned version; /* of the frames that come */
+    unsigned version; /* of the protocol, for the frames that are read */
     struct msg_header head;
     bool have_head, bad;
     uint8_t *buf;
     size_t len, cap;
 };
 
-/* The reader begins with the current version, until both sides have agreed upon
- * a version: messages before that have the same bytes in every version. */
+/* A new reader reads the current version.  The messages that come before both
+ * sides have agreed on a version have the same bytes in every version. */
 void frame_reader_init(struct frame_reader *r, enum msg_session session);
 void frame_reader_release(struct frame_reader *r);
 
-/* Take some of the *n bytes at *data, until a message is whole or no byte is
- * left; *data and *n move on.  Returns 1 with *m unpacked (valid until the next
- * call), 0 when more bytes are needed, or a negative code with *err set: every
+/* Read from the *n bytes at *data until a message is whole or no byte is left;
+ * *data and *n move on.  Returns 1 with *m unpacked, valid until the next call;
+ * 0 if more bytes are needed; or a negative code with *err set, and then every
  * later call fails.
- * Change r->session and r->version between calls, not later than the call that
+ * When r->session or r->version has to change, change it before the call that
  * reads the next message. */
 int frame_read(struct frame_reader *r, const uint8_t **data, size_t *n,
                struct msg *m, struct rad_error *err);
 
-/* Between calls: take over the bytes of the message that was read last, which
- * stays valid until they are freed. */
+/* Take over the payload of the message that was read last, which stays valid
+ * until the caller frees these bytes.  Only between calls of frame_read(). */
 uint8_t *frame_reader_take(struct frame_reader *r);
 
 /* Check a header; 0 or RAD_EPROTO. */

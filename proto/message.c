@@ -1,7 +1,7 @@
-/* message.c - whole messages by the table that message.def makes
+/* message.c - packing and unpacking of whole messages, by message.def
  *
- * Each body has a short function, declared in codec.h: those of a group of
- * messages are in a file of their own, msg_<group>.c. */
+ * Each body has a short codec function, declared in codec.h; those of a group
+ * of messages are in msg_<group>.c. */
 #include "config.h"
 
 #include "proto/message.h"
@@ -13,25 +13,25 @@
 
 #define AT(session)     (1u << MSG_AT_##session)
 #define AT_COORD_CLIENT (AT(COORD_USER) | AT(COORD_ADMIN))
-/* who asks and changes nothing by it, too */
+/* also observers, who may only ask */
 #define AT_COORD_VIEWER (AT_COORD_CLIENT | AT(COORD_OBSERVER))
 #define AT_PARENT       (AT(PARENT_NEW) | AT(PARENT))
 #define AT_SHARED       (AT(COORD_WORKER) | AT(PARENT)) /* from a child */
-/* the sessions over a network after HELLO and PEER_HELLO */
+/* the sessions of network connections after HELLO or PEER_HELLO */
 #define AT_LIVE                                                                \
     (AT(COORD_WORKER) | AT_COORD_VIEWER | AT(WORKER) | AT(CLIENT) | AT(PEER))
 
 struct row {
     uint16_t type;
     const char *name;
-    unsigned since; /* the version that brought it */
+    unsigned since; /* protocol version that brought the message */
     size_t limit;
-    unsigned at; /* bit per enum msg_session */
+    unsigned at; /* bit i: it may arrive in enum msg_session i */
     void (*pack)(struct wire_out *o, const struct msg *m);
     void (*unpack)(struct wire_in *in, struct msg *m);
 };
 
-/* From the body's codec to one that takes the whole message. */
+/* Functions that take a whole message, made from the codec of its body. */
 #define MSG(NAME, lower, body, number, since, limit, at)                       \
     static void pack_##lower(struct wire_out *o, const struct msg *m)          \
     {                                                                          \
@@ -61,8 +61,8 @@ static const struct row rows[] = {
 
 #define NROWS (sizeof rows / sizeof rows[0])
 
-/* The row of each number, from 1; 0: there is none.  A message is looked up
- * half a dozen times on its way. */
+/* The index of each number's row, plus 1; 0: no such message.  A table, for
+ * each message is looked up some six times. */
 static const uint8_t row_at[] = {
 #define MSG(NAME, lower, body, number, since, limit, at)                       \
     [number] = ROW_##NAME + 1,
@@ -124,7 +124,7 @@ msg_frame_type(const uint8_t *frame, size_t n)
     struct wire_in in;
 
     wire_in_init(&in, frame, n);
-    wire_get_u32(&in); /* the magic */
+    wire_get_u32(&in); /* the magic: frames made here have the right one */
     return wire_get_u16(&in);
 }
 

@@ -24,38 +24,38 @@
 
 struct msg {
     uint16_t type;    /* enum msg_type */
-    uint32_t request; /* a reply repeats the request's; 0: no reply is due */
+    uint32_t request; /* a reply repeats the request's; 0: none is due */
     union {
 #define MSG(NAME, name, body, number, since, limit, at) struct msg_##body name;
 #include "proto/message.def"
     };
-    /* memory of an unpacked list; see msg_release() */
+    /* memory of the list in the body; see msg_release() */
     void *list;
     size_t list_size;
 };
 
-/* Free the list of a struct msg that was unpacked into.  A struct msg starts as
- * { 0 } for unpacking, and as { .type = MSG_X, ... } for packing. */
+/* Free the list of a struct msg that was unpacked into.  A struct msg begins as
+ * { 0 } for unpacking, as { .type = MSG_X, ... } for packing. */
 void msg_release(struct msg *m);
 
-/* Append m as one whole frame, header and payload, to out (whose max should
- * leave room for MSG_FRAME_MAX bytes).  0; or RAD_EPROTO when a field is out of
- * its bounds, or RAD_ENOMEM: then out is as before. */
+/* Append m to out as one whole frame, header and payload; out->max should leave
+ * room for MSG_FRAME_MAX bytes.  Returns 0; RAD_EPROTO: a field is out of its
+ * bounds; RAD_ENOMEM.  After a failure out is as before. */
 int msg_pack(struct wire_out *out, const struct msg *m);
 
-/* The same in the layout of that version of the protocol.  RAD_EPROTO, too, for
- * a message that this version does not have. */
+/* The same in the layout of another version of the protocol.  RAD_EPROTO also
+ * if that version does not have the message. */
 int msg_pack_as(unsigned version, struct wire_out *out, const struct msg *m);
 
-/* The type of a whole frame that was packed here; 0 if n is too small. */
+/* The type of a whole frame that was made here; 0 if n is too small. */
 uint16_t msg_frame_type(const uint8_t *frame, size_t n);
 
-/* Decode a payload of n bytes.  0, or RAD_EPROTO: fields missing, out of
- * range, or bytes left over; or RAD_ENOMEM. */
+/* Decode a payload of n bytes.  Returns 0; RAD_EPROTO: fields are missing or
+ * out of range, or bytes are left over; RAD_ENOMEM. */
 int msg_unpack(struct msg *m, uint16_t type, uint32_t request,
                const uint8_t *payload, size_t n, struct rad_error *err);
 
-/* The same for a payload in the layout of that version. */
+/* The same for a payload of another version of the protocol. */
 int msg_unpack_as(unsigned version, struct msg *m, uint16_t type,
                   uint32_t request, const uint8_t *payload, size_t n,
                   struct rad_error *err);
@@ -71,18 +71,18 @@ int msg_views_pack(struct wire_out *out, const struct msg_spec *spec);
 int msg_views_unpack(struct msg *m, struct msg_spec *spec, const uint8_t *bytes,
                      size_t n, struct rad_error *err);
 
-/* The highest of our versions in [min, max]; 0 if there is none. */
+/* The highest of our versions within [min, max]; 0: none. */
 unsigned msg_common_version(unsigned min, unsigned max);
 
-/* Add b's pixels to a's, and keep the first pixel of both. */
+/* Add b's pixels to a's; a then names the first pixel of both. */
 void msg_nan_add(struct msg_nan *a, const struct msg_nan *b);
 
 /* Add b's faults to a's. */
 void msg_faults_add(struct msg_fault a[MSG_FAULTS],
                     const struct msg_fault b[MSG_FAULTS]);
 
-/* Add b's rays, intersection tests and ambient values to a's: nothing of pixels
- * and time. */
+/* Add b's rays, intersection tests and ambient values to a's, but not its
+ * pixels, faults and times. */
 void msg_rays_add(struct msg_counts *a, const struct msg_counts *b);
 
 /* Add all fields of b to a's. */
@@ -102,13 +102,13 @@ size_t msg_limit(uint16_t type);
 /* The version that brought the message; 0 for a number that is no message. */
 unsigned msg_since(uint16_t type);
 
-/* May a message of this type arrive in that session?  Default: no. */
+/* May a message of this type arrive in that session? */
 bool msg_allowed(enum msg_session session, uint16_t type);
 
-/* Walk the table: the i-th message's number, 0 past the end. */
+/* The number of the i-th message of message.def; 0 past the end. */
 uint16_t msg_nth(size_t i);
 
-/* A job's id as 32 hex digits and back; false when text is no id. */
+/* A job's id as 32 hex digits, and back; false: the text is not an id. */
 #define MSG_JOB_HEX (2 * MSG_JOB + 1)
 void msg_job_format(const uint8_t job[MSG_JOB], char hex[MSG_JOB_HEX]);
 bool msg_job_parse(const char *hex, uint8_t job[MSG_JOB]);

@@ -8,10 +8,9 @@
 #include "base/error.h"
 #include "proto/wire.h"
 
-/* Versions of the protocol: the current version, and the oldest that is spoken
- * besides.  A struct msg is always of the current version; the version that the
- * other side of a connection speaks matters only where bytes are made and
- * read. */
+/* The current version of the protocol, and the oldest one that is still spoken.
+ * A struct msg is always of the current version; only where bytes are made and
+ * read the version of the connection's other side matters. */
 #define MSG_VERSION     1
 #define MSG_VERSION_MIN 1
 
@@ -60,7 +59,7 @@ enum msg_session {
     MSG_AT_COORD_NEW,      /* coordinator: a connection before its HELLO */
     MSG_AT_COORD_WORKER,   /* coordinator: from a worker */
     MSG_AT_COORD_USER,     /* coordinator: from a user's radsubmit or radctl */
-    MSG_AT_COORD_ADMIN,    /* coordinator: from an admin's */
+    MSG_AT_COORD_ADMIN,    /* coordinator: from an administrator's */
     MSG_AT_DIALLER,        /* worker or client: HELLO sent, no answer yet */
     MSG_AT_WORKER,         /* worker: from the coordinator */
     MSG_AT_CLIENT,         /* radsubmit, radctl: from the coordinator */
@@ -70,7 +69,7 @@ enum msg_session {
     MSG_AT_CHILD,          /* job's child: from its radd */
     MSG_AT_PARENT_NEW,     /* radd: from a child that is not READY yet */
     MSG_AT_PARENT,         /* radd: from a child */
-    MSG_AT_COORD_OBSERVER, /* coordinator: from who only looks */
+    MSG_AT_COORD_OBSERVER, /* coordinator: from an observer */
     MSG_NSESSION
 };
 
@@ -102,12 +101,12 @@ enum msg_order {
 #define MSG_JOB_SHARE        (1u << 1) /* ambient records are shared */
 #define MSG_JOB_FRESH_FRAMES (1u << 2) /* nothing is kept between frames */
 #define MSG_JOB_NO_BALANCE   (1u << 3)
-#define MSG_JOB_SAME_BITS    (1u << 4) /* workers of one fingerprint only */
+#define MSG_JOB_SAME_BITS    (1u << 4) /* workers' fingerprints must agree */
 #define MSG_JOB_RECORDS      (1u << 5) /* RECORDS are wanted */
 #define MSG_JOB_CODED        (1u << 6) /* rows come coded */
 #define MSG_JOB_VIEWS        (1u << 7) /* frames and costs are in a file */
 #define MSG_JOB_PASSES       (1u << 8) /* the ambient cache comes in passes */
-#define MSG_JOB_SCENE        (1u << 9) /* it says which scene it is of */
+#define MSG_JOB_SCENE        (1u << 9) /* the field `scene` names its scene */
 #define MSG_JOB_REUSE        (1u << 10) /* it begins with another job's cache */
 #define MSG_JOB_POINTS       (1u << 11) /* of sensor points, in a file */
 #define MSG_JOB_FLAGS        4095u      /* all of them */

@@ -1,5 +1,5 @@
-/* msg_job.c - the codec of the messages about a job as a whole: what it is, how
- * far it is, how it ended; its id as text
+/* msg_job.c - the codec of the messages about a job as a whole: what it is, its
+ * progress, its end; its id as text
  *
  * See msg_job.h. */
 #include "config.h"
@@ -18,7 +18,8 @@ size_fits(uint32_t width, uint32_t height)
            height <= MSG_MAX_SIDE;
 }
 
-/* Does filtering leave a pixel of a frame of that size (rad_filter_side())? */
+/* Is a frame of that size large enough to be filtered to at least one pixel
+ * (rad_filter_side())? */
 static bool
 size_is_left(uint32_t width, uint32_t height, const struct msg_spec *b)
 {
@@ -78,7 +79,7 @@ code_frames(struct codec *c, struct msg_spec *b)
     code_must(c, size_fits(b->width, b->height));
 }
 
-/* Is each cost finite and not below 0? */
+/* Are all costs finite and at least 0? */
 static bool
 costs_fit(const struct msg_spec *b)
 {
@@ -100,8 +101,8 @@ code_costs(struct codec *c, struct msg_spec *b)
     code_must(c, code_bad(c) || costs_fit(b));
 }
 
-/* May a picture's header hold these lines: are they printable, and none empty,
- * as an empty line ends the header? */
+/* May these lines stand in a picture's header: are they printable, and none
+ * empty, for an empty line ends the header? */
 static bool
 origin_fits(const char *origin)
 {
@@ -134,7 +135,7 @@ code_filter(struct codec *c, struct msg_spec *b)
                            b->clamp <= MSG_MAX_CLAMP));
 }
 
-/* How good the picture is to be: for jobs whose cache comes in passes. */
+/* The goal: how good the picture is to be, or by when. */
 static void
 code_target(struct codec *c, struct msg_spec *b)
 {
@@ -145,7 +146,8 @@ code_target(struct codec *c, struct msg_spec *b)
                           b->flags & MSG_JOB_PASSES);
 }
 
-/* What only jobs have whose ambient cache may serve another job. */
+/* Fields of jobs whose ambient cache may serve another job, or comes from one.
+ */
 static void
 code_reuse(struct codec *c, struct msg_spec *b)
 {
@@ -193,8 +195,8 @@ msg_code_spec(struct codec *c, struct msg_spec *b)
                (b->flags & MSG_JOB_DEPTH && !(b->flags & MSG_JOB_VIEWS)));
     msg_code_hashes(c, &b->files);
     code_frames(c, b);
-    /* at the end, MSG_SPEC_ADDED bytes when they are empty: databases hold
-     * specifications that lack these fields */
+    /* the last fields, MSG_SPEC_ADDED bytes if they are empty: old databases
+     * have specifications without them */
     code_origin(c, b);
     code_filter(c, b);
     code_target(c, b);
@@ -231,7 +233,8 @@ msg_views_pack(struct wire_out *out, const struct msg_spec *spec)
     return out->nomem ? RAD_ENOMEM : out->bad ? RAD_EPROTO : 0;
 }
 
-/* Are the frames that were read those that the job's message said? */
+/* Are the frames that were read as many, and as large, as the job's message
+ * said? */
 static bool
 views_fit(const struct msg_spec *said, const struct msg_spec *read)
 {

@@ -7,31 +7,31 @@
 #include "proto/msg_store.h"
 
 struct msg_frame {
-    uint32_t number;        /* 0 for a still, the view's number in an
+    uint32_t number;        /* 0: a still; else the view's number in an
                              * animation */
     uint32_t width, height; /* pixels that are rendered */
     const char *view;       /* rpict's view options */
 };
 
-#define MSG_FRAME_BYTES 15 /* of a frame on the wire, with an empty view */
+#define MSG_FRAME_BYTES 15 /* bytes on the wire, with an empty view */
 
-/* SUBMIT, JOB-START: what a job is, the same for the coordinator, a worker and
- * a child. */
-#define MSG_SPEC_ADDED 20 /* bytes of an empty origin, oversample, clamp; */
-#define MSG_SPEC_LAST  8  /* of these, of error and time */
+/* Fields of a struct msg_spec at its end, which specifications in old databases
+ * lack. */
+#define MSG_SPEC_ADDED 20 /* bytes of these with an empty origin */
+#define MSG_SPEC_LAST  8  /* of these error_ppm and time_ms alone */
 struct msg_spec {
     const uint8_t *job;      /* id, MSG_JOB bytes, made by radsubmit */
     const uint8_t *manifest; /* hash of the bundle's manifest */
     const char *name;
     const char *params;   /* rad_params_format() */
-    const char *origin;   /* header lines of its pictures that say where they
+    const char *origin;   /* lines of the pictures' headers that say where they
                            * are from, each with its newline; or "" */
     const char *needs;    /* features the scene uses, blanks between */
     const char *estimate; /* --estimate, "uniform" by default */
-    uint32_t ncosts;      /* the lines of all frames; 0: no costs are given */
+    uint32_t ncosts;      /* lines of all frames; 0: no costs are given */
     const uint8_t *costs; /* of each line of each frame, in any unit: ncosts
-                           * floats on the wire (wire_floats_get), none below
-                           * 0 */
+                           * floats on the wire (wire_floats_get), none below 0
+                           */
     uint64_t seed;
     int32_t priority;
     uint32_t flags;    /* MSG_JOB_... */
@@ -47,10 +47,11 @@ struct msg_spec {
                           * which is filtered down (image/filter.h); 0 or 1: not
                           * filtered */
     double clamp;       /* most weight of a sample, relative to its neighbours';
-                         * 0: no limit.  Otherwise oversample is at least 2 */
+                         * 0: no limit, as it must be if oversample is below 2
+                         */
     uint32_t error_ppm; /* relative error that the picture may have, as it is
-                         * estimated; 0: options alone say how good it is */
-    uint32_t time_ms;   /* most time, from its first tile on; 0: any */
+                         * estimated; 0: the options alone say how good it is */
+    uint32_t time_ms;   /* most time [ms] from the first tile on; 0: no limit */
     struct msg_hashes files; /* of the whole bundle, the manifest included */
     uint32_t nframes;
     const struct msg_frame *frames; /* NULL: in a file that is not read yet */
@@ -58,10 +59,10 @@ struct msg_spec {
     const uint8_t *views;   /* hash of the file of frames, one of `files` */
     uint32_t width, height; /* the largest of any frame [pixels] */
     /* with MSG_JOB_SCENE: */
-    const uint8_t *scene; /* of two jobs on one scene the same hash */
+    const uint8_t *scene; /* the same hash for two jobs on one scene */
     /* with MSG_JOB_REUSE: */
-    const uint8_t *reuse; /* the job whose ambient cache is its first pass; in a
-                           * SUBMIT zeros stand for the last one that fits */
+    const uint8_t *reuse; /* the job whose ambient cache is the first pass; in a
+                           * SUBMIT zeros mean the user's last job that fits */
 };
 
 /* Does the job go on until its picture is good enough, or its time is up? */
@@ -71,31 +72,31 @@ msg_has_goal(const struct msg_spec *spec)
     return spec->error_ppm > 0 || spec->time_ms > 0;
 }
 
-/* The job is in the queue, whole. */
+/* Reply to SUBMIT: the job is in the queue, and its files are stored. */
 struct msg_accept {
     const uint8_t *job;
-    uint8_t again; /* 1: the job was in the queue before; now attached to it */
+    uint8_t again; /* 1: it was in the queue before; now attached to it */
     const uint8_t *reuse; /* the job whose ambient cache it begins with; zeros:
-                           * none's */
+                           * no job's */
 };
 
-/* Pixels that were no numbers, or infinite or negative, and are black. */
+/* Pixels whose values were no numbers, infinite or negative, and are black. */
 struct msg_nan {
     uint64_t pixels;
     uint32_t frame, x, y; /* the first such pixel, by frame, y, x; 0 when there
                            * is none */
 };
 
-/* A function that failed to give a value: its object in the scene, and how
- * often it failed.  A message has the first few by the objects' numbers; a
- * count of 0 ends them. */
+/* A function that failed to give a value: the number of its object in the
+ * scene, and how often it failed.  A message has the first MSG_FAULTS by
+ * number; a count of 0 ends the list. */
 #define MSG_FAULTS 4
 struct msg_fault {
     uint32_t object;
     uint64_t count;
 };
 
-/* States of a PROGRESS that clients act on. */
+/* States of a PROGRESS that clients react to. */
 #define MSG_STATE_WAITING   0
 #define MSG_STATE_RUNNING   1
 #define MSG_STATE_PAUSED    2
@@ -115,21 +116,23 @@ struct msg_progress {
     uint64_t pixels_done, pixels_total;
     uint32_t units_done, units_total, units_redone;
     double cost_done, cost_total; /* estimated, in one unit; a unit under way
-                                   * counts by the pixels that it is past */
+                                   * counts by the share of its pixels that
+                                   * passes are past */
     uint64_t rays;
     uint32_t workers;      /* that work on the job now */
-    uint32_t frames_ready; /* frames that can be fetched, from the first on */
+    uint32_t frames_ready; /* the first so many frames can be fetched */
     double elapsed_s;      /* since the job was accepted */
-    struct msg_nan nan;    /* in the units that are done; frame as named */
+    struct msg_nan nan;    /* in the units that are done; frame is its number */
     struct msg_fault faults[MSG_FAULTS]; /* in the units that are done */
     double error; /* estimated relative error of these units; 0: unknown */
     /* with --error or --time: */
     uint8_t stage;     /* that is under way, or was last; the first is 0 */
-    uint8_t ended;     /* 1: none follows; the pictures are made with these */
-    uint8_t rungs[2];  /* of these options: whole ones, and quarters in the
-                        * upper two bits */
-    double goal_error; /* relative, as estimated when a stage ended; 0: none
-                        * did */
+    uint8_t ended;     /* 1: no stage follows; rungs are the pictures' */
+    uint8_t rungs[2];  /* how much finer the options are, of cache and of
+                        * pixels: whole rungs, and quarters in the upper two
+                        * bits */
+    double goal_error; /* relative, as estimated when a stage ended; 0: no stage
+                        * has ended */
 };
 
 struct msg_done {
@@ -137,8 +140,8 @@ struct msg_done {
     uint32_t frames;
 };
 
-/* A job failed, or the request that this answers; then the job's id is zero if
- * the request was about no job. */
+/* A job failed, or the request that this answers; the job's id is zero if the
+ * request was about no job. */
 struct msg_failed {
     const uint8_t *job;
     uint16_t status;

@@ -1,5 +1,5 @@
-/* msg_lending.h - the messages about work for idle workers, and for all before
- * the first unit: columns of a line, parts of space, estimates
+/* msg_lending.h - columns of a line that are lent to idle workers; costs of
+ * lines and estimates of them
  *
  * Thread: a struct belongs to one thread. */
 #ifndef MSG_LENDING_H
@@ -11,23 +11,23 @@
 struct msg_lend {
     const uint8_t *job;
     uint32_t unit, attempt;
-    uint16_t part; /* of what is left of the line, in 65536ths */
+    uint16_t part; /* of the line's part that is left, in 65536ths */
 };
 
-#define MSG_LOAN_LINE  (1u << 0) /* of the bar and of the base line */
+#define MSG_LOAN_LINE  (1u << 0) /* of bar and base line, not the bar alone */
 #define MSG_LOAN_FLAGS 1u        /* all of them */
 
-/* Columns of a line that the lender does not trace until BACK, and the rows
- * that tell which of their pixels are to be traced.  Up: the lender's answer to
- * LEND, with its unit and attempt.  Down: to the borrower, with the borrower's
- * own attempt at that unit; it sends FACTS, and then PAID. */
+/* Columns of a line that the lender does not trace until BACK, with the rows
+ * that decide which of their pixels are traced.  From the lender: its answer to
+ * LEND, with its own unit and attempt.  To the borrower: with an attempt of the
+ * borrower's at the same unit; it answers by FACTS, and then PAID. */
 struct msg_loan {
     const uint8_t *job;
     uint32_t unit, attempt;
     uint32_t frame, line;
     uint32_t x, n;        /* columns, at least 1 */
-    uint16_t given, left; /* parts of the line's cost, in 65535ths: of these
-                           * columns, and of those that the lender keeps and
+    uint16_t given, left; /* shares of the line's cost, in 65535ths: of these
+                           * columns; of the columns that the lender keeps and
                            * has not begun */
     uint8_t flags;        /* MSG_LOAN_... */
     uint8_t channels;     /* 3 or 4 */
@@ -36,27 +36,27 @@ struct msg_loan {
     const uint8_t *density;
     const uint8_t *wanted; /* (n + 7) / 8 bytes: column x + i of the bar is to
                             * be filled if bit i % 8 of byte i / 8 is set */
-    const uint8_t *top;    /* base line above, as in the picture: n * channels
-                            * floats */
-    const uint8_t *bottom; /* without MSG_LOAN_LINE: the base line as it was
-                            * sampled; as long */
+    const uint8_t *top;    /* the base line above, as in the picture: n *
+                            * channels floats */
+    const uint8_t *bottom; /* without MSG_LOAN_LINE: this line's base line, as
+                            * it was sampled; as long */
 };
 
-/* Columns that were lent are the lender's again: pixels of them that are known
- * came as FACTS. */
+/* The lender has its columns back.  All known facts of their pixels have come
+ * before, as FACTS. */
 struct msg_back {
     const uint8_t *job;
     uint32_t unit, attempt;
     uint32_t line, x, n; /* n 0: all columns that the unit lends */
 };
 
-/* From the borrower: the columns of a LOAN are traced, and it has forgotten
- * them; their cost is the unit's. */
+/* From the borrower: it has traced the columns of a LOAN and dropped them;
+ * their cost belongs to the unit. */
 struct msg_paid {
     const uint8_t *job;
     uint32_t unit, attempt;
-    struct msg_counts counts; /* no primary rays, no nan: the lender counts
-                               * these */
+    struct msg_counts counts; /* without primary rays and nan, which the lender
+                               * counts */
 };
 
 /* Processor time of a worker's render threads for lines of units and loans that
@@ -73,17 +73,18 @@ struct msg_area {
     uint32_t x, y, width, height;
 };
 
-/* Trace a few random pixels of each area, which are the same on any worker. */
+/* Trace a few random pixels of each area; every worker chooses the same ones.
+ */
 struct msg_estimate {
     const uint8_t *job;
     uint32_t id;
-    uint32_t rays; /* in each area */
+    uint32_t rays; /* rays in each area */
     uint32_t nareas;
     const struct msg_area *areas;
 };
 
 struct msg_cost {
-    uint64_t rays, tests; /* tests: of intersection */
+    uint64_t rays, tests; /* tests: intersection tests */
 };
 
 /* The costs of the areas, in the order of the ESTIMATE with that id. */
@@ -92,7 +93,7 @@ struct msg_estimated {
     uint32_t id;
     uint32_t ncosts;
     const struct msg_cost *costs;
-    struct msg_counts counts; /* of all areas, cpu_s and wall_s included */
+    struct msg_counts counts; /* the sum of all areas, with cpu_s and wall_s */
 };
 
 #endif

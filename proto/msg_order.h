@@ -1,4 +1,4 @@
-/* msg_order.h - what radsubmit and radctl ask the coordinator for
+/* msg_order.h - requests of radsubmit and radctl to the coordinator
  *
  * Thread: a struct belongs to one thread. */
 #ifndef MSG_ORDER_H
@@ -31,20 +31,20 @@ struct msg_query {
 /* The lists that PAGE asks for. */
 enum msg_rows { MSG_ROWS_JOBS, MSG_ROWS_WORKERS, MSG_NROWS };
 
-/* Some rows of a list of any length.  The answer has as many rows as the
- * coordinator sends at once, and the cursor of the rows behind them, which
- * stays valid while rows come and go. */
+/* Ask for some rows of a list of any length.  The answer has as many rows as
+ * the coordinator sends at once, and the cursor of the next ones, which stays
+ * valid while rows come and go. */
 struct msg_page {
     uint8_t what;      /* enum msg_rows */
     uint8_t mine;      /* 1: only jobs of the user that asks */
     const char *user;  /* only jobs of that owner; empty: of any */
     const char *state; /* only rows in that state, or jobs that are "open" (not
                         * over) or "over"; empty: in any */
-    uint64_t cursor;   /* from the answer before; 0: from the start */
-    uint32_t most;     /* rows in the answer; 0: no limit */
+    uint64_t cursor;   /* from the last answer; 0: from the start */
+    uint32_t most;     /* most rows in the answer; 0: no limit */
 };
 
-/* JSON; not terminated.  Empty as the answer to CANCEL and the like. */
+/* JSON, not terminated.  Empty as the answer to CANCEL and the like. */
 struct msg_answer {
     const uint8_t *text;
     size_t len;

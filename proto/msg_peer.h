@@ -7,9 +7,9 @@
 
 #include "proto/msg_basics.h"
 
-#define MSG_PEER_DIAL (1u << 0) /* dial the peer; else wait for its call */
+#define MSG_PEER_DIAL (1u << 0) /* dial the peer; else the peer dials */
 #define MSG_PEER_GIVE (1u << 1) /* send the peer all records of your cache */
-#define MSG_PEER_DROP (1u << 2) /* end the link to the peer; the only flag */
+#define MSG_PEER_DROP (1u << 2) /* end the link to it; the only flag then */
 
 struct msg_peer {
     const char *name, *address;
@@ -18,7 +18,7 @@ struct msg_peer {
     uint16_t version; /* the highest that both workers speak */
 };
 
-/* New peers of a job, besides those named before. */
+/* Further peers of a job; those named before remain. */
 struct msg_job_peers {
     const uint8_t *job;
     uint32_t npeers;
@@ -33,8 +33,8 @@ struct msg_peer_hello {
 
 /* A batch of ambient records, opaque here (proto/ambshare.c packs them). */
 struct msg_ambient {
-    uint32_t to;    /* child to radd: `to` of the GIVE that this answers, or 0:
-                     * to all peers */
+    uint32_t to;    /* from a child: `to` of the GIVE that this answers; 0:
+                     * for all peers */
     uint32_t count; /* records */
     const uint8_t *data;
     size_t len;
@@ -49,7 +49,8 @@ struct msg_records {
     size_t len;
 };
 
-/* radd to child: send every record you have, in AMBIENTs with this `to`. */
+/* From radd to its child: send all records of your cache, in AMBIENTs with this
+ * `to`. */
 struct msg_give {
     uint32_t to;
 };

@@ -1,5 +1,5 @@
-/* msg_session.c - the codec of the messages by which two get to know each other
- * and stay in touch, and the version that both speak
+/* msg_session.c - the codec of the messages by which two programs get to know
+ * each other and stay in touch; the version that both speak
  *
  * See msg_session.h. */
 #include "config.h"
@@ -46,7 +46,7 @@ msg_code_welcome(struct codec *c, struct msg_welcome *b)
 void
 msg_code_refuse(struct codec *c, struct msg_refuse *b)
 {
-    code_u16(c, &b->status); /* a refusal whatever it says */
+    code_u16(c, &b->status); /* any value: the connection ends in any case */
     code_str(c, &b->text, MSG_MAX_TEXT);
 }
 

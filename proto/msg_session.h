@@ -6,8 +6,8 @@
 
 #include "proto/msg_basics.h"
 
-/* When [min, max] has none of our versions, the fields after role are not read,
- * as that version's layout may differ there, and are empty. */
+/* If [min, max] has none of our versions, the fields after role are empty: they
+ * are not read, for that version may lay them out in another way. */
 struct msg_hello {
     uint16_t min, max;    /* versions that the sender speaks */
     uint8_t role;         /* enum msg_role that the sender asks for */
@@ -33,7 +33,7 @@ struct msg_refuse {
 
 /* PING, and PONG, which repeats PING's numbers. */
 struct msg_ping {
-    uint64_t progress; /* grows while the sender gets on with its work */
+    uint64_t progress; /* grows while the sender makes progress */
     uint32_t load;     /* of a worker's host: processes that run or wait for a
                         * processor, in hundredths, over the last minute */
 };

@@ -49,7 +49,7 @@ facts_fit(const struct msg_facts *b)
            (b->channels == 3 || b->channels == 4);
 }
 
-/* Bits that are set in the bitmap; false: some lie past the width. */
+/* Count the bits that are set in the bitmap; false: some lie past the width. */
 static bool
 count_bits(const struct msg_facts *b, uint32_t *n)
 {
@@ -214,7 +214,7 @@ msg_code_line_costs(struct codec *c, struct msg_line_costs *b)
 
 #define AREA_BYTES 20
 #define COST_BYTES 16
-#define MAX_AREAS  50000 /* what fits a message */
+#define MAX_AREAS  50000 /* as many as fit a message */
 
 static void
 code_area(struct codec *c, struct msg_area *a)

@@ -13,9 +13,9 @@ struct msg_hashes {
     const uint8_t *hash;
 };
 
-/* A piece of a file, or of the answer to a FETCH (then hash is zero and the
- * request id says which).  Pieces come in order; the last ends at total; an
- * empty file is one empty piece. */
+/* A piece of a file; or of the answer to a FETCH, whose hash is zero and which
+ * is known by its request id.  Pieces come in order; the last ends at total.
+ * An empty file is one empty piece. */
 struct msg_chunk {
     const uint8_t *hash;
     uint64_t offset, total;

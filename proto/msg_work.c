@@ -1,5 +1,5 @@
-/* msg_work.c - the codec of the messages by which workers and their children
- * say how they get on, with the rows of the picture
+/* msg_work.c - the codec of units, rows, tallies and their like: the work of
+ * workers and their children
  *
  * See msg_work.h. */
 #include "config.h"
@@ -18,8 +18,8 @@ msg_code_ready(struct codec *c, struct msg_ready *b)
                           b->passes <= MSG_MOST_PASSES);
 }
 
-/* *n: the bytes of a RESULT's pixels; of coded rows there are len.  False when
- * no RESULT has such rows. */
+/* *n: the number of bytes of a RESULT's pixels, `len` if they are coded.
+ * False: no RESULT can have such rows. */
 static bool
 result_bytes(const struct msg_result *b, size_t len, size_t *n)
 {
@@ -64,7 +64,7 @@ msg_code_ack(struct codec *c, struct msg_ack *b)
     code_u32(c, &b->rows);
 }
 
-#define MAX_LOST 4096 /* units that one child can be at work on */
+#define MAX_LOST 4096 /* most units that one child works on */
 
 void
 msg_code_lost(struct codec *c, struct msg_lost *b)

@@ -11,10 +11,10 @@ struct msg_ready {
     double load_s;
     uint64_t fingerprint;
     uint16_t threads;
-    uint32_t passes; /* closed ones whose records the child has (FROZEN) */
+    uint32_t passes; /* closed passes whose records the child has (FROZEN) */
 };
 
-/* How far off pixels were that were made again: sums of src/picture/doubt.h,
+/* Errors that were found by making pixels again: sums of src/picture/doubt.h,
  * each between -1e100 and 1e100. */
 #define MSG_DOUBT_SUMS 6
 struct msg_doubt {
@@ -28,16 +28,16 @@ struct msg_counts {
     struct msg_nan nan;
     struct msg_fault faults[MSG_FAULTS];
     double cpu_s;  /* processor time of the render threads */
-    double wall_s; /* from taking the unit to its last row; of a strict unit,
-                    * that of its passes (daemon/strict/strict.h) */
+    double wall_s; /* from taking the unit to its last row; for a strict unit
+                    * the time of its passes (daemon/strict/strict.h) */
     struct msg_doubt doubt;
 };
 
-/* Rows of a unit, from its top, each piece following the last.  Pixels are
+/* Rows of a unit, from its top; each piece follows the one before.  Pixels are
  * r g b, or r g b distance with channels 4, as floats on the wire
- * (wire_floats_get); with channels 1, in jobs with MSG_JOB_CODED, rows as in a
- * picture file (rad_hdr_encode_row()), which unpacking does not check.  counts
- * are zero but with last. */
+ * (wire_floats_get).  With channels 1, in jobs with MSG_JOB_CODED, rows are
+ * coded as in a picture file (rad_hdr_encode_row()); unpacking does not check
+ * those.  Only the last piece has counts. */
 struct msg_result {
     const uint8_t *job;
     uint32_t unit, attempt;
@@ -46,7 +46,7 @@ struct msg_result {
     uint8_t last;
     struct msg_counts counts;
     const uint8_t *pixels; /* rows * width * channels floats, or coded rows */
-    size_t len;            /* bytes of coded rows; else not used */
+    size_t len;            /* bytes of coded rows; not used for floats */
 };
 
 struct msg_ack {
@@ -60,8 +60,8 @@ struct msg_attempt {
     uint32_t unit, attempt;
 };
 
-/* The job's child ended by itself.  units: those that it was at work on, the
- * likely causes of its end. */
+/* The job's child ended by itself.  units: those it was working on, which may
+ * have caused that. */
 struct msg_lost {
     const uint8_t *job;
     const char *text; /* "killed by signal 11" */
@@ -84,20 +84,19 @@ struct msg_tally {
     uint64_t peak_rss_bytes, bytes_in, bytes_out;
     uint64_t base_line_bytes;  /* sent in BASE_LINEs, to peers and up */
     uint64_t base_line_pixels; /* of the base lines at the ends of its units */
-    /* summed over render threads */
-    double busy_s;           /* on units, waits included */
-    double wait_base_line_s; /* the part of busy_s spent on waits for the line
-                              * above */
+    /* seconds, summed over render threads */
+    double busy_s;           /* on units, including waits */
+    double wait_base_line_s; /* part of busy_s: waits for the line above */
     uint64_t rays_under_way; /* of units that are not done */
-    /* of strict units and loans that were taken back, such as a twin that was
-     * not first: no RESULT and no PAID has these.  No primary rays, nan or
-     * faults; speculative rays are those of facts that were not sent. */
+    /* of strict units and loans that were taken back, such as those of a twin
+     * that was second: their work is in no RESULT and no PAID.  Without primary
+     * rays, nan and faults; speculative rays are facts that were not sent. */
     struct msg_counts dropped;
-    /* of all PAIDs that this child sent: less than this arrived if a connection
-     * broke, and the coordinator counts the difference as dropped */
+    /* the sum of all PAIDs that this child sent.  If a connection broke some
+     * did not arrive; the coordinator counts the difference as dropped */
     struct msg_counts paid;
-    uint64_t pixels_under_way; /* of strict units that are not done: pixels that
-                                * passes are past, in rows that are not sent */
+    uint64_t pixels_under_way; /* of strict units under way: pixels in rows that
+                                * are not sent yet, which passes are past */
 };
 
 #endif

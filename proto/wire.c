@@ -195,7 +195,7 @@ wire_out_release(struct wire_out *out)
     *out = (struct wire_out){ 0 };
 }
 
-/* Room for n more bytes, or NULL and bad. */
+/* Room for n more bytes; NULL, with bad set, if there is none. */
 static uint8_t *
 out_room(struct wire_out *out, size_t n)
 {
@@ -342,7 +342,8 @@ wire_set_u32(struct wire_out *out, size_t at, uint32_t v)
         store_be(out->buf + at, v, 4);
 }
 
-/* The bits of a float from the wire or to it. */
+/* Change a float's bits from the machine's byte order to big-endian, or back.
+ */
 static uint32_t
 big_endian(uint32_t u)
 {
@@ -353,8 +354,9 @@ big_endian(uint32_t u)
 #endif
 }
 
-/* n of them.  Rows of pictures go through here, so four at a time where that is
- * quicker: bytes change places in each half, then the halves. */
+/* Copy n floats in the other byte order.  Rows of pictures come through here,
+ * so four are done at a time where vectors are quick: swap the bytes of each
+ * half, then the halves. */
 static void
 copy_big_endian(uint8_t *dst, const uint8_t *src, size_t n)
 {

@@ -75,16 +75,16 @@ void wire_put_f32(struct wire_out *out, float v);
 void wire_put_f64(struct wire_out *out, double v);
 void wire_put_bytes(struct wire_out *out, const void *src, size_t n);
 
-/* Replace bytes that are not UTF-8 by '?', such as half a character at the end
- * of a text that was cut. */
+/* Replace bytes that are not UTF-8 by '?', such as half a character where a
+ * text was cut. */
 void wire_clean(char *s);
 
-/* A string of at most max bytes (NULL is ""); longer is bad.  Bytes that are
- * not UTF-8 go out as '?'. */
+/* Put a string of at most max bytes (NULL is ""); a longer one sets bad.  Bytes
+ * that are not UTF-8 become '?'. */
 void wire_put_str(struct wire_out *out, const char *s, size_t max);
 void wire_put_blob(struct wire_out *out, const void *src, size_t n, size_t max);
 
-/* Put a u32 over bytes that were written before, at offset `at`. */
+/* Replace the four bytes at offset `at` by a u32. */
 void wire_set_u32(struct wire_out *out, size_t at, uint32_t v);
 
 /* Convert n floats from and to their bytes on the wire; src and dst may not
