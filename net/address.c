@@ -47,7 +47,7 @@ address_split(const char *text, char host[ADDRESS_TEXT], char port[8],
     return 0;
 }
 
-/* The answers for host and port, to be freed; NULL: there are none. */
+/* The addresses of host and port, to be freed; NULL on failure. */
 static struct addrinfo *
 look_up(const char *text, const char *host, const char *port,
         struct rad_error *err)
@@ -67,7 +67,8 @@ look_up(const char *text, const char *host, const char *port,
     return NULL;
 }
 
-/* A Unix socket's path into *a and 1, or a text's host and port and 0. */
+/* Put a Unix socket's path into *a and return 1; or a text's host and port into
+ * host and port and return 0. */
 static int
 split(const char *text, struct address *a, char host[ADDRESS_TEXT],
       char port[8], struct rad_error *err)

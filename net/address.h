@@ -1,8 +1,8 @@
 /* address.h - where to listen and whom to dial
  *
- * "HOST:PORT", "[::1]:PORT", or a path with a '/' in it for a Unix socket; "*"
- * as HOST is all addresses of this machine, where one listens.
- * An IPv4 address that comes in the clothes of IPv6 is shown as it is.
+ * An address is "HOST:PORT", "[::1]:PORT", or a path with a '/' in it for a
+ * Unix socket; to listen at, "*" as HOST stands for all addresses of this
+ * machine.  An IPv4 address that is mapped into IPv6 is shown as IPv4.
  * Thread: any; address_resolve() may wait for the resolver. */
 #ifndef RADD_NET_ADDRESS_H
 #define RADD_NET_ADDRESS_H
@@ -25,35 +25,35 @@ struct address {
     } sa;
 };
 
-/* A text's host and port; true for a Unix socket's path (host gets nothing).
- * RAD_EUSAGE when it is neither. */
+/* Split a text into host and port; *local is true for a Unix socket's path,
+ * which has none.  RAD_EUSAGE if the text is neither. */
 int address_split(const char *text, char host[ADDRESS_TEXT], char port[8],
                   bool *local, struct rad_error *err);
 
-/* Text to the address to dial; a host's name is looked up, and may have several
- * addresses: nth counts from 0.  RAD_EUSAGE for a bad text, UV_EAI_NONAME,
- * UV_EAI_AGAIN or UV_EAI_FAIL for a host that is not found, RAD_EUNAVAIL for
- * one that has no nth address. */
+/* The address to dial.  A host's name is looked up and may have several
+ * addresses: nth counts them from 0.  RAD_EUSAGE: malformed; UV_EAI_NONAME,
+ * UV_EAI_AGAIN or UV_EAI_FAIL: the host was not found; RAD_EUNAVAIL: it has no
+ * nth address. */
 int address_resolve(const char *text, unsigned nth, struct address *a,
                     struct rad_error *err);
 
-/* Text to the address to listen at: of a name the first of IPv4, or else the
- * first; of "*" that of all IPv6 and IPv4 addresses. */
+/* The address to listen at: a name's first IPv4 address or, if it has none, its
+ * first one; for "*" the address that means all IPv6 and IPv4 addresses. */
 int address_resolve_listen(const char *text, struct address *a,
                            struct rad_error *err);
 
-/* "*" on a machine without IPv6. */
+/* The address of "*" on a machine without IPv6. */
 void address_wildcard_v4(struct address *a);
 
 bool address_is_local(const struct address *a);    /* a Unix socket */
-bool address_is_loopback(const struct address *a); /* or a loopback address */
+bool address_is_loopback(const struct address *a); /* or a Unix socket */
 
-/* Where one without keys may listen: 0, or RAD_EPERM with the reason. */
+/* May a daemon without keys listen there?  0, or RAD_EPERM with the reason. */
 int address_permitted(const struct address *a, const char *text,
                       struct rad_error *err);
 
-/* Does the text stand for all addresses of this machine ("0.0.0.0:7421",
- * "[::]:7421")?  Then nobody can dial it. */
+/* Is this the wildcard address ("0.0.0.0:7421", "[::]:7421")?  Nobody can dial
+ * it. */
 bool address_is_wildcard(const char *text);
 
 /* "127.0.0.1:7420", "[::1]:7420" or the path. */

@@ -1,4 +1,4 @@
-/* conn.c - see conn.h; here are its time and its settings */
+/* conn.c - see conn.h; this file has the timer and the settings */
 #include "config.h"
 
 #include "net/conn_impl.h"
@@ -15,7 +15,7 @@ limit_ms(const struct conn *c)
     return c->handler->limit_ms ? c->handler->limit_ms : CONN_HANDSHAKE_MS;
 }
 
-/* How often to look at the time. */
+/* How often the timer runs. */
 static unsigned
 period_ms(const struct conn *c)
 {
@@ -23,8 +23,8 @@ period_ms(const struct conn *c)
                                                               : CONN_PING_MS;
 }
 
-/* Is the other side silent because we do not look at what it says, with all
- * read that we said? */
+/* Is the other side silent because we do not read its requests, though it has
+ * read all that we sent? */
 static bool
 is_patient(const struct conn *c)
 {
@@ -51,8 +51,8 @@ on_timer(uv_timer_t *timer)
     }
     if (c->state != CONN_LIVE || !c->ping)
         return;
-    /* counted in PINGs, not in time: whoever was busy outside the loop gets
-     * the bytes that lie ready before the next PING */
+    /* PINGs are counted, not time: if the loop was blocked, bytes that came
+     * meanwhile are read before the next PING */
     if (!c->paused && !is_patient(c) && c->silent++ >= SILENT_PINGS) {
         conn_out_end(c, UV_ETIMEDOUT, "silent for 15 s");
         return;
@@ -83,8 +83,8 @@ conn_new(uv_stream_t *stream, struct tls *tls, enum msg_session session,
     c->arg = arg;
     c->handles = 4;
     snprintf(c->peer, sizeof c->peer, "%s", peer);
-    /* messages are written whole; one that waited until those before it are
-     * acknowledged would wait for 40 ms */
+    /* messages are written whole; Nagle's algorithm would hold a short one back
+     * until earlier ones are acknowledged, some 40 ms */
     if (stream->type == UV_TCP)
         uv_tcp_nodelay((uv_tcp_t *)stream, 1);
     frame_reader_init(&c->reader, session);
@@ -167,7 +167,7 @@ conn_finish(struct conn *c)
     if (!c || conn_out_is_over(c))
         return;
     conn_out_set_state(c, CONN_FINISHING);
-    if (c->tls) { /* the session's last word comes last */
+    if (c->tls) { /* the TLS session's end goes out last */
         conn_out_uncork(c);
         if (c->state != CONN_CLOSED) {
             tls_end(c->tls);

@@ -1,26 +1,27 @@
 /* conn.h - one connection: messages in and out of a stream
  *
- * Cuts what comes into messages (proto/frame.h), hands each to its owner, and
- * sends the owner's.  What is against the protocol ends the connection with
- * one line in the log that names the peer; no byte that a peer sends can do
- * more.
+ * Cuts the bytes that come into messages (proto/frame.h), gives each to the
+ * owner, and sends the owner's messages.  Bytes that break the protocol end the
+ * connection, with a line in the log that names the peer; no byte from a peer
+ * can do more harm.
  *
- * Liveness, once the owner says that the connection is live: a PING each 5 s,
- * a PONG for each PING, and the end after 15 s without a byte.  Before that:
- * the end after CONN_HANDSHAKE_MS, or what the handler says.
+ * Liveness: once the owner has called conn_live(), a PING goes out each 5 s,
+ * each PING is answered by a PONG, and the connection ends after 15 s without a
+ * byte.  Before conn_live() it ends after CONN_HANDSHAKE_MS, or the handler's
+ * limit_ms.
  *
- * Over TCP there is a TLS session between the stream and the messages, whose
- * handshake is over (handshake.h); a TCP stream without one is our bug.  Counts
- * of bytes are those of messages.
+ * Over TCP messages go through a TLS session, whose handshake is over
+ * (handshake.h); a TCP stream without one is our bug.  Byte counts are those of
+ * messages, before encryption.
  *
- * Back-pressure: what waits to be sent is counted, and the owner is told what
- * has been written.  Above CONN_HIGH it should stop producing for this peer.
- * Requests of users wait where their answers are not read, of one connection or
- * of all that a user has (fair.h).
+ * Back-pressure: conn_queued() tells how many bytes wait to be sent, and the
+ * owner hears what was written.  Above CONN_HIGH the owner should stop
+ * producing for this peer.  Users' requests are not read while too many bytes
+ * of answers wait, on the connection or on all connections of the user
+ * (fair.h).
  *
- * Lifetime: a struct conn lives until its handles are closed, which is some
- * time after conn_close() or the closed() call; from either on the owner may
- * not use it any more.
+ * Lifetime: a struct conn is freed when its handles are closed, some time after
+ * conn_close() or closed(); from either on the owner must not use it.
  * Thread: the loop's. */
 #ifndef RADD_NET_CONN_H
 #define RADD_NET_CONN_H
@@ -34,96 +35,96 @@
 #include <stdbool.h>
 #include <uv.h>
 
-#define CONN_HIGH         (8u << 20) /* bytes that may wait for a peer */
+#define CONN_HIGH         (8u << 20) /* bytes that may wait to be sent */
 #define CONN_PING_MS      5000
 #define CONN_DEAD_MS      15000
 #define CONN_HANDSHAKE_MS 10000
 
-/* closed()'s reason for a peer that did not speak the protocol. */
+/* The reason that closed() gets if the peer broke the protocol. */
 #define CONN_BROKE_PROTOCOL "protocol error"
 
 struct conn;
 
 struct conn_handler {
-    /* PING and PONG come here too, PING after it was answered. */
+    /* A message came; also each PING, after it was answered, and PONG. */
     void (*message)(void *arg, struct conn *c, const struct msg *m);
-    /* The connection ended by itself; why is for the log. */
+    /* The connection has ended, not by the owner; why is for the log. */
     void (*closed)(void *arg, struct conn *c, const char *why);
     /* n bytes have been written; may be NULL. */
     void (*written)(void *arg, struct conn *c, size_t n);
-    struct log_limit *errors; /* on lines about bad bytes; NULL: none */
-    unsigned limit_ms;        /* to be live in; 0: CONN_HANDSHAKE_MS */
-    bool quiet; /* nothing for the log: closed() asks conn_error() */
+    struct log_limit *errors; /* of log lines about bad bytes; NULL: none */
+    unsigned limit_ms;        /* time until conn_live(); 0: CONN_HANDSHAKE_MS */
+    bool quiet; /* log nothing: closed() calls conn_error() instead */
 };
 
-/* Take an open stream, and its session (NULL: a Unix socket), and read from
- * it.  handler must outlive the connection and is called later, never from
- * inside.  NULL when memory is out; both are then closed. */
+/* Make a connection of an open stream and its TLS session (NULL for a Unix
+ * socket), both taken, and begin to read.  handler must outlive the connection;
+ * it is not called before conn_new() returns.  NULL: memory is out; stream and
+ * session are closed then. */
 struct conn *conn_new(uv_stream_t *stream, struct tls *tls,
                       enum msg_session session, const char *peer,
                       const struct conn_handler *handler, void *arg);
 
-/* In closed(): why the connection ended, with a code of ours or libuv's; its
- * `where` is the peer for a message that is malformed. */
+/* In closed(): why the connection ended, with a code of ours or libuv's; for a
+ * malformed message `where` names the peer. */
 const struct rad_error *conn_error(const struct conn *c);
 
-/* In message(): take the message over; its n bytes, which are returned, are to
- * be freed after msg_release(). */
+/* In message(): move the message, which points into a payload of n bytes, out
+ * of the connection.  Free the returned payload after msg_release(). */
 uint8_t *conn_keep(struct conn *c, struct msg *m, size_t *n);
 
-/* The id of the key that the other side has proven; NULL: none. */
+/* The id of the key that the other side has proven; NULL: no TLS. */
 const char *conn_key(const struct conn *c);
 
-/* The version of the protocol that the other side speaks; the current one until
- * it is told.  Messages are translated on their way. */
+/* Set the protocol version that the other side speaks; before, the current one
+ * is assumed.  Messages are packed and read in that version. */
 void conn_set_version(struct conn *c, unsigned version);
 
-/* The connection is that user's: once its session is a user's or an admin's,
- * its requests are looked at in turn with those of others.  False: memory is
- * out. */
+/* Make the connection that user's: as a user's or an administrator's, its
+ * requests take turns with those of others.  False: memory is out. */
 bool conn_set_user(struct conn *c, struct fair *fair, const char *name);
 
-/* Which messages may come from now on. */
+/* Set which messages may come from now on. */
 void conn_set_session(struct conn *c, enum msg_session session);
 
-/* The handshake is over.  ping: keep it alive with PINGs and end it when it
- * is silent; else it may be silent for ever (a child that loads). */
+/* The handshake is over.  ping: send PINGs, and end the connection when it is
+ * silent; else it may be silent for ever, like a child that loads. */
 void conn_live(struct conn *c, bool ping);
 
-/* What goes out with PINGs. */
+/* Set the numbers that PINGs carry. */
 void conn_set_ping(struct conn *c, const struct msg_ping *ping);
 
-/* Queue a message; its bytes are copied.  False if it cannot be packed or is
- * none in the other side's version, which is logged, and if memory is out: then
- * the connection ends (conn_break). */
+/* Queue a copy of a message.  False if it cannot be packed or does not exist in
+ * the other side's version, which is logged; or if memory is out, which ends
+ * the connection (conn_break). */
 bool conn_send(struct conn *c, const struct msg *m);
-/* The same for a message that is packed already: a whole frame.  False, too,
- * for RECORDS to a user that has not read 8 MiB yet, which is logged once. */
+/* The same for a message that is packed: a whole frame.  Also false for RECORDS
+ * to a user with more than 8 MiB unread, which is logged once. */
 bool conn_send_frame(struct conn *c, const uint8_t *bytes, size_t len);
 
-/* n bytes for it are being read from the disk, and count as unread by its user;
- * false: they must wait, for that has left too much unread.  And they do no
- * more. */
+/* Count n bytes, which are being read from the disk for this connection, as
+ * unread by its user, or stop counting them.  False: the user has left too much
+ * unread; try again later. */
 bool conn_expect(struct conn *c, size_t n);
 void conn_expected(struct conn *c, size_t n);
 
-/* Short messages wait for others until the loop has nothing to do; now they
- * need not. */
+/* Write short messages now, which otherwise are gathered until the end of the
+ * loop's turn. */
 void conn_flush(struct conn *c);
 
 size_t conn_queued(const struct conn *c);
 const char *conn_peer(const struct conn *c);
 
-/* Stop and start reading: the back-pressure on what feeds a slow one. */
+/* Stop or start reading: back-pressure on a peer that feeds a slow reader. */
 void conn_pause(struct conn *c, bool pause);
 
-/* End it now, as if it had ended by itself: closed() is called. */
+/* End the connection now, as if it had ended by itself: closed() is called. */
 void conn_break(struct conn *c, const char *why);
 
 /* End it now; closed() is not called.  NULL is accepted. */
 void conn_close(struct conn *c);
-/* End it when what waits has been sent, at most CONN_HANDSHAKE_MS from now;
- * nothing more is read, closed() is not called. */
+/* End it when all that is queued has been sent, or after CONN_HANDSHAKE_MS.
+ * Nothing more is read, and closed() is not called. */
 void conn_finish(struct conn *c);
 
 #endif

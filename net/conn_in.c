@@ -1,4 +1,4 @@
-/* conn_in.c - what comes into a connection: see conn_impl.h
+/* conn_in.c - input of a connection: see conn_impl.h
  *
  * Bytes become messages, and each goes to the owner, as long as the gate is
  * open. */
@@ -19,14 +19,14 @@ answer_ping(struct conn *c, const struct msg *ping)
     conn_send(c, &pong);
 }
 
-/* What came cannot be read. */
+/* End the connection, for a message cannot be read. */
 static void
 garbage(struct conn *c, const struct rad_error *err)
 {
     struct log_limit *limit = c->handler->errors;
     unsigned dropped = 0;
 
-    if (err->code == RAD_ENOMEM) { /* for no fault of the other side's */
+    if (err->code == RAD_ENOMEM) { /* not the other side's fault */
         conn_tell(c, "message not read peer=%s: out of memory", c->peer);
         conn_out_end_uv(c, UV_ENOMEM);
         return;
@@ -40,15 +40,15 @@ garbage(struct conn *c, const struct rad_error *err)
     conn_out_end_with(c, err, CONN_BROKE_PROTOCOL);
 }
 
-/* Has it asked for more than it reads?  Workers and peers are not asked: what
- * goes to them is bounded by other means. */
+/* Has a user asked for more than it reads?  For workers and peers other limits
+ * hold. */
 static bool
 overfull(const struct conn *c)
 {
     return conn_out_to_user(c) && c->queued > ANSWERS_HIGH;
 }
 
-/* Look at no more of what came until the gate opens. */
+/* Keep the bytes that were read, and read no more, until the gate opens. */
 static void
 hold(struct conn *c, enum conn_gate gate, const uint8_t *p, size_t left)
 {
@@ -58,8 +58,8 @@ hold(struct conn *c, enum conn_gate gate, const uint8_t *p, size_t left)
     uv_read_stop(&c->stream->stream);
 }
 
-/* The next message, if it is there whole, goes to the handler.  False: there is
- * none, or no connection any more. */
+/* Give the next message to the handler, if it is whole.  False: it is not, or
+ * the connection has ended. */
 static bool
 take_one(struct conn *c, const uint8_t **p, size_t *left)
 {
@@ -74,12 +74,12 @@ take_one(struct conn *c, const uint8_t **p, size_t *left)
         return false;
     if (c->in.type == MSG_PING)
         answer_ping(c, &c->in);
-    if (c->state != CONN_CLOSED) /* else its owner knows */
+    if (c->state != CONN_CLOSED) /* else it has ended, and the owner knows */
         c->handler->message(c->arg, c, &c->in);
     return c->state != CONN_CLOSED;
 }
 
-/* Bytes that were read: whole messages go to the handler. */
+/* Handle bytes that were read, message by message. */
 static void
 take(struct conn *c, const uint8_t *p, size_t left)
 {
@@ -102,7 +102,6 @@ take(struct conn *c, const uint8_t *p, size_t left)
     }
 }
 
-/* What came by TLS, as far as it may be looked at. */
 void
 conn_in_unseal(struct conn *c)
 {
@@ -123,7 +122,7 @@ conn_in_unseal(struct conn *c)
         conn_out_end_uv(c, UV_EOF);
 }
 
-/* n bytes of c->buf have come. */
+/* Handle n bytes that were read into c->buf. */
 static void
 hear(struct conn *c, size_t n)
 {
@@ -142,15 +141,13 @@ hear(struct conn *c, size_t n)
 static void
 on_read(uv_stream_t *stream, ssize_t n, const uv_buf_t *buf)
 {
-    (void)buf; /* c->buf */
+    (void)buf; /* is c->buf */
     if (n < 0)
         conn_out_end_uv(stream->data, (int)n);
     else
         hear(stream->data, (size_t)n);
 }
 
-/* The other side has closed the connection while we write: what it said before,
- * as why it did, still lies ready. */
 void
 conn_in_hear_rest(struct conn *c)
 {
@@ -182,8 +179,6 @@ conn_in_start(struct conn *c)
     uv_read_start(&c->stream->stream, on_alloc, on_read);
 }
 
-/* It is the connection's turn, or its answers have been read: go on with its
- * requests. */
 void
 conn_in_reopen(struct conn *c)
 {
@@ -230,7 +225,7 @@ conn_pause(struct conn *c, bool pause)
     if (conn_out_is_over(c) || c->paused == pause)
         return;
     c->paused = pause;
-    c->silent = 0; /* a silence of our own making does not count */
+    c->silent = 0; /* a silence that we caused does not count */
     if (pause)
         uv_read_stop(&c->stream->stream);
     else if (c->gate == GATE_OPEN)

@@ -1,7 +1,7 @@
-/* conn_out.c - what goes out of a connection, and its end: see conn_impl.h
+/* conn_out.c - output of a connection, and its end: see conn_impl.h
  *
- * Messages are corked for a turn of the loop, sealed where there is TLS, and
- * written at once as far as the socket takes them.  libuv has the rest. */
+ * Messages are corked for a turn of the loop, encrypted if there is TLS, and
+ * written at once as far as the socket takes them.  libuv gets the rest. */
 #include "config.h"
 
 #include "net/conn_impl.h"
@@ -10,24 +10,24 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A user with more unread bytes than this gets none of the messages that it can
- * do without. */
+/* A user with more unread bytes than this gets no RECORDS. */
 #define SPARE_HIGH (8u << 20)
 
-/* Short messages that are sent in one turn of the loop go out together, up to
- * so many bytes: a call of the system costs more than they do. */
+/* Short messages of one turn of the loop are written together, up to so many
+ * bytes: a system call costs more than they do. */
 #define CORK_BYTES (8u << 10)
 
-/* Of what the socket took at once the owner hears with the next event of the
- * connection's, unless it is more than this, which somebody may wait for. */
+/* The owner hears of bytes that the socket took at once at the end of the
+ * loop's turn.  If these are more than this, further bytes go by libuv, so that
+ * it hears of them as they leave. */
 #define OWED_BYTES (64u << 10)
 
-/* Messages on their way out; owns its bytes until they are written. */
+/* A write request of libuv's, with its bytes. */
 struct out {
     uv_write_t req;
     struct conn *conn;
-    size_t len;   /* of bytes */
-    size_t count; /* of the message, for whoever counts */
+    size_t len;   /* size of bytes[], as they go to the socket */
+    size_t count; /* bytes of messages in bytes[], before TLS */
     uint8_t bytes[];
 };
 
@@ -44,7 +44,7 @@ conn_out_set_state(struct conn *c, enum conn_state to)
     };
 
     assert(may[c->state][to]);
-    (void)may; /* with NDEBUG */
+    (void)may; /* unused with NDEBUG */
     c->state = to;
 }
 
@@ -54,7 +54,7 @@ conn_out_is_over(const struct conn *c)
     return c->state == CONN_FINISHING || c->state == CONN_CLOSED;
 }
 
-/* Count bytes that wait to be written, and that do no more. */
+/* Count n more bytes as waiting to be written, or n less. */
 static void
 owe(struct conn *c, size_t n)
 {
@@ -69,8 +69,8 @@ paid(struct conn *c, size_t n)
     fair_paid(&c->place, n);
 }
 
-/* A connection that ends stands in no line any more, and what it did not read
- * is nobody's. */
+/* A connection that ends stands in no line, and its unread bytes count for no
+ * user. */
 static void
 leave_user(struct conn *c)
 {
@@ -102,7 +102,7 @@ conn_close(struct conn *c)
     if (!c || c->state == CONN_CLOSED)
         return;
     conn_out_set_state(c, CONN_CLOSED);
-    uncork(c); /* as much as the socket takes at once */
+    uncork(c); /* write what the socket takes at once */
     leave_user(c);
     uv_close(&c->stream->handle, handle_closed);
     uv_close((uv_handle_t *)&c->timer, handle_closed);
@@ -158,7 +158,7 @@ written(uv_write_t *req, int status)
 
     paid(c, n);
     if (c->gate != GATE_OPEN)
-        c->silent = 0; /* it reads: a sign of life */
+        c->silent = 0; /* the other side reads: a sign of life */
     free(o);
     if (c->state == CONN_CLOSED)
         return;
@@ -178,7 +178,7 @@ written(uv_write_t *req, int status)
         c->reopen(c);
 }
 
-/* Hand o, which is counted, to libuv. */
+/* Give o, which is counted, to libuv. */
 static int
 write_out(struct conn *c, struct out *o)
 {
@@ -195,7 +195,7 @@ write_out(struct conn *c, struct out *o)
     return rc;
 }
 
-/* Messages in o go out; by TLS as its records. */
+/* Write the messages in o, encrypted if there is TLS. */
 static int
 seal_out(struct conn *c, struct out *o)
 {
@@ -207,7 +207,7 @@ seal_out(struct conn *c, struct out *o)
     if (!c->tls)
         return write_out(c, o);
     sealed = tls_seal(c->tls, o->bytes, o->len, sizeof *o, &n, &err);
-    if (!sealed) { /* half of it may be in the session */
+    if (!sealed) { /* the session may have half of them: useless now */
         conn_tell(c, "messages not sent peer=%s: %s", c->peer, err.what);
         paid(c, o->count);
         free(o);
@@ -219,12 +219,12 @@ seal_out(struct conn *c, struct out *o)
     return write_out(c, sealed);
 }
 
-/* Room for what is corked as it goes over the wire. */
+/* Room for the corked messages once they are encrypted. */
 struct wire_form {
     uint8_t bytes[CORK_BYTES + (1u << 10)];
 };
 
-/* Seal what is corked: how many bytes come of it. */
+/* Encrypt the corked messages; returns their size then, or a negative code. */
 static long
 seal_cork(struct conn *c, struct wire_form *to)
 {
@@ -235,14 +235,14 @@ seal_cork(struct conn *c, struct wire_form *to)
     n = tls_seal_into(c->tls, c->cork, c->corked, to->bytes, &err);
     if (n >= 0)
         return n;
-    /* half of it may be in the session */
+    /* the session may have half of them, so it is useless now */
     conn_tell(c, "messages not sent peer=%s: %s", c->peer, err.what);
     return UV_EPROTO;
 }
 
-/* Write what the socket takes now, which nearly always is all: that takes
- * neither memory nor another turn of the loop.  The rest is queued, and so is
- * all where there is an error, of which libuv tells then. */
+/* Write what the socket takes now, nearly always all of it: that needs neither
+ * memory nor another turn of the loop.  libuv gets the rest, or everything if
+ * there is an error, which it then reports. */
 static int
 write_now(struct conn *c, const uint8_t *p, size_t n, size_t count)
 {
@@ -263,7 +263,7 @@ write_now(struct conn *c, const uint8_t *p, size_t n, size_t count)
         return UV_ENOMEM;
     c->owed += count;
     if (c->gate != GATE_OPEN)
-        c->silent = 0; /* it reads: a sign of life */
+        c->silent = 0; /* the other side reads: a sign of life */
     return 0;
 }
 
@@ -295,7 +295,7 @@ conn_out_uncork(struct conn *c)
         conn_out_end_uv(c, rc);
 }
 
-/* The turn of the loop is over. */
+/* At the end of the loop's turn: write the corked messages. */
 static void
 end_turn(struct conn *c)
 {
@@ -310,7 +310,7 @@ before_waiting(uv_prepare_t *h)
     end_turn(h->data);
 }
 
-/* Tell the owner of what was written at once. */
+/* Tell the owner what was written at once. */
 static void
 settle(struct conn *c)
 {
@@ -338,7 +338,7 @@ after_waiting(uv_check_t *h)
         settle(c);
 }
 
-/* Room for len bytes that wait for others of this turn; NULL: there is none. */
+/* Room for len bytes of a corked message; NULL: memory is out. */
 static uint8_t *
 cork_room(struct conn *c, size_t len)
 {
@@ -352,7 +352,7 @@ cork_room(struct conn *c, size_t len)
     return c->cork + c->corked - len;
 }
 
-/* A message that goes by itself. */
+/* Write a long message by itself. */
 static int
 queue_alone(struct conn *c, const uint8_t *bytes, size_t len)
 {
@@ -378,9 +378,9 @@ queue_corked(struct conn *c, const uint8_t *bytes, size_t len)
     return 0;
 }
 
-/* Queue bytes that the other side understands.  Where there is no memory for
- * them the connection ends: for a message that never comes the other side would
- * wait for ever, but it calls again when it has lost the connection. */
+/* Queue a packed message.  If memory is out the connection ends: the other side
+ * would wait for ever for a message that is lost, but dials again when the
+ * connection is. */
 static bool
 queue(struct conn *c, const uint8_t *bytes, size_t len)
 {
@@ -413,8 +413,8 @@ conn_out_to_user(const struct conn *c)
            c->reader.session == MSG_AT_COORD_OBSERVER;
 }
 
-/* Ambient records come as fast as workers make them, whether or not they are
- * read; they are worth time in a later job, and nothing else. */
+/* Skip RECORDS to a user who reads too slowly.  Workers make records as fast as
+ * they can; a lost one only costs a later job some time. */
 static bool
 skip(struct conn *c, uint16_t type)
 {
@@ -460,7 +460,6 @@ conn_send(struct conn *c, const struct msg *m)
     return ok;
 }
 
-/* An alert or a key update of the session's own; counted or not. */
 void
 conn_out_flush(struct conn *c, bool counted)
 {

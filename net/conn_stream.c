@@ -59,7 +59,7 @@ conn_stream_peer(uv_stream_t *stream, char text[ADDRESS_TEXT],
     if (stream->type == UV_NAMED_PIPE)
         snprintf(text, ADDRESS_TEXT, "uid:%ld", conn_stream_uid(stream));
     else if (uv_tcp_getpeername((uv_tcp_t *)stream, &a.sa.any, &n) < 0)
-        snprintf(text, ADDRESS_TEXT, "?"); /* it is gone already */
+        snprintf(text, ADDRESS_TEXT, "?"); /* it has closed already */
     else
         address_format(&a, text);
     if (from)

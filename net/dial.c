@@ -1,9 +1,8 @@
 /* dial.c - see dial.h
  *
- * Names are looked up on libuv's pool: a resolver may take its time.  A name
- * may have addresses of IPv6 and IPv4, and the coordinator listen at one kind
- * alone: where an address does not answer the next one is looked up and tried.
- */
+ * libuv's pool looks up names, for the resolver may take long.  A name may have
+ * addresses of IPv6 and IPv4 while the coordinator listens at one kind alone:
+ * if one address does not answer the next one is looked up and tried. */
 #include "config.h"
 
 #include "net/dial.h"
@@ -20,23 +19,23 @@ struct dialling {
     struct dialler *dialler;
     uv_work_t lookup;
     uv_connect_t connect;
-    uv_timer_t timer; /* of connecting */
-    bool looking, connecting, closed; /* of its timer */
+    uv_timer_t timer; /* limits connecting */
+    bool looking, connecting, closed; /* closed: the timer is */
     uint64_t id;
     bool with_key;
     struct dial_key key;
     struct address to;
-    unsigned nth; /* of the name's addresses: the one that is tried */
+    unsigned nth; /* which of the name's addresses is tried */
     uv_stream_t *stream;
     struct handshake *shake;
-    struct rad_error err; /* of the look-up */
-    int refused; /* why the first address did not answer */
+    struct rad_error err; /* of looking up */
+    int refused; /* the error of the first address */
     char text[ADDRESS_TEXT];
 };
 
 struct dialler {
     uv_loop_t *loop;
-    struct tls_ctx *tls; /* NULL: not needed yet; it takes 2 ms to make */
+    struct tls_ctx *tls; /* NULL: not needed yet, for it takes 2 ms to make */
     dial_fn *fn;
     void *arg;
     struct dialling *first;
@@ -54,7 +53,7 @@ dialler_new(uv_loop_t *loop, dial_fn *fn, void *arg)
     return d;
 }
 
-/* Free a dialling of which libuv has nothing any more. */
+/* Free g once libuv uses nothing of it. */
 static void
 free_unused(struct dialling *g)
 {
@@ -67,7 +66,7 @@ free_unused(struct dialling *g)
 static void
 timer_closed(uv_handle_t *h)
 {
-    struct dialling *g = h->data; /* which h is in */
+    struct dialling *g = h->data; /* h is a part of it */
 
     g->closed = true;
     free_unused(g);
@@ -82,7 +81,8 @@ free_idle(struct dialler *d)
     free(d);
 }
 
-/* Nobody waits for it any more: its handles go, at last itself. */
+/* Take g out of the list and close its handles; it is freed when they are
+ * closed. */
 static void
 let_go(struct dialling *g)
 {
@@ -97,7 +97,7 @@ let_go(struct dialling *g)
     if (g->shake)
         handshake_cancel(g->shake);
     else if (g->stream)
-        conn_stream_close(g->stream); /* its connect request is cancelled */
+        conn_stream_close(g->stream); /* which cancels the connect request */
     g->shake = NULL;
     g->stream = NULL;
     uv_close((uv_handle_t *)&g->timer, timer_closed);
@@ -167,7 +167,7 @@ shaken(void *arg, uv_stream_t *stream, struct tls *tls,
 
 static void try_address(struct dialling *g);
 
-/* This address does not answer: another one may. */
+/* Try the next address, for this one does not answer. */
 static void
 try_next(struct dialling *g, int status)
 {
@@ -178,7 +178,7 @@ try_next(struct dialling *g, int status)
     try_address(g);
 }
 
-/* NULL: memory is out. */
+/* A new TLS session; NULL: memory is out. */
 static struct tls *
 session(struct dialling *g)
 {
@@ -196,7 +196,7 @@ connected(uv_connect_t *req, int status)
     uv_stream_t *stream = g->stream;
 
     g->connecting = false;
-    if (!stream) { /* let go of meanwhile */
+    if (!stream) { /* let_go() was called meanwhile */
         free_unused(g);
         return;
     }
@@ -208,7 +208,7 @@ connected(uv_connect_t *req, int status)
     } else if (!g->with_key) {
         give_up_keyless(g);
     } else {
-        g->stream = NULL; /* it is the handshake's */
+        g->stream = NULL; /* the handshake takes it */
         g->shake =
             handshake_new(stream, session(g), HANDSHAKE_MS, shaken, g);
         if (!g->shake)
@@ -277,7 +277,8 @@ looked_up(uv_work_t *work, int status)
         start_connect(g);
 }
 
-/* A path needs no look-up, and no thread for it. */
+/* A path needs no resolver, so no thread; but the answer comes later all the
+ * same. */
 static void
 on_path(uv_timer_t *timer)
 {
@@ -287,7 +288,7 @@ on_path(uv_timer_t *timer)
     looked_up(&g->lookup, 0);
 }
 
-/* Look the next address up and connect. */
+/* Look up the next address, and connect. */
 static void
 try_address(struct dialling *g)
 {

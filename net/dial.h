@@ -1,7 +1,8 @@
-/* dial.h - connections to others' sockets
+/* dial.h - dialling: connections to other programs' sockets
  *
- * A Unix socket is there as soon as it is connected; over TCP a key is proven
- * first (handshake.h).  Each of the two may take HANDSHAKE_MS.
+ * A Unix socket is open as soon as it is connected.  Over TCP the key is proven
+ * first (handshake.h).  Connecting and the handshake may take HANDSHAKE_MS
+ * each.
  * Thread: the loop's. */
 #ifndef RADD_NET_DIAL_H
 #define RADD_NET_DIAL_H
@@ -12,14 +13,15 @@
 #include <stdbool.h>
 #include <uv.h>
 
-/* Called once: with an open stream and, over TCP, its session, which the
- * callee owns; or with NULL and why not: a code of libuv's, of handshake.h or
- * RAD_EPERM without a key.  peer is the address that was dialled. */
+/* Called once: with an open stream and, over TCP, its TLS session, both of
+ * which the callee takes; or with NULL and the reason, whose code is libuv's,
+ * one of handshake.h or RAD_EPERM for a missing key.  peer: the address that
+ * was dialled. */
 typedef void dial_fn(void *arg, uint64_t id, uv_stream_t *stream,
                      struct tls *tls, const char *peer,
                      const struct rad_error *why);
 
-/* By which key; wiped by whoever has it. */
+/* The key to dial with.  Its holder wipes it after use. */
 struct dial_key {
     char id[TLS_ID];
     uint8_t secret[TLS_SECRET];
@@ -27,17 +29,18 @@ struct dial_key {
 
 struct dialler;
 
-/* fn is called later, never from inside dial().  NULL when memory is out. */
-struct dialler *dialler_new(uv_loop_t *loop, dial_fn *fn, void *arg);
-/* End what is under way; fn is not called any more.  The loop frees the dialler
- * with its last look-up of a name, which cannot be stopped.  NULL is accepted.
+/* fn is called after dial() has returned, never inside.  NULL: memory is out.
  */
+struct dialler *dialler_new(uv_loop_t *loop, dial_fn *fn, void *arg);
+/* Stop all dialling; fn is not called any more.  A name's look-up cannot be
+ * stopped, so the dialler is freed when the last look-up has ended.  NULL is
+ * accepted. */
 void dialler_close(struct dialler *d);
 
-/* Dial `text`, an address of address.h, which may have "tcp " or "unix "
- * before it.  key, copied, may be NULL: then only a Unix socket is dialled,
- * and at a loopback address it is seen whether anybody listens.
- * False when memory is out: fn is not called then. */
+/* Dial `text`, an address of address.h, which may have "tcp " or "unix " before
+ * it.  key is copied.  Without a key (NULL) only a Unix socket can be dialled;
+ * at a loopback address the dialler still finds out whether anybody listens.
+ * False: memory is out, and fn is not called. */
 bool dial(struct dialler *d, const char *text, uint64_t id,
           const struct dial_key *key);
 

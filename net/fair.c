@@ -7,17 +7,17 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define NAME_BYTES 80 /* of a user, with its NUL */
+#define NAME_BYTES 80 /* of a user's name, with its NUL */
 
-/* What a user may leave unread unless fair_set_unread() says otherwise. */
+/* How much a user may leave unread before fair_set_unread() is called. */
 #define UNREAD_HIGH ((size_t)32 << 20)
 
 struct fair_user {
     struct fair *fair;
-    struct fair_user *next_known; /* of all users */
+    struct fair_user *next_known; /* in the list of all users */
     struct fair_user *next;       /* in line */
     bool waits;
-    struct fair_place *first, **last; /* its connections that stand in line */
+    struct fair_place *first, **last; /* its connections in line */
     size_t unread;
     unsigned conns;
     char name[NAME_BYTES];
@@ -52,7 +52,7 @@ is_full(const struct fair_user *u)
     return u->unread >= u->fair->unread_high;
 }
 
-/* Whoever has read little is served when there is room for some answers. */
+/* Has a user who left too much unread read enough to be served again? */
 static bool
 has_room(const struct fair_user *u)
 {
@@ -62,10 +62,10 @@ has_room(const struct fair_user *u)
 static void
 on_awake(uv_idle_t *h)
 {
-    (void)h; /* that there is one keeps the loop from waiting */
+    (void)h; /* an idle handle keeps the loop from waiting */
 }
 
-/* Somebody is in line: the loop comes round at once. */
+/* A connection stands in line: do not let the loop wait. */
 static void
 wake(struct fair *f)
 {
@@ -149,7 +149,7 @@ fair_done(struct fair_place *p)
     f->spent_ns += uv_hrtime() - f->since_ns;
 }
 
-/* The next user's next connection has one request looked at. */
+/* Let the next connection of the next user have one request looked at. */
 static void
 serve_one(struct fair *f)
 {
@@ -161,7 +161,7 @@ serve_one(struct fair *f)
     step_out(p);
     f->serving = p;
     f->granted = true;
-    u->conns++; /* it may leave meanwhile, and its user must not go with it */
+    u->conns++; /* go() may end the connection, but must not free the user */
     p->go(p);
     u->conns--;
     f->serving = NULL;
@@ -184,7 +184,7 @@ on_after(uv_check_t *h)
     drop_unused(f);
 }
 
-/* --- what is unread --- */
+/* --- unread answers --- */
 
 void
 fair_owe(struct fair_place *p, size_t n)
@@ -258,8 +258,8 @@ fair_join(struct fair *f, const char *name)
     return u;
 }
 
-/* Users without a connection stand in no line, but for one that left it in this
- * turn. */
+/* Free users without connections.  One that still stands in line, because its
+ * connection left in this turn, is freed later. */
 static void
 drop_unused(struct fair *f)
 {
@@ -287,7 +287,7 @@ fair_leave(struct fair_place *p)
     step_out(p);
     u->conns--;
     p->user = NULL;
-    if (!u->fair->open) /* the loop comes no more */
+    if (!u->fair->open) /* no turn of the loop will free it */
         drop_unused(u->fair);
 }
 

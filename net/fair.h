@@ -1,13 +1,15 @@
-/* fair.h - whose requests a daemon looks at next, and what their answers hold
+/* fair.h - the order in which users' requests are looked at, and how many
+ * unread answers a user may have
  *
- * Requests of users come in any number.  While there are more than one turn of
- * the loop has time for (FAIR_MS), connections stand in line: users take turns,
- * and of each user its connections, for one request at a time.  So what one
- * user asks for, by however many connections, costs another the wait for one
- * request of the first.  Between two turns the loop sees to all else.
+ * While there are more requests than one turn of the loop has time for
+ * (FAIR_MS), connections stand in line.  Users take turns, and so do the
+ * connections of each user, for one request at a time.  So a user with many
+ * connections and requests makes another user wait for one request only.
+ * Between two turns the loop does all its other work.
  *
- * Answers that a user does not read are counted over all its connections.
- * Above a limit none of its requests is looked at until most of that is read.
+ * Bytes of answers that are not read yet are counted per user, over all its
+ * connections.  A user above the limit is not served until a quarter of that
+ * has been read.
  * Lifetime: a user lives as long as its connections.
  * Thread: the loop's. */
 #ifndef RADD_NET_FAIR_H
@@ -22,50 +24,50 @@
 
 struct fair_user;
 
-/* A connection's place in line; zeroed, it is nobody's. */
+/* A connection's place in line; when zeroed, it belongs to no user. */
 struct fair_place {
     struct fair_user *user; /* NULL: it need not stand in line */
     struct fair_place *next;
     bool waits;
-    void (*go)(struct fair_place *p); /* look at one request */
+    void (*go)(struct fair_place *p); /* look at one request: fair_begin() */
 };
 
 struct fair {
     uv_loop_t *loop;
-    uv_check_t after; /* the loop waited: serve those in line */
-    uv_idle_t awake;  /* while somebody is: do not wait */
+    uv_check_t after; /* after the loop has waited: serve the line */
+    uv_idle_t awake;  /* runs while a connection is in line: do not wait */
     bool open;
     struct fair_user *users;         /* all */
     struct fair_user *first, **last; /* in line */
-    struct fair_place *serving;      /* in its go() */
-    bool granted;                    /* it may still look at its request */
-    uint64_t spent_ns, since_ns;     /* on requests, in this turn */
-    size_t unread_high;              /* bytes of answers of one user */
+    struct fair_place *serving;      /* whose go() is running */
+    bool granted;                    /* serving may still begin its request */
+    uint64_t spent_ns, since_ns;     /* time on requests in this turn */
+    size_t unread_high;              /* most unread bytes of one user */
 };
 
 void fair_init(struct fair *f, uv_loop_t *loop);
-/* Nobody is served any more; closes its handles. */
+/* Close the handles; no connection is served any more. */
 void fair_close(struct fair *f);
 
-/* Most bytes that the answers to one user may hold. */
+/* Set how many bytes of answers a user may leave unread. */
 void fair_set_unread(struct fair *f, size_t bytes);
-/* Of the user of that name now; 0 if it has no connection. */
+/* The unread bytes of the user of that name; 0 if it has no connection. */
 size_t fair_unread(const struct fair *f, const char *name);
 
-/* The user of that name, a new one if there is none, with one connection more;
- * NULL when memory is out.  And with one less. */
+/* Add a connection to the user of that name, which is made if need be; NULL:
+ * memory is out.  fair_leave() takes a connection away. */
 struct fair_user *fair_join(struct fair *f, const char *name);
 void fair_leave(struct fair_place *p);
 
-/* May the connection look at a request now?  Then fair_done() follows.  Else it
- * is in line, and go() is called. */
+/* May the connection look at a request now?  If so, call fair_done() after it.
+ * If not, it stands in line now, and go() will be called. */
 bool fair_begin(struct fair_place *p);
 void fair_done(struct fair_place *p);
 
-/* Bytes for it wait to be read; or no longer do. */
+/* Count n bytes for the connection as unread, or as read. */
 void fair_owe(struct fair_place *p, size_t n);
 void fair_paid(struct fair_place *p, size_t n);
-/* Has its user left too much unread? */
+/* Has its user too much unread? */
 bool fair_full(const struct fair_place *p);
 
 #endif

@@ -9,10 +9,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define HOST 17 /* bytes that stand for a host: family, address */
+#define HOST 17 /* bytes that identify a host: family, address */
 
 struct visitor {
-    struct visitor *next; /* a later one */
+    struct visitor *next; /* the next newer one */
     struct gate *gate;
     struct handshake *shake;
     uint8_t host[HOST];
@@ -99,7 +99,8 @@ shaken(void *arg, uv_stream_t *stream, struct tls *tls,
         log_refused(g, peer, why->what);
 }
 
-/* What counts as one host.  A host has a whole network of IPv6 addresses. */
+/* What counts as one host.  One host can have a whole /64 network of IPv6
+ * addresses. */
 static void
 host_of(const struct address *a, uint8_t host[HOST])
 {
@@ -118,7 +119,8 @@ host_of(const struct address *a, uint8_t host[HOST])
     }
 }
 
-/* How many there are, all or of one host, and the oldest of them. */
+/* The number of visitors, of one host or (host NULL) of all, and the oldest of
+ * them. */
 static unsigned
 count(const struct gate *g, const uint8_t *host, struct visitor **oldest)
 {

@@ -8,23 +8,23 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* How often a key that is not known yet is asked for. */
+/* How often a key that is not known yet is looked for again. */
 #define ASK_MS 10
 
 struct handshake {
-    uv_stream_t *stream; /* NULL: given away */
+    uv_stream_t *stream; /* NULL: handed over */
     uv_timer_t timer;
     struct tls *tls;
     handshake_fn *fn;
     void *arg;
     unsigned limit_ms;
-    uint64_t begin_ms, waits_ms; /* since when it waits for a key, or 0 */
+    uint64_t begin_ms, waits_ms; /* it waits for a key since; 0: no */
     size_t bytes_in;
     bool begun, over;
     char buf[2048];
 };
 
-/* Bytes of ours on their way; may outlive the handshake. */
+/* Bytes that are being written; may outlive the handshake. */
 struct flight {
     uv_write_t req;
     uint8_t bytes[];
@@ -78,11 +78,11 @@ static void on_timer(uv_timer_t *timer);
 static void
 flown(uv_write_t *req, int status)
 {
-    (void)status; /* reading notices */
+    (void)status; /* reading notices errors */
     free(req->data);
 }
 
-/* Send what the session has to say. */
+/* Send what the TLS session has to say. */
 static int
 send_out(struct handshake *h)
 {
@@ -107,7 +107,8 @@ send_out(struct handshake *h)
     return rc;
 }
 
-/* For the end of its time, or to ask for a key again before. */
+/* Set the timer to the end of the handshake's time or, while it waits for a
+ * key, to the next look for that. */
 static void
 set_timer(struct handshake *h)
 {

@@ -1,7 +1,7 @@
 /* inifile.c - see inifile.h
  *
- * inih calls its reader a line at a time; ours counts the lines, so that an
- * error can name the one it is in, and notices lines that inih would split. */
+ * inih calls its reader for each line.  Ours counts the lines, so that an error
+ * can name the line, and refuses a line that inih would split. */
 #include "config.h"
 
 #include "net/inifile.h"
@@ -15,7 +15,7 @@ struct reader {
     inifile_fn *fn;
     void *arg;
     int line;
-    int code; /* of the first error */
+    int code; /* of the first error; 0: none */
     struct rad_error *err;
 };
 

@@ -1,8 +1,8 @@
 /* listen.c - see listen.h
  *
- * Connections are taken here and not by libuv, which without descriptors to
- * take them with comes back at once, over and over, or throws away all that
- * wait.  Here they wait in the kernel's queue until there are some. */
+ * This file accepts connections itself.  libuv, when descriptors run out, would
+ * either try again at once, over and over, or drop all waiting connections.
+ * Here they wait in the kernel's queue until there are descriptors again. */
 #include "config.h"
 
 #include "base/output.h"
@@ -22,35 +22,35 @@
 #include <unistd.h>
 
 #define BACKLOG  64
-#define AT_ONCE  64    /* connections that are taken in a turn of the loop */
-#define AGAIN_MS 100   /* after a shortage */
-#define TELL_MS  60000 /* least time between lines that tell of one */
+#define AT_ONCE  64    /* connections accepted in one turn of the loop */
+#define AGAIN_MS 100   /* wait after a shortage */
+#define TELL_MS  60000 /* least time between log lines about a shortage */
 
-/* Descriptors that connections leave for files, children and the like, where
- * there are many; else a quarter. */
+/* Descriptors that are left free for files, children and the like, if there are
+ * many; else a quarter of them is. */
 #define SPARE 64
 
-/*   listens <-> waits: there are no descriptors
+/*   listens <-> waits, for want of descriptors
  *         \      /
- *          closed       */
+ *          closed */
 struct listener {
     uv_poll_t poll;
-    uv_timer_t again; /* while it waits */
-    int open_handles; /* before it may go */
+    uv_timer_t again; /* runs while it waits */
+    int open_handles; /* handles that are not closed yet */
     int fd;
-    int most; /* descriptors above this are not for connections */
+    int most; /* connections may use descriptors below this */
     bool local;
-    bool waits;       /* somebody does, since the last that was taken */
-    bool told;        /* that it waits, ever; */
-    uint64_t told_ms; /* then when */
+    bool waits;       /* connections wait since the last one was accepted */
+    bool told;        /* a shortage was logged, ever */
+    uint64_t told_ms; /* when that was last */
     struct listener_conf conf;
-    struct gate *gate; /* of TCP */
+    struct gate *gate; /* for TCP */
     struct address at;
     char text[ADDRESS_TEXT + 8];
 };
 
-/* Is somebody serving the socket at a?  0: no file; 1: a dead one; otherwise
- * RAD_ECANTCREAT. */
+/* Does a process serve the Unix socket at a?  Returns 0: there is no file; 1:
+ * the file is left over; RAD_ECANTCREAT otherwise. */
 static int
 probe_socket(const struct address *a, struct rad_error *err)
 {
@@ -103,13 +103,14 @@ bind_socket(int fd, const struct address *a)
         setsockopt(fd, IPPROTO_IPV6, IPV6_V6ONLY, &off, sizeof off);
     if (bind(fd, &a->sa.any, n) < 0)
         return -errno;
-    /* who may do what is decided by SO_PEERCRED, not by mode */
+    /* open to all users: SO_PEERCRED decides about their rights, not the mode
+     */
     if (a->sa.any.sa_family == AF_UNIX && chmod(a->sa.un.sun_path, 0666) < 0)
         return -errno;
     return listen(fd, BACKLOG) < 0 ? -errno : 0;
 }
 
-/* The address that the kernel gave (port 0 in the wish). */
+/* Note the address that the kernel chose, for port 0. */
 static void
 note_address(struct listener *l)
 {
@@ -161,13 +162,14 @@ go_on(uv_timer_t *again)
     uv_poll_start(&l->poll, UV_READABLE, on_ready);
 }
 
-/* Nobody is lost by it: they are in the kernel's queue. */
+/* Stop accepting for AGAIN_MS.  Connections wait in the kernel's queue
+ * meanwhile. */
 static void
 wait_for_some(struct listener *l, const char *why)
 {
     uint64_t now_ms = uv_now(l->again.loop);
 
-    /* who connects and goes can make it begin to wait at each turn */
+    /* short connections could cause a line at each turn */
     if (!l->waits && (!l->told || now_ms - l->told_ms >= TELL_MS)) {
         log_warn("connections wait on=%s: %s", l->text, why);
         l->told = true;
@@ -178,7 +180,7 @@ wait_for_some(struct listener *l, const char *why)
     uv_timer_start(&l->again, go_on, AGAIN_MS, 0);
 }
 
-/* Is there a descriptor for one more connection, and some to spare? */
+/* Is there a descriptor for one more connection, with some to spare? */
 static bool
 has_room(const struct listener *l)
 {
@@ -189,7 +191,7 @@ has_room(const struct listener *l)
     return fd >= 0 && fd < l->most;
 }
 
-/* Does trying again at once lead nowhere? */
+/* Is the error a shortage, so that trying again at once is useless? */
 static bool
 is_short(int number)
 {
@@ -202,7 +204,7 @@ on_ready(uv_poll_t *poll, int status, int events)
 {
     struct listener *l = poll->data;
 
-    (void)status; /* accept4() says the same */
+    (void)status; /* accept4() returns the same error */
     (void)events;
     for (int i = 0; i < AT_ONCE && !uv_is_closing((uv_handle_t *)poll); i++) {
         int fd;
@@ -219,12 +221,12 @@ on_ready(uv_poll_t *poll, int status, int events)
         if (fd < 0 && (errno == EAGAIN || errno == EWOULDBLOCK))
             return;
         l->waits = false;
-        if (fd >= 0) /* else the visitor is gone already */
+        if (fd >= 0) /* else the other side has closed it already */
             take_one(l, fd);
     }
 }
 
-/* --- the whole --- */
+/* --- opening and closing --- */
 
 static int
 most_descriptors(void)
@@ -267,7 +269,8 @@ new_socket(const struct address *a)
                   SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
 }
 
-/* The socket, bound; a negative error number, or RAD_ECANTCREAT with *err. */
+/* Open and bind the socket.  Returns 0, a negative error number, or
+ * RAD_ECANTCREAT with *err set. */
 static int
 open_socket(struct listener *l, const char *where, struct rad_error *err)
 {
@@ -304,7 +307,8 @@ on_closed(uv_handle_t *h)
         free_listener(l);
 }
 
-/* A negative error number, and it is gone. */
+/* Begin to watch the socket.  On failure returns a negative error number and
+ * frees l. */
 static int
 watch(struct listener *l, uv_loop_t *loop)
 {

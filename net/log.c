@@ -19,7 +19,7 @@
 
 static const struct {
     const char *name;
-    char priority; /* syslog(3)'s, as the journal reads it */
+    char priority; /* syslog(3)'s, for the journal */
 } levels[] = {
     [LOG_LEVEL_ERR] = { "err", '3' },
     [LOG_LEVEL_WARN] = { "warn", '4' },
@@ -30,11 +30,11 @@ static const struct {
 static struct {
     const char *program; /* [fixed] after log_open() */
     bool journal;        /* [fixed] */
-    _Atomic int level;   /* relaxed: a line more or less does not matter */
+    _Atomic int level;   /* relaxed: a line more or less is harmless */
 } logger = { "radd", false, LOG_LEVEL_INFO };
 
-/* Is it the journal's stream that stderr goes to?  The variable is inherited
- * by programs whose stderr is somewhere else (systemd.exec(5)). */
+/* Is stderr a stream of the journal?  JOURNAL_STREAM alone does not tell, for a
+ * program inherits it even if its stderr goes elsewhere (systemd.exec(5)). */
 static bool
 stderr_is_journal(void)
 {
@@ -52,7 +52,7 @@ log_open(const char *program, enum log_level level)
 {
     logger.program = program;
     logger.journal = stderr_is_journal();
-    tzset(); /* a sandboxed process could not read the time zone's file later */
+    tzset(); /* later the sandbox may not let us read the time zone's file */
     log_set_level(level);
 }
 
@@ -117,7 +117,7 @@ log_at(enum log_level level, const char *fmt, ...)
     rad_text_clean(line + n);
     len = strlen(line);
     line[len] = '\n';
-    /* nobody is left to tell if stderr is gone */
+    /* if stderr fails there is nowhere to report it */
     ignored = write(STDERR_FILENO, line, len + 1);
     (void)ignored;
 }

@@ -24,7 +24,7 @@ enum log_level {
 void log_open(const char *program, enum log_level level);
 void log_set_level(enum log_level level);
 
-/* "err", "warn", "info" or "debug"; negative: none of them. */
+/* "err", "warn", "info" or "debug"; negative: another word. */
 int log_level_parse(const char *name);
 
 void log_at(enum log_level level, const char *fmt, ...)
@@ -35,8 +35,8 @@ void log_at(enum log_level level, const char *fmt, ...)
 #define log_info(...)  log_at(LOG_LEVEL_INFO, __VA_ARGS__)
 #define log_debug(...) log_at(LOG_LEVEL_DEBUG, __VA_ARGS__)
 
-/* Keeps an event that others can provoke from filling the log: at most
- * LOG_BURST lines in LOG_WINDOW_MS.  Zeroed at first. */
+/* Limits log lines of an event that others can cause: at most LOG_BURST lines
+ * in LOG_WINDOW_MS.  Begins zeroed. */
 #define LOG_BURST     10
 #define LOG_WINDOW_MS 10000
 struct log_limit {
@@ -44,12 +44,12 @@ struct log_limit {
     unsigned passed, dropped;
 };
 
-/* May this event be logged at now_ms?  *dropped (if true is returned): how
- * many were kept back in the window before. */
+/* May this event be logged at now_ms?  If so, *dropped is the number of lines
+ * that were kept back in the window before. */
 bool log_allowed(struct log_limit *l, uint64_t now_ms, unsigned *dropped);
 
-/* End at once with EX_OSERR: for what cannot fail and has no memory.  Nothing
- * that was acknowledged is lost by it. */
+/* End the process at once with EX_OSERR, if memory is out where a failure
+ * cannot be handled.  Nothing that was acknowledged is lost. */
 _Noreturn void log_out_of_memory(void);
 
 #endif

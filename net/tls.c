@@ -1,17 +1,16 @@
 /* tls.c - see tls.h
  *
- * What OpenSSL 3.0 does unless told otherwise, each with its test in
- * check_tls.c:
- * - a suite with another hash than the key's makes the key silently unusable:
- *   only suites with SHA-256 are allowed;
+ * Against these habits of OpenSSL 3.0 something is done here; check_tls.c tests
+ * each:
+ * - a suite whose hash differs from the key's makes the key silently unusable:
+ * only suites with SHA-256 are allowed;
  * - a client that offers a key goes on with a server that ignores it and shows
- *   a certificate: the client verifies against an empty store and insists that
- *   the session was resumed, which is what a key's use looks like;
- * - an unknown name ends in another alert than a wrong secret: it is answered
- *   with a random key;
- * - tickets would be keys of their own that nobody could retire: none are
- *   made;
- * - a memory BIO takes whatever it is given: tls_put() has a mark. */
+ * a certificate: the client verifies against an empty store and insists that
+ * the session was resumed, as it is when a key is used;
+ * - an unknown name ends in another alert than a wrong secret: an unknown name
+ * is answered with a random key;
+ * - tickets would be keys of their own that nobody could retire: none are made;
+ * - a memory BIO takes any number of bytes: tls_put() has a limit. */
 #include "config.h"
 
 #include "net/tls.h"
@@ -30,10 +29,10 @@
 #define SUITES "TLS_AES_128_GCM_SHA256:TLS_CHACHA20_POLY1305_SHA256"
 #define GROUPS "X25519:P-256"
 
-/* A record holds 16 KiB; its header, type and tag are 22 bytes. */
+/* A record holds 16 KiB; header, content type and tag add 22 bytes. */
 #define RECORD      16384
 #define RECORD_MORE 22
-#define OUT_SLACK   512 /* an alert or a key update on the way */
+#define OUT_SLACK   512 /* room for an alert or a key update */
 
 struct tls_ctx {
     SSL_CTX *ssl;
@@ -46,18 +45,18 @@ struct tls {
     BIO *in, *out; /* ssl's */
     struct tls_ctx *ctx;
     bool server;
-    bool hello;        /* of a server: it has seen a ClientHello */
-    bool waiting;      /* of a server: for the key that was named */
-    bool decide;       /* wait for it no longer */
-    bool done, ended;  /* the handshake; the other side */
-    const char *fault; /* of a server: what is wrong with the key's name */
+    bool hello;        /* of a server: a ClientHello has come */
+    bool waiting;      /* of a server: the client's key is not known yet */
+    bool decide;       /* do not wait for the key any longer */
+    bool done, ended;  /* done: the handshake; ended: the other side */
+    const char *fault; /* of a server: why the client's key is refused */
     char id[TLS_ID];
-    uint8_t secret[TLS_SECRET]; /* of a client */
+    uint8_t secret[TLS_SECRET]; /* of a client: the key's */
 };
 
 /* --- keys --- */
 
-/* A session that stands for a key (RFC 8446, 4.2.11). */
+/* A session that represents an external key (RFC 8446, 4.2.11). */
 static SSL_SESSION *
 key_session(SSL *ssl, const uint8_t secret[TLS_SECRET])
 {
@@ -73,7 +72,7 @@ key_session(SSL *ssl, const uint8_t secret[TLS_SECRET])
     return NULL;
 }
 
-/* The name that a client gave, if it can be one. */
+/* Take the key's name that a client sent; false: it cannot be one. */
 static bool
 take_id(struct tls *t, const unsigned char *id, size_t n)
 {
@@ -93,7 +92,7 @@ find_key(SSL *ssl, const unsigned char *id, size_t n, SSL_SESSION **session)
     struct tls *t = SSL_get_app_data(ssl);
     uint8_t secret[TLS_SECRET], unknown[TLS_SECRET];
 
-    /* made in any case: an unknown name takes no other time */
+    /* always made, so that an unknown name takes as long as a known one */
     if (RAND_bytes(unknown, sizeof unknown) != 1)
         return 0;
     memset(secret, 0, sizeof secret);
@@ -111,15 +110,15 @@ use_key(SSL *ssl, const EVP_MD *md, const unsigned char **id, size_t *n,
 {
     struct tls *t = SSL_get_app_data(ssl);
 
-    (void)md; /* SHA-256: there is no suite with another */
+    (void)md; /* SHA-256, the hash of all suites */
     *session = key_session(ssl, t->secret);
     *id = (const unsigned char *)t->id;
     *n = strlen(t->id);
     return *session != NULL;
 }
 
-/* The first name of a ClientHello's list of keys (RFC 8446, 4.2.11: the list's
- * length, the name's, the name). */
+/* The first name in a ClientHello's list of keys (RFC 8446, 4.2.11): it follows
+ * the list's length and its own. */
 static bool
 first_name(SSL *ssl, const unsigned char **id, size_t *n)
 {
@@ -133,7 +132,8 @@ first_name(SSL *ssl, const unsigned char **id, size_t *n)
     return *n <= len - 4;
 }
 
-/* A handshake can be held here alone, before a key is looked for. */
+/* Called for a ClientHello.  Only here, before the key is looked up, can a
+ * handshake be held to wait for a key. */
 static int
 see_hello(SSL *ssl, int *alert, void *arg)
 {
@@ -154,7 +154,7 @@ see_hello(SSL *ssl, int *alert, void *arg)
     t->waiting = why && strcmp(why, TLS_LATER) == 0;
     if (t->waiting)
         return SSL_CLIENT_HELLO_RETRY;
-    t->id[0] = '\0'; /* the key may never be asked for */
+    t->id[0] = '\0'; /* the client may prove no key at all */
     return SSL_CLIENT_HELLO_SUCCESS;
 }
 
@@ -213,7 +213,7 @@ tls_client(void)
     if (!ctx)
         return NULL;
     SSL_CTX_set_psk_use_session_callback(ctx->ssl, use_key);
-    /* no certificate is good: there is nothing to check one against */
+    /* so no certificate is accepted: the store of trusted ones is empty */
     SSL_CTX_set_verify(ctx->ssl, SSL_VERIFY_PEER, NULL);
     return ctx;
 }
@@ -282,7 +282,7 @@ tls_free(struct tls *t)
 {
     if (!t)
         return;
-    SSL_free(t->ssl); /* and its BIOs */
+    SSL_free(t->ssl); /* also frees its BIOs */
     OPENSSL_cleanse(t, sizeof *t);
     free(t);
 }
@@ -315,7 +315,7 @@ is_version_error(unsigned long e)
             r == SSL_R_TLSV1_ALERT_PROTOCOL_VERSION);
 }
 
-/* Why a client was not let in. */
+/* Say why a client was refused. */
 static int
 server_failed(struct tls *t, unsigned long e, struct rad_error *err)
 {
@@ -335,8 +335,8 @@ server_failed(struct tls *t, unsigned long e, struct rad_error *err)
     return rad_fail(err, RAD_EPROTO, "no TLS: %s", reason ? reason : "?");
 }
 
-/* What a client hears from a server that does not have its key is an alert, or
- * a certificate. */
+/* Say why a server refused us.  If it does not have our key it sends an alert,
+ * or a certificate. */
 static int
 client_failed(struct tls *t, unsigned long e, struct rad_error *err)
 {
@@ -367,8 +367,8 @@ tls_handshake(struct tls *t, struct rad_error *err)
         if (!SSL_session_reused(t->ssl))
             return rad_fail(err, RAD_EPERM, "the key '%s' was not used", t->id);
         t->done = true;
-        /* whom we know may keep its 33 KiB of buffers: to allocate them for
-         * each record takes as long as to seal a short one */
+        /* a proven peer may keep its 33 KiB of buffers: to allocate them for
+         * each record takes as long as to encrypt a short one */
         SSL_clear_mode(t->ssl, SSL_MODE_RELEASE_BUFFERS);
         OPENSSL_cleanse(t->secret, sizeof t->secret);
         return 1;
@@ -414,7 +414,7 @@ tls_read(struct tls *t, void *p, size_t n, struct rad_error *err)
 
     if (!t->done || t->ended)
         return 0;
-    /* to be told so by SSL_read() takes as long as a short message */
+    /* faster than SSL_read(), which would take as long as a short message */
     if (SSL_pending(t->ssl) == 0 && BIO_ctrl_pending(t->in) == 0)
         return 0;
     ERR_clear_error();
@@ -446,7 +446,7 @@ tls_write(struct tls *t, const void *p, size_t n, struct rad_error *err)
     return 0;
 }
 
-/* Append what is to be sent, if there is room. */
+/* Append to `to` what the session has to send, if there is room. */
 static bool
 append_out(struct tls *t, uint8_t *to, size_t *at, size_t room)
 {
@@ -454,7 +454,7 @@ append_out(struct tls *t, uint8_t *to, size_t *at, size_t room)
 
     if (n > room - *at)
         return false;
-    /* a reset would clear all that was ever in it */
+    /* BIO_reset() would clear the whole buffer, which takes longer */
     if (n > 0 && BIO_read(t->out, to + *at, (int)n) != (int)n)
         return false;
     *at += n;

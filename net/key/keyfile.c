@@ -1,8 +1,8 @@
 /* keyfile.c - see keyfile.h
  *
- * The file's text is kept beside what it says, so that a change leaves the
- * comments of whoever looks after it alone: a new key is a line at the end, a
- * retired one gets its line replaced. */
+ * The file's text is kept beside the parsed keys, so that a change leaves all
+ * comments as they are: a new key is a line at the end, and a retired key's
+ * line is replaced. */
 #include "config.h"
 
 #include "net/key/keyfile.h"
@@ -53,7 +53,7 @@ key_name_valid(const char *s, size_t n)
     return true;
 }
 
-/* "kN" of n bytes, without leading zeros; 0: it is none. */
+/* The N of "kN", n bytes long, without leading zeros; 0: malformed. */
 static uint32_t
 parse_number(const char *s, size_t n)
 {
@@ -66,10 +66,10 @@ parse_number(const char *s, size_t n)
             return 0;
         number = number * 10 + (uint32_t)(s[i] - '0');
     }
-    return number; /* at most six digits */
+    return number; /* cannot overflow: at most six digits */
 }
 
-/* An id of n bytes. */
+/* Parse an id of n bytes. */
 static bool
 parse_id(const char *s, size_t n, struct key *k)
 {
@@ -125,7 +125,7 @@ parse_secret(const char *s, size_t n, struct key *k)
 
 /* --- dates --- */
 
-/* n digits as a number; false: other characters. */
+/* Read n digits as a number; false: there are other characters. */
 static bool
 digits(const char *s, int n, int *value)
 {
@@ -147,7 +147,7 @@ parse_date(const char *s, size_t n, int64_t *expires)
 
     if (n != 10 && n != 20)
         return false;
-    memcpy(text, s, n); /* what follows a digit is a character or the NUL */
+    memcpy(text, s, n); /* safe: behind a digit is a character, or the NUL */
     if (!digits(text, 4, &tm.tm_year) || text[4] != '-' ||
         !digits(text + 5, 2, &tm.tm_mon) || text[7] != '-' ||
         !digits(text + 8, 2, &tm.tm_mday))
@@ -157,13 +157,13 @@ parse_date(const char *s, size_t n, int64_t *expires)
                     text[16] != ':' || !digits(text + 17, 2, &tm.tm_sec) ||
                     text[19] != 'Z'))
         return false;
-    if (tm.tm_year < 1971) /* and no date is 0, which is for never */
+    if (tm.tm_year < 1971) /* so no date is 0, which means never */
         return false;
     tm.tm_year -= 1900;
     tm.tm_mon--;
     back = tm;
     t = timegm(&tm);
-    /* timegm takes 2027-02-31 for a day in March */
+    /* timegm() takes 2027-02-31 for a day in March */
     if (back.tm_mon != tm.tm_mon || back.tm_mday != tm.tm_mday ||
         back.tm_hour != tm.tm_hour || back.tm_min != tm.tm_min ||
         back.tm_sec != tm.tm_sec)
@@ -219,7 +219,8 @@ keyfile_release(struct keyfile *f)
     keyfile_init(f);
 }
 
-/* The next word of a line, *at on behind it; its length, 0 at the end. */
+/* The next word of a line; *at moves behind it.  Returns its length, 0 at the
+ * end. */
 static size_t
 next_word(const char *line, size_t len, size_t *at, const char **word)
 {
@@ -235,7 +236,7 @@ next_word(const char *line, size_t len, size_t *at, const char **word)
     return n;
 }
 
-/* Why a line is no key; NULL: it is one. */
+/* Parse a line; returns why it is not a key, or NULL. */
 static const char *
 parse_line(const char *line, size_t len, struct key *k)
 {
@@ -263,13 +264,13 @@ same_id(const struct key *a, const struct key *b)
            strcmp(a->name, b->name) == 0;
 }
 
-/* Room for one more key; the old array is wiped. */
+/* Make room for one more key.  The old array is wiped. */
 static bool
 grow(struct keyfile *f)
 {
     struct key *v;
 
-    if (f->n & (f->n - 1)) /* full at powers of two */
+    if (f->n & (f->n - 1)) /* it is full when n is a power of two */
         return true;
     v = calloc(f->n ? 2 * f->n : 1, sizeof *v);
     if (!v)
@@ -347,7 +348,8 @@ keyfile_parse(struct keyfile *f, const char *text, size_t len,
     return 0;
 }
 
-/* May only its owner, whom we trust, read the file? */
+/* Is the file only its owner's to read, and is the owner a user whom we trust?
+ */
 static int
 check_mode(const struct stat *st, const char *path, struct rad_error *err)
 {
@@ -371,7 +373,7 @@ check_mode(const struct stat *st, const char *path, struct rad_error *err)
     return 0;
 }
 
-/* The bytes of an open file; the caller frees and wipes them. */
+/* Read an open file; the caller wipes and frees the bytes. */
 static int
 read_all(int fd, const char *path, char **text, size_t *len,
          struct rad_error *err)
@@ -438,7 +440,7 @@ keyfile_load(struct keyfile *f, const char *path, struct rad_error *err)
     return rc;
 }
 
-/* --- what is in it --- */
+/* --- looking keys up --- */
 
 enum key_state
 key_state(const struct key *k, int64_t now)
@@ -534,7 +536,8 @@ key_format(const struct key *k, char line[KEY_LINE + 1])
 
 /* --- changing it --- */
 
-/* Put n bytes in place of `old` at `at`, and read the whole anew. */
+/* Replace `old` bytes at `at` by the n bytes of `with`, and parse the whole
+ * again. */
 static int
 replace_part(struct keyfile *f, size_t at, size_t old, const char *with,
              size_t n, struct rad_error *err)
@@ -576,7 +579,7 @@ random_bytes(uint8_t *p, size_t n)
     return true;
 }
 
-/* The highest number that a name has had. */
+/* The highest number that a name's keys ever had. */
 static uint32_t
 last_number(const struct keyfile *f, const struct key *of)
 {

@@ -1,7 +1,8 @@
 /* keyorder.c - see keyorder.h
  *
- * Who changes a key file has it locked, so that of two one waits, and what is
- * there is always a whole file: the new one is renamed over the old. */
+ * A program that changes a key file holds a lock on it, so another one waits.
+ * The new file is renamed over the old one, so a reader always finds a whole
+ * file. */
 #include "config.h"
 
 #include "net/key/keyorder.h"
@@ -17,16 +18,16 @@
 
 /* --- changing a file --- */
 
-/* A key file that is about to be changed. */
+/* A key file that is being changed. */
 struct edit {
     struct keyfile file;
     const char *path; /* outlives the edit */
-    char *real;       /* the name that is replaced: links are followed */
+    char *real;       /* the file to replace, with symbolic links resolved */
     int fd;
 };
 
-/* Open and lock the file that links at path lead to, and find its name; again
- * if somebody put another there meanwhile. */
+/* Open and lock the file at path, links followed, and find its real name.
+ * Tries again if another file was put there meanwhile. */
 static int
 open_locked(const char *path, bool make, char **real, struct rad_error *err)
 {
@@ -57,13 +58,14 @@ static void
 edit_end(struct edit *e)
 {
     if (e->fd >= 0)
-        close(e->fd); /* and with it goes the lock */
+        close(e->fd); /* also unlocks it */
     e->fd = -1;
     free(e->real);
     keyfile_release(&e->file);
 }
 
-/* Under a second name the file as it was would stay, with its keys. */
+/* Refuse a file with several names: under the others the old file would stay,
+ * with its keys. */
 static int
 check_names(const struct edit *e, struct rad_error *err)
 {
@@ -112,7 +114,7 @@ write_all(int fd, const char *p, size_t n)
     return true;
 }
 
-/* What was renamed is there after a crash, too. */
+/* Make a rename in the folder of path last. */
 static bool
 sync_folder(const char *path)
 {
@@ -134,8 +136,8 @@ sync_folder(const char *path)
     return ok;
 }
 
-/* The new file stays its owner's.  Its group may do nothing with it (mode
- * 0600), so one that cannot be kept is no loss. */
+/* Give the new file the old one's owner and group.  A group that cannot be set
+ * does not matter, for the mode 0600 gives it no right. */
 static bool
 keep_owner(int fd, int before)
 {
@@ -149,7 +151,7 @@ keep_owner(int fd, int before)
     return true;
 }
 
-/* Write e->file.text whole: a temporary file is renamed over it.
+/* Replace the file by e->file.text: write a temporary file and rename it.
  * RAD_ECANTCREAT or RAD_EIO. */
 static int
 edit_write(struct edit *e, struct rad_error *err)
@@ -160,7 +162,7 @@ edit_write(struct edit *e, struct rad_error *err)
 
     if (n < 0 || (size_t)n >= sizeof temp)
         return rad_fail(err, RAD_ECANTCREAT, "path too long");
-    fd = mkstemp(temp); /* mode 0600 */
+    fd = mkstemp(temp); /* with mode 0600 */
     if (fd < 0)
         return rad_fail(err, RAD_ECANTCREAT, "cannot create '%s': %s", temp,
                         strerror(errno));
@@ -178,7 +180,7 @@ edit_write(struct edit *e, struct rad_error *err)
 
 /* --- answers --- */
 
-/* What was added, as JSON; names and dates need no escapes. */
+/* The new key as JSON; names and dates need no escapes. */
 static char *
 added_json(const struct keyfile *f)
 {
@@ -249,7 +251,7 @@ change(struct keyfile *f, const struct key_order *o, char **json,
     return rc < 0 ? rc : 0;
 }
 
-/* Is it the order of a key that can be had?  Asked before the file is made. */
+/* Can such a key be added?  Checked before the file is made. */
 static int
 check_add(const struct key_order *o, int64_t now, struct rad_error *err)
 {

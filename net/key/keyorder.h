@@ -1,7 +1,7 @@
-/* keyorder.h - what `radctl key` asks of a key file
+/* keyorder.h - orders of `radctl key`: add, retire, list
  *
- * The file is changed where it lies, by radctl itself or by the coordinator
- * that an admin asks to.
+ * The file is changed in place, by radctl itself or by the coordinator at an
+ * administrator's request.
  * Thread: any. */
 #ifndef KEYORDER_H
 #define KEYORDER_H
@@ -10,18 +10,18 @@
 
 struct key_order {
     enum msg_key_order what;
-    const char *name; /* not of a list */
+    const char *name; /* not used by a list */
     int64_t expires;  /* of a new key, seconds since 1970; 0: never */
-    bool in_use;      /* the file has been read before, and is not made anew */
+    bool in_use;      /* a coordinator uses the file: never make a new one */
 };
 
-/* Do that to the file at path, which MSG_KEY_ADD makes if it is missing, unless
- * it is in use: with one key alone it would shut all others out.  *json says
- * what came of it, for the caller to free (that of a new key holds its secret):
- * an object, of a list an array; NULL on failure.  now: seconds since 1970.
- * RAD_EUSAGE for a new key that would have expired by then; errors as of
- * keyfile_load(), keyfile_add() and keyfile_retire(); RAD_ECANTCREAT, RAD_EIO,
- * RAD_ENOMEM. */
+/* Carry out the order on the key file at path.  MSG_KEY_ADD makes a missing
+ * file, unless it is in use: a file with just one key would shut all others
+ * out.  *json gets the result, to be freed by the caller (that of a new key
+ * holds its secret): an object, or an array for a list; NULL on failure.  now:
+ * seconds since 1970.  RAD_EUSAGE: the new key would have expired already.
+ * Other errors as of keyfile_load(), keyfile_add() and keyfile_retire();
+ * RAD_ECANTCREAT, RAD_EIO, RAD_ENOMEM. */
 int key_order_run(const char *path, const struct key_order *order, int64_t now,
                   char **json, struct rad_error *err);
 

@@ -9,14 +9,14 @@
 #include <time.h>
 
 struct keyring {
-    char *path; /* NULL: none */
+    char *path; /* NULL: no key file */
     struct keyfile file;
-    struct keyfile before; /* between reload and settle */
+    struct keyfile before; /* the old keys, between reload and settle */
     bool settling;
     struct stat seen;
 };
 
-/* What is at the path now; zeros if nothing is. */
+/* The state of the file at path; zeros if there is none. */
 static void
 look(const char *path, struct stat *st)
 {
@@ -79,7 +79,7 @@ keyring_reload(struct keyring *k, struct rad_error *err)
     if (!k->path)
         return 0;
     keyring_settle(k);
-    look(k->path, &k->seen); /* before it is read: a change is seen later */
+    look(k->path, &k->seen); /* first: a change meanwhile is noticed later */
     rc = keyfile_load(&next, k->path, err);
     if (rc < 0)
         return rc;

@@ -1,7 +1,7 @@
 /* keyring.h - the coordinator's keys, while it runs
  *
- * Its key file (keyfile.h) in memory; read again when somebody says so or the
- * file has changed.  A file that cannot be read any more changes nothing.
+ * The keys of its key file (keyfile.h), which is read again on request or when
+ * it has changed.  If it cannot be read the old keys stay.
  * Thread: the loop's. */
 #ifndef RADD_NET_KEYRING_H
 #define RADD_NET_KEYRING_H
@@ -10,7 +10,7 @@
 
 struct keyring;
 
-/* An empty path: no keys, and nobody who proves one.  Codes of
+/* An empty path: there are no keys, and nobody can prove one.  Returns codes of
  * keyfile_load(). */
 int keyring_open(struct keyring **k, const char *path, struct rad_error *err);
 void keyring_free(struct keyring *k);
@@ -18,17 +18,18 @@ void keyring_free(struct keyring *k);
 bool keyring_has_file(const struct keyring *k);
 const char *keyring_path(const struct keyring *k);
 
-/* Read the file again.  Until keyring_settle(), keyring_fault() compares with
- * what was there before. */
+/* Read the file again.  Until keyring_settle(), keyring_fault() also compares
+ * with the old keys. */
 int keyring_reload(struct keyring *k, struct rad_error *err);
 void keyring_settle(struct keyring *k);
-/* Is the file another than the one that was read? */
+/* Has the file changed since it was read? */
 bool keyring_changed(const struct keyring *k);
 
 /* A tls_find_fn. */
 const char *keyring_find(void *keyring, const char *id, uint8_t *secret);
 
-/* A shell_key_fn: why a key that was proven is no longer good. */
+/* A shell_key_fn: why a key that was proven is not valid any more; NULL: it is.
+ */
 const char *keyring_fault(void *keyring, const char *id);
 
 #endif
