@@ -1,9 +1,10 @@
 /* check_sim.c - clusters under many seeds: whatever happens, every job ends,
- * and its pictures and primary rays are those of one sampler alone
+ * with the pictures and primary rays that one sampler alone makes
  *
- * RADD_SIM_SEED=n replays one seed and tells what happens; RADD_SIM_RUNS=n
- * tries that many, from RADD_SIM_FIRST on.  With RADD_SIM_DIGEST each seed says
- * the digest of what was decided: a change that only moves code leaves it. */
+ * RADD_SIM_SEED=n replays one seed and prints what happens.  RADD_SIM_RUNS=n
+ * runs that many seeds, from RADD_SIM_FIRST on.  With RADD_SIM_DIGEST the
+ * digest of all decisions is printed for each seed: a change that only moves
+ * code keeps it. */
 #include "config.h"
 
 #include "cluster.h"
@@ -19,7 +20,7 @@
 
 #define RUNS 2500
 
-/* What the clusters went through, summed. */
+/* Events of all clusters, summed. */
 static struct {
     unsigned coord_deaths;
     unsigned deaths, cuts, peer_cuts, crashes, drains, stops, repeats;
@@ -30,8 +31,8 @@ static struct {
     uint64_t primary, speculative, unsaid;
     uint64_t resumed, again; /* see note_again() */
     unsigned pauses, priorities, rests, yields;
-    uint64_t ordered, wasted; /* primary rays, and those for nothing, where
-                               * nothing happened but orders */
+    uint64_t ordered, wasted; /* primary rays, and rays in vain, of clusters
+                               * where nothing happened but orders */
 } sum;
 
 static json_int_t
@@ -40,7 +41,8 @@ number(const json_t *o, const char *name)
     return json_integer_value(json_object_get(o, name));
 }
 
-/* Without strict units each window is sampled by itself. */
+/* Make the picture that is wanted of a job in windows, each of which is sampled
+ * by itself.  Returns its primary rays. */
 static uint64_t
 want_windows(struct sim_job *job, const json_t *units)
 {
@@ -50,7 +52,7 @@ want_windows(struct sim_job *job, const json_t *units)
 
     json_array_foreach(units, i, unit)
     {
-        /* frames' numbers are indices here */
+        /* in these jobs a frame's number is its index */
         n += sim_alone(job, (uint32_t)number(unit, "frame"),
                        (int)number(unit, "x"), (int)number(unit, "y"),
                        (int)number(unit, "width"), (int)number(unit, "height"),
@@ -70,7 +72,8 @@ want_frames(struct sim_job *job)
     return n;
 }
 
-/* Of pictures without distances there is but what they have in a file. */
+/* Are two pixels the same?  Rows without distances are coded, so their colours
+ * are compared as a picture file has them. */
 static bool
 same(const struct sim_job *job, const struct rad_pixel *a,
      const struct rad_pixel *b)
@@ -84,7 +87,7 @@ same(const struct sim_job *job, const struct rad_pixel *a,
     return memcmp(one, other, 4) == 0;
 }
 
-/* To the bit. */
+/* Compare each pixel of the pictures with what is wanted. */
 static void
 check_pictures(struct sim *s, const struct sim_job *job)
 {
@@ -104,7 +107,7 @@ is_ordered(const struct sim *s)
     return s->pauses + s->priorities + s->rests + s->yields > 0;
 }
 
-/* Nothing happened but delays, and what users and admins want. */
+/* Did nothing happen but delays, and orders of users and administrators? */
 static bool
 is_sound(const struct sim *s)
 {
@@ -113,15 +116,14 @@ is_sound(const struct sim *s)
            0;
 }
 
-/* Nothing happened but delays, and no unit went back for a job that came
- * first. */
+/* Did nothing happen but delays, and did no unit go back for another job? */
 static bool
 is_quiet(const struct sim *s)
 {
     return is_sound(s) && !is_ordered(s);
 }
 
-/* Only the coordinator was away, or a link to it. */
+/* Did nothing happen but deaths of the coordinator and cuts of links to it? */
 static bool
 is_only_cut(const struct sim *s)
 {
@@ -131,8 +133,9 @@ is_only_cut(const struct sim *s)
                0;
 }
 
-/* Workers that come back go on with what they were at: little is traced again,
- * but by those who are away for long, since dials fail. */
+/* Note how much was traced again after a loss of the coordinator.  Workers that
+ * come back go on with their units, so that is little, unless one is away for
+ * long because its dials fail. */
 static void
 note_again(const struct sim *s, const struct sim_job *job, uint64_t primary,
            uint64_t spec)
@@ -143,12 +146,12 @@ note_again(const struct sim *s, const struct sim_job *job, uint64_t primary,
     sum.again += job->traced - primary - spec;
 }
 
-/* What was traced for nothing: each of these was traced at least, and there are
- * few; but a picture may be so small that a guess goes wrong all over it.  A
- * unit's guess does so in a few gaps of its first bars, and the base line above
- * it may be traced here and by its neighbour; so there is a row to spare for
- * each time that one was handed out.  (A message that comes twice is counted
- * twice.) */
+/* Check rays in vain (spec): all of them were traced, and in a quiet cluster
+ * they are few.  But in a small picture a guess may go wrong everywhere: a
+ * unit's guess errs in a few gaps of its first bars, and the base line above it
+ * may be traced by its neighbour, too.  So a row of pixels is allowed for each
+ * attempt at a unit.  (With repeated messages nothing is checked, for they are
+ * counted twice.) */
 static void
 check_waste(struct sim *s, const struct sim_job *job, uint64_t primary,
             uint64_t spec, const json_t *units, const json_t *totals)
@@ -161,8 +164,8 @@ check_waste(struct sim *s, const struct sim_job *job, uint64_t primary,
     if (s->net.repeated > 0 || job->spec.partition == MSG_PART_WINDOW)
         return;
     SIM_CHECK(&s->net, primary + spec <= job->traced);
-    /* nothing is in two units, or in one and dropped; estimates count pixels
-     * that they draw again */
+    /* no ray is counted in two units, or in a unit and as dropped; estimates
+     * draw some pixels twice and count both */
     SIM_CHECK(&s->net, number(totals, "estimate_rays") > 0 ||
                            (uint64_t)number(totals, "rays") <=
                                job->traced + job->tile_rays);
@@ -178,7 +181,7 @@ check_waste(struct sim *s, const struct sim_job *job, uint64_t primary,
     }
     if (!is_quiet(s))
         return;
-    /* where all rays are told of, each is in the picture or for nothing */
+    /* if all rays were reported, each is in the picture or in vain */
     if ((uint64_t)number(totals, "rays") == job->traced &&
         number(totals, "dropped_rays") == 0 &&
         number(totals, "estimate_rays") == 0)
@@ -208,7 +211,7 @@ check_done(struct sim *s, struct sim_job *job)
     want = job->spec.partition == MSG_PART_WINDOW ? want_windows(job, units)
                                                   : want_frames(job);
     check_pictures(s, job);
-    /* a twin is an attempt, and nothing redone */
+    /* a twin is an attempt, but does not count as redone */
     SIM_CHECK(&s->net, number(totals, "units_redone") <= redone);
     SIM_CHECK(&s->net,
               number(totals, "rays") == rays + number(totals, "estimate_rays") +
@@ -234,10 +237,11 @@ check_job(struct sim *s, struct sim_job *job)
     }
 }
 
-/* The cluster of the seed that runs. */
+/* The cluster under test. */
 static struct sim cluster;
 
-/* A step of a state that is not permitted, or another of our bugs. */
+/* An assertion failed, such as that of a permitted step of a state: print the
+ * seed. */
 static void
 on_abort(int number)
 {
@@ -307,7 +311,7 @@ at_type(enum msg_type type)
     return n;
 }
 
-/* Did what should be tried happen at all? */
+/* Did everything that these tests are for happen at least once? */
 static bool
 was_tried(void)
 {

@@ -1,10 +1,10 @@
 /* child.c - a job's child: it loads, renders units with the real machine and
  * sampler, makes ambient records, and sometimes dies
  *
- * Each thread of it is a fibre that makes a pass of a strict unit, or a window,
- * as the only member of a team.  It is run for some pixels, which then take
- * their virtual time; so messages come in the middle of passes, as in the pool,
- * whose order of things is kept here. */
+ * Each of its threads is a fibre that makes a pass of a strict unit, or a
+ * window, as the only member of a team.  It runs for some pixels, which then
+ * take their virtual time; so messages come in the middle of passes.  The order
+ * of steps is that of the real pool. */
 #include "config.h"
 
 #include "cluster.h"
@@ -19,26 +19,26 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define SLICE_PIXELS 40 /* at most, between two looks at the world */
-#define LATE_MS      20 /* at most, after the machine wanted the time */
+#define SLICE_PIXELS 40 /* most pixels between two chances for messages */
+#define LATE_MS      20 /* most delay of a tick that the machine wants */
 
 struct sim_task {
     struct net *net;
     int node;
     struct fibre *fibre;
     struct msg_unit unit;
-    struct strict_pass *pass; /* NULL: a window */
+    struct strict_pass *pass; /* NULL: the task is a window */
     enum team_mode mode;
     struct team *team;
-    float *rows; /* of the unit, in order */
+    float *rows; /* of the unit, from the first to the last */
     uint32_t nrows, nsent;
-    int row0;                /* the unit's first in the sampler's */
-    unsigned pixels;         /* left of the slice */
-    double used_us, cost_us; /* of the slice; of all */
+    int row0;                /* the sampler's row that is the unit's first */
+    unsigned pixels;         /* that the slice may still trace */
+    double used_us, cost_us; /* virtual time of the slice; of the task */
     uint64_t start_ms;
-    bool over;    /* the member has left */
-    bool killed;  /* by the pixel */
-    bool dropped; /* nothing that it does counts */
+    bool over;    /* team_work() has returned */
+    bool killed;  /* by a pixel that kills children */
+    bool dropped; /* the task was given up: nothing counts */
 };
 
 static struct sim_job *
@@ -53,7 +53,7 @@ channels_of(const struct sim_job *job)
     return job->spec.flags & MSG_JOB_DEPTH ? 4 : 3;
 }
 
-/* The link of a child that is still the same one. */
+/* Is the child that the event is for still there? */
 static bool
 alive(struct net *net, const struct event *e)
 {
@@ -71,7 +71,7 @@ later(struct net *net, int node, unsigned delay,
     return e;
 }
 
-/* --- its end --- */
+/* --- a child's end --- */
 
 static void
 task_free(struct sim_task *t)
@@ -82,7 +82,7 @@ task_free(struct sim_task *t)
     free(t);
 }
 
-/* Leave all that is under way. */
+/* Give up all tasks, and free the machine. */
 static void
 unload(struct sim_child *k)
 {
@@ -118,7 +118,7 @@ die(struct net *net, int node)
     net_close_all(net, node);
 }
 
-/* --- what is said --- */
+/* --- messages to radd --- */
 
 static void
 send_tally(struct net *net, int node)
@@ -146,7 +146,7 @@ send_ambient(struct net *net, int node, uint32_t to)
     net_send_msg(net, node, k->conn, &m);
 }
 
-/* What the machine has to say. */
+/* Send what the machine has to say. */
 static void
 speak(struct net *net, int node)
 {
@@ -161,7 +161,8 @@ speak(struct net *net, int node)
     }
 }
 
-/* Rows of colours as they are coded; returns the bytes. */
+/* Code rows of colours as a picture file has them; returns the number of bytes.
+ */
 static size_t
 code_rows(const float *from, uint32_t rows, uint32_t width, uint8_t *to)
 {
@@ -176,7 +177,8 @@ code_rows(const float *from, uint32_t rows, uint32_t width, uint8_t *to)
     return n;
 }
 
-/* Rows of the unit that are there and not sent. */
+/* Send the unit's rows that are made and not sent; last: with these counts, as
+ * the last piece. */
 static void
 send_rows(struct sim_task *t, const struct msg_counts *last)
 {
@@ -310,7 +312,7 @@ new_team(struct sim_task *t)
         return team_new(&spec);
     }
     strict_describe(pass, &spec);
-    spec.cpu_ns = NULL; /* time is virtual */
+    spec.cpu_ns = NULL; /* processor time is not measured: time is virtual */
     return team_new(&spec);
 }
 
@@ -331,7 +333,7 @@ start_task(struct net *net, int node, int slot, const struct msg_unit *unit,
     t->mode = pass ? pass->mode : TEAM_TRUTH;
     t->row0 = pass ? (int)unit->y : 0;
     t->start_ms = net->now_ms;
-    if (pass && pass->out > pass->first) { /* those went with another pass */
+    if (pass && pass->out > pass->first) { /* another pass sent these rows */
         struct rad_quincunx q = sim_sampler(job, unit->frame);
 
         t->nrows = t->nsent =
@@ -346,9 +348,9 @@ start_task(struct net *net, int node, int slot, const struct msg_unit *unit,
     later(net, node, 0, slice)->k = slot;
 }
 
-/* --- what is done next --- */
+/* --- the next task of a thread --- */
 
-/* Where the rows of a pass's unit are. */
+/* The rows of a pass's unit. */
 static struct msg_unit
 unit_of_pass(const struct sim_job *job, const struct strict_pass *p)
 {
@@ -365,7 +367,7 @@ unit_of_pass(const struct sim_job *job, const struct strict_pass *p)
     };
 }
 
-/* Work for an idle thread; false: there is none. */
+/* Give an idle thread its next task; false: there is none. */
 static bool
 begin(struct net *net, int node, int slot)
 {
@@ -388,7 +390,8 @@ begin(struct net *net, int node, int slot)
     return true;
 }
 
-/* Do what the machine wants of its passes, and tell it how far they are. */
+/* Tell the machine how far its passes are, and stop those that it wants
+ * stopped. */
 static void
 look_at_passes(struct sim_child *k)
 {
@@ -411,7 +414,8 @@ tick(void *net, struct event *e)
     look(net, e->node);
 }
 
-/* Tell the machine the time; it says when it is to be told again. */
+/* Tell the machine the time, and when it wants to know it again set an event.
+ */
 static void
 tell_time(struct net *net, int node)
 {
@@ -426,7 +430,7 @@ tell_time(struct net *net, int node)
           (unsigned)(due - net->now_ms) + net_random(net, LATE_MS) + 1, tick);
 }
 
-/* Something has changed. */
+/* Something has changed: start tasks, and send messages. */
 static void
 look(struct net *net, int node)
 {
@@ -443,12 +447,12 @@ look(struct net *net, int node)
     for (unsigned i = 0; i < threads; i++)
         if (!k->task[i] && !begin(net, node, (int)i))
             break;
-    tell_time(net, node); /* of passes that others wait for */
-    speak(net, node);     /* of units that are resumed */
+    tell_time(net, node); /* passes that others wait for may be due */
+    speak(net, node);     /* units may have been resumed */
 }
 
-/* In some clusters rows make way for nothing, at any moment: with columns lent,
- * or about to be, with lines to give. */
+/* In some clusters passes that make rows are stopped at any moment, for no
+ * reason: so it also happens while columns are lent or lines given away. */
 static bool
 is_hasty(const struct net *net)
 {
@@ -463,7 +467,7 @@ interrupt(struct sim_task *t)
         t->pass->stop = true;
 }
 
-/* The member has left. */
+/* A task has ended. */
 static void
 end_task(struct net *net, int node, int slot)
 {
@@ -511,7 +515,7 @@ end_task(struct net *net, int node, int slot)
     task_free(t);
 }
 
-/* A thread has been at work for a while, or begins. */
+/* An event of a task: run its thread for a slice, or end it. */
 static void
 slice(void *arg, struct event *e)
 {
@@ -555,7 +559,7 @@ slice(void *arg, struct event *e)
 
 /* --- estimates --- */
 
-/* So many pixels of an area, the same whoever traces them. */
+/* Trace n pixels of an area, the same ones in every child. */
 static void
 estimate_area(struct net *net, int node, const struct msg_area *a, uint32_t n,
               struct msg_cost *cost)
@@ -615,7 +619,8 @@ end:
     free(v);
 }
 
-/* How many areas of an estimate are traced: half of them if REST came since. */
+/* How many areas of an estimate were traced: half of them if REST has come
+ * since. */
 static uint32_t
 areas_before_rest(struct net *net, const struct event *e,
                   const struct msg_estimate *m)
@@ -626,7 +631,8 @@ areas_before_rest(struct net *net, const struct event *e,
                                                      : m->nareas / 2;
 }
 
-/* e->bytes: ESTIMATE, packed; e->k: RESTs before it. */
+/* An estimate is made.  e->bytes: the ESTIMATE, packed; e->k: RESTs before it.
+ */
 static void
 estimated(void *net, struct event *e)
 {
@@ -684,7 +690,8 @@ take_estimate(struct net *net, int node, const struct msg *m)
 
 /* --- messages --- */
 
-/* Frames, and the machine of strict units where there may be some. */
+/* Load the job: its frames and, unless it is in windows, the machine of strict
+ * units. */
 static void
 load(struct net *net, int node)
 {
@@ -716,7 +723,8 @@ ready(void *net, struct event *e)
     net_send_msg(net, e->node, k->conn, &m);
 }
 
-/* As in render_units.c: something of another frame than the last. */
+/* As in render_units.c: work at a frame begins; with MSG_JOB_FRESH_FRAMES
+ * nothing is kept of another frame. */
 static void
 begin_frame(struct net *net, int node, uint32_t frame)
 {
@@ -818,7 +826,7 @@ take_strict(struct net *net, int node, const struct msg *m)
     }
 }
 
-/* Of the same job, and never one's own. */
+/* Check that ambient records are of the child's job and not its own. */
 static void
 take_ambient(struct net *net, const struct sim_child *k,
              const struct msg_ambient *m)
@@ -893,7 +901,7 @@ message(struct net *net, int node, uint64_t conn, const struct msg *m)
     look(net, node);
 }
 
-/* Its radd is gone. */
+/* The child's worker has closed the link: the child ends. */
 static void
 closed(struct net *net, int node, uint64_t conn)
 {
@@ -921,7 +929,7 @@ sim_spawn(struct sim *s, int worker, uint64_t conn)
              MSG_AT_PARENT_NEW, MSG_AT_CHILD_NEW);
 }
 
-/* SIGKILL: nothing that it says later counts. */
+/* Kill a child: the worker hears nothing more of it. */
 void
 sim_kill(struct sim *s, int worker, uint64_t conn)
 {
@@ -935,7 +943,7 @@ sim_crash(struct sim *s, int child)
     const struct sim_child *k = &s->child[child];
     struct sim_job *job = &s->job[k->job];
 
-    /* a second crash would be the unit's fault */
+    /* only once in a job: by a second crash the unit would be a suspect */
     if (!s->net.ops[NODE_CHILD + child] || !k->started || job->crashes > 0)
         return;
     die(&s->net, NODE_CHILD + child);

@@ -1,5 +1,5 @@
-/* client.c - radsubmit, played: offers, sends what is wanted, submits, waits;
- * some change their mind, some vanish and come back */
+/* client.c - radsubmit, played: sends files and submits; some clients cancel,
+ * some vanish and come back.  And an administrator */
 #include "config.h"
 
 #include "cluster.h"
@@ -72,7 +72,7 @@ vanish(void *net, struct event *e)
     net_later(net, net_random(net, 5000), dial_again)->node = e->node;
 }
 
-/* There may be nothing to be seen yet: that is asked for, too. */
+/* Ask for a preview, though there may be none yet. */
 static void
 ask_preview(struct net *net, int node)
 {
@@ -116,7 +116,7 @@ failed(struct net *net, int node, const struct msg *m)
 
     SIM_CHECK(net, m->request == 7 || m->request == 8 || m->request == 10);
     if (m->request != 7)
-        return; /* too late to cancel; or no preview */
+        return; /* too late to cancel, or no preview */
     job->failed = true;
     job->status = m->failed.status;
     snprintf(job->text, sizeof job->text, "%s", m->failed.text);
@@ -171,7 +171,7 @@ message(struct net *net, int node, uint64_t conn, const struct msg *m)
     }
 }
 
-/* A coordinator closes no connection of a client, but in death. */
+/* The connection has ended.  Only a dying coordinator ends those of clients. */
 static void
 closed(struct net *net, int node, uint64_t conn)
 {
@@ -208,7 +208,7 @@ sim_client_dial(struct sim *s, int job)
     net_send_msg(net, node, s->job[job].conn, &hello);
 }
 
-/* --- one who drains workers --- */
+/* --- an administrator, who steers jobs and workers --- */
 
 static void
 admin_message(struct net *net, int node, uint64_t conn, const struct msg *m)

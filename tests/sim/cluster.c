@@ -19,8 +19,8 @@
 #include <string.h>
 #include <sysexits.h>
 
-#define TROUBLE_MS 20000u /* accidents happen until then */
-#define SPARE_MS   30000u /* less is lost by messages that take their time */
+#define TROUBLE_MS 20000u /* until then accidents happen */
+#define SPARE_MS   30000u /* time to spare, for messages that are slow */
 
 int
 sim_find_job(const struct sim *s, const uint8_t id[MSG_JOB])
@@ -59,7 +59,7 @@ send_file(struct sim *s, uint64_t conn, const uint8_t *hash)
     net_send_msg(&s->net, NODE_COORD, conn, &m);
 }
 
-/* What the disk has of a job that is over. */
+/* Send the statistics of a job that is over, from the disk. */
 static void
 send_stats(struct sim *s, const struct action *a, int job)
 {
@@ -146,8 +146,9 @@ coord_action(struct sim *s, const struct action *a)
     }
 }
 
-/* Actions as the machines decided on them, all but their words for the log: two
- * programs that decide alike have one digest for each seed (FNV-1a). */
+/* Take a machine's action into the cluster's digest (FNV-1a), log lines
+ * excepted: two programs that decide alike have the same digest for each seed.
+ */
 static void
 digest_bytes(struct sim *s, const void *bytes, size_t len)
 {
@@ -184,7 +185,8 @@ digest_action(struct sim *s, int node, const struct action *a)
     }
 }
 
-/* Actions may cause events that add actions: those come after. */
+/* Carry out the coordinator's actions.  That may cause further actions, which
+ * are appended and carried out, too. */
 void
 sim_coord_actions(struct sim *s)
 {
@@ -242,7 +244,7 @@ worker_random(void *arg, void *buf, size_t n)
     memset(buf, (int)(w->random++ * 37), n);
 }
 
-/* A task of the worker's store has looked for a job's files, and for room. */
+/* A task of the worker's store has looked for a job's files and for room. */
 static void
 looked(void *arg, struct event *e)
 {
@@ -261,7 +263,7 @@ looked(void *arg, struct event *e)
     sim_worker_actions(s, e->node);
 }
 
-/* In some clusters disks are full now and then. */
+/* In some clusters workers' disks are full now and then. */
 static bool
 worker_look(void *arg, const struct action_look *l)
 {
@@ -282,7 +284,7 @@ worker_look(void *arg, const struct action_look *l)
 
 static const struct node_ops worker_ops;
 
-/* A dial ends: with a link if the other side lives. */
+/* A dial ends: with a link, if the other side lives. */
 static void
 dialled(void *arg, struct event *e)
 {
@@ -453,7 +455,7 @@ birth(struct sim *s, int i)
     snprintf(w->address, sizeof w->address, "sim %d", i);
     w->life++;
     w->sim = s;
-    w->given_up = 0; /* connections count from 1 again */
+    w->given_up = 0; /* a new life counts its connections from 1 again */
     w->machine = worker_new(&env);
     SIM_CHECK(&s->net, w->machine != NULL);
     s->net.ops[NODE_WORKER + i] = &worker_ops;
@@ -478,7 +480,7 @@ sim_worker_dies(struct sim *s, int i)
     net_later(&s->net, net_random(&s->net, 4000), reborn)->node = i;
 }
 
-/* It has drained. */
+/* A worker that has drained ends. */
 static void
 left(void *net, struct event *e)
 {
@@ -544,7 +546,8 @@ late_worker(void *net, struct event *e)
     birth(sim_of(net), e->node);
 }
 
-/* What is to begin with another's cache waits for the job before it. */
+/* Start a job's client.  If the job is to begin with another's cache it waits
+ * until that job, the one before it, is over. */
 static void
 new_client(void *net, struct event *e)
 {
@@ -556,8 +559,9 @@ new_client(void *net, struct event *e)
         sim_client_dial(sim_of(net), e->node);
 }
 
-/* Half of the jobs that may begin with the cache of the last that is done, and
- * all that may leave theirs to others.  Draws nothing. */
+/* Let a job leave its cache to others, if it can.  Half of the jobs that could
+ * then begin with the cache of the job before do so.  Draws nothing from
+ * net_random(). */
 static void
 choose_reuse(struct sim *s, int i)
 {
@@ -611,7 +615,7 @@ make_job(struct sim *s, int i)
         job->spec.flags |= MSG_JOB_PASSES;
     job->watched = (job->spec.flags & MSG_JOB_PASSES) && /* draws nothing */
                    rad_mix64(net->seed + 79 + (unsigned)i) % 3 == 0;
-    /* drawn apart, for few seeds' sake */
+    /* not by net_random(), so that few seeds change */
     if (job->spec.flags & MSG_JOB_PASSES &&
         (goal || rad_mix64(net->seed + 81 + (unsigned)i) % 2 == 0))
         job->spec.error_ppm =
@@ -641,7 +645,7 @@ describe_strict(const struct strict_unit *u)
     fprintf(stderr, "\n");
 }
 
-/* Of each child the strict units that it has. */
+/* Print the strict units of each child. */
 static void
 describe_children(const struct sim *s)
 {
@@ -657,8 +661,8 @@ describe_children(const struct sim *s)
     }
 }
 
-/* The states of workers, jobs, units and attempts; struct net is the first of
- * struct sim. */
+/* Print the states of workers, jobs, units and attempts.  struct net is the
+ * first member of struct sim. */
 static void
 describe(const struct net *net)
 {
@@ -731,14 +735,14 @@ sim_init(struct sim *s, uint64_t seed)
     net_init(net, seed);
     net->describe = describe;
     net->most_delay_ms = net_random(net, 120);
-    /* most clusters are small, in which more happens to each */
+    /* most clusters are small: each worker sees more accidents */
     s->nworkers =
         1 + (int)net_random(net, net_chance(net, 4) ? SIM_WORKERS : 6);
     s->njobs = 1 + (int)net_random(net, SIM_JOBS);
     sim_make_faults(s);
     net->hear = sim_hear;
-    s->direct = seed / 2 % 3; /* records of tiles go by way of workers */
-    s->all_linked = seed % 2 ? 2 : 0; /* most are linked when they need it */
+    s->direct = seed / 2 % 3; /* so records of tiles go by way of workers */
+    s->all_linked = seed % 2 ? 2 : 0; /* then most are linked when needed */
     s->keeps = !net_chance(net, 3);
     for (int i = 0; i < SIM_FAULTS; i++)
         s->keeps |= s->fault[i].blow == SIM_COORD_DIES;
@@ -756,7 +760,7 @@ sim_init(struct sim *s, uint64_t seed)
     net_later(net, 100, tick);
 }
 
-/* Jobs that are over left nothing behind at the workers. */
+/* Are all jobs over, and have the workers dropped them? */
 static bool
 at_rest(const struct sim *s)
 {
@@ -774,7 +778,7 @@ void
 sim_run(struct sim *s)
 {
     while (!at_rest(s)) {
-        /* as if one thread at a time did all; a stall shows */
+        /* the limit is as if one thread did all the work: a stall exceeds it */
         bool late = (double)s->net.now_ms > TROUBLE_MS + SPARE_MS + s->work_ms;
 
         SIM_CHECK(&s->net, !late);

@@ -1,7 +1,8 @@
 /* disk.c - the coordinator's disk, played, and the coordinator's deaths
  *
- * What is to be kept lasts once it has been written, in order and late; when
- * the coordinator dies the rest is gone, and a new one goes on from there. */
+ * Entries are written in their order, some time later.  When the coordinator
+ * dies those that are not written are lost, and a new coordinator begins with
+ * the rest. */
 #include "config.h"
 
 #include "cluster.h"
@@ -15,7 +16,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* What a piece of work for the disk is about. */
+/* One task of the disk. */
 struct entry {
     struct action_rows rows;
     struct msg_counts counts;
@@ -30,7 +31,7 @@ struct entry {
     struct saved_job job;
     char text[MSG_MAX_TEXT + 1];
     size_t len;
-    uint8_t bytes[]; /* bottom, line and pixels, or statistics */
+    uint8_t bytes[]; /* bottom, line and pixels; or statistics */
 };
 
 typedef void entry_fn(struct sim *s, struct sim_job *job,
@@ -43,20 +44,20 @@ write_entry(void *net, struct event *e)
     entry_fn *fn;
 
     if ((unsigned)e->k != s->lives)
-        return; /* it never got to the disk */
+        return; /* the coordinator died before it was written */
     memcpy(&fn, &e->n, sizeof fn);
     fn(s, e->node < 0 ? NULL : &s->job[e->node],
        (const struct entry *)e->bytes);
     sim_coord_actions(s);
 }
 
-/* Room for an entry with so many bytes, which fn will deal with. */
+/* Add an entry with n more bytes to the disk's queue; fn will write it. */
 static struct entry *
 later(struct sim *s, int job, size_t n, entry_fn *fn)
 {
     struct event *e;
 
-    /* the disk keeps its order, and falls behind */
+    /* entries keep their order, so a delay delays all that follow */
     s->disk_ms += net_random(&s->net, 8);
     if (s->disk_ms < s->net.now_ms)
         s->disk_ms = s->net.now_ms;
@@ -69,9 +70,9 @@ later(struct sim *s, int job, size_t n, entry_fn *fn)
     return (struct entry *)e->bytes;
 }
 
-/* --- what is written --- */
+/* --- entries that are written --- */
 
-/* All records of the other job's last stage are the first pass of this one. */
+/* Make all records of the other job's last stage the first pass of this job. */
 static void
 begin_with(struct sim *s, struct sim_kept *k, const struct sim_kept *from)
 {
@@ -271,9 +272,10 @@ put_picture(struct sim *s, struct sim_job *job, const struct entry *e)
                           e->frame, 0, NULL);
 }
 
-/* --- what is to be written --- */
+/* --- actions that make entries --- */
 
-/* What the coordinator has found for the job to begin with, and its options. */
+/* Take over which job's cache the coordinator has chosen, and that job's
+ * options. */
 static void
 note_reuse(struct sim_job *job, const struct msg_spec *spec)
 {
@@ -378,7 +380,7 @@ sim_disk(struct sim *s, const struct action *a, int job)
     }
 }
 
-/* --- another life --- */
+/* --- the coordinator's next life --- */
 
 static bool
 read_row(void *arg, const uint8_t *id, uint32_t frame, uint32_t y,
@@ -409,9 +411,9 @@ recover(struct sim *s, struct sim_job *job)
     static struct saved_pass passes[MSG_MOST_PASSES];
     struct rad_error err = { 0 };
     struct sim_kept *k = &job->kept;
-    uint32_t flags = k->job.spec.flags; /* with the coordinator's own */
+    uint32_t flags = k->job.spec.flags; /* with those of the coordinator's */
 
-    /* none that was acknowledged is lost */
+    /* a job that was acknowledged is not lost */
     SIM_CHECK(&s->net, k->opened || !job->accepted);
     if (!k->opened)
         return;
@@ -462,7 +464,7 @@ sim_coord_born(struct sim *s)
 
     s->coord = coord_new(&env);
     SIM_CHECK(&s->net, s->coord != NULL);
-    if (s->net.seed % 3 == 0) /* many units are late */
+    if (s->net.seed % 3 == 0) /* so many units count as late */
         coord_set_lease(s->coord, 1500);
 }
 

@@ -1,7 +1,7 @@
 /* event.h - virtual time
  *
- * Events of one simulated cluster, by time and, of the same time, in the order
- * in which they were made.  Times are of the unit that the cluster counts in:
+ * The events of a simulated cluster, ordered by time; events of the same time
+ * keep the order in which they were added.  Time has the unit of the user:
  * microseconds in bench/sim, milliseconds here.
  * Thread: one. */
 #ifndef SIM_EVENT_H
@@ -14,9 +14,9 @@
 struct event {
     uint64_t at, sequence;
     void (*fn)(void *arg, struct event *e);
-    int node, k; /* these, n and len are what fn takes them for */
+    int node, k; /* node, k, n and len mean what fn wants */
     uint64_t n;
-    uint8_t *bytes; /* freed afterwards */
+    uint8_t *bytes; /* freed after the event */
     size_t len;
 };
 
@@ -28,15 +28,15 @@ struct events {
 
 void events_release(struct events *v);
 
-/* Have e->fn called; memory that is out ends the program.  What is returned may
- * be filled in until the next call. */
+/* Add a copy of *e, whose fn will be called.  Ends the program if memory is
+ * out.  The returned event may be changed until the next call. */
 struct event *events_add(struct events *v, const struct event *e);
 
-/* Call the next one with this argument, when *now is its time; false: there is
+/* Advance *now to the next event, and call its fn with arg; false: there is
  * none. */
 bool events_step(struct events *v, uint64_t *now, void *arg);
 
-/* Of memory, or end the program. */
+/* Allocate memory, or end the program. */
 void *sim_alloc(size_t n);
 
 #endif

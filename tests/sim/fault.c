@@ -1,18 +1,17 @@
 /* fault.c - accidents, at any time and at chosen messages
  *
- * Workers die, or are told to leave; children die; connections are cut, with
- * what is under way on them; processes stand still, or
- * nothing that they say or hear arrives for a while.  Some happen exactly when
- * the n-th message of a type is about to be heard, or just was, to whoever sent
- * it, to whoever hears it, or to a third. */
+ * Workers die or drain, children die, connections are cut and lose what is
+ * under way, processes stand still, or all that a worker sends or receives is
+ * delayed.  Some accidents happen just before or after the n-th message of a
+ * type is heard, to its sender, its receiver or a third worker. */
 #include "config.h"
 
 #include "cluster.h"
 
 #include "base/rng.h"
 
-/* Messages of hand-off and balancing, and some others; those more often that
- * are rare. */
+/* Types at whose messages accidents happen.  Rare ones are listed several
+ * times. */
 static const enum msg_type types[] = {
     MSG_UNIT,      MSG_RESULT,      MSG_ACK,       MSG_REVOKE,
     MSG_FACTS,     MSG_PARKED,      MSG_BASE_LINE, MSG_LOST,
@@ -29,9 +28,8 @@ static const enum msg_type types[] = {
 
 #define NTYPES (sizeof types / sizeof types[0])
 
-/* Which message of a type: in few clusters there are more than a
- * twin or two, or lines are given away, or columns lent, or units revoked, more
- * often. */
+/* At which message of a type an accident happens.  Some types are rare: in few
+ * clusters there are more than two messages of them. */
 static uint32_t
 which(struct net *net, enum msg_type type)
 {
@@ -54,8 +52,8 @@ fault_of(struct net *net, unsigned type, unsigned blow)
                                .after = net_chance(net, 2) };
 }
 
-/* The first goes by the seed's number, so that every blow at every type is
- * tried about as often. */
+/* The type and blow of the first accident go by the seed, so that all pairs of
+ * these are tried about equally often. */
 void
 sim_make_faults(struct sim *s)
 {
@@ -104,7 +102,7 @@ sim_order(struct sim *s)
     }
 }
 
-/* A child of the worker; -1: it has none. */
+/* A random child of the worker; -1: none. */
 static int
 child_of(struct sim *s, int worker)
 {
@@ -158,8 +156,8 @@ strike(struct sim *s, int worker, enum sim_blow blow)
     return true;
 }
 
-/* For less than it takes to find out by silence: one way, the other, or both.
- */
+/* Delay what a worker receives, sends, or both, for less time than it takes to
+ * be declared dead for silence. */
 static void
 part(struct sim *s, int worker)
 {
@@ -212,7 +210,7 @@ sim_accident(struct sim *s)
     }
 }
 
-/* The worker that a node is, or is a child of; -1: none. */
+/* The worker of a node that is a worker or a child; -1: the node is neither. */
 static int
 worker_of(const struct sim *s, int node)
 {
@@ -223,7 +221,7 @@ worker_of(const struct sim *s, int node)
                : -1;
 }
 
-/* Whom the accident strikes. */
+/* The worker to which the accident happens. */
 static int
 victim_of(struct sim *s, const struct sim_fault *f, int from, int to)
 {

@@ -1,7 +1,6 @@
-/* fibre.h - a function that is left and gone on with later
+/* fibre.h - a function that can stop in the middle and go on later
  *
- * So that a pass of the sampler lies in virtual time, and messages come while
- * it is under way.
+ * So a pass of the sampler can take virtual time, in which messages come.
  * Thread: one. */
 #ifndef SIM_FIBRE_H
 #define SIM_FIBRE_H
@@ -10,16 +9,16 @@
 
 struct fibre;
 
-/* Nothing runs yet.  NULL: memory is out. */
+/* The fibre does not run yet.  NULL: memory is out. */
 struct fibre *fibre_new(void (*fn)(void *arg), void *arg);
 
-/* Only one that has not begun, or has come to its end. */
+/* Only before the first fibre_run(), or when the fibre has ended. */
 void fibre_free(struct fibre *f);
 
-/* Go on until it yields (true) or ends (false). */
+/* Run the fibre until it yields (true) or ends (false). */
 bool fibre_run(struct fibre *f);
 
-/* From within. */
+/* Called by the fibre itself: stop until the next fibre_run(). */
 void fibre_yield(struct fibre *f);
 
 #endif

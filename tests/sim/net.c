@@ -23,7 +23,8 @@ net_fail(const struct net *net, const char *file, int line, const char *what)
     exit(EXIT_FAILURE);
 }
 
-/* Every fifth node has been upgraded to versions that others do not know. */
+/* The highest version that a node speaks: every fifth node is newer than our
+ * program. */
 static unsigned
 offers(uint64_t seed, unsigned node)
 {
@@ -153,8 +154,9 @@ net_find(struct net *net, int node, uint64_t conn)
     return find(net, node, conn, &link, &side);
 }
 
-/* Sent once more: e->node, e->n the node and the connection, e->k its link.  A
- * later life of the node numbers its connections anew. */
+/* Send a message once more: from node e->node and connection e->n, over link
+ * e->k.  The link is checked, for a later life of the node reuses connection
+ * numbers. */
 static void
 repeat(void *net, struct event *e)
 {
@@ -164,7 +166,8 @@ repeat(void *net, struct event *e)
         net_send(net, e->node, e->n, e->bytes, e->len);
 }
 
-/* Facts, base lines and tiles may come twice. */
+/* Send a message twice, at random.  The protocol lets facts, base lines and
+ * tiles come twice. */
 static void
 maybe_repeat(struct net *net, const struct net_end *from, const struct msg *m)
 {
@@ -222,7 +225,7 @@ tell(const struct net *net, const struct net_end *end, const struct msg *m)
     printf("\n");
 }
 
-/* A message is whole. */
+/* A whole message has arrived. */
 static void
 hear(struct net *net, const struct net_link *l, int side)
 {
@@ -240,7 +243,7 @@ hear(struct net *net, const struct net_link *l, int side)
         net->hear(net, from->node, end->node, &net->msg, true);
 }
 
-/* Bytes, or with none the end of the connection, reach an end. */
+/* Bytes arrive; or, if there are none, the end of the connection. */
 static void
 arrive(void *arg, struct event *e)
 {
@@ -291,11 +294,11 @@ to_other(struct net *net, int link, int side)
     return events_add(&net->events, &e);
 }
 
-/* A HELLO offers what its sender speaks. */
+/* Let a HELLO offer versions up to `most`. */
 static void
 set_offer(uint8_t *hello, unsigned most)
 {
-    hello[MSG_HEADER + 2] = (uint8_t)(most >> 8); /* its `max` */
+    hello[MSG_HEADER + 2] = (uint8_t)(most >> 8); /* the HELLO's `max` */
     hello[MSG_HEADER + 3] = (uint8_t)most;
 }
 
@@ -307,7 +310,7 @@ net_send(struct net *net, int node, uint64_t conn, const uint8_t *bytes,
     struct wire_out out;
     int link, side;
 
-    /* no machine may speak into a connection that it knows is gone */
+    /* a machine must not send on a connection that it knows is closed */
     SIM_CHECK(net, find(net, node, conn, &link, &side) != NULL);
     wire_out_init(&out, MSG_FRAME_MAX);
     wire_put_bytes(&out, bytes, len);
@@ -315,7 +318,7 @@ net_send(struct net *net, int node, uint64_t conn, const uint8_t *bytes,
     if (msg_frame_type(bytes, len) == MSG_HELLO)
         set_offer(out.buf, net->offers[node]);
     e = to_other(net, link, side);
-    e->bytes = out.buf; /* that of wire_out_release() */
+    e->bytes = out.buf; /* taken: instead of wire_out_release() */
     e->len = out.len;
 }
 

@@ -1,10 +1,10 @@
 /* net.h - a network in virtual time, under a seed
  *
- * Nodes are joined by links that carry bytes both ways.  Each direction keeps
- * its order, as TCP does; links overtake each other freely.  Bytes arrive in
- * pieces and pass through the real frame reader.
+ * Nodes are joined by links, which carry bytes both ways.  Each direction of a
+ * link keeps its order, as TCP does; different links overtake each other.
+ * Bytes arrive in pieces and go through the real frame reader.
  *
- * A check that fails prints the seed and ends the program. */
+ * SIM_CHECK that fails prints the seed and ends the program. */
 #ifndef SIM_NET_H
 #define SIM_NET_H
 
@@ -15,7 +15,7 @@ struct net;
 
 enum { NET_NODES = 128 };
 
-/* What a kind of node does. */
+/* Callbacks of a kind of node. */
 struct node_ops {
     void (*message)(struct net *net, int node, uint64_t conn,
                     const struct msg *m);
@@ -26,9 +26,9 @@ struct net_end {
     int node;
     uint64_t conn;
     bool open;
-    bool deaf; /* the link is cut: what is under way is lost */
+    bool deaf; /* the link is cut, and bytes under way are lost */
     struct frame_reader reader;
-    uint64_t busy_ms; /* what is sent to it arrives no sooner */
+    uint64_t busy_ms; /* bytes that are sent to it arrive no sooner */
 };
 
 struct net_link {
@@ -44,14 +44,14 @@ struct net {
     struct net_link **links;
     size_t nlinks, cap_links;
     uint64_t next_conn;
-    const struct node_ops *ops[NET_NODES]; /* by node; NULL: not there */
-    /* Called before a message is heard, and after; NULL: nobody cares. */
+    const struct node_ops *ops[NET_NODES]; /* by node; NULL: the node is dead */
+    /* Called before a message is heard, and after; may be NULL. */
     void (*hear)(struct net *net, int from, int to, const struct msg *m,
                  bool after);
-    /* Tells on stderr what state all is in, when a seed fails; NULL: nobody. */
+    /* Prints the states of all on stderr when a check fails; may be NULL. */
     void (*describe)(const struct net *net);
-    unsigned offers[64]; /* by node: the highest version of the protocol */
-    bool repeats;        /* messages that may come twice sometimes do */
+    unsigned offers[64]; /* by node: highest version that it speaks */
+    bool repeats;        /* some messages are sent twice */
     unsigned repeated;
     struct msg msg;
 };
@@ -74,23 +74,23 @@ unsigned net_random(struct net *net, unsigned n);
 bool net_chance(struct net *net, unsigned n);
 void net_bytes(void *net, void *buf, size_t n);
 
-/* Have fn called with the net after that delay; what is returned may be filled
- * in until the next event is made. */
+/* Have fn called after that delay.  The returned event may be changed until the
+ * next one is made. */
 struct event *net_later(struct net *net, unsigned delay_ms,
                         void (*fn)(void *net, struct event *e));
 
-/* Deal with the next event; false: there is none. */
+/* Handle the next event; false: there is none. */
 bool net_step(struct net *net);
 
-/* Join two nodes; either number may be 0: one is made up. */
+/* Join two nodes by a link.  A connection number of 0 stands for a new one. */
 struct net_link *net_join(struct net *net, int a, uint64_t a_conn, int b,
                           uint64_t b_conn, enum msg_session a_session,
                           enum msg_session b_session);
 
-/* The open end of a node; NULL if it is not open. */
+/* The open end of a node's connection; NULL: it is closed. */
 struct net_end *net_find(struct net *net, int node, uint64_t conn);
 
-/* Send bytes, or a message, from a node's open end.  */
+/* Send bytes, or a message, from a node's open end. */
 void net_send(struct net *net, int node, uint64_t conn, const uint8_t *bytes,
               size_t len);
 void net_send_msg(struct net *net, int node, uint64_t conn,
@@ -98,15 +98,17 @@ void net_send_msg(struct net *net, int node, uint64_t conn,
 void net_session(struct net *net, int node, uint64_t conn,
                  enum msg_session session, unsigned version);
 
-/* Close from this side; the other hears of it after what was sent. */
+/* Close this side's end; the other side hears of it after all bytes sent
+ * before. */
 void net_close(struct net *net, int node, uint64_t conn);
-/* One link of a node, any, to one of nodes [first, last] breaks: nothing that
- * is under way comes, each side hears of it some time.  Returns how many. */
+/* Cut one link, at random, between a node and one of the nodes [first, last]:
+ * all that is under way is lost, and both sides hear of the end some time
+ * later.  Returns the number of links that were cut. */
 unsigned net_cut(struct net *net, int node, int first, int last);
-/* What is sent to a node from now on, or by it, or both, arrives no sooner than
- * in so long: it is cut off, and nobody hears of that. */
+/* Hold up bytes to a node, from it, or both for ms from now on; nobody is told.
+ */
 void net_hold(struct net *net, int node, unsigned ms, bool to, bool from);
-/* All ends of a node: it died. */
+/* Close all ends of a node that died. */
 void net_close_all(struct net *net, int node);
 
 #endif

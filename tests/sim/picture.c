@@ -35,8 +35,8 @@ make_look(struct sim_job *job, uint32_t frame)
     }
 }
 
-/* A ramp, edges, a rail, a bright disc, a speckled corner; some views show
- * nothing in two corners. */
+/* The grey of a pixel: a ramp, edges, a rail, a bright disc and a speckled
+ * corner; some views show nothing in two corners. */
 static double
 grey(const struct sim_job *job, uint32_t frame, int x, int y)
 {
@@ -88,7 +88,7 @@ sim_paint(const struct sim_job *job, uint32_t frame, int x0, int x1, int y,
 {
     for (int x = x0; x < x1 && job->paint; x++)
         if (rad_mix64(job->look + frame + (uint64_t)(x * 7919 + y)) % 37 == 0)
-            row[x - x0].L.g = row[x - x0].L.g * .5F + 2; /* once only */
+            row[x - x0].L.g = row[x - x0].L.g * .5F + 2; /* twice would show */
 }
 
 unsigned
@@ -192,7 +192,7 @@ sim_any_traced(struct net *net, const struct sim_job *job)
 
 /* --- set-up --- */
 
-/* Costs of a former run, by line: right, or anything. */
+/* Random costs of the lines, which need not fit the picture. */
 static void
 make_costs(struct net *net, struct sim_job *job)
 {
@@ -210,8 +210,10 @@ make_costs(struct net *net, struct sim_job *job)
     job->spec.costs = job->costs;
 }
 
-/* Mostly what people use; of small pictures some have each pixel traced, lines
- * of one row, or steps wider than them.  These draw nothing. */
+/* Choose -ps: 4 or 8, as is usual.  In some small pictures a rare value, with
+ * which each pixel is traced, lines have one row, or steps are wider than the
+ * picture; these are not chosen by net_random(), so other choices of a seed
+ * stay the same. */
 static int
 sampling(struct net *net, bool tall)
 {
@@ -227,9 +229,9 @@ sim_make_pictures(struct net *net, struct sim_job *job)
 {
     static const char *const estimates[] = { "uniform", "5a", "2b" };
     bool large = net_chance(net, 10);
-    /* regions for two workers; draws nothing, for few seeds' sake */
+    /* with regions for two workers; not by net_random(), so few seeds change */
     bool tall = !large && rad_mix64(net->seed + 78) % 8 == 0;
-    /* its passes come in halves */
+    /* so its passes come in halves */
     bool tower = tall && rad_mix64(net->seed + 79) % 3 == 0;
     unsigned side = large ? 90 : 50, least = net_chance(net, 4) ? 1 : 20;
 
@@ -243,7 +245,7 @@ sim_make_pictures(struct net *net, struct sim_job *job)
     if (tower) {
         job->psample = 16;
         job->pixel_us = 10;
-        sim_of(net)->work_ms += 120000; /* many units, one after the other */
+        sim_of(net)->work_ms += 120000; /* for its many units, in turn */
     }
     job->bounces =
         job->spec.flags & MSG_JOB_PASSES ? (int)net_random(net, 3) : 0;
@@ -271,7 +273,7 @@ sim_make_pictures(struct net *net, struct sim_job *job)
         job->want[f] = calloc(n, sizeof(struct rad_pixel));
         job->line[f] = malloc(n * 12);
         SIM_CHECK(net, job->picture[f] && job->want[f] && job->line[f]);
-        memset(job->line[f], 0xff, n * 12); /* no numbers */
+        memset(job->line[f], 0xff, n * 12); /* NaN, until it is stored */
     }
     if (net_chance(net, 4))
         make_costs(net, job);

@@ -1,5 +1,5 @@
-/* tiles.c - a child's ambient cache in passes: tiles take a while, and have
- * records by formula */
+/* tiles.c - a child's ambient cache in passes: tiles take some time, and their
+ * records come from a formula */
 #include "config.h"
 
 #include "cluster.h"
@@ -16,9 +16,9 @@
 
 #define MOST_RECORDS 6
 #define TILE_MS      30
-#define TELL_MS      500 /* until all know that its pass is closed */
+#define TELL_MS      500 /* time until all workers know that a pass is closed */
 
-/* The records of a tile, the same whoever makes it; returns how many. */
+/* The records of a tile, the same from every worker; returns how many. */
 static uint32_t
 records(const struct sim_job *job, uint32_t pass, uint32_t tile,
         uint8_t out[MOST_RECORDS * AMBSHARE_BYTES])
@@ -31,7 +31,7 @@ records(const struct sim_job *job, uint32_t pass, uint32_t tile,
     return n;
 }
 
-/* Of the pixel, by formula. */
+/* The colour of a pixel, by formula. */
 static void
 colour(const struct sim_job *job, uint32_t frame, int x, int y, uint8_t rgbe[4])
 {
@@ -41,7 +41,7 @@ colour(const struct sim_job *job, uint32_t frame, int x, int y, uint8_t rgbe[4])
     memcpy(rgbe, &key, 4);
 }
 
-/* The colours of a tile's lattice; returns their bytes. */
+/* The colours of a tile's lattice; returns the number of bytes. */
 static size_t
 colours(const struct sim_job *job, const struct rad_pass *pass, uint32_t tile,
         uint8_t out[MSG_MAX_COLOURS])
@@ -84,8 +84,8 @@ sim_check_colours(struct net *net, const struct sim_job *job,
     sim_of(net)->colours++;
 }
 
-/* Its sums, of a check pass: of errors from none to some times what there is.
- */
+/* The sums of a tile of a check pass.  Over all tiles these give errors from
+ * none to several times the one that is wanted. */
 static void
 sums(const struct sim_job *job, uint32_t pass, uint32_t tile,
      struct rad_refine_sums *out)
@@ -99,12 +99,12 @@ sums(const struct sim_job *job, uint32_t pass, uint32_t tile,
     out->shown = out->rays = 1;
 }
 
-/* A stage of a job, or all passes of one without a goal. */
+/* A stage of a job; or all passes, if the job has no goal. */
 struct stage {
     uint32_t number, base, n;
     struct rad_refine_rungs rungs;
     struct rad_refine_past past;
-    struct rad_params params, pictures; /* the latter once no stage follows */
+    struct rad_params params, pictures; /* pictures: of the last stage */
     struct rad_pass plan[RAD_MOST_PASSES];
 };
 
@@ -136,14 +136,14 @@ plan_stage(const struct sim_job *job, struct stage *st)
                 : 0;
 }
 
-/* Of so many tiles; see made(). */
+/* The rays of a pass of that many tiles; see made(). */
 static uint64_t
 rays(uint64_t tiles)
 {
     return tiles * (tiles + 1) / 2;
 }
 
-/* What the records that a job begins with are taken to have cost. */
+/* Rays for making the records of another job's cache, roughly. */
 static uint64_t
 reused_rays(const struct sim_job *job, const struct rad_params *p)
 {
@@ -152,7 +152,7 @@ reused_rays(const struct sim_job *job, const struct rad_params *p)
     return n / AMBSHARE_BYTES * (uint64_t)(p->ambdiv + p->ambssamp);
 }
 
-/* Is there a stage after this one?  Then it is that. */
+/* Go on to the stage after this one; false: there is none. */
 static bool
 next_stage(const struct sim_job *job, struct stage *st)
 {
@@ -190,11 +190,11 @@ next_stage(const struct sim_job *job, struct stage *st)
     return true;
 }
 
-/* The stage that a pass belongs to, the last for those beyond. */
+/* Find the stage of a pass; the last stage for passes beyond it. */
 static void
 stage_of(const struct sim_job *job, uint32_t pass, struct stage *st)
 {
-    st->number = st->base = 0; /* the plan is long */
+    st->number = st->base = 0; /* not a whole initializer: the plan is large */
     st->rungs = (struct rad_refine_rungs){ 0 };
     st->past = (struct rad_refine_past){ 0 };
     plan_stage(job, st);
@@ -226,8 +226,8 @@ fill(const struct sim_job *job, struct msg_tile_made *t,
 
 static void made(void *net, struct event *e);
 
-/* Events as such a tile has them: e->k is the tile, e->len twice its pass, and
- * 1 if its colours are wanted. */
+/* Make another event like this one: e->k is the tile, e->len twice its pass,
+ * plus 1 if its colours are wanted. */
 static void
 make_later(struct net *net, unsigned ms, const struct event *like)
 {
@@ -251,10 +251,10 @@ made(void *arg, struct event *e)
     struct msg_tile_made *t = &m.tile_made;
 
     if (!net->ops[e->node] || k->conn != e->n || k->passes > e->len / 2)
-        return; /* a pass that was closed */
+        return; /* the pass is closed */
     stage_of(job, (uint32_t)e->len / 2, &st);
     if (st.base + st.plan[e->len / 2 - st.base].reads > k->passes) {
-        make_later(net, TILE_MS, e); /* what it reads is yet to come */
+        make_later(net, TILE_MS, e); /* a pass that it reads has not come */
         return;
     }
     *t = (struct msg_tile_made){ .job = sim_of(net)->job[k->job].id,
@@ -296,7 +296,7 @@ sim_take_tile(struct net *net, int node, const struct msg_tile *m)
                                 .len = 2 * (size_t)m->pass + m->colours });
 }
 
-/* Byte `at` and those that follow of a pass's records, tile after tile. */
+/* Compare a FROZEN with the records of the pass, tile after tile. */
 static void
 check_records(struct net *net, const struct sim_job *job,
               const struct msg_frozen *m, uint32_t tiles)
@@ -321,7 +321,7 @@ check_records(struct net *net, const struct sim_job *job,
     SIM_CHECK(net, !m->last || m->first + m->count == at);
 }
 
-/* Those of the first pass where it is another job's cache. */
+/* Compare a FROZEN of the first pass with the cache of the other job. */
 static void
 check_reused(struct net *net, const struct sim_job *job,
              const struct msg_frozen *m)
@@ -348,11 +348,11 @@ sim_take_frozen(struct net *net, int node, const struct msg_frozen *m)
     SIM_CHECK(net, m->pass < st.base + st.n);
     SIM_CHECK(net, m->first == 0 || m->first == k->nrecords);
     pass = &st.plan[m->pass - st.base];
-    if (pass->check) { /* its end is told of the last stage alone */
+    if (pass->check) { /* only the last stage's is sent */
         SIM_CHECK(net, m->count == 0 && m->last && !next_stage(job, &st));
     } else if (m->pass == 0 && job->spec.flags & MSG_JOB_REUSE) {
         check_reused(net, job, m);
-    } else if (!pass->walks || m->count > 0) { /* no life takes that up */
+    } else if (!pass->walks || m->count > 0) { /* later lives lack these */
         check_records(net, job, m, pass->tiles);
     }
     k->nrecords = m->first + m->count;
@@ -360,7 +360,7 @@ sim_take_frozen(struct net *net, int node, const struct msg_frozen *m)
         return;
     k->nrecords = 0;
     k->passes++;
-    sim_of(net)->work_ms += TILE_MS; /* all wait for the slowest tile */
+    sim_of(net)->work_ms += TILE_MS; /* all workers wait for the slowest tile */
     sim_of(net)->passes++;
 }
 
@@ -373,7 +373,7 @@ says(const char *text, const struct rad_params *p)
     return strcmp(text, other) == 0;
 }
 
-/* One that comes late has the pictures' options from the start. */
+/* A child that comes late gets the pictures' options at once. */
 void
 sim_take_stage(struct net *net, int node, const struct msg_stage *m)
 {
