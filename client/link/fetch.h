@@ -6,7 +6,7 @@
 
 #include "link/link.h"
 
-/* Starts zeroed; the bytes are the owner's to free. */
+/* Begins zeroed; the owner frees bytes. */
 struct fetched {
     uint8_t *bytes;
     size_t len, cap;
@@ -16,9 +16,9 @@ struct fetched {
 int fetch_start(struct link *l, const uint8_t job[MSG_JOB], uint32_t frame,
                 enum msg_what what, uint32_t request, struct rad_error *err);
 
-/* Take a message that answers the request: 1 when the file is whole, 0 when
- * more is to come; the error of a FAILED, RAD_EPROTO, RAD_ENOMEM.  Memory grows
- * with what came, not with the total that is claimed. */
+/* Take a message that answers the request.  Returns 1 when the file is whole, 0
+ * if more is to come; or the error of a FAILED, RAD_EPROTO, RAD_ENOMEM.  Memory
+ * grows with what has come, not with the total that is claimed. */
 int fetch_take(struct fetched *f, const struct msg *m, struct rad_error *err);
 
 #endif

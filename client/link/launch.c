@@ -22,10 +22,10 @@
 
 enum {
     LOOK_MS = 20,
-    SETTLE_MS = 500, /* workers that start together come so close together */
-    GONE_MS = 10000, /* without launcher and worker: a lost one dials again */
-    LEAVE_MS = 5000, /* for workers to see that their coordinator has ended */
-    KILL_MS = 2000,  /* and for a launcher that is told to end */
+    SETTLE_MS = 500, /* most time between workers that start together */
+    GONE_MS = 10000, /* without any worker; a lost one dials again */
+    LEAVE_MS = 5000, /* for workers to notice the coordinator's end */
+    KILL_MS = 2000,  /* for launchers to end after a signal */
     SAY_MS = 2000    /* least time between two lists of workers */
 };
 
@@ -33,10 +33,10 @@ static const char key_name[] = "worker:launched";
 static const char variable[] = "RADD_LAUNCH_KEY";
 
 struct launcher {
-    pid_t pid;  /* its process group's number, too */
-    bool ended; /* and not yet waited for: the number stays its own */
-    int how;    /* CLD_EXITED or another of waitid()'s, */
-    int status; /* and the status or the signal */
+    pid_t pid;  /* also its process group */
+    bool ended; /* but not waited for, so pid stays reserved */
+    int how;    /* CLD_EXITED, or another code of waitid() */
+    int status; /* exit status, or signal */
 };
 
 struct launch {
@@ -44,13 +44,13 @@ struct launch {
     struct launch_order order;
     struct launcher *v;
     int n;
-    char dial[LAUNCH_ADDRESS]; /* where workers look for this machine */
-    int workers;               /* that are there, or take part */
-    bool came;                 /* one was there */
+    char dial[LAUNCH_ADDRESS]; /* HOST:PORT of the coordinator, for workers */
+    int workers;               /* connected or, later, taking part in the job */
+    bool came;                 /* a worker was connected at some time */
     uint64_t begin_ms;
-    uint64_t changed_ms; /* when their number did */
-    int said;            /* how many of them were last said to be there, */
-    uint64_t said_ms;    /* and when */
+    uint64_t changed_ms; /* when `workers` last changed or was above 0 */
+    int said;            /* how many workers the last list named */
+    uint64_t said_ms;    /* when that was */
 };
 
 static uint64_t
@@ -62,7 +62,7 @@ now_ms(void)
     return (uint64_t)t.tv_sec * 1000 + (uint64_t)t.tv_nsec / 1000000;
 }
 
-/* --- what is run --- */
+/* --- the command --- */
 
 bool
 launch_each(const char *command)
@@ -99,9 +99,9 @@ launch_command(const char *command, int number)
     return text;
 }
 
-/* --- where workers dial --- */
+/* --- the coordinator's address --- */
 
-/* This machine's address on the way to anywhere; no packet is sent for that. */
+/* This machine's address for outgoing packets; finding it sends none. */
 static bool
 outgoing(struct sockaddr_in *mine)
 {
@@ -120,7 +120,7 @@ outgoing(struct sockaddr_in *mine)
     return found;
 }
 
-/* The first address that is not the loopback's. */
+/* The first address of an interface that is not the loopback. */
 static bool
 first_interface(struct sockaddr_in *mine)
 {
@@ -174,7 +174,8 @@ launch_address(const char *given, char dial[LAUNCH_ADDRESS],
     snprintf(dial, LAUNCH_ADDRESS, "%s%s", given, colon ? "" : ":0");
     if ((rc = address_split(dial, host, port, &local, err)) < 0)
         return rc;
-    /* a host's own name may be an address that only the host itself has */
+    /* all addresses: a host's own name may stand for one that only the host has
+     */
     snprintf(listen, LAUNCH_ADDRESS, "*:%s", port);
     return 0;
 }
@@ -196,7 +197,7 @@ write_private(const char *path, const char *text, struct rad_error *err)
     return whole ? 0 : err->code;
 }
 
-/* Make the job's key: the coordinator's file at `path`, and its line. */
+/* Make the job's key: write the coordinator's key file, and return its line. */
 static int
 make_key(const char *path, char line[KEY_LINE + 1], struct rad_error *err)
 {
@@ -215,8 +216,8 @@ make_key(const char *path, char line[KEY_LINE + 1], struct rad_error *err)
 
 /* --- launchers --- */
 
-/* A pipe's end that gives the line and then ends; negative: none could be
- * had. */
+/* The reading end of a pipe that gives the line and then ends; negative on
+ * failure. */
 static int
 line_to_read(const char *line)
 {
@@ -270,14 +271,14 @@ run_command(struct launch *l, const char *text, const char *line, char **env,
     return 0;
 }
 
-/* Run COMMAND as often as it is to be. */
+/* Run COMMAND, once or for each worker. */
 static int
 run_all(struct launch *l, const char *line, struct rad_error *err)
 {
     int times = launch_each(l->order.command) ? l->order.workers : 1, rc = 0;
     char setting[sizeof variable + KEY_LINE + 2], **env;
 
-    /* one host that is lost is no reason for srun to end the others */
+    /* or srun would end all workers when one host is lost */
     setenv("SLURM_NO_KILL", "set", 0);
     setenv("SLURM_KILL_BAD_EXIT", "0", 0);
     snprintf(setting, sizeof setting, "%s=%s", variable, line);
@@ -328,9 +329,9 @@ launch_start(struct launch **out, struct local *local,
     return rc;
 }
 
-/* --- while they run --- */
+/* --- while launchers run --- */
 
-/* How many launchers run still? */
+/* Notice launchers that have ended; returns how many still run. */
 static int
 running(struct launch *l)
 {
@@ -353,7 +354,7 @@ running(struct launch *l)
     return n;
 }
 
-/* How the first launcher that failed did; false: none has. */
+/* Describe how the first launcher that failed ended; false: none has failed. */
 static bool
 failed(struct launch *l, char *text, size_t size)
 {
@@ -432,11 +433,11 @@ launch_alive(struct launch *l, struct rad_error *err)
     return rad_fail(err, RAD_EUNAVAIL, "no worker is left");
 }
 
-/* --- the end --- */
+/* --- stopping --- */
 
-/* Are launchers left, or processes that one left behind in its group?  Those
- * that have ended are waited for: while there is anybody in the group no other
- * gets its number. */
+/* Do any launchers, or processes in their groups, still run?  A launcher that
+ * has ended is waited for here; its group's number stays reserved while any
+ * process is in the group. */
 static bool
 are_left(struct launch *l)
 {

@@ -1,13 +1,14 @@
 /* launch.h - workers that srun, mpirun or ssh start, for one job
  *
- * radsubmit --launch=COMMAND.  The coordinator is local.h's and listens on the
- * network; COMMAND is run by sh with radd's command line behind it, once, or
- * once for each worker where it has "%d".  The key, made for this job, is in
- * the variable RADD_LAUNCH_KEY of COMMAND's environment and on its standard
- * input, a line of keyfile.h: srun and mpirun hand on the former, ssh the
- * latter.  Workers end when the coordinator has; what COMMAND left behind is
- * ended, by launch_stop() or, when radsubmit was killed, by local.h's keeper.
- * Thread: one.  */
+ * For radsubmit --launch=COMMAND.  The coordinator is one of local.h that
+ * listens on the network.  sh runs COMMAND with radd's command line behind it:
+ * once, or once for each worker if COMMAND has "%d".  A key is made for this
+ * job.  Its line (keyfile.h) is in the variable RADD_LAUNCH_KEY of COMMAND's
+ * environment, which srun and mpirun pass on, and on its standard input, which
+ * ssh passes on.  Workers end when the coordinator does.  Processes that
+ * COMMAND leaves behind are ended by launch_stop() or, if radsubmit is killed,
+ * by local.h's keeper.
+ * Thread: one. */
 #ifndef RADD_CLIENT_LAUNCH_H
 #define RADD_CLIENT_LAUNCH_H
 
@@ -15,43 +16,45 @@
 
 struct launch_order {
     const char *command;
-    const char *address; /* HOST[:PORT] where workers dial; NULL: chosen */
-    int workers;         /* at least, to begin with */
-    int threads;         /* of each; 0: theirs to choose */
-    double wait_s;       /* for workers */
+    const char *address; /* HOST[:PORT] that workers dial; NULL: chosen here */
+    int workers;         /* least number before the job begins */
+    int threads;         /* of each worker; 0: the worker chooses */
+    double wait_s;       /* most time for workers to come */
 };
 
 struct launch;
 
-/* COMMAND for worker `number`: "%d" becomes the number, "%%" is "%".  To be
- * freed; NULL when memory is out. */
+/* COMMAND for the worker of that number: "%d" becomes the number, "%%" is "%".
+ * To be freed; NULL: memory is out. */
 char *launch_command(const char *command, int number);
 /* Is COMMAND run once for each worker? */
 bool launch_each(const char *command);
-/* The address that workers dial, HOST:PORT with port 0 where none is given,
- * and where the coordinator listens for that.  RAD_EUSAGE. */
+/* The address that workers dial, HOST:PORT with port 0 if none is given, and
+ * the address to listen at for it.  RAD_EUSAGE. */
 #define LAUNCH_ADDRESS 300
 int launch_address(const char *given, char dial[LAUNCH_ADDRESS],
                    char listen[LAUNCH_ADDRESS], struct rad_error *err);
 
-/* Start coordinator and launchers; *l is to be stopped whatever is returned.
- * Errors of local_start(), RAD_EUSAGE, RAD_ENOMEM. */
+/* Start the coordinator and the launchers.  *l must be stopped whatever is
+ * returned.  Errors of local_start(), RAD_EUSAGE, RAD_ENOMEM. */
 int launch_start(struct launch **l, struct local *local,
                  const struct launch_order *order, const int *stop,
                  struct rad_error *err);
 
-/* So many workers are there now, called names ("ws1-812, ws2-97"): 1 when that
- * is enough and no more come, 0 to wait; RAD_EUNAVAIL when the time is over or
- * a launcher has failed.  *news: it is worth saying. */
+/* Tell that n workers are connected; names lists them ("ws1-812, ws2-97").
+ * Returns 1 if the job can begin: there are enough, and no more are coming; 0
+ * to wait; RAD_EUNAVAIL if the time is over or a launcher has failed.  *news:
+ * the user should hear of the number. */
 int launch_gathered(struct launch *l, int n, const char *names, bool *news,
                     struct rad_error *err);
 
-/* So many take part in the job. */
+/* Tell that n workers take part in the job. */
 void launch_note_workers(struct launch *l, int n);
-/* 0, or RAD_EUNAVAIL when no worker is left and none will come. */
+/* 0; or RAD_EUNAVAIL if there is no worker, and none will come. */
 int launch_alive(struct launch *l, struct rad_error *err);
 
-/* End the coordinator, wait for the launchers, end what does not; free. */
+/* End the coordinator, wait for the launchers, kill those that do not end, and
+ * free l. */
 void launch_stop(struct launch *l);
 
 #endif

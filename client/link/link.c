@@ -1,9 +1,9 @@
 /* link.c - see link.h
  *
- * A connection of net/ that is dialled, and the messages of which wait here
- * until link_recv() asks for them; above a mark reading stops, so that a
- * coordinator cannot fill our memory.  What the connection calls sets `why`,
- * `done` or adds a message, and does no more: the caller acts. */
+ * A dialled connection of net/.  Messages that come wait in a list until
+ * link_recv() asks for them; above INPUT_MARK the connection is not read, so a
+ * coordinator cannot fill our memory.  The connection's callbacks only set
+ * `why` and `done` and add messages; the waiting caller acts on these. */
 #include "config.h"
 
 #include "link/link.h"
@@ -19,11 +19,11 @@
 #include <time.h>
 
 enum {
-    INPUT_MARK = 4 << 20, /* stop reading above */
-    QUEUE_MARK = 1 << 20  /* stop sending above */
+    INPUT_MARK = 4 << 20, /* bytes of waiting messages; above, reading stops */
+    QUEUE_MARK = 1 << 20  /* bytes to be sent; above, link_send() waits */
 };
 
-/* A message that has come, and the bytes that it borrows from. */
+/* A message that has come, with the bytes that it points into. */
 struct letter {
     struct letter *next;
     struct msg m;
@@ -31,25 +31,27 @@ struct letter {
     size_t n;
 };
 
-/*   dialling -> hello said -> welcome: conn is live
- *          \         \         \
- *           `-> why.code is set: conn is NULL, letters may still wait */
+/* States of a link:
+ *
+ *  dialling -> HELLO sent -> WELCOME came: conn is live
+ *         \         \         \
+ *          `-> why.code is set: conn is NULL, letters may still wait */
 struct link {
     struct link_where where;
     char name[sizeof((struct target *)0)->text];
-    bool keyless; /* nothing can be proven over TCP */
+    bool keyless; /* over TCP without a key file */
     struct dialler *dialler;
-    struct conn *conn;    /* NULL: not yet, or no more */
-    struct rad_error why; /* it failed; code 0 while it is sound */
-    unsigned version;     /* that is spoken */
-    uv_timer_t limit;     /* of one wait */
-    bool closed;          /* the timer is */
-    bool done;            /* what a wait is for */
+    struct conn *conn;    /* NULL before and after the connection */
+    struct rad_error why; /* code 0, or why the link failed */
+    unsigned version;     /* of the protocol, as agreed */
+    uv_timer_t limit;     /* of the current wait */
+    bool closed;          /* the timer is closed */
+    bool done;            /* what wait_for() waits for has happened */
     bool timeout;
-    uint64_t until_ms; /* when opening must be over, in the loop's time */
-    struct letter *first, **last; /* that wait */
-    struct letter *read;          /* the caller's, until the next call */
-    size_t waiting;               /* bytes of those that wait */
+    uint64_t until_ms; /* limit for opening the link, in the loop's time */
+    struct letter *first, **last; /* messages that wait */
+    struct letter *read;          /* the caller's, until its next call */
+    size_t waiting;               /* bytes of waiting messages */
 };
 
 int
@@ -89,7 +91,7 @@ lost(const struct link *l, struct rad_error *err)
     case RAD_ENOMEM:
         return rad_fail(err, RAD_ENOMEM, "out of memory");
     case RAD_EPROTO:
-        if (l->why.where[0]) { /* of a message, not of TLS */
+        if (l->why.where[0]) { /* an error of a message, not of TLS */
             rad_fail(err, code, "%s", l->why.what);
             rad_error_where(err, "%s", l->name);
             return code;
@@ -106,7 +108,7 @@ lost(const struct link *l, struct rad_error *err)
     }
 }
 
-/* The first failure stays. */
+/* Note a failure, unless there was one before. */
 static void
 fail(struct link *l, int code)
 {
@@ -114,8 +116,8 @@ fail(struct link *l, int code)
         l->why.code = code;
 }
 
-/* A turn of the loop runs timers first and then waits for what else may come:
- * without uv_stop() that may be another 5 s, for the connection's own timer. */
+/* The timer's turn of the loop would still wait for other events, up to 5 s for
+ * the connection's own timer; uv_stop() prevents that. */
 static void
 on_limit(uv_timer_t *t)
 {
@@ -123,8 +125,8 @@ on_limit(uv_timer_t *t)
     uv_stop(t->loop);
 }
 
-/* Run the loop until `done`, a failure, the time (ms < 0: none) or a wake.
- * True when done. */
+/* Run the loop until `done`, a failure, the end of the time (ms < 0: none) or a
+ * change of wake.  Returns true when done. */
 static bool
 wait_for(struct link *l, int ms)
 {
@@ -139,9 +141,9 @@ wait_for(struct link *l, int ms)
     return l->done && !l->why.code;
 }
 
-/* --- what the connection calls --- */
+/* --- callbacks of the connection --- */
 
-/* What comes next is read as the version that the coordinator chose says. */
+/* From here on messages are of the version that the coordinator has chosen. */
 static void
 take_welcome(struct link *l, const struct msg *m)
 {
@@ -195,10 +197,10 @@ on_written(void *arg, struct conn *c, size_t n)
 {
     (void)c;
     (void)n;
-    ((struct link *)arg)->done = true; /* there is room again */
+    ((struct link *)arg)->done = true; /* there may be room in the queue */
 }
 
-/* A wait for the WELCOME ends by the caller's limit. */
+/* limit_ms: none here, for link_open() limits the wait for WELCOME. */
 static const struct conn_handler handler = { .message = on_message,
                                              .closed = on_conn_closed,
                                              .written = on_written,
@@ -248,7 +250,7 @@ link_send(struct link *l, const struct msg *m, struct rad_error *err)
 {
     int rc = queue(l, m, err), wake = *l->where.wake;
 
-    /* an interrupt leaves the message queued and the caller to decide */
+    /* when woken, return: the message stays queued, and the caller decides */
     while (rc == 0 && *l->where.wake == wake &&
            conn_queued(l->conn) > QUEUE_MARK) {
         wait_for(l, -1);
@@ -268,7 +270,7 @@ free_letter(struct letter *letter)
     free(letter);
 }
 
-/* The oldest message that waits becomes the caller's. */
+/* Make the oldest waiting message the caller's. */
 static bool
 open_letter(struct link *l)
 {
@@ -292,7 +294,7 @@ link_recv(struct link *l, int timeout_ms, const struct msg **m,
     uint64_t until = uv_now(l->where.loop) + (uint64_t)timeout_ms, now;
 
     for (;;) {
-        if (open_letter(l)) { /* what has come, even from a closed link */
+        if (open_letter(l)) { /* also those of a link that has failed since */
             *m = &l->read->m;
             if (l->read->m.type != MSG_BYE)
                 return 1;
@@ -308,7 +310,7 @@ link_recv(struct link *l, int timeout_ms, const struct msg **m,
 
 /* --- opening and closing --- */
 
-/* What is left of the time to open the link. */
+/* Time left for opening the link [ms]. */
 static int
 left_ms(const struct link *l)
 {
@@ -338,7 +340,7 @@ link_role(const struct target *to)
     return role;
 }
 
-/* Dial; over TCP both sides prove that they have the key, if there is one. */
+/* Dial the coordinator; over TCP with the key, if there is one. */
 static int
 connect_to(struct link *l, const struct target *to, enum msg_role role,
            struct rad_error *err)
@@ -457,7 +459,7 @@ link_close(struct link *l)
     l->conn = NULL;
     dialler_close(l->dialler);
     uv_close((uv_handle_t *)&l->limit, on_closed);
-    while (!l->closed) /* the others' handles go in the same turn */
+    while (!l->closed) /* other handles are closed in the same turn */
         uv_run(l->where.loop, UV_RUN_ONCE);
     while (open_letter(l))
         ;

@@ -25,24 +25,24 @@
 
 enum {
     READY_MS = 10000,
-    STOP_MS = 2000, /* a daemon that has not ended by then is killed */
+    STOP_MS = 2000, /* then a daemon is killed */
     LOOK_MS = 10,
-    SWEEPS = 100 /* of a folder in which daemons may still write */
+    SWEEPS = 100 /* removals, for daemons may still write */
 };
 
-/* room for a socket's name in it, which the kernel bounds */
+/* leaves room for a socket's name: the kernel limits its path */
 enum { LONGEST_FOLDER = 80, MOST_ARGS = 16, MOST_LAUNCHED = 4096 };
 
 struct local {
     char folder[LONGEST_FOLDER + 1];
     struct target target;
-    int alive[2];    /* the pipe; [1] is what keeps them alive */
-    int launched[2]; /* pipe: process groups that the keeper is to end, and,
-                      * negative, those that it need not end any more */
-    int notify;      /* socket on which a daemon says that it is ready */
+    int alive[2];    /* a pipe; daemons end when [1] is closed */
+    int launched[2]; /* a pipe to the keeper: process groups that it has to end;
+                      * a negative number cancels one */
+    int notify;      /* socket on which a daemon reports that it is ready */
     pid_t keeper;
     pid_t coordinator;
-    pid_t *workers; /* nworkers, 0 for one that has ended */
+    pid_t *workers; /* nworkers pids; 0: has ended */
     int nworkers;
 };
 
@@ -56,7 +56,7 @@ make_folder(struct local *l, const char *base)
     return n < (int)sizeof l->folder && mkdtemp(l->folder) != NULL;
 }
 
-/* End what was launched, kindly at first. */
+/* End the launched process groups: first by SIGTERM, then by SIGKILL. */
 static void
 end_launched(const struct local *l)
 {
@@ -78,9 +78,9 @@ end_launched(const struct local *l)
     }
 }
 
-/* The keeper's life: wait until radsubmit is gone, then end launchers and
- * remove the folder, again while daemons that are about to end put something
- * into it. */
+/* What the keeper does: wait until radsubmit has ended, then end launchers and
+ * remove the folder, several times while ending daemons may still write into
+ * it. */
 static void
 keep(const struct local *l)
 {
@@ -90,10 +90,10 @@ keep(const struct local *l)
 
     setsid();
     for (int fd = 0; fd < 3 && null >= 0; fd++)
-        dup2(null, fd); /* whoever reads radsubmit's output need not wait */
+        dup2(null, fd); /* or a reader of our output would wait */
     close(l->alive[1]);
     close(l->launched[1]);
-    /* the daemons share this end, and their libuv makes it non-blocking */
+    /* non-blocking: the daemons share this end, and libuv makes it so */
     while (read(l->alive[0], &byte, 1) != 0)
         poll(&life, 1, -1);
     end_launched(l);
@@ -103,8 +103,9 @@ keep(const struct local *l)
     }
 }
 
-/* A process that removes the folder if radsubmit is killed.  Signals do not
- * end it: libuv's handlers would answer them in radsubmit's name. */
+/* Start the keeper, a process that removes the folder if radsubmit is killed.
+ * It ignores signals, for libuv's handlers in it would act on radsubmit's loop.
+ */
 static int
 start_keeper(struct local *l, struct rad_error *err)
 {
@@ -155,7 +156,8 @@ local_folder(const struct local *l)
 
 /* --- programs --- */
 
-/* Start a daemon with options, each of them in the private folder. */
+/* Start a daemon with these options; it gets the folder's notify socket and the
+ * pipe that ends it. */
 static int
 start(pid_t *pid, const struct local *l, const char *name,
       const char *const options[], struct rad_error *err)
@@ -200,7 +202,7 @@ open_notify(struct local *l, struct rad_error *err)
     return 0;
 }
 
-/* Has the process ended?  Its pid becomes 0 then. */
+/* Has the process ended?  If so *pid becomes 0. */
 static bool
 ended(pid_t *pid)
 {
@@ -231,8 +233,8 @@ wait_ready(struct local *l, const int *stop, struct rad_error *err)
             n = recv(l->notify, text, sizeof text - 1, 0);
             text[n > 0 ? n : 0] = '\0';
             if (strstr(text, "READY=1")) {
-                /* nobody reads what is said from now on: a sender must be
-                 * refused, or it waits for ever once the queue is full */
+                /* close it, for nobody reads it from now on: a sender then gets
+                 * an error, instead of waiting for ever at a full queue */
                 close(l->notify);
                 l->notify = -1;
                 return 0;
@@ -265,7 +267,7 @@ local_threads(int nworkers, int nthreads)
     return n > 0 ? n : 1;
 }
 
-/* address: where it listens, or "" for its Unix socket alone. */
+/* address: where it listens on the network; "": only on its Unix socket. */
 static int
 start_coordinator(struct local *l, const char *address, const char *keys,
                   struct rad_error *err)
@@ -354,9 +356,9 @@ local_note_group(struct local *l, pid_t group, bool ended)
 {
     pid_t g = ended ? -group : group;
 
-    /* less than PIPE_BUF goes whole or not at all */
+    /* less than PIPE_BUF is written at once or not at all */
     if (write(l->launched[1], &g, sizeof g) < 0)
-        return; /* the keeper is gone, and nobody would read it */
+        return; /* the keeper has ended */
 }
 
 const struct target *
@@ -375,7 +377,8 @@ local_workers(struct local *l)
     return n;
 }
 
-/* A daemon leads its session, so its group has its children in it. */
+/* Kill a daemon with its children: they are in its process group, since it
+ * leads a session. */
 static void
 kill_one(pid_t *pid)
 {

@@ -7,10 +7,10 @@
 
 enum {
     CONNECT_MS = 5000,
-    ANSWER_MS = 5000 /* a coordinator that is slow to answer is left */
+    ANSWER_MS = 5000 /* longest wait for the answer */
 };
 
-/* Say *m, about a job, and wait for the answer. */
+/* Send *m, about a job, and wait for the answer. */
 static int
 give(const struct target *to, uv_loop_t *loop, const struct msg *m)
 {

@@ -1,4 +1,4 @@
-/* order.h - what a coordinator is told about a job, on a connection of its own
+/* order.h - orders to a coordinator about a job, on a connection of their own
  *
  * Thread: the loop's. */
 #ifndef RADD_CLIENT_ORDER_H
@@ -9,8 +9,8 @@
 
 #include <uv.h>
 
-/* Cancel a job that somebody has submitted, whatever state it is in, or delete
- * one that is over: 0, or what keeps the coordinator from hearing of it. */
+/* Cancel a job of any state; delete a job that is over.  Returns 0, or the
+ * error that kept the order from the coordinator. */
 int order_cancel(const struct target *to, uv_loop_t *loop,
                  const uint8_t job[MSG_JOB]);
 int order_delete(const struct target *to, uv_loop_t *loop,

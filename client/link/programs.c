@@ -15,7 +15,7 @@
 
 extern char **environ;
 
-/* radsubmit's own folder, its slash included; "": not known. */
+/* The folder of radsubmit itself, with its slash; "": unknown. */
 static void
 own_folder(char *path, size_t size)
 {
@@ -54,8 +54,8 @@ programs_path(const char *name, char *path, size_t size)
 bool
 programs_rpict(char *path, size_t size)
 {
-    /* beside a build's radsubmit, where it was to be installed, and beside an
-     * installation that was moved */
+    /* beside radsubmit in a build; where it was to be installed; and beside it
+     * in an installation that was moved */
     static const char *const folders[] = { "libexec/radd", RADD_LIBEXECDIR,
                                            "../libexec/radd" };
     char own[PATH_MAX];

@@ -1,8 +1,8 @@
-/* programs.h - where our programs are, and what they are started with
+/* programs.h - finding and starting our programs
  *
- * They are looked for beside radsubmit's own, in the folders where a build or
- * an installation has them, and along PATH.
- * Thread: one.  */
+ * They are looked for beside radsubmit, in the folders where a build or an
+ * installation has them, and along PATH.
+ * Thread: one. */
 #ifndef RADD_CLIENT_PROGRAMS_H
 #define RADD_CLIENT_PROGRAMS_H
 
@@ -10,21 +10,20 @@
 #include <stddef.h>
 #include <sys/types.h>
 
-/* The program's path, or its name alone for PATH to find. */
+/* The path of a program, or its name alone, to be found along PATH. */
 void programs_path(const char *name, char *path, size_t size);
 
-/* The folder of our program rpict, where it is; false: it is nowhere. */
+/* The folder of our program rpict; false: it was not found. */
 bool programs_rpict(char *path, size_t size);
 
-/* The environment with VARIABLE=VALUE, `setting`, in the place of what it has
- * of that name; the array is to be freed, not what it points at.  NULL when
- * memory is out. */
+/* The environment with `setting`, VARIABLE=VALUE, in place of its own VARIABLE.
+ * The caller frees the array, but not the strings.  NULL: memory is out. */
 char **programs_environment(char *setting);
 
-/* Start a program of PATH with default signals in a session of its own: its
- * input from the descriptor `in` (negative: nothing), its output where our
- * errors go, and `keep` as PROGRAMS_KEPT where that is not negative.  0, or a
- * code of errno. */
+/* Start a program, found along PATH, in a session of its own and with default
+ * signals.  Its input is the descriptor `in`, nothing if that is negative; its
+ * output goes to our standard error; `keep`, if not negative, becomes its
+ * descriptor PROGRAMS_KEPT.  Returns 0 or a code of errno. */
 #define PROGRAMS_KEPT 3
 int programs_spawn(pid_t *pid, char *const argv[], char **env, int in,
                    int keep);

@@ -12,7 +12,7 @@
 
 typedef int write_fn(void *arg, const char *path, struct rad_error *err);
 
-/* NULL: it could not be written there. */
+/* Returns the path; NULL: it could not be written there. */
 static char *
 write_in(const char *folder, const char *name, write_fn *write, void *arg)
 {

@@ -1,9 +1,9 @@
 /* submit.c - see submit.h
  *
- * One function a step, each of which waits for the answer it needs; what else
- * arrives meanwhile goes through take().  Any step that fails with
- * RAD_EUNAVAIL starts the whole conversation again on a new connection: every
- * step may be said twice. */
+ * There is one function for each step, which waits for its answer; all other
+ * messages that come meanwhile go through take().  After a step that fails with
+ * RAD_EUNAVAIL the whole conversation begins again on a new connection: every
+ * step may be repeated. */
 #include "config.h"
 
 #include "link/submit.h"
@@ -22,27 +22,27 @@
 
 enum {
     CONNECT_MS = 5000,
-    CONNECT_LEAST_MS = 1000, /* also where --wait is less */
+    CONNECT_LEAST_MS = 1000, /* least time to connect, even if --wait is less */
     BACKOFF_MS = 500,
     BACKOFF_MAX_MS = 30000,
-    COME_MS = 10, /* how often workers that are to come are looked for, */
-    COME_SLOWLY_MS = 2000, /* for so long, and then less often */
-    LOOK_MS = 500,         /* how often a quiet wait looks around */
-    PREVIEW_MS = 1000,     /* least time between previews ... */
-    PREVIEW_SHARE = 10,    /* ... and this many times what one takes */
+    COME_MS = 10,          /* how often to ask for workers that are to come, */
+    COME_SLOWLY_MS = 2000, /* for so long; then at a tenth of this */
+    LOOK_MS = 500,         /* longest wait for a message before other checks */
+    PREVIEW_MS = 1000,     /* least time between previews, */
+    PREVIEW_SHARE = 10,    /* plus the time that one takes, so many times */
     REASON_MS = 10000,     /* least time between questions for a reason */
-    CANCEL_MS = 5000       /* a coordinator that is slow to cancel is left */
+    CANCEL_MS = 5000       /* longest wait for a job to be cancelled */
 };
 
-/* What the coordinator has of the job, as far as is known here; it has no less
- * on a later connection.
+/* What the coordinator has of the job, as far as we know.  A later connection
+ * does not set this back.
  *
  *   OURS --SUBMIT--> ASKED --PROGRESS with its id--> KNOWN --ACCEPT--> ACCEPTED
- *                      '------------------ACCEPT-----------------------^  */
+ *                      '------------------ACCEPT-----------------------^ */
 enum stage {
-    STAGE_OURS,  /* nothing, or files alone */
-    STAGE_ASKED, /* SUBMIT has gone out, so the job may be there */
-    STAGE_KNOWN, /* it is: it waits for room on the disk */
+    STAGE_OURS,  /* nothing, or only files */
+    STAGE_ASKED, /* SUBMIT was sent, so it may have the job */
+    STAGE_KNOWN, /* it has the job, which waits for room on the disk */
     STAGE_ACCEPTED
 };
 
@@ -52,19 +52,19 @@ struct submit {
     struct link_where where;
     struct link *link;
     struct rad_error *err;
-    uint32_t request;  /* of the last request that we sent */
-    uint64_t start_ms; /* when we began; then, when the job was accepted */
+    uint32_t request;  /* number of our last request */
+    uint64_t start_ms; /* when we began; later, when the job was accepted */
     uint64_t wait_ms;  /* since when a worker could have come; 0: not yet */
-    bool connected;    /* at some time */
+    bool connected;    /* there was a connection at some time */
     enum stage stage;
     bool met_worker, done, cancelled;
-    bool fetching;      /* a FAILED that answers this request is fetch()'s */
-    bool over;          /* the job itself has failed */
-    bool ended;         /* a cluster of our own has: calling again is no use */
-    uint32_t delivered; /* frames */
-    struct msg_progress last; /* its job id is not kept */
+    bool fetching;      /* fetch() or ask() handles a FAILED of this request */
+    bool over;          /* the job has failed */
+    bool ended;         /* our own cluster has ended: do not try again */
+    uint32_t delivered; /* frames that were delivered */
+    struct msg_progress last; /* without its job id */
     uint64_t preview_due_ms;
-    uint64_t reason_due_ms; /* when to ask again why nobody is at the job */
+    uint64_t reason_due_ms; /* when to ask again why no worker is at the job */
 };
 
 static uint64_t
@@ -74,8 +74,8 @@ now_ms(const struct submit *s)
     return uv_now(s->where.loop);
 }
 
-/* How to come to what the job makes.  Sensor points' values are of no use
- * without the points. */
+/* How the user gets the job's results.  Values of sensor points are useless
+ * without the points, so those need the same submission again. */
 static void
 format_way(const struct submit *s, char *buf, size_t n)
 {
@@ -89,7 +89,8 @@ format_way(const struct submit *s, char *buf, size_t n)
         snprintf(buf, n, "submit again with --job=%s", hex);
 }
 
-/* The job stays with the coordinator, and what becomes of it there. */
+/* An error that says that the job stays with the coordinator, and what to do.
+ */
 static int
 left_behind(struct submit *s)
 {
@@ -136,8 +137,8 @@ is_ours(const struct submit *s, const uint8_t *job)
            memcmp(job, none, MSG_JOB) == 0;
 }
 
-/* The job is as far as that, at least.  Once the coordinator has named the job
- * its id is of use. */
+/* Note that the job has reached a stage, at least.  From STAGE_KNOWN on its id
+ * means something to the coordinator, and the caller is told. */
 static void
 reach(struct submit *s, enum stage to)
 {
@@ -147,7 +148,7 @@ reach(struct submit *s, enum stage to)
         s->stage = to;
 }
 
-/* --- what may come at any time --- */
+/* --- messages that may come at any time --- */
 
 static int
 take(struct submit *s, const struct msg *m)
@@ -163,7 +164,7 @@ take(struct submit *s, const struct msg *m)
             s->met_worker = true;
         if (s->wait_ms == 0 || m->progress.state == MSG_STATE_HELD ||
             m->progress.state == MSG_STATE_PAUSED)
-            s->wait_ms = now_ms(s); /* none is to be had meanwhile */
+            s->wait_ms = now_ms(s); /* no worker can come meanwhile */
         if (s->cb->progress)
             s->cb->progress(s->cb->arg, &m->progress);
         return 0;
@@ -177,7 +178,7 @@ take(struct submit *s, const struct msg *m)
     case MSG_FAILED:
         if (!is_ours(s, m->failed.job) ||
             (s->fetching && m->request == s->request) ||
-            (s->cancelled && s->done)) /* it was over before CANCEL came */
+            (s->cancelled && s->done)) /* it ended before CANCEL came */
             return 0;
         s->over = true;
         if (s->cancelled)
@@ -191,8 +192,9 @@ take(struct submit *s, const struct msg *m)
 
 static int cancel(struct submit *s);
 
-/* Wait for the next message, for ms at most.  1 and *m (taken already), 0, or
- * a failure; an interrupt is one while the job need not be cancelled. */
+/* Wait at most ms for the next message.  Returns 1 and *m, which take() has
+ * handled; 0; or an error.  An interrupt is an error unless it is the first and
+ * the job is known, for then the caller has to cancel. */
 static int
 next(struct submit *s, int ms, const struct msg **m)
 {
@@ -217,7 +219,7 @@ await(struct submit *s, uint16_t type, const struct msg **m)
     int rc;
 
     do {
-        /* it waits for room, and nobody waits for it any more */
+        /* the job waits for room, so the first interrupt cancels it here */
         if (*s->where.wake == 1 && s->stage == STAGE_KNOWN)
             return cancel(s);
         rc = next(s, LOOK_MS, m);
@@ -225,7 +227,7 @@ await(struct submit *s, uint16_t type, const struct msg **m)
     return rc < 0 ? rc : 0;
 }
 
-/* --- the scene goes out --- */
+/* --- sending the scene --- */
 
 static int
 send_file(struct submit *s, const uint8_t hash[MSG_HASH])
@@ -253,7 +255,8 @@ send_file(struct submit *s, const uint8_t hash[MSG_HASH])
     return rc;
 }
 
-/* Offer everything, send what is wanted, wait until it is stored. */
+/* Offer all files, send those that are wanted, and wait until they are stored.
+ */
 static int
 send_scene(struct submit *s)
 {
@@ -311,9 +314,9 @@ send_job(struct submit *s)
     return 0;
 }
 
-/* --- pictures come in --- */
+/* --- getting pictures --- */
 
-/* 0 and the bytes, which the caller frees whatever is returned. */
+/* Get a file of the job.  The caller frees f->bytes whatever is returned. */
 static int
 fetch(struct submit *s, uint32_t frame, enum msg_what what, struct fetched *f)
 {
@@ -354,7 +357,7 @@ deliver_frame(struct submit *s)
     return rc;
 }
 
-/* 1, or 0 where there is none to be had: the job goes on without. */
+/* Returns 1; or 0 if there is no preview, which does no harm; or an error. */
 static int
 fetch_preview(struct submit *s, struct fetched *f)
 {
@@ -372,8 +375,8 @@ fetch_preview(struct submit *s, struct fetched *f)
     return rc;
 }
 
-/* From the first time on the coordinator has workers tell what the picture
- * looks like before its rows come. */
+/* Get a preview if it is due.  From the first request on the coordinator has
+ * workers send colours for it before their rows come. */
 static int
 preview(struct submit *s)
 {
@@ -392,8 +395,8 @@ preview(struct submit *s)
     return rc;
 }
 
-/* Ask the coordinator about the cluster; *answer is NULL if it refuses, or the
- * job ended meanwhile. */
+/* Ask the coordinator about the cluster.  *answer is NULL if it refuses, or if
+ * the job has ended meanwhile. */
 static int
 ask(struct submit *s, struct msg *m, const struct msg_answer **answer)
 {
@@ -402,7 +405,7 @@ ask(struct submit *s, struct msg *m, const struct msg_answer **answer)
 
     *answer = NULL;
     m->request = ++s->request;
-    s->fetching = true; /* a refusal is no end of the job */
+    s->fetching = true; /* so that a refusal does not end the job */
     rc = link_send(s->link, m, s->err);
     do
         rc = rc < 0 ? rc : next(s, LOOK_MS, &got);
@@ -413,7 +416,7 @@ ask(struct submit *s, struct msg *m, const struct msg_answer **answer)
     return rc < 0 ? rc : 0;
 }
 
-/* Text of the job's row, as radctl jobs shows it. */
+/* Ask for the job's row and tell its text, as radctl jobs shows it. */
 static int
 ask_reason(struct submit *s)
 {
@@ -435,7 +438,7 @@ ask_reason(struct submit *s)
     return 0;
 }
 
-/* Nobody is at the job: the coordinator may know why. */
+/* If no worker is at the job, ask the coordinator for the reason. */
 static int
 reason(struct submit *s)
 {
@@ -461,9 +464,10 @@ deliver_stats(struct submit *s)
     return rc;
 }
 
-/* --- who is there --- */
+/* --- workers at the coordinator --- */
 
-/* Ask for all workers, a page at a time; none if the job ended meanwhile. */
+/* Ask for all workers, page by page; r is empty if the job has ended meanwhile.
+ */
 static int
 ask_workers(struct submit *s, struct roll *r)
 {
@@ -510,7 +514,7 @@ say_what_it_got(struct submit *s)
     s->cb->say(s->cb->arg, text);
 }
 
-/* Tell the coordinator and wait, not for long, until it has ended the job. */
+/* Cancel the job and wait, for CANCEL_MS at most, until the coordinator has. */
 static int
 cancel(struct submit *s)
 {
@@ -543,7 +547,7 @@ no_worker(struct submit *s)
     s->err = err;
     return rad_fail(err, RAD_EUNAVAIL, "no worker came in %g s%s",
                     s->job->wait_s,
-                    s->cb->alive ? "" /* they are our own */
+                    s->cb->alive ? "" /* the workers are our own */
                                  : ": --wait=S waits longer, --detach leaves "
                                    "the job to the coordinator");
 }
@@ -554,22 +558,22 @@ waited_since(struct submit *s, uint64_t ms)
     return (double)(now_ms(s) - ms) >= 1000 * s->job->wait_s;
 }
 
-/* For a coordinator, or workers of our own. */
+/* Is --wait over, for a coordinator or for workers of our own? */
 static bool
 waited(struct submit *s)
 {
     return waited_since(s, s->start_ms);
 }
 
-/* For a worker, since the job could have one. */
+/* Is --wait over without a worker, counted from when the job could have one? */
 static bool
 waited_for_worker(struct submit *s)
 {
     return !s->met_worker && s->wait_ms > 0 && waited_since(s, s->wait_ms);
 }
 
-/* --wait is over.  Are workers at other jobs?  Then ours is in the queue,
- * however long that is, and --wait begins anew. */
+/* --wait is over.  If workers are at other jobs ours is only in the queue,
+ * which may take any time: --wait begins anew. */
 static int
 in_queue(struct submit *s, bool *queued)
 {
@@ -581,7 +585,7 @@ in_queue(struct submit *s, bool *queued)
     return rc;
 }
 
-/* Of a cluster of our own. */
+/* Check that our own cluster, if there is one, still runs. */
 static int
 alive(struct submit *s)
 {
@@ -591,7 +595,7 @@ alive(struct submit *s)
     return rc;
 }
 
-/* Take pictures until the last is there. */
+/* Get pictures until the last has come. */
 static int
 watch(struct submit *s)
 {
@@ -620,19 +624,19 @@ watch(struct submit *s)
         if (rc == 0 && (rc = alive(s)) < 0)
             return rc;
     }
-    while (!s->done) /* the last frame may be ready before the job is */
+    while (!s->done) /* the last picture may come before DONE */
         if ((rc = next(s, LOOK_MS, &m)) < 0)
             return rc;
     return deliver_stats(s);
 }
 
-/* --- connections come and go --- */
+/* --- connecting again --- */
 
 static void
 on_pause_over(uv_timer_t *t)
 {
     *(bool *)t->data = true;
-    uv_stop(t->loop); /* a pause of 0 ms ends before the loop waits */
+    uv_stop(t->loop); /* or a pause of 0 ms would wait for another event */
 }
 
 static void
@@ -641,7 +645,7 @@ on_pause_closed(uv_handle_t *h)
     h->data = NULL;
 }
 
-/* Let ms go by, or an interrupt come. */
+/* Wait ms, or until an interrupt comes. */
 static void
 pause_for(struct submit *s, uint64_t ms)
 {
@@ -660,9 +664,9 @@ pause_for(struct submit *s, uint64_t ms)
         uv_run(s->where.loop, UV_RUN_ONCE);
 }
 
-/* --- workers of our own --- */
+/* --- launched workers --- */
 
-/* Until all that are expected are there, or --wait is over. */
+/* Wait until all launched workers have come, or --wait is over. */
 static int
 await_workers(struct submit *s)
 {
@@ -699,7 +703,7 @@ converse(struct submit *s)
 
 /* --- trying again --- */
 
-/* 0 if trying again is of use. */
+/* Returns 0 if trying again makes sense. */
 static int
 may_retry(struct submit *s, const struct rad_error *why)
 {
@@ -714,7 +718,7 @@ may_retry(struct submit *s, const struct rad_error *why)
     return 0;
 }
 
-/* ms, or what is left of --wait if that is less, rounded up. */
+/* The lesser of ms and the rest of --wait's time, rounded up. */
 static uint64_t
 within_wait(struct submit *s, uint64_t ms)
 {
@@ -725,8 +729,8 @@ within_wait(struct submit *s, uint64_t ms)
     return left > 0 ? (uint64_t)left + 1 : 0;
 }
 
-/* How long to wait before the n-th next try, with up to a quarter of jitter,
- * so that many clients do not all call at once; not beyond --wait. */
+/* How long to wait before try n: twice as long each time, plus up to a quarter
+ * at random, so that many clients do not dial at once; not beyond --wait. */
 static uint64_t
 backoff_ms(struct submit *s, int n)
 {
@@ -739,7 +743,7 @@ backoff_ms(struct submit *s, int n)
     return within_wait(s, ms);
 }
 
-/* One connection's life. */
+/* One connection, from dialling to its end. */
 static int
 attempt(struct submit *s, int *failures)
 {

@@ -10,7 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* radcoord's defaults; see radcoord.conf(5) */
+/* radcoord's defaults: radcoord.conf(5) */
 #define DEFAULT_PORT   "7420"
 #define DEFAULT_SOCKET "/run/radd/radcoord.sock"
 
@@ -56,11 +56,11 @@ target_parse(struct target *a, const char *text, struct rad_error *err)
     return 0;
 }
 
-/* What the files name. */
+/* What the configuration names. */
 struct found {
     char address[LONGEST];
     char key[LONGEST];
-    bool has_address, has_key; /* of the file that is read */
+    bool has_address, has_key; /* in the file that is being read */
 };
 
 static int
@@ -89,7 +89,7 @@ take_pair(void *arg, const char *section, const char *name, const char *value,
     return 0;
 }
 
-/* What the file names, where nothing is known yet; an absent one names
+/* Read a file and take from it what is not known yet.  A missing file names
  * nothing. */
 static int
 read_file(struct found *known, const char *path, struct rad_error *err)
@@ -115,7 +115,7 @@ read_file(struct found *known, const char *path, struct rad_error *err)
     return 0;
 }
 
-/* The user's file; false if there is no home to look in. */
+/* The path of the user's file; false: there is no home folder. */
 static bool
 user_file(char *path, size_t size)
 {
@@ -145,7 +145,7 @@ target_note(struct inputs *in, struct rad_error *err)
     return rc == 0 ? inputs_add(in, "the configuration", SYSTEM_FILE, err) : rc;
 }
 
-/* The first of the option and the variable that is there. */
+/* Take the option's value, if it is given, else the variable's. */
 static void
 take_named(char to[LONGEST], const char *given, const char *variable)
 {
