@@ -14,7 +14,7 @@ figure(char text[FIGURE_TEXT], double x, int digits)
     int places = 0;
 
     if (x > 0 && x < 1e15) {
-        int before = (int)floor(log10(x)) + 1; /* the point */
+        int before = (int)floor(log10(x)) + 1; /* digits before the point */
         double unit = pow(10, before - digits);
 
         if (before > digits)

@@ -1,4 +1,4 @@
-/* figure.h - a number as people say it
+/* figure.h - a number in plain digits
  *
  * Thread: any. */
 #ifndef RADD_CLIENT_FIGURE_H
@@ -6,8 +6,8 @@
 
 #define FIGURE_TEXT 32
 
-/* So many digits of x that count, from 0 up, without exponent or what follows
- * the sixth place: "0.83", "1.8", "180".  Returns text. */
+/* Format x, at least 0, with that many significant digits, without exponent and
+ * with at most six decimals: "0.83", "1.8", "180".  Returns text. */
 const char *figure(char text[FIGURE_TEXT], double x, int digits);
 
 #endif

@@ -16,7 +16,8 @@ outname_suffix(const char *path, const char *suffix)
     return n > k && strcasecmp(path + n - k, suffix) == 0;
 }
 
-/* The length of a "%d" or "%03d" at s, 0 for anything else; its width. */
+/* Length and width of a "%d" or "%03d" at s; length 0: something else stands
+ * there. */
 static size_t
 conversion(const char *s, int *width)
 {

@@ -12,8 +12,8 @@
 #include <string.h>
 
 enum {
-    CELL = 256,   /* bytes of a cell's text, with its NUL */
-    COLUMNS = 60, /* that it takes, at most */
+    CELL = 256,   /* most bytes of a cell, with its NUL */
+    COLUMNS = 60, /* most columns of the terminal for a cell */
     MOST_KEYS = 64
 };
 
@@ -31,7 +31,7 @@ format_number(char cell[CELL], const json_t *value)
         snprintf(cell, CELL, "%.6g", v);
 }
 
-/* Text that is too wide ends in dots. */
+/* A text that is too wide ends in three dots. */
 static void
 format_text(char cell[CELL], const char *text)
 {
@@ -43,7 +43,7 @@ format_text(char cell[CELL], const char *text)
         strcpy(cell + rad_text_fit(cell, COLUMNS - 3), "...");
 }
 
-/* A value in one line. */
+/* Format a value in one line. */
 static void
 format_cell(char cell[CELL], const json_t *value)
 {
@@ -86,7 +86,7 @@ put_cell(FILE *to, const char *cell, size_t width, bool right, bool last)
     fputs(last ? "\n" : "  ", to);
 }
 
-/* The widest cell of a column, its head included. */
+/* The width of a column's widest cell, including the column's name. */
 static size_t
 column_width(const json_t *rows, const char *key)
 {
@@ -106,7 +106,7 @@ column_width(const json_t *rows, const char *key)
     return width;
 }
 
-/* row NULL: the head. */
+/* Print a row; row NULL: the names of the columns. */
 static void
 put_row(FILE *to, const json_t *first, const size_t width[MOST_KEYS],
         const json_t *row)
@@ -149,7 +149,7 @@ print_rows(FILE *to, const char *name, const json_t *rows)
     json_array_foreach(rows, i, row) put_row(to, first, width, row);
 }
 
-/* The plain members of an object, their names in a column. */
+/* Print the members of an object that are plain values, names in one column. */
 static bool
 print_plain(FILE *to, const json_t *object)
 {
@@ -168,7 +168,7 @@ print_plain(FILE *to, const json_t *object)
         if (json_is_object(value) || json_is_array(value))
             continue;
         any = true;
-        if (json_is_string(value)) { /* whole, however long */
+        if (json_is_string(value)) { /* printed whole */
             tell(to, "%-*s  %s", (int)width, key, json_string_value(value));
             continue;
         }

@@ -25,7 +25,7 @@ tell(FILE *to, const char *fmt, ...)
 int
 tell_printed(struct rad_error *err)
 {
-    errno = 0; /* an earlier write that failed is all that ferror() knows */
+    errno = 0; /* ferror() does not tell which error a failed write had */
     if (fflush(stdout) == 0 && !ferror(stdout))
         return 0;
     return rad_fail(err, RAD_EIO, "cannot write%s%s", errno ? ": " : "",

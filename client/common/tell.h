@@ -1,7 +1,7 @@
-/* tell.h - what a program prints: a line of its own words with text of others
+/* tell.h - print a line that may hold foreign text
  *
- * What a terminal would obey in it is made harmless (base/text.h).
- * Thread: any.  */
+ * Characters that a terminal would obey are made harmless (base/text.h).
+ * Thread: any. */
 #ifndef RADD_CLIENT_TELL_H
 #define RADD_CLIENT_TELL_H
 
@@ -9,10 +9,10 @@
 
 #include <stdio.h>
 
-/* The line, without its end in fmt; one above 8 KiB is cut. */
+/* Print a line; fmt has no newline.  More than 8 KiB are cut. */
 void tell(FILE *to, const char *fmt, ...) __attribute__((format(printf, 2, 3)));
 
-/* Is all that was printed to standard output out?  RAD_EIO. */
+/* Flush standard output.  RAD_EIO: some of what was printed is lost. */
 int tell_printed(struct rad_error *err);
 
 #endif

@@ -11,7 +11,7 @@
 #include <string.h>
 
 enum {
-    LONGEST_FILE = 1 << 20, /* bytes of one @file */
+    LONGEST_FILE = 1 << 20, /* most bytes of an @file */
     MOST_WORDS = 1 << 16,
     MOST_EXPANSIONS = 1000 /* a file that names itself ends here */
 };
@@ -22,7 +22,7 @@ no_memory(struct rad_error *err)
     return rad_fail(err, RAD_ENOMEM, "out of memory");
 }
 
-/* Make room for n words and the NULL. */
+/* Make room for n words and a NULL. */
 static int
 reserve(struct words *w, int n, struct rad_error *err)
 {
@@ -86,7 +86,7 @@ count_words(const char *s)
     }
 }
 
-/* Put the words of text, which it cuts up, in place of the one at `at`. */
+/* Replace the word at `at` by the words of text, which is cut up. */
 static int
 replace(struct words *w, int at, char *text, struct rad_error *err)
 {
@@ -105,7 +105,7 @@ replace(struct words *w, int at, char *text, struct rad_error *err)
     return 0;
 }
 
-/* "# ..." up to the end of the line becomes blanks. */
+/* Make comments blank: a '#' that begins a word, to the end of its line. */
 static void
 blank_comments(char *s)
 {

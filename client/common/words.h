@@ -1,11 +1,11 @@
-/* words.h - a command line whose @file and $VARIABLE words open up in place
+/* words.h - a command line whose @file and $VARIABLE words are expanded
  *
- * As in rpict(1): a word "@file" where an option may stand is replaced by the
- * blank-separated words of that file, "$NAME" by those of an environment
- * variable; what comes out is looked at again.  In a file a word that
- * begins with '#' ends its line.  Values of options are never
- * replaced, so the parser says where it stands.
- * Thread: one.  */
+ * As in rpict(1): where an option may stand, a word "@file" is replaced by the
+ * words of that file, separated by blanks, and "$NAME" by those of an
+ * environment variable; the new words are expanded, too.  In a file a word that
+ * begins with '#' starts a comment, to the end of the line.  Values of options
+ * are not expanded, so the parser says which word is to be.
+ * Thread: one. */
 #ifndef RADD_CLIENT_WORDS_H
 #define RADD_CLIENT_WORDS_H
 
@@ -14,26 +14,25 @@
 #include "common/inputs.h"
 
 struct words {
-    struct rad_arena arena; /* of list and of the text that came in */
+    struct rad_arena arena; /* has the list and all words */
     char **list;            /* n words and a NULL */
     int n, room;
     int expanded;         /* replacements so far */
-    struct inputs inputs; /* files that were read, by whoever takes the words,
-                           * too */
+    struct inputs inputs; /* files that were read; also noted by callers */
 };
 
-/* Copy argv[1..argc-1], without opening any.  RAD_ENOMEM. */
+/* Copy argv[1..argc-1], without expanding.  RAD_ENOMEM. */
 int words_init(struct words *w, int argc, char *const argv[],
                struct rad_error *err);
 void words_release(struct words *w);
 
-/* Replace the word at `at` (0 <= at < n) for as long as it begins with '@' or
- * '$'; what it stands for may be nothing, so w->n may become at.
- * RAD_ENOINPUT for a file that cannot be read, RAD_EUSAGE for a variable that
- * is not set, a file that is too long or one that names itself. */
+/* Expand the word at `at` (0 <= at < n) while it begins with '@' or '$'.  It
+ * may become no word at all, so `at` may be w->n then.  RAD_ENOINPUT: a file
+ * cannot be read; RAD_EUSAGE: a variable is not set, a file is too long or
+ * names itself. */
 int words_expand(struct words *w, int at, struct rad_error *err);
 
-/* The place of the word in words, "a|b|c"; -1: it is none of them. */
+/* The index of word in words, "a|b|c"; -1: not among them. */
 int words_place(const char *words, const char *word);
 
 #endif

@@ -22,8 +22,8 @@
 
 /* --- options --- */
 
-/* The options that records depend on: not whether the eye sees sources, nor the
- * seed, by which any records would do as well. */
+/* The options that records depend on, as text.  Left out are the seed, for
+ * records of any seed serve, and whether the eye sees light sources. */
 static void
 options_text(const struct ambfile *a, char text[RAD_PARAMS_TEXT])
 {
@@ -35,8 +35,8 @@ options_text(const struct ambfile *a, char text[RAD_PARAMS_TEXT])
     rad_params_format(&p, text, RAD_PARAMS_TEXT);
 }
 
-/* The words of an option in a Radiance file's header, as it would print ours;
- * false: records do not depend on it, or it is none that we know. */
+/* Our value of an option, as Radiance prints it in a file's header; false:
+ * records do not depend on the option, or it is unknown. */
 static bool
 radiance_value(const struct rad_params *p, const char *name, char value[96])
 {
@@ -66,7 +66,7 @@ radiance_value(const struct rad_params *p, const char *name, char value[96])
     return false;
 }
 
-/* Compare what a line of a Radiance file's header says of options. */
+/* Compare the options in a line of a Radiance file's header with ours. */
 static int
 check_line(const struct ambfile *a, char *line, struct rad_error *err)
 {
@@ -88,9 +88,10 @@ check_line(const struct ambfile *a, char *line, struct rad_error *err)
 /* --- headers --- */
 
 struct header {
-    char *format, *scene, *options; /* values, NULL where there is none */
-    char *text;                     /* owns them */
-    size_t len;                     /* in the file, the empty line with it */
+    char *format, *scene, *options; /* values; NULL: missing */
+    char *text;                     /* the values' memory */
+    size_t len;                     /* of the header in the file, with its empty
+                                     * line */
 };
 
 static int
@@ -99,7 +100,7 @@ bad_file(struct rad_error *err)
     return rad_fail(err, RAD_EDATA, "not a file of ambient records");
 }
 
-/* Copy the header's text, which ends with an empty line. */
+/* Copy the header, which ends with an empty line. */
 static int
 copy_header(struct header *h, const char *bytes, size_t len,
             struct rad_error *err)
@@ -129,8 +130,8 @@ value_of(char *line, const char *name)
     return strncmp(line, name, n) == 0 ? line + n : NULL;
 }
 
-/* The header's values, and what its other lines say of options: in a file of
- * ours OPTIONS has them all. */
+/* Read the header's values.  In Radiance's files other lines may have options,
+ * which are compared; our files have all of them in OPTIONS. */
 static int
 read_header(const struct ambfile *a, struct header *h, struct rad_error *err)
 {
@@ -182,7 +183,7 @@ fits(struct ambfile *a, const struct header *h, struct rad_error *err)
 
 /* --- Radiance's records --- */
 
-/* A number that is not finite stays none. */
+/* Write a number, which must be finite. */
 static void
 put_flt(struct wire_out *out, double v)
 {
@@ -262,7 +263,8 @@ put_record(struct wire_out *out, const struct rad_ambrec *rec)
     wire_put_bytes(out, rgbe, sizeof rgbe);
 }
 
-/* Directions are rounded to 1e-4: made upright on each other again. */
+/* Set normal and direction u.  In the file both are rounded to 1e-4, so u is
+ * made perpendicular to n again. */
 static void
 set_frame(struct rad_ambrec *rec, const double n[3], double u[3])
 {
@@ -410,9 +412,9 @@ put_header(const struct ambfile *a, FILE *f)
             RADIANCE_MAGIC & 0xff);
 }
 
-/* Where records come from: at most max of the next; 0: there are no more. */
+/* A source of records: a cache, or a list. */
 struct source {
-    const struct rad_ambient *amb; /* NULL: list */
+    const struct rad_ambient *amb; /* NULL: the list is used */
     uint64_t cursor;
     struct wire_in list;
 };

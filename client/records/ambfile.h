@@ -1,17 +1,18 @@
 /* ambfile.h - ambient records in a file (-af)
  *
- * Two formats, both with a header of lines as Radiance's files have, ended by
- * an empty one.  Ours loses nothing:
+ * Two formats.  Both begin with a header of lines, as Radiance's files do,
+ * which ends with an empty line.  Our own loses nothing:
  *
  *     #?RADIANCE
  *     SOFTWARE=radd 0.1
- *     SCENE=<64 hex digits>          of the scene and the files it needs
- *     OPTIONS=<rendering options>    those on which records depend
+ *     SCENE=<64 hex digits>          hash of the scene and the files it needs
+ *     OPTIONS=<rendering options>    those that records depend on
  *     FORMAT=radd_ambient_3
  *
- * and then records as they travel between workers (ambshare.h), to the end of
- * the file.  FORMAT=Radiance_ambval is Radiance 6's own, with three channels:
- * after the header 02 31 (hex), then 67 bytes a record, integers big-endian:
+ * The records follow as they travel between workers (ambshare.h), to the end of
+ * the file.  FORMAT=Radiance_ambval is that of Radiance 6 with three channels:
+ * after the header come the bytes 02 31 (hex), then 67 bytes for each record,
+ * integers big-endian:
  *
  *     u8      level
  *     flt     weight
@@ -23,12 +24,12 @@
  *     u32     corral
  *     u8[4]   E / pi as RGBE
  *
- * where a flt is a mantissa i32 / (2^31 - 1) and an exponent of 2 as i8, and a
- * direction has the signs of x, y, z in bits 0 to 2 (1: negative), in bits 5
- * to 17 and 18 to 30 the two smaller components in units of 1/11584.5, and says
- * in bit 3 that the first of them is x, else y, and in bit 4 that the second
- * is z, else the other of x and y.  It names no scene, but options.
- * Source of the latter: what Radiance's programs write.  */
+ * A flt is a mantissa, an i32 / (2^31 - 1), and an exponent of 2, an i8.  A
+ * direction has the signs of x, y, z in bits 0 to 2 (1: negative).  Bits 5 to
+ * 17 and 18 to 30 have its two smaller components, in units of 1/11584.5.  Bit
+ * 3 is 1 if the first of these is x, 0 if it is y; bit 4 is 1 if the second is
+ * z, 0 if it is the other of x and y.  The header names options, but no scene.
+ * Source: what Radiance's programs write. */
 #ifndef RADD_CLIENT_AMBFILE_H
 #define RADD_CLIENT_AMBFILE_H
 
@@ -40,34 +41,35 @@
 
 enum ambfile_format { AMBFILE_OURS, AMBFILE_RADIANCE };
 
-/* What records belong to. */
+/* The scene and options that records belong to. */
 struct ambfile {
-    enum ambfile_format format; /* ours, until a file in the other is read */
+    enum ambfile_format format; /* ours, unless a file in Radiance's was read */
     struct rad_params params;
     char scene[RAD_SHA_HEX + 1]; /* compile_digest() */
 };
 
-/* Read a file of len bytes and hand on its records, sound ones alone.
- * RAD_EDATA: it is none, ends in the middle, or belongs to another scene or to
- * other options, which are named.  Sets a->format. */
+/* Parse a file of len bytes, and give each sound record to take().  Sets
+ * a->format.  RAD_EDATA: the file is malformed, ends in the middle of a record,
+ * or belongs to another scene or other options, which the message names. */
 typedef void ambfile_take(void *arg, const struct rad_ambrec *rec);
 int ambfile_parse(struct ambfile *a, const void *bytes, size_t len,
                   ambfile_take *take, void *arg, struct rad_error *err);
 
-/* Write all records of the cache, in a->format; or of a list of len bytes, as
- * they travel between workers (ambshare.h), sound ones alone. */
+/* Write all records of the cache, in a->format; or the sound records of a list
+ * of len bytes, which has them as they travel between workers (ambshare.h). */
 int ambfile_format(const struct ambfile *a, const struct rad_ambient *amb,
                    FILE *f, struct rad_error *err);
 int ambfile_format_list(const struct ambfile *a, const void *list, size_t len,
                         FILE *f, struct rad_error *err);
 
-/* Read what there is at path into the cache; no file there is not wrong.
- * Besides the above: RAD_EDATA when a record lies outside the scene. */
+/* Read the file at path into the cache; a missing file is no error.  Errors of
+ * ambfile_parse(); RAD_EDATA also if a record lies outside the scene. */
 int ambfile_load(struct ambfile *a, const char *path, struct rad_ambient *amb,
                  struct rad_error *err);
 
-/* Write the cache to path, whole or not at all: who reads it meanwhile has the
- * old file.  Of two that save at once, the last one's records are kept. */
+/* Write the cache to path, whole or not at all: a reader sees either the old
+ * file or the new one.  If two programs write it, the later one's records stay.
+ */
 int ambfile_save(const struct ambfile *a, const char *path,
                  const struct rad_ambient *amb, struct rad_error *err);
 

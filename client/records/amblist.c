@@ -7,9 +7,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { LONGEST = 1 << 20 /* bytes of such a file */ };
+enum { LONGEST = 1 << 20 /* most bytes of such a file */ };
 
-/* Cuts text up. */
+/* Take the names in text, which is cut up. */
 static int
 take_names(struct rad_params *p, char *option, char *text,
            struct rad_error *err)

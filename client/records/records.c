@@ -12,7 +12,8 @@
 #include <string.h>
 #include <unistd.h>
 
-/* Of a file, and of a list.  A worker that loads them needs as much again. */
+/* Most bytes of a file and of the list.  A worker that loads the list needs as
+ * much again. */
 #define LARGEST ((size_t)4 << 30)
 
 static void
@@ -36,7 +37,7 @@ read_file(struct records *r, struct rad_error *err)
     bytes = rad_file_read(r->path, LARGEST, &len, err);
     if (!bytes)
         return err->code;
-    /* a name that mktemp(1) has made is as good as none */
+    /* an empty file, such as mktemp(1) makes, counts as missing */
     rc = len > 0 ? ambfile_parse(&r->file, bytes, len, take_first, r, err) : 0;
     free(bytes);
     if (rc == 0 && r->list.bad)
@@ -78,7 +79,7 @@ records_drop(struct compiled *scene, const char *dir)
     compile_drop(scene, RAD_BUNDLE_RECORDS, dir);
 }
 
-/* What there is no room for costs the next run time, and nothing else. */
+/* Records beyond LARGEST are dropped, which only costs the next run time. */
 void
 records_take(struct records *r, const struct msg_records *m)
 {
