@@ -11,8 +11,8 @@
 #include <unistd.h>
 
 struct out {
-    const char *option, *path; /* NULL: not asked for */
-    bool of_frame;             /* a name for each */
+    const char *option, *path; /* path NULL: this output is not asked for */
+    bool of_frame;             /* each frame has its own file */
 };
 
 enum { NOUT = 6 };

@@ -10,24 +10,25 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { LONGEST = 512 << 20 /* bytes of statistics */ };
+enum { LONGEST = 512 << 20 /* most bytes of a statistics file */ };
 
-/* No more could be sent; and all of them are kept. */
+/* Most rows: no more lines could be sent, and the rows of all frames are in
+ * memory. */
 #define MOST_ROWS ((uint64_t)MSG_MAX_COSTS * RAD_QUINCUNX_MAX_YSTEP)
 
-/* Seconds beyond all doubt, and far from what a float cannot hold. */
+/* Far more seconds than any unit takes, and far below what a float can hold. */
 #define MOST_CPU_S 1e15
 
-/* One unit as the file has it. */
+/* A unit as the file has it. */
 struct unit {
     json_int_t frame, x, y, width, height;
     double rays, cpu_s, start_s;
-    double cost; /* one of the first two, for all units the same */
+    double cost; /* cpu_s, or in all units rays */
     const char *worker;
 };
 
-/* Lines below a worker's first that are looked at to know what that would have
- * taken with records in the cache. */
+/* Number of lines after a worker's first one; their median stands for the first
+ * line's time with ambient records in the cache. */
 enum { LINES_AFTER = 5 };
 
 static int
@@ -57,7 +58,7 @@ unpack_unit(const json_t *json, struct unit *u, struct rad_error *err)
     return 0;
 }
 
-/* ystep from the former job's rendering options. */
+/* The distance of base lines, by the former job's rendering options. */
 static int
 read_ystep(const char *options, int *ystep, struct rad_error *err)
 {
@@ -75,7 +76,8 @@ read_ystep(const char *options, int *ystep, struct rad_error *err)
     return 0;
 }
 
-/* The frame of a unit; numbers of frames count on from the first. */
+/* The frame of a unit; frames are numbered on from `first`.  NULL: out of
+ * range. */
 static struct costs_frame *
 frame_of(const struct costs *c, json_int_t first, json_int_t number)
 {
@@ -84,8 +86,8 @@ frame_of(const struct costs *c, json_int_t first, json_int_t number)
     return &c->frames[number - first];
 }
 
-/* Frames are as large as their units reach; pixels[k] is how many the units
- * of frame k have. */
+/* Take the frames' sizes from the units that reach farthest.  pixels[k]: how
+ * many pixels all units of frame k have. */
 static int
 measure_frames(struct costs *c, const struct unit *u, size_t n,
                json_int_t first, uint64_t *pixels, struct rad_error *err)
@@ -108,7 +110,8 @@ measure_frames(struct costs *c, const struct unit *u, size_t n,
     return 0;
 }
 
-/* Each frame must have as many pixels as its units. */
+/* Check that each frame has as many pixels as its units together, and make its
+ * rows. */
 static int
 make_rows(struct costs *c, const uint64_t *pixels, struct rad_error *err)
 {
@@ -130,7 +133,8 @@ make_rows(struct costs *c, const uint64_t *pixels, struct rad_error *err)
     return 0;
 }
 
-/* By rays as soon as one unit has no time, so that all count the same. */
+/* Choose the cost of all units: processor time or, if any unit lacks it, rays.
+ */
 static void
 weigh(struct unit *u, size_t n)
 {
@@ -153,7 +157,7 @@ spread(struct costs *c, const struct unit *u, size_t n, json_int_t first)
     }
 }
 
-/* Keep them where they are windows. */
+/* Keep the units of frames that have units narrower than the frame. */
 static int
 keep_windows(struct costs *c, const struct unit *u, size_t n, json_int_t first,
              struct rad_error *err)
@@ -189,7 +193,7 @@ sampler_of(uint32_t width, uint32_t height, int ystep)
                                   .ystep = ystep };
 }
 
-/* The frame's lines took these seconds. */
+/* Read the seconds that a frame's n lines took. */
 static int
 read_lines(const json_t *list, double *line, size_t n, struct rad_error *err)
 {
@@ -215,7 +219,7 @@ compare_doubles(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-/* The median of the lines that follow line i; 0: there are none. */
+/* The median of the lines after line i; 0: there are none. */
 static double
 lines_after(const double *line, size_t n, size_t i)
 {
@@ -230,9 +234,9 @@ lines_after(const double *line, size_t n, size_t i)
     return k > 0 ? v[k / 2] : 0;
 }
 
-/* A worker's first line, wherever it lies, is traced with no ambient record
- * near: what it took more than those that follow belongs to all lines, since
- * the next job's workers will begin elsewhere. */
+/* A worker's first line is traced without ambient records nearby, wherever it
+ * lies.  The next job's workers will begin at other lines; so the extra time of
+ * the first line is spread over all lines. */
 static void
 level_first(double *line, size_t n, size_t i)
 {
@@ -259,7 +263,7 @@ put_rows(struct costs_frame *f, const struct rad_quincunx *q,
     }
 }
 
-/* By worker, each one's earliest unit first. */
+/* Order by worker, then by start. */
 static int
 compare_starts(const void *a, const void *b)
 {
@@ -270,7 +274,7 @@ compare_starts(const void *a, const void *b)
                    : (x->start_s > y->start_s) - (x->start_s < y->start_s);
 }
 
-/* What frame k's lines took; u is sorted. */
+/* Take the times of frame k's lines.  u must be sorted by compare_starts(). */
 static int
 take_lines(struct costs *c, uint32_t k, const json_t *list,
            const struct unit *u, size_t nunits, json_int_t first,
@@ -420,7 +424,7 @@ costs_release(struct costs *c)
     memset(c, 0, sizeof *c);
 }
 
-/* Is it the same picture, as far as its lines are concerned? */
+/* Do the frames have the same number and sizes, and the same base lines? */
 static int
 check_fit(const struct costs *c, const struct msg_frame *frames,
           uint32_t nframes, int psample, struct rad_error *err)
@@ -460,7 +464,7 @@ count_lines(const struct msg_frame *frames, uint32_t nframes, int ystep)
     return n;
 }
 
-/* One frame's lines, appended at `to`; returns the end. */
+/* Write the costs of a frame's lines at `to`; returns their end. */
 static uint8_t *
 put_frame(uint8_t *to, const struct costs_frame *f,
           const struct rad_quincunx *q)

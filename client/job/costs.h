@@ -1,10 +1,10 @@
-/* costs.h - what the lines of a picture cost in a former job
+/* costs.h - the costs of a picture's lines, from a former job
  *
- * From its statistics (radsubmit --stats), whatever its partition: what its
- * lines took (line_s), with what a worker's first line took for want of ambient
- * records spread over all; where that is not known, what its units cost, spread
- * evenly over their rows.  The cost is processor time, or rays where a unit has
- * none.
+ * They are read from its statistics (radsubmit --stats), whatever its
+ * partition: from the time of its lines (line_s), where the extra time of each
+ * worker's first line, which lacked ambient records, is spread over all lines;
+ * or, without line_s, from the costs of its units, spread evenly over their
+ * rows.  The cost is processor time, or rays if any unit has no time.
  * A line is a base line of the sampler with the bar above it, as in a strict
  * partition (proto/msg_sharing.h).
  * Thread: one. */
@@ -17,29 +17,29 @@ struct costs {
     uint32_t nframes;
     struct costs_frame {
         uint32_t width, height;
-        double *row; /* what each cost, from the top */
-        /* its units, as long as one of them is not as wide as the frame */
+        double *row; /* cost of each row, from the top */
+        /* its units, if any is narrower than the frame */
         struct costs_window {
             uint32_t x, y, width, height;
             double cost;
         } * window;
         uint32_t nwindows;
     } * frames;
-    int ystep; /* base lines are so many rows apart */
+    int ystep; /* rows from one base line to the next */
 };
 
-/* Read a file; RAD_ENOINPUT, RAD_EDATA for what is no statistics or not of a
- * whole job, RAD_ENOMEM.  *c can be released in any case. */
+/* Read a file.  RAD_ENOINPUT; RAD_EDATA: it has no statistics, or those of a
+ * job that was not done; RAD_ENOMEM.  *c can be released in any case. */
 int costs_read(struct costs *c, const char *path, struct rad_error *err);
 
-/* The same from text that is there already. */
+/* The same from a text. */
 int costs_parse(struct costs *c, const char *text, size_t len,
                 struct rad_error *err);
 void costs_release(struct costs *c);
 
 /* The cost of each line of each frame, as in msg_spec.costs: *bytes, to be
- * freed, is *n floats on the wire.  RAD_EDATA: the former job's frames, sizes
- * or ystep were others; RAD_EUSAGE: more than MSG_MAX_COSTS lines. */
+ * freed, has *n floats as on the wire.  RAD_EDATA: the former job had other
+ * frames, sizes or base lines; RAD_EUSAGE: more than MSG_MAX_COSTS lines. */
 int costs_of_lines(const struct costs *c, const struct msg_frame *frames,
                    uint32_t nframes, int psample, uint8_t **bytes, uint32_t *n,
                    struct rad_error *err);

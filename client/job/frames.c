@@ -13,7 +13,7 @@
 #include <string.h>
 #include <unistd.h>
 
-enum { LONGEST_VIEWS = 64 << 20 /* bytes of a views file */ };
+enum { LONGEST_VIEWS = 64 << 20 /* most bytes of a views file */ };
 
 static int
 no_memory(struct rad_error *err)
@@ -21,7 +21,7 @@ no_memory(struct rad_error *err)
     return rad_fail(err, RAD_ENOMEM, "out of memory");
 }
 
-/* Room for one more. */
+/* Make room for one more frame. */
 static int
 reserve(struct frames *f, struct rad_error *err)
 {
@@ -42,7 +42,7 @@ reserve(struct frames *f, struct rad_error *err)
     return 0;
 }
 
-/* Of what is rendered. */
+/* Check the size of what is rendered. */
 static int
 check_size(const struct submit_options *o, int width, int height,
            struct rad_error *err)
@@ -95,7 +95,8 @@ add(struct frames *f, const struct submit_options *o,
     return 0;
 }
 
-/* Add a sequence's frame, unless --no-clobber finds its picture. */
+/* Add a frame of a sequence, unless --no-clobber is given and its picture
+ * exists. */
 static int
 add_frame(struct frames *f, const struct submit_options *o,
           const struct rad_view *v, uint32_t number, struct rad_error *err)
@@ -115,7 +116,7 @@ add_frame(struct frames *f, const struct submit_options *o,
     return there ? 0 : add(f, o, v, number, err);
 }
 
-/* Each view line of the text is a frame. */
+/* Add a frame for each view line of the text. */
 static int
 add_lines(struct frames *f, const struct submit_options *o, const char *name,
           const char *text, size_t len, struct rad_error *err)

@@ -24,7 +24,7 @@ jobspec_name(struct jobspec *j, struct rad_error *err)
                     strerror(errno));
 }
 
-/* The types that the scene uses, blanks between. */
+/* List the object types that the scene uses, separated by blanks. */
 static void
 list_needs(struct jobspec *j, const struct rad_scene *scene)
 {
@@ -46,7 +46,7 @@ choose_partition(const struct submit_options *o)
 
     if (o->partition == PARTITION_AUTO && windows)
         return MSG_PART_WINDOW;
-    return (uint8_t)o->partition; /* the same words in the same order */
+    return (uint8_t)o->partition; /* both enums have the same order */
 }
 
 int
@@ -69,7 +69,7 @@ jobspec_read_costs(struct jobspec *j, const struct submit_options *o,
     return rc;
 }
 
-/* The largest of any frame. */
+/* Note the largest width and height of all frames. */
 static void
 note_sizes(struct msg_spec *s, const struct frames *frames)
 {
@@ -116,7 +116,8 @@ jobspec_add_frames(struct jobspec *j, const struct frames *frames,
     return 0;
 }
 
-/* The lines of the pictures' headers, with --stamp those that are of today. */
+/* Write the lines for the pictures' headers; with --stamp also the day, the
+ * host and the job. */
 static void
 tell_origin(struct jobspec *j, const struct submit_options *o)
 {
@@ -129,8 +130,8 @@ tell_origin(struct jobspec *j, const struct submit_options *o)
                 o->stamp ? &stamp : NULL);
 }
 
-/* A goal is for all frames together, and its stages go over all of them before
- * the first picture: of many, that would be too long to wait. */
+/* Most frames of a job with a goal: its stages go over all frames before the
+ * first picture is made, so with more frames that would come too late. */
 #define MOST_AT_ONCE 32
 
 static uint32_t
@@ -147,7 +148,7 @@ ambient_flags(const struct submit_options *o)
     return o->no_share ? 0 : MSG_JOB_SHARE;
 }
 
-/* Have the job's options an ambient cache? */
+/* Do these options use an ambient cache? */
 static bool
 has_cache(const struct rad_params *p)
 {
@@ -179,7 +180,8 @@ jobspec_set_scene(struct jobspec *j, const struct submit_options *o,
     return 0;
 }
 
-/* Jobs whose caches other jobs may begin with, and such as begin so. */
+/* Flags of jobs that may leave their cache to others, or begin with another's.
+ */
 static uint32_t
 reuse_flags(const struct msg_spec *s)
 {
@@ -236,7 +238,7 @@ jobspec_fill(struct jobspec *j, const struct submit_options *o,
                (o->same_bits ? MSG_JOB_SAME_BITS : 0) |
                (s->views ? MSG_JOB_VIEWS : 0);
     s->partition = choose_partition(o);
-    /* the same words in the same order */
+    /* both enums have the same order */
     s->order = o->order == ORDER_NONE ? MSG_ORDER_COST : (uint8_t)o->order;
     s->windows = (uint32_t)o->windows;
     s->objects = (uint32_t)scene->scene->nobjects;

@@ -1,7 +1,8 @@
-/* jobspec.h - a job as the coordinator is told of it, and what that points at
+/* jobspec.h - a job's specification as the coordinator gets it, with all that
+ * it points at
  *
- * Of an animation the frames, and what their lines cost, travel as one more
- * file of the scene.
+ * The frames of an animation, and the costs of their lines, are a file of the
+ * scene's bundle.
  * Thread: one. */
 #ifndef RADD_CLIENT_JOBSPEC_H
 #define RADD_CLIENT_JOBSPEC_H
@@ -14,45 +15,47 @@
 
 #include "image/filter.h"
 
-/* Zeroed at first. */
+/* Begins zeroed. */
 struct jobspec {
-    struct msg_spec spec; /* once it is filled */
+    struct msg_spec spec; /* valid after jobspec_fill() */
     uint8_t id[MSG_JOB], views[MSG_HASH];
     uint8_t scene[MSG_HASH], reuse[MSG_JOB];
-    uint8_t *costs; /* of lines, from a former run; NULL: none */
+    uint8_t *costs; /* of lines, from a former job; NULL: none */
     uint32_t ncosts;
-    char params[RAD_PARAMS_TEXT];     /* of what is rendered, */
-    char options[RAD_FILTER_OPTIONS]; /* and of what is written */
+    char params[RAD_PARAMS_TEXT];     /* rendering options, as text */
+    char options[RAD_FILTER_OPTIONS]; /* the picture's, as text */
     char needs[MSG_MAX_NEEDS + 1];
     char origin[MSG_MAX_ORIGIN + 1];
 };
 
-/* A new id; RAD_EINTERNAL. */
+/* Choose a new id; RAD_EINTERNAL. */
 int jobspec_name(struct jobspec *j, struct rad_error *err);
 
-/* Read the costs of --estimate=FILE, if that is asked for: RAD_ENOINPUT,
- * RAD_EDATA, RAD_ENOMEM. */
+/* Read the costs if --estimate=FILE is given: RAD_ENOINPUT, RAD_EDATA,
+ * RAD_ENOMEM. */
 int jobspec_read_costs(struct jobspec *j, const struct submit_options *o,
                        const struct frames *frames, struct rad_error *err);
 
-/* Of several frames make a file of the scene, in that folder; after the costs.
- * RAD_EUSAGE when they take too much; RAD_ENOMEM, and as compile_add(). */
+/* If there are several frames, write them into a file of the scene's bundle, in
+ * that folder.  Call after jobspec_read_costs().  RAD_EUSAGE: they take too
+ * many bytes; RAD_ENOMEM; errors of compile_add(). */
 int jobspec_add_frames(struct jobspec *j, const struct frames *frames,
                        struct compiled *scene, const char *folder,
                        struct rad_error *err);
 
-/* Which scene it is, and the job whose ambient cache it begins with; before
- * anything but its files is added to the scene.  RAD_EUSAGE: it has no such
- * cache; RAD_ENOMEM. */
+/* Set the scene's hash and the job whose ambient cache this job begins with.
+ * Call before any file is added to the scene's own.  RAD_EUSAGE: the options
+ * use no cache; RAD_ENOMEM. */
 int jobspec_set_scene(struct jobspec *j, const struct submit_options *o,
                       const struct compiled *scene, struct rad_error *err);
 
-/* Is there a goal (--error, --time) for that many frames?  RAD_EUSAGE. */
+/* RAD_EUSAGE: there is a goal (--error, --time), and too many frames for one.
+ */
 int jobspec_check_goal(const struct submit_options *o, uint32_t nframes,
                        struct rad_error *err);
 
-/* All else but compile_s and MSG_JOB_RECORDS; what it points at must outlive
- * it. */
+/* Fill in all other fields but compile_s and MSG_JOB_RECORDS.  All arguments
+ * must outlive *j. */
 void jobspec_fill(struct jobspec *j, const struct submit_options *o,
                   const struct frames *frames, const struct compiled *scene,
                   const struct cargo *cargo);

@@ -1,7 +1,7 @@
 /* quality.h - --quality: rendering options by one word
  *
- * One table (quality.c) gives the words their options.  What the command line
- * says itself counts, wherever it says it.  */
+ * One table (quality.c) gives the words their options.  An option that the
+ * command line has itself prevails, wherever it stands. */
 #ifndef RADD_CLIENT_QUALITY_H
 #define RADD_CLIENT_QUALITY_H
 
@@ -34,10 +34,10 @@ int quality_oversample(int quality);
  * command line leaves whole. */
 bool quality_promise(int quality, double *least, double *most);
 
-/* The word, of so many characters. */
+/* The word of that number, of *len characters, not terminated. */
 const char *quality_word(int quality, int *len);
 
-/* Set what word number `quality` stands for and *given has not. */
+/* Set all options of word number `quality` but those that are in given. */
 int quality_apply(int quality, quality_given given, struct rad_params *p,
                   struct rad_error *err);
 

@@ -9,9 +9,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { MOST_LOCAL = 64 }; /* --workers on one machine */
+enum { MOST_LOCAL = 64 }; /* most --workers of --local */
 
-/* "20a": random pixels, and what of them counts. */
+/* Is it "20a" or the like: random pixels of each area, and how they count? */
 static bool
 is_sampled(const char *text)
 {
@@ -41,7 +41,7 @@ check_estimate(struct submit_options *o, struct rad_error *err)
     return 0;
 }
 
-/* What is for windows asks for them, or contradicts. */
+/* --windows and --order must not be given with a partition by lines. */
 static int
 check_sharing(struct submit_options *o, struct rad_error *err)
 {
@@ -61,7 +61,8 @@ is_dash(const char *name)
     return name && strcmp(name, "-") == 0;
 }
 
-/* "-" is standard output, as it is input for a scene, but the picture's. */
+/* "-" means standard output, for the picture alone; a scene may come from "-",
+ * too. */
 static int
 check_outputs(struct submit_options *o, struct rad_error *err)
 {
@@ -78,7 +79,7 @@ check_outputs(struct submit_options *o, struct rad_error *err)
     return 0;
 }
 
-/* Options that no picture heeds are a mistake. */
+/* Options for a .png are an error if none is written. */
 static int
 check_show(struct submit_options *o, struct rad_error *err)
 {
@@ -114,7 +115,8 @@ check_show(struct submit_options *o, struct rad_error *err)
     return o->exposure ? show_exposure(&o->show, o->exposure, err) : 0;
 }
 
-/* From here on -x and -y are those of what is traced, as in the job. */
+/* Settle the samples of a pixel.  From here on -x and -y count samples, as they
+ * do in the job. */
 static int
 count_samples(struct submit_options *o, struct rad_error *err)
 {
@@ -139,7 +141,7 @@ count_samples(struct submit_options *o, struct rad_error *err)
     return 0;
 }
 
-/* Passes are for values that all workers share, in all frames. */
+/* Passes need an ambient cache that all workers and all frames share. */
 static int
 check_ambient(const struct submit_options *o, struct rad_error *err)
 {
@@ -149,7 +151,7 @@ check_ambient(const struct submit_options *o, struct rad_error *err)
     return 0;
 }
 
-/* What goes with a job for each plane. */
+/* The first option that excludes a job for each plane. */
 static const char *
 hinders_planes(const struct submit_options *o)
 {
@@ -198,7 +200,7 @@ check_planes(const struct submit_options *o, struct rad_error *err)
     return 0;
 }
 
-/* Options that go with no goal, and why. */
+/* The first option that excludes a goal, with the reason. */
 static const char *
 hinders_goal(const struct submit_options *o)
 {
@@ -215,7 +217,7 @@ hinders_goal(const struct submit_options *o)
                         : NULL;
 }
 
-/* A picture is refined by its ambient cache, in passes. */
+/* A goal refines the ambient cache, in passes: indirect light is needed. */
 static int
 check_goal(const struct submit_options *o, struct rad_error *err)
 {
@@ -262,7 +264,7 @@ check_reuse(const struct submit_options *o, struct rad_error *err)
     return 0;
 }
 
-/* Options that are about pictures or their views. */
+/* The first option that is for pictures or their views alone. */
 static const char *
 is_for_pictures(const struct submit_options *o)
 {
@@ -330,7 +332,7 @@ check_points(struct submit_options *o, struct rad_error *err)
     return 0;
 }
 
-/* Is one cluster meant: a coordinator's, this machine's, a launcher's? */
+/* Is at most one cluster asked for: a coordinator's, --local or --launch? */
 static int
 check_cluster(const struct submit_options *o, struct rad_error *err)
 {

@@ -1,8 +1,8 @@
 /* submit_parse.c - see submit_parse.h
  *
- * Who knows an option is asked in turn: the table of submit_table.c, the sensor
- * points', the renderer's and the view's; each takes its words and says how
- * many. */
+ * Each word is offered in turn to the table of submit_table.c, to the options
+ * of sensor points, to the renderer's and to the view's; the first that knows
+ * the option takes its words and returns how many. */
 #include "config.h"
 
 #include "job/submit_parse.h"
@@ -17,12 +17,12 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Where a parser stands. */
+/* The state of the parser. */
 struct cursor {
     struct submit_options *o;
     struct words *w;
     int at;
-    quality_given given; /* for --quality */
+    quality_given given; /* options that --quality must not set */
     struct rad_error *err;
 };
 /* -vf FILE */
@@ -61,7 +61,7 @@ take_view_file(struct cursor *c)
     return rc < 0 ? rc : 2;
 }
 
-/* -w, -w+, -w-: warnings, which are on. */
+/* -w, -w+, -w-: warnings; they are on at first. */
 static int
 take_warnings(struct cursor *c)
 {
@@ -73,7 +73,7 @@ take_warnings(struct cursor *c)
     return 1;
 }
 
-/* -co, -co+, -co-: spectra in place of colours. */
+/* -co, -co+, -co-: spectra instead of colours. */
 static int
 take_spectral(struct cursor *c)
 {
@@ -99,7 +99,7 @@ is_wish(const char *word)
     return SUBMIT_RUN;
 }
 
-/* The renderer's; it brings -ps to what the sampler does. */
+/* An option of the renderer's. */
 static int
 take_params(struct cursor *c, int argc, char *const argv[])
 {
@@ -157,7 +157,7 @@ take_option(struct cursor *c)
                     "unknown option '%s'; see radsubmit --help", argv[0]);
 }
 
-/* Options up to the first scene; what else the user wants. */
+/* Take all options before the first scene.  Returns an enum submit_wish. */
 static int
 take_options(struct cursor *c)
 {
@@ -225,7 +225,7 @@ submit_parse(struct submit_options *o, struct words *w, struct rad_error *err)
 
     submit_options_init(o);
     rc = take_options(&c);
-    if (rc >= 0 && o->points.file) { /* the same from rtrace's defaults on */
+    if (rc >= 0 && o->points.file) { /* again, with rtrace's defaults */
         submit_options_init(o);
         pointspec_defaults(&o->params);
         c = (struct cursor){ .o = o, .w = w, .err = err };

@@ -1,8 +1,8 @@
 /* submit_table.c - see submit_table.h
  *
- * One table has radsubmit's own options, another rpict's that name files; what
- * kind of value an option takes and which field it sets stand in its row, with
- * the text of the help. */
+ * One table has radsubmit's own options, another those of rpict that name
+ * files.  An option's row has the kind of its value, the field that it sets and
+ * its text for --help. */
 #include "config.h"
 
 #include "job/submit_table.h"
@@ -20,10 +20,10 @@
 enum kind {
     KIND_FLAG,  /* bool */
     KIND_TEXT,  /* const char * */
-    KIND_MAYBE, /* the same, "" where no '=' follows */
+    KIND_MAYBE, /* as KIND_TEXT; "" if no '=' follows */
     KIND_INT,   /* int, lo..hi */
     KIND_REAL,  /* double, lo..hi */
-    KIND_WORD   /* int: the word's place in `words` */
+    KIND_WORD   /* int: index of the word in `words` */
 };
 
 struct option {
@@ -31,8 +31,8 @@ struct option {
     enum kind kind;
     size_t field; /* offset in struct submit_options */
     double lo, hi;
-    const char *words; /* of KIND_WORD: "auto|window" */
-    const char *arg;   /* what the help calls the value */
+    const char *words; /* for KIND_WORD: "auto|window" */
+    const char *arg;   /* name of the value in --help */
     const char *help;
 };
 
@@ -62,7 +62,7 @@ struct option {
         name, KIND_WORD, FIELD(f), 0, 0, words, words, help                    \
     }
 
-/* --error [%], --time [s] */
+/* ranges of --error [%] and --time [s] */
 #define LEAST_ERROR .1
 #define LEAST_TIME  .1
 #define MOST_TIME   1e6
@@ -234,7 +234,7 @@ take_value(struct submit_options *o, const struct option *opt, const char *text,
     }
 }
 
-/* Values follow a '=' or are the next word. */
+/* Take the option at argv[0]; its value follows a '=', or is the next word. */
 static int
 take_from(struct submit_options *o, const struct option *table, size_t n,
           char *const argv[], struct rad_error *err)
@@ -273,7 +273,7 @@ submit_table_take(struct submit_options *o, char *const argv[],
 {
     if (strncmp(argv[0], "--", 2) == 0)
         return take_from(o, own, N_ELEM(own), argv, err);
-    if (strchr(argv[0], '=')) /* rpict knows no "-o=FILE" */
+    if (strchr(argv[0], '=')) /* rpict has no "-o=FILE" */
         return 0;
     return take_from(o, rpicts, N_ELEM(rpicts), argv, err);
 }

@@ -1,7 +1,7 @@
 /* submit_table.h - radsubmit's own options: names, values, help
  *
- * A new option is a row of the table in submit_table.c, a field of struct
- * submit_options, and where it excludes others a line in submit_check.c. */
+ * To add an option add a row to the table in submit_table.c, a field to struct
+ * submit_options and, if it excludes others, a check to submit_check.c. */
 #ifndef RADD_CLIENT_SUBMIT_TABLE_H
 #define RADD_CLIENT_SUBMIT_TABLE_H
 
@@ -10,13 +10,13 @@
 
 #include <stdio.h>
 
-/* Take the option argv[0] and its value, which may be argv[1] (NULL behind the
- * last word), into *o: one of ours, or one of rpict's that name files.  Returns
- * the words used, 0 for an option that the table lacks, or a negative code. */
+/* Take the option argv[0] and its value, which may be argv[1] (NULL after the
+ * last word): one of our own, or one of rpict's that name files.  Returns the
+ * number of words used, 0 if the tables lack the option, or a negative code. */
 int submit_table_take(struct submit_options *o, char *const argv[],
                       struct rad_error *err);
 
-/* --help. */
+/* Print --help. */
 void submit_table_help(FILE *to);
 
 #endif
