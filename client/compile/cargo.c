@@ -35,7 +35,7 @@ cargo_init(struct cargo *c, const struct rad_bundle *bundle, const char *dir,
     for (int i = 0; i < bundle->n; i++)
         rad_sha_from_hex(bundle->entries[i].hash,
                          c->hashes + ((size_t)i + 1) * MSG_HASH);
-    /* the manifest stays first, whatever its digest */
+    /* the manifest stays first, whatever its hash */
     c->n =
         1 + (uint32_t)rad_sha_unique(c->hashes + MSG_HASH, (size_t)bundle->n);
     return 0;

@@ -1,9 +1,9 @@
 /* command.c - see command.h
  *
- * While commands run, the three signals that end a program at a terminal go to
- * a handler that ends the commands, then has the signal do what it would have
- * done.  A program with handlers of its own keeps them: ours is only put where
- * the default action was. */
+ * While commands run, three signals that end a program at a terminal have a
+ * handler of ours: it ends the commands, then lets the signal end the program.
+ * Signals for which the program has handlers of its own are left alone: ours
+ * only replaces the default action. */
 #include "config.h"
 
 #include "compile/command.h"
@@ -32,7 +32,7 @@ struct command {
 
 extern char **environ;
 
-static _Atomic int running[MAX_RUNNING]; /* groups, 0: free */
+static _Atomic int running[MAX_RUNNING]; /* process groups; 0: free */
 static int nrunning;
 static const int passed_on[] = { SIGINT, SIGTERM, SIGHUP };
 
@@ -41,10 +41,10 @@ pass_on(int sig)
 {
     command_stop_all();
     signal(sig, SIG_DFL);
-    raise(sig); /* takes effect when the handler returns */
+    raise(sig); /* acts when the handler returns */
 }
 
-/* Put `to` where `from` is. */
+/* Replace the handler `from` by `to`, where it is in place. */
 static void
 swap_handlers(void (*from)(int), void (*to)(int))
 {
@@ -80,7 +80,7 @@ leave(int slot)
         swap_handlers(pass_on, SIG_DFL);
 }
 
-/* Run `sh -c text`, its output to fd (-1: nowhere). */
+/* Run `sh -c text` in the folder; its output goes to fd (-1: nowhere). */
 static int
 spawn_shell(pid_t *pid, const char *text, const char *folder, int fd)
 {
@@ -122,8 +122,9 @@ spawn_shell(pid_t *pid, const char *text, const char *folder, int fd)
     return rc;
 }
 
-/* Is a word of the command, split roughly as the shell does, the path of a file
- * from that folder on?  A word without a slash may be anything. */
+/* Is a word of the command, which is split roughly as the shell does, a
+ * relative path with a slash that leads from `folder` to a file?  Words without
+ * a slash may be anything. */
 static bool
 names_file_in(const char *folder, const char *text)
 {
@@ -216,7 +217,7 @@ wait_for(pid_t pid)
     return status;
 }
 
-/* Does the shell know the word, as program, builtin or reserved word? */
+/* Does the shell know the word, as a program, builtin or reserved word? */
 static bool
 shell_knows(const char *word)
 {
@@ -227,23 +228,23 @@ shell_knows(const char *word)
     return spawn_shell(&pid, text, "/", -1) != 0 || wait_for(pid) == 0;
 }
 
-/* Does a command end at p, outside of quotes?  Not in `2>&1` or `>|file`. */
+/* Is p, outside of quotes, the end of a command?  Not in `2>&1` or `>|file`. */
 static bool
 parts_commands(const char *text, const char *p)
 {
     return strchr("|&;\n", *p) && (p == text || !strchr("<>", p[-1]));
 }
 
-/* Does a comment begin at p, outside of quotes? */
+/* Is p, outside of quotes, the beginning of a comment? */
 static bool
 begins_comment(const char *text, const char *p)
 {
     return *p == '#' && (p == text || strchr(" \t\n|&;", p[-1]));
 }
 
-/* The name that a command of a pipeline or list begins with, if it is a plain
- * one; `at` goes behind that command.  Quotes and comments hide what parts
- * commands. */
+/* Find the first word of the next command of a pipeline or list; "" unless it
+ * is a plain name.  *at moves behind the command.  Quotes and comments may hide
+ * characters that separate commands. */
 static bool
 next_program(const char **at, char *word, size_t size)
 {
@@ -273,7 +274,7 @@ next_program(const char **at, char *word, size_t size)
     return true;
 }
 
-/* A program of the command that is not installed, in word. */
+/* Find a program of the command that is not installed; its name is in word. */
 static bool
 find_missing(const char *text, char *word, size_t size)
 {

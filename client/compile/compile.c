@@ -24,7 +24,7 @@ struct frozen {
     struct rad_memory_out file;
 };
 
-/* Freeze the octree in bytes[len], which c's scene has an instance of. */
+/* Freeze the octree in bytes[len], of which c's scene has an instance. */
 static int
 freeze(struct compiled *c, const char *name, const void *bytes, size_t len,
        struct rad_memory_out *file, struct rad_error *err)
@@ -54,7 +54,7 @@ freeze(struct compiled *c, const char *name, const void *bytes, size_t len,
         rc = rad_fail(err, RAD_ENOMEM, "out of memory");
     else
         rc = rad_octfile_read_as(in.scene, &how, &stream, name, err);
-    c->paths = in.paths; /* scene files add folders */
+    c->paths = in.paths; /* reading may have added folders */
     if (!rc)
         rc = rad_scene_include(in.scene, &files, NULL, NULL, err);
     if (!rc)
@@ -161,9 +161,9 @@ compile_files(struct compiled *c)
 
 /* --- files that the scene needs --- */
 
-/* Call `visit` for each file name of each object that a surface reaches; its
- * failures end the visit unless someone wants all, who is warned of those of
- * the other objects, too. */
+/* Call `visit` for each file name of each object that a surface uses; the first
+ * failure is returned.  If all errors are wanted (r->each) the visit goes on
+ * after a failure, and missing files of unused objects are warned of. */
 static int
 visit_files(struct compiled *c, const struct reading *r,
             int (*visit)(struct compiled *c, const char *name, const char *dir,
@@ -172,7 +172,8 @@ visit_files(struct compiled *c, const struct reading *r,
 {
     const struct rad_scene *s = c->scene;
     uint8_t *reached = malloc((size_t)s->nobjects + 1);
-    const char *name, *last = ""; /* found: faces of a mesh name the same */
+    const char *name, *last = ""; /* found last: faces of a mesh name the same
+                                   */
     int first = 0;
 
     if (!reached)
@@ -216,12 +217,12 @@ find_file(struct compiled *c, const char *name, const char *dir,
 
 /* --- the bundle --- */
 
-/* A file that gets its name when its bytes are known. */
+/* A file of the bundle that is being written; its hash will be its name. */
 struct storing {
     struct rad_fd to;
     struct rad_sha sha;
     uint64_t size;
-    char path[4096]; /* while it has no other name */
+    char path[4096]; /* its name until then */
 };
 
 static int
@@ -256,7 +257,8 @@ store_bytes(void *arg, const void *p, size_t n, struct rad_error *err)
     return out.write(out.arg, p, n, err);
 }
 
-/* Give it its name, and enter it; or drop it if rc says so. */
+/* Give the file its name and enter it into the bundle; if rc is an error,
+ * remove it. */
 static int
 store_end(struct storing *f, int rc, struct compiled *c, const char *dir,
           enum rad_bundle_role role, const char *name, struct rad_error *err)
@@ -320,8 +322,8 @@ bundle_file(struct compiled *c, const char *name, const char *dir,
 
 /* --- the whole --- */
 
-/* Read the scene, but not the files of its instances and meshes.  After a
- * failure c holds what was read, to be released. */
+/* Read the scene without the files of its instances and meshes.  After a
+ * failure c has what was read, and must be released. */
 static int
 read_scene(struct compiled *c, const char *const *files, int n, bool commands,
            struct reading *r, struct rad_error *err)
@@ -370,7 +372,8 @@ compile_parse(struct compiled *c, const char *const *files, int n,
     return rc;
 }
 
-/* What is wrong with the scene. */
+/* Report what rad_scene_check() finds: a warning, or an error if all are
+ * wanted. */
 static void
 judge(void *arg, const struct rad_error *err)
 {
@@ -392,7 +395,7 @@ compile_read(struct compiled *c, const char *const *files, int n, bool commands,
         compile_release(c);
         return rc;
     }
-    /* what was read may have other errors */
+    /* look for errors in what was read, too */
     now = include_parts(c, each, arg, err);
     rc = rc ? rc : now;
     if (!rc || each) {
@@ -414,7 +417,7 @@ compile_octree(struct compiled *c, int leaf, struct rad_error *err)
     return rad_octree_build(&c->octree, c->scene, leaf, err);
 }
 
-/* As compile_scene(), once there is an octree. */
+/* Write the bundle of a scene that has an octree. */
 static int
 make_bundle(struct compiled *c, const char *dir, struct rad_error *err)
 {

@@ -1,10 +1,10 @@
-/* compile.h - scene files to what is submitted
+/* compile.h - from scene files to a bundle that can be submitted
  *
- * Reads scene files, runs their commands (command.h), finds the files that
- * they need (paths.h), checks everything, builds the octree and writes the
- * bundle (scene/file/bundle.h).  All of it in the client, as the user: a bad
- * scene ends here, before anything is sent.
- * No sockets, and nothing printed but by the commands.
+ * Reads scene files, runs their commands (command.h), finds the files that they
+ * need (paths.h), checks everything, builds the octree and writes the bundle
+ * (scene/file/bundle.h).  The client does all this as the user, so a bad scene
+ * is found before anything is sent.
+ * No sockets; nothing is printed but by the commands.
  * Thread: one in the whole program, because of the commands. */
 #ifndef RADD_CLIENT_COMPILE_H
 #define RADD_CLIENT_COMPILE_H
@@ -18,72 +18,74 @@ struct warnings; /* warning.h */
 
 struct compiled {
     struct rad_scene *scene;
-    struct paths paths;        /* where its files are found */
-    struct frozen *frozen;     /* octrees of instances that were not: a list */
-    int depth;                 /* of those being frozen */
-    bool commands;             /* those of octrees are run, too */
+    struct paths paths;        /* folders in which its files are looked for */
+    struct frozen *frozen;     /* octrees of instances, frozen here: a list */
+    int depth;                 /* nesting of octrees that are being frozen */
+    bool commands;             /* run commands of octrees, too */
     struct warnings *warnings; /* NULL: none */
-    /* by compile_octree(): */
+    /* set by compile_octree(): */
     struct rad_octree octree;
-    /* by compile_scene(): */
+    /* set by compile_scene(): */
     struct rad_bundle bundle;
 };
 
-/* Read the scene that is in n files: one octree, or scene text from any number
- * of files, "-" being the standard input, "!command" what a command prints; and
- * the files of its instances and meshes.  An octree that is not frozen is read
- * from the scene files that it names, which are looked for in its folder, too;
- * then, and in octrees of instances, `!command` lines are refused (RAD_EPERM)
- * without `commands`.  With `each` all errors that can be found are told, one
- * by one, and what compile_read() warns of (RAD_WARNING) with them; *err gets
- * the first error.  On failure *c is empty.
- *   RAD_ENOINPUT  a file that is missing, or not readable
+/* Read a scene of n files, and the files of its instances and meshes.  The
+ * files are one octree, or any number of scene texts, where "-" is the standard
+ * input and "!command" the output of a command.  An octree that is not frozen
+ * is read from the scene files that it names, which are also looked for in its
+ * folder; `!command` lines of those, and of instances' octrees, are refused
+ * (RAD_EPERM) unless `commands` is set.
+ *
+ * With `each` all errors that can be found are reported, one by one, and so are
+ * warnings of compile_read() (RAD_WARNING); *err gets the first error.  On
+ * failure *c is empty.
+ *   RAD_ENOINPUT  a file is missing, or cannot be read
  *   RAD_EDATA     what is wrong, with file and line */
 int compile_parse(struct compiled *c, const char *const *files, int n,
                   bool commands,
                   void (*each)(void *arg, const struct rad_error *err),
                   void *arg, struct rad_error *err);
 
-/* Read and check it: besides the above,
+/* Read a scene, as above, and check it:
  *   RAD_ENOINPUT      a file that an object needs is missing
- *   RAD_EUNSUPPORTED  a type that the renderer lacks */
+ *   RAD_EUNSUPPORTED  the renderer lacks a type */
 int compile_read(struct compiled *c, const char *const *files, int n,
                  bool commands,
                  void (*each)(void *arg, const struct rad_error *err),
                  void *arg, struct rad_error *err);
 
-/* The files that the scene names, along paths; an octree that is not frozen
- * comes frozen.  c must outlive the result. */
+/* Reads files that the scene names, along paths; an octree that is not frozen
+ * is frozen.  c must outlive the result. */
 struct rad_files compile_files(struct compiled *c);
 
-/* Is there sense in what the scene's modifiers name: functions, data, pictures,
- * fonts, BSDFs?  A worker would find the same, but knows of no lines.
- * RAD_EDATA or RAD_ENOINPUT, with the scene's file and line. */
+/* Can the functions, data, pictures, fonts and BSDFs that modifiers name be
+ * used?  A worker would find out, too, but without the scene's lines.
+ * RAD_EDATA or RAD_ENOINPUT, with file and line of the scene. */
 int compile_check(struct compiled *c, struct rad_error *err);
 
-/* The octree, with so many surfaces in a cube (scene/octree.h). */
+/* Build the octree, with at most `leaf` surfaces in a cube (scene/octree.h). */
 int compile_octree(struct compiled *c, int leaf, struct rad_error *err);
 
-/* Put one more file, that is not the scene's, into the bundle and the folder of
+/* Add a file, which is not the scene's own, to the bundle and to the folder of
  * compile_scene(). */
 int compile_add(struct compiled *c, const char *name, const void *bytes,
                 size_t len, const char *dir, struct rad_error *err);
 
-/* Take such a file out of both again, if it is there. */
+/* Remove such a file from both, if it is there. */
 void compile_drop(struct compiled *c, const char *name, const char *dir);
 
-/* A name for the scene and the files that it needs: equal for equal ones.
- * Needs compile_scene(), and comes before compile_add(). */
+/* The hash of the scene and the files that it needs.  Call after
+ * compile_scene() and before compile_add(). */
 int compile_name(const struct compiled *c, char hex[RAD_SHA_HEX + 1],
                  struct rad_error *err);
 
-/* The same where there is no bundle.  Needs compile_read(). */
+/* The same for a scene without a bundle, after compile_read(). */
 int compile_digest(struct compiled *c, char hex[RAD_SHA_HEX + 1],
                    struct rad_error *err);
 
-/* Read and check it, and bundle it: the frozen octree and the files that the
- * scene needs are in the folder dir then, which must be there, under their
- * hashes (cargo.h). */
+/* Read and check a scene, and write its bundle: the frozen octree and the files
+ * that the scene needs, into the existing folder dir, under their hashes
+ * (cargo.h). */
 int compile_scene(struct compiled *c, const char *const *files, int n,
                   bool commands, const char *dir, struct rad_error *err);
 

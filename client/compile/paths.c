@@ -76,7 +76,8 @@ paths_add_file(struct paths *p, const char *scene_file, struct rad_error *err)
     return 0;
 }
 
-/* A pipe or a device may have no end, and its bytes come once. */
+/* Is it a regular file that we may read?  A pipe or a device may have no end,
+ * and gives its bytes only once. */
 static bool
 readable(const char *path)
 {
@@ -86,8 +87,8 @@ readable(const char *path)
            access(path, R_OK) == 0;
 }
 
-/* folder[0..len)/name if that can be read, malloc'd.  An empty folder is the
- * current one. */
+/* The path folder[0..len)/name if it can be read, malloc'd; else NULL.  An
+ * empty folder means the current one. */
 static char *
 try_folder(const char *folder, size_t len, const char *name)
 {
@@ -103,8 +104,8 @@ try_folder(const char *folder, size_t len, const char *name)
     return NULL;
 }
 
-/* In entry[0..len), where that is relative from each of the scene's folders
- * first. */
+/* Look in an entry of RAYPATH, entry[0..len).  A relative one is first taken
+ * from each of the scene's folders. */
 static char *
 try_entry(const struct paths *p, const char *entry, size_t len,
           const char *name)

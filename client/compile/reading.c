@@ -18,7 +18,8 @@
 #define STDIN_NAME   "standard input"
 #define COMMAND_LINE "command line"
 
-/* One file being read: what was read to see what it is, then the rest. */
+/* A file that is being read.  Its beginning is in memory, to tell what it is.
+ */
 struct source {
     struct rad_fd fd;
     char *folder;
@@ -41,7 +42,7 @@ read_source(void *arg, void *buf, size_t n, struct rad_error *err)
     return (long)n;
 }
 
-/* Open and read the beginning. */
+/* Open a file and read its beginning. */
 static int
 open_source(struct source *src, const char *file, struct rad_error *err)
 {
@@ -85,8 +86,8 @@ has_suffix(const char *name, const char *suffix)
     return n > m && strcmp(name + n - m, suffix) == 0;
 }
 
-/* The user can read which commands a scene's text would run; those of an octree
- * nobody sees. */
+/* Refuse a command of an octree: a user can see the commands in a scene's text,
+ * but not those in an octree. */
 static int
 refuse_command(const char *text, struct rad_error *err)
 {
@@ -148,7 +149,7 @@ parse_io(struct reading *r)
     return io;
 }
 
-/* Errors other than the parser's, which tells its own. */
+/* Report an error that the parser has not reported itself; returns its code. */
 static int
 failed(const struct reading *r, const struct rad_error *err)
 {
@@ -157,8 +158,8 @@ failed(const struct reading *r, const struct rad_error *err)
     return err->code;
 }
 
-/* Where an octree's scene file is: in the folder of the octree, in ours, or
- * along RAYPATH; malloc'd. */
+/* The path of a scene file that an octree names, malloc'd: in the octree's
+ * folder, in the current one, or along RAYPATH. */
 static char *
 find_scene_file(struct reading *r, const char *name, struct rad_error *err)
 {
@@ -176,9 +177,9 @@ find_scene_file(struct reading *r, const char *name, struct rad_error *err)
     return paths_find(&r->c->paths, name, err);
 }
 
-/* As with Radiance a command is run in our folder, for which oconv was given
- * it, whatever the octree's is; but in that one where the files before it were
- * found there. */
+/* A command that an octree names runs in the current folder, as with Radiance:
+ * it was given to oconv.  But if scene files before it were found in the
+ * octree's folder it runs there. */
 int
 reading_named(void *arg, const char *name, struct rad_error *err)
 {
@@ -271,7 +272,8 @@ reading_file(struct reading *r, const char *file, bool alone,
     return rc;
 }
 
-/* A command of the command line that makes nothing tells so itself. */
+/* A command of the command line that makes nothing reports that itself, so the
+ * warning of it is dropped. */
 static void
 warn_of_command(void *arg, const struct rad_error *err)
 {

@@ -1,6 +1,6 @@
 /* reading.h - a scene's own files: its text, the commands in it, its octree
  *
- * Not the files that its objects name.
+ * This does not read the files that objects name.
  * Thread: one in the whole program, because of the commands. */
 #ifndef RADD_CLIENT_READING_H
 #define RADD_CLIENT_READING_H
@@ -8,32 +8,32 @@
 #include "compile/compile.h"
 
 struct reading {
-    struct compiled *c; /* gets the objects in its scene, folders in its paths */
+    struct compiled *c; /* for its scene and its paths */
     const char *folder; /* of the file that is being read */
-    bool told;          /* what ended the reading */
-    bool octree;        /* a file is one: after a failure it is in pieces */
-    bool within;        /* what an octree names is being read */
-    bool beside;        /* it is in the octree's folder */
-    /* gets each error, if it is not NULL: */
+    bool told;          /* the error that ended the reading was reported */
+    bool octree;        /* the file is an octree: a failure makes the scene
+                         * useless */
+    bool within;        /* files that an octree names are being read */
+    bool beside;        /* one of these was in the octree's folder */
+    /* gets each error; may be NULL */
     void (*each)(void *arg, const struct rad_error *err);
     void *arg;
 };
 
-/* A file, "-" for the standard input: an octree if it is `alone`, or text.
- * RAD_ENOINPUT, RAD_EDATA, RAD_EUSAGE; RAD_EPERM for a command that an octree
- * names, unless the user trusts it. */
+/* Read a file, "-" for the standard input: an octree, if it is `alone`, or
+ * text.  RAD_ENOINPUT, RAD_EDATA, RAD_EUSAGE; RAD_EPERM: an octree names a
+ * command that the user has not allowed. */
 int reading_file(struct reading *r, const char *file, bool alone,
                  struct rad_error *err);
 
-/* "!command" in place of a file, as oconv(1) takes it. */
+/* Read the output of "!command", which stands for a file, as with oconv(1). */
 int reading_command(struct reading *r, const char *text, struct rad_error *err);
 
-/* A scene file, or "!command", that an octree in r->folder names; arg is a
+/* Read a scene file or "!command" that an octree in r->folder names; arg is a
  * struct reading (scene/octfile.h). */
 int reading_named(void *arg, const char *name, struct rad_error *err);
 
-/* A warning of the scene; those that nobody asks for are kept.  arg is a struct
- * reading. */
+/* Report a warning to r->each, or keep it.  arg is a struct reading. */
 void reading_warn(void *arg, const struct rad_error *err);
 
 #endif

@@ -15,12 +15,13 @@
 #define MOST_KEPT 8
 
 struct warnings {
-    int n; /* of them MOST_KEPT at most are here */
+    int n; /* warnings so far; MOST_KEPT at most are kept */
     char text[MOST_KEPT][WARNING_SIZE];
 };
 
-/* Surfaces of instances and meshes that would be light sources elsewhere; what
- * has its material from the instance or mesh itself, as one. */
+/* Surfaces of instances and meshes that would be light sources outside.  An
+ * instance or mesh that gives its own material to its surfaces counts as one.
+ */
 static int32_t
 lights_within(const struct compiled *c)
 {
@@ -67,8 +68,8 @@ warn_of_lights(const struct compiled *c, char text[WARNING_SIZE])
     return true;
 }
 
-/* Does surface i light anything but itself?  Far glows and what shines within
- * instances do so by indirect light alone. */
+/* Does surface i light others?  Distant glows, and surfaces within instances,
+ * do so by indirect light alone. */
 static bool
 gives_light(const struct rad_scene *s, int32_t i, bool indirect)
 {
@@ -83,12 +84,12 @@ gives_light(const struct rad_scene *s, int32_t i, bool indirect)
     if (!indirect && (i >= rad_scene_own(s) ||
                       (m->type == RAD_GLOW && o->type == RAD_SOURCE)))
         return false;
-    return rad_material_lights(m) || /* a mixture may be of one that does */
+    return rad_material_lights(m) || /* which may hold such a material */
            rad_otype_class(m->type) == RAD_CLASS_MIXTURE;
 }
 
-/* Is there a light source of this name?  What relays it may stand before it,
- * with a '>' behind each. */
+/* Is there a light source of this name?  Names of relays may stand before it,
+ * each followed by '>'. */
 static bool
 is_light(const struct rad_scene *s, const char *name)
 {
@@ -102,7 +103,7 @@ is_light(const struct rad_scene *s, const char *name)
     return false;
 }
 
-/* Of the first mist that names a source that is not there. */
+/* Warn of the first mist that names a missing light source. */
 static bool
 warn_of_mists(const struct compiled *c, char text[WARNING_SIZE])
 {
@@ -140,7 +141,7 @@ warning_keep(struct compiled *c, const struct rad_error *err)
              text);
 }
 
-/* The i-th of those that were kept; the last says how many there were. */
+/* The i-th warning that was kept; one more says how many were not. */
 static bool
 kept(const struct compiled *c, int i, char text[WARNING_SIZE])
 {
