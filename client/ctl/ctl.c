@@ -8,7 +8,7 @@
 #include <stdio.h>
 #include <string.h>
 
-enum { ANSWER_MS = 4500 /* from the start: 69 comes within 5 s */ };
+enum { ANSWER_MS = 4500 /* from the start: status 69 comes within 5 s */ };
 
 int
 ctl_ask(struct ctl *c, struct msg *m, uint16_t type, const struct msg **answer)
@@ -29,7 +29,7 @@ ctl_ask(struct ctl *c, struct msg *m, uint16_t type, const struct msg **answer)
                             "the coordinator does not answer");
         if ((*answer)->request != c->request)
             continue;
-        c->start_ms = uv_now(&c->loop); /* the next one's */
+        c->start_ms = uv_now(&c->loop); /* for the next command */
         if ((*answer)->type == MSG_FAILED)
             return rad_fail(c->err, link_code((*answer)->failed.status), "%s",
                             (*answer)->failed.text);

@@ -1,5 +1,5 @@
 /* ctl_admin.c - radctl's commands for administrators: workers, keys, and the
- * state folder of a coordinator of this machine */
+ * state folder of a coordinator on this machine */
 #include "config.h"
 
 #include "ctl/ctl.h"
@@ -15,7 +15,7 @@
 #include <string.h>
 #include <time.h>
 
-/* A message that names a worker. */
+/* Send the command's message about a worker. */
 static int
 steer(struct ctl *c)
 {
@@ -34,7 +34,7 @@ ctl_run_worker(struct ctl *c)
     return rc < 0 ? rc : ctl_done(c);
 }
 
-/* The answer to an order about keys. */
+/* Print the answer to an order about keys. */
 static int
 print_keys(struct ctl *c, const struct key_order *order, const char *text,
            size_t len)
@@ -53,7 +53,7 @@ print_keys(struct ctl *c, const struct key_order *order, const char *text,
     return rc;
 }
 
-/* key: in the file itself, if one is named, else by the coordinator */
+/* key: edit the file, if --keys names one; else the coordinator does */
 static int
 run_key_file(struct ctl *c, const struct key_order *order)
 {
@@ -97,13 +97,14 @@ tell_finding(void *arg, bool problem, const char *text)
     if (!c->problems) {
         tell(stdout, "%s: %s", problem ? "problem" : "to be made again", text);
     } else if (problem && (clean = strdup(text)) != NULL) {
-        rad_text_clean(clean); /* a file's name may be no UTF-8 */
+        rad_text_clean(clean); /* the name may not be UTF-8 */
         json_array_append_new(c->problems, json_string(clean));
         free(clean);
     }
 }
 
-/* The first word: of what nobody could read none can say that it is sound. */
+/* The first word of the answer.  If something could not be read the folder
+ * cannot be called sound. */
 static const char *
 verdict(const struct statecheck *found)
 {
@@ -132,7 +133,7 @@ print_check(struct ctl *c, const struct statecheck *found)
     json_decref(root);
 }
 
-/* check: of a folder of this machine */
+/* check: a state folder on this machine */
 int
 ctl_run_check(struct ctl *c)
 {

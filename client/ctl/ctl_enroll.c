@@ -1,9 +1,9 @@
-/* ctl_enroll.c - radctl enroll: for each worker a folder of the files that its
- * host needs
+/* ctl_enroll.c - radctl enroll: make for each worker a folder with the files
+ * for its host
  *
- * A key is made where there is none that the coordinator would take: neither in
- * the worker's folder nor, where --keys names the key file, in that.  So who
- * says the same again gets the same key. */
+ * A key is made for a worker only if it has none that the coordinator would
+ * accept, neither in its folder nor in the key file that --keys names.  So the
+ * same command again gives the same key. */
 #include "config.h"
 
 #include "ctl/ctl.h"
@@ -24,13 +24,14 @@
 
 struct enroll {
     struct ctl *c;
-    json_t *keys; /* as `key list` has them */
-    json_t *done; /* what is told at the end */
+    json_t *keys; /* as `key list` gives them */
+    json_t *done; /* what is printed at the end */
 };
 
-/* --- keys that there are --- */
+/* --- existing keys --- */
 
-/* An order about keys, in the file or by the coordinator: its answer. */
+/* Give an order about keys, to the file or to the coordinator; *root: the
+ * answer. */
 static int
 order(struct ctl *c, enum msg_key_order what, const char *name, json_t **root)
 {
@@ -61,7 +62,7 @@ order(struct ctl *c, enum msg_key_order what, const char *name, json_t **root)
                             "JSON");
 }
 
-/* The keys that are known; a file that is not there yet has none. */
+/* Get the list of keys; a key file that does not exist has none. */
 static int
 list_keys(struct enroll *e)
 {
@@ -73,8 +74,8 @@ list_keys(struct enroll *e)
     return 0;
 }
 
-/* Would the coordinator take a key with that id; id NULL: any of the worker's?
- */
+/* Would the coordinator accept the worker's key of that id, or (NULL) any key
+ * of the worker's? */
 static bool
 is_valid(const struct enroll *e, const char *worker, const char *id)
 {
@@ -96,7 +97,8 @@ is_valid(const struct enroll *e, const char *worker, const char *id)
     return false;
 }
 
-/* The line of the worker's best key in a key file; false: it has none. */
+/* The line and id of the worker's best key in a key file; false: it has none.
+ */
 static bool
 key_in_file(const char *path, const char *worker, char line[KEY_LINE + 1],
             char id[KEY_ID])
@@ -145,7 +147,7 @@ add_key(struct enroll *e, const char *worker, char line[KEY_LINE + 1],
     return rc;
 }
 
-/* The line of the worker's key and its id; *made: it is new. */
+/* The line and id of the worker's key; *made: it is new. */
 static int
 find_key(struct enroll *e, const char *worker, const char *path,
          char line[KEY_LINE + 1], char id[KEY_ID], bool *made)
@@ -168,7 +170,8 @@ find_key(struct enroll *e, const char *worker, const char *path,
 
 /* --- files --- */
 
-/* With a mode of its own, whatever the umask. */
+/* Write a file with the mode that the mask leaves, whatever the user's umask.
+ */
 static int
 write_file(struct ctl *c, const char *path, mode_t mask, const char *text)
 {
@@ -179,7 +182,7 @@ write_file(struct ctl *c, const char *path, mode_t mask, const char *text)
     return rc;
 }
 
-/* What every host's radd.conf says. */
+/* The settings in radd.conf, the same for all hosts. */
 static void
 make_settings(const struct ctl *c, char *text, size_t size)
 {
@@ -239,7 +242,8 @@ check_names(const struct ctl *c)
     return 0;
 }
 
-/* Where workers dial; that is all that is asked of it where --keys is there. */
+/* Find the address that workers dial.  With --keys nothing else is needed of
+ * the coordinator. */
 static int
 check_coordinator(struct ctl *c)
 {

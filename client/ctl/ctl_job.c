@@ -18,10 +18,10 @@
 
 enum {
     ANSWER_MS = 4500,
-    AT_ONCE = 8 /* requests under way: the disk is waited for once */
+    AT_ONCE = 8 /* requests without answer: the disk's wait is shared */
 };
 
-/* A message that names a job. */
+/* Send the command's message about a job. */
 static int
 steer(struct ctl *c)
 {
@@ -32,12 +32,12 @@ steer(struct ctl *c)
 
     if (rc < 0)
         return rc;
-    m.cancel.job = job; /* these messages share a struct */
+    m.cancel.job = job; /* all these messages have the same struct */
     return ctl_ask(c, &m, MSG_ANSWER, &answer);
 }
 
-/* One more answer of those that are due, to requests up to c->request.  A job
- * that another has ended or deleted meanwhile is no failure. */
+/* Take one of the answers that are due to requests first to c->request.  If a
+ * job was ended or deleted meanwhile by someone else that is no failure. */
 static int
 take_answer(struct ctl *c, uint32_t first, unsigned *done)
 {
@@ -64,7 +64,7 @@ take_answer(struct ctl *c, uint32_t first, unsigned *done)
     }
 }
 
-/* The command's message for the job of each row, some at a time. */
+/* Send the command's message for the job of each row, AT_ONCE at a time. */
 static int
 steer_rows(struct ctl *c, const json_t *rows, unsigned *done)
 {
@@ -93,7 +93,7 @@ steer_rows(struct ctl *c, const json_t *rows, unsigned *done)
     return rc;
 }
 
-/* cancel --all, delete --all: one's own jobs, or those of --user */
+/* cancel --all, delete --all: the user's own jobs, or those of --user */
 static int
 steer_all(struct ctl *c)
 {
@@ -148,7 +148,7 @@ ctl_run_priority(struct ctl *c)
     return rc < 0 ? rc : ctl_done(c);
 }
 
-/* A file of a job, whole; the caller frees its bytes. */
+/* Get a whole file of a job; the caller frees its bytes. */
 static int
 fetch_file(struct ctl *c, const uint8_t job[MSG_JOB], int frame,
            enum msg_what what, struct fetched *f)
@@ -165,8 +165,8 @@ fetch_file(struct ctl *c, const uint8_t job[MSG_JOB], int frame,
     return rc < 0 ? rc : 0;
 }
 
-/* The first frame that is not black says how this one is shown, as when all of
- * them came together. */
+/* Let the first frame that is not black decide how this frame is shown, as it
+ * does when all frames are fetched together. */
 static int
 look_at_first(struct ctl *c, const uint8_t job[MSG_JOB], int frame)
 {
@@ -183,7 +183,7 @@ look_at_first(struct ctl *c, const uint8_t job[MSG_JOB], int frame)
     return rc;
 }
 
-/* Path NULL: to standard output. */
+/* Path NULL: standard output. */
 static int
 fetch_picture(struct ctl *c, const uint8_t job[MSG_JOB], int frame,
               const char *path)
@@ -202,8 +202,7 @@ fetch_picture(struct ctl *c, const uint8_t job[MSG_JOB], int frame,
     return rc;
 }
 
-/* The pictures of a job, as many as the coordinator says it has, to names with
- * their numbers. */
+/* Get all pictures of a job, into files with their numbers. */
 static int
 fetch_all(struct ctl *c, const uint8_t job[MSG_JOB])
 {
@@ -234,7 +233,7 @@ struct plane_set {
     int n;
 };
 
-/* The next plane, whose bytes the set owns then. */
+/* Add the next plane; the set takes its bytes. */
 static int
 add_plane(struct ctl *c, struct plane_set *s, const struct fetched *f)
 {
@@ -282,7 +281,7 @@ fetch_all_planes(struct ctl *c, struct plane_set *s)
     return rc;
 }
 
-/* Several jobs are the planes of one picture. */
+/* Get the planes of one picture, which are several jobs. */
 static int
 fetch_planes(struct ctl *c)
 {
@@ -306,7 +305,7 @@ fetch_planes(struct ctl *c)
     return rc < 0 || !c->output ? rc : ctl_done(c);
 }
 
-/* Has the output's name a place for the frame's number? */
+/* Does the output's name have a place for the frame's number? */
 static bool
 is_numbered(const char *output)
 {
@@ -339,7 +338,7 @@ ctl_run_fetch(struct ctl *c)
     return rc < 0 || !c->output ? rc : ctl_done(c);
 }
 
-/* What the queue knows of a job, into its statistics. */
+/* Add the job's state to its statistics. */
 static int
 add_state(struct ctl *c, json_t *stats)
 {
@@ -357,7 +356,8 @@ add_state(struct ctl *c, json_t *stats)
     return 0;
 }
 
-/* job: for people a summary, as JSON the statistics so far and the state. */
+/* job: a summary for people; with --json the statistics so far and the state.
+ */
 int
 ctl_run_job_report(struct ctl *c)
 {

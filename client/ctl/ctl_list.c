@@ -1,5 +1,5 @@
-/* ctl_list.c - what radctl tells of the coordinator, its workers and its jobs
- */
+/* ctl_list.c - radctl's lists of workers and jobs, and its answers about the
+ * coordinator */
 #include "config.h"
 
 #include "ctl/ctl.h"
@@ -12,12 +12,12 @@
 #include <stdio.h>
 #include <string.h>
 
-/* A column that people see, and the member of a row that it shows. */
+/* A column that is printed: the member of a row, and the column's title. */
 struct column {
     const char *key, *head;
 };
 
-/* What people look for in a list of jobs, the rest is for --json and job. */
+/* The columns of the list of jobs; --json and `job` have more. */
 static const struct column job_columns[] = {
     { "job", "job" },           { "state", "state" },
     { "done", "done" },         { "owner", "owner" },
@@ -31,7 +31,7 @@ static const struct column worker_columns[] = {
     { "since_s", "since" }, { "text", "note" },       { NULL, NULL },
 };
 
-/* A member of a row as people read it. */
+/* A member of a row, made readable. */
 static json_t *
 readable(const json_t *row, const char *key)
 {
@@ -39,10 +39,10 @@ readable(const json_t *row, const char *key)
     double v = json_number_value(value);
     char span[CTL_SPAN];
 
-    if (strcmp(key, "text") == 0 && /* "cancelled" says it once */
+    if (strcmp(key, "text") == 0 && /* the text would only repeat the state */
         json_equal(value, json_object_get(row, "state")))
         return json_string("");
-    if (strcmp(key, "done") == 0) /* rounded down: 100 is all */
+    if (strcmp(key, "done") == 0) /* rounded down, so 100 means done */
         return json_sprintf("%3d %%", (int)(v * 100));
     if (strcmp(key, "elapsed_s") == 0)
         return json_string(ctl_span(span, v));
@@ -69,7 +69,7 @@ for_people(const json_t *rows, const struct column *columns)
     return list;
 }
 
-/* --- which rows --- */
+/* --- which rows are shown --- */
 
 static const char *const job_states[] = { "waiting",   "running", "paused",
                                           "held",      "done",    "failed",
@@ -102,8 +102,8 @@ ctl_check_list(const struct ctl *c)
     return 0;
 }
 
-/* --user, whose login it is where it says "uid:1002", as earlier releases did:
- * on the coordinator's own machine that is known. */
+/* The user of --user.  "uid:1002" becomes the login where that is known, on the
+ * coordinator's own machine; earlier releases printed such names. */
 static const char *
 user_of(const struct ctl *c)
 {
@@ -151,9 +151,9 @@ ctl_filter(const struct ctl *c, json_t *rows, const char *user)
     }
 }
 
-/* --- getting them --- */
+/* --- getting rows --- */
 
-/* Add the rows of an answer, and take the cursor on. */
+/* Add the rows of an answer to the list, and set the next cursor. */
 static int
 add_page(struct ctl *c, const struct msg *answer, json_t *rows,
          struct msg_page *ask)
@@ -173,7 +173,7 @@ add_page(struct ctl *c, const struct msg *answer, json_t *rows,
     return rc;
 }
 
-/* So many rows of the list at most, page by page. */
+/* Get at most `most` rows of the list, page by page. */
 static int
 rows_of(struct ctl *c, const struct msg_page *ask, size_t most, json_t **rows)
 {
@@ -203,7 +203,7 @@ ctl_rows(struct ctl *c, const struct msg_page *ask, json_t **rows)
     return rows_of(c, ask, c->limit > 0 ? (size_t)c->limit : SIZE_MAX, rows);
 }
 
-/* --- showing them --- */
+/* --- printing rows --- */
 
 static void
 show(const struct ctl *c, json_t *rows, bool jobs)
@@ -219,7 +219,8 @@ show(const struct ctl *c, json_t *rows, bool jobs)
     json_decref(shown);
 }
 
-/* Nobody is to look for a job in vain. */
+/* Tell of jobs that the coordinator has forgotten, so that nobody looks for
+ * them. */
 static int
 tell_forgotten(struct ctl *c)
 {
@@ -288,7 +289,7 @@ ctl_run_query(struct ctl *c)
     return 0;
 }
 
-/* limits: what one user may have, and has */
+/* limits: a user's limits, and how much of each is used */
 int
 ctl_run_limits(struct ctl *c)
 {

@@ -1,8 +1,8 @@
 /* ctl_top.c - radctl top: the terminal and the coordinator around top.h
  *
- * One loop: ask the coordinator, draw, wait for a key until it is time to ask
- * again.  It is asked once a second, less often where its answers take long,
- * and the screen is drawn by ncurses, which sends what has changed. */
+ * One loop: ask the coordinator, draw, wait for keys until it is time to ask
+ * again.  The coordinator is asked once a second, or less often if its answers
+ * take long.  ncurses sends the terminal only what has changed. */
 #include "config.h"
 
 #include "ctl/ctl.h"
@@ -19,9 +19,9 @@
 
 enum {
     PERIOD_MS = 1000,
-    SLOWER = 5, /* and this many times what the answers took */
+    SLOWER = 5, /* time to the next request, in times of an answer */
     MOST_JOBS = 200,
-    ESCAPE_MS = 50, /* a sequence of a key that comes in parts */
+    ESCAPE_MS = 50, /* to wait for the rest of a key's escape sequence */
     ANSWER_MS = 4500
 };
 
@@ -29,7 +29,7 @@ struct screen {
     struct ctl *c;
     struct top top;
     SCREEN *curses;
-    uint64_t due_ms; /* when to ask again */
+    uint64_t due_ms; /* of the next request */
 };
 
 static volatile sig_atomic_t stopped;
@@ -71,8 +71,8 @@ ask_stats(struct ctl *c, const uint8_t job[MSG_JOB], json_t **stats)
     return rc < 0 ? rc : 0;
 }
 
-/* Statistics of the job that is looked into; of one that has gone meanwhile, or
- * is not ours to see, there are none. */
+/* Get the statistics of the job that is shown.  None come if the job has gone,
+ * or the user may not see it. */
 static int
 ask_job(struct screen *s, json_t **stats)
 {
@@ -136,7 +136,7 @@ note(struct screen *s, const struct rad_error *err)
     rad_error_format(err, s->top.note, sizeof s->top.note);
 }
 
-/* Ask, or dial again where the coordinator was lost. */
+/* Ask for all data; dial again first if the coordinator was lost. */
 static void
 refresh_data(struct screen *s)
 {
@@ -165,7 +165,7 @@ refresh_data(struct screen *s)
                 (took_ms * SLOWER > PERIOD_MS ? took_ms * SLOWER : PERIOD_MS);
 }
 
-/* What a question was answered yes to. */
+/* Carry out a wish that the user has confirmed. */
 static void
 carry_out(struct screen *s, enum top_wish wish)
 {
@@ -195,7 +195,7 @@ carry_out(struct screen *s, enum top_wish wish)
         if (worker)
             m.drain.name = s->top.about;
         else
-            m.cancel.job = job; /* these messages share a struct */
+            m.cancel.job = job; /* all these messages have the same struct */
         rc = ctl_ask(s->c, &m, MSG_ANSWER, &answer);
     }
     s->c->err = outer;
@@ -231,8 +231,8 @@ open_terminal(struct screen *s)
         return rad_fail(s->c->err, RAD_EUSAGE,
                         "the terminal's type, TERM=%.40s, is not known",
                         getenv("TERM") ? getenv("TERM") : "");
-    signal(SIGPIPE, SIG_IGN);       /* a coordinator may be gone */
-    sigaction(SIGINT, &stop, NULL); /* ncurses' would end us at once */
+    signal(SIGPIPE, SIG_IGN);       /* when a lost coordinator is written to */
+    sigaction(SIGINT, &stop, NULL); /* ncurses' handler would end us */
     sigaction(SIGQUIT, &stop, NULL);
     sigaction(SIGTERM, &stop, NULL);
     sigaction(SIGHUP, &stop, NULL);
@@ -261,7 +261,7 @@ close_terminal(struct screen *s)
     s->curses = NULL;
 }
 
-/* No colour where none is wanted. */
+/* The attribute for a look, without colours if the user wants none. */
 static attr_t
 attribute(enum top_look look)
 {
@@ -327,14 +327,14 @@ key_of(int key)
     }
 }
 
-/* Letters are letters in a filter. */
+/* The key in top.h's terms; in the filter 'j' and 'k' are letters. */
 static int
 key_in(const struct screen *s, int key)
 {
     return s->top.editing && (key == 'j' || key == 'k') ? key : key_of(key);
 }
 
-/* All keys that wait; false: the user is done. */
+/* Handle all waiting keys; false: the user quits. */
 static bool
 take_keys(struct screen *s)
 {
@@ -354,7 +354,7 @@ take_keys(struct screen *s)
     return true;
 }
 
-/* Until a key, a signal (the window's size, too) or the time to ask. */
+/* Wait for a key, a signal (as of the window's size) or the next request. */
 static bool
 wait_for_keys(struct screen *s)
 {
@@ -363,7 +363,7 @@ wait_for_keys(struct screen *s)
 
     if (t < s->due_ms)
         poll(&in, 1, (int)(s->due_ms - t));
-    /* a terminal that is gone is no reason to turn round and round */
+    /* end if the terminal is gone, instead of looping without rest */
     return !(in.revents & (POLLHUP | POLLERR | POLLNVAL)) && take_keys(s);
 }
 

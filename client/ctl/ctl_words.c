@@ -1,8 +1,8 @@
-/* ctl_words.c - radctl's answers about one thing, as people read them
+/* ctl_words.c - radctl's answers about one thing, for people
  *
- * Members of the coordinator's JSON (radd.stats(5) has their meanings) become
- * lines of a name and a value with its unit.  What says nothing is left out: a
- * count of repeated units that is 0, an exit status of success. */
+ * Members of the coordinator's JSON (see radd.stats(5)) become lines of a name
+ * and a value with its unit.  Values that tell nothing are left out, such as 0
+ * repeated units or an exit status of success. */
 #include "config.h"
 
 #include "ctl/ctl.h"
@@ -58,8 +58,8 @@ ctl_span(char text[CTL_SPAN], double s)
 
 /* --- status --- */
 
-/* An epoch is the time when that life of the coordinator began, in
- * milliseconds, or a bit later if the clock was put back. */
+/* The time when this life of the coordinator began, which is its epoch in
+ * milliseconds; a bit later if the clock was put back. */
 static void
 put_start(FILE *to, double epoch)
 {
@@ -126,7 +126,7 @@ put_picture(FILE *to, const json_t *job)
     put(to, "picture", line);
 }
 
-/* Of a job with --error or --time. */
+/* For jobs with --error or --time. */
 static void
 put_goal(FILE *to, const json_t *job)
 {
@@ -152,7 +152,7 @@ put_goal(FILE *to, const json_t *job)
     put(to, "stage", line);
 }
 
-/* What it took so far. */
+/* The work so far. */
 static void
 put_work(FILE *to, const json_t *job)
 {
@@ -175,7 +175,7 @@ put_work(FILE *to, const json_t *job)
     }
 }
 
-/* The ambient cache that it began with, and what is kept of its own. */
+/* The ambient cache that the job began with, and the one that is kept of it. */
 static void
 put_reuse(FILE *to, const json_t *job)
 {
@@ -210,7 +210,7 @@ ctl_tell_job(FILE *to, const json_t *job)
         snprintf(line, sizeof line, "%.0f", status);
         put(to, "exit status", line);
     }
-    /* rounded down: 100 is all */
+    /* rounded down, so 100 % means done */
     snprintf(line, sizeof line, "%.0f %%",
              floor(100 * row_number(job, "done")));
     put(to, "done", line);

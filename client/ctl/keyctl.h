@@ -1,8 +1,8 @@
 /* keyctl.h - radctl's commands about keys
  *
- * Edits a key file itself, or asks the coordinator to; either way the answer
- * is the JSON of key_order_run().
- * Thread: any.  */
+ * They edit a key file, or ask the coordinator to; the answer is the JSON of
+ * key_order_run() in both cases.
+ * Thread: any. */
 #ifndef RADD_CLIENT_KEYCTL_H
 #define RADD_CLIENT_KEYCTL_H
 
@@ -10,13 +10,13 @@
 
 #include <jansson.h>
 
-/* From the words behind "key": what to do, the name that it needs or NULL, and
- * --expires or NULL.  RAD_EUSAGE. */
+/* Make an order of the words after "key": what to do; the name, or NULL;
+ * --expires, or NULL.  RAD_EUSAGE. */
 int keyctl_parse(struct key_order *order, const char *what, const char *name,
                  const char *expires, struct rad_error *err);
 
-/* Onto standard output: the answer as it is, or for people: of a new key the
- * line for its host, of a list a table.  RAD_EPROTO if it holds no key. */
+/* Print the answer: with `json` as it is; else the line of a new key, or a
+ * table of a list.  RAD_EPROTO: it has no key. */
 int keyctl_print(const struct key_order *order, const json_t *root, bool json,
                  struct rad_error *err);
 

@@ -1,7 +1,7 @@
 /* radctl.c - look at and steer a running cluster; see radctl(1)
  *
- * The command line, the table of commands and the connection; what a command
- * says to the coordinator, and does with the answer, is in ctl_*.c. */
+ * This file has the command line, the table of commands and the connection.
+ * ctl_*.c have the commands themselves. */
 #include "config.h"
 
 #include "ctl/ctl.h"
@@ -51,7 +51,7 @@ static const struct ctl_command commands[] = {
 };
 enum { NCOMMANDS = sizeof commands / sizeof commands[0] };
 
-/* Is the command for somebody of that role?  A coordinator would hang up on
+/* May that role use the command?  A coordinator closes the connection of
  * others. */
 static int
 check_role(const struct ctl_command *command, enum msg_role role,
@@ -116,8 +116,8 @@ help(void)
          "  --version         the version");
 }
 
-/* The value of an option called name at argv[*i]: after '=' or the next word.
- * 1 if it is that option, 0 if not. */
+/* Take the option called name at argv[*i], with its value after '=' or in the
+ * next word.  Returns 1 if it is that option, 0 if not. */
 static int
 option_value(const char *name, char *argv[], int *i, const char **value,
              struct rad_error *err)
@@ -139,12 +139,12 @@ option_value(const char *name, char *argv[], int *i, const char **value,
     return 1;
 }
 
-/* What options set, at that place of struct ctl. */
+/* The options, and the members of struct ctl that they set. */
 static const struct option {
     const char *name;
     enum { SWITCH, TEXT, TEXT_OR_NONE, NUMBER } kind;
     size_t at;
-    int least; /* of a NUMBER */
+    int least; /* least value of a NUMBER */
 } options[] = {
     { "--json", SWITCH, offsetof(struct ctl, json), 0 },
     { "--all", SWITCH, offsetof(struct ctl, all), 0 },
@@ -212,8 +212,8 @@ find_command(struct ctl *c, const char *name)
                     "unknown command '%s'; see radctl --help", name);
 }
 
-/* Can that be what the command takes?  An empty id would be how all jobs begin,
- * and so that of one that is alone. */
+/* Is arg valid for the command?  An empty id is refused: it is the beginning of
+ * every job's, so it could mean the only job. */
 static int
 check_arg(const struct ctl *c, const char *arg)
 {
@@ -234,7 +234,7 @@ check_arg(const struct ctl *c, const char *arg)
     return 0;
 }
 
-/* Options about lists go with those alone. */
+/* Options for lists are refused with other commands. */
 static int
 check_list_options(const struct ctl *c)
 {
@@ -265,7 +265,7 @@ check_list_options(const struct ctl *c)
     return ctl_check_list(c);
 }
 
-/* How a picture is shown is for one that is shown. */
+/* Options for how a picture is shown are refused where none is. */
 static int
 check_show(struct ctl *c)
 {
@@ -338,7 +338,7 @@ takes_many(const struct ctl_command *command)
     return strstr(command->arg, "...") != NULL;
 }
 
-/* The command's words come to stand together, at argv's start. */
+/* Collect the command's arguments at the beginning of argv. */
 static void
 take_arg(struct ctl *c, char *argv[], int i)
 {
@@ -347,7 +347,7 @@ take_arg(struct ctl *c, char *argv[], int i)
     c->arg = c->args[0];
 }
 
-/* Is it the second word of `priority`, which may begin with a minus? */
+/* Is the next word the number of `priority`, which may begin with a minus? */
 static bool
 takes_number(const struct ctl *c)
 {
@@ -361,7 +361,7 @@ is_number(const char *word)
     return word[word[0] == '-'] >= '0' && word[word[0] == '-'] <= '9';
 }
 
-/* Options and words may mix. */
+/* Take options and arguments in any order. */
 static int
 take_words(struct ctl *c, int argc, char *argv[])
 {
@@ -419,7 +419,7 @@ for_key_file(const struct ctl *c)
     return c->command->run == ctl_run_key || c->command->run == ctl_run_enroll;
 }
 
-/* Nobody said where the coordinator is, and it is not on this machine. */
+/* Explain an error if no coordinator was named and none is on this machine. */
 static void
 say_unnamed(struct ctl *c)
 {
@@ -435,7 +435,7 @@ run(struct ctl *c)
     bool named;
     int rc;
 
-    if (c->keys || c->command->run == ctl_run_check) /* without coordinator */
+    if (c->keys || c->command->run == ctl_run_check) /* needs no coordinator */
         return c->command->run(c);
     rc = target_find(&c->to, c->coordinator, c->key, c->err);
     if (rc < 0)
@@ -481,6 +481,6 @@ main(int argc, char *argv[])
     rad_error_format(&err, text, sizeof text);
     fflush(stdout);
     fprintf(stderr, "radctl: %s\n", text);
-    /* exit() would wait for a resolver that still looks for the host */
+    /* not exit(), which waits for a resolver that still looks for the host */
     _exit(rad_exit_status(rc));
 }

@@ -1,4 +1,4 @@
-/* row.h - members of a row that the coordinator gave, as JSON
+/* row.h - members of a row of the coordinator's, in JSON
  *
  * Thread: any; pure functions of the row. */
 #ifndef CLIENT_ROW_H
@@ -6,7 +6,7 @@
 
 #include <jansson.h>
 
-/* "" where it is none; borrowed from the row. */
+/* A text; "" if the row has none.  Borrowed from the row. */
 static inline const char *
 row_text(const json_t *row, const char *key)
 {
@@ -15,7 +15,7 @@ row_text(const json_t *row, const char *key)
     return text ? text : "";
 }
 
-/* 0 where it is none. */
+/* A number; 0 if the row has none. */
 static inline double
 row_number(const json_t *row, const char *key)
 {

@@ -32,7 +32,7 @@ top_release(struct top *t)
     json_decref(t->stats);
 }
 
-/* --- what came --- */
+/* --- new data --- */
 
 static json_t *
 find_row(const json_t *rows, const char *key, const char *name)
@@ -48,8 +48,8 @@ find_row(const json_t *rows, const char *key, const char *name)
     return NULL;
 }
 
-/* The mean of the last rates, of a row that is at work: what workers did comes
- * in lumps. */
+/* The mean of a row's new rate and its last mean, while it is at work: workers
+ * report their rays in lumps. */
 static double
 steady(const struct top *t, enum top_pane pane, const json_t *row, double rate)
 {
@@ -61,7 +61,7 @@ steady(const struct top *t, enum top_pane pane, const json_t *row, double rate)
     return was && works ? (json_number_value(was) + rate) / 2 : rate;
 }
 
-/* Rays a second since the rows that were there before. */
+/* Rays a second of each row since the rows before. */
 static json_t *
 rates_of(const struct top *t, enum top_pane pane, const json_t *rows, double s)
 {
@@ -76,7 +76,7 @@ rates_of(const struct top *t, enum top_pane pane, const json_t *rows, double s)
         const json_t *now = json_object_get(row, "rays");
         double more = json_number_value(now) - json_number_value(then);
 
-        /* of a worker whose job is over the sum gets smaller */
+        /* a worker's sum gets smaller when a job of its ends */
         if (then && now && s > 0 && more >= 0)
             json_object_set_new(rates, name,
                                 json_real(steady(t, pane, row, more / s)));
@@ -107,7 +107,7 @@ top_take(struct top *t, double now_s, json_t *status, json_t *workers,
     t->lost = false;
 }
 
-/* --- which rows, and in what order --- */
+/* --- selection and order of rows --- */
 
 static bool
 fits(const struct top *t, const json_t *row)
@@ -133,7 +133,7 @@ by_column(const void *a, const void *b, void *arg)
     const json_t *p = *(const json_t *const *)a, *q = *(const json_t *const *)b;
     int c = top_compare(o->t, o->pane, l->sort, p, q);
 
-    if (c == 0) /* as they do not jump about */
+    if (c == 0) /* by name, so that rows stay in place */
         return strcmp(row_text(p, name_key[o->pane]),
                       row_text(q, name_key[o->pane]));
     return l->back ? -c : c;
@@ -157,13 +157,13 @@ top_rows(const struct top *t, enum top_pane pane, size_t *n)
         if (v && fits(t, row))
             v[(*n)++] = row;
     }
-    json_decref(rows); /* the list has them still */
+    json_decref(rows); /* the list still has references */
     if (v && sorted)
         qsort_r(v, *n, sizeof *v, by_column, &o);
     return v;
 }
 
-/* The place of the row of that name; 0 where there is none. */
+/* The index of the row of that name; 0 if there is none. */
 static size_t
 place_of(const json_t **v, size_t n, enum top_pane pane, const char *name)
 {
@@ -238,7 +238,7 @@ answer(struct top *t, int key)
     return key == 'y' || key == 'Y' ? asked : TOP_NOTHING;
 }
 
-/* Ask first. */
+/* Ask the user to confirm. */
 static enum top_wish
 ask(struct top *t, enum top_wish what, const char *verb, const char *name)
 {
@@ -283,7 +283,7 @@ look_into(struct top *t)
     if (t->pane != TOP_JOBS || t->job[0])
         return TOP_NOTHING;
     snprintf(t->job, sizeof t->job, "%s", top_chosen(t, TOP_JOBS));
-    json_decref(t->stats); /* of another job */
+    json_decref(t->stats); /* they are another job's */
     t->stats = NULL;
     t->scroll = 0;
     return t->job[0] ? TOP_LOOK : TOP_NOTHING;
@@ -312,7 +312,7 @@ scroll(struct top *t, int by)
     return TOP_NOTHING;
 }
 
-/* How the lists are shown. */
+/* Keys that change how the lists are shown. */
 static enum top_wish
 arrange(struct top *t, int key)
 {

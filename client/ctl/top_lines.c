@@ -1,8 +1,8 @@
 /* top_lines.c - radctl top as lines of text; see top.h
  *
- * A list's columns have ranks: where the terminal is narrow, those of the
- * highest rank are left out first.  The first text column takes what is left
- * over. */
+ * The columns of a list have ranks: on a narrow terminal those of the highest
+ * rank are left out first.  The column marked `wide` gets the width that is
+ * left. */
 #include "config.h"
 
 #include "ctl/top.h"
@@ -23,9 +23,9 @@ enum kind {
     TEXT,
     ID,
     COUNT,
-    MANY, /* 1.2 M */
+    MANY, /* such as 1.2 M */
     LOAD,
-    OF, /* of all workers */
+    OF, /* number, and that of all workers */
     RATE,
     SHARE,
     SMALL,
@@ -40,7 +40,7 @@ struct column {
     enum kind kind;
     int width;
     int rank;
-    bool wide; /* takes what is left */
+    bool wide; /* gets the width that is left */
 };
 
 static const struct column tables[TOP_NPANE][12] = {
@@ -83,8 +83,8 @@ top_ncolumns(enum top_pane pane)
 
 /* --- cells --- */
 
-/* Seconds that a job will still take, by what it took; negative: nobody
- * knows. */
+/* Seconds until the job is done, by the time that it took so far; negative: not
+ * known. */
 static double
 left_of(const json_t *row)
 {
@@ -95,7 +95,7 @@ left_of(const json_t *row)
     return s * (1 - done) / done;
 }
 
-/* A column's number; -1 where there is none. */
+/* The number that a column sorts by; -1: it has none. */
 static double
 value_of(const struct top *t, enum top_pane pane, const struct column *c,
          const json_t *row)
@@ -131,7 +131,7 @@ top_compare(const struct top *t, enum top_pane pane, int column,
     return x > y ? -1 : x < y; /* the largest first */
 }
 
-/* 1234567 as "1.2 M" */
+/* Write 1234567 as "1.2 M". */
 static void
 scaled(char *text, double x, double step, const char *const units[5])
 {
@@ -199,7 +199,7 @@ struct line {
     size_t len;
 };
 
-/* Text in so many columns: cut, or filled up at its right or left. */
+/* Put a text in exactly `width` columns: cut it, or fill it up with blanks. */
 static void
 put_cell(struct line *l, const char *text, size_t width, bool right)
 {
@@ -225,7 +225,8 @@ put_gap(struct line *l)
         l->len += (size_t)sprintf(l->text + l->len, "%*s", GAP, "");
 }
 
-/* The highest rank of which all columns fit, and what the wide one gets. */
+/* The highest rank up to which all columns fit; *extra: width for the wide one.
+ */
 static int
 fit_ranks(enum top_pane pane, int width, int *extra)
 {
@@ -245,7 +246,7 @@ fit_ranks(enum top_pane pane, int width, int *extra)
     return 0;
 }
 
-/* A row, or the columns' titles where it is NULL. */
+/* A row of a list; row NULL: the titles. */
 static void
 list_line(const struct top *t, enum top_pane pane, const json_t *row, int width,
           struct line *l)
@@ -344,7 +345,7 @@ draw_summary(struct screen *s)
         say(s, TOP_WARNING, "%s", t->note);
 }
 
-/* n lines of a list from the one where the chosen row is in sight. */
+/* Draw up to `room` rows of a list, among them the chosen one. */
 static void
 draw_list(struct screen *s, enum top_pane pane, const json_t **v, size_t n,
           int room)
@@ -380,12 +381,12 @@ draw_lists(struct screen *s)
     int body, room[TOP_NPANE];
 
     draw_summary(s);
-    body = s->lines - s->at - 2; /* an empty line, and the keys */
+    body = s->lines - s->at - 2; /* below: an empty line, and the keys */
     for (int p = 0; p < TOP_NPANE; p++)
         v[p] = top_rows(s->t, (enum top_pane)p, &n[p]);
     for (int p = 0; p < TOP_NPANE; p++)
         room[p] = n[p] + 1 < WIDEST ? (int)n[p] + 1 : WIDEST;
-    if (body < 8) { /* too low for two */
+    if (body < 8) { /* too few lines for two lists */
         room[s->t->pane] = body + 1;
         room[1 - s->t->pane] = 0;
     } else if (room[0] + room[1] > body) {
@@ -407,7 +408,8 @@ draw_lists(struct screen *s)
 
 /* --- one job --- */
 
-/* Units of a worker over the job's time, as the given characters by turns. */
+/* Draw the units of a worker over the job's time; neighbours get the two
+ * characters of `turns` by turns. */
 static void
 put_spans(const json_t *units, const char *worker, double end_s,
           const char turns[2], char *bar, int n)
@@ -485,7 +487,7 @@ draw_worker(struct screen *s, const json_t *w, double end_s)
     say(s, TOP_PLAIN, "%s%s", l.text, bar);
 }
 
-/* The passes of the ambient cache, above the units for which they are. */
+/* The passes of the ambient cache, above the units. */
 static void
 draw_passes(struct screen *s, double end_s)
 {
