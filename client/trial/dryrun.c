@@ -73,7 +73,7 @@ dryrun_ask(struct dryrun_cluster *c, const struct link_where *where,
 
 /* --- the trial --- */
 
-/* The middle frame's. */
+/* The view of the middle frame. */
 static int
 read_view(struct rad_view *view, const struct msg_frame *frames,
           uint32_t nframes, struct rad_error *err)
@@ -114,10 +114,10 @@ dryrun_predict(struct prediction *p, const struct rad_scene *scene,
     return 0;
 }
 
-/* --- what is said --- */
+/* --- output --- */
 
-/* Elapsed seconds on the cluster by itself: each worker loads the scene, and
- * its threads then share what is left. */
+/* Elapsed seconds if the cluster does nothing else: each worker loads the
+ * scene, and all threads share the rest. */
 static double
 wall_seconds(const struct prediction *p, const struct dryrun_cluster *c)
 {
@@ -152,7 +152,7 @@ print_count(double n)
         printf("%s million", figure(text, n / 1e6, 3));
 }
 
-/* Of a pixel. */
+/* Samples along a side of each pixel. */
 static int
 samples_a_side(const struct msg_spec *spec)
 {

@@ -1,14 +1,15 @@
 /* eta.c - see eta.h
  *
- * With N the rays that were foreseen, r those that came and d the share of the
- * picture that is there, N - r and r (1 - d)/d are left; the geometric mean of
- * these is taken, with the weight d^2/(d^2 + 1/2) for the second: at a tenth of
- * the picture it counts for a fiftieth, at half of it for a third.
- * Fitted to rooms of -ab 2 to 5 with one and two workers (tests/check_eta.c has
- * their reports): the second is 15 times too long when a seventieth is there,
- * and 2 times at two thirds.
- * In a job with passes the second is right within a factor of 1.6 from the
- * first tenth on: then its weight is d^2/(d^2 + 1/50), a half at 14 hundredths.
+ * Let N be the rays that were foreseen, r those that came and d the share of
+ * the picture that is done.  By the trial N - r rays are left, by the share
+ * r (1 - d)/d.  The result is the geometric mean of both, with the weight
+ * d^2/(d^2 + 1/2) for the second: 1/50 when a tenth of the picture is done, 1/3
+ * at half of it.
+ * This was fitted to rooms of -ab 2 to 5 with one and two workers, whose
+ * reports are in tests/check_eta.c: there the second number is 15 times too
+ * large when a seventieth is done, and still twice too large at two thirds.
+ * In a job with passes the second number is right within a factor of 1.6 from
+ * the first tenth on; there its weight is d^2/(d^2 + 1/50), a half at d = 0.14.
  */
 #include "config.h"
 
@@ -16,22 +17,22 @@
 
 #include <math.h>
 
-/* The pace is a mean that forgets: workers come and go, and share themselves
- * with other jobs.  Reports tell of rays in lumps. */
+/* Limits of the time constant of the pace, a mean that forgets: workers come
+ * and go and also work on other jobs, and reports tell of rays in lumps. */
 static const double LEAST_MEMORY_S = 5, MOST_MEMORY_S = 60;
 
-/* of the picture, and of time, before its share tells anything by itself: it
- * may be that it begins with sky */
+/* How much of the picture, and of working time, must be done before the share
+ * alone gives a result: a picture may begin with sky. */
 static const double ENOUGH = .1, ENOUGH_S = 3;
 
-/* While a trial is under way that will know better. */
+/* The same share while a trial runs, whose result will be better. */
 static const double ENOUGH_AWAITED = .3;
 
-/* of the share, as said above */
+/* The constants of the two weights at the head of this file: 1/2, 1/50. */
 static const double DOUBT = .5, EVEN_DOUBT = .02;
 
-/* What is left at least, in rays that came: a trial may have foreseen too
- * little. */
+/* At least so many of the rays that came are left, times 1 - d: a trial may
+ * have foreseen too few. */
 static const double LEAST_LEFT = .2;
 
 static void
@@ -46,10 +47,11 @@ take_pace(struct eta *e, const struct eta_look *look)
         dt = look->elapsed_s;
     }
     if (look->working && dt > 0 && look->rays > 0) {
-        /* the longer it goes on, the steadier is what is known of it */
+        /* the longer the job has run the steadier the pace is */
         e->work_s += dt;
         memory_s = fmin(fmax(e->work_s / 2, LEAST_MEMORY_S), MOST_MEMORY_S);
-        /* at first this is the mean of all that came */
+        /* as long as dt / work_s is larger, the rate is the mean of all reports
+         */
         keep = 1 - fmax(dt / e->work_s, 1 - exp(-dt / memory_s));
         e->rate =
             keep * e->rate + (1 - keep) * (look->rays - e->last_rays) / dt;
@@ -85,7 +87,7 @@ eta_take(struct eta *e, const struct eta_look *look)
     left =
         fmax(e->foreseen - e->last_rays, LEAST_LEFT * e->last_rays * (1 - d)) /
         e->rate;
-    if (d == 0) /* nothing tells yet whether the trial is right */
+    if (d == 0) /* so far nothing contradicts the trial */
         return left;
     weight = d * d / (d * d + (e->even ? EVEN_DOUBT : DOUBT));
     return exp((1 - weight) * log(left) + weight * log(by_share));

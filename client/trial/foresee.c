@@ -8,10 +8,10 @@
 #include <stdatomic.h>
 #include <stdlib.h>
 
-/* A tenth of what --dry-run takes: rays of the whole within a factor of 1.6 on
- * the rooms of doc/measured.md, once the fifth is added by which they were
- * too few on average: several workers make some records twice, and what is rare
- * in a picture has not been met. */
+/* A tenth of the effort of --dry-run.  On the rooms of doc/measured.md it
+ * foretells all rays within a factor of 1.6, once the number is raised by RARE.
+ * Without that it is too low on average, for several workers make some records
+ * twice, and a short trial does not meet what is rare in a picture. */
 static const double RARE = 1.2;
 static const struct trial_effort SMALL_EFFORT = {
     .seconds = .3, .pixels = 256, .windows = 4, .side = 32
@@ -20,7 +20,7 @@ static const struct trial_effort SMALL_EFFORT = {
 struct foresee {
     struct foresee_job job; /* [fixed] */
     pthread_t thread;       /* [fixed] */
-    double rays;            /* of the thread, until `done` */
+    double rays;            /* written by the thread until `done` */
     _Atomic bool done;      /* release; pairs with the acquire in
                              * foresee_rays() */
     _Atomic bool stop;

@@ -1,12 +1,12 @@
-/* foresee.h - a short trial of a job's scene while the job is under way
+/* foresee.h - a short trial of a job's scene while the job runs
  *
- * The trial of --dry-run with less effort, on a thread of radsubmit's own.  It
- * tells how many rays the job will take, long before what the workers do tells
- * (eta.h).  The job pays for it where both are on one machine, so it is begun
- * for none that is soon over: what it takes is a few hundredths of what it is
- * told about.  It has the priority of radsubmit, for beside workers that keep
- * all processors busy it would come too late at a lower one, and cost as much.
- * Thread: one, but for foresee's own. */
+ * This is the trial of --dry-run with less effort, on a thread of radsubmit.
+ * It tells how many rays the job will take, long before the workers' reports do
+ * (eta.h).  On the same machine it takes time from the job, so it is only made
+ * for a job that will still run for long, and costs a few hundredths of that
+ * time.  It runs at radsubmit's priority: at a lower one it would come too late
+ * beside workers that keep all processors busy, and cost as much.
+ * Thread: one, besides the trial's own. */
 #ifndef RADD_CLIENT_FORESEE_H
 #define RADD_CLIENT_FORESEE_H
 
@@ -15,8 +15,8 @@
 
 struct foresee;
 
-/* What is tried; all of it must stay until foresee_end() is
- * true. */
+/* What the trial needs; all of it must stay until foresee_end() returns true.
+ */
 struct foresee_job {
     const struct rad_scene *scene;
     struct rad_files files;
@@ -25,15 +25,15 @@ struct foresee_job {
     uint32_t nframes;
 };
 
-/* Begin.  NULL: there is no thread or memory for it, and nobody needs it. */
+/* Begin a trial.  NULL: no thread or no memory; the job goes on without it. */
 struct foresee *foresee_begin(const struct foresee_job *job);
 
 /* Rays of the whole job; 0: not known yet, or the trial failed. */
 double foresee_rays(const struct foresee *f);
 
-/* The job is over: stop and free it, which takes as long as a pixel does that
- * it is at.  Who is in a hurry does not wait for that: then it is false, and
- * the program must end with all that is tried where it is.  NULL is fine. */
+/* Stop the trial and free it; waits until its current pixel is done.  hurry: do
+ * not wait but return false; then the program must end without freeing anything
+ * that the trial uses.  NULL is accepted. */
 bool foresee_end(struct foresee *f, bool hurry);
 
 #endif

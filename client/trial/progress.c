@@ -7,11 +7,11 @@
 #include <string.h>
 #include <unistd.h>
 
-/* long enough to hide that results come a unit at a time */
+/* long enough to smooth the lumps in which rays are reported */
 #define RATE_TIME_CONSTANT_S 4.0
 
-/* A trial takes about a second of a processor: not for a job that is over in a
- * few. */
+/* A trial takes about a second of a processor, so a job must have worked for
+ * SHORT_S and have LONG_S to go. */
 static const double SHORT_S = 2, LONG_S = 5;
 
 void
@@ -43,7 +43,7 @@ too_soon(struct progress *p, double now_s)
 {
     double since_s = p->said_s < 0 ? now_s : now_s - p->said_s;
 
-    /* reports come half a second apart, more or less; a job may begin again */
+    /* reports come about half a second apart; a job may begin again */
     if (since_s >= 0 && since_s < p->every_s - .25)
         return true;
     p->said_s = now_s;
@@ -73,7 +73,7 @@ format_left(char *buf, size_t size, double s)
 {
     long t;
 
-    if (!(s >= 0) || s > 3.6e8) /* a hundred thousand hours: nobody knows */
+    if (!(s >= 0) || s > 3.6e8) /* over 100 000 hours: not known */
         return;
     t = lround(s);
     if (t < 3600)
@@ -96,11 +96,11 @@ progress_format(char *buf, size_t size, const struct progress_report *r,
     if (working && !over)
         format_left(left, sizeof left, left_s);
     if (over)
-        workers[0] = '\0'; /* they have gone on to other jobs */
+        workers[0] = '\0'; /* workers have gone on to other jobs */
     else if (working)
         snprintf(workers, sizeof workers, "  %d worker%s", r->workers,
                  r->workers == 1 ? "" : "s");
-    /* rounded down: 100 % is said when all is done and not before */
+    /* rounded down, so 100 % means done */
     snprintf(buf, size, "%3d %%%s%s%s", (int)(done * 100), rate, left, workers);
 }
 
@@ -110,7 +110,7 @@ take_rate(struct progress *p, const struct progress_report *r)
     double dt = r->elapsed_s - p->last_s, keep;
 
     if (p->last_s < 0 || p->last_rays == 0) {
-        /* rays are told a unit at a time: the first ones began long ago */
+        /* rays are reported per unit: the first were made over all that time */
         p->rate = r->elapsed_s > 0 ? (double)r->rays / r->elapsed_s : 0;
     } else if (r->rays < p->last_rays) {
         p->rate = 0; /* the job began again */
@@ -140,7 +140,7 @@ progress_update(struct progress *p, const struct progress_report *r)
     take_rate(p, r);
     left_s = eta_take(&p->eta, &look);
     p->done = r->done;
-    if (r->done >= 1 && r->elapsed_s > 0) /* nothing is under way: the mean */
+    if (r->done >= 1 && r->elapsed_s > 0) /* the job is done: show the mean */
         p->rate = (double)r->rays / r->elapsed_s;
     if (too_soon(p, r->elapsed_s))
         return;

@@ -1,16 +1,18 @@
 /* trial.c - see trial.h
  *
- * A pixel costs what its rays do and, while the cache is not full, records: the
+ * A pixel costs its rays and, until the cache is full, ambient records: the
  * first pixels of a picture take a hundred times as long as the last.  With t
- * the time (or the rays), n pixels and R records, t = a n + b R: b is fitted to
- * the doublings of strewn pixels, and a is that of the windows, where pixels
- * are the sampler's and their neighbours have warmed what they need.  Windows
- * are traced twice: the second time makes no records, which tells a where a
- * short trial has too few windows and pixels to part it from b.
- * Records grow evenly with the logarithm of the pixels once every surface has
- * some: each doubling asks for what lies between.  Measured on an office, a
- * drafting room and a box, from 256 pixels to 260 000.  Fine caches of one
- * bounce are not so far after a trial: their windows tell.  */
+ * the time (or the rays), n pixels and R records, t = a n + b R.  Here b is
+ * fitted to the doublings of strewn pixels.  a is taken from windows, where the
+ * sampler chooses the pixels and most records that they need exist.  Each
+ * window is traced twice: the second time makes no records, so it tells a by
+ * itself where a short trial has too few windows and pixels to tell a and b
+ * apart.
+ * The number of records grows evenly with the logarithm of the pixels once
+ * every surface has some, for each doubling asks for records between those.
+ * This was measured on an office, a drafting room and a box, from 256 pixels to
+ * 260 000.  A fine cache of one bounce has not reached that after a trial;
+ * there the number is taken from the windows. */
 #include "config.h"
 
 #include "trial/trial.h"
@@ -21,11 +23,11 @@
 #include <sys/resource.h>
 #include <time.h>
 
-/* of a record with its places in the cache [bytes] */
+/* memory of a record, with its places in the cache [bytes] */
 #define RECORD_BYTES 320.
 
-/* Larger hemispheres than SMALL_DIV and SMALL_SSAMP together are tried on
- * LAST_FULL pixels at most. */
+/* With more samples of a hemisphere than SMALL_DIV and SMALL_SSAMP together, at
+ * most LAST_FULL pixels are traced with all of them. */
 enum {
     FIRST = 64,
     MOST_WINDOWS = 32,
@@ -34,7 +36,8 @@ enum {
     LAST_FULL = 256
 };
 
-/* Of windows' pixels, in areas of no contrast, and places. */
+/* Shares of the windows' pixels that are made again, in areas without contrast
+ * and at places. */
 #define AREAS_TRIED  (1. / 1000)
 #define PLACES_TRIED (1. / 1500)
 
@@ -99,8 +102,8 @@ trace_place(const struct rad_frame *f, struct rad_ctx *ctx, long k)
     rad_frame_pixel(f, ctx, x, y, &out);
 }
 
-/* Pixels over the whole picture, until so many seconds are over or a fair part
- * of them is traced. */
+/* Trace pixels all over the picture, until most of the effort's seconds are
+ * over or a fair part of the pixels is traced. */
 static void
 try_pixels(struct trial *t, const struct rad_frame *f, struct rad_ctx *ctx,
            const struct trial_effort *e)
@@ -123,7 +126,7 @@ try_pixels(struct trial *t, const struct rad_frame *f, struct rad_ctx *ctx,
         t->step[t->nsteps++] = look(n, ctx, begin);
 }
 
-/* Once more over a window: pixels alone. */
+/* Trace a window again, with all records in the cache. */
 static int
 again(struct trial *t, const struct rad_frame *f, struct rad_ctx *ctx,
       const struct rad_window *w, struct rad_pixel **rows)
@@ -140,8 +143,8 @@ again(struct trial *t, const struct rad_frame *f, struct rad_ctx *ctx,
     return rc;
 }
 
-/* Make some of a window's pixels again.  Its first row is sampled more densely
- * than others. */
+/* Make some of a window's pixels again, to estimate the error.  Row 0 is left
+ * out, for it is sampled more densely than others. */
 static void
 look_again(struct trial *t, const struct rad_frame *f, struct rad_ctx *ctx,
            const struct rad_window *w, struct rad_pixel **rows)
@@ -205,7 +208,7 @@ try_windows(struct trial *t, const struct rad_frame *f, struct rad_ctx *ctx,
     return rc;
 }
 
-/* A job with a frame of it and one thread's context. */
+/* A job, a frame of it and a thread's context. */
 struct stand {
     struct rad_job *job;
     struct rad_frame frame;
@@ -240,7 +243,7 @@ stand_init(struct stand *s, const struct trial_scene *scene,
     return rc;
 }
 
-/* The first pixels with the hemispheres that are asked for. */
+/* Trace the first pixels with full hemispheres. */
 static int
 try_full(struct trial *t, const struct trial_scene *scene,
          const struct rad_params *params, const struct trial_effort *e,
@@ -298,11 +301,11 @@ trial_run(struct trial *t, const struct trial_scene *scene,
     return rc;
 }
 
-/* --- what follows --- */
+/* --- extrapolation --- */
 
-/* t = a n + b R of the strewn pixels, by least squares over what each doubling
- * added, relative to its size; the first, which fills the cache, is left out
- * where there are others. */
+/* t = a n + b R for the strewn pixels, by least squares over the increments of
+ * each doubling, relative to their size.  The first increment, which fills the
+ * cache, is left out if there are others. */
 struct fit {
     double a, b;
 };
@@ -332,14 +335,14 @@ fit_steps(const struct trial *t, bool time)
         f.b = (rt * nn - nt * nr) / det;
     }
     if (!(f.a > 0 && f.b > 0)) {
-        /* pixels alone, or records alone */
+        /* charge all to records, or to pixels if there are no records */
         f.a = rr > 0 ? 0 : nn > 0 ? nt / nn : 0;
         f.b = rr > 0 ? rt / rr : 0;
     }
     return f;
 }
 
-/* Time or rays of a pixel whose records are there. */
+/* Time or rays of a pixel whose records exist. */
 static double
 cost_of_pixel(const struct trial *t, bool time)
 {
@@ -348,9 +351,10 @@ cost_of_pixel(const struct trial *t, bool time)
     return t->again_primary > 0 ? sum / t->again_primary : 0;
 }
 
-/* Time or rays of a record, where a pixel takes a: b of t = a n + b R by least
- * squares over what each doubling of strewn pixels added, relative to its size;
- * the first, which fills the cache, is left out where there are others. */
+/* Time or rays of a record if a pixel takes a: b of t = a n + b R, by least
+ * squares over the increments of each doubling of strewn pixels, relative to
+ * their size.  The first increment, which fills the cache, is left out if there
+ * are others. */
 static double
 cost_of_record(const struct trial *t, bool time, double a)
 {
@@ -369,7 +373,7 @@ cost_of_record(const struct trial *t, bool time, double a)
     return rr > 0 && rt > 0 ? rt / rr : 0;
 }
 
-/* Records that come with each further doubling of the pixels. */
+/* How many records each further doubling of the pixels makes. */
 static double
 records_a_doubling(const struct trial *t)
 {
@@ -383,21 +387,21 @@ records_a_doubling(const struct trial *t)
 }
 
 /* Does each doubling still make nearly twice as many records as the one before?
- * Then their number does not grow with the logarithm yet. */
+ * Then their number does not grow by the logarithm yet. */
 static bool
 unsaturated(const struct trial *t)
 {
     const struct trial_step *s = &t->step[t->nsteps - 1];
 
     if (t->nsteps > 1 && s->pixels < 2 * s[-1].pixels)
-        s--; /* the trial ended within a doubling */
+        s--; /* the last step is no whole doubling */
     return s - t->step >= 2 &&
            s->records - s[-1].records > 1.7 * (s[-1].records - s[-2].records);
 }
 
-/* Records that are still to come, of so many pixels and primary rays: evenly
- * with each doubling of these; before it comes to that, as dense as in the
- * windows. */
+/* How many records are still to be made for that many pixels and primary rays:
+ * the same number for each doubling of primary rays; while the cache is
+ * unsaturated, as many per pixel as in the windows. */
 static double
 records_to_come(const struct trial *t, double pixels, double primary)
 {
@@ -417,14 +421,14 @@ field(const struct trial_step *s, bool time)
     return time ? s->cpu_s : s->rays;
 }
 
-/* What is paid for a strewn pixel, for a primary ray of the picture and for a
- * record, in time or rays. */
+/* Time or rays of a strewn pixel, of a primary ray of the picture and of a
+ * record. */
 struct price {
     double strewn, primary, record;
 };
 
-/* By many windows, which count as they were the first time, less their records:
- * so what of the cache comes faster than strewn pixels tell is in it. */
+/* Prices from many windows: their first tracing less its records.  So records
+ * that come faster than the strewn pixels tell are included. */
 static struct price
 price_by_windows(const struct trial *t, bool time)
 {
@@ -433,12 +437,12 @@ price_by_windows(const struct trial *t, bool time)
     double a = t->primary > 0 ? windows / t->primary : 0;
 
     if (!(a > .2 * f.a))
-        a = .2 * f.a; /* windows in which little but records was made */
+        a = .2 * f.a; /* windows that made little but records */
     return (struct price){ f.a, a, f.b };
 }
 
-/* In a few windows most records are such as they would share with their
- * neighbours: they count as they were the second time. */
+/* Prices from few windows: their second tracing, for most records of the first
+ * one would be shared with neighbouring windows. */
 static struct price
 price_by_second_time(const struct trial *t, bool time)
 {
@@ -447,12 +451,12 @@ price_by_second_time(const struct trial *t, bool time)
     return (struct price){ a, a, cost_of_record(t, time, a) };
 }
 
-/* Time or rays of the picture: records as they were measured and are to come,
- * pixels as in the windows. */
+/* Time or rays of the picture: the records that were made and those to come,
+ * and pixels as in the windows. */
 static double
 total(const struct trial *t, bool time, double primary, double more_records)
 {
-    const double MANY = 5000; /* primary rays in windows */
+    const double MANY = 5000; /* primary rays in windows, at least */
     const struct trial_step *last = &t->step[t->nsteps - 1];
     struct price p = t->primary < MANY ? price_by_second_time(t, time)
                                        : price_by_windows(t, time);
@@ -460,8 +464,9 @@ total(const struct trial *t, bool time, double primary, double more_records)
     double records = (strewn > 0 ? strewn : 0) + p.record * more_records;
 
     if (t->small.pixels > 0 && field(&t->small, time) > 0) {
-        /* the first ones lie deep, where hemispheres are small anyhow; those
-         * that come late are asked for by primary rays and have all samples */
+        /* small hemispheres were tried: the first records lie deep, where
+         * hemispheres are small anyhow; late ones are asked for by primary rays
+         * and get all samples */
         double first = field(&t->small, time);
         double more = field(&t->full, time) / first;
 
@@ -472,9 +477,9 @@ total(const struct trial *t, bool time, double primary, double more_records)
     return records + p.primary * primary;
 }
 
-/* What would be found of the picture, from what was with smaller hemispheres:
- * with more samples the cache's error shrinks, but not what extrapolation adds.
- * The power was fitted on a box and an office at night. */
+/* The sums that full hemispheres would give, from those of smaller ones: with
+ * more samples the cache's error shrinks, but not that of extrapolation.  The
+ * power was fitted on a box and an office at night. */
 static struct rad_doubt
 doubt_of(const struct trial *t)
 {
