@@ -1,7 +1,7 @@
 /* expose.c - see expose.h
  *
- * A value that was cut to eight bits is multiplied and cut again: it is off by
- * less than one step more.  By a power of two it is exact. */
+ * A value of eight bits is multiplied and cut to eight bits again, which adds
+ * an error of less than one step.  A power of two is exact. */
 #include "config.h"
 
 #include "show/expose.h"
@@ -18,7 +18,7 @@ damaged(struct rad_error *err)
     return rad_fail(err, RAD_EDATA, "the picture that came is damaged");
 }
 
-/* Where the header's empty line begins; NULL: nowhere. */
+/* The place of the header's empty line; NULL: there is none. */
 static const uint8_t *
 header_end(const uint8_t *hdr, size_t n)
 {
@@ -63,7 +63,7 @@ append(struct bytes *b, const void *from, size_t n, struct rad_error *err)
     return 0;
 }
 
-/* Rows, from at to end. */
+/* Multiply the rows from at to end. */
 static int
 expose_rows(const uint8_t *at, const uint8_t *end, int width, int height,
             double factor, struct bytes *to, struct rad_error *err)
@@ -88,7 +88,7 @@ expose_rows(const uint8_t *at, const uint8_t *end, int width, int height,
     return rc;
 }
 
-/* A picture's bytes. */
+/* The parts of a picture's bytes. */
 struct layout {
     const uint8_t *head; /* the header's empty line */
     const uint8_t *rows, *end;

@@ -1,7 +1,7 @@
-/* expose.h - a picture with another exposure
+/* expose.h - change a picture's exposure
  *
- * Its values are multiplied, and a line EXPOSURE= in its header says by what,
- * as pfilt does: what reads pictures divides by it again.
+ * The values are multiplied by a factor, and a line EXPOSURE= in the header
+ * names it, as pfilt does; programs that read the picture divide by it again.
  * Thread: any. */
 #ifndef RADD_CLIENT_EXPOSE_H
 #define RADD_CLIENT_EXPOSE_H
@@ -12,13 +12,13 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/* From a picture of ours (image/hdr.h), n bytes, whose rows run from the top.
- * *out, of *nout bytes, is to be freed.  RAD_EDATA, RAD_ENOMEM. */
+/* Multiply a picture of n bytes in the form of image/hdr.h, with rows from the
+ * top.  *out, of *nout bytes, is to be freed.  RAD_EDATA, RAD_ENOMEM. */
 int expose(const uint8_t *hdr, size_t n, double factor, uint8_t **out,
            size_t *nout, struct rad_error *err);
 
-/* Is there no light in such a picture, which no exposure can show?  Reads it as
- * far as the first row that has some.  False for what is no picture. */
+/* Is such a picture all black, so that no exposure shows anything?  Reads up to
+ * the first row with light.  False for bytes that are not a picture. */
 bool expose_nothing(const uint8_t *hdr, size_t n);
 
 #endif

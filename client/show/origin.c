@@ -12,18 +12,18 @@
 #include <string.h>
 #include <sys/stat.h>
 
-/* So much of the text may be of an octree, and so much of scene files; the
- * stamp is shorter than the rest. */
+/* Most bytes of text for an octree's header and for names of scene files; the
+ * stamp always finds room. */
 #define OCTREE_BYTES 2048
 #define SCENE_BYTES  1536
 
-/* What such lines say of an octree does not hold of a picture. */
+/* Lines of an octree's header that do not hold for a picture. */
 static const char *const others[] = { "#?",        "FORMAT=",    "VIEW=",
                                       "EXPOSURE=", "PIXASPECT=", "COLORCORR=",
                                       "PRIMARIES=" };
 
-/* From command lines of these programs, wherever they are installed, Radiance's
- * readers of headers take a view. */
+/* Radiance's readers of headers take a view from command lines of these
+ * programs, wherever they are installed; so such lines are left out. */
 static const char *const viewers[] = { "rpict", "rview", "rvu", "rpiece",
                                        "pinterp" };
 
@@ -52,8 +52,8 @@ is_of_others(const char *line)
     return false;
 }
 
-/* Add a line if it fits into the first `room` bytes of the text, and is not
- * empty.  Does it fit? */
+/* Add a line, unless it is empty, if it fits into the first `room` bytes of the
+ * text.  Does it fit? */
 static bool
 add_line(char *text, size_t room, const char *line)
 {
@@ -65,12 +65,12 @@ add_line(char *text, size_t room, const char *line)
         return false;
     memcpy(text + used, line, n);
     memcpy(text + used + n, "\n", 2);
-    rad_text_clean(text + used); /* which takes the newline, too */
+    rad_text_clean(text + used); /* takes the newline, too */
     text[used + n] = '\n';
     return true;
 }
 
-/* Of a pipe nothing is read: the scene came that way. */
+/* Open a scene file, if it is regular; a pipe must not be read again. */
 static FILE *
 open_file(const char *path)
 {
@@ -80,7 +80,7 @@ open_file(const char *path)
                                                        : NULL;
 }
 
-/* The lines of an octree's header; of a file that is none, nothing. */
+/* Add the header's lines of an octree; nothing, if the file is not one. */
 static void
 add_octree(char *text, const char *path)
 {
@@ -98,7 +98,7 @@ add_octree(char *text, const char *path)
         fclose(f);
 }
 
-/* "SCENE= a.rad b.rad", as many names as fit. */
+/* Add "SCENE= a.rad b.rad", with as many names as fit. */
 static void
 add_scenes(char *text, const char *const *scenes, int n)
 {

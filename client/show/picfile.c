@@ -10,7 +10,7 @@
 #include <limits.h>
 #include <string.h>
 
-/* formats that somebody who asks for them does not get */
+/* suffixes of formats that are not supported */
 static const char *const others[] = { ".bmp", ".exr", ".gif",  ".jpeg",
                                       ".jpg", ".pdf", ".pfm",  ".ppm",
                                       ".tga", ".tif", ".tiff", ".webp" };
@@ -39,7 +39,7 @@ picfile_check(const char *path, bool always_png, struct rad_error *err)
 static int
 put(void *arg, const void *data, size_t len, struct rad_error *err)
 {
-    (void)err; /* a failure shows at the commit */
+    (void)err; /* a failure is found at the commit */
     (void)!fwrite(data, 1, len, arg);
     return 0;
 }
@@ -51,11 +51,11 @@ picfile_is_png(const char *path, enum picfile_format format)
                                      outname_suffix(path, ".png"));
 }
 
-/* A picture and what its header says of the view. */
+/* A picture with the view in its header. */
 struct seen {
     struct rad_picture pic;
     struct rad_view view;
-    const struct rad_view *known; /* &view, or NULL */
+    const struct rad_view *known; /* &view; NULL: the header has none */
 };
 
 static int
@@ -74,7 +74,7 @@ see(struct seen *s, const uint8_t *hdr, size_t n, struct rad_error *err)
     return 0;
 }
 
-/* How a picture gets into a PNG's bytes. */
+/* Writes a picture as PNG into the sink. */
 typedef int picfile_fn(void *arg, const struct seen *s,
                        const struct rad_sink *sink, struct rad_error *err);
 

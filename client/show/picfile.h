@@ -1,6 +1,6 @@
-/* picfile.h - a picture that came as .hdr, in the format that is wanted
+/* picfile.h - write a picture, which came as .hdr, in the wanted format
  *
- * Thread: any.  */
+ * Thread: any. */
 #ifndef RADD_CLIENT_PICFILE_H
 #define RADD_CLIENT_PICFILE_H
 
@@ -9,31 +9,31 @@
 
 #include <stdint.h>
 
-/* the words of radsubmit's --format, in its order */
+/* in the order of the words of --format */
 enum picfile_format { PICFILE_BY_SUFFIX, PICFILE_RGBE, PICFILE_PNG };
 
-/* RAD_EUSAGE for a name that promises another format than its suffix gives, as
- * "x.jpg", or "x.hdr" where what is written is PNG in any case.  A suffix that
- * is none of a picture's is anybody's own. */
+/* RAD_EUSAGE: the name's suffix is that of another format than will be written,
+ * as "x.jpg", or "x.hdr" if always_png.  Suffixes that are not a picture
+ * format's are accepted. */
 int picfile_check(const char *path, bool always_png, struct rad_error *err);
 
-/* Is a picture of that name and format written as PNG?  path NULL: standard
- * output. */
+/* Will a picture of that name and format be written as PNG?  path NULL:
+ * standard output. */
 bool picfile_is_png(const char *path, enum picfile_format format);
 
-/* Write the picture in hdr[0..n-1] to path (NULL: standard output), whole: as
- * it is, or as PNG the way that *show says, which learns from it.  RAD_EDATA
- * for bytes that are no picture; output.h's errors. */
+/* Write the picture in hdr[0..n-1] to path (NULL: standard output), whole or
+ * not at all: as it is, or as PNG by *show, which the picture may settle
+ * (show.h).  RAD_EDATA: the bytes are not a picture; errors of output.h. */
 int picfile_write(const char *path, enum picfile_format format,
                   const uint8_t *hdr, size_t n, bool durable, struct show *show,
                   struct rad_error *err);
 
-/* The same as a PNG of a picture that is not whole yet; see show.h. */
+/* Write a picture that is not whole as PNG; see show_preview(). */
 int picfile_preview(const char *path, const uint8_t *hdr, size_t n,
                     const struct show *show, struct show_last *last,
                     struct rad_error *err);
 
-/* Let *show learn from a picture that is not written. */
+/* Let a picture settle *show without writing it. */
 int picfile_look(const uint8_t *hdr, size_t n, struct show *show,
                  struct rad_error *err);
 

@@ -22,7 +22,8 @@ show_init(struct show *s)
     rad_screen_init(&s->screen);
 }
 
-/* The word at *text, if a comma or the end is behind it, which is taken too. */
+/* Take the word at *text, with a comma that follows it; false: another word, or
+ * other characters follow. */
 static bool
 take_word(const char **text, const char *word)
 {
@@ -43,7 +44,7 @@ take_value(struct rad_tone_options *o, const char *text)
 
     if (strcmp(text, "auto") == 0)
         return true;
-    /* "+-1" is no number of stops */
+    /* "+-1" is malformed */
     if ((stops && strchr("+-", text[1])) ||
         !rad_parse_real(text + (text[0] == '+'), &v))
         return false;

@@ -1,11 +1,11 @@
 /* show.h - how the pictures of a job are shown on a screen
  *
- * One exposure serves a whole animation: by itself that of its first frame that
- * is not black, since a walk whose exposure changes from frame to frame
- * flickers, and nobody could tell light from dark between two of its frames.
- * The same holds for the scale of false colours, which are shown in place of a
- * tone where they are asked for.
- * Thread: one.  */
+ * All frames of an animation have the same exposure: if it is chosen
+ * automatically, that of the first frame that is not black.  An exposure that
+ * changed from frame to frame would flicker, and brightness could not be
+ * compared between frames.  The same holds for the scale of false colours,
+ * which replace the tone curve.
+ * Thread: one. */
 #ifndef RADD_CLIENT_SHOW_H
 #define RADD_CLIENT_SHOW_H
 
@@ -20,14 +20,14 @@ enum { SHOW_8_BITS, SHOW_16_BITS };
 
 struct show {
     struct rad_screen screen;
-    bool each;            /* every frame has an exposure of its own */
-    struct rad_tone tone; /* the first frame's */
+    bool each;            /* each frame has its own exposure */
+    struct rad_tone tone; /* fitted to the first frame */
     bool false_colour;
-    struct rad_false_scale scale; /* of it */
-    bool scaled;                  /* the first frame has had its say */
+    struct rad_false_scale scale; /* for false_colour */
+    bool scaled;                  /* tone or scale is settled */
 };
 
-/* The defaults. */
+/* Set the defaults. */
 void show_init(struct show *s);
 
 /* --exposure=[first,|each,]auto|+STOPS|-STOPS|FACTOR, or first or each alone.
@@ -41,30 +41,31 @@ int show_bits(struct show *s, const char *word, struct rad_error *err);
 /* --false-colour=SCALE, as rad_false_parse() has it.  RAD_EUSAGE. */
 int show_false(struct show *s, const char *scale, struct rad_error *err);
 
-/* Does a frame wait for the first to say how it is shown? */
+/* Will the first picture settle how frames are shown, and is not there yet? */
 bool show_waits(const struct show *s);
 
-/* Let a whole picture say it; RAD_ENOMEM.  One that is black says nothing. */
+/* Let a whole picture settle how frames are shown, unless it is black.
+ * RAD_ENOMEM. */
 int show_fit(struct show *s, const struct rad_picture *pic,
              const struct rad_view *view, struct rad_error *err);
 
-/* A whole picture as a PNG into the sink; it says how it is shown where none
- * has yet, or each does. */
+/* Write a whole picture as PNG into the sink.  It settles how pictures are
+ * shown if that is open, or if each frame does. */
 int show_picture(struct show *s, const struct rad_picture *pic,
                  const struct rad_view *view, const struct rad_sink *sink,
                  struct rad_error *err);
 
-/* What a preview remembers of the last one; zeroed for another frame. */
+/* What a preview keeps of the one before; zeroed for a new frame. */
 struct show_last {
     struct rad_tone tone;
     struct rad_false_scale scale;
-    size_t seen; /* pixels when the tone or the scale was fitted */
+    size_t seen; /* pixels with light when tone or scale was fitted */
 };
 
-/* A picture of which some may be there, or nothing at all: *s is not changed.
- * Its exposure is the first frame's, where that is known; else what is there
- * says it, and again when there is twice as much, and at the end: a preview
- * whose brightness changed with every row would flicker. */
+/* Write a picture that is not whole, or even empty; *s does not change.  If the
+ * exposure is not settled it is fitted to the pixels that exist, and fitted
+ * again when they have doubled, and at the end: a preview whose brightness
+ * changed with each row would flicker. */
 int show_preview(const struct show *s, struct show_last *last,
                  const struct rad_picture *pic, const struct rad_view *view,
                  const struct rad_sink *sink, struct rad_error *err);

@@ -16,8 +16,8 @@
 struct joint {
     const struct spectra_order *order;
     struct rad_coded_picture pic[RAD_MAX_PLANES];
-    int nplanes, npics;             /* of these are decoded */
-    const struct rad_spectrum *eye; /* NULL: spectra stay as they are */
+    int nplanes, npics;             /* npics of nplanes are decoded */
+    const struct rad_spectrum *eye; /* for colours; NULL: spectra */
     uint8_t *out;
     size_t n, room;
 };
@@ -70,7 +70,7 @@ print(struct joint *j, const char *fmt, ...)
     put(j, line, strlen(line));
 }
 
-/* The line with the options has one that says which plane it is. */
+/* Copy a header line.  In that of the options "--plane 0" is replaced. */
 static void
 put_line(struct joint *j, const char *line, size_t n)
 {
@@ -144,7 +144,7 @@ gather(const struct joint *j, size_t pixel, float band[RAD_MAX_BANDS])
     rad_bands_gather(&j->order->bands, L, band);
 }
 
-/* Mantissas are cut off, as those of RGBE; the reader adds half a step. */
+/* Mantissas are cut, as in RGBE; the reader adds half a step. */
 static void
 code_spectrum(const float band[], int n, uint8_t *code)
 {
@@ -210,7 +210,7 @@ put_colours(struct joint *j, struct rad_error *err)
     return 0;
 }
 
-/* Room for all that can come. */
+/* Make room for the whole result. */
 static int
 reserve(struct joint *j, const struct spectra_plane *first,
         struct rad_error *err)
@@ -256,7 +256,7 @@ spectra_bands(const struct spectra_plane *plane, struct rad_bands *bands,
     if (!end || end - plane->hdr > MOST_HEADER ||
         !(text = strndup((const char *)plane->hdr, (size_t)(end - plane->hdr))))
         return end ? rad_fail(err, RAD_ENOMEM, "out of memory") : damaged(err);
-    /* the last: a name of the scene may look like options */
+    /* take the last one: a name in the scene may look like options */
     for (char *next = text; (next = strstr(next, " -cs ")) != NULL; next++)
         at = next;
     if (at && sscanf(at, " -cs %2d -cw %lf %lf --plane %2d", &b.n, &b.shortest,
