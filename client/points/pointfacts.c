@@ -1,7 +1,7 @@
 /* pointfacts.c - see pointfacts.h
  *
  * A fact is what rtrace prints of a ray that it traces: names and normal are
- * of the first object, also of one that is passed straight through. */
+ * those of the first object, even if light passes straight through it. */
 #include "config.h"
 
 #include "points/pointfacts.h"
@@ -21,7 +21,7 @@ struct pointfacts {
     struct rad_ctx ctx;
 };
 
-/* As Radiance writes what is infinitely far. */
+/* What Radiance writes for an infinite distance. */
 #define FAR_AWAY 1e10
 
 struct pointfacts *
@@ -73,7 +73,7 @@ tell_names(const struct rad_scene *s, int32_t obj, struct pointfact *out)
     out->material = mat == RAD_VOID ? "void" : s->objects[mat].name;
 }
 
-/* The modifier that the eye sees a surface by: of an illum or mirror the one
+/* The modifier by which the eye sees a surface: for an illum or mirror the one
  * that it names, if any. */
 static int32_t
 seen_by(const struct rad_scene *s, int32_t obj)
@@ -91,7 +91,8 @@ seen_by(const struct rad_scene *s, int32_t obj)
     }
 }
 
-/* By what modifies the material: an alias of it may have its own modifiers. */
+/* Apply the textures among the modifiers of the material itself, past aliases:
+ * the original material may have modifiers of its own. */
 static void
 perturb(struct pointfacts *p, struct rad_ray *r, int32_t mod)
 {
@@ -105,8 +106,8 @@ perturb(struct pointfacts *p, struct rad_ray *r, int32_t mod)
     rad_ray_texture(&p->ctx, r, mod);
 }
 
-/* Does Radiance shade such a surface by a normal on the ray's side, whichever
- * side it was met from? */
+/* Does Radiance shade this material by a normal on the ray's side, whichever
+ * side the ray met? */
 static bool
 turns(const struct rad_scene *s, int32_t mod)
 {

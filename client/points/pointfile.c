@@ -14,10 +14,10 @@
 #include <string.h>
 #include <unistd.h>
 
-/* Of a file: a point of text takes some 60 bytes. */
+/* Most bytes of a file; a point takes some 60 bytes of text. */
 #define LARGEST ((size_t)1 << 30)
 
-/* Room for one more. */
+/* Make room for one more point. */
 static int
 reserve(struct pointfile *f, struct rad_error *err)
 {
@@ -44,7 +44,8 @@ is_blank(char c)
     return c == ' ' || c == '\t' || c == '\r' || c == '\f' || c == '\v';
 }
 
-/* The number at s, which ends before `end`; returns where it ends, or NULL. */
+/* Read the number at s, before `end`; returns its end, or NULL with *err set.
+ */
 static const char *
 take_number(const char *s, const char *end, double *v, struct rad_error *err)
 {
@@ -60,7 +61,7 @@ take_number(const char *s, const char *end, double *v, struct rad_error *err)
     return NULL;
 }
 
-/* Six numbers: 1; an empty line: 0. */
+/* Read a line: returns 1 for six numbers, 0 if it is empty, or an error. */
 static int
 take_line(const char *s, const char *end, double v[6], struct rad_error *err)
 {
@@ -83,7 +84,7 @@ take_line(const char *s, const char *end, double v[6], struct rad_error *err)
                     "expected six numbers, origin and direction, got %d", n);
 }
 
-/* Is there room for another point within the first f->most? */
+/* Are there fewer points than f->most so far? */
 static bool
 wanted(const struct pointfile *f)
 {

@@ -8,7 +8,7 @@
 #include <stdio.h>
 #include <string.h>
 
-/* what -o takes here, and what rtrace has besides */
+/* letters of -o that are supported; others that rtrace has */
 static const char known[] = "odvVwWlLpnNsmM~", lacking[] = "tTcrxRX";
 
 void
@@ -55,7 +55,8 @@ take_values(struct pointspec *s, const char *word, struct rad_error *err)
     return 1;
 }
 
-/* Other numbers are for rpict's -x and -y to judge, but 0, which they lack. */
+/* Take a side that is 0, which rpict's -x and -y lack; other numbers are
+ * checked there. */
 static int
 take_side(struct pointspec *s, int *side, int argc, char *const argv[])
 {

@@ -10,10 +10,10 @@
 #include <unistd.h>
 
 enum {
-    PIECE = 1 << 16,   /* read at once */
-    LONGEST = 1 << 16, /* line of text */
-    PAUSE_MS = 50,     /* after which a writer may be waiting */
-    LATEST_MS = 1000   /* that a point waits for others */
+    PIECE = 1 << 16,   /* bytes read at once */
+    LONGEST = 1 << 16, /* most bytes of a line of text */
+    PAUSE_MS = 50,     /* after which the writer may be waiting */
+    LATEST_MS = 1000   /* longest wait of a point for others */
 };
 
 bool
@@ -37,7 +37,7 @@ end(struct pointstream *s)
     look(s, false);
 }
 
-/* n bytes more, which lie behind s->rest. */
+/* Parse n more bytes, which were read to the end of s->rest. */
 static void
 take_bytes(struct pointstream *s, size_t n)
 {
@@ -85,7 +85,7 @@ on_readable(uv_poll_t *h, int status, int events)
         look(s, false);
 }
 
-/* Read the pipe, or leave it: then its writer waits. */
+/* Read from the pipe or not; if not, its writer has to wait. */
 static void
 look(struct pointstream *s, bool on)
 {
@@ -148,10 +148,10 @@ pointstream_close(struct pointstream *s)
 static void
 on_time(uv_timer_t *t)
 {
-    (void)t; /* the loop has run */
+    (void)t; /* only to make the loop return */
 }
 
-/* ms until a batch is due; 0: it is. */
+/* Milliseconds until a batch is due; 0: now. */
 static uint64_t
 due_in(const struct pointstream *s)
 {

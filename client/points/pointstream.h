@@ -1,12 +1,13 @@
 /* pointstream.h - sensor points from a pipe, as they come
  *
- * Read whenever the loop runs, so also while the coordinator's answers are
- * waited for, and taken in batches.  A batch is of POINTSTREAM_FIRST points,
- * and each that was full makes the next four times as large, up to
- * POINTSTREAM_MOST: so where points come without a pause it is their number
- * alone that cuts them.  A smaller batch is due when nothing has come for a
- * moment, for the writer may wait for its answer, when its first point has
- * waited for long, and at the end. Thread: the loop's. */
+ * The pipe is read whenever the loop runs, also while the coordinator's answers
+ * are awaited.  Points are taken in batches.  The first has POINTSTREAM_FIRST
+ * points, and after each full batch the next is four times as large, up to
+ * POINTSTREAM_MOST.  So if points come without a pause, batches depend on their
+ * number alone.  A smaller batch is due if nothing has come for a moment, for
+ * the writer may wait for its answers; if its first point has waited for long;
+ * and at the end.
+ * Thread: the loop's. */
 #ifndef RADD_CLIENT_POINTSTREAM_H
 #define RADD_CLIENT_POINTSTREAM_H
 
@@ -21,34 +22,35 @@
 struct pointstream {
     uv_loop_t *loop;
     uv_poll_t poll;
-    uv_timer_t timer;    /* ends a wait */
-    bool open, reading;  /* the handles; whether the loop looks */
-    struct pointfile in; /* read and not yet taken */
-    unsigned char *rest; /* bytes of a point that is not whole */
+    uv_timer_t timer;    /* ends pointstream_wait()'s turn */
+    bool open, reading;  /* open: handles exist; reading: stdin is polled */
+    struct pointfile in; /* points that were read and not taken */
+    unsigned char *rest; /* bytes of an incomplete point */
     size_t nrest;
     uint32_t size;              /* of a full batch */
-    uint64_t first_ms, last_ms; /* when points came, of those in .in */
-    bool ended;                 /* nothing more comes: */
-    struct rad_error end;       /* because of what is wrong behind the points */
+    uint64_t first_ms, last_ms; /* when the first and last points in .in came */
+    bool ended;                 /* nothing more comes */
+    struct rad_error end;       /* code 0, or what ended it */
 };
 
-/* Is standard input a pipe, a socket or a terminal?  A file is read whole. */
+/* Is standard input a pipe, a socket or a terminal?  A file is read as a whole.
+ */
 bool pointstream_is_one(void);
 
-/* Begin to read standard input.  RAD_ENOMEM, RAD_EIO; *s is to be closed in
- * either case. */
+/* Begin to read standard input.  RAD_ENOMEM, RAD_EIO; *s must be closed in any
+ * case. */
 int pointstream_open(struct pointstream *s, const struct pointspec *spec,
                      uv_loop_t *loop, struct rad_error *err);
 
 /* Run the loop until a batch is due, the input has ended, or *wake is not 0. */
 void pointstream_wait(struct pointstream *s, const int *wake);
 
-/* The batch, of no points when the input has ended and all were taken.
+/* Take a batch.  It has no points if the input has ended and all were taken.
  * RAD_ENOMEM. */
 int pointstream_take(struct pointstream *s, struct pointfile *batch,
                      struct rad_error *err);
 
-/* Points before those that are still in *s. */
+/* How many points came before those that are still in *s. */
 uint64_t pointstream_taken(const struct pointstream *s);
 
 void pointstream_close(struct pointstream *s);

@@ -15,21 +15,21 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* All of one point. */
+/* All values of a point. */
 struct record {
     const double *org;
-    double dir[3]; /* as rtrace has it: with -I it looks at the surface */
+    double dir[3]; /* as rtrace has it: with -I towards the surface */
     struct rad_rgb light[RAD_MAX_PLANES];
-    double length; /* effective */
+    double length; /* effective length */
     struct pointfact fact;
 };
 
 struct pointwriter {
     const struct pointspec *spec;
     const struct pointwriter_text *text;
-    struct pointfacts *facts; /* NULL: no letter asks for one */
+    struct pointfacts *facts; /* NULL: no letter of -o needs facts */
     struct rad_arena arena;
-    const struct rad_spectrum *eye; /* that sees bands in colours, or NULL */
+    const struct rad_spectrum *eye; /* for colours of bands, or NULL */
     struct rad_output out;
     FILE *to;
 };
@@ -49,7 +49,7 @@ put_numbers(const struct pointwriter *w, const double *v, int n)
     }
 }
 
-/* Does the light have other numbers than red, green and blue? */
+/* Does the light consist of bands instead of red, green and blue? */
 static bool
 in_bands(const struct pointwriter *w)
 {
@@ -62,7 +62,7 @@ numbers_of_light(const struct pointwriter *w)
     return in_bands(w) && !w->eye ? w->text->params->bands.n : 3;
 }
 
-/* The colour of all bands, in the primaries that are asked for. */
+/* The colour of all bands, in the output's primaries. */
 static struct rad_rgb
 colour_of(const struct pointwriter *w, const float band[RAD_MAX_BANDS])
 {
@@ -119,7 +119,7 @@ put_letter(const struct pointwriter *w, char letter, const struct record *r)
         put_numbers(w, r->dir, 3);
         break;
     case 'v':
-    case 'V': /* a ray of nobody's contributes all that it is */
+    case 'V': /* contribution: a primary ray's is its value */
         put_light(w, r->light);
         break;
     case 'w':
@@ -199,7 +199,7 @@ put_point(const struct pointwriter *w, const struct pointjob *j,
         putc('\n', w->to);
 }
 
-/* Numbers of a point, for the header: names count as one. */
+/* How many numbers a point has, for the header; a name counts as one. */
 static int
 count_numbers(const struct pointwriter *w)
 {
@@ -255,14 +255,14 @@ put_header(const struct pointwriter *w)
     fprintf(w->to, "FORMAT=%s\n\n", name);
 }
 
-/* Does any letter ask for what the ray meets first? */
+/* Does any letter need what the ray meets first? */
 static bool
 wants_facts(const struct pointspec *s)
 {
     return !s->irradiance && s->values[strcspn(s->values, "LpnNsmM")] != '\0';
 }
 
-/* The eye that sees the bands, where their colour is asked for. */
+/* Make w->eye, if the colour of the bands is wanted. */
 static int
 find_eye(struct pointwriter *w, struct rad_error *err)
 {
@@ -304,8 +304,8 @@ pointwriter_open(struct pointwriter **writer, const struct pointspec *spec,
     put_header(w);
     if (spec->x > 0 && spec->y > 0)
         fprintf(w->to, "-Y %d +X %d\n", spec->y, spec->x);
-    fflush(w->to); /* a script that asks point by point may read the
-                    * header first */
+    fflush(w->to); /* for scripts that read the header before they send points
+                    */
     return 0;
 }
 
