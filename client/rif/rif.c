@@ -11,19 +11,19 @@
 #include <string.h>
 
 enum kind {
-    KIND_TEXT,  /* one value, which may be in quotes */
+    KIND_TEXT,  /* one value, may be in quotes */
     KIND_ONE,   /* one value of several words */
-    KIND_WORDS, /* values add up */
-    KIND_LEVEL, /* low, medium, high */
+    KIND_WORDS, /* values are added up */
+    KIND_LEVEL, /* low, medium or high */
     KIND_BOOL,
     KIND_INT,
     KIND_REAL,
-    KIND_EACH /* each value is one of its own */
+    KIND_EACH /* each value counts by itself */
 };
 
 static const struct {
     const char *name;
-    size_t shortest; /* letters of a name that is cut short */
+    size_t shortest; /* least letters of an abbreviated name */
     enum kind kind;
 } table[RIF_VARS] = {
     { "AMBFILE", 3, KIND_TEXT },    { "DETAIL", 3, KIND_LEVEL },
@@ -56,7 +56,7 @@ rif_variable(enum rif_var v)
     return table[v].name;
 }
 
-/* The variable whose name begins so; -1: none. */
+/* The variable whose name begins with these letters; -1: none. */
 static int
 find(const char *name, size_t len)
 {
@@ -66,7 +66,7 @@ find(const char *name, size_t len)
     return -1;
 }
 
-/* Enter text[len], which has no blank at its ends. */
+/* Add a value, text[len], without blanks at its ends. */
 static int
 enter(struct rif *r, enum rif_var v, const char *text, size_t len, int line,
       struct rad_error *err)
@@ -88,7 +88,8 @@ enter(struct rif *r, enum rif_var v, const char *text, size_t len, int line,
     return 0;
 }
 
-/* A line without its escapes and comment.  Without a value it says nothing. */
+/* Take an assignment, from which escapes and comment were removed.  One without
+ * a value is ignored. */
 static int
 assign(struct rif *r, const char *s, size_t len, int line,
        struct rad_error *err)
@@ -116,8 +117,8 @@ assign(struct rif *r, const char *s, size_t len, int line,
     return enter(r, (enum rif_var)v, s, (size_t)(end - s), line, err);
 }
 
-/* Bring one line into `out`: no escapes, no comment.  Returns where the next
- * one begins, and counts the lines' ends on the way. */
+/* Copy one line into `out`, without escapes and comment.  Returns the beginning
+ * of the next line, and adds all newlines on the way to *line. */
 static const char *
 take_line(const char *s, const char *end, char *out, size_t *len, int *line)
 {
@@ -211,7 +212,7 @@ rif_fail(const struct rif *r, enum rif_var v, struct rad_error *err,
     return rad_fail(err, RAD_EDATA, "%s: %s", table[v].name, what);
 }
 
-/* The word, in any case, or its beginning. */
+/* Is text the word, or its beginning, in any case? */
 static bool
 begins(const char *word, const char *text)
 {
@@ -287,7 +288,7 @@ rif_letter(const struct rif *r, enum rif_var v, char none)
 
 /* --- words --- */
 
-/* Copy the word at *s, without quotes, to *out, and leave that behind its NUL;
+/* Copy the word at *s, without quotes, to *out, which moves behind its NUL;
  * false: a quote has no end. */
 static bool
 take_word(const char **s, char **out)
@@ -309,12 +310,12 @@ take_word(const char **s, char **out)
     return !quote;
 }
 
-/* Add the words of text to a list of n that has room for them. */
+/* Add the words of text to a list of *n words that has room for them. */
 static int
 add_words(struct rif *r, char **list, int *n, const char *text,
           struct rad_error *err)
 {
-    /* a word and its NUL take no more than the word and the blank behind it */
+    /* enough, for a word's NUL takes the place of the blank after it */
     char *to = rad_arena_alloc(&r->arena, strlen(text) + 1);
 
     if (!to)

@@ -1,10 +1,10 @@
-/* rif.h - rad's variable files: what is assigned to what, and where
+/* rif.h - read rad's variable files
  *
- * A line is "NAME= value"; a name may be cut short to its first two or three
- * letters, a backslash takes the next character, or the line's end, as it is,
- * and '#' begins a comment.  Some variables have one value, the last that is
- * assigned; some add theirs up; each `view` is one of its own.  What the
- * values mean is for rifjob.h to say.
+ * A line is "NAME= value".  A name may be abbreviated to its first two or three
+ * letters.  A backslash takes the next character literally, and joins a line
+ * with the next one; '#' begins a comment.  Some variables have one value, the
+ * last that is assigned; for some all values are added up; each `view` counts
+ * by itself.  rifjob.h interprets the values.
  * Source: rad(1).
  * Thread: one. */
 #ifndef RADD_CLIENT_RIF_H
@@ -54,8 +54,8 @@ enum { RIF_MAX_BYTES = 1 << 20, RIF_MAX_VALUES = 10000 };
 
 struct rif_value {
     struct rif_value *next;
-    const char *text; /* not empty; no blank at its ends */
-    int line;         /* 0: of the command line */
+    const char *text; /* not empty, without blanks at its ends */
+    int line;         /* 0: from the command line */
 };
 
 struct rif {
@@ -65,36 +65,36 @@ struct rif {
     int nvalues;
 };
 
-/* Take the file's text, len bytes; name outlives *r.  RAD_EDATA with the line,
- * RAD_ENOMEM; *r can be released then too. */
+/* Parse the file's text, of len bytes; name must outlive *r.  RAD_EDATA with
+ * the line; RAD_ENOMEM.  *r can be released in any case. */
 int rif_parse(struct rif *r, const char *name, const char *text, size_t len,
               struct rad_error *err);
 void rif_release(struct rif *r);
 
-/* One more assignment, of the command line.  RAD_EUSAGE. */
+/* Take an assignment of the command line.  RAD_EUSAGE. */
 int rif_assign(struct rif *r, const char *assignment, struct rad_error *err);
 
-/* Is each value of its variable's kind?  RAD_EDATA. */
+/* Check that each variable's value is of its kind.  RAD_EDATA. */
 int rif_check(const struct rif *r, struct rad_error *err);
 
 const char *rif_variable(enum rif_var v);
 
-/* The one value of a variable, without quotes around it; NULL: none. */
+/* A variable's one value, without quotes around it; NULL: it has none. */
 const char *rif_text(struct rif *r, enum rif_var v);
 
-/* The value's first letter in upper case; `none` without a value. */
+/* The first letter of the value, in upper case; `none` if there is no value. */
 char rif_letter(const struct rif *r, enum rif_var v, char none);
 
-/* The words of all its values, or of one text, as a shell would part them: in
- * '' as they are, in "" and outside of both a backslash takes the next
- * character.  *words gets a list with a NULL at its end, of the arena; returns
- * how many.  RAD_EDATA for a quote without its end, RAD_ENOMEM. */
+/* The words of all values of a variable, or of a text, split as by a shell: in
+ * '' all characters are literal; elsewhere a backslash takes the next one.
+ * *words: a list that ends with NULL, in the arena.  Returns the number of
+ * words.  RAD_EDATA: a quote has no end; RAD_ENOMEM. */
 int rif_words(struct rif *r, enum rif_var v, char ***words,
               struct rad_error *err);
 int rif_split(struct rif *r, const char *text, char ***words,
               struct rad_error *err);
 
-/* Record a failure about the variable's last value: "room.rif:3: ZONE: ...". */
+/* Fail because of the variable's last value: "room.rif:3: ZONE: ...". */
 int rif_fail(const struct rif *r, enum rif_var v, struct rad_error *err,
              const char *what);
 

@@ -32,7 +32,7 @@ rif_line_add(struct rif_line *l, const char *word)
     }
     if (!word)
         return no_memory(l);
-    l->list[l->n++] = (char *)word; /* words are not written to */
+    l->list[l->n++] = (char *)word; /* words are only read */
     return 0;
 }
 
@@ -63,7 +63,7 @@ add_pair(struct rif_line *l, const char *option, const char *value)
     return rc < 0 ? rc : rif_line_add(l, value);
 }
 
-/* The options of a variable, without a program's name before them. */
+/* Append a variable's words, without the name of a program at the beginning. */
 static int
 add_variable(struct rif_line *l, enum rif_var v)
 {
@@ -98,7 +98,7 @@ add_resolution(struct rif_line *l, int times)
     return add_text(l, option);
 }
 
-/* REPORT: minutes, and a file for what is said. */
+/* REPORT: minutes, and a file for errors. */
 static int
 add_report(struct rif_line *l)
 {
@@ -186,7 +186,7 @@ rif_line_options(struct rif_line *l, const struct rif_zone *z, bool rules,
     return rc < 0 ? rc : add_report(l);
 }
 
-/* "%" stands for itself in a name of rad's. */
+/* A pattern for file names from rad's name, whose "%" stand for themselves. */
 static char *
 pattern(struct rif_line *l, const char *root, const char *suffix)
 {

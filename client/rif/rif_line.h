@@ -1,6 +1,6 @@
-/* rif_line.h - a command line of radsubmit, of the variables of a .rif file
+/* rif_line.h - make a command line of radsubmit from a variable file
  *
- * Words lie in the file's arena.
+ * The words are in the file's arena.
  * Thread: one. */
 #ifndef RADD_CLIENT_RIF_LINE_H
 #define RADD_CLIENT_RIF_LINE_H
@@ -12,24 +12,25 @@ struct rif_line {
     struct rif *rif;
     char **list; /* n words */
     int n, room;
-    const char *optfile; /* what rad would have in OPTFILE: an option a line */
-    struct rad_error *err; /* gets what failed in any of these functions */
+    const char *optfile;   /* for OPTFILE, as rad has it: an option a line */
+    struct rad_error *err; /* set by the functions below that fail */
 };
 
-/* Append words, which are not copied; NULL stands for memory that a caller did
- * not get.  RAD_ENOMEM. */
+/* Append words, without copying them.  A NULL word means that the caller found
+ * no memory.  RAD_ENOMEM. */
 int rif_line_add(struct rif_line *l, const char *word);
 int rif_line_words(struct rif_line *l, char *const *words, int n);
 
-/* The options of all views: RESOLUTION, QUALITY, render, REPORT...
- *   rules  those that rad makes of what the scene is like are among them
- *   raw    the picture is what rpict makes, neither filtered nor made smaller
+/* Append the options that all views share: RESOLUTION, QUALITY, render,
+ * REPORT...
+ *   rules  add the options that rad derives from the scene's description
+ *   raw    the picture is rpict's, neither filtered nor reduced
  * Sets l->optfile.  RAD_EDATA, RAD_ENOMEM. */
 int rif_line_options(struct rif_line *l, const struct rif_zone *z, bool rules,
                      bool raw);
 
-/* PICTURE, or root in its place, and ZFILE, with "%s" for a view's name.
- * RAD_ENOMEM. */
+/* Append -o with PICTURE's value, or root if it has none, and -z with ZFILE's;
+ * "%s" in them stands for a view's name.  RAD_ENOMEM. */
 int rif_line_outputs(struct rif_line *l, const char *root,
                      enum picfile_format as);
 

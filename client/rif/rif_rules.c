@@ -11,19 +11,19 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define SMALLEST 1e-6 /* a zone is no flatter than this, as with rad */
+#define SMALLEST 1e-6 /* least size of a zone, as with rad */
 
 enum level { LOW, MEDIUM, HIGH, LEVELS };
 
 /* clang-format off */
 static const struct {
-    int ps[LEVELS][2];          /* by DETAIL; without and with penumbras */
-    int dp[LEVELS], ar[LEVELS]; /* by DETAIL; ar for a zone that fills the
+    int ps[LEVELS][2];          /* by DETAIL; without and with PENUMBRAS */
+    int dp[LEVELS], ar[LEVELS]; /* by DETAIL; ar for a zone as large as the
                                  * octree's cube */
-    int ms[LEVELS];             /* that many steps through the zone; 0: -ms is
-                                 * left as it is */
+    int ms[LEVELS];             /* this many steps through the zone; 0: -ms is
+                                 * not set */
     const char *pt;
-    const char *ds[2];          /* without and with penumbras */
+    const char *ds[2];          /* without and with PENUMBRAS */
     const char *direct;
     const char *ambient[LEVELS]; /* by VARIABILITY */
     const char *limits;
@@ -79,7 +79,7 @@ zone_of_octree(const struct rif *r, const struct rad_octree *t,
         return rif_fail(r, RIF_ZONE, err,
                         "not given, and the scene has no surfaces to take it "
                         "from");
-    /* rad takes the numbers as it prints them */
+    /* rad reads numbers of six digits here, as getinfo prints them */
     for (int i = 0; i < 3; i++) {
         snprintf(text[i], sizeof text[i], "%g", t->org[i]);
         snprintf(text[3 + i], sizeof text[i], "%g", t->org[i] + t->size);
@@ -142,7 +142,7 @@ rif_oversample(const struct rif *r)
     return 1 + (int)level(r, RIF_QUALITY, 'L');
 }
 
-/* -ab: rad has none at low quality, and one more than is said at high. */
+/* -ab: rad sets none at low quality, and one more than INDIRECT at high. */
 static int
 bounces(const struct rif *r, enum level quality)
 {
@@ -152,7 +152,7 @@ bounces(const struct rif *r, enum level quality)
     return quality == LOW ? 0 : (int)strtol(text, NULL, 10) + (quality == HIGH);
 }
 
-/* Of light that is not traced, from what the exposure says of the scene. */
+/* The ambient value.  A known exposure tells the scene's mean brightness. */
 static double
 ambient_value(const struct rif_zone *z, double exposure)
 {

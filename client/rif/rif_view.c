@@ -17,7 +17,7 @@ no_memory(struct rad_error *err)
     return rad_fail(err, RAD_ENOMEM, "out of memory");
 }
 
-/* UP: 1, 2, 3 for X, Y, Z, negative for down; 0: not given. */
+/* UP: 1, 2, 3 for X, Y, Z, negative: downwards; 0: not given. */
 static int
 up_axis(const struct rif *r, int *axis, struct rad_error *err)
 {
@@ -33,8 +33,9 @@ up_axis(const struct rif *r, int *axis, struct rad_error *err)
     return 0;
 }
 
-/* A name such as "X", "xYz" or "Zl": the side of each axis (1, -1 or 0) that
- * the view is from, and its projection. */
+/* Parse the name of a standard view, such as "X", "xYz" or "Zl".  side: on
+ * which side of the zone's middle the eye is, along each axis (1, -1 or 0);
+ * type: the projection. */
 static bool
 standard(const char *name, size_t len, int side[3], char *type)
 {
@@ -54,7 +55,8 @@ standard(const char *name, size_t len, int side[3], char *type)
     return any && at == len;
 }
 
-/* The up axis of a standard view that looks along it would be none. */
+/* The up axis of a standard view; another than `axis` if the view looks along
+ * that. */
 static int
 turned_up(int axis, const int side[3])
 {
@@ -79,7 +81,8 @@ up_option(int axis)
     return vup[axis + 3];
 }
 
-/* The angles of a standard view; across a parallel one, the zone's diagonal. */
+/* The angles of a standard view; for a parallel one, its width, the zone's
+ * diagonal. */
 static void
 angles(char type, const double size[3], char *text, size_t room)
 {
@@ -94,7 +97,7 @@ angles(char type, const double size[3], char *text, size_t room)
         snprintf(text, room, "-vh 180 -vv %s", type == 'c' ? "90" : "180");
 }
 
-/* Options of a standard view, and `more` behind. */
+/* Write the options of a standard view, followed by `more`. */
 static int
 standard_text(const struct rif_zone *z, char type, const int side[3], int up,
               const char *more, char *text, size_t room)
@@ -113,8 +116,8 @@ standard_text(const struct rif_zone *z, char type, const int side[3], int up,
                     up_option(turned_up(up, side)), size, more);
 }
 
-/* Set the view's words.  RAD_EDATA where the text is a name alone that is not a
- * standard view's. */
+/* Set the view's options.  RAD_EDATA: the text is only a name, and not that of
+ * a standard view. */
 static int
 set_words(struct rif *r, const struct rif_zone *z, struct rif_view *v,
           const char *text, struct rad_error *err)
@@ -143,7 +146,7 @@ set_words(struct rif *r, const struct rif_zone *z, struct rif_view *v,
     return v->nwords < 0 ? v->nwords : 0;
 }
 
-/* The n-th view, from 1, of the file. */
+/* Take the n-th view of the file, from 1. */
 static int
 take(struct rif *r, const struct rif_zone *z, const struct rif_value *value,
      int n, struct rif_view *v, struct rad_error *err)
@@ -164,7 +167,8 @@ take(struct rif *r, const struct rif_zone *z, const struct rif_value *value,
     return rc;
 }
 
-/* Two pictures cannot have one name. */
+/* Check that no two views have the same name, for their pictures would have,
+ * too. */
 static int
 check_names(const struct rif *r, const struct rif_view *list, int n,
             struct rad_error *err)
@@ -190,7 +194,7 @@ is_named(const struct rif_value *value, const char *name)
            (value->text[n] == '\0' || isspace((unsigned char)value->text[n]));
 }
 
-/* "a, b, c": the names of the file's views, as far as there is room. */
+/* List the names of the file's views, "a, b, c", as many as fit. */
 static void
 list_names(const struct rif *r, char *text, size_t room)
 {
@@ -214,8 +218,8 @@ list_names(const struct rif *r, char *text, size_t room)
     }
 }
 
-/* What is wrong with a name that is none of the file's views and has no options
- * behind it, unless it is a standard view's. */
+/* Fail if `which` is only a name, and neither that of a view of the file's nor
+ * that of a standard view. */
 static int
 unknown(const struct rif *r, const char *which, struct rad_error *why)
 {
@@ -231,7 +235,7 @@ unknown(const struct rif *r, const char *which, struct rad_error *why)
                     names[0] ? names : "it names none");
 }
 
-/* The view that the command line asks for, of the file or not. */
+/* Find the view that --view asks for, in the file or not. */
 static int
 choose(struct rif *r, const struct rif_zone *z, const char *which,
        struct rif_view *v, struct rad_error *err)
@@ -264,7 +268,7 @@ int
 rif_views(struct rif *r, const struct rif_zone *z, const char *which,
           struct rif_view **list, struct rad_error *err)
 {
-    static const struct rif_value from_x = { .text = "X" }; /* the default */
+    static const struct rif_value from_x = { .text = "X" }; /* by default */
     const struct rif_value *value =
         r->first[RIF_VIEW] ? r->first[RIF_VIEW] : &from_x;
     int n = 0, rc = 0;
@@ -281,7 +285,7 @@ rif_views(struct rif *r, const struct rif_zone *z, const char *which,
         n++;
     }
     if (n == 1)
-        (*list)->number = 0; /* a picture of its own */
+        (*list)->number = 0; /* not numbered: a single picture */
     if (rc == 0)
         rc = check_names(r, *list, n, err);
     return rc < 0 ? rc : n;

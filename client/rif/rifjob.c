@@ -28,7 +28,7 @@ no_memory(struct rad_error *err)
     return rad_fail(err, RAD_ENOMEM, "out of memory");
 }
 
-/* Text of the arena; NULL: out of memory. */
+/* Format a text in the arena; NULL: memory is out. */
 __attribute__((format(printf, 2, 3))) static char *
 format(struct rifjob *j, const char *fmt, ...)
 {
@@ -46,7 +46,7 @@ format(struct rifjob *j, const char *fmt, ...)
     return copy;
 }
 
-/* A line for the user, about a variable. */
+/* Note a line about a variable, for the user. */
 static int
 note(struct rifjob *j, enum rif_var v, const char *what, struct rad_error *err)
 {
@@ -73,7 +73,7 @@ is_given(const struct rifjob *j, enum rif_var v)
 
 /* --- the scene --- */
 
-/* "model.oct" to "model1.oct": what mkillum makes. */
+/* The octree that mkillum makes: "model1.oct" for "model.oct". */
 static char *
 illum_octree(struct rifjob *j, const char *octree)
 {
@@ -84,7 +84,8 @@ illum_octree(struct rifjob *j, const char *octree)
     return format(j, "%.*s1%s", (int)(dot - octree), octree, dot);
 }
 
-/* The time of the newest file that the variable names; 0: it names none. */
+/* The time of the newest file that the variable names; unchanged if that is
+ * older. */
 static int
 newest(struct rifjob *j, enum rif_var v, time_t *when, struct rad_error *err)
 {
@@ -114,7 +115,7 @@ scene_time(struct rifjob *j, time_t *when, struct rad_error *err)
     return rc;
 }
 
-/* The one octree is the scene. */
+/* Make the octree the scene. */
 static int
 take_octree(struct rifjob *j, char *octree, struct rad_error *err)
 {
@@ -126,7 +127,7 @@ take_octree(struct rifjob *j, char *octree, struct rad_error *err)
     return 0;
 }
 
-/* Materials, scene, and the surfaces of illum= as they stand. */
+/* Make materials, scene and the surfaces of illum= the scene. */
 static int
 take_files(struct rifjob *j, struct rad_error *err)
 {
@@ -150,8 +151,8 @@ take_files(struct rifjob *j, struct rad_error *err)
     return 0;
 }
 
-/* Surfaces of illum= are worth what mkillum made of them, if rad has run it
- * since they and the scene were changed. */
+/* With illum=: use the octree that mkillum made, if it is newer than the scene
+ * and these surfaces; else the files. */
 static int
 take_illum(struct rifjob *j, const char *octree, struct rad_error *err)
 {
@@ -175,7 +176,7 @@ take_illum(struct rifjob *j, const char *octree, struct rad_error *err)
     return rc < 0 ? rc : take_files(j, err);
 }
 
-/* The name of the file without its last suffix. */
+/* The file's name without its last suffix. */
 static char *
 root_name(struct rifjob *j)
 {
@@ -207,7 +208,7 @@ find_scene(struct rifjob *j, struct rad_error *err)
                     "no scene=, and no octree '%.100s' either", octree);
 }
 
-/* --- what is refused, or noted --- */
+/* --- values that are refused, or noted --- */
 
 static int
 refuse(const struct rifjob *j, enum rif_var v, struct rad_error *err)
@@ -219,7 +220,7 @@ refuse(const struct rifjob *j, enum rif_var v, struct rad_error *err)
     return rc < 0 ? RAD_EUNSUPPORTED : 0;
 }
 
-/* Where a value begins with a program's name rad runs that one. */
+/* Note that a program which a value names is not run; rad would run it. */
 static int
 check_program(struct rifjob *j, enum rif_var v, char *const *words, int n,
               struct rad_error *err)
@@ -232,7 +233,7 @@ check_program(struct rifjob *j, enum rif_var v, char *const *words, int n,
     return note(j, v, text, err);
 }
 
-/* -f, -n, -r and -w make no difference to a picture. */
+/* Options -f, -n, -r and -w of oconv do not change a picture; -i is refused. */
 static int
 check_oconv(struct rifjob *j, struct rad_error *err)
 {
@@ -250,7 +251,7 @@ check_oconv(struct rifjob *j, struct rad_error *err)
     return 0;
 }
 
-/* -e of pfilt multiplies the exposure. */
+/* Multiply the exposure by -e of pfilt. */
 static int
 take_factor(struct rifjob *j, const char *value, struct rad_error *err)
 {
@@ -269,7 +270,8 @@ take_factor(struct rifjob *j, const char *value, struct rad_error *err)
     return 0;
 }
 
-/* -r .6 is what is done; how -x, -y and -p size a picture RESOLUTION says. */
+/* Of pfilt's options -e is taken, and -r .6 is what the filter does; others are
+ * noted. */
 static int
 check_pfilt(struct rifjob *j, struct rad_error *err)
 {
@@ -284,7 +286,7 @@ check_pfilt(struct rifjob *j, struct rad_error *err)
         const char *word = words[i], *value = i + 1 < n ? words[i + 1] : "";
 
         if (word[0] != '-' || strcmp(word, "-1") == 0)
-            continue; /* the program, or what follows an option */
+            continue; /* the program, or the value of an option */
         if (strcmp(word, "-e") == 0) {
             rc = take_factor(j, value, err);
             i++;
@@ -393,8 +395,8 @@ rifjob_release(struct rifjob *j)
 
 /* --- the options --- */
 
-/* The file's options, but for the views.  --quality of the command line stands
- * in the place of rad's rules. */
+/* Append the file's options, except for views.  If the command line has
+ * --quality, that replaces rad's rules. */
 static int
 add_file(struct rif_line *l, struct rifjob *j, const struct submit_options *o,
          const struct rif_zone *z)
@@ -410,7 +412,8 @@ add_file(struct rif_line *l, struct rifjob *j, const struct submit_options *o,
                 : no_memory(l->err);
 }
 
-/* One view's options, the file's, the command line's, the scene's files. */
+/* Make the command line of one view: its options, the file's, those of the real
+ * command line, and the scene's files. */
 static int
 make_line(struct rif_line *l, struct rifjob *j, const struct submit_options *o,
           const struct words *w, const struct rif_zone *z,
@@ -453,8 +456,8 @@ is_faulty(struct rifjob *j, char *const *list, int n)
     return rc < 0;
 }
 
-/* Of options that are wrong, the line of the file that they come from; 0: they
- * are not of one alone. */
+/* Of wrong options: the line of the file that has them; 0: not a single line.
+ */
 static int
 faulty_line(struct rifjob *j, const struct rif_view *v)
 {
@@ -474,14 +477,14 @@ faulty_line(struct rifjob *j, const struct rif_view *v)
     return 0;
 }
 
-/* Parse the line of a view; what was parsed replaces *o and *w where it is the
- * first. */
+/* Parse the command line of view i.  For the first one the result replaces *o
+ * and *w. */
 static int
 take_view(struct rifjob *j, struct submit_options *o, struct words *w, int i,
           const struct rif_zone *z, const struct rif_view *v,
           struct rad_error *err)
 {
-    /* words of the command line as it was, which *w is no more */
+    /* the real command line, which *w has only before the first view */
     const struct words *given = i == 0 ? w : &j->given;
     struct rif_line l = { .rif = &j->rif, .err = err };
     struct submit_options parsed;
@@ -515,7 +518,7 @@ take_view(struct rifjob *j, struct submit_options *o, struct words *w, int i,
     return 0;
 }
 
-/* What was read must not be written over. */
+/* Note further files that were read, which must not be overwritten. */
 static int
 note_inputs(const struct rifjob *j, struct words *w,
             const struct rif_view *views, struct rad_error *err)
@@ -556,8 +559,8 @@ rifjob_finish(struct rifjob *j, struct submit_options *o, struct words *w,
         return rc;
     if (!o->name)
         o->name = j->rif.name;
-    o->params.motion = 0; /* of one picture of a sequence alone */
-    if (j->exposure > 0 && !o->exposure) { /* of what is written as .png */
+    o->params.motion = 0; /* only for one picture of a sequence */
+    if (j->exposure > 0 && !o->exposure) { /* for pictures written as .png */
         o->show.screen.tone.absolute = true;
         o->show.screen.tone.exposure = j->exposure;
     }
