@@ -1,4 +1,5 @@
-/* program_files.c - what radsubmit writes, and whether it can; see program.h */
+/* program_files.c - the files that radsubmit writes, and checks of them; see
+ * program.h */
 #include "config.h"
 
 #include "program.h"
@@ -53,8 +54,9 @@ write_depth(struct program *p, uint32_t frame, const uint8_t *depth, size_t len,
     return rc;
 }
 
-/* A preview that cannot be written holds up no picture: a warning tells of the
- * first, and the exit status of the last. */
+/* Note whether a preview was written.  A failure does not stop the job: the
+ * first one is warned of, and the last preview decides about the exit status.
+ */
 static void
 note_preview(struct program *p, const struct rad_error *why)
 {
@@ -86,7 +88,7 @@ program_on_preview(void *arg, const uint8_t *picture, size_t len,
     return 0;
 }
 
-/* Of a frame that is whole: as its picture is, or would be as PNG. */
+/* Write the preview of a whole frame: its picture as PNG. */
 static void
 last_preview(struct program *p, const uint8_t *picture, size_t len)
 {
@@ -98,7 +100,8 @@ last_preview(struct program *p, const uint8_t *picture, size_t len)
     memset(&p->preview.last, 0, sizeof p->preview.last);
 }
 
-/* The cluster ends with us.  NULL: that is written, or was not asked for. */
+/* Save what could not be written, for our own cluster keeps nothing.  NULL
+ * arguments: written already, or not asked for. */
 static void
 rescue(struct program *p, uint32_t frame, const uint8_t *picture,
        size_t picture_len, const uint8_t *depth, size_t depth_len)
@@ -160,10 +163,10 @@ program_on_frame(void *arg, uint32_t frame, const uint8_t *picture,
                  struct rad_error *err)
 {
     struct program *p = arg;
-    bool there; /* the picture is written */
+    bool there; /* the picture was written */
     int rc;
 
-    progress_clear(&p->progress); /* it may share the terminal with stdout */
+    progress_clear(&p->progress); /* stdout may be the same terminal */
     if (p->o.points.file) {
         struct pointwriter_light light = { { depth }, 1, depth_len };
 
@@ -245,9 +248,8 @@ program_write_stats_of_none(struct program *p)
     return rc;
 }
 
-/* -af: is there a use for it, and can it be written?  What was said of rpict's
- * file holds here: without records there is none, and one that may only be read
- * is read. */
+/* Check the -af file: does the job have records, and can the file be written?
+ * As with rpict, a file that cannot be written is only read. */
 int
 program_check_ambient(struct program *p)
 {
@@ -282,14 +284,15 @@ program_check_ambient(struct program *p)
     return 0;
 }
 
-/* A picture that nobody can keep need not be rendered. */
+/* Check that the file can be written, before anything is rendered for it. */
 static int
 check_output(const char *path, struct rad_error *err)
 {
     return path ? rad_output_check(path, err) : 0;
 }
 
-/* The same of each frame's: its number, or a view's name, may be a folder's. */
+/* Check the files of all frames, for a number or a view's name in the pattern
+ * may lead to another folder. */
 static int
 check_frames(const struct program *p, const char *pattern)
 {

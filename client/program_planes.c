@@ -1,11 +1,11 @@
-/* program_planes.c - a job for each plane of -cs, and their pictures put
- * together; see program.h
+/* program_planes.c - a job for each plane of -cs; joins their pictures; see
+ * program.h
  *
- * All jobs are submitted before the first is waited for, so that they go on
- * whatever becomes of radsubmit, and workers have the next plane at hand when
- * one is nearly done.  The scene's files are sent once.  Pictures come plane by
- * plane, all of a plane first: until the last plane's they lie in files, coded
- * as they came. */
+ * All jobs are submitted before the first is awaited.  So they go on if
+ * radsubmit ends, and workers can begin the next plane when one is nearly done.
+ * The scene's files are sent once.  All pictures of a plane come before those
+ * of the next; they are kept in files, as they came, until those of the last
+ * plane come. */
 #include "config.h"
 
 #include "program.h"
@@ -26,13 +26,13 @@
 
 struct planes {
     struct program *program;
-    const struct submit_callbacks *own; /* of whoever runs the planes */
+    const struct submit_callbacks *own; /* the caller's */
     uint8_t id[RAD_MAX_PLANES][MSG_JOB];
     json_t *stats; /* of each plane; NULL: not wanted */
 };
 
-/* So that people tell the jobs of a picture, or of a stream of points, apart,
- * in lists that cut long names short, too. */
+/* Begin the job's name with its batch and plane, so that a user can tell such
+ * jobs apart even in lists that cut long names. */
 static void
 name_part(struct program *p)
 {
@@ -57,7 +57,7 @@ program_fill_spec(struct program *p)
 {
     struct submit_options o = p->o;
 
-    if (p->planes.n > 1) { /* which know of no colour */
+    if (p->planes.n > 1) { /* a plane has no colours, so no primaries */
         o.params.bands.plane = p->planes.at;
         o.params.primaries = RAD_PRIM_RGB;
     }
@@ -70,8 +70,8 @@ program_fill_spec(struct program *p)
         progress_expect_passes(&p->progress);
 }
 
-/* Of a plane what is not its picture: distances, or values of points.  Of
- * distances the first plane's are kept, for all have the same. */
+/* What is kept of a plane: pictures, and distances or points' values (DEPTH).
+ * Distances are kept of the first plane only, for all planes have the same. */
 enum kept { PICTURE, DEPTH };
 
 static void
@@ -92,7 +92,7 @@ keep(const struct planes *s, enum kept what, uint32_t frame, const uint8_t *p,
     return rad_output_write(path, p, n, false, err);
 }
 
-/* The bytes, to be freed, and the file is gone; NULL with *err set. */
+/* Read a kept file, to be freed, and remove it; NULL with *err set. */
 static uint8_t *
 take_kept(const struct planes *s, enum kept what, int plane, uint32_t frame,
           size_t *n, struct rad_error *err)
@@ -106,7 +106,7 @@ take_kept(const struct planes *s, enum kept what, int plane, uint32_t frame,
     return bytes;
 }
 
-/* --- the last plane of a frame is there ----------------------------------- */
+/* --- the last plane of a frame has come ----------------------------------- */
 
 static int
 deliver_picture(struct planes *s, uint32_t frame, bool has_depth,
@@ -220,8 +220,8 @@ on_accepted(void *arg)
     program_say(p, text);
 }
 
-/* Whatever the program asks for is asked of each plane, but for previews and
- * records. */
+/* Callbacks for the job of a plane: the caller's, without previews and records.
+ */
 static struct submit_callbacks
 callbacks(const struct planes *s)
 {
@@ -247,7 +247,8 @@ turn_to(struct planes *s, int plane)
     program_fill_spec(p);
 }
 
-/* Cancel the jobs of planes whose pictures nobody will take. */
+/* Cancel the jobs of planes from `first` on, for nobody will get their
+ * pictures. */
 static void
 cancel_from(struct planes *s, int first, const struct submit_job *job)
 {
@@ -280,7 +281,7 @@ collect_all(struct planes *s, struct submit_job *job)
     struct submit_callbacks cb = callbacks(s);
     int rc = 0;
 
-    cb.reuse = NULL; /* that was said */
+    cb.reuse = NULL; /* the user was told when it was submitted */
     for (int k = 0; k < p->planes.n && rc == 0; k++) {
         turn_to(s, k);
         rc = submit_run(job, &p->loop.uv, &p->loop.interrupts, &cb, p->err);
@@ -290,7 +291,7 @@ collect_all(struct planes *s, struct submit_job *job)
     return rc;
 }
 
-/* --detach: one a line. */
+/* --detach: print each job's id on a line. */
 static void
 print_ids(const struct planes *s)
 {
@@ -335,8 +336,8 @@ program_run_planes(struct program *p, const struct submit_job *ask,
         rc = collect_all(&s, &job);
     for (int k = 0; k < p->planes.n && rc == 0 && p->stream.is; k++)
         order_delete(&job.to, &p->loop.uv, s.id[k]);
-    /* an interrupt that ends radsubmit at once leaves them to go on, and so
-     * does a picture that cannot be written, as with one job */
+    /* leave the jobs to go on, as with a single job, if an interrupt ends
+     * radsubmit at once or a picture could not be written */
     if (rc < 0 && !p->cluster.embedded && p->loop.interrupts < 2 &&
         !p->rescue.needed)
         cancel_from(&s, 0, &job);

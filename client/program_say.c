@@ -1,4 +1,4 @@
-/* program_say.c - what radsubmit tells a person, and when; see program.h */
+/* program_say.c - messages to the user; see program.h */
 #include "config.h"
 
 #include "program.h"
@@ -29,8 +29,8 @@ program_warn(struct program *p, const char *text)
         program_say(p, text);
 }
 
-/* -ps is brought to what the sampler does; 0 is a usual way to program_say 1.
- */
+/* Warn of a -ps that the sampler cannot take, unless it is 0, which is often
+ * used for 1. */
 void
 program_warn_of_psample(struct program *p)
 {
@@ -63,8 +63,8 @@ program_warn_of_scene(struct program *p)
         program_warn(p, text);
 }
 
-/* By estimated cost, which counts whole units; by the rows that have come in
- * while units are so large that it lags behind. */
+/* The share of the job that is done: by its estimated cost; or by its rows, if
+ * that is more, for the cost lags behind while units are large. */
 static double
 share_done(const struct msg_progress *m)
 {
@@ -76,7 +76,8 @@ share_done(const struct msg_progress *m)
     return cost > rows ? cost : rows;
 }
 
-/* The coordinator cannot go on, and now it can. */
+/* Tell when the job is held for want of room on the disk, and when it goes on.
+ */
 static void
 say_held(struct program *p, bool held)
 {
@@ -88,7 +89,8 @@ say_held(struct program *p, bool held)
     p->said.held = held;
 }
 
-/* Somebody paused it, and somebody has to resume it. */
+/* Tell when the job is paused, for somebody has to resume it, and when it goes
+ * on. */
 static void
 say_paused(struct program *p, bool paused)
 {
@@ -103,9 +105,9 @@ say_paused(struct program *p, bool paused)
     p->said.paused = paused;
 }
 
-/* Nothing happens, and nobody knows why: say it once, but not to a user with a
- * cluster of radsubmit's own on this machine, whose workers are on their way.
- * Those of --launch have come, and only their coordinator can be asked. */
+/* Tell once that no worker has begun; not for --local, whose workers will soon
+ * come.  With --launch the workers have come, and the user cannot ask their
+ * coordinator. */
 static void
 say_waiting(struct program *p, const struct msg_progress *m)
 {
@@ -122,12 +124,12 @@ say_waiting(struct program *p, const struct msg_progress *m)
                          "what they do");
 }
 
-/* All workers left a job that had begun.  Others may be there that --same-bits
- * does not take. */
+/* Tell when all workers have left a running job.  There may be workers that
+ * --same-bits does not take. */
 static void
 say_left(struct program *p, const struct progress_report *r, bool running)
 {
-    enum { PATIENCE_S = 5 }; /* they may come back */
+    enum { PATIENCE_S = 5 }; /* a worker may come back */
     double alone_s = progress_alone(&p->said.alone, r, running);
 
     if (alone_s == 0) {
@@ -148,8 +150,8 @@ say_left(struct program *p, const struct progress_report *r, bool running)
                "without");
 }
 
-/* A stage of --error or --time ended.  Of points that come in batches, a job
- * each, there would be many. */
+/* Tell when a stage of --error or --time has ended; not for batches of points,
+ * which would have too many. */
 static void
 say_stage(struct program *p, const struct msg_progress *m)
 {
@@ -168,7 +170,7 @@ say_stage(struct program *p, const struct msg_progress *m)
     program_say(p, text);
 }
 
-/* After "no worker": the coordinator may know more. */
+/* Note whether the coordinator is to be asked why no worker is at the job. */
 static void
 note_wonder(struct program *p, const struct msg_progress *m)
 {
@@ -176,11 +178,12 @@ note_wonder(struct program *p, const struct msg_progress *m)
         (p->said.waiting && m->state == MSG_STATE_WAITING && m->workers == 0) ||
         p->said.left || m->state == MSG_STATE_HELD;
     if (!p->said.wonders)
-        p->said.reason[0] = '\0'; /* the next time it may be the same */
+        p->said.reason[0] = '\0'; /* it may come again, and be news */
 }
 
-/* How many rays will it take?  Records that there are already would have to be
- * tried, too, and a scene that is ready to trace takes room. */
+/* Have a trial tell how many rays the job will take.  No trial is made with a
+ * file of records, which it would have to read, or with a large scene, for the
+ * memory that it needs once more. */
 static void
 foresee(struct program *p)
 {
@@ -212,7 +215,7 @@ program_on_progress(void *arg, const struct msg_progress *m)
         .working = m->state == MSG_STATE_RUNNING && m->workers > 0
     };
 
-    if (!lost) { /* then it does not go on */
+    if (!lost) { /* else the job does not go on */
         say_held(p, m->state == MSG_STATE_HELD);
         say_paused(p, m->state == MSG_STATE_PAUSED);
     }
@@ -221,7 +224,7 @@ program_on_progress(void *arg, const struct msg_progress *m)
     say_stage(p, m);
     note_wonder(p, m);
     foresee(p);
-    if (!lost) /* how far it got is said anyway */
+    if (!lost) /* else its end is told by another line */
         progress_update(&p->progress, &r);
     p->result.elapsed_s = m->elapsed_s;
     p->result.error = m->error;
@@ -240,7 +243,7 @@ program_warn_of_dark(struct program *p)
                               "and does light reach it?");
 }
 
-/* A pixel that reproduces what is wrong. */
+/* Warn of bad pixels; the first one is named so that it can be looked into. */
 void
 program_warn_of_nan(struct program *p)
 {
@@ -282,10 +285,10 @@ program_note_goal(struct program_goal *g, const uint8_t *json, size_t len)
     json_decref(root);
 }
 
-/* More than so many times what was asked for is worth a word. */
+/* An error of more than FAR times the one that was asked for is told. */
 #define FAR 1.3
 
-/* What came of --error and --time. */
+/* Tell what --error or --time have reached. */
 static void
 say_goal(struct program *p)
 {
@@ -300,7 +303,7 @@ say_goal(struct program *p)
     if (p->o.points.file && g->mean_estimate > 0)
         snprintf(mean, sizeof mean, ", that of the mean %s %%",
                  figure(of_mean, 100 * g->mean_estimate, 2));
-    far = 100 * g->estimate > FAR * p->o.error; /* 0: as good as may be */
+    far = 100 * g->estimate > FAR * p->o.error; /* error 0: as good as may be */
     snprintf(text, sizeof text, "estimated error %s %%%s%s; %d stage%s%s",
              figure(got, 100 * g->estimate, 2), wanted, mean, g->stages,
              g->stages == 1 ? "" : "s",

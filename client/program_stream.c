@@ -1,12 +1,11 @@
-/* program_stream.c - sensor points that come one after another, on a pipe; see
- * program.h
+/* program_stream.c - sensor points that come on a pipe; see program.h
  *
- * A batch of them is a job on the same scene, whose points and ambient records
- * are the only files that are sent anew.  Where there is an ambient cache each
- * batch begins with the records of those before it, which radsubmit keeps as
- * it does for -af, so a cluster that keeps no caches serves as well.  A batch's
- * values are out before the next one is submitted, so the order is the input's;
- * meanwhile points are read (pointstream.h). */
+ * A batch of points is a job on the same scene; only its points and its ambient
+ * records are sent anew.  With an ambient cache each batch begins with the
+ * records of all batches before it, which radsubmit keeps as for -af; so the
+ * cluster need not keep caches.  A batch's values are written before the next
+ * batch is submitted, so they are in the order of the input.  Points are read
+ * all the while (pointstream.h). */
 #include "config.h"
 
 #include "program.h"
@@ -20,11 +19,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* What all batches came to. */
+/* Sums of all batches. */
 struct batches {
-    json_t *stats; /* of each; NULL: not wanted */
+    json_t *stats; /* of each batch; NULL: not wanted */
     uint64_t points;
-    double elapsed_s, squares; /* of points' errors */
+    double elapsed_s, squares; /* squares: sum of points' squared errors */
 };
 
 int
@@ -74,8 +73,8 @@ write_stats(struct program *p)
 
 /* --- a batch -------------------------------------------------------------- */
 
-/* Lay out the next batch's points as a job that is not named yet; 0 points:
- * the end. */
+/* Lay out the points of the next batch, as a job without a name.  At the end it
+ * has no points. */
 static int
 take_batch(struct program *p)
 {
@@ -129,7 +128,7 @@ render(struct program *p, struct submit_job *job,
              ? program_run_planes(p, job, cb)
              : submit_run(job, &p->loop.uv, &p->loop.interrupts, cb, p->err);
     unload_cargo(p);
-    if (rc == 0 && p->planes.n == 1) /* nobody can use it any more */
+    if (rc == 0 && p->planes.n == 1) /* it is of no use any more */
         order_delete(&job->to, &p->loop.uv, p->job.id);
     return rc;
 }
@@ -147,7 +146,7 @@ sum_up(struct program *p)
     progress_clear(&p->progress);
 }
 
-/* --- all of them ---------------------------------------------------------- */
+/* --- all batches ---------------------------------------------------------- */
 
 static int
 run_batches(struct program *p, struct submit_job *job,
@@ -169,13 +168,14 @@ run_batches(struct program *p, struct submit_job *job,
         if (rc < 0)
             return rc;
         sum_up(p);
-        cb->accepted = NULL; /* the first job's id is said, and no other */
+        cb->accepted = NULL; /* only the first job's id is told */
         cb->reuse = NULL;
-        p->job.spec.reuse = NULL; /* its records are among ours now */
+        p->job.spec.reuse = NULL; /* our records have them now */
     }
 }
 
-/* What was wrong behind the last point, or that there was none. */
+/* Fail if something was wrong after the last point, or if there was no point.
+ */
 static int
 judge_end(struct program *p)
 {
@@ -208,7 +208,7 @@ program_run_stream(struct program *p, const struct submit_job *ask,
         rc = run_batches(p, &job, &cb);
     if (rc == 0)
         rc = judge_end(p);
-    /* what came before something went wrong is kept */
+    /* keep the values that were written before something failed */
     end = pointwriter_close(p->stream.writer, s.points > 0,
                             rc < 0 ? NULL : p->err);
     rc = rc < 0 ? rc : end;

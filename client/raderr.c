@@ -1,4 +1,4 @@
-/* raderr.c - how far a picture is from another */
+/* raderr.c - compares pictures: how far is one from another */
 #include "config.h"
 
 #include "common/inputs.h"
@@ -48,7 +48,7 @@ struct task {
     struct rad_metric_options metric;
     bool one_line;
     const char *map, *false_colour, *mean;
-    const char *scale; /* of false colours */
+    const char *scale; /* of --false-colour */
     const char **file; /* room for all words of the command line */
     int nfiles;
 };
@@ -64,7 +64,8 @@ bad_value(const char *option, const char *what, const char *text,
                     option, what, text);
 }
 
-/* "--map=FILE" or "--map FILE": words used, 0 if it is another option. */
+/* Take "--map=FILE" or "--map FILE".  Returns the words used, 0 if it is
+ * another option. */
 static int
 file_option(const char *name, const char **file, int argc, char **argv)
 {
@@ -129,7 +130,7 @@ take_option(struct task *t, int argc, char **argv, struct rad_error *err)
     return used;
 }
 
-/* --mean writes RGBE, the others PNG. */
+/* Check the suffixes of outputs: --mean writes RGBE, the others PNG. */
 static int
 check_names(const struct task *t, struct rad_error *err)
 {
@@ -145,7 +146,7 @@ check_names(const struct task *t, struct rad_error *err)
     return 0;
 }
 
-/* Is what is written none of what is read? */
+/* Check that the output is not one of the input files. */
 static int
 check_apart(const struct task *t, struct rad_error *err)
 {
@@ -212,7 +213,7 @@ read_options(struct task *t, int argc, char **argv, struct rad_error *err)
 /* --- pictures --------------------------------------------------------------
  */
 
-/* The value of a line "NAME=number" of the header, all of them multiplied. */
+/* The product of the numbers in all lines "NAME=number" of the header. */
 static double
 header_factor(const char *header, const char *name)
 {
@@ -225,7 +226,7 @@ header_factor(const char *header, const char *name)
     return product;
 }
 
-/* The header alone, to be freed, of spectra; NULL: they are none. */
+/* The header of a file of spectra, to be freed; NULL: the file has none. */
 static char *
 spectra_header(const unsigned char *data, size_t len)
 {
@@ -241,7 +242,8 @@ spectra_header(const unsigned char *data, size_t len)
     return NULL;
 }
 
-/* What the eye sees of spectra d, three dimensions: up, right, wavelength. */
+/* Make a picture of the spectra d as the eye sees them.  d has three
+ * dimensions: up, right, wavelength. */
 static int
 see(const struct rad_data *d, double exposure, struct rad_arena *arena,
     struct rad_picture *pic, struct rad_error *err)
@@ -371,8 +373,7 @@ false_colour(const struct task *t, struct rad_error *err)
     return rc;
 }
 
-/* --- the mean of several ---------------------------------------------------
- */
+/* --- the mean of several pictures ----------------------------------------- */
 
 struct sum {
     int width, height, n;
@@ -380,7 +381,7 @@ struct sum {
     double *rgb; /* width * height * 3 */
 };
 
-/* Add one picture; the first decides on the size. */
+/* Add a picture; the first one sets the size. */
 static int
 sum_add(struct sum *sum, const struct rad_picture *pic, struct rad_error *err)
 {

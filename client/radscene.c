@@ -1,4 +1,4 @@
-/* radscene.c - looks at scenes: check, info, needs, freeze, rays */
+/* radscene.c - examine scenes: check, info, needs, freeze, rays */
 #include "config.h"
 
 #include "base/output.h"
@@ -43,9 +43,9 @@ static const char help_text[] =
     "band by band\n"
     "  --commands  run the commands of an octree's scene files, too\n";
 
-/* Print an error or a warning; `last` has the one before of its kind.  Objects
- * of an octree have no lines: a thousand that lack a file say so in the same
- * words, which are printed once. */
+/* Print an error or a warning, unless it is the same as the last of its kind.
+ * Objects of an octree have no lines, so a thousand of them that lack a file
+ * give the same message. */
 static void
 print_new(const struct rad_error *err, char last[600])
 {
@@ -65,7 +65,7 @@ print_error(const struct rad_error *err)
     print_new(err, (char[600]){ 0 });
 }
 
-/* What was printed last, errors and warnings apart. */
+/* The last error and the last warning that were printed. */
 struct told {
     char last[2][600];
 };
@@ -78,7 +78,7 @@ print_each(void *arg, const struct rad_error *err)
     print_new(err, told->last[err->code == RAD_WARNING]);
 }
 
-/* The first error; a type that the renderer lacks is none here. */
+/* Keep the first error, but for types that the renderer lacks. */
 static void
 keep_first(void *arg, const struct rad_error *err)
 {
@@ -89,7 +89,7 @@ keep_first(void *arg, const struct rad_error *err)
         *first = *err;
 }
 
-/* Read a scene that may have types that the renderer lacks. */
+/* Read a scene; types that the renderer lacks are no error. */
 static int
 read_any(struct compiled *c, const char *const *files, int n, bool commands,
          struct rad_error *err)
@@ -139,7 +139,7 @@ summarize(struct summary *sum, const struct rad_scene *s)
     }
 }
 
-/* The files of instances and meshes, with what they hold. */
+/* Print the files of instances and meshes, with what they contain. */
 static void
 print_parts(const struct rad_scene *s)
 {
@@ -159,7 +159,8 @@ print_parts(const struct rad_scene *s)
     free(copies);
 }
 
-/* The others, once each where objects that name one follow each other. */
+/* Print the other files, each once if the objects that name it follow one
+ * another. */
 static void
 print_files(const struct rad_scene *s)
 {
@@ -200,8 +201,7 @@ run_info(struct compiled *c, struct rad_error *err)
     return 0;
 }
 
-/* --- the others --------------------------------------------------------------
- */
+/* --- the other subcommands ------------------------------------------------ */
 
 static int
 run_needs(struct compiled *c, struct rad_error *err)
@@ -248,7 +248,7 @@ run_check(struct compiled *c, struct rad_error *err)
     int rc = compile_check(c, err);
 
     if (rc)
-        print_error(err); /* reading has told the others */
+        print_error(err); /* errors of reading were printed before */
     say_warnings(c);
     return rc;
 }
@@ -299,7 +299,7 @@ run_rays(int argc, char **argv, struct rad_error *err)
 
 static const struct subcommand {
     const char *name;
-    bool strict; /* the scene must render, and every error of it is told */
+    bool strict; /* the scene must be renderable, and all errors are printed */
     int (*run)(struct compiled *c, struct rad_error *err);
 } subcommands[] = {
     { "check", true, run_check },
@@ -308,8 +308,8 @@ static const struct subcommand {
     { "freeze", false, run_freeze },
 };
 
-/* argv holds the subcommand's name and its files.  *err has no code after a
- * failure that was told. */
+/* Run a subcommand; argv has its name and its files.  If a failure was printed,
+ * *err has no code. */
 static int
 run_on_files(const struct subcommand *sub, int argc, char **argv,
              struct rad_error *err)

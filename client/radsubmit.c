@@ -1,10 +1,10 @@
 /* radsubmit.c - render a Radiance scene on a cluster; see radsubmit(1)
  *
- * Puts the parts together: the command line (submit_options), the pictures
- * that it asks for (frames), the scene's files (compile, cargo), what the job
- * is (jobspec), a cluster of its own where none is named (local), the
- * conversation (submit).
- * The scene is compiled on a thread of libuv's pool, so that the loop can end
+ * The course of a run: the command line (submit_options), the pictures that it
+ * asks for (frames), the scene's files (compile, cargo), the job's
+ * specification (jobspec), a cluster of its own if none is named (local), the
+ * conversation with the coordinator (submit).
+ * The scene is compiled on a thread of libuv's pool, so that a signal can end
  * the program meanwhile. */
 #include "config.h"
 
@@ -33,9 +33,9 @@
 #include <sysexits.h>
 #include <unistd.h>
 
-/* --- what is asked for --- */
+/* --- our own cluster, and callbacks of the job --- */
 
-/* Workers of a cluster of our own. */
+/* How many workers our own cluster is to have. */
 static int
 workers_wanted(const struct submit_options *o)
 {
@@ -63,7 +63,8 @@ on_alive(void *arg, struct rad_error *err)
                     "the cluster on this machine has ended");
 }
 
-/* Workers of our own are soon there. */
+/* Have the workers of our own cluster come?  Those of --local will be there
+ * soon. */
 static int
 on_gathered(void *arg, int n, const char *names, struct rad_error *err)
 {
@@ -97,8 +98,8 @@ on_progress(void *arg, const struct msg_progress *m)
 
 /* --- signals --- */
 
-/* An interrupt counts once; what ends a session counts as two, so that a job
- * of a real coordinator goes on. */
+/* An interrupt counts once.  A signal that ends a terminal's programs counts
+ * twice, so that a job at a coordinator goes on. */
 static void
 on_signal(uv_signal_t *h, int signum)
 {
@@ -108,7 +109,7 @@ on_signal(uv_signal_t *h, int signum)
     uv_stop(&l->uv);
 }
 
-/* Has who started the program, such as nohup, it ignore hang-ups? */
+/* Are hang-ups ignored, by whoever started the program, such as nohup? */
 static bool
 hang_ups_ignored(void)
 {
@@ -126,7 +127,7 @@ watch_signals(struct program_loop *l, struct rad_error *err)
         return rad_fail(err, RAD_ENOMEM, "out of memory");
     l->watched = true;
     signal(SIGPIPE, SIG_IGN);
-    signal(SIGCHLD, SIG_DFL); /* whose end is waited for */
+    signal(SIGCHLD, SIG_DFL); /* ended processes must be waited for */
     for (int i = 0; i < 3; i++) {
         uv_signal_init(&l->uv, &l->signals[i]);
         l->signals[i].data = l;
@@ -149,7 +150,7 @@ release_loop(struct program_loop *l)
 
 /* --- the scene --- */
 
-/* --dry-run */
+/* --dry-run: predict the job. */
 static int
 try_scene(struct program *p)
 {
@@ -159,7 +160,7 @@ try_scene(struct program *p)
     uint8_t *bytes = NULL;
     int rc = 0;
 
-    if (p->planes.n > 1) /* of which each takes about as much */
+    if (p->planes.n > 1) /* each plane takes about as much as the first */
         params.bands.plane = 0;
 
     if (p->o.points.file)
@@ -174,7 +175,7 @@ try_scene(struct program *p)
     return rc;
 }
 
-/* What the thread that compiles is asked for, and answers. */
+/* What compile() shares with its thread. */
 struct compiling {
     struct program *p;
     bool done;
@@ -205,7 +206,8 @@ compile_done(uv_work_t *w, int status)
     ((struct compiling *)w->data)->done = true;
 }
 
-/* Ends the program when it is interrupted: the thread cannot be. */
+/* Compile the scene.  An interrupt ends the whole program, for the thread
+ * cannot be stopped. */
 static int
 compile(struct program *p)
 {
@@ -227,8 +229,9 @@ compile(struct program *p)
     return apart_inputs(&p->o, &p->frames, &p->scene.paths.inputs, p->err);
 }
 
-/* A file of rad's variables: its scene is compiled first, since options and
- * views go by its size; then *p is as if the command line had named them. */
+/* If the scene is a file of rad's variables compile its scene now, for options
+ * and views depend on its size; then *p is as if the command line had named
+ * them. */
 static int
 take_rif(struct program *p)
 {
@@ -283,8 +286,8 @@ choose_cluster(struct program *p)
     return 0;
 }
 
-/* The id is what a user has to find the job again: it is said when there is a
- * job to be found. */
+/* Tell the job's id, by which the user can find the job, when the coordinator
+ * has it. */
 static void
 on_accepted(void *arg)
 {
@@ -317,7 +320,8 @@ on_wonders(void *arg)
     return ((struct program *)arg)->said.wonders;
 }
 
-/* Why nobody is at the job, as the coordinator says; once for each reason. */
+/* Tell the coordinator's reason why no worker is at the job, each reason once.
+ */
 static void
 on_reason(void *arg, const char *why)
 {
@@ -402,7 +406,7 @@ converse(struct program *p)
     return rc;
 }
 
-/* --dry-run, to its end. */
+/* --dry-run: the whole run. */
 static int
 run_dry(struct program *p)
 {
@@ -423,7 +427,7 @@ run_dry(struct program *p)
     program_fill_spec(p);
     dryrun_print(&p->job.spec, &p->prediction,
                  p->o.quality_whole ? p->o.quality : -1, &c);
-    fflush(stdout); /* before --stats: both may go to one pipe */
+    fflush(stdout); /* before --stats, which may go to the same pipe */
     if (!p->o.stats)
         return 0;
     json = dryrun_json(&p->job.spec, p->job.options, &p->prediction, &c);
@@ -433,7 +437,8 @@ run_dry(struct program *p)
     return rc;
 }
 
-/* A batch of points begins with what those before it have left. */
+/* Read the -af file; a batch of points begins with the records of earlier
+ * batches. */
 static int
 begin_records(struct program *p)
 {
@@ -494,7 +499,7 @@ run_job(struct program *p)
     return rc;
 }
 
-/* -e: what is said from here on goes there. */
+/* -e: send standard error to a file from here on. */
 static int
 open_errors(struct program *p)
 {
@@ -511,7 +516,8 @@ open_errors(struct program *p)
     return 0;
 }
 
-/* Has the file of -e taken all of it?  Else the rest is said without it. */
+/* Could all of it be written to the file of -e?  If not, go back to the real
+ * standard error. */
 static int
 check_errors(struct program *p)
 {
@@ -521,7 +527,7 @@ check_errors(struct program *p)
     return rad_fail(p->err, RAD_EIO, "cannot write '%s'", p->o.errors);
 }
 
-/* The pictures, or the sensor points in their place. */
+/* Set up the pictures; or the sensor points, as a picture. */
 static int
 init_frames(struct program *p)
 {
@@ -580,7 +586,7 @@ name_job(struct jobspec *job, const char *id, struct rad_error *err)
 {
     if (!id)
         return jobspec_name(job, err);
-    msg_job_parse(id, job->id); /* it was looked at */
+    msg_job_parse(id, job->id); /* checked by submit_check() */
     return 0;
 }
 
@@ -618,7 +624,7 @@ run(struct program *p)
     records_release(&p->records);
     compile_release(&p->scene);
     if (p->loop.watched &&
-        rc != RAD_EUNAVAIL) /* a resolver may still be at work */
+        rc != RAD_EUNAVAIL) /* a resolver may still be looking for the host */
         release_loop(&p->loop);
     return rc;
 }
@@ -662,7 +668,7 @@ act(struct program *p, int argc, char *argv[])
     }
     if (rc >= 0 && (rc = tell_printed(p->err)) == 0)
         rc = check_errors(p);
-    if (rc < 0) /* main() ends the program, and a trial may still be at work */
+    if (rc < 0) /* main() ends the program: a trial may still use all this */
         return rc;
     jobspec_release(&p->job);
     frames_release(&p->frames);
@@ -672,7 +678,8 @@ act(struct program *p, int argc, char *argv[])
     return rc;
 }
 
-/* rpict's: 1 for what the user can mend, 2 for the system. */
+/* rpict's exit status: 1 for what the user can correct, 2 for the system's
+ * errors. */
 static int
 rpict_status(int rc)
 {
@@ -701,6 +708,6 @@ main(int argc, char *argv[])
     fprintf(stderr, "radsubmit: %s\n", text);
     program_say_where_it_is(&p);
     fflush(stdout);
-    /* exit() would wait for a resolver that still looks for the host */
+    /* not exit(), which waits for a resolver that still looks for the host */
     _exit(p.o.rpict_status ? rpict_status(rc) : rad_exit_status(rc));
 }

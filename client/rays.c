@@ -14,7 +14,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* How many words from there on are an option; 0: they are none. */
+/* The number of words of the option at `at`; 0: it is unknown. */
 static int
 take_option(struct rays_options *o, struct words *w, int at,
             struct rad_error *err)
@@ -74,7 +74,7 @@ rays_options(struct rays_options *o, struct words *w, struct rad_error *err)
     return rad_params_check(&o->params, err) < 0 ? RAD_EUSAGE : at;
 }
 
-/* Six numbers and nothing else: 1; an empty line: 0. */
+/* Read a line: 1: six numbers; 0: an empty line; or an error. */
 static int
 read_line(const char *line, double v[6], struct rad_error *err)
 {
@@ -121,12 +121,12 @@ see(struct rad_ctx *ctx, double v[6], bool irradiance, uint64_t key)
 
 /* The scene made ready for each plane. */
 struct planes {
-    struct rad_bands bands; /* three, or all of -cs */
+    struct rad_bands bands; /* three, or those of -cs */
     struct rad_job *job[RAD_MAX_PLANES];
     struct rad_ctx ctx[RAD_MAX_PLANES];
     int n;
     struct rad_arena arena;
-    const struct rad_spectrum *eye; /* that sees them in colours, or NULL */
+    const struct rad_spectrum *eye; /* for colours of bands, or NULL */
 };
 
 static int
@@ -159,7 +159,7 @@ prepare_planes(struct planes *p, const struct rays_options *o,
 
     *p = (struct planes){ .bands = o->params.bands };
     rad_arena_init(&p->arena);
-    if (p->bands.plane >= 0) /* it alone, as three channels */
+    if (p->bands.plane >= 0) /* only that plane, as three channels */
         p->bands.n = 3;
     if (p->bands.n > 3 && !o->spectral) {
         p->eye = rad_spectrum_new(&p->arena, p->bands.n, p->bands.longest,
@@ -256,7 +256,8 @@ trace_lines(struct planes *p, bool irradiance, FILE *in, FILE *out,
     return rc < 0 ? rc : 0;
 }
 
-/* Trace with the records of the file, and keep what there is then. */
+/* Trace with the records of the file; then write all records if there are new
+ * ones. */
 static int
 trace_with_file(const struct rays_options *o, const char *digest,
                 struct planes *p, FILE *in, FILE *out, struct rad_error *err)
