@@ -36,6 +36,13 @@ enum {
     LAST_FULL = 256
 };
 
+/* A trial has no more bounces.  Here a record asks for all records that its
+ * rays need, down to the last bounce, before it is done, where passes make them
+ * by paths: with six bounces the first pixel of a room with many objects takes
+ * minutes.  Each further bounce makes records take so many times more. */
+enum { MOST_BOUNCES = 3 };
+static const double FURTHER = 1.05;
+
 /* Shares of the windows' pixels that are made again, in areas without contrast
  * and at places. */
 #define AREAS_TRIED  (1. / 1000)
@@ -270,13 +277,19 @@ trial_run(struct trial *t, const struct trial_scene *scene,
           const struct rad_params *params, const struct trial_effort *effort,
           struct rad_error *err)
 {
-    struct rad_params small = *params;
+    struct rad_params tried = *params, small;
     struct trial_effort part = *effort;
     double begin;
     struct stand s;
     int rc = 0;
 
     memset(t, 0, sizeof *t);
+    t->deeper = 1;
+    if (params->ambounce > MOST_BOUNCES) {
+        tried.ambounce = MOST_BOUNCES;
+        t->deeper = pow(FURTHER, params->ambounce - MOST_BOUNCES);
+    }
+    small = tried;
     if (params->ambounce > 0 && params->ambacc > 0 &&
         params->ambdiv + params->ambssamp > SMALL_DIV + SMALL_SSAMP) {
         t->samples = (double)(params->ambdiv + params->ambssamp) /
@@ -284,7 +297,7 @@ trial_run(struct trial *t, const struct trial_scene *scene,
         small.ambdiv = SMALL_DIV;
         small.ambssamp = SMALL_SSAMP;
         part.seconds /= 2;
-        rc = try_full(t, scene, params, &part, err);
+        rc = try_full(t, scene, &tried, &part, err);
     }
     begin = cpu_seconds();
     if (rc < 0 || (rc = stand_init(&s, scene, &small, err)) < 0)
@@ -474,7 +487,7 @@ total(const struct trial *t, bool time, double primary, double more_records)
             first = records;
         records = more * first + fmax(more, t->samples) * (records - first);
     }
-    return records + p.primary * primary;
+    return t->deeper * records + p.primary * primary;
 }
 
 /* The sums that full hemispheres would give, from those of smaller ones: with
@@ -503,6 +516,7 @@ trial_predict(const struct trial *t, double pixels, struct prediction *p)
     records = last->records + more;
     if (t->small.records > 0)
         records *= t->full.records / t->small.records;
+    records *= t->deeper;
     p->ambient_values = records;
     p->rays = total(t, false, p->primary_rays, more);
     p->load_s = t->load_s;

@@ -22,15 +22,16 @@
 
 /* --- a tile --- */
 
-/* Keep records as they are on the wire.  Records beyond the largest message are
- * left out, by each worker that makes the tile. */
+_Static_assert(RAD_PASS_MOST_RECORDS *AMBSHARE_BYTES <= MSG_MAX_TILE,
+               "a tile's records fit a message");
+
+/* Keep records as they are on the wire. */
 static void
 keep_records(void *arg, const struct rad_ambrec *rec, size_t n)
 {
     struct pool_tile *t = arg;
 
-    for (size_t i = 0; i < n && t->records.len + AMBSHARE_BYTES <= MSG_MAX_TILE;
-         i++) {
+    for (size_t i = 0; i < n; i++) {
         ambshare_pack(&t->records, &rec[i]);
         t->count += !t->records.bad;
     }

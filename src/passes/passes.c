@@ -671,16 +671,51 @@ look(const struct patch *p, struct rad_pass_colours *out)
     ctx->counts = counts;
 }
 
-/* Call fn with the tile's records. */
-static void
-hand_on(const struct rad_ambtile *tile, rad_passes_fn *fn, void *arg)
+/* Keep the records of that level; returns their number. */
+static size_t
+keep_level(struct rad_ambrec *rec, size_t n, int level)
+{
+    size_t kept = 0;
+
+    for (size_t i = 0; i < n; i++)
+        if (rec[i].level == level)
+            rec[kept++] = rec[i];
+    return kept;
+}
+
+/* Call fn with the tile's records, with `most` of them at most; level: with
+ * those of this level, -1: of all.  Returns the number handed on. */
+static size_t
+hand_on_some(const struct rad_ambtile *tile, int level, size_t most,
+             rad_passes_fn *fn, void *arg)
 {
     struct rad_ambrec rec[BATCH];
     uint64_t cursor = 0;
-    size_t n;
+    size_t n, sent = 0;
 
-    while ((n = rad_ambtile_list(tile, &cursor, rec, BATCH)) > 0)
+    while (sent < most &&
+           (n = rad_ambtile_list(tile, &cursor, rec, BATCH)) > 0) {
+        n = level < 0 ? n : keep_level(rec, n, level);
+        n = n < most - sent ? n : most - sent;
         fn(arg, rec, n);
+        sent += n;
+    }
+    return sent;
+}
+
+/* Call fn with the tile's records.  If there are too many, deep ones are left
+ * out, for each serves fewer pixels, and tiles nearby often make it too. */
+static void
+hand_on(const struct rad_ambtile *tile, int levels, rad_passes_fn *fn,
+        void *arg)
+{
+    size_t left = RAD_PASS_MOST_RECORDS;
+
+    if (!tile->own || rad_ambcache_count(tile->own) <= left)
+        hand_on_some(tile, -1, left, fn, arg);
+    else
+        for (int level = 0; level < levels && left > 0; level++)
+            left -= hand_on_some(tile, level, left, fn, arg);
 }
 
 bool
@@ -709,7 +744,7 @@ rad_passes_make(const struct rad_passes *p, struct rad_ctx *ctx,
     ctx->no_direct = false;
     whole = !is_set(stop) && !own.failed;
     if (whole)
-        hand_on(&own, fn, arg);
+        hand_on(&own, ctx->job->params.ambounce, fn, arg);
     own.end = UINT64_MAX;
     if (whole && colours && rad_pass_shows(pass))
         look(&patch, colours);

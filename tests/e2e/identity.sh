@@ -54,6 +54,7 @@ while [ "$run" -lt "$runs" ]; do
     one_of room reading beads
     scene=$word
     [ "$run" = 1 ] && scene=beads
+    [ "$run" = 3 ] && scene=room
     one_of "-ps 4 -pt .05" "-ps 4 -pt .05" "-ps 8" "-ps 3 -pt .02" "-ps 1"
     sampling=$word
     one_of "-pj 0 -dj 0" "-pj .67 -dj .5" "-pj .67 -dj .5 --samples=3"
@@ -80,6 +81,10 @@ while [ "$run" -lt "$runs" ]; do
     if [ "$run" = 2 ]; then # so wide that passes come in parts
         size="-x 2100 -y 30 -pa 0"
         bounces="-ab 3 -aa .4 -ar 16 -ad 32 -as 8 --ambient=passes"
+    fi
+    if [ "$run" = 3 ]; then # more records in a tile than a message holds
+        size="-x 60 -y 60"
+        bounces="-ab 2 -aa .1 -ar 1024 -ad 16 -as 0 --ambient=passes"
     fi
     one_of scanbar static auto
     share="--partition=$word"
