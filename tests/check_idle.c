@@ -103,6 +103,10 @@ START_TEST(a_busy_processor_is_somebody)
     for (int k = 0; k < 59; k++)
         ck_assert(idle_judge(&i, t += 5000, used += 1, INFINITY));
     ck_assert(!idle_judge(&i, t += 5000, used += 1, INFINITY));
+    /* nor does the first figure after one that could not be read */
+    ck_assert(!idle_judge(&i, t += 5000, -1, INFINITY));
+    ck_assert(!idle_judge(&i, t += 5000, used += 2, INFINITY));
+    ck_assert(idle_judge(&i, t += 5000, used += 3, INFINITY));
 }
 END_TEST
 

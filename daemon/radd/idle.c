@@ -27,7 +27,7 @@ idle_judge(struct idle *i, uint64_t now_ms, double used_s, double terminal_s)
     double ms = (double)(now_ms - i->looked_ms);
     uint64_t ago;
 
-    if (i->looked_ms != 0 && used_s >= 0 &&
+    if (i->looked_ms != 0 && i->used_s >= 0 && used_s >= 0 &&
         (used_s - i->used_s) * 1000 > IDLE_LOAD * ms)
         i->last_ms = now_ms;
     if (terminal_s < IDLE_QUIET_S) {

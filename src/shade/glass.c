@@ -135,9 +135,8 @@ pass(struct rad_ctx *ctx, const struct pane *p, struct rad_ray *r)
     if (!rad_ray_spawn(ctx, &tr, RAD_RAY_TRANS, r, &coef, RAD_BRANCH_TRANSMIT))
         return;
     rad_copy(tr.dir, r->dir);
-    if (!straight &&
-        rad_ray_bends(ctx,
-                      r)) { /* a tilted surface bends as a thin prism would */
+    /* a tilted surface bends a ray as a thin prism would */
+    if (!straight && rad_ray_bends(ctx, r)) {
         rad_madd(tr.dir, r->dir, 2 * (1 - p->m->index), r->pert);
         if (rad_normalize(tr.dir) == 0)
             rad_copy(tr.dir, r->dir);

@@ -3,8 +3,8 @@
  * The parameters of which sources are made, and the shader for rays that meet
  * an emitter.
  * Source: Radiance's reference manual, "light" to "spotlight". */
-#ifndef RAD_SHADE_EMITTER_H
-#define RAD_SHADE_EMITTER_H
+#ifndef RAD_LIGHT_EMITTER_H
+#define RAD_LIGHT_EMITTER_H
 
 #include "light/sample/spot.h"
 #include "trace/material.h"

@@ -170,7 +170,7 @@ ring_shape(struct rad_source *src, const struct rad_object *o)
     const double *a = o->reals;
     double r2;
 
-    src->flags |= RAD_LIGHT_FLAT | RAD_LIGHT_ROUND;
+    src->flags |= RAD_LIGHT_FLAT;
     rad_copy(src->centre, a);
     rad_copy(src->normal, a + 3);
     src->r0 = fmin(fabs(a[6]), fabs(a[7]));
@@ -198,7 +198,6 @@ ring_shape(struct rad_source *src, const struct rad_object *o)
 static int
 sphere_shape(struct rad_source *src, const struct rad_object *o)
 {
-    src->flags |= RAD_LIGHT_ROUND;
     rad_copy(src->centre, o->reals);
     src->radius = src->r1 = fabs(o->reals[3]);
     src->size = M_PI * src->r1 * src->r1;
@@ -236,7 +235,7 @@ cylinder_shape(struct rad_source *src, const struct rad_object *o)
 static int
 distant_shape(struct rad_source *src, const struct rad_object *o)
 {
-    src->flags |= RAD_LIGHT_DISTANT | RAD_LIGHT_ROUND;
+    src->flags |= RAD_LIGHT_DISTANT;
     rad_copy(src->centre, o->reals);
     if (!(rad_normalize(src->centre) > 0) || !(o->reals[3] > 0))
         return 1;

@@ -33,9 +33,8 @@ enum {
     RAD_LIGHT_NEAR = 4,    /* a glow: lights only points within `reach` */
     RAD_LIGHT_SPOT = 8,    /* a spotlight */
     RAD_LIGHT_FLAT = 16,   /* one-sided, with a normal */
-    RAD_LIGHT_ROUND = 32,  /* ring, sphere or distant source */
-    RAD_LIGHT_PASSES = 64, /* an illum without alternate: rays pass it */
-    RAD_LIGHT_PLAIN = 128  /* has the same radiance L everywhere */
+    RAD_LIGHT_PASSES = 32, /* an illum without alternate: rays pass it */
+    RAD_LIGHT_PLAIN = 64   /* has the same radiance L everywhere */
 };
 
 /* First and second moments of a uniform patch: E[(p - c)(p - c)^T] is
