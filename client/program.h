@@ -60,11 +60,11 @@ struct program_planes {  /* of -cs; each is a job */
 struct program_result { /* of the current job, or of all jobs */
     double elapsed_s, error;
     struct program_goal {
-        double estimate;       /* of the relative error; 0: not known */
-        double mean_estimate;  /* of the relative error of all points' mean */
-        int stages;            /* number of stages; 0: there was no goal */
-        bool time_up, rays_up; /* a stage was left out: no time left for it, or
-                                * too many rays */
+        double estimate;      /* of the relative error; 0: not known */
+        double mean_estimate; /* of the relative error of all points' mean */
+        int stages;           /* number of stages; 0: there was no goal */
+        bool time_up, rays_up, stages_up; /* a stage was left out: no time left
+                                           * for it, too many rays, or stages */
     } goal;
     enum {
         LIGHT_UNSEEN,

@@ -6,7 +6,6 @@
 #include "common/figure.h"
 #include "common/tell.h"
 #include "compile/warning.h"
-#include "refine/refine.h"
 
 #include <inttypes.h>
 #include <jansson.h>
@@ -282,6 +281,7 @@ program_note_goal(struct program_goal *g, const uint8_t *json, size_t len)
     g->stages = (int)json_integer_value(json_object_get(goal, "stages"));
     g->time_up = json_is_true(json_object_get(goal, "time_up"));
     g->rays_up = json_is_true(json_object_get(goal, "rays_up"));
+    g->stages_up = json_is_true(json_object_get(goal, "stages_up"));
     json_decref(root);
 }
 
@@ -307,11 +307,10 @@ say_goal(struct program *p)
     snprintf(text, sizeof text, "estimated error %s %%%s%s; %d stage%s%s",
              figure(got, 100 * g->estimate, 2), wanted, mean, g->stages,
              g->stages == 1 ? "" : "s",
-             g->time_up   ? ", and no time for another"
-             : g->rays_up ? ", and another would take too long without --time"
-             : !far       ? ""
-             : g->stages == RAD_REFINE_STAGES
-                 ? ", which is as many as a job may have"
+             g->time_up     ? ", and no time for another"
+             : g->rays_up   ? ", and another would take too long without --time"
+             : !far         ? ""
+             : g->stages_up ? ", which is as many as a job may have"
              : p->o.error > 0 ? ", and there is no other that comes much nearer"
                               : ", and there is no other that is much better");
     program_say(p, text);

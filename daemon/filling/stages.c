@@ -64,6 +64,12 @@ stages_reuse(const struct job *job)
     return job->spec.flags & MSG_JOB_REUSE && job->goal.number == 0;
 }
 
+bool
+stages_are_all(const struct job *job)
+{
+    return job->goal.number + 1 >= RAD_REFINE_STAGES;
+}
+
 int
 stages_plan(const struct job *job, const struct rad_pass_size *size,
             struct rad_pass plan[RAD_MOST_PASSES], uint32_t *n,
@@ -289,7 +295,7 @@ take_stage(struct job *job, uint32_t n, struct rad_error *err)
     if (n == 0 || kept->n <= last)
         return 0;
     if (!unpack(&read, &kept->pass[last]) ||
-        (!read.ended && g->number + 1 >= RAD_REFINE_STAGES)) {
+        (!read.ended && stages_are_all(job))) {
         kept_cut(kept, last); /* the check pass is made, and decided, again */
         g->unread = true;
         return 0;

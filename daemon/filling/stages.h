@@ -26,6 +26,9 @@ int stages_params(const struct job *job, struct rad_params *out,
 /* Is the first pass of the present stage another job's records? */
 bool stages_reuse(const struct job *job);
 
+/* Has the job had as many stages as a job may have? */
+bool stages_are_all(const struct job *job);
+
 /* The passes of the present stage, the check pass last; in a job without a
  * goal, all its passes.  Fails as stages_params(). */
 int stages_plan(const struct job *job, const struct rad_pass_size *size,
