@@ -63,8 +63,8 @@ struct program_result { /* of the current job, or of all jobs */
         double estimate;      /* of the relative error; 0: not known */
         double mean_estimate; /* of the relative error of all points' mean */
         int stages;           /* number of stages; 0: there was no goal */
-        bool time_up, rays_up, stages_up; /* a stage was left out: no time left
-                                           * for it, too many rays, or stages */
+        bool time_up, rays_up; /* no time for another stage, too many rays */
+        bool stages_up;        /* a job has no more stages */
     } goal;
     enum {
         LIGHT_UNSEEN,

@@ -15,7 +15,7 @@
 /* Passes that may be open at a time. */
 #define MSG_OPEN_PASSES 4
 
-/* Most bytes of a tile's records; the tile keeps no more. */
+/* Most bytes of a tile's records. */
 #define MSG_MAX_TILE (MSG_MAX - 1024)
 
 /* Most bytes of a tile's colours: 64 pixels. */
@@ -28,7 +28,8 @@ struct msg_tile {
     uint8_t colours; /* 1: send colours, for a preview is watched */
 };
 
-/* The records of a tile, in the order in which they were made. */
+/* The records of a tile, in the order of making; of more than 9000 those of the
+ * lowest levels, level by level (RAD_PASS_MOST_RECORDS). */
 struct msg_tile_made {
     const uint8_t *job;
     uint32_t pass, tile;

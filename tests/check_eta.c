@@ -255,6 +255,28 @@ START_TEST(records_grow_with_each_doubling)
 }
 END_TEST
 
+/* Bounces that were not tried add little to records, and that has an end. */
+START_TEST(more_bounces_take_a_little_more)
+{
+    struct trial t = tried(1000, 1100, 1200);
+    struct prediction some, more, most, any;
+
+    trial_predict(&t, 1e5, &some);
+    t.untried = 3;
+    trial_predict(&t, 1e5, &more);
+    t.untried = 5;
+    trial_predict(&t, 1e5, &most);
+    t.untried = 29997;
+    trial_predict(&t, 1e5, &any);
+    ck_assert_double_gt(more.rays, 1.03 * some.rays);
+    ck_assert_double_lt(more.rays, 1.2 * some.rays);
+    ck_assert_double_gt(more.ambient_values, 1.1 * some.ambient_values);
+    ck_assert_double_gt(most.rays, more.rays);
+    ck_assert_double_eq(any.rays, most.rays);
+    ck_assert_double_eq(any.bytes, most.bytes);
+}
+END_TEST
+
 START_TEST(a_cache_that_is_far_from_full_is_as_dense_as_in_windows)
 {
     struct trial t = tried(64, 128, 256);
@@ -280,6 +302,7 @@ main(void)
     tcase_add_test(tc, a_job_may_begin_again);
     tcase_add_test(tc, a_trial_that_foresaw_too_little_is_no_end);
     tcase_add_test(tc, records_grow_with_each_doubling);
+    tcase_add_test(tc, more_bounces_take_a_little_more);
     tcase_add_test(tc, a_cache_that_is_far_from_full_is_as_dense_as_in_windows);
     suite_add_tcase(s, tc);
     return unit_run(s);

@@ -261,6 +261,69 @@ START_TEST(a_tile_sees_the_passes_that_it_reads)
 }
 END_TEST
 
+/* Records of a tile by level, in the order in which they are handed on. */
+struct levels {
+    size_t n, of[2];
+    bool mixed; /* one of level 0 came after one of level 1 */
+};
+
+static void
+count_levels(void *arg, const struct rad_ambrec *rec, size_t n)
+{
+    struct levels *l = arg;
+
+    for (size_t i = 0; i < n; i++) {
+        ck_assert_int_lt(rec[i].level, 2);
+        l->mixed |= rec[i].level == 0 && l->of[1] > 0;
+        l->of[rec[i].level]++;
+        l->n++;
+    }
+}
+
+/* Make tiles of the last pass, which end at no number of rays, over an empty
+ * cache; what the one with most records has. */
+static struct levels
+levels_of_tile(const char *options)
+{
+    struct room *m = &rooms[0];
+    struct rad_passes *p;
+    struct rad_pass pass[RAD_MOST_PASSES];
+    struct levels l, most = { 0 };
+    uint32_t i;
+
+    open_room(m, options);
+    i = plan(m, pass) - 1;
+    ck_assert_uint_eq(pass[i].rays, 0);
+    p = rad_passes_new(&m->frame, 1, NULL);
+    ck_assert_ptr_nonnull(p);
+    ck_assert_int_eq(rad_passes_begin(p, &m->w.ctx, &pass[i], NULL), 0);
+    for (uint32_t k = 0; k < pass[i].tiles && most.n < RAD_PASS_MOST_RECORDS;
+         k++) {
+        l = (struct levels){ 0 };
+        ck_assert(rad_passes_make(p, &m->w.ctx, &pass[i], 0, k, &never,
+                                  count_levels, &l, NULL));
+        most = l.n > most.n ? l : most;
+    }
+    rad_passes_free(p);
+    close_room(m);
+    return most;
+}
+
+/* Of too many records those that pixels ask for are all kept. */
+START_TEST(a_tile_with_too_many_records_leaves_out_deep_ones)
+{
+    struct levels few = levels_of_tile("-ab 2");
+    struct levels many = levels_of_tile("-ab 2 -aa .1 -ar 1024 -ad 32 -as 0");
+
+    ck_assert(few.mixed); /* in the order of making */
+    ck_assert_uint_lt(few.n, RAD_PASS_MOST_RECORDS);
+    ck_assert_msg(!many.mixed, "%zu %zu", many.of[0], many.of[1]);
+    ck_assert_uint_eq(many.n, RAD_PASS_MOST_RECORDS);
+    ck_assert_uint_gt(many.of[0], few.of[0]);
+    ck_assert_uint_gt(many.of[1], 0);
+}
+END_TEST
+
 /* Who is told where paths go finds the same tiles as who walks them. */
 START_TEST(paths_can_be_walked_elsewhere)
 {
@@ -612,6 +675,7 @@ main(void)
     tcase_add_loop_test(tc, records_and_picture_are_a_function_of_the_job, 0,
                         N_ELEM(ways));
     tcase_add_loop_test(tc, a_tile_sees_the_passes_that_it_reads, 0, 3);
+    tcase_add_test(tc, a_tile_with_too_many_records_leaves_out_deep_ones);
     tcase_add_test(tc, paths_can_be_walked_elsewhere);
     tcase_add_test(tc, passes_leave_little_to_do);
     tcase_add_test(tc, passes_go_over_all_frames);

@@ -123,6 +123,31 @@ START_TEST(rungs_keep_their_meaning)
 }
 END_TEST
 
+static const struct {
+    int rung; /* in quarters */
+    int samples;
+} pixel_rungs[] = { { 1, 1 }, { 4, 1 },  { 8, 1 },
+                    { 9, 2 }, { 16, 3 }, { 52, 64 } };
+
+/* ... and so for those of pixels: light changes with the first, once. */
+START_TEST(rungs_of_pixels_keep_their_meaning)
+{
+    struct rad_params job = params_of(jobs[0]), p;
+    uint8_t rung = (uint8_t)pixel_rungs[_i].rung;
+
+    rad_refine_params(&job, (struct rad_refine_rungs){ 0, rung }, &p);
+    ck_assert_int_eq(p.samples, pixel_rungs[_i].samples);
+    ck_assert_double_eq(p.maxdiff, .075);
+    ck_assert_double_eq(p.srcsizerat, .2);
+    ck_assert_double_eq(p.srcjitter, 1);
+    ck_assert_double_eq(p.shadthresh, .025);
+    ck_assert_double_eq(p.shadcert, .875);
+    ck_assert_double_eq(p.specthresh, 0);
+    ck_assert_double_eq(p.ambacc, job.ambacc);
+    ck_assert_int_eq(p.ambdiv, job.ambdiv);
+}
+END_TEST
+
 /* A job begins where another ended, if that is as fine in all that rungs change
  * of records; what they do not change is its own. */
 static const struct {
@@ -427,6 +452,8 @@ END_TEST
 /* No option of a stage is coarser than in the stage before. */
 START_TEST(a_stage_keeps_the_options_of_pixels)
 {
+    int stages = 0;
+
     for (int i = 0; i < 200; i++) {
         struct rad_refine_ask ask = ask_of(.02, .01 + .001 * i, .01, .005);
         struct rad_refine_rungs next;
@@ -437,8 +464,10 @@ START_TEST(a_stage_keeps_the_options_of_pixels)
         if (rad_refine_next(&ask, &next, &error)) {
             ck_assert_int_ge(next.ambient, RUNGS(4));
             ck_assert_int_ge(next.pixel, RUNGS(1));
+            stages++;
         }
     }
+    ck_assert_int_gt(stages, 100);
 }
 END_TEST
 
@@ -876,9 +905,10 @@ START_TEST(a_tile_can_be_stopped)
 END_TEST
 
 /* One pixel, one column: a window is no larger than the picture. */
-static const char *const sizes[] = { "-x 1 -y 1 ", "-x 1 -y 300 ",
-                                     "-x 300 -y 4 ", "-x 30 -y 30 -ps 16 ",
-                                     "-x 30 -y 30 -ps 1 " };
+static const char *const sizes[] = {
+    "-x 1 -y 1 ",   "-x 1 -y 300 ",        "-x 300 -y 1 ",
+    "-x 300 -y 4 ", "-x 30 -y 30 -ps 16 ", "-x 30 -y 30 -ps 1 "
+};
 
 START_TEST(small_pictures_have_an_error_too)
 {
@@ -909,6 +939,8 @@ main(void)
                         N_ELEM(jobs));
     tcase_add_loop_test(options, each_rung_is_finer, 0, N_ELEM(jobs));
     tcase_add_loop_test(options, rungs_keep_their_meaning, 0, N_ELEM(rungs));
+    tcase_add_loop_test(options, rungs_of_pixels_keep_their_meaning, 0,
+                        N_ELEM(pixel_rungs));
     tcase_add_loop_test(options, what_is_as_fine_is_joined, 0, N_ELEM(joined));
     tcase_add_test(options, the_check_pass_is_the_last);
     suite_add_tcase(s, options);

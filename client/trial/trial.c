@@ -36,11 +36,12 @@ enum {
     LAST_FULL = 256
 };
 
-/* A trial has no more bounces.  Here a record asks for all records that its
- * rays need, down to the last bounce, before it is done, where passes make them
- * by paths: with six bounces the first pixel of a room with many objects takes
- * minutes.  Each further bounce makes records take so many times more. */
-enum { MOST_BOUNCES = 3 };
+/* With a cache a trial has at most MOST_BOUNCES.  In a trial a record has all
+ * records made that its rays need, down to the last bounce, before it is done
+ * itself, while passes make those by paths: with six bounces the first pixel of
+ * a room with many objects would take minutes.  Each further bounce, up to the
+ * last that matters, makes records take FURTHER times as much. */
+enum { MOST_BOUNCES = 3, LAST_BOUNCE = 8 };
 static const double FURTHER = 1.05;
 
 /* Shares of the windows' pixels that are made again, in areas without contrast
@@ -151,7 +152,7 @@ again(struct trial *t, const struct rad_frame *f, struct rad_ctx *ctx,
 }
 
 /* Make some of a window's pixels again, to estimate the error.  Row 0 is left
- * out, for it is sampled more densely than others. */
+ * out, for it is sampled more densely than others, where there are others. */
 static void
 look_again(struct trial *t, const struct rad_frame *f, struct rad_ctx *ctx,
            const struct rad_window *w, struct rad_pixel **rows)
@@ -162,7 +163,7 @@ look_again(struct trial *t, const struct rad_frame *f, struct rad_ctx *ctx,
     int xstep, ystep;
 
     rad_quincunx_steps(f->job->params.psample, &xstep, &ystep);
-    for (int y = 1; y < w->height; y += ystep) {
+    for (int y = w->height > 1; y < w->height; y += ystep) {
         struct rad_doubt_rows r = { .frame = f,
                                     .x = w->x,
                                     .y = w->y + y,
@@ -284,10 +285,9 @@ trial_run(struct trial *t, const struct trial_scene *scene,
     int rc = 0;
 
     memset(t, 0, sizeof *t);
-    t->deeper = 1;
-    if (params->ambounce > MOST_BOUNCES) {
+    if (params->ambacc > 0 && params->ambounce > MOST_BOUNCES) {
         tried.ambounce = MOST_BOUNCES;
-        t->deeper = pow(FURTHER, params->ambounce - MOST_BOUNCES);
+        t->untried = params->ambounce - MOST_BOUNCES;
     }
     small = tried;
     if (params->ambounce > 0 && params->ambacc > 0 &&
@@ -464,6 +464,13 @@ price_by_second_time(const struct trial *t, bool time)
     return (struct price){ a, a, cost_of_record(t, time, a) };
 }
 
+/* By how much records are more for the bounces that were not tried. */
+static double
+deeper(const struct trial *t)
+{
+    return pow(FURTHER, fmin(t->untried, LAST_BOUNCE - MOST_BOUNCES));
+}
+
 /* Time or rays of the picture: the records that were made and those to come,
  * and pixels as in the windows. */
 static double
@@ -487,7 +494,7 @@ total(const struct trial *t, bool time, double primary, double more_records)
             first = records;
         records = more * first + fmax(more, t->samples) * (records - first);
     }
-    return t->deeper * records + p.primary * primary;
+    return deeper(t) * records + p.primary * primary;
 }
 
 /* The sums that full hemispheres would give, from those of smaller ones: with
@@ -516,7 +523,7 @@ trial_predict(const struct trial *t, double pixels, struct prediction *p)
     records = last->records + more;
     if (t->small.records > 0)
         records *= t->full.records / t->small.records;
-    records *= t->deeper;
+    records *= deeper(t);
     p->ambient_values = records;
     p->rays = total(t, false, p->primary_rays, more);
     p->load_s = t->load_s;

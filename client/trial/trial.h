@@ -35,7 +35,7 @@ struct trial {
     double look_cpu_s; /* for making some pixels of the windows again */
     struct rad_doubt doubt; /* sums over these pixels, with the hemispheres that
                              * were tried */
-    double deeper; /* factor of records for bounces that were not tried */
+    int untried; /* bounces of the job that the trial did not have */
     double samples; /* how many times as many samples a full hemisphere has */
 };
 

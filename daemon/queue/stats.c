@@ -251,15 +251,15 @@ with_goal(json_t *o, const struct job *job)
     const struct job_goal *g = &job->goal;
 
     if (o && goal_is(job))
-        json_object_set_new(o, "goal",
-                            json_pack("{s:f,s:f,s:f,s:f,s:I,s:b,s:b,s:b}", "error",
-                                      job->spec.error_ppm / 1e6, "time_s",
-                                      job->spec.time_ms / 1e3, "estimate",
-                                      g->error, "mean_estimate", g->mean,
-                                      "stages", (json_int_t)g->number + 1,
-                                      "time_up", goal_time_up(job), "rays_up",
-                                      goal_rays_up(job), "stages_up",
-                                      stages_are_all(job)));
+        json_object_set_new(
+            o, "goal",
+            json_pack("{s:f,s:f,s:f,s:f,s:I,s:b,s:b,s:b}", "error",
+                      job->spec.error_ppm / 1e6, "time_s",
+                      job->spec.time_ms / 1e3, "estimate", g->error,
+                      "mean_estimate", g->mean, "stages",
+                      (json_int_t)g->number + 1, "time_up", goal_time_up(job),
+                      "rays_up", goal_rays_up(job), "stages_up",
+                      stages_are_all(job)));
     return o;
 }
 

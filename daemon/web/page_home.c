@@ -172,12 +172,13 @@ put_workers(struct markup *m, const struct model *c)
                       "</section>\n");
         return;
     }
-    markup_raw(m, "<div class=\"scroll\"><table><thead><tr><th>Worker</th>"
-                  "<th>State</th><th class=\"num\">Load</th>"
-                  "<th class=\"num\">Threads</th><th class=\"num\">Units</th>"
-                  "<th class=\"num wide\">Memory</th><th class=\"num wide\">For</th>"
-                  "<th class=\"wide\">Address</th><th class=\"wide\">Program"
-                  "</th><th class=\"wide\">Note</th></tr></thead><tbody>\n");
+    markup_raw(
+        m, "<div class=\"scroll\"><table><thead><tr><th>Worker</th>"
+           "<th>State</th><th class=\"num\">Load</th>"
+           "<th class=\"num\">Threads</th><th class=\"num\">Units</th>"
+           "<th class=\"num wide\">Memory</th><th class=\"num wide\">For</th>"
+           "<th class=\"wide\">Address</th><th class=\"wide\">Program"
+           "</th><th class=\"wide\">Note</th></tr></thead><tbody>\n");
     json_array_foreach(c->workers, i, row)
     {
         if (i == PAGE_WORKERS)

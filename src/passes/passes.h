@@ -63,7 +63,7 @@ struct rad_pass_colours {
     uint8_t rgbe[RAD_PASS_MOST_COLOURS][4];
 };
 
-/* Records that a tile may have: they fill the largest message. */
+/* Most records of a tile that are kept: so many fit the largest message. */
 #define RAD_PASS_MOST_RECORDS 9000
 
 /* Make a tile of a pass that was begun.
@@ -71,8 +71,8 @@ struct rad_pass_colours {
  *            sees, and of so many more; it must not be settled meanwhile
  *   stop     if another thread sets it, the tile ends within a pixel
  *   fn       is called with the tile's records in their order, some at a time;
- *            where they are more than RAD_PASS_MOST_RECORDS, level by level
- *            from level 0 on with so many
+ *            if there are more than RAD_PASS_MOST_RECORDS, with that many: all
+ *            of level 0, then of level 1, and so on
  *   colours  NULL, or is set after fn's last call, by the cache and the tile's
  *            records; its rays are not counted and change nothing
  * False: stopped, or memory is out; fn was not called.  Rays that leave a

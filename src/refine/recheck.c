@@ -106,7 +106,7 @@ sample_window(struct check *c, uint64_t n, struct sampled *s)
 
     s->at = window_at(c, n);
     s->frame = c->frame;
-    s->frame.key = rad_key_branch(c->frame.key, ~n); /* n: keys of tiles */
+    s->frame.key = rad_key_branch(c->frame.key, ~n); /* n: a tile's places */
     s->frame.stamp = rad_key_branch(c->frame.stamp, n) | 1;
     for (int y = 0; y < s->at.height; y++)
         rows[y] = s->pixel[y];

@@ -150,8 +150,8 @@ ambres_at(int ambient)
                           AMBRES_SOON + AMBRES_GROWTH * ambient));
 }
 
-/* How many times the rays that a pixel has at rung 0, as a whole number: as
- * many up to half a rung above ONE_RAY. */
+/* How many times the rays that a pixel has at rung 0, as a whole number:
+ * one up to a rung above ONE_RAY. */
 static int
 rays_of_pixel(int pixel)
 {

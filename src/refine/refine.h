@@ -41,11 +41,10 @@ uint32_t rad_refine_plan(const struct rad_params *par,
 
 /* How much finer than the job's own options, in quarters of a rung.  The
  * cache's error is halved by some three rungs at first, later by eight; that of
- * pixels by four.  Of pixels the
- * first rung is finer options for direct light; further ones are rays of a
- * pixel, which stages do not need: pictures alone have them.  Stages that aim
- * at an error have whole rungs, and pictures quarters; where time is short
- * stages have quarters, too, to use more of it.
+ * pixels by four.  The first rung of pixels is finer options for direct light;
+ * further ones are rays of a pixel, which stages do not need: pictures alone
+ * have them.  Stages that aim at an error have whole rungs, and pictures
+ * quarters; where time is short stages have quarters, too, to use more of it.
  * More than RAD_REFINE_MOST_* is as these. */
 #define RAD_REFINE_RUNG 4
 struct rad_refine_rungs {
@@ -68,8 +67,8 @@ bool rad_refine_same_cache(struct rad_refine_rungs a,
  * *job is as it was. */
 bool rad_refine_join(struct rad_params *job, const struct rad_params *former);
 
-/* The cache after the stage before: its rung, in quarters, and the square of its
- * error. */
+/* The cache after the stage before: its rung, in quarters, and the square of
+ * its error. */
 struct rad_refine_past {
     uint8_t rung;
     double square;
@@ -94,9 +93,9 @@ struct rad_refine_ask {
 /* Should another stage be made?  False: the error that is wanted is reached, or
  * no stage can come nearer, or the job has had all RAD_REFINE_STAGES, or none
  * would be done in time or, where time has no limit, in the rays that a stage
- * may take.  *next: the rungs of that stage, or
- * those of the pictures, of the same light as this stage's.  *error: of a
- * picture now, or of those that are made. */
+ * may take.  *next: the rungs of that stage, or those of the pictures, of the
+ * same light as this stage's.  *error: of a picture now, or of those that are
+ * made. */
 bool rad_refine_next(const struct rad_refine_ask *ask,
                      struct rad_refine_rungs *next, double *error);
 
