@@ -191,15 +191,34 @@ static const struct shell_ops ops = {
 
 /* --- start and end --- */
 
-/* Return memory of closed connections to the system. */
+static void
+trim(uv_work_t *work)
+{
+    (void)work;
+    service_trim_memory();
+}
+
+static void
+trimmed(uv_work_t *work, int status)
+{
+    struct radcoord *r = work->data;
+
+    (void)status;
+    r->trimming = false;
+}
+
+/* Return memory of closed connections to the system.  After hundreds of them
+ * that takes the kernel a tenth of a second, so a thread does it; the loop
+ * waits for that thread only if it needs new memory from the heap meanwhile. */
 static void
 give_back_memory(struct radcoord *r)
 {
-    if (!r->lost_conns || radcoord_now(r) - r->trim_ms < TRIM_MS)
+    if (!r->lost_conns || r->trimming || radcoord_now(r) - r->trim_ms < TRIM_MS)
         return;
     r->trim_ms = radcoord_now(r);
     r->lost_conns = false;
-    service_trim_memory();
+    r->trim.data = r;
+    r->trimming = uv_queue_work(&r->daemon.loop, &r->trim, trim, trimmed) == 0;
 }
 
 static void

@@ -157,8 +157,9 @@ no_workers()
     [ -z "$(of_launchers)" ] && idle
 }
 
+# so large that it does not end before
 # shellcheck disable=SC2086
-script cancelled $large
+script cancelled $large -x 2400 -y 1800
 until_true 30 both_work cancelled.err || fail "cancelled: $(cat cancelled.err)"
 scancel "$id"
 until_true 30 no_workers || fail "scancel leaves something: $(squeue; sinfo -N)"
