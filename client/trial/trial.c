@@ -151,8 +151,7 @@ again(struct trial *t, const struct rad_frame *f, struct rad_ctx *ctx,
     return rc;
 }
 
-/* Make some of a window's pixels again, to estimate the error.  Row 0 is left
- * out, for it is sampled more densely than others, where there are others. */
+/* Make some of a window's pixels again, to estimate the error. */
 static void
 look_again(struct trial *t, const struct rad_frame *f, struct rad_ctx *ctx,
            const struct rad_window *w, struct rad_pixel **rows)
@@ -160,22 +159,9 @@ look_again(struct trial *t, const struct rad_frame *f, struct rad_ctx *ctx,
     const struct rad_doubt_share share = { AREAS_TRIED, PLACES_TRIED };
     struct rad_counts before = ctx->counts;
     double begin = cpu_seconds();
-    int xstep, ystep;
 
-    rad_quincunx_steps(f->job->params.psample, &xstep, &ystep);
-    for (int y = w->height > 1; y < w->height; y += ystep) {
-        struct rad_doubt_rows r = { .frame = f,
-                                    .x = w->x,
-                                    .y = w->y + y,
-                                    .width = w->width,
-                                    .n = w->height - y < ystep ? w->height - y
-                                                               : ystep,
-                                    .row =
-                                        (const struct rad_pixel *const *)rows +
-                                        y };
-
-        rad_doubt_look(&r, ctx, &share, NULL, &t->doubt);
-    }
+    rad_doubt_look_at_window(f, ctx, w, (const struct rad_pixel *const *)rows,
+                             &share, NULL, &t->doubt);
     t->look_cpu_s += cpu_seconds() - begin;
     ctx->counts = before;
 }

@@ -72,6 +72,7 @@ check_place(struct check *c, uint64_t n)
 struct sampled {
     struct rad_frame frame; /* like the check's, with other random numbers */
     struct rad_window at;
+    struct rad_pixel *row[MOST_HEIGHT];
     struct rad_pixel pixel[MOST_HEIGHT][MOST_WIDTH];
 };
 
@@ -101,54 +102,41 @@ static bool
 sample_window(struct check *c, uint64_t n, struct sampled *s)
 {
     const struct rad_counts *counts = &c->ctx->counts;
-    struct rad_pixel *rows[MOST_HEIGHT];
     uint64_t rays = counts->rays;
 
     s->at = window_at(c, n);
     s->frame = c->frame;
-    s->frame.key = rad_key_branch(c->frame.key, ~n); /* n: a tile's places */
+    /* ~n, for c->key, of a tile's places, is a branch by the tile's number */
+    s->frame.key = rad_key_branch(c->frame.key, ~n);
     s->frame.stamp = rad_key_branch(c->frame.stamp, n) | 1;
     for (int y = 0; y < s->at.height; y++)
-        rows[y] = s->pixel[y];
-    if (rad_frame_window(&s->frame, c->ctx, &s->at, rows, NULL, NULL))
+        s->row[y] = s->pixel[y];
+    if (rad_frame_window(&s->frame, c->ctx, &s->at, s->row, NULL, NULL))
         return false;
     c->out->rays += (double)(counts->rays - rays);
     c->out->shown += (double)s->at.width * s->at.height;
     return true;
 }
 
-/* Look at the rows from y on. */
 static bool
-look_at_rows(struct check *c, const struct sampled *s, int y, int n)
+look_at_window(struct check *c, const struct sampled *s)
 {
-    const struct rad_pixel *row[RAD_QUINCUNX_MAX_YSTEP];
     double pixels = (double)s->at.width * s->at.height;
     double areas = s->frame.points ? POINTS : AREAS;
     struct rad_doubt_share share = { areas / pixels, 0 };
-    struct rad_doubt_rows rows = { .frame = &s->frame,
-                                   .x = s->at.x,
-                                   .y = s->at.y + y,
-                                   .width = s->at.width,
-                                   .n = n,
-                                   .row = row };
 
-    for (int i = 0; i < n; i++)
-        row[i] = s->pixel[y + i];
-    return rad_doubt_look(&rows, c->ctx, &share, c->stop, &c->out->doubt);
+    return rad_doubt_look_at_window(&s->frame, c->ctx, &s->at,
+                                    (const struct rad_pixel *const *)s->row,
+                                    &share, c->stop, &c->out->doubt);
 }
 
-/* Sample a window, and make some of it again: of its first base line nothing,
- * for that is traced more densely than others, where there are others. */
+/* Sample a window, and make some of it again. */
 static bool
 check_window(struct check *c, uint64_t n)
 {
     struct sampled *s = malloc(sizeof *s);
-    bool ok = s && sample_window(c, n, s);
-    int xstep, ystep;
+    bool ok = s && sample_window(c, n, s) && look_at_window(c, s);
 
-    rad_quincunx_steps(c->frame.job->params.psample, &xstep, &ystep);
-    for (int y = ok && s->at.height > 1; ok && y < s->at.height; y += ystep)
-        ok = look_at_rows(c, s, y, least(ystep, s->at.height - y));
     free(s);
     return ok;
 }
