@@ -22,7 +22,7 @@
 
 /* --- a tile --- */
 
-_Static_assert(RAD_PASS_MOST_RECORDS *AMBSHARE_BYTES <= MSG_MAX_TILE,
+_Static_assert(MSG_MAX_TILE / AMBSHARE_BYTES >= RAD_PASS_MOST_RECORDS,
                "a tile's records fit a message");
 
 /* Keep records as they are on the wire. */

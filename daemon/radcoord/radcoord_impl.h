@@ -55,8 +55,8 @@ struct radcoord {
     struct turns turns;
     bool lost_conns;  /* connections closed since trim_ms */
     uint64_t trim_ms; /* when memory was last returned to the system */
-    uv_work_t trim;   /* ... by a thread, while trimming */
-    bool trimming;
+    uv_work_t trim;   /* the thread's work that returns memory */
+    bool trimming;    /* it is under way */
     struct coord *coord;
     uint64_t clock_ms; /* wall clock less the loop's clock, at the start */
 };

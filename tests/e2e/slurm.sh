@@ -157,7 +157,7 @@ no_workers()
     [ -z "$(of_launchers)" ] && idle
 }
 
-# so large that it does not end before
+# so large that it cannot end before it is cancelled
 # shellcheck disable=SC2086
 script cancelled $large -x 2400 -y 1800
 until_true 30 both_work cancelled.err || fail "cancelled: $(cat cancelled.err)"
