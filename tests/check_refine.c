@@ -2,17 +2,13 @@
  * enough */
 #include "config.h"
 
-#include "light/indirect/ambient.h"
 #include "machine/jobtext.h"
-#include "refine/recheck.h"
+#include "refine/refine.h"
 
 #include "world.h"
 
 #include <limits.h>
 #include <math.h>
-#include <pthread.h>
-#include <stdatomic.h>
-#include <stdio.h>
 #include <stdlib.h>
 
 /* --- options --- */
@@ -718,222 +714,12 @@ START_TEST(mean_keeps_what_places_err_by_in_common)
 }
 END_TEST
 
-/* --- sums of a room --- */
-
-static const char scene_text[] =
-    "void light lamp 0 0 3 60 60 60\n"
-    "lamp sphere bulb 0 0 4 2 2 4.5 .3\n"
-    "void plastic white 0 0 5 .7 .7 .7 0 0\n"
-    "white polygon floor 0 0 12 -5 -5 0 5 -5 0 5 5 0 -5 5 0\n"
-    "white polygon ceiling 0 0 12 -5 -5 5 -5 5 5 5 5 5 5 -5 5\n"
-    "white polygon west 0 0 12 -5 -5 0 -5 5 0 -5 5 5 -5 -5 5\n"
-    "white polygon east 0 0 12 5 -5 0 5 -5 5 5 5 5 5 5 0\n"
-    "white polygon north 0 0 12 -5 5 0 5 5 0 5 5 5 -5 5 5\n"
-    "white polygon south 0 0 12 -5 -5 0 -5 -5 5 5 -5 5 5 -5 0\n"
-    "void plastic red 0 0 5 .6 .2 .2 .02 .05\n"
-    "red sphere ball 0 0 4 -2 1 1 1\n"
-    "red sphere other 0 0 4 1 -1 .7 .7\n";
-
-enum { THREADS = 4, MOST = 200 };
-
-struct room {
-    struct world w;
-    struct rad_frame frame;
-    struct rad_passes *passes;
-    uint32_t ntiles;
-    bool backward, twice;
-    _Atomic uint32_t next;
-    struct rad_refine_sums of[MOST];
-};
-
-/* Records of a pass. */
-static struct {
-    struct rad_ambrec rec[20000];
-    size_t n;
-} made;
-
-static void
-keep(void *arg, const struct rad_ambrec *rec, size_t n)
-{
-    (void)arg;
-    ck_assert_uint_le(made.n + n, N_ELEM(made.rec));
-    memcpy(&made.rec[made.n], rec, n * sizeof *rec);
-    made.n += n;
-}
-
-static const _Atomic bool never;
-
-/* A room whose cache is filled, at its check pass. */
-static void
-open_room(struct room *m, const char *options)
-{
-    struct rad_pass pass[RAD_MOST_PASSES];
-    struct rad_pass_size size;
-    struct rad_view view;
-    uint32_t n;
-
-    memset(m, 0, sizeof *m);
-    world_open(&m->w, scene_text, options);
-    rad_ambient_freeze(m->w.job->ambient);
-    ck_assert_int_eq(
-        jobtext_view("-vp 0 -4.9 2.5 -vd 0 1 0 -vh 80 -vv 80", &view, NULL), 0);
-    ck_assert_int_eq(rad_frame_init(&m->frame, m->w.job, &view, 0, false, NULL),
-                     0);
-    size = (struct rad_pass_size){ m->frame.width, m->frame.height };
-    n = rad_refine_plan(&m->w.job->params, &size, 1, false, true, pass);
-    m->passes = rad_passes_new(&m->frame, 1, NULL);
-    ck_assert_ptr_nonnull(m->passes);
-    for (uint32_t i = 0; i < n; i++) {
-        ck_assert_int_eq(rad_passes_begin(m->passes, &m->w.ctx, &pass[i], NULL),
-                         0);
-        made.n = 0;
-        for (uint32_t k = 0; !pass[i].check && k < pass[i].tiles; k++)
-            ck_assert(rad_passes_make(m->passes, &m->w.ctx, &pass[i],
-                                      i - pass[i].reads, k, &never, keep, NULL,
-                                      NULL));
-        rad_ambient_insert_all(m->w.job->ambient, made.rec, made.n);
-        ck_assert(rad_ambient_settle(m->w.job->ambient));
-        if (rad_pass_is_last(pass, n, i))
-            ck_assert(rad_ambient_smooth(m->w.job->ambient));
-    }
-    m->ntiles = pass[n - 1].tiles;
-    ck_assert_uint_le(m->ntiles, MOST);
-}
-
-static void
-close_room(struct room *m)
-{
-    rad_passes_free(m->passes);
-    rad_frame_release(&m->frame);
-    world_close(&m->w);
-}
-
-static void *
-work(void *arg)
-{
-    struct room *m = arg;
-    struct rad_ctx ctx;
-    uint32_t i;
-
-    ck_assert_int_eq(rad_ctx_init(&ctx, m->w.job, NULL), 0);
-    while ((i = atomic_fetch_add(&m->next, 1)) < m->ntiles) {
-        uint32_t tile = m->backward ? m->ntiles - 1 - i : i;
-
-        for (int k = 0; k <= m->twice; k++)
-            ck_assert(
-                rad_refine_make(m->passes, &ctx, tile, &never, &m->of[tile]));
-    }
-    ck_assert_uint_eq(ctx.counts.primary_rays, 0);
-    ck_assert_uint_eq(ctx.counts.ambient_values, 0);
-    ck_assert(!ctx.fresh);
-    rad_ctx_release(&ctx);
-    return NULL;
-}
-
-static void
-make_tiles(struct room *m, int threads, bool backward, bool twice)
-{
-    pthread_t thread[THREADS];
-
-    m->backward = backward;
-    m->twice = twice;
-    m->next = 0;
-    memset(m->of, 0, sizeof m->of);
-    for (int i = 0; i < threads; i++)
-        ck_assert_int_eq(pthread_create(&thread[i], NULL, work, m), 0);
-    for (int i = 0; i < threads; i++)
-        ck_assert_int_eq(pthread_join(thread[i], NULL), 0);
-}
-
-static struct rad_error_estimate
-error_of(const struct room *m)
-{
-    struct rad_refine_sums all = { 0 };
-
-    for (uint32_t i = 0; i < m->ntiles; i++)
-        rad_refine_add(&all, &m->of[i]);
-    return rad_doubt_error(&all.doubt);
-}
-
-#define COARSE                                                                 \
-    "-x 96 -y 96 -pa 1 -ab 2 -aa .5 -ar 16 -ad 16 -as 0 -pt .2 -ps 4 -pj .9 "
-
-static struct room rooms[2];
-
-/* Whoever makes the tiles, in whatever order, and however often. */
-START_TEST(sums_are_a_function_of_the_job)
-{
-    struct room *one = &rooms[0], *other = &rooms[1];
-
-    open_room(one, COARSE);
-    open_room(other, COARSE);
-    make_tiles(one, 1, false, false);
-    make_tiles(other, THREADS, true, true);
-    ck_assert_mem_eq(one->of, other->of, sizeof one->of);
-    ck_assert_double_gt(error_of(one).ambient, .005);
-    close_room(one);
-    close_room(other);
-}
-END_TEST
-
-START_TEST(a_finer_cache_is_found_to_be_better)
-{
-    struct room *m = &rooms[0];
-    struct rad_error_estimate coarse, fine;
-
-    open_room(m, COARSE);
-    make_tiles(m, 1, false, false);
-    coarse = error_of(m);
-    close_room(m);
-    open_room(m, COARSE "-aa .2 -ar 32 -ad 1024");
-    make_tiles(m, 1, false, false);
-    fine = error_of(m);
-    close_room(m);
-    ck_assert_double_lt(fine.ambient, .6 * coarse.ambient);
-}
-END_TEST
-
-START_TEST(a_tile_can_be_stopped)
-{
-    static const _Atomic bool stop = true;
-    struct room *m = &rooms[0];
-
-    open_room(m, COARSE);
-    ck_assert(!rad_refine_make(m->passes, &m->w.ctx, 0, &stop, &m->of[0]));
-    close_room(m);
-}
-END_TEST
-
-/* One pixel, one column: a window is no larger than the picture. */
-static const char *const sizes[] = {
-    "-x 1 -y 1 ",   "-x 1 -y 300 ",        "-x 300 -y 1 ",
-    "-x 300 -y 4 ", "-x 30 -y 30 -ps 16 ", "-x 30 -y 30 -ps 1 "
-};
-
-START_TEST(small_pictures_have_an_error_too)
-{
-    struct room *m = &rooms[0];
-    const double *a = m->of[0].doubt.v, *b = m->of[1].doubt.v;
-    char options[300];
-
-    snprintf(options, sizeof options, COARSE "%s -pa 0", sizes[_i]);
-    open_room(m, options);
-    make_tiles(m, 1, false, false);
-    ck_assert_double_ge(error_of(m).all, 0);
-    ck_assert_double_lt(error_of(m).all, 1);
-    ck_assert_double_gt(a[RAD_DOUBT_AREAS], 0);
-    ck_assert(a[RAD_DOUBT_PIXEL] != b[RAD_DOUBT_PIXEL]); /* other samples */
-    close_room(m);
-}
-END_TEST
-
 int
 main(void)
 {
     Suite *s = suite_create("refine");
     TCase *options = tcase_create("options");
     TCase *decisions = tcase_create("decisions");
-    TCase *sums = tcase_create("sums");
 
     tcase_add_loop_test(options, the_job_s_own_options_are_rung_0, 0,
                         N_ELEM(jobs));
@@ -969,12 +755,5 @@ main(void)
     tcase_add_test(decisions, a_black_picture_is_good_enough);
     tcase_add_test(decisions, mean_keeps_what_places_err_by_in_common);
     suite_add_tcase(s, decisions);
-    tcase_set_timeout(sums, 60);
-    tcase_add_test(sums, sums_are_a_function_of_the_job);
-    tcase_add_test(sums, a_finer_cache_is_found_to_be_better);
-    tcase_add_test(sums, a_tile_can_be_stopped);
-    tcase_add_loop_test(sums, small_pictures_have_an_error_too, 0,
-                        N_ELEM(sizes));
-    suite_add_tcase(s, sums);
     return unit_run(s);
 }

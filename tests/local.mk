@@ -93,6 +93,7 @@ UNIT_TESTS = \
 	tests/check_quota \
 	tests/check_ray \
 	tests/check_rays \
+	tests/check_recheck \
 	tests/check_refine \
 	tests/check_reuse \
 	tests/check_rif \
