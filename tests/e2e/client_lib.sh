@@ -24,6 +24,12 @@ fail()
     failed=1
 }
 
+# total FILE KEY: a count of a statistics file's totals
+total()
+{
+    sed -n '/^ *"totals": {/,/}/s/^ *"'"$2"'": \([0-9]*\)[.0-9]*,*$/\1/p' "$1"
+}
+
 # The processes of this test, by the folder in their arguments.
 left_over()
 {

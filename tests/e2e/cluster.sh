@@ -150,11 +150,3 @@ for job in json.load(sys.stdin):
         sys.exit(0)
 sys.exit(1)' "$1"
 }
-
-# total FILE KEY: a number of a statistics file's totals
-total()
-{
-    python3 -c '
-import json, sys
-print(json.load(open(sys.argv[1]))["totals"][sys.argv[2]])' "$1" "$2"
-}

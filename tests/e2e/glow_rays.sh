@@ -12,12 +12,6 @@ view="-vp 0 -10 0 -vd 0 1 0 -vh 50 -vv 38 -x 512 -y 384 -pa 0 -pj 0 -ab 0"
 RAYPATH=$scenes:${RAYPATH:-}
 export RAYPATH
 
-total() # KEY
-{
-    sed -n "/\"totals\"/,/}/s/^ *\"$1\": \([0-9]*\),*$/\1/p" stats.json |
-        head -n 1
-}
-
 ask_rpict() # OPTIONS
 {
     # shellcheck disable=SC2086 # options are words
@@ -30,11 +24,13 @@ check() # RAYS OPTIONS
     # shellcheck disable=SC2086
     "$radsubmit" --local --stats=stats.json $view $2 -o p.hdr \
         "$scenes/glows.rad" 2>err || fail "$2: $(cat err)"
-    [ "$(total rays)" = "$(total primary_rays)" ] ||
-        fail "$2: $(total rays) rays, $(total primary_rays) of them primary"
-    awk -v a="$(total primary_rays)" -v b="$1" \
+    [ "$(total stats.json rays)" = "$(total stats.json primary_rays)" ] ||
+        fail "$2: $(total stats.json rays) rays," \
+            "$(total stats.json primary_rays) of them primary"
+    awk -v a="$(total stats.json primary_rays)" -v b="$1" \
         'BEGIN { exit !(b > 0 && a > .999 * b && a < 1.001 * b) }' ||
-        fail "$2: $(total primary_rays) primary rays, rpict has $1"
+        fail "$2: $(total stats.json primary_rays) primary rays," \
+            "rpict has $1"
     [ ! -e glows.oct ] || [ "$(ask_rpict "$2")" = "$1" ] ||
         echo "$2: this rpict has $(ask_rpict "$2") rays, not $1"
 }

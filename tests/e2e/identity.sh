@@ -16,12 +16,6 @@ body()
     LC_ALL=C sed '1,/^$/d' "$1"
 }
 
-# total NAME: of the statistics
-total()
-{
-    sed -n '/"totals"/,/}/s/.*"'"$1"'": *\([0-9]*\).*/\1/p' stats.json
-}
-
 # count NAME: of seqpict, in all stages
 count()
 {
@@ -126,24 +120,25 @@ while [ "$run" -lt "$runs" ]; do
     cmp -s ref.body out.body || fail "$say: another picture"
     [ -z "$depth" ] || cmp -s ref.z out.z || fail "$say: other distances"
     primary=$(count primary_rays)
-    [ "$(total primary_rays)" = "$primary" ] ||
-        fail "$say: $(total primary_rays) primary rays, not $primary"
+    [ "$(total stats.json primary_rays)" = "$primary" ] ||
+        fail "$say: $(total stats.json primary_rays) primary rays, not $primary"
     # what was traced for nothing is in both
     kinds="shadow_rays ambient_rays ambient_values intersection_tests"
-    [ "$(total paint_rays)" != "$(count paint_rays)" ] || kinds="$kinds rays"
+    [ "$(total stats.json paint_rays)" != "$(count paint_rays)" ] ||
+        kinds="$kinds rays"
     for kind in $kinds; do
         alone=$(count $kind)
-        [ "$(total estimate_rays)" != 0 ] ||
-            [ "$(total speculative_rays)" != 0 ] ||
-            [ "$(total $kind)" = "$alone" ] ||
-            fail "$say: $(total $kind) $kind, not $alone"
+        [ "$(total stats.json estimate_rays)" != 0 ] ||
+            [ "$(total stats.json speculative_rays)" != 0 ] ||
+            [ "$(total stats.json $kind)" = "$alone" ] ||
+            fail "$say: $(total stats.json $kind) $kind, not $alone"
     done
-    nothing=$(total speculative_rays)
+    nothing=$(total stats.json speculative_rays)
     [ "$((nothing * 100))" -le "$primary" ] ||
         fail "$say: $nothing rays for nothing, of $primary"
     all=$((all + primary))
     spare=$((spare + nothing))
-    painted=$((painted + $(total paint_rays)))
+    painted=$((painted + $(total stats.json paint_rays)))
 done
 echo "$all primary rays, $spare for nothing"
 [ "$painted" -gt 0 ] || fail "nothing was painted"

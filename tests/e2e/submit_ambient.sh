@@ -10,12 +10,6 @@ room=room.rad
 light="-ab 1 -aa .25 -ar 16 -ad 32 -as 0"
 view="-vf $scenes/room.vf -x 60 -y 45 $light"
 
-# total KEY FILE: a number of the statistics
-total()
-{
-    sed -n "s/^ *\"$1\": \([0-9]*\)[.0-9]*,*\$/\1/p" "$2" | head -n 1
-}
-
 # submit W OPTIONS...: with so many workers; statistics in $w.json
 submit()
 {
@@ -29,33 +23,33 @@ submit()
 # shellcheck disable=SC2086 # options are words
 {
     submit 3 $view -af room.amb $room 2>err || fail "first: $(cat err)"
-    made=$(total ambient_values 3.json)
+    made=$(total 3.json ambient_values)
     [ "$made" -gt 100 ] || fail "only $made values"
     kept=$(records room.amb)
     [ "$kept" -ge "$made" ] || fail "$made values, in the file $kept"
     cp room.amb first.amb
     submit 1 $view -af room.amb $room 2>err || fail "second: $(cat err)"
-    again=$(total ambient_values 1.json)
+    again=$(total 1.json ambient_values)
     # but what tiles left to the picture, having traced their rays
     [ "$again" -le $((made / 5)) ] || fail "$made values, and then $again"
     [ "$(records room.amb)" = $((kept + again)) ] || fail "lost or doubled"
     cmp -n "$(wc -c <first.amb)" room.amb first.amb || fail "the old ones differ"
     rm -f one.amb
     submit 1 $view -af one.amb $room 2>err || fail "one: $(cat err)"
-    [ "$(records one.amb)" = "$(total ambient_values 1.json)" ] ||
+    [ "$(records one.amb)" = "$(total 1.json ambient_values)" ] ||
         fail "one worker: $(records one.amb), $(grep ambient_values 1.json)"
     cmp one.amb first.amb || fail "one worker makes another file than three"
 
     # a file that has it all, and two workers that share: nothing travels twice
     submit 2 $view -af room.amb $room 2>err || fail "third: $(cat err)"
-    [ "$(total ambient_received 2.json)" -le $((made / 20)) ] ||
+    [ "$(total 2.json ambient_received)" -le $((made / 20)) ] ||
         fail "what was in the file travelled: $(grep ambient_ 2.json)"
-    [ "$(total ambient_redundant 2.json)" -le $((made / 20)) ] ||
+    [ "$(total 2.json ambient_redundant)" -le $((made / 20)) ] ||
         fail "what was in the file counts as redundant"
 
     # of what is not shared every worker's are kept
     submit 2 $view --no-share -af alone.amb $room 2>err || fail "$(cat err)"
-    [ "$(records alone.amb)" -ge "$(total ambient_values 2.json)" ] ||
+    [ "$(records alone.amb)" -ge "$(total 2.json ambient_values)" ] ||
         fail "--no-share: $(records alone.amb), $(grep ambient_values 2.json)"
 
     # an animation begins with the file and adds to it
@@ -66,7 +60,7 @@ submit()
         "$radsubmit" --local --threads=1 --stats=walk.json -S 1 \
             --views=views -x 60 -y 45 $light -o walk%d.hdr "$@" $room 2>err ||
             fail "animation $*: $(cat err)"
-        total ambient_values walk.json
+        total walk.json ambient_values
     }
     for how in --threads=1 --fresh-frames; do
         cp first.amb walk.amb
