@@ -272,7 +272,7 @@ START_TEST(parts_add_by_their_squares)
     d.v[RAD_DOUBT_PIXEL] = 1;
     ck_assert_double_eq_tol(rad_doubt_error(&d).all, .1, 1e-12);
     d.v[RAD_DOUBT_PLACES] = 10;
-    d.v[RAD_DOUBT_SAID] = .4 / 3; /* of which three quarters count */
+    d.v[RAD_DOUBT_AMBIENT] = d.v[RAD_DOUBT_SAID] = .1 / 1.2; /* DEEPER */
     e = rad_doubt_error(&d);
     ck_assert_double_eq_tol(e.ambient, .1, 1e-12);
     ck_assert_double_eq_tol(e.all, hypot(.1, .1), 1e-12);

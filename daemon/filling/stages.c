@@ -236,7 +236,7 @@ stages_end(struct coord *c, struct job *job, uint32_t n,
 /* --- as they are kept --- */
 
 /* Version of what stages_pack() writes and of what its rungs mean. */
-enum { LAYOUT = 3 };
+enum { LAYOUT = 4 };
 
 void
 stages_pack(struct coord *c, const struct job *job, uint8_t out[STAGES_BYTES])

@@ -28,14 +28,14 @@
  * all other areas. */
 #define MOST_SQUARE 1.
 
-/* DEEPER: the square of the cache's error over the square that fresh samples
- * show.  Cached and fresh light are both made of deeper records, whose error
- * does not show.
- * FRESH: the part of the fresh samples in the estimate.  They are few, and one
- * may be most of their sum; the squares that all records predict are the
- * rest. */
-#define DEEPER 1.3
-#define FRESH  .25
+/* Fresh samples of so many places count as much in the estimate as the squares
+ * that all records predict: they are few, and one may be most of their sum, but
+ * where few places are badly off they say less, and rightly. */
+#define AS_GOOD 64.
+
+/* The square of the cache's error over the square that is found.  Cached and
+ * fresh light are both made of deeper records, whose error does not show. */
+#define DEEPER 1.2
 
 #define MOST_ERROR 1e6
 
@@ -537,12 +537,12 @@ mean_square(double n, double sum, double squares)
 static double
 ambient_square(const double *v)
 {
-    double n = v[RAD_DOUBT_PLACES];
+    double n = v[RAD_DOUBT_PLACES], fresh = n / (n + AS_GOOD);
 
     if (!(n >= 1))
         return 0;
-    return FRESH * DEEPER * sound(v[RAD_DOUBT_AMBIENT] / n) +
-           (1 - FRESH) * sound(v[RAD_DOUBT_SAID] / n);
+    return DEEPER * (fresh * sound(v[RAD_DOUBT_AMBIENT] / n) +
+                     (1 - fresh) * sound(v[RAD_DOUBT_SAID] / n));
 }
 
 struct rad_error_squares

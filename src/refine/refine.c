@@ -36,7 +36,7 @@
 
 /* Rays of passes that go to lattices and paths, for a pixel: they do not grow
  * with rungs.  But some part of a stage always does. */
-#define WALKED     .5
+#define WALKED     .25
 #define LEAST_MADE .2
 
 /* Of the time that is left, what is planned to be used. */
@@ -114,22 +114,32 @@ shorten(double x)
     return floor(x * scale + .5) / scale;
 }
 
-/* Eighths of an octave by which options change with a rung, which is as many
- * PARTS of an octave with a quarter of a rung.  -ar grows fast in the first
- * AMBRES_RUNGS: a coarse limit leaves zones that are too large wherever objects
- * are near, and no other option mends that (doc/measured.md).  Options of
- * pixels change once, with their first rung; then a pixel gets more rays, which
- * bring more for their price. */
-enum {
-    AMBACC_FALL = 1,
-    AMBDIV_GROWTH = 2,
-    AMBRES_GROWTH = 2,
-    AMBRES_FIRST = 6,
-    AMBRES_RUNGS = 4 * RAD_REFINE_RUNG,
-    AMBRES_SOON = AMBRES_RUNGS * (AMBRES_FIRST - AMBRES_GROWTH),
-    SAMPLES_GROWTH = 4,
-    ONE_RAY = RAD_REFINE_RUNG
+/* Eighths of an octave by which something changes with a rung of the cache,
+ * which are as many PARTS of an octave with a quarter of a rung: in the first
+ * SOON, and after these.  -aa and -ar come first: a coarse -ar leaves zones
+ * that are too large wherever objects are near, and records that are close
+ * together average each other's noise, so many with few rays are worth more
+ * than few with many, but each needs enough to find what is small and bright
+ * (doc/measured.md). */
+enum { SOON = 4 * RAD_REFINE_RUNG };
+struct course {
+    int soon, later;
 };
+static const struct course ambacc_fall = { 2, 1 };
+static const struct course ambdiv_growth = { 0, 1 };
+static const struct course ambres_growth = { 6, 1 };
+
+/* Parts of an octave from rung 0 to that one. */
+static int
+parts_at(struct course c, int ambient)
+{
+    return ambient <= SOON ? c.soon * ambient
+                           : c.soon * SOON + c.later * (ambient - SOON);
+}
+
+/* Options of pixels change once, with their first rung; then a pixel gets more
+ * rays, which bring more for their price. */
+enum { SAMPLES_GROWTH = 4, ONE_RAY = RAD_REFINE_RUNG };
 
 /* Parts of lamps that look smaller than this take more rays than samples with
  * -dj that find as much. */
@@ -141,14 +151,6 @@ enum {
 
 #define MOST_AMBDIV 65536
 #define MOST_AMBRES 1024
-
-/* How many times the job's -ar a rung of the cache has. */
-static double
-ambres_at(int ambient)
-{
-    return 1 / fall(least(AMBRES_FIRST * ambient,
-                          AMBRES_SOON + AMBRES_GROWTH * ambient));
-}
 
 /* How many times the rays that a pixel has at rung 0, as a whole number:
  * one up to a rung above ONE_RAY. */
@@ -166,14 +168,15 @@ rad_refine_params(const struct rad_params *job, struct rad_refine_rungs rungs,
 {
     int a = least(rungs.ambient, RAD_REFINE_MOST_AMBIENT);
     int p = least(rungs.pixel, RAD_REFINE_MOST_PIXEL);
-    double rays = 1 / fall(AMBDIV_GROWTH * a);
+    double rays = 1 / fall(parts_at(ambdiv_growth, a));
 
     *out = *job;
     if (a > 0) {
-        out->ambacc = shorten(job->ambacc * fall(AMBACC_FALL * a));
+        out->ambacc = shorten(job->ambacc * fall(parts_at(ambacc_fall, a)));
         out->ambdiv = grow(job->ambdiv, rays, MOST_AMBDIV);
         out->ambssamp = grow(job->ambssamp, rays, MOST_AMBDIV);
-        out->ambres = grow(job->ambres, ambres_at(a), MOST_AMBRES);
+        out->ambres = grow(job->ambres, 1 / fall(parts_at(ambres_growth, a)),
+                           MOST_AMBRES);
     }
     if (p > 0) {
         out->maxdiff = shorten(job->maxdiff * MAXDIFF_LEFT);
@@ -296,18 +299,14 @@ sound(double x)
 }
 
 /* Eighths of an octave by which the square of the cache's error falls with a
- * rung, as it does in four scenes on average: the faster while -ar grows fast.
- * In single scenes it falls by one more or less, which stages tell that are so
- * many rungs apart. */
-enum {
-    AMBIENT_FALL_FIRST = 5,
-    AMBIENT_FALL = 2,
-    AMBIENT_SOON = AMBRES_RUNGS * (AMBIENT_FALL_FIRST - AMBIENT_FALL),
-    APART = 3 * RAD_REFINE_RUNG
-};
+ * rung, as it does in five scenes on average.  In single scenes it falls by one
+ * more or less, which stages tell that are so many rungs apart. */
+static const struct course ambient_fall = { 6, 3 };
+enum { APART = 3 * RAD_REFINE_RUNG };
 
 /* ... by which rays of passes grow, and those of a check. */
-enum { MADE_GROWTH = 2 * AMBACC_FALL + AMBDIV_GROWTH, CHECK_GROWTH = 2 };
+static const struct course made_growth = { 4, 3 };
+static const struct course check_growth = { 0, 1 };
 
 /* What the first rung of pixels leaves of squares of their errors, and of noise
  * of a ray, which is of lamps or, and then it stays, of edges and gloss that
@@ -333,13 +332,11 @@ rise(int n)
     return n > 0 ? 1 / fall(n) : fall(-n);
 }
 
-/* Parts of an octave by which the square of the cache's error falls from one
- * rung to another, on average. */
+/* Parts of an octave from one rung to another. */
 static int
-cache_fall(int from, int to)
+parts_between(struct course c, int from, int to)
 {
-    return least(AMBIENT_FALL_FIRST * to, AMBIENT_SOON + AMBIENT_FALL * to) -
-           least(AMBIENT_FALL_FIRST * from, AMBIENT_SOON + AMBIENT_FALL * from);
+    return parts_at(c, to) - parts_at(c, from);
 }
 
 /* By how much more than on average it has fallen with a rung. */
@@ -347,7 +344,7 @@ static int
 observed_steeper(const struct rad_refine_ask *ask, double ambient)
 {
     int apart = ask->rungs.ambient - ask->past.rung;
-    int usual = cache_fall(ask->past.rung, ask->rungs.ambient);
+    int usual = parts_between(ambient_fall, ask->past.rung, ask->rungs.ambient);
     double fell = ask->past.square / ambient;
 
     if (apart < APART || !(fell > 0))
@@ -417,7 +414,8 @@ static double
 foresee_square(const struct outlook *o, int ambient, int pixel)
 {
     int now = o->ask->rungs.ambient;
-    int fallen = cache_fall(now, ambient) + o->steeper * (ambient - now);
+    int fallen = parts_between(ambient_fall, now, ambient) +
+                 o->steeper * (ambient - now);
 
     return o->ambient * rise(-fallen) + foresee_pixels(o, pixel);
 }
@@ -426,17 +424,19 @@ foresee_square(const struct outlook *o, int ambient, int pixel)
 static double
 foresee_passes(const struct outlook *o, int ambient)
 {
-    int a = ambient - o->ask->rungs.ambient;
+    int now = o->ask->rungs.ambient;
 
-    return o->walk + o->made * rise(MADE_GROWTH * a);
+    return o->walk + o->made * rise(parts_between(made_growth, now, ambient));
 }
 
 /* ... and of its check. */
 static double
 foresee_stage(const struct outlook *o, int ambient)
 {
+    int now = o->ask->rungs.ambient;
+
     return foresee_passes(o, ambient) +
-           o->check * rise(CHECK_GROWTH * (ambient - o->ask->rungs.ambient));
+           o->check * rise(parts_between(check_growth, now, ambient));
 }
 
 /* By how much rays of a picture grow with that rung. */
@@ -459,7 +459,8 @@ foresee_wait(const struct outlook *o, int ambient, int pixel)
 
     return foresee_passes(o, ambient) * ask->pass_s +
            ((windows + half) * more_rays(o, least(pixel, ONE_RAY)) +
-            half * rise(CHECK_GROWTH * (ambient - ask->rungs.ambient))) *
+            half * rise(parts_between(check_growth, ask->rungs.ambient,
+                                      ambient))) *
                ask->look_s;
 }
 

@@ -112,13 +112,13 @@ struct search {
     double serves; /* weight of records within aa, found so far */
     double weight; /* of all records found so far */
     double E[3];   /* weighted sum */
-    /* weighted sums for the expected error: of squared luminances, and of
-     * variances of smoothed values */
-    double lum2, var;
+    /* sums for the expected error: weighted, of squared luminances and of
+     * variances of smoothed values; and of squared weights */
+    double lum2, var, w2;
     bool frozen; /* records that come now are the frozen cache's */
     const struct rad_ambasker *asker;
     double enough; /* the search ends when `serves` is more */
-    bool doubts;   /* lum2 and var are wanted */
+    bool doubts;   /* lum2, var and w2 are wanted */
     bool spares;   /* records that need a test for leaks are put off */
     int nput_off;
     const struct rad_ambitem **put_off; /* [MOST_PUT_OFF] */
@@ -206,6 +206,7 @@ add_record(struct search *s, const struct rad_ambitem *it)
         lum = (double)(factor * rad_rgb_lum(says.E));
         s->lum2 += w * lum * lum;
         s->var += w * (double)says.var;
+        s->w2 += w * w;
     }
     w *= (double)factor;
     s->E[0] += w * (double)says.E.r;
@@ -304,17 +305,15 @@ found(const struct search *s)
                    (float)(s->E[2] / s->weight));
 }
 
-/* The expected squared error of the mean, over its square: by the variance
- * between the records, and the mean variance of smoothed ones. */
+/* The expected squared error of the mean, over its square: what records differ
+ * by, and what each is off by, averages out. */
 static double
 doubt(const struct search *s)
 {
-    double mean = rad_rgb_lum(found(s));
+    double mean = rad_rgb_lum(found(s)), w = s->weight;
+    double apart = rad_most(s->lum2 / w / (mean * mean) - 1, 0);
 
-    if (!(mean > 0))
-        return 0;
-    return rad_most(s->lum2 / s->weight / (mean * mean) - 1, 0) +
-           s->var / s->weight;
+    return mean > 0 ? (apart + s->var / w) * s->w2 / (w * w) : 0;
 }
 
 void
