@@ -269,7 +269,7 @@ START_TEST(parts_add_by_their_squares)
 
     ck_assert(e.ambient == 0 && e.sampling == 0 && e.all == 0);
     d.v[RAD_DOUBT_AREAS] = 100;
-    d.v[RAD_DOUBT_PIXEL] = 1;
+    d.v[RAD_DOUBT_PIXEL] = 1 / 1.3; /* PIXELS */
     ck_assert_double_eq_tol(rad_doubt_error(&d).all, .1, 1e-12);
     d.v[RAD_DOUBT_PLACES] = 10;
     d.v[RAD_DOUBT_AMBIENT] = d.v[RAD_DOUBT_SAID] = .1 / 1.2; /* DEEPER */

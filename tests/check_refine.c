@@ -213,10 +213,10 @@ ask_of(double error, double ambient, double pixel, double noise)
     double *v = ask.sums.doubt.v;
 
     v[RAD_DOUBT_PLACES] = v[RAD_DOUBT_AREAS] = 100;
-    v[RAD_DOUBT_AMBIENT] = v[RAD_DOUBT_SAID] =
-        100 * ambient * ambient / 1.2; /* DEEPER of picture/doubt.c */
-    v[RAD_DOUBT_PIXEL] = 100 * pixel * pixel;
-    v[RAD_DOUBT_NOISE] = 100 * noise * noise;
+    /* DEEPER and PIXELS of picture/doubt.c */
+    v[RAD_DOUBT_AMBIENT] = v[RAD_DOUBT_SAID] = 100 * ambient * ambient / 1.2;
+    v[RAD_DOUBT_PIXEL] = 100 * pixel * pixel / 1.3;
+    v[RAD_DOUBT_NOISE] = 100 * noise * noise / 1.3;
     ask.sums.shown = 1000;
     ask.sums.rays = 3000;
     ask.check = 100000;

@@ -40,7 +40,7 @@ uint32_t rad_refine_plan(const struct rad_params *par,
                          struct rad_pass pass[RAD_MOST_PASSES]);
 
 /* How much finer than the job's own options, in quarters of a rung.  The
- * cache's error is halved by some three rungs at first, later by eight; that of
+ * cache's error is halved by some three rungs at first, later by five; that of
  * pixels by four.  The first rung of pixels is finer options for direct light;
  * further ones are rays of a pixel, which stages do not need: pictures alone
  * have them.  Stages that aim at an error have whole rungs, and pictures
