@@ -305,15 +305,15 @@ found(const struct search *s)
                    (float)(s->E[2] / s->weight));
 }
 
-/* The expected squared error of the mean, over its square: what records differ
- * by, and what each is off by, averages out. */
+/* The expected squared error of the mean, over its square: what each record is
+ * off by averages out; what they differ by may be an error of all. */
 static double
 doubt(const struct search *s)
 {
     double mean = rad_rgb_lum(found(s)), w = s->weight;
     double apart = rad_most(s->lum2 / w / (mean * mean) - 1, 0);
 
-    return mean > 0 ? (apart + s->var / w) * s->w2 / (w * w) : 0;
+    return mean > 0 ? apart + s->var / w * s->w2 / (w * w) : 0;
 }
 
 void
