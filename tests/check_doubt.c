@@ -262,6 +262,25 @@ START_TEST(it_can_be_stopped)
 }
 END_TEST
 
+/* Of 64 places fresh samples count as much as what records predict, of fewer
+ * less. */
+START_TEST(fresh_samples_count_by_their_number)
+{
+    struct rad_doubt said = { { 0 } }, fresh = { { 0 } };
+
+    for (int n = 16; n <= 256; n *= 4) {
+        double share = n / (n + 64.);
+
+        said.v[RAD_DOUBT_PLACES] = fresh.v[RAD_DOUBT_PLACES] = n;
+        said.v[RAD_DOUBT_SAID] = fresh.v[RAD_DOUBT_AMBIENT] = n * .01 / 1.2;
+        ck_assert_double_eq_tol(rad_doubt_squares(&said).ambient,
+                                (1 - share) * .01, 1e-12);
+        ck_assert_double_eq_tol(rad_doubt_squares(&fresh).ambient, share * .01,
+                                1e-12);
+    }
+}
+END_TEST
+
 START_TEST(parts_add_by_their_squares)
 {
     struct rad_doubt d = { { 0 } };
@@ -321,6 +340,7 @@ main(void)
     tcase_add_test(tc, noise_of_hemispheres_shows);
     tcase_add_test(tc, it_is_a_function_of_the_job);
     tcase_add_test(tc, it_can_be_stopped);
+    tcase_add_test(tc, fresh_samples_count_by_their_number);
     tcase_add_test(tc, parts_add_by_their_squares);
     tcase_add_loop_test(tc, an_error_is_a_number, 0, N_ELEM(wild));
     suite_add_tcase(s, tc);

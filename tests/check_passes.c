@@ -13,24 +13,12 @@
 #include <stdio.h>
 #include <string.h>
 
-/* A closed room with two boxes, a lamp and a mirror, seen through a pane. */
-static const char scene_text[] =
-    "void light lamp 0 0 3 60 60 60\n"
-    "lamp sphere bulb 0 0 4 2 2 4.5 .3\n"
+/* The room with a mirror, seen through a pane. */
+static const char scene_text[] = WORLD_ROOM
     "void glass pane 0 0 3 .9 .9 .9\n"
     "pane polygon window 0 0 12 -4 -4.5 0 4 -4.5 0 4 -4.5 5 -4 -4.5 5\n"
     "void mirror silver 0 0 3 .9 .9 .9\n"
-    "silver polygon glass 0 0 12 4.9 -1 1 4.9 1 1 4.9 1 3 4.9 -1 3\n"
-    "void plastic white 0 0 5 .7 .7 .7 0 0\n"
-    "white polygon floor 0 0 12 -5 -5 0 5 -5 0 5 5 0 -5 5 0\n"
-    "white polygon ceiling 0 0 12 -5 -5 5 -5 5 5 5 5 5 5 -5 5\n"
-    "white polygon west 0 0 12 -5 -5 0 -5 5 0 -5 5 5 -5 -5 5\n"
-    "white polygon east 0 0 12 5 -5 0 5 -5 5 5 5 5 5 5 0\n"
-    "white polygon north 0 0 12 -5 5 0 5 5 0 5 5 5 -5 5 5\n"
-    "white polygon south 0 0 12 -5 -5 0 -5 -5 5 5 -5 5 5 -5 0\n"
-    "void plastic red 0 0 5 .6 .2 .2 .02 .05\n"
-    "red sphere ball 0 0 4 -2 1 1 1\n"
-    "red sphere other 0 0 4 1 -1 .7 .7\n";
+    "silver polygon glass 0 0 12 4.9 -1 1 4.9 1 1 4.9 1 3 4.9 -1 3\n";
 
 #define OPTIONS                                                                \
     "-x 96 -y 96 -ar 16 -aa .25 -ad 64 -as 16 -lw 0 -lr 8 -ps 1 -pj .9 "

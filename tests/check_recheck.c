@@ -12,19 +12,7 @@
 #include <stdio.h>
 #include <string.h>
 
-static const char scene_text[] =
-    "void light lamp 0 0 3 60 60 60\n"
-    "lamp sphere bulb 0 0 4 2 2 4.5 .3\n"
-    "void plastic white 0 0 5 .7 .7 .7 0 0\n"
-    "white polygon floor 0 0 12 -5 -5 0 5 -5 0 5 5 0 -5 5 0\n"
-    "white polygon ceiling 0 0 12 -5 -5 5 -5 5 5 5 5 5 5 -5 5\n"
-    "white polygon west 0 0 12 -5 -5 0 -5 5 0 -5 5 5 -5 -5 5\n"
-    "white polygon east 0 0 12 5 -5 0 5 -5 5 5 5 5 5 5 0\n"
-    "white polygon north 0 0 12 -5 5 0 5 5 0 5 5 5 -5 5 5\n"
-    "white polygon south 0 0 12 -5 -5 0 -5 -5 5 5 -5 5 5 -5 0\n"
-    "void plastic red 0 0 5 .6 .2 .2 .02 .05\n"
-    "red sphere ball 0 0 4 -2 1 1 1\n"
-    "red sphere other 0 0 4 1 -1 .7 .7\n";
+static const char scene_text[] = WORLD_ROOM;
 
 enum { THREADS = 4, MOST = 200 };
 

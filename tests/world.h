@@ -11,6 +11,21 @@
 
 #include <string.h>
 
+/* A closed white room of ten by ten by five with a lamp and two balls. */
+#define WORLD_ROOM                                                             \
+    "void light lamp 0 0 3 60 60 60\n"                                         \
+    "lamp sphere bulb 0 0 4 2 2 4.5 .3\n"                                      \
+    "void plastic white 0 0 5 .7 .7 .7 0 0\n"                                  \
+    "white polygon floor 0 0 12 -5 -5 0 5 -5 0 5 5 0 -5 5 0\n"                 \
+    "white polygon ceiling 0 0 12 -5 -5 5 -5 5 5 5 5 5 5 -5 5\n"               \
+    "white polygon west 0 0 12 -5 -5 0 -5 5 0 -5 5 5 -5 -5 5\n"                \
+    "white polygon east 0 0 12 5 -5 0 5 -5 5 5 5 5 5 5 0\n"                    \
+    "white polygon north 0 0 12 -5 5 0 5 5 0 5 5 5 -5 5 5\n"                   \
+    "white polygon south 0 0 12 -5 -5 0 -5 -5 5 5 -5 5 5 -5 0\n"               \
+    "void plastic red 0 0 5 .6 .2 .2 .02 .05\n"                                \
+    "red sphere ball 0 0 4 -2 1 1 1\n"                                         \
+    "red sphere other 0 0 4 1 -1 .7 .7\n"
+
 struct world {
     struct rad_scene *scene;
     struct rad_params params;

@@ -542,10 +542,11 @@ mean_square(double n, double sum, double squares)
 static double
 ambient_square(const double *v)
 {
-    double n = v[RAD_DOUBT_PLACES], fresh = n / (n + AS_GOOD);
+    double n = v[RAD_DOUBT_PLACES], fresh;
 
     if (!(n >= 1))
         return 0;
+    fresh = n / (n + AS_GOOD);
     return DEEPER * (fresh * sound(v[RAD_DOUBT_AMBIENT] / n) +
                      (1 - fresh) * sound(v[RAD_DOUBT_SAID] / n));
 }

@@ -304,10 +304,6 @@ sound(double x)
 static const struct course ambient_fall = { 6, 3 };
 enum { APART = 3 * RAD_REFINE_RUNG };
 
-/* ... by which rays of passes grow, and those of a check. */
-static const struct course made_growth = { 4, 3 };
-static const struct course check_growth = { 0, 1 };
-
 /* What the first rung of pixels leaves of squares of their errors, and of noise
  * of a ray, which is of lamps or, and then it stays, of edges and gloss that
  * few pixels show; and how many times the rays it takes. */
@@ -420,23 +416,30 @@ foresee_square(const struct outlook *o, int ambient, int pixel)
     return o->ambient * rise(-fallen) + foresee_pixels(o, pixel);
 }
 
-/* Rays of a stage's passes with that rung. */
+/* Rays of a stage's passes with that rung: -ad of each record, and records by
+ * the area that -aa gives them. */
 static double
 foresee_passes(const struct outlook *o, int ambient)
 {
     int now = o->ask->rungs.ambient;
 
-    return o->walk + o->made * rise(parts_between(made_growth, now, ambient));
+    return o->walk +
+           o->made * rise(2 * parts_between(ambacc_fall, now, ambient) +
+                          parts_between(ambdiv_growth, now, ambient));
 }
 
-/* ... and of its check. */
+/* By how much rays of a check grow with that rung, but those of its pixels. */
+static double
+check_growth(const struct outlook *o, int ambient)
+{
+    return rise(parts_between(ambdiv_growth, o->ask->rungs.ambient, ambient));
+}
+
+/* Rays of a stage's passes and of its check. */
 static double
 foresee_stage(const struct outlook *o, int ambient)
 {
-    int now = o->ask->rungs.ambient;
-
-    return foresee_passes(o, ambient) +
-           o->check * rise(parts_between(check_growth, now, ambient));
+    return foresee_passes(o, ambient) + o->check * check_growth(o, ambient);
 }
 
 /* By how much rays of a picture grow with that rung. */
@@ -459,8 +462,7 @@ foresee_wait(const struct outlook *o, int ambient, int pixel)
 
     return foresee_passes(o, ambient) * ask->pass_s +
            ((windows + half) * more_rays(o, least(pixel, ONE_RAY)) +
-            half * rise(parts_between(check_growth, ask->rungs.ambient,
-                                      ambient))) *
+            half * check_growth(o, ambient)) *
                ask->look_s;
 }
 

@@ -10,7 +10,8 @@ set -u
 view="-vf $scenes/room.vf -x 160 -y 120 -ps 2 -pt .1 -ab 2 -aa .4 -ar 16 -ad 32
 -as 8"
 room=$scenes/room.rad
-goal=--error=2.2
+wanted=2.2
+goal=--error=$wanted
 
 body()
 {
@@ -49,7 +50,7 @@ option()
 render calm $goal --workers=1 --threads=1
 stages=$(sed -n 's/.*; \([2-4]\) stages.*/\1/p' calm.err)
 [ -n "$stages" ] || fail "not several stages: $(cat calm.err)"
-grep -q 'estimated error .* %, 2.2 % were asked for' calm.err ||
+grep -q "estimated error .* %, $wanted % were asked for" calm.err ||
     fail "it is not said what was reached: $(cat calm.err)"
 grep -Eq '^radsubmit .* -aa 0?\.4( |$)' calm.hdr &&
     fail "the header has the first stage's options"
@@ -167,7 +168,7 @@ start worker
 until_log 'stage=0 '
 id=$(sed -n 's/^radsubmit: job //p' worker.err)
 "$radctl" --coordinator="$sock" job "$id" >said
-grep -q '^asked for *error of 2.2 %' said || ended ||
+grep -q "^asked for *error of $wanted %" said || ended ||
     fail "radctl job says nothing of what was asked for: $(cat said)"
 grep -Eq '^stage *2 of at most 4, estimated error' said || ended ||
     fail "radctl job says nothing of stages: $(cat said)"

@@ -311,9 +311,11 @@ static double
 doubt(const struct search *s)
 {
     double mean = rad_rgb_lum(found(s)), w = s->weight;
-    double apart = rad_most(s->lum2 / w / (mean * mean) - 1, 0);
 
-    return mean > 0 ? apart + s->var / w * s->w2 / (w * w) : 0;
+    if (!(mean > 0))
+        return 0;
+    return rad_most(s->lum2 / w / (mean * mean) - 1, 0) +
+           s->var / w * s->w2 / (w * w);
 }
 
 void
