@@ -82,9 +82,11 @@ sort -u "$tmp/used" | awk '
     cat "$tmp/files"
 } | xargs grep -HnoE \
     '[^</a-z](src|proto|net|daemon|client|tests)/[a-z_0-9/]+\.(c|h|def|sh)\>' |
-    awk -F: '{ name = $NF; sub("^[^a-z]", "", name)
-               if (!(name in gone)) gone[name] = system("[ -f " name " ]")
-               if (gone[name]) print $1 ":" $2 ": " name }' |
+    awk -F: -v listed="$tmp/files" '
+        BEGIN { while ((getline name <listed) > 0) gone[name] = 0 }
+        { name = $NF; sub("^[^a-z]", "", name)
+          if (!(name in gone)) gone[name] = system("[ -f " name " ]")
+          if (gone[name]) print $1 ":" $2 ": " name }' |
     tell "files that are named and not there"
 
 # --- sizes ---
@@ -104,12 +106,14 @@ if ! command -v nm >/dev/null || ! command -v tsort >/dev/null; then
     [ -e "$tmp/bad" ] && exit 1
     exit 77
 fi
+# "file symbol type ..." of objects; one may have outlived its source
+symbols()
+{
+    xargs nm -P -A | sed 's|/[a-z]*\(_a\)*-\([^/]*\)\.o: |/\2 |' |
+        awk 'NR == FNR { is[$1] = 1; next } ($1 ".c") in is' "$tmp/files" -
+}
 find daemon net client -name 'lib*_a-*.o' -o -name 'rad*-*.o' |
-    while read -r o; do
-        file=$(echo "$o" | sed 's|/[a-z]*\(_a\)*-|/|; s|\.o$||')
-        # an object may have outlived its source
-        [ -f "$top/$file.c" ] && nm -P "$o" | sed "s|^|$file |"
-    done >"$tmp/symbols"
+    symbols >"$tmp/symbols"
 [ -s "$tmp/symbols" ] || { echo "no objects in $build"; exit 1; }
 awk '$3 ~ /^[TDBRVC]$/ { print $1, $2 }' "$tmp/symbols" | sort -u >"$tmp/has"
 awk '$3 == "U" { print $1, $2 }' "$tmp/symbols" | sort -u >"$tmp/wants"
@@ -136,10 +140,7 @@ END
 inexact='a?(sin|cos|tan)(h|pi)?|atan2(pi)?|sincos(pi)?|exp(2|10|m1|2m1|10m1)?'
 inexact="$inexact|log(2|10|1p|2p1|10p1)?|pow(10|n|r)?|compoundn|rootn|rsqrt|cbrt"
 inexact="$inexact|hypot|erfc?|[lt]?gamma|[jy][01n]"
-find src -name 'lib*_a-*.o' | while read -r o; do
-    file=$(echo "$o" | sed 's|/[a-z]*_a-|/|; s|\.o$||')
-    [ -f "$top/$file.c" ] && nm -P "$o" | sed "s|^|$file |"
-done >"$tmp/drawing"
+find src -name 'lib*_a-*.o' | symbols >"$tmp/drawing"
 [ -s "$tmp/drawing" ] || { echo "no objects of src in $build"; exit 1; }
 awk '$3 == "U" { sub("@.*", "", $2); print $1, $2 }' "$tmp/drawing" |
     grep -E " (__)?($inexact)(_r)?([fl]|f[0-9]+x?)?(_finite)?\$" |
