@@ -224,6 +224,29 @@ START_TEST(noise_of_hemispheres_shows)
 }
 END_TEST
 
+/* Where each pixel has a record of its own, areas average their noise out. */
+START_TEST(noise_of_small_zones_averages_out_in_areas)
+{
+    static const char *const zones[] = { "-aa .3 -ar 32", "-aa .05 -ar 4096" };
+    double square[2];
+
+    for (int i = 0; i < 2; i++) {
+        char options[300];
+        struct picture p;
+        struct rad_doubt d;
+
+        snprintf(options, sizeof options, PURE "-x 45 -y 45 -ab 1 -ad 8 %s",
+                 zones[i]);
+        make(&p, options);
+        d = look(&p, 3, (struct rad_doubt_share){ .002, 3 });
+        ck_assert_double_gt(d.v[RAD_DOUBT_PLACES], 100);
+        square[i] = d.v[RAD_DOUBT_AMBIENT] / d.v[RAD_DOUBT_PLACES];
+        drop(&p);
+    }
+    ck_assert_double_lt(square[1], .5 * square[0]);
+}
+END_TEST
+
 START_TEST(it_is_a_function_of_the_job)
 {
     const struct rad_doubt_share share = { .01, 0 };
@@ -272,7 +295,8 @@ START_TEST(fresh_samples_count_by_their_number)
         double share = n / (n + 64.);
 
         said.v[RAD_DOUBT_PLACES] = fresh.v[RAD_DOUBT_PLACES] = n;
-        said.v[RAD_DOUBT_SAID] = fresh.v[RAD_DOUBT_AMBIENT] = n * .01 / 1.2;
+        said.v[RAD_DOUBT_SAID] = n * .01;
+        fresh.v[RAD_DOUBT_AMBIENT] = n * .01 / 1.4; /* DEEPER */
         ck_assert_double_eq_tol(rad_doubt_squares(&said).ambient,
                                 (1 - share) * .01, 1e-12);
         ck_assert_double_eq_tol(rad_doubt_squares(&fresh).ambient, share * .01,
@@ -291,7 +315,8 @@ START_TEST(parts_add_by_their_squares)
     d.v[RAD_DOUBT_PIXEL] = 1 / 1.3; /* PIXELS */
     ck_assert_double_eq_tol(rad_doubt_error(&d).all, .1, 1e-12);
     d.v[RAD_DOUBT_PLACES] = 10;
-    d.v[RAD_DOUBT_AMBIENT] = d.v[RAD_DOUBT_SAID] = .1 / 1.2; /* DEEPER */
+    d.v[RAD_DOUBT_AMBIENT] = .1 / 1.4; /* DEEPER */
+    d.v[RAD_DOUBT_SAID] = .1;
     e = rad_doubt_error(&d);
     ck_assert_double_eq_tol(e.ambient, .1, 1e-12);
     ck_assert_double_eq_tol(e.all, hypot(.1, .1), 1e-12);
@@ -338,6 +363,7 @@ main(void)
     tcase_add_test(tc, gloss_that_is_left_out_shows);
     tcase_add_test(tc, a_narrow_rest_is_no_area_by_itself);
     tcase_add_test(tc, noise_of_hemispheres_shows);
+    tcase_add_test(tc, noise_of_small_zones_averages_out_in_areas);
     tcase_add_test(tc, it_is_a_function_of_the_job);
     tcase_add_test(tc, it_can_be_stopped);
     tcase_add_test(tc, fresh_samples_count_by_their_number);

@@ -33,9 +33,10 @@
  * where few places are badly off they say less, and rightly. */
 #define AS_GOOD 64.
 
-/* The square of the cache's error over the square that is found.  Cached and
- * fresh light are both made of deeper records, whose error does not show. */
-#define DEEPER 1.2
+/* The square of the cache's error over the square that fresh samples show: they
+ * are made of deeper records, whose error they have in common with the cache.
+ */
+#define DEEPER 1.4
 
 /* The square of pixels' error over the square that is found: relative to noisy
  * light differences are less, and areas are wider than high (doc/measured.md).
@@ -69,9 +70,10 @@
 #define MOST_OFF 1.
 
 enum {
-    AREA = 25, /* pixels of an area, about */
-    FEW = 4,   /* pixels of an area that are rendered first */
-    MOST = 50  /* pixels of an area, at most */
+    SIDE = 5,
+    AREA = SIDE * SIDE, /* pixels of an area, about */
+    FEW = 4,            /* pixels of an area that are rendered first */
+    MOST = 50           /* pixels of an area, at most */
 };
 /* area_at() rounds to whole columns, and may add half a width */
 _Static_assert((AREA + RAD_QUINCUNX_MAX_YSTEP / 2) * 3 / 2 <= MOST, "no room");
@@ -182,21 +184,48 @@ choose(struct look *k, const struct tried *t, double mean, double *weight)
     return i;
 }
 
-/* The square of the cache's relative error at a pixel, as the product of two
- * differences.  cached is the pixel's luminance in the first frame with the
- * cache's light; weight is what the place counts for. */
-static double
-square_at(struct look *k, int x, int y, double cached, double weight)
+/* A pixel in place of pixel n, of 0 to beyond - 1: both are anywhere in a row
+ * of SIDE. */
+static int
+move(struct look *k, int n, int beyond)
 {
+    int to = n - (int)(draw(k) * SIDE) + (int)(draw(k) * SIDE);
+
+    return to < 0 ? 0 : to < beyond ? to : beyond - 1;
+}
+
+/* Pixel at[] becomes another of its area.  Points of a list have none. */
+static void
+move_in_area(struct look *k, int at[2])
+{
+    const struct rad_frame *f = &k->frame[FIRST];
+
+    if (f->points)
+        return;
+    at[0] = move(k, at[0], f->width);
+    at[1] = move(k, at[1], f->height);
+}
+
+/* The square of the cache's relative error about a pixel, as the product of two
+ * differences: that of the pixel in the first frame and of another of its area
+ * in the second.  So what averages out in areas does not count: of fine caches
+ * several records serve in each.  cached is the pixel's luminance in the first
+ * frame with the cache's light; weight is what the place counts for. */
+static double
+square_at(struct look *k, const int pixel_at[2], double cached, double weight)
+{
+    int at[2] = { pixel_at[0], pixel_at[1] };
     double d[NFRAMES], mean = 0;
 
     for (int i = 0; i < NFRAMES; i++) {
         double fresh;
 
-        if (i != FIRST)
-            cached = pixel(k, i, x, y);
+        if (i != FIRST) {
+            move_in_area(k, at);
+            cached = pixel(k, i, at[0], at[1]);
+        }
         k->ctx->fresh = true;
-        fresh = pixel(k, i, x, y);
+        fresh = pixel(k, i, at[0], at[1]);
         k->ctx->fresh = false;
         d[i] = fresh - cached;
         mean += (fresh + cached) / (2 * NFRAMES);
@@ -222,7 +251,7 @@ look_at_place(struct look *k, const int at[RAD_DOUBT_TRIED][2])
     k->exact.params.samples = 1;
     said = try_places(k, &t);
     i = choose(k, &t, said, &weight);
-    square = square_at(k, at[i][0], at[i][1], t.lum[i], weight);
+    square = square_at(k, at[i], t.lum[i], weight);
     if (is_stopped(k))
         return;
     k->sum[RAD_DOUBT_PLACES] += 1;
@@ -547,8 +576,8 @@ ambient_square(const double *v)
     if (!(n >= 1))
         return 0;
     fresh = n / (n + AS_GOOD);
-    return DEEPER * (fresh * sound(v[RAD_DOUBT_AMBIENT] / n) +
-                     (1 - fresh) * sound(v[RAD_DOUBT_SAID] / n));
+    return fresh * DEEPER * sound(v[RAD_DOUBT_AMBIENT] / n) +
+           (1 - fresh) * sound(v[RAD_DOUBT_SAID] / n);
 }
 
 struct rad_error_squares

@@ -8,7 +8,8 @@
  *             -st, penumbras of lamps whose parts -dj samples at their middles,
  *             edges that interpolation missed.
  *   places    pixels whose indirect light is sampled anew, to compare with what
- *             the ambient cache gives
+ *             the ambient cache gives; the second rendering is of another pixel
+ *             of the same area
  * Both renderings of a pixel differ from the picture by the same error, each
  * with noise of its own.  So the mean product of the two differences is the
  * mean square of the error.  Errors are relative to the light of the area or
