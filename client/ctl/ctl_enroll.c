@@ -264,6 +264,7 @@ tell_what_to_do(const struct ctl *c, const json_t *done)
     table_print(stdout, done);
     tell(stdout, "%s", "");
     tell(stdout, "Copy to each host, for example WORKER, as root:");
+    tell(stdout, "    ssh root@WORKER mkdir -p %s", SETTINGS);
     tell(stdout, "    scp %s/WORKER/radd.conf %s/WORKER/key root@WORKER:%s/",
          c->folder, c->folder, SETTINGS);
     tell(stdout,

@@ -24,7 +24,7 @@ static const struct ctl_command commands[] = {
     { "workers", NULL, "one line a worker", ctl_run_list, MSG_QUERY_WORKERS },
     { "jobs", NULL, "one line a job", ctl_run_list, MSG_QUERY_JOBS },
     { "top", NULL, "workers and jobs on the full screen", ctl_run_top, 0 },
-    { "limits", NULL, "what a user may have, and has", ctl_run_limits,
+    { "limits", NULL, "your limits, and what you use of them", ctl_run_limits,
       MSG_QUERY_LIMITS },
     { "job", "ID", "all about a job", ctl_run_job_report, MSG_QUERY_JOB },
     { "cancel", "ID...", "end jobs", ctl_run_job, MSG_CANCEL },
@@ -284,8 +284,8 @@ check_show(struct ctl *c)
         given = "--false-colour";
     if (given && (c->command->run != ctl_run_fetch ||
                   !picfile_is_png(c->output, PICFILE_BY_SUFFIX)))
-        return rad_fail(c->err, RAD_EUSAGE,
-                        "%s is for fetch with -o FILE.png", given);
+        return rad_fail(c->err, RAD_EUSAGE, "%s is for fetch with -o FILE.png",
+                        given);
     if (c->tone)
         rc = show_tone(&c->show, c->tone, c->err);
     if (rc == 0 && c->bits)
