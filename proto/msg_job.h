@@ -104,9 +104,10 @@ struct msg_fault {
 #define MSG_STATE_CANCELLED 5
 #define MSG_STATE_HELD      6
 
-#define MSG_PROGRESS_ADDED                                                     \
-    12 /* bytes from stage on: databases hold such as                          \
-        * lack them */
+/* Bytes of the fields from `stage` on, which messages that former versions left
+ * in a database lack. */
+#define MSG_PROGRESS_ADDED 12
+
 struct msg_progress {
     const uint8_t *job; /* zero: the job is not accepted yet */
     uint8_t state;      /* enum job_state of daemon/jobs/job.h: 0 waiting,
