@@ -371,12 +371,58 @@ SANITIZED_MORE = \
 	tests/fuzz/replay.sh \
 	tests/soak/pairs.sh
 
-.PHONY: check-sanitized check-threads
+# Tests of rights, of what is kept from others and of what the system refuses,
+# where root goes other ways than an ordinary user.
+ROOT_TESTS = \
+	tests/check_credentials \
+	tests/check_files \
+	tests/check_keyfile \
+	tests/check_owner \
+	tests/check_sandbox \
+	tests/check_shelf \
+	tests/check_store \
+	tests/e2e/cluster_keys.sh \
+	tests/e2e/cluster_sandbox.sh \
+	tests/e2e/cluster_sockets.sh \
+	tests/e2e/coord_full.sh \
+	tests/e2e/daemon_settings.sh \
+	tests/e2e/enroll.sh \
+	tests/e2e/kept_jobs.sh \
+	tests/e2e/keys.sh \
+	tests/e2e/launch_real.sh \
+	tests/e2e/owners.sh \
+	tests/e2e/radctl_check.sh \
+	tests/e2e/radctl_here.sh \
+	tests/e2e/radctl_lists.sh \
+	tests/e2e/radd_refused.sh \
+	tests/e2e/radd_shortage.sh \
+	tests/e2e/radweb_page.sh \
+	tests/e2e/slurm.sh \
+	tests/e2e/state_damage.sh \
+	tests/e2e/submit_bad_input.sh \
+	tests/e2e/submit_outputs.sh \
+	tests/e2e/systemd_units.sh
+
+# check-threads makes no other test programs than it runs and these.
+TOOLS = \
+	tests/confine \
+	tests/flood \
+	tests/poke \
+	tests/proxy \
+	tests/radd-hooked \
+	tests/seqpict \
+	tests/shown
+
+.PHONY: check-root check-sanitized check-threads
+check-root:
+	$(MAKE) $(AM_MAKEFLAGS) check TESTS='$(ROOT_TESTS)'
 check-sanitized:
 	$(MAKE) $(AM_MAKEFLAGS) check \
 		TESTS='$(UNIT_TESTS) $(SANITIZED_MORE) $(SANITIZED_E2E)'
 check-threads:
-	$(MAKE) $(AM_MAKEFLAGS) check TESTS='$(THREAD_TESTS) $(SANITIZED_E2E)'
+	$(MAKE) $(AM_MAKEFLAGS) check \
+		check_PROGRAMS='$(TOOLS) $(THREAD_TESTS)' \
+		TESTS='$(THREAD_TESTS) $(SANITIZED_E2E)'
 
 # The floor plan of doc/architecture.md against the code.
 TESTS += tests/doors.sh
