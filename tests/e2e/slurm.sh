@@ -89,7 +89,7 @@ until_true 30 idle || { echo "slurm does not start: not tested"; exit 77; }
 room=$scenes/room.rad
 small="-vf $scenes/room.vf -x 120 -y 90 -ab 1 -ad 64 -as 16 --oversample=1
 --threads=1"
-large="-vf $scenes/room.vf -x 600 -y 450 -ab 1 -ad 512 -as 64 --oversample=1
+large="-vf $scenes/room.vf -x 1200 -y 900 -ab 1 -ad 512 -as 64 --oversample=1
 --threads=1 --progress=never"
 # shellcheck disable=SC2086
 "$radsubmit" --local $small -o small.hdr "$room" 2>err || fail "$(cat err)"
