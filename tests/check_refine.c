@@ -580,6 +580,26 @@ START_TEST(more_time_is_used)
 }
 END_TEST
 
+/* Where the cache alone is off, too, half of the time is the pixels'. */
+START_TEST(a_stage_leaves_time_for_pixels)
+{
+    struct rad_refine_ask ask = ask_of(0, .3, .001, .0005);
+    const struct rad_params job = { .ambacc = .5, .ambdiv = 512 };
+    struct rad_refine_rungs next;
+    struct rad_params par;
+    double error, records, rays;
+
+    set_clock(&ask, 50);
+    ask.stage = 1;
+    ck_assert(rad_refine_next(&ask, &next, &error));
+    rad_refine_params(&job, next, &par);
+    records = job.ambacc / par.ambacc;
+    rays = (double)ask.rays * records * records * par.ambdiv / job.ambdiv;
+    ck_assert_double_lt(rays * ask.pass_s, 25);
+    ck_assert_double_gt(rays * ask.pass_s, 10);
+}
+END_TEST
+
 /* What takes all the time is foreseen from a stage that takes some of it. */
 START_TEST(much_time_has_a_stage_before_the_last)
 {
@@ -750,6 +770,7 @@ main(void)
     tcase_add_test(decisions, a_stage_keeps_the_options_of_pixels);
     tcase_add_test(decisions, a_stage_has_a_bound);
     tcase_add_test(decisions, more_time_is_used);
+    tcase_add_test(decisions, a_stage_leaves_time_for_pixels);
     tcase_add_test(decisions, much_time_has_a_stage_before_the_last);
     tcase_add_test(decisions, a_stage_before_the_last_is_one);
     tcase_add_test(decisions,
