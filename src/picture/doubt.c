@@ -189,7 +189,8 @@ choose(struct look *k, const struct tried *t, double mean, double *weight)
 static int
 move(struct look *k, int n, int beyond)
 {
-    int to = n - (int)(draw(k) * SIDE) + (int)(draw(k) * SIDE);
+    int first = n - (int)(draw(k) * SIDE);
+    int to = first + (int)(draw(k) * SIDE);
 
     return to < 0 ? 0 : to < beyond ? to : beyond - 1;
 }
