@@ -204,23 +204,30 @@ tests_check_sim_SOURCES = \
 	tests/sim/picture.c \
 	tests/sim/tiles.c
 
+# Programs that the tests run; check-threads makes these and its own tests.
+TOOLS = \
+	tests/confine \
+	tests/flood \
+	tests/poke \
+	tests/proxy \
+	tests/radd-hooked \
+	tests/seqpict \
+	tests/shown
+check_PROGRAMS += $(TOOLS)
+
 # The renderer alone, the reference for the cluster.
-check_PROGRAMS += tests/seqpict
 tests_seqpict_SOURCES = tests/seqpict.c
 tests_seqpict_LDADD = $(LIBCLIENT) $(LIBRAD)
 
 # What a tone curve makes of a picture, and what a PNG holds.
-check_PROGRAMS += tests/shown
 tests_shown_SOURCES = tests/shown.c
 tests_shown_CFLAGS = $(AM_CFLAGS) $(PNG_CFLAGS)
 tests_shown_LDADD = $(LIBCLIENT) $(LIBRAD)
 
 # sends bytes to a socket, for the shell tests
-check_PROGRAMS += tests/flood
 tests_flood_SOURCES = tests/flood.c
 tests_flood_LDADD = $(LIBDAEMON) $(LIBRAD)
 
-check_PROGRAMS += tests/poke
 tests_poke_SOURCES = tests/poke.c
 tests_poke_LDADD = $(LIBDAEMON) $(LIBRAD)
 
@@ -234,7 +241,6 @@ tests/disaster.so: $(top_srcdir)/tests/disaster.c config.h
 		-shared -fPIC -o $@ $(top_srcdir)/tests/disaster.c
 
 # radd with the hooks of tests/hook.h: not to be installed
-check_PROGRAMS += tests/radd-hooked
 tests_radd_hooked_SOURCES = $(radd_SOURCES) daemon/child/pool_unit.c \
 	tests/hook.c tests/hook.h
 tests_radd_hooked_CPPFLAGS = $(radd_CPPFLAGS) -DRADD_TEST_HOOKS
@@ -242,13 +248,11 @@ tests_radd_hooked_CFLAGS = $(radd_CFLAGS)
 tests_radd_hooked_LDADD = $(radd_LDADD)
 
 # a bad connection, for the shell tests
-check_PROGRAMS += tests/proxy
 tests_proxy_SOURCES = tests/proxy.c
 tests_proxy_CFLAGS = $(AM_CFLAGS) $(UV_CFLAGS)
 tests_proxy_LDADD = $(LIBDAEMON) $(LIBRAD)
 
 # runs a program as a unit of systemd would
-check_PROGRAMS += tests/confine
 tests_confine_SOURCES = tests/confine.c
 tests_confine_CFLAGS = $(AM_CFLAGS) $(SECCOMP_CFLAGS)
 tests_confine_LDADD = $(SECCOMP_LIBS)
@@ -402,16 +406,6 @@ ROOT_TESTS = \
 	tests/e2e/submit_bad_input.sh \
 	tests/e2e/submit_outputs.sh \
 	tests/e2e/systemd_units.sh
-
-# check-threads makes no other test programs than it runs and these.
-TOOLS = \
-	tests/confine \
-	tests/flood \
-	tests/poke \
-	tests/proxy \
-	tests/radd-hooked \
-	tests/seqpict \
-	tests/shown
 
 .PHONY: check-root check-sanitized check-threads
 check-root:
