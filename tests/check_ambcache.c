@@ -8,7 +8,7 @@
 #include "base/vec.h"
 #include "light/indirect/ambcache.h"
 #include "light/indirect/ambread.h"
-#include "world.h"
+#include "tests/world.h"
 
 #include <pthread.h>
 #include <stdatomic.h>

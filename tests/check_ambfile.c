@@ -4,7 +4,7 @@
 #include "records/ambfile.h"
 #include "proto/ambshare.h"
 #include "base/files.h"
-#include "world.h"
+#include "tests/world.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -4,8 +4,8 @@
 #include "base/rng.h"
 #include "base/vec.h"
 #include "light/indirect/ambient.h"
-#include "lambert.h"
-#include "world.h"
+#include "tests/lambert.h"
+#include "tests/world.h"
 
 #include <pthread.h>
 #include <stdio.h>

@@ -4,7 +4,7 @@
 #include "worker/ambseen.h"
 #include "proto/ambshare.h"
 
-#include "unit.h"
+#include "tests/unit.h"
 
 #include <math.h>
 #include <stddef.h>

@@ -1,8 +1,8 @@
 /* check_antimatter.c - tests of src/shade/antimatter.c: holes in surfaces */
 #include "config.h"
 
-#include "parts.h"
-#include "world.h"
+#include "tests/parts.h"
+#include "tests/world.h"
 
 #include <stdio.h>
 

@@ -3,7 +3,7 @@
 #include "config.h"
 
 #include "lines_fixture.h"
-#include "unit.h"
+#include "tests/unit.h"
 
 static void
 cut(uint64_t conn)

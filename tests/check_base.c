@@ -10,7 +10,7 @@
 #include "base/list.h"
 #include "base/rng.h"
 #include "base/vec.h"
-#include "unit.h"
+#include "tests/unit.h"
 
 #include <float.h>
 #include <stdbool.h>

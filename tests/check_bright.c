@@ -4,7 +4,7 @@
 #include "light/hemisphere/bright.h"
 #include "base/rng.h"
 
-#include "world.h"
+#include "tests/world.h"
 
 #include <math.h>
 #include <string.h>

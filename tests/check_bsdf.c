@@ -3,7 +3,7 @@
 #include "config.h"
 
 #include "scene/bsdf/bsdf.h"
-#include "world.h"
+#include "tests/world.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -5,7 +5,7 @@
 #include "base/hex.h"
 #include "base/sha.h"
 #include "scene/file/bundle.h"
-#include "unit.h"
+#include "tests/unit.h"
 
 #include <stdio.h>
 #include <string.h>

@@ -4,7 +4,7 @@
 #include "geom/geom.h"
 #include "geom/kernel.h"
 #include "geom_scene.h"
-#include "unit.h"
+#include "tests/unit.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -2,7 +2,7 @@
 #include "config.h"
 
 #include "files/cache.h"
-#include "scratch.h"
+#include "tests/scratch.h"
 
 #include <dirent.h>
 #include <fcntl.h>

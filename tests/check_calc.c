@@ -3,7 +3,7 @@
 
 #include "base/xform.h"
 #include "scene/calc/calc.h"
-#include "unit.h"
+#include "tests/unit.h"
 
 #include <math.h>
 #include <stdio.h>

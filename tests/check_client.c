@@ -9,7 +9,7 @@
 #include "common/table.h"
 #include "link/launch.h"
 #include "link/target.h"
-#include "scratch.h"
+#include "tests/scratch.h"
 
 #include <limits.h>
 #include <stdio.h>

@@ -4,7 +4,7 @@
 #include "folder/coarse.h"
 #include "folder/rows.h"
 #include "image/hdr.h"
-#include "unit.h"
+#include "tests/unit.h"
 
 #include <math.h>
 #include <stdint.h>

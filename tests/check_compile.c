@@ -6,7 +6,7 @@
 #include "compile/command.h"
 #include "compile/compile.h"
 #include "scene/octfile.h"
-#include "scratch.h"
+#include "tests/scratch.h"
 
 #include <errno.h>
 #include <fcntl.h>

@@ -5,7 +5,7 @@
 #include "ground/conf.h"
 #include "net/log.h"
 
-#include "unit.h"
+#include "tests/unit.h"
 
 #include <stdio.h>
 #include <string.h>

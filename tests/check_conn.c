@@ -4,7 +4,7 @@
 #include "net/conn.h"
 #include "net/log.h"
 
-#include "unit.h"
+#include "tests/unit.h"
 
 #include <errno.h>
 #include <netinet/in.h>

@@ -2,7 +2,7 @@
 #include "config.h"
 
 #include "job/costs.h"
-#include "unit.h"
+#include "tests/unit.h"
 
 #include <stdio.h>
 #include <string.h>

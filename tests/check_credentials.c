@@ -12,7 +12,7 @@
 #include "net/key/keyfile.h"
 #include "net/tls.h"
 
-#include "unit.h"
+#include "tests/unit.h"
 
 #include <arpa/inet.h>
 #include <errno.h>

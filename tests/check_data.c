@@ -4,7 +4,7 @@
 
 #include "image/hdr.h"
 #include "scene/file/data.h"
-#include "unit.h"
+#include "tests/unit.h"
 
 #include <math.h>
 #include <stdio.h>

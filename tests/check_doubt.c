@@ -4,7 +4,7 @@
 #include "machine/jobtext.h"
 #include "picture/doubt.h"
 
-#include "world.h"
+#include "tests/world.h"
 
 #include <math.h>
 #include <stdatomic.h>

@@ -6,7 +6,7 @@
 #include "child/pool.h"
 #include "scene/file/parse.h"
 
-#include "unit.h"
+#include "tests/unit.h"
 
 #include <string.h>
 

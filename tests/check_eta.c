@@ -7,7 +7,7 @@
 
 #include "trial/eta.h"
 #include "trial/trial.h"
-#include "unit.h"
+#include "tests/unit.h"
 
 #include <math.h>
 

@@ -3,7 +3,7 @@
 
 #include "base/error.h"
 #include "picture/facts.h"
-#include "unit.h"
+#include "tests/unit.h"
 
 #include <math.h>
 #include <pthread.h>

@@ -3,7 +3,7 @@
 
 #include "net/fair.h"
 
-#include "unit.h"
+#include "tests/unit.h"
 
 #include <string.h>
 

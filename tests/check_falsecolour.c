@@ -4,7 +4,7 @@
 #include "tone/falsecolour.h"
 #include "tone/legend.h"
 
-#include "unit.h"
+#include "tests/unit.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -6,7 +6,7 @@
 #include "files/sound.h"
 #include "ground/disk.h"
 #include "ground/service.h"
-#include "scratch.h"
+#include "tests/scratch.h"
 
 #include <fcntl.h>
 #include <stdio.h>

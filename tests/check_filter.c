@@ -4,7 +4,7 @@
 #include "base/rng.h"
 #include "image/filter.h"
 #include "image/hdr.h"
-#include "unit.h"
+#include "tests/unit.h"
 
 #include <math.h>
 #include <stdlib.h>

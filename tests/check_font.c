@@ -2,7 +2,7 @@
 #include "config.h"
 
 #include "scene/file/font.h"
-#include "unit.h"
+#include "tests/unit.h"
 
 #include <stdlib.h>
 #include <string.h>

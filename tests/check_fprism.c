@@ -4,7 +4,7 @@
 #include "config.h"
 
 #include "scene/calc/calc.h"
-#include "unit.h"
+#include "tests/unit.h"
 
 #include <math.h>
 #include <stdio.h>

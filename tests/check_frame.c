@@ -4,7 +4,7 @@
 #include "picture/frame.h"
 #include "base/rng.h"
 #include "scene/file/parse.h"
-#include "unit.h"
+#include "tests/unit.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -6,7 +6,7 @@
 #include "config.h"
 
 #include "base/rng.h"
-#include "world.h"
+#include "tests/world.h"
 
 #include <math.h>
 #include <stdio.h>

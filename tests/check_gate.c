@@ -8,7 +8,7 @@
 #include "net/listen.h"
 #include "net/log.h"
 
-#include "unit.h"
+#include "tests/unit.h"
 
 #include <arpa/inet.h>
 #include <errno.h>

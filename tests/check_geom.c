@@ -2,9 +2,9 @@
 #include "config.h"
 
 #include "geom/geom.h"
-#include "closed_mesh.h"
+#include "tests/closed_mesh.h"
 #include "geom_scene.h"
-#include "unit.h"
+#include "tests/unit.h"
 
 #include <math.h>
 

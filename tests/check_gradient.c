@@ -4,8 +4,8 @@
 #include "light/hemisphere/gradient.h"
 
 #include "base/vec.h"
-#include "lambert.h"
-#include "unit.h"
+#include "tests/lambert.h"
+#include "tests/unit.h"
 
 /* --- edges --- */
 

@@ -4,7 +4,7 @@
 #include "base/rng.h"
 #include "image/hdr.h"
 #include "picture/quincunx.h"
-#include "unit.h"
+#include "tests/unit.h"
 
 #include <math.h>
 #include <stdio.h>

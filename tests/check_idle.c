@@ -4,7 +4,7 @@
 #include "radd/hours.h"
 #include "radd/idle.h"
 
-#include "unit.h"
+#include "tests/unit.h"
 
 #include <math.h>
 

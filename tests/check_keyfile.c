@@ -3,7 +3,7 @@
 
 #include "net/key/keyorder.h"
 
-#include "unit.h"
+#include "tests/unit.h"
 
 #include <fcntl.h>
 #include <grp.h>

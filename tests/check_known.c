@@ -2,7 +2,7 @@
 #include "config.h"
 
 #include "users/known.h"
-#include "unit.h"
+#include "tests/unit.h"
 
 #include <string.h>
 

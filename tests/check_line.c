@@ -3,7 +3,7 @@
 
 #include "geom/geom.h"
 #include "geom_scene.h"
-#include "unit.h"
+#include "tests/unit.h"
 
 #include <math.h>
 

@@ -3,7 +3,7 @@
 #include "config.h"
 
 #include "link/submit.h"
-#include "unit.h"
+#include "tests/unit.h"
 
 #include <stdio.h>
 #include <stdlib.h>

@@ -4,7 +4,7 @@
 #include "tone/falsecolour.h"
 #include "image/metric.h"
 #include "image/png.h"
-#include "unit.h"
+#include "tests/unit.h"
 
 #include <math.h>
 #include <string.h>

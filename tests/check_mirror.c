@@ -6,7 +6,7 @@
 #include "config.h"
 
 #include "light/direct/sources.h"
-#include "world.h"
+#include "tests/world.h"
 
 #include <stdio.h>
 

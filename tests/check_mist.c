@@ -2,7 +2,7 @@
 #include "config.h"
 
 #include "base/rng.h"
-#include "world.h"
+#include "tests/world.h"
 
 #include <stdio.h>
 

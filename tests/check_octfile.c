@@ -5,7 +5,7 @@
 #include "scene/octree.h"
 #include "scene/octfile.h"
 #include "scene/file/parse.h"
-#include "unit.h"
+#include "tests/unit.h"
 
 #include <math.h>
 #include <stdio.h>

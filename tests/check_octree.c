@@ -8,7 +8,7 @@
 #include "base/vec.h"
 #include "scene/octree.h"
 #include "scene/overlap.h"
-#include "unit.h"
+#include "tests/unit.h"
 
 #include <math.h>
 #include <stdio.h>

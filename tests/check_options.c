@@ -5,7 +5,7 @@
 #include "job/submit_parse.h"
 #include "common/words.h"
 #include "proto/message.h"
-#include "scratch.h"
+#include "tests/scratch.h"
 
 #include <stdio.h>
 #include <stdlib.h>

@@ -3,7 +3,7 @@
 
 #include "show/origin.h"
 
-#include "unit.h"
+#include "tests/unit.h"
 
 #include <stdio.h>
 #include <string.h>

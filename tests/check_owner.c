@@ -3,7 +3,7 @@
 
 #include "net/conn.h"
 #include "users/owner.h"
-#include "unit.h"
+#include "tests/unit.h"
 
 #include <pwd.h>
 #include <stdio.h>

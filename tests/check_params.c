@@ -5,7 +5,7 @@
 #include "base/rng.h"
 #include "base/number.h"
 #include "base/params.h"
-#include "unit.h"
+#include "tests/unit.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -3,7 +3,7 @@
 
 #include "scene/file/parse.h"
 #include "scene/scene.h"
-#include "unit.h"
+#include "tests/unit.h"
 
 #include <math.h>
 #include <stdio.h>

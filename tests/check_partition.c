@@ -2,7 +2,7 @@
 #include "config.h"
 
 #include "partition/partition.h"
-#include "unit.h"
+#include "tests/unit.h"
 
 #include <string.h>
 

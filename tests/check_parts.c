@@ -4,7 +4,7 @@
 #include "passes/parts.h"
 #include "base/rng.h"
 
-#include "unit.h"
+#include "tests/unit.h"
 
 #include <math.h>
 

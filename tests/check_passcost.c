@@ -4,7 +4,7 @@
 #include "passes/passcost.h"
 
 #include "machine/jobtext.h"
-#include "unit.h"
+#include "tests/unit.h"
 
 #include <string.h>
 

@@ -6,7 +6,7 @@
 #include "image/hdr.h"
 #include "passes/passes.h"
 
-#include "world.h"
+#include "tests/world.h"
 
 #include <pthread.h>
 #include <stdatomic.h>

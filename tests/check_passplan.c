@@ -4,7 +4,7 @@
 #include "passes/passes.h"
 
 #include "machine/jobtext.h"
-#include "unit.h"
+#include "tests/unit.h"
 
 #include <string.h>
 

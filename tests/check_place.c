@@ -1,8 +1,8 @@
 /* check_place.c - instances and meshes: files, transforms, materials */
 #include "config.h"
 
-#include "parts.h"
-#include "world.h"
+#include "tests/parts.h"
+#include "tests/world.h"
 
 #include "base/rng.h"
 #include "scene/meshfile.h"

@@ -7,7 +7,7 @@
 #include "points/points.h"
 #include "picture/path.h"
 #include "scene/file/parse.h"
-#include "unit.h"
+#include "tests/unit.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -9,7 +9,7 @@
 #include "team/team.h"
 
 #include "hook.h"
-#include "unit.h"
+#include "tests/unit.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -3,7 +3,7 @@
 
 #include "base/rng.h"
 #include "picture/quincunx.h"
-#include "unit.h"
+#include "tests/unit.h"
 
 #include <math.h>
 #include <string.h>

@@ -1,7 +1,7 @@
 /* check_ray.c - tests of src/trace/ray.c: what starts a ray and ends it */
 #include "config.h"
 
-#include "world.h"
+#include "tests/world.h"
 #include "base/rng.h"
 
 #include <stdio.h>

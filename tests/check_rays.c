@@ -3,7 +3,7 @@
 
 #include "rays.h"
 #include "scene/file/parse.h"
-#include "unit.h"
+#include "tests/unit.h"
 
 #include <math.h>
 #include <string.h>

@@ -5,7 +5,7 @@
 #include "machine/jobtext.h"
 #include "refine/recheck.h"
 
-#include "world.h"
+#include "tests/world.h"
 
 #include <pthread.h>
 #include <stdatomic.h>

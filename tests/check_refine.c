@@ -5,7 +5,7 @@
 #include "machine/jobtext.h"
 #include "refine/refine.h"
 
-#include "world.h"
+#include "tests/world.h"
 
 #include <limits.h>
 #include <math.h>

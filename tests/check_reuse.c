@@ -3,7 +3,7 @@
 #include "config.h"
 
 #include "coord_fixture.h"
-#include "scratch.h"
+#include "tests/scratch.h"
 
 #include "folder/folder.h"
 #include "proto/ambshare.h"

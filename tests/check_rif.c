@@ -5,7 +5,7 @@
 
 #include "common/outname.h"
 #include "rif/rif_view.h"
-#include "unit.h"
+#include "tests/unit.h"
 
 #include <stdio.h>
 #include <string.h>

@@ -9,7 +9,7 @@
 #include "ground/sanitized.h"
 #include "image/hdr.h"
 #include "rows_fixture.h"
-#include "scratch.h"
+#include "tests/scratch.h"
 
 #include <dirent.h>
 #include <math.h>

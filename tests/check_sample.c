@@ -6,8 +6,8 @@
 #include "base/vec.h"
 #include "light/sample/polytree.h"
 #include "light/sample/sample.h"
-#include "lambert.h"
-#include "unit.h"
+#include "tests/lambert.h"
+#include "tests/unit.h"
 
 #include <stdio.h>
 #include <string.h>

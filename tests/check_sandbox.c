@@ -6,7 +6,7 @@
 
 #include "child/sandbox.h"
 
-#include "unit.h"
+#include "tests/unit.h"
 
 #include <errno.h>
 #include <fcntl.h>

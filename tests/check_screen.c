@@ -3,7 +3,7 @@
 
 #include "tone/screen.h"
 
-#include "made_picture.h"
+#include "tests/made_picture.h"
 
 #include <string.h>
 

@@ -12,7 +12,7 @@
 #include "proto/frame.h"
 #include "proto/message.h"
 #include "picture/quincunx.h"
-#include "unit.h"
+#include "tests/unit.h"
 
 #include <ctype.h>
 #include <stdio.h>

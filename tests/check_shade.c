@@ -6,7 +6,7 @@
 #include "config.h"
 
 #include "suns.h"
-#include "world.h"
+#include "tests/world.h"
 #include "base/rng.h"
 
 #include <stdio.h>

@@ -3,7 +3,7 @@
 
 #include "machine/shelf.h"
 #include "proto/frame.h"
-#include "unit.h"
+#include "tests/unit.h"
 
 #include <stdint.h>
 #include <string.h>

@@ -3,7 +3,7 @@
 
 #include "radd/children.h"
 #include "shell/shell.h"
-#include "unit.h"
+#include "tests/unit.h"
 
 #include <uv.h>
 

@@ -4,7 +4,7 @@
 #include "base/rng.h"
 #include "base/vec.h"
 #include "light/smooth/smooth.h"
-#include "unit.h"
+#include "tests/unit.h"
 
 #include <pthread.h>
 #include <stdio.h>

@@ -4,8 +4,8 @@
 
 #include "base/rng.h"
 #include "base/vec.h"
-#include "lambert.h"
-#include "world.h"
+#include "tests/lambert.h"
+#include "tests/world.h"
 
 #include <stdio.h>
 #include <string.h>

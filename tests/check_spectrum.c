@@ -4,7 +4,7 @@
 
 #include "image/spectrum.h"
 #include "scene/file/specpict.h"
-#include "unit.h"
+#include "tests/unit.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -7,7 +7,7 @@
 #include "jobs/part.h"
 #include "jobs/unit.h"
 #include "machine/steps.h"
-#include "unit.h"
+#include "tests/unit.h"
 
 #include <signal.h>
 #include <stdio.h>

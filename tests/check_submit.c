@@ -7,7 +7,7 @@
 
 #include "proto/frame.h"
 #include "link/submit.h"
-#include "unit.h"
+#include "tests/unit.h"
 
 #include <signal.h>
 #include <stdio.h>

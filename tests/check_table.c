@@ -5,7 +5,7 @@
  * what comes back from it is its pattern. */
 #include "config.h"
 
-#include "world.h"
+#include "tests/world.h"
 
 #include <math.h>
 #include <stdio.h>

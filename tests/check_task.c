@@ -3,7 +3,7 @@
 #include "config.h"
 
 #include "ground/task.h"
-#include "unit.h"
+#include "tests/unit.h"
 
 #include <pthread.h>
 #include <stdlib.h>

@@ -6,7 +6,7 @@
 
 #include "net/tls.h"
 
-#include "unit.h"
+#include "tests/unit.h"
 
 #include <openssl/bio.h>
 #include <openssl/err.h>

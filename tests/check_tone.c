@@ -4,7 +4,7 @@
 #include "tone/primaries.h"
 #include "tone/screen.h"
 #include "image/srgb.h"
-#include "made_picture.h"
+#include "tests/made_picture.h"
 
 #include <math.h>
 #include <string.h>

@@ -3,7 +3,7 @@
 
 #include "ctl/top.h"
 #include "base/text.h"
-#include "unit.h"
+#include "tests/unit.h"
 
 #include <stdio.h>
 #include <stdlib.h>

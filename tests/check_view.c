@@ -4,7 +4,7 @@
 #include "base/rng.h"
 #include "base/vec.h"
 #include "picture/view.h"
-#include "unit.h"
+#include "tests/unit.h"
 
 #include <stdbool.h>
 #include <stdio.h>

@@ -6,7 +6,7 @@
 #include "ground/sanitized.h"
 #include "observer/model.h"
 #include "observer/watch.h"
-#include "unit.h"
+#include "tests/unit.h"
 
 #include <stdio.h>
 #include <stdlib.h>

@@ -8,7 +8,7 @@
 #include "draw/picture.h"
 #include "draw/units.h"
 #include "image/hdr.h"
-#include "unit.h"
+#include "tests/unit.h"
 #include "web/page.h"
 
 #include <stdlib.h>

@@ -11,7 +11,7 @@
 #include "scene/octree.h"
 #include "scene/octfile.h"
 #include "scene/file/parse.h"
-#include "unit.h"
+#include "tests/unit.h"
 #include "wild.h"
 
 #include <float.h>

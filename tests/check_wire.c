@@ -1,7 +1,7 @@
 /* check_wire.c - bounded reading and writing of fields */
 #include "config.h"
 
-#include "unit.h"
+#include "tests/unit.h"
 #include "proto/wire.h"
 
 #include <string.h>

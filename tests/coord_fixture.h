@@ -10,7 +10,7 @@
 #include "front/coord.h"
 #include "queue/stats.h"
 #include "proto/frame.h"
-#include "unit.h"
+#include "tests/unit.h"
 
 #include "image/hdr.h"
 

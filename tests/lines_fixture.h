@@ -12,7 +12,7 @@
 #include "desk/desk.h"
 #include "front/coord.h"
 #include "queue/stats.h"
-#include "unit.h"
+#include "tests/unit.h"
 
 #include <jansson.h>
 #include <stdio.h>

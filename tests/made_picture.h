@@ -3,7 +3,7 @@
 #define RADD_TESTS_MADE_PICTURE_H
 
 #include "image/hdr.h"
-#include "unit.h"
+#include "tests/unit.h"
 
 static inline struct rad_picture
 blank(int width, int height)

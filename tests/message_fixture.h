@@ -4,7 +4,7 @@
 #define RADD_TESTS_MESSAGE_FIXTURE_H
 
 #include "proto/frame.h"
-#include "unit.h"
+#include "tests/unit.h"
 
 #include <string.h>
 

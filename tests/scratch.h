@@ -6,7 +6,7 @@
 #define RADD_TESTS_SCRATCH_H
 
 #include "base/output.h"
-#include "unit.h"
+#include "tests/unit.h"
 
 #include <stdio.h>
 #include <stdlib.h>

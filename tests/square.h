@@ -6,7 +6,7 @@
 #define RADD_TESTS_SQUARE_H
 
 #include "suns.h"
-#include "world.h"
+#include "tests/world.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -5,7 +5,7 @@
 #define RADD_TESTS_STORE_FIXTURE_H
 
 #include "rows_fixture.h"
-#include "scratch.h"
+#include "tests/scratch.h"
 #include "store/store.h"
 
 #include <string.h>

@@ -7,7 +7,7 @@
 #define RADD_TESTS_STRICT_FIXTURE_H
 
 #include "strict/strict_unit.h"
-#include "unit.h"
+#include "tests/unit.h"
 
 static const uint8_t job_id[MSG_JOB] = { 7 };
 

@@ -5,7 +5,7 @@
 #ifndef RADD_TESTS_SUNS_H
 #define RADD_TESTS_SUNS_H
 
-#include "unit.h"
+#include "tests/unit.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -7,7 +7,7 @@
 
 #include "analytic.h"
 #include "team/team.h"
-#include "unit.h"
+#include "tests/unit.h"
 
 #include <pthread.h>
 #include <stdatomic.h>

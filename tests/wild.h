@@ -4,7 +4,7 @@
 #define RADD_TESTS_WILD_H
 
 #include "picture/frame.h"
-#include "world.h"
+#include "tests/world.h"
 
 enum { WILD_SIDE = 4 /* of the pictures [pixels] */ };
 

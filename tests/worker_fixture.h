@@ -6,7 +6,7 @@
 #define RADD_TESTS_WORKER_FIXTURE_H
 
 #include "proto/frame.h"
-#include "unit.h"
+#include "tests/unit.h"
 #include "worker/worker.h"
 
 #include <string.h>

@@ -7,7 +7,7 @@
 #include "scene/part.h"
 #include "trace/job.h"
 #include "trace/ray.h"
-#include "unit.h"
+#include "tests/unit.h"
 
 #include <string.h>
 

@@ -15,7 +15,7 @@
 #include "base/rng.h"
 #include "base/vec.h"
 #include "trace/ray.h"
-#include "../lambert.h"
+#include "tests/lambert.h"
 
 #include <stdio.h>
 #include <stdlib.h>

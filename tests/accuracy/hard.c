@@ -13,7 +13,7 @@
 #include "stage.h"
 #include "base/vec.h"
 #include "picture/frame.h"
-#include "../closed_mesh.h"
+#include "tests/closed_mesh.h"
 
 #include <stdarg.h>
 #include <stdio.h>

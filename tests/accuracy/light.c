@@ -3,7 +3,7 @@
 
 #include "accuracy.h"
 #include "base/vec.h"
-#include "../lambert.h"
+#include "tests/lambert.h"
 
 #include <stdio.h>
 
