@@ -8,7 +8,7 @@
 #include "scene/file/parse.h"
 #include "team/team.h"
 
-#include "hook.h"
+#include "tests/tools/hook.h"
 #include "tests/unit.h"
 
 #include <math.h>

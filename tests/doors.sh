@@ -49,7 +49,7 @@ xargs grep -n '^#[[:space:]]*include[[:space:]]*"' <"$tmp/files" |
     awk -v bad="$tmp/unknown" -v used="$tmp/used" '
         FILENAME ~ /plan$/ { room[$1] = " " $0 " "; next }
         FILENAME ~ /files$/ { is[$1] = 1; next }
-        $3 == "config.h" || $3 == "tests/hook.h" { next }
+        $3 == "config.h" || $3 == "tests/tools/hook.h" { next }
         {
             at = ""
             n = split("src/,daemon/,client/,", root, ",")

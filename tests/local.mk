@@ -155,7 +155,6 @@ noinst_HEADERS = \
 	tests/coord_fixture.h \
 	tests/coord_passes_fixture.h \
 	tests/geom_scene.h \
-	tests/hook.h \
 	tests/lambert.h \
 	tests/lines_fixture.h \
 	tests/made_picture.h \
@@ -203,59 +202,6 @@ tests_check_sim_SOURCES = \
 	tests/sim/net.h \
 	tests/sim/picture.c \
 	tests/sim/tiles.c
-
-# Programs that the tests run; check-threads makes these and its own tests.
-TOOLS = \
-	tests/confine \
-	tests/flood \
-	tests/poke \
-	tests/proxy \
-	tests/radd-hooked \
-	tests/seqpict \
-	tests/shown
-check_PROGRAMS += $(TOOLS)
-
-# The renderer alone, the reference for the cluster.
-tests_seqpict_SOURCES = tests/seqpict.c
-tests_seqpict_LDADD = $(LIBCLIENT) $(LIBRAD)
-
-# What a tone curve makes of a picture, and what a PNG holds.
-tests_shown_SOURCES = tests/shown.c
-tests_shown_CFLAGS = $(AM_CFLAGS) $(PNG_CFLAGS)
-tests_shown_LDADD = $(LIBCLIENT) $(LIBRAD)
-
-# sends bytes to a socket, for the shell tests
-tests_flood_SOURCES = tests/flood.c
-tests_flood_LDADD = $(LIBDAEMON) $(LIBRAD)
-
-tests_poke_SOURCES = tests/poke.c
-tests_poke_LDADD = $(LIBDAEMON) $(LIBRAD)
-
-# what may befall the coordinator, for LD_PRELOAD: no program is linked with it
-check_DATA += tests/disaster.so
-EXTRA_DIST += tests/disaster.c
-CLEANFILES += tests/disaster.so
-tests/disaster.so: $(top_srcdir)/tests/disaster.c config.h
-	$(AM_V_CC)$(MKDIR_P) tests && \
-	$(CC) -std=gnu11 -O1 -g -Wall -Wextra $(DEFS) $(DEFAULT_INCLUDES) \
-		-shared -fPIC -o $@ $(top_srcdir)/tests/disaster.c
-
-# radd with the hooks of tests/hook.h: not to be installed
-tests_radd_hooked_SOURCES = $(radd_SOURCES) daemon/child/pool_unit.c \
-	tests/hook.c tests/hook.h
-tests_radd_hooked_CPPFLAGS = $(radd_CPPFLAGS) -DRADD_TEST_HOOKS
-tests_radd_hooked_CFLAGS = $(radd_CFLAGS)
-tests_radd_hooked_LDADD = $(radd_LDADD)
-
-# a bad connection, for the shell tests
-tests_proxy_SOURCES = tests/proxy.c
-tests_proxy_CFLAGS = $(AM_CFLAGS) $(UV_CFLAGS)
-tests_proxy_LDADD = $(LIBDAEMON) $(LIBRAD)
-
-# runs a program as a unit of systemd would
-tests_confine_SOURCES = tests/confine.c
-tests_confine_CFLAGS = $(AM_CFLAGS) $(SECCOMP_CFLAGS)
-tests_confine_LDADD = $(SECCOMP_LIBS)
 
 # Shell tests of the programs; client_lib.sh is what they share.
 SHELL_TESTS = \
@@ -428,3 +374,5 @@ EXTRA_DIST += tests/packages/booted.sh tests/packages/packages.sh \
 .PHONY: check-packages
 check-packages: dist
 	$(srcdir)/tests/packages/packages.sh $(distdir).tar.xz
+
+include tests/tools/local.mk

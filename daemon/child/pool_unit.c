@@ -10,7 +10,7 @@
 #include "picture/doubt.h"
 #include "image/hdr.h"
 #ifdef RADD_TEST_HOOKS
-#include "tests/hook.h"
+#include "tests/tools/hook.h"
 #endif
 
 #include <stdlib.h>

@@ -3,7 +3,7 @@
 # room for a job says so, fails nothing, and goes on when there is room
 #
 # The disk is a tmpfs of 16 MiB where one may be mounted, else one that
-# tests/disaster.so calls full.
+# tests/tools/disaster.so calls full.
 if [ -z "${FULL_TMPFS:-}" ]; then
     FULL_TMPFS=no
     unshare -rm true 2>/dev/null && FULL_TMPFS=yes
@@ -84,7 +84,7 @@ if [ "$FULL_TMPFS" = yes ] && mount -t tmpfs -o size=16m none w1; then
         rm w1/ballast w1/crumbs
     }
 else
-    [ -e "$top_builddir/tests/disaster.so" ] || exit 77
+    [ -e "$top_builddir/tests/tools/disaster.so" ] || exit 77
     fill()
     {
         touch full
@@ -93,7 +93,7 @@ else
     {
         rm full
     }
-    LD_PRELOAD=$top_builddir/tests/disaster.so
+    LD_PRELOAD=$top_builddir/tests/tools/disaster.so
     DISASTER_DIR=$work/w1/ DISASTER_ROOM=$work/full
     export LD_PRELOAD DISASTER_DIR DISASTER_ROOM
     FULL_TMPFS=no

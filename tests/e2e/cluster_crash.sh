@@ -5,7 +5,7 @@
 . "$top_srcdir/tests/e2e/cluster.sh"
 set -u
 
-radd=$top_builddir/tests/radd-hooked
+radd=$top_builddir/tests/tools/radd-hooked
 room=$scenes/room.rad
 view="-vf $scenes/room.vf -x 160 -y 120 -ps 1 -ds .1 -dj 1 -ab 0
 --partition=window --windows=40"

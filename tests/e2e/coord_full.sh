@@ -3,7 +3,7 @@
 # it goes on
 #
 # The disk is a tmpfs of 16 MiB where one may be mounted, else one that
-# tests/disaster.so calls full.
+# tests/tools/disaster.so calls full.
 if [ -z "${FULL_TMPFS:-}" ]; then
     FULL_TMPFS=no
     unshare -rm true 2>/dev/null && FULL_TMPFS=yes
@@ -36,7 +36,7 @@ if [ $FULL_TMPFS = yes ] && mount -t tmpfs -o size=16m,mode=700 none state; then
         rm state/ballast
     }
 else
-    [ -e "$top_builddir/tests/disaster.so" ] || exit 77
+    [ -e "$top_builddir/tests/tools/disaster.so" ] || exit 77
     fill()
     {
         touch full
@@ -49,7 +49,7 @@ else
     {
         rm full
     }
-    LD_PRELOAD=$top_builddir/tests/disaster.so
+    LD_PRELOAD=$top_builddir/tests/tools/disaster.so
     DISASTER_DIR=$work/state DISASTER_ROOM=$work/full
     export LD_PRELOAD DISASTER_DIR DISASTER_ROOM
     FULL_TMPFS=no

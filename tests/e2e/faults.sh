@@ -1,10 +1,10 @@
 # shellcheck shell=sh
-# faults.sh - a cluster whose connections go through tests/proxy; read with "."
-# after cluster.sh
+# faults.sh - a cluster whose connections go through tests/tools/proxy; read
+# with "." after cluster.sh
 #
 # faulty_start N THREADS: worker K reaches the coordinator through proxy cK, and
 # other workers reach it through proxy pK; all by Unix sockets.
-proxy=$top_builddir/tests/proxy
+proxy=$top_builddir/tests/tools/proxy
 proxies=
 
 # proxy_start NAME LISTEN TARGET

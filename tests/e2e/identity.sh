@@ -107,7 +107,7 @@ while [ "$run" -lt "$runs" ]; do
     say="run $run: $options $share${depth:+ -z} $folder/$file"
 
     # shellcheck disable=SC2086 # options are words
-    (cd "$folder" && "$top_builddir/tests/seqpict" $options \
+    (cd "$folder" && "$top_builddir/tests/tools/seqpict" $options \
         ${depth:+-z "$work/ref.z"} --counts -o "$work/ref.hdr" $file) \
         2>counts || fail "$say: $(cat counts)"
     # shellcheck disable=SC2086

@@ -65,7 +65,7 @@ reference()
     out=$1
     shift
     # shellcheck disable=SC2086
-    (cd "$folder" && "$top_builddir/tests/seqpict" "$@" --counts \
+    (cd "$folder" && "$top_builddir/tests/tools/seqpict" "$@" --counts \
         -o "$work/$out" $files) 2>counts || fail "$say: $(cat counts)"
     primary=$(sed -n 's/^primary_rays //p' counts)
 }

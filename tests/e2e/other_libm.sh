@@ -32,8 +32,8 @@ check()
     shift
     for libm in A= "$older"; do
         # shellcheck disable=SC2086 # options are words
-        (cd "$scenes" && env "$libm" "$top_builddir/tests/seqpict" $options \
-            -o "$work/out.hdr" "$@") 2>err || fail "$*: $(cat err)"
+        (cd "$scenes" && env "$libm" "$top_builddir/tests/tools/seqpict" \
+            $options -o "$work/out.hdr" "$@") 2>err || fail "$*: $(cat err)"
         LC_ALL=C sed '1,/^$/d' out.hdr >"body.${libm%%=*}"
     done
     cmp body.A body.GLIBC_TUNABLES || fail "$* $options: another picture"

@@ -38,7 +38,7 @@ fi
     echo "void plastic test-loop-70-133 0 0 5 .5 .5 .5 0 0"
     cat "$scenes/room.rad"
 } >loop.rad
-radd=$top_builddir/tests/radd-hooked
+radd=$top_builddir/tests/tools/radd-hooked
 worker_options=--nice=0
 cluster_start 1 1
 radd=$top_builddir/radd

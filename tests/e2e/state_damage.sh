@@ -25,7 +25,7 @@ mkdir run logs
     echo "void plastic test-loop-7-13 0 0 5 .5 .5 .5 0 0"
     cat "$scenes/room.rad"
 } >loop.rad
-radd=$top_builddir/tests/radd-hooked
+radd=$top_builddir/tests/tools/radd-hooked
 worker_options=--nice=0
 cluster_start 1 1
 radd=$top_builddir/radd

@@ -28,7 +28,7 @@ same()
 # one window is what one loop over the picture makes
 render one.hdr --workers=1 --threads=1
 # shellcheck disable=SC2086
-"$top_builddir/tests/seqpict" $view -ab 0 -o seq.hdr "$room" 2>stderr ||
+"$top_builddir/tests/tools/seqpict" $view -ab 0 -o seq.hdr "$room" 2>stderr ||
     fail "seqpict: $(cat stderr)"
 # the pixels of a picture: what follows its resolution line
 body() { sed '1,/^-Y /d' "$1"; }

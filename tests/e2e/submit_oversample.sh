@@ -44,8 +44,8 @@ alone()
     out=$1
     shift
     # shellcheck disable=SC2086
-    "$top_builddir/tests/seqpict" $view $size $plain "$@" -o "$out" "$room" \
-        2>err || fail "$*: $(cat err)"
+    "$top_builddir/tests/tools/seqpict" $view $size $plain "$@" -o "$out" \
+        "$room" 2>err || fail "$*: $(cat err)"
 }
 
 # --- whoever renders it ---
@@ -159,8 +159,8 @@ done
 cluster_start 2 1
 slow="-x 240 -y 240 -ab 1 -aa 0 -ad 6 -ps 1 --oversample=2 --clamp=5"
 # shellcheck disable=SC2086
-"$top_builddir/tests/seqpict" $view $slow -o large-ref.hdr "$room" 2>err ||
-    fail "$(cat err)"
+"$top_builddir/tests/tools/seqpict" $view $slow -o large-ref.hdr "$room" \
+    2>err || fail "$(cat err)"
 # shellcheck disable=SC2086
 id=$("$radsubmit" --coordinator="$sock" --detach $view $slow "$room" 2>err) ||
     fail "$(cat err)"

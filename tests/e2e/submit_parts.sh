@@ -58,8 +58,8 @@ make_scene first .5
 make_scene second .3
 for scene in first second; do
     # shellcheck disable=SC2086 # options are words
-    "$top_builddir/tests/seqpict" $view -o $scene.ref "$scene/scene.rad" ||
-        fail "seqpict $scene"
+    "$top_builddir/tests/tools/seqpict" $view -o $scene.ref \
+        "$scene/scene.rad" || fail "seqpict $scene"
     id=$(cd $scene && "$radsubmit" --coordinator="$sock" --detach --commands $view \
         scene.rad 2>../stderr) || fail "$scene: $(cat stderr)"
     eval id_$scene="$id"

@@ -5,7 +5,7 @@
 . "${top_srcdir:-.}/tests/e2e/client_lib.sh"
 set -u
 
-shown=$top_builddir/tests/shown
+shown=$top_builddir/tests/tools/shown
 room=$scenes/room.rad
 still="-vf $scenes/room.vf -x 120 -y 90 -ab 0 -pj 0 --oversample=1"
 

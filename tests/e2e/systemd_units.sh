@@ -110,7 +110,7 @@ done
 # shellcheck disable=SC2086 # options are words
 "$radsubmit" --local --threads=1 $view -o alone.hdr "$room" 2>stderr ||
     fail "embedded: $(cat stderr)"
-confine=$top_builddir/tests/confine
+confine=$top_builddir/tests/tools/confine
 coord_program=$radcoord
 worker_program=$radd
 radcoord=confined_coord

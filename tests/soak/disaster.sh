@@ -9,7 +9,7 @@
 # waiting; else a few are drawn from DISASTER_SEED, which is printed.
 #
 # disaster.sh PART HOW KIND WHAT [FIRST] tries all of a kind, from the FIRST on
-# (tests/disaster.c says what they are; "moment none" is the random ones).
+# (tests/tools/disaster.c says what they are; "moment none" is the random ones).
 # DISASTER_ONLY="KIND:N:WHAT ..." tries just these, with DISASTER_PART=scanbar
 # and the like, and DISASTER_HOW=detached.
 . "${top_srcdir:-.}/tests/e2e/client_lib.sh"
@@ -17,7 +17,7 @@
 . "$top_srcdir/tests/e2e/chance.sh"
 set -u
 
-shim=$top_builddir/tests/disaster.so
+shim=$top_builddir/tests/tools/disaster.so
 [ -e "$shim" ] || {
     echo "SKIP: no $shim"
     rm -rf "$work"

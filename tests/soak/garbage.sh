@@ -17,7 +17,7 @@ else
     : "${GARBAGE_CONNECTIONS:=2000}" "${GARBAGE_FRAMES:=2000}"
     : "${GARBAGE_LORIS:=500}"
 fi
-flood=$top_builddir/tests/flood
+flood=$top_builddir/tests/tools/flood
 growth_kib=16384
 # and for each job that ended meanwhile and is remembered
 job_kib=24

@@ -16,7 +16,7 @@
 . "$top_srcdir/tests/e2e/cluster.sh"
 set -u
 
-flood=$top_builddir/tests/flood
+flood=$top_builddir/tests/tools/flood
 growth_kib=16384
 turn_ms=50   # of processor time; 10 are the aim, which the log counts
 status_ms=5000

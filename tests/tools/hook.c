@@ -1,7 +1,7 @@
 /* hook.c - see hook.h */
 #include "config.h"
 
-#include "tests/hook.h"
+#include "tests/tools/hook.h"
 
 #include <stdio.h>
 #include <stdlib.h>
