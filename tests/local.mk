@@ -5,24 +5,32 @@ AM_TESTS_ENVIRONMENT = \
 	CK_DEFAULT_TIMEOUT=$${CK_DEFAULT_TIMEOUT:-600}; \
 	export CK_DEFAULT_TIMEOUT;
 
+# for the tests of several rooms
+noinst_HEADERS = \
+	tests/analytic.h \
+	tests/closed_mesh.h \
+	tests/coord_fixture.h \
+	tests/coord_passes_fixture.h \
+	tests/lambert.h \
+	tests/lines_fixture.h \
+	tests/made_picture.h \
+	tests/message_fixture.h \
+	tests/parts.h \
+	tests/rows_fixture.h \
+	tests/scratch.h \
+	tests/store_fixture.h \
+	tests/strict_fixture.h \
+	tests/team_fixture.h \
+	tests/unit.h \
+	tests/worker_fixture.h \
+	tests/world.h
+
 UNIT_TESTS = \
-	tests/check_ambcache \
 	tests/check_ambfile \
-	tests/check_ambient \
 	tests/check_ambshare \
-	tests/check_aniso \
-	tests/check_antimatter \
-	tests/check_ashik \
 	tests/check_back \
 	tests/check_balance \
-	tests/check_base \
-	tests/check_brdf \
-	tests/check_bright \
-	tests/check_bsdf \
-	tests/check_bundle \
-	tests/check_bvh \
 	tests/check_cache \
-	tests/check_calc \
 	tests/check_client \
 	tests/check_coarse \
 	tests/check_compile \
@@ -39,78 +47,39 @@ UNIT_TESTS = \
 	tests/check_coord_stages \
 	tests/check_costs \
 	tests/check_credentials \
-	tests/check_data \
-	tests/check_doubt \
-	tests/check_estimate \
 	tests/check_eta \
-	tests/check_facts \
 	tests/check_fair \
-	tests/check_falsecolour \
 	tests/check_files \
-	tests/check_filter \
-	tests/check_font \
-	tests/check_fprism \
-	tests/check_frame \
 	tests/check_framing \
-	tests/check_func \
 	tests/check_gate \
-	tests/check_geom \
-	tests/check_gradient \
 	tests/check_handoff \
-	tests/check_hdr \
-	tests/check_hostile \
 	tests/check_idle \
 	tests/check_keyfile \
 	tests/check_known \
 	tests/check_lending \
-	tests/check_line \
 	tests/check_link \
 	tests/check_linking \
 	tests/check_listing \
 	tests/check_message \
-	tests/check_metric \
-	tests/check_mirror \
-	tests/check_mist \
-	tests/check_octfile \
-	tests/check_octree \
 	tests/check_options \
 	tests/check_origin \
 	tests/check_owner \
-	tests/check_params \
 	tests/check_parked \
-	tests/check_parse \
 	tests/check_partition \
 	tests/check_partition_lines \
-	tests/check_parts \
-	tests/check_passcost \
-	tests/check_passes \
-	tests/check_passplan \
-	tests/check_place \
-	tests/check_points \
 	tests/check_pool \
-	tests/check_prism \
-	tests/check_quincunx \
 	tests/check_quota \
-	tests/check_ray \
 	tests/check_rays \
-	tests/check_recheck \
-	tests/check_refine \
 	tests/check_reuse \
 	tests/check_rif \
 	tests/check_rows \
-	tests/check_sample \
 	tests/check_sandbox \
-	tests/check_screen \
 	tests/check_seeds \
-	tests/check_shade \
 	tests/check_shelf \
 	tests/check_shell \
 	tests/check_show \
 	tests/check_sim \
-	tests/check_smooth \
-	tests/check_source \
 	tests/check_spec \
-	tests/check_spectrum \
 	tests/check_states \
 	tests/check_store \
 	tests/check_store_lives \
@@ -120,26 +89,29 @@ UNIT_TESTS = \
 	tests/check_strict_unit \
 	tests/check_submit \
 	tests/check_survey \
-	tests/check_table \
 	tests/check_task \
 	tests/check_team \
 	tests/check_team_lend \
 	tests/check_team_member \
-	tests/check_text \
 	tests/check_tls \
-	tests/check_tone \
 	tests/check_top \
 	tests/check_twins \
-	tests/check_view \
 	tests/check_watch \
 	tests/check_web \
-	tests/check_wgmd \
-	tests/check_wild \
 	tests/check_wire \
 	tests/check_worker \
 	tests/check_worker_lines \
 	tests/check_worker_peers \
 	tests/check_yield
+
+include tests/src/base/local.mk
+include tests/src/geom/local.mk
+include tests/src/image/local.mk
+include tests/src/light/local.mk
+include tests/src/passes/local.mk
+include tests/src/picture/local.mk
+include tests/src/scene/local.mk
+include tests/src/shade/local.mk
 
 if HAVE_CHECK
 check_PROGRAMS += $(UNIT_TESTS)
@@ -149,31 +121,6 @@ endif
 # Where nothing else is said the test x is made of x.c alone, and linked with
 # these; what it does not call of them is left out.
 LDADD = libclient.a $(LIBDAEMON) $(LIBRAD) $(CHECK_LIBS)
-noinst_HEADERS = \
-	tests/analytic.h \
-	tests/closed_mesh.h \
-	tests/coord_fixture.h \
-	tests/coord_passes_fixture.h \
-	tests/geom_scene.h \
-	tests/lambert.h \
-	tests/lines_fixture.h \
-	tests/made_picture.h \
-	tests/message_fixture.h \
-	tests/parts.h \
-	tests/rows_fixture.h \
-	tests/scratch.h \
-	tests/square.h \
-	tests/store_fixture.h \
-	tests/strict_fixture.h \
-	tests/suns.h \
-	tests/team_fixture.h \
-	tests/unit.h \
-	tests/wild.h \
-	tests/worker_fixture.h \
-	tests/world.h
-
-tests_check_ambcache_LDFLAGS = $(AM_LDFLAGS) -Wl,--wrap=malloc \
-	-Wl,--wrap=calloc -Wl,--wrap=realloc -Wl,--wrap=aligned_alloc
 
 tests_check_conn_CPPFLAGS = $(AM_CPPFLAGS)
 if !SANITIZED
@@ -294,14 +241,14 @@ EXTRA_DIST += \
 
 # Tests whose code runs in threads: once more under ThreadSanitizer.
 THREAD_TESTS = \
-	tests/check_ambcache \
-	tests/check_ambient \
-	tests/check_bright \
-	tests/check_estimate \
-	tests/check_facts \
+	tests/src/light/check_ambcache \
+	tests/src/light/check_ambient \
+	tests/src/light/check_bright \
+	tests/src/picture/check_estimate \
+	tests/src/picture/check_facts \
 	tests/check_fair \
 	tests/check_pool \
-	tests/check_smooth \
+	tests/src/light/check_smooth \
 	tests/check_task \
 	tests/check_team \
 	tests/check_team_lend \

@@ -1,3 +1,4 @@
 #!/bin/sh
 # ambcache.sh - 10^6 ambient records from eight threads that look them up
-RADD_SOAK=long CK_RUN_CASE=threads CK_FORK=no "$top_builddir/tests/check_ambcache"
+RADD_SOAK=long CK_RUN_CASE=threads CK_FORK=no \
+    "$top_builddir/tests/src/light/check_ambcache"
