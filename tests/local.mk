@@ -14,7 +14,6 @@ noinst_HEADERS = \
 	tests/lambert.h \
 	tests/lines_fixture.h \
 	tests/made_picture.h \
-	tests/message_fixture.h \
 	tests/parts.h \
 	tests/rows_fixture.h \
 	tests/scratch.h \
@@ -26,16 +25,12 @@ noinst_HEADERS = \
 	tests/world.h
 
 UNIT_TESTS = \
-	tests/check_ambfile \
 	tests/check_ambshare \
 	tests/check_back \
 	tests/check_balance \
 	tests/check_cache \
-	tests/check_client \
 	tests/check_coarse \
-	tests/check_compile \
 	tests/check_conf \
-	tests/check_conn \
 	tests/check_coord_conns \
 	tests/check_coord_faults \
 	tests/check_coord_feeding \
@@ -45,41 +40,25 @@ UNIT_TESTS = \
 	tests/check_coord_passes \
 	tests/check_coord_rows \
 	tests/check_coord_stages \
-	tests/check_costs \
-	tests/check_credentials \
-	tests/check_eta \
-	tests/check_fair \
 	tests/check_files \
-	tests/check_framing \
-	tests/check_gate \
 	tests/check_handoff \
 	tests/check_idle \
-	tests/check_keyfile \
 	tests/check_known \
 	tests/check_lending \
-	tests/check_link \
 	tests/check_linking \
 	tests/check_listing \
-	tests/check_message \
-	tests/check_options \
-	tests/check_origin \
 	tests/check_owner \
 	tests/check_parked \
 	tests/check_partition \
 	tests/check_partition_lines \
 	tests/check_pool \
 	tests/check_quota \
-	tests/check_rays \
 	tests/check_reuse \
-	tests/check_rif \
 	tests/check_rows \
 	tests/check_sandbox \
-	tests/check_seeds \
 	tests/check_shelf \
 	tests/check_shell \
-	tests/check_show \
 	tests/check_sim \
-	tests/check_spec \
 	tests/check_states \
 	tests/check_store \
 	tests/check_store_lives \
@@ -87,23 +66,22 @@ UNIT_TESTS = \
 	tests/check_strict_pass \
 	tests/check_strict_rank \
 	tests/check_strict_unit \
-	tests/check_submit \
 	tests/check_survey \
 	tests/check_task \
 	tests/check_team \
 	tests/check_team_lend \
 	tests/check_team_member \
-	tests/check_tls \
-	tests/check_top \
 	tests/check_twins \
 	tests/check_watch \
 	tests/check_web \
-	tests/check_wire \
 	tests/check_worker \
 	tests/check_worker_lines \
 	tests/check_worker_peers \
 	tests/check_yield
 
+include tests/client/local.mk
+include tests/net/local.mk
+include tests/proto/local.mk
 include tests/src/base/local.mk
 include tests/src/geom/local.mk
 include tests/src/image/local.mk
@@ -121,11 +99,6 @@ endif
 # Where nothing else is said the test x is made of x.c alone, and linked with
 # these; what it does not call of them is left out.
 LDADD = libclient.a $(LIBDAEMON) $(LIBRAD) $(CHECK_LIBS)
-
-tests_check_conn_CPPFLAGS = $(AM_CPPFLAGS)
-if !SANITIZED
-tests_check_conn_CPPFLAGS += -DWITH_MALLOC
-endif
 
 tests_check_pool_SOURCES = daemon/child/pool_unit.c tests/check_pool.c
 tests_check_pool_CPPFLAGS = $(AM_CPPFLAGS) -DRADD_TEST_HOOKS
@@ -246,7 +219,7 @@ THREAD_TESTS = \
 	tests/src/light/check_bright \
 	tests/src/picture/check_estimate \
 	tests/src/picture/check_facts \
-	tests/check_fair \
+	tests/net/check_fair \
 	tests/check_pool \
 	tests/src/light/check_smooth \
 	tests/check_task \
@@ -271,9 +244,9 @@ SANITIZED_MORE = \
 # Tests of rights, of what is kept from others and of what the system refuses,
 # where root goes other ways than an ordinary user.
 ROOT_TESTS = \
-	tests/check_credentials \
+	tests/net/check_credentials \
 	tests/check_files \
-	tests/check_keyfile \
+	tests/net/check_keyfile \
 	tests/check_owner \
 	tests/check_sandbox \
 	tests/check_shelf \

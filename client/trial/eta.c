@@ -6,8 +6,8 @@
  * d^2/(d^2 + 1/2) for the second: 1/50 when a tenth of the picture is done, 1/3
  * at half of it.
  * This was fitted to rooms of -ab 2 to 5 with one and two workers, whose
- * reports are in tests/check_eta.c: there the second number is 15 times too
- * large when a seventieth is done, and still twice too large at two thirds.
+ * reports are in tests/client/check_eta.c: there the second number is 15 times
+ * too large when a seventieth is done, and still twice too large at two thirds.
  * In a job with passes the second number is right within a factor of 1.6 from
  * the first tenth on; there its weight is d^2/(d^2 + 1/50), a half at d = 0.14.
  */
