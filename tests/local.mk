@@ -7,79 +7,24 @@ AM_TESTS_ENVIRONMENT = \
 
 # for the tests of several rooms
 noinst_HEADERS = \
-	tests/analytic.h \
 	tests/closed_mesh.h \
-	tests/coord_fixture.h \
-	tests/coord_passes_fixture.h \
 	tests/lambert.h \
-	tests/lines_fixture.h \
 	tests/made_picture.h \
 	tests/parts.h \
-	tests/rows_fixture.h \
 	tests/scratch.h \
-	tests/store_fixture.h \
-	tests/strict_fixture.h \
-	tests/team_fixture.h \
 	tests/unit.h \
-	tests/worker_fixture.h \
 	tests/world.h
 
 UNIT_TESTS = \
-	tests/check_ambshare \
-	tests/check_back \
-	tests/check_balance \
-	tests/check_cache \
-	tests/check_coarse \
-	tests/check_conf \
-	tests/check_coord_conns \
-	tests/check_coord_faults \
-	tests/check_coord_feeding \
-	tests/check_coord_jobs \
-	tests/check_coord_keep \
-	tests/check_coord_order \
-	tests/check_coord_passes \
-	tests/check_coord_rows \
-	tests/check_coord_stages \
-	tests/check_files \
-	tests/check_handoff \
-	tests/check_idle \
-	tests/check_known \
-	tests/check_lending \
-	tests/check_linking \
-	tests/check_listing \
-	tests/check_owner \
-	tests/check_parked \
-	tests/check_partition \
-	tests/check_partition_lines \
-	tests/check_pool \
-	tests/check_quota \
-	tests/check_reuse \
-	tests/check_rows \
-	tests/check_sandbox \
-	tests/check_shelf \
-	tests/check_shell \
-	tests/check_sim \
-	tests/check_states \
-	tests/check_store \
-	tests/check_store_lives \
-	tests/check_strict_loan \
-	tests/check_strict_pass \
-	tests/check_strict_rank \
-	tests/check_strict_unit \
-	tests/check_survey \
-	tests/check_task \
-	tests/check_team \
-	tests/check_team_lend \
-	tests/check_team_member \
-	tests/check_twins \
-	tests/check_watch \
-	tests/check_web \
-	tests/check_worker \
-	tests/check_worker_lines \
-	tests/check_worker_peers \
-	tests/check_yield
+	tests/check_sim
 
 include tests/client/local.mk
+include tests/daemon/child/local.mk
+include tests/daemon/coord/local.mk
+include tests/daemon/ground/local.mk
+include tests/daemon/lines/local.mk
+include tests/daemon/store/local.mk
+include tests/daemon/worker/local.mk
 include tests/net/local.mk
 include tests/proto/local.mk
 include tests/src/base/local.mk
@@ -90,6 +35,7 @@ include tests/src/passes/local.mk
 include tests/src/picture/local.mk
 include tests/src/scene/local.mk
 include tests/src/shade/local.mk
+include tests/web/local.mk
 
 if HAVE_CHECK
 check_PROGRAMS += $(UNIT_TESTS)
@@ -99,12 +45,6 @@ endif
 # Where nothing else is said the test x is made of x.c alone, and linked with
 # these; what it does not call of them is left out.
 LDADD = libclient.a $(LIBDAEMON) $(LIBRAD) $(CHECK_LIBS)
-
-tests_check_pool_SOURCES = daemon/child/pool_unit.c tests/check_pool.c
-tests_check_pool_CPPFLAGS = $(AM_CPPFLAGS) -DRADD_TEST_HOOKS
-
-tests_check_watch_LDADD = $(radweb_LDADD) $(LDADD)
-tests_check_web_LDADD = $(radweb_LDADD) $(LDADD)
 
 tests_check_sim_SOURCES = \
 	tests/sim/check_sim.c \
@@ -204,9 +144,6 @@ EXTRA_DIST += \
 	tests/e2e/chance.sh \
 	tests/e2e/client_lib.sh \
 	tests/e2e/cluster.sh \
-	tests/web/ask.py \
-	tests/web/browser.py \
-	tests/web/click.py \
 	tests/e2e/steer_lib.sh \
 	tests/e2e/faults.sh \
 	tests/scenes \
@@ -220,12 +157,12 @@ THREAD_TESTS = \
 	tests/src/picture/check_estimate \
 	tests/src/picture/check_facts \
 	tests/net/check_fair \
-	tests/check_pool \
+	tests/daemon/child/check_pool \
 	tests/src/light/check_smooth \
-	tests/check_task \
-	tests/check_team \
-	tests/check_team_lend \
-	tests/check_team_member
+	tests/daemon/ground/check_task \
+	tests/daemon/child/check_team \
+	tests/daemon/child/check_team_lend \
+	tests/daemon/child/check_team_member
 # Shell tests that also run with sanitized programs.
 SANITIZED_E2E = \
 	tests/e2e/cluster_garbage.sh \
@@ -245,12 +182,12 @@ SANITIZED_MORE = \
 # where root goes other ways than an ordinary user.
 ROOT_TESTS = \
 	tests/net/check_credentials \
-	tests/check_files \
+	tests/daemon/ground/check_files \
 	tests/net/check_keyfile \
-	tests/check_owner \
-	tests/check_sandbox \
-	tests/check_shelf \
-	tests/check_store \
+	tests/daemon/coord/check_owner \
+	tests/daemon/child/check_sandbox \
+	tests/daemon/ground/check_shelf \
+	tests/daemon/store/check_store \
 	tests/e2e/cluster_keys.sh \
 	tests/e2e/cluster_sandbox.sh \
 	tests/e2e/cluster_sockets.sh \
