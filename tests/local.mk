@@ -15,8 +15,7 @@ noinst_HEADERS = \
 	tests/unit.h \
 	tests/world.h
 
-UNIT_TESTS = \
-	tests/check_sim
+UNIT_TESTS =
 
 include tests/client/local.mk
 include tests/daemon/child/local.mk
@@ -27,6 +26,7 @@ include tests/daemon/store/local.mk
 include tests/daemon/worker/local.mk
 include tests/net/local.mk
 include tests/proto/local.mk
+include tests/sim/local.mk
 include tests/src/base/local.mk
 include tests/src/geom/local.mk
 include tests/src/image/local.mk
@@ -45,23 +45,6 @@ endif
 # Where nothing else is said the test x is made of x.c alone, and linked with
 # these; what it does not call of them is left out.
 LDADD = libclient.a $(LIBDAEMON) $(LIBRAD) $(CHECK_LIBS)
-
-tests_check_sim_SOURCES = \
-	tests/sim/check_sim.c \
-	tests/sim/child.c \
-	tests/sim/client.c \
-	tests/sim/cluster.c \
-	tests/sim/cluster.h \
-	tests/sim/disk.c \
-	tests/sim/event.c \
-	tests/sim/event.h \
-	tests/sim/fault.c \
-	tests/sim/fibre.c \
-	tests/sim/fibre.h \
-	tests/sim/net.c \
-	tests/sim/net.h \
-	tests/sim/picture.c \
-	tests/sim/tiles.c
 
 # Shell tests of the programs; client_lib.sh is what they share.
 SHELL_TESTS = \
