@@ -17,7 +17,9 @@
  * A cell is divided if its parts' lists take less to read than its own, by the
  * half of a block that a step down costs.  A part is taken to be looked up in
  * proportion to its number of records, for records are made where look-ups
- * miss.
+ * miss.  Where all of them are in one part, as in a room that is small in its
+ * scene, that part is taken for the cell: its list is no longer, and boxes in
+ * it are told apart more finely.
  * Copies are bounded: a tree has at most COPIES places for a record, or one
  * block.  When a cell is divided its bound is shared out among its parts, in
  * proportion to their blocks.  */
@@ -242,6 +244,15 @@ set_extent(struct extent *e, const struct rad_ambread *r, uint32_t item,
     e->size = (uint8_t)(MAX_DEPTH - depth_for(reach));
 }
 
+/* Which part of a cell a place is in, by numbers of the place along each axis
+ * and the bit of these that tells. */
+static inline unsigned
+part_number(const uint32_t number[3], int bit)
+{
+    return (number[0] >> bit & 1) | (number[1] >> bit & 1) << 1 |
+           (number[2] >> bit & 1) << 2;
+}
+
 /* Which cell of the octree. */
 struct spot {
     uint32_t cell[3]; /* its number along each axis, at its depth */
@@ -394,6 +405,36 @@ divide(struct build *b, size_t from, size_t n, const struct spot *s,
     }
 }
 
+/* The only part that a cell's n extents touch; 8: there are several. */
+static unsigned
+only_part(const struct parts *p, size_t n)
+{
+    unsigned k = 0;
+
+    while (k < 8 && (p->n[k] < n || p->blocks > blocks_for(n)))
+        k++;
+    return k;
+}
+
+/* As divide(), of the smallest cell in *s that has all of these extents to
+ * itself; *s becomes that cell. */
+static void
+divide_within(struct build *b, size_t from, size_t n, struct spot *s,
+              struct parts *p)
+{
+    size_t top = b->top;
+    unsigned only;
+
+    for (;;) {
+        divide(b, from, n, s, p);
+        only = only_part(p, n);
+        if (only == 8 || s->depth + 1 == DEEPEST || b->failed)
+            return;
+        b->top = top;
+        *s = part_of(s, only);
+    }
+}
+
 /* Do the parts' lists take less to read than the cell's, of n extents, by half
  * a block?  Means, weighted by the parts' numbers of records. */
 static bool
@@ -428,33 +469,65 @@ new_parts(struct build *b)
     return t->nparts - 8;
 }
 
+/* The cell that is so many steps above that one, with its number, and has
+ * nothing else in it. */
+static uint64_t
+wrap(struct build *b, uint64_t cell, const struct spot *s, int steps)
+{
+    for (int i = 0; i < steps; i++) {
+        size_t at = new_parts(b);
+
+        if (b->failed)
+            return LEAF;
+        for (int k = 0; k < 8; k++)
+            b->tree.part[at + (size_t)k] = LEAF;
+        b->tree.part[at + part_number(s->cell, i)] = cell;
+        cell = at;
+    }
+    return cell;
+}
+
+static uint64_t make_parts(struct build *b, const struct parts *p, size_t most,
+                           const struct spot *s);
+
 /* Make the cell of the n extents from list[from] on, with at most `most` blocks
  * unless it is a leaf; returns its number. */
 static uint64_t
 make_cell(struct build *b, size_t from, size_t n, size_t most,
           const struct spot *s)
 {
-    size_t top = b->top, at;
+    struct spot inner = *s;
+    size_t top = b->top;
     struct parts p;
     uint64_t cell;
 
     if (n <= PLACES || s->depth == DEEPEST || b->failed)
         return make_leaf(b, from, n, s);
-    divide(b, from, n, s, &p);
-    if (b->failed || p.blocks > most || !pays(&p, n)) {
-        b->top = top;
-        return make_leaf(b, from, n, s);
-    }
-    at = new_parts(b);
+    divide_within(b, from, n, &inner, &p);
+    cell = b->failed || p.blocks > most || !pays(&p, n)
+               ? make_leaf(b, from, n, &inner)
+               : make_parts(b, &p, most, &inner);
+    b->top = top;
+    return wrap(b, cell, &inner, inner.depth - s->depth);
+}
+
+/* Make the parts of the cell *s, with at most `most` blocks unless they are
+ * leaves; returns the cell's number. */
+static uint64_t
+make_parts(struct build *b, const struct parts *p, size_t most,
+           const struct spot *s)
+{
+    size_t at = new_parts(b);
+
     for (unsigned k = 0; k < 8 && !b->failed; k++) {
         struct spot part = part_of(s, k);
+        uint64_t cell =
+            make_cell(b, p->from[k], p->n[k],
+                      most * blocks_for(p->n[k]) / p->blocks, &part);
 
-        cell = make_cell(b, p.from[k], p.n[k],
-                         most * blocks_for(p.n[k]) / p.blocks, &part);
         if (!b->failed)
             b->tree.part[at + k] = cell;
     }
-    b->top = top;
     return at;
 }
 
@@ -698,9 +771,7 @@ begin_list(struct reading *k, const struct rad_ambread_tree *t,
 
     while (!(cell & LEAF)) {
         shift--;
-        cell = t->part[cell + ((number[0] >> shift & 1) |
-                               (number[1] >> shift & 1) << 1 |
-                               (number[2] >> shift & 1) << 2)];
+        cell = t->part[cell + part_number(number, shift)];
     }
     for (int j = 0; j < 3; j++)
         k->probe.at[j] = (uint8_t)(number[j] >> (shift - 8));

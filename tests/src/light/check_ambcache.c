@@ -251,6 +251,21 @@ settled(struct rad_ambread *r)
     return r;
 }
 
+/* The same in a cube of that side, none of them outside it. */
+static void
+filled_for_reading(struct rad_ambread *r, double side)
+{
+    bool ok = true;
+
+    rad_ambread_init(r, org, side);
+    for (int i = 0; i < RECORDS; i++) {
+        sample[i] = invent(rad_key_branch(1, (uint64_t)i));
+        sample[i].rec.E.g = (float)i;
+        ok &= rad_ambread_add(r, &sample[i].rec);
+    }
+    ck_assert(ok && rad_ambread_settle(r, zone_of, NULL));
+}
+
 /* Ask near the edges of zones, in corners of the cube's grid, outside it. */
 static struct question
 ask_anywhere(int i)
@@ -267,45 +282,72 @@ ask_anywhere(int i)
     return q;
 }
 
+/* Records that look-ups found, those that serve and the others. */
+struct matches {
+    int served, vain;
+};
+
+/* Look up for a question, which finds what a search of all finds. */
+static void
+look_up(const struct rad_ambread *r, int i, struct matches *t)
+{
+    static int times[RECORDS];
+    struct question ask = ask_anywhere(i);
+    struct found f = { .enough = INFINITY };
+    struct rad_ambquery q = ask.q;
+    struct rad_ambfit fit;
+    double reach = 0;
+
+    rad_ambfit_set(&fit, ask.min_cos, ask.weight);
+    q.fit = &fit;
+    rad_ambread_visit(r, RECORDS, &q, keep, want, &f);
+    memset(times, 0, sizeof times);
+    for (int k = 0; k < f.n; k++) {
+        double its = sample[(int)f.rec[k]->E.g].zone.reach;
+
+        times[(int)f.rec[k]->E.g]++;
+        if (2.001 * its < reach)
+            ck_abort_msg("%d: %g after %g", i, its, reach);
+        reach = rad_most(reach, its);
+    }
+    for (int k = 0; k < RECORDS; k++) {
+        bool in = meets_ellipsoid(&sample[k], &ask);
+
+        if (times[k] > 1)
+            ck_abort_msg("query %d: record %d %d times", i, k, times[k]);
+        if (in && times[k] == 0)
+            ck_abort_msg("query %d: no record %d", i, k);
+        t->served += in;
+        t->vain += times[k] > in;
+    }
+}
+
 START_TEST(frozen_look_up_finds_what_a_search_of_all_finds)
 {
     struct rad_ambread r;
-    static int times[RECORDS];
-    int served = 0, vain = 0;
+    struct matches t = { 0 };
 
     settled(&r);
-    for (int i = 0; i < 4 * QUERIES; i++) {
-        struct question ask = ask_anywhere(i);
-        struct found f = { .enough = INFINITY };
-        struct rad_ambquery q = ask.q;
-        struct rad_ambfit fit;
-        double reach = 0;
+    for (int i = 0; i < 4 * QUERIES; i++)
+        look_up(&r, i, &t);
+    ck_assert_int_gt(t.served, QUERIES / 2);
+    ck_assert_int_lt(t.vain, 20 * t.served);
+    rad_ambread_release(&r);
+}
+END_TEST
 
-        rad_ambfit_set(&fit, ask.min_cos, ask.weight);
-        q.fit = &fit;
-        rad_ambread_visit(&r, RECORDS, &q, keep, want, &f);
-        memset(times, 0, sizeof times);
-        for (int k = 0; k < f.n; k++) {
-            double its = sample[(int)f.rec[k]->E.g].zone.reach;
+/* All records are in one part of the scene's cube, and of that part, and so on:
+ * leaves are as small as in a cube of the room's size. */
+START_TEST(a_room_that_is_small_in_its_scene_is_searched_as_well)
+{
+    struct rad_ambread r;
+    struct matches t = { 0 };
 
-            times[(int)f.rec[k]->E.g]++;
-            if (2.001 * its < reach)
-                ck_abort_msg("%d: %g after %g", i, its, reach);
-            reach = rad_most(reach, its);
-        }
-        for (int k = 0; k < RECORDS; k++) {
-            bool in = meets_ellipsoid(&sample[k], &ask);
-
-            if (times[k] > 1)
-                ck_abort_msg("query %d: record %d %d times", i, k, times[k]);
-            if (in && times[k] == 0)
-                ck_abort_msg("query %d: no record %d", i, k);
-            served += in;
-            vain += times[k] > in;
-        }
-    }
-    ck_assert_int_gt(served, QUERIES / 2);
-    ck_assert_int_lt(vain, 20 * served);
+    filled_for_reading(&r, 1024 * SIDE);
+    for (int i = 0; i < QUERIES; i++)
+        look_up(&r, i, &t);
+    ck_assert_int_gt(t.served, QUERIES / 8);
+    ck_assert_int_lt(t.vain, 20 * t.served);
     rad_ambread_release(&r);
 }
 END_TEST
@@ -706,6 +748,7 @@ main(void)
     tcase_set_timeout(tc, 600);
     tcase_add_test(tc, look_up_finds_what_a_search_of_all_finds);
     tcase_add_test(tc, frozen_look_up_finds_what_a_search_of_all_finds);
+    tcase_add_test(tc, a_room_that_is_small_in_its_scene_is_searched_as_well);
     tcase_add_test(
         tc, frozen_records_come_in_an_order_that_ignores_how_they_were_settled);
     tcase_add_test(tc, of_frozen_records_the_later_ones_can_be_left_out);
