@@ -118,7 +118,7 @@ ambshare_piece(struct msg_frozen *m, const uint8_t *records, uint32_t n)
     m->first += m->count;
     m->count = n - m->first < TOGETHER ? n - m->first : TOGETHER;
     m->last = m->first + m->count == n;
-    m->data = records + (size_t)m->first * AMBSHARE_BYTES;
+    m->data = records ? records + (size_t)m->first * AMBSHARE_BYTES : NULL;
     m->len = (size_t)m->count * AMBSHARE_BYTES;
     return true;
 }

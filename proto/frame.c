@@ -76,10 +76,11 @@ fill(struct frame_reader *r, size_t want, const uint8_t **data, size_t *n,
         r->buf = p;
         r->cap = cap;
     }
-    if (take > 0)
+    if (take > 0) { /* *data may be NULL where there is nothing */
         memcpy(r->buf + r->len, *data, take);
+        *data += take;
+    }
     r->len += take;
-    *data += take;
     *n -= take;
     return r->len == want;
 }

@@ -21,7 +21,8 @@ irradiance_up(struct world *w, double x, double y, double z)
     struct rad_ray r;
 
     rad_ray_irradiance(&w->ctx, &r, p, up,
-                       rad_key_branch((uint64_t)(1000 * x), (uint64_t)(y * 7)));
+                       rad_key_branch((uint64_t)(int64_t)(1000 * x),
+                                      (uint64_t)(int64_t)(y * 7)));
     return r.L;
 }
 
