@@ -45,20 +45,13 @@ done_as()
 
 worker_is()
 {
-    "$radctl" --coordinator="$sock" --json workers | python3 -c '
-import json, sys
-w = {w["name"]: w for w in json.load(sys.stdin)}["w1"]
-sys.exit(w["state"] != sys.argv[1] or sys.argv[2] not in w["text"])' "$1" "$2"
+    said_of workers w1 state | grep -qx "$1" &&
+        said_of workers w1 text | grep -q "$2"
 }
 
 job_says()
 {
-    "$radctl" --coordinator="$sock" --json jobs | python3 -c '
-import json, sys
-for job in json.load(sys.stdin):
-    if job["name"] == sys.argv[1] and sys.argv[2] in job["text"]:
-        sys.exit(0)
-sys.exit(1)' "$1" "$2"
+    said_of jobs "$1" text | grep -q "$2"
 }
 
 cached_kib()

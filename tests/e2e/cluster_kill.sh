@@ -47,10 +47,7 @@ until_true 30 n_workers 3 || fail "worker 3 does not come back"
 
 left_runs()
 {
-    "$radctl" --coordinator="$sock" --json jobs | python3 -c '
-import json, sys
-sys.exit(not any(j["name"] == "left" and j["state"] == "running"
-                 for j in json.load(sys.stdin)))'
+    said_of jobs left state | grep -qx running
 }
 
 begun_or_ended()
