@@ -42,6 +42,10 @@
 /* Of the time that is left, what is planned to be used. */
 #define TIME_USED .85
 
+/* A ray of a picture takes so much of the time that one of a check does, whose
+ * windows are small and far apart: .5 to .9, never more (doc/measured.md). */
+#define PICTURE_PRICE .8
+
 /* Of the time that is planned to be used, what a last stage takes at most, the
  * rest being the pixels'.  Both errors fall with the root of their time at
  * best, so no other split is better than halves by more than a factor of 1.4;
@@ -489,7 +493,7 @@ foresee(const struct outlook *o, int ambient, int pixel)
                         .ends = rad_refine_same_cache(o->ask->rungs, rungs),
                         .square = foresee_square(o, ambient, pixel),
                         .rays = picture,
-                        .seconds = picture * o->ask->look_s };
+                        .seconds = picture * PICTURE_PRICE * o->ask->look_s };
 
     if (!c.ends) {
         c.rays += foresee_stage(o, ambient);
