@@ -14,7 +14,6 @@
 #include "config.h"
 
 #include "shade/antimatter.h"
-#include "base/vec.h"
 
 #include <string.h>
 
@@ -122,7 +121,7 @@ is_within(const struct rad_job *job, const struct rad_ray *r, int32_t modifier)
 
         if (goes_through(r) && m != RAD_VOID &&
             has(job, job->materials[m].data, modifier))
-            return rad_dot(p->dir, p->hit.n) < 0; /* it went in */
+            return p->into_cut;
     }
     return false;
 }
@@ -165,6 +164,7 @@ rad_antimatter_shade(struct rad_ctx *ctx, const struct rad_material *mat,
     const struct antimatter *a = mat->data;
 
     r->passed_cut = a->index;
+    r->into_cut = r->cos_o > 0; /* turned, where another cut shows it */
     if (a->filled && depth_inside(ctx, a, r) > 0) {
         rad_ray_flip(r); /* the cut's front is on the side of the hole */
         return rad_ray_shade(ctx, r, a->filling);

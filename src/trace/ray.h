@@ -53,6 +53,7 @@ struct rad_ray {
     int32_t far_source;     /* number of the distant source met, or -1 */
     int32_t passed_cut;     /* antimatter whose surface it met and passes, also
                              * as a part of a mixture; RAD_VOID: none */
+    bool into_cut;          /* it passed that from the front */
     double n[3];            /* hit.n, or its reverse after rad_ray_flip() */
     double cos_o;           /* -dir.n: positive on the side of the normal */
     double pert[3];         /* perturbation of n by textures */

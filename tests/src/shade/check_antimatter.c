@@ -166,6 +166,25 @@ START_TEST(antimatter_may_be_cut_away)
 }
 END_TEST
 
+/* Antimatter that is cut away by other antimatter, whose cut shows it, begins
+ * where that ends: the ray goes into it there. */
+START_TEST(a_cut_may_show_antimatter)
+{
+    struct world w;
+
+    world_open(&w,
+               WALL "void antimatter hole 2 void wall 0 0\n"
+                    "hole sphere s 0 0 4 0 0 0 2\n"
+                    "void antimatter other 1 hole 0 0\n"
+                    "other sphere t 0 0 4 0 0 2 1\n",
+               "");
+    near(depth(&w, 0), 10);
+    near(depth(&w, 1.5), 10);
+    near(depth(&w, 2.1), 5);
+    world_close(&w);
+}
+END_TEST
+
 START_TEST(irradiance_of_the_eye_sees_no_antimatter)
 {
     struct world w;
@@ -223,6 +242,7 @@ make_suite(void)
     tcase_add_loop_test(tc, cut_in_a_solid_shows_its_filling, 0, N_ELEM(cut));
     tcase_add_test(tc, reflection_stays_on_its_side);
     tcase_add_test(tc, antimatter_may_be_cut_away);
+    tcase_add_test(tc, a_cut_may_show_antimatter);
     tcase_add_test(tc, irradiance_of_the_eye_sees_no_antimatter);
     tcase_add_loop_test(tc,
                         antimatter_of_one_file_knows_what_another_defines_alike,
