@@ -160,6 +160,26 @@ rad_object_radii_fit(const struct rad_object *o)
     return !((r0 < 0 && r1 > 0) || (r0 > 0 && r1 < 0));
 }
 
+enum rad_otype
+rad_object_shape(const struct rad_object *o)
+{
+    const double *r = o->reals;
+
+    switch (o->type) {
+    case RAD_BUBBLE:
+        return o->nreals > 3 && r[3] < 0 ? RAD_SPHERE : RAD_BUBBLE;
+    case RAD_TUBE:
+        return o->nreals > 6 && r[6] < 0 ? RAD_CYLINDER : RAD_TUBE;
+    case RAD_CONE:
+        return o->nreals > 7 && r[6] == r[7] ? RAD_CYLINDER : RAD_CONE;
+    case RAD_CUP:
+        return o->nreals > 7 && r[6] == r[7] && r[6] < 0 ? RAD_CYLINDER
+                                                         : RAD_CUP;
+    default:
+        return o->type;
+    }
+}
+
 /* Cone, cup, cylinder and tube. */
 static void
 check_cone(struct checker *c, const struct rad_object *o)
@@ -513,7 +533,7 @@ check_surface(struct checker *c, const struct rad_object *o)
 
     if (o - c->scene->objects >= rad_scene_own(c->scene))
         return; /* surfaces of parts are never light sources */
-    switch (o->type) {
+    switch (rad_object_shape(o)) {
     case RAD_SPHERE:
         /* other spheres of radius 0 are left out: genworm makes some */
         if (o->nreals == 4 && o->reals[3] == 0 && m && gives_light(m))

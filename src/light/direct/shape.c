@@ -251,8 +251,8 @@ int
 rad_light_shape(struct rad_source *src, const struct rad_object *o,
                 struct rad_arena *arena)
 {
-    src->shape = o->type;
-    switch (o->type) {
+    src->shape = rad_object_shape(o);
+    switch (src->shape) {
     case RAD_POLYGON:
         return polygon_shape(src, o, arena);
     case RAD_RING:

@@ -412,6 +412,30 @@ START_TEST(cone_cannot_be_a_light)
 }
 END_TEST
 
+/* Equal radii make a cone a cylinder, and negative ones turn a cup, a tube and
+ * a bubble inside out: lamps of these are the lamps that they are then. */
+static const struct {
+    const char *lamp, *like;
+} meant[] = {
+    { "cone c 0 0 8 -1 0 2 1 0 2 .1 .1", "cylinder c 0 0 7 -1 0 2 1 0 2 .1" },
+    { "cone c 0 0 8 -1 0 2 1 0 2 -.1 -.1", "cylinder c 0 0 7 -1 0 2 1 0 2 .1" },
+    { "cup c 0 0 8 -1 0 2 1 0 2 -.1 -.1", "cylinder c 0 0 7 -1 0 2 1 0 2 .1" },
+    { "tube c 0 0 7 -1 0 2 1 0 2 -.1", "cylinder c 0 0 7 -1 0 2 1 0 2 .1" },
+    { "bubble c 0 0 4 0 0 2 -.1", "sphere c 0 0 4 0 0 2 .1" },
+};
+
+START_TEST(lamp_is_what_its_radii_make_it)
+{
+    char a[256], b[256];
+
+    snprintf(a, sizeof a, LAMP "bright %s\n", meant[_i].lamp);
+    snprintf(b, sizeof b, LAMP "bright %s\n", meant[_i].like);
+    ck_assert_double_gt(irradiance_of(b, DIRECT "-ds .2", 0, 0, 0), 0);
+    ck_assert_double_eq(irradiance_of(a, DIRECT "-ds .2", 0, 0, 0),
+                        irradiance_of(b, DIRECT "-ds .2", 0, 0, 0));
+}
+END_TEST
+
 int
 main(void)
 {
@@ -434,6 +458,7 @@ main(void)
     tcase_add_test(tc, memory_of_the_last_blocker_changes_nothing);
     tcase_add_test(tc, illum_over_void_is_a_light_and_a_window);
     tcase_add_test(tc, cone_cannot_be_a_light);
+    tcase_add_loop_test(tc, lamp_is_what_its_radii_make_it, 0, N_ELEM(meant));
     suite_add_tcase(s, tc);
     return unit_run(s);
 }
