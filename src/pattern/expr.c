@@ -285,34 +285,62 @@ rad_expr_set_aim(struct rad_ctx *ctx, struct rad_expr_scope *scope,
     rad_calc_begin(ctx->calc, &scope->in);
 }
 
-/* Is the value valid?  If not, count a failure. */
-static bool
-is_sound(struct rad_ctx *ctx, const struct rad_expr *e, double value,
-         enum rad_calc_fault fault)
+bool
+rad_expr_sound(struct rad_ctx *ctx, const struct rad_expr *e,
+               enum rad_calc_fault fault)
 {
-    if (!fault && isfinite(value))
+    if (fault == RAD_CALC_SOUND)
         return true;
     rad_counts_fault(&ctx->counts, e->object);
     return false;
+}
+
+/* A value that is infinite without a fault is one that nothing drops. */
+static void
+note_infinite(double v, enum rad_calc_fault *fault)
+{
+    if (!isfinite(v))
+        *fault = RAD_CALC_NO_ARG;
+}
+
+/* The value of expression i, evaluated after others with *fault. */
+static double
+evaluate(struct rad_ctx *ctx, const struct rad_expr *e, int i,
+         enum rad_calc_fault *fault)
+{
+    double v;
+
+    if (e->numbers >> i & 1)
+        return e->number[i];
+    rad_calc_go_on(ctx->calc, *fault);
+    v = rad_calc_eval(ctx->job->calc, e->code[i], ctx->calc, fault);
+    note_infinite(v, fault);
+    return v;
 }
 
 bool
 rad_expr_get(struct rad_ctx *ctx, const struct rad_expr *e, int first, int n,
              double value[])
 {
-    for (int i = 0; i < n; i++) {
-        enum rad_calc_fault fault;
+    enum rad_calc_fault fault = RAD_CALC_SOUND;
 
-        if (e->numbers >> (first + i) & 1) {
-            value[i] = e->number[first + i];
-            continue;
-        }
-        value[i] = rad_calc_eval(ctx->job->calc, e->code[first + i], ctx->calc,
-                                 &fault);
-        if (!is_sound(ctx, e, value[i], fault))
-            return false;
+    for (int i = 0; i < n && fault == RAD_CALC_SOUND; i++)
+        value[i] = evaluate(ctx, e, first + i, &fault);
+    return rad_expr_sound(ctx, e, fault);
+}
+
+bool
+rad_expr_get_all(struct rad_ctx *ctx, const struct rad_expr *e, int first,
+                 int n, bool backward, double value[])
+{
+    enum rad_calc_fault fault = RAD_CALC_SOUND;
+
+    for (int k = 0; k < n && fault <= RAD_CALC_MATH; k++) {
+        int i = backward ? n - 1 - k : k;
+
+        value[i] = evaluate(ctx, e, first + i, &fault);
     }
-    return true;
+    return rad_expr_sound(ctx, e, fault);
 }
 
 bool
@@ -328,13 +356,23 @@ rad_expr_values(struct rad_ctx *ctx, const struct rad_expr *e,
 }
 
 bool
+rad_expr_call_next(struct rad_ctx *ctx, int function, const double arg[],
+                   enum rad_calc_fault *fault, double *value)
+{
+    rad_calc_go_on(ctx->calc, *fault);
+    *value = rad_calc_call(ctx->job->calc, function, arg, ctx->calc, fault);
+    note_infinite(*value, fault);
+    return *fault <= RAD_CALC_MATH;
+}
+
+bool
 rad_expr_call(struct rad_ctx *ctx, const struct rad_expr *e, int function,
               const double arg[], double *value)
 {
-    enum rad_calc_fault fault;
+    enum rad_calc_fault fault = RAD_CALC_SOUND;
 
-    *value = rad_calc_call(ctx->job->calc, function, arg, ctx->calc, &fault);
-    return is_sound(ctx, e, *value, fault);
+    rad_expr_call_next(ctx, function, arg, &fault, value);
+    return rad_expr_sound(ctx, e, fault);
 }
 
 void

@@ -69,6 +69,21 @@ bool rad_expr_get(struct rad_ctx *ctx, const struct rad_expr *e, int first,
 bool rad_expr_call(struct rad_ctx *ctx, const struct rad_expr *e, int function,
                    const double arg[], double *value);
 
+/* Values that are judged together, as of a colour's three channels.  Radiance
+ * asks once, after the last one, whether a fault is left: what a library
+ * function of one drops is the fault of those that were evaluated before.
+ *   rad_expr_get_all()  as rad_expr_get(); backward: the last is evaluated
+ *                       first
+ *   rad_expr_call_next()  as rad_expr_call(), after values with *fault, at first
+ *                       RAD_CALC_SOUND; false: the rest need not be evaluated
+ *   rad_expr_sound()    are the values valid?  If not, a failure is counted */
+bool rad_expr_get_all(struct rad_ctx *ctx, const struct rad_expr *e, int first,
+                      int n, bool backward, double value[]);
+bool rad_expr_call_next(struct rad_ctx *ctx, int function, const double arg[],
+                        enum rad_calc_fault *fault, double *value);
+bool rad_expr_sound(struct rad_ctx *ctx, const struct rad_expr *e,
+                    enum rad_calc_fault fault);
+
 /* After rad_expr_begin(), set variables that only some types have (see
  * rad_calc_offer):
  *   norm, cos_n  unit normal, tilted by textures, and -dir.norm

@@ -33,6 +33,18 @@ values(struct rad_ctx *ctx, const struct rad_effect *e, const struct rad_ray *r,
     return rad_expr_values(ctx, &e->expr, r, 0, e->expr.n, value);
 }
 
+/* A colour: rpict as it is usually built evaluates it from blue to red. */
+static bool
+colors(struct rad_ctx *ctx, const struct rad_effect *e, const struct rad_ray *r,
+       double value[3])
+{
+    struct rad_expr_scope scope;
+
+    if (e->expr.numbers != 7)
+        rad_expr_begin(ctx, &e->expr, r, &scope);
+    return rad_expr_get_all(ctx, &e->expr, 0, 3, true, value);
+}
+
 int
 rad_func_prepare(struct rad_job *job, int32_t index,
                  const struct rad_files *files, const void **data,
@@ -45,7 +57,7 @@ rad_func_prepare(struct rad_job *job, int32_t index,
 
     if (!e)
         return rad_fail(err, RAD_ENOMEM, "out of memory");
-    e->values = values;
+    e->values = o->type == RAD_COLORFUNC ? colors : values;
     rc = rad_expr_prepare(job, o, files, at->file, at->exprs, &e->expr, err);
     if (rc == 0 && o->type == RAD_MIXFUNC)
         rc = rad_mixture_parts(job, index, e->part, err);

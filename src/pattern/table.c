@@ -116,17 +116,19 @@ values(struct rad_ctx *ctx, const struct rad_effect *e, const struct rad_ray *r,
 {
     const struct table *t = (const struct table *)e; /* e is its first member */
     double place[RAD_MAX_DATA_DIMS], found[3];
+    enum rad_calc_fault fault = RAD_CALC_SOUND;
     struct rad_expr_scope scope;
 
     rad_expr_begin(ctx, &e->expr, r, &scope);
-    if (!rad_expr_get(ctx, &e->expr, 0, e->expr.n, place))
+    if (!(t->pict ? rad_expr_get_all(ctx, &e->expr, 0, 2, false, place)
+                  : rad_expr_get(ctx, &e->expr, 0, e->expr.n, place)))
         return false;
     look_up(t, place, found);
     for (int i = 0; i < t->nfuncs; i++)
-        if (!rad_expr_call(ctx, &e->expr, t->func[i].call,
-                           found + t->func[i].first, &value[i]))
-            return false;
-    return true;
+        if (!rad_expr_call_next(ctx, t->func[i].call, found + t->func[i].first,
+                                &fault, &value[i]))
+            break;
+    return rad_expr_sound(ctx, &e->expr, fault);
 }
 
 int

@@ -38,7 +38,8 @@ struct back {
 
 struct rad_calc_env {
     struct rad_calc_input in;
-    const double *call_value; /* arguments of rad_calc_call() */
+    const double *call_value;   /* arguments of rad_calc_call() */
+    enum rad_calc_fault before; /* with which the next evaluation begins */
     struct prism_rays prism;
     uint64_t clock;
     struct value {
@@ -83,6 +84,7 @@ rad_calc_env_new(const struct rad_calc *c)
     memset(e->same, 0, sizeof e->same);
     e->in = (struct rad_calc_input){ 0 };
     e->call_value = NULL;
+    e->before = RAD_CALC_SOUND;
     e->prism.clock = 0;
     if (e->known)
         return e;
@@ -545,8 +547,11 @@ double
 rad_calc_run(const struct rad_calc *c, int32_t pc, int32_t limit,
              struct rad_calc_env *e, enum rad_calc_fault *fault)
 {
-    struct machine m = { .c = c, .e = e, .top = e->value, .frame = -1 };
+    struct machine m = {
+        .c = c, .e = e, .top = e->value, .frame = -1, .fault = e->before
+    };
 
+    e->before = RAD_CALC_SOUND;
     e->nframes = e->nbacks = e->nkept = 0;
     enter(&m, pc, -1, BACK_END, 0);
     for (int32_t left = limit; step(&m, m.at++); left--)
@@ -556,6 +561,12 @@ rad_calc_run(const struct rad_calc *c, int32_t pc, int32_t limit,
         }
     *fault = m.fault;
     return m.fault > RAD_CALC_MATH ? 0 : e->value[0];
+}
+
+void
+rad_calc_go_on(struct rad_calc_env *e, enum rad_calc_fault fault)
+{
+    e->before = fault;
 }
 
 double

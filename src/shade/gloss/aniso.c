@@ -122,14 +122,17 @@ void
 rad_aniso_along(struct rad_ctx *ctx, const struct rad_expr *e, int first,
                 const struct rad_ray *r, double along[3])
 {
-    take_along(along, e, r, rad_expr_values(ctx, e, r, first, 3, along));
+    struct rad_expr_scope scope;
+
+    rad_expr_begin(ctx, e, r, &scope);
+    rad_aniso_get(ctx, e, first, r, along);
 }
 
 void
 rad_aniso_get(struct rad_ctx *ctx, const struct rad_expr *e, int first,
               const struct rad_ray *r, double along[3])
 {
-    take_along(along, e, r, rad_expr_get(ctx, e, first, 3, along));
+    take_along(along, e, r, rad_expr_get_all(ctx, e, first, 3, false, along));
 }
 
 /* Set the roughness along u and v.  Without a direction u it is the same in all

@@ -167,13 +167,13 @@ rad_brdf_prepare(struct rad_job *job, int32_t index,
 /* Set arg[0] to the data's value at the place that functions of the other
  * arguments give; false: they have no value. */
 static bool
-look_up(struct brdf_hit *hit, double arg[5])
+look_up(struct brdf_hit *hit, double arg[5], enum rad_calc_fault *fault)
 {
     double at[RAD_MAX_DATA_DIMS];
 
     for (int i = 0; i < rad_data_dims(hit->m->data); i++)
-        if (!rad_expr_call(hit->ctx, &hit->m->expr, hit->m->place[i], arg + 1,
-                           &at[i]))
+        if (!rad_expr_call_next(hit->ctx, hit->m->place[i], arg + 1, fault,
+                                &at[i]))
             return false;
     arg[0] = rad_data_value(hit->m->data, at);
     return true;
@@ -188,12 +188,13 @@ scatter(struct brdf_hit *hit, const double ldir[3], double omega,
     const struct brdf *m = hit->m;
     double arg[5], v[3];
     const double *args = m->data ? arg : arg + 1;
+    enum rad_calc_fault fault = RAD_CALC_SOUND;
 
     rad_expr_resume(hit->ctx, &hit->scope);
     rad_expr_inward(&hit->scope, ldir, arg + 1);
     arg[4] = omega;
-    if (m->data && !look_up(hit, arg))
-        return false;
+    if (m->data && !look_up(hit, arg, &fault))
+        return rad_expr_sound(hit->ctx, &m->expr, fault);
     for (int k = 0; k < 3; k++) {
         int same = 0;
 
@@ -203,10 +204,12 @@ scatter(struct brdf_hit *hit, const double ldir[3], double omega,
             v[k] = 0;
         else if (same < k)
             v[k] = v[same];
-        else if (!rad_expr_call(hit->ctx, &m->expr, m->function[k], args,
-                                &v[k]))
-            return false;
+        else if (!rad_expr_call_next(hit->ctx, m->function[k], args, &fault,
+                                     &v[k]))
+            break;
     }
+    if (!rad_expr_sound(hit->ctx, &m->expr, fault))
+        return false;
     *f = rad_rgb((float)v[0], (float)v[1], (float)v[2]);
     return true;
 }
@@ -298,7 +301,7 @@ color_of(struct brdf_hit *hit, int first, struct rad_rgb *c)
     double v[3];
 
     rad_expr_resume(hit->ctx, &hit->scope);
-    if (!rad_expr_get(hit->ctx, &hit->m->expr, first, 3, v))
+    if (!rad_expr_get_all(hit->ctx, &hit->m->expr, first, 3, true, v))
         return false;
     *c = rad_job_colour(hit->ctx->job, v);
     return true;

@@ -85,6 +85,37 @@ START_TEST(colour_has_a_function_for_each_channel)
 }
 END_TEST
 
+/* Whether a colour has a value is asked when all of it was evaluated, from blue
+ * to red: a library function drops the fault of a channel before it. */
+static const struct {
+    const char *colors;
+    struct rad_rgb value;
+} faulty[] = {
+    { "sqrt(-Px) Py Px", { 1, 1, 1 } },
+    { "Px sqrt(-Px) Py", { 1, 1, 1 } },
+    { "Px Py sqrt(-Px)", { 1, 1, 1 } },
+    { "Px floor(Py) sqrt(-Px)", { 2, 3, 0 } },
+    { "floor(Px) Py sqrt(-Px)", { 2, 3, 0 } },
+    { "floor(Px) sqrt(-Px) Py", { 2, 0, 3 } },
+    { "sqrt(-Px) floor(Px) floor(Py)", { 1, 1, 1 } },
+    { "4 sqrt(-Px) floor(Py)", { 1, 1, 1 } },
+    { "floor(Px) 4 1/(Px-2)", { 2, 4, 0 } },
+};
+
+START_TEST(colour_has_a_value_if_its_last_channel_has)
+{
+    struct rad_rgb want = faulty[_i].value, L;
+    char scene[512];
+
+    snprintf(scene, sizeof scene, "void colorfunc p 4 %s . 0 0\np" SHINE,
+             faulty[_i].colors);
+    L = see(scene, NULL);
+    ck_assert_msg(fabs(L.r - want.r) + fabs(L.g - want.g) + fabs(L.b - want.b) <
+                      1e-5,
+                  "%s: %g %g %g", faulty[_i].colors, L.r, L.g, L.b);
+}
+END_TEST
+
 START_TEST(function_file_is_found_and_has_its_arguments)
 {
     struct rad_rgb L =
@@ -415,6 +446,8 @@ main(void)
     tcase_add_loop_test(tc, brightness_is_the_functions_value, 0,
                         N_ELEM(bright));
     tcase_add_test(tc, colour_has_a_function_for_each_channel);
+    tcase_add_loop_test(tc, colour_has_a_value_if_its_last_channel_has, 0,
+                        N_ELEM(faulty));
     tcase_add_test(tc, function_file_is_found_and_has_its_arguments);
     tcase_add_test(tc, points_of_a_level_floor_have_its_height);
     tcase_add_test(tc, texture_tilts_the_normal);
