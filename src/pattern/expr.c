@@ -315,7 +315,7 @@ evaluate(struct rad_ctx *ctx, const struct rad_expr *e, int i,
     rad_calc_go_on(ctx->calc, *fault);
     v = rad_calc_eval(ctx->job->calc, e->code[i], ctx->calc, fault);
     note_infinite(v, fault);
-    return v;
+    return isfinite(v) ? v : 0;
 }
 
 bool
@@ -335,6 +335,8 @@ rad_expr_get_all(struct rad_ctx *ctx, const struct rad_expr *e, int first,
 {
     enum rad_calc_fault fault = RAD_CALC_SOUND;
 
+    for (int i = 0; i < n; i++)
+        value[i] = 0;
     for (int k = 0; k < n && fault <= RAD_CALC_MATH; k++) {
         int i = backward ? n - 1 - k : k;
 

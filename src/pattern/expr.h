@@ -73,7 +73,7 @@ bool rad_expr_call(struct rad_ctx *ctx, const struct rad_expr *e, int function,
  * asks once, after the last one, whether a fault is left: what a library
  * function of one drops is the fault of those that were evaluated before.
  *   rad_expr_get_all()  as rad_expr_get(); backward: the last is evaluated
- *                       first
+ *                       first.  value[i] is 0 where there is none
  *   rad_expr_call_next()  as rad_expr_call(), after values with *fault, at first
  *                       RAD_CALC_SOUND; false: the rest need not be evaluated
  *   rad_expr_sound()    are the values valid?  If not, a failure is counted */

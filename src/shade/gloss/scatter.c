@@ -624,21 +624,22 @@ set_diffuse(struct scatter_hit *hit, bool front)
     hit->tdiff = rad_rgb_mul(hit->tdiff, hit->r->pattern);
 }
 
-/* Evaluate thickness and up vector.  False: they have no value. */
-static bool
+/* Evaluate thickness and up vector.  As in Radiance a number without a value is
+ * 0. */
+static void
 evaluate(const struct scatter_hit *hit, double *thick, double up[3])
 {
     const struct scatter *s = hit->s;
+    struct rad_expr_scope scope;
     double v[4];
 
-    if (!rad_expr_values(hit->ctx, &s->expr, hit->r, 0, s->expr.n, v))
-        return false;
+    rad_expr_begin(hit->ctx, &s->expr, hit->r, &scope);
+    rad_expr_get_all(hit->ctx, &s->expr, 0, s->expr.n, false, v);
     *thick = s->proxy_type ? v[0] * rad_expr_scale(&s->expr, hit->r) : 0;
     if (fabs(*thick) <= RAD_TINY)
         *thick = 0;
     rad_copy(up, v + s->proxy_type);
     rad_expr_outward(&s->expr, hit->r, up);
-    return true;
 }
 
 /* Does the ray see the geometry that the surface stands for?  Yes, if it is a
@@ -691,8 +692,7 @@ rad_scatter_shade(struct rad_ctx *ctx, const struct rad_material *mat,
         rad_ray_transmit(ctx, r);
         return true;
     }
-    if (!evaluate(&hit, &hit.thick, up))
-        return true; /* black: its orientation is not known */
+    evaluate(&hit, &hit.thick, up);
     if (shows_geometry(&hit, hit.thick)) {
         rad_ray_transmit(ctx, r);
         return true;

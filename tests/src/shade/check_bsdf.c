@@ -537,6 +537,20 @@ START_TEST(direct_light_follows_the_data)
 }
 END_TEST
 
+/* A part of the vector that has no value is 0. */
+START_TEST(way_up_may_lack_a_value)
+{
+#define UP(vector) "void BSDF m 6 0 matrix.xml " vector " . 0 0\nm" PANE ABOVE
+    struct rad_rgb a = see(UP("0 1 0"), PLAIN, -1, 0, 1);
+    struct rad_rgb b = see(UP("sqrt(Px-9) 1 0"), PLAIN, -1, 0, 1);
+    struct rad_rgb none = see(UP("sqrt(Px-9) log(Px-9) 0"), PLAIN, -1, 0, 1);
+
+    ck_assert_float_gt(a.g, 0);
+    ck_assert_float_eq(a.g, b.g);
+    ck_assert_float_eq(none.g, 0);
+}
+END_TEST
+
 #define SKY                                                                    \
     "void brightfunc up 2 2+Dz . 0 0\nup glow sky 0 0 4 1 1 1 0\n"             \
     "sky source s 0 0 4 0 0 1 360\n"
@@ -688,6 +702,7 @@ main(void)
     tcase_add_loop_test(material, even_scattering_is_lambertian, 0,
                         N_ELEM(lambertian));
     tcase_add_test(material, direct_light_follows_the_data);
+    tcase_add_test(material, way_up_may_lack_a_value);
     tcase_add_test(material, peak_is_seen_through);
     tcase_add_test(material, peak_casts_a_shadow);
     tcase_add_test(material, thickness_hides_the_surface);
