@@ -346,13 +346,20 @@ rad_expr_get_all(struct rad_ctx *ctx, const struct rad_expr *e, int first,
 }
 
 bool
+rad_expr_needs(const struct rad_expr *e, int first, int n)
+{
+    unsigned all = ((1u << n) - 1) << first;
+
+    return (e->numbers & all) != all;
+}
+
+bool
 rad_expr_values(struct rad_ctx *ctx, const struct rad_expr *e,
                 const struct rad_ray *r, int first, int n, double value[])
 {
-    unsigned all = ((1u << n) - 1) << first;
     struct rad_expr_scope scope;
 
-    if ((e->numbers & all) != all)
+    if (rad_expr_needs(e, first, n))
         rad_expr_begin(ctx, e, r, &scope);
     return rad_expr_get(ctx, e, first, n, value);
 }

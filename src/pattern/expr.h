@@ -49,6 +49,9 @@ int rad_expr_prepare(struct rad_job *job, const struct rad_object *o,
 bool rad_expr_values(struct rad_ctx *ctx, const struct rad_expr *e,
                      const struct rad_ray *r, int first, int n, double value[]);
 
+/* Do they depend on the ray?  Plain numbers do not. */
+bool rad_expr_needs(const struct rad_expr *e, int first, int n);
+
 /* Compile a call, with n arguments, of the function that string number `which`
  * of o names.  Returns its number, at least 0, or a code. */
 int rad_expr_function(struct rad_job *job, const struct rad_object *o,
@@ -74,9 +77,9 @@ bool rad_expr_call(struct rad_ctx *ctx, const struct rad_expr *e, int function,
  * function of one drops is the fault of those that were evaluated before.
  *   rad_expr_get_all()  as rad_expr_get(); backward: the last is evaluated
  *                       first.  value[i] is 0 where there is none
- *   rad_expr_call_next()  as rad_expr_call(), after values with *fault, at first
- *                       RAD_CALC_SOUND; false: the rest need not be evaluated
- *   rad_expr_sound()    are the values valid?  If not, a failure is counted */
+ *   rad_expr_call_next()  as rad_expr_call(), after values with *fault, at
+ * first RAD_CALC_SOUND; false: the rest need not be evaluated rad_expr_sound()
+ * are the values valid?  If not, a failure is counted */
 bool rad_expr_get_all(struct rad_ctx *ctx, const struct rad_expr *e, int first,
                       int n, bool backward, double value[]);
 bool rad_expr_call_next(struct rad_ctx *ctx, int function, const double arg[],

@@ -40,7 +40,7 @@ colors(struct rad_ctx *ctx, const struct rad_effect *e, const struct rad_ray *r,
 {
     struct rad_expr_scope scope;
 
-    if (e->expr.numbers != 7)
+    if (rad_expr_needs(&e->expr, 0, 3))
         rad_expr_begin(ctx, &e->expr, r, &scope);
     return rad_expr_get_all(ctx, &e->expr, 0, 3, true, value);
 }

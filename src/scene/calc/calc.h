@@ -155,8 +155,8 @@ void rad_calc_begin(struct rad_calc_env *env, const struct rad_calc_input *in);
 bool rad_calc_is_begun(const struct rad_calc_env *env,
                        const struct rad_calc_input *in);
 
-/* The next evaluation goes on with the fault that the one before has left, as if
- * both were in one expression: its library functions drop it. */
+/* The next evaluation goes on with the fault that the one before has left, as
+ * if both were in one expression: its library functions drop it. */
 void rad_calc_go_on(struct rad_calc_env *env, enum rad_calc_fault fault);
 
 /* The value of an expression.  *fault is the fault that is left at its end; for

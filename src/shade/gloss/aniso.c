@@ -124,7 +124,8 @@ rad_aniso_along(struct rad_ctx *ctx, const struct rad_expr *e, int first,
 {
     struct rad_expr_scope scope;
 
-    rad_expr_begin(ctx, e, r, &scope);
+    if (rad_expr_needs(e, first, 3))
+        rad_expr_begin(ctx, e, r, &scope);
     rad_aniso_get(ctx, e, first, r, along);
 }
 
