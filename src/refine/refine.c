@@ -43,7 +43,7 @@
 #define TIME_USED .85
 
 /* A ray of a picture takes so much of the time that one of a check does, whose
- * windows are small and far apart: .5 to .9, never more (doc/measured.md). */
+ * windows are small and far apart: .5 to .9 (doc/measured.md). */
 #define PICTURE_PRICE .8
 
 /* Of the time that is planned to be used, what a last stage takes at most, the
