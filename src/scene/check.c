@@ -166,12 +166,17 @@ rad_object_shape(const struct rad_object *o)
     const double *r = o->reals;
 
     switch (o->type) {
+    case RAD_SPHERE:
+        return o->nreals > 3 && r[3] < 0 ? RAD_BUBBLE : RAD_SPHERE;
     case RAD_BUBBLE:
         return o->nreals > 3 && r[3] < 0 ? RAD_SPHERE : RAD_BUBBLE;
+    case RAD_CYLINDER:
+        return o->nreals > 6 && r[6] < 0 ? RAD_TUBE : RAD_CYLINDER;
     case RAD_TUBE:
         return o->nreals > 6 && r[6] < 0 ? RAD_CYLINDER : RAD_TUBE;
     case RAD_CONE:
-        return o->nreals > 7 && r[6] == r[7] ? RAD_CYLINDER : RAD_CONE;
+        return o->nreals > 7 && r[6] == r[7] && r[6] > 0 ? RAD_CYLINDER
+                                                         : RAD_CONE;
     case RAD_CUP:
         return o->nreals > 7 && r[6] == r[7] && r[6] < 0 ? RAD_CYLINDER
                                                          : RAD_CUP;

@@ -96,9 +96,9 @@ int rad_scene_fail(const struct rad_scene *s, const struct rad_object *o,
  * scene. */
 bool rad_object_radii_fit(const struct rad_object *o);
 
-/* The type of a surface, but RAD_SPHERE of a bubble and RAD_CYLINDER of a tube,
- * cone or cup that its radii make one: negative ones turn it inside out, and a
- * cone of equal radii is a cylinder. */
+/* The type of a surface as its radii make it: negative ones turn a sphere, a
+ * bubble, a cylinder, a tube or a cup inside out, and a cone of equal radii is
+ * a cylinder. */
 enum rad_otype rad_object_shape(const struct rad_object *o);
 
 /* The modifier that an alias stands for: the end of the chain of aliases that

@@ -469,8 +469,8 @@ new_parts(struct build *b)
     return t->nparts - 8;
 }
 
-/* The cell that is so many steps above that one, with its number, and has
- * nothing else in it. */
+/* The number of the cell that is so many steps above the cell *s, whose number
+ * is `cell`, and that holds nothing else. */
 static uint64_t
 wrap(struct build *b, uint64_t cell, const struct spot *s, int steps)
 {
