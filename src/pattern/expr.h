@@ -75,15 +75,17 @@ bool rad_expr_call(struct rad_ctx *ctx, const struct rad_expr *e, int function,
 /* Values that are judged together, as of a colour's three channels.  Radiance
  * asks once, after the last one, whether a fault is left: what a library
  * function of one drops is the fault of those that were evaluated before.
- *   rad_expr_get_all()  as rad_expr_get(); backward: the last is evaluated
- *                       first.  value[i] is 0 where there is none
- *   rad_expr_call_next()  as rad_expr_call(), after values with *fault, at
- * first RAD_CALC_SOUND; false: the rest need not be evaluated rad_expr_sound()
- * are the values valid?  If not, a failure is counted */
+ * rad_expr_get_all() is as rad_expr_get(); backward: the last is evaluated
+ * first.  value[i] is 0 where there is none. */
 bool rad_expr_get_all(struct rad_ctx *ctx, const struct rad_expr *e, int first,
                       int n, bool backward, double value[]);
+
+/* As rad_expr_call(), after values that left *fault, RAD_CALC_SOUND before the
+ * first.  False: the rest need not be evaluated. */
 bool rad_expr_call_next(struct rad_ctx *ctx, int function, const double arg[],
                         enum rad_calc_fault *fault, double *value);
+
+/* Are values that left this fault valid?  If not, a failure is counted. */
 bool rad_expr_sound(struct rad_ctx *ctx, const struct rad_expr *e,
                     enum rad_calc_fault fault);
 

@@ -12,6 +12,7 @@ struct table {
     const struct rad_pict *pict;
     const struct rad_data *data[3]; /* if there is no picture */
     int ndata;                      /* how many of them differ: 1 or 3 */
+    bool together;                  /* coordinates: rad_expr_get_all() */
     int nfuncs;
     struct function {
         int call;
@@ -120,8 +121,9 @@ values(struct rad_ctx *ctx, const struct rad_effect *e, const struct rad_ray *r,
     struct rad_expr_scope scope;
 
     rad_expr_begin(ctx, &e->expr, r, &scope);
-    if (!(t->pict ? rad_expr_get_all(ctx, &e->expr, 0, 2, false, place)
-                  : rad_expr_get(ctx, &e->expr, 0, e->expr.n, place)))
+    if (!(t->together
+              ? rad_expr_get_all(ctx, &e->expr, 0, e->expr.n, false, place)
+              : rad_expr_get(ctx, &e->expr, 0, e->expr.n, place)))
         return false;
     look_up(t, place, found);
     for (int i = 0; i < t->nfuncs; i++)
@@ -147,6 +149,7 @@ rad_table_prepare(struct rad_job *job, int32_t index,
         return rad_scene_fail(job->scene, o, err, RAD_EDATA,
                               "too few string arguments");
     t->effect.values = values;
+    t->together = at->ndata == 0 || o->type == RAD_TEXDATA;
     t->ndata = 1;
     dims = read_tables(job, o, files, at, t, err);
     if (dims < 0)
