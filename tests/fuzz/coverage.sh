@@ -42,7 +42,7 @@ find src proto net daemon client tests -name '*.gcda' -exec rm -f {} +
         costs data facts font frame framing func gate hdr idle keyfile \
         message octfile octree params parse place points spec spectrum \
         store table tls view wire; do
-        find tests -type f -name "check_$name"
+        find tests -mindepth 2 -type f -name "check_$name"
     done
     echo "./radd --help"
     echo "./radcoord --version"
