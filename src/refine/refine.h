@@ -86,7 +86,7 @@ struct rad_refine_ask {
     int samples; /* rays of a pixel by the job's options, from 1 */
     double left_s; /* until the time is up; INFINITY: there is no limit */
     /* With a limit, seconds that a ray of the passes took all workers together,
-     * and one of the check pass, which are as a picture's; 0: not known. */
+     * and one of the check pass; 0: not known. */
     double pass_s, look_s;
 };
 
