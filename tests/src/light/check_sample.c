@@ -630,7 +630,9 @@ START_TEST(no_area_and_cones_are_no_light)
     struct rad_source src = { .obj = 0 };
 
     ck_assert_int_eq(rad_light_shape(&src, &o, &arena), 1);
-    o.type = RAD_CONE;
+    o.type = RAD_CONE; /* with radii that differ, or it is a cylinder */
+    o.nreals = 8;
+    o.reals = (double[]){ 0, 0, 0, 0, 0, 1, 2, 1 };
     ck_assert_int_eq(rad_light_shape(&src, &o, &arena), RAD_EDATA);
 }
 END_TEST
