@@ -345,12 +345,16 @@ rad_expr_get_all(struct rad_ctx *ctx, const struct rad_expr *e, int first,
     return rad_expr_sound(ctx, e, fault);
 }
 
-bool
-rad_expr_needs(const struct rad_expr *e, int first, int n)
+/* Begin for a ray, unless these expressions are all plain numbers. */
+static void
+begin_for(struct rad_ctx *ctx, const struct rad_expr *e,
+          const struct rad_ray *r, int first, int n,
+          struct rad_expr_scope *scope)
 {
     unsigned all = ((1u << n) - 1) << first;
 
-    return (e->numbers & all) != all;
+    if ((e->numbers & all) != all)
+        rad_expr_begin(ctx, e, r, scope);
 }
 
 bool
@@ -359,9 +363,19 @@ rad_expr_values(struct rad_ctx *ctx, const struct rad_expr *e,
 {
     struct rad_expr_scope scope;
 
-    if (rad_expr_needs(e, first, n))
-        rad_expr_begin(ctx, e, r, &scope);
+    begin_for(ctx, e, r, first, n, &scope);
     return rad_expr_get(ctx, e, first, n, value);
+}
+
+bool
+rad_expr_values_all(struct rad_ctx *ctx, const struct rad_expr *e,
+                    const struct rad_ray *r, int first, int n, bool backward,
+                    double value[])
+{
+    struct rad_expr_scope scope;
+
+    begin_for(ctx, e, r, first, n, &scope);
+    return rad_expr_get_all(ctx, e, first, n, backward, value);
 }
 
 bool

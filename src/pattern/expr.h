@@ -49,9 +49,6 @@ int rad_expr_prepare(struct rad_job *job, const struct rad_object *o,
 bool rad_expr_values(struct rad_ctx *ctx, const struct rad_expr *e,
                      const struct rad_ray *r, int first, int n, double value[]);
 
-/* Do they depend on the ray?  Plain numbers do not. */
-bool rad_expr_needs(const struct rad_expr *e, int first, int n);
-
 /* Compile a call, with n arguments, of the function that string number `which`
  * of o names.  Returns its number, at least 0, or a code. */
 int rad_expr_function(struct rad_job *job, const struct rad_object *o,
@@ -75,8 +72,11 @@ bool rad_expr_call(struct rad_ctx *ctx, const struct rad_expr *e, int function,
 /* Values that are judged together, as of a colour's three channels.  Radiance
  * asks once, after the last one, whether a fault is left: what a library
  * function of one drops is the fault of those that were evaluated before.
- * rad_expr_get_all() is as rad_expr_get(); backward: the last is evaluated
- * first.  value[i] is 0 where there is none. */
+ * These are as rad_expr_values() and rad_expr_get(); backward: the last is
+ * evaluated first.  value[i] is 0 where there is none. */
+bool rad_expr_values_all(struct rad_ctx *ctx, const struct rad_expr *e,
+                         const struct rad_ray *r, int first, int n,
+                         bool backward, double value[]);
 bool rad_expr_get_all(struct rad_ctx *ctx, const struct rad_expr *e, int first,
                       int n, bool backward, double value[]);
 

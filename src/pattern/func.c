@@ -38,11 +38,7 @@ static bool
 colors(struct rad_ctx *ctx, const struct rad_effect *e, const struct rad_ray *r,
        double value[3])
 {
-    struct rad_expr_scope scope;
-
-    if (rad_expr_needs(&e->expr, 0, 3))
-        rad_expr_begin(ctx, &e->expr, r, &scope);
-    return rad_expr_get_all(ctx, &e->expr, 0, 3, true, value);
+    return rad_expr_values_all(ctx, &e->expr, r, 0, 3, true, value);
 }
 
 int

@@ -122,11 +122,8 @@ void
 rad_aniso_along(struct rad_ctx *ctx, const struct rad_expr *e, int first,
                 const struct rad_ray *r, double along[3])
 {
-    struct rad_expr_scope scope;
-
-    if (rad_expr_needs(e, first, 3))
-        rad_expr_begin(ctx, e, r, &scope);
-    rad_aniso_get(ctx, e, first, r, along);
+    take_along(along, e, r,
+               rad_expr_values_all(ctx, e, r, first, 3, false, along));
 }
 
 void

@@ -630,12 +630,9 @@ static void
 evaluate(const struct scatter_hit *hit, double *thick, double up[3])
 {
     const struct scatter *s = hit->s;
-    struct rad_expr_scope scope;
     double v[4];
 
-    if (rad_expr_needs(&s->expr, 0, s->expr.n))
-        rad_expr_begin(hit->ctx, &s->expr, hit->r, &scope);
-    rad_expr_get_all(hit->ctx, &s->expr, 0, s->expr.n, false, v);
+    rad_expr_values_all(hit->ctx, &s->expr, hit->r, 0, s->expr.n, false, v);
     *thick = s->proxy_type ? v[0] * rad_expr_scale(&s->expr, hit->r) : 0;
     if (fabs(*thick) <= RAD_TINY)
         *thick = 0;
