@@ -222,8 +222,6 @@ filled(void)
     return c;
 }
 
-/* The same records, laid out for reading: settled at several times, some of
- * them far outside the cube. */
 static struct rad_ambzone
 zone_of(const void *arg, const struct rad_ambitem *rec)
 {
@@ -231,29 +229,10 @@ zone_of(const void *arg, const struct rad_ambitem *rec)
     return sample[(int)rec->E.g].zone;
 }
 
-static struct rad_ambread *
-settled(struct rad_ambread *r)
-{
-    bool ok = true;
-
-    rad_ambread_init(r, org, SIDE);
-    for (int i = 0; i < RECORDS; i++) {
-        sample[i] = invent(rad_key_branch(1, (uint64_t)i));
-        sample[i].rec.E.g = (float)i;
-        if (i % 50 == 0)
-            sample[i].rec.p[i % 3] += (i % 4 - 1.5) * SIDE;
-        ok &= rad_ambread_add(r, &sample[i].rec);
-        if (i % 700 == 3)
-            ok &= rad_ambread_settle(r, zone_of, NULL);
-    }
-    ok &= rad_ambread_settle(r, zone_of, NULL);
-    ck_assert(ok);
-    return r;
-}
-
-/* The same in a cube of that side, none of them outside it. */
+/* The same records, laid out for reading in a cube of that side: settled at
+ * several times, some of them far outside it if they may be strays. */
 static void
-filled_for_reading(struct rad_ambread *r, double side)
+settle_in(struct rad_ambread *r, double side, bool strays)
 {
     bool ok = true;
 
@@ -261,9 +240,20 @@ filled_for_reading(struct rad_ambread *r, double side)
     for (int i = 0; i < RECORDS; i++) {
         sample[i] = invent(rad_key_branch(1, (uint64_t)i));
         sample[i].rec.E.g = (float)i;
+        if (strays && i % 50 == 0)
+            sample[i].rec.p[i % 3] += (i % 4 - 1.5) * SIDE;
         ok &= rad_ambread_add(r, &sample[i].rec);
+        if (i % 700 == 3)
+            ok &= rad_ambread_settle(r, zone_of, NULL);
     }
-    ck_assert(ok && rad_ambread_settle(r, zone_of, NULL));
+    ok &= rad_ambread_settle(r, zone_of, NULL);
+    ck_assert(ok);
+}
+
+static void
+settled(struct rad_ambread *r)
+{
+    settle_in(r, SIDE, true);
 }
 
 /* Ask near the edges of zones, in corners of the cube's grid, outside it. */
@@ -343,7 +333,7 @@ START_TEST(a_room_that_is_small_in_its_scene_is_searched_as_well)
     struct rad_ambread r;
     struct matches t = { 0 };
 
-    filled_for_reading(&r, 1024 * SIDE);
+    settle_in(&r, 1024 * SIDE, false);
     for (int i = 0; i < QUERIES; i++)
         look_up(&r, i, &t);
     ck_assert_int_gt(t.served, QUERIES / 8);
