@@ -64,12 +64,12 @@ launched()
 # longer, and a sanitizer with it: only a test that fails has to wait for that.
 until_true()
 {
-    tries=$(($1 * 20 * 5))
+    tries=$(($1 * 10 * 5))
     shift
     while ! "$@" >/dev/null 2>&1; do
         tries=$((tries - 1))
         [ "$tries" -gt 0 ] || return 1
-        sleep .05
+        sleep .1
     done
 }
 
