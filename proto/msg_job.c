@@ -195,8 +195,6 @@ msg_code_spec(struct codec *c, struct msg_spec *b)
                (b->flags & MSG_JOB_DEPTH && !(b->flags & MSG_JOB_VIEWS)));
     msg_code_hashes(c, &b->files);
     code_frames(c, b);
-    /* the last fields, MSG_SPEC_ADDED bytes if they are empty: old databases
-     * have specifications without them */
     code_origin(c, b);
     code_filter(c, b);
     code_target(c, b);

@@ -15,10 +15,6 @@ struct msg_frame {
 
 #define MSG_FRAME_BYTES 15 /* bytes on the wire, with an empty view */
 
-/* Fields of a struct msg_spec at its end, which specifications in old databases
- * lack. */
-#define MSG_SPEC_ADDED 20 /* bytes of these with an empty origin */
-#define MSG_SPEC_LAST  8  /* of these error_ppm and time_ms alone */
 struct msg_spec {
     const uint8_t *job;      /* id, MSG_JOB bytes, made by radsubmit */
     const uint8_t *manifest; /* hash of the bundle's manifest */
@@ -103,10 +99,6 @@ struct msg_fault {
 #define MSG_STATE_FAILED    4
 #define MSG_STATE_CANCELLED 5
 #define MSG_STATE_HELD      6
-
-/* Bytes of the fields from `stage` on, which messages that former versions left
- * in a database lack. */
-#define MSG_PROGRESS_ADDED 12
 
 struct msg_progress {
     const uint8_t *job; /* zero: the job is not accepted yet */

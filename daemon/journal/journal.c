@@ -22,8 +22,7 @@
 #include <unistd.h>
 
 #define APPLICATION 0x72616464 /* "radd" */
-#define SCHEMA      5          /* since finished files have marks */
-#define SCHEMA_ALSO 3          /* and 4: taken over as they are read */
+#define SCHEMA      5          /* version of the tables and what they hold */
 #define WAL_PAGES   1000       /* in the log before it is carried over */
 
 /* --- errors --- */
@@ -172,9 +171,7 @@ make(struct journal *j, struct rad_error *err)
                      "PRAGMA application_id = %d; PRAGMA user_version = %d",
                      APPLICATION, SCHEMA);
     if (rc == 0)
-        rc = exec(j, journal_schema_4, err);
-    if (rc == 0)
-        rc = exec(j, journal_since_4, err);
+        rc = exec(j, journal_schema, err);
     if (rc == 0)
         rc = exec(j, text, err);
     return rc == 0 ? exec(j, "COMMIT", err) : rc;
@@ -184,7 +181,7 @@ make(struct journal *j, struct rad_error *err)
 static int
 check_version(sqlite3_int64 version, struct rad_error *err)
 {
-    if (version >= SCHEMA_ALSO && version <= SCHEMA)
+    if (version == SCHEMA)
         return 0;
     return rad_fail(err, RAD_EUNSUPPORTED,
                     "database: of version %lld, made by %s radcoord, where "
@@ -192,19 +189,6 @@ check_version(sqlite3_int64 version, struct rad_error *err)
                     "move the folder away",
                     (long long)version,
                     version < SCHEMA ? "an older" : "a newer", SCHEMA);
-}
-
-/* In a transaction that lasts with all else that taking it up brings, or is
- * dropped by whoever only reads: an older radcoord can go on with it until it
- * is taken up. */
-static int
-modernise(struct journal *j, struct rad_error *err)
-{
-    int rc = exec(j, "PRAGMA cache_spill = OFF; BEGIN IMMEDIATE", err);
-
-    j->in_transaction = rc == 0;
-    j->old = true;
-    return rc == 0 ? exec(j, journal_since_4, err) : rc;
 }
 
 static int
@@ -221,9 +205,7 @@ look(struct journal *j, enum journal_how how, struct rad_error *err)
         rc = one_number(j, "PRAGMA user_version", &version, err);
     if (rc == 0 && (tables == 0 || application != APPLICATION))
         rc = rad_fail(err, RAD_EDATA, "database: not one of radcoord");
-    if (rc == 0)
-        rc = check_version(version, err);
-    return rc == 0 && version < SCHEMA ? modernise(j, err) : rc;
+    return rc == 0 ? check_version(version, err) : rc;
 }
 
 static int
@@ -250,7 +232,7 @@ set_up(struct journal *j, enum journal_how how, struct rad_error *err)
                   "PRAGMA wal_autocheckpoint = 0;"
                   "PRAGMA journal_size_limit = 4194304",
                   err);
-    if (j->had_log) /* which stays as it is unless this is taken over */
+    if (j->had_log) /* which stays as it is until something is committed */
         sqlite3_db_config(j->db, SQLITE_DBCONFIG_NO_CKPT_ON_CLOSE, 1, NULL);
     if (rc == 0)
         rc = exec(j, "PRAGMA temp_store = MEMORY; PRAGMA trusted_schema = OFF",
@@ -431,22 +413,6 @@ journal_begin_life(struct journal *j, uint64_t now_ms, uint64_t *epoch,
     return journal_run(j, s, err);
 }
 
-int
-journal_take_over(struct journal *j, struct rad_error *err)
-{
-    char text[80];
-
-    sqlite3_db_config(j->db, SQLITE_DBCONFIG_NO_CKPT_ON_CLOSE, 0, NULL);
-    sqlite3_snprintf(sizeof text, text, "PRAGMA user_version = %d", SCHEMA);
-    return exec(j, text, err);
-}
-
-bool
-journal_is_old(const struct journal *j)
-{
-    return j->old;
-}
-
 /* --- transactions --- */
 
 /* Carry what is in the log over into the database.  For want of room it may
@@ -478,6 +444,7 @@ journal_commit(struct journal *j, struct rad_error *err)
     if (rc < 0)
         return rc;
     j->in_transaction = false;
+    sqlite3_db_config(j->db, SQLITE_DBCONFIG_NO_CKPT_ON_CLOSE, 0, NULL);
     return check_point(j, err);
 }
 

@@ -33,12 +33,6 @@ int journal_check(struct journal *j, struct rad_error *err);
 int journal_begin_life(struct journal *j, uint64_t now_ms, uint64_t *epoch,
                        struct rad_error *err);
 
-/* All that an earlier version left is taken up: the database is of this version
- * from here on, and an earlier one refuses it. */
-int journal_take_over(struct journal *j, struct rad_error *err);
-/* Was it left by an earlier version? */
-bool journal_is_old(const struct journal *j);
-
 /* --- putting --- */
 
 int journal_put_job(struct journal *j, const struct saved_job *s,

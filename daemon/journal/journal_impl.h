@@ -48,16 +48,14 @@ enum journal_sql {
 };
 extern const char *const journal_sql[NSQL];
 
-/* Tables as they were up to version 4, and what version 5 has more: marks of
- * files that were written before that are not known. */
-extern const char journal_schema_4[], journal_since_4[];
+/* The tables, made where there are none. */
+extern const char journal_schema[];
 
 struct journal {
     sqlite3 *db;
     sqlite3_stmt *stmt[NSQL];
     struct wire_out out;
     bool had_log; /* before it was opened */
-    bool old;     /* of an earlier version */
     bool in_transaction;
     int undone;    /* SQLite gave the transaction up, for this; 0: it did not */
     int wal_pages; /* in the log */

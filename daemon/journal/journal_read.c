@@ -281,46 +281,22 @@ get_lives(struct reading *r, sqlite3_int64 epoch)
     return rc;
 }
 
-/* A SUBMIT, which may be of a version of ours that had nothing of error and
- * time at its end, nor before that of origin and filter; then these are zero.
- */
-static int
-unpack_spec(struct reading *r, const uint8_t *spec, size_t n,
-            struct rad_error *err)
-{
-    static const size_t added[3] = { 0, MSG_SPEC_LAST, MSG_SPEC_ADDED };
-    uint8_t *more = rad_arena_calloc(&r->mem, n + MSG_SPEC_ADDED, 1);
-    int rc = RAD_EPROTO;
-
-    if (!more)
-        return no_memory(r->err);
-    if (n > 0)
-        memcpy(more, spec, n);
-    for (size_t i = 0; rc != 0 && rc != RAD_ENOMEM && i < 3; i++) {
-        *err = (struct rad_error){ 0 };
-        rc = msg_unpack_as(JOURNAL_LAYOUT, &r->spec, MSG_SUBMIT, 0, more,
-                           n + added[i], err);
-    }
-    return rc;
-}
-
 /* A job's id, and the SUBMIT that it came with. */
 static int
 get_spec(struct reading *r, sqlite3_stmt *s)
 {
     const uint8_t *id, *spec;
     size_t nid, nspec;
-    struct rad_error why = { 0 };
+    int rc;
 
     if (!get_blob(s, 1, &id, &nid) || nid != MSG_JOB ||
         !get_blob(s, 3, &spec, &nspec))
         return bad(r->err, "the id", r->n);
-    spec = rad_arena_dup(&r->mem, spec, nspec);
-    if (nspec > 0 && !spec)
-        return no_memory(r->err);
-    if (unpack_spec(r, spec, nspec, &why) < 0)
-        return why.code == RAD_ENOMEM ? no_memory(r->err)
-                                      : bad(r->err, "the specification", r->n);
+    rc = msg_unpack_as(JOURNAL_LAYOUT, &r->spec, MSG_SUBMIT, 0, spec, nspec,
+                       NULL);
+    if (rc < 0)
+        return rc == RAD_ENOMEM ? no_memory(r->err)
+                                : bad(r->err, "the specification", r->n);
     r->saved.spec = r->spec.submit;
     if (memcmp(r->saved.spec.job, id, MSG_JOB) != 0)
         return bad(r->err, "the id", r->n);
@@ -343,34 +319,19 @@ get_priority(struct reading *r, sqlite3_stmt *s)
     return 0;
 }
 
-static int
-unpack_progress(struct reading *r, const uint8_t *v, size_t n)
-{
-    return msg_unpack_as(JOURNAL_LAYOUT, &r->progress, MSG_PROGRESS, 0, v, n,
-                         NULL);
-}
-
-/* How it ended, if it did; of what was written before there were stages, none.
- */
+/* How it ended, if it did. */
 static int
 get_progress(struct reading *r, sqlite3_stmt *s)
 {
     const uint8_t *v;
-    uint8_t *whole;
     size_t n;
 
     if (r->saved.state < JOB_DONE)
         return 0;
     if (!get_blob(s, 14, &v, &n))
         return bad(r->err, "the end", r->n);
-    whole = rad_arena_alloc(&r->mem, n + MSG_PROGRESS_ADDED);
-    if (!whole)
-        return no_memory(r->err);
-    memset(whole, 0, n + MSG_PROGRESS_ADDED);
-    if (n > 0)
-        memcpy(whole, v, n);
-    if (unpack_progress(r, whole, n) < 0 &&
-        unpack_progress(r, whole, n + MSG_PROGRESS_ADDED) < 0)
+    if (msg_unpack_as(JOURNAL_LAYOUT, &r->progress, MSG_PROGRESS, 0, v, n,
+                      NULL) < 0)
         return bad(r->err, "the end", r->n);
     r->saved.last = r->progress.progress;
     return 0;

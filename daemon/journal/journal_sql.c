@@ -3,7 +3,7 @@
 
 #include "journal/journal_impl.h"
 
-const char journal_schema_4[] =
+const char journal_schema[] =
     "CREATE TABLE life (epoch INTEGER PRIMARY KEY, began_ms INTEGER NOT NULL);"
     "CREATE TABLE job ("
     " n INTEGER PRIMARY KEY, id BLOB NOT NULL UNIQUE, owner TEXT NOT NULL,"
@@ -11,7 +11,8 @@ const char journal_schema_4[] =
     " status INTEGER NOT NULL, text TEXT NOT NULL, offer_ms INTEGER NOT NULL,"
     " submit_ms INTEGER NOT NULL, open_ms INTEGER NOT NULL,"
     " end_ms INTEGER NOT NULL, sent_bytes INTEGER NOT NULL,"
-    " kept_bytes INTEGER NOT NULL, progress BLOB);"
+    " kept_bytes INTEGER NOT NULL, progress BLOB, stats_size INTEGER,"
+    " stats_hash BLOB, priority INTEGER);"
     "CREATE TABLE unit ("
     " job INTEGER NOT NULL, unit INTEGER NOT NULL, frame INTEGER NOT NULL,"
     " x INTEGER NOT NULL, y INTEGER NOT NULL, width INTEGER NOT NULL,"
@@ -22,17 +23,9 @@ const char journal_schema_4[] =
     " done INTEGER NOT NULL DEFAULT 0, end_ms INTEGER NOT NULL DEFAULT 0,"
     " counts BLOB, bottom BLOB, PRIMARY KEY (job, unit)) WITHOUT ROWID;"
     "CREATE TABLE frame (job INTEGER NOT NULL, frame INTEGER NOT NULL,"
-    " PRIMARY KEY (job, frame)) WITHOUT ROWID;";
-
-const char journal_since_4[] =
-    "ALTER TABLE job ADD COLUMN stats_size INTEGER;"
-    "ALTER TABLE job ADD COLUMN stats_hash BLOB;"
-    "ALTER TABLE frame ADD COLUMN size INTEGER;"
-    "ALTER TABLE frame ADD COLUMN hash BLOB;"
-    "ALTER TABLE frame ADD COLUMN depth_size INTEGER;"
-    "ALTER TABLE frame ADD COLUMN depth_hash BLOB;"
-    "ALTER TABLE frame ADD COLUMN fetched INTEGER NOT NULL DEFAULT 0;"
-    "ALTER TABLE job ADD COLUMN priority INTEGER;"
+    " size INTEGER, hash BLOB, depth_size INTEGER, depth_hash BLOB,"
+    " fetched INTEGER NOT NULL DEFAULT 0, PRIMARY KEY (job, frame))"
+    " WITHOUT ROWID;"
     "CREATE TABLE drained (worker TEXT PRIMARY KEY) WITHOUT ROWID;"
     "CREATE TABLE gone ("
     " n INTEGER PRIMARY KEY, id BLOB NOT NULL UNIQUE, owner TEXT NOT NULL,"

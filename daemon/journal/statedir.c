@@ -4,7 +4,6 @@
 #include "journal/statedir.h"
 
 #include <errno.h>
-#include <ftw.h>
 #include <stdio.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -145,27 +144,4 @@ statedir_unknown(const uint8_t job[MSG_JOB], struct rad_error *err)
                     "there is a job %s, but the database does not know it: "
                     "that is of before, or another's",
                     hex);
-}
-
-/* --- modes --- */
-
-/* Of nftw(), which has no argument for it: what chmod() failed with is its
- * result. */
-static int
-make_private(const char *path, const struct stat *st, int type, struct FTW *at)
-{
-    (void)at;
-    if ((type != FTW_D && !(type == FTW_F && S_ISREG(st->st_mode))) ||
-        !(st->st_mode & 077) ||
-        chmod(path, st->st_mode & 0700) == 0 || errno == ENOENT)
-        return 0;
-    return errno;
-}
-
-int
-statedir_make_private(const char *dir, struct rad_error *err)
-{
-    int rc = nftw(dir, make_private, 16, FTW_PHYS);
-
-    return rc == 0 ? 0 : disk_fail(err, rc < 0 ? errno : rc, "chmod", dir);
 }

@@ -38,8 +38,4 @@ int statedir_fate(struct journal *j, const struct folder *f,
 /* The words for STATEDIR_UNKNOWN; returns RAD_EDATA. */
 int statedir_unknown(const uint8_t job[MSG_JOB], struct rad_error *err);
 
-/* Take from all but its owner what they may do with the folder and all that
- * lies in it: up to version 4 files were readable to whoever could get there. */
-int statedir_make_private(const char *dir, struct rad_error *err);
-
 #endif

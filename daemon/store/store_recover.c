@@ -186,10 +186,6 @@ store_recover(struct store *s, uint64_t now_ms, uint64_t *epoch,
         rc = journal_read(s->journal, recover_one, &r, &why);
     if (rc == 0)
         rc = folder_each(&s->folder, check_fate, s, &why);
-    if (rc == 0 && journal_is_old(s->journal))
-        rc = statedir_make_private(s->dir, &why);
-    if (rc == 0)
-        rc = journal_take_over(s->journal, &why);
     if (rc == 0)
         rc = journal_commit(s->journal, &why);
     if (rc == 0)

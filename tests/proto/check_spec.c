@@ -233,30 +233,6 @@ START_TEST(points_are_one_frame_with_distances)
 }
 END_TEST
 
-/* Databases have some without; a message must have them. */
-START_TEST(what_a_specification_has_more_is_zero_at_its_end)
-{
-    static const uint8_t zeros[MSG_SPEC_ADDED];
-    struct msg m = { .type = MSG_SUBMIT, .submit = SPEC }, back = { 0 };
-    uint8_t bytes[MOST], *end;
-    size_t n;
-
-    m.submit.origin = NULL;
-    m.submit.oversample = 0;
-    m.submit.clamp = 0;
-    n = pack(&m, bytes) - MSG_HEADER;
-    end = bytes + MSG_HEADER + n - MSG_SPEC_ADDED;
-    ck_assert_mem_eq(end, zeros, MSG_SPEC_ADDED);
-    m.submit.oversample = 2;
-    n = pack(&m, bytes) - MSG_HEADER;
-    ck_assert_mem_ne(end, zeros, MSG_SPEC_ADDED);
-    ck_assert_int_eq(
-        unpack_exactly(m.type, bytes + MSG_HEADER, n - MSG_SPEC_ADDED, &back),
-        RAD_EPROTO);
-    msg_release(&back);
-}
-END_TEST
-
 int
 main(void)
 {
@@ -271,7 +247,6 @@ main(void)
                         N_ELEM(reuses));
     tcase_add_loop_test(tc, points_are_one_frame_with_distances, 0,
                         N_ELEM(points));
-    tcase_add_test(tc, what_a_specification_has_more_is_zero_at_its_end);
     suite_add_tcase(s, tc);
     return unit_run(s);
 }
