@@ -90,7 +90,7 @@ make_parent(const char *path, struct rad_error *err)
 }
 
 static int
-bind_socket(int fd, const struct address *a)
+bind_socket(int fd, const struct address *a, int backlog)
 {
     socklen_t n = a->sa.any.sa_family == AF_UNIX    ? sizeof a->sa.un
                   : a->sa.any.sa_family == AF_INET6 ? sizeof a->sa.in6
@@ -107,20 +107,14 @@ bind_socket(int fd, const struct address *a)
      */
     if (a->sa.any.sa_family == AF_UNIX && chmod(a->sa.un.sun_path, 0666) < 0)
         return -errno;
-    return listen(fd, BACKLOG) < 0 ? -errno : 0;
+    return listen(fd, backlog) < 0 ? -errno : 0;
 }
 
-/* Note the address that the kernel chose, for port 0. */
-static void
-note_address(struct listener *l)
+static int
+new_socket(const struct address *a)
 {
-    socklen_t n = sizeof l->at.sa;
-    char text[ADDRESS_TEXT];
-
-    if (!l->local)
-        getsockname(l->fd, &l->at.sa.any, &n);
-    address_format(&l->at, text);
-    snprintf(l->text, sizeof l->text, "%s %s", l->local ? "unix" : "tcp", text);
+    return socket(a->sa.any.sa_family,
+                  SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
 }
 
 /* --- connections --- */
@@ -262,14 +256,7 @@ new_listener(const struct address *a, const struct listener_conf *conf)
     return NULL;
 }
 
-static int
-new_socket(const struct address *a)
-{
-    return socket(a->sa.any.sa_family,
-                  SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
-}
-
-/* Open and bind the socket.  Returns 0, a negative error number, or
+/* Open and bind the socket.  Returns it, a negative error number, or
  * RAD_ECANTCREAT with *err set. */
 static int
 open_socket(struct listener *l, const char *where, struct rad_error *err)
@@ -281,12 +268,7 @@ open_socket(struct listener *l, const char *where, struct rad_error *err)
         return RAD_ECANTCREAT;
     if (rc == 1)
         unlink(path);
-    l->fd = new_socket(&l->at);
-    if (l->fd < 0 && errno == EAFNOSUPPORT && where[0] == '*') {
-        address_wildcard_v4(&l->at); /* a kernel without IPv6 */
-        l->fd = new_socket(&l->at);
-    }
-    return l->fd < 0 ? -errno : bind_socket(l->fd, &l->at);
+    return listener_socket(&l->at, where, BACKLOG);
 }
 
 static void
@@ -331,6 +313,7 @@ struct listener *
 listener_open(uv_loop_t *loop, const char *where,
               const struct listener_conf *conf, struct rad_error *err)
 {
+    char text[ADDRESS_TEXT];
     struct address a;
     struct listener *l;
     int rc;
@@ -343,14 +326,15 @@ listener_open(uv_loop_t *loop, const char *where,
         rad_fail(err, RAD_ENOMEM, "out of memory");
         return NULL;
     }
-    rc = open_socket(l, where, err);
-    if (rc < 0) {
+    l->fd = open_socket(l, where, err);
+    if (l->fd < 0) {
         rad_fail(err, RAD_ECANTCREAT, "cannot listen at '%s': %s", where,
-                 uv_strerror(rc));
+                 uv_strerror(l->fd));
         free_listener(l);
         return NULL;
     }
-    note_address(l);
+    address_format(&l->at, text);
+    snprintf(l->text, sizeof l->text, "%s %s", l->local ? "unix" : "tcp", text);
     rc = watch(l, loop);
     if (rc == 0)
         return l;
@@ -374,4 +358,26 @@ listener_close(struct listener *l)
         unlink(l->at.sa.un.sun_path);
     uv_close((uv_handle_t *)&l->poll, on_closed);
     uv_close((uv_handle_t *)&l->again, on_closed);
+}
+
+int
+listener_socket(struct address *a, const char *where, int backlog)
+{
+    socklen_t n = sizeof a->sa;
+    int fd = new_socket(a), rc;
+
+    if (fd < 0 && errno == EAFNOSUPPORT && where[0] == '*') {
+        address_wildcard_v4(a); /* a kernel without IPv6 */
+        fd = new_socket(a);
+    }
+    if (fd < 0)
+        return -errno;
+    rc = bind_socket(fd, a, backlog);
+    if (rc < 0) {
+        close(fd);
+        return rc;
+    }
+    if (!address_is_local(a))
+        getsockname(fd, &a->sa.any, &n);
+    return fd;
 }

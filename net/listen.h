@@ -41,4 +41,9 @@ const char *listener_text(const struct listener *l);
 /* Stop listening, and remove a Unix socket's file.  NULL is accepted. */
 void listener_close(struct listener *l);
 
+/* A socket that listens at a, which address_resolve_listen() made of `where`:
+ * the descriptor, or a negative error number.  At "*" it takes IPv4 alone where
+ * the kernel has no IPv6.  a is then where it listens, for port 0. */
+int listener_socket(struct address *a, const char *where, int backlog);
+
 #endif

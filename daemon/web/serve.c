@@ -4,6 +4,7 @@
 #include "web/serve.h"
 
 #include "base/files.h"
+#include "net/listen.h"
 #include "net/log.h"
 
 #include <errno.h>
@@ -306,29 +307,14 @@ static int
 open_socket(struct serve *s, struct rad_error *err)
 {
     struct address a;
-    int on = 1, off = 0, fd,
-        rc = address_resolve_listen(s->conf.listen, &a, err);
-    socklen_t n = sizeof a.sa;
+    int fd, rc = address_resolve_listen(s->conf.listen, &a, err);
 
     if (rc < 0)
         return rc;
-    fd = socket(a.sa.any.sa_family, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC,
-                0);
-    n = a.sa.any.sa_family == AF_INET6 ? sizeof a.sa.in6 : sizeof a.sa.in;
-    if (fd >= 0) {
-        setsockopt(fd, SOL_SOCKET, SO_REUSEADDR, &on, sizeof on);
-        if (a.sa.any.sa_family == AF_INET6)
-            setsockopt(fd, IPPROTO_IPV6, IPV6_V6ONLY, &off, sizeof off);
-    }
-    if (fd < 0 || bind(fd, &a.sa.any, n) < 0 || listen(fd, BACKLOG) < 0) {
-        rad_fail(err, RAD_ECANTCREAT, "cannot listen at '%s': %s",
-                 s->conf.listen, strerror(errno));
-        if (fd >= 0)
-            close(fd);
-        return err->code;
-    }
-    n = sizeof a.sa;
-    getsockname(fd, &a.sa.any, &n);
+    fd = listener_socket(&a, s->conf.listen, BACKLOG);
+    if (fd < 0)
+        return rad_fail(err, RAD_ECANTCREAT, "cannot listen at '%s': %s",
+                        s->conf.listen, uv_strerror(fd));
     address_format(&a, s->address);
     return fd;
 }
