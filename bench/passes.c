@@ -137,7 +137,7 @@ render(struct bench *b, const struct rad_frame *f)
 
     for (int y = 0; rows && y < all.height; y++)
         rows[y] = malloc((size_t)all.width * sizeof **rows);
-    if (!rows || rad_frame_window(f, &b->ctx, &all, rows, NULL, NULL))
+    if (!rows || rad_frame_window(f, &b->ctx, &all, rows))
         die_of("the picture cannot be rendered");
     for (int y = 0; y < all.height; y++)
         free(rows[y]);

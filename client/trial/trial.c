@@ -141,7 +141,7 @@ again(struct trial *t, const struct rad_frame *f, struct rad_ctx *ctx,
 {
     struct rad_counts before = ctx->counts;
     double begin = cpu_seconds();
-    int rc = rad_frame_window(f, ctx, w, rows, NULL, NULL);
+    int rc = rad_frame_window(f, ctx, w, rows);
 
     t->again_cpu_s += cpu_seconds() - begin;
     t->again_primary +=
@@ -185,7 +185,7 @@ try_windows(struct trial *t, const struct rad_frame *f, struct rad_ctx *ctx,
         rows[i] = pixels + side * i;
     for (long k = 1; rc == 0 && k <= MOST_WINDOWS && !stopped(e); k++) {
         place(k, f->width - w.width + 1, f->height - w.height + 1, &w.x, &w.y);
-        rc = rad_frame_window(f, ctx, &w, rows, NULL, NULL);
+        rc = rad_frame_window(f, ctx, &w, rows);
         if (rc == 0)
             look_again(t, f, ctx, &w, rows);
         if (rc == 0)

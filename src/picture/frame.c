@@ -368,11 +368,10 @@ paint(const struct rad_frame *f, struct rad_ctx *ctx,
         rad_frame_paint_row(f, ctx, w->x, w->x + w->width, w->y + y, rows[y]);
 }
 
-static int
+static void
 render_bars(const struct rad_frame *f, const struct rad_quincunx *q,
             struct rad_ctx *ctx, const struct rad_window *w, uint8_t *density,
-            struct rad_pixel *const rows[],
-            bool (*stop)(void *arg, int rows_done), void *arg)
+            struct rad_pixel *const rows[])
 {
     int n = rad_quincunx_nbases(q), above = 0;
 
@@ -381,14 +380,11 @@ render_bars(const struct rad_frame *f, const struct rad_quincunx *q,
     for (int i = 1; i < n; i++) {
         int y = rad_quincunx_base_row(q, i);
 
-        if (stop && stop(arg, above))
-            return RAD_ETEMPFAIL;
         rad_quincunx_base(q, i, density, rows[y]);
         rad_quincunx_bar(q, i - 1, rows + above);
         paint(f, ctx, w, rows, above + 1, y + 1);
         above = y;
     }
-    return 0;
 }
 
 static bool
@@ -400,14 +396,12 @@ within(const struct rad_frame *f, const struct rad_window *w)
 
 int
 rad_frame_window(const struct rad_frame *f, struct rad_ctx *ctx,
-                 const struct rad_window *w, struct rad_pixel *const rows[],
-                 bool (*stop)(void *arg, int rows_done), void *arg)
+                 const struct rad_window *w, struct rad_pixel *const rows[])
 {
     struct tracer t = { f, ctx };
     struct rad_quincunx q = { .trace = trace, .arg = &t };
     struct rad_arena_mark mark = rad_arena_mark(&ctx->scratch);
     uint8_t *density;
-    int rc;
 
     if (!within(f, w))
         return RAD_EUSAGE;
@@ -416,7 +410,7 @@ rad_frame_window(const struct rad_frame *f, struct rad_ctx *ctx,
     if (!density)
         return RAD_ENOMEM;
     rad_quincunx_start(&q, density);
-    rc = render_bars(f, &q, ctx, w, density, rows, stop, arg);
+    render_bars(f, &q, ctx, w, density, rows);
     rad_arena_rewind(&ctx->scratch, mark);
-    return rc;
+    return 0;
 }

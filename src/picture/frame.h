@@ -89,12 +89,10 @@ void rad_frame_paint_row(const struct rad_frame *f, struct rad_ctx *ctx, int x0,
 
 /* Render a window by itself, with edges and densities of its own; with -dv
  * small sources are painted.  rows[k] has room for the window's k-th row from
- * the top.  stop (may be NULL) is called between bars with the number of rows
- * that are done; if it returns true, rendering ends early.  Returns 0,
- * RAD_ENOMEM, RAD_EUSAGE for a window outside the picture, or RAD_ETEMPFAIL
- * when stopped. */
+ * the top.  Returns 0, RAD_ENOMEM, or RAD_EUSAGE for a window outside the
+ * picture. */
 int rad_frame_window(const struct rad_frame *f, struct rad_ctx *ctx,
-                     const struct rad_window *w, struct rad_pixel *const rows[],
-                     bool (*stop)(void *arg, int rows_done), void *arg);
+                     const struct rad_window *w,
+                     struct rad_pixel *const rows[]);
 
 #endif

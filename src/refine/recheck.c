@@ -111,7 +111,7 @@ sample_window(struct check *c, uint64_t n, struct sampled *s)
     s->frame.stamp = rad_key_branch(c->frame.stamp, n) | 1;
     for (int y = 0; y < s->at.height; y++)
         s->row[y] = s->pixel[y];
-    if (rad_frame_window(&s->frame, c->ctx, &s->at, s->row, NULL, NULL))
+    if (rad_frame_window(&s->frame, c->ctx, &s->at, s->row))
         return false;
     c->out->rays += (double)(counts->rays - rays);
     c->out->shown += (double)s->at.width * s->at.height;

@@ -327,7 +327,7 @@ render(const struct task *t, const struct rad_frame *f, struct rad_ctx *ctx,
         w = (struct rad_window){ 0, 0, f->width, f->height };
     for (int k = 0; rc == 0 && k < w.height; k++)
         rows[k] = pixels + (size_t)(w.y + k) * width + w.x;
-    if (rc == 0 && (rc = rad_frame_window(f, ctx, &w, rows, NULL, NULL)) < 0)
+    if (rc == 0 && (rc = rad_frame_window(f, ctx, &w, rows)) < 0)
         rad_fail(err, rc, "cannot render that window");
     if (rc == 0)
         rc = write_picture(t, f, pixels, err);

@@ -161,8 +161,7 @@ render_alone(struct fixture *f, struct rad_pixel whole[SIDE][SIDE])
 
         for (int k = 0; k < f->side; k++)
             rows[k] = &whole[u.window.y + k][u.window.x];
-        ck_assert_int_eq(
-            rad_frame_window(&f->frame, &ctx, &u.window, rows, NULL, NULL), 0);
+        ck_assert_int_eq(rad_frame_window(&f->frame, &ctx, &u.window, rows), 0);
     }
     primary = ctx.counts.primary_rays;
     rad_ctx_release(&ctx);

@@ -52,8 +52,7 @@ make(struct picture *p, const char *options)
     ck_assert(p->pixel && rows);
     for (size_t i = 0; i < height; i++)
         rows[i] = p->pixel + i * width;
-    ck_assert_int_eq(
-        rad_frame_window(&p->frame, &p->w.ctx, &all, rows, NULL, NULL), 0);
+    ck_assert_int_eq(rad_frame_window(&p->frame, &p->w.ctx, &all, rows), 0);
     free(rows);
 }
 

@@ -28,7 +28,7 @@ wild_look(const struct rad_job *job, const char *view, double farthest,
     ck_assert_int_eq(rad_ctx_init(&ctx, job, &err), 0);
     for (int y = 0; y < WILD_SIDE; y++)
         rows[y] = pixel + y * WILD_SIDE;
-    ck_assert_int_eq(rad_frame_window(&f, &ctx, &all, rows, NULL, NULL), 0);
+    ck_assert_int_eq(rad_frame_window(&f, &ctx, &all, rows), 0);
     for (int i = 0; i < WILD_SIDE * WILD_SIDE; i++)
         ck_assert_msg(rad_rgb_sound(pixel[i].L) && pixel[i].z >= 0 &&
                           (double)pixel[i].z <= farthest,
