@@ -145,12 +145,6 @@ static const struct rule loose_rules[] = {
 
 /* --- seccomp --- */
 
-bool
-sandbox_kills(void)
-{
-    return !RAD_SANITIZED;
-}
-
 /* valgrind makes the calls of its process itself, and others of its own. */
 static bool
 in_valgrind(void)

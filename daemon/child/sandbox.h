@@ -36,7 +36,4 @@ int sandbox_begin(const char *files_dir, bool required, struct rad_error *err);
 /* Give up opening files, in all threads. */
 int sandbox_seal(bool required, struct rad_error *err);
 
-/* Does a forbidden call end the process?  Else it fails. */
-bool sandbox_kills(void);
-
 #endif
