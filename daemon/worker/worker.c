@@ -209,7 +209,6 @@ worker_child_ended(struct worker *w, uint64_t now_ms, uint64_t conn, bool local,
                 text);
     job->child = 0;
     lossy_release(&job->to_child);
-    lossy_init(&job->to_child);
     wjob_send_lost(w, job, local, text);
 }
 
