@@ -7,6 +7,7 @@
 #include "base/vec.h"
 #include "base/output.h"
 #include "image/hdr.h"
+#include "scene/meshfile.h"
 
 #include <errno.h>
 #include <stdlib.h>
@@ -206,6 +207,7 @@ get_flt(struct wire_in *in)
     return ldexp((m + (m > 0 ? .5 : -.5)) / 0x7fffffff, e);
 }
 
+/* As rad_mesh_normal() reads it. */
 static void
 put_direction(struct wire_out *out, const float v[3])
 {
@@ -223,22 +225,6 @@ put_direction(struct wire_out *out, const float v[3])
     code |= (uint32_t)x_first << 3 | (uint32_t)z_second << 4 | first << 5 |
             second << 18;
     wire_put_u32(out, code);
-}
-
-static void
-get_direction(struct wire_in *in, double v[3])
-{
-    uint32_t code = wire_get_u32(in);
-    int first = code >> 3 & 1 ? 0 : 1, other = 1 - first;
-    int second = code >> 4 & 1 ? 2 : other, last = code >> 4 & 1 ? other : 2;
-
-    v[first] = (code >> 5 & 0x1fff) / DIRECTION_UNIT;
-    v[second] = (code >> 18 & 0x1fff) / DIRECTION_UNIT;
-    v[last] =
-        sqrt(rad_most(1 - v[first] * v[first] - v[second] * v[second], 0));
-    for (int k = 0; k < 3; k++)
-        if (code >> k & 1)
-            v[k] = -v[k];
 }
 
 static void
@@ -294,8 +280,8 @@ get_record(struct wire_in *in, struct rad_ambrec *rec)
     rec->weight = (float)get_flt(in);
     for (int k = 0; k < 3; k++)
         rec->p[k] = get_flt(in);
-    get_direction(in, n);
-    get_direction(in, u);
+    rad_mesh_normal(n, wire_get_u32(in));
+    rad_mesh_normal(u, wire_get_u32(in));
     rad_normalize(n);
     set_frame(rec, n, u);
     get_pair(in, rec->radius);
