@@ -302,18 +302,18 @@ trial_run(struct trial *t, const struct trial_scene *scene,
 
 /* --- extrapolation --- */
 
-/* t = a n + b R for the strewn pixels, by least squares over the increments of
- * each doubling, relative to their size.  The first increment, which fills the
- * cache, is left out if there are others. */
-struct fit {
-    double a, b;
+/* Time or rays t of the strewn pixels are taken to be a n + b R, of n pixels
+ * and R records, by least squares over the increments of each doubling,
+ * relative to their size.  The first increment, which fills the cache, is left
+ * out if there are others. */
+struct sums {
+    double nn, nr, rr, nt, rt;
 };
 
-static struct fit
-fit_steps(const struct trial *t, bool time)
+static struct sums
+sum_steps(const struct trial *t, bool time)
 {
-    double nn = 0, nr = 0, rr = 0, nt = 0, rt = 0, det;
-    struct fit f = { 0, 0 };
+    struct sums m = { 0 };
 
     for (int i = t->nsteps > 3 ? 1 : 0; i < t->nsteps; i++) {
         struct trial_step zero = { 0, 0, 0, 0 };
@@ -322,21 +322,34 @@ fit_steps(const struct trial *t, bool time)
         double y = time ? s->cpu_s - p->cpu_s : s->rays - p->rays;
         double w = y > 0 ? 1 / (y * y) : 0;
 
-        nn += w * n * n;
-        nr += w * n * r;
-        rr += w * r * r;
-        nt += w * n * y;
-        rt += w * r * y;
+        m.nn += w * n * n;
+        m.nr += w * n * r;
+        m.rr += w * r * r;
+        m.nt += w * n * y;
+        m.rt += w * r * y;
     }
-    det = nn * rr - nr * nr;
-    if (det > 1e-9 * nn * rr) {
-        f.a = (nt * rr - rt * nr) / det;
-        f.b = (rt * nn - nt * nr) / det;
+    return m;
+}
+
+struct fit {
+    double a, b;
+};
+
+static struct fit
+fit_steps(const struct trial *t, bool time)
+{
+    struct sums m = sum_steps(t, time);
+    double det = m.nn * m.rr - m.nr * m.nr;
+    struct fit f = { 0, 0 };
+
+    if (det > 1e-9 * m.nn * m.rr) {
+        f.a = (m.nt * m.rr - m.rt * m.nr) / det;
+        f.b = (m.rt * m.nn - m.nt * m.nr) / det;
     }
     if (!(f.a > 0 && f.b > 0)) {
         /* charge all to records, or to pixels if there are no records */
-        f.a = rr > 0 ? 0 : nn > 0 ? nt / nn : 0;
-        f.b = rr > 0 ? rt / rr : 0;
+        f.a = m.rr > 0 ? 0 : m.nn > 0 ? m.nt / m.nn : 0;
+        f.b = m.rr > 0 ? m.rt / m.rr : 0;
     }
     return f;
 }
@@ -350,26 +363,14 @@ cost_of_pixel(const struct trial *t, bool time)
     return t->again_primary > 0 ? sum / t->again_primary : 0;
 }
 
-/* Time or rays of a record if a pixel takes a: b of t = a n + b R, by least
- * squares over the increments of each doubling of strewn pixels, relative to
- * their size.  The first increment, which fills the cache, is left out if there
- * are others. */
+/* Time or rays of a record if a pixel takes a: b for that a. */
 static double
 cost_of_record(const struct trial *t, bool time, double a)
 {
-    double rr = 0, rt = 0;
+    struct sums m = sum_steps(t, time);
+    double rt = m.rt - a * m.nr;
 
-    for (int i = t->nsteps > 3 ? 1 : 0; i < t->nsteps; i++) {
-        struct trial_step zero = { 0, 0, 0, 0 };
-        const struct trial_step *s = &t->step[i], *p = i ? s - 1 : &zero;
-        double n = s->pixels - p->pixels, r = s->records - p->records;
-        double y = time ? s->cpu_s - p->cpu_s : s->rays - p->rays;
-        double w = y > 0 ? 1 / (y * y) : 0;
-
-        rr += w * r * r;
-        rt += w * r * (y - a * n);
-    }
-    return rr > 0 && rt > 0 ? rt / rr : 0;
+    return m.rr > 0 && rt > 0 ? rt / m.rr : 0;
 }
 
 /* How many records each further doubling of the pixels makes. */
