@@ -10,7 +10,6 @@
 #include <errno.h>
 #include <fcntl.h>
 #include <poll.h>
-#include <sched.h>
 #include <signal.h>
 #include <stdint.h>
 #include <stdio.h>
@@ -20,8 +19,8 @@
 #include <sys/stat.h>
 #include <sys/un.h>
 #include <sys/wait.h>
-#include <time.h>
 #include <unistd.h>
+#include <uv.h>
 
 enum {
     READY_MS = 10000,
@@ -214,10 +213,7 @@ ended(pid_t *pid)
 static uint64_t
 now_ms(void)
 {
-    struct timespec t;
-
-    clock_gettime(CLOCK_MONOTONIC, &t);
-    return (uint64_t)t.tv_sec * 1000 + (uint64_t)t.tv_nsec / 1000000;
+    return uv_hrtime() / 1000000;
 }
 
 static int
@@ -250,19 +246,10 @@ wait_ready(struct local *l, const int *stop, struct rad_error *err)
 
 /* --- the cluster --- */
 
-static int
-processors(void)
-{
-    cpu_set_t set;
-    int n = sched_getaffinity(0, sizeof set, &set) == 0 ? CPU_COUNT(&set) : 1;
-
-    return n > 0 ? n : 1;
-}
-
 int
 local_threads(int nworkers, int nthreads)
 {
-    int n = nthreads ? nthreads : processors() / nworkers;
+    int n = nthreads ? nthreads : (int)uv_available_parallelism() / nworkers;
 
     return n > 0 ? n : 1;
 }

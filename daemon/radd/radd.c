@@ -20,7 +20,6 @@
 #include "store/store.h"
 #include "worker/worker.h"
 
-#include <sched.h>
 #include <signal.h>
 #include <stdlib.h>
 #include <string.h>
@@ -469,16 +468,6 @@ on_reload(void *arg)
 }
 
 static int
-processors(void)
-{
-    cpu_set_t set;
-
-    if (sched_getaffinity(0, sizeof set, &set) < 0)
-        return 1;
-    return CPU_COUNT(&set) > 0 ? CPU_COUNT(&set) : 1;
-}
-
-static int
 open_socket(struct radd *r, struct rad_error *err)
 {
     struct listener_conf conf = { .fn = on_peer,
@@ -588,7 +577,7 @@ start(void *arg, struct rad_error *err)
     if (rc < 0)
         return rc;
     if (!r->set.threads)
-        r->set.threads = processors();
+        r->set.threads = (int)uv_available_parallelism();
     r->dialler = dialler_new(&r->daemon.loop, on_dialled, r);
     if (!r->dialler)
         return rad_fail(err, RAD_ENOMEM, "out of memory");
