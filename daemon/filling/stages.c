@@ -21,8 +21,7 @@ stages_sizes(const struct msg_spec *spec)
     return size;
 }
 
-/* A rung in a byte: the whole ones, which are all that earlier versions had,
- * and in the upper bits the quarters. */
+/* A rung in a byte: the whole ones, and in the upper bits the quarters. */
 enum { WHOLE = 63, QUARTERS = 6 };
 
 static uint8_t

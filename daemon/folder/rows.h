@@ -31,7 +31,7 @@
 enum rows_kind {
     ROWS_CODED = 1,
     ROWS_RGBE = 2,
-    ROWS_COLOURS = 3, /* of jobs that an earlier version began */
+    ROWS_COLOURS = 3, /* of jobs without MSG_JOB_CODED */
     ROWS_DISTANCES = 4
 };
 

@@ -11,7 +11,7 @@
 
 
 struct mark {
-    bool known; /* not of what an earlier version wrote */
+    bool known; /* else the database has none of the file */
     uint64_t size;
     uint8_t hash[RAD_SHA_BYTES];
 };
