@@ -187,11 +187,11 @@ static void
 foresee(struct program *p)
 {
     enum { MOST_BYTES = 100000000 };
-    struct foresee_job job = { .scene = p->scene.scene,
-                               .files = compile_files(&p->scene),
-                               .params = &p->o.params,
-                               .frames = p->frames.list,
-                               .nframes = p->frames.n };
+    struct dryrun_job job = { .scene = p->scene.scene,
+                              .files = compile_files(&p->scene),
+                              .params = &p->o.params,
+                              .frames = p->frames.list,
+                              .nframes = p->frames.n };
 
     if (p->foresee)
         progress_foresee(&p->progress, foresee_rays(p->foresee));

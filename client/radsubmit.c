@@ -154,9 +154,13 @@ release_loop(struct program_loop *l)
 static int
 try_scene(struct program *p)
 {
-    struct rad_files files = compile_files(&p->scene);
     struct rad_params params = p->o.params;
     struct rad_points points;
+    struct dryrun_job job = { .scene = p->scene.scene,
+                              .files = compile_files(&p->scene),
+                              .params = &params,
+                              .frames = p->frames.list,
+                              .nframes = p->frames.n };
     uint8_t *bytes = NULL;
     int rc = 0;
 
@@ -165,10 +169,10 @@ try_scene(struct program *p)
 
     if (p->o.points.file)
         rc = pointjob_pack(&p->points, &points, &bytes, p->err);
+    if (bytes)
+        job.points = &points;
     if (rc == 0)
-        rc = dryrun_predict(&p->prediction, p->scene.scene, &files, &params,
-                            p->frames.list, p->frames.n, bytes ? &points : NULL,
-                            &dryrun_effort, p->err);
+        rc = dryrun_predict(&p->prediction, &job, &dryrun_effort, p->err);
     if (rc == 0)
         trial_repeat(&p->prediction, p->planes.n);
     free(bytes);

@@ -75,10 +75,10 @@ dryrun_ask(struct dryrun_cluster *c, const struct link_where *where,
 
 /* The view of the middle frame. */
 static int
-read_view(struct rad_view *view, const struct msg_frame *frames,
-          uint32_t nframes, struct rad_error *err)
+read_view(struct rad_view *view, const struct dryrun_job *job,
+          struct rad_error *err)
 {
-    const struct msg_frame *middle = &frames[nframes / 2];
+    const struct msg_frame *middle = &job->frames[job->nframes / 2];
     size_t n = strlen(middle->view) + sizeof "VIEW= ";
     char *text = malloc(n);
     int rc;
@@ -93,24 +93,21 @@ read_view(struct rad_view *view, const struct msg_frame *frames,
 }
 
 int
-dryrun_predict(struct prediction *p, const struct rad_scene *scene,
-               const struct rad_files *files, const struct rad_params *params,
-               const struct msg_frame *frames, uint32_t nframes,
-               const struct rad_points *points,
+dryrun_predict(struct prediction *p, const struct dryrun_job *job,
                const struct trial_effort *effort, struct rad_error *err)
 {
     struct rad_view view;
-    struct trial_scene tried = { scene, files, &view, points };
+    struct trial_scene tried = { job->scene, &job->files, &view, job->points };
     struct trial t;
     double pixels = 0;
-    int rc = points ? 0 : read_view(&view, frames, nframes, err);
+    int rc = job->points ? 0 : read_view(&view, job, err);
 
-    if (rc < 0 || (rc = trial_run(&t, &tried, params, effort, err)) < 0)
+    if (rc < 0 || (rc = trial_run(&t, &tried, job->params, effort, err)) < 0)
         return rc;
-    for (uint32_t i = 0; i < nframes; i++)
-        pixels += (double)frames[i].width * frames[i].height;
+    for (uint32_t i = 0; i < job->nframes; i++)
+        pixels += (double)job->frames[i].width * job->frames[i].height;
     trial_predict(&t, pixels, p);
-    p->points = points ? points->n : 0;
+    p->points = job->points ? job->points->n : 0;
     return 0;
 }
 

@@ -22,14 +22,20 @@ int dryrun_ask(struct dryrun_cluster *c, const struct link_where *where,
 /* How much work --dry-run spends on its prediction. */
 extern const struct trial_effort dryrun_effort;
 
-/* Trace some pixels of the scene and predict all frames of the job; or all
- * sensor points, unless `points` is NULL.  With --oversample frames have the
- * size of what is rendered. */
-int dryrun_predict(struct prediction *p, const struct rad_scene *scene,
-                   const struct rad_files *files,
-                   const struct rad_params *params,
-                   const struct msg_frame *frames, uint32_t nframes,
-                   const struct rad_points *points,
+/* The job that is predicted.  With --oversample frames have the size of what is
+ * rendered. */
+struct dryrun_job {
+    const struct rad_scene *scene;
+    struct rad_files files;
+    const struct rad_params *params;
+    const struct msg_frame *frames;
+    uint32_t nframes;
+    const struct rad_points *points; /* NULL: pictures */
+};
+
+/* Trace some pixels of the scene and predict all frames of the job, or all of
+ * its sensor points. */
+int dryrun_predict(struct prediction *p, const struct dryrun_job *job,
                    const struct trial_effort *effort, struct rad_error *err);
 
 /* Print for people.  quality: the number of --quality's word, if its whole set

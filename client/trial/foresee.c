@@ -1,7 +1,6 @@
 /* foresee.c - see foresee.h */
 #include "config.h"
 
-#include "trial/dryrun.h"
 #include "trial/foresee.h"
 
 #include <pthread.h>
@@ -18,11 +17,11 @@ static const struct trial_effort SMALL_EFFORT = {
 };
 
 struct foresee {
-    struct foresee_job job; /* [fixed] */
-    pthread_t thread;       /* [fixed] */
-    double rays;            /* written by the thread until `done` */
-    _Atomic bool done;      /* release; pairs with the acquire in
-                             * foresee_rays() */
+    struct dryrun_job job; /* [fixed] */
+    pthread_t thread;      /* [fixed] */
+    double rays;           /* written by the thread until `done` */
+    _Atomic bool done;     /* release; pairs with the acquire in
+                            * foresee_rays() */
     _Atomic bool stop;
 };
 
@@ -30,21 +29,19 @@ static void *
 try_job(void *arg)
 {
     struct foresee *f = arg;
-    const struct foresee_job *j = &f->job;
     struct trial_effort effort = SMALL_EFFORT;
     struct rad_error ignored = { 0 };
     struct prediction p;
 
     effort.stop = &f->stop;
-    if (dryrun_predict(&p, j->scene, &j->files, j->params, j->frames,
-                       j->nframes, NULL, &effort, &ignored) == 0)
+    if (dryrun_predict(&p, &f->job, &effort, &ignored) == 0)
         f->rays = RARE * p.rays;
     atomic_store_explicit(&f->done, true, memory_order_release);
     return NULL;
 }
 
 struct foresee *
-foresee_begin(const struct foresee_job *job)
+foresee_begin(const struct dryrun_job *job)
 {
     struct foresee *f = calloc(1, sizeof *f);
 

@@ -10,23 +10,13 @@
 #ifndef RADD_CLIENT_FORESEE_H
 #define RADD_CLIENT_FORESEE_H
 
-#include "proto/message.h"
-#include "trial/trial.h"
+#include "trial/dryrun.h"
 
 struct foresee;
 
-/* What the trial needs; all of it must stay until foresee_end() returns true.
- */
-struct foresee_job {
-    const struct rad_scene *scene;
-    struct rad_files files;
-    const struct rad_params *params;
-    const struct msg_frame *frames;
-    uint32_t nframes;
-};
-
-/* Begin a trial.  NULL: no thread or no memory; the job goes on without it. */
-struct foresee *foresee_begin(const struct foresee_job *job);
+/* Begin a trial.  What the job refers to must stay until foresee_end() returns
+ * true.  NULL: no thread or no memory; the job goes on without it. */
+struct foresee *foresee_begin(const struct dryrun_job *job);
 
 /* Rays of the whole job; 0: not known yet, or the trial failed. */
 double foresee_rays(const struct foresee *f);
