@@ -21,14 +21,25 @@ extern char **environ;
 #define AGAIN_MS  250
 #define AGAIN_FOR 120
 
-/* A child's process:
+/* A child's process and its link, which end in any order:
  *
- *  waits -> runs -> exited
- *      \_____________/
+ *   WAITS --starts--> RUNS --link ends--> DIES
+ *    | |               |                   |
+ *    | | cannot start  | exits             | exits
+ *    | '-----------> EXITED --link ends-> OVER
+ *    '--------------link ends--------------^
  *
- * The child is over when its process has exited and its link is closed; see
- * settle(). */
+ * An ended link is one that broke, or that children_kill() closed. */
+enum child_state {
+    CHILD_WAITS, /* for a process */
+    CHILD_RUNS,
+    CHILD_EXITED, /* or could not start; what it sent is still to be read */
+    CHILD_DIES,   /* it was killed, for it has no link */
+    CHILD_OVER    /* to be freed by settle() */
+};
+
 struct child {
+    enum child_state state;
     uv_process_t *process; /* NULL: not started */
     uv_timer_t again;      /* runs until the process is started */
     int tries;
@@ -37,9 +48,7 @@ struct child {
     struct child *next;
     struct children *all;
     uint64_t id;
-    bool exited;    /* the process has exited, or will not start */
-    bool link_gone; /* the connection has ended: nothing more comes */
-    bool silent;    /* ended() is not called */
+    bool silent; /* ended() is not called */
     struct child_end how;
     char text[160];
 };
@@ -118,15 +127,14 @@ find(struct children *all, uint64_t id)
     return c;
 }
 
-/* When the process has exited and the link is closed, tell ended() and free the
- * child. */
+/* If the child is over, tell ended() and free it. */
 static void
 settle(struct child *c)
 {
     struct children *all = c->all;
     struct child **at = &all->list;
 
-    if (!c->exited || !c->link_gone)
+    if (c->state != CHILD_OVER)
         return;
     while (*at != c)
         at = &(*at)->next;
@@ -138,12 +146,19 @@ settle(struct child *c)
     uv_close((uv_handle_t *)&c->again, free_child);
 }
 
+/* The process has exited, or will not start. */
+static void
+process_ended(struct child *c)
+{
+    c->state = c->state == CHILD_DIES ? CHILD_OVER : CHILD_EXITED;
+}
+
 static void
 on_exit_cb(uv_process_t *process, int64_t status, int signum)
 {
     struct child *c = process->data;
 
-    c->exited = true;
+    process_ended(c);
     if (!c->text[0])
         c->how = (struct child_end){ (int)status, signum };
     if (!c->text[0] && signum)
@@ -210,7 +225,7 @@ drop_link(struct child *c)
 static void
 give_up(struct child *c, int rc)
 {
-    c->exited = true;
+    process_ended(c);
     c->how = (struct child_end){ EX_OSERR, 0 };
     snprintf(c->text, sizeof c->text, "cannot start: %s", uv_strerror(rc));
     drop_link(c); /* so its other end closes, which ends the child */
@@ -237,6 +252,7 @@ start_or_wait(struct child *c)
     rc = start(c);
     c->process->data = c;
     if (rc == 0) {
+        c->state = CHILD_RUNS;
         log_debug("child started pid=%d", c->process->pid);
         drop_link(c);
         return;
@@ -313,22 +329,24 @@ children_spawn(struct children *all, uint64_t id, uint32_t memory_mib)
         conn_live(shell_conn(all->shell, id), false);
     if (all->held)
         children_hold(all, true);
-    if (!c->exited)
+    if (c->state == CHILD_WAITS)
         start_or_wait(c);
 }
 
+/* The link has ended: a child is useless without it. */
 static void
-kill_child(struct child *c)
+link_ended(struct child *c)
 {
-    if (c->exited)
-        return;
-    if (c->process) {
+    if (c->state == CHILD_RUNS) {
         uv_process_kill(c->process, SIGKILL);
+        c->state = CHILD_DIES;
         return;
     }
+    if (c->state == CHILD_DIES)
+        return;
     uv_timer_stop(&c->again);
     drop_link(c);
-    c->exited = true;
+    c->state = CHILD_OVER;
 }
 
 void
@@ -339,9 +357,8 @@ children_kill(struct children *all, uint64_t id)
     if (!c)
         return;
     c->silent = true;
-    c->link_gone = true;
     shell_remove(all->shell, id);
-    kill_child(c);
+    link_ended(c);
     settle(c);
 }
 
@@ -352,11 +369,10 @@ children_closed(struct children *all, uint64_t id, const char *why)
 
     if (!c)
         return false;
-    c->link_gone = true;
     /* a dying child closes its link first: its exit status will say more */
-    if (!c->exited && strcmp(why, CONN_BROKE_PROTOCOL) == 0)
+    if (c->state != CHILD_EXITED && strcmp(why, CONN_BROKE_PROTOCOL) == 0)
         snprintf(c->text, sizeof c->text, "it broke the protocol");
-    kill_child(c); /* a child without its link is useless */
+    link_ended(c);
     settle(c);
     return true;
 }
@@ -375,9 +391,7 @@ children_kill_all(struct children *all)
 {
     for (struct child *c = all->list; c; c = c->next) {
         c->silent = true;
-        c->link_gone = true;
-        kill_child(c);
-        if (!c->process) /* no exit callback will come */
-            settle(c);
+        link_ended(c);
+        settle(c);
     }
 }
