@@ -67,16 +67,22 @@ passes_free(struct passes *s)
     free(s);
 }
 
+/* Count the frames that are done. */
+static void
+note_done(struct job *job)
+{
+    struct passes *s = job->passes;
+
+    while (s->done < job->spec.nframes && job->frames[s->done].pixels_left == 0)
+        s->done++;
+}
+
 /* Are all frames done whose passes are closed?  Their units read the cache that
  * the next pass to be closed would change. */
 static bool
-is_due(struct passes *s, const struct job *job)
+is_due(const struct passes *s)
 {
-    uint32_t ready = rad_passes_ready(s->plan, s->open);
-
-    while (s->done < ready && job->frames[s->done].pixels_left == 0)
-        s->done++;
-    return s->done >= ready;
+    return s->done >= rad_passes_ready(s->plan, s->open);
 }
 
 /* Let the units of frames whose passes are closed go out. */
@@ -97,7 +103,7 @@ take_up_kept(struct coord *c, struct job *job)
     struct kept_passes *kept = &job->kept;
     struct passes *s = job->passes;
 
-    for (uint32_t i = s->base; i < kept->n && s->open < s->n && is_due(s, job);
+    for (uint32_t i = s->base; i < kept->n && s->open < s->n && is_due(s);
          i++, s->opened = ++s->open) {
         struct saved_pass *p = &kept->pass[i];
         struct closed *k = &s->closed[s->open];
@@ -268,6 +274,7 @@ passes_begin(struct coord *c, struct job *job, struct rad_error *err)
     if (rc < 0)
         return rc;
     lead_begin(job, s->size);
+    note_done(job);
     take_up_kept(c, job);
     open_frames(job);
     s->reuse = s->n > 0 && stages_reuse(job) ? REUSE_DUE : REUSE_NONE;
@@ -284,9 +291,9 @@ passes_begin(struct coord *c, struct job *job, struct rad_error *err)
 bool
 passes_open(const struct job *job)
 {
-    struct passes *s = job->passes;
+    const struct passes *s = job->passes;
 
-    return s && ((s->open < s->n && is_due(s, job)) || s->reuse != REUSE_NONE);
+    return s && ((s->open < s->n && is_due(s)) || s->reuse != REUSE_NONE);
 }
 
 struct passes_state
@@ -445,7 +452,7 @@ close_made(struct coord *c, struct job *job)
     struct passes *s = job->passes;
 
     while (s->open < s->opened && passes_sheet(s, s->open)->left == 0 &&
-           is_due(s, job) && !c->actions.failed)
+           is_due(s) && !c->actions.failed)
         close_pass(c, job);
 }
 
@@ -471,6 +478,7 @@ passes_frame_done(struct coord *c, struct job *job)
 {
     if (!job->filling || job_over(job))
         return;
+    note_done(job);
     close_passes(c, job, is_before_units(job->passes));
     note_progress(job);
     c->stirred = true;

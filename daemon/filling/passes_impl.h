@@ -69,7 +69,8 @@ struct passes {
     uint32_t opened;        /* index after the last open pass */
     enum reuse_state reuse; /* changed by passes.c alone */
     struct closed *closed;  /* of each pass, once it is closed */
-    uint32_t done;          /* number of frames done from the first on */
+    uint32_t done;          /* frames from the first on whose rows are all
+                             * here; counted while passes are open */
     size_t bytes;           /* of the stage's records so far */
     struct rad_pass_size *size; /* of the frames */
     struct dearest *dearest;
