@@ -96,20 +96,28 @@ pool_sent(struct pool *p, size_t n)
     uv_mutex_unlock(&p->mu);
 }
 
+void
+pool_settle(struct pool *p)
+{
+    uv_mutex_lock(&p->mu);
+    pool_settle_waits_locked(p);
+    for (struct active *u = p->active; u; u = u->next)
+        if (u->pass)
+            u->pass->made = team_made(u->team);
+    uv_mutex_unlock(&p->mu);
+}
+
 struct pool_tally
 pool_tally(struct pool *p)
 {
     struct pool_tally t = { 0 };
 
     uv_mutex_lock(&p->mu);
-    pool_settle_waits_locked(p);
     t.busy_s = p->busy_s;
     t.wait_base_line_s = p->wait_s;
     for (const struct active *u = p->active; u; u = u->next) {
         t.wait_base_line_s += team_waited(u->team);
         t.rays_under_way += team_rays(u->team);
-        if (u->pass)
-            u->pass->made = team_made(u->team);
     }
     if (p->strict) {
         t.rays_under_way += strict_rays(p->strict);

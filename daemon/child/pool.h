@@ -141,6 +141,10 @@ void pool_rest(struct pool *p);
 #define POOL_UNSENT (8u << 20)
 void pool_sent(struct pool *p, size_t n);
 
+/* Bring up to date what pool_tally() tells of strict units: the time that
+ * threads have waited for their tops, and how far each is. */
+void pool_settle(struct pool *p);
+
 /* What all threads have done so far. */
 struct pool_tally {
     double busy_s;             /* on pieces of work that are finished */

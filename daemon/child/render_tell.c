@@ -98,6 +98,8 @@ tally_of(const struct render *r)
 void
 render_keep_tally(struct render *r)
 {
+    if (r->pool)
+        pool_settle(r->pool);
     r->past = tally_of(r);
     r->past.rays_under_way = r->past.pixels_under_way = 0;
 }
@@ -106,9 +108,12 @@ void
 render_send_tally(struct render *r)
 {
     struct msg m = { .type = MSG_TALLY };
-    struct pool_tally did = tally_of(r);
+    struct pool_tally did;
     struct rusage use;
 
+    if (r->pool)
+        pool_settle(r->pool);
+    did = tally_of(r);
     r->told_rays = did.rays_under_way;
     r->told_dropped = did.dropped.rays;
     r->told_ms = uv_now(&r->loop);
