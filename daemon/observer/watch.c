@@ -466,7 +466,7 @@ new_watch(struct watches *all, const char *hex, uint32_t frame)
 }
 
 struct watch *
-watch_find(struct watches *all, const char *hex, uint32_t frame)
+watch_look_at(struct watches *all, const char *hex, uint32_t frame)
 {
     struct watch *w = all->first;
 

@@ -87,9 +87,10 @@ void watch_release(struct watches *all);
 /* Send the requests that are due; call each DAEMON_TICK_MS. */
 void watch_tick(struct watches *all);
 
-/* The watch of that frame of the job, made if need be, for a page that is asked
- * for.  NULL: too many are watched, or memory is out. */
-struct watch *watch_find(struct watches *all, const char *hex, uint32_t frame);
+/* Look at that frame of the job, for a page that is asked for: watch it if it
+ * is not watched yet.  NULL: too many are watched, or memory is out. */
+struct watch *watch_look_at(struct watches *all, const char *hex,
+                            uint32_t frame);
 
 /* Has all that a page shows been answered, if only by a refusal?  And the
  * picture? */

@@ -94,7 +94,7 @@ send_asset(struct MHD_Connection *c, const struct asset *a)
 /* --- pages and data of a job --- */
 
 static enum MHD_Result
-send_page(struct radweb *r, struct MHD_Connection *c, const struct watch *w)
+send_page(struct radweb *r, struct MHD_Connection *c, struct watch *w)
 {
     struct markup m = { 0 };
     char events[100], title[200];
@@ -110,7 +110,7 @@ send_page(struct radweb *r, struct MHD_Connection *c, const struct watch *w)
 }
 
 static enum MHD_Result
-send_job_json(struct radweb *r, struct MHD_Connection *c, const struct watch *w)
+send_job_json(struct radweb *r, struct MHD_Connection *c, struct watch *w)
 {
     struct markup m = { 0 };
 
@@ -120,7 +120,7 @@ send_job_json(struct radweb *r, struct MHD_Connection *c, const struct watch *w)
 }
 
 static enum MHD_Result
-send_png(struct radweb *r, struct MHD_Connection *c, const struct watch *w)
+send_png(struct radweb *r, struct MHD_Connection *c, struct watch *w)
 {
     (void)r;
     if (!w->png)
@@ -130,7 +130,7 @@ send_png(struct radweb *r, struct MHD_Connection *c, const struct watch *w)
 }
 
 static enum MHD_Result
-send_rgbe(struct radweb *r, struct MHD_Connection *c, const struct watch *w)
+send_rgbe(struct radweb *r, struct MHD_Connection *c, struct watch *w)
 {
     (void)r;
     if (!w->rgbe)
@@ -141,9 +141,9 @@ send_rgbe(struct radweb *r, struct MHD_Connection *c, const struct watch *w)
 }
 
 static enum MHD_Result
-send_events(struct radweb *r, struct MHD_Connection *c, const struct watch *w)
+send_events(struct radweb *r, struct MHD_Connection *c, struct watch *w)
 {
-    return events_begin(r, c, watch_find(&r->watches, w->hex, w->frame));
+    return events_begin(r, c, w);
 }
 
 /* A path consists of `ahead`, the 32 digits of a job's id, and `behind`. */
@@ -151,7 +151,7 @@ static const struct job_path {
     const char *ahead, *behind;
     bool picture;
     enum MHD_Result (*send)(struct radweb *r, struct MHD_Connection *c,
-                            const struct watch *w);
+                            struct watch *w);
 } job_paths[] = {
     { "/jobs/", "", false, send_page },
     { "/jobs/", "/events", false, send_events },
@@ -231,7 +231,8 @@ route_tick(struct radweb *r, bool all)
     uint64_t now = uv_now(&r->daemon.loop);
 
     for (struct waiting *w = r->waiting, *next; w; w = next) {
-        struct watch *job = watch_find(&r->watches, w->hex, w->frame);
+        /* a job is looked at as long as a request waits for it */
+        struct watch *job = watch_look_at(&r->watches, w->hex, w->frame);
 
         next = w->next;
         if (!all && job && now < w->until_ms && !is_ready(job, w->picture))
@@ -267,7 +268,7 @@ send_job(struct radweb *r, struct MHD_Connection *c, const struct job_path *p,
          const char *hex, void **state)
 {
     const struct waiting *was = *state;
-    struct watch *w = watch_find(&r->watches, hex, frame_of(c));
+    struct watch *w = watch_look_at(&r->watches, hex, frame_of(c));
 
     if (!w)
         return answer_error(c, MHD_HTTP_SERVICE_UNAVAILABLE,

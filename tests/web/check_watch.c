@@ -151,7 +151,7 @@ START_TEST(one_picture_at_a_time_is_asked_for)
 
     begin(&loop);
     for (unsigned i = 0; i < WATCH_MOST; i++)
-        ck_assert_ptr_nonnull(watch_find(&watches, hex_of(i), 0));
+        ck_assert_ptr_nonnull(watch_look_at(&watches, hex_of(i), 0));
     watch_tick(&watches);
     ck_assert_uint_eq(session.n, WATCH_MOST);
     tell_details(100);
@@ -175,7 +175,7 @@ START_TEST(jobs_that_gave_way_keep_their_pace)
     begin(&loop);
     for (unsigned turn = 0; turn < 6; turn++) {
         for (unsigned i = 0; i < 2 * WATCH_MOST; i++) {
-            ck_assert_ptr_nonnull(watch_find(&watches, hex_of(i), 0));
+            ck_assert_ptr_nonnull(watch_look_at(&watches, hex_of(i), 0));
             for (int k = 0; k < 3; k++) {
                 uv_update_time(&loop);
                 watches.rest_ms = 0;
@@ -272,7 +272,7 @@ START_TEST(the_largest_pictures_of_all_jobs_stay_within_bounds)
     own = (nhdr + nstats) >> 20; /* radweb has these, too, while they come */
     begin(&loop);
     for (unsigned i = 0; i < WATCH_MOST; i++)
-        watch_follow(watch_find(&watches, hex_of(i), 0));
+        watch_follow(watch_look_at(&watches, hex_of(i), 0));
     while (shown < WATCH_MOST) {
         uv_update_time(&loop);
         watch_tick(&watches);
