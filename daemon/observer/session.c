@@ -1,7 +1,9 @@
 /* session.c - see session.h
  *
  *   down -> dialling -> greeting (HELLO said) -> up
- *     ^________|____________|____________________| */
+ *     ^________|____________|____________________|
+ *
+ *   any of these --session_close()--> closed */
 #include "config.h"
 
 #include "observer/session.h"
@@ -33,7 +35,7 @@ struct asked {
     size_t n, total;
 };
 
-enum state { DOWN, DIALLING, GREETING, UP };
+enum state { DOWN, DIALLING, GREETING, UP, CLOSED };
 
 struct session {
     struct session_conf conf;
@@ -370,7 +372,7 @@ session_close(struct session *s)
     dialler_close(s->dialler);
     conn_close(s->conn);
     s->conn = NULL;
-    s->state = DIALLING; /* for good: not dialled again */
+    s->state = CLOSED;
     refuse_all(s);
 }
 
