@@ -8,7 +8,9 @@
 #include "partition/partition.h"
 
 /* Where a unit is for the order of hand-out: OUT stands for all that enum
- * unit_state (jobs/unit.h) tells apart between waiting and done. */
+ * unit_state (jobs/unit.h) tells apart between waiting and done.
+ *
+ *   WAITING <--> OUT --> DONE */
 enum partition_state { PARTITION_WAITING, PARTITION_OUT, PARTITION_DONE };
 
 struct partition_unit {

@@ -125,7 +125,9 @@ struct wjob {
     struct relay *relay;   /* base lines that were made here; NULL: none yet */
 };
 
-/* A file that was asked for and has not come whole. */
+/* A file that was asked for and has not come whole:
+ *
+ *   WANTED --its first bytes--> COMES --all are here--> no longer listed */
 struct wasked {
     uint8_t hash[MSG_HASH];
     enum { WASKED_WANTED, WASKED_COMES } state;
