@@ -34,7 +34,7 @@ end_estimate_locked(struct pool *p, struct estimating *e)
     while (*at != e)
         at = &(*at)->next;
     *at = e->next;
-    e->wall_s = pool_seconds(CLOCK_MONOTONIC) - e->wall_s;
+    e->wall_s = pool_seconds(CLOCK_MONOTONIC) - e->wall0;
     e->next = p->estimated;
     p->estimated = e;
     uv_async_send(&p->async);
@@ -81,7 +81,7 @@ pool_estimate(struct pool *p, struct estimate *estimate, pool_estimate_fn *fn)
         return false;
     e->estimate = estimate;
     e->fn = fn;
-    e->wall_s = pool_seconds(CLOCK_MONOTONIC);
+    e->wall0 = pool_seconds(CLOCK_MONOTONIC);
     uv_mutex_lock(&p->mu);
     e->next = p->estimates;
     p->estimates = e;

@@ -56,7 +56,8 @@ struct estimating {
     pool_estimate_fn *fn;
     int members;       /* [mu] threads at it */
     _Atomic bool stop; /* written with mu held; read anywhere */
-    double wall_s;     /* [mu] time when it came; once done, its duration */
+    double wall0;      /* [fixed] time when it came */
+    double wall_s;     /* [mu] its duration, once done */
 };
 
 struct renderer {
