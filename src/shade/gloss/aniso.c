@@ -3,7 +3,6 @@
 
 #include "shade/gloss/aniso.h"
 #include "base/vec.h"
-#include "light/indirect/ambient.h"
 #include "light/direct/source.h"
 #include "shade/gloss/gloss.h"
 
@@ -20,13 +19,10 @@ struct aniso {
 struct aniso_hit {
     const struct aniso *m;
     struct rad_gloss gloss;
-    struct rad_rgb color;              /* with the patterns */
-    struct rad_rgb spec_color;         /* of the reflected lobe */
-    double rdiff, tdiff, tspec, trans; /* parts of the light (normal.c); trans
-                                        * is tdiff + tspec */
-    double cos_n;                      /* -dir.norm, at least .001 */
-    double ahead[3];                   /* direction of tspec's lobe */
-    bool flat;                         /* flat, and without texture */
+    struct rad_gloss_parts parts;
+    double cos_n;    /* -dir.norm, at least .001 */
+    double ahead[3]; /* direction of tspec's lobe */
+    bool flat;       /* flat, and without texture */
 };
 
 int
@@ -65,27 +61,28 @@ brdf(struct rad_rgb *coef, void *data, const double ldir[3], double omega)
 {
     const struct aniso_hit *hit = data;
     const struct rad_gloss *g = &hit->gloss;
+    const struct rad_gloss_parts *p = &hit->parts;
     double cos_l = rad_dot(g->norm, ldir), part, lobe;
 
     *coef = rad_grey(0);
     if (fabs(cos_l) <= RAD_TINY)
         return;
-    part = cos_l > 0 ? hit->rdiff : hit->tdiff;
+    part = cos_l > 0 ? p->rdiff : p->tdiff;
     if (part > RAD_TINY)
-        *coef = scaled(hit->color, part * fabs(cos_l) * omega / M_PI);
-    if (cos_l > 0 && hit->m->spec > RAD_TINY) {
+        *coef = scaled(p->color, part * fabs(cos_l) * omega / M_PI);
+    if (cos_l > 0 && p->rspec > RAD_TINY) {
         /* the light's extent, since -dj 0 aims all samples at its centre */
         double spread = (1 - g->ctx->job->params.srcjitter) * omega;
 
         lobe = rad_gloss_brdf(g, ldir, hit->flat ? spread / (4 * M_PI) : 0);
         if (lobe > RAD_TINY)
-            *coef = rad_rgb_add(*coef,
-                                scaled(hit->spec_color, lobe * cos_l * omega));
-    } else if (cos_l < 0 && hit->tspec > RAD_TINY) {
+            *coef =
+                rad_rgb_add(*coef, scaled(p->spec_color, lobe * cos_l * omega));
+    } else if (cos_l < 0 && p->tspec > RAD_TINY) {
         lobe = rad_gloss_btdf(g, hit->ahead, hit->cos_n, ldir, omega);
         if (lobe > RAD_TINY)
-            *coef = rad_rgb_add(*coef,
-                                scaled(hit->color, lobe * hit->tspec * omega));
+            *coef =
+                rad_rgb_add(*coef, scaled(p->color, lobe * p->tspec * omega));
     }
 }
 
@@ -153,14 +150,20 @@ orient(struct aniso_hit *hit)
 static void
 divide(struct aniso_hit *hit)
 {
+    double thresh = hit->gloss.ctx->job->params.specthresh + RAD_TINY;
+    struct rad_gloss_parts *p = &hit->parts;
     const struct aniso *m = hit->m;
 
-    hit->trans = m->trans * (1 - m->spec);
-    hit->tspec = hit->trans * m->tspec;
-    hit->tdiff = hit->trans - hit->tspec;
-    hit->rdiff = 1 - hit->trans - m->spec;
-    hit->spec_color = m->type == RAD_METAL2 ? scaled(hit->color, m->spec)
-                                            : rad_grey((float)m->spec);
+    p->rspec = m->spec;
+    p->trans = m->trans * (1 - m->spec);
+    p->tspec = p->trans * m->tspec;
+    p->tdiff = p->trans - p->tspec;
+    p->rdiff = 1 - p->trans - m->spec;
+    p->follow_refl = p->rspec > thresh;
+    p->follow_tran = p->tspec > thresh;
+    p->color = rad_rgb_mul(m->color, hit->gloss.r->pattern);
+    p->spec_color = m->type == RAD_METAL2 ? scaled(p->color, m->spec)
+                                          : rad_grey((float)m->spec);
 }
 
 static void
@@ -172,44 +175,12 @@ enter(struct aniso_hit *hit, struct rad_ctx *ctx, const struct aniso *m,
     hit->m = m;
     g->ctx = ctx;
     g->r = r;
-    hit->color = rad_rgb_mul(m->color, r->pattern);
     hit->flat = !rad_ray_perturbed(r) && rad_ray_on_flat(ctx, r);
     hit->cos_n = rad_ray_normal(r, g->norm);
     hit->cos_n = rad_most(hit->cos_n, .001); /* brdf() divides by it */
     rad_ray_ahead(ctx, r, hit->ahead);
     divide(hit);
     orient(hit);
-}
-
-/* Add all light but that of sources.  Lobes that are strong enough (-st) are
- * sampled; weaker ones get ambient light, with the diffuse parts. */
-static void
-add_surroundings(struct aniso_hit *hit)
-{
-    const struct rad_gloss *g = &hit->gloss;
-    double thresh = g->ctx->job->params.specthresh + RAD_TINY;
-    struct rad_rgb coef = scaled(hit->color, hit->tspec);
-    double back[3], part = hit->tdiff;
-
-    if (hit->m->spec > thresh)
-        rad_gloss_reflect(g, &hit->spec_color);
-    if (hit->tspec > thresh)
-        rad_gloss_transmit(g, hit->ahead, &coef);
-    if (hit->rdiff > RAD_TINY) {
-        coef = scaled(hit->color, hit->rdiff);
-        if (hit->m->spec > RAD_TINY && !(hit->m->spec > thresh))
-            coef = rad_rgb_add(coef, hit->spec_color);
-        rad_ambient_apply(g->ctx, g->r, g->norm, &coef);
-        g->r->L = rad_rgb_add(g->r->L, coef);
-    }
-    if (hit->tdiff > RAD_TINY) {
-        if (hit->tspec > RAD_TINY && !(hit->tspec > thresh))
-            part = hit->trans;
-        coef = scaled(hit->color, part);
-        rad_scale(back, -1, g->norm);
-        rad_ambient_apply(g->ctx, g->r, back, &coef);
-        g->r->L = rad_rgb_add(g->r->L, coef);
-    }
 }
 
 bool
@@ -223,7 +194,8 @@ rad_aniso_shade(struct rad_ctx *ctx, const struct rad_material *mat,
     if (!rad_ray_face(ctx, r, mat->next))
         return true;
     enter(&hit, ctx, mat->data, r);
-    add_surroundings(&hit);
-    rad_direct(ctx, r, brdf, &hit, hit.trans > RAD_TINY);
+    rad_gloss_follow(&hit.gloss, hit.ahead, &hit.parts);
+    rad_gloss_ambient(ctx, r, hit.gloss.norm, &hit.parts);
+    rad_direct(ctx, r, brdf, &hit, hit.parts.trans > RAD_TINY);
     return true;
 }

@@ -5,6 +5,7 @@
 #include "arith/elementary.h"
 #include "base/rng.h"
 #include "base/vec.h"
+#include "light/indirect/ambient.h"
 #include "trace/material.h"
 
 /* --- lobes ---------------------------------------------------------------- */
@@ -204,4 +205,48 @@ rad_gloss_transmit(const struct rad_gloss *g, const double ahead[3],
         sum = rad_rgb_add(sum, sr.L);
     }
     add_light(g, sum, &sr, n);
+}
+
+/* --- parts of the light --------------------------------------------------- */
+
+static struct rad_rgb
+scaled(struct rad_rgb c, double s)
+{
+    return rad_rgb_scale(c, (float)s);
+}
+
+void
+rad_gloss_follow(const struct rad_gloss *g, const double ahead[3],
+                 const struct rad_gloss_parts *parts)
+{
+    struct rad_rgb coef = scaled(parts->color, parts->tspec);
+
+    if (parts->follow_refl)
+        rad_gloss_reflect(g, &parts->spec_color);
+    if (parts->follow_tran)
+        rad_gloss_transmit(g, ahead, &coef);
+}
+
+void
+rad_gloss_ambient(struct rad_ctx *ctx, struct rad_ray *r, const double norm[3],
+                  const struct rad_gloss_parts *parts)
+{
+    struct rad_rgb coef;
+    double back[3];
+
+    if (parts->rdiff > RAD_TINY) {
+        coef = scaled(parts->color, parts->rdiff);
+        if (parts->rspec > RAD_TINY && !parts->follow_refl)
+            coef = rad_rgb_add(coef, parts->spec_color);
+        rad_ambient_apply(ctx, r, norm, &coef);
+        r->L = rad_rgb_add(r->L, coef);
+    }
+    if (parts->tdiff > RAD_TINY) {
+        bool all = parts->tspec > RAD_TINY && !parts->follow_tran;
+
+        coef = scaled(parts->color, all ? parts->trans : parts->tdiff);
+        rad_scale(back, -1, norm);
+        rad_ambient_apply(ctx, r, back, &coef);
+        r->L = rad_rgb_add(r->L, coef);
+    }
 }

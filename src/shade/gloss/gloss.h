@@ -23,6 +23,16 @@ struct rad_gloss {
     double au, av;     /* roughness along u and v, above 0 */
 };
 
+/* The parts of the light of a surface of gloss over diffuse (normal.c). */
+struct rad_gloss_parts {
+    struct rad_rgb color;              /* with the patterns */
+    struct rad_rgb spec_color;         /* of rspec, which it includes */
+    double rdiff, rspec, tdiff, tspec; /* how much light they are */
+    double trans;                      /* tdiff + tspec */
+    bool follow_refl, follow_tran;     /* rspec, tspec are traced: as of a
+                                        * mirror, or strong enough (-st) */
+};
+
 /* The BRDF toward the unit direction ldir [1/sr].  spread is added to the
  * square roughness, for a light that is no point. */
 double rad_gloss_brdf(const struct rad_gloss *g, const double ldir[3],
@@ -39,6 +49,16 @@ double rad_gloss_btdf(const struct rad_gloss *g, const double ahead[3],
 void rad_gloss_reflect(const struct rad_gloss *g, const struct rad_rgb *coef);
 void rad_gloss_transmit(const struct rad_gloss *g, const double ahead[3],
                         const struct rad_rgb *coef);
+
+/* Trace rays of the lobes that are to be traced; `ahead` as above. */
+void rad_gloss_follow(const struct rad_gloss *g, const double ahead[3],
+                      const struct rad_gloss_parts *parts);
+
+/* Add ambient light to r->L for the diffuse parts, and with them for specular
+ * parts that are not traced.  norm: as in struct rad_gloss. */
+void rad_gloss_ambient(struct rad_ctx *ctx, struct rad_ray *r,
+                       const double norm[3],
+                       const struct rad_gloss_parts *parts);
 
 /* How many rays to draw from a lobe at r's hit; `sample` is spawned with the
  * weight of all of them.  With -ss above 1.5 it is -ss times r's weight, but so

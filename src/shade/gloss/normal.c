@@ -11,7 +11,6 @@
 #include "shade/gloss/normal.h"
 #include "arith/elementary.h"
 #include "base/vec.h"
-#include "light/indirect/ambient.h"
 #include "light/direct/source.h"
 #include "shade/gloss/gloss.h"
 
@@ -37,14 +36,10 @@ struct normal_hit {
     struct rad_ctx *ctx;
     struct rad_ray *r;
     const struct normal *m;
-    struct rad_rgb color; /* with the patterns */
-    struct rad_rgb spec_color;
-    double rdiff, rspec, tdiff, tspec; /* parts of the light */
-    double trans;                      /* tdiff + tspec */
-    double norm[3], cos_n;             /* perturbed normal; -dir.norm >= .001 */
-    double ahead[3];                   /* direction of tspec, or of its lobe */
-    bool textured, flat;               /* flat: and without texture */
-    bool follow_refl, follow_tran;     /* parts strong enough to trace (-st) */
+    struct rad_gloss_parts parts;
+    double norm[3], cos_n; /* perturbed normal; -dir.norm >= .001 */
+    double ahead[3];       /* direction of tspec, or of its lobe */
+    bool textured, flat;   /* flat: and without texture */
 };
 
 int
@@ -138,29 +133,30 @@ static void
 brdf(struct rad_rgb *coef, void *data, const double ldir[3], double omega)
 {
     const struct normal_hit *hit = data;
+    const struct rad_gloss_parts *p = &hit->parts;
     double cos_l = rad_dot(hit->norm, ldir), part, lobe;
 
     *coef = rad_grey(0);
     if (fabs(cos_l) <= RAD_TINY)
         return;
-    part = cos_l > 0 ? hit->rdiff : hit->tdiff;
+    part = cos_l > 0 ? p->rdiff : p->tdiff;
     if (part > RAD_TINY) {
         if (hit->m->fresnel)
             part *= 1 - fresnel_rise(fabs(cos_l));
-        *coef = scaled(hit->color, part * fabs(cos_l) * omega * M_1_PI);
+        *coef = scaled(p->color, part * fabs(cos_l) * omega * M_1_PI);
     }
     if (hit->m->mirror)
         return;
-    if (cos_l > 0 && hit->rspec > RAD_TINY) {
+    if (cos_l > 0 && p->rspec > RAD_TINY) {
         lobe = reflect_lobe(hit, ldir, omega);
         if (lobe > RAD_TINY)
-            *coef = rad_rgb_add(*coef,
-                                scaled(hit->spec_color, lobe * cos_l * omega));
-    } else if (cos_l < 0 && hit->tspec > RAD_TINY) {
+            *coef =
+                rad_rgb_add(*coef, scaled(p->spec_color, lobe * cos_l * omega));
+    } else if (cos_l < 0 && p->tspec > RAD_TINY) {
         lobe = transmit_lobe(hit, ldir, omega, cos_l);
         if (lobe > RAD_TINY)
-            *coef = rad_rgb_add(*coef,
-                                scaled(hit->color, lobe * hit->tspec * omega));
+            *coef =
+                rad_rgb_add(*coef, scaled(p->color, lobe * p->tspec * omega));
     }
 }
 
@@ -171,7 +167,6 @@ enter(struct normal_hit *hit, struct rad_ctx *ctx, const struct normal *m,
     hit->ctx = ctx;
     hit->r = r;
     hit->m = m;
-    hit->color = rad_rgb_mul(m->color, r->pattern);
     hit->textured = rad_ray_perturbed(r);
     hit->flat = !hit->textured && rad_ray_on_flat(ctx, r);
     hit->cos_n = rad_ray_normal(r, hit->norm);
@@ -185,32 +180,33 @@ divide(struct normal_hit *hit)
     const struct normal *m = hit->m;
     double rise = m->fresnel ? fresnel_rise(hit->cos_n) : 0;
     double thresh = hit->ctx->job->params.specthresh + RAD_TINY;
+    struct rad_gloss_parts *p = &hit->parts;
 
-    hit->rspec = m->spec + rise * (1 - m->spec);
-    hit->trans = m->trans * (1 - hit->rspec);
-    hit->tspec = hit->trans * m->tspec;
-    hit->tdiff = hit->trans - hit->tspec;
-    hit->rdiff = 1 - hit->trans - hit->rspec;
-    hit->follow_refl =
-        hit->rspec > RAD_TINY && (m->mirror || hit->rspec > thresh);
-    hit->follow_tran =
-        hit->tspec > RAD_TINY && (m->mirror || hit->tspec > thresh);
+    p->rspec = m->spec + rise * (1 - m->spec);
+    p->trans = m->trans * (1 - p->rspec);
+    p->tspec = p->trans * m->tspec;
+    p->tdiff = p->trans - p->tspec;
+    p->rdiff = 1 - p->trans - p->rspec;
+    p->follow_refl = p->rspec > RAD_TINY && (m->mirror || p->rspec > thresh);
+    p->follow_tran = p->tspec > RAD_TINY && (m->mirror || p->tspec > thresh);
     if (hit->r->path & (RAD_RAY_SHADOW | RAD_RAY_AMBIENT))
         rad_copy(hit->ahead, hit->r->dir);
-    else if (hit->tspec > RAD_TINY)
+    else if (p->tspec > RAD_TINY)
         rad_ray_ahead(hit->ctx, hit->r, hit->ahead);
+    p->color = rad_rgb_mul(m->color, hit->r->pattern);
     if (m->type != RAD_METAL)
-        hit->spec_color = rad_grey((float)hit->rspec);
+        p->spec_color = rad_grey((float)p->rspec);
     else /* a metal's colour pales toward grazing */
-        hit->spec_color = rad_rgb_add(rad_grey((float)rise),
-                                      scaled(hit->color, m->spec * (1 - rise)));
+        p->spec_color = rad_rgb_add(rad_grey((float)rise),
+                                    scaled(p->color, m->spec * (1 - rise)));
 }
 
 static void
 pass_straight(struct normal_hit *hit)
 {
+    const struct rad_gloss_parts *p = &hit->parts;
     struct rad_ray *r = hit->r, tr;
-    struct rad_rgb coef = scaled(hit->color, hit->tspec);
+    struct rad_rgb coef = scaled(p->color, p->tspec);
 
     if (!rad_ray_spawn(hit->ctx, &tr, RAD_RAY_TRANS, r, &coef,
                        RAD_BRANCH_TRANSMIT))
@@ -219,11 +215,11 @@ pass_straight(struct normal_hit *hit)
     rad_ray_onward(&tr);
     rad_ray_trace(hit->ctx, &tr);
     add_light(r, rad_rgb_mul(tr.L, tr.coef));
-    if (hit->tspec >= 1 - RAD_TINY) {
+    if (p->tspec >= 1 - RAD_TINY) {
         r->L_mirror = rad_rgb_mul(tr.L_mirror, tr.coef);
         r->mirror_dist = r->hit.t + tr.mirror_dist;
         r->dist = r->hit.t + tr.dist;
-    } else if (hit->tspec > hit->tdiff + hit->rdiff) {
+    } else if (p->tspec > p->tdiff + p->rdiff) {
         r->dist = r->hit.t + rad_ray_way_of(&tr);
     }
 }
@@ -233,8 +229,8 @@ reflect_mirror(struct normal_hit *hit)
 {
     struct rad_ray *r = hit->r, lr;
 
-    if (!rad_ray_spawn(hit->ctx, &lr, RAD_RAY_REFLECTED, r, &hit->spec_color,
-                       RAD_BRANCH_REFLECT))
+    if (!rad_ray_spawn(hit->ctx, &lr, RAD_RAY_REFLECTED, r,
+                       &hit->parts.spec_color, RAD_BRANCH_REFLECT))
         return;
     rad_madd(lr.dir, r->dir, 2 * hit->cos_n, hit->norm);
     if (hit->textured && rad_dot(lr.dir, r->n) <= RAD_TINY)
@@ -256,41 +252,12 @@ make_gloss(const struct normal_hit *hit, struct rad_gloss *g)
 static void
 follow_gloss(struct normal_hit *hit)
 {
-    struct rad_rgb coef = scaled(hit->color, hit->tspec);
     struct rad_gloss g;
 
-    if (!hit->follow_refl && !hit->follow_tran)
+    if (!hit->parts.follow_refl && !hit->parts.follow_tran)
         return;
     make_gloss(hit, &g);
-    if (hit->follow_refl)
-        rad_gloss_reflect(&g, &hit->spec_color);
-    if (hit->follow_tran)
-        rad_gloss_transmit(&g, hit->ahead, &coef);
-}
-
-/* Add ambient light for the diffuse parts, and for glossy parts that are too
- * weak to be sampled (-st). */
-static void
-add_ambient(struct normal_hit *hit)
-{
-    struct rad_rgb coef;
-    double back[3];
-
-    if (hit->rdiff > RAD_TINY) {
-        coef = scaled(hit->color, hit->rdiff);
-        if (hit->rspec > RAD_TINY && !hit->follow_refl)
-            coef = rad_rgb_add(coef, hit->spec_color);
-        rad_ambient_apply(hit->ctx, hit->r, hit->norm, &coef);
-        add_light(hit->r, coef);
-    }
-    if (hit->tdiff > RAD_TINY) {
-        bool all = hit->tspec > RAD_TINY && !hit->follow_tran;
-
-        coef = scaled(hit->color, all ? hit->trans : hit->tdiff);
-        rad_scale(back, -1, hit->norm);
-        rad_ambient_apply(hit->ctx, hit->r, back, &coef);
-        add_light(hit->r, coef);
-    }
+    rad_gloss_follow(&g, hit->ahead, &hit->parts);
 }
 
 bool
@@ -306,20 +273,20 @@ rad_normal_shade(struct rad_ctx *ctx, const struct rad_material *mat,
         return true;
     enter(&hit, ctx, m, r);
     divide(&hit);
-    if (m->mirror && hit.follow_tran)
+    if (m->mirror && hit.parts.follow_tran)
         pass_straight(&hit);
     if (r->path & RAD_RAY_SHADOW) /* the other parts cast a shadow */
         return true;
     if (m->mirror) {
-        if (hit.follow_refl)
+        if (hit.parts.follow_refl)
             reflect_mirror(&hit);
-        if (hit.rdiff <= RAD_TINY && hit.tdiff <= RAD_TINY)
+        if (hit.parts.rdiff <= RAD_TINY && hit.parts.tdiff <= RAD_TINY)
             return true; /* no diffuse part */
     } else {
         follow_gloss(&hit);
     }
-    add_ambient(&hit);
-    rad_direct(ctx, r, brdf, &hit, hit.trans > RAD_TINY);
+    rad_gloss_ambient(ctx, r, hit.norm, &hit.parts);
+    rad_direct(ctx, r, brdf, &hit, hit.parts.trans > RAD_TINY);
     return true;
 }
 
