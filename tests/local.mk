@@ -57,6 +57,7 @@ include tests/web/local.mk
 
 # Tests whose code runs in threads: once more under ThreadSanitizer.
 THREAD_TESTS = \
+	tests/daemon/child/check_estimate \
 	tests/daemon/child/check_pool \
 	tests/daemon/child/check_team \
 	tests/daemon/child/check_team_lend \
@@ -67,7 +68,6 @@ THREAD_TESTS = \
 	tests/src/light/check_ambient \
 	tests/src/light/check_bright \
 	tests/src/light/check_smooth \
-	tests/src/picture/check_estimate \
 	tests/src/picture/check_facts
 
 SANITIZED_MORE = \

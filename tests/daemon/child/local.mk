@@ -1,5 +1,6 @@
 # tests of daemon/child, strict and team
 UNIT_TESTS += \
+	tests/daemon/child/check_estimate \
 	tests/daemon/child/check_pool \
 	tests/daemon/child/check_sandbox \
 	tests/daemon/child/check_strict_loan \

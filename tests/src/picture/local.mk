@@ -1,7 +1,6 @@
 # tests of src/picture and src/points
 UNIT_TESTS += \
 	tests/src/picture/check_doubt \
-	tests/src/picture/check_estimate \
 	tests/src/picture/check_facts \
 	tests/src/picture/check_frame \
 	tests/src/picture/check_points \
