@@ -13,10 +13,16 @@
 
 #include <math.h>
 
-/* Windows of a check pass: one for so many pixels, within these bounds. */
-#define PIXELS_A_WINDOW 2048
-#define LEAST_WINDOWS   36
-#define MOST_WINDOWS    96
+/* Tiles of a check pass: one for so many pixels, within these bounds. */
+#define PIXELS_A_TILE 2048
+#define LEAST_TILES   36
+#define MOST_TILES    96
+
+/* A check of a cache with a smaller -aa than COARSE has more tiles, as the cache
+ * has more records, up to TIMES_MOST times as many: what it tells is nearer to
+ * the truth, and it takes no greater part of its stage. */
+#define COARSE     .25
+#define TIMES_MOST 4
 
 /* Squares of errors: so much less than what is wanted is aimed at, and so much
  * more is near enough, for another stage takes longer than this one did. */
@@ -252,16 +258,18 @@ rad_refine_join(struct rad_params *job, const struct rad_params *former)
 /* --- passes --- */
 
 static uint32_t
-count_windows(const struct rad_pass_size *size, uint32_t nsizes)
+count_tiles(const struct rad_params *par, const struct rad_pass_size *size,
+            uint32_t nsizes)
 {
+    double finer = fmax(COARSE / par->ambacc, 1);
+    uint32_t times = (uint32_t)fmin(finer * finer, TIMES_MOST);
     uint64_t pixels = 0, n;
 
     for (uint32_t i = 0; i < nsizes; i++)
         pixels += (uint64_t)size[i].width * (uint64_t)size[i].height;
-    n = pixels / PIXELS_A_WINDOW;
-    return n < LEAST_WINDOWS  ? LEAST_WINDOWS
-           : n > MOST_WINDOWS ? MOST_WINDOWS
-                              : (uint32_t)n;
+    n = pixels / PIXELS_A_TILE;
+    n = n < LEAST_TILES ? LEAST_TILES : n > MOST_TILES ? MOST_TILES : n;
+    return (uint32_t)n * times;
 }
 
 uint32_t
@@ -284,7 +292,7 @@ rad_refine_plan(const struct rad_params *par, const struct rad_pass_size *size,
                                  .stride = 1,
                                  .beyond = nsizes,
                                  .ready = nsizes,
-                                 .tiles = count_windows(size, nsizes) };
+                                 .tiles = count_tiles(par, size, nsizes) };
     return n + 1;
 }
 

@@ -199,6 +199,32 @@ START_TEST(the_check_pass_is_the_last)
 }
 END_TEST
 
+/* Tiles of the check of a cache with that -aa. */
+static uint32_t
+tiles_of_check(double ambacc)
+{
+    struct rad_pass pass[RAD_MOST_PASSES];
+    struct rad_pass_size size = { 960, 640 };
+    struct rad_params job = params_of(jobs[0]);
+    uint32_t n;
+
+    job.ambacc = ambacc;
+    n = rad_refine_plan(&job, &size, 1, false, true, pass);
+    ck_assert_uint_gt(n, 0);
+    return pass[n - 1].tiles;
+}
+
+START_TEST(a_check_of_more_records_has_more_tiles)
+{
+    uint32_t coarse = tiles_of_check(.5);
+
+    ck_assert_uint_eq(tiles_of_check(.25), coarse);
+    ck_assert_uint_eq(tiles_of_check(.15), 2 * coarse);
+    ck_assert_uint_eq(tiles_of_check(.1), 4 * coarse);
+    ck_assert_uint_eq(tiles_of_check(1e-300), 4 * coarse);
+}
+END_TEST
+
 /* --- decisions --- */
 
 #define RUNGS(n) (RAD_REFINE_RUNG * (n))
@@ -752,6 +778,7 @@ main(void)
                         N_ELEM(pixel_rungs));
     tcase_add_loop_test(options, what_is_as_fine_is_joined, 0, N_ELEM(joined));
     tcase_add_test(options, the_check_pass_is_the_last);
+    tcase_add_test(options, a_check_of_more_records_has_more_tiles);
     suite_add_tcase(s, options);
     tcase_add_test(decisions, what_is_good_enough_ends);
     tcase_add_loop_test(decisions, rungs_go_by_the_cause, 0, N_ELEM(causes));
