@@ -174,16 +174,18 @@ static const struct conn_handler handler = { .message = on_message,
 
 /* --- the process --- */
 
-/* Limit memory, give way to other processes, and die with radd. */
+/* Limit memory, give way to other processes, and die with radd, whose process
+ * id is given: the first process of a container may be radd itself, and whoever
+ * adopts an orphan need not be the first. */
 static void
-confine(unsigned memory_mib, int give_way)
+confine(unsigned memory_mib, int give_way, pid_t radd)
 {
     struct rlimit memory = { (rlim_t)memory_mib << 20,
                              (rlim_t)memory_mib << 20 };
     int ignored;
 
     prctl(PR_SET_PDEATHSIG, SIGKILL);
-    if (getppid() == 1)
+    if (getppid() != radd)
         _exit(EX_OK); /* radd ended before PR_SET_PDEATHSIG */
     if (memory_mib > 0)
         setrlimit(RLIMIT_DATA, &memory);
@@ -234,14 +236,14 @@ render_main(int argc, char *argv[])
     struct rad_error err = { 0 };
     int rc;
 
-    if (argc != 8)
+    if (argc != 9)
         return EX_USAGE; /* only radd starts this */
     r.files_dir = argv[2];
     r.nthreads = atoi(argv[3]);
     r.pixel_s = atoi(argv[6]);
     r.sandboxed = strcmp(argv[7], RENDER_SANDBOXED) == 0;
     r.memory_mib = (unsigned)strtoul(argv[4], NULL, 10);
-    confine(r.memory_mib, atoi(argv[5]));
+    confine(r.memory_mib, atoi(argv[5]), (pid_t)atoi(argv[8]));
     log_open("radd-child", LOG_LEVEL_WARN);
     if (sandbox_begin(r.files_dir, r.sandboxed, &err) < 0) {
         log_err("%s", err.what);

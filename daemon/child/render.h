@@ -10,10 +10,10 @@
 #define RENDER_CHILD_OPTION "--child"
 #define RENDER_LINK_FD      3
 
-/* radd --child FILES-DIR THREADS MEMORY-MIB NICE PIXEL-S SANDBOX; returns the
- * exit status.  PIXEL-S: most processor seconds of a pixel, 0: no limit.
+/* radd --child FILES-DIR THREADS MEMORY-MIB NICE PIXEL-S SANDBOX RADD; returns
+ * the exit status.  PIXEL-S: most processor seconds of a pixel, 0: no limit.
  * SANDBOX: RENDER_SANDBOXED if a sandbox is required (sandbox.h), else empty.
- */
+ * RADD: radd's process id; a child of another process ends at once. */
 #define RENDER_SANDBOXED "sandboxed"
 int render_main(int argc, char *argv[]);
 

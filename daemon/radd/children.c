@@ -181,7 +181,7 @@ static int
 start(struct child *c)
 {
     struct children *all = c->all;
-    char threads[16], memory[16], nice[16], pixel[16];
+    char threads[16], memory[16], nice[16], pixel[16], radd[16];
     char *args[] = { (char *)"radd",
                      (char *)RENDER_CHILD_OPTION,
                      (char *)all->conf.files_dir,
@@ -190,6 +190,7 @@ start(struct child *c)
                      nice,
                      pixel,
                      (char *)(all->conf.sandboxed ? RENDER_SANDBOXED : ""),
+                     radd,
                      NULL };
     uv_stdio_container_t fds[] = {
         { .flags = UV_IGNORE },
@@ -210,6 +211,7 @@ start(struct child *c)
     snprintf(memory, sizeof memory, "%u", c->memory_mib);
     snprintf(pixel, sizeof pixel, "%d", all->conf.pixel_s);
     snprintf(nice, sizeof nice, "%d", all->conf.nice);
+    snprintf(radd, sizeof radd, "%d", (int)getpid());
     children_environment(environ, env);
     return uv_spawn(all->shell->loop, c->process, &o);
 }

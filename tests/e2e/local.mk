@@ -37,6 +37,7 @@ SHELL_TESTS = \
 	tests/e2e/radctl_lists.sh \
 	tests/e2e/radctl_text.sh \
 	tests/e2e/radctl_top.sh \
+	tests/e2e/radd_first.sh \
 	tests/e2e/radd_hours.sh \
 	tests/e2e/radd_refused.sh \
 	tests/e2e/radd_shortage.sh \
