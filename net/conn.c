@@ -141,7 +141,7 @@ conn_set_ping(struct conn *c, const struct msg_ping *ping)
 bool
 conn_expect(struct conn *c, size_t n)
 {
-    if (fair_full(&c->place))
+    if (conn_full(c))
         return false;
     c->awaited += n;
     fair_owe(&c->place, n);
@@ -153,6 +153,12 @@ conn_expected(struct conn *c, size_t n)
 {
     c->awaited -= n;
     fair_paid(&c->place, n);
+}
+
+bool
+conn_full(const struct conn *c)
+{
+    return fair_full(&c->place);
 }
 
 const char *

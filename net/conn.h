@@ -107,6 +107,8 @@ bool conn_send_frame(struct conn *c, const uint8_t *bytes, size_t len);
  * unread; try again later. */
 bool conn_expect(struct conn *c, size_t n);
 void conn_expected(struct conn *c, size_t n);
+/* Has its user left too much unread? */
+bool conn_full(const struct conn *c);
 
 /* Write short messages now, which otherwise are gathered until the end of the
  * loop's turn. */

@@ -9,6 +9,7 @@
 #include "users/uploads.h"
 
 struct job;
+struct stats_text;
 
 /* Jobs of an owner that are over and still remembered. */
 struct coord_kept {
@@ -22,6 +23,13 @@ struct coord_kept {
     const struct job *oldest; /* NULL: there is none */
 };
 
+/* Statistics for a user, on all connections; telling.c changes the sums. */
+struct coord_told {
+    const struct stats_text *making; /* NULL: none is being made */
+    size_t bytes;                    /* of texts that are whole */
+    uint64_t turn; /* coord.pieces_told at this user's last piece */
+};
+
 /* A user as an owner of jobs. */
 struct coord_owner {
     struct coord_owner *next;
@@ -29,6 +37,7 @@ struct coord_owner {
     uint32_t threads;   /* of workers that are at units of this user's jobs */
     struct known files; /* files of the store that the user may refer to */
     struct uploads_sum uploads;
+    struct coord_told told;
     struct coord_kept kept; /* as coord_forget_old() last counted */
 };
 

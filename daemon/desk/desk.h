@@ -106,6 +106,7 @@ struct coord {
     struct job **jobs; /* by priority, then by age */
     size_t njobs;
     uint64_t sequence;
+    uint64_t pieces_told; /* of statistics, made or sent (delivery.c) */
     uint64_t known_ms;    /* when owners' known files last expired */
     uint64_t progress_ms; /* when PROGRESS was last sent */
     uint64_t lease_ms;    /* a unit that is out for less is not late */

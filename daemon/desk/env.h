@@ -35,6 +35,9 @@ struct coord_env {
     void (*pace)(void *arg, struct coord_pace *out); /* or NULL */
     /* bytes of answers that a user has not read; or NULL */
     uint64_t (*unread)(void *arg, const char *owner);
+    /* may a further piece of an answer go out on the connection: it reads, and
+     * its user has not too much unread?  NULL: always */
+    bool (*has_room)(void *arg, uint64_t conn);
     const char *program; /* "radcoord 0.1.0"; outlives the coordinator */
     uint64_t epoch;      /* number of this life of the coordinator */
     unsigned all_linked; /* up to so many workers of a job are all linked with

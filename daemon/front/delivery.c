@@ -1,4 +1,10 @@
-/* delivery.c - see delivery.h */
+/* delivery.c - see delivery.h
+ *
+ * Statistics are made and sent in pieces.  Users take turns for these, and so
+ * do the connections of each user.  A user has one text in the making, which is
+ * begun only while fewer bytes than the user may leave unread wait in texts
+ * that are whole: so however many connections ask, and read nothing, a user's
+ * texts take that many bytes and one text more. */
 #include "config.h"
 
 #include "front/delivery.h"
@@ -16,6 +22,10 @@
 /* Most bytes of statistics that a tick sends to a connection; takes well below
  * a millisecond. */
 #define TELL_BYTES ((size_t)4 * MSG_MAX_CHUNK)
+
+/* Most pieces of statistics that a tick makes or sends, for all users; each
+ * takes about a millisecond. */
+#define TELL_PIECES 4
 
 /* Send bytes [at, end) of a text of `total` bytes as CHUNKs. */
 static void
@@ -45,6 +55,37 @@ send_more(struct coord *c, const struct coord_conn *conn,
     return end < t->len;
 }
 
+/* Have the store send what it has of the job. */
+static void
+send_kept(struct coord *c, struct coord_conn *conn, uint32_t request,
+          const struct job *job, uint32_t frame, enum msg_what what)
+{
+    struct action *a =
+        actions_add_job(&c->actions, ACT_SEND_PICTURE, conn->id, job->id);
+
+    if (!a)
+        return;
+    a->request = request;
+    a->frame = frame;
+    a->what = what;
+    conn->answers++;
+}
+
+/* Begin a text; false: it is answered in another way. */
+static bool
+begin(struct coord *c, struct coord_conn *conn, struct coord_telling *t,
+      const struct job *job)
+{
+    if (job->stage == STAGE_FILED) {
+        send_kept(c, conn, t->request, job, 0, MSG_WHAT_STATS);
+        return false;
+    }
+    if (telling_begin(conn, t, job, c->now_ms))
+        return true;
+    c->actions.failed = true;
+    return false;
+}
+
 /* Make, or send, the next piece of statistics; false: all are sent. */
 static bool
 tell_more(struct coord *c, struct coord_conn *conn, struct coord_telling *t)
@@ -52,6 +93,7 @@ tell_more(struct coord *c, struct coord_conn *conn, struct coord_telling *t)
     const struct job *job = desk_same_job(c, t->job, t->sequence);
     int rc;
 
+    conn->payer->told.turn = t->turn = ++c->pieces_told;
     if (t->whole)
         return send_more(c, conn, t);
     if (!job) {
@@ -59,38 +101,51 @@ tell_more(struct coord *c, struct coord_conn *conn, struct coord_telling *t)
                           "no such job");
         return false;
     }
+    if (!t->text && !begin(c, conn, t, job))
+        return false;
     rc = stats_more(t->text, job, STATS_PIECE);
     c->actions.failed |= rc < 0;
     if (rc != 1)
         return rc == 0;
-    t->whole = stats_take(t->text);
-    t->text = NULL;
-    t->len = strlen(t->whole);
+    telling_whole(conn, t);
     return send_more(c, conn, t);
 }
 
-/* The first piece is made at once: it has all units, if these are few. */
+/* May the connection's first telling go on now?  One that is begun is made to
+ * its end even if nobody reads: the user's others wait for it. */
+static bool
+may_go_on(const struct coord *c, const struct coord_conn *conn)
+{
+    const struct coord_telling *t = conn->telling;
+    const struct coord_told *told = &conn->payer->told;
+
+    if (t->text)
+        return true;
+    if (c->env.has_room && !c->env.has_room(c->env.arg, conn->id))
+        return false;
+    return t->whole || (!told->making && told->bytes < c->limits.unread);
+}
+
 static void
 fetch_stats(struct coord *c, struct coord_conn *conn, const struct msg *m,
             const struct job *job)
 {
     struct coord_telling *t = calloc(1, sizeof *t), **at = &conn->telling;
 
-    if (t)
-        t->text = stats_begin(job, c->now_ms);
-    if (!t || !t->text) {
-        free(t);
+    if (!t) {
         c->actions.failed = true;
         return;
     }
     memcpy(t->job, job->id, MSG_JOB);
     t->sequence = job->sequence;
     t->request = m->request;
+    t->turn = c->pieces_told;
     while (*at)
         at = &(*at)->next;
     *at = t;
     conn->answers++;
-    if (at == &conn->telling && !tell_more(c, conn, t))
+    /* the first piece has all units if these are few */
+    if (at == &conn->telling && may_go_on(c, conn) && !tell_more(c, conn, t))
         telling_drop(conn, at);
 }
 
@@ -131,7 +186,6 @@ delivery_fetch(struct coord *c, struct coord_conn *conn, const struct msg *m)
 {
     struct job *job = reply_find_job(c, conn, m->request, m->fetch.job, true);
     const char *fault;
-    struct action *a;
     int status;
 
     if (!job)
@@ -146,19 +200,39 @@ delivery_fetch(struct coord *c, struct coord_conn *conn, const struct msg *m)
         desk_reply_failed(c, conn, m->request, job->id, status, fault);
         return;
     }
-    a = actions_add_job(&c->actions, ACT_SEND_PICTURE, conn->id, job->id);
-    if (!a)
-        return;
-    a->request = m->request;
-    a->frame = m->fetch.frame;
-    a->what = m->fetch.what;
-    conn->answers++;
+    send_kept(c, conn, m->request, job, m->fetch.frame, m->fetch.what);
+}
+
+/* Is it a's turn before b's? */
+static bool
+is_before(const struct coord_conn *a, const struct coord_conn *b)
+{
+    if (a->payer != b->payer)
+        return a->payer->told.turn < b->payer->told.turn;
+    return a->telling->turn < b->telling->turn;
+}
+
+/* The connection whose turn it is, of those that had none since `from`; NULL:
+ * there is none. */
+static struct coord_conn *
+whose_turn(const struct coord *c, uint64_t from)
+{
+    struct coord_conn *first = NULL;
+
+    for (struct coord_conn *i = c->conns; i; i = i->next)
+        if (i->telling && i->telling->turn <= from &&
+            (!first || is_before(i, first)) && may_go_on(c, i))
+            first = i;
+    return first;
 }
 
 void
 delivery_tick(struct coord *c)
 {
-    for (struct coord_conn *conn = c->conns; conn; conn = conn->next)
-        if (conn->telling && !tell_more(c, conn, conn->telling))
+    uint64_t from = c->pieces_told;
+    struct coord_conn *conn;
+
+    for (int i = 0; i < TELL_PIECES && (conn = whose_turn(c, from)); i++)
+        if (!tell_more(c, conn, conn->telling))
             telling_drop(conn, &conn->telling);
 }

@@ -12,7 +12,8 @@
 void delivery_fetch(struct coord *c, struct coord_conn *conn,
                     const struct msg *m);
 
-/* Make or send one more piece of statistics for each connection that waits. */
+/* Make or send some more pieces of statistics, for the connections whose turn
+ * it is. */
 void delivery_tick(struct coord *c);
 
 #endif

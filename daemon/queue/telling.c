@@ -6,6 +6,7 @@
 #include "queue/stats.h"
 
 #include <stdlib.h>
+#include <string.h>
 
 void
 telling_drop_settling(struct coord_conn *conn, struct coord_settling **at)
@@ -17,11 +18,36 @@ telling_drop_settling(struct coord_conn *conn, struct coord_settling **at)
     conn->answers--;
 }
 
+bool
+telling_begin(struct coord_conn *conn, struct coord_telling *t,
+              const struct job *job, uint64_t now_ms)
+{
+    t->text = stats_begin(job, now_ms);
+    conn->payer->told.making = t->text;
+    return t->text;
+}
+
+void
+telling_whole(struct coord_conn *conn, struct coord_telling *t)
+{
+    struct coord_told *told = &conn->payer->told;
+
+    t->whole = stats_take(t->text);
+    t->text = NULL;
+    t->len = strlen(t->whole);
+    told->making = NULL;
+    told->bytes += t->len;
+}
+
 void
 telling_drop(struct coord_conn *conn, struct coord_telling **at)
 {
     struct coord_telling *t = *at;
+    struct coord_told *told = &conn->payer->told;
 
+    if (t->text)
+        told->making = NULL;
+    told->bytes -= t->len;
     *at = t->next;
     stats_free(t->text);
     free(t->whole);

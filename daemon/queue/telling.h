@@ -18,13 +18,20 @@ struct coord_settling {
 /* Statistics that a request waits for. */
 struct coord_telling {
     struct coord_telling *next;
-    struct stats_text *text; /* being made; NULL: they are whole */
+    struct stats_text *text; /* being made; NULL: not begun, or whole */
     char *whole;             /* the whole text; NULL: not yet */
     size_t len, sent;        /* of whole [bytes] */
     uint8_t job[MSG_JOB];
     uint64_t sequence; /* of the job */
     uint32_t request;
+    uint64_t turn; /* coord.pieces_told when it came, or at its last piece */
 };
+
+/* Begin the text, while none is being made for the connection's user; false:
+ * memory is out.  telling_whole(): all of it is written. */
+bool telling_begin(struct coord_conn *conn, struct coord_telling *t,
+                   const struct job *job, uint64_t now_ms);
+void telling_whole(struct coord_conn *conn, struct coord_telling *t);
 
 /* Are statistics being made of the job in memory, for any connection? */
 bool telling_of(const struct coord *c, const struct job *job);

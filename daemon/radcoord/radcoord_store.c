@@ -173,6 +173,15 @@ unread(void *arg, const char *owner)
     return fair_unread(&r->fair, owner);
 }
 
+static bool
+has_room(void *arg, uint64_t id)
+{
+    struct radcoord *r = arg;
+    const struct conn *c = shell_conn(&r->shell, id);
+
+    return c && transfers_have_room(c);
+}
+
 static void
 sent(void *arg, uint64_t id, const struct store_source *whole)
 {
@@ -264,6 +273,7 @@ radcoord_open_store(struct radcoord *r, struct rad_error *err)
                              .look = look,
                              .pace = pace,
                              .unread = unread,
+                             .has_room = has_room,
                              .program = "radcoord " PACKAGE_VERSION,
                              .keeps = !r->set.common.embedded };
     uint64_t epoch;

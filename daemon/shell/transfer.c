@@ -84,6 +84,12 @@ send_failed(struct transfer *t, int status, const char *text)
     conn_send(t->conn, &m);
 }
 
+bool
+transfers_have_room(const struct conn *c)
+{
+    return conn_queued(c) <= AHEAD && !conn_full(c);
+}
+
 static void on_read(void *arg, ssize_t n, uint64_t size, int status,
                     const char *text);
 
@@ -96,7 +102,7 @@ go_on(struct transfers *all, uint64_t id)
 
     while (t && (t->id != id || t->ended))
         t = t->next;
-    if (!t || t->reading || conn_queued(t->conn) > AHEAD ||
+    if (!t || t->reading || !transfers_have_room(t->conn) ||
         !conn_expect(t->conn, MSG_MAX_CHUNK))
         return true;
     t->buf = malloc(MSG_MAX_CHUNK);

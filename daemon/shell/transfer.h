@@ -22,6 +22,10 @@ struct transfers *transfers_new(struct store *store, transfer_done_fn *done,
 /* When the store is idle. */
 void transfers_free(struct transfers *t);
 
+/* May a further piece of an answer go over c: little of what was sent before
+ * waits, and its user has not too much unread? */
+bool transfers_have_room(const struct conn *c);
+
 /* Send `from` over c, whose number is id; a FAILED with that request if it
  * cannot be read. */
 void transfers_start(struct transfers *t, uint64_t id, struct conn *c,

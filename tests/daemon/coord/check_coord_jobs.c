@@ -486,47 +486,6 @@ START_TEST(statistics_in_pieces_are_those_at_once)
 }
 END_TEST
 
-/* Nobody waits while a MiB of them is packed. */
-START_TEST(long_statistics_are_told_in_pieces)
-{
-    static const struct msg_frame large = { 0, 64, 96, "" };
-    struct msg m = usual_submit(job_a);
-    struct msg unit = {
-        .type = MSG_RESULT,
-        .result = { job_a, 0, 1, 0, 1, 1, 1, 1, { .rays = 7 }, pixels, 4 }
-    };
-    struct msg fetch = { .type = MSG_FETCH,
-                         .fetch = { job_a, 0, MSG_WHAT_STATS } };
-    struct msg_chunk last = { 0 };
-    unsigned before;
-
-    m.submit.frames = &large;
-    m.submit.partition = MSG_PART_WINDOW;
-    m.submit.windows = 64 * 96;
-    m.submit.order = MSG_ORDER_FORWARD;
-    say(&f, ANA, &m);
-    ready(&f, WORKER, job_a);
-    for (; unit.result.unit < 64 * 96; unit.result.unit++)
-        say(&f, WORKER, &unit);
-    ck_assert_int_eq(f.last[ANA].type, MSG_DONE);
-    say(&f, ANA, &fetch);
-    for (int i = 0; i < 30; i++) {
-        before = f.sent[ANA];
-        f.now_ms += 100;
-        coord_tick(f.c, f.now_ms);
-        carry_out(&f);
-        ck_assert_uint_le(f.sent[ANA] - before, 4);
-        if (f.sent[ANA] == before)
-            continue;
-        ck_assert_int_eq(f.last[ANA].type, MSG_CHUNK);
-        ck_assert_uint_gt(f.last[ANA].chunk.offset, last.offset);
-        last = f.last[ANA].chunk;
-    }
-    ck_assert_uint_gt(last.total, 1 << 20);
-    ck_assert_uint_eq(last.offset + last.len, last.total);
-}
-END_TEST
-
 START_TEST(frames_are_fetched_when_they_are_there)
 {
     struct msg m = { .type = MSG_FETCH,
@@ -720,7 +679,6 @@ main(void)
     tcase_add_test(tc, only_owner_and_admin_steer_a_job);
     tcase_add_test(tc, files_of_jobs_are_needed);
     tcase_add_test(tc, statistics_in_pieces_are_those_at_once);
-    tcase_add_test(tc, long_statistics_are_told_in_pieces);
     tcase_add_test(tc, frames_are_fetched_when_they_are_there);
     tcase_add_test(tc, an_observer_sees_all_and_changes_nothing);
     tcase_add_test(tc, a_full_disk_holds_jobs);

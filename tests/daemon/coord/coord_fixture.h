@@ -58,6 +58,7 @@ struct fixture {
     uint8_t file_sent[MSG_HASH];
     unsigned loads, drops; /* of caches of jobs, and the job of the last */
     uint8_t cache_of[MSG_JOB];
+    bool crammed;      /* nobody reads answers */
     bool stuck;        /* nothing gets to the disk */
     uint64_t settling; /* who is to hear when that is over; and of what */
     uint32_t settling_what;
@@ -68,6 +69,13 @@ has_file(void *arg, const uint8_t *h)
 {
     (void)h;
     return ((struct fixture *)arg)->have;
+}
+
+static inline bool
+has_room(void *arg, uint64_t conn)
+{
+    (void)conn;
+    return !((struct fixture *)arg)->crammed;
 }
 
 static inline void
@@ -275,6 +283,7 @@ set_up_coord(bool keeps)
     struct coord_env env = { .has_file = has_file,
                              .random = no_random,
                              .arg = &f,
+                             .has_room = has_room,
                              .program = "radcoord",
                              .epoch = 1,
                              .direct = 1,

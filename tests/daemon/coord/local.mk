@@ -9,6 +9,7 @@ UNIT_TESTS += \
 	tests/daemon/coord/check_coord_passes \
 	tests/daemon/coord/check_coord_rows \
 	tests/daemon/coord/check_coord_stages \
+	tests/daemon/coord/check_delivery \
 	tests/daemon/coord/check_known \
 	tests/daemon/coord/check_linking \
 	tests/daemon/coord/check_listing \
