@@ -14,10 +14,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define CALLER_MS    10000 /* time for PEER_HELLO and JOB_PEERS to come */
-#define RETRY_MS     100   /* before dialling again, doubled each time */
-#define MOST_TRIES   6
-#define MOST_CALLERS 64
+#define CALLER_MS       10000 /* time for PEER_HELLO and JOB_PEERS to come */
+#define FIRST_REDIAL_MS 100   /* before dialling again, doubled each time */
+#define MOST_CALLERS    64
 
 static struct wpeer *
 find_peer(const struct worker *w, uint64_t conn, struct wjob **job)
@@ -56,6 +55,7 @@ link_up(struct worker *w, struct wjob *job, struct wpeer *p)
     struct msg give = { .type = MSG_GIVE, .give = { p->id } };
 
     p->state = PEER_LINKED;
+    p->linked_ms = w->now_ms;
     actions_session(&w->actions, p->conn, MSG_AT_PEER, p->version);
     actions_log(&w->actions, ACT_DEBUG, "peer linked job=%s peer=%s", job->hex,
                 p->name);
@@ -183,23 +183,35 @@ link_opened(struct worker *w, uint64_t conn)
     return true;
 }
 
-/* A link broke, or a dial failed: the worker that dialled dials again, and the
- * other waits for that.  If a peer is gone for good the coordinator says so. */
 static void
-link_lost(struct worker *w, struct wjob *job, struct wpeer *p)
+dial_later(struct worker *w, struct wpeer *p)
 {
+    bool steady =
+        p->state == PEER_LINKED && w->now_ms - p->linked_ms >= WORKER_STEADY_MS;
+
+    if (p->delay_ms == 0 || steady)
+        p->delay_ms = FIRST_REDIAL_MS;
+    p->retry_ms = worker_redial_ms(w, &p->delay_ms);
+}
+
+/* A link broke, or a dial failed: the worker that dialled dials again, as long
+ * as it has the job, and the other waits for that: the coordinator names the
+ * two to each other only once.  If a peer is gone for good the coordinator says
+ * so.
+ */
+static void
+link_lost(struct worker *w, struct wpeer *p)
+{
+    enum peer_state was = p->state;
+
     p->conn = 0;
-    if (p->state == PEER_LINKED)
+    if (p->flags & MSG_PEER_DIAL)
+        dial_later(w, p);
+    p->state = p->flags & MSG_PEER_DIAL ? PEER_DIALLING : PEER_EXPECTED;
+    if (was == PEER_LINKED)
         lossy_release(&p->queue); /* records under way are lost */
-    if (!(p->flags & MSG_PEER_DIAL)) {
-        p->state = PEER_EXPECTED;
+    if (p->state == PEER_EXPECTED)
         match_callers(w);
-    } else if (p->tries < MOST_TRIES) {
-        p->state = PEER_DIALLING;
-        p->retry_ms = w->now_ms + ((uint64_t)RETRY_MS << (p->tries - 1));
-    } else {
-        peer_free(w, job, p);
-    }
 }
 
 bool
@@ -213,7 +225,7 @@ link_closed(struct worker *w, uint64_t conn)
         drop_caller(w, k);
     if (!p)
         return k != NULL;
-    link_lost(w, job, p);
+    link_lost(w, p);
     return true;
 }
 

@@ -70,7 +70,6 @@ peer_dial(struct worker *w, const struct wjob *job, struct wpeer *p)
     p->conn = worker_new_conn(w);
     p->state = PEER_DIALLING;
     p->retry_ms = 0;
-    p->tries++;
     a = actions_add_job(&w->actions, ACT_DIAL, p->conn, job->id);
     if (!a)
         return;

@@ -43,9 +43,7 @@ struct wkept {
  *   we dial it ----> DIALLING --the connection is up-------------> LINKED
  *
  * When a dial fails or a link breaks the peer is EXPECTED or DIALLING again.
- * It is forgotten after MOST_TRIES dials (link.c), or when the coordinator says
- * so.
- */
+ * It is forgotten with the job, or when the coordinator says so. */
 enum peer_state { PEER_EXPECTED, PEER_DIALLING, PEER_LINKED };
 
 struct wpeer {
@@ -59,7 +57,8 @@ struct wpeer {
     enum peer_state state;
     uint64_t conn;
     uint64_t retry_ms; /* when to dial again; 0: not planned */
-    unsigned tries;
+    unsigned delay_ms; /* of the dial after the next; 0: none was planned */
+    uint64_t linked_ms;
     struct lossy queue;
 };
 
@@ -172,6 +171,13 @@ struct worker {
 /* --- worker_post.c --- */
 
 uint64_t worker_new_conn(struct worker *w);
+/* A connection that lasted so long [ms] was a good one: its other side is
+ * dialled again as soon as at first. */
+#define WORKER_STEADY_MS 10000
+/* The time of the next dial, *delay_ms from now; chance adds up to half of
+ * that, so that workers do not all come back at once.  The delay then doubles,
+ * up to 30 s. */
+uint64_t worker_redial_ms(struct worker *w, unsigned *delay_ms);
 struct wjob *worker_find_job(const struct worker *w, const uint8_t id[MSG_JOB]);
 /* Send to the coordinator, if it is there. */
 void worker_send_coord(struct worker *w, const struct msg *m);

@@ -25,10 +25,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define FIRST_REDIAL_MS 500   /* before dialling again, doubled each time */
-#define LAST_REDIAL_MS  30000 /* up to this */
-#define LONG_TICK_MS    1000  /* ticks further apart: the process was stopped */
-#define STEADY_MS       10000 /* a connection this long resets the delay */
+#define FIRST_REDIAL_MS 500  /* before dialling again, doubled each time */
+#define LONG_TICK_MS    1000 /* ticks further apart: the process was stopped */
 
 static struct wjob *
 find_child(const struct worker *w, uint64_t conn)
@@ -53,21 +51,13 @@ dial(struct worker *w)
         a->text = "";
 }
 
-/* Plan the next dial.  Chance adds up to half of the delay, so that workers do
- * not all come back at once. */
 static void
 dial_later(struct worker *w)
 {
-    uint16_t jitter;
-
     if (w->delay_ms == 0 ||
-        (w->welcome && w->now_ms - w->welcome_ms >= STEADY_MS))
+        (w->welcome && w->now_ms - w->welcome_ms >= WORKER_STEADY_MS))
         w->delay_ms = FIRST_REDIAL_MS;
-    w->env.random(w->env.arg, &jitter, sizeof jitter);
-    w->dial_ms = w->now_ms + w->delay_ms + w->delay_ms * jitter / 131072;
-    w->delay_ms *= 2;
-    if (w->delay_ms > LAST_REDIAL_MS)
-        w->delay_ms = LAST_REDIAL_MS;
+    w->dial_ms = worker_redial_ms(w, &w->delay_ms);
 }
 
 /* The connection to the coordinator is gone; log that, unless it said BYE or

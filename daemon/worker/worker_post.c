@@ -8,10 +8,23 @@
 #include <string.h>
 #include <sysexits.h>
 
+#define LAST_REDIAL_MS 30000 /* longest delay before dialling again */
+
 uint64_t
 worker_new_conn(struct worker *w)
 {
     return ACT_OWN_CONN | ++w->next_conn;
+}
+
+uint64_t
+worker_redial_ms(struct worker *w, unsigned *delay_ms)
+{
+    uint64_t delay = *delay_ms;
+    uint16_t jitter;
+
+    w->env.random(w->env.arg, &jitter, sizeof jitter);
+    *delay_ms = delay < LAST_REDIAL_MS / 2 ? 2 * *delay_ms : LAST_REDIAL_MS;
+    return w->now_ms + delay + delay * jitter / 131072;
 }
 
 struct wjob *

@@ -175,8 +175,9 @@ START_TEST(a_peer_whose_link_broke_is_let_in_again)
 }
 END_TEST
 
-START_TEST(a_link_that_breaks_is_dialled_again_a_few_times)
+START_TEST(a_link_that_breaks_is_dialled_again_as_long_as_the_job_lasts)
 {
+    struct msg end = { .type = MSG_JOB_END, .job_end = { job_id } };
     unsigned dials;
     int gives = 0;
 
@@ -189,14 +190,54 @@ START_TEST(a_link_that_breaks_is_dialled_again_a_few_times)
         worker_opened(f.w, f.now_ms, f.peer);
         carry_out();
         child_records(0);
-        ck_assert_int_eq(said(f.peer, MSG_AMBIENT), i < 6);
+        ck_assert_int_eq(said(f.peer, MSG_AMBIENT), 1);
         gives += said(f.child, MSG_GIVE);
         worker_closed(f.w, f.now_ms, f.peer, "cut");
         carry_out();
-        tick(5000);
+        tick(30000);
+        ck_assert_uint_eq(f.dials - dials, (unsigned)i + 2);
     }
-    ck_assert_uint_eq(f.dials - dials, 6);
     ck_assert_int_eq(gives, 1);
+    worker_closed(f.w, f.now_ms, f.peer, "cut");
+    hear(f.coord, &end);
+    tick(60000);
+    ck_assert_uint_eq(f.dials - dials, 21);
+}
+END_TEST
+
+/* How long after the link was lost, or the dial failed, it dials again [ms]. */
+static unsigned
+redial_ms(void)
+{
+    unsigned dials = f.dials, ms = 0;
+
+    worker_closed(f.w, f.now_ms, f.peer, "cut");
+    carry_out();
+    for (; f.dials == dials; ms += 10)
+        tick(10);
+    return ms;
+}
+
+/* Chance adds nothing, or half. */
+START_TEST(a_peer_that_is_not_reached_is_dialled_ever_less_often)
+{
+    static const unsigned ms[] = { 100,  200,   400,   800,   1600, 3200,
+                                   6400, 12800, 25600, 30000, 30000 };
+
+    f.chance = _i ? 0xff : 0;
+    start_job();
+    child_ready();
+    introduce(MSG_PEER_DIAL);
+    for (int i = 0; i < N_ELEM(ms); i++)
+        ck_assert_uint_eq(redial_ms(), ms[i] + (_i ? ms[i] / 2 : 0));
+    worker_opened(f.w, f.now_ms, f.peer);
+    carry_out();
+    tick(5000); /* soon lost again */
+    ck_assert_uint_ge(redial_ms(), 30000);
+    worker_opened(f.w, f.now_ms, f.peer);
+    carry_out();
+    tick(10000);
+    ck_assert_uint_le(redial_ms(), 150);
 }
 END_TEST
 
@@ -421,7 +462,10 @@ main(void)
     tcase_add_test(tc, a_peer_is_let_in_by_its_token_alone);
     tcase_add_test(tc, a_peer_may_call_before_the_coordinator_named_it);
     tcase_add_test(tc, a_peer_whose_link_broke_is_let_in_again);
-    tcase_add_test(tc, a_link_that_breaks_is_dialled_again_a_few_times);
+    tcase_add_test(
+        tc, a_link_that_breaks_is_dialled_again_as_long_as_the_job_lasts);
+    tcase_add_loop_test(
+        tc, a_peer_that_is_not_reached_is_dialled_ever_less_often, 0, 2);
     tcase_add_loop_test(tc, it_speaks_with_a_peer_what_both_know,
                         MSG_VERSION_MIN, MSG_VERSION + 1);
     tcase_add_test(tc, a_slow_peer_loses_the_oldest_records);

@@ -22,6 +22,7 @@ struct fixture {
     struct worker *w;
     uint64_t now_ms;
     bool have;
+    uint8_t chance;              /* each byte of it */
     uint64_t coord, child, peer; /* connections that it asked for */
     unsigned dials, spawns, kills;
     unsigned warnings; /* in the log, and worse */
@@ -51,10 +52,10 @@ has_file(void *arg, const uint8_t *h)
 }
 
 static inline void
-no_random(void *arg, void *buf, size_t n)
+chance(void *arg, void *buf, size_t n)
 {
     (void)arg;
-    memset(buf, 0, n);
+    memset(buf, f.chance, n);
 }
 
 static inline void
@@ -240,7 +241,7 @@ static inline void
 set_up_on(bool one_disk)
 {
     const struct worker_env env = { .has_file = has_file,
-                                    .random = no_random,
+                                    .random = chance,
                                     .program = "radd",
                                     .name = "ws1",
                                     .coordinator = "test:7420",
