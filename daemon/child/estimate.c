@@ -11,6 +11,8 @@
 #include <stdatomic.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sysexits.h>
+#include <unistd.h>
 
 enum { MOST_PASSES = 2 };
 
@@ -132,6 +134,18 @@ estimate_open(const struct estimate *e)
            e->nareas * e->passes;
 }
 
+/* Memory for n pixels.  Without it the process ends with a status that says so:
+ * the work comes back, and no area is blamed for a crash. */
+static struct rad_sampled *
+room_for(size_t n)
+{
+    struct rad_sampled *v = malloc((n + 1) * sizeof *v);
+
+    if (!v)
+        _exit(EX_OSERR);
+    return v;
+}
+
 /* Trace the pixels of a pass in an area: as many in each pass.  In an area of
  * less than 2 n pixels some of the second pass are traced twice, and kept once.
  */
@@ -146,10 +160,8 @@ work_on(struct estimate *e, uint32_t i, uint32_t pass, struct rad_ctx *ctx,
     uint32_t left =
         (uint64_t)n * (pass + 1) <= pixels ? n : (uint32_t)pixels - n * pass;
     struct rad_estimate cost = { 0 };
-    struct rad_sampled *v = malloc((n + 1) * sizeof *v);
+    struct rad_sampled *v = room_for(n);
 
-    if (!v)
-        abort(); /* the coordinator gives the work to another worker */
     if (left < n)
         rad_estimate_trace(f, ctx, &a->part, 0, n - left, stop, &cost, v);
     a->n[pass] =
@@ -236,10 +248,8 @@ static void
 merge(struct area *a)
 {
     size_t n = a->n[0] + a->n[1];
-    struct rad_sampled *v = malloc((n + 1) * sizeof *v);
+    struct rad_sampled *v = room_for(n);
 
-    if (!v)
-        abort(); /* as in work_on() */
     for (int k = 0, at = 0; k < MOST_PASSES; at += (int)a->n[k++])
         if (a->n[k] > 0)
             memcpy(v + at, a->sampled[k], a->n[k] * sizeof *v);

@@ -4,11 +4,17 @@
 #include "machine/jobtext.h"
 #include "picture/estimate.h"
 #include "child/pool.h"
+#include "ground/sanitized.h"
 #include "scene/file/parse.h"
 
 #include "tests/unit.h"
 
+#include <malloc.h>
 #include <string.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <sysexits.h>
+#include <unistd.h>
 
 enum { WIDTH = 64, HEIGHT = 48 };
 
@@ -496,6 +502,51 @@ START_TEST(a_pool_ends_with_an_estimate_under_way)
 }
 END_TEST
 
+/* Make an estimate of one area, or the facts of one, without memory for its
+ * pixels. */
+static void
+estimate_in_shortage(bool facts)
+{
+    static struct fixture f;
+    static const struct rlimit none;
+    const struct msg_area all = { 0, 0, 0, WIDTH, HEIGHT };
+    const struct msg_estimate m = { .rays = WIDTH * HEIGHT,
+                                    .nareas = 1,
+                                    .areas = &all };
+    struct estimate *e;
+
+    mallopt(M_MMAP_THRESHOLD, 1 << 14); /* less than the pixels take */
+    open_fixture(&f, options, false, 1);
+    if (facts)
+        make_estimate(&f, m.rays, &all, 1);
+    e = facts ? f.done : estimate_new(&f.frame, 1, &m, NULL);
+    setrlimit(RLIMIT_DATA, &none);
+    if (facts)
+        estimate_facts(e);
+    else if (pool_estimate(f.pool, e, on_estimated))
+        while (!f.done)
+            uv_run(&f.loop, UV_RUN_ONCE);
+}
+
+/* The process that is short of memory ends, and is no crash. */
+START_TEST(a_shortage_of_memory_is_told_as_one)
+{
+    int status;
+    pid_t pid;
+
+    if (RAD_SANITIZED) /* which ends the process itself */
+        return;
+    pid = fork();
+    if (pid == 0) {
+        estimate_in_shortage(_i);
+        _exit(EX_OK);
+    }
+    ck_assert_int_eq(waitpid(pid, &status, 0), pid);
+    ck_assert_msg(WIFEXITED(status) && WEXITSTATUS(status) == EX_OSERR,
+                  "status %#x", (unsigned)status);
+}
+END_TEST
+
 static const struct {
     struct msg_area area;
     uint32_t rays;
@@ -542,6 +593,7 @@ main(void)
     tcase_add_test(tc, an_estimate_of_nothing_is_answered);
     tcase_add_test(tc, an_estimate_is_left_when_something_comes_first);
     tcase_add_test(tc, a_pool_ends_with_an_estimate_under_way);
+    tcase_add_loop_test(tc, a_shortage_of_memory_is_told_as_one, 0, 2);
     tcase_add_loop_test(tc, areas_outside_are_refused, 0, N_ELEM(bad));
     suite_add_tcase(s, tc);
     return unit_run(s);
