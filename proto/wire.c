@@ -46,9 +46,9 @@ utf8_valid(const uint8_t *s, size_t n)
 void
 wire_in_init(struct wire_in *in, const void *data, size_t n)
 {
-    in->p = data;
-    in->end = in->p + n;
-    in->bad = in->nomem = false;
+    const uint8_t *p = data;
+
+    *in = (struct wire_in){ .p = p, .end = p + n };
 }
 
 const uint8_t *

@@ -36,6 +36,19 @@ START_TEST(fields_are_big_endian_and_come_back)
 }
 END_TEST
 
+/* Else what a reader forgets to set would be any layout. */
+START_TEST(a_reader_begins_with_no_version)
+{
+    static const uint8_t one[] = { 1 };
+    struct wire_in in;
+
+    memset(&in, 0xff, sizeof in);
+    wire_in_init(&in, one, 1);
+    ck_assert_uint_eq(in.version, 0);
+    ck_assert(!in.bad && !in.nomem && wire_left(&in) == 1);
+}
+END_TEST
+
 START_TEST(a_read_past_the_end_is_bad_and_stays_bad)
 {
     static const uint8_t three[] = { 1, 2, 3 };
@@ -169,6 +182,7 @@ main(void)
     TCase *tc = tcase_create("wire");
 
     tcase_add_test(tc, fields_are_big_endian_and_come_back);
+    tcase_add_test(tc, a_reader_begins_with_no_version);
     tcase_add_test(tc, a_read_past_the_end_is_bad_and_stays_bad);
     tcase_add_test(tc, bytes_are_checked_against_both_ends);
     tcase_add_loop_test(tc, strings_are_bounded_terminated_utf8, 0,
