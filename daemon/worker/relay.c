@@ -19,6 +19,7 @@
 #include "worker/state.h"
 #include "worker/wjob.h"
 
+#include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -222,13 +223,37 @@ relay_repeat(struct worker *w, const struct wjob *job)
 
 /* --- down to the child --- */
 
-/* TWIN, SPLIT, YIELD or LEND for an attempt, which all begin with the same
- * fields: pass it on if the child has the attempt. */
+/* Pass a message about an attempt on if the child has the attempt. */
 static void
-on_attempt(struct worker *w, struct wjob *job, const struct msg *m)
+to_attempt(struct worker *w, struct wjob *job, const struct msg *m,
+           uint32_t unit, uint32_t attempt)
 {
-    if (wjob_find_unit(job, m->twin.unit, m->twin.attempt))
+    if (wjob_find_unit(job, unit, attempt))
         worker_send_child(w, job, m);
+}
+
+static void
+on_twin(struct worker *w, struct wjob *job, const struct msg *m)
+{
+    to_attempt(w, job, m, m->twin.unit, m->twin.attempt);
+}
+
+static void
+on_split(struct worker *w, struct wjob *job, const struct msg *m)
+{
+    to_attempt(w, job, m, m->split.unit, m->split.attempt);
+}
+
+static void
+on_yield(struct worker *w, struct wjob *job, const struct msg *m)
+{
+    to_attempt(w, job, m, m->yield.unit, m->yield.attempt);
+}
+
+static void
+on_lend(struct worker *w, struct wjob *job, const struct msg *m)
+{
+    to_attempt(w, job, m, m->lend.unit, m->lend.attempt);
 }
 
 static void
@@ -353,28 +378,35 @@ on_stage(struct worker *w, struct wjob *job, const struct msg *m)
 
 struct handler {
     enum msg_type type;
+    size_t job; /* offset of the job's id in a struct msg */
     void (*handle)(struct worker *w, struct wjob *job, const struct msg *m);
 };
 
+/* The row of a message whose body is that member of struct msg. */
+#define ROW(TYPE, body, handle)                                                \
+    {                                                                          \
+        MSG_##TYPE, offsetof(struct msg, body.job), handle                     \
+    }
+
 static const struct handler downwards[] = {
-    { MSG_TWIN, on_attempt },
-    { MSG_SPLIT, on_attempt },
-    { MSG_YIELD, on_attempt },
-    { MSG_LEND, on_attempt },
-    { MSG_LOAN, on_loan },
-    { MSG_BACK, on_back },
-    { MSG_FACTS, on_facts },
-    { MSG_BASE_LINE, on_base_line },
-    { MSG_NEXT_HOLDER, next_holder },
-    { MSG_ESTIMATE, on_estimate },
-    { MSG_REST, on_order },
-    { MSG_TILE, on_tile },
-    { MSG_FROZEN, on_frozen },
-    { MSG_STAGE, on_stage },
-    { MSG_SHOW, on_order },
-    { MSG_TILE_RECORDS, on_tile_records },
-    { MSG_CLOSED, on_closed },
-    { MSG_FEED, on_feed },
+    ROW(TWIN, twin, on_twin),
+    ROW(SPLIT, split, on_split),
+    ROW(YIELD, yield, on_yield),
+    ROW(LEND, lend, on_lend),
+    ROW(LOAN, loan, on_loan),
+    ROW(BACK, back, on_back),
+    ROW(FACTS, facts, on_facts),
+    ROW(BASE_LINE, base_line, on_base_line),
+    ROW(NEXT_HOLDER, next_holder, next_holder),
+    ROW(ESTIMATE, estimate, on_estimate),
+    ROW(REST, rest, on_order),
+    ROW(TILE, tile, on_tile),
+    ROW(FROZEN, frozen, on_frozen),
+    ROW(STAGE, stage, on_stage),
+    ROW(SHOW, show, on_order),
+    ROW(TILE_RECORDS, tile_records, on_tile_records),
+    ROW(CLOSED, closed, on_closed),
+    ROW(FEED, feed, on_feed),
 };
 
 static const struct handler *
@@ -386,13 +418,22 @@ find_handler(const struct handler *v, size_t n, uint16_t type)
     return NULL;
 }
 
+/* The id of the job that a message of the handler's type is about. */
+static const uint8_t *
+job_of(const struct handler *h, const struct msg *m)
+{
+    const uint8_t *id;
+
+    memcpy(&id, (const char *)m + h->job, sizeof id);
+    return id;
+}
+
 void
 relay_down(struct worker *w, const struct msg *m)
 {
     const struct handler *h = find_handler(
         downwards, sizeof downwards / sizeof downwards[0], m->type);
-    /* all these messages begin with the job's id */
-    struct wjob *job = h ? worker_find_job(w, m->twin.job) : NULL;
+    struct wjob *job = h ? worker_find_job(w, job_of(h, m)) : NULL;
 
     if (job)
         h->handle(w, job, m);
@@ -534,11 +575,16 @@ child_tile_made(struct worker *w, struct wjob *job, const struct msg *m)
 }
 
 static const struct handler upwards[] = {
-    { MSG_FACTS, pass_up },         { MSG_PARKED, child_parked },
-    { MSG_GAVE, child_gave },       { MSG_BASE_LINE, child_base_line },
-    { MSG_ESTIMATED, pass_up },     { MSG_LOAN, child_loan },
-    { MSG_PAID, child_paid },       { MSG_LINE_COSTS, pass_up },
-    { MSG_RESUMED, child_resumed }, { MSG_TILE_MADE, child_tile_made },
+    ROW(FACTS, facts, pass_up),
+    ROW(PARKED, parked, child_parked),
+    ROW(GAVE, gave, child_gave),
+    ROW(BASE_LINE, base_line, child_base_line),
+    ROW(ESTIMATED, estimated, pass_up),
+    ROW(LOAN, loan, child_loan),
+    ROW(PAID, paid, child_paid),
+    ROW(LINE_COSTS, line_costs, pass_up),
+    ROW(RESUMED, resumed, child_resumed),
+    ROW(TILE_MADE, tile_made, child_tile_made),
 };
 
 void
@@ -546,11 +592,13 @@ relay_up(struct worker *w, struct wjob *job, const struct msg *m)
 {
     const struct handler *h =
         find_handler(upwards, sizeof upwards / sizeof upwards[0], m->type);
+    const uint8_t *id = job->id;
     struct msg pass = *m;
 
     if (!h)
         return;
     pass.request = 0;
-    pass.parked.job = job->id; /* in place of the child's; all begin with it */
+    memcpy((char *)&pass + h->job, &id,
+           sizeof id); /* in place of the child's */
     h->handle(w, job, &pass);
 }
