@@ -132,7 +132,7 @@ fair_begin(struct fair_place *p)
             !f->serving && !f->first && !u->first && !is_full(u) && has_time(f);
     }
     if (may)
-        f->since_ns = uv_hrtime();
+        f->since_ns = f->clock();
     else
         line_up(p);
     return may;
@@ -146,7 +146,7 @@ fair_done(struct fair_place *p)
     if (!p->user)
         return;
     f = p->user->fair;
-    f->spent_ns += uv_hrtime() - f->since_ns;
+    f->spent_ns += f->clock() - f->since_ns;
 }
 
 /* Let the next connection of the next user have one request looked at. */
@@ -298,6 +298,7 @@ fair_init(struct fair *f, uv_loop_t *loop)
 {
     memset(f, 0, sizeof *f);
     f->loop = loop;
+    f->clock = uv_hrtime;
     f->last = &f->first;
     f->unread_high = UNREAD_HIGH;
     f->open = true;

@@ -42,6 +42,7 @@ struct fair {
     struct fair_place *serving;      /* whose go() is running */
     bool granted;                    /* serving may still begin its request */
     uint64_t spent_ns, since_ns;     /* time on requests in this turn */
+    uint64_t (*clock)(void);         /* [ns]: uv_hrtime(), but in a test */
     size_t unread_high;              /* most unread bytes of one user */
 };
 
