@@ -20,11 +20,20 @@ worker_options=--config=$work/radd.conf
 coord_options=--log-level=debug
 coord_start
 worker_start 1 1
-sleep 1
-n_workers 0 || fail "it works before its hours"
+# one that is started after it has come, and it has not
+worker_options=
+worker_start 2 1
+came()
+{
+    grep -q "hello peer=.* name=w$1 " c.log
+}
+until_true 30 came 2 || fail "worker 2 does not come"
+came 1 && fail "it works before its hours"
+# shellcheck disable=SC2154 # set by worker_start
+end_one "$pid_2" "worker 2"
 cp always radd.conf
 kill -HUP "$pid_1"
-until_true 10 n_workers 1 || fail "it does not come in its hours"
+until_true 10 came 1 || fail "it does not come in its hours"
 "$radsubmit" --coordinator="$sock" --name=job -vf "$scenes/room.vf" -x 200 \
     -y 150 -ps 1 -ds .05 -dj 1 -ab 0 --partition=window --windows=60 \
     -o job.hdr "$scenes/room.rad" 2>job.err &
