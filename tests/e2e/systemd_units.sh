@@ -10,26 +10,33 @@ view="-vf $scenes/room.vf -x 64 -y 48"
 
 # --- what the daemons say ---
 
+# Each line is "PID WORD=VALUE", of whoever says it.
 cat >listener.py <<'EOF'
-import socket, sys
+import socket, struct, sys
 s = socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM)
+s.setsockopt(socket.SOL_SOCKET, socket.SO_PASSCRED, 1)
 s.bind(sys.argv[1])
 with open(sys.argv[2], "w", buffering=1) as log:
     while True:
-        log.write(s.recv(4096).decode() + "\n")
+        text, creds, _, _ = s.recvmsg(4096, socket.CMSG_SPACE(12))
+        pid = struct.unpack("3i", creds[0][2])[0]
+        for line in text.decode().splitlines():
+            log.write("%d %s\n" % (pid, line))
 EOF
 python3 listener.py notify said & # not by the folder's name: no daemon
 listener=$!
 until_true 10 test -S "$work/notify" || fail "nobody listens"
 export NOTIFY_SOCKET="$work/notify" WATCHDOG_USEC=500000
-cluster_start 1 1
+cluster_start 2 1
 unset NOTIFY_SOCKET WATCHDOG_USEC
-twice()
+all_say()
 {
-    [ "$(grep -c "^$1" said)" -ge 2 ]
+    for pid in "$coord_pid" "$pid_1" "$pid_2"; do
+        grep -q "^$pid $1" said || return 1
+    done
 }
-until_true 10 twice READY=1 || fail "not both say that they are ready"
-until_true 10 twice WATCHDOG=1 || fail "no sign of life for the watchdog"
+until_true 10 all_say READY=1 || fail "not all say that they are ready"
+until_true 10 all_say WATCHDOG=1 || fail "no sign of life for the watchdog"
 kill -STOP "$pid_1" "$coord_pid"
 both_stand()
 {
@@ -40,15 +47,23 @@ until_true 10 both_stand || fail "they do not stop for SIGSTOP"
 python3 -c 'import socket, sys
 socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM).sendto(b"STOPPED", sys.argv[1])
 ' notify
-until_true 10 grep -q '^STOPPED' said || fail "the listener is not there"
-n=$(grep -c WATCHDOG said)
-sleep 1
-[ "$(grep -c WATCHDOG said)" -eq "$n" ] || fail "one that hangs says it lives"
+until_true 10 grep -q ' STOPPED' said || fail "the listener is not there"
+since_stopped()
+{
+    sed '1,/ STOPPED/d' said
+}
+often() # the other worker has given so many signs of life meanwhile
+{
+    [ "$(since_stopped | grep -c "^$pid_2 WATCHDOG")" -ge 5 ]
+}
+until_true 10 often || fail "worker 2 gives no signs of life"
+since_stopped | grep -q -e "^$pid_1 WATCHDOG" -e "^$coord_pid WATCHDOG" &&
+    fail "one that hangs says it lives"
 kill -CONT "$pid_1" "$coord_pid"
 kill -HUP "$pid_1"
-until_true 10 grep -q '^RELOADING=1' said || fail "no word of reloading"
+until_true 10 grep -q "^$pid_1 RELOADING=1" said || fail "no word of reloading"
 cluster_stop
-twice STOPPING=1 || fail "not both say that they stop"
+all_say STOPPING=1 || fail "not all say that they stop"
 kill $listener
 
 # --- what systemd says ---
