@@ -163,10 +163,13 @@ next_stage(const struct sim_job *job, struct stage *st)
                                   .left_s = INFINITY };
     struct rad_refine_rungs next;
     struct rad_refine_sums of;
+    struct rad_params first;
     double error;
 
     if (st->n == 0 || job->spec.error_ppm == 0)
         return false;
+    options_of(job, (struct rad_refine_rungs){ 0 }, &first);
+    ask.samples = first.samples;
     for (uint32_t i = 0; i < st->plan[st->n - 1].tiles; i++) {
         sums(job, st->base + st->n - 1, i, &of);
         rad_refine_add(&ask.sums, &of);
