@@ -387,7 +387,7 @@ put_header(const struct ambfile *a, FILE *f)
                 options);
         return;
     }
-    fprintf(f, "radscene -av %g %g %g -aw %d -aa %g", (double)p->ambval.r,
+    fprintf(f, "radd -av %g %g %g -aw %d -aa %g", (double)p->ambval.r,
             (double)p->ambval.g, (double)p->ambval.b, p->ambvwt, p->ambacc);
     fprintf(f, " -ab %d -ad %d -as %d -ar %d -dr %d", p->ambounce, p->ambdiv,
             p->ambssamp, p->ambres, p->directrelay);
