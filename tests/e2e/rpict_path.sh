@@ -168,4 +168,12 @@ status 0 rpict -version
 while read -r line; do
     status 0 rpict $line -x 4 -y 4 -vf vf "<room.oct"
 done <all
+# a switch takes no word behind it, however it says on or off
+for switch in -i -u -w -bv -dv -co; do
+    for onoff in + 1 y Y t T - 0 n N f F; do
+        status 0 rpict $switch$onoff -defaults
+    done
+done
+status 0 rpict -x 4 -y 4 -vf vf -iy room.oct ">h.unf"
+is h.unf 4 3
 finish

@@ -94,5 +94,13 @@ printf '0 0 0 0 0 1\n' >rays
 while read -r line; do
     status 0 rtrace -h- $line box.oct
 done <all
+# a switch takes no word behind it, however it says on or off
+for switch in -I -h -ld -i -u -w -bv -dv -co; do
+    for onoff in + 1 y Y t T - 0 n N f F; do
+        status 0 rtrace $switch$onoff -defaults
+    done
+done
+status 0 rtrace -oL -hn box.oct
+says '10'
 check_nothing_left "rtrace"
 finish
