@@ -14,6 +14,7 @@
 
 #include "compile/compile.h"
 #include "trial/foresee.h"
+#include "trial/outcome.h"
 #include "job/frames.h"
 #include "job/jobspec.h"
 #include "points/pointjob.h"
@@ -57,22 +58,20 @@ struct program_planes {  /* of -cs; each is a job */
     struct planes *jobs; /* while they run (program_planes.c) */
 };
 
-struct program_result { /* of the current job, or of all jobs */
-    double elapsed_s, error;
+struct program_result {
+    struct outcome job;     /* the current job's, so far */
+    struct outcome_sum sum; /* of the jobs that have ended */
     struct program_goal {
         double estimate;      /* of the relative error; 0: not known */
         double mean_estimate; /* of the relative error of all points' mean */
         int stages;           /* number of stages; 0: there was no goal */
-        bool time_up, rays_up; /* no time for another stage, too many rays */
-        bool stages_up;        /* a job has no more stages */
+        bool time_up, rays_up, stages_up; /* what another stage has not got */
     } goal;
     enum {
         LIGHT_UNSEEN,
         LIGHT_NONE,
         LIGHT_SOME
     } light; /* in the pictures so far */
-    struct msg_nan nan;
-    struct msg_fault faults[MSG_FAULTS];
 };
 
 struct program_said { /* so that nothing is said twice */
@@ -142,10 +141,11 @@ void program_warn_of_rif(struct program *p);
 /* Show a report of progress (submit.h), and say what holds the job up. */
 void program_on_progress(void *program, const struct msg_progress *m);
 
-/* At the end: warn of pictures that are all black without bad pixels, of pixels
- * that were no numbers, of functions that failed.  Then the last line. */
+/* At the end of each job: warn of pixels that were no numbers, and sum up. */
+void program_end_job(struct program *p);
+/* At the end of all: warn of pictures that are all black without bad pixels, of
+ * functions that failed.  Then the last line. */
 void program_warn_of_dark(struct program *p);
-void program_warn_of_nan(struct program *p);
 void program_warn_of_faults(struct program *p);
 void program_say_done(struct program *p);
 /* Take from the job's statistics, JSON, what --error or --time have reached. */

@@ -285,8 +285,7 @@ collect_all(struct planes *s, struct submit_job *job)
     for (int k = 0; k < p->planes.n && rc == 0; k++) {
         turn_to(s, k);
         rc = submit_run(job, &p->loop.uv, &p->loop.interrupts, &cb, p->err);
-        if (rc == 0)
-            program_warn_of_nan(p);
+        program_end_job(p);
     }
     return rc;
 }

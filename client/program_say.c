@@ -225,28 +225,14 @@ program_on_progress(void *arg, const struct msg_progress *m)
     foresee(p);
     if (!lost) /* else its end is told by another line */
         progress_update(&p->progress, &r);
-    p->result.elapsed_s = m->elapsed_s;
-    p->result.error = m->error;
-    p->result.nan = m->nan;
-    memcpy(p->result.faults, m->faults, sizeof p->result.faults);
-}
-
-void
-program_warn_of_dark(struct program *p)
-{
-    if (p->result.light == LIGHT_NONE && p->result.nan.pixels == 0)
-        program_warn(p, p->frames.n > 1
-                            ? "warning: all pictures are black"
-                            : "warning: the picture is black: does the view "
-                              "see a surface, from its visible side (-bv), "
-                              "and does light reach it?");
+    outcome_note(&p->result.job, m);
 }
 
 /* Warn of bad pixels; the first one is named so that it can be looked into. */
-void
-program_warn_of_nan(struct program *p)
+static void
+warn_of_nan(struct program *p)
 {
-    const struct msg_nan *n = &p->result.nan;
+    const struct msg_nan *n = &p->result.job.nan;
     char text[160];
 
     if (n->pixels == 0)
@@ -267,6 +253,26 @@ program_warn_of_nan(struct program *p)
              n->pixels, n->pixels == 1 ? " has" : "s have", n->frame, n->x,
              n->y);
     program_warn(p, text);
+}
+
+void
+program_end_job(struct program *p)
+{
+    warn_of_nan(p);
+    outcome_add(&p->result.sum, &p->result.job,
+                p->o.points.file ? p->points.in.n : 1);
+    memset(&p->result.job, 0, sizeof p->result.job);
+}
+
+void
+program_warn_of_dark(struct program *p)
+{
+    if (p->result.light == LIGHT_NONE && p->result.sum.all.nan.pixels == 0)
+        program_warn(p, p->frames.n > 1
+                            ? "warning: all pictures are black"
+                            : "warning: the picture is black: does the view "
+                              "see a surface, from its visible side (-bv), "
+                              "and does light reach it?");
 }
 
 void
@@ -326,14 +332,15 @@ say_goal(struct program *p)
 void
 program_say_done(struct program *p)
 {
+    const struct outcome *all = &p->result.sum.all;
     char text[120], s[FIGURE_TEXT], percent[FIGURE_TEXT];
 
-    figure(s, p->result.elapsed_s, 3);
+    figure(s, all->elapsed_s, 3);
     if (p->result.goal.stages > 0)
         say_goal(p);
-    if (p->result.error > 0 && p->result.goal.stages == 0)
+    if (all->error > 0 && p->result.goal.stages == 0)
         snprintf(text, sizeof text, "done in %s s, relative error about %s %%",
-                 s, figure(percent, 100 * p->result.error, 2));
+                 s, figure(percent, 100 * all->error, 2));
     else
         snprintf(text, sizeof text, "done in %s s", s);
     program_say(p, text);
@@ -342,7 +349,7 @@ program_say_done(struct program *p)
 void
 program_warn_of_faults(struct program *p)
 {
-    const struct msg_fault *f = p->result.faults;
+    const struct msg_fault *f = p->result.sum.all.faults;
     char text[WARNING_SIZE];
 
     for (int i = 0; i < MSG_FAULTS && f[i].count > 0; i++)

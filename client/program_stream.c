@@ -15,7 +15,6 @@
 #include "link/order.h"
 
 #include <jansson.h>
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -23,7 +22,6 @@
 struct batches {
     json_t *stats; /* of each batch; NULL: not wanted */
     uint64_t points;
-    double elapsed_s, squares; /* squares: sum of points' squared errors */
 };
 
 int
@@ -128,22 +126,12 @@ render(struct program *p, struct submit_job *job,
              ? program_run_planes(p, job, cb)
              : submit_run(job, &p->loop.uv, &p->loop.interrupts, cb, p->err);
     unload_cargo(p);
+    if (p->planes.n == 1)
+        program_end_job(p);
+    outcome_next(&p->result.sum);
     if (rc == 0 && p->planes.n == 1) /* it is of no use any more */
         order_delete(&job->to, &p->loop.uv, p->job.id);
     return rc;
-}
-
-static void
-sum_up(struct program *p)
-{
-    struct batches *s = p->stream.sums;
-
-    s->points += p->points.in.n;
-    s->elapsed_s += p->result.elapsed_s;
-    s->squares += p->points.in.n * p->result.error * p->result.error;
-    program_warn_of_nan(p);
-    memset(&p->result.nan, 0, sizeof p->result.nan);
-    progress_clear(&p->progress);
 }
 
 /* --- all batches ---------------------------------------------------------- */
@@ -167,7 +155,8 @@ run_batches(struct program *p, struct submit_job *job,
                  : program_write_points(p, &dark, p->err);
         if (rc < 0)
             return rc;
-        sum_up(p);
+        p->stream.sums->points += p->points.in.n;
+        progress_clear(&p->progress);
         cb->accepted = NULL; /* only the first job's id is told */
         cb->reuse = NULL;
         p->job.spec.reuse = NULL; /* our records have them now */
@@ -215,8 +204,6 @@ program_run_stream(struct program *p, const struct submit_job *ask,
     if (rc == 0 && p->o.stats)
         rc = pointspec_lit(&p->o.points) ? write_stats(p)
                                          : program_write_stats_of_none(p);
-    p->result.elapsed_s = s.elapsed_s;
-    p->result.error = s.points > 0 ? sqrt(s.squares / (double)s.points) : 0;
     p->stream.sums = NULL;
     json_decref(s.stats);
     return rc;

@@ -395,6 +395,8 @@ converse(struct program *p)
          : p->planes.n > 1
              ? program_run_planes(p, &job, &cb)
              : submit_run(&job, &p->loop.uv, &p->loop.interrupts, &cb, p->err);
+    if (!p->stream.is && p->planes.n == 1)
+        program_end_job(p);
     if (rc == 0)
         rc = records_write(&p->records, !p->cluster.embedded, p->err);
     if (rc == 0 && p->preview.why.code != 0) {
@@ -403,7 +405,6 @@ converse(struct program *p)
     }
     progress_clear(&p->progress);
     program_warn_of_dark(p);
-    program_warn_of_nan(p);
     program_warn_of_faults(p);
     if (rc == 0 && !p->o.detach)
         program_say_done(p);

@@ -6,6 +6,8 @@ libclient_a_SOURCES += \
 	client/trial/eta.h \
 	client/trial/foresee.c \
 	client/trial/foresee.h \
+	client/trial/outcome.c \
+	client/trial/outcome.h \
 	client/trial/progress.c \
 	client/trial/progress.h \
 	client/trial/trial.c \

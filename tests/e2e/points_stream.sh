@@ -27,6 +27,27 @@ wait $waits || fail "three questions: $(cat stderr)"
 awk '{ if ($1 != 2 || ($4 - (10 - NR))^2 > 1e-8) exit 1 }' answers ||
     fail "answers: $(cat answers)"
 
+# what is wrong in the scene is told of all batches: a function's faults at the
+# end, together
+cat >log.rad <<'END'
+void brightfunc half 2 'if(Px,log(0),1)' . 0 0
+half glow h 0 0 4 1 1 1 0
+h bubble box 0 0 4 0 0 0 10
+END
+: >answers
+"$radsubmit" --local --threads=1 --points=- -h- -ov log.rad <ask >answers \
+    2>stderr &
+waits=$!
+exec 3>ask
+for n in 1 2 3; do # the last one sees no fault
+    echo "0 0 0 $((5 - 2 * n)) 0 0" >&3
+    until_true 30 answered $n || fail "no answer to point $n: $(cat stderr)"
+done
+exec 3>&-
+wait $waits || fail "a fault: $(cat stderr)"
+[ "$(sed -n "s/.*'half': no value in \([0-9]*\) place.*/\1/p" stderr)" = 2 ] ||
+    fail "faults of all batches: $(cat stderr)"
+
 # without a cache a value is the same however points are cut, noise and all
 awk 'BEGIN { for (i = 0; i < 4000; i++)
     printf "%g %g .8 0 0 1\n", .2 + i % 80 / 24, .2 + int(i / 80) / 15 }' >grid

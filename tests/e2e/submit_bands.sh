@@ -56,6 +56,25 @@ paste -d' ' glow.bands again.bands | awk '
         if ($i - $(i + 10) > .04 || $(i + 10) - $i > .04) exit 1 }
     NF != 20 { exit 1 }' || fail "glow.hsr as a pattern: $(cat again.bands)"
 
+# What is wrong in the scene is told of all planes: a function's faults at the
+# end, together, and bad pixels when their plane ends.
+cat >wrong.rad <<'END'
+void brightfunc half 2 'if(Px,log(0),1)' . 0 0
+half glow h 0 0 4 1 1 1 0
+h polygon seen 0 0 12 -9 5 -9 9 5 -9 9 5 9 -9 5 9
+void glow hot 0 0 4 1e39 1e39 1e39 0
+hot polygon p 0 0 12 .5 4 1 2.5 4 1 2.5 4 2 .5 4 2
+END
+"$radsubmit" --local -cs 6 -vp 0 0 0 -vd 0 1 0 -vh 45 -vv 45 -x 20 -y 20 \
+    -ps 1 -pj 0 -o wrong.hsr wrong.rad 2>stderr || fail "wrong.rad: $(cat stderr)"
+places=$(sed -n "s/.* no value in \([0-9]*\) places.*/\1/p" stderr)
+hot=$(sed -n 's/.*: \([0-9]*\) pixels have radiance that is negative .*/\1/p' \
+    stderr | tr '\n' ' ')
+bad=${hot%% *}
+[ "$hot" = "$bad $bad " ] || fail "bad pixels of two planes: $(cat stderr)"
+[ "$places" = $((2 * (200 - bad))) ] ||
+    fail "faults of two planes: $(cat stderr)"
+
 # In colours, and for a screen: what rays see with the same bands.
 echo 0 0 0 0 0 1 | "$top_builddir/radscene" rays -cs 10 glow.rad >colour
 "$radsubmit" --local -cs 10 -x 6 -y 6 -o glow.hdr glow.rad 2>stderr ||

@@ -1,0 +1,72 @@
+/* check_outcome.c - what several jobs of one command come to */
+#include "config.h"
+
+#include "trial/outcome.h"
+#include "tests/unit.h"
+
+static const struct outcome first = { .elapsed_s = 3,
+                                      .error = .03,
+                                      .nan = { .pixels = 2, .x = 5, .y = 1 },
+                                      .faults = { { 4, 10 }, { 7, 1 } } };
+static const struct outcome second = { .elapsed_s = 2,
+                                       .error = .04,
+                                       .nan = { .pixels = 1, .x = 8, .y = 0 },
+                                       .faults = { { 2, 5 }, { 4, 20 } } };
+
+START_TEST(faults_and_bad_pixels_of_all_jobs_count)
+{
+    struct outcome_sum s = { 0 };
+
+    outcome_add(&s, &first, 1);
+    outcome_add(&s, &second, 1);
+    ck_assert_uint_eq(s.all.nan.pixels, 3);
+    ck_assert_uint_eq(s.all.nan.x, 8);
+    ck_assert_uint_eq(s.all.faults[0].object, 2);
+    ck_assert_uint_eq(s.all.faults[0].count, 5);
+    ck_assert_uint_eq(s.all.faults[1].object, 4);
+    ck_assert_uint_eq(s.all.faults[1].count, 30);
+    ck_assert_uint_eq(s.all.faults[2].object, 7);
+    ck_assert_uint_eq(s.all.faults[3].count, 0);
+}
+END_TEST
+
+START_TEST(errors_have_the_root_of_their_mean_square)
+{
+    struct outcome unknown = { .elapsed_s = 1 };
+    struct outcome_sum s = { 0 };
+
+    outcome_add(&s, &unknown, 100);
+    ck_assert_double_eq(s.all.error, 0);
+    outcome_add(&s, &first, 7);
+    ck_assert_double_eq_tol(s.all.error, .03, 1e-15);
+    outcome_add(&s, &second, 9);
+    ck_assert_double_eq_tol(16 * s.all.error * s.all.error,
+                            7 * .0009 + 9 * .0016, 1e-15);
+}
+END_TEST
+
+START_TEST(times_add_up_unless_jobs_run_side_by_side)
+{
+    struct outcome_sum s = { 0 };
+
+    outcome_add(&s, &first, 1);
+    outcome_add(&s, &second, 1);
+    ck_assert_double_eq(s.all.elapsed_s, 3);
+    outcome_next(&s);
+    outcome_add(&s, &second, 1);
+    ck_assert_double_eq(s.all.elapsed_s, 5);
+}
+END_TEST
+
+int
+main(void)
+{
+    Suite *s = suite_create("outcome");
+    TCase *tc = tcase_create("outcome");
+
+    tcase_add_test(tc, faults_and_bad_pixels_of_all_jobs_count);
+    tcase_add_test(tc, errors_have_the_root_of_their_mean_square);
+    tcase_add_test(tc, times_add_up_unless_jobs_run_side_by_side);
+    suite_add_tcase(s, tc);
+    return unit_run(s);
+}
