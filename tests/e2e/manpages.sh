@@ -87,6 +87,18 @@ check_quality() # PAGE
     done
 }
 
+# The page's options of the first stage of --error are those that there are.
+check_first_stage() # PAGE
+{
+    said=$(sed -n '/^\.Ql \\-ps .*\\-lw/{s/^\.Ql //; s/ \.$//; s/\\-/-/g; p;}' \
+        "$1")
+    [ -n "$said" ] || fail "no options of a first stage in $(basename "$1")"
+    "$top_builddir/radsubmit" --error=5 -defaults >defaults.$$
+    # shellcheck disable=SC2086 # options are words
+    "$top_builddir/radsubmit" --error=5 $said -defaults | cmp defaults.$$ - ||
+        fail "first stage of --error: '$said' is not what there is"
+}
+
 for program in radsubmit radctl radscene raderr radcoord radd radweb; do
     path=$top_builddir/$program
     if [ ! -x "$path" ]; then
@@ -125,6 +137,7 @@ else
     fail "radsubmit -defaults: exit status $?"
 fi
 check_quality "$top_srcdir/man/radsubmit.1"
+check_first_stage "$top_srcdir/man/radsubmit.1"
 rm -f options.$$ defaults.$$ wrong.$$ help.$$
 
 for page in "$top_srcdir"/man/*.[1-8]; do
