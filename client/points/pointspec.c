@@ -19,19 +19,17 @@ pointspec_init(struct pointspec *s)
     s->values = "v";
 }
 
+/* -f with the format of the input (a, f, d) and, if it is another, of the
+ * output (a, f, d, c). */
 static int
-take_formats(struct pointspec *s, const char *word, struct rad_error *err)
+take_formats(struct pointspec *s, const char *word)
 {
-    char out = word[2] && word[3] ? word[3] : word[2];
+    const char *in = word + 2, *out = in[0] && in[1] ? in + 1 : in;
 
-    if (!word[2] || !strchr("afd", word[2]) || !strchr("afdc", out) ||
-        (word[3] && word[4]))
-        return rad_fail(err, RAD_EUSAGE,
-                        "unknown option '%.40s': rtrace's -f has a format of "
-                        "input (a, f, d) and one of output (a, f, d, c)",
-                        word);
-    s->in = word[2];
-    s->out = out;
+    if (!in[0] || !strchr("afd", in[0]) || !strchr("afdc", out[0]) || out[1])
+        return 0;
+    s->in = in[0];
+    s->out = out[0];
     return 1;
 }
 
@@ -86,7 +84,7 @@ pointspec_option(struct pointspec *s, int argc, char *const argv[],
     else if (rad_params_switch(word, "-h", &header))
         used = 1;
     else if (strncmp(word, "-f", 2) == 0)
-        used = take_formats(s, word, err);
+        used = take_formats(s, word);
     else if (strncmp(word, "-o", 2) == 0 && word[2])
         used = take_values(s, word, err);
     s->no_header = !header;
