@@ -12,6 +12,7 @@
 
 #include "base/files.h"
 #include "base/output.h"
+#include "base/text.h"
 #include "link/local.h"
 #include "link/order.h"
 #include "show/spectra.h"
@@ -47,8 +48,8 @@ name_part(struct program *p)
                       "plane %d of %d: ", p->planes.at + 1, p->planes.n);
     if (n == 0)
         return;
-    snprintf(p->part_name, sizeof p->part_name, "%s%.*s", which,
-             MSG_MAX_LABEL - n, p->job.spec.name);
+    rad_text_print(p->part_name, sizeof p->part_name, "%s%s", which,
+                   p->job.spec.name);
     p->job.spec.name = p->part_name;
 }
 

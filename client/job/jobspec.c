@@ -3,6 +3,7 @@
 
 #include "job/jobspec.h"
 
+#include "base/text.h"
 #include "job/costs.h"
 #include "show/origin.h"
 
@@ -214,9 +215,12 @@ jobspec_fill(struct jobspec *j, const struct submit_options *o,
     rad_filter_options(&o->params, o->oversample, o->clamp, j->options);
     list_needs(j, scene->scene);
     tell_origin(j, o);
+    /* a scene that is a command may be long */
+    rad_text_print(j->name, sizeof j->name, "%s",
+                   o->name ? o->name : o->scenes[0]);
     s->job = j->id;
     s->manifest = cargo->hashes;
-    s->name = o->name ? o->name : o->scenes[0];
+    s->name = j->name;
     s->params = j->params;
     s->origin = j->origin;
     s->needs = j->needs;

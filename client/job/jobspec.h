@@ -24,6 +24,7 @@ struct jobspec {
     uint32_t ncosts;
     char params[RAD_PARAMS_TEXT];     /* rendering options, as text */
     char options[RAD_FILTER_OPTIONS]; /* the picture's, as text */
+    char name[MSG_MAX_LABEL + 1];     /* cut to fit */
     char needs[MSG_MAX_NEEDS + 1];
     char origin[MSG_MAX_ORIGIN + 1];
 };

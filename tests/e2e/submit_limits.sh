@@ -48,6 +48,16 @@ id=$("$radsubmit" --detach --name="$name" $view "$room" 2>stderr) ||
 grep -q " x$(repeat 50 ä)  " jobs || fail "the list has another name: $(cat jobs)"
 grep -q " d\{57\}\.\.\.  " jobs || fail "the list does not cut: $(cat jobs)"
 
+# a scene that is a command of more than 4096 bytes, whose 4096th ends a
+# character or not
+for word in '' x; do
+    # shellcheck disable=SC2086
+    id=$("$radsubmit" --detach $view "!cat '$room' #$word$(repeat 2100 ä)" \
+        2>stderr) || fail "a long command: $(cat stderr)"
+    "$radctl" --json job "$id" | grep -q "\"name\": \"!cat .*ä\"" ||
+        fail "a long command as a name: $("$radctl" --json job "$id")"
+done
+
 # where nobody listens it says 69: what is refused is refused before
 # shellcheck disable=SC2086
 expect 64 "option '--name': 4097 bytes, and at most 4096" "a name of 4097" \
