@@ -348,11 +348,11 @@ start_local(struct program *p)
                                   .workers = workers_wanted(&p->o),
                                   .threads = p->o.threads,
                                   .wait_s = p->o.wait_s };
-    int rc = p->o.launch
-                 ? launch_start(&p->cluster.launch, p->cluster.local, &order,
-                                &p->loop.interrupts, p->err)
-                 : local_start(p->cluster.local, order.workers, order.threads,
-                               &p->loop.interrupts, p->err);
+    struct link_where where = { &p->loop.uv, &p->loop.interrupts };
+    int rc = p->o.launch ? launch_start(&p->cluster.launch, p->cluster.local,
+                                        &order, &where, p->err)
+                         : local_start(p->cluster.local, order.workers,
+                                       order.threads, &where, p->err);
 
     uv_update_time(&p->loop.uv);
     p->cluster.began_ms = uv_now(&p->loop.uv);

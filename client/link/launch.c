@@ -300,7 +300,7 @@ run_all(struct launch *l, const char *line, struct rad_error *err)
 
 int
 launch_start(struct launch **out, struct local *local,
-             const struct launch_order *order, const int *stop,
+             const struct launch_order *order, const struct link_where *where,
              struct rad_error *err)
 {
     struct launch *l = *out = calloc(1, sizeof *l);
@@ -316,7 +316,7 @@ launch_start(struct launch **out, struct local *local,
     if ((rc = launch_address(order->address, l->dial, listen, err)) < 0 ||
         (rc = make_key(path, line, err)) < 0)
         return rc;
-    rc = local_coordinate(local, listen, path, stop, err);
+    rc = local_coordinate(local, listen, path, where, err);
     if (rc == 0) {
         snprintf(strrchr(l->dial, ':'), 8, ":%d", local_port(local));
         rc = run_all(l, line, err);

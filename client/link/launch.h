@@ -38,8 +38,8 @@ int launch_address(const char *given, char dial[LAUNCH_ADDRESS],
 /* Start the coordinator and the launchers.  *l must be stopped whatever is
  * returned.  Errors of local_start(), RAD_EUSAGE, RAD_ENOMEM. */
 int launch_start(struct launch **l, struct local *local,
-                 const struct launch_order *order, const int *stop,
-                 struct rad_error *err);
+                 const struct launch_order *order,
+                 const struct link_where *where, struct rad_error *err);
 
 /* Tell that n workers are connected; names lists them ("ws1-812, ws2-97").
  * Returns 1 if the job can begin: there are enough, and no more are coming; 0

@@ -216,25 +216,31 @@ now_ms(void)
     return uv_hrtime() / 1000000;
 }
 
+/* Has the coordinator said that it serves? */
+static bool
+said_ready(const struct local *l)
+{
+    char text[256];
+    ssize_t n = recv(l->notify, text, sizeof text - 1, MSG_DONTWAIT);
+
+    text[n > 0 ? n : 0] = '\0';
+    return strstr(text, "READY=1") != NULL;
+}
+
 static int
-wait_ready(struct local *l, const int *stop, struct rad_error *err)
+look_for_ready(struct local *l, const struct link_where *where,
+               struct rad_error *err)
 {
     struct pollfd fd = { .fd = l->notify, .events = POLLIN };
     uint64_t until = now_ms() + READY_MS;
-    char text[256];
-    ssize_t n;
 
-    while (now_ms() < until && !*stop) {
+    while (now_ms() < until) {
+        uv_run(where->loop, UV_RUN_NOWAIT);
+        if (*where->wake > 0)
+            return rad_fail(err, RAD_ETEMPFAIL, "interrupted");
         if (poll(&fd, 1, LOOK_MS) > 0) {
-            n = recv(l->notify, text, sizeof text - 1, 0);
-            text[n > 0 ? n : 0] = '\0';
-            if (strstr(text, "READY=1")) {
-                /* close it, for nobody reads it from now on: a sender then gets
-                 * an error, instead of waiting for ever at a full queue */
-                close(l->notify);
-                l->notify = -1;
+            if (said_ready(l))
                 return 0;
-            }
         } else if (ended(&l->coordinator)) {
             return rad_fail(err, RAD_EINTERNAL,
                             "radcoord ended before it was ready");
@@ -242,6 +248,43 @@ wait_ready(struct local *l, const int *stop, struct rad_error *err)
     }
     return rad_fail(err, RAD_EUNAVAIL, "radcoord is not ready after %d s",
                     READY_MS / 1000);
+}
+
+static void
+on_time(uv_timer_t *t)
+{
+    (void)t;
+}
+
+static void
+on_closed(uv_handle_t *h)
+{
+    *(bool *)h->data = true;
+}
+
+/* Meanwhile the loop takes signals; it would not without a handle that keeps it
+ * alive. */
+static int
+wait_ready(struct local *l, const struct link_where *where,
+           struct rad_error *err)
+{
+    bool closed = false;
+    uv_timer_t alive = { .data = &closed };
+    int rc;
+
+    uv_timer_init(where->loop, &alive);
+    uv_timer_start(&alive, on_time, 2 * READY_MS, 0);
+    rc = look_for_ready(l, where, err);
+    uv_close((uv_handle_t *)&alive, on_closed);
+    while (!closed)
+        uv_run(where->loop, UV_RUN_NOWAIT);
+    if (rc == 0) {
+        /* close it, for nobody reads it from now on: a sender then gets an
+         * error, instead of waiting for ever at a full queue */
+        close(l->notify);
+        l->notify = -1;
+    }
+    return rc;
 }
 
 /* --- the cluster --- */
@@ -288,7 +331,7 @@ start_worker(struct local *l, int i, int nthreads, struct rad_error *err)
 
 int
 local_coordinate(struct local *l, const char *address, const char *keys,
-                 const int *stop, struct rad_error *err)
+                 const struct link_where *where, struct rad_error *err)
 {
     char socket[sizeof l->target.path];
     int rc;
@@ -298,12 +341,12 @@ local_coordinate(struct local *l, const char *address, const char *keys,
         (rc = open_notify(l, err)) < 0 ||
         (rc = start_coordinator(l, address, keys, err)) < 0)
         return rc;
-    return wait_ready(l, stop, err);
+    return wait_ready(l, where, err);
 }
 
 int
-local_start(struct local *l, int nworkers, int nthreads, const int *stop,
-            struct rad_error *err)
+local_start(struct local *l, int nworkers, int nthreads,
+            const struct link_where *where, struct rad_error *err)
 {
     int rc;
 
@@ -311,7 +354,7 @@ local_start(struct local *l, int nworkers, int nthreads, const int *stop,
     l->workers = calloc((size_t)nworkers, sizeof *l->workers);
     if (!l->workers)
         return rad_fail(err, RAD_ENOMEM, "out of memory");
-    if ((rc = local_coordinate(l, "", "", stop, err)) < 0)
+    if ((rc = local_coordinate(l, "", "", where, err)) < 0)
         return rc;
     for (int i = 0; i < nworkers; i++) {
         if ((rc = start_worker(l, i, nthreads, err)) < 0)

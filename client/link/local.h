@@ -8,6 +8,7 @@
 #ifndef RADD_CLIENT_LOCAL_H
 #define RADD_CLIENT_LOCAL_H
 
+#include "link/link.h"
 #include "link/target.h"
 
 #include <stdbool.h>
@@ -25,16 +26,16 @@ const char *local_folder(const struct local *l);
 
 /* Start a coordinator and nworkers workers of nthreads each (0: processors are
  * divided evenly), and wait until the coordinator serves.  RAD_EINTERNAL: a
- * program is missing or ended; RAD_EUNAVAIL: it took too long, or *stop became
- * true. */
-int local_start(struct local *l, int nworkers, int nthreads, const int *stop,
-                struct rad_error *err);
+ * program is missing or ended; RAD_EUNAVAIL: it took too long; RAD_ETEMPFAIL:
+ * interrupted, which *where->wake above 0 tells. */
+int local_start(struct local *l, int nworkers, int nthreads,
+                const struct link_where *where, struct rad_error *err);
 
 /* Start the coordinator alone.  It takes workers over the network, too: at
  * address ("HOST:PORT"), by the key file keys; both "" for no network.  Errors
  * as of local_start(). */
 int local_coordinate(struct local *l, const char *address, const char *keys,
-                     const int *stop, struct rad_error *err);
+                     const struct link_where *where, struct rad_error *err);
 /* The port that the coordinator listens at; 0: none. */
 int local_port(const struct local *l);
 /* Does the coordinator run?  And end it, so that its workers end. */

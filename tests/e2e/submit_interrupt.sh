@@ -47,6 +47,20 @@ status=$?
 [ $status -eq 75 ] || fail "interrupted early: exit status $status"
 check_nothing_left "interrupted early"
 
+# while the coordinator starts: one that never serves
+mkdir slow && cp "$radsubmit" slow/
+printf '#!/bin/sh\nexec sleep 60\n' >slow/radcoord && chmod +x slow/radcoord
+interruptible ./slow/radsubmit --local -vf "$scenes/room.vf" -o out.hdr \
+    "$scenes/room.rad" 2>stderr &
+pid=$!
+until_true 30 pgrep -P $pid -x sleep >/dev/null || fail "no slow coordinator"
+kill -INT $pid
+wait $pid
+status=$?
+[ $status -eq 75 ] || fail "interrupted at the start: exit status $status"
+grep -qx 'radsubmit: interrupted' stderr || fail "it says: $(cat stderr)"
+check_nothing_left "interrupted at the start"
+
 start
 kill -INT $pid
 wait $pid
