@@ -20,6 +20,7 @@ struct source {
     struct rad_arena *arena;
     int rank;
     struct rad_error *err;
+    int rc; /* why there is no node */
 };
 
 static int
@@ -32,7 +33,14 @@ next_mark(struct source *in)
 static struct bsdf_node *
 bad_tree(struct source *in, const char *what)
 {
-    rad_fail(in->err, RAD_EDATA, "tensor tree: %s", what);
+    in->rc = rad_fail(in->err, RAD_EDATA, "tensor tree: %s", what);
+    return NULL;
+}
+
+static struct bsdf_node *
+no_memory(struct source *in)
+{
+    in->rc = rad_fail(in->err, RAD_ENOMEM, "out of memory");
     return NULL;
 }
 
@@ -65,7 +73,7 @@ read_grid(struct source *in, struct bsdf_node *n, int levels)
         return bad_tree(in, "divided too finely");
     n->u.value = rad_arena_alloc(in->arena, count * sizeof *n->u.value);
     if (!n->u.value)
-        return bad_tree(in, "out of memory");
+        return no_memory(in);
     for (size_t i = 0; i < count; i++) {
         double v;
 
@@ -82,7 +90,7 @@ read_node(struct source *in, int levels)
     struct bsdf_node *n = rad_arena_calloc(in->arena, 1, sizeof *n);
 
     if (!n)
-        return bad_tree(in, "out of memory");
+        return no_memory(in);
     if (next_mark(in) != '{')
         return bad_tree(in, "expected '{'");
     in->p++;
@@ -93,7 +101,7 @@ read_node(struct source *in, int levels)
         n->u.kid = rad_arena_calloc(in->arena, (size_t)1 << in->rank,
                                     sizeof *n->u.kid);
         if (!n->u.kid)
-            return bad_tree(in, "out of memory");
+            return no_memory(in);
         for (int i = 0; i < 1 << in->rank; i++) {
             n->u.kid[i] = read_node(in, levels - 1);
             if (!n->u.kid[i])
@@ -116,7 +124,7 @@ read_block(struct rad_bsdf *b, struct rad_arena *arena,
            struct rad_error *err)
 {
     struct source in = { rad_xml_text(block, "ScatteringData"), arena, rank,
-                         err };
+                         err, 0 };
     int side = rad_bsdf_side(block);
     const char *basis = rad_xml_text(block, "AngleBasis");
     struct bsdf_tree *t;
@@ -136,7 +144,7 @@ read_block(struct rad_bsdf *b, struct rad_arena *arena,
     t->rank = rank;
     t->root[channel] = read_node(&in, RAD_MAX_BSDF_LEVELS);
     if (!t->root[channel])
-        return RAD_EDATA;
+        return in.rc;
     return next_mark(&in)
                ? rad_fail(err, RAD_EDATA, "tensor tree: more behind its end")
                : 0;

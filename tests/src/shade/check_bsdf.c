@@ -8,6 +8,9 @@
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
+#include <sys/resource.h>
+#include <unistd.h>
 
 #define HEAD(structure)                                                        \
     "<?xml version=\"1.0\"?>\n<WindowElement xmlns=\"http://x\">"              \
@@ -406,6 +409,53 @@ START_TEST(bad_file_is_refused)
 }
 END_TEST
 
+static char *
+put_leaves(char *to, int levels)
+{
+    *to++ = '{';
+    if (levels == 0)
+        *to++ = '1';
+    for (int i = 0; levels > 0 && i < 16; i++)
+        to = put_leaves(to, levels - 1);
+    *to++ = '}';
+    return to;
+}
+
+/* A million leaves take some 50 MB.  It takes a process of its own, which has
+ * no memory from other tests. */
+START_TEST(large_tree_wants_memory)
+{
+    static const char head[] = HEAD("TensorTree4") DEFS
+        "<WavelengthData><Wavelength>Visible</Wavelength>"
+        "<WavelengthDataBlock><WavelengthDataDirection>" OURRF
+        "</WavelengthDataDirection>" CHIU "<ScatteringData>";
+    static const char foot[] = "</ScatteringData></WavelengthDataBlock>"
+                               "</WavelengthData>" FOOT;
+    char *xml = malloc(8 << 20), *end;
+    const char *fork = getenv("CK_FORK");
+    struct rad_error err = { 0 };
+    struct rad_arena arena;
+    struct rlimit limit;
+    unsigned long pages = 0;
+    FILE *f = fopen("/proc/self/statm", "r");
+
+    ck_assert(xml && f && fscanf(f, "%lu", &pages) == 1);
+    fclose(f);
+    if (!fork || strcmp(fork, "no") != 0) {
+        strcpy(xml, head);
+        end = put_leaves(xml + strlen(head), 5);
+        strcpy(end, foot);
+        ck_assert_int_eq(getrlimit(RLIMIT_AS, &limit), 0);
+        limit.rlim_cur = pages * (rlim_t)sysconf(_SC_PAGESIZE) + (24 << 20);
+        ck_assert_int_eq(setrlimit(RLIMIT_AS, &limit), 0);
+        ck_assert_ptr_null(parse(&arena, xml, &err));
+        ck_assert_msg(err.code == RAD_ENOMEM, "%s", err.what);
+        rad_arena_release(&arena);
+    }
+    free(xml);
+}
+END_TEST
+
 /* --- materials --------------------------------------------------------------
  */
 
@@ -698,6 +748,7 @@ main(void)
     tcase_add_test(tc, neighbouring_numbers_give_neighbouring_directions);
     tcase_add_loop_test(tc, cells_have_their_size, 0, N_ELEM(cells));
     tcase_add_loop_test(tc, bad_file_is_refused, 0, N_ELEM(bad));
+    tcase_add_test(tc, large_tree_wants_memory);
     suite_add_tcase(s, tc);
     tcase_add_loop_test(material, even_scattering_is_lambertian, 0,
                         N_ELEM(lambertian));
