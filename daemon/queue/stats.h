@@ -1,7 +1,7 @@
 /* stats.h - the statistics of a job as JSON
  *
- * radsubmit(1) describes the names, under --stats; of a job that is not over
- * there is what is known so far.
+ * radd.stats(5) describes the names; of a job that is not over there is what is
+ * known so far.
  * Pure.
  * Thread: the coordinator's loop. */
 #ifndef DAEMON_STATS_H
