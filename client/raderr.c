@@ -166,6 +166,14 @@ check_apart(const struct task *t, struct rad_error *err)
     return rc;
 }
 
+/* Is an option given that only a comparison has? */
+static bool
+compares(const struct task *t)
+{
+    return t->one_line || t->metric.block > 1 || t->metric.clip > 0 ||
+           t->metric.down > 1;
+}
+
 static int
 check_task(const struct task *t, struct rad_error *err)
 {
@@ -174,12 +182,15 @@ check_task(const struct task *t, struct rad_error *err)
                         "only one of --map, --false-colour and --mean");
     if (t->scale && !t->false_colour)
         return rad_fail(err, RAD_EUSAGE, "--scale is for --false-colour");
+    if (t->false_colour && compares(t))
+        return rad_fail(err, RAD_EUSAGE,
+                        "--false-colour goes with --scale only");
     if (t->false_colour && t->nfiles != 1)
         return rad_fail(err, RAD_EUSAGE,
                         "--false-colour is of one picture by itself");
     if (t->mean && t->nfiles == 0)
         return rad_fail(err, RAD_EUSAGE, "--mean: no picture");
-    if (t->mean && (t->metric.block > 1 || t->metric.clip > 0))
+    if (t->mean && (t->one_line || t->metric.block > 1 || t->metric.clip > 0))
         return rad_fail(err, RAD_EUSAGE, "--mean goes with -d only");
     if (!t->false_colour && !t->mean && t->nfiles != 2)
         return rad_fail(err, RAD_EUSAGE,

@@ -47,6 +47,16 @@ echo 'mean_ratio 1  nrmse 0  log_rmse 0  p50 0  p95 0  p99.9 0  max 0  maxabs 0'
 grep -q '^mean_ratio 1.12451$' out || fail "mean: $(cat out)"
 "$raderr" -b 2 -1 test.hdr ref.hdr | grep -q 'nrmse 0.124514 ' ||
     fail "blocks are not averaged"
+# a block at an edge that is not whole is left out: 1 by 1 of 3 by 2
+wide()
+{
+    picture "$@" | sed 's/^-Y 2 +X 2$/-Y 2 +X 3/'
+}
+wide 200 200 77 200 200 77 >wide.hdr
+wide 200 200 300 200 200 300 >other.hdr
+"$raderr" -b 2 -1 wide.hdr other.hdr | grep -q 'nrmse 0 ' ||
+    fail "a part of a block counts"
+rm other.hdr
 "$raderr" --map=map.png test.hdr ref.hdr >out &&
     "$raderr" --false-colour lum.png ref.hdr || fail "no false colours"
 for png in map.png lum.png; do
@@ -70,6 +80,11 @@ expect 64 "'m.jpg': that format" --mean=m.jpg ref.hdr
 expect 64 "'m.hdr': that format" --map=m.hdr ref.hdr ref.hdr
 expect 64 "'m.tif': that format" --false-colour=m.tif ref.hdr
 expect 64 'with -d only' --mean=mean.hdr -b 2 ref.hdr
+expect 64 'with -d only' --mean=mean.hdr -1 ref.hdr
+for option in -1 '-b 2' '-c 2' '-d 2'; do
+    # shellcheck disable=SC2086 # options are words
+    expect 64 'with --scale only' --false-colour=m.png $option ref.hdr
+done
 expect 65 'not a multiple' --mean=mean.hdr -d 3 ref.hdr
 expect 65 'sizes differ' --mean=other.hdr ref.hdr mean.hdr
 expect 64 "'mean.hdr' is one of the pictures" --mean=mean.hdr ref.hdr mean.hdr
