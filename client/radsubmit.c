@@ -578,6 +578,7 @@ prepare(struct program *p)
     if ((rc = choose_cluster(p)) < 0 ||
         (!p->rif.is && (rc = init_frames(p)) < 0) ||
         (rc = jobspec_check_goal(&p->o, p->frames.n, p->err)) < 0 ||
+        (rc = jobspec_check_windows(&p->o, &p->frames, p->err)) < 0 ||
         (rc = inputs_add(in, "the key", p->cluster.target.key, p->err)) < 0 ||
         (rc = apart_inputs(&p->o, &p->frames, in, p->err)) < 0 ||
         (rc = jobspec_read_costs(&p->job, &p->o, &p->frames, p->err)) < 0 ||

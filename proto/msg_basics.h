@@ -35,6 +35,7 @@
 #define MSG_MAX_COSTS      (1u << 23) /* lines of a job whose costs are given */
 #define MSG_MAX_FRAMES     65536      /* frames of a job */
 #define MSG_MAX_VIEWS      (64u << 20) /* bytes of the file of frames */
+#define MSG_MAX_WINDOWS    100000      /* windows of a job */
 #define MSG_MAX_SIDE       65535       /* columns or rows that are rendered */
 #define MSG_MAX_COLUMNS    ((int)MSG_MAX_PIXELS / 16) /* a row fits a RESULT */
 #define MSG_MAX_OVERSAMPLE 8

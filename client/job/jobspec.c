@@ -204,6 +204,27 @@ jobspec_check_goal(const struct submit_options *o, uint32_t nframes,
     return 0;
 }
 
+int
+jobspec_check_windows(const struct submit_options *o,
+                      const struct frames *frames, struct rad_error *err)
+{
+    uint64_t all = 0;
+
+    for (uint32_t i = 0; i < frames->n; i++) {
+        const struct msg_frame *f = &frames->list[i];
+        uint64_t pixels = (uint64_t)f->width * f->height;
+
+        /* a window has a pixel at least */
+        all += pixels < (uint64_t)o->windows ? pixels : (uint64_t)o->windows;
+    }
+    if (all > MSG_MAX_WINDOWS)
+        return rad_fail(err, RAD_EUSAGE,
+                        "option '--windows': all frames together have %" PRIu64
+                        ", and a job at most %d",
+                        all, MSG_MAX_WINDOWS);
+    return 0;
+}
+
 void
 jobspec_fill(struct jobspec *j, const struct submit_options *o,
              const struct frames *frames, const struct compiled *scene,

@@ -55,6 +55,10 @@ int jobspec_set_scene(struct jobspec *j, const struct submit_options *o,
 int jobspec_check_goal(const struct submit_options *o, uint32_t nframes,
                        struct rad_error *err);
 
+/* RAD_EUSAGE: all frames together have too many --windows. */
+int jobspec_check_windows(const struct submit_options *o,
+                          const struct frames *frames, struct rad_error *err);
+
 /* Fill in all other fields but compile_s and MSG_JOB_RECORDS.  All arguments
  * must outlive *j. */
 void jobspec_fill(struct jobspec *j, const struct submit_options *o,

@@ -16,7 +16,6 @@
 
 #include "proto/message.h"
 
-#define PARTITION_MAX_UNITS 100000   /* windows of a job: 60 MB */
 #define PARTITION_MAX_LINES 16000000 /* lines of all frames of a job */
 #define PARTITION_NONE      UINT32_MAX
 

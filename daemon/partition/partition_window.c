@@ -194,9 +194,9 @@ count_units(const struct partition_spec *spec)
 int
 window_check(const struct partition_spec *spec, struct rad_error *err)
 {
-    if (count_units(spec) > PARTITION_MAX_UNITS)
+    if (count_units(spec) > MSG_MAX_WINDOWS)
         return rad_fail(err, RAD_EUSAGE, "too many windows: at most %d",
-                        PARTITION_MAX_UNITS);
+                        MSG_MAX_WINDOWS); /* which take 60 MB */
     return 0;
 }
 

@@ -64,6 +64,20 @@ expect 64 "option '--name': 4097 bytes, and at most 4096" "a name of 4097" \
     "$radsubmit" --coordinator=127.0.0.1:9 --wait=0 \
     --name="$(repeat 4097 n)" $view -o out.hdr "$room"
 
+# shellcheck disable=SC2086
+expect 64 "'--windows': all frames together have 100001" "too many windows" \
+    "$radsubmit" --coordinator=127.0.0.1:9 --wait=0 $view -x 1000 -y 750 \
+    --windows=100001 -o out.hdr "$room"
+printf 'VIEW= -vs 0\nVIEW= -vs .1\n' >two.vf
+# shellcheck disable=SC2086
+expect 64 "all frames together have 120000" "too many windows of two frames" \
+    "$radsubmit" --coordinator=127.0.0.1:9 --wait=0 $view -x 1000 -y 750 \
+    --windows=60000 -S 1 --views=two.vf -o %d.hdr "$room"
+# shellcheck disable=SC2086
+expect 69 "" "more windows than pixels" \
+    "$radsubmit" --coordinator=127.0.0.1:9 --wait=0 $view --windows=100001 \
+    -o out.hdr "$room"
+
 expect 64 "is no job's id" "an id of 33 digits" \
     "$radctl" --coordinator=127.0.0.1:9 job "$(repeat 33 a)"
 expect 64 "is no worker's name: at most 64 bytes" "a worker of 65 bytes" \
