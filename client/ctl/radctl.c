@@ -269,19 +269,13 @@ check_list_options(const struct ctl *c)
 static int
 check_show(struct ctl *c)
 {
-    const char *given = c->tone       ? "--tone"
-                        : c->exposure ? "--exposure"
-                        : c->bits     ? "--bits"
-                                      : NULL;
-    int rc = 0;
+    struct show_asked asked = { c->tone != NULL, c->bits != NULL, c->exposure,
+                                c->false_colour };
+    const char *given;
+    int rc = show_first(&asked, &given, c->err);
 
-    if (given && c->false_colour)
-        return rad_fail(c->err, RAD_EUSAGE,
-                        "%s is no matter of --false-colour: leave one of them "
-                        "out",
-                        given);
-    if (c->false_colour)
-        given = "--false-colour";
+    if (rc < 0)
+        return rc;
     if (given && (c->command->run != ctl_run_fetch ||
                   !picfile_is_png(c->output, PICFILE_BY_SUFFIX)))
         return rad_fail(c->err, RAD_EUSAGE, "%s is for fetch with -o FILE.png",
@@ -290,10 +284,7 @@ check_show(struct ctl *c)
         rc = show_tone(&c->show, c->tone, c->err);
     if (rc == 0 && c->bits)
         rc = show_bits(&c->show, c->bits, c->err);
-    if (c->false_colour)
-        return show_false(&c->show, c->false_colour, c->err);
-    return rc == 0 && c->exposure ? show_exposure(&c->show, c->exposure, c->err)
-                                  : rc;
+    return rc == 0 ? show_take(&c->show, &asked, c->err) : rc;
 }
 
 static int

@@ -83,18 +83,13 @@ check_outputs(struct submit_options *o, struct rad_error *err)
 static int
 check_show(struct submit_options *o, struct rad_error *err)
 {
-    const char *given = o->tone >= 0   ? "--tone"
-                        : o->exposure  ? "--exposure"
-                        : o->bits >= 0 ? "--bits"
-                                       : NULL;
+    struct show_asked asked = { o->tone >= 0, o->bits >= 0, o->exposure,
+                                o->false_colour };
+    const char *given;
+    int rc = show_first(&asked, &given, err);
 
-    if (given && o->false_colour)
-        return rad_fail(err, RAD_EUSAGE,
-                        "%s is no matter of --false-colour: leave one of them "
-                        "out",
-                        given);
-    if (o->false_colour)
-        given = "--false-colour";
+    if (rc < 0)
+        return rc;
     if (given && o->detach)
         return rad_fail(err, RAD_EUSAGE,
                         "%s is for a .png, and --detach writes none: use "
@@ -110,9 +105,7 @@ check_show(struct submit_options *o, struct rad_error *err)
         o->show.screen.tone.curve = (enum rad_tone_curve)o->tone;
     if (o->bits >= 0)
         o->show.screen.bits = o->bits == SHOW_16_BITS ? 16 : 8;
-    if (o->false_colour)
-        return show_false(&o->show, o->false_colour, err);
-    return o->exposure ? show_exposure(&o->show, o->exposure, err) : 0;
+    return show_take(&o->show, &asked, err);
 }
 
 /* Settle the samples of a pixel.  From here on -x and -y count samples, as they

@@ -108,6 +108,31 @@ show_false(struct show *s, const char *scale, struct rad_error *err)
     return rad_fail(err, RAD_EUSAGE, "option '--false-colour': %s", why.what);
 }
 
+int
+show_first(const struct show_asked *a, const char **name, struct rad_error *err)
+{
+    const char *given = a->tone       ? "--tone"
+                        : a->exposure ? "--exposure"
+                        : a->bits     ? "--bits"
+                                      : NULL;
+
+    *name = a->false_colour ? "--false-colour" : given;
+    if (given && a->false_colour)
+        return rad_fail(err, RAD_EUSAGE,
+                        "%s is no matter of --false-colour: leave one of them "
+                        "out",
+                        given);
+    return 0;
+}
+
+int
+show_take(struct show *s, const struct show_asked *a, struct rad_error *err)
+{
+    if (a->false_colour)
+        return show_false(s, a->false_colour, err);
+    return a->exposure ? show_exposure(s, a->exposure, err) : 0;
+}
+
 static int
 false_png(const struct rad_false_scale *scale, const struct rad_picture *pic,
           const struct rad_sink *sink, struct rad_error *err)

@@ -41,6 +41,21 @@ int show_bits(struct show *s, const char *word, struct rad_error *err);
 /* --false-colour=SCALE, as rad_false_parse() has it.  RAD_EUSAGE. */
 int show_false(struct show *s, const char *scale, struct rad_error *err);
 
+/* Which of these options are given: texts, or NULL. */
+struct show_asked {
+    bool tone, bits;
+    const char *exposure, *false_colour;
+};
+
+/* Name the first option that is given; *name is NULL if none is.  RAD_EUSAGE:
+ * it does not go with --false-colour. */
+int show_first(const struct show_asked *a, const char **name,
+               struct rad_error *err);
+
+/* Take exposure and false_colour.  RAD_EUSAGE. */
+int show_take(struct show *s, const struct show_asked *a,
+              struct rad_error *err);
+
 /* Will the first picture settle how frames are shown, and is not there yet? */
 bool show_waits(const struct show *s);
 

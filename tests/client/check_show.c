@@ -168,6 +168,30 @@ START_TEST(frames_have_the_first_ones_exposure_or_their_own)
 }
 END_TEST
 
+static const struct {
+    struct show_asked asked;
+    const char *first;
+    bool fits;
+} asked[] = {
+    { { .tone = false }, NULL, true },
+    { { .bits = true, .exposure = "auto" }, "--exposure", true },
+    { { .bits = true, .tone = true }, "--tone", true },
+    { { .false_colour = "" }, "--false-colour", true },
+    { { .false_colour = "", .bits = true }, "--false-colour", false },
+    { { .false_colour = "", .exposure = "auto" }, "--false-colour", false },
+};
+
+START_TEST(false_colours_have_no_tone)
+{
+    struct rad_error err = { 0 };
+    const char *first;
+
+    ck_assert_int_eq(show_first(&asked[_i].asked, &first, &err),
+                     asked[_i].fits ? 0 : RAD_EUSAGE);
+    ck_assert_pstr_eq(first, asked[_i].first);
+}
+END_TEST
+
 int
 main(void)
 {
@@ -178,6 +202,7 @@ main(void)
     tcase_add_test(tc, tones_and_bits_are_words);
     tcase_add_test(tc, previews_do_not_flicker);
     tcase_add_test(tc, frames_have_the_first_ones_exposure_or_their_own);
+    tcase_add_loop_test(tc, false_colours_have_no_tone, 0, N_ELEM(asked));
     suite_add_tcase(s, tc);
     return unit_run(s);
 }
