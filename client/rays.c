@@ -2,6 +2,7 @@
 #include "config.h"
 
 #include "rays.h"
+#include "points/pointfile.h"
 #include "records/ambfile.h"
 #include "records/amblist.h"
 #include "base/rng.h"
@@ -72,29 +73,6 @@ rays_options(struct rays_options *o, struct words *w, struct rad_error *err)
             return rad_fail(err, RAD_EUSAGE,
                             "the standard input has the rays, not a scene");
     return rad_params_check(&o->params, err) < 0 ? RAD_EUSAGE : at;
-}
-
-/* Read a line: 1: six numbers; 0: an empty line; or an error. */
-static int
-read_line(const char *line, double v[6], struct rad_error *err)
-{
-    char *end;
-    int n = 0;
-
-    line += strspn(line, " \t\r\n");
-    if (*line == '\0')
-        return 0;
-    while (n < 6) {
-        v[n] = strtod(line, &end);
-        if (end == line || !isfinite(v[n]))
-            break;
-        n++;
-        line = end;
-    }
-    line += strspn(line, " \t\r\n");
-    if (n < 6 || *line != '\0')
-        return rad_fail(err, RAD_EDATA, "expected six numbers");
-    return 1;
 }
 
 static struct rad_rgb
@@ -235,12 +213,15 @@ trace_lines(struct planes *p, bool irradiance, FILE *in, FILE *out,
     uint32_t number = 0;
     char *line = NULL;
     size_t size = 0;
+    ssize_t n;
     int rc = 0;
 
-    for (long at = 1; rc >= 0 && getline(&line, &size, in) >= 0; at++) {
+    for (long at = 1; rc >= 0 && (n = getline(&line, &size, in)) >= 0; at++) {
         double v[6];
 
-        rc = read_line(line, v, err);
+        if (n > 0 && line[n - 1] == '\n')
+            n--;
+        rc = pointfile_line(line, (size_t)n, v, err);
         if (rc < 0)
             rad_error_where(err, "stdin:%ld", at);
         if (rc > 0)

@@ -61,29 +61,6 @@ take_number(const char *s, const char *end, double *v, struct rad_error *err)
     return NULL;
 }
 
-/* Read a line: returns 1 for six numbers, 0 if it is empty, or an error. */
-static int
-take_line(const char *s, const char *end, double v[6], struct rad_error *err)
-{
-    int n = 0;
-
-    for (;; n++) {
-        double extra;
-
-        while (s < end && is_blank(*s))
-            s++;
-        if (s == end)
-            break;
-        s = take_number(s, end, n < 6 ? &v[n] : &extra, err);
-        if (!s)
-            return RAD_EDATA;
-    }
-    if (n == 0 || n == 6)
-        return n > 0;
-    return rad_fail(err, RAD_EDATA,
-                    "expected six numbers, origin and direction, got %d", n);
-}
-
 /* Are there fewer points than f->most so far? */
 static bool
 wanted(const struct pointfile *f)
@@ -100,12 +77,13 @@ parse_text(struct pointfile *f, const char *s, size_t n, bool last,
 
     while (rc == 0 && s < end && wanted(f)) {
         const char *nl = memchr(s, '\n', (size_t)(end - s));
+        const char *stop = nl ? nl : end;
         double v[6];
 
         if (!nl && !last)
             break;
         f->line++;
-        rc = take_line(s, nl ? nl : end, v, err);
+        rc = pointfile_line(s, (size_t)(stop - s), v, err);
         if (rc == 1 && (rc = reserve(f, err)) == 0)
             memcpy(f->point[f->n++], v, sizeof v);
         if (rc < 0)
@@ -162,6 +140,28 @@ parse_binary(struct pointfile *f, const uint8_t *bytes, size_t n, bool last,
         rad_error_where(err, "%s", f->name);
     *used = (size_t)(bytes - begin);
     return rc;
+}
+
+int
+pointfile_line(const char *line, size_t len, double v[6], struct rad_error *err)
+{
+    const char *s = line, *end = line + len;
+    int n = 0;
+
+    for (;; n++) {
+        double extra;
+
+        while (s < end && is_blank(*s))
+            s++;
+        if (s == end)
+            break;
+        s = take_number(s, end, n < 6 ? &v[n] : &extra, err);
+        if (!s)
+            return RAD_EDATA;
+    }
+    if (n == 0 || n == 6)
+        return n > 0;
+    return rad_fail(err, RAD_EDATA, "expected six numbers, got %d", n);
 }
 
 int

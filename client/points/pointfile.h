@@ -12,6 +12,11 @@
 #include <stddef.h>
 #include <stdint.h>
 
+/* Read a line of text, of n bytes without its end: 1: six finite numbers; 0: it
+ * is empty; or RAD_EDATA. */
+int pointfile_line(const char *line, size_t n, double v[6],
+                   struct rad_error *err);
+
 struct pointfile {
     const char *name; /* for errors; borrowed */
     char format;      /* 'a' (text), 'f' or 'd' */
