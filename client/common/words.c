@@ -16,12 +16,6 @@ enum {
     MOST_EXPANSIONS = 1000 /* a file that names itself ends here */
 };
 
-static int
-no_memory(struct rad_error *err)
-{
-    return rad_fail(err, RAD_ENOMEM, "out of memory");
-}
-
 /* Make room for n words and a NULL. */
 static int
 reserve(struct words *w, int n, struct rad_error *err)
@@ -37,7 +31,7 @@ reserve(struct words *w, int n, struct rad_error *err)
         return 0;
     list = rad_arena_alloc(&w->arena, (size_t)room * sizeof *list);
     if (!list)
-        return no_memory(err);
+        return rad_fail_memory(err);
     if (w->n > 0)
         memcpy(list, w->list, (size_t)w->n * sizeof *list);
     list[w->n] = NULL;
@@ -138,7 +132,7 @@ read_text(struct words *w, const char *path, char **text, struct rad_error *err)
     buf = malloc(LONGEST_FILE + 1);
     if (!buf) {
         fclose(f);
-        return no_memory(err);
+        return rad_fail_memory(err);
     }
     n = fread(buf, 1, LONGEST_FILE + 1, f);
     if (ferror(f))
@@ -147,7 +141,7 @@ read_text(struct words *w, const char *path, char **text, struct rad_error *err)
     else if (n > LONGEST_FILE || memchr(buf, '\0', n))
         rc = rad_fail(err, RAD_EUSAGE, "'%s' is not an options file", path);
     else if (!(*text = rad_arena_strndup(&w->arena, buf, n)))
-        rc = no_memory(err);
+        rc = rad_fail_memory(err);
     else
         rc = inputs_add_fd(&w->inputs, "a file of options", fileno(f), err);
     if (rc == 0)
@@ -166,7 +160,7 @@ read_variable(struct words *w, const char *name, char **text,
     if (!value)
         return rad_fail(err, RAD_EUSAGE, "variable '%s' is not set", name);
     *text = rad_arena_strndup(&w->arena, value, strlen(value));
-    return *text ? 0 : no_memory(err);
+    return *text ? 0 : rad_fail_memory(err);
 }
 
 int

@@ -32,12 +32,6 @@ struct unit {
 enum { LINES_AFTER = 5 };
 
 static int
-no_memory(struct rad_error *err)
-{
-    return rad_fail(err, RAD_ENOMEM, "out of memory");
-}
-
-static int
 unpack_unit(const json_t *json, struct unit *u, struct rad_error *err)
 {
     json_int_t rays;
@@ -128,7 +122,7 @@ make_rows(struct costs *c, const uint64_t *pixels, struct rad_error *err)
             return rad_fail(err, RAD_EDATA, "statistics of too many rows");
         f->row = calloc(f->height, sizeof *f->row);
         if (!f->row)
-            return no_memory(err);
+            return rad_fail_memory(err);
     }
     return 0;
 }
@@ -169,7 +163,7 @@ keep_windows(struct costs *c, const struct unit *u, size_t n, json_int_t first,
             continue;
         f->window = calloc(n, sizeof *f->window);
         if (!f->window)
-            return no_memory(err);
+            return rad_fail_memory(err);
     }
     for (size_t i = 0; i < n; i++) {
         struct costs_frame *f = frame_of(c, first, u[i].frame);
@@ -284,7 +278,7 @@ take_lines(struct costs *c, uint32_t k, const json_t *list,
     struct rad_quincunx q = sampler_of(f->width, f->height, c->ystep);
     size_t n = (size_t)rad_quincunx_nbases(&q);
     double *line = malloc(n * sizeof *line);
-    int rc = line ? read_lines(list, line, n, err) : no_memory(err);
+    int rc = line ? read_lines(list, line, n, err) : rad_fail_memory(err);
 
     for (size_t i = 0; i < nunits && rc == 0; i++)
         if (u[i].frame - first == k &&
@@ -325,7 +319,7 @@ take_units(struct costs *c, struct unit *u, size_t n, const json_t *line_s,
             first = u[i].frame;
     weigh(u, n);
     c->frames = calloc(c->nframes, sizeof *c->frames);
-    rc = pixels && c->frames ? 0 : no_memory(err);
+    rc = pixels && c->frames ? 0 : rad_fail_memory(err);
     if (rc == 0)
         rc = measure_frames(c, u, n, first, pixels, err);
     if (rc == 0)
@@ -346,7 +340,7 @@ take_list(struct costs *c, const json_t *list, const json_t *line_s,
 {
     size_t n = json_array_size(list);
     struct unit *u = calloc(n + 1, sizeof *u);
-    int rc = u ? 0 : no_memory(err);
+    int rc = u ? 0 : rad_fail_memory(err);
 
     for (size_t i = 0; i < n && rc == 0; i++)
         rc = unpack_unit(json_array_get(list, i), &u[i], err);
@@ -501,7 +495,7 @@ costs_of_lines(const struct costs *c, const struct msg_frame *frames,
                         MSG_MAX_COSTS, (unsigned long long)lines);
     *bytes = to = malloc(lines * sizeof(float));
     if (!to)
-        return no_memory(err);
+        return rad_fail_memory(err);
     for (uint32_t k = 0; k < nframes; k++) {
         struct rad_quincunx q =
             sampler_of(frames[k].width, frames[k].height, c->ystep);

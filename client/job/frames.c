@@ -15,12 +15,6 @@
 
 enum { LONGEST_VIEWS = 64 << 20 /* most bytes of a views file */ };
 
-static int
-no_memory(struct rad_error *err)
-{
-    return rad_fail(err, RAD_ENOMEM, "out of memory");
-}
-
 /* Make room for one more frame. */
 static int
 reserve(struct frames *f, struct rad_error *err)
@@ -34,7 +28,7 @@ reserve(struct frames *f, struct rad_error *err)
         return rad_fail(err, RAD_EUSAGE, "more than %d views", MSG_MAX_FRAMES);
     list = rad_arena_calloc(&f->arena, room, sizeof *list);
     if (!list)
-        return no_memory(err);
+        return rad_fail_memory(err);
     if (f->n > 0)
         memcpy(list, f->list, f->n * sizeof *list);
     f->list = list;
@@ -90,7 +84,7 @@ add(struct frames *f, const struct submit_options *o,
     frame->height = (uint32_t)height;
     frame->view = rad_arena_strndup(&f->arena, text, strlen(text));
     if (!frame->view)
-        return no_memory(err);
+        return rad_fail_memory(err);
     f->n++;
     return 0;
 }
@@ -206,14 +200,14 @@ frames_init_views(struct frames *f, const struct submit_options *o,
     rad_arena_init(&f->arena);
     f->names = rad_arena_calloc(&f->arena, (size_t)n, sizeof *f->names);
     if (!f->names)
-        return no_memory(err);
+        return rad_fail_memory(err);
     for (int i = 0; i < n && rc == 0; i++) {
         rc = add(f, o, &views[i].view, views[i].number, err);
         if (rc < 0)
             rad_error_where(err, "view '%.60s'", views[i].name);
         else if (!(f->names[i] = rad_arena_strndup(&f->arena, views[i].name,
                                                    strlen(views[i].name))))
-            rc = no_memory(err);
+            rc = rad_fail_memory(err);
     }
     return rc;
 }
@@ -229,7 +223,7 @@ frames_name(const struct frames *f, const struct submit_options *o,
         return outname_frame(name, pattern, (int)f->list[frame].number, true,
                              err);
     *name = strdup(pattern);
-    return *name ? 0 : no_memory(err);
+    return *name ? 0 : rad_fail_memory(err);
 }
 
 void

@@ -44,12 +44,6 @@ static const struct {
     { "ZONE", 2, KIND_ONE },
 };
 
-static int
-no_memory(struct rad_error *err)
-{
-    return rad_fail(err, RAD_ENOMEM, "out of memory");
-}
-
 const char *
 rif_variable(enum rif_var v)
 {
@@ -77,7 +71,7 @@ enter(struct rif *r, enum rif_var v, const char *text, size_t len, int line,
         return rad_fail(err, RAD_EDATA, "more than %d assignments",
                         RIF_MAX_VALUES);
     if (!value || !(value->text = rad_arena_strndup(&r->arena, text, len)))
-        return no_memory(err);
+        return rad_fail_memory(err);
     value->line = line;
     if (r->last[v])
         r->last[v]->next = value;
@@ -157,7 +151,7 @@ rif_parse(struct rif *r, const char *name, const char *text, size_t len,
     rad_arena_init(&r->arena);
     r->name = name;
     if (!buf)
-        return no_memory(err);
+        return rad_fail_memory(err);
     if (len > RIF_MAX_BYTES || memchr(text, '\0', len)) {
         rad_error_where(err, "%s", name);
         rc = rad_fail(err, RAD_EDATA, "no text, or more than %d bytes",
@@ -319,7 +313,7 @@ add_words(struct rif *r, char **list, int *n, const char *text,
     char *to = rad_arena_alloc(&r->arena, strlen(text) + 1);
 
     if (!to)
-        return no_memory(err);
+        return rad_fail_memory(err);
     for (;;) {
         while (isspace((unsigned char)*text))
             text++;
@@ -338,7 +332,7 @@ rif_split(struct rif *r, const char *text, char ***words, struct rad_error *err)
 
     *words = rad_arena_calloc(&r->arena, strlen(text) / 2 + 2, sizeof **words);
     if (!*words)
-        return no_memory(err);
+        return rad_fail_memory(err);
     rc = add_words(r, *words, &n, text, err);
     return rc < 0 ? rc : n;
 }
@@ -353,7 +347,7 @@ rif_words(struct rif *r, enum rif_var v, char ***words, struct rad_error *err)
         room += strlen(i->text) / 2 + 1;
     *words = rad_arena_calloc(&r->arena, room, sizeof **words);
     if (!*words)
-        return no_memory(err);
+        return rad_fail_memory(err);
     for (const struct rif_value *i = r->first[v]; i; i = i->next) {
         int rc = add_words(r, *words, &n, i->text, err);
 

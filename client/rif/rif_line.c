@@ -9,12 +9,6 @@
 #include <stdio.h>
 #include <string.h>
 
-static int
-no_memory(const struct rif_line *l)
-{
-    return rad_fail(l->err, RAD_ENOMEM, "out of memory");
-}
-
 int
 rif_line_add(struct rif_line *l, const char *word)
 {
@@ -24,14 +18,14 @@ rif_line_add(struct rif_line *l, const char *word)
             rad_arena_calloc(&l->rif->arena, (size_t)room, sizeof *list);
 
         if (!list)
-            return no_memory(l);
+            return rad_fail_memory(l->err);
         if (l->n > 0)
             memcpy(list, l->list, (size_t)l->n * sizeof *list);
         l->list = list;
         l->room = room;
     }
     if (!word)
-        return no_memory(l);
+        return rad_fail_memory(l->err);
     l->list[l->n++] = (char *)word; /* words are only read */
     return 0;
 }
@@ -135,7 +129,7 @@ note_options(struct rif_line *l, int first)
         room += strlen(l->list[i]) + 1;
     text = rad_arena_alloc(&l->rif->arena, room);
     if (!text)
-        return no_memory(l);
+        return rad_fail_memory(l->err);
     for (int i = first; i < l->n; i++) {
         const char *w = l->list[i];
         bool option = w[0] == '@' || (w[0] == '-' && w[1] >= 'A');

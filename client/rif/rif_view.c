@@ -11,12 +11,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-static int
-no_memory(struct rad_error *err)
-{
-    return rad_fail(err, RAD_ENOMEM, "out of memory");
-}
-
 /* UP: 1, 2, 3 for X, Y, Z, negative: downwards; 0: not given. */
 static int
 up_axis(const struct rif *r, int *axis, struct rad_error *err)
@@ -130,7 +124,7 @@ set_words(struct rif *r, const struct rif_zone *z, struct rif_view *v,
     if (rc < 0)
         return rc;
     if (!buf)
-        return no_memory(err);
+        return rad_fail_memory(err);
     if (text[0] == '-')
         snprintf(buf, room, "%s", text);
     else if (standard(text, len, side, &type))
@@ -161,7 +155,7 @@ take(struct rif *r, const struct rif_zone *z, const struct rif_value *value,
     v->name = text[0] == '-'
                   ? rad_arena_strndup(&r->arena, number, strlen(number))
                   : rad_arena_strndup(&r->arena, text, strcspn(text, " \t\n"));
-    rc = v->name ? set_words(r, z, v, text, err) : no_memory(err);
+    rc = v->name ? set_words(r, z, v, text, err) : rad_fail_memory(err);
     if (rc < 0 && value->line > 0)
         rad_error_where(err, "%s:%d", r->name, value->line);
     return rc;
@@ -275,7 +269,7 @@ rif_views(struct rif *r, const struct rif_zone *z, const char *which,
 
     *list = rad_arena_calloc(&r->arena, (size_t)r->nvalues + 1, sizeof **list);
     if (!*list)
-        return no_memory(err);
+        return rad_fail_memory(err);
     if (which) {
         rc = choose(r, z, which, *list, err);
         return rc < 0 ? rc : 1;

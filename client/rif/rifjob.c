@@ -22,12 +22,6 @@
 
 enum { MOST_NOTES = 32 };
 
-static int
-no_memory(struct rad_error *err)
-{
-    return rad_fail(err, RAD_ENOMEM, "out of memory");
-}
-
 /* Format a text in the arena; NULL: memory is out. */
 __attribute__((format(printf, 2, 3))) static char *
 format(struct rifjob *j, const char *fmt, ...)
@@ -59,7 +53,7 @@ note(struct rifjob *j, enum rif_var v, const char *what, struct rad_error *err)
     else
         text = format(j, "%s: %s: %s", j->rif.name, rif_variable(v), what);
     if (!text)
-        return no_memory(err);
+        return rad_fail_memory(err);
     if (j->nnotes < MOST_NOTES)
         j->notes[j->nnotes++] = text;
     return 0;
@@ -121,7 +115,7 @@ take_octree(struct rifjob *j, char *octree, struct rad_error *err)
 {
     j->scenes = rad_arena_calloc(&j->rif.arena, 2, sizeof *j->scenes);
     if (!octree || !j->scenes)
-        return no_memory(err);
+        return rad_fail_memory(err);
     j->scenes[0] = octree;
     j->nscenes = 1;
     return 0;
@@ -144,7 +138,7 @@ take_files(struct rifjob *j, struct rad_error *err)
     j->scenes =
         rad_arena_calloc(&j->rif.arena, (size_t)total + 1, sizeof *j->scenes);
     if (!j->scenes)
-        return no_memory(err);
+        return rad_fail_memory(err);
     for (int i = 0; i < 3; i++)
         for (int k = 0; k < n[i]; k++)
             j->scenes[j->nscenes++] = words[i][k];
@@ -162,7 +156,7 @@ take_illum(struct rifjob *j, const char *octree, struct rad_error *err)
     int rc = scene_time(j, &when, err);
 
     if (rc < 0 || !made)
-        return rc < 0 ? rc : no_memory(err);
+        return rc < 0 ? rc : rad_fail_memory(err);
     if (stat(made, &st) == 0 && st.st_mtime >= when)
         return take_octree(j, made, err);
     if (!is_given(j, RIF_SCENE) && access(octree, R_OK) == 0)
@@ -196,7 +190,7 @@ find_scene(struct rifjob *j, struct rad_error *err)
     if (!octree)
         octree = format(j, "%s.oct", root_name(j));
     if (!octree)
-        return no_memory(err);
+        return rad_fail_memory(err);
     if (is_given(j, RIF_ILLUM))
         return take_illum(j, octree, err);
     if (is_given(j, RIF_SCENE))
@@ -371,7 +365,7 @@ rifjob_begin(struct rifjob *j, struct submit_options *o, struct words *w,
         return rc;
     j->notes = rad_arena_calloc(&j->rif.arena, MOST_NOTES, sizeof *j->notes);
     if (!j->notes)
-        return no_memory(err);
+        return rad_fail_memory(err);
     if ((rc = check_rest(j, err)) < 0 || (rc = find_scene(j, err)) < 0)
         return rc;
     rc = inputs_add(&w->inputs, "the file of variables", j->rif.name, err);
@@ -409,7 +403,7 @@ add_file(struct rif_line *l, struct rifjob *j, const struct submit_options *o,
         return rc;
     root = root_name(j);
     return root ? rif_line_outputs(l, root, (enum picfile_format)o->format)
-                : no_memory(l->err);
+                : rad_fail_memory(l->err);
 }
 
 /* Make the command line of one view: its options, the file's, those of the real
@@ -551,7 +545,7 @@ rifjob_finish(struct rifjob *j, struct submit_options *o, struct words *w,
     j->nviews = rc;
     j->views = rad_arena_calloc(&j->rif.arena, (size_t)rc, sizeof *j->views);
     if (!j->views)
-        return no_memory(err);
+        return rad_fail_memory(err);
     rc = 0;
     for (int i = 0; i < j->nviews && rc == 0; i++)
         rc = take_view(j, o, w, i, &zone, &views[i], err);

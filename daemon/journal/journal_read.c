@@ -151,12 +151,6 @@ get_unit(const struct reading *r, sqlite3_stmt *s, struct saved_unit *u)
     return !done || get_counts(&u->counts, counts, ncounts);
 }
 
-static int
-no_memory(struct rad_error *err)
-{
-    return rad_fail(err, RAD_ENOMEM, "out of memory");
-}
-
 /* Own what the row lent. */
 static int
 copy_unit(struct reading *r, struct saved_unit *u)
@@ -164,7 +158,9 @@ copy_unit(struct reading *r, struct saved_unit *u)
     u->worker = rad_arena_strndup(&r->mem, u->worker, strlen(u->worker));
     if (u->nbottom > 0)
         u->bottom = rad_arena_dup(&r->mem, u->bottom, u->nbottom);
-    return u->worker && (u->bottom || u->nbottom == 0) ? 0 : no_memory(r->err);
+    return u->worker && (u->bottom || u->nbottom == 0)
+               ? 0
+               : rad_fail_memory(r->err);
 }
 
 static int
@@ -173,7 +169,7 @@ add_unit(struct reading *r, sqlite3_stmt *s)
     struct saved_unit *u;
 
     if (!rad_list_grow(&r->units, r->saved.nunits, sizeof *u))
-        return no_memory(r->err);
+        return rad_fail_memory(r->err);
     u = &r->units[r->saved.nunits];
     memset(u, 0, sizeof *u);
     if (!get_unit(r, s, u))
@@ -295,13 +291,13 @@ get_spec(struct reading *r, sqlite3_stmt *s)
     rc = msg_unpack_as(JOURNAL_LAYOUT, &r->spec, MSG_SUBMIT, 0, spec, nspec,
                        NULL);
     if (rc < 0)
-        return rc == RAD_ENOMEM ? no_memory(r->err)
+        return rc == RAD_ENOMEM ? rad_fail_memory(r->err)
                                 : bad(r->err, "the specification", r->n);
     r->saved.spec = r->spec.submit;
     if (memcmp(r->saved.spec.job, id, MSG_JOB) != 0)
         return bad(r->err, "the id", r->n);
     r->frames = calloc(r->saved.spec.nframes, sizeof *r->frames);
-    return r->frames ? 0 : no_memory(r->err);
+    return r->frames ? 0 : rad_fail_memory(r->err);
 }
 
 /* That of its SUBMIT, unless it was changed. */

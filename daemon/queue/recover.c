@@ -36,12 +36,6 @@ struct recovery {
 };
 
 static int
-no_memory(struct rad_error *err)
-{
-    return rad_fail(err, RAD_ENOMEM, "out of memory");
-}
-
-static int
 damaged(const struct recovery *r, const char *what, uint32_t number)
 {
     return rad_fail(r->err, RAD_EDATA, "job %s: %s %u does not fit",
@@ -92,11 +86,12 @@ take_unit(const struct recovery *r, const struct saved_unit *s)
     if (!fits(job, s))
         return damaged(r, "unit", s->unit);
     if (!unit_grow(job))
-        return no_memory(r->err);
+        return rad_fail_memory(r->err);
     u = &job->units[s->unit];
     u->worker = worker_of(r, s);
     if (u->worker == JOB_NOBODY && (s->worker[0] || s->stored > 0))
-        return s->worker[0] ? no_memory(r->err) : damaged(r, "unit", s->unit);
+        return s->worker[0] ? rad_fail_memory(r->err)
+                            : damaged(r, "unit", s->unit);
     u->lead = s->attempt;
     if (s->attempt > u->attempt)
         u->attempt = s->attempt;
@@ -162,7 +157,7 @@ put_bottom(const struct recovery *r, const struct saved_unit *s)
         return damaged(r, "the base line of unit", s->unit);
     pixels = malloc((size_t)s->area.width * channels * 4);
     if (!pixels)
-        return no_memory(r->err);
+        return rad_fail_memory(r->err);
     m.line = line;
     m.pixels = pixels;
     if (r->row(r->arg, job->id, s->area.frame, y, pixels))
@@ -231,7 +226,7 @@ take_up(const struct recovery *r)
     int rc = take_units(r);
 
     if (rc == 0 && !kept_copy(&job->kept, r->s))
-        rc = no_memory(r->err);
+        rc = rad_fail_memory(r->err);
     if (rc == 0)
         rc = stages_take_up(r->c, job, r->err);
     if (rc == 0)
@@ -310,12 +305,12 @@ recover_job(struct coord *c, uint64_t now_ms, const struct saved_job *s,
     r.job = job_new(&s->spec, s->owner);
     if (!r.job || !coord_add_job(c, r.job)) {
         coord_free_job(r.job);
-        return no_memory(err);
+        return rad_fail_memory(err);
     }
     take_times(r.job, now_ms, s);
     r.job->lives = s->lives + 1;
     if (!known_name(&r.job->payer->files, &r.job->spec.files))
-        return no_memory(err);
+        return rad_fail_memory(err);
     if (s->state >= JOB_DONE) {
         take_filed(&r);
         return 0;
@@ -333,7 +328,7 @@ recover_drained(struct coord *c, uint64_t now_ms, const char *name,
     c->now_ms = now_ms;
     w = coord_worker_of(c, name);
     if (!w)
-        return no_memory(err);
+        return rad_fail_memory(err);
     w->drained = true;
     return 0;
 }

@@ -44,6 +44,12 @@ rad_fail(struct rad_error *err, int code, const char *fmt, ...)
     return code;
 }
 
+int
+rad_fail_memory(struct rad_error *err)
+{
+    return rad_fail(err, RAD_ENOMEM, "out of memory");
+}
+
 void
 rad_error_where(struct rad_error *err, const char *fmt, ...)
 {

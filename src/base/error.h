@@ -44,6 +44,9 @@ struct rad_error {
 int rad_fail(struct rad_error *err, int code, const char *fmt, ...)
     __attribute__((format(printf, 3, 4)));
 
+/* The same with RAD_ENOMEM: "out of memory". */
+int rad_fail_memory(struct rad_error *err);
+
 /* Set `where` if it is still empty; for callers that pass a failure up. */
 void rad_error_where(struct rad_error *err, const char *fmt, ...)
     __attribute__((format(printf, 2, 3)));

@@ -40,7 +40,7 @@ bad_tree(struct source *in, const char *what)
 static struct bsdf_node *
 no_memory(struct source *in)
 {
-    in->rc = rad_fail(in->err, RAD_ENOMEM, "out of memory");
+    in->rc = rad_fail_memory(in->err);
     return NULL;
 }
 
