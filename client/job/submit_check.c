@@ -161,7 +161,7 @@ hinders_planes(const struct submit_options *o)
 static int
 check_planes(const struct submit_options *o, struct rad_error *err)
 {
-    const char *not = hinders_planes(o);
+    const char *other = hinders_planes(o);
     bool spectra = submit_options_spectra(o);
 
     if (submit_options_planes(o) == 1)
@@ -171,10 +171,10 @@ check_planes(const struct submit_options *o, struct rad_error *err)
                               "use -cs N",
                               o->output)
                    : 0;
-    if (not )
+    if (other)
         return rad_fail(err, RAD_EUSAGE,
                         "%s does not go with more than three bands (-cs %d)%s",
-                        not, o->params.bands.n,
+                        other, o->params.bands.n,
                         submit_options_goal(o)
                             ? ": each three would choose options of their own"
                             : "");
@@ -214,13 +214,13 @@ hinders_goal(const struct submit_options *o)
 static int
 check_goal(const struct submit_options *o, struct rad_error *err)
 {
-    const char *goal = o->error > 0 ? "--error" : "--time", *not ;
+    const char *goal = o->error > 0 ? "--error" : "--time";
+    const char *other = hinders_goal(o);
 
     if (!submit_options_goal(o))
         return 0;
-    not = hinders_goal(o);
-    if (not )
-        return rad_fail(err, RAD_EUSAGE, "%s does not go with %s", goal, not );
+    if (other)
+        return rad_fail(err, RAD_EUSAGE, "%s does not go with %s", goal, other);
     if (o->params.ambounce <= 0 || o->params.ambacc <= 0 ||
         o->params.ambdiv <= 0)
         return rad_fail(err, RAD_EUSAGE,
