@@ -95,12 +95,19 @@ tally_of(const struct render *r)
     return all;
 }
 
-void
-render_keep_tally(struct render *r)
+/* The same, with strict units brought up to date. */
+static struct pool_tally
+settled_tally(const struct render *r)
 {
     if (r->pool)
         pool_settle(r->pool);
-    r->past = tally_of(r);
+    return tally_of(r);
+}
+
+void
+render_keep_tally(struct render *r)
+{
+    r->past = settled_tally(r);
     r->past.rays_under_way = r->past.pixels_under_way = 0;
 }
 
@@ -108,12 +115,9 @@ void
 render_send_tally(struct render *r)
 {
     struct msg m = { .type = MSG_TALLY };
-    struct pool_tally did;
+    struct pool_tally did = settled_tally(r);
     struct rusage use;
 
-    if (r->pool)
-        pool_settle(r->pool);
-    did = tally_of(r);
     r->told_rays = did.rays_under_way;
     r->told_dropped = did.dropped.rays;
     r->told_ms = uv_now(&r->loop);
@@ -231,7 +235,7 @@ render_send_news(struct render *r)
     if (tally_of(r).dropped.rays != r->told_dropped)
         render_send_tally(r);
     if (pool_error(r->pool) < 0) {
-        rad_fail(&err, RAD_ENOMEM, "out of memory");
+        rad_fail_memory(&err);
         render_fail(r, &err);
     }
 }
