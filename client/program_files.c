@@ -243,7 +243,7 @@ program_write_stats_of_none(struct program *p)
     text = dryrun_json_of_none(&p->job.spec);
     rc = text ? rad_output_write(p->o.stats, text, strlen(text),
                                  !p->cluster.embedded, p->err)
-              : rad_fail(p->err, RAD_ENOMEM, "out of memory");
+              : rad_fail_memory(p->err);
     free(text);
     return rc;
 }

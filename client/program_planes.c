@@ -204,7 +204,7 @@ on_stats(void *arg, const uint8_t *json, size_t len, struct rad_error *err)
     text = json_dumps(all, JSON_INDENT(1));
     json_decref(all);
     rc = text ? s->own->stats(p, (const uint8_t *)text, strlen(text), err)
-              : rad_fail(err, RAD_ENOMEM, "out of memory");
+              : rad_fail_memory(err);
     free(text);
     return rc;
 }
@@ -315,7 +315,7 @@ begin(struct planes *s)
     }
     s->stats = json_array();
     if (rc == 0 && !s->stats)
-        rc = rad_fail(p->err, RAD_ENOMEM, "out of memory");
+        rc = rad_fail_memory(p->err);
     return rc;
 }
 

@@ -62,7 +62,7 @@ write_stats(struct program *p)
     char *text = json_dumps(all, JSON_INDENT(1));
     int rc = text ? rad_output_write(p->o.stats, text, strlen(text),
                                      !p->cluster.embedded, p->err)
-                  : rad_fail(p->err, RAD_ENOMEM, "out of memory");
+                  : rad_fail_memory(p->err);
 
     json_decref(all);
     free(text);

@@ -209,7 +209,7 @@ read_options(struct task *t, int argc, char **argv, struct rad_error *err)
     t->metric.down = t->metric.block = 1;
     t->file = calloc((size_t)argc + 1, sizeof *t->file);
     if (!t->file)
-        return rad_fail(err, RAD_ENOMEM, "out of memory");
+        return rad_fail_memory(err);
     for (int i = 1; i < argc; i += used) {
         if (argv[i][0] != '-') {
             t->file[t->nfiles++] = argv[i];
@@ -274,7 +274,7 @@ see(const struct rad_data *d, double exposure, struct rad_arena *arena,
     pic->pixaspect = 1;
     pic->L = calloc((size_t)n[0] * (size_t)n[1], sizeof *pic->L);
     if (!eye || !pic->L)
-        return rad_fail(err, RAD_ENOMEM, "out of memory");
+        return rad_fail_memory(err);
     for (int y = 0; y < n[0]; y++)
         for (int x = 0; x < n[1]; x++) {
             double sum[3] = { 0 };
@@ -401,7 +401,7 @@ sum_add(struct sum *sum, const struct rad_picture *pic, struct rad_error *err)
     if (!sum->rgb) {
         sum->rgb = calloc(n, 3 * sizeof *sum->rgb);
         if (!sum->rgb)
-            return rad_fail(err, RAD_ENOMEM, "out of memory");
+            return rad_fail_memory(err);
         sum->width = pic->width;
         sum->height = pic->height;
         sum->pixaspect = pic->pixaspect;
@@ -456,7 +456,7 @@ encode_mean(const struct sum *sum, const struct rad_sink *sink,
     struct rad_rgb *row = malloc(width * sizeof *row);
     uint8_t *code = malloc(RAD_HDR_ROW_BYTES(width));
     int rc = row && code ? rad_hdr_write_header(&info, sink, err)
-                         : rad_fail(err, RAD_ENOMEM, "out of memory");
+                         : rad_fail_memory(err);
 
     for (int y = 0; rc == 0 && y < sum->height; y++) {
         const double *rgb = sum->rgb + 3 * width * (size_t)y;

@@ -124,7 +124,7 @@ watch_signals(struct program_loop *l, struct rad_error *err)
     static const int which[] = { SIGINT, SIGTERM, SIGHUP };
 
     if (uv_loop_init(&l->uv) != 0)
-        return rad_fail(err, RAD_ENOMEM, "out of memory");
+        return rad_fail_memory(err);
     l->watched = true;
     signal(SIGPIPE, SIG_IGN);
     signal(SIGCHLD, SIG_DFL); /* ended processes must be waited for */
@@ -219,7 +219,7 @@ compile(struct program *p)
     uv_work_t work = { .data = &c };
 
     if (uv_queue_work(&p->loop.uv, &work, compile_work, compile_done) != 0)
-        return rad_fail(p->err, RAD_ENOMEM, "out of memory");
+        return rad_fail_memory(p->err);
     while (!c.done) {
         uv_run(&p->loop.uv, UV_RUN_ONCE);
         if (p->loop.interrupts > 0 && !c.done) {
@@ -437,7 +437,7 @@ run_dry(struct program *p)
         return 0;
     json = dryrun_json(&p->job.spec, p->job.options, &p->prediction, &c);
     rc = json ? program_on_stats(p, (const uint8_t *)json, strlen(json), p->err)
-              : rad_fail(p->err, RAD_ENOMEM, "out of memory");
+              : rad_fail_memory(p->err);
     free(json);
     return rc;
 }

@@ -142,7 +142,7 @@ prepare_planes(struct planes *p, const struct rays_options *o,
     if (p->bands.n > 3 && !o->spectral) {
         p->eye = rad_spectrum_new(&p->arena, p->bands.n, p->bands.longest,
                                   p->bands.shortest, &colours);
-        rc = p->eye ? 0 : rad_fail(err, RAD_ENOMEM, "out of memory");
+        rc = p->eye ? 0 : rad_fail_memory(err);
     }
     for (int i = 0; rc == 0 && i < rad_bands_planes(&p->bands); i++)
         rc = add_plane(p, o->params, scene, files, err);

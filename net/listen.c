@@ -323,7 +323,7 @@ listener_open(uv_loop_t *loop, const char *where,
         return NULL;
     l = new_listener(&a, conf);
     if (!l) {
-        rad_fail(err, RAD_ENOMEM, "out of memory");
+        rad_fail_memory(err);
         return NULL;
     }
     l->fd = open_socket(l, where, err);

@@ -299,7 +299,7 @@ tls_put(struct tls *t, const void *p, size_t n, struct rad_error *err)
     if (n > TLS_MARK || BIO_ctrl_pending(t->in) > TLS_MARK - n)
         return rad_fail(err, RAD_EPROTO, "too many bytes wait to be read");
     if (n > 0 && BIO_write(t->in, p, (int)n) != (int)n)
-        return rad_fail(err, RAD_ENOMEM, "out of memory");
+        return rad_fail_memory(err);
     return 0;
 }
 
@@ -488,7 +488,7 @@ tls_seal(struct tls *t, const void *p, size_t len, size_t head, size_t *n,
 
     *n = 0;
     if (!block) {
-        rad_fail(err, RAD_ENOMEM, "out of memory");
+        rad_fail_memory(err);
         return NULL;
     }
     rc = tls_seal_into(t, p, len, block + head, err);

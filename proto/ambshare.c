@@ -139,7 +139,7 @@ ambshare_load(struct rad_ambient *amb, const void *bytes, size_t len,
         if (!ambshare_unpack(&in, &rec) || !rad_ambient_insert(amb, &rec))
             refused++;
     if (!rad_ambient_settle(amb))
-        return rad_fail(err, RAD_ENOMEM, "out of memory");
+        return rad_fail_memory(err);
     return refused == 0
                ? 0
                : rad_fail(err, RAD_EDATA,

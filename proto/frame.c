@@ -72,7 +72,7 @@ fill(struct frame_reader *r, size_t want, const uint8_t **data, size_t *n,
             cap *= 2;
         p = realloc(r->buf, cap);
         if (!p)
-            return rad_fail(err, RAD_ENOMEM, "out of memory");
+            return rad_fail_memory(err);
         r->buf = p;
         r->cap = cap;
     }

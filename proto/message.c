@@ -153,7 +153,7 @@ msg_unpack_as(unsigned version, struct msg *m, uint16_t type, uint32_t request,
     in.version = version;
     row->unpack(&in, m);
     if (in.nomem)
-        return rad_fail(err, RAD_ENOMEM, "out of memory");
+        return rad_fail_memory(err);
     if (in.bad)
         return rad_fail(err, RAD_EPROTO, "malformed %s of %zu bytes", row->name,
                         n);

@@ -262,7 +262,7 @@ msg_views_unpack(struct msg *m, struct msg_spec *spec, const uint8_t *bytes,
     in.version = MSG_VERSION;
     code_views(&c, &read);
     if (in.nomem)
-        return rad_fail(err, RAD_ENOMEM, "out of memory");
+        return rad_fail_memory(err);
     if (in.bad || wire_left(&in) > 0)
         return rad_fail(err, RAD_EDATA, "the list of frames is malformed");
     if (!views_fit(spec, &read))

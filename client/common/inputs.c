@@ -24,7 +24,7 @@ add(struct inputs *in, const char *what, const struct stat *st,
     if (!S_ISREG(st->st_mode) || find(in, st))
         return 0;
     if (!rad_list_grow(&in->list, in->n, sizeof *in->list))
-        return rad_fail(err, RAD_ENOMEM, "out of memory");
+        return rad_fail_memory(err);
     in->list[in->n++] = (struct input){ st->st_dev, st->st_ino, what };
     return 0;
 }

@@ -39,7 +39,7 @@ outname_frame(char **name, const char *pattern, int frame, bool need,
     int width, found = 0;
 
     if (!buf)
-        return rad_fail(err, RAD_ENOMEM, "out of memory");
+        return rad_fail_memory(err);
     for (const char *s = pattern; *s;) {
         if (*s != '%') {
             buf[used++] = *s++;
@@ -76,7 +76,7 @@ outname_view(char **name, const char *pattern, const char *view, bool need,
     int found = 0;
 
     if (!buf)
-        return rad_fail(err, RAD_ENOMEM, "out of memory");
+        return rad_fail_memory(err);
     for (const char *s = pattern; *s; s++) {
         if (*s != '%') {
             buf[used++] = *s;

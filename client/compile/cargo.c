@@ -23,7 +23,7 @@ cargo_init(struct cargo *c, const struct rad_bundle *bundle, const char *dir,
     c->manifest = rad_bundle_format(bundle, &c->manifest_len);
     c->hashes = calloc((size_t)bundle->n + 1, MSG_HASH);
     if (!c->manifest || !c->hashes) {
-        rc = rad_fail(err, RAD_ENOMEM, "out of memory");
+        rc = rad_fail_memory(err);
     } else {
         rc = rad_sha_hex(c->manifest, c->manifest_len, hex, err);
     }
@@ -55,7 +55,7 @@ read_manifest(const struct cargo *c, unsigned char **bytes, size_t *len,
 {
     *bytes = malloc(c->manifest_len + 1);
     if (!*bytes)
-        return rad_fail(err, RAD_ENOMEM, "out of memory");
+        return rad_fail_memory(err);
     memcpy(*bytes, c->manifest, c->manifest_len);
     *len = c->manifest_len;
     return 0;

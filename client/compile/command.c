@@ -164,7 +164,7 @@ command_start(const char *text, const char *folder, struct rad_error *err)
 
     if (!c || !(c->text = strdup(text))) {
         free(c);
-        rad_fail(err, RAD_ENOMEM, "out of memory");
+        rad_fail_memory(err);
         return NULL;
     }
     rc = pipe2(fd, O_CLOEXEC) ? errno : 0;

@@ -51,7 +51,7 @@ freeze(struct compiled *c, const char *name, const void *bytes, size_t len,
                       "instances are nested more than %d files deep",
                       RAD_MAX_PART_DEPTH);
     else if (!folder || !in.scene)
-        rc = rad_fail(err, RAD_ENOMEM, "out of memory");
+        rc = rad_fail_memory(err);
     else
         rc = rad_octfile_read_as(in.scene, &how, &stream, name, err);
     c->paths = in.paths; /* reading may have added folders */
@@ -89,7 +89,7 @@ add_frozen(struct compiled *c, const char *name, const void *bytes, size_t len,
     if (f)
         f->name = strdup(name);
     if (!f || !f->name)
-        rad_fail(err, RAD_ENOMEM, "out of memory");
+        rad_fail_memory(err);
     if (f && (!f->name || freeze(c, name, bytes, len, &f->file, err))) {
         free(f->name);
         free(f->file.bytes);
@@ -124,7 +124,7 @@ copy_frozen(const struct frozen *f, size_t *len, struct rad_error *err)
     if (!f)
         return NULL;
     if (!copy) {
-        rad_fail(err, RAD_ENOMEM, "out of memory");
+        rad_fail_memory(err);
         return NULL;
     }
     memcpy(copy, f->file.bytes, f->file.len);
@@ -177,7 +177,7 @@ visit_files(struct compiled *c, const struct reading *r,
     int first = 0;
 
     if (!reached)
-        return rad_fail(err, RAD_ENOMEM, "out of memory");
+        return rad_fail_memory(err);
     rad_scene_reach(s, reached);
     for (int32_t i = 0; i < s->nobjects && (r->each || !first); i++)
         for (int k = 0; (reached[i] || r->each) &&
@@ -335,8 +335,7 @@ read_scene(struct compiled *c, const char *const *files, int n, bool commands,
     rad_octree_init(&c->octree);
     rad_bundle_init(&c->bundle);
     c->scene = rad_scene_new();
-    rc = c->scene ? paths_init(&c->paths, err)
-                  : rad_fail(err, RAD_ENOMEM, "out of memory");
+    rc = c->scene ? paths_init(&c->paths, err) : rad_fail_memory(err);
     for (int i = 0; c->paths.raypath && i < n && (r->each || !rc); i++) {
         int now = files[i][0] == '!' ? reading_command(r, files[i], err)
                                      : reading_file(r, files[i], n == 1, err);
@@ -473,7 +472,7 @@ compile_name(const struct compiled *c, char hex[RAD_SHA_HEX + 1],
     int rc;
 
     if (!text)
-        return rad_fail(err, RAD_ENOMEM, "out of memory");
+        return rad_fail_memory(err);
     rc = rad_sha_hex(text, len, hex, err);
     free(text);
     return rc;

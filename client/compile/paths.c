@@ -16,7 +16,7 @@
 static int
 out_of_memory(struct rad_error *err)
 {
-    return rad_fail(err, RAD_ENOMEM, "out of memory");
+    return rad_fail_memory(err);
 }
 
 int

@@ -58,7 +58,7 @@ open_source(struct source *src, const char *file, struct rad_error *err)
                         strerror(errno));
     src->folder = standard ? strdup(".") : paths_folder_of(file);
     if (!src->folder)
-        return rad_fail(err, RAD_ENOMEM, "out of memory");
+        return rad_fail_memory(err);
     while (src->len < sizeof src->head) {
         long n = in.read(in.arg, src->head + src->len,
                          sizeof src->head - src->len, err);
@@ -253,7 +253,7 @@ reading_file(struct reading *r, const char *file, bool alone,
     int rc;
 
     if (!src)
-        return rad_fail(err, RAD_ENOMEM, "out of memory");
+        return rad_fail_memory(err);
     rc = open_source(src, file, &now);
     if (!rc)
         rc = paths_add_file(paths, file, &now);

@@ -435,7 +435,7 @@ run(struct ctl *c)
     if (!named)
         target_default(&c->to);
     if (uv_loop_init(&c->loop) != 0)
-        return rad_fail(c->err, RAD_ENOMEM, "out of memory");
+        return rad_fail_memory(c->err);
     c->start_ms = uv_now(&c->loop);
     rc = ctl_connect(c);
     if (rc == RAD_EUNAVAIL && !named)

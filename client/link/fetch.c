@@ -29,7 +29,7 @@ take_chunk(struct fetched *f, const struct msg_chunk *c, struct rad_error *err)
         uint8_t *p = realloc(f->bytes, cap);
 
         if (!p)
-            return rad_fail(err, RAD_ENOMEM, "out of memory");
+            return rad_fail_memory(err);
         f->bytes = p;
         f->cap = cap;
     }

@@ -282,12 +282,12 @@ run_all(struct launch *l, const char *line, struct rad_error *err)
     env = programs_environment(setting);
     l->v = calloc((size_t)times, sizeof *l->v);
     if (!env || !l->v)
-        rc = rad_fail(err, RAD_ENOMEM, "out of memory");
+        rc = rad_fail_memory(err);
     for (int i = 1; rc == 0 && i <= times; i++) {
         char *text = launch_command(l->order.command, i), *whole = NULL;
 
         if (!text || asprintf(&whole, "%s \"$@\"", text) < 0)
-            rc = rad_fail(err, RAD_ENOMEM, "out of memory");
+            rc = rad_fail_memory(err);
         else
             rc = run_command(l, whole, line, env, err);
         free(text);
@@ -309,7 +309,7 @@ launch_start(struct launch **out, struct local *local,
     int rc;
 
     if (!l)
-        return rad_fail(err, RAD_ENOMEM, "out of memory");
+        return rad_fail_memory(err);
     l->local = local;
     l->order = *order;
     snprintf(path, sizeof path, "%s/keys", local_folder(local));

@@ -89,7 +89,7 @@ lost(const struct link *l, struct rad_error *err)
                         "the coordinator at '%s' does not answer", l->name);
     case UV_ENOMEM:
     case RAD_ENOMEM:
-        return rad_fail(err, RAD_ENOMEM, "out of memory");
+        return rad_fail_memory(err);
     case RAD_EPROTO:
         if (l->why.where[0]) { /* an error of a message, not of TLS */
             rad_fail(err, code, "%s", l->why.what);
@@ -431,7 +431,7 @@ link_open(struct link **out, const struct link_where *where,
 
     *out = NULL;
     if (!l)
-        return rad_fail(err, RAD_ENOMEM, "out of memory");
+        return rad_fail_memory(err);
     l->until_ms = uv_now(where->loop) + (uint64_t)timeout_ms;
     rc = connect_to(l, to, role, err);
     if (rc == 0)

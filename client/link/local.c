@@ -133,7 +133,7 @@ local_new(struct local **out, struct rad_error *err)
 
     *out = NULL;
     if (!l)
-        return rad_fail(err, RAD_ENOMEM, "out of memory");
+        return rad_fail_memory(err);
     l->alive[0] = l->alive[1] = l->notify = -1;
     l->launched[0] = l->launched[1] = -1;
     if (!(tmp && tmp[0] == '/' && make_folder(l, tmp)) &&
@@ -170,7 +170,7 @@ start(pid_t *pid, const struct local *l, const char *name,
     snprintf(notify, sizeof notify, "NOTIFY_SOCKET=%s/ready", l->folder);
     env = programs_environment(notify);
     if (!env)
-        return rad_fail(err, RAD_ENOMEM, "out of memory");
+        return rad_fail_memory(err);
     argv[argc++] = path;
     argv[argc++] = lifetime;
     argv[argc++] = (char *)"--log-level=err";
@@ -353,7 +353,7 @@ local_start(struct local *l, int nworkers, int nthreads,
     nthreads = local_threads(nworkers, nthreads);
     l->workers = calloc((size_t)nworkers, sizeof *l->workers);
     if (!l->workers)
-        return rad_fail(err, RAD_ENOMEM, "out of memory");
+        return rad_fail_memory(err);
     if ((rc = local_coordinate(l, "", "", where, err)) < 0)
         return rc;
     for (int i = 0; i < nworkers; i++) {

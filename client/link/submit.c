@@ -274,7 +274,7 @@ send_scene(struct submit *s)
     n = m->want.n;
     wanted = malloc((size_t)n * MSG_HASH + 1);
     if (!wanted)
-        return rad_fail(s->err, RAD_ENOMEM, "out of memory");
+        return rad_fail_memory(s->err);
     memcpy(wanted, m->want.hash, (size_t)n * MSG_HASH);
     for (uint32_t i = 0; i < n && rc == 0; i++)
         rc = send_file(s, wanted + (size_t)i * MSG_HASH);

@@ -32,7 +32,7 @@ pointfacts_new(const struct rad_scene *scene, const struct rad_files *files,
     struct rad_params dark = *params;
 
     if (!p) {
-        rad_fail(err, RAD_ENOMEM, "out of memory");
+        rad_fail_memory(err);
         return NULL;
     }
     dark.ambounce = 0;

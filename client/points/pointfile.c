@@ -33,7 +33,7 @@ reserve(struct pointfile *f, struct rad_error *err)
     f->room = f->room ? 2 * f->room : 1024;
     p = realloc(f->point, f->room * sizeof *p);
     if (!p)
-        return rad_fail(err, RAD_ENOMEM, "out of memory");
+        return rad_fail_memory(err);
     f->point = p;
     return 0;
 }
@@ -209,7 +209,7 @@ pointfile_take(struct pointfile *from, uint32_t n, struct pointfile *to,
         return 0;
     to->point = malloc(n * sizeof *to->point);
     if (!to->point)
-        return rad_fail(err, RAD_ENOMEM, "out of memory");
+        return rad_fail_memory(err);
     memcpy(to->point, from->point, n * sizeof *to->point);
     from->n -= n;
     from->taken += n;

@@ -14,7 +14,7 @@ pointjob_lay(struct pointjob *j, struct rad_error *err)
 {
     j->pixel = malloc(j->in.n * sizeof *j->pixel);
     if (!j->pixel)
-        return rad_fail(err, RAD_ENOMEM, "out of memory");
+        return rad_fail_memory(err);
     return rad_points_lay((const double(*)[6])j->in.point, j->in.n, &j->width,
                           &j->height, j->pixel, err);
 }
@@ -59,7 +59,7 @@ pointjob_pack(const struct pointjob *j, struct rad_points *points,
     *file = rad_points_pack((const double(*)[6])j->in.point, j->in.n, j->first,
                             flags, j->width, j->height, j->pixel);
     if (!*file)
-        return rad_fail(err, RAD_ENOMEM, "out of memory");
+        return rad_fail_memory(err);
     rc = rad_points_open(points, *file, rad_points_bytes(j->width, j->height),
                          err);
     if (rc < 0) {

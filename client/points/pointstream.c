@@ -108,7 +108,7 @@ pointstream_open(struct pointstream *s, const struct pointspec *spec,
     pointfile_init(&s->in, "stdin", spec->in, pointspec_most(spec));
     s->rest = malloc(LONGEST + PIECE);
     if (!s->rest)
-        return rad_fail(err, RAD_ENOMEM, "out of memory");
+        return rad_fail_memory(err);
     rc = uv_poll_init(loop, &s->poll, STDIN_FILENO);
     if (rc < 0)
         return rad_fail(err, RAD_EIO, "cannot read standard input: %s",

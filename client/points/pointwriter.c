@@ -274,7 +274,7 @@ find_eye(struct pointwriter *w, struct rad_error *err)
         return 0;
     w->eye =
         rad_spectrum_new(&w->arena, b->n, b->longest, b->shortest, &colours);
-    return w->eye ? 0 : rad_fail(err, RAD_ENOMEM, "out of memory");
+    return w->eye ? 0 : rad_fail_memory(err);
 }
 
 int
@@ -287,7 +287,7 @@ pointwriter_open(struct pointwriter **writer, const struct pointspec *spec,
 
     *writer = w;
     if (!w)
-        return rad_fail(err, RAD_ENOMEM, "out of memory");
+        return rad_fail_memory(err);
     w->spec = spec;
     w->text = text;
     if (find_eye(w, err) < 0)

@@ -116,7 +116,7 @@ copy_header(struct header *h, const char *bytes, size_t len,
         return bad_file(err);
     h->text = malloc(n + 1);
     if (!h->text)
-        return rad_fail(err, RAD_ENOMEM, "out of memory");
+        return rad_fail_memory(err);
     memcpy(h->text, bytes, n);
     h->text[n] = '\0';
     h->len = n + 2;
@@ -441,7 +441,7 @@ format_all(const struct ambfile *a, struct source *s, FILE *f,
     bad = out.bad;
     wire_out_release(&out);
     if (bad)
-        return rad_fail(err, RAD_ENOMEM, "out of memory");
+        return rad_fail_memory(err);
     return ferror(f)
                ? rad_fail(err, RAD_EIO, "cannot write: %s", strerror(errno))
                : 0;

@@ -43,7 +43,7 @@ take_file(struct rad_params *p, char *option, const char *name,
     if (!text) {
         rc = err->code;
     } else if (!(copy = strndup((const char *)text, len))) {
-        rc = rad_fail(err, RAD_ENOMEM, "out of memory");
+        rc = rad_fail_memory(err);
     } else {
         rc = take_names(p, option, copy, err);
         free(copy);

@@ -41,7 +41,7 @@ read_file(struct records *r, struct rad_error *err)
     rc = len > 0 ? ambfile_parse(&r->file, bytes, len, take_first, r, err) : 0;
     free(bytes);
     if (rc == 0 && r->list.bad)
-        rc = rad_fail(err, RAD_ENOMEM, "out of memory");
+        rc = rad_fail_memory(err);
     if (rc < 0)
         rad_error_where(err, "%s", r->path);
     return rc;

@@ -54,7 +54,7 @@ append(struct bytes *b, const void *from, size_t n, struct rad_error *err)
         uint8_t *p = realloc(b->p, room);
 
         if (!p)
-            return rad_fail(err, RAD_ENOMEM, "out of memory");
+            return rad_fail_memory(err);
         b->p = p;
         b->room = room;
     }
@@ -70,7 +70,7 @@ expose_rows(const uint8_t *at, const uint8_t *end, int width, int height,
 {
     uint8_t *rgbe = malloc(4 * (size_t)width);
     uint8_t *code = malloc(RAD_HDR_ROW_BYTES(width));
-    int rc = rgbe && code ? 0 : rad_fail(err, RAD_ENOMEM, "out of memory");
+    int rc = rgbe && code ? 0 : rad_fail_memory(err);
 
     for (int y = 0; y < height && rc == 0; y++) {
         size_t n = rad_hdr_decode_row(at, (size_t)(end - at), width, rgbe);

@@ -198,7 +198,7 @@ put_colours(struct joint *j, struct rad_error *err)
     float band[RAD_MAX_BANDS];
 
     if (!row)
-        return rad_fail(err, RAD_ENOMEM, "out of memory");
+        return rad_fail_memory(err);
     for (int y = 0; y < j->pic[0].height; y++) {
         for (int x = 0; x < width; x++) {
             gather(j, (size_t)y * (size_t)width + (size_t)x, band);
@@ -226,7 +226,7 @@ reserve(struct joint *j, const struct spectra_plane *first,
     j->room = (size_t)(pixels - first->hdr) + MORE_HEADER +
               row * (size_t)j->pic[0].height;
     j->out = malloc(j->room);
-    return j->out ? 0 : rad_fail(err, RAD_ENOMEM, "out of memory");
+    return j->out ? 0 : rad_fail_memory(err);
 }
 
 static int
@@ -255,7 +255,7 @@ spectra_bands(const struct spectra_plane *plane, struct rad_bands *bands,
 
     if (!end || end - plane->hdr > MOST_HEADER ||
         !(text = strndup((const char *)plane->hdr, (size_t)(end - plane->hdr))))
-        return end ? rad_fail(err, RAD_ENOMEM, "out of memory") : damaged(err);
+        return end ? rad_fail_memory(err) : damaged(err);
     /* take the last one: a name in the scene may look like options */
     for (char *next = text; (next = strstr(next, " -cs ")) != NULL; next++)
         at = next;
@@ -285,8 +285,7 @@ spectra_join(const struct spectra_order *order,
     rad_arena_init(&arena);
     j.eye = rad_spectrum_new(&arena, order->bands.n, order->bands.longest,
                              order->bands.shortest, &colours);
-    rc = j.eye ? join(&j, plane, err)
-               : rad_fail(err, RAD_ENOMEM, "out of memory");
+    rc = j.eye ? join(&j, plane, err) : rad_fail_memory(err);
     for (int i = 0; i < j.npics; i++)
         rad_coded_picture_release(&j.pic[i]);
     rad_arena_release(&arena);

@@ -84,7 +84,7 @@ read_view(struct rad_view *view, const struct dryrun_job *job,
     int rc;
 
     if (!text)
-        return rad_fail(err, RAD_ENOMEM, "out of memory");
+        return rad_fail_memory(err);
     snprintf(text, n, "VIEW= %s", middle->view);
     rad_view_init(view);
     rc = rad_view_read(view, text, strlen(text), err);

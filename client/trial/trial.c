@@ -180,7 +180,7 @@ try_windows(struct trial *t, const struct rad_frame *f, struct rad_ctx *ctx,
     int rc = 0;
 
     if (!pixels)
-        return rad_fail(err, RAD_ENOMEM, "out of memory");
+        return rad_fail_memory(err);
     for (int i = 0; i < side; i++)
         rows[i] = pixels + side * i;
     for (long k = 1; rc == 0 && k <= MOST_WINDOWS && !stopped(e); k++) {

@@ -127,7 +127,7 @@ try_recovery(struct look *l, const struct saved_job *saved,
 
     s.units = units;
     if (!c || !units)
-        rad_fail(err, RAD_ENOMEM, "out of memory");
+        rad_fail_memory(err);
     else if (rowcheck_job(&l->folder, saved, units, to_be_made, l, err) == 0)
         recover_job(c, 1, &s, read_row, l, err);
     coord_free(c);

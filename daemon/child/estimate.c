@@ -104,7 +104,7 @@ estimate_new(const struct rad_frame *frames, uint32_t nframes,
         e->costs = calloc(m->nareas + 1, sizeof *e->costs);
     }
     if (!e || !e->areas || !e->costs) {
-        rad_fail(err, RAD_ENOMEM, "out of memory");
+        rad_fail_memory(err);
     } else if (copy_areas(e, m, nframes, err) == 0) {
         return e;
     }

@@ -239,7 +239,7 @@ pool_new(uv_loop_t *loop, const struct pool_spec *spec, struct rad_error *err)
         p->renderers = calloc((size_t)spec->nthreads, sizeof *p->renderers);
     if (!p || !p->renderers) {
         free(p);
-        rad_fail(err, RAD_ENOMEM, "out of memory");
+        rad_fail_memory(err);
         return NULL;
     }
     p->job = spec->job;

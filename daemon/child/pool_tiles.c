@@ -110,7 +110,7 @@ make_tile(struct renderer *by, struct pool_tile *t)
     } else {
         counted_add(&k->dropped, &by->ctx.counts, cpu);
         if (!atomic_load(&k->stop[t->pass % MSG_OPEN_PASSES]))
-            rad_fail(&k->err, RAD_ENOMEM, "out of memory");
+            rad_fail_memory(&k->err);
         pool_tile_free(t);
         uv_async_send(&p->async);
     }

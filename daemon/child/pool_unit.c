@@ -88,7 +88,7 @@ new_piece(struct active *u, int row)
     /* not cleared: pixels are written before they are read */
     p = malloc(sizeof *p + (left < most ? left : most));
     if (!p) {
-        rad_fail(&u->err, RAD_ENOMEM, "out of memory");
+        rad_fail_memory(&u->err);
         team_stop(u->team);
         return NULL;
     }
@@ -372,7 +372,7 @@ fail_begin(struct pool *p, const struct pool_unit *unit,
     struct msg_counts none = { 0 };
     struct rad_error err = { 0 };
 
-    rad_fail(&err, RAD_ENOMEM, "out of memory");
+    rad_fail_memory(&err);
     send_failure(p, unit, &err);
     if (!pass)
         return;

@@ -33,7 +33,7 @@ keep_start(struct render *r, const struct msg *m, struct rad_error *err)
     wire_out_init(&out, MSG_FRAME_MAX);
     if (msg_pack(&out, m) < 0) {
         wire_out_release(&out);
-        return rad_fail(err, RAD_ENOMEM, "out of memory");
+        return rad_fail_memory(err);
     }
     n = out.len - MSG_HEADER;
     r->start_bytes = malloc(n + 1);
@@ -41,7 +41,7 @@ keep_start(struct render *r, const struct msg *m, struct rad_error *err)
         memcpy(r->start_bytes, out.buf + MSG_HEADER, n);
     wire_out_release(&out);
     if (!r->start_bytes)
-        return rad_fail(err, RAD_ENOMEM, "out of memory");
+        return rad_fail_memory(err);
     return msg_unpack(&r->start, m->type, 0, r->start_bytes, n, err);
 }
 

@@ -74,7 +74,7 @@ load_bundle(struct render *r, const struct msg_spec *spec,
     int rc;
 
     if (!sorted)
-        return rad_fail(err, RAD_ENOMEM, "out of memory");
+        return rad_fail_memory(err);
     if (len > 0)
         memcpy(sorted, spec->files.hash, len);
     rc = read_own(r, spec->manifest, sorted,
@@ -174,7 +174,7 @@ load_points(struct render *r, const struct rad_bundle *bundle,
         return rad_fail(err, RAD_EDATA, "the sensor points are of another job");
     r->frames = calloc(2, sizeof *r->frames);
     if (!r->frames)
-        return rad_fail(err, RAD_ENOMEM, "out of memory");
+        return rad_fail_memory(err);
     rad_frame_of_points(&r->frames[0], r->job, &r->points, 0);
     r->nframes = 1;
     return 0;
@@ -189,7 +189,7 @@ load_frames(struct render *r, const struct msg_spec *spec,
 
     r->frames = calloc(spec->nframes + 1, sizeof *r->frames);
     if (!r->frames)
-        return rad_fail(err, RAD_ENOMEM, "out of memory");
+        return rad_fail_memory(err);
     for (uint32_t i = 0; i < spec->nframes; i++) {
         const struct msg_frame *f = &spec->frames[i];
         struct rad_view view;
@@ -235,7 +235,7 @@ load_strict(struct render *r, const struct msg_spec *spec,
         r->strict = strict_new(q, r->nframes, painted, r->id);
         free(q);
     }
-    return r->strict ? 0 : rad_fail(err, RAD_ENOMEM, "out of memory");
+    return r->strict ? 0 : rad_fail_memory(err);
 }
 
 static int

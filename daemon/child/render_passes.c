@@ -50,7 +50,7 @@ render_load_passes(struct render *r, struct rad_error *err)
     if (!(r->start.job_start.flags & MSG_JOB_PASSES) || !r->job->ambient)
         return 0;
     if (!plan(r))
-        return rad_fail(err, RAD_ENOMEM, "out of memory");
+        return rad_fail_memory(err);
     if (k->n == 0)
         return 0;
     k->passes = rad_passes_new(r->frames, r->nframes, err);
@@ -145,7 +145,7 @@ render_take_tile(struct render *r, const struct msg_tile *m)
         rad_fail(&err, RAD_EPROTO, "tile %u of pass %u does not fit the job",
                  m->tile, m->pass);
     else if (!pool_push_tile(r->pool, m->pass - k->base, m->tile, m->colours))
-        rad_fail(&err, RAD_ENOMEM, "out of memory");
+        rad_fail_memory(&err);
     if (err.code)
         render_fail(r, &err);
 }
@@ -161,7 +161,7 @@ add_records(struct render_passes *k, const struct msg_frozen *m,
     struct rad_ambrec *rec = realloc(k->rec, (n + 1) * sizeof *rec);
 
     if (!rec)
-        return rad_fail(err, RAD_ENOMEM, "out of memory");
+        return rad_fail_memory(err);
     k->rec = rec;
     wire_in_init(&in, m->data, m->len);
     while (k->nrecs < n)
@@ -179,7 +179,7 @@ add_walk(struct render_passes *k, const struct msg_frozen *m,
     uint8_t *walk = realloc(k->walk, len + m->len + 1);
 
     if (!walk)
-        return rad_fail(err, RAD_ENOMEM, "out of memory");
+        return rad_fail_memory(err);
     k->walk = walk;
     if (m->len != (size_t)m->count * AMBSHARE_BYTES)
         return rad_fail(err, RAD_EPROTO, "no spots of paths");
@@ -202,7 +202,7 @@ freeze(struct render *r, struct rad_error *err)
         return err->code;
     if (!pool_freeze(r->pool, k->rec, pass->walks ? 0 : k->nrecs, spot)) {
         free(spot);
-        return rad_fail(err, RAD_ENOMEM, "out of memory");
+        return rad_fail_memory(err);
     }
     free(k->walk);
     k->walk = NULL;

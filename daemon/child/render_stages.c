@@ -52,7 +52,7 @@ take_show(struct render *r, const struct msg_stage *m, struct rad_error *err)
     if (jobtext_params(m->params, &params, err) < 0)
         return err->code;
     if (!pool_show(r->pool, r->job, params.samples))
-        return rad_fail(err, RAD_ENOMEM, "out of memory");
+        return rad_fail_memory(err);
     k->shown = true;
     return 0;
 }

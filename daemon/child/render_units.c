@@ -81,7 +81,7 @@ push_window(struct render *r, const struct msg_unit *u, struct rad_error *err)
                                           (int)u->height } };
 
     if (!pool_push(r->pool, &unit))
-        return rad_fail(err, RAD_ENOMEM, "out of memory");
+        return rad_fail_memory(err);
     return 0;
 }
 
@@ -230,7 +230,7 @@ render_take_estimate(struct render *r, const struct msg_estimate *m)
         rad_fail(&err, RAD_EPROTO, "an estimate comes before its cache");
     if (e && !pool_estimate(r->pool, e, on_estimated)) {
         estimate_free(e);
-        rad_fail(&err, RAD_ENOMEM, "out of memory");
+        rad_fail_memory(&err);
     }
     if (err.code)
         render_fail(r, &err);

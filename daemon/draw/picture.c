@@ -117,7 +117,7 @@ grow(void *arg, const void *p, size_t n, struct rad_error *err)
         uint8_t *more = realloc(g->p, cap);
 
         if (!more)
-            return rad_fail(err, RAD_ENOMEM, "out of memory");
+            return rad_fail_memory(err);
         g->p = more;
         g->cap = cap;
     }

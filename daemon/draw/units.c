@@ -114,7 +114,7 @@ read_list(struct units *u, const char *p, size_t n, struct rad_error *err)
         ok = add_unit(u, unit, UNITS_DONE);
         json_decref(unit);
         if (!ok)
-            return rad_fail(err, RAD_ENOMEM, "out of memory");
+            return rad_fail_memory(err);
         p += at.position;
         n -= (size_t)at.position;
     }
@@ -131,7 +131,7 @@ add_list(struct units *u, const char *list, enum units_kind kind,
     json_array_foreach(json_object_get(u->head, list), i, unit)
     {
         if (!add_unit(u, unit, kind))
-            return rad_fail(err, RAD_ENOMEM, "out of memory");
+            return rad_fail_memory(err);
     }
     return 0;
 }
@@ -261,13 +261,13 @@ units_read(struct units *u, const char *text, size_t len, struct rad_error *err)
     list += strlen(marker);
     rc = u->workers && u->lanes
              ? read_list(u, list, len - (size_t)(list - text), err)
-             : rad_fail(err, RAD_ENOMEM, "out of memory");
+             : rad_fail_memory(err);
     if (rc == 0)
         rc = add_list(u, "running", UNITS_RUN, err);
     if (rc == 0)
         rc = add_list(u, "passes", UNITS_PASS, err);
     if (rc == 0 && !sort_workers(u))
-        rc = rad_fail(err, RAD_ENOMEM, "out of memory");
+        rc = rad_fail_memory(err);
     if (rc < 0) {
         units_release(u);
         return rc;

@@ -309,7 +309,7 @@ cache_new(struct blobs *b, uint64_t limit, struct rad_error *err)
         c->buckets = calloc(c->nbuckets, sizeof *c->buckets);
     }
     if (!c || !c->buckets || take_stock(c) < 0) {
-        rad_fail(err, RAD_ENOMEM, "out of memory");
+        rad_fail_memory(err);
         cache_free(c);
         return NULL;
     }
@@ -428,11 +428,11 @@ cache_use(struct cache *c, const uint8_t job[MSG_JOB],
     int rc = 0;
 
     if (!u)
-        return rad_fail(err, RAD_ENOMEM, "out of memory");
+        return rad_fail_memory(err);
     for (uint32_t i = 0; i < u->n; i++)
         if (!use(c, u->hash + (size_t)i * MSG_HASH)) {
             leave_first(c, u, i);
-            return rad_fail(err, RAD_ENOMEM, "out of memory");
+            return rad_fail_memory(err);
         }
     cache_leave(c, job); /* it may have been here before */
     bytes = missing(c, u, bytes);

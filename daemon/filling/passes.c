@@ -198,7 +198,7 @@ make_plan(struct passes *s, const struct job *job, struct rad_error *err)
     s->closed = NULL;
     s->plan = malloc(RAD_MOST_PASSES * sizeof *s->plan);
     if (!s->plan)
-        return rad_fail(err, RAD_ENOMEM, "out of memory");
+        return rad_fail_memory(err);
     rc = stages_plan(job, s->size, s->plan, &s->n, err);
     if (rc < 0)
         return rc;
@@ -206,8 +206,7 @@ make_plan(struct passes *s, const struct job *job, struct rad_error *err)
     s->plan = plan ? plan : s->plan;
     s->weight = calloc(s->n + 1, sizeof *s->weight);
     s->closed = calloc(s->n + 1, sizeof *s->closed);
-    return s->weight && s->closed ? 0
-                                  : rad_fail(err, RAD_ENOMEM, "out of memory");
+    return s->weight && s->closed ? 0 : rad_fail_memory(err);
 }
 
 /* Lay out the passes of the present stage; none is closed. */
@@ -268,7 +267,7 @@ passes_begin(struct coord *c, struct job *job, struct rad_error *err)
     s = job->passes = calloc(1, sizeof *s);
     if (!s || !(s->size = stages_sizes(&job->spec)) ||
         !(s->dearest = dearest_new(s->size, job->spec.nframes)))
-        return rad_fail(err, RAD_ENOMEM, "out of memory");
+        return rad_fail_memory(err);
     tiles_drop(s);
     rc = plan_stage(job, err);
     if (rc < 0)
@@ -282,7 +281,7 @@ passes_begin(struct coord *c, struct job *job, struct rad_error *err)
     if (awaits_first(s))
         return 0;
     if (!open_passes(s))
-        return rad_fail(err, RAD_ENOMEM, "out of memory");
+        return rad_fail_memory(err);
     close_made(c, job);
     note_progress(job);
     return 0;

@@ -307,7 +307,7 @@ take_stage(struct job *job, uint32_t n, struct rad_error *err)
     }
     g->number += !g->ended;
     g->begun_s = (double)g->spent_ms / 1000;
-    return set_options(job) ? 1 : rad_fail(err, RAD_ENOMEM, "out of memory");
+    return set_options(job) ? 1 : rad_fail_memory(err);
 }
 
 int
@@ -323,7 +323,7 @@ stages_take_up(struct coord *c, struct job *job, struct rad_error *err)
         return 0;
     size = stages_sizes(&job->spec);
     if (!size)
-        return rad_fail(err, RAD_ENOMEM, "out of memory");
+        return rad_fail_memory(err);
     while (rc > 0 && !g->ended) {
         rc = stages_plan(job, size, plan, &n, err);
         g->ended = rc == 0 && n == 0; /* the job has no cache */

@@ -65,7 +65,7 @@ prepare(struct workplace *p, const struct rad_filter_shape *s, int width,
         .code = malloc(RAD_HDR_ROW_BYTES(width)),
     };
     if (!p->rgbe || !p->work || !p->row || !p->code)
-        return rad_fail(err, RAD_ENOMEM, "out of memory");
+        return rad_fail_memory(err);
     return rad_filter_new(&p->filter, s, err);
 }
 

@@ -147,7 +147,7 @@ folder_new_job(const struct folder *f, const struct msg_spec *spec,
             return j;
     }
     folder_free_job(j);
-    rad_fail(err, RAD_ENOMEM, "out of memory");
+    rad_fail_memory(err);
     return NULL;
 }
 

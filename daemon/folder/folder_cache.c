@@ -70,7 +70,7 @@ write_pass(struct folder_job *j, int fd, const struct saved_pass *p,
 
     put_head(&head, j->npasses, p);
     if (head.bad)
-        rc = rad_fail(err, RAD_ENOMEM, "out of memory");
+        rc = rad_fail_memory(err);
     if (rc == 0)
         rc = disk_write_at(fd, head.buf, head.len, at, path, err);
     if (rc == 0)

@@ -55,7 +55,7 @@ folder_set_options(struct folder *f, const uint8_t id[MSG_JOB],
         return 0;
     copy = strdup(options);
     if (!copy)
-        return rad_fail(err, RAD_ENOMEM, "out of memory");
+        return rad_fail_memory(err);
     free(j->params);
     j->params = copy;
     return 0;

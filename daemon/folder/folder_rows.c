@@ -24,7 +24,7 @@ begin_frame(struct folder *f, struct folder_job *j, uint32_t i,
 
     r->rows = calloc(1, sizeof *r->rows);
     if (!r->rows)
-        return rad_fail(err, RAD_ENOMEM, "out of memory");
+        return rad_fail_memory(err);
     if (f->durable) {
         folder_path(f, j->id, FOLDER_ROOM, path);
         rc = room_set(path, room, err);
@@ -144,7 +144,7 @@ folder_read_row(struct folder *f, const uint8_t id[MSG_JOB], uint32_t frame,
              : rows_bytes(r->rows, r->rows->width);
     row = malloc(n);
     if (!row)
-        return rad_fail(err, RAD_ENOMEM, "out of memory");
+        return rad_fail_memory(err);
     rc = line ? rows_read_line(r->rows, (int)y, row, err)
               : rows_read(r->rows, (int)y, row, err);
     if (rc == 0)
@@ -158,8 +158,7 @@ static int
 sum_line(struct rows *r, uint32_t y, uint64_t *sum, struct rad_error *err)
 {
     float *line = malloc(ROWS_LINE_BYTES(r->width));
-    int rc = line ? rows_read_line(r, (int)y, line, err)
-                  : rad_fail(err, RAD_ENOMEM, "out of memory");
+    int rc = line ? rows_read_line(r, (int)y, line, err) : rad_fail_memory(err);
 
     if (rc == 0)
         *sum ^= rowsum(line, ROWS_LINE_BYTES(r->width), y, 1);
@@ -184,7 +183,7 @@ folder_sum(struct folder *f, const uint8_t id[MSG_JOB],
     n = rows_bytes(r->rows, (int)a->width);
     row = malloc(n);
     if (!row)
-        return rad_fail(err, RAD_ENOMEM, "out of memory");
+        return rad_fail_memory(err);
     for (uint32_t i = 0; i < rows && rc == 0; i++) {
         rc = rows_read_part(r->rows, (int)a->x, (int)(a->y + i), (int)a->width,
                             row, err);

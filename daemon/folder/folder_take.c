@@ -139,7 +139,7 @@ take_rows(struct folder *f, struct folder_job *j, uint32_t i, bool noted,
 
     r->rows = calloc(1, sizeof *r->rows);
     if (!r->rows)
-        return rad_fail(err, RAD_ENOMEM, "out of memory");
+        return rad_fail_memory(err);
     folder_frame_path(f, j->id, i, ".rows", path);
     if (rows_open(r->rows, &f->opened, path, form, &why) == 0) {
         r->file = FILE_ROWS;
@@ -183,7 +183,7 @@ take_open(struct folder *f, struct folder_job *j, const struct saved_job *s,
     int rc;
 
     if (!found.there || !found.noted)
-        rc = rad_fail(err, RAD_ENOMEM, "out of memory");
+        rc = rad_fail_memory(err);
     else
         rc = look_for_rows(f, s, &found, err);
     if (rc == 0)

@@ -251,7 +251,7 @@ place_rows(struct rows *r, int y, int h, struct rows_code code,
     if (!r->place)
         r->place = calloc((size_t)r->height, sizeof *r->place);
     if (!r->place)
-        return rad_fail(err, RAD_ENOMEM, "out of memory");
+        return rad_fail_memory(err);
     for (int k = 0; k < h; k++) {
         size_t row = rad_hdr_row_bytes(code.bytes + at, code.n - at, r->width);
 
@@ -329,7 +329,7 @@ write_decoded(struct rows *r, struct rows_area a, struct rows_code code,
     uint64_t all = 0;
 
     if (!rgbe)
-        return rad_fail(err, RAD_ENOMEM, "out of memory");
+        return rad_fail_memory(err);
     for (int left = a.h; left > 0 && rc == 0; left -= most) {
         a.h = left < most ? left : most;
         rc = decode_rows(a.w, a.h, &code, rgbe, err);

@@ -19,7 +19,7 @@ encode_rows(struct rows *r, const struct rad_sink *sink, struct rad_error *err)
     int rc = 0;
 
     if (!rgbe || !work || !code)
-        rc = rad_fail(err, RAD_ENOMEM, "out of memory");
+        rc = rad_fail_memory(err);
     for (int y = 0; y < r->height && rc == 0; y++) {
         rc = rows_read_rgbe(r, y, rgbe, work, err);
         if (rc == 0)
@@ -67,7 +67,7 @@ copy_coded(struct rows *r, const struct rad_sink *sink, struct rad_error *err)
     int rc = 0;
 
     if (!code || !black || !line) {
-        rc = rad_fail(err, RAD_ENOMEM, "out of memory");
+        rc = rad_fail_memory(err);
     } else {
         nblack = rad_hdr_encode_row(line, r->width, black);
         for (int y = 0; y < r->height && rc >= 0; y += rc)
@@ -131,7 +131,7 @@ rows_depth(struct rows *r, int oversample, bool whole,
         return rad_fail(err, RAD_EDATA, "the job has no depth");
     pixels = malloc(rows_bytes(r, r->width));
     if (!pixels)
-        return rad_fail(err, RAD_ENOMEM, "out of memory");
+        return rad_fail_memory(err);
     rc = disk_file_open(&w, out->path, out->mark, err);
     if (rc < 0) {
         free(pixels);

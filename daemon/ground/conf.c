@@ -335,7 +335,7 @@ conf_reload(const struct conf_table *t, void *settings, void *loaded, int argc,
 
     later[0] = '\0';
     if (!fresh)
-        return rad_fail(err, RAD_ENOMEM, "out of memory");
+        return rad_fail_memory(err);
     rc = conf_load(t, fresh, argc, argv, err);
     for (const struct conf_key *k = t->keys; rc == CONF_RUN && k->name; k++) {
         if (same_field(k, fresh, loaded))

@@ -60,7 +60,7 @@ read_all(int fd, struct rad_sha *sha, const char *path, struct rad_error *err)
     int rc = 0;
 
     if (!buf)
-        return rad_fail(err, RAD_ENOMEM, "out of memory");
+        return rad_fail_memory(err);
     while ((n = read(fd, buf, READ_BYTES)) > 0)
         rad_sha_update(sha, buf, (size_t)n);
     if (n < 0)

@@ -25,7 +25,7 @@ syncs_add(struct syncs *s, const char *path, bool named, struct rad_error *err)
 
     if (!copy || !rad_list_grow(&s->file, s->n, sizeof *s->file)) {
         free(copy);
-        return rad_fail(err, RAD_ENOMEM, "out of memory");
+        return rad_fail_memory(err);
     }
     s->file[s->n++] = (struct syncs_file){ copy, named };
     return 0;

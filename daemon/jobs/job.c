@@ -336,7 +336,7 @@ make_partition(const struct job *job, bool single, struct rad_error *err)
     float *costs = malloc(s->ncosts ? s->ncosts * sizeof *costs : 1);
 
     if (!costs)
-        rad_fail(err, RAD_ENOMEM, "out of memory");
+        rad_fail_memory(err);
     else if (job_partition_spec(s, &spec, err) == 0) {
         if (s->ncosts > 0)
             wire_floats_get(costs, s->costs, s->ncosts);
@@ -388,7 +388,7 @@ job_split(struct job *job, bool single, struct rad_error *err)
     if (!unit_grow(job) || !make_shared(job)) {
         job->partition = NULL;
         partition_free(p);
-        return rad_fail(err, RAD_ENOMEM, "out of memory");
+        return rad_fail_memory(err);
     }
     return 0;
 }

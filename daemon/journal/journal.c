@@ -286,7 +286,7 @@ make_at(const char *path, struct rad_error *err)
         return rc;
     if (sqlite3_open_v2(path, &j.db, SQLITE_OPEN_READWRITE, NULL) != SQLITE_OK)
         rc = j.db ? journal_failed(&j, sqlite3_errcode(j.db), err)
-                  : rad_fail(err, RAD_ENOMEM, "out of memory");
+                  : rad_fail_memory(err);
     if (rc == 0)
         rc = exec(&j, "PRAGMA journal_mode = OFF", err);
     if (rc == 0)
@@ -327,7 +327,7 @@ journal_open(struct journal **out, const char *path, enum journal_how how,
 
     *out = NULL;
     if (!j)
-        return rad_fail(err, RAD_ENOMEM, "out of memory");
+        return rad_fail_memory(err);
     wire_out_init(&j->out, MSG_FRAME_MAX);
     j->out.version = JOURNAL_LAYOUT;
     j->had_log = has_log(path);
@@ -338,8 +338,7 @@ journal_open(struct journal **out, const char *path, enum journal_how how,
     rc = sqlite3_open_v2(path, &j->db,
                          SQLITE_OPEN_READWRITE | SQLITE_OPEN_NOMUTEX, NULL);
     if (rc != SQLITE_OK)
-        rc = j->db ? journal_failed(j, rc, err)
-                   : rad_fail(err, RAD_ENOMEM, "out of memory");
+        rc = j->db ? journal_failed(j, rc, err) : rad_fail_memory(err);
     else
         rc = set_up(j, how, err);
     if (rc == RAD_EUNSUPPORTED)

@@ -47,7 +47,7 @@ pack(struct journal *j, const struct msg *m, struct rad_error *err)
     j->out.len = 0;
     j->out.bad = false;
     if (msg_pack_as(JOURNAL_LAYOUT, &j->out, m) != 0)
-        return rad_fail(err, RAD_ENOMEM, "out of memory");
+        return rad_fail_memory(err);
     return 0;
 }
 
@@ -191,7 +191,7 @@ journal_put_rows(struct journal *j, const uint8_t job[MSG_JOB],
     if (u->done)
         bind_counts(j, s, 7, &u->counts);
     if (j->out.bad)
-        return rad_fail(err, RAD_ENOMEM, "out of memory");
+        return rad_fail_memory(err);
     if (u->nbottom > 0)
         sqlite3_bind_blob(s, 8, u->bottom, (int)u->nbottom, SQLITE_STATIC);
     bind_u64(s, 9, u->sum);

@@ -142,7 +142,7 @@ fingerprint(uint64_t *out, struct rad_error *err)
     int rc;
 
     if (!scene)
-        return rad_fail(err, RAD_ENOMEM, "out of memory");
+        return rad_fail_memory(err);
     rad_params_init(&params);
     params.xres = params.yres = SIDE;
     job = rad_job_new(scene, &params, NULL, err);

@@ -20,7 +20,7 @@ split(const char *text, char **copy, char *words[MAX_WORDS],
 
     *copy = strdup(text);
     if (!*copy)
-        return rad_fail(err, RAD_ENOMEM, "out of memory");
+        return rad_fail_memory(err);
     for (w = strtok_r(*copy, " ", &save); w; w = strtok_r(NULL, " ", &save)) {
         if (n == MAX_WORDS)
             return rad_fail(err, RAD_EDATA, "more than %d words of options",

@@ -48,7 +48,7 @@ spots_unpack(const struct rad_pass *pass, const uint8_t *bytes, size_t len,
     struct wire_in in;
 
     if (!spot) {
-        rad_fail(err, RAD_ENOMEM, "out of memory");
+        rad_fail_memory(err);
         return NULL;
     }
     wire_in_init(&in, bytes, len);

@@ -123,7 +123,7 @@ partition_new(const struct partition_spec *spec, struct rad_error *err)
     if (!p || !(by_lines(spec) ? lines_new(p, spec) : window_new(p, spec)) ||
         !set_first_costs(p, spec)) {
         partition_free(p);
-        rad_fail(err, RAD_ENOMEM, "out of memory");
+        rad_fail_memory(err);
         return NULL;
     }
     if (p->lines)

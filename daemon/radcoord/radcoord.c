@@ -271,7 +271,7 @@ start(void *arg, struct rad_error *err)
         return err->code;
     r->owners = owners_new(&r->daemon.loop, radcoord_on_login, r);
     if (!r->owners)
-        return rad_fail(err, RAD_ENOMEM, "out of memory");
+        return rad_fail_memory(err);
     owners_set_map(r->owners, r->set.logins);
     uv_gettimeofday(&wall);
     r->clock_ms = (uint64_t)wall.tv_sec * 1000 + (uint64_t)wall.tv_usec / 1000 -

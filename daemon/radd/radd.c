@@ -512,7 +512,7 @@ make_worker(struct radd *r, struct rad_error *err)
     children_init(&r->children, &r->shell, &conf, on_child_ended, r);
     r->worker = worker_new(&env);
     if (!r->worker)
-        return rad_fail(err, RAD_ENOMEM, "out of memory");
+        return rad_fail_memory(err);
     return 0;
 }
 
@@ -580,7 +580,7 @@ start(void *arg, struct rad_error *err)
         r->set.threads = (int)uv_available_parallelism();
     r->dialler = dialler_new(&r->daemon.loop, on_dialled, r);
     if (!r->dialler)
-        return rad_fail(err, RAD_ENOMEM, "out of memory");
+        return rad_fail_memory(err);
     if (r->set.launched)
         rc = begin_launched(r, err);
     else if (!r->set.key[0]) /* else the key file that systemd passes, if any */

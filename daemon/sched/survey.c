@@ -82,14 +82,14 @@ survey_begin(struct job *job, uint32_t workers, struct rad_error *err)
     size = size < 1 ? 1 : size > MOST_PARTS ? MOST_PARTS : size;
     job->survey = s = calloc(1, sizeof *s);
     if (!s)
-        return rad_fail(err, RAD_ENOMEM, "out of memory");
+        return rad_fail_memory(err);
     s->rays = rays;
     s->tests = tests;
     s->nchunks = s->left = (n + size - 1) / size;
     s->chunk = calloc(s->nchunks, sizeof *s->chunk);
     s->cost = calloc(n, sizeof *s->cost);
     if (!s->chunk || !s->cost)
-        return rad_fail(err, RAD_ENOMEM, "out of memory");
+        return rad_fail_memory(err);
     for (uint32_t i = 0; i < s->nchunks; i++) {
         s->chunk[i].first = i * size;
         s->chunk[i].n = n - i * size < size ? n - i * size : size;

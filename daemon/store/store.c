@@ -145,7 +145,7 @@ store_open(uv_loop_t *loop, const char *dir, bool durable,
     struct rad_error why = { 0 };
 
     if (!s) {
-        rad_fail(err, RAD_ENOMEM, "out of memory");
+        rad_fail_memory(err);
         return NULL;
     }
     s->handler = handler;

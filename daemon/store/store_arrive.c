@@ -131,7 +131,7 @@ begin_arriving(struct store *s, const struct chunk_task *c,
         return rc;
     a = calloc(1, sizeof *a);
     if (!a)
-        return rad_fail(err, RAD_ENOMEM, "out of memory");
+        return rad_fail_memory(err);
     rad_sha_to_hex(c->hash, name);
     rc = blobs_part_open(&a->part, &s->blobs, name, c->total, err);
     if (rc == 0 && s->cache)

@@ -72,7 +72,7 @@ recover_open(struct recovery *r, const struct saved_job *saved,
     int rc;
 
     if (!units)
-        return rad_fail(err, RAD_ENOMEM, "out of memory");
+        return rad_fail_memory(err);
     sound.units = units;
     sound.passes = passes;
     cache = folder_read_passes(&r->s->folder, saved->spec.job, passes,

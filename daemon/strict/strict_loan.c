@@ -179,7 +179,7 @@ strict_loan(struct strict *s, const struct msg_loan *m, struct rad_error *err)
     u = strict_unit_new(m->unit, m->attempt, m->frame, line, line + 1);
     if (!u || !copy_loan(u, m)) {
         strict_unit_free(u);
-        return rad_fail(err, RAD_ENOMEM, "out of memory");
+        return rad_fail_memory(err);
     }
     strict_unit_enter(s, u);
     return 0;

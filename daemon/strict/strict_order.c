@@ -81,7 +81,7 @@ strict_unit(struct strict *s, const struct msg_unit *m, struct rad_error *err)
         return rc;
     u = strict_unit_new(m->unit, m->attempt, m->frame, first, last);
     if (!u)
-        return rad_fail(err, RAD_ENOMEM, "out of memory");
+        return rad_fail_memory(err);
     u->end = (enum team_end)m->end;
     if (m->flags & MSG_UNIT_TOP && u->first > 0)
         u->above = ABOVE_MADE_HERE;

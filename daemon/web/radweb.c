@@ -135,7 +135,7 @@ start(void *arg, struct rad_error *err)
     r->session = session_new(&r->daemon.loop, &conf);
     if (!r->session ||
         !model_init(&r->model, &r->daemon.loop, r->session, on_model, r))
-        return rad_fail(err, RAD_ENOMEM, "out of memory");
+        return rad_fail_memory(err);
     watch_init(&r->watches, &r->daemon.loop, r->session, on_watch, r);
     if (open_http(r, err) < 0)
         return err->code;

@@ -382,7 +382,7 @@ serve_open(uv_loop_t *loop, const struct serve_conf *conf,
     struct serve *s = calloc(1, sizeof *s);
 
     if (!s) {
-        rad_fail(err, RAD_ENOMEM, "out of memory");
+        rad_fail_memory(err);
         return NULL;
     }
     s->loop = loop;

@@ -307,7 +307,7 @@ take_line(struct keyfile *f, size_t at, size_t len, struct rad_error *err)
         return rad_fail(err, RAD_ECONFIG, "%s", why);
     }
     if (!grow(f))
-        return rad_fail(err, RAD_ENOMEM, "out of memory");
+        return rad_fail_memory(err);
     k.at = at;
     k.len = len;
     f->v[f->n++] = k;
@@ -326,7 +326,7 @@ keyfile_parse(struct keyfile *f, const char *text, size_t len,
         return rad_fail(err, RAD_ECONFIG, "longer than %u bytes", KEY_MAX_FILE);
     f->text = malloc(len + 1);
     if (!f->text)
-        return rad_fail(err, RAD_ENOMEM, "out of memory");
+        return rad_fail_memory(err);
     if (len)
         memcpy(f->text, text, len);
     f->text[len] = '\0';
@@ -384,7 +384,7 @@ read_all(int fd, const char *path, char **text, size_t *len,
 
     *text = NULL;
     if (!p)
-        return rad_fail(err, RAD_ENOMEM, "out of memory");
+        return rad_fail_memory(err);
     while (n <= KEY_MAX_FILE &&
            (got = read(fd, p + n, KEY_MAX_FILE + 1 - n)) > 0)
         n += (size_t)got;
@@ -548,7 +548,7 @@ replace_part(struct keyfile *f, size_t at, size_t old, const char *with,
     int rc;
 
     if (!text)
-        return rad_fail(err, RAD_ENOMEM, "out of memory");
+        return rad_fail_memory(err);
     if (at)
         memcpy(text, f->text, at);
     memcpy(text + at, with, n);

@@ -290,7 +290,7 @@ key_order_run(const char *path, const struct key_order *o, int64_t now,
         edit_end(&e);
     }
     if (rc == 0 && !*json)
-        rc = rad_fail(err, RAD_ENOMEM, "out of memory");
+        rc = rad_fail_memory(err);
     if (rc < 0) {
         free(*json);
         *json = NULL;

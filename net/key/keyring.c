@@ -33,7 +33,7 @@ keyring_open(struct keyring **out, const char *path, struct rad_error *err)
     *out = NULL;
     if (!k || (path[0] && !(k->path = strdup(path)))) {
         free(k);
-        return rad_fail(err, RAD_ENOMEM, "out of memory");
+        return rad_fail_memory(err);
     }
     if (path[0]) {
         look(path, &k->seen);

@@ -170,7 +170,7 @@ write_memory(void *arg, const void *p, size_t n, struct rad_error *err)
         unsigned char *more = realloc(to->bytes, size);
 
         if (!more)
-            return rad_fail(err, RAD_ENOMEM, "out of memory");
+            return rad_fail_memory(err);
         to->bytes = more;
         to->size = size;
     }

@@ -122,7 +122,7 @@ check_folder(const char *path, struct rad_error *err)
     int rc = 0;
 
     if (!folder)
-        return rad_fail(err, RAD_ENOMEM, "out of memory");
+        return rad_fail_memory(err);
     if (stat(folder, &st) != 0)
         rc = cannot_create(
             path, errno == ENOENT ? "no such folder" : strerror(errno), err);
@@ -153,7 +153,7 @@ rad_output_check(const char *path, struct rad_error *err)
         return cannot_create(path, strerror(errno), err);
     real = real_name(path);
     if (!real)
-        return rad_fail(err, RAD_ENOMEM, "out of memory");
+        return rad_fail_memory(err);
     if (!in_place(real))
         rc = check_folder(real, err);
     free(real);
@@ -249,7 +249,7 @@ open_temp(struct rad_output *out, struct rad_error *err)
 
     out->temp = temp_name(out->real);
     if (!out->temp)
-        return rad_fail(err, RAD_ENOMEM, "out of memory");
+        return rad_fail_memory(err);
     fd = mkstemp(out->temp);
     if (fd < 0) {
         free(out->temp);
@@ -260,7 +260,7 @@ open_temp(struct rad_output *out, struct rad_error *err)
     out->file = fdopen(fd, "wb");
     if (!out->file) {
         close(fd);
-        return rad_fail(err, RAD_ENOMEM, "out of memory");
+        return rad_fail_memory(err);
     }
     return 0;
 }
@@ -295,7 +295,7 @@ rad_output_open(struct rad_output *out, const char *path, bool durable,
     out->path = strdup(path);
     out->real = real_name(path);
     if (!out->path || !out->real)
-        rc = rad_fail(err, RAD_ENOMEM, "out of memory");
+        rc = rad_fail_memory(err);
     else if (in_place(out->real))
         rc = open_in_place(out, err);
     else

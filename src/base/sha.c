@@ -20,7 +20,7 @@ rad_sha_init(struct rad_sha *sha, struct rad_error *err)
     sha->bad = false;
     sha->ctx = malloc(sizeof(SHA256_CTX));
     if (!sha->ctx)
-        return rad_fail(err, RAD_ENOMEM, "out of memory");
+        return rad_fail_memory(err);
     if (!SHA256_Init(sha->ctx)) {
         rad_sha_release(sha);
         return rad_fail(err, RAD_EINTERNAL, "SHA-256 is not available");

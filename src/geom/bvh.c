@@ -403,7 +403,7 @@ new_node(struct build *b, uint32_t *index)
         void *p = realloc(bvh->nodes, (size_t)cap * sizeof *bvh->nodes);
 
         if (!p)
-            return rad_fail(b->err, RAD_ENOMEM, "out of memory");
+            return rad_fail_memory(b->err);
         bvh->nodes = p;
         bvh->capacity = cap;
     }
@@ -530,7 +530,7 @@ rad_bvh_build(struct rad_bvh *bvh, const struct rad_bvh_items *list,
         return rad_fail(err, RAD_EDATA, "too many surfaces");
     b.items = make_items(bvh, list);
     if (!b.items)
-        return rad_fail(err, RAD_ENOMEM, "out of memory");
+        return rad_fail_memory(err);
     fit(b.items, &all);
     rc = n ? build_node(&b, &all, 0, &root) : new_node(&b, &root);
     for (uint32_t i = 0; i < n; i++) {

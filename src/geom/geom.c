@@ -80,7 +80,7 @@ make_prims(const struct making *mk, struct rad_error *err)
             return rc;
         if (!make_prim(mk, p, i, &nomem)) {
             if (nomem)
-                return rad_fail(err, RAD_ENOMEM, "out of memory");
+                return rad_fail_memory(err);
             continue;
         }
         p->obj = i;
@@ -124,7 +124,7 @@ lay_polygons(const struct making *mk, struct rad_error *err)
         room =
             rad_arena_alloc(&mk->g->arena, rad_polygon_room(p) * sizeof *room);
         if (!room)
-            return rad_fail(err, RAD_ENOMEM, "out of memory");
+            return rad_fail_memory(err);
         rad_polygon_lay(p, room);
     }
     return 0;
@@ -143,7 +143,7 @@ list_places(struct rad_geom *g, struct rad_set *set, struct rad_error *err)
     set->places =
         rad_arena_calloc(&g->arena, set->nplaces, sizeof *set->places);
     if (!set->places)
-        return rad_fail(err, RAD_ENOMEM, "out of memory");
+        return rad_fail_memory(err);
     for (uint32_t i = 0; i < set->nprims; i++)
         if (set->prims[i].kind == PRIM_PLACE) {
             const struct rad_place *pl = set->prims[i].place;
@@ -180,8 +180,7 @@ make_set(const struct making *mk, struct rad_error *err)
         n += rad_prim_has(mk->g->scene->objects[i].type);
     set->prims = malloc(n * sizeof *set->prims);
     order = malloc(n * sizeof *order);
-    rc = set->prims && order ? make_prims(mk, err)
-                             : rad_fail(err, RAD_ENOMEM, "out of memory");
+    rc = set->prims && order ? make_prims(mk, err) : rad_fail_memory(err);
     items.arg = set->prims;
     items.n = set->nprims;
     if (!rc)
@@ -203,7 +202,7 @@ index_prims(struct rad_geom *g, int32_t n, struct rad_error *err)
     g->nown = n;
     g->prim_of = malloc(((size_t)n + 1) * sizeof *g->prim_of);
     if (!g->prim_of)
-        return rad_fail(err, RAD_ENOMEM, "out of memory");
+        return rad_fail_memory(err);
     for (int32_t i = 0; i < n; i++)
         g->prim_of[i] = RAD_NO_PRIM;
     for (uint32_t i = 0; i < g->top.nprims; i++)
@@ -232,7 +231,7 @@ make_parts(struct rad_geom *g, const uint8_t *surf, struct rad_error *err)
 
     g->sets = calloc((size_t)s->nparts + 1, sizeof *g->sets);
     if (!g->sets)
-        return rad_fail(err, RAD_ENOMEM, "out of memory");
+        return rad_fail_memory(err);
     for (int depth = 0; left > 0 && !rc; depth++)
         for (int32_t i = 0; i < s->nparts && !rc; i++)
             if (s->parts[i]->depth == depth) {
@@ -263,7 +262,7 @@ rad_geom_new(const struct rad_scene *scene, const uint8_t *surf,
     struct rad_geom *g = calloc(1, sizeof *g);
 
     if (!g) {
-        rad_fail(err, RAD_ENOMEM, "out of memory");
+        rad_fail_memory(err);
         return NULL;
     }
     rad_arena_init(&g->arena);

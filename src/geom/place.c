@@ -228,7 +228,7 @@ rad_meshed_make(struct rad_set *set, const struct rad_part *part,
     struct rad_meshed *m = calloc(1, sizeof *m);
     struct rad_bvh_items items = { triangle_bounds, m, mesh->ntris };
     uint32_t *order = malloc(((size_t)mesh->ntris + 1) * sizeof *order);
-    int rc = m && order ? 0 : rad_fail(err, RAD_ENOMEM, "out of memory");
+    int rc = m && order ? 0 : rad_fail_memory(err);
 
     set->meshed = m;
     set->nprims = mesh->ntris;
@@ -239,7 +239,7 @@ rad_meshed_make(struct rad_set *set, const struct rad_part *part,
         m->tris = malloc(((size_t)mesh->ntris + 1) * sizeof *m->tris);
         m->surf = malloc((size_t)mesh->nfaces + 1);
         if (!m->tris || !m->surf)
-            rc = rad_fail(err, RAD_ENOMEM, "out of memory");
+            rc = rad_fail_memory(err);
     }
     if (!rc) {
         for (uint32_t i = 0; i < mesh->ntris; i++)

@@ -398,7 +398,7 @@ rad_filter_new(struct rad_filter **to, const struct rad_filter_shape *s,
 
     *to = f;
     if (!f)
-        return rad_fail(err, RAD_ENOMEM, "out of memory");
+        return rad_fail_memory(err);
     f->s = *s;
     f->columns = rad_filter_side(s->width, s->oversample);
     f->rows = rad_filter_side(s->height, s->oversample);
@@ -417,7 +417,7 @@ rad_filter_new(struct rad_filter **to, const struct rad_filter_shape *s,
     if (!f->dx2 || !f->window || !f->raw || !f->kernel) {
         rad_filter_free(f);
         *to = NULL;
-        return rad_fail(err, RAD_ENOMEM, "out of memory");
+        return rad_fail_memory(err);
     }
     fill_tables(f);
     fill_distances(f);

@@ -371,7 +371,7 @@ decode_rows(struct reader *in, uint8_t **rgbe)
             room = 2 * (used + row) < all ? 2 * (used + row) : all;
             more = realloc(*rgbe, room);
             if (!more)
-                return rad_fail(in->err, RAD_ENOMEM, "out of memory");
+                return rad_fail_memory(in->err);
             *rgbe = more;
         }
         if ((rc = decode_row(in, *rgbe + used)) < 0) {
@@ -444,7 +444,7 @@ arrange(const struct reader *in, const uint8_t *rgbe, struct rad_picture *pic)
 
     pic->L = malloc((size_t)w * (size_t)h * sizeof *pic->L);
     if (!pic->L)
-        return rad_fail(in->err, RAD_ENOMEM, "out of memory");
+        return rad_fail_memory(in->err);
     for (int y = 0; y < h; y++)
         for (int x = 0; x < w; x++) {
             struct rad_rgb L = rad_rgbe_radiance(pixel_at(in, rgbe, x, y));
@@ -521,5 +521,5 @@ rad_hdr_read_coded(const uint8_t *data, size_t len, size_t max_pixels,
     if (pic->rgbe)
         return 0;
     rad_coded_picture_release(pic);
-    return rad_fail(err, RAD_ENOMEM, "out of memory");
+    return rad_fail_memory(err);
 }

@@ -44,7 +44,7 @@ rad_picture_blocks(const struct rad_picture *in, int n, struct rad_picture *out,
     out->pixaspect = in->pixaspect;
     out->L = malloc(pixels_of(out) * sizeof *out->L);
     if (!out->L)
-        return rad_fail(err, RAD_ENOMEM, "out of memory");
+        return rad_fail_memory(err);
     for (int y = 0; y < out->height; y++)
         for (int x = 0; x < out->width; x++)
             out->L[(size_t)y * (size_t)out->width + (size_t)x] = block_mean(
@@ -199,7 +199,7 @@ rad_metric_compare(const struct rad_picture *a, const struct rad_picture *b,
         return rad_fail(err, RAD_EDATA, "reference picture is black");
     rel = malloc(n * sizeof *rel);
     if (!rel)
-        return rad_fail(err, RAD_ENOMEM, "out of memory");
+        return rad_fail_memory(err);
     for (size_t i = 0; i < n; i++) {
         double r = (double)a->L[i].r - b->L[i].r;
         double g = (double)a->L[i].g - b->L[i].g;

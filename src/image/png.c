@@ -73,7 +73,7 @@ rad_png_rows(const struct rad_png *p, rad_png_row_fn *fn, void *arg,
     if (!info || !row) {
         png_destroy_write_struct(&png, NULL);
         free(row);
-        return rad_fail(err, RAD_ENOMEM, "out of memory");
+        return rad_fail_memory(err);
     }
     /* variables used after the jump do not change from here on, except w, whose
      * address libpng has */

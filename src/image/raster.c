@@ -118,7 +118,7 @@ rad_image_new(struct rad_image *m, int width, int height, struct rad_error *err)
     m->width = width;
     m->height = height;
     m->rgb = calloc((size_t)width * (size_t)height, 3);
-    return m->rgb ? 0 : rad_fail(err, RAD_ENOMEM, "out of memory");
+    return m->rgb ? 0 : rad_fail_memory(err);
 }
 
 void

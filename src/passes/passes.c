@@ -761,7 +761,7 @@ rad_passes_begin(struct rad_passes *p, struct rad_ctx *ctx,
     if ((pass->walks && !make_room(p, pass)) ||
         (pass->level > 0 && !ends_of(p, pass) &&
          (!make_room(p, pass) || !find_ends(p, ctx, pass))))
-        return rad_fail(err, RAD_ENOMEM, "out of memory");
+        return rad_fail_memory(err);
     return 0;
 }
 
@@ -772,7 +772,7 @@ rad_passes_new(const struct rad_frame *frames, uint32_t nframes,
     struct rad_passes *p = calloc(1, sizeof *p);
 
     if (!p) {
-        rad_fail(err, RAD_ENOMEM, "out of memory");
+        rad_fail_memory(err);
         return NULL;
     }
     p->frames = frames;

@@ -52,7 +52,7 @@ rad_func_prepare(struct rad_job *job, int32_t index,
     int rc;
 
     if (!e)
-        return rad_fail(err, RAD_ENOMEM, "out of memory");
+        return rad_fail_memory(err);
     e->values = o->type == RAD_COLORFUNC ? colors : values;
     rc = rad_expr_prepare(job, o, files, at->file, at->exprs, &e->expr, err);
     if (rc == 0 && o->type == RAD_MIXFUNC)

@@ -125,7 +125,7 @@ sample(struct rad_job *job, struct spectral *s, int n, double first,
     s->step = step;
     s->eye = rad_spectrum_new(&job->arena, n, first - .5 * step,
                               first + (n - .5) * step, &job->params.bands);
-    return s->eye ? 0 : rad_fail(err, RAD_ENOMEM, "out of memory");
+    return s->eye ? 0 : rad_fail_memory(err);
 }
 
 static int
@@ -218,7 +218,7 @@ prepare_function(struct rad_job *job, const struct rad_object *o,
     s->step = step;
     s->first = high - (n - .5) * step;
     s->eye = rad_spectrum_new(&job->arena, n, low, high, bands);
-    return s->eye ? 0 : rad_fail(err, RAD_ENOMEM, "out of memory");
+    return s->eye ? 0 : rad_fail_memory(err);
 }
 
 static int
@@ -259,7 +259,7 @@ rad_spectral_prepare(struct rad_job *job, int32_t index,
     struct spectral *s = rad_arena_calloc(&job->arena, 1, sizeof *s);
 
     if (!s)
-        return rad_fail(err, RAD_ENOMEM, "out of memory");
+        return rad_fail_memory(err);
     *data = s;
     s->effect.values = constant;
     switch (o->type) {

@@ -60,7 +60,7 @@ rad_stored(struct rad_job *job, const struct rad_object *o,
     if (s)
         s->name = rad_arena_strndup(&job->arena, name, strlen(name));
     if (!s || !s->name) {
-        rad_fail(err, RAD_ENOMEM, "out of memory");
+        rad_fail_memory(err);
         return NULL;
     }
     s->parse = parse;

@@ -144,7 +144,7 @@ rad_table_prepare(struct rad_job *job, int32_t index,
     int dims, rc;
 
     if (!t)
-        return rad_fail(err, RAD_ENOMEM, "out of memory");
+        return rad_fail_memory(err);
     if (o->nstrings <= at->file)
         return rad_scene_fail(job->scene, o, err, RAD_EDATA,
                               "too few string arguments");

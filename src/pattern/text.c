@@ -124,7 +124,7 @@ set_lines(struct rad_job *job, struct text *t, const char *s, size_t len,
                         MAX_LINES);
     t->line = rad_arena_calloc(&job->arena, n, sizeof *t->line);
     if (!t->line)
-        return rad_fail(err, RAD_ENOMEM, "out of memory");
+        return rad_fail_memory(err);
     while (s < end) {
         int code;
 
@@ -151,7 +151,7 @@ set_words(struct rad_job *job, const struct rad_object *o, int first,
         len += strlen(o->strings[i]) + 1;
     p = buf = malloc(len);
     if (!buf)
-        return rad_fail(err, RAD_ENOMEM, "out of memory");
+        return rad_fail_memory(err);
     for (int32_t i = first; i < o->nstrings; i++) {
         size_t n = strlen(o->strings[i]);
 
@@ -219,7 +219,7 @@ rad_text_prepare(struct rad_job *job, int32_t index,
                               "expected a font and a text");
     t = rad_arena_calloc(&job->arena, 1, sizeof *t);
     if (!t)
-        return rad_fail(err, RAD_ENOMEM, "out of memory");
+        return rad_fail_memory(err);
     if (o->nreals > n)
         spacing = o->reals[n];
     if (!(fabs(spacing) <= 30)) /* in letters; keeps widths in range */

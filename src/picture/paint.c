@@ -239,7 +239,7 @@ rad_paint_init(struct rad_paint *p, const struct rad_job *job,
             continue;
         if (!rad_list_grow(&p->list, (size_t)p->n, sizeof *p->list)) {
             rad_paint_release(p);
-            return rad_fail(err, RAD_ENOMEM, "out of memory");
+            return rad_fail_memory(err);
         }
         s.source = i;
         p->list[p->n++] = s;

@@ -213,7 +213,7 @@ rad_points_lay(const double (*point)[6], uint32_t n, int *width, int *height,
     uint32_t square = UINT32_C(1) << 2 * bits, last = 0, cell[2];
 
     if (!place)
-        return rad_fail(err, RAD_ENOMEM, "out of memory");
+        return rad_fail_memory(err);
     for (uint32_t k = 0; k < n; k++) {
         rad_curve_in_square(bits, k % square, cell);
         cell[0] += k / square << bits; /* the row, in the picture */

@@ -608,7 +608,7 @@ rad_scene_check(const struct rad_scene *s,
         find_materials(s, c.material, stands_for);
         check_all(&c);
     } else {
-        c.rc = rad_fail(err, RAD_ENOMEM, "out of memory");
+        c.rc = rad_fail_memory(err);
     }
     free(stands_for);
     free(c.reached);

@@ -367,7 +367,7 @@ rad_meshfile_read(struct rad_scene *s, struct rad_part *part,
     part->mesh = r.mesh = calloc(1, sizeof *r.mesh);
     if (!r.f || !r.mesh || file < 0) {
         free(r.f);
-        return rad_fail(err, RAD_ENOMEM, "out of memory");
+        return rad_fail_memory(err);
     }
     r.f->in = *in;
     r.f->err = err ? err : &mine;

@@ -288,7 +288,7 @@ rad_octfile_read_as(struct rad_scene *s, struct rad_octfile *how,
         rad_octree_init(how->tree);
     if (file < 0) {
         free(f);
-        return rad_fail(err, RAD_ENOMEM, "out of memory");
+        return rad_fail_memory(err);
     }
     f->in = *in;
     f->err = err ? err : &mine;
@@ -325,7 +325,7 @@ rad_octfile_load(const char *path, struct rad_error *err)
     }
     s = rad_scene_new();
     if (!s) {
-        rad_fail(err, RAD_ENOMEM, "out of memory");
+        rad_fail_memory(err);
     } else if (rad_octfile_read(s, NULL, &in, path, err)) {
         rad_scene_free(s);
         s = NULL;

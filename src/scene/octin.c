@@ -258,7 +258,7 @@ get_strings(struct rad_octin *f, struct workspace *w, struct rad_object *o)
             return f->rc;
         w->strings[i] = rad_arena_strndup(&w->arena, word, strlen(word));
         if (!w->strings[i]) {
-            f->rc = rad_fail(f->err, RAD_ENOMEM, "out of memory");
+            f->rc = rad_fail_memory(f->err);
             return f->rc;
         }
     }
@@ -338,7 +338,7 @@ rad_octin_objects(struct rad_octin *f, struct rad_scene *s, int32_t file)
     bool more = true;
 
     if (!w) {
-        f->rc = rad_fail(f->err, RAD_ENOMEM, "out of memory");
+        f->rc = rad_fail_memory(f->err);
         return f->rc;
     }
     rad_arena_init(&w->arena);

@@ -160,7 +160,7 @@ rad_octfile_write(const struct rad_scene *s, const struct rad_octree *tree,
     int rc;
 
     if (!f)
-        return rad_fail(err, RAD_ENOMEM, "out of memory");
+        return rad_fail_memory(err);
     f->out = *out;
     f->err = err;
     f->rc = 0;

@@ -72,7 +72,7 @@ add_part(struct rad_scene *s, const struct rad_object *o, struct rad_error *err)
     }
     p = rad_arena_calloc(&s->arena, 1, sizeof *p);
     if (!p || !rad_list_grow(&s->parts, (size_t)n, sizeof *s->parts)) {
-        rad_fail(err, RAD_ENOMEM, "out of memory");
+        rad_fail_memory(err);
         return NULL;
     }
     p->name = o->strings[0]; /* it lives in the same arena */
@@ -169,7 +169,7 @@ include(struct including *in, int32_t i, int level, int *depth,
                         "expected at least 1 string arguments, got 0");
     use = rad_arena_alloc(&in->scene->arena, sizeof *use);
     if (!use)
-        return rad_fail(err, RAD_ENOMEM, "out of memory");
+        return rad_fail_memory(err);
     rc = rad_xform_parse(&use->move, o->strings + 1, o->nstrings - 1, err);
     if (rc)
         return rc;

@@ -85,7 +85,7 @@ rad_antimatter_prepare(struct rad_job *job, int32_t index,
 
     (void)files;
     if (!a || !begin(job))
-        return rad_fail(err, RAD_ENOMEM, "out of memory");
+        return rad_fail_memory(err);
     if (o->nstrings < 1)
         return rad_scene_fail(scene, o, err, RAD_EDATA,
                               "expected at least 1 string argument");

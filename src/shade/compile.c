@@ -43,7 +43,7 @@ compile_geometry(struct rad_job *job, struct rad_error *err)
     uint8_t *surf = calloc(n > 0 ? (size_t)n : 1, sizeof *surf);
 
     if (!surf)
-        return rad_fail(err, RAD_ENOMEM, "out of memory");
+        return rad_fail_memory(err);
     for (int32_t i = 0; i < n; i++) {
         enum rad_otype type = job->scene->objects[i].type;
 
@@ -82,7 +82,7 @@ compile_ambient_list(struct rad_job *job, struct rad_error *err)
     job->noambient = rad_arena_calloc(&job->arena, (size_t)scene->nobjects + 1,
                                       sizeof *job->noambient);
     if (!job->noambient)
-        return rad_fail(err, RAD_ENOMEM, "out of memory");
+        return rad_fail_memory(err);
     for (int32_t i = 0; i < scene->nobjects; i++)
         job->noambient[i] =
             is_listed(job->params.amblist, scene->objects[i].name) != include;
@@ -142,7 +142,7 @@ rad_job_new(const struct rad_scene *scene, const struct rad_params *params,
     struct rad_job *job = calloc(1, sizeof *job);
 
     if (!job) {
-        rad_fail(err, RAD_ENOMEM, "out of memory");
+        rad_fail_memory(err);
         return NULL;
     }
     job->scene = scene;
@@ -165,7 +165,7 @@ rad_job_check(const struct rad_scene *scene, const struct rad_files *files,
     int code;
 
     if (!job)
-        return rad_fail(err, RAD_ENOMEM, "out of memory");
+        return rad_fail_memory(err);
     job->scene = scene;
     rad_params_init(&usual);
     set_channels(job, &usual);

@@ -124,7 +124,7 @@ find_lights(struct rad_job *job, struct rad_mist *m, const struct rad_object *o,
     m->lights =
         rad_arena_calloc(&job->arena, (size_t)o->nstrings, sizeof *m->lights);
     if (!m->lights)
-        return rad_fail(err, RAD_ENOMEM, "out of memory");
+        return rad_fail_memory(err);
     for (int32_t k = 0; k < o->nstrings; k++) {
         int32_t i = rad_sources_targets(job->sources);
 
@@ -146,7 +146,7 @@ rad_mists_resolve(struct rad_job *job, struct rad_error *err)
     if (!rad_rgb_black(p->salbedo)) {
         own = rad_arena_calloc(&job->arena, 1, sizeof *own);
         if (!own)
-            return rad_fail(err, RAD_ENOMEM, "out of memory");
+            return rad_fail_memory(err);
         own->ext = own->own_ext = p->cextinction;
         own->albedo = p->salbedo;
         own->g = (float)p->seccg;

@@ -20,7 +20,7 @@ rad_prism_prepare(struct rad_job *job, int32_t index,
     struct prism *m = rad_arena_calloc(&job->arena, 1, sizeof *m);
 
     if (!m)
-        return rad_fail(err, RAD_ENOMEM, "out of memory");
+        return rad_fail_memory(err);
     m->ways = o->type == RAD_PRISM2 ? 2 : 1;
     *data = m;
     return rad_expr_prepare(job, o, files, 4 * m->ways,

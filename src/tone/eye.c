@@ -185,7 +185,7 @@ rad_eye_new(const struct rad_picture *pic, const struct rad_view *view,
     }
     if (!e || !e->memory) {
         rad_eye_free(e);
-        rad_fail(err, RAD_ENOMEM, "out of memory");
+        rad_fail_memory(err);
         return NULL;
     }
     for (size_t c = 0; c < 3; c++) {
@@ -475,7 +475,7 @@ build_levels(struct rad_eye *e, float most, struct rad_error *err)
            e->level[e->nlevels - 1].width >= 4 &&
            e->level[e->nlevels - 1].height >= 4) {
         if (!halve(&e->level[e->nlevels - 1], &e->level[e->nlevels]))
-            return rad_fail(err, RAD_ENOMEM, "out of memory");
+            return rad_fail_memory(err);
         e->nlevels++;
     }
     return 0;

@@ -64,13 +64,13 @@ rad_screen_png(const struct rad_screen *s, struct rad_tone *tone,
     int rc;
 
     if (!shown)
-        return rad_fail(err, RAD_ENOMEM, "out of memory");
+        return rad_fail_memory(err);
     shown->bits = s->bits;
     rad_srgb_init(&shown->srgb);
     shown->row = malloc((size_t)pic->width * sizeof *shown->row);
     rc = shown->row
              ? rad_toner_init(&shown->toner, &s->tone, tone, pic, view, err)
-             : rad_fail(err, RAD_ENOMEM, "out of memory");
+             : rad_fail_memory(err);
     if (rc == 0)
         rc = rad_png_rows(&png, put_row, shown, sink, err);
     rad_toner_release(&shown->toner);

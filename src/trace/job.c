@@ -21,12 +21,12 @@ rad_ctx_init(struct rad_ctx *ctx, const struct rad_job *job,
     ctx->last_blocker =
         malloc((n > 0 ? (size_t)n : 1) * sizeof *ctx->last_blocker);
     if (!ctx->last_blocker)
-        return rad_fail(err, RAD_ENOMEM, "out of memory");
+        return rad_fail_memory(err);
     for (int32_t i = 0; i < n; i++)
         ctx->last_blocker[i] = RAD_VOID;
     if (job->calc && !(ctx->calc = rad_calc_env_new(job->calc))) {
         rad_ctx_release(ctx);
-        return rad_fail(err, RAD_ENOMEM, "out of memory");
+        return rad_fail_memory(err);
     }
     return 0;
 }

@@ -155,7 +155,7 @@ rad_material_begin(struct rad_job *job, int32_t index, int least, int most,
         return NULL;
     room = rad_arena_calloc(&job->arena, 1, size);
     if (!room)
-        *code = rad_fail(err, RAD_ENOMEM, "out of memory");
+        *code = rad_fail_memory(err);
     return room;
 }
 
@@ -211,7 +211,7 @@ rad_materials_compile(struct rad_job *job, const struct rad_files *files,
         rad_arena_calloc(&job->arena, (size_t)n, sizeof *job->materials);
     if (!reached || !job->materials) {
         free(reached);
-        return rad_fail(err, RAD_ENOMEM, "out of memory");
+        return rad_fail_memory(err);
     }
     rad_scene_reach(scene, reached);
     for (int32_t i = 0; i < n && code == 0; i++)

@@ -23,7 +23,7 @@ read_input(void *arg, const char *name, size_t *len, struct rad_error *err)
 
     (void)name;
     if (!copy) {
-        rad_fail(err, RAD_ENOMEM, "out of memory");
+        rad_fail_memory(err);
         return NULL;
     }
     if (in->size)

@@ -159,7 +159,7 @@ write_rows(const struct rad_frame *f, const struct rad_pixel *pixels,
 {
     struct rad_rgb *L = malloc((size_t)f->width * sizeof *L);
     uint8_t *bytes = malloc(RAD_HDR_ROW_BYTES(f->width));
-    int rc = L && bytes ? 0 : rad_fail(err, RAD_ENOMEM, "out of memory");
+    int rc = L && bytes ? 0 : rad_fail_memory(err);
 
     for (int y = 0; rc == 0 && y < f->height; y++) {
         for (int x = 0; x < f->width; x++)
@@ -196,7 +196,7 @@ write_filtered(const struct task *t, const struct rad_frame *f,
     int rc = rad_filter_new(&filter, &s, err);
 
     if (rc == 0 && !(L && rgbe && bytes))
-        rc = rad_fail(err, RAD_ENOMEM, "out of memory");
+        rc = rad_fail_memory(err);
     for (size_t y = 0; rc == 0 && y < (size_t)f->height; y++) {
         for (size_t x = 0; x < width; x++)
             rad_rgbe(pixels[y * width + x].L, rgbe + 4 * x);
@@ -321,7 +321,7 @@ render(const struct task *t, const struct rad_frame *f, struct rad_ctx *ctx,
     struct rad_pixel *pixels = calloc(width * height, sizeof *pixels);
     struct rad_pixel **rows = malloc(height * sizeof *rows);
     struct rad_window w = t->window;
-    int rc = pixels && rows ? 0 : rad_fail(err, RAD_ENOMEM, "out of memory");
+    int rc = pixels && rows ? 0 : rad_fail_memory(err);
 
     if (w.width == 0)
         w = (struct rad_window){ 0, 0, f->width, f->height };
@@ -378,12 +378,12 @@ make_pass(struct rad_passes *p, struct rad_ctx *ctx,
         if (!rad_passes_make(p, ctx, pass, behind, i, &never, keep_records, k,
                              NULL) ||
             k->failed)
-            rc = rad_fail(err, RAD_ENOMEM, "out of memory");
+            rc = rad_fail_memory(err);
     if (rc == 0)
         rad_ambient_insert_all(ctx->job->ambient, k->rec, k->n);
     if (rc == 0 && (!rad_ambient_settle(ctx->job->ambient) ||
                     (last && !rad_ambient_smooth(ctx->job->ambient))))
-        rc = rad_fail(err, RAD_ENOMEM, "out of memory");
+        rc = rad_fail_memory(err);
     return rc;
 }
 
@@ -401,7 +401,7 @@ make_check(struct rad_passes *p, struct rad_ctx *ctx,
         if (rad_refine_make(p, ctx, i, &never, &of))
             rad_refine_add(sums, &of);
         else
-            rc = rad_fail(err, RAD_ENOMEM, "out of memory");
+            rc = rad_fail_memory(err);
     return rc;
 }
 

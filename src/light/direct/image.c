@@ -105,7 +105,7 @@ find_mirrors(struct maker *mk, struct rad_error *err)
         return 0;
     mk->mirrors.list = calloc((size_t)n, sizeof *mk->mirrors.list);
     if (!mk->mirrors.list)
-        return rad_fail(err, RAD_ENOMEM, "out of memory");
+        return rad_fail_memory(err);
     for (int32_t i = 0; i < rad_scene_own(mk->job->scene); i++) {
         int32_t mat = mirror_material(mk->job, i);
         struct rad_mirror *m = &mk->mirrors.list[mk->mirrors.n];
@@ -416,7 +416,7 @@ add_image(struct maker *mk, int32_t from, const struct rad_mirror *m, int way,
             rad_arena_alloc(&mk->job->arena, (size_t)cap * sizeof *more);
 
         if (!more)
-            return rad_fail(err, RAD_ENOMEM, "out of memory");
+            return rad_fail_memory(err);
         if (s->nvirtuals > 0)
             memcpy(more, s->virtuals, (size_t)s->nvirtuals * sizeof *more);
         s->virtuals = more;
@@ -426,7 +426,7 @@ add_image(struct maker *mk, int32_t from, const struct rad_mirror *m, int way,
     if (m->prism != RAD_VOID || (before && before->bend)) {
         bend = rad_arena_alloc(&mk->job->arena, sizeof *bend);
         if (!bend)
-            return rad_fail(err, RAD_ENOMEM, "out of memory");
+            return rad_fail_memory(err);
         make_bend(before, m, f, bend);
     }
     v = &s->virtuals[s->nvirtuals++];

@@ -96,7 +96,7 @@ rad_sources_new(struct rad_job *job, struct rad_error *err)
             rad_arena_calloc(&job->arena, emitters, sizeof *s->distant);
     }
     if (!s || !s->list || !s->distant) {
-        rad_fail(err, RAD_ENOMEM, "out of memory");
+        rad_fail_memory(err);
         return NULL;
     }
     for (int32_t i = 0; i < rad_scene_own(scene); i++) {

@@ -46,7 +46,7 @@ rad_ambient_new(const struct rad_job *job, struct rad_error *err)
         return amb;
 nomem:
     free(amb);
-    rad_fail(err, RAD_ENOMEM, "out of memory");
+    rad_fail_memory(err);
     return NULL;
 }
 

@@ -156,7 +156,7 @@ rad_bsdf_parse(struct rad_arena *arena, const char *xml, size_t len,
     int rc;
 
     if (!b) {
-        rad_fail(err, RAD_ENOMEM, "out of memory");
+        rad_fail_memory(err);
         return NULL;
     }
     for (int i = 0; i < NSIDES; i++)

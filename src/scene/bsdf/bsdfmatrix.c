@@ -278,7 +278,7 @@ read_bases(struct bases *bases, struct rad_arena *arena,
         if (b)
             b->name = rad_arena_strndup(arena, name, strlen(name));
         if (!b || !b->name)
-            return rad_fail(err, RAD_ENOMEM, "out of memory");
+            return rad_fail_memory(err);
         rc = read_rings(b, rad_xml_kid(n, "AngleBasisBlock"), err);
         if (rc)
             return rc;
@@ -329,7 +329,7 @@ read_block(struct rad_bsdf *b, struct rad_arena *arena,
     if (!m)
         m = rad_arena_calloc(arena, 1, sizeof *m);
     if (!m)
-        return rad_fail(err, RAD_ENOMEM, "out of memory");
+        return rad_fail_memory(err);
     if (b->part[side].matrix && (m->in != in || m->out != out))
         return rad_fail(err, RAD_EDATA, "channels of different bases");
     b->part[side].matrix = m;
@@ -339,7 +339,7 @@ read_block(struct rad_bsdf *b, struct rad_arena *arena,
         rad_arena_alloc(arena, (size_t)in->nangles * (size_t)out->nangles *
                                    sizeof *m->value[channel]);
     if (!m->value[channel])
-        return rad_fail(err, RAD_ENOMEM, "out of memory");
+        return rad_fail_memory(err);
     return read_values(block, rows, m, m->value[channel], err);
 }
 
@@ -462,7 +462,7 @@ finish(struct bsdf_part *p, struct rad_arena *arena, double diffuse[3],
     for (int reverse = 0; reverse < 2; reverse++) {
         m->sum[reverse] = sum_up(m, arena, reverse);
         if (!m->sum[reverse])
-            return rad_fail(err, RAD_ENOMEM, "out of memory");
+            return rad_fail_memory(err);
     }
     for (int i = 0; i < m->in->nangles; i++)
         p->most = fmax(

@@ -139,7 +139,7 @@ read_block(struct rad_bsdf *b, struct rad_arena *arena,
     if (!t)
         t = rad_arena_calloc(arena, 1, sizeof *t);
     if (!t)
-        return rad_fail(err, RAD_ENOMEM, "out of memory");
+        return rad_fail_memory(err);
     b->part[side].tree = t;
     t->rank = rank;
     t->root[channel] = read_node(&in, RAD_MAX_BSDF_LEVELS);
@@ -356,7 +356,7 @@ make_slices(const struct bsdf_tree *t, struct bsdf_slices *s,
     f.sum = calloc(n * NBLOCKS, sizeof *f.sum);
     if (!s->cell || !f.sum) {
         free(f.sum);
-        return rad_fail(err, RAD_ENOMEM, "out of memory");
+        return rad_fail_memory(err);
     }
     for (size_t i = 0; i < n; i++)
         s->cell[i].coarsest = UINT8_MAX;

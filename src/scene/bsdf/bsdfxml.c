@@ -145,7 +145,7 @@ rad_xml_parse(struct rad_arena *arena, const char *xml, size_t len,
     }
     in.xml = XML_ParserCreate(NULL);
     if (!in.xml) {
-        rad_fail(err, RAD_ENOMEM, "out of memory");
+        rad_fail_memory(err);
         return NULL;
     }
     XML_SetHashSalt(in.xml, 1); /* or the system is asked for random numbers */

@@ -77,7 +77,7 @@ reserve_one(struct rad_bundle *b, struct rad_error *err)
         return rad_fail(err, RAD_EDATA, "more than %d files",
                         RAD_MAX_BUNDLE_FILES);
     if (!rad_list_grow(&b->entries, (size_t)b->n, sizeof *b->entries))
-        return rad_fail(err, RAD_ENOMEM, "out of memory");
+        return rad_fail_memory(err);
     return 0;
 }
 
@@ -108,7 +108,7 @@ rad_bundle_add(struct rad_bundle *b, enum rad_bundle_role role,
         return rc;
     fresh.name = strdup(name);
     if (!fresh.name)
-        return rad_fail(err, RAD_ENOMEM, "out of memory");
+        return rad_fail_memory(err);
     memcpy(fresh.hash, hash, sizeof fresh.hash);
     e = b->entries + at;
     memmove(e + 1, e, (size_t)(b->n - at) * sizeof *e);

@@ -136,7 +136,7 @@ read_places(struct reader *in, struct rad_arena *arena, struct axis *a)
     int rc;
 
     if (!at)
-        return rad_fail(in->err, RAD_ENOMEM, "out of memory");
+        return rad_fail_memory(in->err);
     for (int32_t i = 0; i < a->n; i++) {
         if ((rc = read_real(in, &at[i])))
             return rc;
@@ -179,7 +179,7 @@ read_values(struct reader *in, struct rad_arena *arena, struct rad_data *d)
     }
     d->value = rad_arena_alloc(arena, n * sizeof *d->value);
     if (!d->value)
-        return rad_fail(in->err, RAD_ENOMEM, "out of memory");
+        return rad_fail_memory(in->err);
     for (size_t i = 0; i < n && rc == 0; i++)
         rc = read_real(in, &d->value[i]);
     return rc;
@@ -195,7 +195,7 @@ rad_data_parse(struct rad_arena *arena, const char *text, size_t len,
     int rc;
 
     if (!d) {
-        rad_fail(err, RAD_ENOMEM, "out of memory");
+        rad_fail_memory(err);
         return NULL;
     }
     rc = read_count(&in, 1, &dims);
@@ -347,7 +347,7 @@ rad_pict_parse(struct rad_arena *arena, const uint8_t *bytes, size_t len,
     double w, h;
 
     if (!p) {
-        rad_fail(err, RAD_ENOMEM, "out of memory");
+        rad_fail_memory(err);
         return NULL;
     }
     if (rad_hdr_read_coded(bytes, len, RAD_MAX_DATA_PIXELS, &pic, err) < 0)
@@ -363,7 +363,7 @@ rad_pict_parse(struct rad_arena *arena, const uint8_t *bytes, size_t len,
     rad_coded_picture_release(&pic);
     if (p->rgbe)
         return p;
-    rad_fail(err, RAD_ENOMEM, "out of memory");
+    rad_fail_memory(err);
     return NULL;
 }
 

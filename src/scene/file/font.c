@@ -97,7 +97,7 @@ read_glyph(struct reader *in, struct rad_font *font, struct rad_arena *arena,
                         in->line, code);
     g = rad_arena_alloc(arena, sizeof *g);
     if (!g || !(g->vert = rad_arena_alloc(arena, (size_t)n * 2)))
-        return rad_fail(err, RAD_ENOMEM, "out of memory");
+        return rad_fail_memory(err);
     g->nverts = n;
     g->left = g->right = g->bottom = g->top = 128;
     font->glyph[code] = g;
@@ -113,7 +113,7 @@ rad_font_parse(struct rad_arena *arena, const char *text, size_t len,
     int code, got, sum = 0, n = 0;
 
     if (!font) {
-        rad_fail(err, RAD_ENOMEM, "out of memory");
+        rad_fail_memory(err);
         return NULL;
     }
     while ((got = next_int(&in, &code)) > 0) {
@@ -273,7 +273,7 @@ rad_textline_set(struct rad_textline *line, const struct rad_font *font,
     line->reach = rad_arena_alloc(arena, (len + 1) * sizeof *line->reach);
     line->glyph = rad_arena_alloc(arena, (len + 1) * sizeof *line->glyph);
     if (!s.gap || !line->reach || !line->glyph)
-        return rad_fail(err, RAD_ENOMEM, "out of memory");
+        return rad_fail_memory(err);
     if (spacing == 0)
         set_cells(&s);
     else if (spacing > 0)

@@ -100,7 +100,7 @@ grow(void *old, size_t size, int *max, int n, struct rad_error *err)
     if (more)
         *max = n;
     else
-        rad_fail(err, RAD_ENOMEM, "out of memory");
+        rad_fail_memory(err);
     return more;
 }
 
@@ -138,7 +138,7 @@ keep_string(struct arguments *a, const char *word, struct rad_error *err)
         char *more = realloc(a->text, size);
 
         if (!more)
-            return rad_fail(err, RAD_ENOMEM, "out of memory");
+            return rad_fail_memory(err);
         a->text = more;
         a->text_size = size;
     }
@@ -370,7 +370,7 @@ new_reader(struct parser *p, const struct rad_stream *in, const char *name,
 
     if (!r || file < 0) {
         free(r);
-        rad_fail(err, RAD_ENOMEM, "out of memory");
+        rad_fail_memory(err);
         return NULL;
     }
     r->parser = p;
@@ -434,7 +434,7 @@ read_command(struct reader *r, struct rad_error *err)
     int rc, line = r->lex.line;
 
     if (!command)
-        return rad_fail(err, RAD_ENOMEM, "out of memory");
+        return rad_fail_memory(err);
     rc = rad_lex_line(&r->lex, command, RAD_MAX_COMMAND + 1, err);
     if (!rc)
         rc = run_command(r, command, line, err);

@@ -159,7 +159,7 @@ rad_specpict_parse(struct rad_arena *arena, const uint8_t *bytes, size_t len,
                       (double[]){ tall, wide, range * (in.channels - 1) },
                       (double)in.edge[0] + .5 * range, &value);
     if (!d)
-        rad_fail(err, RAD_ENOMEM, "out of memory");
+        rad_fail_memory(err);
     else
         read_pixels(&in, value);
     return d;

@@ -78,7 +78,7 @@ rad_scatter_prepare(struct rad_job *job, int32_t index,
     int rc;
 
     if (!s)
-        return rad_fail(err, RAD_ENOMEM, "out of memory");
+        return rad_fail_memory(err);
     if (o->nstrings < 5 + proxy)
         return rad_scene_fail(job->scene, o, err, RAD_EDATA,
                               "too few string arguments");
