@@ -14,6 +14,8 @@ libclient_a_SOURCES += \
 	client/job/submit_check.h \
 	client/job/submit_options.c \
 	client/job/submit_options.h \
+	client/job/submit_pairs.c \
+	client/job/submit_pairs.h \
 	client/job/submit_parse.c \
 	client/job/submit_parse.h \
 	client/job/submit_table.c \

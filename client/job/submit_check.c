@@ -2,6 +2,7 @@
 #include "config.h"
 
 #include "job/submit_check.h"
+#include "job/submit_pairs.h"
 #include "link/launch.h"
 #include "proto/message.h"
 #include "show/picfile.h"
@@ -41,20 +42,6 @@ check_estimate(struct submit_options *o, struct rad_error *err)
     return 0;
 }
 
-/* --windows and --order must not be given with a partition by lines. */
-static int
-check_sharing(struct submit_options *o, struct rad_error *err)
-{
-    bool lines =
-        o->partition == PARTITION_STATIC || o->partition == PARTITION_SCANBAR;
-
-    if (lines && o->windows > 0)
-        return rad_fail(err, RAD_EUSAGE, "--windows is for --partition=window");
-    if (lines && o->order != ORDER_NONE)
-        return rad_fail(err, RAD_EUSAGE, "--order is for --partition=window");
-    return check_estimate(o, err);
-}
-
 static bool
 is_dash(const char *name)
 {
@@ -66,10 +53,6 @@ is_dash(const char *name)
 static int
 check_outputs(struct submit_options *o, struct rad_error *err)
 {
-    if (o->detach && (o->output || o->depth || o->stats || o->preview))
-        return rad_fail(err, RAD_EUSAGE,
-                        "--detach waits for no picture: leave out -o, -z, "
-                        "--stats and --preview, and use radctl fetch");
     if (is_dash(o->depth) || is_dash(o->stats) || is_dash(o->preview))
         return rad_fail(err, RAD_EUSAGE,
                         "'-' is a name for -o alone, not for -z, --stats or "
@@ -90,11 +73,6 @@ check_show(struct submit_options *o, struct rad_error *err)
 
     if (rc < 0)
         return rc;
-    if (given && o->detach)
-        return rad_fail(err, RAD_EUSAGE,
-                        "%s is for a .png, and --detach writes none: use "
-                        "radctl fetch with it",
-                        given);
     if (given && !o->preview &&
         !picfile_is_png(o->output, (enum picfile_format)o->format))
         return rad_fail(err, RAD_EUSAGE,
@@ -134,34 +112,9 @@ count_samples(struct submit_options *o, struct rad_error *err)
     return 0;
 }
 
-/* Passes need an ambient cache that all workers and all frames share. */
-static int
-check_ambient(const struct submit_options *o, struct rad_error *err)
-{
-    if (o->ambient_way == AMBIENT_PASSES && (o->no_share || o->fresh_frames))
-        return rad_fail(err, RAD_EUSAGE, "%s needs --ambient=live",
-                        o->no_share ? "--no-share" : "--fresh-frames");
-    return 0;
-}
-
-/* The first option that excludes a job for each plane. */
-static const char *
-hinders_planes(const struct submit_options *o)
-{
-    return o->preview                                  ? "--preview"
-           : o->error > 0                              ? "--error"
-           : o->time_s > 0                             ? "--time"
-           : o->ambient                                ? "-af"
-           : o->costs                                  ? "--estimate=FILE"
-           : o->reuse && strcmp(o->reuse, "last") != 0 ? "--reuse=JOB"
-           : o->params.primaries == RAD_PRIM_CUSTOM    ? "-pc"
-                                                       : NULL;
-}
-
 static int
 check_planes(const struct submit_options *o, struct rad_error *err)
 {
-    const char *other = hinders_planes(o);
     bool spectra = submit_options_spectra(o);
 
     if (submit_options_planes(o) == 1)
@@ -171,13 +124,6 @@ check_planes(const struct submit_options *o, struct rad_error *err)
                               "use -cs N",
                               o->output)
                    : 0;
-    if (other)
-        return rad_fail(err, RAD_EUSAGE,
-                        "%s does not go with more than three bands (-cs %d)%s",
-                        other, o->params.bands.n,
-                        submit_options_goal(o)
-                            ? ": each three would choose options of their own"
-                            : "");
     if (submit_options_hsr(o) && !spectra)
         return rad_fail(err, RAD_EUSAGE,
                         "'%s' is a name for spectra, and -co- asks for none",
@@ -193,36 +139,15 @@ check_planes(const struct submit_options *o, struct rad_error *err)
     return 0;
 }
 
-/* The first option that excludes a goal, with the reason. */
-static const char *
-hinders_goal(const struct submit_options *o)
-{
-    return o->ambient_way == AMBIENT_LIVE
-               ? "--ambient=live: it refines an ambient cache in passes"
-           : o->no_share ? "--no-share: it refines a cache that all share"
-           : o->fresh_frames
-               ? "--fresh-frames: it refines a cache of all frames"
-           : o->dry_run
-               ? "--dry-run, which foretells what given options bring: "
-                 "it chooses them on the way"
-           : o->ambient ? "-af, whose values are of given options: it chooses "
-                          "its own; --reuse begins with a former job's"
-                        : NULL;
-}
-
 /* A goal refines the ambient cache, in passes: indirect light is needed. */
 static int
 check_goal(const struct submit_options *o, struct rad_error *err)
 {
     const char *goal = o->error > 0 ? "--error" : "--time";
-    const char *other = hinders_goal(o);
 
-    if (!submit_options_goal(o))
-        return 0;
-    if (other)
-        return rad_fail(err, RAD_EUSAGE, "%s does not go with %s", goal, other);
-    if (o->params.ambounce <= 0 || o->params.ambacc <= 0 ||
-        o->params.ambdiv <= 0)
+    if (submit_options_goal(o) &&
+        (o->params.ambounce <= 0 || o->params.ambacc <= 0 ||
+         o->params.ambdiv <= 0))
         return rad_fail(err, RAD_EUSAGE,
                         "%s is for pictures with indirect light: -ab, -aa and "
                         "-ad must be above 0",
@@ -234,64 +159,23 @@ static int
 check_reuse(const struct submit_options *o, struct rad_error *err)
 {
     uint8_t job[MSG_JOB];
-    const char *other = o->ambient_way == AMBIENT_LIVE ? "--ambient=live"
-                        : o->no_share                  ? "--no-share"
-                        : o->fresh_frames              ? "--fresh-frames"
-                        : o->dry_run                   ? "--dry-run"
-                                                       : NULL;
 
-    if (!o->reuse)
-        return 0;
-    if (strcmp(o->reuse, "last") != 0 && !msg_job_parse(o->reuse, job))
+    if (o->reuse && strcmp(o->reuse, "last") != 0 &&
+        !msg_job_parse(o->reuse, job))
         return rad_fail(err, RAD_EUSAGE,
                         "option '--reuse': '%.40s' is neither a job's id, of "
                         "%d digits, nor 'last'",
                         o->reuse, MSG_JOB_HEX - 1);
-    if (other)
-        return rad_fail(err, RAD_EUSAGE, "--reuse and %s exclude each other",
-                        other);
-    if (o->local || o->launch)
-        return rad_fail(err, RAD_EUSAGE,
-                        "--reuse needs a coordinator: a cluster of radsubmit's "
-                        "own keeps nothing");
     return 0;
-}
-
-/* The first option that is for pictures or their views alone. */
-static const char *
-is_for_pictures(const struct submit_options *o)
-{
-    return o->for_pixels       ? o->for_pixels
-           : o->first_frame    ? "-S"
-           : o->views          ? "--views"
-           : o->rif_view       ? "--view"
-           : o->depth          ? "-z"
-           : o->format         ? "--format"
-           : o->preview        ? "--preview"
-           : o->oversample > 1 ? "--oversample"
-           : o->clamp > 0      ? "--clamp"
-           : o->tone >= 0      ? "--tone"
-           : o->exposure       ? "--exposure"
-           : o->bits >= 0      ? "--bits"
-           : o->false_colour   ? "--false-colour"
-           : o->no_clobber     ? "--no-clobber"
-           : o->fresh_frames   ? "--fresh-frames"
-                               : NULL;
 }
 
 /* Sensor points are a picture without a view, each pixel of which is traced. */
 static int
 check_points(struct submit_options *o, struct rad_error *err)
 {
-    const char *other = is_for_pictures(o);
     int rc = pointspec_check(&o->points, err);
     uint8_t id[MSG_JOB];
 
-    if (o->job && (!o->points.file || o->detach || o->dry_run))
-        return rad_fail(err, RAD_EUSAGE,
-                        "--job is for the values of sensor points: without "
-                        "--detach and --dry-run, and radctl fetch gets "
-                        "pictures");
     if (o->job && !msg_job_parse(o->job, id))
         return rad_fail(err, RAD_EUSAGE,
                         "option '--job': '%.40s' is no job's id, of %d digits",
@@ -299,9 +183,6 @@ check_points(struct submit_options *o, struct rad_error *err)
 
     if (rc < 0 || !o->points.file)
         return rc;
-    if (other)
-        return rad_fail(err, RAD_EUSAGE,
-                        "%s is for pictures, and --points makes none", other);
     if ((o->detach || o->job) &&
         (!pointspec_lit(&o->points) || submit_options_planes(o) > 1))
         return rad_fail(err, RAD_EUSAGE,
@@ -325,23 +206,13 @@ check_points(struct submit_options *o, struct rad_error *err)
     return 0;
 }
 
-/* Is at most one cluster asked for: a coordinator's, --local or --launch? */
 static int
 check_cluster(const struct submit_options *o, struct rad_error *err)
 {
     char dial[LAUNCH_ADDRESS], listen[LAUNCH_ADDRESS];
 
-    if ((o->local || o->launch) && o->coordinator)
-        return rad_fail(err, RAD_EUSAGE,
-                        "--%s and --coordinator exclude each other",
-                        o->local ? "local" : "launch");
-    if (o->local && o->launch)
-        return rad_fail(err, RAD_EUSAGE,
-                        "--local and --launch exclude each other");
     if (o->launch && strspn(o->launch, " \t\n") == strlen(o->launch))
         return rad_fail(err, RAD_EUSAGE, "--launch: expected a command");
-    if (!o->launch && o->address)
-        return rad_fail(err, RAD_EUSAGE, "--address is for --launch");
     if (!o->launch && o->workers > MOST_LOCAL)
         return rad_fail(err, RAD_EUSAGE,
                         "option '--workers': at most %d on one machine",
@@ -352,20 +223,17 @@ check_cluster(const struct submit_options *o, struct rad_error *err)
 static int
 check_together(struct submit_options *o, struct rad_error *err)
 {
-    int rc = check_points(o, err);
+    int rc = check_estimate(o, err);
 
-    if (rc < 0 || (rc = check_outputs(o, err)) < 0 ||
-        (rc = check_show(o, err)) < 0)
-        return rc;
-    if ((rc = check_cluster(o, err)) < 0)
+    if (rc < 0 || (rc = submit_pairs_check(o, err)) < 0 ||
+        (rc = check_points(o, err)) < 0 || (rc = check_outputs(o, err)) < 0 ||
+        (rc = check_show(o, err)) < 0 || (rc = check_cluster(o, err)) < 0)
         return rc;
     if (o->name && strlen(o->name) > MSG_MAX_LABEL)
         return rad_fail(
             err, RAD_EUSAGE,
             "option '--name': %zu bytes, and at most %d are allowed",
             strlen(o->name), MSG_MAX_LABEL);
-    if (o->views && !o->first_frame)
-        return rad_fail(err, RAD_EUSAGE, "--views needs -S");
     if (o->errors && strpbrk(o->errors, "=:"))
         return rad_fail(err, RAD_EUSAGE,
                         "option '-e': '%.40s' is an expression, and "
@@ -375,15 +243,7 @@ check_together(struct submit_options *o, struct rad_error *err)
         return rad_fail(err, RAD_EUSAGE,
                         "option '-pm' needs the view before the first: use "
                         "-S 1 and all views");
-    if (o->fresh_frames && !o->first_frame)
-        return rad_fail(err, RAD_EUSAGE, "--fresh-frames needs -S");
-    if (o->no_clobber && !(o->first_frame && o->output))
-        return rad_fail(err, RAD_EUSAGE, "--no-clobber needs -S and -o");
-    if (o->dry_run && o->detach)
-        return rad_fail(err, RAD_EUSAGE,
-                        "--dry-run makes no job that --detach could leave");
-    if ((rc = check_sharing(o, err)) < 0 || (rc = check_ambient(o, err)) < 0 ||
-        (rc = check_reuse(o, err)) < 0 || (rc = check_goal(o, err)) < 0 ||
+    if ((rc = check_reuse(o, err)) < 0 || (rc = check_goal(o, err)) < 0 ||
         (rc = rad_params_check(&o->params, err)) < 0 ||
         (rc = check_planes(o, err)) < 0)
         return rc;

@@ -1,4 +1,4 @@
-/* submit_check.h - options that exclude or need each other */
+/* submit_check.h - whether a whole command line makes sense */
 #ifndef RADD_CLIENT_SUBMIT_CHECK_H
 #define RADD_CLIENT_SUBMIT_CHECK_H
 

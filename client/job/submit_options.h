@@ -1,7 +1,8 @@
 /* submit_options.h - radsubmit's command line as a struct
  *
  * submit_parse.h fills it, submit_table.c has the table of options,
- * submit_check.c checks which exclude each other. */
+ * submit_pairs.c that of options which exclude or need each other, and
+ * submit_check.c checks values. */
 #ifndef RADD_CLIENT_SUBMIT_OPTIONS_H
 #define RADD_CLIENT_SUBMIT_OPTIONS_H
 

@@ -1,7 +1,7 @@
 /* submit_table.h - radsubmit's own options: names, values, help
  *
  * To add an option add a row to the table in submit_table.c, a field to struct
- * submit_options and, if it excludes others, a check to submit_check.c. */
+ * submit_options and, if it excludes others, a rule to submit_pairs.c. */
 #ifndef RADD_CLIENT_SUBMIT_TABLE_H
 #define RADD_CLIENT_SUBMIT_TABLE_H
 

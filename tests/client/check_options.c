@@ -337,6 +337,102 @@ START_TEST(wrong_command_lines_are_named)
 }
 END_TEST
 
+/* Options with what each needs, and those that it does not go with.  A pair
+ * stands in the row of either. */
+static const struct {
+    const char *name, *words, *against;
+} together[] = {
+    { "--detach", "--detach",
+      "-o -z --stats --preview --tone --exposure --bits --false-colour "
+      "--no-clobber --dry-run --job" },
+    { "--dry-run", "--dry-run", "--error --time --reuse --reuse=last --job" },
+    { "--points", "--points=p",
+      "-vp -S --views --no-clobber --fresh-frames -z --format --preview "
+      "--oversample --clamp --tone --exposure --bits --false-colour --view" },
+    { "--job", "--job=0123456789abcdef0123456789abcdef --points=p",
+      "-vp -S --views --no-clobber --fresh-frames -z --format --preview "
+      "--oversample --clamp --tone --exposure --bits --false-colour --view "
+      "-cs" },
+    { "-cs", "-cs 6", "--preview --error --time -af --estimate --reuse -pc" },
+    { "--error", "--error=5 -ab 1", "-af --ambient=live --no-share" },
+    { "--time", "--time=9 -ab 1", "-af --ambient=live --no-share" },
+    { "--reuse", "--reuse=0123456789abcdef0123456789abcdef",
+      "--ambient=live --no-share --fresh-frames --local --launch --address" },
+    { "--reuse=last", "--reuse=last",
+      "--ambient=live --no-share --fresh-frames --local --launch --address" },
+    { "--fresh-frames", "--fresh-frames -S 1",
+      "--ambient=passes --error --time" },
+    { "--no-share", "--no-share", "--ambient=passes" },
+    { "--partition=static", "--partition=static", "--windows --order" },
+    { "--partition=scanbar", "--partition=scanbar", "--windows --order" },
+    { "--partition=window", "--partition=window", "" },
+    { "--local", "--local", "--launch --address --coordinator" },
+    { "--launch", "--launch=srun", "--coordinator" },
+    { "--address", "--address=h --launch=srun", "--coordinator" },
+    { "--coordinator", "--coordinator=h:1", "" },
+    { "--format", "--format=png", "" },
+    { "--false-colour", "--false-colour --format=png",
+      "--tone --exposure --bits" },
+    { "--tone", "--tone=linear --format=png", "" },
+    { "--exposure", "--exposure=+1 --format=png", "" },
+    { "--bits", "--bits=16 --format=png", "" },
+    { "--preview", "--preview=p.png", "" },
+    { "--clamp", "--clamp=4 --oversample=2", "" },
+    { "--oversample", "--oversample=2", "" },
+    { "--views", "--views=v -S 1", "" },
+    { "--view", "--view=v", "" },
+    { "--no-clobber", "--no-clobber -S 1 -o a%d.png", "" },
+    { "-S", "-S 1", "" },
+    { "-vp", "-vp 1 2 3", "" },
+    { "-o", "-o a.hdr", "" },
+    { "-z", "-z a.z", "" },
+    { "-af", "-af a.amb", "" },
+    { "-pc", "-pc .7 .3 .2 .7 .1 .1 .3 .3", "" },
+    { "--stats", "--stats=s.json", "" },
+    { "--windows", "--windows=4", "" },
+    { "--order", "--order=cost", "" },
+    { "--estimate", "--estimate=s.json", "" },
+    { "--ambient=live", "--ambient=live", "" },
+    { "--ambient=passes", "--ambient=passes", "" },
+};
+
+/* Is `name` a word of `list`? */
+static bool
+has_word(const char *list, const char *name)
+{
+    size_t n = strlen(name);
+
+    for (const char *at = list; (at = strstr(at, name)) != NULL; at += n)
+        if ((at == list || at[-1] == ' ') && strchr(" ", at[n]))
+            return true;
+    return false;
+}
+
+START_TEST(each_pair_goes_together_or_is_named)
+{
+    for (size_t j = 0; j < N_ELEM(together); j++) {
+        bool refused = has_word(together[_i].against, together[j].name) ||
+                       has_word(together[j].against, together[_i].name);
+        struct submit_options o;
+        struct words w;
+        struct rad_error err = { 0 };
+        char line[300];
+        int rc;
+
+        snprintf(line, sizeof line, "%s %s a.rad", together[_i].words,
+                 together[j].words);
+        rc = parse(&o, &w, line, &err);
+        if (!refused)
+            ck_assert_msg(rc == SUBMIT_RUN, "%s: %s", line, err.what);
+        else
+            ck_assert_msg(rc == RAD_EUSAGE && strchr(err.what, '-'),
+                          "%s is taken (%d), or told as '%s'", line, rc,
+                          err.what);
+        words_release(&w);
+    }
+}
+END_TEST
+
 START_TEST(files_and_variables_open_up_in_place)
 {
     struct submit_options o;
@@ -427,6 +523,8 @@ main(void)
     tcase_add_loop_test(tc, work_is_shared_as_asked, 0, N_ELEM(sharing));
     tcase_add_test(tc, words_stand_where_the_protocol_has_them);
     tcase_add_loop_test(tc, wrong_command_lines_are_named, 0, N_ELEM(wrong));
+    tcase_add_loop_test(tc, each_pair_goes_together_or_is_named, 0,
+                        N_ELEM(together));
     tcase_add_test(tc, files_and_variables_open_up_in_place);
     tcase_add_test(tc, expansion_that_cannot_be_is_an_error);
     tcase_add_test(tc, view_files_are_read_in_their_place);

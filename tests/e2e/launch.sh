@@ -154,7 +154,7 @@ expect 64 "--local and --launch exclude each other" both \
     "$radsubmit" --local --launch=srun "$room"
 expect 64 "--launch and --coordinator exclude each other" two \
     "$radsubmit" --launch=srun --coordinator=x:1 "$room"
-expect 64 "--address is for --launch" alone \
+expect 64 "--address needs --launch" alone \
     "$radsubmit" --address=x:1 "$room"
 expect 64 "--launch: expected a command" empty "$radsubmit" --launch=' ' "$room"
 expect 64 "--address: expected HOST" address \

@@ -162,13 +162,13 @@ expect 64 "-co+ asks for spectra" "-fac" "$radsubmit" --local -cs 6 -co+ \
 
 # --- what does not go with it ---
 
-expect 64 "--error does not go with" "--error" "$radsubmit" --local -cs 6 \
+expect 64 "-cs above 3 and --error exclude each other" "--error" "$radsubmit" --local -cs 6 \
     -ab 1 --error=2 -o x.hdr "$room"
-expect 64 "--preview does not go with" "--preview" "$radsubmit" --local -cs 6 \
+expect 64 "-cs above 3 and --preview exclude each other" "--preview" "$radsubmit" --local -cs 6 \
     --preview=p.png -o x.hdr "$room"
-expect 64 "-af does not go with" "-af" "$radsubmit" --local -cs 6 -ab 1 \
+expect 64 "-cs above 3 and -af exclude each other" "-af" "$radsubmit" --local -cs 6 -ab 1 \
     -af x.amb -o x.hdr "$room"
-expect 64 "-pc does not go with" "-pc" "$radsubmit" --local -cs 6 \
+expect 64 "-cs above 3 and -pc exclude each other" "-pc" "$radsubmit" --local -cs 6 \
     -pc .7 .3 .2 .7 .1 .1 .3 .3 -o x.hdr "$room"
 expect 64 "spectra have more than three bands" ".hsr" "$radsubmit" --local \
     -o x.hsr "$room"

@@ -98,12 +98,12 @@ refused 65 "five.txt:1: expected six numbers" --points=five.txt
 refused 66 "no.txt" --points=no.txt
 head -c 50 /dev/zero >part.bin
 refused 65 "2 bytes behind sensor point 1" --points=part.bin -fda
-refused 64 "-vp is for pictures" --points=points.txt -vp 0 0 0
-refused 64 "--preview is for pictures" --points=points.txt --preview=a.png
+refused 64 "--points and -vp exclude each other" --points=points.txt -vp 0 0 0
+refused 64 "--points and --preview exclude each other" --points=points.txt --preview=a.png
 refused 64 "--detach" --points=points.txt --detach
 refused 64 "--job needs a coordinator" --points=points.txt --job="$(printf %032d 1)"
 refused 64 "is no job's id" --points=points.txt --job=7
-refused 64 "--job is for the values" --job="$(printf %032d 1)"
+refused 64 "--job needs --points" --job="$(printf %032d 1)"
 refused 64 "'t' of rtrace is not supported" --points=points.txt -otv
 refused 64 "rtrace's -o has no 'D'" --points=points.txt -oD
 refused 64 "'-I' is for --points" -I
