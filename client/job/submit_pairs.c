@@ -70,7 +70,7 @@ static const struct {
       "--job asks for values that a former job has made" },
     { POINTS, VIEWING, "--points makes no picture" },
     { DETACH, SET(OUTPUT) | SET(DEPTH) | SET(STATS) | SET(PREVIEW) | SHOWN,
-      "--detach waits for no picture; radctl fetch gets it" },
+      "--detach waits for no picture: give such options to radctl fetch" },
     { DRY_RUN, SET(DETACH), "--dry-run makes no job" },
     { DRY_RUN, GOAL | SET(REUSE),
       "--dry-run foretells what given options bring, without a cache" },

@@ -150,7 +150,7 @@ expect 64 "--exposure is for a .png" "exposure of stdout" \
     "$radsubmit" --exposure=+1 "$room"
 expect 64 "--bits is for a .png" "bits of --format=hdr" \
     "$radsubmit" --bits=16 --format=hdr -o x.png "$room"
-expect 64 "radctl fetch with it" "tone of --detach" \
+expect 64 "give such options to radctl fetch" "tone of --detach" \
     "$radsubmit" --tone=human --detach "$room"
 expect 64 "none of photographic|linear|human" "no tone" \
     "$radsubmit" --tone=reinhard -o x.png "$room"
