@@ -8,8 +8,7 @@
 #include "config.h"
 
 #include "cluster.h"
-#include "fibre.h"
-#include "strict/strict.h"
+#include "task.h"
 
 #include "base/rng.h"
 #include "picture/facts.h"
@@ -23,22 +22,14 @@
 #define LATE_MS      20 /* most delay of a tick that the machine wants */
 
 struct sim_task {
+    struct task task;
     struct net *net;
     int node;
-    struct fibre *fibre;
-    struct msg_unit unit;
-    struct strict_pass *pass; /* NULL: the task is a window */
-    enum team_mode mode;
-    struct team *team;
-    float *rows; /* of the unit, from the first to the last */
-    uint32_t nrows, nsent;
-    int row0;                /* the sampler's row that is the unit's first */
+    float *rows;             /* of the unit, from the first to the last */
     unsigned pixels;         /* that the slice may still trace */
     double used_us, cost_us; /* virtual time of the slice; of the task */
     uint64_t start_ms;
-    bool over;    /* team_work() has returned */
-    bool killed;  /* by a pixel that kills children */
-    bool dropped; /* the task was given up: nothing counts */
+    bool killed; /* by a pixel that kills children */
 };
 
 static struct sim_job *
@@ -74,10 +65,9 @@ later(struct net *net, int node, unsigned delay,
 /* --- a child's end --- */
 
 static void
-task_free(struct sim_task *t)
+free_task(struct sim_task *t)
 {
-    fibre_free(t->fibre);
-    team_free(t->team);
+    task_release(&t->task);
     free(t->rows);
     free(t);
 }
@@ -87,18 +77,10 @@ static void
 unload(struct sim_child *k)
 {
     for (int i = 0; i < SIM_THREADS; i++) {
-        struct sim_task *t = k->task[i];
-        struct msg_counts none = { 0 };
-
-        if (!t)
+        if (!k->task[i])
             continue;
-        t->dropped = true;
-        team_stop(t->team);
-        while (fibre_run(t->fibre))
-            ;
-        if (t->pass)
-            strict_ended(k->strict, t->pass, false, NULL, NULL, &none, NULL);
-        task_free(t);
+        task_drop(&k->task[i]->task, k->strict);
+        free_task(k->task[i]);
         k->task[i] = NULL;
     }
     k->nwindows = 0;
@@ -180,18 +162,20 @@ code_rows(const float *from, uint32_t rows, uint32_t width, uint8_t *to)
 /* Send the unit's rows that are made and not sent; last: with these counts, as
  * the last piece. */
 static void
-send_rows(struct sim_task *t, const struct msg_counts *last)
+send_rows(struct sim_task *sim, const struct msg_counts *last)
 {
-    struct sim_child *k = sim_child_of(t->net, t->node);
-    const struct sim_job *job = job_of(t->net, t->node);
+    struct net *net = sim->net;
+    struct task *t = &sim->task;
+    struct sim_child *k = sim_child_of(net, sim->node);
+    const struct sim_job *job = job_of(net, sim->node);
     size_t stride = (size_t)t->unit.width * (size_t)channels_of(job);
     uint32_t rows = t->nrows - t->nsent;
     uint8_t *bytes = malloc((rows + 1) * RAD_HDR_ROW_BYTES(stride));
-    const float *from = t->rows + t->nsent * stride;
+    const float *from = sim->rows + t->nsent * stride;
     struct msg m = { .type = MSG_RESULT };
     size_t len = 0;
 
-    SIM_CHECK(t->net, bytes != NULL);
+    SIM_CHECK(net, bytes != NULL);
     if (k->coded)
         len = code_rows(from, rows, t->unit.width, bytes);
     else
@@ -210,7 +194,7 @@ send_rows(struct sim_task *t, const struct msg_counts *last)
                              .len = len };
     if (last)
         m.result.counts = *last;
-    net_send_msg(t->net, t->node, k->conn, &m);
+    net_send_msg(net, sim->node, k->conn, &m);
     t->nsent = t->nrows;
     free(bytes);
 }
@@ -230,16 +214,16 @@ trace(void *arg, struct rad_ctx *ctx, int x, int y, struct rad_pixel *out)
     struct sim_job *job = job_of(t->net, t->node);
 
     (void)ctx;
-    while (t->pixels == 0 && !t->dropped)
-        fibre_yield(t->fibre);
-    if (!t->dropped) {
+    while (t->pixels == 0 && !t->task.dropped)
+        task_yield(&t->task);
+    if (!t->task.dropped) {
         t->pixels--;
-        t->used_us += sim_pixel_us(job, t->unit.frame, x, y);
-        t->killed |= is_poison(job, t->unit.frame, x, y);
-        while (t->killed && !t->dropped)
-            fibre_yield(t->fibre);
+        t->used_us += sim_pixel_us(job, t->task.unit.frame, x, y);
+        t->killed |= is_poison(job, t->task.unit.frame, x, y);
+        while (t->killed && !t->task.dropped)
+            task_yield(&t->task);
     }
-    if (!sim_pixel(job, t->unit.frame, x, y, out))
+    if (!sim_pixel(job, t->task.unit.frame, x, y, out))
         return false;
     job->traced++;
     return true;
@@ -252,7 +236,7 @@ paint(void *arg, struct rad_ctx *ctx, int x0, int x1, int y,
     const struct sim_task *t = arg;
 
     (void)ctx;
-    sim_paint(job_of(t->net, t->node), t->unit.frame, x0, x1, y, row);
+    sim_paint(job_of(t->net, t->node), t->task.unit.frame, x0, x1, y, row);
 }
 
 static void
@@ -262,16 +246,17 @@ on_row(void *arg, int row, const struct rad_pixel *pixels)
     int channels = channels_of(job_of(t->net, t->node));
     float *to;
 
-    if (t->dropped)
+    if (t->task.dropped)
         return;
-    if (t->nrows > t->nsent && net_chance(t->net, 4)) {
+    if (t->task.nrows > t->task.nsent && net_chance(t->net, 4)) {
         speak(t->net, t->node);
         send_rows(t, NULL);
     }
-    SIM_CHECK(t->net, (uint32_t)(row - t->row0) == t->nrows);
-    SIM_CHECK(t->net, t->nrows < t->unit.height);
-    to = t->rows + (size_t)t->nrows++ * t->unit.width * (size_t)channels;
-    for (uint32_t x = 0; x < t->unit.width; x++, to += channels) {
+    SIM_CHECK(t->net, (uint32_t)(row - t->task.row0) == t->task.nrows);
+    SIM_CHECK(t->net, t->task.nrows < t->task.unit.height);
+    to = t->rows +
+         (size_t)t->task.nrows++ * t->task.unit.width * (size_t)channels;
+    for (uint32_t x = 0; x < t->task.unit.width; x++, to += channels) {
         to[0] = pixels[x].L.r;
         to[1] = pixels[x].L.g;
         to[2] = pixels[x].L.b;
@@ -280,92 +265,37 @@ on_row(void *arg, int row, const struct rad_pixel *pixels)
     }
 }
 
-static void
-run_task(void *arg)
-{
-    struct sim_task *t = arg;
-
-    team_work(t->team, NULL);
-    t->over = true;
-}
-
-static struct team *
-new_team(struct sim_task *t)
-{
-    const struct sim_job *job = job_of(t->net, t->node);
-    const struct strict_pass *pass = t->pass;
-    struct team_spec spec = { .sampler = sim_sampler(job, t->unit.frame),
-                              .mode = t->mode,
-                              .trace = trace,
-                              .paint = job->paint ? paint : NULL,
-                              .truth.rows =
-                                  t->mode == TEAM_TRUTH ? on_row : NULL,
-                              .arg = t,
-                              .nthreads = 1 };
-
-    if (!pass) {
-        spec.sampler.x0 = (int)t->unit.x;
-        spec.sampler.y0 = (int)t->unit.y;
-        spec.sampler.width = (int)t->unit.width;
-        spec.sampler.height = (int)t->unit.height;
-        spec.last = rad_quincunx_nbases(&spec.sampler);
-        return team_new(&spec);
-    }
-    strict_describe(pass, &spec);
-    spec.cpu_ns = NULL; /* processor time is not measured: time is virtual */
-    return team_new(&spec);
-}
-
 static void slice(void *net, struct event *e);
 
+/* Begin a pass, or a window. */
 static void
-start_task(struct net *net, int node, int slot, const struct msg_unit *unit,
+start_task(struct net *net, int node, int slot, const struct msg_unit *window,
            struct strict_pass *pass)
 {
     const struct sim_job *job = job_of(net, node);
     struct sim_task *t = calloc(1, sizeof *t);
+    const struct team_spec spec = {
+        .sampler = sim_sampler(job, pass ? pass->frame : window->frame),
+        .trace = trace,
+        .paint = job->paint ? paint : NULL,
+        .truth.rows = on_row,
+        .arg = t
+    };
+    const struct msg_unit *u;
 
     SIM_CHECK(net, t != NULL);
     t->net = net;
     t->node = node;
-    t->unit = *unit;
-    t->pass = pass;
-    t->mode = pass ? pass->mode : TEAM_TRUTH;
-    t->row0 = pass ? (int)unit->y : 0;
     t->start_ms = net->now_ms;
-    if (pass && pass->out > pass->first) { /* another pass sent these rows */
-        struct rad_quincunx q = sim_sampler(job, unit->frame);
-
-        t->nrows = t->nsent =
-            (uint32_t)(team_line_row(&q, pass->out) - t->row0);
-    }
-    t->rows =
-        calloc((size_t)unit->width * unit->height * 4 + 1, sizeof *t->rows);
-    t->team = new_team(t);
-    t->fibre = fibre_new(run_task, t);
-    SIM_CHECK(net, t->rows && t->team && t->fibre);
+    task_begin(&t->task, &spec, pass, window);
+    u = &t->task.unit;
+    t->rows = calloc((size_t)u->width * u->height * 4 + 1, sizeof *t->rows);
+    SIM_CHECK(net, t->rows);
     sim_child_of(net, node)->task[slot] = t;
     later(net, node, 0, slice)->k = slot;
 }
 
 /* --- the next task of a thread --- */
-
-/* The rows of a pass's unit. */
-static struct msg_unit
-unit_of_pass(const struct sim_job *job, const struct strict_pass *p)
-{
-    struct rad_quincunx q = sim_sampler(job, p->frame);
-    int y = team_line_row(&q, p->least - 1);
-
-    return (struct msg_unit){
-        .unit = p->unit,
-        .attempt = p->attempt,
-        .frame = p->frame,
-        .y = (uint32_t)y,
-        .width = (uint32_t)q.width,
-        .height = (uint32_t)(rad_quincunx_base_row(&q, p->last - 1) + 1 - y)
-    };
-}
 
 /* Give an idle thread its next task; false: there is none. */
 static bool
@@ -376,17 +306,13 @@ begin(struct net *net, int node, int slot)
         k->strict
             ? strict_next(k->strict, k->nwindows ? STRICT_TRUTH : STRICT_AHEAD)
             : NULL;
-    struct msg_unit u;
 
-    if (p) {
-        u = unit_of_pass(job_of(net, node), p);
-    } else if (k->nwindows > 0) {
-        u = k->windows[0];
-        memmove(k->windows, k->windows + 1, --k->nwindows * sizeof u);
-    } else {
+    if (!p && k->nwindows == 0)
         return false;
-    }
-    start_task(net, node, slot, &u, p);
+    start_task(net, node, slot, k->windows, p);
+    if (!p)
+        memmove(k->windows, k->windows + 1,
+                --k->nwindows * sizeof k->windows[0]);
     return true;
 }
 
@@ -395,12 +321,9 @@ begin(struct net *net, int node, int slot)
 static void
 look_at_passes(struct sim_child *k)
 {
-    for (int i = 0; i < SIM_THREADS; i++) {
-        const struct sim_task *t = k->task[i];
-
-        if (t && t->pass)
-            strict_look(k->strict, t->pass, t->team);
-    }
+    for (int i = 0; i < SIM_THREADS; i++)
+        if (k->task[i])
+            task_look(&k->task[i]->task, k->strict);
 }
 
 static void look(struct net *net, int node);
@@ -460,11 +383,23 @@ is_hasty(const struct net *net)
 }
 
 static void
-interrupt(struct sim_task *t)
+interrupt(struct net *net, const struct task *t)
 {
-    if (is_hasty(t->net) && t->pass && t->mode == TEAM_TRUTH &&
-        t->pass->keeps && net_chance(t->net, 4))
+    if (is_hasty(net) && t->pass && t->mode == TEAM_TRUTH && t->pass->keeps &&
+        net_chance(net, 4))
         t->pass->stop = true;
+}
+
+/* Count what a pass of a strict unit came to. */
+static void
+note_end(struct net *net, const struct task *t)
+{
+    int finished;
+    bool blocked = team_blocked(t->team, &finished);
+
+    sim_of(net)->blocked += blocked;
+    sim_of(net)->aside += !is_hasty(net) && t->mode == TEAM_TRUTH &&
+                          !team_done(t->team) && !blocked && t->nrows > 0;
 }
 
 /* A task has ended. */
@@ -473,36 +408,19 @@ end_task(struct net *net, int node, int slot)
 {
     struct sim_child *k = sim_child_of(net, node);
     struct sim_task *t = k->task[slot];
-    struct msg_counts spent = { .rays = team_rays(t->team),
+    struct msg_counts spent = { .rays = team_rays(t->task.team),
                                 .cpu_s = 1e-6 * t->cost_us },
                       total = { 0 };
-    struct team_bottom b;
-    bool whole = team_done(t->team), blocked;
-    int finished;
+    bool whole;
 
-    blocked = team_blocked(t->team, &finished);
-    if (t->mode == TEAM_TRUTH)
-        spent.primary_rays = team_primary(t->team);
     spent.wall_s = 1e-3 * (double)(net->now_ms - t->start_ms);
     k->busy_s += 1e-6 * t->cost_us;
     k->task[slot] = NULL;
-    if (t->pass) {
-        if (blocked)
-            strict_blocked(k->strict, t->pass, finished);
-        strict_cut(k->strict, t->pass, t->team);
-        whole = team_done(t->team);
-        team_bottom(t->team, &b);
-        sim_of(net)->blocked += blocked;
-        sim_of(net)->aside += !is_hasty(net) && t->mode == TEAM_TRUTH &&
-                              !whole && !blocked && t->nrows > 0;
-        t->pass->finished = finished;
-        whole = strict_ended(k->strict, t->pass, whole, b.pixels, b.density,
-                             &spent, &total);
-    } else {
-        total = spent;
-    }
+    whole = task_end(&t->task, k->strict, &spent, &total);
+    if (t->task.pass)
+        note_end(net, &t->task);
     look(net, node);
-    if (!whole && t->nrows > t->nsent)
+    if (!whole && t->task.nrows > t->task.nsent)
         send_rows(t, NULL);
     if (whole) {
         send_rows(t, &total);
@@ -512,7 +430,7 @@ end_task(struct net *net, int node, int slot)
             net_chance(net, 2))
             send_ambient(net, node, 0);
     }
-    task_free(t);
+    free_task(t);
 }
 
 /* An event of a task: run its thread for a slice, or end it. */
@@ -528,7 +446,7 @@ slice(void *arg, struct event *e)
     if (!alive(net, e))
         return;
     k = sim_child_of(net, e->node);
-    if (!k->task[e->k] || k->task[e->k]->over) {
+    if (!k->task[e->k] || k->task[e->k]->task.over) {
         if (k->task[e->k])
             end_task(net, e->node, e->k);
         return;
@@ -540,10 +458,10 @@ slice(void *arg, struct event *e)
             e->k;
         return;
     }
-    interrupt(t);
+    interrupt(net, &t->task);
     look_at_passes(k);
     t->pixels = 1 + net_random(net, SLICE_PIXELS);
-    fibre_run(t->fibre);
+    task_run(&t->task);
     if (t->killed) {
         die(net, e->node);
         return;
@@ -778,7 +696,7 @@ revoke(struct sim_child *k, const struct msg_attempt *r)
             memmove(&k->windows[i], &k->windows[i + 1],
                     (--k->nwindows - i) * sizeof k->windows[0]);
     for (int i = 0; i < SIM_THREADS; i++) {
-        struct sim_task *t = k->task[i];
+        const struct task *t = k->task[i] ? &k->task[i]->task : NULL;
 
         if (t && !t->pass && t->unit.unit == r->unit &&
             t->unit.attempt == r->attempt)
@@ -788,42 +706,33 @@ revoke(struct sim_child *k, const struct msg_attempt *r)
         strict_revoke(k->strict, r->unit, r->attempt);
 }
 
+/* The frame of a message of lines, if it begins that frame's work; -1: none. */
+static int
+begun_frame(const struct msg *m)
+{
+    switch (m->type) {
+    case MSG_LOAN:
+        return (int)m->loan.frame;
+    case MSG_FACTS:
+        return (int)m->facts.frame;
+    case MSG_BASE_LINE:
+        return (int)m->base_line.frame;
+    default:
+        return -1;
+    }
+}
+
 static void
 take_strict(struct net *net, int node, const struct msg *m)
 {
-    struct sim_child *k = sim_child_of(net, node);
+    int frame = begun_frame(m);
 
-    SIM_CHECK(net, k->strict != NULL);
-    switch (m->type) {
-    case MSG_SPLIT:
-        strict_split(k->strict, m->split.unit, m->split.attempt);
-        break;
-    case MSG_YIELD:
-        sim_of(net)->yields++;
-        strict_yield(k->strict, m->yield.unit, m->yield.attempt);
-        break;
-    case MSG_TWIN:
-        sim_of(net)->twins++;
-        strict_twin(k->strict, m->twin.unit, m->twin.attempt);
-        break;
-    case MSG_LEND:
-        strict_lend(k->strict, &m->lend);
-        break;
-    case MSG_LOAN:
-        begin_lines(net, node, m->loan.frame);
-        SIM_CHECK(net, strict_loan(k->strict, &m->loan, NULL) == 0);
-        break;
-    case MSG_BACK:
-        strict_back(k->strict, &m->back);
-        break;
-    case MSG_FACTS:
-        begin_lines(net, node, m->facts.frame);
-        strict_facts(k->strict, &m->facts);
-        break;
-    default:
-        begin_lines(net, node, m->base_line.frame);
-        strict_base_line(k->strict, &m->base_line);
-    }
+    SIM_CHECK(net, sim_child_of(net, node)->strict != NULL);
+    sim_of(net)->yields += m->type == MSG_YIELD;
+    sim_of(net)->twins += m->type == MSG_TWIN;
+    if (frame >= 0)
+        begin_lines(net, node, (uint32_t)frame);
+    SIM_CHECK(net, task_message(sim_child_of(net, node)->strict, m));
 }
 
 /* Check that ambient records are of the child's job and not its own. */

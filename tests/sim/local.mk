@@ -17,4 +17,6 @@ tests_sim_check_sim_SOURCES = \
 	tests/sim/net.c \
 	tests/sim/net.h \
 	tests/sim/picture.c \
+	tests/sim/task.c \
+	tests/sim/task.h \
 	tests/sim/tiles.c

@@ -1,0 +1,172 @@
+/* task.c - see task.h */
+#include "config.h"
+
+#include "task.h"
+
+#include "fibre.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+
+static void
+work(void *arg)
+{
+    struct task *t = arg;
+
+    team_work(t->team, NULL);
+    t->over = true;
+}
+
+/* The rows of a pass's unit. */
+static struct msg_unit
+unit_of_pass(const struct rad_quincunx *q, const struct strict_pass *p)
+{
+    int y = team_line_row(q, p->least - 1);
+
+    return (struct msg_unit){
+        .unit = p->unit,
+        .attempt = p->attempt,
+        .frame = p->frame,
+        .y = (uint32_t)y,
+        .width = (uint32_t)q->width,
+        .height = (uint32_t)(rad_quincunx_base_row(q, p->last - 1) + 1 - y)
+    };
+}
+
+static void
+describe_window(const struct msg_unit *u, struct team_spec *spec)
+{
+    spec->sampler.x0 = (int)u->x;
+    spec->sampler.y0 = (int)u->y;
+    spec->sampler.width = (int)u->width;
+    spec->sampler.height = (int)u->height;
+    spec->last = rad_quincunx_nbases(&spec->sampler);
+}
+
+void
+task_begin(struct task *t, const struct team_spec *callbacks,
+           struct strict_pass *pass, const struct msg_unit *u)
+{
+    struct team_spec spec = *callbacks;
+
+    *t = (struct task){ .pass = pass, .mode = pass ? pass->mode : TEAM_TRUTH };
+    spec.mode = t->mode;
+    spec.nthreads = 1;
+    if (pass) {
+        t->unit = unit_of_pass(&spec.sampler, pass);
+        t->row0 = (int)t->unit.y;
+        if (pass->out > pass->first) /* another pass sent these rows */
+            t->nrows = t->nsent =
+                (uint32_t)(team_line_row(&spec.sampler, pass->out) - t->row0);
+        strict_describe(pass, &spec);
+        spec.cpu_ns = NULL; /* processor time is not measured: time is virtual
+                             */
+    } else {
+        t->unit = *u;
+        describe_window(u, &spec);
+    }
+    t->team = team_new(&spec);
+    t->fibre = fibre_new(work, t);
+    if (!t->team || !t->fibre) {
+        fputs("sim: out of memory\n", stderr);
+        abort();
+    }
+}
+
+void
+task_run(struct task *t)
+{
+    fibre_run(t->fibre);
+}
+
+void
+task_yield(struct task *t)
+{
+    fibre_yield(t->fibre);
+}
+
+void
+task_look(const struct task *t, struct strict *s)
+{
+    if (t->team && t->pass)
+        strict_look(s, t->pass, t->team);
+}
+
+bool
+task_end(struct task *t, struct strict *s, struct msg_counts *spent,
+         struct msg_counts *total)
+{
+    struct team_bottom b;
+    int finished;
+
+    spent->primary_rays = t->mode == TEAM_TRUTH ? team_primary(t->team) : 0;
+    if (!t->pass) {
+        *total = *spent;
+        return team_done(t->team);
+    }
+    if (team_blocked(t->team, &finished))
+        strict_blocked(s, t->pass, finished);
+    strict_cut(s, t->pass, t->team);
+    team_bottom(t->team, &b);
+    t->pass->finished = finished;
+    return strict_ended(s, t->pass, team_done(t->team), b.pixels, b.density,
+                        spent, total);
+}
+
+void
+task_drop(struct task *t, struct strict *s)
+{
+    const struct msg_counts none = { 0 };
+
+    if (!t->team)
+        return;
+    t->dropped = true;
+    team_stop(t->team);
+    while (fibre_run(t->fibre))
+        ;
+    if (t->pass)
+        strict_ended(s, t->pass, false, NULL, NULL, &none, NULL);
+    task_release(t);
+}
+
+void
+task_release(struct task *t)
+{
+    fibre_free(t->fibre);
+    team_free(t->team);
+    *t = (struct task){ 0 };
+}
+
+bool
+task_message(struct strict *s, const struct msg *m)
+{
+    switch (m->type) {
+    case MSG_SPLIT:
+        strict_split(s, m->split.unit, m->split.attempt);
+        return true;
+    case MSG_YIELD:
+        strict_yield(s, m->yield.unit, m->yield.attempt);
+        return true;
+    case MSG_TWIN:
+        strict_twin(s, m->twin.unit, m->twin.attempt);
+        return true;
+    case MSG_LEND:
+        strict_lend(s, &m->lend);
+        return true;
+    case MSG_LOAN:
+        if (strict_loan(s, &m->loan, NULL) < 0)
+            abort();
+        return true;
+    case MSG_BACK:
+        strict_back(s, &m->back);
+        return true;
+    case MSG_FACTS:
+        strict_facts(s, &m->facts);
+        return true;
+    case MSG_BASE_LINE:
+        strict_base_line(s, &m->base_line);
+        return true;
+    default:
+        return false;
+    }
+}
