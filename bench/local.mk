@@ -68,10 +68,8 @@ bench_sim_sim_SOURCES = \
 	bench/sim/cluster.h \
 	bench/sim/host.c \
 	bench/sim/host.h \
-	bench/sim/host_block.c \
 	bench/sim/host_estimate.c \
 	bench/sim/host_impl.h \
-	bench/sim/host_lend.c \
 	bench/sim/host_lines.c \
 	bench/sim/host_pass.c \
 	bench/sim/host_rows.c \
@@ -84,7 +82,11 @@ bench_sim_sim_SOURCES = \
 	bench/sim/tiles.c \
 	bench/sim/tiles.h \
 	tests/sim/event.c \
-	tests/sim/event.h
+	tests/sim/event.h \
+	tests/sim/fibre.c \
+	tests/sim/fibre.h \
+	tests/sim/task.c \
+	tests/sim/task.h
 bench_sim_sim_CFLAGS = $(AM_CFLAGS) $(UV_CFLAGS)
 bench_sim_sim_LDADD = $(LIBDAEMON) $(LIBCLIENT) $(LIBRAD)
 SIM_FLAGS =

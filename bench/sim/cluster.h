@@ -1,12 +1,12 @@
 /* cluster.h - a coordinator, hosts and the network between them, in virtual
  * time
  *
- * The coordinator is the real one (daemon/front/coord.c), and what a job's child
- * decides is decided by the real machine (daemon/strict/strict.c).  Played are: time,
- * links, the disk, and rendering, which takes as long as the map says.  Every
- * message is packed and unpacked by the real codec, so that its bytes count.
- * A run is a function of its spec.
- * Thread: one. */
+ * The coordinator is the real one (daemon/front/coord.c), and so are the
+ * machine of strict units in a job's child (daemon/strict/strict.c) and its
+ * team, which runs in a fibre (tests/sim/task.h).  Played are: time, links, the
+ * disk, and pixels, which cost what the map says.  Every message is packed and
+ * unpacked by the real codec, so that its bytes count. A run is a function of
+ * its spec. Thread: one. */
 #ifndef SIM_CLUSTER_H
 #define SIM_CLUSTER_H
 

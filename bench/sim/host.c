@@ -136,7 +136,7 @@ work(struct host *h)
     while (!h->working) {
         if (host_tiles_begin(h)) {
             return;
-        } else if (h->pass) {
+        } else if (h->task.team) {
             if (host_pass_trace(h))
                 return;
         } else if (h->asked) {
@@ -178,6 +178,8 @@ tick(void *arg, struct event *e)
 void
 host_go_on(struct host *h)
 {
+    task_look(&h->task, h->strict);
+    task_look(&h->task, h->strict);
     work(h);
     host_flush(h);
     host_time_wait(h);
@@ -231,33 +233,6 @@ host_message(struct cluster *c, struct host *h, const struct msg *m)
         strict_revoke(h->strict, m->revoke.unit, m->revoke.attempt);
         host_window_revoke(h, &m->revoke);
         break;
-    case MSG_TWIN:
-        strict_twin(h->strict, m->twin.unit, m->twin.attempt);
-        break;
-    case MSG_SPLIT:
-        strict_split(h->strict, m->split.unit, m->split.attempt);
-        if (h->pass && h->pass->split)
-            host_pass_shrink(h);
-        break;
-    case MSG_LEND:
-        strict_lend(h->strict, &m->lend);
-        host_pass_look(h);
-        break;
-    case MSG_LOAN:
-        if (strict_loan(h->strict, &m->loan, NULL) < 0)
-            abort();
-        h->lines = true;
-        break;
-    case MSG_BACK:
-        strict_back(h->strict, &m->back);
-        host_pass_look(h);
-        break;
-    case MSG_FACTS:
-        strict_facts(h->strict, &m->facts);
-        break;
-    case MSG_BASE_LINE:
-        strict_base_line(h->strict, &m->base_line);
-        break;
     case MSG_NEXT_HOLDER:
         host_lines_next_holder(h, &m->next_holder);
         break;
@@ -265,7 +240,8 @@ host_message(struct cluster *c, struct host *h, const struct msg *m)
         host_estimate_take(h, &m->estimate);
         break;
     default:
-        if (!host_tiles_message(h, m))
+        h->lines |= m->type == MSG_LOAN;
+        if (!task_message(h->strict, m) && !host_tiles_message(h, m))
             return;
     }
     host_go_on(h);
@@ -296,8 +272,8 @@ dial_again(void *arg, struct event *e)
 static void
 forget(struct host *h)
 {
-    if (h->pass)
-        host_pass_end(h, false);
+    task_drop(&h->task, h->strict);
+    h->owed = 0;
     strict_free(h->strict);
     h->strict = NULL;
     host_tiles_forget(h);
@@ -324,7 +300,6 @@ void
 host_init(struct cluster *c, struct host *h, int number, double speed)
 {
     const struct map *m = c->spec->map;
-    size_t width = (size_t)m->q.width;
 
     h->cluster = c;
     h->number = number;
@@ -334,9 +309,6 @@ host_init(struct cluster *c, struct host *h, int number, double speed)
     h->frames = sim_alloc(m->nframes * sizeof *h->frames);
     for (uint32_t k = 0; k < m->nframes; k++)
         h->frames[k] = m->q;
-    h->pixels = sim_alloc(width * sizeof *h->pixels);
-    h->density = sim_alloc(rad_quincunx_ndensity(&m->q));
-    h->bytes = sim_alloc((64 << 10) + width * 16);
     h->code = sim_alloc(host_rows_room(h));
 }
 
@@ -345,8 +317,5 @@ host_release(struct host *h)
 {
     forget(h);
     free(h->frames);
-    free(h->pixels);
-    free(h->density);
-    free(h->bytes);
     free(h->code);
 }

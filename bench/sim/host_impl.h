@@ -3,9 +3,7 @@
  * Private to host*.c:
  *   host.c           messages, what comes next, its life
  *   host_time.c      what it does when, and in all
- *   host_pass.c      strict units: passes over lines
- *   host_block.c       a block of columns of a line
- *   host_lend.c        columns for another
+ *   host_pass.c      passes of strict units
  *   host_lines.c       base lines to peers
  *   host_tiles.c     tiles of the ambient cache
  *   host_window.c    windows
@@ -16,6 +14,9 @@
 #define SIM_HOST_IMPL_H
 
 #include "host.h"
+
+#include "machine/shelf.h"
+#include "tests/sim/task.h"
 
 /* The office at night makes so many rays in a second on one processor. */
 #define RAYS_PER_S 1.7e6
@@ -39,8 +40,9 @@ struct asked {
 struct bottom {
     struct bottom *next;
     uint32_t frame, line;
-    bool made;
+    struct shelf shelf;
     int to; /* -1: nobody */
+    uint32_t sent_x, sent_d; /* columns and densities that went there */
 };
 
 struct host {
@@ -53,15 +55,11 @@ struct host {
     uint64_t up_us, down_us, peer_us;
     struct rad_quincunx *frames; /* for strict_new() */
     struct strict *strict;       /* NULL: no job */
-    struct strict_pass *pass;
-    int line, block, last; /* of the pass: where it is, and its end */
-    bool in_bar;
-    struct team_blocks lent; /* of the pass's last line */
-    bool skipped;            /* the pass left some of that out */
-    int sent_row;            /* of a TRUTH pass: those above are out */
-    double pass_s;
-    bool lines;      /* it has had strict units */
-    uint32_t passes; /* that are closed, as far as it knows */
+    struct task task;            /* of a pass that is under way */
+    double owed;                 /* cost of pixels whose time is to come */
+    double pass_s;               /* of the task so far */
+    bool lines;                  /* it has had strict units */
+    uint32_t passes;             /* that are closed, as far as it knows */
     struct host_tile {
         uint32_t pass, tile;
     } tile[HOST_MOST_TILES]; /* to make, the first under way */
@@ -92,9 +90,7 @@ struct host {
     /* for the result */
     double busy_s, wait_s, twice_s;
     uint64_t traced, units;
-    struct rad_pixel *pixels; /* a base line, black */
-    uint8_t *density, *bytes; /* rows, black */
-    uint8_t *code;            /* rows of a piece, each of so many bytes, */
+    uint8_t *code; /* rows of a piece, each of so many bytes, */
     size_t row_bytes;
     uint32_t code_width; /* of so many columns */
 };
@@ -137,45 +133,8 @@ void host_time_wait(struct host *h);
 
 /* False: there is none. */
 bool host_pass_begin(struct host *h);
-/* Trace what the pass lacks next; true: it takes time. */
+/* Go on with the pass, or end it; true: that takes time. */
 bool host_pass_trace(struct host *h);
-/* Bottoms and what was given away are told before the last rows. */
-void host_pass_end(struct host *h, bool done);
-/* Give away half of the lines that are not begun, as team_shrink() does. */
-void host_pass_shrink(struct host *h);
-/* What the machine wants of the pass that is under way, if one is. */
-void host_pass_look(struct host *h);
-/* Has the line that it is at a bar to be made? */
-bool host_pass_has_bar(const struct host *h);
-
-/* --- host_block.c --- */
-
-/* Blocks of columns of a line, as team.c has them. */
-int host_block_count(const struct host *h);
-/* The block that is number k in the order of the pass. */
-int host_block_nth(const struct host *h, int k);
-/* Columns of the block that the pass is at. */
-void host_block_columns(const struct host *h, int *x0, int *x1);
-/* Is it another's? */
-bool host_block_is_lent(const struct host *h);
-/* What it still costs, in seconds of speed 1. */
-double host_block_cost(const struct host *h);
-/* It is traced; with TRUTH its facts are used. */
-void host_block_fill(struct host *h);
-
-/* Is what is traced of its line kept as facts? */
-bool host_block_keeps(const struct host *h);
-/* Is there something of column x of the line's bar that the pass would trace
- * and that is not known? */
-bool host_block_lacks(const struct host *h, int x);
-/* Of the blocks' bars: those of which something is not known yet.  Of base
- * lines those of which nothing is. */
-uint64_t host_block_unknown(const struct host *h, uint64_t blocks);
-
-/* --- host_lend.c --- */
-
-/* Lend part of the pass's last line: the right end of it. */
-void host_lend(struct host *h);
 
 /* --- host_lines.c --- */
 

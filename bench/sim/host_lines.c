@@ -1,4 +1,5 @@
-/* host_lines.c - base lines that go straight to whoever has the lines below */
+/* host_lines.c - base lines that go straight to whoever has the lines below, as
+ * worker/relay.c has them */
 #include "config.h"
 
 #include "host_impl.h"
@@ -23,40 +24,39 @@ bottom_of(struct host *h, uint32_t frame, uint32_t line)
     return b;
 }
 
+static void
+send(struct host *h, struct bottom *b)
+{
+    struct msg m = { .type = MSG_BASE_LINE };
+
+    m.base_line.job = h->cluster->job;
+    m.base_line.frame = b->frame;
+    m.base_line.line = b->line;
+    while (b->to >= 0 &&
+           shelf_piece(&b->shelf, &b->sent_x, &b->sent_d, &m.base_line))
+        cluster_send_peer(h->cluster, h->number, b->to, &m);
+}
+
 void
 host_lines_pass_on(struct host *h, const struct msg *m)
 {
-    const struct msg_base_line *l = &m->base_line;
-    struct bottom *b = bottom_of(h, l->frame, l->line);
+    struct bottom *b = bottom_of(h, m->base_line.frame, m->base_line.line);
 
-    b->made |= l->x + l->n == (uint32_t)host_map(h)->q.width;
-    if (b->to >= 0)
-        cluster_send_peer(h->cluster, h->number, b->to, m);
+    if (shelf_put(&b->shelf, &m->base_line) < 0)
+        abort();
+    send(h, b);
 }
 
 void
 host_lines_next_holder(struct host *h, const struct msg_next_holder *n)
 {
     struct bottom *b = bottom_of(h, n->frame, n->line);
-    const struct map *map = host_map(h);
-    struct msg m = { .type = MSG_BASE_LINE };
 
     b->to = cluster_find(h->cluster, n->name);
     if (b->to == h->number)
         b->to = -1; /* it has it itself */
-    if (b->to < 0 || !b->made)
-        return;
-    m.base_line =
-        (struct msg_base_line){ .job = h->cluster->job,
-                                .frame = n->frame,
-                                .line = n->line,
-                                .n = (uint32_t)map->q.width,
-                                .ndensity =
-                                    (uint32_t)rad_quincunx_ndensity(&map->q),
-                                .channels = 3,
-                                .density = h->density,
-                                .pixels = h->bytes };
-    cluster_send_peer(h->cluster, h->number, b->to, &m);
+    b->sent_x = b->sent_d = 0;
+    send(h, b);
 }
 
 void
@@ -66,6 +66,7 @@ host_lines_forget(struct host *h)
         struct bottom *b = h->bottoms;
 
         h->bottoms = b->next;
+        shelf_clear(&b->shelf);
         free(b);
     }
 }

@@ -1,179 +1,112 @@
-/* host_pass.c - a pass of strict.c's, as the team goes over it
+/* host_pass.c - passes of strict units, by the real team (tests/sim/task.h)
  *
- * Line by line, base line, then bar, in blocks of columns, each an event; rows
- * of TRUTH go out as they are done.  What is lent is left out. */
+ * A pixel that the team traces costs its part of the row (map.h).  Costs gather
+ * up to a slice, which then takes its time; so nothing is early by more than
+ * that. */
 #include "config.h"
 
 #include "host_impl.h"
 
-#define PS 1e-12 /* seconds that nobody waits for */
+#define SLICES 64 /* of a line of mean cost */
 
-static int
-row_of(const struct host *h, int line)
+/* Let what was traced take its time. */
+static void
+pay(struct host *h)
 {
+    if (h->owed > 0 && !h->task.dropped)
+        task_yield(&h->task);
+}
+
+static bool
+trace(void *arg, struct rad_ctx *ctx, int x, int y, struct rad_pixel *out)
+{
+    struct host *h = arg;
     const struct map *m = host_map(h);
 
-    return line < m->nlines ? team_line_row(&m->q, line) : m->q.height;
+    (void)ctx;
+    *out = (struct rad_pixel){ .L = map_pixel(m, x, y) };
+    if (h->task.dropped)
+        return true;
+    h->traced++;
+    h->owed += map_pixel_cost(m, h->task.unit.frame, y);
+    if (h->owed * m->nframes * m->nlines * SLICES > m->total)
+        pay(h);
+    return true;
 }
 
-/* Send rows of a TRUTH pass above `row`; total: what the unit cost, if these
+/* Send the rows that are made and not sent; total: what the unit cost, if they
  * are its last. */
 static void
-send_strict_rows(struct host *h, const struct strict_pass *p, int row,
-                 const struct msg_counts *total)
+send_rows(struct host *h, const struct msg_counts *total)
 {
-    uint32_t y = (uint32_t)row_of(h, p->least - 1);
-    uint32_t width = (uint32_t)host_map(h)->q.width;
+    struct task *t = &h->task;
 
-    host_rows_send(h, p->unit, p->attempt, width, (uint32_t)h->sent_row - y,
-                   (uint32_t)(row - h->sent_row),
-                   total ? (uint32_t)row - y : UINT32_MAX, total);
-    h->sent_row = row;
+    host_rows_send(h, t->unit.unit, t->unit.attempt, t->unit.width, t->nsent,
+                   t->nrows - t->nsent, total ? t->nrows : UINT32_MAX, total);
+    t->nsent = t->nrows;
 }
 
-/* Rows above `row` are done: out with them when they fill a piece. */
 static void
-rows_done(struct host *h, int row)
+on_row(void *arg, int row, const struct rad_pixel *pixels)
 {
-    uint32_t width = (uint32_t)host_map(h)->q.width;
+    struct host *h = arg;
+    struct task *t = &h->task;
 
-    if (row > h->sent_row &&
-        (uint32_t)(row - h->sent_row) >= host_rows_piece(h, width))
-        send_strict_rows(h, h->pass, row, NULL);
-}
-
-void
-host_pass_end(struct host *h, bool done)
-{
-    struct strict_pass *p = h->pass, was = *p;
-    uint64_t pixels = (uint64_t)host_map(h)->q.width *
-                      (uint64_t)(row_of(h, h->last) - row_of(h, p->first)) / 2;
-    struct msg_counts total;
-    bool blocked = done && h->skipped && p->mode == TEAM_TRUTH;
-    struct msg_counts spent =
-        host_counts(h, h->pass_s, h->pass_s,
-                    p->mode == TEAM_TRUTH && !blocked ? pixels : 0);
-
-    if (blocked) {
-        done = false;
-        strict_blocked(h->strict, p, h->last - 1);
-        if (row_of(h, h->last - 1) > h->sent_row)
-            send_strict_rows(h, p, row_of(h, h->last - 1), NULL);
-    }
-    if (!done && !blocked && p->mode == TEAM_TRUTH &&
-        row_of(h, h->line) > h->sent_row) /* it goes on from there */
-        send_strict_rows(h, p, row_of(h, h->line), NULL);
-    h->pass = NULL;
-    p->finished = blocked ? h->last - 1 : h->line;
-    if (!strict_ended(h->strict, p, done, h->pixels, h->density, &spent,
-                      &total))
+    (void)row;
+    (void)pixels;
+    pay(h);
+    if (t->dropped)
         return;
-    host_flush(h);
-    send_strict_rows(h, &was, row_of(h, h->last), &total);
+    if (t->nrows - t->nsent >= host_rows_piece(h, t->unit.width))
+        send_rows(h, NULL);
+    t->nrows++;
 }
 
-/* The base line that the pass is at, or has made, is true from its first column
- * to there: if it is the last one, that may be all that others wait for. */
+/* The bottom goes out before the bar above it is begun. */
 static void
-bottom_until(struct host *h, int end)
+on_bottom(void *arg)
 {
-    const struct rad_quincunx *q = &host_map(h)->q;
-    size_t n = rad_quincunx_ndensity(q);
-
-    if (h->pass->true_top && !h->skipped && h->line == h->last - 1)
-        strict_bottom(h->strict, h->pass, end,
-                      n * (size_t)end / (size_t)q->width, h->pixels,
-                      h->density);
-}
-
-/* A block of a base line is made. */
-static void
-tell_bottom(struct host *h)
-{
-    int x0, x1;
-
-    if (h->in_bar)
-        return;
-    host_block_columns(h, &x0, &x1);
-    if (h->block == host_block_count(h) - 1)
-        bottom_until(h, host_map(h)->q.width);
-    else if (h->pass->end == TEAM_FROM_LEFT)
-        bottom_until(h, x1);
-}
-
-void
-host_pass_shrink(struct host *h)
-{
-    int begun = h->line + 1, keep = h->last - (h->last - begun + 1) / 2;
-
-    if (keep == begun && h->pass->mode != TEAM_TRUTH)
-        keep++;
-    if (keep < strict_least(h->pass))
-        keep = strict_least(h->pass);
-    if (keep < h->last)
-        h->last = keep;
-    strict_shrunk(h->strict, h->pass, h->last);
-    if (h->in_bar)
-        bottom_until(h, host_map(h)->q.width);
+    pay(arg);
 }
 
 bool
-host_pass_has_bar(const struct host *h)
+host_pass_begin(struct host *h)
 {
-    const struct strict_pass *p = h->pass;
-
-    return (p->mode != TEAM_LINES || h->line < p->filled) && h->line != 0 &&
-           (p->mode == TEAM_TRUTH || p->loan || h->line != p->first || p->top);
-}
-
-void
-host_pass_look(struct host *h)
-{
-    struct strict_pass *p = h->pass;
+    const struct team_spec spec = { .sampler = host_map(h)->q,
+                                    .trace = trace,
+                                    .truth.rows = on_row,
+                                    .bottom = on_bottom,
+                                    .arg = h };
+    struct strict_pass *p = strict_next(h->strict, STRICT_AHEAD);
 
     if (!p)
-        return;
-    h->lent.base &= ~p->back;
-    h->lent.bar &= ~p->back;
-    p->back = 0;
-    if (p->lend > 0)
-        host_lend(h);
-}
-
-/* On to the next block, base line, then bar, then line; false: the end. */
-static bool
-step(struct host *h)
-{
-    const struct strict_pass *p = h->pass;
-
-    if (++h->block < host_block_count(h))
-        return true;
-    h->block = 0;
-    if (!h->in_bar && host_pass_has_bar(h)) {
-        h->in_bar = true;
-        return true;
-    }
-    h->in_bar = false;
-    h->line++;
-    if (p->mode == TEAM_TRUTH && h->line < h->last)
-        rows_done(h, row_of(h, h->line));
-    return h->line < h->last;
+        return false;
+    task_begin(&h->task, &spec, p, NULL);
+    h->pass_s = 0;
+    host_time_tell(h, "begins");
+    return true;
 }
 
 static void
-traced(void *arg, struct event *e)
+end(struct host *h)
+{
+    struct msg_counts spent = host_counts(h, h->pass_s, h->pass_s, 0), total;
+    bool whole = task_end(&h->task, h->strict, &spent, &total);
+
+    host_flush(h);
+    if (whole || h->task.nrows > h->task.nsent)
+        send_rows(h, whole ? &total : NULL);
+    task_release(&h->task);
+}
+
+static void
+paid(void *arg, struct event *e)
 {
     struct host *h = host_alive(arg, e);
 
     if (!h)
         return;
     h->working = false;
-    if (h->pass) {
-        host_block_fill(h);
-        tell_bottom(h);
-        if (!step(h))
-            host_pass_end(h, !h->pass->stop || h->pass->mode == TEAM_TRUTH);
-    }
     host_go_on(h);
 }
 
@@ -182,54 +115,14 @@ host_pass_trace(struct host *h)
 {
     double seconds;
 
-    for (;;) {
-        if (h->pass->stop) {
-            host_pass_end(h, false);
-            return false;
-        }
-        if (h->pass->split)
-            host_pass_shrink(h);
-        host_pass_look(h);
-        if (host_block_is_lent(h)) {
-            h->skipped |= !h->pass->loan;
-        } else {
-            seconds = host_seconds(h, host_block_cost(h));
-            if (seconds > PS)
-                break;
-            host_block_fill(h);
-            tell_bottom(h);
-        }
-        if (!step(h)) {
-            host_pass_end(h, true);
-            return false;
-        }
+    task_run(&h->task);
+    if (h->owed > 0) {
+        seconds = host_seconds(h, h->owed);
+        h->owed = 0;
+        h->pass_s += seconds;
+        host_spend(h, seconds, paid);
+        return true;
     }
-    h->pass_s += seconds;
-    h->busy_s += seconds;
-    h->working = true;
-    host_later(h, 1e6 * seconds, traced);
-    return true;
-}
-
-bool
-host_pass_begin(struct host *h)
-{
-    h->pass = strict_next(h->strict, STRICT_AHEAD);
-    if (!h->pass)
-        return false;
-    h->line = h->pass->first;
-    h->last = h->pass->last;
-    h->block = 0;
-    h->in_bar = h->pass->loan && !h->pass->loan->base;
-    h->lent = h->pass->lent;
-    h->skipped = false;
-    if (h->pass->loan)
-        h->lent.bar |= ~team_blocks_of(&host_map(h)->q, h->pass->loan->x,
-                                       h->pass->loan->n);
-    if (h->pass->loan)
-        h->lent.base |= h->lent.bar;
-    h->sent_row = row_of(h, h->pass->out > h->line ? h->pass->out : h->line);
-    h->pass_s = 0;
-    host_time_tell(h, "begins");
-    return true;
+    end(h);
+    return false;
 }

@@ -59,7 +59,7 @@ host_rows_send(struct host *h, uint32_t unit, uint32_t attempt, uint32_t width,
     uint32_t most = host_rows_piece(h, width);
     struct msg m = { .type = MSG_RESULT };
 
-    while (rows > 0) {
+    do {
         uint32_t n = rows < most ? rows : most;
 
         m.result = (struct msg_result){ .job = h->cluster->job,
@@ -80,5 +80,5 @@ host_rows_send(struct host *h, uint32_t unit, uint32_t attempt, uint32_t width,
         host_say(h, &m);
         row += n;
         rows -= n;
-    }
+    } while (rows > 0);
 }

@@ -22,6 +22,8 @@ host_time_wait(struct host *h)
 enum host_state
 host_time_state(const struct host *h)
 {
+    const struct strict_pass *p = h->task.pass;
+
     if (!h->ready)
         return HOST_LOADS;
     if (h->at_tiles != HOST_STATES)
@@ -29,23 +31,21 @@ host_time_state(const struct host *h)
     if (host_tiles_open(h))
         return HOST_BARRIER;
     if (h->working)
-        return h->pass && !h->pass->true_top && !h->pass->loan ? HOST_AHEAD
-                                                               : HOST_TRUTH;
+        return p && !p->true_top && !p->loan ? HOST_AHEAD : HOST_TRUTH;
     return strict_waits(h->strict) ? HOST_WAITS : HOST_EMPTY;
 }
 
 void
 host_time_tell(const struct host *h, const char *what)
 {
-    const struct strict_pass *p = h->pass;
+    const struct strict_pass *p = h->task.pass;
 
     if (!h->cluster->spec->verbose)
         return;
     printf("%10.6f %s %s", 1e-6 * (double)h->cluster->now_us, h->name, what);
     if (p)
-        printf(" unit=%u attempt=%u mode=%d lines=%d-%d at=%d%s", p->unit,
-               p->attempt, (int)p->mode, p->first, h->last, h->line,
-               p->loan ? " loan" : "");
+        printf(" unit=%u attempt=%u mode=%d lines=%d-%d%s", p->unit, p->attempt,
+               (int)p->mode, p->first, p->last, p->loan ? " loan" : "");
     puts("");
 }
 

@@ -51,7 +51,7 @@ host_window_revoke(struct host *h, const struct msg_attempt *r)
 {
     struct window **at = &h->windows;
 
-    if (*at && h->working && !h->pass)
+    if (*at && h->working && !h->task.team)
         at = &(*at)->next; /* it is at the first */
     for (; *at; at = &(*at)->next)
         if ((*at)->unit.unit == r->unit && (*at)->unit.attempt == r->attempt) {

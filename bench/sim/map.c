@@ -3,7 +3,9 @@
 
 #include "map.h"
 
+#include "base/files.h"
 #include "job/costs.h"
+#include "team/team.h"
 #include "tests/sim/event.h"
 
 #include <math.h>
@@ -16,6 +18,9 @@
  * densities: about half as many pixels again.  Measured: 16 and 256 windows of
  * the office at night have 2 and 9 % more primary rays than one. */
 #define WINDOW_EDGE .5
+
+#define MOST_BYTES  ((size_t)1 << 30) /* of a picture */
+#define MOST_PIXELS ((size_t)1 << 28)
 
 /* The cost of row y of a picture whose rows are those of `from`, stretched. */
 static double
@@ -81,6 +86,7 @@ set_size(struct map *m, const struct map_spec *s, const struct costs *c)
     m->q.width = s->width ? s->width : width;
     m->q.height = s->height ? s->height : height;
     rad_quincunx_steps(m->psample, &m->q.xstep, &m->q.ystep);
+    m->q.maxdiff = .05;
     m->nlines = rad_quincunx_nbases(&m->q);
     m->nframes = s->nframes ? s->nframes : c->nframes ? c->nframes : 1;
     m->window_edge = WINDOW_EDGE;
@@ -154,14 +160,88 @@ fill(struct map *m, const struct map_spec *s, const struct costs *c)
     }
 }
 
+/* Column or row i of a picture that goes on as in a mirror. */
+static size_t
+mirrored(int i, int n)
+{
+    i %= 2 * n;
+    return (size_t)(i < n ? i : 2 * n - 1 - i);
+}
+
+struct rad_rgb
+map_pixel(const struct map *m, int x, int y)
+{
+    const struct rad_picture *p = &m->picture;
+
+    if (p->L)
+        return p->L[mirrored(y, p->height) * (size_t)p->width +
+                    mirrored(x, p->width)];
+    return rad_grey((float)(1u << (3 * x + 7 * y) % 29));
+}
+
+static bool
+count_pixel(void *arg, struct rad_ctx *ctx, int x, int y, struct rad_pixel *out)
+{
+    struct map *m = arg;
+
+    (void)ctx;
+    m->wanted[y]++;
+    m->nwanted++;
+    *out = (struct rad_pixel){ .L = map_pixel(m, x, y) };
+    return true;
+}
+
+static void
+ignore_row(void *arg, int row, const struct rad_pixel *pixels)
+{
+    (void)arg;
+    (void)row;
+    (void)pixels;
+}
+
+/* Sample a frame, to see which pixels it takes. */
+static void
+count_pixels(struct map *m)
+{
+    struct team_spec spec = { .sampler = m->q,
+                              .last = m->nlines,
+                              .truth.rows = ignore_row,
+                              .trace = count_pixel,
+                              .arg = m,
+                              .nthreads = 1 };
+    struct team *t = team_new(&spec);
+
+    m->wanted = sim_alloc((size_t)m->q.height * sizeof *m->wanted);
+    if (!t)
+        abort();
+    team_work(t, NULL);
+    team_free(t);
+}
+
+static int
+read_picture(struct map *m, const char *file, struct rad_error *err)
+{
+    size_t len;
+    unsigned char *bytes = rad_file_read(file, MOST_BYTES, &len, err);
+    int rc = bytes ? rad_hdr_read(bytes, len, MOST_PIXELS, &m->picture, err)
+                   : RAD_ENOINPUT;
+
+    free(bytes);
+    return rc;
+}
+
 int
 map_init(struct map *m, const struct map_spec *s, struct rad_error *err)
 {
     struct costs c = { 0 };
-    int rc;
+    int rc = 0;
 
     memset(m, 0, sizeof *m);
-    if (s->file && (rc = costs_read(&c, s->file, err)) < 0) {
+    if (s->picture)
+        rc = read_picture(m, s->picture, err);
+    if (rc == 0 && s->file)
+        rc = costs_read(&c, s->file, err);
+    if (rc < 0) {
         costs_release(&c);
         return rc;
     }
@@ -170,6 +250,7 @@ map_init(struct map *m, const struct map_spec *s, struct rad_error *err)
         sim_alloc((size_t)m->nframes * (size_t)m->q.height * sizeof(double));
     make_window_room(m, &c);
     fill(m, s, &c);
+    count_pixels(m);
     costs_release(&c);
     return 0;
 }
@@ -178,6 +259,8 @@ void
 map_release(struct map *m)
 {
     free(m->row);
+    free(m->wanted);
+    rad_picture_release(&m->picture);
     free(m->window);
     memset(m, 0, sizeof *m);
 }
@@ -187,6 +270,14 @@ map_row(const struct map *m, uint32_t frame, int y, int columns)
 {
     return m->row[(size_t)frame * (size_t)m->q.height + (size_t)y] * columns /
            m->q.width;
+}
+
+double
+map_pixel_cost(const struct map *m, uint32_t frame, int y)
+{
+    uint32_t n = m->wanted[y]; /* 0: a guess was wrong */
+
+    return map_row(m, frame, y, m->q.width) / (n ? n : (uint32_t)m->q.width);
 }
 
 /* How much of [a0, a1] and [b0, b1] is common. */

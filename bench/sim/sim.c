@@ -126,6 +126,9 @@ usage(const struct number *t, int n)
     puts("usage: sim [options] [STATISTICS.json]\n"
          "  --size=WxH        of the picture (that of the statistics, or "
          "480x320)\n"
+         "  --picture=FILE    what the sampler meets, an HDR picture: so some "
+         "guesses at\n"
+         "                    lines above are wrong (noise everywhere)\n"
          "  --tiles=FILE      costs of a job with passes, from bench/passes: "
          "its size,\n"
          "                    its options\n"
@@ -203,6 +206,8 @@ take_option(struct options *o, const struct number *t, int n, const char *arg)
         o->ways = v;
     else if ((v = value_of(arg, "--plot")))
         o->plot = v;
+    else if ((v = value_of(arg, "--picture")))
+        o->map.picture = v;
     else if ((v = value_of(arg, "--tiles")))
         o->tiles = v;
     else if ((v = value_of(arg, "--ambient")) &&
@@ -347,7 +352,7 @@ efficiency(const struct bench *b, const struct cluster_result *r)
 static double
 twice(const struct bench *b, const struct cluster_result *r)
 {
-    double wanted = .5 * b->map.q.width * b->map.q.height * b->map.nframes;
+    double wanted = (double)b->map.nwanted * b->map.nframes;
 
     return r->traced > 0 ? (double)r->traced / wanted - 1 : 0;
 }
