@@ -599,10 +599,7 @@ take_estimate(struct net *net, int node, const struct msg *m)
     e->k = sim_child_of(net, node)->rests;
     wire_out_init(&out, MSG_FRAME_MAX);
     SIM_CHECK(net, msg_pack(&out, m) == 0);
-    e->bytes = malloc(out.len);
-    SIM_CHECK(net, e->bytes != NULL);
-    memcpy(e->bytes, out.buf, out.len);
-    e->len = out.len;
+    event_take(e, out.buf, out.len);
     wire_out_release(&out);
 }
 

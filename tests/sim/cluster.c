@@ -276,9 +276,7 @@ worker_look(void *arg, const struct action_look *l)
     e = net_later(&s->net, net_random(&s->net, 30), looked);
     e->node = (int)(w - s->worker);
     e->k = (int)w->life;
-    e->bytes = malloc(MSG_JOB);
-    SIM_CHECK(&s->net, e->bytes != NULL);
-    memcpy(e->bytes, l->job, MSG_JOB);
+    event_take(e, l->job, MSG_JOB);
     return false;
 }
 

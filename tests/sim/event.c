@@ -5,18 +5,31 @@
 
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 #include <sysexits.h>
 
-void *
-sim_alloc(size_t n)
+static void *
+checked(void *p)
 {
-    void *p = calloc(1, n + 1);
-
     if (!p) {
         fputs("sim: out of memory\n", stderr);
         exit(EX_OSERR);
     }
     return p;
+}
+
+void *
+sim_alloc(size_t n)
+{
+    return checked(calloc(1, n + 1));
+}
+
+void
+event_take(struct event *e, const void *bytes, size_t len)
+{
+    e->bytes = checked(malloc(len + 1));
+    memcpy(e->bytes, bytes, len);
+    e->len = len;
 }
 
 static bool

@@ -28,6 +28,9 @@ struct events {
 
 void events_release(struct events *v);
 
+/* Give an event a copy of bytes. */
+void event_take(struct event *e, const void *bytes, size_t len);
+
 /* Add a copy of *e, whose fn will be called.  Ends the program if memory is
  * out.  The returned event may be changed until the next call. */
 struct event *events_add(struct events *v, const struct event *e);

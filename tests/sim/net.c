@@ -188,10 +188,7 @@ maybe_repeat(struct net *net, const struct net_end *from, const struct msg *m)
     e->node = from->node;
     e->k = link;
     e->n = from->conn;
-    e->len = out.len;
-    e->bytes = malloc(out.len);
-    SIM_CHECK(net, e->bytes != NULL);
-    memcpy(e->bytes, out.buf, out.len);
+    event_take(e, out.buf, out.len);
     wire_out_release(&out);
 }
 
