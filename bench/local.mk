@@ -70,8 +70,8 @@ bench_sim_sim_SOURCES = \
 	bench/sim/host.h \
 	bench/sim/host_estimate.c \
 	bench/sim/host_impl.h \
-	bench/sim/host_lines.c \
 	bench/sim/host_pass.c \
+	bench/sim/host_radd.c \
 	bench/sim/host_rows.c \
 	bench/sim/host_tiles.c \
 	bench/sim/host_time.c \

@@ -20,8 +20,8 @@
 #define TICK_US 100000
 #define CLIENT  -1 /* in place of a host's number */
 
-static uint64_t
-now_ms(const struct cluster *c)
+uint64_t
+cluster_ms(const struct cluster *c)
 {
     return 1000 + c->now_us / 1000; /* 0 means never */
 }
@@ -30,6 +30,16 @@ double
 cluster_random(struct cluster *c)
 {
     return rad_rand(c->spec->seed, (uint32_t)c->random++ & 0x7fffffff);
+}
+
+void
+cluster_bytes(void *arg, void *buf, size_t n)
+{
+    struct cluster *c = arg;
+    uint8_t *p = buf;
+
+    while (n-- > 0)
+        *p++ = (uint8_t)(256 * cluster_random(c));
 }
 
 static void
@@ -67,8 +77,8 @@ processor_s(void)
 }
 
 /* Cut a frame's header off and decode the rest. */
-static void
-decode(struct cluster *c, const uint8_t *b, size_t len)
+const struct msg *
+cluster_decode(struct cluster *c, const uint8_t *b, size_t len)
 {
     uint16_t type = (uint16_t)(b[4] << 8 | b[5]);
     uint32_t request = (uint32_t)b[8] << 24 | (uint32_t)b[9] << 16 |
@@ -80,6 +90,7 @@ decode(struct cluster *c, const uint8_t *b, size_t len)
         fprintf(stderr, "sim: %s: %s\n", msg_name(type), err.what);
         abort();
     }
+    return &c->msg;
 }
 
 static void
@@ -96,9 +107,9 @@ at_coordinator(void *arg, struct event *e)
     struct cluster *c = arg;
     double begin = processor_s();
 
-    decode(c, e->bytes, e->len);
+    cluster_decode(c, e->bytes, e->len);
     tell(c, "coord", &c->msg);
-    coord_message(c->coord, now_ms(c), e->n, &c->msg);
+    coord_message(c->coord, cluster_ms(c), e->n, &c->msg);
     c->out->coord_s += processor_s() - begin;
     coordinate(c);
 }
@@ -122,27 +133,21 @@ reach_coordinator(void *arg, struct event *e)
     e->bytes = NULL; /* went along */
 }
 
+/* *e with a copy of a message. */
 static struct event
-packed(struct cluster *c, const struct msg *m, uint64_t n)
+carrying(struct cluster *c, struct event e, const uint8_t *bytes, size_t len)
 {
-    struct wire_out out;
-    struct event e = { .n = n };
+    uint16_t type = msg_frame_type(bytes, len);
 
-    wire_out_init(&out, MSG_FRAME_MAX);
-    if (msg_pack(&out, m) < 0) {
-        fprintf(stderr, "sim: %s cannot be packed\n", msg_name(m->type));
-        abort();
-    }
     c->out->messages++;
-    c->out->bytes += out.len;
-    if (m->type == MSG_BASE_LINE)
-        c->out->base_line_bytes += out.len;
-    if (m->type == MSG_TILE_MADE)
-        c->out->tile_bytes += out.len;
-    if (m->type == MSG_TILE_RECORDS)
-        c->out->peer_bytes += out.len;
-    e.bytes = out.buf;
-    e.len = out.len;
+    c->out->bytes += len;
+    if (type == MSG_BASE_LINE)
+        c->out->base_line_bytes += len;
+    if (type == MSG_TILE_MADE)
+        c->out->tile_bytes += len;
+    if (type == MSG_TILE_RECORDS)
+        c->out->peer_bytes += len;
+    event_take(&e, bytes, len);
     return e;
 }
 
@@ -158,21 +163,32 @@ through(const struct cluster *c, uint64_t *link_us, size_t len)
 
 static void
 to_coordinator(struct cluster *c, uint64_t conn, uint64_t *link_us,
-               const struct msg *m)
+               const uint8_t *bytes, size_t len)
 {
-    struct event e = packed(c, m, conn);
+    struct event e = { .fn = reach_coordinator, .n = conn };
 
-    e.fn = reach_coordinator;
+    e = carrying(c, e, bytes, len);
     e.at = through(c, link_us, e.len) + (uint64_t)c->spec->latency_us;
     events_add(&c->events, &e);
 }
 
 void
-cluster_send(struct cluster *c, int host, const struct msg *m)
+cluster_send(struct cluster *c, int host, const uint8_t *bytes, size_t len)
 {
     struct host *h = host_at(c, host);
 
-    to_coordinator(c, host_conn(h), host_up_us(h), m);
+    to_coordinator(c, host_conn(h), host_up_us(h), bytes, len);
+}
+
+void
+cluster_send_peer(struct cluster *c, int host, const struct event *to,
+                  const uint8_t *bytes, size_t len)
+{
+    struct event e = carrying(c, *to, bytes, len);
+
+    e.at = through(c, host_peer_us(host_at(c, host)), e.len) +
+           (uint64_t)c->spec->latency_us;
+    events_add(&c->events, &e);
 }
 
 /* --- hosts and the client --- */
@@ -184,24 +200,12 @@ at_host(void *arg, struct event *e)
     struct host *h = host_at(c, e->node);
     char name[32];
 
-    if (e->n != 0 && e->n != host_conn(h))
+    if (e->n != host_conn(h))
         return; /* it died meanwhile */
-    decode(c, e->bytes, e->len);
+    cluster_decode(c, e->bytes, e->len);
     snprintf(name, sizeof name, "w%d", e->node);
     tell(c, name, &c->msg);
     host_message(c, h, &c->msg);
-}
-
-void
-cluster_send_peer(struct cluster *c, int host, int to, const struct msg *m)
-{
-    struct event e = packed(c, m, 0);
-
-    e.fn = at_host;
-    e.node = to;
-    e.at = through(c, host_peer_us(host_at(c, host)), e.len) +
-           (uint64_t)c->spec->latency_us;
-    events_add(&c->events, &e);
 }
 
 static void
@@ -209,7 +213,7 @@ at_client(void *arg, struct event *e)
 {
     struct cluster *c = arg;
 
-    decode(c, e->bytes, e->len);
+    cluster_decode(c, e->bytes, e->len);
     tell(c, "client", &c->msg);
     if (c->msg.type == MSG_DONE) {
         c->out->done = c->over = true;
@@ -218,14 +222,6 @@ at_client(void *arg, struct event *e)
         c->over = true;
         snprintf(c->out->text, sizeof c->out->text, "%s", c->msg.failed.text);
     }
-}
-
-int
-cluster_find(const struct cluster *c, const char *name)
-{
-    int i = name[0] == 'w' ? atoi(name + 1) : -1;
-
-    return i < c->spec->hosts ? i : -1;
 }
 
 static int
@@ -254,7 +250,7 @@ note_records(struct cluster *c, const struct action *a)
         c->out->records_bytes += a->len;
     if (type != MSG_CLOSED)
         return;
-    decode(c, a->bytes, a->len);
+    cluster_decode(c, a->bytes, a->len);
     if (c->msg.closed.pass != open)
         return;
     c->closed_us[open] = c->now_us;
@@ -268,8 +264,7 @@ send_out(struct cluster *c, const struct action *a)
     int host = host_of(c, a->conn);
     struct event e = { .fn = host == CLIENT ? at_client : at_host,
                        .node = host,
-                       .n = a->conn,
-                       .len = a->len };
+                       .n = a->conn };
     uint64_t at = through(c, &c->coord_out_us, a->len);
 
     if (host == CLIENT && a->conn != c->client)
@@ -284,8 +279,7 @@ send_out(struct cluster *c, const struct action *a)
     c->out->messages++;
     c->out->bytes += a->len;
     note_records(c, a);
-    e.bytes = sim_alloc(a->len);
-    memcpy(e.bytes, a->bytes, a->len);
+    event_take(&e, a->bytes, a->len);
     e.at = at + (uint64_t)c->spec->latency_us;
     events_add(&c->events, &e);
 }
@@ -296,7 +290,7 @@ job_opened(void *arg, struct event *e)
     struct cluster *c = arg;
 
     (void)e;
-    coord_job_opened(c->coord, now_ms(c), c->job, c->sequence, 0, NULL);
+    coord_job_opened(c->coord, cluster_ms(c), c->job, c->sequence, 0, NULL);
     coordinate(c);
 }
 
@@ -307,7 +301,7 @@ rows_stored(void *arg, struct event *e)
     struct action_rows rows;
 
     memcpy(&rows, e->bytes, sizeof rows);
-    coord_rows_stored(c->coord, now_ms(c), &rows, 0, NULL);
+    coord_rows_stored(c->coord, cluster_ms(c), &rows, 0, NULL);
     coordinate(c);
 }
 
@@ -316,7 +310,7 @@ picture_written(void *arg, struct event *e)
 {
     struct cluster *c = arg;
 
-    coord_picture_written(c->coord, now_ms(c), c->job, c->sequence,
+    coord_picture_written(c->coord, cluster_ms(c), c->job, c->sequence,
                           (uint32_t)e->n, 0, NULL);
     coordinate(c);
 }
@@ -324,10 +318,9 @@ picture_written(void *arg, struct event *e)
 static void
 put_rows(struct cluster *c, const struct action *a)
 {
-    struct event e = { .fn = rows_stored, .len = sizeof a->rows };
+    struct event e = { .fn = rows_stored };
 
-    e.bytes = sim_alloc(e.len);
-    memcpy(e.bytes, &a->rows, e.len);
+    event_take(&e, &a->rows, sizeof a->rows);
     e.at = c->now_us + (uint64_t)c->spec->disk_us;
     if (e.at < c->disk_us)
         e.at = c->disk_us;
@@ -382,9 +375,11 @@ tick(void *arg, struct event *e)
     double begin = processor_s();
 
     (void)e;
-    coord_tick(c->coord, now_ms(c));
+    coord_tick(c->coord, cluster_ms(c));
     c->out->coord_s += processor_s() - begin;
     coordinate(c);
+    for (int i = 0; i < c->spec->hosts; i++)
+        host_tick(c, host_at(c, i));
     later(c, TICK_US, 0, 0, tick);
 }
 
@@ -398,16 +393,6 @@ has_file(void *arg, const uint8_t hash[MSG_HASH])
     return true;
 }
 
-static void
-random_bytes(void *arg, void *buf, size_t n)
-{
-    struct cluster *c = arg;
-    uint8_t *p = buf;
-
-    while (n-- > 0)
-        *p++ = (uint8_t)(256 * cluster_random(c));
-}
-
 /* From a host, or the client (number CLIENT). */
 static uint64_t
 open_conn(struct cluster *c, int host, enum msg_role role)
@@ -416,7 +401,7 @@ open_conn(struct cluster *c, int host, enum msg_role role)
     uint64_t low = host == CLIENT ? 65535 : (uint64_t)host;
     uint64_t conn = ++c->next_conn << 16 | low;
 
-    coord_opened(c->coord, now_ms(c), conn, &peer);
+    coord_opened(c->coord, cluster_ms(c), conn, &peer);
     coordinate(c);
     return conn;
 }
@@ -452,6 +437,21 @@ line_costs(const struct map *m, uint32_t *n)
 }
 
 static void
+client_says(struct cluster *c, const struct msg *m)
+{
+    uint64_t link_us = 0;
+    struct wire_out out;
+
+    wire_out_init(&out, MSG_FRAME_MAX);
+    if (msg_pack(&out, m) < 0) {
+        fprintf(stderr, "sim: %s cannot be packed\n", msg_name(m->type));
+        abort();
+    }
+    to_coordinator(c, c->client, &link_us, out.buf, out.len);
+    wire_out_release(&out);
+}
+
+static void
 submit(struct cluster *c)
 {
     const struct cluster_spec *s = c->spec;
@@ -460,7 +460,6 @@ submit(struct cluster *c)
     struct msg_frame *frames = sim_alloc(m->nframes * sizeof *frames);
     bool optimum = strcmp(s->estimate, "optimum") == 0;
     struct msg msg = { .type = MSG_SUBMIT, .request = 1 };
-    uint64_t link = 0;
     char params[32];
 
     snprintf(params, sizeof params, "-ps %d", m->psample);
@@ -487,8 +486,8 @@ submit(struct cluster *c)
         costs = line_costs(m, &msg.submit.ncosts);
     msg.submit.costs = costs;
     c->start_us = c->now_us;
-    coord_file_stored(c->coord, now_ms(c), c->client, hash);
-    to_coordinator(c, c->client, &link, &msg);
+    coord_file_stored(c->coord, cluster_ms(c), c->client, hash);
+    client_says(c, &msg);
     free(costs);
     free(frames);
 }
@@ -498,10 +497,9 @@ say_hello(struct cluster *c)
 {
     struct msg m = { .type = MSG_HELLO,
                      .hello = { 1, 1, MSG_ROLE_USER, "", "sim", "", 0, 0 } };
-    uint64_t link = 0;
 
     c->client = open_conn(c, CLIENT, MSG_ROLE_USER);
-    to_coordinator(c, c->client, &link, &m);
+    client_says(c, &m);
 }
 
 static void
@@ -521,19 +519,12 @@ fail_host(void *arg, struct event *e)
         uint64_t conn = host_conn(h);
 
         host_fail(c, h);
-        coord_closed(c->coord, now_ms(c), conn, "reset");
+        coord_closed(c->coord, cluster_ms(c), conn, "reset");
         coordinate(c);
         c->out->failed++;
     }
     later(c, -log(1 - cluster_random(c)) * 3600e6 / c->spec->failures, e->node,
           0, fail_host);
-}
-
-static void
-dial(struct cluster *c)
-{
-    for (int i = 0; i < c->spec->hosts; i++)
-        host_dial(c, host_at(c, i));
 }
 
 /* Speeds from the slowest to the fastest, in no order, their mean 1. */
@@ -585,7 +576,7 @@ cluster_run(const struct cluster_spec *s, struct cluster_result *out)
 {
     struct cluster c = { .spec = s, .out = out, .job = { 7 } };
     struct coord_env env = { .has_file = has_file,
-                             .random = random_bytes,
+                             .random = cluster_bytes,
                              .arg = &c,
                              .program = "sim",
                              .epoch = 1 };
@@ -596,7 +587,8 @@ cluster_run(const struct cluster_spec *s, struct cluster_result *out)
     out->work = s->map->total * (1 + s->growth * log2(s->hosts));
     if (s->tiles)
         begin_tiles(&c);
-    dial(&c);
+    for (int i = 0; i < s->hosts; i++)
+        host_start(&c, host_at(&c, i));
     say_hello(&c);
     tick(&c, NULL);
     later(&c, 100000, 0, 0, begin);

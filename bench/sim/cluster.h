@@ -1,12 +1,14 @@
 /* cluster.h - a coordinator, hosts and the network between them, in virtual
  * time
  *
- * The coordinator is the real one (daemon/front/coord.c), and so are the
- * machine of strict units in a job's child (daemon/strict/strict.c) and its
- * team, which runs in a fibre (tests/sim/task.h).  Played are: time, links, the
- * disk, and pixels, which cost what the map says.  Every message is packed and
- * unpacked by the real codec, so that its bytes count. A run is a function of
- * its spec. Thread: one. */
+ * The coordinator is the real one (daemon/front/coord.c), and so are the hosts'
+ * radds (daemon/worker/worker.c), the machine of strict units in a job's child
+ * (daemon/strict/strict.c) and its team, which runs in a fibre
+ * (tests/sim/task.h).  Played are: time, links, the disk, pixels, which cost
+ * what the map says, and tiles.  Messages go through the real codec, so that
+ * their bytes count.
+ * A run is a function of its spec.
+ * Thread: one. */
 #ifndef SIM_CLUSTER_H
 #define SIM_CLUSTER_H
 
@@ -108,18 +110,25 @@ struct cluster {
 /* A host's new connection to the coordinator. */
 uint64_t cluster_open(struct cluster *c, int host);
 
-/* A message from a host to the coordinator, or to another host. */
-void cluster_send(struct cluster *c, int host, const struct msg *m);
-void cluster_send_peer(struct cluster *c, int host, int to,
-                       const struct msg *m);
+/* A message from a host to the coordinator; to another host, where *e is what
+ * happens when it is there. */
+void cluster_send(struct cluster *c, int host, const uint8_t *bytes,
+                  size_t len);
+void cluster_send_peer(struct cluster *c, int host, const struct event *e,
+                       const uint8_t *bytes, size_t len);
 
-/* The host of a worker's name; -1: none. */
-int cluster_find(const struct cluster *c, const char *name);
+/* The message in a frame, until the next call. */
+const struct msg *cluster_decode(struct cluster *c, const uint8_t *bytes,
+                                 size_t len);
+
+/* Milliseconds, for the machines. */
+uint64_t cluster_ms(const struct cluster *c);
 
 /* Is it the first to have made the tile? */
 bool cluster_first(struct cluster *c, uint32_t pass, uint32_t tile);
 
-/* Uniform in [0, 1), the next of the run's. */
+/* Uniform in [0, 1), the next of the run's; n random bytes. */
 double cluster_random(struct cluster *c);
+void cluster_bytes(void *cluster, void *buf, size_t n);
 
 #endif

@@ -1,8 +1,8 @@
 /* host.c - see host.h
  *
- * What comes in, what it does next, and what goes out.  The child has one team,
- * as fast as the host, which does one thing after the other: a pass of strict
- * units, an estimate, a window.  */
+ * What comes in to its child, what that does next, and what goes out.  The
+ * child has one team, as fast as the host, which does one thing after the
+ * other: a pass of strict units, an estimate, a window.  */
 #include "config.h"
 
 #include "host_impl.h"
@@ -76,13 +76,6 @@ host_alive(void *arg, const struct event *e)
     return h->life == e->n ? h : NULL;
 }
 
-void
-host_say(struct host *h, const struct msg *m)
-{
-    if (h->conn != 0)
-        cluster_send(h->cluster, h->number, m);
-}
-
 struct msg_counts
 host_counts(const struct host *h, double seconds, double wall_s,
             uint64_t pixels)
@@ -154,11 +147,8 @@ host_flush(struct host *h)
 {
     const struct msg *m;
 
-    while ((m = strict_message(h->strict, true))) {
+    while ((m = strict_message(h->strict, true)))
         host_say(h, m);
-        if (m->type == MSG_BASE_LINE)
-            host_lines_pass_on(h, m);
-    }
 }
 
 static void
@@ -218,9 +208,8 @@ start_job(struct host *h)
 }
 
 void
-host_message(struct cluster *c, struct host *h, const struct msg *m)
+host_child_message(struct host *h, const struct msg *m)
 {
-    (void)c;
     if (m->type == MSG_JOB_START && !h->strict)
         start_job(h);
     if (!h->strict)
@@ -232,9 +221,6 @@ host_message(struct cluster *c, struct host *h, const struct msg *m)
     case MSG_REVOKE:
         strict_revoke(h->strict, m->revoke.unit, m->revoke.attempt);
         host_window_revoke(h, &m->revoke);
-        break;
-    case MSG_NEXT_HOLDER:
-        host_lines_next_holder(h, &m->next_holder);
         break;
     case MSG_ESTIMATE:
         host_estimate_take(h, &m->estimate);
@@ -248,30 +234,11 @@ host_message(struct cluster *c, struct host *h, const struct msg *m)
 }
 
 void
-host_dial(struct cluster *c, struct host *h)
+host_child_over(struct host *h)
 {
-    struct msg m = { .type = MSG_HELLO };
-
-    h->conn = cluster_open(c, h->number);
-    m.hello = (struct msg_hello){ 1,       2,     MSG_ROLE_WORKER,
-                                  h->name, "sim", "tcp 127.0.0.1:1",
-                                  1,       42 };
-    host_say(h, &m);
-}
-
-static void
-dial_again(void *arg, struct event *e)
-{
-    struct host *h = host_alive(arg, e);
-
-    if (h)
-        host_dial(arg, h);
-}
-
-/* What its process had. */
-static void
-forget(struct host *h)
-{
+    h->life++;
+    h->ready = false;
+    host_time_note(h, HOST_LOADS);
     task_drop(&h->task, h->strict);
     h->owed = 0;
     strict_free(h->strict);
@@ -279,21 +246,25 @@ forget(struct host *h)
     host_tiles_forget(h);
     host_window_forget(h);
     host_estimate_forget(h);
-    host_lines_forget(h);
-    h->lines = false;
+    h->lines = h->working = h->ticking = false;
+    h->idle_us = 0;
+}
+
+static void
+start_again(void *arg, struct event *e)
+{
+    struct host *h = host_alive(arg, e);
+
+    if (h)
+        host_start(arg, h);
 }
 
 void
 host_fail(struct cluster *c, struct host *h)
 {
-    h->conn = 0;
-    h->life++;
-    h->ready = false;
-    host_time_note(h, HOST_LOADS);
-    forget(h);
-    h->working = h->ticking = false;
-    h->idle_us = 0;
-    host_later(h, c->spec->back_us, dial_again);
+    host_child_over(h);
+    host_radd_dies(h);
+    host_later(h, c->spec->back_us, start_again);
 }
 
 void
@@ -306,6 +277,7 @@ host_init(struct cluster *c, struct host *h, int number, double speed)
     h->at_tiles = HOST_STATES;
     h->speed = speed;
     snprintf(h->name, sizeof h->name, "w%d", number);
+    snprintf(h->address, sizeof h->address, "sim %d", number);
     h->frames = sim_alloc(m->nframes * sizeof *h->frames);
     for (uint32_t k = 0; k < m->nframes; k++)
         h->frames[k] = m->q;
@@ -315,7 +287,8 @@ host_init(struct cluster *c, struct host *h, int number, double speed)
 void
 host_release(struct host *h)
 {
-    forget(h);
+    host_child_over(h);
+    host_radd_release(h);
     free(h->frames);
     free(h->code);
 }

@@ -12,9 +12,13 @@ void host_release(struct host *h);
 size_t host_size(void);
 struct host *host_at(const struct cluster *c, int i);
 
-/* It calls the coordinator; the connection's number there. */
-void host_dial(struct cluster *c, struct host *h);
+/* Its radd starts, and calls the coordinator; the connection's number there.
+ */
+void host_start(struct cluster *c, struct host *h);
 uint64_t host_conn(const struct host *h);
+
+/* Time has passed; to be called every 100 ms. */
+void host_tick(struct cluster *c, struct host *h);
 
 /* It dies, and is there again after spec->back_us. */
 void host_fail(struct cluster *c, struct host *h);
@@ -25,6 +29,7 @@ uint64_t *host_up_us(struct host *h);
 uint64_t *host_down_us(struct host *h);
 uint64_t *host_peer_us(struct host *h);
 
+/* A message of the coordinator came. */
 void host_message(struct cluster *c, struct host *h, const struct msg *m);
 /* The job is over: whatever it does ends. */
 void host_over(struct host *h);

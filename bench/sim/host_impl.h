@@ -1,10 +1,10 @@
 /* host_impl.h - a simulated host, and what its files ask of each other
  *
  * Private to host*.c:
- *   host.c           messages, what comes next, its life
+ *   host.c           the child's messages, what comes next, its life
+ *   host_radd.c      the radd that the child belongs to
  *   host_time.c      what it does when, and in all
  *   host_pass.c      passes of strict units
- *   host_lines.c       base lines to peers
  *   host_tiles.c     tiles of the ambient cache
  *   host_window.c    windows
  *   host_estimate.c  estimates
@@ -15,7 +15,6 @@
 
 #include "host.h"
 
-#include "machine/shelf.h"
 #include "tests/sim/task.h"
 
 /* The office at night makes so many rays in a second on one processor. */
@@ -36,22 +35,17 @@ struct asked {
     double seconds;
 };
 
-/* A base line that was made here, and who waits for one. */
-struct bottom {
-    struct bottom *next;
-    uint32_t frame, line;
-    struct shelf shelf;
-    int to; /* -1: nobody */
-    uint32_t sent_x, sent_d; /* columns and densities that went there */
-};
-
 struct host {
     struct cluster *cluster;
     int number;
-    char name[16];
+    char name[16], address[16];
     double speed;
-    uint64_t conn;
-    unsigned life; /* those that died before: their events are void */
+    unsigned life;         /* those that died before: their events are void */
+    struct worker *radd;   /* NULL: it is dead */
+    struct peer_end *ends; /* of links to other hosts */
+    uint64_t conn, own;    /* the coordinator's number of its connection, and
+                            * the radd's; 0: none */
+    uint64_t child;        /* the radd's number of the child; 0: none */
     uint64_t up_us, down_us, peer_us;
     struct rad_quincunx *frames; /* for strict_new() */
     struct strict *strict;       /* NULL: no job */
@@ -68,20 +62,8 @@ struct host {
     size_t tile_step;         /* counts that */
     uint32_t begun;           /* passes before are ready for tiles */
     double insert_s;          /* for records that have come */
-    struct gathered {
-        uint8_t *tile;  /* which tiles' records are here */
-        uint32_t n;     /* records */
-        uint32_t count; /* when it is closed: it has so many, */
-        bool asks;      /* and the host is to say that it has them */
-    } gathered[RAD_MOST_PASSES];
-    uint32_t closed;           /* passes before are closed */
-    bool lacks;                /* the first of these comes as FROZEN */
-    uint64_t heard_us;         /* when something of them came */
-    int fed[MSG_MOST_FED];
-    uint32_t nfed;
     struct window *windows;
     struct asked *asked;
-    struct bottom *bottoms;
     bool working, ticking;
     uint64_t idle_us; /* since when it waits for a top; 0: it does not */
     bool ready;
@@ -107,8 +89,9 @@ struct host *host_alive(void *arg, const struct event *e);
 void host_spend(struct host *h, double seconds,
                 void (*fn)(void *arg, struct event *e));
 
-/* To the coordinator, if it is connected. */
-void host_say(struct host *h, const struct msg *m);
+/* A message to the child, and its end. */
+void host_child_message(struct host *h, const struct msg *m);
+void host_child_over(struct host *h);
 /* All that strict.c has to say. */
 void host_flush(struct host *h);
 /* Something happened: do what there is to do now. */
@@ -118,6 +101,13 @@ void host_go_on(struct host *h);
 double host_seconds(const struct host *h, double cost);
 struct msg_counts host_counts(const struct host *h, double seconds,
                               double wall_s, uint64_t pixels);
+
+/* --- host_radd.c --- */
+
+/* The child says that. */
+void host_say(struct host *h, const struct msg *m);
+void host_radd_dies(struct host *h);
+void host_radd_release(struct host *h);
 
 /* --- host_time.c --- */
 
@@ -135,14 +125,6 @@ void host_time_wait(struct host *h);
 bool host_pass_begin(struct host *h);
 /* Go on with the pass, or end it; true: that takes time. */
 bool host_pass_trace(struct host *h);
-
-/* --- host_lines.c --- */
-
-/* A piece of a base line goes to whoever waits; what was made before is sent
- * when one says that it waits. */
-void host_lines_pass_on(struct host *h, const struct msg *m);
-void host_lines_next_holder(struct host *h, const struct msg_next_holder *n);
-void host_lines_forget(struct host *h);
 
 /* --- host_tiles.c --- */
 

@@ -10,9 +10,6 @@
 
 #include <stdlib.h>
 
-/* As in worker/gather.c. */
-#define QUIET_US 100000
-
 static const struct tile_pass *
 pass_of(const struct host *h, uint32_t pass)
 {
@@ -195,105 +192,12 @@ close_pass(struct host *h, uint32_t count)
 }
 
 static void
-say_held(struct host *h, bool whole)
-{
-    struct msg m = { .type = MSG_HOLDS,
-                     .holds = { h->cluster->job, h->passes, whole } };
-
-    host_say(h, &m);
-}
-
-static struct gathered *
-pass_at(struct host *h, uint32_t pass)
-{
-    struct gathered *g = &h->gathered[pass];
-
-    if (!g->tile)
-        g->tile = sim_alloc(pass_of(h, pass)->n + 1);
-    return g;
-}
-
-static void
-look(struct host *h)
-{
-    while (h->passes < h->closed && !h->lacks) {
-        const struct gathered *g = pass_at(h, h->passes);
-
-        if (g->n != g->count)
-            return;
-        if (g->asks)
-            say_held(h, true);
-        close_pass(h, g->count);
-    }
-}
-
-static void
 freeze(struct host *h, const struct msg_frozen *m)
 {
     if (m->pass != h->passes)
         abort();
-    if (!m->last)
-        return;
-    close_pass(h, m->first + m->count);
-    h->lacks = false;
-    h->heard_us = h->cluster->now_us;
-    look(h);
-}
-
-static void
-lacks(void *arg, struct event *e)
-{
-    struct host *h = host_alive(arg, e);
-
-    if (!h || h->lacks || h->passes >= h->closed)
-        return;
-    if (h->cluster->now_us - h->heard_us < QUIET_US) {
-        host_later(h, QUIET_US, lacks);
-        return;
-    }
-    h->lacks = true;
-    say_held(h, false);
-}
-
-static void
-on_closed(struct host *h, const struct msg_closed *m)
-{
-    struct gathered *g = pass_at(h, m->pass);
-
-    g->count = m->count;
-    g->asks = m->asks;
-    h->closed = m->pass + 1;
-    h->heard_us = h->cluster->now_us;
-    host_later(h, QUIET_US, lacks);
-    look(h);
-}
-
-static void
-take_records(struct host *h, const struct msg_tile_records *m)
-{
-    struct gathered *g;
-    struct msg pass = { .type = MSG_TILE_RECORDS, .tile_records = *m };
-
-    if (m->pass < h->passes)
-        return;
-    g = pass_at(h, m->pass);
-    if (g->tile[m->tile])
-        return;
-    g->tile[m->tile] = true;
-    g->n += m->count;
-    for (uint32_t i = 0; i < h->nfed; i++)
-        cluster_send_peer(h->cluster, h->number, h->fed[i], &pass);
-    h->heard_us = h->cluster->now_us;
-    look(h);
-}
-
-static void
-feed(struct host *h, const struct msg_feed *m)
-{
-    h->nfed = 0;
-    for (uint32_t i = 0; i < m->n; i++)
-        if (cluster_find(h->cluster, m->name[i]) >= 0)
-            h->fed[h->nfed++] = cluster_find(h->cluster, m->name[i]);
+    if (m->last)
+        close_pass(h, m->first + m->count);
 }
 
 bool
@@ -302,15 +206,6 @@ host_tiles_message(struct host *h, const struct msg *m)
     switch (m->type) {
     case MSG_TILE:
         take(h, &m->tile);
-        return true;
-    case MSG_TILE_RECORDS:
-        take_records(h, &m->tile_records);
-        return true;
-    case MSG_CLOSED:
-        on_closed(h, &m->closed);
-        return true;
-    case MSG_FEED:
-        feed(h, &m->feed);
         return true;
     case MSG_FROZEN:
         freeze(h, &m->frozen);
@@ -323,13 +218,6 @@ host_tiles_message(struct host *h, const struct msg *m)
 void
 host_tiles_forget(struct host *h)
 {
-    for (int i = 0; i < RAD_MOST_PASSES; i++) {
-        free(h->gathered[i].tile);
-        h->gathered[i] = (struct gathered){ 0 };
-    }
-    h->closed = 0;
-    h->lacks = false;
-    h->nfed = 0;
     h->ntiles = 0;
     h->insert_s = 0;
     h->passes = 0;
