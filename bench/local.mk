@@ -68,14 +68,13 @@ bench_sim_sim_SOURCES = \
 	bench/sim/cluster.h \
 	bench/sim/host.c \
 	bench/sim/host.h \
-	bench/sim/host_estimate.c \
+	bench/sim/host_errand.c \
 	bench/sim/host_impl.h \
 	bench/sim/host_pass.c \
 	bench/sim/host_radd.c \
 	bench/sim/host_rows.c \
 	bench/sim/host_tiles.c \
 	bench/sim/host_time.c \
-	bench/sim/host_window.c \
 	bench/sim/map.c \
 	bench/sim/map.h \
 	bench/sim/sim.c \

@@ -175,9 +175,9 @@ to_coordinator(struct cluster *c, uint64_t conn, uint64_t *link_us,
 void
 cluster_send(struct cluster *c, int host, const uint8_t *bytes, size_t len)
 {
-    struct host *h = host_at(c, host);
+    struct cluster_link *l = &c->link[host];
 
-    to_coordinator(c, host_conn(h), host_up_us(h), bytes, len);
+    to_coordinator(c, l->conn, &l->up_us, bytes, len);
 }
 
 void
@@ -186,7 +186,7 @@ cluster_send_peer(struct cluster *c, int host, const struct event *to,
 {
     struct event e = carrying(c, *to, bytes, len);
 
-    e.at = through(c, host_peer_us(host_at(c, host)), e.len) +
+    e.at = through(c, &c->link[host].peer_us, e.len) +
            (uint64_t)c->spec->latency_us;
     events_add(&c->events, &e);
 }
@@ -197,15 +197,14 @@ static void
 at_host(void *arg, struct event *e)
 {
     struct cluster *c = arg;
-    struct host *h = host_at(c, e->node);
     char name[32];
 
-    if (e->n != host_conn(h))
+    if (e->n != c->link[e->node].conn)
         return; /* it died meanwhile */
     cluster_decode(c, e->bytes, e->len);
     snprintf(name, sizeof name, "w%d", e->node);
     tell(c, name, &c->msg);
-    host_message(c, h, &c->msg);
+    host_message(c, host_at(c, e->node), &c->msg);
 }
 
 static void
@@ -230,7 +229,7 @@ host_of(const struct cluster *c, uint64_t conn)
     int host = (int)(conn % 65536);
 
     return conn == c->client || host >= c->spec->hosts ||
-                   host_conn(host_at(c, host)) != conn
+                   c->link[host].conn != conn
                ? CLIENT
                : host;
 }
@@ -270,7 +269,7 @@ send_out(struct cluster *c, const struct action *a)
     if (host == CLIENT && a->conn != c->client)
         return; /* a host that died */
     if (host != CLIENT) {
-        uint64_t *down = host_down_us(host_at(c, host));
+        uint64_t *down = &c->link[host].down_us;
 
         if (at < *down)
             at = *down;
@@ -406,10 +405,10 @@ open_conn(struct cluster *c, int host, enum msg_role role)
     return conn;
 }
 
-uint64_t
+void
 cluster_open(struct cluster *c, int host)
 {
-    return open_conn(c, host, MSG_ROLE_WORKER);
+    c->link[host].conn = open_conn(c, host, MSG_ROLE_WORKER);
 }
 
 /* The costs of the lines, as a former run's statistics would say. */
@@ -513,12 +512,11 @@ static void
 fail_host(void *arg, struct event *e)
 {
     struct cluster *c = arg;
-    struct host *h = host_at(c, e->node);
+    uint64_t conn = c->link[e->node].conn;
 
-    if (host_conn(h) != 0) {
-        uint64_t conn = host_conn(h);
-
-        host_fail(c, h);
+    if (conn != 0) {
+        host_fail(c, host_at(c, e->node));
+        c->link[e->node].conn = 0;
         coord_closed(c->coord, cluster_ms(c), conn, "reset");
         coordinate(c);
         c->out->failed++;
@@ -535,6 +533,7 @@ make_hosts(struct cluster *c)
     int n = s->hosts;
 
     c->hosts = sim_alloc((size_t)n * host_size());
+    c->link = sim_alloc((size_t)n * sizeof *c->link);
     for (int i = 0; i < n; i++) {
         int rank = (int)((long)i * 7919 % n); /* a prime: a permutation */
         double t = n > 1 ? (double)rank / (n - 1) : .5;
@@ -604,6 +603,7 @@ cluster_run(const struct cluster_spec *s, struct cluster_result *out)
     for (int i = 0; i < RAD_MOST_PASSES; i++)
         free(c.made[i]);
     free(c.hosts);
+    free(c.link);
     coord_free(c.coord);
     events_release(&c.events);
     msg_release(&c.msg);

@@ -96,6 +96,12 @@ struct cluster {
     uint64_t now_us;
     struct coord *coord;
     struct host *hosts;
+    struct cluster_link {
+        uint64_t conn; /* the coordinator's number of it; 0: it is not there */
+        /* when what was sent last is through: to the coordinator, from it, to
+         * other hosts */
+        uint64_t up_us, down_us, peer_us;
+    } * link; /* by host */
     uint8_t job[MSG_JOB];
     uint64_t sequence; /* of the job, as the coordinator numbers it */
     uint64_t next_conn, client;
@@ -108,7 +114,7 @@ struct cluster {
 };
 
 /* A host's new connection to the coordinator. */
-uint64_t cluster_open(struct cluster *c, int host);
+void cluster_open(struct cluster *c, int host);
 
 /* A message from a host to the coordinator; to another host, where *e is what
  * happens when it is there. */

@@ -26,30 +26,6 @@ host_at(const struct cluster *c, int i)
     return &c->hosts[i];
 }
 
-uint64_t
-host_conn(const struct host *h)
-{
-    return h->conn;
-}
-
-uint64_t *
-host_up_us(struct host *h)
-{
-    return &h->up_us;
-}
-
-uint64_t *
-host_down_us(struct host *h)
-{
-    return &h->down_us;
-}
-
-uint64_t *
-host_peer_us(struct host *h)
-{
-    return &h->peer_us;
-}
-
 const struct map *
 host_map(const struct host *h)
 {
@@ -113,7 +89,7 @@ take_unit(struct host *h, const struct msg_unit *u)
     struct rad_error err = { 0 };
 
     if (u->mode != MSG_MODE_STRICT) {
-        host_window_take(h, u);
+        host_errand_window(h, u);
         return;
     }
     if (strict_unit(h->strict, u, &err) < 0) {
@@ -132,11 +108,7 @@ work(struct host *h)
         } else if (h->task.team) {
             if (host_pass_trace(h))
                 return;
-        } else if (h->asked) {
-            host_estimate_begin(h);
-        } else if (h->windows) {
-            host_window_begin(h);
-        } else if (!host_pass_begin(h)) {
+        } else if (!host_errand_begin(h) && !host_pass_begin(h)) {
             return;
         }
     }
@@ -220,10 +192,10 @@ host_child_message(struct host *h, const struct msg *m)
         break;
     case MSG_REVOKE:
         strict_revoke(h->strict, m->revoke.unit, m->revoke.attempt);
-        host_window_revoke(h, &m->revoke);
+        host_errand_revoke(h, &m->revoke);
         break;
     case MSG_ESTIMATE:
-        host_estimate_take(h, &m->estimate);
+        host_errand_estimate(h, &m->estimate);
         break;
     default:
         h->lines |= m->type == MSG_LOAN;
@@ -244,8 +216,7 @@ host_child_over(struct host *h)
     strict_free(h->strict);
     h->strict = NULL;
     host_tiles_forget(h);
-    host_window_forget(h);
-    host_estimate_forget(h);
+    host_errands_forget(h);
     h->lines = h->working = h->ticking = false;
     h->idle_us = 0;
 }

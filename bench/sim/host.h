@@ -12,22 +12,14 @@ void host_release(struct host *h);
 size_t host_size(void);
 struct host *host_at(const struct cluster *c, int i);
 
-/* Its radd starts, and calls the coordinator; the connection's number there.
- */
+/* Its radd starts, and calls the coordinator. */
 void host_start(struct cluster *c, struct host *h);
-uint64_t host_conn(const struct host *h);
 
 /* Time has passed; to be called every 100 ms. */
 void host_tick(struct cluster *c, struct host *h);
 
 /* It dies, and is there again after spec->back_us. */
 void host_fail(struct cluster *c, struct host *h);
-
-/* The links' times, when what was sent last is through: to the coordinator,
- * from it, to peers. */
-uint64_t *host_up_us(struct host *h);
-uint64_t *host_down_us(struct host *h);
-uint64_t *host_peer_us(struct host *h);
 
 /* A message of the coordinator came. */
 void host_message(struct cluster *c, struct host *h, const struct msg *m);

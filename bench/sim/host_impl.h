@@ -6,8 +6,7 @@
  *   host_time.c      what it does when, and in all
  *   host_pass.c      passes of strict units
  *   host_tiles.c     tiles of the ambient cache
- *   host_window.c    windows
- *   host_estimate.c  estimates
+ *   host_errand.c    windows and estimates
  *   host_rows.c      rows to the coordinator
  * Seconds of work are virtual ones of this host. */
 #ifndef SIM_HOST_IMPL_H
@@ -23,30 +22,16 @@
 /* More the coordinator does not give to one thread. */
 #define HOST_MOST_TILES 16
 
-struct window {
-    struct window *next;
-    struct msg_unit unit;
-};
-
-struct asked {
-    struct asked *next;
-    uint32_t id, n;
-    struct msg_cost *costs;
-    double seconds;
-};
-
 struct host {
     struct cluster *cluster;
     int number;
     char name[16], address[16];
     double speed;
-    unsigned life;         /* those that died before: their events are void */
+    unsigned life;         /* its ends and its child's: older events are void */
     struct worker *radd;   /* NULL: it is dead */
     struct peer_end *ends; /* of links to other hosts */
-    uint64_t conn, own;    /* the coordinator's number of its connection, and
-                            * the radd's; 0: none */
-    uint64_t child;        /* the radd's number of the child; 0: none */
-    uint64_t up_us, down_us, peer_us;
+    uint64_t own, child;   /* the radd's numbers of its connections to the
+                            * coordinator and the child; 0: none */
     struct rad_quincunx *frames; /* for strict_new() */
     struct strict *strict;       /* NULL: no job */
     struct task task;            /* of a pass that is under way */
@@ -62,9 +47,8 @@ struct host {
     size_t tile_step;         /* counts that */
     uint32_t begun;           /* passes before are ready for tiles */
     double insert_s;          /* for records that have come */
-    struct window *windows;
-    struct asked *asked;
-    bool working, ticking;
+    struct errand *errands;   /* to do, the first perhaps under way */
+    bool at_errand, working, ticking;
     uint64_t idle_us; /* since when it waits for a top; 0: it does not */
     bool ready;
     enum host_state state;
@@ -136,18 +120,14 @@ bool host_tiles_message(struct host *h, const struct msg *m);
 bool host_tiles_begin(struct host *h);
 void host_tiles_forget(struct host *h);
 
-/* --- host_window.c --- */
+/* --- host_errand.c --- */
 
-void host_window_take(struct host *h, const struct msg_unit *u);
-void host_window_begin(struct host *h);
-void host_window_revoke(struct host *h, const struct msg_attempt *r);
-void host_window_forget(struct host *h);
-
-/* --- host_estimate.c --- */
-
-void host_estimate_take(struct host *h, const struct msg_estimate *m);
-void host_estimate_begin(struct host *h);
-void host_estimate_forget(struct host *h);
+void host_errand_window(struct host *h, const struct msg_unit *u);
+void host_errand_estimate(struct host *h, const struct msg_estimate *m);
+/* False: there is none. */
+bool host_errand_begin(struct host *h);
+void host_errand_revoke(struct host *h, const struct msg_attempt *r);
+void host_errands_forget(struct host *h);
 
 /* --- host_rows.c --- */
 

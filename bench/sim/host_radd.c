@@ -137,7 +137,7 @@ dialled(void *arg, struct event *e)
         return;
     if (e->k < 0) {
         h->own = conn;
-        h->conn = cluster_open(c, h->number);
+        cluster_open(c, h->number);
     } else {
         to = host_at(c, e->k);
         if (!to->radd) {
@@ -282,7 +282,7 @@ host_radd_dies(struct host *h)
             close_end(end);
     worker_free(h->radd);
     h->radd = NULL;
-    h->conn = h->own = h->child = 0;
+    h->own = h->child = 0;
 }
 
 void
