@@ -81,6 +81,39 @@ awk -v a="$(rays dry.json)" -v b="$(rays wet.json)" \
     'BEGIN { exit !(a > b / 4 && a < 2 * b) }' ||
     fail "--dry-run says $(rays dry.json), and it took $(rays wet.json)"
 
+# a room on a large ground, lit by what the sun sends in: a record that a few of
+# its rays find lit, before dark walls, serves the places about it alone
+cat >sunlit.rad <<'END'
+void plastic wall 0 0 5 .5 .5 .5 0 0
+wall polygon floor 0 0 12 0 0 0 6 0 0 6 4 0 0 4 0
+wall polygon ceiling 0 0 12 0 0 3 0 4 3 6 4 3 6 0 3
+wall polygon left 0 0 12 0 4 0 0 4 3 6 4 3 6 4 0
+wall polygon back 0 0 12 0 0 0 0 0 3 0 4 3 0 4 0
+wall polygon right 0 0 12 6 0 0 6 4 0 6 4 3 6 0 3
+wall polygon front 0 0 30 0 0 0 6 0 0 6 0 3 0 0 3 0 0 0
+    2 0 1 2 0 2.4 4 0 2.4 4 0 1 2 0 1
+wall ring ground 0 0 8 3 2 -.01 0 0 1 0 100
+void light solar 0 0 3 6e6 6e6 6e6
+solar source sun 0 0 4 .3 -.8 .15 .533
+END
+awk 'BEGIN { for (i = 0; i < 96; i++)
+    printf "%g %g .8 0 0 1\n", .25 + i % 12 / 2, .25 + int(i / 12) / 2 }' >seats.txt
+sunlit() # NAME OPTIONS...
+{
+    name=$1
+    shift
+    "$radsubmit" --local --threads=1 --points=seats.txt -h- -I "$@" sunlit.rad \
+        >"$name" 2>stderr || fail "sunlit room, $name: $(cat stderr)"
+}
+sunlit direct -ab 0
+sunlit truth -ab 1 -aa 0 -ad 4096
+for seed in 0 1 2; do
+    sunlit cached -ab 1 -aa .1 -ad 512 -as 128 --seed=$seed
+    paste direct truth cached | awk '{ a += $4 - $1; b += $7 - $1 }
+        END { exit !(b > .9 * a && b < 1.1 * a) }' ||
+        fail "indirect light of a sunlit room, seed $seed"
+done
+
 # refused STATUS TEXT OPTIONS...
 refused()
 {

@@ -5,6 +5,8 @@
  * surface comes into sight from behind the nearer ones.  The gradient and the
  * Hessian of irradiance are sums over the mesh's edges, each times the
  * difference of radiance across it; so they are 0 in uniform surroundings.
+ * A bright surface before a dark one that a single ray meets is in no triangle:
+ * how much of E the mesh overlooks is told, too.
  * All results are relative to E, in the frame of the hemisphere (u, v, w).  For
  * those from the mesh, bright cells are limited, in E, too (gradient.c,
  * fair_mean()).
@@ -21,6 +23,7 @@ struct rad_gradients {
     double move[2]; /* d ln E per unit along u, v */
     double turn[2]; /* d ln E per radian about u, v */
     double hess[3]; /* second derivative uu, uv, vv over E [1/unit^2] */
+    double overlooked; /* part of E that is not in the mesh, 0 to 1 */
 };
 
 /* Set *g from a complete hemisphere whose E has a positive luminance. */

@@ -84,7 +84,6 @@ rad_ambscale_bend(const struct rad_ambscale *scale, const float radius[2])
 static double
 radius_of(const struct rad_ambscale *scale, double value)
 {
-    value = fabs(value);
     return value > 0 ? rad_cbrt(scale->side * ERROR_UNIT / value) : INFINITY;
 }
 
@@ -189,6 +188,21 @@ mean_distance(const struct rad_hemi *h)
     return h->n * h->n / near;
 }
 
+/* The radii by how E bends along the axes: at least as much as it may where the
+ * light that the mesh overlooks comes from the mean distance.  Without that a
+ * sun patch which a few rays meet before a dark wall would be taken for light
+ * that is the same everywhere, and one record would serve a whole room. */
+static void
+bent_radii(const struct rad_ambscale *scale, const struct rad_hemi *h,
+           const struct rad_gradients *g, const double value[2], double r[2])
+{
+    double d = g->overlooked > 0 ? mean_distance(h) : INFINITY;
+    double least = g->overlooked / (d * d);
+
+    for (int k = 0; k < 2; k++)
+        r[k] = radius_of(scale, rad_most(fabs(value[k]), least));
+}
+
 /* Where all is black there are no gradients: the mean distance is the radius.
  */
 void
@@ -206,8 +220,7 @@ rad_ambrec_shape(const struct rad_ambscale *scale, const struct rad_hemi *h,
         gpos[1] = g.move[1] * vec[0] - g.move[0] * vec[1];
         gdir[0] = g.turn[0] * vec[0] + g.turn[1] * vec[1];
         gdir[1] = g.turn[1] * vec[0] - g.turn[0] * vec[1];
-        for (int k = 0; k < 2; k++)
-            r[k] = radius_of(scale, value[k]);
+        bent_radii(scale, h, &g, value, r);
         /* only for pixels: hemispheres average the errors of deeper records */
         if (rec->level == 0)
             least = least_radius(scale, value[0]);

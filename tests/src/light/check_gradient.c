@@ -248,6 +248,30 @@ START_TEST(rare_bright_sample_leaves_the_zone_alone)
 }
 END_TEST
 
+/* What a lone ray meets before the dark is in no triangle; behind what is near
+ * it is in six. */
+START_TEST(lone_light_before_the_dark_is_overlooked)
+{
+    enum { LONE = SIDE * SIDE / 2 + SIDE / 2 };
+    struct rad_gradients g;
+    struct rad_hemi h;
+
+    look_at_disk(&h, 100, 0); /* nothing */
+    cells[LONE].L = rad_grey(1);
+    cells[LONE].near = .5f;
+    rad_scale(cells[LONE].p, 2e-4, cells[LONE].p); /* from 1e4 */
+    h.E = rad_grey((float)(M_PI / (SIDE * SIDE)));
+    rad_hemi_gradients(&h, &g);
+    ck_assert(g.overlooked == 1);
+    ck_assert(g.hess[0] == 0 && g.hess[2] == 0);
+
+    cells[LONE].near = 1e-5f;
+    rad_hemi_gradients(&h, &g);
+    ck_assert(g.overlooked == 0);
+    ck_assert(g.hess[0] != 0 && g.hess[2] != 0);
+}
+END_TEST
+
 START_TEST(uniform_surrounding_has_no_gradient)
 {
     struct rad_gradients g;
@@ -257,6 +281,7 @@ START_TEST(uniform_surrounding_has_no_gradient)
     rad_hemi_gradients(&h, &g);
     ck_assert(g.move[0] == 0 && g.move[1] == 0);
     ck_assert(g.hess[0] == 0 && g.hess[1] == 0 && g.hess[2] == 0);
+    ck_assert_double_eq_tol(g.overlooked, 0, 1e-12);
     ck_assert_double_eq_tol(g.turn[0], 0, 1e-6);
     ck_assert_double_eq_tol(g.turn[1], 0, 1e-6);
 }
@@ -294,6 +319,7 @@ main(void)
     tcase_add_test(tc, gradient_sees_what_an_occluder_hides);
     tcase_add_loop_test(tc, gradient_sees_what_stands_at_the_horizon, 0, 4);
     tcase_add_test(tc, rare_bright_sample_leaves_the_zone_alone);
+    tcase_add_test(tc, lone_light_before_the_dark_is_overlooked);
     tcase_add_test(tc, uniform_surrounding_has_no_gradient);
     tcase_add_test(tc, turning_toward_the_light_brightens);
     suite_add_tcase(s, tc);
