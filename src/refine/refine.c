@@ -13,10 +13,14 @@
 
 #include <math.h>
 
-/* Tiles of a check pass: one for so many pixels, within these bounds. */
+/* Tiles of a check pass: one for so many pixels, within these bounds.  A tile
+ * makes some LOOKS pixels again (recheck.c); a few sensors have no more tiles
+ * than make each of them again TWICE. */
 #define PIXELS_A_TILE 2048
 #define LEAST_TILES   36
 #define MOST_TILES    96
+#define LOOKS         16
+#define TWICE         2
 
 /* A check of a cache with a smaller -aa than COARSE has more tiles, as the cache
  * has more records, up to TIMES_MOST times as many: what it tells is nearer to
@@ -263,13 +267,15 @@ count_tiles(const struct rad_params *par, const struct rad_pass_size *size,
 {
     double finer = fmax(COARSE / par->ambacc, 1);
     uint32_t times = (uint32_t)fmin(finer * finer, TIMES_MOST);
-    uint64_t pixels = 0, n;
+    uint64_t pixels = 0, n, few;
 
     for (uint32_t i = 0; i < nsizes; i++)
         pixels += (uint64_t)size[i].width * (uint64_t)size[i].height;
     n = pixels / PIXELS_A_TILE;
     n = n < LEAST_TILES ? LEAST_TILES : n > MOST_TILES ? MOST_TILES : n;
-    return (uint32_t)n * times;
+    n *= times;
+    few = (TWICE * pixels + LOOKS - 1) / LOOKS;
+    return (uint32_t)(n < few ? n : few);
 }
 
 uint32_t

@@ -199,12 +199,12 @@ START_TEST(the_check_pass_is_the_last)
 }
 END_TEST
 
-/* Tiles of the check of a cache with that -aa. */
+/* Tiles of the check of a cache with that -aa, and a picture of that size. */
 static uint32_t
-tiles_of_check(double ambacc)
+tiles_of_check(double ambacc, int width, int height)
 {
     struct rad_pass pass[RAD_MOST_PASSES];
-    struct rad_pass_size size = { 960, 640 };
+    struct rad_pass_size size = { width, height };
     struct rad_params job = params_of(jobs[0]);
     uint32_t n;
 
@@ -216,12 +216,21 @@ tiles_of_check(double ambacc)
 
 START_TEST(a_check_of_more_records_has_more_tiles)
 {
-    uint32_t coarse = tiles_of_check(.5);
+    uint32_t coarse = tiles_of_check(.5, 960, 640);
 
-    ck_assert_uint_eq(tiles_of_check(.25), coarse);
-    ck_assert_uint_eq(tiles_of_check(.15), 2 * coarse);
-    ck_assert_uint_eq(tiles_of_check(.1), 4 * coarse);
-    ck_assert_uint_eq(tiles_of_check(1e-300), 4 * coarse);
+    ck_assert_uint_eq(tiles_of_check(.25, 960, 640), coarse);
+    ck_assert_uint_eq(tiles_of_check(.15, 960, 640), 2 * coarse);
+    ck_assert_uint_eq(tiles_of_check(.1, 960, 640), 4 * coarse);
+    ck_assert_uint_eq(tiles_of_check(1e-300, 960, 640), 4 * coarse);
+}
+END_TEST
+
+/* Not 36 tiles of 18 pixels each, whose hemispheres are all made anew. */
+START_TEST(a_check_of_few_sensors_is_small)
+{
+    ck_assert_uint_eq(tiles_of_check(.2, 1, 1), 1);
+    ck_assert_uint_eq(tiles_of_check(.1, 24, 1), 3);
+    ck_assert_uint_eq(tiles_of_check(.5, 96, 96), tiles_of_check(.5, 120, 90));
 }
 END_TEST
 
@@ -779,6 +788,7 @@ main(void)
     tcase_add_loop_test(options, what_is_as_fine_is_joined, 0, N_ELEM(joined));
     tcase_add_test(options, the_check_pass_is_the_last);
     tcase_add_test(options, a_check_of_more_records_has_more_tiles);
+    tcase_add_test(options, a_check_of_few_sensors_is_small);
     suite_add_tcase(s, options);
     tcase_add_test(decisions, what_is_good_enough_ends);
     tcase_add_loop_test(decisions, rungs_go_by_the_cause, 0, N_ELEM(causes));
