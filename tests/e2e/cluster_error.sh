@@ -228,10 +228,10 @@ refused 'from 0.1 to 100' --error=-5
 refused 'from 0.1 to 100' --error=nan
 refused 'from 0.1 to 100' --error=101
 refused 'from 0.1 to 1' --time=0
-refused 'with --ambient=live' --error=5 --ambient=live
-refused 'with --no-share' --error=5 --no-share
-refused 'with --dry-run' --time=5 --dry-run
-refused 'with -af' --error=5 -ab 1 -af records
+refused '--ambient=live and --error exclude' --error=5 --ambient=live
+refused '--no-share and --error exclude' --error=5 --no-share
+refused '--dry-run and --time exclude' --time=5 --dry-run
+refused '-af and --error exclude' --error=5 -ab 1 -af records
 refused 'with indirect light' --error=5 -ab 0
 refused 'with indirect light' --time=5 -aa 0 -ab 1
 refused 'with indirect light' --error=5 -ps 1 # rpict's -ab is 0
