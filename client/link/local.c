@@ -242,7 +242,7 @@ look_for_ready(struct local *l, const struct link_where *where,
             if (said_ready(l))
                 return 0;
         } else if (ended(&l->coordinator)) {
-            return rad_fail(err, RAD_EINTERNAL,
+            return rad_fail(err, RAD_EUNAVAIL,
                             "radcoord ended before it was ready");
         }
     }

@@ -215,7 +215,8 @@ daemon_run(struct daemon *d, int argc, char *argv[])
              (enum log_level)log_level_parse(d->set->log_level));
     signal(SIGPIPE, SIG_IGN);
     service_catch_no_memory();
-    service_raise_descriptors();
+    if (service_raise_descriptors(&err) < 0)
+        return fail(d, &err);
     d->notify = service_notify_open();
     rc = uv_loop_init(&d->loop);
     if (rc < 0) {

@@ -23,15 +23,24 @@
 #include <sysexits.h>
 #include <unistd.h>
 
-void
-service_raise_descriptors(void)
+/* With fewer a daemon might start, and then wait for descriptors for ever. */
+#define LEAST_DESCRIPTORS 32
+
+int
+service_raise_descriptors(struct rad_error *err)
 {
     struct rlimit limit;
 
     if (getrlimit(RLIMIT_NOFILE, &limit) < 0)
-        return;
+        return 0;
     limit.rlim_cur = limit.rlim_max;
     setrlimit(RLIMIT_NOFILE, &limit);
+    if (limit.rlim_max >= LEAST_DESCRIPTORS)
+        return 0;
+    return rad_fail(err, RAD_ESHORT,
+                    "cannot start: %llu descriptors are allowed (ulimit -n), "
+                    "and at least %d are needed",
+                    (unsigned long long)limit.rlim_max, LEAST_DESCRIPTORS);
 }
 
 int

@@ -14,8 +14,8 @@
 #define RADD_PORT     "7421"
 
 /* As many descriptors as this process may have: many systems give less for the
- * sake of programs that cannot use more. */
-void service_raise_descriptors(void);
+ * sake of programs that cannot use more.  RAD_ESHORT: too few for a daemon. */
+int service_raise_descriptors(struct rad_error *err);
 
 /* Tell systemd: "READY=1", "RELOADING=1", "STOPPING=1", "STATUS=..."; does
  * nothing unless NOTIFY_SOCKET is set (sd_notify(3)).  fd is what

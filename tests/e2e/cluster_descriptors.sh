@@ -137,4 +137,13 @@ n_pictures local 300
 for f in local*.hdr; do
     cmp "$f" "many${f#local}" || fail "$f differs"
 done
+
+# with too few a daemon says so, and does not wait for more for ever
+for daemon in "$radcoord" "$radd"; do
+    expect 75 "at least 32 are needed" "$daemon with few" \
+        prlimit --nofile=20:20 "$daemon"
+done
+# shellcheck disable=SC2086
+expect 69 "at least 32 are needed" "radsubmit with few" \
+    prlimit --nofile=20:20 "$radsubmit" --local $view -o few.hdr "$room"
 finish
