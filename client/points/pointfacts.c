@@ -73,37 +73,37 @@ tell_names(const struct rad_scene *s, int32_t obj, struct pointfact *out)
     out->material = mat == RAD_VOID ? "void" : s->objects[mat].name;
 }
 
-/* The modifier by which the eye sees a surface: for an illum or mirror the one
- * that it names, if any. */
-static int32_t
-seen_by(const struct rad_scene *s, int32_t obj)
+/* Does the chain's material name another that the eye sees in its place, as an
+ * illum or mirror may?  *mod is set to that. */
+static bool
+stands_for_another(const struct rad_scene *s, int32_t *mod)
 {
-    int32_t mod = s->objects[obj].modifier;
+    int32_t mat = rad_material_of(s, *mod);
+    const struct rad_object *o = mat == RAD_VOID ? NULL : &s->objects[mat];
 
-    for (;;) {
-        int32_t mat = rad_material_of(s, mod);
-        const struct rad_object *o = mat == RAD_VOID ? NULL : &s->objects[mat];
-
-        if (!o || o->nstrings == 0 ||
-            (o->type != RAD_ILLUM && o->type != RAD_MIRROR))
-            return mod;
-        rad_scene_named(s, mat, 0, &mod, NULL);
-    }
+    if (!o || o->nstrings == 0 ||
+        (o->type != RAD_ILLUM && o->type != RAD_MIRROR))
+        return false;
+    rad_scene_named(s, mat, 0, mod, NULL);
+    return true;
 }
 
-/* Apply the textures among the modifiers of the material itself, past aliases:
- * the original material may have modifiers of its own. */
-static void
+/* Apply the textures before the chain's material, past aliases.  Returns the
+ * modifier behind the material. */
+static int32_t
 perturb(struct pointfacts *p, struct rad_ray *r, int32_t mod)
 {
     while (mod != RAD_VOID) {
         const struct rad_material *mat = &p->job->materials[mod];
 
         mod = mat->next;
-        if (mat->shader && !(mat->shader->flags & RAD_MAT_PATTERN))
+        if (!mat->shader)
+            continue;
+        if (!(mat->shader->flags & RAD_MAT_PATTERN))
             break;
+        mat->shader->shade(&p->ctx, mat, r);
     }
-    rad_ray_texture(&p->ctx, r, mod);
+    return mod;
 }
 
 /* Does Radiance shade this material by a normal on the ray's side, whichever
@@ -143,7 +143,7 @@ pointfacts_find(struct pointfacts *p, const double org[3], const double dir[3],
     struct rad_span span = { .tmin = 0, .tmax = reach };
     struct rad_arena_mark mark = rad_arena_mark(&p->ctx.scratch);
     struct rad_ray r;
-    int32_t mod;
+    int32_t mod, behind;
 
     pointfacts_none(out, org);
     memset(&r, 0, sizeof r);
@@ -159,8 +159,11 @@ pointfacts_find(struct pointfacts *p, const double org[3], const double dir[3],
         out->length = r.hit.t;
         rad_copy(out->at, r.hit.p);
         rad_copy(out->normal, r.n);
-        mod = seen_by(scene, r.hit.obj);
-        perturb(p, &r, mod);
+        mod = scene->objects[r.hit.obj].modifier;
+        do
+            behind = perturb(p, &r, mod);
+        while (stands_for_another(scene, &mod));
+        rad_ray_texture(&p->ctx, &r, behind);
         if (r.cos_o < 0 && turns(scene, mod))
             rad_ray_flip(&r);
         rad_ray_normal(&r, out->perturbed);
