@@ -128,11 +128,11 @@ struct program {
 
 /* --- program_say.c --- */
 
-/* Print a line on standard error; a warning unless -w- is given. */
+/* Print a line on standard error: news unless this is in the place of rpict or
+ * rtrace, which have none without -t; a warning unless -w- is given. */
 void program_say(void *program, const char *text);
+void program_news(struct program *p, const char *text);
 void program_warn(struct program *p, const char *text);
-
-/* Warnings before the job. */
 void program_warn_of_psample(struct program *p);
 void program_warn_of_scene(struct program *p);
 /* Tell what rad would do and radsubmit does not, each note once. */

@@ -22,6 +22,15 @@ program_say(void *arg, const char *text)
 }
 
 void
+program_news(struct program *p, const char *text)
+{
+    const struct submit_options *o = &p->o;
+
+    if (!o->rpict_status || o->report_s > 0 || o->progress == PROGRESS_ALWAYS)
+        program_say(p, text);
+}
+
+void
 program_warn(struct program *p, const char *text)
 {
     if (!p->o.quiet)
@@ -319,13 +328,13 @@ say_goal(struct program *p)
              : g->stages_up ? ", which is as many as a job may have"
              : p->o.error > 0 ? ", and there is no other that comes much nearer"
                               : ", and there is no other that is much better");
-    program_say(p, text);
+    program_news(p, text);
     if (p->o.time_s > 0)
-        program_say(p, p->o.points.no_header
-                           ? "chosen by the clock: another run may choose "
-                             "other options"
-                           : "chosen by the clock: another run may choose "
-                             "other options, which the header names");
+        program_news(p, p->o.points.no_header
+                            ? "chosen by the clock: another run may choose "
+                              "other options"
+                            : "chosen by the clock: another run may choose "
+                              "other options, which the header names");
 }
 
 /* The last line. */
@@ -343,7 +352,7 @@ program_say_done(struct program *p)
                  s, figure(percent, 100 * all->error, 2));
     else
         snprintf(text, sizeof text, "done in %s s", s);
-    program_say(p, text);
+    program_news(p, text);
 }
 
 void

@@ -82,7 +82,7 @@ on_gathered(void *arg, int n, const char *names, struct rad_error *err)
     snprintf(text, sizeof text, "%d%s workers there%s%s", n,
              n > workers_wanted(&p->o) ? "" : of, n > 0 ? ": " : "", names);
     if (news)
-        program_say(p, text);
+        program_news(p, text);
     return rc;
 }
 
@@ -296,10 +296,11 @@ static void
 on_accepted(void *arg)
 {
     struct program *p = arg;
-    char hex[MSG_JOB_HEX];
+    char hex[MSG_JOB_HEX], text[60];
 
     msg_job_format(p->job.id, hex);
-    tell(stderr, "radsubmit: job %s", hex);
+    snprintf(text, sizeof text, "job %s", hex);
+    program_news(p, text);
 }
 
 static void
@@ -308,14 +309,14 @@ on_reuse(void *arg, const uint8_t *from)
     char hex[MSG_JOB_HEX], text[120];
 
     if (!from) {
-        program_say(arg, "no former job has ambient values that fit: the job "
-                         "begins without");
+        program_news(arg, "no former job has ambient values that fit: the job "
+                          "begins without");
         return;
     }
     msg_job_format(from, hex);
     snprintf(text, sizeof text, "begins with the ambient values of job %s",
              hex);
-    program_say(arg, text);
+    program_news(arg, text);
 }
 
 static bool

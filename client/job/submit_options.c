@@ -66,18 +66,51 @@ print_line(void *to, const char *text)
     fprintf(to, "%s\n", text);
 }
 
-void
-submit_options_defaults(const struct submit_options *o, FILE *to)
+/* print_line() for what sensor points have: nothing of a picture's pixels. */
+static void
+print_for_points(void *to, const char *text)
+{
+    static const char *const of_pixels[] = { "-x ",  "-y ",  "-pa ", "-pj ",
+                                             "-ps ", "-pt ", "-pm ", "-pd " };
+
+    for (size_t i = 0; i < sizeof of_pixels / sizeof of_pixels[0]; i++)
+        if (strncmp(text, of_pixels[i], strlen(of_pixels[i])) == 0)
+            return;
+    print_line(to, text);
+}
+
+static void
+print_points_defaults(const struct submit_options *o, FILE *to)
+{
+    const struct pointspec *s = &o->points;
+
+    fprintf(to, "-x %-28d # points a row\n", s->x);
+    fprintf(to, "-y %-28d # rows\n", s->y);
+    fprintf(to, "%-31s # limit distance\n", s->limited ? "-ld+" : "-ld-");
+    fprintf(to, "%-31s # output header\n", s->no_header ? "-h-" : "-h+");
+    fprintf(to, "-f%c%-28c # format of points and values\n", s->in, s->out);
+    fprintf(to, "-o%-29s # values\n", s->values);
+    fprintf(to, "%-31s # irradiance at the points\n",
+            s->irradiance ? "-I+" : "-I-");
+    rad_params_print_defaults(&o->params, print_for_points, to);
+}
+
+static void
+print_picture_defaults(const struct submit_options *o, FILE *to)
 {
     struct submit_options chosen = *o;
-    char text[32];
 
     rad_view_print_defaults(&o->view, print_line, to);
     rad_params_print_defaults(&o->params, print_line, to);
     submit_options_samples(&chosen);
-    snprintf(text, sizeof text, "--oversample %d", chosen.oversample);
-    fprintf(to, "%-31s # samples a side of a pixel\n", text);
-    snprintf(text, sizeof text, "-t %d", o->report_s);
-    fprintf(to, "%-31s # time between reports\n", text);
+    fprintf(to, "--oversample %-18d # samples a side of a pixel\n",
+            chosen.oversample);
+}
+
+void
+submit_options_defaults(const struct submit_options *o, FILE *to)
+{
+    (o->points.file ? print_points_defaults : print_picture_defaults)(o, to);
+    fprintf(to, "-t %-28d # time between reports\n", o->report_s);
     fprintf(to, "%-31s # warning messages\n", o->quiet ? "-w-" : "-w+");
 }

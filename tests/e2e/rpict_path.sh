@@ -41,12 +41,13 @@ status 0 rpict -t 60 -e said $vw -x 32 -y 32 $opts -ps 8 -pt .08 -z a.zbf \
 is a.unf 32 24
 [ "$(wc -c <a.zbf)" = $((32 * 24 * 4)) ] || fail "-z"
 echo first >said
-status 0 rpict -e said -vf vf -x 32 -y 32 @rif.opt -ps 1 room.oct ">b.unf"
+status 0 rpict -t 600 -e said -vf vf -x 32 -y 32 @rif.opt -ps 1 room.oct ">b.unf"
 is b.unf 32 24
 [ "$(sed -n 1p said)" = first ] || fail "-e: $(cat said)"
 grep -q 'done in' said || fail "-e: $(cat said)"
 status 0 rpict $vw -x 64 -y 64 -ps 1 -af a.amb -ab 1 -ad 32 -aa .4 room.oct \
     ">/dev/null"
+[ ! -s err ] || fail "rpict says nothing of what goes well: $(cat err)"
 [ -s a.amb ] || fail "the overture leaves no ambient values"
 status 0 rpict -w $vw -x 16 -y 16 -pa 1.000 room.oct ">c.unf"
 status 0 rpict -w0 $vw -x 16 -y 16 "<room.oct >d.unf"

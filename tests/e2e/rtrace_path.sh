@@ -40,6 +40,7 @@ says() # LINE: each number on it is that of the output
 
 status 0 rtrace -h -w- -oL box.oct
 says '10 7'
+[ ! -s err ] || fail "rtrace says nothing of what goes well: $(cat err)"
 status 0 rtrace -h- -ov -n 4 box.oct
 says '2 2 2 2 2 2'
 status 0 rtrace -I -h- -ab 1 -ad 64 -aa 0 -lw 1e-6 box.oct
@@ -56,12 +57,14 @@ says '10 7'
 status 0 rtrace -h- -cs 4 -co+ box.oct
 says '2 2 2 2 2 2 2 2'
 echo first >said
-status 0 rtrace -h- -e said -ov box.oct
+status 0 rtrace --progress=always -h- -e said -ov box.oct
 [ "$(sed -n 1p said)" = first ] || fail "-e: $(cat said)"
 grep -q 'done in' said || fail "-e: $(cat said)"
 [ ! -s err ] || fail "-e leaves: $(cat err)"
 status 0 rtrace -ab 3 -defaults
 grep -qx -- '-ab 3 .*' out || fail "-defaults: $(cat out)"
+grep -qx -- '-x 0 .*' out && grep -qx -- '-faa .*' out &&
+    ! grep -qE -- '^-(ps|vp) ' out || fail "-defaults of rpict: $(cat out)"
 grep -qx -- '-ad 1024 .*' out || fail "-defaults: $(cat out)"
 status 0 rtrace -version
 
