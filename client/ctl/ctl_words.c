@@ -32,12 +32,6 @@ put_text(FILE *to, const json_t *root, const char *key, const char *name)
         put(to, name, text);
 }
 
-static const char *
-plural(double n)
-{
-    return n == 1 ? "" : "s";
-}
-
 const char *
 ctl_span(char text[CTL_SPAN], double s)
 {
@@ -51,7 +45,7 @@ ctl_span(char text[CTL_SPAN], double s)
     else if (days < 1)
         snprintf(text, CTL_SPAN, "%.0f h %.0f min", h, min - 60 * h);
     else
-        snprintf(text, CTL_SPAN, "%.0f day%s %.0f h", days, plural(days),
+        snprintf(text, CTL_SPAN, "%.0f day%s %.0f h", days, row_plural(days),
                  h - 24 * days);
     return text;
 }
@@ -89,7 +83,7 @@ ctl_tell_status(FILE *to, const json_t *status)
     put_start(to, row_number(status, "epoch"));
     if (workers > 0)
         snprintf(line, sizeof line, "%.0f, with %.0f thread%s", workers,
-                 threads, plural(threads));
+                 threads, row_plural(threads));
     else
         snprintf(line, sizeof line, "none");
     put(to, "workers", line);
@@ -101,7 +95,7 @@ ctl_tell_status(FILE *to, const json_t *status)
     if (slow > 0) {
         snprintf(line, sizeof line,
                  "everybody had to wait %.0f time%s, for %s ms at most", slow,
-                 plural(slow),
+                 row_plural(slow),
                  figure(worst, row_number(status, "longest_turn_ms"), 2));
         put(to, "delays", line);
     }
@@ -170,7 +164,7 @@ put_work(FILE *to, const json_t *job)
     }
     if (again > 0) {
         snprintf(line, sizeof line, "%.0f part%s of the picture, after a loss",
-                 again, plural(again));
+                 again, row_plural(again));
         put(to, "made again", line);
     }
 }

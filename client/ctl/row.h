@@ -22,4 +22,11 @@ row_number(const json_t *row, const char *key)
     return json_number_value(json_object_get(row, key));
 }
 
+/* The ending of a noun for so many. */
+static inline const char *
+row_plural(double n)
+{
+    return n == 1 ? "" : "s";
+}
+
 #endif

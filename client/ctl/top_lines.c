@@ -328,15 +328,17 @@ draw_summary(struct screen *s)
 {
     static const char *const thousands[] = { "", " k", " M", " G", " T" };
     const struct top *t = s->t;
+    double workers = row_number(t->status, "workers");
+    double threads = row_number(t->status, "threads");
+    double jobs = row_number(t->status, "jobs");
     char rate[CELL];
 
     scaled(rate, total_rate(t), 1000, thousands);
     if (t->status)
         say(s, TOP_TITLE,
-            "%s   %.0f workers, %.0f threads   %.0f jobs   %s rays/s",
-            row_text(t->status, "program"), row_number(t->status, "workers"),
-            row_number(t->status, "threads"), row_number(t->status, "jobs"),
-            rate);
+            "%s   %.0f worker%s, %.0f thread%s   %.0f job%s   %s rays/s",
+            row_text(t->status, "program"), workers, row_plural(workers),
+            threads, row_plural(threads), jobs, row_plural(jobs), rate);
     else
         say(s, TOP_TITLE, "radctl top");
     if (t->editing || (t->filter[0] && !t->note[0]))
