@@ -53,7 +53,7 @@ expect 64 "stripes" "a partition that is not there" \
     $r --partition=stripes "$room"
 expect 64 "--detach" "--detach without a coordinator" \
     "$radsubmit" --local --detach "$room"
-expect 64 "leave out -o" "--detach with a picture" \
+expect 64 "--detach and -o exclude each other" "--detach with a picture" \
     "$radsubmit" --detach -o - "$room"
 for option in -z --stats --preview; do
     expect 64 "'-' is a name for -o alone" "$option to standard output" \
