@@ -29,6 +29,8 @@ EXTRA_DIST += \
 	tests/golden \
 	tests/scenes
 
+# what takes longest begins first, or the last minutes have nothing else
+include tests/sim/local.mk
 include tests/accuracy/local.mk
 include tests/client/local.mk
 include tests/daemon/child/local.mk
@@ -42,7 +44,6 @@ include tests/fuzz/local.mk
 include tests/net/local.mk
 include tests/packages/local.mk
 include tests/proto/local.mk
-include tests/sim/local.mk
 include tests/soak/local.mk
 include tests/src/base/local.mk
 include tests/src/geom/local.mk
