@@ -218,7 +218,7 @@ on_accepted(void *arg)
     msg_job_format(p->job.id, hex);
     snprintf(text, sizeof text, "job %s, plane %d of %d", hex, p->planes.at + 1,
              p->planes.n);
-    program_news(p, text);
+    program_say(p, text); /* by these ids planes are found again */
 }
 
 /* Callbacks for the job of a plane: the caller's, without previews and records.

@@ -175,7 +175,7 @@ say_stage(struct program *p, const struct msg_progress *m)
              !m->ended          ? "now a finer one"
              : p->o.points.file ? "now the values"
                                 : "now the picture");
-    program_say(p, text);
+    program_news(p, text);
 }
 
 /* Note whether the coordinator is to be asked why no worker is at the job. */

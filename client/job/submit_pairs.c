@@ -12,6 +12,7 @@ enum given {
     DRY_RUN,
     POINTS,
     OUTPUT,
+    OUTPUT_FILE,
     DEPTH,
     STATS,
     PREVIEW,
@@ -69,12 +70,15 @@ static const struct {
     { JOB_ID, SET(DETACH) | SET(DRY_RUN),
       "--job asks for values that a former job has made" },
     { POINTS, VIEWING, "--points makes no picture" },
-    { DETACH, SET(OUTPUT) | SET(DEPTH) | SET(STATS) | SET(PREVIEW) | SHOWN,
+    { DETACH, SET(OUTPUT) | SHOWN,
       "--detach waits for no picture: give such options to radctl fetch" },
+    { DETACH, SET(DEPTH) | SET(STATS) | SET(PREVIEW),
+      "--detach waits for no picture" },
     { DRY_RUN, SET(DETACH), "--dry-run makes no job" },
     { DRY_RUN, GOAL | SET(REUSE),
       "--dry-run foretells what given options bring, without a cache" },
-    { BY_LINES, SET(WINDOWS) | SET(ORDER), "it is for windows" },
+    { BY_LINES, SET(WINDOWS) | SET(ORDER),
+      "windows and their order are for --partition=window" },
     { PASSES, SET(NO_SHARE) | SET(FRESH_FRAMES),
       "passes fill a cache that all workers and frames share; use "
       "--ambient=live" },
@@ -85,10 +89,11 @@ static const struct {
     { AMBIENT_FILE, GOAL,
       "the values of a file are of given options, and a goal chooses its own; "
       "--reuse begins with a former job's" },
+    { PLANES, GOAL, "each three bands would choose options of their own" },
     { PLANES,
-      SET(PREVIEW) | GOAL | SET(AMBIENT_FILE) | SET(COSTS) | SET(REUSE_ID) |
+      SET(PREVIEW) | SET(AMBIENT_FILE) | SET(COSTS) | SET(REUSE_ID) |
           SET(PRIMARIES),
-      "each three bands are a job of their own" },
+      "each three bands are a job of their own, which has no colours" },
     { LOCAL, SET(LAUNCH) | SET(COORDINATOR), "a job has one cluster" },
     { LAUNCH, SET(COORDINATOR), "a job has one cluster" },
     { REUSE, SET(LOCAL) | SET(LAUNCH),
@@ -103,7 +108,8 @@ static const struct {
     { VIEWS, FRAMES, "-S", "it is the file of an animation's views" },
     { FRESH_FRAMES, FRAMES, "-S", "it is for animations" },
     { NO_CLOBBER, FRAMES, "-S", "it leaves out frames" },
-    { NO_CLOBBER, OUTPUT, "-o", "it leaves out frames whose pictures exist" },
+    { NO_CLOBBER, OUTPUT_FILE, "-o FILE",
+      "it leaves out frames whose pictures exist" },
     { ADDRESS, LAUNCH, "--launch", "it is what launched workers dial" },
 };
 
@@ -120,6 +126,7 @@ name_given(const struct submit_options *o, const char *name[GIVENS])
         [DRY_RUN] = { o->dry_run, "--dry-run" },
         [POINTS] = { o->points.file, "--points" },
         [OUTPUT] = { o->output, "-o" },
+        [OUTPUT_FILE] = { o->output && strcmp(o->output, "-") != 0, "-o FILE" },
         [DEPTH] = { o->depth, "-z" },
         [STATS] = { o->stats, "--stats" },
         [PREVIEW] = { o->preview, "--preview" },

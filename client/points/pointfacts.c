@@ -88,20 +88,22 @@ stands_for_another(const struct rad_scene *s, int32_t *mod)
     return true;
 }
 
-/* Apply the textures before the chain's material, past aliases.  Returns the
- * modifier behind the material. */
+/* Apply the textures before the chain's material, past aliases, and those that
+ * are mixed: a mixture with a modifier is no material.  Returns the modifier
+ * behind the material. */
 static int32_t
 perturb(struct pointfacts *p, struct rad_ray *r, int32_t mod)
 {
     while (mod != RAD_VOID) {
         const struct rad_material *mat = &p->job->materials[mod];
+        unsigned flags = mat->shader ? mat->shader->flags : RAD_MAT_PATTERN;
 
         mod = mat->next;
-        if (!mat->shader)
-            continue;
-        if (!(mat->shader->flags & RAD_MAT_PATTERN))
+        if (!(flags & RAD_MAT_PATTERN) &&
+            (!(flags & RAD_MAT_MIXTURE) || mod == RAD_VOID))
             break;
-        mat->shader->shade(&p->ctx, mat, r);
+        if (mat->shader && mat->shader->shade(&p->ctx, mat, r))
+            break;
     }
     return mod;
 }

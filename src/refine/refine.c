@@ -14,13 +14,14 @@
 #include <math.h>
 
 /* Tiles of a check pass: one for so many pixels, within these bounds.  A tile
- * makes some LOOKS pixels again (recheck.c); a few sensors have no more tiles
- * than make each of them again TWICE. */
+ * makes about LOOKS pixels again (recheck.c).  Of a few sensors a check makes
+ * each again LOOKS_A_SENSOR times, not more often. */
 #define PIXELS_A_TILE 2048
 #define LEAST_TILES   36
 #define MOST_TILES    96
 #define LOOKS         16
-#define TWICE         2
+
+#define LOOKS_A_SENSOR 2
 
 /* A check of a cache with a smaller -aa than COARSE has more tiles, as the cache
  * has more records, up to TIMES_MOST times as many: what it tells is nearer to
@@ -274,7 +275,7 @@ count_tiles(const struct rad_params *par, const struct rad_pass_size *size,
     n = pixels / PIXELS_A_TILE;
     n = n < LEAST_TILES ? LEAST_TILES : n > MOST_TILES ? MOST_TILES : n;
     n *= times;
-    few = (TWICE * pixels + LOOKS - 1) / LOOKS;
+    few = (LOOKS_A_SENSOR * pixels + LOOKS - 1) / LOOKS;
     return (uint32_t)(n < few ? n : few);
 }
 

@@ -311,6 +311,7 @@ static const struct {
     { "--views=v a.rad", "--views" },
     { "--no-clobber -o a%d.hdr a.rad", "--no-clobber" },
     { "--no-clobber -S 1 a.rad", "--no-clobber" },
+    { "--no-clobber -S 1 --views=v -o - a.rad", "--no-clobber" },
     { "--view a.rad", "scene" },
     { "-S 0 -o %d.hdr a.rad", "-S" },
     { "-S 1 -o %d.hdr -", "--views" },

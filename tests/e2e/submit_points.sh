@@ -173,16 +173,18 @@ void illum i 1 q 0 3 1 1 1
 q texfunc before 4 .25 0 0 . 0 0
 p texfunc both 4 0 .5 0 . 0 0
 i texfunc lit 4 .25 0 0 . 0 0
+q mixfunc mixed 4 tilt tilt 1 . 0 0
+mixed ring r3 0 0 8 15 0 0 0 0 1 0 1
 before ring r0 0 0 8 0 0 0 0 0 1 0 1
 lit ring r1 0 0 8 5 0 0 0 0 1 0 1
 both ring r2 0 0 8 10 0 0 0 0 1 0 1
 END
-printf '%s 0 1 0 0 -1\n' 0 5 10 >down3.txt
+printf '%s 0 1 0 0 -1\n' 0 5 10 15 >down3.txt
 "$radsubmit" --local --points=down3.txt -h- -on smooth.rad >turned 2>stderr ||
     fail "-on: $(cat stderr)"
 awk '{ y = NR == 3 ? .5 : 0; l = sqrt(1.0625 + y * y)
        if (($1 - .25 / l)^2 + ($2 - y / l)^2 + ($3 - 1 / l)^2 > 1e-10) exit 1 }
-     END { exit NR != 3 }' turned ||
+     END { exit NR != 4 }' turned ||
     fail "normals that textures before materials turn: $(cat turned)"
 
 # met from behind: materials that rtrace shades from either side turn it, an

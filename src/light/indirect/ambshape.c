@@ -188,10 +188,11 @@ mean_distance(const struct rad_hemi *h)
     return h->n * h->n / near;
 }
 
-/* The radii by how E bends along the axes: at least as much as it may where the
- * light that the mesh overlooks comes from the mean distance.  Without that a
- * sun patch which a few rays meet before a dark wall would be taken for light
- * that is the same everywhere, and one record would serve a whole room. */
+/* The radii by how E bends along the axes.  Light that is a part s of E and
+ * comes from a distance d bends E by about s / d^2; as much is taken for the
+ * light that the mesh overlooks, d being the mean distance.  Without that a sun
+ * patch which a few rays meet before a dark wall would be taken for light that
+ * is the same everywhere, and one record would serve a whole room. */
 static void
 bent_radii(const struct rad_ambscale *scale, const struct rad_hemi *h,
            const struct rad_gradients *g, const double value[2], double r[2])
