@@ -13,12 +13,6 @@
 
 #define DEFAULT_RAYPATH ":/usr/local/lib/ray"
 
-static int
-out_of_memory(struct rad_error *err)
-{
-    return rad_fail_memory(err);
-}
-
 int
 paths_init(struct paths *p, struct rad_error *err)
 {
@@ -26,7 +20,7 @@ paths_init(struct paths *p, struct rad_error *err)
 
     memset(p, 0, sizeof *p);
     p->raypath = strdup(path ? path : DEFAULT_RAYPATH);
-    return p->raypath ? 0 : out_of_memory(err);
+    return p->raypath ? 0 : rad_fail_memory(err);
 }
 
 void
@@ -56,7 +50,7 @@ paths_add_file(struct paths *p, const char *scene_file, struct rad_error *err)
     char *folder = paths_folder_of(scene_file), **more;
 
     if (!folder)
-        return out_of_memory(err);
+        return rad_fail_memory(err);
     for (int i = 0; i < p->n; i++)
         if (strcmp(p->folders[i], folder) == 0) {
             free(folder);
@@ -66,7 +60,7 @@ paths_add_file(struct paths *p, const char *scene_file, struct rad_error *err)
                ? NULL
                : realloc(p->folders, ((size_t)p->n + 1) * sizeof *more);
     if (!more) {
-        int rc = strcmp(folder, ".") == 0 ? 0 : out_of_memory(err);
+        int rc = strcmp(folder, ".") == 0 ? 0 : rad_fail_memory(err);
 
         free(folder);
         return rc;
