@@ -66,7 +66,7 @@ static const struct option options[] = {
     { "-pXYZ", KIND_PRIMS, 0, 0, 0, RAD_PRIM_XYZ, "CIE XYZ color output" },
     { "-pc", KIND_PRIMS, 0, 0, 0, RAD_PRIM_CUSTOM,
       "output color primaries and white point" },
-    REAL("-pa", pixaspect, 0, 1, "pixel aspect ratio, height / width"),
+    REAL("-pa", pixaspect, -DBL_MAX, 1, "pixel aspect ratio, height / width"),
     REAL("-pj", pixjitter, 0, .67, "pixel jitter"),
     INT("-ps", psample, INT_MIN, INT_MAX, 4, "pixel sample spacing, 1 to 16"),
     REAL("-pt", maxdiff, 0, .05, "pixel threshold"),
@@ -501,6 +501,8 @@ rad_params_option(struct rad_params *p, int argc, char *const argv[],
     rc = take_value(p, o, rest, argv, err);
     if (rc < 0)
         return rc;
+    if (p->pixaspect < 0) /* rpict fills its picture, as with 0 */
+        p->pixaspect = 0;
     if (p->psample < 1)
         p->psample = 1;
     else if (p->psample > LARGEST_PSAMPLE)

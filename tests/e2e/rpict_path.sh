@@ -43,6 +43,8 @@ is a.unf 32 24
 echo first >said
 status 0 rpict -t 600 -e said -vf vf -x 32 -y 32 @rif.opt -ps 1 room.oct ">b.unf"
 is b.unf 32 24
+status 0 rpict -pa -1 -vf vf -x 16 -y 16 @rif.opt -ps 1 room.oct ">b.unf"
+is b.unf 16 16
 [ "$(sed -n 1p said)" = first ] || fail "-e: $(cat said)"
 grep -q 'done in' said || fail "-e: $(cat said)"
 status 0 rpict $vw -x 64 -y 64 -ps 1 -af a.amb -ab 1 -ad 32 -aa .4 room.oct \

@@ -290,6 +290,18 @@ START_TEST(sampling_stays_within_what_rpict_does)
 }
 END_TEST
 
+START_TEST(a_negative_aspect_fills_the_picture)
+{
+    struct rad_params p;
+
+    rad_params_init(&p);
+    ck_assert_int_gt(take(&p, "-pa -1", NULL), 0);
+    ck_assert(p.pixaspect == 0);
+    ck_assert_int_gt(take(&p, "-pa 1.5", NULL), 0);
+    ck_assert(p.pixaspect == 1.5);
+}
+END_TEST
+
 START_TEST(check_refuses_what_does_not_go_together)
 {
     struct rad_params p;
@@ -530,6 +542,7 @@ main(void)
     tcase_add_loop_test(tc, bad_options_are_named, 0, N_ELEM(bad));
     tcase_add_test(tc, other_words_are_left_alone);
     tcase_add_test(tc, sampling_stays_within_what_rpict_does);
+    tcase_add_test(tc, a_negative_aspect_fills_the_picture);
     tcase_add_test(tc, check_refuses_what_does_not_go_together);
     tcase_add_test(tc, last_kind_of_output_colour_counts);
     tcase_add_test(tc, names_of_the_last_kind_add_up);
