@@ -119,6 +119,19 @@ msg_code_base_line(struct codec *c, struct msg_base_line *b)
 }
 
 void
+msg_code_guess(struct codec *c, struct msg_guess *b)
+{
+    code_job(c, &b->job);
+    code_u32(c, &b->frame);
+    code_u32(c, &b->line);
+    code_u8(c, &b->known);
+    code_u32(c, &b->ndensity);
+    code_must(c, b->known >= 1 && b->ndensity <= MSG_MAX_SIDE);
+    if (!code_bad(c))
+        code_view(c, &b->density, b->ndensity);
+}
+
+void
 msg_code_next_holder(struct codec *c, struct msg_next_holder *b)
 {
     code_job(c, &b->job);

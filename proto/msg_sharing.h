@@ -82,6 +82,17 @@ struct msg_base_line {
     const uint8_t *pixels; /* as in the picture: n * channels floats */
 };
 
+/* The densities after a base line, as its worker guesses them while its unit's
+ * top is not there: with them the unit below can trace ahead what its own guess
+ * would miss. */
+struct msg_guess {
+    const uint8_t *job;
+    uint32_t frame, line;
+    uint8_t known; /* how many lines the densities follow from, at least 1 */
+    uint32_t ndensity;
+    const uint8_t *density; /* of the whole line */
+};
+
 /* Which worker waits for a base line. */
 struct msg_next_holder {
     const uint8_t *job;

@@ -128,6 +128,7 @@ on_message(void *arg, struct conn *c, const struct msg *m)
     case MSG_TWIN:
     case MSG_FACTS:
     case MSG_BASE_LINE:
+    case MSG_GUESS:
         render_take_strict(r, m);
         break;
     case MSG_AMBIENT:

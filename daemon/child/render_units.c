@@ -114,9 +114,9 @@ render_take_unit(struct render *r, const struct msg_unit *u)
         render_fail(r, &err);
 }
 
-/* Facts, base lines and loans may come before the first unit of their frame.
- * Those of a later frame begin that frame, or its first unit would drop them.
- * Those of an earlier frame are late, and ignored. */
+/* Facts, base lines, guesses and loans may come before the first unit of their
+ * frame. Those of a later frame begin that frame, or its first unit would drop
+ * them. Those of an earlier frame are late, and ignored. */
 static int
 begin_lines(struct render *r, const struct msg *m, struct rad_error *err)
 {
@@ -126,6 +126,8 @@ begin_lines(struct render *r, const struct msg *m, struct rad_error *err)
         frame = m->facts.frame;
     else if (m->type == MSG_BASE_LINE)
         frame = m->base_line.frame;
+    else if (m->type == MSG_GUESS)
+        frame = m->guess.frame;
     else if (m->type == MSG_LOAN)
         frame = m->loan.frame;
     else
@@ -182,6 +184,9 @@ render_take_strict(struct render *r, const struct msg *m)
         break;
     case MSG_FACTS:
         strict_facts(s, &m->facts);
+        break;
+    case MSG_GUESS:
+        strict_guess(s, &m->guess);
         break;
     default:
         strict_base_line(s, &m->base_line);

@@ -241,6 +241,7 @@ static const struct {
     { MSG_TALLY, sched_tally },
     { MSG_FACTS, handoff_facts },
     { MSG_BASE_LINE, handoff_base_line },
+    { MSG_GUESS, handoff_guess },
     { MSG_PARKED, handoff_parked },
     { MSG_GAVE, balance_gave },
     { MSG_STILL, loss_still },
@@ -333,9 +334,10 @@ coord_closed(struct coord *c, uint64_t now_ms, uint64_t id, const char *why)
 static bool
 is_work(uint16_t type)
 {
-    return type == MSG_FACTS || type == MSG_BASE_LINE || type == MSG_RESULT ||
-           type == MSG_TALLY || type == MSG_LINE_COSTS || type == MSG_RECORDS ||
-           type == MSG_TILE_MADE || type == MSG_PING || type == MSG_PONG;
+    return type == MSG_FACTS || type == MSG_BASE_LINE || type == MSG_GUESS ||
+           type == MSG_RESULT || type == MSG_TALLY || type == MSG_LINE_COSTS ||
+           type == MSG_RECORDS || type == MSG_TILE_MADE || type == MSG_PING ||
+           type == MSG_PONG;
 }
 
 void

@@ -24,6 +24,8 @@ struct line {
     struct shared_facts *facts, **end; /* end: NULL while there are none */
     uint8_t *seen;      /* bitmap of the line's pixels whose facts came; NULL:
                          * none did */
+    uint8_t *guess;     /* the densities after the line; NULL: none came */
+    uint8_t known;      /* how many lines the guess follows from */
     struct shelf shelf; /* the base line, as far as it came */
     uint64_t whole_ms;  /* when the base line became whole; 0: it is not */
 };
@@ -216,6 +218,43 @@ shared_get_facts(const struct shared *s, uint32_t frame, uint32_t line,
     return true;
 }
 
+bool
+shared_guess_fits(const struct shared *s, const struct msg_guess *m)
+{
+    return m->frame < s->nframes && m->line + 1 < shared_nlines(s, m->frame) &&
+           m->ndensity == s->frame[m->frame].ndensity;
+}
+
+bool
+shared_put_guess(struct shared *s, const struct msg_guess *m)
+{
+    struct line *l = make_line(s, m->frame, m->line);
+
+    if (!l || m->known <= l->known)
+        return false;
+    if (!l->guess && !(l->guess = malloc(m->ndensity + 1)))
+        return false;
+    memcpy(l->guess, m->density, m->ndensity);
+    l->known = m->known;
+    return true;
+}
+
+bool
+shared_get_guess(const struct shared *s, uint32_t frame, uint32_t line,
+                 struct msg_guess *m)
+{
+    const struct line *l = find_line(s, frame, line);
+
+    if (!l || !l->guess)
+        return false;
+    *m = (struct msg_guess){ .frame = frame,
+                             .line = line,
+                             .known = l->known,
+                             .ndensity = s->frame[frame].ndensity,
+                             .density = l->guess };
+    return true;
+}
+
 static void
 drop_facts(struct shared *s, struct line *l)
 {
@@ -225,7 +264,10 @@ drop_facts(struct shared *s, struct line *l)
         free(f);
     }
     free(l->seen);
+    free(l->guess);
     l->seen = NULL;
+    l->guess = NULL;
+    l->known = 0;
     l->facts = NULL;
     l->end = NULL;
 }

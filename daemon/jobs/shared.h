@@ -47,6 +47,18 @@ bool shared_get_facts(const struct shared *s, uint32_t frame, uint32_t line,
 /* Do the facts have pixels of the line's base line, and come from no estimate?
  */
 bool shared_of_base(const struct shared *s, const struct msg_facts *m);
+
+/* Does the guess fit a line that has another below? */
+bool shared_guess_fits(const struct shared *s, const struct msg_guess *m);
+/* Keep a guess, if it follows from more lines than what is kept; false: it was
+ * not kept. */
+bool shared_put_guess(struct shared *s, const struct msg_guess *m);
+/* False: no guess is kept.  m->density is valid until the line's facts are
+ * dropped or a better guess comes; m->job is for the caller to fill in. */
+bool shared_get_guess(const struct shared *s, uint32_t frame, uint32_t line,
+                      struct msg_guess *m);
+
+/* Drop the facts of a line, and the guess at its densities. */
 void shared_drop_facts(struct shared *s, uint32_t frame, uint32_t line);
 
 /* --- base lines --- */

@@ -105,6 +105,20 @@ send_facts(struct coord *c, const struct job *job, uint32_t frame,
     }
 }
 
+/* A unit without its top, whose lines begin with `first', begins on the guess
+ * at the densities above the line of its top. */
+static void
+send_guess(struct coord *c, const struct job *job, uint32_t frame,
+           uint32_t first, const struct job_go *go)
+{
+    struct msg m = { .type = MSG_GUESS };
+
+    if (first < 2 || !shared_get_guess(job->shared, frame, first - 2, &m.guess))
+        return;
+    m.guess.job = job->id;
+    actions_send(&c->actions, conn_of(job, go), &m);
+}
+
 /* Send the attempt what is here of a base line, and note if that is all. */
 static void
 send_base(struct coord *c, struct job *job, uint32_t frame, uint32_t line,
@@ -182,8 +196,10 @@ handoff_out(struct coord *c, struct job *job, uint32_t unit, struct job_go *go)
     uint32_t first, last;
     uint32_t frame = lines_of_unit(job, unit, &first, &last);
 
-    if (first > 0 && shared_whole_ms(job->shared, frame, first - 1) == 0)
+    if (first > 0 && shared_whole_ms(job->shared, frame, first - 1) == 0) {
         send_facts(c, job, frame, first - 1, go);
+        send_guess(c, job, frame, first, go);
+    }
     for (uint32_t i = first; i < last; i++)
         send_facts(c, job, frame, i, go);
     if (first > 0)
@@ -312,6 +328,35 @@ handoff_facts(struct coord *c, struct coord_worker *w, const struct msg *msg)
     pass_on(c, job, index, m);
     if (unit == PARTITION_NONE)
         top_facts(c, job, index, m);
+}
+
+/* The worker of a unit guesses at the densities above its last line. */
+void
+handoff_guess(struct coord *c, struct coord_worker *w, const struct msg *msg)
+{
+    const struct msg_guess *m = &msg->guess;
+    uint32_t index, unit, below;
+    struct job *job = job_with_lines(c, w, m->job, &index);
+    const struct job_unit *u;
+
+    if (!job)
+        return;
+    if (!shared_guess_fits(job->shared, m)) {
+        verdict_break(c, w->conn, "a GUESS that fits no line");
+        return;
+    }
+    unit = unit_at(job, m->frame, m->line + 1);
+    if (unit == PARTITION_NONE || !go_of_worker(job, unit, index) ||
+        !shared_put_guess(job->shared, m))
+        return;
+    below = unit_at(job, m->frame, m->line + 2);
+    if (below == PARTITION_NONE || below == unit)
+        return;
+    u = &job->units[below];
+    for (uint8_t i = 0; i < u->ngos; i++)
+        if (u->go[i].worker != index && !u->go[i].handoff.top_sent &&
+            u->go[i].origin != GO_LOAN)
+            send_guess(c, job, m->frame, m->line + 2, &u->go[i]);
 }
 
 /* Can some worker of the unit above send the attempt its bottom itself? */

@@ -6,8 +6,10 @@
 
 #include "desk/desk.h"
 
-/* Handlers of FACTS, BASE_LINE and PARKED, which workers send. */
+/* Handlers of FACTS, GUESS, BASE_LINE and PARKED, which workers send. */
 void handoff_facts(struct coord *c, struct coord_worker *w,
+                   const struct msg *msg);
+void handoff_guess(struct coord *c, struct coord_worker *w,
                    const struct msg *msg);
 void handoff_base_line(struct coord *c, struct coord_worker *w,
                        const struct msg *msg);

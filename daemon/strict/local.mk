@@ -6,6 +6,8 @@ libdaemon_a_SOURCES += \
 	daemon/strict/strict_edge.h \
 	daemon/strict/strict_facts.c \
 	daemon/strict/strict_facts.h \
+	daemon/strict/strict_guess.c \
+	daemon/strict/strict_guess.h \
 	daemon/strict/strict_loan.c \
 	daemon/strict/strict_loan.h \
 	daemon/strict/strict_order.c \

@@ -4,9 +4,9 @@
  * above its first line, its bottom its own last base line.  Line 0 needs no
  * top.  A unit is made in passes, each by one team.  Until the true top comes,
  * from another worker or another unit of this child, pixels are traced ahead on
- * a guess at the top, and kept as facts: by a pass of LINES, then by AHEAD,
- * after which the unit is parked.  When the true top is there, TRUTH makes the
- * rows over the facts, and leaves the bottom.
+ * a guess at it, and kept as facts: by LINES, then by AHEAD, after which the
+ * unit is parked; and again when a better guess comes.  When the true top is
+ * there, TRUTH makes the rows over the facts, and leaves the bottom.
  *
  * Bottoms come before rows, since other units may wait for them: a pass that
  * makes rows ends early when a bottom can be made, and goes on afterwards.  If
@@ -53,8 +53,8 @@ int strict_error(const struct strict *s);
  * UNIT: RAD_EPROTO if its rows are no lines of a frame.  LOAN: RAD_EPROTO if no
  * frame has such columns; PAID is sent then, without facts, and the job goes
  * on.  REVOKE, YIELD, SPLIT, TWIN, LEND and BACK are ignored if the attempt is
- * not here.  Facts and base lines should come before the unit that needs them,
- * for a unit is begun at once. */
+ * not here.  Facts, guesses, base lines should come before the unit that needs
+ * them, for a unit is begun at once. */
 int strict_unit(struct strict *s, const struct msg_unit *u,
                 struct rad_error *err);
 void strict_revoke(struct strict *s, uint32_t unit, uint32_t attempt);
@@ -66,6 +66,7 @@ int strict_loan(struct strict *s, const struct msg_loan *m,
                 struct rad_error *err);
 void strict_back(struct strict *s, const struct msg_back *m);
 void strict_facts(struct strict *s, const struct msg_facts *m);
+void strict_guess(struct strict *s, const struct msg_guess *m);
 void strict_base_line(struct strict *s, const struct msg_base_line *m);
 
 /* Tell the time [ms]; returns when to call again, with strict_look() for all

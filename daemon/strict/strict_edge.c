@@ -28,14 +28,22 @@ edge_find(const struct strict *s, uint32_t frame, int line)
     return e;
 }
 
+/* Has this child a unit whose lines begin there? */
+static bool
+begins_at(const struct strict *s, uint32_t frame, int line)
+{
+    const struct strict_unit *u = s->by_first[slot_of(frame, line)];
+
+    while (u && (is_gone(u) || u->frame != frame || u->first != line))
+        u = u->same_first;
+    return u;
+}
+
 static bool
 edge_needed(const struct strict *s, const struct edge *e)
 {
-    const struct strict_unit *u = s->by_first[slot_of(e->frame, e->line + 1)];
-
-    while (u && (is_gone(u) || u->frame != e->frame || u->first - 1 != e->line))
-        u = u->same_first;
-    return u;
+    return begins_at(s, e->frame, e->line + 1) ||
+           (e->guess && begins_at(s, e->frame, e->line + 2));
 }
 
 static void
@@ -46,6 +54,7 @@ edge_free(struct edge *e)
     shelf_clear(&e->shelf);
     free(e->pixels);
     free(e->density);
+    free(e->guess);
     free(e);
 }
 
@@ -173,6 +182,19 @@ edge_put(struct strict *s, struct edge *e, const struct msg_base_line *m)
         memcpy(e->density, e->shelf.density, f->ndensity);
     shelf_clear(&e->shelf);
     return true;
+}
+
+void
+edge_guess(struct strict *s, struct edge *e, const struct msg_guess *m)
+{
+    if (m->known <= e->known)
+        return;
+    if (!e->guess && !(e->guess = malloc(m->ndensity + 1))) {
+        s->error = RAD_ENOMEM;
+        return;
+    }
+    memcpy(e->guess, m->density, m->ndensity);
+    e->known = m->known;
 }
 
 struct shelf_size

@@ -7,7 +7,8 @@
 #include "machine/shelf.h"
 #include "strict/strict.h"
 
-/* A base line that is some unit's top or bottom; its values are true. */
+/* A base line that is some unit's top or bottom; its values are true, but for
+ * the guess, which serves a unit whose top is the next line. */
 struct edge {
     struct edge *next;    /* the next newer edge */
     struct edge *chained; /* next in its slot */
@@ -16,6 +17,8 @@ struct edge {
     struct shelf shelf; /* pieces from other workers, until all have come */
     struct rad_pixel *pixels; /* of the whole line; NULL: it is not whole */
     uint8_t *density;
+    uint8_t *guess; /* densities as another worker guesses them; NULL: none */
+    int known;      /* how many lines the guess follows from */
 };
 
 /* The edge of a line; NULL: there is none. */
@@ -29,6 +32,8 @@ bool edge_set(struct strict *s, struct edge *e, const struct rad_pixel *pixels,
               const uint8_t *density);
 /* Add a piece, which fits the line.  True: the piece makes the line whole. */
 bool edge_put(struct strict *s, struct edge *e, const struct msg_base_line *m);
+/* Keep a guess that fits the line, if it is the best so far. */
+void edge_guess(struct strict *s, struct edge *e, const struct msg_guess *m);
 /* Decode n pixels of a message. */
 void edge_decode(struct rad_pixel *to, const uint8_t *from, uint32_t n,
                  int channels);

@@ -5,6 +5,7 @@
 #include "strict/strict_order.h"
 
 #include "strict/strict_facts.h"
+#include "strict/strict_guess.h"
 #include "strict/strict_loan.h"
 #include "strict/strict_out.h"
 #include "strict/strict_rank.h"
@@ -118,6 +119,7 @@ order_give_lines(struct strict *s, struct strict_unit *u, int last)
         for (int i = last - 1; i < end; i++)
             out_facts(s, &s->urgent, u, i);
         strict_unit_end_at(s, u, last);
+        guess_send(s, u);
         loan_of_other_line(u);
         for (int i = last; i < end; i++)
             facts_drop(s, u->frame, i);

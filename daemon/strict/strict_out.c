@@ -173,6 +173,26 @@ put_pixels(uint8_t *to, const struct rad_pixel *from, uint32_t n, int channels)
     return to;
 }
 
+/* If memory is out the message is left out: the job does without it. */
+void
+out_guess(struct strict *s, const struct strict_unit *u, int line, int known,
+          const uint8_t *density)
+{
+    size_t n = frame_of(s, u->frame)->ndensity;
+    struct item it = { .kind = ITEM_GUESS,
+                       .frame = u->frame,
+                       .line = line,
+                       .n = (uint32_t)known,
+                       .ndensity = (uint32_t)n,
+                       .bytes = malloc(n + 1) };
+
+    if (!it.bytes)
+        return;
+    memcpy(it.bytes, density, n);
+    if (!push(s, &s->urgent, &it))
+        free(it.bytes);
+}
+
 /* Copy densities and pixels of a piece into the item; false: memory is out. */
 static bool
 fill_piece(struct strict *s, struct item *it, const struct rad_pixel *pixels,
@@ -400,6 +420,13 @@ pack(struct strict *s, struct item *it)
         return pack_facts(s, it);
     case ITEM_PIECE:
         pack_piece(s, it);
+        break;
+    case ITEM_GUESS:
+        s->msg.type = MSG_GUESS;
+        s->msg.guess = (struct msg_guess){
+            s->job,         it->frame,    (uint32_t)it->line,
+            (uint8_t)it->n, it->ndensity, it->bytes
+        };
         break;
     case ITEM_PARKED:
         s->msg.type = MSG_PARKED;

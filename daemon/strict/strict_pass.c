@@ -9,6 +9,7 @@
 
 #include "strict/strict_edge.h"
 #include "strict/strict_facts.h"
+#include "strict/strict_guess.h"
 #include "strict/strict_loan.h"
 #include "strict/strict_order.h"
 #include "strict/strict_out.h"
@@ -20,19 +21,6 @@
 
 /* Most pixels of a unit whose facts are kept in case it gets a twin. */
 #define MOST_KEPT (1 << 22)
-
-/* Was the unit's bottom guessed from just these densities?  Then it is true: a
- * base line depends only on the densities above it. */
-static bool
-guess_holds(const struct strict *s, const struct strict_unit *u,
-            const uint8_t *density)
-{
-    const struct frame *f = frame_of(s, u->frame);
-
-    return u->guess.pixels && u->guess.above && !s->painted &&
-           !u->bottom_done && u->last < f->nlines &&
-           memcmp(u->guess.above, density, f->ndensity) == 0;
-}
 
 /* Make the guessed bottom of the unit true; returns its edge, NULL: memory is
  * out. */
@@ -81,55 +69,6 @@ spread_top(struct strict *s, const struct edge *e)
         rank_make_way(s);
 }
 
-/* Copy a top to the pass; pixels may be NULL.  False: memory is out. */
-static bool
-copy_top(const struct strict *s, struct strict_pass *p,
-         const struct rad_pixel *pixels, const uint8_t *density)
-{
-    const struct frame *f = frame_of(s, p->frame);
-    size_t n = (size_t)f->q.width * sizeof *p->top;
-
-    if (pixels) {
-        p->top = malloc(n);
-        if (!p->top)
-            return false;
-        memcpy(p->top, pixels, n);
-    }
-    if (f->ndensity > 0) {
-        p->top_density = malloc(f->ndensity);
-        if (!p->top_density)
-            return false;
-        memcpy(p->top_density, density, f->ndensity);
-    }
-    return true;
-}
-
-/* Set the top of a pass: true, guessed, or the part that is known.  False:
- * memory is out. */
-static bool
-set_top(struct strict *s, struct strict_pass *p)
-{
-    const struct strict_unit *u = p->of, *a = strict_unit_above(s, u);
-    const struct edge *e = edge_find(s, u->frame, p->first - 1);
-
-    if (u->loan)
-        return true;
-    p->top_known = p->first > 0 ? 0 : TEAM_SURE;
-    if (p->first < u->first && u->above != ABOVE_MADE_HERE)
-        return true; /* with densities the pass might trace needless pixels */
-    /* if p->first is another unit's line only its base line is made, no bar */
-    if (e && e->pixels) {
-        p->top_known = TEAM_SURE;
-        return copy_top(s, p, p->first == u->first ? e->pixels : NULL,
-                        e->density);
-    }
-    if (p->first == u->first && a && a->guess.pixels) {
-        p->top_known = a->guess.known;
-        return copy_top(s, p, a->guess.pixels, a->guess.density);
-    }
-    return true;
-}
-
 static void
 pass_free(struct strict_pass *p)
 {
@@ -176,25 +115,6 @@ filled_until(const struct strict *s, const struct strict_unit *u)
                : u->first;
 }
 
-/* Let the pass record its lines' densities, or compare them with those of an
- * earlier pass.  If memory is out it does neither. */
-static void
-set_chain(const struct strict *s, struct strict_pass *p)
-{
-    const struct strict_unit *u = p->of;
-    size_t n = frame_of(s, u->frame)->ndensity;
-
-    if (n == 0 || p->mode == TEAM_TRUTH || p->mode == TEAM_LOAN)
-        return;
-    if (p->rank != STRICT_TRUE_LINES || u->chain.first > p->first ||
-        u->chain.last < p->last - 1) {
-        p->record = malloc((size_t)(p->last - p->first) * n);
-        return;
-    }
-    p->earlier = u->chain.density + (size_t)(p->first - u->chain.first) * n;
-    p->filled = p->first; /* its bars are facts, or made later */
-}
-
 /* Are there facts of each of the unit's lines? */
 static bool
 has_facts(const struct strict *s, const struct strict_unit *u)
@@ -221,7 +141,7 @@ pass_new(struct strict *s, struct strict_unit *u, enum strict_rank rank)
     p->rank = rank;
     p->mode = mode_of(rank);
     p->true_top = rank <= STRICT_TRUTH;
-    p->first = u->first - (!p->true_top && rank_goes_above(u) ? 1 : 0);
+    p->first = u->first - (!p->true_top && goes_above(u) ? 1 : 0);
     p->last = u->last;
     p->filled = filled_until(s, u);
     p->least = u->first + 1;
@@ -232,12 +152,11 @@ pass_new(struct strict *s, struct strict_unit *u, enum strict_rank rank)
     p->lent = u->lending.lent;
     p->loan = u->loan ? &u->loan->is : NULL;
     if (!facts_make_table(s, u->frame) || (facts && !facts_make_all(s, u)) ||
-        !set_top(s, p)) {
+        !guess_top(s, p) || !guess_record(s, p)) {
         pass_free(p);
         return NULL;
     }
     p->facts = frame_of(s, u->frame)->facts;
-    set_chain(s, p);
     p->cpu_ns = u->cpu_ns + (p->first - (u->first - 1));
     p->keeps = has_facts(s, u);
     p->lend = p->keeps ? u->lending.part : 0;
@@ -311,36 +230,6 @@ strict_bottom(struct strict *s, struct strict_pass *p, int columns,
         spread_top(s, e);
 }
 
-/* Keep the bottom of LINES or AHEAD as a guess for the unit below. */
-static void
-keep_guess(struct strict *s, struct strict_pass *p,
-           const struct rad_pixel *pixels, const uint8_t *density)
-{
-    struct strict_unit *u = p->of;
-    const struct frame *f = frame_of(s, u->frame);
-    size_t n = (size_t)f->q.width * sizeof *u->guess.pixels;
-
-    if (!u->guess.pixels) {
-        u->guess.pixels = malloc(n);
-        u->guess.density = malloc(f->ndensity + 1);
-    }
-    if (!u->guess.pixels || !u->guess.density) {
-        s->error = RAD_ENOMEM;
-        return;
-    }
-    memcpy(u->guess.pixels, pixels, n);
-    if (f->ndensity > 0)
-        memcpy(u->guess.density, density, f->ndensity);
-    free(u->guess.above);
-    u->guess.above = NULL;
-    if (f->ndensity == 0) {
-        u->guess.above = calloc(1, 1); /* there are no densities */
-    } else if (p->first == u->first) {
-        u->guess.above = p->top_density;
-        p->top_density = NULL;
-    }
-}
-
 static void
 end_ahead(struct strict *s, struct strict_unit *u, struct strict_pass *p,
           const struct rad_pixel *pixels, const uint8_t *density)
@@ -351,14 +240,14 @@ end_ahead(struct strict *s, struct strict_unit *u, struct strict_pass *p,
     if (p->mode == TEAM_AHEAD)
         strict_unit_advance(u, p->top || p->first < u->first ? PROGRESS_GUESSED
                                                              : PROGRESS_AHEAD);
-    else if (u->progress < PROGRESS_LINES)
+    else if (u->progress < PROGRESS_LINES ||
+             (u->progress > PROGRESS_LINES && !p->true_top))
         strict_unit_advance(u, PROGRESS_LINES);
-    u->guess.known = p->top_known + p->last - p->first;
     if (p->mode == TEAM_LINES && !p->true_top && u->last < f->nlines &&
-        !strict_unit_below(s, u))
+        !strict_unit_below(s, u)) {
         out_facts(s, &s->urgent, u, u->last - 1);
-    if (pixels)
-        keep_guess(s, p, pixels, density);
+        guess_send(s, u);
+    }
 }
 
 /* TRUTH is done, and so the unit: sum its cost. */
@@ -381,17 +270,22 @@ end_truth(struct strict *s, struct strict_pass *p,
             rad_facts_settle(facts_at(s, u->frame, i));
 }
 
-/* Drop the unit; if it is done its top, too.  A unit that was revoked may come
- * again, and its top may have come again already. */
+/* Drop the unit; if it is done its top, too, and the guess above that.  A unit
+ * that was revoked may come again, and its top may have come again already. */
 static void
 end_unit(struct strict *s, struct strict_unit *u, bool over)
 {
     uint32_t frame = u->frame;
     int top = u->first - 1;
+    const struct edge *above;
 
     order_drop(s, u);
-    if (over)
-        edge_drop(s, frame, top);
+    if (!over)
+        return;
+    edge_drop(s, frame, top);
+    above = edge_find(s, frame, top - 1);
+    if (above && !above->pixels)
+        edge_drop(s, frame, top - 1);
 }
 
 /* Let the team lend the columns that LEND asks for, if it can. */
@@ -490,20 +384,6 @@ keep_filled(struct strict_unit *u, const struct strict_pass *p)
         u->filled = end;
 }
 
-/* Keep the densities that a pass recorded, unless more lines are kept already.
- */
-static void
-keep_chain(struct strict_unit *u, struct strict_pass *p)
-{
-    if (!p->record || p->finished <= p->first || p->finished < u->chain.last)
-        return;
-    free(u->chain.density);
-    u->chain.density = p->record;
-    u->chain.first = p->first;
-    u->chain.last = p->finished;
-    p->record = NULL;
-}
-
 bool
 strict_ended(struct strict *s, struct strict_pass *p, bool done,
              const struct rad_pixel *pixels, const uint8_t *density,
@@ -518,7 +398,7 @@ strict_ended(struct strict *s, struct strict_pass *p, bool done,
         keep_out(u, p);
     keep_filled(u, p);
     strict_unit_made(u, &p->made);
-    keep_chain(u, p);
+    guess_keep(s, p, done && !p->stop, pixels, density);
     if (over)
         end_truth(s, p, pixels, density, total);
     else if (paid && !is_gone(u))

@@ -6,20 +6,15 @@
 
 #include "strict/strict_rank.h"
 
+#include "strict/strict_guess.h"
 #include "strict/strict_state.h"
-
-bool
-rank_goes_above(const struct strict_unit *u)
-{
-    return u->above != ABOVE_LEFT_OUT;
-}
 
 static bool
 top_is_guessed(const struct strict *s, const struct strict_unit *u)
 {
     const struct strict_unit *a = strict_unit_above(s, u);
 
-    return !rank_goes_above(u) && a && a->guess.pixels;
+    return !goes_above(u) && a && a->guess.pixels;
 }
 
 /* Is the unit's bottom not made yet, and may a unit below wait for it? */
@@ -51,7 +46,7 @@ next_rank(const struct strict *s, const struct strict_unit *u,
         *rank = STRICT_LOAN;
     else if (strict_unit_has_top(s, u))
         *rank = wants_true_lines(s, u) ? STRICT_TRUE_LINES : STRICT_TRUTH;
-    else if (u->progress < PROGRESS_LINES)
+    else if (u->progress < PROGRESS_LINES || guess_is_better(s, u))
         *rank = STRICT_LINES;
     else if (u->progress < PROGRESS_AHEAD ||
              (u->progress == PROGRESS_AHEAD && top_is_guessed(s, u)))

@@ -12,7 +12,5 @@ void rank_make_way(struct strict *s);
 /* The unit whose pass should be begun next, and the rank of that pass; NULL:
  * none. */
 struct strict_unit *rank_choose(const struct strict *s, enum strict_rank *rank);
-/* Do passes ahead go over the base line above the unit, too? */
-bool rank_goes_above(const struct strict_unit *u);
 
 #endif

@@ -6,6 +6,7 @@
  *   strict_order.c  orders about units: UNIT, SPLIT, YIELD, REVOKE, TWIN
  *   strict_loan.c   columns that are lent, and that are borrowed
  *   strict_rank.c   which unit comes first
+ *   strict_guess.c  guesses at tops and bottoms
  *   strict_out.c    messages that go
  *   strict_facts.c  facts by line
  *   strict_unit.c   states of a unit (drawn in strict_unit.h); units by number
@@ -26,6 +27,7 @@
 /* The message that an item becomes; ITEM_FACTS become several. */
 enum item_kind {
     ITEM_FACTS,
+    ITEM_GUESS,
     ITEM_PARKED,
     ITEM_RESUMED,
     ITEM_GAVE,
@@ -38,14 +40,16 @@ enum item_kind {
 struct item {
     struct item *next;
     enum item_kind kind;
-    uint32_t unit, attempt; /* of all but PIECE and LINE_COSTS */
+    uint32_t unit, attempt; /* of all but GUESS, PIECE and LINE_COSTS */
     uint32_t height;        /* of GAVE */
     uint32_t frame;
     int line;
     int row;                  /* of FACTS: rows above it were sent */
-    uint32_t x, n;            /* of PIECE: columns [x, x + n) */
-    uint32_t first, ndensity; /* of PIECE: densities */
-    uint8_t *bytes;           /* of PIECE: densities, then pixels */
+    uint32_t x, n;            /* of PIECE: columns [x, x + n); of GUESS n is how
+                               * many lines are known */
+    uint32_t first, ndensity; /* of PIECE and GUESS: densities */
+    uint8_t *bytes;           /* of PIECE: densities, then pixels; of GUESS:
+                               * densities */
     uint32_t nlines;          /* of LINE_COSTS: lines from .line on */
     uint64_t *cpu_ns;         /* of LINE_COSTS: nlines values */
     struct msg_loan loan;     /* of LOAN; its pointers lead into bytes */

@@ -16,7 +16,7 @@ const struct steps strict_progress_steps = {
                              STEP(PROGRESS_AHEAD) | STEP(PROGRESS_GUESSED) },
         [PROGRESS_AHEAD] = { "ahead",
                              STEP(PROGRESS_LINES) | STEP(PROGRESS_GUESSED) },
-        [PROGRESS_GUESSED] = { "guessed", 0 },
+        [PROGRESS_GUESSED] = { "guessed", STEP(PROGRESS_LINES) },
     },
 };
 
@@ -129,6 +129,7 @@ free_guess(struct strict_unit *u)
     free(u->guess.above);
     u->guess.pixels = NULL;
     u->guess.density = u->guess.above = NULL;
+    u->guess.told = 0;
 }
 
 void
@@ -137,6 +138,8 @@ strict_unit_end_at(struct strict *s, struct strict_unit *u, int last)
     unlink_last(s, u);
     u->last = last;
     *in_last_slot(s, u) = u;
+    if (u->chain.last > last)
+        u->chain.last = last;
     u->bottom_done = false;
     u->sent_columns = 0;
     u->sent_densities = 0;

@@ -17,6 +17,8 @@
  *   NONE --lines--> LINES --ahead--> AHEAD --colours above came--> LINES
  *                     '--ahead, with the colours above--> GUESSED
  *
+ *   AHEAD, GUESSED --lines, with a better guess at the densities above--> LINES
+ *
  * LINES: the base lines; AHEAD: also the bars but the first, which needs the
  * colours of the base line above; GUESSED: all bars. */
 enum strict_progress {
@@ -66,21 +68,23 @@ struct strict_lending {
     bool blocked; /* TRUTH has done all columns but the lent ones */
 };
 
-/* The bottom that LINES or AHEAD left; changed by strict_pass.c. */
+/* The bottom that LINES or AHEAD left; changed by strict_guess.c. */
 struct strict_guess {
     struct rad_pixel *pixels; /* NULL: none yet */
     uint8_t *density;
     uint8_t *above; /* densities of the top that it was made from; NULL: not
                      * known */
-    int known;      /* how many lines above it follows from, at most TEAM_SURE
-                     */
+    int known;      /* how many lines above it follows from */
+    int told;       /* the same of the densities above the last line, when the
+                     * unit below was last sent them; 0: it was not */
 };
 
 /* The densities after lines [first, last), each line's made from those of the
- * line above, over facts that are here; changed by strict_pass.c. */
+ * line above, over facts that are here; changed by strict_guess.c. */
 struct strict_chain {
     uint8_t *density; /* NULL: none */
     int first, last;
+    int known; /* how many lines those above `first' follow from */
 };
 
 /* Columns that another worker lends to this child. */
@@ -120,6 +124,8 @@ struct strict_unit {
                        * it during a pass */
     int nlines;       /* length of cpu_ns, lines that were given away included
                        */
+    int top_known; /* how many lines the densities above the first line followed
+                    * from in the last pass ahead */
     struct strict_guess guess;
     struct strict_chain chain;
 };
@@ -128,6 +134,13 @@ static inline bool
 is_gone(const struct strict_unit *u)
 {
     return u->fate == FATE_GONE;
+}
+
+/* Do passes ahead go over the base line above the unit, too? */
+static inline bool
+goes_above(const struct strict_unit *u)
+{
+    return u->above != ABOVE_LEFT_OUT;
 }
 
 /* Is the line the unit's own, or the line whose base line is its top? */

@@ -396,6 +396,7 @@ static const struct handler downwards[] = {
     ROW(LOAN, loan, on_loan),
     ROW(BACK, back, on_back),
     ROW(FACTS, facts, on_facts),
+    ROW(GUESS, guess, on_order),
     ROW(BASE_LINE, base_line, on_base_line),
     ROW(NEXT_HOLDER, next_holder, next_holder),
     ROW(ESTIMATE, estimate, on_estimate),
@@ -576,6 +577,7 @@ child_tile_made(struct worker *w, struct wjob *job, const struct msg *m)
 
 static const struct handler upwards[] = {
     ROW(FACTS, facts, pass_up),
+    ROW(GUESS, guess, pass_up),
     ROW(PARKED, parked, child_parked),
     ROW(GAVE, gave, child_gave),
     ROW(BASE_LINE, base_line, child_base_line),

@@ -99,6 +99,7 @@ static const struct msg examples[] = {
     { .type = MSG_PARKED, .parked = { ID, 1, 2 } },
     { .type = MSG_BASE_LINE,
       .base_line = { ID, 1, 2, 3, 2, 5, 3, 3, density, pixels } },
+    { .type = MSG_GUESS, .guess = { ID, 1, 2, 3, 3, density } },
     { .type = MSG_NEXT_HOLDER, .next_holder = { ID, 1, 2, "ws1" } },
     { .type = MSG_SPLIT, .split = { ID, 1, 2 } },
     { .type = MSG_GAVE, .gave = { ID, 1, 2, 3 } },
@@ -563,7 +564,7 @@ static const struct {
     { MSG_AT_COORD_NEW, " HELLO " },
     { MSG_AT_COORD_WORKER,
       " PING PONG BYE WANT FAILED DRAIN READY RESULT LOST TALLY FACTS PARKED "
-      "BASE_LINE GAVE ESTIMATED LOAN PAID LINE_COSTS STILL RECORDS "
+      "GUESS BASE_LINE GAVE ESTIMATED LOAN PAID LINE_COSTS STILL RECORDS "
       "ROOM TILE_MADE HOLDS " },
     { MSG_AT_COORD_USER,
       " PING PONG BYE OFFER CHUNK SUBMIT CANCEL PAUSE PRIORITY "
@@ -575,7 +576,7 @@ static const struct {
     { MSG_AT_DIALLER, " WELCOME REFUSE " },
     { MSG_AT_WORKER,
       " PING PONG BYE CHUNK JOB_START JOB_END UNIT ACK REVOKE YIELD REST "
-      "JOB_PEERS TWIN FACTS BASE_LINE NEXT_HOLDER SPLIT "
+      "JOB_PEERS TWIN FACTS GUESS BASE_LINE NEXT_HOLDER SPLIT "
       "ESTIMATE LEND LOAN BACK TILE FROZEN STAGE SHOW TILE_RECORDS "
       "CLOSED FEED " },
     { MSG_AT_CLIENT, " PING PONG BYE WANT CHUNK HAVE ACCEPT PROGRESS DONE "
@@ -585,10 +586,11 @@ static const struct {
     { MSG_AT_CHILD_NEW, " JOB_START " },
     { MSG_AT_CHILD,
       " JOB_END UNIT REVOKE YIELD REST AMBIENT GIVE TWIN FACTS BASE_LINE "
-      "SPLIT ESTIMATE LEND LOAN BACK TILE FROZEN STAGE SHOW " },
+      "GUESS SPLIT ESTIMATE LEND LOAN BACK TILE FROZEN STAGE SHOW " },
     { MSG_AT_PARENT_NEW, " FAILED READY " },
-    { MSG_AT_PARENT, " FAILED RESULT TALLY AMBIENT FACTS PARKED BASE_LINE "
-                     "GAVE ESTIMATED LOAN PAID LINE_COSTS RESUMED TILE_MADE " },
+    { MSG_AT_PARENT,
+      " FAILED RESULT TALLY AMBIENT FACTS PARKED BASE_LINE "
+      "GUESS GAVE ESTIMATED LOAN PAID LINE_COSTS RESUMED TILE_MADE " },
     { MSG_NSESSION, " " },
 };
 
@@ -643,6 +645,8 @@ static const struct msg impossible[] = {
       .facts = { ID, 0, 0, 0, 1, 10, 0, 3, past_width, .pixels = facts } },
     { .type = MSG_FACTS, /* rows that no line has */
       .facts = { ID, 0, 0, 31, 2, 10, 0, 3, bitmap, .pixels = facts } },
+    { .type = MSG_GUESS, /* from no line */
+      .guess = { ID, 0, 0, 0, 3, density } },
     { .type = MSG_BASE_LINE,
       .base_line = { ID, 0, 0, 65535, 1, 0, 0, 3, density, pixels } },
     { .type = MSG_GAVE, .gave = { ID, 0, 0, MSG_MAX_SIDE + 1 } },

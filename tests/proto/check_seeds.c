@@ -170,6 +170,14 @@ ndensity(void)
     return (uint32_t)rad_quincunx_ndensity(&q);
 }
 
+static void
+guess(unsigned who, uint32_t line)
+{
+    says(who,
+         &(struct msg){ .type = MSG_GUESS,
+                        .guess = { id, 0, line, 2, ndensity(), density } });
+}
+
 /* The right of line 1. */
 static void
 loan(unsigned who, uint32_t unit, uint32_t attempt)
@@ -375,6 +383,7 @@ session_auto(void)
 {
     at_work(MSG_PART_AUTO, "uniform", 0);
     facts(WS1, 3);
+    guess(WS1, 2);
     facts(WS2, 4);
     of_unit(WS2, MSG_PARKED, 1, 1);
     query();
@@ -546,6 +555,7 @@ worker_sharing(void)
     unit(0);
     of_unit(COORD, MSG_TWIN, 0, 1);
     facts(COORD, 1);
+    guess(COORD, 0);
     base_line(COORD, 1);
     says(COORD, &(struct msg){ .type = MSG_NEXT_HOLDER,
                                .next_holder = { id, 0, 2, "ws2" } });
@@ -561,6 +571,7 @@ worker_sharing(void)
     gave(CHILD, 0, 1, BAR);
     estimated(CHILD, 0, 1);
     facts(CHILD, 2);
+    guess(CHILD, 1);
     base_line(CHILD, 2);
     paid(CHILD, 1, 2);
     tally(CHILD, 1, 9);

@@ -320,7 +320,7 @@ was_tried(void)
         MSG_PARKED, MSG_SPLIT,    MSG_GAVE,      MSG_BASE_LINE, MSG_NEXT_HOLDER,
         MSG_REVOKE, MSG_ESTIMATE, MSG_ESTIMATED, MSG_LEND,      MSG_LOAN,
         MSG_BACK,   MSG_PAID,     MSG_TILE,      MSG_TILE_MADE, MSG_FROZEN,
-        MSG_STAGE,  MSG_SHOW
+        MSG_STAGE,  MSG_SHOW,     MSG_GUESS
     };
     bool tried = at_type(MSG_JOB_PEERS) && sum.coord_deaths && sum.deaths &&
                  sum.cuts && sum.peer_cuts && sum.crashes && sum.drains &&

@@ -714,6 +714,8 @@ begun_frame(const struct msg *m)
         return (int)m->facts.frame;
     case MSG_BASE_LINE:
         return (int)m->base_line.frame;
+    case MSG_GUESS:
+        return (int)m->guess.frame;
     default:
         return -1;
     }
@@ -773,6 +775,7 @@ message(struct net *net, int node, uint64_t conn, const struct msg *m)
     case MSG_BACK:
     case MSG_FACTS:
     case MSG_BASE_LINE:
+    case MSG_GUESS:
         take_strict(net, node, m);
         break;
     case MSG_TILE:

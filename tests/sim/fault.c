@@ -23,7 +23,8 @@ static const enum msg_type types[] = {
     MSG_PAID,      MSG_PAID,        MSG_REVOKE,    MSG_REVOKE,
     MSG_LOAN,      MSG_TILE,        MSG_TILE,      MSG_TILE_MADE,
     MSG_TILE_MADE, MSG_FROZEN,      MSG_FROZEN,    MSG_STAGE,
-    MSG_STAGE,     MSG_SHOW,        MSG_SHOW
+    MSG_STAGE,     MSG_SHOW,        MSG_SHOW,      MSG_GUESS,
+    MSG_FROZEN
 };
 
 #define NTYPES (sizeof types / sizeof types[0])

@@ -177,7 +177,7 @@ maybe_repeat(struct net *net, const struct net_end *from, const struct msg *m)
 
     if (!net->repeats || !from->open ||
         (m->type != MSG_FACTS && m->type != MSG_BASE_LINE &&
-         m->type != MSG_TILE_MADE) ||
+         m->type != MSG_GUESS && m->type != MSG_TILE_MADE) ||
         !net_chance(net, 20))
         return;
     net->repeated++;

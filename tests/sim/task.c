@@ -163,6 +163,9 @@ task_message(struct strict *s, const struct msg *m)
     case MSG_FACTS:
         strict_facts(s, &m->facts);
         return true;
+    case MSG_GUESS:
+        strict_guess(s, &m->guess);
+        return true;
     case MSG_BASE_LINE:
         strict_base_line(s, &m->base_line);
         return true;

@@ -92,6 +92,28 @@ next_base_line(struct strict *s)
     return -1;
 }
 
+/* The next pass has that rank and begins with line `first'; the densities above
+ * follow from so many lines.  All densities that it makes are 0. */
+static void
+make_pass(struct strict *s, const struct rad_quincunx *q, enum strict_rank rank,
+          int first, int known)
+{
+    static const struct rad_pixel bottom[64];
+    static const uint8_t density[64];
+    const struct msg_counts spent = { 0 };
+    struct msg_counts total;
+    struct strict_pass *p = strict_next(s, STRICT_AHEAD);
+
+    ck_assert(p && p->rank == rank);
+    ck_assert_int_eq(p->first, first);
+    ck_assert_int_eq(p->top_known, known);
+    ck_assert(known == 0 || p->top_density);
+    memset(p->record, 0,
+           (size_t)(p->last - p->first) * rad_quincunx_ndensity(q));
+    p->finished = p->last;
+    strict_ended(s, p, true, bottom, density, &spent, &total);
+}
+
 static const struct {
     bool painted;
     uint8_t density; /* after the first unit, which is guessed to be 0 */
@@ -134,6 +156,121 @@ START_TEST(a_guess_from_true_densities_is_true)
         expect_pass(s, STRICT_TRUE_LINES, false);
     expect_pass(s, STRICT_TRUTH, true);
     expect_pass(s, STRICT_TRUTH, true);
+    strict_free(s);
+}
+END_TEST
+
+/* The next guess that goes to the unit below is at the densities after that
+ * line, and follows from so many lines; known is -1 if none goes. */
+static void
+expect_guess(struct strict *s, int line, int known)
+{
+    const struct msg *m;
+
+    while ((m = strict_message(s, true)) && m->type != MSG_GUESS)
+        ;
+    ck_assert(!m == (known < 0));
+    if (!m)
+        return;
+    ck_assert_int_eq((int)m->guess.line, line);
+    ck_assert_int_eq(m->guess.known, known);
+}
+
+/* Densities after a line, from the worker above. */
+static void
+give_guess(struct strict *s, const struct rad_quincunx *q, uint32_t line,
+           uint8_t known)
+{
+    static const uint8_t density[64];
+    const struct msg_guess m = {
+        job_id, 0, line, known, (uint32_t)rad_quincunx_ndensity(q), density
+    };
+
+    strict_guess(s, &m);
+}
+
+/* All pixels of a base line, black: with these a unit below has colours. */
+static void
+give_facts(struct strict *s, const struct rad_quincunx *q, uint32_t line)
+{
+    static const uint8_t pixels[64 * 12];
+    uint8_t bitmap[8];
+    const struct msg_facts m = {
+        job_id, 0,      line, (uint32_t)team_line_rows(q, (int)line) - 1,
+        1,      64,     0,    3,
+        bitmap, pixels, 64
+    };
+
+    memset(bitmap, 0xff, sizeof bitmap);
+    strict_facts(s, &m);
+}
+
+/* Each worker guesses at what is above its unit.  What it makes of that goes to
+ * the unit below, and what comes from above makes it look again, once for each
+ * step from a guess to the truth. */
+START_TEST(a_better_guess_from_above_makes_the_lines_again)
+{
+    struct rad_quincunx q = sampler(64, 60);
+    const struct msg_counts spent = { 0 };
+    struct msg_counts total;
+    struct strict_pass *p;
+    struct strict *s;
+
+    s = strict_new(&q, 1, false, job_id);
+    give_unit(s, &q, 0, 4, 6);
+    make_pass(s, &q, STRICT_LINES, 4, 0);
+    expect_guess(s, 4, 1); /* above line 5 */
+    give_facts(s, &q, 3);
+    make_pass(s, &q, STRICT_LINES, 3,
+              0); /* with line 3, which has colours now */
+    expect_guess(s, 4, 2);
+    expect_pass(s, STRICT_AHEAD, false);
+    ck_assert_ptr_null(strict_next(s, STRICT_AHEAD));
+    give_guess(s, &q, 2, 1);
+    make_pass(s, &q, STRICT_LINES, 3, 1);
+    expect_guess(s, 4, 3);
+    p = strict_next(s, STRICT_AHEAD);
+    ck_assert(p && p->rank == STRICT_AHEAD && !p->stop);
+    give_guess(s, &q, 2, 1); /* no better */
+    ck_assert(!p->stop);
+    give_guess(s, &q, 2, 4);
+    ck_assert(p->stop);
+    strict_ended(s, p, false, NULL, NULL, &spent, &total);
+    make_pass(s, &q, STRICT_LINES, 3, 4);
+    expect_guess(s, 4, TEAM_SURE);
+    make_pass(s, &q, STRICT_AHEAD, 3, 4);
+    give_guess(s, &q, 2, 9); /* the former was as good as true */
+    ck_assert_ptr_null(strict_next(s, STRICT_AHEAD));
+    give_top(s, &q); /* just what was guessed: the bottom is made */
+    ck_assert_int_eq(next_base_line(s), 5);
+    expect_pass(s, STRICT_TRUTH, true);
+    strict_free(s);
+}
+END_TEST
+
+/* A unit of one line made from the guess of a unit above it here passes that
+ * on; and no guess is for a line that has none below, or of another picture. */
+START_TEST(a_guess_goes_down_through_units_of_one_line)
+{
+    struct rad_quincunx q = sampler(64, 60);
+    static const uint8_t density[80];
+    const struct msg_guess wrong[] = {
+        { job_id, 1, 2, 1, (uint32_t)rad_quincunx_ndensity(&q), density },
+        { job_id, 0, (uint32_t)rad_quincunx_nbases(&q) - 1, 1,
+          (uint32_t)rad_quincunx_ndensity(&q), density },
+        { job_id, 0, 2, 1, (uint32_t)rad_quincunx_ndensity(&q) + 1, density },
+    };
+    struct strict *s;
+
+    s = strict_new(&q, 1, false, job_id);
+    for (int i = 0; i < N_ELEM(wrong); i++)
+        strict_guess(s, &wrong[i]);
+    give_unit(s, &q, 0, 4, 7);
+    give_unit(s, &q, 1, 7, 8);
+    make_pass(s, &q, STRICT_LINES, 4, 0);
+    expect_guess(s, 0, -1); /* the unit below is here */
+    make_pass(s, &q, STRICT_LINES, 7, 3);
+    expect_guess(s, 6, 3);
     strict_free(s);
 }
 END_TEST
@@ -302,6 +439,8 @@ main(void)
     tcase_add_test(tc, what_leaves_lines_out_fills_no_bars);
     tcase_add_loop_test(tc, a_guess_from_true_densities_is_true, 0,
                         N_ELEM(guesses));
+    tcase_add_test(tc, a_better_guess_from_above_makes_the_lines_again);
+    tcase_add_test(tc, a_guess_goes_down_through_units_of_one_line);
     tcase_add_test(tc, pieces_that_nobody_took_yet_are_one);
     tcase_add_test(tc, rows_that_went_on_count_their_rays_once);
     tcase_add_test(tc, what_passes_are_past_counts_until_its_rows_are_out);

@@ -10,6 +10,8 @@
 START_TEST(a_parked_unit_that_is_worked_on_says_so)
 {
     struct rad_quincunx q = sampler(64, 60);
+    static const struct rad_pixel bottom[64];
+    static const uint8_t density[64];
     const struct msg_counts spent = { 0 };
     struct msg_counts total;
     struct strict_pass *p;
@@ -21,15 +23,19 @@ START_TEST(a_parked_unit_that_is_worked_on_says_so)
     expect_pass(s, STRICT_AHEAD, false);
     ck_assert(is_said(s, MSG_PARKED));
     give_unit(s, &q, 1, 2, 4);
-    expect_pass(s, STRICT_LINES, false);
-    p = strict_next(s, STRICT_AHEAD); /* of the upper one */
+    expect_pass(s, STRICT_LINES, false); /* of the upper unit */
+    ck_assert(!is_said(s, MSG_RESUMED));
+    p = strict_next(s, STRICT_AHEAD); /* the lower unit has densities above */
+    ck_assert(p && p->unit == 0 && p->rank == STRICT_LINES && p->top_density);
+    ck_assert(is_said(s, MSG_RESUMED));
+    strict_ended(s, p, true, bottom, density, &spent, &total);
+    p = strict_next(s, STRICT_AHEAD);
     ck_assert(p && p->unit == 1);
     ck_assert(!is_said(s, MSG_RESUMED));
-    strict_ended(s, p, true, NULL, NULL, &spent, &total);
-    p = strict_next(s, STRICT_AHEAD); /* which has what the other lacked */
-    ck_assert(p && p->unit == 0);
-    ck_assert(is_said(s, MSG_RESUMED));
-    strict_ended(s, p, true, NULL, NULL, &spent, &total);
+    strict_ended(s, p, true, bottom, density, &spent, &total);
+    p = strict_next(s, STRICT_AHEAD); /* and colours above */
+    ck_assert(p && p->unit == 0 && p->rank == STRICT_AHEAD && p->top);
+    strict_ended(s, p, true, bottom, density, &spent, &total);
     ck_assert(is_said(s, MSG_PARKED));
     strict_free(s);
 }
@@ -153,6 +159,7 @@ START_TEST(unit_states_follow_the_drawings)
         { PROGRESS_LINES, PROGRESS_GUESSED },
         { PROGRESS_AHEAD, PROGRESS_GUESSED },
         { PROGRESS_AHEAD, PROGRESS_LINES },
+        { PROGRESS_GUESSED, PROGRESS_LINES },
     };
     static const enum strict_fate fate[][2] = {
         { FATE_STAYS, FATE_SPLITS }, { FATE_SPLITS, FATE_STAYS },

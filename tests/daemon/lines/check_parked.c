@@ -40,6 +40,63 @@ START_TEST(facts_go_to_whoever_has_the_line_now_and_later)
 }
 END_TEST
 
+/* Guesses go to the worker of the unit below, the best of them also to a worker
+ * that gets the unit later. */
+START_TEST(a_guess_goes_to_whoever_has_the_unit_below)
+{
+    struct msg_unit a, b;
+    uint32_t line;
+
+    start(MSG_PART_STATIC, 0, 2);
+    a = *unit_of(W1);
+    b = *unit_of(W2);
+    line = line_above(b.y); /* of b's top */
+    guess(W2, line - 1, 3); /* another's */
+    guess(W1, line - 2, 3); /* within its unit */
+    guess(W1, line, 3);     /* of the last line itself: b's own */
+    ck_assert_int_eq(count(W1, MSG_GUESS) + count(W2, MSG_GUESS), 0);
+    guess(W1, line - 1, 2);
+    ck_assert_int_eq(count(W2, MSG_GUESS), 1);
+    guess(W1, line - 1, 2); /* no better */
+    ck_assert_int_eq(count(W2, MSG_GUESS), 1);
+    guess(W1, line - 1, 3);
+    ck_assert_int_eq(count(W2, MSG_GUESS), 2);
+    ck_assert_uint_eq(last(W2, MSG_GUESS)->m.guess.line, line - 1);
+    ck_assert_uint_eq(last(W2, MSG_GUESS)->m.guess.known, 3);
+    clear();
+    coord_closed(f.c, f.now_ms, W2, "cut");
+    carry_out();
+    wait_ms(2000);
+    join(W3, MSG_ROLE_WORKER, "ws3", "");
+    ready(W3);
+    ck_assert_uint_eq(unit_of(W3)->unit, b.unit);
+    ck_assert_int_eq(count(W3, MSG_GUESS), 1);
+    ck_assert_uint_eq(last(W3, MSG_GUESS)->m.guess.known, 3);
+    base_line(W1, 0, line);
+    clear();
+    coord_closed(f.c, f.now_ms, W3, "cut");
+    carry_out();
+    wait_ms(2000);
+    join(W2, MSG_ROLE_WORKER, "ws2", "");
+    ready(W2);
+    ck_assert_int_eq(count(W2, MSG_GUESS), 0); /* the truth is here */
+    result(W1, &a, 0, a.height, true);
+}
+END_TEST
+
+START_TEST(a_guess_that_fits_no_line_ends_the_connection)
+{
+    struct msg m = { .type = MSG_GUESS,
+                     .guess = { id, 0, 0, 1, ndensity() - 1, density } };
+
+    start(MSG_PART_SCANBAR, 0, 2);
+    say(W1, &m);
+    ck_assert(f.closed[W1]);
+    guess(W2, HEIGHT / BAR, 1); /* the last has none below */
+    ck_assert(f.closed[W2]);
+}
+END_TEST
+
 START_TEST(facts_that_fit_no_line_end_the_connection)
 {
     struct msg m = { .type = MSG_FACTS,
@@ -256,6 +313,8 @@ main(void)
 
     tcase_add_checked_fixture(tc, set_up, tear_down);
     tcase_add_test(tc, facts_go_to_whoever_has_the_line_now_and_later);
+    tcase_add_test(tc, a_guess_goes_to_whoever_has_the_unit_below);
+    tcase_add_test(tc, a_guess_that_fits_no_line_ends_the_connection);
     tcase_add_test(tc, facts_that_fit_no_line_end_the_connection);
     tcase_add_test(tc, a_parked_unit_takes_no_room);
     tcase_add_test(tc, a_parked_unit_is_work_again_when_its_top_is_there);

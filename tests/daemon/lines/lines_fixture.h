@@ -279,6 +279,16 @@ ndensity(void)
     return (uint32_t)rad_quincunx_ndensity(&q);
 }
 
+/* The densities after a line, which follow from so many lines. */
+static inline void
+guess(uint64_t conn, uint32_t line, uint8_t known)
+{
+    struct msg m = { .type = MSG_GUESS,
+                     .guess = { id, 0, line, known, ndensity(), density } };
+
+    say(conn, &m);
+}
+
 /* A base line, in two pieces. */
 static inline void
 base_line(uint64_t conn, uint32_t frame, uint32_t line)

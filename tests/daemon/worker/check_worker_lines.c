@@ -149,6 +149,7 @@ START_TEST(what_workers_share_passes_through)
         { .type = MSG_FACTS,
           .facts = { job_id, 0, 1, 0, 1, 8, 0, 3, bitmap,
                      .pixels = line_bytes } },
+        { .type = MSG_GUESS, .guess = { job_id, 0, 1, 2, 1, density } },
         { .type = MSG_ESTIMATE, .estimate = { job_id, 1, 5, 1, &area } },
     };
     const struct msg up[] = {
@@ -160,6 +161,7 @@ START_TEST(what_workers_share_passes_through)
         { .type = MSG_FACTS,
           .facts = { job_id, 0, 1, 0, 1, 8, 0, 3, bitmap,
                      .pixels = line_bytes } },
+        { .type = MSG_GUESS, .guess = { job_id, 0, 1, 2, 1, density } },
         { .type = MSG_ESTIMATED,
           .estimated = { job_id, 1, 1, &cost, { .rays = 9 } } },
     };
