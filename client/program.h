@@ -66,12 +66,10 @@ struct program_result {
         double mean_estimate; /* of the relative error of all points' mean */
         int stages;           /* number of stages; 0: there was no goal */
         bool time_up, rays_up, stages_up; /* what another stage has not got */
+        bool by_clock; /* the time that was left chose options */
     } goal;
-    enum {
-        LIGHT_UNSEEN,
-        LIGHT_NONE,
-        LIGHT_SOME
-    } light; /* in the pictures so far */
+    /* in the pictures so far */
+    enum { LIGHT_UNSEEN, LIGHT_NONE, LIGHT_SOME } light;
 };
 
 struct program_said { /* so that nothing is said twice */

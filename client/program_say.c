@@ -297,6 +297,7 @@ program_note_goal(struct program_goal *g, const uint8_t *json, size_t len)
     g->time_up = json_is_true(json_object_get(goal, "time_up"));
     g->rays_up = json_is_true(json_object_get(goal, "rays_up"));
     g->stages_up = json_is_true(json_object_get(goal, "stages_up"));
+    g->by_clock = json_is_true(json_object_get(goal, "by_clock"));
     json_decref(root);
 }
 
@@ -329,8 +330,8 @@ say_goal(struct program *p)
              : p->o.error > 0 ? ", and there is no other that comes much nearer"
                               : ", and there is no other that is much better");
     program_news(p, text);
-    if (p->o.time_s > 0)
-        program_news(p, p->o.points.no_header
+    if (g->by_clock)
+        program_news(p, p->o.points.file
                             ? "chosen by the clock: another run may choose "
                               "other options"
                             : "chosen by the clock: another run may choose "

@@ -207,6 +207,7 @@ stages_end(struct coord *c, struct job *job, uint32_t n,
 
     g->mean = rad_refine_mean(&found->sums);
     g->late = rad_refine_is_short(&ask);
+    g->by_clock = g->by_clock || rad_refine_by_clock(&ask);
     actions_log(
         &c->actions, ACT_INFO,
         "stage ends job=%s stage=%u error=%.4f wanted=%.4f seconds=%.3f "
@@ -235,7 +236,7 @@ stages_end(struct coord *c, struct job *job, uint32_t n,
 /* --- as they are kept --- */
 
 /* Version of what stages_pack() writes and of what its rungs mean. */
-enum { LAYOUT = 4 };
+enum { LAYOUT = 5 };
 
 void
 stages_pack(struct coord *c, const struct job *job, uint8_t out[STAGES_BYTES])
@@ -247,6 +248,7 @@ stages_pack(struct coord *c, const struct job *job, uint8_t out[STAGES_BYTES])
     wire_put_u8(&w, LAYOUT);
     wire_put_u8(&w, g->ended);
     wire_put_u8(&w, g->late);
+    wire_put_u8(&w, g->by_clock);
     wire_put_u8(&w, g->rungs[0]);
     wire_put_u8(&w, g->rungs[1]);
     wire_put_f64(&w, g->error);
@@ -271,6 +273,7 @@ unpack(struct job_goal *g, const struct saved_pass *p)
         return false;
     g->ended = wire_get_u8(&in);
     g->late = wire_get_u8(&in);
+    g->by_clock = wire_get_u8(&in);
     g->rungs[0] = wire_get_u8(&in);
     g->rungs[1] = wire_get_u8(&in);
     g->error = wire_get_f64(&in);

@@ -49,7 +49,7 @@ bool stages_end(struct coord *c, struct job *job, uint32_t n,
                 const struct stage_found *found);
 
 /* Write the last decision as it is kept on the disk. */
-#define STAGES_BYTES 38
+#define STAGES_BYTES 39
 void stages_pack(struct coord *c, const struct job *job,
                  uint8_t out[STAGES_BYTES]);
 

@@ -35,6 +35,7 @@ struct job_goal {
                           * over the cache of the last stage */
     bool late;           /* the stages ended only because time, or the rays that
                           * a stage may take, ran out */
+    bool by_clock;       /* with more time some decision had been another */
     bool unread;         /* an earlier life kept a decision in a layout that
                           * this program does not read */
 };

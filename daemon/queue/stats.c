@@ -253,13 +253,13 @@ with_goal(json_t *o, const struct job *job)
     if (o && goal_is(job))
         json_object_set_new(
             o, "goal",
-            json_pack("{s:f,s:f,s:f,s:f,s:I,s:b,s:b,s:b}", "error",
+            json_pack("{s:f,s:f,s:f,s:f,s:I,s:b,s:b,s:b,s:b}", "error",
                       job->spec.error_ppm / 1e6, "time_s",
                       job->spec.time_ms / 1e3, "estimate", g->error,
                       "mean_estimate", g->mean, "stages",
                       (json_int_t)g->number + 1, "time_up", goal_time_up(job),
                       "rays_up", goal_rays_up(job), "stages_up",
-                      stages_are_all(job)));
+                      stages_are_all(job), "by_clock", g->by_clock));
     return o;
 }
 

@@ -75,6 +75,10 @@
 #define RAYS_A_PIXEL 1024.
 #define ALWAYS_RAYS  8e8
 
+/* Time for any stage, and seconds for a ray where they are not known. */
+#define AMPLE_S 1e12
+#define QUICK_S 1e-12
+
 /* No picture any more. */
 #define MOST_ERROR 1e6
 
@@ -776,6 +780,24 @@ rad_refine_is_short(const struct rad_refine_ask *ask)
 
     return best.ends && best.square > near_enough(ask) &&
            free.square <= WORTH_IT * WORTH_IT * best.square;
+}
+
+bool
+rad_refine_by_clock(const struct rad_refine_ask *ask)
+{
+    struct rad_refine_ask ample = *ask;
+    struct rad_refine_rungs got, other;
+    double error;
+    bool on;
+
+    if (!has_clock(ask))
+        return false;
+    ample.left_s = AMPLE_S;
+    ample.pass_s = fmax(ask->pass_s, QUICK_S);
+    ample.look_s = fmax(ask->look_s, QUICK_S);
+    on = rad_refine_next(ask, &got, &error);
+    return rad_refine_next(&ample, &other, &error) != on ||
+           other.ambient != got.ambient || other.pixel != got.pixel;
 }
 
 struct rad_refine_past

@@ -102,6 +102,9 @@ bool rad_refine_next(const struct rad_refine_ask *ask,
 /* Is it for want of time, or rays, alone that none should? */
 bool rad_refine_is_short(const struct rad_refine_ask *ask);
 
+/* Would the decision be another if there were time for all? */
+bool rad_refine_by_clock(const struct rad_refine_ask *ask);
+
 /* What the next stage is to know of that. */
 struct rad_refine_past rad_refine_pass_on(const struct rad_refine_ask *ask);
 

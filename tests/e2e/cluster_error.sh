@@ -184,6 +184,7 @@ cluster_stop
 
 render clock --time=2 --workers=2 --threads=1
 grep -q 'another run may' clock.err || fail "no word of the clock"
+grep -q '"by_clock": true' clock.json || fail "nothing of it in statistics"
 spent=$(sed -n 's/^radsubmit: done in \([0-9.]*\) s.*/\1/p' clock.err)
 awk "BEGIN { exit !($spent < 12) }" || fail "--time=2 took $spent s"
 
@@ -197,6 +198,9 @@ grep -q '"time_up": true' short.json || fail "nothing of it in statistics"
 # have without a clock
 render both $goal --time=10000 --workers=2 --threads=1
 cmp calm.hdr both.hdr || fail "a long --time makes another picture"
+grep -q 'another run may' both.err &&
+    fail "the clock has not decided: $(cat both.err)"
+grep -q '"by_clock": false' both.json || fail "nothing of it in statistics"
 
 # time is left, and no stage is worth it
 cat >simple.rad <<'EOF'

@@ -194,7 +194,7 @@ START_TEST(a_later_life_takes_up_what_the_clock_chose)
     make_stage(WORKER, 0, 1);
     job = desk_find_job(f.c, job_a);
     goal = job->goal;
-    ck_assert(!goal.ended && goal.number == 1);
+    ck_assert(!goal.ended && goal.number == 1 && goal.by_clock);
     ck_assert_uint_ne((goal.rungs[0] | goal.rungs[1]) >> 6, 0);
     stages_pack(f.c, job, bytes);
     pass[PASSES].len = sizeof bytes;
@@ -205,6 +205,7 @@ START_TEST(a_later_life_takes_up_what_the_clock_chose)
     ck_assert_int_eq(stages_take_up(f.c, job, NULL), 0);
     job->kept = were;
     ck_assert_uint_eq(job->goal.number, 1);
+    ck_assert(job->goal.by_clock);
     ck_assert_mem_eq(job->goal.rungs, goal.rungs, 2);
     ck_assert_str_eq(job->goal.options, goal.options);
     tile_rays = 0;

@@ -577,6 +577,24 @@ START_TEST(a_stage_has_a_bound)
 }
 END_TEST
 
+START_TEST(the_clock_decides_where_more_time_is_another_decision)
+{
+    struct rad_refine_ask ask = ask_of(.1, .3, .1, 0);
+
+    ck_assert(!rad_refine_by_clock(&ask)); /* there is none */
+    set_clock(&ask, 1e6);
+    ck_assert(!rad_refine_by_clock(&ask));
+    ask.left_s = .1;
+    ck_assert(rad_refine_by_clock(&ask));
+    ask.error = 0; /* as good as may be */
+    ask.left_s = 60;
+    ck_assert(rad_refine_by_clock(&ask));
+    ask.error = .4; /* it is there already */
+    ask.left_s = .1;
+    ck_assert(!rad_refine_by_clock(&ask));
+}
+END_TEST
+
 /* More time is a finer stage, and at its end more rays of a pixel: of a clock
  * that goes up by tenths none is for nothing, up to the finest of pixels. */
 START_TEST(more_time_is_used)
@@ -806,6 +824,8 @@ main(void)
                    what_is_near_enough_comes_closer_if_that_is_cheap);
     tcase_add_test(decisions, a_stage_keeps_the_options_of_pixels);
     tcase_add_test(decisions, a_stage_has_a_bound);
+    tcase_add_test(decisions,
+                   the_clock_decides_where_more_time_is_another_decision);
     tcase_add_test(decisions, more_time_is_used);
     tcase_add_test(decisions, a_stage_leaves_time_for_pixels);
     tcase_add_test(decisions, much_time_has_a_stage_before_the_last);
