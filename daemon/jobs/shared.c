@@ -221,7 +221,7 @@ shared_get_facts(const struct shared *s, uint32_t frame, uint32_t line,
 bool
 shared_guess_fits(const struct shared *s, const struct msg_guess *m)
 {
-    return m->frame < s->nframes && m->line + 1 < shared_nlines(s, m->frame) &&
+    return m->frame < s->nframes && m->line < shared_nlines(s, m->frame) - 1 &&
            m->ndensity == s->frame[m->frame].ndensity;
 }
 

@@ -90,10 +90,14 @@ START_TEST(a_guess_that_fits_no_line_ends_the_connection)
                      .guess = { id, 0, 0, 1, ndensity() - 1, density } };
 
     start(MSG_PART_SCANBAR, 0, 2);
-    say(W1, &m);
-    ck_assert(f.closed[W1]);
-    guess(W2, HEIGHT / BAR, 1); /* the last has none below */
+    join(W3, MSG_ROLE_WORKER, "ws3", "");
+    ready(W3);
+    say(W2, &m);
     ck_assert(f.closed[W2]);
+    guess(W3, HEIGHT / BAR, 1); /* the last has none below */
+    ck_assert(f.closed[W3]);
+    guess(W1, UINT32_MAX, 1); /* line 0, which W1 has, is not the next */
+    ck_assert(f.closed[W1]);
 }
 END_TEST
 
