@@ -272,6 +272,7 @@ void
 order_resume(struct strict *s, struct strict_unit *u)
 {
     u->wait.waiting = false;
+    u->wait.kept = false; /* the pass may trace more */
     if (u->parked)
         out_state(s, ITEM_RESUMED, u);
     u->parked = false; /* so that PARKED is sent when it waits again */

@@ -55,8 +55,8 @@ enum strict_above {
 /* Of a unit that waits for its top; changed by strict_order.c. */
 struct strict_wait {
     bool waiting;
-    bool kept;         /* the unit's facts were sent or queued, in case this
-                        * worker is lost */
+    bool kept;         /* since the last pass the unit's facts were sent or
+                        * queued, in case this worker is lost */
     uint64_t since_ms; /* when it began to wait; with waiting */
 };
 

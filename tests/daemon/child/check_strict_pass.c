@@ -248,6 +248,40 @@ START_TEST(a_better_guess_from_above_makes_the_lines_again)
 }
 END_TEST
 
+/* A unit that has waited for long is worked on, as facts of the line above
+ * come, and waits again: what it has traced since then goes up, too. */
+START_TEST(facts_of_a_unit_that_waits_again_are_sent)
+{
+    struct rad_quincunx q = sampler(64, 60);
+    static const struct rad_pixel bottom[64];
+    static const uint8_t density[64];
+    const struct msg_counts spent = { 0 };
+    const struct msg *m;
+    struct msg_counts total;
+    struct strict_pass *p;
+    struct strict *s;
+
+    s = strict_new(&q, 1, false, job_id);
+    give_unit(s, &q, 0, 4, 6);
+    make_pass(s, &q, STRICT_LINES, 4, 0);
+    expect_pass(s, STRICT_AHEAD, false);
+    ck_assert_uint_eq(strict_tick(s, 1000), 1200);
+    ck_assert_uint_eq(strict_tick(s, 1200), STRICT_NEVER);
+    give_facts(s, &q, 3);
+    make_pass(s, &q, STRICT_LINES, 3, 0);
+    p = strict_next(s, STRICT_AHEAD);
+    ck_assert(p && p->rank == STRICT_AHEAD);
+    ck_assert(rad_facts_put(p->facts[4], 0, 0, bottom, 0));
+    strict_ended(s, p, true, bottom, density, &spent, &total);
+    ck_assert_uint_eq(strict_tick(s, 2000), 2200);
+    ck_assert_uint_eq(strict_tick(s, 2200), STRICT_NEVER);
+    while ((m = strict_message(s, true)) && m->type != MSG_FACTS)
+        ;
+    ck_assert(m && m->facts.line == 4);
+    strict_free(s);
+}
+END_TEST
+
 /* A unit of one line made from the guess of a unit above it here passes that
  * on; and no guess is for a line that has none below, or of another picture. */
 START_TEST(a_guess_goes_down_through_units_of_one_line)
@@ -440,6 +474,7 @@ main(void)
     tcase_add_loop_test(tc, a_guess_from_true_densities_is_true, 0,
                         N_ELEM(guesses));
     tcase_add_test(tc, a_better_guess_from_above_makes_the_lines_again);
+    tcase_add_test(tc, facts_of_a_unit_that_waits_again_are_sent);
     tcase_add_test(tc, a_guess_goes_down_through_units_of_one_line);
     tcase_add_test(tc, pieces_that_nobody_took_yet_are_one);
     tcase_add_test(tc, rows_that_went_on_count_their_rays_once);
