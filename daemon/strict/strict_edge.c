@@ -75,6 +75,15 @@ edge_drop(struct strict *s, uint32_t frame, int line)
     edge_free(e);
 }
 
+void
+edge_drop_guess(struct strict *s, uint32_t frame, int line)
+{
+    const struct edge *e = edge_find(s, frame, line);
+
+    if (e && !e->pixels && e->shelf.channels == 0) /* no piece came */
+        edge_drop(s, frame, line);
+}
+
 /* Free the oldest edges that no unit needs, if there are too many. */
 static void
 edges_limit(struct strict *s)

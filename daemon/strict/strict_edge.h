@@ -27,6 +27,8 @@ struct edge *edge_find(const struct strict *s, uint32_t frame, int line);
 struct edge *edge_make(struct strict *s, uint32_t frame, int line);
 /* Free the edge of a line, if no unit needs it. */
 void edge_drop(struct strict *s, uint32_t frame, int line);
+/* The same of an edge that has only a guess; nothing of another. */
+void edge_drop_guess(struct strict *s, uint32_t frame, int line);
 /* Set the values of a line that was made here; false: memory is out. */
 bool edge_set(struct strict *s, struct edge *e, const struct rad_pixel *pixels,
               const uint8_t *density);

@@ -277,15 +277,12 @@ end_unit(struct strict *s, struct strict_unit *u, bool over)
 {
     uint32_t frame = u->frame;
     int top = u->first - 1;
-    const struct edge *above;
 
     order_drop(s, u);
     if (!over)
         return;
     edge_drop(s, frame, top);
-    above = edge_find(s, frame, top - 1);
-    if (above && !above->pixels)
-        edge_drop(s, frame, top - 1);
+    edge_drop_guess(s, frame, top - 1);
 }
 
 /* Let the team lend the columns that LEND asks for, if it can. */

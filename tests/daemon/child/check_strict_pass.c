@@ -282,6 +282,46 @@ START_TEST(facts_of_a_unit_that_waits_again_are_sent)
 }
 END_TEST
 
+/* Columns [x, x + n) of line 2, with its densities. */
+static void
+give_piece(struct strict *s, const struct rad_quincunx *q, uint32_t x,
+           uint32_t n)
+{
+    static const uint8_t pixels[64 * 12], density[64];
+    uint32_t ndensity = (uint32_t)rad_quincunx_ndensity(q);
+    const struct msg_base_line m = { .job = job_id,
+                                     .line = 2,
+                                     .x = x,
+                                     .n = n,
+                                     .channels = 3,
+                                     .first = x > 0 ? ndensity : 0,
+                                     .ndensity = x > 0 ? 0 : ndensity,
+                                     .density = density,
+                                     .pixels = pixels };
+
+    strict_base_line(s, &m);
+}
+
+/* The guess goes with the unit that it served, but not what came meanwhile of
+ * the line: it may be the top of a unit that is on its way to this child. */
+START_TEST(a_top_that_is_coming_outlives_a_guess_at_it)
+{
+    struct rad_quincunx q = sampler(64, 60);
+    struct strict *s = strict_new(&q, 1, false, job_id);
+
+    give_guess(s, &q, 2, 1);
+    give_unit(s, &q, 0, 4, 6);
+    give_top(s, &q);
+    give_piece(s, &q, 0, 32);
+    expect_pass(s, STRICT_TRUE_LINES, false);
+    expect_pass(s, STRICT_TRUTH, true);
+    give_piece(s, &q, 32, 32);
+    give_unit(s, &q, 1, 3, 4);
+    expect_pass(s, STRICT_TRUTH, true);
+    strict_free(s);
+}
+END_TEST
+
 /* A unit of one line made from the guess of a unit above it here passes that
  * on; and no guess is for a line that has none below, or of another picture. */
 START_TEST(a_guess_goes_down_through_units_of_one_line)
@@ -475,6 +515,7 @@ main(void)
                         N_ELEM(guesses));
     tcase_add_test(tc, a_better_guess_from_above_makes_the_lines_again);
     tcase_add_test(tc, facts_of_a_unit_that_waits_again_are_sent);
+    tcase_add_test(tc, a_top_that_is_coming_outlives_a_guess_at_it);
     tcase_add_test(tc, a_guess_goes_down_through_units_of_one_line);
     tcase_add_test(tc, pieces_that_nobody_took_yet_are_one);
     tcase_add_test(tc, rows_that_went_on_count_their_rays_once);
