@@ -62,9 +62,11 @@ guess_top(struct strict *s, struct strict_pass *p)
 
     if (u->loan)
         return true;
-    p->top_known = p->first > 0 ? 0 : TEAM_SURE;
-    /* true densities might let the pass trace pixels of the line above that its
-     * worker traces, too; those that it sends came after its pixels */
+    p->top_known =
+        p->first > 0 && frame_of(s, u->frame)->ndensity > 0 ? 0 : TEAM_SURE;
+    /* true densities might let the pass trace pixels of the line above that the
+     * worker of that line traces, too; a guess that this worker sent came after
+     * facts of these pixels */
     if (p->first < u->first && u->above != ABOVE_MADE_HERE)
         e = NULL;
     /* if p->first is another unit's line only its base line is made, no bar */
@@ -251,7 +253,8 @@ guess_send(struct strict *s, struct strict_unit *u)
     int known;
     const uint8_t *density = above_last(s, u, &known);
 
-    if (!density || known <= u->guess.told)
+    if (!density || known <= u->guess.told ||
+        frame_of(s, u->frame)->ndensity == 0)
         return;
     u->guess.told = known;
     out_guess(s, u, u->last - 2, known, density);

@@ -282,6 +282,26 @@ START_TEST(facts_of_a_unit_that_waits_again_are_sent)
 }
 END_TEST
 
+/* Without densities the first guess is right: it is not passed on, and colours
+ * that come make no lines again. */
+START_TEST(without_densities_no_guess_is_better)
+{
+    struct rad_quincunx q = { .width = 64, .height = 60 };
+    struct strict *s;
+
+    rad_quincunx_steps(1, &q.xstep, &q.ystep);
+    ck_assert_uint_eq(rad_quincunx_ndensity(&q), 0);
+    s = strict_new(&q, 1, false, job_id);
+    give_unit(s, &q, 0, 4, 5);
+    expect_pass(s, STRICT_LINES, false);
+    give_facts(s, &q, 3);
+    expect_pass(s, STRICT_AHEAD, false);
+    ck_assert(!strict_has_work(s));
+    expect_guess(s, 0, -1);
+    strict_free(s);
+}
+END_TEST
+
 /* Columns [x, x + n) of line 2, with its densities. */
 static void
 give_piece(struct strict *s, const struct rad_quincunx *q, uint32_t x,
@@ -515,6 +535,7 @@ main(void)
                         N_ELEM(guesses));
     tcase_add_test(tc, a_better_guess_from_above_makes_the_lines_again);
     tcase_add_test(tc, facts_of_a_unit_that_waits_again_are_sent);
+    tcase_add_test(tc, without_densities_no_guess_is_better);
     tcase_add_test(tc, a_top_that_is_coming_outlives_a_guess_at_it);
     tcase_add_test(tc, a_guess_goes_down_through_units_of_one_line);
     tcase_add_test(tc, pieces_that_nobody_took_yet_are_one);
