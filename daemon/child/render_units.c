@@ -115,8 +115,8 @@ render_take_unit(struct render *r, const struct msg_unit *u)
 }
 
 /* Facts, base lines, guesses and loans may come before the first unit of their
- * frame. Those of a later frame begin that frame, or its first unit would drop
- * them. Those of an earlier frame are late, and ignored. */
+ * frame.  Those of a later frame begin that frame, or its first unit would drop
+ * them.  Those of an earlier frame are late, and ignored. */
 static int
 begin_lines(struct render *r, const struct msg *m, struct rad_error *err)
 {

@@ -25,8 +25,8 @@
  *               do not lie between two traced pixels.  (A base line that is
  *               sampled with too little density is a subset of the true one.)
  * LINES and AHEAD hand no rows on and paint nothing; their bottom is a guess,
- * in the colours that were sampled.  To make the base line above the unit as
- * well (MSG_UNIT_TOP) they begin one line earlier, without a top: the first
+ * in the colours that were sampled.  To go over the base line above the unit as
+ * well they begin one line earlier, without the colours of a top: the first
  * line's bar is left out, all other bars have colours above.
  * Columns of the last line may be lent to another team (team_lend()): a line is
  * traced in blocks of columns, and each block is either claimed by the member
