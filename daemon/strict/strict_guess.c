@@ -253,8 +253,9 @@ guess_send(struct strict *s, struct strict_unit *u)
     int known;
     const uint8_t *density = above_last(s, u, &known);
 
-    if (!density || known <= u->guess.told ||
-        frame_of(s, u->frame)->ndensity == 0)
+    /* if the last line was not made from them the worker below would trace
+     * pixels of it that this one traces, too */
+    if (!density || known <= u->guess.told || u->chain.last < u->last)
         return;
     u->guess.told = known;
     out_guess(s, u, u->last - 2, known, density);

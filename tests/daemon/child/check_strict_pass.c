@@ -282,6 +282,33 @@ START_TEST(facts_of_a_unit_that_waits_again_are_sent)
 }
 END_TEST
 
+static const struct {
+    int finished, known; /* lines before that one are done; -1: no guess */
+} splits[] = { { 5, -1 }, { 6, 1 } };
+
+/* A unit that is split in its first pass tells the worker of the other half of
+ * densities, if it made its new last line from these: else both workers would
+ * trace that line. */
+START_TEST(a_guess_goes_with_lines_that_are_given_away)
+{
+    struct rad_quincunx q = sampler(64, 60);
+    const struct msg_counts spent = { 0 };
+    struct msg_counts total;
+    struct strict_pass *p;
+    struct strict *s = strict_new(&q, 1, false, job_id);
+
+    give_unit(s, &q, 0, 4, 8);
+    p = strict_next(s, STRICT_AHEAD);
+    strict_split(s, 0, 1);
+    ck_assert(p && p->stop);
+    memset(p->record, 0, 4 * rad_quincunx_ndensity(&q));
+    p->finished = splits[_i].finished;
+    strict_ended(s, p, false, NULL, NULL, &spent, &total);
+    expect_guess(s, 4, splits[_i].known);
+    strict_free(s);
+}
+END_TEST
+
 /* Without densities the first guess is right: it is not passed on, and colours
  * that come make no lines again. */
 START_TEST(without_densities_no_guess_is_better)
@@ -535,6 +562,8 @@ main(void)
                         N_ELEM(guesses));
     tcase_add_test(tc, a_better_guess_from_above_makes_the_lines_again);
     tcase_add_test(tc, facts_of_a_unit_that_waits_again_are_sent);
+    tcase_add_loop_test(tc, a_guess_goes_with_lines_that_are_given_away, 0,
+                        N_ELEM(splits));
     tcase_add_test(tc, without_densities_no_guess_is_better);
     tcase_add_test(tc, a_top_that_is_coming_outlives_a_guess_at_it);
     tcase_add_test(tc, a_guess_goes_down_through_units_of_one_line);
