@@ -226,6 +226,13 @@ handoff_back(struct coord *c, struct job *job, uint32_t index)
 
 /* --- in --- */
 
+/* Does another worker's attempt at a unit still trace on a guess at its top? */
+static bool
+is_guessing(const struct job_go *go, uint32_t from)
+{
+    return go->worker != from && !go->handoff.top_sent && go->origin != GO_LOAN;
+}
+
 /* Facts of a unit's bottom line are a guess at the top of the unit below: with
  * them the first bar below can be traced ahead.  Send them to its workers. */
 static void
@@ -241,8 +248,7 @@ pass_below(struct coord *c, const struct job *job, uint32_t from,
     partition_unit_lines(job->partition, below, &first, &last);
     u = &job->units[below];
     for (uint8_t i = 0; i < u->ngos && first == m->line + 1; i++)
-        if (u->go[i].worker != from && !u->go[i].handoff.top_sent &&
-            u->go[i].origin != GO_LOAN)
+        if (is_guessing(&u->go[i], from))
             actions_send(&c->actions, conn_of(job, &u->go[i]), pass);
 }
 
@@ -354,8 +360,7 @@ handoff_guess(struct coord *c, struct coord_worker *w, const struct msg *msg)
         return;
     u = &job->units[below];
     for (uint8_t i = 0; i < u->ngos; i++)
-        if (u->go[i].worker != index && !u->go[i].handoff.top_sent &&
-            u->go[i].origin != GO_LOAN)
+        if (is_guessing(&u->go[i], index))
             send_guess(c, job, m->frame, m->line + 2, &u->go[i]);
 }
 

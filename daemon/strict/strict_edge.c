@@ -28,22 +28,11 @@ edge_find(const struct strict *s, uint32_t frame, int line)
     return e;
 }
 
-/* Has this child a unit whose lines begin there? */
-static bool
-begins_at(const struct strict *s, uint32_t frame, int line)
-{
-    const struct strict_unit *u = s->by_first[slot_of(frame, line)];
-
-    while (u && (is_gone(u) || u->frame != frame || u->first != line))
-        u = u->same_first;
-    return u;
-}
-
 static bool
 edge_needed(const struct strict *s, const struct edge *e)
 {
-    return begins_at(s, e->frame, e->line + 1) ||
-           (e->guess && begins_at(s, e->frame, e->line + 2));
+    return unit_from(s, e->frame, e->line + 1) ||
+           (e->guess && unit_from(s, e->frame, e->line + 2));
 }
 
 static void

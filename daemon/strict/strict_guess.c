@@ -108,8 +108,7 @@ guess_is_better(const struct strict *s, const struct strict_unit *u)
 static bool
 guess_fits(const struct strict *s, const struct msg_guess *m)
 {
-    return m->frame < s->nframes &&
-           m->line < (uint32_t)frame_of(s, m->frame)->nlines - 1 &&
+    return is_above_a_line(s, m->frame, m->line) &&
            m->ndensity == frame_of(s, m->frame)->ndensity;
 }
 

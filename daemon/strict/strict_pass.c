@@ -185,8 +185,7 @@ base_line_fits(const struct strict *s, const struct msg_base_line *m)
 {
     struct shelf_size size;
 
-    if (m->frame >= s->nframes ||
-        m->line >= (uint32_t)frame_of(s, m->frame)->nlines - 1)
+    if (!is_above_a_line(s, m->frame, m->line))
         return false;
     size = edge_size(s, m->frame);
     return shelf_fits(&size, m);

@@ -123,4 +123,23 @@ slot_of(uint32_t frame, int line)
     return (frame * 31 + (uint32_t)line) % STRICT_SLOTS;
 }
 
+/* Is there such a line, with another below, for which it can be a top? */
+static inline bool
+is_above_a_line(const struct strict *s, uint32_t frame, uint32_t line)
+{
+    return frame < s->nframes &&
+           line < (uint32_t)frame_of(s, frame)->nlines - 1;
+}
+
+/* This child's unit whose lines begin there, unless it is gone; NULL: none. */
+static inline struct strict_unit *
+unit_from(const struct strict *s, uint32_t frame, int first)
+{
+    struct strict_unit *u = s->by_first[slot_of(frame, first)];
+
+    while (u && (is_gone(u) || u->frame != frame || u->first != first))
+        u = u->same_first;
+    return u;
+}
+
 #endif

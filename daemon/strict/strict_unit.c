@@ -214,11 +214,7 @@ strict_unit_above(const struct strict *s, const struct strict_unit *u)
 struct strict_unit *
 strict_unit_below(const struct strict *s, const struct strict_unit *u)
 {
-    struct strict_unit *b = s->by_first[slot_of(u->frame, u->last)];
-
-    while (b && (is_gone(b) || b->frame != u->frame || b->first != u->last))
-        b = b->same_first;
-    return b;
+    return unit_from(s, u->frame, u->last);
 }
 
 static uint64_t

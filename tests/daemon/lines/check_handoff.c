@@ -163,11 +163,7 @@ START_TEST(both_sides_hear_who_waits_for_a_base_line)
     ck_assert_str_eq(s->name, "ws2");
     ck_assert_uint_eq(b.flags, 0); /* its first bar's colours come soon */
     clear();
-    coord_closed(f.c, f.now_ms, W1, "cut"); /* and another gets it */
-    carry_out();
-    wait_ms(2000);
-    join(W3, MSG_ROLE_WORKER, "ws3", "");
-    ready(W3);
+    replace(W1, W3); /* and another gets it */
     ck_assert_uint_eq(unit_of(W3)->y, 0);
     ck_assert_str_eq(last(W3, MSG_NEXT_HOLDER)->name, "ws2");
 }

@@ -22,11 +22,7 @@ START_TEST(facts_go_to_whoever_has_the_line_now_and_later)
     ck_assert_int_eq(count(W1, MSG_FACTS), 1);
     ck_assert_int_eq(count(W2, MSG_FACTS), 1);
     clear();
-    coord_closed(f.c, f.now_ms, W1, "cut");
-    carry_out();
-    wait_ms(2000);
-    join(W3, MSG_ROLE_WORKER, "ws3", "");
-    ready(W3);
+    replace(W1, W3);
     ck_assert_uint_eq(unit_of(W3)->unit, a.unit);
     ck_assert_int_eq(count(W3, MSG_FACTS), 3);
     ck_assert_uint_eq(last(W3, MSG_FACTS)->m.facts.npixels, 2);
@@ -64,21 +60,13 @@ START_TEST(a_guess_goes_to_whoever_has_the_unit_below)
     ck_assert_uint_eq(last(W2, MSG_GUESS)->m.guess.line, line - 1);
     ck_assert_uint_eq(last(W2, MSG_GUESS)->m.guess.known, 3);
     clear();
-    coord_closed(f.c, f.now_ms, W2, "cut");
-    carry_out();
-    wait_ms(2000);
-    join(W3, MSG_ROLE_WORKER, "ws3", "");
-    ready(W3);
+    replace(W2, W3);
     ck_assert_uint_eq(unit_of(W3)->unit, b.unit);
     ck_assert_int_eq(count(W3, MSG_GUESS), 1);
     ck_assert_uint_eq(last(W3, MSG_GUESS)->m.guess.known, 3);
     base_line(W1, 0, line);
     clear();
-    coord_closed(f.c, f.now_ms, W3, "cut");
-    carry_out();
-    wait_ms(2000);
-    join(W2, MSG_ROLE_WORKER, "ws2", "");
-    ready(W2);
+    replace(W3, W2);
     ck_assert_int_eq(count(W2, MSG_GUESS), 0); /* the truth is here */
     result(W1, &a, 0, a.height, true);
 }
@@ -248,11 +236,7 @@ START_TEST(a_lost_workers_units_wait_again_the_parked_ones_too)
     facts(W2, line_above(b.y + b.height));
     attempt(W2, MSG_PARKED, &b);
     clear();
-    coord_closed(f.c, f.now_ms, W2, "cut");
-    carry_out();
-    wait_ms(2000);
-    join(W3, MSG_ROLE_WORKER, "ws3", "");
-    ready(W3);
+    replace(W2, W3);
     for (int i = 0; i < f.nsaid && !again; i++) {
         const struct msg_unit *u = &f.said[i].m.unit;
 

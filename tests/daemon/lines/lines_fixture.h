@@ -216,6 +216,17 @@ ready(uint64_t conn)
     say(conn, &m);
 }
 
+/* A worker is lost for good, and that other one is ready for the job. */
+static inline void
+replace(uint64_t lost, uint64_t by)
+{
+    coord_closed(f.c, f.now_ms, lost, "cut");
+    carry_out();
+    wait_ms(2000);
+    join(by, MSG_ROLE_WORKER, NAMES[by - W1], "");
+    ready(by);
+}
+
 /* A job of that kind, and ws1 to wsN ready for it. */
 static inline void
 start(enum msg_partition kind, uint32_t flags, int workers)
