@@ -87,6 +87,8 @@ lattice_weight(const struct rad_pass *pass)
 
     for (int step = pass->step; step < 16; step *= 2)
         weight *= 1.5;
+    if (pass->scattered)
+        weight *= (double)(pass->end - pass->first) / pass->squares;
     return pass->frame > 0 ? .5 * frames * weight : weight;
 }
 

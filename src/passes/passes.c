@@ -597,8 +597,8 @@ ask_at_coarse(const struct patch *p, int done)
                 ask_at_pixel(p->frame, p->ctx, x, y);
 }
 
-/* Set *out to square number `number` of the pass; false: there is none. */
-static bool
+/* Set *out to square number `number` of the pass. */
+static void
 find_patch(const struct rad_passes *p, struct rad_ctx *ctx,
            const struct rad_pass *pass, uint32_t number,
            const struct limit *until, struct patch *out)
@@ -620,25 +620,27 @@ find_patch(const struct rad_passes *p, struct rad_ctx *ctx,
                                    .y1 = a.y1,
                                    .step = pass->step,
                                    .objects = !pass->scattered };
-            return true;
+            return;
         }
         number -= n;
     }
-    return false;
 }
 
-/* Ask at the squares of a tile: one, unless the pass is scattered.  *patch gets
- * the last square. */
+/* Ask at the squares of a tile.  *patch gets the last square. */
 static void
 ask_along_lattice(const struct rad_passes *p, struct rad_ctx *ctx,
                   const struct rad_pass *pass, uint32_t tile,
                   const struct limit *until, struct patch *patch)
 {
-    for (; find_patch(p, ctx, pass, tile, until, patch); tile += pass->tiles)
+    uint32_t n = rad_pass_squares(pass, tile);
+
+    for (uint32_t i = 0; i < n; i++) {
+        find_patch(p, ctx, pass, rad_pass_square(pass, tile, i), until, patch);
         if (pass->finest)
             ask_at_finest(patch);
         else
             ask_at_coarse(patch, pass->done);
+    }
 }
 
 /* Trace the patch's pixels with all their light. */

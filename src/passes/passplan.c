@@ -58,8 +58,12 @@
  * squares have sides of so many pixels: a part of the picture that takes long
  * has many of them, in different tiles. */
 #define REST_PIXELS  16
-#define REST_SQUARES 4   /* of a tile, at least */
-#define REST_TILES   251 /* of a frame, or a part of it, at most */
+#define REST_SQUARES 4   /* of a tile, at least, if there are more tiles than */
+#define REST_FEW     32  /* so many */
+#define REST_TILES   256 /* of a frame, or a part of it, at most */
+
+/* The squares of its first round: so few make the same records. */
+#define REST_FIRST 4
 
 /* Frames frame .. beyond - 1. */
 struct batch {
@@ -238,13 +242,34 @@ count_lattice_tiles(struct rad_pass *pass, const struct rad_pass_size *size)
         pass->tiles += rad_pass_tiles(pass, size[i].width, size[i].height);
 }
 
-static bool
-is_prime(uint32_t n)
+static uint32_t
+greatest_divisor(uint32_t a, uint32_t b)
 {
-    for (uint32_t k = 2; k * k <= n; k++)
-        if (n % k == 0)
-            return false;
-    return true;
+    return b > 0 ? greatest_divisor(b, a % b) : a;
+}
+
+/* A number without a divisor in common with n, near the golden section of n:
+ * its multiples modulo n are spread evenly, however many there are. */
+static uint32_t
+leap_of(uint32_t n)
+{
+    uint32_t leap = (uint32_t)((uint64_t)n * 618034 / 1000000);
+
+    while (greatest_divisor(n, leap) > 1)
+        leap++;
+    return leap;
+}
+
+/* Set the number of tiles of a scattered pass. */
+static void
+count_rest_tiles(struct rad_pass *pass)
+{
+    uint32_t frames = (pass->beyond - 1 - pass->frame) / pass->stride + 1;
+    uint32_t squares = pass->end - pass->first, n = squares / REST_SQUARES;
+
+    if (n < REST_FEW)
+        n = squares < REST_FEW ? squares : REST_FEW;
+    pass->tiles = n < (uint64_t)REST_TILES * frames ? n : REST_TILES * frames;
 }
 
 /* Make of *pass, the last lattice, the scattered pass over what its tiles left
@@ -252,22 +277,47 @@ is_prime(uint32_t n)
 static void
 plan_rest(struct rad_pass *pass, const struct rad_pass_size *size)
 {
-    uint32_t frames = (pass->beyond - 1 - pass->frame) / pass->stride + 1;
-
     pass->field = -1;
     pass->step *= 2;
     pass->side = REST_PIXELS / pass->step;
     count_lattice_tiles(pass, size);
-    pass->tiles = pass->tiles / REST_SQUARES + 1;
-    if (pass->tiles > (uint64_t)REST_TILES * frames)
-        pass->tiles = REST_TILES * frames;
-    while (!is_prime(pass->tiles)) /* else a tile's squares may form columns */
-        pass->tiles++;
+    pass->squares = pass->end = pass->tiles;
+    pass->leap = leap_of(pass->squares);
+    count_rest_tiles(pass);
 }
 
-/* Plan pass *k over pixels, or the passes of its parts.  Passes without tiles
- * are left out: a single tile has one colour, and is in one part.  Returns the
- * number of passes. */
+/* Make of *pass, a scattered pass, its rounds: each has as many squares as all
+ * before it, the last up to twice as many.  Returns the number of passes.
+ */
+static uint32_t
+plan_rest_rounds(struct rad_pass *pass)
+{
+    const struct rad_pass all = *pass;
+    uint32_t n = 0;
+
+    for (uint32_t first = 0; first < all.squares; first = pass[n++].end) {
+        uint32_t some = first > 0 ? first : REST_FIRST;
+
+        pass[n] = all;
+        pass[n].first = first;
+        if (all.squares - first > 2 * some)
+            pass[n].end = first + some;
+        count_rest_tiles(&pass[n]);
+    }
+    return n;
+}
+
+/* Does a scattered pass come in rounds?  Only that of a small first frame: in
+ * others nearly all records are made before it. */
+static bool
+in_rounds(const struct rad_pass *pass, const struct rad_pass_size *size)
+{
+    return pass->scattered && pass->frame == 0 && !is_large(size);
+}
+
+/* Plan pass *k over pixels, or the passes of its parts or rounds.  Passes
+ * without tiles are left out: a single tile has one colour, and is in one part.
+ * Returns the number of passes. */
 static uint32_t
 plan_lattice(const struct rad_pass *k, const struct rad_pass_size *size,
              struct rad_pass *pass)
@@ -282,7 +332,8 @@ plan_lattice(const struct rad_pass *k, const struct rad_pass_size *size,
             plan_rest(&pass[n], size);
         else
             count_lattice_tiles(&pass[n], size);
-        n += pass[n].tiles > 0;
+        n +=
+            in_rounds(k, size) ? plan_rest_rounds(&pass[n]) : pass[n].tiles > 0;
     }
     return n;
 }
@@ -424,11 +475,12 @@ rad_pass_tiles(const struct rad_pass *pass, int width, int height)
 }
 
 struct rad_pass_area
-rad_pass_area(const struct rad_pass *pass, int width, int height, uint32_t tile)
+rad_pass_area(const struct rad_pass *pass, int width, int height,
+              uint32_t square)
 {
     int side = pass->side * pass->step, x, y;
     struct fields f = fields_of(pass, width, height);
-    uint32_t row = tile / f.columns, column = tile % f.columns;
+    uint32_t row = square / f.columns, column = square % f.columns;
 
     if (pass->field >= 0) {
         uint32_t first = in_first_row(f.columns, pass->field);
@@ -444,14 +496,40 @@ rad_pass_area(const struct rad_pass *pass, int width, int height, uint32_t tile)
                                    lesser(y + side, height) };
 }
 
+/* Of `all` things, in equal runs for the tiles of a pass, a tile's begin with
+ * this. */
+static uint32_t
+run_begin(const struct rad_pass *pass, uint32_t all, uint32_t tile)
+{
+    return (uint32_t)((uint64_t)all * tile / pass->tiles);
+}
+
+uint32_t
+rad_pass_squares(const struct rad_pass *pass, uint32_t tile)
+{
+    uint32_t all = pass->end - pass->first;
+
+    return pass->scattered
+               ? run_begin(pass, all, tile + 1) - run_begin(pass, all, tile)
+               : 1;
+}
+
+uint32_t
+rad_pass_square(const struct rad_pass *pass, uint32_t tile, uint32_t i)
+{
+    uint32_t at = pass->first + i;
+
+    if (!pass->scattered)
+        return tile;
+    at += run_begin(pass, pass->end - pass->first, tile);
+    return (uint32_t)((uint64_t)at * pass->leap % pass->squares);
+}
+
 uint32_t
 rad_pass_paths(const struct rad_pass *pass, uint32_t tile, uint32_t *first)
 {
-    uint32_t beyond =
-        (uint32_t)((uint64_t)pass->paths * (tile + 1) / pass->tiles);
-
-    *first = (uint32_t)((uint64_t)pass->paths * tile / pass->tiles);
-    return beyond - *first;
+    *first = run_begin(pass, pass->paths, tile);
+    return run_begin(pass, pass->paths, tile + 1) - *first;
 }
 
 int

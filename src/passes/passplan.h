@@ -19,7 +19,9 @@
  * finest lattice a scattered pass looks everywhere again, with twice its step,
  * and goes on between pixels that made records.  Its tiles have small squares
  * all over the picture, so they take about as long as each other; in a large
- * picture they end early, too, and another such pass follows.
+ * picture they end early, too, and another such pass follows.  In a small
+ * picture much can be missing, and each tile would make the same deep records:
+ * there the pass comes in rounds, each over as many squares as all before it.
  * In a large picture each of these passes comes in parts.  A part does not read
  * the parts just before it, so tiles of several passes can be made at a time.
  * The plan depends on the options and the sizes of the pictures alone: the
@@ -45,7 +47,8 @@ struct rad_pass {
                           * of all before it, or of all but the last few */
     int level;           /* of its records: diffuse bounces before them */
     uint32_t first, end; /* level above 0, or walks: paths first .. end - 1 of
-                          * the batch */
+                          * the batch; scattered: squares first .. end - 1, as
+                          * they are scattered */
     uint32_t paths;      /* the number of paths of the batch */
     int walks; /* not 0: tiles make no records, but so many spots of each path,
                 * for later passes (passes.h) */
@@ -64,7 +67,9 @@ struct rad_pass {
     bool finest; /* level 0: the last lattice; its tiles ask, too, between
                   * its pixels where objects end or records were made */
     bool scattered; /* level 0: looks again where the last lattice left places
-                     * out; tile t has squares t, t + tiles, t + 2 tiles... */
+                     * out; a tile has several squares, far from each other */
+    uint32_t squares, leap; /* scattered: number of all its frames' squares,
+                             * and how far one is from the next (modulo it) */
     uint64_t rays;  /* when a tile has traced so many rays of hemispheres it
                      * asks no more; 0: there is no limit */
     bool check;     /* tiles make no records, but measure the cache's error
@@ -130,16 +135,22 @@ rad_pass_is_last(const struct rad_pass *pass, uint32_t n, uint32_t i)
                               pass[i].ready > rad_passes_ready(pass, i));
 }
 
-/* The number of squares of a pass over pixels, in a frame of that size.  Each
- * is a tile, unless the pass is scattered. */
+/* The number of squares of a pass over pixels, in a frame of that size; of all
+ * rounds, if it is scattered. */
 uint32_t rad_pass_tiles(const struct rad_pass *pass, int width, int height);
 
-/* The pixels of such a square; x1 and y1 are beyond the last. */
+/* The number of squares of a tile, and the i-th of them, counted on from frame
+ * to frame. */
+uint32_t rad_pass_squares(const struct rad_pass *pass, uint32_t tile);
+uint32_t rad_pass_square(const struct rad_pass *pass, uint32_t tile,
+                         uint32_t i);
+
+/* The pixels of a square of a frame; x1 and y1 are beyond the last. */
 struct rad_pass_area {
     int x0, y0, x1, y1;
 };
 struct rad_pass_area rad_pass_area(const struct rad_pass *pass, int width,
-                                   int height, uint32_t tile);
+                                   int height, uint32_t square);
 
 /* The number of tiles of a round of paths, in all its parts; the pass's own
  * begin with *first. */

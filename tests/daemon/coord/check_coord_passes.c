@@ -261,7 +261,7 @@ START_TEST(tiles_count_as_progress)
             done = share_done();
             made(WORKER, pass, i, 1);
             ck_assert_double_eq(share_done(), done);
-            if (pass < PASSES - 3) /* before the last ones */
+            if (pass < PASSES - 7) /* before the last ones */
                 middle = done;
         }
     ck_assert_double_gt(middle, .1);

@@ -188,7 +188,7 @@ START_TEST(a_later_life_takes_up_what_the_clock_chose)
 
     submit_goal(0, 30000);
     ready(&f, WORKER, job_a);
-    f.now_ms += 7000; /* the rest is near: no stage comes before it */
+    f.now_ms += 8000; /* the rest is near: no stage comes before it */
     tile_rays = 1000;
     tile_cpu_s = .01;
     make_stage(WORKER, 0, 1);

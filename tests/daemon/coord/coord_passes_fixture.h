@@ -11,8 +11,9 @@
 
 static const struct msg_frame wide = { 0, 200, 100, "" };
 
-/* Lattices of 32, and of 16, 8 and 4 pixels in two fields each. */
-enum { PASSES = 8, LAST = PASSES - 1 };
+/* Lattices of 32, and of 16, 8 and 4 pixels in two fields each; and what these
+ * left out, in rounds. */
+enum { PASSES = 12, LAST = PASSES - 1 };
 static uint8_t records[4 * AMBSHARE_BYTES];
 
 static inline struct msg

@@ -101,7 +101,6 @@ START_TEST(a_plan_asks_for_each_place_once)
         ck_assert_uint_gt(pass[i].tiles, 0);
         check_reads(&pass[i], i);
         ck_assert_int_eq(pass[i].walks, 0);
-        ck_assert_uint_le(pass[i].end, pass[0].paths);
         ck_assert_int_le(pass[i].level, level);
         ck_assert(pass[i].scattered || !pass[i - 1].scattered);
         ck_assert(pass[i].scattered || pass[i].rays > 0);
@@ -126,6 +125,7 @@ START_TEST(a_plan_asks_for_each_place_once)
         } else {
             ck_assert_uint_eq(pass[i].first, pass[i].level < level ? 0 : end);
             ck_assert_uint_gt(pass[i].end, pass[i].first);
+            ck_assert_uint_le(pass[i].end, pass[0].paths);
             end = pass[i].end;
         }
         level = pass[i].level;
@@ -159,15 +159,14 @@ START_TEST(each_frame_is_planned_once)
              pass[k].finest && pass[k].field < 1 && i < pass[k].beyond;
              i += pass[k].stride) {
             ck_assert_int_le(pass[k].side * pass[k].step, RAD_PASS_PIXELS);
-            times[i] += pass[k].scattered ? 16 : 1;
+            times[i] += !pass[k].scattered ? 1 : pass[k].first == 0 ? 16 : 0;
         }
     for (uint32_t i = 0; i < nframes; i++)
         ck_assert_uint_eq(times[i], 17);
 }
 END_TEST
 
-/* What many frames' tiles left out is shared among as many more tiles; a number
- * that squares of a row do not divide. */
+/* What many frames' tiles left out is shared among as many more tiles. */
 START_TEST(the_rest_of_many_frames_has_more_tiles)
 {
     enum { FRAMES = 32 };
@@ -187,36 +186,43 @@ START_TEST(the_rest_of_many_frames_has_more_tiles)
             single = pass[i].tiles;
         if (pass[i].tiles > most)
             most = pass[i].tiles;
-        for (uint32_t k = 2; k * k <= pass[i].tiles; k++)
-            ck_assert_uint_ne(pass[i].tiles % k, 0);
     }
     ck_assert_uint_gt(single, 100);
     ck_assert_uint_ge(most, FRAMES / 2 * single);
 }
 END_TEST
 
-/* Colours are those of lattices; squares of what these have left out are all
- * over the picture. */
-START_TEST(scattered_squares_show_nothing)
+static const struct {
+    struct rad_pass_size size;
+    uint32_t rounds; /* 0: it is large */
+} rests[] = {
+    { { 1, 1 }, 1 },      { { 60, 60 }, 3 },     { { 200, 200 }, 6 },
+    { { 948, 948 }, 11 }, { { 2, 1900 }, 6 },    { { 3840, 2 }, 0 },
+    { { 100, 3000 }, 0 }, { { 3840, 2160 }, 0 },
+};
+
+/* The passes over what lattices left out: of a small picture in rounds, of a
+ * large one in parts, twice, at first with a limit.  They show no colours, for
+ * a tile's squares are all over the picture. */
+START_TEST(scattered_passes_come_last)
 {
-    static const int side[] = { 60, 200, 948, 3840 };
-    struct rad_pass_size size = { side[_i], side[_i] };
     struct rad_pass pass[RAD_MOST_PASSES];
     struct rad_params par;
-    uint32_t n, shown = 0, scattered = 0, bounded = 0;
+    uint32_t n, shown = 0, rest = 0, bounded = 0, rounds = rests[_i].rounds;
 
     rad_params_init(&par);
     par.ambounce = 2;
-    n = rad_passes_plan(&par, &size, 1, pass);
+    n = rad_passes_plan(&par, &rests[_i].size, 1, pass);
     for (uint32_t i = 0; i < n; i++) {
-        shown += rad_pass_shows(&pass[i]);
-        scattered += pass[i].scattered;
-        bounded += pass[i].scattered && pass[i].rays > 0;
+        ck_assert(rest == 0 || pass[i].scattered);
         ck_assert(!pass[i].scattered || !rad_pass_shows(&pass[i]));
+        shown += rad_pass_shows(&pass[i]);
+        rest += pass[i].scattered;
+        bounded += pass[i].scattered && pass[i].rays > 0;
     }
     ck_assert_uint_gt(shown, 0);
-    ck_assert_uint_eq(scattered, _i == 3 ? 2 * RAD_PASS_PARTS : 1);
-    ck_assert_uint_eq(bounded, _i == 3 ? RAD_PASS_PARTS : 0);
+    ck_assert_uint_eq(rest, rounds > 0 ? rounds : 2 * RAD_PASS_PARTS);
+    ck_assert_uint_eq(bounded, rounds > 0 ? 0 : RAD_PASS_PARTS);
 }
 END_TEST
 
@@ -243,6 +249,60 @@ all_are(const uint8_t *seen, int n, int times)
             return false;
     return true;
 }
+
+/* Count the squares of a tile.  If these are some they are not neighbours: from
+ * the first to the last it is far. */
+static void
+see_squares(const struct rad_pass *pass, uint32_t tile, uint8_t *seen)
+{
+    uint32_t n = rad_pass_squares(pass, tile), low = UINT32_MAX, high = 0;
+
+    ck_assert_uint_gt(n, 0);
+    for (uint32_t i = 0; i < n; i++) {
+        uint32_t k = rad_pass_square(pass, tile, i);
+
+        ck_assert_uint_lt(k, pass->squares);
+        low = k < low ? k : low;
+        high = k > high ? k : high;
+        seen[k]++;
+    }
+    ck_assert(n < 4 || 2 * (high - low) > pass->squares);
+}
+
+/* Each square is in one tile of one round, or of each pass; the first frames of
+ * many have rounds, too. */
+START_TEST(each_square_is_in_one_tile)
+{
+    enum { MOST = 1 << 19, FRAMES = 40 };
+    static uint8_t seen[MOST];
+    struct rad_pass_size size[FRAMES];
+    struct rad_pass pass[RAD_MOST_PASSES];
+    struct rad_params par;
+    uint32_t n, seen_to = 0;
+
+    rad_params_init(&par);
+    par.ambounce = 2;
+    for (int i = 0; i < FRAMES; i++)
+        size[i] = rests[_i].size;
+    n = rad_passes_plan(&par, size, FRAMES, pass);
+    for (uint32_t i = 0; i < n; i++) {
+        if (!pass[i].scattered)
+            continue;
+        ck_assert_uint_le(pass[i].squares, MOST);
+        ck_assert_uint_eq(pass[i].first, seen_to);
+        if (pass[i].first == 0)
+            memset(seen, 0, sizeof seen);
+        for (uint32_t tile = 0; tile < pass[i].tiles; tile++)
+            see_squares(&pass[i], tile, seen);
+        seen_to = pass[i].end;
+        if (seen_to == pass[i].squares) {
+            ck_assert(all_are(seen, (int)seen_to, 1));
+            seen_to = 0;
+        }
+    }
+    ck_assert_uint_eq(seen_to, 0);
+}
+END_TEST
 
 /* Each pixel of a lattice lies in one tile, whatever the size; and with two
  * fields, of two tiles side by side each has one, and so with all parts of
@@ -293,7 +353,8 @@ main(void)
     tcase_add_test(tc, large_pictures_have_many_tiles);
     tcase_add_test(tc, the_rest_of_many_frames_has_more_tiles);
     tcase_add_loop_test(tc, each_frame_is_planned_once, 0, 41);
-    tcase_add_loop_test(tc, scattered_squares_show_nothing, 0, 4);
+    tcase_add_loop_test(tc, scattered_passes_come_last, 0, N_ELEM(rests));
+    tcase_add_loop_test(tc, each_square_is_in_one_tile, 0, N_ELEM(rests));
     tcase_add_test(tc, tiles_are_the_picture);
     suite_add_tcase(s, tc);
     return unit_run(s);
