@@ -262,7 +262,7 @@ finish(unsigned who, uint32_t unit, uint32_t attempt, uint32_t y,
 }
 
 /* Of -ab 1 and one small frame: four lattices, and what they leave. */
-enum { NPASSES = 5 };
+enum { NPASSES = 5 }; /* the last has two tiles, the others have one */
 
 static void
 tile(unsigned who, uint32_t pass, uint32_t number, bool down)
@@ -294,6 +294,16 @@ holds(unsigned who, const uint8_t *job, uint32_t pass)
     says(who, &(struct msg){ .type = MSG_HOLDS, .holds = { job, pass, 1 } });
 }
 
+/* All tiles of a pass. */
+static void
+whole_pass(unsigned who, uint32_t pass)
+{
+    tile(who, pass, 0, false);
+    if (pass == NPASSES - 1)
+        tile(who, pass, 1, false);
+    holds(who, id, pass);
+}
+
 /* A cache in passes: a worker that is lost in one, tiles that come twice, and
  * one that comes late. */
 static void
@@ -316,10 +326,8 @@ session_passes(void)
     is_lost(WS1);
     hello(WS2, MSG_ROLE_WORKER, "ws2");
     ready(WS2);
-    for (uint32_t i = 1; i < NPASSES; i++) {
-        tile(WS2, i, 0, false);
-        holds(WS2, id, i);
-    }
+    for (uint32_t i = 1; i < NPASSES; i++)
+        whole_pass(WS2, i);
     result(WS2, 0, 1, 0, 1, false);
 }
 
@@ -342,10 +350,8 @@ session_reuse(void)
     says(ANA, &submit);
     fetch(MSG_WHAT_PREVIEW);
     ready(WS1);
-    for (uint32_t i = 0; i < NPASSES; i++) {
-        tile(WS1, i, 0, false);
-        holds(WS1, id, i);
-    }
+    for (uint32_t i = 0; i < NPASSES; i++)
+        whole_pass(WS1, i);
     result(WS1, 0, 1, 0, 15, true);
     result(WS1, 1, 1, 0, 16, true);
     submit.submit.job = next;
