@@ -112,11 +112,11 @@ check-root:
 	$(MAKE) $(AM_MAKEFLAGS) check TESTS='$(ROOT_TESTS)'
 check-sanitized:
 	$(MAKE) $(AM_MAKEFLAGS) check \
-		TESTS='$(UNIT_TESTS) $(SANITIZED_MORE) $(SANITIZED_E2E)'
+		TESTS='$(SANITIZED_E2E) $(SANITIZED_MORE) $(UNIT_TESTS)'
 check-threads:
 	$(MAKE) $(AM_MAKEFLAGS) check \
 		check_PROGRAMS='$(TOOLS) $(THREAD_TESTS)' \
-		TESTS='$(THREAD_TESTS) $(SANITIZED_E2E)'
+		TESTS='$(SANITIZED_E2E) $(THREAD_TESTS)'
 
 # The floor plan of doc/architecture.md against the code.
 TESTS += tests/doors.sh
