@@ -19,6 +19,7 @@
 #include <fcntl.h>
 #include <openssl/bio.h>
 #include <openssl/ssl.h>
+#include <netinet/tcp.h>
 #include <poll.h>
 #include <signal.h>
 #include <stdio.h>
@@ -184,11 +185,14 @@ come(struct visitor *v)
     struct sockaddr_in own;
     socklen_t n = sizeof own;
     char text[1 << 16];
+    int on = 1;
 
     slurp("log", text, sizeof text);
     log_before = strlen(text);
     memset(v, 0, sizeof *v);
     v->fd = socket(AF_INET, SOCK_STREAM, 0);
+    ck_assert_int_eq(
+        setsockopt(v->fd, IPPROTO_TCP, TCP_NODELAY, &on, sizeof on), 0);
     ck_assert_int_eq(connect(v->fd, (struct sockaddr *)&to, sizeof to), 0);
     ck_assert_int_eq(getsockname(v->fd, (struct sockaddr *)&own, &n), 0);
     snprintf(v->peer, sizeof v->peer, "peer=127.0.0.1:%u", ntohs(own.sin_port));
