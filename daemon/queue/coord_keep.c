@@ -179,9 +179,17 @@ coord_forget_old(struct coord *c)
 
 /* --- what is fetched --- */
 
+/* Which file of a frame its owner waits for: nobody can fetch the picture of
+ * sensor points, whose values travel as distances do. */
+static enum msg_what
+main_file(const struct job *job)
+{
+    return job->spec.flags & MSG_JOB_POINTS ? MSG_WHAT_DEPTH : MSG_WHAT_PICTURE;
+}
+
 void
 coord_fetched(struct coord *c, uint64_t now_ms, uint64_t conn,
-              const uint8_t id[MSG_JOB], uint32_t frame)
+              const uint8_t id[MSG_JOB], uint32_t frame, enum msg_what what)
 {
     const struct coord_conn *to = desk_find_conn(c, conn);
     struct job *job = desk_find_job(c, id);
@@ -189,7 +197,8 @@ coord_fetched(struct coord *c, uint64_t now_ms, uint64_t conn,
 
     c->now_ms = now_ms;
     if (!to || to->session == MSG_AT_COORD_OBSERVER || !job ||
-        frame >= job->spec.nframes || strcmp(to->owner, job->owner) != 0 ||
+        what != main_file(job) || frame >= job->spec.nframes ||
+        strcmp(to->owner, job->owner) != 0 ||
         !frame_is_written(&job->frames[frame]))
         return;
     job->fetched_ms = now_ms;

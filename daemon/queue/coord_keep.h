@@ -21,10 +21,12 @@ void coord_gone_text(const struct saved_gone *g, char text[MSG_MAX_TEXT + 1]);
 #define COORD_TIME 32
 void coord_time_text(uint64_t ms, char text[COORD_TIME]);
 
-/* A frame's whole picture was sent to that connection: it counts as fetched if
- * the connection is the owner's, and not an observer's. */
+/* A file of the job was sent whole to that connection: the frame counts as
+ * fetched if the file is its picture, or has the values of its sensor points,
+ * and the connection is the owner's, and not an observer's. */
 void coord_fetched(struct coord *c, uint64_t now_ms, uint64_t conn,
-                   const uint8_t job[MSG_JOB], uint32_t frame);
+                   const uint8_t job[MSG_JOB], uint32_t frame,
+                   enum msg_what what);
 /* A job that an earlier life of the coordinator forgot; called before
  * recover_job(). */
 void coord_recall_gone(struct coord *c, const struct saved_gone *g);

@@ -188,8 +188,9 @@ sent(void *arg, uint64_t id, const struct store_source *whole)
     struct radcoord *r = arg;
 
     coord_sent(r->coord, id);
-    if (whole && !whole->file && whole->what == MSG_WHAT_PICTURE) {
-        coord_fetched(r->coord, radcoord_now(r), id, whole->job, whole->frame);
+    if (whole && !whole->file) {
+        coord_fetched(r->coord, radcoord_now(r), id, whole->job, whole->frame,
+                      whole->what);
         shell_run(&r->shell);
     }
 }

@@ -173,7 +173,7 @@ void store_put_rows(struct store *s, const struct action_rows *rows);
 void store_settle(struct store *s, uint64_t conn, uint32_t request);
 void store_write_picture(struct store *s, const uint8_t job[MSG_JOB],
                          uint64_t sequence, uint32_t frame);
-/* Note that the owner has fetched the frame's picture. */
+/* Note that the owner has fetched the frame. */
 void store_note_fetched(struct store *s, const uint8_t job[MSG_JOB],
                         uint32_t frame);
 void store_forget_job(struct store *s, const struct saved_gone *gone);

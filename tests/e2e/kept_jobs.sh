@@ -1,6 +1,7 @@
 #!/bin/sh
 # kept_jobs.sh - jobs that are over are kept for each user by themselves, what
-# was not fetched longer than the rest, and what was forgotten is told
+# was not fetched longer than the rest, sensor points, too, and what was
+# forgotten is told
 . "${top_srcdir:-.}/tests/e2e/client_lib.sh"
 . "$top_srcdir/tests/e2e/cluster.sh"
 set -u
@@ -125,5 +126,41 @@ until_true 10 full || fail "limits does not tell of it: $(ana limits)"
 expect 75 "limit user_unfetched: you have 10 of 3" "one too many" \
     "$radsubmit" --coordinator="$tcp" --key="$work/user.key" --wait=0 \
     --detach $view "$room"
+
+# Values of sensor points are fetched when radsubmit has them, as pictures are,
+# and the next life knows that.
+settings 14 12
+kill -HUP "$coord_pid"
+used() # N: of 12
+{
+    ana --json limits | grep -A 2 user_unfetched | tr -d ' \n' |
+        grep -q "\"used\":$1,\"most\":12,"
+}
+until_true 10 used 10 || fail "limits before points: $(ana limits)"
+printf '1 1 .8 0 0 1\n2 1 .8 0 0 1\n' >points.txt
+points()
+{
+    "$radsubmit" --coordinator="$tcp" --key="$work/user.key" \
+        --points=points.txt -h- -I -ab 0 "$@" "$room"
+}
+for i in 1 2 3; do
+    points -o values.txt 2>stderr || fail "points, run $i: $(cat stderr)"
+    [ "$(wc -l <values.txt)" -eq 2 ] || fail "run $i: $(cat values.txt)"
+done
+used 10 || fail "values that were waited for: $(ana limits)"
+left=$(points --detach 2>stderr) || fail "points left: $(cat stderr)"
+left_unfetched()
+{
+    ana jobs 2>stderr | grep "$left" | grep -q 'not fetched; kept until'
+}
+until_true 30 left_unfetched || fail "points left: $(ana jobs)"
+used 11 || fail "values that nobody has: $(ana limits)"
+points --job="$left" -o again.txt 2>stderr || fail "--job: $(cat stderr)"
+cmp values.txt again.txt || fail "--job writes other values"
+used 10 || fail "values that --job wrote: $(ana limits)"
+left_unfetched && fail "--job: $(ana jobs)"
+end_one "$coord_pid" coordinator
+coord_start
+used 10 || fail "the next life does not know it: $(ana limits)"
 cluster_stop
 finish

@@ -76,14 +76,15 @@ START_TEST(what_was_not_fetched_is_kept)
     whole_job(job_a);
     whole_job(job_b);
     carry_out(&f);
-    coord_fetched(f.c, f.now_ms, BOB, job_b, 0); /* not the owner */
+    /* not the owner */
+    coord_fetched(f.c, f.now_ms, BOB, job_b, 0, MSG_WHAT_PICTURE);
     /* on the socket, whose user the owner is, but to look only */
     ana = desk_find_conn(f.c, ANA);
     was = ana->session;
     ana->session = MSG_AT_COORD_OBSERVER;
-    coord_fetched(f.c, f.now_ms, ANA, job_b, 0);
+    coord_fetched(f.c, f.now_ms, ANA, job_b, 0, MSG_WHAT_PICTURE);
     ana->session = was;
-    coord_fetched(f.c, f.now_ms, ANA, job_a, 0);
+    coord_fetched(f.c, f.now_ms, ANA, job_a, 0, MSG_WHAT_PICTURE);
     wait_s(&f, 30);
     ck_assert_ptr_nonnull(desk_find_job(f.c, job_a));
     wait_s(&f, 40);
@@ -102,6 +103,63 @@ START_TEST(what_was_not_fetched_is_kept)
 }
 END_TEST
 
+static const struct {
+    uint32_t flags;
+    enum msg_what beside, main;
+} main_file[] = {
+    { MSG_JOB_DEPTH, MSG_WHAT_DEPTH, MSG_WHAT_PICTURE },
+    { MSG_JOB_DEPTH | MSG_JOB_POINTS, MSG_WHAT_PICTURE, MSG_WHAT_DEPTH },
+};
+
+static unsigned
+fetched_actions(void)
+{
+    const struct action_list *l = coord_actions(f.c);
+    unsigned n = 0;
+
+    for (size_t i = 0; i < l->n; i++)
+        n += l->v[i].type == ACT_JOB_FETCHED;
+    return n;
+}
+
+/* Distances beside a picture leave it unfetched; of sensor points, of which no
+ * picture is sent, they are all that there is. */
+START_TEST(the_file_that_its_owner_waits_for_is_fetched)
+{
+    static const struct coord_keep keep = { .unfetched_ms = 90000 };
+    static const uint8_t rows[4 * 4 * 16];
+    struct msg m = { .type = MSG_RESULT,
+                     .result = { .job = job_a,
+                                 .attempt = 1,
+                                 .rows = 4,
+                                 .width = 4,
+                                 .channels = 4,
+                                 .last = 1,
+                                 .pixels = rows } };
+    const struct job *job;
+
+    tear_down();
+    set_up_coord(true);
+    coord_set_keep(f.c, &keep);
+    submit_with(&f, ANA, job_a, 0, 4, main_file[_i].flags);
+    ready(&f, WORKER, job_a);
+    for (; m.result.unit < 4; m.result.unit++)
+        say(&f, WORKER, &m);
+    carry_out(&f);
+    job = desk_find_job(f.c, job_a);
+    ck_assert(desk_unfetched(f.c, job));
+    coord_fetched(f.c, f.now_ms, ANA, job_a, 0, MSG_WHAT_STATS);
+    coord_fetched(f.c, f.now_ms, ANA, job_a, 0, main_file[_i].beside);
+    ck_assert(desk_unfetched(f.c, job));
+    ck_assert_uint_eq(fetched_actions(), 0);
+    coord_fetched(f.c, f.now_ms, ANA, job_a, 0, main_file[_i].main);
+    ck_assert(!desk_unfetched(f.c, job));
+    coord_fetched(f.c, f.now_ms, ANA, job_a, 0, main_file[_i].main);
+    ck_assert_uint_eq(fetched_actions(), 1);
+    carry_out(&f);
+}
+END_TEST
+
 /* Small jobs are fetched by the hundred in the minute that each has. */
 START_TEST(few_of_those_just_fetched_are_kept)
 {
@@ -113,7 +171,7 @@ START_TEST(few_of_those_just_fetched_are_kept)
         id[0] = (uint8_t)i;
         whole_job(id);
         carry_out(&f);
-        coord_fetched(f.c, f.now_ms, ANA, id, 0);
+        coord_fetched(f.c, f.now_ms, ANA, id, 0, MSG_WHAT_PICTURE);
     }
     wait_s(&f, 2);
     ck_assert_uint_eq(f.c->njobs, 64);
@@ -182,6 +240,8 @@ main(void)
     tcase_add_test(tc, large_jobs_that_are_over_count_as_several);
     tcase_add_test(tc, what_was_not_fetched_is_kept);
     tcase_add_loop_test(tc, jobs_that_are_over_are_kept_for_a_while, 0, 3);
+    tcase_add_loop_test(tc, the_file_that_its_owner_waits_for_is_fetched, 0,
+                        N_ELEM(main_file));
     tcase_add_test(tc, few_of_those_just_fetched_are_kept);
     tcase_add_test(tc, of_a_job_that_is_filed_its_end_is_kept);
     suite_add_tcase(s, tc);
