@@ -15,6 +15,7 @@
 #include "picture/doubt.h"
 
 #include "base/rng.h"
+#include "light/indirect/ambserving.h"
 
 #include <math.h>
 #include <stdatomic.h>
@@ -138,52 +139,6 @@ shown(const struct look *k, int x, int y)
 
 /* --- places --- */
 
-/* Pixels of which one becomes the place. */
-struct tried {
-    const int (*at)[2];
-    double lum[RAD_DOUBT_TRIED]; /* luminance with cached indirect light */
-    double off[RAD_DOUBT_TRIED]; /* square of its relative error, as the
-                                  * records predict */
-};
-
-/* Fill in t; returns the mean of t->off. */
-static double
-try_places(struct look *k, struct tried *t)
-{
-    double sum = 0;
-
-    for (int i = 0; i < RAD_DOUBT_TRIED; i++) {
-        k->ctx->doubt = 0;
-        t->lum[i] = pixel(k, FIRST, t->at[i][0], t->at[i][1]);
-        t->off[i] =
-            t->lum[i] > 0
-                ? fmin(k->ctx->doubt / (t->lum[i] * t->lum[i]), MOST_OFF)
-                : 0;
-        sum += t->off[i];
-    }
-    return sum / RAD_DOUBT_TRIED;
-}
-
-/* Choose one of the tried pixels, with a probability in proportion to
- * off[i] + EVEN mean.  *weight is what it counts for: equal chances over its
- * own. */
-static int
-choose(struct look *k, const struct tried *t, double mean, double *weight)
-{
-    double share = (1 + EVEN) * RAD_DOUBT_TRIED * mean, left;
-    int i = 0;
-
-    if (!(mean > 0)) {
-        *weight = 1;
-        return (int)(draw(k) * RAD_DOUBT_TRIED);
-    }
-    left = draw(k) * share - t->off[0] - EVEN * mean;
-    while (left >= 0 && i + 1 < RAD_DOUBT_TRIED)
-        left -= t->off[++i] + EVEN * mean;
-    *weight = (1 + EVEN) * mean / (t->off[i] + EVEN * mean);
-    return i;
-}
-
 /* A pixel in place of pixel n, of 0 to beyond - 1: both are anywhere in a row
  * of SIDE. */
 static int
@@ -205,6 +160,84 @@ move_in_area(struct look *k, int at[2])
         return;
     at[0] = move(k, at[0], f->width);
     at[1] = move(k, at[1], f->height);
+}
+
+/* Pixels of which one becomes the place. */
+struct tried {
+    const int (*at)[2];
+    double lum[RAD_DOUBT_TRIED]; /* luminance with cached indirect light */
+    double off[RAD_DOUBT_TRIED]; /* square of its relative error, as the
+                                  * records predict */
+    double mean;                 /* of these squares */
+};
+
+/* Render the pixel again; *serving gets the records that serve in it. */
+static double
+pixel_served(struct look *k, const int at[2], struct rad_ambserving *serving)
+{
+    double lum;
+
+    serving->n = serving->scaled = 0;
+    k->ctx->serving = serving;
+    k->ctx->doubt = 0;
+    lum = pixel(k, FIRST, at[0], at[1]);
+    k->ctx->serving = NULL;
+    return lum;
+}
+
+/* What of a pixel's error its area has: the correlation with another pixel of
+ * the area. */
+static double
+in_common(struct look *k, const int pixel_at[2],
+          const struct rad_ambserving *serving)
+{
+    int at[2] = { pixel_at[0], pixel_at[1] };
+    struct rad_ambserving other;
+
+    move_in_area(k, at);
+    if (at[0] == pixel_at[0] && at[1] == pixel_at[1])
+        return 1;
+    pixel_served(k, at, &other);
+    return rad_ambserving_common(serving, &other);
+}
+
+/* Fill in t; returns the mean square of areas' errors. */
+static double
+try_places(struct look *k, struct tried *t)
+{
+    struct rad_ambserving serving;
+    double said = 0;
+
+    t->mean = 0;
+    for (int i = 0; i < RAD_DOUBT_TRIED; i++) {
+        double lum = t->lum[i] = pixel_served(k, t->at[i], &serving);
+
+        t->off[i] = lum > 0 ? fmin(k->ctx->doubt / (lum * lum), MOST_OFF) : 0;
+        t->mean += t->off[i] / RAD_DOUBT_TRIED;
+        if (t->off[i] > 0)
+            said += t->off[i] * in_common(k, t->at[i], &serving);
+    }
+    return said / RAD_DOUBT_TRIED;
+}
+
+/* Choose one of the tried pixels, with a probability in proportion to
+ * off[i] + EVEN mean.  *weight is what it counts for: equal chances over its
+ * own. */
+static int
+choose(struct look *k, const struct tried *t, double *weight)
+{
+    double mean = t->mean, share = (1 + EVEN) * RAD_DOUBT_TRIED * mean, left;
+    int i = 0;
+
+    if (!(mean > 0)) {
+        *weight = 1;
+        return (int)(draw(k) * RAD_DOUBT_TRIED);
+    }
+    left = draw(k) * share - t->off[0] - EVEN * mean;
+    while (left >= 0 && i + 1 < RAD_DOUBT_TRIED)
+        left -= t->off[++i] + EVEN * mean;
+    *weight = (1 + EVEN) * mean / (t->off[i] + EVEN * mean);
+    return i;
 }
 
 /* The square of the cache's relative error about a pixel, as the product of two
@@ -251,7 +284,7 @@ look_at_place(struct look *k, const int at[RAD_DOUBT_TRIED][2])
     /* one ray is enough: all samples of a pixel ask for the same records */
     k->exact.params.samples = 1;
     said = try_places(k, &t);
-    i = choose(k, &t, said, &weight);
+    i = choose(k, &t, &weight);
     square = square_at(k, at[i], t.lum[i], weight);
     if (is_stopped(k))
         return;

@@ -28,7 +28,9 @@
 enum rad_doubt_sum {
     RAD_DOUBT_PLACES,  /* number of places */
     RAD_DOUBT_AMBIENT, /* products of the cache's relative errors there */
-    RAD_DOUBT_SAID,    /* squares of these errors, as the records predict */
+    RAD_DOUBT_SAID,    /* squares of these errors, as the records predict: what
+                        * they are off by averages out in areas in which many
+                        * serve */
     RAD_DOUBT_AREAS,   /* areas that those looked at stand for */
     RAD_DOUBT_PIXEL,   /* products of the areas' relative errors */
     RAD_DOUBT_PIXEL2,  /* squares of these products */

@@ -125,6 +125,8 @@ struct rad_aim {
     double org[3], dir[3], tmax;
 };
 
+struct rad_ambserving;
+
 /* What one thread needs to trace rays.  Not shared, except for `at`. */
 struct rad_ctx {
     const struct rad_job *job;
@@ -143,6 +145,8 @@ struct rad_ctx {
     double doubt;   /* expected squared errors of the luminance of indirect
                      * light in a pixel, by the records that serve: each is
                      * added; the user sets it to 0 */
+    struct rad_ambserving *serving; /* gets the records that serve in a pixel
+                                     * (light/indirect); NULL: not wanted */
     bool fresh;  /* find no records at points that pixels show: sample for the
                   * point alone */
     bool aside;  /* keep no record */

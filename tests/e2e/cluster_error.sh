@@ -10,7 +10,7 @@ set -u
 view="-vf $scenes/room.vf -x 160 -y 120 -ps 2 -pt .1 -ab 2 -aa .4 -ar 16 -ad 32
 -as 8"
 room=$scenes/room.rad
-wanted=1.8
+wanted=1.5
 goal=--error=$wanted
 
 body()

@@ -310,6 +310,7 @@ irradiance(struct rad_ctx *ctx, const struct rad_ray *r,
     asker.only = ctx->tile && ctx->no_direct && due;
     asker.fresh = ctx->fresh && at->level == 0;
     asker.near = is_sensors(ctx, at);
+    asker.serving = at->level == 0 ? ctx->serving : NULL;
     rad_ambient_ask(ctx->job->ambient, at, &asker, &said);
     if (!serves(&said, due) && !(ctx->glance && said.weight > LEAST_FAR_WEIGHT))
         return make_record(ctx, r, at, behind, E, off);
@@ -331,6 +332,8 @@ note_doubt(struct rad_ctx *ctx, const struct rad_ray *r, struct rad_rgb L,
     for (; r; r = r->parent)
         lum *= rad_rgb_lum(r->coef);
     ctx->doubt += lum * lum * off;
+    if (ctx->serving)
+        rad_ambserving_scale(ctx->serving, lum);
 }
 
 /* Is the surface that r met left out by -ae or -ai? */

@@ -204,6 +204,8 @@ add_record(struct search *s, const struct rad_ambitem *it)
     s->weight += w;
     if (s->doubts) {
         lum = (double)(factor * rad_rgb_lum(says.E));
+        if (s->asker->serving)
+            rad_ambserving_add(s->asker->serving, it, w * lum);
         s->lum2 += w * lum * lum;
         s->var += w * (double)says.var;
         s->w2 += w * w;

@@ -7,6 +7,7 @@
 #include "light/indirect/ambcache.h"
 #include "light/indirect/ambient.h"
 #include "light/indirect/ambread.h"
+#include "light/indirect/ambserving.h"
 #include "light/indirect/ambshape.h"
 #include "light/indirect/ambsmooth.h"
 #include "light/indirect/ambtile.h"
@@ -87,6 +88,7 @@ struct rad_ambasker {
     bool fresh; /* find nothing, as if there were no records */
     bool only;  /* find out whether any record serves; E is not wanted */
     bool near;  /* leave out records beyond -aa */
+    struct rad_ambserving *serving; /* gets what serves at level 0; or NULL */
     struct rad_geom_counts *counts; /* work of rays that test for light leaks */
     uint64_t *rays;                 /* the number of these rays is added */
 };

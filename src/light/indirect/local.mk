@@ -13,6 +13,8 @@ librad_a_SOURCES += \
 	src/light/indirect/ambpool.h \
 	src/light/indirect/ambread.c \
 	src/light/indirect/ambread.h \
+	src/light/indirect/ambserving.c \
+	src/light/indirect/ambserving.h \
 	src/light/indirect/ambshape.c \
 	src/light/indirect/ambshape.h \
 	src/light/indirect/ambsmooth.c \

@@ -2,6 +2,7 @@
 UNIT_TESTS += \
 	tests/src/light/check_ambcache \
 	tests/src/light/check_ambient \
+	tests/src/light/check_ambserving \
 	tests/src/light/check_bright \
 	tests/src/light/check_gradient \
 	tests/src/light/check_mirror \
