@@ -53,7 +53,7 @@ enum action_type {
     ACT_WRITE_PICTURE, /* job, frame: whole; then coord_picture_written */
     ACT_SEND_PICTURE,  /* conn, request, job, frame, what: as CHUNKs; FAILED
                         * with that request if there is none */
-    ACT_JOB_FETCHED,   /* job, frame: by its owner; keep that */
+    ACT_JOB_FETCHED,   /* job, frame: note on the disk */
     ACT_JOB_FORGET,    /* gone: remove its files */
     ACT_KEY,           /* conn, request, key, text: for that admin; answer */
     /* worker */

@@ -22,6 +22,7 @@
 #include "trace/asks.h"
 
 #include <stdatomic.h>
+#include <assert.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -624,6 +625,7 @@ find_patch(const struct rad_passes *p, struct rad_ctx *ctx,
         }
         number -= n;
     }
+    assert(!"no such square");
 }
 
 /* Ask at the squares of a tile.  *patch gets the last square. */

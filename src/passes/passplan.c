@@ -58,9 +58,12 @@
  * squares have sides of so many pixels: a part of the picture that takes long
  * has many of them, in different tiles. */
 #define REST_PIXELS  16
-#define REST_SQUARES 4   /* of a tile, at least, if there are more tiles than */
-#define REST_FEW     32  /* so many */
-#define REST_TILES   256 /* of a frame, or a part of it, at most */
+#define REST_TILES   256 /* of a frame, a part or a round of it, at most */
+
+/* A tile has so many squares or more, but a pass has not fewer than REST_FEW
+ * tiles for that. */
+#define REST_SQUARES 4
+#define REST_FEW     32
 
 /* The squares of its first round: so few make the same records. */
 #define REST_FIRST 4
@@ -249,7 +252,7 @@ greatest_divisor(uint32_t a, uint32_t b)
 }
 
 /* A number without a divisor in common with n, near the golden section of n:
- * its multiples modulo n are spread evenly, however many there are. */
+ * its multiples modulo n are spread about evenly, however many there are. */
 static uint32_t
 leap_of(uint32_t n)
 {
@@ -287,8 +290,7 @@ plan_rest(struct rad_pass *pass, const struct rad_pass_size *size)
 }
 
 /* Make of *pass, a scattered pass, its rounds: each has as many squares as all
- * before it, the last up to twice as many.  Returns the number of passes.
- */
+ * before it, the last up to twice as many.  Returns their number. */
 static uint32_t
 plan_rest_rounds(struct rad_pass *pass)
 {
@@ -591,8 +593,8 @@ rad_passes_plan(const struct rad_params *par, const struct rad_pass_size *size,
 /* RAD_MOST_PASSES leaves room for one more pass.  The first batch has 5 rounds
  * of paths (or 3, in 4 parts each) for each of 8 levels, each of the 31 other
  * batches has 1 for each, and each batch has a pass that walks.  The first
- * frame has 72 passes, and each batch, of up to 2048 of 65536 frames, has 12
- * times 5 more. */
+ * frame has 72 passes, a small one with its rounds 24 at most, and each batch,
+ * of up to 2048 of 65536 frames, has 12 times 5 more. */
 uint32_t
 rad_passes_plan_on(const struct rad_params *par,
                    const struct rad_pass_size *size, uint32_t nsizes,

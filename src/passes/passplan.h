@@ -21,7 +21,8 @@
  * all over the picture, so they take about as long as each other; in a large
  * picture they end early, too, and another such pass follows.  In a small
  * picture much can be missing, and each tile would make the same deep records:
- * there the pass comes in rounds, each over as many squares as all before it.
+ * there, for the first frame, the pass comes in rounds, each over as many
+ * squares as all before it, the last over up to twice as many.
  * In a large picture each of these passes comes in parts.  A part does not read
  * the parts just before it, so tiles of several passes can be made at a time.
  * The plan depends on the options and the sizes of the pictures alone: the
@@ -47,8 +48,8 @@ struct rad_pass {
                           * of all before it, or of all but the last few */
     int level;           /* of its records: diffuse bounces before them */
     uint32_t first, end; /* level above 0, or walks: paths first .. end - 1 of
-                          * the batch; scattered: squares first .. end - 1, as
-                          * they are scattered */
+                          * the batch; scattered: places first .. end - 1 in the
+                          * order of squares that leap gives */
     uint32_t paths;      /* the number of paths of the batch */
     int walks; /* not 0: tiles make no records, but so many spots of each path,
                 * for later passes (passes.h) */
@@ -68,8 +69,9 @@ struct rad_pass {
                   * its pixels where objects end or records were made */
     bool scattered; /* level 0: looks again where the last lattice left places
                      * out; a tile has several squares, far from each other */
-    uint32_t squares, leap; /* scattered: number of all its frames' squares,
-                             * and how far one is from the next (modulo it) */
+    uint32_t squares, leap; /* scattered: number of squares of all its frames,
+                             * or of the pass's part of them; the square at
+                             * place i is i leap modulo squares */
     uint64_t rays;  /* when a tile has traced so many rays of hemispheres it
                      * asks no more; 0: there is no limit */
     bool check;     /* tiles make no records, but measure the cache's error

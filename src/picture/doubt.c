@@ -186,7 +186,8 @@ pixel_served(struct look *k, const int at[2], struct rad_ambserving *serving)
 }
 
 /* What of a pixel's error its area has: the correlation with another pixel of
- * the area. */
+ * the area.  What the pixel's records differ by counts like their noise: where
+ * others serve, others differ. */
 static double
 in_common(struct look *k, const int pixel_at[2],
           const struct rad_ambserving *serving)
@@ -197,7 +198,9 @@ in_common(struct look *k, const int pixel_at[2],
     move_in_area(k, at);
     if (at[0] == pixel_at[0] && at[1] == pixel_at[1])
         return 1;
+    k->ctx->no_direct = true; /* the records are wanted, not the light */
     pixel_served(k, at, &other);
+    k->ctx->no_direct = false;
     return rad_ambserving_common(serving, &other);
 }
 

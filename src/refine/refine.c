@@ -14,8 +14,9 @@
 #include <math.h>
 
 /* Tiles of a check pass: one for so many pixels, within these bounds.  A tile
- * makes about LOOKS pixels again (recheck.c).  Of a few sensors a check makes
- * each again LOOKS_A_SENSOR times, not more often. */
+ * makes about LOOKS pixels again (recheck.c), and looks records up in as many.
+ * Of a few sensors a check makes each again LOOKS_A_SENSOR times, not more
+ * often. */
 #define PIXELS_A_TILE 2048
 #define LEAST_TILES   36
 #define MOST_TILES    96

@@ -7,7 +7,7 @@
 set -u
 growth_kib=2048
 # a sanitizer keeps what is freed
-grep -q 'SANITIZED_TRUE=$' "$top_builddir/config.status" 2>/dev/null &&
+grep -q 'SANITIZED_TRUE"\]=""$' "$top_builddir/config.status" 2>/dev/null &&
     growth_kib=1000000
 
 # ask JOB TIMES: for its picture, until the coordinator has answered each

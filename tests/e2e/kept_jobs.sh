@@ -147,17 +147,17 @@ for i in 1 2 3; do
     points -o values.txt 2>stderr || fail "points, run $i: $(cat stderr)"
     [ "$(wc -l <values.txt)" -eq 2 ] || fail "run $i: $(cat values.txt)"
 done
-used 10 || fail "values that were waited for: $(ana limits)"
+until_true 10 used 10 || fail "values that were waited for: $(ana limits)"
 left=$(points --detach 2>stderr) || fail "points left: $(cat stderr)"
 left_unfetched()
 {
     ana jobs 2>stderr | grep "$left" | grep -q 'not fetched; kept until'
 }
 until_true 30 left_unfetched || fail "points left: $(ana jobs)"
-used 11 || fail "values that nobody has: $(ana limits)"
+until_true 10 used 11 || fail "values that nobody has: $(ana limits)"
 points --job="$left" -o again.txt 2>stderr || fail "--job: $(cat stderr)"
 cmp values.txt again.txt || fail "--job writes other values"
-used 10 || fail "values that --job wrote: $(ana limits)"
+until_true 10 used 10 || fail "values that --job wrote: $(ana limits)"
 left_unfetched && fail "--job: $(ana jobs)"
 end_one "$coord_pid" coordinator
 coord_start

@@ -27,7 +27,7 @@ if [ "${RADD_SOAK:-}" = long ]; then
     connections=250 submits=20000 uploads=3000 offers=200
 fi
 # a sanitizer keeps what is freed, and takes its time
-grep -q 'SANITIZED_TRUE=$' "$top_builddir/config.status" 2>/dev/null &&
+grep -q 'SANITIZED_TRUE"\]=""$' "$top_builddir/config.status" 2>/dev/null &&
     growth_kib=1000000 turn_ms=1000
 
 memory()

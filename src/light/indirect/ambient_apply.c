@@ -312,8 +312,12 @@ irradiance(struct rad_ctx *ctx, const struct rad_ray *r,
     asker.near = is_sensors(ctx, at);
     asker.serving = at->level == 0 ? ctx->serving : NULL;
     rad_ambient_ask(ctx->job->ambient, at, &asker, &said);
-    if (!serves(&said, due) && !(ctx->glance && said.weight > LEAST_FAR_WEIGHT))
+    if (!serves(&said, due) &&
+        !(ctx->glance && said.weight > LEAST_FAR_WEIGHT)) {
+        if (asker.serving)
+            rad_ambserving_forget(asker.serving);
         return make_record(ctx, r, at, behind, E, off);
+    }
     if (asker.only)
         return false;
     *E = said.E;

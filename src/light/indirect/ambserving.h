@@ -6,7 +6,7 @@
 #ifndef RAD_LIGHT_AMBSERVING_H
 #define RAD_LIGHT_AMBSERVING_H
 
-#define RAD_AMBSERVING_MOST 32
+#define RAD_AMBSERVING_MOST 128
 
 /* Each record of level 0, with its share of the pixel's luminance.  Of more
  * than there is room for the last are left out. */
@@ -21,13 +21,21 @@ struct rad_ambserving {
 void rad_ambserving_add(struct rad_ambserving *s, const void *record,
                         double share);
 
-/* What was added since the last call brings so much luminance; if that is
- * nothing, a hemisphere does. */
+/* What was added since the last call brings so much luminance; if nothing was
+ * added, a hemisphere for this pixel alone does. */
 void rad_ambserving_scale(struct rad_ambserving *s, double lum);
 
-/* The correlation of two pixels' errors, if the records' errors are equal and
- * do not depend on each other: 1 if the same records serve in the same parts, 0
- * if none serves in both. */
+/* What was added since the last call does not serve after all. */
+static inline void
+rad_ambserving_forget(struct rad_ambserving *s)
+{
+    s->n = s->scaled;
+}
+
+/* The correlation of two pixels' errors, if the records' relative errors are
+ * alike and do not depend on each other.  (Smoothed records share noise of
+ * their neighbours, so it is somewhat more.)  1 if the same records serve in
+ * the same parts, 0 if none serves in both. */
 double rad_ambserving_common(const struct rad_ambserving *a,
                              const struct rad_ambserving *b);
 

@@ -51,7 +51,7 @@ START_TEST(passes_are_weighed)
 {
     struct rad_pass_size size = { 640, 431 };
     struct rad_pass pass[RAD_MOST_PASSES];
-    double weight[RAD_MOST_PASSES], all = 0, part = 0, want = 0;
+    double weight[RAD_MOST_PASSES], all = 0, part = 0, want = 0, rest = 0;
     struct rad_params par;
     uint32_t n;
 
@@ -66,7 +66,9 @@ START_TEST(passes_are_weighed)
         part += weight[i] / all;
         want += shares[_i].share[i] / 100;
         ck_assert_double_eq_tol(part, want, .12);
+        rest += pass[i].scattered ? weight[i] / all : 0;
     }
+    ck_assert_double_lt(rest, .03); /* in all its rounds */
 }
 END_TEST
 

@@ -178,8 +178,8 @@ scatter(struct rad_pass *k)
     k->leap = 1;
 }
 
-/* Each pass of the plan in parts, of which none needs anything of another; the
- * scattered pass in no rounds but those. */
+/* Each pass of the plan in parts, of which none needs anything of another; of
+ * the scattered pass they replace its rounds. */
 static uint32_t
 plan_parts(const struct room *m, struct rad_pass pass[RAD_MOST_PASSES])
 {

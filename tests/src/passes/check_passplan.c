@@ -250,8 +250,8 @@ all_are(const uint8_t *seen, int n, int times)
     return true;
 }
 
-/* Count the squares of a tile.  If these are some they are not neighbours: from
- * the first to the last it is far. */
+/* Count the squares of a tile.  Four or more of them spread over half of all
+ * numbers. */
 static void
 see_squares(const struct rad_pass *pass, uint32_t tile, uint8_t *seen)
 {
