@@ -50,9 +50,13 @@
 #define AREAS  600.
 #define PLACES 48.
 
-/* but at most one for so many pixels. */
-#define SPARSE_AREAS  600.
-#define SPARSE_PLACES 3000.
+/* but at most one for so many pixels.  Of places there are FEW_PLACES in
+ * smaller pictures, too, down to one for so many pixels: each takes two
+ * hemispheres. */
+#define SPARSE_AREAS   600.
+#define SPARSE_PLACES  3000.
+#define FEW_PLACES     8.
+#define DENSEST_PLACES 100.
 
 /* An area with contrast c is 1 + BY_CONTRAST c^2 times as likely to be chosen
  * as one without.  A black area has contrast BLACK: light may be missing. */
@@ -434,15 +438,24 @@ look_about(struct look *k, const struct area *a,
 
 /* --- rows --- */
 
+/* How many places to look at in a picture. */
+static double
+places_of(double pixels)
+{
+    double few = fmin(FEW_PLACES, pixels / DENSEST_PLACES);
+
+    return fmin(fmax(pixels / SPARSE_PLACES, few), PLACES);
+}
+
 struct rad_doubt_share
 rad_doubt_of_picture(const struct rad_frame *f)
 {
     double pixels = (double)f->width * f->height;
 
-    return (struct rad_doubt_share){
-        fmin(1 / SPARSE_AREAS, AREAS / pixels),
-        f->job->ambient ? fmin(1 / SPARSE_PLACES, PLACES / pixels) : 0
-    };
+    return (struct rad_doubt_share){ fmin(1 / SPARSE_AREAS, AREAS / pixels),
+                                     f->job->ambient
+                                         ? places_of(pixels) / pixels
+                                         : 0 };
 }
 
 static struct rad_frame

@@ -65,8 +65,8 @@ struct rad_doubt_share {
     double areas, places;
 };
 
-/* Shares that give a few hundred areas of a picture and some fifty places: a
- * small part of the picture's own time. */
+/* Shares that give a few hundred areas of a picture and some fifty places, or
+ * eight in a small one: a small part of the picture's own time. */
 struct rad_doubt_share rad_doubt_of_picture(const struct rad_frame *f);
 
 /* The error that places have in common, signed so that noise cancels; sums over
