@@ -275,46 +275,40 @@ count_rest_tiles(struct rad_pass *pass)
     pass->tiles = n < (uint64_t)REST_TILES * frames ? n : REST_TILES * frames;
 }
 
-/* Make of *pass, the last lattice, the scattered pass over what its tiles left
- * out when they had traced their rays. */
-static void
-plan_rest(struct rad_pass *pass, const struct rad_pass_size *size)
-{
-    pass->field = -1;
-    pass->step *= 2;
-    pass->side = REST_PIXELS / pass->step;
-    count_lattice_tiles(pass, size);
-    pass->squares = pass->end = pass->tiles;
-    pass->leap = leap_of(pass->squares);
-    count_rest_tiles(pass);
-}
-
-/* Make of *pass, a scattered pass, its rounds: each has as many squares as all
- * before it, the last up to twice as many.  Returns their number. */
-static uint32_t
-plan_rest_rounds(struct rad_pass *pass)
-{
-    const struct rad_pass all = *pass;
-    uint32_t n = 0;
-
-    for (uint32_t first = 0; first < all.squares; first = pass[n++].end) {
-        uint32_t some = first > 0 ? first : REST_FIRST;
-
-        pass[n] = all;
-        pass[n].first = first;
-        if (all.squares - first > 2 * some)
-            pass[n].end = first + some;
-        count_rest_tiles(&pass[n]);
-    }
-    return n;
-}
-
 /* Does a scattered pass come in rounds?  Only that of a small first frame: in
  * others nearly all records are made before it. */
 static bool
 in_rounds(const struct rad_pass *pass, const struct rad_pass_size *size)
 {
-    return pass->scattered && pass->frame == 0 && !is_large(size);
+    return pass->frame == 0 && !is_large(size);
+}
+
+/* Make of *pass, the last lattice, the scattered pass over what its tiles left
+ * out when they had traced their rays; or the rounds of that pass, each over as
+ * many squares as all before it, the last over up to twice as many.  Returns
+ * the number of passes. */
+static uint32_t
+plan_rest(struct rad_pass *pass, const struct rad_pass_size *size)
+{
+    struct rad_pass all = *pass;
+    uint32_t n = 0;
+
+    all.field = -1;
+    all.step *= 2;
+    all.side = REST_PIXELS / all.step;
+    count_lattice_tiles(&all, size);
+    all.squares = all.end = all.tiles;
+    all.leap = leap_of(all.squares);
+    for (uint32_t first = 0; first < all.squares; first = pass[n++].end) {
+        uint32_t some = first > 0 ? first : REST_FIRST;
+
+        pass[n] = all;
+        pass[n].first = first;
+        if (in_rounds(&all, size) && all.squares - first > 2 * some)
+            pass[n].end = first + some;
+        count_rest_tiles(&pass[n]);
+    }
+    return n;
 }
 
 /* Plan pass *k over pixels, or the passes of its parts or rounds.  Passes
@@ -330,12 +324,12 @@ plan_lattice(const struct rad_pass *k, const struct rad_pass_size *size,
     for (int part = parts ? 0 : -1; part < parts; part++) {
         pass[n] = *k;
         pass[n].part = part;
-        if (k->scattered)
-            plan_rest(&pass[n], size);
-        else
-            count_lattice_tiles(&pass[n], size);
-        n +=
-            in_rounds(k, size) ? plan_rest_rounds(&pass[n]) : pass[n].tiles > 0;
+        if (k->scattered) {
+            n += plan_rest(&pass[n], size);
+            continue;
+        }
+        count_lattice_tiles(&pass[n], size);
+        n += pass[n].tiles > 0;
     }
     return n;
 }

@@ -24,6 +24,13 @@ fail()
     failed=1
 }
 
+# Were the programs built with a sanitizer, which keeps what is freed and takes its
+# time?
+is_sanitized()
+{
+    grep -q 'SANITIZED_TRUE"\]=""$' "$top_builddir/config.status" 2>/dev/null
+}
+
 # total FILE KEY: a count of a statistics file's totals
 total()
 {

@@ -58,7 +58,7 @@ begun_or_ended()
 # a picture of some seconds, and of a fourth of the pixels where a sanitizer takes
 # as long for them
 wide="-x 1200 -y 900"
-grep -q 'SANITIZED_TRUE"\]=""$' "$top_builddir/config.status" &&
+is_sanitized &&
     wide="-x 600 -y 450"
 
 # all are gone: radsubmit says that nothing happens, and what may be done; and

@@ -6,8 +6,7 @@
 . "$top_srcdir/tests/e2e/cluster.sh"
 set -u
 growth_kib=2048
-# a sanitizer keeps what is freed
-grep -q 'SANITIZED_TRUE"\]=""$' "$top_builddir/config.status" 2>/dev/null &&
+is_sanitized &&
     growth_kib=1000000
 
 # ask JOB TIMES: for its picture, until the coordinator has answered each

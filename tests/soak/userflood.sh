@@ -26,8 +26,7 @@ if [ "${RADD_SOAK:-}" = long ]; then
     status_ms=100 turn_ms=10 rounds=60
     connections=250 submits=20000 uploads=3000 offers=200
 fi
-# a sanitizer keeps what is freed, and takes its time
-grep -q 'SANITIZED_TRUE"\]=""$' "$top_builddir/config.status" 2>/dev/null &&
+is_sanitized &&
     growth_kib=1000000 turn_ms=1000
 
 memory()
