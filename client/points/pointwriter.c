@@ -225,6 +225,16 @@ put_bands(const struct pointwriter *w)
     putc('\n', w->to);
 }
 
+/* The job's options without -x and -y, which are those of a picture. */
+static const char *
+without_size(const char *options)
+{
+    int n = 0;
+
+    sscanf(options, "-x %*d -y %*d %n", &n);
+    return options + n;
+}
+
 static void
 put_header(const struct pointwriter *w)
 {
@@ -243,7 +253,7 @@ put_header(const struct pointwriter *w)
         return;
     pointspec_format(s, words, sizeof words);
     fprintf(w->to, "#?RADIANCE\n%sradsubmit --points %s %s\n", w->text->origin,
-            words, w->text->options);
+            words, without_size(w->text->options));
     fprintf(w->to, "SOFTWARE= radd " PACKAGE_VERSION "\nNCOMP=%d\n",
             count_numbers(w));
     put_bands(w);

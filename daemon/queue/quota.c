@@ -159,8 +159,8 @@ quota_job(const struct coord *c, const struct coord_conn *conn,
     if (rc == 0 && u.unfetched >= l->unfetched)
         rc = rad_fail(err, RAD_ETEMPFAIL,
                       "limit user_unfetched: you have %" PRIu64 " of %" PRIu64
-                      " jobs whose pictures you have not fetched: fetch or "
-                      "delete some (see 'radctl limits')",
+                      " jobs that are done and not fetched: fetch or delete "
+                      "some (see 'radctl jobs' and 'radctl limits')",
                       u.unfetched, l->unfetched);
     return rc;
 }

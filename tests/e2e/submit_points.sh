@@ -64,6 +64,8 @@ done
 "$radsubmit" --local --threads=1 --points=grid.txt -x 20 -y 20 -I -fac -ab 0 \
     "$room" >grid.hdr 2>stderr || fail "-fac: $(cat stderr)"
 LC_ALL=C grep -aqx -- '-Y 20 +X 20' grid.hdr || fail "colours without a size"
+[ "$(LC_ALL=C grep -ao -- ' -[xy] [0-9]*' grid.hdr | tr '\n' ' ')" = \
+    ' -x 20  -y 20 ' ] || fail "sides in: $(head -n 3 grid.hdr)"
 
 # what needs no light needs no job, and still has statistics
 "$radsubmit" --local --points=points.txt -h- -oL --stats=none.json box.rad \
