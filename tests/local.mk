@@ -107,6 +107,10 @@ ROOT_TESTS = \
 	tests/e2e/submit_outputs.sh \
 	tests/e2e/systemd_units.sh
 
+# Each make runs the recipe of config.h, on which all programs depend: a test
+# that did not wait for it, too, would begin before the longest ones.
+$(TEST_LOGS): config.h
+
 .PHONY: check-root check-sanitized check-threads
 check-root:
 	$(MAKE) $(AM_MAKEFLAGS) check TESTS='$(ROOT_TESTS)'
