@@ -1,9 +1,9 @@
 /* fingerprint.h - do two machines compute the same bits?
  *
- * A hash over a fixed set of results of the C library's mathematical functions
- * and of a small scene, rendered as every job is.  Where fingerprints agree,
- * so do pictures (without indirect light) bit for bit; where they differ they
- * may differ in last bits.
+ * A hash over the pixels of a small scene, rendered as every job is, and over
+ * results of the few functions of the C library that pictures may need.  Where
+ * fingerprints agree pictures do, bit for bit, but for indirect light of
+ * --ambient=live; where they differ pictures may differ in last bits.
  * Thread: any. */
 #ifndef RADD_DAEMON_FINGERPRINT_H
 #define RADD_DAEMON_FINGERPRINT_H
