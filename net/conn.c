@@ -37,6 +37,7 @@ on_timer(uv_timer_t *timer)
     struct conn *c = timer->data;
     uint64_t now = uv_now(timer->loop);
     struct msg ping = { .type = MSG_PING, .ping = c->says };
+    char why[40];
 
     if (c->primed) {
         c->primed = false;
@@ -54,7 +55,8 @@ on_timer(uv_timer_t *timer)
     /* PINGs are counted, not time: if the loop was blocked, bytes that came
      * meanwhile are read before the next PING */
     if (!c->paused && !is_patient(c) && c->silent++ >= SILENT_PINGS) {
-        conn_out_end(c, UV_ETIMEDOUT, "silent for 15 s");
+        snprintf(why, sizeof why, "silent for %d s", CONN_DEAD_MS / 1000);
+        conn_out_end(c, UV_ETIMEDOUT, why);
         return;
     }
     conn_send(c, &ping);

@@ -36,8 +36,8 @@
 #include <uv.h>
 
 #define CONN_HIGH         (8u << 20) /* bytes that may wait to be sent */
-#define CONN_PING_MS      5000
-#define CONN_DEAD_MS      15000
+#define CONN_PING_MS      5000  /* between two PINGs */
+#define CONN_DEAD_MS      15000 /* without a byte: the peer is given up */
 #define CONN_HANDSHAKE_MS 10000
 
 /* The reason that closed() gets if the peer broke the protocol. */

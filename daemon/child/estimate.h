@@ -6,8 +6,9 @@
  * second pass measures an area's own cost.  When all areas are done the loop
  * thread sends the costs (ESTIMATED).  If the picture is shared by lines it
  * sends the pixels before that, as FACTS, so that they need not be traced
- * again.  Thread: estimate_open() and estimate_work() may be called by any; the
- * others by one, before the threads begin or after they are done. */
+ * again.
+ * Thread: estimate_open() and estimate_work(): any; all other functions: one,
+ * before the threads begin or after they are done. */
 #ifndef RADD_DAEMON_ESTIMATE_H
 #define RADD_DAEMON_ESTIMATE_H
 

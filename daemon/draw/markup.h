@@ -3,8 +3,9 @@
  * Raw pieces and formats are the program's own words and numbers; what somebody
  * else chose (names of jobs, users, workers, files) goes through
  * markup_text() or markup_json() alone, which leave nothing in it that a
- * browser takes for its own. A failure of memory sticks: the text is NULL at
- * the end. Thread: a struct belongs to one thread. */
+ * browser takes for its own.  A failure of memory sticks: the text is NULL at
+ * the end.
+ * Thread: a struct belongs to one thread. */
 #ifndef RADD_DRAW_MARKUP_H
 #define RADD_DRAW_MARKUP_H
 

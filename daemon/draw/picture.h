@@ -2,7 +2,8 @@
  *
  * From the bytes of a .hdr that a coordinator sent.  A picture of more than
  * PICTURE_PIXELS is made smaller by a whole factor, each pixel the mean
- * radiance of those that it covers. Pure; thread: any. */
+ * radiance of those that it covers.
+ * Thread: any. */
 #ifndef RADD_DRAW_PICTURE_H
 #define RADD_DRAW_PICTURE_H
 
@@ -12,9 +13,9 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#define PICTURE_PIXELS 1500000    /* that are handed out */
-#define PICTURE_MOST   16000000   /* of a picture that is looked at at all */
-#define PICTURE_BYTES  (66 << 20) /* of its file */
+#define PICTURE_PIXELS 1500000    /* most pixels that are handed out */
+#define PICTURE_MOST   16000000   /* most pixels of a picture that is read */
+#define PICTURE_BYTES  (66 << 20) /* most bytes of its file */
 #define PICTURE_VIEW   1024
 
 /* Ahead of the pixels in `rgbe`: "RWP1", then width, height and the factor by

@@ -12,7 +12,9 @@
  * which they were submitted.  A worker gets units of the first job that has one
  * for it.
  *
- * now_ms: milliseconds on a clock that never goes back.
+ * now_ms: Unix time [ms], by a clock that was set once, at the start, and never
+ * goes back; dates that users read are made of it.  In tests/sim it is the
+ * simulation's own time.
  * Thread: the coordinator's loop. */
 #ifndef DAEMON_COORD_H
 #define DAEMON_COORD_H

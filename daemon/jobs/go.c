@@ -1,7 +1,6 @@
 /* go.c - see go.h
  *
- *       begins: UNIT, a loan, STILL, or rows of an attempt that was thought
- * lost
+ *       begins: UNIT, a loan, STILL, or rows of an attempt thought lost
  *                                   |
  *              PARKED               v             PARKED, and it lends
  *          .--------------------  WORKING  ---------------------.
@@ -14,9 +13,8 @@
  *
  *     these four -> DELIVERED: all rows came
  *     all five   -> OVER:      its rows are kept; the unit was given back
- * (GAVE)
- *                              or taken (REVOKE); the loan was paid (PAID); its
- *                              worker or its child is gone
+ *                              (GAVE) or taken (REVOKE); the loan was paid
+ *                              (PAID); its worker or its child is gone
  *
  * Messages cross, so one may come that does not fit the state any more (PARKED
  * of an attempt that waits already, GAVE without YIELD): it is ignored.  hold.c

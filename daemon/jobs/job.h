@@ -81,7 +81,7 @@ struct job {
     bool full;            /* the disk is full, so the job is held */
     bool watched;         /* a preview was asked for */
     uint32_t lives;       /* lives of the coordinator that the job outlived */
-    bool restored; /* from an earlier life, and no worker was ready since */
+    bool restored; /* an earlier life laid its units out; no worker came yet */
     struct stats_text *filing; /* statistics under way to the store, or NULL */
     struct msg_progress last;  /* how it ended; set in STAGE_FILED */
     uint64_t kept_bytes; /* size of its folder on the disk, once it is over */

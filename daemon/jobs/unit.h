@@ -51,7 +51,9 @@ struct job_unit {
     uint8_t faults;    /* attempts that came incomplete */
     uint8_t overtaken; /* how often a twin became the lead because the lead sent
                         * nothing; bounded */
-    uint8_t losses;    /* how often its worker left and came back without it */
+    uint8_t losses;    /* how often in a row the unit's worker was lost; 0 again
+                        * when another worker has the unit, or this one goes on
+                        * with it (loss.c) */
     bool whole;        /* no lines of it can be given away */
     bool given_back;   /* its worker was told to give it back, so going out
                         * again does not count as redone */

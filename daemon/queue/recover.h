@@ -6,7 +6,8 @@
  * What was only in memory is lost: facts, base lines that were not whole.  Base
  * lines below units that are done are made again from the last row and the
  * densities that were kept with it, so the sampler goes on as if nothing had
- * happened.  Thread: the coordinator's loop. */
+ * happened.
+ * Thread: the coordinator's loop. */
 #ifndef DAEMON_RECOVER_H
 #define DAEMON_RECOVER_H
 

@@ -4,7 +4,8 @@
  * pictures, if the caches of all users together are within a limit
  * (coord_keep.h). A later job of the same user may begin with them as its first
  * pass, if scene, seed and all options that records depend on are the same
- * (rad_params_of_records()).  Thread: the coordinator's loop. */
+ * (rad_params_of_records()).
+ * Thread: the coordinator's loop. */
 #ifndef DAEMON_REUSE_H
 #define DAEMON_REUSE_H
 

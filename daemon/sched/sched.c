@@ -429,8 +429,8 @@ lay_out(struct coord *c, struct job *job)
     return true;
 }
 
-/* The first worker is ready for a job from an earlier life of the coordinator;
- * false: the job failed. */
+/* The first worker is ready for a job of which an earlier life of the
+ * coordinator handed out units; false: the job failed. */
 static bool
 take_up_restored(struct coord *c, struct job *job)
 {

@@ -7,7 +7,8 @@
  * sent the whole of it.  It stays in the store as long if nobody else needs it;
  * so what a user can learn does not depend on others.
  *
- * A set of hashes, open addressing.  Thread: one. */
+ * A set of hashes, open addressing.
+ * Thread: one. */
 #ifndef DAEMON_KNOWN_H
 #define DAEMON_KNOWN_H
 

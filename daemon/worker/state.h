@@ -5,8 +5,8 @@
  *   worker_child.c  messages of children
  *   worker_end.c    the end of a job
  *   link.c          events of links to other workers
- *   gather.c        records of tiles, until their pass is closed
  *   relay.c         shared lines and tiles, up and down
+ *   gather.c        records of tiles, until their pass is closed
  *   peer.c          sending to other workers
  *   worker_files.c  files that jobs need
  *   wjob.c          jobs: their units, results and children
@@ -137,8 +137,8 @@ struct wasked {
 struct wcaller {
     struct wcaller *next;
     uint64_t conn, since_ms;
-    bool said; /* its PEER_HELLO came, with: */
-    uint8_t job[MSG_JOB], token[MSG_TOKEN];
+    bool said; /* its PEER_HELLO came: */
+    uint8_t job[MSG_JOB], token[MSG_TOKEN]; /* as PEER_HELLO has them */
     char name[MSG_MAX_NAME + 1];
 };
 
@@ -151,9 +151,9 @@ struct worker {
     uint64_t awake_ms; /* now_ms without time in which this process was stopped
                         */
     uint64_t coord;    /* connection to the coordinator; 0: none */
-    bool welcome;      /* the coordinator has answered HELLO, */
-    unsigned version;  /* with this version of the protocol */
-    bool parted;       /* it said BYE or REFUSE: the end is no loss */
+    bool welcome;      /* WELCOME came */
+    unsigned version;  /* of the protocol, as WELCOME said */
+    bool parted;       /* BYE or REFUSE came: the connection's end is no loss */
     uint64_t welcome_ms;
     uint64_t dial_ms;  /* when to dial next */
     unsigned delay_ms; /* of the dial after the next */

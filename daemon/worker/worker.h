@@ -71,7 +71,6 @@ void worker_child_ended(struct worker *w, uint64_t now_ms, uint64_t conn,
 
 /* Does this status of sysexits.h, with which a child gave up, tell of this
  * machine (memory, a file, a permission is missing), not of the scene? */
-
 bool worker_status_is_local(int status);
 
 /* env.load_s has changed. */
