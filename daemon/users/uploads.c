@@ -24,13 +24,16 @@ bucket_of(const struct uploads *u, const uint8_t *hash)
     return (struct upload **)&u->bucket[i];
 }
 
+/* The upload of that connection, 0 for one that waits for a job, and payer,
+ * NULL for any; or the end of its bucket. */
 static struct upload **
-find(const struct uploads *u, uint64_t conn, const uint8_t *hash)
+find(const struct uploads *u, uint64_t conn, const struct uploads_sum *payer,
+     const uint8_t *hash)
 {
     struct upload **at = bucket_of(u, hash);
 
-    while (*at &&
-           ((*at)->conn != conn || memcmp((*at)->hash, hash, MSG_HASH) != 0))
+    while (*at && ((*at)->conn != conn || (payer && (*at)->payer != payer) ||
+                   memcmp((*at)->hash, hash, MSG_HASH) != 0))
         at = &(*at)->next;
     return at;
 }
@@ -59,7 +62,7 @@ bool
 uploads_knows(const struct uploads *u, uint64_t conn,
               const uint8_t hash[MSG_HASH])
 {
-    return *find(u, conn, hash) != NULL;
+    return *find(u, conn, NULL, hash) != NULL;
 }
 
 bool
@@ -86,12 +89,13 @@ void
 uploads_whole(struct uploads *u, uint64_t conn, const uint8_t hash[MSG_HASH],
               uint64_t now_ms)
 {
-    struct upload **at = find(u, conn, hash), *f = *at;
-    struct upload **other = find(u, 0, hash);
+    struct upload **at = find(u, conn, NULL, hash), *f = *at;
+    struct upload **other;
 
     if (!f)
         return;
-    if (*other && (*other)->payer == f->payer) { /* sent twice, and kept once */
+    other = find(u, 0, f->payer, hash);
+    if (*other) { /* sent twice, and kept once */
         (*other)->since_ms = now_ms;
         drop(u, at);
         return;
@@ -104,34 +108,30 @@ uploads_whole(struct uploads *u, uint64_t conn, const uint8_t hash[MSG_HASH],
 void
 uploads_failed(struct uploads *u, uint64_t conn, const uint8_t hash[MSG_HASH])
 {
-    struct upload **at = find(u, conn, hash);
+    struct upload **at = find(u, conn, NULL, hash);
 
     if (*at)
         drop(u, at);
 }
 
-void
-uploads_closed(struct uploads *u, uint64_t conn)
+/* Drop the uploads of that connection; of 0, those that have waited for a job
+ * since then or longer. */
+static void
+drop_all(struct uploads *u, uint64_t conn, uint64_t since_ms)
 {
     for (int i = 0; i < UPLOADS_BUCKETS && u->n > 0; i++)
         for (struct upload **at = &u->bucket[i]; *at;)
-            if ((*at)->conn == conn)
+            if ((*at)->conn == conn &&
+                (conn != 0 || (*at)->since_ms <= since_ms))
                 drop(u, at);
             else
                 at = &(*at)->next;
 }
 
-/* The one that waits for a job of that user, or the end of its bucket. */
-static struct upload **
-find_waiting(const struct uploads *u, const struct uploads_sum *payer,
-             const uint8_t *hash)
+void
+uploads_closed(struct uploads *u, uint64_t conn)
 {
-    struct upload **at = bucket_of(u, hash);
-
-    while (*at && ((*at)->conn != 0 || (*at)->payer != payer ||
-                   memcmp((*at)->hash, hash, MSG_HASH) != 0))
-        at = &(*at)->next;
-    return at;
+    drop_all(u, conn, 0);
 }
 
 void
@@ -140,7 +140,7 @@ uploads_named(struct uploads *u, const struct uploads_sum *payer,
 {
     for (uint32_t i = 0; i < files->n && u->n > 0; i++) {
         struct upload **at =
-            find_waiting(u, payer, files->hash + (size_t)i * MSG_HASH);
+            find(u, 0, payer, files->hash + (size_t)i * MSG_HASH);
 
         if (*at)
             drop(u, at);
@@ -150,12 +150,7 @@ uploads_named(struct uploads *u, const struct uploads_sum *payer,
 void
 uploads_forget(struct uploads *u, uint64_t since_ms)
 {
-    for (int i = 0; i < UPLOADS_BUCKETS && u->n > 0; i++)
-        for (struct upload **at = &u->bucket[i]; *at;)
-            if ((*at)->conn == 0 && (*at)->since_ms <= since_ms)
-                drop(u, at);
-            else
-                at = &(*at)->next;
+    drop_all(u, 0, since_ms);
 }
 
 size_t

@@ -16,7 +16,8 @@ UNIT_TESTS += \
 	tests/daemon/coord/check_owner \
 	tests/daemon/coord/check_quota \
 	tests/daemon/coord/check_reuse \
-	tests/daemon/coord/check_states
+	tests/daemon/coord/check_states \
+	tests/daemon/coord/check_uploads
 
 noinst_HEADERS += \
 	tests/daemon/coord/coord_fixture.h \
