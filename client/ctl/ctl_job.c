@@ -151,7 +151,7 @@ ctl_run_priority(struct ctl *c)
 /* Get a whole file of a job; the caller frees its bytes. */
 static int
 fetch_file(struct ctl *c, const uint8_t job[MSG_JOB], int frame,
-           enum msg_what what, struct fetched *f)
+           enum msg_what what, struct rad_memory_out *f)
 {
     const struct msg *m;
     int rc =
@@ -173,7 +173,7 @@ look_at_first(struct ctl *c, const uint8_t job[MSG_JOB], int frame)
     int rc = 0;
 
     for (int i = 0; rc == 0 && i < frame && show_waits(&c->show); i++) {
-        struct fetched f = { 0 };
+        struct rad_memory_out f = { 0 };
 
         rc = fetch_file(c, job, i, MSG_WHAT_PICTURE, &f);
         if (rc == 0)
@@ -188,7 +188,7 @@ static int
 fetch_picture(struct ctl *c, const uint8_t job[MSG_JOB], int frame,
               const char *path)
 {
-    struct fetched f = { 0 };
+    struct rad_memory_out f = { 0 };
     int rc = 0;
 
     if (picfile_is_png(path, PICFILE_BY_SUFFIX))
@@ -235,7 +235,7 @@ struct plane_set {
 
 /* Add the next plane; the set takes its bytes. */
 static int
-add_plane(struct ctl *c, struct plane_set *s, const struct fetched *f)
+add_plane(struct ctl *c, struct plane_set *s, const struct rad_memory_out *f)
 {
     struct spectra_plane one = { f->bytes, f->len };
     struct rad_bands b;
@@ -262,7 +262,7 @@ fetch_all_planes(struct ctl *c, struct plane_set *s)
     int rc = 0;
 
     for (int i = 0; i < c->nargs && rc == 0; i++) {
-        struct fetched f = { 0 };
+        struct rad_memory_out f = { 0 };
         uint8_t job[MSG_JOB];
 
         c->arg = c->args[i];
@@ -361,7 +361,7 @@ add_state(struct ctl *c, json_t *stats)
 int
 ctl_run_job_report(struct ctl *c)
 {
-    struct fetched f = { 0 };
+    struct rad_memory_out f = { 0 };
     uint8_t job[MSG_JOB];
     json_t *stats = NULL;
     int rc;

@@ -53,7 +53,7 @@ now_ms(struct ctl *c)
 static int
 ask_stats(struct ctl *c, const uint8_t job[MSG_JOB], json_t **stats)
 {
-    struct fetched f = { 0 };
+    struct rad_memory_out f = { 0 };
     const struct msg *m;
     uint32_t request = ++c->request;
     int rc = fetch_start(c->link, job, 0, MSG_WHAT_STATS, request, c->err);

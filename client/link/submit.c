@@ -318,12 +318,13 @@ send_job(struct submit *s)
 
 /* Get a file of the job.  The caller frees f->bytes whatever is returned. */
 static int
-fetch(struct submit *s, uint32_t frame, enum msg_what what, struct fetched *f)
+fetch(struct submit *s, uint32_t frame, enum msg_what what,
+      struct rad_memory_out *f)
 {
     const struct msg *m;
     int rc;
 
-    *f = (struct fetched){ 0 };
+    *f = (struct rad_memory_out){ 0 };
     s->fetching = true;
     rc = fetch_start(s->link, s->job->spec->job, frame, what, ++s->request,
                      s->err);
@@ -339,7 +340,7 @@ fetch(struct submit *s, uint32_t frame, enum msg_what what, struct fetched *f)
 static int
 deliver_frame(struct submit *s)
 {
-    struct fetched picture = { 0 }, depth = { 0 };
+    struct rad_memory_out picture = { 0 }, depth = { 0 };
     bool wanted = s->job->spec->flags & MSG_JOB_DEPTH;
     int rc = 0;
 
@@ -359,7 +360,7 @@ deliver_frame(struct submit *s)
 
 /* Returns 1; or 0 if there is no preview, which does no harm; or an error. */
 static int
-fetch_preview(struct submit *s, struct fetched *f)
+fetch_preview(struct submit *s, struct rad_memory_out *f)
 {
     struct rad_error *err = s->err;
     struct rad_error why = { 0 };
@@ -381,7 +382,7 @@ static int
 preview(struct submit *s)
 {
     uint64_t begin = now_ms(s), end;
-    struct fetched f;
+    struct rad_memory_out f;
     int rc;
 
     if (!s->cb->preview || begin < s->preview_due_ms)
@@ -452,7 +453,7 @@ reason(struct submit *s)
 static int
 deliver_stats(struct submit *s)
 {
-    struct fetched f;
+    struct rad_memory_out f;
     int rc;
 
     if (!s->cb->stats)

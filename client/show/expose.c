@@ -6,6 +6,7 @@
 
 #include "show/expose.h"
 
+#include "base/files.h"
 #include "image/hdr.h"
 
 #include <stdio.h>
@@ -41,32 +42,10 @@ multiply(uint8_t *rgbe, int width, double factor)
     }
 }
 
-struct bytes {
-    uint8_t *p;
-    size_t n, room;
-};
-
-static int
-append(struct bytes *b, const void *from, size_t n, struct rad_error *err)
-{
-    if (n > b->room - b->n) {
-        size_t room = 2 * b->room + n;
-        uint8_t *p = realloc(b->p, room);
-
-        if (!p)
-            return rad_fail_memory(err);
-        b->p = p;
-        b->room = room;
-    }
-    memcpy(b->p + b->n, from, n);
-    b->n += n;
-    return 0;
-}
-
 /* Multiply the rows from at to end. */
 static int
 expose_rows(const uint8_t *at, const uint8_t *end, int width, int height,
-            double factor, struct bytes *to, struct rad_error *err)
+            double factor, struct rad_memory_out *to, struct rad_error *err)
 {
     uint8_t *rgbe = malloc(4 * (size_t)width);
     uint8_t *code = malloc(RAD_HDR_ROW_BYTES(width));
@@ -81,7 +60,8 @@ expose_rows(const uint8_t *at, const uint8_t *end, int width, int height,
         }
         multiply(rgbe, width, factor);
         at += n;
-        rc = append(to, code, rad_hdr_encode_rgbe(rgbe, width, code), err);
+        rc = rad_memory_add(to, code, rad_hdr_encode_rgbe(rgbe, width, code),
+                            err);
     }
     free(rgbe);
     free(code);
@@ -122,24 +102,25 @@ expose(const uint8_t *hdr, size_t n, double factor, uint8_t **out, size_t *nout,
        struct rad_error *err)
 {
     struct layout at;
-    struct bytes to = { 0 };
+    struct rad_memory_out to = { 0 };
     char line[64];
     int rc = find_rows(hdr, n, &at, err);
 
     if (rc < 0)
         return rc;
     snprintf(line, sizeof line, "EXPOSURE=%e\n", factor);
-    if ((rc = append(&to, hdr, (size_t)(at.head - hdr), err)) == 0 &&
-        (rc = append(&to, line, strlen(line), err)) == 0 &&
-        (rc = append(&to, at.head, (size_t)(at.rows - at.head), err)) == 0)
+    if ((rc = rad_memory_add(&to, hdr, (size_t)(at.head - hdr), err)) == 0 &&
+        (rc = rad_memory_add(&to, line, strlen(line), err)) == 0 &&
+        (rc = rad_memory_add(&to, at.head, (size_t)(at.rows - at.head), err)) ==
+            0)
         rc =
             expose_rows(at.rows, at.end, at.width, at.height, factor, &to, err);
     if (rc < 0) {
-        free(to.p);
+        free(to.bytes);
         return rc;
     }
-    *out = to.p;
-    *nout = to.n;
+    *out = to.bytes;
+    *nout = to.len;
     return 0;
 }
 

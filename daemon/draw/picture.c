@@ -3,6 +3,7 @@
 
 #include "draw/picture.h"
 
+#include "base/files.h"
 #include "image/hdr.h"
 #include "tone/screen.h"
 
@@ -102,36 +103,12 @@ fill(struct picture *pic, const struct rad_coded_picture *c, struct rad_rgb *L)
 
 /* --- for a screen --- */
 
-struct growing {
-    uint8_t *p;
-    size_t n, cap;
-};
-
-static int
-grow(void *arg, const void *p, size_t n, struct rad_error *err)
-{
-    struct growing *g = arg;
-
-    if (g->cap - g->n < n) {
-        size_t cap = 2 * (g->n + n) + 65536;
-        uint8_t *more = realloc(g->p, cap);
-
-        if (!more)
-            return rad_fail_memory(err);
-        g->p = more;
-        g->cap = cap;
-    }
-    memcpy(g->p + g->n, p, n);
-    g->n += n;
-    return 0;
-}
-
 static int
 make_png(struct picture *pic, const struct rad_picture *whole, bool partial,
          struct rad_error *err)
 {
-    struct growing g = { 0 };
-    const struct rad_sink sink = { grow, &g };
+    struct rad_memory_out png;
+    const struct rad_sink sink = rad_memory_sink(&png);
     struct rad_tone tone = { 0 };
     struct rad_screen screen;
     int rc;
@@ -140,11 +117,11 @@ make_png(struct picture *pic, const struct rad_picture *whole, bool partial,
     screen.tone.partial = partial;
     rc = rad_screen_png(&screen, &tone, whole, NULL, &sink, err);
     if (rc < 0) {
-        free(g.p);
+        free(png.bytes);
         return rc;
     }
-    pic->png = g.p;
-    pic->npng = g.n;
+    pic->png = png.bytes;
+    pic->npng = png.len;
     return 0;
 }
 

@@ -10,6 +10,8 @@
 #include "machine/jobtext.h"
 #include "machine/wordlist.h"
 
+#include "base/files.h"
+
 #include <jansson.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -300,8 +302,7 @@ head(const struct job *job, uint64_t now_ms)
 /* --- as text --- */
 
 struct stats_text {
-    char *text;
-    size_t len, cap;
+    struct rad_memory_out text;
     uint32_t unit;        /* the next unit to write */
     uint32_t frame, line; /* the next line to write */
     bool any;             /* the list being written is not empty */
@@ -309,27 +310,9 @@ struct stats_text {
 };
 
 static bool
-put(struct stats_text *t, const char *s, size_t n)
-{
-    if (t->cap - t->len <= n) {
-        size_t cap = 2 * (t->len + n) + 4096;
-        char *p = realloc(t->text, cap);
-
-        if (!p)
-            return false;
-        t->text = p;
-        t->cap = cap;
-    }
-    memcpy(t->text + t->len, s, n);
-    t->len += n;
-    t->text[t->len] = '\0';
-    return true;
-}
-
-static bool
 put_text(struct stats_text *t, const char *s)
 {
-    return put(t, s, strlen(s));
+    return rad_memory_add(&t->text, s, strlen(s), NULL) == 0;
 }
 
 /* Write one more item of a list; takes the item. */
@@ -352,7 +335,7 @@ put_units(struct stats_text *t, const struct job *job, uint32_t *left)
 {
     uint32_t n = job->partition ? partition_total(job->partition) : 0;
 
-    for (; t->unit<n && * left> 0; t->unit++, --*left)
+    for (; *left > 0 && t->unit < n; t->unit++, --*left)
         if (job->units[t->unit].state == UNIT_DONE &&
             !put_entry(t, unit(job, t->unit)))
             return false;
@@ -369,7 +352,7 @@ put_lines(struct stats_text *t, const struct job *job, uint32_t *left)
     const struct job_frame *f = &job->frames[t->frame];
 
     t->any = t->line > 0;
-    for (; t->line<f->nlines && * left> 0; t->line++, --*left)
+    for (; *left > 0 && t->line < f->nlines; t->line++, --*left)
         if (!put_entry(t, json_real(f->line_s[t->line])))
             return false;
     if (t->line < f->nlines)
@@ -393,7 +376,9 @@ stats_more(struct stats_text *t, const struct job *job, uint32_t most)
         return RAD_ENOMEM;
     if (t->at != AT_END)
         return 0;
-    return put_text(t, "\n}") ? 1 : RAD_ENOMEM;
+    return rad_memory_add(&t->text, "\n}", sizeof "\n}", NULL) == 0
+               ? 1
+               : RAD_ENOMEM;
 }
 
 struct stats_text *
@@ -406,7 +391,8 @@ stats_begin(const struct job *job, uint64_t now_ms)
 
     json_decref(root);
     /* without the closing brace: further lists follow */
-    if (!t || !s || !put(t, s, strlen(s) - strlen("\n}")) ||
+    if (!t || !s ||
+        rad_memory_add(&t->text, s, strlen(s) - strlen("\n}"), NULL) != 0 ||
         !put_text(t, ",\n \"units\": [")) {
         stats_free(t);
         t = NULL;
@@ -420,14 +406,14 @@ stats_free(struct stats_text *t)
 {
     if (!t)
         return;
-    free(t->text);
+    free(t->text.bytes);
     free(t);
 }
 
 char *
 stats_take(struct stats_text *t)
 {
-    char *text = t->text;
+    char *text = (char *)t->text.bytes;
 
     free(t);
     return text;

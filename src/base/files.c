@@ -160,11 +160,10 @@ rad_fd_sink(struct rad_fd *to)
     return out;
 }
 
-static int
-write_memory(void *arg, const void *p, size_t n, struct rad_error *err)
+int
+rad_memory_add(struct rad_memory_out *to, const void *p, size_t n,
+               struct rad_error *err)
 {
-    struct rad_memory_out *to = arg;
-
     if (n > to->size - to->len) {
         size_t size = 2 * to->size + n;
         unsigned char *more = realloc(to->bytes, size);
@@ -178,6 +177,12 @@ write_memory(void *arg, const void *p, size_t n, struct rad_error *err)
         memcpy(to->bytes + to->len, p, n);
     to->len += n;
     return 0;
+}
+
+static int
+write_memory(void *arg, const void *p, size_t n, struct rad_error *err)
+{
+    return rad_memory_add(arg, p, n, err);
 }
 
 struct rad_sink

@@ -61,11 +61,15 @@ struct rad_stream rad_memory_stream(struct rad_memory_in *from);
 struct rad_stream rad_fd_stream(struct rad_fd *from);
 struct rad_sink rad_fd_sink(struct rad_fd *to);
 
-/* A sink to memory; the caller frees `bytes`. */
+/* Bytes that grow; zeroed there are none.  The caller frees `bytes`. */
 struct rad_memory_out {
     unsigned char *bytes;
     size_t len, size;
 };
+/* Add n bytes; 0 or RAD_ENOMEM. */
+int rad_memory_add(struct rad_memory_out *to, const void *p, size_t n,
+                   struct rad_error *err);
+/* A sink that adds what it gets; *to is zeroed first. */
 struct rad_sink rad_memory_sink(struct rad_memory_out *to);
 
 #endif

@@ -55,33 +55,11 @@ get_start(struct rad_octin *f, struct rad_octfile *how)
 
 /* --- trees */
 
-/* Make room for `sets` more int32_t in the sets and `kids` more nodes. */
 static int
 reserve(struct rad_octin *f, struct rad_octree *t, int32_t sets, int32_t kids)
 {
-    if (sets > t->max_sets - t->nsets) {
-        size_t max = 2 * (size_t)t->max_sets + (size_t)sets + 1024;
-        int32_t *more =
-            max <= INT32_MAX ? realloc(t->sets, max * sizeof *more) : NULL;
-
-        if (!more)
-            goto nomem;
-        t->sets = more;
-        t->max_sets = (int32_t)max;
-    }
-    if (kids > t->max_kids - t->nkids) {
-        size_t max = 2 * (size_t)t->max_kids + 256;
-        int32_t(*more)[8] =
-            max <= INT32_MAX ? realloc(t->kids, max * sizeof *more) : NULL;
-
-        if (!more)
-            goto nomem;
-        t->kids = more;
-        t->max_kids = (int32_t)max;
-    }
-    return 0;
-nomem:
-    f->rc = rad_fail(f->err, RAD_ENOMEM, "out of memory for the octree");
+    if (!rad_octree_reserve(t, sets, kids))
+        f->rc = rad_fail(f->err, RAD_ENOMEM, "out of memory for the octree");
     return f->rc;
 }
 

@@ -76,24 +76,40 @@ out_of_memory(struct builder *b)
 
 /* --- nodes ---------------------------------------------------------------- */
 
-static int32_t
-new_kids(struct builder *b)
+bool
+rad_octree_reserve(struct rad_octree *t, int32_t sets, int32_t kids)
 {
-    struct rad_octree *t = b->t;
+    if (sets > t->max_sets - t->nsets) {
+        size_t max = 2 * (size_t)t->max_sets + (size_t)sets + 1024;
+        int32_t *more =
+            max <= INT32_MAX ? realloc(t->sets, max * sizeof *more) : NULL;
 
-    if (t->nkids == t->max_kids) {
-        size_t max = 2 * (size_t)t->max_kids + 64;
+        if (!more)
+            return false;
+        t->sets = more;
+        t->max_sets = (int32_t)max;
+    }
+    if (kids > t->max_kids - t->nkids) {
+        size_t max = 2 * (size_t)t->max_kids + (size_t)kids + 64;
         int32_t(*more)[8] =
             max <= INT32_MAX ? realloc(t->kids, max * sizeof *more) : NULL;
 
-        if (!more) {
-            out_of_memory(b);
-            return RAD_OCTREE_EMPTY;
-        }
+        if (!more)
+            return false;
         t->kids = more;
         t->max_kids = (int32_t)max;
     }
-    return t->nkids++;
+    return true;
+}
+
+static int32_t
+new_kids(struct builder *b)
+{
+    if (!rad_octree_reserve(b->t, 0, 1)) {
+        out_of_memory(b);
+        return RAD_OCTREE_EMPTY;
+    }
+    return b->t->nkids++;
 }
 
 static int32_t
@@ -107,17 +123,9 @@ new_set(struct builder *b, const int32_t *list, int32_t n)
         t->left_out += n - RAD_OCTREE_MAX_SET;
         n = RAD_OCTREE_MAX_SET;
     }
-    if (n + 1 > t->max_sets - t->nsets) {
-        size_t max = 2 * (size_t)t->max_sets + (size_t)n + 1024;
-        int32_t *more =
-            max <= INT32_MAX ? realloc(t->sets, max * sizeof *more) : NULL;
-
-        if (!more) {
-            out_of_memory(b);
-            return RAD_OCTREE_EMPTY;
-        }
-        t->sets = more;
-        t->max_sets = (int32_t)max;
+    if (!rad_octree_reserve(t, n + 1, 0)) {
+        out_of_memory(b);
+        return RAD_OCTREE_EMPTY;
     }
     set = t->sets + at;
     *set++ = n;

@@ -48,6 +48,10 @@ struct rad_octree {
 void rad_octree_init(struct rad_octree *t);
 void rad_octree_release(struct rad_octree *t);
 
+/* Make room for `sets` more int32_t in the sets and `kids` more nodes; false:
+ * memory is out. */
+bool rad_octree_reserve(struct rad_octree *t, int32_t sets, int32_t kids);
+
 /* Build; *t is initialised here, and is empty on failure (RAD_ENOMEM, or
  * RAD_EDATA for coordinates that are too large).  Degenerate surfaces (without
  * area) and sources are left out. */
