@@ -43,10 +43,13 @@ rad_rgb_mul(struct rad_rgb a, struct rad_rgb b)
     return rad_rgb(a.r * b.r, a.g * b.g, a.b * b.b);
 }
 
+/* Multiplied by s, as a float. */
 static inline struct rad_rgb
-rad_rgb_scale(struct rad_rgb a, float s)
+rad_rgb_scale(struct rad_rgb a, double s)
 {
-    return rad_rgb(a.r * s, a.g * s, a.b * s);
+    float f = (float)s;
+
+    return rad_rgb(a.r * f, a.g * f, a.b * f);
 }
 
 /* Luminance without the efficacy factor, in the units of the channels. */

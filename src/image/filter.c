@@ -248,8 +248,7 @@ clamp_row(struct rad_filter *f, int y, struct rad_rgb *to)
         double has = amount(row[x]);
         double most = has > 0 ? f->s.clamp * mean_about(f, x, y) : 0;
 
-        to[x] =
-            has > most ? rad_rgb_scale(row[x], (float)(most / has)) : row[x];
+        to[x] = has > most ? rad_rgb_scale(row[x], most / has) : row[x];
     }
     keep_row(f, y, to);
 }

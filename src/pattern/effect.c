@@ -36,7 +36,7 @@ rad_effect_brighten(struct rad_ctx *ctx, const struct rad_material *mat,
     double v[3];
 
     if (e->values(ctx, e, r, v))
-        r->pattern = rad_rgb_scale(r->pattern, (float)v[0]);
+        r->pattern = rad_rgb_scale(r->pattern, v[0]);
     return false;
 }
 

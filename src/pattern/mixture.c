@@ -20,8 +20,7 @@ rad_mixture_parts(const struct rad_job *job, int32_t index, int32_t part[2],
 static struct rad_rgb
 mix(struct rad_rgb a, struct rad_rgb b, double t)
 {
-    return rad_rgb_add(rad_rgb_scale(a, (float)t),
-                       rad_rgb_scale(b, (float)(1 - t)));
+    return rad_rgb_add(rad_rgb_scale(a, t), rad_rgb_scale(b, 1 - t));
 }
 
 /* Shade `part`, a copy of the ray, with one modifier, whose share is coef.
@@ -32,7 +31,7 @@ shade_part(struct rad_ctx *ctx, struct rad_ray *part, int32_t mod, double coef)
     if (!(coef > RAD_TINY))
         return false;
     part->weight *= (float)coef;
-    part->coef = rad_rgb_scale(part->coef, (float)coef);
+    part->coef = rad_rgb_scale(part->coef, coef);
     return rad_ray_shade(ctx, part, mod);
 }
 

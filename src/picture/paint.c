@@ -298,10 +298,9 @@ cover(struct rad_pixel *p, struct rad_rgb L, double dist, double w, bool depth)
         same = false;
     }
     if (same)
-        p->L = rad_rgb_scale(p->L, (float)w);
+        p->L = rad_rgb_scale(p->L, w);
     else
-        p->L = rad_rgb_add(rad_rgb_scale(p->L, (float)(1 - w)),
-                           rad_rgb_scale(L, (float)w));
+        p->L = rad_rgb_add(rad_rgb_scale(p->L, 1 - w), rad_rgb_scale(L, w));
 }
 
 /* Narrow [*x0, *x1) to the columns that a source may cover in row y from the

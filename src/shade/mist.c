@@ -341,7 +341,7 @@ scatter_at(struct rad_ctx *ctx, const struct rad_ray *r, int32_t source,
     if (rad_rgb_black(at.L))
         return at.L;
     f = rad_rgb_mul(rad_rgb_mul(m->albedo, r->ext), transmission(r->ext, t));
-    return rad_rgb_mul(at.L, rad_rgb_scale(f, (float)ds));
+    return rad_rgb_mul(at.L, rad_rgb_scale(f, ds));
 }
 
 static int

@@ -563,7 +563,7 @@ faded(struct rad_rgb L)
     if (cones >= 1)
         return L;
     cones = fmax(cones, 0);
-    return rad_rgb_add(rad_rgb_scale(L, (float)cones),
+    return rad_rgb_add(rad_rgb_scale(L, cones),
                        rad_grey((float)((1 - cones) * scotopic(L))));
 }
 
@@ -579,7 +579,7 @@ shown(const struct rad_human *h, struct rad_rgb L)
         return rad_grey(0);
     Ld = rad_human_display(h, Lw);
     Ld = (Ld - RAD_HUMAN_DARKEST) / (RAD_HUMAN_BRIGHTEST - RAD_HUMAN_DARKEST);
-    return rad_rgb_scale(L, (float)(Ld * RAD_HUMAN_EFFICACY / Lw));
+    return rad_rgb_scale(L, Ld * RAD_HUMAN_EFFICACY / Lw);
 }
 
 void

@@ -84,7 +84,7 @@ roulette(struct rad_ray *r, double least)
         return true;
     if (rad_rand(r->key, RAD_DIM_ROULETTE) > r->weight / least)
         return false;
-    r->coef = rad_rgb_scale(r->coef, (float)(least / r->weight));
+    r->coef = rad_rgb_scale(r->coef, least / r->weight);
     r->weight = (float)least;
     return true;
 }

@@ -579,8 +579,7 @@ test_drawn(struct direct *d)
         at -= lum;
     }
     if (test(d, p))
-        d->r->L =
-            rad_rgb_add(d->r->L, rad_rgb_scale(p->val, (float)(all / lum)));
+        d->r->L = rad_rgb_add(d->r->L, rad_rgb_scale(p->val, all / lum));
 }
 
 /* The part, by channel, of light a that arrives as b; 1 at most. */

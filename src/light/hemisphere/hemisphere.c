@@ -232,7 +232,7 @@ resample_cell(struct sampler *s, int i, int j, int more, uint32_t *number)
 
         if (!trace(s, c, x, y, *number, d, &L, &dist))
             continue;
-        L = rad_rgb_scale(L, (float)part_of_cell(s, 1 + more, x, y));
+        L = rad_rgb_scale(L, part_of_cell(s, 1 + more, x, y));
         sum = rad_rgb_add(sum, L);
         add_ray(s, cell, L);
     }
@@ -266,7 +266,7 @@ follow_guide(struct sampler *s, uint32_t *number)
             continue;
         double all = (double)s->tally[cell].rays * n * n +
                      s->guided * rad_guide_density(&s->guide, x, y);
-        L = rad_rgb_scale(L, (float)(n * n / all));
+        L = rad_rgb_scale(L, n * n / all);
         c->L = rad_rgb_add(c->L, L);
         sum += (double)rad_rgb_lum(L);
         sum2 += (double)rad_rgb_lum(L) * (double)rad_rgb_lum(L);
@@ -473,7 +473,7 @@ sample(struct rad_ctx *ctx, const struct rad_ray *r,
         super_sample(&s, more);
     for (int k = 0; k < n2; k++)
         sum = rad_rgb_add(sum, h->cell[k].L);
-    h->E = rad_rgb_scale(sum, (float)(M_PI / n2));
+    h->E = rad_rgb_scale(sum, M_PI / n2);
     h->var = h->complete ? variance(&s) : -1;
     return true;
 }

@@ -287,7 +287,7 @@ constant_radiance(const struct rad_ctx *ctx)
     if (!(lum > 0))
         return rad_grey((float)rad_exp(sum / n));
     sum += par->ambvwt * rad_log(lum);
-    return rad_rgb_scale(av, (float)(rad_exp(sum / (par->ambvwt + n)) / lum));
+    return rad_rgb_scale(av, rad_exp(sum / (par->ambvwt + n)) / lum);
 }
 
 /* Set *E at the place, interpolated or sampled, and *off to its expected
@@ -370,7 +370,7 @@ rad_ambient_apply(struct rad_ctx *ctx, struct rad_ray *r, const double n[3],
         rad_scale(at.n, behind ? -1 : 1, r->n);
         rad_copy(at.pn, n);
         if (irradiance(ctx, r, &at, behind, coef, &E, &off)) {
-            *coef = rad_rgb_scale(rad_rgb_mul(*coef, E), (float)(1 / M_PI));
+            *coef = rad_rgb_scale(rad_rgb_mul(*coef, E), 1 / M_PI);
             if (at.level == 0)
                 note_doubt(ctx, r, *coef, off);
             return;

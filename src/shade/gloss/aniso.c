@@ -49,12 +49,6 @@ rad_aniso_prepare(struct rad_job *job, int32_t index,
     return rad_expr_prepare(job, o, files, 3, 07, &m->expr, err);
 }
 
-static struct rad_rgb
-scaled(struct rad_rgb c, double s)
-{
-    return rad_rgb_scale(c, (float)s);
-}
-
 /* rad_brdf_fn */
 static void
 brdf(struct rad_rgb *coef, void *data, const double ldir[3], double omega)
@@ -69,20 +63,20 @@ brdf(struct rad_rgb *coef, void *data, const double ldir[3], double omega)
         return;
     part = cos_l > 0 ? p->rdiff : p->tdiff;
     if (part > RAD_TINY)
-        *coef = scaled(p->color, part * fabs(cos_l) * omega / M_PI);
+        *coef = rad_rgb_scale(p->color, part * fabs(cos_l) * omega / M_PI);
     if (cos_l > 0 && p->rspec > RAD_TINY) {
         /* the light's extent, since -dj 0 aims all samples at its centre */
         double spread = (1 - g->ctx->job->params.srcjitter) * omega;
 
         lobe = rad_gloss_brdf(g, ldir, hit->flat ? spread / (4 * M_PI) : 0);
         if (lobe > RAD_TINY)
-            *coef =
-                rad_rgb_add(*coef, scaled(p->spec_color, lobe * cos_l * omega));
+            *coef = rad_rgb_add(
+                *coef, rad_rgb_scale(p->spec_color, lobe * cos_l * omega));
     } else if (cos_l < 0 && p->tspec > RAD_TINY) {
         lobe = rad_gloss_btdf(g, hit->ahead, hit->cos_n, ldir, omega);
         if (lobe > RAD_TINY)
-            *coef =
-                rad_rgb_add(*coef, scaled(p->color, lobe * p->tspec * omega));
+            *coef = rad_rgb_add(
+                *coef, rad_rgb_scale(p->color, lobe * p->tspec * omega));
     }
 }
 
@@ -162,7 +156,7 @@ divide(struct aniso_hit *hit)
     p->follow_refl = p->rspec > thresh;
     p->follow_tran = p->tspec > thresh;
     p->color = rad_rgb_mul(m->color, hit->gloss.r->pattern);
-    p->spec_color = m->type == RAD_METAL2 ? scaled(p->color, m->spec)
+    p->spec_color = m->type == RAD_METAL2 ? rad_rgb_scale(p->color, m->spec)
                                           : rad_grey((float)m->spec);
 }
 

@@ -91,13 +91,13 @@ brdf(struct rad_rgb *coef, void *data, const double ldir[3], double omega)
     if (cos_l <= RAD_TINY)
         return;
     f = (1 - schlick(cos_l)) / M_PI;
-    *coef = rad_rgb_scale(hit->color, (float)(f * cos_l * omega));
+    *coef = rad_rgb_scale(hit->color, f * cos_l * omega);
     if (!hit->glossy)
         return;
     f = lobe(hit, ldir, cos_l);
     if (f > RAD_TINY)
-        *coef = rad_rgb_add(
-            *coef, rad_rgb_scale(hit->spec_color, (float)(f * cos_l * omega)));
+        *coef = rad_rgb_add(*coef,
+                            rad_rgb_scale(hit->spec_color, f * cos_l * omega));
 }
 
 /* Set u, v and the powers along them.  Without a direction u the power is the
@@ -184,7 +184,7 @@ reflect_gloss(const struct ashik_hit *hit)
         rad_ray_trace(hit->ctx, &sr);
         sum = rad_rgb_add(sum, sr.L);
     }
-    sum = rad_rgb_scale(rad_rgb_mul(sum, sr.coef), (float)(1. / n));
+    sum = rad_rgb_scale(rad_rgb_mul(sum, sr.coef), 1. / n);
     r->L = rad_rgb_add(r->L, sum);
 }
 

@@ -229,14 +229,14 @@ brdf(struct rad_rgb *coef, void *data, const double ldir[3], double omega)
     if (fabs(cos_l) <= RAD_TINY)
         return;
     *coef = rad_rgb_scale(cos_l > 0 ? hit->rdiff : hit->tdiff,
-                          (float)(fabs(cos_l) * omega / M_PI));
+                          fabs(cos_l) * omega / M_PI);
     part = cos_l > 0 ? m->rspec : m->tspec;
     if (part <= RAD_TINY || !scatter(hit, ldir, omega, &f) ||
         rad_rgb_lum(f) <= RAD_TINY)
         return;
     if (tinted)
         f = rad_rgb_mul(f, hit->color);
-    f = rad_rgb_scale(f, (float)(part * fabs(cos_l) * omega));
+    f = rad_rgb_scale(f, part * fabs(cos_l) * omega);
     *coef = rad_rgb_add(*coef, f);
 }
 
@@ -283,13 +283,12 @@ rad_brdf_shade(struct rad_ctx *ctx, const struct rad_material *mat,
     if (!rad_ray_face(ctx, r, mat->next))
         return true;
     enter(&hit, ctx, m, r);
-    hit.rdiff = rad_rgb_scale(hit.color, (float)m->rdiff);
-    hit.tdiff = rad_rgb_scale(hit.color, (float)m->tdiff);
+    hit.rdiff = rad_rgb_scale(hit.color, m->rdiff);
+    hit.tdiff = rad_rgb_scale(hit.color, m->tdiff);
     if (m->trans < 1 - RAD_TINY)
-        add_ambient(&hit, false,
-                    rad_rgb_scale(hit.color, (float)(1 - m->trans)));
+        add_ambient(&hit, false, rad_rgb_scale(hit.color, 1 - m->trans));
     if (m->trans > RAD_TINY)
-        add_ambient(&hit, true, rad_rgb_scale(hit.color, (float)m->trans));
+        add_ambient(&hit, true, rad_rgb_scale(hit.color, m->trans));
     rad_direct(ctx, r, brdf, &hit, m->trans > RAD_TINY);
     return true;
 }

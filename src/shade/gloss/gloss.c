@@ -129,7 +129,7 @@ static void
 add_light(const struct rad_gloss *g, struct rad_rgb sum,
           const struct rad_ray *sample, int n)
 {
-    sum = rad_rgb_scale(rad_rgb_mul(sum, sample->coef), (float)(1. / n));
+    sum = rad_rgb_scale(rad_rgb_mul(sum, sample->coef), 1. / n);
     g->r->L = rad_rgb_add(g->r->L, sum);
 }
 
@@ -161,7 +161,7 @@ rad_gloss_reflect(const struct rad_gloss *g, const struct rad_rgb *coef)
         sr.key = rad_key_branch(g->r->key, RAD_BRANCH_RSPECULAR | (uint32_t)i);
         rad_ray_trace(g->ctx, &sr);
         w = n > 1 ? 2 / (1 + fabs(g->r->cos_o) / cos_i) : 1;
-        sum = rad_rgb_add(sum, rad_rgb_scale(sr.L, (float)w));
+        sum = rad_rgb_add(sum, rad_rgb_scale(sr.L, w));
     }
     add_light(g, sum, &sr, n);
 }
@@ -209,17 +209,11 @@ rad_gloss_transmit(const struct rad_gloss *g, const double ahead[3],
 
 /* --- parts of the light --------------------------------------------------- */
 
-static struct rad_rgb
-scaled(struct rad_rgb c, double s)
-{
-    return rad_rgb_scale(c, (float)s);
-}
-
 void
 rad_gloss_follow(const struct rad_gloss *g, const double ahead[3],
                  const struct rad_gloss_parts *parts)
 {
-    struct rad_rgb coef = scaled(parts->color, parts->tspec);
+    struct rad_rgb coef = rad_rgb_scale(parts->color, parts->tspec);
 
     if (parts->follow_refl)
         rad_gloss_reflect(g, &parts->spec_color);
@@ -235,7 +229,7 @@ rad_gloss_ambient(struct rad_ctx *ctx, struct rad_ray *r, const double norm[3],
     double back[3];
 
     if (parts->rdiff > RAD_TINY) {
-        coef = scaled(parts->color, parts->rdiff);
+        coef = rad_rgb_scale(parts->color, parts->rdiff);
         if (parts->rspec > RAD_TINY && !parts->follow_refl)
             coef = rad_rgb_add(coef, parts->spec_color);
         rad_ambient_apply(ctx, r, norm, &coef);
@@ -244,7 +238,7 @@ rad_gloss_ambient(struct rad_ctx *ctx, struct rad_ray *r, const double norm[3],
     if (parts->tdiff > RAD_TINY) {
         bool all = parts->tspec > RAD_TINY && !parts->follow_tran;
 
-        coef = scaled(parts->color, all ? parts->trans : parts->tdiff);
+        coef = rad_rgb_scale(parts->color, all ? parts->trans : parts->tdiff);
         rad_scale(back, -1, norm);
         rad_ambient_apply(ctx, r, back, &coef);
         r->L = rad_rgb_add(r->L, coef);

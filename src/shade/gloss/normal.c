@@ -77,12 +77,6 @@ fresnel_rise(double cos_i)
     return rad_most(rad_exp(-5.85 * cos_i) - 0.00287989916, 0); /* exp(-5.85) */
 }
 
-static struct rad_rgb
-scaled(struct rad_rgb c, double s)
-{
-    return rad_rgb_scale(c, (float)s);
-}
-
 static void
 add_light(struct rad_ray *r, struct rad_rgb L)
 {
@@ -143,20 +137,20 @@ brdf(struct rad_rgb *coef, void *data, const double ldir[3], double omega)
     if (part > RAD_TINY) {
         if (hit->m->fresnel)
             part *= 1 - fresnel_rise(fabs(cos_l));
-        *coef = scaled(p->color, part * fabs(cos_l) * omega * M_1_PI);
+        *coef = rad_rgb_scale(p->color, part * fabs(cos_l) * omega * M_1_PI);
     }
     if (hit->m->mirror)
         return;
     if (cos_l > 0 && p->rspec > RAD_TINY) {
         lobe = reflect_lobe(hit, ldir, omega);
         if (lobe > RAD_TINY)
-            *coef =
-                rad_rgb_add(*coef, scaled(p->spec_color, lobe * cos_l * omega));
+            *coef = rad_rgb_add(
+                *coef, rad_rgb_scale(p->spec_color, lobe * cos_l * omega));
     } else if (cos_l < 0 && p->tspec > RAD_TINY) {
         lobe = transmit_lobe(hit, ldir, omega, cos_l);
         if (lobe > RAD_TINY)
-            *coef =
-                rad_rgb_add(*coef, scaled(p->color, lobe * p->tspec * omega));
+            *coef = rad_rgb_add(
+                *coef, rad_rgb_scale(p->color, lobe * p->tspec * omega));
     }
 }
 
@@ -197,8 +191,9 @@ divide(struct normal_hit *hit)
     if (m->type != RAD_METAL)
         p->spec_color = rad_grey((float)p->rspec);
     else /* a metal's colour pales toward grazing */
-        p->spec_color = rad_rgb_add(rad_grey((float)rise),
-                                    scaled(p->color, m->spec * (1 - rise)));
+        p->spec_color =
+            rad_rgb_add(rad_grey((float)rise),
+                        rad_rgb_scale(p->color, m->spec * (1 - rise)));
 }
 
 static void
@@ -206,7 +201,7 @@ pass_straight(struct normal_hit *hit)
 {
     const struct rad_gloss_parts *p = &hit->parts;
     struct rad_ray *r = hit->r, tr;
-    struct rad_rgb coef = scaled(p->color, p->tspec);
+    struct rad_rgb coef = rad_rgb_scale(p->color, p->tspec);
 
     if (!rad_ray_spawn(hit->ctx, &tr, RAD_RAY_TRANS, r, &coef,
                        RAD_BRANCH_TRANSMIT))

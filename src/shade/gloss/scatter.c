@@ -104,12 +104,6 @@ is_lit(struct rad_rgb c)
     return rad_rgb_max(c) > (float)RAD_TINY;
 }
 
-static struct rad_rgb
-scaled(struct rad_rgb c, double s)
-{
-    return rad_rgb_scale(c, (float)s);
-}
-
 /* A colour in the job's channels.  A colour outside the gamut of red, green and
  * blue is made paler. */
 static struct rad_rgb
@@ -269,7 +263,7 @@ sum_peak(const struct scatter_hit *hit, const struct probed list[NPROBES],
         if (beside && i == 0)
             return false;
         sums->light[beside] = rad_rgb_add(
-            sums->light[beside], scaled(to_rgb(hit, p->xyz), p->omega));
+            sums->light[beside], rad_rgb_scale(to_rgb(hit, p->xyz), p->omega));
         sums->omega[beside] += p->omega;
         if (!beside) {
             peak += y;
@@ -304,9 +298,10 @@ find_peak(struct scatter_hit *hit)
         !sum_peak(hit, list, order, &sums))
         return;
     rad_bsdf_diffuse(hit->s->bsdf, from_front(hit), true, xyz);
-    rest = scaled(to_rgb(hit, xyz), 1 / M_PI);
-    sums.light[0] = minus(sums.light[0], scaled(rest, sums.omega[0]));
-    sums.light[1] = minus(scaled(sums.light[1], 1 / sums.omega[1]), rest);
+    rest = rad_rgb_scale(to_rgb(hit, xyz), 1 / M_PI);
+    sums.light[0] = minus(sums.light[0], rad_rgb_scale(rest, sums.omega[0]));
+    sums.light[1] =
+        minus(rad_rgb_scale(sums.light[1], 1 / sums.omega[1]), rest);
     if (rad_rgb_lum(sums.light[0]) < .0005f)
         return;
     hit->peak = rad_rgb_mul(sums.light[0], hit->r->pattern);
@@ -366,7 +361,7 @@ average(const struct scatter_hit *hit, const double way[3])
     }
     if (counted == 0)
         return rad_grey(0);
-    sum = scaled(sum, 1. / counted);
+    sum = rad_rgb_scale(sum, 1. / counted);
     return rest[1] > RAD_TINY ? minus(sum, to_rgb(hit, rest)) : sum;
 }
 
@@ -405,8 +400,8 @@ direct_both(struct rad_rgb *coef, void *data, const double ldir[3],
     if (cos_l < 0)
         spec = rad_rgb_mul(spec, hit->r->pattern);
     if (is_lit(diffuse))
-        spec = rad_rgb_add(spec, scaled(diffuse, 1 / M_PI));
-    *coef = scaled(spec, fabs(cos_l) * omega);
+        spec = rad_rgb_add(spec, rad_rgb_scale(diffuse, 1 / M_PI));
+    *coef = rad_rgb_scale(spec, fabs(cos_l) * omega);
 }
 
 static void
@@ -468,7 +463,7 @@ spawn_sample(const struct scatter_hit *hit, struct rad_ray *sr, bool through,
     int fewer = *n;
 
     for (;;) {
-        struct rad_rgb share = scaled(coef, 1. / *n);
+        struct rad_rgb share = rad_rgb_scale(coef, 1. / *n);
 
         if (rad_ray_spawn(
                 hit->ctx, sr, through ? RAD_RAY_TSPECULAR : RAD_RAY_RSPECULAR,
@@ -584,7 +579,8 @@ sample(struct scatter_hit *hit, bool through)
     }
     if (!(share > RAD_TINY))
         return rad_grey(0);
-    return through ? scaled(hit->r->pattern, share) : rad_grey((float)share);
+    return through ? rad_rgb_scale(hit->r->pattern, share)
+                   : rad_grey((float)share);
 }
 
 static void

@@ -206,7 +206,7 @@ find_specular(struct wgmd_hit *hit, enum part part)
         !find_roughness(hit, part))
         return;
     hit->there[part] = true;
-    hit->color[part] = rad_rgb_scale(v->pattern, (float)coef);
+    hit->color[part] = rad_rgb_scale(v->pattern, coef);
 }
 
 static void
@@ -253,7 +253,7 @@ brighten_mirror(struct wgmd_hit *hit)
 static void
 add_coef(struct rad_rgb *coef, struct rad_rgb color, double s)
 {
-    *coef = rad_rgb_add(*coef, rad_rgb_scale(color, (float)s));
+    *coef = rad_rgb_add(*coef, rad_rgb_scale(color, s));
 }
 
 static void
