@@ -248,12 +248,11 @@ turn_to(struct planes *s, int plane)
     program_fill_spec(p);
 }
 
-/* Cancel the jobs of planes from `first` on, for nobody will get their
- * pictures. */
+/* Cancel the jobs of all planes: nobody will get their pictures. */
 static void
-cancel_from(struct planes *s, int first, const struct submit_job *job)
+cancel_all(struct planes *s, const struct submit_job *job)
 {
-    for (int k = first; k < s->program->planes.n; k++)
+    for (int k = 0; k < s->program->planes.n; k++)
         if (order_cancel(&job->to, &s->program->loop.uv, s->id[k]) < 0)
             return;
 }
@@ -340,7 +339,7 @@ program_run_planes(struct program *p, const struct submit_job *ask,
      * radsubmit at once or a picture could not be written */
     if (rc < 0 && !p->cluster.embedded && p->loop.interrupts < 2 &&
         !p->rescue.needed)
-        cancel_from(&s, 0, &job);
+        cancel_all(&s, &job);
     p->planes.jobs = NULL;
     json_decref(s.stats);
     return rc;

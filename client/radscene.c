@@ -94,7 +94,7 @@ static int
 read_any(struct compiled *c, const char *const *files, int n, bool commands,
          struct rad_error *err)
 {
-    int rc = compile_parse(c, files, n, commands, NULL, NULL, err);
+    int rc = compile_parse(c, files, n, commands, err);
 
     if (rc)
         return rc;

@@ -357,15 +357,13 @@ include_parts(struct compiled *c,
 
 int
 compile_parse(struct compiled *c, const char *const *files, int n,
-              bool commands,
-              void (*each)(void *arg, const struct rad_error *err), void *arg,
-              struct rad_error *err)
+              bool commands, struct rad_error *err)
 {
-    struct reading r = { .c = c, .each = each, .arg = arg };
+    struct reading r = { .c = c };
     int rc = read_scene(c, files, n, commands, &r, err);
 
     if (!rc)
-        rc = include_parts(c, each, arg, err);
+        rc = include_parts(c, NULL, NULL, err);
     if (rc)
         compile_release(c);
     return rc;

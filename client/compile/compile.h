@@ -35,19 +35,15 @@ struct compiled {
  * is read from the scene files that it names, which are also looked for in its
  * folder; `!command` lines of those, and of instances' octrees, are refused
  * (RAD_EPERM) unless `commands` is set.
- *
- * With `each` all errors that can be found are reported, one by one, and so are
- * warnings of compile_read() (RAD_WARNING); *err gets the first error.  On
- * failure *c is empty.
+ * On failure *c is empty.
  *   RAD_ENOINPUT  a file is missing, or cannot be read
  *   RAD_EDATA     what is wrong, with file and line */
 int compile_parse(struct compiled *c, const char *const *files, int n,
-                  bool commands,
-                  void (*each)(void *arg, const struct rad_error *err),
-                  void *arg, struct rad_error *err);
+                  bool commands, struct rad_error *err);
 
-/* Read a scene, as above, and check it:
- *   RAD_ENOINPUT      a file that an object needs is missing
+/* Read a scene, as above, and check it.  With `each` all errors that can be
+ * found are reported, one by one, and so are warnings (RAD_WARNING); *err gets
+ * the first error. RAD_ENOINPUT      a file that an object needs is missing
  *   RAD_EUNSUPPORTED  the renderer lacks a type */
 int compile_read(struct compiled *c, const char *const *files, int n,
                  bool commands,

@@ -11,7 +11,7 @@
 enum { ANSWER_MS = 4500 /* from the start: status 69 comes within 5 s */ };
 
 int
-ctl_ask(struct ctl *c, struct msg *m, uint16_t type, const struct msg **answer)
+ctl_ask(struct ctl *c, struct msg *m, const struct msg **answer)
 {
     int rc, left;
 
@@ -33,7 +33,7 @@ ctl_ask(struct ctl *c, struct msg *m, uint16_t type, const struct msg **answer)
         if ((*answer)->type == MSG_FAILED)
             return rad_fail(c->err, link_code((*answer)->failed.status), "%s",
                             (*answer)->failed.text);
-        if ((*answer)->type == type)
+        if ((*answer)->type == MSG_ANSWER)
             return 0;
     }
 }
@@ -45,7 +45,7 @@ ctl_query(struct ctl *c, int what, const char *text, const struct msg **answer)
 
     m.query.what = (uint8_t)what;
     m.query.text = text ? text : "";
-    return ctl_ask(c, &m, MSG_ANSWER, answer);
+    return ctl_ask(c, &m, answer);
 }
 
 json_t *

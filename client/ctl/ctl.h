@@ -59,10 +59,9 @@ int ctl_connect(struct ctl *c);
 
 /* --- requests (ctl.c) --- */
 
-/* Send m and wait for an answer of that type, valid until the next request.  A
- * FAILED becomes the error. */
-int ctl_ask(struct ctl *c, struct msg *m, uint16_t type,
-            const struct msg **answer);
+/* Send m and wait for its ANSWER, valid until the next request.  A FAILED
+ * becomes the error. */
+int ctl_ask(struct ctl *c, struct msg *m, const struct msg **answer);
 /* Send a QUERY; text may be NULL. */
 int ctl_query(struct ctl *c, int what, const char *text,
               const struct msg **answer);

@@ -23,7 +23,7 @@ steer(struct ctl *c)
     const struct msg *answer;
 
     m.drain.name = c->arg;
-    return ctl_ask(c, &m, MSG_ANSWER, &answer);
+    return ctl_ask(c, &m, &answer);
 }
 
 int
@@ -82,7 +82,7 @@ ctl_run_key(struct ctl *c)
         return run_key_file(c, &order);
     m.key = (struct msg_key){ (uint8_t)order.what, order.name,
                               (uint64_t)order.expires };
-    rc = ctl_ask(c, &m, MSG_ANSWER, &answer);
+    rc = ctl_ask(c, &m, &answer);
     return rc < 0 ? rc
                   : print_keys(c, &order, (const char *)answer->answer.text,
                                answer->answer.len);

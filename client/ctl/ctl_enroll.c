@@ -51,7 +51,7 @@ order(struct ctl *c, enum msg_key_order what, const char *name, json_t **root)
         free(text);
     } else {
         m.key = (struct msg_key){ (uint8_t)what, name ? name : "", 0 };
-        if ((rc = ctl_ask(c, &m, MSG_ANSWER, &answer)) < 0)
+        if ((rc = ctl_ask(c, &m, &answer)) < 0)
             return rc;
         *root = json_loadb((const char *)answer->answer.text,
                            answer->answer.len, 0, NULL);

@@ -33,7 +33,7 @@ steer(struct ctl *c)
     if (rc < 0)
         return rc;
     m.cancel.job = job; /* all these messages have the same struct */
-    return ctl_ask(c, &m, MSG_ANSWER, &answer);
+    return ctl_ask(c, &m, &answer);
 }
 
 /* Take one of the answers that are due to requests first to c->request.  If a
@@ -144,7 +144,7 @@ ctl_run_priority(struct ctl *c)
         return rc;
     m.priority.job = job;
     m.priority.priority = n;
-    rc = ctl_ask(c, &m, MSG_ANSWER, &answer);
+    rc = ctl_ask(c, &m, &answer);
     return rc < 0 ? rc : ctl_done(c);
 }
 

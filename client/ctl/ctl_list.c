@@ -186,7 +186,7 @@ rows_of(struct ctl *c, const struct msg_page *ask, size_t most, json_t **rows)
     do {
         if (most <= UINT32_MAX)
             m.page.most = (uint32_t)(most - json_array_size(*rows));
-        rc = ctl_ask(c, &m, MSG_ANSWER, &answer);
+        rc = ctl_ask(c, &m, &answer);
         if (rc == 0)
             rc = add_page(c, answer, *rows, &m.page);
     } while (rc == 0 && m.page.cursor != 0 && json_array_size(*rows) < most);

@@ -196,7 +196,7 @@ carry_out(struct screen *s, enum top_wish wish)
             m.drain.name = s->top.about;
         else
             m.cancel.job = job; /* all these messages have the same struct */
-        rc = ctl_ask(s->c, &m, MSG_ANSWER, &answer);
+        rc = ctl_ask(s->c, &m, &answer);
     }
     s->c->err = outer;
     s->due_ms = 0;
