@@ -241,21 +241,34 @@ add_frame(struct reading *r, sqlite3_stmt *s)
     return 0;
 }
 
+/* The next row of s.  False, and s is reset: there is none, or *rc says why
+ * there is no more to read. */
+static bool
+next_row(struct journal *j, sqlite3_stmt *s, int *rc, struct rad_error *err)
+{
+    int step = *rc == 0 ? sqlite3_step(s) : SQLITE_DONE;
+
+    if (step == SQLITE_ROW)
+        return true;
+    if (step != SQLITE_DONE)
+        *rc = journal_failed(j, step, err);
+    sqlite3_reset(s);
+    return false;
+}
+
 /* All rows of a statement about the job. */
 static int
 each(struct reading *r, enum journal_sql what,
      int (*add)(struct reading *r, sqlite3_stmt *s))
 {
     sqlite3_stmt *s = journal_statement(r->j, what, r->err);
-    int rc = 0, step;
+    int rc = 0;
 
     if (!s)
         return r->err->code;
     sqlite3_bind_int64(s, 1, r->n);
-    while (rc == 0 && (step = sqlite3_step(s)) != SQLITE_DONE)
-        rc =
-            step == SQLITE_ROW ? add(r, s) : journal_failed(r->j, step, r->err);
-    sqlite3_reset(s);
+    while (next_row(r->j, s, &rc, r->err))
+        rc = add(r, s);
     return rc;
 }
 
@@ -392,14 +405,12 @@ journal_read(struct journal *j, journal_job_fn *fn, void *arg,
              struct rad_error *err)
 {
     sqlite3_stmt *s = journal_statement(j, SQL_JOBS, err);
-    int rc = 0, step;
+    int rc = 0;
 
     if (!s)
         return err->code;
-    while (rc == 0 && (step = sqlite3_step(s)) != SQLITE_DONE)
-        rc = step == SQLITE_ROW ? read_job(j, s, fn, arg, err)
-                                : journal_failed(j, step, err);
-    sqlite3_reset(s);
+    while (next_row(j, s, &rc, err))
+        rc = read_job(j, s, fn, arg, err);
     return rc;
 }
 
@@ -409,19 +420,16 @@ journal_read_drained(struct journal *j, journal_worker_fn *fn, void *arg,
 {
     sqlite3_stmt *s = journal_statement(j, SQL_DRAINED, err);
     const char *name;
-    int rc = 0, step;
+    int rc = 0;
 
     if (!s)
         return err->code;
-    while (rc == 0 && (step = sqlite3_step(s)) != SQLITE_DONE)
-        if (step != SQLITE_ROW)
-            rc = journal_failed(j, step, err);
-        else if (!get_text(s, 0, MSG_MAX_NAME, &name))
+    while (next_row(j, s, &rc, err))
+        if (get_text(s, 0, MSG_MAX_NAME, &name))
+            rc = fn(arg, name, err);
+        else
             rc = rad_fail(err, RAD_EDATA,
                           "database: the name of a drained worker cannot be");
-        else
-            rc = fn(arg, name, err);
-    sqlite3_reset(s);
     return rc;
 }
 
@@ -456,19 +464,15 @@ journal_read_gone(struct journal *j,
 {
     sqlite3_stmt *s = journal_statement(j, SQL_GONES, err);
     struct saved_gone g;
-    int rc = 0, step;
+    int rc = 0;
 
     if (!s)
         return err->code;
-    while (rc == 0 && (step = sqlite3_step(s)) != SQLITE_DONE) {
-        if (step != SQLITE_ROW)
-            rc = journal_failed(j, step, err);
-        else if (!get_gone(s, &g))
+    while (next_row(j, s, &rc, err))
+        if (get_gone(s, &g))
+            fn(arg, &g);
+        else
             rc = rad_fail(err, RAD_EDATA,
                           "database: a job that was forgotten cannot be");
-        else
-            fn(arg, &g);
-    }
-    sqlite3_reset(s);
     return rc;
 }
