@@ -450,7 +450,7 @@ pass_up(struct worker *w, struct wjob *job, const struct msg *m)
     struct wire_out *out = &w->actions.scratch;
 
     out->len = 0;
-    if (!w->welcome)
+    if (w->coord_state != COORD_WELCOME)
         return;
     if (msg_pack(out, m) != 0) {
         w->actions.failed = true;
@@ -498,7 +498,8 @@ child_paid(struct worker *w, struct wjob *job, const struct msg *m)
         wjob_drop_unit(job, u->unit, u->attempt);
     if (job->tally.busy_s == 0)
         worker_send_tally(w, job);
-    msg_counts_add(w->welcome ? &job->paid : &job->unpaid, &m->paid.counts);
+    msg_counts_add(w->coord_state == COORD_WELCOME ? &job->paid : &job->unpaid,
+                   &m->paid.counts);
     pass_up(w, job, m);
 }
 
@@ -549,7 +550,7 @@ child_loan(struct worker *w, struct wjob *job, const struct msg *m)
         return;
     u->lends = true;
     u->line = m->loan.line;
-    if (w->welcome)
+    if (w->coord_state == COORD_WELCOME)
         pass_up(w, job, m);
     else
         give_back(w, job, u); /* nobody can borrow now */

@@ -142,6 +142,14 @@ struct wcaller {
     char name[MSG_MAX_NAME + 1];
 };
 
+/* The connection to the coordinator.
+ *
+ *   NONE --dial--> DIALLING --WELCOME--> WELCOME
+ *                     | REFUSE              | BYE, REFUSE
+ *                     '------> PARTED <-----'
+ * When the connection ends it is NONE again; from PARTED that is no loss. */
+enum coord_state { COORD_NONE, COORD_DIALLING, COORD_WELCOME, COORD_PARTED };
+
 struct worker {
     struct worker_env env;
     struct action_list actions;
@@ -150,11 +158,10 @@ struct worker {
     bool held;         /* children are not read from: worker_hold() */
     uint64_t awake_ms; /* now_ms without time in which this process was stopped
                         */
-    uint64_t coord;    /* connection to the coordinator; 0: none */
-    bool welcome;      /* WELCOME came */
-    unsigned version;  /* of the protocol, as WELCOME said */
-    bool parted;       /* BYE or REFUSE came: the connection's end is no loss */
-    uint64_t welcome_ms;
+    enum coord_state coord_state;
+    uint64_t coord;      /* the connection; 0 in COORD_NONE */
+    unsigned version;    /* of the protocol, as WELCOME said */
+    uint64_t welcome_ms; /* when WELCOME came; 0: not on this connection */
     uint64_t dial_ms;  /* when to dial next */
     unsigned delay_ms; /* of the dial after the next */
     bool draining, stopped;

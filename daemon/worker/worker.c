@@ -46,6 +46,8 @@ dial(struct worker *w)
     struct action *a;
 
     w->coord = worker_new_conn(w);
+    w->coord_state = COORD_DIALLING;
+    w->welcome_ms = 0;
     a = actions_add(&w->actions, ACT_DIAL, w->coord);
     if (a)
         a->text = "";
@@ -55,24 +57,23 @@ static void
 dial_later(struct worker *w)
 {
     if (w->delay_ms == 0 ||
-        (w->welcome && w->now_ms - w->welcome_ms >= WORKER_STEADY_MS))
+        (w->welcome_ms && w->now_ms - w->welcome_ms >= WORKER_STEADY_MS))
         w->delay_ms = FIRST_REDIAL_MS;
     w->dial_ms = worker_redial_ms(w, &w->delay_ms);
 }
 
-/* The connection to the coordinator is gone; log that, unless it said BYE or
- * REFUSE. */
+/* The connection to the coordinator is gone; log that, unless the coordinator
+ * said BYE or REFUSE. */
 static void
 lost_coord(struct worker *w, const char *why)
 {
-    if (!w->parted)
+    if (w->coord_state != COORD_PARTED)
         actions_log(&w->actions, ACT_WARN, "coordinator %s at=%s why=%s",
-                    w->welcome ? "lost" : "not reached", w->env.coordinator,
-                    why);
-    w->parted = false;
+                    w->coord_state == COORD_WELCOME ? "lost" : "not reached",
+                    w->env.coordinator, why);
     dial_later(w);
     w->coord = 0;
-    w->welcome = false;
+    w->coord_state = COORD_NONE;
     w->nasked = 0;
     for (struct wjob *job = w->jobs; job; job = job->next)
         job->started = false;
@@ -228,7 +229,7 @@ worker_drain(struct worker *w, uint64_t now_ms)
     struct msg m = { .type = MSG_DRAIN, .drain = { w->env.name } };
 
     w->now_ms = now_ms;
-    if (w->draining || !w->welcome) {
+    if (w->draining || w->coord_state != COORD_WELCOME) {
         worker_stop(w, 0, "");
         return;
     }
@@ -262,7 +263,8 @@ worker_tick(struct worker *w, uint64_t now_ms)
     w->tick_ms = w->now_ms = now_ms;
     worker_watch_children(w);
     files_watch_room(w);
-    if (w->coord == 0 && !w->stopped && !w->away && now_ms >= w->dial_ms)
+    if (w->coord_state == COORD_NONE && !w->stopped && !w->away &&
+        now_ms >= w->dial_ms)
         dial(w);
     link_tick(w);
 }

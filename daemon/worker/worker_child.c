@@ -56,7 +56,7 @@ child_result(struct worker *w, struct wjob *job, const struct msg *m)
     job->bytes_out += out->len;
     if (r->last)
         wjob_drop_unit(job, r->unit, r->attempt);
-    if (w->welcome && job->started)
+    if (w->coord_state == COORD_WELCOME && job->started)
         actions_send_bytes(&w->actions, w->coord, out->buf, out->len);
 }
 

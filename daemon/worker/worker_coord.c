@@ -28,7 +28,7 @@ on_welcome(struct worker *w, const struct msg *m)
         worker_stop(w, EX_PROTOCOL, "the coordinator speaks another version");
         return;
     }
-    w->welcome = true;
+    w->coord_state = COORD_WELCOME;
     w->version = version;
     w->welcome_ms = w->now_ms;
     actions_session(&w->actions, w->coord, MSG_AT_WORKER, version);
@@ -52,7 +52,7 @@ on_refuse(struct worker *w, const struct msg *m)
 {
     int status = m->refuse.status;
 
-    w->parted = true;
+    w->coord_state = COORD_PARTED;
     actions_log(&w->actions, ACT_ERR, "refused by the coordinator why=%s",
                 m->refuse.text);
     if (status < EX__BASE || status > EX__MAX)
@@ -66,7 +66,7 @@ on_bye(struct worker *w, const struct msg *m)
 {
     bool wished = w->draining || w->away;
 
-    w->parted = true;
+    w->coord_state = COORD_PARTED;
     actions_log(&w->actions, wished ? ACT_INFO : ACT_WARN,
                 "let go by the coordinator why=%s", m->bye.text);
     if (w->draining)
@@ -124,7 +124,7 @@ resume_job(struct worker *w, struct wjob *job)
 
     drop_loans(w, job);
     /* before the rows: a unit is not complete without its bottom */
-    if ((job->kept || job->nunits > 0) && w->welcome)
+    if ((job->kept || job->nunits > 0) && w->coord_state == COORD_WELCOME)
         relay_repeat(w, job);
     for (const struct wkept *k = job->kept; k; k = k->next)
         actions_send_bytes(&w->actions, w->coord, k->bytes, k->len);

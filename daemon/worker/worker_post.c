@@ -40,7 +40,7 @@ worker_find_job(const struct worker *w, const uint8_t id[MSG_JOB])
 void
 worker_send_coord(struct worker *w, const struct msg *m)
 {
-    if (w->welcome)
+    if (w->coord_state == COORD_WELCOME)
         actions_send(&w->actions, w->coord, m);
 }
 

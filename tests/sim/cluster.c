@@ -670,7 +670,8 @@ describe(const struct net *net)
         const struct worker *w = s->worker[i].machine;
 
         fprintf(stderr, "ws%d%s%s%s%s%s\n", i, w ? "" : " dead",
-                w && w->welcome ? " welcome" : "", w && w->jobs ? " busy" : "",
+                w && w->coord_state == COORD_WELCOME ? " welcome" : "",
+                w && w->jobs ? " busy" : "",
                 w && w->draining ? " draining" : "",
                 w && w->stopped ? " stopped" : "");
     }
@@ -767,7 +768,7 @@ at_rest(const struct sim *s)
             return false;
     for (int i = 0; i < s->nworkers; i++)
         if (!s->worker[i].machine || s->worker[i].machine->jobs ||
-            !s->worker[i].machine->welcome)
+            s->worker[i].machine->coord_state != COORD_WELCOME)
             return false;
     return true;
 }
