@@ -74,8 +74,8 @@ blobs_any(const char *dir)
     return any;
 }
 
-/* The time at which it was read, which is nobody else's here: a folder that is
- * mounted without keeps what is set. */
+/* Set the file's time of access, which nothing else here needs; a file system
+ * that is mounted with noatime keeps a time that is set. */
 void
 blobs_touch(const struct blobs *b, const char *hash)
 {
@@ -86,7 +86,7 @@ blobs_touch(const struct blobs *b, const char *hash)
 
     blobs_path(b, hash, path);
     ignored = utimensat(AT_FDCWD, path, times, 0);
-    (void)ignored; /* it is not there */
+    (void)ignored; /* the file is not there */
 }
 
 static bool
@@ -188,7 +188,7 @@ blobs_probe(const struct blobs *b, uint64_t bytes, struct rad_error *err)
     }
     if (fd < 0)
         return disk_fail(err, errno, "create", path);
-    /* a file system that cannot promise room has shown its free room before */
+    /* a file system may not allocate; callers look at its free room, too */
     if (bytes > 0 && fallocate(fd, 0, 0, (off_t)bytes) < 0 &&
         errno != EOPNOTSUPP && errno != ENOSYS)
         rc = disk_fail(err, errno, "write", b->dir);
@@ -252,7 +252,7 @@ check_hash(struct blob_part *p, struct rad_error *err)
     return rc;
 }
 
-/* All bytes are there: check them, make them last, give them their name. */
+/* All bytes are there: check them, sync them, give the file its name. */
 static int
 name_it(struct blob_part *p, int fd, struct rad_error *err)
 {
@@ -270,7 +270,7 @@ name_it(struct blob_part *p, int fd, struct rad_error *err)
     return rc;
 }
 
-/* Do those bytes come next? */
+/* Are n bytes at that offset the next bytes of the file? */
 static int
 check_place(const struct blob_part *p, uint64_t offset, size_t n,
             struct rad_error *err)
@@ -283,8 +283,8 @@ check_place(const struct blob_part *p, uint64_t offset, size_t n,
                     (unsigned long long)p->total);
 }
 
-/* Write them, and do what is to be done after the last, which may be all that
- * is left to do again. */
+/* Write bytes, and name the file after the last of them.  If a former call had
+ * written all bytes and failed to name the file, only name it. */
 static int
 take(struct blob_part *p, uint64_t offset, const void *data, size_t n,
      struct rad_error *err)
@@ -315,7 +315,7 @@ blobs_part_write(struct blob_part *p, uint64_t offset, const void *data,
 
     if (rc == 0 && p->state != BLOB_NAMED)
         return 0;
-    if (rc == 0 && p->blobs->durable) /* the name lasts when the folder does */
+    if (rc == 0 && p->blobs->durable) /* else the name does not last */
         rc = disk_sync_dir(p->blobs->dir, err);
     if (rc == 0)
         p->state = BLOB_CLOSED;

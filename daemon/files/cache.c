@@ -1,12 +1,12 @@
 /* cache.c - see cache.h
  *
  * A file has an entry while it is there or some job uses it; entries are found
- * by a table of chains.  Those that no job uses are in a list by their last
- * use, from which the oldest is taken.  A file that was removed behind our back
- * is seen when a job comes that uses it; until then its bytes are counted.
+ * by a table of chains.  Entries that no job uses are in a list by their last
+ * use; room is made from the oldest end.  A file that another program removed
+ * is missed when a job comes that uses it; until then its bytes are counted.
  *
- * How much room a disk has is found out by asking for it: what a user may have
- * there, quotas and all, statvfs() does not know. */
+ * Whether the disk has room is found by allocating it (blobs_probe()), for
+ * statvfs() knows no quotas. */
 #include "config.h"
 
 #include "files/cache.h"
@@ -26,11 +26,11 @@
 
 struct entry {
     struct entry *chain;
-    struct entry *older, *newer; /* while nobody uses it */
+    struct entry *older, *newer; /* while no job uses the file */
     uint8_t hash[MSG_HASH];
     uint64_t bytes;
     bool there;
-    uint32_t users; /* jobs */
+    uint32_t users; /* jobs that use the file */
 };
 
 /* A job that uses files. */
@@ -44,12 +44,12 @@ struct user {
 struct cache {
     struct blobs *blobs;
     uint64_t limit;
-    uint64_t bytes;    /* of files that are there, */
-    uint64_t unused;   /* of those of them that no job uses, */
-    uint64_t expected; /* and of those that arrive */
+    uint64_t bytes;    /* of files that are there */
+    uint64_t unused;   /* of files that are there, but that no job uses */
+    uint64_t expected; /* of files that arrive */
     struct entry **buckets;
     size_t nbuckets; /* a power of 2 */
-    size_t n;
+    size_t n;        /* entries */
     struct entry *oldest, *newest;
     struct user *users;
 };
@@ -75,7 +75,7 @@ find(const struct cache *c, const uint8_t *hash)
     return e;
 }
 
-/* Without memory the chains stay as long as they are. */
+/* Double the table; without memory the chains stay as long as they are. */
 static void
 grow(struct cache *c)
 {
@@ -97,7 +97,7 @@ grow(struct cache *c)
     free(was);
 }
 
-/* The list of those that nobody uses. */
+/* Put an entry into the list of those that no job uses. */
 static void
 push_newest(struct cache *c, struct entry *e)
 {
@@ -117,8 +117,7 @@ unlist(struct cache *c, struct entry *e)
     c->unused -= e->bytes;
 }
 
-/* The file's entry, which may be new: then nobody uses it.  NULL: memory is
- * out. */
+/* Find the file's entry, or make one that no job uses.  NULL: memory is out. */
 static struct entry *
 put(struct cache *c, const uint8_t *hash)
 {
@@ -168,7 +167,9 @@ set_there(struct cache *c, struct entry *e, bool there, uint64_t bytes)
 
 /* --- room --- */
 
-/* Remove the file that was used the longest time ago; false: all are in use. */
+/* Remove the file that was used the longest time ago; false: jobs use all
+ * files.
+ */
 static bool
 evict(struct cache *c)
 {
@@ -183,16 +184,17 @@ evict(struct cache *c)
     return true;
 }
 
-/* Figures that differ where the bytes do: rounded to whole MiB a full cache of
- * small files seems to have room. */
+/* Not rounded to whole MiB: a full cache of small files would seem to have
+ * room.
+ */
 static double
 mib(uint64_t bytes)
 {
     return (double)bytes / (1 << 20);
 }
 
-/* Is there room for so many bytes, if all goes that may?  Nothing goes for what
- * would not fit then. */
+/* Would there be room for so many bytes without all files that no job uses?  If
+ * not, none of these is removed. */
 static int
 check_room(const struct cache *c, uint64_t bytes, struct rad_error *err)
 {
@@ -354,7 +356,7 @@ new_user(const uint8_t *job, const struct msg_hashes *files)
     return u;
 }
 
-/* Add a user of the file, who knows whether it is there. */
+/* Count one more job that uses the file, and look whether the file is there. */
 static bool
 use(struct cache *c, const uint8_t *hash)
 {
@@ -371,8 +373,8 @@ use(struct cache *c, const uint8_t *hash)
     return true;
 }
 
-/* Take a user away.  A file that nobody uses any more is the newest of those,
- * in the next life as well. */
+/* Count one job less that uses the file.  A file that no job uses any more is
+ * the newest of these, by its time of access also in the next life. */
 static void
 leave(struct cache *c, const uint8_t *hash)
 {
@@ -409,7 +411,7 @@ cache_leave(struct cache *c, const uint8_t job[MSG_JOB])
     leave_first(c, u, u->n);
 }
 
-/* What is missing of so many bytes. */
+/* Of so many bytes of u's files, those that are not there. */
 static uint64_t
 missing(const struct cache *c, const struct user *u, uint64_t bytes)
 {
@@ -434,7 +436,7 @@ cache_use(struct cache *c, const uint8_t job[MSG_JOB],
             leave_first(c, u, i);
             return rad_fail_memory(err);
         }
-    cache_leave(c, job); /* it may have been here before */
+    cache_leave(c, job); /* the job may have used files before */
     bytes = missing(c, u, bytes);
     if (bytes > 0)
         rc = make_room(c, bytes, err);
@@ -462,7 +464,7 @@ cache_expect(struct cache *c, uint64_t bytes, struct rad_error *err)
 void
 cache_arrived(struct cache *c, const uint8_t hash[MSG_HASH], uint64_t bytes)
 {
-    struct entry *e = put(c, hash); /* else it is counted in the next life */
+    struct entry *e = put(c, hash); /* NULL: counted in the next life only */
 
     c->expected -= bytes;
     if (e)

@@ -31,7 +31,7 @@ find(const struct sounds *s, const uint8_t *digest)
     return f;
 }
 
-/* Room in a bucket for one more: what was noted first is forgotten. */
+/* Make room in a bucket: forget the file noted first. */
 static void
 make_room(struct sounds *s, unsigned bucket)
 {
@@ -53,7 +53,7 @@ unchanged(const struct sound *f, const struct stat *st)
            f->changed.tv_nsec == st->st_mtim.tv_nsec;
 }
 
-/* Without memory the file is read again next time. */
+/* Note a file with that digest; without memory it is read again next time. */
 static void
 note(struct sounds *s, const uint8_t *digest, const struct stat *st)
 {
@@ -74,7 +74,7 @@ note(struct sounds *s, const uint8_t *digest, const struct stat *st)
     f->changed = st->st_mtim;
 }
 
-/* 1: the file's digest is that; 0: another; -1: it cannot be told. */
+/* Read the file, and compare its digest; returns as sounds_read(). */
 static int
 compare(int fd, const uint8_t *digest)
 {

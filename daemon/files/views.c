@@ -10,7 +10,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Only then is it kept as long as the job, and sent to its workers. */
+/* Is the file of frames one of the job's files?  Only these are kept as long as
+ * the job, and sent to its workers. */
 static bool
 is_its_own(const struct msg_spec *spec)
 {

@@ -16,10 +16,10 @@ enum {
 enum known {
     UNKNOWN,
     GUESSED, /* from coarser lattices */
-    SEEN
+    SEEN     /* a tile told the colour */
 };
 
-/* Colours times their weights, and the sum of these. */
+/* Colours times their weights, and the sum of these weights. */
 struct mix {
     struct rad_rgb L;
     double weight;
@@ -31,9 +31,9 @@ struct coarse {
     uint8_t (*rgbe)[4];
     uint8_t *known;   /* enum known */
     uint8_t *came;    /* a bit for each pixel of the picture */
-    struct mix *line; /* of a row of the picture, at each column of the lattice;
+    struct mix *line; /* a row of the picture at each column of the lattice;
                        * room to work in */
-    bool stale;       /* what is guessed is to be guessed again */
+    bool stale;       /* colours came since the last guess() */
 };
 
 static int
@@ -92,7 +92,8 @@ point_at(const struct coarse *c, int i, int j)
     return (size_t)j * (size_t)c->nx + (size_t)i;
 }
 
-/* n pixels, step apart from `at` on, along a side of that length? */
+/* Do n pixels, step apart from `at` on, lie on the lattice and along a side of
+ * that length? */
 static bool
 fits(int at, int step, int n, int length)
 {
@@ -121,7 +122,7 @@ coarse_put(struct coarse *c, const struct action_colours *k)
     return true;
 }
 
-/* --- what has come --- */
+/* --- pixels that have come --- */
 
 static size_t
 bit_of(const struct coarse *c, int x, int y)
@@ -154,8 +155,8 @@ add(const struct coarse *c, int i, int j, double weight, struct mix *to)
     to->weight += weight;
 }
 
-/* Of the neighbours in the lattice whose points are `apart`, those that there
- * are. */
+/* Guess a point as the mean of its neighbours in the lattice of points `apart`,
+ * as far as these are known. */
 static void
 guess_point(struct coarse *c, int i, int j, int apart)
 {
@@ -172,7 +173,7 @@ guess_point(struct coarse *c, int i, int j, int apart)
         rad_rgbe(rad_rgb_scale(m.L, (float)(1 / m.weight)), c->rgbe[at]);
 }
 
-/* Each lattice from the next coarser one. */
+/* Guess the points of each lattice from the next coarser lattice. */
 static void
 guess(struct coarse *c)
 {
@@ -187,7 +188,7 @@ guess(struct coarse *c)
 
 /* --- a row --- */
 
-/* The lattice's columns, between the two rows of it that y lies between. */
+/* Set c->line for row y, from the lattice's rows above and below it. */
 static void
 mix_line(struct coarse *c, int y)
 {

@@ -2,11 +2,11 @@
  *
  * While the ambient cache comes in passes, tiles tell the colours of their
  * pixels (passes/passplan.h): first of every 32nd along both axes, or fewer,
- * then of every 16th and every 8th.  A preview fills from these what rows have
- * not come of the frame, bilinear between four pixels of the lattice.  A
- * lattice that is only begun is filled in the same way from the coarser one.
- * Memory: five bytes for each pixel of the finest lattice, a bit for each of
- * the frame.
+ * then of every 16th and every 8th.  A preview has these colours where rows
+ * have not come, bilinear between four pixels of the lattice.  Pixels that a
+ * lattice lacks are first filled in from the next coarser lattice.
+ * Memory: five bytes for each pixel of the finest lattice, a bit for each pixel
+ * of the frame.
  * Thread: one at a time. */
 #ifndef DAEMON_COARSE_H
 #define DAEMON_COARSE_H
@@ -19,23 +19,23 @@
 
 struct coarse;
 
-/* Bytes that a frame of that size takes, and most of all frames together. */
+/* Bytes for a frame of that size; the most for all frames together. */
 size_t coarse_bytes(int width, int height);
 #define COARSE_MOST ((size_t)256 << 20)
 
-/* Nothing is known, and no row has come; NULL: memory is out. */
+/* Make an empty lattice of a frame without rows; NULL: memory is out. */
 struct coarse *coarse_new(int width, int height);
 void coarse_free(struct coarse *c);
 
-/* Later colours take the place of earlier ones; false: they do not lie on the
- * lattice. */
+/* Put colours, in place of earlier ones at the same points; false: they do not
+ * lie on the lattice. */
 bool coarse_put(struct coarse *c, const struct action_colours *k);
 
-/* Pixels of the picture that have come: they are never filled. */
+/* Note pixels that have come: coarse_fill() leaves them alone. */
 void coarse_mark(struct coarse *c, int x, int y, int width, int height);
 
-/* Fill what has not come of row y, four bytes a pixel; what is not known by any
- * pixel near by stays as it is. */
+/* Fill the pixels of row y that have not come, four bytes of RGBE each; a pixel
+ * with no known point around it stays as it is. */
 void coarse_fill(struct coarse *c, int y, uint8_t *rgbe);
 
 #endif

@@ -37,7 +37,7 @@ filtered_shape(struct rad_filter_shape *s, int width, int height,
 struct workplace {
     struct rad_filter *filter;
     uint8_t *rgbe;       /* a row of samples */
-    void *work;          /* rows_read_rgbe()'s */
+    void *work;          /* for rows_read_rgbe() */
     struct rad_rgb *row; /* of pixels */
     uint8_t *code;
 };
@@ -69,7 +69,7 @@ prepare(struct workplace *p, const struct rad_filter_shape *s, int width,
     return rad_filter_new(&p->filter, s, err);
 }
 
-/* Of each pixel the sample nearest to its middle. */
+/* Write for each pixel the sample nearest to its middle. */
 static int
 pick_rows(struct rows *r, const struct rad_filter_shape *s, struct workplace *p,
           const struct rad_hdr_info *info, const struct rad_sink *sink,

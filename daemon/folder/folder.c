@@ -1,7 +1,7 @@
 /* folder.c - see folder.h: jobs and their folders
  *
- * Their rows are written by folder_rows.c, their pictures by folder_picture.c;
- * jobs of earlier lives are taken up by folder_take.c. */
+ * folder_rows.c writes rows, folder_picture.c pictures, and folder_cache.c
+ * ambient caches; folder_take.c takes up jobs of earlier lives. */
 #include "config.h"
 
 #include "folder/folder_impl.h"
@@ -18,7 +18,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#define FORGET_AT_ONCE 1000 /* files */
+#define FORGET_AT_ONCE 1000 /* files in one call of folder_forget() */
 
 /* --- names --- */
 
@@ -86,7 +86,7 @@ folder_free_job(struct folder_job *j)
     free(j);
 }
 
-/* Forget the job, but for its files. */
+/* Free the job, but leave its files. */
 static void
 drop_job(struct folder *f, const uint8_t *id)
 {
@@ -114,9 +114,9 @@ copy_frames(struct folder_job *j, const struct msg_spec *spec)
     return true;
 }
 
-/* Rows stay coded as they come where jobs end with the process, which can
- * remember where each lies.  Those of windows are parts of a row of the
- * picture. */
+/* Coded rows stay coded if jobs end with the process, which remembers where
+ * each row lies; but not rows of windows, which are parts of the picture's
+ * rows. */
 static enum rows_kind
 kind_of(const struct folder *f, const struct msg_spec *spec)
 {
@@ -159,7 +159,6 @@ folder_add_job(struct folder *f, struct folder_job *j)
     f->jobs = j;
 }
 
-/* Bytes of the rows of a frame. */
 uint64_t
 folder_frame_bytes(const struct folder_job *j, const struct frame_rows *r)
 {
@@ -168,7 +167,7 @@ folder_frame_bytes(const struct folder_job *j, const struct frame_rows *r)
     return (uint64_t)r->width * (uint64_t)r->height * floats * sizeof(float);
 }
 
-/* Remove so many files of the folder at most; true: there are more. */
+/* Remove at most so many files of the folder; true: there may be more. */
 static bool
 empty_dir(const char *path, unsigned most)
 {
@@ -191,8 +190,8 @@ remove_dir(const char *path)
     rmdir(path);
 }
 
-/* The folder, with what says that the database does not know it: that lasts
- * before there is anything else in it. */
+/* Make the job's folder; durable: with "new" in it, synced before any other
+ * file is made there. */
 static int
 make_dir(const struct folder *f, const uint8_t *id, const char *path,
          struct rad_error *err)
@@ -210,8 +209,8 @@ make_dir(const struct folder *f, const uint8_t *id, const char *path,
     return disk_sync_dir(path, err);
 }
 
-/* No frame has a file: is there room for all rows?  Room that a former call
- * kept counts. */
+/* Is there room for the rows of all frames?  Room that an earlier call kept
+ * counts as free. */
 static int
 check_room(const struct folder *f, struct folder_job *j, struct rad_error *err)
 {
@@ -255,7 +254,7 @@ folder_make(struct folder *f, const struct msg_spec *spec,
     rc = f->durable ? check_room(f, j, err) : 0;
     if (rc == 0)
         rc = make_dir(f, spec->job, path, err);
-    if (rc == 0 && f->durable) /* else a full disk shows when rows come */
+    if (rc == 0 && f->durable) /* if not, a full disk shows when rows come */
         rc = keep_room(f, j, err);
     if (rc == 0) {
         folder_add_job(f, j);
@@ -266,8 +265,8 @@ folder_make(struct folder *f, const struct msg_spec *spec,
     return rc;
 }
 
-/* Is the file needless once the job is over: rows, room, cache, or half
- * written? */
+/* Is the file needless once the job is over: rows, a preview, room, the cache,
+ * or a file that is half written? */
 static bool
 is_left_over(const char *name)
 {
@@ -380,7 +379,7 @@ is_empty(const char *path)
     return empty;
 }
 
-/* Also a folder with nothing in it: power was lost before there was. */
+/* An empty folder is new, too: power was lost before "new" was in it. */
 bool
 folder_is_new(const struct folder *f, const uint8_t id[MSG_JOB])
 {
@@ -416,7 +415,7 @@ folder_bytes(const struct folder *f, const uint8_t id[MSG_JOB])
 
 /* --- the whole --- */
 
-/* The job of a name in jobs/; false: it is none. */
+/* Parse a name in jobs/; false: it is no job's. */
 static bool
 parse_name(const char *name, uint8_t id[MSG_JOB], bool *going)
 {
@@ -473,7 +472,7 @@ folder_init(struct folder *f, struct rad_error *err)
 
     snprintf(path, sizeof path, "%s/jobs", f->dir);
     rc = disk_make_dir(path, err);
-    /* jobs that live in memory are nobody's any more */
+    /* not durable: jobs that are there ended with their process */
     return rc == 0 && !f->durable ? folder_each(f, remove_one, f, err) : rc;
 }
 

@@ -1,20 +1,26 @@
 /* folder.h - the files of jobs: rows as they come, and pictures
  *
- * DIR/jobs/ID/room     room that is kept for frames whose rows have no file yet
+ *   make --> ID/ with "new" --noted--> ID/ --rest--> ID/ without rows
+ *                   |                   |                 |
+ *                   '---------------- forget -------------'
+ *                                       |
+ *                                    ID.gone/ --forgotten--> none
+ *
+ * DIR/jobs/ID/room     keeps room for frames whose rows have no file yet
  * DIR/jobs/ID/N.rows   pixels of frame N (rows.h), from the first that comes
  *                      until its picture is there
  * DIR/jobs/ID/N.hdr    the picture, N.z its distances
  * DIR/jobs/ID/cache    ambient records of passes that are closed, until the job
  *                      is over
- * DIR/jobs/ID/kept     the same of a job that is done, for other jobs to begin
- *                      with
+ * DIR/jobs/ID/kept     ambient records of a job that is done, with which other
+ *                      jobs may begin
  * DIR/jobs/ID/stats    statistics of a job that is over, as JSON
- * DIR/jobs/ID/new      until the database knows the job: nobody was told that
- *                      it is accepted
- * DIR/jobs/ID.gone     what was the folder of a job that is forgotten, empty,
- *                      until the database does not know it any more
+ * DIR/jobs/ID/new      there until the database knows the job; until then the
+ *                      submitter was not told that the job is accepted
+ * DIR/jobs/ID.gone     the folder of a job that is being forgotten, until the
+ *                      database does not know the job any more
  *
- * All calls do I/O and may wait for the disk; what writes may be called again
+ * All calls do I/O and may wait for the disk; calls that write may be repeated
  * after RAD_EFULL.
  * Thread: one at a time. */
 #ifndef DAEMON_FOLDER_H
@@ -30,132 +36,137 @@ struct folder_job;
 
 /* Zeroed but for dir, durable and looks. */
 struct folder {
-    char dir[BLOBS_DIR_MAX]; /* of all: that in which jobs/ lies */
-    bool durable;
-    bool looks;              /* takes up jobs, and changes nothing */
+    char dir[BLOBS_DIR_MAX]; /* the folder in which jobs/ lies */
+    bool durable;            /* false: jobs end with the process */
+    bool looks;              /* take up jobs, but change no file */
     struct folder_job *jobs; /* that are not over */
-    struct rows_open opened; /* of their rows */
+    struct rows_open opened; /* files of their rows */
 };
 
-/* Make dir/jobs.  Without durable, jobs that are there go. */
+/* Make dir/jobs.  Without durable, forget the jobs that are there. */
 int folder_init(struct folder *f, struct rad_error *err);
 void folder_release(struct folder *f);
 
-/* Make the job's folder and room for its rows; durable: they last, and the
- * folder is new until folder_noted().  RAD_EFULL when there is not so much room
- * now, RAD_EDATA when there never will be. */
+/* Make the job's folder; durable: keep room for all of its rows, too, sync
+ * both, and let the folder be new until folder_noted().  RAD_EFULL: the disk
+ * has too little room now; RAD_EDATA: the disk is too small. */
 int folder_make(struct folder *f, const struct msg_spec *spec,
                 struct rad_error *err);
-/* Go on with the files that are there: RAD_EDATA for those that are missing, or
- * not as long as they should be, RAD_EPERM for those that are denied to us.
- * over: only its pictures and statistics are looked for. */
+/* Go on with the files of a job of an earlier life; over: only look for its
+ * pictures and statistics.  RAD_EDATA: a file is missing, or has another
+ * length; RAD_EPERM: a file is denied to us. */
 int folder_take_up(struct folder *f, const struct saved_job *s, bool over,
                    struct rad_error *err);
-/* Read what is finished of the job, and compare it with its marks; fn gets the
- * error of each file that is another.  RAD_ENOMEM. */
+/* Read the job's finished files, and compare them with their marks; fn gets the
+ * error of each file that differs or cannot be read.  RAD_ENOMEM. */
 int folder_compare(struct folder *f, const struct saved_job *s, bool over,
                    void (*fn)(void *arg, const struct rad_error *why),
                    void *arg, struct rad_error *err);
 bool folder_is_there(const struct folder *f, const uint8_t job[MSG_JOB]);
-/* Does the job go on? */
+/* Was the job made or taken up, and is it not over? */
 bool folder_is_open(struct folder *f, const uint8_t job[MSG_JOB]);
-/* The database knows the job: the folder is not new any more. */
+/* The database knows the job: remove "new". */
 void folder_noted(const struct folder *f, const uint8_t job[MSG_JOB]);
 bool folder_is_new(const struct folder *f, const uint8_t job[MSG_JOB]);
-/* The job is over: rows that are left go. */
+/* The job is over: remove its rows, room, cache and previews. */
 void folder_rest(struct folder *f, const uint8_t job[MSG_JOB]);
-/* All of it goes: at once, or not at all; but of its files so many at a time as
- * take no long while, and true tells that there are more.  Its name as one that
- * is gone stays until the other is called, too. */
+/* Rename ID to ID.gone, and remove some of its files.  True: files are left,
+ * call again.  The empty ID.gone stays until folder_forgotten(), for the
+ * database may still know the job. */
 bool folder_forget(struct folder *f, const uint8_t job[MSG_JOB]);
 bool folder_is_going(const struct folder *f, const uint8_t job[MSG_JOB]);
 void folder_forgotten(const struct folder *f, const uint8_t job[MSG_JOB]);
-/* Bytes that its files take. */
+/* Bytes that the job's files take on the disk. */
 uint64_t folder_bytes(const struct folder *f, const uint8_t job[MSG_JOB]);
 
-/* Pixels of rows to be put, as the file holds them or coded. */
+/* Pixels of rows to be put, as floats or coded. */
 struct folder_pixels {
     void *bytes; /* n bytes of floats or code */
     size_t n;
-    float *line; /* of coded rows: the last one's floats; NULL: none to keep */
+    float *line; /* floats of the last of coded rows; NULL: none to keep */
 };
 
-/* Where sum is not NULL it gets their rowsum(), as they are in the file.
- * RAD_EPROTO when they do not lie in the picture. */
+/* Write rows.  *sum, unless NULL, gets their rowsum() as the file holds them
+ * (not of ROWS_CODED).  RAD_EPROTO: the rows do not lie in the picture, have
+ * other channels, or are damaged. */
 int folder_put_rows(struct folder *f, const struct action_rows *key,
                     const struct folder_pixels *pixels, uint64_t *sum,
                     struct rad_error *err);
-/* For previews: what rows have not come of a frame is filled from such colours.
- * Those for which there is no room or memory are left out. */
+/* Fill pixels that have not come from these colours, in previews.  Colours are
+ * dropped without room or memory for them. */
 void folder_put_colours(struct folder *f, const uint8_t job[MSG_JOB],
                         const struct action_colours *colours);
-/* Row y, as in a BASE_LINE; of coded ones it must have been put as a line. */
+/* Read row y, as floats of a BASE_LINE; where rows come coded it must have been
+ * put as folder_pixels.line. */
 int folder_read_row(struct folder *f, const uint8_t job[MSG_JOB],
                     uint32_t frame, uint32_t y, uint8_t *pixels,
                     struct rad_error *err);
-/* rowsum() of the first rows of an area, as they are in the file; line: that of
- * the last of them was put, too. */
+/* Set *sum to the rowsum() of the first rows of an area, as the file holds
+ * them; line: with the last row's line, where rows come coded. */
 int folder_sum(struct folder *f, const uint8_t job[MSG_JOB],
                const struct partition_area *a, uint32_t rows, bool line,
                uint64_t *sum, struct rad_error *err);
-/* Keep the records of a pass, if they follow those that are kept; what cannot
- * be kept is made again. */
+/* Keep the records of a pass, if it follows those that are kept; a pass that
+ * is not kept is made again in the next life. */
 void folder_put_pass(struct folder *f, const uint8_t job[MSG_JOB],
                      uint32_t pass, const struct saved_pass *p);
-/* The passes of the job that are kept, *n of them, as far as they are sound.
+/* Read the kept passes of the job, *n of them, up to the first that is damaged.
  * Returns the bytes that pass[] points into, malloc'd, or NULL. */
 uint8_t *folder_read_passes(struct folder *f, const uint8_t job[MSG_JOB],
                             struct saved_pass pass[MSG_MOST_PASSES],
                             uint32_t *n);
-/* The same of the bytes of such a file, which are lent; returns how many of the
- * bytes are sound, from the first. */
+/* Find the passes in the bytes of a file of passes; pass[] points into them.
+ * Returns the number of bytes up to the first pass that is damaged. */
 size_t folder_parse_passes(const uint8_t *bytes, size_t len,
                            struct saved_pass pass[MSG_MOST_PASSES],
                            uint32_t *n);
-/* The bytes of a cache that is kept, put together to records alone, in place:
- * how many bytes these have, or FOLDER_NO_CACHE when it is damaged. */
+/* Turn the bytes of a kept cache into the records of its last stage, in place.
+ * Returns the bytes of the records; FOLDER_NO_CACHE: the cache is damaged. */
 #define FOLDER_NO_CACHE SIZE_MAX
 size_t folder_parse_kept(uint8_t *bytes, size_t len);
-/* The job is done: keep its cache, if all of its passes are there; it may have
- * been called before. */
+/* Keep the cache of a job that is done, if all of its passes are there; a
+ * second call does nothing. */
 void folder_keep_cache(struct folder *f, const uint8_t job[MSG_JOB],
                        const struct pass_range *passes);
-/* Bytes of the cache that is kept of the job; 0: none is. */
+/* Bytes of the job's kept cache; 0: none is kept. */
 uint64_t folder_cache_bytes(const struct folder *f, const uint8_t job[MSG_JOB]);
 void folder_drop_cache(const struct folder *f, const uint8_t job[MSG_JOB]);
-/* The records of the cache that is kept of another job are the first pass of
- * this one, for good: RAD_ENOINPUT when that cache is gone, RAD_EDATA when it
- * is damaged, RAD_EFULL, RAD_ESHORT, RAD_EIO. */
+/* Make the records of the kept cache of job `from` the first pass of this job,
+ * and sync them.  RAD_ENOINPUT: the cache is gone; RAD_EDATA: the cache is
+ * damaged; RAD_EFULL, RAD_ESHORT, RAD_EIO. */
 int folder_reuse(struct folder *f, const uint8_t job[MSG_JOB],
                  const uint8_t from[MSG_JOB], struct rad_error *err);
-/* The records of a first pass that came by folder_reuse(), *len bytes,
- * malloc'd; NULL: RAD_EDATA, RAD_ENOMEM. */
+/* Read the records of a first pass that folder_reuse() made: *len bytes,
+ * malloc'd.  NULL: RAD_EDATA. */
 uint8_t *folder_read_first(const struct folder *f, const uint8_t job[MSG_JOB],
                            size_t *len, struct rad_error *err);
-/* The job's pictures are made with these rendering options from now on; those
- * of its specification are not kept.  RAD_ENOMEM. */
+/* From now on the job's pictures have these rendering options, in place of
+ * those of its specification.  RAD_ENOMEM. */
 int folder_set_options(struct folder *f, const uint8_t job[MSG_JOB],
                        const char *options, struct rad_error *err);
-/* Wait until all rows that were put are on the disk. */
+/* Sync all rows and pictures that were written, and their files' names. */
 int folder_sync(struct folder *f, struct rad_error *err);
 
-/* Write a frame's picture, and its distances; marks, which may be NULL, gets
- * their marks. */
+/* Write a frame's picture, and the distances of a job that has them; durable:
+ * both last after folder_sync().  *marks, unless NULL, gets their marks. */
 int folder_picture(struct folder *f, const uint8_t job[MSG_JOB], uint32_t frame,
                    struct saved_frame *marks, struct rad_error *err);
 /* Remove a frame's rows, once it is noted that its picture is there. */
 void folder_drop_rows(struct folder *f, const uint8_t job[MSG_JOB],
                       uint32_t frame);
+/* Write the job's statistics; durable: sync them.  *mark gets their mark. */
 int folder_stats(struct folder *f, const uint8_t job[MSG_JOB], const char *text,
                  size_t len, struct mark *mark, struct rad_error *err);
 
-/* The file to read for what is asked for; a preview is made first if make. */
+/* Set path to the file of a picture, of distances, statistics or a preview;
+ * make: write the preview first.  A frame without rows has its picture for a
+ * preview. */
 int folder_find(struct folder *f, const uint8_t job[MSG_JOB], uint32_t frame,
                 enum msg_what what, bool make, char path[DISK_PATH_MAX],
                 struct rad_error *err);
 
-/* Call fn for each job that has a folder, until it returns other than 0; going:
- * one that is being forgotten. */
+/* Call fn for each job that has a folder, until fn returns other than 0; going:
+ * the job is being forgotten. */
 typedef int folder_fn(void *arg, const uint8_t job[MSG_JOB], bool going,
                       struct rad_error *err);
 int folder_each(const struct folder *f, folder_fn *fn, void *arg,

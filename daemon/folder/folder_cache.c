@@ -1,17 +1,17 @@
 /* folder_cache.c - the passes of a job's ambient cache that are closed
  *
- * DIR/jobs/ID/cache has one after the other, each behind a head: the number of
- * the pass, its bytes, their sum and what it counted.  It is read up to the
- * first that is damaged, and written on from there.  What is lost of it is made
- * again, the same: so nobody waits for it to be on the disk, and a pass for
- * which there is no room is left out, with those that follow it.  Check passes
- * (filling/stages.h) are waited for: by what they decide rows are made.
+ * DIR/jobs/ID/cache has the passes one after the other, each behind a head: the
+ * number of the pass, its bytes, their sum and the pass's counts.  The file is
+ * read up to the first pass that is damaged, and written on from there.  A pass
+ * that is lost is made again, to the bit: so it is not synced, and a pass for
+ * which there is no room is left out, with all that follow.  Check passes
+ * (filling/stages.h) are synced, for rows are made by what they decide.
  *
- * Of a job that is done the file may be kept, as DIR/jobs/ID/kept with a tail
- * that says how many passes there are, and which have the records of its last
- * stage.  A job that begins with it has the records of these, one behind
- * the other, as its own first pass; they cannot be made again, so they are on
- * the disk before the job is accepted. */
+ * The file of a job that is done may be kept, as DIR/jobs/ID/kept with a tail
+ * that says how many passes there are, and which have the records of the last
+ * stage.  Another job that begins with this cache has the records of these, one
+ * behind the other, as its own first pass.  That pass cannot be made again, so
+ * it is synced before the job is accepted. */
 #include "config.h"
 
 #include "folder/folder_impl.h"
@@ -32,14 +32,14 @@
 #define TAIL_MAGIC UINT32_C(0x52414445) /* "RADE" */
 #define HEAD_BYTES 24
 #define TAIL_BYTES 16
-#define LAYOUT     1 /* the version of the protocol that counts are as in */
+#define LAYOUT     1 /* version of the protocol in which counts are packed */
 
-/* Of a file: all records that a job may have, and its passes' heads. */
+/* Largest file: all records that a job may have, heads of passes and a tail. */
 #define MOST_CACHE                                                             \
     (SAVED_MOST_BYTES +                                                        \
      MSG_MOST_PASSES * (HEAD_BYTES + sizeof(struct msg_counts)) + TAIL_BYTES)
 
-/* What stands before a pass's records. */
+/* Pack the head of a pass. */
 static void
 put_head(struct wire_out *w, uint32_t pass, const struct saved_pass *p)
 {
@@ -59,7 +59,7 @@ put_head(struct wire_out *w, uint32_t pass, const struct saved_pass *p)
     wire_out_release(&counts);
 }
 
-/* Write the job's next pass behind the others. */
+/* Write the job's next pass behind those that are kept. */
 static int
 write_pass(struct folder_job *j, int fd, const struct saved_pass *p,
            const char *path, struct rad_error *err)
@@ -111,8 +111,8 @@ folder_put_pass(struct folder *f, const uint8_t id[MSG_JOB], uint32_t pass,
     close(fd);
 }
 
-/* The pass that begins at *at, which then stands behind it; false: it is not
- * the one of that number, or damaged. */
+/* Read the pass that begins at *at, and move *at behind it.  False: the pass
+ * has another number, or is damaged. */
 static bool
 take_pass(const uint8_t *bytes, size_t n, uint32_t pass, size_t *at,
           struct saved_pass *out)
@@ -156,8 +156,8 @@ folder_parse_passes(const uint8_t *bytes, size_t len,
     return end;
 }
 
-/* The last life may have died between the job's end and the note of it: then
- * the job goes on. */
+/* Make a kept cache the job's again: the last life may have kept it, but not
+ * noted that the job is over, which therefore goes on. */
 static void
 take_back(const struct folder *f, const uint8_t id[MSG_JOB])
 {
@@ -189,7 +189,7 @@ folder_read_passes(struct folder *f, const uint8_t id[MSG_JOB],
     return bytes;
 }
 
-/* --- of jobs that are done --- */
+/* --- caches of jobs that are done --- */
 
 static int
 write_tail(const struct folder_job *j, const struct pass_range *passes, int fd,
@@ -251,7 +251,7 @@ folder_drop_cache(const struct folder *f, const uint8_t id[MSG_JOB])
     unlink(path);
 }
 
-/* --- for jobs that begin with them --- */
+/* --- caches with which other jobs begin --- */
 
 size_t
 folder_parse_kept(uint8_t *bytes, size_t len)
@@ -286,7 +286,7 @@ damaged(const char *what, const uint8_t id[MSG_JOB], struct rad_error *err)
                     what, hex);
 }
 
-/* The kept records of that job. */
+/* Read the records of the job's kept cache: *n bytes, malloc'd. */
 static uint8_t *
 read_kept(const struct folder *f, const uint8_t id[MSG_JOB], size_t *n,
           struct rad_error *err)
@@ -311,7 +311,7 @@ read_kept(const struct folder *f, const uint8_t id[MSG_JOB], size_t *n,
     return NULL;
 }
 
-/* Make them the first pass of a job, and wait until they last. */
+/* Write a pass as the job's first, and sync it. */
 static int
 write_first(struct folder *f, struct folder_job *j, const struct saved_pass *p,
             struct rad_error *err)
@@ -321,7 +321,7 @@ write_first(struct folder *f, struct folder_job *j, const struct saved_pass *p,
 
     if (fd < 0)
         return disk_fail(err, errno, "create", path);
-    j->npasses = 0; /* it may be tried again */
+    j->npasses = 0; /* this may be a second attempt */
     j->pass_bytes = 0;
     rc = write_pass(j, fd, p, path, err);
     if (rc == 0)

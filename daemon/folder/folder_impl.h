@@ -9,17 +9,17 @@
 
 /*  NONE -> ROWS -> PICTURE */
 enum frame_file {
-    FILE_NONE,   /* room is kept for its rows, if jobs last */
-    FILE_ROWS,   /* rows of it came */
-    FILE_PICTURE /* its picture is there, and its rows are gone */
+    FILE_NONE,   /* room is kept for the frame's rows, if jobs last */
+    FILE_ROWS,   /* rows of the frame have a file */
+    FILE_PICTURE /* the frame's picture is there, its rows are gone */
 };
 
 struct frame_rows {
     enum frame_file file;
-    struct rows *rows; /* with FILE_ROWS */
+    struct rows *rows; /* in FILE_ROWS */
     char *view;
     uint32_t number;
-    int width, height; /* of the rows */
+    int width, height; /* of the rows [pixels or samples] */
 };
 
 struct folder_job {
@@ -28,17 +28,18 @@ struct folder_job {
     char *params, *origin;
     bool depth, points;
     int oversample; /* samples a side of a pixel; 1: rows are the picture's */
-    double clamp;   /* of a sample's weight; 0: any */
+    double clamp;   /* see struct rad_filter_shape; 0: off */
     enum rows_kind kind;
     uint32_t nframes;
     struct frame_rows *frames;
     uint64_t room;  /* bytes that are kept for frames without a file */
-    uint32_t npasses;    /* of the ambient cache that are kept, */
-    uint64_t pass_bytes; /* in so many bytes */
-    bool new_files; /* since the last folder_sync() */
+    uint32_t npasses;    /* kept passes of the ambient cache, */
+    uint64_t pass_bytes; /* and their bytes in the file */
+    bool new_files; /* files were made since the last folder_sync() */
 };
 
-/* DIR/jobs/ID with that suffix, or DIR/jobs/ID/FRAME with that one. */
+/* Set path to DIR/jobs/ID and the suffix; to DIR/jobs/ID/FRAME and the suffix.
+ */
 #define FOLDER_ROOM  "/room"
 #define FOLDER_STATS "/stats"
 #define FOLDER_CACHE "/cache"
@@ -52,25 +53,26 @@ void folder_frame_path(const struct folder *f, const uint8_t *id,
                        char path[DISK_PATH_MAX]);
 const char *folder_suffix_of(enum msg_what what);
 
-/* No frame has a file, and no room is kept; NULL when memory is out. */
+/* Make a job of which no frame has a file, and that keeps no room; NULL: memory
+ * is out. */
 struct folder_job *folder_new_job(const struct folder *f,
                                   const struct msg_spec *spec,
                                   struct rad_error *err);
 void folder_free_job(struct folder_job *j);
-/* The job of that id, or the end of the list. */
+/* Find the link to the job of that id, or to NULL at the end of the list. */
 struct folder_job **folder_find_job(struct folder *f, const uint8_t *id);
-/* In place of any that has its id. */
+/* Add a job, in place of a job that has its id. */
 void folder_add_job(struct folder *f, struct folder_job *j);
 
-/* A frame whose rows have a file, which is made if need be; RAD_ENOINPUT: its
- * picture is there, or there is no such frame. */
+/* Find a frame's rows, and make their file if they have none.  RAD_ENOINPUT:
+ * the frame's picture is there, or there is no such frame. */
 int folder_find_rows(struct folder *f, const uint8_t *id, uint32_t frame,
                      struct folder_job **job, struct frame_rows **rows,
                      struct rad_error *err);
 /* Close the file of a frame's rows. */
 void folder_free_rows(struct frame_rows *r);
 
-/* Bytes of the rows of a frame. */
+/* Bytes of pixels of a frame's rows. */
 uint64_t folder_frame_bytes(const struct folder_job *j,
                             const struct frame_rows *r);
 

@@ -9,7 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A picture of the rows so far. */
+/* Write a picture of the rows that are there. */
 static int
 write_rgbe(const struct folder_job *j, struct frame_rows *f,
            const struct rows_output *out, struct rad_error *err)
@@ -71,7 +71,7 @@ folder_picture(struct folder *f, const uint8_t id[MSG_JOB], uint32_t frame,
     struct rows_output out = { .path = path, .durable = f->durable };
     int rc = folder_find_rows(f, id, frame, &j, &r, err);
 
-    if (rc == 0) /* it is whole */
+    if (rc == 0) /* the frame is whole, and needs no colours */
         rows_drop_colours(r->rows);
     if (rc == 0 && j->depth) {
         folder_frame_path(f, id, frame, folder_suffix_of(MSG_WHAT_DEPTH), path);
@@ -121,7 +121,7 @@ folder_find(struct folder *f, const uint8_t id[MSG_JOB], uint32_t frame,
         return 0;
     }
     rc = folder_find_rows(f, id, frame, &j, &r, &why);
-    if (rc == RAD_ENOINPUT) { /* without rows the picture is the preview */
+    if (rc == RAD_ENOINPUT) { /* no rows: the picture is the preview */
         folder_frame_path(f, id, frame, folder_suffix_of(MSG_WHAT_PICTURE),
                           path);
         return 0;

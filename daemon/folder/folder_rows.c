@@ -1,7 +1,7 @@
-/* folder_rows.c - rows of jobs that go on, as they come and as they are read
+/* folder_rows.c - rows of jobs that are not over: written, read, synced
  *
- * A frame's file is made when the first of its rows comes, in room that was
- * kept since the job was accepted. */
+ * A frame's file is made when its first row comes.  If jobs last, room for the
+ * file was kept since the job was accepted. */
 #include "config.h"
 
 #include "folder/folder_impl.h"
@@ -11,7 +11,8 @@
 
 #include <stdlib.h>
 
-/* Make the file of a frame's rows, in room that was kept for it. */
+/* Make the file of a frame's rows, in place of the room that was kept for it.
+ */
 static int
 begin_frame(struct folder *f, struct folder_job *j, uint32_t i,
             struct rad_error *err)
@@ -153,7 +154,7 @@ folder_read_row(struct folder *f, const uint8_t id[MSG_JOB], uint32_t frame,
     return rc;
 }
 
-/* Add the sum of a line. */
+/* Add the rowsum() of row y's line to *sum. */
 static int
 sum_line(struct rows *r, uint32_t y, uint64_t *sum, struct rad_error *err)
 {

@@ -1,9 +1,8 @@
 /* folder_take.c - the folders of jobs of earlier lives
  *
- * What is finished is held against its marks.  Of a job that is not over each
- * frame that rows are noted of has its file; another may have one, if it was
- * begun, and what is left of the job's room is made to fit what is left of its
- * frames. */
+ * Finished files are compared with their marks.  In a job that is not over a
+ * frame of which the database notes rows must have its file; other frames may
+ * have one.  The job's room is then set to what frames without a file need. */
 #include "config.h"
 
 #include "folder/folder_impl.h"
@@ -16,13 +15,13 @@
 #include <string.h>
 #include <unistd.h>
 
-/* --- what is finished --- */
+/* --- finished files --- */
 
 /* A finished file of the job, and its mark. */
 typedef int finished_fn(void *arg, const struct mark *m, const char *path,
                         struct rad_error *err);
 
-/* Call fn for the picture that is said to be there, and its distances. */
+/* Call fn for the picture of a frame that is written, and its distances. */
 static int
 each_of_frame(const struct folder *f, const struct saved_job *s, uint32_t i,
               finished_fn *fn, void *arg, struct rad_error *err)
@@ -40,7 +39,7 @@ each_of_frame(const struct folder *f, const struct saved_job *s, uint32_t i,
     return fn(arg, &s->frames[i].depth, path, err);
 }
 
-/* Likewise for all that is finished of the job. */
+/* Call fn for all finished files of the job; over: for its statistics, too. */
 static int
 each_finished(const struct folder *f, const struct saved_job *s, bool over,
               finished_fn *fn, void *arg, struct rad_error *err)
@@ -97,7 +96,7 @@ folder_compare(struct folder *f, const struct saved_job *s, bool over,
 
 /* --- rows --- */
 
-/* Which frames have a file of rows, and which must have one. */
+/* Which frames have a file of rows (there), and which must have one (noted). */
 struct found {
     bool *there, *noted;
 };
@@ -126,8 +125,8 @@ look_for_rows(const struct folder *f, const struct saved_job *s,
     return 0;
 }
 
-/* A file of rows of which nothing is noted may be half made, and is made anew.
- */
+/* Open a frame's file of rows.  If no rows of the frame are noted, the file may
+ * be half made; then it is removed, and made anew later. */
 static int
 take_rows(struct folder *f, struct folder_job *j, uint32_t i, bool noted,
           struct rad_error *err)
@@ -192,7 +191,7 @@ take_open(struct folder *f, struct folder_job *j, const struct saved_job *s,
     free(found.noted);
     if (rc < 0 || f->looks)
         return rc;
-    /* without room for all of it the job is held when it needs more */
+    /* if the disk is full now, the job is held when its rows need more room */
     folder_path(f, j->id, FOLDER_ROOM, path);
     rc = room_set(path, j->room, NULL);
     return rc == RAD_EFULL ? 0 : rc;

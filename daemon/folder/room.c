@@ -12,15 +12,17 @@
 #include <sys/statvfs.h>
 #include <unistd.h>
 
-/* The last of the disk is not for one job: others have to note what they do. */
+/* Room to leave free for the notes of other jobs [bytes]: the smaller of
+ * MOST_SPARE and 1/SPARE_SHARE of the disk. */
 #define MOST_SPARE  (UINT64_C(64) << 20)
-#define SPARE_SHARE 64 /* or this part of a small disk */
+#define SPARE_SHARE 64
 
 struct free_room {
     uint64_t all, left, spare; /* bytes */
 };
 
-/* False: the file system does not say; a full disk shows when room is made. */
+/* Ask the file system.  False: it does not tell; then a full disk shows when
+ * room is made. */
 static bool
 look(const char *dir, struct free_room *r)
 {

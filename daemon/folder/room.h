@@ -1,7 +1,7 @@
-/* room.h - room on the disk that is kept for what is not written yet
+/* room.h - room on the disk that is kept for files that are not written yet
  *
- * A file of so many bytes, which lie on the disk and hold nothing: as other
- * files are made for which it stands, it becomes shorter.
+ * A file of allocated bytes that mean nothing: it is made shorter as the files
+ * are made for which it keeps room.
  * All calls do I/O and may wait for the disk.
  * Thread: any. */
 #ifndef DAEMON_ROOM_H
@@ -12,19 +12,19 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-/* Has the file system that dir is on room for so many bytes more, which `what`
- * need, with some to spare for others?  RAD_EFULL: not now; RAD_EDATA: it never
- * will. */
+/* Has the file system of dir room for so many bytes more, and some to spare?
+ * `what` names the files in the error.  RAD_EFULL: not now; RAD_EDATA: the disk
+ * is too small. */
 int room_check(const char *dir, uint64_t bytes, const char *what,
                struct rad_error *err);
-/* Are that many bytes no more than what is spared for others? */
+/* Are the bytes no more than what room_check() spares, or is that not known? */
 bool room_is_small(const char *dir, uint64_t bytes);
 
-/* Make the file as long as that, of 0 bytes none; what it grows by lasts, but
- * for its name.  RAD_EFULL. */
+/* Make the file `bytes` long, and sync it when it grows, but not its name; 0:
+ * remove it.  RAD_EFULL, or another code of disk.h. */
 int room_set(const char *path, uint64_t bytes, struct rad_error *err);
 
-/* Bytes that it is long; 0: there is none. */
+/* Length of the file; 0: there is none. */
 uint64_t room_size(const char *path);
 
 #endif

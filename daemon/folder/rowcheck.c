@@ -3,7 +3,8 @@
 
 #include "folder/rowcheck.h"
 
-/* Nobody had it, so rows of that attempt that are still to come are late. */
+/* Make the unit new, as if no worker had had it: rows of the former attempt
+ * that are still to come count as late. */
 static void
 make_new(struct saved_unit *u)
 {
@@ -26,9 +27,9 @@ struct check {
     struct rad_error *err;
 };
 
-/* Are the rows what they were, and is the base line that they end with there,
- * too?  Where each pixel is traced one that was kept leaves no densities: then
- * the sum alone says whether it was. */
+/* Are the unit's rows as the journal's sum says, and is the base line that they
+ * end with in that sum, for it was kept?  A unit without densities may have
+ * such a line, where each pixel is traced; so both sums are tried then. */
 static int
 look(const struct check *c, const struct saved_unit *u, bool *sound, bool *line)
 {
@@ -69,8 +70,9 @@ done_above(const struct check *c, const struct saved_unit *u)
     return NULL;
 }
 
-/* What is made again begins at a base line.  Of a unit that came to its end
- * after the one below none was kept: then it is made again as well. */
+/* Make the unit above u new, too, if its last base line was not kept, for u
+ * begins there; and so on, upwards.  The line is not kept if the unit above
+ * ended after u. */
 static int
 strike_above(const struct check *c, const struct saved_unit *u)
 {

@@ -1,4 +1,4 @@
-/* rows.c - see rows.h; what is made of rows is rows_picture.c's */
+/* rows.c - see rows.h; rows_picture.c makes pictures of rows */
 #include "config.h"
 
 #include "folder/rows.h"
@@ -16,8 +16,8 @@
 #include <sys/types.h>
 #include <unistd.h>
 
-/* Bytes of pixels that coded rows are taken apart to at a time, but for long
- * rows: runs may stand for a hundred times what they take. */
+/* Bytes of pixels to which coded rows are decoded at a time, unless a single
+ * row has more: code may stand for a hundred times its own bytes. */
 #define DECODE_BYTES (256u << 10)
 
 size_t
@@ -28,7 +28,7 @@ rows_bytes(const struct rows *r, int w)
     return (size_t)w * (size_t)r->kind * sizeof(float);
 }
 
-/* The file's name and what lies in it. */
+/* Set *r to a closed file of that name and form. */
 static int
 describe(struct rows *r, struct rows_open *among, const char *path,
          struct rows_form form, struct rad_error *err)
@@ -46,7 +46,7 @@ describe(struct rows *r, struct rows_open *among, const char *path,
     return 0;
 }
 
-/* Of the pixels.  Coded rows take what they take. */
+/* Bytes of all pixels; 0 for coded rows, whose length is not known before. */
 static off_t
 pixels_size(const struct rows *r)
 {
@@ -75,7 +75,7 @@ whole_size(const struct rows *r)
 
 /* --- open files --- */
 
-/* Close it, and take it from its place. */
+/* Close the file, and take it from the list of open files. */
 static void
 close_one(struct rows *r)
 {
@@ -101,7 +101,8 @@ sync_one(struct rows *r, struct rad_error *err)
     return rc;
 }
 
-/* Make room for one more, and put it first. */
+/* Put an opened file first in the list; if that is full close the file that was
+ * used the longest time ago. */
 static int
 note_open(struct rows *r, int fd, struct rad_error *err)
 {
@@ -241,7 +242,8 @@ damaged(int h, struct rad_error *err)
     return rad_fail(err, RAD_EPROTO, "%d coded rows are damaged", h);
 }
 
-/* Note where rows lie that will be written at the end of the file. */
+/* Note the places of coded rows that are going to be written at the file's end.
+ */
 static int
 place_rows(struct rows *r, int y, int h, struct rows_code code,
            struct rad_error *err)
@@ -285,7 +287,7 @@ append_coded(struct rows *r, int y, int h, struct rows_code code,
     return 0;
 }
 
-/* Are those bytes h rows of w pixels? */
+/* Is the code exactly h rows of w pixels? */
 static int
 check_code(int w, int h, struct rows_code code, struct rad_error *err)
 {
@@ -301,7 +303,7 @@ check_code(int w, int h, struct rows_code code, struct rad_error *err)
     return at == code.n ? 0 : damaged(h, err);
 }
 
-/* Decode h rows of w pixels to rgbe; *code has the rows behind them left. */
+/* Decode h rows of w pixels to rgbe; *code moves on to the rows behind them. */
 static int
 decode_rows(int w, int h, struct rows_code *code, uint8_t *rgbe,
             struct rad_error *err)
@@ -318,7 +320,8 @@ decode_rows(int w, int h, struct rows_code *code, uint8_t *rgbe,
     return 0;
 }
 
-/* A few rows at a time; some are written if the disk fails at later ones. */
+/* Decode and write a few rows at a time; if the disk fails, earlier rows are
+ * written. */
 static int
 write_decoded(struct rows *r, struct rows_area a, struct rows_code code,
               uint64_t *sum, struct rad_error *err)
@@ -363,7 +366,7 @@ rows_write_coded(struct rows *r, struct rows_area a, struct rows_code code,
     return rc;
 }
 
-/* Is there such a line? */
+/* Open the file for the line of row y; RAD_EDATA: no such line can be there. */
 static int
 use_line(struct rows *r, int y, struct rad_error *err)
 {
@@ -418,7 +421,7 @@ rows_read(struct rows *r, int y, void *pixels, struct rad_error *err)
     return rows_read_part(r, 0, y, r->width, pixels, err);
 }
 
-/* A coded row; what has not come is black. */
+/* Read a coded row; a row that has not come is black. */
 static int
 read_coded(struct rows *r, int y, uint8_t *rgbe, uint8_t *code,
            struct rad_error *err)

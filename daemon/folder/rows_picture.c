@@ -7,7 +7,7 @@
 
 #include <stdlib.h>
 
-/* Coded bytes that are copied at a time, but for long rows. */
+/* Coded bytes that are copied at a time, unless a single row has more. */
 #define COPY_BYTES (64u << 10)
 
 static int
@@ -32,8 +32,8 @@ encode_rows(struct rows *r, const struct rad_sink *sink, struct rad_error *err)
     return rc;
 }
 
-/* Copy coded rows from row y on that lie one behind the other; what has not
- * come is black.  Returns how many, or a code. */
+/* Copy coded rows from row y on that lie one behind the other; a row that has
+ * not come is black.  Returns the number of rows, or a code. */
 static int
 copy_rows(struct rows *r, int y, const struct rad_sink *sink, uint8_t *code,
           const uint8_t *black, size_t nblack, struct rad_error *err)
@@ -106,7 +106,7 @@ rows_picture(struct rows *r, const struct rad_hdr_info *info,
     return rows_close_picture(r, &w, rc, out->durable, err);
 }
 
-/* Take the distances of a row of pixels out of those of samples, in place. */
+/* Reduce a row of samples, in place, to the distances of its pixels. */
 static void
 thin_out(const struct rows *r, int oversample, int width, float *samples)
 {

@@ -53,7 +53,8 @@ parse_bool(const struct conf_key *k, const char *value, bool *out,
                     k->name, value);
 }
 
-/* RAD_ECONFIG with the key's name where the table does not take the text. */
+/* Fail with RAD_ECONFIG and the key's name if the text is too long, or the
+ * table refuses it. */
 static int
 check_text(const struct conf_table *t, const struct conf_key *k,
            const char *value, struct rad_error *err)
@@ -97,7 +98,8 @@ conf_defaults(const struct conf_table *t, void *settings)
             set_key(t, k, settings, k->def, NULL);
 }
 
-/* RAD_ECONFIG for an unknown key or a bad value. */
+/* Set a key that the file names.  RAD_ECONFIG: the key is unknown, or its value
+ * is bad. */
 static int
 set_named(const struct conf_table *t, void *settings, const char *name,
           const char *value, struct rad_error *err)
@@ -111,10 +113,10 @@ set_named(const struct conf_table *t, void *settings, const char *name,
 struct filling {
     const struct conf_table *table;
     void *settings;
-    bool set[MAX_KEYS]; /* by the file so far */
+    bool set[MAX_KEYS]; /* keys that the file has set so far */
 };
 
-/* Which of two values somebody means nobody can know. */
+/* Refuse a key that the file sets twice. */
 static int
 note_set(struct filling *f, const char *name, struct rad_error *err)
 {
@@ -191,8 +193,8 @@ make_options(const struct conf_table *t, struct options *o)
     memcpy(o->rows + n, fixed, sizeof fixed);
 }
 
-/* Walk the command line once.  With settings NULL only --config, --help,
- * --version and the private key are looked at; *config is "" for the latter. */
+/* Walk the command line once.  With settings NULL no key is set, and the
+ * private key sets *config to "", unless --config names a file. */
 static int
 walk_options(const struct conf_table *t, void *settings, int argc, char *argv[],
              const char **config, struct rad_error *err)
@@ -229,7 +231,7 @@ walk_options(const struct conf_table *t, void *settings, int argc, char *argv[],
     return rc < 0 ? rc : wish;
 }
 
-/* The code of the first error becomes another. */
+/* Give the error another code, and return that. */
 static int
 recode(struct rad_error *err, int code)
 {
@@ -238,7 +240,7 @@ recode(struct rad_error *err, int code)
     return code;
 }
 
-/* Defaults, the file if there is one, and the options over it. */
+/* Set the defaults, the file's keys unless config is NULL, then the options. */
 static int
 load_all(const struct conf_table *t, void *settings, const char *config,
          int argc, char *argv[], struct rad_error *err)
@@ -249,11 +251,11 @@ load_all(const struct conf_table *t, void *settings, const char *config,
     if (config && (rc = conf_read(t, settings, config, err)) < 0)
         return rc;
     rc = walk_options(t, settings, argc, argv, &config, err);
-    /* a key's value, but not from a file */
+    /* the bad value is an option's, not the file's */
     return rc == RAD_ECONFIG ? recode(err, RAD_EUSAGE) : rc;
 }
 
-/* Would the options do without the file? */
+/* Are the options valid settings without the file? */
 static bool
 options_suffice(const struct conf_table *t, int argc, char *argv[])
 {

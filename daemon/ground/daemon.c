@@ -30,7 +30,7 @@ daemon_stop(struct daemon *d, int status)
     uv_stop(&d->loop);
 }
 
-/* That the loop gets here is what there is to tell. */
+/* Tell systemd that the loop runs. */
 static void
 feed_watchdog(struct daemon *d)
 {
@@ -54,9 +54,9 @@ on_term(uv_signal_t *sig, int signum)
 {
     struct daemon *d = sig->data;
 
-    if (d->stopping && !d->set->embedded) /* asked again: wait for nothing */
+    if (d->stopping && !d->set->embedded) /* a second signal: do not wait */
         _exit(EX_TEMPFAIL);
-    if (d->stopping) /* its folder goes first, and no disk is waited for */
+    if (d->stopping) /* an embedded daemon first removes its folder */
         return;
     log_info("stopping signal=%d", signum);
     service_notify(d->notify, "STOPPING=1");
@@ -109,7 +109,7 @@ start(struct daemon *d, struct rad_error *err)
 {
     int rc;
 
-    /* before anybody can know of us; they are heard when the loop runs */
+    /* before peers can know of us; signals are handled when the loop runs */
     catch_signal(d, &d->sigterm, on_term, SIGTERM);
     catch_signal(d, &d->sigint, on_term, SIGINT);
     catch_signal(d, &d->sighup, on_hup, SIGHUP);
@@ -130,19 +130,19 @@ close_own(void *handle)
 {
     uv_handle_t *h = handle;
 
-    if (h->type != UV_UNKNOWN_HANDLE) /* was started */
+    if (h->type != UV_UNKNOWN_HANDLE) /* the handle was started */
         uv_close(h, NULL);
 }
 
-/* Signals are caught to the end: whoever stops a launcher sends many, and none
- * may end a daemon before its folder is gone. */
+/* Catch signals to the end: a user who stops a launcher may send many, and none
+ * may end a daemon before its folder is removed. */
 static void
 finish(struct daemon *d)
 {
     uv_signal_t *signals[] = { &d->sigterm, &d->sigint, &d->sighup };
     const size_t n = sizeof signals / sizeof *signals;
 
-    d->stopping = true; /* also where it could not start */
+    d->stopping = true; /* also if start() failed */
     d->ops->finish(d->arg);
     close_own(&d->ticker);
     close_own(&d->lifetime.poll);
@@ -172,8 +172,8 @@ do_nothing(uv_work_t *work)
     (void)work;
 }
 
-/* libuv starts the threads of its pool at the first work, and aborts where
- * there is no memory for them: so that is now, before anybody relies on us. */
+/* Start the threads of libuv's pool.  libuv does so at the first work, and
+ * aborts without memory for them; so this comes before peers rely on us. */
 static void
 start_threads(struct daemon *d)
 {

@@ -1,7 +1,7 @@
 /* daemon.h - what both daemons do to start, to live and to end
  *
  * Settings, log, loop, tick, signals, reload, the pipe of an embedded cluster,
- * and what systemd wants to hear.
+ * and messages to systemd.
  * Thread: main's. */
 #ifndef RADD_DAEMON_DAEMON_H
 #define RADD_DAEMON_DAEMON_H
@@ -16,10 +16,10 @@
 struct daemon_settings {
     char ports_file[CONF_TEXT];
     char log_level[CONF_TEXT];
-    bool embedded; /* in a cluster of radsubmit's own: no waiting for the disk,
-                    * and no life longer than that of whoever holds the other
-                    * end of the pipe */
-    int lifetime_fd;
+    bool embedded;   /* in a cluster of radsubmit's own: never wait for the
+                      * disk */
+    int lifetime_fd; /* a pipe: end when the process at its other end does;
+                      * -1: none */
 };
 
 /* Rows of these settings, last in each daemon's table. */
@@ -52,15 +52,15 @@ struct daemon_settings {
     }
 
 struct daemon_ops {
-    /* Open what it serves with; an error ends it with that code. */
+    /* Open all that the daemon serves with; an error ends the daemon. */
     int (*start)(void *arg, struct rad_error *err);
     void (*tick)(void *arg); /* every DAEMON_TICK_MS */
     void (*term)(void *arg); /* the first SIGTERM or SIGINT, and later ones
                               * until daemon_stop() */
     void (*reloaded)(void *arg);
-    /* Close what is open and wait until nothing is left to do. */
+    /* Close all that is open, and wait until nothing is left to do. */
     void (*finish)(void *arg);
-    /* Free: the loop has ended. */
+    /* Free the daemon's memory; called after finish(). */
     void (*release)(void *arg);
 };
 #define DAEMON_TICK_MS 100
@@ -68,33 +68,35 @@ struct daemon_ops {
 struct daemon {
     const struct conf_table *table;
     struct daemon_settings *set;
-    void *loaded; /* the settings as they were read, see conf_reload() */
+    void *loaded; /* the settings as conf_load() set them, see conf_reload() */
     const struct daemon_ops *ops;
     void *arg;
     int argc;
     char **argv;
     uv_loop_t loop;
-    uv_work_t first_work; /* that starts the pool's threads */
+    uv_work_t first_work; /* starts the threads of libuv's pool */
     uv_timer_t ticker;
     uv_signal_t sigterm, sigint, sighup;
     struct service_lifetime lifetime;
-    int notify;           /* systemd's socket */
+    int notify;           /* systemd's socket; -1: none */
     uint64_t watchdog_ms; /* systemd waits so long for a sign of life; 0: not */
-    uint64_t fed_ms;      /* when it got the last */
+    uint64_t fed_ms;      /* when systemd got the last sign of life */
     bool stopping;
     int status;
 };
 
-/* What both daemons' texts must be (conf_table.check_text). */
+/* Check a text that both daemons have (conf_table.check_text). */
 int daemon_check_text(const char *name, const char *value,
                       struct rad_error *err);
 
-/* The whole life; table, set, ops and arg are set.  Returns the exit status. */
+/* Run the daemon from start to end; the caller has set table, set, ops and arg.
+ * Returns the exit status. */
 int daemon_run(struct daemon *d, int argc, char *argv[]);
 
-/* End it with that exit status. */
+/* End the daemon with that exit status; only the first call counts. */
 void daemon_stop(struct daemon *d, int status);
 
+/* The loop's time [ms]. */
 uint64_t daemon_now(const struct daemon *d);
 
 #endif

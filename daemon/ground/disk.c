@@ -79,8 +79,8 @@ disk_read_at(int fd, void *data, size_t n, off_t at, const char *path,
     return 0;
 }
 
-/* For whatever reason: what the system has thrown away since cannot be known,
- * so trying again proves nothing. */
+/* RAD_EIO for any errno: the system may have dropped the bytes that it could
+ * not write, so that a later sync succeeds and proves nothing. */
 static int
 sync_failed(const char *path, struct rad_error *err)
 {

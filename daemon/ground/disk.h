@@ -1,9 +1,9 @@
-/* disk.h - writing so that it lasts
+/* disk.h - files that last
  *
- * What fails for want of room (ENOSPC, EDQUOT, EFBIG) is RAD_EFULL, for want of
- * descriptors or memory (EMFILE, ENFILE, ENOMEM) RAD_ESHORT, which both may be
- * tried again; what is denied RAD_EPERM; all else is RAD_EIO.  A name lasts only
- * when its folder was synced after it.
+ * Errors: RAD_EFULL without room (ENOSPC, EDQUOT, EFBIG), RAD_ESHORT without
+ * descriptors or memory (EMFILE, ENFILE, ENOMEM): both may be tried again.
+ * RAD_EPERM where access is denied; RAD_EIO for all else.
+ * A file's new name lasts only when its folder was synced after it was given.
  * All calls may wait for the disk.
  * Thread: any. */
 #ifndef RADD_DAEMON_DISK_H
@@ -18,32 +18,34 @@
 
 #define DISK_PATH_MAX 1280
 
-/* RAD_EFULL, RAD_ESHORT for what may pass, RAD_EPERM, or RAD_EIO. */
+/* The code for an error number: RAD_EFULL, RAD_ESHORT, RAD_EPERM or RAD_EIO. */
 int disk_code(int number);
 
-/* "cannot VERB 'PATH': why", and the code, for an error number. */
+/* Set *err to "cannot VERB 'PATH': why" and the code for an error number, which
+ * is returned. */
 int disk_fail(struct rad_error *err, int number, const char *verb,
               const char *path);
 
-/* All n bytes, at that offset; path is for the message. */
+/* Write all n bytes at offset `at`; `path` is named in the error. */
 int disk_write_at(int fd, const void *data, size_t n, off_t at,
                   const char *path, struct rad_error *err);
-/* RAD_EIO also where the file is shorter. */
+/* Read n bytes from offset `at`.  RAD_EIO also if the file is shorter. */
 int disk_read_at(int fd, void *data, size_t n, off_t at, const char *path,
                  struct rad_error *err);
 
+/* Sync a file, its bytes alone, or a folder.  RAD_EIO if that fails. */
 int disk_sync(int fd, const char *path, struct rad_error *err);
 int disk_sync_data(int fd, const char *path, struct rad_error *err);
 int disk_sync_dir(const char *path, struct rad_error *err);
-/* The folder that path lies in. */
+/* Sync the folder that has the file `path`. */
 int disk_sync_dir_of(const char *path, struct rad_error *err);
 
-/* opendir(), for folders that are looked at beside a loop.  Connections that
- * libuv closes are not seen by ThreadSanitizer, nor is whose number opendir()
- * takes; what is opened by open() is. */
+/* opendir() by open() and fdopendir().  ThreadSanitizer does not see libuv
+ * close a descriptor, nor opendir() get the same number again, and would report
+ * a race; it sees open().  NULL: errno says why. */
 DIR *disk_open_dir(const char *path);
 
-/* A folder that may be there; mode 0700. */
+/* Make a folder with mode 0700, unless it is there. */
 int disk_make_dir(const char *path, struct rad_error *err);
 
 /* A file that gets its name when it is whole. */
@@ -51,22 +53,23 @@ struct disk_file {
     char tmp[DISK_PATH_MAX + 8];
     const char *path;
     int fd;
-    off_t at; /* what is written */
-    size_t n; /* what waits in buf */
+    off_t at; /* bytes in the file */
+    size_t n; /* bytes that wait in buf */
     struct mark *mark;
     struct rad_sha sha; /* with mark */
     char buf[1 << 16];
 };
 
-/* path is borrowed until the file is closed, and mark, which may be NULL: it
- * gets what was written. */
+/* Begin the file `path`.  mark, unless NULL, gets the mark of all bytes that
+ * are written.  path and mark are borrowed until disk_file_close(). */
 int disk_file_open(struct disk_file *w, const char *path, struct mark *mark,
                    struct rad_error *err);
-/* A rad_sink's; arg is the struct disk_file. */
+/* The function of a rad_sink; arg is the struct disk_file. */
 int disk_file_write(void *arg, const void *data, size_t len,
                     struct rad_error *err);
-/* Close and name it, or drop it if rc says that writing failed; durable: the
- * file and its name last when this returns. */
+/* Close the file and give it its name, or remove it if rc < 0, the error with
+ * which writing failed.  durable: sync the file and its name.  Returns rc, or
+ * the first error here. */
 int disk_file_close(struct disk_file *w, int rc, bool durable,
                     struct rad_error *err);
 

@@ -1,8 +1,8 @@
 /* lossy.h - a queue of frames that may lose its oldest
  *
- * Ambient records on their way to one connection.  At most LOSSY_WINDOW bytes
- * are with the connection; what waits behind them is kept up to LOSSY_MAX, and
- * then the oldest goes.
+ * Ambient records on their way to one connection.  A frame goes out while the
+ * connection has fewer than LOSSY_WINDOW bytes to write.  Other frames wait in
+ * the queue; above LOSSY_MAX bytes the oldest of these are dropped.
  * Thread: one. */
 #ifndef DAEMON_LOSSY_H
 #define DAEMON_LOSSY_H
@@ -22,27 +22,29 @@ struct lossy_frame {
 
 struct lossy {
     struct lossy_frame *head, **tail;
-    size_t queued;      /* bytes that wait */
-    size_t outstanding; /* bytes that the connection has, these and others */
+    size_t queued;      /* bytes of frames that wait */
+    size_t outstanding; /* bytes that the connection has to write, other
+                         * messages' too */
     uint64_t dropped;   /* frames */
 };
 
 void lossy_init(struct lossy *q);
-/* What waits is gone, and the queue as it was at first. */
+/* Free the frames that wait; the queue is as lossy_init() makes it. */
 void lossy_release(struct lossy *q);
 
-/* Queue a copy; a frame that there is no memory for counts as dropped. */
+/* Queue a copy of a frame; without memory the frame counts as dropped. */
 void lossy_put(struct lossy *q, const uint8_t *bytes, size_t len);
 
-/* May a frame of that length go out now, past the queue?  Then it counts as
- * outstanding. */
+/* Count a frame of len bytes as outstanding, if no frame waits and it may go
+ * out now; true: the caller sends it. */
 bool lossy_pass(struct lossy *q, size_t len);
 
-/* The next frame that may go out now, or NULL; the caller frees it.  It counts
- * as outstanding. */
+/* Take the next frame that may go out now, and count it as outstanding.  The
+ * caller sends and frees the frame; NULL: there is none. */
 struct lossy_frame *lossy_take(struct lossy *q);
 
-/* Other bytes were sent on the same connection; n bytes were written out. */
+/* Count n bytes of other messages that were sent on the connection; n bytes of
+ * any that it has written. */
 void lossy_sent(struct lossy *q, size_t n);
 void lossy_written(struct lossy *q, size_t n);
 

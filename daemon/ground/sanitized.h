@@ -1,7 +1,7 @@
 /* sanitized.h - is this built with a sanitizer that looks at its own process?
  *
  * AddressSanitizer and ThreadSanitizer read /proc, map memory and start threads
- * when it suits them, so a sandbox lets them. */
+ * at any time, so a sandbox has to permit that. */
 #ifndef DAEMON_SANITIZED_H
 #define DAEMON_SANITIZED_H
 

@@ -95,7 +95,7 @@ service_credential(const char *name, char *path, size_t size)
     if (!dir || snprintf(path, size, "%s/%s", dir, name) >= (int)size)
         dir = NULL;
     f = dir ? fopen(path, "re") : NULL;
-    any = dir && !f && errno != ENOENT; /* who reads it says what it lacks */
+    any = dir && !f && errno != ENOENT; /* the error is its reader's to tell */
     while (f && !any && (c = getc(f)) != EOF)
         any = !isspace(c);
     if (f)
@@ -132,7 +132,7 @@ need_calloc(size_t n, size_t size)
     return need(calloc(n, size));
 }
 
-/* libcrypto's, which tells where it stands */
+/* libcrypto's allocators get its source file and line, too. */
 static void *
 crypto_malloc(size_t n, const char *file, int line)
 {
@@ -209,7 +209,7 @@ lifetime_event(uv_poll_t *poll, int status, int events)
 
     (void)events;
     uv_fileno((uv_handle_t *)poll, &fd);
-    /* nothing is ever written: what can be read is the end */
+    /* nobody writes to the pipe: it can be read only at its end */
     if (status < 0 || read(fd, &byte, 1) <= 0) {
         uv_poll_stop(poll);
         l->end(l->arg);
@@ -239,9 +239,9 @@ service_watch_lifetime(struct service_lifetime *l, uv_loop_t *loop, int fd,
     return 0;
 }
 
-/* glibc raises the limit above which a piece is mapped by itself with each that
- * is freed; then the heap keeps what it once needed, for one small piece may
- * lie behind all of it. */
+/* glibc maps a block by itself above a limit, and raises the limit when such a
+ * block is freed.  Then large blocks come from the heap, which cannot shrink
+ * while a small block lies at its end; so the limit is fixed. */
 #define MAPPED_BYTES (128 << 10)
 
 void

@@ -9,44 +9,48 @@
 #include <stdbool.h>
 #include <uv.h>
 
-/* Where daemons listen unless told otherwise. */
+/* Ports at which daemons listen by default. */
 #define RADCOORD_PORT "7420"
 #define RADD_PORT     "7421"
 
-/* As many descriptors as this process may have: many systems give less for the
- * sake of programs that cannot use more.  RAD_ESHORT: too few for a daemon. */
+/* Raise the limit of descriptors as far as this process may: many systems set
+ * it low for programs that cannot use more.  RAD_ESHORT: too few are allowed
+ * for a daemon. */
 int service_raise_descriptors(struct rad_error *err);
 
-/* Tell systemd: "READY=1", "RELOADING=1", "STOPPING=1", "STATUS=..."; does
- * nothing unless NOTIFY_SOCKET is set (sd_notify(3)).  fd is what
- * service_notify_open() made: a sign of life must not want a descriptor. */
+/* Open systemd's socket; -1: NOTIFY_SOCKET is not set (sd_notify(3)), or cannot
+ * be opened.  Tell systemd a state: "READY=1", "RELOADING=1", "STOPPING=1",
+ * "WATCHDOG=1"; with fd -1 do nothing.  The socket stays open, so that a sign
+ * of life needs no new descriptor. */
 int service_notify_open(void);
 void service_notify(int fd, const char *state);
 
-/* How long systemd waits for a WATCHDOG=1 [ms]; 0: it does not. */
+/* How long systemd waits for a WATCHDOG=1 [ms]; 0: it does not wait. */
 uint64_t service_watchdog_ms(void);
 
-/* A credential that systemd handed over (LoadCredential=): its file's path,
- * and true; false and an empty path where there is none, or nothing but white
- * space in it. */
+/* Set path to the file of a credential of systemd's (LoadCredential=).  False,
+ * and path is "": there is no such file, or only white space in it. */
 bool service_credential(const char *name, char *path, size_t size);
 
-/* End by log_out_of_memory() where libuv or libcrypto, which abort or crash in
- * places, cannot allocate; to be called before their first use. */
+/* From now on end the process by log_out_of_memory() when libuv or libcrypto
+ * cannot allocate, for they would abort or crash.  Call before the first use of
+ * both. */
 void service_catch_no_memory(void);
 
-/* Write lines to path, whole where that is a file (output.h).
+/* Write n lines to path; a file appears there only when it is whole (output.h).
  * RAD_ECANTCREAT or RAD_EIO. */
 int service_ports_file(const char *path, const char *const lines[], int n,
                        struct rad_error *err);
 
-/* Take the folder for this process alone, until it ends or closes what is
- * returned; RAD_ECANTCREAT when another has it, RAD_EPERM when the lock is
- * denied to us. */
+/* Lock the folder for this process alone, until it ends or closes the
+ * descriptor that is returned.  RAD_ECANTCREAT: another process has the lock,
+ * or its file cannot be made; RAD_EPERM: the file is denied to us; RAD_EDATA:
+ * the file is no regular one. */
 int service_lock_dir(const char *path, struct rad_error *err);
 
-/* Call end(arg) once when the pipe at fd reaches its end: whoever started
- * this process is gone.  fd < 0 does nothing. */
+/* Call end(arg) once when the pipe at fd reaches its end: the process that
+ * started this one is gone.  fd < 0: do nothing.  RAD_EUSAGE: fd cannot be
+ * watched.  *l is in use until its poll handle is closed. */
 struct service_lifetime {
     uv_poll_t poll;
     void (*end)(void *arg);
@@ -56,9 +60,9 @@ int service_watch_lifetime(struct service_lifetime *l, uv_loop_t *loop, int fd,
                            void (*end)(void *arg), void *arg,
                            struct rad_error *err);
 
-/* Large pieces of memory go back to the system as they are freed, whatever lies
- * beside them; and all that is free does now. */
+/* From now on return large blocks to the system when they are freed. */
 void service_return_memory(void);
+/* Return all free memory to the system now. */
 void service_trim_memory(void);
 
 #endif

@@ -36,7 +36,7 @@ syncs_begin(int fd)
 {
     int ignored = sync_file_range(fd, 0, 0, SYNC_FILE_RANGE_WRITE);
 
-    (void)ignored; /* then it is written when it is synced */
+    (void)ignored; /* the sync that follows writes all the same */
 }
 
 static void
@@ -64,7 +64,7 @@ sync_file(const char *path, struct rad_error *err)
     return rc;
 }
 
-/* Bytes of the path before its last slash. */
+/* Length of the path before its last slash. */
 static size_t
 dir_of(const char *path)
 {
@@ -73,7 +73,8 @@ dir_of(const char *path)
     return slash ? (size_t)(slash - path) : 0;
 }
 
-/* Each folder with new names, once where they lie together. */
+/* Sync the folders of new names, once for names that follow each other in the
+ * same folder. */
 static int
 sync_dirs(const struct syncs *s, struct rad_error *err)
 {

@@ -1,10 +1,9 @@
 /* syncs.h - files that were written and closed, and have yet to last
  *
- * A file system that is asked to make a new file last writes all that it has
- * noted meanwhile; so of many small files one after the other each takes as
- * long as all of them take together, once writing has begun for all.
- * A write that failed after its file was closed is told to whoever opens the
- * file next and syncs it (Linux 4.16).
+ * fsync() of a new file makes the file system write all that it has noted.  So
+ * many small files are begun first (syncs_begin()), then synced.
+ * If the system fails to write a file after it was closed, the next sync of the
+ * file, opened again, gets the error (Linux 4.16).
  * All calls may wait for the disk.
  * Thread: one at a time. */
 #ifndef DAEMON_SYNCS_H
@@ -15,23 +14,25 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-/* Zeroed, there is none. */
+/* Zeroed, no file is noted. */
 struct syncs {
     struct syncs_file *file;
     size_t n;
 };
 
-/* The file is to last; named: and its name, which is new. */
+/* Note a closed file that syncs_settle() is to sync; named: its name is new, so
+ * sync its folder, too.  path is copied.  RAD_ENOMEM. */
 int syncs_add(struct syncs *s, const char *path, bool named,
               struct rad_error *err);
 
-/* Wait until all of them do.  Those that are not there any more do not matter.
- * There is none afterwards, whatever came of it. */
+/* Sync all noted files, and forget them whether that fails or not; files that
+ * are gone are skipped. */
 int syncs_settle(struct syncs *s, struct rad_error *err);
 
+/* Forget all noted files. */
 void syncs_release(struct syncs *s);
 
-/* Begin to write what is in that open file, and do not wait for it. */
+/* Begin to write the bytes of an open file, and do not wait. */
 void syncs_begin(int fd);
 
 #endif

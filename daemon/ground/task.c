@@ -6,7 +6,7 @@
 #include <assert.h>
 #include <string.h>
 
-#define TELL_MS 4 /* of one turn of the loop, for those that are done */
+#define TELL_MS 4 /* of one turn of the loop for calls of done() */
 
 #define NS_A_MS UINT64_C(1000000)
 
@@ -45,7 +45,7 @@ list_take(struct task_list *l)
     return t;
 }
 
-/* All of `from` goes behind what is in `to`. */
+/* Move all of `from` behind the tasks in `to`. */
 static void
 list_move(struct task_list *to, struct task_list *from)
 {
@@ -55,7 +55,7 @@ list_move(struct task_list *to, struct task_list *from)
         list_add(to, t);
 }
 
-/* All of `from` goes in front of what is in `to`. */
+/* Move all of `from` in front of the tasks in `to`. */
 static void
 list_move_front(struct task_list *to, struct task_list *from)
 {
@@ -73,7 +73,7 @@ lack_of(int code)
                                                       : TASK_LACKS_NOTHING;
 }
 
-/* May what failed so be tried again? */
+/* May a task or a settling that failed with this code be tried again? */
 static bool
 may_pass(const struct task_queue *q, int code)
 {
@@ -83,7 +83,7 @@ may_pass(const struct task_queue *q, int code)
                           (lack == TASK_LACKS_ROOM && q->ops->broken));
 }
 
-/* All that writes is held from now on. */
+/* Hold all tasks that write, until the next retry. */
 static void
 hold_writers(struct task_queue *q, const struct rad_error *err)
 {
@@ -132,7 +132,7 @@ run_one(struct task_queue *q, struct task *t)
 static bool
 is_time_to_settle(const struct task_queue *q)
 {
-    if (q->lack != TASK_LACKS_NOTHING) /* it may have undone what ran before */
+    if (q->lack != TASK_LACKS_NOTHING) /* may have undone unsettled tasks */
         return true;
     return q->unsettled.n > 0 &&
            (!q->gather || q->ending || q->unsettled.n >= TASK_GATHER ||
@@ -148,7 +148,7 @@ settle(struct task_queue *q)
     q->settled_ns = uv_hrtime();
     if (q->ops->settle && !q->is_broken)
         rc = q->ops->settle(q->arg, &err);
-    if (rc < 0 && may_pass(q, rc)) { /* it all runs again */
+    if (rc < 0 && may_pass(q, rc)) { /* the unsettled tasks run again */
         hold_writers(q, &err);
         q->soon |= q->lack == TASK_LACKS_MEANS;
         list_move_front(&q->held, &q->unsettled);
@@ -160,7 +160,7 @@ settle(struct task_queue *q)
         rc = q->why.code;
         err = q->why;
     }
-    /* what was written may not last: none of it counts as done */
+    /* what the tasks wrote may not last: all unsettled ones fail */
     for (struct task *t = q->unsettled.first; t && rc < 0; t = t->next) {
         t->code = rc;
         t->err = err;
@@ -207,13 +207,13 @@ on_timer(uv_timer_t *timer)
     struct task_queue *q = timer->data;
 
     if (q->busy)
-        return; /* when that ends it is looked at again */
+        return; /* tell_done() starts the queue or the timer again */
     q->retry =
         q->held.n > 0 && uv_hrtime() - q->retried_ns >= retry_ms(q) * NS_A_MS;
     start(q);
 }
 
-/* What is left to do after a while. */
+/* Start the timer for the next settling, or the next retry. */
 static void
 arm(struct task_queue *q)
 {
@@ -253,8 +253,8 @@ on_rest(uv_timer_t *timer)
     tell_done(timer->data);
 }
 
-/* Tell of tasks that are done, of very many in several turns of the loop:
- * others wait for it.  Until that is over no new ones run. */
+/* Call done() of finished tasks; of very many in several turns of the loop, for
+ * other work waits for it.  No task runs until all are told. */
 static void
 tell_done(struct task_queue *q)
 {
@@ -295,7 +295,7 @@ start(struct task_queue *q)
     q->ending = q->ends;
     q->busy = true;
     rc = uv_queue_work(q->loop, &q->work, run_all, finish_all);
-    assert(rc == 0); /* it fails only without a callback */
+    assert(rc == 0); /* fails only without a callback */
     (void)rc;
 }
 

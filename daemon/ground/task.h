@@ -1,27 +1,32 @@
 /* task.h - work that may wait for the disk, off the loop and in order
  *
- * One queue, one thread of libuv's pool at a time: tasks run in the order in
- * which they were pushed, so a file's bytes are written before it is read, and
- * no two tasks meet.
+ *   waiting --> running --done--------------------> finished --> done()
+ *                ^  |  '--ran, and `lasts`--> unsettled --settled--^
+ *                |  '--a lack that may pass--> held
+ *                '-------------retry------------'
  *
- * Tasks that must last are not done when they have run, but when `settle` has:
- * one settling serves all that ran since the last.  It comes TASK_GATHER_MS
- * after the last, or when there are TASK_GATHER of them; what came while the
- * disk was busy is settled together, up to TASK_MOST, so a slow disk settles
- * less often and not less.
+ * A queue has at most one thread of libuv's pool at a time, which runs tasks in
+ * the order in which they were pushed.  So a file's bytes are written before
+ * they are read, and no two tasks of a queue meet.
  *
- * What a task fails for may pass: the disk is full (RAD_EFULL), or descriptors
- * or memory are short (RAD_ESHORT, RAD_ENOMEM).  Then it is held, and where it
- * writes, so is all that writes after it, in order; they run again each
- * TASK_RETRY_MS until there is room, or each TASK_SHORT_MS until there is what
- * was short.  Meanwhile others run.  So a task must be one that may run twice.
- * `lacks` tells when this begins and ends for what writes.  A task with `waits`
- * wants so much room that others need not wait for it: where there is none for
- * it, it is held alone, and told so.
+ * A task that `lasts` is finished only when `settle` was called after it ran:
+ * one call serves all unsettled tasks.  A queue that gathers settles when
+ * TASK_GATHER_MS have passed since it last began to, or when TASK_GATHER tasks
+ * are unsettled; tasks that came while the disk was busy are settled together,
+ * up to TASK_MOST.  So a slow disk settles less often, but no fewer tasks.
  *
- * Where a task that writes fails otherwise for the disk's sake, or settling
- * does, the queue is broken: nothing that writes runs or is done any more, and
- * `broken` tells, once.
+ * A lack may pass: the disk is full (RAD_EFULL), or descriptors or memory are
+ * short (RAD_ESHORT, RAD_ENOMEM).  A held task that writes holds all later
+ * tasks that write; others run.  Held tasks are tried again each TASK_RETRY_MS,
+ * or each TASK_SHORT_MS where means are short; so run() may be called twice.
+ * `lacks` tells when tasks that write begin and cease to be held.  A task with
+ * `waits` asks for very much room: on a full disk it is held alone, and waits()
+ * is called once.  If settling fails for a lack, the unsettled tasks are held
+ * in front, and run again.
+ *
+ * If a task that writes, or settling, fails for the disk in another way, the
+ * queue is broken: no task that writes runs any more, unsettled and later ones
+ * fail, and broken() is called once.
  * Thread: all calls on the loop's; run and settle on a pool thread. */
 #ifndef RADD_DAEMON_TASK_H
 #define RADD_DAEMON_TASK_H
@@ -39,17 +44,21 @@ enum {
     TASK_SHORT_MS = 100
 };
 
-/* What tasks that write wait for: room on the disk; descriptors or memory. */
+/* What held tasks that write wait for: room on the disk; descriptors or memory.
+ */
 enum task_lack { TASK_LACKS_NOTHING, TASK_LACKS_ROOM, TASK_LACKS_MEANS };
 
 /* Embedded first in what a task needs; allocated by the caller. */
 struct task {
-    int (*run)(struct task *t);    /* pool thread: 0.. or negative, err set */
+    int (*run)(struct task *t);    /* pool thread: 0 or more, or negative with
+                                    * err set */
     void (*done)(struct task *t);  /* loop: looks at code, frees t */
-    bool writes;                   /* in order; breaks the queue */
-    bool lasts;                    /* done when settled */
-    void (*waits)(struct task *t); /* loop: it is held alone; NULL: it is not */
-    bool told;                     /* waits() was called; loop's while held */
+    bool writes;                   /* a lack holds it, its error may break the
+                                    * queue */
+    bool lasts;                    /* finished only when settled */
+    void (*waits)(struct task *t); /* loop: the disk is full, and the task held
+                                    * alone; NULL: hold it as others */
+    bool told;                     /* [loop] while held: waits() was called */
     int code;
     struct rad_error err;
     struct task *next;
@@ -60,11 +69,11 @@ struct task_list {
     unsigned n;
 };
 
-/* What a queue may do besides; all may be NULL. */
+/* Functions of a queue; settle and broken may be NULL. */
 struct task_ops {
     int (*settle)(void *arg, struct rad_error *err);                 /* pool */
     void (*lacks)(void *arg, enum task_lack what, const char *text); /* loop */
-    /* Without it a disk that is full or fails is a failure as others are. */
+    /* NULL: a full disk, or an error of the disk, only fails its task. */
     void (*broken)(void *arg, const struct rad_error *err); /* loop */
 };
 
@@ -76,41 +85,41 @@ struct task_queue {
     void *arg;
     bool gather;                /* [fixed] settle but now and then */
     bool busy;                  /* [loop] a pool thread has the fields below, or
-                                 * what it finished is still told */
-    bool closed;                /* [loop] the timer is */
+                                 * done() of finished tasks is still called */
+    bool closed;                /* [loop] the timer is closed */
     enum task_lack told_lack;   /* [loop] */
     bool told_broken;           /* [loop] */
-    bool ends;                  /* [loop] it was told to */
+    bool ends;                  /* [loop] task_queue_end() was called */
     bool retry, ending;         /* [loop] while not busy, else [pool]: try held
                                  * tasks again; `ends` as the pool knows it */
     struct task_list waiting;   /* [loop] */
     /* [loop] while not busy, else [pool]: */
     struct task_list running;
-    struct task_list unsettled; /* have run, and are to last */
+    struct task_list unsettled; /* ran, and are to last */
     struct task_list held;
     struct task_list finished;
     struct task_list telling; /* [loop] finished, done() is to be called */
     uint64_t settled_ns;      /* when settling began last */
     uint64_t retried_ns;      /* when held tasks were tried last */
-    bool soon;                /* held tasks wait for means: retry soon */
-    enum task_lack lack;
-    struct rad_error why; /* of the lack, or of being broken */
+    bool soon;                /* held tasks lack means: retry soon */
+    enum task_lack lack;      /* for which tasks that write are held */
+    struct rad_error why;     /* the lack, or what broke the queue */
     bool is_broken;
 };
 
 void task_queue_init(struct task_queue *q, uv_loop_t *loop,
                      const struct task_ops *ops, void *arg);
 
-/* Takes t, until its done() is called. */
+/* Queue a task, which belongs to the queue until done() is called. */
 void task_push(struct task_queue *q, struct task *t);
 
-/* Nothing waits and nothing runs. */
+/* Does no task wait, run, or wait for done(); is none unsettled or held? */
 bool task_queue_idle(const struct task_queue *q);
 
-/* Come to an end soon: what waits for room fails. */
+/* End soon: held tasks run once more, and fail if the lack has not passed. */
 void task_queue_end(struct task_queue *q);
 
-/* Only when idle; may run the loop. */
+/* Close the timer of an idle queue; runs the loop. */
 void task_queue_release(struct task_queue *q);
 
 #endif

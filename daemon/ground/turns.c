@@ -1,6 +1,6 @@
 /* turns.c - see turns.h
  *
- * libuv knows how long it waited (UV_METRICS_IDLE_TIME); what is left of the
+ * libuv tells how long it has waited (UV_METRICS_IDLE_TIME); the rest of the
  * time from one wait to the next is the turn's. */
 #include "config.h"
 
@@ -87,7 +87,7 @@ turns_start(struct turns *t, uv_loop_t *loop)
 void
 turns_stop(struct turns *t)
 {
-    if (t->before.loop) /* it was started */
+    if (t->before.loop) /* turns_start() was called */
         uv_close((uv_handle_t *)&t->before, NULL);
 }
 

@@ -5,7 +5,7 @@
 #include "proto/message.h"
 #include "trace/job.h"
 
-/* Add c, which took cpu_s of processor time. */
+/* Add the counts c of work that took cpu_s of processor time to *sum. */
 void counted_add(struct msg_counts *sum, const struct rad_counts *c,
                  double cpu_s);
 

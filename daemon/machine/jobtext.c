@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* more than rad_params_format() writes, names of -ae and all */
+/* more words than rad_params_format() writes, with the names of -ae */
 #define MAX_WORDS 1024
 
 /* Part text at its blanks; the words lie in *copy, which the caller frees.
@@ -30,7 +30,8 @@ split(const char *text, char **copy, char *words[MAX_WORDS],
     return n;
 }
 
-/* Options of both kinds; the other one's struct is NULL. */
+/* Read rendering options into *p, or options of a view into *v; the other of p
+ * and v is NULL. */
 static int
 read_options(const char *text, struct rad_params *p, struct rad_view *v,
              struct rad_error *err)

@@ -7,7 +7,8 @@
 
 #include <string.h>
 
-/* One to one for a word, so rows that differ in one never look the same. */
+/* Mix a word into the hash.  One to one in the word, so hashes of bytes that
+ * differ in a single word differ here. */
 static inline uint64_t
 stir(uint64_t h, const uint8_t *bytes)
 {
@@ -18,7 +19,8 @@ stir(uint64_t h, const uint8_t *bytes)
     return h ^ h >> 32;
 }
 
-/* Four by turns, that do not wait for each other: every pixel comes by here. */
+/* Four hashes by turns do not wait for each other: every pixel is hashed here.
+ */
 uint64_t
 rowsum_hash(const void *from, size_t n)
 {
@@ -36,7 +38,7 @@ rowsum_hash(const void *from, size_t n)
     return v ? v : 1;
 }
 
-/* The row's number is in it: black rows would cancel each other. */
+/* Each row's number is in the sum: else two black rows would cancel out. */
 uint64_t
 rowsum(const void *pixels, size_t n, uint32_t y, uint32_t rows)
 {

@@ -1,6 +1,6 @@
-/* rowsum.h - sums of rows, by which two that should be the same are told apart
+/* rowsum.h - sums of rows, which show whether rows are what they were
  *
- * Quick rather than safe from forgery: what differs by chance differs here.
+ * Quick, not safe from forgery: rows that differ by chance have other sums.
  * Thread: any. */
 #ifndef DAEMON_ROWSUM_H
 #define DAEMON_ROWSUM_H
@@ -8,12 +8,12 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/* Of n bytes; never 0. */
+/* The hash of n bytes; never 0. */
 uint64_t rowsum_hash(const void *bytes, size_t n);
 
-/* Of rows from picture row y on, of n bytes each.  Sums of pieces are those of
- * the whole when they are put together by exclusive or; below 2^63, as a
- * database keeps numbers. */
+/* The sum of rows from picture row y on, of n bytes each.  The sum of all rows
+ * is the exclusive or of the sums of their parts.  Below 2^63, for a database
+ * keeps signed numbers. */
 uint64_t rowsum(const void *pixels, size_t n, uint32_t y, uint32_t rows);
 
 #endif

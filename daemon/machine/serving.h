@@ -6,8 +6,9 @@
 
 #include <jansson.h>
 
-/* Rows of jobs as the coordinator lists them, the newest first, in another
- * array: by priority, then the oldest first.  Empty when memory is out. */
+/* Make an array of rows of jobs that come in the coordinator's order, the
+ * newest first: now the highest priority first, then the oldest.  The array is
+ * the caller's; empty: memory is out. */
 json_t *serving_order(const json_t *rows);
 
 #endif

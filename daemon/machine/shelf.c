@@ -18,7 +18,7 @@ shelf_fits(const struct shelf_size *of, const struct msg_base_line *m)
            m->ndensity <= of->ndensity - m->first;
 }
 
-/* Room for so many bytes; false: memory is out. */
+/* Make room for n bytes; false: memory is out. */
 static bool
 grow(uint8_t **v, size_t *room, size_t n)
 {

@@ -1,12 +1,12 @@
 /* shelf.h - a base line that comes in pieces
  *
- * A piece is what a BASE_LINE has of the line: columns and densities, as bytes
- * of the wire.  Whoever sends a line begins at its beginning, and so does the
- * next sender when the first is gone; so a shelf holds the beginning of a line,
+ * A piece is the part of a line in a BASE_LINE: columns and densities, as bytes
+ * of the wire.  A sender begins at the line's beginning, and so does the next
+ * sender when the first is gone.  So a shelf holds the beginning of a line;
  * pieces that it has may come again, and a piece that would leave a gap is
  * dropped.
- * Growth: with what came, up to twice the line's size, within which the caller
- * sees to it that a piece lies (shelf_fits).
+ * Growth: with the pieces, up to twice the line's size; the caller makes sure
+ * that each piece lies in the line (shelf_fits).
  * Thread: one. */
 #ifndef DAEMON_SHELF_H
 #define DAEMON_SHELF_H
@@ -27,21 +27,21 @@ struct shelf {
     size_t pixels_room, density_room; /* [bytes] */
 };
 
-/* Does the piece lie within such a line? */
+/* Does the piece lie within a line of that size? */
 bool shelf_fits(const struct shelf_size *of, const struct msg_base_line *m);
 
-/* Put a piece, which fits, to those that are there.  RAD_ENOMEM: the shelf is
- * as it was. */
+/* Copy a piece that fits onto the shelf.  RAD_ENOMEM: nothing is copied. */
 int shelf_put(struct shelf *s, const struct msg_base_line *m);
 bool shelf_is_whole(const struct shelf *s, const struct shelf_size *of);
 
-/* The piece from column *x and density *first on, not wider than fits a
- * message: sets what m has of them, and *x and *first to what follows.  False:
- * there is nothing more.  Valid until the next call that changes the shelf. */
+/* Set m's columns and densities to the piece from column *x and density *first
+ * on, as wide as fits a message, and *x and *first to the piece behind it.
+ * False: the shelf has nothing there.  m points into the shelf, and is valid
+ * until that changes. */
 bool shelf_piece(const struct shelf *s, uint32_t *x, uint32_t *first,
                  struct msg_base_line *m);
 
-/* Bytes that it holds. */
+/* Bytes of memory that the shelf takes. */
 size_t shelf_bytes(const struct shelf *s);
 void shelf_clear(struct shelf *s);
 

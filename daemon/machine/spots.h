@@ -1,7 +1,7 @@
 /* spots.h - where paths go (passes/passes.h), as a tile's records travel
  *
- * Three numbers of two bytes each spot, big-endian, filled up with zeros to a
- * number of records: whoever passes records on need not know what they are.
+ * Each spot is three numbers of two bytes, big-endian; a tile's spots are
+ * filled up with zeros to whole records.  So they are passed on as records are.
  * Thread: any. */
 #ifndef DAEMON_SPOTS_H
 #define DAEMON_SPOTS_H
@@ -13,8 +13,8 @@
 uint32_t spots_pack(struct wire_out *w, const struct rad_pass_spot *spot,
                     size_t n);
 
-/* All spots of the pass, malloc'd, from what its tiles have one after the
- * other; NULL and the code: that is not what they have, or memory is out. */
+/* Unpack all spots of the pass, malloc'd, from the bytes of its tiles, one
+ * after the other.  NULL: RAD_EPROTO for a wrong length, or RAD_ENOMEM. */
 struct rad_pass_spot *spots_unpack(const struct rad_pass *pass,
                                    const uint8_t *bytes, size_t len,
                                    struct rad_error *err);

@@ -1,7 +1,7 @@
 /* steps.h - states, their names, and which may follow which
  *
  * An enum of states from 0 on has one of these tables beside the drawing of its
- * states; who changes a state does so by steps_take().
+ * states; a state is changed by steps_take() alone.
  * Thread: any. */
 #ifndef DAEMON_STEPS_H
 #define DAEMON_STEPS_H
@@ -21,7 +21,7 @@ struct steps {
 
 bool steps_permit(const struct steps *s, unsigned from, unsigned to);
 
-/* The state to, which must be permitted after from. */
+/* Return state `to`; asserts that it is permitted after state `from`. */
 unsigned steps_take(const struct steps *s, unsigned from, unsigned to);
 
 #endif

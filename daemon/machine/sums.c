@@ -5,7 +5,7 @@
 
 #include <math.h>
 
-/* Noise is for decisions between stages alone. */
+/* struct msg_doubt has no noise, which only decisions between stages need. */
 _Static_assert(MSG_DOUBT_SUMS == RAD_DOUBT_NOISE &&
                    RAD_DOUBT_NOISE + 1 == RAD_DOUBT_SUMS,
                "one for each other");

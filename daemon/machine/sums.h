@@ -18,6 +18,7 @@ void sums_pack(struct wire_out *out, const struct rad_refine_sums *sums);
 bool sums_unpack(const uint8_t *bytes, size_t len,
                  struct rad_refine_sums *sums);
 
+/* Add a doubt to a message's; make a struct rad_doubt of a message's. */
 void sums_count(struct msg_doubt *to, const struct rad_doubt *more);
 struct rad_doubt sums_counted(const struct msg_doubt *from);
 

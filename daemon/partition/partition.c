@@ -1,6 +1,6 @@
 /* partition.c - see partition.h
  *
- * What the scheduler asks, handed to windows or to lines. */
+ * Hands the scheduler's calls on to windows or to lines. */
 #include "config.h"
 
 #include "partition/partition.h"
@@ -58,8 +58,8 @@ partition_part(const struct partition *p, uint32_t part,
         *area = p->unit[part].area;
 }
 
-/* No part costs nothing: a part without cost would never be chosen and never be
- * late. */
+/* The least cost of a part, above 0: a part without cost would never be chosen,
+ * and never be late. */
 static double
 least_cost(const double *cost, uint32_t n)
 {
@@ -78,7 +78,7 @@ partition_set_costs(struct partition *p, const double *cost)
     double *v = malloc(n * sizeof *v);
 
     if (!v)
-        return; /* goes on as if there were no estimate */
+        return; /* go on without the estimate */
     p->cost_total = 0;
     for (uint32_t i = 0; i < n; i++) {
         v[i] = cost[i] > least ? cost[i] : least;
@@ -91,8 +91,8 @@ partition_set_costs(struct partition *p, const double *cost)
     free(v);
 }
 
-/* Costs as given, else a line's pixels; windows without any have none.  False:
- * memory is out. */
+/* Set costs as given, or by lines' pixels; windows have theirs by pixels
+ * already.  False: memory is out. */
 static bool
 set_first_costs(struct partition *p, const struct partition_spec *spec)
 {
@@ -176,9 +176,10 @@ partition_open(struct partition *p, uint32_t frames)
 
 /* --- units --- */
 
-/* The unit that came back last, of those kept for that worker, or for no
- * worker, whose frame may go out; false: there is none.  Units that were taken
- * out of turn are dropped from the stack on the way. */
+/* Take the unit that came back last from the stack, of the units that are kept
+ * for that worker (PARTITION_NONE: for no worker) and whose frame may go out.
+ * False: there is none.  Units that were taken out of turn are dropped from the
+ * stack on the way. */
 static bool
 next_kept(struct partition *p, uint32_t worker, uint32_t *unit)
 {
@@ -237,7 +238,7 @@ partition_lost(struct partition *p, uint32_t unit)
         return;
     p->unit[unit].state = PARTITION_WAITING;
     p->unit[unit].keeper = PARTITION_NONE;
-    p->unit[unit].bars = false; /* others are further, and wait for it */
+    p->unit[unit].bars = false; /* others wait for its base lines */
     p->waiting++;
     p->shut += partition_is_shut(p, unit);
 }

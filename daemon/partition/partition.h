@@ -1,14 +1,13 @@
 /* partition.h - what the units of a job are, and in which order they go out
  *
- * The scheduler (sched.c) knows units by number only: it takes the next one
- * for a worker, and says when one is done or lost.  Each pixel of each frame
- * belongs to at most one unit, and in the end to exactly one.
+ * The scheduler (sched.c) knows units by number only: it takes the next unit
+ * for a worker, and says when a unit is done or lost.  Each pixel of each frame
+ * belongs to at most one unit, and in the end to exactly one unit.
  * Windows are all laid out at the start.  A strict partition (static, scanbar,
  * auto) shares the lines of a frame (proto/msg_sharing.h): a unit is cut when
- * it goes out, whole lines as wide as the frame, and may shrink later; so there
- * come to be more of them.
- * Costs are in any unit, the same for all of a job: pixels, or what an estimate
- * says.
+ * it goes out, whole lines as wide as the frame, and may shrink later, which
+ * makes further units.
+ * Costs of a job are in one measure: pixels, or that of an estimate.
  * Names: radsubmit(1), --partition.
  * Thread: one. */
 #ifndef DAEMON_PARTITION_H
@@ -32,7 +31,7 @@ struct partition_spec {
     bool single;        /* one worker in all: auto by windows is one window,
                          * which its threads render together */
     bool strict;        /* auto shares lines; else windows */
-    bool balance;       /* static: an idle worker takes of others' runs */
+    bool balance;       /* static: an idle worker takes lines of others' runs */
     bool fresh;         /* a frame begins when the one before it is done */
     int psample;        /* -ps, from 1 to 16, where lines are shared */
     uint32_t ncosts;    /* 0: none, or as many as lines of all frames */
@@ -43,11 +42,11 @@ struct partition_spec {
 
 /* A worker asks for a unit. */
 struct partition_ask {
-    uint32_t worker;  /* a number that stays with it, small */
-    uint32_t workers; /* that take part, it among them */
-    double share;     /* its part of the speed of all, 0 to 1 */
-    double least;     /* cost that is worth a unit, where known; else 0 */
-    bool idle;        /* it has nothing else to do */
+    uint32_t worker;  /* a small number, always the same for this worker */
+    uint32_t workers; /* that take part, this worker too */
+    double share;     /* this worker's part of the speed of all, 0 to 1 */
+    double least;     /* cost that is worth a unit; 0: not known */
+    bool idle;        /* the worker has nothing else to do */
 };
 
 struct partition;
@@ -56,12 +55,12 @@ struct partition;
  * user. */
 int partition_check(const struct partition_spec *spec, struct rad_error *err);
 
-/* NULL with *err: what partition_check says, or RAD_ENOMEM. */
+/* Make a partition.  NULL: an error of partition_check(), or RAD_ENOMEM. */
 struct partition *partition_new(const struct partition_spec *spec,
                                 struct rad_error *err);
 void partition_free(struct partition *p);
 
-/* Do its units share lines? */
+/* Are its units lines of a frame?  False: windows. */
 bool partition_is_strict(const struct partition *p);
 
 uint32_t partition_total(const struct partition *p); /* units so far */
@@ -69,12 +68,13 @@ uint32_t partition_total(const struct partition *p); /* units so far */
 /* Units of frames below that number may go out; at first those of all. */
 void partition_open(struct partition *p, uint32_t frames);
 
-/* How much may go out now: units that wait, and lines that are in no unit. */
+/* The number of units that wait, and of lines in no unit, that may go out now.
+ */
 uint32_t partition_waiting(const struct partition *p);
 
 /* --- costs ---
- * Parts are what costs are known of: windows, or lines of all frames, frame
- * after frame. */
+ * A part has a cost of its own.  Parts are the windows, or the lines of all
+ * frames, frame after frame. */
 uint32_t partition_parts(const struct partition *p);
 void partition_part(const struct partition *p, uint32_t part,
                     struct partition_area *area);
@@ -82,26 +82,27 @@ void partition_part(const struct partition *p, uint32_t part,
 /* Estimated costs of all parts, before any unit went out. */
 void partition_set_costs(struct partition *p, const double *cost);
 
-/* Static: the speeds of the workers that take part from the start, by number; 0
- * for one that does not.  Before any unit went out.  False: memory is out. */
+/* Static: give workers their runs, by the speeds of those that take part from
+ * the start; speed[] is by the worker's number, 0: it does not take part.
+ * Before any unit went out.  False: memory is out. */
 bool partition_set_speeds(struct partition *p, const double *speed, uint32_t n);
 
-/* Static: the worker is absent, or gets no units; others may take of its run
- * until it is back. */
+/* Static: the worker is absent, or gets no units; until it is back others may
+ * take its run. */
 void partition_set_absent(struct partition *p, uint32_t worker, bool absent);
 
 /* --- units --- */
 
-/* The unit that the worker should do next, out of the queue from now on; false
- * when there is none for it, or memory is out. */
+/* Take the unit that the worker should do next out of the queue.  False: there
+ * is none for this worker, or memory is out. */
 bool partition_next(struct partition *p, const struct partition_ask *ask,
                     uint32_t *unit);
 
-/* A unit that is out came back undone: it waits again, before the others. */
+/* A unit that is out came back undone: put it before all that wait. */
 void partition_lost(struct partition *p, uint32_t unit);
 
-/* Keep a unit that waits for that worker alone, which gets it before others;
- * until partition_keep_none() for that worker. */
+/* Keep a unit that waits for that worker alone, which gets it before other
+ * units; until partition_keep_none() for that worker. */
 void partition_keep(struct partition *p, uint32_t unit, uint32_t worker);
 void partition_keep_none(struct partition *p, uint32_t worker);
 
@@ -112,21 +113,21 @@ void partition_take(struct partition *p, uint32_t unit);
  */
 void partition_done(struct partition *p, uint32_t unit, double took);
 
-/* Before any unit went out: a unit was cut with that number and area in an
- * earlier life, and is out of the queue.  Where lines are shared they come by
- * number, from 0.  False: it does not fit, or memory is out. */
+/* Cut a unit again that had this number and area in an earlier life, and take
+ * it out of the queue; before any unit went out.  Units of lines come by
+ * number, from 0.  False: the unit does not fit, or memory is out. */
 bool partition_restore(struct partition *p, uint32_t unit,
                        const struct partition_area *area);
 
-/* The unit is but so many rows high from now on, which end at a line; what it
- * loses is a new unit, which waits.  PARTITION_NONE: the height fits no line of
- * it, or memory is out. */
+/* Shrink a unit to a height [rows] that ends with one of its lines.  The lines
+ * below become a new unit, which waits; returns that.  PARTITION_NONE: no line
+ * but the last ends there, or memory is out. */
 uint32_t partition_give(struct partition *p, uint32_t unit, uint32_t height);
 
 void partition_area(const struct partition *p, uint32_t unit,
                     struct partition_area *area);
 
-/* Estimated cost, above 0, of a unit; of all frames together. */
+/* The estimated cost, above 0, of a unit; of all frames together. */
 double partition_cost(const struct partition *p, uint32_t unit);
 double partition_cost_total(const struct partition *p);
 
@@ -134,25 +135,26 @@ double partition_cost_total(const struct partition *p);
 
 uint32_t partition_lines(const struct partition *p, uint32_t frame);
 
-/* The unit that has that line; PARTITION_NONE: none yet. */
+/* The unit that has that line; PARTITION_NONE: no unit has it yet. */
 uint32_t partition_line_unit(const struct partition *p, uint32_t frame,
                              uint32_t line);
 
-/* Keep a line that is in no unit back, or no longer: it does not go out. */
+/* keep: keep back a line that is in no unit, so that it does not go out; else
+ * let it go out again. */
 void partition_keep_line(struct partition *p, uint32_t frame, uint32_t line,
                          bool keep);
 
-/* Are its bars to be made along with its base lines, as one thread alone would?
- * Else, and once it was lost, the base lines come first, since the truth goes
- * down by them. */
+/* Are the unit's bars to be made along with its base lines, as a single thread
+ * makes them?  False, as of any unit that was lost once: base lines come first,
+ * for the truth comes down by them. */
 bool partition_unit_bars(const struct partition *p, uint32_t unit);
 
 /* Lines [*first, *last) of a unit. */
 void partition_unit_lines(const struct partition *p, uint32_t unit,
                           uint32_t *first, uint32_t *last);
 
-/* Why auto chose its kind of units, or that the kind was asked for; and the
- * kind. */
+/* A text that says why auto chose its kind of units, or that the kind was asked
+ * for; the kind. */
 const char *partition_choice(const struct partition *p);
 enum msg_partition partition_kind(const struct partition *p);
 

@@ -7,8 +7,8 @@
 
 #include "partition/partition.h"
 
-/* Where a unit is for the order of hand-out: OUT stands for all that enum
- * unit_state (jobs/unit.h) tells apart between waiting and done.
+/* The states of a unit that matter for the order of hand-out.  OUT stands for
+ * all states of enum unit_state (jobs/unit.h) between waiting and done.
  *
  *   WAITING <--> OUT --> DONE */
 enum partition_state { PARTITION_WAITING, PARTITION_OUT, PARTITION_DONE };
@@ -16,7 +16,7 @@ enum partition_state { PARTITION_WAITING, PARTITION_OUT, PARTITION_DONE };
 struct partition_unit {
     struct partition_area area;
     enum partition_state state;
-    uint32_t first, last; /* lines, where they are shared */
+    uint32_t first, last; /* lines [first, last) of a strict partition */
     bool bars;            /* see partition_unit_bars() */
     uint32_t keeper;      /* see partition_keep() */
     double cost;
@@ -31,25 +31,25 @@ struct partition {
     uint32_t total;
     uint32_t waiting; /* units in state PARTITION_WAITING */
     uint32_t undone;  /* units that are not done */
-    uint32_t open;    /* frames that may go out */
-    uint32_t shut;    /* waiting units of frames that may not */
+    uint32_t open;    /* frames below this number may go out */
+    uint32_t shut;    /* waiting units of frames that may not go out */
     uint32_t *back;   /* units that came back, a stack */
     uint32_t nback;
     double cost_total;
     enum msg_partition kind;
     char choice[160];
-    struct partition_window *window; /* NULL: lines are shared */
-    struct partition_queue *queue;   /* of windows by what is measured */
+    struct partition_window *window; /* NULL: units are lines */
+    struct partition_queue *queue;   /* of windows by measured cost, or NULL */
     struct partition_lines *lines;   /* NULL: units are windows */
 };
 
 /* --- partition_table.c --- */
 
-/* A new unit, waiting; PARTITION_NONE when memory is out. */
+/* Add a unit that waits; PARTITION_NONE: memory is out. */
 uint32_t partition_add(struct partition *p, const struct partition_area *area);
 
-/* Does the unit wait, for any worker?  A unit that is kept for one worker is on
- * the stack of those that came back, and goes out from there. */
+/* Does the unit wait, for any worker?  A unit that is kept for a worker is on
+ * the stack of units that came back, and goes out from there. */
 static inline bool
 partition_is_free(const struct partition *p, uint32_t unit)
 {
@@ -64,7 +64,7 @@ partition_is_shut(const struct partition *p, uint32_t unit)
     return p->unit[unit].area.frame >= p->open;
 }
 
-/* Put a waiting unit before the others; false when memory is out. */
+/* Put a waiting unit before all others; false: memory is out. */
 bool partition_back(struct partition *p, uint32_t unit);
 
 /* --- partition_window.c --- */
@@ -72,18 +72,18 @@ bool partition_back(struct partition *p, uint32_t unit);
 int window_check(const struct partition_spec *spec, struct rad_error *err);
 bool window_new(struct partition *p, const struct partition_spec *spec);
 void window_free(struct partition_window *w);
-/* What units cost by the lines' costs that are given; as lines_first_costs().
- */
+/* The costs of units, by the given costs of lines; malloc'd, NULL: memory is
+ * out. */
 double *window_first_costs(const struct partition *p,
                            const struct partition_spec *spec);
 void window_set_costs(struct partition *p, const double *cost);
-/* The next window of those that never went out. */
+/* Find the next of the windows that never went out; false: none may go out. */
 bool window_next(struct partition *p, uint32_t *unit);
 
 /* --- partition_queue.c --- */
 
-/* All units, which are windows, by what those beside them took, and at random
- * where that is not known.  False: memory is out. */
+/* Queue all units, which are windows, by the measured costs of windows beside
+ * them, and at random where none is known.  False: memory is out. */
 bool queue_new(struct partition *p, uint64_t seed, bool fresh);
 void queue_free(struct partition *p);
 bool queue_next(struct partition *p, uint32_t *unit);
@@ -91,20 +91,20 @@ void queue_measured(struct partition *p, uint32_t unit, double cost);
 
 /* --- partition_lines.c --- */
 
-/* Of all frames. */
+/* The number of lines of all frames. */
 uint64_t lines_of(const struct partition_spec *spec);
 int lines_check(const struct partition_spec *spec, struct rad_error *err);
 bool lines_new(struct partition *p, const struct partition_spec *spec);
 void lines_free(struct partition_lines *s);
-/* What lines cost, as given or by their pixels; malloc'd, NULL: memory is out.
- */
+/* The costs of lines, as given or by their pixels; malloc'd, NULL: memory is
+ * out. */
 double *lines_first_costs(const struct partition_lines *s,
                           const struct partition_spec *spec);
 void lines_set_costs(struct partition *p, const double *cost);
 void lines_part(const struct partition *p, uint32_t part,
                 struct partition_area *area);
 uint32_t lines_parts(const struct partition *p);
-/* Lines that are in no unit, of the frames that may begin. */
+/* The number of lines in no unit, of frames that may begin. */
 uint32_t lines_free_count(const struct partition *p);
 void lines_done(struct partition *p, uint32_t unit);
 /* Cut the unit of that number and area, which must be the next by number. */

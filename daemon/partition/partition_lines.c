@@ -1,10 +1,10 @@
 /* partition_lines.c - the lines of each frame, and runs of them as units
  *
- * A unit is cut when it goes out: by regions that all draw from (scanbar, auto;
- * partition_region.c), or from each worker's own run (static;
+ * A unit is cut when it goes out: from regions that all workers share (scanbar,
+ * auto; partition_region.c), or from each worker's own run (static;
  * partition_run.c).
- * Frames go out in order: one begins when the one before it has no free line
- * left, or, where nothing may be kept between frames, when that is done. */
+ * Frames go out in order: a frame begins when the frame before it has no free
+ * line left, or, with partition_spec.fresh, when that frame is done. */
 #include "config.h"
 
 #include "partition/partition_lines.h"
@@ -36,7 +36,7 @@ base_row(const struct partition_lines *s, const struct frame *f, uint32_t i)
     return (uint32_t)rad_quincunx_base_row(&q, (int)i);
 }
 
-/* First row of line i. */
+/* The first row of line i. */
 static uint32_t
 top_row(const struct partition_lines *s, const struct frame *f, uint32_t i)
 {
@@ -227,7 +227,7 @@ lines_part(const struct partition *p, uint32_t part,
                                      base_row(s, f, line) + 1 - y };
 }
 
-/* Frames from s->lo to that one may begin. */
+/* The end of the frames that may begin; the first of them is s->lo. */
 static uint32_t
 lines_end(const struct partition *p)
 {
@@ -344,7 +344,7 @@ lines_done(struct partition *p, uint32_t unit)
     p->lines->frame[u->area.frame].undone -= u->last - u->first;
 }
 
-/* The line that begins at that row; f->n: none. */
+/* The line whose first row that is; f->n: there is none. */
 static uint32_t
 line_at(const struct partition_lines *s, const struct frame *f, uint32_t row)
 {
@@ -400,7 +400,7 @@ partition_give(struct partition *p, uint32_t unit, uint32_t height)
     given = add_unit(p, f, line, last);
     if (given == PARTITION_NONE)
         return given;
-    if (!partition_back(p, given)) { /* it was never there */
+    if (!partition_back(p, given)) { /* undo add_unit() */
         p->total--;
         p->waiting--;
         p->undone--;

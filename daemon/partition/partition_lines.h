@@ -10,22 +10,22 @@
 
 struct frame {
     uint32_t width, height;
-    uint32_t first;    /* of its lines among all */
+    uint32_t first;    /* number of its first line among the lines of all */
     uint32_t n;        /* lines */
-    uint32_t nfree;    /* of them in no unit */
-    uint32_t nkept;    /* of those, kept back */
+    uint32_t nfree;    /* lines in no unit */
+    uint32_t nkept;    /* lines in no unit that are kept back */
     uint32_t undone;   /* lines that are not done */
-    uint32_t next;     /* where the next region begins */
-    uint32_t taken;    /* lines from the top that are in units, or more */
-    double cost, left; /* of all its lines, and of those that are free */
+    uint32_t next;     /* the line with which the next region begins */
+    uint32_t taken;    /* so many lines from the top, or more, are in units */
+    double cost, left; /* of all its lines; of its lines in no unit */
 };
 
 /* A worker that asked for a unit. */
 struct asker {
     bool began, absent;
-    uint32_t frame, line; /* the one below its last */
-    uint32_t own;         /* static: it has no free line of its own before */
-    double from, to;      /* static: its part of each frame's cost */
+    uint32_t frame, line; /* the line below its last unit */
+    uint32_t own;         /* static: its run is taken in all frames before */
+    double from, to;      /* static: its run, as a part of each frame's cost */
 };
 
 struct partition_lines {
@@ -34,15 +34,15 @@ struct partition_lines {
     int ystep;
     uint32_t nframes, nlines;
     struct frame *frame;
-    uint32_t *unit;        /* by line of all frames: PARTITION_NONE, free */
-    float *cost;           /* by line, too */
-    bool *kept; /* by line: it is kept back, see partition_keep_line() */
-    double left;           /* cost of all free lines */
-    uint32_t lo;           /* frames before have no free line */
+    uint32_t *unit;        /* by line of all frames; PARTITION_NONE: no unit */
+    float *cost;           /* by line of all frames */
+    bool *kept; /* by line of all frames, see partition_keep_line() */
+    double left;           /* cost of all lines in no unit */
+    uint32_t lo;           /* all lines of frames before are in units */
     uint32_t nfree, nkept; /* of all frames */
     struct asker *askers;
     uint32_t naskers;
-    uint32_t most; /* workers that took part at a time */
+    uint32_t most; /* most workers that took part at a time */
 };
 
 static inline bool
@@ -64,14 +64,14 @@ line_cost(const struct partition_lines *s, const struct frame *f, uint32_t line)
 /* The cost of lines [first, last). */
 double lines_cost(const struct partition_lines *s, const struct frame *f,
                   uint32_t first, uint32_t last);
-/* Where the stretch of free lines that begins at line ends. */
+/* The end of the stretch of free lines that begins at `line`. */
 uint32_t lines_stretch(const struct partition_lines *s, const struct frame *f,
                        uint32_t line);
 /* May the lines of that frame go out? */
 bool lines_may_begin(const struct partition *p, uint32_t frame);
 /* The cost of free lines that may go out. */
 double lines_left(const struct partition *p);
-/* NULL when memory is out. */
+/* Find the worker's struct, or make it.  NULL: memory is out. */
 struct asker *lines_asker(struct partition_lines *s, uint32_t worker);
 /* Make a unit of lines [first, last), which are free, for w.  False: memory is
  * out. */
@@ -82,13 +82,15 @@ bool lines_cut(struct partition *p, uint32_t frame, uint32_t first,
 
 /* Write the text that says what auto chose, and why. */
 void region_choose(struct partition *p);
-/* Cut the next unit for a worker; false: there is none for it, or memory is
- * out; here and below. */
+/* Cut the next unit for a worker, of scanbar or auto.  False: there is none for
+ * this worker, or memory is out. */
 bool region_next(struct partition *p, struct asker *w,
                  const struct partition_ask *ask, uint32_t *unit);
 
 /* --- partition_run.c --- */
 
+/* Cut the next unit for a worker, of static.  False: there is none for this
+ * worker, or memory is out. */
 bool run_next(struct partition *p, struct asker *w,
               const struct partition_ask *ask, uint32_t *unit);
 

@@ -1,15 +1,16 @@
 /* partition_queue.c - windows whose order is not fixed
  *
- * Nobody knows what a window costs before it is done; but what lies beside a
- * dear one is likely dear.  So at first windows go out at random, which spreads
- * workers over the picture, each with ambient values of its own to make; those
- * beside one that took long come before the others, and those beside cheap ones
- * last: what all wait for in the end is small then.
- * "Long" is by what was measured about the same time, as the first windows pay
- * for ambient values that the later ones find.
+ * A window's cost is not known before it is done; but the neighbours of a dear
+ * window are likely dear.  So windows go out at random at first, which spreads
+ * workers over the picture, each with ambient values of its own to make.  Later
+ * the neighbours of dear windows go out first, and those of cheap windows last,
+ * so that nobody waits long for the last window.
+ * A cost is compared with costs measured about the same time, for the first
+ * windows pay for ambient values that later windows find.
  *
  * The queue is a heap of the windows that wait, by frame, guessed cost and a
- * random rank.  What is taken out of turn is left where it is, and skipped. */
+ * random rank.  A window that is taken out of turn stays in the heap, and is
+ * skipped. */
 #include "config.h"
 
 #include "partition/partition_impl.h"
@@ -18,14 +19,14 @@
 
 #include <stdlib.h>
 
-/* The usual cost of a pixel is the mean of about so many windows. */
+/* The usual cost of a pixel is the mean of about so many recent windows. */
 #define RECENT 16
 
 struct guess {
-    float sum; /* of what its neighbours took, 1: the usual */
+    float sum; /* of costs of n neighbours per pixel; 1: the usual cost */
     uint32_t n;
-    uint32_t rank;  /* random, each once, and by frames */
-    uint32_t place; /* in the heap; PARTITION_NONE: it has gone out */
+    uint32_t rank;  /* random; no two equal, those of earlier frames below */
+    uint32_t place; /* in the heap; PARTITION_NONE: not in the heap any more */
 };
 
 struct partition_queue {
@@ -33,7 +34,7 @@ struct partition_queue {
     uint32_t *heap;
     uint32_t n;    /* in heap */
     double usual;  /* cost of a pixel lately; 0: not known */
-    uint32_t done; /* all units before this one are */
+    uint32_t done; /* all units before this unit are done */
     bool fresh;    /* a frame begins when those before it are done */
 };
 
@@ -95,7 +96,7 @@ sift_down(struct partition *p, uint32_t at)
     put_at(q, at, unit);
 }
 
-/* A random order for units [first, end), all of a frame. */
+/* Give units [first, end), which are all of a frame, random ranks. */
 static void
 rank_frame(struct partition_queue *q, uint64_t key, uint32_t first,
            uint32_t end)
@@ -131,8 +132,8 @@ queue_new(struct partition *p, uint64_t seed, bool fresh)
                 break;
         rank_frame(q, rad_key_branch(rad_mix64(seed), frame), first, end);
     }
-    /* nothing is guessed yet, so ranks are the order, and what is in order is a
-     * heap */
+    /* nothing is guessed yet: the order is that of ranks, and a sorted array is
+     * a heap */
     for (uint32_t u = 0; u < p->total; u++)
         put_at(q, q->guess[u].rank, u);
     q->n = p->total;
@@ -205,8 +206,8 @@ guess_beside(struct partition *p, uint32_t unit, double cost)
     sift_down(p, g->place);
 }
 
-/* The first unit that lies at (x, y) of the frame or behind: units lie row by
- * row, from left to right. */
+/* The first unit whose corner is (x, y) of the frame or lies behind: units lie
+ * row by row, from left to right. */
 static uint32_t
 first_from(const struct partition *p, uint32_t frame, uint32_t y, uint32_t x)
 {
@@ -237,7 +238,8 @@ reaches(const struct partition *p, uint32_t unit,
     return b->frame == a->frame && b->y == y && b->x + b->width >= a->x;
 }
 
-/* The units of the row at y that share an edge or a corner with a. */
+/* Note a measured cost at the units of the row at y that share an edge or a
+ * corner with area a. */
 static void
 guess_row(struct partition *p, const struct partition_area *a, uint32_t y,
           double cost)

@@ -1,27 +1,28 @@
-/* partition_region.c - scanbar and auto: regions of a frame, from those that
- * are left
+/* partition_region.c - scanbar and auto: units are cut from regions of a frame
  *
- * - scanbar: one line.  A worker goes on with the line below its last one, so
- *   that the base line between them stays at home.  Where that is another's it
- *   begins a region of some lines, below those that others are at, by its
- *   speed: so all move down the picture together, and the true base lines are
- *   there for what is below as soon as may be.  Where there are many lines what
- *   was left behind above comes before that: the truth would wait.
- *   When no region is left it helps where the topmost line is free, from the
- *   middle of that stretch.
- * - auto: as many lines as are the worker's share of all that is left; so units
- *   shrink towards the end, and whole frames go out as long as that share is as
- *   much.  Where there are many lines each worker has some regions of the
- *   frame, one after the other, so that they are not at the same place at the
- *   same time.  As long as there are more to come the bars of one are made
- *   along with its base lines: the pixels of both are looked up among the same
- *   ambient records then, are more alike, and fewer are traced (by 2 to 4 %;
- *   office at night).
- *   In the last one, and where there are fewer lines, base lines come before
- *   bars, so that the truth is everywhere soon; what was too much is given away
- *   later.  Fewer lines go from the top down: the units above are a little
- *   further than those below, base lines arrive before they are needed, and
- *   rows are done from the top down.  These do not shrink at first. */
+ * - scanbar: a unit is one line.  A worker goes on with the line below its last
+ *   line, so that the base line between them stays at the worker.  If another
+ *   worker has that line, or another region begins there, the worker begins a
+ *   new region below all regions under way; the region's size goes by the
+ *   worker's speed.  So all workers move down the picture together, and true
+ *   base lines are there for the lines below as soon as may be.
+ *   In frames of many lines a worker first takes lines left behind above, for
+ *   the truth would wait for them.  If no region is left a worker begins with
+ *   the topmost free line, if the line above is done, or else in the middle of
+ *   the topmost free stretch.
+ * - auto: a unit has the worker's share of all that is left, by cost; so units
+ *   shrink towards the end, and are whole frames at first if there are many.
+ *   In the last frame, if it has many lines, each worker gets some regions, one
+ *   after the other, so that workers are at different places.  While more
+ *   regions are to come the bars of a region are made along with its base
+ *   lines: the pixels of both are looked up among the same ambient records, are
+ *   more alike, and fewer are traced (by 2 to 4 %; office at night).
+ *   In a worker's last region, and in frames of fewer lines, base lines come
+ *   before bars, so that the truth is everywhere soon; a unit that is too large
+ *   is given away in part later.  Frames of fewer lines go from the top down:
+ *   units above are a little further than units below, base lines arrive before
+ *   they are needed, and rows are done from the top down.  Their units do not
+ *   shrink at first. */
 #include "config.h"
 
 #include "partition/partition_lines.h"
@@ -29,35 +30,36 @@
 #include <math.h>
 #include <stdio.h>
 
-/* Auto: so many lines of a frame for each worker are regions of its own. Close
- * to each other they make the same ambient records: by 2 % more rays, office at
- * night, 40 lines each; but with few lines each bar's wait for the one above it
- * counts for more. */
+/* Auto: a frame with so many lines to each worker is cut into regions.  Workers
+ * that are close to each other make the same ambient records: 2 % more rays,
+ * office at night, 40 lines each.  But with fewer lines the wait of each bar
+ * for the bar above counts for more. */
 #define REGION 24
 
-/* A worker has about so many regions of a frame, one after the other, none of
- * fewer lines than LEAST_REGION.  The truth comes down through all
- * workers' regions after each round; what of that comes after the last one
- * costs 5 % of the time where there is but one, 2 % with three (eight workers,
- * 427 lines).  The more there are the closer workers are to each other, and
- * make the same ambient records: 3.5 % redundant with three, 5 % with six. */
+/* A worker has about so many regions of a frame, one after the other, each of
+ * at least LEAST_REGION lines.  The truth comes down through all workers'
+ * regions after each round.  After the last round this costs 5 % of the time
+ * with one round, 2 % with three (eight workers, 427 lines).  With more rounds
+ * workers are closer to each other, and make the same ambient records: 3.5 % of
+ * them are redundant with three rounds, 5 % with six. */
 #define ROUNDS       3
 #define LEAST_REGION 4
 
-/* Scanbar's get smaller at the end, but no smaller than LEAST_RUN: each is the
- * worker's share of what is left, divided by LAST_ROUNDS.  Where one of the
- * last ones costs more than the others the truth waits there, and all below it
- * for the truth; but the smaller they are the more records are made twice.
- * Eight workers, 427 lines, office at night: the longest wait of one is 0.6 to
- * 1.6 % of the time and 4.3 to 4.8 % are redundant; with runs of 3 it is 0.6 to
- * 1.0 % and 5.2 %, and where all are of one size 0.8 to 2.4 % and 3.4 to 3.9 %.
- * With less than MANY lines to a worker it takes speed: simulated, 28 of them
- * and 720 lines, 83 % efficient for 92. */
+/* Scanbar: in frames of MANY lines to each worker regions get smaller at the
+ * end: a region is the worker's share of what is left, divided by LAST_ROUNDS,
+ * but at least LEAST_RUN lines.  If one of the last regions costs more than the
+ * others the truth waits there, and all lines below wait for the truth; but the
+ * smaller regions are the more records are made twice.  Eight workers, 427
+ * lines, office at night: the longest wait is 0.6 to 1.6 % of the time, and 4.3
+ * to 4.8 % of records are redundant; with LEAST_RUN 3 it is 0.6 to 1.0 %, and
+ * 5.2 %; with regions of one size 0.8 to 2.4 %, and 3.4 to 3.9 %.
+ * With fewer lines to a worker smaller regions cost speed: simulated, with 28
+ * workers and 720 lines, 83 % efficiency in place of 92 %. */
 #define LAST_ROUNDS 1.5
 #define LEAST_RUN   8
 #define MANY        48
 
-/* Auto, without regions: a unit that is large for its time is no more than so
+/* Auto, without regions: the least size of a unit (least_share()) is at most so
  * many times the worker's share of what is left. */
 #define MOST_SHARES 4
 
@@ -84,8 +86,8 @@ region_choose(struct partition *p)
                  s->most);
 }
 
-/* The end of the lines from `first` on that cost no more than that: at least
- * one line, and none behind `end`. */
+/* The end of the lines from `first` on that together cost at most `cost`: at
+ * least one line, and none behind `end`. */
 static uint32_t
 reach(const struct partition_lines *s, const struct frame *f, uint32_t first,
       uint32_t end, double cost)
@@ -98,8 +100,8 @@ reach(const struct partition_lines *s, const struct frame *f, uint32_t first,
     return last;
 }
 
-/* Auto: are there so many lines of the frame to each worker that they are cut
- * into regions? */
+/* Auto: is this the last of the frames that may begin, with so many lines to
+ * each worker that it is cut into regions? */
 static bool
 has_regions(const struct partition *p, const struct frame *f,
             const struct partition_ask *ask)
@@ -108,7 +110,7 @@ has_regions(const struct partition *p, const struct frame *f,
            lines_left(p) <= f->cost * 1.000001;
 }
 
-/* Auto without regions: units get no smaller than half of the worker's part of
+/* Auto without regions: the least cost of a unit, half of the worker's share of
  * the frame, until that is much of what is left. */
 static double
 least_share(const struct frame *f, double left, double share)
@@ -116,7 +118,7 @@ least_share(const struct frame *f, double left, double share)
     return fmin(f->cost * share / 2, left * fmin(MOST_SHARES * share, .25));
 }
 
-/* Where a unit that begins at `first` ends. */
+/* The end of a unit that begins at `first`. */
 static uint32_t
 unit_end(const struct partition *p, const struct frame *f, uint32_t first,
          const struct partition_ask *ask)
@@ -143,7 +145,7 @@ unit_end(const struct partition *p, const struct frame *f, uint32_t first,
     return last;
 }
 
-/* Is all true above that line? */
+/* Is the line above done, or is there none? */
 static bool
 has_top(const struct partition *p, const struct frame *f, uint32_t line)
 {
@@ -154,7 +156,7 @@ has_top(const struct partition *p, const struct frame *f, uint32_t line)
            (above != PARTITION_NONE && p->unit[above].state == PARTITION_DONE);
 }
 
-/* The first line that is free, of a frame that has one. */
+/* The first free line of a frame that has a free line. */
 static uint32_t
 first_free(const struct partition_lines *s, const struct frame *f)
 {
@@ -165,7 +167,7 @@ first_free(const struct partition_lines *s, const struct frame *f)
     return line;
 }
 
-/* Scanbar: has the frame so many lines that regions can get smaller? */
+/* Scanbar: has the frame so many lines that regions get smaller at the end? */
 static bool
 has_many_lines(const struct partition_lines *s, const struct frame *f,
                const struct partition_ask *ask)
@@ -185,7 +187,7 @@ region_lines(const struct partition_lines *s, const struct frame *f,
                                      : lines;
 }
 
-/* Begin the next region of the frame; false: there is none left. */
+/* Begin the next region of the frame, at *line; false: no region is left. */
 static bool
 begin_region(const struct partition_lines *s, struct frame *f,
              const struct partition_ask *ask, uint32_t *line)
@@ -211,9 +213,9 @@ is_expected(const struct partition_lines *s, const struct frame *f,
     return false;
 }
 
-/* The first free line, in regions that were begun, that no worker comes to by
- * going on: it was kept back when its worker came to it, or its worker is gone.
- * All lines below wait for it.  False: there is none. */
+/* Find the first free line, in regions that were begun, that no worker reaches
+ * by going on: the line was kept back when its worker came there, or its worker
+ * is gone.  All lines below wait for this line.  False: there is none. */
 static bool
 find_left_behind(const struct partition_lines *s, struct frame *f,
                  uint32_t *line)
@@ -229,7 +231,8 @@ find_left_behind(const struct partition_lines *s, struct frame *f,
     return false;
 }
 
-/* Where the worker's next unit of a frame that has free lines begins. */
+/* The line with which the worker's next unit of a frame begins; the frame has
+ * free lines. */
 static uint32_t
 unit_start(const struct partition *p, struct frame *f, const struct asker *w,
            const struct partition_ask *ask)
@@ -241,7 +244,7 @@ unit_start(const struct partition *p, struct frame *f, const struct asker *w,
         return first_free(s, f);
     if (w->began && &s->frame[w->frame] == f && line_is_free(s, f, w->line) &&
         w->line != f->next)
-        return w->line; /* at f->next it is the next region that follows */
+        return w->line; /* at f->next begins the next region */
     if (has_many_lines(s, f, ask) && find_left_behind(s, f, &line))
         return line;
     if (begin_region(s, f, ask, &line))
@@ -253,8 +256,8 @@ unit_start(const struct partition *p, struct frame *f, const struct asker *w,
     return first + (last - first) / 2;
 }
 
-/* Does another region come for each worker after this one?  Then the truth can
- * come down meanwhile. */
+/* Auto: does another region come for each worker after the present region?
+ * Then the truth can come down meanwhile. */
 static bool
 has_time(const struct partition *p, const struct frame *f,
          const struct partition_ask *ask)

@@ -1,30 +1,30 @@
 /* partition_run.c - static: each worker's own run of a frame
  *
- * All frames are cut alike, in proportion to the workers' speeds, by cost.  A
- * unit is what is free of the worker's run, or of a long one but the last what
- * is free of its last lines, which end in the base line that its neighbour
- * needs; then of ALONG of all that is left, whose bars are made along with its
- * base lines; then of the rest, where base lines come before bars, so that the
- * truth is everywhere before the end.
- * One that is idle takes the run of one that is not there, and where others'
- * are balanced, half of the longest stretch that is free. */
+ * All frames are cut alike into runs, in proportion to the workers' speeds, by
+ * cost.  The units of a run are, in order: its last lines, down to the base
+ * line that the neighbour below needs; then ALONG of what is left, by cost,
+ * whose bars are made along with base lines; then the rest, base lines first,
+ * so that the truth is everywhere before the end.  A short run, and the last
+ * run of a frame, is one unit, base lines first.
+ * An idle worker takes the run of an absent worker.  If there is none, and runs
+ * are balanced, it takes the lower half of the longest free stretch. */
 #include "config.h"
 
 #include "partition/partition_lines.h"
 
 #include "team/team.h"
 
-/* A run of so many lines is cut in three.  Bars that are made along with base
- * lines see the same ambient records, and fewer pixels are traced; but the
- * truth comes later, so that what is given away meanwhile leaves more to be
- * traced under it, and those who wait send facts.  Eight workers, office at
- * night: with 107 lines each 3.4 % fewer rays and 2 % faster, nine runs of
- * each; with 53 lines 1 % fewer rays, all of which is lost again. */
+/* A run of so many lines is cut into three units.  Bars that are made along
+ * with base lines see the same ambient records, and fewer pixels are traced;
+ * but the truth comes later, so that lines that are given away meanwhile leave
+ * more to be traced, and workers that wait send facts.  Eight workers, office
+ * at night: with 107 lines each 3.4 % fewer rays and 2 % faster, measured nine
+ * times each; with 53 lines 1 % fewer rays, and no time is won. */
 #define LONG   80
-#define BOTTOM (TEAM_SURE + 1) /* lines: what ends in a good guess */
+#define BOTTOM (TEAM_SURE + 1) /* lines, of which the last is a good guess */
 #define ALONG  (2. / 3)
 
-/* The line where a part of a frame's cost ends. */
+/* The line where the first `part` of a frame's cost ends. */
 static uint32_t
 part_line(const struct partition_lines *s, const struct frame *f, double part)
 {
@@ -51,7 +51,7 @@ own_run(const struct partition_lines *s, const struct frame *f,
     *last = w->to >= 1 ? f->n : part_line(s, f, w->to);
 }
 
-/* The first free stretch within [first, last); false: none. */
+/* Find the first free stretch within [first, last); false: there is none. */
 static bool
 free_in(const struct partition_lines *s, const struct frame *f, uint32_t first,
         uint32_t last, uint32_t *from, uint32_t *to)
@@ -65,7 +65,8 @@ free_in(const struct partition_lines *s, const struct frame *f, uint32_t first,
     return first < last;
 }
 
-/* Where a part of the cost of lines [first, last) ends, or a line before. */
+/* The end of the first ALONG of the cost of lines [first, last), rounded down
+ * to a line. */
 static uint32_t
 along_until(const struct partition_lines *s, const struct frame *f,
             uint32_t first, uint32_t last)
@@ -77,9 +78,9 @@ along_until(const struct partition_lines *s, const struct frame *f,
     return first;
 }
 
-/* The next free stretch of a run [first, last); false: none is left.  Nobody
- * waits for the end of a frame: bars above it come along anyway
- * (strict_pass.c). */
+/* Find the next free stretch of a run [first, last); false: none is left.  The
+ * last run of a frame is not cut: no worker waits for its end, and its bars
+ * come along in any case (strict_pass.c). */
 static bool
 next_part(const struct partition_lines *s, const struct frame *f,
           uint32_t first, uint32_t last, uint32_t *from, uint32_t *to,
@@ -97,8 +98,8 @@ next_part(const struct partition_lines *s, const struct frame *f,
     return *bars || free_in(s, f, mid, bottom, from, to);
 }
 
-/* The next stretch of a worker's own run; w may be an absent worker, whose run
- * another takes. */
+/* Cut the next unit of w's run for `taker`, which is w or takes the run of the
+ * absent worker w. */
 static bool
 next_own(struct partition *p, struct asker *w, struct asker *taker,
          uint32_t *unit)
@@ -125,7 +126,7 @@ next_own(struct partition *p, struct asker *w, struct asker *taker,
     return false;
 }
 
-/* The longest stretch of free lines; empty when no line is free. */
+/* Find the longest stretch of free lines; empty: no line is free. */
 static void
 longest(const struct partition_lines *s, const struct frame *f, uint32_t *first,
         uint32_t *last)
@@ -160,7 +161,6 @@ run_next(struct partition *p, struct asker *w, const struct partition_ask *ask,
     return lines_cut(p, s->lo, first + (last - first) / 2, last, w, unit);
 }
 
-/* Cut every frame in proportion to the workers' speeds. */
 bool
 partition_set_speeds(struct partition *p, const double *speed, uint32_t n)
 {
@@ -181,7 +181,7 @@ partition_set_speeds(struct partition *p, const double *speed, uint32_t n)
     }
     for (uint32_t i = sum > 0 ? n : 0; i-- > 0;)
         if (speed[i] > 0) {
-            p->lines->askers[i].to = 1; /* whatever rounding says */
+            p->lines->askers[i].to = 1; /* exactly, in spite of rounding */
             break;
         }
     return true;

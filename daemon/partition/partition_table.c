@@ -1,4 +1,4 @@
-/* partition_table.c - the table of units, and the stack of those that came
+/* partition_table.c - the table of units, and the stack of units that came
  * back */
 #include "config.h"
 

@@ -1,9 +1,9 @@
 /* partition_window.c - a grid of windows on each frame
  *
- * All units are laid out at the start, frame after frame; a ring of numbers is
- * the queue.  Windows of one frame are a grid: rows of near-equal height, each
- * cut into its share of the N windows, so that cells are close to square and
- * there are exactly N of them for any N. */
+ * All units are laid out at the start, frame after frame; the queue is an array
+ * of their numbers.  Windows of a frame are a grid: rows of near-equal height,
+ * each cut into its share of the N windows, so that cells are close to square
+ * and there are exactly N of them for any N. */
 #include "config.h"
 
 #include "partition/partition_impl.h"
@@ -28,7 +28,7 @@ struct partition_window {
     uint64_t seed;
     bool fresh;      /* a frame begins when those before it are done */
     uint32_t *order; /* units in the order in which they go out */
-    uint32_t next;   /* into order: those before it have gone out once */
+    uint32_t next;   /* into order: units before have gone out once */
 };
 
 static uint32_t
@@ -41,8 +41,8 @@ default_windows(const struct msg_frame *f)
     return n > MOST_WINDOWS ? MOST_WINDOWS : (uint32_t)n;
 }
 
-/* Windows of one frame: what was asked for, as far as there are pixels, and
- * none wider than a message can carry. */
+/* The number of windows of a frame: as asked for or by its size, but no more
+ * than pixels; auto with a single worker has one window. */
 static uint32_t
 windows_of(const struct partition_spec *spec, const struct msg_frame *f)
 {
@@ -56,8 +56,9 @@ windows_of(const struct partition_spec *spec, const struct msg_frame *f)
     return n;
 }
 
-/* Rows of the grid of n windows: cells near square, no more than n or the
- * picture's rows, and enough columns in each for the picture's width. */
+/* Rows of the grid of n windows: so many that cells are near square, no more
+ * than n or the picture's rows, and enough that a row has no more cells than
+ * the picture has columns. */
 static uint32_t
 grid_rows(const struct msg_frame *f, uint32_t n)
 {
@@ -72,8 +73,8 @@ grid_rows(const struct msg_frame *f, uint32_t n)
     return rows > f->height ? f->height : rows;
 }
 
-/* First pixel of part i of `parts` when `before` of n cells lie before it: one
- * pixel to each part, the others in proportion to the cells. */
+/* The first pixel of part i of `parts` when `before` of n cells lie before that
+ * part: each part has one pixel, and more in proportion to its cells. */
 static uint32_t
 cut(uint32_t length, uint32_t before, uint32_t n, uint32_t i, uint32_t parts)
 {
@@ -98,7 +99,8 @@ add_row(struct partition *p, uint32_t frame, uint32_t width, uint32_t y0,
     return true;
 }
 
-/* Columns of row i when n windows lie in `rows` rows. */
+/* Columns of row i when n windows lie in `rows` rows; *before gets the windows
+ * in rows above. */
 static uint32_t
 columns_of(uint32_t n, uint32_t rows, uint32_t i, uint32_t *before)
 {
@@ -122,7 +124,7 @@ add_frame(struct partition *p, uint32_t frame, const struct msg_frame *f,
     return true;
 }
 
-/* The order of two windows: the dearer first, else as they lie. */
+/* Sort windows: the dearest first, those of one cost as they lie. */
 static void
 sort_by_cost(const struct partition *p, uint32_t *v, uint32_t n)
 {
@@ -139,7 +141,7 @@ sort_by_cost(const struct partition *p, uint32_t *v, uint32_t n)
             }
 }
 
-/* Sort one frame's stretch of the queue, which has them as they lie. */
+/* Order the part v of the queue that has a frame's n windows, as they lie. */
 static void
 order_frame(const struct partition *p, uint32_t *v, uint32_t n, uint32_t frame)
 {
@@ -196,12 +198,12 @@ window_check(const struct partition_spec *spec, struct rad_error *err)
 {
     if (count_units(spec) > MSG_MAX_WINDOWS)
         return rad_fail(err, RAD_EUSAGE, "too many windows: at most %d",
-                        MSG_MAX_WINDOWS); /* which take 60 MB */
+                        MSG_MAX_WINDOWS); /* so many take 60 MB */
     return 0;
 }
 
-/* Costs that were given are of lines: a window has its part of each that it
- * touches. */
+/* The cost of a window from the given costs of lines: its part of the cost of
+ * each line that it touches. */
 static double
 cost_of(const struct rad_quincunx *q, const float *line,
         const struct partition_area *a)
@@ -290,7 +292,7 @@ window_set_costs(struct partition *p, const double *cost)
 {
     for (uint32_t u = 0; u < p->total; u++)
         p->unit[u].cost = cost[u];
-    queue_free(p); /* no need to guess */
+    queue_free(p); /* costs need not be guessed any more */
     order_all(p);
 }
 
