@@ -24,8 +24,8 @@ void markup_bytes(struct markup *m, const char *s, size_t n);
 void markup_print(struct markup *m, const char *fmt, ...)
     __attribute__((format(printf, 2, 3)));
 
-/* Somebody else's text as HTML's, in an element or a quoted attribute: unsafe
- * characters (base/text.h) are '?'.  NULL is nothing. */
+/* Add text of others as HTML, in an element or a quoted attribute: unsafe
+ * characters (base/text.h) become '?'.  NULL adds nothing. */
 void markup_text(struct markup *m, const char *s);
 /* A value as JSON, on one line. */
 void markup_json(struct markup *m, const json_t *value);
@@ -37,12 +37,12 @@ void markup_size(struct markup *m, double v);
 /* So many seconds: "5 s", "12 min", "3 h 20 min", "4 days". */
 void markup_span(struct markup *m, double s);
 
-/* Members of a row of the coordinator's, "" and 0 where it has none. */
+/* A member of a row that the coordinator sent; "" or 0: the row lacks it. */
 const char *markup_member(const json_t *row, const char *key);
 double markup_number(const json_t *row, const char *key);
 
-/* What has grown, which the caller frees, and its length (or NULL); NULL when
- * memory was out.  The struct is empty again. */
+/* Return the text, which the caller frees, and set *len (or NULL); NULL: memory
+ * was out.  The struct is empty again. */
 char *markup_take(struct markup *m, size_t *len);
 void markup_release(struct markup *m);
 

@@ -2,7 +2,7 @@
  *
  * The statistics are the coordinator's JSON (radd.stats(5)): of many units it
  * is long, so units are read one by one and the rest is kept as values.
- * Pure; thread: any, a struct belongs to one. */
+ * Thread: any; a struct belongs to one thread. */
 #ifndef RADD_DRAW_UNITS_H
 #define RADD_DRAW_UNITS_H
 
@@ -12,23 +12,22 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#define UNITS_HEAD                                                             \
-    (1 << 20) /* bytes ahead of the units; of 1000 workers half */
-#define UNITS_WORKERS                                                          \
-    200                  /* that are told apart; units of others are left out */
-#define UNITS_LANES 16   /* of a worker: units side by side */
-#define UNITS_SPANS 3000 /* that a chart has */
+/* Most bytes ahead of the units: twice what 1000 workers take. */
+#define UNITS_HEAD    (1 << 20)
+#define UNITS_WORKERS 200  /* with spans; units of further ones are left out */
+#define UNITS_LANES   16   /* most units of a worker side by side */
+#define UNITS_SPANS   3000 /* most spans of a chart */
 
 enum units_kind {
     UNITS_DONE,
-    UNITS_RUN, /* till now */
-    UNITS_PASS /* of the ambient cache: of no worker, whose name is empty */
+    UNITS_RUN, /* under way, so the span ends now */
+    UNITS_PASS /* a pass of the ambient cache; its worker's name is empty */
 };
 
 struct units_span {
     float start, end; /* seconds since the job came */
     uint16_t worker, lane;
-    uint32_t units; /* that it stands for */
+    uint32_t units; /* that the span stands for */
     enum units_kind kind;
 };
 
@@ -40,11 +39,11 @@ struct units {
     struct units_span *spans; /* by worker, lane, start */
     size_t nspans;
     uint32_t total;        /* units that are done */
-    double start_s, end_s; /* of the first, of the last; now, where one runs */
+    double start_s, end_s; /* of the first and last span */
 };
 
-/* Read statistics; u is initialised by this.  RAD_EDATA for what are none, or
- * RAD_ENOMEM; u is empty then. */
+/* Read statistics into u, which is initialised here.  RAD_EDATA: the text is no
+ * statistics; RAD_ENOMEM.  On failure u is empty. */
 int units_read(struct units *u, const char *text, size_t len,
                struct rad_error *err);
 void units_release(struct units *u);

@@ -12,9 +12,9 @@
 
 struct transfers;
 
-/* done (may be NULL) is called for each that has come to its end, but for those
- * of connections that are gone, with what was sent whole, or NULL.  NULL when
- * memory is out. */
+/* done (or NULL) is called at the end of each transfer whose connection is still
+ * there; `whole` is the source if all of it was sent, else NULL.  Returns NULL
+ * when memory is out. */
 typedef void transfer_done_fn(void *arg, uint64_t id,
                               const struct store_source *whole);
 struct transfers *transfers_new(struct store *store, transfer_done_fn *done,
