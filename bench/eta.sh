@@ -16,13 +16,9 @@
 #   --results=DIR   where the table is written (bench/results)
 set -eu
 here=$(cd "$(dirname "$0")" && pwd)
+# shellcheck source=bench/lib.sh
+. "$here/lib.sh"
 folder=${RADD_SCENES:-} results=bench/results jobs=''
-
-die()
-{
-    echo "eta.sh: $*" >&2
-    exit 64
-}
 
 while [ $# -gt 0 ]; do
     case $1 in
@@ -35,21 +31,9 @@ while [ $# -gt 0 ]; do
     esac
     shift
 done
-[ $# -eq 1 ] || {
-    sed -n '2,/^set/s/^# \{0,1\}//p' "$0" >&2
-    exit 64
-}
+[ $# -eq 1 ] || usage
 [[ $jobs =~ ^([0-9]+(,[0-9]+)*)?$ ]] || die "'$jobs' is no list of jobs"
-build=$(cd "$1" && pwd)
-for program in radcoord radd radsubmit raderr; do
-    [ -x "$build/$program" ] || die "no $program in '$build'"
-done
-mkdir -p "$results"
-results=$(cd "$results" && pwd)
-[ -z "$folder" ] || folder=$(cd "$folder" && pwd)
-tmp=$(mktemp -d "${TMPDIR:-/tmp}/eta.XXXXXX")
-trap 'rm -rf "$tmp"' EXIT
-trap 'exit 1' INT TERM HUP
+begin "$1" radcoord radd radsubmit raderr
 
 # Scene, workers, pixels of a side of the reference's that one is averaged from
 # (0: there is none to compare with, and the width follows), options.
@@ -68,40 +52,6 @@ room 1 0 1400 --quality=medium --oversample=2
 room 2 0 240 --quality=high --oversample=2
 room 2 0 400 --quality=high --oversample=1 -S 1 --views=VIEWS
 JOBS
-}
-
-# Sets $at, $file, $view and $reference.
-find_scene() # NAME
-{
-    case $1 in
-    cornell)
-        at=$folder/cornell file=cornell.rad view=box.vf
-        reference=$at/ref/cornell_box_conv.hdr
-        ;;
-    night | day)
-        at=$folder/office file=$1.rad view=norm.vf
-        reference=$at/ref/$1_norm_conv.hdr
-        ;;
-    virtual)
-        at=$folder/virtual file=plain.rad view=back.vf
-        reference=$at/ref/plain_back_conv.hdr
-        ;;
-    mirror)
-        at=$folder/mirror file=mirror.rad view=inside.vf
-        reference=$at/ref/mirror_inside_conv.hdr
-        ;;
-    room) at=$here/../examples/reading-room file=room.rad view=room.vf ;;
-    esac
-}
-
-# Sets $width and $height from a picture's header.
-size_of() # PICTURE
-{
-    # shellcheck disable=SC2046 # four words
-    set -- $(LC_ALL=C sed -n '/^[-+][XY] [0-9]* [-+][XY] [0-9]*$/{p;q}' "$1" |
-        tr -d '\0')
-    [ $# -eq 4 ] || die "a reference without a size"
-    height=$2 width=$4
 }
 
 number() # NAME FILE: the first of that name

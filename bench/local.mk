@@ -41,7 +41,7 @@ bench-ambient: bench/ambient$(EXEEXT)
 # of bench/hosts.sh.
 HOSTS_FLAGS =
 dist_noinst_SCRIPTS += bench/hosts.sh bench/quality.sh
-EXTRA_DIST += bench/hosts.awk bench/stats.awk
+EXTRA_DIST += bench/hosts.awk bench/lib.sh bench/stats.awk
 bench-hosts: bench/sim/sim$(EXEEXT) radcoord$(EXEEXT) radd$(EXEEXT) radsubmit$(EXEEXT) radctl$(EXEEXT)
 	$(srcdir)/bench/hosts.sh $(HOSTS_FLAGS) . $(BENCH_SCENE) $(BENCH_VIEW)
 

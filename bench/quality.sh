@@ -20,18 +20,14 @@
 #   --results=DIR    what is written and kept (bench/results)
 set -eu
 here=$(cd "$(dirname "$0")" && pwd)
+# shellcheck source=bench/lib.sh
+. "$here/lib.sh"
 folder=${RADD_SCENES:-} scenes=cornell,night,day,virtual,mirror,room
 qualities=draft,low,medium,high passes=30 size=240 runs=1
 results=bench/results
 # Of one pass of a reference: no cache, nothing cut short.
 exact='-ps 1 -pj .95 -dj .9 -ds .2 -dt 0 -dc 1 -dr 3 -ss 1 -st 0 -ab 8 -aa 0
 -as 0 -ad 4 -lr -12 -lw 1e-4'
-
-die()
-{
-    echo "quality.sh: $*" >&2
-    exit 64
-}
 
 while [ $# -gt 0 ]; do
     case $1 in
@@ -47,37 +43,12 @@ while [ $# -gt 0 ]; do
     esac
     shift
 done
-[ $# -eq 1 ] || {
-    sed -n '2,/^set/s/^# \{0,1\}//p' "$0" >&2
-    exit 64
-}
-build=$(cd "$1" && pwd)
+[ $# -eq 1 ] || usage
 for n in "$passes" "$size" "$runs"; do
     [[ $n =~ ^[1-9][0-9]{0,4}$ ]] || die "'$n' is no number from 1"
 done
-for program in radsubmit raderr; do
-    [ -x "$build/$program" ] || die "no $program in '$build'"
-done
-mkdir -p "$results"
-results=$(cd "$results" && pwd)
-[ -z "$folder" ] || folder=$(cd "$folder" && pwd)
-tmp=$(mktemp -d "${TMPDIR:-/tmp}/quality.XXXXXX")
-trap 'rm -rf "$tmp"' EXIT
-trap 'exit 1' INT TERM HUP
+begin "$1" radsubmit raderr
 TIMEFORMAT='%U'
-
-# Where a scene is: sets $at, $file and $view.
-find_scene() # NAME
-{
-    case $1 in
-    cornell) at=$folder/cornell file=cornell.rad view=box.vf ;;
-    night | day) at=$folder/office file=$1.rad view=norm.vf ;;
-    virtual) at=$folder/virtual file=plain.rad view=back.vf ;;
-    mirror) at=$folder/mirror file=mirror.rad view=inside.vf ;;
-    room) at=$here/../examples/reading-room file=room.rad view=room.vf ;;
-    *) die "no scene '$1'" ;;
-    esac
-}
 
 render() # OPTIONS...: the picture $tmp/out.hdr, in $tmp/time its seconds
 {

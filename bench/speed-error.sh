@@ -33,6 +33,8 @@
 #   --rungs=.5/16/64/16,.3/32/128/32 --threads=1
 set -eu
 here=$(cd "$(dirname "$0")" && pwd)
+# shellcheck source=bench/lib.sh
+. "$here/lib.sh"
 folder=${RADD_SCENES:-} scenes=cornell,night,day,virtual,mirror,room
 size=960 runs=3 minutes=100000
 rungs=.5/16/64/16,.3/32/128/32,.25/48/192/48,.3/32/512/128
@@ -43,12 +45,6 @@ options='-pa 0 -ps 4 -pt .05 -pj .9 -dj .5 -ds .2 -dt .05 -dc .75 -st .1
 # Of one pass of a reference: no cache, nothing cut short.
 exact='-pa 0 -ps 1 -pj .95 -dj .9 -ds .2 -dt 0 -dc 1 -ss 1 -st 0 -ab 4 -aa 0
 -as 0 -ad 16 -lr -8 -lw 1e-4'
-
-die()
-{
-    echo "speed-error.sh: $*" >&2
-    exit 64
-}
 
 while [ $# -gt 0 ]; do
     case $1 in
@@ -71,11 +67,7 @@ while [ $# -gt 0 ]; do
     esac
     shift
 done
-[ $# -eq 1 ] || {
-    sed -n '2,/^set/s/^# \{0,1\}//p' "$0" >&2
-    exit 64
-}
-build=$(cd "$1" && pwd)
+[ $# -eq 1 ] || usage
 for n in "$size" "$runs" "$passes" "$minutes"; do
     [[ $n =~ ^[1-9][0-9]{0,5}$ ]] || die "'$n' is no number from 1"
 done
@@ -100,21 +92,13 @@ done
 for t in ${threads//,/ }; do
     [[ $t =~ ^(all|[1-9][0-9]{0,2})$ ]] || die "'$t' is no number of threads"
 done
-for program in radcoord radd radsubmit raderr; do
-    [ -x "$build/$program" ] || die "no $program in '$build'"
-done
-mkdir -p "$results"
-results=$(cd "$results" && pwd)
-[ -z "$folder" ] || folder=$(cd "$folder" && pwd)
+begin "$1" radcoord radd radsubmit raderr
 if [ -n "$rpict_rungs" ] &&
     ! { command -v rpict && command -v oconv; } >/dev/null; then
     echo "rpict and oconv are not on PATH: radsubmit alone" >&2
     rpict_rungs=
 fi
 
-tmp=$(mktemp -d "${TMPDIR:-/tmp}/speed-error.XXXXXX")
-trap 'rm -rf "$tmp"' EXIT
-trap 'exit 1' INT TERM HUP
 TIMEFORMAT='%U %R'
 
 say() # what is under way, to a terminal
@@ -124,45 +108,13 @@ say() # what is under way, to a terminal
 
 # --- scenes ---
 
-# Where a scene is: sets $at, $file, $view, $reference and $extra, its own
-# options.
-find_scene() # NAME
+find_with_reference() # SCENE
 {
-    extra=
-    case $1 in
-    cornell)
-        at=$folder/cornell file=cornell.rad view=box.vf
-        reference=$at/ref/cornell_box_conv.hdr
-        ;;
-    night | day)
-        at=$folder/office file=$1.rad view=norm.vf
-        reference=$at/ref/$1_norm_conv.hdr
-        ;;
-    virtual)
-        at=$folder/virtual file=plain.rad view=back.vf extra='-dr 2'
-        reference=$at/ref/plain_back_conv.hdr
-        ;;
-    mirror)
-        at=$folder/mirror file=mirror.rad view=inside.vf extra='-ab 3'
-        reference=$at/ref/mirror_inside_conv.hdr
-        ;;
-    room)
-        at=$here/../examples/reading-room file=room.rad view=room.vf
-        # shellcheck disable=SC2086 # options are words
+    find_scene "$1"
+    # shellcheck disable=SC2086 # options are words
+    [ "$1" != room ] ||
         reference=$results/room-$(cat "$at"/* - <<<"$exact $passes" |
             cksum | cut -d' ' -f1)_conv.hdr
-        ;;
-    esac
-}
-
-# Sets $width and $height from a picture's header.
-size_of() # PICTURE
-{
-    # shellcheck disable=SC2046 # three words
-    set -- $(LC_ALL=C sed -n '/^[-+][XY] [0-9]* [-+][XY] [0-9]*$/{p;q}' "$1" |
-        tr -d '\0')
-    [ $# -eq 4 ] || die "a reference without a size"
-    height=$2 width=$4
 }
 
 # The reference of the example: 192 pixels wide, 25 samples a pixel in each
@@ -295,7 +247,7 @@ find_references()
 {
     present=
     for scene in ${scenes//,/ }; do
-        find_scene "$scene"
+        find_with_reference "$scene"
         if [ "$scene" != room ] && [ ! -r "$reference" ]; then
             echo "# $scene left out: no $(basename "$reference") (--folder)" \
                 >>"$data"
@@ -319,7 +271,7 @@ if [ -z "$table" ]; then
     find_references
     for ((n = 1; n <= runs; n++)); do
         for scene in $present; do
-            find_scene "$scene"
+            find_with_reference "$scene"
             measure_scene $n
         done
     done
