@@ -184,12 +184,16 @@ struct store_reading {
     struct mark mark;
     struct rad_sha sha; /* of these bytes, while hashing */
     bool hashing;
+    int preview;         /* open file of a preview, if `store` is set */
+    struct store *store; /* counts it */
 };
 
 /* Copy the next bytes, up to cap, into buf.  fn gets their number and the whole
  * file's size, or a negative n with a status of sysexits.h and a text.  The
  * last piece comes only if the whole file has the hash that the database has
- * noted.  A preview is made when its first piece is read. */
+ * noted.  A preview is made when its first piece is read; then other previews
+ * of the frame, or its picture, may take its place, but all pieces are of one
+ * file.  So its file stays open, and few may at a time: RAD_ETEMPFAIL. */
 typedef void store_read_fn(void *arg, ssize_t n, uint64_t size, int status,
                            const char *text);
 void store_read(struct store *s, struct store_reading *r, void *buf, size_t cap,

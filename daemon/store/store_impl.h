@@ -24,6 +24,8 @@
 #include "journal/statedir.h"
 #include "ground/task.h"
 
+#include <stdatomic.h>
+
 struct arriving;   /* a file that a connection sends */
 struct saved_task; /* a job that is being kept */
 struct submit_task; /* a job whose frames are being read */
@@ -38,6 +40,7 @@ struct store {
     struct sounds sounds;       /* [loop] */
     bool durable;               /* [fixed] */
     bool ending;                /* [loop] */
+    _Atomic unsigned previews;  /* open files of previews */
     bool full;                  /* [loop] the handler was told that the disk is
                                  * full */
     size_t backlog;             /* [loop] */

@@ -2,10 +2,10 @@
  *
  * Reads are tasks in the same queue as writes, so a read sees all that was
  * written before it, unless that write is held because the disk is full.  Each
- * piece opens the file anew, so nothing stays open for a reader that does not
- * come back.  Finished files of a job are hashed as they are read and compared
- * with their marks.  If the disk has spoilt one its last piece is not sent, so
- * no user takes it for whole. */
+ * piece opens the file anew, but a preview's, so nothing else stays open for a
+ * reader that does not come back.  Finished files of a job are hashed as they
+ * are read and compared with their marks.  If the disk has spoilt one its last
+ * piece is not sent, so no user takes it for whole. */
 #include "config.h"
 
 #include "store/store_impl.h"
@@ -18,6 +18,10 @@
 #include <sys/stat.h>
 #include <sysexits.h>
 #include <unistd.h>
+
+/* Most previews that are read at a time: each has a file open, of the 64
+ * descriptors or fewer that connections leave (net/listen.c). */
+#define MOST_PREVIEWS 8
 
 struct read_task {
     struct task task;
@@ -45,6 +49,12 @@ source_path(struct read_task *r, char path[DISK_PATH_MAX])
     return 0;
 }
 
+static bool
+is_preview(const struct store_reading *g)
+{
+    return !g->from.file && g->from.what == MSG_WHAT_PREVIEW;
+}
+
 /* Before the first piece: find the mark of the file, if the database has one.
  */
 static int
@@ -54,7 +64,7 @@ begin(struct read_task *r)
     struct rad_error *err = &r->task.err;
     int rc;
 
-    if (g->from.file || g->from.what == MSG_WHAT_PREVIEW || !r->store->journal)
+    if (g->from.file || is_preview(g) || !r->store->journal)
         return 0; /* files of scenes have no mark: workers compare their hash */
     store_reading_release(g); /* an earlier try may have ended for want of
                                * memory or descriptors */
@@ -108,19 +118,51 @@ read_piece(struct read_task *r, int fd, const char *path)
 }
 
 static int
+open_source(const char *path, int *fd, struct rad_error *err)
+{
+    *fd = open(path, O_RDONLY | O_NONBLOCK | O_CLOEXEC);
+    return *fd < 0 ? mark_missing(path, errno, err) : 0;
+}
+
+/* Open a preview for all of its pieces. */
+static int
+open_preview(struct read_task *r, const char *path)
+{
+    struct store_reading *g = r->reading;
+    struct store *s = r->store;
+    int rc;
+
+    if (atomic_fetch_add(&s->previews, 1) < MOST_PREVIEWS)
+        rc = open_source(path, &g->preview, &r->task.err);
+    else
+        rc = rad_fail(&r->task.err, RAD_ETEMPFAIL,
+                      "%d previews are under way to others", MOST_PREVIEWS);
+    if (rc < 0)
+        atomic_fetch_sub(&s->previews, 1);
+    else
+        g->store = s;
+    return rc;
+}
+
+static int
 read_run(struct task *t)
 {
     struct read_task *r = (struct read_task *)t;
-    char path[DISK_PATH_MAX];
-    int fd, rc = source_path(r, path);
+    struct store_reading *g = r->reading;
+    char path[DISK_PATH_MAX] = "the preview";
+    int fd, rc = g->store ? 0 : source_path(r, path);
 
-    if (rc == 0 && r->reading->offset == 0)
+    if (rc == 0 && g->offset == 0)
         rc = begin(r);
+    if (rc == 0 && is_preview(g) && !g->store)
+        rc = open_preview(r, path);
     if (rc < 0)
         return rc;
-    fd = open(path, O_RDONLY | O_NONBLOCK | O_CLOEXEC);
-    if (fd < 0)
-        return mark_missing(path, errno, &t->err);
+    if (g->store)
+        return read_piece(r, g->preview, path);
+    rc = open_source(path, &fd, &t->err);
+    if (rc < 0)
+        return rc;
     rc = read_piece(r, fd, path);
     close(fd);
     return rc;
@@ -180,4 +222,9 @@ store_reading_release(struct store_reading *r)
     if (r->hashing)
         rad_sha_release(&r->sha);
     r->hashing = false;
+    if (r->store) {
+        close(r->preview);
+        atomic_fetch_sub(&r->store->previews, 1);
+        r->store = NULL;
+    }
 }

@@ -8,6 +8,7 @@
 #include <fcntl.h>
 #include <stdio.h>
 #include <sys/stat.h>
+#include <sysexits.h>
 #include <time.h>
 
 START_TEST(store_keeps_files_and_refuses_impostors)
@@ -257,6 +258,89 @@ START_TEST(job_becomes_a_picture)
 }
 END_TEST
 
+START_TEST(pieces_of_a_preview_are_of_one_file)
+{
+    static const uint8_t job[MSG_JOB] = { 1, 2, 3 };
+    struct msg_frame frame = { 0, W, H, "-vtv -vp 0 0 0" };
+    struct saved_job p = { .spec = { .name = "x",
+                                     .params = "-ab 0",
+                                     .frames = &frame,
+                                     .nframes = 1 } };
+    struct store_source from = { .job = { 1, 2, 3 }, .what = MSG_WHAT_PREVIEW };
+    struct store_reading slow = { .from = from }, other = { .from = from };
+    struct heard h = { 0 };
+    struct rad_picture pic;
+    char buf[4096], more[4096];
+    uv_loop_t loop;
+    struct store *s;
+
+    uv_loop_init(&loop);
+    s = store_open(&loop, dir, false, &handler, &h, NULL);
+    store_open_job(s, job, &p);
+    put_unit(s, job, 0, 3, 3);
+    store_read(s, &slow, buf, 100, on_read, &h);
+    run(&loop, s);
+    ck_assert_int_eq(h.n, 100);
+    ck_assert_uint_gt(h.size, 100);
+
+    put_unit(s, job, 1, 3, 3);
+    store_read(s, &other, more, sizeof more, on_read, &h);
+    run(&loop, s);
+    ck_assert_uint_eq((uint64_t)h.n, h.size);
+    store_reading_release(&other);
+    store_write_picture(s, job, 5, 0);
+    store_end_job(s, &p, strdup("{}"), 2);
+    run(&loop, s);
+    store_read(s, &slow, buf + 100, sizeof buf - 100, on_read, &h);
+    run(&loop, s);
+    ck_assert_uint_eq((uint64_t)h.n + 100, h.size);
+    ck_assert_int_eq(rad_hdr_read((uint8_t *)buf, h.size, 1000, &pic, NULL), 0);
+    ck_assert_float_gt(pic.L[0].r, 1.9f);
+    ck_assert_float_eq(pic.L[3 * W].r, 0); /* had not come */
+    rad_picture_release(&pic);
+    store_reading_release(&slow);
+    store_close(s);
+    uv_loop_close(&loop);
+}
+END_TEST
+
+START_TEST(few_previews_are_read_at_a_time)
+{
+    enum { MOST = 8 };
+    struct msg_frame frame = { 0, W, H, "-vtv -vp 0 0 0" };
+    struct saved_job p = { .spec = { .name = "x",
+                                     .params = "-ab 0",
+                                     .frames = &frame,
+                                     .nframes = 1 } };
+    struct store_reading r[MOST + 1];
+    struct heard h = { 0 };
+    uv_loop_t loop;
+    struct store *s;
+    char buf[1];
+
+    uv_loop_init(&loop);
+    s = store_open(&loop, dir, false, &handler, &h, NULL);
+    store_open_job(s, (const uint8_t[MSG_JOB]){ 1 }, &p);
+    put_unit(s, (const uint8_t[MSG_JOB]){ 1 }, 0, 3, 3);
+    for (int i = 0; i <= MOST; i++) {
+        r[i] = (struct store_reading){ .from = { .job = { 1 },
+                                                 .what = MSG_WHAT_PREVIEW } };
+        store_read(s, &r[i], buf, 1, on_read, &h);
+        run(&loop, s);
+        ck_assert_int_eq(h.n, i < MOST ? 1 : -1);
+    }
+    ck_assert_int_eq(h.read_status, EX_TEMPFAIL);
+    store_reading_release(&r[0]);
+    store_read(s, &r[MOST], buf, 1, on_read, &h);
+    run(&loop, s);
+    ck_assert_int_eq(h.n, 1);
+    for (int i = 0; i <= MOST; i++)
+        store_reading_release(&r[i]);
+    store_close(s);
+    uv_loop_close(&loop);
+}
+END_TEST
+
 /* --- files that go --- */
 
 /* As if nobody had asked for it for so long. */
@@ -342,6 +426,8 @@ main(void)
     tcase_add_test(tc, folder_serves_one_store);
     tcase_add_test(tc, without_a_database_jobs_go_and_files_stay);
     tcase_add_loop_test(tc, job_becomes_a_picture, 0, 2);
+    tcase_add_test(tc, pieces_of_a_preview_are_of_one_file);
+    tcase_add_test(tc, few_previews_are_read_at_a_time);
     tcase_add_test(tc, files_that_no_job_needs_go_after_a_day);
     suite_add_tcase(s, tc);
     return unit_run(s);
