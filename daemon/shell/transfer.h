@@ -8,7 +8,7 @@
 #define RADD_DAEMON_TRANSFER_H
 
 #include "net/conn.h"
-#include "store/store.h"
+#include "store/store_read.h"
 
 struct transfers;
 

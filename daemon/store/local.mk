@@ -7,6 +7,7 @@ libdaemon_a_SOURCES += \
 	daemon/store/store_impl.h \
 	daemon/store/store_jobs.c \
 	daemon/store/store_read.c \
+	daemon/store/store_read.h \
 	daemon/store/store_recover.c \
 	daemon/store/store_rows.c \
 	daemon/store/store_submit.c \

@@ -1,4 +1,4 @@
-/* store_read.c - reading files and pictures of the store, piece by piece
+/* store_read.c - see store_read.h
  *
  * Reads are tasks in the same queue as writes, so a read sees all that was
  * written before it, unless that write is held because the disk is full.  Each
@@ -7,6 +7,8 @@
  * are read and compared with their marks.  If the disk has spoilt one its last
  * piece is not sent, so no user takes it for whole. */
 #include "config.h"
+
+#include "store/store_read.h"
 
 #include "store/store_impl.h"
 

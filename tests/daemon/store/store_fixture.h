@@ -6,7 +6,7 @@
 
 #include "rows_fixture.h"
 #include "tests/scratch.h"
-#include "store/store.h"
+#include "store/store_read.h"
 
 #include <string.h>
 #include <unistd.h>
