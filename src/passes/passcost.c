@@ -4,9 +4,9 @@
  * more records with a smaller -aa, and slightly more with more pixels: the
  * exponents are those of the fit.
  * From the lattice of every 16th pixel on, each lattice takes 1.5 times as long
- * as the next coarser one; the finest, which also asks where objects end, takes
- * 1.4 times that.  All paths to records of one level together take .7 of the
- * lattice of every 16th pixel. */
+ * as the next coarser lattice; the finest lattice, which also asks where
+ * objects end, takes 1.4 times that.  All paths to records of one level
+ * together take .7 of the lattice of every 16th pixel. */
 #include "config.h"
 
 #include "passes/passcost.h"
@@ -58,7 +58,7 @@ round_weight(const struct rad_pass *pass)
            (pass->part < 0 ? 1 : 1. / RAD_PASS_PARTS);
 }
 
-/* The work of pass `of`, its share of LEVEL. */
+/* The work of pass `of`: its share of LEVEL among all passes of its level. */
 static double
 level_weight(const struct rad_pass *pass, uint32_t n, const struct rad_pass *of)
 {
@@ -70,7 +70,8 @@ level_weight(const struct rad_pass *pass, uint32_t n, const struct rad_pass *of)
     return LEVEL * round_weight(of) / all;
 }
 
-/* Factors for the finest lattice, and for the pass over what it left out. */
+/* Factors for the finest lattice, and for the scattered pass over the places
+ * that it left out. */
 static const double FINEST = 1.4, REST = .05;
 
 /* The work of a pass over pixels.  Frames after the first find half of the

@@ -71,7 +71,7 @@ struct rad_passes {
     struct trail *trail;            /* the paths of that batch */
     uint32_t ntrails;
     struct bend *bend;          /* `deepest` for each path */
-    struct rad_pass_spot *spot; /* the same places, roughly */
+    struct rad_pass_spot *spot; /* the places of the bends, roughly */
     struct ends ends[2];        /* of the last two rounds, by pass->round */
 };
 
@@ -255,7 +255,7 @@ place_paths(const struct rad_passes *p, struct rad_ctx *ctx,
     ctx->counts = counts;
 }
 
-/* The place of a path's end, in units of its spots. */
+/* The place of a path's end, in the units of struct rad_pass_spot. */
 static void
 end_at(const struct rad_passes *p, const struct ends *e, uint32_t path,
        double at[3])
@@ -310,8 +310,8 @@ sort_ends(const struct rad_passes *p, struct ends *e)
     return whole;
 }
 
-/* The ends of the pass's round, or NULL if they are not known.  (Those of the
- * next round may be found at the same time.) */
+/* The ends of the pass's round, or NULL if they are not known.  (The ends of
+ * the next round may be found at the same time.) */
 static const struct ends *
 ends_of(const struct rad_passes *p, const struct rad_pass *pass)
 {
@@ -347,9 +347,9 @@ find_ends(struct rad_passes *p, struct rad_ctx *ctx,
     return e->n == 0 || sort_ends(p, e);
 }
 
-/* Set *out to the place where path i ends; false: it has no such end.  If it is
- * walked its rays are not counted, since threads that know its bends do not
- * walk. */
+/* Set *out to the place where path i ends; false: the path does not get so far.
+ * If the path is walked for this, the rays are not counted, since threads that
+ * know its bends do not walk. */
 static bool
 find_end(const struct rad_passes *p, struct rad_ctx *ctx,
          const struct rad_pass *pass, uint32_t i, struct bend *out)
@@ -419,7 +419,8 @@ is_set(const _Atomic bool *stop)
 struct limit {
     const struct rad_ctx *ctx;
     const _Atomic bool *stop;
-    uint64_t rays;   /* the context's ambient rays, less `walked`, at the end */
+    uint64_t rays;   /* the tile is over when the context's ambient rays, less
+                      * `walked`, are as many */
     uint64_t walked; /* rays of paths, which do not count here */
 };
 
@@ -499,9 +500,9 @@ struct patch {
 /* A pixel of a tile of the finest lattice. */
 struct spot {
     bool asked;
-    uint8_t made;  /* a record was made here: the distance of pixels at which
-                    * was asked then; 0: no record was made */
-    int32_t shows; /* the object it shows */
+    uint8_t made;  /* if asking here made a record: the distance of the pixels
+                    * that were asked at then; else 0 */
+    int32_t shows; /* the object that the pixel shows */
 };
 
 struct spots {
@@ -560,8 +561,8 @@ is_wanted(const struct patch *p, const struct spots *s, int i, int k, int d)
 }
 
 /* Ask half way between pixels that were asked at, if they show different
- * objects (one ends there, or a small one lies between), or made records; then
- * again at half the distance, and so on. */
+ * objects (an object ends there, or a small object lies between), or made
+ * records; then again at half the distance, and so on. */
 static void
 ask_between(const struct patch *p, struct spots *s)
 {
@@ -587,8 +588,8 @@ ask_at_finest(const struct patch *p)
         ask_between(p, &s);
 }
 
-/* Ask at a patch of another lattice, except at pixels of the lattice of step
- * `done`, which is over. */
+/* Ask at a patch of a lattice that is not the finest, except at pixels of the
+ * lattice of step `done`, which is over. */
 static void
 ask_at_coarse(const struct patch *p, int done)
 {
@@ -662,7 +663,7 @@ trace_colours(const struct patch *p, struct rad_pass_colours *out)
 }
 
 /* Set *out to the colours of the patch's pixels, for a preview.  Good records
- * would cost far more than the rest, so coarse ones do (ctx->glance). */
+ * would cost far more than all else, so coarse records serve (ctx->glance). */
 static void
 look(const struct patch *p, struct rad_pass_colours *out)
 {
@@ -688,7 +689,7 @@ keep_level(struct rad_ambrec *rec, size_t n, int level)
 }
 
 /* Call fn with the tile's records, with `most` of them at most; level: with
- * those of this level, -1: of all.  Returns the number handed on. */
+ * records of this level, -1: of all levels.  Returns the number handed on. */
 static size_t
 hand_on_some(const struct rad_ambtile *tile, int level, size_t most,
              rad_passes_fn *fn, void *arg)
@@ -707,8 +708,9 @@ hand_on_some(const struct rad_ambtile *tile, int level, size_t most,
     return sent;
 }
 
-/* Call fn with the tile's records.  If there are too many, deep ones are left
- * out, for each serves fewer pixels, and tiles nearby often make it too. */
+/* Call fn with the tile's records.  If there are too many, deep records are
+ * left out, for a deep record serves fewer pixels, and tiles nearby often make
+ * the same record. */
 static void
 hand_on(const struct rad_ambtile *tile, int levels, rad_passes_fn *fn,
         void *arg)

@@ -19,8 +19,9 @@
 
 struct rad_passes;
 
-/* Make it for frames of one job, whose cache is frozen; the frames must outlive
- * it.  NULL and *err: RAD_ENOMEM.  Thread: one. */
+/* Make the state of the passes for the frames of one job, whose cache is
+ * frozen; the frames must outlive the result.  NULL and *err: RAD_ENOMEM.
+ * Thread: one. */
 struct rad_passes *rad_passes_new(const struct rad_frame *frames,
                                   uint32_t nframes, struct rad_error *err);
 void rad_passes_free(struct rad_passes *p);
@@ -35,10 +36,10 @@ int rad_passes_begin(struct rad_passes *p, struct rad_ctx *ctx,
                      const struct rad_pass *pass, struct rad_error *err);
 
 /* A spot: the rough place of a path after some bounces, in 65535ths of the cube
- * of the cache's records.  The ends of a round are put in order by their spots.
- * Each path has as many spots as there are levels of deep records, in the order
- * of bounces; at[0] of a spot that the path does not get to is
- * RAD_PASS_NO_SPOT. */
+ * of the cache's records.  The ends of a round of paths (passplan.h) are put in
+ * order by their spots.  Each path has as many spots as there are levels of
+ * deep records, in the order of bounces; at[0] of a spot that the path does not
+ * get to is RAD_PASS_NO_SPOT. */
 #define RAD_PASS_NO_SPOT 65535
 struct rad_pass_spot {
     uint16_t at[3];

@@ -17,8 +17,10 @@
 #define LEAST_PATHS   256
 #define MOST_PATHS    65536
 
-#define ROUND_GROWTH       4   /* all paths up to a round's end, over before */
-#define TILES              128 /* of a round, at most */
+/* Paths up to the end of a round over paths up to the end of the round before;
+ * tiles of a round, at most; paths of a tile, at least. */
+#define ROUND_GROWTH       4
+#define TILES              128
 #define LEAST_PATHS_A_TILE 64
 
 /* Large pictures have smaller tiles and fewer rounds, since many workers wait
@@ -37,7 +39,7 @@
 #define MOST_POINTS 32
 #define MOST_STEP   256
 /* The coarsest step of frames after the first: earlier frames have shown much
- * of what they show. */
+ * of the same scene. */
 #define LATER_STEP 16
 
 /* If more frames than this are looked at together, their last lattice has twice
@@ -54,18 +56,19 @@
 #define MOST_HEMISPHERES  32
 #define LARGE_HEMISPHERES 4
 
-/* For the scattered pass over what tiles of the last lattice left out.  Its
- * squares have sides of so many pixels: a part of the picture that takes long
- * has many of them, in different tiles. */
+/* For the scattered pass over the places that tiles of the last lattice left
+ * out.  Its squares have sides of so many pixels: a part of the picture that
+ * takes long has many of them, in different tiles. */
 #define REST_PIXELS  16
 #define REST_TILES   256 /* of a frame, a part or a round of it, at most */
 
-/* A tile has so many squares or more, but a pass has not fewer than REST_FEW
- * tiles for that. */
+/* A tile has at least so many squares, unless the pass would then have fewer
+ * than REST_FEW tiles. */
 #define REST_SQUARES 4
 #define REST_FEW     32
 
-/* The squares of its first round: so few make the same records. */
+/* The squares of the first round: so few that only few tiles make the same deep
+ * records. */
 #define REST_FIRST 4
 
 /* Frames frame .. beyond - 1. */
@@ -276,17 +279,17 @@ count_rest_tiles(struct rad_pass *pass)
 }
 
 /* Does a scattered pass come in rounds?  Only that of a small first frame: in
- * others nearly all records are made before it. */
+ * other frames nearly all records are made before that pass. */
 static bool
 in_rounds(const struct rad_pass *pass, const struct rad_pass_size *size)
 {
     return pass->frame == 0 && !is_large(size);
 }
 
-/* Make of *pass, the last lattice, the scattered pass over what its tiles left
- * out when they had traced their rays; or the rounds of that pass, each over as
- * many squares as all before it, the last over up to twice as many.  Returns
- * the number of passes. */
+/* Make of *pass, the last lattice, the scattered pass over the places that its
+ * tiles left out when they had traced their rays; or the rounds of that pass,
+ * each over as many squares as all rounds before it, the last over up to twice
+ * as many.  Returns the number of passes. */
 static uint32_t
 plan_rest(struct rad_pass *pass, const struct rad_pass_size *size)
 {
@@ -492,8 +495,8 @@ rad_pass_area(const struct rad_pass *pass, int width, int height,
                                    lesser(y + side, height) };
 }
 
-/* Of `all` things, in equal runs for the tiles of a pass, a tile's begin with
- * this. */
+/* Things 0 to all - 1 are shared out in equal runs among the tiles of a pass;
+ * returns the first thing of this tile. */
 static uint32_t
 run_begin(const struct rad_pass *pass, uint32_t all, uint32_t tile)
 {
@@ -536,8 +539,8 @@ rad_pass_deepest(const struct rad_params *par)
 
 /* May `pass` go without the records of the pass `before`?  Yes, if they are
  * different parts; but a lattice needs all parts of the rounds of paths.  And
- * yes, if `before` walks for a later batch: it is closed only when the pictures
- * of the batch before are made. */
+ * yes, if `before` walks for a later batch: such a pass is closed only when the
+ * pictures of the batch before are made. */
 static bool
 is_apart(const struct rad_pass *pass, const struct rad_pass *before)
 {

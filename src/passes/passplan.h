@@ -15,14 +15,14 @@
  * and tiles of the second colour see the records of the first.
  * No tile takes long, since all workers wait for the last tile of a pass: a
  * tile ends when it has traced the rays of some hemispheres.  The next finer
- * lattice comes to the places that a coarse lattice leaves out so.  After the
- * finest lattice a scattered pass looks everywhere again, with twice its step,
- * and goes on between pixels that made records.  Its tiles have small squares
- * all over the picture, so they take about as long as each other; in a large
- * picture they end early, too, and another such pass follows.  In a small
+ * lattice looks at the places that tiles of a coarse lattice so leave out.
+ * After the finest lattice a scattered pass looks everywhere again, with twice
+ * its step, and goes on between pixels that made records.  Its tiles have small
+ * squares all over the picture, so all tiles take about as long; in a large
+ * picture they end early, too, and another scattered pass follows.  In a small
  * picture much can be missing, and each tile would make the same deep records:
  * there, for the first frame, the pass comes in rounds, each over as many
- * squares as all before it, the last over up to twice as many.
+ * squares as all rounds before it, the last over up to twice as many.
  * In a large picture each of these passes comes in parts.  A part does not read
  * the parts just before it, so tiles of several passes can be made at a time.
  * The plan depends on the options and the sizes of the pictures alone: the
@@ -41,8 +41,8 @@
 /* A pass may come in so many parts, which need few of each other's records. */
 #define RAD_PASS_PARTS 4
 
-/* A pass: a lattice of pixels (level 0), a round of paths (level above 0), or
- * one that walks or checks. */
+/* A pass: a lattice of pixels (level 0), a round of paths (level above 0), or a
+ * pass that walks or checks. */
 struct rad_pass {
     uint32_t reads;      /* its tiles see the records of passes 0 .. reads - 1:
                           * of all before it, or of all but the last few */
@@ -58,10 +58,10 @@ struct rad_pass {
     uint32_t frame, stride, beyond; /* of frames frame, frame + stride, ...
                                      * below beyond */
     uint32_t ready; /* frames below this can be made when the pass is closed */
-    int round;      /* level above 0: 0 or 1, not that of the round before */
+    int round;      /* level above 0: 0 and 1 in turn, from round to round */
     int part;    /* the pass has the tiles of this part, from the left of wide
-                  * pictures, from the top of tall ones, or of a round of paths;
-                  * less than 0: all tiles */
+                  * pictures, from the top of tall pictures, or of a round of
+                  * paths; less than 0: all tiles */
     int side;    /* level 0: side of a tile, in pixels of the lattice */
     int field;   /* level 0: tiles are the fields of a chess board, and the pass
                   * has those of this colour, 0 or 1; less than 0: all */
@@ -71,14 +71,14 @@ struct rad_pass {
                      * out; a tile has several squares, far from each other */
     uint32_t squares, leap; /* scattered: number of squares of all its frames,
                              * or of the pass's part of them; the square at
-                             * place i is i leap modulo squares */
+                             * place i is i * leap modulo squares */
     uint64_t rays;  /* when a tile has traced so many rays of hemispheres it
-                     * asks no more; 0: there is no limit */
+                     * asks for no more records; 0: there is no limit */
     bool check;     /* tiles make no records, but measure the cache's error
                      * (refine.h) */
     uint32_t tiles; /* number of its tiles */
 };
-/* See rad_passes_plan_on(). */
+/* The most passes of a job; rad_passes_plan_on() in passplan.c says why. */
 #define RAD_MOST_PASSES 2400
 
 /* The deepest level that has passes; deeper records are made by tiles that need
@@ -106,7 +106,7 @@ int rad_pass_deepest(const struct rad_params *par);
  * RAD_PASS_BATCHES; batches are about equal.  The frames of a batch share the
  * passes of paths, and those over places that tiles left out.  With smaller
  * batches passes end more often, and workers wait at their ends; with larger
- * ones pictures come later. */
+ * batches pictures come later. */
 #define RAD_PASS_BATCH   32
 #define RAD_PASS_BATCHES 32
 
@@ -116,8 +116,9 @@ uint32_t rad_passes_plan(const struct rad_params *par,
                          const struct rad_pass_size *size, uint32_t nsizes,
                          struct rad_pass pass[RAD_MOST_PASSES]);
 
-/* The same for a job that begins with the records of a former job: these are
- * its first pass, which has no tiles. */
+/* Plan the passes, as rad_passes_plan() does, of a job that begins with the
+ * records of a former job: these records are its first pass, which has no
+ * tiles. */
 uint32_t rad_passes_plan_on(const struct rad_params *par,
                             const struct rad_pass_size *size, uint32_t nsizes,
                             struct rad_pass pass[RAD_MOST_PASSES]);
@@ -155,7 +156,7 @@ struct rad_pass_area rad_pass_area(const struct rad_pass *pass, int width,
                                    int height, uint32_t square);
 
 /* The number of tiles of a round of paths, in all its parts; the pass's own
- * begin with *first. */
+ * tiles begin with *first. */
 static inline uint32_t
 rad_pass_round(const struct rad_pass *pass, uint32_t *first)
 {
@@ -168,7 +169,7 @@ rad_pass_round(const struct rad_pass *pass, uint32_t *first)
 uint32_t rad_pass_paths(const struct rad_pass *pass, uint32_t tile,
                         uint32_t *first);
 
-/* Tiles of lattices with this step and larger ones can give the colours of
+/* Tiles of lattices with this step or a larger step can give the colours of
  * their pixels, for previews: of a 64th of all pixels.  The next finer lattice
  * would take four times as long. */
 #define RAD_PASS_SHOWN        8

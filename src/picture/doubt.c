@@ -1,7 +1,8 @@
 /* doubt.c - see doubt.h
  *
- * Differences are relative to the mean of the two values that are compared,
- * which is close to the difference of their logarithms and at most 2.
+ * A difference is relative to the mean of the two values that are compared:
+ * such a difference is close to the difference of their logarithms, and at most
+ * 2.
  *
  * Most error is at edges and in a little gloss, on a few pixels.  So areas are
  * chosen by their contrast, and an area that was likelier to be chosen counts
@@ -29,30 +30,32 @@
  * all other areas. */
 #define MOST_SQUARE 1.
 
-/* Fresh samples of so many places count as much in the estimate as the squares
- * that all records predict: they are few, and one may be most of their sum, but
- * where few places are badly off they say less, and rightly. */
+/* Fresh samples of so many places weigh as much in the estimate as the squares
+ * that all records predict.  Fresh samples are few, and a single sample may be
+ * most of their sum; but where few places are badly off they show less error
+ * than records predict, and rightly. */
 #define AS_GOOD 64.
 
-/* The square of the cache's error over the square that fresh samples show: they
- * are made of deeper records, whose error they have in common with the cache.
- */
+/* The square of the cache's error over the square that fresh samples show:
+ * fresh samples are made of deeper records, whose error they have in common
+ * with the cache. */
 #define DEEPER 1.4
 
-/* The square of pixels' error over the square that is found: relative to noisy
- * light differences are less, and areas are wider than high (doc/measured.md).
- */
+/* The square of pixels' error over the square that is found: differences
+ * relative to noisy light come out smaller, and areas are wider than high
+ * (doc/measured.md). */
 #define PIXELS 1.3
 
 #define MOST_ERROR 1e6
 
-/* Areas without contrast, and places, looked at in a picture; */
+/* The number of areas, if none has contrast, and the number of places that are
+ * looked at in a picture. */
 #define AREAS  600.
 #define PLACES 48.
 
-/* but at most one for so many pixels.  Of places there are FEW_PLACES in
- * smaller pictures, too, down to one for so many pixels: each takes two
- * hemispheres. */
+/* But there is at most one area, or place, for so many pixels.  A small picture
+ * nevertheless has up to FEW_PLACES places, but not more than one for
+ * DENSEST_PLACES pixels: each place takes two hemispheres. */
 #define SPARSE_AREAS   600.
 #define SPARSE_PLACES  3000.
 #define FEW_PLACES     8.
@@ -89,7 +92,7 @@ enum { FIRST, SECOND, NFRAMES };
 struct look {
     struct rad_job exact; /* the job, with all direct light */
     struct rad_frame frame[NFRAMES];
-    const struct rad_job *job; /* ctx's own */
+    const struct rad_job *job; /* the context's job, put back by end() */
     const struct rad_doubt_rows *rows;
     struct rad_ctx *ctx;
     const _Atomic bool *stop;
@@ -117,7 +120,7 @@ draw(struct look *k)
     return rad_rand(k->key, k->drawn++);
 }
 
-/* Render pixel (x, y) of the picture again; its luminance. */
+/* Render pixel (x, y) of the picture again; returns its luminance. */
 static double
 pixel(struct look *k, int frame, int x, int y)
 {
@@ -127,14 +130,15 @@ pixel(struct look *k, int frame, int x, int y)
     return rad_rgb_lum(p.L);
 }
 
-/* The same for column x, row y of the rows. */
+/* Render the pixel in column x, row y of the rows again; returns its luminance.
+ */
 static double
 again(struct look *k, int frame, int x, int y)
 {
     return pixel(k, frame, k->rows->x + x, k->rows->y + y);
 }
 
-/* The luminance that the picture has there. */
+/* The luminance that the picture has in column x, row y of the rows. */
 static double
 shown(const struct look *k, int x, int y)
 {
@@ -143,8 +147,8 @@ shown(const struct look *k, int x, int y)
 
 /* --- places --- */
 
-/* A pixel in place of pixel n, of 0 to beyond - 1: both are anywhere in a row
- * of SIDE. */
+/* The number, from 0 to beyond - 1, of a pixel in place of pixel n: both lie at
+ * random in a run of SIDE pixels. */
 static int
 move(struct look *k, int n, int beyond)
 {
@@ -154,7 +158,7 @@ move(struct look *k, int n, int beyond)
     return to < 0 ? 0 : to < beyond ? to : beyond - 1;
 }
 
-/* Pixel at[] becomes another of its area.  Points of a list have none. */
+/* Move at[] to another pixel of its area.  Sensor points have no areas. */
 static void
 move_in_area(struct look *k, int at[2])
 {
@@ -189,9 +193,9 @@ pixel_served(struct look *k, const int at[2], struct rad_ambserving *serving)
     return lum;
 }
 
-/* What of a pixel's error its area has: the correlation with another pixel of
- * the area.  What the pixel's records differ by counts like their noise: where
- * others serve, others differ. */
+/* The part of a pixel's squared error that its area shares: the correlation
+ * with another pixel of the area.  Differences between the pixel's records
+ * count like their noise: other records differ otherwise. */
 static double
 in_common(struct look *k, const int pixel_at[2],
           const struct rad_ambserving *serving)
@@ -228,8 +232,8 @@ try_places(struct look *k, struct tried *t)
 }
 
 /* Choose one of the tried pixels, with a probability in proportion to
- * off[i] + EVEN mean.  *weight is what it counts for: equal chances over its
- * own. */
+ * off[i] + EVEN mean.  *weight is the pixel's weight in the sums: an equal
+ * probability over its own. */
 static int
 choose(struct look *k, const struct tried *t, double *weight)
 {
@@ -248,10 +252,11 @@ choose(struct look *k, const struct tried *t, double *weight)
 }
 
 /* The square of the cache's relative error about a pixel, as the product of two
- * differences: that of the pixel in the first frame and of another of its area
- * in the second.  So what averages out in areas does not count: of fine caches
- * several records serve in each.  cached is the pixel's luminance in the first
- * frame with the cache's light; weight is what the place counts for. */
+ * differences: at the pixel in the first frame, and at another pixel of its
+ * area in the second frame.  So errors that average out in an area do not
+ * count: of a fine cache several records serve in each area.  cached is the
+ * pixel's luminance in the first frame with the cache's light; weight is the
+ * place's weight in the sums. */
 static double
 square_at(struct look *k, const int pixel_at[2], double cached, double weight)
 {
@@ -310,9 +315,10 @@ struct area {
 /* Pixels of an area that are rendered again. */
 struct redone {
     int order[MOST];     /* the area's pixels, shuffled */
-    int n[NFRAMES];      /* so many of them are done, in each frame */
+    int n[NFRAMES];      /* so many pixels are done, in each frame */
     double off[NFRAMES]; /* sums of shown less fresh luminance */
-    double first[MOST];  /* the same in the first frame, by pixel */
+    double first[MOST];  /* shown less fresh luminance in the first frame, by
+                          * pixel of `order` */
     double noise;        /* sum of the pixels' variances, each from two
                           * values */
     double light, fresh; /* luminance of all pixels as shown, and of all that
@@ -471,7 +477,8 @@ with_key(const struct rad_frame *f, uint64_t which)
 
 /* The area that begins at column x.  The columns left are cut into equal parts,
  * because a narrow area at the end would count as much as any other.  A sensor
- * point is an area by itself: nobody averages over neighbouring points. */
+ * point is an area by itself: a user reads each point, not the mean of
+ * neighbours. */
 static struct area
 area_at(const struct rad_doubt_rows *rows, int x)
 {
@@ -602,7 +609,7 @@ rad_doubt_add(struct rad_doubt *to, const struct rad_doubt *more)
         to->v[i] += more->v[i];
 }
 
-/* NaN and negative numbers become 0, large ones are cut. */
+/* NaN and negative numbers become 0, large numbers are cut. */
 static double
 sound(double x)
 {

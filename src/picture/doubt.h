@@ -23,15 +23,15 @@
 #include "picture/frame.h"
 
 /* Sums over all areas and places that were looked at; those of several threads
- * add up.  Areas with contrast, and places where records say that they err, are
- * chosen more often, and each counts less for it. */
+ * add up.  Areas with contrast, and places where records predict errors, are
+ * chosen more often, and each counts less for that. */
 enum rad_doubt_sum {
     RAD_DOUBT_PLACES,  /* number of places */
-    RAD_DOUBT_AMBIENT, /* products of the cache's relative errors there */
-    RAD_DOUBT_SAID,    /* squares of these errors, as the records predict: what
-                        * they are off by averages out in areas in which many
-                        * serve */
-    RAD_DOUBT_AREAS,   /* areas that those looked at stand for */
+    RAD_DOUBT_AMBIENT, /* products of the cache's relative errors at places */
+    RAD_DOUBT_SAID,    /* squares of these errors, as records predict them for
+                        * areas: errors of records average out in an area in
+                        * which many records serve */
+    RAD_DOUBT_AREAS,   /* number of areas that the areas looked at stand for */
     RAD_DOUBT_PIXEL,   /* products of the areas' relative errors */
     RAD_DOUBT_PIXEL2,  /* squares of these products */
     RAD_DOUBT_NOISE,   /* squares of the noise that an area would have if all
@@ -69,14 +69,14 @@ struct rad_doubt_share {
  * eight in a small one: a small part of the picture's own time. */
 struct rad_doubt_share rad_doubt_of_picture(const struct rad_frame *f);
 
-/* The error that places have in common, signed so that noise cancels; sums over
- * places, which add up. */
+/* The error that places have in common: sums over places, signed so that noise
+ * cancels.  The sums of several threads add up. */
 struct rad_doubt_off {
     double light, off, square; /* luminance, fresh less cached luminance, and
                                 * squares of this difference */
 };
 
-/* Look at one place: of these pixels (column and row in the picture) choose one
+/* Look at one place: choose a pixel of at[] (columns and rows in the picture)
  * by the key and render its indirect light again.  off may be NULL. */
 #define RAD_DOUBT_TRIED 8
 void rad_doubt_place(const struct rad_frame *f, struct rad_ctx *ctx,
@@ -95,17 +95,19 @@ struct rad_doubt_rows {
     const struct rad_pixel *const *row;
 };
 
-/* Look at some areas and places of the rows: which ones, and the result, is a
- * function of the job and the rows.  The rays count in ctx as any others;
- * a caller that does not want that takes them off again.  False if *stop was
- * set meanwhile (NULL: never); the function returns within one pixel then. */
+/* Look at some areas and places of the rows: which areas and places, and the
+ * result, are functions of the job and the rows.  The rays count in ctx like
+ * any other rays; a caller that does not want this subtracts them again.  False
+ * if *stop was set meanwhile (NULL: never); the function returns within one
+ * pixel then. */
 bool rad_doubt_look(const struct rad_doubt_rows *rows, struct rad_ctx *ctx,
                     const struct rad_doubt_share *share,
                     const _Atomic bool *stop, struct rad_doubt *to);
 
 /* Look at the rows of a window that rad_frame_window() has rendered; row[k] is
  * its k-th row from the top.  Row 0 is left out, for it is sampled more densely
- * than the others, unless there are no others.  As rad_doubt_look() else. */
+ * than the others, unless there are no others.  Otherwise as rad_doubt_look().
+ */
 bool rad_doubt_look_at_window(const struct rad_frame *f, struct rad_ctx *ctx,
                               const struct rad_window *w,
                               const struct rad_pixel *const row[],

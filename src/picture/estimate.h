@@ -2,7 +2,7 @@
  *
  * Random pixels of the part are traced, and their rays and intersection tests
  * counted.  Which pixels is a function of seed, frame and part alone, so all
- * workers that estimate a part trace the same ones.  The pixels are distinct.
+ * workers that estimate a part trace the same pixels.  The pixels are distinct.
  * A pixel is a function of its place (frame.h), so the traced values are kept.
  * Thread: any, each with a context of its own. */
 #ifndef RAD_PICTURE_ESTIMATE_H

@@ -88,7 +88,7 @@ rad_facts_get(const struct rad_facts *f, int x, int row, struct rad_pixel *out)
     return true;
 }
 
-/* Of a known pixel's state only this bit changes (and DOUBLED, which only
+/* Of a known pixel's state only RAD_FACT_USED changes (and DOUBLED, which only
  * serves a count), so a plain store is enough; an exchange costs ten times as
  * much. */
 bool
@@ -100,7 +100,8 @@ rad_facts_use(struct rad_facts *f, int x, int row, struct rad_pixel *out)
     if (!(s & KNOWN))
         return false;
     *out = f->pixels[i];
-    /* release, for threads that load this store and not the first one */
+    /* release, for threads that load this store and not the store of
+     * rad_facts_put() */
     atomic_store_explicit(&f->state[i], s | RAD_FACT_USED,
                           memory_order_release);
     return true;

@@ -11,8 +11,8 @@
  * Each fact knows whether it was used, that is, whether the sampler asked for
  * it once all that its decision depends on was known.  So rays traced for
  * nothing can be counted.
- * Thread: get, use, put, import and the counts from any, without locks; export
- * and settle from one thread at a time. */
+ * Thread: get, use, put, import and the counts from any thread, without locks;
+ * export and settle from one thread at a time. */
 #ifndef RAD_PICTURE_FACTS_H
 #define RAD_PICTURE_FACTS_H
 
@@ -37,7 +37,7 @@ int rad_facts_rows(const struct rad_facts *f);
 bool rad_facts_get(const struct rad_facts *f, int x, int row,
                    struct rad_pixel *out);
 
-/* The same, and mark the fact used. */
+/* Get a pixel as rad_facts_get() does, and mark the fact used. */
 bool rad_facts_use(struct rad_facts *f, int x, int row, struct rad_pixel *out);
 
 /* Keep a pixel; false: it is known already, or another thread is putting it. */

@@ -285,8 +285,8 @@ rad_frame_sampler(const struct rad_frame *f, const struct rad_window *w,
     rad_quincunx_steps(f->job->params.psample, &q->xstep, &q->ystep);
 }
 
-/* Trace the further samples of a pixel, whose first one gave L; the mean of
- * all.  Each has random numbers of its own. */
+/* Trace the further samples of a pixel, whose first sample gave L; returns the
+ * mean of all samples.  Each has random numbers of its own. */
 static struct rad_rgb
 look_again(const struct rad_frame *f, struct rad_ctx *ctx, int x, int y,
            struct rad_rgb L)

@@ -47,8 +47,8 @@ int rad_frame_init(struct rad_frame *f, const struct rad_job *job,
                    struct rad_error *err);
 void rad_frame_release(struct rad_frame *f);
 
-/* A frame of sensor points, which must outlive it.  A pixel has the radiance
- * and distance that rtrace gives for its point. */
+/* Set *f up from sensor points, which must outlive *f.  A pixel has the
+ * radiance and distance that rtrace gives for its point. */
 void rad_frame_of_points(struct rad_frame *f, const struct rad_job *job,
                          const struct rad_points *points, uint32_t number);
 
@@ -64,8 +64,8 @@ void rad_frame_sampler(const struct rad_frame *f, const struct rad_window *w,
 int rad_frame_move(struct rad_frame *f, const struct rad_view *before,
                    struct rad_error *err);
 
-/* Trace the primary ray of a pixel into *r, without what rad_frame_pixel()
- * adds; false: the view has no ray there. */
+/* Trace the primary ray of a pixel into *r, without rad_frame_pixel()'s further
+ * samples and counts; false: the view has no ray there. */
 bool rad_frame_look(const struct rad_frame *f, struct rad_ctx *ctx, int x,
                     int y, struct rad_ray *r);
 

@@ -13,10 +13,10 @@
 /* The branch of the rays of paths; hemispheres have fewer rays than this. */
 #define RAD_PATH_BRANCH (RAD_BRANCH_RAMBIENT | 0xfffffe)
 
-/* Start path n of a frame: r, with this key, meets what a pixel shows behind
- * panes; false: nothing.  The pixels of the paths are a sequence of which any
- * first part covers the picture evenly (Roberts 2018: by the root of
- * x^3 = x + 1); `spread` chooses where it begins. */
+/* Start path n of a frame: r, with this key, meets the surface that a pixel
+ * shows behind panes; false: it meets none.  The pixels of the paths are a
+ * sequence of which any first part covers the picture evenly (Roberts 2018: by
+ * the root of x^3 = x + 1); `spread` chooses where the sequence begins. */
 bool rad_path_begin(const struct rad_frame *f, struct rad_ctx *ctx,
                     uint64_t spread, uint64_t n, uint64_t key,
                     struct rad_ray *r);

@@ -29,7 +29,7 @@ rad_quincunx_steps(int psample, int *xstep, int *ystep)
 size_t
 rad_quincunx_ndensity(const struct rad_quincunx *q)
 {
-    /* one for each sample, one for the halved gap, one at the end */
+    /* a density for each sample, for the halved gap, and for the end */
     return q->xstep > 2 ? (size_t)(q->width / q->xstep) + 3 : 0;
 }
 
@@ -171,7 +171,7 @@ static const double middle_of[RAD_QUINCUNX_MAX_XSTEP + 1] = {
  * u = 2^-24, and none is below a (1 - r u).  With c = 15/16 of the limit m,
  * that is at most m times the lesser value as long as 2 r u (1 + m)^2 < m / 16,
  * which the few roundings of one gap satisfy easily for m >= CALM_LEAST.
- * CALM_NORMAL keeps all of it from denormal numbers; between two zeros all
+ * CALM_NORMAL keeps these values from denormal numbers; between two zeros all
  * values are 0. */
 #define CALM_LEAST  1e-4
 #define CALM_MOST   1.
@@ -229,7 +229,7 @@ mix_three(struct rad_pixel *p, v4f a, v4f b)
     put(&p[2], middle(m, b));
 }
 
-/* The same for a gap of any length. */
+/* The pixels that fill_gap() puts into a calm gap of any length. */
 static void
 mix_gap(struct rad_pixel *p, int len)
 {
@@ -495,7 +495,8 @@ mix_columns(struct rad_pixel *const rows[], int x, int end, float factor)
     return x;
 }
 
-/* The same up to the first column in which fill_gap() would trace a pixel. */
+/* Fill columns as mix_columns() does, up to the first column in which
+ * fill_gap() would trace a pixel; returns that column. */
 static int
 blend_columns(const struct rad_quincunx *q, struct rad_pixel *const rows[],
               int x, int end)

@@ -84,7 +84,7 @@ struct rad_quincunx_line {
     int x;           /* columns 0 to x are final */
     size_t ndensity; /* so many densities of `below` are final */
     size_t gap;      /* the next gap to fill */
-    int found;       /* pixels traced in the gap before it */
+    int found;       /* pixels traced in the gap before `gap` */
 };
 
 /* Start base line i and trace its column 0.  above is NULL if there are no
@@ -115,7 +115,7 @@ void rad_quincunx_gap(const struct rad_quincunx *q, int i, int g,
  * { column, 0 }, as if nothing had been traced in the column before. */
 struct rad_quincunx_fill {
     int x;     /* columns before this one are done */
-    int found; /* pixels traced in the last of them */
+    int found; /* pixels traced in the last column done */
 };
 
 /* Fill columns up to but not including `end` of the bar below base line i. */

@@ -10,16 +10,18 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Apart from the keys of pixels, which have a frame in this place. */
+/* Keeps the keys of checks apart from those of pixels, which have a frame's
+ * number in this place. */
 #define BRANCH UINT64_C(0x636865636b740000)
 
-/* Of a tile: places, windows, and areas of a window without contrast. */
+/* For a tile: the number of places, of windows, and of areas looked at in a
+ * window without contrast. */
 #define PLACES  2
 #define WINDOWS 2
 #define AREAS   4.
-#define POINTS  8. /* of sensors, an area each, in place of areas */
+#define POINTS  8. /* sensors looked at, each an area, in place of AREAS */
 
-/* Of a window, in steps of the sampler: across, and base lines. */
+/* The size of a window: in steps of the sampler across, and in base lines. */
 enum {
     STEPS = 4,
     LINES = 3,
@@ -41,8 +43,8 @@ is_stopped(const struct check *c)
     return atomic_load_explicit(c->stop, memory_order_relaxed);
 }
 
-/* Number n of a sequence that is spread evenly over an area of that size
- * (path.h). */
+/* Set at[] to number n of a sequence that is spread evenly over an area of that
+ * size (path.h). */
 static void
 spread(uint64_t n, int width, int height, int at[2])
 {
@@ -54,7 +56,8 @@ spread(uint64_t n, int width, int height, int at[2])
 
 /* --- places --- */
 
-/* One of the places from number n on. */
+/* Check a place: one of RAD_DOUBT_TRIED pixels, from number n of the sequence
+ * on. */
 static void
 check_place(struct check *c, uint64_t n)
 {
@@ -106,7 +109,8 @@ sample_window(struct check *c, uint64_t n, struct sampled *s)
 
     s->at = window_at(c, n);
     s->frame = c->frame;
-    /* ~n, for c->key, of a tile's places, is a branch by the tile's number */
+    /* ~n and not n: c->key, of the tile's places, is the branch of this key by
+     * the tile's number */
     s->frame.key = rad_key_branch(c->frame.key, ~n);
     s->frame.stamp = rad_key_branch(c->frame.stamp, n) | 1;
     for (int y = 0; y < s->at.height; y++)

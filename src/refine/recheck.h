@@ -1,7 +1,8 @@
 /* recheck.h - a tile of a check pass: how far off would a picture be?
  *
- * The cache is frozen.  Some places all over the picture and a small window,
- * sampled as the picture's would be, are made again (picture/doubt.h).
+ * The cache is frozen.  A tile samples small windows as the picture's pixels
+ * would be, and renders again some areas of these windows and some places all
+ * over the picture (picture/doubt.h).
  * Thread: see rad_passes_make(). */
 #ifndef RAD_REFINE_RECHECK_H
 #define RAD_REFINE_RECHECK_H

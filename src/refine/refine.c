@@ -1,12 +1,13 @@
 /* refine.c - see refine.h
  *
- * What comes next is foreseen from the last stage's sums: errors fall by so
- * much with a rung, and rays grow.  Of all rungs the cheapest that come down to
- * what is wanted are taken: those of a further stage, or more rays of a pixel
- * over the cache that is there.  Where time does not allow any of these, of
- * those that it allows the ones that come farthest down are, in quarters of a
- * rung.
- * Only products, sums and square roots: they are the same everywhere. */
+ * The next stage is decided by the last stage's sums: with a rung errors fall,
+ * and rays grow, by foreseen factors.  Of all rungs that are foreseen to reach
+ * the wanted error the cheapest are taken: rungs of a further stage, or more
+ * rays of a pixel over the cache that is there.  Where time allows none of
+ * these, the rungs with the least error that time allows are taken, in quarters
+ * of a rung.
+ * Only basic operations and square roots are used: their results are the same
+ * on all machines. */
 #include "config.h"
 
 #include "refine/refine.h"
@@ -14,9 +15,9 @@
 #include <math.h>
 
 /* Tiles of a check pass: one for so many pixels, within these bounds.  A tile
- * makes about LOOKS pixels again (recheck.c), and looks records up in as many.
- * Of a few sensors a check makes each again LOOKS_A_SENSOR times, not more
- * often. */
+ * renders about LOOKS pixels again (recheck.c), and looks records up in as
+ * many.  Where pixels are few, such as sensors, a check renders each again
+ * about LOOKS_A_SENSOR times, not more often. */
 #define PIXELS_A_TILE 2048
 #define LEAST_TILES   36
 #define MOST_TILES    96
@@ -24,68 +25,75 @@
 
 #define LOOKS_A_SENSOR 2
 
-/* A check of a cache with a smaller -aa than COARSE has more tiles, as the cache
- * has more records, up to TIMES_MOST times as many: what it tells is nearer to
- * the truth, and it takes no greater part of its stage. */
+/* A check of a cache with a smaller -aa than COARSE has more tiles, as the
+ * cache has more records, up to TIMES_MOST times as many: its estimate is
+ * nearer to the truth, and it takes no greater part of its stage. */
 #define COARSE     .25
 #define TIMES_MOST 4
 
-/* Squares of errors: so much less than what is wanted is aimed at, and so much
- * more is near enough, for another stage takes longer than this one did. */
+/* Factors of the square of the wanted error: a further stage aims at AIM times
+ * that square, and NEAR_ENOUGH times that square is near enough, for another
+ * stage takes longer than this stage did. */
 #define AIM         .85
 #define NEAR_ENOUGH 1.2
 
-/* A further stage brings so much at least: not the last seventh, where rays
- * leave no more.  Time is there to be used. */
+/* A further stage must lower the error to this part of it, or less: the last
+ * seventh is not worth a stage (WORTH_IT).  With a limit of time the time is
+ * there to be used (WORTH_ITS_TIME). */
 #define WORTH_IT       .85
 #define WORTH_ITS_TIME .95
 
-/* What takes more than so many times the rays of this stage is not foreseen
- * well: a stage with such a part of its rays comes before it, and tells how
- * fast the error falls. */
+/* A stage that takes more than FAR times the rays of this stage is not foreseen
+ * well: a stage with BEFORE times its rays comes before it, and tells how fast
+ * the error falls. */
 #define FAR    20
 #define BEFORE .25
 
-/* Rays of passes that go to lattices and paths, for a pixel: they do not grow
- * with rungs.  But some part of a stage always does. */
+/* Rays of passes that find the places of lattices and paths, for a pixel: they
+ * do not grow with rungs.  But at least LEAST_MADE of the rays of passes are
+ * taken to grow. */
 #define WALKED     .25
 #define LEAST_MADE .2
 
-/* Of the time that is left, what is planned to be used. */
+/* The part of the time left that is planned to be used. */
 #define TIME_USED .85
 
-/* A ray of a picture takes so much of the time that one of a check does, whose
- * windows are small and far apart: .5 to .9 (doc/measured.md). */
+/* A ray of a picture takes this part of the time that a ray of a check takes,
+ * whose windows are small and far apart: .5 to .9 (doc/measured.md). */
 #define PICTURE_PRICE .8
 
-/* Of the time that is planned to be used, what a last stage takes at most, the
- * rest being the pixels'.  Both errors fall with the root of their time at
- * best, so no other split is better than halves by more than a factor of 1.4;
- * and the cache's may fall more slowly than was foreseen. */
+/* The part of the planned time that a last stage takes at most; the rest is for
+ * pixels.  Both errors fall with the root of their time at best, so no other
+ * split is better than halves by more than a factor of 1.4; and the cache's
+ * error may fall more slowly than was foreseen. */
 #define STAGE_TAKES .5
 
-/* If the time to be used is more than so many times as long as this stage took,
- * a stage with such a part of it comes first, for what a stage takes is
- * foreseen well from one near it. */
+/* If the stage that is chosen after the first stage would take, with its
+ * pictures, more than FAR_IN_TIME times as long as the first stage, a stage
+ * that takes BEFORE_IN_TIME of the time left comes first: the time of a stage
+ * is foreseen well only from a stage near it. */
 #define FAR_IN_TIME    5
 #define BEFORE_IN_TIME .15
 
-/* Without a limit of time, rays that a stage and its pictures may be foreseen
- * to take: so many for a pixel, or some ten minutes of a processor where that
- * is more.  Whoever waits longer for an error says so by a time. */
+/* Without a limit of time, the rays that a stage and its pictures may be
+ * foreseen to take: so many for a pixel, or ALWAYS_RAYS, some ten minutes of a
+ * processor, where that is more.  A user who would wait longer sets a limit of
+ * time. */
 #define RAYS_A_PIXEL 1024.
 #define ALWAYS_RAYS  8e8
 
-/* Time for any stage, and seconds for a ray where they are not known. */
+/* Time that is enough for any stage, and the time of a ray where it is not
+ * known. */
 #define AMPLE_S 1e12
 #define QUICK_S 1e-12
 
-/* No picture any more. */
+/* The largest error that is told: nothing of the picture is right. */
 #define MOST_ERROR 1e6
 
 /* --- options --- */
 
-/* Of an octave, one for each quarter of a rung that falls by an eighth. */
+/* Parts of an octave: what falls by an eighth of an octave with a rung falls by
+ * one part with a quarter of a rung. */
 #define EIGHTHS 8
 #define PARTS   (EIGHTHS * RAD_REFINE_RUNG)
 
@@ -118,7 +126,8 @@ least(int a, int b)
     return a < b ? a : b;
 }
 
-/* A number of rays or so, x times as large. */
+/* n, such as a number of rays, times x, cut to the limit.  A number that is 0,
+ * or not below the limit, stays. */
 static int
 grow(int n, double x, int limit)
 {
@@ -127,7 +136,8 @@ grow(int n, double x, int limit)
     return n <= 0 || n >= limit ? n : to < limit ? (int)to : limit;
 }
 
-/* To six digits, for it is read in headers; what is tiny stays as it is. */
+/* x to six digits, since options are read in headers; tiny numbers stay as they
+ * are. */
 static double
 shorten(double x)
 {
@@ -140,12 +150,13 @@ shorten(double x)
     return floor(x * scale + .5) / scale;
 }
 
-/* Eighths of an octave by which something changes with a rung of the cache,
- * which are as many PARTS of an octave with a quarter of a rung: in the first
- * SOON, and after these.  -aa and -ar come first: a coarse -ar leaves zones
- * that are too large wherever objects are near, and records that are close
- * together average each other's noise, so many with few rays are worth more
- * than few with many, but each needs enough to find what is small and bright
+/* Eighths of an octave by which an option, or the square of an error, changes
+ * with a rung of the cache; as many PARTS of an octave with a quarter of a
+ * rung.  soon: in the first SOON quarters; later: after these.  -aa and -ar
+ * come first: a coarse -ar leaves zones that are too large wherever objects are
+ * near, and records that are close together average each other's noise, so many
+ * records with few rays are worth more than few records with many rays; but
+ * each record needs enough rays to find what is small and bright
  * (doc/measured.md). */
 enum { SOON = 4 * RAD_REFINE_RUNG };
 struct course {
@@ -155,7 +166,7 @@ static const struct course ambacc_fall = { 2, 1 };
 static const struct course ambdiv_growth = { 0, 1 };
 static const struct course ambres_growth = { 6, 1 };
 
-/* Parts of an octave from rung 0 to that one. */
+/* PARTS of an octave from rung 0 to this rung, in quarters. */
 static int
 parts_at(struct course c, int ambient)
 {
@@ -163,23 +174,24 @@ parts_at(struct course c, int ambient)
                            : c.soon * SOON + c.later * (ambient - SOON);
 }
 
-/* Options of pixels change once, with their first rung; then a pixel gets more
- * rays, which bring more for their price. */
+/* Options of pixels change once, with the first rung of pixels; from then on a
+ * pixel gets more rays, which lower the error more for their price. */
 enum { SAMPLES_GROWTH = 4, ONE_RAY = RAD_REFINE_RUNG };
 
-/* Parts of lamps that look smaller than this take more rays than samples with
- * -dj that find as much. */
+/* The largest -ds from the first rung of pixels on.  Still smaller parts of
+ * lamps take more rays than samples with -dj that find as much. */
 #define SMALL_PART .2
 
-/* What is left of what -dt and -dc leave out, and of what -pt lets pass. */
+/* With the first rung of pixels, the factor of -dt and of 1 less -dc, and the
+ * factor of -pt. */
 #define SHADOWS_LEFT .25
 #define MAXDIFF_LEFT .5
 
 #define MOST_AMBDIV 65536
 #define MOST_AMBRES 1024
 
-/* How many times the rays that a pixel has at rung 0, as a whole number:
- * one up to a rung above ONE_RAY. */
+/* The rays of a pixel over its rays at rung 0, as a whole number: 1 up to a
+ * rung above ONE_RAY. */
 static int
 rays_of_pixel(int pixel)
 {
@@ -221,7 +233,8 @@ rad_refine_same_cache(struct rad_refine_rungs a, struct rad_refine_rungs b)
     return a.ambient == b.ambient && (a.pixel > 0) == (b.pixel > 0);
 }
 
-/* Of parts of a whole 0 makes one, and of -ar it sets no limit. */
+/* Is a at least as fine as b?  Of -ds, 0 leaves a source whole and is coarsest;
+ * of -ar, 0 sets no limit and is finest. */
 static bool
 is_finer_part(double a, double b)
 {
@@ -321,7 +334,7 @@ rad_refine_add(struct rad_refine_sums *to, const struct rad_refine_sums *tile)
 
 /* --- decisions --- */
 
-/* A number that is none, or negative, is 0. */
+/* NaN and negative numbers become 0, large numbers are cut. */
 static double
 sound(double x)
 {
@@ -329,14 +342,15 @@ sound(double x)
 }
 
 /* Eighths of an octave by which the square of the cache's error falls with a
- * rung, as it does in five scenes on average.  In single scenes it falls by one
- * more or less, which stages tell that are so many rungs apart. */
+ * rung, in five scenes on average.  In single scenes it falls by an eighth more
+ * or less, which two stages tell that are at least APART quarters apart. */
 static const struct course ambient_fall = { 6, 3 };
 enum { APART = 3 * RAD_REFINE_RUNG };
 
-/* What the first rung of pixels leaves of squares of their errors, and of noise
- * of a ray, which is of lamps or, and then it stays, of edges and gloss that
- * few pixels show; and how many times the rays it takes. */
+/* The first rung of pixels leaves NOISE_LEFT of the square of the noise and
+ * PIXEL_LEFT of the rest of the square of pixels' error.  (Noise of lamps
+ * falls; noise of edges and of gloss that few pixels show stays.)  It takes
+ * FIRST_TAKES times the rays. */
 #define PIXEL_LEFT  .5
 #define NOISE_LEFT  .7
 #define FIRST_TAKES 1.4
@@ -344,11 +358,13 @@ enum { APART = 3 * RAD_REFINE_RUNG };
 /* What is known after a stage. */
 struct outlook {
     const struct rad_refine_ask *ask;
-    double ambient, pixel, noise; /* squares; noise: no more than pixel */
-    int steeper;       /* .ambient falls by so much more with a rung, -1 to 1 */
-    double walk, made; /* rays of passes: see WALKED, and the rest */
-    double check, picture; /* rays */
-    int most_rays; /* times the rays of a pixel at rung 0 that it may have */
+    double ambient, pixel, noise; /* squares of errors; `noise` is a part of
+                                   * `pixel` */
+    int steeper;       /* eighths of an octave by which .ambient falls more than
+                        * usual with a rung, -1 to 1 */
+    double walk, made; /* rays of passes: those of WALKED, and the others */
+    double check, picture; /* rays of a check, and of all pictures */
+    int most_rays;         /* most rays of a pixel, over its rays at rung 0 */
 };
 
 /* 2 to the power of n / PARTS, n of either sign. */
@@ -365,7 +381,8 @@ parts_between(struct course c, int from, int to)
     return parts_at(c, to) - parts_at(c, from);
 }
 
-/* By how much more than on average it has fallen with a rung. */
+/* By how many eighths of an octave more than usual the square of the cache's
+ * error has fallen with a rung since the stage before: -1, 0 or 1. */
 static int
 observed_steeper(const struct rad_refine_ask *ask, double ambient)
 {
@@ -379,22 +396,23 @@ observed_steeper(const struct rad_refine_ask *ask, double ambient)
     return fell < rise(2 * usual - apart) ? -1 : fell > rise(2 * usual + apart);
 }
 
-/* How many times the rays of rung 0 a pixel gets, which has RAD_MOST_SAMPLES at
- * most. */
+/* The rays of a pixel with that rung over its rays at rung 0: at most so many
+ * that a pixel has RAD_MOST_SAMPLES. */
 static int
 rays_given(const struct outlook *o, int pixel)
 {
     return least(rays_of_pixel(pixel), o->most_rays);
 }
 
-/* What that rung leaves of a square of which the first leaves so much. */
+/* The part of a square that is left with that rung, if the first rung leaves
+ * by_first. */
 static double
 left_at(const struct outlook *o, int pixel, double by_first)
 {
     return (pixel > 0 ? by_first : 1) / rays_given(o, pixel);
 }
 
-/* By how much rays of a picture have grown. */
+/* The rays of a picture with that rung, over its rays at rung 0. */
 static double
 picture_growth(const struct outlook *o, int pixel)
 {
@@ -446,8 +464,8 @@ foresee_square(const struct outlook *o, int ambient, int pixel)
     return o->ambient * rise(-fallen) + foresee_pixels(o, pixel);
 }
 
-/* Rays of a stage's passes with that rung: -ad of each record, and records by
- * the area that -aa gives them. */
+/* Rays of a stage's passes with that rung: each record takes the rays of -ad,
+ * and the number of records goes by the area that -aa gives a record. */
 static double
 foresee_passes(const struct outlook *o, int ambient)
 {
@@ -458,7 +476,8 @@ foresee_passes(const struct outlook *o, int ambient)
                           parts_between(ambdiv_growth, now, ambient));
 }
 
-/* By how much rays of a check grow with that rung, but those of its pixels. */
+/* The factor by which the rays of a check grow with that rung, except those of
+ * its pixels. */
 static double
 check_growth(const struct outlook *o, int ambient)
 {
@@ -472,17 +491,18 @@ foresee_stage(const struct outlook *o, int ambient)
     return foresee_passes(o, ambient) + o->check * check_growth(o, ambient);
 }
 
-/* By how much rays of a picture grow with that rung. */
+/* The factor by which the rays of a picture grow from the present rung to that
+ * rung. */
 static double
 more_rays(const struct outlook *o, int pixel)
 {
     return picture_growth(o, pixel) / picture_growth(o, o->ask->rungs.pixel);
 }
 
-/* Seconds of a stage with these rungs.  Its check is looked at more closely
- * than where rays are compared: its windows are sampled as the picture is, but
- * with one ray a pixel, and about half of what is made again are pixels, too;
- * the rest are places of the cache. */
+/* Seconds of a stage with these rungs.  Its check is foreseen more closely than
+ * by foresee_stage(): its windows are sampled as the picture is, but with the
+ * rays that a pixel has at rung 0; of its other rays about half make pixels
+ * again, and the rest are for places of the cache. */
 static double
 foresee_wait(const struct outlook *o, int ambient, int pixel)
 {
@@ -499,7 +519,8 @@ foresee_wait(const struct outlook *o, int ambient, int pixel)
 struct choice {
     int ambient, pixel;
     bool ends; /* the pictures are made over the cache that is there */
-    double square, rays, seconds; /* with the pictures' */
+    double square, rays, seconds; /* square of the error; rays and seconds of
+                                   * the stage, if any, and of the pictures */
     double wait;                  /* seconds of the stage */
 };
 
@@ -523,7 +544,8 @@ foresee(const struct outlook *o, int ambient, int pixel)
     return c;
 }
 
-/* What a stage and its pictures, or these alone, may take, and a stage. */
+/* Limits of the rays and seconds of a stage, if any, and its pictures together;
+ * and of the seconds of the stage (wait). */
 struct bounds {
     double rays, seconds, wait;
 };
@@ -548,12 +570,13 @@ bounds_of(const struct rad_refine_ask *ask)
     return b;
 }
 
-/* Squares that are wanted, where a stage is to be made and where none is. */
+/* Wanted squares of the error: with a further stage, and without. */
 struct goals {
     double stage, end;
 };
 
-/* Less than what is wanted is aimed at by what is foreseen from afar. */
+/* A further stage aims at less than the wanted error, since its error is
+ * foreseen from afar. */
 static struct goals
 goals_of(const struct rad_refine_ask *ask)
 {
@@ -568,8 +591,9 @@ is_there(const struct choice *c, struct goals goals)
     return c->square <= (c->ends ? goals.end : goals.stage);
 }
 
-/* Is a better than b?  Those that come down to the goal before those that do
- * not; of the former the cheaper, of the latter the one with less error. */
+/* Is a better than b?  A choice that reaches the goal is better than a choice
+ * that does not.  Of two that reach it the cheaper is better, of two that do
+ * not the choice with less error. */
 static bool
 is_better(const struct choice *a, const struct choice *b, struct goals goals)
 {
@@ -580,10 +604,10 @@ is_better(const struct choice *a, const struct choice *b, struct goals goals)
     return there ? a->rays < b->rays : a->square < b->square;
 }
 
-/* May c be chosen?  No options are coarser than those of the stage before, and
- * over its cache pixels get no fewer rays than they have; further stages are in
- * steps of so many quarters of a rung, and there is none after the last that a
- * job may have. */
+/* May c be chosen?  Its options must not be coarser than the options of the
+ * last stage; over that stage's cache pixels must get no fewer rays than they
+ * have.  A further stage is in steps of `step` quarters of a rung, and the job
+ * must not have had its last stage. */
 static bool
 is_open(const struct rad_refine_ask *ask, const struct choice *c,
         struct bounds within, int step)
@@ -598,8 +622,8 @@ is_open(const struct rad_refine_ask *ask, const struct choice *c,
            c->wait <= within.wait;
 }
 
-/* The best rungs within these bounds, those of the cache no higher than that;
- * false: there are none. */
+/* Set *best to the best rungs within these bounds, the cache's rungs at most
+ * `most`; false: there are none. */
 static bool
 choose(const struct outlook *o, struct goals goals, struct bounds within,
        int step, int most, struct choice *best)
@@ -619,17 +643,18 @@ choose(const struct outlook *o, struct goals goals, struct bounds within,
     return any;
 }
 
-/* The square without any further stage or ray. */
+/* The square of the error of pictures that are made now, without more rays. */
 static double
 square_now(const struct outlook *o)
 {
     return o->ambient + o->pixel;
 }
 
-/* The best rungs within these bounds; where none comes down to the goals, the
- * cheapest of those that are a seventh worse than the best at most, and worth
- * it: the last of it may take a hundred times the rays.  With a limit of time
- * it is there to be used. */
+/* Set *best to the best rungs within these bounds; false: there are none.  If
+ * no rungs reach the goals: without a limit of time the cheapest rungs that are
+ * worth it and whose error is at most 1 / WORTH_IT times the least, since the
+ * rest of the gain may take a hundred times the rays; with a limit of time,
+ * which is there to be used, the rungs with the least error, in quarters. */
 static bool
 choose_well(const struct outlook *o, struct bounds within, struct choice *best)
 {
@@ -650,14 +675,15 @@ choose_well(const struct outlook *o, struct bounds within, struct choice *best)
     return choose(o, goals, within, step, most, best);
 }
 
-/* Squares that are near enough to what is wanted. */
+/* The largest square of the error that is near enough to the wanted error. */
 static double
 near_enough(const struct rad_refine_ask *ask)
 {
     return NEAR_ENOUGH * goals_of(ask).end;
 }
 
-/* Pictures over the cache that is there which come down to that square. */
+/* Set *end to the best pictures over the cache that is there; false: they do
+ * not come down to `square`. */
 static bool
 choose_end(const struct outlook *o, struct bounds within, double square,
            struct choice *end)
@@ -668,7 +694,8 @@ choose_end(const struct outlook *o, struct bounds within, double square,
            is_there(end, goals);
 }
 
-/* No further stage, if pictures come near enough without for less. */
+/* Replace a further stage by pictures over the cache that is there, if these
+ * come near enough for no more rays. */
 static void
 end_if_near(const struct outlook *o, struct bounds within, struct choice *best)
 {
@@ -679,8 +706,9 @@ end_if_near(const struct outlook *o, struct bounds within, struct choice *best)
         *best = end;
 }
 
-/* What is near enough takes no further stage: rays of pixels alone, if these
- * bring the rest for less than the stage took. */
+/* The choice where the error is near enough: no further stage, but more rays of
+ * pixels, if these reach the wanted error for no more rays than the stage took.
+ */
 static struct choice
 come_closer(const struct outlook *o, struct bounds within, struct choice now)
 {
@@ -693,8 +721,8 @@ come_closer(const struct outlook *o, struct bounds within, struct choice now)
                : now;
 }
 
-/* Come nearer, if an error that is wanted is too far for one stage, and another
- * may follow. */
+/* If the wanted error is too far for one stage (FAR), and another stage may
+ * follow, make the next stage less fine. */
 static void
 shorten_step(const struct outlook *o, struct choice *c)
 {
@@ -709,9 +737,10 @@ shorten_step(const struct outlook *o, struct choice *c)
         c->ambient -= RAD_REFINE_RUNG;
 }
 
-/* Come nearer than what would take all the time, if that is far from the first
- * stage.  Pixels get no more than a ray: how many more rays several take is
- * known.  It stays a stage, of other options than this one. */
+/* If *c takes far longer than the first stage took (FAR_IN_TIME), make it a
+ * shorter stage (BEFORE_IN_TIME) that comes before.  Its pixels get no more
+ * rays than at rung 0: the cost of more rays is known.  Its options differ from
+ * those of the first stage. */
 static void
 try_before(const struct outlook *o, struct choice *c)
 {
@@ -730,8 +759,9 @@ try_before(const struct outlook *o, struct choice *c)
     *c = foresee(o, a, p);
 }
 
-/* What is best within these bounds: what is there, where nothing else is worth
- * it.  What brings the error that is wanted is, however little that is. */
+/* The best choice within these bounds: pictures over the cache that is there,
+ * if nothing else is worth it.  A choice that comes near enough to the wanted
+ * error is worth it always. */
 static struct choice
 decide(const struct outlook *o, struct bounds within)
 {

@@ -29,13 +29,14 @@ struct rad_refine_sums {
 };
 
 /* Add a tile's sums.  The last bits of the sum depend on the order: add tiles
- * in theirs. */
+ * in the order of their numbers. */
 void rad_refine_add(struct rad_refine_sums *to,
                     const struct rad_refine_sums *tile);
 
-/* Plan the passes of a job with these options; check: those of a stage, with a
- * check pass behind.  on: the cache begins with the records of a former job, as
- * in rad_passes_plan_on().  Returns how many; 0: there is no cache. */
+/* Plan the passes of a job with these options; check: of a stage, whose last
+ * pass is a check pass.  on: the cache begins with the records of a former job,
+ * as in rad_passes_plan_on().  Returns the number of passes; 0: there is no
+ * cache, or no room for the check pass. */
 uint32_t rad_refine_plan(const struct rad_params *par,
                          const struct rad_pass_size *size, uint32_t nsizes,
                          bool on, bool check,
@@ -97,8 +98,8 @@ struct rad_refine_ask {
  * would be done in time or, without a limit of time, within the rays that a
  * stage may take.
  * *next: the rungs of that stage; or, with false, of the pictures, which have
- * the light of the stage just made.  *error: of a picture now; or, with false,
- * of the pictures that are made. */
+ * the light of the stage just made.  *error: the error of a picture that is
+ * made now; or, with false, of the pictures that are made. */
 bool rad_refine_next(const struct rad_refine_ask *ask,
                      struct rad_refine_rungs *next, double *error);
 

@@ -13,9 +13,9 @@ struct rad_emitter {
     enum rad_otype type;
     struct rad_rgb L;     /* radiance before patterns [W/sr/m^2] */
     double radius;        /* glow: surfaces nearer than this get direct light;
-                           * 0: none do, but rays may meet it by chance;
-                           * negative: it lights nothing.  INFINITY for the
-                           * other types */
+                           * 0: none do, but rays of hemispheres and gloss may
+                           * meet the glow; negative: the glow lights nothing.
+                           * INFINITY for the other types */
     struct rad_spot spot; /* spotlight */
     int32_t alternate;    /* illum: modifier that other rays see, or RAD_VOID */
 };

@@ -55,7 +55,8 @@ mirror_material(const struct rad_job *job, int32_t obj)
 }
 
 /* Set lo and hi to a box about the mirror.  A polygon that is not quite flat is
- * met in its mean plane: the box grows by how far corners are off it. */
+ * met in its mean plane: the box grows by how far corners are off that plane.
+ */
 static void
 box_mirror(struct rad_mirror *m, const struct rad_object *o)
 {
@@ -217,8 +218,9 @@ fold_mirror(const struct rad_mirror *m, struct fold *f)
     f->backwards = false;
 }
 
-/* Make r a ray that has met the centre of the mirror, and comes from a source
- * or image: from the place `image`, or, if it is far, from that direction. */
+/* Make r a ray that has met the centre of the mirror.  It comes from the source
+ * or image at the place `image`; if `far`, `image` is the unit direction to a
+ * distant source or image. */
 static void
 aim_at_mirror(struct rad_ctx *ctx, const double image[3], bool far,
               const struct rad_mirror *m, struct rad_ray *r)

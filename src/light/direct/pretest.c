@@ -11,7 +11,8 @@
 #include "base/vec.h"
 
 /* The least number of rays that test an image, and how many random places are
- * tried for each ray until the mirror is met; both as in rpict. */
+ * tried for each ray until the mirror is met, both as in rpict; and the most
+ * rays. */
 #define MIN_SAMPLES 16
 #define MAX_TRIES   32
 #define MAX_SAMPLES (1 << 24)
@@ -27,7 +28,7 @@ struct pick {
     struct rad_light_sample sample;
 };
 
-/* rad_light_fn: keep one of all samples, all with the same probability. */
+/* rad_light_fn: keep a single sample of all, each with the same probability. */
 static void
 pick_one(void *arg, const struct rad_light_sample *s)
 {

@@ -6,13 +6,13 @@
  * could add less than -dt of the light found so far (Ward 1991; -dc says how
  * many samples are taken together).
  * The untested samples still count.  Radiance guesses their visibility from the
- * hit rate of each source in earlier pixels, so a pixel depends on others.  The
- * visible share of the samples tested at this point would not, but gives too
- * much light where weak sources are hidden more often than strong ones.  So one
- * of the untested samples is drawn, with a probability in proportion to its
- * potential, and tested for all of them (Shirley, Wang & Zimmerman 1996, Monte
- * Carlo techniques for direct lighting calculations): the mean of their sum is
- * right, and its noise within -dt.
+ * hit rate of each source in earlier pixels, so a pixel depends on other
+ * pixels.  The visible share of the samples tested at this point depends on no
+ * other pixel, but gives too much light where weak sources are hidden more
+ * often than strong sources.  So one of the untested samples is drawn, with a
+ * probability in proportion to its potential, and tested for all of them
+ * (Shirley, Wang & Zimmerman 1996, Monte Carlo techniques for direct lighting
+ * calculations): the mean of their sum is right, and its noise within -dt.
  *
  * Rays of indirect light are many, and their light need only have the right
  * mean: for such a ray one sample is drawn from all, but a sample that is most
@@ -39,17 +39,17 @@
 #define MIN_TESTS 2
 
 /* At hits of hemispheres' rays sources are cut into parts so many times as
- * large as -ds says.  One part alone is tested there, however many there are,
- * and each costs time: an illum's radiance, for one, is a function.  The light
- * of unobstructed parts is exact at any size.  With -dj 0 the size stays: a
- * shadow ray aims at the middle of its part, so larger parts would shift the
- * shadows. */
+ * large as -ds says.  Of all parts only one or two are tested there (APART),
+ * and each part costs time: the radiance of an illum, for example, is a
+ * function.  The mean light of unobstructed parts is right at any size.  With
+ * -dj 0 the size stays: a shadow ray aims at the middle of its part, so larger
+ * parts would shift the shadows. */
 #define COARSER 2
 
 /* Where one sample is drawn from all, a sample of more than this part of the
  * sum is tested by itself.  Else a strong source that is hidden, like the sun
- * from most of a room, would be drawn nearly always; and a weak one, when it is
- * drawn at last, would count many times its own light. */
+ * from most of a room, would be drawn nearly always; and a weak source, when it
+ * is drawn at last, would count for many times its own light. */
 #define APART .5
 
 /* A sample of a source, and the light that it would add. */
@@ -83,8 +83,9 @@ struct direct {
     void *data;
     int32_t source;    /* the source or image whose samples are weighed */
     uint32_t nsamples; /* samples of all sources so far, weighed or not */
-    /* that source, if its radiance is the same everywhere on it, so that the
-     * place where a shadow ray meets it need not be known; or NULL */
+    /* the source whose samples are weighed, if it is flat or a sphere and has
+     * the same radiance everywhere, so that the place where a shadow ray meets
+     * it need not be known; else NULL */
     const struct rad_source *lamp;
     struct start start[2]; /* above and below the surface (along hit.n) */
     struct potential *list;
@@ -167,8 +168,8 @@ start_of(struct direct *d, const double dir[3])
 }
 
 /* The distance to a spherical lamp in direction dir, less the rounding errors
- * of it and of another surface that touches the lamp.  Not positive: the lamp
- * is missed. */
+ * of the lamp and of another surface that touches the lamp.  Not positive: the
+ * lamp is missed. */
 static double
 reach_sphere(const struct rad_source *lamp, const struct start *s,
              const double dir[3])
@@ -435,7 +436,7 @@ test(const struct direct *d, struct potential *p)
 }
 
 /* Is r's way to its target, along the span, clear?  If not, r gets the light
- * that comes through what is in the way. */
+ * that comes through the surfaces in the way. */
 static bool
 is_clear(struct rad_ctx *ctx, struct rad_ray *r, const struct rad_span *span)
 {
@@ -476,8 +477,8 @@ rad_source_aimed(struct rad_ctx *ctx, struct rad_ray *r)
         shade_target(ctx, r, &hit);
 }
 
-/* Is a tested before b?  Larger luminance first; of equal ones the sample that
- * was weighed first, so that there is only one order. */
+/* Is a tested before b?  The larger luminance comes first; of equal luminances
+ * the sample that was weighed first, so that there is only one order. */
 static bool
 before(const struct order *a, const struct order *b)
 {
@@ -617,8 +618,8 @@ test_rest(struct direct *d, const struct order *o, int32_t n, double all)
             rad_rgb_add(d->r->L, rad_rgb_mul(sum, part_left(was, p->val)));
 }
 
-/* Test samples, largest first, until -dt allows to stop; then one drawn from
- * the rest.  o has room for all samples. */
+/* Test samples, largest first, until -dt allows to stop; then one sample drawn
+ * from the rest.  o has room for all samples. */
 static void
 test_selected(struct direct *d, struct order *o)
 {
@@ -653,7 +654,8 @@ test_selected(struct direct *d, struct order *o)
 }
 
 /* The height of a source's (or its image's) centre above the plane of r's hit,
- * on r's side.  If it is below minus the radius the source is out of sight. */
+ * on r's side.  If the height is below minus the radius the source is out of
+ * sight. */
 static double
 height_of(const struct rad_source *src, const double centre[3],
           const struct rad_ray *r)
@@ -678,7 +680,7 @@ sample_key(const struct rad_ray *r, const struct rad_light_view *view,
                : 0;
 }
 
-/* Weigh the samples of all sources; skip: not of those below the horizon. */
+/* Weigh the samples of all sources; skip: without sources below the horizon. */
 static void
 weigh_sources(struct direct *d, struct rad_light_view *view, bool skip)
 {
@@ -703,7 +705,7 @@ weigh_sources(struct direct *d, struct rad_light_view *view, bool skip)
     view->up = NULL;
 }
 
-/* Weigh the samples of all images; skip: not of those below the horizon. */
+/* Weigh the samples of all images; skip: without images below the horizon. */
 static void
 weigh_images(struct direct *d, struct rad_light_view *view, bool skip)
 {

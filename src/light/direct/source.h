@@ -72,16 +72,16 @@ void rad_source_toward(const struct rad_sources *s, int32_t i,
 void rad_source_aimed(struct rad_ctx *ctx, struct rad_ray *r);
 
 /* The place and shape of a source, for painting sources that look smaller than
- * a sample (picture/paint.h); of an image, those of the source that it shows.
- * The axes are rpict's (shape.c); the first of a cylinder is half of its own
- * axis. */
+ * a sample (picture/paint.h); of an image, the place and shape of the source
+ * that the image shows.  The axes are rpict's (shape.c); the first of a
+ * cylinder is half of its own axis. */
 struct rad_source_shape {
     int32_t obj;
     bool distant; /* centre is a unit direction; axes are tangents [rad] */
     bool flat;
     double centre[3];
-    double axis[3][3]; /* half-axes; of flat ones the third is the unit
-                        * normal, of distant ones zero */
+    double axis[3][3]; /* half-axes; the third of a flat source is the unit
+                        * normal, of a distant source zero */
     double radius;     /* of the bounding sphere about centre */
 };
 void rad_source_shape(const struct rad_sources *s, int32_t i,

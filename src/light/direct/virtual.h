@@ -47,7 +47,8 @@ struct rad_virtual {
     double along, loose;         /* of a distant image, per distance of a point
                                   * to the mirror's plane: distance to where
                                   * the image's centre is seen in the plane, and
-                                  * how far from there any of it may be seen */
+                                  * how far from there any part of the image may
+                                  * be seen */
     int32_t way;                 /* number of the prism's way (shade/prism.h) */
     const struct rad_bend *bend; /* NULL: mirrors alone */
 };
@@ -87,8 +88,9 @@ int rad_virtuals_make(struct rad_job *job, struct rad_error *err);
 bool rad_virtual_faces(const struct rad_virtual *v, const double p[3],
                        double err);
 
-/* May p, which is before the mirror, see any of the image in it?  True wherever
- * p does, and sometimes where the image is just beyond the mirror's edge. */
+/* May p, which is before the mirror, see a part of the image in the mirror?
+ * True wherever p sees a part, and sometimes where the image is just beyond the
+ * mirror's edge. */
 bool rad_virtual_shows(const struct rad_sources *s, const struct rad_virtual *v,
                        const double p[3]);
 

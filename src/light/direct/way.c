@@ -75,9 +75,10 @@ rad_way_leads(struct rad_ctx *ctx, const struct rad_virtual *v,
 /* A way that is being followed. */
 struct follow {
     struct rad_ctx *ctx;
-    struct rad_hit at; /* how far it has come: a mirror, pane or the source */
-    struct rad_rgb T;  /* product of the colours so far */
-    uint64_t stretches, panes; /* passed: they count as rays, without a ray */
+    struct rad_hit at; /* the last hit: on a mirror, a pane or the source */
+    struct rad_rgb T;  /* product of the colours met so far */
+    uint64_t stretches, panes; /* passed so far; they count as rays, although no
+                                * rays are made */
 };
 
 /* Pass the panes on a stretch, of which the first is at f->at.  CLEAR: f->at is

@@ -12,9 +12,10 @@
 #include "light/direct/sources.h"
 
 /* Aim *span from a hit at a source, or at the mirror that shows an image, and
- * end it short of that: a surface on which a lamp is mounted, in the same
- * plane, must not shade it.  *hit gets where the source or mirror is met,
- * unless the source is distant.  False: it is missed. */
+ * end the span short of that source or mirror: a surface on which a lamp is
+ * mounted, in the lamp's plane, must not shade the lamp.  *hit gets where the
+ * source or mirror is met, unless the source is distant.  False: the source or
+ * mirror is missed. */
 bool rad_way_aim(struct rad_ctx *ctx, const struct rad_hit *from,
                  int32_t source, const double dir[3], struct rad_span *span,
                  struct rad_hit *hit);
@@ -31,9 +32,10 @@ bool rad_way_faces(const struct rad_sources *s, int32_t source,
 bool rad_way_leads(struct rad_ctx *ctx, const struct rad_virtual *v,
                    const double dir[3], const struct rad_hit *hit);
 
-/* The same, and is that way clear?  CLEAR: there are at most plain panes, and
- * *T is multiplied by their colours; BLOCKED: no light comes; VEILED: only rays
- * can tell, and none has been counted. */
+/* Do the reflections from hit lead to the source of v, as in rad_way_leads(),
+ * and is that way clear?  CLEAR: there are at most plain panes, and *T is
+ * multiplied by their colours; BLOCKED: no light comes; VEILED: only rays can
+ * tell, and none has been counted. */
 enum rad_sight rad_way_clear(struct rad_ctx *ctx, const struct rad_virtual *v,
                              const double dir[3], const struct rad_hit *hit,
                              struct rad_rgb *T);

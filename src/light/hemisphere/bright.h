@@ -8,7 +8,7 @@
  * gathered by the cells of a grid into places, each with a mean point, a mean
  * luminance and an area.  Before a new hemisphere (hemisphere.h) traces a ray
  * it looks up in which of its own cells these places lie.
- * Thread: any may read, none while another gathers. */
+ * Thread: any thread may read, but not while another gathers. */
 #ifndef RAD_LIGHT_BRIGHT_H
 #define RAD_LIGHT_BRIGHT_H
 
@@ -19,15 +19,15 @@
 /* At most so many places are kept: those with most glints. */
 #define RAD_BRIGHT_MOST 512
 
-/* A place is left out if it is expected to bring less than this part of what
- * places bring in the mean. */
+/* A place is left out if it is expected to bring less than this part of the
+ * mean over all places. */
 #define RAD_BRIGHT_DIM .25
 
 struct rad_bright_place {
     double p[3];  /* mean point */
     double lum;   /* mean luminance of its radiance [W/sr/m^2] */
-    double area;  /* estimated, as if it faced every point [unit^2] */
-    double reach; /* estimated area of a square that holds it [unit^2] */
+    double area;  /* estimated, as if the place faced every point [unit^2] */
+    double reach; /* estimated area of a square that holds the place [unit^2] */
 };
 
 struct rad_bright {
@@ -42,9 +42,10 @@ struct rad_bright {
 bool rad_bright_gather(struct rad_bright *b, const struct rad_glint *glint,
                        size_t n, const double org[3], double side);
 
-/* The glint of a record at p: where a cell's first ray ended, drawn by how far
- * its luminance is above a limit (bright.c, FAR_ABOVE); with lum 0 if none is.
- * `key` is that of the ray that asked for the record. */
+/* The glint of a record at p: the end of a cell's first ray, drawn by how far
+ * its luminance is above a limit (bright.c, FAR_ABOVE); lum is 0 if no first
+ * ray is above the limit.  `key` is that of the ray that asked for the record.
+ */
 struct rad_glint rad_bright_glint(const struct rad_hemi *h, const double p[3],
                                   uint64_t key);
 
@@ -62,7 +63,7 @@ void rad_bright_where(const struct rad_bright_place *q,
 
 /* Add to cell[k].square the mean square of the luminance that places in cell k
  * of a hemisphere at p are expected to bring; dim places (RAD_BRIGHT_DIM) are
- * left out.  share: all places', from rad_bright_look(). */
+ * left out.  share: of all places, as rad_bright_look() sets it. */
 void rad_bright_cells(const struct rad_bright *b, const struct rad_hemi *h,
                       const double p[3], const double *share,
                       struct rad_contrast *cell);

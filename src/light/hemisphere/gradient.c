@@ -37,7 +37,7 @@ corner_at(const double p[3])
     return (struct corner){ p, q, 1 / q };
 }
 
-/* rad_edge_slope() */
+/* As rad_edge_slope(), for ends whose squared lengths are known. */
 static inline void
 add_edge(const struct corner *a, const struct corner *b, double scale,
          struct rad_slope *sum)
@@ -96,9 +96,9 @@ rad_edge_slope(const double a[3], const double b[3], double scale,
  * to about MOST_SHARE times that mean.
  * A rare bright sample would else make all other differences small, relative to
  * E: the record that drew it, which is too bright, would get a larger zone than
- * records without, which are too dark, and the picture would be too bright.
- * Where most cells are black and the others alike, the limit is small, but so
- * is the mean, and the ratio of the others to it stays right. */
+ * records that drew none, which are too dark, and the picture would be too
+ * bright.  Where most cells are black and the others alike, the limit is small,
+ * but so is the mean, and the ratio of the others to it stays right. */
 static double
 fair_mean(const struct rad_hemi *h, double *most)
 {
@@ -148,8 +148,8 @@ upper(const struct rad_hemi *h, int i, int j, double most)
     return behind(h, k + h->n + 1, k + h->n, k + 1, most);
 }
 
-/* An object stands out at the horizon if it is nearer by this factor than what
- * is seen above it. */
+/* An object at the horizon stands out if it is nearer by this factor than the
+ * hit above it. */
 #define STANDS_OUT 2
 
 /* An edge of the mesh's outline: cells a and b, counter-clockwise, and c, the
@@ -235,9 +235,10 @@ sum_edges(const struct rad_hemi *h, struct rad_slope *sum, double most)
     }
 }
 
-/* The part of the light that the mesh overlooks: its triangles against the
- * means of their corners.  Where cells and triangles differ here and there, by
- * noise, that evens out; it is 0 where the mesh has more than the cells. */
+/* The part of the light that the mesh lacks: the sum over its triangles,
+ * against the sum of the means of their corners.  Where cells and triangles
+ * differ here and there, by noise, the differences cancel.  Where the mesh has
+ * more light than the cells the result is 0. */
 static double
 overlooked(const struct rad_hemi *h, double most)
 {

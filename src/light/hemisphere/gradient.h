@@ -1,15 +1,16 @@
 /* gradient.h - how irradiance changes about a point, from its hemisphere
  *
- * The hits of a hemisphere's cells are joined to a mesh of triangles.  Each has
- * the radiance of its farthest corner: when the point moves, the farther
- * surface comes into sight from behind the nearer ones.  The gradient and the
- * Hessian of irradiance are sums over the mesh's edges, each times the
+ * The hits of a hemisphere's cells are joined to a mesh of triangles.  A
+ * triangle has the radiance of its farthest corner: when the point moves, the
+ * farther surface comes into sight from behind the nearer ones.  The gradient
+ * and the Hessian of irradiance are sums over the mesh's edges, each times the
  * difference of radiance across it; so they are 0 in uniform surroundings.
- * A bright surface before a dark one that a single ray meets is in no triangle:
- * how much of E the mesh overlooks is told, too.
+ * The radiance of a bright surface that a single ray meets before a dark
+ * surface is in no triangle: `overlooked` tells which part of E the mesh so
+ * lacks.
  * All results are relative to E, in the frame of the hemisphere (u, v, w).  For
- * those from the mesh, bright cells are limited, in E, too (gradient.c,
- * fair_mean()).
+ * results from the mesh the luminance of bright cells is limited, in the mesh
+ * and in E (gradient.c, fair_mean()).
  * Thread: any; pure functions of their arguments.
  * Sources: Lambert 1760 (irradiance from polygons); Ward & Heckbert 1992
  * (rotation); Schwarzhaupt, Jensen & Jarosz 2012, Practical Hessian-based error

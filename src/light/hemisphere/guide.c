@@ -41,9 +41,10 @@ is_noisy(const struct rad_bright *b, size_t places, int n, const double *share,
     return square > NOISY * n * n * all * all;
 }
 
-/* Add the lobe of a place at (x, y) of the square, which may be so wide there
- * and brings `light`; `upto` is the sum with it.  The lobe is half a part wider
- * on each side, by which (x, y) may be off. */
+/* Add the lobe of a place that is seen at (x, y) of the square, is up to
+ * `width` wide there and brings `light`; `upto` is the sum of the light of all
+ * lobes up to this lobe.  The lobe is half a part wider on each side, by which
+ * (x, y) may be off. */
 static void
 add_lobe(struct rad_guide *g, double x, double y, double width, double light,
          double upto)

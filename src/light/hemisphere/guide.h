@@ -3,9 +3,10 @@
  * A bright place that fills little of a hemisphere's cell is missed by most of
  * the cell's rays; a ray that meets it makes the cell far too bright.  The
  * guide is a density over the hemisphere's square (hemisphere.h), constant in
- * each of the parts that cells are cut into.  It is a mixture of lobes, one for
- * each place (bright.h): a lobe is uniform over the parts that the place may
- * touch, and weighted by the light that it is expected to bring.
+ * each of the parts that cells are cut into.  The density is a mixture of
+ * lobes, a lobe for each place (bright.h): a lobe is uniform over the parts
+ * that the place may touch, and weighted by the light that it is expected to
+ * bring.
  * Some rays are drawn from the guide.  A ray counts by the inverse of the
  * density of all rays, the cells' and the guide's, in its direction (the
  * balance heuristic of Veach & Guibas 1995), so the mean is right whatever the
@@ -29,16 +30,16 @@ struct rad_guide_lobe;
 
 struct rad_guide {
     int side;     /* parts along a side of the square, a multiple of h->n */
-    float *light; /* expected from each part, row by row */
-    double scale; /* light times scale is the density; its mean is 1 */
+    float *light; /* light that each part is expected to bring, row by row */
+    double scale; /* light times scale is the density, whose mean is 1 */
     struct rad_guide_lobe *lobe;
     int lobes;
 };
 
 /* Set the guide of a hemisphere at p, if places are expected to make much of
  * its noise.  Of h only n and the frame are read.
- *   share   of the first rad_guide_places(), from rad_bright_look()
- *   usual   luminance that records see, about
+ *   share   of the first rad_guide_places(), as rad_bright_look() sets it
+ *   usual   geometric mean of the luminances that records see
  * False: the hemisphere has no guide, or memory is out.  The guide lives in
  * scratch until the caller rewinds it. */
 bool rad_guide_set(struct rad_guide *g, const struct rad_bright *b,

@@ -26,11 +26,11 @@
 #include <string.h>
 
 /* With fewer cells along a side than this, no further rays are shared out among
- * cells, whose differences say too little.  It is more than the least side of
- * any record (rad_hemi_plan): else each of the many records that a small -ad
- * makes coarse would trace all of -as, which may be much more.  For the same
- * reason a guide has, with fewer cells, at most as many rays as there are
- * cells. */
+ * cells, whose differences say too little.  MIN_SIDE is more than the least
+ * side of any record (rad_hemi_plan): else each of the many records that a
+ * small -ad makes coarse would trace all of -as, which may be much more.  For
+ * the same reason a guide has, with fewer cells, at most as many rays as there
+ * are cells. */
 #define MIN_SIDE 8
 /* Reflectance assumed for the weight of rays that make a record: a record
  * serves surfaces of any reflectance. */
@@ -39,14 +39,15 @@
 /* The part of -as that is drawn from the guide, if there is one. */
 #define GUIDED .5
 
-/* Added to the divisor, which -lw 0 makes 0. */
+/* Added to the divisor in choose_side(), which -lw 0 makes 0. */
 #define NO_WEIGHT 1e-20
 
 /* The least distance of a hit, relative to plan->far; 1 / distance stays
  * finite. */
 #define NEAREST 1e-12
 
-/* Steps of the sequence: the root's inverse, and its square. */
+/* Steps of the sequence (see above): the inverse of the root of x^3 = x + 1,
+ * and the square of that inverse. */
 #define STEP_X 0.7548776662466927
 #define STEP_Y 0.5698402909980532
 
@@ -63,8 +64,8 @@ enum {
 /* The rays of a cell, without those of the guide. */
 struct tally {
     int rays;
-    double lum;  /* mean luminance of the rays, less the guide's part */
-    double lum2; /* sum of the squares of their luminances, likewise */
+    double lum;  /* mean luminance of these, each times part_of_cell() */
+    double lum2; /* sum of the squares of these luminances */
     double x, y; /* where the first ray went through the cell, from 0 to 1 */
 };
 
@@ -82,7 +83,8 @@ struct sampler {
     struct tally *tally; /* of each cell */
     struct rad_guide guide;
     int guided; /* number of rays drawn from the guide; 0: there is no guide */
-    double var; /* variance of what these add to the sum of cells' luminances */
+    double var; /* variance of the luminance that the guide's rays add to the
+                 * cells' sum */
 };
 
 /* The distance of what a ray shows, seen through panes and in mirrors.  *wall
@@ -198,7 +200,7 @@ fraction(double x)
 }
 
 /* The part of the light at (x, y) of the square that counts for the cell's own
- * `rays` rays; the rest counts for the guide's. */
+ * `rays` rays; the rest counts for the guide's rays. */
 static double
 part_of_cell(const struct sampler *s, int rays, double x, double y)
 {
@@ -287,8 +289,8 @@ worth_sharing(const struct sampler *s, int more)
     return n >= MIN_SIDE && more >= (s->plan->bright ? 1 : 4) * n;
 }
 
-/* The cells' shares of the further rays, in scratch; `bright` is of
- * rad_bright_look(), for all places.  NULL: out of memory. */
+/* The cells' shares of the further rays, in scratch; `bright` is as
+ * rad_bright_look() sets it for all places.  NULL: out of memory. */
 static struct rad_contrast *
 set_shares(const struct sampler *s, const double *bright)
 {
@@ -311,8 +313,8 @@ set_shares(const struct sampler *s, const double *bright)
     return c;
 }
 
-/* Look at bright places: at all of them if cells get rays for them, else at
- * those of the guide.  Sets s->guided: how many of `count` rays are drawn from
+/* Look at bright places: at all places if cells get rays for them, else at the
+ * guide's places only.  Sets s->guided: how many of `count` rays are drawn from
  * the guide. */
 static void
 look_at_places(struct sampler *s, int count, bool all, double *share)

@@ -18,9 +18,11 @@ struct rad_hemicell {
     double p[3];      /* where the cell's first ray ended, relative to the
                        * point, in the hemisphere's frame */
     float lum;        /* luminance of the first ray */
-    float near;       /* 1 / distance of the nearest end of a ray [1/unit]; seen
-                       * through a pane, of what is behind the pane */
-    float wall;       /* likewise of the nearest surface, which may be a pane */
+    float near;       /* 1 / least distance that a ray of the cell shows
+                       * [1/unit]; through a pane: that of the surface behind
+                       * the pane */
+    float wall;       /* 1 / distance of the nearest surface that a ray of the
+                       * cell met, panes included [1/unit] */
     struct rad_rgb L; /* mean radiance of the cell */
 };
 
@@ -41,14 +43,16 @@ struct rad_hemi {
 /* How a hemisphere is to be sampled. */
 struct rad_hemi_plan {
     double normal[3];    /* unit, on the side to be sampled */
-    bool behind;         /* that is the far side of the surface r hit */
+    bool behind;         /* `normal` is on the far side of the surface that r
+                          * hit */
     struct rad_rgb coef; /* factor of E in r's radiance: the reflectance */
     double weight;       /* scales -ad and -as, in (0, 1] */
     bool store;          /* for a record: rays have the weight of a mean
                           * reflectance, and n is at least `side` */
     int side;
     const struct rad_bright *bright; /* places that may be seen; or NULL */
-    double usual;                    /* luminance that records see, about */
+    double usual;                    /* geometric mean of the luminances that
+                                      * records see */
     double far; /* the largest distance of cells' positions [unit]; without
                  * `store` all distances are 1 */
 };

@@ -18,12 +18,12 @@
  *     100000 sparse               700 620 392    440 590 242    310 520 184
  *
  * Records of each number of bounces have octrees of their own, since a look-up
- * wants those of one number; from ROOTS - 1 bounces on they share them.  Each
- * number has six octrees, by the axis that a record's normal is nearest to: so
- * where floor and walls are near each other, a look-up on the floor does not
- * pass the walls' records.  A look-up for a normal between two axes, or for a
- * ray of little weight, which takes records with other normals, walks several
- * octrees.
+ * wants records of a single number; from ROOTS - 1 bounces on records share
+ * octrees.  Each number has six octrees, by the axis that a record's normal is
+ * nearest to: so where floor and walls are near each other, a look-up on the
+ * floor does not pass the walls' records.  A look-up for a normal between two
+ * axes, or for a ray of little weight, which takes records with other normals,
+ * walks several octrees.
  *
  * Growth.  Nothing is moved, changed or freed until the whole cache is freed,
  * so a reader may keep pointers to what it has found.
@@ -58,7 +58,7 @@ enum { EMPTY, LOCAL, RECEIVED };
 /* An entry of the log. */
 struct entry {
     alignas(LINE) struct rad_ambitem item; /* [fixed] once ready */
-    struct rad_glint glint;                /* [fixed] likewise */
+    struct rad_glint glint;                /* [fixed] once ready */
     _Atomic unsigned char state;           /* EMPTY until ready */
 };
 
@@ -153,9 +153,9 @@ struct place {
 
 /* Records that go into the octree together.  The cells and lists that they
  * touch are seldom in the processor's caches.  So all records go down one level
- * at a time, and each prefetches what it needs next.  (One after the other, an
- * office's 25000 records from other workers took 800 nanoseconds each while
- * threads rendered.) */
+ * at a time, and for each the cell or list that it needs next is prefetched.
+ * (One after the other, an office's 25000 records from other workers take 800
+ * nanoseconds each while threads render.) */
 enum { TOGETHER = 16, MOST_PLACES = 8 * TOGETHER };
 
 struct bulk {

@@ -40,7 +40,7 @@ struct rad_ambitem {
 
 /* Set *item from *rec. */
 void rad_ambitem_set(struct rad_ambitem *item, const struct rad_ambrec *rec);
-/* Set *rec from *item; glint NULL: it has none. */
+/* Set *rec from *item; glint NULL: the record has none. */
 void rad_ambitem_get(const struct rad_ambitem *item,
                      const struct rad_glint *glint, struct rad_ambrec *rec);
 
@@ -56,23 +56,24 @@ rad_ambitem_across(const struct rad_ambitem *item, float across[3])
 }
 
 /* Add a copy of *rec, which must be sound: finite, its normal of about unit
- * length.  local: it was made by this worker.  False: out of memory. */
+ * length.  local: the record was made by this worker.  False: out of memory. */
 bool rad_ambcache_insert(struct rad_ambcache *c, const struct rad_ambrec *rec,
                          const struct rad_ambzone *zone, bool local);
-/* The same for n records, faster than one after the other. */
+/* Add copies of n records, as rad_ambcache_insert() does, but faster than one
+ * after the other. */
 bool rad_ambcache_insert_all(struct rad_ambcache *c,
                              const struct rad_ambrec *rec,
                              const struct rad_ambzone *zone, size_t n,
                              bool local);
 
-/* How far records may differ from a query; the same for many look-ups. */
+/* How far records may differ from a query; made once for many look-ups. */
 struct rad_ambfit {
     double sine;          /* of the angle between the normals; above 1: any */
     uint8_t turn, weight; /* the limits as bytes: struct probe's */
 };
 
-/* Let records fit whose normal has at least the cosine min_cos to the query's,
- * and whose weight is at least `weight`, or at least 1.27 if that is less. */
+/* Let records fit whose normal has at least the cosine min_cos to the query's
+ * normal, and whose weight is at least the lesser of `weight` and 1.27. */
 void rad_ambfit_set(struct rad_ambfit *fit, double min_cos, double weight);
 
 /* A query for records whose zone includes p, whose normal and weight fit, and
@@ -87,7 +88,7 @@ struct rad_ambquery {
  * records that nearly do (p is in the cube about the zone, or beyond it by up
  * to a seventh of its reach), so fn must test each.  If fn returns false it
  * wants no more records, but may still be called.
- * Small zones come before large ones.  Between sizes `more` is called with the
+ * Small zones come before large zones.  Between sizes `more` is called with the
  * least reach [scene units] of the zones that come next, and says whether they
  * are wanted.
  * Which records come does not depend on the order of insertion; the order in

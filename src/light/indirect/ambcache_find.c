@@ -4,7 +4,7 @@
  * places; their results are masked out.  C11 does not define such a load:
  * load16() relies on the compiler to make it one instruction, whose bytes do
  * not depend on each other.  ThreadSanitizer is told to overlook this load
- * alone; it sees all other accesses as they are without it.  */
+ * alone, and checks all other accesses. */
 #include "config.h"
 
 #include "light/indirect/ambcache_impl.h"
@@ -39,12 +39,13 @@ rad_ambfit_set(struct rad_ambfit *fit, double min_cos, double weight)
     fit->weight = (uint8_t)weight_steps(weight);
 }
 
-/* The normals that are nearest to one axis lie on its side of four planes, such
- * as x = y.  If n is on the other side of one, the sine of its angle to such
- * normals is at least its distance to that plane: if this is more than
- * fit->sine, and a little more, since normals are not quite of unit length, the
- * face is ruled out.  These normals are also within 55 degrees of their axis,
- * so an axis more than 145 degrees from n is ruled out. */
+/* The normals of a face, which are nearest to its axis, lie on the axis' side
+ * of four planes, such as x = y.  If n is on the other side of such a plane,
+ * the sine of its angle to these normals is at least its distance to the plane:
+ * if that distance is above fit->sine, with a margin, since normals are not
+ * quite of unit length, the face is ruled out.  These normals are also within
+ * 55 degrees of their axis, so an axis more than 145 degrees from n is ruled
+ * out. */
 unsigned
 rad_ambfit_faces(const struct rad_ambfit *fit, const double n[3])
 {
@@ -282,7 +283,8 @@ ascend(struct visit *v, const struct path *path)
     }
 }
 
-/* The same for several paths: all lists of one depth, then of the next. */
+/* Look at the lists of several paths, as ascend() does: all lists of one depth,
+ * then those of the next. */
 static void
 ascend_all(struct visit *v, const struct path *path, int n)
 {

@@ -29,8 +29,9 @@
  * once its bit in `ready` is set. */
 struct block {
     alignas(LINE) uint8_t at[3][WIDTH]; /* the record's point: place_byte() */
-    uint8_t reach[WIDTH];               /* of its zone, in the same steps */
-    uint8_t n[3][WIDTH];                /* its normal: normal_byte() */
+    uint8_t reach[WIDTH];               /* of the record's zone, in
+                                         * place_byte()'s steps */
+    uint8_t n[3][WIDTH];                /* the record's normal: normal_byte() */
     uint8_t weight[WIDTH];              /* weight_steps(), rounded up */
     struct block *next;                 /* [fixed] once pushed */
     _Atomic uint32_t taken;             /* places given out; may pass LANES */
@@ -61,9 +62,9 @@ clamp(double x, double lo, double hi)
 
 /* A coordinate relative to a cell's corner, in sides of the cell, as a byte:
  * STEPS to the side, and half a side before and behind, for records outside the
- * cell that reach into it.  Coordinates farther out are moved there, which
- * brings no two of them farther apart.  Two bytes differ by at most one step
- * more than the coordinates. */
+ * cell that reach into it.  Coordinates beyond that range are moved to its
+ * ends, which brings no two of them farther apart.  Two bytes differ by at most
+ * one step more than the coordinates. */
 static inline uint8_t
 place_byte(double x)
 {
@@ -92,8 +93,8 @@ normal_byte(double x)
     return (uint8_t)(lrint(clamp(x, -1, 1) * NORMAL_STEPS) + 128);
 }
 
-/* Which of six: twice the axis that n is nearest to, plus 1 if it is negative.
- */
+/* The face of a normal, 0 to 5: twice the axis that n is nearest to, plus 1 if
+ * n's component along that axis is negative. */
 static inline int
 face_of(const float n[3])
 {

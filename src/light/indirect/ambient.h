@@ -25,13 +25,14 @@ struct rad_ambient;
  * field. */
 struct rad_ambrec {
     double p[3];            /* position */
-    float n[3];             /* unit normal of the side it was made on */
+    float n[3];             /* unit normal of the side that the record is for */
     float u[3];             /* unit vector of the smaller radius, in the tangent
                              * plane; the other axis is n x u */
     float radius[2];        /* validity radii along u and n x u, smaller first
                              * [scene units] */
-    float weight;           /* ray weight it was made for */
-    uint16_t level;         /* diffuse bounces before it, 0 for a primary ray */
+    float weight;           /* ray weight that the record was made for */
+    uint16_t level;         /* diffuse bounces before the record, 0 for a
+                             * primary ray */
     struct rad_rgb E;       /* indirect irradiance [W/m^2] */
     float gpos[2];          /* translation gradient of ln E along u, n x u
                              * [1/unit], the same for all channels */
@@ -88,8 +89,8 @@ void rad_ambient_cube(const struct rad_ambient *amb, double org[3],
                       double *side);
 
 /* Insert a record that came from another worker.  False: refused (not finite,
- * not plausible in this scene, or memory is out); then it is made again where
- * it is needed. */
+ * not plausible in this scene, or memory is out); then the record is made again
+ * where it is needed. */
 bool rad_ambient_insert(struct rad_ambient *amb, const struct rad_ambrec *rec);
 
 /* Insert n records, RAD_AMBIENT_TOGETHER at a time, which takes half as long as
@@ -114,8 +115,8 @@ struct rad_ambplace {
 };
 
 /* Interpolate E at a place; *E is untouched on a miss.  Records of another
- * level, whose E has more or fewer bounces, or for clearly lighter rays do not
- * serve.
+ * level, whose E holds more or fewer bounces, and records made for clearly
+ * lighter rays do not serve.
  * Returns the summed record weight, 0 on a miss; cannot fail.  Takes no lock.
  *   counts  work of the rays that test for light leaks is added
  *   rays    the number of these rays is added */

@@ -22,30 +22,30 @@
 /* With ctx->glance, a hemisphere has this part of its rays. */
 #define GLANCE_SHARE (1. / 16)
 
-/* This part of a record's rays is enough for a place that a frozen cache lacks
- * and that one pixel shows, unless it is a sensor; and for deeper records of a
- * tile that has traced its share of rays. */
+/* This part of a record's rays is enough where the frozen cache lacks a record
+ * for a place that a single pixel shows, unless the pixel is a sensor; and for
+ * deeper records of a tile that has traced its share of rays. */
 #define ALONE_SHARE .25
 
 /* The fewest cells along a side of a hemisphere.  A place that a picture shows
- * needs gradients.  A deep place that a frozen cache lacks is needed by one ray
- * of a hemisphere alone, one of many samples; and in a cleft that the passes
- * missed each ray needs such a place of its own. */
+ * needs gradients.  A record that a frozen cache lacks at a deep place is
+ * needed by a single ray, one of the many samples of a hemisphere; and in a
+ * cleft that the passes missed each ray needs such a record of its own. */
 #define SIDE_SHOWN 7
 #define SIDE_DEEP  5
 #define SIDE_ALONE 2
 
-/* Records for light rays are made for this part of the weight of rays that have
- * been reflected as often. */
+/* Records for rays of little weight are made for this part of the usual weight
+ * of rays that have been reflected as often. */
 #define LIGHT .125
 
 /* --- making records --- */
 
 /* The weight for which a record is made: the usual weight of a ray that has
  * been reflected as often, or LIGHT times that for much lighter rays.  (A
- * record does not serve rays that are heavier than its weight: if it had just
- * that of the ray, rays of slightly different weights would each make theirs.)
- */
+ * record does not serve rays that are heavier than its weight: if a record had
+ * just the weight of its ray, rays of slightly different weights would each
+ * make a record.) */
 static float
 record_weight(const struct rad_ambplace *at)
 {
@@ -80,7 +80,7 @@ usual_luminance(const struct rad_ambient *amb, const struct rad_ambtile *tile)
     return n > 0 ? rad_exp(sum / n) : 0;
 }
 
-/* Does a record that is made now serve one pixel alone?  Yes, with a frozen
+/* Does a record that is made now serve a single pixel?  Yes, with a frozen
  * cache, unless a tile or a check makes it. */
 static bool
 is_alone(const struct rad_ctx *ctx)
@@ -88,8 +88,8 @@ is_alone(const struct rad_ctx *ctx)
     return ctx->job->ambient->frozen && !ctx->fresh && !ctx->tile;
 }
 
-/* Is it a sensor's own place?  It is served by records within -aa alone, or
- * gets a record of its own with all samples. */
+/* Is the place a sensor's own?  Such a place is served by records within -aa
+ * alone, or gets a record of its own with all samples. */
 static bool
 is_sensors(const struct rad_ctx *ctx, const struct rad_ambplace *at)
 {
@@ -187,9 +187,9 @@ make_record(struct rad_ctx *ctx, const struct rad_ray *r,
     return ok;
 }
 
-/* Without a cache: sample the hemisphere for this place alone.  If it has few
- * cells, or the rays of some were refused, textures do not tilt the normal, as
- * in rpict. */
+/* Without a cache: sample the hemisphere for this place alone.  If the
+ * hemisphere has few cells, or the rays of some cells were refused, textures do
+ * not tilt the normal, as in rpict. */
 static bool
 sample_here(struct rad_ctx *ctx, const struct rad_ray *r,
             const struct rad_ambplace *at, bool behind,

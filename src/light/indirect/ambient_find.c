@@ -5,9 +5,9 @@
  * angle: so E does not jump where a zone ends.
  *
  * A record serves rays of its own level alone.  A record of a lower level holds
- * the light of more bounces than a deeper ray has left, which would make up to
- * twice as many bounces as -ab says: with -ab 4 the Cornell box was 1.6 % too
- * bright however fine the cache.
+ * the light of more bounces than a deeper ray has left: served by such records
+ * light would bounce up to twice as often as -ab says, which with -ab 4 makes
+ * the Cornell box 1.6 % too bright, however fine the cache.
  *
  * Light leaks.  A record that was made near a wall which does not reach down to
  * the record's surface must not serve beyond the wall.  So a record remembers
@@ -20,7 +20,8 @@
 #include "arith/elementary.h"
 #include "base/vec.h"
 
-/* Larger zones are left out if the weights of smaller ones sum to this. */
+/* Records with larger zones are left out if the weights of records with smaller
+ * zones sum to this. */
 #define ENOUGH_WEIGHT .05
 
 /* The test for a light leak takes a ray.  If the question is only whether some
@@ -111,7 +112,7 @@ struct search {
     float behind;  /* least height over a record's surface where it serves */
     double serves; /* weight of records within aa, found so far */
     double weight; /* of all records found so far */
-    double E[3];   /* weighted sum */
+    double E[3];   /* weighted sum of the records' E */
     /* sums for the expected error: weighted, of squared luminances and of
      * variances of smoothed values; and of squared weights */
     double lum2, var, w2;
@@ -307,8 +308,9 @@ found(const struct search *s)
                    (float)(s->E[2] / s->weight));
 }
 
-/* The expected squared error of the mean, over its square: what each record is
- * off by averages out; what they differ by may be an error of all. */
+/* The expected squared error of the mean, over its square.  The noise of single
+ * records averages out; by as much as records differ all of them may be wrong.
+ */
 static double
 doubt(const struct search *s)
 {

@@ -14,9 +14,9 @@
 
 #include <stdatomic.h>
 
-/* The reflectance that is assumed where the real one must not matter: each
- * bounce halves the weight of records, and -aw makes radiances of the records'
- * irradiances. */
+/* The reflectance that is assumed where the real reflectance must not matter:
+ * each bounce halves the weight of records, and -aw makes radiances of the
+ * records' irradiances. */
 #define RAD_AMBIENT_MEAN_REFLECTANCE .5
 
 /* For -aw, logarithms of luminances are summed as integers in this unit: such
@@ -37,8 +37,8 @@ struct rad_ambterms {
 struct rad_ambview {
     size_t n;
     struct rad_bright bright; /* places by the glints of these records */
-    /* sum of their luminances' logarithms [RAD_AMBIENT_LOG_UNIT], and how many
-     * luminances it has */
+    /* sum of the logarithms of these records' luminances
+     * [RAD_AMBIENT_LOG_UNIT], and the number of these luminances */
     int64_t log_sum, log_count;
 };
 
@@ -60,7 +60,7 @@ struct rad_ambient {
 };
 
 /* ambient.c: keep a sound record that the context made: in a live cache, or
- * with the context's tile.  False: it was not kept. */
+ * with the context's tile.  False: the record was not kept. */
 bool rad_ambient_keep(struct rad_ctx *ctx, const struct rad_ambrec *rec);
 
 /* Has the context's tile traced all rays that it may?  A hemisphere that is
@@ -84,11 +84,13 @@ void rad_ambient_set_terms(const struct rad_ambient *amb, float weight,
 
 /* How records are looked for. */
 struct rad_ambasker {
-    const struct rad_ambtile *tile; /* its own records serve, too; or NULL */
+    const struct rad_ambtile *tile; /* the tile's own records serve, too; or
+                                     * NULL */
     bool fresh; /* find nothing, as if there were no records */
     bool only;  /* find out whether any record serves; E is not wanted */
     bool near;  /* leave out records beyond -aa */
-    struct rad_ambserving *serving; /* gets what serves at level 0; or NULL */
+    struct rad_ambserving *serving; /* gets the records that serve at level 0;
+                                     * or NULL */
     struct rad_geom_counts *counts; /* work of rays that test for light leaks */
     uint64_t *rays;                 /* the number of these rays is added */
 };
@@ -98,7 +100,8 @@ struct rad_ambsaid {
     double serves;    /* weight of records within -aa; if it is positive, no
                        * further record is needed */
     double weight;    /* of all records found */
-    struct rad_rgb E; /* their mean, if weight is positive and !only */
+    struct rad_rgb E; /* mean of all records found, if weight is positive and
+                       * !only */
     double off;       /* expected squared error of E, over its square; 0 at a
                        * level above 0 */
 };
@@ -120,8 +123,9 @@ rad_dotf(const float a[3], const float b[3])
 }
 
 /* Set *factor, by which the record's E changes at the displacement u, v in its
- * plane, for a surface with normal pn; false: it is below the least.  The tilt
- * n x pn has the components -pn.across and pn.u. */
+ * plane, for a surface with normal pn; false: the factor is below the least,
+ * which *factor gets.  The tilt n x pn has the components -pn.across and pn.u.
+ */
 static inline bool
 rad_ambient_extrapolate(const struct rad_ambitem *it, const float across[3],
                         const float gpos[2], float u, float v,

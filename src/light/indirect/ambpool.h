@@ -20,7 +20,8 @@ struct rad_ambpool {
     size_t size;                           /* [fixed] of an item [bytes] */
     uint32_t chunk;                        /* [fixed] items of a chunk */
     struct rad_ambchunk *oldest;           /* [fixed] */
-    _Atomic(struct rad_ambchunk *) newest; /* a hint: the last but one, maybe */
+    _Atomic(struct rad_ambchunk *) newest; /* a hint: the last chunk, or the
+                                            * last but one */
 };
 
 /* Make a pool whose items have `size` bytes, a multiple of RAD_AMBPOOL_LINE, to

@@ -17,9 +17,9 @@
  * A cell is divided if its parts' lists take less to read than its own, by the
  * half of a block that a step down costs.  A part is taken to be looked up in
  * proportion to its number of records, for records are made where look-ups
- * miss.  Where all of them are in one part, as in a room that is small in its
- * scene, that part is taken for the cell: its list is no longer, and boxes in
- * it are told apart more finely.
+ * miss.  Where all records of a cell are in a single part, as in a room that is
+ * small in its scene, the part takes the cell's place: its list is no longer,
+ * and tells boxes apart more finely.
  * Copies are bounded: a tree has at most COPIES places for a record, or one
  * block.  When a cell is divided its bound is shared out among its parts, in
  * proportion to their blocks.  */
@@ -244,8 +244,8 @@ set_extent(struct extent *e, const struct rad_ambread *r, uint32_t item,
     e->size = (uint8_t)(MAX_DEPTH - depth_for(reach));
 }
 
-/* Which part of a cell a place is in, by numbers of the place along each axis
- * and the bit of these that tells. */
+/* The part of a cell that holds a place: by the numbers of the place along the
+ * axes and the bit of these that tells. */
 static inline unsigned
 part_number(const uint32_t number[3], int bit)
 {
@@ -253,9 +253,9 @@ part_number(const uint32_t number[3], int bit)
            (number[2] >> bit & 1) << 2;
 }
 
-/* Which cell of the octree. */
+/* A cell of the octree. */
 struct spot {
-    uint32_t cell[3]; /* its number along each axis, at its depth */
+    uint32_t cell[3]; /* the cell's number along each axis, at its depth */
     int depth;
 };
 
@@ -544,7 +544,7 @@ trim(struct build *b)
 }
 
 /* Make the tree of n extents, which are in the order of compare(), in place of
- * the old one.  False: out of memory; the old one stays. */
+ * the old tree.  False: out of memory; the old tree stays. */
 static bool
 make_tree(struct rad_ambread *r, int which, const struct extent *extent,
           size_t n)
@@ -833,8 +833,8 @@ read_size(struct reading *k, uint8_t size, struct finds *f)
     }
 }
 
-/* Read n lists together: the zones of one size of all lists, then of the next.
- */
+/* Read n lists together: the zones of one size in all lists, then those of the
+ * next size. */
 static void
 read_all(struct reading *list, int n, struct finds *f,
          rad_ambcache_more_fn *more)

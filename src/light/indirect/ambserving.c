@@ -30,7 +30,8 @@ rad_ambserving_scale(struct rad_ambserving *s, double lum)
     s->scaled = s->n;
 }
 
-/* The sum of products of shares in the same record. */
+/* The sum, over records that serve in both pixels, of the products of their
+ * shares.  A hemisphere for a pixel alone serves in no other pixel. */
 static double
 product(const struct rad_ambserving *a, const struct rad_ambserving *b)
 {

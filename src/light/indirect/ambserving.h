@@ -1,15 +1,15 @@
 /* ambserving.h - the records that serve in a pixel, for errors of areas
  *
- * What records are off by averages out over an area in which many serve, and
- * does not where the same ones serve everywhere.
+ * Errors of records average out over an area in which many records serve, and
+ * do not where the same few records serve everywhere.
  * Growth: none.  Thread: that of the context which fills it. */
 #ifndef RAD_LIGHT_AMBSERVING_H
 #define RAD_LIGHT_AMBSERVING_H
 
 #define RAD_AMBSERVING_MOST 128
 
-/* Each record of level 0, with its share of the pixel's luminance.  Of more
- * than there is room for the last are left out. */
+/* The records of level 0 that serve, each with its share of the pixel's
+ * luminance.  If there is no room for all, the last are left out. */
 struct rad_ambserving {
     int n, scaled; /* the shares from `scaled` on are in any unit */
     struct {
@@ -21,11 +21,13 @@ struct rad_ambserving {
 void rad_ambserving_add(struct rad_ambserving *s, const void *record,
                         double share);
 
-/* What was added since the last call brings so much luminance; if nothing was
- * added, a hemisphere for this pixel alone does. */
+/* Scale the shares of the records that were added since the last call, so that
+ * their sum is `lum`.  If none was added, a hemisphere for this pixel alone
+ * gets the share. */
 void rad_ambserving_scale(struct rad_ambserving *s, double lum);
 
-/* What was added since the last call does not serve after all. */
+/* Drop the records that were added since the last call of
+ * rad_ambserving_scale(): they do not serve after all. */
 static inline void
 rad_ambserving_forget(struct rad_ambserving *s)
 {
@@ -34,8 +36,9 @@ rad_ambserving_forget(struct rad_ambserving *s)
 
 /* The correlation of two pixels' errors, if the records' relative errors are
  * alike and do not depend on each other.  (Smoothed records share noise of
- * their neighbours, so it is somewhat more.)  1 if the same records serve in
- * the same parts, 0 if none serves in both. */
+ * their neighbours, so the correlation is somewhat more.)  1 if the same
+ * records serve in both pixels with the same shares, 0 if no record serves in
+ * both. */
 double rad_ambserving_common(const struct rad_ambserving *a,
                              const struct rad_ambserving *b);
 

@@ -37,7 +37,8 @@
 #define LESS_BY_BOUNCE .5
 
 /* As in rpict, no radius is larger than a fifth of the scene, or than 64 times
- * the smallest; without -ar, the smallest is well above rounding. */
+ * the smallest radius; without -ar the smallest radius is well above rounding.
+ */
 void
 rad_ambscale_set(struct rad_ambscale *s, double side,
                  const struct rad_params *par)
@@ -101,10 +102,10 @@ least_radius(const struct rad_ambscale *scale, double value)
 }
 
 /* Limit the radii r: E must not double over them, and they are not below
- * `least`.  Records for lighter and deeper rays get larger ones.  Where `least`
- * limits a radius E bends too much already: there the weight counts, but not
- * the bounces.  Else bright places would be spread over their dark surroundings
- * where a room is small in its scene. */
+ * `least`.  Records for lighter and deeper rays get larger radii.  Where
+ * `least` limits a radius E bends too much already: there the weight counts,
+ * but not the bounces.  Else bright places would be spread over their dark
+ * surroundings where a room is small in its scene. */
 static void
 limit_radii(const struct rad_ambscale *scale, const double gpos[2],
             double least, const struct rad_ambrec *rec, double r[2])
@@ -189,10 +190,10 @@ mean_distance(const struct rad_hemi *h)
 }
 
 /* The radii by how E bends along the axes.  Light that is a part s of E and
- * comes from a distance d bends E by about s / d^2; as much is taken for the
- * light that the mesh overlooks, d being the mean distance.  Without that a sun
- * patch which a few rays meet before a dark wall would be taken for light that
- * is the same everywhere, and one record would serve a whole room. */
+ * comes from a distance d bends E by about s / d^2; the same is assumed of the
+ * light that the mesh overlooks, with the mean distance for d.  Without this a
+ * sun patch which a few rays meet before a dark wall would be taken for light
+ * that is the same everywhere, and one record would serve a whole room. */
 static void
 bent_radii(const struct rad_ambscale *scale, const struct rad_hemi *h,
            const struct rad_gradients *g, const double value[2], double r[2])

@@ -38,12 +38,13 @@ rad_ambscale_reach(const struct rad_ambscale *scale, int level)
  * mean over all directions [scene units]. */
 double rad_ambscale_linear(const struct rad_ambscale *scale,
                            const float radius[2]);
-/* The second derivative of E over E that gives these radii, likewise. */
+/* The second derivative of E over E that gives these radii, a mean over all
+ * directions [1/unit^2]. */
 double rad_ambscale_bend(const struct rad_ambscale *scale,
                          const float radius[2]);
 
-/* The part of -ad and -as that a record gets: 1 for one that a pixel shows
- * unattenuated, less for lighter and deeper rays. */
+/* The part of -ad and -as that a record gets: 1 for a record that a pixel shows
+ * unattenuated, less for records of lighter and deeper rays. */
 double rad_ambrec_worth(const struct rad_ambrec *rec);
 
 /* Set axes, radii, gradients and corral of *rec, whose hemisphere is h.  The

@@ -34,7 +34,7 @@ void rad_ambsmooth_release(struct rad_ambsmooth *s);
 /* The memory that s takes [bytes]. */
 size_t rad_ambsmooth_bytes(const struct rad_ambsmooth *s);
 
-/* Set *v to the smoothed value of record i; false: it has none. */
+/* Set *v to the smoothed value of record i; false: record i has none. */
 static inline bool
 rad_ambsmooth_at(const struct rad_ambsmooth *s, size_t i,
                  struct rad_smooth_value *v)
@@ -45,8 +45,8 @@ rad_ambsmooth_at(const struct rad_ambsmooth *s, size_t i,
     return true;
 }
 
-/* Set *v to the smoothed value of a record that is not among them, and that one
- * pixel shows; false: there are no smoothed records. */
+/* Set *v to the smoothed value of a record that is not among the n records, and
+ * that a single pixel shows; false: there are no smoothed records. */
 bool rad_ambsmooth_beside(const struct rad_ambsmooth *s,
                           const struct rad_ambitem *item,
                           struct rad_smooth_value *v);

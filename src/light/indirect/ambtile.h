@@ -12,21 +12,22 @@
 #include "light/indirect/ambcache.h"
 
 struct rad_ambtile {
-    const struct rad_ambview *view; /* state of the frozen cache that it sees */
-    struct rad_ambcache *own;       /* its records; NULL: it has none yet */
-    uint32_t levels;                /* levels of its records, as bits */
+    const struct rad_ambview *view; /* state of the frozen cache that the tile
+                                     * sees */
+    struct rad_ambcache *own;       /* the tile's records; NULL: none yet */
+    uint32_t levels;                /* levels of the tile's records, as bits */
     bool failed;                    /* memory was out: records are missing */
-    uint32_t made;                  /* number of its records of `level` */
+    uint32_t made;                  /* count of the tile's records of `level` */
     int level;     /* of the records that the pass is for; records of other
                     * levels serve a little farther than -aa */
     uint64_t most; /* when the context has counted so many ambient_rays, deeper
                     * records are made with fewer rays */
-    uint64_t end;  /* when it has counted so many, no record is made: a
+    uint64_t end;  /* when the context has counted so many, no record is made: a
                     * hemisphere under way is given up */
 };
 
-/* Begin a tile whose records ctx makes.  It sees the frozen cache as it was
- * before the last `behind` calls of rad_ambient_settle().  most and end are
+/* Begin a tile whose records ctx makes.  The tile sees the frozen cache as it
+ * was before the last `behind` calls of rad_ambient_settle().  most and end are
  * unlimited; the caller may set them.  *tile must live until rad_ambtile_end().
  */
 void rad_ambtile_begin(struct rad_ambtile *tile, struct rad_ctx *ctx, int level,

@@ -1,25 +1,27 @@
 /* contrast.h - how further samples are shared out among the cells of a grid
  *
- * Each cell has one sample.  Its share of the further samples grows with its
- * expected deviation: with how much the samples of the cells around it differ,
- * and with a mean square that the caller knows of the cell.
+ * Each cell has one sample.  A cell's share of the further samples grows with
+ * its expected deviation: with the differences between the samples of the cells
+ * around it, and with a mean square that the caller knows of the cell.
  * A cell's own sample must not change its share.  Else a cell that drew a
- * bright sample would get more samples and be averaged down, one that drew a
+ * bright sample would get more samples and be averaged down, a cell that drew a
  * dark sample would not, and the mean would be too dark.  Shares are parts of
- * the sum over all cells, so a bright sample that raises the shares of the
- * cells around would lower its own cell's share, and count for up to twice its
- * light: a cell's share is of the sum as it is without its own sample. */
+ * the deviations' sum over all cells.  A bright sample raises the deviations of
+ * the cells around it; by the plain sum it would so lower its own cell's share,
+ * and count for up to twice its light.  So each cell's share is a part of the
+ * sum as it is without the cell's own sample. */
 #ifndef RAD_LIGHT_CONTRAST_H
 #define RAD_LIGHT_CONTRAST_H
 
 struct rad_contrast {
     double lum;    /* luminance of the cell's one sample */
     double square; /* mean square of luminance that is known of the cell */
-    double share;  /* set to the cell's share of the further samples; the sum of
-                    * all is about 1, or 0 if no luminance differs and all
-                    * squares are 0 */
-    /* inside only: the number of cells around it, the sum of their luminances
-     * and that of the squares of these; the deviation expected of the cell */
+    double share;  /* set to the cell's share of the further samples; the shares
+                    * of all cells sum to about 1, or to 0 if no luminance
+                    * differs and all squares are 0 */
+    /* inside only: the number of cells around this cell, the sums of their
+     * luminances and of the squares of these; the deviation expected of the
+     * cell */
     int around;
     double sum, sum2, noise;
 };

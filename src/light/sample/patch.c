@@ -86,9 +86,10 @@ enum { CHORDS = 24, MOST_CORNERS = 2 * (CHORDS + 1) };
 /* The part of a patch above the horizon, relative to the point that sees it. */
 struct risen {
     double F[3];           /* its flux */
-    double aim[3], height; /* highest place to aim at, and its height; height
-                            * 0: all of these are below the horizon */
-    double middle[3];      /* the place to aim at then: the mean corner */
+    double aim[3], height; /* highest place to aim at, and its height; height 0:
+                            * all places tried are below the horizon */
+    double middle[3];      /* the place to aim at where height is 0: the mean
+                            * corner of the part */
 };
 
 /* Add `sign` times the flux of the part of a polygon above the horizon of `up`.
@@ -198,9 +199,10 @@ is_next_to_risen(const struct rad_source *src,
            rad_dot(near, view->up) > 0;
 }
 
-/* Chords are imprecise for a point next to an arc.  There the flux is that of
- * the whole sector, by its arcs, less that of the part below the horizon, by
- * chords; elsewhere it is that of the part above, by chords. */
+/* Chords are imprecise for a point next to an arc.  There the flux of the part
+ * below the horizon, by chords, is subtracted from the flux of the whole
+ * sector, by its arcs; elsewhere the flux of the part above is computed by
+ * chords. */
 static void
 rise_sector(struct risen *sum, const struct rad_source *src,
             const struct rad_light_view *view, const struct rad_patch *p)

@@ -24,7 +24,8 @@ struct rad_patch {
         RAD_PATCH_LINE,
         RAD_PATCH_GROUP
     } kind;
-    int budget;                      /* how many patches it may be cut into */
+    int budget;                      /* how many patches this patch may be cut
+                                      * into */
     double p[3], u[3], v[3];         /* LINE, a stretch of cylinder: centre and
                                       * half-axis u; TRIANGLE: corner, sides */
     double r0, r1, phi, delta;       /* SECTOR of a ring: inner and outer
@@ -46,14 +47,14 @@ rad_ring_point(const struct rad_source *src, double r, double phi, double p[3])
         p[k] = src->centre[k] + s * (x * src->axis[0][k] + y * src->axis[1][k]);
 }
 
-/* Add the flux of patch p, no LINE, toward `at` to F.  It is negative if the
- * patch's corners, seen from there, go round clockwise. */
+/* Add the flux toward `at` of patch p, which is no LINE, to F.  The flux is
+ * negative if the patch's corners, seen from `at`, go round clockwise. */
 void rad_patch_flux(double F[3], const struct rad_source *src,
                     const double at[3], const struct rad_patch *p);
 
-/* Make the sample of a patch, no LINE, that may lie across the horizon of
- * view->up.  It aims at a place above the horizon, and dir and omega are the
- * flux of the part above.  False: no light comes from above. */
+/* Make the sample of patch p, which is no LINE and may lie across the horizon
+ * of view->up.  The sample aims at a place above the horizon; its dir and omega
+ * are the flux of the part above.  False: no light comes from above. */
 bool rad_patch_risen(struct rad_light_sample *s, const struct rad_source *src,
                      const struct rad_light_view *view,
                      const struct rad_patch *p);

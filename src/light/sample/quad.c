@@ -23,12 +23,13 @@ enum { LEVELS = 6 };
 
 /* A part's variance over its squared distance up to which the expansion to
  * second order is off by 3e-3 at most.  A part that could not be cut further,
- * since it is one of 64, may be above it: it gets the flux of its outline. */
+ * since there are 64 parts at most, may exceed this variance: such a part gets
+ * the flux of its outline. */
 #define FAR_VARIANCE .02
 
-/* The same bound for parts that are as small as -ds asks, where that is large,
- * as for rays of little weight: with parts below it the mean over all places is
- * too bright by 3e-3, with parts up to .5 by a fifth. */
+/* This bound for parts that are as small as -ds asks, where view->sizerat is
+ * large, as for rays of little weight: with variances below the bound the mean
+ * over all places is too bright by 3e-3, with variances up to .5 by a fifth. */
 #define COARSE_VARIANCE .05
 
 typedef double pair __attribute__((vector_size(16)));
@@ -38,7 +39,7 @@ typedef double pair __attribute__((vector_size(16)));
  * stores of all elements are done. */
 struct part {
     double x, y, z; /* middle, relative to the point */
-    double s, t;    /* its axes over those of the whole */
+    double s, t;    /* its axes over the axes of the whole */
     int budget;     /* how many parts it may be cut into */
 };
 
@@ -182,9 +183,9 @@ along(pair e)
     return f;
 }
 
-/* A factor of the correction across c, whose inverse square is per2, that makes
- * it at most half as long as c: so the flux points at the part even where the
- * expansion does not hold. */
+/* The factor that cuts the correction across c to half the length of c at most
+ * (per2 is the inverse square of that length): so the flux points at the part
+ * even where the expansion does not hold. */
 static pair
 across(const pair corr[3], pair per2)
 {

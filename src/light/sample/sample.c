@@ -53,8 +53,8 @@ next_rand(struct walk *w)
 
 /* --- moments of patches --- */
 
-/* Of a stretch of cylinder: its strip has no second axis, since its width is
- * part of the formula (see above). */
+/* The moments of a stretch of cylinder: its strip has no second axis, since its
+ * width is part of the formula (see above). */
 static void
 line_moments(struct rad_moments *m, const double c[3], const double u[3],
              double radius)
@@ -66,9 +66,9 @@ line_moments(struct rad_moments *m, const double c[3], const double u[3],
     m->area = 4 * radius * sqrt(rad_dot(u, u));
 }
 
-/* Of a part of a ring between two radii and two angles.  The centroid is at
- * radius rc on the middle angle, and <r^2> = (r0^2 + r1^2) / 2 is shared
- * between the two directions by the means of cos^2 and sin^2. */
+/* The moments of a sector, a ring's part between two radii and two angles.  The
+ * centroid is at radius rc on the middle angle, and <r^2> = (r0^2 + r1^2)/2 is
+ * shared between the two directions by the means of cos^2 and sin^2. */
 static void
 sector_moments(struct rad_moments *m, const struct rad_source *src,
                const struct rad_patch *p)
@@ -391,8 +391,8 @@ jittered_point(struct walk *w, const struct rad_patch *p, double d[3])
     }
 }
 
-/* Set dir and omega to the exact flux of a patch; false: it is far away, or has
- * no flux, so second_order() is to be used. */
+/* Set dir and omega to the exact flux of a patch; false: the patch is far away,
+ * or has no flux, so second_order() is to be used. */
 static bool
 exact(struct rad_light_sample *s, const struct walk *w,
       const struct rad_patch *p, const struct rad_moments *m)
@@ -452,7 +452,8 @@ flat_sample(struct walk *w, const struct rad_patch *p,
  *   axis  the cylinder's axis, a unit vector
  *   perp  unit vector from the point to the axis, perpendicular to it
  *   h     distance of the point to the axis
- * False: it is far away, or has no flux, so second_order() is to be used. */
+ * False: the stretch is far away, or has no flux, so second_order() is to be
+ * used. */
 static bool
 line_flux(struct rad_light_sample *s, const struct walk *w,
           const struct rad_patch *p, const double axis[3], const double perp[3],
@@ -488,8 +489,8 @@ line_flux(struct rad_light_sample *s, const struct walk *w,
  * perp and h are those of line_flux().  Let `lat` be the sine of the angle
  * between the point and perp, about the axis' direction through view->p: it is
  * uniform in (-r/h, r/h), and the point's height is uniform on the stretch.
- * An element of both, at distance t in that plane and d in space, has the solid
- * angle t^2 / d^3. */
+ * At a distance t across the axis and d in space the solid angle is t^2 / d^3
+ * per unit of angle and of height. */
 static void
 wall_sample(struct rad_light_sample *s, struct walk *w,
             const struct rad_patch *p, const double axis[3],

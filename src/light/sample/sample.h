@@ -106,7 +106,7 @@ typedef void rad_light_fn(void *arg, const struct rad_light_sample *s);
  * reach. */
 bool rad_light_reaches(const struct rad_source *src, const double p[3]);
 
-/* The same as rad_light_samples() where rad_light_reaches() is known to be
+/* Call fn as rad_light_samples() does, where rad_light_reaches() is known to be
  * true. */
 void rad_light_samples_within(const struct rad_source *src,
                               const struct rad_light_view *view,

@@ -2,9 +2,8 @@
  *
  * Let x be a sample's terms 1, x, y, x^2, xy, y^2 and w its weight.  With the
  * moments M = sum w x x^T and the prior's weights D on the diagonal, the
- * coefficients are (M + D)^-1 sum w x E.  What the fit makes of the samples'
- * noise follows from M and from V = sum w^2 x x^T, so one loop over the samples
- * is enough. */
+ * coefficients are (M + D)^-1 sum w x E.  The noise of the fit follows from M
+ * and from V = sum w^2 x x^T, so one loop over the samples is enough. */
 #include "config.h"
 
 #include "light/smooth/quadric.h"
@@ -187,8 +186,9 @@ rad_quadric_fit(const struct rad_quadric_sample *s, int n, double width,
     left = freedom(K, &k);
     if (!(left > 0))
         return false;
-    /* the mean square that the fit leaves; then what is beyond the noise; then
-     * the noise of the fit itself, of the samples and of the prior */
+    /* first the mean square of what the fit leaves; then its part beyond the
+     * noise; then the noise of the fit itself is added, by the samples and by
+     * the prior */
     q->risk = (k.y2 - 2 * b[0] * k.y[0] + product(b, k.M, b)) / left;
     for (int i = 1; i < TERMS; i++)
         q->risk -= 2 * b[i] * k.y[i] / left;

@@ -29,13 +29,14 @@ struct rad_quadric {
     double slope[2];                /* of the luminance, at the point */
     double noise;                   /* variance of a sample's luminance */
     double risk; /* expected squared error of the luminance at the point: by
-                  * noise, and by how far samples are off the fit beyond it */
+                  * noise, and by how far samples are off the fit beyond their
+                  * noise */
 };
 
 /* The variance of a sample: the weighted mean of those of all samples within a
- * width of 1.  It serves fits of all widths.  By the samples within its own
- * width a narrow fit that missed a rare light would seem to have less noise, be
- * preferred, and lose the light. */
+ * width of 1.  It serves fits of all widths.  A narrow fit with the variance of
+ * just its own samples, if these missed a rare light, would seem to have less
+ * noise, be preferred, and lose that light. */
 double rad_quadric_noise(const struct rad_quadric_sample *s, int n);
 
 /* Fit n samples of variance `noise`; `bend` is the expected size of d, e and f

@@ -1,22 +1,22 @@
 /* smooth.c - see smooth.h
  *
  * Neighbours are found in a k-d tree.  Fits of several widths are tried, and
- * the fit with the least expected error is taken.  It errs by its noise, and by
- * how far its samples are off it beyond their own noise.  The value is a mean
- * of the fit and the place's own measurement, weighted by their expected
+ * the fit with the least expected error is taken.  A fit errs by its noise, and
+ * by how far its samples are off the fit beyond their own noise.  The value is
+ * a mean of the fit and the place's own measurement, weighted by their expected
  * errors.
  *
  * Samples are not weighted by their own variances: of two hemispheres beside a
- * small bright patch the one that hit it has the larger variance, and such
- * weights would lose the patch's light.
+ * small bright patch the hemisphere that hit the patch has the larger variance,
+ * and such weights would lose the patch's light.
  *
  * If one ray makes most of a place's E, its variance is large.  If such a place
  * is far above its neighbours too, it is cut down to LARGEST times their mean;
  * else it would be a splotch as wide as the fits.  But if more than FEW of the
  * neighbours have such a variance, they met the same light, which few rays
  * find: then all are averaged as they are.  A place without light, whose
- * variance is 0, is a sample like the others: without it the mean would be that
- * of the places that met light.
+ * variance is 0, is a sample like the others: without such samples the mean
+ * would be that of the places that met light.
  * Source of the tree: Bentley 1975. */
 #include "config.h"
 
@@ -32,8 +32,8 @@
 #define REACH 4
 
 /* At most so many neighbours.  If there are more, the distance within which
- * they are searched is multiplied by NEARER, down to NEAREST of the first
- * one. */
+ * they are searched is multiplied by NEARER, down to NEAREST times the first
+ * distance. */
 #define MOST_NEAR 160
 #define NEARER    .7
 #define NEAREST   1e-9
@@ -43,20 +43,22 @@
 /* How far neighbours may be off each other's plane, over their distance: the
  * sum for both, with signs that cancel on a round surface. */
 #define OFF_PLANE .05
-/* Places nearer than this, relative to the search, are not tested for that. */
+/* Places nearer than this, relative to the search distance, need not pass the
+ * tests for OFF_PLANE and for what stands between them. */
 #define ROUNDING 1e-6
 
 /* Turning a neighbour's E to the place's normal changes it at most by this
  * factor. */
 #define MOST_TURNED 2
 
-/* One ray may rule E if its variance, over its square, is larger than this. */
+/* A single ray may rule a place's E if the variance of E, over its square, is
+ * larger than this.  LARGEST and FEW: see above. */
 #define RULED   .25
 #define LARGEST 4
 #define FEW     2
 
-/* A place's `bend' is a mean over all directions; along one it may be so many
- * times as large. */
+/* A place's `bend' is a mean over all directions; along a single direction E
+ * may bend so many times as much. */
 #define SHARPEST 6
 
 /* States of a value: not made, being stored, stored. */
@@ -407,7 +409,7 @@ share_of(const struct rad_quadric *q)
     return own < 1 ? rad_least(share, 1) : 0;
 }
 
-/* Set *v by fit q; false: a channel would be negative, or all be zero. */
+/* Set *v by fit q; false: a channel would be negative, or all channels zero. */
 static bool
 set_value(const struct search *k, const struct rad_quadric *q,
           struct rad_smooth_value *v)

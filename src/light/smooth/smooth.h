@@ -1,14 +1,15 @@
 /* smooth.h - irradiance at places on surfaces, smoothed over neighbours
  *
- * Places side by side see nearly the same, and each has measured its irradiance
- * with a noise of its own, whose variance is known.  A place's smoothed value
- * is a fit through its neighbours' measurements (quadric.h), as far as these
- * agree with the fit within their noise; where they do not, it is the place's
- * own measurement.  Places are no neighbours if their normals differ, if they
- * are off each other's plane, or if something that stands on the surface parts
+ * Places side by side have nearly the same irradiance, and each has measured
+ * its own with noise of a known variance.  A place's smoothed value is a fit
+ * through its neighbours' measurements (quadric.h), as far as these agree with
+ * the fit within their noise; where they do not, it is the place's own
+ * measurement.  Places are no neighbours if their normals differ, if they are
+ * off each other's plane, or if something that stands on the surface parts
  * them.
- * Values are made when they are asked for, each once: each of many workers
- * makes those that its part of the picture shows, and all make the same.
+ * A value is made when it is first asked for, and kept.  Each of many workers
+ * makes the values that its part of the picture shows; the value of a place is
+ * the same on all workers.
  * Units: lengths are scene units, E is irradiance [W/m^2].
  * Thread: one thread makes and frees a struct rad_smooth; any number of threads
  * may ask for values at once, and none waits for another.  */
@@ -27,18 +28,18 @@ struct rad_smooth_place {
     float gpos[2]; /* gradient of ln E along u, v [1/unit] */
     float gdir[2]; /* gradient of ln E for turns about u, v [1/rad] */
     float var;     /* variance of E's luminance over its square; negative: not
-                    * known: the place keeps E, and is nobody's neighbour */
+                    * known: the place keeps E, and is no neighbour of others */
     float reach;   /* distance within which E is about linear */
     float bend;    /* expected E'' / E, a mean over directions [1/unit^2] */
 };
 
-/* The smoothed value of a place; fields as above. */
+/* The smoothed value of a place; fields as of struct rad_smooth_place. */
 struct rad_smooth_value {
     float E[3], gpos[2], var;
 };
 
 /* Callbacks for n places, by number; are_parted(): does something stand between
- * two of them? */
+ * two places? */
 struct rad_smooth_source {
     const void *arg;
     uint32_t n;                                          /* below 2^30 */
