@@ -24,7 +24,8 @@ noinst_HEADERS = \
 	tests/parts.h \
 	tests/scratch.h \
 	tests/unit.h \
-	tests/world.h
+	tests/world.h \
+	tests/world_fixture.h
 EXTRA_DIST += \
 	tests/golden \
 	tests/scenes

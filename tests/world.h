@@ -53,14 +53,25 @@ world_options(struct world *w, const char *options)
     }
 }
 
-/* 0, or the code of what is wrong with the scene. */
+static inline void
+world_close(struct world *w)
+{
+    if (w->job)
+        rad_ctx_release(&w->ctx);
+    rad_job_free(w->job);
+    rad_scene_free(w->scene);
+    memset(w, 0, sizeof *w);
+}
+
+/* In place of what w was, which is all zero at first.  0, or the code of what
+ * is wrong with the scene. */
 static inline int
 world_try(struct world *w, const char *text, const char *options,
           const struct rad_files *files)
 {
     int rc;
 
-    memset(w, 0, sizeof *w);
+    world_close(w);
     rad_params_init(&w->params);
     world_options(w, options);
     w->scene = rad_scene_new();
@@ -83,22 +94,13 @@ world_open(struct world *w, const char *text, const char *options)
     ck_assert_msg(rc == 0, "%s: %s", w->err.where, w->err.what);
 }
 
-static inline void
-world_close(struct world *w)
-{
-    if (w->job)
-        rad_ctx_release(&w->ctx);
-    rad_job_free(w->job);
-    rad_scene_free(w->scene);
-}
-
 /* The scene is refused, for that reason, which names its first line. */
 static inline void
 world_refused(const char *text, const char *options,
               const struct rad_files *files, const char *problem)
 {
     char what[600];
-    struct world w;
+    struct world w = { 0 };
 
     ck_assert_int_lt(world_try(&w, text, options, files), 0);
     rad_error_format(&w.err, what, sizeof what);
@@ -142,7 +144,7 @@ world_glance(const char *text, const char *options,
              double dx, double dy, double dz)
 {
     struct rad_rgb L;
-    struct world w;
+    struct world w = { 0 };
     int rc = world_try(&w, text, options, files);
 
     ck_assert_msg(rc == 0, "%s: %s", w.err.where, w.err.what);

@@ -79,7 +79,7 @@ START_TEST(our_file_loses_nothing)
 {
     struct rad_error err = { 0 };
     struct ambfile a, b;
-    struct world w;
+    struct world w = { 0 };
     size_t len;
     char *bytes;
 
@@ -121,7 +121,7 @@ START_TEST(radiance_file_keeps_what_it_has_room_for)
 {
     struct rad_error err = { 0 };
     struct ambfile a, b;
-    struct world w;
+    struct world w = { 0 };
     size_t len;
     char *bytes;
 
@@ -179,7 +179,7 @@ START_TEST(what_does_not_fit_is_refused)
 {
     struct rad_error err = { 0 };
     struct ambfile a, b;
-    struct world w, v;
+    struct world w = { 0 }, v = { 0 };
     size_t len;
     char *bytes;
 
@@ -209,7 +209,7 @@ START_TEST(other_pixels_use_the_same_records)
 {
     struct rad_error err = { 0 };
     struct ambfile a, b;
-    struct world w, v;
+    struct world w = { 0 }, v = { 0 };
     size_t len;
     char *bytes;
 
@@ -241,7 +241,7 @@ START_TEST(second_run_makes_no_records)
     unlink(path);
     for (int run = 0; run < 2; run++) {
         struct ambfile a;
-        struct world w;
+        struct world w = { 0 };
 
         world_open(&w, ROOM, OPTIONS);
         a = file_of(&w, AMBFILE_OURS);
@@ -264,7 +264,7 @@ START_TEST(records_outside_the_scene_are_refused)
     int fd = mkstemp(path);
     struct rad_error err = { 0 };
     struct ambfile a;
-    struct world w, v;
+    struct world w = { 0 }, v = { 0 };
 
     ck_assert_int_ge(fd, 0);
     close(fd);
@@ -292,7 +292,7 @@ START_TEST(a_list_is_as_good_as_a_cache)
 {
     struct rad_error err = { 0 };
     struct wire_out list_of;
-    struct world w, v, other;
+    struct world w = { 0 }, v = { 0 }, other = { 0 };
     struct ambfile a;
     size_t len, len2;
     char *bytes, *bytes2 = NULL;

@@ -2,7 +2,7 @@
 #include "config.h"
 
 #include "tests/parts.h"
-#include "tests/world.h"
+#include "tests/world_fixture.h"
 
 #include "base/rng.h"
 #include "scene/meshfile.h"
@@ -10,6 +10,16 @@
 #include <math.h>
 
 #define MAT "void plastic m 0 0 5 .5 .5 .5 0 0\n"
+
+static struct parts parts;
+static const struct rad_files files = { parts_read, &parts };
+
+static void
+tear_down(void)
+{
+    world_tear_down();
+    parts_release(&parts);
+}
 
 /* One object at the scene's place, moved there by an instance. */
 static const struct {
@@ -36,13 +46,11 @@ static const struct {
 /* Rays meet the copy where they meet the thing itself. */
 START_TEST(instance_is_the_moved_thing)
 {
-    struct parts p = { .n = 0 };
-    struct rad_files files = parts_files(&p);
-    struct world a, b;
+    struct world a = { 0 }, b = { 0 };
     char text[256];
     int hits = 0;
 
-    parts_add_octree(&p, "part.oct", same[_i].text);
+    parts_add_octree(&parts, "part.oct", same[_i].text);
     snprintf(text, sizeof text, "void instance i\n%s\n0 0\n", same[_i].move);
     ck_assert_msg(world_try(&a, text, "", &files) == 0, "%s", a.err.what);
     world_open(&b, same[_i].moved, "");
@@ -77,7 +85,6 @@ START_TEST(instance_is_the_moved_thing)
     ck_assert_int_gt(hits, 30);
     world_close(&a);
     world_close(&b);
-    parts_release(&p);
 }
 END_TEST
 
@@ -85,28 +92,22 @@ END_TEST
  * does not turn it over as mirrored vertices would. */
 START_TEST(mirrored_normals_are_mirrored)
 {
-    struct parts p = { .n = 0 };
-    struct rad_files files = parts_files(&p);
     struct rad_span s = { { 1, 1, 5 }, { 0, 0, -1 }, 0, INFINITY };
     struct rad_geom_counts c = { 0 };
     struct rad_hit hit;
-    struct world w;
 
-    parts_add_octree(&p, "a.oct",
+    parts_add_octree(&parts, "a.oct",
                      MAT "m polygon p 0 0 12 0 0 0 4 0 0 4 4 0 0 4 0\n");
     ck_assert_int_eq(
         world_try(&w, "void instance i 2 a.oct -mx 0 0\n", "", &files), 0);
     s.org[0] = -1;
     ck_assert(rad_geom_nearest(w.job->geom, &s, &hit, &c));
     ck_assert_double_eq(hit.n[2], 1);
-    world_close(&w);
     ck_assert_int_eq(
         world_try(&w, "void instance i 2 a.oct -mz 0 0\n", "", &files), 0);
     s.org[0] = 1;
     ck_assert(rad_geom_nearest(w.job->geom, &s, &hit, &c));
     ck_assert_double_eq(hit.n[2], -1);
-    world_close(&w);
-    parts_release(&p);
 }
 END_TEST
 
@@ -114,24 +115,21 @@ END_TEST
  * met; the number of its copy gives its transform. */
 START_TEST(nested_copies_are_told_apart)
 {
-    struct parts p = { .n = 0 };
-    struct rad_files files = parts_files(&p);
     struct rad_geom_counts c = { 0 };
     struct rad_span s = { { 0, 0, 4 }, { 0, 0, -1 }, 0, INFINITY };
     struct rad_xform move;
     struct rad_hit hit;
     char name[16] = "0.oct", text[200];
-    struct world w;
     double x[3] = { 0, 0, 1 }, at = 0;
 
-    parts_add_octree(&p, name, MAT "m sphere s 0 0 4 0 0 0 .9\n");
+    parts_add_octree(&parts, name, MAT "m sphere s 0 0 4 0 0 0 .9\n");
     for (int i = 1; i <= 40; i++) {
         snprintf(text, sizeof text,
                  "void instance a 7 %d.oct -s .5 -t -.5 0 0 0 0\n"
                  "void instance b 7 %d.oct -s .5 -t .5 0 0 0 0\n",
                  i - 1, i - 1);
         snprintf(name, sizeof name, "%d.oct", i);
-        parts_add_octree(&p, name, text);
+        parts_add_octree(&parts, name, text);
         at = at / 2 + (i % 3 ? .5 : -.5); /* one of them */
     }
     ck_assert_int_eq(
@@ -144,8 +142,6 @@ START_TEST(nested_copies_are_told_apart)
     rad_xform_point(x, &move, x);
     ck_assert_double_eq_tol(x[0], at, 1e-15);
     ck_assert_double_eq_tol(x[2], 0x1p-40, 1e-20);
-    world_close(&w);
-    parts_release(&p);
 }
 END_TEST
 
@@ -176,19 +172,15 @@ START_TEST(modifier_replaces_theirs)
 {
     static const char lamp[] = "void light l 0 0 3 1e4 1e4 1e4\n"
                                "l sphere lamp 0 0 4 0 0 100 .5\n";
-    struct parts p = { .n = 0 };
-    struct rad_files files = parts_files(&p);
     char text[512];
-    struct world w;
     double alone;
 
     snprintf(text, sizeof text, "%s%s", lamp, MAT "m sphere s 0 0 4 0 0 0 1\n");
     world_open(&w, text, "");
     alone = world_see(&w, 5, 0, 6, -5, 0, -5).r;
     ck_assert_double_gt(alone, .01);
-    world_close(&w);
-    parts_add_octree(&p, "ball.oct", MAT "m sphere s 0 0 4 0 0 0 1\n");
-    parts_add_octree(&p, "outer.oct",
+    parts_add_octree(&parts, "ball.oct", MAT "m sphere s 0 0 4 0 0 0 1\n");
+    parts_add_octree(&parts, "outer.oct",
                      "void plastic white 0 0 5 1 1 1 0 0\n"
                      "white instance b 1 ball.oct 0 0\n");
     snprintf(text, sizeof text, "%s%s", lamp, materials[_i].scene);
@@ -196,9 +188,7 @@ START_TEST(modifier_replaces_theirs)
     ck_assert_double_eq_tol(world_see(&w, 5, 0, 6, -5, 0, -5).r,
                             materials[_i].times * alone, 1e-6 * alone);
     /* one file, one reading, however many copies (when it was made, once) */
-    ck_assert_int_le(p.list[0].reads, 2);
-    world_close(&w);
-    parts_release(&p);
+    ck_assert_int_le(parts.list[0].reads, 2);
 }
 END_TEST
 
@@ -230,16 +220,12 @@ START_TEST(shadows_of_instances_are_their_materials)
         "void light l 0 0 3 1e4 1e4 1e4\nl sphere lamp 0 0 4 0 0 100 .5\n" MAT
         "m ring floor 0 0 8 0 0 0 0 0 1 0 50\n"
         "void glass clear 0 0 3 .9 .9 .9\nvoid alias stone m\n";
-    struct parts p = { .n = 0 };
-    struct rad_files files = parts_files(&p);
-    struct world w;
     char text[700];
     double alone;
 
     world_open(&w, room, "");
     alone = world_see(&w, 5, 0, 5, -5, 0, -5).r;
-    world_close(&w);
-    parts_add_octree(&p, "a.oct", shades[_i].part);
+    parts_add_octree(&parts, "a.oct", shades[_i].part);
     snprintf(text, sizeof text, "%s%s instance i 5 a.oct -t 0 0 20 0 0\n", room,
              shades[_i].modifier);
     ck_assert_int_eq(world_try(&w, text, "", &files), 0);
@@ -249,8 +235,6 @@ START_TEST(shadows_of_instances_are_their_materials)
         ck_assert_double_ge(seen, (shades[_i].least - 1e-6) * alone);
         ck_assert_double_le(seen, (shades[_i].most + 1e-6) * alone);
     }
-    world_close(&w);
-    parts_release(&p);
 }
 END_TEST
 
@@ -261,13 +245,10 @@ static const char *const copied_lights[] = { "void",
 
 START_TEST(lights_within_are_no_sources)
 {
-    struct parts p = { .n = 0 };
     char scene[200];
-    struct rad_files files = parts_files(&p);
-    struct world w;
 
     parts_add_octree(
-        &p, "lamp.oct",
+        &parts, "lamp.oct",
         "void light l 0 0 3 7 7 7\nl cone c 0 0 8 0 0 0 0 0 1 1 0\n"
         "l sphere lamp 0 0 4 0 0 9 1\n");
     snprintf(scene, sizeof scene,
@@ -277,8 +258,6 @@ START_TEST(lights_within_are_no_sources)
     ck_assert_int_eq(world_try(&w, scene, "", &files), 0);
     ck_assert_double_eq(world_see(&w, 9, 0, 12, -1, 0, 0).r, 7);
     ck_assert_double_eq(world_see(&w, 9, 0, 5, -1, 0, -1).r, 0);
-    world_close(&w);
-    parts_release(&p);
 }
 END_TEST
 
@@ -288,26 +267,20 @@ START_TEST(patterns_move_along)
 {
     static const char half[] =
         "void brightfunc f 2 if(Px,1,0) . 0 0\nf glow g 0 0 4 1 1 1 0\n";
-    struct parts p = { .n = 0 };
-    struct rad_files files = parts_files(&p);
     char text[400];
-    struct world w;
 
     snprintf(text, sizeof text, "%sg ring r 0 0 8 0 0 0 0 0 1 0 50\n", half);
-    parts_add_octree(&p, "a.oct", text);
+    parts_add_octree(&parts, "a.oct", text);
     ck_assert_int_eq(
         world_try(&w, "void instance i 5 a.oct -t 4 0 0 0 0\n", "", &files), 0);
     ck_assert_double_eq(world_see(&w, 5, 0, 9, 0, 0, -1).r, 1);
     ck_assert_double_eq(world_see(&w, 3, 0, 9, 0, 0, -1).r, 0);
-    world_close(&w);
     snprintf(text, sizeof text,
              "void brightfunc f 2 if(Px,1,0) . 0 0\nf plastic g 0 0 5 1 1 1 0 "
              "0\ng instance i 5 a.oct -t 4 0 0 0 0\n");
     ck_assert_int_eq(world_try(&w, text, "-av 1 1 1", &files), 0);
     ck_assert_double_eq(world_see(&w, 3, 0, 9, 0, 0, -1).r, 1);
     ck_assert_double_eq(world_see(&w, -3, 0, 9, 0, 0, -1).r, 0);
-    world_close(&w);
-    parts_release(&p);
 }
 END_TEST
 
@@ -315,12 +288,9 @@ END_TEST
  * later modifier wins, wherever a ray comes from. */
 START_TEST(ties_cross_the_border)
 {
-    struct parts p = { .n = 0 };
-    struct rad_files files = parts_files(&p);
     struct rad_geom_counts c = { 0 };
-    struct world w;
 
-    parts_add_octree(&p, "a.oct", MAT "m ring in 0 0 8 0 0 0 0 0 1 0 50\n");
+    parts_add_octree(&parts, "a.oct", MAT "m ring in 0 0 8 0 0 0 0 0 1 0 50\n");
     ck_assert_int_eq(world_try(&w,
                                "void plastic n 0 0 5 .5 .5 .5 0 0\n"
                                "n ring out 0 0 8 3 0 1 1 0 1 0 50\n"
@@ -339,8 +309,6 @@ START_TEST(ties_cross_the_border)
         if (rad_geom_nearest(w.job->geom, &s, &hit, &c))
             ck_assert_str_eq(w.scene->objects[hit.obj].name, "in");
     }
-    world_close(&w);
-    parts_release(&p);
 }
 END_TEST
 
@@ -359,14 +327,11 @@ static const struct {
 
 START_TEST(surfaces_in_copies_hold)
 {
-    struct parts p = { .n = 0 };
-    struct rad_files files = parts_files(&p);
     struct rad_geom_counts c = { 0 };
     double scale = places[_i].scale;
-    struct world w;
     char text[200];
 
-    parts_add_octree(&p, "b.oct", MAT "m sphere s 0 0 4 0 0 0 1\n");
+    parts_add_octree(&parts, "b.oct", MAT "m sphere s 0 0 4 0 0 0 1\n");
     snprintf(text, sizeof text, "void instance i %s 0 0\n", places[_i].move);
     ck_assert_int_eq(world_try(&w, text, "", &files), 0);
     for (uint64_t k = 0; k < 10000; k++) {
@@ -390,8 +355,6 @@ START_TEST(surfaces_in_copies_hold)
             ck_assert(rad_geom_nearest(w.job->geom, &s, &next, &c) &&
                       next.t > .3 * scale * -rad_dot(out, hit.n));
     }
-    world_close(&w);
-    parts_release(&p);
 }
 END_TEST
 
@@ -449,25 +412,20 @@ add_triangle(struct parts *p, const char *name, const char *mods, int modifier)
 
 START_TEST(what_cannot_be_is_refused)
 {
-    struct parts p = { .n = 0 };
-    struct rad_files files = parts_files(&p);
     char text[100], name[24], message[600];
-    struct world w;
 
-    parts_add_octree(&p, "a.oct", MAT "m sphere s 0 0 4 0 0 0 1\n");
-    add_wild(&p, "loop.oct", "void instance l 1 loop.oct 0 0\n");
-    add_triangle(&p, "q.rtm", MAT, 0);
+    parts_add_octree(&parts, "a.oct", MAT "m sphere s 0 0 4 0 0 0 1\n");
+    add_wild(&parts, "loop.oct", "void instance l 1 loop.oct 0 0\n");
+    add_triangle(&parts, "q.rtm", MAT, 0);
     for (int i = 1; i <= 70; i++) {
         snprintf(name, sizeof name, "deep%d.oct", i);
         snprintf(text, sizeof text, "void instance d 1 deep%d.oct 0 0\n",
                  i - 1);
-        add_wild(&p, name, text);
+        add_wild(&parts, name, text);
     }
     ck_assert_int_lt(world_try(&w, bad[_i].scene, "", &files), 0);
     rad_error_format(&w.err, message, sizeof message);
     ck_assert_ptr_nonnull(strstr(message, bad[_i].message));
-    world_close(&w);
-    parts_release(&p);
 }
 END_TEST
 
@@ -475,12 +433,9 @@ END_TEST
  * fewer levels. */
 START_TEST(copies_beyond_number_are_refused)
 {
-    struct parts p = { .n = 0 };
-    struct rad_files files = parts_files(&p);
     char name[16] = "0.oct", text[2000];
-    struct world w;
 
-    parts_add_octree(&p, name, MAT "m sphere s 0 0 4 0 0 0 .9\n");
+    parts_add_octree(&parts, name, MAT "m sphere s 0 0 4 0 0 0 .9\n");
     for (int i = 1; i <= 16; i++) {
         int n = 0;
 
@@ -489,16 +444,13 @@ START_TEST(copies_beyond_number_are_refused)
                          "void instance a 7 %d.oct -s .1 -t %d 0 0 0 0\n",
                          i - 1, k);
         snprintf(name, sizeof name, "%d.oct", i);
-        parts_add_octree(&p, name, text);
+        parts_add_octree(&parts, name, text);
     }
     ck_assert_int_eq(
         world_try(&w, "void instance i 1 15.oct 0 0\n", "", &files), 0);
-    world_close(&w);
     ck_assert_int_eq(
         world_try(&w, "void instance i 1 16.oct 0 0\n", "", &files), RAD_EDATA);
     ck_assert_ptr_nonnull(strstr(w.err.what, "2^64"));
-    world_close(&w);
-    parts_release(&p);
 }
 END_TEST
 
@@ -507,25 +459,21 @@ END_TEST
 
 /* The ray's hit in the instance of add_triangle()'s mesh. */
 static void
-hit_triangle(struct world *w, struct rad_ray *r, double x, double y)
+hit_triangle(struct rad_ray *r, double x, double y)
 {
-    world_ray(w, r, x, y, 9, 0, 0, -1);
-    rad_ray_trace(&w->ctx, r);
+    world_ray(&w, r, x, y, 9, 0, 0, -1);
+    rad_ray_trace(&w.ctx, r);
     ck_assert_int_ne(r->hit.obj, RAD_VOID);
 }
 
 START_TEST(mesh_normals_and_coordinates_lie_between_the_corners)
 {
-    struct parts p = { .n = 0 };
-    struct rad_files files = parts_files(&p);
     struct rad_ray r;
-    struct world w;
     double n[3];
 
-    add_triangle(&p, "q.rtm", MAT, 0);
+    add_triangle(&parts, "q.rtm", MAT, 0);
     ck_assert_int_eq(world_try(&w, "void mesh q 1 q.rtm 0 0\n", "", &files), 0);
-    hit_triangle(&w, &r, 1,
-                 1); /* a half of corner 0, a quarter of the others */
+    hit_triangle(&r, 1, 1); /* a half of corner 0, a quarter of the others */
     ck_assert_double_eq_tol(r.hit.t, 9, 1e-8);
     ck_assert_double_eq_tol(r.hit.n[2], 1, 1e-12);
     ck_assert_double_eq_tol(r.hit.uv[0], .375, 1e-8);
@@ -536,36 +484,28 @@ START_TEST(mesh_normals_and_coordinates_lie_between_the_corners)
     ck_assert_double_eq_tol(n[2], .8 / hypot(.3, .8), 2e-4);
     /* its own material, as the mesh has none */
     ck_assert_str_eq(w.scene->objects[r.hit.obj].name, RAD_MESH_FACE);
-    world_close(&w);
-    parts_release(&p);
 }
 END_TEST
 
 /* Turned by 90 degrees about z, x goes to y; mirrored, -x. */
 START_TEST(mesh_normals_turn_with_it)
 {
-    struct parts p = { .n = 0 };
-    struct rad_files files = parts_files(&p);
     struct rad_ray r;
-    struct world w;
     double n[3];
 
-    add_triangle(&p, "q.rtm", MAT, 0);
+    add_triangle(&parts, "q.rtm", MAT, 0);
     ck_assert_int_eq(
         world_try(&w, "void mesh q 5 q.rtm -s 2 -rz 90 0 0\n", "", &files), 0);
-    hit_triangle(&w, &r, -2, 2);
+    hit_triangle(&r, -2, 2);
     rad_ray_normal(&r, n);
     ck_assert_double_eq_tol(n[1], .3 / hypot(.3, .8), 2e-4);
     ck_assert_double_eq_tol(n[0], 0, 2e-4);
-    world_close(&w);
     ck_assert_int_eq(world_try(&w, "void mesh q 2 q.rtm -mx 0 0\n", "", &files),
                      0);
-    hit_triangle(&w, &r, -1, 1);
+    hit_triangle(&r, -1, 1);
     rad_ray_normal(&r, n);
     ck_assert_double_eq_tol(n[0], -.3 / hypot(.3, .8), 2e-4);
     ck_assert_double_eq_tol(n[2], .8 / hypot(.3, .8), 2e-4);
-    world_close(&w);
-    parts_release(&p);
 }
 END_TEST
 
@@ -597,19 +537,15 @@ static const struct {
 
 START_TEST(mesh_has_its_material_or_ours)
 {
-    struct parts p = { .n = 0 };
-    struct rad_files files = parts_files(&p);
     struct rad_ray r;
-    struct world w;
 
-    add_triangle(&p, "q.rtm", surfaces[_i].materials, surfaces[_i].modifier);
-    parts_add_octree(&p, "q.oct", "void mesh q 1 q.rtm 0 0\n");
+    add_triangle(&parts, "q.rtm", surfaces[_i].materials,
+                 surfaces[_i].modifier);
+    parts_add_octree(&parts, "q.oct", "void mesh q 1 q.rtm 0 0\n");
     ck_assert_msg(world_try(&w, surfaces[_i].scene, "-av 1 1 1", &files) == 0,
                   "%s", w.err.what);
-    hit_triangle(&w, &r, 1, 1);
+    hit_triangle(&r, 1, 1);
     ck_assert_double_eq_tol(r.L.r, surfaces[_i].L, 1e-5);
-    world_close(&w);
-    parts_release(&p);
 }
 END_TEST
 
@@ -630,13 +566,10 @@ START_TEST(closed_mesh_does_not_leak)
     static const double org[3] = { -2, -2, -2 };
     static const char *const moves[] = { "1 o.rtm", "3 o.rtm -s 1e-5",
                                          "9 o.rtm -rx 12 -ry 34 -t 5 6 7" };
-    struct parts p = { .n = 0 };
-    struct rad_files files = parts_files(&p);
     struct rad_geom_counts c = { 0 };
-    struct world w;
     char text[100];
 
-    parts_add_mesh(&p, "o.rtm", org, 4, v, 6, t, 8, MAT);
+    parts_add_mesh(&parts, "o.rtm", org, 4, v, 6, t, 8, MAT);
     snprintf(text, sizeof text, "void mesh o %s 0 0\n", moves[_i]);
     ck_assert_int_eq(world_try(&w, text, "", &files), 0);
     for (uint64_t k = 0; k < 20000; k++) {
@@ -659,8 +592,6 @@ START_TEST(closed_mesh_does_not_leak)
         ck_assert(rad_dot(hit.n, s.dir) > 0);
         ck_assert(rad_geom_occluded(w.job->geom, &s, RAD_VOID, NULL, &c));
     }
-    world_close(&w);
-    parts_release(&p);
 }
 END_TEST
 
@@ -670,16 +601,13 @@ END_TEST
 START_TEST(recorded_mesh_is_read)
 {
     const char *top = getenv("top_srcdir");
-    struct parts p = { .n = 0 };
-    struct rad_files files = parts_files(&p);
-    struct world w;
     char path[512];
 
     snprintf(path, sizeof path, "%s/tests/scenes/ball.rtm", top ? top : ".");
-    parts_add(&p, "ball.rtm");
-    p.list[0].file.bytes =
-        rad_file_read(path, 1 << 20, &p.list[0].file.len, NULL);
-    ck_assert_ptr_nonnull(p.list[0].file.bytes);
+    parts_add(&parts, "ball.rtm");
+    parts.list[0].file.bytes =
+        rad_file_read(path, 1 << 20, &parts.list[0].file.len, NULL);
+    ck_assert_ptr_nonnull(parts.list[0].file.bytes);
     ck_assert_int_eq(world_try(&w, "void mesh b 1 ball.rtm 0 0\n", "", &files),
                      0);
     ck_assert_uint_eq(w.scene->parts[0]->mesh->ntris, 572);
@@ -698,8 +626,6 @@ START_TEST(recorded_mesh_is_read)
         ck_assert_double_eq_tol(r.hit.uv[0], (r.hit.p[2] + 1.1) / 2.2, 1e-4);
         ck_assert_double_eq_tol(r.hit.uv[1], (r.hit.p[0] + 1.1) / 2.2, 1e-4);
     }
-    world_close(&w);
-    parts_release(&p);
 }
 END_TEST
 
@@ -720,11 +646,9 @@ END_TEST
 /* Every beginning of a mesh is refused with the place where it ends. */
 START_TEST(truncated_mesh_is_refused)
 {
-    struct parts p = { .n = 0 };
-
-    add_triangle(&p, "q.rtm", MAT, 0);
-    for (size_t len = 0; len < p.list[0].file.len; len++) {
-        struct rad_memory_in from = { p.list[0].file.bytes, len };
+    add_triangle(&parts, "q.rtm", MAT, 0);
+    for (size_t len = 0; len < parts.list[0].file.len; len++) {
+        struct rad_memory_in from = { parts.list[0].file.bytes, len };
         struct rad_stream in = rad_memory_stream(&from);
         struct rad_scene *s = rad_scene_new();
         struct rad_part part = { .n = 0 };
@@ -736,7 +660,6 @@ START_TEST(truncated_mesh_is_refused)
         rad_mesh_free(part.mesh);
         rad_scene_free(s);
     }
-    parts_release(&p);
 }
 END_TEST
 
@@ -746,6 +669,7 @@ main(void)
     Suite *s = suite_create("place");
     TCase *tc = tcase_create("place");
 
+    tcase_add_checked_fixture(tc, NULL, tear_down);
     tcase_add_loop_test(tc, instance_is_the_moved_thing, 0, N_ELEM(same));
     tcase_add_test(tc, mirrored_normals_are_mirrored);
     tcase_add_test(tc, nested_copies_are_told_apart);

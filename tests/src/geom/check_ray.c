@@ -1,7 +1,7 @@
 /* check_ray.c - tests of src/trace/ray.c: what starts a ray and ends it */
 #include "config.h"
 
-#include "tests/world.h"
+#include "tests/world_fixture.h"
 #include "base/rng.h"
 
 #include <stdio.h>
@@ -12,9 +12,9 @@
 
 /* A parent that has met something one unit away. */
 static void
-met(struct world *w, struct rad_ray *r, float weight, int level)
+met(struct rad_ray *r, float weight, int level)
 {
-    world_ray(w, r, 0, 0, 1, 0, 0, -1);
+    world_ray(&w, r, 0, 0, 1, 0, 0, -1);
     rad_ray_clear(r);
     r->hit.t = 1;
     r->hit.obj = 0;
@@ -46,10 +46,9 @@ START_TEST(limits_end_rays)
 {
     struct rad_rgb coef = rad_rgb(0, limit[_i].coef, limit[_i].coef / 2);
     struct rad_ray parent, r;
-    struct world w;
 
     world_open(&w, SKY, limit[_i].options);
-    met(&w, &parent, limit[_i].weight, limit[_i].level);
+    met(&parent, limit[_i].weight, limit[_i].level);
     ck_assert_int_eq(
         rad_ray_spawn(&w.ctx, &r, limit[_i].kind, &parent, &coef, 1),
         limit[_i].lives);
@@ -59,7 +58,6 @@ START_TEST(limits_end_rays)
         ck_assert_int_eq(r.level,
                          limit[_i].level + !!(limit[_i].kind & RAD_RAY_REFL));
     }
-    world_close(&w);
 }
 END_TEST
 
@@ -70,12 +68,11 @@ START_TEST(roulette_keeps_the_mean)
     enum { N = 100000 };
     struct rad_rgb coef = rad_rgb(.06f, .03f, 0);
     struct rad_ray parent, r;
-    struct world w;
     double sum = 0;
     int lived = 0;
 
     world_open(&w, SKY, "-lw .3 -lr -8");
-    met(&w, &parent, 1, 0);
+    met(&parent, 1, 0);
     for (int i = 0; i < N; i++) {
         parent.key = rad_key_pixel(0, 0, (uint32_t)i, 0);
         if (!rad_ray_spawn(&w.ctx, &r, RAD_RAY_REFLECTED, &parent, &coef, 1))
@@ -87,14 +84,12 @@ START_TEST(roulette_keeps_the_mean)
     }
     ck_assert_double_eq_tol(sum / N, .06, .012 * .06 * 2);
     ck_assert_double_eq_tol((double)lived / N, .2, .012);
-    world_close(&w);
 }
 END_TEST
 
 START_TEST(aft_plane_hides_what_lies_beyond)
 {
     struct rad_ray r;
-    struct world w;
 
     /* a void surface and a pane on the way do not move the plane */
     world_open(&w,
@@ -113,7 +108,6 @@ START_TEST(aft_plane_hides_what_lies_beyond)
     r.tmax = 1e6;
     rad_ray_trace(&w.ctx, &r);
     ck_assert_double_eq(r.L.r, 0);
-    world_close(&w);
 }
 END_TEST
 
@@ -136,7 +130,6 @@ START_TEST(distance_is_of_what_is_seen)
 {
     char text[1024];
     struct rad_ray r;
-    struct world w;
 
     snprintf(text, sizeof text,
              SKY "void plastic g 0 0 5 .5 .5 .5 0 0 g polygon q 0 0 12 -9 -9 "
@@ -149,7 +142,6 @@ START_TEST(distance_is_of_what_is_seen)
     world_ray(&w, &r, 0, 0, 2, 0, 0, 1);
     rad_ray_trace(&w.ctx, &r);
     ck_assert_double_eq(rad_ray_distance(&r), 1e10);
-    world_close(&w);
 }
 END_TEST
 
@@ -174,12 +166,10 @@ START_TEST(many_layers_pass_and_endless_ones_end)
 {
     static const int n[] = { 100, RAD_MAX_DEPTH - 10, 20000 };
     char *text = sheets("void illum m 0 0 3 0 0 0", n[_i]);
-    struct world w;
 
     world_open(&w, text, "-lw 0");
     ck_assert_double_eq_tol(world_see(&w, 0, 0, 1, 0, 0, -1).r,
                             n[_i] < RAD_MAX_DEPTH, 1e-6);
-    world_close(&w);
     free(text);
 }
 END_TEST
@@ -187,15 +177,12 @@ END_TEST
 /* Two facing mirrors that lose nothing: only the limits end it. */
 START_TEST(perfect_mirrors_end)
 {
-    struct world w;
-
     world_open(&w,
                "void metal m 0 0 5 1 1 1 1 0 m" SQUARE
                "m polygon t 0 0 12 -9 -9 2 -9 9 2 9 9 2 9 -9 2",
                "-lw 0 -lr 30000");
     ck_assert_double_eq(world_see(&w, 0, 0, 1, 0, 0, -1).r, 0);
     ck_assert_uint_eq(w.ctx.counts.rays, RAD_MAX_DEPTH + 1);
-    world_close(&w);
 }
 END_TEST
 
@@ -231,7 +218,6 @@ START_TEST(unsound_radiance_is_cut_off_and_counted)
     static const struct rad_files files = { empty_font, NULL };
     char text[512];
     struct rad_rgb c;
-    struct world w;
 
     snprintf(text, sizeof text, "%s" SQUARE, unsound[_i].text);
     ck_assert_int_eq(world_try(&w, text, "", &files), 0);
@@ -239,7 +225,6 @@ START_TEST(unsound_radiance_is_cut_off_and_counted)
     ck_assert(c.r == unsound[_i].L.r && c.g == unsound[_i].L.g &&
               c.b == unsound[_i].L.b);
     ck_assert_uint_eq(w.ctx.counts.unsound_rays, 1);
-    world_close(&w);
 }
 END_TEST
 
@@ -254,7 +239,6 @@ START_TEST(negative_radiance_darkens_what_reflects_it)
         "up polygon u 0 0 12 -9 -9 2 -9 9 2 9 9 2 9 -9 2\n";
     char text[512];
     struct rad_rgb c;
-    struct world w;
 
     snprintf(text, sizeof text, "%svoid metal m 0 0 5 .5 .5 .5 .5 0 m%s", above,
              SQUARE);
@@ -266,7 +250,6 @@ START_TEST(negative_radiance_darkens_what_reflects_it)
     c = world_see(&w, 0, 0, 1, 0, 0, 1);
     ck_assert_float_eq(c.r, 0);
     ck_assert_uint_eq(w.ctx.counts.unsound_rays, 1);
-    world_close(&w);
 }
 END_TEST
 
@@ -277,7 +260,6 @@ START_TEST(negative_shadow_keeps_other_channels)
     static const struct rad_files files = { empty_font, NULL };
     char text[512];
     struct rad_rgb c;
-    struct world w;
 
     snprintf(text, sizeof text,
              "void light l 0 0 3 100 100 100 l sphere s 0 0 4 0 0 3 .1\n"
@@ -292,7 +274,6 @@ START_TEST(negative_shadow_keeps_other_channels)
     ck_assert_float_gt(c.r, .01f);
     ck_assert_float_eq(c.g, 0);
     ck_assert_float_eq_tol(c.b, c.r * .5f / .7f, 1e-4f * c.r);
-    world_close(&w);
 }
 END_TEST
 
@@ -306,7 +287,6 @@ START_TEST(ray_does_not_depend_on_those_before_it)
     struct rad_rgb first[50], again;
     struct rad_ctx fresh;
     struct rad_ray r;
-    struct world w;
     int differ = 0;
 
     world_open(&w, text, "-ss 3 -lr -4 -lw .2 -dj .8");
@@ -329,7 +309,6 @@ START_TEST(ray_does_not_depend_on_those_before_it)
     }
     ck_assert_int_gt(differ, 25);
     rad_ctx_release(&fresh);
-    world_close(&w);
 }
 END_TEST
 
@@ -359,6 +338,7 @@ main(void)
     Suite *s = suite_create("ray");
     TCase *tc = tcase_create("ray");
 
+    tcase_add_checked_fixture(tc, NULL, world_tear_down);
     tcase_set_timeout(tc, 600); /* for busy machines */
     tcase_add_loop_test(tc, limits_end_rays, 0, N_ELEM(limit));
     tcase_add_test(tc, roulette_keeps_the_mean);

@@ -583,7 +583,7 @@ trace_room(struct world *w)
 START_TEST(rays_allocate_nothing)
 {
     unsigned long before, between, after;
-    struct world w;
+    struct world w = { 0 };
 
     world_open(&w,
                "void plastic grey 0 0 5 .5 .4 .3 0 0\n"

@@ -5,7 +5,7 @@
 #include "base/vec.h"
 #include "light/indirect/ambient.h"
 #include "tests/lambert.h"
-#include "tests/world.h"
+#include "tests/world_fixture.h"
 
 #include <pthread.h>
 #include <stdio.h>
@@ -14,13 +14,13 @@
 /* --- irradiance by sampling --- */
 
 static struct rad_rgb
-irradiance_up(struct world *w, double x, double y, double z)
+irradiance_up(struct world *in, double x, double y, double z)
 {
     static const double up[3] = { 0, 0, 1 };
     double p[3] = { x, y, z };
     struct rad_ray r;
 
-    rad_ray_irradiance(&w->ctx, &r, p, up,
+    rad_ray_irradiance(&in->ctx, &r, p, up,
                        rad_key_branch((uint64_t)(int64_t)(1000 * x),
                                       (uint64_t)(int64_t)(y * 7)));
     return r.L;
@@ -46,7 +46,6 @@ START_TEST(even_sky_gives_pi_times_its_radiance)
         "-ab 3 -aa .2 -ad 256 -as 0",         "-ab 1 -aa .2 -ad 256 -as 128",
         "-ab 1 -aa 0 -ad 64 -lr -4 -lw 1e-3",
     };
-    struct world w;
 
     world_open(&w, SKY, options[_i]);
     for (int k = 0; k < 10; k++) {
@@ -56,7 +55,6 @@ START_TEST(even_sky_gives_pi_times_its_radiance)
         ck_assert_double_eq_tol(E.g, 2 * M_PI, 1e-5);
         ck_assert_double_eq_tol(E.b, 3 * M_PI, 1e-5);
     }
-    world_close(&w);
 }
 END_TEST
 
@@ -76,7 +74,6 @@ START_TEST(textures_lean_where_cells_are_many)
         "void brightfunc f 2 1+Dx . 0 0\nf glow g 0 0 4 1 1 1 0\n"
         "g source sky 0 0 4 0 0 1 180\nvoid texfunc t 4 1 0 0 . 0 0\n"
         "t plastic p 0 0 5 1 1 1 0 0\np ring r 0 0 8 0 0 0 0 0 1 0 9\n";
-    struct world w;
     double sum = 0;
 
     world_open(&w, scene, leaning[_i].options);
@@ -89,7 +86,6 @@ START_TEST(textures_lean_where_cells_are_many)
         sum += (double)r.L.g / 400;
     }
     ck_assert_double_eq_tol(sum, leaning[_i].L, .03);
-    world_close(&w);
 }
 END_TEST
 
@@ -99,7 +95,6 @@ START_TEST(furnace_loses_the_reflectance_at_each_bounce)
 {
     static const char *const cache[] = { "-aa 0 -ad 16", "-aa .2 -ad 64" };
     char options[128];
-    struct world w;
 
     for (int bounces = 0; bounces <= 4; bounces++) {
         snprintf(options, sizeof options,
@@ -107,7 +102,6 @@ START_TEST(furnace_loses_the_reflectance_at_each_bounce)
         world_open(&w, PLASTIC CUBE, options);
         ck_assert_double_eq_tol(irradiance_up(&w, .1, .2, -.9).g,
                                 8 * M_PI * pow(.5, bounces), 1e-5);
-        world_close(&w);
     }
 }
 END_TEST
@@ -125,7 +119,6 @@ static const struct {
 START_TEST(lists_say_which_surfaces_get_ambient_light)
 {
     char options[128];
-    struct world w;
 
     snprintf(options, sizeof options,
              "-ab 1 -aa %s -ad 64 -as 0 -av 8 8 8 -lw 0 %s",
@@ -142,7 +135,6 @@ START_TEST(lists_say_which_surfaces_get_ambient_light)
                             8 * listed[_i / 2].a, 1e-5);
     ck_assert_double_eq_tol(world_see(&w, .5, 0, 1, 0, 0, -1).r,
                             8 * listed[_i / 2].b, 1e-5);
-    world_close(&w);
 }
 END_TEST
 
@@ -163,7 +155,6 @@ START_TEST(super_samples_leave_the_mean_alone)
         { "-ab 1 -aa 0 -ad 49 -as 200", 49, 49 }, /* too coarse for more */
     };
     uint64_t rays;
-    struct world w;
     double sum = 0, want;
     double v[] = { 0, 0, 1, 50, 0, 1, 50, 50, 1, 0, 50, 1 };
     const double p[3] = { .1, .2, 0 }, n[3] = { 0, 0, 1 };
@@ -181,7 +172,6 @@ START_TEST(super_samples_leave_the_mean_alone)
     rays = w.ctx.counts.ambient_rays;
     ck_assert_uint_ge(rays, row[_i].least * TIMES);
     ck_assert_uint_le(rays, row[_i].most * TIMES);
-    world_close(&w);
 }
 END_TEST
 
@@ -204,8 +194,7 @@ record(double x, double y, double z, float E, int level)
 }
 
 static double
-find(struct world *w, double x, double y, double z, int level, double weight,
-     struct rad_rgb *E)
+find(double x, double y, double z, int level, double weight, struct rad_rgb *E)
 {
     struct rad_ambplace at = { .p = { x, y, z },
                                .n = { 0, 0, 1 },
@@ -215,41 +204,39 @@ find(struct world *w, double x, double y, double z, int level, double weight,
     struct rad_geom_counts counts = { 0, 0 };
     uint64_t rays = 0;
 
-    return rad_ambient_find(w->job->ambient, &at, E, &counts, &rays);
+    return rad_ambient_find(w.job->ambient, &at, E, &counts, &rays);
 }
 
 START_TEST(record_serves_its_zone_and_no_more)
 {
     struct rad_ambrec rec = record(.1, .2, -.5, 2, 0);
     struct rad_rgb E = { 0, 0, 0 };
-    struct world w;
 
     world_open(&w, PLASTIC CUBE, CACHED);
     ck_assert(!rad_ambient_covers(w.job->ambient, &rec));
     ck_assert(rad_ambient_insert(w.job->ambient, &rec));
     ck_assert(rad_ambient_covers(w.job->ambient, &rec));
-    ck_assert_double_eq_tol(find(&w, .1, .2, -.5, 0, 1, &E), 1, 1e-12);
+    ck_assert_double_eq_tol(find(.1, .2, -.5, 0, 1, &E), 1, 1e-12);
     ck_assert_double_eq(E.r, 2);
     ck_assert_double_eq(E.b, 6);
     /* the ellipse: .2 * .1 along x, .2 * .2 along y */
-    ck_assert(find(&w, .119, .2, -.5, 0, 1, &E) > 0);
-    ck_assert(find(&w, .121, .2, -.5, 0, 1, &E) == 0);
-    ck_assert(find(&w, .1, .239, -.5, 0, 1, &E) > 0);
-    ck_assert(find(&w, .1, .241, -.5, 0, 1, &E) == 0);
-    ck_assert(find(&w, .1, .2, -.521, 0, 1, &E) == 0);
+    ck_assert(find(.119, .2, -.5, 0, 1, &E) > 0);
+    ck_assert(find(.121, .2, -.5, 0, 1, &E) == 0);
+    ck_assert(find(.1, .239, -.5, 0, 1, &E) > 0);
+    ck_assert(find(.1, .241, -.5, 0, 1, &E) == 0);
+    ck_assert(find(.1, .2, -.521, 0, 1, &E) == 0);
     /* lighter rays take it; deeper ones do not, for which fewer bounces are
      * left; heavier ones do not either */
-    ck_assert(find(&w, .1, .2, -.5, 0, .3, &E) > 0);
-    ck_assert(find(&w, .1, .2, -.5, 1, .3, &E) == 0);
+    ck_assert(find(.1, .2, -.5, 0, .3, &E) > 0);
+    ck_assert(find(.1, .2, -.5, 1, .3, &E) == 0);
     rec.p[0] = -.5;
     rec.level = 1;
     rec.weight = .5;
     ck_assert(rad_ambient_insert(w.job->ambient, &rec));
-    ck_assert(find(&w, -.5, .2, -.5, 0, .5, &E) == 0);
-    ck_assert(find(&w, -.5, .2, -.5, 1, .5, &E) > 0);
-    ck_assert(find(&w, -.5, .2, -.5, 1, 1, &E) == 0);
+    ck_assert(find(-.5, .2, -.5, 0, .5, &E) == 0);
+    ck_assert(find(-.5, .2, -.5, 1, .5, &E) > 0);
+    ck_assert(find(-.5, .2, -.5, 1, 1, &E) == 0);
     ck_assert_uint_eq(rad_ambient_count(w.job->ambient), 2);
-    world_close(&w);
 }
 END_TEST
 
@@ -257,8 +244,6 @@ END_TEST
  * where deeper rays end. */
 START_TEST(near_records_are_averaged_in)
 {
-    struct world w;
-
     world_open(&w, PLASTIC CUBE, CACHED);
     for (int level = 0; level < 2; level++) {
         struct rad_ambrec rec = record(.14, .2, -.5, 4, level);
@@ -266,15 +251,14 @@ START_TEST(near_records_are_averaged_in)
 
         /* zones of .2 * .1 along x, asked for up to .3 * .1 */
         ck_assert(rad_ambient_insert(w.job->ambient, &rec));
-        ck_assert(find(&w, .115, .2, -.5, level, 1, &E) == 0);
+        ck_assert(find(.115, .2, -.5, level, 1, &E) == 0);
         rec = record(.1, .2, -.5, 2, level);
         ck_assert(rad_ambient_insert(w.job->ambient, &rec));
-        ck_assert(find(&w, .115, .2, -.5, level, 1, &E) > 0);
+        ck_assert(find(.115, .2, -.5, level, 1, &E) > 0);
         ck_assert_double_eq_tol(E.r, level == 0 ? 2.5 : 2, 1e-5);
-        ck_assert(find(&w, .1105, .2, -.5, level, 1, &E) > 0);
+        ck_assert(find(.1105, .2, -.5, level, 1, &E) > 0);
         ck_assert_double_eq_tol(E.r, level == 0 ? 2.05 : 2, 1e-5);
     }
-    world_close(&w);
 }
 END_TEST
 
@@ -282,14 +266,12 @@ START_TEST(other_side_is_not_served)
 {
     struct rad_ambrec rec = record(.1, .2, -.5, 2, 0);
     struct rad_rgb E = { 7, 7, 7 };
-    struct world w;
 
     world_open(&w, PLASTIC CUBE, CACHED);
     rec.n[2] = -1;
     ck_assert(rad_ambient_insert(w.job->ambient, &rec));
-    ck_assert(find(&w, .1, .2, -.5, 0, 1, &E) == 0);
+    ck_assert(find(.1, .2, -.5, 0, 1, &E) == 0);
     ck_assert_double_eq(E.r, 7); /* untouched */
-    world_close(&w);
 }
 END_TEST
 
@@ -297,18 +279,16 @@ START_TEST(gradients_extrapolate_and_are_bounded)
 {
     struct rad_ambrec rec = record(0, 0, -.5, 1, 0);
     struct rad_rgb E;
-    struct world w;
 
     world_open(&w, PLASTIC CUBE, CACHED);
     rec.gpos[0] = 5;   /* per unit along x */
     rec.gpos[1] = -60; /* along y: below nothing within the zone */
     ck_assert(rad_ambient_insert(w.job->ambient, &rec));
-    ck_assert(find(&w, .01, 0, -.5, 0, 1, &E) > 0);
+    ck_assert(find(.01, 0, -.5, 0, 1, &E) > 0);
     ck_assert_double_eq_tol(E.r, 1.05, 1e-6);
-    ck_assert(find(&w, 0, .03, -.5, 0, 1, &E) == 0);
-    ck_assert(find(&w, 0, -.03, -.5, 0, 1, &E) > 0);
+    ck_assert(find(0, .03, -.5, 0, 1, &E) == 0);
+    ck_assert(find(0, -.03, -.5, 0, 1, &E) > 0);
     ck_assert_double_eq_tol(E.r, 2.8, 1e-5);
-    world_close(&w);
 }
 END_TEST
 
@@ -316,7 +296,6 @@ END_TEST
 START_TEST(implausible_record_is_refused)
 {
     struct rad_ambrec rec = record(.1, .2, -.5, 2, 0);
-    struct world w;
 
     world_open(&w, PLASTIC CUBE, CACHED);
     /* clang-format off */
@@ -350,7 +329,6 @@ START_TEST(implausible_record_is_refused)
     ck_assert(!rad_ambient_insert(w.job->ambient, &rec));
     ck_assert(!rad_ambient_covers(w.job->ambient, &rec));
     ck_assert_uint_eq(rad_ambient_count(w.job->ambient), 0);
-    world_close(&w);
 }
 END_TEST
 
@@ -358,7 +336,6 @@ END_TEST
 START_TEST(plausible_records_are_taken)
 {
     struct rad_ambrec rec = record(.1, .2, -.5, 2, 0);
-    struct world w;
 
     world_open(&w, PLASTIC CUBE, CACHED);
     rec.var = RAD_AMBREC_UNSURE;
@@ -368,7 +345,6 @@ START_TEST(plausible_records_are_taken)
     rec.glint = (struct rad_glint){ { 20, -20, 20 }, 1e6f };
     ck_assert(rad_ambient_insert(w.job->ambient, &rec));
     ck_assert_uint_eq(rad_ambient_count(w.job->ambient), 3);
-    world_close(&w);
 }
 END_TEST
 
@@ -379,7 +355,6 @@ START_TEST(log_gives_each_record_once)
     static struct rad_ambrec out[N];
     uint64_t cursor = 0;
     size_t got = 0, n;
-    struct world w;
 
     world_open(&w, PLASTIC CUBE, CACHED);
     ck_assert_uint_eq(rad_ambient_list(w.job->ambient, &cursor, out, N), 0);
@@ -401,7 +376,6 @@ START_TEST(log_gives_each_record_once)
     ck_assert_uint_eq(rad_ambient_drain(w.job->ambient, out, 1), 1);
     ck_assert_uint_eq(rad_ambient_drain(w.job->ambient, out, N), made - 1);
     ck_assert_uint_eq(rad_ambient_drain(w.job->ambient, out, N), 0);
-    world_close(&w);
 }
 END_TEST
 
@@ -416,7 +390,6 @@ END_TEST
  * down to half as long. */
 START_TEST(bent_light_gets_zones_below_the_bound)
 {
-    struct world w;
     struct rad_ambrec rec;
     uint64_t cursor = 0;
     double bound = 2. / 4; /* side of the cube over -ar */
@@ -426,19 +399,17 @@ START_TEST(bent_light_gets_zones_below_the_bound)
     ck_assert_uint_eq(rad_ambient_list(w.job->ambient, &cursor, &rec, 1), 1);
     ck_assert_double_lt(rec.radius[0], .95 * bound);
     ck_assert_double_ge(rec.radius[0], .4999 * bound);
-    world_close(&w);
     world_open(&w, ROOM, "-ab 1 -aa .1 -ar 4 -ad 1024 -as 0 -av 0 0 0");
     cursor = 0;
     irradiance_up(&w, .3, 0, -.5);
     ck_assert_uint_eq(rad_ambient_list(w.job->ambient, &cursor, &rec, 1), 1);
     ck_assert_double_ge(rec.radius[0], .9999 * bound);
-    world_close(&w);
 }
 END_TEST
 
 START_TEST(interpolation_is_close_to_sampling)
 {
-    struct world cached, sampled;
+    struct world cached = { 0 }, sampled = { 0 };
     double sum2 = 0;
     int n = 0;
 
@@ -472,7 +443,6 @@ START_TEST(deep_records_take_fewer_samples)
     enum { MOST = 4096 };
     static struct rad_ambrec out[MOST];
     uint64_t cursor = 0, rays = 0;
-    struct world w;
     size_t n;
 
     world_open(&w, ROOM, "-ab 3 -aa .3 -ar 16 -ad 1024 -as 0 -av 0 0 0");
@@ -488,7 +458,6 @@ START_TEST(deep_records_take_fewer_samples)
                                                           : .2499f));
     }
     ck_assert_uint_eq(rays, w.ctx.counts.ambient_rays);
-    world_close(&w);
 }
 END_TEST
 
@@ -496,7 +465,6 @@ END_TEST
  * alone, and so does what each of its rays meets, by few rays. */
 START_TEST(what_a_frozen_cache_lacks_takes_few_samples)
 {
-    struct world w;
     double E;
 
     world_open(&w, ROOM, "-ab 3 -aa .3 -ar 16 -ad 128 -as 0 -av 0 0 0");
@@ -507,7 +475,6 @@ START_TEST(what_a_frozen_cache_lacks_takes_few_samples)
     /* 49 rays, 9 of each of what they meet, and 4 of each of what these do */
     ck_assert_uint_le(w.ctx.counts.ambient_rays, 49 + 49 * 9 + 49 * 9 * 4);
     ck_assert_uint_gt(w.ctx.counts.ambient_rays, 49 + 49 * 4);
-    world_close(&w);
 }
 END_TEST
 
@@ -517,7 +484,6 @@ START_TEST(no_light_leaks_through_a_wall)
 {
     static const char scene[] =
         ROOM "white polygon wall 0 0 12 .5 -1 -1 .5 -1 1 .5 1 1 .5 1 -1\n";
-    struct world w;
 
     world_open(&w, scene, "-ab 1 -aa .3 -ar 16 -ad 256 -as 0 -av 0 0 0");
     for (int i = 0; i < 400; i++)
@@ -525,7 +491,6 @@ START_TEST(no_light_leaks_through_a_wall)
     for (int i = 0; i < 20; i++)
         ck_assert_double_eq(
             irradiance_up(&w, .501 + .02 * (i % 4), -.9 + .09 * i, -.99).g, 0);
-    world_close(&w);
 }
 END_TEST
 
@@ -539,7 +504,6 @@ static const char *const dark_pane[] = {
 START_TEST(no_light_leaks_through_a_dark_pane)
 {
     char scene[2000];
-    struct world w;
     double lit;
 
     snprintf(scene, sizeof scene,
@@ -554,7 +518,6 @@ START_TEST(no_light_leaks_through_a_dark_pane)
 
         ck_assert_double_lt((double)irradiance_up(&w, x, y, -.99).g, .01 * lit);
     }
-    world_close(&w);
 }
 END_TEST
 
@@ -571,14 +534,12 @@ START_TEST(deep_records_need_few_tests_for_walls)
                                .level = 1,
                                .weight = .5 };
     uint64_t cursor = 0, rays;
-    struct world w;
     size_t n;
 
     world_open(&w, scene, "-ab 1 -aa .3 -ar 16 -ad 256 -as 0 -av 0 0 0");
     for (int i = 0; i < 400; i++)
         irradiance_up(&w, .499 - .01 * (i % 20), -.9 + .09 * (i / 20), -.99);
     n = rad_ambient_list(w.job->ambient, &cursor, rec, N_ELEM(rec));
-    world_close(&w);
     ck_assert(n > 20 && n < N_ELEM(rec));
     for (size_t i = 0; i < n; i++)
         rec[i].level = 1;
@@ -599,15 +560,12 @@ START_TEST(deep_records_need_few_tests_for_walls)
         at.p[1] = -.9 + .09 * i;
         ck_assert(!rad_ambient_serves(&w.ctx, &at));
     }
-    world_close(&w);
 }
 END_TEST
 
 /* Too bright to be summed: black, counted, and not kept. */
 START_TEST(infinite_irradiance_is_not_kept)
 {
-    struct world w;
-
     world_open(&w,
                "void glow g 0 0 4 3e38 3e38 3e38 0\n"
                "g source sky 0 0 4 0 0 1 180\n",
@@ -615,7 +573,6 @@ START_TEST(infinite_irradiance_is_not_kept)
     ck_assert_double_eq(irradiance_up(&w, 0, 0, 0).g, 0);
     ck_assert_uint_gt(w.ctx.counts.unsound_rays, 0);
     ck_assert_uint_eq(rad_ambient_count(w.job->ambient), 0);
-    world_close(&w);
 }
 END_TEST
 
@@ -628,7 +585,6 @@ START_TEST(units_do_not_matter)
 
     for (int k = 0; k < N_ELEM(scale); k++) {
         char text[4096], *at = text;
-        struct world w;
 
         at += sprintf(at, "void glow g 0 0 4 9 9 9 0\n" PLASTIC);
         for (int face = 0; face < 7; face++) {
@@ -663,7 +619,6 @@ START_TEST(units_do_not_matter)
         if (k == 0)
             values = w.ctx.counts.ambient_values;
         ck_assert_uint_eq(w.ctx.counts.ambient_values, values);
-        world_close(&w);
     }
 }
 END_TEST
@@ -674,7 +629,6 @@ enum { THREADS = 8, PER_THREAD = 2000 };
 
 struct worker {
     pthread_t thread;
-    struct world *w;
     int number;
     int missed; /* own records not found at once */
     struct rad_counts counts;
@@ -697,21 +651,21 @@ insert_and_find(void *arg)
         struct rad_ambrec rec = record(x, y, -.5, 1, 0);
 
         rec.radius[0] = rec.radius[1] = .05f;
-        if (!rad_ambient_insert(me->w->job->ambient, &rec) ||
-            !(find(me->w, x, y, -.5, 0, 1, &E) > 0))
+        if (!rad_ambient_insert(w.job->ambient, &rec) ||
+            !(find(x, y, -.5, 0, 1, &E) > 0))
             me->missed++;
         /* what another may have put there by now */
-        find(me->w, spread((me->number + 1) % THREADS, i, 0),
+        find(spread((me->number + 1) % THREADS, i, 0),
              spread((me->number + 1) % THREADS, i, 1), -.5, 0, 1, &E);
     }
     return NULL;
 }
 
 static void
-run(struct worker *worker, struct world *w, void *(*body)(void *))
+run(struct worker *worker, void *(*body)(void *))
 {
     for (int i = 0; i < THREADS; i++) {
-        worker[i] = (struct worker){ .w = w, .number = i };
+        worker[i] = (struct worker){ .number = i };
         ck_assert_int_eq(
             pthread_create(&worker[i].thread, NULL, body, &worker[i]), 0);
     }
@@ -730,10 +684,9 @@ START_TEST(threads_lose_no_record)
     struct worker worker[THREADS];
     uint64_t cursor = 0;
     struct rad_rgb E;
-    struct world w;
 
     world_open(&w, PLASTIC CUBE, CACHED);
-    run(worker, &w, insert_and_find);
+    run(worker, insert_and_find);
     join(worker);
     ck_assert_uint_eq(rad_ambient_count(w.job->ambient), THREADS * PER_THREAD);
     ck_assert_uint_eq(
@@ -742,10 +695,9 @@ START_TEST(threads_lose_no_record)
     for (int i = 0; i < THREADS; i++) {
         ck_assert_int_eq(worker[i].missed, 0);
         for (int k = 0; k < PER_THREAD; k++)
-            ck_assert(
-                find(&w, spread(i, k, 0), spread(i, k, 1), -.5, 0, 1, &E) > 0);
+            ck_assert(find(spread(i, k, 0), spread(i, k, 1), -.5, 0, 1, &E) >
+                      0);
     }
-    world_close(&w);
 }
 END_TEST
 
@@ -756,7 +708,7 @@ trace_points(void *arg)
     struct worker *me = arg;
     struct rad_ctx ctx;
 
-    if (rad_ctx_init(&ctx, me->w->job, NULL) < 0)
+    if (rad_ctx_init(&ctx, w.job, NULL) < 0)
         return NULL;
     for (int i = 0; i < 300; i++) {
         double p[3] = { spread(me->number, i, 0), spread(me->number, i, 1),
@@ -779,10 +731,9 @@ START_TEST(threads_share_what_they_sample)
     struct worker worker[THREADS];
     size_t drained = 0, n;
     uint64_t made = 0;
-    struct world w;
 
     world_open(&w, ROOM, "-ab 2 -aa .2 -ar 32 -ad 64 -as 32 -av 0 0 0");
-    run(worker, &w, trace_points);
+    run(worker, trace_points);
     for (int i = 0; i < 1000; i++) {
         struct rad_ambrec rec =
             record(spread(99, i, 0), spread(99, i, 1), .99, 1, 1);
@@ -801,7 +752,6 @@ START_TEST(threads_share_what_they_sample)
     ck_assert_uint_gt(made, 0);
     ck_assert_uint_eq(drained, made);
     ck_assert_uint_eq(rad_ambient_count(w.job->ambient), made + 1000);
-    world_close(&w);
 }
 END_TEST
 
@@ -811,8 +761,6 @@ START_TEST(one_thread_is_deterministic)
     struct rad_rgb first[50];
 
     for (int round = 0; round < 2; round++) {
-        struct world w;
-
         world_open(&w, ROOM, "-ab 2 -aa .2 -ar 32 -ad 64 -as 32 -av 0 0 0");
         for (int i = 0; i < N_ELEM(first); i++) {
             struct rad_rgb E =
@@ -822,7 +770,6 @@ START_TEST(one_thread_is_deterministic)
                 first[i] = E;
             ck_assert_mem_eq(&E, &first[i], sizeof E);
         }
-        world_close(&w);
     }
 }
 END_TEST
@@ -833,6 +780,7 @@ make_suite(void)
     Suite *s = suite_create("ambient");
     TCase *tc = tcase_create("hemisphere");
 
+    tcase_add_checked_fixture(tc, NULL, world_tear_down);
     tcase_set_timeout(tc, 600); /* for busy machines */
     tcase_add_loop_test(tc, even_sky_gives_pi_times_its_radiance, 0, 5);
     tcase_add_loop_test(tc, textures_lean_where_cells_are_many, 0, 2);
@@ -842,6 +790,7 @@ make_suite(void)
     tcase_add_loop_test(tc, super_samples_leave_the_mean_alone, 0, 3);
     suite_add_tcase(s, tc);
     tc = tcase_create("cache");
+    tcase_add_checked_fixture(tc, NULL, world_tear_down);
     tcase_set_timeout(tc, 600);
     tcase_add_test(tc, record_serves_its_zone_and_no_more);
     tcase_add_test(tc, near_records_are_averaged_in);
@@ -863,6 +812,7 @@ make_suite(void)
     tcase_add_test(tc, one_thread_is_deterministic);
     suite_add_tcase(s, tc);
     tc = tcase_create("threads");
+    tcase_add_checked_fixture(tc, NULL, world_tear_down);
     tcase_set_timeout(tc, 600);
     tcase_add_test(tc, threads_lose_no_record);
     tcase_add_test(tc, threads_share_what_they_sample);

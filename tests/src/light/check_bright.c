@@ -4,7 +4,7 @@
 #include "light/hemisphere/bright.h"
 #include "base/rng.h"
 
-#include "tests/world.h"
+#include "tests/world_fixture.h"
 
 #include <math.h>
 #include <string.h>
@@ -76,13 +76,13 @@ struct found {
 };
 
 static struct found
-sample_many(struct world *w, const struct rad_bright *b)
+sample_many(const struct rad_bright *b)
 {
     struct found f = { 0, 0, 0 };
     enum { TIMES = 4000 };
 
     for (uint64_t k = 0; k < TIMES; k++) {
-        struct rad_arena_mark mark = rad_arena_mark(&w->ctx.scratch);
+        struct rad_arena_mark mark = rad_arena_mark(&w.ctx.scratch);
         struct rad_hemi_plan plan = { .normal = { 0, 0, 1 },
                                       .coef = { .5f, .5f, .5f },
                                       .weight = 1,
@@ -94,14 +94,14 @@ sample_many(struct world *w, const struct rad_bright *b)
         struct rad_ray r;
         double E;
 
-        rad_ray_irradiance(&w->ctx, &r, origin, up, rad_key_branch(5, k));
-        ck_assert(rad_hemi_sample(&w->ctx, &r, &plan, &h));
+        rad_ray_irradiance(&w.ctx, &r, origin, up, rad_key_branch(5, k));
+        ck_assert(rad_hemi_sample(&w.ctx, &r, &plan, &h));
         ck_assert(h.complete);
         E = (double)rad_rgb_lum(h.E);
         f.mean += E / TIMES;
         f.sd += E * E / TIMES;
         f.said += h.var * E * E / TIMES;
-        rad_arena_rewind(&w->ctx.scratch, mark);
+        rad_arena_rewind(&w.ctx.scratch, mark);
     }
     f.sd = sqrt(f.sd - f.mean * f.mean);
     f.said = sqrt(f.said);
@@ -163,12 +163,10 @@ static struct found
 sample_disk(const char *options, const struct rad_bright *b, uint64_t *rays)
 {
     struct found f;
-    struct world w;
 
     world_open(&w, disk_scene, options);
-    f = sample_many(&w, b);
+    f = sample_many(b);
     *rays = w.ctx.counts.ambient_rays;
-    world_close(&w);
     return f;
 }
 
@@ -247,15 +245,13 @@ START_TEST(places_that_are_not_seen_do_no_harm)
     struct rad_glint glint[64];
     struct found f;
     struct rad_bright b;
-    struct world w;
 
     for (int i = 0; i < 64; i++)
         glint[i] = glint_at(-2 + .2 * (i % 8), -1 + .2 * (i / 8.), 1, 1e4f);
     gather(&b, glint, 64);
     ck_assert_uint_gt(b.n, 30);
     world_open(&w, disk_scene, "-ab 0 -ad 144 -as 144 -lw 0");
-    f = sample_many(&w, &b);
-    world_close(&w);
+    f = sample_many(&b);
     ck_assert_double_eq_tol(f.mean, disk_irradiance(), 4 * f.sd / sqrt(4000));
 }
 END_TEST
@@ -304,7 +300,6 @@ START_TEST(records_keep_what_is_far_above_their_mean)
     static const char *const scene[] = {
         disk_scene, "void glow g 0 0 4 1 1 1 0\ng source sky 0 0 4 0 0 1 360\n"
     };
-    struct world w;
     struct rad_hemi h;
     struct rad_ray r;
     struct rad_hemi_plan plan = { .normal = { 0, 0, 1 },
@@ -329,7 +324,6 @@ START_TEST(records_keep_what_is_far_above_their_mean)
         ck_assert(hypot((double)g.p[0] - ASIDE, (double)g.p[1]) <
                   RADIUS + 1e-4);
     }
-    world_close(&w);
 }
 END_TEST
 
@@ -339,6 +333,7 @@ main(void)
     Suite *s = suite_create("bright");
     TCase *tc = tcase_create("bright");
 
+    tcase_add_checked_fixture(tc, NULL, world_tear_down);
     tcase_set_timeout(tc, 60);
     tcase_add_test(tc, a_cell_has_no_say_in_its_share);
     tcase_add_test(tc, even_cells_have_no_share);

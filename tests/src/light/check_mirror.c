@@ -6,7 +6,7 @@
 #include "config.h"
 
 #include "light/direct/sources.h"
-#include "tests/world.h"
+#include "tests/world_fixture.h"
 
 #include <stdio.h>
 
@@ -27,11 +27,11 @@
 static const double origin[3] = { 0, 0, 0 }, up[3] = { 0, 0, 1 };
 
 static struct rad_rgb
-irradiance(struct world *w, const double p[3], const double n[3])
+irradiance(const double p[3], const double n[3])
 {
     struct rad_ray r;
 
-    rad_ray_irradiance(&w->ctx, &r, p, n, 1);
+    rad_ray_irradiance(&w.ctx, &r, p, n, 1);
     return r.L;
 }
 
@@ -39,25 +39,15 @@ irradiance(struct world *w, const double p[3], const double n[3])
 static double
 light_of(const char *scene, const char *options)
 {
-    struct world w;
-    double E;
-
     world_open(&w, scene, options);
-    E = irradiance(&w, origin, up).r;
-    world_close(&w);
-    return E;
+    return irradiance(origin, up).r;
 }
 
 static int32_t
 images_of(const char *scene, const char *options)
 {
-    struct world w;
-    int32_t n;
-
     world_open(&w, scene, options);
-    n = w.job->sources->nvirtuals;
-    world_close(&w);
-    return n;
+    return w.job->sources->nvirtuals;
 }
 
 /* Of the ball or its image, x to the side of the origin. */
@@ -80,14 +70,12 @@ static const char *const pretest[] = { "-dp 0", "-dp 512" };
 START_TEST(wall_doubles_a_lamp_in_its_colour)
 {
     struct rad_rgb E;
-    struct world w;
 
     world_open(&w, BALL GOLD "gold " EAST, pretest[_i]);
-    E = irradiance(&w, origin, up);
+    E = irradiance(origin, up);
     near(E.r, from_ball(0) + .8 * from_ball(2));
     near(E.g, from_ball(0) + .4 * from_ball(2));
     near(E.b, from_ball(0) + .2 * from_ball(2));
-    world_close(&w);
 }
 END_TEST
 
@@ -200,17 +188,14 @@ START_TEST(plain_panes_dim_as_those_that_take_rays)
     uint64_t rays[2];
 
     for (int i = 0; i < 2; i++) {
-        struct world w;
-
         snprintf(scene, sizeof scene,
                  "void brightfunc one 2 1 . 0 0\n%s glass pane 0 0 %s\n%s",
                  i ? "one" : "void", panes[row].glass, panes[row].scene);
         snprintf(options, sizeof options, "%s %s",
                  pretest[_i % N_ELEM(pretest)], panes[row].options);
         world_open(&w, scene, options);
-        E[i] = irradiance(&w, origin, up);
+        E[i] = irradiance(origin, up);
         rays[i] = w.ctx.counts.rays + w.ctx.counts.shadow_rays;
-        world_close(&w);
     }
     ck_assert_uint_eq(rays[0], rays[1]);
     ck_assert_double_eq_tol(E[0].r, E[1].r, 1e-6 * (double)E[1].r + 1e-30);
@@ -253,12 +238,9 @@ START_TEST(pretest_saves_rays)
     uint64_t rays[2];
 
     for (int i = 0; i < 2; i++) {
-        struct world w;
-
         world_open(&w, BALL GOLD "gold " EAST, pretest[i]);
-        irradiance(&w, origin, up);
+        irradiance(origin, up);
         rays[i] = w.ctx.counts.shadow_rays;
-        world_close(&w);
     }
     ck_assert_uint_eq(rays[0], 3);
     ck_assert_uint_eq(rays[1], 2);
@@ -269,22 +251,18 @@ END_TEST
 START_TEST(image_is_seen_in_the_mirror_alone)
 {
     static const double behind[3] = { 1.5, 0, 0 }, off[3] = { 0, 0, -1 };
-    struct world w;
 
     world_open(&w, BALL GOLD "gold " EAST, "-bv-");
-    ck_assert_double_eq(irradiance(&w, behind, up).r, 0);
-    world_close(&w);
+    ck_assert_double_eq(irradiance(behind, up).r, 0);
     world_open(&w, BALL GOLD "gold " SMALL, "");
-    near(irradiance(&w, origin, up).r, from_ball(0) + .8 * from_ball(2));
-    near(irradiance(&w, off, up).r,
+    near(irradiance(origin, up).r, from_ball(0) + .8 * from_ball(2));
+    near(irradiance(off, up).r,
          BALL_FLUX / 9 + .8 * BALL_FLUX / 13 * 3 / sqrt(13));
-    world_close(&w);
     world_open(
         &w, BALL GOLD "gold polygon m 0 0 12 1 -1 .9 1 -1 1.1 1 1 1.1 1 1 .9\n",
         "");
-    near(irradiance(&w, origin, up).r, from_ball(0) + .8 * from_ball(2));
-    near(irradiance(&w, off, up).r, BALL_FLUX / 9); /* it would be at .5 */
-    world_close(&w);
+    near(irradiance(origin, up).r, from_ball(0) + .8 * from_ball(2));
+    near(irradiance(off, up).r, BALL_FLUX / 9); /* it would be at .5 */
 }
 END_TEST
 
@@ -296,12 +274,10 @@ START_TEST(distant_light_is_relayed)
                         "sun source s 0 0 4 0 .5 .8660254 .5\n" GOLD
                         "gold ring m 0 0 8 0 0 0 0 0 1 0 50\n";
     double omega = 2 * M_PI * (1 - cos(M_PI / 720));
-    struct world w;
 
     world_open(&w, scene, pretest[_i]);
-    near(irradiance(&w, p, down).r, .8 * 1e4 * omega * .8660254);
-    near(irradiance(&w, p, up).r, 1e4 * omega * .8660254);
-    world_close(&w);
+    near(irradiance(p, down).r, .8 * 1e4 * omega * .8660254);
+    near(irradiance(p, up).r, 1e4 * omega * .8660254);
 }
 END_TEST
 
@@ -324,24 +300,20 @@ START_TEST(image_lights_as_the_lamp_itself_would)
     static const double p[3] = { -.5, .2, 0 };
     bool flat = pair[_i].lamp[0] != 'c';
     char scene[512];
-    struct world w;
     double real, seen;
 
     snprintf(scene, sizeof scene, LAMP "lit %s\n", pair[_i].image);
     world_open(&w, scene, "-ds .1 -dj 0");
-    real = irradiance(&w, p, up).r;
-    world_close(&w);
+    real = irradiance(p, up).r;
     ck_assert_double_gt(real, 0);
     snprintf(scene, sizeof scene,
              LAMP "lit %s\nvoid mirror m 0 0 3 1 1 1\nm " EAST, pair[_i].lamp);
     world_open(&w, scene, "-ds .1 -dj 0");
-    seen = irradiance(&w, p, up).r;
-    world_close(&w);
+    seen = irradiance(p, up).r;
     if (!flat) { /* it shines on p itself as well */
         snprintf(scene, sizeof scene, LAMP "lit %s\n", pair[_i].lamp);
         world_open(&w, scene, "-ds .1 -dj 0");
-        real += irradiance(&w, p, up).r;
-        world_close(&w);
+        real += irradiance(p, up).r;
     }
     near(seen, real);
 }
@@ -356,14 +328,12 @@ START_TEST(spotlight_stays_in_its_mirrored_cone)
                         "void mirror m 0 0 3 1 1 1\nm " EAST;
     static const double lit[3] = { -2.5, 0, 0 };
     double d = sqrt(4.5 * 4.5 + 4), E;
-    struct world w;
 
     world_open(&w, scene, pretest[_i]);
-    ck_assert_double_eq(irradiance(&w, origin, up).r, 0);
+    ck_assert_double_eq(irradiance(origin, up).r, 0);
     /* area cos / (d + focal length)^2, the focus 1 behind the lamp */
     E = 100 * M_PI * 1e-4 * (4.5 / d) / ((d + 1) * (d + 1)) * (2 / d);
-    ck_assert_double_eq_tol(irradiance(&w, lit, up).r, E, 1e-4 * E);
-    world_close(&w);
+    ck_assert_double_eq_tol(irradiance(lit, up).r, E, 1e-4 * E);
 }
 END_TEST
 
@@ -385,25 +355,22 @@ END_TEST
 START_TEST(another_material_in_its_place_still_relays)
 {
     struct rad_rgb L;
-    struct world w;
 
     world_open(&w,
                BALL "void plastic red 0 0 5 .5 0 0 0 0\n"
                     "void mirror m 1 red 0 3 .8 .8 .8\nm " EAST,
                "");
-    near(irradiance(&w, origin, up).r, from_ball(0) + .8 * from_ball(2));
+    near(irradiance(origin, up).r, from_ball(0) + .8 * from_ball(2));
     L = world_see(&w, 0, 1, 2, 1, -1, -1);
     near(L.r, .5 / M_PI * BALL_FLUX / 2 / sqrt(2));
     ck_assert_double_eq(L.g, 0);
-    world_close(&w);
     /* nothing in its place: one sees what is behind it */
     world_open(&w,
                BALL "void glow g 0 0 4 7 7 7 0\ng sphere far 0 0 4 9 0 0 1\n"
                     "void mirror m 1 void 0 3 .8 .8 .8\nm " EAST,
                "");
-    near(irradiance(&w, origin, up).r, from_ball(0) + .8 * from_ball(2));
+    near(irradiance(origin, up).r, from_ball(0) + .8 * from_ball(2));
     near(world_see(&w, 0, 0, 0, 1, 0, 0).r, 7);
-    world_close(&w);
 }
 END_TEST
 
@@ -420,7 +387,6 @@ END_TEST
 START_TEST(mirror_shows_what_is_before_it)
 {
     struct rad_ray r;
-    struct world w;
 
     world_open(&w,
                "void glow g 0 0 4 7 7 7 0\ng sphere far 0 0 4 -9 0 0 1\n" GOLD
@@ -434,13 +400,11 @@ START_TEST(mirror_shows_what_is_before_it)
     world_ray(&w, &r, 2, 0, 0, -1, 0, 0);
     rad_ray_trace(&w.ctx, &r);
     ck_assert_double_eq(r.L.r, 0); /* black behind, */
-    world_close(&w);
     world_open(&w,
                "void glow g 0 0 4 7 7 7 0\ng sphere far 0 0 4 -9 0 0 1\n" GOLD
                "gold " EAST,
                "-bv-");
     near(world_see(&w, 2, 0, 0, -1, 0, 0).r, 7); /* or not there */
-    world_close(&w);
 }
 END_TEST
 
@@ -466,6 +430,7 @@ make_suite(void)
     Suite *s = suite_create("mirror");
     TCase *tc = tcase_create("relayed light");
 
+    tcase_add_checked_fixture(tc, NULL, world_tear_down);
     tcase_add_loop_test(tc, wall_doubles_a_lamp_in_its_colour, 0,
                         N_ELEM(pretest));
     tcase_add_test(tc, no_relay_no_image);
@@ -490,6 +455,7 @@ make_suite(void)
     tcase_add_loop_test(tc, scale_changes_nothing, 0, 3);
     suite_add_tcase(s, tc);
     tc = tcase_create("material");
+    tcase_add_checked_fixture(tc, NULL, world_tear_down);
     tcase_add_test(tc, mirror_shows_what_is_before_it);
     suite_add_tcase(s, tc);
     return s;

@@ -6,7 +6,7 @@
 #include "config.h"
 
 #include "light/direct/sources.h"
-#include "tests/world.h"
+#include "tests/world_fixture.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -43,11 +43,11 @@ read_file(void *arg, const char *name, size_t *len, struct rad_error *err)
 static const struct rad_files files = { read_file, NULL };
 
 static void
-open_world(struct world *w, const char *scene, const char *options)
+open_world(const char *scene, const char *options)
 {
-    int rc = world_try(w, scene, options, &files);
+    int rc = world_try(&w, scene, options, &files);
 
-    ck_assert_msg(rc == 0, "%s: %s", w->err.where, w->err.what);
+    ck_assert_msg(rc == 0, "%s: %s", w.err.where, w.err.what);
 }
 
 /* Irradiance at (x, 0, z) on a level surface that looks up, or down. */
@@ -56,25 +56,18 @@ light_at(const char *scene, const char *options, double x, double z, double up)
 {
     double p[3] = { x, 0, z }, n[3] = { 0, 0, up };
     struct rad_ray r;
-    struct world w;
 
-    open_world(&w, scene, options);
+    open_world(scene, options);
     rad_ray_irradiance(&w.ctx, &r, p, n, 1);
     ck_assert_uint_eq(w.ctx.counts.unsound_rays, 0);
-    world_close(&w);
     return r.L.r;
 }
 
 static int32_t
 images_of(const char *scene, const char *options)
 {
-    struct world w;
-    int32_t n;
-
-    open_world(&w, scene, options);
-    n = w.job->sources->nvirtuals;
-    world_close(&w);
-    return n;
+    open_world(scene, options);
+    return w.job->sources->nvirtuals;
 }
 
 static const char *const pretest[] = { "-dp 0 ", "-dp 32 ", "-dp 512 " };
@@ -114,14 +107,12 @@ START_TEST(rays_go_on_as_the_functions_say)
           .25 * (2 - .6) },
     };
     struct rad_rgb L;
-    struct world w;
     char scene[1024];
 
     snprintf(scene, sizeof scene, "%s" LEVEL SKY, seen[_i].prism);
-    open_world(&w, scene, DIRECT);
+    open_world(scene, DIRECT);
     L = world_see(&w, 0, 0, 2, 0, 0, -1);
     ck_assert_double_eq_tol(L.g, seen[_i].expect, 1e-6);
-    world_close(&w);
 }
 END_TEST
 
@@ -313,12 +304,9 @@ static const struct {
 
 START_TEST(bad_arguments_are_refused)
 {
-    struct world w;
-
     ck_assert_int_lt(world_try(&w, bad[_i].text, "", &files), 0);
     ck_assert_msg(strstr(w.err.what, bad[_i].message) != NULL, "%s: %s",
                   w.err.where, w.err.what);
-    world_close(&w);
 }
 END_TEST
 
@@ -327,12 +315,14 @@ main(void)
 {
     Suite *s = suite_create("prism");
     TCase *tc = tcase_create("material");
+    tcase_add_checked_fixture(tc, NULL, world_tear_down);
     int n = N_ELEM(pretest);
 
     tcase_add_loop_test(tc, rays_go_on_as_the_functions_say, 0, 11);
     tcase_add_loop_test(tc, bad_arguments_are_refused, 0, N_ELEM(bad));
     suite_add_tcase(s, tc);
     tc = tcase_create("images");
+    tcase_add_checked_fixture(tc, NULL, world_tear_down);
     tcase_add_loop_test(tc, lamp_is_seen_where_its_light_seems_to_come_from, 0,
                         n);
     tcase_add_loop_test(tc, glow_reaches_along_the_bent_way, 0, n);

@@ -5,7 +5,7 @@
 #include "base/rng.h"
 #include "base/vec.h"
 #include "tests/lambert.h"
-#include "tests/world.h"
+#include "tests/world_fixture.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -21,12 +21,12 @@ static const double square[] = { -1, -1, 2, -1, 1, 2, 1, 1, 2, 1, -1, 2 };
 #define DIRECT "-ab 0 -av 0 0 0 -dj 0 -dt 0 "
 
 static double
-irradiance_at(struct world *w, double x, double y, double z)
+irradiance_at(struct world *in, double x, double y, double z)
 {
     double p[3] = { x, y, z };
     struct rad_ray r;
 
-    rad_ray_irradiance(&w->ctx, &r, p, up, 1);
+    rad_ray_irradiance(&in->ctx, &r, p, up, 1);
     return r.L.g;
 }
 
@@ -34,25 +34,17 @@ static double
 irradiance_of(const char *text, const char *options, double x, double y,
               double z)
 {
-    struct world w;
-    double E;
-
     world_open(&w, text, options);
-    E = irradiance_at(&w, x, y, z);
-    world_close(&w);
-    return E;
+    return irradiance_at(&w, x, y, z);
 }
 
 START_TEST(lamp_lights_and_counts_its_rays)
 {
-    struct world w;
-
     world_open(&w, SQUARE_LAMP, DIRECT "-ds .2");
     ck_assert_double_eq_tol(irradiance_at(&w, 0, 0, 0),
                             lambert(square, 4, origin, up), 1e-3);
     ck_assert_uint_gt(w.ctx.counts.shadow_rays, 16);
     ck_assert_uint_ge(w.ctx.counts.rays, w.ctx.counts.shadow_rays);
-    world_close(&w);
 }
 END_TEST
 
@@ -106,7 +98,7 @@ END_TEST
 
 START_TEST(ceiling_flush_with_its_lamp_changes_nothing_anywhere)
 {
-    struct world bare, flush;
+    struct world bare = { 0 }, flush = { 0 };
 
     world_open(&bare, SQUARE_LAMP, DIRECT "-ds .2");
     world_open(&flush,
@@ -145,7 +137,6 @@ START_TEST(distant_lights_are_sampled_and_glows_are_seen)
         "void light sun 0 0 3 1e5 1e5 1e5\nsun source s 0 0 4 0 1 1 .5\n"
         "void glow blue 0 0 4 1 2 3 0\nblue source sky 0 0 4 0 0 1 180\n";
     double omega = 2 * M_PI * (1 - cos(M_PI / 720));
-    struct world w;
 
     world_open(&w, text, DIRECT "-ds 0");
     ck_assert_double_eq_tol(irradiance_at(&w, 0, 0, 0), 1e5 * omega * sqrt(.5),
@@ -155,14 +146,12 @@ START_TEST(distant_lights_are_sampled_and_glows_are_seen)
     ck_assert_double_eq(world_see(&w, 0, 0, 0, 1, 0, 1).b, 3);
     ck_assert_double_eq(world_see(&w, 0, 0, 0, 1, 0, -1).b, 0);
     ck_assert_double_eq(world_see(&w, 0, 0, 0, 1, 0, 0).b, 3);
-    world_close(&w);
     /* the order in the scene does not matter: a light comes before a glow */
     world_open(&w,
                "void glow blue 0 0 4 1 2 3 0\nblue source sky 0 0 4 0 0 1 180\n"
                "void light sun 0 0 3 9 9 9\nsun source s 0 0 4 0 1 1 .5\n",
                DIRECT);
     ck_assert_double_eq(world_see(&w, 0, 0, 0, 0, 1, 1).b, 9);
-    world_close(&w);
 }
 END_TEST
 
@@ -218,7 +207,6 @@ START_TEST(untested_lamps_count_as_the_tested_ones_are_seen)
 {
     char text[16384] = LAMP;
     size_t len = strlen(text);
-    struct world w;
     double all;
 
     for (int i = 0; i < 100; i++)
@@ -230,7 +218,6 @@ START_TEST(untested_lamps_count_as_the_tested_ones_are_seen)
     ck_assert_double_eq_tol(irradiance_at(&w, 5.1, 5.1, 0), all, 1e-6 * all);
     ck_assert_uint_lt(w.ctx.counts.shadow_rays, 60);
     ck_assert_uint_ge(w.ctx.counts.shadow_rays, 2);
-    world_close(&w);
     snprintf(text + len, sizeof text - len,
              PLASTIC "white ring cover 0 0 8 5 5 .5 0 0 1 0 99\n");
     ck_assert_double_eq(
@@ -240,14 +227,14 @@ END_TEST
 
 /* Sum of the irradiance at the origin, upwards, over so many samplings. */
 static struct rad_rgb
-irradiance_sum(struct world *w, uint64_t key, uint64_t times)
+irradiance_sum(uint64_t key, uint64_t times)
 {
     struct rad_rgb sum = rad_grey(0);
 
     for (uint64_t i = 0; i < times; i++) {
         struct rad_ray r;
 
-        rad_ray_irradiance(&w->ctx, &r, origin, up, rad_key_branch(key, i));
+        rad_ray_irradiance(&w.ctx, &r, origin, up, rad_key_branch(key, i));
         sum = rad_rgb_add(sum, r.L);
     }
     return sum;
@@ -278,11 +265,8 @@ START_TEST(untested_lamps_leave_the_mean_alone)
         snprintf(scene + strlen(scene), 64,
                  "weak sphere w%d 0 0 4 0 %d 10 .1\n", i, i - 9);
     for (int k = 0; k < N_ELEM(options); k++) {
-        struct world w;
-
         world_open(&w, scene, options[k]);
-        sum[k] = irradiance_sum(&w, 9, TIMES);
-        world_close(&w);
+        sum[k] = irradiance_sum(9, TIMES);
         ck_assert_msg(fabs(sum[k].r / sum[0].r - 1) < .02 &&
                           fabs(sum[k].b / sum[0].b - 1) < .02,
                       "%s: %g times as bright", options[k],
@@ -311,12 +295,9 @@ START_TEST(untested_lamps_are_drawn)
                  "weak sphere w%d 0 0 4 0 %d %g .1\n", i, i - 9,
                  i % 2 ? 10 : 9.);
     for (int k = 0; k < 2; k++) {
-        struct world w;
-
         world_open(&w, scene, options[k]);
-        sum[k] = irradiance_sum(&w, 7, TIMES);
+        sum[k] = irradiance_sum(7, TIMES);
         shadow[k] = w.ctx.counts.shadow_rays;
-        world_close(&w);
     }
     ck_assert_uint_eq(shadow[0], 20 * TIMES);
     ck_assert_uint_eq(shadow[1], 3 * TIMES);
@@ -340,19 +321,16 @@ START_TEST(strong_lamp_that_is_hidden_makes_no_noise)
                 "strong sphere s 0 0 4 0 0 -10 .1\n";
     double sum = 0, sum2 = 0, exact;
     enum { TIMES = 500 };
-    struct world w;
 
     world_open(&w, scene, "-ab 1 -aa 0 -ad 16 -as 0 -lw 0 -dt 0");
-    exact = (double)irradiance_sum(&w, 9, TIMES).r / TIMES;
-    world_close(&w);
+    exact = (double)irradiance_sum(9, TIMES).r / TIMES;
     world_open(&w, scene, "-ab 1 -aa 0 -ad 16 -as 0 -lw 0 -dt .05");
     for (uint64_t i = 0; i < TIMES; i++) {
-        double E = (double)irradiance_sum(&w, 100 + i, 1).r;
+        double E = (double)irradiance_sum(100 + i, 1).r;
 
         sum += E / TIMES;
         sum2 += E * E / TIMES;
     }
-    world_close(&w);
     ck_assert_double_eq_tol(sum, exact, .01 * exact);
     ck_assert_double_lt(sqrt(sum2 - sum * sum), .15 * exact);
 }
@@ -363,7 +341,7 @@ START_TEST(memory_of_the_last_blocker_changes_nothing)
 {
     static const char text[] = SQUARE_LAMP PLASTIC
         "white sphere ball 0 0 4 .3 0 1 .4\nwhite sphere b2 0 0 4 -.6 0 1 .3\n";
-    struct world warm, cold;
+    struct world warm = { 0 }, cold = { 0 };
 
     world_open(&warm, text, DIRECT "-ds .2");
     world_open(&cold, text, DIRECT "-ds .2");
@@ -390,12 +368,10 @@ START_TEST(illum_over_void_is_a_light_and_a_window)
         "void illum i 0 0 3 2 2 2\n"
         "i polygon p 0 0 12 -1 -1 2 -1 1 2 1 1 2 1 -1 2\n"
         "void glow g 0 0 4 7 7 7 0\ng source sky 0 0 4 0 0 1 180\n";
-    struct world w;
 
     world_open(&w, text, DIRECT "-ds 0");
     ck_assert_double_eq_tol(irradiance_at(&w, 0, 0, 0), 2, 1e-6);
     ck_assert_double_eq(world_see(&w, 0, 0, 0, 0, 0, 1).g, 7);
-    world_close(&w);
 }
 END_TEST
 
@@ -412,14 +388,12 @@ static const struct {
 
 START_TEST(surface_cannot_be_a_light)
 {
-    struct world w;
     char scene[256];
 
     snprintf(scene, sizeof scene, LAMP "bright %s\n", no_lamps[_i].surface);
     ck_assert_int_eq(world_try(&w, scene, "", NULL), RAD_EDATA);
     ck_assert_str_eq(w.err.where, "test.rad:2");
     ck_assert_ptr_nonnull(strstr(w.err.what, no_lamps[_i].what));
-    world_close(&w);
 }
 END_TEST
 
@@ -452,6 +426,7 @@ main(void)
     Suite *s = suite_create("source");
     TCase *tc = tcase_create("shadows");
 
+    tcase_add_checked_fixture(tc, NULL, world_tear_down);
     tcase_add_test(tc, lamp_lights_and_counts_its_rays);
     tcase_add_loop_test(tc, shadow_ray_meets, 0, N_ELEM(blocker));
     tcase_add_test(tc, ceiling_flush_with_its_lamp_changes_nothing_anywhere);

@@ -93,7 +93,7 @@ look(struct picture *p, int n, struct rad_doubt_share share)
 START_TEST(a_true_picture_has_no_error)
 {
     static const int lines[] = { 1, 2, 3, 5, 8 };
-    struct picture p;
+    struct picture p = { 0 };
 
     make(&p, PURE);
     for (int i = 0; i < 5; i++) {
@@ -118,7 +118,7 @@ static const struct {
 START_TEST(what_is_off_is_found)
 {
     double share, off = log(1.2);
-    struct picture p;
+    struct picture p = { 0 };
     struct rad_doubt d;
 
     make(&p, PURE);
@@ -141,7 +141,7 @@ END_TEST
 /* One pixel of each 5 by 5, which is most of their light. */
 START_TEST(what_few_pixels_are_off_by_is_found)
 {
-    struct picture p;
+    struct picture p = { 0 };
     struct rad_doubt d;
 
     make(&p, PURE);
@@ -162,7 +162,7 @@ END_TEST
  * counts as much as all others: its columns are part of the last one. */
 START_TEST(a_narrow_rest_is_no_area_by_itself)
 {
-    struct picture p;
+    struct picture p = { 0 };
     struct rad_doubt d;
 
     make(&p, PURE);
@@ -183,7 +183,7 @@ END_TEST
 /* A floor that reflects a window is too dark without it. */
 START_TEST(gloss_that_is_left_out_shows)
 {
-    struct picture p;
+    struct picture p = { 0 };
     struct rad_doubt d;
 
     make(&p, PURE "-st .1");
@@ -204,7 +204,7 @@ START_TEST(noise_of_hemispheres_shows)
 
     for (int i = 0; i < 3; i++) {
         char options[300];
-        struct picture p;
+        struct picture p = { 0 };
         struct rad_doubt d;
         struct rad_error_estimate e;
 
@@ -231,7 +231,7 @@ START_TEST(noise_of_small_zones_averages_out_in_areas)
 
     for (int i = 0; i < 2; i++) {
         char options[300];
-        struct picture p;
+        struct picture p = { 0 };
         struct rad_doubt d;
 
         snprintf(options, sizeof options, PURE "-x 45 -y 45 -ab 1 -ad 8 %s",
@@ -254,7 +254,7 @@ END_TEST
 START_TEST(it_is_a_function_of_the_job)
 {
     const struct rad_doubt_share share = { .01, 0 };
-    struct picture p;
+    struct picture p = { 0 };
     struct rad_doubt a, b;
 
     make(&p, PURE "-ps 4 -pt .2 -dj .9 -pj .9 -ss 1");
@@ -275,7 +275,7 @@ START_TEST(it_can_be_stopped)
     const struct rad_doubt_share share = { 1, 0 };
     const struct rad_pixel *row;
     struct rad_doubt found = { { 0 } };
-    struct picture p;
+    struct picture p = { 0 };
     struct rad_doubt_rows r;
 
     make(&p, PURE);

@@ -237,7 +237,7 @@ START_TEST(shadow_rays_stop_at_trans2)
     static const double p[3] = { 0, 0, -1 }, up[3] = { 0, 0, 1 };
     double sun[3] = { 0, 0, 1 };
     struct rad_ray r;
-    struct world w;
+    struct world w = { 0 };
     char scene[1024] =
         "void trans2 m 4 1 0 0 . 0 8 1 1 1 0 .01 .01 1 1\n" SQUARE;
 
@@ -267,7 +267,7 @@ static const struct {
 
 START_TEST(bad_arguments_are_refused)
 {
-    struct world w;
+    struct world w = { 0 };
 
     ck_assert_int_lt(world_try(&w, bad[_i].text, "", NULL), 0);
     ck_assert_msg(strstr(w.err.what, bad[_i].message) != NULL, "%s: %s",

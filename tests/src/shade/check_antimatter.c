@@ -2,7 +2,7 @@
 #include "config.h"
 
 #include "tests/parts.h"
-#include "tests/world.h"
+#include "tests/world_fixture.h"
 
 #include <stdio.h>
 
@@ -20,50 +20,42 @@ near(double value, double truth)
 
 /* Length of the way down from (x, 0, 5). */
 static double
-depth(struct world *w, double x)
+depth(double x)
 {
     struct rad_ray r;
 
-    world_ray(w, &r, x, 0, 5, 0, 0, -1);
-    rad_ray_trace(&w->ctx, &r);
+    world_ray(&w, &r, x, 0, 5, 0, 0, -1);
+    rad_ray_trace(&w.ctx, &r);
     return rad_ray_distance(&r);
 }
 
 START_TEST(hole_in_a_wall_lets_one_see_through)
 {
-    struct world w;
-
     world_open(&w,
                WALL "void antimatter hole 2 void wall 0 0\n"
                     "hole sphere s 0 0 4 0 0 0 1\n",
                "-av 0 0 0");
     near(world_see(&w, 0, 0, 5, 0, 0, -1).r, 7);
-    near(depth(&w, 0), 10);
-    near(depth(&w, .99), 10);
-    near(depth(&w, 1.01), 5);
+    near(depth(0), 10);
+    near(depth(.99), 10);
+    near(depth(1.01), 5);
     ck_assert_double_eq(world_see(&w, 1.01, 0, 5, 0, 0, -1).r, 0);
-    world_close(&w);
 }
 END_TEST
 
 START_TEST(names_that_are_not_there_cut_nothing)
 {
-    struct world w;
-
     world_open(&w,
                WALL "void antimatter hole 2 void nobody 0 0\n"
                     "hole sphere s 0 0 4 0 0 0 1\n",
                "");
-    near(depth(&w, 0), 5);
-    world_close(&w);
+    near(depth(0), 5);
 }
 END_TEST
 
 /* A part of a mixture cuts what is behind it for that part's light. */
 START_TEST(antimatter_in_a_mixture_cuts_for_its_part)
 {
-    struct world w;
-
     world_open(&w,
                WALL "void antimatter hole 2 void wall 0 0\n"
                     "void mixfunc some 4 hole void .25 . 0 0\n"
@@ -72,7 +64,6 @@ START_TEST(antimatter_in_a_mixture_cuts_for_its_part)
                "-av 1 1 1");
     near(world_see(&w, 0, 0, 5, 0, 0, -1).r, .25 * 7 + .75 * .5);
     ck_assert_double_eq(world_see(&w, 1.01, 0, 5, 0, 0, -1).r, .5);
-    world_close(&w);
 }
 END_TEST
 
@@ -81,7 +72,6 @@ START_TEST(light_falls_through_a_hole)
 {
     static const double lit[3] = { 0, 0, -2 }, dark[3] = { 3, 0, -2 };
     static const double up[3] = { 0, 0, 1 };
-    struct world w;
     struct rad_ray r;
 
     world_open(&w,
@@ -95,7 +85,6 @@ START_TEST(light_falls_through_a_hole)
     near(r.L.r, M_PI * 100 * 1e-4 / 16);
     rad_ray_irradiance(&w.ctx, &r, dark, up, 1);
     ck_assert_double_eq(r.L.r, 0);
-    world_close(&w);
 }
 END_TEST
 
@@ -110,7 +99,6 @@ static const struct {
 START_TEST(cut_in_a_solid_shows_its_filling)
 {
     char scene[512];
-    struct world w;
 
     snprintf(scene, sizeof scene,
              "void plastic ball 0 0 5 .5 .5 .5 0 0\n"
@@ -118,10 +106,9 @@ START_TEST(cut_in_a_solid_shows_its_filling)
              "void antimatter a %s 0 0\na sphere s 0 0 4 0 0 2 1\n",
              cut[_i].names);
     world_open(&w, scene, "-av 1 1 1");
-    near(depth(&w, 0), cut[_i].depth);
-    near(depth(&w, 1.9), 5 - sqrt(4 - 1.9 * 1.9)); /* beside the cut */
+    near(depth(0), cut[_i].depth);
+    near(depth(1.9), 5 - sqrt(4 - 1.9 * 1.9)); /* beside the cut */
     near(world_see(&w, 0, 0, 5, 0, 0, -1).r, .5);
-    world_close(&w);
 }
 END_TEST
 
@@ -129,8 +116,6 @@ END_TEST
  * away, and not where the ray has left the hole. */
 START_TEST(reflection_stays_on_its_side)
 {
-    struct world w;
-
     world_open(&w,
                "void plastic wall 0 0 5 .5 .5 .5 0 0\n"
                "wall polygon w 0 0 12 -9 -9 0 9 -9 0 9 9 0 -9 9 0\n"
@@ -143,15 +128,12 @@ START_TEST(reflection_stays_on_its_side)
     /* down through the hole, off the mirror, and up: w is cut away, v not */
     near(world_see(&w, 0, 0, 2, 0, 0, -1).r, .5);
     ck_assert_double_eq(world_see(&w, 0, 0, 2, 0, .8, -1.2).r, .5f);
-    world_close(&w);
 }
 END_TEST
 
 /* A hole in a hole: within the second the first is not there. */
 START_TEST(antimatter_may_be_cut_away)
 {
-    struct world w;
-
     world_open(&w,
                WALL "void antimatter hole 2 void wall 0 0\n"
                     "void antimatter plug 2 void hole 0 0\n"
@@ -160,9 +142,8 @@ START_TEST(antimatter_may_be_cut_away)
                     "hole ring bottom 0 0 8 0 0 -1 0 0 -1 0 2\n"
                     "plug sphere p 0 0 4 0 0 1 .5\n",
                "");
-    near(depth(&w, 1), 10);
-    near(depth(&w, 0), 5);
-    world_close(&w);
+    near(depth(1), 10);
+    near(depth(0), 5);
 }
 END_TEST
 
@@ -170,25 +151,20 @@ END_TEST
  * where that ends: the ray goes into it there. */
 START_TEST(a_cut_may_show_antimatter)
 {
-    struct world w;
-
     world_open(&w,
                WALL "void antimatter hole 2 void wall 0 0\n"
                     "hole sphere s 0 0 4 0 0 0 2\n"
                     "void antimatter other 1 hole 0 0\n"
                     "other sphere t 0 0 4 0 0 2 1\n",
                "");
-    near(depth(&w, 0), 10);
-    near(depth(&w, 1.5), 10);
-    near(depth(&w, 2.1), 5);
-    world_close(&w);
+    near(depth(0), 10);
+    near(depth(1.5), 10);
+    near(depth(2.1), 5);
 }
 END_TEST
 
 START_TEST(irradiance_of_the_eye_sees_no_antimatter)
 {
-    struct world w;
-
     world_open(&w,
                "void plastic wall 0 0 5 .5 .5 .5 0 0\n"
                "wall polygon w 0 0 12 -9 -9 0 9 -9 0 9 9 0 -9 9 0\n"
@@ -196,8 +172,7 @@ START_TEST(irradiance_of_the_eye_sees_no_antimatter)
                "hole sphere s 0 0 4 0 0 0 1\n",
                "-i -av 1 1 1");
     near(world_see(&w, 0, 0, 5, 0, 0, -1).r, M_PI);
-    near(depth(&w, 0), 5);
-    world_close(&w);
+    near(depth(0), 5);
 }
 END_TEST
 
@@ -216,15 +191,13 @@ START_TEST(antimatter_of_one_file_knows_what_another_defines_alike)
                                  "a sphere s 0 0 4 0 0 2 1\n";
     struct parts p = { .n = 0 };
     struct rad_files files = parts_files(&p);
-    struct world w;
 
     parts_add_octree(&p, "a.oct", bitten);
     parts_add_octree(&p, "b.oct", bitten);
     ck_assert_int_eq(world_try(&w, twice[_i], "-av 1 1 1", &files), 0);
-    near(depth(&w, 0), 4);
-    near(depth(&w, 9), 4);
-    near(depth(&w, 9 + 1.9), 5 - sqrt(4 - 1.9 * 1.9));
-    world_close(&w);
+    near(depth(0), 4);
+    near(depth(9), 4);
+    near(depth(9 + 1.9), 5 - sqrt(4 - 1.9 * 1.9));
     parts_release(&p);
 }
 END_TEST
@@ -235,6 +208,7 @@ make_suite(void)
     Suite *s = suite_create("antimatter");
     TCase *tc = tcase_create("antimatter");
 
+    tcase_add_checked_fixture(tc, NULL, world_tear_down);
     tcase_add_test(tc, hole_in_a_wall_lets_one_see_through);
     tcase_add_test(tc, names_that_are_not_there_cut_nothing);
     tcase_add_test(tc, antimatter_in_a_mixture_cuts_for_its_part);

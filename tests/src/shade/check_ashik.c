@@ -157,7 +157,7 @@ END_TEST
 
 START_TEST(bad_powers_are_refused)
 {
-    struct world w;
+    struct world w = { 0 };
 
     ck_assert_int_lt(
         world_try(&w, "void ashik2 m 4 1 0 0 . 0 8 0 0 0 1 1 1 9 -1\n" SQUARE,

@@ -291,7 +291,7 @@ START_TEST(brtdfunc_casts_a_coloured_shadow)
     static const double p[3] = { 0, 0, -1 }, up[3] = { 0, 0, 1 };
     double sun[3] = { 0, 0, 1 };
     struct rad_ray r;
-    struct world w;
+    struct world w = { 0 };
     char scene[1024] = "void BRTDfunc m 10 1 1 1 .1 -Rdot/4 0 half half half "
                        "f.cal 0 9 0 0 0 0 0 0 1 1 1\n" SQUARE;
 
@@ -343,7 +343,7 @@ static const struct {
 
 START_TEST(bad_arguments_are_refused)
 {
-    struct world w;
+    struct world w = { 0 };
     char scene[512];
 
     snprintf(scene, sizeof scene, "%s" SQUARE, bad[_i].text);

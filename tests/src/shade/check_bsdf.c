@@ -698,7 +698,7 @@ START_TEST(bad_material_is_refused_by_name)
 {
     struct rad_files files = { read_file, NULL };
     char scene[512], text[600];
-    struct world w;
+    struct world w = { 0 };
 
     snprintf(scene, sizeof scene, "void %s\nm" PANE, refused[_i].material);
     ck_assert_int_lt(world_try(&w, scene, PLAIN, &files), 0);

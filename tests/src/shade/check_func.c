@@ -6,7 +6,7 @@
 #include "config.h"
 
 #include "base/rng.h"
-#include "tests/world.h"
+#include "tests/world_fixture.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -147,7 +147,6 @@ START_TEST(distant_source_has_the_place_it_is_seen_from)
 {
     static const double at[3] = { 4, 0, 0 }, up[3] = { 0, 0, 1 };
     struct rad_ray r;
-    struct world w;
 
     world_open(&w,
                "void brightfunc p 2 Px+Pz/4 . 0 0\np glow g 0 0 4 2 2 2 0\n"
@@ -158,7 +157,6 @@ START_TEST(distant_source_has_the_place_it_is_seen_from)
     rad_ray_irradiance(&w.ctx, &r, at, up, 1);
     ck_assert_double_eq_tol(r.L.r / (50 * 2 * M_PI * (1 - cos(5 * M_PI / 180))),
                             4, .02);
-    world_close(&w);
 }
 END_TEST
 
@@ -179,7 +177,6 @@ START_TEST(points_of_a_level_floor_have_its_height)
 {
     static const char scene[] = "void brightfunc p 2 if(Pz,1,if(-Pz,1,2)) . 0 0"
                                 "\np" SHINE;
-    struct world w;
 
     ck_assert_int_eq(world_try(&w, scene, PLAIN, NULL), 0);
     for (int i = 0; i < 1000; i++) {
@@ -188,7 +185,6 @@ START_TEST(points_of_a_level_floor_have_its_height)
 
         ck_assert_double_eq(world_see(&w, x, y, z, y - .7, .6 - x, -z).g, 2);
     }
-    world_close(&w);
 }
 END_TEST
 
@@ -262,7 +258,6 @@ END_TEST
 START_TEST(irradiance_goes_through_a_mixture)
 {
     struct rad_rgb L;
-    struct world w;
 
     world_open(&w,
                "void glass clear 0 0 3 1 1 1\nvoid plastic p 0 0 5 1 1 1 0 0\n"
@@ -272,7 +267,6 @@ START_TEST(irradiance_goes_through_a_mixture)
                PLAIN " -i");
     L = world_see(&w, 2, 3, 4, 0, 0, -1);
     ck_assert_double_eq_tol(L.g, .75 * 8, 1e-5);
-    world_close(&w);
 }
 END_TEST
 
@@ -291,7 +285,6 @@ START_TEST(distance_of_black_is_that_of_the_second_part)
 {
     char scene[512];
     struct rad_ray r;
-    struct world w;
 
     snprintf(scene, sizeof scene,
              "void glass clear 0 0 3 1 1 1\nvoid plastic p 0 0 5 1 1 1 0 0\n"
@@ -303,7 +296,6 @@ START_TEST(distance_of_black_is_that_of_the_second_part)
     rad_ray_trace(&w.ctx, &r);
     ck_assert(rad_rgb_black(r.L));
     ck_assert_double_eq_tol(r.dist, far[_i].dist, 1e-6);
-    world_close(&w);
 }
 END_TEST
 
@@ -321,7 +313,6 @@ END_TEST
 START_TEST(failures_are_counted_by_object)
 {
     struct rad_counts c = { 0 };
-    struct world w;
 
     for (int i = 0; i < 20; i++)
         rad_counts_fault(&c, (i * 7 + 3) % 10);
@@ -339,7 +330,6 @@ START_TEST(failures_are_counted_by_object)
     ck_assert_int_eq(w.ctx.counts.faults[0].object, 1);
     ck_assert_uint_eq(w.ctx.counts.faults[0].count, 2);
     ck_assert_uint_eq(w.ctx.counts.faults[1].count, 0);
-    world_close(&w);
 }
 END_TEST
 
@@ -388,13 +378,11 @@ START_TEST(an_argument_that_may_be_left_out_is_not_missed)
     struct rad_files files = { read_file,
                                (void *)(uintptr_t)optional[_i].file };
     char scene[512];
-    struct world w;
 
     snprintf(scene, sizeof scene, "void brightfunc p 2 %s %s 0 1 1\np" SHINE,
              optional[_i].expression,
              optional[_i].file[0] ? "lib/own.cal" : ".");
     ck_assert_msg(world_try(&w, scene, PLAIN, &files) == 0, "%s", w.err.what);
-    world_close(&w);
 }
 END_TEST
 
@@ -410,12 +398,9 @@ END_TEST
 
 START_TEST(scene_without_functions_has_no_evaluator)
 {
-    struct world w;
-
     world_open(&w, "void" SHINE, PLAIN);
     ck_assert_ptr_null(w.job->calc);
     ck_assert_ptr_null(w.ctx.calc);
-    world_close(&w);
 }
 END_TEST
 
@@ -442,6 +427,7 @@ main(void)
     Suite *s = suite_create("func");
     TCase *tc = tcase_create("func");
 
+    tcase_add_checked_fixture(tc, NULL, world_tear_down);
     tcase_set_timeout(tc, 600);
     tcase_add_loop_test(tc, brightness_is_the_functions_value, 0,
                         N_ELEM(bright));

@@ -2,7 +2,7 @@
 #include "config.h"
 
 #include "base/rng.h"
-#include "tests/world.h"
+#include "tests/world_fixture.h"
 
 #include <stdio.h>
 
@@ -28,22 +28,22 @@ alike(double a, double b)
 }
 
 static double
-down(struct world *w, double x, double z)
+down(double x, double z)
 {
-    return world_see(w, x, 0, z, 0, 0, -1).r;
+    return world_see(&w, x, 0, z, 0, 0, -1).r;
 }
 
 /* Mean over the random numbers of n rays that start at o in direction d. */
 static double
-mean_of(struct world *w, const double o[3], const double d[3], int n)
+mean_of(const double o[3], const double d[3], int n)
 {
     double sum = 0;
     struct rad_ray r;
 
     for (int i = 0; i < n; i++) {
-        world_ray(w, &r, o[0], o[1], o[2], d[0], d[1], d[2]);
+        world_ray(&w, &r, o[0], o[1], o[2], d[0], d[1], d[2]);
         r.key = rad_mix64((uint64_t)i);
-        rad_ray_trace(&w->ctx, &r);
+        rad_ray_trace(&w.ctx, &r);
         sum += r.L.r;
     }
     return sum / n;
@@ -51,7 +51,6 @@ mean_of(struct world *w, const double o[3], const double d[3], int n)
 
 START_TEST(layer_dims_by_its_optical_depth)
 {
-    struct world w;
     struct rad_rgb L;
 
     world_open(&w, WALL "void mist fog 0 0 3 .1 .2 .3\n" LAYER("fog", "1", "3"),
@@ -60,21 +59,17 @@ START_TEST(layer_dims_by_its_optical_depth)
     near(L.r, 7 * exp(-.1 * 2 - .01 * 5));
     near(L.g, 7 * exp(-.2 * 2));
     near(L.b, 7 * exp(-.3 * 2));
-    near(down(&w, 0, 1), 7 * exp(-.01)); /* below it */
-    world_close(&w);
+    near(down(0, 1), 7 * exp(-.01)); /* below it */
 }
 END_TEST
 
 START_TEST(pattern_scales_the_extinction)
 {
-    struct world w;
-
     world_open(&w,
                WALL "void brightfunc half 2 .5 . 0 0\n"
                     "half mist fog 0 0 3 .2 .2 .2\n" LAYER("fog", "1", "3"),
                "");
-    near(down(&w, 0, 5), 7 * exp(-.1 * 2));
-    world_close(&w);
+    near(down(0, 5), 7 * exp(-.1 * 2));
 }
 END_TEST
 
@@ -82,8 +77,6 @@ END_TEST
  * of 1 in an even surrounding nothing shows. */
 START_TEST(ambient_value_is_scattered_in)
 {
-    struct world w;
-
     world_open(&w, WALL, "-me .2 .2 .2 -ma .5 1 0 -av 7 7 7");
     struct rad_rgb L = world_see(&w, 0, 0, 5, 0, 0, -1);
 
@@ -91,7 +84,6 @@ START_TEST(ambient_value_is_scattered_in)
     near(L.g, 7);
     near(L.b, 7 * exp(-1));
     near(world_see(&w, 0, 0, 5, 0, 0, 1).g, 7); /* up to nowhere */
-    world_close(&w);
 }
 END_TEST
 
@@ -110,7 +102,6 @@ static const struct {
 START_TEST(overlapping_layers_add_up)
 {
     char scene[1024];
-    struct world w;
     struct rad_rgb up;
 
     snprintf(scene, sizeof scene,
@@ -118,11 +109,10 @@ START_TEST(overlapping_layers_add_up)
              "void glow sky 0 0 4 5 5 5 0\nsky source s 0 0 4 0 0 1 180\n",
              WALL, layers[_i].a, layers[_i].b);
     world_open(&w, scene, "");
-    near(down(&w, 0, 5), 7 * exp(-layers[_i].depth));
+    near(down(0, 5), 7 * exp(-layers[_i].depth));
     /* no rest of extinction on the endless way to the sky */
     up = world_see(&w, 0, 0, .5, 0, 0, 1);
     near(up.r, 5 * exp(-layers[_i].depth));
-    world_close(&w);
 }
 END_TEST
 
@@ -130,7 +120,6 @@ END_TEST
  * it ends. */
 START_TEST(albedo_comes_back_when_the_inner_mist_ends)
 {
-    struct world w;
     double e = exp(-.2);
 
     world_open(&w,
@@ -139,23 +128,19 @@ START_TEST(albedo_comes_back_when_the_inner_mist_ends)
                    LAYER("b", "2", "3"),
                "-av 1 1 1");
     /* a's three units lose e each, and the outer two scatter in */
-    near(down(&w, 0, 5), (1 - e) + e * e * (1 - e));
-    world_close(&w);
+    near(down(0, 5), (1 - e) + e * e * (1 - e));
 }
 END_TEST
 
 /* In front of, in, and behind a ball of index 1, which absorbs. */
 START_TEST(mist_is_back_behind_a_dielectric)
 {
-    struct world w;
-
     world_open(&w,
                WALL "void mist fog 0 0 6 .1 .1 .1 0 0 0\n" LAYER(
                    "fog", "1", "9") "void dielectric ball 0 0 5 .5 .5 .5 1 0\n"
                                     "ball sphere s 0 0 4 0 0 5 1\n",
                "-me .02 .02 .02 -ma .3 .3 .3");
-    near(down(&w, 0, 10), 7 * exp(-.02 * 8 - .1 * 6) * .25);
-    world_close(&w);
+    near(down(0, 10), 7 * exp(-.02 * 8 - .1 * 6) * .25);
 }
 END_TEST
 
@@ -164,7 +149,6 @@ END_TEST
 START_TEST(shadow_rays_lose_what_is_absorbed)
 {
     static const double p[3] = { 0, 0, 0 }, n[3] = { 0, 0, 1 };
-    struct world w;
     struct rad_ray r;
 
     world_open(&w,
@@ -177,7 +161,6 @@ START_TEST(shadow_rays_lose_what_is_absorbed)
     near(r.L.r, E * exp(-.1 * .2 * 4));
     near(r.L.g, E * exp(-.1 * 4));
     near(r.L.b, E);
-    world_close(&w);
 }
 END_TEST
 
@@ -219,7 +202,6 @@ START_TEST(source_is_scattered_into_the_ray)
     static const double lamp[3] = { 2, 0, 4 }, eye[3] = { 0, 0, 20 },
                         dir[3] = { 0, 0, -1 };
     char scene[512];
-    struct world w;
     int n = 40000;
 
     snprintf(scene, sizeof scene,
@@ -234,10 +216,9 @@ START_TEST(source_is_scattered_into_the_ray)
     double me = w.params.cextinction.r;
 
     truth *= exp(-me * 8); /* from the mist's top to the eye */
-    double L = mean_of(&w, eye, dir, n);
+    double L = mean_of(eye, dir, n);
 
     ck_assert_double_eq_tol(L, truth, .01 * truth);
-    world_close(&w);
 }
 END_TEST
 
@@ -246,7 +227,6 @@ START_TEST(eye_in_a_mist_with_sources_sees_them)
 {
     static const double lamp[3] = { 2, 0, 4 }, eye[3] = { 0, 0, 8 },
                         down_[3] = { 0, 0, -1 };
-    struct world w;
 
     world_open(&w,
                "void light l 0 0 3 1e6 1e6 1e6\nl sphere b 0 0 4 2 0 4 1e-3\n"
@@ -255,8 +235,7 @@ START_TEST(eye_in_a_mist_with_sources_sees_them)
                "-ms .5");
     double truth = M_PI * scattered(lamp, -4, 8, 8, .1, .9, 0);
 
-    ck_assert_double_eq_tol(mean_of(&w, eye, down_, 20000), truth, .01 * truth);
-    world_close(&w);
+    ck_assert_double_eq_tol(mean_of(eye, down_, 20000), truth, .01 * truth);
 }
 END_TEST
 
@@ -266,7 +245,6 @@ END_TEST
 START_TEST(mixture_is_left_from_inside_by_parts)
 {
     char scene[512];
-    struct world w;
 
     snprintf(scene, sizeof scene,
              "void light l 0 0 3 1e-9 1e-9 1e-9\nl sphere b 0 0 4 2 0 4 .1\n"
@@ -277,9 +255,8 @@ START_TEST(mixture_is_left_from_inside_by_parts)
              "void mixfunc both 4 %s . 0 0\nboth sphere s 0 0 4 0 0 4 8\n",
              _i == 0 ? "fog paint .25" : "paint fog .75");
     world_open(&w, scene, "-me .01 .01 .01 -av 1 1 1");
-    near(down(&w, 0, 8),
+    near(down(0, 8),
          .25 * 7 * exp(-.01 * 28 - .1 * 12) + .75 * .5 * exp(-.01 * 12));
-    world_close(&w);
 }
 END_TEST
 
@@ -302,7 +279,6 @@ START_TEST(names_say_which_sources_light_it)
 {
     static const double eye[3] = { 0, 0, 9 }, dir[3] = { 0, 0, -1 };
     char scene[1024];
-    struct world w;
     struct rad_ray r;
 
     snprintf(scene, sizeof scene,
@@ -325,7 +301,6 @@ START_TEST(names_say_which_sources_light_it)
     ck_assert_int_eq(r.L.g > 0, named[_i].green);
     if (named[_i].relayed) /* from 12 away, by way of the mirror */
         ck_assert_double_lt(r.L.r, M_PI * .09 * 7 / (4 * M_PI) / 100);
-    world_close(&w);
 }
 END_TEST
 
@@ -341,17 +316,14 @@ static const struct {
 
 START_TEST(samples_are_as_far_apart_as_asked)
 {
-    struct world w;
-
     world_open(&w,
                "void light l 0 0 3 1 1 1\nl sphere b 0 0 4 2 0 4 1e-3\n"
                "void mist fog 1 b 0 6 .1 .1 .1 .9 .9 .9\n"
                "fog ring top 0 0 8 0 0 8 0 0 1 0 1\n"
                "fog ring low 0 0 8 0 0 1 0 0 -1 0 1\n",
                spacing[_i].options);
-    down(&w, 0, 9);
+    down(0, 9);
     ck_assert_uint_eq(w.ctx.counts.shadow_rays, (uint64_t)spacing[_i].rays);
-    world_close(&w);
 }
 END_TEST
 
@@ -361,8 +333,6 @@ START_TEST(same_key_gives_the_same_value)
     double L[2];
 
     for (int i = 0; i < 2; i++) {
-        struct world w;
-
         world_open(&w,
                    "void light l 0 0 3 1 1 1\nl sphere b 0 0 4 2 0 4 1e-3\n"
                    "void mist fog 1 b 0 6 .1 .1 .1 .9 .9 .9\n"
@@ -370,9 +340,8 @@ START_TEST(same_key_gives_the_same_value)
                    "fog ring low 0 0 8 0 0 1 0 0 -1 0 1\n",
                    "-ms 1");
         if (i == 1) /* history does not matter */
-            mean_of(&w, eye, dir, 10);
-        L[i] = mean_of(&w, eye, dir, 1);
-        world_close(&w);
+            mean_of(eye, dir, 10);
+        L[i] = mean_of(eye, dir, 1);
     }
     ck_assert_double_eq(L[0], L[1]);
     ck_assert_double_gt(L[0], 0);
@@ -409,11 +378,11 @@ static const char *const maze[] = {
 
 START_TEST(boundaries_passed_at_once_are_what_they_are_one_by_one)
 {
-    struct world w[2];
+    struct world worlds[2] = { 0 };
     struct rad_ray r[2];
 
-    world_open(&w[0], MAZE, maze[_i]);
-    world_open(&w[1], MAZE ELSEWHERE, maze[_i]);
+    world_open(&worlds[0], MAZE, maze[_i]);
+    world_open(&worlds[1], MAZE ELSEWHERE, maze[_i]);
     for (int i = 0; i < 2000; i++) {
         uint64_t key = rad_key_branch(7, (uint64_t)i);
         double d[3], o[3];
@@ -424,31 +393,28 @@ START_TEST(boundaries_passed_at_once_are_what_they_are_one_by_one)
         }
         rad_normalize(d);
         for (int k = 0; k < 2; k++) {
-            world_ray(&w[k], &r[k], o[0], o[1], o[2], d[0], d[1], d[2]);
+            world_ray(&worlds[k], &r[k], o[0], o[1], o[2], d[0], d[1], d[2]);
             r[k].key = key;
-            rad_ray_trace(&w[k].ctx, &r[k]);
+            rad_ray_trace(&worlds[k].ctx, &r[k]);
         }
         alike(r[0].L.r, r[1].L.r);
         alike(r[0].L.b, r[1].L.b);
         alike(r[0].dist, r[1].dist);
     }
-    ck_assert_uint_eq(w[0].ctx.counts.rays, w[1].ctx.counts.rays);
-    world_close(&w[0]);
-    world_close(&w[1]);
+    ck_assert_uint_eq(worlds[0].ctx.counts.rays, worlds[1].ctx.counts.rays);
+    world_close(&worlds[0]);
+    world_close(&worlds[1]);
 }
 END_TEST
 
 START_TEST(irradiance_of_the_eye_sees_no_mist)
 {
-    struct world w;
-
     world_open(&w,
                "void plastic p 0 0 5 .5 .5 .5 0 0\n"
                "p ring f 0 0 8 0 0 0 0 0 1 0 9\n"
                "void mist fog 0 0 3 .1 .1 .1\n" LAYER("fog", "1", "3"),
                "-i -av 1 1 1");
-    near(down(&w, 0, 5), M_PI);
-    world_close(&w);
+    near(down(0, 5), M_PI);
 }
 END_TEST
 
@@ -458,6 +424,7 @@ main(void)
     Suite *s = suite_create("mist");
     TCase *tc = tcase_create("mist");
 
+    tcase_add_checked_fixture(tc, NULL, world_tear_down);
     tcase_add_test(tc, layer_dims_by_its_optical_depth);
     tcase_add_test(tc, pattern_scales_the_extinction);
     tcase_add_test(tc, ambient_value_is_scattered_in);

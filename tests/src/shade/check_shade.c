@@ -6,7 +6,7 @@
 #include "config.h"
 
 #include "suns.h"
-#include "tests/world.h"
+#include "tests/world_fixture.h"
 #include "base/rng.h"
 
 #include <stdio.h>
@@ -42,7 +42,6 @@ static const double angles[] = { 0, 10, 30, 45, 56.659, 70, 80, 89 };
 START_TEST(glass_transmits_as_the_manual_says)
 {
     double rs, rp, t, T, deg = angles[_i];
-    struct world w;
 
     world_open(&w, BELOW "void glass m 0 0 3 .96 .5 1\n m" SQUARE, PLAIN);
     fresnel(1.52, deg, &rs, &rp);
@@ -51,14 +50,13 @@ START_TEST(glass_transmits_as_the_manual_says)
         .5 * pow(1 - rp, 2) * t / (1 - rp * rp * t * t);
     ck_assert_double_eq_tol(world_tilted(&w, deg).g, T, 1e-6);
     ck_assert_double_eq_tol(world_tilted(&w, -deg).g, T, 1e-6);
-    world_close(&w);
 }
 END_TEST
 
 /* Clear glass loses nothing. */
 START_TEST(clear_glass_reflects_what_it_does_not_transmit)
 {
-    struct world a, b;
+    struct world a = { 0 }, b = { 0 };
 
     world_open(&a, ABOVE "void glass m 0 0 4 1 1 1 1.8\n m" SQUARE, PLAIN);
     world_open(&b, BELOW "void glass m 0 0 4 1 1 1 1.8\n m" SQUARE, PLAIN);
@@ -73,37 +71,30 @@ END_TEST
 /* The transmissivity that the manual gives for 88 % transmittance. */
 START_TEST(glass_of_96_percent_is_the_88_percent_pane)
 {
-    struct world w;
-
     world_open(&w, BELOW "void glass m 0 0 3 .96 .96 .96\n m" SQUARE, PLAIN);
     ck_assert_double_eq_tol(world_tilted(&w, 0).r, .88, .0016);
-    world_close(&w);
 }
 END_TEST
 
 START_TEST(dielectric_reflects_by_fresnel)
 {
     double rs, rp, deg = angles[_i];
-    struct world w;
 
     world_open(&w, ABOVE "void dielectric m 0 0 5 1 1 1 1.5 0\n m" SQUARE,
                PLAIN);
     fresnel(1.5, deg, &rs, &rp);
     ck_assert_double_eq_tol(world_tilted(&w, deg).g, .5 * (rs + rp), 1e-6);
-    world_close(&w);
 }
 END_TEST
 
 START_TEST(dielectric_at_brewsters_angle_reflects_one_polarization)
 {
     double n = 1.5, rs = pow((1 - n * n) / (1 + n * n), 2);
-    struct world w;
 
     world_open(&w, ABOVE "void dielectric m 0 0 5 1 1 1 1.5 0\n m" SQUARE,
                PLAIN);
     ck_assert_double_eq_tol(world_tilted(&w, atan(n) * 180 / M_PI).r, rs / 2,
                             1e-7);
-    world_close(&w);
 }
 END_TEST
 
@@ -111,7 +102,6 @@ END_TEST
  * degrees, and none before. */
 START_TEST(dielectric_reflects_totally_from_within)
 {
-    struct world w;
     double rs, rp;
 
     world_open(&w, BELOW "void dielectric m 0 0 5 1 1 1 1.5 0\n m" SQUARE,
@@ -121,7 +111,6 @@ START_TEST(dielectric_reflects_totally_from_within)
     fresnel(1.5, asin(1.5 * sin(.6)) * 180 / M_PI, &rs, &rp);
     ck_assert_double_eq_tol(world_see(&w, 0, 0, -1, sin(.6), 0, cos(.6)).r,
                             .5 * (rs + rp), 1e-6);
-    world_close(&w);
 }
 END_TEST
 
@@ -129,7 +118,6 @@ END_TEST
 START_TEST(dielectric_refracts_by_snell)
 {
     double i = M_PI / 4, t = asin(sin(i) / 1.5), rs, rp;
-    struct world w;
     char text[512];
 
     for (int off = 0; off < 2; off++) {
@@ -144,7 +132,6 @@ START_TEST(dielectric_refracts_by_snell)
         ck_assert_double_eq_tol(
             world_tilted(&w, 45).r,
             off ? 0 : 9 * (1 - .5 * (rs + rp)) / (1.5 * 1.5), 1e-6);
-        world_close(&w);
     }
 }
 END_TEST
@@ -154,7 +141,6 @@ END_TEST
 START_TEST(dielectric_slab_absorbs_by_length)
 {
     double r = .04, t = pow(.5, 2);
-    struct world w;
 
     world_open(&w,
                BELOW "void dielectric m 0 0 5 .5 1 .25 1.5 0\n m" SQUARE
@@ -163,15 +149,12 @@ START_TEST(dielectric_slab_absorbs_by_length)
     ck_assert_double_eq_tol(world_tilted(&w, 0).r,
                             (1 - r) * (1 - r) * t / (1 - r * r * t * t), 1e-6);
     ck_assert_double_eq_tol(world_tilted(&w, 0).g, (1 - r) / (1 + r), 1e-6);
-    world_close(&w);
 }
 END_TEST
 
 /* An interface of equal sides is not there, but for what it absorbs. */
 START_TEST(interface_of_equal_indices_lets_all_pass)
 {
-    struct world w;
-
     world_open(&w,
                BELOW "void interface m 0 0 8 1 1 1 1.4 1 1 .5 1.4\n m" SQUARE,
                PLAIN);
@@ -180,7 +163,6 @@ START_TEST(interface_of_equal_indices_lets_all_pass)
     ck_assert_double_eq_tol(
         world_see(&w, -2 * sin(1), 0, 2 * cos(1), sin(1), 0, -cos(1)).b, .25,
         1e-6);
-    world_close(&w);
 }
 END_TEST
 
@@ -203,7 +185,6 @@ static const struct {
 START_TEST(mirror_brightens_toward_grazing)
 {
     char text[512];
-    struct world w;
 
     snprintf(text, sizeof text, ABOVE "void %s m" SQUARE, mirror[_i].material);
     world_open(&w, text, PLAIN);
@@ -211,19 +192,15 @@ START_TEST(mirror_brightens_toward_grazing)
                             1e-5);
     ck_assert_double_eq_tol(world_tilted(&w, mirror[_i].deg).g, mirror[_i].g,
                             1e-5);
-    world_close(&w);
 }
 END_TEST
 
 START_TEST(clear_trans_passes_its_specular_part)
 {
-    struct world w;
-
     world_open(&w, BELOW "void trans m 0 0 7 .5 1 0 .01 0 .6 .7\n m" SQUARE,
                PLAIN);
     ck_assert_double_eq_tol(world_tilted(&w, 30).r, .5 * .99 * .6 * .7, 1e-6);
     ck_assert_double_eq_tol(world_tilted(&w, 30).g, .99 * .6 * .7, 1e-6);
-    world_close(&w);
 }
 END_TEST
 
@@ -244,13 +221,11 @@ static const struct {
 START_TEST(ambient_light_is_shared_out)
 {
     char text[512], options[64];
-    struct world w;
 
     snprintf(text, sizeof text, "void %s m" SQUARE, shares[_i].material);
     snprintf(options, sizeof options, "-av 1 1 1 %s", shares[_i].options);
     world_open(&w, text, options);
     ck_assert_double_eq_tol(world_tilted(&w, 20).r, shares[_i].L, 1e-6);
-    world_close(&w);
 }
 END_TEST
 
@@ -273,17 +248,14 @@ START_TEST(gloss_drawn_in_samples_is_the_integral_of_the_brdf)
 {
     static char text[400000];
     double direct, sampled;
-    struct world w;
 
     snprintf(text, sizeof text, "void %s m" SQUARE, gloss[_i].material);
     add_suns(text, sizeof text, 1);
     world_open(&w, text, "-av 0 0 0 -st 1 -dj 0 -dt 0");
     direct = world_tilted(&w, gloss[_i].deg).r;
-    world_close(&w);
     snprintf(text, sizeof text, ABOVE "void %s m" SQUARE, gloss[_i].material);
     world_open(&w, text, PLAIN " -ss 9000");
     sampled = world_tilted(&w, gloss[_i].deg).r;
-    world_close(&w);
     ck_assert_double_le(direct, 1 + gloss[_i].tol);
     ck_assert_double_gt(sampled, 0);
     ck_assert_double_eq_tol(direct, gloss[_i].diffuse + sampled, gloss[_i].tol);
@@ -293,13 +265,10 @@ END_TEST
 /* One sample, and the one that -ss 0 sends the mirror's way, weigh in full. */
 START_TEST(single_gloss_sample_has_the_weight_of_the_lobe)
 {
-    struct world w;
-
     world_open(&w, ABOVE "void plastic m 0 0 5 0 0 0 .2 .3\n m" SQUARE,
                _i ? PLAIN " -ss 1" : PLAIN);
     for (int deg = 0; deg < 60; deg += 10)
         ck_assert_double_eq_tol(world_tilted(&w, deg).r, .2, 1e-6);
-    world_close(&w);
 }
 END_TEST
 
@@ -339,7 +308,6 @@ START_TEST(single_gloss_samples_fill_the_lobe)
     double in[3] = { sin(a), 0, -cos(a) }, dir[3] = { sin(a), 0, cos(a) };
     char text[512];
     struct rad_ray r;
-    struct world w;
     int hits = 0;
 
     snprintf(text, sizeof text,
@@ -356,7 +324,6 @@ START_TEST(single_gloss_samples_fill_the_lobe)
     ck_assert_double_eq_tol((double)hits / N,
                             lobe_share(lobe[_i].alpha, in, dir, lobe[_i].cone),
                             .0045);
-    world_close(&w);
 }
 END_TEST
 
@@ -364,18 +331,15 @@ START_TEST(rough_trans_keeps_its_energy)
 {
     static char text[800000];
     double direct, sampled;
-    struct world w;
 
     snprintf(text, sizeof text,
              "void trans m 0 0 7 1 1 1 .1 .25 .8 .5\n m" SQUARE);
     add_suns(text, sizeof text, -1);
     world_open(&w, text, "-av 0 0 0 -st 1 -dj 0 -dt 0");
     direct = world_tilted(&w, 0).r;
-    world_close(&w);
     world_open(&w, BELOW "void trans m 0 0 7 1 1 1 .1 .25 .8 .5\n m" SQUARE,
                PLAIN " -ss 5000");
     sampled = world_tilted(&w, 0).r;
-    world_close(&w);
     ck_assert_double_eq_tol(sampled, .9 * .8 * .5, 1e-5);
     /* Ward's transmitted lobe is normalized for small roughness only */
     ck_assert_double_eq_tol(direct, .9 * .8, .03);
@@ -428,7 +392,6 @@ START_TEST(emitter_shows_each_ray_what_it_may_count)
 {
     char text[1024];
     struct rad_ray r;
-    struct world w;
 
     snprintf(text, sizeof text, GREY_BELOW "void %s m" SQUARE,
              emitter[_i].material);
@@ -437,7 +400,6 @@ START_TEST(emitter_shows_each_ray_what_it_may_count)
     r.path |= (uint16_t)emitter[_i].path;
     rad_ray_trace(&w.ctx, &r);
     ck_assert_double_eq_tol(r.L.g, emitter[_i].L, 1e-6);
-    world_close(&w);
 }
 END_TEST
 
@@ -456,7 +418,7 @@ START_TEST(shadow_ray_is_dimmed_by_glass_and_trans)
     };
     /* of the sun, at normal incidence on the pane */
     static const double share[] = { .8815, .8 * .25, 0, 1, 1 };
-    struct world open, shut;
+    struct world open = { 0 }, shut = { 0 };
     char text[1024];
 
     world_open(&open, sun, PLAIN);
@@ -485,7 +447,6 @@ START_TEST(irradiance_of_a_sun_follows_the_cosine)
     double E = 1e4 * 2 * M_PI * (1 - cos(.25 * M_PI / 180));
     double p[3] = { 0, 0, 5 };
     struct rad_ray r;
-    struct world w;
 
     world_open(&w, sun, PLAIN);
     for (double a = 0; a < 1.5; a += .25) {
@@ -494,12 +455,10 @@ START_TEST(irradiance_of_a_sun_follows_the_cosine)
         rad_ray_irradiance(&w.ctx, &r, p, n, 1);
         ck_assert_double_eq_tol(r.L.r, E * cos(a), 1e-4 * E);
     }
-    world_close(&w);
     /* -i: what the eye sees through the pane, whatever its material */
     world_open(&w, sun, PLAIN " -i+");
     ck_assert_double_eq_tol(world_see(&w, 0, 0, 1, 0, 0, -1).r,
                             E * (1 - GLASS_R) / (1 + GLASS_R), 1e-4 * E);
-    world_close(&w);
 }
 END_TEST
 
@@ -550,7 +509,6 @@ START_TEST(text_colours_its_cells)
 {
     static const struct rad_files files = { test_files, NULL };
     char text[1024];
-    struct world w;
 
     snprintf(text, sizeof text,
              "void colortext t %s 0 15 0 0 0 1 0 0 0 -1 0 .1 .2 .3 .4 .5 .6\n"
@@ -560,7 +518,6 @@ START_TEST(text_colours_its_cells)
     ck_assert_double_eq_tol(
         world_see(&w, cell[_i].x, cell[_i].y, 3, 0, 0, -1).b,
         .5 * (cell[_i].fore ? .3 : .6), 1e-6);
-    world_close(&w);
 }
 END_TEST
 
@@ -587,20 +544,17 @@ static const struct {
 START_TEST(bad_material_is_refused_by_name)
 {
     static const struct rad_files files = { test_files, NULL };
-    struct world w;
 
     ck_assert_int_lt(world_try(&w, bad[_i].text, "", &files), 0);
     ck_assert_ptr_null(w.job);
     ck_assert_msg(strstr(w.err.what, bad[_i].message) != NULL, "%s: %s",
                   w.err.where, w.err.what);
-    world_close(&w);
 }
 END_TEST
 
 START_TEST(missing_font_is_told_with_the_scenes_line)
 {
     static const struct rad_files files = { test_files, NULL };
-    struct world w;
 
     ck_assert_int_eq(
         world_try(&w,
@@ -610,14 +564,12 @@ START_TEST(missing_font_is_told_with_the_scenes_line)
         RAD_ENOINPUT);
     ck_assert_str_eq(w.err.where, "test.rad:3");
     ck_assert_str_eq(w.err.what, "brighttext 't': no file 'none.fnt'");
-    world_close(&w);
 }
 END_TEST
 
 START_TEST(modifier_that_nothing_uses_needs_no_file_and_no_support)
 {
     static const struct rad_files files = { test_files, NULL };
-    struct world w;
 
     ck_assert_int_eq(
         world_try(
@@ -629,7 +581,6 @@ START_TEST(modifier_that_nothing_uses_needs_no_file_and_no_support)
             "-av 1 1 1", &files),
         0);
     ck_assert_double_eq_tol(world_tilted(&w, 0).r, .5, 1e-6);
-    world_close(&w);
 }
 END_TEST
 
@@ -637,7 +588,6 @@ END_TEST
 START_TEST(alias_takes_the_target_and_its_own_modifier)
 {
     static const struct rad_files files = { test_files, NULL };
-    struct world w;
 
     ck_assert_int_eq(
         world_try(&w,
@@ -648,7 +598,6 @@ START_TEST(alias_takes_the_target_and_its_own_modifier)
         0);
     ck_assert_double_eq_tol(world_see(&w, .5, -.5, 3, 0, 0, -1).r, 1, 1e-6);
     ck_assert_double_eq_tol(world_see(&w, 2.5, -.5, 3, 0, 0, -1).r, .5, 1e-6);
-    world_close(&w);
 }
 END_TEST
 
@@ -684,7 +633,6 @@ START_TEST(behind_a_dim_pane_the_mirrored_is_far)
         "void glow m 0 0 4 3 3 3 0\n"
         "m sphere ball 0 0 4 3 0 2 .5\n";
     struct rad_ray r;
-    struct world w;
     char scene[1024];
 
     snprintf(scene, sizeof scene, "%s%s", panes[_i].pane, rest);
@@ -694,7 +642,6 @@ START_TEST(behind_a_dim_pane_the_mirrored_is_far)
     ck_assert_double_eq_tol(rad_ray_distance(&r),
                             panes[_i].dim ? 4 * sqrt(2) - .5 : 3 * sqrt(2),
                             1e-9);
-    world_close(&w);
 }
 END_TEST
 
@@ -704,6 +651,7 @@ main(void)
     Suite *s = suite_create("shade");
     TCase *tc = tcase_create("materials");
 
+    tcase_add_checked_fixture(tc, NULL, world_tear_down);
     tcase_set_timeout(tc, 600); /* for busy machines */
     tcase_add_loop_test(tc, glass_transmits_as_the_manual_says, 0,
                         N_ELEM(angles));

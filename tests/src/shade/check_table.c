@@ -223,7 +223,7 @@ END_TEST
 
 START_TEST(scene_without_tables_stores_nothing)
 {
-    struct world w;
+    struct world w = { 0 };
 
     world_open(&w, "void" SHINE, PLAIN);
     ck_assert_ptr_null(w.job->stored);

@@ -242,7 +242,7 @@ START_TEST(unbent_part_lets_shadow_rays_pass)
     for (int i = 0; i < N_ELEM(way); i++) {
         double sun[3] = { 0, 0, 1 };
         struct rad_ray r;
-        struct world w;
+        struct world w = { 0 };
         char scene[1024], options[100] = DIRECT;
 
         snprintf(scene, sizeof scene,
@@ -309,7 +309,7 @@ static const struct {
 
 START_TEST(bad_arguments_are_refused)
 {
-    struct world w;
+    struct world w = { 0 };
     char scene[512];
 
     snprintf(scene, sizeof scene, "%s" SQUARE, bad[_i].text);

@@ -30,7 +30,7 @@ see_with(const char *scene, const char *options, const struct rad_files *files,
          double deg)
 {
     struct rad_rgb L;
-    struct world w;
+    struct world w = { 0 };
     int rc = world_try(&w, scene, options, files);
 
     ck_assert_msg(rc == 0, "%s: %s", w.err.where, w.err.what);
@@ -53,7 +53,7 @@ square_spread(const char *material, const char *options, int axis, int n)
 {
     char scene[512];
     double sum = 0;
-    struct world w;
+    struct world w = { 0 };
 
     snprintf(scene, sizeof scene,
              "void brightfunc p 2 2+%s . 0 0 p glow white 0 0 4 1 1 1 0\n"
