@@ -8,6 +8,24 @@
 
 #include <math.h>
 
+static struct geom_scene g;
+static struct rad_geom *geom; /* of g */
+static struct rad_geom_counts counts;
+
+static void
+set_up(void)
+{
+    geom = NULL;
+    counts = (struct rad_geom_counts){ 0 };
+}
+
+static void
+tear_down(void)
+{
+    rad_geom_free(geom);
+    geom_scene_release(&g);
+}
+
 /* clang-format off */
 /* One surface, one ray, and where it must be met. */
 static const struct {
@@ -95,9 +113,6 @@ START_TEST(surface_is_met_where_geometry_says)
     const double *ray = closed[row].ray;
     struct rad_span span =
         geom_span(s * ray[0], s * ray[1], s * ray[2], ray[3], ray[4], ray[5]);
-    struct rad_geom_counts counts = { 0 };
-    struct geom_scene g;
-    struct rad_geom *geom;
     struct rad_hit hit;
 
     for (int i = 0; i < closed[row].nreals; i++)
@@ -123,18 +138,13 @@ START_TEST(surface_is_met_where_geometry_says)
         ck_assert(rad_dist2(p, hit.p) < 1e-28 * s * s * 100);
         ck_assert(hit.err > 0 && hit.err < 1e-13 * s);
     }
-    rad_geom_free(geom);
-    geom_scene_release(&g);
 }
 END_TEST
 
 START_TEST(empty_scene_is_never_met)
 {
     struct rad_span span = geom_span(1, 2, 3, 1, 1, 1);
-    struct rad_geom_counts counts = { 0 };
     double lo[3], hi[3];
-    struct geom_scene g;
-    struct rad_geom *geom;
     struct rad_hit hit;
 
     geom_scene_init(&g, 1, 1);
@@ -145,13 +155,11 @@ START_TEST(empty_scene_is_never_met)
     rad_geom_bounds(geom, lo, hi);
     for (int a = 0; a < 3; a++)
         ck_assert(lo[a] == 0 && hi[a] == 0);
-    rad_geom_free(geom);
-    geom_scene_release(&g);
 }
 END_TEST
 
 static void
-mesh_make(struct geom_scene *g, double size, const double c[3])
+mesh_make(double size, const double c[3])
 {
     for (int v = 0; v < MESH_NV; v++)
         for (int u = 0; u < MESH_NU; u++) {
@@ -159,7 +167,7 @@ mesh_make(struct geom_scene *g, double size, const double c[3])
             int corners[2], n = mesh_faces(u, v, size, c, face, corners);
 
             for (int k = 0; k < n; k++)
-                geom_scene_add(g, RAD_POLYGON, RAD_VOID, RAD_SURF_OPAQUE,
+                geom_scene_add(&g, RAD_POLYGON, RAD_VOID, RAD_SURF_OPAQUE,
                                face[k], 3 * corners[k]);
         }
 }
@@ -174,13 +182,10 @@ START_TEST(closed_mesh_does_not_leak)
     enum { N = 1000000 / N_ELEM(mesh_place) };
     double size = mesh_place[_i].size, off = mesh_place[_i].offset;
     const double c[3] = { off, off, -off };
-    struct rad_geom_counts counts = { 0 };
-    struct geom_scene g;
-    struct rad_geom *geom;
     int leaks = 0;
 
     geom_scene_init(&g, 2 * MESH_NU * MESH_NV, 24 * MESH_NU * MESH_NV);
-    mesh_make(&g, size, c);
+    mesh_make(size, c);
     geom = geom_scene_compile(&g);
     for (uint64_t i = 0; i < N; i++) {
         uint64_t key = rad_key_branch(6, i);
@@ -192,17 +197,12 @@ START_TEST(closed_mesh_does_not_leak)
         leaks += !rad_geom_occluded(geom, &s, RAD_VOID, NULL, &counts);
     }
     ck_assert_int_eq(leaks, 0);
-    rad_geom_free(geom);
-    geom_scene_release(&g);
 }
 END_TEST
 
 /* A square with a square hole, joined by a seam as Radiance's scenes do. */
 START_TEST(seam_makes_a_hole)
 {
-    struct rad_geom_counts counts = { 0 };
-    struct geom_scene g;
-    struct rad_geom *geom;
     struct rad_hit hit;
     int met = 0;
 
@@ -226,8 +226,6 @@ START_TEST(seam_makes_a_hole)
         met += !hole;
     }
     ck_assert_int_gt(met, 2000);
-    rad_geom_free(geom);
-    geom_scene_release(&g);
 }
 END_TEST
 
@@ -261,10 +259,7 @@ static const struct {
 
 START_TEST(degenerate_surface_is_left_out)
 {
-    struct rad_geom_counts counts = { 0 };
     struct rad_span s = geom_span(0, 0, 5, 0, 0, -1);
-    struct geom_scene g;
-    struct rad_geom *geom;
     struct rad_hit hit;
     double lo[3], hi[3];
 
@@ -280,8 +275,6 @@ START_TEST(degenerate_surface_is_left_out)
     ck_assert_int_eq(hit.obj, 1);
     ck_assert(!rad_geom_hit_object(geom, 0, &s, &hit, &counts));
     ck_assert(rad_geom_hit_object(geom, 1, &s, &hit, &counts));
-    rad_geom_free(geom);
-    geom_scene_release(&g);
 }
 END_TEST
 
@@ -325,9 +318,6 @@ tilted_square(double v[12], double turn, double size, bool turned)
 START_TEST(coincident_faces_are_told_apart_by_rule)
 {
     int row = _i / 2, swap = _i % 2;
-    struct rad_geom_counts counts = { 0 };
-    struct geom_scene g;
-    struct rad_geom *geom;
     struct rad_hit hit;
     double v[2][12];
 
@@ -356,8 +346,6 @@ START_TEST(coincident_faces_are_told_apart_by_rule)
         ck_assert_msg(hit.obj == 4 + (tie[row].winner ^ swap), "ray %d",
                       (int)i);
     }
-    rad_geom_free(geom);
-    geom_scene_release(&g);
 }
 END_TEST
 
@@ -374,9 +362,6 @@ START_TEST(shared_edge_goes_to_the_later_modifier)
         { -1, -1, -1, 1, -1, -1, 1, -1, 1, -1, -1, 1 },
     };
     int later = _i % 2, turned = _i / 2;
-    struct rad_geom_counts counts = { 0 };
-    struct geom_scene g;
-    struct rad_geom *geom;
     struct rad_hit hit;
 
     geom_scene_init(&g, 4, 24);
@@ -391,17 +376,12 @@ START_TEST(shared_edge_goes_to_the_later_modifier)
         ck_assert(rad_geom_nearest(geom, &s, &hit, &counts));
         ck_assert_int_eq(hit.obj, later ? 2 : 3);
     }
-    rad_geom_free(geom);
-    geom_scene_release(&g);
 }
 END_TEST
 
 START_TEST(nearby_faces_are_no_tie)
 {
-    struct rad_geom_counts counts = { 0 };
     struct rad_span s = geom_span(.3, .4, 10, 0, 0, -1);
-    struct geom_scene g;
-    struct rad_geom *geom;
     struct rad_hit hit;
 
     geom_scene_init(&g, 3, 30);
@@ -412,17 +392,12 @@ START_TEST(nearby_faces_are_no_tie)
     geom = geom_scene_compile(&g);
     ck_assert(rad_geom_nearest(geom, &s, &hit, &counts));
     ck_assert_int_eq(hit.obj, 0);
-    rad_geom_free(geom);
-    geom_scene_release(&g);
 }
 END_TEST
 
 START_TEST(span_with_nan_meets_nothing)
 {
     static const double bad[] = { NAN, INFINITY, -INFINITY };
-    struct rad_geom_counts counts = { 0 };
-    struct geom_scene g;
-    struct rad_geom *geom;
     struct rad_hit hit;
 
     geom_scene_init(&g, 1, 4);
@@ -444,17 +419,12 @@ START_TEST(span_with_nan_meets_nothing)
     s.tmax = INFINITY;
     s.tmin = NAN;
     ck_assert(!rad_geom_nearest(geom, &s, &hit, &counts));
-    rad_geom_free(geom);
-    geom_scene_release(&g);
 }
 END_TEST
 
 START_TEST(span_ends_where_it_says)
 {
-    struct rad_geom_counts counts = { 0 };
     struct rad_span s = geom_span(0, 0, 5, 0, 0, -1);
-    struct geom_scene g;
-    struct rad_geom *geom;
     struct rad_hit hit;
 
     geom_scene_init(&g, 1, 4);
@@ -471,18 +441,13 @@ START_TEST(span_ends_where_it_says)
     ck_assert_double_eq_tol(hit.t, 6, 1e-14);
     s.tmin = 6;
     ck_assert(!rad_geom_nearest(geom, &s, &hit, &counts));
-    rad_geom_free(geom);
-    geom_scene_release(&g);
 }
 END_TEST
 
 START_TEST(blocker_is_remembered_and_skipped)
 {
-    struct rad_geom_counts counts = { 0 };
     struct rad_span s = geom_span(0, 0, 5, 0, 0, -1);
     int32_t blocker = RAD_VOID;
-    struct geom_scene g;
-    struct rad_geom *geom;
 
     geom_scene_init(&g, 3, 30);
     GEOM_ADD(&g, RAD_RING, 0, 0, 0, 0, 0, 1, 0, 1);
@@ -507,8 +472,6 @@ START_TEST(blocker_is_remembered_and_skipped)
     ck_assert(rad_geom_occluded(geom, &s, RAD_VOID, &blocker, &counts));
     s.tmax = 4;
     ck_assert(!rad_geom_occluded(geom, &s, RAD_VOID, &blocker, &counts));
-    rad_geom_free(geom);
-    geom_scene_release(&g);
 }
 END_TEST
 
@@ -652,9 +615,6 @@ START_TEST(low_cone_is_met_where_it_is)
 {
     static const double dists[] = { 1e-3, .3, 10, 1e7 };
     const double *a = low_cone[_i];
-    struct rad_geom_counts counts = { 0 };
-    struct geom_scene g;
-    struct rad_geom *geom;
     double size = 0;
     int met = 0;
 
@@ -684,8 +644,6 @@ START_TEST(low_cone_is_met_where_it_is)
         met++;
     }
     ck_assert_int_gt(met, 20000);
-    rad_geom_free(geom);
-    geom_scene_release(&g);
 }
 END_TEST
 
@@ -693,9 +651,6 @@ START_TEST(hit_is_within_its_bound_and_is_left_behind)
 {
     static const double dists[] = { 1e-3, 1, 1e3, 1e7 };
     const double *a = leaving[_i].reals;
-    struct rad_geom_counts counts = { 0 };
-    struct geom_scene g;
-    struct rad_geom *geom;
     int met = 0;
 
     geom_scene_init(&g, 1, 12);
@@ -734,8 +689,6 @@ START_TEST(hit_is_within_its_bound_and_is_left_behind)
                       "met again after %g", again.t);
     }
     ck_assert_int_gt(met, 300);
-    rad_geom_free(geom);
-    geom_scene_release(&g);
 }
 END_TEST
 
@@ -746,6 +699,7 @@ main(void)
     TCase *tc = tcase_create("geom");
 
     tcase_set_timeout(tc, 600);
+    tcase_add_checked_fixture(tc, set_up, tear_down);
     tcase_add_loop_test(tc, surface_is_met_where_geometry_says, 0,
                         N_ELEM(closed) * N_ELEM(scales));
     tcase_add_test(tc, empty_scene_is_never_met);
