@@ -10,8 +10,6 @@
 static struct msg_loan
 some_loan(void)
 {
-    static const uint8_t bytes[64 * 12];
-
     return (struct msg_loan){ .job = job_id,
                               .unit = 3,
                               .attempt = 9,
@@ -19,22 +17,19 @@ some_loan(void)
                               .x = 6,
                               .n = 6,
                               .channels = 3,
-                              .wanted = bytes,
-                              .top = bytes,
-                              .bottom = bytes };
+                              .wanted = zeros,
+                              .top = zeros,
+                              .bottom = zeros };
 }
 
 /* Whoever made it is wrong, not the job; its columns go back. */
 START_TEST(a_loan_that_fits_no_line_is_not_taken)
 {
-    struct rad_quincunx q = sampler(64, 60);
     struct msg_loan loan = some_loan();
     struct rad_error err = { 0 };
     const struct msg *m;
-    struct strict *s;
 
     loan.n = 5; /* no whole block */
-    s = strict_new(&q, 1, false, job_id);
     ck_assert_int_eq(strict_loan(s, &loan, &err), RAD_EPROTO);
     ck_assert_ptr_nonnull(strstr(err.what, "unit 3"));
     m = strict_message(s, true);
@@ -44,8 +39,7 @@ START_TEST(a_loan_that_fits_no_line_is_not_taken)
     ck_assert_ptr_null(strict_next(s, STRICT_AHEAD));
     loan.n = 6;
     ck_assert_int_eq(strict_loan(s, &loan, &err), 0);
-    expect_pass(s, STRICT_LOAN, false);
-    strict_free(s);
+    expect_pass(STRICT_LOAN, false);
 }
 END_TEST
 
@@ -53,20 +47,16 @@ END_TEST
  * away: what was spent on it before stays with the lines. */
 START_TEST(what_lines_cost_is_told)
 {
-    struct rad_quincunx q = sampler(64, 60);
     const struct msg_loan loan = some_loan();
-    const struct msg_counts spent = { .rays = 2 };
-    struct msg_counts total;
     struct strict_pass *p;
     const struct msg *m;
-    struct strict *s;
 
-    s = strict_new(&q, 1, false, job_id);
     ck_assert_int_eq(strict_loan(s, &loan, NULL), 0);
     p = strict_next(s, STRICT_AHEAD);
     ck_assert(p && p->rank == STRICT_LOAN && p->first == 4);
     p->cpu_ns[0] = 7;
-    strict_ended(s, p, true, NULL, NULL, &spent, &total);
+    spent.rays = 2;
+    end_pass(p, true);
     m = strict_message(s, true);
     ck_assert(m && m->type == MSG_LINE_COSTS);
     ck_assert(m->line_costs.frame == 0 && m->line_costs.line == 3);
@@ -75,55 +65,48 @@ START_TEST(what_lines_cost_is_told)
     m = strict_message(s, true);
     ck_assert(m && m->type == MSG_PAID);
 
-    give_unit(s, &q, 1, 0, 4);
+    give_unit(1, 0, 4);
     p = strict_next(s, STRICT_AHEAD);
     ck_assert(p && p->rank == STRICT_TRUE_LINES && p->first == 0);
     for (unsigned i = 0; i < 4; i++)
         p->cpu_ns[i] = i + 1;
     strict_split(s, 1, 1);
     strict_shrunk(s, p, 2);
-    strict_ended(s, p, false, NULL, NULL, &spent, &total);
-    expect_pass(s, STRICT_TRUE_LINES, false);
-    expect_pass(s, STRICT_TRUTH, true);
+    end_pass(p, false);
+    expect_pass(STRICT_TRUE_LINES, false);
+    expect_pass(STRICT_TRUTH, true);
     while ((m = strict_message(s, true)) && m->type != MSG_LINE_COSTS)
         ;
     ck_assert_ptr_nonnull(m);
     ck_assert(m->line_costs.line == 0 && m->line_costs.nlines == 4);
     for (unsigned i = 0; i < 4; i++)
         ck_assert_uint_eq(m->line_costs.cpu_ns[i], i + 1);
-    strict_free(s);
 }
 END_TEST
 
 /* A pixel of a loan that its lender needed as well, and told of just then. */
 START_TEST(what_a_loan_traced_for_nothing_is_told)
 {
-    static const struct rad_pixel pixel;
-    struct rad_quincunx q = sampler(64, 60);
     struct msg_loan loan = some_loan();
-    const struct msg_counts spent = { .rays = 2 };
-    struct msg_counts total;
     struct rad_facts *facts;
     struct strict_pass *p;
     const struct msg *m;
-    struct strict *s;
 
     loan.density = loan.top;
-    s = strict_new(&q, 1, false, job_id);
     ck_assert_int_eq(strict_loan(s, &loan, NULL), 0);
     p = strict_next(s, STRICT_AHEAD);
     ck_assert(p && p->rank == STRICT_LOAN);
     facts = p->facts[4];
-    ck_assert(rad_facts_put(facts, 6, 0, &pixel, RAD_FACT_FOREIGN));
-    ck_assert(!rad_facts_put(facts, 6, 0, &pixel, 0));
-    ck_assert(rad_facts_put(facts, 7, 0, &pixel, 0));
-    strict_ended(s, p, true, NULL, NULL, &spent, &total);
+    ck_assert(rad_facts_put(facts, 6, 0, black, RAD_FACT_FOREIGN));
+    ck_assert(!rad_facts_put(facts, 6, 0, black, 0));
+    ck_assert(rad_facts_put(facts, 7, 0, black, 0));
+    spent.rays = 2;
+    end_pass(p, true);
     while ((m = strict_message(s, true)) && m->type != MSG_PAID)
         ck_assert(m->type == MSG_FACTS || m->type == MSG_LINE_COSTS);
     ck_assert_ptr_nonnull(m);
     ck_assert_uint_eq(m->paid.counts.rays, 2);
     ck_assert_uint_eq(m->paid.counts.speculative_rays, 1);
-    strict_free(s);
 }
 END_TEST
 
@@ -131,29 +114,25 @@ END_TEST
 START_TEST(what_keeps_no_facts_does_not_lend)
 {
     const struct msg_lend lend = { .job = job_id, .attempt = 1, .part = 99 };
-    const struct msg_counts none = { 0 };
-    struct rad_quincunx q = sampler(64, 61);
-    int nlines;
+    struct rad_quincunx picture = sampler(4, 64, 61);
+    int nlines = rad_quincunx_nbases(&picture);
 
-    nlines = rad_quincunx_nbases(&q);
     for (int last = nlines - 1; last <= nlines; last++) {
-        struct strict *s = strict_new(&q, 1, false, job_id);
         struct strict_pass *p;
-        struct msg_counts total;
 
-        give_unit(s, &q, 0, 0, last);
+        start(picture, false);
+        give_unit(0, 0, last);
         if (last < nlines)
-            expect_pass(s, STRICT_TRUE_LINES, false);
+            expect_pass(STRICT_TRUE_LINES, false);
         p = strict_next(s, STRICT_TRUTH);
         ck_assert(p && p->rank == STRICT_TRUTH);
         strict_twin(s, 0, 1); /* too late for a whole frame */
         strict_lend(s, &lend);
         ck_assert_int_eq(p->lend > 0, last < nlines);
-        strict_ended(s, p, false, NULL, NULL, &none, &total);
+        end_pass(p, false);
         p = strict_next(s, STRICT_TRUTH); /* it is made again, and kept */
         ck_assert(p && p->lend > 0);
-        strict_ended(s, p, false, NULL, NULL, &none, &total);
-        strict_free(s);
+        end_pass(p, false);
     }
 }
 END_TEST
@@ -163,30 +142,27 @@ END_TEST
 START_TEST(a_line_is_left_when_others_are_out)
 {
     const struct msg_lend lend = { .job = job_id, .attempt = 1, .part = 99 };
-    const struct msg_counts none = { 0 };
-    struct rad_quincunx q = sampler(64, 60);
     uint8_t wanted[8] = { 0 };
-    struct rad_pixel top[64] = { 0 };
-    const struct team_loan loan = {
-        .line = 6, .x = 6, .n = 6, .wanted = wanted, .top = top, .bottom = top
-    };
+    const struct team_loan loan = { .line = 6,
+                                    .x = 6,
+                                    .n = 6,
+                                    .wanted = wanted,
+                                    .top = black,
+                                    .bottom = black };
     struct msg_back back = { .job = job_id, .attempt = 1, .line = 6 };
-    struct msg_counts total;
     const struct msg *m;
     struct strict_pass *p;
-    struct strict *s;
 
-    s = strict_new(&q, 1, false, job_id);
-    give_unit(s, &q, 0, 4, 7);
-    give_top(s, &q);
-    expect_pass(s, STRICT_TRUE_LINES, false);
+    give_unit(0, 4, 7);
+    give_top();
+    expect_pass(STRICT_TRUE_LINES, false);
     p = strict_next(s, STRICT_TRUTH);
     ck_assert(p && p->rank == STRICT_TRUTH);
     ck_assert_int_eq(strict_least(p), 5);
     strict_lend(s, &lend);
     strict_lent(s, p, &loan);
     strict_blocked(s, p, 6);
-    strict_ended(s, p, false, NULL, NULL, &none, &total);
+    end_pass(p, false);
     strict_back(s, &back);
     while (strict_message(s, true))
         ;
@@ -198,8 +174,7 @@ START_TEST(a_line_is_left_when_others_are_out)
     p = strict_next(s, STRICT_TRUTH);
     ck_assert(p && p->out == 6);
     ck_assert_int_eq(strict_least(p), 7);
-    strict_ended(s, p, false, NULL, NULL, &none, &total);
-    strict_free(s);
+    end_pass(p, false);
 }
 END_TEST
 
@@ -207,46 +182,43 @@ END_TEST
 START_TEST(a_parked_unit_that_has_its_columns_back_says_so)
 {
     const struct msg_back back = { .job = job_id, .attempt = 1, .line = 6 };
-    const struct msg_counts none = { 0 };
-    struct rad_quincunx q = sampler(64, 60);
     uint8_t wanted[8] = { 0 };
-    struct rad_pixel top[64] = { 0 };
-    const struct team_loan loan = {
-        .line = 6, .x = 6, .n = 6, .wanted = wanted, .top = top, .bottom = top
-    };
-    struct msg_counts total;
+    const struct team_loan loan = { .line = 6,
+                                    .x = 6,
+                                    .n = 6,
+                                    .wanted = wanted,
+                                    .top = black,
+                                    .bottom = black };
     struct strict_pass *p;
-    struct strict *s;
 
-    s = strict_new(&q, 1, false, job_id);
-    give_unit(s, &q, 0, 4, 7);
-    give_top(s, &q);
-    expect_pass(s, STRICT_TRUE_LINES, false);
+    give_unit(0, 4, 7);
+    give_top();
+    expect_pass(STRICT_TRUE_LINES, false);
     p = strict_next(s, STRICT_TRUTH);
     strict_lent(s, p, &loan);
     strict_blocked(s, p, 6);
-    strict_ended(s, p, false, NULL, NULL, &none, &total);
-    ck_assert(is_said(s, MSG_PARKED));
+    end_pass(p, false);
+    ck_assert(is_said(MSG_PARKED));
     strict_back(s, &back);
-    ck_assert(is_said(s, MSG_RESUMED));
-    expect_pass(s, STRICT_TRUTH, true);
-    ck_assert(!is_said(s, MSG_RESUMED));
-    strict_free(s);
+    ck_assert(is_said(MSG_RESUMED));
+    expect_pass(STRICT_TRUTH, true);
+    ck_assert(!is_said(MSG_RESUMED));
 }
 END_TEST
 
 int
 main(void)
 {
-    Suite *s = suite_create("strict_loan");
+    Suite *suite = suite_create("strict_loan");
     TCase *tc = tcase_create("strict_loan");
 
+    tcase_add_checked_fixture(tc, set_up, tear_down);
     tcase_add_test(tc, a_loan_that_fits_no_line_is_not_taken);
     tcase_add_test(tc, what_lines_cost_is_told);
     tcase_add_test(tc, what_a_loan_traced_for_nothing_is_told);
     tcase_add_test(tc, what_keeps_no_facts_does_not_lend);
     tcase_add_test(tc, a_line_is_left_when_others_are_out);
     tcase_add_test(tc, a_parked_unit_that_has_its_columns_back_says_so);
-    suite_add_tcase(s, tc);
-    return unit_run(s);
+    suite_add_tcase(suite, tc);
+    return unit_run(suite);
 }

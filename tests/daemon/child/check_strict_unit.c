@@ -9,35 +9,27 @@
  * to be known. */
 START_TEST(a_parked_unit_that_is_worked_on_says_so)
 {
-    struct rad_quincunx q = sampler(64, 60);
-    static const struct rad_pixel bottom[64];
-    static const uint8_t density[64];
-    const struct msg_counts spent = { 0 };
-    struct msg_counts total;
     struct strict_pass *p;
-    struct strict *s;
 
-    s = strict_new(&q, 1, false, job_id);
-    give_unit(s, &q, 0, 4, 6);
-    expect_pass(s, STRICT_LINES, false);
-    expect_pass(s, STRICT_AHEAD, false);
-    ck_assert(is_said(s, MSG_PARKED));
-    give_unit(s, &q, 1, 2, 4);
-    expect_pass(s, STRICT_LINES, false); /* of the upper unit */
-    ck_assert(!is_said(s, MSG_RESUMED));
+    give_unit(0, 4, 6);
+    expect_pass(STRICT_LINES, false);
+    expect_pass(STRICT_AHEAD, false);
+    ck_assert(is_said(MSG_PARKED));
+    give_unit(1, 2, 4);
+    expect_pass(STRICT_LINES, false); /* of the upper unit */
+    ck_assert(!is_said(MSG_RESUMED));
     p = strict_next(s, STRICT_AHEAD); /* the lower unit has densities above */
     ck_assert(p && p->unit == 0 && p->rank == STRICT_LINES && p->top_density);
-    ck_assert(is_said(s, MSG_RESUMED));
-    strict_ended(s, p, true, bottom, density, &spent, &total);
+    ck_assert(is_said(MSG_RESUMED));
+    end_black(p, true);
     p = strict_next(s, STRICT_AHEAD);
     ck_assert(p && p->unit == 1);
-    ck_assert(!is_said(s, MSG_RESUMED));
-    strict_ended(s, p, true, bottom, density, &spent, &total);
+    ck_assert(!is_said(MSG_RESUMED));
+    end_black(p, true);
     p = strict_next(s, STRICT_AHEAD); /* and colours above */
     ck_assert(p && p->unit == 0 && p->rank == STRICT_AHEAD && p->top);
-    strict_ended(s, p, true, bottom, density, &spent, &total);
-    ck_assert(is_said(s, MSG_PARKED));
-    strict_free(s);
+    end_black(p, true);
+    ck_assert(is_said(MSG_PARKED));
 }
 END_TEST
 
@@ -45,33 +37,26 @@ END_TEST
  * that it may wait for long, for a pass what others want of it. */
 START_TEST(it_says_when_to_look_again)
 {
-    struct rad_quincunx q = sampler(64, 60);
-    static const struct rad_pixel bottom[64];
-    static const uint8_t density[64];
     const struct msg_lend lend = { job_id, 0, 1, 32767 };
-    const struct msg_counts spent = { 0 };
-    struct msg_counts total;
     struct strict_pass *p;
-    struct strict *s;
 
-    s = strict_new(&q, 1, false, job_id);
     ck_assert_uint_eq(strict_tick(s, 1000), STRICT_NEVER);
-    give_unit(s, &q, 0, 4, 8);
+    give_unit(0, 4, 8);
     ck_assert(strict_has_work(s));
     ck_assert_uint_eq(strict_tick(s, 1000), STRICT_NEVER);
-    expect_pass(s, STRICT_LINES, false);
+    expect_pass(STRICT_LINES, false);
     p = strict_next(s, STRICT_AHEAD);
     ck_assert_uint_eq(strict_tick(s, 1000), STRICT_NEVER);
-    strict_ended(s, p, true, bottom, density, &spent, &total);
+    end_black(p, true);
     ck_assert(!strict_has_work(s));
     ck_assert_uint_eq(strict_tick(s, 2000), 2200); /* its facts are kept */
     ck_assert_uint_eq(strict_tick(s, 2199), 2200);
     ck_assert_uint_eq(strict_tick(s, 2200), STRICT_NEVER);
-    give_top(s, &q);
+    give_top();
     p = strict_next(s, STRICT_AHEAD);
     ck_assert_int_eq(p->rank, STRICT_TRUE_LINES);
     ck_assert_uint_eq(strict_tick(s, 3000), 3010); /* pieces of its bottom */
-    strict_ended(s, p, true, bottom, density, &spent, &total);
+    end_black(p, true);
     p = strict_next(s, STRICT_AHEAD);
     ck_assert_int_eq(p->rank, STRICT_TRUTH);
     ck_assert_uint_eq(strict_tick(s, 3000), STRICT_NEVER);
@@ -81,31 +66,24 @@ START_TEST(it_says_when_to_look_again)
     ck_assert_uint_eq(strict_tick(s, 3000), STRICT_NEVER);
     strict_twin(s, 0, 1);
     ck_assert_uint_eq(strict_tick(s, 3000), 3010);
-    strict_ended(s, p, true, bottom, density, &spent, &total);
+    end_black(p, true);
     ck_assert_uint_eq(strict_tick(s, 3000), STRICT_NEVER);
-    strict_free(s);
 }
 END_TEST
 
 /* Its top comes again before it does, while a pass of it is ending. */
 START_TEST(a_unit_that_was_revoked_and_comes_again_has_its_top)
 {
-    struct rad_quincunx q = sampler(64, 60);
-    const struct msg_counts spent = { 0 };
-    struct msg_counts total;
     struct strict_pass *p;
-    struct strict *s;
 
-    s = strict_new(&q, 1, false, job_id);
-    give_unit(s, &q, 0, 4, 8);
+    give_unit(0, 4, 8);
     p = strict_next(s, STRICT_AHEAD);
     strict_revoke(s, 0, 1);
-    give_top(s, &q);
-    ck_assert(!strict_ended(s, p, false, NULL, NULL, &spent, &total));
-    give_unit(s, &q, 0, 4, 8);
-    expect_pass(s, STRICT_TRUE_LINES, false);
-    expect_pass(s, STRICT_TRUTH, true);
-    strict_free(s);
+    give_top();
+    ck_assert(!end_pass(p, false));
+    give_unit(0, 4, 8);
+    expect_pass(STRICT_TRUE_LINES, false);
+    expect_pass(STRICT_TRUTH, true);
 }
 END_TEST
 
@@ -114,17 +92,12 @@ END_TEST
 START_TEST(thousands_of_units_may_wait)
 {
     enum { N = 3000, WIDE = 3 };
-    static const uint8_t pixels[WIDE * 12];
-    struct rad_quincunx q = { .width = WIDE, .height = N + 2 };
     struct msg_base_line top = {
-        .job = job_id, .n = WIDE, .channels = 3, .pixels = pixels
+        .job = job_id, .n = WIDE, .channels = 3, .pixels = zeros
     };
-    struct msg_counts none = { 0 };
     struct strict_pass *p;
-    struct strict *s;
 
-    rad_quincunx_steps(1, &q.xstep, &q.ystep);
-    s = strict_new(&q, 1, false, job_id);
+    start(sampler(1, WIDE, N + 2), false);
     for (uint32_t i = 1; i <= N; i++) {
         struct msg_unit u = { .job = job_id,
                               .unit = i,
@@ -145,8 +118,7 @@ START_TEST(thousands_of_units_may_wait)
     ck_assert_ptr_nonnull(p);
     ck_assert_uint_eq(p->unit, 1);
     ck_assert_int_eq(strict_error(s), 0);
-    strict_ended(s, p, false, NULL, NULL, &none, &none);
-    strict_free(s);
+    end_pass(p, false);
 }
 END_TEST
 
@@ -190,32 +162,30 @@ END_TEST
 /* Below the last base line there is no unit. */
 START_TEST(base_lines_that_no_unit_is_below_are_dropped)
 {
-    struct rad_quincunx q = sampler(64, 60);
-    struct strict *s = strict_new(&q, 1, false, job_id);
     uint32_t n = (uint32_t)frame_of(s, 0)->nlines;
 
-    give_line(s, &q, 1, 3);
-    give_line(s, &q, 0, UINT32_MAX);
-    give_line(s, &q, 0, n - 1);
+    give_line(1, 3);
+    give_line(0, UINT32_MAX);
+    give_line(0, n - 1);
     ck_assert_ptr_null(s->edges);
-    give_line(s, &q, 0, n - 2);
+    give_line(0, n - 2);
     ck_assert_ptr_nonnull(s->edges);
-    strict_free(s);
 }
 END_TEST
 
 int
 main(void)
 {
-    Suite *s = suite_create("strict_unit");
+    Suite *suite = suite_create("strict_unit");
     TCase *tc = tcase_create("strict_unit");
 
+    tcase_add_checked_fixture(tc, set_up, tear_down);
     tcase_add_test(tc, a_parked_unit_that_is_worked_on_says_so);
     tcase_add_test(tc, it_says_when_to_look_again);
     tcase_add_test(tc, a_unit_that_was_revoked_and_comes_again_has_its_top);
     tcase_add_test(tc, base_lines_that_no_unit_is_below_are_dropped);
     tcase_add_test(tc, thousands_of_units_may_wait);
     tcase_add_test(tc, unit_states_follow_the_drawings);
-    suite_add_tcase(s, tc);
-    return unit_run(s);
+    suite_add_tcase(suite, tc);
+    return unit_run(suite);
 }

@@ -11,68 +11,106 @@
 
 static const uint8_t job_id[MSG_JOB] = { 7 };
 
+/* Pixels, and as bytes; densities, too. */
+static const struct rad_pixel black[64];
+static const uint8_t zeros[64 * 12];
+
+static struct rad_quincunx q; /* of the picture */
+static struct strict *s;
+static struct msg_counts spent; /* by the pass that ends next */
+static struct msg_counts total; /* of the unit whose last pass ended */
+
+static inline struct rad_quincunx
+sampler(int step, int width, int height)
+{
+    struct rad_quincunx of = { .width = width, .height = height };
+
+    rad_quincunx_steps(step, &of.xstep, &of.ystep);
+    return of;
+}
+
+/* Begin again, with that picture. */
+static inline void
+start(struct rad_quincunx picture, bool painted)
+{
+    strict_free(s);
+    q = picture;
+    s = strict_new(&q, 1, painted, job_id);
+}
+
+static inline void
+set_up(void)
+{
+    s = NULL;
+    spent = total = (struct msg_counts){ 0 };
+    start(sampler(4, 64, 60), false);
+}
+
+static inline void
+tear_down(void)
+{
+    strict_free(s);
+}
+
+/* Whether its unit is over. */
+static inline bool
+end_pass(struct strict_pass *p, bool done)
+{
+    return strict_ended(s, p, done, NULL, NULL, &spent, &total);
+}
+
+/* The same of a pass whose bottom is black, its densities 0. */
+static inline bool
+end_black(struct strict_pass *p, bool done)
+{
+    return strict_ended(s, p, done, black, zeros, &spent, &total);
+}
+
 /* The next pass must be of that rank; it ends at once, done. */
 static inline void
-expect_pass(struct strict *s, enum strict_rank rank, bool last)
+expect_pass(enum strict_rank rank, bool last)
 {
-    static const struct rad_pixel bottom[64];
-    static const uint8_t density[64];
-    const struct msg_counts spent = { 0 };
-    struct msg_counts total;
     struct strict_pass *p = strict_next(s, STRICT_AHEAD);
 
     ck_assert_ptr_nonnull(p);
     ck_assert_int_eq(p->rank, rank);
-    ck_assert(strict_ended(s, p, true, bottom, density, &spent, &total) ==
-              last);
-}
-
-static inline struct rad_quincunx
-sampler(int width, int height)
-{
-    struct rad_quincunx q = { .width = width, .height = height };
-
-    rad_quincunx_steps(4, &q.xstep, &q.ystep);
-    return q;
+    ck_assert(end_black(p, true) == last);
 }
 
 /* A whole base line of a picture of 64 columns, black. */
 static inline void
-give_line(struct strict *s, const struct rad_quincunx *q, uint32_t frame,
-          uint32_t line)
+give_line(uint32_t frame, uint32_t line)
 {
-    static const uint8_t pixels[64 * 12], density[64];
     const struct msg_base_line top = { .job = job_id,
                                        .frame = frame,
                                        .line = line,
                                        .n = 64,
                                        .ndensity =
-                                           (uint32_t)rad_quincunx_ndensity(q),
+                                           (uint32_t)rad_quincunx_ndensity(&q),
                                        .channels = 3,
-                                       .density = density,
-                                       .pixels = pixels };
+                                       .density = zeros,
+                                       .pixels = zeros };
 
     strict_base_line(s, &top);
 }
 
 /* The top of line 4. */
 static inline void
-give_top(struct strict *s, const struct rad_quincunx *q)
+give_top(void)
 {
-    give_line(s, q, 0, 3);
+    give_line(0, 3);
 }
 
 static inline void
-give_flagged(struct strict *s, const struct rad_quincunx *q, uint32_t number,
-             int first, int last, uint8_t flags)
+give_flagged(uint32_t number, int first, int last, uint8_t flags)
 {
-    uint32_t y = (uint32_t)team_line_row(q, first);
+    uint32_t y = (uint32_t)team_line_row(&q, first);
     const struct msg_unit u = { .job = job_id,
                                 .unit = number,
                                 .attempt = 1,
                                 .y = y,
                                 .width = 64,
-                                .height = (uint32_t)team_line_row(q, last) - y,
+                                .height = (uint32_t)team_line_row(&q, last) - y,
                                 .mode = MSG_MODE_STRICT,
                                 .flags = flags };
 
@@ -80,14 +118,13 @@ give_flagged(struct strict *s, const struct rad_quincunx *q, uint32_t number,
 }
 
 static inline void
-give_unit(struct strict *s, const struct rad_quincunx *q, uint32_t number,
-          int first, int last)
+give_unit(uint32_t number, int first, int last)
 {
-    give_flagged(s, q, number, first, last, 0);
+    give_flagged(number, first, last, 0);
 }
 
 static inline bool
-is_said(struct strict *s, enum msg_type type)
+is_said(enum msg_type type)
 {
     const struct msg *m;
 
