@@ -6,17 +6,17 @@
 
 START_TEST(a_new_connection_of_a_name_replaces_the_old)
 {
-    submit(&f, ANA, job_a, 0);
-    ready(&f, WORKER, job_a);
-    join(&f, SECOND, MSG_ROLE_WORKER, "ws1", "daemon");
+    submit(ANA, job_a, 0);
+    ready(WORKER, job_a);
+    join(SECOND, MSG_ROLE_WORKER, "ws1", "daemon");
     ck_assert(f.closed[WORKER]);
     ck_assert_int_eq(f.last[SECOND].type, MSG_JOB_START);
-    result(&f, SECOND, job_a, 0, 1); /* finished before the connection broke */
+    result(SECOND, job_a, 0, 1); /* finished before the connection broke */
     ck_assert_int_eq(f.last[SECOND].type, MSG_ACK);
-    ready(&f, SECOND, job_a);
+    ready(SECOND, job_a);
     ck_assert_uint_eq(f.units[SECOND], 2);
     for (uint32_t u = 1; u < 4; u++)
-        result(&f, SECOND, job_a, u, u == 1 ? 2 : 1);
+        result(SECOND, job_a, u, u == 1 ? 2 : 1);
     ck_assert_int_eq(f.last[ANA].type, MSG_DONE);
 }
 END_TEST
@@ -50,7 +50,7 @@ START_TEST(a_hello_that_does_not_fit_is_refused)
                                 0 } };
 
     coord_opened(f.c, f.now_ms, 7, &peer);
-    say(&f, 7, &m);
+    say(7, &m);
     ck_assert_int_eq(f.last[7].type, MSG_REFUSE);
     ck_assert_int_eq(f.last[7].refuse.status, hellos[_i].status);
     ck_assert(f.closed[7]);
@@ -59,9 +59,9 @@ END_TEST
 
 START_TEST(a_worker_that_calls_again_replaces_itself)
 {
-    join(&f, 7, MSG_ROLE_WORKER, "w", "x");
+    join(7, MSG_ROLE_WORKER, "w", "x");
     ck_assert(!f.closed[7]);
-    join(&f, 6, MSG_ROLE_WORKER, "w", "x");
+    join(6, MSG_ROLE_WORKER, "w", "x");
     ck_assert_int_eq(f.last[7].type, MSG_BYE);
     ck_assert_str_eq(f.last[7].bye.text,
                      "replaced by a connection of that name from test");
@@ -79,9 +79,9 @@ call(uint64_t conn, unsigned roles, const char *owner, bool hello)
                                 "t", "", 0, 0 } };
 
     coord_opened(f.c, f.now_ms, conn, &peer);
-    carry_out(&f);
+    carry_out();
     if (hello)
-        say(&f, conn, &m);
+        say(conn, &m);
 }
 
 /* A user, by a socket or a key, has 256; who steers or renders has any. */
@@ -102,7 +102,7 @@ START_TEST(one_user_has_not_all_connections)
     call(first + 258, user | 1u << MSG_ROLE_ADMIN, "eve", true);
     ck_assert_int_eq(f.last[first + 258].type, MSG_WELCOME);
     coord_closed(f.c, f.now_ms, first, "gone");
-    carry_out(&f);
+    carry_out();
     call(first + 259, user, "eve", true);
     ck_assert_int_eq(f.last[first + 259].type, MSG_WELCOME);
 }
@@ -133,10 +133,10 @@ START_TEST(refused_connections_are_logged_some_at_a_time)
         call(first + i, user, "eve", true);
     ck_assert(f.closed[first + 256] && f.closed[first + 285]);
     ck_assert_int_eq(f.break_logs, 10);
-    join(&f, 7, MSG_ROLE_WORKER, "w", "x");
-    join(&f, 6, MSG_ROLE_WORKER, "w", "x");
+    join(7, MSG_ROLE_WORKER, "w", "x");
+    join(6, MSG_ROLE_WORKER, "w", "x");
     ck_assert_int_eq(f.break_logs, 11);
-    wait_s(&f, 11);
+    wait_s(11);
     call(first + i, user, "eve", true);
     ck_assert_int_eq(f.break_logs, 12);
     ck_assert_int_eq(f.unlogged, 20);
@@ -156,7 +156,7 @@ START_TEST(newer_peers_are_welcome_if_they_speak_ours)
                                 MSG_ROLE_WORKER, "w", "t", "", 1, 0 } };
 
     coord_opened(f.c, f.now_ms, 7, &peer);
-    say(&f, 7, &m);
+    say(7, &m);
     if (versions[_i].spoken == 0) {
         ck_assert_int_eq(f.last[7].type, MSG_REFUSE);
         ck_assert_uint_eq(f.last[7].refuse.status, EX_PROTOCOL);
@@ -175,7 +175,7 @@ START_TEST(peers_are_told_the_version_of_the_pair)
     static const char *const name[] = { "w1", "w2", "w3" };
     uint16_t told[3] = { 0 };
 
-    submit_with(&f, ANA, job_a, 0, 64, MSG_JOB_SHARE);
+    submit_with(ANA, job_a, 0, 64, MSG_JOB_SHARE);
     for (unsigned i = 0; i < 3; i++) {
         struct coord_peer peer = { "test", "x", 14, NULL };
         struct msg m = { .type = MSG_HELLO,
@@ -183,8 +183,8 @@ START_TEST(peers_are_told_the_version_of_the_pair)
                                     "unix /w", 1, 0 } };
 
         coord_opened(f.c, f.now_ms, 5 + i, &peer);
-        say(&f, 5 + i, &m);
-        ready(&f, 5 + i, job_a);
+        say(5 + i, &m);
+        ready(5 + i, job_a);
         for (unsigned k = 0; k <= i; k++)
             if (f.peers[5 + k] > 0)
                 told[k] = f.peer_version[5 + k];
@@ -219,7 +219,7 @@ START_TEST(a_credential_is_good_for_its_roles_alone)
                          .hello = { 1, 1, (uint8_t)role, "w", "t", "", 1, 0 } };
 
         coord_opened(f.c, f.now_ms, conn, &peer);
-        say(&f, conn, &m);
+        say(conn, &m);
         ck_assert_int_eq(f.last[conn].type, may[role - MSG_ROLE_WORKER]
                                                 ? MSG_WELCOME
                                                 : MSG_REFUSE);

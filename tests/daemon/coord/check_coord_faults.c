@@ -6,12 +6,12 @@
 START_TEST(a_late_unit_goes_to_another_and_the_first_result_wins)
 {
     two_are_left();
-    wait_s(&f, 59);
+    wait_s(59);
     ck_assert_uint_eq(f.units[SECOND], 0);
-    wait_s(&f, 2);
+    wait_s(2);
     ck_assert_uint_eq(f.units[SECOND], 2);
-    result(&f, SECOND, job_a, 0, 2);
-    result(&f, SECOND, job_a, 1, 2);
+    result(SECOND, job_a, 0, 2);
+    result(SECOND, job_a, 1, 2);
     ck_assert_int_eq(f.last[ANA].type, MSG_DONE);
     ck_assert_int_eq(f.last[WORKER].type, MSG_JOB_END);
 }
@@ -21,9 +21,9 @@ START_TEST(the_lease_is_a_setting)
 {
     coord_set_lease(f.c, 2000);
     two_are_left();
-    wait_s(&f, 1);
+    wait_s(1);
     ck_assert_uint_eq(f.units[SECOND], 0);
-    wait_s(&f, 2);
+    wait_s(2);
     ck_assert_uint_eq(f.units[SECOND], 2);
 }
 END_TEST
@@ -33,23 +33,23 @@ ping(uint64_t progress)
 {
     struct msg m = { .type = MSG_PING, .ping = { progress, 0 } };
 
-    say(&f, WORKER, &m);
+    say(WORKER, &m);
 }
 
 /* Units of this job take 100 s. */
 static void
 slow_job(void)
 {
-    submit(&f, ANA, job_a, 0);
-    ready(&f, WORKER, job_a);
-    join(&f, SECOND, MSG_ROLE_WORKER, "ws2", "daemon");
-    ready(&f, SECOND, job_a);
+    submit(ANA, job_a, 0);
+    ready(WORKER, job_a);
+    join(SECOND, MSG_ROLE_WORKER, "ws2", "daemon");
+    ready(SECOND, job_a);
     for (int i = 0; i < 50; i++) {
-        wait_s(&f, 1);
+        wait_s(1);
         ping((uint64_t)i);
     }
-    result(&f, SECOND, job_a, 2, 1);
-    result(&f, SECOND, job_a, 3, 1);
+    result(SECOND, job_a, 2, 1);
+    result(SECOND, job_a, 3, 1);
     f.units[SECOND] = 0;
 }
 
@@ -57,7 +57,7 @@ START_TEST(a_worker_that_gets_on_has_time)
 {
     slow_job();
     for (int i = 0; i < 400; i++) {
-        wait_s(&f, 1);
+        wait_s(1);
         ping(100 + (uint64_t)i / 8);
     }
     ck_assert_uint_eq(f.units[SECOND], 0);
@@ -69,7 +69,7 @@ START_TEST(a_worker_that_hangs_has_not)
 {
     slow_job();
     for (int i = 0; i < 70; i++) {
-        wait_s(&f, 1);
+        wait_s(1);
         ping(100);
     }
     ck_assert_uint_eq(f.units[SECOND], 2);
@@ -83,17 +83,17 @@ START_TEST(two_crashes_alone_fail_the_job_and_name_the_unit)
     struct msg m = { .type = MSG_LOST,
                      .lost = { job_a, "killed by signal 11", 2, both } };
 
-    submit(&f, ANA, job_a, 0);
-    ready(&f, WORKER, job_a);
-    say(&f, WORKER, &m);
-    join(&f, SECOND, MSG_ROLE_WORKER, "ws2", "daemon");
-    ready(&f, SECOND, job_a);
+    submit(ANA, job_a, 0);
+    ready(WORKER, job_a);
+    say(WORKER, &m);
+    join(SECOND, MSG_ROLE_WORKER, "ws2", "daemon");
+    ready(SECOND, job_a);
     ck_assert_uint_eq(f.units[SECOND], 1); /* a suspect goes alone */
     ck_assert_uint_le(f.last[SECOND].unit.unit, 1);
     one[0] = f.last[SECOND].unit.unit;
     m.lost.nunits = 1;
     m.lost.units = one;
-    say(&f, SECOND, &m);
+    say(SECOND, &m);
     ck_assert_int_eq(f.last[ANA].type, MSG_FAILED);
     ck_assert_int_eq(f.last[ANA].failed.status, EX_SOFTWARE);
     ck_assert_ptr_nonnull(strstr(f.last[ANA].failed.text, "brought the"));
@@ -107,19 +107,19 @@ set_back(uint64_t conn)
     struct msg m = { .type = MSG_LOST,
                      .lost = { job_a, "out of memory", 0, NULL } };
 
-    say(&f, conn, &m);
+    say(conn, &m);
 }
 
 START_TEST(a_worker_that_cannot_keep_a_child_leaves_the_job_to_others)
 {
-    submit(&f, ANA, job_a, 0);
-    ready(&f, WORKER, job_a);
-    join(&f, SECOND, MSG_ROLE_WORKER, "ws2", "daemon");
-    ready(&f, SECOND, job_a);
+    submit(ANA, job_a, 0);
+    ready(WORKER, job_a);
+    join(SECOND, MSG_ROLE_WORKER, "ws2", "daemon");
+    ready(SECOND, job_a);
     for (int i = 1; i < JOB_MAX_SETBACKS; i++) {
         set_back(SECOND);
         ck_assert_int_eq(f.last[SECOND].type, MSG_JOB_START);
-        ready(&f, SECOND, job_a);
+        ready(SECOND, job_a);
     }
     f.sent[SECOND] = 0;
     set_back(SECOND);
@@ -127,17 +127,17 @@ START_TEST(a_worker_that_cannot_keep_a_child_leaves_the_job_to_others)
     ck_assert_int_ne(f.last[ANA].type, MSG_FAILED);
     for (uint32_t u = 0; u < 4; u++)
         for (uint32_t attempt = 1; attempt < 9; attempt++)
-            result(&f, WORKER, job_a, u, attempt);
+            result(WORKER, job_a, u, attempt);
     ck_assert_int_eq(f.last[ANA].type, MSG_DONE);
 }
 END_TEST
 
 START_TEST(a_job_that_nobody_can_keep_a_child_for_fails)
 {
-    submit(&f, ANA, job_a, 0);
+    submit(ANA, job_a, 0);
     for (int i = 1; i <= JOB_MAX_SETBACKS; i++) {
         ck_assert_int_ne(f.last[ANA].type, MSG_FAILED);
-        ready(&f, WORKER, job_a);
+        ready(WORKER, job_a);
         set_back(WORKER);
     }
     ck_assert_int_eq(f.last[ANA].type, MSG_FAILED);
@@ -148,15 +148,15 @@ END_TEST
 
 START_TEST(a_unit_done_makes_up_for_setbacks)
 {
-    submit(&f, ANA, job_a, 0);
+    submit(ANA, job_a, 0);
     for (uint32_t u = 0; u < 3; u++) {
-        ready(&f, WORKER, job_a);
+        ready(WORKER, job_a);
         for (int i = 1; i < JOB_MAX_SETBACKS; i++) {
             set_back(WORKER);
-            ready(&f, WORKER, job_a);
+            ready(WORKER, job_a);
         }
         for (uint32_t attempt = 1; attempt < 40; attempt++)
-            result(&f, WORKER, job_a, u, attempt);
+            result(WORKER, job_a, u, attempt);
     }
     ck_assert_int_ne(f.last[ANA].type, MSG_FAILED);
 }

@@ -12,11 +12,11 @@ two_are_ready(void)
     struct job *job;
 
     submit_passes(ANA, &wide, 1);
-    ready(&f, WORKER, job_a);
-    join(&f, SECOND, MSG_ROLE_WORKER, "ws2", "daemon");
+    ready(WORKER, job_a);
+    join(SECOND, MSG_ROLE_WORKER, "ws2", "daemon");
     job = desk_find_job(f.c, job_a);
     strcpy(job->workers[0].worker->address, "tcp 127.0.0.1:1");
-    ready(&f, SECOND, job_a);
+    ready(SECOND, job_a);
 }
 
 /* What is made goes to a worker at once, and to others by way of that one; when
@@ -42,12 +42,11 @@ START_TEST(records_travel_while_tiles_are_made)
     make(WORKER, 0, 0, 0);
     ck_assert(jw[0].passes == 1 && jw[1].passes == 1);
     ck_assert(has_tile(WORKER)); /* without a word */
-    say(&f, SECOND,
-        &(struct msg){ .type = MSG_HOLDS, .holds = { job_a, 0, 0 } });
+    say(SECOND, &(struct msg){ .type = MSG_HOLDS, .holds = { job_a, 0, 0 } });
     ck_assert(f.last[SECOND].type == MSG_FROZEN && z->count == 2);
     f.last[SECOND].type = 0;
     for (uint32_t pass = 0; pass < 2; pass++)
-        say(&f, SECOND,
+        say(SECOND,
             &(struct msg){ .type = MSG_HOLDS, .holds = { job_a, pass, 0 } });
     ck_assert_int_eq(f.last[SECOND].type, 0); /* sent, and not closed */
 }
@@ -65,18 +64,18 @@ START_TEST(workers_below_one_that_hangs_are_fed_by_others)
 
     submit_passes(ANA, &wide, 1);
     for (uint64_t i = 0; i < N_ELEM(name); i++)
-        join(&f, SECOND + i, MSG_ROLE_WORKER, name[i], "daemon");
+        join(SECOND + i, MSG_ROLE_WORKER, name[i], "daemon");
     for (struct coord_worker *w = f.c->workers; w; w = w->next)
         strcpy(w->address, "tcp 127.0.0.1:1");
     for (uint64_t i = 0; i < N_ELEM(before); i++)
-        ready(&f, i > 0 ? SECOND + i - 1 : WORKER, job_a);
+        ready(i > 0 ? SECOND + i - 1 : WORKER, job_a);
     jw = desk_find_job(f.c, job_a)->workers;
     for (uint32_t i = 0; i < N_ELEM(before); i++)
         ck_assert_uint_eq(jw[i].feeder, before[i]);
     make(SECOND, 0, 0, 2);
     make(SECOND, 0, 1, 2);
     for (uint64_t i = 0; i < N_ELEM(name); i++)
-        say(&f, SECOND + i,
+        say(SECOND + i,
             &(struct msg){ .type = MSG_HOLDS, .holds = { job_a, 0, 0 } });
     for (uint32_t i = 0; i < N_ELEM(before); i++)
         ck_assert_uint_eq(jw[i].feeder, before[i]);
@@ -92,14 +91,14 @@ static struct job *
 begin_with(uint64_t n)
 {
     submit_passes(ANA, &wide, 1);
-    ready(&f, WORKER, job_a);
+    ready(WORKER, job_a);
     for (uint64_t i = 0; i < n; i++) {
         char name[] = { 'x', (char)('0' + i), '\0' };
 
-        join(&f, SECOND + i, MSG_ROLE_WORKER, name, "daemon");
+        join(SECOND + i, MSG_ROLE_WORKER, name, "daemon");
         for (struct coord_worker *w = f.c->workers; w; w = w->next)
             strcpy(w->address, "tcp 127.0.0.1:1");
-        ready(&f, SECOND + i, job_a);
+        ready(SECOND + i, job_a);
     }
     return desk_find_job(f.c, job_a);
 }
@@ -125,7 +124,7 @@ START_TEST(a_new_feeder_does_not_fail_at_once)
     feeding_lacked(job, 3);
     feeding_mend(f.c, job);
     ck_assert_uint_eq(jw[2].failures, 1);
-    carry_out(&f);
+    carry_out();
 }
 END_TEST
 
@@ -146,7 +145,7 @@ START_TEST(the_coordinator_does_not_come_to_feed_all)
             direct += feeding_is_direct(job, i);
         ck_assert_msg(direct <= 1, "%u after %d", direct, k);
     }
-    carry_out(&f);
+    carry_out();
 }
 END_TEST
 
@@ -156,10 +155,10 @@ START_TEST(workers_without_an_address_are_not_fed_by_each_other)
     const struct job_worker *jw;
 
     submit_passes(ANA, &wide, 1);
-    ready(&f, WORKER, job_a);
+    ready(WORKER, job_a);
     for (uint64_t i = 0; i < 2; i++) {
-        join(&f, SECOND + i, MSG_ROLE_WORKER, i > 0 ? "ws3" : "ws2", "daemon");
-        ready(&f, SECOND + i, job_a);
+        join(SECOND + i, MSG_ROLE_WORKER, i > 0 ? "ws3" : "ws2", "daemon");
+        ready(SECOND + i, job_a);
     }
     jw = desk_find_job(f.c, job_a)->workers;
     for (uint32_t i = 0; i < 3; i++)
@@ -176,11 +175,11 @@ START_TEST(workers_that_were_fed_are_fed_by_others)
     job = desk_find_job(f.c, job_a);
     ck_assert_uint_eq(job->workers[1].feeder, 1);
     coord_closed(f.c, ++f.now_ms, WORKER, "gone");
-    carry_out(&f);
+    carry_out();
     ck_assert_uint_eq(job->workers[1].feeder, 0);
-    join(&f, WORKER, MSG_ROLE_WORKER, "ws1", "daemon");
+    join(WORKER, MSG_ROLE_WORKER, "ws1", "daemon");
     strcpy(job->workers[0].worker->address, "tcp 127.0.0.1:1");
-    ready(&f, WORKER, job_a);
+    ready(WORKER, job_a);
     ck_assert_uint_eq(job->workers[0].feeder, 2);
 }
 END_TEST
@@ -190,14 +189,13 @@ END_TEST
 START_TEST(a_worker_that_was_too_slow_has_to_say_what_it_has)
 {
     two_are_ready();
-    wait_s(&f, 1);
+    wait_s(1);
     make(SECOND, 0, 0, 1);
     make(SECOND, 0, 1, 1);
     ck_assert(has_tile(SECOND));
     ck_assert_int_eq(f.last[WORKER].type, MSG_CLOSED);
     ck_assert(f.last[WORKER].closed.asks);
-    say(&f, WORKER,
-        &(struct msg){ .type = MSG_HOLDS, .holds = { job_a, 1, 1 } });
+    say(WORKER, &(struct msg){ .type = MSG_HOLDS, .holds = { job_a, 1, 1 } });
     ck_assert_int_eq(f.last[WORKER].type, MSG_CLOSED); /* of no such pass */
     hold(true);
     ck_assert(has_tile(WORKER));

@@ -11,7 +11,7 @@ disk_is_full(void)
 {
     f.stuck = true;
     coord_fullness(f.c, f.now_ms, true, "cannot write 'x'");
-    carry_out(&f);
+    carry_out();
 }
 
 static void
@@ -21,42 +21,42 @@ disk_has_room(void)
     coord_fullness(f.c, f.now_ms, false, "");
     if (f.settling)
         coord_settled(f.c, f.now_ms, f.settling, f.settling_what);
-    carry_out(&f);
+    carry_out();
 }
 
 static void
 be_begun(void)
 {
-    submit(&f, ANA, job_a, 0);
-    ready(&f, WORKER, job_a);
-    result(&f, WORKER, job_a, 0, 1);
+    submit(ANA, job_a, 0);
+    ready(WORKER, job_a);
+    result(WORKER, job_a, 0, 1);
 }
 
 static void
 be_without_files(void)
 {
     f.have = false;
-    submit(&f, ANA, job_a, 0);
+    submit(ANA, job_a, 0);
 }
 
 static void
 be_held(void)
 {
     disk_is_full();
-    submit(&f, ANA, job_a, 0);
+    submit(ANA, job_a, 0);
 }
 
 static void
 be_waiting(void)
 {
-    submit(&f, ANA, job_a, 0);
+    submit(ANA, job_a, 0);
 }
 
 static void
 be_paused(void)
 {
     be_begun();
-    about(&f, ANA, MSG_PAUSE, job_a);
+    about(ANA, MSG_PAUSE, job_a);
 }
 
 static void
@@ -78,7 +78,7 @@ be_done(void)
 {
     be_begun();
     for (uint32_t i = 1; i < 4; i++)
-        result(&f, WORKER, job_a, i, 1);
+        result(WORKER, job_a, i, 1);
     ck_assert_int_eq(f.last[ANA].type, MSG_DONE);
 }
 
@@ -86,7 +86,7 @@ static void
 be_cancelled(void)
 {
     be_begun();
-    about(&f, ANA, MSG_CANCEL, job_a);
+    about(ANA, MSG_CANCEL, job_a);
 }
 
 static void (*const states[])(void) = {
@@ -109,20 +109,20 @@ START_TEST(cancel_is_answered_whatever_the_job_is_at)
     set_up_coord(_i % 2);
     states[_i / 2]();
     before = f.sent[ADMIN];
-    about(&f, ADMIN, MSG_CANCEL, job_a);
+    about(ADMIN, MSG_CANCEL, job_a);
     if (f.settling == 0) {
         ck_assert_uint_eq(f.sent[ADMIN], before + 1);
         ck_assert_int_eq(f.last[ADMIN].type,
                          is_over(_i / 2) ? MSG_FAILED : MSG_ANSWER);
     } else { /* the disk gets its time to make room */
-        wait_s(&f, 2);
+        wait_s(2);
         ck_assert_uint_eq(f.sent[ADMIN], before);
-        wait_s(&f, 2);
+        wait_s(2);
         ck_assert_uint_eq(f.sent[ADMIN], before + 1);
         ck_assert_int_eq(f.last[ADMIN].type, MSG_FAILED);
         ck_assert_int_eq(f.last[ADMIN].failed.status, EX_TEMPFAIL);
         disk_has_room();
-        wait_s(&f, 2);
+        wait_s(2);
     }
     ck_assert_uint_eq(f.last[ADMIN].request, 6);
     ck_assert_uint_eq(f.sent[ADMIN], before + 1); /* once */
@@ -136,8 +136,8 @@ START_TEST(an_answer_comes_as_soon_as_there_is_room)
     tear_down();
     set_up_coord(true);
     be_held();
-    about(&f, ADMIN, MSG_CANCEL, job_a);
-    wait_s(&f, 1);
+    about(ADMIN, MSG_CANCEL, job_a);
+    wait_s(1);
     disk_has_room();
     ck_assert_int_eq(f.last[ADMIN].type, MSG_ANSWER);
 }
@@ -145,14 +145,14 @@ END_TEST
 
 START_TEST(a_job_goes_from_submit_to_done)
 {
-    submit(&f, ANA, job_a, 0);
+    submit(ANA, job_a, 0);
     ck_assert_int_eq(f.last[ANA].type, MSG_ACCEPT);
     ck_assert_int_eq(f.last[WORKER].type, MSG_JOB_START);
-    ready(&f, WORKER, job_a);
+    ready(WORKER, job_a);
     /* two threads, and with two left nothing ahead */
     ck_assert_uint_eq(f.units[WORKER], 2);
     for (uint32_t u = 0; u < 4; u++)
-        result(&f, WORKER, job_a, u, 1);
+        result(WORKER, job_a, u, 1);
     ck_assert_int_eq(f.last[ANA].type, MSG_DONE);
     ck_assert_int_eq(f.last[WORKER].type, MSG_JOB_END);
 }
@@ -164,20 +164,20 @@ START_TEST(records_go_to_the_radsubmit_that_wants_them)
     struct msg m = { .type = MSG_RECORDS, .records = { job_a, 1, hash, 7 } };
     unsigned to_ana, to_bob;
 
-    submit(&f, ANA, job_a, 0);
+    submit(ANA, job_a, 0);
     submit_flags = MSG_JOB_RECORDS;
-    submit(&f, BOB, job_b, 0);
+    submit(BOB, job_b, 0);
     submit_flags = 0;
-    ready(&f, WORKER, job_a);
-    ready(&f, WORKER, job_b);
+    ready(WORKER, job_a);
+    ready(WORKER, job_b);
     to_ana = f.sent[ANA];
     to_bob = f.sent[BOB];
-    say(&f, WORKER, &m);
+    say(WORKER, &m);
     m.records.job = hash; /* of no job */
-    say(&f, WORKER, &m);
+    say(WORKER, &m);
     ck_assert_uint_eq(f.sent[BOB], to_bob);
     m.records.job = job_b;
-    say(&f, WORKER, &m);
+    say(WORKER, &m);
     ck_assert_uint_eq(f.sent[ANA], to_ana);
     ck_assert_uint_eq(f.sent[BOB], to_bob + 1);
     ck_assert_int_eq(f.last[BOB].type, MSG_RECORDS);
@@ -191,11 +191,11 @@ END_TEST
 START_TEST(a_job_waits_for_its_files)
 {
     f.have = false;
-    submit(&f, ANA, job_a, 0);
+    submit(ANA, job_a, 0);
     ck_assert_int_ne(f.last[ANA].type, MSG_ACCEPT);
     f.have = true;
     coord_file_stored(f.c, f.now_ms, ANA, hash);
-    carry_out(&f);
+    carry_out();
     ck_assert_int_eq(f.last[ANA].type, MSG_ACCEPT);
 }
 END_TEST
@@ -206,8 +206,8 @@ stranger_is_asked_for(struct msg_hashes files)
 {
     struct msg offer = { .type = MSG_OFFER, .request = 9, .offer = files };
 
-    join(&f, STRANGER, MSG_ROLE_USER, "", "eve");
-    say(&f, STRANGER, &offer);
+    join(STRANGER, MSG_ROLE_USER, "", "eve");
+    say(STRANGER, &offer);
     ck_assert_int_eq(f.last[STRANGER].type, MSG_WANT);
     return f.last[STRANGER].want.n;
 }
@@ -219,7 +219,7 @@ START_TEST(nobody_hears_what_others_have_sent)
 
     ck_assert_uint_eq(stranger_is_asked_for((struct msg_hashes){ 2, both }), 2);
     ck_assert_mem_eq(f.last[STRANGER].want.hash, both, sizeof both);
-    say(&f, ANA, &offer); /* who has sent the second */
+    say(ANA, &offer); /* who has sent the second */
     ck_assert_uint_eq(f.last[ANA].want.n, 1);
     ck_assert_mem_eq(f.last[ANA].want.hash, both, MSG_HASH);
 }
@@ -228,12 +228,12 @@ END_TEST
 START_TEST(a_hash_alone_gives_no_right_to_a_file)
 {
     ck_assert_uint_eq(stranger_is_asked_for((struct msg_hashes){ 1, hash }), 1);
-    submit(&f, STRANGER, job_a, 0);
-    wait_s(&f, 1);
+    submit(STRANGER, job_a, 0);
+    wait_s(1);
     ck_assert_int_ne(f.last[STRANGER].type, MSG_ACCEPT);
     ck_assert_int_ne(f.last[WORKER].type, MSG_JOB_START);
     coord_file_stored(f.c, f.now_ms, STRANGER, hash);
-    carry_out(&f);
+    carry_out();
     ck_assert_int_eq(f.last[STRANGER].type, MSG_ACCEPT);
     ck_assert_int_eq(f.last[WORKER].type, MSG_JOB_START);
 }
@@ -247,23 +247,23 @@ START_TEST(what_a_user_sent_is_known_for_a_while_or_as_long_as_a_job_names_it)
     struct msg offer = { .type = MSG_OFFER, .offer = { 1, hash } };
     const struct coord_keep none = { .jobs = 0 };
 
-    submit(&f, ANA, job_a, 0);
+    submit(ANA, job_a, 0);
     f.now_ms += UPLOAD_MS + 1;
-    wait_s(&f, 1);
-    say(&f, ANA, &offer);
+    wait_s(1);
+    say(ANA, &offer);
     ck_assert_uint_eq(f.last[ANA].want.n, 0);
-    say(&f, BOB, &offer); /* who has no job */
+    say(BOB, &offer); /* who has no job */
     ck_assert_uint_eq(f.last[BOB].want.n, 1);
-    about(&f, ANA, MSG_CANCEL, job_a);
+    about(ANA, MSG_CANCEL, job_a);
     coord_set_keep(f.c, &none);
-    carry_out(&f);
-    say(&f, ANA, &offer);
+    carry_out();
+    say(ANA, &offer);
     ck_assert_uint_eq(f.last[ANA].want.n, 0);
     f.now_ms += UPLOAD_MS + 1;
-    wait_s(&f, 1);
+    wait_s(1);
     ck_assert(f.closed[ANA]); /* it offered, and nothing came */
-    join(&f, SECOND, MSG_ROLE_USER, "", "ana");
-    say(&f, SECOND, &offer);
+    join(SECOND, MSG_ROLE_USER, "", "ana");
+    say(SECOND, &offer);
     ck_assert_uint_eq(f.last[SECOND].want.n, 1);
 }
 END_TEST
@@ -273,16 +273,16 @@ START_TEST(a_worker_gets_files_of_the_job_that_it_loads_alone)
     static const uint8_t both[2 * MSG_HASH] = { [MSG_HASH] = 1 };
     struct msg want = { .type = MSG_WANT, .want = { 2, both } };
 
-    say(&f, WORKER, &want);
+    say(WORKER, &want);
     ck_assert_uint_eq(f.files_sent, 0);
-    submit(&f, ANA, job_a, 0);
-    say(&f, WORKER, &want);
+    submit(ANA, job_a, 0);
+    say(WORKER, &want);
     ck_assert_uint_eq(f.files_sent, 1);
     ck_assert_mem_eq(f.file_sent, hash, MSG_HASH);
-    ready(&f, WORKER, job_a);
-    say(&f, WORKER, &want);
-    about(&f, ANA, MSG_CANCEL, job_a);
-    say(&f, WORKER, &want);
+    ready(WORKER, job_a);
+    say(WORKER, &want);
+    about(ANA, MSG_CANCEL, job_a);
+    say(WORKER, &want);
     ck_assert_uint_eq(f.files_sent, 1);
 }
 END_TEST
@@ -293,23 +293,23 @@ room(const uint8_t *job, bool has)
     struct msg m = { .type = MSG_ROOM,
                      .room = { job, has, "the disk is full" } };
 
-    say(&f, WORKER, &m);
+    say(WORKER, &m);
 }
 
 START_TEST(a_job_without_room_waits_and_others_go_on)
 {
     unsigned sent;
 
-    submit(&f, ANA, job_a, 0);
+    submit(ANA, job_a, 0);
     sent = f.sent[WORKER];
     for (int i = 0; i < 10; i++)
         room(job_a, false);
-    wait_s(&f, 100);
+    wait_s(100);
     ck_assert_uint_eq(f.sent[WORKER], sent);
     ck_assert_int_ne(f.last[ANA].type, MSG_FAILED);
-    submit(&f, BOB, job_b, 0);
+    submit(BOB, job_b, 0);
     ck_assert_int_eq(f.last[WORKER].type, MSG_JOB_START);
-    ready(&f, WORKER, job_b);
+    ready(WORKER, job_b);
     ck_assert_uint_gt(f.units[WORKER], 0);
     room(job_a, true);
     ck_assert_int_eq(f.last[WORKER].type, MSG_JOB_START);
@@ -319,11 +319,11 @@ END_TEST
 
 START_TEST(a_worker_without_room_may_have_some_when_it_comes_again)
 {
-    submit(&f, ANA, job_a, 0);
+    submit(ANA, job_a, 0);
     room(job_a, false);
     coord_closed(f.c, f.now_ms, WORKER, "reset");
-    carry_out(&f);
-    join(&f, SECOND, MSG_ROLE_WORKER, "ws1", "daemon");
+    carry_out();
+    join(SECOND, MSG_ROLE_WORKER, "ws1", "daemon");
     ck_assert_int_eq(f.last[SECOND].type, MSG_JOB_START);
 }
 END_TEST
@@ -332,13 +332,13 @@ END_TEST
 START_TEST(workers_load_while_a_job_is_stored)
 {
     f.stuck = true;
-    submit(&f, ANA, job_a, 0);
+    submit(ANA, job_a, 0);
     ck_assert_uint_eq(f.last[WORKER].type, MSG_JOB_START);
-    ready(&f, WORKER, job_a);
-    wait_s(&f, 1);
+    ready(WORKER, job_a);
+    wait_s(1);
     ck_assert_uint_eq(f.units[WORKER], 0);
     coord_job_opened(f.c, f.now_ms, job_a, job_number(job_a), 0, NULL);
-    carry_out(&f);
+    carry_out();
     ck_assert_uint_gt(f.units[WORKER], 0);
 }
 END_TEST
@@ -346,11 +346,11 @@ END_TEST
 START_TEST(workers_forget_a_job_that_could_not_be_stored)
 {
     f.stuck = true;
-    submit(&f, ANA, job_a, 0);
-    ready(&f, WORKER, job_a);
+    submit(ANA, job_a, 0);
+    ready(WORKER, job_a);
     coord_job_opened(f.c, f.now_ms, job_a, job_number(job_a), EX_IOERR,
                      "no room for rows");
-    carry_out(&f);
+    carry_out();
     ck_assert_uint_eq(f.last[WORKER].type, MSG_JOB_END);
     ck_assert_uint_eq(f.units[WORKER], 0);
 }
@@ -361,11 +361,11 @@ START_TEST(workers_load_when_the_last_file_is_there)
 {
     f.stuck = true;
     f.have = false;
-    submit(&f, ANA, job_a, 0);
+    submit(ANA, job_a, 0);
     ck_assert_uint_ne(f.last[WORKER].type, MSG_JOB_START);
     f.have = true;
     coord_file_stored(f.c, f.now_ms, ANA, hash);
-    carry_out(&f);
+    carry_out();
     ck_assert_uint_eq(f.last[WORKER].type, MSG_JOB_START);
 }
 END_TEST
@@ -376,7 +376,7 @@ says_of_jobs(const char *words)
     const struct msg query = { .type = MSG_QUERY,
                                .query = { MSG_QUERY_JOBS, "" } };
 
-    say(&f, BOB, &query);
+    say(BOB, &query);
     ck_assert_int_eq(f.last[BOB].type, MSG_ANSWER);
     return memmem(f.last[BOB].answer.text, f.last[BOB].answer.len, words,
                   strlen(words)) != NULL;
@@ -386,35 +386,35 @@ says_of_jobs(const char *words)
 START_TEST(a_job_waits_for_much_room_alone)
 {
     f.stuck = true;
-    submit(&f, ANA, job_a, 0);
+    submit(ANA, job_a, 0);
     room(job_a, false);
     coord_job_waits(f.c, f.now_ms, job_a, job_number(job_a), "it needs more");
-    wait_s(&f, 1);
+    wait_s(1);
     ck_assert_uint_eq(f.last[ANA].progress.state, MSG_STATE_HELD);
     ck_assert(
         says_of_jobs("it needs more")); /* and not what its worker lacks */
     f.stuck = false;
-    submit(&f, BOB, job_b, 0);
-    wait_s(&f, 1);
+    submit(BOB, job_b, 0);
+    wait_s(1);
     ck_assert_uint_ne(f.last[BOB].progress.state, MSG_STATE_HELD);
     ck_assert_uint_eq(f.last[ANA].progress.state, MSG_STATE_HELD);
     disk_is_full();
     disk_has_room();
-    wait_s(&f, 1);
+    wait_s(1);
     ck_assert_uint_eq(f.last[ANA].progress.state, MSG_STATE_HELD);
     coord_job_opened(f.c, f.now_ms, job_a, job_number(job_a), 0, "");
-    wait_s(&f, 1);
+    wait_s(1);
     ck_assert_uint_ne(f.last[ANA].progress.state, MSG_STATE_HELD);
 }
 END_TEST
 
 START_TEST(the_same_id_again_attaches)
 {
-    submit(&f, ANA, job_a, 0);
-    submit(&f, ANA, job_a, 0);
+    submit(ANA, job_a, 0);
+    submit(ANA, job_a, 0);
     ck_assert_int_eq(f.last[ANA].type, MSG_ACCEPT);
     ck_assert_uint_eq(f.last[ANA].accept.again, 1);
-    submit(&f, BOB, job_a, 0); /* somebody else's */
+    submit(BOB, job_a, 0); /* somebody else's */
     ck_assert_int_eq(f.last[BOB].type, MSG_FAILED);
     ck_assert_int_eq(f.last[BOB].failed.status, EX_NOPERM);
 }
@@ -424,16 +424,16 @@ START_TEST(only_owner_and_admin_steer_a_job)
 {
     static const uint16_t types[] = { MSG_PAUSE, MSG_RESUME, MSG_CANCEL };
 
-    submit(&f, ANA, job_a, 0);
+    submit(ANA, job_a, 0);
     for (int i = 0; i < N_ELEM(types); i++) {
-        about(&f, BOB, types[i], job_a);
+        about(BOB, types[i], job_a);
         ck_assert_int_eq(f.last[BOB].failed.status, EX_NOPERM);
     }
-    about(&f, ADMIN, MSG_PAUSE, job_a);
+    about(ADMIN, MSG_PAUSE, job_a);
     ck_assert_int_eq(f.last[ADMIN].type, MSG_ANSWER);
-    about(&f, ADMIN, MSG_CANCEL, job_b);
+    about(ADMIN, MSG_CANCEL, job_b);
     ck_assert_int_eq(f.last[ADMIN].failed.status, EX_NOINPUT);
-    about(&f, ADMIN, MSG_CANCEL, job_a);
+    about(ADMIN, MSG_CANCEL, job_a);
     ck_assert_int_eq(f.last[ANA].type, MSG_FAILED);
     ck_assert_str_eq(f.last[ANA].failed.text, "cancelled");
 }
@@ -448,9 +448,9 @@ START_TEST(files_of_jobs_are_needed)
     ck_assert_ptr_nonnull(list);
     ck_assert_uint_eq(n, 0);
     free(list);
-    submit(&f, ANA, job_a, 0);
-    submit(&f, BOB, job_b, 0);
-    about(&f, ANA, MSG_CANCEL, job_a);
+    submit(ANA, job_a, 0);
+    submit(BOB, job_b, 0);
+    about(ANA, MSG_CANCEL, job_a);
     list = coord_files(f.c, &n);
     ck_assert_ptr_nonnull(list);
     ck_assert_uint_eq(n, 2); /* the same of both */
@@ -467,10 +467,10 @@ START_TEST(statistics_in_pieces_are_those_at_once)
     char *whole, *text;
     int rc, pieces = 0;
 
-    submit(&f, ANA, job_a, 0);
-    ready(&f, WORKER, job_a);
+    submit(ANA, job_a, 0);
+    ready(WORKER, job_a);
     for (uint32_t unit = 0; unit < 3; unit++)
-        result(&f, WORKER, job_a, unit, 1);
+        result(WORKER, job_a, unit, 1);
     job = desk_find_job(f.c, job_a);
     whole = stats_json(job, f.now_ms);
     t = stats_begin(job, f.now_ms);
@@ -492,17 +492,17 @@ START_TEST(frames_are_fetched_when_they_are_there)
                      .request = 6,
                      .fetch = { job_a, 0, 0 } };
 
-    submit(&f, ANA, job_a, 0);
-    say(&f, ANA, &m);
+    submit(ANA, job_a, 0);
+    say(ANA, &m);
     ck_assert_int_eq(f.last[ANA].failed.status, EX_TEMPFAIL);
     m.fetch.frame = 1;
-    say(&f, ANA, &m);
+    say(ANA, &m);
     ck_assert_int_eq(f.last[ANA].failed.status, EX_USAGE);
     m.fetch = (struct msg_fetch){ job_a, 0, MSG_WHAT_DEPTH };
-    say(&f, ANA, &m);
+    say(ANA, &m);
     ck_assert_int_eq(f.last[ANA].failed.status, EX_USAGE);
     m.fetch.what = MSG_WHAT_STATS;
-    say(&f, ANA, &m);
+    say(ANA, &m);
     ck_assert_int_eq(f.last[ANA].type, MSG_CHUNK);
 }
 END_TEST
@@ -515,18 +515,18 @@ START_TEST(an_observer_sees_all_and_changes_nothing)
                      .fetch = { job_a, 0, MSG_WHAT_STATS } };
     unsigned before;
 
-    submit(&f, ANA, job_a, 0);
-    join(&f, STRANGER, MSG_ROLE_OBSERVER, "", "observer:page");
+    submit(ANA, job_a, 0);
+    join(STRANGER, MSG_ROLE_OBSERVER, "", "observer:page");
     ck_assert_int_eq(f.last[STRANGER].type, MSG_WELCOME);
-    say(&f, STRANGER, &m);
+    say(STRANGER, &m);
     ck_assert_int_eq(f.last[STRANGER].type, MSG_CHUNK);
     m = (struct msg){ .type = MSG_QUERY, .query = { MSG_QUERY_LIMITS, "ana" } };
-    say(&f, STRANGER, &m);
+    say(STRANGER, &m);
     ck_assert_int_eq(f.last[STRANGER].type, MSG_ANSWER);
     before = f.sent[STRANGER];
     for (int i = 0; i < N_ELEM(orders); i++) {
         m = (struct msg){ .type = orders[i], .cancel = { job_a } };
-        say(&f, STRANGER, &m);
+        say(STRANGER, &m);
         ck_assert_uint_eq(f.sent[STRANGER], before);
         ck_assert(!job_over(desk_find_job(f.c, job_a)));
         ck_assert_int_ne(desk_find_job(f.c, job_a)->state, JOB_PAUSED);
@@ -539,15 +539,15 @@ START_TEST(a_disk_that_is_full_by_turns_is_told_now_and_then)
 {
     for (int i = 0; i < 60; i++) {
         coord_fullness(f.c, f.now_ms, i % 2 == 0, "cannot write 'x'");
-        wait_s(&f, 1);
+        wait_s(1);
     }
     ck_assert_int_eq(f.full_logs, 1);
     ck_assert_int_eq(f.room_logs, 1);
     coord_fullness(f.c, f.now_ms, true, "cannot write 'x'");
-    wait_s(&f, 70); /* and stays full */
+    wait_s(70); /* and stays full */
     ck_assert_int_eq(f.full_logs, 2);
     coord_fullness(f.c, f.now_ms, false, "");
-    wait_s(&f, 1);
+    wait_s(1);
     ck_assert_int_eq(f.room_logs, 2);
 }
 END_TEST
@@ -555,18 +555,18 @@ END_TEST
 START_TEST(a_full_disk_holds_jobs)
 {
     f.have = false;
-    submit(&f, ANA, job_a, 0);
+    submit(ANA, job_a, 0);
     coord_fullness(f.c, f.now_ms, true, "cannot write 'x'");
-    wait_s(&f, 1);
+    wait_s(1);
     ck_assert_uint_eq(f.progress.state, MSG_STATE_HELD);
     f.have = true;
     coord_file_stored(f.c, f.now_ms, ANA, hash);
-    carry_out(&f);
+    carry_out();
     ck_assert_int_ne(f.last[WORKER].type, MSG_JOB_START);
     coord_fullness(f.c, f.now_ms, false, "");
-    carry_out(&f);
+    carry_out();
     ck_assert_int_eq(f.last[WORKER].type, MSG_JOB_START);
-    wait_s(&f, 1);
+    wait_s(1);
     ck_assert_uint_ne(f.progress.state, MSG_STATE_HELD);
 }
 END_TEST
@@ -581,12 +581,12 @@ START_TEST(queries_are_answered_in_json)
               { MSG_QUERY_JOBS, "", "[" },
               { MSG_QUERY_JOB, "aa", "{" } };
 
-    submit(&f, ANA, job_a, 0);
+    submit(ANA, job_a, 0);
     for (int i = 0; i < N_ELEM(q); i++) {
         struct msg m = { .type = MSG_QUERY, .query = { q[i].what, q[i].text } };
         json_t *root;
 
-        say(&f, BOB, &m);
+        say(BOB, &m);
         ck_assert_int_eq(f.last[BOB].type, MSG_ANSWER);
         ck_assert_int_eq(f.last[BOB].answer.text[0], q[i].begins[0]);
         root = json_loadb((const char *)f.last[BOB].answer.text,
@@ -607,17 +607,17 @@ START_TEST(a_job_whose_text_is_cut_is_told_of)
     struct msg m = { .type = MSG_FAILED,
                      .failed = { job_a, EX_DATAERR, text } };
 
-    submit(&f, ANA, job_a, 0);
-    ready(&f, WORKER, job_a);
+    submit(ANA, job_a, 0);
+    ready(WORKER, job_a);
     coord_fullness(f.c, f.now_ms, true, "/var/caf\xe9");
-    carry_out(&f);
-    say(&f, BOB, &query);
+    carry_out();
+    say(BOB, &query);
     ck_assert_int_eq(f.last[BOB].type, MSG_ANSWER);
     memset(text, 'x', sizeof text);
     memcpy(text + 399, "\xc3\xa4", 3);
-    say(&f, WORKER, &m);
+    say(WORKER, &m);
     memset(&f.last[BOB], 0, sizeof f.last[BOB]);
-    say(&f, BOB, &query);
+    say(BOB, &query);
     ck_assert_int_eq(f.last[BOB].type, MSG_ANSWER);
 }
 END_TEST
@@ -643,10 +643,10 @@ START_TEST(how_far_a_job_is_goes_by_rows_where_units_are_large)
     struct msg ask = { .type = MSG_QUERY, .query = { MSG_QUERY_JOB, "aa" } };
     json_t *root;
 
-    submit_with(&f, ANA, job_a, 0, 1, 0);
-    ready(&f, WORKER, job_a);
-    say(&f, WORKER, &part);
-    say(&f, BOB, &ask);
+    submit_with(ANA, job_a, 0, 1, 0);
+    ready(WORKER, job_a);
+    say(WORKER, &part);
+    say(BOB, &ask);
     root = json_loadb((const char *)f.last[BOB].answer.text,
                       f.last[BOB].answer.len, 0, NULL);
     ck_assert_double_eq(json_number_value(json_object_get(root, "done")), .5);

@@ -8,10 +8,10 @@
 static void
 whole_job(const uint8_t *job)
 {
-    submit(&f, ANA, job, 0);
-    ready(&f, WORKER, job);
+    submit(ANA, job, 0);
+    ready(WORKER, job);
     for (uint32_t u = 0; u < 4; u++)
-        result(&f, WORKER, job, u, 1);
+        result(WORKER, job, u, 1);
 }
 
 /* By number, by age, and by size, but not before its user can have it. */
@@ -27,11 +27,11 @@ START_TEST(jobs_that_are_over_are_kept_for_a_while)
     coord_job_filed(f.c, f.now_ms, job_a, job_number(job_a), 900, 0);
     whole_job(job_b);
     coord_job_filed(f.c, f.now_ms, job_b, job_number(job_b), 900, 0);
-    carry_out(&f);
+    carry_out();
     if (until_s[_i] > 0) {
-        wait_s(&f, until_s[_i] / 2);
+        wait_s(until_s[_i] / 2);
         ck_assert_ptr_nonnull(desk_find_job(f.c, job_a));
-        wait_s(&f, until_s[_i]);
+        wait_s(until_s[_i]);
         coord_job_filed(f.c, f.now_ms, job_b, job_number(job_b), 900, 0);
     }
     ck_assert_ptr_null(desk_find_job(f.c, job_a));
@@ -53,10 +53,10 @@ START_TEST(large_jobs_that_are_over_count_as_several)
         m.submit.frames = &picture;
         m.submit.partition = MSG_PART_WINDOW;
         m.submit.windows = 8000; /* as 2000 frames: six jobs */
-        say(&f, ANA, &m);
+        say(ANA, &m);
         ck_assert_int_eq(f.last[ANA].type, MSG_ACCEPT);
-        about(&f, ANA, MSG_CANCEL, job);
-        wait_s(&f, 2);
+        about(ANA, MSG_CANCEL, job);
+        wait_s(2);
         ck_assert_ptr_nonnull(desk_find_job(f.c, job));
     }
     ck_assert_ptr_null(desk_find_job(f.c, job_a));
@@ -75,7 +75,7 @@ START_TEST(what_was_not_fetched_is_kept)
     coord_set_keep(f.c, &keep);
     whole_job(job_a);
     whole_job(job_b);
-    carry_out(&f);
+    carry_out();
     /* not the owner */
     coord_fetched(f.c, f.now_ms, BOB, job_b, 0, MSG_WHAT_PICTURE);
     /* on the socket, whose user the owner is, but to look only */
@@ -85,20 +85,20 @@ START_TEST(what_was_not_fetched_is_kept)
     coord_fetched(f.c, f.now_ms, ANA, job_b, 0, MSG_WHAT_PICTURE);
     ana->session = was;
     coord_fetched(f.c, f.now_ms, ANA, job_a, 0, MSG_WHAT_PICTURE);
-    wait_s(&f, 30);
+    wait_s(30);
     ck_assert_ptr_nonnull(desk_find_job(f.c, job_a));
-    wait_s(&f, 40);
+    wait_s(40);
     ck_assert_ptr_null(desk_find_job(f.c, job_a));
     ck_assert_ptr_nonnull(desk_find_job(f.c, job_b));
     msg_job_format(job_a, hex);
     ck_assert(coord_find_gone(f.c, hex)->fetched);
-    wait_s(&f, 40);
+    wait_s(40);
     ck_assert_ptr_null(desk_find_job(f.c, job_b));
-    about(&f, ANA, MSG_CANCEL, job_b);
+    about(ANA, MSG_CANCEL, job_b);
     ck_assert_int_eq(f.last[ANA].failed.status, EX_NOINPUT);
     ck_assert_ptr_nonnull(
         strstr(f.last[ANA].failed.text, "forgotten for keep_jobs on "));
-    about(&f, BOB, MSG_CANCEL, job_b);
+    about(BOB, MSG_CANCEL, job_b);
     ck_assert_str_eq(f.last[BOB].failed.text, "no such job");
 }
 END_TEST
@@ -141,11 +141,11 @@ START_TEST(the_file_that_its_owner_waits_for_is_fetched)
     tear_down();
     set_up_coord(true);
     coord_set_keep(f.c, &keep);
-    submit_with(&f, ANA, job_a, 0, 4, main_file[_i].flags);
-    ready(&f, WORKER, job_a);
+    submit_with(ANA, job_a, 0, 4, main_file[_i].flags);
+    ready(WORKER, job_a);
     for (; m.result.unit < 4; m.result.unit++)
-        say(&f, WORKER, &m);
-    carry_out(&f);
+        say(WORKER, &m);
+    carry_out();
     job = desk_find_job(f.c, job_a);
     ck_assert(desk_unfetched(f.c, job));
     coord_fetched(f.c, f.now_ms, ANA, job_a, 0, MSG_WHAT_STATS);
@@ -156,7 +156,7 @@ START_TEST(the_file_that_its_owner_waits_for_is_fetched)
     ck_assert(!desk_unfetched(f.c, job));
     coord_fetched(f.c, f.now_ms, ANA, job_a, 0, main_file[_i].main);
     ck_assert_uint_eq(fetched_actions(), 1);
-    carry_out(&f);
+    carry_out();
 }
 END_TEST
 
@@ -170,16 +170,16 @@ START_TEST(few_of_those_just_fetched_are_kept)
     for (int i = 0; i < 90; i++) {
         id[0] = (uint8_t)i;
         whole_job(id);
-        carry_out(&f);
+        carry_out();
         coord_fetched(f.c, f.now_ms, ANA, id, 0, MSG_WHAT_PICTURE);
     }
-    wait_s(&f, 2);
+    wait_s(2);
     ck_assert_uint_eq(f.c->njobs, 64);
     id[0] = 0; /* the first was fetched first */
     ck_assert_ptr_null(desk_find_job(f.c, id));
     id[0] = 89;
     ck_assert_ptr_nonnull(desk_find_job(f.c, id));
-    wait_s(&f, 61);
+    wait_s(61);
     ck_assert_uint_eq(f.c->njobs, 10);
 }
 END_TEST
@@ -200,9 +200,9 @@ START_TEST(of_a_job_that_is_filed_its_end_is_kept)
     job = desk_find_job(f.c, job_a);
     progress_tell(job, f.now_ms, &before.progress);
     coord_job_filed(f.c, f.now_ms, job_a, job_number(job_a), 900, 0);
-    wait_s(&f, 1); /* a worker may tell something yet */
+    wait_s(1); /* a worker may tell something yet */
     ck_assert_ptr_nonnull(job->units);
-    wait_s(&f, 2);
+    wait_s(2);
     ck_assert_int_eq(job->stage, STAGE_FILED);
     ck_assert_ptr_null(job->units);
     ck_assert_ptr_null(job->partition);
@@ -220,13 +220,13 @@ START_TEST(of_a_job_that_is_filed_its_end_is_kept)
     coord_message(f.c, f.now_ms, ANA, &fetch);
     ck_assert_int_eq(coord_actions(f.c)->v[0].type, ACT_SEND_PICTURE);
     ck_assert_int_eq(coord_actions(f.c)->v[0].what, MSG_WHAT_STATS);
-    carry_out(&f);
-    ready(&f, WORKER, job_a); /* it is told that the job is over */
+    carry_out();
+    ready(WORKER, job_a); /* it is told that the job is over */
     ck_assert_int_eq(f.last[WORKER].type, MSG_JOB_END);
     fetch.fetch.what = MSG_WHAT_PICTURE;
     coord_message(f.c, f.now_ms, ANA, &fetch);
     ck_assert_int_eq(coord_actions(f.c)->v[0].type, ACT_SEND_PICTURE);
-    carry_out(&f);
+    carry_out();
 }
 END_TEST
 

@@ -6,11 +6,11 @@
 
 START_TEST(a_paused_job_gets_no_units)
 {
-    submit(&f, ANA, job_a, 0);
-    about(&f, ANA, MSG_PAUSE, job_a);
-    ready(&f, WORKER, job_a);
+    submit(ANA, job_a, 0);
+    about(ANA, MSG_PAUSE, job_a);
+    ready(WORKER, job_a);
     ck_assert_uint_eq(f.units[WORKER], 0);
-    about(&f, ANA, MSG_RESUME, job_a);
+    about(ANA, MSG_RESUME, job_a);
     ck_assert_uint_eq(f.units[WORKER], 2);
 }
 END_TEST
@@ -19,11 +19,11 @@ START_TEST(a_drained_worker_gets_nothing_new)
 {
     struct msg m = { .type = MSG_DRAIN, .drain = { "ws1" } };
 
-    say(&f, ADMIN, &m);
-    submit(&f, ANA, job_a, 0);
+    say(ADMIN, &m);
+    submit(ANA, job_a, 0);
     ck_assert_int_eq(f.last[WORKER].type, MSG_WELCOME);
     m.type = MSG_UNDRAIN;
-    say(&f, ADMIN, &m);
+    say(ADMIN, &m);
     ck_assert_int_eq(f.last[WORKER].type, MSG_JOB_START);
 }
 END_TEST
@@ -32,12 +32,12 @@ START_TEST(a_worker_that_leaves_is_let_go_when_it_is_empty)
 {
     struct msg m = { .type = MSG_DRAIN, .drain = { "ws1" } };
 
-    submit(&f, ANA, job_a, 0);
-    ready(&f, WORKER, job_a);
-    say(&f, WORKER, &m);
+    submit(ANA, job_a, 0);
+    ready(WORKER, job_a);
+    say(WORKER, &m);
     for (uint32_t u = 0; u < 2; u++) {
         ck_assert(!f.closed[WORKER]);
-        result(&f, WORKER, job_a, u, 1);
+        result(WORKER, job_a, u, 1);
     }
     ck_assert_int_eq(f.last[WORKER].type, MSG_BYE);
     ck_assert(f.closed[WORKER]);
@@ -47,28 +47,28 @@ END_TEST
 
 START_TEST(higher_priority_goes_first)
 {
-    submit(&f, ANA, job_a, 0);
-    ready(&f, WORKER, job_a);
-    submit(&f, BOB, job_b, 1);
-    ready(&f, WORKER, job_b);
-    result(&f, WORKER, job_a, 0, 1);
+    submit(ANA, job_a, 0);
+    ready(WORKER, job_a);
+    submit(BOB, job_b, 1);
+    ready(WORKER, job_b);
+    result(WORKER, job_a, 0, 1);
     ck_assert_uint_eq(f.unit_job, 0xbb);
 }
 END_TEST
 
 START_TEST(owners_share_the_workers)
 {
-    submit(&f, ANA, job_a, 0);
-    submit(&f, BOB, job_b, 0);
-    join(&f, SECOND, MSG_ROLE_WORKER, "ws2", "daemon");
-    ready(&f, WORKER, job_a);
+    submit(ANA, job_a, 0);
+    submit(BOB, job_b, 0);
+    join(SECOND, MSG_ROLE_WORKER, "ws2", "daemon");
+    ready(WORKER, job_a);
     ck_assert_uint_eq(f.unit_job, 0xaa);
-    ready(&f, WORKER, job_b);
-    ready(&f, SECOND, job_a);
-    ready(&f, SECOND, job_b);
+    ready(WORKER, job_b);
+    ready(SECOND, job_a);
+    ready(SECOND, job_b);
     ck_assert_uint_eq(f.unit_job, 0xaa); /* while it loads bob's */
     ck_assert_int_eq(f.last[SECOND].type, MSG_UNIT);
-    result(&f, SECOND, job_a, f.last[SECOND].unit.unit, 1);
+    result(SECOND, job_a, f.last[SECOND].unit.unit, 1);
     /* ana's is older, but she has more threads at work */
     ck_assert_uint_eq(f.unit_job, 0xbb);
 }
@@ -76,13 +76,13 @@ END_TEST
 
 START_TEST(priority_goes_before_fairness)
 {
-    submit(&f, ANA, job_a, 1);
-    submit(&f, BOB, job_b, 0);
-    join(&f, SECOND, MSG_ROLE_WORKER, "ws2", "daemon");
-    ready(&f, WORKER, job_a);
-    ready(&f, WORKER, job_b);
-    ready(&f, SECOND, job_a);
-    ready(&f, SECOND, job_b);
+    submit(ANA, job_a, 1);
+    submit(BOB, job_b, 0);
+    join(SECOND, MSG_ROLE_WORKER, "ws2", "daemon");
+    ready(WORKER, job_a);
+    ready(WORKER, job_b);
+    ready(SECOND, job_a);
+    ready(SECOND, job_b);
     ck_assert_uint_eq(f.unit_job, 0xaa);
 }
 END_TEST
@@ -93,10 +93,10 @@ two_arithmetics(uint32_t flags)
 {
     struct msg other = { .type = MSG_READY, .ready = { job_a, .1, 8, 2, 0 } };
 
-    submit_with(&f, ANA, job_a, 0, 4, flags);
-    join(&f, SECOND, MSG_ROLE_WORKER, "ws2", "daemon");
-    ready(&f, WORKER, job_a);
-    say(&f, SECOND, &other);
+    submit_with(ANA, job_a, 0, 4, flags);
+    join(SECOND, MSG_ROLE_WORKER, "ws2", "daemon");
+    ready(WORKER, job_a);
+    say(SECOND, &other);
 }
 
 START_TEST(same_bits_takes_workers_of_one_arithmetic)
@@ -106,10 +106,10 @@ START_TEST(same_bits_takes_workers_of_one_arithmetic)
     ck_assert_uint_eq(f.units[SECOND], 0);
     ck_assert_int_eq(f.exclude_logs, 1);
     /* nor is it asked again, and one that is the same takes part */
-    join(&f, 6, MSG_ROLE_WORKER, "ws3", "daemon");
-    ready(&f, 6, job_a);
+    join(6, MSG_ROLE_WORKER, "ws3", "daemon");
+    ready(6, job_a);
     ck_assert_uint_gt(f.units[6], 0);
-    wait_s(&f, 10);
+    wait_s(10);
     ck_assert_uint_eq(f.units[SECOND], 0);
 }
 END_TEST
@@ -139,12 +139,12 @@ START_TEST(a_job_that_no_arithmetic_is_left_for_says_so)
     two_arithmetics(MSG_JOB_SAME_BITS);
     ck_assert_str_eq(text_of_job(), "");
     coord_closed(f.c, f.now_ms, WORKER, "cut");
-    carry_out(&f);
+    carry_out();
     ck_assert_str_eq(
         text_of_job(),
         "--same-bits: no worker here has the arithmetic of the first, ws1");
-    join(&f, 6, MSG_ROLE_WORKER, "ws3", "daemon");
-    ready(&f, 6, job_a);
+    join(6, MSG_ROLE_WORKER, "ws3", "daemon");
+    ready(6, job_a);
     ck_assert_str_eq(text_of_job(), "");
 }
 END_TEST

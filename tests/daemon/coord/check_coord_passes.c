@@ -10,7 +10,7 @@
 START_TEST(units_come_when_all_passes_are_closed)
 {
     submit_passes(ANA, &wide, 1);
-    ready(&f, WORKER, job_a);
+    ready(WORKER, job_a);
     ck_assert(has_tile(WORKER));
     for (uint32_t pass = 0; pass < PASSES; pass++) {
         ck_assert_uint_eq(f.units[WORKER], 0);
@@ -28,7 +28,7 @@ START_TEST(a_pass_that_is_closed_goes_to_all)
     struct msg_frozen *z = &f.last[SECOND].frozen;
 
     submit_passes(ANA, &wide, 1);
-    ready(&f, WORKER, job_a);
+    ready(WORKER, job_a);
     ck_assert_uint_eq(tiles_of(0), 2);
     records[0] = 2;
     made(WORKER, 0, 1, 3);
@@ -36,9 +36,9 @@ START_TEST(a_pass_that_is_closed_goes_to_all)
     made(WORKER, 0, 0, 1);
     ck_assert_uint_eq(state().open, 1);
     ck_assert(has_tile(WORKER)); /* of the next */
-    join(&f, SECOND, MSG_ROLE_WORKER, "ws2", "daemon");
+    join(SECOND, MSG_ROLE_WORKER, "ws2", "daemon");
     desk_find_job(f.c, job_a)->state = JOB_PAUSED; /* no tile hides it */
-    ready(&f, SECOND, job_a);
+    ready(SECOND, job_a);
     ck_assert_int_eq(f.last[SECOND].type, MSG_FROZEN);
     ck_assert(z->pass == 0 && z->first == 0 && z->last && z->count == 4);
     ck_assert_uint_eq(z->data[0], 1);
@@ -64,8 +64,8 @@ START_TEST(what_fits_no_tile_ends_the_connection)
                                     .len = wrong[_i].len } };
 
     submit_passes(ANA, &wide, 1);
-    ready(&f, WORKER, job_a);
-    say(&f, WORKER, &m);
+    ready(WORKER, job_a);
+    say(WORKER, &m);
     ck_assert(f.closed[WORKER]);
 }
 END_TEST
@@ -73,12 +73,12 @@ END_TEST
 START_TEST(tiles_of_a_lost_worker_go_to_another)
 {
     submit_passes(ANA, &wide, 1);
-    ready(&f, WORKER, job_a);
-    join(&f, SECOND, MSG_ROLE_WORKER, "ws2", "daemon");
-    ready(&f, SECOND, job_a);
+    ready(WORKER, job_a);
+    join(SECOND, MSG_ROLE_WORKER, "ws2", "daemon");
+    ready(SECOND, job_a);
     ck_assert(has_tile(WORKER) && !has_tile(SECOND)); /* it has both */
     coord_closed(f.c, ++f.now_ms, WORKER, "gone");
-    carry_out(&f);
+    carry_out();
     ck_assert(has_tile(SECOND));
     make_pass(SECOND, 0);
     ck_assert_uint_eq(state().open, 1);
@@ -92,11 +92,11 @@ START_TEST(a_late_tile_goes_to_a_second_worker)
 
     tile_rays = 10;
     submit_passes(ANA, &wide, 1);
-    ready(&f, WORKER, job_a);
-    join(&f, SECOND, MSG_ROLE_WORKER, "ws2", "daemon");
-    ready(&f, SECOND, job_a);
+    ready(WORKER, job_a);
+    join(SECOND, MSG_ROLE_WORKER, "ws2", "daemon");
+    ready(SECOND, job_a);
     ck_assert(!has_tile(SECOND));
-    wait_s(&f, 1);
+    wait_s(1);
     ck_assert(has_tile(SECOND));
     make_pass(SECOND, 0);
     made(WORKER, 0, 0, 1);
@@ -111,17 +111,17 @@ END_TEST
 /* A tick that comes a little early, behind one that came late, counts. */
 START_TEST(a_late_tile_is_seen_at_the_next_tick)
 {
-    wait_s(&f, 1);
+    wait_s(1);
     f.now_ms += 60;
     submit_passes(ANA, &wide, 1);
-    ready(&f, WORKER, job_a);
-    join(&f, SECOND, MSG_ROLE_WORKER, "ws2", "daemon");
-    ready(&f, SECOND, job_a);
+    ready(WORKER, job_a);
+    join(SECOND, MSG_ROLE_WORKER, "ws2", "daemon");
+    ready(SECOND, job_a);
     for (uint64_t ms = 50; ms < 100; ms += 49) {
         ck_assert(!has_tile(SECOND));
         f.now_ms += ms;
         coord_tick(f.c, f.now_ms);
-        carry_out(&f);
+        carry_out();
     }
     ck_assert(has_tile(SECOND));
 }
@@ -134,7 +134,7 @@ START_TEST(near_the_end_of_a_pass_no_tile_stands_ahead)
     uint32_t tiles = tiles_of(LAST), out;
 
     submit_passes(ANA, &wide, 1);
-    ready(&f, WORKER, job_a);
+    ready(WORKER, job_a);
     for (uint32_t pass = 0; pass < LAST; pass++)
         make_pass(WORKER, pass);
     ck_assert_uint_gt(tiles, 12);
@@ -156,25 +156,25 @@ START_TEST(the_oldest_tile_is_late_first)
     struct job *job;
 
     submit_passes(ANA, &wide, 1);
-    ready(&f, WORKER, job_a);
+    ready(WORKER, job_a);
     for (uint32_t pass = 0; pass < LAST; pass++)
         make_pass(WORKER, pass);
     ck_assert_uint_gt(tiles_of(LAST), 6);
-    join(&f, SECOND, MSG_ROLE_WORKER, "ws2", "daemon");
-    ready(&f, SECOND, job_a);
+    join(SECOND, MSG_ROLE_WORKER, "ws2", "daemon");
+    ready(SECOND, job_a);
     for (uint32_t i = 3; i < tiles_of(LAST);
          i++) /* WORKER has the first three */
         made(SECOND, LAST, i, 0);
-    wait_s(&f, 1);
+    wait_s(1);
     ck_assert_uint_eq(f.last[SECOND].tile.tile, 1); /* it has 0 and 1 */
     job = desk_find_job(f.c, job_a);
     made(SECOND, LAST, 0, 0);
     ck_assert_uint_gt(tiles_out(&job->workers[0]), 0);
     coord_closed(f.c, ++f.now_ms, WORKER, "gone");
-    carry_out(&f);
+    carry_out();
     ck_assert_uint_eq(tiles_out(&job->workers[0]), 0);
-    join(&f, WORKER, MSG_ROLE_WORKER, "ws1", "daemon");
-    ready(&f, WORKER, job_a);
+    join(WORKER, MSG_ROLE_WORKER, "ws1", "daemon");
+    ready(WORKER, job_a);
     made(WORKER, LAST, 0, 0);
     ck_assert_uint_le(tiles_out(&job->workers[0]), 3);
 }
@@ -192,7 +192,7 @@ made_shown(uint64_t conn, uint32_t pass, uint32_t tile, uint32_t n)
                                     .colours = rgbe,
                                     .colours_len = 4 * (size_t)n } };
 
-    say(&f, conn, &m);
+    say(conn, &m);
     hold(true);
 }
 
@@ -204,7 +204,7 @@ fetch_preview(uint64_t conn)
                      .fetch = { job_a, 0, MSG_WHAT_PREVIEW } };
 
     f.last[conn].type = MSG_DONE;
-    say(&f, conn, &m);
+    say(conn, &m);
 }
 
 /* From the first look on tiles tell their colours, and there is a preview as
@@ -212,7 +212,7 @@ fetch_preview(uint64_t conn)
 START_TEST(tiles_tell_their_colours_to_who_watches)
 {
     submit_passes(ANA, &wide, 1);
-    ready(&f, WORKER, job_a);
+    ready(WORKER, job_a);
     ck_assert(has_tile(WORKER) && !f.last[WORKER].tile.colours);
     made_shown(WORKER, 0, 0, 0);
     fetch_preview(ANA);
@@ -253,7 +253,7 @@ START_TEST(tiles_count_as_progress)
 
     submit_passes(ANA, &wide, 1);
     ck_assert_double_eq(share_done(), 0);
-    ready(&f, WORKER, job_a);
+    ready(WORKER, job_a);
     for (uint32_t pass = 0; pass < PASSES; pass++)
         for (uint32_t i = 0; i < tiles_of(pass); i++) {
             made(WORKER, pass, i, 1);
@@ -273,7 +273,7 @@ END_TEST
 START_TEST(colours_that_nobody_wants_are_dropped)
 {
     submit_passes(ANA, &wide, 1);
-    ready(&f, WORKER, job_a);
+    ready(WORKER, job_a);
     made_shown(WORKER, 0, 1, 3 * 4);
     ck_assert_uint_eq(f.ncolours, 0);
     ck_assert(!f.closed[WORKER]);
@@ -288,7 +288,7 @@ START_TEST(colours_that_fit_no_tile_end_the_connection)
 {
     submit_passes(ANA, &wide, 1);
     fetch_preview(ANA);
-    ready(&f, WORKER, job_a);
+    ready(WORKER, job_a);
     for (uint32_t pass = 0; pass < unfit[_i].pass; pass++)
         make_pass(WORKER, pass);
     made_shown(WORKER, unfit[_i].pass, 1, unfit[_i].n);
@@ -402,8 +402,8 @@ START_TEST(a_tile_that_brings_children_down_fails_the_job)
 
     submit_passes(ANA, &wide, 1);
     for (; times < 10 && f.last[ANA].type != MSG_FAILED; times++) {
-        ready(&f, WORKER, job_a);
-        say(&f, WORKER, &lost);
+        ready(WORKER, job_a);
+        say(WORKER, &lost);
     }
     ck_assert_int_eq(times, JOB_MAX_CRASHES);
     ck_assert_ptr_nonnull(strstr(f.last[ANA].failed.text,
@@ -418,9 +418,9 @@ START_TEST(a_worker_that_is_ahead_begins_anew)
     struct msg m = { .type = MSG_READY, .ready = { job_a, .1, 7, 2, 3 } };
 
     submit_passes(ANA, &wide, 1);
-    say(&f, WORKER, &m);
+    say(WORKER, &m);
     ck_assert_int_eq(f.last[WORKER].type, MSG_JOB_START);
-    ready(&f, WORKER, job_a);
+    ready(WORKER, job_a);
     ck_assert(has_tile(WORKER));
 }
 END_TEST
@@ -434,7 +434,7 @@ START_TEST(more_tiles_than_there_may_be_are_refused)
     for (uint32_t i = 0; i < FRAMES; i++)
         huge[i] = (struct msg_frame){ i, 65520, 1000, "" };
     submit_passes(ANA, huge, FRAMES);
-    ready(&f, WORKER, job_a);
+    ready(WORKER, job_a);
     ck_assert_int_eq(f.last[ANA].type, MSG_FAILED);
     ck_assert_msg(f.last[ANA].failed.status == EX_DATAERR, "%s",
                   f.last[ANA].failed.text);

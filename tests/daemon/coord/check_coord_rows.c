@@ -12,12 +12,12 @@ START_TEST(pixels_that_are_no_numbers_are_told_once_with_the_first)
         .result = { job_a, 0, 1, 0, 4, 4, 1, 1, { 0 }, pixels, 4 * 4 * 4 }
     };
 
-    submit(&f, ANA, job_a, 0);
-    ready(&f, WORKER, job_a);
+    submit(ANA, job_a, 0);
+    ready(WORKER, job_a);
     for (int i = 0; i < 4; i++) {
         m.result.unit = order[i];
         m.result.counts.nan = (struct msg_nan){ order[i], 0, 5, 9 - order[i] };
-        say(&f, WORKER, &m);
+        say(WORKER, &m);
     }
     ck_assert_int_eq(f.last[ANA].type, MSG_DONE);
     ck_assert_str_eq(f.nan_log, "1 pixels=6 frame=0 x=5 y=6");
@@ -43,7 +43,7 @@ START_TEST(rows_come_coded_unless_distances_do)
     m.submit.estimate = "uniform";
     m.submit.flags = codings[_i].flags;
     m.submit.partition = codings[_i].partition;
-    say(&f, ANA, &m);
+    say(ANA, &m);
     ck_assert_int_eq(f.last[WORKER].type, MSG_JOB_START);
     ck_assert_uint_eq(f.last[WORKER].job_start.flags, codings[_i].started);
 }
@@ -77,13 +77,13 @@ START_TEST(coded_rows_that_are_none_end_the_connection)
     m.submit.params = "-ps 1";
     m.submit.estimate = "uniform";
     m.submit.partition = MSG_PART_AUTO;
-    say(&f, ANA, &m);
-    ready(&f, WORKER, job_a);
+    say(ANA, &m);
+    ready(WORKER, job_a);
     ck_assert_uint_gt(f.units[WORKER], 0);
     r.result.pixels =
         coded_rows[_i].code ? (const uint8_t *)coded_rows[_i].code : pixels;
     r.result.len = coded_rows[_i].len;
-    say(&f, WORKER, &r);
+    say(WORKER, &r);
     ck_assert(f.closed[WORKER] == !coded_rows[_i].taken);
     ck_assert(!coded_rows[_i].taken || f.last[WORKER].type == MSG_ACK);
 }
@@ -98,13 +98,13 @@ tally(double busy_s, double wait_s, uint64_t rays)
                                 .wait_base_line_s = wait_s,
                                 .rays_under_way = rays } };
 
-    say(&f, WORKER, &m);
+    say(WORKER, &m);
 }
 
 START_TEST(waits_for_the_line_above_are_summed_over_children)
 {
-    submit(&f, ANA, job_a, 0);
-    ready(&f, WORKER, job_a);
+    submit(ANA, job_a, 0);
+    ready(WORKER, job_a);
     tally(8, 2.5, 0);
     ck_assert_double_eq(worker_stat("wait_base_line_s"), 2.5);
     ck_assert_double_eq(worker_stat("busy_s"), 5.5);
@@ -121,7 +121,7 @@ worker_row(void)
     struct msg m = { .type = MSG_QUERY, .query = { MSG_QUERY_WORKERS, "" } };
     json_t *list, *row;
 
-    say(&f, ANA, &m);
+    say(ANA, &m);
     list = json_loadb((const char *)f.last[ANA].answer.text,
                       f.last[ANA].answer.len, 0, NULL);
     row = json_incref(json_array_get(list, 0));
@@ -148,11 +148,11 @@ START_TEST(a_worker_s_row_has_what_open_jobs_have_of_it)
                                 .rays_under_way = 9 } };
     json_t *row;
 
-    submit(&f, ANA, job_a, 0);
-    ready(&f, WORKER, job_a);
-    result(&f, WORKER, job_a, 0, 1); /* of ten rays */
-    say(&f, WORKER, &ping);
-    say(&f, WORKER, &t);
+    submit(ANA, job_a, 0);
+    ready(WORKER, job_a);
+    result(WORKER, job_a, 0, 1); /* of ten rays */
+    say(WORKER, &ping);
+    say(WORKER, &t);
     row = worker_row();
     ck_assert_double_eq(number(row, "load"), 3.25);
     ck_assert_double_eq(number(row, "rays"), 19);
@@ -164,14 +164,14 @@ START_TEST(a_worker_s_row_has_what_open_jobs_have_of_it)
     t.tally.ambient_redundant = 1;
     t.tally.cache_values = 3;
     t.tally.rays_under_way = 0;
-    say(&f, WORKER, &t);
+    say(WORKER, &t);
     row = worker_row();
     ck_assert_double_eq(number(row, "rays"), 10);
     ck_assert_double_eq(number(row, "redundant"), 6);
     ck_assert_double_eq(number(row, "cache"), 3);
     json_decref(row);
     for (uint32_t u = 1; u < 4; u++)
-        result(&f, WORKER, job_a, u, 1);
+        result(WORKER, job_a, u, 1);
     row = worker_row(); /* the job is over */
     ck_assert_double_eq(number(row, "rays"), 0);
     ck_assert_double_eq(number(row, "memory"), 0);
@@ -185,10 +185,10 @@ START_TEST(statistics_tell_what_is_in_hand)
     json_t *root, *list, *one;
     char *text;
 
-    submit(&f, ANA, job_a, 0);
-    ready(&f, WORKER, job_a);
+    submit(ANA, job_a, 0);
+    ready(WORKER, job_a);
     job = desk_find_job(f.c, job_a);
-    result(&f, WORKER, job_a, 0, 1);
+    result(WORKER, job_a, 0, 1);
     f.now_ms += 3000;
     text = stats_json(job, f.now_ms);
     root = json_loads(text, 0, NULL);
@@ -202,7 +202,7 @@ START_TEST(statistics_tell_what_is_in_hand)
     json_decref(root);
     free(text);
     for (uint32_t u = 1; u < 4; u++)
-        result(&f, WORKER, job_a, u, 1);
+        result(WORKER, job_a, u, 1);
     text = stats_json(job, f.now_ms);
     ck_assert_ptr_nonnull(strstr(text, "\"running\": []"));
     free(text);
@@ -211,16 +211,16 @@ END_TEST
 
 START_TEST(rays_under_way_are_told_and_never_fewer)
 {
-    submit(&f, ANA, job_a, 0);
-    ready(&f, WORKER, job_a);
+    submit(ANA, job_a, 0);
+    ready(WORKER, job_a);
     tally(1, 0, 7);
     ck_assert_uint_eq(rays_told(), 7);
     tally(1, 0, 3); /* seven of a unit whose RESULT is on its way */
     ck_assert_uint_eq(rays_told(), 7);
-    result(&f, WORKER, job_a, 0, 1); /* ten, and three under way */
+    result(WORKER, job_a, 0, 1); /* ten, and three under way */
     ck_assert_uint_eq(rays_told(), 13);
     for (uint32_t u = 1; u < 4; u++)
-        result(&f, WORKER, job_a, u, 1);
+        result(WORKER, job_a, u, 1);
     ck_assert_uint_eq(f.progress.rays, 40);
 }
 END_TEST
@@ -236,7 +236,7 @@ share_told(void)
 static void
 tally_pixels(uint64_t pixels_under_way)
 {
-    say(&f, WORKER,
+    say(WORKER,
         &(struct msg){ .type = MSG_TALLY,
                        .tally = { .job = job_a,
                                   .busy_s = 1,
@@ -247,8 +247,8 @@ START_TEST(the_share_that_is_done_tells_of_units_under_way)
 {
     double all;
 
-    submit(&f, ANA, job_a, 0);
-    ready(&f, WORKER, job_a);
+    submit(ANA, job_a, 0);
+    ready(WORKER, job_a);
     ck_assert_double_eq(share_told(), 0);
     all = (double)f.progress.pixels_total;
     tally_pixels(5);
@@ -256,13 +256,13 @@ START_TEST(the_share_that_is_done_tells_of_units_under_way)
     ck_assert_uint_eq(f.progress.pixels_done, 0);
     tally_pixels(2); /* three of a RESULT that is on its way */
     ck_assert_double_eq_tol(share_told(), 5 / all, 1e-9);
-    result(&f, WORKER, job_a, 0, 1); /* a quarter */
+    result(WORKER, job_a, 0, 1); /* a quarter */
     tally_pixels(4);
     ck_assert_double_eq_tol(share_told(), .25 + 4 / all, 1e-9);
     tally_pixels(UINT64_MAX);
     ck_assert_double_eq_tol(share_told(), 1 - 1 / all, 1e-9);
     for (uint32_t u = 1; u < 4; u++)
-        result(&f, WORKER, job_a, u, 1);
+        result(WORKER, job_a, u, 1);
     ck_assert_int_eq(f.last[ANA].type, MSG_DONE);
     ck_assert_double_eq(f.progress.cost_done, f.progress.cost_total);
 }
@@ -286,9 +286,9 @@ late_twin(const uint8_t *bytes)
                                  4 * 4 * 4 } };
 
     two_are_left();
-    wait_s(&f, 61);
-    result(&f, SECOND, job_a, 0, 2);
-    say(&f, WORKER, &m);
+    wait_s(61);
+    result(SECOND, job_a, 0, 2);
+    say(WORKER, &m);
 }
 
 START_TEST(a_duplicate_that_differs_is_an_error)
@@ -311,13 +311,13 @@ END_TEST
 
 START_TEST(a_late_result_of_an_old_attempt_is_dropped)
 {
-    submit(&f, ANA, job_a, 0);
-    ready(&f, WORKER, job_a);
+    submit(ANA, job_a, 0);
+    ready(WORKER, job_a);
     coord_closed(f.c, f.now_ms, WORKER, "cut");
-    join(&f, SECOND, MSG_ROLE_WORKER, "ws2", "daemon");
-    ready(&f, SECOND, job_a); /* has them all again */
-    join(&f, 6, MSG_ROLE_WORKER, "ws1", "daemon");
-    result(&f, 6, job_a, f.last[SECOND].unit.unit, 1);
+    join(SECOND, MSG_ROLE_WORKER, "ws2", "daemon");
+    ready(SECOND, job_a); /* has them all again */
+    join(6, MSG_ROLE_WORKER, "ws1", "daemon");
+    result(6, job_a, f.last[SECOND].unit.unit, 1);
     ck_assert_int_eq(f.last[6].type, MSG_ACK); /* so that it forgets it */
     ck_assert_int_ne(f.last[ANA].type, MSG_DONE);
 }
@@ -325,9 +325,9 @@ END_TEST
 
 START_TEST(a_result_that_fits_no_unit_ends_the_connection)
 {
-    submit(&f, ANA, job_a, 0);
-    ready(&f, WORKER, job_a);
-    result(&f, WORKER, job_a, 4, 1);
+    submit(ANA, job_a, 0);
+    ready(WORKER, job_a);
+    result(WORKER, job_a, 4, 1);
     ck_assert(f.closed[WORKER]);
 }
 END_TEST

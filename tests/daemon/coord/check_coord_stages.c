@@ -17,7 +17,7 @@ submit_goal(uint32_t error_ppm, uint32_t time_ms)
 
     m.submit.error_ppm = error_ppm;
     m.submit.time_ms = time_ms;
-    say(&f, ANA, &m);
+    say(ANA, &m);
 }
 
 static void
@@ -39,7 +39,7 @@ send_sums(uint64_t conn, uint32_t pass, uint32_t tile, double v, size_t cut)
     sums_pack(&w, &sums);
     m.tile_made.data = w.buf;
     m.tile_made.len = w.len - cut;
-    say(&f, conn, &m);
+    say(conn, &m);
     wire_out_release(&w);
     hold(true);
 }
@@ -77,7 +77,7 @@ static const struct {
 START_TEST(sums_that_are_no_numbers_end_the_connection)
 {
     submit_goal(50000, 0);
-    ready(&f, WORKER, job_a);
+    ready(WORKER, job_a);
     for (uint32_t pass = 0; pass < PASSES; pass++)
         make_pass(WORKER, pass);
     ck_assert(checks() && !f.closed[WORKER]);
@@ -92,7 +92,7 @@ START_TEST(what_is_far_off_has_another_stage)
     struct job *job;
 
     submit_goal(50000, 0);
-    ready(&f, WORKER, job_a);
+    ready(WORKER, job_a);
     make_stage(WORKER, 0, 1);
     job = desk_find_job(f.c, job_a);
     ck_assert_int_eq(f.last[WORKER].type, MSG_STAGE);
@@ -107,9 +107,9 @@ START_TEST(what_is_far_off_has_another_stage)
     for (uint32_t i = 1; i < tiles_of(0); i++)
         made(WORKER, PASSES + 1, i, 1);
     job->state = JOB_RUNNING;
-    join(&f, SECOND, MSG_ROLE_WORKER, "ws2", "daemon");
+    join(SECOND, MSG_ROLE_WORKER, "ws2", "daemon");
     job->state = JOB_PAUSED;
-    ready(&f, SECOND, job_a);
+    ready(SECOND, job_a);
     ck_assert_int_eq(f.last[SECOND].type, MSG_FROZEN);
     ck_assert_uint_eq(f.last[SECOND].frozen.pass, PASSES + 1);
     /* tiles of the old one are of no use */
@@ -126,7 +126,7 @@ START_TEST(what_is_good_enough_has_no_other_stage)
     struct job *job;
 
     submit_goal(50000, 0);
-    ready(&f, WORKER, job_a);
+    ready(WORKER, job_a);
     make_stage(WORKER, 0, 1e-6);
     job = desk_find_job(f.c, job_a);
     ck_assert(job->goal.ended && !job->goal.late && job->goal.number == 0);
@@ -139,7 +139,7 @@ START_TEST(what_is_good_enough_has_no_other_stage)
     ck_assert_str_eq(show->params, text);
     ck_assert(!passes_open(job));
     job->state = JOB_RUNNING;
-    wait_s(&f, 1);
+    wait_s(1);
     ck_assert_uint_gt(f.units[WORKER], 0);
 }
 END_TEST
@@ -150,7 +150,7 @@ START_TEST(without_time_there_is_no_other_stage)
     struct job *job;
 
     submit_goal(0, 1000);
-    ready(&f, WORKER, job_a);
+    ready(WORKER, job_a);
     f.now_ms += 5000;
     make_stage(WORKER, 0, 1);
     job = desk_find_job(f.c, job_a);
@@ -164,7 +164,7 @@ START_TEST(what_passes_took_before_a_restart_counts)
     struct job *job;
 
     submit_goal(0, 30000);
-    ready(&f, WORKER, job_a);
+    ready(WORKER, job_a);
     f.now_ms += 100;
     tile_rays = 1000;
     tile_cpu_s = 30;
@@ -187,7 +187,7 @@ START_TEST(a_later_life_takes_up_what_the_clock_chose)
     struct job *job;
 
     submit_goal(0, 30000);
-    ready(&f, WORKER, job_a);
+    ready(WORKER, job_a);
     f.now_ms += 8000; /* the rest is near: no stage comes before it */
     tile_rays = 1000;
     tile_cpu_s = .01;
@@ -220,12 +220,12 @@ START_TEST(by_the_clock_a_child_of_an_earlier_life_begins_anew)
     struct msg m = { .type = MSG_READY, .ready = { job_a, .1, 7, 2, 1 } };
 
     submit_goal(50000, _i ? 60000 : 0);
-    ready(&f, WORKER, job_a);
+    ready(WORKER, job_a);
     make_pass(WORKER, 0);
     make_pass(WORKER, 1);
-    join(&f, SECOND, MSG_ROLE_WORKER, "ws2", "daemon");
+    join(SECOND, MSG_ROLE_WORKER, "ws2", "daemon");
     desk_find_job(f.c, job_a)->state = JOB_PAUSED;
-    say(&f, SECOND, &m);
+    say(SECOND, &m);
     ck_assert_int_eq(f.last[SECOND].type, _i ? MSG_JOB_END : MSG_FROZEN);
 }
 END_TEST

@@ -30,10 +30,10 @@ set_up_long(void)
     m.submit.partition = MSG_PART_WINDOW;
     m.submit.windows = UNITS;
     m.submit.order = MSG_ORDER_FORWARD;
-    say(&f, ANA, &m);
-    ready(&f, WORKER, job_a);
+    say(ANA, &m);
+    ready(WORKER, job_a);
     for (; unit.result.unit < UNITS; unit.result.unit++)
-        say(&f, WORKER, &unit);
+        say(WORKER, &unit);
     ck_assert_int_eq(f.last[ANA].type, MSG_DONE);
 }
 
@@ -44,14 +44,14 @@ ask(uint64_t conn)
                          .request = 6,
                          .fetch = { job_a, 0, MSG_WHAT_STATS } };
 
-    say(&f, conn, &fetch);
+    say(conn, &fetch);
 }
 
 static void
 many_ask(void)
 {
     for (uint64_t i = FIRST; i < FIRST + MANY; i++) {
-        join(&f, i, MSG_ROLE_USER, "", "ana");
+        join(i, MSG_ROLE_USER, "", "ana");
         ask(i);
     }
 }
@@ -61,7 +61,7 @@ tick(void)
 {
     f.now_ms += 100;
     coord_tick(f.c, f.now_ms);
-    carry_out(&f);
+    carry_out();
 }
 
 static unsigned
@@ -230,7 +230,7 @@ START_TEST(the_store_tells_of_a_job_that_was_filed_meanwhile)
         fetched += l->v[i].type == ACT_SEND_PICTURE && l->v[i].conn == ANA &&
                    l->v[i].what == MSG_WHAT_STATS && l->v[i].request == 6;
     ck_assert_uint_eq(fetched, 1);
-    carry_out(&f);
+    carry_out();
 }
 END_TEST
 

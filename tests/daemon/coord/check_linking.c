@@ -28,8 +28,8 @@ come_of_which(uint32_t n, uint32_t dialled)
 
         snprintf(name, sizeof name, "w%u", i);
         coord_opened(f.c, f.now_ms, FIRST + i, &peer);
-        say(&f, FIRST + i, &m);
-        ready(&f, FIRST + i, job_a);
+        say(FIRST + i, &m);
+        ready(FIRST + i, job_a);
     }
 }
 
@@ -47,7 +47,7 @@ begin_job(uint32_t flags)
     m.submit.frames = &large;
     m.submit.partition = MSG_PART_STATIC;
     m.submit.flags = flags;
-    say(&f, ANA, &m);
+    say(ANA, &m);
 }
 
 /* The worker's number in the job. */
@@ -66,7 +66,7 @@ need(uint32_t a, uint32_t b)
     struct job *job = desk_find_job(f.c, job_a);
 
     linking_need(f.c, job, number(job, a), number(job, b));
-    carry_out(&f);
+    carry_out();
 }
 
 /* JOB_PEERS that all workers got. */
@@ -159,7 +159,7 @@ START_TEST(links_of_a_worker_that_left_are_made_anew)
     job = desk_find_job(f.c, job_a);
     need(70, 71);
     linking_left(f.c, job, number(job, 71));
-    carry_out(&f);
+    carry_out();
     memset(f.peers, 0, sizeof f.peers);
     need(70, 71);
     ck_assert_int_eq(f.peers[FIRST + 70], 1);

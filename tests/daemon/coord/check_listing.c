@@ -12,9 +12,9 @@ make_job(int i, uint64_t conn)
     uint8_t id[MSG_JOB] = { (uint8_t)(i >> 8), (uint8_t)i, 7 };
     struct msg cancel = { .type = MSG_CANCEL, .request = 6, .cancel = { id } };
 
-    submit(&f, conn, id, i % 7 - 3);
+    submit(conn, id, i % 7 - 3);
     if (i % 10 != 0)
-        say(&f, conn, &cancel);
+        say(conn, &cancel);
 }
 
 /* The rows of all pages, in their order; each page is small enough.  Between
@@ -29,7 +29,7 @@ walk(uint64_t conn, struct msg_page ask, void (*between)(int page))
         struct msg m = { .type = MSG_PAGE, .request = 9, .page = ask };
         const struct msg *answer = &f.last[conn];
 
-        say(&f, conn, &m);
+        say(conn, &m);
         ck_assert_int_eq(answer->type, MSG_ANSWER);
         ck_assert_uint_lt(answer->answer.len, LISTING_BYTES + 65536);
         page = json_loadb((const char *)answer->answer.text, answer->answer.len,
@@ -132,7 +132,7 @@ stir(int page)
 
     make_job(JOBS + 1 + page, BOB);
     coord_set_keep(f.c, &keep);
-    carry_out(&f);
+    carry_out();
 }
 
 START_TEST(jobs_that_stay_come_once_whatever_else_comes_and_goes)
@@ -172,7 +172,7 @@ START_TEST(long_rows_make_short_pages)
         struct msg m = usual_submit(id);
 
         m.submit.name = name;
-        say(&f, ANA, &m);
+        say(ANA, &m);
     }
     all = walk(ANA, (struct msg_page){ MSG_ROWS_JOBS, 0, "", "", 0, 0 }, NULL);
     ck_assert_uint_eq(json_array_size(all), 500);
@@ -187,11 +187,11 @@ START_TEST(a_whole_list_that_is_too_long_is_refused)
     struct msg m = { .type = MSG_QUERY, .query = { MSG_QUERY_JOBS, "" } };
 
     many_jobs();
-    say(&f, ANA, &m);
+    say(ANA, &m);
     ck_assert_int_eq(f.last[ANA].type, MSG_FAILED);
     ck_assert_int_eq(f.last[ANA].failed.status, EX_PROTOCOL);
     m.query.what = MSG_QUERY_WORKERS;
-    say(&f, ANA, &m);
+    say(ANA, &m);
     ck_assert_int_eq(f.last[ANA].type, MSG_ANSWER);
 }
 END_TEST
@@ -203,9 +203,9 @@ START_TEST(workers_come_in_pages)
 
     for (int i = 0; i < 3000; i++) { /* one after the other, all but WORKER */
         snprintf(name, sizeof name, "host%d", i);
-        join(&f, SECOND, MSG_ROLE_WORKER, name, "");
+        join(SECOND, MSG_ROLE_WORKER, name, "");
         coord_closed(f.c, f.now_ms, SECOND, "gone");
-        carry_out(&f);
+        carry_out();
     }
     all =
         walk(ANA, (struct msg_page){ MSG_ROWS_WORKERS, 0, "", "", 0, 0 }, NULL);
@@ -240,12 +240,12 @@ START_TEST(a_deleted_jobs_rows_and_pictures_are_not_the_next_ones)
     struct action_rows rows = { .unit = 5, .frame = 7, .rows = 1, .width = 8 };
     uint64_t gone;
 
-    submit(&f, ANA, job_a, 0);
+    submit(ANA, job_a, 0);
     rows.sequence = gone = desk_find_job(f.c, job_a)->sequence;
     memcpy(rows.job, job_a, MSG_JOB);
-    about(&f, ANA, MSG_CANCEL, job_a);
-    about(&f, ANA, MSG_DELETE, job_a);
-    submit(&f, ANA, job_a, 0);
+    about(ANA, MSG_CANCEL, job_a);
+    about(ANA, MSG_DELETE, job_a);
+    submit(ANA, job_a, 0);
     ck_assert_int_eq(f.last[ANA].type, MSG_ACCEPT);
     coord_rows_stored(f.c, f.now_ms, &rows, 0, NULL);
     coord_rows_stored(f.c, f.now_ms, &rows, EX_IOERR, "the job is gone");
@@ -265,11 +265,11 @@ START_TEST(a_deleted_jobs_opening_and_end_are_not_the_next_ones)
     uint64_t gone;
 
     f.stuck = true;
-    submit(&f, ANA, job_a, 0);
+    submit(ANA, job_a, 0);
     gone = desk_find_job(f.c, job_a)->sequence;
-    about(&f, ANA, MSG_CANCEL, job_a);
-    about(&f, ANA, MSG_DELETE, job_a);
-    submit(&f, ANA, job_a, 0);
+    about(ANA, MSG_CANCEL, job_a);
+    about(ANA, MSG_DELETE, job_a);
+    submit(ANA, job_a, 0);
     job = desk_find_job(f.c, job_a);
     coord_job_waits(f.c, f.now_ms, job_a, gone, "it is large");
     ck_assert(job->stage != STAGE_NO_ROOM);
@@ -286,22 +286,22 @@ END_TEST
 
 START_TEST(owner_and_admin_delete_a_job_that_is_over)
 {
-    submit(&f, ANA, job_a, 0);
-    submit(&f, ANA, job_b, 0);
-    about(&f, ANA, MSG_DELETE, job_a);
+    submit(ANA, job_a, 0);
+    submit(ANA, job_b, 0);
+    about(ANA, MSG_DELETE, job_a);
     ck_assert_int_eq(status_for(ANA), EX_USAGE);
-    about(&f, ANA, MSG_CANCEL, job_a);
-    about(&f, ANA, MSG_CANCEL, job_b);
-    about(&f, BOB, MSG_DELETE, job_a);
+    about(ANA, MSG_CANCEL, job_a);
+    about(ANA, MSG_CANCEL, job_b);
+    about(BOB, MSG_DELETE, job_a);
     ck_assert_int_eq(status_for(BOB), EX_NOPERM);
     ck_assert_uint_eq(f.c->njobs, 2);
-    about(&f, ANA, MSG_DELETE, job_a);
+    about(ANA, MSG_DELETE, job_a);
     ck_assert_int_eq(f.last[ANA].type, MSG_ANSWER);
     ck_assert_ptr_null(desk_find_job(f.c, job_a));
-    about(&f, ADMIN, MSG_DELETE, job_b);
+    about(ADMIN, MSG_DELETE, job_b);
     ck_assert_int_eq(f.last[ADMIN].type, MSG_ANSWER);
     ck_assert_uint_eq(f.c->njobs, 0);
-    about(&f, ADMIN, MSG_DELETE, job_b);
+    about(ADMIN, MSG_DELETE, job_b);
     ck_assert_int_eq(status_for(ADMIN), EX_NOINPUT);
 }
 END_TEST
@@ -311,7 +311,7 @@ forget(const char *name)
 {
     struct msg m = { .type = MSG_FORGET, .request = 7, .forget = { name } };
 
-    say(&f, ADMIN, &m);
+    say(ADMIN, &m);
 }
 
 static size_t
@@ -329,19 +329,19 @@ START_TEST(a_worker_that_is_gone_is_forgotten)
 {
     struct msg drain = { .type = MSG_DRAIN, .drain = { "ws2" } };
 
-    join(&f, SECOND, MSG_ROLE_WORKER, "ws2", "");
+    join(SECOND, MSG_ROLE_WORKER, "ws2", "");
     forget("ws2");
     ck_assert_int_eq(status_for(ADMIN), EX_USAGE);
     forget("ws3");
     ck_assert_int_eq(status_for(ADMIN), EX_NOINPUT);
     coord_closed(f.c, f.now_ms, SECOND, "gone");
-    carry_out(&f);
+    carry_out();
     ck_assert_uint_eq(workers_told(), 2);
     forget("ws2");
     ck_assert_int_eq(f.last[ADMIN].type, MSG_ANSWER);
     ck_assert_uint_eq(workers_told(), 1);
     ck_assert_ptr_null(f.c->workers->next);
-    say(&f, ADMIN, &drain);
+    say(ADMIN, &drain);
     ck_assert_int_eq(status_for(ADMIN), EX_NOINPUT);
 }
 END_TEST
@@ -349,21 +349,21 @@ END_TEST
 /* A job that is kept says who worked on it, as long as it is. */
 START_TEST(a_forgotten_worker_of_a_job_goes_with_that)
 {
-    submit(&f, ANA, job_a, 0);
-    join(&f, SECOND, MSG_ROLE_WORKER, "ws2", "");
-    ready(&f, SECOND, job_a);
+    submit(ANA, job_a, 0);
+    join(SECOND, MSG_ROLE_WORKER, "ws2", "");
+    ready(SECOND, job_a);
     coord_closed(f.c, f.now_ms, SECOND, "gone");
-    carry_out(&f);
+    carry_out();
     forget("ws2");
     ck_assert_uint_eq(workers_told(), 1);
     ck_assert_ptr_nonnull(f.c->workers->next);
-    join(&f, SECOND, MSG_ROLE_WORKER, "ws2", ""); /* it is back */
+    join(SECOND, MSG_ROLE_WORKER, "ws2", ""); /* it is back */
     ck_assert_uint_eq(workers_told(), 2);
     coord_closed(f.c, f.now_ms, SECOND, "gone");
-    carry_out(&f);
+    carry_out();
     forget("ws2");
-    about(&f, ANA, MSG_CANCEL, job_a);
-    about(&f, ANA, MSG_DELETE, job_a);
+    about(ANA, MSG_CANCEL, job_a);
+    about(ANA, MSG_DELETE, job_a);
     ck_assert_ptr_null(f.c->workers->next);
 }
 END_TEST

@@ -28,7 +28,7 @@ join_plain(uint64_t conn, const char *owner)
                                 "t", "", 0, 0 } };
 
     coord_opened(f.c, f.now_ms, conn, &peer);
-    say(&f, conn, &m);
+    say(conn, &m);
 }
 
 static void
@@ -39,7 +39,7 @@ set_up_few(void)
     join_plain(EVE, "eve");
     join_plain(EVE_TOO, "eve");
     coord_file_stored(f.c, f.now_ms, EVE, hash);
-    carry_out(&f);
+    carry_out();
 }
 
 static void
@@ -61,17 +61,17 @@ job_id(int i)
 
 START_TEST(jobs_of_one_user_are_limited_and_not_those_of_another)
 {
-    submit(&f, EVE, job_id(0), 0);
-    submit(&f, EVE_TOO, job_id(1), 0);
+    submit(EVE, job_id(0), 0);
+    submit(EVE_TOO, job_id(1), 0);
     ck_assert_int_eq(f.last[EVE_TOO].type, MSG_ACCEPT);
-    submit(&f, EVE, job_id(2), 0);
+    submit(EVE, job_id(2), 0);
     expect_refused(EVE, EX_TEMPFAIL, "limit user_jobs: you have 2 of 2 ");
     for (int i = 3; i < 8; i++) { /* who is administrator is not limited */
-        submit(&f, ANA, job_id(i), 0);
+        submit(ANA, job_id(i), 0);
         ck_assert_int_eq(f.last[ANA].type, MSG_ACCEPT);
     }
-    about(&f, EVE, MSG_CANCEL, job_id(0));
-    submit(&f, EVE, job_id(2), 0);
+    about(EVE, MSG_CANCEL, job_id(0));
+    submit(EVE, job_id(2), 0);
     ck_assert_int_eq(f.last[EVE].type, MSG_ACCEPT);
 }
 END_TEST
@@ -85,7 +85,7 @@ submit_frames(uint64_t conn, const uint8_t *job, const struct msg_frame *frames,
     m.submit.nframes = n;
     m.submit.frames = frames;
     m.submit.partition = MSG_PART_WINDOW;
-    say(&f, conn, &m);
+    say(conn, &m);
 }
 
 START_TEST(frames_and_bytes_are_limited_too)
@@ -102,7 +102,7 @@ START_TEST(frames_and_bytes_are_limited_too)
     ck_assert_int_eq(f.last[EVE].type, MSG_ACCEPT);
     submit_frames(EVE, job_id(1), many, 2);
     expect_refused(EVE, EX_TEMPFAIL, "limit user_frames");
-    about(&f, EVE, MSG_CANCEL, job_id(0));
+    about(EVE, MSG_CANCEL, job_id(0));
     submit_frames(EVE, job_id(1), &huge, 1); /* 16 MiB */
     expect_refused(EVE, EX_DATAERR, "limit user_mib");
     submit_frames(EVE, job_id(1), &large, 1);
@@ -123,7 +123,7 @@ send_chunk(uint64_t conn, uint8_t file, uint64_t offset, uint64_t total)
                      .chunk = { name, offset, total, data, sizeof data } };
 
     name[0] = file;
-    say(&f, conn, &m);
+    say(conn, &m);
 }
 
 static void
@@ -132,7 +132,7 @@ file_is_whole(uint64_t conn, uint8_t file)
     uint8_t name[MSG_HASH] = { file };
 
     coord_file_stored(f.c, f.now_ms, conn, name);
-    carry_out(&f);
+    carry_out();
 }
 
 static json_int_t
@@ -144,7 +144,7 @@ used(uint64_t conn, const char *limit)
     json_int_t n = -1;
     size_t i;
 
-    say(&f, conn, &m);
+    say(conn, &m);
     ck_assert_int_eq(f.last[conn].type, MSG_ANSWER);
     root = json_loadb((const char *)f.last[conn].answer.text,
                       f.last[conn].answer.len, 0, NULL);
@@ -167,7 +167,7 @@ submit_windows(const uint8_t *job, const struct msg_frame *picture, uint32_t n)
     m.submit.frames = picture;
     m.submit.windows = n;
     m.submit.partition = MSG_PART_WINDOW;
-    say(&f, EVE, &m);
+    say(EVE, &m);
 }
 
 START_TEST(many_windows_count_as_frames)
@@ -198,10 +198,10 @@ START_TEST(high_frames_count_as_several)
     struct msg m = usual_submit(job_id(0));
 
     m.submit.frames = &high;
-    say(&f, EVE, &m);
+    say(EVE, &m);
     expect_refused(EVE, EX_DATAERR, "limit user_frames");
     m.submit.frames = &usual;
-    say(&f, EVE, &m);
+    say(EVE, &m);
     ck_assert_int_eq(f.last[EVE].type, MSG_ACCEPT);
     ck_assert_int_eq(used(EVE, "user_frames"), 1);
 }
@@ -226,7 +226,7 @@ START_TEST(files_on_their_way_are_limited_by_number_and_bytes)
     send_chunk(EVE, 9, 0, 1000);
     expect_refused(EVE, EX_TEMPFAIL, "limit user_upload_mib");
     coord_closed(f.c, f.now_ms, EVE_TOO, "gone"); /* what it sent goes */
-    carry_out(&f);
+    carry_out();
     ck_assert_int_eq(used(EVE, "user_upload_mib"), 3);
     send_chunk(EVE, 9, 0, 1000);
     ck_assert_int_eq(used(EVE, "user_uploads"), 1);
@@ -244,11 +244,11 @@ START_TEST(files_that_no_job_names_count_for_a_while)
     file_is_whole(EVE, hash[0]);
     free(coord_files(f.c, &n));
     ck_assert_uint_eq(n, 2);
-    submit(&f, EVE, job_a, 0); /* which names hash */
+    submit(EVE, job_a, 0); /* which names hash */
     ck_assert_int_eq(used(EVE, "user_upload_mib"), 1);
     free(coord_files(f.c, &n));
     ck_assert_uint_eq(n, 2);
-    wait_s(&f, UPLOAD_MS / 1000 + 1);
+    wait_s(UPLOAD_MS / 1000 + 1);
     ck_assert_int_eq(used(EVE, "user_upload_mib"), 0);
     free(coord_files(f.c, &n));
     ck_assert_uint_eq(n, 1);
@@ -259,11 +259,11 @@ START_TEST(who_sends_and_stops_is_let_go)
 {
     struct msg offer = { .type = MSG_OFFER, .offer = { 1, hash } };
 
-    say(&f, EVE, &offer);
-    say(&f, EVE_TOO, &offer);
-    wait_s(&f, UPLOAD_MS / 2000);
+    say(EVE, &offer);
+    say(EVE_TOO, &offer);
+    wait_s(UPLOAD_MS / 2000);
     send_chunk(EVE_TOO, 8, 0, 5000);
-    wait_s(&f, UPLOAD_MS / 2000 + 2);
+    wait_s(UPLOAD_MS / 2000 + 2);
     ck_assert(f.closed[EVE] && !f.closed[EVE_TOO]);
 }
 END_TEST
@@ -272,10 +272,10 @@ END_TEST
 START_TEST(a_job_whose_files_do_not_come_fails)
 {
     f.have = false;
-    submit(&f, EVE, job_a, 0);
-    wait_s(&f, UPLOAD_MS / 1000 - 2);
+    submit(EVE, job_a, 0);
+    wait_s(UPLOAD_MS / 1000 - 2);
     ck_assert_int_ne(f.last[EVE].type, MSG_FAILED);
-    wait_s(&f, 4);
+    wait_s(4);
     expect_refused(EVE, EX_TEMPFAIL,
                    "files of the scene did not come for 60 s");
     ck_assert_int_eq(used(EVE, "user_jobs"), 0);
@@ -286,27 +286,27 @@ END_TEST
 START_TEST(a_full_disk_does_not_count)
 {
     f.have = false;
-    submit(&f, EVE, job_a, 0);
+    submit(EVE, job_a, 0);
     coord_fullness(f.c, f.now_ms, true, "here");
-    carry_out(&f);
-    wait_s(&f, 2 * UPLOAD_MS / 1000);
+    carry_out();
+    wait_s(2 * UPLOAD_MS / 1000);
     ck_assert_int_ne(f.last[EVE].type, MSG_FAILED);
 }
 END_TEST
 
 START_TEST(answers_that_wait_for_the_disk_are_limited)
 {
-    submit(&f, EVE, job_a, 0);
+    submit(EVE, job_a, 0);
     f.stuck = true;
-    about(&f, EVE, MSG_PAUSE, job_a);
-    about(&f, EVE, MSG_RESUME, job_a);
+    about(EVE, MSG_PAUSE, job_a);
+    about(EVE, MSG_RESUME, job_a);
     ck_assert_int_eq(used(EVE, "user_answers"), 2);
-    about(&f, EVE, MSG_PAUSE, job_a);
+    about(EVE, MSG_PAUSE, job_a);
     expect_refused(EVE, EX_TEMPFAIL, "limit user_answers: you have 2 of 2 ");
     coord_settled(f.c, f.now_ms, EVE, 6);
-    carry_out(&f);
+    carry_out();
     ck_assert_int_eq(used(EVE, "user_answers"), 1);
-    about(&f, EVE, MSG_PAUSE, job_a);
+    about(EVE, MSG_PAUSE, job_a);
     ck_assert_int_ne(f.last[EVE].type, MSG_FAILED);
 }
 END_TEST
@@ -328,11 +328,11 @@ START_TEST(what_another_user_has_is_for_administrators)
     struct msg m = { .type = MSG_QUERY,
                      .query = { .what = MSG_QUERY_LIMITS, .text = "ana" } };
 
-    say(&f, EVE, &m);
+    say(EVE, &m);
     ck_assert_int_eq(f.last[EVE].type, MSG_FAILED);
     ck_assert_int_eq(f.last[EVE].failed.status, EX_NOPERM);
     ck_assert_int_eq(used(ADMIN, "user_connections"), 2);
-    submit(&f, EVE, job_a, 0);
+    submit(EVE, job_a, 0);
     ck_assert_int_eq(used(ADMIN, "user_jobs"), 1);
     ck_assert_int_eq(used(EVE, "user_frames"), 1);
 }

@@ -42,7 +42,7 @@ submit_job(uint64_t conn, const uint8_t *job, const uint8_t *reuse)
 {
     struct msg m = submit_of(job, reuse);
 
-    say(&f, conn, &m);
+    say(conn, &m);
 }
 
 /* The tile of a pass, with so many records. */
@@ -57,13 +57,13 @@ made(const uint8_t *job, uint32_t pass, uint32_t n)
                                     .data = records,
                                     .len = n * AMBSHARE_BYTES } };
 
-    say(&f, WORKER, &m);
+    say(WORKER, &m);
     while (f.last[WORKER].type == MSG_CLOSED) {
         struct msg holds = { .type = MSG_HOLDS,
                              .holds = { job, f.last[WORKER].closed.pass, 1 } };
 
         f.last[WORKER].type = 0;
-        say(&f, WORKER, &holds);
+        say(WORKER, &holds);
     }
 }
 
@@ -80,7 +80,7 @@ render(const uint8_t *job, uint32_t first, uint32_t n)
     for (uint32_t i = 0; i < PASSES; i++)
         made(job, first + i, n);
     for (uint32_t u = 0; u < 4; u++)
-        result(&f, WORKER, job, u, 1);
+        result(WORKER, job, u, 1);
     ck_assert_int_eq(find(job)->state, JOB_DONE);
 }
 
@@ -90,14 +90,14 @@ file(const uint8_t *job)
 {
     coord_job_filed(f.c, f.now_ms, job, find(job)->sequence, 900,
                     find(job)->cache.bytes);
-    carry_out(&f);
+    carry_out();
 }
 
 static void
 whole_job(const uint8_t *job)
 {
     submit_job(ANA, job, NULL);
-    ready(&f, WORKER, job);
+    ready(WORKER, job);
     render(job, 0, 1);
     file(job);
 }
@@ -118,7 +118,7 @@ START_TEST(a_job_that_is_done_leaves_its_cache)
     tear_down();
     set_up_coord(false); /* and nothing where nothing is kept */
     submit_job(ANA, job_a, NULL);
-    ready(&f, WORKER, job_a);
+    ready(WORKER, job_a);
     render(job_a, 0, 1);
     ck_assert_uint_eq(find(job_a)->cache.bytes, 0);
 }
@@ -187,7 +187,7 @@ START_TEST(only_what_decides_about_records_must_be_equal)
     whole_job(job_a);
     m.submit.params = fits[_i].params;
     m.submit.scene = fits[_i].scene;
-    say(&f, fits[_i].conn, &m);
+    say(fits[_i].conn, &m);
     if (fits[_i].fits) {
         ck_assert_int_eq(f.last[ANA].type, MSG_ACCEPT);
         return;
@@ -199,7 +199,7 @@ START_TEST(only_what_decides_about_records_must_be_equal)
     ck_assert_ptr_null(find(job_c));
     /* the last one that fits is none, then */
     m.submit.reuse = last;
-    say(&f, fits[_i].conn, &m);
+    say(fits[_i].conn, &m);
     ck_assert_int_eq(f.last[fits[_i].conn].type, MSG_ACCEPT);
     ck_assert(!(find(job_c)->spec.flags & MSG_JOB_REUSE));
 }
@@ -222,15 +222,15 @@ START_TEST(a_job_that_has_no_cache_is_refused_with_why)
     refused(EX_NOINPUT, "no job aa0");
     submit_job(ANA, job_a, NULL);
     refused(EX_TEMPFAIL, "is not done yet");
-    about(&f, ANA, MSG_CANCEL, job_a);
+    about(ANA, MSG_CANCEL, job_a);
     refused(EX_DATAERR, "is cancelled");
-    about(&f, ANA, MSG_DELETE, job_a);
+    about(ANA, MSG_DELETE, job_a);
     live.submit.flags = MSG_JOB_SHARE;
     live.submit.job = job_a;
-    say(&f, ANA, &live);
-    ready(&f, WORKER, job_a);
+    say(ANA, &live);
+    ready(WORKER, job_a);
     for (uint32_t u = 0; u < 4; u++)
-        result(&f, WORKER, job_a, u, 1);
+        result(WORKER, job_a, u, 1);
     refused(EX_DATAERR, "had no ambient cache in passes");
 }
 END_TEST
@@ -265,7 +265,7 @@ START_TEST(the_oldest_caches_go_first)
     ck_assert_uint_eq(find(job_b)->kept_bytes, 500);
     keep.cache_bytes = 0;
     coord_set_keep(f.c, &keep);
-    carry_out(&f);
+    carry_out();
     ck_assert_uint_eq(f.drops, 3);
     ck_assert_uint_eq(find(job_a)->cache.bytes + find(job_c)->cache.bytes, 0);
 }
@@ -281,14 +281,14 @@ START_TEST(a_cache_stays_until_who_begins_with_it_has_it)
     submit_job(ANA, job_c, last);
     ck_assert_int_ne(f.last[ANA].type, MSG_ACCEPT);
     coord_set_keep(f.c, &keep);
-    wait_s(&f, 120);
+    wait_s(120);
     ck_assert(find(job_a) && find(job_a)->cache.bytes > 0 && f.drops == 0);
     f.have = true;
     coord_file_stored(f.c, f.now_ms, ANA, hash);
-    carry_out(&f);
+    carry_out();
     ck_assert_int_eq(f.last[ANA].type, MSG_ACCEPT);
     ck_assert_mem_eq(f.last[ANA].accept.reuse, job_a, MSG_JOB);
-    wait_s(&f, 2);
+    wait_s(2);
     ck_assert_ptr_null(find(job_a));
 }
 END_TEST
@@ -319,7 +319,7 @@ came(const uint8_t *job, uint32_t n, int status)
                      status, "it is damaged");
     if (status)
         free(bytes);
-    carry_out(&f);
+    carry_out();
 }
 
 START_TEST(tiles_wait_for_the_records)
@@ -329,23 +329,23 @@ START_TEST(tiles_wait_for_the_records)
     whole_job(job_a);
     submit_job(ANA, job_c, last);
     ck_assert_uint_eq(f.loads, 0);
-    ready(&f, WORKER, job_c);
+    ready(WORKER, job_c);
     ck_assert_uint_eq(f.loads, 1);
     ck_assert_mem_eq(f.cache_of, job_c, MSG_JOB);
-    wait_s(&f, 2);
+    wait_s(2);
     ck_assert_int_ne(f.last[WORKER].type, MSG_TILE);
-    join(&f, SECOND, MSG_ROLE_WORKER, "ws2", "daemon");
+    join(SECOND, MSG_ROLE_WORKER, "ws2", "daemon");
     find(job_c)->state = JOB_PAUSED; /* no tile hides the records */
     came(job_c, 3, 0);
     ck_assert_int_eq(f.last[WORKER].type, MSG_FROZEN);
     ck_assert_uint_eq(f.last[WORKER].frozen.pass, 0);
     ck_assert_uint_eq(f.last[WORKER].frozen.count, 3);
     ck_assert_uint_eq(f.last[WORKER].frozen.data[2 * AMBSHARE_BYTES], 3);
-    ready(&f, SECOND, job_c);
+    ready(SECOND, job_c);
     ck_assert_int_eq(f.last[SECOND].type, MSG_FROZEN);
     ck_assert_uint_eq(f.last[SECOND].frozen.count, 3);
     find(job_c)->state = JOB_RUNNING;
-    wait_s(&f, 1);
+    wait_s(1);
     ck_assert_int_eq(f.last[WORKER].type, MSG_TILE);
     ck_assert_uint_eq(f.last[WORKER].tile.pass, 1);
     s = passes_state(find(job_c));
@@ -363,7 +363,7 @@ START_TEST(a_job_without_its_records_fails)
 {
     whole_job(job_a);
     submit_job(ANA, job_c, job_a);
-    ready(&f, WORKER, job_c);
+    ready(WORKER, job_c);
     came(job_c, 0, EX_DATAERR);
     ck_assert_int_eq(f.last[ANA].type, MSG_FAILED);
     ck_assert_int_eq(f.last[ANA].failed.status, EX_DATAERR);
@@ -389,14 +389,14 @@ START_TEST(a_job_of_an_earlier_life_goes_on_with_them)
     struct msg knows = { .type = MSG_READY, .ready = { job_c, .1, 7, 2, 0 } };
 
     ck_assert_int_eq(recover_job(f.c, f.now_ms, &s, NULL, NULL, NULL), 0);
-    join(&f, SECOND, MSG_ROLE_WORKER, "ws2", "daemon");
-    ready(&f, WORKER, job_c);
+    join(SECOND, MSG_ROLE_WORKER, "ws2", "daemon");
+    ready(WORKER, job_c);
     ck_assert_uint_eq(f.loads, 1);
     ck_assert_uint_eq(passes_state(find(job_c)).open, 2);
     ck_assert_uint_eq(passes_state(find(job_c)).bytes, 5 * AMBSHARE_BYTES);
     ck_assert_int_ne(f.last[WORKER].type, MSG_TILE);
     knows.ready.passes = 2;
-    say(&f, SECOND, &knows);
+    say(SECOND, &knows);
     ck_assert_int_eq(f.last[SECOND].type, MSG_TILE);
     ck_assert_uint_eq(f.last[SECOND].tile.pass, 2);
     find(job_c)->state = JOB_PAUSED;
@@ -438,7 +438,7 @@ START_TEST(a_job_that_was_all_but_over_leaves_its_cache)
                                  .stored = 4,
                                  .done = true };
     ck_assert_int_eq(recover_job(f.c, f.now_ms, &s, NULL, NULL, NULL), 0);
-    carry_out(&f);
+    carry_out();
     ck_assert_int_eq(find(job_c)->state, JOB_DONE);
     ck_assert_uint_eq(find(job_c)->cache.reused, 3);
     ck_assert_uint_eq(find(job_c)->tiled.rays, 7 * (s.npasses - 1));
@@ -480,7 +480,7 @@ START_TEST(a_job_whose_decision_is_lost_says_why)
     passes[PASSES] =
         (struct saved_pass){ .bytes = records, .len = lost[_i].len };
     ck_assert_int_eq(recover_job(f.c, f.now_ms, &s, NULL, NULL, NULL), 0);
-    carry_out(&f);
+    carry_out();
     ck_assert_int_eq(find(job_c)->state, JOB_FAILED);
     ck_assert_ptr_nonnull(strstr(find(job_c)->text, lost[_i].why));
 }

@@ -29,7 +29,7 @@ static const uint8_t pixels[8 * 8 * 12];
 
 enum { CONNS = 300 };
 
-struct fixture {
+static struct {
     struct coord *c;
     uint64_t now_ms;
     bool have;              /* the file is stored */
@@ -62,20 +62,22 @@ struct fixture {
     bool stuck;        /* nothing gets to the disk */
     uint64_t settling; /* who is to hear when that is over; and of what */
     uint32_t settling_what;
-};
+} f;
 
 static inline bool
 has_file(void *arg, const uint8_t *h)
 {
+    (void)arg;
     (void)h;
-    return ((struct fixture *)arg)->have;
+    return f.have;
 }
 
 static inline bool
 has_room(void *arg, uint64_t conn)
 {
+    (void)arg;
     (void)conn;
-    return !((struct fixture *)arg)->crammed;
+    return !f.crammed;
 }
 
 static inline void
@@ -86,118 +88,117 @@ no_random(void *arg, void *buf, size_t n)
 }
 
 static inline void
-sent(struct fixture *f, const struct action *a)
+sent(const struct action *a)
 {
-    struct msg *m = &f->last[a->conn];
+    struct msg *m = &f.last[a->conn];
     struct msg_header h;
-    struct wire_out *b = &f->bytes[a->conn];
+    struct wire_out *b = &f.bytes[a->conn];
 
-    ck_assert(!f->closed[a->conn]);
+    ck_assert(!f.closed[a->conn]);
     b->len = 0;
     wire_put_bytes(b, a->bytes, a->len);
     h.type = (uint16_t)(b->buf[4] << 8 | b->buf[5]);
     ck_assert_int_eq(msg_unpack(m, h.type, b->buf[11], b->buf + MSG_HEADER,
                                 b->len - MSG_HEADER, NULL),
                      0);
-    f->sent[a->conn]++;
+    f.sent[a->conn]++;
     if (m->type == MSG_UNIT) {
-        f->units[a->conn]++;
-        f->unit_job = m->unit.job[0];
+        f.units[a->conn]++;
+        f.unit_job = m->unit.job[0];
     }
     if (m->type == MSG_PROGRESS)
-        f->progress = m->progress;
+        f.progress = m->progress;
     if (m->type == MSG_JOB_PEERS) {
-        f->peers[a->conn]++;
-        f->peer_version[a->conn] = m->job_peers.peers[0].version;
+        f.peers[a->conn]++;
+        f.peer_version[a->conn] = m->job_peers.peers[0].version;
     }
 }
 
 static inline void
-carry_out(struct fixture *f)
+carry_out(void)
 {
-    struct action_list *l = coord_actions(f->c);
+    struct action_list *l = coord_actions(f.c);
 
     for (size_t i = 0; i < l->n; i++) {
         struct action a = l->v[i];
 
         if (a.type == ACT_SEND)
-            sent(f, &a);
+            sent(&a);
         else if (a.type == ACT_SEND_FILE) {
-            f->files_sent++;
-            memcpy(f->file_sent, a.hash, MSG_HASH);
+            f.files_sent++;
+            memcpy(f.file_sent, a.hash, MSG_HASH);
         } else if (a.type == ACT_SESSION)
-            f->version[a.conn] = a.version;
+            f.version[a.conn] = a.version;
         else if (a.type == ACT_CLOSE)
-            f->closed[a.conn] = true;
-        else if (a.type == ACT_SETTLE && f->stuck) {
-            f->settling = a.conn;
-            f->settling_what = a.request;
+            f.closed[a.conn] = true;
+        else if (a.type == ACT_SETTLE && f.stuck) {
+            f.settling = a.conn;
+            f.settling_what = a.request;
         } else if (a.type == ACT_SETTLE)
-            coord_settled(f->c, f->now_ms, a.conn, a.request);
-        else if (a.type == ACT_JOB_OPEN && !f->stuck)
-            coord_job_opened(f->c, f->now_ms, a.job, a.sequence, 0, NULL);
+            coord_settled(f.c, f.now_ms, a.conn, a.request);
+        else if (a.type == ACT_JOB_OPEN && !f.stuck)
+            coord_job_opened(f.c, f.now_ms, a.job, a.sequence, 0, NULL);
         else if (a.type == ACT_PUT_ROWS) {
-            f->rows = a.rows;
-            if (a.rows.len <= sizeof f->code)
-                memcpy(f->code, a.rows.pixels, a.rows.len);
-            coord_rows_stored(f->c, f->now_ms, &a.rows, 0, NULL);
+            f.rows = a.rows;
+            if (a.rows.len <= sizeof f.code)
+                memcpy(f.code, a.rows.pixels, a.rows.len);
+            coord_rows_stored(f.c, f.now_ms, &a.rows, 0, NULL);
         } else if (a.type == ACT_PUT_COLOURS) {
-            f->colours = a.colours;
-            f->ncolours++;
+            f.colours = a.colours;
+            f.ncolours++;
         } else if (a.type == ACT_WRITE_PICTURE)
-            coord_picture_written(f->c, f->now_ms, a.job, a.sequence, a.frame,
-                                  0, NULL);
+            coord_picture_written(f.c, f.now_ms, a.job, a.sequence, a.frame, 0,
+                                  NULL);
         else if (a.type == ACT_LOAD_CACHE || a.type == ACT_DROP_CACHE) {
-            f->loads += a.type == ACT_LOAD_CACHE;
-            f->drops += a.type == ACT_DROP_CACHE;
-            memcpy(f->cache_of, a.job, MSG_JOB);
+            f.loads += a.type == ACT_LOAD_CACHE;
+            f.drops += a.type == ACT_DROP_CACHE;
+            memcpy(f.cache_of, a.job, MSG_JOB);
         } else if (a.type == ACT_LOG && strstr(a.text, "no numbers"))
-            snprintf(f->nan_log, sizeof f->nan_log, "%d %s", ++f->nan_logs,
+            snprintf(f.nan_log, sizeof f.nan_log, "%d %s", ++f.nan_logs,
                      strstr(a.text, "pixels="));
     }
     for (size_t i = 0; i < l->n; i++)
         if (l->v[i].type == ACT_LOG) {
-            f->differ_logs += !!strstr(l->v[i].text, "duplicate differs");
-            f->hang_logs += !!strstr(l->v[i].text, "worker hangs");
-            f->full_logs += !!strstr(l->v[i].text, "disk full");
-            f->room_logs += !!strstr(l->v[i].text, "disk has room");
-            f->exclude_logs += !!strstr(l->v[i].text, "worker excluded");
-            f->break_logs += !!strstr(l->v[i].text, "connection closed");
+            f.differ_logs += !!strstr(l->v[i].text, "duplicate differs");
+            f.hang_logs += !!strstr(l->v[i].text, "worker hangs");
+            f.full_logs += !!strstr(l->v[i].text, "disk full");
+            f.room_logs += !!strstr(l->v[i].text, "disk has room");
+            f.exclude_logs += !!strstr(l->v[i].text, "worker excluded");
+            f.break_logs += !!strstr(l->v[i].text, "connection closed");
             sscanf(l->v[i].text, "connections closed and not logged n=%d",
-                   &f->unlogged);
+                   &f.unlogged);
         }
     ck_assert(!l->failed);
     actions_clear(l);
 }
 
 static inline void
-wait_s(struct fixture *f, unsigned s)
+wait_s(unsigned s)
 {
     for (unsigned i = 0; i < 10 * s; i++) {
-        f->now_ms += 100;
-        coord_tick(f->c, f->now_ms);
-        carry_out(f);
+        f.now_ms += 100;
+        coord_tick(f.c, f.now_ms);
+        carry_out();
     }
 }
 
 static inline void
-say(struct fixture *f, uint64_t conn, const struct msg *m)
+say(uint64_t conn, const struct msg *m)
 {
-    coord_message(f->c, ++f->now_ms, conn, m);
-    carry_out(f);
+    coord_message(f.c, ++f.now_ms, conn, m);
+    carry_out();
 }
 
 static inline void
-join(struct fixture *f, uint64_t conn, unsigned role, const char *name,
-     const char *owner)
+join(uint64_t conn, unsigned role, const char *name, const char *owner)
 {
     struct coord_peer peer = { "test", owner, 30, NULL }; /* any role */
     struct msg m = { .type = MSG_HELLO,
                      .hello = { MSG_VERSION_MIN, MSG_VERSION, (uint8_t)role,
                                 name, "t", "", 2, 0 } };
 
-    coord_opened(f->c, f->now_ms, conn, &peer);
-    say(f, conn, &m);
+    coord_opened(f.c, f.now_ms, conn, &peer);
+    say(conn, &m);
 }
 
 static uint32_t submit_flags; /* of jobs that are submitted from now on */
@@ -220,8 +221,8 @@ usual_submit(const uint8_t *job)
 }
 
 static inline void
-submit_with(struct fixture *f, uint64_t conn, const uint8_t *job, int priority,
-            uint32_t windows, uint32_t flags)
+submit_with(uint64_t conn, const uint8_t *job, int priority, uint32_t windows,
+            uint32_t flags)
 {
     struct msg m = usual_submit(job);
 
@@ -230,26 +231,25 @@ submit_with(struct fixture *f, uint64_t conn, const uint8_t *job, int priority,
     m.submit.flags = flags | submit_flags;
     m.submit.partition = MSG_PART_WINDOW;
     m.submit.windows = windows;
-    say(f, conn, &m);
+    say(conn, &m);
 }
 
 static inline void
-submit(struct fixture *f, uint64_t conn, const uint8_t *job, int priority)
+submit(uint64_t conn, const uint8_t *job, int priority)
 {
-    submit_with(f, conn, job, priority, 4, 0);
+    submit_with(conn, job, priority, 4, 0);
 }
 
 static inline void
-ready(struct fixture *f, uint64_t conn, const uint8_t *job)
+ready(uint64_t conn, const uint8_t *job)
 {
     struct msg m = { .type = MSG_READY, .ready = { job, .1, 7, 2, 0 } };
 
-    say(f, conn, &m);
+    say(conn, &m);
 }
 
 static inline void
-result(struct fixture *f, uint64_t conn, const uint8_t *job, uint32_t unit,
-       uint32_t attempt)
+result(uint64_t conn, const uint8_t *job, uint32_t unit, uint32_t attempt)
 {
     struct msg m = { .type = MSG_RESULT,
                      .result = { job,
@@ -264,25 +264,22 @@ result(struct fixture *f, uint64_t conn, const uint8_t *job, uint32_t unit,
                                  pixels,
                                  4 * 4 * 4 } };
 
-    say(f, conn, &m);
+    say(conn, &m);
 }
 
 static inline void
-about(struct fixture *f, uint64_t conn, uint16_t type, const uint8_t *job)
+about(uint64_t conn, uint16_t type, const uint8_t *job)
 {
     struct msg m = { .type = type, .request = 6, .cancel = { job } };
 
-    say(f, conn, &m);
+    say(conn, &m);
 }
-
-static struct fixture f;
 
 static inline void
 set_up_coord(bool keeps)
 {
     struct coord_env env = { .has_file = has_file,
                              .random = no_random,
-                             .arg = &f,
                              .has_room = has_room,
                              .program = "radcoord",
                              .epoch = 1,
@@ -295,13 +292,13 @@ set_up_coord(bool keeps)
     f.have = true;
     for (int i = 0; i < CONNS; i++)
         wire_out_init(&f.bytes[i], MSG_FRAME_MAX);
-    join(&f, WORKER, MSG_ROLE_WORKER, "ws1", "daemon");
-    join(&f, ANA, MSG_ROLE_USER, "", "ana");
-    join(&f, BOB, MSG_ROLE_USER, "", "bob");
-    join(&f, ADMIN, MSG_ROLE_ADMIN, "", "root");
+    join(WORKER, MSG_ROLE_WORKER, "ws1", "daemon");
+    join(ANA, MSG_ROLE_USER, "", "ana");
+    join(BOB, MSG_ROLE_USER, "", "bob");
+    join(ADMIN, MSG_ROLE_ADMIN, "", "root");
     for (uint64_t i = ANA; i <= ADMIN; i++) { /* each has sent the file */
         coord_file_stored(f.c, f.now_ms, i, hash);
-        carry_out(&f);
+        carry_out();
     }
 }
 
@@ -325,12 +322,12 @@ tear_down(void)
 static inline void
 two_are_left(void)
 {
-    submit(&f, ANA, job_a, 0);
-    ready(&f, WORKER, job_a);
-    join(&f, SECOND, MSG_ROLE_WORKER, "ws2", "daemon");
-    ready(&f, SECOND, job_a);
-    result(&f, SECOND, job_a, 2, 1);
-    result(&f, SECOND, job_a, 3, 1);
+    submit(ANA, job_a, 0);
+    ready(WORKER, job_a);
+    join(SECOND, MSG_ROLE_WORKER, "ws2", "daemon");
+    ready(SECOND, job_a);
+    result(SECOND, job_a, 2, 1);
+    result(SECOND, job_a, 3, 1);
     f.units[SECOND] = 0;
 }
 
@@ -353,7 +350,7 @@ rays_told(void)
 {
     f.now_ms += 1000;
     coord_tick(f.c, f.now_ms);
-    carry_out(&f);
+    carry_out();
     return f.progress.rays;
 }
 

@@ -36,7 +36,7 @@ submit_passes(uint64_t conn, const struct msg_frame *frames, uint32_t n)
 {
     struct msg m = passes_submit(frames, n);
 
-    say(&f, conn, &m);
+    say(conn, &m);
 }
 
 /* The last thing that was said to a worker is a tile. */
@@ -57,7 +57,7 @@ hold(bool whole)
                                         whole } };
 
             f.last[conn].type = 0;
-            say(&f, conn, &m);
+            say(conn, &m);
         }
 }
 
@@ -77,7 +77,7 @@ make(uint64_t conn, uint32_t pass, uint32_t tile, uint32_t n)
                          .data = records,
                          .len = n * AMBSHARE_BYTES } };
 
-    say(&f, conn, &m);
+    say(conn, &m);
 }
 
 static inline void
