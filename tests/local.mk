@@ -25,7 +25,8 @@ noinst_HEADERS = \
 	tests/scratch.h \
 	tests/unit.h \
 	tests/world.h \
-	tests/world_fixture.h
+	tests/world_fixture.h \
+	tests/world_picture.h
 EXTRA_DIST += \
 	tests/golden \
 	tests/scenes

@@ -63,17 +63,13 @@ world_close(struct world *w)
     memset(w, 0, sizeof *w);
 }
 
-/* In place of what w was, which is all zero at first.  0, or the code of what
- * is wrong with the scene. */
+/* With the parameters that w has.  0, or the code of what is wrong with the
+ * scene. */
 static inline int
-world_try(struct world *w, const char *text, const char *options,
-          const struct rad_files *files)
+world_build(struct world *w, const char *text, const struct rad_files *files)
 {
     int rc;
 
-    world_close(w);
-    rad_params_init(&w->params);
-    world_options(w, options);
     w->scene = rad_scene_new();
     ck_assert_ptr_nonnull(w->scene);
     rc =
@@ -84,6 +80,17 @@ world_try(struct world *w, const char *text, const char *options,
         return rc;
     w->job = rad_job_new(w->scene, &w->params, files, &w->err);
     return w->job ? rad_ctx_init(&w->ctx, w->job, &w->err) : w->err.code;
+}
+
+/* In place of what w was, which is all zero at first. */
+static inline int
+world_try(struct world *w, const char *text, const char *options,
+          const struct rad_files *files)
+{
+    world_close(w);
+    rad_params_init(&w->params);
+    world_options(w, options);
+    return world_build(w, text, files);
 }
 
 static inline void

@@ -2,11 +2,10 @@
 #include "config.h"
 
 #include "light/indirect/ambient.h"
-#include "machine/jobtext.h"
 #include "image/hdr.h"
 #include "passes/passes.h"
 
-#include "tests/world.h"
+#include "tests/world_picture.h"
 
 #include <pthread.h>
 #include <stdatomic.h>
@@ -38,17 +37,13 @@ static struct room rooms[2];
 static void
 open_room(struct room *m, const char *options)
 {
-    struct rad_error err = { 0 };
-    struct rad_view view;
     char text[200];
 
     snprintf(text, sizeof text, OPTIONS "%s", options);
     world_open(&m->w, scene_text, text);
     rad_ambient_freeze(m->w.job->ambient);
-    ck_assert_int_eq(
-        jobtext_view("-vp 0 -4.9 2.5 -vd 0 1 0 -vh 80 -vv 80", &view, &err), 0);
-    ck_assert_int_eq(rad_frame_init(&m->frame, m->w.job, &view, 0, false, &err),
-                     0);
+    world_frame(&m->w, "-vp 0 -4.9 2.5 -vd 0 1 0 -vh 80 -vv 80", false,
+                &m->frame);
     m->nrecs = 0;
 }
 

@@ -2,10 +2,9 @@
 #include "config.h"
 
 #include "light/indirect/ambient.h"
-#include "machine/jobtext.h"
 #include "refine/recheck.h"
 
-#include "tests/world.h"
+#include "tests/world_picture.h"
 
 #include <pthread.h>
 #include <stdatomic.h>
@@ -49,16 +48,13 @@ open_room(struct room *m, const char *options)
 {
     struct rad_pass pass[RAD_MOST_PASSES];
     struct rad_pass_size size;
-    struct rad_view view;
     uint32_t n;
 
     memset(m, 0, sizeof *m);
     world_open(&m->w, scene_text, options);
     rad_ambient_freeze(m->w.job->ambient);
-    ck_assert_int_eq(
-        jobtext_view("-vp 0 -4.9 2.5 -vd 0 1 0 -vh 80 -vv 80", &view, NULL), 0);
-    ck_assert_int_eq(rad_frame_init(&m->frame, m->w.job, &view, 0, false, NULL),
-                     0);
+    world_frame(&m->w, "-vp 0 -4.9 2.5 -vd 0 1 0 -vh 80 -vv 80", false,
+                &m->frame);
     size = (struct rad_pass_size){ m->frame.width, m->frame.height };
     n = rad_refine_plan(&m->w.job->params, &size, 1, false, true, pass);
     m->passes = rad_passes_new(&m->frame, 1, NULL);

@@ -1,10 +1,9 @@
 /* check_doubt.c - how far a picture is off, by pixels that are made again */
 #include "config.h"
 
-#include "machine/jobtext.h"
 #include "picture/doubt.h"
 
-#include "tests/world.h"
+#include "tests/world_picture.h"
 
 #include <math.h>
 #include <stdatomic.h>
@@ -24,51 +23,29 @@ static const char scene_text[] =
     "white polygon east 0 0 12 5 -5 0 5 -5 5 5 5 5 5 5 0\n"
     "white polygon north 0 0 12 -5 5 0 5 5 0 5 5 5 -5 5 5\n";
 
-struct picture {
-    struct world w;
-    struct rad_frame frame;
-    struct rad_pixel *pixel;
-};
+static struct picture pic;
 
 static void
-make(struct picture *p, const char *options)
+tear_down(void)
 {
-    struct rad_view view;
-    size_t width, height;
-    struct rad_pixel **rows;
-    struct rad_window all;
-
-    world_open(&p->w, scene_text, options);
-    ck_assert_int_eq(
-        jobtext_view("-vp 0 -4.9 2.5 -vd 0 1 -.3 -vh 80 -vv 80", &view, NULL),
-        0);
-    ck_assert_int_eq(rad_frame_init(&p->frame, p->w.job, &view, 0, false, NULL),
-                     0);
-    width = (size_t)p->frame.width;
-    height = (size_t)p->frame.height;
-    all = (struct rad_window){ 0, 0, p->frame.width, p->frame.height };
-    p->pixel = calloc(width * height, sizeof *p->pixel);
-    rows = malloc(height * sizeof *rows);
-    ck_assert(p->pixel && rows);
-    for (size_t i = 0; i < height; i++)
-        rows[i] = p->pixel + i * width;
-    ck_assert_int_eq(rad_frame_window(&p->frame, &p->w.ctx, &all, rows), 0);
-    free(rows);
+    picture_close(&pic);
 }
 
 static void
-drop(struct picture *p)
+make(const char *options)
 {
-    free(p->pixel);
-    rad_frame_release(&p->frame);
-    world_close(&p->w);
+    picture_close(&pic);
+    world_open(&pic.w, scene_text, options);
+    world_frame(&pic.w, "-vp 0 -4.9 2.5 -vd 0 1 -.3 -vh 80 -vv 80", false,
+                &pic.frame);
+    picture_render(&pic);
 }
 
 /* Make one of so many pixels again, by lines of n rows. */
 static struct rad_doubt
-look(struct picture *p, int n, struct rad_doubt_share share)
+look(int n, struct rad_doubt_share share)
 {
-    const struct rad_frame *f = &p->frame;
+    const struct rad_frame *f = &pic.frame;
     struct rad_doubt found = { { 0 } };
     const struct rad_pixel *row[8];
 
@@ -80,8 +57,8 @@ look(struct picture *p, int n, struct rad_doubt_share share)
                                     .row = row };
 
         for (int i = 0; i < r.n; i++)
-            row[i] = p->pixel + (size_t)(y + i) * (size_t)f->width;
-        ck_assert(rad_doubt_look(&r, &p->w.ctx, &share, NULL, &found));
+            row[i] = pic.pixel + (size_t)(y + i) * (size_t)f->width;
+        ck_assert(rad_doubt_look(&r, &pic.w.ctx, &share, NULL, &found));
     }
     return found;
 }
@@ -93,12 +70,10 @@ look(struct picture *p, int n, struct rad_doubt_share share)
 START_TEST(a_true_picture_has_no_error)
 {
     static const int lines[] = { 1, 2, 3, 5, 8 };
-    struct picture p = { 0 };
 
-    make(&p, PURE);
+    make(PURE);
     for (int i = 0; i < 5; i++) {
-        struct rad_doubt d =
-            look(&p, lines[i], (struct rad_doubt_share){ .01, 0 });
+        struct rad_doubt d = look(lines[i], (struct rad_doubt_share){ .01, 0 });
         struct rad_error_estimate e = rad_doubt_error(&d);
 
         /* the lamp, which is tiny, has a penumbra */
@@ -106,7 +81,6 @@ START_TEST(a_true_picture_has_no_error)
         /* as many areas as there are, on average */
         ck_assert_double_eq_tol(d.v[RAD_DOUBT_AREAS], 90 * 90 / 25., 120);
     }
-    drop(&p);
 }
 END_TEST
 
@@ -118,43 +92,39 @@ static const struct {
 START_TEST(what_is_off_is_found)
 {
     double share, off = log(1.2);
-    struct picture p = { 0 };
     struct rad_doubt d;
 
-    make(&p, PURE);
+    make(PURE);
     for (int y = parts[_i].y0; y < parts[_i].y1; y++)
         for (int x = parts[_i].x0; x < parts[_i].x1; x++) {
-            struct rad_rgb *L = &p.pixel[y * 90 + x].L;
+            struct rad_rgb *L = &pic.pixel[y * 90 + x].L;
 
             *L = rad_rgb_scale(*L, 1.2f);
         }
     share = (parts[_i].x1 - parts[_i].x0) * (parts[_i].y1 - parts[_i].y0) /
             (90. * 90);
-    d = look(&p, 3, (struct rad_doubt_share){ .02, 0 });
+    d = look(3, (struct rad_doubt_share){ .02, 0 });
     ck_assert_double_eq_tol(rad_doubt_error(&d).all, off * sqrt(share),
                             .15 * off);
     ck_assert_double_eq(rad_doubt_error(&d).ambient, 0);
-    drop(&p);
 }
 END_TEST
 
 /* One pixel of each 5 by 5, which is most of their light. */
 START_TEST(what_few_pixels_are_off_by_is_found)
 {
-    struct picture p = { 0 };
     struct rad_doubt d;
 
-    make(&p, PURE);
+    make(PURE);
     for (int y = 2; y < 90; y += 5)
         for (int x = 3; x < 90; x += 5) {
-            struct rad_rgb *L = &p.pixel[y * 90 + x].L;
+            struct rad_rgb *L = &pic.pixel[y * 90 + x].L;
 
             *L = rad_rgb_scale(*L, 1000);
         }
-    d = look(&p, 5, (struct rad_doubt_share){ .02, 0 });
+    d = look(5, (struct rad_doubt_share){ .02, 0 });
     ck_assert_double_gt(rad_doubt_error(&d).all, .8);
     ck_assert_double_le(rad_doubt_error(&d).all, 1.2);
-    drop(&p);
 }
 END_TEST
 
@@ -162,35 +132,31 @@ END_TEST
  * counts as much as all others: its columns are part of the last one. */
 START_TEST(a_narrow_rest_is_no_area_by_itself)
 {
-    struct picture p = { 0 };
     struct rad_doubt d;
 
-    make(&p, PURE);
+    make(PURE);
     for (int y = 0; y < 90; y++)
         for (int x = 88; x < 90; x++) {
-            struct rad_rgb *L = &p.pixel[y * 90 + x].L;
+            struct rad_rgb *L = &pic.pixel[y * 90 + x].L;
 
             *L = rad_rgb_scale(*L, 1.5f);
         }
-    d = look(&p, 3, (struct rad_doubt_share){ .02, 0 });
+    d = look(3, (struct rad_doubt_share){ .02, 0 });
     /* of 11 areas the last has 2 of 9 columns that are off */
     ck_assert_double_gt(rad_doubt_error(&d).all, .01);
     ck_assert_double_lt(rad_doubt_error(&d).all, .06);
-    drop(&p);
 }
 END_TEST
 
 /* A floor that reflects a window is too dark without it. */
 START_TEST(gloss_that_is_left_out_shows)
 {
-    struct picture p = { 0 };
     struct rad_doubt d;
 
-    make(&p, PURE "-st .1");
-    d = look(&p, 3, (struct rad_doubt_share){ .02, 0 });
+    make(PURE "-st .1");
+    d = look(3, (struct rad_doubt_share){ .02, 0 });
     ck_assert_double_gt(rad_doubt_error(&d).all, .03);
-    ck_assert_double_eq(p.w.ctx.job->params.specthresh, .1);
-    drop(&p);
+    ck_assert_double_eq(pic.w.ctx.job->params.specthresh, .1);
 }
 END_TEST
 
@@ -204,21 +170,19 @@ START_TEST(noise_of_hemispheres_shows)
 
     for (int i = 0; i < 3; i++) {
         char options[300];
-        struct picture p = { 0 };
         struct rad_doubt d;
         struct rad_error_estimate e;
 
         snprintf(options, sizeof options,
                  PURE "-x 45 -y 45 -ab 1 -aa .3 -ar 32 %s", finer[i]);
-        make(&p, options);
-        d = look(&p, 3, share);
+        make(options);
+        d = look(3, share);
         e = rad_doubt_error(&d);
         ck_assert_double_gt(d.v[RAD_DOUBT_PLACES], 2);
         ck_assert_double_gt(e.ambient, 0);
         ck_assert_double_lt(e.ambient, .8 * last);
-        ck_assert(!p.w.ctx.fresh && p.w.ctx.job == p.w.job);
+        ck_assert(!pic.w.ctx.fresh && pic.w.ctx.job == pic.w.job);
         last = e.ambient;
-        drop(&p);
     }
 }
 END_TEST
@@ -231,17 +195,15 @@ START_TEST(noise_of_small_zones_averages_out_in_areas)
 
     for (int i = 0; i < 2; i++) {
         char options[300];
-        struct picture p = { 0 };
         struct rad_doubt d;
 
         snprintf(options, sizeof options, PURE "-x 45 -y 45 -ab 1 -ad 8 %s",
                  zones[i]);
-        make(&p, options);
-        d = look(&p, 3, (struct rad_doubt_share){ .002, 3 });
+        make(options);
+        d = look(3, (struct rad_doubt_share){ .002, 3 });
         ck_assert_double_gt(d.v[RAD_DOUBT_PLACES], 100);
         square[i] = d.v[RAD_DOUBT_AMBIENT] / d.v[RAD_DOUBT_PLACES];
         said[i] = d.v[RAD_DOUBT_SAID] / d.v[RAD_DOUBT_PLACES];
-        drop(&p);
     }
     ck_assert_double_lt(square[1], .5 * square[0]);
     /* what records say is no more than twice what is found, or so: a pixel's
@@ -254,18 +216,16 @@ END_TEST
 START_TEST(it_is_a_function_of_the_job)
 {
     const struct rad_doubt_share share = { .01, 0 };
-    struct picture p = { 0 };
     struct rad_doubt a, b;
 
-    make(&p, PURE "-ps 4 -pt .2 -dj .9 -pj .9 -ss 1");
-    a = look(&p, 3, share);
-    rad_frame_pixel(&p.frame, &p.w.ctx, 3, 4, &p.pixel[0]);
-    p.pixel[0] = p.pixel[1];
-    b = look(&p, 3, share);
+    make(PURE "-ps 4 -pt .2 -dj .9 -pj .9 -ss 1");
+    a = look(3, share);
+    rad_frame_pixel(&pic.frame, &pic.w.ctx, 3, 4, &pic.pixel[0]);
+    pic.pixel[0] = pic.pixel[1];
+    b = look(3, share);
     for (int i = 0; i < RAD_DOUBT_SUMS; i++)
         ck_assert_double_eq_tol(a.v[i], b.v[i], i == RAD_DOUBT_AREAS ? 1e3 : 2);
     ck_assert_double_gt(rad_doubt_error(&a).all, 0);
-    drop(&p);
 }
 END_TEST
 
@@ -275,17 +235,15 @@ START_TEST(it_can_be_stopped)
     const struct rad_doubt_share share = { 1, 0 };
     const struct rad_pixel *row;
     struct rad_doubt found = { { 0 } };
-    struct picture p = { 0 };
     struct rad_doubt_rows r;
 
-    make(&p, PURE);
-    row = p.pixel;
+    make(PURE);
+    row = pic.pixel;
     r = (struct rad_doubt_rows){
-        .frame = &p.frame, .width = p.frame.width, .n = 1, .row = &row
+        .frame = &pic.frame, .width = pic.frame.width, .n = 1, .row = &row
     };
-    ck_assert(!rad_doubt_look(&r, &p.w.ctx, &share, &stop, &found));
+    ck_assert(!rad_doubt_look(&r, &pic.w.ctx, &share, &stop, &found));
     ck_assert_double_eq(found.v[RAD_DOUBT_AREAS], 0);
-    drop(&p);
 }
 END_TEST
 
@@ -360,6 +318,7 @@ main(void)
     Suite *s = suite_create("doubt");
     TCase *tc = tcase_create("doubt");
 
+    tcase_add_checked_fixture(tc, NULL, tear_down);
     tcase_set_timeout(tc, 60);
     tcase_add_test(tc, a_true_picture_has_no_error);
     tcase_add_loop_test(tc, what_is_off_is_found, 0, N_ELEM(parts));

@@ -3,49 +3,34 @@
 
 #include "picture/frame.h"
 #include "base/rng.h"
-#include "scene/file/parse.h"
-#include "tests/unit.h"
+#include "tests/world_picture.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
 
-/* A scene in text, ready to be looked at. */
-struct stage {
-    struct rad_scene *scene;
-    struct rad_job *job;
-    struct rad_ctx ctx;
-    struct rad_frame frame;
-};
+static struct picture pic;
 
 static void
-stage_init(struct stage *s, const char *scene, struct rad_params p,
-           const char *view, bool depth)
+tear_down(void)
 {
-    static const struct rad_files none = { NULL, NULL };
-    struct rad_error err = { 0 };
-    struct rad_view v;
-
-    s->scene = rad_scene_new();
-    ck_assert_msg(rad_parse_text(s->scene, scene, strlen(scene), "scene", NULL,
-                                 &err) == 0,
-                  "%s", err.what);
-    s->job = rad_job_new(s->scene, &p, &none, &err);
-    ck_assert_msg(s->job != NULL, "%s", err.what);
-    ck_assert_int_eq(rad_ctx_init(&s->ctx, s->job, &err), 0);
-    rad_view_init(&v);
-    rad_view_line(&v, view, strlen(view), NULL);
-    ck_assert_msg(rad_frame_init(&s->frame, s->job, &v, 0, depth, &err) == 0,
-                  "%s", err.what);
+    picture_close(&pic);
 }
 
 static void
-stage_release(struct stage *s)
+show_in(struct picture *at, const char *scene, struct rad_params p,
+        const char *view, bool depth)
 {
-    rad_frame_release(&s->frame);
-    rad_ctx_release(&s->ctx);
-    rad_job_free(s->job);
-    rad_scene_free(s->scene);
+    picture_close(at);
+    at->w.params = p;
+    ck_assert_msg(world_build(&at->w, scene, NULL) == 0, "%s", at->w.err.what);
+    world_frame(&at->w, view, depth, &at->frame);
+}
+
+static void
+show(const char *scene, struct rad_params p, const char *view, bool depth)
+{
+    show_in(&pic, scene, p, view, depth);
 }
 
 static struct rad_params
@@ -60,28 +45,10 @@ params(int size, int psample)
     return p;
 }
 
-/* Render window w into its place in the picture. */
 static void
-render(struct stage *s, struct rad_pixel *picture, struct rad_window w)
+render(struct rad_pixel *pixel, struct rad_window part)
 {
-    struct rad_pixel **rows = malloc((size_t)w.height * sizeof *rows);
-
-    for (int k = 0; k < w.height; k++)
-        rows[k] = picture + (w.y + k) * s->frame.width + w.x;
-    ck_assert_int_eq(rad_frame_window(&s->frame, &s->ctx, &w, rows), 0);
-    free(rows);
-}
-
-static struct rad_pixel *
-render_all(struct stage *s)
-{
-    struct rad_window all = { 0, 0, s->frame.width, s->frame.height };
-    struct rad_pixel *picture =
-        calloc((size_t)(all.width * all.height), sizeof *picture);
-
-    ck_assert_ptr_nonnull(picture);
-    render(s, picture, all);
-    return picture;
+    world_render(&pic.w, &pic.frame, part, pixel);
 }
 
 /* A lamp overhead and a ball before a wall; a lamp too small to be met. */
@@ -92,33 +59,30 @@ static const char room[] =
     "grey sphere ball 0 0 4 .4 4 -.2 .5\n"
     "lamp polygon l 0 0 12 -1 3 3 -1 4 3 1 4 3 1 3 3\n"
     "dot sphere d 0 0 4 -.61 4.01 .33 .003\n";
-static const char ahead[] = "VIEW= -vp 0 0 0 -vd 0 1 0 -vu 0 0 1 -vh 40 -vv 40";
+static const char ahead[] = "-vp 0 0 0 -vd 0 1 0 -vu 0 0 1 -vh 40 -vv 40";
 
 START_TEST(windows_make_the_whole_with_every_pixel_traced)
 {
-    struct stage s;
     struct rad_pixel *whole, *parts;
     struct rad_counts first;
 
-    stage_init(&s, room, params(48, 1), ahead, true);
-    ck_assert_int_eq(s.frame.paint.n, 1);
-    whole = render_all(&s);
-    first = s.ctx.counts;
+    show(room, params(48, 1), ahead, true);
+    ck_assert_int_eq(pic.frame.paint.n, 1);
+    whole = picture_render(&pic);
+    first = pic.w.ctx.counts;
     ck_assert_uint_eq(first.primary_rays, 48 * 48);
     ck_assert_uint_gt(first.paint_rays, 0);
     parts = calloc(48 * 48, sizeof *parts);
     for (int i = 11; i >= 0; i--) { /* 3 by 4 windows, the last one first */
         struct rad_window w = { i % 3 * 16, i / 3 * 12, 16, 12 };
 
-        render(&s, parts, w);
+        render(parts, w);
     }
     ck_assert_mem_eq(whole, parts, 48 * 48 * sizeof *whole);
-    ck_assert_uint_eq(s.ctx.counts.primary_rays, 2 * first.primary_rays);
-    ck_assert_uint_eq(s.ctx.counts.paint_rays, 2 * first.paint_rays);
-    ck_assert_uint_eq(s.ctx.counts.nan_pixels, 0);
-    free(whole);
+    ck_assert_uint_eq(pic.w.ctx.counts.primary_rays, 2 * first.primary_rays);
+    ck_assert_uint_eq(pic.w.ctx.counts.paint_rays, 2 * first.paint_rays);
+    ck_assert_uint_eq(pic.w.ctx.counts.nan_pixels, 0);
     free(parts);
-    stage_release(&s);
 }
 END_TEST
 
@@ -131,20 +95,15 @@ START_TEST(pixels_that_are_no_numbers_are_black_and_the_first_is_kept)
 {
     struct rad_params p = params(10, 1);
     struct rad_pixel *whole;
-    struct stage s;
 
     p.pixjitter = 0;
-    stage_init(&s, hot, p,
-               "VIEW= -vtl -vp .5 .5 1 -vd 0 0 -1 -vu 0 1 0 -vh 1 -vv 1",
-               false);
-    whole = render_all(&s);
-    ck_assert_uint_eq(s.ctx.counts.nan_pixels, 6);
-    ck_assert_int_eq(s.ctx.counts.nan_x, 1);
-    ck_assert_int_eq(s.ctx.counts.nan_y, 3);
+    show(hot, p, "-vtl -vp .5 .5 1 -vd 0 0 -1 -vu 0 1 0 -vh 1 -vv 1", false);
+    whole = picture_render(&pic);
+    ck_assert_uint_eq(pic.w.ctx.counts.nan_pixels, 6);
+    ck_assert_int_eq(pic.w.ctx.counts.nan_x, 1);
+    ck_assert_int_eq(pic.w.ctx.counts.nan_y, 3);
     for (int i = 0; i < 100; i++)
         ck_assert(whole[i].L.r == 0 && whole[i].L.g == 0 && whole[i].L.b == 0);
-    free(whole);
-    stage_release(&s);
 }
 END_TEST
 
@@ -154,19 +113,13 @@ START_TEST(painted_sources_that_are_no_numbers_count_too)
     static const char dot[] = "void light hot 0 0 3 1e39 1 1\n"
                               "hot sphere p 0 0 4 .22 .52 0 .001\n";
     struct rad_params p = params(10, 1);
-    struct rad_pixel *whole;
-    struct stage s;
 
     p.pixjitter = 0;
-    stage_init(&s, dot, p,
-               "VIEW= -vtl -vp .5 .5 1 -vd 0 0 -1 -vu 0 1 0 -vh 1 -vv 1",
-               false);
-    whole = render_all(&s);
-    ck_assert_uint_eq(s.ctx.counts.nan_pixels, 1);
-    ck_assert_int_eq(s.ctx.counts.nan_x, 2);
-    ck_assert_int_eq(s.ctx.counts.nan_y, 4);
-    free(whole);
-    stage_release(&s);
+    show(dot, p, "-vtl -vp .5 .5 1 -vd 0 0 -1 -vu 0 1 0 -vh 1 -vv 1", false);
+    picture_render(&pic);
+    ck_assert_uint_eq(pic.w.ctx.counts.nan_pixels, 1);
+    ck_assert_int_eq(pic.w.ctx.counts.nan_x, 2);
+    ck_assert_int_eq(pic.w.ctx.counts.nan_y, 4);
 }
 END_TEST
 
@@ -175,24 +128,22 @@ START_TEST(sampled_windows_repeat_themselves_in_any_order)
     static const struct rad_window w[] = { { 0, 0, 31, 17 },
                                            { 31, 0, 17, 48 },
                                            { 0, 17, 31, 31 } };
-    struct stage s;
     struct rad_pixel *a, *b;
     uint64_t n;
 
-    stage_init(&s, room, params(48, 4), ahead, false);
+    show(room, params(48, 4), ahead, false);
     a = calloc(48 * 48, sizeof *a);
     b = calloc(48 * 48, sizeof *b);
     for (int i = 0; i < 3; i++)
-        render(&s, a, w[i]);
-    n = s.ctx.counts.primary_rays;
+        render(a, w[i]);
+    n = pic.w.ctx.counts.primary_rays;
     ck_assert_uint_lt(n, 48 * 48);
     for (int i = 2; i >= 0; i--)
-        render(&s, b, w[i]);
+        render(b, w[i]);
     ck_assert_mem_eq(a, b, 48 * 48 * sizeof *a);
-    ck_assert_uint_eq(s.ctx.counts.primary_rays, 2 * n);
+    ck_assert_uint_eq(pic.w.ctx.counts.primary_rays, 2 * n);
     free(a);
     free(b);
-    stage_release(&s);
 }
 END_TEST
 
@@ -201,30 +152,26 @@ END_TEST
 START_TEST(a_frame_in_anothers_place_has_rays_of_its_own)
 {
     static const char *const views[] = {
-        "VIEW= -vp 0 0 0 -vd .3 1 0 -vu 0 0 1 -vh 40 -vv 40",
-        "VIEW= -vp .2 0 0 -vd 0 1 0 -vu 0 0 1 -vh 50 -vv 50 -vo .1 -va 30",
+        "-vp 0 0 0 -vd .3 1 0 -vu 0 0 1 -vh 40 -vv 40",
+        "-vp .2 0 0 -vd 0 1 0 -vu 0 0 1 -vh 50 -vv 50 -vo .1 -va 30",
     };
-    struct stage s, fresh;
+    struct picture fresh = { 0 };
     struct rad_pixel got, want;
-    struct rad_view v;
 
-    stage_init(&s, room, params(48, 1), ahead, true);
+    show(room, params(48, 1), ahead, true);
     for (int i = 0; i < 2; i++) {
         for (int x = 10; x < 20; x += 3)
-            rad_frame_pixel(&s.frame, &s.ctx, x, 20, &got);
-        rad_frame_release(&s.frame);
-        rad_view_init(&v);
-        rad_view_line(&v, views[i], strlen(views[i]), NULL);
-        ck_assert_int_eq(rad_frame_init(&s.frame, s.job, &v, 0, true, NULL), 0);
-        stage_init(&fresh, room, params(48, 1), views[i], true);
+            rad_frame_pixel(&pic.frame, &pic.w.ctx, x, 20, &got);
+        rad_frame_release(&pic.frame);
+        world_frame(&pic.w, views[i], true, &pic.frame);
+        show_in(&fresh, room, params(48, 1), views[i], true);
         for (int x = 22; x < 30; x++) {
-            rad_frame_pixel(&s.frame, &s.ctx, x, 20, &got);
-            rad_frame_pixel(&fresh.frame, &fresh.ctx, x, 20, &want);
+            rad_frame_pixel(&pic.frame, &pic.w.ctx, x, 20, &got);
+            rad_frame_pixel(&fresh.frame, &fresh.w.ctx, x, 20, &want);
             ck_assert_mem_eq(&got, &want, sizeof got);
         }
-        stage_release(&fresh);
+        picture_close(&fresh);
     }
-    stage_release(&s);
 }
 END_TEST
 
@@ -238,15 +185,14 @@ noise_of(int samples, double *mean)
     *mean = 0;
     for (int k = 0; k < 2; k++) {
         struct rad_params p = params(32, 1);
-        struct stage s;
 
         p.samples = samples;
         p.pixjitter = p.srcjitter = 1;
         p.seed = (uint64_t)k;
-        stage_init(&s, room, p, ahead, false);
-        picture[k] = render_all(&s);
-        ck_assert_uint_eq(s.ctx.counts.primary_rays, 32 * 32);
-        stage_release(&s);
+        show(room, p, ahead, false);
+        picture[k] = picture_render(&pic);
+        pic.pixel = NULL;
+        ck_assert_uint_eq(pic.w.ctx.counts.primary_rays, 32 * 32);
     }
     for (int i = 0; i < 32 * 32; i++) {
         double d = (double)(picture[0][i].L.g - picture[1][i].L.g);
@@ -275,13 +221,11 @@ START_TEST(seed_and_frame_move_the_jitter)
     struct rad_pixel *seen[3];
 
     for (int i = 0; i < 3; i++) {
-        struct stage s;
-
         p.seed = i == 1;
-        stage_init(&s, room, p, ahead, true);
-        s.frame.key = rad_key_frame(p.seed, i == 2);
-        seen[i] = render_all(&s);
-        stage_release(&s);
+        show(room, p, ahead, true);
+        pic.frame.key = rad_key_frame(p.seed, i == 2);
+        seen[i] = picture_render(&pic);
+        pic.pixel = NULL;
     }
     ck_assert_mem_ne(seen[0], seen[1], 256 * sizeof *seen[0]);
     ck_assert_mem_ne(seen[0], seen[2], 256 * sizeof *seen[0]);
@@ -298,14 +242,13 @@ START_TEST(what_is_out_of_focus_blurs_by_the_lens)
                                "g polygon p 0 0 12 0 8 -50 50 8 -50 50 8 50 0 "
                                "8 50\n";
     struct rad_params p = params(64, 1);
-    struct stage s;
     struct rad_pixel *seen;
     double sum[64] = { 0 };
 
     p.pixjitter = 0;
     p.aperture = 1;
-    stage_init(&s, half, p, "VIEW= -vtv -vd 0 4 0 -vh 90 -vv 90", false);
-    seen = render_all(&s);
+    show(half, p, "-vtv -vd 0 4 0 -vh 90 -vv 90", false);
+    seen = picture_render(&pic);
     for (int i = 0; i < 64 * 64; i++)
         sum[i % 64] += seen[i].L.r / 64;
     for (int x = 0; x < 64; x++) {
@@ -318,8 +261,6 @@ START_TEST(what_is_out_of_focus_blurs_by_the_lens)
         if (fabs(u) == .5)
             ck_assert_double_eq(sum[x], share);
     }
-    free(seen);
-    stage_release(&s);
 }
 END_TEST
 
@@ -333,18 +274,16 @@ START_TEST(motion_blurs_between_the_views)
                                "8 50\n";
     struct rad_params p = params(64, 1);
     struct rad_view before;
-    struct stage s;
     struct rad_pixel *seen;
     double sum[64] = { 0 };
-    char line[] = "VIEW= -vtl -vp 4 0 0 -vh 16 -vv 16";
+    char line[] = "-vtl -vp 4 0 0 -vh 16 -vv 16";
 
     p.pixjitter = 0;
     p.motion = .5;
-    stage_init(&s, half, p, "VIEW= -vtl -vh 16 -vv 16", false);
-    rad_view_init(&before);
-    rad_view_line(&before, line, strlen(line), NULL);
-    ck_assert_int_eq(rad_frame_move(&s.frame, &before, NULL), 0);
-    seen = render_all(&s);
+    show(half, p, "-vtl -vh 16 -vv 16", false);
+    ck_assert_int_eq(jobtext_view(line, &before, NULL), 0);
+    ck_assert_int_eq(rad_frame_move(&pic.frame, &before, NULL), 0);
+    seen = picture_render(&pic);
     for (int i = 0; i < 64 * 64; i++)
         sum[i % 64] += seen[i].L.r / 64;
     for (int x = 0; x < 64; x++) {
@@ -354,8 +293,6 @@ START_TEST(motion_blurs_between_the_views)
         ck_assert_double_eq_tol(sum[x], share,
                                 share > 0 && share < 1 ? .2 : 1e-12);
     }
-    free(seen);
-    stage_release(&s);
 }
 END_TEST
 
@@ -367,13 +304,11 @@ START_TEST(rows_count_from_the_top_and_jitter_stays_inside)
         "void glow g 0 0 4 1 1 1 -1\n"
         "g polygon q 0 0 12 -1 2 0 0 2 0 0 2 1 -1 2 1\n";
     struct rad_params p = params(10, 1);
-    struct stage s;
     struct rad_pixel *picture;
 
     p.pixjitter = 1;
-    stage_init(&s, square, p,
-               "VIEW= -vtl -vp 0 0 0 -vd 0 1 0 -vu 0 0 1 -vh 2 -vv 2", true);
-    picture = render_all(&s);
+    show(square, p, "-vtl -vp 0 0 0 -vd 0 1 0 -vu 0 0 1 -vh 2 -vv 2", true);
+    picture = picture_render(&pic);
     for (int y = 0; y < 10; y++)
         for (int x = 0; x < 10; x++) {
             bool lit = x < 5 && y < 5;
@@ -382,8 +317,6 @@ START_TEST(rows_count_from_the_top_and_jitter_stays_inside)
             ck_assert_float_eq_tol(picture[10 * y + x].z, lit ? 2 : 1e10f,
                                    lit ? 1e-6f : 1);
         }
-    free(picture);
-    stage_release(&s);
 }
 END_TEST
 
@@ -400,14 +333,13 @@ START_TEST(small_lamps_are_painted_with_their_area)
     double sum[3] = { 0 };
 
     for (int visible = 0; visible < 2; visible++) {
-        struct stage s;
         struct rad_pixel *picture;
 
         p.directvis = visible;
         p.pixjitter = 0;
-        stage_init(&s, lamp, p, "VIEW= -vh 90 -vv 90", false);
-        ck_assert_int_eq(s.frame.paint.n, visible);
-        picture = render_all(&s);
+        show(lamp, p, "-vh 90 -vv 90", false);
+        ck_assert_int_eq(pic.frame.paint.n, visible);
+        picture = picture_render(&pic);
         sum[0] = sum[1] = sum[2] = 0;
         for (int i = 0; i < 400; i++) {
             sum[0] += picture[i].L.r;
@@ -417,9 +349,7 @@ START_TEST(small_lamps_are_painted_with_their_area)
         if (!visible)
             ck_assert_double_eq(sum[0] + sum[1] + sum[2], 0);
         /* about the picture's centre: four pixels share it */
-        ck_assert_uint_eq(s.ctx.counts.paint_rays, visible ? 4 : 0);
-        free(picture);
-        stage_release(&s);
+        ck_assert_uint_eq(pic.w.ctx.counts.paint_rays, visible ? 4 : 0);
     }
     ck_assert_double_eq_tol(sum[0], 100 * area / 4 * 400, 1e-4);
     ck_assert_double_eq_tol(sum[2], 25 * area / 4 * 400, 1e-4);
@@ -476,7 +406,6 @@ START_TEST(thin_lamps_are_painted_as_large_as_rpict_does)
 {
     struct rad_params p = params(20, thin[_i].psample);
     struct rad_pixel *picture;
-    struct stage s;
     char scene[512], view[128];
     double sum = 0;
 
@@ -487,17 +416,15 @@ START_TEST(thin_lamps_are_painted_as_large_as_rpict_does)
              "void light l 0 0 3 100 100 100 void mirror m 0 0 3 .8 .8 .8\n"
              "%s\n",
              thin[_i].lamp);
-    snprintf(view, sizeof view, "VIEW= -vp 0 0 0 -vd 0 1 0 -vu 0 0 1 %s",
+    snprintf(view, sizeof view, "-vp 0 0 0 -vd 0 1 0 -vu 0 0 1 %s",
              thin[_i].view);
-    stage_init(&s, scene, p, view, false);
-    picture = render_all(&s);
+    show(scene, p, view, false);
+    picture = picture_render(&pic);
     for (int i = 0; i < 400; i++)
         sum += picture[i].L.r / 100;
     /* rpict's pictures have 8 bits */
     ck_assert_double_eq_tol(sum, thin[_i].filled,
                             .005 * thin[_i].filled + 1e-9);
-    free(picture);
-    stage_release(&s);
 }
 END_TEST
 
@@ -512,18 +439,14 @@ START_TEST(lamps_before_what_a_sample_met_are_added)
     p.pixjitter = 0;
     for (int depth = 0; depth < 2; depth++) {
         struct rad_pixel *picture;
-        struct stage s;
         double sum = 0;
 
-        stage_init(&s,
-                   "void light l 0 0 3 20 20 20\nl sphere b 0 0 4 0 0 2.5 .2\n",
-                   p, "VIEW= -vp 0 -6 1 -vd 0 1 .1 -vh 45 -vv 45", depth);
-        picture = render_all(&s);
+        show("void light l 0 0 3 20 20 20\nl sphere b 0 0 4 0 0 2.5 .2\n", p,
+             "-vp 0 -6 1 -vd 0 1 .1 -vh 45 -vv 45", depth);
+        picture = picture_render(&pic);
         for (int i = 0; i < 256; i++)
             sum += picture[i].L.r / 100;
         ck_assert_double_eq_tol(sum, filled[depth], .005 * filled[depth]);
-        free(picture);
-        stage_release(&s);
     }
 }
 END_TEST
@@ -536,11 +459,9 @@ START_TEST(wide_lamps_and_illums_are_not_painted)
         "i sphere window 0 0 4 .1 .9 .1 .001\n"
         "l sphere behind 0 0 4 0 -1 0 .001\n"
         "l sphere beside 0 0 4 5 1 0 .001\n";
-    struct stage s;
 
-    stage_init(&s, lamps, params(20, 1), "VIEW= -vh 90 -vv 90", false);
-    ck_assert_int_eq(s.frame.paint.n, 0);
-    stage_release(&s);
+    show(lamps, params(20, 1), "-vh 90 -vv 90", false);
+    ck_assert_int_eq(pic.frame.paint.n, 0);
 }
 END_TEST
 
@@ -575,15 +496,14 @@ START_TEST(windows_stay_in_the_picture)
         { 0, 0, 0, 5 },  { 0, 0, 5, -1 }, { 5, 2147483647, 5, 2147483647 }
     };
     struct rad_pixel line[48], *rows[48];
-    struct stage s;
 
     for (int k = 0; k < 48; k++)
         rows[k] = line;
-    stage_init(&s, room, params(48, 4), ahead, false);
+    show(room, params(48, 4), ahead, false);
     for (int i = 0; i < N_ELEM(bad); i++)
-        ck_assert_int_eq(rad_frame_window(&s.frame, &s.ctx, &bad[i], rows),
-                         RAD_EUSAGE);
-    stage_release(&s);
+        ck_assert_int_eq(
+            rad_frame_window(&pic.frame, &pic.w.ctx, &bad[i], rows),
+            RAD_EUSAGE);
 }
 END_TEST
 
@@ -612,6 +532,7 @@ main(void)
     Suite *s = suite_create("frame");
     TCase *tc = tcase_create("frame");
 
+    tcase_add_checked_fixture(tc, NULL, tear_down);
     tcase_add_test(tc, windows_make_the_whole_with_every_pixel_traced);
     tcase_add_test(tc,
                    pixels_that_are_no_numbers_are_black_and_the_first_is_kept);

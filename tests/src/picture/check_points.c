@@ -6,8 +6,7 @@
 #include "points/curve.h"
 #include "points/points.h"
 #include "picture/path.h"
-#include "scene/file/parse.h"
-#include "tests/unit.h"
+#include "tests/world.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -257,53 +256,49 @@ END_TEST
 static const char lamp[] = "void light bright 0 0 3 2 2 2\n"
                            "bright ring disk 0 0 8 0 0 3 0 0 -1 0 4\n";
 
+/* All zero before it is opened. */
 struct stage {
-    struct rad_scene *scene;
-    struct rad_job *job;
-    struct rad_ctx ctx;
+    struct world w;
     struct rad_points points;
     uint8_t *file;
     struct rad_frame frame;
 };
 
-static void
-stage_init(struct stage *s, const double (*p)[6], uint32_t n, uint64_t first,
-           uint32_t flags)
-{
-    static const struct rad_files none = { NULL, NULL };
-    struct rad_error err = { 0 };
-    struct rad_params params;
-    uint32_t pixel[16];
+static struct stage s;
 
-    rad_params_init(&params);
-    params.srcsizerat = .01;
-    params.shadthresh = 0;
-    params.srcjitter = first > 0;
-    for (uint32_t i = 0; i < n; i++)
-        pixel[i] = i;
-    s->scene = rad_scene_new();
-    ck_assert_int_eq(
-        rad_parse_text(s->scene, lamp, strlen(lamp), "lamp", NULL, &err), 0);
-    s->job = rad_job_new(s->scene, &params, &none, &err);
-    ck_assert_msg(s->job != NULL, "%s", err.what);
-    ck_assert_int_eq(rad_ctx_init(&s->ctx, s->job, &err), 0);
-    s->file =
-        rad_points_pack(p, n, first, flags, 2, (int)(n + 1) / 2, pixel);
-    ck_assert_int_eq(rad_points_open(&s->points, s->file,
-                                     rad_points_bytes(2, (int)(n + 1) / 2),
-                                     &err),
-                     0);
-    rad_frame_of_points(&s->frame, s->job, &s->points, 0);
+static void
+stage_close(struct stage *at)
+{
+    rad_frame_release(&at->frame);
+    free(at->file);
+    world_close(&at->w);
+    memset(at, 0, sizeof *at);
 }
 
 static void
-stage_release(struct stage *s)
+tear_down(void)
 {
-    rad_frame_release(&s->frame);
-    free(s->file);
-    rad_ctx_release(&s->ctx);
-    rad_job_free(s->job);
-    rad_scene_free(s->scene);
+    stage_close(&s);
+}
+
+static void
+stage_open(struct stage *at, const double (*p)[6], uint32_t n, uint64_t first,
+           uint32_t flags)
+{
+    struct rad_error err = { 0 };
+    uint32_t pixel[16];
+
+    stage_close(at);
+    for (uint32_t i = 0; i < n; i++)
+        pixel[i] = i;
+    world_open(&at->w, lamp,
+               first > 0 ? "-ds .01 -dt 0 -dj 1" : "-ds .01 -dt 0 -dj 0");
+    at->file = rad_points_pack(p, n, first, flags, 2, (int)(n + 1) / 2, pixel);
+    ck_assert_int_eq(rad_points_open(&at->points, at->file,
+                                     rad_points_bytes(2, (int)(n + 1) / 2),
+                                     &err),
+                     0);
+    rad_frame_of_points(&at->frame, at->w.job, &at->points, 0);
 }
 
 START_TEST(pixel_is_radiance_along_its_ray)
@@ -315,34 +310,30 @@ START_TEST(pixel_is_radiance_along_its_ray)
                              { 5, 0, 0, 0, 0, 1 },
                              { 0, 0, 0, 0, 0, 0 } };
     const double L[6] = { 2, 2, 0, 0, 0, 0 }, z[2] = { 3, 2 };
-    struct stage s;
     struct rad_pixel got;
 
-    stage_init(&s, p, 5, 0, 0);
+    stage_open(&s, p, 5, 0, 0);
     for (int i = 0; i < 6; i++) {
-        ck_assert_int_eq(rad_frame_pixel(&s.frame, &s.ctx, i % 2, i / 2, &got),
-                         i < 4);
+        ck_assert_int_eq(
+            rad_frame_pixel(&s.frame, &s.w.ctx, i % 2, i / 2, &got), i < 4);
         ck_assert_double_eq_tol((double)got.L.g, L[i], 1e-6);
         if (i < 2)
             ck_assert_double_eq_tol((double)got.z, z[i], 1e-6);
     }
-    ck_assert_uint_eq(s.ctx.counts.primary_rays, 4);
-    stage_release(&s);
+    ck_assert_uint_eq(s.w.ctx.counts.primary_rays, 4);
 }
 END_TEST
 
 START_TEST(length_of_direction_limits_a_ray_where_asked)
 {
     const double p[2][6] = { { 0, 0, 0, 0, 0, 2.9 }, { 0, 0, 0, 0, 0, 3.1 } };
-    struct stage s;
     struct rad_pixel got;
 
-    stage_init(&s, p, 2, 0, RAD_POINTS_LIMITED);
-    rad_frame_pixel(&s.frame, &s.ctx, 0, 0, &got);
+    stage_open(&s, p, 2, 0, RAD_POINTS_LIMITED);
+    rad_frame_pixel(&s.frame, &s.w.ctx, 0, 0, &got);
     ck_assert_double_eq_tol((double)got.L.g, 0, 1e-9);
-    rad_frame_pixel(&s.frame, &s.ctx, 1, 0, &got);
+    rad_frame_pixel(&s.frame, &s.w.ctx, 1, 0, &got);
     ck_assert_double_eq_tol((double)got.L.g, 2, 1e-6);
-    stage_release(&s);
 }
 END_TEST
 
@@ -354,15 +345,13 @@ START_TEST(pixel_is_irradiance_on_its_surface)
                              { 0, 0, 1, 0, 0, 5 },
                              { 0, 0, 0, 0, 0, -1 } };
     const double E[3] = { M_PI * 2 * 16 / 25, M_PI * 2 * 16 / 20, 0 };
-    struct stage s;
     struct rad_pixel got;
 
-    stage_init(&s, p, 3, 0, RAD_POINTS_IRRADIANCE);
+    stage_open(&s, p, 3, 0, RAD_POINTS_IRRADIANCE);
     for (int i = 0; i < 3; i++) {
-        ck_assert(rad_frame_pixel(&s.frame, &s.ctx, i % 2, i / 2, &got));
+        ck_assert(rad_frame_pixel(&s.frame, &s.w.ctx, i % 2, i / 2, &got));
         ck_assert_double_eq_tol((double)got.L.g, E[i], 2e-3 * E[i] + 1e-9);
     }
-    stage_release(&s);
 }
 END_TEST
 
@@ -373,20 +362,19 @@ START_TEST(value_goes_by_the_number_of_the_point)
                              { 3, 0, 2, 0, 0, 1 },
                              { 3, 0, 2, 0, 0, 1 },
                              { 3, 0, 2, 0, 0, 1 } };
-    struct stage all, one;
+    struct stage one = { 0 };
     struct rad_pixel a[4], b;
 
-    stage_init(&all, p, 4, 7, RAD_POINTS_IRRADIANCE);
+    stage_open(&s, p, 4, 7, RAD_POINTS_IRRADIANCE);
     for (int i = 0; i < 4; i++)
-        rad_frame_pixel(&all.frame, &all.ctx, i % 2, i / 2, &a[i]);
+        rad_frame_pixel(&s.frame, &s.w.ctx, i % 2, i / 2, &a[i]);
     for (int i = 0; i < 4; i++) {
-        stage_init(&one, p, 1, 7 + (uint64_t)i, RAD_POINTS_IRRADIANCE);
-        rad_frame_pixel(&one.frame, &one.ctx, 0, 0, &b);
+        stage_open(&one, p, 1, 7 + (uint64_t)i, RAD_POINTS_IRRADIANCE);
+        rad_frame_pixel(&one.frame, &one.w.ctx, 0, 0, &b);
         ck_assert(a[i].L.g == b.L.g);
         ck_assert(i == 0 || a[i].L.g != a[i - 1].L.g);
-        stage_release(&one);
+        stage_close(&one);
     }
-    stage_release(&all);
 }
 END_TEST
 
@@ -395,33 +383,32 @@ START_TEST(path_begins_on_the_surface)
 {
     const double p[1][6] = { { 0, 0, 0, 0, 0, 1 } };
     struct rad_ray r, to;
-    struct stage s;
     int begun = 0, met = 0;
 
-    stage_init(&s, p, 1, 0, RAD_POINTS_IRRADIANCE);
+    stage_open(&s, p, 1, 0, RAD_POINTS_IRRADIANCE);
     for (uint64_t i = 0; i < 200; i++) {
-        if (!rad_path_begin(&s.frame, &s.ctx, 1, i, i, &r))
+        if (!rad_path_begin(&s.frame, &s.w.ctx, 1, i, i, &r))
             continue;
         begun++;
-        ck_assert(rad_path_bounce(&s.ctx, &r, i, 0, &to));
+        ck_assert(rad_path_bounce(&s.w.ctx, &r, i, 0, &to));
         ck_assert_double_gt(to.dir[2], 0);
-        met += rad_path_meet(&s.ctx, &to);
+        met += rad_path_meet(&s.w.ctx, &to);
     }
     ck_assert_int_ge(begun, 90); /* one of the two pixels has no point */
     ck_assert_int_le(begun, 110);
     /* 16 of 25 go to the lamp */
     ck_assert_int_ge(met, begun / 2);
     ck_assert_int_le(met, begun * 3 / 4);
-    stage_release(&s);
 }
 END_TEST
 
 int
 main(void)
 {
-    Suite *s = suite_create("points");
+    Suite *suite = suite_create("points");
     TCase *tc = tcase_create("points");
 
+    tcase_add_checked_fixture(tc, NULL, tear_down);
     tcase_add_test(tc,
                    square_curve_goes_once_through_all_cells_in_steps_of_one);
     tcase_add_test(tc, cube_curve_goes_once_through_all_cells_in_steps_of_one);
@@ -436,6 +423,6 @@ main(void)
     tcase_add_test(tc, pixel_is_irradiance_on_its_surface);
     tcase_add_test(tc, value_goes_by_the_number_of_the_point);
     tcase_add_test(tc, path_begins_on_the_surface);
-    suite_add_tcase(s, tc);
-    return unit_run(s);
+    suite_add_tcase(suite, tc);
+    return unit_run(suite);
 }
