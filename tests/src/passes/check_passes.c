@@ -112,11 +112,21 @@ work(void *arg)
     return NULL;
 }
 
+/* All tiles of a pass, which do not see the last `behind` that are closed. */
 static void
-make_tiles(struct tiles *t, int threads)
+make_pass(struct tiles *t, struct room *m, struct rad_passes *p,
+          const struct rad_pass *pass, uint32_t behind, int threads,
+          bool backward, bool twice)
 {
     pthread_t thread[THREADS];
 
+    *t = (struct tiles){
+        p,      m->w.job,    pass,
+        behind, pass->tiles, backward,
+        twice,  0,           calloc(pass->tiles, sizeof *t->list)
+    };
+    ck_assert_ptr_nonnull(t->list);
+    ck_assert_int_eq(rad_passes_begin(p, &m->w.ctx, pass, NULL), 0);
     for (int i = 0; i < threads; i++)
         ck_assert_int_eq(pthread_create(&thread[i], NULL, work, t), 0);
     for (int i = 0; i < threads; i++)
@@ -134,6 +144,7 @@ close_pass(struct room *m, const struct tiles *t)
         rad_ambient_insert_all(m->w.job->ambient, t->list[i].rec, t->list[i].n);
     }
     ck_assert(rad_ambient_settle(m->w.job->ambient));
+    free(t->list);
 }
 
 static void
@@ -145,21 +156,11 @@ fill(struct room *m, int threads, bool backward, bool twice)
 
     ck_assert_ptr_nonnull(p);
     for (uint32_t i = 0; i < n; i++) {
-        struct tiles t = { p,
-                           m->w.job,
-                           &pass[i],
-                           i - pass[i].reads,
-                           pass[i].tiles,
-                           backward,
-                           twice,
-                           0,
-                           calloc(pass[i].tiles, sizeof *t.list) };
+        struct tiles t;
 
-        ck_assert_ptr_nonnull(t.list);
-        ck_assert_int_eq(rad_passes_begin(p, &m->w.ctx, &pass[i], NULL), 0);
-        make_tiles(&t, threads);
+        make_pass(&t, m, p, &pass[i], i - pass[i].reads, threads, backward,
+                  twice);
         close_pass(m, &t);
-        free(t.list);
     }
     ck_assert(rad_ambient_smooth(m->w.job->ambient));
     rad_passes_free(p);
@@ -212,24 +213,11 @@ fill_parts(struct room *m, int threads, uint32_t ahead)
     memset(t, 0, sizeof t);
     ck_assert_ptr_nonnull(p);
     for (uint32_t i = 0; i < n; i++) {
-        for (uint32_t k = i; k <= i + ahead && k < n; k++) {
-            if (t[k].list || pass[k].reads > i)
-                continue;
-            t[k] = (struct tiles){ p,
-                                   m->w.job,
-                                   &pass[k],
-                                   i - pass[k].reads,
-                                   pass[k].tiles,
-                                   ahead > 0,
-                                   false,
-                                   0,
-                                   calloc(pass[k].tiles, sizeof *t->list) };
-            ck_assert_ptr_nonnull(t[k].list);
-            ck_assert_int_eq(rad_passes_begin(p, &m->w.ctx, &pass[k], NULL), 0);
-            make_tiles(&t[k], threads);
-        }
+        for (uint32_t k = i; k <= i + ahead && k < n; k++)
+            if (!t[k].list && pass[k].reads <= i)
+                make_pass(&t[k], m, p, &pass[k], i - pass[k].reads, threads,
+                          ahead > 0, false);
         close_pass(m, &t[i]);
-        free(t[i].list);
     }
     ck_assert(rad_ambient_smooth(m->w.job->ambient));
     rad_passes_free(p);
