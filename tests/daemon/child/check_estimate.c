@@ -1,13 +1,10 @@
 /* check_estimate.c - random pixels that tell what a part of a picture costs */
 #include "config.h"
 
-#include "machine/jobtext.h"
 #include "picture/estimate.h"
-#include "child/pool.h"
 #include "ground/sanitized.h"
-#include "scene/file/parse.h"
 
-#include "tests/unit.h"
+#include "pool_fixture.h"
 
 #include <malloc.h>
 #include <string.h>
@@ -127,16 +124,6 @@ static const char scene_text[] =
     "void plastic grey 0 0 5 .4 .4 .4 0 0\n"
     "grey polygon floor 0 0 12 -9 -9 0 9 -9 0 9 9 0 -9 9 0\n";
 
-struct fixture {
-    struct rad_scene *scene;
-    struct rad_job *job;
-    struct rad_frame frame;
-    uv_loop_t loop;
-    struct pool *pool;
-    struct estimate *done;
-    double wall_s;
-};
-
 static void
 on_rows(void *arg, const struct pool_rows *r)
 {
@@ -145,77 +132,50 @@ on_rows(void *arg, const struct pool_rows *r)
     ck_abort_msg("no unit was given");
 }
 
+static struct estimate *done;
+static double done_s; /* how long it took */
+
 static void
 on_estimated(void *arg, struct estimate *e, double wall_s)
 {
-    struct fixture *f = arg;
-
-    ck_assert_ptr_null(f->done);
-    f->done = e;
-    f->wall_s = wall_s;
+    (void)arg;
+    ck_assert_ptr_null(done);
+    done = e;
+    done_s = wall_s;
 }
 
 /* A fish-eye shows nothing in its corners. */
 static void
-open_fixture(struct fixture *f, const char *options, bool depth, int threads)
+open_pool(const char *options, bool depth, int threads)
 {
-    struct rad_error err = { 0 };
-    struct rad_params params;
-    struct rad_view view;
-
-    memset(f, 0, sizeof *f);
-    f->scene = rad_scene_new();
-    ck_assert_int_eq(rad_parse_text(f->scene, scene_text, sizeof scene_text - 1,
-                                    "test", NULL, &err),
-                     0);
-    ck_assert_int_eq(jobtext_params(options, &params, &err), 0);
-    params.seed = 3;
-    f->job = rad_job_new(f->scene, &params, NULL, &err);
-    ck_assert_msg(f->job != NULL, "%s", err.what);
-    ck_assert_int_eq(jobtext_view("-vth -vp 0 -6 2 -vd 0 1 -.2 -vh 180 -vv 180",
-                                  &view, &err),
-                     0);
-    ck_assert_int_eq(rad_frame_init(&f->frame, f->job, &view, 0, depth, &err),
-                     0);
-    ck_assert_int_eq(f->frame.width, WIDTH);
-    ck_assert_int_eq(f->frame.height, HEIGHT);
-    ck_assert_int_eq(uv_loop_init(&f->loop), 0);
-    f->pool = pool_new(&f->loop,
-                       &(struct pool_spec){ .job = f->job,
-                                            .frames = &f->frame,
-                                            .nthreads = threads,
-                                            .rows = on_rows,
-                                            .arg = f },
-                       &err);
-    ck_assert_msg(f->pool != NULL, "%s", err.what);
+    pool_open(scene_text, options,
+              "-vth -vp 0 -6 2 -vd 0 1 -.2 -vh 180 -vv 180", depth, threads,
+              on_rows);
+    ck_assert_int_eq(f.frame.width, WIDTH);
+    ck_assert_int_eq(f.frame.height, HEIGHT);
 }
 
 static void
-close_fixture(struct fixture *f)
+tear_down(void)
 {
-    estimate_free(f->done);
-    pool_free(f->pool);
-    uv_run(&f->loop, UV_RUN_DEFAULT);
-    ck_assert_int_eq(uv_loop_close(&f->loop), 0);
-    rad_frame_release(&f->frame);
-    rad_job_free(f->job);
-    rad_scene_free(f->scene);
+    estimate_free(done);
+    done = NULL;
+    pool_close();
 }
 
-static const char options[] = "-x 64 -y 48 -pa 0 -ab 0 -ps 6 -pt .05 -pj .67";
+static const char usual[] =
+    "--seed=3 -x 64 -y 48 -pa 0 -ab 0 -ps 6 -pt .05 -pj .67";
 
 START_TEST(more_pixels_than_there_are_is_all_of_them)
 {
-    static struct fixture f;
     static struct rad_sampled out[1000];
     const struct rad_window part = { 20, 20, 8, 5 };
     struct rad_estimate cost = { 0 };
-    struct rad_ctx ctx;
     size_t n;
 
-    open_fixture(&f, options, false, 1);
-    ck_assert_int_eq(rad_ctx_init(&ctx, f.job, NULL), 0);
-    n = rad_estimate_trace(&f.frame, &ctx, &part, 0, 1000, NULL, &cost, out);
+    open_pool(usual, false, 1);
+    n = rad_estimate_trace(&f.frame, &f.w.ctx, &part, 0, 1000, NULL, &cost,
+                           out);
     rad_estimate_sort(out, n);
     ck_assert_uint_eq(n, 40);
     for (size_t i = 0; i < n; i++) { /* in order, and as they are */
@@ -223,14 +183,12 @@ START_TEST(more_pixels_than_there_are_is_all_of_them)
 
         ck_assert_int_eq(out[i].x, part.x + (int)i % 8);
         ck_assert_int_eq(out[i].y, part.y + (int)i / 8);
-        rad_frame_pixel(&f.frame, &ctx, out[i].x, out[i].y, &p);
+        rad_frame_pixel(&f.frame, &f.w.ctx, out[i].x, out[i].y, &p);
         ck_assert_mem_eq(&p.L, &out[i].pixel.L, sizeof p.L);
     }
-    ck_assert_uint_eq(2 * cost.rays, ctx.counts.rays);
-    ck_assert_uint_eq(2 * cost.tests, ctx.counts.geom.tests);
+    ck_assert_uint_eq(2 * cost.rays, f.w.ctx.counts.rays);
+    ck_assert_uint_eq(2 * cost.tests, f.w.ctx.counts.geom.tests);
     ck_assert_uint_gt(cost.tests, 0);
-    rad_ctx_release(&ctx);
-    close_fixture(&f);
 }
 END_TEST
 
@@ -254,19 +212,18 @@ lines_of_frame(struct msg_area *area)
 }
 
 static void
-make_estimate(struct fixture *f, uint32_t rays, const struct msg_area *areas,
-              uint32_t n)
+make_estimate(uint32_t rays, const struct msg_area *areas, uint32_t n)
 {
     struct msg_estimate m = {
         .id = 9, .rays = rays, .nareas = n, .areas = areas
     };
     struct rad_error err = { 0 };
-    struct estimate *e = estimate_new(&f->frame, 1, &m, &err);
+    struct estimate *e = estimate_new(&f.frame, 1, &m, &err);
 
     ck_assert_msg(e != NULL, "%s", err.what);
-    ck_assert(pool_estimate(f->pool, e, on_estimated));
-    while (!f->done)
-        uv_run(&f->loop, UV_RUN_ONCE);
+    ck_assert(pool_estimate(f.pool, e, on_estimated));
+    while (!done)
+        uv_run(&f.loop, UV_RUN_ONCE);
 }
 
 static const struct {
@@ -279,42 +236,37 @@ static const struct {
  * memory of what hid the last light may spare others some. */
 START_TEST(threads_count_what_one_counts)
 {
-    static struct fixture f;
     static struct rad_sampled out[WIDTH * HEIGHT];
     struct msg_area areas[HEIGHT];
     struct msg_estimated got;
-    struct rad_ctx ctx;
     uint64_t tests = 0;
     uint32_t n = lines_of_frame(areas);
 
-    open_fixture(&f, options, runs[_i].depth, runs[_i].threads);
-    make_estimate(&f, runs[_i].rays, areas, n);
-    estimate_result(f.done, &got);
+    open_pool(usual, runs[_i].depth, runs[_i].threads);
+    make_estimate(runs[_i].rays, areas, n);
+    estimate_result(done, &got);
     ck_assert_uint_eq(got.id, 9);
     ck_assert_uint_eq(got.ncosts, n);
-    ck_assert_int_eq(rad_ctx_init(&ctx, f.job, NULL), 0);
     for (uint32_t i = 0; i < n; i++) {
         struct rad_window part = { (int)areas[i].x, (int)areas[i].y,
                                    (int)areas[i].width, (int)areas[i].height };
         struct rad_estimate cost = { 0 };
 
-        rad_estimate_trace(&f.frame, &ctx, &part, 0, runs[_i].rays, NULL, &cost,
-                           out);
+        rad_estimate_trace(&f.frame, &f.w.ctx, &part, 0, runs[_i].rays, NULL,
+                           &cost, out);
         ck_assert_uint_eq(got.costs[i].rays, cost.rays);
         if (runs[_i].threads == 1)
             ck_assert_uint_eq(got.costs[i].tests, cost.tests);
         tests += got.costs[i].tests;
     }
-    ck_assert_uint_eq(got.counts.rays, ctx.counts.rays);
+    ck_assert_uint_eq(got.counts.rays, f.w.ctx.counts.rays);
     ck_assert_uint_eq(got.counts.intersection_tests, tests);
     ck_assert_uint_gt(tests, 0);
-    ck_assert_uint_eq(got.counts.estimate_rays, ctx.counts.primary_rays);
+    ck_assert_uint_eq(got.counts.estimate_rays, f.w.ctx.counts.primary_rays);
     ck_assert_uint_eq(got.counts.primary_rays, 0);
     ck_assert_double_ge(got.counts.cpu_s, 0);
-    ck_assert_double_gt(f.wall_s, 0);
+    ck_assert_double_gt(done_s, 0);
     ck_assert_double_gt(pool_tally(f.pool).busy_s, 0);
-    rad_ctx_release(&ctx);
-    close_fixture(&f);
 }
 END_TEST
 
@@ -323,36 +275,34 @@ END_TEST
  * than twice as many. */
 START_TEST(ambient_values_are_made_before_rays_are_counted)
 {
-    static struct fixture f;
     const struct msg_area areas[2] = { { 0, 24, 20, 16, 4 },
                                        { 0, 30, 30, 3, 2 } };
     struct msg_estimated got;
     const struct msg_facts *m;
     uint32_t pixels = 0;
 
-    open_fixture(&f,
-                 "-x 64 -y 48 -pa 0 -ab 1 -aa .2 -ar 32 -ad 256 -as 0 -ps 6 "
-                 "-pt .05 -pj .67",
-                 false, 1);
-    make_estimate(&f, 4, areas, 2);
-    while ((m = estimate_facts(f.done)))
+    open_pool(
+        "--seed=3 -x 64 -y 48 -pa 0 -ab 1 -aa .2 -ar 32 -ad 256 -as 0 -ps 6 "
+        "-pt .05 -pj .67",
+        false, 1);
+    make_estimate(4, areas, 2);
+    while ((m = estimate_facts(done)))
         pixels += m->npixels;
     ck_assert_uint_eq(pixels, 4 + 4 + 6);
-    estimate_result(f.done, &got);
+    estimate_result(done, &got);
     ck_assert_uint_eq(got.counts.estimate_rays, 4 * 4);
     ck_assert_uint_gt(got.counts.ambient_values, 1);
     ck_assert_uint_ge(got.costs[0].rays, 4);
     ck_assert_uint_ge(got.costs[1].rays, 4);
     ck_assert_uint_lt(2 * (got.costs[0].rays + got.costs[1].rays),
                       got.counts.rays);
-    close_fixture(&f);
 }
 END_TEST
 
 /* What a FACTS says, put where it belongs; false for what is there already. */
 static void
-unpack_facts(const struct msg_facts *m, const struct fixture *f,
-             float picture[HEIGHT][WIDTH][4], bool known[HEIGHT][WIDTH])
+unpack_facts(const struct msg_facts *m, float picture[HEIGHT][WIDTH][4],
+             bool known[HEIGHT][WIDTH])
 {
     struct rad_quincunx q = { .width = WIDTH, .height = HEIGHT };
     const uint8_t *p = m->pixels;
@@ -363,7 +313,7 @@ unpack_facts(const struct msg_facts *m, const struct fixture *f,
     top = m->line > 0 ? rad_quincunx_base_row(&q, (int)m->line - 1) + 1 : 0;
     ck_assert_uint_eq(m->width, WIDTH);
     ck_assert_uint_eq(m->flags, MSG_FACTS_ESTIMATE);
-    ck_assert_uint_eq(m->channels, f->frame.depth ? 4 : 3);
+    ck_assert_uint_eq(m->channels, f.frame.depth ? 4 : 3);
     ck_assert_int_le(top + (int)(m->row + m->rows) - 1,
                      rad_quincunx_base_row(&q, (int)m->line));
     for (uint32_t r = 0; r < m->rows; r++)
@@ -383,27 +333,24 @@ unpack_facts(const struct msg_facts *m, const struct fixture *f,
 
 START_TEST(pixels_come_back_as_facts)
 {
-    static struct fixture f;
     static float picture[HEIGHT][WIDTH][4];
     static bool known[HEIGHT][WIDTH];
     struct msg_area areas[HEIGHT];
     struct msg_estimated got;
     struct msg_facts *m;
-    struct rad_ctx ctx;
     uint64_t n = 0;
 
     memset(known, 0, sizeof known);
-    open_fixture(&f, options, runs[_i].depth, runs[_i].threads);
-    make_estimate(&f, runs[_i].rays, areas, lines_of_frame(areas));
-    while ((m = estimate_facts(f.done)))
-        unpack_facts(m, &f, picture, known);
-    ck_assert_ptr_null(estimate_facts(f.done));
-    ck_assert_int_eq(rad_ctx_init(&ctx, f.job, NULL), 0);
+    open_pool(usual, runs[_i].depth, runs[_i].threads);
+    make_estimate(runs[_i].rays, areas, lines_of_frame(areas));
+    while ((m = estimate_facts(done)))
+        unpack_facts(m, picture, known);
+    ck_assert_ptr_null(estimate_facts(done));
     for (int y = 0; y < HEIGHT; y++)
         for (int x = 0; x < WIDTH; x++) {
             struct rad_pixel p;
 
-            rad_frame_pixel(&f.frame, &ctx, x, y, &p);
+            rad_frame_pixel(&f.frame, &f.w.ctx, x, y, &p);
             if (!known[y][x])
                 continue;
             n++;
@@ -411,20 +358,17 @@ START_TEST(pixels_come_back_as_facts)
             if (runs[_i].depth)
                 ck_assert_mem_eq(&picture[y][x][3], &p.z, sizeof(float));
         }
-    estimate_result(f.done, &got);
+    estimate_result(done, &got);
     ck_assert_uint_eq(n, got.counts.estimate_rays);
     ck_assert_uint_gt(n, 0);
     if (runs[_i].rays == 500) /* all that the fish-eye shows */
-        ck_assert_uint_eq(n, ctx.counts.primary_rays);
-    rad_ctx_release(&ctx);
-    close_fixture(&f);
+        ck_assert_uint_eq(n, f.w.ctx.counts.primary_rays);
 }
 END_TEST
 
 /* Areas need not be lines: each message is about one line all the same. */
 START_TEST(facts_of_any_area_are_told_line_by_line)
 {
-    static struct fixture f;
     static float picture[HEIGHT][WIDTH][4];
     static bool known[HEIGHT][WIDTH];
     const struct msg_area area = { 0, 20, 10, 16, 20 };
@@ -432,37 +376,33 @@ START_TEST(facts_of_any_area_are_told_line_by_line)
     int n = 0, told = 0;
 
     memset(known, 0, sizeof known);
-    open_fixture(&f, options, false, 2);
-    make_estimate(&f, 1000, &area, 1);
-    for (; (m = estimate_facts(f.done)); told++)
-        unpack_facts(m, &f, picture, known);
+    open_pool(usual, false, 2);
+    make_estimate(1000, &area, 1);
+    for (; (m = estimate_facts(done)); told++)
+        unpack_facts(m, picture, known);
     for (int y = 10; y < 30; y++)
         for (int x = 20; x < 36; x++)
             n += known[y][x];
     ck_assert_int_eq(n, 16 * 20);
     ck_assert_int_ge(told, 20 / 4); /* -ps 6 has a base line every 4 rows */
-    close_fixture(&f);
 }
 END_TEST
 
 START_TEST(an_estimate_of_nothing_is_answered)
 {
-    static struct fixture f;
     struct msg_estimated got;
 
-    open_fixture(&f, options, false, 2);
-    make_estimate(&f, 5, NULL, 0);
-    estimate_result(f.done, &got);
+    open_pool(usual, false, 2);
+    make_estimate(5, NULL, 0);
+    estimate_result(done, &got);
     ck_assert_uint_eq(got.ncosts, 0);
-    ck_assert_ptr_null(estimate_facts(f.done));
-    close_fixture(&f);
+    ck_assert_ptr_null(estimate_facts(done));
 }
 END_TEST
 
 /* It answers with what it has. */
 START_TEST(an_estimate_is_left_when_something_comes_first)
 {
-    static struct fixture f;
     struct msg_area areas[HEIGHT];
     struct msg_estimate m = { .rays = ESTIMATE_MOST_RAYS,
                               .nareas = lines_of_frame(areas),
@@ -471,34 +411,31 @@ START_TEST(an_estimate_is_left_when_something_comes_first)
     const struct msg_facts *facts;
     uint64_t pixels = 0;
 
-    open_fixture(&f, "-x 64 -y 48 -pa 0 -ab 3 -ad 4096 -aa .01", false, 2);
+    open_pool("--seed=3 -x 64 -y 48 -pa 0 -ab 3 -ad 4096 -aa .01", false, 2);
     ck_assert(pool_estimate(f.pool, estimate_new(&f.frame, 1, &m, NULL),
                             on_estimated));
     pool_rest(f.pool);
-    while (!f.done)
+    while (!done)
         uv_run(&f.loop, UV_RUN_ONCE);
-    estimate_result(f.done, &got);
+    estimate_result(done, &got);
     ck_assert_uint_eq(got.ncosts, 0);
-    while ((facts = estimate_facts(f.done)))
+    while ((facts = estimate_facts(done)))
         pixels += facts->npixels;
     ck_assert_uint_le(pixels, got.counts.estimate_rays);
     ck_assert_uint_lt(pixels, 64 * 48);
-    close_fixture(&f);
 }
 END_TEST
 
 START_TEST(a_pool_ends_with_an_estimate_under_way)
 {
-    static struct fixture f;
     struct msg_area areas[HEIGHT];
     struct msg_estimate m = { .rays = 1000,
                               .nareas = lines_of_frame(areas),
                               .areas = areas };
 
-    open_fixture(&f, options, false, 2);
+    open_pool(usual, false, 2);
     ck_assert(pool_estimate(f.pool, estimate_new(&f.frame, 1, &m, NULL),
                             on_estimated));
-    close_fixture(&f);
 }
 END_TEST
 
@@ -507,7 +444,6 @@ END_TEST
 static void
 estimate_in_shortage(bool facts)
 {
-    static struct fixture f;
     static const struct rlimit none;
     const struct msg_area all = { 0, 0, 0, WIDTH, HEIGHT };
     const struct msg_estimate m = { .rays = WIDTH * HEIGHT,
@@ -516,15 +452,15 @@ estimate_in_shortage(bool facts)
     struct estimate *e;
 
     mallopt(M_MMAP_THRESHOLD, 1 << 14); /* less than the pixels take */
-    open_fixture(&f, options, false, 1);
+    open_pool(usual, false, 1);
     if (facts)
-        make_estimate(&f, m.rays, &all, 1);
-    e = facts ? f.done : estimate_new(&f.frame, 1, &m, NULL);
+        make_estimate(m.rays, &all, 1);
+    e = facts ? done : estimate_new(&f.frame, 1, &m, NULL);
     setrlimit(RLIMIT_DATA, &none);
     if (facts)
         estimate_facts(e);
     else if (pool_estimate(f.pool, e, on_estimated))
-        while (!f.done)
+        while (!done)
             uv_run(&f.loop, UV_RUN_ONCE);
 }
 
@@ -562,17 +498,15 @@ static const struct {
 
 START_TEST(areas_outside_are_refused)
 {
-    static struct fixture f;
     struct msg_estimate m = { .rays = bad[_i].rays,
                               .nareas = 1,
                               .areas = &bad[_i].area };
     struct rad_error err = { 0 };
 
-    open_fixture(&f, options, false, 1);
+    open_pool(usual, false, 1);
     ck_assert_ptr_null(estimate_new(&f.frame, 1, &m, &err));
     ck_assert_int_eq(err.code, RAD_EPROTO);
     ck_assert_msg(strstr(err.what, bad[_i].what) != NULL, "%s", err.what);
-    close_fixture(&f);
 }
 END_TEST
 
@@ -582,6 +516,7 @@ main(void)
     Suite *s = suite_create("estimate");
     TCase *tc = tcase_create("estimate");
 
+    tcase_add_checked_fixture(tc, NULL, tear_down);
     tcase_add_loop_test(tc, an_order_has_each_pixel_once, 0, N_ELEM(parts));
     tcase_add_test(tc, seed_frame_and_part_decide);
     tcase_add_test(tc, first_pixels_are_spread_evenly);

@@ -5,11 +5,10 @@
 #include "machine/jobtext.h"
 #include "light/indirect/ambient.h"
 #include "child/pool_impl.h"
-#include "scene/file/parse.h"
 #include "team/team.h"
 
+#include "pool_fixture.h"
 #include "tests/tools/hook.h"
-#include "tests/unit.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -46,86 +45,50 @@ test_hook_pixel(const struct rad_scene *scene, int x, int y)
         uv_sleep(1);
 }
 
-struct fixture {
-    struct rad_scene *scene;
-    struct rad_job *job;
-    struct rad_frame frame;
-    uv_loop_t loop;
-    struct pool *pool;
-    struct rad_pixel whole[SIDE][SIDE]; /* as the threads gave it */
-    int side;                           /* of a window */
+/* What the threads gave. */
+static struct {
+    struct rad_pixel whole[SIDE][SIDE];
+    int side; /* of a window */
     int nlast, nrows[MOST];
     uint64_t primary;
     bool in_order;
-};
+} got;
 
 static void
 on_rows(void *arg, const struct pool_rows *r)
 {
-    struct fixture *f = arg;
     const struct rad_window *w = &r->unit.window;
     const float *p = (const float *)r->pixels;
 
+    (void)arg;
     ck_assert_int_eq(r->err.code, 0);
-    if (f->nrows[r->unit.unit] != (int)r->row)
-        f->in_order = false;
-    f->nrows[r->unit.unit] += (int)r->rows;
+    if (got.nrows[r->unit.unit] != (int)r->row)
+        got.in_order = false;
+    got.nrows[r->unit.unit] += (int)r->rows;
     for (uint32_t k = 0; k < r->rows; k++)
         for (int x = 0; x < w->width; x++, p += r->channels) {
             struct rad_pixel *to =
-                &f->whole[w->y + (int)(r->row + k)][w->x + x];
+                &got.whole[w->y + (int)(r->row + k)][w->x + x];
 
             to->L = rad_rgb(p[0], p[1], p[2]);
             to->z = r->channels == 4 ? p[3] : 0;
         }
     if (r->last) {
-        f->nlast++;
-        f->primary += r->counts.primary_rays;
-        ck_assert_int_eq(f->nrows[r->unit.unit], w->height);
+        got.nlast++;
+        got.primary += r->counts.primary_rays;
+        ck_assert_int_eq(got.nrows[r->unit.unit], w->height);
     }
-    pool_sent(f->pool,
+    pool_sent(f.pool,
               r->rows * (size_t)w->width * (size_t)r->channels * sizeof(float));
 }
 
 static void
-open_fixture(struct fixture *f, const char *options, bool depth, int threads)
+open_pool(const char *options, bool depth, int threads)
 {
-    struct rad_error err = { 0 };
-    struct rad_params params;
-    struct rad_view view;
-
-    memset(f, 0, sizeof *f);
-    f->in_order = true;
-    f->scene = rad_scene_new();
-    ck_assert_int_eq(rad_parse_text(f->scene, scene_text, sizeof scene_text - 1,
-                                    "test", NULL, &err),
-                     0);
-    ck_assert_int_eq(jobtext_params(options, &params, &err), 0);
-    f->job = rad_job_new(f->scene, &params, NULL, &err);
-    ck_assert_msg(f->job != NULL, "%s", err.what);
-    ck_assert_int_eq(jobtext_view("-vp 0 -6 2 -vd 0 1 -.2", &view, &err), 0);
-    ck_assert_int_eq(rad_frame_init(&f->frame, f->job, &view, 0, depth, &err),
-                     0);
-    ck_assert_int_eq(uv_loop_init(&f->loop), 0);
-    f->pool = pool_new(&f->loop,
-                       &(struct pool_spec){ .job = f->job,
-                                            .frames = &f->frame,
-                                            .nthreads = threads,
-                                            .rows = on_rows,
-                                            .arg = f },
-                       &err);
-    ck_assert_msg(f->pool != NULL, "%s", err.what);
-}
-
-static void
-close_fixture(struct fixture *f)
-{
-    pool_free(f->pool);
-    uv_run(&f->loop, UV_RUN_DEFAULT);
-    ck_assert_int_eq(uv_loop_close(&f->loop), 0);
-    rad_frame_release(&f->frame);
-    rad_job_free(f->job);
-    rad_scene_free(f->scene);
+    memset(&got, 0, sizeof got);
+    got.in_order = true;
+    pool_open(scene_text, options, "-vp 0 -6 2 -vd 0 1 -.2", depth, threads,
+              on_rows);
 }
 
 static struct pool_unit
@@ -148,24 +111,13 @@ unit(int i)
 
 /* The same windows by one context. */
 static uint64_t
-render_alone(struct fixture *f, struct rad_pixel whole[SIDE][SIDE])
+render_alone(struct rad_pixel whole[SIDE][SIDE])
 {
-    int n = SIDE / f->side * (SIDE / f->side);
-    struct rad_pixel *rows[SIDE];
-    struct rad_ctx ctx;
-    uint64_t primary;
+    int n = SIDE / got.side * (SIDE / got.side);
 
-    ck_assert_int_eq(rad_ctx_init(&ctx, f->job, NULL), 0);
-    for (int i = 0; i < n; i++) {
-        struct pool_unit u = unit_of(i, f->side);
-
-        for (int k = 0; k < f->side; k++)
-            rows[k] = &whole[u.window.y + k][u.window.x];
-        ck_assert_int_eq(rad_frame_window(&f->frame, &ctx, &u.window, rows), 0);
-    }
-    primary = ctx.counts.primary_rays;
-    rad_ctx_release(&ctx);
-    return primary;
+    for (int i = 0; i < n; i++)
+        world_render(&f.w, &f.frame, unit_of(i, got.side).window, whole[0]);
+    return f.w.ctx.counts.primary_rays;
 }
 
 static const struct {
@@ -189,36 +141,34 @@ static const struct {
 
 START_TEST(threads_give_the_pixels_of_one)
 {
-    static struct fixture f;
     static struct rad_pixel alone[SIDE][SIDE];
 
     int n = SIDE / pools[_i].side * (SIDE / pools[_i].side);
 
-    open_fixture(&f, pools[_i].options, pools[_i].depth, pools[_i].threads);
-    f.side = pools[_i].side;
+    open_pool(pools[_i].options, pools[_i].depth, pools[_i].threads);
+    got.side = pools[_i].side;
     for (int i = 0; i < n; i++) {
-        struct pool_unit u = unit_of(i, f.side);
+        struct pool_unit u = unit_of(i, got.side);
 
         ck_assert(pool_push(f.pool, &u));
     }
-    while (f.nlast < n)
+    while (got.nlast < n)
         uv_run(&f.loop, UV_RUN_ONCE);
     memset(alone, 0, sizeof alone);
-    ck_assert_uint_eq(render_alone(&f, alone), f.primary);
-    ck_assert(f.in_order);
+    ck_assert_uint_eq(render_alone(alone), got.primary);
+    ck_assert(got.in_order);
     for (int y = 0; y < SIDE; y++)
         for (int x = 0; x < SIDE; x++) {
-            ck_assert_mem_eq(&f.whole[y][x].L, &alone[y][x].L,
+            ck_assert_mem_eq(&got.whole[y][x].L, &alone[y][x].L,
                              sizeof alone[y][x].L);
             if (pools[_i].depth)
-                ck_assert_mem_eq(&f.whole[y][x].z, &alone[y][x].z,
+                ck_assert_mem_eq(&got.whole[y][x].z, &alone[y][x].z,
                                  sizeof(float));
         }
     ck_assert_double_gt(pool_tally(f.pool).busy_s, 0);
     ck_assert_double_le(pool_tally(f.pool).wait_base_line_s,
                         pool_tally(f.pool).busy_s);
     ck_assert_uint_eq(pool_tally(f.pool).rays_under_way, 0);
-    close_fixture(&f);
 }
 END_TEST
 
@@ -266,7 +216,6 @@ count_rays(void *arg, const struct rad_ctx *ctx)
 START_TEST(rays_are_told_while_a_window_is_under_way)
 {
     static const struct rad_window all = { 0, 0, SIDE, SIDE };
-    static struct fixture f;
     struct rays_seen seen = { .frame = &f.frame };
     struct team_spec spec = { .mode = TEAM_TRUTH,
                               .trace = trace_frame,
@@ -274,21 +223,17 @@ START_TEST(rays_are_told_while_a_window_is_under_way)
                               .count = count_rays,
                               .arg = &seen,
                               .nthreads = 1 };
-    struct rad_ctx ctx;
 
-    open_fixture(&f, "-x 96 -y 96 -ab 0 -ps 4", false, 1);
-    ck_assert_int_eq(rad_ctx_init(&ctx, f.job, NULL), 0);
-    seen.ctx = &ctx;
+    open_pool("-x 96 -y 96 -ab 0 -ps 4", false, 1);
+    seen.ctx = &f.w.ctx;
     rad_frame_sampler(&f.frame, &all, &spec.sampler);
     spec.last = rad_quincunx_nbases(&spec.sampler);
     seen.team = team_new(&spec);
     ck_assert_ptr_nonnull(seen.team);
-    team_work(seen.team, &ctx);
+    team_work(seen.team, &f.w.ctx);
     ck_assert_int_eq(seen.rows, SIDE);
     ck_assert(team_waited(seen.team) == 0); /* for whom? */
     team_free(seen.team);
-    rad_ctx_release(&ctx);
-    close_fixture(&f);
 }
 END_TEST
 
@@ -310,7 +255,6 @@ struct part {
 };
 
 struct cluster {
-    struct fixture *f;
     struct rad_quincunx q;
     int nchildren, nparts, ndone, parked, gave;
     struct child child[CHILDREN];
@@ -397,14 +341,14 @@ on_children_news(void *arg)
 }
 
 static void
-take_pixels(struct fixture *f, const struct pool_rows *r, int y)
+take_pixels(const struct pool_rows *r, int y)
 {
     const float *p = (const float *)r->pixels;
 
     for (uint32_t k = 0; k < r->rows; k++)
         for (int x = 0; x < SIDE; x++, p += r->channels) {
-            f->whole[y + (int)k][x].L = rad_rgb(p[0], p[1], p[2]);
-            f->whole[y + (int)k][x].z = r->channels == 4 ? p[3] : 0;
+            got.whole[y + (int)k][x].L = rad_rgb(p[0], p[1], p[2]);
+            got.whole[y + (int)k][x].z = r->channels == 4 ? p[3] : 0;
         }
 }
 
@@ -421,7 +365,7 @@ on_part_rows(void *arg, const struct pool_rows *r)
         return;
     ck_assert_int_eq(*rows, (int)r->row);
     *rows += (int)r->rows;
-    take_pixels(c->f, r, team_line_row(&c->q, part->first) + (int)r->row);
+    take_pixels(r, team_line_row(&c->q, part->first) + (int)r->row);
     if (!r->last)
         return;
     ck_assert_int_eq(*rows, rad_quincunx_base_row(&c->q, part->last - 1) + 1 -
@@ -446,25 +390,24 @@ on_cluster_timer(uv_timer_t *timer)
 }
 
 static void
-open_cluster(struct cluster *c, struct fixture *f, int nchildren, int nthreads)
+open_cluster(struct cluster *c, int nchildren, int nthreads)
 {
     static const struct rad_window all = { 0, 0, SIDE, SIDE };
     static const uint8_t id[MSG_JOB];
 
     memset(c, 0, sizeof *c);
-    c->f = f;
     c->random = 1;
     c->nchildren = nchildren;
-    rad_frame_sampler(&f->frame, &all, &c->q);
+    rad_frame_sampler(&f.frame, &all, &c->q);
     for (int i = 0; i < nchildren; i++) {
         struct child *k = &c->child[i];
 
         k->of = c;
         k->due = STRICT_NEVER;
         k->strict = strict_new(&c->q, 1, true, id);
-        k->pool = pool_new(&f->loop,
-                           &(struct pool_spec){ .job = f->job,
-                                                .frames = &f->frame,
+        k->pool = pool_new(&f.loop,
+                           &(struct pool_spec){ .job = f.w.job,
+                                                .frames = &f.frame,
                                                 .strict = k->strict,
                                                 .nthreads = nthreads,
                                                 .rows = on_part_rows,
@@ -473,7 +416,7 @@ open_cluster(struct cluster *c, struct fixture *f, int nchildren, int nthreads)
                            NULL);
         ck_assert(k->strict && k->pool);
     }
-    uv_timer_init(&f->loop, &c->timer);
+    uv_timer_init(&f.loop, &c->timer);
     c->timer.data = c;
     uv_timer_start(&c->timer, on_cluster_timer, 1, 1);
 }
@@ -549,15 +492,14 @@ split_any(struct cluster *c)
 
 START_TEST(strict_units_give_the_picture_and_rays_of_one)
 {
-    static struct fixture f;
     static struct rad_pixel alone[SIDE][SIDE];
     static struct cluster c;
     uint64_t primary;
 
-    open_fixture(&f, clusters[_i].options, clusters[_i].depth, 1);
-    f.side = SIDE;
-    primary = render_alone(&f, alone);
-    open_cluster(&c, &f, clusters[_i].children, clusters[_i].threads);
+    open_pool(clusters[_i].options, clusters[_i].depth, 1);
+    got.side = SIDE;
+    primary = render_alone(alone);
+    open_cluster(&c, clusters[_i].children, clusters[_i].threads);
     give_all(&c, clusters[_i].lines, clusters[_i].twins);
     while (c.ndone < c.nparts) {
         uv_run(&f.loop, UV_RUN_ONCE);
@@ -566,13 +508,12 @@ START_TEST(strict_units_give_the_picture_and_rays_of_one)
     }
     ck_assert_uint_eq(c.counts.primary_rays, primary);
     for (int y = 0; y < SIDE; y++)
-        ck_assert_mem_eq(f.whole[y], alone[y], sizeof alone[y]);
+        ck_assert_mem_eq(got.whole[y], alone[y], sizeof alone[y]);
     ck_assert_int_eq(f.frame.paint.n, 1);
     ck_assert_uint_gt(c.counts.paint_rays, 0);
     if (!clusters[_i].twins) /* whose rays serve one that counts none of them */
         ck_assert_uint_ge(c.counts.rays, c.counts.primary_rays);
     close_cluster(&c);
-    close_fixture(&f);
 }
 END_TEST
 
@@ -612,13 +553,12 @@ first_done(struct pool *p)
  * that is: another thread may go on with the unit, and its rows come after. */
 START_TEST(rows_of_a_pass_that_ends_early_go_first)
 {
-    static struct fixture f;
     static struct cluster c;
     const struct pool_rows *r;
     struct pool *p;
 
-    open_fixture(&f, "-x 96 -y 96 -ab 0 -ps 4 -pt 0", false, 1);
-    open_cluster(&c, &f, 1, 1);
+    open_pool("-x 96 -y 96 -ab 0 -ps 4 -pt 0", false, 1);
+    open_cluster(&c, 1, 1);
     p = c.child[0].pool;
     c.nparts = 2;
     c.part[0] = (struct part){ .first = 0, .last = 12 };
@@ -641,34 +581,28 @@ START_TEST(rows_of_a_pass_that_ends_early_go_first)
     while (c.ndone < 2)
         uv_run(&f.loop, UV_RUN_ONCE);
     close_cluster(&c);
-    close_fixture(&f);
 }
 END_TEST
 
 START_TEST(shared_cache_fills_while_threads_read_it)
 {
-    static struct fixture f;
-
-    open_fixture(&f, "-x 96 -y 96 -ab 1 -ad 32 -as 0 -ps 4", false, 4);
+    open_pool("-x 96 -y 96 -ab 1 -ad 32 -as 0 -ps 4", false, 4);
     for (int i = 0; i < PER_ROW * PER_ROW; i++) {
         struct pool_unit u = unit(i);
 
         ck_assert(pool_push(f.pool, &u));
     }
-    while (f.nlast < PER_ROW * PER_ROW)
+    while (got.nlast < PER_ROW * PER_ROW)
         uv_run(&f.loop, UV_RUN_ONCE);
     for (int y = 0; y < SIDE; y++)
         for (int x = 0; x < SIDE; x++)
-            ck_assert(rad_rgb_sound(f.whole[y][x].L));
-    close_fixture(&f);
+            ck_assert(rad_rgb_sound(got.whole[y][x].L));
 }
 END_TEST
 
 START_TEST(revoked_units_are_not_done)
 {
-    static struct fixture f;
-
-    open_fixture(&f, "-x 96 -y 96 -ab 0 -ps 1", false, 1);
+    open_pool("-x 96 -y 96 -ab 0 -ps 1", false, 1);
     for (int i = 0; i < PER_ROW * PER_ROW; i++) {
         struct pool_unit u = unit(i);
 
@@ -677,26 +611,22 @@ START_TEST(revoked_units_are_not_done)
     pool_revoke(f.pool, 0, 2); /* another attempt's */
     pool_revoke(f.pool, PER_ROW * PER_ROW - 1, 1);
     pool_revoke(f.pool, 5, 1);
-    while (f.nlast < PER_ROW * PER_ROW - 2)
+    while (got.nlast < PER_ROW * PER_ROW - 2)
         uv_run(&f.loop, UV_RUN_ONCE);
-    ck_assert_int_eq(f.nrows[0], WINDOW);
-    ck_assert_int_eq(f.nrows[PER_ROW * PER_ROW - 1], 0);
-    close_fixture(&f);
+    ck_assert_int_eq(got.nrows[0], WINDOW);
+    ck_assert_int_eq(got.nrows[PER_ROW * PER_ROW - 1], 0);
 }
 END_TEST
 
 START_TEST(pool_ends_in_the_middle)
 {
-    static struct fixture f;
-
-    open_fixture(&f, "-x 96 -y 96 -ab 0 -ps 1", false, 2);
+    open_pool("-x 96 -y 96 -ab 0 -ps 1", false, 2);
     for (int i = 0; i < PER_ROW * PER_ROW; i++) {
         struct pool_unit u = unit(i);
 
         ck_assert(pool_push(f.pool, &u));
     }
     uv_run(&f.loop, UV_RUN_ONCE);
-    close_fixture(&f);
 }
 END_TEST
 
@@ -844,6 +774,7 @@ main(void)
     Suite *s = suite_create("pool");
     TCase *tc = tcase_create("pool");
 
+    tcase_add_checked_fixture(tc, NULL, pool_close);
     tcase_set_timeout(tc, 600);
     tcase_add_loop_test(tc, threads_give_the_pixels_of_one, 0, N_ELEM(pools));
     tcase_add_test(tc, rays_are_told_while_a_window_is_under_way);

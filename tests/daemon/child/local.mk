@@ -13,6 +13,7 @@ UNIT_TESTS += \
 
 noinst_HEADERS += \
 	tests/daemon/child/analytic.h \
+	tests/daemon/child/pool_fixture.h \
 	tests/daemon/child/strict_fixture.h \
 	tests/daemon/child/team_fixture.h
 
