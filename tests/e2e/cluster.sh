@@ -5,6 +5,8 @@
 # cluster_start N THREADS gives $sock (the coordinator's Unix socket), $tcp (its
 # address), worker K's process in pid_K and its files in $work/wK; over TCP it
 # asks for keys: $work/wK.key, $work/user.key and $work/admin.key.
+# wire.py is there
+export PYTHONPATH="$top_srcdir/tests/e2e" PYTHONDONTWRITEBYTECODE=1
 poke=$top_builddir/tests/tools/poke
 coord_pid=
 workers=

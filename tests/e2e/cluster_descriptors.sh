@@ -73,34 +73,19 @@ n_pictures many 1200
 # many uploads that are begun and never come to an end, on one connection, and
 # connections for which there is no descriptor, while another user works
 cat >flood.py <<'PYTHON'
-import socket, struct, sys
+import struct, sys, wire
 
-def message(number, payload):
-    return b'RADD' + struct.pack('>HHII', number, 0, 1, len(payload)) + payload
-
-def text(s):
-    return struct.pack('>H', len(s)) + s + b'\0'
-
-def connect():
-    s = socket.socket(socket.AF_UNIX)
-    s.connect(sys.argv[1])
-    return s
-
-hello = struct.pack('>HHB', 1, 1, 2) + text(b'') + text(b'flood') + text(b'')
-hello += struct.pack('>HQ', 0, 0)
-s = connect()
-s.sendall(message(1, hello))
-got = s.recv(6)
-assert got[4:6] == b'\0\2', got
+link = wire.Link(sys.argv[1])
+link.s.settimeout(None)
 for i in range(1000):
-    s.sendall(message(12, struct.pack('>I', i) * 8
-                      + struct.pack('>QQI', 0, 100, 10) + b'0123456789'))
+    link.send(wire.CHUNK, struct.pack('>I', i) * 8
+              + struct.pack('>QQI', 0, 100, 10) + b'0123456789')
 answers = b''
 while answers.count(b'files at a time') < 1000 - 64:
-    more = s.recv(65536)
+    more = link.s.recv(65536)
     assert more, 'the connection ended'
     answers += more
-others = [connect() for _ in range(60)]
+others = [wire.connect(sys.argv[1]) for _ in range(60)]
 print('ready', flush=True)
 sys.stdin.read()
 PYTHON

@@ -28,45 +28,13 @@ print({s["bundle_bytes"]: "all", 0: "nothing"}.get(s["sent_bytes"], "some"))
 END
 }
 
-# what the two below say and hear by
-wire=$(
-    cat <<'END'
-import os, socket, struct, sys
-HELLO, WELCOME, PING, PONG, OFFER, WANT, CHUNK = 1, 2, 4, 5, 10, 11, 12
-SUBMIT, FAILED = 20, 24
-WORKER, USER = 1, 2
-def text(s):
-    return struct.pack(">H", len(s)) + s + b"\0"
-def get(s, n):
-    b = b""
-    while len(b) < n:
-        part = s.recv(n - len(b))
-        if not part:
-            sys.exit("closed")
-        b += part
-    return b
-class Link:
-    def __init__(self, path, role):
-        self.s = socket.socket(socket.AF_UNIX)
-        self.s.settimeout(20)
-        self.s.connect(path)
-        self.send(HELLO, struct.pack(">HHB", 1, 1, role) +
-                  text(b"thief" if role == WORKER else b"") + text(b"t") +
-                  text(b"") + struct.pack(">HQ", 1, 0))
-    def send(self, kind, payload):
-        self.s.sendall(b"RADD" +
-                       struct.pack(">HHII", kind, 0, 1, len(payload)) + payload)
-    def receive(self):
-        kind, _, _, n = struct.unpack(">4xHHII", get(self.s, 16))
-        return kind, get(self.s, n)
-END
-)
-
 # ask ROLE HASH...: what the coordinator answers to an OFFER of these, or a WANT
 # of a worker, as names of messages with how many hashes a WANT has
 ask()
 {
-    python3 -c "$wire
+    python3 - "$sock" "$@" <<'END'
+import struct, sys
+from wire import *
 worker = sys.argv[2] == 'worker'
 link = Link(sys.argv[1], WORKER if worker else USER)
 hashes = b''.join(bytes.fromhex(h) for h in sys.argv[3:])
@@ -81,14 +49,16 @@ while True: # the answer to PING is behind all others
         print('WANT', struct.unpack('>I', body[:4])[0])
     elif kind == CHUNK:
         print('CHUNK')
-" "$sock" "$@"
+END
 }
 
 # submit_frames HASH: what a user hears whose job has its frames in that file
 submit_frames()
 {
-    python3 -c "$wire
-link = Link(sys.argv[1], USER)
+    python3 - "$sock" "$1" <<'END'
+import os, struct, sys
+from wire import *
+link = Link(sys.argv[1])
 hash = bytes.fromhex(sys.argv[2])
 job = os.urandom(16) + hash + text(b'n') + text(b'') + text(b'') + text(b'')
 job += struct.pack('>IQiIBBIIQdI', 0, 0, 0, 128, 0, 0, 0, 1, 1, 0, 0)
@@ -100,7 +70,7 @@ while True:
     if kind == FAILED:
         print(struct.unpack('>H', body[16:18])[0], body[20:-1].decode())
         break
-" "$sock" "$1"
+END
 }
 
 worker_start 1 1
@@ -131,44 +101,27 @@ answer=$(ask worker "$@")
 steal()
 {
     python3 - "$sock" state/files "$1" <<'END'
-import os, socket, struct, sys
-HELLO, PING, CHUNK, SUBMIT, DONE, FAILED, QUERY = 1, 4, 12, 20, 23, 24, 29
-def text(s):
-    return struct.pack(">H", len(s)) + s + b"\0"
-def send(kind, payload):
-    s.sendall(b"RADD" + struct.pack(">HHII", kind, 0, 1, len(payload)) + payload)
-def get(n):
-    b = b""
-    while len(b) < n:
-        part = s.recv(n - len(b))
-        if not part:
-            sys.exit("closed")
-        b += part
-    return b
+import os, struct, sys
+from wire import *
 for name in os.listdir(sys.argv[2]):
     with open(os.path.join(sys.argv[2], name), "rb") as f:
         if f.read(11) == b"radd-bundle":
             f.seek(0)
             manifest, body = bytes.fromhex(name), f.read()
-s = socket.socket(socket.AF_UNIX)
-s.settimeout(60)
-s.connect(sys.argv[1])
-send(HELLO, struct.pack(">HHB", 1, 1, 2) + text(b"") + text(b"t") + text(b"") +
-     bytes(10))
+link = Link(sys.argv[1])
 named = []
 if sys.argv[3] == "manifest": # as if its user knew the name of a scene
-    send(CHUNK, manifest + struct.pack(">QQI", 0, len(body), len(body)) + body)
+    link.send(CHUNK, manifest + struct.pack(">QQI", 0, len(body), len(body)) + body)
     named = [manifest]
 view = b"-vtv -vp 0 0 0 -vd 0 1 0 -vu 0 0 1 -vh 45 -vv 45"
-send(SUBMIT, os.urandom(16) + manifest + text(b"theft") +
+link.send(SUBMIT, os.urandom(16) + manifest + text(b"theft") +
      text(b"-x 8 -y 8 -ab 0") + text(b"") + text(b"") +
      struct.pack(">IQiIBBIIQdI", 0, 0, 0, 0, 0, 0, 0, 1, 1, 0, 0) +
      struct.pack(">I", len(named)) + b"".join(named) +
      struct.pack(">IIII", 1, 0, 8, 8) + text(view) +
      text(b"") + struct.pack(">BdII", 0, 0, 0, 0))
 while True:
-    kind, n = struct.unpack(">4xHxxxxxxI", get(16))
-    body = get(n)
+    kind, body = link.receive()
     if kind == DONE:
         print("DONE")
         break

@@ -54,13 +54,7 @@ for file in job second; do
         fail "cancel"
 done
 python3 - "$sock" "$coord_pid" <<'PYTHON' || fail "the flood: see above"
-import socket, struct, sys
-
-def message(number, payload):
-    return b'RADD' + struct.pack('>HHII', number, 0, 1, len(payload)) + payload
-
-def text(s):
-    return struct.pack('>H', len(s)) + s + b'\0'
+import sys, wire
 
 def resident_mib():
     with open(f'/proc/{sys.argv[2]}/status') as f:
@@ -68,21 +62,16 @@ def resident_mib():
             if line.startswith('VmRSS:'):
                 return int(line.split()[1]) / 1024
 
-hello = struct.pack('>HHB', 1, 1, 2) + text(b'') + text(b'flood') + text(b'')
-hello += struct.pack('>HQ', 0, 0)
-queries = message(29, b'\1' + text(b'')) * 3000
+queries = wire.frame(wire.QUERY, b'\1' + wire.text(b'')) * 3000
 before = resident_mib()
-s = socket.socket(socket.AF_UNIX)
-s.connect(sys.argv[1])
-s.sendall(message(1, hello))
-assert s.recv(6)[4:6] == b'\0\2', 'not welcome'
+s = wire.Link(sys.argv[1]).s
 s.settimeout(2) # it may be made to wait for ever
 asked = 0
 try:
     while asked < 300 * 3000:
         s.sendall(queries)
         asked += 3000
-except (socket.timeout, OSError):
+except OSError: # a timeout, too
     pass
 grown = resident_mib() - before
 print(f'{asked} questions, {grown:.0f} MiB more')

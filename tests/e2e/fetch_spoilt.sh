@@ -13,28 +13,14 @@ is_sanitized &&
 ask()
 {
     python3 - "$sock" "$1" "$2" <<'END'
-import socket, struct, sys
-HELLO, FAILED, FETCH = 1, 24, 28
-def text(s):
-    return struct.pack(">H", len(s)) + s + b"\0"
-def frame(kind, payload):
-    return b"RADD" + struct.pack(">HHII", kind, 0, 1, len(payload)) + payload
-s = socket.socket(socket.AF_UNIX)
-s.settimeout(60)
-s.connect(sys.argv[1])
-s.sendall(frame(HELLO, struct.pack(">HHB", 1, 1, 2) + text(b"") + text(b"t") +
-                text(b"") + struct.pack(">HQ", 1, 0)))
-f = s.makefile("rb")
-def failed():
-    kind, n = struct.unpack(">4xH6xI", f.read(16))
-    f.read(n)
-    return kind == FAILED
-fetch = frame(FETCH, bytes.fromhex(sys.argv[2]) + struct.pack(">IB", 0, 0))
+import struct, sys, wire
+link = wire.Link(sys.argv[1])
+fetch = wire.frame(wire.FETCH, bytes.fromhex(sys.argv[2]) + struct.pack(">IB", 0, 0))
 for i in range(int(sys.argv[3]) // 100):
-    s.sendall(100 * fetch)
+    link.s.sendall(100 * fetch)
     n = 0
     while n < 100:
-        n += failed()
+        n += link.receive()[0] == wire.FAILED
 END
 }
 

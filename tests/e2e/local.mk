@@ -94,4 +94,5 @@ EXTRA_DIST += \
 	tests/e2e/client_lib.sh \
 	tests/e2e/cluster.sh \
 	tests/e2e/faults.sh \
-	tests/e2e/steer_lib.sh
+	tests/e2e/steer_lib.sh \
+	tests/e2e/wire.py
