@@ -4,7 +4,7 @@
 
 #include "link/submit.h"
 #include "proto/frame.h"
-#include "tests/unit.h"
+#include "tests/scratch.h"
 
 #include <fcntl.h>
 #include <stdio.h>
@@ -14,8 +14,6 @@
 #include <sys/un.h>
 #include <unistd.h>
 
-static char folder[] = "/tmp/check_link.XXXXXX";
-
 /* A Unix socket that accepts no connection; dialling it succeeds. */
 static int
 listen_mutely(struct target *to)
@@ -23,7 +21,7 @@ listen_mutely(struct target *to)
     struct sockaddr_un a = { .sun_family = AF_UNIX };
     int fd = socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);
 
-    snprintf(a.sun_path, sizeof a.sun_path, "%s/mute", folder);
+    snprintf(a.sun_path, sizeof a.sun_path, "%s/mute", dir);
     unlink(a.sun_path);
     ck_assert_int_eq(bind(fd, (struct sockaddr *)&a, sizeof a), 0);
     ck_assert_int_eq(listen(fd, 16), 0);
@@ -102,15 +100,10 @@ main(void)
 {
     Suite *s = suite_create("link");
     TCase *tc = tcase_create("link");
-    char command[100];
-    int rc;
 
-    if (!mkdtemp(folder))
-        return EXIT_FAILURE;
+    tcase_add_checked_fixture(tc, scratch_make, scratch_remove);
     tcase_add_test(tc, no_welcome_is_no_coordinator_in_time);
     tcase_add_test(tc, a_job_does_not_wait_beyond_its_wait);
     suite_add_tcase(s, tc);
-    rc = unit_run(s);
-    snprintf(command, sizeof command, "rm -rf %s", folder);
-    return system(command) == 0 ? rc : EXIT_FAILURE;
+    return unit_run(s);
 }

@@ -7,7 +7,7 @@
 
 #include "proto/frame.h"
 #include "link/submit.h"
-#include "tests/unit.h"
+#include "tests/scratch.h"
 
 #include <signal.h>
 #include <stdio.h>
@@ -19,7 +19,6 @@
 #include <sysexits.h>
 #include <unistd.h>
 
-static char folder[] = "/tmp/check_submit.XXXXXX";
 static struct target target;
 
 /* --- the player: a coordinator in a process of its own --- */
@@ -569,7 +568,7 @@ make_cargo(struct cargo *c, struct rad_bundle *b)
     FILE *f;
 
     ck_assert_int_eq(rad_sha_hex(file_text, strlen(file_text), hex, NULL), 0);
-    snprintf(path, sizeof path, "%s/%s", folder, hex);
+    snprintf(path, sizeof path, "%s/%s", dir, hex);
     f = fopen(path, "w");
     fputs(file_text, f);
     fclose(f);
@@ -577,7 +576,7 @@ make_cargo(struct cargo *c, struct rad_bundle *b)
     ck_assert_int_eq(
         rad_bundle_add(b, RAD_BUNDLE_SCENE, "-", hex, strlen(file_text), NULL),
         0);
-    ck_assert_int_eq(cargo_init(c, b, folder, NULL), 0);
+    ck_assert_int_eq(cargo_init(c, b, dir, NULL), 0);
 }
 
 static int
@@ -628,7 +627,7 @@ START_TEST(conversations_end_as_they_should)
     char path[100];
     int rc, status = 0;
 
-    snprintf(path, sizeof path, "%s/socket", folder);
+    snprintf(path, sizeof path, "%s/socket", dir);
     unlink(path);
     ck_assert_int_eq(target_parse(&target, path, NULL), 0);
     if (s->play)
@@ -674,17 +673,12 @@ main(void)
 {
     Suite *s = suite_create("submit");
     TCase *tc = tcase_create("submit");
-    char command[100];
-    int rc;
 
-    if (!mkdtemp(folder))
-        return EXIT_FAILURE;
+    tcase_add_checked_fixture(tc, scratch_make, scratch_remove);
     tcase_set_timeout(tc, 600);
     tcase_add_loop_test(tc, conversations_end_as_they_should, 0,
                         N_ELEM(scripts));
     tcase_add_test(tc, nothing_is_said_without_a_key);
     suite_add_tcase(s, tc);
-    rc = unit_run(s);
-    snprintf(command, sizeof command, "rm -rf %s", folder);
-    return system(command) == 0 ? rc : EXIT_FAILURE;
+    return unit_run(s);
 }

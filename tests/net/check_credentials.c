@@ -12,7 +12,7 @@
 #include "net/key/keyfile.h"
 #include "net/tls.h"
 
-#include "tests/unit.h"
+#include "tests/scratch.h"
 
 #include <arpa/inet.h>
 #include <errno.h>
@@ -32,7 +32,6 @@
 
 #define PATIENCE_MS 60000 /* of a machine that is busy with other things */
 
-static char dir[] = "/tmp/check_credentials.XXXXXX";
 static struct keyfile keys;
 static struct key eve; /* as she was before she was retired */
 static uint16_t port;
@@ -102,7 +101,7 @@ start(void)
     const char *colon = NULL;
 
     signal(SIGPIPE, SIG_IGN);
-    ck_assert_ptr_nonnull(mkdtemp(dir));
+    scratch_make();
     make_keys();
     server = fork();
     ck_assert_int_ge(server, 0);
@@ -121,14 +120,10 @@ start(void)
 static void
 stop(void)
 {
-    char command[100];
-
     kill(server, SIGKILL);
     waitpid(server, NULL, 0);
     keyfile_release(&keys);
-    snprintf(command, sizeof command, "rm -rf %s", dir);
-    ck_assert_int_eq(system(command), 0);
-    memcpy(strrchr(dir, '.') + 1, "XXXXXX", 6);
+    scratch_remove();
 }
 
 /* --- what its log says --- */

@@ -3,7 +3,7 @@
 
 #include "net/key/keyorder.h"
 
-#include "tests/unit.h"
+#include "tests/scratch.h"
 
 #include <fcntl.h>
 #include <grp.h>
@@ -196,21 +196,20 @@ START_TEST(only_names_get_keys)
 }
 END_TEST
 
-static char folder[64], path[128];
+static char path[128];
 
 static void
-make_folder(void)
+set_up(void)
 {
-    strcpy(folder, "/tmp/keyfile.XXXXXX");
-    ck_assert_ptr_nonnull(mkdtemp(folder));
-    snprintf(path, sizeof path, "%s/keys", folder);
+    scratch_make();
+    snprintf(path, sizeof path, "%s/keys", dir);
 }
 
 static void
-remove_folder(void)
+tear_down(void)
 {
     unlink(path);
-    ck_assert_int_eq(rmdir(folder), 0); /* no temporary file was left */
+    ck_assert_int_eq(rmdir(dir), 0); /* no temporary file was left */
 }
 
 static int
@@ -227,7 +226,6 @@ START_TEST(orders_change_the_file_and_say_what_they_did)
     struct stat st;
     char *json;
 
-    make_folder();
     umask(0);
     ck_assert_int_eq(order(MSG_KEY_LIST, "", &json), RAD_ENOINPUT);
     ck_assert_int_eq(order(MSG_KEY_RETIRE, "user:a", &json), RAD_ENOINPUT);
@@ -249,7 +247,6 @@ START_TEST(orders_change_the_file_and_say_what_they_did)
     ck_assert_int_eq(order(MSG_KEY_RETIRE, "user:a", &json), 0);
     ck_assert_str_eq(json, "{ \"retired\": 1 }");
     free(json);
-    remove_folder();
 }
 END_TEST
 
@@ -259,7 +256,6 @@ START_TEST(a_list_of_all_keys_fits_an_answer)
     char name[MSG_MAX_NAME + 1], *json = NULL;
     FILE *out;
 
-    make_folder();
     out = fopen(path, "w");
     ck_assert_ptr_nonnull(out);
     fchmod(fileno(out), 0600);
@@ -272,7 +268,6 @@ START_TEST(a_list_of_all_keys_fits_an_answer)
     ck_assert_uint_gt(strlen(json), KEY_MOST * 100);
     ck_assert_uint_le(strlen(json), MSG_MAX - 4);
     free(json);
-    remove_folder();
 }
 END_TEST
 
@@ -284,8 +279,7 @@ START_TEST(links_are_followed_and_stay)
     struct stat st;
     char *json;
 
-    make_folder();
-    snprintf(link_path, sizeof link_path, "%s/link", folder);
+    snprintf(link_path, sizeof link_path, "%s/link", dir);
     ck_assert_int_eq(symlink("keys", link_path), 0); /* to nothing yet */
     for (int i = 0; i < 2; i++) {
         struct key_order add = { MSG_KEY_ADD, "user:a", 0, false };
@@ -299,7 +293,6 @@ START_TEST(links_are_followed_and_stay)
     ck_assert_uint_eq(f.n, 2);
     keyfile_release(&f);
     ck_assert_int_eq(unlink(link_path), 0);
-    remove_folder();
 }
 END_TEST
 
@@ -309,8 +302,7 @@ START_TEST(file_of_two_names_is_not_changed)
     char second[160], *json;
     struct keyfile f;
 
-    make_folder();
-    snprintf(second, sizeof second, "%s/second", folder);
+    snprintf(second, sizeof second, "%s/second", dir);
     ck_assert_int_eq(order(MSG_KEY_ADD, "user:a", &json), 0);
     free(json);
     ck_assert_int_eq(link(path, second), 0);
@@ -319,7 +311,6 @@ START_TEST(file_of_two_names_is_not_changed)
     ck_assert(!f.v[0].retired);
     keyfile_release(&f);
     ck_assert_int_eq(unlink(second), 0);
-    remove_folder();
 }
 END_TEST
 
@@ -333,10 +324,9 @@ START_TEST(group_that_cannot_be_kept_is_let_go)
 
     if (geteuid() != 0)
         return;
-    make_folder();
     ck_assert_int_eq(order(MSG_KEY_ADD, "user:a", &json), 0);
     free(json);
-    ck_assert_int_eq(chown(folder, NOBODY, NOBODY), 0);
+    ck_assert_int_eq(chown(dir, NOBODY, NOBODY), 0);
     ck_assert_int_eq(chown(path, NOBODY, STRANGE_GROUP), 0);
     pid = fork();
     if (pid == 0) {
@@ -347,7 +337,6 @@ START_TEST(group_that_cannot_be_kept_is_let_go)
     ck_assert_int_eq(waitpid(pid, &status, 0), pid);
     ck_assert(WIFEXITED(status));
     ck_assert_int_eq(WEXITSTATUS(status), 0);
-    remove_folder();
 }
 END_TEST
 
@@ -357,7 +346,6 @@ START_TEST(a_key_that_has_expired_is_not_made)
     struct key_order o = { MSG_KEY_ADD, "user:a", end, false };
     char *json;
 
-    make_folder();
     ck_assert_int_eq(key_order_run(path, &o, end, &json, NULL), RAD_EUSAGE);
     ck_assert_ptr_null(json);
     ck_assert_int_eq(access(path, F_OK), -1);
@@ -366,7 +354,6 @@ START_TEST(a_key_that_has_expired_is_not_made)
     o = (struct key_order){ MSG_KEY_RETIRE, "user:a", 0, false };
     ck_assert_int_eq(key_order_run(path, &o, end, &json, NULL), 0);
     free(json);
-    remove_folder();
 }
 END_TEST
 
@@ -377,7 +364,6 @@ START_TEST(a_file_that_others_may_open_is_refused)
     struct keyfile f;
     char *json;
 
-    make_folder();
     ck_assert_int_eq(order(MSG_KEY_ADD, "user:a", &json), 0);
     free(json);
     ck_assert_int_eq(chmod(path, open_modes[_i]), 0);
@@ -387,7 +373,6 @@ START_TEST(a_file_that_others_may_open_is_refused)
     ck_assert_int_eq(keyfile_load(&f, path, NULL), 0);
     ck_assert_uint_eq(f.n, 1);
     keyfile_release(&f);
-    remove_folder();
 }
 END_TEST
 
@@ -399,18 +384,16 @@ START_TEST(credentials_of_systemd_are_taken)
 
     if (geteuid() != 0)
         return;
-    make_folder();
     ck_assert_int_eq(order(MSG_KEY_ADD, "user:a", &json), 0);
     free(json);
     ck_assert_int_eq(chmod(path, 0440), 0);
     ck_assert_int_eq(keyfile_load(&f, path, NULL), RAD_EPERM);
-    setenv("CREDENTIALS_DIRECTORY", folder, 1);
+    setenv("CREDENTIALS_DIRECTORY", dir, 1);
     ck_assert_int_eq(keyfile_load(&f, path, NULL), 0);
     keyfile_release(&f);
     ck_assert_int_eq(chmod(path, 0444), 0);
     ck_assert_int_eq(keyfile_load(&f, path, NULL), RAD_EPERM);
     unsetenv("CREDENTIALS_DIRECTORY");
-    remove_folder();
 }
 END_TEST
 
@@ -420,15 +403,13 @@ START_TEST(a_file_that_cannot_be_is_an_error)
     struct keyfile f;
     int fd;
 
-    make_folder();
-    ck_assert_int_eq(keyfile_load(&f, folder, NULL), RAD_ENOINPUT);
+    ck_assert_int_eq(keyfile_load(&f, dir, NULL), RAD_ENOINPUT);
     fd = open(path, O_WRONLY | O_CREAT, 0600);
     ck_assert_int_eq(write(fd, "\n\nx\n", 4), 4);
     close(fd);
     ck_assert_int_eq(keyfile_load(&f, path, &err), RAD_ECONFIG);
     ck_assert_msg(strcmp(err.where + strlen(err.where) - 7, "/keys:3") == 0,
                   "%s", err.where);
-    remove_folder();
 }
 END_TEST
 
@@ -438,6 +419,7 @@ main(void)
     Suite *s = suite_create("keyfile");
     TCase *tc = tcase_create("keyfile");
 
+    tcase_add_checked_fixture(tc, set_up, tear_down);
     tcase_add_loop_test(tc, a_line_says_whose_key_it_is, 0, N_ELEM(good));
     tcase_add_loop_test(tc, a_bad_line_is_named_and_its_secret_is_not, 0,
                         N_ELEM(bad));
