@@ -83,34 +83,17 @@ static const char more[] =
 
 /* --- the scenes as they are --- */
 
-struct source {
-    char *text;
-};
-
-static struct source scenes[MAX_SCENES];
+static char *scenes[MAX_SCENES];
 static int nscenes;
 
 static char *
 slurp(const char *name, size_t *len)
 {
     char path[500];
-    char *text = NULL;
-    FILE *f;
-    long n;
 
     snprintf(path, sizeof path, "%s/tests/scenes/%s", getenv("top_srcdir"),
              name);
-    f = fopen(path, "rb");
-    if (!f)
-        return NULL;
-    if (fseek(f, 0, SEEK_END) == 0 && (n = ftell(f)) >= 0) {
-        rewind(f);
-        text = calloc((size_t)n + 1, 1);
-        ck_assert_ptr_nonnull(text);
-        *len = fread(text, 1, (size_t)n, f);
-    }
-    fclose(f);
-    return text;
+    return (char *)rad_file_read(path, 1 << 24, len, NULL);
 }
 
 static int
@@ -142,10 +125,10 @@ load_scenes(void)
     for (int i = 0; i < n; i++) {
         size_t len;
 
-        scenes[nscenes++].text = slurp(list[i]->d_name, &len);
+        scenes[nscenes++] = slurp(list[i]->d_name, &len);
         free(list[i]);
         /* half of all turns are for the types that come oftenest */
-        scenes[nscenes++].text = strdup(more);
+        scenes[nscenes++] = strdup(more);
     }
     free(list);
 }
@@ -230,36 +213,14 @@ read_file(void *arg, const char *name, size_t *len, struct rad_error *err)
 
 /* --- the changes --- */
 
-struct text {
-    char *at;
-    size_t len, room;
-};
-
-static void
-append(struct text *t, const char *word)
-{
-    size_t n = strlen(word);
-
-    if (t->room - t->len < n + 2) {
-        t->room = 2 * t->room + n + 2;
-        t->at = realloc(t->at, t->room);
-        ck_assert_ptr_nonnull(t->at);
-    }
-    memcpy(t->at + t->len, word, n);
-    t->len += n;
-    t->at[t->len++] = ' ';
-    t->at[t->len] = '\0';
-}
-
 /* One list of arguments, from its count on; at most one way to spoil it.
  * Returns the tokens that it had. */
 static int
-copy_list(struct text *t, char *const *token, int left, const char *const *evil,
+copy_list(FILE *t, char *const *token, int left, const char *const *evil,
           size_t nevil, uint64_t key)
 {
     int n = left > 0 ? atoi(token[0]) : 0, count;
     double u = rad_rand(key, 0);
-    char number[20];
     static char name[3001];
 
     if (n > left - 1)
@@ -267,31 +228,30 @@ copy_list(struct text *t, char *const *token, int left, const char *const *evil,
     count = u < .01 ? 0 : u < .02 ? HUGE_LIST : u < .03 ? n + 1 : n;
     if (u >= .03 && u < .04 && n > 0)
         count = n - 1;
-    snprintf(number, sizeof number, "%d", count);
-    append(t, number);
+    fprintf(t, "%d ", count);
     memset(name, 'x', sizeof name - 1);
     for (int i = 0; i < count; i++) {
         uint32_t dim = 3 * (uint32_t)i + 1;
 
         if (rad_rand(key, dim) < .12)
-            append(t, evil[pick(key, dim + 1, nevil)]);
+            fprintf(t, "%s ", evil[pick(key, dim + 1, nevil)]);
         else if (evil == strings && rad_rand(key, dim + 2) < .01)
-            append(t, name);
+            fprintf(t, "%s ", name);
         else
-            append(t, n > 0 ? token[1 + i % n] : "1");
+            fprintf(t, "%s ", n > 0 ? token[1 + i % n] : "1");
     }
     return n + 1;
 }
 
 static int
-copy_plain(struct text *t, char *const *token, int left)
+copy_plain(FILE *t, char *const *token, int left)
 {
     int n = left > 0 ? atoi(token[0]) + 1 : 0;
 
     if (n > left)
         n = left;
     for (int i = 0; i < n; i++)
-        append(t, token[i]);
+        fprintf(t, "%s ", token[i]);
     return n;
 }
 
@@ -315,7 +275,7 @@ cut(char *text, char *token[MAX_TOKENS])
 
 /* The text of a scene with some of its primitives changed. */
 static void
-change(struct text *t, const char *original, uint64_t key)
+change(FILE *t, const char *original, uint64_t key)
 {
     static char *token[MAX_TOKENS];
     char *copy = strdup(original);
@@ -327,7 +287,7 @@ change(struct text *t, const char *original, uint64_t key)
         bool alias = strcmp(token[i + 1], "alias") == 0;
 
         for (int j = 0; j < 3 + alias; j++)
-            append(t, token[i++]);
+            fprintf(t, "%s ", token[i++]);
         if (alias)
             continue;
         if (evil) {
@@ -340,7 +300,7 @@ change(struct text *t, const char *original, uint64_t key)
             for (int j = 0; j < 3; j++)
                 i += copy_plain(t, token + i, n - i);
         }
-        append(t, "\n");
+        fprintf(t, "\n ");
     }
     free(copy);
 }
@@ -420,14 +380,18 @@ START_TEST(hostile_scenes_are_refused_or_rendered)
     load_scenes();
     for (long i = _i * part; i < (_i + 1) * part; i++) {
         uint64_t key = rad_key_branch(11, (uint64_t)i);
-        struct text t = { NULL, 0, 0 };
+        char *text;
+        size_t len;
+        FILE *t = open_memstream(&text, &len);
 
-        change(&t, scenes[pick(key, 1, (size_t)nscenes)].text, key);
-        rendered += try(t.at, t.len, key);
-        free(t.at);
+        ck_assert_ptr_nonnull(t);
+        change(t, scenes[pick(key, 1, (size_t)nscenes)], key);
+        ck_assert_int_eq(fclose(t), 0);
+        rendered += try(text, len, key);
+        free(text);
     }
     for (int i = 0; i < nscenes; i++)
-        free(scenes[i].text);
+        free(scenes[i]);
     nscenes = 0;
     ck_assert_int_ge(rendered, part / 4); /* the rest is refused */
 }
