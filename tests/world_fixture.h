@@ -12,4 +12,11 @@ world_tear_down(void)
     world_close(&w);
 }
 
+/* To within the rounding of colours, which are floats. */
+static inline void
+near(double value, double truth)
+{
+    ck_assert_double_eq_tol(value, truth, 1e-6 * truth);
+}
+
 #endif

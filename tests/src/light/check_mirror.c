@@ -59,12 +59,6 @@ from_ball(double x)
     return BALL_FLUX / d2 * 2 / sqrt(d2);
 }
 
-static void
-near(double value, double truth)
-{
-    ck_assert_double_eq_tol(value, truth, 1e-6 * truth);
-}
-
 static const char *const pretest[] = { "-dp 0", "-dp 512" };
 
 START_TEST(wall_doubles_a_lamp_in_its_colour)

@@ -12,12 +12,6 @@
     "99\nvoid plastic wall 0 0 5 .5 .5 .5 0 0\n"                               \
     "wall polygon w 0 0 12 -9 -9 0 9 -9 0 9 9 0 -9 9 0\n"
 
-static void
-near(double value, double truth)
-{
-    ck_assert_double_eq_tol(value, truth, 1e-6 * truth);
-}
-
 /* Length of the way down from (x, 0, 5). */
 static double
 depth(double x)

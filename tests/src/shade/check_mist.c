@@ -16,12 +16,6 @@
          " ring bottom_" name " 0 0 8 0 0 " lo " 0 0 -1 0 99\n"
 
 static void
-near(double value, double truth)
-{
-    ck_assert_double_eq_tol(value, truth, 1e-6 * truth);
-}
-
-static void
 alike(double a, double b)
 {
     ck_assert_msg(a == b || fabs(a - b) < 2e-6 * b, "%.9g and %.9g", a, b);
