@@ -500,38 +500,27 @@ fdatasync(int fd)
 
 /* --- names --- */
 
+/* Change a name by a call of four arguments.  How it is undone without power,
+ * at that path; `to` is the name that is new. */
 static int
-open_with(const char *path, int flags, mode_t mode)
+change_name(int how, const char *path, const char *to, long call,
+            const long arg[4])
 {
+    int number = begin(NAME, to);
     struct undo *u;
-    int number, fd;
+    long rc;
 
-    if (!(flags & O_CREAT) || !is_below(path) || access(path, F_OK) == 0)
-        return (int)syscall(SYS_openat, AT_FDCWD, path, flags, mode);
-    number = begin(NAME, path);
     if (number)
         return fail(number);
-    fd = (int)syscall(SYS_openat, AT_FDCWD, path, flags, mode);
-    if (what == POWER && fd >= 0) {
+    rc = syscall(call, arg[0], arg[1], arg[2], arg[3]);
+    if (what == POWER && rc >= 0) {
         u = add_undo(path);
-        u->how = NO_FILE;
-        set_folder(u, path);
+        u->how = how;
+        snprintf(u->other, sizeof u->other, "%s", to);
+        set_folder(u, to);
     }
-    done(NAME, path);
-    return fd;
-}
-
-int
-open64(const char *path, int flags, ...)
-{
-    va_list ap;
-    mode_t mode = 0;
-
-    va_start(ap, flags);
-    if (flags & O_CREAT)
-        mode = va_arg(ap, mode_t);
-    va_end(ap);
-    return open_with(path, flags, mode);
+    done(NAME, to);
+    return (int)rc;
 }
 
 int
@@ -544,52 +533,30 @@ open(const char *path, int flags, ...)
     if (flags & O_CREAT)
         mode = va_arg(ap, mode_t);
     va_end(ap);
-    return open_with(path, flags, mode);
+    if (!(flags & O_CREAT) || !is_below(path) || access(path, F_OK) == 0)
+        return (int)syscall(SYS_openat, AT_FDCWD, path, flags, mode);
+    return change_name(NO_FILE, path, path, SYS_openat,
+                       (long[]){ AT_FDCWD, (long)path, flags, mode });
 }
+
+int open64(const char *path, int flags, ...) __attribute__((alias("open")));
 
 int
 mkdir(const char *path, mode_t mode)
 {
-    struct undo *u;
-    int number;
-    long rc;
-
     if (!is_below(path) || access(path, F_OK) == 0)
         return (int)syscall(SYS_mkdirat, AT_FDCWD, path, mode);
-    number = begin(NAME, path);
-    if (number)
-        return fail(number);
-    rc = syscall(SYS_mkdirat, AT_FDCWD, path, mode);
-    if (what == POWER && rc == 0) {
-        u = add_undo(path);
-        u->how = NO_DIR;
-        set_folder(u, path);
-    }
-    done(NAME, path);
-    return (int)rc;
+    return change_name(NO_DIR, path, path, SYS_mkdirat,
+                       (long[4]){ AT_FDCWD, (long)path, mode });
 }
 
 int
 rename(const char *from, const char *to)
 {
-    struct undo *u;
-    int number;
-    long rc;
-
     if (!is_below(to))
         return (int)syscall(SYS_renameat, AT_FDCWD, from, AT_FDCWD, to);
-    number = begin(NAME, to);
-    if (number)
-        return fail(number);
-    rc = syscall(SYS_renameat, AT_FDCWD, from, AT_FDCWD, to);
-    if (what == POWER && rc == 0) {
-        u = add_undo(from);
-        u->how = OLD_NAME;
-        snprintf(u->other, sizeof u->other, "%s", to);
-        set_folder(u, to);
-    }
-    done(NAME, to);
-    return (int)rc;
+    return change_name(OLD_NAME, from, to, SYS_renameat,
+                       (long[]){ AT_FDCWD, (long)from, AT_FDCWD, (long)to });
 }
 
 /* A name goes; without power it may come back. */

@@ -214,18 +214,26 @@ say(struct spoiler *s, const void *bytes, size_t n)
     return true;
 }
 
+static bool
+say_message(struct spoiler *s, const struct msg *m)
+{
+    struct wire_out w;
+    bool ok;
+
+    wire_out_init(&w, MSG_FRAME_MAX);
+    ok = msg_pack(&w, m) == 0 && say(s, w.buf, w.len);
+    wire_out_release(&w);
+    return ok;
+}
+
 /* Wait for an answer; false: it is over, or nothing comes. */
 static bool
 answered(struct spoiler *s, int wait_ms)
 {
     struct msg m = { .type = MSG_PING };
     long before = s->heard, came;
-    struct wire_out w;
-    bool ok;
+    bool ok = say_message(s, &m);
 
-    wire_out_init(&w, 64);
-    ok = msg_pack(&w, &m) == 0 && say(s, w.buf, w.len);
-    wire_out_release(&w);
     do { /* half a record says nothing yet */
         came = s->came;
         ok = ok && hear(s, wait_ms);
@@ -239,13 +247,8 @@ say_hello(struct spoiler *s)
     struct msg m = { .type = MSG_HELLO,
                      .hello = { 1, s->version, (uint8_t)s->key.role,
                                 s->key.name, "x", "", 1, 0 } };
-    struct wire_out w;
-    bool ok;
 
-    wire_out_init(&w, 4096);
-    ok = msg_pack(&w, &m) == 0 && say(s, w.buf, w.len);
-    wire_out_release(&w);
-    return ok;
+    return say_message(s, &m);
 }
 
 static bool
@@ -321,18 +324,6 @@ frames(const struct address *a, long n, const char *path)
 }
 
 /* --- users who want too much --- */
-
-static bool
-say_message(struct spoiler *s, const struct msg *m)
-{
-    struct wire_out w;
-    bool ok;
-
-    wire_out_init(&w, MSG_FRAME_MAX);
-    ok = msg_pack(&w, m) == 0 && say(s, w.buf, w.len);
-    wire_out_release(&w);
-    return ok;
-}
 
 /* As the user of the key file's first key, welcome. */
 static bool
