@@ -8,11 +8,10 @@
 #include <string.h>
 
 #include "proto/ambshare.h"
+#include "tests/fuzz/fuzz.h"
 
 #include <stdio.h>
 #include <stdlib.h>
-
-int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 
 static void
 take(void *arg, const struct rad_ambrec *rec)

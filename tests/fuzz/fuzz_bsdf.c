@@ -1,11 +1,10 @@
 /* fuzz_bsdf.c - XML files of scattering data, and looking them up */
 #include "scene/bsdf/bsdf.h"
+#include "tests/fuzz/fuzz.h"
 
 #include <math.h>
 #include <stdint.h>
 #include <stdlib.h>
-
-int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 
 static void
 look_up(const struct rad_bsdf *b, const double in[3], const double out[3])

@@ -3,12 +3,11 @@
 #include "config.h"
 
 #include "folder/folder.h"
+#include "tests/fuzz/fuzz.h"
 
 #include <assert.h>
 #include <stdlib.h>
 #include <string.h>
-
-int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 
 /* It is put together in place. */
 static void

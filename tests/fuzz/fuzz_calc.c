@@ -2,11 +2,10 @@
  *
  * Up to the first NUL a file of definitions, behind it an expression. */
 #include "scene/calc/calc.h"
+#include "tests/fuzz/fuzz.h"
 
 #include <stdlib.h>
 #include <string.h>
-
-int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 
 static void
 run(const struct rad_calc *c, int at)

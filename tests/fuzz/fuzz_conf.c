@@ -7,14 +7,13 @@
 #include "net/address.h"
 #include "ground/conf.h"
 #include "radd/hours.h"
+#include "tests/fuzz/fuzz.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/mman.h>
 #include <unistd.h>
-
-int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 
 struct settings {
     char hours[CONF_TEXT], listen[CONF_TEXT];

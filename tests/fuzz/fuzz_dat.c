@@ -1,10 +1,9 @@
 /* fuzz_dat.c - data files, and values of what came of them */
 #include "scene/file/data.h"
+#include "tests/fuzz/fuzz.h"
 
 #include <math.h>
 #include <stdlib.h>
-
-int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 
 static const double coordinates[] = { -1e30, -1.5, 0,        .5,  1,
                                       2.25,  90,   INFINITY, NAN, 1e30 };

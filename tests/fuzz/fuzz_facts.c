@@ -6,13 +6,12 @@
 #include "config.h"
 
 #include "picture/facts.h"
+#include "tests/fuzz/fuzz.h"
 
 #include <stdlib.h>
 #include <string.h>
 
 enum { WIDTH = 13, ROWS = 4, STRIDE = 2 };
-
-int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 
 /* Exactly so long, so that a read beyond it is seen. */
 static void *

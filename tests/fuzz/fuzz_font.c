@@ -2,11 +2,10 @@
  *
  * Up to the first NUL a font file, behind it a byte of spacing and a line. */
 #include "scene/file/font.h"
+#include "tests/fuzz/fuzz.h"
 
 #include <stdlib.h>
 #include <string.h>
-
-int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 
 int
 LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)

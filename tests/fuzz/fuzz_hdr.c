@@ -3,11 +3,10 @@
 
 #include "image/hdr.h"
 #include "scene/file/data.h"
+#include "tests/fuzz/fuzz.h"
 
 #include <stdlib.h>
 #include <string.h>
-
-int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 
 /* A row is found where it can be decoded, and then codes as itself. */
 static void

@@ -8,14 +8,13 @@
 #include "front/coord.h"
 #include "queue/recover.h"
 #include "steps.h"
+#include "tests/fuzz/fuzz.h"
 
 #include <fcntl.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
-
-int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 
 static bool
 no_file(void *arg, const uint8_t hash[MSG_HASH])

@@ -5,11 +5,10 @@
 #include "config.h"
 
 #include "net/key/keyfile.h"
+#include "tests/fuzz/fuzz.h"
 
 #include <stdlib.h>
 #include <string.h>
-
-int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 
 static void
 same(const struct key *a, const struct key *b)

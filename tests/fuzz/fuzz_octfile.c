@@ -2,10 +2,9 @@
 #include "config.h"
 
 #include "scene/octfile.h"
+#include "tests/fuzz/fuzz.h"
 
 #include <stdlib.h>
-
-int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 
 static int
 load(const uint8_t *data, size_t size, struct rad_octree *tree)

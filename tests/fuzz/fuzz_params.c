@@ -4,11 +4,10 @@
 #include "config.h"
 
 #include "base/params.h"
+#include "tests/fuzz/fuzz.h"
 
 #include <stdlib.h>
 #include <string.h>
-
-int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 
 enum { MOST_WORDS = 1024 };
 

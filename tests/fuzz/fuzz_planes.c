@@ -1,9 +1,8 @@
 /* fuzz_planes.c - pictures of planes: which they are, and put together */
 #include "show/spectra.h"
+#include "tests/fuzz/fuzz.h"
 
 #include <stdlib.h>
-
-int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 
 /* All planes alike, as they would be of grey light. */
 static void

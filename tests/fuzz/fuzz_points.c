@@ -4,10 +4,9 @@
 
 #include "points/pointfile.h"
 #include "points/points.h"
+#include "tests/fuzz/fuzz.h"
 
 #include <stdlib.h>
-
-int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 
 static void
 lay_out(const struct pointfile *f)

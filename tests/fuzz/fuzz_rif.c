@@ -4,11 +4,10 @@
 #include "config.h"
 
 #include "rif/rif_view.h"
+#include "tests/fuzz/fuzz.h"
 
 #include <stdlib.h>
 #include <string.h>
-
-int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 
 static void
 look_at_words(struct rif *r)

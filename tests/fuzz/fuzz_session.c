@@ -9,13 +9,12 @@
 #include "proto/ambshare.h"
 #include "proto/frame.h"
 #include "steps.h"
+#include "tests/fuzz/fuzz.h"
 
 #include <stdlib.h>
 #include <string.h>
 
 enum { CONNS = 4 };
-
-int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 
 struct session {
     struct coord *coord;

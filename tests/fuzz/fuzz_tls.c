@@ -5,11 +5,10 @@
 #include "config.h"
 
 #include "net/tls.h"
+#include "tests/fuzz/fuzz.h"
 
 #include <stdlib.h>
 #include <string.h>
-
-int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 
 static const char *
 find(void *arg, const char *id, uint8_t secret[TLS_SECRET])

@@ -6,11 +6,10 @@
 
 #include "draw/chart.h"
 #include "draw/units.h"
+#include "tests/fuzz/fuzz.h"
 
 #include <stdlib.h>
 #include <string.h>
-
-int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 
 static void
 check_spans(const struct units *u)

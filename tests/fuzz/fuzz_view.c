@@ -2,12 +2,11 @@
 #include "config.h"
 
 #include "picture/view.h"
+#include "tests/fuzz/fuzz.h"
 
 #include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
-
-int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 
 static void
 use(const struct rad_view *v)

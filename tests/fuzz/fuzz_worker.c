@@ -9,6 +9,7 @@
 #include "proto/frame.h"
 #include "steps.h"
 #include "worker/worker.h"
+#include "tests/fuzz/fuzz.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -17,8 +18,6 @@
  * called */
 enum { COORD, CHILD, DIALLED, CALLER, ENDS };
 #define CALLER_ID 7
-
-int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 
 struct end {
     uint64_t id; /* 0: none */

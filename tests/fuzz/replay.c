@@ -4,6 +4,8 @@
  * Stands in for libFuzzer's main in an ordinary build, so that every input
  * that was ever interesting is a test.  Prints how many inputs ran; an input
  * that crashes ends the program, as it should. */
+#include "tests/fuzz/fuzz.h"
+
 #include <dirent.h>
 #include <errno.h>
 #include <stdint.h>
@@ -11,8 +13,6 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
-
-int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 
 static int
 replay_file(const char *path)
