@@ -37,6 +37,21 @@ total()
     sed -n '/^ *"totals": {/,/}/s/^ *"'"$2"'": \([0-9]*\)[.0-9]*,*$/\1/p' "$1"
 }
 
+# What a picture has below its header.
+body()
+{
+    LC_ALL=C sed '1,/^$/d' "$1"
+}
+
+# A background process of a shell starts with interrupts ignored; this one
+# does not.
+interruptible()
+{
+    exec python3 -c 'import os, signal, sys
+signal.signal(signal.SIGINT, signal.SIG_DFL)
+os.execv(sys.argv[1], sys.argv[1:])' "$@"
+}
+
 # The processes of this test, by the folder in their arguments.
 left_over()
 {

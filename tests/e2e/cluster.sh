@@ -155,3 +155,38 @@ in_the_middle()
 {
     said_of jobs "$1" units_done | grep -q '^[1-9]'
 }
+
+# --- a job that is under way: radsubmit, which is process $job ---
+
+job_ended()
+{
+    gone "$job"
+}
+
+in_the_middle_or_ended()
+{
+    in_the_middle "$1" || job_ended
+}
+
+# until_log PATTERN: it is in the coordinator's log, or the job has ended
+until_log()
+{
+    pattern=$1
+    until_true 60 logged_or_ended ||
+        fail "no '$pattern': $(tail -n 3 "$work/c.log")"
+}
+
+logged_or_ended()
+{
+    grep -q "$pattern" "$work/c.log" || job_ended
+}
+
+# end_job NAME: it ends well, in a while; what it said is in NAME.err
+end_job()
+{
+    until_true 60 job_ended || {
+        fail "$1: the job does not end: $(tail -n 5 "$work/c.log")"
+        kill "$job"
+    }
+    wait "$job" || fail "$1: $(cat "$work/$1.err")"
+}

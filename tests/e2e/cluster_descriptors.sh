@@ -59,11 +59,7 @@ until_true 30 n_workers 1 || fail "the worker does not come"
 "$radsubmit" --coordinator="$sock" --name=many $view -S 1 --views=views.1200 \
     --partition=window --windows=4 -o many%04d.hdr "$room" 2>many.err &
 job=$!
-in_the_middle_or_ended()
-{
-    in_the_middle many || gone $job
-}
-until_true 60 in_the_middle_or_ended
+until_true 60 in_the_middle_or_ended many
 kill -KILL "$coord_pid"
 wait "$coord_pid" 2>/dev/null
 coord_few
@@ -94,11 +90,7 @@ views 20
 "$radsubmit" --coordinator="$sock" --name=during $view -ab 1 -ad 300 -aa 0 -S 1 \
     --views=views.20 -o during%04d.hdr "$room" 2>during.err &
 job=$!
-in_the_middle_or_ended()
-{
-    in_the_middle during || gone $job
-}
-until_true 60 in_the_middle_or_ended
+until_true 60 in_the_middle_or_ended during
 mkfifo hold
 python3 flood.py "$sock" <hold >flood.out 2>&1 &
 flood=$!

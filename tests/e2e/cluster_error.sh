@@ -13,11 +13,6 @@ room=$scenes/room.rad
 wanted=1.5
 goal=--error=$wanted
 
-body()
-{
-    LC_ALL=C sed '1,/^$/d' "$1"
-}
-
 # render NAME OPTION...
 render()
 {
@@ -63,8 +58,6 @@ same window
 
 # --- whoever is lost ---
 
-ended() { gone $job; }
-
 start()
 {
     : >c.log
@@ -74,21 +67,9 @@ start()
     job=$!
 }
 
-until_log()
-{
-    pattern=$1
-    until_true 60 logged || fail "no '$pattern': $(tail -n 3 c.log)"
-}
-
-logged() { grep -q "$pattern" c.log || ended; }
-
 finish_job()
 {
-    until_true 60 ended || {
-        fail "the job does not end: $(tail -n 5 c.log)"
-        kill $job
-    }
-    wait $job || fail "$1: $(cat "$1.err")"
+    end_job "$1"
     same "$1"
 }
 
@@ -160,7 +141,7 @@ for at in 'pass=2 ' 'stage=0 ' 'stage=1 ' 'goes_on=0' 'unit out'; do
     n=$((n + 1))
     start "again$n"
     until_log "$at"
-    ended || coord_crash
+    job_ended || coord_crash
     finish_job "again$n"
 done
 
@@ -168,9 +149,9 @@ start worker
 until_log 'stage=0 '
 id=$(sed -n 's/^radsubmit: job //p' worker.err)
 "$radctl" --coordinator="$sock" job "$id" >said
-grep -q "^asked for *error of $wanted %" said || ended ||
+grep -q "^asked for *error of $wanted %" said || job_ended ||
     fail "radctl job says nothing of what was asked for: $(cat said)"
-grep -Eq '^stage *2 of at most 4, estimated error' said || ended ||
+grep -Eq '^stage *2 of at most 4, estimated error' said || job_ended ||
     fail "radctl job says nothing of stages: $(cat said)"
 # shellcheck disable=SC2154 # worker_start sets them
 kill -KILL "$pid_1"

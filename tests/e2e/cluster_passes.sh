@@ -11,21 +11,14 @@ view="-vf $scenes/room.vf -x 2080 -y 32 -pa 0 -ps 2 -pt .01 -ab 3 -aa .15 -ar 32
 -ad 128 -as 32 --ambient=passes"
 room=$scenes/room.rad
 
-body()
-{
-    LC_ALL=C sed '1,/^$/d' "$1"
-}
-
 # shellcheck disable=SC2086 # options are words
 "$radsubmit" --local --workers=1 $view --stats=calm.json -o calm.hdr "$room" \
     2>stderr || fail "calm: $(cat stderr)"
 body calm.hdr >calm.body
 
-ended() { gone $job; }
-
 same()
 {
-    wait $job || fail "$1: $(cat "$1.err")"
+    end_job "$1"
     body "$1.hdr" >same.body
     cmp calm.body same.body || fail "$1: another picture"
     [ "$(total "$1.json" tile_values)" = "$(total calm.json tile_values)" ] ||
@@ -41,15 +34,6 @@ start()
     job=$!
 }
 
-# until_log PATTERN: it is in the coordinator's log, or the job is over
-until_log()
-{
-    pattern=$1
-    until_true 60 logged || fail "no '$pattern': $(tail -n 3 c.log)"
-}
-
-logged() { grep -q "$pattern" c.log || ended; }
-
 coord_options=--log-level=debug
 cluster_start 2 1
 
@@ -59,11 +43,7 @@ for at in 'pass=0 ' 'pass=4 ' 'step=8 ' 'unit out'; do
     n=$((n + 1))
     start "again$n"
     until_log "$at"
-    ended || coord_crash
-    until_true 60 ended || {
-        fail "the job does not end: $(tail -n 5 c.log)"
-        kill $job
-    }
+    job_ended || coord_crash
     same "again$n"
 done
 grep -q 'passes kept .*passes=[1-9]' c.log ||
@@ -85,13 +65,12 @@ walk="--views=views -S 1 -x 160 -y 120 -ab 2 -aa .3 -ar 16 -ad 128 -as 32"
 "$radsubmit" --coordinator="$sock" --name=walk $walk -o 'walk%d.hdr' "$room" \
     2>walk.err &
 job=$!
-there() { [ -s "walk$frame.hdr" ] || ended; }
+there() { [ -s "walk$frame.hdr" ] || job_ended; }
 for frame in 1 22; do
     until_true 60 there || fail "frame $frame does not come"
-    ended || coord_crash
+    job_ended || coord_crash
 done
-until_true 60 ended || fail "the walk does not end: $(tail -n 5 c.log)"
-wait $job || fail "walk: $(cat walk.err)"
+end_job walk
 for frame in $(seq 40); do
     body "calm$frame.hdr" >calm.body.k
     body "walk$frame.hdr" >same.body
@@ -103,14 +82,13 @@ start worker
 until_log 'pass=2 '
 id=$(sed -n 's/^radsubmit: job //p' worker.err)
 "$radctl" --coordinator="$sock" job "$id" >said
-grep -Eq '^ambient cache +pass [1-9][0-9]* of [1-9]' said || ended ||
+grep -Eq '^ambient cache +pass [1-9][0-9]* of [1-9]' said || job_ended ||
     fail "radctl job says nothing of passes: $(cat said)"
 # shellcheck disable=SC2154 # worker_start sets them
 kill -KILL "$pid_1"
 wait "$pid_1" 2>/dev/null
 worker_start 1 1
 worker_start 3 1
-until_true 60 ended || fail "the job does not end"
 same worker
 
 # a job that passes are closed of and that has no units yet may be cancelled
@@ -119,13 +97,13 @@ until_log 'pass=2 '
 id=$(sed -n 's/^radsubmit: job //p' cancelled.err)
 kill -KILL "$pid_1" "$pid_3"
 wait "$pid_1" "$pid_3" 2>/dev/null
-if ! ended; then
+if ! job_ended; then
     coord_crash
     until_true 20 "$radctl" --coordinator="$sock" cancel "$id" ||
         fail "a job with passes alone cannot be cancelled"
     "$radctl" --coordinator="$sock" status >said ||
         fail "the coordinator is gone: $(tail -n 3 c.log)"
-    until_true 60 ended || fail "a cancelled job does not end"
+    until_true 60 job_ended || fail "a cancelled job does not end"
 fi
 cluster_stop
 finish

@@ -14,11 +14,6 @@ room=$scenes/room.rad
 coord_options=--log-level=debug
 cluster_start 1 1
 
-body()
-{
-    LC_ALL=C sed '1,/^$/d' "$1"
-}
-
 # figure NAME LINE: of areas of 10 by 10 pixels, in percent
 figure()
 {

@@ -22,7 +22,7 @@ both_work()
 
 both_work_or_ended()
 {
-    both_work || ended
+    both_work || job_ended
 }
 
 # again NAME: the job once more, as calm.hdr; the coordinator is killed in the
@@ -49,16 +49,11 @@ again()
     until_true 60 in_the_middle "$1" || fail "the job does not start"
     coord_crash
     kill -CONT "$stopped"
-    until_true 60 ended || {
-        fail "the job does not end: $(tail -n 5 c.log)"
-        kill $job
-    }
-    wait $job || fail "$1: $(cat "$1.err")"
+    end_job "$1"
     grep -q 'connected again' "$1.err" || fail "the client saw no restart"
     cmp calm.hdr "$1.hdr" || fail "the picture after a restart differs"
 }
 
-ended() { gone $job; }
 again again
 grep 'RESULT' c.log && fail "results of the earlier life were not forgotten"
 
@@ -77,18 +72,13 @@ rays=$(total calm.json primary_rays)
 # who was at a job in an earlier life and does not call again is gone, since now
 view="-vf $scenes/room.vf -x 400 -y 300 -ps 1 -ds .1 -dj 1 -ab 0
 --partition=window --windows=40"
-in_the_middle_or_ended()
-{
-    in_the_middle "left$n" || ended
-}
-
 # paused, it does not end before it is looked at
 for n in 1 2 3 4 5; do
     # shellcheck disable=SC2086
     "$radsubmit" --coordinator="$sock" --name="left$n" $view -o left.hdr "$room" \
         2>stderr &
     job=$!
-    until_true 60 in_the_middle_or_ended || fail "the job does not start"
+    until_true 60 in_the_middle_or_ended "left$n" || fail "the job does not start"
     id=$(sed -n 's/^radsubmit: job //p' stderr)
     "$radctl" --coordinator="$sock" pause "$id" && break
     wait $job

@@ -201,11 +201,8 @@ if [ $FULL_TMPFS = yes ]; then
     for signal in TERM INT; do
         : >stays.err
         # shellcheck disable=SC2086
-        (trap - INT && exec python3 -c 'import os, signal, sys
-signal.signal(signal.SIGINT, signal.SIG_DFL)
-os.execv(sys.argv[1], sys.argv[1:])' "$radsubmit" --coordinator="$sock" \
-            --name=stays $view -x 2000 -y 1500 -o stays.hdr "$room") \
-            2>stays.err &
+        interruptible "$radsubmit" --coordinator="$sock" --name=stays $view \
+            -x 2000 -y 1500 -o stays.hdr "$room" 2>stays.err &
         stays=$!
         until_true 30 grep -q '^radsubmit: job ' stays.err ||
             fail "a job that waits has no id: $(cat stays.err)"

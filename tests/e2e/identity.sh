@@ -11,11 +11,6 @@ set -u
 runs=${IDENTITY_RUNS:-20}
 draw_from "${IDENTITY_SEED:-}"
 
-body()
-{
-    LC_ALL=C sed '1,/^$/d' "$1"
-}
-
 # count NAME: of seqpict, in all stages
 count()
 {

@@ -14,20 +14,10 @@ runs=${IDENTITY_RUNS:-20}
 draw_from "${IDENTITY_SEED:-}"
 shared=$top_srcdir/../shared/scenes
 
-body()
-{
-    LC_ALL=C sed '1,/^$/d' "$1"
-}
-
 # of_stats KEY: a number of the statistics' totals
 of_stats()
 {
     sed -n '/"totals"/,/}/s/.*"'"$1"'": *\([0-9]*\).*/\1/p' stats.json
-}
-
-job_is_over()
-{
-    gone "$job"
 }
 
 # --- what is rendered ---
@@ -126,7 +116,7 @@ any_worker()
 slow_down()
 {
     any_worker
-    while ! job_is_over; do
+    while ! job_ended; do
         kill -STOP "$pid"
         child_of $k | xargs -r kill -STOP 2>/dev/null
         sleep .15

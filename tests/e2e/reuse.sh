@@ -20,11 +20,6 @@ if [ -d "$office" ]; then
     set -- -ab 4 -aa .3 -ar 32 -ad 128 -as 32
 fi
 
-body()
-{
-    LC_ALL=C sed '1,/^$/d' "$1"
-}
-
 # submit NAME OPTION...
 submit()
 {
@@ -108,8 +103,6 @@ same_as_second three
 "$radctl" --coordinator="$sock" delete "$id" >"$work/said"
 
 # killed while it is at it, and the former job is deleted meanwhile
-ended() { gone $job; }
-logged() { grep -q 'pass closed' "$work/c.log" || ended; }
 
 coord_options=--log-level=debug
 coord_crash
@@ -122,12 +115,11 @@ same_as_second between
 # shellcheck disable=SC2086
 (submit killed $second "$@" --reuse="$former") &
 job=$!
-until_true 60 logged || fail "no pass is closed"
+until_log 'pass closed'
 "$radctl" --coordinator="$sock" delete "$former" 2>"$work/said" ||
     fail "delete: $(cat "$work/said")"
-ended || coord_crash
-until_true 60 ended || fail "the job does not end: $(tail -n 5 "$work/c.log")"
-wait $job || fail "killed: $(cat "$work/killed.err")"
+job_ended || coord_crash
+end_job killed
 same_as_second killed
 id=$(sed -n 's/^radsubmit: job //p' "$work/killed.err")
 

@@ -193,9 +193,7 @@ export RADD_COORDINATOR="$sock"
 until_true 20 "$radctl" status || fail "no coordinator"
 "$radd" --coordinator="$sock" --name=ws1 --threads=1 \
     --listen=127.0.0.1:0 --cache="$work/cache" 2>>ws1.log &
-python3 -c 'import os, signal, sys
-signal.signal(signal.SIGINT, signal.SIG_DFL)
-os.execv(sys.argv[1], sys.argv[1:])' "$radsubmit" -vf "$scenes/room.vf" \
+interruptible "$radsubmit" -vf "$scenes/room.vf" \
     -cs 9 -x 3000 -y 2250 -ps 1 -ds .02 -dj 1 -o big.hsr "$room" 2>big.err &
 pid=$!
 until_true 30 grep -q 'plane 3 of 3' big.err || fail "no planes: $(cat big.err)"

@@ -4,15 +4,6 @@
 . "${top_srcdir:-.}/tests/e2e/client_lib.sh"
 set -u
 
-# A background process of a shell starts with interrupts ignored; this one
-# does not.
-interruptible()
-{
-    exec python3 -c 'import os, signal, sys
-signal.signal(signal.SIGINT, signal.SIG_DFL)
-os.execv(sys.argv[1], sys.argv[1:])' "$@"
-}
-
 # A picture that takes minutes: every pixel, many samples of the lamp.
 start()
 {

@@ -17,15 +17,6 @@ ended() # NAME STATUS
     check_nothing_left "$1"
 }
 
-# A background process of a shell starts with interrupts ignored; this one
-# does not.
-interruptible()
-{
-    exec python3 -c 'import os, signal, sys
-signal.signal(signal.SIGINT, signal.SIG_DFL)
-os.execv(sys.argv[1], sys.argv[1:])' "$@"
-}
-
 start() # NAME OPTIONS...
 {
     name=$1

@@ -11,15 +11,10 @@ view="-vf $scenes/room.vf"
 size="-x 61 -y 45"
 plain="-ab 0 -ps 4"
 
-body()
-{
-    LC_ALL=C sed '1,/^$/d' "$1" >"$1.body"
-}
-
 same() # WHAT A B
 {
-    body "$2"
-    body "$3"
+    body "$2" >"$2.body"
+    body "$3" >"$3.body"
     cmp -s "$2.body" "$3.body" || fail "$1: another picture"
 }
 

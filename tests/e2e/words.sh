@@ -92,9 +92,7 @@ ctl drain w1 || fail "drain"
 
 # an interrupt before any worker came
 # shellcheck disable=SC2086
-python3 -c 'import os, signal, sys
-signal.signal(signal.SIGINT, signal.SIG_DFL)
-os.execv(sys.argv[1], sys.argv[1:])' "$radsubmit" --coordinator="$sock" $view \
+interruptible "$radsubmit" --coordinator="$sock" $view \
     -o none.hdr "$room" 2>none.err &
 none=$!
 until_true 30 grep -q '^radsubmit: job ' none.err || fail "no id"
