@@ -1,15 +1,7 @@
 #!/bin/sh
 # cluster_cache.sh - a worker keeps its cache below a limit, and one that has no
 # room for a job says so, fails nothing, and goes on when there is room
-#
-# The disk is a tmpfs of 16 MiB where one may be mounted, else one that
-# tests/tools/disaster.so calls full.
-if [ -z "${FULL_TMPFS:-}" ]; then
-    FULL_TMPFS=no
-    unshare -rm true 2>/dev/null && FULL_TMPFS=yes
-    export FULL_TMPFS
-    [ $FULL_TMPFS = no ] || exec unshare -rm "$0"
-fi
+. "${top_srcdir:-.}/tests/e2e/small_disk.sh"
 . "${top_srcdir:-.}/tests/e2e/client_lib.sh"
 . "$top_srcdir/tests/e2e/cluster.sh"
 set -u
@@ -65,32 +57,7 @@ scene c 22000
 scene d 500
 
 # --- a full disk
-mkdir w1
-if [ "$FULL_TMPFS" = yes ] && mount -t tmpfs -o size=16m none w1; then
-    fill()
-    {
-        dd if=/dev/zero of=w1/ballast bs=64k 2>/dev/null
-        dd if=/dev/zero of=w1/crumbs bs=512 2>/dev/null
-    }
-    make_room()
-    {
-        rm w1/ballast w1/crumbs
-    }
-else
-    [ -e "$top_builddir/tests/tools/disaster.so" ] || exit 77
-    fill()
-    {
-        touch full
-    }
-    make_room()
-    {
-        rm full
-    }
-    LD_PRELOAD=$top_builddir/tests/tools/disaster.so
-    DISASTER_DIR=$work/w1/ DISASTER_ROOM=$work/full
-    export LD_PRELOAD DISASTER_DIR DISASTER_ROOM
-    FULL_TMPFS=no
-fi
+small_disk w1
 printf 'cache_mib = 1\n' >w1.conf
 worker_options="--config=$work/w1.conf"
 cluster_start 1 1

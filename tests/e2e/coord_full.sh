@@ -1,15 +1,7 @@
 #!/bin/sh
 # coord_full.sh - on a full disk a job is held, and says so; when there is room
 # it goes on
-#
-# The disk is a tmpfs of 16 MiB where one may be mounted, else one that
-# tests/tools/disaster.so calls full.
-if [ -z "${FULL_TMPFS:-}" ]; then
-    FULL_TMPFS=no
-    unshare -rm true 2>/dev/null && FULL_TMPFS=yes
-    export FULL_TMPFS
-    [ $FULL_TMPFS = no ] || exec unshare -rm "$0"
-fi
+. "${top_srcdir:-.}/tests/e2e/small_disk.sh"
 . "${top_srcdir:-.}/tests/e2e/client_lib.sh"
 . "$top_srcdir/tests/e2e/cluster.sh"
 set -u
@@ -18,42 +10,15 @@ view="-vf $scenes/room.vf -x 400 -y 300 -ps 1 -ds .1 -dj 1 -ab 0
 --partition=window --windows=40"
 room=$scenes/room.rad
 
-mkdir state
-if [ $FULL_TMPFS = yes ] && mount -t tmpfs -o size=16m,mode=700 none state; then
-    fill()
-    {
-        dd if=/dev/zero of=state/ballast bs=64k 2>/dev/null
-        dd if=/dev/zero of=state/crumbs bs=512 2>/dev/null
-    }
-    # room for the scene, not for the rows
-    make_some_room()
-    {
+small_disk state
+# room for the scene, not for the rows
+make_some_room()
+{
+    [ $FULL_TMPFS = no ] || {
         rm state/crumbs
         truncate -s -256K state/ballast
     }
-    make_room()
-    {
-        rm state/ballast
-    }
-else
-    [ -e "$top_builddir/tests/tools/disaster.so" ] || exit 77
-    fill()
-    {
-        touch full
-    }
-    make_some_room()
-    {
-        :
-    }
-    make_room()
-    {
-        rm full
-    }
-    LD_PRELOAD=$top_builddir/tests/tools/disaster.so
-    DISASTER_DIR=$work/state DISASTER_ROOM=$work/full
-    export LD_PRELOAD DISASTER_DIR DISASTER_ROOM
-    FULL_TMPFS=no
-fi
+}
 
 says_held()
 {

@@ -94,5 +94,6 @@ EXTRA_DIST += \
 	tests/e2e/client_lib.sh \
 	tests/e2e/cluster.sh \
 	tests/e2e/faults.sh \
+	tests/e2e/small_disk.sh \
 	tests/e2e/steer_lib.sh \
 	tests/e2e/wire.py
