@@ -98,7 +98,7 @@ bool pool_estimate(struct pool *p, struct estimate *e, pool_estimate_fn *fn);
 struct pool_tile {
     struct pool_tile *next;
     uint32_t pass, tile;
-    bool shows;      /* its colours are wanted */
+    bool tells_colours; /* its colours are wanted */
     uint32_t behind; /* so many of the last passes in the cache must not be seen
                       * by the tile */
     struct msg_counts counts;
@@ -116,9 +116,10 @@ void pool_set_passes(struct pool *p, struct rad_passes *passes,
                      const struct rad_pass *plan, uint32_t n, pool_tile_fn *fn);
 
 /* Make a tile of a pass that is not closed, when all passes that it reads are
- * in the cache; and its colours, if it shows.  Tiles come before all other
- * work, in the order in which they are pushed.  False: memory is out. */
-bool pool_push_tile(struct pool *p, uint32_t pass, uint32_t tile, bool shows);
+ * in the cache; and its colours, if wanted.  Tiles come before all
+ * other work, in the order in which they are pushed.  False: memory is out. */
+bool pool_push_tile(struct pool *p, uint32_t pass, uint32_t tile,
+                    bool tells_colours);
 
 /* The next pass is closed: put its records into the cache, or, of a pass of
  * paths, take their ends (spot; NULL: not known).  Both arrays are malloc'd and

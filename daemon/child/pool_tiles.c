@@ -85,7 +85,7 @@ fill_tile(struct renderer *by, struct pool_tile *t)
     if (!pass->check)
         return rad_passes_make(k->passes, &by->ctx, pass, t->behind, t->tile,
                                stop, keep_records, t,
-                               t->shows ? &t->colours : NULL);
+                               t->tells_colours ? &t->colours : NULL);
     if (!rad_refine_make(k->passes, &by->ctx, t->tile, stop, &sums))
         return false;
     sums_pack(&t->records, &sums);
@@ -307,7 +307,7 @@ pool_set_passes(struct pool *p, struct rad_passes *passes,
 }
 
 bool
-pool_push_tile(struct pool *p, uint32_t pass, uint32_t tile, bool shows)
+pool_push_tile(struct pool *p, uint32_t pass, uint32_t tile, bool tells_colours)
 {
     struct pool_tiling *k = &p->tiling;
     struct pool_tile *t = calloc(1, sizeof *t);
@@ -316,7 +316,7 @@ pool_push_tile(struct pool *p, uint32_t pass, uint32_t tile, bool shows)
         return false;
     t->pass = pass;
     t->tile = tile;
-    t->shows = shows;
+    t->tells_colours = tells_colours;
     uv_mutex_lock(&p->mu);
     *k->todo_end = t;
     k->todo_end = &t->next;

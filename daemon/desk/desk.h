@@ -35,7 +35,7 @@ struct coord_worker {
     int64_t rank;         /* the same, and of jobs that have units for it */
     uint32_t load;        /* of its host, in hundredths, by its last PING */
     uint64_t progress;    /* progress counter of the last PING */
-    uint64_t progress_ms; /* when that counter last changed */
+    uint64_t progressed_ms; /* when that counter last changed */
     bool hangs;           /* it has work, and its counter stands still */
     const struct job *loading; /* job that its next READY is for */
     bool forgotten;            /* gone, and no longer listed */
@@ -108,8 +108,8 @@ struct coord {
     uint64_t sequence;
     uint64_t pieces_told; /* of statistics, made or sent (delivery.c) */
     uint64_t known_ms;    /* when owners' known files last expired */
-    uint64_t progress_ms; /* when PROGRESS was last sent */
-    uint64_t lease_ms;    /* a unit that is out for less is not late */
+    uint64_t told_progress_ms; /* when PROGRESS was last sent */
+    uint64_t lease_floor_ms;   /* a unit that is out for less is not late */
     bool stirred; /* any worker may get a unit or tile since sched_run() */
     struct coord_worker *roomy; /* if not stirred: only this one may; or NULL */
     uint32_t verdicts;          /* verdicts to be carried out */

@@ -1,13 +1,13 @@
 # what the coordinator knows of all jobs, workers and connections
 libdaemon_a_SOURCES += \
 	daemon/desk/account.h \
+	daemon/desk/attempt.c \
+	daemon/desk/attempt.h \
 	daemon/desk/desk.c \
 	daemon/desk/desk.h \
 	daemon/desk/duplicate.c \
 	daemon/desk/duplicate.h \
 	daemon/desk/env.h \
-	daemon/desk/hold.c \
-	daemon/desk/hold.h \
 	daemon/desk/speed.c \
 	daemon/desk/speed.h \
 	daemon/desk/verdict.c \

@@ -68,5 +68,5 @@ colours_close(struct job *job, const struct rad_pass *pass)
 {
     if (colours_wanted(job, pass))
         for (uint32_t i = pass->frame; i < pass->beyond; i += pass->stride)
-            job->frames[i].shown = true;
+            job->frames[i].has_colours = true;
 }

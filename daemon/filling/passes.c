@@ -429,7 +429,7 @@ close_pass(struct coord *c, struct job *job)
                     walks ? 0 : (size_t)k->n * AMBSHARE_BYTES, false);
     colours_close(job, &s->plan[s->open]);
     if (job->spec.flags & MSG_JOB_RECORDS && !walks)
-        records_keep(c, job, s->open);
+        records_to_users(c, job, s->open);
     actions_log(&c->actions, ACT_DEBUG,
                 "pass closed job=%s pass=%u level=%d step=%d tiles=%u "
                 "records=%u",
@@ -614,7 +614,7 @@ passes_came(struct coord *c, struct job *job, uint8_t *records, size_t n,
         if (!open_passes(s))
             c->actions.failed = true;
         if (job->spec.flags & MSG_JOB_RECORDS)
-            records_keep(c, job, 0);
+            records_to_users(c, job, 0);
     }
     records_came(c, job);
     close_passes(c, job, true);

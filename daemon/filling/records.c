@@ -175,7 +175,7 @@ records_tell(struct coord *c, struct job *job)
 }
 
 void
-records_keep(struct coord *c, const struct job *job, uint32_t pass)
+records_to_users(struct coord *c, const struct job *job, uint32_t pass)
 {
     const struct closed *k = &job->passes->closed[pass];
     struct msg_frozen m = { 0 };
@@ -234,7 +234,7 @@ records_ready(struct coord *c, struct job *job, uint32_t index, uint32_t have)
 }
 
 void
-records_held(struct coord *c, struct coord_worker *w, const struct msg *msg)
+records_holds(struct coord *c, struct coord_worker *w, const struct msg *msg)
 {
     const struct msg_holds *m = &msg->holds;
     uint32_t index;

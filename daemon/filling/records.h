@@ -21,8 +21,8 @@ bool records_ready(struct coord *c, struct job *job, uint32_t index,
 bool records_allow(const struct job *job, uint32_t index, uint32_t passes);
 /* Handler of HOLDS: a worker has all records of a closed pass, or lacks some.
  */
-void records_held(struct coord *c, struct coord_worker *w,
-                  const struct msg *msg);
+void records_holds(struct coord *c, struct coord_worker *w,
+                   const struct msg *msg);
 
 /* A tile of an open pass is made: send its records. */
 void records_feed(struct coord *c, struct job *job, uint32_t pass,
@@ -30,7 +30,7 @@ void records_feed(struct coord *c, struct job *job, uint32_t pass,
 /* A pass was closed: tell the workers. */
 void records_tell(struct coord *c, struct job *job);
 /* Send the records of a closed pass to the radsubmits that wait (-af). */
-void records_keep(struct coord *c, const struct job *job, uint32_t pass);
+void records_to_users(struct coord *c, const struct job *job, uint32_t pass);
 /* Another job's records came as the first pass: send them to the workers. */
 void records_came(struct coord *c, struct job *job);
 /* Another stage begins: tell all workers to begin with an empty cache. */

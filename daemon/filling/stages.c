@@ -228,8 +228,8 @@ stages_end(struct coord *c, struct job *job, uint32_t n,
         c->actions.failed = true;
     else
         tell_options(c, job);
-    c->progress_ms = 0; /* those who watch hear of each stage, also of a short
-                         * one */
+    c->told_progress_ms = 0; /* those who watch hear of each stage, also of a
+                              * short one */
     return !on;
 }
 

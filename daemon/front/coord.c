@@ -72,16 +72,16 @@ coord_new(const struct coord_env *env)
     c->env = *env;
     c->keep.jobs = KEPT_JOBS;
     c->keep.cache_bytes = KEPT_CACHES;
-    c->lease_ms = LEASE_MS;
+    c->lease_floor_ms = LEASE_MS;
     c->limits = usual_limits;
     actions_init(&c->actions);
     return c;
 }
 
 void
-coord_set_lease(struct coord *c, uint64_t ms)
+coord_set_lease_floor(struct coord *c, uint64_t ms)
 {
-    c->lease_ms = ms;
+    c->lease_floor_ms = ms;
 }
 
 void
@@ -182,7 +182,7 @@ on_ping(struct coord *c, struct coord_worker *w, const struct msg *m)
     if (w->progress == m->ping.progress)
         return;
     w->progress = m->ping.progress;
-    w->progress_ms = c->now_ms;
+    w->progressed_ms = c->now_ms;
 }
 
 /* The worker leaves: it gives back what it has, and sched_run() sends BYE. */
@@ -255,7 +255,7 @@ static const struct {
     { MSG_PING, on_ping },
     { MSG_RECORDS, on_records },
     { MSG_TILE_MADE, passes_made },
-    { MSG_HOLDS, records_held },
+    { MSG_HOLDS, records_holds },
     { MSG_LINE_COSTS, on_line_costs },
 };
 
@@ -532,7 +532,7 @@ coord_fullness(struct coord *c, uint64_t now_ms, bool full, const char *text)
     log_fullness(c);
     for (size_t i = 0; i < c->njobs; i++)
         c->jobs[i]->full = full;
-    c->progress_ms = 0; /* users hear of it at the next tick */
+    c->told_progress_ms = 0; /* users hear of it at the next tick */
     settle(c, true);
 }
 
@@ -596,7 +596,7 @@ coord_job_waits(struct coord *c, uint64_t now_ms, const uint8_t id[MSG_JOB],
     wire_clean(job->text);
     actions_log(&c->actions, ACT_WARN, "job waits for room job=%s why=%s",
                 job->hex, text);
-    c->progress_ms = 0; /* users hear of it at the next tick */
+    c->told_progress_ms = 0; /* users hear of it at the next tick */
 }
 
 uint8_t *
@@ -669,9 +669,9 @@ coord_tick(struct coord *c, uint64_t now_ms)
     settle(c, false);
     coord_forget_old(c);
     expire_known(c);
-    if (now_ms - c->progress_ms < PROGRESS_MS)
+    if (now_ms - c->told_progress_ms < PROGRESS_MS)
         return;
-    c->progress_ms = now_ms;
+    c->told_progress_ms = now_ms;
     for (struct coord_conn *conn = c->conns; conn; conn = conn->next)
         if (conn->watch)
             coord_send_progress(c, conn, conn->watch);

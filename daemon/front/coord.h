@@ -39,7 +39,7 @@ void coord_set_epoch(struct coord *c, uint64_t epoch);
 
 /* Least time after which a unit may count as late [ms], 60000 at first; it also
  * has to take ten times as long as its job's units. */
-void coord_set_lease(struct coord *c, uint64_t ms);
+void coord_set_lease_floor(struct coord *c, uint64_t ms);
 
 struct action_list *coord_actions(struct coord *c);
 

@@ -165,7 +165,7 @@ fetch_fault(const struct job *job, const struct msg_fetch *m, int *status)
                "their values";
     *status = EX_TEMPFAIL;
     if (m->what == MSG_WHAT_PREVIEW)
-        return job->pixels_done > 0 || job->frames[m->frame].shown ||
+        return job->pixels_done > 0 || job->frames[m->frame].has_colours ||
                        frame_is_written(&job->frames[m->frame])
                    ? NULL
                    : "nothing is rendered yet";

@@ -26,8 +26,8 @@ struct job_frame {
     enum frame_state state; /* changed by frame_step() alone */
     uint64_t pixels_left;   /* pixels of units that are not done */
     uint64_t rows_pixels;   /* pixels of rows that are on the disk */
-    bool shown;      /* a tile sent colours of this frame in this life of the
-                      * coordinator (filling/colours.h) */
+    bool has_colours; /* a tile sent colours of this frame in this life of the
+                       * coordinator (filling/colours.h) */
     double *line_s;  /* processor time spent on each line in this life of the
                       * coordinator; NULL: nothing is known */
     uint32_t nlines; /* length of line_s */

@@ -42,7 +42,7 @@ enum go_rows {
     GO_SPENT    /* no, and the last of its rows has come */
 };
 
-/* Changed by lending.c; hold.c counts loans down when one ends. */
+/* Changed by lending.c; attempt.c counts loans down when one ends. */
 struct go_lending {
     uint32_t lender;     /* of a loan: the number of the attempt that lends */
     uint32_t x, n;       /* of a loan: columns [x, x + n) of the last line */
@@ -55,7 +55,8 @@ struct go_lending {
                           */
 };
 
-/* Changed by handoff.c; hold.c clears makes_top when the base line is made. */
+/* Changed by handoff.c; attempt.c clears makes_top when the base line is made.
+ */
 struct go_handoff {
     bool top_sent;  /* the coordinator sent it the whole base line above */
     bool makes_top; /* it traces the base line above, whose unit is kept back
@@ -84,8 +85,8 @@ struct job_go {
 
 /* Which state may follow which; see the head of go.c. */
 extern const struct steps go_steps;
-/* Change the attempt's state; the step must be in go_steps.  Call hold_step(),
- * which keeps count of a worker's attempts by their states. */
+/* Change the attempt's state; the step must be in go_steps.  Call
+ * attempt_step(), which keeps count of a worker's attempts by their states. */
 void go_step(struct job_go *go, enum go_state to);
 
 /* Is the attempt GO_WORKING? */

@@ -40,9 +40,9 @@ struct job_worker {
     double load_s;
     uint64_t fingerprint;
 
-    /* attempts that it has (hold.c) */
+    /* attempts that it has (attempt.c) */
     uint32_t in_flight; /* attempts that are GO_WORKING */
-    uint32_t held;      /* its threads, as counted for the job's payer */
+    uint32_t counted_threads; /* its threads, as counted for the job's payer */
     uint32_t lines;     /* lines of the attempts in flight */
     uint32_t parked;    /* attempts that wait (go_waits()) */
     uint32_t given;     /* units that went to it apart from one another, at

@@ -13,7 +13,7 @@
 #include "lines/handoff.h"
 
 #include "desk/desk.h"
-#include "desk/hold.h"
+#include "desk/attempt.h"
 #include "desk/speed.h"
 #include "desk/verdict.h"
 #include "jobs/go.h"
@@ -25,8 +25,10 @@
 
 #include <string.h>
 
-#define LINK_MS  100  /* time for a link between two workers to bring the top */
-#define STUCK_MS 5000 /* time for an attempt to make the top of its unit */
+/* Time for a link between two workers to bring the top, and for an attempt to
+ * make the top of its unit. */
+#define LINK_MS       100
+#define TOP_UNMADE_MS 5000
 
 /* Set [*first, *last) to the lines of a unit; returns its frame. */
 static uint32_t
@@ -308,7 +310,7 @@ top_facts(struct coord *c, struct job *job, uint32_t index,
 
     if (go && is_making_top(job, below, go, m->frame, m->line) &&
         shared_of_base(job->shared, m))
-        hold_top_made(c, job, below, go);
+        attempt_top_made(c, job, below, go);
 }
 
 void
@@ -420,7 +422,7 @@ top_is_here(struct coord *c, struct job *job, uint32_t unit)
                        */
     for (uint8_t i = 0; i < u->ngos; i++)
         if (u->go[i].state == GO_PARKED)
-            hold_step(c, job, unit, &u->go[i], GO_WORKING);
+            attempt_step(c, job, unit, &u->go[i], GO_WORKING);
 }
 
 /* May the worker send lines of the unit?  It has an attempt, or had the last
@@ -483,12 +485,12 @@ handoff_parked(struct coord *c, struct coord_worker *w, const struct msg *msg)
         (go->parked_ms != 0 && go->lending.line_ms == 0))
         return;
     desk_log_unit(c, job, m->unit, go, "unit parked");
-    hold_top_made(c, job, m->unit, go);
+    attempt_top_made(c, job, m->unit, go);
     speed_finished(job, m->unit, go);
     if (lending_parked(c, go))
-        hold_step(c, job, m->unit, go, GO_BLOCKED);
+        attempt_step(c, job, m->unit, go, GO_BLOCKED);
     else if (!has_work_to_come(job, m->unit))
-        hold_step(c, job, m->unit, go, GO_PARKED);
+        attempt_step(c, job, m->unit, go, GO_PARKED);
     else
         go->parked_ms = c->now_ms; /* the top is on its way to the attempt */
     offer_top(c, job, m->unit);
@@ -530,7 +532,7 @@ handoff_tick(struct coord *c, struct job *job)
 
         offer_top(c, job, job->out[i]);
         for (uint8_t k = 0; k < u->ngos; k++)
-            if (c->now_ms - u->go[k].out_ms >= STUCK_MS)
-                hold_top_made(c, job, job->out[i], &u->go[k]);
+            if (c->now_ms - u->go[k].out_ms >= TOP_UNMADE_MS)
+                attempt_top_made(c, job, job->out[i], &u->go[k]);
     }
 }

@@ -282,7 +282,7 @@ join_worker(struct coord *c, struct coord_conn *conn, const struct msg_hello *m)
     w->threads = m->threads;
     w->fingerprint = m->fingerprint;
     w->since_ms = c->now_ms;
-    w->progress_ms = c->now_ms; /* its counter counts from now */
+    w->progressed_ms = c->now_ms; /* its counter counts from now */
     w->leaving = w->alone = w->hangs = w->forgotten = false;
     snprintf(w->program, sizeof w->program, "%s", m->program);
     note_address(w, conn, m->address);

@@ -9,7 +9,7 @@
 #include "queue/coord_job.h"
 
 #include "desk/desk.h"
-#include "desk/hold.h"
+#include "desk/attempt.h"
 #include "jobs/job.h"
 #include "jobs/progress.h"
 #include "jobs/shared.h"
@@ -118,7 +118,7 @@ coord_set_priority(struct coord *c, struct job *job, int32_t priority)
     job->spec.priority = priority;
     put_in_order(c, job, end);
     for (struct coord_worker *w = c->workers; w; w = w->next)
-        hold_rate(c, w);
+        attempt_rate(c, w);
 }
 
 static void go_on_filing(struct coord *c, struct job *job);

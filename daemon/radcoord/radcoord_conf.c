@@ -130,7 +130,8 @@ set_keep(struct radcoord *r)
 static void
 set_lease(struct radcoord *r)
 {
-    coord_set_lease(r->coord, UINT64_C(1000) * (unsigned)r->set.lease_floor_s);
+    coord_set_lease_floor(r->coord,
+                          UINT64_C(1000) * (unsigned)r->set.lease_floor_s);
 }
 
 /* Size of the disk that holds the state folder [bytes]. */

@@ -11,7 +11,7 @@
 #include "sched/balance.h"
 
 #include "desk/desk.h"
-#include "desk/hold.h"
+#include "desk/attempt.h"
 #include "desk/speed.h"
 #include "desk/verdict.h"
 #include "jobs/go.h"
@@ -32,7 +32,7 @@
 #define LATE_MEDIANS 10
 
 /* An attempt that waits is late when it has had its top for this long. */
-#define STUCK_MS 5000
+#define TOP_UNUSED_MS 5000
 
 /* --- splitting --- */
 
@@ -150,7 +150,7 @@ balance_gave(struct coord *c, struct coord_worker *w, const struct msg *msg)
         loss_of(c, job, m->unit, go);
         return;
     }
-    if (!hold_shrink(c, job, m->unit, go, m->height))
+    if (!attempt_shrink(c, job, m->unit, go, m->height))
         verdict_break(c, w->conn, "a GAVE that fits no lines");
 }
 
@@ -160,31 +160,32 @@ balance_gave(struct coord *c, struct coord_worker *w, const struct msg *msg)
  * is here it has next to nothing left to do. */
 static bool
 is_slow(const struct coord *c, const struct job *job, uint32_t unit,
-        const struct job_go *go, uint64_t lease_ms)
+        const struct job_go *go, uint64_t lease_floor_ms)
 {
     const struct coord_worker *w = job->workers[go->worker].worker;
     uint64_t top_ms;
 
-    if (c->now_ms - go->out_ms < (w->hangs ? c->lease_ms : lease_ms))
+    if (c->now_ms - go->out_ms <
+        (w->hangs ? c->lease_floor_ms : lease_floor_ms))
         return false;
     if (!go_waits(go))
         return true;
     top_ms = handoff_top_ms(job, unit);
-    return top_ms != 0 && c->now_ms - top_ms >= STUCK_MS &&
-           c->now_ms - go->parked_ms >= STUCK_MS;
+    return top_ms != 0 && c->now_ms - top_ms >= TOP_UNUSED_MS &&
+           c->now_ms - go->parked_ms >= TOP_UNUSED_MS;
 }
 
 /* Are all attempts at the unit that may still count slow? */
 static bool
 is_late(const struct coord *c, const struct job *job, uint32_t unit,
-        uint64_t lease_ms)
+        uint64_t lease_floor_ms)
 {
     const struct job_unit *u = &job->units[unit];
 
     for (uint8_t i = 0; i < u->ngos; i++)
         if (u->go[i].origin != GO_LOAN && u->go[i].rows != GO_SPENT &&
             (u->go[i].state == GO_DELIVERED ||
-             !is_slow(c, job, unit, &u->go[i], lease_ms)))
+             !is_slow(c, job, unit, &u->go[i], lease_floor_ms)))
             return false;
     return true;
 }
@@ -192,12 +193,12 @@ is_late(const struct coord *c, const struct job *job, uint32_t unit,
 /* Shall the unit get a twin because it is late? */
 static bool
 wants_twin(const struct coord *c, const struct job *job, uint32_t unit,
-           uint64_t lease_ms)
+           uint64_t lease_floor_ms)
 {
     const struct job_unit *u = &job->units[unit];
 
     return u->ngos < JOB_MAX_HOLDERS && u->crashes == 0 &&
-           is_late(c, job, unit, lease_ms);
+           is_late(c, job, unit, lease_floor_ms);
 }
 
 static uint64_t
@@ -205,7 +206,7 @@ lease_of(const struct coord *c, const struct job *job)
 {
     uint64_t ms = LATE_MEDIANS * (uint64_t)speed_median_ms(job);
 
-    return ms > c->lease_ms ? ms : c->lease_ms;
+    return ms > c->lease_floor_ms ? ms : c->lease_floor_ms;
 }
 
 /* End attempts that have sent all rows and do not count, so that their workers
@@ -217,7 +218,7 @@ release_spent(struct coord *c, struct job *job, uint32_t unit)
 
     for (uint8_t k = u->ngos; k-- > 0;)
         if (u->go[k].rows == GO_SPENT && u->go[k].state != GO_DELIVERED)
-            hold_release(c, job, unit, &u->go[k]);
+            attempt_release(c, job, unit, &u->go[k]);
 }
 
 /* Note workers that have work and whose progress counter stands still. */
@@ -228,8 +229,8 @@ look_at_workers(struct coord *c)
         bool hangs;
 
         if (w->in_flight == 0)
-            w->progress_ms = c->now_ms;
-        hangs = c->now_ms - w->progress_ms >= c->lease_ms;
+            w->progressed_ms = c->now_ms;
+        hangs = c->now_ms - w->progressed_ms >= c->lease_floor_ms;
         if (hangs && !w->hangs)
             actions_log(&c->actions, ACT_WARN,
                         "worker hangs worker=%s units=%u", w->name,

@@ -4,7 +4,7 @@
 #include "sched/handout.h"
 
 #include "desk/desk.h"
-#include "desk/hold.h"
+#include "desk/attempt.h"
 #include "lines/handoff.h"
 
 #define APART 8 /* units of a worker that are begun apart, with scanbar */
@@ -92,7 +92,7 @@ void
 handout_unit(struct coord *c, struct job *job, uint32_t index, uint32_t unit)
 {
     struct job_unit *u = &job->units[unit];
-    struct job_go *go = hold_add(c, job, index, unit, u->attempt + 1);
+    struct job_go *go = attempt_add(c, job, index, unit, u->attempt + 1);
 
     if (!go) {
         c->actions.failed = true;
@@ -107,7 +107,7 @@ handout_unit(struct coord *c, struct job *job, uint32_t index, uint32_t unit)
     u->given_back = false;
     desk_log_unit(c, job, unit, &u->go[u->ngos - 1], "unit out");
     if (u->ngos == 1) {
-        hold_forget_rows(job, unit);
+        attempt_forget_rows(job, unit);
         u->lead = u->attempt;
         if (u->worker != index)
             u->losses = 0;

@@ -4,7 +4,7 @@
 #include "sched/loss.h"
 
 #include "desk/desk.h"
-#include "desk/hold.h"
+#include "desk/attempt.h"
 #include "desk/speed.h"
 #include "desk/verdict.h"
 #include "filling/tiles.h"
@@ -48,12 +48,12 @@ new_lead(struct coord *c, struct job *job, uint32_t unit)
 {
     struct job_unit *u = &job->units[unit];
 
-    hold_forget_rows(job, unit);
+    attempt_forget_rows(job, unit);
     u->lead = 0;
     for (uint8_t i = u->ngos; i-- > 0;)
         if (u->go[i].rows != GO_MAY_LEAD) {
             desk_send_attempt(c, job, MSG_REVOKE, unit, &u->go[i]);
-            hold_release(c, job, unit, &u->go[i]);
+            attempt_release(c, job, unit, &u->go[i]);
         }
 }
 
@@ -66,7 +66,7 @@ loss_end_loans(struct coord *c, struct job *job, uint32_t unit, uint32_t lender)
     for (uint8_t i = u->ngos; i-- > 0;)
         if (u->go[i].lending.lender == lender) {
             desk_send_attempt(c, job, MSG_YIELD, unit, &u->go[i]);
-            hold_release(c, job, unit, &u->go[i]);
+            attempt_release(c, job, unit, &u->go[i]);
         }
 }
 
@@ -78,7 +78,7 @@ lose(struct coord *c, struct job *job, uint32_t unit, struct job_go *go)
     bool led = go->attempt == u->lead || u->lead == 0;
     uint32_t attempt = go->attempt;
 
-    hold_release(c, job, unit, go);
+    attempt_release(c, job, unit, go);
     loss_end_loans(c, job, unit, attempt);
     if (u->ngos > 0 && led)
         new_lead(c, job, unit);
@@ -198,7 +198,7 @@ find_or_revive(struct coord *c, struct job *job, uint32_t index,
 
     if (!go && u->state != UNIT_DONE && u->ngos == 0 && u->lead != 0 &&
         u->lead == m->attempt && u->worker == index &&
-        hold_revive(c, job, index, m->unit))
+        attempt_revive(c, job, index, m->unit))
         go = go_find(job, m->unit, index, m->attempt);
     return go;
 }
@@ -219,7 +219,7 @@ resume(struct coord *c, struct job *job, uint32_t index,
     go->origin = GO_RESUMED;
     job->units[m->unit].losses = 0;
     desk_log_unit(c, job, m->unit, go, "unit still");
-    if (m->height == a.height || hold_shrink(c, job, m->unit, go, m->height))
+    if (m->height == a.height || attempt_shrink(c, job, m->unit, go, m->height))
         return true;
     loss_of(c, job, m->unit, go);
     return false;

@@ -5,7 +5,7 @@
 
 #include "desk/desk.h"
 #include "desk/duplicate.h"
-#include "desk/hold.h"
+#include "desk/attempt.h"
 #include "desk/speed.h"
 #include "desk/verdict.h"
 #include "filling/passes.h"
@@ -28,7 +28,7 @@
 /* The leading attempt may have been stopped if it sent rows and then none for
  * this long.  But rows may take that long, so the time doubles whenever a twin
  * takes the lead: else attempts could overtake each other for ever. */
-#define SILENT_MS      15000
+#define LEAD_SILENT_MS 15000
 #define SILENT_DOUBLES 16
 
 /* Has the message as many coded rows as it says, and none too long? */
@@ -131,7 +131,7 @@ drop_incomplete(struct coord *c, struct job *job, uint32_t unit,
     actions_log(&c->actions, ACT_WARN,
                 "unit incomplete job=%s unit=%u attempt=%u worker=%s", job->hex,
                 unit, go->attempt, job->workers[go->worker].name);
-    hold_forget_rows(job, unit);
+    attempt_forget_rows(job, unit);
     u->lead = 0;
     loss_of(c, job, unit, go);
     if (++u->faults < JOB_MAX_CRASHES)
@@ -148,7 +148,8 @@ overtake(const struct coord *c, struct job *job, struct job_go *go,
          const struct msg_result *m)
 {
     struct job_unit *u = &job->units[m->unit];
-    uint64_t silent_ms = (c->lease_ms < SILENT_MS ? c->lease_ms : SILENT_MS)
+    uint64_t silent_ms = (c->lease_floor_ms < LEAD_SILENT_MS ? c->lease_floor_ms
+                                                             : LEAD_SILENT_MS)
                          << u->overtaken;
 
     if (m->row != 0 || go->rows != GO_MAY_LEAD || u->next_row == 0 ||
@@ -160,7 +161,7 @@ overtake(const struct coord *c, struct job *job, struct job_go *go,
                 return; /* it is not silent: the disk is slow */
             u->go[i].rows = GO_DROPPED;
         }
-    hold_forget_rows(job, m->unit);
+    attempt_forget_rows(job, m->unit);
     u->lead = 0;
     if (u->overtaken < SILENT_DOUBLES)
         u->overtaken++;
@@ -209,11 +210,11 @@ delivered(struct coord *c, struct job *job, uint32_t unit, struct job_go *go)
     struct job_unit *u = &job->units[unit];
 
     speed_finished(job, unit, go);
-    hold_step(c, job, unit, go, GO_DELIVERED);
+    attempt_step(c, job, unit, go, GO_DELIVERED);
     for (uint8_t i = u->ngos; i-- > 0;)
         if (u->go[i].state != GO_DELIVERED) {
             desk_send_attempt(c, job, MSG_REVOKE, unit, &u->go[i]);
-            hold_release(c, job, unit, &u->go[i]);
+            attempt_release(c, job, unit, &u->go[i]);
         }
 }
 
@@ -279,11 +280,11 @@ keep_rows(struct coord *c, const struct coord_worker *w, struct job *job,
     struct job_unit *u = &job->units[m->unit];
     struct job_go *go;
 
-    if (u->ngos == 0 && !hold_revive(c, job, index, m->unit))
+    if (u->ngos == 0 && !attempt_revive(c, job, index, m->unit))
         return;
     go = go_find(job, m->unit, index, m->attempt);
     if (gave_before(job, index, m, a) &&
-        hold_shrink(c, job, m->unit, go, m->row + m->rows))
+        attempt_shrink(c, job, m->unit, go, m->row + m->rows))
         partition_area(job->partition, m->unit, a);
     if (m->last &&
         (m->row + m->rows < a->height || !handoff_complete(job, m->unit))) {
@@ -292,7 +293,7 @@ keep_rows(struct coord *c, const struct coord_worker *w, struct job *job,
         return;
     }
     duplicate_keep(job, index, m, a->height);
-    u = &job->units[m->unit]; /* hold_shrink() may have added a unit */
+    u = &job->units[m->unit]; /* attempt_shrink() may have added a unit */
     u->next_row += m->rows;
     u->row_ms = c->now_ms;
     if (m->last) {
@@ -379,7 +380,7 @@ release_all(struct coord *c, struct job *job, uint32_t unit)
         } else {
             desk_send_attempt(c, job, MSG_REVOKE, unit, go);
         }
-        hold_release(c, job, unit, go);
+        attempt_release(c, job, unit, go);
     }
 }
 

@@ -19,7 +19,7 @@
 #include "sched/sched.h"
 
 #include "desk/desk.h"
-#include "desk/hold.h"
+#include "desk/attempt.h"
 #include "desk/speed.h"
 #include "desk/verdict.h"
 #include "filling/passes.h"
@@ -558,7 +558,7 @@ sched_job_over(struct coord *c, struct job *job)
     while (job->nout > 0) {
         uint32_t unit = job->out[0];
 
-        hold_release(c, job, unit, job->units[unit].go);
+        attempt_release(c, job, unit, job->units[unit].go);
     }
     for (struct coord_worker *w = c->workers; w; w = w->next) {
         uint32_t index = desk_index(job, w);

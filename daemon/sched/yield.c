@@ -13,7 +13,7 @@
 #include "sched/yield.h"
 
 #include "desk/desk.h"
-#include "desk/hold.h"
+#include "desk/attempt.h"
 #include "filling/passes.h"
 #include "filling/tiles.h"
 #include "jobs/job.h"
@@ -80,7 +80,7 @@ give_back(struct coord *c, struct job *job, uint32_t unit, struct job_go *go)
         return;
     }
     desk_log_unit(c, job, unit, go, "unit yield");
-    hold_step(c, job, unit, go, GO_YIELDING);
+    attempt_step(c, job, unit, go, GO_YIELDING);
     go->yield_ms = c->now_ms;
     desk_send_attempt(c, job, MSG_YIELD, unit, go);
 }

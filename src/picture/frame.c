@@ -381,7 +381,7 @@ render_bars(const struct rad_frame *f, const struct rad_quincunx *q,
         int y = rad_quincunx_base_row(q, i);
 
         rad_quincunx_base(q, i, density, rows[y]);
-        rad_quincunx_bar(q, i - 1, rows + above);
+        rad_quincunx_bar_below(q, i - 1, rows + above);
         paint(f, ctx, w, rows, above + 1, y + 1);
         above = y;
     }

@@ -565,8 +565,8 @@ rad_quincunx_bar_to(const struct rad_quincunx *q, int i,
 }
 
 void
-rad_quincunx_bar(const struct rad_quincunx *q, int i,
-                 struct rad_pixel *const rows[])
+rad_quincunx_bar_below(const struct rad_quincunx *q, int i,
+                       struct rad_pixel *const rows[])
 {
     struct rad_quincunx_fill s = { 0, 0 };
 

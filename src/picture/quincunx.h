@@ -70,8 +70,8 @@ void rad_quincunx_base(const struct rad_quincunx *q, int i, uint8_t *density,
  * i + 1, both given, n rows apart; the rows between are filled.  (Elsewhere
  * this is bar i + 1, since a *line* is a base line and the bar above it:
  * team.h.) */
-void rad_quincunx_bar(const struct rad_quincunx *q, int i,
-                      struct rad_pixel *const rows[]);
+void rad_quincunx_bar_below(const struct rad_quincunx *q, int i,
+                            struct rad_pixel *const rows[]);
 
 /* The state of a base line that is filled gap by gap.  Callers may read x and
  * ndensity. */

@@ -465,7 +465,7 @@ sim_coord_born(struct sim *s)
     s->coord = coord_new(&env);
     SIM_CHECK(&s->net, s->coord != NULL);
     if (s->net.seed % 3 == 0) /* so many units count as late */
-        coord_set_lease(s->coord, 1500);
+        coord_set_lease_floor(s->coord, 1500);
 }
 
 void

@@ -158,7 +158,7 @@ sample(struct alone *a, int x, int y, int width, int height,
             top = rad_quincunx_base_row(&q, i - 1);
             for (int k = 0; k <= base - top; k++)
                 rows[k] = picture + (size_t)(top + k) * stride;
-            rad_quincunx_bar(&q, i - 1, rows);
+            rad_quincunx_bar_below(&q, i - 1, rows);
             top++;
         }
         for (int k = top; k <= base; k++)

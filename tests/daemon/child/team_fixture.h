@@ -110,7 +110,7 @@ render_alone(struct world *w)
         for (int k = above; k <= y; k++)
             rows[k - above] = w->want[k];
         if (i > 0)
-            rad_quincunx_bar(&q, i - 1, rows);
+            rad_quincunx_bar_below(&q, i - 1, rows);
         for (int k = team_line_row(&q, i); k <= y; k++)
             paint(w, NULL, q.x0, q.x0 + q.width, q.y0 + k, w->want[k]);
         above = y;

@@ -19,7 +19,7 @@ END_TEST
 
 START_TEST(the_lease_is_a_setting)
 {
-    coord_set_lease(f.c, 2000);
+    coord_set_lease_floor(f.c, 2000);
     two_are_left();
     wait_s(1);
     ck_assert_uint_eq(f.units[SECOND], 0);

@@ -98,7 +98,7 @@ sample(struct picture *p)
         rad_quincunx_base(&p->q, i, density, p->pixel[y]);
         if (i > 0) {
             rows_of(p, rad_quincunx_base_row(&p->q, i - 1), y, rows);
-            rad_quincunx_bar(&p->q, i - 1, rows);
+            rad_quincunx_bar_below(&p->q, i - 1, rows);
         }
     }
     free(density);

@@ -1,10 +1,10 @@
-/* hold.c - see hold.h
+/* attempt.c - see attempt.h
  *
  * Holds attempts from their begin to their end, and counts them by state for
  * each worker, in a job and in all jobs (go.c). */
 #include "config.h"
 
-#include "desk/hold.h"
+#include "desk/attempt.h"
 
 #include "desk/desk.h"
 #include "desk/duplicate.h"
@@ -14,7 +14,7 @@
 #include "jobs/unit.h"
 
 void
-hold_rate(const struct coord *c, struct coord_worker *w)
+attempt_rate(const struct coord *c, struct coord_worker *w)
 {
     w->priority = INT64_MIN;
     for (size_t i = 0; w->in_flight > 0 && i < c->njobs; i++) {
@@ -45,7 +45,7 @@ more_in_flight(struct job *job, uint32_t unit, struct job_go *go)
     go->lines = lines_of(job, unit, go);
     jw->lines += go->lines;
     if (jw->in_flight++ == 0)
-        job->payer->threads += jw->held = jw->threads;
+        job->payer->threads += jw->counted_threads = jw->threads;
     if (jw->worker->in_flight++ == 0 ||
         job->spec.priority > jw->worker->priority)
         jw->worker->priority = job->spec.priority;
@@ -57,10 +57,10 @@ less_in_flight(const struct coord *c, struct job *job, struct job_worker *jw,
 {
     jw->lines -= go->lines;
     if (--jw->in_flight == 0)
-        job->payer->threads -= jw->held;
+        job->payer->threads -= jw->counted_threads;
     jw->worker->in_flight--;
     if (jw->in_flight == 0)
-        hold_rate(c, jw->worker);
+        attempt_rate(c, jw->worker);
     if (jw->worker->in_flight > 0)
         return;
     jw->worker->alone = false;
@@ -68,8 +68,8 @@ less_in_flight(const struct coord *c, struct job *job, struct job_worker *jw,
 }
 
 void
-hold_step(struct coord *c, struct job *job, uint32_t unit, struct job_go *go,
-          enum go_state to)
+attempt_step(struct coord *c, struct job *job, uint32_t unit, struct job_go *go,
+             enum go_state to)
 {
     struct job_worker *jw = &job->workers[go->worker];
     enum go_state from = go->state;
@@ -94,7 +94,7 @@ hold_step(struct coord *c, struct job *job, uint32_t unit, struct job_go *go,
 }
 
 void
-hold_shrunk(struct job *job, uint32_t unit, struct job_go *go)
+attempt_shrunk(struct job *job, uint32_t unit, struct job_go *go)
 {
     struct job_worker *jw = &job->workers[go->worker];
 
@@ -106,8 +106,8 @@ hold_shrunk(struct job *job, uint32_t unit, struct job_go *go)
 }
 
 struct job_go *
-hold_add(struct coord *c, struct job *job, uint32_t index, uint32_t unit,
-         uint32_t attempt)
+attempt_add(struct coord *c, struct job *job, uint32_t index, uint32_t unit,
+            uint32_t attempt)
 {
     struct job_go *go = go_add(job, unit);
 
@@ -116,13 +116,13 @@ hold_add(struct coord *c, struct job *job, uint32_t index, uint32_t unit,
     go->worker = index;
     go->attempt = attempt;
     go->out_ms = c->now_ms;
-    hold_step(c, job, unit, go, GO_WORKING);
+    attempt_step(c, job, unit, go, GO_WORKING);
     return go;
 }
 
 void
-hold_top_made(struct coord *c, struct job *job, uint32_t unit,
-              struct job_go *go)
+attempt_top_made(struct coord *c, struct job *job, uint32_t unit,
+                 struct job_go *go)
 {
     struct partition_area a;
     uint32_t first, last;
@@ -137,8 +137,8 @@ hold_top_made(struct coord *c, struct job *job, uint32_t unit,
 }
 
 void
-hold_send_back(struct coord *c, const struct coord_worker *to,
-               const struct msg_back *back)
+attempt_send_back(struct coord *c, const struct coord_worker *to,
+                  const struct msg_back *back)
 {
     struct msg m = { .type = MSG_BACK, .back = *back };
 
@@ -159,26 +159,27 @@ end_loan(struct coord *c, struct job *job, uint32_t unit,
     if (to->state == GO_DELIVERED)
         return;
     partition_unit_lines(job->partition, unit, &first, &last);
-    hold_send_back(c, job->workers[to->worker].worker,
-                   &(struct msg_back){ job->id, unit, to->attempt, last - 1,
-                                       loan->lending.x, loan->lending.n });
+    attempt_send_back(c, job->workers[to->worker].worker,
+                      &(struct msg_back){ job->id, unit, to->attempt, last - 1,
+                                          loan->lending.x, loan->lending.n });
     if (to->state == GO_BLOCKED)
-        hold_step(c, job, unit, to, GO_WORKING);
+        attempt_step(c, job, unit, to, GO_WORKING);
 }
 
 void
-hold_release(struct coord *c, struct job *job, uint32_t unit, struct job_go *go)
+attempt_release(struct coord *c, struct job *job, uint32_t unit,
+                struct job_go *go)
 {
     if (go->origin == GO_LOAN)
         end_loan(c, job, unit, go);
-    hold_step(c, job, unit, go, GO_OVER);
+    attempt_step(c, job, unit, go, GO_OVER);
     if (job->shared)
-        hold_top_made(c, job, unit, go);
+        attempt_top_made(c, job, unit, go);
     go_remove(job, unit, go);
 }
 
 void
-hold_forget_rows(struct job *job, uint32_t unit)
+attempt_forget_rows(struct job *job, uint32_t unit)
 {
     struct job_unit *u = &job->units[unit];
     struct partition_area a;
@@ -193,8 +194,8 @@ hold_forget_rows(struct job *job, uint32_t unit)
 }
 
 bool
-hold_shrink(struct coord *c, struct job *job, uint32_t unit, struct job_go *go,
-            uint32_t height)
+attempt_shrink(struct coord *c, struct job *job, uint32_t unit,
+               struct job_go *go, uint32_t height)
 {
     uint32_t given = height >= job->units[unit].next_row
                          ? partition_give(job->partition, unit, height)
@@ -204,20 +205,20 @@ hold_shrink(struct coord *c, struct job *job, uint32_t unit, struct job_go *go,
         return false;
     if (!unit_grow(job))
         c->actions.failed = true;
-    hold_shrunk(job, unit, go);
+    attempt_shrunk(job, unit, go);
     desk_keep_unit(c, job, unit);
     desk_keep_unit(c, job, given);
     return true;
 }
 
 bool
-hold_revive(struct coord *c, struct job *job, uint32_t index, uint32_t unit)
+attempt_revive(struct coord *c, struct job *job, uint32_t index, uint32_t unit)
 {
     struct job_unit *u = &job->units[unit];
     struct job_go *go;
 
     unit_take(job, unit);
-    go = hold_add(c, job, index, unit, u->lead);
+    go = attempt_add(c, job, index, unit, u->lead);
     if (!go) {
         c->actions.failed = true;
         return false;
