@@ -108,7 +108,9 @@ struct strict_unit {
     enum strict_fate fate;         /* changed by strict_unit_decide() alone */
     int filled;       /* lines before this one have their bars, as facts */
     bool bottom_done; /* the true bottom was sent */
-    bool parked;      /* PARKED was sent or queued, and not taken back */
+    bool parked;      /* PARKED was sent or queued, and not taken back by
+                       * RESUMED: the coordinator knows that the unit can only
+                       * wait, some time after wait.waiting does */
     int out;          /* a TRUTH that ended early handed on the rows of lines
                        * before this one */
     int sent_columns; /* of the true bottom */
