@@ -15,17 +15,17 @@ struct stats_text;
 struct coord_kept {
     uint64_t bytes;            /* of all their folders */
     uint32_t fetching;         /* jobs whose pictures are being fetched */
-    const struct job *fetched; /* of these, the job fetched from the longest
-                                * ago; NULL: there are none */
-    /* jobs that may be forgotten */
-    uint32_t jobs;
-    uint64_t weight;          /* sum of their job_weight() */
-    const struct job *oldest; /* NULL: there is none */
+    const struct job *fetched; /* of these jobs, the job that was fetched from
+                                * the longest ago; NULL: none is fetched */
+    uint32_t jobs;             /* jobs that may be forgotten */
+    uint64_t weight;           /* sum of the job_weight() of these */
+    const struct job *oldest;  /* the oldest of these; NULL: there are none */
 };
 
-/* Statistics for a user, on all connections; telling.c changes the sums. */
+/* Statistics for a user, on all of the user's connections.  telling.c changes
+ * making and bytes. */
 struct coord_told {
-    const struct stats_text *making; /* NULL: none is being made */
+    const struct stats_text *making; /* NULL: no text is being made */
     size_t bytes;                    /* of texts that are whole */
     uint64_t turn; /* coord.pieces_told at this user's last piece */
 };

@@ -1,7 +1,7 @@
 /* attempt.c - see attempt.h
  *
- * Holds attempts from their begin to their end, and counts them by state for
- * each worker, in a job and in all jobs (go.c). */
+ * Begins and ends attempts, and counts each worker's attempts by their states
+ * (go.c), in each job and in all jobs together. */
 #include "config.h"
 
 #include "desk/attempt.h"
@@ -27,7 +27,7 @@ attempt_rate(const struct coord *c, struct coord_worker *w)
     }
 }
 
-/* Lines of the unit that the attempt has; a loan is of one. */
+/* The number of lines that the attempt has: the unit's, or 1 for a loan. */
 static uint32_t
 lines_of(const struct job *job, uint32_t unit, const struct job_go *go)
 {
@@ -224,6 +224,6 @@ attempt_revive(struct coord *c, struct job *job, uint32_t index, uint32_t unit)
         return false;
     }
     if (u->out_ms != 0)
-        go->out_ms = u->out_ms; /* its lease is no longer for that */
+        go->out_ms = u->out_ms; /* so its lease does not begin anew */
     return true;
 }

@@ -12,7 +12,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* The shell counts ids up; the simulation puts the host into the upper bits. */
+/* The shell counts ids up; tests/sim puts the host's number into the upper
+ * bits. */
 size_t
 desk_slot(uint64_t id)
 {

@@ -1,7 +1,7 @@
 /* desk.h - what the coordinator knows: connections, workers, users and jobs;
  * functions that look these up, ask about them, and send messages
  *
- * The rooms above the desk change these structs and those of a job
+ * The rooms above the desk change these structs and the structs of a job
  * (jobs/job.h).  A struct that only one file may change says so.
  * Thread: the coordinator's loop. */
 #ifndef DAEMON_DESK_H
@@ -13,13 +13,13 @@
 #include "net/log.h"
 #include "users/uploads.h"
 
-/* A worker that is, or was, connected.  May it get work? desk_takes_units().
- * Its part in a job is a struct job_worker (part.h). */
+/* A worker that is, or was, connected.  desk_takes_units() says whether it may
+ * get work.  Its part in a job is a struct job_worker (part.h). */
 struct coord_worker {
     struct coord_worker *next;
     char name[MSG_MAX_NAME + 1];
     char program[MSG_MAX_NAME + 1];
-    char address[MSG_MAX_ADDRESS + 1]; /* where peers dial it */
+    char address[MSG_MAX_ADDRESS + 1]; /* where peers dial the worker */
     uint64_t conn;                     /* 0: not connected */
     uint32_t threads;
     unsigned version; /* of the protocol on its connection */
@@ -32,16 +32,16 @@ struct coord_worker {
     double relative;      /* speed of a thread in earlier jobs; 1: the mean */
     uint64_t free_ms;     /* when in_flight last became 0 */
     int64_t priority;     /* highest of its jobs in flight; INT64_MIN: none */
-    int64_t rank;         /* the same, and of jobs that have units for it */
+    int64_t rank;         /* highest of these jobs, or with units for it */
     uint32_t load;        /* of its host, in hundredths, by its last PING */
     uint64_t progress;    /* progress counter of the last PING */
     uint64_t progressed_ms; /* when that counter last changed */
-    bool hangs;           /* it has work, and its counter stands still */
+    bool hangs;           /* has work, but its progress counter stands still */
     const struct job *loading; /* job that its next READY is for */
     bool forgotten;            /* gone, and no longer listed */
     bool drained;              /* gets no new work: an admin's wish */
     bool leaving;              /* gets no new work: its own wish */
-    bool alone;        /* has a suspect unit, and gets nothing beside it */
+    bool alone;        /* has a suspect unit, and gets no other unit now */
     char no_room[256]; /* why its disk last had no room for a job's files */
 };
 
@@ -51,8 +51,8 @@ struct coord_telling;
 /* Shall the connection end when the event is over (verdict.h)? */
 enum coord_verdict {
     CONN_STAYS,
-    CONN_BREAKS, /* yes: the other end broke the rules */
-    CONN_PARTS   /* yes: both ends know that it ends */
+    CONN_BREAKS, /* yes: rules were broken, or there is no room for it */
+    CONN_PARTS   /* yes, and the other end knows */
 };
 
 struct coord_conn {
@@ -61,21 +61,21 @@ struct coord_conn {
     uint64_t id;
     enum msg_session session;
     unsigned version; /* of the protocol, known since its HELLO */
-    unsigned roles;   /* bit 1u << enum msg_role: roles that it may ask for */
+    unsigned roles;   /* bit 1u << enum msg_role: roles HELLO may ask for */
     char address[MSG_MAX_ADDRESS + 1];
     char owner[MSG_MAX_NAME + 1];
-    char name[MSG_MAX_NAME + 1]; /* the only worker that it may be; empty: any
-                                  */
+    char name[MSG_MAX_NAME + 1]; /* of the only worker that may use the
+                                  * connection; empty: any may */
     struct coord_worker *worker; /* set in the session MSG_AT_COORD_WORKER */
-    const struct job *watch;     /* job whose progress is sent to it */
+    const struct job *watch;     /* job whose progress is sent; NULL: none */
     uint32_t watch_request;      /* request id of its SUBMIT */
     uint64_t offer_ms;           /* first OFFER since last SUBMIT; 0: none */
     uint64_t sent_bytes;         /* bytes of CHUNK since offer_ms */
     uint64_t moved_ms;           /* when the last OFFER or CHUNK came */
-    uint32_t answers; /* answers that are being made, in several turns */
+    uint32_t answers; /* answers under way, each over several turns */
     struct coord_owner *payer;
-    struct coord_settling *settling;
-    struct coord_telling *telling;
+    struct coord_settling *settling; /* answers that wait for the store */
+    struct coord_telling *telling;   /* statistics that are being sent */
     enum coord_verdict verdict;
     const char *why; /* the reason for the verdict, for the log */
 };
@@ -87,7 +87,7 @@ struct coord {
     struct coord_keep keep;
     bool keep_due;            /* a job ended or was fetched since keep_ms */
     uint64_t keep_ms;         /* when coord_forget_old() last ran */
-    struct saved_gone *gones; /* how jobs that were forgotten ended */
+    struct saved_gone *gones; /* records of jobs that were forgotten */
     size_t ngones;
     struct coord_limits limits;
     struct uploads uploads;
@@ -100,7 +100,7 @@ struct coord {
     uint64_t now_ms;
     struct coord_conn *conns;
     struct coord_worker *workers;
-    uint32_t nworkers; /* all that were ever connected; the next worker's id */
+    uint32_t nworkers; /* workers ever known; the id of the next new worker */
     struct coord_owner *owners;
     uint32_t serving;  /* number of the present search for a unit */
     struct job **jobs; /* by priority, then by age */
@@ -111,7 +111,7 @@ struct coord {
     uint64_t told_progress_ms; /* when PROGRESS was last sent */
     uint64_t lease_floor_ms;   /* a unit that is out for less is not late */
     bool stirred; /* any worker may get a unit or tile since sched_run() */
-    struct coord_worker *roomy; /* if not stirred: only this one may; or NULL */
+    struct coord_worker *roomy; /* if not stirred: this worker alone may */
     uint32_t verdicts;          /* verdicts to be carried out */
     struct coord_conn *by_id[COORD_CONNS]; /* hash table of conns: chains */
     struct log_limit breaks; /* of log lines on connections of non-workers */
@@ -119,14 +119,14 @@ struct coord {
 
 /* --- look up --- */
 
-/* Index of a connection's chain in coord.by_id. */
+/* Index in coord.by_id of the chain for connections of that id. */
 size_t desk_slot(uint64_t id);
 /* The connection of that id, or NULL. */
 struct coord_conn *desk_find_conn(const struct coord *c, uint64_t id);
 /* The job of that id, or NULL. */
 struct job *desk_find_job(const struct coord *c, const uint8_t id[MSG_JOB]);
-/* The same, if the job has that sequence number: after a job was deleted
- * another may have its id. */
+/* The job of that id and sequence, or NULL: after a job was deleted another job
+ * may have its id. */
 struct job *desk_same_job(const struct coord *c, const uint8_t id[MSG_JOB],
                           uint64_t sequence);
 /* The worker of that name, connected or not, or NULL. */
@@ -135,12 +135,12 @@ struct coord_worker *desk_find_worker(const struct coord *c, const char *name);
 struct coord_owner *desk_owner(struct coord *c, const char *name);
 /* Index of the worker in the job; JOB_NOBODY: it has no part in the job. */
 uint32_t desk_index(const struct job *job, const struct coord_worker *w);
-/* The same, and gives the worker a part if it has none; JOB_NOBODY: memory is
- * out. */
+/* Index of the worker in the job, in which it gets a part if it has none;
+ * JOB_NOBODY: memory is out. */
 uint32_t desk_add_worker(struct job *job, struct coord_worker *w);
 
-/* The job that a message of worker w names, and *index, the worker's in it.
- * NULL: the job is over or unknown, and the worker is told that it is over. */
+/* The job that a message of worker w names; *index: the worker's in the job.
+ * NULL: the job is over or unknown, and the worker is sent JOB_END. */
 struct job *desk_job_of(struct coord *c, const struct coord_worker *w,
                         const uint8_t *id, uint32_t *index);
 
@@ -148,9 +148,9 @@ struct job *desk_job_of(struct coord *c, const struct coord_worker *w,
 
 /* May the worker have more work? */
 bool desk_takes_units(const struct coord_worker *w);
-/* Is that worker of the job ready, and connected? */
+/* Is the job's worker of this index ready, and connected? */
 bool desk_is_ready(const struct job *job, uint32_t index);
-/* May that worker of the job get units? */
+/* May the job's worker of this index get units, now or when it is ready? */
 bool desk_may_take_part(const struct job *job, uint32_t index);
 /* Has the job nothing that any worker could do now? */
 bool desk_idle_job(const struct job *job);
@@ -158,8 +158,8 @@ bool desk_idle_job(const struct job *job);
 bool desk_can_balance(const struct job *job);
 /* May a worker give lines of the job's units away (SPLIT)? */
 bool desk_splits(const struct job *job);
-/* Is the worker ready for the job, and is its work, if it has any, of jobs with
- * lower priority? */
+/* Is the worker ready for the job, and does it work, if at all, for jobs of
+ * lower priority alone? */
 bool desk_is_idle(const struct job *job, uint32_t index);
 /* Must the worker give units of the job back: the job is paused, the worker is
  * to leave, or a job of higher priority has units for it? */
@@ -168,13 +168,13 @@ bool desk_gives_way(const struct job *job, uint32_t index);
  * the job count only if `late`. */
 bool desk_others_may(const struct coord *c, const struct job *job,
                      const struct coord_worker *w, bool late);
-/* Is the job over, with frames that its owner has not fetched and still may? */
+/* Is the job over, with frames that its owner has not fetched but still may? */
 bool desk_unfetched(const struct coord *c, const struct job *job);
 
 /* --- say --- */
 
-/* Note that the worker is late: another worker does its unit, too, and it gets
- * nothing more of the job.  Or, with late false, that it was heard of again. */
+/* Note that the worker is late: other workers do its units, too, and it gets
+ * nothing more of the job.  With late false: it was heard of again. */
 void desk_late(struct job *job, uint32_t index, bool late);
 /* Log an attempt at a unit, for debugging. */
 void desk_log_unit(struct coord *c, const struct job *job, uint32_t unit,

@@ -1,10 +1,10 @@
 /* duplicate.c - see duplicate.h
  *
- * A pixel of an exact job is a function of scene and options.  So two attempts
- * at a unit give the same bytes, on machines that compute the same bits.  Where
- * they differ a machine is broken, or radd is: the log tells, and the rows that
- * came first stay.  A hash of each row that counts is kept until the job is
- * over, 8 bytes a row. */
+ * A pixel of an exact job (job.exact) is a function of scene and options.  So
+ * two attempts at a unit give the same bytes, on machines that compute the same
+ * bits.  Where the bytes differ a machine is broken, or radd is: the log tells,
+ * and the rows that came first stay.  A hash of each row that counts is kept,
+ * 8 bytes a row. */
 #include "config.h"
 
 #include "desk/duplicate.h"
@@ -17,7 +17,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Bytes of the row at offset `at`; coded rows were checked before. */
+/* Bytes of the row at offset `at`; the code of coded rows was checked before.
+ */
 static size_t
 row_bytes(const struct msg_result *m, size_t at)
 {
@@ -37,7 +38,7 @@ duplicate_keep(struct job *job, uint32_t index, const struct msg_result *m,
         return;
     if (!u->hashes.row) {
         u->hashes.row = calloc(height, sizeof *u->hashes.row);
-        u->hashes.n = u->hashes.row ? height : 0; /* none: no comparison */
+        u->hashes.n = u->hashes.row ? height : 0; /* 0: nothing is compared */
     }
     u->hashes.fingerprint = job->workers[index].fingerprint;
     for (uint32_t i = 0; i < m->rows && m->row + i < u->hashes.n; i++) {
@@ -55,8 +56,8 @@ duplicate_check(struct coord *c, struct job *job, uint32_t index,
     struct job_unit *u = &job->units[m->unit];
     size_t at = 0, n;
 
-    /* the unit's number may have meant another unit in an earlier life of the
-     * coordinator that kept nothing of it */
+    /* rows of an attempt of an earlier life may be of another unit: that life
+     * may have given this number to a unit of which nothing was kept */
     if (!u->hashes.row || m->attempt < unit_first_attempt(job) ||
         u->hashes.fingerprint != job->workers[index].fingerprint ||
         m->attempt == u->lead)

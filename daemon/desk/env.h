@@ -12,10 +12,10 @@ struct coord_pace {
     double longest_ms, longest_cpu_ms;
 };
 
-/* What one user may have (quota.h), who is neither worker nor admin. */
+/* What one user may have (quota.h); workers and admins have no limits. */
 struct coord_limits {
     uint64_t jobs, frames; /* jobs that are not over, and their frames */
-    uint64_t bytes;        /* on the disk */
+    uint64_t bytes;        /* on the disk, of jobs and of uploads */
     uint64_t uploads;      /* bundles and files that are being sent */
     uint64_t upload_bytes; /* of files that no job names yet */
     uint64_t conns, answers;
@@ -31,12 +31,12 @@ struct coord_env {
     bool (*has_file)(void *arg, const uint8_t hash[MSG_HASH]);
     void (*random)(void *arg, void *buf, size_t n); /* for tokens of peers */
     void *arg;
-    action_look_fn *look; /* the answer is an event, coord_looked(); or NULL */
+    action_look_fn *look; /* or NULL: has_file() answers at once */
     void (*pace)(void *arg, struct coord_pace *out); /* or NULL */
     /* bytes of answers that a user has not read; or NULL */
     uint64_t (*unread)(void *arg, const char *owner);
-    /* may a further piece of an answer go out on the connection: it reads, and
-     * its user has not too much unread?  NULL: always */
+    /* may a further piece of an answer go out on the connection: is it read,
+     * and has its user not too much unread?  NULL: always */
     bool (*has_room)(void *arg, uint64_t conn);
     const char *program; /* "radcoord 0.1.0"; outlives the coordinator */
     uint64_t epoch;      /* number of this life of the coordinator */
@@ -44,28 +44,27 @@ struct coord_env {
                           * each other; 0: 64 (linking.h) */
     unsigned direct;     /* so many workers of a job get records of tiles from
                           * the coordinator itself; 0: 2 (feeding.c) */
-    bool keeps; /* there is a store: actions tell it what a next life of the
-                 * coordinator needs to go on */
+    bool keeps; /* there is a store: actions tell it all that another life of
+                 * the coordinator needs to go on */
 };
 
 /* The other end of a connection, as the shell knows it. */
 struct coord_peer {
     const char *address; /* for the log: "unix uid=1000", "127.0.0.1:4711" */
-    const char *owner;   /* user at the other end, to whom its jobs belong */
-    unsigned roles;      /* bit 1u << enum msg_role: roles it may ask for */
-    const char *name;    /* the only worker that it may be; NULL: any */
+    const char *owner;   /* user at the other end, the owner of its jobs */
+    unsigned roles;      /* bit 1u << enum msg_role: roles HELLO may ask for */
+    const char *name;    /* of the only worker it may be; NULL: any */
 };
 
 /* How long jobs that are over are remembered, with their pictures
  * (coord_keep.c).  Each owner's jobs count by themselves. */
 struct coord_keep {
-    uint32_t jobs;         /* at most so many: the last ones */
+    uint32_t jobs;         /* most jobs: the last so many */
     uint64_t ms;           /* for so long; 0: no limit */
-    uint64_t bytes;        /* at most so many in their folders; 0: no limit */
-    uint64_t unfetched_ms; /* jobs with frames that are not fetched: at least so
-                            * long */
-    uint64_t cache_bytes;  /* most bytes of ambient caches that are kept of such
-                            * jobs, of all users together; 0: none are kept */
+    uint64_t bytes;        /* most bytes of their folders; 0: no limit */
+    uint64_t unfetched_ms; /* for so long at least, if frames are not fetched */
+    uint64_t cache_bytes;  /* most bytes of the ambient caches of these jobs, of
+                            * all users together; 0: no caches are kept */
 };
 
 #endif

@@ -4,10 +4,9 @@
  * clock; until enough rays are known, its threads times their speed in earlier
  * jobs.  Only ratios of speeds matter.  A job's pace is the cost, as its
  * partition has costs, that a speed of 1 works off in a millisecond.
- * Rays are the workers' own counts.  They serve to share work, never to decide
- * that a worker is late, and are bounded, so that a wrong count costs only
- * time.
- */
+ * Rays are the workers' own counts.  Speeds serve to share work, never to
+ * decide that a worker is late, and their ratios are bounded, so that a wrong
+ * count costs only time. */
 #include "config.h"
 
 #include "desk/speed.h"
@@ -61,7 +60,7 @@ speed_finished(struct job *job, uint32_t unit, struct job_go *go)
     job->speed.finished += partition_cost(job->partition, unit);
 }
 
-/* Rays that a thread traces in a ms of work; 0: not known yet. */
+/* Rays that a thread of the worker traces in a ms of work; 0: not known yet. */
 static double
 measured(const struct job_worker *jw)
 {
@@ -75,7 +74,7 @@ measured(const struct job_worker *jw)
     return rays / (double)jw->work_ms / jw->threads;
 }
 
-/* The mean over the workers with a measured speed; 0: there are none. */
+/* The mean of measured() over the workers for which it is known; 0: none. */
 static double
 mean_measured(const struct job *job)
 {
@@ -91,8 +90,8 @@ mean_measured(const struct job *job)
     return n ? sum / n : 0;
 }
 
-/* Cost of the rows that came of units which are not done: early in a job this
- * is all that is known. */
+/* Cost of the rows that came of units which are not done: early in a job no
+ * other cost is known. */
 static double
 under_way(const struct job *job)
 {
@@ -181,14 +180,14 @@ speed_left_ms(const struct coord *c, const struct job *job, uint32_t unit,
         return (double)(c->now_ms - go->out_ms) * (1 - part) /
                (part + LINES_FIRST);
     }
-    /* a unit that is over its time may take as long again, or waited for
-     * another unit of its worker: what is left is never 0 */
+    /* a unit that is over its time may take as long again, or has waited for
+     * another unit of its worker: the time left is never 0 */
     past = fabs(ms - (double)(c->now_ms - go->out_ms));
     return past > ms * LEAST_LEFT ? past : ms * LEAST_LEFT;
 }
 
-/* Workers that load or are ready have a share by their speed.  Drained, leaving
- * and late workers have one only where there are no others. */
+/* Workers that load or are ready have shares by their speeds.  Drained, leaving
+ * and late workers have shares only if there are no other workers. */
 void
 speed_share(struct coord *c, struct job *job)
 {

@@ -6,7 +6,7 @@
 
 #include "desk/desk.h"
 
-/* Bring a worker's work_ms up to date; called before its attempts change. */
+/* Bring a worker's work_ms up to date; call it before its attempts change. */
 void speed_touch(const struct coord *c, struct job_worker *jw);
 /* Count the unit's cost as worked off by the attempt's worker, once for each
  * attempt. */
@@ -15,12 +15,12 @@ void speed_finished(struct job *job, uint32_t unit, struct job_go *go);
 void speed_measure(const struct coord *c, struct job *job);
 /* The job is over: remember for other jobs how fast its workers were. */
 void speed_keep(const struct coord *c, struct job *job);
-/* The cost that a worker of the job works off in that time. */
+/* The cost that a worker of the job works off in ms milliseconds. */
 double speed_cost(const struct job *job, uint32_t index, double ms);
 /* Note how long a unit took, from when it went out until it was done. */
 void speed_took(struct job *job, uint64_t ms);
-/* The median of these times over the last JOB_DURATIONS units [ms]; 0: no unit
- * was done yet. */
+/* The median of the times that the last JOB_DURATIONS units took [ms]; 0: no
+ * unit was done yet. */
 uint32_t speed_median_ms(const struct job *job);
 /* How long an attempt will still need [ms]. */
 double speed_left_ms(const struct coord *c, const struct job *job,

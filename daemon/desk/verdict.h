@@ -11,14 +11,17 @@
 
 #include "desk/desk.h"
 
-/* Close a connection that broke the rules, or for which there is no room; why
- * (copied) goes to the log. */
+/* Note that a connection is to be closed: it broke the rules, or there is no
+ * room for it; why (copied) goes to the log. */
 void verdict_break(struct coord *c, uint64_t conn, const char *why);
 
-/* Close a connection whose end both sides know of. */
+/* Note that a connection is to be closed whose other side knows that it ends.
+ */
 void verdict_part(struct coord *c, uint64_t conn, const char *why);
 
-/* End a job that is not over; text (copied) may be NULL. */
+/* Note that a job is over: state JOB_DONE, or JOB_FAILED with a status of
+ * sysexits.h, or JOB_CANCELLED; text (copied) may be NULL.  Ignored if the job
+ * is over already. */
 void verdict_job(struct coord *c, struct job *job, enum job_state state,
                  int status, const char *text);
 

@@ -5,7 +5,7 @@
 
 _Static_assert(4 * RAD_PASS_MOST_COLOURS <= MSG_MAX_COLOURS, "too many");
 
-/* Where the pixels of a tile's lattice lie. */
+/* Where the pixels of a tile's lattice lie: a struct without its colours. */
 static struct action_colours
 lattice(const struct job *job, const struct rad_pass *pass, uint32_t tile)
 {

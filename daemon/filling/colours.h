@@ -1,17 +1,16 @@
 /* colours.h - colours that tiles of passes report, for a preview
  *
  * Once a preview was asked for (job->watched), tiles of coarse lattices report
- * the colours of their pixels, and folder/coarse.h fills previews with them.
- * If a tile is made twice the first colours stay.  Records, counts and pictures
- * do not depend on them.
- * Thread: the coordinator's loop. */
+ * the colours of their pixels, and folder/coarse.h fills previews with these
+ * colours.  If a tile is made twice the first colours stay.  Records, counts
+ * and pictures do not depend on colours.  Thread: the coordinator's loop. */
 #ifndef DAEMON_COLOURS_H
 #define DAEMON_COLOURS_H
 
 #include "desk/desk.h"
 #include "passes/passplan.h"
 
-/* Shall a tile of that pass report its colours? */
+/* Shall a tile of the pass report its colours? */
 bool colours_wanted(const struct job *job, const struct rad_pass *pass);
 
 /* Is len a size that the colours of this tile may have? */
@@ -22,7 +21,8 @@ bool colours_fit(const struct job *job, const struct rad_pass *pass,
 void colours_keep(struct coord *c, struct job *job, const struct rad_pass *pass,
                   const struct msg_tile_made *m);
 
-/* The pass is closed: note that previews can show its frames as a whole. */
+/* The pass is closed: if its tiles reported colours, note in has_colours of its
+ * frames that a preview can be made. */
 void colours_close(struct job *job, const struct rad_pass *pass);
 
 #endif

@@ -1,8 +1,9 @@
 /* dearest.c - see dearest.h
  *
- * Each picture has a grid of cells, with the rays per pixel that tiles took
- * there last.  Tiles of deep records, whose order follows a tree over space,
- * have such cells along that order. */
+ * Each picture has a grid of cells, each with the rays per pixel that the last
+ * tile there took.  Tiles of deep records have no place in a picture, but their
+ * numbers follow a tree over space; they have a row of cells along these
+ * numbers. */
 #include "config.h"
 
 #include "filling/dearest.h"
@@ -12,7 +13,7 @@
 #define CELL_SIDE  32 /* pixels; doubled until there are at most MOST_CELLS */
 #define MOST_CELLS (1u << 20)
 
-#define PLACES 512 /* cells along the order of deep tiles */
+#define PLACES 512 /* cells along the numbers of deep tiles */
 
 struct grid {
     int columns;
@@ -24,7 +25,7 @@ struct dearest {
     int side;            /* of a cell, in pixels */
     struct grid *grid;   /* of each picture */
     float *rays;         /* memory of all grids */
-    float place[PLACES]; /* rays of deep tiles, as if there were one tile */
+    float place[PLACES]; /* rays of a deep tile times the tiles of its round */
 };
 
 struct dear {
@@ -32,7 +33,8 @@ struct dear {
     uint32_t tile;
 };
 
-/* Are the tiles of the pass rectangles of pixels?  Only these have a place. */
+/* Are the tiles of the pass rectangles of pixels, so that the grids know them?
+ */
 static bool
 is_lattice(const struct rad_pass *pass)
 {
@@ -92,7 +94,7 @@ dearest_free(struct dearest *d)
     free(d);
 }
 
-/* --- what tiles took --- */
+/* --- rays that tiles took --- */
 
 static void
 note_area(const struct dearest *d, const struct grid *g,
@@ -196,7 +198,7 @@ dearest_order(const struct dearest *d, const struct rad_pass *pass,
         v[i].tile = i;
     if (pass->level > 0)
         expect_deep(d, pass, v);
-    else if (is_lattice(pass) && pass->tiles > 0) /* see open_passes() */
+    else if (is_lattice(pass) && pass->tiles > 0) /* open_passes() may set 0 */
         expect_pixels(d, pass, v);
     qsort(v, pass->tiles, sizeof *v, by_rays);
     for (uint32_t i = 0; i < pass->tiles; i++)

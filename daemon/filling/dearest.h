@@ -1,8 +1,8 @@
 /* dearest.h - the order in which the tiles of a pass go out
  *
- * All workers wait for the last tile of a pass, so the tiles that take longest
- * go out first: those where earlier passes took many rays.  The order does not
- * change what a tile makes.
+ * All workers wait for the last tile of a pass, so the dearest tiles go out
+ * first: the tiles in places where earlier passes took many rays.  The order
+ * does not change the records that a tile makes.
  * Thread: the coordinator's loop. */
 #ifndef DAEMON_DEAREST_H
 #define DAEMON_DEAREST_H
@@ -11,8 +11,8 @@
 
 struct dearest;
 
-/* For n pictures of these sizes; size[] must outlive the result.  NULL: memory
- * is out. */
+/* Make the memory of rays for n pictures of these sizes; size[] must outlive
+ * it.  NULL: memory is out. */
 struct dearest *dearest_new(const struct rad_pass_size *size, uint32_t n);
 void dearest_free(struct dearest *d);
 
@@ -20,8 +20,8 @@ void dearest_free(struct dearest *d);
 void dearest_note(struct dearest *d, const struct rad_pass *pass, uint32_t tile,
                   uint64_t rays);
 
-/* Set order[] to the numbers of the pass's tiles, the dearest first, equal ones
- * in the order of their numbers.  False: memory is out. */
+/* Set order[] to the numbers of the pass's tiles, the dearest first, tiles that
+ * are equally dear in the order of their numbers.  False: memory is out. */
 bool dearest_order(const struct dearest *d, const struct rad_pass *pass,
                    uint32_t *order);
 

@@ -10,14 +10,16 @@
 #include "desk/desk.h"
 #include "passes/passplan.h"
 
-/* The job has passes, for pictures of these sizes: guess their share. */
+/* The job has passes, for pictures of these sizes: guess the passes' share of
+ * its work. */
 void lead_begin(struct job *job, const struct rad_pass_size *size);
 
 /* Note the share of the stage's passes that is done, 0 to 1; `all`: no further
  * stage follows. */
 void lead_note(struct job *job, double done, bool all);
 
-/* After a restart: a job of which units went out has all its passes closed. */
+/* After a restart: note that all passes are done in a job of which units went
+ * out. */
 void lead_restore(struct job *job);
 
 #endif

@@ -1,12 +1,12 @@
 /* passes.c - see passes.h
  *
  * A pass is closed when all its tiles (tiles.h) are made; then passes that read
- * it may be opened.  If a job begins with another job's records, they are its
- * first pass, which has no tiles: the store is asked for the records.
+ * it may be opened.  If a job begins with another job's records, these records
+ * are its first pass.  It has no tiles: the store is asked for the records.
  * Frames come in batches (passes/passplan.h).  The units of a batch go out when
  * its last pass is closed.  The first pass of the next batch changes the cache
- * that these units read, so it is closed only when they are done; but its tiles
- * go out before that, to workers for which there are no units.
+ * that these units read, so that pass is closed only when the units are done;
+ * but its tiles go out before that, to workers for which there are no units.
  * In a job with a goal (stages.h) the plan is of one stage, and its last pass
  * is a check pass, whose tiles have sums in place of records.  When that pass
  * is closed either the units follow, or all begins anew with the plan of the
@@ -35,8 +35,8 @@
 #include <string.h>
 #include <sysexits.h>
 
-/* Most bytes of a stage's records.  Once the closed passes have half of that,
- * the following passes get no tiles; one pass cannot make the other half. */
+/* Most bytes of a stage's records.  A pass gets no tiles if the passes that it
+ * reads have half of that already; one pass cannot make the other half. */
 #define MOST_BYTES SAVED_STAGE_BYTES
 
 _Static_assert(RAD_MOST_PASSES <= MSG_MOST_PASSES, "as in READY");
@@ -129,9 +129,9 @@ take_up_kept(struct coord *c, struct job *job)
     kept_drop(kept);
 }
 
-/* Bytes of records of the first n passes, all closed.  A pass has tiles or not
- * by the passes that it reads, not by those that are closed when it is opened:
- * these may be more after a restart. */
+/* Bytes of records of the first n passes, which are closed.  Whether a pass has
+ * tiles follows from the passes that it reads, not from all passes that are
+ * closed when it is opened: these may be more after a restart. */
 static size_t
 bytes_of(const struct passes *s, uint32_t n)
 {
@@ -143,7 +143,7 @@ bytes_of(const struct passes *s, uint32_t n)
     return bytes;
 }
 
-/* Open the passes that read only closed ones; false: memory is out. */
+/* Open the passes that read closed passes alone; false: memory is out. */
 static bool
 open_passes(struct passes *s)
 {
@@ -176,8 +176,8 @@ passes_ask(struct coord *c, struct job *job)
     s->reuse = REUSE_ASKED;
 }
 
-/* Is the first pass yet to come from the store?  Until then no pass is opened,
- * for the bytes of its records limit the others. */
+/* Is the first pass yet to come from the store?  Until it has come no pass is
+ * opened, for the bytes of its records limit the other passes. */
 static bool
 awaits_first(const struct passes *s)
 {
@@ -236,7 +236,7 @@ plan_stage(struct job *job, struct rad_error *err)
     return rc;
 }
 
-/* Note how far the passes are; open ones count by their tiles. */
+/* Note how far the passes are; an open pass counts by its tiles. */
 static void
 note_progress(struct job *job)
 {
@@ -313,7 +313,7 @@ passes_state(const struct job *job)
     return out;
 }
 
-/* --- closed --- */
+/* --- closing passes --- */
 
 /* Put the records of the first open pass together, in the order of tiles;
  * false: memory is out. */
@@ -340,8 +340,8 @@ gather_records(struct passes *s)
     return true;
 }
 
-/* Have the store keep a closed pass, with its counts and bytes, so that a next
- * life of the coordinator goes on from it. */
+/* Have the store keep a closed pass, with its counts and bytes, so that another
+ * life of the coordinator goes on from there. */
 static void
 keep_closed(struct coord *c, const struct job *job, uint32_t pass,
             const struct msg_counts *counts, const uint8_t *bytes, size_t len,
@@ -368,7 +368,8 @@ begin_stage(struct coord *c, struct job *job)
     tiles_drop(s);
     job->goal.bytes += s->bytes;
     drop_records(s);
-    s->reuse = REUSE_NONE; /* the first stage alone begins with such records */
+    s->reuse = REUSE_NONE; /* only the first stage begins with another job's
+                            * records */
     if (plan_stage(job, &err) < 0) {
         verdict_job(c, job, JOB_FAILED, rad_exit_status(err.code), err.what);
         s->n = 0;
@@ -455,8 +456,8 @@ close_made(struct coord *c, struct job *job)
         close_pass(c, job);
 }
 
-/* The same; and if `none_out`, no unit went out yet, share the units out when
- * the first frames' passes are closed. */
+/* Close open passes as close_made() does.  If none_out is set, no unit went out
+ * yet: share the units out when the passes of the first frames are closed. */
 static void
 close_passes(struct coord *c, struct job *job, bool none_out)
 {
@@ -498,7 +499,7 @@ keep_tile(struct coord *c, struct job *job, struct sheet *k, struct tile *t,
     if (m->len > 0)
         memcpy(t->records, m->data, m->len);
     t->n = m->count;
-    k->waiting -= t->nholders == 0; /* it was taken from its worker */
+    k->waiting -= t->nholders == 0; /* it had been taken from its worker */
     t->made = true;
     s->bytes += m->len;
     took = (double)(c->now_ms - t->out_ms);
@@ -539,7 +540,8 @@ tile_fault(const struct job *job, uint32_t pass, const struct msg_tile_made *m)
                : "sums of a tile that are no finite numbers";
 }
 
-/* Take a tile that was made, of an open pass; false: it was made before. */
+/* Take the records of a tile of an open pass; false: the tile was made before.
+ */
 static bool
 take_tile(struct coord *c, struct job *job, uint32_t pass, uint32_t index,
           const struct msg_tile_made *m)
@@ -588,7 +590,7 @@ passes_made(struct coord *c, struct coord_worker *w, const struct msg *msg)
     msg_counts_add(&job->workers[index].past.dropped, &m->counts);
 }
 
-/* --- from a former job --- */
+/* --- records of another job --- */
 
 void
 passes_came(struct coord *c, struct job *job, uint8_t *records, size_t n,

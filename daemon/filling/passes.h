@@ -1,6 +1,6 @@
 /* passes.h - a job's ambient cache, filled in passes before its units go out
  *
- * See passes.c.
+ * The head of passes.c says how passes are opened and closed.
  * Thread: the coordinator's loop. */
 #ifndef DAEMON_PASSES_H
 #define DAEMON_PASSES_H
@@ -21,11 +21,12 @@ struct passes_state {
     double made;      /* share of the first open pass's tiles that are made */
 };
 struct passes_state passes_state(const struct job *job);
-/* Ask the store for another job's records that the job begins with, if these
- * are due and the store has the job. */
+/* Ask the store for the records of another job with which this job begins, if
+ * they are due and the store has this job. */
 void passes_ask(struct coord *c, struct job *job);
-/* The answer: n bytes of records, malloc'd and taken; or status, of sysexits.h
- * and not 0, and text say why there are none. */
+/* The store's answer to that: n bytes of records, malloc'd and taken; or a
+ * status of sysexits.h that is not 0, and text says why there are no records.
+ */
 void passes_came(struct coord *c, struct job *job, uint8_t *records, size_t n,
                  int status, const char *text);
 /* Must all units wait, for tiles to be made or for records from the store? */

@@ -18,11 +18,11 @@ struct tile {
     uint32_t holder[HOLDERS]; /* indices of the workers that have the tile */
     uint8_t nholders;
     bool made;
-    uint8_t crashes;       /* children that died while they had it */
+    uint8_t crashes;       /* children that died while they had the tile */
     uint32_t crasher;      /* index of the first such child's worker */
-    uint64_t out_ms;       /* when it last went out */
-    uint32_t place;        /* its place in sheet.order */
-    uint32_t before, then; /* previous and next in the list of tiles that
+    uint64_t out_ms;       /* when the tile last went out */
+    uint32_t place;        /* the tile's place in sheet.order */
+    uint32_t before, then; /* previous and next tile in the list of tiles that
                             * workers have, by when they went out */
     uint8_t *records;      /* in a check pass sums instead (machine/sums.h) */
     uint32_t n;            /* number of records */
@@ -33,8 +33,8 @@ struct sheet {
     struct tile *tile; /* NULL: the sheet is free */
     uint32_t ntiles;
     uint32_t *order;         /* tiles in the order in which they go out */
-    uint32_t next;           /* tiles before this place of order are made, or
-                              * some worker has them */
+    uint32_t next;           /* place in order before which each tile is made or
+                              * out at a worker */
     uint32_t oldest, newest; /* ends of the list of tiles that workers have,
                               * including tiles that another worker made */
     uint32_t left;           /* tiles that are not made */
@@ -53,14 +53,14 @@ struct closed {
  *
  *   DUE --the store has the job--> ASKED --here, or another stage--> NONE  */
 enum reuse_state {
-    REUSE_NONE, /* there are none, or they are here */
-    REUSE_DUE,  /* the store has yet to be asked for them */
-    REUSE_ASKED
+    REUSE_NONE, /* there are no such records, or they are here */
+    REUSE_DUE,  /* the store has yet to be asked for the records */
+    REUSE_ASKED /* the store has been asked */
 };
 
 struct passes {
     struct rad_pass *plan;  /* passes of the present stage */
-    double *weight;         /* share of each pass in their work, passcost.h */
+    double *weight;         /* share of each pass in all work, passcost.h */
     uint32_t n;             /* length of plan, weight and closed */
     uint32_t base;          /* number of the stage's first pass, counted through
                              * all stages */
@@ -74,12 +74,13 @@ struct passes {
     size_t bytes;           /* of the stage's records so far */
     struct rad_pass_size *size; /* of the frames */
     struct dearest *dearest;
-    struct sheet sheet[MSG_OPEN_PASSES]; /* of open passes, by index modulo */
-    double took_ms, took_ms2; /* sums over all tiles that were made of the time
-                               * from when they went out, and of its square */
+    struct sheet sheet[MSG_OPEN_PASSES]; /* of open passes, see passes_sheet */
+    double took_ms, took_ms2; /* sums over all tiles that were made: of the time
+                               * from when a tile went out until it was made,
+                               * and of the square of that time */
 };
 
-/* The number of the first open pass, through all stages. */
+/* The number of the first open pass, counted through all stages. */
 static inline uint32_t
 passes_number(const struct passes *s)
 {

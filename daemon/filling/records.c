@@ -1,7 +1,8 @@
 /* records.c - see records.h
  *
- * A job that begins with another job's records has them as its first pass.
- * Until the store has sent them nothing goes to workers that lack them. */
+ * A job that begins with another job's records has these as its first pass.
+ * Until the store has read them, a worker that lacks them gets no records of
+ * other passes. */
 #include "config.h"
 
 #include "filling/records.h"
@@ -43,8 +44,8 @@ stage_of(const struct job *job)
                                     goal_options(job) } };
 }
 
-/* Send SHOW to a worker that was told of all passes of a goal: the options of
- * the pictures.  A worker that came earlier may not know them. */
+/* Send SHOW to a worker that was told of all passes of a job with a goal: the
+ * options of the pictures, which were chosen after the worker's last STAGE. */
 static void
 show_pictures(struct coord *c, const struct job *job, struct job_worker *jw)
 {
@@ -91,7 +92,8 @@ message_of(const struct job *job, uint32_t pass, uint32_t tile)
                                            tile, t->n, t->records, len } };
 }
 
-/* Send a new worker the records of tiles of open passes that are made. */
+/* Send a new worker the records of the tiles of open passes that are made so
+ * far. */
 static void
 send_made(struct coord *c, const struct job *job, const struct coord_worker *w)
 {
@@ -128,8 +130,8 @@ awaits_store(const struct passes *s, const struct job_worker *jw)
 }
 
 /* Must the worker answer that it has the records of the pass, before it gets
- * more?  Yes after a batch's last pass, for units follow; and if it has a tile
- * of the pass that another worker made meanwhile, for it may hang. */
+ * more?  Yes after a batch's last pass, for units follow; and if the worker has
+ * a tile of the pass that another worker made meanwhile, for it may hang. */
 static bool
 must_confirm(const struct passes *s, const struct job_worker *jw, uint32_t pass)
 {
@@ -137,7 +139,8 @@ must_confirm(const struct passes *s, const struct job_worker *jw, uint32_t pass)
            rad_pass_is_last(s->plan, s->n, pass);
 }
 
-/* Tell a worker of closed passes, up to one that it must answer. */
+/* Tell a worker of closed passes, up to the first that the worker must confirm.
+ */
 static void
 tell_closed(struct coord *c, const struct job *job, struct job_worker *jw)
 {
@@ -209,8 +212,9 @@ catch_up(struct coord *c, const struct job *job, struct job_worker *jw)
         send_made(c, job, jw->worker);
 }
 
-/* With a limit of time a restarted coordinator may decide otherwise, so passes
- * that the worker has may be of another stage. */
+/* May the worker have passes of another stage?  With a limit of time a
+ * restarted coordinator may decide on a stage in another way than its earlier
+ * life. */
 static bool
 may_be_stale(const struct job *job, const struct job_worker *jw, uint32_t have)
 {

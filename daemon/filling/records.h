@@ -1,23 +1,24 @@
 /* records.h - send the records of passes to workers
  *
- * Records of a tile travel to all workers as soon as it is made, through some
+ * When a tile is made its records travel to all workers at once, through some
  * of the workers (links/feeding.h).  When a pass is closed each worker is told
- * (CLOSED); a worker that lacks records of it says so (HOLDS) and gets all of
- * them, in the order of tiles (FROZEN).  A worker that comes later gets all
- * closed passes.  A tile that reads a pass waits in the worker for its records;
- * units go only to a worker that has said that it has all records.
- * Thread: the coordinator's loop. */
+ * (CLOSED); a worker that lacks records of the pass says so (HOLDS) and gets
+ * all of its records, in the order of tiles (FROZEN).  A worker that comes
+ * later gets all closed passes.  A tile that reads a pass waits in its worker
+ * for the records of the pass; units go only to a worker that has said that it
+ * has all records.  Thread: the coordinator's loop. */
 #ifndef DAEMON_RECORDS_H
 #define DAEMON_RECORDS_H
 
 #include "desk/desk.h"
 
 /* A worker is ready and has the records of the first `have` passes: send it the
- * other closed ones.  False: it has passes that this job does not. */
+ * records of the other closed passes.  False: it has records of passes that are
+ * not closed, or that may be of another stage. */
 bool records_ready(struct coord *c, struct job *job, uint32_t index,
                    uint32_t have);
-/* Has the worker, or gets before them, the records of the stage's first
- * `passes` passes, so that it may have tiles that read these? */
+/* May the worker get tiles that read the stage's first `passes` passes: has it
+ * the records of these passes, or does it get them before such a tile? */
 bool records_allow(const struct job *job, uint32_t index, uint32_t passes);
 /* Handler of HOLDS: a worker has all records of a closed pass, or lacks some.
  */
@@ -31,7 +32,7 @@ void records_feed(struct coord *c, struct job *job, uint32_t pass,
 void records_tell(struct coord *c, struct job *job);
 /* Send the records of a closed pass to the radsubmits that wait (-af). */
 void records_to_users(struct coord *c, const struct job *job, uint32_t pass);
-/* Another job's records came as the first pass: send them to the workers. */
+/* Another job's records came as the first pass: send these to the workers. */
 void records_came(struct coord *c, struct job *job);
 /* Another stage begins: tell all workers to begin with an empty cache. */
 void records_drop(struct coord *c, struct job *job);

@@ -21,7 +21,7 @@ stages_sizes(const struct msg_spec *spec)
     return size;
 }
 
-/* A rung in a byte: the whole ones, and in the upper bits the quarters. */
+/* Rungs in a byte: whole rungs, and in the upper bits quarters of a rung. */
 enum { WHOLE = 63, QUARTERS = 6 };
 
 static uint8_t
@@ -111,8 +111,9 @@ seconds_spent(const struct coord *c, const struct job *job)
     return (double)ms / 1000;
 }
 
-/* About the rays that the records took which the stage got from another job: a
- * further stage begins empty and has to make them, too. */
+/* About how many rays the records took that the stage got from another job: a
+ * further stage begins with an empty cache and has to make such records, too.
+ */
 static uint64_t
 reused_rays(const struct job *job)
 {
@@ -123,8 +124,8 @@ reused_rays(const struct job *job)
     return job->cache.reused * ((uint64_t)p.ambdiv + (uint64_t)p.ambssamp);
 }
 
-/* Seconds by the clock for a ray of a pass that took so many processor seconds
- * and rays, while `busy` processors were at work. */
+/* Seconds by the clock for a ray of a pass that took cpu_s processor seconds
+ * and so many rays, while `busy` processors were at work. */
 static double
 seconds_a_ray(double cpu_s, uint64_t rays, double busy)
 {
@@ -132,8 +133,8 @@ seconds_a_ray(double cpu_s, uint64_t rays, double busy)
 }
 
 /* Fill in the times of the question.  The time of passes that an earlier life
- * of the coordinator closed is not known: a stage took at least its processor
- * time divided by the threads of now. */
+ * of the coordinator closed is not known, so a stage is taken to have lasted at
+ * least its processor time divided by the number of threads now. */
 static void
 note_clock(const struct job *job, const struct stage_found *found, double spent,
            struct rad_refine_ask *ask)
@@ -228,14 +229,14 @@ stages_end(struct coord *c, struct job *job, uint32_t n,
         c->actions.failed = true;
     else
         tell_options(c, job);
-    c->told_progress_ms = 0; /* those who watch hear of each stage, also of a
-                              * short one */
+    c->told_progress_ms = 0; /* users who watch hear of each stage, also of a
+                              * short stage */
     return !on;
 }
 
-/* --- as they are kept --- */
+/* --- decisions on the disk --- */
 
-/* Version of what stages_pack() writes and of what its rungs mean. */
+/* Version of the bytes of stages_pack() and of the meaning of its rungs. */
 enum { LAYOUT = 5 };
 
 void
@@ -285,8 +286,8 @@ unpack(struct job_goal *g, const struct saved_pass *p)
            isfinite(g->mean) && isfinite(g->past_square);
 }
 
-/* Repeat the kept decision at the end of a stage of n passes.  1: done; 0: none
- * is kept; negative with *err. */
+/* Repeat the kept decision at the end of a stage of n passes.  1: done; 0: no
+ * decision is kept; negative with *err. */
 static int
 take_stage(struct job *job, uint32_t n, struct rad_error *err)
 {

@@ -23,7 +23,7 @@ struct rad_pass_size *stages_sizes(const struct msg_spec *spec);
 int stages_params(const struct job *job, struct rad_params *out,
                   struct rad_error *err);
 
-/* Is the first pass of the present stage another job's records? */
+/* Does the present stage begin with another job's records as its first pass? */
 bool stages_reuse(const struct job *job);
 
 /* Has the job had as many stages as a job may have? */
@@ -35,11 +35,11 @@ int stages_plan(const struct job *job, const struct rad_pass_size *size,
                 struct rad_pass plan[RAD_MOST_PASSES], uint32_t *n,
                 struct rad_error *err);
 
-/* What the passes of a stage found and took. */
+/* The sums and costs of a stage. */
 struct stage_found {
     struct rad_refine_sums sums; /* of the check pass */
-    uint64_t rays, check;        /* of the other passes; of the check pass */
-    double rays_s, check_s;      /* processor time of these [s] */
+    uint64_t rays, check;        /* rays of other passes; of the check pass */
+    double rays_s, check_s;      /* processor time of these rays [s] */
 };
 
 /* The check pass, the last of n passes, is closed: end the stage, and set in
@@ -48,7 +48,7 @@ struct stage_found {
 bool stages_end(struct coord *c, struct job *job, uint32_t n,
                 const struct stage_found *found);
 
-/* Write the last decision as it is kept on the disk. */
+/* Write the last decision in the form in which it is kept on the disk. */
 #define STAGES_BYTES 39
 void stages_pack(struct coord *c, const struct job *job,
                  uint8_t out[STAGES_BYTES]);
@@ -57,8 +57,8 @@ void stages_pack(struct coord *c, const struct job *job,
  * Records of earlier stages are dropped, their counts are added to job->tiled.
  * RAD_EDATA, RAD_ENOMEM. */
 int stages_take_up(struct coord *c, struct job *job, struct rad_error *err);
-/* After stages_take_up(): has the job rows of its pictures, but the decision on
- * their options is lost?  Then it cannot go on: says why.  NULL: it can. */
+/* Called after stages_take_up().  Says why a job cannot go on that has rows of
+ * its pictures, while the decision on their options is lost; NULL: it can. */
 const char *stages_lost(const struct job *job);
 
 #endif

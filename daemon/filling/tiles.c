@@ -15,16 +15,16 @@
 #include <string.h>
 #include <sysexits.h>
 
-/* Many tiles wait if there are more than this for each thread. */
+/* Many tiles wait if there are more than this for each thread of the job. */
 #define PLENTY 4
 
 /* A tile goes to a second worker when it is out for LATE_TIMES the usual time
  * of a tile and at least LATE_MS.  The usual time is a mean in which each tile
- * counts by its own time, for many tiles take none. */
+ * counts by its own time, for many tiles take no time. */
 #define LATE_TIMES 3
 #define LATE_MS    100
 
-/* --- of open passes --- */
+/* --- sheets of open passes --- */
 
 void
 tiles_close(struct passes *s, uint32_t pass)
@@ -62,7 +62,7 @@ tiles_open(struct passes *s, uint32_t pass)
     return true;
 }
 
-/* --- out --- */
+/* --- tiles go out --- */
 
 static void
 unlist(struct sheet *s, struct tile *t)
@@ -100,8 +100,8 @@ is_late(const struct coord *c, const struct passes *s, const struct tile *t)
     return c->now_ms - t->out_ms >= (late > LATE_MS ? late : LATE_MS);
 }
 
-/* May the worker have the tile?  If its child died with the tile, another
- * worker gets it, where there is one. */
+/* May the worker have the tile?  If the worker's child died with the tile,
+ * another worker gets it, if any other may do the job. */
 static bool
 may_have(const struct coord *c, const struct job *job, const struct tile *t,
          uint32_t index)
@@ -117,8 +117,8 @@ is_gone(const struct tile *t)
     return t->made || t->nholders > 0;
 }
 
-/* The next tile of the sheet that no worker has and this one may have; NULL:
- * none. */
+/* The next tile of the sheet that no worker has and that this worker may have;
+ * NULL: none. */
 static struct tile *
 choose_new(const struct coord *c, const struct job *job, struct sheet *s,
            uint32_t index)
@@ -160,7 +160,8 @@ beyond_for(const struct job *job, uint32_t index)
     return n;
 }
 
-/* A tile for the worker, and its pass; NULL: there is none. */
+/* Choose a tile for the worker, and set *pass to its pass; NULL: there is none.
+ */
 static struct tile *
 choose(const struct coord *c, const struct job *job, uint32_t index,
        uint32_t *pass)
@@ -188,10 +189,11 @@ tiles_out(const struct job_worker *jw)
     return n;
 }
 
-/* Has the worker room for another tile?  It has one for each thread, and while
- * many wait half as many more, so that no thread waits for the coordinator.
- * Only tiles of the first pass that has waiting ones count as waiting: at the
- * end of a pass no tile must stand behind a dear one in a worker. */
+/* Has the worker room for another tile?  A worker has a tile for each thread,
+ * and while many tiles wait half as many more, so that no thread waits for the
+ * coordinator.  Only tiles of the first pass that has waiting tiles count as
+ * waiting: at the end of a pass no tile must stand behind a dear tile in a
+ * worker. */
 static bool
 has_room(const struct job *job, uint32_t index)
 {
@@ -246,7 +248,7 @@ tiles_give(struct coord *c, struct job *job, uint32_t index)
     return true;
 }
 
-/* --- back --- */
+/* --- tiles come back --- */
 
 bool
 tiles_take(struct sheet *s, struct tile *t, uint32_t index)
@@ -282,8 +284,8 @@ tiles_lost(struct job *job, uint32_t index)
         }
 }
 
-/* Note at the worker's tiles of a pass that a child died; false: one of them
- * has brought down too many. */
+/* Note at the worker's tiles of a pass that its child died; false: a tile has
+ * brought down too many children. */
 static bool
 crashed_in(struct coord *c, struct job *job, uint32_t pass, uint32_t index,
            const char *why)

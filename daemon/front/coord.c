@@ -1,9 +1,10 @@
 /* coord.c - see coord.h
  *
- * Events come in here; messages go to a table of handlers.  That a message may
- * come from its sender was checked before, by the session (proto/message.def).
- * coord_conn.c has the life of connections, coord_job.c that of jobs; sched.c
- * says who works on what; request.c, intake.c and delivery.c answer users. */
+ * Events come in here; messages go to tables of handlers.  Whether a message
+ * may come from its sender was checked before, by the session
+ * (proto/message.def).  coord_conn.c has the life of connections, coord_job.c
+ * the life of jobs; sched.c says which worker gets what; request.c, intake.c
+ * and delivery.c answer users. */
 #include "config.h"
 
 #include "front/coord.h"
@@ -45,7 +46,7 @@
 #define PROGRESS_MS  500   /* between two PROGRESS of a job */
 #define FULL_TELL_MS 60000 /* between two log lines that the disk is full */
 #define LEASE_MS     60000
-#define KEPT_JOBS    100 /* jobs that are over */
+#define KEPT_JOBS    100 /* jobs that are over and remembered, at first */
 #define KEPT_CACHES  (UINT64_C(2) << 30)
 
 /* More than a room of people needs, and less than would harm others. */
@@ -150,8 +151,9 @@ send_file(struct coord *c, uint64_t conn, uint32_t request, const uint8_t *hash)
     a->hash = actions_keep(&c->actions, hash, MSG_HASH);
 }
 
-/* Send a worker the files that it wants, if they are of the job that it loads.
- * If that job has just ended JOB_END is on its way to the worker. */
+/* Handler of WANT: send a worker the files that it wants, if they belong to the
+ * job that the worker loads.  If that job has just ended, JOB_END is on its
+ * way. */
 static void
 on_want(struct coord *c, struct coord_worker *w, const struct msg *m)
 {
@@ -174,7 +176,8 @@ on_want(struct coord *c, struct coord_worker *w, const struct msg *m)
     }
 }
 
-/* The shell answers PING; here its counter is compared with the last. */
+/* Handler of PING, which the shell answers: note when the worker's progress
+ * counter changes. */
 static void
 on_ping(struct coord *c, struct coord_worker *w, const struct msg *m)
 {
@@ -185,7 +188,8 @@ on_ping(struct coord *c, struct coord_worker *w, const struct msg *m)
     w->progressed_ms = c->now_ms;
 }
 
-/* The worker leaves: it gives back what it has, and sched_run() sends BYE. */
+/* Handler of DRAIN: the worker leaves.  It gives back its units, then
+ * sched_run() sends BYE. */
 static void
 on_drain(struct coord *c, struct coord_worker *w, const struct msg *m)
 {
@@ -194,7 +198,8 @@ on_drain(struct coord *c, struct coord_worker *w, const struct msg *m)
     w->leaving = true;
 }
 
-/* Send ambient records to the connections that watch the job. */
+/* Handler of RECORDS: send ambient records to the connections that watch the
+ * job. */
 static void
 on_records(struct coord *c, struct coord_worker *w, const struct msg *m)
 {
@@ -215,7 +220,7 @@ on_line_costs(struct coord *c, struct coord_worker *w, const struct msg *m)
         frame_add_costs(job, &m->line_costs);
 }
 
-/* A child says that the job cannot be rendered, here or at any other worker. */
+/* Handler of FAILED: a child says that no worker can render the job. */
 static void
 on_failed(struct coord *c, struct coord_worker *w, const struct msg *m)
 {
@@ -259,7 +264,8 @@ static const struct {
     { MSG_LINE_COSTS, on_line_costs },
 };
 
-/* BYE has no handler: the connection ends after it. */
+/* Find the handler of a message.  BYE has none: the connection ends after it.
+ */
 static void
 handle(struct coord *c, struct coord_conn *conn, const struct msg *m)
 {
@@ -284,8 +290,8 @@ handle(struct coord *c, struct coord_conn *conn, const struct msg *m)
 
 /* --- events --- */
 
-/* In a loop: the end of a worker's connection may be the end of a job, if a
- * unit was lost once too often. */
+/* Carry out all verdicts.  In a loop, for the end of a worker's connection may
+ * be the end of a job, if a unit was lost once too often. */
 static void
 carry_out_verdicts(struct coord *c)
 {
@@ -295,8 +301,8 @@ carry_out_verdicts(struct coord *c)
     }
 }
 
-/* The end of an event: carry out verdicts, then give work to workers that may
- * get some, which may bring further verdicts.  run: any worker may. */
+/* End an event: carry out verdicts, then give work to workers that may get
+ * some, which may bring further verdicts.  run: any worker may get work. */
 static void
 settle(struct coord *c, bool run)
 {
@@ -329,8 +335,8 @@ coord_closed(struct coord *c, uint64_t now_ms, uint64_t id, const char *why)
         settle(c, true);
 }
 
-/* Is the message part of a worker's usual work?  There are many of these; only
- * if one sets stirred or roomy may workers get something. */
+/* Is the message part of a worker's usual work?  Such messages are many, so
+ * workers get work after them only if a handler sets stirred or roomy. */
 static bool
 is_work(uint16_t type)
 {
@@ -348,7 +354,7 @@ coord_message(struct coord *c, uint64_t now_ms, uint64_t id,
 
     c->now_ms = now_ms;
     if (!conn || !msg_allowed(conn->session, m->type))
-        return; /* it came while its connection was closed */
+        return; /* the message came while its connection was being closed */
     handle(c, conn, m);
     settle(c, !is_work(m->type));
     coord_forget_old(c);
@@ -493,8 +499,8 @@ coord_cache_came(struct coord *c, uint64_t now_ms, const uint8_t id[MSG_JOB],
     settle(c, true);
 }
 
-/* Tell a user whose files are not taken that the disk is full; there is no job
- * yet that could say so. */
+/* Tell a user whose files the store does not take that the disk is full: there
+ * is no job yet whose state could tell. */
 static void
 say_held(struct coord *c, const struct coord_conn *conn)
 {
@@ -504,8 +510,9 @@ say_held(struct coord *c, const struct coord_conn *conn)
     actions_send(&c->actions, conn->id, &m);
 }
 
-/* A disk at its limit is full and has room by turns.  So the log tells of a
- * full disk at most once a minute; if it stays full longer, then. */
+/* Log that the disk is full, or has room again.  A disk at its limit is full
+ * and has room by turns, so the log tells of a full disk at most once in
+ * FULL_TELL_MS. */
 static void
 log_fullness(struct coord *c)
 {
@@ -559,8 +566,8 @@ expire_known(struct coord *c)
         known_expire(&o->files, c->now_ms > ms ? c->now_ms - ms : 0);
 }
 
-/* Forget files that no job has named for upload_ms, and end connections whose
- * files have not gone on for as long. */
+/* Forget files that have waited upload_ms for a job, and end connections whose
+ * files have made no progress for as long.  A full disk stops that clock. */
 static void
 look_after_uploads(struct coord *c)
 {

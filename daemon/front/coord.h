@@ -6,11 +6,11 @@
  * the same times and random bytes give the same actions.
  *
  * Workers are known by name, connections by number.  A worker's new connection
- * replaces its old one; its units are handed out again, unless it goes on with
- * them or their missing rows come first.  Jobs are served by priority; equal
- * ones share the workers by owner, and an owner's jobs come in the order in
- * which they were submitted.  A worker gets units of the first job that has one
- * for it.
+ * replaces its old connection; its units are handed out again, unless the
+ * worker goes on with them or their missing rows come first.  Jobs are served
+ * by priority.  Jobs of equal priority share the workers by owner, and an
+ * owner's jobs come in the order in which they were submitted.  A worker gets
+ * units of the first job that has a unit for the worker.
  *
  * now_ms: Unix time [ms], by a clock that was set once, at the start, and never
  * goes back; dates that users read are made of it.  In tests/sim it is the
@@ -33,12 +33,13 @@ void coord_set_keep(struct coord *c, const struct coord_keep *keep);
 /* Limits of a user; at first more than a room of people needs. */
 void coord_set_limits(struct coord *c, const struct coord_limits *limits);
 
-/* The number of this life of the coordinator; set before any event but those of
- * recover.h. */
+/* Set the number of this life of the coordinator, before any event; jobs may be
+ * recovered before (recover.h). */
 void coord_set_epoch(struct coord *c, uint64_t epoch);
 
-/* Least time after which a unit may count as late [ms], 60000 at first; it also
- * has to take ten times as long as its job's units. */
+/* Least time after which a unit may count as late [ms], 60000 at first; the
+ * unit also has to be out for ten times as long as the job's units usually are.
+ */
 void coord_set_lease_floor(struct coord *c, uint64_t ms);
 
 struct action_list *coord_actions(struct coord *c);
@@ -49,7 +50,7 @@ struct action_list *coord_actions(struct coord *c);
 void coord_opened(struct coord *c, uint64_t now_ms, uint64_t conn,
                   const struct coord_peer *peer);
 
-/* The connection has ended; why is for the log. */
+/* A connection has ended; why is for the log. */
 void coord_closed(struct coord *c, uint64_t now_ms, uint64_t conn,
                   const char *why);
 
@@ -57,7 +58,7 @@ void coord_closed(struct coord *c, uint64_t now_ms, uint64_t conn,
 void coord_message(struct coord *c, uint64_t now_ms, uint64_t conn,
                    const struct msg *m);
 
-/* ACT_PUT_CHUNK made a file whole; or it failed, with a status of sysexits.h.
+/* ACT_PUT_CHUNK made a file whole; a file failed, with a status of sysexits.h.
  */
 void coord_file_stored(struct coord *c, uint64_t now_ms, uint64_t conn,
                        const uint8_t hash[MSG_HASH]);
@@ -65,18 +66,18 @@ void coord_file_failed(struct coord *c, uint64_t now_ms, uint64_t conn,
                        const uint8_t hash[MSG_HASH], int status,
                        const char *text);
 
-/* May the user of that connection know that the file is here?  Whether others
- * have sent it the user must not learn. */
+/* May the user of the connection know that the file is here?  The user must not
+ * learn whether other users have sent it. */
 bool coord_has_file(const struct coord *c, uint64_t conn,
                     const uint8_t hash[MSG_HASH]);
 
-/* The answer to env.look for an OFFER. */
+/* The store has looked at the files of an OFFER, as env.look() asked. */
 void coord_looked(struct coord *c, uint64_t now_ms,
                   const struct action_look *l);
 
 /* Answers of the store: status is 0, or of sysexits.h with a text.  sequence is
- * that of the action: if the job was deleted and another has its id, the answer
- * is ignored. */
+ * that of the action: an answer is ignored if its job was deleted and another
+ * job has the id. */
 /* To ACT_JOB_OPEN. */
 void coord_job_opened(struct coord *c, uint64_t now_ms,
                       const uint8_t job[MSG_JOB], uint64_t sequence, int status,
@@ -110,13 +111,13 @@ void coord_cache_came(struct coord *c, uint64_t now_ms,
 /* ACT_SEND_PICTURE has sent all of its answer, or failed. */
 void coord_sent(struct coord *c, uint64_t conn);
 
-/* Hashes of all files that may not be deleted: those of all jobs, and files
- * that wait for a job.  *n of them, malloc'd, in any order; NULL: memory is
- * out. */
+/* Hashes of all files that may not be deleted: the files of all jobs, and files
+ * that wait for a job.  There are *n, malloc'd, in any order, some perhaps more
+ * than once; NULL: memory is out. */
 uint8_t *coord_files(const struct coord *c, size_t *n);
 
-/* The disk has become full, so all jobs are held; or has room again.  text says
- * where. */
+/* The disk has become full, so all jobs are held; or it has room again.  text
+ * says why. */
 void coord_fullness(struct coord *c, uint64_t now_ms, bool full,
                     const char *text);
 
@@ -129,8 +130,9 @@ void coord_tick(struct coord *c, uint64_t now_ms);
 
 /* --- for the shell to ask --- */
 
-/* What the store keeps of a job, but for its frames and units; false: there is
- * no such job.  Valid until the next event. */
+/* Set *out to all that the store keeps of a job but its frames and units;
+ * false: there is no such job.  Pointers of *out are valid until the next
+ * event. */
 bool coord_saved(const struct coord *c, const uint8_t job[MSG_JOB],
                  struct saved_job *out);
 

@@ -1,10 +1,10 @@
 /* delivery.c - see delivery.h
  *
  * Statistics are made and sent in pieces.  Users take turns for these, and so
- * do the connections of each user.  A user has one text in the making, which is
- * begun only while fewer bytes than the user may leave unread wait in texts
- * that are whole: so however many connections ask, and read nothing, a user's
- * texts take that many bytes and one text more. */
+ * do the connections of each user.  A user has at most one text in the making.
+ * It is begun only while the user's whole texts have fewer bytes than the user
+ * may leave unread.  So a user's texts take that many bytes and one text more,
+ * however many connections ask, and read nothing. */
 #include "config.h"
 
 #include "front/delivery.h"
@@ -43,7 +43,7 @@ send_text(struct coord *c, const struct coord_conn *conn, uint32_t request,
     }
 }
 
-/* Send more of statistics that are made; false: all are sent. */
+/* Send more of a whole text of statistics; false: all of it is sent. */
 static bool
 send_more(struct coord *c, const struct coord_conn *conn,
           struct coord_telling *t)
@@ -55,7 +55,7 @@ send_more(struct coord *c, const struct coord_conn *conn,
     return end < t->len;
 }
 
-/* Have the store send what it has of the job. */
+/* Have the store send a file of the job. */
 static void
 send_kept(struct coord *c, struct coord_conn *conn, uint32_t request,
           const struct job *job, uint32_t frame, enum msg_what what)
@@ -71,7 +71,7 @@ send_kept(struct coord *c, struct coord_conn *conn, uint32_t request,
     conn->answers++;
 }
 
-/* Begin a text; false: it is answered in another way. */
+/* Begin to make a text.  False: the store sends it, or memory is out. */
 static bool
 begin(struct coord *c, struct coord_conn *conn, struct coord_telling *t,
       const struct job *job)
@@ -86,7 +86,8 @@ begin(struct coord *c, struct coord_conn *conn, struct coord_telling *t,
     return false;
 }
 
-/* Make, or send, the next piece of statistics; false: all are sent. */
+/* Make or send the next piece of a text of statistics; false: the request is
+ * answered. */
 static bool
 tell_more(struct coord *c, struct coord_conn *conn, struct coord_telling *t)
 {
@@ -111,8 +112,8 @@ tell_more(struct coord *c, struct coord_conn *conn, struct coord_telling *t)
     return send_more(c, conn, t);
 }
 
-/* May the connection's first telling go on now?  One that is begun is made to
- * its end even if nobody reads: the user's others wait for it. */
+/* May the connection's first text go on now?  A text that is begun is made to
+ * its end even if nobody reads, for the user's other texts wait for it. */
 static bool
 may_go_on(const struct coord *c, const struct coord_conn *conn)
 {
@@ -203,7 +204,7 @@ delivery_fetch(struct coord *c, struct coord_conn *conn, const struct msg *m)
     send_kept(c, conn, m->request, job, m->fetch.frame, m->fetch.what);
 }
 
-/* Is it a's turn before b's? */
+/* Does connection a get its turn before connection b? */
 static bool
 is_before(const struct coord_conn *a, const struct coord_conn *b)
 {
@@ -212,8 +213,8 @@ is_before(const struct coord_conn *a, const struct coord_conn *b)
     return a->telling->turn < b->telling->turn;
 }
 
-/* The connection whose turn it is, of those that had none since `from`; NULL:
- * there is none. */
+/* The connection that gets its turn now, of the connections that wait for
+ * statistics and had no turn since pieces_told was `from`; NULL: none. */
 static struct coord_conn *
 whose_turn(const struct coord *c, uint64_t from)
 {

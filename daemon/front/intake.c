@@ -43,9 +43,9 @@ intake_looked(struct coord *c, struct coord_conn *conn,
     actions_send(&c->actions, conn->id, &want);
 }
 
-/* Sort the offered files: first those that the user may know to be here, for
- * which the store looks.  The others are wanted without a look: the time that
- * it takes would tell what other users have sent. */
+/* Sort the offered files: first the files that the user may know to be here, at
+ * which the store looks.  The user is asked for the other files without a look,
+ * for the time of a look would tell what other users have sent. */
 static bool
 sort_offer(struct coord *c, struct known *files, struct action_look *l,
            const struct msg_hashes *offer)
@@ -93,8 +93,8 @@ intake_offer(struct coord *c, struct coord_conn *conn, const struct msg *m)
         conn->answers++;
 }
 
-/* A piece of a file came.  With its first piece a file is admitted or refused.
- * False: the piece is dropped, as are all later ones of a refused file. */
+/* May the store get this piece of a file?  A file is admitted or refused with
+ * its first piece; later pieces of a refused file are dropped. */
 static bool
 admit_chunk(struct coord *c, struct coord_conn *conn, const struct msg *m)
 {
@@ -166,8 +166,8 @@ has_options(const struct job *job, const struct msg_spec *spec)
            (goal_is(job) && job->spec.reuse);
 }
 
-/* There is a job of that id: if scene and options are the same, let the user
- * watch it. */
+/* There is a job of that id: if the SUBMIT has its files and options, let the
+ * user watch the job. */
 static void
 attach(struct coord *c, struct coord_conn *conn, uint32_t request,
        const struct msg_spec *spec)
@@ -202,7 +202,7 @@ choose_coding(struct job *job)
         job->spec.flags |= MSG_JOB_CODED;
 }
 
-/* Choose, once and for all, the job whose cache this job begins with. */
+/* Choose, once and for all, the job with whose cache this job begins. */
 static int
 choose_reuse(const struct coord *c, const struct coord_conn *conn,
              struct msg_spec *spec, char options[RAD_PARAMS_TEXT],

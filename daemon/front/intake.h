@@ -16,12 +16,13 @@ void intake_offer(struct coord *c, struct coord_conn *conn,
 void intake_looked(struct coord *c, struct coord_conn *conn,
                    const struct action_look *l);
 
-/* Handler of CHUNK: a piece of a file, for the store if the user may send it.
- */
+/* Handler of CHUNK: give a piece of a file to the store, if the user may send
+ * the file. */
 void intake_chunk(struct coord *c, struct coord_conn *conn,
                   const struct msg *m);
 
-/* Handler of SUBMIT: a new job, or a job that is here already. */
+/* Handler of SUBMIT: take a new job, or let the user watch a job that is here
+ * already. */
 void intake_submit(struct coord *c, struct coord_conn *conn,
                    const struct msg *m);
 

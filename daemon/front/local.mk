@@ -1,4 +1,4 @@
-# what users ask of the coordinator, and how much they may have
+# events of the coordinator, and requests of its users
 libdaemon_a_SOURCES += \
 	daemon/front/coord.c \
 	daemon/front/coord.h \

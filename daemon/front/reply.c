@@ -67,9 +67,9 @@ reply_kept(struct coord *c, struct coord_conn *conn, uint32_t request)
     reply_answer(c, conn, request, "");
 }
 
-/* The disk is full: answer requests whose changes have waited too long for it.
- * The end of a job that waits for room is kept within a second, for it makes
- * room; other changes wait for room themselves. */
+/* While the disk is full, answer requests whose changes have waited too long to
+ * be kept.  The end of a job that waits for room is kept within a second, for
+ * it makes room; other changes wait for room themselves. */
 static void
 tell_unsettled(struct coord *c, struct coord_conn *conn)
 {
@@ -114,8 +114,8 @@ may_steer(const struct coord_conn *conn, const struct job *job)
            strcmp(conn->owner, job->owner) == 0;
 }
 
-/* Tell the sender that there is no such job; its owner and an admin are told if
- * it was forgotten. */
+/* Tell the sender that there is no such job.  If the job was forgotten its
+ * owner and admins are told why. */
 static void
 reply_no_job(struct coord *c, struct coord_conn *conn, uint32_t request,
              const uint8_t *id)

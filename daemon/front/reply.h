@@ -15,7 +15,8 @@ void reply_answer(struct coord *c, const struct coord_conn *conn,
  * made: a user is not told of a change that a crash could undo. */
 void reply_settled(struct coord *c, struct coord_conn *conn, uint32_t request);
 
-/* The store has kept that change: send the answer, unless it was sent. */
+/* The store has kept the request's change: send the answer, unless it was sent.
+ */
 void reply_kept(struct coord *c, struct coord_conn *conn, uint32_t request);
 
 /* While the disk is full, tell users that their changes cannot be kept now. */
@@ -27,9 +28,9 @@ typedef int reply_limit_fn(const struct coord *c, const struct coord_conn *conn,
 bool reply_refused(struct coord *c, const struct coord_conn *conn,
                    const struct msg *m, reply_limit_fn *limit);
 
-/* The job that a request names, if the sender may steer it, or, with `look`,
- * look at it.  NULL: there is none, or the sender may not; the sender is told.
- */
+/* The job that a request names, if the sender may steer the job; with `look`,
+ * if the sender may look at it.  NULL: there is no such job, or the sender may
+ * not; the sender is told. */
 struct job *reply_find_job(struct coord *c, struct coord_conn *conn,
                            uint32_t request, const uint8_t *id, bool look);
 

@@ -107,7 +107,8 @@ all_workers(const struct coord *c)
     return list;
 }
 
-/* With --same-bits: are all workers excluded for their bits? */
+/* Is no worker at a job with --same-bits, while a connected worker is excluded
+ * from it, for its bits or for another reason? */
 static bool
 lacks_bits(const struct job *job)
 {
@@ -130,7 +131,7 @@ without_room(const struct job *job)
     return NULL;
 }
 
-/* Why no worker is at a job that waits or runs; NULL: some worker may be. */
+/* Why a job that waits or runs gets no worker; NULL: it may get a worker. */
 static const char *
 lacks_workers(const struct coord *c, const struct job *job)
 {
@@ -148,8 +149,8 @@ lacks_workers(const struct coord *c, const struct job *job)
     return some ? "all workers are drained" : "no worker is there";
 }
 
-/* Why the job is over or gets nowhere, for users; in buf if it has to be made.
- */
+/* Why the job is over or gets nowhere, for users; the text is in buf if it has
+ * to be made. */
 static const char *
 why(const struct coord *c, const struct job *job, char buf[MSG_MAX_TEXT + 1])
 {
@@ -222,7 +223,7 @@ add_passes(json_t *o, const struct job *job)
     json_object_set_new(o, "pass_done", json_real(open ? s.made : 0));
 }
 
-/* Add the goal of a job with --error or --time, and what is reached. */
+/* Add the goal of a job with --error or --time, and how far it is reached. */
 static void
 add_goal(json_t *o, const struct job *job)
 {
@@ -251,7 +252,7 @@ report_job(const struct coord *c, const struct job *job, size_t label)
 
     progress_tell(job, c->now_ms, &p);
     rad_text_print(name, label + 1, "%s", job->spec.name);
-    /* the cost is of whole units, so rows may tell more if these are few */
+    /* cost is that of whole units, so rows may tell more if units are few */
     done = p.cost_total > 0 ? p.cost_done / p.cost_total : 0;
     rows =
         p.pixels_total > 0 ? (double)p.pixels_done / (double)p.pixels_total : 0;
@@ -328,7 +329,8 @@ status_of(const struct coord *c)
         "longest_turn_cpu_ms", pace.longest_cpu_ms);
 }
 
-/* The job whose id begins with text; NULL, and *status: none, or several do. */
+/* The job whose id begins with text.  NULL, and *status is set: no job's id
+ * does, or the ids of several jobs do. */
 static const struct job *
 find_prefix(const struct coord *c, const char *text, int *status)
 {

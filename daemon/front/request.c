@@ -24,8 +24,8 @@
 
 /* --- jobs: requests of their owners and of admins --- */
 
-/* The job that a request steers; NULL: there is none, it is over, or the sender
- * may not; the sender is told. */
+/* The job that a request steers; NULL: there is no such job, it is over, or the
+ * sender may not steer it; the sender is told. */
 static struct job *
 job_to_steer(struct coord *c, struct coord_conn *conn, uint32_t request,
              const uint8_t *id)
@@ -56,7 +56,7 @@ on_cancel(struct coord *c, struct coord_conn *conn, const struct msg *m)
         return;
     log_job(c, conn, "cancelled", job);
     verdict_job(c, job, JOB_CANCELLED, EX_TEMPFAIL, "cancelled");
-    coord_end_jobs(c); /* so that its end is kept before the answer */
+    coord_end_jobs(c); /* so that the job's end is kept before the answer */
     reply_settled(c, conn, m->request);
 }
 
@@ -189,7 +189,7 @@ log_worker(struct coord *c, const struct coord_conn *conn, const char *what,
                 conn->owner);
 }
 
-/* Have the store keep that the worker is drained, or not any more. */
+/* Have the store keep whether the worker is drained. */
 static void
 keep_drained(struct coord *c, const struct coord_worker *w)
 {
@@ -282,8 +282,8 @@ on_key(struct coord *c, struct coord_conn *conn, const struct msg *m)
     a->text = actions_keep_text(&c->actions, conn->owner);
 }
 
-/* Handlers of requests.  waits: the answer waits for the disk; a user may have
- * only so many of these. */
+/* Handlers of requests.  waits: the answer may wait for the disk, so a user may
+ * have only so many under way (quota_answer()). */
 static const struct {
     enum msg_type type;
     void (*handle)(struct coord *c, struct coord_conn *conn,

@@ -7,7 +7,8 @@
 
 #include "desk/desk.h"
 
-/* A message that came in MSG_AT_COORD_USER, _ADMIN or _OBSERVER. */
+/* Handle a message of a connection in the session MSG_AT_COORD_USER, _ADMIN or
+ * _OBSERVER. */
 void request_handle(struct coord *c, struct coord_conn *conn,
                     const struct msg *m);
 

@@ -15,10 +15,10 @@ struct msg_line_costs;
 struct steps;
 
 enum frame_state {
-    FRAME_OPEN,    /* units of it are not done */
+    FRAME_OPEN,    /* some of its units are not done */
     FRAME_WRITING, /* all its rows are kept, and its picture is being written */
-    FRAME_WRITTEN,
-    FRAME_FETCHED /* its owner has it */
+    FRAME_WRITTEN, /* the picture is on the disk */
+    FRAME_FETCHED  /* the job's owner has the picture */
 };
 #define FRAME_STATES 4
 
@@ -26,13 +26,13 @@ struct job_frame {
     enum frame_state state; /* changed by frame_step() alone */
     uint64_t pixels_left;   /* pixels of units that are not done */
     uint64_t rows_pixels;   /* pixels of rows that are on the disk */
-    bool has_colours; /* a tile sent colours of this frame in this life of the
+    bool has_colours; /* a pass whose tiles tell colours of the frame was closed
+                       * while the job was watched, in this life of the
                        * coordinator (filling/colours.h) */
     double *line_s;  /* processor time spent on each line in this life of the
                       * coordinator; NULL: nothing is known */
     uint32_t nlines; /* length of line_s */
-    bool untold;     /* line_s lacks the time that an attempt which was lost had
-                      * spent */
+    bool untold;     /* line_s lacks the time of an attempt that was lost */
 };
 
 /* Which state may follow which; see the head of frame.c. */
@@ -43,8 +43,8 @@ void frame_step(struct job_frame *f, enum frame_state to);
 /* Is the frame's picture on the disk, fetched or not? */
 bool frame_is_written(const struct job_frame *f);
 
-/* Count in job->frames_ready the frames from the first that are written without
- * a gap: frames are delivered in order. */
+/* Bring job->frames_ready up to date: frames are delivered in order, so only
+ * those before the first that is not written count. */
 void frame_count_ready(struct job *job);
 
 /* Add the processor time that a worker reports for lines to line_s.  Ignored if

@@ -4,7 +4,7 @@
  * has nothing more to do with the unit.  A unit that is late gets further
  * attempts.  The attempt whose rows come first leads: its rows count.  A loan
  * is an attempt, too: it has some columns of the unit's last line, and works
- * for the attempt that lends them.  The states are drawn at the head of go.c.
+ * for the attempt that lends these.  The states are drawn at the head of go.c.
  * Thread: the coordinator's loop. */
 #ifndef DAEMON_GO_H
 #define DAEMON_GO_H
@@ -37,9 +37,9 @@ enum go_origin {
 /* May rows of the attempt count? */
 enum go_rows {
     GO_MAY_LEAD,
-    GO_DROPPED, /* no: another attempt led when its rows came, or it is a loan
-                 */
-    GO_SPENT    /* no, and the last of its rows has come */
+    GO_DROPPED, /* no: another attempt led when the rows came, or the attempt is
+                 * a loan */
+    GO_SPENT    /* no, and the attempt's last row has come */
 };
 
 /* Changed by lending.c; attempt.c counts loans down when one ends. */
@@ -47,20 +47,22 @@ struct go_lending {
     uint32_t lender;     /* of a loan: the number of the attempt that lends */
     uint32_t x, n;       /* of a loan: columns [x, x + n) of the last line */
     uint32_t loans;      /* loans of this attempt's columns that are not over */
-    uint64_t asked_ms;   /* when LEND was sent; 0: never, or it was answered */
+    uint64_t asked_ms;   /* when LEND was sent; 0: never, or LEND was answered
+                          */
     uint64_t blocked_ms; /* when the attempt first had nothing left but columns
                           * that it lent; 0: never */
     double line_left;    /* part of the last line that was left at line_ms */
-    uint64_t line_ms;    /* when line_left was told; 0: never, it did not lend
-                          */
+    uint64_t line_ms;    /* when line_left was told; 0: never, for the attempt
+                          * lent nothing */
 };
 
 /* Changed by handoff.c; attempt.c clears makes_top when the base line is made.
  */
 struct go_handoff {
-    bool top_sent;  /* the coordinator sent it the whole base line above */
-    bool makes_top; /* it traces the base line above, whose unit is kept back
-                     * from other workers meanwhile */
+    bool top_sent;  /* the coordinator sent the attempt's worker the whole base
+                     * line above the unit */
+    bool makes_top; /* the attempt traces the base line above the unit; other
+                     * workers do not get that line's unit meanwhile */
 };
 
 struct job_go {
@@ -70,14 +72,14 @@ struct job_go {
     enum go_origin origin;
     enum go_rows rows;
     uint32_t lines;     /* lines of the unit that the attempt has */
-    uint8_t end;        /* end of its lines where it begins, enum msg_end */
+    uint8_t end;        /* where on a line tracing begins, enum msg_end */
     bool twin;          /* the worker was told that others have the unit */
     bool counted;       /* the unit's cost is in job.speed.finished (speed.c) */
     uint64_t out_ms;    /* when the unit went out to the worker */
     uint64_t parked_ms; /* when the attempt last began to wait (go_waits()), or
                          * PARKED came while its top was on its way; 0: never */
-    uint64_t split_ms;  /* when SPLIT was sent (balance.c); 0: never, or it was
-                         * answered */
+    uint64_t split_ms;  /* when SPLIT was sent (balance.c); 0: never, or SPLIT
+                         * was answered */
     uint64_t yield_ms;  /* when YIELD was sent (yield.c) */
     struct go_lending lending;
     struct go_handoff handoff;
@@ -85,19 +87,21 @@ struct job_go {
 
 /* Which state may follow which; see the head of go.c. */
 extern const struct steps go_steps;
-/* Change the attempt's state; the step must be in go_steps.  Call
- * attempt_step(), which keeps count of a worker's attempts by their states. */
+/* Change the attempt's state; the step must be in go_steps.  Only for
+ * attempt_step(), which also counts a worker's attempts by their states. */
 void go_step(struct job_go *go, enum go_state to);
 
 /* Is the attempt GO_WORKING? */
 bool go_works(const struct job_go *go);
 
-/* Is it parked, blocked or yielding? */
+/* Is the attempt parked, blocked or yielding? */
 bool go_waits(const struct job_go *go);
 
-/* Add an attempt at a unit; NULL: there are too many, or memory is out. */
+/* Add a zeroed attempt at a unit, which is then UNIT_OUT and in job->out.
+ * NULL: the unit has too many attempts, or memory is out. */
 struct job_go *go_add(struct job *job, uint32_t unit);
-/* Remove an attempt.  The unit's last attempt moves to its place. */
+/* Remove an attempt.  The unit's last attempt moves to its place; a unit
+ * without attempts leaves job->out. */
 void go_remove(struct job *job, uint32_t unit, struct job_go *go);
 
 /* Find the unit's attempt by its worker, by worker and number, or by number.

@@ -1,8 +1,8 @@
-/* goal.h - how far a job with a goal is: an error of its picture (--error), or
- * a limit of time (--time)
+/* goal.h - a job's goal, and how far it is reached
  *
- * Such a job fills its ambient cache in stages, each with better options than
- * the stage before (filling/stages.h).
+ * A goal is an error of the picture (--error) or a limit of time (--time).  A
+ * job with a goal fills its ambient cache in stages, each with better options
+ * than the stage before (filling/stages.h).
  * Thread: the coordinator's loop. */
 #ifndef DAEMON_GOAL_H
 #define DAEMON_GOAL_H
@@ -14,20 +14,21 @@ struct job;
 
 /* Zeros in a job without a goal. */
 struct job_goal {
-    uint32_t number;    /* of the present stage, or of the last if .ended */
+    uint32_t number;    /* of the present stage, or of the last stage if .ended
+                         */
     uint32_t base;      /* number of the present stage's first pass */
     uint8_t rungs[2];   /* the present options as struct rad_refine_rungs: whole
                          * rungs, and quarters of one in the upper two bits */
     uint8_t past_rung;  /* the stage before, as struct rad_refine_past; both */
     double past_square; /* are 0 where there is none */
-    const char *options; /* the present options as text, in job.mem; NULL: those
-                          * of the specification */
-    double error;        /* relative error that was estimated at the end of the
-                          * last stage; once .ended, that foreseen of the
-                          * pictures; 0: not estimated */
-    double mean;         /* the same of the mean of all pixels */
-    uint64_t bytes;      /* of records of earlier stages, in this life of the
-                          * coordinator */
+    const char *options; /* the present options as text, in job.mem; NULL: the
+                          * options of the specification */
+    double error;        /* relative error as it was estimated at the end of the
+                          * last stage; once .ended, the error that is foreseen
+                          * for the pictures; 0: not estimated */
+    double mean;         /* as error, of the mean of all pixels */
+    uint64_t bytes;      /* size of the records of earlier stages, in this life
+                          * of the coordinator */
     uint64_t spent_ms;   /* time spent until the last decision, in earlier
                           * lives of the coordinator */
     double begun_s;      /* seconds the job had spent when the stage began */
@@ -35,15 +36,15 @@ struct job_goal {
                           * over the cache of the last stage */
     bool late;           /* the stages ended only because time, or the rays that
                           * a stage may take, ran out */
-    bool by_clock;       /* with more time some decision had been another */
+    bool by_clock;       /* with more time a decision would have been another */
     bool unread;         /* an earlier life kept a decision in a layout that
                           * this program does not read */
 };
 
 /* Has the job a goal? */
 bool goal_is(const struct job *job);
-/* Did the stages end only because the time of --time ran out?  Or, without
- * --time, because a stage may take no more rays? */
+/* Did the stages end only because the time of --time ran out?  Did they, in a
+ * job without --time, only because a stage may take no more rays? */
 bool goal_time_up(const struct job *job);
 bool goal_rays_up(const struct job *job);
 /* Rendering options of the job's pictures, as chosen so far: the goal's, else

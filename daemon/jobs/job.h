@@ -41,8 +41,8 @@ enum job_stage {
     STAGE_NO_ROOM,  /* the disk has no such room yet: job.text says why */
     STAGE_OPEN,     /* files, and room for rows, are on the disk */
     STAGE_KEPT,     /* the job is over, and the store has its statistics */
-    STAGE_FILED     /* only how it ended is in memory (job_lighten()); the store
-                     * has the rest */
+    STAGE_FILED     /* only the job's end is in memory (job_lighten()); the
+                     * store has the rest */
 };
 #define JOB_STAGES 6
 
@@ -76,15 +76,15 @@ struct job {
     struct rad_arena mem;
     uint64_t sequence; /* order of submission */
     enum job_state state;
-    bool ending;          /* over, but not carried out yet (verdict.h) */
+    bool ending;          /* the verdict is yet to be carried out (verdict.h) */
     enum job_stage stage; /* changed by job_step() alone */
     bool full;            /* the disk is full, so the job is held */
     bool watched;         /* a preview was asked for */
     uint32_t lives;       /* lives of the coordinator that the job outlived */
     bool restored; /* an earlier life laid its units out; no worker came yet */
     struct stats_text *filing; /* statistics under way to the store, or NULL */
-    struct msg_progress last;  /* how it ended; set in STAGE_FILED */
-    uint64_t kept_bytes; /* size of its folder on the disk, once it is over */
+    struct msg_progress last;  /* the last PROGRESS; set in STAGE_FILED */
+    uint64_t kept_bytes; /* size of the job's folder; set once it is over */
     uint32_t unfetched;  /* frames that are written and not fetched */
     uint64_t fetched_ms; /* when a frame was last fetched in this life; or 0 */
     uint32_t nfound;     /* the first nfound files were seen in the store */
@@ -94,8 +94,8 @@ struct job {
     struct partition *partition; /* NULL until the first worker is ready */
     struct job_unit *units;      /* by their numbers in the partition */
     uint32_t nunits;
-    uint32_t *out; /* units that are out; the last fills the gap of one that
-                    * leaves, so a loop that may end attempts counts down */
+    uint32_t *out; /* units that are out; when a unit leaves the last takes its
+                    * place, so a loop that may end attempts counts down */
     uint32_t nout;
     uint32_t late; /* units that are out for too long, and may have twins */
     struct coord_owner *payer; /* at whose limits the job counts */
@@ -149,11 +149,11 @@ struct job {
  * each 4 windows that were asked for (never more than it has pixels), or once
  * for each 1024 rows if that is more, for windows and lines take the memory. */
 uint64_t job_count_frames(const struct msg_spec *spec);
-/* How many jobs it counts as while it is remembered: 1, and 1 more for each 400
- * counted frames: about 1 MiB, and 80 KiB after job_lighten(). */
+/* How many jobs the job counts as while it is remembered: 1, and 1 more for
+ * each 400 counted frames: about 1 MiB, or 80 KiB after job_lighten(). */
 uint32_t job_weight(const struct job *job);
 
-/* Copies what spec lends.  NULL: memory is out. */
+/* Make a job; copies all that spec points at.  NULL: memory is out. */
 struct job *job_new(const struct msg_spec *spec, const char *owner);
 
 /* Pixels of the first frame's picture, and samples along a pixel's side. */
@@ -162,12 +162,12 @@ struct job_size {
 };
 struct job_size job_size(const struct job *job);
 
-/* Channels of the rows that its workers send, as a RESULT has them. */
+/* Channels of the rows that the job's workers send, as in a RESULT. */
 uint8_t job_channels(const struct job *job);
 void job_free(struct job *job);
 
-/* Free all of a job that is over but how it ended (job.last, which the caller
- * has set) and the states of its frames; the store has the rest. */
+/* Free units, partition, lines and workers of a job that is over.  Its end
+ * (job.last, which the caller has set) and its frames' states stay. */
 void job_lighten(struct job *job);
 
 /* Is the job done, failed or cancelled? */
@@ -181,20 +181,20 @@ void job_step(struct job *job, enum job_stage to);
 bool job_held(const struct job *job);
 
 const char *job_state_name(enum job_state state); /* "running" */
-const char *job_is(const struct job *job);        /* the same, or "held" */
+const char *job_is(const struct job *job);        /* its state, or "held" */
 
 /* Set *spec, but for its fields single and costs (the values), by the job's
  * specification.  RAD_EDATA: its rendering options are wrong. */
 int job_partition_spec(const struct msg_spec *from, struct partition_spec *spec,
                        struct rad_error *err);
 
-/* Cut the job into units; single as in partition_spec. */
+/* Cut the job into units; single as in struct partition_spec. */
 int job_split(struct job *job, bool single, struct rad_error *err);
 
-/* Units that may go out: waiting ones and suspects. */
+/* The number of units that may go out: those that wait, and suspects. */
 uint32_t job_waiting(const struct job *job);
 
-/* Workers that load the job or are ready. */
+/* The number of workers that load the job or are ready. */
 uint32_t job_active(const struct job *job);
 
 #endif

@@ -7,33 +7,34 @@
 
 #include "machine/saved.h"
 
-/* Zeroed: there are none. */
+/* Closed passes of a job; zeroed: none. */
 struct kept_passes {
     uint32_t n;
-    struct saved_pass *pass; /* malloc'd, and so are each one's bytes */
+    struct saved_pass *pass; /* malloc'd, as are the bytes of each pass */
 };
 
-/* The ambient cache of a job that is over, which other jobs may begin with
- * (queue/reuse.h); and facts of any job's own cache. */
+/* A job's ambient cache, as other jobs may begin with it once the job is over
+ * (queue/reuse.h); and when its passes were closed. */
 struct kept_cache {
-    uint64_t bytes; /* size on the disk, part of kept_bytes; 0: none is kept */
-    bool held;      /* it may not be deleted: a new job that begins with it has
-                     * not got the records yet (coord_keep.c) */
-    struct pass_range range; /* its passes, if the job ended in this life of the
-                              * coordinator */
-    uint64_t reused;         /* records of another job that this job began with
-                              */
+    uint64_t bytes; /* size on the disk, part of kept_bytes; 0: no cache is kept
+                     */
+    bool held;      /* the cache may not be deleted: a new job that begins with
+                     * it has not got the records yet (coord_keep.c) */
+    struct pass_range range; /* passes in the cache, if the job ended in this
+                              * life of the coordinator */
+    uint64_t reused;         /* number of another job's records that this job
+                              * began with */
     uint64_t *closed_ms;     /* when passes were closed in this life */
     uint32_t nclosed;        /* length of closed_ms */
 };
 
 /* Copy the passes that the store kept of a job; false: memory is out. */
 bool kept_copy(struct kept_passes *k, const struct saved_job *s);
-/* Forget all but the first n. */
+/* Forget all passes but the first n; forget all. */
 void kept_cut(struct kept_passes *k, uint32_t n);
 void kept_drop(struct kept_passes *k);
 
-/* Note in closed_ms that a pass was closed, unless memory is out. */
+/* Note in closed_ms that a pass was closed; ignored if memory is out. */
 void kept_note_time(struct kept_cache *k, uint64_t now_ms);
 void kept_forget_times(struct kept_cache *k);
 

@@ -6,8 +6,8 @@
  *            |  '----------------'--|--|----------------'  |
  *            |     its connection or its child is gone     |
  *            |                      |  |                   |
- *            '--- ROOM (has) --- NO_ROOM '-> EXCLUDED <----'
- *                 or gone
+ *            '-- ROOM says so -- NO_ROOM '-> EXCLUDED <----'
+ *                or gone
  *
  * When the job is over its workers that are LOADING or READY become GONE. */
 #include "config.h"

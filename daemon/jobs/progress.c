@@ -39,8 +39,8 @@ progress_see(struct job *job)
         job->pixels_seen = pixels;
 }
 
-/* The cost of the job's units so far.  A unit's cost counts when it is done;
- * until then the share of pixels that were passed stands for it. */
+/* The cost of the job's units so far: of units that are done or, if that is
+ * more, all cost times the share of pixels that were seen. */
 static double
 cost_seen(const struct job *job)
 {
@@ -52,7 +52,7 @@ cost_seen(const struct job *job)
     return fmax(job->cost_done, share * job->cost_total);
 }
 
-/* The cost of the passes and of all units, in the units' measure. */
+/* The cost of the passes and of all units, measured as units' costs are. */
 static double
 cost_of_all(const struct job *job)
 {

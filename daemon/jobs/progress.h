@@ -17,8 +17,8 @@ struct progress_lead {
     double done; /* share of the passes' work that is done; it never shrinks */
 };
 
-/* Bring job.rays_seen and job.pixels_seen up to date, after a unit was done or
- * a worker told what it has traced. */
+/* Bring job.rays_seen and job.pixels_seen up to date; called when a unit is
+ * done and when a TALLY tells how much a worker has traced. */
 void progress_see(struct job *job);
 
 /* The estimated error of the pixels in units that are done. */

@@ -1,6 +1,7 @@
 /* shared.c - see shared.h
  *
- * Nothing is allocated for a frame before something of it comes. */
+ * Memory is allocated for a frame when the first fact, guess or piece of a base
+ * line of it comes. */
 #include "config.h"
 
 #include "jobs/shared.h"
@@ -23,11 +24,11 @@ struct shared_facts {
 struct line {
     struct shared_facts *facts, **end; /* end: NULL while there are none */
     uint8_t *seen;      /* bitmap of the line's pixels whose facts came; NULL:
-                         * none did */
+                         * no facts came */
     uint8_t *guess;     /* the densities after the line; NULL: none came */
     uint8_t known;      /* how many lines the guess follows from */
     struct shelf shelf; /* the base line, as far as it came */
-    uint64_t whole_ms;  /* when the base line became whole; 0: it is not */
+    uint64_t whole_ms;  /* when the base line became whole; 0: not yet */
 };
 
 struct frame {
@@ -106,7 +107,7 @@ find_line(const struct shared *s, uint32_t frame, uint32_t line)
     return f->line ? &f->line[line] : NULL;
 }
 
-/* Is there such a line, and is that the number of channels? */
+/* Is there such a line, and have the frames that many channels? */
 static bool
 fits(const struct shared *s, uint32_t frame, uint32_t line, uint8_t channels)
 {
@@ -158,7 +159,8 @@ shared_of_base(const struct shared *s, const struct msg_facts *m)
            m->row + m->rows == rows_of(&s->frame[m->frame].q, m->line);
 }
 
-/* Mark the facts' pixels as seen; returns how many were before. */
+/* Mark the facts' pixels as seen; returns how many of them were marked before.
+ */
 static uint32_t
 see(struct shared *s, struct line *l, const struct msg_facts *m)
 {

@@ -42,22 +42,22 @@ struct job_unit {
     uint32_t next_row;    /* rows of the lead that came */
     uint32_t stored_rows; /* of these, rows that are on the disk */
     uint64_t row_ms;      /* when the last of these rows came */
-    uint32_t slot;        /* its place in job.out */
+    uint32_t slot;        /* the unit's place in job.out, while UNIT_OUT */
     struct job_go *go;    /* attempts that are not over, room for JOB_MAX_GOES;
                            * NULL: there are none */
     uint8_t ngos;
-    uint8_t crashes;   /* children that it brought down */
+    uint8_t crashes;   /* children that the unit brought down */
     uint32_t crasher;  /* worker of the first of these children */
     uint8_t faults;    /* attempts that came incomplete */
     uint8_t overtaken; /* how often a twin became the lead because the lead sent
                         * nothing; bounded */
     uint8_t losses;    /* how often in a row the unit's worker was lost; 0 again
-                        * when another worker has the unit, or this one goes on
-                        * with it (loss.c) */
-    bool whole;        /* no lines of it can be given away */
-    bool given_back;   /* its worker was told to give it back, so going out
-                        * again does not count as redone */
-    uint64_t end_ms;
+                        * when another worker has the unit, or that worker goes
+                        * on with it (loss.c) */
+    bool whole;        /* no lines of the unit can be given away */
+    bool given_back;   /* a worker was told to give the unit back, so its next
+                        * attempt does not count as redone */
+    uint64_t end_ms;   /* when the last row was on the disk */
     struct unit_hashes hashes;
     struct msg_counts counts; /* of the accepted attempt, and of lent */
     struct msg_counts lent;   /* of loans that were paid (lending.c) */
@@ -75,8 +75,8 @@ uint32_t unit_first_attempt(const struct job *job);
 /* Make job->units as long as the partition has units; false: memory is out. */
 bool unit_grow(struct job *job);
 
-/* Take a waiting or suspect unit out of its queue, and make it UNIT_OUT: it
- * goes out, or turns out to be done. */
+/* Take a waiting or suspect unit out of its queue, and make it UNIT_OUT: the
+ * unit goes out, or all its rows turn out to be kept. */
 void unit_take(struct job *job, uint32_t unit);
 /* Put a unit without attempts back into the queue, or among the suspects. */
 void unit_wait(struct job *job, uint32_t unit);

@@ -1,9 +1,8 @@
 /* journal.c - see journal.h
  *
- * The specification of a job is kept as its SUBMIT, counts and progress as they
- * travel, so there is one codec for each, and it is fuzzed.  Numbers that have
- * no sign are kept as SQLite's integers of the same bits.  Putting is in
- * journal_put.c, reading in journal_read.c, SQL in journal_sql.c. */
+ * A job's specification is kept as the bytes of its SUBMIT, counts and progress
+ * as they travel in messages: so each has a single codec, which is fuzzed.
+ * Unsigned numbers are kept as SQLite's integers of the same bits. */
 #include "config.h"
 
 #include "journal/journal.h"
@@ -23,7 +22,7 @@
 
 #define APPLICATION 0x72616464 /* "radd" */
 #define SCHEMA      5          /* version of the tables and what they hold */
-#define WAL_PAGES   1000       /* in the log before it is carried over */
+#define WAL_PAGES   1000       /* pages in the log before it is carried over */
 
 /* --- errors --- */
 
@@ -49,7 +48,7 @@ code_of(struct journal *j, int rc)
     case SQLITE_NOTADB:
     case SQLITE_SCHEMA:
     case SQLITE_MISMATCH:
-    case SQLITE_ERROR: /* a table is not as it was made */
+    case SQLITE_ERROR: /* a table is not as journal_schema makes it */
     case SQLITE_CONSTRAINT:
         return RAD_EDATA;
     case SQLITE_CANTOPEN:
@@ -68,7 +67,7 @@ journal_failed(struct journal *j, int rc, struct rad_error *err)
 {
     int code = code_of(j, rc);
 
-    /* for want of room or memory SQLite may undo all that went before */
+    /* for want of room or memory SQLite may undo the whole transaction */
     if (j->in_transaction && sqlite3_get_autocommit(j->db))
         j->undone = code;
     return rad_fail(err, code, "database: %s", sqlite3_errmsg(j->db));
@@ -84,7 +83,6 @@ exec(struct journal *j, const char *text, struct rad_error *err)
 
 /* --- statements --- */
 
-/* The statement, ready to be bound; NULL with *err. */
 sqlite3_stmt *
 journal_statement(struct journal *j, enum journal_sql what,
                   struct rad_error *err)
@@ -105,7 +103,6 @@ journal_statement(struct journal *j, enum journal_sql what,
     return j->stmt[what];
 }
 
-/* Run it, without rows. */
 int
 journal_run(struct journal *j, sqlite3_stmt *s, struct rad_error *err)
 {
@@ -127,7 +124,6 @@ run_plain(struct journal *j, enum journal_sql what, struct rad_error *err)
     return s ? journal_run(j, s, err) : err->code;
 }
 
-/* A statement that writes, in a transaction; NULL with *err. */
 sqlite3_stmt *
 journal_writer(struct journal *j, enum journal_sql what, struct rad_error *err)
 {
@@ -177,7 +173,8 @@ make(struct journal *j, struct rad_error *err)
     return rc == 0 ? exec(j, "COMMIT", err) : rc;
 }
 
-/* Not damaged, but not to be read either. */
+/* Refuse tables of another version: they are not damaged, but we do not know
+ * how to read them. */
 static int
 check_version(sqlite3_int64 version, struct rad_error *err)
 {
@@ -219,8 +216,9 @@ on_wal(void *arg, sqlite3 *db, const char *name, int pages)
     return SQLITE_OK;
 }
 
-/* Exclusive: no other process may write, and there is no shared memory file
- * that would not be synced with the rest. */
+/* Set the database's modes and look what it is.  The lock is exclusive, so no
+ * other process may write, and SQLite needs no file of shared memory, which
+ * would not be synced with the rest. */
 static int
 set_up(struct journal *j, enum journal_how how, struct rad_error *err)
 {
@@ -232,7 +230,7 @@ set_up(struct journal *j, enum journal_how how, struct rad_error *err)
                   "PRAGMA wal_autocheckpoint = 0;"
                   "PRAGMA journal_size_limit = 4194304",
                   err);
-    if (j->had_log) /* which stays as it is until something is committed */
+    if (j->had_log) /* the log stays as it is until something is committed */
         sqlite3_db_config(j->db, SQLITE_DBCONFIG_NO_CKPT_ON_CLOSE, 1, NULL);
     if (rc == 0)
         rc = exec(j, "PRAGMA temp_store = MEMORY; PRAGMA trusted_schema = OFF",
@@ -251,7 +249,8 @@ has_log(const char *path)
     return access(log, F_OK) == 0;
 }
 
-/* SQLite would make it readable to all. */
+/* Make an empty file that only its owner may read: SQLite would let all users
+ * read it. */
 static int
 make_private(const char *path, struct rad_error *err)
 {
@@ -275,7 +274,8 @@ sync_file(const char *path, struct rad_error *err)
     return rc;
 }
 
-/* A database without a job at path, which nobody else sees yet. */
+/* Make a database without jobs at path, whole and synced.  No log is needed
+ * meanwhile: the file has a name of its own until it is whole. */
 static int
 make_at(const char *path, struct rad_error *err)
 {
@@ -295,9 +295,9 @@ make_at(const char *path, struct rad_error *err)
     return rc == 0 ? sync_file(path, err) : rc;
 }
 
-/* Where there is no database, put a whole one there, by rename: a loss of power
- * could leave a part of a database that is made in its place, as if it had been
- * damaged. */
+/* If there is no database at path, make one beside it and rename that.  Made in
+ * its place it could be there in part after a loss of power, and would be taken
+ * for damaged. */
 static int
 make_whole(const char *path, struct rad_error *err)
 {
@@ -414,8 +414,8 @@ journal_begin_life(struct journal *j, uint64_t now_ms, uint64_t *epoch,
 
 /* --- transactions --- */
 
-/* Carry what is in the log over into the database.  For want of room it may
- * stay there. */
+/* If the log is long, carry its pages over into the database.  For want of room
+ * they may stay in the log. */
 static int
 check_point(struct journal *j, struct rad_error *err)
 {

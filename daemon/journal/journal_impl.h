@@ -4,7 +4,7 @@
  *   journal_put.c   putting
  *   journal_read.c  reading
  *   journal_sql.c   tables and statements in SQL
- * Thread: one at a time, as journal.h. */
+ * Thread: one at a time. */
 #ifndef DAEMON_JOURNAL_IMPL_H
 #define DAEMON_JOURNAL_IMPL_H
 
@@ -12,9 +12,9 @@
 
 #include <sqlite3.h>
 
-#define JOURNAL_LAYOUT 1 /* version of the protocol whose bytes are kept */
+#define JOURNAL_LAYOUT 1 /* version of the protocol in kept messages */
 
-/* The statements. */
+/* The numbers of the statements in journal_sql. */
 enum journal_sql {
     SQL_BEGIN,
     SQL_COMMIT,
@@ -48,29 +48,32 @@ enum journal_sql {
 };
 extern const char *const journal_sql[NSQL];
 
-/* The tables, made where there are none. */
+/* SQL that makes the tables. */
 extern const char journal_schema[];
 
 struct journal {
     sqlite3 *db;
-    sqlite3_stmt *stmt[NSQL];
-    struct wire_out out;
-    bool had_log; /* before it was opened */
+    sqlite3_stmt *stmt[NSQL]; /* NULL: not prepared yet */
+    struct wire_out out;      /* where messages and counts are packed */
+    bool had_log;             /* there was a log when the database was opened */
     bool in_transaction;
-    int undone;    /* SQLite gave the transaction up, for this; 0: it did not */
-    int wal_pages; /* in the log */
+    int undone;    /* code for which SQLite undid the transaction; 0: it did
+                    * not */
+    int wal_pages; /* pages in the log at the last commit */
 };
 
-/* SQLite's code as one of ours, with *err. */
+/* Turn an error code of SQLite into a RAD_E code, with *err; also note whether
+ * SQLite has undone the transaction. */
 int journal_failed(struct journal *j, int rc, struct rad_error *err);
 
-/* The statement, ready to be bound; NULL with *err. */
+/* Prepare a statement, so that values can be bound; NULL with *err. */
 sqlite3_stmt *journal_statement(struct journal *j, enum journal_sql what,
                                 struct rad_error *err);
-/* A statement that writes, in a transaction; likewise. */
+/* As journal_statement(), for a statement that writes; begins a transaction if
+ * none is under way. */
 sqlite3_stmt *journal_writer(struct journal *j, enum journal_sql what,
                              struct rad_error *err);
-/* Run it, without rows. */
+/* Run a statement whose rows are of no interest, and reset it. */
 int journal_run(struct journal *j, sqlite3_stmt *s, struct rad_error *err);
 
 #endif

@@ -1,4 +1,4 @@
-/* journal_put.c - jobs, units and what came of them go into the database */
+/* journal_put.c - put jobs, their units, frames and ends into the database */
 #include "config.h"
 
 #include "journal/journal_impl.h"
@@ -29,7 +29,7 @@ bind_text(sqlite3_stmt *s, int i, const char *text)
     sqlite3_bind_text(s, i, text, -1, SQLITE_STATIC);
 }
 
-/* Run it; it must have changed something. */
+/* Run a statement that must change a row; RAD_EDATA: it changed none. */
 static int
 change(struct journal *j, sqlite3_stmt *s, struct rad_error *err)
 {
@@ -40,7 +40,7 @@ change(struct journal *j, sqlite3_stmt *s, struct rad_error *err)
     return rc;
 }
 
-/* The payload of a message, in j->out behind the header. */
+/* Pack a message into j->out; its payload lies behind the header. */
 static int
 pack(struct journal *j, const struct msg *m, struct rad_error *err)
 {
@@ -112,7 +112,7 @@ drop(struct journal *j, enum journal_sql what, const uint8_t job[MSG_JOB],
     return s ? journal_run(j, s, err) : err->code;
 }
 
-/* Two values from i on, which are NULL where it is not known. */
+/* Bind a mark to parameters i and i + 1, which stay NULL if it is not known. */
 static void
 bind_mark(sqlite3_stmt *s, int i, const struct mark *m)
 {

@@ -1,5 +1,7 @@
-/* journal_read.c - what is in the database, looked at as if a stranger had
- * written it: a disk, or somebody with an editor, may have */
+/* journal_read.c - read the database
+ *
+ * Each value is checked as if a stranger had sent it: a failing disk, or
+ * somebody with an editor, may have changed it. */
 #include "config.h"
 
 #include "journal/journal_impl.h"
@@ -43,7 +45,7 @@ journal_has_gone(struct journal *j, const uint8_t job[MSG_JOB], bool *gone,
     return has_row(j, SQL_HAS_GONE, job, gone, err);
 }
 
-/* A row of the database is damaged: say how. */
+/* Say that `what` of job number n is damaged; returns RAD_EDATA. */
 static int
 bad(struct rad_error *err, const char *what, sqlite3_int64 n)
 {
@@ -68,8 +70,8 @@ get_u64(sqlite3_stmt *s, int i, uint64_t *v)
     return sqlite3_column_type(s, i) == SQLITE_INTEGER;
 }
 
-/* A text of so many bytes at most, without a NUL in it; valid until the next
- * row. */
+/* Get column i, a text of at most max bytes without a NUL in it; *text is valid
+ * until the next row. */
 static bool
 get_text(sqlite3_stmt *s, int i, size_t max, const char **text)
 {
@@ -80,7 +82,7 @@ get_text(sqlite3_stmt *s, int i, size_t max, const char **text)
            strlen(*text) == (size_t)sqlite3_column_bytes(s, i);
 }
 
-/* NULL and 0 for none. */
+/* Get column i, a blob or NULL; of NULL *v is NULL and *n 0. */
 static bool
 get_blob(sqlite3_stmt *s, int i, const uint8_t **v, size_t *n)
 {
@@ -91,10 +93,10 @@ get_blob(sqlite3_stmt *s, int i, const uint8_t **v, size_t *n)
     return type == SQLITE_BLOB || type == SQLITE_NULL;
 }
 
-/* A job as it is read. */
+/* A job that is being read. */
 struct reading {
     struct journal *j;
-    sqlite3_int64 n; /* its number */
+    sqlite3_int64 n; /* the job's number in the table of jobs */
     struct saved_job saved;
     struct msg spec, progress;
     struct saved_frame *frames;
@@ -126,7 +128,7 @@ is_unit(const struct reading *r, const struct saved_unit *u)
            u->area.width <= MSG_MAX_SIDE && u->area.height <= MSG_MAX_SIDE;
 }
 
-/* A row of SQL_UNITS; false: it cannot be. */
+/* Get a unit from a row of SQL_UNITS; false: the row is damaged. */
 static bool
 get_unit(const struct reading *r, sqlite3_stmt *s, struct saved_unit *u)
 {
@@ -151,7 +153,8 @@ get_unit(const struct reading *r, sqlite3_stmt *s, struct saved_unit *u)
     return !done || get_counts(&u->counts, counts, ncounts);
 }
 
-/* Own what the row lent. */
+/* Copy the texts and blobs of u, which are valid until the next row, into
+ * r->mem. */
 static int
 copy_unit(struct reading *r, struct saved_unit *u)
 {
@@ -178,7 +181,8 @@ add_unit(struct reading *r, sqlite3_stmt *s)
     return copy_unit(r, u);
 }
 
-/* Columns i and i + 1: both NULL where it is not known. */
+/* Get a mark from columns i and i + 1, both NULL if it is not known; false:
+ * they are damaged. */
 static bool
 get_mark(sqlite3_stmt *s, int i, struct mark *m)
 {
@@ -241,8 +245,8 @@ add_frame(struct reading *r, sqlite3_stmt *s)
     return 0;
 }
 
-/* The next row of s.  False, and s is reset: there is none, or *rc says why
- * there is no more to read. */
+/* Step to the next row of s.  False, and s is reset: there are no more, *rc was
+ * not 0, or the step failed and *rc says why. */
 static bool
 next_row(struct journal *j, sqlite3_stmt *s, int *rc, struct rad_error *err)
 {
@@ -256,7 +260,7 @@ next_row(struct journal *j, sqlite3_stmt *s, int *rc, struct rad_error *err)
     return false;
 }
 
-/* All rows of a statement about the job. */
+/* Call add with each row of a statement whose first parameter is r->n. */
 static int
 each(struct reading *r, enum journal_sql what,
      int (*add)(struct reading *r, sqlite3_stmt *s))
@@ -290,7 +294,7 @@ get_lives(struct reading *r, sqlite3_int64 epoch)
     return rc;
 }
 
-/* A job's id, and the SUBMIT that it came with. */
+/* Get the job's specification from its SUBMIT, and check its id. */
 static int
 get_spec(struct reading *r, sqlite3_stmt *s)
 {
@@ -313,7 +317,7 @@ get_spec(struct reading *r, sqlite3_stmt *s)
     return r->frames ? 0 : rad_fail_memory(r->err);
 }
 
-/* That of its SUBMIT, unless it was changed. */
+/* Get the priority, if it was changed; else that of the SUBMIT stays. */
 static int
 get_priority(struct reading *r, sqlite3_stmt *s)
 {
@@ -328,7 +332,7 @@ get_priority(struct reading *r, sqlite3_stmt *s)
     return 0;
 }
 
-/* How it ended, if it did. */
+/* Get the last progress of a job that is over. */
 static int
 get_progress(struct reading *r, sqlite3_stmt *s)
 {
@@ -433,7 +437,7 @@ journal_read_drained(struct journal *j, journal_worker_fn *fn, void *arg,
     return rc;
 }
 
-/* A row of SQL_GONES; false: it cannot be. */
+/* Get a forgotten job from a row of SQL_GONES; false: the row is damaged. */
 static bool
 get_gone(sqlite3_stmt *s, struct saved_gone *g)
 {

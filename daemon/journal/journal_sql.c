@@ -63,8 +63,8 @@ const char *const journal_sql[NSQL] = {
         " stored = CASE attempt WHEN ?8 THEN stored ELSE 0 END,"
         " sum = CASE attempt WHEN ?8 THEN sum ELSE 0 END,"
         " done = CASE attempt WHEN ?8 THEN done ELSE 0 END, attempt = ?8",
-    /* exclusive or of sums is what SQLite has no word for; the first rows of
-     * an attempt begin anew */
+    /* the sums are combined by exclusive or, for which SQLite has no operator;
+     * if the new rows are all that is stored (?4 = ?10) the sum begins anew */
     [SQL_PUT_ROWS] = "UPDATE unit SET attempt = ?3, stored = ?4, done = ?5,"
                      " end_ms = ?6, counts = ?7, bottom = ?8,"
                      " sum = CASE ?4 WHEN ?10 THEN ?9"

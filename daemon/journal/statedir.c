@@ -52,11 +52,11 @@ note_job(void *arg, const uint8_t job[MSG_JOB], bool going,
     (void)err;
     msg_job_format(job, hex);
     snprintf(what, 80, "a job %s", hex);
-    return 1; /* one is enough */
+    return 1; /* a single job is enough: stop */
 }
 
-/* Name something in the folder that only a database can explain; "" if there is
- * nothing. */
+/* Set what to the name of something in the folder that must have had a
+ * database: a job, a file of a scene or a log; "" if there is nothing. */
 static int
 find_remains(const char *dir, char what[80], struct rad_error *err)
 {

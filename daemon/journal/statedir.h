@@ -1,8 +1,8 @@
-/* statedir.h - may a coordinator take this state folder, and what is its own?
+/* statedir.h - may a coordinator take a state folder, and what is to be removed
  *
- * The rules that keep radcoord from beginning anew over what is left, and from
- * removing what its database does not know: asked when it starts, which acts on
- * the answers, and by `radctl check`, which tells them.
+ * radcoord must not begin anew where files of earlier jobs are left, nor remove
+ * files that its database does not know.  It asks these functions when it
+ * starts, and acts on the answers; `radctl check` asks them, and only tells.
  * Thread: any, one at a time. */
 #ifndef DAEMON_STATEDIR_H
 #define DAEMON_STATEDIR_H
@@ -12,30 +12,32 @@
 
 #define STATEDIR_DATABASE "radcoord.db"
 
-/* Is the folder nobody's to write to but its owner's, and are we that?
- * RAD_EPERM. */
+/* Check that only its owner may write to the folder; also that we are the
+ * owner.  RAD_EPERM. */
 int statedir_check_mode(const char *dir, struct rad_error *err);
 int statedir_check_owner(const char *dir, struct rad_error *err);
 
-/* How its database is to be opened: JOURNAL_MAKE where nothing is left of an
- * earlier one, else JOURNAL_OPEN.  RAD_EDATA where it is missing or empty
- * beside what only it can explain. */
+/* Set *how to how the folder's database is to be opened: JOURNAL_MAKE if the
+ * folder has no files of jobs and no log of a database, else JOURNAL_OPEN.
+ * RAD_EDATA: it has such files, but the database is missing or empty. */
 int statedir_how(const char *dir, enum journal_how *how, struct rad_error *err);
 
+/* What is to become of a job's folder. */
 enum statedir_fate {
-    STATEDIR_KNOWN,  /* of a job that the database has */
-    STATEDIR_TO_GO,  /* of one that was forgotten, or of which nobody was told
-                      * that it is accepted */
-    STATEDIR_UNKNOWN /* the database is of before, or another's */
+    STATEDIR_KNOWN,  /* it stays: the database has the job */
+    STATEDIR_TO_GO,  /* it is removed: the job was or is being forgotten, or
+                      * nobody was told that the job is accepted */
+    STATEDIR_UNKNOWN /* it stays, and radcoord does not start: the database is
+                      * older than the job, or of another coordinator */
 };
 
-/* What is to become of a job's folder; going: it is named as one that is being
- * forgotten. */
+/* Find the fate of a job's folder; going: its name is ID.gone (folder.h). */
 int statedir_fate(struct journal *j, const struct folder *f,
                   const uint8_t job[MSG_JOB], bool going,
                   enum statedir_fate *fate, struct rad_error *err);
 
-/* The words for STATEDIR_UNKNOWN; returns RAD_EDATA. */
+/* Say in *err that the fate of the job's folder is STATEDIR_UNKNOWN; returns
+ * RAD_EDATA. */
 int statedir_unknown(const uint8_t job[MSG_JOB], struct rad_error *err);
 
 #endif

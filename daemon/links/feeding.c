@@ -6,12 +6,12 @@
 #include "links/introduce.h"
 #include "links/linking.h"
 
-/* Workers that the coordinator feeds.  Few, for it sends each of them the
- * records of all tiles, and tiles to be made wait behind these on the
- * connection. */
+/* Workers that the coordinator feeds.  Few, for the coordinator sends each of
+ * them the records of all tiles, and tiles to be made wait behind these records
+ * on the connection. */
 #define DIRECT 2
-/* Workers that a worker feeds.  With 2 the last worker has a record soonest,
- * where the rate of lines is the limit. */
+/* Workers that a worker feeds.  With 2 a record reaches the last worker
+ * soonest, if the machines' network is the limit. */
 #define FED 2
 _Static_assert(FED <= MSG_MOST_FED, "names in FEED");
 
@@ -27,7 +27,8 @@ most_direct(const struct coord *c)
     return c->env.direct > 0 ? c->env.direct : DIRECT;
 }
 
-/* Links from the coordinator to the worker; 0: worker not_by is among them. */
+/* The number of links on the way from the coordinator to the worker; 0: the way
+ * goes by worker not_by. */
 static uint32_t
 depth(const struct job *job, uint32_t index, uint32_t not_by)
 {
@@ -48,8 +49,9 @@ count_fed(const struct job *job, uint32_t feeder)
     return n;
 }
 
-/* Workers that the coordinator feeds, other than this worker, with no more
- * failures.  A worker with more failures may hang, so it does not count. */
+/* The number of other workers that the coordinator feeds and that have no more
+ * failures than this worker.  A worker with more may hang, and does not count.
+ */
 static uint32_t
 count_direct(const struct job *job, uint32_t index)
 {
@@ -100,8 +102,8 @@ send_feed(struct coord *c, const struct job *job, uint32_t feeder)
     actions_send(&c->actions, job->workers[feeder - 1].worker->conn, &m);
 }
 
-/* A job that shares lines has links by linking.h; in others a feeder and the
- * worker that it feeds are linked here. */
+/* Link a feeder with a worker that it feeds: through linking.h in a job that
+ * shares lines, which has such links; in any other job here. */
 static void
 link_feeder(struct coord *c, struct job *job, uint32_t feeder, uint32_t index)
 {
@@ -164,8 +166,8 @@ feeding_lacked(struct job *job, uint32_t index)
     job->workers[index].missed = true;
 }
 
-/* Did the worker's feeder fail it?  A feeder that missed records itself had
- * none to pass on. */
+/* Did the worker's feeder fail to pass records on?  A feeder that missed
+ * records itself had none to pass on. */
 static bool
 is_failed(const struct job *job, const struct job_worker *jw)
 {
@@ -188,7 +190,7 @@ feeding_mend(struct coord *c, struct job *job)
     for (uint32_t i = 0; i < job->nworkers; i++) {
         struct job_worker *jw = &job->workers[i];
 
-        if (feeding_is_direct(job, i)) /* others may have failed less often */
+        if (feeding_is_direct(job, i)) /* another may have fewer failures */
             change_feeder(c, job, i);
         jw->excused -= jw->excused > 0;
         jw->missed = false;

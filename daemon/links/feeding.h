@@ -1,13 +1,12 @@
 /* feeding.h - the tree in which workers of a job pass on records of tiles
  *
  * In a large job the coordinator cannot send the records of all tiles to each
- * worker.  It sends them to a few workers, each of these to others (its feeder
- * is the worker that sends to it), and so on.  A worker that lacks records when
- * their pass is closed gets them from the coordinator, and another feeder.  The
- * coordinator itself feeds the workers that failed others the least often.  So
- * a link that breaks or never comes to be, or a worker that hangs, costs only
- * time.
- * Thread: the coordinator's loop. */
+ * worker.  It sends them to a few workers, each of these feeds others, and so
+ * on: a worker's feeder is the worker that sends it records.  A worker that
+ * lacks records when their pass is closed gets them from the coordinator, and
+ * another feeder.  The coordinator itself feeds the workers that failed others
+ * the least often.  So a link that breaks or never comes to be, or a worker
+ * that hangs, costs only time.  Thread: the coordinator's loop. */
 #ifndef DAEMON_FEEDING_H
 #define DAEMON_FEEDING_H
 

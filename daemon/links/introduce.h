@@ -1,5 +1,4 @@
-/* introduce.h - tell workers of a job of each other, so that one dials the
- * other
+/* introduce.h - tell two workers of a job of each other, so that they link
  *
  * Thread: the coordinator's loop. */
 #ifndef DAEMON_INTRODUCE_H
@@ -8,15 +7,15 @@
 #include "desk/desk.h"
 
 /* Tell a worker that became ready and the job's other ready workers of each
- * other, from the worker that came just before it backwards, `most` at most.
- * In a job that shares live records the first of these gives the new worker its
- * cache. */
+ * other: at most `most` of these, beginning with the worker that came just
+ * before it.  In a job that shares live records the first of these sends the
+ * new worker the records of its cache. */
 void introduce_worker(struct coord *c, const struct job *job, uint32_t index,
                       uint32_t most);
-/* Tell the other workers of a job to end their links with this worker. */
+/* Tell the other workers of a job to end their links with worker w. */
 void introduce_drop(struct coord *c, const struct job *job,
                     const struct coord_worker *w);
-/* Can at least one of the two be dialled? */
+/* Can at least one of the two workers be dialled? */
 bool introduce_can(const struct coord_worker *a, const struct coord_worker *b);
 /* Tell two workers of a job of each other; with give MSG_PEER_GIVE, a gives b
  * the records of its cache.  False: neither can be dialled. */

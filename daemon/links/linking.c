@@ -19,13 +19,13 @@
 #define MOST_LINKED 256 /* links of a new worker, with --ambient=live */
 #define MOST_NEEDED 16  /* links of a worker that linking_need() made */
 
-/* Two linked workers of the job, a < b. */
+/* Two linked workers of the job, by index; a < b. */
 struct pair {
     uint32_t a, b;
 };
 
 struct links {
-    struct pair *pair; /* the oldest first */
+    struct pair *pair; /* the oldest link first */
     size_t n;
 };
 
@@ -51,7 +51,7 @@ shares_records(const struct job *job)
     return job->spec.flags & MSG_JOB_SHARE;
 }
 
-/* Are there too many workers, loading ones included, to link all with all? */
+/* Are there too many workers, ready or loading, to link all with all? */
 static bool
 are_many(const struct coord *c, const struct job *job)
 {
@@ -79,8 +79,8 @@ note_link(struct links *l, uint32_t a, uint32_t b)
     return true;
 }
 
-/* The workers have become too many to link all with all: list the links that
- * there are, all pairs but the newcomer's. */
+/* Make job->links, for the workers have become too many to link all with all.
+ * List the links that there are: all pairs of workers but the newcomer. */
 static bool
 begin_links(struct job *job, uint32_t newcomer)
 {
@@ -128,7 +128,7 @@ linking_left(struct coord *c, struct job *job, uint32_t index)
             end_link(c, job, i);
 }
 
-/* End the worker's oldest link, if it has MOST_NEEDED. */
+/* End the worker's oldest link, if it has MOST_NEEDED links or more. */
 static void
 make_room(struct coord *c, struct job *job, uint32_t index)
 {

@@ -1,13 +1,13 @@
 /* linking.h - which workers of a job are linked with which
  *
- * Up to 64 workers are all linked with each other.  In a larger job two are
- * linked when one needs base lines or records of tiles of the other; a worker
- * with 16 links or more loses its oldest for that.  Workers that are not linked
- * send each other base lines and records by way of the coordinator.
- * With --ambient=live each record goes to all workers at once, so a new worker
- * is linked with the 256 that came just before it: it does not get the records
- * that still older ones make.
- * Thread: the coordinator's loop. */
+ * Up to 64 workers are all linked with each other.  In a larger job two workers
+ * are linked when one needs base lines, or records of tiles, of the other; a
+ * worker with 16 links or more loses its oldest link for that.  Workers that
+ * are not linked send each other base lines and records by way of the
+ * coordinator.  With --ambient=live a worker sends each record to all workers
+ * that it is linked with.  A new worker is linked with the 256 workers that
+ * came just before it, and does not get the records that still older workers
+ * make.  Thread: the coordinator's loop. */
 #ifndef DAEMON_LINKING_H
 #define DAEMON_LINKING_H
 

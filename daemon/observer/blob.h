@@ -18,8 +18,9 @@ struct blob {
     char *bytes;
 };
 
-/* Takes the malloc'd bytes; the blob has one reference.  NULL if bytes is NULL
- * or memory is out; the bytes are freed then. */
+/* Make a blob of malloc'd bytes, which are taken; the caller has its only
+ * reference.  NULL: bytes is NULL or memory is out; the bytes are freed then.
+ */
 struct blob *blob_new(char *bytes, size_t len);
 struct blob *blob_ref(struct blob *b); /* both accept NULL */
 void blob_unref(struct blob *b);

@@ -1,4 +1,4 @@
-# what radweb is told by the coordinator
+# radweb's requests to the coordinator, and the cluster by the answers
 libweb_a_SOURCES += \
 	daemon/observer/blob.c \
 	daemon/observer/blob.h \

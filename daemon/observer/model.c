@@ -1,10 +1,9 @@
 /* model.c - see model.h
  *
  * A round of requests asks for the status, the workers, the open jobs, the
- * running jobs if there are more open ones than are listed, and the jobs that
- * are over.  Each list comes page by page; the next request is sent when an
- * answer has come.  With the last answer of a round all lists are replaced at
- * once. */
+ * running jobs if more jobs are open than are listed, and the jobs that are
+ * over.  Each list comes page by page; the next request is sent when an answer
+ * has come.  With the last answer of a round all lists are replaced at once. */
 #include "config.h"
 
 #include "observer/model.h"
@@ -84,18 +83,18 @@ count_end(struct model *m, json_t *seen, const json_t *row, bool before)
         return;
     json_object_set_new(seen, "over", json_true());
     if (before)
-        return; /* it was over before radweb saw it */
+        return; /* the job was over before radweb saw it */
     m->sums.done += strcmp(state, "done") == 0;
     m->sums.failed += strcmp(state, "failed") == 0;
     m->sums.cancelled += strcmp(state, "cancelled") == 0;
 }
 
-/* Add to the sums what the jobs of a list did since the last round.  `next`
- * gets the counters of each job as they are now.
- * A job that is seen for the first time counts whole if it is new: if it is
- * open, or if it is over and stands ahead of all known jobs, the newest first.
- * Its work so far does not count in the first round, nor after a round that did
- * not list all open jobs, for it may be old. */
+/* Add the work that the jobs of a list did since the last round to the sums.
+ * `next` gets the counters of each job as they are now.  All work of a job that
+ * is seen for the first time counts if the job is new: if it is open, or if it
+ * is over and stands ahead of all known jobs, the newest being first.  It does
+ * not count in the first round, nor after a round that did not list all open
+ * jobs: the job may be old. */
 static void
 count_list(struct model *m, const json_t *list, bool over, json_t *next)
 {
@@ -123,7 +122,8 @@ count_list(struct model *m, const json_t *list, bool over, json_t *next)
     }
 }
 
-/* Keep the counters of jobs that are not listed now, in case they come back. */
+/* Keep the counters of jobs that are not listed now, in case a job is listed
+ * again. */
 static void
 keep_counted(const struct model *m, json_t *next)
 {
@@ -252,8 +252,8 @@ merge(json_t *rows, const json_t *more)
     json_decref(ids);
 }
 
-/* A list has all its rows or, if cut, as many as are shown; go on with the
- * next. */
+/* End a step: its list has all rows or, if cut, as many as are shown.  Go on
+ * with the next step. */
 static void
 end_list(struct model *m, bool cut)
 {

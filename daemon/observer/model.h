@@ -1,13 +1,14 @@
-/* model.h - what radweb knows of the cluster: its lists, and its last hour
+/* model.h - the cluster as radweb knows it: its lists, and its last hour
  *
- * Asks the coordinator for its status, workers and jobs, one request after the
- * other: once a second while pages are looked at, else once in MODEL_IDLE_MS.
- * The rows are the coordinator's, as `radctl --json` shows them.
+ * In a round the coordinator is asked for its status, workers and jobs, one
+ * request after the other.  A round begins once in MODEL_BUSY_MS while pages
+ * are looked at, else once in MODEL_IDLE_MS.  The rows are the coordinator's,
+ * as `radctl --json` shows them.
  *
  * Bounds: MODEL_WORKERS, MODEL_OPEN and MODEL_OVER rows; a page of the
  * coordinator has at most 200 rows and 256 KiB.  MODEL_TEXT bytes of text for
  * each list, which take some ten times as much memory as JSON values, and twice
- * that while the next round's lists come.
+ * that while the lists of the next round come.
  * Thread: the loop's. */
 #ifndef RADD_OBSERVER_MODEL_H
 #define RADD_OBSERVER_MODEL_H
@@ -19,18 +20,18 @@
 
 #define MODEL_WORKERS 1000
 #define MODEL_OPEN                                                             \
-    1000 /* jobs that are not over: the newest, and all running ones */
+    1000 /* jobs that are not over: the newest, and all that run */
 #define MODEL_OVER    100 /* jobs that are over: the newest */
 #define MODEL_TEXT    (2 << 20)
 #define MODEL_COUNTED 10000 /* jobs whose counters are kept */
 #define MODEL_BUSY_MS 1000
 #define MODEL_IDLE_MS 10000
-#define MODEL_SEEN_MS 20000 /* asked often so long after model_seen() */
+#define MODEL_SEEN_MS 20000 /* a page counts as looked at for so long */
 
 /* Sums since radweb started, for /metrics: they never fall. */
 struct model_sums {
     double rays, bytes, redundant;    /* redundant: ambient records */
-    uint64_t done, failed, cancelled; /* jobs that ended in that state */
+    uint64_t done, failed, cancelled; /* jobs that ended in such a state */
     uint64_t polls, lost; /* rounds that succeeded, and that failed */
 };
 
@@ -41,9 +42,9 @@ struct model {
     bool up;           /* the last round succeeded */
     uint64_t asked_ms; /* when the last round ended */
     json_t *status;    /* never NULL, nor are the lists: empty at first */
-    json_t *workers;   /* in the order in which they came */
+    json_t *workers;   /* in the order in which the workers first came */
     json_t *open;      /* jobs in the order in which they are served */
-    json_t *over;      /* the newest first */
+    json_t *over;      /* jobs that are over, the newest first */
     double rays_s;     /* of the whole cluster, over the last seconds */
     double at_work;    /* threads of busy workers, as a share of all; 0 to 1 */
     struct history history;
@@ -51,14 +52,14 @@ struct model {
     /* private to model.c */
     uint64_t seen_ms, due_ms, rate_ms;
     double rate_rays;
-    unsigned round; /* the step of the round that is under way; 0: none */
-    json_t *coming; /* rows of the step's list so far */
-    size_t text;    /* bytes of their text */
-    uint64_t cursor;
+    unsigned round;    /* step of the round that is under way; 0: no round is */
+    json_t *coming;    /* rows of the step's list so far */
+    size_t text;       /* bytes of text of these rows */
+    uint64_t cursor;   /* of the next page of the step's list */
     bool cut, was_cut; /* more jobs are open than are listed: in this round, in
-                        * the one before */
+                        * the round before */
     json_t *next_workers, *next_open, *next_over, *next_status;
-    json_t *counted; /* by job: counters in the sums so far */
+    json_t *counted; /* for each job its counters that are in the sums */
     void (*changed)(void *arg);
     void *arg;
 };

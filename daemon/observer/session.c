@@ -31,7 +31,7 @@ struct asked {
     size_t most;
     session_fn *fn;
     void *arg;
-    uint8_t *bytes; /* of CHUNKs: n of `total` have come */
+    uint8_t *bytes; /* of CHUNKs, of which n of `total` bytes have come */
     size_t n, total;
 };
 
@@ -43,12 +43,13 @@ struct session {
     struct dialler *dialler;
     struct conn *conn;
     enum state state;
-    uint64_t dial_ms; /* do not dial before */
+    uint64_t dial_ms; /* when the coordinator may be dialled next */
     unsigned wait_ms;
     uint32_t request; /* number of the last request */
     struct asked *asked;
     unsigned nasked;
-    char why[300]; /* for browsers: names no path */
+    char why[300]; /* why the connection is down; browsers see it, so it names
+                    * no path */
     bool told;     /* the log says that the connection is down */
 };
 
@@ -155,7 +156,7 @@ session_ask(struct session *s, struct msg *m, size_t most, session_fn *fn,
 
 /* --- answers --- */
 
-/* The CHUNKs of an answer come in order. */
+/* Append a CHUNK to its answer; the CHUNKs of an answer come in order. */
 static void
 on_chunk(struct session *s, const struct msg *m)
 {
@@ -202,9 +203,9 @@ on_answer(struct session *s, const struct msg *m)
 
 /* --- the connection --- */
 
-/* Note that the connection is down.  why is for the log, shown for browsers.
- * Waiting requests are refused at the next tick and not here: this may run
- * inside session_ask(). */
+/* Note that the connection is down.  The text why is for the log, the text
+ * shown for browsers.  Waiting requests are refused at the next tick and not
+ * here, for this may run inside session_ask(). */
 static void
 note_down(struct session *s, const char *why, const char *shown)
 {
@@ -324,7 +325,7 @@ begin_dial(struct session *s)
     bool has = s->conf.key[0] != '\0';
 
     s->state = DIALLING;
-    /* read at each dial, so a new key needs no restart */
+    /* the key file is read at each dial, so a new key needs no restart */
     if (has && keyfile_choose(s->conf.key, MSG_ROLE_OBSERVER, key.id,
                               key.secret, &err) < 0) {
         rad_error_format(&err, text, sizeof text);

@@ -1,10 +1,10 @@
 /* session.h - radweb's requests to the coordinator, and their answers
  *
- * One connection, in the role of an observer.  When it ends it is dialled
- * again, after half a second at first and half a minute at most.  A request is
- * answered once: with bytes, or with the reason why there are none.  When the
- * connection has ended all waiting requests are answered so by the next
- * session_tick().
+ * One connection, in the role of an observer.  When it ends the coordinator is
+ * dialled again, after half a second at first and half a minute at most.  A
+ * request is answered once: with bytes, or with the reason why there are none.
+ * When the connection has ended the next session_tick() answers all waiting
+ * requests with a reason.
  * Thread: the loop's. */
 #ifndef RADD_OBSERVER_SESSION_H
 #define RADD_OBSERVER_SESSION_H
@@ -41,6 +41,7 @@ void session_free(struct session *s);
 /* Dial when it is time to; call each DAEMON_TICK_MS. */
 void session_tick(struct session *s);
 
+/* Is the connection up: has the coordinator welcomed it? */
 bool session_is_up(const struct session *s);
 /* Why the connection is down, for the reader of a page; "" while it is up. */
 const char *session_why(const struct session *s);

@@ -14,7 +14,7 @@
 #define DETAIL_MS  1000
 #define STATS_MS   4000
 #define PICTURE_MS 2000
-#define SLOWER     20 /* an answer that takes t is asked for again after 20 t */
+#define SLOWER     20 /* a request that took t is sent again after 20 t */
 
 static void
 note_change(struct watch *w)
@@ -33,7 +33,7 @@ is_over(const struct watch *w)
 }
 
 /* Write the job's progress as a text.  The picture and the statistics are asked
- * for again only when it has changed. */
+ * for again only when this text has changed. */
 static void
 state_of(const struct watch *w, char text[96])
 {
@@ -100,9 +100,9 @@ begin(struct watch *w, struct watch_query *q, struct msg *m, size_t most,
         q->of[0] = '\0';
 }
 
-/* A request has ended; came: with a usable answer.  It is due again after
- * SLOWER times as long as it took, and at least least_ms; any picture or
- * statistics wait for as long as this request took. */
+/* End a request; came: its answer can be used.  The request is due again after
+ * SLOWER times as long as it took, and at least least_ms.  No picture or
+ * statistics are asked for meanwhile for as long as it took. */
 static void
 end(struct watch *w, struct watch_query *q, unsigned least_ms, bool came)
 {
@@ -302,8 +302,8 @@ is_looked_at(const struct watch *w)
     return w->streams > 0 || uv_now(w->all->loop) - w->seen_ms < WATCH_SEEN_MS;
 }
 
-/* Is the request due before before_ms, and is there a reason for it: has the
- * job made progress since the last answer, or is there no answer (!has)? */
+/* Is the request due before before_ms, and is there a reason to send it: has
+ * the job made progress since the last answer, or is there no answer (!has)? */
 static bool
 is_due(const struct watch *w, const struct watch_query *q, uint64_t before_ms,
        bool has)
@@ -421,8 +421,8 @@ take_pace(struct watch *w)
 
 /* --- making room --- */
 
-/* Drop the watch that was looked at the longest ago; false: each is followed by
- * a page, or waits for an answer. */
+/* Drop the watch that was looked at the longest ago; false: each watch is
+ * followed by a page, or waits for an answer. */
 static bool
 make_room(struct watches *all)
 {

@@ -1,16 +1,16 @@
-/* watch.h - jobs that somebody looks at: details, statistics, picture
+/* watch.h - jobs that browsers look at: details, statistics, picture
  *
- * The coordinator is asked about a job only while a page of it is looked at:
- * once a second for its details; for statistics and picture the less often the
- * longer they take, since the coordinator serves others, too.  Statistics are
- * read and pictures decoded off the loop.
- * At most WATCH_MOST jobs are watched.  For another one the job that was looked
- * at the longest ago is dropped; when it comes back it is not asked for sooner
- * than it would have been.
+ * The coordinator is asked about a job only while a page of the job is looked
+ * at: once a second for its details; for statistics and picture the less often
+ * the longer they take, since the coordinator serves others, too.  Statistics
+ * are read and pictures decoded off the loop.
+ * At most WATCH_MOST jobs are watched.  For another job the job that was looked
+ * at the longest ago is dropped; when a dropped job is watched again, its
+ * statistics and picture are not asked for sooner than they would have been.
  *
  * Memory: one picture or one job's statistics at a time is on its way.  It
  * takes PICTURE_BYTES twice at most; then once, beside 4 * PICTURE_MOST bytes
- * of the decoded picture and what is made of that.
+ * of the decoded picture and the images that are made of that.
  * Thread: the loop's. */
 #ifndef RADD_OBSERVER_WATCH_H
 #define RADD_OBSERVER_WATCH_H
@@ -23,7 +23,7 @@
 #include <jansson.h>
 
 #define WATCH_MOST    8
-#define WATCH_SEEN_MS 10000 /* watched so long after a page was asked for */
+#define WATCH_SEEN_MS 10000 /* watched so long after watch_look_at() */
 /* Bytes of all blobs (blob.h) above which no picture is asked for. */
 #define WATCH_ALIVE ((size_t)160 << 20)
 #define WATCH_STATS (24 << 20) /* most bytes of a job's statistics */
@@ -33,9 +33,9 @@
 struct watch_query {
     bool out;         /* sent, and not answered yet */
     bool answered;    /* at least once, if only by a refusal */
-    uint64_t due_ms;  /* when to send it again */
-    uint64_t from_ms; /* when it was sent */
-    char of[96];      /* the job's progress then; "": the request failed */
+    uint64_t due_ms;  /* when the request is to be sent again */
+    uint64_t from_ms; /* when the request was last sent */
+    char of[96];      /* the job's progress at from_ms; "": request failed */
 };
 
 struct watch {
@@ -46,7 +46,7 @@ struct watch {
     uint32_t frame;
     unsigned streams;   /* open pages that get the job's events */
     uint64_t seen_ms;   /* when a page of the job was last asked for */
-    uint64_t version;   /* rises with each change of what a page shows */
+    uint64_t version;   /* rises with each change that a page shows */
     struct watch_query row, stats, picture;
     json_t *detail;          /* the job's row; NULL: not known (yet) */
     struct units units;      /* the statistics; head NULL: none */
@@ -54,7 +54,7 @@ struct watch {
     uint64_t picture_version;
     int width, height, factor;
     char view[PICTURE_VIEW], scene[PICTURE_VIEW]; /* as in picture.h */
-    char note[300];     /* why there is no picture; "" */
+    char note[300];     /* why there is no picture; or "" */
     struct blob *event; /* the event of event_version (events.c) */
     uint64_t event_version;
 };
@@ -73,7 +73,7 @@ struct watches {
     unsigned n;
     struct watch_pace paces[WATCH_PACES]; /* a ring */
     unsigned npaces;                      /* entries that were ever written */
-    uint64_t rest_ms; /* no picture or statistics before that */
+    uint64_t rest_ms; /* no picture or statistics are asked for before this */
     void (*changed)(void *arg, struct watch *w);
     void *arg;
 };
@@ -87,13 +87,13 @@ void watch_release(struct watches *all);
 /* Send the requests that are due; call each DAEMON_TICK_MS. */
 void watch_tick(struct watches *all);
 
-/* Look at that frame of the job, for a page that is asked for: watch it if it
+/* Note that a page asks for a frame of the job, and watch the job's frame if it
  * is not watched yet.  NULL: too many are watched, or memory is out. */
 struct watch *watch_look_at(struct watches *all, const char *hex,
                             uint32_t frame);
 
-/* Has all that a page shows been answered, if only by a refusal?  And the
- * picture? */
+/* Have the requests for details and statistics been answered, if only by a
+ * refusal?  Those for details and the picture? */
 bool watch_is_ready(const struct watch *w);
 bool watch_has_picture(const struct watch *w);
 

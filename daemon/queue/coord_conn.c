@@ -1,9 +1,9 @@
 /* coord_conn.c - see coord_conn.h
  *
- * A connection has a number from the shell, and a session, which says what may
- * come on it.  What it may become is known when it opens, what it is by its
- * HELLO.  A worker has one connection: a new one of its name replaces the old.
- */
+ * A connection has a number from the shell, and a session, which says which
+ * messages may come.  The roles that it may have are known when it opens; its
+ * HELLO chooses a role.  A worker has one connection: a new connection by the
+ * worker's name replaces the old one. */
 #include "config.h"
 
 #include "queue/coord_conn.h"
@@ -21,7 +21,7 @@
 #include <string.h>
 #include <sysexits.h>
 
-#define MOST_THREADS 4096 /* that a worker may say it has */
+#define MOST_THREADS 4096 /* of a worker, by its HELLO */
 
 static const char crowded[] =
     "too many connections of this user: close some, or try again later (limit "
@@ -52,8 +52,8 @@ drop_conn(struct coord *c, struct coord_conn *conn)
     free(conn);
 }
 
-/* The worker's or the user's name, for the log; of a worker that was refused
- * the name that its key is for. */
+/* The name of the connection's worker or user, for the log; before a worker's
+ * HELLO is taken, the worker's name in its key. */
 static const char *
 whose(const struct coord_conn *conn)
 {
@@ -75,8 +75,9 @@ coord_conn_closed(struct coord *c, uint64_t id, const char *why)
     drop_conn(c, conn);
 }
 
-/* Log that the coordinator closes a connection.  Anybody may open connections
- * that are closed again, so lines about those of non-workers are limited. */
+/* Log that the coordinator closes a connection.  A stranger may open any number
+ * of connections that are closed at once, so lines about connections without a
+ * worker are limited. */
 static void
 log_break(struct coord *c, const struct coord_conn *conn,
           enum action_level level, const char *why)
@@ -138,9 +139,8 @@ count_user(const struct coord *c, const struct coord_conn *conn, bool greeted,
     return n;
 }
 
-/* A user at the limit of connections loses the oldest without HELLO for a new
- * one.
- */
+/* End the oldest connection without HELLO of a user who opens a new connection
+ * and has as many as the limit allows. */
 static void
 make_room(struct coord *c, const struct coord_conn *conn)
 {
@@ -199,7 +199,7 @@ coord_worker_of(struct coord *c, const char *name)
     w->id = c->nworkers++;
     w->relative = 1;
     w->priority = w->rank = INT64_MIN;
-    w->since_ms = c->now_ms; /* gone since now, if not connected */
+    w->since_ms = c->now_ms; /* if it is not connected it is gone since now */
     while (*end)
         end = &(*end)->next;
     *end = w;
@@ -231,8 +231,8 @@ coord_drop_forgotten(struct coord *c)
     }
 }
 
-/* Note where peers dial the worker: at the address that it says, or, if that is
- * a wildcard, at the address that its connection comes from. */
+/* Note where peers dial the worker: at the address in its HELLO, or, if that is
+ * a wildcard, at the address from which its connection comes. */
 static void
 note_address(struct coord_worker *w, const struct coord_conn *conn,
              const char *said)
@@ -248,10 +248,10 @@ note_address(struct coord_worker *w, const struct coord_conn *conn,
         snprintf(w->address, sizeof w->address, "%s", said);
 }
 
-/* End the worker's old connection: it was not known to be dead yet; or two
- * hosts have one name, and both should hear of that.  Ended at once and not by
- * a verdict, for the worker must leave its jobs before the new connection
- * brings it back. */
+/* End the worker's old connection.  Either it is dead, and that was not known
+ * yet; or two hosts have the same name, and both should hear of that.  It is
+ * ended at once and not by a verdict, for the worker must leave its jobs before
+ * it comes back on the new connection. */
 static void
 replace(struct coord *c, const struct coord_worker *w,
         const struct coord_conn *by)
@@ -282,7 +282,7 @@ join_worker(struct coord *c, struct coord_conn *conn, const struct msg_hello *m)
     w->threads = m->threads;
     w->fingerprint = m->fingerprint;
     w->since_ms = c->now_ms;
-    w->progressed_ms = c->now_ms; /* its counter counts from now */
+    w->progressed_ms = c->now_ms; /* its progress counter begins anew */
     w->leaving = w->alone = w->hangs = w->forgotten = false;
     snprintf(w->program, sizeof w->program, "%s", m->program);
     note_address(w, conn, m->address);
@@ -290,7 +290,7 @@ join_worker(struct coord *c, struct coord_conn *conn, const struct msg_hello *m)
     return true;
 }
 
-/* Why a connection may not have a role, and what gives it the right. */
+/* Why a connection may not have a role, and what would give the right to it. */
 static const char *const not_allowed[] = {
     [MSG_ROLE_WORKER] =
         "this role is not allowed from there: workers need a key 'worker:NAME' "
@@ -307,7 +307,7 @@ static const char *const not_allowed[] = {
         "coordinator's own user",
 };
 
-/* Why HELLO is refused; NULL: it is welcome. */
+/* Why a HELLO is refused; NULL: the connection is welcome. */
 static const char *
 hello_fault(const struct coord *c, const struct coord_conn *conn,
             const struct msg_hello *m, char text[MSG_MAX_TEXT + 1], int *status)

@@ -1,4 +1,4 @@
-/* coord_conn.h - connections to the coordinator: who is there, and in what role
+/* coord_conn.h - connections to the coordinator: their users and their roles
  *
  * Thread: the coordinator's loop. */
 #ifndef DAEMON_COORD_CONN_H
@@ -6,7 +6,7 @@
 
 #include "desk/desk.h"
 
-/* A connection has ended; why is for the log. */
+/* A connection has ended: note that its worker is gone; why is for the log. */
 void coord_conn_closed(struct coord *c, uint64_t id, const char *why);
 /* A connection was accepted. */
 void coord_conn_opened(struct coord *c, uint64_t id,

@@ -1,9 +1,9 @@
 /* coord_job.c - see coord_job.h
  *
  * A job waits until its files are stored and there is room for its rows; then
- * it is accepted.  It is over when all pictures are written, when it failed, or
- * when it was cancelled; then it is remembered for a while (struct coord_keep).
- */
+ * the job is accepted.  It is over when all its pictures are written, when it
+ * failed, or when it was cancelled; then it is remembered for a while (struct
+ * coord_keep). */
 #include "config.h"
 
 #include "queue/coord_job.h"
@@ -137,10 +137,10 @@ lacks_files(const struct job *job)
 
 /* The job's workers may load it from STAGE_OPENING on.
  * A file counts as here only if the job's owner sent it: a user who knows only
- * the hash of another's file gets no picture of it.  The search goes on where
- * it ended, for it begins again with each file that comes.  To look for a file
- * takes some microseconds, so of very many files the rest is looked for later.
- */
+ * the hash of another user's file gets no picture of that file.  This is called
+ * for each file that comes, so the search goes on at the file where it ended.
+ * To look for a file takes some microseconds, so of very many files the rest is
+ * looked for later. */
 void
 coord_try_open(struct coord *c, struct job *job)
 {
@@ -200,9 +200,9 @@ end_stalled(struct coord *c, struct job *job)
     verdict_job(c, job, JOB_FAILED, EX_TEMPFAIL, text);
 }
 
-/* When the store has the statistics of a job that is over, free all of it but
- * how it ended.  Not for LINGER_MS, for its workers' last messages still come,
- * nor while a user gets its statistics from memory. */
+/* When the store has the statistics of a job that is over, lighten the job: but
+ * not for LINGER_MS, for its workers' last messages still come, nor while its
+ * statistics are made for a user. */
 static void
 lighten(struct coord *c, struct job *job)
 {
@@ -230,8 +230,8 @@ coord_jobs_tick(struct coord *c)
     }
 }
 
-/* The store answers about a job; a status that is not 0 ends it.  Returns the
- * job if it goes on, else NULL. */
+/* Take an answer of the store about a job; a status that is not 0 ends the job.
+ * Returns the job if it goes on, else NULL. */
 static struct job *
 stored(struct coord *c, const uint8_t id[MSG_JOB], uint64_t sequence,
        int status, const char *text)
@@ -260,8 +260,8 @@ coord_keep_state(struct coord *c, const struct job *job)
     a->priority = job->spec.priority;
 }
 
-/* The job has room now.  Tell the store of a pause or a change of priority,
- * which it had no place for until now. */
+/* The job has room now.  Tell the store of a pause or a change of priority: it
+ * did not have the job until now. */
 static void
 wait_no_more(struct coord *c, struct job *job)
 {
@@ -320,7 +320,7 @@ coord_drop_job(struct coord *c, const struct job *gone)
     coord_drop_forgotten(c);
 }
 
-/* Give the store the job's statistics, and with them how it ended. */
+/* Give the store the job's statistics and how the job ended. */
 static void
 file_text(struct coord *c, struct job *job)
 {
@@ -362,9 +362,9 @@ file_job(struct coord *c, struct job *job)
         c->actions.failed = true;
 }
 
-/* If all rows of a job come from an earlier life of the coordinator it is over
- * before any worker is ready: take up its passes now, for their counts, and to
- * see whether all are there. */
+/* A job whose rows all come from an earlier life of the coordinator is over
+ * before any worker is ready.  Take up its passes now, for their counts, and to
+ * see whether all passes are there. */
 static void
 take_up_passes(struct coord *c, struct job *job)
 {

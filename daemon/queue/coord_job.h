@@ -6,7 +6,7 @@
 
 #include "desk/desk.h"
 
-/* Send a connection that watches the job PROGRESS; ACCEPT; or how it ended. */
+/* Send PROGRESS of the job to a connection; ACCEPT; or how the job ended. */
 void coord_send_progress(struct coord *c, const struct coord_conn *conn,
                          const struct job *job);
 void coord_send_accept(struct coord *c, const struct coord_conn *conn,
@@ -20,7 +20,8 @@ bool coord_add_job(struct coord *c, struct job *job);
 void coord_set_priority(struct coord *c, struct job *job, int32_t priority);
 /* If the job's files are all here, ask the store to make room for its rows. */
 void coord_try_open(struct coord *c, struct job *job);
-/* The owner has sent that file: coord_try_open() the jobs that wait for it. */
+/* The owner has sent a file: call coord_try_open() for the jobs of the owner
+ * that wait for this file. */
 void coord_file_came(struct coord *c, const struct coord_owner *owner,
                      const uint8_t hash[MSG_HASH]);
 /* Called every tick: go on with opening jobs, and end those whose files do not
@@ -28,8 +29,8 @@ void coord_file_came(struct coord *c, const struct coord_owner *owner,
 void coord_jobs_tick(struct coord *c);
 /* Have the store keep the job's state and priority. */
 void coord_keep_state(struct coord *c, const struct job *job);
-/* The store has room for the job's rows; or has written a picture.  A status
- * that is not 0 ends the job. */
+/* The store has room for the job's rows; the store has written a picture.  A
+ * status that is not 0 ends the job. */
 void coord_open_job(struct coord *c, const uint8_t id[MSG_JOB],
                     uint64_t sequence, int status, const char *text);
 void coord_take_picture(struct coord *c, const uint8_t id[MSG_JOB],
@@ -37,7 +38,8 @@ void coord_take_picture(struct coord *c, const uint8_t id[MSG_JOB],
                         const char *text);
 /* Carry out the verdicts on jobs (desk/verdict.h). */
 void coord_end_jobs(struct coord *c);
-/* Free a job (or NULL), with what higher rooms keep in it. */
+/* Free a job, with its passes, links and other memory of higher rooms; NULL is
+ * accepted. */
 void coord_free_job(struct job *job);
 /* Take the job out of the queue and free it. */
 void coord_drop_job(struct coord *c, const struct job *job);

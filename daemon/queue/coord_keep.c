@@ -1,13 +1,13 @@
-/* coord_keep.c - how long jobs that are over are remembered, and what is kept
- * of those that were forgotten
+/* coord_keep.c - how long jobs that are over are remembered, and the records of
+ * jobs that were forgotten
  *
- * Each owner's jobs are counted by themselves, so nobody's jobs take another's
- * pictures.  A job with frames that the owner has not fetched is kept for
- * unfetched_ms, whatever the other limits say; quota.c takes no further job
- * when there are too many of these.  Of the others the oldest is forgotten
- * while there are too many, it is too old, or all of the owner's take too much
- * room. A job whose cache a new job begins with stays until that one has the
- * records, however long its files take to come. */
+ * Each owner's jobs are counted by themselves, so no user's jobs push out the
+ * pictures of another user.  A job with frames that the owner has not fetched
+ * is kept for unfetched_ms, whatever the other limits say; quota.c takes no
+ * further job from a user with too many such jobs.  Of an owner's other jobs
+ * the oldest is forgotten while there are too many jobs, the oldest is too old,
+ * or all take too much room.  A job with whose cache a new job begins stays
+ * until the new job has the records, however long its files take to come. */
 #include "config.h"
 
 #include "queue/coord_keep.h"
@@ -23,9 +23,9 @@
 #include <string.h>
 #include <time.h>
 
-#define FETCH_MS 60000 /* time in which a user fetches all of a job */
+#define FETCH_MS 60000 /* time in which a user fetches all files of a job */
 #define FETCHING 64    /* jobs of a user that may be fetched at once */
-#define LOOK_MS  1000  /* between two looks while nothing happens */
+#define LOOK_MS  1000  /* between two looks if no job ended or was fetched */
 
 static uint64_t
 since(const struct coord *c, uint64_t ms)
@@ -33,16 +33,17 @@ since(const struct coord *c, uint64_t ms)
     return c->now_ms > ms ? c->now_ms - ms : 0;
 }
 
-/* --- what is kept --- */
+/* --- jobs that are remembered --- */
 
-/* May the user still fetch more of the job, as distances and statistics? */
+/* May the user still be fetching other files of the job, such as distances and
+ * statistics? */
 static bool
 is_being_fetched(const struct coord *c, const struct job *job)
 {
     return job->fetched_ms > 0 && since(c, job->fetched_ms) < FETCH_MS;
 }
 
-/* Why the oldest job of an owner must be forgotten; GONE_NWHYS: it need not. */
+/* Why the oldest job of an owner must be forgotten; GONE_NWHYS: it may stay. */
 static enum gone_why
 reason(const struct coord *c, const struct coord_kept *k)
 {
@@ -86,9 +87,9 @@ count_kept(struct coord *c)
     }
 }
 
-/* Forget one job of an owner; false: none need be.  Small jobs may be fetched
- * by the hundred in a minute: of more than FETCHING the job fetched from the
- * longest ago counts as fetched. */
+/* Forget a job of an owner; false: all may stay.  Small jobs may be fetched by
+ * the hundred in a minute: if more than FETCHING are being fetched, the job
+ * that was fetched from the longest ago may be forgotten. */
 static bool
 forget_one(struct coord *c, const struct coord_kept *k)
 {
@@ -119,8 +120,8 @@ hold_caches(struct coord *c)
     }
 }
 
-/* The oldest job whose cache may be dropped, or NULL; *all: size of all caches.
- */
+/* The oldest job whose cache may be dropped, or NULL; *all: bytes of all
+ * caches. */
 static struct job *
 oldest_cache(const struct coord *c, uint64_t *all)
 {
@@ -138,7 +139,7 @@ oldest_cache(const struct coord *c, uint64_t *all)
     return oldest;
 }
 
-/* Drop ambient caches while those of all users are too large. */
+/* Drop ambient caches while the caches of all users together are too large. */
 static void
 limit_caches(struct coord *c)
 {
@@ -177,10 +178,10 @@ coord_forget_old(struct coord *c)
     }
 }
 
-/* --- what is fetched --- */
+/* --- frames that are fetched --- */
 
-/* Which file of a frame its owner waits for: nobody can fetch the picture of
- * sensor points, whose values travel as distances do. */
+/* The file of a frame for which the job's owner waits.  Sensor points have no
+ * picture that can be fetched: their values travel as distances do. */
 static enum msg_what
 main_file(const struct job *job)
 {
@@ -213,7 +214,7 @@ coord_fetched(struct coord *c, uint64_t now_ms, uint64_t conn,
         a->frame = frame;
 }
 
-/* --- what is forgotten --- */
+/* --- jobs that are forgotten --- */
 
 static void
 drop_gone(struct coord *c, size_t i)
@@ -239,9 +240,9 @@ void
 coord_recall_gone(struct coord *c, const struct saved_gone *g)
 {
     if (g->why == GONE_DELETED)
-        return; /* its user has deleted it and knows */
+        return; /* a user has deleted the job, and knows */
     if (!rad_list_grow(&c->gones, c->ngones, sizeof *c->gones))
-        return; /* only the user's information is lost */
+        return; /* memory is out: users are not told why the job is gone */
     c->gones[c->ngones] = *g;
     if (c->gones[c->ngones].sequence == 0)
         c->gones[c->ngones].sequence = ++c->sequence;
@@ -292,7 +293,7 @@ coord_gone_text(const struct saved_gone *g, char text[MSG_MAX_TEXT + 1])
              g->fetched ? "" : ", not fetched");
 }
 
-/* What is remembered of a job that is forgotten. */
+/* The record of a job that is forgotten. */
 static struct saved_gone
 gone_of(const struct coord *c, const struct job *job, enum gone_why why)
 {

@@ -6,12 +6,13 @@
 
 #include "desk/desk.h"
 
-/* Forget what need not be kept any more of jobs that are over. */
+/* Forget jobs that are over and need not be remembered any more; drop ambient
+ * caches above their limit. */
 void coord_forget_old(struct coord *c);
 /* Forget a job that is over, with its pictures. */
 void coord_forget_job(struct coord *c, const struct job *job,
                       enum gone_why why);
-/* Of the forgotten jobs whose id begins with these digits, the last; NULL:
+/* The record of the last forgotten job whose id begins with these digits; NULL:
  * there is none. */
 const struct saved_gone *coord_find_gone(const struct coord *c,
                                          const char *hex);
@@ -21,14 +22,14 @@ void coord_gone_text(const struct saved_gone *g, char text[MSG_MAX_TEXT + 1]);
 #define COORD_TIME 32
 void coord_time_text(uint64_t ms, char text[COORD_TIME]);
 
-/* A file of the job was sent whole to that connection: the frame counts as
+/* A file of the job was sent whole over a connection.  The frame counts as
  * fetched if the file is its picture, or has the values of its sensor points,
- * and the connection is the owner's, and not an observer's. */
+ * and the connection belongs to the job's owner and is not an observer's. */
 void coord_fetched(struct coord *c, uint64_t now_ms, uint64_t conn,
                    const uint8_t job[MSG_JOB], uint32_t frame,
                    enum msg_what what);
-/* A job that an earlier life of the coordinator forgot; called before
- * recover_job(). */
+/* Take up the record of a job that an earlier life of the coordinator forgot;
+ * called before recover_job(). */
 void coord_recall_gone(struct coord *c, const struct saved_gone *g);
 
 #endif

@@ -1,4 +1,4 @@
-# the coordinator's events: connections, the life of a job
+# the life of a job and of a connection, limits, statistics
 libdaemon_a_SOURCES += \
 	daemon/queue/coord_conn.c \
 	daemon/queue/coord_conn.h \

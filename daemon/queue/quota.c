@@ -17,10 +17,10 @@ struct use {
     uint64_t jobs, frames; /* jobs that are not over, and their frames */
     uint64_t bytes;        /* on the disk: of jobs and of uploads */
     uint64_t uploads;      /* bundles and files that are being sent */
-    uint64_t upload_bytes; /* of files that no job of the user's names */
+    uint64_t upload_bytes; /* of files that no job of the user names yet */
     uint64_t unfetched;    /* jobs with pictures that were not fetched */
     uint64_t conns, answers;
-    uint64_t unread; /* bytes of answers */
+    uint64_t unread; /* bytes of answers that were not read */
 };
 
 static uint64_t
@@ -146,10 +146,10 @@ quota_job(const struct coord *c, const struct coord_conn *conn,
     if (is_free(conn))
         return 0;
     count_use(c, conn->owner, &u);
-    /* first the limit that no waiting helps against */
+    /* first the limits that the job alone may exceed */
     rc = check("user_frames", u.frames, job_count_frames(spec), l->frames,
                "frames to render", err);
-    /* the bundle's files count already */
+    /* the job's pixels alone: the bundle's files are in u.bytes already */
     if (rc == 0)
         rc = check("user_mib", mib(u.bytes), mib(spec_bytes(spec)),
                    l->bytes >> 20, "MiB stored", err);

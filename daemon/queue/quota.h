@@ -1,10 +1,11 @@
 /* quota.h - limits of what one user may have at a coordinator
  *
- * All that a user can make grow is limited, so that no user takes what others
- * need; administrators and workers have no limits.  What a user has is counted
- * when more is asked for.  A request beyond a limit is refused with the limit's
- * name, its value and what to do: with status 75 if something that the user has
- * will end by itself, with 65 if the request alone exceeds the limit.
+ * All that a user can make grow is limited, so that no user takes the room of
+ * others; administrators and workers have no limits.  A user's jobs, files and
+ * answers are counted when the user asks for more.  A request beyond a limit is
+ * refused with the limit's name, its value and what to do: with RAD_ETEMPFAIL
+ * (status 75) if waiting may help, with RAD_EDATA (65) if the request alone
+ * exceeds the limit.
  * Private to the coordinator's own files, but for struct coord_limits (env.h).
  * Thread: the coordinator's loop. */
 #ifndef DAEMON_QUOTA_H
@@ -12,12 +13,14 @@
 
 #include "desk/desk.h"
 
-/* May the user have one more?  0; or RAD_ETEMPFAIL or RAD_EDATA, with a message
- * for the user. */
+/* May the user of the connection have this further job?  0; or RAD_ETEMPFAIL or
+ * RAD_EDATA, with a message for the user. */
 int quota_job(const struct coord *c, const struct coord_conn *conn,
               const struct msg_spec *spec, struct rad_error *err);
 /* May a job have that priority?  0, or RAD_EUSAGE. */
 int quota_priority(int32_t priority, struct rad_error *err);
+/* As quota_job(): may the user send a further bundle; send a further file, of
+ * so many bytes; have a further answer under way? */
 int quota_upload(const struct coord *c, const struct coord_conn *conn,
                  struct rad_error *err);
 int quota_file(const struct coord *c, const struct coord_conn *conn,

@@ -23,7 +23,7 @@
 #include <string.h>
 #include <sysexits.h>
 
-/* Time for workers that lost the coordinator to be back. */
+/* How long units wait for their workers, which dial again [ms]. */
 #define RETURN_MS 10000
 
 struct recovery {
@@ -44,8 +44,8 @@ damaged(const struct recovery *r, const char *what, uint32_t number)
 
 /* --- units --- */
 
-/* The index of the worker that had the unit, which is gone for now; JOB_NOBODY:
- * none had, or memory is out. */
+/* The index in the job of the worker that had the unit, and that counts as gone
+ * for now; JOB_NOBODY: no worker had the unit, or memory is out. */
 static uint32_t
 worker_of(const struct recovery *r, const struct saved_unit *s)
 {
@@ -107,7 +107,8 @@ take_unit(const struct recovery *r, const struct saved_unit *s)
     return 0;
 }
 
-/* Let units that are not done wait, the first of them first. */
+/* Queue the units that are not done, the first of them in front, and keep each
+ * for its worker. */
 static void
 queue_units(const struct recovery *r)
 {
@@ -123,7 +124,7 @@ queue_units(const struct recovery *r)
 /* --- base lines --- */
 
 /* Is the last base line of this unit, which is done, the top of a unit that is
- * not done?  *line: its number. */
+ * not done?  *line: the number of that line. */
 static bool
 is_needed(const struct job *job, const struct saved_unit *s, uint32_t *line)
 {
@@ -203,7 +204,7 @@ take_units(const struct recovery *r)
     const struct saved_job *s = r->s;
     int rc = 0;
 
-    /* whether there is a single worker matters to no picture */
+    /* single is false: no picture depends on it */
     if (s->nunits > 0)
         rc = job_split(r->job, false, r->err);
     for (uint32_t i = 0; i < s->nunits && rc == 0; i++)
@@ -245,7 +246,7 @@ take_up(const struct recovery *r)
                 job->hex, job->owner, job->units_done,
                 (unsigned long long)job->pixels_done,
                 (unsigned long long)job->pixels_total);
-    if (job->frames_ready == job->spec.nframes) /* its end was not kept */
+    if (job->frames_ready == job->spec.nframes) /* the job's end was not kept */
         verdict_job(r->c, job, JOB_DONE, 0, NULL);
     else if ((lost = stages_lost(job)))
         verdict_job(r->c, job, JOB_FAILED, EX_IOERR, lost);
@@ -277,8 +278,8 @@ take_filed(const struct recovery *r)
     frame_count_ready(job);
 }
 
-/* A time of an earlier life may lie in the future, if the clock was set back.
- */
+/* The time, but at most now: if the clock was set back a time of an earlier
+ * life lies in the future. */
 static uint64_t
 not_after(uint64_t now_ms, uint64_t ms)
 {

@@ -1,7 +1,7 @@
 /* reuse.c - see reuse.h
  *
- * The specifications of jobs that are over are in memory, so they are compared
- * themselves, and the user is told what differs. */
+ * The specifications of jobs that are over are in memory.  So specifications
+ * are compared, not hashes of them, and the user is told what differs. */
 #include "config.h"
 
 #include "queue/reuse.h"
@@ -24,8 +24,8 @@ records_text(const struct rad_params *params, char text[RAD_PARAMS_TEXT])
     rad_params_format(&p, text, RAD_PARAMS_TEXT);
 }
 
-/* *theirs: the options of the other job's pictures; *ours: those with which the
- * new job would begin. */
+/* Set *theirs to the options of the other job's pictures, and *ours to the
+ * options with which the new job would begin. */
 static int
 options_of(const struct job *from, const struct msg_spec *spec,
            struct rad_params *theirs, struct rad_params *ours,
@@ -40,7 +40,8 @@ options_of(const struct job *from, const struct msg_spec *spec,
     return rc;
 }
 
-/* Would the new job make the records that the job has? */
+/* Check that the new job would make the records that the other job has;
+ * RAD_EDATA says what differs. */
 static int
 check_fit(const struct job *job, const struct msg_spec *spec,
           struct rad_error *err)

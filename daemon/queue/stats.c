@@ -100,7 +100,7 @@ totals(const struct job *job)
     for (uint32_t i = 0; i < job->nworkers; i++) {
         struct msg_tally w = part_tally(&job->workers[i]);
 
-        dropped += w.dropped.rays; /* of no result that was accepted */
+        dropped += w.dropped.rays; /* rays whose results were not accepted */
         sent += w.ambient_sent;
         received += w.ambient_received;
         redundant += w.ambient_redundant;
@@ -229,7 +229,7 @@ running(const struct job *job, uint64_t now_ms)
     return list;
 }
 
-/* The passes that were closed, each from the end of the one before. */
+/* The passes that were closed, each with the time since the pass before. */
 static json_t *
 passes(const struct job *job)
 {
@@ -246,7 +246,7 @@ passes(const struct job *job)
     return list;
 }
 
-/* Add the goal, if there is one, and what was reached. */
+/* Add the job's goal, if it has any, and how far the goal was reached. */
 static json_t *
 with_goal(json_t *o, const struct job *job)
 {

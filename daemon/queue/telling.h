@@ -1,4 +1,4 @@
-/* telling.h - answers that a connection waits for over several turns of the
+/* telling.h - answers for which a connection waits over several turns of the
  * loop
  *
  * Thread: the coordinator's loop. */
@@ -7,8 +7,8 @@
 
 #include "desk/desk.h"
 
-/* A request that is answered when the store has kept the change that it made.
- */
+/* A request that made a change, and is answered when the store has kept that
+ * change. */
 struct coord_settling {
     struct coord_settling *next;
     uint32_t request;
@@ -24,16 +24,17 @@ struct coord_telling {
     uint8_t job[MSG_JOB];
     uint64_t sequence; /* of the job */
     uint32_t request;
-    uint64_t turn; /* coord.pieces_told when it came, or at its last piece */
+    uint64_t turn; /* coord.pieces_told when the request came, or when its last
+                    * piece was made or sent */
 };
 
-/* Begin the text, while none is being made for the connection's user; false:
- * memory is out.  telling_whole(): all of it is written. */
+/* Begin the text; no other text may be in the making for the connection's user.
+ * False: memory is out.  telling_whole(): all of the text is written. */
 bool telling_begin(struct coord_conn *conn, struct coord_telling *t,
                    const struct job *job, uint64_t now_ms);
 void telling_whole(struct coord_conn *conn, struct coord_telling *t);
 
-/* Are statistics being made of the job in memory, for any connection? */
+/* Are statistics of the job being made for any connection? */
 bool telling_of(const struct coord *c, const struct job *job);
 
 /* Drop the answer *at of one of the connection's lists. */

@@ -16,7 +16,8 @@
 
 /* --- from the connections to the machine --- */
 
-/* Give the machine a SUBMIT; if its frames are in a file, read that first. */
+/* Give the machine a SUBMIT; if the job's frames are in a file, read the file
+ * first. */
 static void
 read_submit(struct radcoord *r, uint64_t id, const struct msg *m)
 {
@@ -207,9 +208,10 @@ trimmed(uv_work_t *work, int status)
     r->trimming = false;
 }
 
-/* Return memory of closed connections to the system.  After hundreds of them
- * that takes the kernel a tenth of a second, so a thread does it; the loop
- * waits for that thread only if it needs new memory from the heap meanwhile. */
+/* Return memory of closed connections to the system.  After hundreds of closed
+ * connections that takes the kernel a tenth of a second, so a thread does it;
+ * the loop waits for that thread only if it needs new memory from the heap
+ * meanwhile. */
 static void
 give_back_memory(struct radcoord *r)
 {
@@ -283,8 +285,7 @@ start(void *arg, struct rad_error *err)
     return 0;
 }
 
-/* Close all sockets, then wait until the store has written what it was given.
- */
+/* Close all sockets, then wait until the store has carried out all requests. */
 static void
 finish(void *arg)
 {

@@ -8,7 +8,7 @@
 #include <string.h>
 #include <sys/statvfs.h>
 
-/* --- what may be set --- */
+/* --- settings --- */
 
 #define FIELD(f) offsetof(struct radcoord_settings, f)
 static const struct conf_key keys[] = {
@@ -58,7 +58,8 @@ static const struct conf_key keys[] = {
     DAEMON_KEYS,
 };
 
-/* Any value is a path; without a slash it is one in the current folder. */
+/* Check the path of the Unix socket; a value without a slash names a file in
+ * the current folder. */
 static int
 check_socket(const char *value, struct rad_error *err)
 {

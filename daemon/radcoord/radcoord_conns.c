@@ -14,8 +14,8 @@
 
 /* --- connections --- */
 
-/* Roles of a local connection: root and the daemon's own user may take any,
- * other users that of a user. */
+/* Roles of a local connection: root and the daemon's own user may take any
+ * role, other users may be users only. */
 static unsigned
 roles_of(long uid)
 {
@@ -27,7 +27,8 @@ roles_of(long uid)
            1u << MSG_ROLE_OBSERVER;
 }
 
-/* Roles of a key: its own; an administrator's key is also good for a user. */
+/* Roles of a key: the key's own, and for an administrator's key the role of a
+ * user, too. */
 static unsigned
 roles_of_key(const struct key *k)
 {
@@ -73,8 +74,8 @@ radcoord_on_login(void *arg, uv_stream_t *stream, const char *owner)
     conn_stream_close(stream);
 }
 
-/* All connections of an embedded coordinator belong to the one user who started
- * it. */
+/* Take a connection by the Unix socket.  All connections of an embedded
+ * coordinator belong to the user who started it. */
 static void
 on_local(void *arg, uv_stream_t *stream, struct tls *tls, const char *peer)
 {

@@ -2,7 +2,7 @@
  *
  * Private to radcoord*.c:
  *   radcoord.c        main; events and actions of the machine, start and end
- *   radcoord_conf.c   settings, and those that the machine is told
+ *   radcoord_conf.c   settings: read, and told to the machine
  *   radcoord_conns.c  sockets; the roles and owners of connections
  *   radcoord_keys.c   the key file: orders, changes, keys that expire
  *   radcoord_store.c  answers of the store; jobs of earlier lives
@@ -55,14 +55,14 @@ struct radcoord {
     struct turns turns;
     bool lost_conns;  /* connections closed since trim_ms */
     uint64_t trim_ms; /* when memory was last returned to the system */
-    uv_work_t trim;   /* the thread's work that returns memory */
-    bool trimming;    /* it is under way */
+    uv_work_t trim;   /* work of a pool thread: return memory to the system */
+    bool trimming;    /* that work is under way */
     struct coord *coord;
     uint64_t clock_ms; /* wall clock less the loop's clock, at the start */
 };
 
-/* [ms]: never goes back in one life, and begins at the wall clock's time in the
- * next. */
+/* The coordinator's time [ms]: begins at the wall clock's time when radcoord
+ * starts, and never goes back while it runs. */
 static inline uint64_t
 radcoord_now(struct radcoord *r)
 {
@@ -78,9 +78,10 @@ void radcoord_apply(struct radcoord *r);
 
 /* --- radcoord_conns.c --- */
 
-/* A connection by the Unix socket, of this login; NULL: the login is unknown.
- */
+/* Take a connection that came by the Unix socket, of this owner; it is closed
+ * if owner is NULL: the login could not be looked up. */
 void radcoord_on_login(void *arg, uv_stream_t *stream, const char *owner);
+/* Listen at the Unix socket and at the address of the settings. */
 int radcoord_listen(struct radcoord *r, struct rad_error *err);
 
 /* Answer a SUBMIT by FAILED. */
@@ -91,6 +92,8 @@ void radcoord_refuse_submit(struct radcoord *r, uint64_t id,
 
 /* Read the key file again; log why if that fails. */
 void radcoord_reload_keys(struct radcoord *r);
+/* Look whether the key file has changed or a key has expired; called each tick.
+ */
 void radcoord_tick_keys(struct radcoord *r);
 /* Carry out an administrator's order about keys (ACT_KEY). */
 void radcoord_do_key(struct radcoord *r, const struct action *a);
@@ -99,6 +102,7 @@ void radcoord_do_key(struct radcoord *r, const struct action *a);
 
 /* Open the state folder and recover its jobs. */
 int radcoord_open_store(struct radcoord *r, struct rad_error *err);
+/* Remove files that no job needs, now and then; called each tick. */
 void radcoord_tick_files(struct radcoord *r);
 
 #endif

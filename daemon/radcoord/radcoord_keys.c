@@ -10,8 +10,9 @@
 #include <string.h>
 #include <time.h>
 
-/* Why the key of a connection is no longer valid; NULL: it is.  If it is a
- * worker's, other workers are told to drop the worker, too. */
+/* Why the key of a connection is no longer valid; NULL: it is valid.  If the
+ * key is a worker's, other workers are told to end their links with that
+ * worker. */
 static const char *
 key_fault(void *arg, const char *id)
 {
@@ -50,7 +51,7 @@ radcoord_reload_keys(struct radcoord *r)
     log_err("keys not reloaded: %s", text);
 }
 
-/* Once a second: has the file changed, or a key expired? */
+/* The file is looked at once a second. */
 void
 radcoord_tick_keys(struct radcoord *r)
 {
@@ -86,7 +87,7 @@ order_key(struct radcoord *r, const struct msg_key *m, const char *by,
 }
 
 /* An administrator who retires the key of this very connection gets no answer:
- * the connection is closed before. */
+ * the connection is closed before an answer could be sent. */
 void
 radcoord_do_key(struct radcoord *r, const struct action *a)
 {

@@ -136,8 +136,9 @@ disk_full(void *arg, bool full, const char *text)
     shell_run(&r->shell);
 }
 
-/* Nothing is acknowledged from now on; whatever was not, workers and users send
- * again to the next life. */
+/* End the daemon: the disk failed, or memory is out.  Nothing is acknowledged
+ * from now on; workers and users send all that was not acknowledged again to
+ * the next life of the coordinator. */
 static void
 store_broken(void *arg, int status, const char *text)
 {
@@ -299,9 +300,9 @@ radcoord_open_store(struct radcoord *r, struct rad_error *err)
 
 /* --- files that no job needs --- */
 
-/* At the start, then every quarter of upload_s: remove files that no job names.
- * Those that came within upload_s stay, for their user may still submit the
- * job. */
+/* At the start, then every quarter of upload_s, files are removed that no job
+ * names.  Files that came within upload_s stay, for their user may still submit
+ * a job. */
 void
 radcoord_tick_files(struct radcoord *r)
 {

@@ -16,8 +16,8 @@
 
 extern char **environ;
 
-/* A process that cannot be started now, because there are too many or memory is
- * short, is tried again every AGAIN_MS [ms], AGAIN_FOR times. */
+/* A process that cannot be started now, because there are too many processes or
+ * memory is short, is tried again every AGAIN_MS [ms], AGAIN_FOR times. */
 #define AGAIN_MS  250
 #define AGAIN_FOR 120
 
@@ -31,10 +31,10 @@ extern char **environ;
  *
  * An ended link is one that broke, or that children_kill() closed. */
 enum child_state {
-    CHILD_WAITS, /* for a process */
+    CHILD_WAITS, /* its process is yet to be started */
     CHILD_RUNS,
-    CHILD_EXITED, /* or could not start; what it sent is still to be read */
-    CHILD_DIES,   /* it was killed, for it has no link */
+    CHILD_EXITED, /* or could not start; its link has still to be read */
+    CHILD_DIES,   /* its process was killed, for the child has no link */
     CHILD_OVER    /* to be freed by settle() */
 };
 
@@ -43,18 +43,19 @@ struct child {
     uv_process_t *process; /* NULL: not started */
     uv_timer_t again;      /* runs until the process is started */
     int tries;
-    int link; /* the process's end, until it is started; or -1 */
+    int link; /* descriptor of the process's end, until that is started; or -1
+               */
     unsigned memory_mib;
     struct child *next;
     struct children *all;
     uint64_t id;
-    bool silent; /* ended() is not called */
+    bool silent; /* ended() is not to be called */
     struct child_end how;
     char text[160];
 };
 
 /* Make a path absolute, for a child runs in "/": so it keeps no folder in use,
- * and no name depends on ours. */
+ * and reads no name relative to our folder. */
 static void
 absolute(const char *path, char out[CHILDREN_PATH_MAX])
 {
@@ -65,10 +66,10 @@ absolute(const char *path, char out[CHILDREN_PATH_MAX])
     snprintf(out + n, CHILDREN_PATH_MAX - n, "%s%s", n > 0 ? "/" : "", path);
 }
 
-/* What a child gets of the environment: variables that the loader, the C
- * library and sanitizers read before main(), and those that log lines depend
- * on.  Whoever started radd may have put secrets into others, which no scene
- * may read. */
+/* The variables that a child gets: those that the loader, the C library and
+ * sanitizers read before main(), and those on which log lines depend.  The user
+ * who started radd may have put secrets into other variables, and no scene may
+ * read these. */
 static const char *const passed_on[CHILDREN_MAX_ENV] = {
     "LD_LIBRARY_PATH", "LD_PRELOAD",     "GLIBC_TUNABLES",
     "ASAN_OPTIONS",    "LSAN_OPTIONS",   "TSAN_OPTIONS",
@@ -230,7 +231,7 @@ give_up(struct child *c, int rc)
     process_ended(c);
     c->how = (struct child_end){ EX_OSERR, 0 };
     snprintf(c->text, sizeof c->text, "cannot start: %s", uv_strerror(rc));
-    drop_link(c); /* so its other end closes, which ends the child */
+    drop_link(c); /* so our end of the link closes, which ends the child */
 }
 
 static bool
@@ -242,7 +243,8 @@ may_pass(int rc)
 
 static void try_start(uv_timer_t *again);
 
-/* Messages that were sent before the process runs wait in its link. */
+/* Start the process, or set the timer to try again.  Messages that are sent
+ * before the process runs wait in its link. */
 static void
 start_or_wait(struct child *c)
 {
@@ -335,7 +337,7 @@ children_spawn(struct children *all, uint64_t id, uint32_t memory_mib)
         start_or_wait(c);
 }
 
-/* The link has ended: a child is useless without it. */
+/* The link has ended: kill the process, for it is useless without the link. */
 static void
 link_ended(struct child *c)
 {

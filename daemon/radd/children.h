@@ -1,8 +1,8 @@
 /* children.h - the processes that render, one for each job
  *
- * A child is this program run again (render.h) with one end of a socket pair;
- * the other end is a connection of the shell.  When a child has ended and all
- * that it sent was delivered, its owner is told once.
+ * A child is this program run again (render.h) with one end of a socket pair,
+ * its link; the other end is a connection of the shell.  When a child has ended
+ * and all that it sent was delivered, ended() is called once.
  * Thread: the loop's. */
 #ifndef RADD_DAEMON_CHILDREN_H
 #define RADD_DAEMON_CHILDREN_H
@@ -23,7 +23,7 @@ struct children_conf {
     bool sandboxed; /* start no child where the kernel lacks seccomp */
 };
 
-/* How a process ended; both are -1 if it was the link that ended. */
+/* How a process ended; both are -1 if its link ended first. */
 struct child_end {
     int status, signal;
 };
@@ -47,16 +47,15 @@ void children_init(struct children *all, struct shell *shell,
                    const struct children_conf *conf, child_ended_fn *ended,
                    void *arg);
 
-/* Start a child as connection id.  memory_mib: the job's limit; the lower one
- * of this and conf's holds, 0 is none.  If the start fails, ended() is called
- * later, as for any other end. */
+/* Start a child as connection id.  memory_mib: the job's limit, 0 for none; the
+ * lower of it and conf.memory_mib holds.  If the start fails ended() is called
+ * later, as at any other end. */
 void children_spawn(struct children *all, uint64_t id, uint32_t memory_mib);
 
 /* End the child; ended() is not called. */
 void children_kill(struct children *all, uint64_t id);
 
-/* The shell tells that connection id has ended.  Returns false if it is not a
- * child's. */
+/* The shell tells that connection id has ended.  False: it is no child's. */
 bool children_closed(struct children *all, uint64_t id, const char *why);
 
 /* Stop reading from all children, or go on. */

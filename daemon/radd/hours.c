@@ -16,7 +16,7 @@ skip_space(const char **s)
         ++*s;
 }
 
-/* The number of a day, "sun" to "sat" (0 to 6); -1: not a day. */
+/* Take a day, "sun" to "sat", and return its number, 0 to 6; -1: not a day. */
 static int
 take_day(const char **s)
 {
@@ -36,7 +36,7 @@ take_day(const char **s)
     return -1;
 }
 
-/* A number of one or two digits; -1: none, or more digits. */
+/* Take a number of one or two digits; -1: no digits, or more than two. */
 static int
 take_number(const char **s)
 {
@@ -47,7 +47,7 @@ take_number(const char **s)
     return n == 1 || n == 2 ? v : -1;
 }
 
-/* "7", "7:30" or "24" in minutes; -1: not a time. */
+/* Take a time, such as "7", "7:30" or "24", in minutes; -1: not a time. */
 static int
 take_time(const char **s)
 {

@@ -18,10 +18,12 @@ struct hours {
     uint8_t open[HOURS_MINUTES / 8]; /* a bit per minute from Sunday 0:00 */
 };
 
-/* Returns RAD_EUSAGE for a malformed text.  An empty text means always. */
+/* Set *h by a text; an empty text means always.  RAD_EUSAGE: it is malformed.
+ */
 int hours_parse(const char *text, struct hours *h, struct rad_error *err);
 
-/* weekday: 0 is Sunday, as in struct tm.  minute: of the day. */
+/* May the machine be used then?  weekday: 0 is Sunday, as in struct tm.
+ * minute: of the day. */
 bool hours_open(const struct hours *h, int weekday, int minute);
 
 #endif

@@ -14,13 +14,14 @@
 
 #define IDLE_QUIET_S 300
 #define IDLE_LOOK_MS 5000 /* least time between two calls of idle_look() */
-/* Processors in use from which on the machine is in use: a desktop at rest
- * takes less, somebody at work more. */
+/* The machine is in use if other people's programs take this many processors: a
+ * desktop at rest takes less, somebody at work more. */
 #define IDLE_LOAD .5
 
 struct idle {
     uint64_t looked_ms; /* 0: never */
-    double used_s;      /* by programs at normal priority, since boot */
+    double used_s;      /* processor time of programs at normal priority, since
+                         * the machine started */
     uint64_t last_ms;   /* when a sign of use was last seen; 0: never */
 };
 
@@ -29,12 +30,12 @@ struct idle {
  */
 double idle_used(const char *stat, long ticks);
 
-/* Take in what was found at now_ms; returns whether somebody uses the machine.
- * terminal_s: seconds since a terminal was last used. */
+/* Take in the signs seen at now_ms: used_s, and terminal_s, the seconds since a
+ * terminal was last used.  Returns whether somebody uses the machine. */
 bool idle_judge(struct idle *i, uint64_t now_ms, double used_s,
                 double terminal_s);
 
-/* Look at the machine, and judge. */
+/* Look at the machine for both signs, and return whether somebody uses it. */
 bool idle_look(struct idle *i, uint64_t now_ms);
 
 #endif

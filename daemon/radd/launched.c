@@ -18,12 +18,12 @@
 #include <time.h>
 #include <unistd.h>
 
-#define SETTLED_S 60 /* s; a folder of that age is locked if it is in use */
+#define SETTLED_S 60 /* a folder in use is locked when it is so old [s] */
 
 /* --- the key --- */
 
-/* Read the first line of standard input, without its newline; false: none came.
- */
+/* Read the first line of standard input, without its newline; false: no
+ * character came. */
 static bool
 read_line(char *line, size_t size)
 {
@@ -67,7 +67,7 @@ launched_key(struct dial_key *key, struct rad_error *err)
     rc = take_key(key, variable ? variable : line, err);
     if (rc < 0)
         rad_error_where(err, variable ? LAUNCHED_VARIABLE : "standard input");
-    if (variable) { /* wiped, for /proc/PID/environ shows it */
+    if (variable) { /* wipe the text: /proc/PID/environ shows it */
         explicit_bzero(variable, strlen(variable));
         unsetenv(LAUNCHED_VARIABLE);
     }
@@ -103,8 +103,8 @@ base_folder(void)
     return tmp && tmp[0] == '/' && strlen(tmp) < 80 ? tmp : "/tmp";
 }
 
-/* Remove a launched worker's folder that no process has locked.  A young folder
- * is left alone: its worker may not have locked it yet. */
+/* Remove the folder of a launched worker, unless a process has locked it.  A
+ * young folder is left alone: its worker may not have locked it yet. */
 static void
 sweep_one(const char *path)
 {

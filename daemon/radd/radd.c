@@ -1,7 +1,7 @@
 /* radd.c - the worker daemon: the shell around worker.h
  *
- * This file only carries bytes: worker.c decides, children (render.c) render.
- */
+ * This file only carries bytes: worker.c decides, and children render
+ * (render.c). */
 #include "config.h"
 
 #include "radd/children.h"
@@ -51,7 +51,8 @@ struct radd {
     struct hours hours;       /* set.hours, parsed */
     struct idle idle;
     uint64_t hours_ms; /* when judge_work() was last called */
-    uint32_t load;     /* as in struct msg_ping; measured at load_ms */
+    uint32_t load;     /* load of this host as in struct msg_ping, measured at
+                        * load_ms */
     uint64_t load_ms;
     struct worker *worker;
 };
@@ -149,7 +150,8 @@ out_of_memory(void *arg)
     daemon_stop(&r->daemon, EX_OSERR);
 }
 
-/* By an administrator, or by the kernel for want of memory. */
+/* Is this a signal by which an administrator, or the kernel for want of memory,
+ * ends a child? */
 static bool
 killed_from_outside(int signum)
 {
@@ -205,9 +207,9 @@ on_peer(void *arg, uv_stream_t *stream, struct tls *tls, const char *peer)
 
 /* --- keys --- */
 
-/* Read the worker's key.  If the file has none of a worker, a key of another
- * role is taken, and the coordinator refuses it.  The file is read at each
- * dial, so a new key needs no restart. */
+/* Read the worker's key, and take its name if none is set.  If the file has no
+ * worker's key, a key of another role is taken, which the coordinator refuses.
+ * The file is read at each dial, so a new key needs no restart. */
 static int
 read_key(struct radd *r, struct rad_error *err)
 {
@@ -229,7 +231,7 @@ dial_coordinator(struct radd *r, uint64_t id)
     struct rad_error err = { 0 };
     char text[600];
 
-    if (read_key(r, &err) < 0) { /* the key read before may still be valid */
+    if (read_key(r, &err) < 0) { /* go on with the key that was read before */
         rad_error_format(&err, text, sizeof text);
         log_err("key not read: %s", text);
     }
@@ -270,9 +272,9 @@ fits(void *arg, const uint8_t job[MSG_JOB], const uint8_t token[MSG_TOKEN])
     return same;
 }
 
-/* Find a peer's key, which the coordinator gives to both workers of a link.
- * The peer may have got it first; then the handshake waits for ours
- * (TLS_LATER). */
+/* Find the key of a link with a peer, which the coordinator gives to both
+ * workers.  The peer may get it first; then the handshake waits until we have
+ * it, too (TLS_LATER). */
 static const char *
 find_peer(void *arg, const char *id, uint8_t *secret)
 {
@@ -516,8 +518,8 @@ make_worker(struct radd *r, struct rad_error *err)
     return 0;
 }
 
-/* Log once what children's sandbox will lack; RAD_EPERM if that is not
- * acceptable. */
+/* Log which means the children's sandbox lacks here.  RAD_EPERM: the settings
+ * require these. */
 static int
 check_sandbox(const struct radd *r, struct rad_error *err)
 {
@@ -532,7 +534,8 @@ check_sandbox(const struct radd *r, struct rad_error *err)
     return 0;
 }
 
-/* A coordinator over the network needs a key. */
+/* Check that we have a key if the coordinator is at the other end of a network.
+ */
 static int
 check_coordinator(const struct radd *r, struct rad_error *err)
 {
@@ -548,7 +551,8 @@ check_coordinator(const struct radd *r, struct rad_error *err)
                     r->set.coordinator);
 }
 
-/* Take the key and set what the launcher's arguments leave out. */
+/* Take the job's key, and set the settings that the launcher's arguments leave
+ * out. */
 static int
 begin_launched(struct radd *r, struct rad_error *err)
 {
@@ -595,7 +599,7 @@ start(void *arg, struct rad_error *err)
     if (!r->store)
         return err->code;
     r->shell.store = r->store;
-    if (!r->set.common.embedded) /* embedded: the folder goes at the end */
+    if (!r->set.common.embedded) /* else the folder goes at the end: no limit */
         rc = store_limit(r->store, cache_bytes_of(&r->set), err);
     if (rc == 0)
         rc = open_socket(r, err);

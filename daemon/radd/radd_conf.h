@@ -1,6 +1,6 @@
 /* radd_conf.h - settings of the worker daemon
  *
- * Thread: one. */
+ * Thread: the loop's. */
 #ifndef DAEMON_RADD_CONF_H
 #define DAEMON_RADD_CONF_H
 

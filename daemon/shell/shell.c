@@ -12,8 +12,8 @@
 #include <string.h>
 #include <sys/random.h>
 
-/* Senders of what the store has not written yet wait above the one and go on
- * below the other. */
+/* While the store's backlog is above STORE_HIGH bytes connections that add to
+ * it are not read; they are read again when it is below STORE_LOW. */
 #define STORE_HIGH (32u << 20)
 #define STORE_LOW  (8u << 20)
 
@@ -21,8 +21,8 @@ struct shell_link {
     struct shell_link *next;
     struct shell *shell;
     uint64_t id;
-    struct conn *conn; /* NULL: gone */
-    bool paused;       /* until the store has caught up */
+    struct conn *conn; /* NULL: it has ended */
+    bool paused;       /* not read until the store has caught up */
     char why[128];
 };
 
@@ -37,7 +37,8 @@ find(const struct shell *s, uint64_t id)
     return at;
 }
 
-/* Out of the table and onto the list of those to tell of. */
+/* Move a link from the table to the list of ended links, of which the machine
+ * has yet to be told. */
 static void
 move_gone(struct shell_link **at, const char *why)
 {
@@ -59,7 +60,7 @@ on_message(void *arg, struct conn *c, const struct msg *m)
 
     (void)c;
     if (m->type == MSG_PONG)
-        return; /* that it came is all it says */
+        return; /* a sign of life: nothing else is in it */
     s->ops->message(s->arg, l->id, m);
     shell_run(s);
     if (s->turns)
@@ -214,8 +215,8 @@ shell_store_progress(struct shell *s)
             }
 }
 
-/* The session decides how the connection is kept alive: a peer is asked for
- * signs of life, a child may be busy loading. */
+/* Set a connection's session.  It decides whether the other end is asked for
+ * signs of life: a child is not, for it may be busy loading. */
 static void
 set_session(struct conn *c, enum msg_session session, unsigned version)
 {
@@ -287,7 +288,7 @@ carry_out(struct shell *s, const struct action *a)
     }
 }
 
-/* Tell the machine of one connection that is gone. */
+/* Tell the machine of the first ended connection. */
 static void
 tell_gone(struct shell *s)
 {
@@ -310,7 +311,7 @@ shell_run(struct shell *s)
     s->running = true;
     for (;;) {
         for (size_t i = 0; i < list->n; i++) {
-            const struct action a = list->v[i]; /* others may come meanwhile */
+            const struct action a = list->v[i]; /* a copy: the list may grow */
 
             carry_out(s, &a);
         }

@@ -8,14 +8,14 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* a connection with more than this waiting gets no new piece */
+/* A connection with more bytes waiting to be sent gets no new piece. */
 #define AHEAD (2 * (size_t)MSG_MAX_CHUNK)
 
 struct transfer {
     struct transfer *next;
     struct transfers *all;
     uint64_t id;
-    struct conn *conn; /* NULL: it is gone */
+    struct conn *conn; /* NULL: the connection is gone */
     uint32_t request;
     struct store_reading source;
     bool reading, ended;
@@ -42,7 +42,7 @@ transfers_new(struct store *store, transfer_done_fn *done, void *arg)
     return t;
 }
 
-/* Drop those that ended and that the pool does not write into. */
+/* Free the transfers that ended, unless the store still reads for them. */
 static void
 sweep(struct transfers *all)
 {
@@ -93,7 +93,7 @@ transfers_have_room(const struct conn *c)
 static void on_read(void *arg, ssize_t n, uint64_t size, int status,
                     const char *text);
 
-/* Start the next read of the oldest transfer of a connection, if it is due.
+/* Start the next read for the oldest transfer of a connection, if it is due.
  * False: there is no memory, and the connection ends. */
 static bool
 go_on(struct transfers *all, uint64_t id)
@@ -108,7 +108,7 @@ go_on(struct transfers *all, uint64_t id)
     t->buf = malloc(MSG_MAX_CHUNK);
     if (!t->buf) {
         t->ended = true;
-        conn_break(t->conn, "out of memory"); /* the receiver calls again */
+        conn_break(t->conn, "out of memory"); /* the other end dials again */
         return false;
     }
     t->reading = true;
@@ -142,7 +142,7 @@ on_read(void *arg, ssize_t n, uint64_t size, int status, const char *text)
     if (t->conn)
         conn_expected(t->conn, MSG_MAX_CHUNK);
     if (t->ended) {
-        /* the connection went meanwhile */
+        /* the connection has gone meanwhile */
     } else if (n < 0) {
         log_warn("transfer failed peer=%s: %s", conn_peer(t->conn), text);
         t->ended = true;
@@ -165,7 +165,7 @@ transfers_start(struct transfers *t, uint64_t id, struct conn *c,
     struct transfer *x = calloc(1, sizeof *x), **at = &t->list;
 
     if (!x) {
-        conn_break(c, "out of memory"); /* the receiver calls again */
+        conn_break(c, "out of memory"); /* the other end dials again */
         return;
     }
     x->all = t;
@@ -190,7 +190,7 @@ transfers_tick(struct transfers *t)
 {
     for (struct transfer *x = t->list; x; x = x->next)
         if (!x->ended && !x->reading && !go_on(t, x->id))
-            return; /* and with its connection it went from the list */
+            return; /* the connection broke and x left the list */
 }
 
 void

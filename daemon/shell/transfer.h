@@ -1,7 +1,8 @@
-/* transfer.h - sends what the store has over connections, piece by piece
+/* transfer.h - send files and pictures of the store over connections, piece by
+ * piece
  *
- * A source goes out as CHUNKs at the pace of its connection: the next piece
- * is read when little of what was sent before still waits.  Connections are
+ * A source goes out as CHUNKs at the pace of its connection: the next piece is
+ * read when few of the bytes before it still wait to be sent.  Connections are
  * known by the numbers of action.h.
  * Thread: the loop's. */
 #ifndef RADD_DAEMON_TRANSFER_H
@@ -12,33 +13,33 @@
 
 struct transfers;
 
-/* done (or NULL) is called at the end of each transfer whose connection is still
- * there; `whole` is the source if all of it was sent, else NULL.  Returns NULL
- * when memory is out. */
+/* done (or NULL) is called at the end of each transfer whose connection is
+ * still there; `whole` is the source if all of it was sent, else NULL.
+ * transfers_new(): NULL: memory is out. */
 typedef void transfer_done_fn(void *arg, uint64_t id,
                               const struct store_source *whole);
 struct transfers *transfers_new(struct store *store, transfer_done_fn *done,
                                 void *arg);
-/* When the store is idle. */
+/* Called when the store is idle. */
 void transfers_free(struct transfers *t);
 
-/* May a further piece of an answer go over c: little of what was sent before
- * waits, and its user has not too much unread? */
+/* May a further piece of an answer go over c: do few bytes wait to be sent, and
+ * has its user not too much unread? */
 bool transfers_have_room(const struct conn *c);
 
-/* Send `from` over c, whose number is id; a FAILED with that request if it
- * cannot be read. */
+/* Send `from` over c, whose number is id; if it cannot be read, FAILED with
+ * that request. */
 void transfers_start(struct transfers *t, uint64_t id, struct conn *c,
                      uint32_t request, const struct store_source *from);
 
-/* c has written something: go on. */
+/* The connection has sent some bytes: go on with its transfers. */
 void transfers_resume(struct transfers *t, uint64_t id);
 
-/* Time has passed: what waited for a user to read on other connections may go
- * on. */
+/* Time has passed: transfers that waited until their user read answers on other
+ * connections may go on. */
 void transfers_tick(struct transfers *t);
 
-/* The connection is gone. */
+/* The connection is gone: end its transfers. */
 void transfers_drop(struct transfers *t, uint64_t id);
 
 #endif

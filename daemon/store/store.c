@@ -4,10 +4,10 @@
  * folders and the journal belong to the pool thread; the loop does not touch
  * them after store_recover().
  *
- * Whatever the journal notes is on the disk before: first the file, then its
- * name, then the note.  Files are removed after the journal's note of that.
- * Only the folder of a forgotten job goes first, so the journal may still list
- * the job for a moment. */
+ * A file is on the disk before the journal notes it: first its bytes, then its
+ * name, then the note.  A file is removed after the journal has noted that it
+ * goes.  Only the folder of a forgotten job is removed before, so the journal
+ * may still list the job for a moment. */
 #include "config.h"
 
 #include "base/output.h"
@@ -38,7 +38,7 @@ store_refuse(const struct store *s, const struct rad_error *why,
     return err->code;
 }
 
-/* --- opening and end --- */
+/* --- begin and end --- */
 
 /* Sync all files of rows that a group of tasks wrote, one fdatasync each; then
  * commit their notes, all at once. */
@@ -83,8 +83,8 @@ on_broken(void *arg, const struct rad_error *err)
     s->handler->broken(s->arg, rad_exit_status(err->code), err->what);
 }
 
-/* A store with a journal has promised to keep what it acknowledged, so it ends
- * when that fails. */
+/* A store with a journal has promised to keep all that it acknowledged, so it
+ * ends when the disk fails. */
 static const struct task_ops plain_ops = { settle, on_lack, NULL };
 static const struct task_ops journal_ops = { settle, on_lack, on_broken };
 

@@ -3,14 +3,14 @@
  * An incomplete file is identified by its connection and its hash.  Two
  * connections may send the same file at a time without harm, for a file gets
  * its name only when it is complete and has the right hash (blobs.h).
- * The list belongs to the pool thread; the loop only pushes tasks.  So the end
- * of a connection is a task, too, behind those of the chunks that came before
- * it.
+ * The list of arriving files belongs to the pool thread; the loop only pushes
+ * tasks.  So the end of a connection is a task, too, behind the tasks of the
+ * chunks that came before it.
  *
- * On a full disk a small file waits, and with it all tasks that write.  A file
- * that is larger than the room that the disk keeps for others is refused
- * instead: at its first piece or, if other files took the room, at a later one.
- * Its sender can try again, and no other task waits for it. */
+ * On a coordinator's full disk a small file waits, and with it all tasks that
+ * write.  A file that is larger than the room that the disk keeps for others is
+ * refused instead: at its first piece or, if other files took the room, at a
+ * later piece.  Its sender can try again, and no task waits for the file. */
 #include "config.h"
 
 #include "store/store_impl.h"
@@ -97,7 +97,8 @@ refuse_file(uint64_t total, const char *why, struct rad_error *err)
 }
 
 /* At a coordinator: is there room for all of a file that begins to arrive, and
- * for the rest of those that are arriving? */
+ * for the rest of the files that are arriving?  A small file may be tried
+ * without that. */
 static int
 check_room(const struct store *s, uint64_t total, struct rad_error *err)
 {
@@ -148,9 +149,9 @@ begin_arriving(struct store *s, const struct chunk_task *c,
     return 0;
 }
 
-/* Will the task run again after this failure?  A coordinator's does while its
- * disk is full; a worker gives the file up, for it takes no job without room
- * for it. */
+/* Will the task run again after this failure?  A coordinator's task does while
+ * the disk is full.  A worker gives the file up, for it takes no job without
+ * having room for its files. */
 static bool
 is_tried_again(const struct store *s, int rc)
 {

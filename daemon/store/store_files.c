@@ -4,8 +4,8 @@
  * file may take long, so a task does it: store_look() pushes one for the files
  * that are not known.  When the task is done, damaged files are removed on the
  * loop; a user or the coordinator will send them again.
- * A coordinator's file is removed when no job needs it and it was neither sent
- * nor looked for for a while, as its time tells. */
+ * At a coordinator a file is removed when no job needs it and its time tells
+ * that it was neither sent nor looked for lately. */
 #include "config.h"
 
 #include "store/store_impl.h"
@@ -23,13 +23,13 @@ struct look_task {
     struct task task;
     struct store *store;
     struct action_look look;
-    int8_t *found; /* of each file the result of sounds_read(), or 2: known
-                    * before */
+    int8_t *found; /* for each file the result of sounds_read(); 2: the loop
+                    * knew before that it is sound */
     uint8_t hash[];
 };
 
-/* A worker without room for the files now may have it later, so the task does
- * not fail; the status tells. */
+/* Note that l->job uses its files, if there is room for them.  A worker without
+ * room may have room later, so the task does not fail: l->status tells. */
 static void
 use_files(struct look_task *l)
 {

@@ -1,10 +1,10 @@
 /* store_impl.h - what the files of the store share
  *
  * Private to store*.c:
- *   store.c          opening, the end
+ *   store.c          begin and end
  *   store_task.c     requests as tasks of the queue
  *   store_arrive.c   files that connections send
- *   store_files.c    files that are there, and those that nobody needs
+ *   store_files.c    files that are there: are they sound, are they needed
  *   store_jobs.c     jobs: kept, over, forgotten
  *   store_submit.c   frames of jobs that are submitted
  *   store_rows.c     units, rows and pictures
@@ -26,7 +26,7 @@
 
 #include <stdatomic.h>
 
-struct arriving;   /* a file that a connection sends */
+struct arriving;    /* a file that a connection sends */
 struct saved_task; /* a job that is being kept */
 struct submit_task; /* a job whose frames are being read */
 
@@ -44,8 +44,9 @@ struct store {
     bool full;                  /* [loop] the handler was told that the disk is
                                  * full */
     size_t backlog;             /* [loop] */
-    struct saved_task *opening; /* [loop] */
-    struct submit_task *submitting; /* [loop] */
+    struct saved_task *opening; /* [loop] jobs that wait to be kept, or are
+                                 * being kept */
+    struct submit_task *submitting; /* [loop] SUBMITs whose frames are read */
     struct cache *cache;        /* [pool]; NULL: files are removed by
                                  * store_sweep() alone */
     struct arriving *arriving;  /* [pool] */
@@ -65,7 +66,8 @@ status_of(const struct task *t)
     return t->code < 0 ? rad_exit_status(t->code) : 0;
 }
 
-/* The handler is not told: the task failed because the whole store ends. */
+/* Is the handler not to hear of the task, which failed because the whole store
+ * ends? */
 static inline bool
 is_mute(const struct store *s, const struct task *t)
 {
@@ -83,43 +85,43 @@ path_of(const struct store *s, const uint8_t *hash, char path[BLOBS_PATH_MAX])
 
 /* --- store_task.c --- */
 
-/* A new task of that size, zeroed.  NULL: memory is out, and the handler's
- * broken() was called. */
+/* Make a task of this size, zeroed but for run and done.  NULL: memory is out,
+ * and the handler's broken() was called. */
 void *store_new_task(struct store *s, size_t size, int (*run)(struct task *t),
                      void (*done)(struct task *t));
-/* A done() for tasks that the handler does not hear of. */
+/* done() of tasks that the handler does not hear of: free the task. */
 void store_free_task(struct task *t);
-/* Push a task whose effect must last: it may be held while the disk is full,
- * and is done when it is on the disk. */
+/* Push a task that writes and whose effect must last: it is held while the disk
+ * is full, and its done() is called when its effect is on the disk. */
 void store_push_lasting(struct store *s, struct task *t);
 
 /* --- store.c --- */
 
-/* Report that the folder cannot be taken up; names 'radctl check' to the
- * administrator if it is damaged.  Returns the code of *err. */
+/* Set *err to why the state folder cannot be taken up; if it is damaged this
+ * names 'radctl check'.  Returns the code of *err. */
 int store_refuse(const struct store *s, const struct rad_error *why,
                  struct rad_error *err);
 
 /* --- store_arrive.c --- */
 
-/* Drop all incomplete files.  Only when the store is idle. */
+/* Drop all incomplete files.  Called only when the store is idle. */
 void store_release_arriving(struct store *s);
 
 /* --- store_jobs.c --- */
 
-/* A task about a job that needs no more than these fields. */
+/* A task about a job; each kind of task uses some of the fields behind id. */
 struct job_task {
     struct task task;
     struct store *store;
     uint8_t id[MSG_JOB];
-    uint64_t sequence; /* the action's */
+    uint64_t sequence; /* of the action that the task is for */
     uint32_t frame;
     int state;
     int32_t priority;
     uint64_t bytes, cache_bytes;
 };
 
-/* NULL: as of store_new_task(). */
+/* Make a task about the job; NULL: as of store_new_task(). */
 struct job_task *store_new_job_task(struct store *s, const uint8_t *id,
                                     int (*run)(struct task *t),
                                     void (*done)(struct task *t));

@@ -1,8 +1,8 @@
 /* store_jobs.c - jobs of the store: kept, over, forgotten
  *
- * A struct saved_job points at its SUBMIT, its owner and a text, so a task
- * needs copies of all these.  The specification is packed and unpacked, which
- * copies exactly what a message can carry.
+ * A struct saved_job points at a specification, an owner and a text, so a task
+ * needs copies of all these.  The specification is packed as a SUBMIT and
+ * unpacked, which copies exactly what a message can carry.
  * A job's end takes two tasks: the first notes it; when the note is on the disk
  * the second removes the rows that are left and counts the bytes.  Forgetting a
  * job takes two as well: the folder is removed at once, also while the disk is
@@ -34,19 +34,19 @@ store_new_job_task(struct store *s, const uint8_t *id,
     return j;
 }
 
-/* A task that keeps a job, or how it ended, with copies of all it points at. */
+/* A task that keeps a job, or how the job ended; `saved` points at copies. */
 struct saved_task {
     struct task task;
     struct store *store;
     uint8_t id[MSG_JOB];
     struct saved_job saved;
     struct wire_out bytes; /* the job's SUBMIT, packed */
-    struct msg msg;        /* the same, unpacked; `saved` points into it */
+    struct msg msg;        /* that SUBMIT, unpacked; `saved` points into it */
     char owner[MSG_MAX_NAME + 1], text[MSG_MAX_TEXT + 1];
     char *stats;
     size_t stats_len;
-    struct saved_task *next; /* [loop] the list of jobs that are being opened */
-    atomic_bool over;        /* the job was over before it was opened */
+    struct saved_task *next; /* [loop] next in store.opening */
+    atomic_bool over;        /* the job is over before it was opened */
 };
 
 static void

@@ -1,11 +1,11 @@
 /* store_read.c - see store_read.h
  *
  * Reads are tasks in the same queue as writes, so a read sees all that was
- * written before it, unless that write is held because the disk is full.  Each
- * piece opens the file anew, but a preview's, so nothing else stays open for a
- * reader that does not come back.  Finished files of a job are hashed as they
- * are read and compared with their marks.  If the disk has spoilt one its last
- * piece is not sent, so no user takes it for whole. */
+ * written before it, unless that write is held because the disk is full.  But
+ * for previews the file is opened anew for each piece, so no file stays open
+ * for a reader that does not come back.  Finished files of a job are hashed as
+ * they are read and compared with their marks.  If the disk has spoilt a file
+ * its last piece is not sent, so no user takes the file for whole. */
 #include "config.h"
 
 #include "store/store_read.h"
@@ -68,8 +68,8 @@ begin(struct read_task *r)
 
     if (g->from.file || is_preview(g) || !r->store->journal)
         return 0; /* files of scenes have no mark: workers compare their hash */
-    store_reading_release(g); /* an earlier try may have ended for want of
-                               * memory or descriptors */
+    store_reading_release(g); /* the task may run again, after it failed for
+                               * want of memory or descriptors */
     rc = journal_find_mark(r->store->journal, g->from.job, g->from.frame,
                            g->from.what, &g->mark, err);
     if (rc == 0 && g->mark.known)
@@ -78,8 +78,8 @@ begin(struct read_task *r)
     return rc;
 }
 
-/* Add the piece to the digest, which must be the mark's after the last piece.
- */
+/* Add the piece to the hash of the file.  After the last piece that must be the
+ * mark's hash. */
 static int
 hash(struct read_task *r, const char *path)
 {
@@ -126,7 +126,7 @@ open_source(const char *path, int *fd, struct rad_error *err)
     return *fd < 0 ? mark_missing(path, errno, err) : 0;
 }
 
-/* Open a preview for all of its pieces. */
+/* Open a preview; it stays open for all of its pieces. */
 static int
 open_preview(struct read_task *r, const char *path)
 {

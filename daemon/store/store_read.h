@@ -6,37 +6,42 @@
 
 #include "store/store.h"
 
-/* What is read: a file by its hash, or a picture, say, of a job. */
+/* What is read: a scene's file, by its hash; or a picture or another file of a
+ * job. */
 struct store_source {
-    bool file; /* read by hash; else by job, frame and what */
+    bool file; /* a scene's file, by hash; else by job, frame and what */
     uint8_t hash[MSG_HASH];
     uint8_t job[MSG_JOB];
     uint32_t frame;
     enum msg_what what;
 };
 
-/* The state of reading one file by store_read(); all but `from` begins as 0. */
+/* How far a file has been read by store_read(); zeroed at first but for from.
+ */
 struct store_reading {
     struct store_source from;
-    uint64_t offset; /* bytes that were read so far */
-    struct mark mark;
-    struct rad_sha sha; /* of these bytes, while hashing */
-    bool hashing;
-    int preview;         /* open file of a preview, if `store` is set */
-    struct store *store; /* counts it */
+    uint64_t offset;     /* bytes that were read so far */
+    struct mark mark;    /* of the file, if the database has one */
+    struct rad_sha sha;  /* of the bytes that were read, while hashing */
+    bool hashing;        /* the file is compared with its mark */
+    int preview;         /* descriptor of a preview, if `store` is set */
+    struct store *store; /* whose count of open previews has this preview */
 };
 
-/* Copy the next bytes, up to cap, into buf.  fn gets their number and the whole
- * file's size, or a negative n with a status of sysexits.h and a text.  The
- * last piece comes only if the whole file has the hash that the database has
- * noted.  A preview is made when its first piece is read; then other previews
- * of the frame, or its picture, may take its place, but all pieces are of one
- * file.  So its file stays open, and few may at a time: RAD_ETEMPFAIL. */
+/* Copy the next bytes, up to cap, into buf, which must last until fn is called
+ * on the loop.  fn gets n, the number of these bytes, and the size of the whole
+ * file; or n < 0 with a status of sysexits.h and a text.  If the database has
+ * the file's mark the last piece comes only if the whole file has that hash.
+ * A preview is made when its first piece is read.  Meanwhile another preview of
+ * the frame, or its picture, may take its place, so its file stays open: all
+ * pieces are of the same file.  Few previews may be open at a time; another
+ * fails as RAD_ETEMPFAIL does. */
 typedef void store_read_fn(void *arg, ssize_t n, uint64_t size, int status,
                            const char *text);
 void store_read(struct store *s, struct store_reading *r, void *buf, size_t cap,
                 store_read_fn *fn, void *arg);
-/* Must be called whether the file was read to its end or not. */
+/* Release what reading holds.  Call it in any case, also after the last piece.
+ */
 void store_reading_release(struct store_reading *r);
 
 #endif

@@ -1,12 +1,12 @@
 /* store_recover.c - take up the jobs of earlier lives
  *
  * This comes before all requests, so it runs on the loop's thread, without
- * tasks.  The journal says which jobs there are.  Their scenes and rows are
- * compared with the hashes that were noted of them, pictures with their sizes.
- * If something is lost or damaged the folder is refused, for nobody can make it
- * again; but damaged rows are struck from the journal and rendered again.
- * Nothing is removed until all was found to be sound, and then only what
- * statedir.h says is to go. */
+ * tasks.  The journal says which jobs there are.  Files of scenes are compared
+ * with their hashes, rows with their noted sums, pictures with their noted
+ * sizes.  If a file is lost or damaged the state folder is refused, for radd
+ * cannot make the file again; but damaged rows are struck from the journal and
+ * rendered again.  No file of a job is removed until all was found to be sound,
+ * and then only what statedir.h says is to go. */
 #include "config.h"
 
 #include "store/store_impl.h"
@@ -21,7 +21,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* What the functions that recover one job need. */
+/* The store and the caller, for the functions that recover a job. */
 struct recovery {
     struct store *s;
     uint64_t now_ms;
@@ -60,7 +60,7 @@ drop_damaged(void *arg, const struct saved_job *saved,
     return journal_put_rows(s->journal, saved->spec.job, unit, err);
 }
 
-/* Take up a job that is not over, with those of its rows that are sound. */
+/* Take up a job that is not over, with the rows that are sound. */
 static int
 recover_open(struct recovery *r, const struct saved_job *saved,
              struct rad_error *err)
@@ -78,7 +78,8 @@ recover_open(struct recovery *r, const struct saved_job *saved,
     cache = folder_read_passes(&r->s->folder, saved->spec.job, passes,
                                &sound.npasses);
     if (saved->spec.flags & MSG_JOB_REUSE && sound.npasses > 0)
-        passes[0].bytes = NULL; /* read when the first worker is ready */
+        passes[0].bytes = NULL; /* another job's records: read when the first
+                                 * worker is ready */
     rc = rowcheck_job(&r->s->folder, saved, units, drop_damaged, r->s, err);
     if (rc == 0)
         rc = r->fn(r->arg, &sound, err);
@@ -87,8 +88,8 @@ recover_open(struct recovery *r, const struct saved_job *saved,
     return rc;
 }
 
-/* The job's folder was being removed when the last life ended: forget the job.
- */
+/* Forget a job that is over and whose folder was being removed when the last
+ * life ended. */
 static int
 forget_now(struct recovery *r, const struct saved_job *saved,
            struct rad_error *err)

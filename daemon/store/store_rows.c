@@ -13,9 +13,9 @@
 #include <string.h>
 #include <sysexits.h>
 
-/* What each piece of rows and each picture adds to the backlog, beside the
- * rows' bytes: with small frames the disk is busy with files rather than bytes,
- * and every request waits behind those in the queue. */
+/* Bytes that each piece of rows and each picture adds to the backlog, beside
+ * the rows' own: with small frames the disk is busy with files rather than with
+ * bytes, and every request waits behind the tasks in the queue. */
 #define ROWS_WEIGHT    (128u << 10)
 #define PICTURE_WEIGHT (1u << 20)
 
@@ -275,8 +275,8 @@ rows_done(struct task *t)
     free_rows(r);
 }
 
-/* Copy the base line that comes with the rows, if there is a journal: only a
- * later life of the coordinator reads it. */
+/* Copy the base line that comes with the rows, if there is a journal: only
+ * another life of the coordinator reads the line.  False: memory is out. */
 static bool
 copy_line(struct rows_task *r, const uint8_t *line)
 {
@@ -290,7 +290,8 @@ copy_line(struct rows_task *r, const uint8_t *line)
     return r->pixels.line;
 }
 
-/* Copy what the action only lends; false: memory is out. */
+/* Copy the pixels, densities and base line, which belong to the action; false:
+ * memory is out. */
 static bool
 copy_rows(struct rows_task *r, const struct action_rows *rows)
 {

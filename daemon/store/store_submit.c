@@ -2,8 +2,8 @@
  *
  * A large SUBMIT has its frames in a file of the bundle (views.h).  A task
  * reads the file, behind the tasks that wrote it, and the handler gets the
- * whole message.  Each connection has one such task at a time, so their number
- * is bounded. */
+ * whole message.  Each connection has at most one such task at a time, so the
+ * number of tasks is bounded. */
 #include "config.h"
 
 #include "store/store_impl.h"
@@ -19,9 +19,9 @@ struct submit_task {
     struct store *store;
     uint64_t conn;
     struct wire_out bytes; /* the SUBMIT, packed */
-    struct msg msg;        /* the same, unpacked */
+    struct msg msg;        /* that SUBMIT, unpacked */
     struct views views;
-    struct submit_task *next; /* [loop] the list of those that are being read */
+    struct submit_task *next; /* [loop] next in store.submitting */
 };
 
 static void

@@ -1,8 +1,8 @@
 /* known.c - see known.h
  *
- * Hashes are evenly spread, so their first bytes choose the slot, and those
- * that are taken are followed by the next free one.  Files leave all at once,
- * when the table is made anew without them. */
+ * Hashes are evenly spread, so a hash's first bytes choose its slot; if that is
+ * taken the hash goes into the next free slot.  A file leaves the table only
+ * when the table is made anew without it. */
 #include "config.h"
 
 #include "users/known.h"
@@ -16,8 +16,9 @@
 struct known_file {
     uint8_t hash[MSG_HASH];
     bool used;
-    uint32_t jobs;    /* that name it */
-    uint64_t last_ms; /* when it was sent, or no job named it any more */
+    uint32_t jobs;    /* jobs that have the file */
+    uint64_t last_ms; /* when the file was last sent or offered, or left by a
+                       * job */
 };
 
 void
@@ -27,7 +28,8 @@ known_release(struct known *k)
     memset(k, 0, sizeof *k);
 }
 
-/* The file's slot, or the free one where it belongs; NULL: there are none. */
+/* The file's slot, or the free slot where it belongs; NULL: the table has no
+ * slots. */
 static struct known_file *
 slot_of(const struct known *k, const uint8_t *hash)
 {
@@ -44,8 +46,9 @@ slot_of(const struct known *k, const uint8_t *hash)
     }
 }
 
-/* A table for n files, with those that have a job or are not older than that;
- * false: memory is out, and nothing has changed. */
+/* Make the table anew with room for n files, without the files that no job has
+ * and whose last_ms is before since_ms.  False: memory is out, and nothing has
+ * changed. */
 static bool
 rebuild(struct known *k, size_t n, uint64_t since_ms)
 {
@@ -70,7 +73,7 @@ rebuild(struct known *k, size_t n, uint64_t since_ms)
     return true;
 }
 
-/* The file, which may be new; NULL: memory is out. */
+/* The file's slot, filled if the file is new; NULL: memory is out. */
 static struct known_file *
 put(struct known *k, const uint8_t *hash)
 {
@@ -96,7 +99,8 @@ known_has(const struct known *k, const uint8_t hash[MSG_HASH])
     return f && f->used;
 }
 
-/* Half of them are enough to have again. */
+/* Forget files that no job has, the oldest first, until KNOWN_MOST / 2 are left
+ * or the rest came just now.  Half, so that this is done seldom. */
 static void
 drop_oldest(struct known *k, uint64_t now_ms)
 {
@@ -104,7 +108,7 @@ drop_oldest(struct known *k, uint64_t now_ms)
         if (!rebuild(k, k->n, now_ms > age ? now_ms - age + 1 : 1))
             return;
         if (age == 0)
-            return; /* they all came just now */
+            return; /* all that are left came just now */
     }
 }
 
@@ -142,7 +146,7 @@ known_unname(struct known *k, uint64_t now_ms, const struct msg_hashes *files)
         struct known_file *f = slot_of(k, files->hash + (size_t)i * MSG_HASH);
 
         if (!f || !f->used || f->jobs == 0)
-            continue; /* memory was out */
+            continue; /* memory was out in known_name() */
         f->jobs--;
         f->last_ms = now_ms;
         k->nfree += f->jobs == 0;

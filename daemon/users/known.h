@@ -1,47 +1,50 @@
 /* known.h - which files of the store one user may know to be there
  *
- * Scenes of all users lie in one folder, by their SHA-256, and each file once.
- * That somebody else sent a file is nobody's business, and its hash alone gives
- * no right to it: so a file is there for a user as long as a job of that user,
- * that was accepted, names it, and for a while after that or after the user
- * sent the whole of it.  It stays in the store as long if nobody else needs it;
- * so what a user can learn does not depend on others.
+ * The files of all users' scenes lie in one folder, each file once, by its
+ * SHA-256.  A user must not learn that another user has sent a file, and the
+ * hash of a file gives no right to it.  So a user may know of a file only while
+ * a job of that user has it, from when all files of the job are here until the
+ * job is forgotten; and for coord_limits.upload_ms after that, or after the
+ * user sent or offered the file.
  *
  * A set of hashes, open addressing.
- * Thread: one. */
+ * Thread: the coordinator's loop. */
 #ifndef DAEMON_KNOWN_H
 #define DAEMON_KNOWN_H
 
 #include "proto/message.h"
 
-#define KNOWN_MOST 65536 /* that no job names; above that the oldest go */
+/* Most files of a user that no job of the user has; when there are more the
+ * oldest are forgotten. */
+#define KNOWN_MOST 65536
 
 struct known_file;
 
-/* Zeroed, it is empty. */
+/* The files of one user; zeroed: no files. */
 struct known {
     struct known_file *slots;
     size_t nslots; /* a power of 2, or 0 */
-    size_t n;      /* files, */
-    size_t nfree;  /* and those of them that no job names */
+    size_t n;      /* files in the set */
+    size_t nfree;  /* of these, files that no job of the user has */
 };
 
 void known_release(struct known *k);
 
+/* May the user know of the file? */
 bool known_has(const struct known *k, const uint8_t hash[MSG_HASH]);
 
-/* The user sent the file, or asked for one that it may know.  False: memory is
- * out. */
+/* Note that the user sent the whole file, or offered a file that the user may
+ * know of.  False: memory is out. */
 bool known_sent(struct known *k, uint64_t now_ms, const uint8_t hash[MSG_HASH]);
 
-/* A job that is accepted names these; and later it is forgotten.  False: memory
- * is out. */
+/* Note that a job of the user has these files (false: memory is out); note that
+ * such a job is forgotten. */
 bool known_name(struct known *k, const struct msg_hashes *files);
 void known_unname(struct known *k, uint64_t now_ms,
                   const struct msg_hashes *files);
 
-/* Forget those that no job names, and that were sent or named before that.  Now
- * and then. */
+/* Forget the files that no job has and that were sent, offered or last had by a
+ * job before since_ms; called now and then. */
 void known_expire(struct known *k, uint64_t since_ms);
 
 #endif

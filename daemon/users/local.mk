@@ -1,4 +1,4 @@
-# who users are, and what they may have
+# owners of jobs, and the files that users send or may know of
 libdaemon_a_SOURCES += \
 	daemon/users/known.c \
 	daemon/users/known.h \

@@ -14,18 +14,19 @@
 #include <string.h>
 #include <unistd.h>
 
-#define KNOWN    256   /* logins that are remembered, by number */
-#define FRESH_MS 60000 /* for so long they need no look */
-#define MOST     64    /* streams that wait for one */
+#define KNOWN    256   /* logins that are remembered, by the user's number */
+#define FRESH_MS 60000 /* a login serves for so long after it was looked up */
+#define MOST     64    /* most streams that wait for a login */
 
 struct known {
     bool set;
     long uid;
-    uint64_t ms; /* when it was looked up */
+    uint64_t ms; /* when the login was looked up */
     char login[OWNER_TEXT];
 };
 
-/* A stream that waits, the first one for the lookup that is under way. */
+/* A stream that waits for its user's login.  While a login is looked up it is
+ * the login of the first stream's user. */
 struct waiting {
     struct waiting *next;
     uv_stream_t *stream;
@@ -37,28 +38,29 @@ struct owners {
     owners_fn *fn;
     void *arg;
     char map[CONF_TEXT];
-    char root[OWNER_TEXT], self[OWNER_TEXT]; /* logins of administrators */
+    char root[OWNER_TEXT], self[OWNER_TEXT]; /* logins of user 0 and of ours */
     struct known known[KNOWN];
     struct waiting *first, **last;
     unsigned nwaiting;
-    bool looking; /* work is under way, of: */
+    bool looking; /* work is under way: it looks up the login of uid */
     uv_work_t work;
-    long uid;               /* [fixed] while it is */
-    char login[OWNER_TEXT]; /* [fixed], but for the work */
-    bool found;             /* likewise */
+    long uid;               /* [fixed] while looking */
+    char login[OWNER_TEXT]; /* [pool] while looking, else [loop] */
+    bool found;             /* as login; false: the database of users failed */
 };
 
 /* --- the database of users --- */
 
-/* Not all of these mean that there is nobody of that number; see getpwuid(3).
- */
+/* Can this result of getpwuid_r() mean that no user has the number?  See
+ * getpwuid(3). */
 static bool
 is_nobody(int rc)
 {
     return rc == 0 || rc == ENOENT || rc == ESRCH || rc == EBADF || rc == EPERM;
 }
 
-/* False: it cannot be known now. */
+/* Look up the login of user uid; "uid:1002" if there is none.  False: the
+ * database of users fails. */
 static bool
 login_of(long uid, char login[OWNER_TEXT])
 {
@@ -115,7 +117,8 @@ fresh(struct owners *o, long uid)
 
 static void looked(uv_work_t *work, int status);
 
-/* Hand on the streams whose owner is known by now, and look up the next. */
+/* Hand on the first streams as long as their logins are known, then look up the
+ * login of the next stream's user. */
 static void
 go_on(struct owners *o)
 {
@@ -134,7 +137,8 @@ go_on(struct owners *o)
     o->looking = uv_queue_work(o->loop, &o->work, look, looked) == 0;
 }
 
-/* What was found; in its place what was known before, if nothing could be. */
+/* Remember the login that was looked up, and return it.  If the look-up failed:
+ * the login that was known before, or NULL. */
 static const char *
 remember(struct owners *o)
 {
@@ -159,7 +163,7 @@ looked(uv_work_t *work, int status)
 
     (void)status;
     o->looking = false;
-    if (!o->first) /* closed */
+    if (!o->first) /* owners_close() was called */
         return;
     w = take_first(o);
     login = remember(o);
@@ -195,7 +199,8 @@ owners_local(struct owners *o, uv_stream_t *stream)
 
 /* --- the map --- */
 
-/* One "KEY=LOGIN" of a map, and where the next begins; NULL at its end. */
+/* A "KEY=LOGIN" of a map, which next_entry() reads from p on.  That returns the
+ * place behind the entry; NULL: the map has no more. */
 struct entry {
     const char *key, *login;
     size_t nkey, nlogin;
@@ -238,8 +243,8 @@ owners_set_map(struct owners *o, const char *map)
     snprintf(o->map, sizeof o->map, "%s", map);
 }
 
-/* The login that the map has for a key's name, else that name; false: it has
- * none. */
+/* Set login to the login that the map has for a key's name, or to that name if
+ * it is not in the map.  False: the map says that the key has no login. */
 static bool
 mapped(const struct owners *o, const char *name, char login[OWNER_TEXT])
 {
@@ -260,9 +265,9 @@ owners_of_key(const struct owners *o, const struct key *k,
     bool over = strcmp(owner, o->root) == 0 || strcmp(owner, o->self) == 0;
 
     if (!has_login || (over && k->role != MSG_ROLE_ADMIN) ||
-        k->role == MSG_ROLE_OBSERVER) /* nobody's jobs are its own */
-        /* a key's name that leaves no room for what is before it is none of a
-         * login's: those have 32 characters */
+        k->role == MSG_ROLE_OBSERVER) /* an observer owns no jobs */
+        /* the end of a very long name is cut; no login is so long, for logins
+         * have at most 32 characters */
         snprintf(owner, OWNER_TEXT, "%s:%.*s", key_role_name(k->role),
                  (int)(OWNER_TEXT - 8), k->name);
 }
@@ -281,7 +286,7 @@ owners_of_saved(const char *saved, char owner[OWNER_TEXT])
         snprintf(owner, OWNER_TEXT, "%s", saved);
 }
 
-/* --- its life --- */
+/* --- begin and end --- */
 
 struct owners *
 owners_new(uv_loop_t *loop, owners_fn *fn, void *arg)

@@ -9,10 +9,10 @@
 struct upload {
     struct upload *next; /* in its bucket */
     uint8_t hash[MSG_HASH];
-    uint64_t conn; /* 0: it is whole, and waits */
-    uint64_t since_ms;
-    uint64_t bytes;
-    struct uploads_sum *payer;
+    uint64_t conn;             /* 0: the file is whole, and waits */
+    uint64_t since_ms;         /* when it began to wait, or last came again */
+    uint64_t bytes;            /* as the file counts in *payer */
+    struct uploads_sum *payer; /* of the user who sends the file */
 };
 
 /* Hashes are as good as random. */
@@ -24,8 +24,9 @@ bucket_of(const struct uploads *u, const uint8_t *hash)
     return (struct upload **)&u->bucket[i];
 }
 
-/* The upload of that connection, 0 for one that waits for a job, and payer,
- * NULL for any; or the end of its bucket. */
+/* The pointer to a file's upload: on its way over conn, or waiting (conn 0), of
+ * *payer or of any user (NULL).  If there is none, the pointer to NULL at the
+ * bucket's end. */
 static struct upload **
 find(const struct uploads *u, uint64_t conn, const struct uploads_sum *payer,
      const uint8_t *hash)
@@ -95,7 +96,7 @@ uploads_whole(struct uploads *u, uint64_t conn, const uint8_t hash[MSG_HASH],
     if (!f)
         return;
     other = find(u, 0, f->payer, hash);
-    if (*other) { /* sent twice, and kept once */
+    if (*other) { /* the user sent the file twice; the store has it once */
         (*other)->since_ms = now_ms;
         drop(u, at);
         return;
@@ -114,8 +115,8 @@ uploads_failed(struct uploads *u, uint64_t conn, const uint8_t hash[MSG_HASH])
         drop(u, at);
 }
 
-/* Drop the uploads of that connection; of 0, those that have waited for a job
- * since then or longer. */
+/* Drop the uploads of a connection; with conn 0, the uploads that have waited
+ * for a job since since_ms or longer. */
 static void
 drop_all(struct uploads *u, uint64_t conn, uint64_t since_ms)
 {

@@ -1,14 +1,15 @@
 /* uploads.h - files that users send, until a job names them
  *
- * A file is on its way from its first CHUNK to its last, and then waits for a
- * job of its sender's that names it; until that it counts as the sender's.
- * One that waits for too long is forgotten, and the store removes it.
+ * A file is on its way from its first CHUNK to its last.  Then it waits for a
+ * job of its sender that names it.  Until a job does, the file counts as the
+ * sender's.  A file that waits for too long is forgotten, and the store removes
+ * it.
  *
  *     on its way ---> waiting ---> named by a job, or forgotten
- *          \-> gone, with its connection or for a fault
+ *          \-> gone: its connection ended, or the store failed to keep it
  *
  * Private to the coordinator's own files.
- * Thread: one. */
+ * Thread: the coordinator's loop. */
 #ifndef DAEMON_UPLOADS_H
 #define DAEMON_UPLOADS_H
 
@@ -18,51 +19,53 @@
 
 #define UPLOADS_BUCKETS 1024 /* a power of 2 */
 
-/* A small file takes a name and a block as well. */
+/* A file counts as so many bytes at least, for a small file takes a name and a
+ * block of the disk, too. */
 #define UPLOADS_LEAST (UINT64_C(16) << 10)
 
 struct upload;
 
-/* What one user has under way. */
+/* The files of one user. */
 struct uploads_sum {
-    uint32_t under_way; /* files */
-    uint64_t bytes;     /* of these and of those that wait, each at least
-                         * UPLOADS_LEAST */
+    uint32_t under_way; /* files on their way */
+    uint64_t bytes;     /* of files on their way and of files that wait, each
+                         * at least UPLOADS_LEAST */
 };
 
-/* Zeroed, it is empty. */
+/* The files of all users; zeroed: none. */
 struct uploads {
-    struct upload *bucket[UPLOADS_BUCKETS];
-    size_t n;
+    struct upload *bucket[UPLOADS_BUCKETS]; /* hash table: lists of files */
+    size_t n;                               /* files on their way or waiting */
 };
 
 void uploads_release(struct uploads *u);
 
-/* Is that file on its way by that connection? */
+/* Is the file on its way over this connection? */
 bool uploads_knows(const struct uploads *u, uint64_t conn,
                    const uint8_t hash[MSG_HASH]);
 
-/* A file begins to come, and counts in *payer, which must outlive it.  False:
- * memory is out. */
+/* Note that a file of `total` bytes begins to come, and count the file in
+ * *payer, which must outlive it.  False: memory is out. */
 bool uploads_begin(struct uploads *u, uint64_t conn,
                    const uint8_t hash[MSG_HASH], uint64_t total,
                    struct uploads_sum *payer);
-/* The file came whole, or never will. */
+/* Note that the file came whole: it waits; that it failed: it is dropped. */
 void uploads_whole(struct uploads *u, uint64_t conn,
                    const uint8_t hash[MSG_HASH], uint64_t now_ms);
 void uploads_failed(struct uploads *u, uint64_t conn,
                     const uint8_t hash[MSG_HASH]);
-/* Nor will files that the connection sends: it is closed. */
+/* The connection has ended: drop the files that were on their way over it. */
 void uploads_closed(struct uploads *u, uint64_t conn);
 
-/* A job names these: they wait no more. */
+/* A job of this user names the files: they wait no more. */
 void uploads_named(struct uploads *u, const struct uploads_sum *payer,
                    const struct msg_hashes *files);
 
-/* Forget those that wait since then or longer. */
+/* Forget files that have waited since since_ms or longer. */
 void uploads_forget(struct uploads *u, uint64_t since_ms);
 
-/* The hashes of those that wait, one behind the other; how many. */
+/* Write the hashes of all files that wait into hashes, which has room for u->n;
+ * return how many these are. */
 size_t uploads_waiting(const struct uploads *u, uint8_t *hashes);
 
 #endif

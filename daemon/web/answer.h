@@ -1,4 +1,4 @@
-/* answer.h - answers to browsers, with the headers that all have
+/* answer.h - answers to browsers, with the headers that all answers have
  *
  * Thread: the loop's. */
 #ifndef RADD_WEB_ANSWER_H
@@ -9,20 +9,19 @@
 
 #include <microhttpd.h>
 
-/* Queue a response; takes it.  MHD_NO if it is NULL. */
+/* Queue a response, which is taken.  MHD_NO: it is NULL, or was not queued. */
 enum MHD_Result answer_send(struct MHD_Connection *c, unsigned status,
                             const char *type, struct MHD_Response *response);
-/* The same of a blob, whose reference is taken; of a text, which is empty then.
- */
+/* Queue a blob, whose reference is taken; a text, which is empty then. */
 enum MHD_Result answer_blob(struct MHD_Connection *c, unsigned status,
                             const char *type, struct blob *b);
 enum MHD_Result answer_text(struct MHD_Connection *c, unsigned status,
                             const char *type, struct markup *m);
-/* A page that says why there is no other. */
+/* Queue a page that says why the browser gets no other page. */
 enum MHD_Result answer_error(struct MHD_Connection *c, unsigned status,
                              const char *text);
 
-/* Make the text a blob, and m empty; NULL: memory was out. */
+/* Make a blob of the text, and m empty; NULL: memory was out. */
 struct blob *answer_made(struct markup *m);
 
 #endif

@@ -1,8 +1,9 @@
 /* confine.c - see confine.h
  *
  * The list names the system calls that are denied.  A job's child has a list of
- * those that are allowed; radweb cannot, for it looks up names when it dials
- * again, and the C library may read any files and ask any servers for that. */
+ * allowed calls instead.  radweb cannot have such a list: when it dials again
+ * it looks up names, for which the C library may read any files and ask any
+ * servers. */
 #include "config.h"
 
 #include "web/confine.h"

@@ -2,7 +2,7 @@
  *
  * An event has the page's sections as they are now; it is made once for all
  * streams of the same page.  A stream that has sent its event waits until there
- * is a newer one, so a slow reader misses the events in between. */
+ * is a newer event, so a slow reader misses the events in between. */
 #include "config.h"
 
 #include "web/radweb_impl.h"
@@ -13,15 +13,15 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define SIGN_MS 15000 /* comment sent after so long without an event */
+#define SIGN_MS 15000 /* after so long without an event a comment is sent */
 
 struct stream {
     struct stream *next;
     struct radweb *r;
     struct MHD_Connection *conn;
-    struct watch *watch; /* the job's; NULL: of the cluster */
-    uint64_t version;    /* of the event that is, or was last, being sent */
-    struct blob *now;    /* the event that is being sent; NULL: none */
+    struct watch *watch; /* of the page's job; NULL: the cluster's page */
+    uint64_t version;    /* of the event that is being sent, or was sent last */
+    struct blob *now;    /* the event that is being sent; NULL: none is */
     size_t at;
     bool put_off, sign;
     uint64_t sent_ms;

@@ -1,4 +1,4 @@
-/* page.h - the pages: the cluster, one job, an error
+/* page.h - the pages: of the cluster, of a job, of an error
  *
  * A page is complete without script.  While it is open the same sections come
  * as events, and page.js puts them in place by their ids.
@@ -13,24 +13,24 @@
 #define PAGE_JOBS    200 /* most rows shown; a line counts the others */
 #define PAGE_WORKERS 300
 
-/* The page before its sections, and after them.  events: path of the page's
- * event stream; NULL: the page does not change. */
+/* Write a page's text before its sections, and behind them.  events: path of
+ * the page's event stream; NULL: the page does not change. */
 void page_begin(struct markup *m, const char *title, const char *events);
 void page_end(struct markup *m);
 
-/* The sections of the cluster's page and of a job's page; w->detail must be
- * known. */
+/* Write the sections of the cluster's page; of a job's page, whose w->detail
+ * must be known. */
 void page_home(struct markup *m, const struct model *c);
 void page_job(struct markup *m, const struct model *c, const struct watch *w);
 
-/* A whole page with an HTTP status and the reason. */
+/* Write a whole page with an HTTP status and the reason. */
 void page_error(struct markup *m, unsigned status, const char *text);
 
-/* A warning while the coordinator is away. */
+/* Write a warning, while the coordinator is away. */
 void page_trouble(struct markup *m, const struct model *c);
-/* The state of a job or of a worker, with its colour. */
+/* Write the state of a job or of a worker, with its colour. */
 void page_state(struct markup *m, const char *state);
-/* A job's progress, as a bar and in per cent. */
+/* Write a job's progress, as a bar and in per cent. */
 void page_done(struct markup *m, const json_t *job);
 /* Seconds until a job is done, by the time that it took so far; negative: not
  * known. */

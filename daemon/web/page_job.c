@@ -272,8 +272,8 @@ put_statistics(struct markup *m, const struct watch *w)
 /* --- the command that makes the picture again --- */
 
 /* Add words of the job to a command line, quoted so that a shell takes each for
- * a plain word.  files: put "./" ahead of a word that radsubmit would take for
- * an option, a command or a variable. */
+ * a plain word.  files: the words are names of files, so "./" goes ahead of a
+ * word that radsubmit would take for an option, a command or a variable. */
 static void
 put_words(struct markup *to, const char *s, bool files)
 {
@@ -298,8 +298,8 @@ put_words(struct markup *to, const char *s, bool files)
     }
 }
 
-/* Does the text consist of view options and numbers alone?  It comes from the
- * picture's header, into which a user can write anything. */
+/* Does the text consist of view options and numbers alone?  The text comes from
+ * the picture's header, into which a user can write anything. */
 static bool
 is_view(const char *s)
 {

@@ -13,7 +13,7 @@
 #include <sysexits.h>
 
 #define SWEEP_MS 500
-#define WHOLE    (1 << 20) /* bytes; blocks from that size on are mapped */
+#define WHOLE    (1 << 20) /* [bytes]; blocks from that size on are mapped */
 #define NICE     15
 
 /* The cluster has changed.  Jobs' pages change, too, if the coordinator has
@@ -68,7 +68,7 @@ on_term(void *arg)
 static void
 on_reload(void *arg)
 {
-    (void)arg; /* nothing of ours may change at run time */
+    (void)arg; /* no setting of radweb may change at run time */
 }
 
 static int
@@ -94,7 +94,7 @@ open_http(struct radweb *r, struct rad_error *err)
     return service_ports_file(r->set.common.ports_file, lines, 1, err);
 }
 
-/* Use the files that systemd passes for settings that name none. */
+/* Use the files that systemd passes, for settings that name no file. */
 static void
 take_credentials(struct radweb_settings *s)
 {

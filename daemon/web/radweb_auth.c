@@ -1,11 +1,12 @@
-/* radweb_auth.c - who may send requests; see radweb_impl.h
+/* radweb_auth.c - may a request be answered? see radweb_impl.h
  *
- * With a token a request must carry it, as a bearer's ("Authorization: Bearer
- * TOKEN") or as the password of any user name, for which a browser asks its
- * user.  Without a token radweb serves this machine alone.  A stranger's page
- * in a browser here must not read the answers, though it may have the name of
- * its server resolve to 127.0.0.1 (DNS rebinding): so the Host that the browser
- * sends has to be a name of this machine. */
+ * If radweb has a token each request must carry it, as a bearer's
+ * ("Authorization: Bearer TOKEN") or as the password of any user name, for
+ * which a browser asks its user.  Without a token radweb serves this machine
+ * alone.  A stranger's page in a browser on this machine must not read the
+ * answers, though it may have the name of its server resolve to 127.0.0.1 (DNS
+ * rebinding): so the Host that the browser sends has to be a name of this
+ * machine. */
 #include "config.h"
 
 #include "web/radweb_impl.h"
@@ -65,8 +66,8 @@ radweb_check_listen(const struct radweb *r, struct rad_error *err)
     return 0;
 }
 
-/* Is it our token?  The time that this takes does not tell how much of it is
- * right. */
+/* Does the request carry our token?  The time of the comparison does not tell
+ * how many characters are right. */
 static bool
 is_token(const struct radweb *r, const char *said)
 {
@@ -103,7 +104,7 @@ names_this_machine(const char *host)
 {
     size_t n;
 
-    if (!host) /* no browser: these always send a Host */
+    if (!host) /* no browser: a browser always sends a Host */
         return true;
     if (host[0] == '[')
         return strncmp(host, "[::1]", 5) == 0 &&

@@ -3,7 +3,7 @@
  * Private to:
  *   radweb.c       start and end
  *   radweb_conf.c  settings
- *   radweb_auth.c  who may send requests: token, Host
+ *   radweb_auth.c  may a request be answered: token, Host
  *   route.c        the answer of each path
  *   events.c       pages that stay open
  *   answer.c       headers that all answers have
@@ -20,9 +20,9 @@
 #include "web/report.h"
 #include "web/serve.h"
 
-#define RADWEB_TOKEN     1024 /* longest, with its NUL */
-#define RADWEB_MIN_TOKEN 16
-#define RADWEB_SHEETS    8
+#define RADWEB_TOKEN     1024 /* room for the longest token and its NUL */
+#define RADWEB_MIN_TOKEN 16   /* length of the shortest token */
+#define RADWEB_SHEETS    8    /* room for the sheets of route.c */
 
 struct radweb_settings {
     struct daemon_settings common;
@@ -36,7 +36,8 @@ struct radweb_settings {
 };
 extern const struct conf_table radweb_table;
 
-/* A text made at that version of the model. */
+/* A page or list of the cluster, made of the model as it was at that version.
+ */
 struct radweb_sheet {
     uint64_t version;
     struct blob *blob;
@@ -63,8 +64,8 @@ struct radweb {
     bool was_up, closing;
 };
 
-/* radweb_auth.c: read the token; then check that the address may be listened at
- * with the token and certificate that are set.  RAD_EPERM: it may not;
+/* radweb_auth.c: read the token; then check that radweb may listen at its
+ * address with the token and certificate that are set.  RAD_EPERM: it may not;
  * RAD_EUSAGE: a certificate without its key, or the reverse. */
 int radweb_read_token(struct radweb *r, struct rad_error *err);
 int radweb_check_listen(const struct radweb *r, struct rad_error *err);
@@ -76,8 +77,8 @@ enum MHD_Result route_request(void *arg, struct MHD_Connection *c,
                               const char *method, const char *path,
                               void **state);
 void route_ended(void *arg, void *state);
-/* Answer waiting requests whose data have come or whose time is over; all:
- * every one. */
+/* Answer the waiting requests whose data have come or whose time is over; all:
+ * answer all of them. */
 void route_tick(struct radweb *r, bool all);
 /* events.c: begin an event stream of a job, or of the cluster (w is NULL). */
 enum MHD_Result events_begin(struct radweb *r, struct MHD_Connection *c,

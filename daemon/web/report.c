@@ -8,8 +8,8 @@
 
 /* --- JSON --- */
 
-/* The head of each answer: the version of the API, whether the coordinator
- * answers, and the age of the data. */
+/* Begin an answer: the version of the API, whether the coordinator answers, and
+ * the age of the data. */
 static void
 begin(struct markup *m, const struct model *c)
 {
@@ -126,7 +126,7 @@ put_states(struct markup *m, const char *name, const json_t *rows,
     }
 }
 
-/* Age of the job that has waited for longest, among jobs that wait. */
+/* Age of the job that has waited for longest, of the jobs that wait. */
 static double
 oldest(const json_t *jobs)
 {

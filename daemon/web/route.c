@@ -22,7 +22,7 @@ struct waiting {
     uint64_t until_ms;
     char hex[MSG_JOB_HEX];
     uint32_t frame;
-    bool picture; /* it waits for the picture */
+    bool picture; /* the request waits for the picture */
 };
 
 static const char html[] = "text/html; charset=utf-8";
@@ -51,8 +51,9 @@ static const struct {
 enum { NSHEETS = sizeof sheets / sizeof sheets[0] };
 _Static_assert(NSHEETS <= RADWEB_SHEETS, "a sheet without a place");
 
-/* A sheet is made once per version of the model.  While the coordinator is away
- * it is made for each request, for it tells the age of the data. */
+/* Send sheet number i, a page or list of the cluster.  It is made once for each
+ * version of the model; while the coordinator is away for each request, for it
+ * tells the age of the data. */
 static enum MHD_Result
 send_sheet(struct radweb *r, struct MHD_Connection *c, int i)
 {
@@ -146,7 +147,8 @@ send_events(struct radweb *r, struct MHD_Connection *c, struct watch *w)
     return events_begin(r, c, w);
 }
 
-/* A path consists of `ahead`, the 32 digits of a job's id, and `behind`. */
+/* The paths of a job: each consists of `ahead`, the 32 digits of the job's id,
+ * and `behind`. */
 static const struct job_path {
     const char *ahead, *behind;
     bool picture;

@@ -25,7 +25,8 @@ struct serve {
     uv_poll_t poll;
     uv_poll_t door; /* the listening socket */
     int door_fd;
-    double may; /* be accepted now; grows by SERVE_PER_S a second */
+    double may; /* connections that may be accepted now; grows by SERVE_PER_S a
+                 * second */
     uint64_t may_ms;
     uv_timer_t timer;
     bool open, running, again;
@@ -68,7 +69,7 @@ on_connection(void *arg, struct MHD_Connection *c, void **context,
     if (what == MHD_CONNECTION_NOTIFY_STARTED) {
         g = calloc(1, sizeof *g);
         if (!g)
-            return; /* out of memory: it has no time limit */
+            return; /* out of memory: the connection has no time limit */
         *g = (struct serve_guest){ .next = s->guests,
                                    .conn = c,
                                    .since_ms = uv_now(s->loop) };
@@ -130,7 +131,7 @@ serve_sweep(struct serve *s)
 
 /* --- requests --- */
 
-/* A request whose header has come.  Requests with a body are refused. */
+/* A request whose header has come.  A request with a body is refused. */
 struct request {
     void *state; /* for serve_fn */
 };
@@ -212,7 +213,7 @@ on_ready(uv_poll_t *p, int status, int events)
     serve_run(p->data);
 }
 
-/* Have the library do what is due, and set the timer for the next time. */
+/* Run the library, and set the timer to when it wants to run again. */
 static void
 serve_run(struct serve *s)
 {

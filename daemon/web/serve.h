@@ -3,11 +3,12 @@
  * libmicrohttpd parses requests; libuv's loop watches its epoll descriptor, so
  * all runs in one thread.  route.c finds the answers, answer.h sends them.
  *
- * Bounds: SERVE_GUESTS connections; after the first SERVE_AT_ONCE, SERVE_PER_S
- * new ones a second, while others wait in the kernel, which turns away what its
- * queue cannot hold.  Each has a buffer of 16 KiB for its request.  A
- * connection ends if a request is not whole within SERVE_ASK_MS, or its answer
- * not read within SERVE_READ_MS; event streams have no such limit.
+ * Bounds: SERVE_GUESTS connections.  After the first SERVE_AT_ONCE, SERVE_PER_S
+ * connections a second are accepted; others wait in the kernel's queue, and are
+ * turned away when that is full.  Each connection has a buffer of 16 KiB for
+ * its request.  A connection ends if a request is not whole within
+ * SERVE_ASK_MS, or its answer not read within SERVE_READ_MS; event streams have
+ * no such limit.
  * Thread: the loop's. */
 #ifndef RADD_WEB_SERVE_H
 #define RADD_WEB_SERVE_H
@@ -38,9 +39,10 @@ struct serve_guest {
     enum { GUEST_ASKS, GUEST_READS, GUEST_STREAMS } state;
 };
 
-/* Handle a request; path is without its query.  Send an answer (answer.h), or
- * put the request off (serve_put_off()): then serve_fn is called again, with
- * the same *state, after serve_wake().  *state is NULL at first. */
+/* Handle a request, whose path comes without the query.  Send an answer
+ * (answer.h), or put the request off (serve_put_off()): then serve_fn is called
+ * again after serve_wake(), with *state as it was left.  *state is NULL at
+ * first. */
 typedef enum MHD_Result serve_fn(void *arg, struct MHD_Connection *c,
                                  const char *method, const char *path,
                                  void **state);
@@ -54,17 +56,19 @@ struct serve_conf {
     void *arg;
 };
 
-/* Listen.  RAD_ECANTCREAT for an address that cannot be bound, RAD_ENOINPUT or
- * RAD_ECONFIG for the certificate. */
+/* Listen; NULL with *err.  RAD_ECANTCREAT: the address cannot be bound;
+ * RAD_ENOINPUT, RAD_ECONFIG: the certificate cannot be read or used. */
 struct serve *serve_open(uv_loop_t *loop, const struct serve_conf *conf,
                          struct rad_error *err);
-/* Close all connections and the handles; no request may be put off any more.
- * Run the loop until the handles are closed, then call serve_free(). */
+/* Close all connections and the handles; no request may be waiting
+ * (serve_put_off()).  Run the loop until the handles are closed, then call
+ * serve_free(). */
 void serve_close(struct serve *s);
 void serve_free(struct serve *s);
 
 /* The address that is listened at, such as "127.0.0.1:7480". */
 const char *serve_address(const struct serve *s);
+/* The number of connections. */
 unsigned serve_guests(const struct serve *s);
 
 /* Accept connections that wait; call each DAEMON_TICK_MS. */
@@ -72,7 +76,7 @@ void serve_tick(struct serve *s);
 /* End connections that take too long; call about once a second. */
 void serve_sweep(struct serve *s);
 
-/* Put a request off; go on with it. */
+/* Put a request off; go on with a request that was put off. */
 void serve_put_off(struct MHD_Connection *c);
 void serve_wake(struct MHD_Connection *c);
 /* The answer to this request is an event stream: no time limit. */
