@@ -107,18 +107,26 @@ all_workers(const struct coord *c)
     return list;
 }
 
-/* Is no worker at a job with --same-bits, while a connected worker is excluded
- * from it, for its bits or for another reason? */
-static bool
+/* The first worker of a job with --same-bits that no worker is at, while a
+ * connected worker of another arithmetic is excluded from it; else NULL. */
+static const struct job_worker *
 lacks_bits(const struct job *job)
 {
-    bool others = false;
+    const struct job_worker *first = NULL;
+    bool other = false;
 
-    for (uint32_t i = 0; i < job->nworkers; i++)
-        others |= job->workers[i].state == PART_EXCLUDED &&
-                  job->workers[i].worker->conn != 0;
-    return others && job->spec.flags & MSG_JOB_SAME_BITS &&
-           job_active(job) == 0;
+    if (!(job->spec.flags & MSG_JOB_SAME_BITS) || job_active(job) > 0)
+        return NULL;
+    for (uint32_t i = 0; i < job->nworkers && !first; i++)
+        if (job->workers[i].took_part)
+            first = &job->workers[i];
+    for (uint32_t i = 0; first && i < job->nworkers; i++) {
+        const struct job_worker *jw = &job->workers[i];
+
+        other |= jw->state == PART_EXCLUDED && jw->worker->conn != 0 &&
+                 jw->worker->fingerprint != first->fingerprint;
+    }
+    return other ? first : NULL;
 }
 
 /* A worker that has no room for the job's files, if no worker is at the job. */
@@ -156,8 +164,8 @@ why(const struct coord *c, const struct job *job, char buf[MSG_MAX_TEXT + 1])
 {
     const struct coord_worker *full = without_room(job);
     const char *nobody = lacks_workers(c, job);
+    const struct job_worker *first = lacks_bits(job);
     char when[COORD_TIME];
-    uint32_t first = 0;
 
     if (desk_unfetched(c, job) && !job->text[0]) {
         coord_time_text(job->end_ms + c->keep.unfetched_ms, when);
@@ -175,13 +183,11 @@ why(const struct coord *c, const struct job *job, char buf[MSG_MAX_TEXT + 1])
                        full->no_room);
         return buf;
     }
-    if (!lacks_bits(job))
+    if (!first)
         return job->text;
-    while (first + 1 < job->nworkers && !job->workers[first].took_part)
-        first++;
     snprintf(buf, MSG_MAX_TEXT + 1,
              "--same-bits: no worker here has the arithmetic of the first, %s",
-             job->workers[first].name);
+             first->name);
     return buf;
 }
 

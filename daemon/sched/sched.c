@@ -462,6 +462,7 @@ sched_ready(struct coord *c, struct coord_worker *w, const struct msg *msg)
     if (jw->state != PART_LOADING)
         return;
     if (!same_bits(job, m->fingerprint)) {
+        w->fingerprint = m->fingerprint;
         actions_log(&c->actions, ACT_WARN,
                     "worker excluded job=%s worker=%s why=--same-bits, and its "
                     "arithmetic differs from that of the job's first worker",

@@ -149,6 +149,24 @@ START_TEST(a_job_that_no_arithmetic_is_left_for_says_so)
 }
 END_TEST
 
+START_TEST(other_reasons_are_not_taken_for_the_arithmetic)
+{
+    struct msg lost = { .type = MSG_LOST,
+                        .lost = { job_a, "out of memory", 0, NULL } };
+
+    submit_with(ANA, job_a, 0, 4, MSG_JOB_SAME_BITS);
+    join(SECOND, MSG_ROLE_WORKER, "ws2", "daemon");
+    ready(WORKER, job_a);
+    for (int i = 0; i < JOB_MAX_SETBACKS; i++) {
+        ready(SECOND, job_a);
+        say(SECOND, &lost);
+    }
+    coord_closed(f.c, f.now_ms, WORKER, "cut");
+    carry_out();
+    ck_assert_str_eq(text_of_job(), "");
+}
+END_TEST
+
 START_TEST(without_same_bits_all_workers_take_part)
 {
     two_arithmetics(0);
@@ -172,6 +190,7 @@ main(void)
     tcase_add_test(tc, priority_goes_before_fairness);
     tcase_add_test(tc, same_bits_takes_workers_of_one_arithmetic);
     tcase_add_test(tc, a_job_that_no_arithmetic_is_left_for_says_so);
+    tcase_add_test(tc, other_reasons_are_not_taken_for_the_arithmetic);
     tcase_add_test(tc, without_same_bits_all_workers_take_part);
     suite_add_tcase(s, tc);
     return unit_run(s);
