@@ -80,12 +80,14 @@ usual_luminance(const struct rad_ambient *amb, const struct rad_ambtile *tile)
     return n > 0 ? rad_exp(sum / n) : 0;
 }
 
-/* Does a record that is made now serve a single pixel?  Yes, with a frozen
- * cache, unless a tile or a check makes it. */
+/* Does a record that is made now serve a single pixel, or a single ray of such
+ * a record?  Yes, with a frozen cache, unless a tile makes it; but what a pixel
+ * shows is sampled afresh (ctx->fresh) with all rays of a record. */
 static bool
-is_alone(const struct rad_ctx *ctx)
+is_alone(const struct rad_ctx *ctx, const struct rad_ambplace *at)
 {
-    return ctx->job->ambient->frozen && !ctx->fresh && !ctx->tile;
+    return ctx->job->ambient->frozen && !ctx->tile &&
+           !(ctx->fresh && at->level == 0);
 }
 
 /* Is the place a sensor's own?  Such a place is served by records within -aa
@@ -110,7 +112,7 @@ own_light(const struct rad_ctx *ctx, const struct rad_ambrec *rec,
 
     rad_ambitem_set(&item, rec);
     rad_ambitem_across(&item, across);
-    if (at->level == 0 && is_alone(ctx) &&
+    if (at->level == 0 && is_alone(ctx, at) &&
         rad_ambsmooth_beside(&ctx->job->ambient->smooth, &item, &v)) {
         E = rad_rgb(v.E[0], v.E[1], v.E[2]);
         *off = (double)v.var;
@@ -124,7 +126,7 @@ least_side(const struct rad_ctx *ctx, const struct rad_ambplace *at)
 {
     if (at->level == 0)
         return SIDE_SHOWN;
-    return is_alone(ctx) ? SIDE_ALONE : SIDE_DEEP;
+    return is_alone(ctx, at) ? SIDE_ALONE : SIDE_DEEP;
 }
 
 /* Sample the hemisphere at a place, and keep the result as a record if it is
@@ -148,7 +150,7 @@ make_record(struct rad_ctx *ctx, const struct rad_ray *r,
         return false;
     rec.weight = record_weight(at);
     plan.weight = rad_ambrec_worth(&rec);
-    if (is_alone(ctx) && !is_sensors(ctx, at))
+    if (is_alone(ctx, at) && !is_sensors(ctx, at))
         /* each of the pixel's samples makes a record of its own */
         plan.weight *= ALONE_SHARE / ctx->job->params.samples;
     else if (ctx->tile && at->level > ctx->tile->level &&

@@ -478,6 +478,20 @@ START_TEST(what_a_frozen_cache_lacks_takes_few_samples)
 }
 END_TEST
 
+/* So it is where a check samples the place afresh: with a record's own rays,
+ * but few for what each of these meets. */
+START_TEST(a_check_takes_few_samples_of_what_is_lacking)
+{
+    world_open(&w, ROOM, "-ab 3 -aa .3 -ar 16 -ad 128 -as 0 -av 0 0 0");
+    rad_ambient_freeze(w.job->ambient);
+    ck_assert(rad_ambient_settle(w.job->ambient));
+    w.ctx.fresh = true;
+    ck_assert(irradiance_up(&w, .1, .2, -.9).g > 0);
+    ck_assert_uint_le(w.ctx.counts.ambient_rays, 128 + 128 * 9 + 128 * 9 * 4);
+    ck_assert_uint_gt(w.ctx.counts.ambient_rays, 100 + 100 * 4);
+}
+END_TEST
+
 /* Two rooms that share a floor, one dark; the cache is filled in the lit one,
  * right up to the wall. */
 START_TEST(no_light_leaks_through_a_wall)
@@ -803,6 +817,7 @@ make_suite(void)
     tcase_add_test(tc, interpolation_is_close_to_sampling);
     tcase_add_test(tc, deep_records_take_fewer_samples);
     tcase_add_test(tc, what_a_frozen_cache_lacks_takes_few_samples);
+    tcase_add_test(tc, a_check_takes_few_samples_of_what_is_lacking);
     tcase_add_test(tc, no_light_leaks_through_a_wall);
     tcase_add_loop_test(tc, no_light_leaks_through_a_dark_pane, 0,
                         N_ELEM(dark_pane));
