@@ -484,14 +484,17 @@ total(const struct trial *t, bool time, double primary, double more_records)
     return deeper(t) * records + p.primary * primary;
 }
 
-/* The sums that full hemispheres would give, from those of smaller ones: with
- * more samples the cache's error shrinks, but not that of extrapolation.  The
- * power was fitted on a box and an office at night. */
+/* The sums that the job's passes would give, from those of the trial's cache:
+ * there records are fitted to their neighbours, and several serve a place, so
+ * errors' squares are a fifth (doc/measured.md).  Full hemispheres have less
+ * error than the trial's small ones, but not of extrapolation; the power was
+ * fitted on a box and an office at night. */
 static struct rad_doubt
 doubt_of(const struct trial *t)
 {
+    const double passes = .2;
     struct rad_doubt d = t->doubt;
-    double less = t->samples > 1 ? pow(t->samples, -.25) : 1;
+    double less = passes * (t->samples > 1 ? pow(t->samples, -.25) : 1);
 
     d.v[RAD_DOUBT_AMBIENT] *= less;
     d.v[RAD_DOUBT_SAID] *= less;
