@@ -132,6 +132,8 @@ void program_say(void *program, const char *text);
 void program_news(struct program *p, const char *text);
 void program_warn(struct program *p, const char *text);
 void program_warn_of_psample(struct program *p);
+/* Frames of --no-clobber whose exposure is not that of the frames there. */
+void program_warn_of_rest(struct program *p);
 void program_warn_of_scene(struct program *p);
 /* Tell what rad would do and radsubmit does not, each note once. */
 void program_warn_of_rif(struct program *p);

@@ -6,6 +6,7 @@
 #include "common/figure.h"
 #include "common/tell.h"
 #include "compile/warning.h"
+#include "show/picfile.h"
 
 #include <inttypes.h>
 #include <jansson.h>
@@ -51,6 +52,23 @@ program_warn_of_psample(struct program *p)
              "warning: -ps %d is not within 1 to 16: taken as %d", asked,
              taken);
     program_warn(p, text);
+}
+
+void
+program_warn_of_rest(struct program *p)
+{
+    const struct submit_options *o = &p->o;
+
+    if (p->frames.n > 0 && p->frames.seen > p->frames.n && o->output &&
+        picfile_is_png(o->output, (enum picfile_format)o->format) &&
+        show_waits(&o->show))
+        program_warn(p, o->show.false_colour
+                            ? "warning: the scale of colours is that of the "
+                              "first frame rendered now, not of the frames "
+                              "that are there: --false-colour=SCALE sets it"
+                            : "warning: the exposure is that of the first "
+                              "frame rendered now, not of the frames that are "
+                              "there: --exposure=FACTOR sets it");
 }
 
 void

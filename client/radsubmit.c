@@ -620,8 +620,10 @@ run(struct program *p)
             p, "the pictures of all frames are there: nothing is rendered");
     else if (rc == 0 && p->o.dry_run)
         rc = run_dry(p);
-    else if (rc == 0 && (rc = name_job(&p->job, p->o.job, p->err)) == 0)
+    else if (rc == 0 && (rc = name_job(&p->job, p->o.job, p->err)) == 0) {
+        program_warn_of_rest(p);
         rc = run_job(p);
+    }
     pointstream_close(&p->stream.input);
     launch_stop(p->cluster.launch);
     local_stop(p->cluster.local);

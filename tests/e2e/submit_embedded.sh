@@ -176,6 +176,21 @@ body f007.hdr >f007.body
 body still.hdr >still.body
 same f007.body still.body "an animation's first frame is not the still"
 
+# what is left of it has an exposure of its own, and says so
+rest() # OPTION...
+{
+    printf '%s\n%s\n' "$(cat "$scenes/room.vf")" "rvu -vh 40" |
+        "$radsubmit" --local $size -ab 0 --threads=1 -S 7 --no-clobber \
+            -o 'p%d.png' "$@" "$room" 2>stderr || fail "rest: $(cat stderr)"
+}
+rest
+grep -q warning stderr && fail "all frames: $(cat stderr)"
+rm p8.png && rest
+grep -q 'exposure is that of the first frame rendered now' stderr ||
+    fail "the rest: $(cat stderr)"
+rm p8.png && rest --exposure=.5
+grep -q warning stderr && fail "the rest, exposure given: $(cat stderr)"
+
 # with nothing kept between frames they are the same, one after the other
 for partition in window scanbar auto; do
     { cat "$scenes/room.vf" && echo "rvu -vh 40" && echo "rvu -vh 60"; } |
