@@ -183,6 +183,21 @@ look_at_first(struct ctl *c, const uint8_t job[MSG_JOB], int frame)
     return rc;
 }
 
+/* Refuse a plane of -cs by itself: three of its bands would be taken for red,
+ * green and blue. */
+static int
+check_whole(struct ctl *c, const struct rad_memory_out *f)
+{
+    struct spectra_plane one = { f->bytes, f->len };
+    struct rad_bands b;
+
+    if (spectra_bands(&one, &b, NULL) < 0 || rad_bands_planes(&b) <= 1)
+        return 0;
+    return rad_fail(c->err, RAD_EUSAGE,
+                    "job %s is plane %d of %d: name the jobs of all planes",
+                    c->arg, b.plane + 1, rad_bands_planes(&b));
+}
+
 /* Path NULL: standard output. */
 static int
 fetch_picture(struct ctl *c, const uint8_t job[MSG_JOB], int frame,
@@ -195,6 +210,8 @@ fetch_picture(struct ctl *c, const uint8_t job[MSG_JOB], int frame,
         rc = look_at_first(c, job, frame);
     if (rc == 0)
         rc = fetch_file(c, job, frame, MSG_WHAT_PICTURE, &f);
+    if (rc == 0)
+        rc = check_whole(c, &f);
     if (rc == 0)
         rc = picfile_write(path, PICFILE_BY_SUFFIX, f.bytes, f.len, true,
                            &c->show, c->err);

@@ -84,7 +84,11 @@ format_way(const struct submit *s, char *buf, size_t n)
 
     msg_job_format(s->job->spec->job, hex);
     if (!(flags & MSG_JOB_POINTS))
-        snprintf(buf, n, "radctl fetch %s -o FILE", hex);
+        snprintf(buf, n, "radctl fetch %s%s -o FILE%s", hex,
+                 strstr(s->job->spec->params, "--plane")
+                     ? " and the ids of the other planes"
+                     : "",
+                 s->job->spec->nframes > 1 ? "%d" : "");
     else
         snprintf(buf, n, "submit again with --job=%s", hex);
 }
@@ -94,7 +98,7 @@ format_way(const struct submit *s, char *buf, size_t n)
 static int
 left_behind(struct submit *s)
 {
-    char hex[MSG_JOB_HEX], way[100];
+    char hex[MSG_JOB_HEX], way[160];
 
     msg_job_format(s->job->spec->job, hex);
     format_way(s, way, sizeof way);

@@ -221,6 +221,8 @@ first=${ids%%
 *}
 expect 65 "a plane that another has shown" "twice" "$radctl" fetch -o x.hsr \
     "$first" "$first"
+expect 64 "is plane 1 of 2: name the jobs of all planes" "a lone plane" \
+    "$radctl" fetch -o x.hdr "$first"
 id=$("$radsubmit" -x 8 -y 8 -o plain.hdr "$room" 2>&1 |
     sed -n 's/radsubmit: job //p')
 expect 65 "shows no plane" "three bands" "$radctl" fetch -o x.hsr "$first" "$id"
