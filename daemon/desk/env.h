@@ -38,6 +38,8 @@ struct coord_env {
     /* may a further piece of an answer go out on the connection: is it read,
      * and has its user not too much unread?  NULL: always */
     bool (*has_room)(void *arg, uint64_t conn);
+    /* is a file of the job being sent to anybody?  NULL: never */
+    bool (*sends)(void *arg, const uint8_t job[MSG_JOB]);
     const char *program; /* "radcoord 0.1.0"; outlives the coordinator */
     uint64_t epoch;      /* number of this life of the coordinator */
     unsigned all_linked; /* up to so many workers of a job are all linked with

@@ -12,6 +12,7 @@
 #include "desk/verdict.h"
 #include "front/reply.h"
 #include "jobs/job.h"
+#include "queue/coord_keep.h"
 #include "queue/stats.h"
 #include "queue/telling.h"
 
@@ -58,7 +59,7 @@ send_more(struct coord *c, const struct coord_conn *conn,
 /* Have the store send a file of the job. */
 static void
 send_kept(struct coord *c, struct coord_conn *conn, uint32_t request,
-          const struct job *job, uint32_t frame, enum msg_what what)
+          struct job *job, uint32_t frame, enum msg_what what)
 {
     struct action *a =
         actions_add_job(&c->actions, ACT_SEND_PICTURE, conn->id, job->id);
@@ -69,12 +70,13 @@ send_kept(struct coord *c, struct coord_conn *conn, uint32_t request,
     a->frame = frame;
     a->what = what;
     conn->answers++;
+    coord_fetching(c, conn, job);
 }
 
 /* Begin to make a text.  False: the store sends it, or memory is out. */
 static bool
 begin(struct coord *c, struct coord_conn *conn, struct coord_telling *t,
-      const struct job *job)
+      struct job *job)
 {
     if (job->stage == STAGE_FILED) {
         send_kept(c, conn, t->request, job, 0, MSG_WHAT_STATS);
@@ -91,7 +93,7 @@ begin(struct coord *c, struct coord_conn *conn, struct coord_telling *t,
 static bool
 tell_more(struct coord *c, struct coord_conn *conn, struct coord_telling *t)
 {
-    const struct job *job = desk_same_job(c, t->job, t->sequence);
+    struct job *job = desk_same_job(c, t->job, t->sequence);
     int rc;
 
     conn->payer->told.turn = t->turn = ++c->pieces_told;

@@ -86,7 +86,7 @@ struct job {
     struct msg_progress last;  /* the last PROGRESS; set in STAGE_FILED */
     uint64_t kept_bytes; /* size of the job's folder; set once it is over */
     uint32_t unfetched;  /* frames that are written and not fetched */
-    uint64_t fetched_ms; /* when a frame was last fetched in this life; or 0 */
+    uint64_t fetched_ms; /* when a file was last sent in this life; or 0 */
     uint32_t nfound;     /* the first nfound files were seen in the store */
     uint64_t found_ms;   /* when the last of these files was seen */
     int status;          /* of sysexits.h, in JOB_FAILED */

@@ -35,8 +35,8 @@ since(const struct coord *c, uint64_t ms)
 
 /* --- jobs that are remembered --- */
 
-/* May the user still be fetching other files of the job, such as distances and
- * statistics? */
+/* Is a file of the job being sent, or may the user still ask for other files of
+ * it, such as distances and statistics? */
 static bool
 is_being_fetched(const struct coord *c, const struct job *job)
 {
@@ -58,6 +58,17 @@ reason(const struct coord *c, const struct coord_kept *k)
     if (c->keep.bytes > 0 && k->bytes > c->keep.bytes && age >= FETCH_MS)
         return GONE_LARGE;
     return GONE_NWHYS;
+}
+
+/* Note which jobs are being sent.  On a slow line a file takes longer than
+ * FETCH_MS, and a line that breaks is dialled again: from then on, too, the job
+ * stays for FETCH_MS. */
+static void
+note_sending(struct coord *c)
+{
+    for (size_t i = 0; c->env.sends && i < c->njobs; i++)
+        if (job_over(c->jobs[i]) && c->env.sends(c->env.arg, c->jobs[i]->id))
+            c->jobs[i]->fetched_ms = c->now_ms;
 }
 
 static void
@@ -165,6 +176,7 @@ coord_forget_old(struct coord *c)
 
     c->keep_due = false;
     if (again) {
+        note_sending(c);
         hold_caches(c);
         limit_caches(c);
     }
@@ -188,6 +200,22 @@ main_file(const struct job *job)
     return job->spec.flags & MSG_JOB_POINTS ? MSG_WHAT_DEPTH : MSG_WHAT_PICTURE;
 }
 
+/* Does the connection belong to the job's owner, who may change it? */
+static bool
+is_owners(const struct coord_conn *conn, const struct job *job)
+{
+    return conn->session != MSG_AT_COORD_OBSERVER &&
+           strcmp(conn->owner, job->owner) == 0;
+}
+
+void
+coord_fetching(const struct coord *c, const struct coord_conn *conn,
+               struct job *job)
+{
+    if (is_owners(conn, job))
+        job->fetched_ms = c->now_ms;
+}
+
 void
 coord_fetched(struct coord *c, uint64_t now_ms, uint64_t conn,
               const uint8_t id[MSG_JOB], uint32_t frame, enum msg_what what)
@@ -197,13 +225,12 @@ coord_fetched(struct coord *c, uint64_t now_ms, uint64_t conn,
     struct action *a;
 
     c->now_ms = now_ms;
-    if (!to || to->session == MSG_AT_COORD_OBSERVER || !job ||
-        what != main_file(job) || frame >= job->spec.nframes ||
-        strcmp(to->owner, job->owner) != 0 ||
-        !frame_is_written(&job->frames[frame]))
+    if (!to || !job || !is_owners(to, job))
         return;
     job->fetched_ms = now_ms;
-    if (job->frames[frame].state == FRAME_FETCHED)
+    if (what != main_file(job) || frame >= job->spec.nframes ||
+        !frame_is_written(&job->frames[frame]) ||
+        job->frames[frame].state == FRAME_FETCHED)
         return;
     frame_step(&job->frames[frame], FRAME_FETCHED);
     job->unfetched--;

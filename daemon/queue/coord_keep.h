@@ -22,6 +22,10 @@ void coord_gone_text(const struct saved_gone *g, char text[MSG_MAX_TEXT + 1]);
 #define COORD_TIME 32
 void coord_time_text(uint64_t ms, char text[COORD_TIME]);
 
+/* A file of the job is about to be sent over the connection: if that belongs to
+ * the job's owner the job is not forgotten now. */
+void coord_fetching(const struct coord *c, const struct coord_conn *conn,
+                    struct job *job);
 /* A file of the job was sent whole over a connection.  The frame counts as
  * fetched if the file is its picture, or has the values of its sensor points,
  * and the connection belongs to the job's owner and is not an observer's. */

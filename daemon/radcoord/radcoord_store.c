@@ -183,6 +183,14 @@ has_room(void *arg, uint64_t id)
     return c && transfers_have_room(c);
 }
 
+static bool
+sends(void *arg, const uint8_t job[MSG_JOB])
+{
+    const struct radcoord *r = arg;
+
+    return transfers_of(r->transfers, job);
+}
+
 static void
 sent(void *arg, uint64_t id, const struct store_source *whole)
 {
@@ -276,6 +284,7 @@ radcoord_open_store(struct radcoord *r, struct rad_error *err)
                              .pace = pace,
                              .unread = unread,
                              .has_room = has_room,
+                             .sends = sends,
                              .program = "radcoord " PACKAGE_VERSION,
                              .keeps = !r->set.common.embedded };
     uint64_t epoch;

@@ -179,6 +179,16 @@ transfers_start(struct transfers *t, uint64_t id, struct conn *c,
     go_on(t, id);
 }
 
+bool
+transfers_of(const struct transfers *t, const uint8_t job[MSG_JOB])
+{
+    for (const struct transfer *x = t->list; x; x = x->next)
+        if (!x->ended && !x->source.from.file &&
+            memcmp(x->source.from.job, job, MSG_JOB) == 0)
+            return true;
+    return false;
+}
+
 void
 transfers_resume(struct transfers *t, uint64_t id)
 {

@@ -32,6 +32,9 @@ bool transfers_have_room(const struct conn *c);
 void transfers_start(struct transfers *t, uint64_t id, struct conn *c,
                      uint32_t request, const struct store_source *from);
 
+/* Is a file of the job being sent, or waiting to be sent? */
+bool transfers_of(const struct transfers *t, const uint8_t job[MSG_JOB]);
+
 /* The connection has sent some bytes: go on with its transfers. */
 void transfers_resume(struct transfers *t, uint64_t id);
 

@@ -160,6 +160,60 @@ START_TEST(the_file_that_its_owner_waits_for_is_fetched)
 }
 END_TEST
 
+static bool sending; /* a file of job_a is on its way */
+
+static bool
+sends_a(void *arg, const uint8_t *job)
+{
+    (void)arg;
+    return sending && memcmp(job, job_a, MSG_JOB) == 0;
+}
+
+/* radsubmit -z writes a picture only with its distances, which may come slowly,
+ * by a line that breaks. */
+START_TEST(a_job_stays_while_its_files_are_sent)
+{
+    static const struct coord_keep keep = { .unfetched_ms = 90000 };
+
+    f.c->env.sends = sends_a;
+    coord_set_keep(f.c, &keep);
+    whole_job(job_a);
+    carry_out();
+    coord_fetched(f.c, f.now_ms, ANA, job_a, 0, MSG_WHAT_PICTURE);
+    sending = true;
+    wait_s(300);
+    ck_assert_ptr_nonnull(desk_find_job(f.c, job_a));
+    sending = false; /* the connection broke, and comes again */
+    wait_s(50);
+    ck_assert_ptr_nonnull(desk_find_job(f.c, job_a));
+    wait_s(11);
+    ck_assert_ptr_null(desk_find_job(f.c, job_a));
+}
+END_TEST
+
+/* Each file that its owner asks for gives the time to ask for the next. */
+START_TEST(each_file_that_is_fetched_keeps_its_job)
+{
+    static const struct coord_keep keep = { .unfetched_ms = 90000 };
+    struct msg fetch = { .type = MSG_FETCH,
+                         .request = 9,
+                         .fetch = { job_a, 0, MSG_WHAT_PICTURE } };
+
+    coord_set_keep(f.c, &keep);
+    whole_job(job_a);
+    carry_out();
+    coord_fetched(f.c, f.now_ms, ANA, job_a, 0, MSG_WHAT_PICTURE);
+    wait_s(50);
+    coord_fetched(f.c, f.now_ms, ANA, job_a, 0, MSG_WHAT_STATS);
+    wait_s(50);
+    say(ANA, &fetch);
+    wait_s(50);
+    ck_assert_ptr_nonnull(desk_find_job(f.c, job_a));
+    wait_s(11);
+    ck_assert_ptr_null(desk_find_job(f.c, job_a));
+}
+END_TEST
+
 /* Small jobs are fetched by the hundred in the minute that each has. */
 START_TEST(few_of_those_just_fetched_are_kept)
 {
@@ -242,6 +296,8 @@ main(void)
     tcase_add_loop_test(tc, jobs_that_are_over_are_kept_for_a_while, 0, 3);
     tcase_add_loop_test(tc, the_file_that_its_owner_waits_for_is_fetched, 0,
                         N_ELEM(main_file));
+    tcase_add_test(tc, a_job_stays_while_its_files_are_sent);
+    tcase_add_test(tc, each_file_that_is_fetched_keeps_its_job);
     tcase_add_test(tc, few_of_those_just_fetched_are_kept);
     tcase_add_test(tc, of_a_job_that_is_filed_its_end_is_kept);
     suite_add_tcase(s, tc);
