@@ -111,9 +111,10 @@ void coord_cache_came(struct coord *c, uint64_t now_ms,
 /* ACT_SEND_PICTURE has sent all of its answer, or failed. */
 void coord_sent(struct coord *c, uint64_t conn);
 
-/* Hashes of all files that may not be deleted: the files of all jobs, and files
- * that wait for a job.  There are *n, malloc'd, in any order, some perhaps more
- * than once; NULL: memory is out. */
+/* Hashes of all files that may not be deleted: the files of all jobs, files
+ * that wait for a job, and files of offers of which others still come.  There
+ * are *n, malloc'd, in any order, some perhaps more than once; NULL: memory is
+ * out. */
 uint8_t *coord_files(const struct coord *c, size_t *n);
 
 /* The disk has become full, so all jobs are held; or it has room again.  text

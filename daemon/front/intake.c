@@ -47,7 +47,7 @@ intake_looked(struct coord *c, struct coord_conn *conn,
  * which the store looks.  The user is asked for the other files without a look,
  * for the time of a look would tell what other users have sent. */
 static bool
-sort_offer(struct coord *c, struct known *files, struct action_look *l,
+sort_offer(struct coord *c, struct coord_owner *payer, struct action_look *l,
            const struct msg_hashes *offer)
 {
     size_t bytes = (size_t)offer->n * MSG_HASH;
@@ -59,7 +59,7 @@ sort_offer(struct coord *c, struct known *files, struct action_look *l,
         for (uint32_t i = 0; i < offer->n; i++) {
             const uint8_t *hash = offer->hash + (size_t)i * MSG_HASH;
 
-            if (known_has(files, hash) != here)
+            if (known_has(&payer->files, hash) != here)
                 continue;
             memcpy(end, hash, MSG_HASH);
             end += MSG_HASH;
@@ -67,9 +67,13 @@ sort_offer(struct coord *c, struct known *files, struct action_look *l,
         }
     }
     l->files = (struct msg_hashes){ offer->n, list };
-    for (uint32_t i = 0; i < l->nlook; i++)
-        if (!known_sent(files, c->now_ms, list + (size_t)i * MSG_HASH))
+    for (uint32_t i = 0; i < l->nlook; i++) {
+        const uint8_t *hash = list + (size_t)i * MSG_HASH;
+
+        if (!known_sent(&payer->files, c->now_ms, hash))
             return false;
+        uploads_offered(&c->uploads, &payer->uploads, hash, c->now_ms);
+    }
     return true;
 }
 
@@ -80,7 +84,7 @@ intake_offer(struct coord *c, struct coord_conn *conn, const struct msg *m)
 
     if (conn->offer_ms == 0 && reply_refused(c, conn, m, quota_upload))
         return;
-    if (!sort_offer(c, &conn->payer->files, &l, &m->offer)) {
+    if (!sort_offer(c, conn->payer, &l, &m->offer)) {
         c->actions.failed = true;
         return;
     }

@@ -155,6 +155,20 @@ known_unname(struct known *k, uint64_t now_ms, const struct msg_hashes *files)
         drop_oldest(k, now_ms);
 }
 
+size_t
+known_free(const struct known *k, uint64_t since_ms, uint8_t *hashes)
+{
+    size_t n = 0;
+
+    for (size_t i = 0; i < k->nslots; i++) {
+        const struct known_file *f = &k->slots[i];
+
+        if (f->used && f->jobs == 0 && f->last_ms >= since_ms)
+            memcpy(hashes + n++ * MSG_HASH, f->hash, MSG_HASH);
+    }
+    return n;
+}
+
 void
 known_expire(struct known *k, uint64_t since_ms)
 {

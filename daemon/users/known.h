@@ -43,6 +43,11 @@ bool known_name(struct known *k, const struct msg_hashes *files);
 void known_unname(struct known *k, uint64_t now_ms,
                   const struct msg_hashes *files);
 
+/* Write the hashes of the files that no job has and that were sent, offered or
+ * last had by a job at since_ms or later into hashes, which has room for
+ * k->nfree; return how many these are. */
+size_t known_free(const struct known *k, uint64_t since_ms, uint8_t *hashes);
+
 /* Forget the files that no job has and that were sent, offered or last had by a
  * job before since_ms; called now and then. */
 void known_expire(struct known *k, uint64_t since_ms);

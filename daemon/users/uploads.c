@@ -115,6 +115,14 @@ uploads_failed(struct uploads *u, uint64_t conn, const uint8_t hash[MSG_HASH])
         drop(u, at);
 }
 
+uint64_t
+uploads_kept_from(const struct uploads_sum *payer, uint64_t since_ms)
+{
+    if (payer->moved_ms <= since_ms || payer->offer_ms > since_ms)
+        return since_ms;
+    return payer->offer_ms - 1; /* a file may come within the same ms */
+}
+
 /* Drop the uploads of a connection; with conn 0, the uploads that have waited
  * for a job since since_ms or longer. */
 static void
@@ -123,7 +131,8 @@ drop_all(struct uploads *u, uint64_t conn, uint64_t since_ms)
     for (int i = 0; i < UPLOADS_BUCKETS && u->n > 0; i++)
         for (struct upload **at = &u->bucket[i]; *at;)
             if ((*at)->conn == conn &&
-                (conn != 0 || (*at)->since_ms <= since_ms))
+                (conn != 0 ||
+                 (*at)->since_ms <= uploads_kept_from((*at)->payer, since_ms)))
                 drop(u, at);
             else
                 at = &(*at)->next;
@@ -146,6 +155,16 @@ uploads_named(struct uploads *u, const struct uploads_sum *payer,
         if (*at)
             drop(u, at);
     }
+}
+
+void
+uploads_offered(struct uploads *u, const struct uploads_sum *payer,
+                const uint8_t hash[MSG_HASH], uint64_t now_ms)
+{
+    struct upload *f = *find(u, 0, payer, hash);
+
+    if (f)
+        f->since_ms = now_ms;
 }
 
 void

@@ -3,7 +3,7 @@
  * A file is on its way from its first CHUNK to its last.  Then it waits for a
  * job of its sender that names it.  Until a job does, the file counts as the
  * sender's.  A file that waits for too long is forgotten, and the store removes
- * it.
+ * it; but no file of an offer is, while further files of that offer still come.
  *
  *     on its way ---> waiting ---> named by a job, or forgotten
  *          \-> gone: its connection ended, or the store failed to keep it
@@ -30,6 +30,9 @@ struct uploads_sum {
     uint32_t under_way; /* files on their way */
     uint64_t bytes;     /* of files on their way and of files that wait, each
                          * at least UPLOADS_LEAST */
+    uint64_t offer_ms;  /* when the first of the offers under way began; if none
+                         * is, of the last that were; 0: there was none */
+    uint64_t moved_ms;  /* when something of these offers last came */
 };
 
 /* The files of all users; zeroed: none. */
@@ -61,7 +64,17 @@ void uploads_closed(struct uploads *u, uint64_t conn);
 void uploads_named(struct uploads *u, const struct uploads_sum *payer,
                    const struct msg_hashes *files);
 
-/* Forget files that have waited since since_ms or longer. */
+/* The user has offered the file again: if it waits, it waits from now on. */
+void uploads_offered(struct uploads *u, const struct uploads_sum *payer,
+                     const uint8_t hash[MSG_HASH], uint64_t now_ms);
+
+/* Files of which nothing was heard since since_ms may be forgotten: but of this
+ * user, only if nothing was heard since the time that is returned.  It is
+ * earlier if some of an offer came since since_ms: all files of that offer
+ * stay. */
+uint64_t uploads_kept_from(const struct uploads_sum *payer, uint64_t since_ms);
+
+/* Forget files that have waited since since_ms or longer, and may be. */
 void uploads_forget(struct uploads *u, uint64_t since_ms);
 
 /* Write the hashes of all files that wait into hashes, which has room for u->n;

@@ -255,6 +255,57 @@ START_TEST(files_that_no_job_names_count_for_a_while)
 }
 END_TEST
 
+/* A scene that takes longer than upload_s to come: files that came first, and
+ * files that were here before it was offered, stay until its job names them. */
+START_TEST(no_file_is_forgotten_while_others_of_its_offer_come)
+{
+    struct msg offer = { .type = MSG_OFFER, .offer = { 1, hash } };
+    const struct coord_owner *eve = desk_owner(f.c, "eve");
+    size_t n;
+
+    say(EVE, &offer);
+    send_chunk(EVE, 7, 0, 1000);
+    file_is_whole(EVE, 7);
+    for (uint64_t i = 0; i < 10; i++) {
+        wait_s(UPLOAD_MS / 2000);
+        send_chunk(EVE, 8, 1000 * i, 10000);
+    }
+    ck_assert(known_has(&eve->files, hash));
+    ck_assert_uint_eq(eve->uploads.bytes, 2 * UPLOADS_LEAST);
+    free(coord_files(f.c, &n));
+    ck_assert_uint_ge(n, 2); /* hash, and 7, perhaps twice */
+    file_is_whole(EVE, 8);
+    submit(EVE, job_a, 0); /* which names hash, and neither 7 nor 8 */
+    ck_assert_int_eq(f.last[EVE].type, MSG_ACCEPT);
+    wait_s(UPLOAD_MS / 1000 + 2);
+    ck_assert_int_eq(used(EVE, "user_upload_mib"), 0);
+    free(coord_files(f.c, &n));
+    ck_assert_uint_eq(n, 1);
+}
+END_TEST
+
+/* So an upload goes on over a line that breaks now and then. */
+START_TEST(files_that_are_offered_again_wait_anew)
+{
+    static const uint8_t seven[MSG_HASH] = { 7 };
+    struct msg offer = { .type = MSG_OFFER, .offer = { 1, seven } };
+
+    say(EVE, &offer);
+    send_chunk(EVE, 7, 0, 1000);
+    file_is_whole(EVE, 7);
+    coord_closed(f.c, f.now_ms, EVE, "broken");
+    carry_out();
+    wait_s(UPLOAD_MS / 2000);
+    say(EVE_TOO, &offer);
+    coord_closed(f.c, f.now_ms, EVE_TOO, "broken");
+    carry_out();
+    wait_s(UPLOAD_MS / 2000 + 2);
+    ck_assert_int_eq(used(ADMIN, "user_upload_mib"), 1);
+    wait_s(UPLOAD_MS / 2000 + 2);
+    ck_assert_int_eq(used(ADMIN, "user_upload_mib"), 0);
+}
+END_TEST
+
 START_TEST(who_sends_and_stops_is_let_go)
 {
     struct msg offer = { .type = MSG_OFFER, .offer = { 1, hash } };
@@ -351,6 +402,8 @@ main(void)
     tcase_add_test(tc, frames_and_bytes_are_limited_too);
     tcase_add_test(tc, files_on_their_way_are_limited_by_number_and_bytes);
     tcase_add_test(tc, files_that_no_job_names_count_for_a_while);
+    tcase_add_test(tc, no_file_is_forgotten_while_others_of_its_offer_come);
+    tcase_add_test(tc, files_that_are_offered_again_wait_anew);
     tcase_add_test(tc, who_sends_and_stops_is_let_go);
     tcase_add_test(tc, a_job_whose_files_do_not_come_fails);
     tcase_add_test(tc, a_full_disk_does_not_count);
