@@ -39,6 +39,7 @@ struct coord_worker {
     bool hangs;           /* has work, but its progress counter stands still */
     const struct job *loading; /* job that its next READY is for */
     bool forgotten;            /* gone, and no longer listed */
+    bool expelled;             /* its key ended, and it has not come since */
     bool drained;              /* gets no new work: an admin's wish */
     bool leaving;              /* gets no new work: its own wish */
     bool alone;        /* has a suspect unit, and gets no other unit now */
@@ -125,8 +126,7 @@ size_t desk_slot(uint64_t id);
 struct coord_conn *desk_find_conn(const struct coord *c, uint64_t id);
 /* The job of that id, or NULL. */
 struct job *desk_find_job(const struct coord *c, const uint8_t id[MSG_JOB]);
-/* The job of that id and sequence, or NULL: after a job was deleted another job
- * may have its id. */
+/* The same, if it has that sequence: a deleted job's id may come again. */
 struct job *desk_same_job(const struct coord *c, const uint8_t id[MSG_JOB],
                           uint64_t sequence);
 /* The worker of that name, connected or not, or NULL. */

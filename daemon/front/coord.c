@@ -234,6 +234,24 @@ on_failed(struct coord *c, struct coord_worker *w, const struct msg *m)
     verdict_job(c, job, JOB_FAILED, m->failed.status, text);
 }
 
+/* Handler of READY.  A worker that was not connected when others were expelled
+ * still has its links with them: it is told to end these now. */
+static void
+on_ready(struct coord *c, struct coord_worker *w, const struct msg *m)
+{
+    const struct job *job;
+    uint32_t index;
+
+    sched_ready(c, w, m);
+    job = desk_find_job(c, m->ready.job);
+    index = job ? desk_index(job, w) : JOB_NOBODY;
+    if (index == JOB_NOBODY || !desk_is_ready(job, index))
+        return;
+    for (uint32_t i = 0; i < job->nworkers; i++)
+        if (job->workers[i].worker->expelled)
+            introduce_unlink(c, job, w, job->workers[i].worker);
+}
+
 /* Handlers of workers' messages. */
 static const struct {
     enum msg_type type;
@@ -241,7 +259,7 @@ static const struct {
                    const struct msg *m);
 } handlers[] = {
     { MSG_RESULT, result_rows },
-    { MSG_READY, sched_ready },
+    { MSG_READY, on_ready },
     { MSG_LOST, loss_reported },
     { MSG_TALLY, sched_tally },
     { MSG_FACTS, handoff_facts },
@@ -546,10 +564,13 @@ coord_fullness(struct coord *c, uint64_t now_ms, bool full, const char *text)
 void
 coord_expel(struct coord *c, uint64_t now_ms, const char *name)
 {
-    const struct coord_worker *w = desk_find_worker(c, name);
+    struct coord_worker *w = desk_find_worker(c, name);
 
     c->now_ms = now_ms;
-    for (size_t i = 0; w && i < c->njobs; i++)
+    if (!w)
+        return;
+    w->expelled = true;
+    for (size_t i = 0; i < c->njobs; i++)
         if (!job_over(c->jobs[i]))
             introduce_drop(c, c->jobs[i], w);
 }

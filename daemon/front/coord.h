@@ -122,8 +122,10 @@ uint8_t *coord_files(const struct coord *c, size_t *n);
 void coord_fullness(struct coord *c, uint64_t now_ms, bool full,
                     const char *text);
 
-/* The worker of that name is no longer welcome: tell the other workers of its
- * jobs to end their links with it.  The shell closes its connection. */
+/* The worker of that name is no longer welcome, connected or not: tell the
+ * other workers of its jobs to end their links with it, each as soon as it is
+ * there; until the worker says HELLO again.  The shell closes its connection.
+ */
 void coord_expel(struct coord *c, uint64_t now_ms, const char *name);
 
 /* Time has passed; call it about every 100 ms. */

@@ -311,6 +311,7 @@ release(void *arg)
     transfers_free(r->transfers);
     coord_free(r->coord);
     keyring_free(r->keys);
+    free(r->worker_keys);
     owners_free(r->owners);
     store_close(r->store);
 }

@@ -105,8 +105,15 @@ on_keyed(void *arg, uv_stream_t *stream, struct tls *tls, const char *peer)
     who.roles = roles_of_key(&k);
     /* workers of an embedded coordinator share one key and choose their names
      */
-    if (k.role == MSG_ROLE_WORKER && !r->set.common.embedded)
+    if (k.role == MSG_ROLE_WORKER && !r->set.common.embedded) {
         who.name = k.name;
+        if (!radcoord_note_key(r, &k, tls_id(tls))) {
+            log_err("connection refused peer=%s: out of memory", peer);
+            tls_free(tls);
+            conn_stream_close(stream);
+            return;
+        }
+    }
     log_debug("connection peer=%s key=%s", peer, tls_id(tls));
     add_conn(r, stream, tls, &who);
 }

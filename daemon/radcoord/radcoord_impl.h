@@ -40,11 +40,19 @@ struct radcoord_settings {
     char logins[CONF_TEXT];
 };
 
+/* The key by which a worker last came. */
+struct worker_key {
+    char name[MSG_MAX_NAME + 1], id[KEY_ID];
+};
+
 struct radcoord {
     struct radcoord_settings set;
     struct daemon daemon;
     struct listener *tcp, *local;
     struct keyring *keys;
+    struct worker_key *worker_keys; /* by which workers came in this life, and
+                                     * that did not end since */
+    size_t nworker_keys;
     struct owners *owners;
     uint64_t keys_ms;  /* when the key file was last looked at */
     uint64_t sweep_ms; /* when unneeded files were last removed */
@@ -90,6 +98,9 @@ void radcoord_refuse_submit(struct radcoord *r, uint64_t id,
 
 /* --- radcoord_keys.c --- */
 
+/* A worker comes by the key k, whose id is id: when the key ends the worker is
+ * expelled, connected or not.  False: memory is out. */
+bool radcoord_note_key(struct radcoord *r, const struct key *k, const char *id);
 /* Read the key file again; log why if that fails. */
 void radcoord_reload_keys(struct radcoord *r);
 /* Look whether the key file has changed or a key has expired; called each tick.

@@ -6,23 +6,48 @@
 #include "net/key/keyorder.h"
 #include "net/log.h"
 
+#include "base/list.h"
+
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <time.h>
 
-/* Why the key of a connection is no longer valid; NULL: it is valid.  If the
- * key is a worker's, other workers are told to end their links with that
- * worker. */
-static const char *
-key_fault(void *arg, const char *id)
+bool
+radcoord_note_key(struct radcoord *r, const struct key *k, const char *id)
 {
-    struct radcoord *r = arg;
-    const char *fault = keyring_fault(r->keys, id);
-    struct key k;
+    size_t i = 0;
 
-    if (fault && key_id_parse(id, &k) && k.role == MSG_ROLE_WORKER)
-        coord_expel(r->coord, radcoord_now(r), k.name);
-    return fault;
+    while (i < r->nworker_keys && strcmp(r->worker_keys[i].name, k->name) != 0)
+        i++;
+    if (i == r->nworker_keys) {
+        if (!rad_list_grow(&r->worker_keys, i, sizeof *r->worker_keys))
+            return false;
+        r->nworker_keys++;
+        snprintf(r->worker_keys[i].name, sizeof r->worker_keys[i].name, "%s",
+                 k->name);
+    }
+    snprintf(r->worker_keys[i].id, sizeof r->worker_keys[i].id, "%s", id);
+    return true;
+}
+
+/* End what hangs on keys that are no longer valid: links of workers with other
+ * workers, of which a worker that is not connected just now may have some, too;
+ * then connections. */
+static void
+drop_keys(struct radcoord *r)
+{
+    for (size_t i = r->nworker_keys; i-- > 0;) {
+        struct worker_key *k = &r->worker_keys[i];
+        const char *fault = keyring_fault(r->keys, k->id);
+
+        if (!fault)
+            continue;
+        log_warn("worker expelled name=%s key=%s: %s", k->name, k->id, fault);
+        coord_expel(r->coord, radcoord_now(r), k->name);
+        *k = r->worker_keys[--r->nworker_keys];
+    }
+    shell_drop_keys(&r->shell, keyring_fault, r->keys);
 }
 
 /* Read the key file again, and close connections whose key is no longer valid.
@@ -34,7 +59,7 @@ reload_keys(struct radcoord *r, struct rad_error *err)
 
     if (rc < 0)
         return rc;
-    shell_drop_keys(&r->shell, key_fault, r);
+    drop_keys(r);
     keyring_settle(r->keys);
     return 0;
 }
@@ -62,7 +87,7 @@ radcoord_tick_keys(struct radcoord *r)
         log_info("key file changed");
         radcoord_reload_keys(r);
     } else {
-        shell_drop_keys(&r->shell, key_fault, r);
+        drop_keys(r);
     }
 }
 

@@ -213,6 +213,17 @@ until_true 5 grep -q 'keys not reloaded.*chmod 600' c.log ||
     fail "a file that all may read was taken"
 chmod 600 keys
 
+# Of a worker that is away the others are told, too, for it may have its links
+# with them.
+worker_start 3 1
+until_true 30 grep -q 'hello .*name=w3' c.log || fail "w3 does not come"
+end_one "$pid_3" "worker 3"
+"$radctl" --coordinator="$sock" key retire worker:w3 >/dev/null ||
+    fail "key retire"
+until_true 5 grep -q 'worker expelled name=w3 key=worker:w3:k1: retired' c.log ||
+    fail "w3 is not expelled: $(tail -n 3 c.log)"
+[ "$(grep -c 'worker expelled name=w3' c.log)" -eq 1 ] || fail "w3: twice"
+
 # One that is gone is not begun anew, with a key that shuts all others out; of a
 # bad one the line is told.
 mv keys away

@@ -228,6 +228,43 @@ START_TEST(a_credential_is_good_for_its_roles_alone)
 }
 END_TEST
 
+/* In a JOB_PEERS: that the link with ws2 of job_a ends. */
+static bool
+drops_second(uint64_t conn)
+{
+    const struct msg_job_peers *p = &f.last[conn].job_peers;
+
+    return f.last[conn].type == MSG_JOB_PEERS && p->npeers == 1 &&
+           p->peers[0].flags == MSG_PEER_DROP &&
+           strcmp(p->peers[0].name, "ws2") == 0;
+}
+
+/* Links outlive connections to the coordinator, so those of a worker that is
+ * expelled end with whoever is there, and with others when they come back. */
+START_TEST(an_expelled_worker_loses_its_links_connected_or_not)
+{
+    submit(ANA, job_a, 0);
+    ready(WORKER, job_a);
+    join(SECOND, MSG_ROLE_WORKER, "ws2", "daemon");
+    ready(SECOND, job_a);
+    coord_closed(f.c, f.now_ms, SECOND, "broken");
+    carry_out();
+    ck_assert(!drops_second(WORKER));
+    coord_expel(f.c, f.now_ms, "ws2");
+    carry_out();
+    ck_assert(drops_second(WORKER));
+    coord_closed(f.c, f.now_ms, WORKER, "broken");
+    carry_out();
+    join(STRANGER, MSG_ROLE_WORKER, "ws1", "daemon");
+    ready(STRANGER, job_a);
+    ck_assert_int_eq(f.peers[STRANGER], 1);
+    join(7, MSG_ROLE_WORKER, "ws2", "daemon"); /* by a new key */
+    join(8, MSG_ROLE_WORKER, "ws3", "daemon");
+    ready(8, job_a);
+    ck_assert_int_eq(f.peers[8], 0); /* nobody is expelled any more */
+}
+END_TEST
+
 int
 main(void)
 {
@@ -246,6 +283,7 @@ main(void)
     tcase_add_test(tc, a_silent_connection_goes_when_a_user_has_too_many);
     tcase_add_loop_test(tc, newer_peers_are_welcome_if_they_speak_ours, 0,
                         N_ELEM(versions));
+    tcase_add_test(tc, an_expelled_worker_loses_its_links_connected_or_not);
     tcase_add_test(tc, peers_are_told_the_version_of_the_pair);
     suite_add_tcase(s, tc);
     return unit_run(s);
