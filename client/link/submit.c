@@ -93,8 +93,8 @@ format_way(const struct submit *s, char *buf, size_t n)
         snprintf(buf, n, "submit again with --job=%s", hex);
 }
 
-/* An error that says that the job stays with the coordinator, and what to do.
- */
+/* An error that says that the job, or what it made, stays with the coordinator,
+ * and what to do. */
 static int
 left_behind(struct submit *s)
 {
@@ -102,6 +102,9 @@ left_behind(struct submit *s)
 
     msg_job_format(s->job->spec->job, hex);
     format_way(s, way, sizeof way);
+    if (s->done)
+        return rad_fail(s->err, RAD_ETEMPFAIL,
+                        "interrupted; the job is done: %s", way);
     if (s->last.state == MSG_STATE_PAUSED)
         return rad_fail(s->err, RAD_ETEMPFAIL,
                         "interrupted; the job stays, paused: radctl resume %s, "
@@ -121,7 +124,7 @@ interrupted(struct submit *s)
 {
     char hex[MSG_JOB_HEX];
 
-    if (s->cancelled || s->cb->alive || s->stage < STAGE_ASKED)
+    if ((s->cancelled && !s->done) || s->cb->alive || s->stage < STAGE_ASKED)
         return rad_fail(s->err, RAD_ETEMPFAIL, "interrupted");
     if (s->stage >= STAGE_KNOWN)
         return left_behind(s);
@@ -519,7 +522,8 @@ say_what_it_got(struct submit *s)
     s->cb->say(s->cb->arg, text);
 }
 
-/* Cancel the job and wait, for CANCEL_MS at most, until the coordinator has. */
+/* Cancel the job and wait, for CANCEL_MS at most, until the coordinator has, or
+ * says that the job is over.  A job that was done before CANCEL came stays. */
 static int
 cancel(struct submit *s)
 {
@@ -533,11 +537,12 @@ cancel(struct submit *s)
     rc = link_send(s->link, &m, s->err);
     while (rc >= 0 && now_ms(s) < until) {
         rc = next(s, LOOK_MS, &answer);
-        if (rc == 1 && answer->type == MSG_ANSWER &&
-            answer->request == s->request)
+        if (rc == 1 && answer->request == s->request &&
+            (answer->type == MSG_ANSWER || answer->type == MSG_FAILED))
             break;
     }
-    say_what_it_got(s);
+    if (!s->done || s->cb->alive)
+        say_what_it_got(s);
     return interrupted(s);
 }
 

@@ -212,6 +212,18 @@ player_cancelled(struct player *p)
     player_send(p, &m);
 }
 
+static void
+player_cancels_too_late(struct player *p)
+{
+    const struct msg *in = player_expect(p, MSG_CANCEL);
+    struct msg m = { .type = MSG_FAILED, .request = in->request };
+
+    m.failed.job = job_id;
+    m.failed.status = EX_USAGE;
+    m.failed.text = "the job is over";
+    player_send(p, &m);
+}
+
 /* --- the scripts --- */
 
 static void
@@ -301,6 +313,17 @@ script_is_cancelled(struct player *p)
     player_take_job(p, false);
     player_progress(p, 1, 0);
     player_cancelled(p);
+}
+
+/* The client is interrupted at PROGRESS; DONE is on its way to it. */
+static void
+script_is_done_before_cancel(struct player *p)
+{
+    player_welcome(p, 1);
+    player_take_job(p, false);
+    player_progress(p, 1, 0);
+    player_done(p);
+    player_cancels_too_late(p);
 }
 
 static void
@@ -506,6 +529,7 @@ static const struct script {
     bool interrupt, detach;
     bool refused;       /* the job is never accepted */
     const char *reason; /* what is learned of why nobody is at it */
+    const char *what; /* how the error begins; then the cluster is another's */
 } scripts[] = {
     { "nobody", NULL, RAD_EUNAVAIL, 0, .refused = true },
     { "refuses", script_refuses, RAD_EPERM, 30, .refused = true },
@@ -520,6 +544,9 @@ static const struct script {
     { "pieces", script_gives_pieces_that_do_not_fit, RAD_EPROTO, 30,
       .detach = false },
     { "cancelled", script_is_cancelled, RAD_ETEMPFAIL, 30, .interrupt = true },
+    { "done before", script_is_done_before_cancel, RAD_ETEMPFAIL, 30,
+      .interrupt = true,
+      .what = "interrupted; the job is done: radctl fetch 0102" },
     { "no worker", script_has_no_worker, RAD_EUNAVAIL, .01, .detach = false },
     { "in the queue", script_is_in_the_queue, 0, .2, .detach = false },
     { "is paused", script_is_paused, 0, .01, .detach = false },
@@ -599,7 +626,7 @@ run_client(const struct script *s, struct client *c, struct rad_error *err)
     uv_loop_t loop;
     int rc;
 
-    if (s->play)
+    if (s->play && !s->what)
         cb.alive = on_alive;
     if (s->reason)
         cb.reason = on_reason;
@@ -626,6 +653,7 @@ START_TEST(conversations_end_as_they_should)
     struct rad_error err = { 0 };
     char path[100];
     int rc, status = 0;
+    uint64_t begin_ns = uv_hrtime();
 
     snprintf(path, sizeof path, "%s/socket", dir);
     unlink(path);
@@ -633,6 +661,8 @@ START_TEST(conversations_end_as_they_should)
     if (s->play)
         c.player = start_player(s, path);
     rc = run_client(s, &c, &err);
+    if (s->interrupt) /* it does not wait for what cannot come */
+        ck_assert_uint_lt(uv_hrtime() - begin_ns, UINT64_C(4000000000));
     ck_assert_msg(rc == s->rc, "%s: %d (%s), expected %d", s->name, rc,
                   err.what, s->rc);
     if (c.player)
@@ -642,6 +672,10 @@ START_TEST(conversations_end_as_they_should)
     ck_assert_int_eq(c.naccepted, s->refused ? 0 : 1);
     if (s->reason)
         ck_assert_str_eq(c.reason, s->reason);
+    if (s->what) {
+        ck_assert_msg(strstr(err.what, s->what) == err.what, "%s", err.what);
+        ck_assert_int_eq(c.nsaid, 0);
+    }
     if (s->rc == 0 && !s->detach) {
         ck_assert_str_eq(c.picture, "a picture");
         ck_assert_str_eq(c.stats, "{ }");
