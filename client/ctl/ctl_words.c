@@ -69,11 +69,27 @@ put_start(FILE *to, double epoch)
     put(to, "since", line);
 }
 
+/* Drained workers are counted apart, for they get no work. */
+static void
+put_workers(FILE *to, const json_t *status)
+{
+    double drained = row_number(status, "drained");
+    double workers = row_number(status, "workers") - drained;
+    double threads =
+        row_number(status, "threads") - row_number(status, "drained_threads");
+    char line[100] = "none", rest[40] = "";
+
+    if (workers > 0)
+        snprintf(line, sizeof line, "%.0f, with %.0f thread%s", workers,
+                 threads, row_plural(threads));
+    if (drained > 0)
+        snprintf(rest, sizeof rest, " (%.0f drained)", drained);
+    tell(to, "%-*s  %s%s", NAME_COLUMNS, "workers", line, rest);
+}
+
 void
 ctl_tell_status(FILE *to, const json_t *status)
 {
-    double workers = row_number(status, "workers");
-    double threads = row_number(status, "threads");
     double jobs = row_number(status, "jobs");
     double kept = row_number(status, "jobs_kept") - jobs;
     double slow = row_number(status, "slow_turns");
@@ -81,12 +97,7 @@ ctl_tell_status(FILE *to, const json_t *status)
 
     put_text(to, status, "program", "program");
     put_start(to, row_number(status, "epoch"));
-    if (workers > 0)
-        snprintf(line, sizeof line, "%.0f, with %.0f thread%s", workers,
-                 threads, row_plural(threads));
-    else
-        snprintf(line, sizeof line, "none");
-    put(to, "workers", line);
+    put_workers(to, status);
     snprintf(line, sizeof line, "%.0f open, %.0f over and kept", jobs,
              fmax(0, kept));
     put(to, "jobs", line);

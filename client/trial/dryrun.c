@@ -26,17 +26,19 @@ static int
 take_status(struct dryrun_cluster *c, const struct msg *m,
             struct rad_error *err)
 {
-    json_int_t workers, threads, jobs;
+    json_int_t workers, threads, jobs, drained = 0, drained_threads = 0;
     json_t *j =
         json_loadb((const char *)m->answer.text, m->answer.len, 0, NULL);
-    int rc = json_unpack(j, "{s:I,s:I,s:I}", "workers", &workers, "threads",
-                         &threads, "jobs", &jobs);
+    int rc = json_unpack(j, "{s:I,s:I,s:I,s?I,s?I}", "workers", &workers,
+                         "threads", &threads, "jobs", &jobs, "drained",
+                         &drained, "drained_threads", &drained_threads);
 
     json_decref(j);
     if (rc != 0)
         return rad_fail(err, RAD_EPROTO, "an answer that is no status");
-    c->workers = (int)workers;
-    c->threads = (int)threads;
+    c->workers = (int)(workers - drained);
+    c->threads = (int)(threads - drained_threads);
+    c->drained = (int)drained;
     c->jobs = (int)jobs;
     return 0;
 }
@@ -180,6 +182,8 @@ print_cluster(const struct dryrun_cluster *c)
     printf("cluster  %d worker%s, %d thread%s%s", c->workers,
            c->workers == 1 ? "" : "s", c->threads, c->threads == 1 ? "" : "s",
            c->embedded ? ", of its own" : "");
+    if (c->drained > 0)
+        printf(" (%d drained)", c->drained);
     if (c->jobs > 0)
         printf(", which %s %d job%s already", c->jobs == 1 ? "has" : "have",
                c->jobs, c->jobs == 1 ? "" : "s");
@@ -231,7 +235,7 @@ dryrun_json(const struct msg_spec *spec, const char *options,
     int n = samples_a_side(spec);
     json_t *j = json_pack(
         "{s:b,s:s,s:s,s:I,s:i,s:{s:I,s:I,s:o},s:{s:i,s:i,s:I},"
-        "s:{s:b,s:i,s:i,s:i},"
+        "s:{s:b,s:i,s:i,s:i,s:i},"
         "s:{s:f,s:f,s:f,s:f,s:f,s:f,s:f,s:{s:f,s:f,s:f}}}",
         "dry_run", 1, "radd", PACKAGE_VERSION, "options", options, "seed",
         (json_int_t)(spec->seed & INT64_MAX), "oversample", n, "scene",
@@ -240,12 +244,12 @@ dryrun_json(const struct msg_spec *spec, const char *options,
         "picture", "width", rad_filter_side((int)spec->frames[0].width, n),
         "height", rad_filter_side((int)spec->frames[0].height, n), "frames",
         (json_int_t)spec->nframes, "cluster", "embedded", (int)c->embedded,
-        "workers", c->workers, "threads", c->threads, "jobs", c->jobs,
-        "predicted", "wall_s", wall_seconds(p, c), "cpu_s", p->cpu_s, "load_s",
-        p->load_s, "rays", p->rays, "primary_rays", p->primary_rays,
-        "ambient_values", p->ambient_values, "memory_bytes", p->bytes, "error",
-        "estimate", p->error.all, "ambient", p->error.ambient, "sampling",
-        p->error.sampling);
+        "workers", c->workers, "threads", c->threads, "drained", c->drained,
+        "jobs", c->jobs, "predicted", "wall_s", wall_seconds(p, c), "cpu_s",
+        p->cpu_s, "load_s", p->load_s, "rays", p->rays, "primary_rays",
+        p->primary_rays, "ambient_values", p->ambient_values, "memory_bytes",
+        p->bytes, "error", "estimate", p->error.all, "ambient",
+        p->error.ambient, "sampling", p->error.sampling);
     char *text;
 
     if (p->points > 0)

@@ -11,7 +11,8 @@
 /* The cluster that would render the job. */
 struct dryrun_cluster {
     bool embedded;
-    int workers, threads; /* threads: of all workers */
+    int workers, threads; /* threads: of all these workers */
+    int drained;          /* further workers, which get no work */
     int jobs;             /* jobs that the coordinator has already */
 };
 

@@ -313,12 +313,17 @@ static json_t *
 status_of(const struct coord *c)
 {
     json_int_t workers = 0, threads = 0, jobs = 0, kept = 0;
+    json_int_t drained = 0, drained_threads = 0;
     struct coord_pace pace = { 0 };
 
     for (const struct coord_worker *w = c->workers; w; w = w->next)
         if (w->conn != 0) {
+            bool rests = w->drained || w->leaving;
+
             workers++;
             threads += w->threads;
+            drained += rests;
+            drained_threads += rests ? w->threads : 0;
         }
     for (size_t i = 0; i < c->njobs; i++) {
         jobs += !job_over(c->jobs[i]);
@@ -327,9 +332,10 @@ status_of(const struct coord *c)
     if (c->env.pace)
         c->env.pace(c->env.arg, &pace);
     return json_pack(
-        "{s:s,s:I,s:I,s:I,s:I,s:I,s:I,s:b,s:I,s:f,s:f}", "program",
+        "{s:s,s:I,s:I,s:I,s:I,s:I,s:I,s:I,s:I,s:b,s:I,s:f,s:f}", "program",
         c->env.program, "epoch", (json_int_t)(c->env.epoch & INT64_MAX),
-        "workers", workers, "threads", threads, "jobs", jobs, "jobs_kept",
+        "workers", workers, "threads", threads, "drained", drained,
+        "drained_threads", drained_threads, "jobs", jobs, "jobs_kept",
         (json_int_t)c->njobs, "kept_bytes", kept, "disk_full", c->full,
         "slow_turns", (json_int_t)pace.slow, "longest_turn_ms", pace.longest_ms,
         "longest_turn_cpu_ms", pace.longest_cpu_ms);

@@ -82,7 +82,35 @@ until_true 20 has_worker || fail "no worker"
 grep -q '^cluster  1 worker, 3 threads$' said || fail "cluster: $(cat said)"
 [ "$("$radctl" --coordinator="$sock" --json jobs | grep -c '"job"')" -eq 0 ] ||
     fail "--dry-run made a job"
-kill "$worker" "$coord"
+
+# a drained worker does not help
+"$radd" --coordinator="$sock" --name=ws2 --threads=2 --listen=127.0.0.1:0 \
+    --cache="$work/cache2" 2>radd2.log &
+second=$!
+on_two()
+{
+    # shellcheck disable=SC2086
+    "$radsubmit" --coordinator="$sock" --dry-run --stats="$1" $view -ab 0 \
+        "$room" >said || fail "on a coordinator: $1"
+}
+status_says() { "$radctl" --coordinator="$sock" status | grep -qE "$1"; }
+until_true 20 status_says '^workers  *2, with 5 threads$' || fail "no ws2"
+"$radctl" --coordinator="$sock" drain ws1 || fail "drain"
+until_true 5 status_says '^workers  *1, with 2 threads \(1 drained\)$' ||
+    fail "status: $("$radctl" --coordinator="$sock" status)"
+on_two one.json
+grep -q '^cluster  1 worker, 2 threads (1 drained)$' said ||
+    fail "cluster: $(cat said)"
+[ "$(number threads one.json),$(number drained one.json)" = 2,1 ] ||
+    fail "one.json: $(cat one.json)"
+"$radctl" --coordinator="$sock" drain ws2 || fail "drain"
+until_true 5 status_says '^workers  *none \(2 drained\)$' ||
+    fail "status: $("$radctl" --coordinator="$sock" status)"
+on_two none.json
+grep -q '^cluster  0 workers, 0 threads (2 drained)$' said ||
+    fail "cluster: $(cat said)"
+grep -q '; about' said && fail "a time without workers: $(cat said)"
+kill "$worker" "$second" "$coord"
 wait
 
 # shellcheck disable=SC2086
