@@ -90,8 +90,8 @@ struct wjob {
     bool started;           /* the coordinator has sent JOB_START on this
                              * connection */
     uint32_t memory_mib;    /* limit for its child; 0: none of its own */
-    uint8_t reuse[MSG_JOB]; /* the job whose cache it begins with; or zeros */
-    uint8_t *start;         /* the JOB_START message, for children */
+    uint8_t *start;         /* the JOB_START message, for children, without the
+                             * priority */
     size_t start_len;
     uint32_t nframes;
     uint32_t width, height; /* the largest of any frame */

@@ -158,10 +158,32 @@ note_frames(struct wjob *job, const struct msg_spec *spec)
     }
 }
 
+/* Pack JOB_START into the worker's scratch as children get it: without the
+ * priority, which may change in a job's life and does not change what a child
+ * renders.  False: memory is out. */
+static bool
+pack_start(struct worker *w, const struct msg *m)
+{
+    struct msg start = *m;
+
+    start.job_start.priority = 0;
+    w->actions.scratch.len = 0;
+    return msg_pack(&w->actions.scratch, &start) == 0;
+}
+
+bool
+wjob_is_same(struct worker *w, const struct wjob *job, const struct msg *m)
+{
+    const struct wire_out *out = &w->actions.scratch;
+
+    return pack_start(w, m) && out->len == job->start_len &&
+           memcmp(out->buf, job->start, out->len) == 0;
+}
+
 struct wjob *
 wjob_new(struct worker *w, const struct msg *m)
 {
-    struct wire_out *out = &w->actions.scratch;
+    const struct wire_out *out = &w->actions.scratch;
     const struct msg_spec *spec = &m->job_start;
     size_t nbytes = (size_t)spec->files.n * MSG_HASH;
     struct wjob *job = calloc(1, sizeof *job);
@@ -170,18 +192,14 @@ wjob_new(struct worker *w, const struct msg *m)
         return NULL;
     job->kept_tail = &job->kept;
     lossy_init(&job->to_child);
-    out->len = 0;
     job->files = malloc(nbytes ? nbytes : 1);
     note_frames(job, spec);
-    if (!job->files || msg_pack(out, m) != 0 ||
-        !(job->start = malloc(out->len))) {
+    if (!job->files || !pack_start(w, m) || !(job->start = malloc(out->len))) {
         wjob_free(job);
         return NULL;
     }
     memcpy(job->id, spec->job, MSG_JOB);
     msg_job_format(job->id, job->hex);
-    if (spec->reuse)
-        memcpy(job->reuse, spec->reuse, MSG_JOB);
     memcpy(job->start, out->buf, out->len);
     job->start_len = out->len;
     if (nbytes)

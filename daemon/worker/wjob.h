@@ -6,6 +6,12 @@
 
 #include "worker/state.h"
 
+/* Is the JOB_START of this very job, and not of another job of the same id?  A
+ * deleted job's id may be given to a new job while the worker is not connected,
+ * and a job that the coordinator did not keep may begin with another cache when
+ * it comes once more. */
+bool wjob_is_same(struct worker *w, const struct wjob *job,
+                  const struct msg *m);
 /* Make the job of a JOB_START, in the worker's list; NULL: memory is out. */
 struct wjob *wjob_new(struct worker *w, const struct msg *m);
 /* Free a job that is no longer in the worker's list. */

@@ -132,22 +132,14 @@ resume_job(struct worker *w, struct wjob *job)
     worker_send_coord(w, &ready);
 }
 
-/* Does JOB_START name another job's cache to begin with than before?  So it may
- * be if the coordinator died before it kept the job, and got it once more. */
-static bool
-begins_otherwise(const struct wjob *job, const struct msg_spec *spec)
-{
-    static const uint8_t none[MSG_JOB];
-
-    return memcmp(job->reuse, spec->reuse ? spec->reuse : none, MSG_JOB) != 0;
-}
-
 static void
 on_job_start(struct worker *w, const struct msg *m)
 {
     struct wjob *job = worker_find_job(w, m->job_start.job);
 
-    if (job && begins_otherwise(job, &m->job_start)) {
+    if (job && !wjob_is_same(w, job, m)) {
+        actions_log(&w->actions, ACT_INFO,
+                    "job end job=%s why=another job has its id", job->hex);
         worker_end_job(w, job);
         job = NULL;
     }

@@ -569,6 +569,53 @@ START_TEST(a_job_that_begins_with_another_cache_begins_anew)
 }
 END_TEST
 
+static void
+start_job_after_a_cut(void)
+{
+    cut();
+    tick(1000);
+    connect();
+    clear();
+    start_job();
+}
+
+/* The job was deleted while the worker was not connected, and its id given to
+ * another job, as radsubmit --job can. */
+START_TEST(another_job_of_the_same_id_begins_anew)
+{
+    static const uint8_t other[MSG_HASH] = { 2 };
+
+    start_job();
+    child_ready();
+    unit(3);
+    rows(3, 0);
+    job_files = other;
+    start_job_after_a_cut();
+    job_files = hash;
+    ck_assert_uint_eq(f.kills, 1);
+    ck_assert_uint_eq(f.spawns, 2);
+    ck_assert_int_eq(said(f.coord, MSG_RESULT), 0);
+    ck_assert_int_eq(said(f.coord, MSG_STILL), 0);
+    ck_assert_int_eq(said(f.coord, MSG_READY), 0);
+    job_seed = 7;
+    start_job_after_a_cut();
+    job_seed = 0;
+    ck_assert_uint_eq(f.spawns, 3);
+}
+END_TEST
+
+START_TEST(a_job_of_another_priority_goes_on)
+{
+    start_job();
+    child_ready();
+    job_priority = 5;
+    start_job_after_a_cut();
+    job_priority = 0;
+    ck_assert_uint_eq(f.spawns, 1);
+    ck_assert_int_eq(said(f.coord, MSG_READY), 1);
+}
+END_TEST
+
 START_TEST(a_parked_unit_is_no_suspect)
 {
     struct msg m = { .type = MSG_PARKED, .parked = { job_id, 0, 1 } };
@@ -646,6 +693,8 @@ main(void)
     tcase_add_test(tc, it_leaves_when_the_coordinator_lets_it_go);
     tcase_add_test(tc, units_go_on_when_the_coordinator_is_back);
     tcase_add_test(tc, a_job_that_begins_with_another_cache_begins_anew);
+    tcase_add_test(tc, another_job_of_the_same_id_begins_anew);
+    tcase_add_test(tc, a_job_of_another_priority_goes_on);
     tcase_add_test(tc, a_parked_unit_is_no_suspect);
     tcase_add_test(tc, a_unit_that_was_parked_and_is_resumed_is_a_suspect);
     suite_add_tcase(s, tc);

@@ -169,6 +169,9 @@ cut(void)
 }
 
 static uint32_t job_flags = MSG_JOB_SHARE;
+static int32_t job_priority;
+static uint64_t job_seed;
+static const uint8_t *job_files = hash; /* one file */
 static const uint8_t *job_reuse;
 
 static inline void
@@ -181,8 +184,10 @@ start_job(void)
                                     .params = "",
                                     .needs = "",
                                     .estimate = "",
+                                    .seed = job_seed,
+                                    .priority = job_priority,
                                     .flags = job_flags,
-                                    .files = { 1, hash },
+                                    .files = { 1, job_files },
                                     .nframes = 1,
                                     .frames = &frame,
                                     .scene = hash,
