@@ -62,6 +62,15 @@ dial_later(struct worker *w)
     w->dial_ms = worker_redial_ms(w, &w->delay_ms);
 }
 
+/* The machine may not be used now, and no coordinator is there to take the work
+ * back: end all jobs, and their children. */
+static void
+end_jobs(struct worker *w)
+{
+    while (w->jobs)
+        worker_end_job(w, w->jobs);
+}
+
 /* The connection to the coordinator is gone; log that, unless the coordinator
  * said BYE or REFUSE. */
 static void
@@ -78,8 +87,8 @@ lost_coord(struct worker *w, const char *why)
     for (struct wjob *job = w->jobs; job; job = job->next)
         job->started = false;
     relay_cut(w);
-    while (w->away && w->jobs) /* the machine may not be used now */
-        worker_end_job(w, w->jobs);
+    if (w->away)
+        end_jobs(w);
     if (w->draining)
         worker_stop(w, 0, "");
 }
@@ -250,6 +259,8 @@ worker_allow(struct worker *w, uint64_t now_ms, bool allowed)
                 allowed ? "work begins" : "work ends: what is left goes back");
     if (allowed)
         w->dial_ms = now_ms;
+    else if (w->coord_state != COORD_WELCOME)
+        end_jobs(w); /* lost_coord() may never come */
     else if (!w->draining)
         worker_send_coord(w, &m);
 }

@@ -231,6 +231,40 @@ START_TEST(a_worker_that_may_not_work_leaves_and_comes_back)
 }
 END_TEST
 
+/* Nobody takes its work back: it waits for the next dial, it dials, or the
+ * coordinator has parted from it. */
+static const enum {
+    BEFORE_DIAL,
+    DIALLING,
+    PARTED
+} no_coord[] = { BEFORE_DIAL, DIALLING, PARTED };
+
+START_TEST(a_worker_that_may_not_work_and_has_no_coordinator_ends_its_children)
+{
+    struct msg bye = { .type = MSG_BYE, .bye = { "drained" } };
+    unsigned dials;
+
+    start_job();
+    child_ready();
+    unit(0);
+    if (no_coord[_i] == PARTED)
+        hear(f.coord, &bye);
+    else
+        cut();
+    if (no_coord[_i] == DIALLING)
+        tick(500);
+    dials = f.dials;
+    ck_assert_uint_eq(dials, no_coord[_i] == DIALLING ? 2 : 1);
+    worker_allow(f.w, f.now_ms, false);
+    carry_out();
+    ck_assert_uint_eq(f.kills, 1);
+    ck_assert_int_eq(said(f.coord, MSG_DRAIN), 0);
+    tick(60000);
+    ck_assert_uint_eq(f.dials, dials);
+    ck_assert_uint_eq(f.spawns, 1);
+}
+END_TEST
+
 START_TEST(what_is_kept_is_counted_until_it_is_acknowledged)
 {
     struct msg ack = { .type = MSG_ACK, .ack = { job_id, 0, 1, 0, 2 } };
@@ -673,6 +707,9 @@ main(void)
     tcase_add_test(tc, units_go_down_and_results_up);
     tcase_add_test(tc, what_was_not_acknowledged_is_sent_again);
     tcase_add_test(tc, a_worker_that_may_not_work_leaves_and_comes_back);
+    tcase_add_loop_test(
+        tc, a_worker_that_may_not_work_and_has_no_coordinator_ends_its_children,
+        0, N_ELEM(no_coord));
     tcase_add_test(tc, what_is_kept_is_counted_until_it_is_acknowledged);
     tcase_add_test(tc, a_child_that_is_held_does_not_hang);
     tcase_add_test(tc, rows_wait_for_the_start_after_a_cut);
