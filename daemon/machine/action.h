@@ -34,6 +34,7 @@ enum action_type {
     /* coordinator; behind the ';' the event that follows */
     ACT_SEND_FILE,     /* conn, request, hash: send the file as CHUNKs, at the
                         * connection's pace, or FAILED if it cannot be read */
+    ACT_DROP_FILES,    /* conn: do not send files that have not begun */
     ACT_JOB_OPEN,      /* job: keep, with room for rows; coord_job_opened */
     ACT_JOB_STATE,     /* job, status, priority: an enum job_state and a
                         * priority to keep */
@@ -126,8 +127,7 @@ struct action {
     enum msg_what what;
     enum action_level level;
     const uint8_t *job, *hash; /* MSG_JOB, MSG_HASH bytes */
-    uint64_t sequence; /* of the job, where an event follows: another job may
-                        * have its id by then */
+    uint64_t sequence; /* of the job, where an event follows: see action_rows */
     const uint8_t *token;      /* MSG_TOKEN bytes */
     struct msg_key key;
     const uint8_t *bytes;

@@ -127,6 +127,9 @@ on_action(void *arg, const struct action *a)
     case ACT_SEND_FILE:
         send_source(r, a, true);
         break;
+    case ACT_DROP_FILES:
+        transfers_drop_files(r->transfers, a->conn);
+        break;
     case ACT_SEND_PICTURE:
         send_source(r, a, false);
         break;

@@ -564,8 +564,10 @@ sched_job_over(struct coord *c, struct job *job)
     for (struct coord_worker *w = c->workers; w; w = w->next) {
         uint32_t index = desk_index(job, w);
 
-        if (w->loading == job)
+        if (w->loading == job) { /* the next job must not wait for its files */
             w->loading = NULL;
+            actions_add(&c->actions, ACT_DROP_FILES, w->conn);
+        }
         if (index == JOB_NOBODY)
             continue;
         if (part_is_here(&job->workers[index]))

@@ -158,12 +158,36 @@ on_read(void *arg, ssize_t n, uint64_t size, int status, const char *text)
     go_on(all, id);
 }
 
+/* Is this a scene's file of which no byte is sent yet? */
+static bool
+is_file_to_come(const struct transfer *t)
+{
+    return t->source.from.file && t->source.offset == 0 && !t->ended;
+}
+
+/* Is all of that file going to be sent over the connection anyway?  If some of
+ * it has been sent it is not, for a worker may have given up the beginning. */
+static bool
+is_to_come(const struct transfers *all, uint64_t id,
+           const struct store_source *from)
+{
+    const struct transfer *t = all->list;
+
+    while (t && (t->id != id || !is_file_to_come(t) ||
+                 memcmp(t->source.from.hash, from->hash, MSG_HASH) != 0))
+        t = t->next;
+    return from->file && t;
+}
+
 void
 transfers_start(struct transfers *t, uint64_t id, struct conn *c,
                 uint32_t request, const struct store_source *from)
 {
-    struct transfer *x = calloc(1, sizeof *x), **at = &t->list;
+    struct transfer *x, **at = &t->list;
 
+    if (is_to_come(t, id, from))
+        return;
+    x = calloc(1, sizeof *x);
     if (!x) {
         conn_break(c, "out of memory"); /* the other end dials again */
         return;
@@ -201,6 +225,15 @@ transfers_tick(struct transfers *t)
     for (struct transfer *x = t->list; x; x = x->next)
         if (!x->ended && !x->reading && !go_on(t, x->id))
             return; /* the connection broke and x left the list */
+}
+
+void
+transfers_drop_files(struct transfers *t, uint64_t id)
+{
+    for (struct transfer *x = t->list; x; x = x->next)
+        if (x->id == id && is_file_to_come(x) && !x->reading)
+            x->ended = true;
+    sweep(t);
 }
 
 void

@@ -28,7 +28,8 @@ void transfers_free(struct transfers *t);
 bool transfers_have_room(const struct conn *c);
 
 /* Send `from` over c, whose number is id; if it cannot be read, FAILED with
- * that request. */
+ * that request.  A file of a scene that waits already until it is sent over c
+ * is sent once. */
 void transfers_start(struct transfers *t, uint64_t id, struct conn *c,
                      uint32_t request, const struct store_source *from);
 
@@ -41,6 +42,10 @@ void transfers_resume(struct transfers *t, uint64_t id);
 /* Time has passed: transfers that waited until their user read answers on other
  * connections may go on. */
 void transfers_tick(struct transfers *t);
+
+/* Do not send files of scenes over the connection that have not begun: their
+ * job is over. */
+void transfers_drop_files(struct transfers *t, uint64_t id);
 
 /* The connection is gone: end its transfers. */
 void transfers_drop(struct transfers *t, uint64_t id);

@@ -130,7 +130,7 @@ struct wjob {
 struct wasked {
     uint8_t hash[MSG_HASH];
     enum { WASKED_WANTED, WASKED_COMES } state;
-    bool lapsed; /* its job ended, so it may never come */
+    bool lapsed; /* its job ended: if it does not come yet it may never come */
 };
 
 /* A connection that a peer made and that is not matched with a job yet. */

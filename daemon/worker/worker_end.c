@@ -21,8 +21,8 @@ worker_end_job(struct worker *w, struct wjob *job)
     link_release_job(w, job);
     gather_release(job);
     relay_release(job);
-    if (job->state == WJOB_FETCHING)
-        files_lapse(w);
+    files_lapse(w); /* also if the job fetches no more: the coordinator may not
+                     * have known that yet */
     if (w->env.leave)
         w->env.leave(w->env.arg, job->id);
     wjob_free(job);

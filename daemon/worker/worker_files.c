@@ -8,10 +8,11 @@
  * for room again, after a delay that grows, and tells the coordinator when
  * there is.
  *
- * Files of a job that ended may still come, or never, if the coordinator ended
- * the job before WANT arrived.  They are marked as lapsed, and asked for again
- * if another job needs them.  Files that come twice, or were not asked for, are
- * ignored. */
+ * Files of a job that ended may still come, or never, for the coordinator sends
+ * no file of such a job that it has not begun to send.  They are marked as
+ * lapsed, and asked for again if another job needs them; but not a file that
+ * comes, for its rest follows.  Files that come twice, or were not asked for,
+ * are ignored. */
 #include "config.h"
 
 #include "worker/worker_files.h"
@@ -66,7 +67,7 @@ ask_anew(struct worker *w, const uint8_t *hash)
 
     if (!a && !add_asked(w, hash))
         w->actions.failed = true;
-    if (a && !a->lapsed)
+    if (a && (!a->lapsed || a->state == WASKED_COMES))
         return false;
     if (a)
         a->lapsed = false;

@@ -15,6 +15,6 @@ bool files_need(const struct wjob *job, const uint8_t *hash);
 void files_watch_room(struct worker *w);
 /* Shall this piece of a file be stored? */
 bool worker_take_chunk(struct worker *w, const struct msg_chunk *chunk);
-/* A job that fetched files has ended: these may never come. */
+/* A job has ended: files that were asked for may never come. */
 void files_lapse(struct worker *w);
 #endif

@@ -112,6 +112,8 @@ coord_action(struct sim *s, const struct action *a)
     case ACT_SEND_FILE:
         send_file(s, a->conn, a->hash);
         break;
+    case ACT_DROP_FILES: /* they were sent at once */
+        break;
     case ACT_SEND_PICTURE:
         send_stats(s, a, job);
         break;

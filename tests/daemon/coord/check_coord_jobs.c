@@ -287,6 +287,23 @@ START_TEST(a_worker_gets_files_of_the_job_that_it_loads_alone)
 }
 END_TEST
 
+/* Else the next job waits for them, behind a slow line. */
+START_TEST(files_of_a_job_that_was_cancelled_are_not_sent_any_more)
+{
+    struct msg want = { .type = MSG_WANT, .want = { 1, hash } };
+
+    submit(ANA, job_a, 0);
+    say(WORKER, &want);
+    ready(WORKER, job_a);
+    submit(ANA, job_b, 0);
+    about(ANA, MSG_CANCEL, job_a);
+    ck_assert_uint_eq(f.files_dropped, 0); /* files of B may be among them */
+    say(WORKER, &want);
+    about(ANA, MSG_CANCEL, job_b);
+    ck_assert_uint_eq(f.files_dropped, WORKER);
+}
+END_TEST
+
 static void
 room(const uint8_t *job, bool has)
 {
@@ -669,6 +686,7 @@ main(void)
     tcase_add_test(
         tc, what_a_user_sent_is_known_for_a_while_or_as_long_as_a_job_names_it);
     tcase_add_test(tc, a_worker_gets_files_of_the_job_that_it_loads_alone);
+    tcase_add_test(tc, files_of_a_job_that_was_cancelled_are_not_sent_any_more);
     tcase_add_test(tc, a_job_without_room_waits_and_others_go_on);
     tcase_add_test(tc, a_worker_without_room_may_have_some_when_it_comes_again);
     tcase_add_test(tc, workers_load_while_a_job_is_stored);

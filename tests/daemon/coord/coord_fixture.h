@@ -56,6 +56,7 @@ static struct {
     uint16_t peer_version[CONNS];
     unsigned files_sent; /* to workers, and the last of them */
     uint8_t file_sent[MSG_HASH];
+    uint64_t files_dropped; /* the connection of the last such action */
     unsigned loads, drops; /* of caches of jobs, and the job of the last */
     uint8_t cache_of[MSG_JOB];
     bool crammed;      /* nobody reads answers */
@@ -127,7 +128,9 @@ carry_out(void)
         else if (a.type == ACT_SEND_FILE) {
             f.files_sent++;
             memcpy(f.file_sent, a.hash, MSG_HASH);
-        } else if (a.type == ACT_SESSION)
+        } else if (a.type == ACT_DROP_FILES)
+            f.files_dropped = a.conn;
+        else if (a.type == ACT_SESSION)
             f.version[a.conn] = a.version;
         else if (a.type == ACT_CLOSE)
             f.closed[a.conn] = true;

@@ -5,4 +5,5 @@ UNIT_TESTS += \
 	tests/daemon/ground/check_files \
 	tests/daemon/ground/check_shelf \
 	tests/daemon/ground/check_shell \
-	tests/daemon/ground/check_task
+	tests/daemon/ground/check_task \
+	tests/daemon/ground/check_transfer

@@ -148,6 +148,44 @@ START_TEST(what_a_job_wanted_that_is_over_is_wanted_again_by_the_next)
 }
 END_TEST
 
+/* What has begun goes on. */
+START_TEST(a_file_that_comes_is_not_wanted_again_by_the_next_job)
+{
+    struct msg over = { .type = MSG_JOB_END, .job_end = { job_id } };
+
+    f.have = false;
+    start_job();
+    chunk(hash, 0);
+    hear(f.coord, &over);
+    clear();
+    start_job();
+    ck_assert_int_eq(said(f.coord, MSG_WANT), 0);
+    chunk(hash, 1);
+    ck_assert_uint_eq(f.chunks, 2);
+}
+END_TEST
+
+/* The coordinator sends no more of its files, however many it wanted. */
+START_TEST(what_a_job_wanted_that_had_no_room_is_wanted_again_by_the_next)
+{
+    static const uint8_t two[2 * MSG_HASH] = { 1, [MSG_HASH] = 2 };
+    struct msg over = { .type = MSG_JOB_END, .job_end = { job_id } };
+
+    f.have = false;
+    job_files = two;
+    job_nfiles = 2;
+    start_job();
+    worker_file_failed(f.w, f.now_ms, hash, EX_IOERR, "no room on the disk");
+    hear(f.coord, &over);
+    clear();
+    start_job();
+    job_files = hash;
+    job_nfiles = 1;
+    ck_assert_int_eq(said(f.coord, MSG_WANT), 1);
+    ck_assert_uint_eq(f.last.want.n, 2);
+}
+END_TEST
+
 START_TEST(units_go_down_and_results_up)
 {
     start_job();
@@ -704,6 +742,9 @@ main(void)
     tcase_add_test(tc, only_what_was_asked_for_is_kept);
     tcase_add_test(tc,
                    what_a_job_wanted_that_is_over_is_wanted_again_by_the_next);
+    tcase_add_test(tc, a_file_that_comes_is_not_wanted_again_by_the_next_job);
+    tcase_add_test(
+        tc, what_a_job_wanted_that_had_no_room_is_wanted_again_by_the_next);
     tcase_add_test(tc, units_go_down_and_results_up);
     tcase_add_test(tc, what_was_not_acknowledged_is_sent_again);
     tcase_add_test(tc, a_worker_that_may_not_work_leaves_and_comes_back);

@@ -171,7 +171,8 @@ cut(void)
 static uint32_t job_flags = MSG_JOB_SHARE;
 static int32_t job_priority;
 static uint64_t job_seed;
-static const uint8_t *job_files = hash; /* one file */
+static const uint8_t *job_files = hash;
+static uint32_t job_nfiles = 1;
 static const uint8_t *job_reuse;
 
 static inline void
@@ -187,7 +188,7 @@ start_job(void)
                                     .seed = job_seed,
                                     .priority = job_priority,
                                     .flags = job_flags,
-                                    .files = { 1, job_files },
+                                    .files = { job_nfiles, job_files },
                                     .nframes = 1,
                                     .frames = &frame,
                                     .scene = hash,
