@@ -33,7 +33,7 @@ enum action_type {
                     * the file is whole and its hash right, or file_failed */
     /* coordinator; behind the ';' the event that follows */
     ACT_SEND_FILE,     /* conn, request, hash: send the file as CHUNKs, at the
-                        * connection's pace, or FAILED if it cannot be read */
+                        * connection's pace; an empty one if it is unreadable */
     ACT_DROP_FILES,    /* conn: do not send files that have not begun */
     ACT_JOB_OPEN,      /* job: keep, with room for rows; coord_job_opened */
     ACT_JOB_STATE,     /* job, status, priority: an enum job_state and a

@@ -72,13 +72,25 @@ transfers_free(struct transfers *t)
     free(t);
 }
 
+/* Send a worker an empty file in place of a file that cannot be read.  No
+ * worker may get FAILED, and every other answer would be new to it; an empty
+ * file has another hash, so the worker reports the job's child as lost, as it
+ * does when the coordinator's disk has spoilt the file. */
+static void
+send_empty(struct transfer *t)
+{
+    struct msg m = { .type = MSG_CHUNK, .request = t->request };
+
+    m.chunk.hash = t->source.from.hash;
+    conn_send(t->conn, &m);
+}
+
 static void
 send_failed(struct transfer *t, int status, const char *text)
 {
-    static const uint8_t no_job[MSG_JOB];
     struct msg m = { .type = MSG_FAILED, .request = t->request };
 
-    m.failed.job = t->source.from.file ? no_job : t->source.from.job;
+    m.failed.job = t->source.from.job;
     m.failed.status = (uint16_t)status;
     m.failed.text = text;
     conn_send(t->conn, &m);
@@ -146,7 +158,10 @@ on_read(void *arg, ssize_t n, uint64_t size, int status, const char *text)
     } else if (n < 0) {
         log_warn("transfer failed peer=%s: %s", conn_peer(t->conn), text);
         t->ended = true;
-        send_failed(t, status, text);
+        if (t->source.from.file)
+            send_empty(t);
+        else
+            send_failed(t, status, text);
     } else {
         send_piece(t, (size_t)n, size);
     }

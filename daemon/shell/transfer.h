@@ -28,8 +28,8 @@ void transfers_free(struct transfers *t);
 bool transfers_have_room(const struct conn *c);
 
 /* Send `from` over c, whose number is id; if it cannot be read, FAILED with
- * that request.  A file of a scene that waits already until it is sent over c
- * is sent once. */
+ * that request; of a scene's file, an empty file.  A file of a scene that waits
+ * already until it is sent over c is sent once. */
 void transfers_start(struct transfers *t, uint64_t id, struct conn *c,
                      uint32_t request, const struct store_source *from);
 

@@ -139,6 +139,30 @@ for named in nothing manifest; do
     esac
 done
 
+# A file that the coordinator's disk has lost fails its job, and costs the worker
+# neither its connection nor other jobs.
+ls state/files >before
+cat >sun.rad <<'END'
+void light bright
+0 0 3 1e6 1e6 1e6
+bright source sun
+0 0 4 0 0 1 .5
+END
+# shellcheck disable=SC2154 # set by worker_start
+kill -STOP "$pid_1"
+id=$("$radsubmit" --coordinator="$tcp" --key=user.key --detach \
+    -vf "$scenes/room.vf" -x 30 -y 20 -ab 0 sun.rad 2>stderr) ||
+    fail "submit: $(cat stderr)"
+# shellcheck disable=SC2010 # names are hashes
+for name in $(ls state/files | grep -vxFf before); do
+    rm "state/files/$name"
+done
+kill -CONT "$pid_1"
+has_failed() { "$radctl" --coordinator="$sock" jobs | grep -q "^$id *failed"; }
+until_true 30 has_failed || fail "a job whose files are lost does not fail"
+grep -q 'coordinator lost' w1.log && fail "the worker lost its connection"
+submit user.key later
+
 # what a user has is known in the next life, too
 kill -KILL "$coord_pid"
 wait "$coord_pid" 2>/dev/null

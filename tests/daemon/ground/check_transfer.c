@@ -12,9 +12,10 @@
 #include <unistd.h>
 
 enum {
-    ID = 5,      /* of the connection */
-    FILES = 8,   /* files of one piece each, more than are sent unread */
-    LONG = FILES /* a file of as many pieces as there are files */
+    ID = 5,       /* of the connection */
+    FILES = 8,    /* files of one piece each, more than are sent unread */
+    LONG = FILES, /* a file of as many pieces as there are files */
+    MISSING       /* no file */
 };
 
 static struct {
@@ -24,7 +25,8 @@ static struct {
     struct conn *conn;
     int fd; /* its other end */
     struct frame_reader reader;
-    int first[LONG + 1], last[LONG + 1]; /* pieces that came, by file */
+    int first[MISSING + 1], last[MISSING + 1]; /* pieces that came, by file */
+    int empty[MISSING + 1];
 } f;
 
 static void
@@ -57,15 +59,22 @@ static const struct conn_handler conn_handler = { .message = on_message,
                                                   .written = on_written };
 static const struct store_handler store_handler = { 0 };
 
-static void
-make_file(uint8_t number, size_t pieces)
+/* Make an empty file; returns its path. */
+static const char *
+make_empty(uint8_t number)
 {
     uint8_t hash[MSG_HASH] = { number };
     char name[6 + RAD_SHA_HEX + 1] = "files/";
-    const char *path;
 
     rad_sha_to_hex(hash, name + 6);
-    path = scratch_file(name, "");
+    return scratch_file(name, "");
+}
+
+static void
+make_file(uint8_t number, size_t pieces)
+{
+    const char *path = make_empty(number);
+
     ck_assert_int_eq(truncate(path, (off_t)(pieces * MSG_MAX_CHUNK)), 0);
 }
 
@@ -133,6 +142,7 @@ note(const struct msg *m)
 
     ck_assert_int_eq(m->type, MSG_CHUNK);
     f.first[c->hash[0]] += c->offset == 0;
+    f.empty[c->hash[0]] += c->total == 0;
     f.last[c->hash[0]] += c->offset + c->len == c->total;
 }
 
@@ -146,11 +156,15 @@ read_some(void)
     size_t n = got > 0 ? (size_t)got : 0;
     struct msg m = { 0 };
 
-    while (n > 0)
-        if (frame_read(&f.reader, &at, &n, &m, NULL) == 1) {
+    while (n > 0) {
+        int rc = frame_read(&f.reader, &at, &n, &m, NULL);
+
+        ck_assert_int_ge(rc, 0);
+        if (rc == 1) {
             note(&m);
             msg_release(&m);
         }
+    }
     return got > 0;
 }
 
@@ -216,6 +230,31 @@ START_TEST(a_file_that_has_begun_is_sent_to_its_end)
 }
 END_TEST
 
+/* No worker may get FAILED; it finds that an empty file has another hash. */
+START_TEST(a_file_that_is_missing_comes_as_an_empty_one)
+{
+    start(MISSING);
+    start(0);
+    settle(true);
+    ck_assert_int_eq(f.empty[MISSING], 1);
+    ck_assert_int_eq(f.last[0], 1);
+    ck_assert_int_eq(f.empty[0], 0);
+}
+END_TEST
+
+START_TEST(a_file_that_is_removed_meanwhile_is_empty_at_last)
+{
+    start(LONG);
+    settle(false);
+    ck_assert_int_eq(unlink(make_empty(LONG)), 0);
+    start(0);
+    settle(true);
+    ck_assert_int_eq(f.empty[LONG], 1);
+    ck_assert_int_eq(f.first[LONG], 2);
+    ck_assert_int_eq(f.last[0], 1);
+}
+END_TEST
+
 int
 main(void)
 {
@@ -228,6 +267,8 @@ main(void)
     tcase_add_test(tc, a_file_that_has_begun_is_sent_again_from_its_beginning);
     tcase_add_test(tc, files_that_have_not_begun_are_dropped);
     tcase_add_test(tc, a_file_that_has_begun_is_sent_to_its_end);
+    tcase_add_test(tc, a_file_that_is_missing_comes_as_an_empty_one);
+    tcase_add_test(tc, a_file_that_is_removed_meanwhile_is_empty_at_last);
     suite_add_tcase(s, tc);
     return unit_run(s);
 }
