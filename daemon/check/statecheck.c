@@ -153,10 +153,10 @@ check_job(void *arg, const struct saved_job *s, struct rad_error *err)
     char files[DISK_PATH_MAX];
     int rc = 0;
 
+    if (folder_is_going(&l->folder, s->spec.job))
+        return 0; /* radcoord will forget it */
     l->out->jobs++;
     l->out->open += !over;
-    if (over && folder_is_going(&l->folder, s->spec.job))
-        return 0;
     if (!over)
         rc = check_files(l, &s->spec, err);
     if (rc < 0)

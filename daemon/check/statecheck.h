@@ -12,7 +12,7 @@
 #include <stdint.h>
 
 struct statecheck {
-    uint32_t jobs;     /* that are known */
+    uint32_t jobs;     /* that are known, and not being forgotten */
     uint32_t open;     /* of these not over */
     uint32_t problems; /* that were told: damage */
     uint32_t denied;   /* likewise: what we may not read, so nobody knows, and

@@ -125,10 +125,11 @@ statedir_fate(struct journal *j, const struct folder *f,
         rc = journal_has_gone(j, job, &gone, err);
     if (rc < 0)
         return rc;
-    if (has)
-        *fate = going ? STATEDIR_TO_GO : STATEDIR_KNOWN;
-    else if (gone || (!going && folder_is_new(f, job)))
+    /* only forgetting a job makes ID.gone, maybe before the job is committed */
+    if (going || (!has && (gone || folder_is_new(f, job))))
         *fate = STATEDIR_TO_GO;
+    else if (has)
+        *fate = STATEDIR_KNOWN;
     else
         *fate = STATEDIR_UNKNOWN;
     return 0;

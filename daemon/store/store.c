@@ -7,7 +7,7 @@
  * A file is on the disk before the journal notes it: first its bytes, then its
  * name, then the note.  A file is removed after the journal has noted that it
  * goes.  Only the folder of a forgotten job is removed before, so the journal
- * may still list the job for a moment. */
+ * may still list the job for a moment, even as one that is not over. */
 #include "config.h"
 
 #include "base/output.h"

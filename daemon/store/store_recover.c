@@ -88,8 +88,9 @@ recover_open(struct recovery *r, const struct saved_job *saved,
     return rc;
 }
 
-/* Forget a job that is over and whose folder was being removed when the last
- * life ended. */
+/* Forget a job whose folder was being removed when the last life ended.  The
+ * database may not know yet that the job is over: a job's end waits for the
+ * commit, or for room on the disk, but the removal of its folder does not. */
 static int
 forget_now(struct recovery *r, const struct saved_job *saved,
            struct rad_error *err)
@@ -114,7 +115,7 @@ recover_one(void *arg, const struct saved_job *saved, struct rad_error *err)
     struct views views = { 0 };
     int rc = 0;
 
-    if (over && folder_is_going(folder, saved->spec.job))
+    if (folder_is_going(folder, saved->spec.job))
         return forget_now(r, saved, err);
     if (!over)
         rc = check_files(r->s, &saved->spec, err);

@@ -2,10 +2,13 @@
  * base lines; damage */
 #include "config.h"
 
+#include "check/statecheck.h"
 #include "journal/journal.h"
 #include "store_fixture.h"
 
+#include <signal.h>
 #include <stdio.h>
+#include <sys/wait.h>
 
 /* --- another life --- */
 
@@ -30,6 +33,41 @@ close_kept(uv_loop_t *loop, struct store *s)
     run(loop, s);
     store_close(s);
     ck_assert_int_eq(uv_loop_close(loop), 0);
+}
+
+static void
+open_job(struct store *s)
+{
+    struct saved_job p = { .spec = { .manifest = kept_manifest,
+                                     .params = "-ab 0",
+                                     .frames = &kept_frame,
+                                     .nframes = 1 },
+                           .owner = "ana" };
+
+    store_open_job(s, kept_job, &p);
+}
+
+/* End the job as cancelled. */
+static void
+end_job(struct store *s)
+{
+    struct saved_job end = { .spec = { .job = kept_job,
+                                       .manifest = kept_manifest,
+                                       .params = "-ab 0",
+                                       .frames = &kept_frame,
+                                       .nframes = 1 },
+                             .sequence = 6,
+                             .state = 5,
+                             .last = { .state = 5 } };
+
+    store_end_job(s, &end, strdup("{ }"), 3);
+}
+
+static void
+forget_job(struct store *s)
+{
+    store_forget_job(
+        s, &(struct saved_gone){ .job = { 9, 8, 7 }, .why = GONE_DELETED });
 }
 
 static int
@@ -63,16 +101,11 @@ recover(struct store *s, struct saved_job *job, struct rad_error *err)
 static void
 make_kept(uv_loop_t *loop, struct store **s, struct heard *h)
 {
-    struct saved_job p = { .spec = { .manifest = kept_manifest,
-                                     .params = "-ab 0",
-                                     .frames = &kept_frame,
-                                     .nframes = 1 },
-                           .owner = "ana" };
     struct saved_job none;
 
     open_kept(loop, s, h);
     ck_assert_int_eq(recover(*s, &none, NULL), 0);
-    store_open_job(*s, kept_job, &p);
+    open_job(*s);
     put_unit(*s, kept_job, 0, 3, 3);
     run(loop, *s);
     ck_assert_int_eq(h->jobs, 1);
@@ -146,6 +179,75 @@ START_TEST(a_job_that_is_over_is_remembered_and_forgotten)
     open_kept(&loop, &s, &h);
     ck_assert_int_eq(recover(s, &job, NULL), 0);
     ck_assert_ptr_null(job.spec.job);
+    close_kept(&loop, s);
+}
+END_TEST
+
+#define KEPT_DIR "jobs/09080700000000000000000000000000"
+
+/* How far the database was with a job whose folder was being removed when the
+ * coordinator was killed. */
+enum unsettled { UNSETTLED_JOB, UNSETTLED_END, UNSETTLED_STRIKE };
+
+/* In a process of its own: forget a job, and be killed when the folder has its
+ * other name, before the tasks that write the database are committed. */
+static void
+die_forgetting(enum unsettled how)
+{
+    struct saved_job none;
+    struct heard h;
+    uv_loop_t loop;
+    struct store *s;
+
+    if (how == UNSETTLED_JOB) {
+        open_kept(&loop, &s, &h);
+        recover(s, &none, NULL);
+        store_settle(s, 5, 1); /* the next commit is 20 ms away */
+        run(&loop, s);
+        open_job(s);
+        while (!is_there(KEPT_DIR "/room"))
+            uv_run(&loop, UV_RUN_NOWAIT);
+    } else {
+        make_kept(&loop, &s, &h);
+    }
+    end_job(s);
+    if (how == UNSETTLED_STRIKE)
+        run(&loop, s);
+    forget_job(s);
+    while (!is_there(KEPT_DIR ".gone"))
+        uv_run(&loop, UV_RUN_NOWAIT);
+    kill(getpid(), SIGKILL);
+}
+
+static void
+tell_problem(void *arg, bool problem, const char *text)
+{
+    (void)arg;
+    ck_assert_msg(!problem, "%s", text);
+}
+
+START_TEST(a_job_that_was_being_forgotten_is_no_damage)
+{
+    struct rad_error err = { 0 };
+    struct statecheck found;
+    struct saved_job job;
+    struct heard h;
+    uv_loop_t loop;
+    struct store *s;
+    pid_t pid = fork();
+    int status;
+
+    if (pid == 0)
+        die_forgetting((enum unsettled)_i);
+    ck_assert_int_eq(waitpid(pid, &status, 0), pid);
+    ck_assert(WIFSIGNALED(status) && WTERMSIG(status) == SIGKILL);
+    ck_assert_int_eq(statecheck_run(dir, &found, tell_problem, NULL, &err), 0);
+    ck_assert_uint_eq(found.jobs, 0);
+    open_kept(&loop, &s, &h);
+    ck_assert_msg(recover(s, &job, &err) == 0, "%s: %s", err.where, err.what);
+    ck_assert_ptr_null(job.spec.job);
+    ck_assert(!is_there(KEPT_DIR));
+    ck_assert(!is_there(KEPT_DIR ".gone"));
     close_kept(&loop, s);
 }
 END_TEST
@@ -392,6 +494,8 @@ main(void)
     tcase_add_checked_fixture(tc, scratch_make, scratch_remove);
     tcase_add_test(tc, a_job_goes_on_in_another_life);
     tcase_add_test(tc, a_job_that_is_over_is_remembered_and_forgotten);
+    tcase_add_loop_test(tc, a_job_that_was_being_forgotten_is_no_damage,
+                        UNSETTLED_JOB, UNSETTLED_STRIKE + 1);
     tcase_add_loop_test(tc, a_damaged_folder_is_refused, 0, N_ELEM(damages));
     tcase_add_loop_test(tc, rows_that_a_disk_has_spoilt_are_none, 0,
                         N_ELEM(spoilt));
