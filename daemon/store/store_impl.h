@@ -27,7 +27,8 @@
 #include <stdatomic.h>
 
 struct arriving;    /* a file that a connection sends */
-struct saved_task; /* a job that is being kept */
+struct saved_task;  /* a job that is being kept */
+struct forget_task; /* a job that is being forgotten */
 struct submit_task; /* a job whose frames are being read */
 
 struct store {
@@ -45,7 +46,8 @@ struct store {
                                  * full */
     size_t backlog;             /* [loop] */
     struct saved_task *opening; /* [loop] jobs that wait to be kept, or are
-                                 * being kept */
+                                 * being kept, the oldest first */
+    struct forget_task *forgetting; /* [loop] jobs that are being forgotten */
     struct submit_task *submitting; /* [loop] SUBMITs whose frames are read */
     struct cache *cache;        /* [pool]; NULL: files are removed by
                                  * store_sweep() alone */

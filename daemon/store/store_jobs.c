@@ -5,9 +5,14 @@
  * unpacked, which copies exactly what a message can carry.
  * A job's end takes two tasks: the first notes it; when the note is on the disk
  * the second removes the rows that are left and counts the bytes.  Forgetting a
- * job takes two as well: the folder is removed at once, also while the disk is
- * full, for that makes room; then the journal's entry, which may have to wait.
- */
+ * job takes three steps of one task: the folder is removed at once, also while
+ * the disk is full, for that makes room; then the journal's entry, which may
+ * have to wait; then the empty folder.
+ *
+ * radsubmit may give the id of a job that is gone to a new job.  The new job is
+ * opened when the old job is forgotten and has no opening that still waits for
+ * room: else the two would share a folder and an entry of the journal, and the
+ * new job would lose both. */
 #include "config.h"
 
 #include "store/store_impl.h"
@@ -46,7 +51,16 @@ struct saved_task {
     char *stats;
     size_t stats_len;
     struct saved_task *next; /* [loop] next in store.opening */
+    bool pushed;             /* [loop] the task is in the queue */
     atomic_bool over;        /* the job is over before it was opened */
+};
+
+/* A task that forgets a job, step by step. */
+struct forget_task {
+    struct task task;
+    struct store *store;
+    struct saved_gone gone;
+    struct forget_task *next; /* [loop] next in store.forgetting */
 };
 
 static void
@@ -129,6 +143,30 @@ open_waits(struct task *t)
         s->handler->waits(s->arg, o->id, o->saved.sequence, failure(t));
 }
 
+static bool
+is_being_forgotten(const struct store *s, const uint8_t *id)
+{
+    for (const struct forget_task *f = s->forgetting; f; f = f->next)
+        if (memcmp(f->gone.job, id, MSG_JOB) == 0)
+            return true;
+    return false;
+}
+
+/* Push the oldest task that opens a job of this id, unless that task is in the
+ * queue already or an earlier job of the id is being forgotten. */
+static void
+push_opening(struct store *s, const uint8_t *id)
+{
+    struct saved_task *o = s->opening;
+
+    while (o && memcmp(o->id, id, MSG_JOB) != 0)
+        o = o->next;
+    if (!o || o->pushed || is_being_forgotten(s, id))
+        return;
+    o->pushed = true;
+    store_push_lasting(s, &o->task);
+}
+
 static void
 open_done(struct task *t)
 {
@@ -140,6 +178,7 @@ open_done(struct task *t)
     while (*at != o)
         at = &(*at)->next;
     *at = o->next;
+    push_opening(s, o->id);
     noted = t->code == 0 && s->journal
                 ? store_new_job_task(s, o->id, noted_run, store_free_task)
                 : NULL;
@@ -156,17 +195,18 @@ store_open_job(struct store *s, const uint8_t job[MSG_JOB],
                const struct saved_job *saved)
 {
     struct saved_job named = *saved;
-    struct saved_task *o;
+    struct saved_task *o, **at = &s->opening;
 
     named.spec.job = job;
     o = new_saved_task(s, &named, open_run, open_done);
     if (!o)
         return;
-    o->next = s->opening;
-    s->opening = o;
+    while (*at)
+        at = &(*at)->next;
+    *at = o;
     if (s->journal)
         o->task.waits = open_waits;
-    store_push_lasting(s, &o->task);
+    push_opening(s, job);
 }
 
 /* Mark a job that is being opened as over, so that its task fails instead of
@@ -177,6 +217,21 @@ give_up_opening(struct store *s, const uint8_t *id)
     for (struct saved_task *o = s->opening; o; o = o->next)
         if (memcmp(o->id, id, MSG_JOB) == 0)
             atomic_store(&o->over, true);
+}
+
+/* Change the state of a job whose opening is not in the queue yet, so a task
+ * that changes the state would come before the task that opens the job. */
+static bool
+put_state_early(struct store *s, const uint8_t *id, int state, int32_t priority)
+{
+    for (struct saved_task *o = s->opening; o; o = o->next)
+        if (!o->pushed && !atomic_load(&o->over) &&
+            memcmp(o->id, id, MSG_JOB) == 0) {
+            o->saved.state = state;
+            o->saved.spec.priority = priority;
+            return true;
+        }
+    return false;
 }
 
 static int
@@ -192,10 +247,11 @@ void
 store_put_state(struct store *s, const uint8_t job[MSG_JOB], int state,
                 int32_t priority)
 {
-    struct job_task *j =
-        s->journal ? store_new_job_task(s, job, state_run, store_free_task)
-                   : NULL;
+    struct job_task *j;
 
+    if (!s->journal || put_state_early(s, job, state, priority))
+        return;
+    j = store_new_job_task(s, job, state_run, store_free_task);
     if (!j)
         return;
     j->state = state;
@@ -354,25 +410,9 @@ store_note_fetched(struct store *s, const uint8_t job[MSG_JOB], uint32_t frame)
     store_push_lasting(s, &j->task);
 }
 
-struct forget_task {
-    struct task task;
-    struct store *store;
-    struct saved_gone gone;
-};
+/* --- a job is forgotten --- */
 
-static struct forget_task *
-new_forget(struct store *s, const struct saved_gone *gone,
-           int (*run)(struct task *t), void (*done)(struct task *t))
-{
-    struct forget_task *f = store_new_task(s, sizeof *f, run, done);
-
-    if (!f)
-        return NULL;
-    f->store = s;
-    f->gone = *gone;
-    return f;
-}
-
+/* A large folder is removed in pieces, so that other tasks run between them. */
 static int
 forget_run(struct task *t)
 {
@@ -402,43 +442,68 @@ forgotten_run(struct task *t)
     return 0;
 }
 
+/* The job is forgotten, or the store ends before it is.  A new job of the same
+ * id is opened, or fails: the journal still has the entry of the old job. */
 static void
-strike_done(struct task *t)
+forgotten_done(struct task *t)
 {
-    struct forget_task *f = (struct forget_task *)t, *last;
+    struct forget_task *f = (struct forget_task *)t;
+    struct store *s = f->store;
+    struct forget_task **at = &s->forgetting;
 
-    last = t->code == 0
-               ? new_forget(f->store, &f->gone, forgotten_run, store_free_task)
-               : NULL;
-    if (last)
-        task_push(&f->store->queue, &last->task);
+    while (*at != f)
+        at = &(*at)->next;
+    *at = f->next;
+    if (t->code < 0)
+        give_up_opening(s, f->gone.job);
+    push_opening(s, f->gone.job);
     free(f);
 }
 
-/* A large folder is removed in pieces, so that other tasks run between them. */
+static void
+strike_done(struct task *t)
+{
+    struct forget_task *f = (struct forget_task *)t;
+
+    if (t->code < 0) {
+        forgotten_done(t);
+        return;
+    }
+    t->run = forgotten_run;
+    t->done = forgotten_done;
+    t->writes = t->lasts = false;
+    task_push(&f->store->queue, t);
+}
+
 static void
 forget_done(struct task *t)
 {
-    struct forget_task *f = (struct forget_task *)t, *strike;
+    struct forget_task *f = (struct forget_task *)t;
     struct store *s = f->store;
 
     if (t->code > 0) {
-        task_push(&s->queue, &f->task);
-        return;
+        task_push(&s->queue, t);
+    } else if (!s->journal) {
+        forgotten_done(t);
+    } else {
+        t->run = strike_run;
+        t->done = strike_done;
+        store_push_lasting(s, t);
     }
-    strike =
-        s->journal ? new_forget(s, &f->gone, strike_run, strike_done) : NULL;
-    if (strike)
-        store_push_lasting(s, &strike->task);
-    free(f);
 }
 
 void
 store_forget_job(struct store *s, const struct saved_gone *gone)
 {
-    struct forget_task *f = new_forget(s, gone, forget_run, forget_done);
+    struct forget_task *f =
+        store_new_task(s, sizeof *f, forget_run, forget_done);
 
-    if (f) /* not a writing task: it may run while the disk is full, and makes
-            * room */
-        task_push(&s->queue, &f->task);
+    if (!f)
+        return;
+    f->store = s;
+    f->gone = *gone;
+    f->next = s->forgetting;
+    s->forgetting = f;
+    /* not a writing task: it may run while the disk is full, and makes room */
+    task_push(&s->queue, &f->task);
 }

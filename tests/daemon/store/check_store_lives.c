@@ -17,14 +17,21 @@ static const uint8_t kept_manifest[MSG_HASH] = { 6, 5, 4 };
 static const struct msg_frame kept_frame = { 0, W, H, "-vtv -vp 0 0 0" };
 
 static void
-open_kept(uv_loop_t *loop, struct store **s, struct heard *h)
+open_for(uv_loop_t *loop, struct store **s, const struct store_handler *to,
+         struct heard *h)
 {
     struct rad_error err = { 0 };
 
     memset(h, 0, sizeof *h);
     uv_loop_init(loop);
-    *s = store_open(loop, dir, true, &handler, h, &err);
+    *s = store_open(loop, dir, true, to, h, &err);
     ck_assert_msg(*s != NULL, "%s: %s", err.where, err.what);
+}
+
+static void
+open_kept(uv_loop_t *loop, struct store **s, struct heard *h)
+{
+    open_for(loop, s, &handler, h);
 }
 
 static void
@@ -248,6 +255,104 @@ START_TEST(a_job_that_was_being_forgotten_is_no_damage)
     ck_assert_ptr_null(job.spec.job);
     ck_assert(!is_there(KEPT_DIR));
     ck_assert(!is_there(KEPT_DIR ".gone"));
+    close_kept(&loop, s);
+}
+END_TEST
+
+/* How many more files the folder of the job has that is being forgotten, and
+ * whether the new job is submitted after DELETE was answered. */
+static const struct {
+    int files;
+    bool answered;
+} old_jobs[] = {
+    { 0, false },
+    { 0, true },
+    { 2500, false }, /* more than one task removes */
+    { 2500, true },
+};
+
+START_TEST(a_job_may_have_the_id_of_one_that_is_being_forgotten)
+{
+    struct saved_job job;
+    struct heard h;
+    char path[200];
+    uv_loop_t loop;
+    struct store *s;
+    FILE *f;
+
+    make_kept(&loop, &s, &h);
+    end_job(s);
+    run(&loop, s);
+    for (int i = 0; i < old_jobs[_i].files; i++) {
+        snprintf(path, sizeof path, "%s/" KEPT_DIR "/%d.hdr", dir, i + 1);
+        f = fopen(path, "w");
+        ck_assert_ptr_nonnull(f);
+        fclose(f);
+    }
+    h.jobs = 0;
+    forget_job(s);
+    store_settle(s, 5, 44);
+    while (old_jobs[_i].answered && h.settled != 44)
+        uv_run(&loop, UV_RUN_ONCE);
+    open_job(s);
+    store_put_state(s, kept_job, 2, 7);
+    run(&loop, s);
+    ck_assert_int_eq(h.jobs, 1);
+    ck_assert(!is_there(KEPT_DIR ".gone"));
+    put_unit(s, kept_job, 0, 3, 3);
+    run(&loop, s);
+    ck_assert_int_eq(h.status, 0);
+    close_kept(&loop, s);
+    open_kept(&loop, &s, &h);
+    ck_assert_int_eq(recover(s, &job, NULL), 0);
+    ck_assert_uint_eq(job.nunits, 1);
+    ck_assert_int_eq(job.state, 2);
+    ck_assert_int_eq(job.spec.priority, 7);
+    close_kept(&loop, s);
+}
+END_TEST
+
+static void
+count_jobs(void *arg, const uint8_t job[MSG_JOB], uint64_t sequence, int status,
+           const char *text)
+{
+    struct heard *h = arg;
+
+    (void)job;
+    (void)sequence;
+    (void)text;
+    h->jobs += status == 0;
+}
+
+/* The second of three jobs that have one id is over, and forgotten, while its
+ * opening waits for the first job to be forgotten. */
+START_TEST(a_job_may_have_the_id_of_one_that_was_never_opened)
+{
+    struct store_handler counts = handler;
+    struct saved_job job;
+    struct heard h;
+    uv_loop_t loop;
+    struct store *s;
+
+    counts.job = count_jobs;
+    open_for(&loop, &s, &counts, &h);
+    ck_assert_int_eq(recover(s, &job, NULL), 0);
+    open_job(s);
+    run(&loop, s);
+    for (int i = 0; i < 2; i++) {
+        end_job(s);
+        forget_job(s);
+        open_job(s);
+    }
+    run(&loop, s);
+    ck_assert_int_eq(h.jobs, 2);
+    put_unit(s, kept_job, 0, 3, 3);
+    run(&loop, s);
+    ck_assert_int_eq(h.status, 0);
+    close_kept(&loop, s);
+    open_kept(&loop, &s, &h);
+    ck_assert_int_eq(recover(s, &job, NULL), 0);
+    ck_assert_uint_eq(job.nunits, 1);
     close_kept(&loop, s);
 }
 END_TEST
@@ -496,6 +601,10 @@ main(void)
     tcase_add_test(tc, a_job_that_is_over_is_remembered_and_forgotten);
     tcase_add_loop_test(tc, a_job_that_was_being_forgotten_is_no_damage,
                         UNSETTLED_JOB, UNSETTLED_STRIKE + 1);
+    tcase_add_loop_test(tc,
+                        a_job_may_have_the_id_of_one_that_is_being_forgotten, 0,
+                        N_ELEM(old_jobs));
+    tcase_add_test(tc, a_job_may_have_the_id_of_one_that_was_never_opened);
     tcase_add_loop_test(tc, a_damaged_folder_is_refused, 0, N_ELEM(damages));
     tcase_add_loop_test(tc, rows_that_a_disk_has_spoilt_are_none, 0,
                         N_ELEM(spoilt));
