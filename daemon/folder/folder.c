@@ -266,7 +266,7 @@ folder_make(struct folder *f, const struct msg_spec *spec,
 }
 
 /* Is the file needless once the job is over: rows, a preview, room, the cache,
- * or a file that is half written? */
+ * a file that is half written, or "over"? */
 static bool
 is_left_over(const char *name)
 {
@@ -274,7 +274,8 @@ is_left_over(const char *name)
     size_t n = strlen(name);
 
     if (strcmp(name, &FOLDER_ROOM[1]) == 0 ||
-        strcmp(name, &FOLDER_CACHE[1]) == 0)
+        strcmp(name, &FOLDER_CACHE[1]) == 0 ||
+        strcmp(name, &FOLDER_OVER[1]) == 0)
         return true;
     for (size_t i = 0; i < sizeof suffix / sizeof suffix[0]; i++) {
         size_t m = strlen(suffix[i]);
@@ -285,22 +286,78 @@ is_left_over(const char *name)
     return false;
 }
 
-void
-folder_rest(struct folder *f, const uint8_t id[MSG_JOB])
+/* Remove the files that the job needs no more, but for the one of that name. */
+static void
+remove_rest(const struct folder *f, const uint8_t *id, const char *stays)
 {
     char path[DISK_PATH_MAX];
     struct dirent *e;
     DIR *d;
 
-    drop_job(f, id);
     folder_path(f, id, "", path);
     d = disk_open_dir(path);
     if (!d)
         return;
     while ((e = readdir(d)) != NULL)
-        if (is_left_over(e->d_name))
+        if (is_left_over(e->d_name) && strcmp(e->d_name, stays) != 0)
             unlinkat(dirfd(d), e->d_name, 0);
     closedir(d);
+}
+
+void
+folder_rest(struct folder *f, const uint8_t id[MSG_JOB])
+{
+    drop_job(f, id);
+    remove_rest(f, id, "");
+}
+
+/* Rename a file of the job's rows to "over", which needs no room, and make that
+ * last before any rows are removed.  A job without rows needs no "over". */
+static int
+mark_over(const struct folder *f, const struct folder_job *j)
+{
+    char path[DISK_PATH_MAX], over[DISK_PATH_MAX];
+    uint32_t i = 0;
+
+    while (i < j->nframes && j->frames[i].file != FILE_ROWS)
+        i++;
+    if (i == j->nframes)
+        return 0;
+    folder_frame_path(f, j->id, i, ".rows", path);
+    folder_path(f, j->id, FOLDER_OVER, over);
+    if (rename(path, over) < 0)
+        return RAD_EIO;
+    folder_path(f, j->id, "", path);
+    return disk_sync_dir(path, NULL) < 0 || truncate(over, 0) < 0 ? RAD_EIO : 0;
+}
+
+void
+folder_give_up(struct folder *f, const uint8_t id[MSG_JOB])
+{
+    const struct folder_job *j = *folder_find_job(f, id);
+
+    if (!j || folder_is_new(f, id) || mark_over(f, j) < 0)
+        return;
+    drop_job(f, id);
+    remove_rest(f, id, &FOLDER_OVER[1]);
+}
+
+bool
+folder_is_given_up(const struct folder *f, const uint8_t id[MSG_JOB])
+{
+    char path[DISK_PATH_MAX];
+
+    folder_path(f, id, FOLDER_OVER, path);
+    return access(path, F_OK) == 0;
+}
+
+void
+folder_go_on(const struct folder *f, const uint8_t id[MSG_JOB])
+{
+    char path[DISK_PATH_MAX];
+
+    folder_path(f, id, FOLDER_OVER, path);
+    unlink(path);
 }
 
 bool

@@ -17,6 +17,8 @@
  * DIR/jobs/ID/stats    statistics of a job that is over, as JSON
  * DIR/jobs/ID/new      there until the database knows the job; until then the
  *                      submitter was not told that the job is accepted
+ * DIR/jobs/ID/over     rows of the job were given up, before the database knew
+ *                      that it is over: an empty file
  * DIR/jobs/ID.gone     the folder of a job that is being forgotten, until the
  *                      database does not know the job any more
  *
@@ -70,6 +72,13 @@ void folder_noted(const struct folder *f, const uint8_t job[MSG_JOB]);
 bool folder_is_new(const struct folder *f, const uint8_t job[MSG_JOB]);
 /* The job is over: remove its rows, room, cache and previews. */
 void folder_rest(struct folder *f, const uint8_t job[MSG_JOB]);
+/* Remove these files on a full disk, where the database cannot note yet that
+ * the job is over.  If it never does, the job goes on in another life, without
+ * rows: they are given up until folder_go_on(), which comes when the database
+ * has struck them. */
+void folder_give_up(struct folder *f, const uint8_t job[MSG_JOB]);
+bool folder_is_given_up(const struct folder *f, const uint8_t job[MSG_JOB]);
+void folder_go_on(const struct folder *f, const uint8_t job[MSG_JOB]);
 /* Rename ID to ID.gone, and remove some of its files.  True: files are left,
  * call again.  The empty ID.gone stays until folder_forgotten(), for the
  * database may still know the job. */

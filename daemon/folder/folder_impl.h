@@ -45,6 +45,7 @@ struct folder_job {
 #define FOLDER_CACHE "/cache"
 #define FOLDER_KEPT  "/kept"
 #define FOLDER_NEW   "/new"
+#define FOLDER_OVER  "/over"
 #define FOLDER_GONE  ".gone"
 void folder_path(const struct folder *f, const uint8_t *id, const char *suffix,
                  char path[DISK_PATH_MAX]);

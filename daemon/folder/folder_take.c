@@ -2,7 +2,9 @@
  *
  * Finished files are compared with their marks.  In a job that is not over a
  * frame of which the database notes rows must have its file; other frames may
- * have one.  The job's room is then set to what frames without a file need. */
+ * have one.  Rows that were given up on a full disk need no file, for
+ * rowcheck.c strikes them.  The job's room is then set to what frames without a
+ * file need. */
 #include "config.h"
 
 #include "folder/folder_impl.h"
@@ -157,15 +159,17 @@ static int
 take_frames(struct folder *f, struct folder_job *j, const struct saved_job *s,
             const struct found *found, struct rad_error *err)
 {
+    bool given_up = folder_is_given_up(f, j->id);
     int rc = 0;
 
     for (uint32_t i = 0; i < j->nframes && rc == 0; i++) {
         struct frame_rows *r = &j->frames[i];
+        bool noted = found->noted[i] && !given_up;
 
         if (s->frames[i].written)
             r->file = FILE_PICTURE;
-        else if (found->there[i] || found->noted[i])
-            rc = take_rows(f, j, i, found->noted[i], err);
+        else if (found->there[i] || noted)
+            rc = take_rows(f, j, i, noted, err);
         if (r->file == FILE_NONE)
             j->room += folder_frame_bytes(j, r);
     }

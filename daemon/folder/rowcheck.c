@@ -34,6 +34,8 @@ static int
 look(const struct check *c, const struct saved_unit *u, bool *sound, bool *line)
 {
     *sound = *line = false;
+    if (folder_is_given_up(c->f, c->saved->spec.job))
+        return 0;
     for (int with = u->nbottom > 0; with < 2 && !*sound; with++) {
         uint64_t sum;
         int rc = folder_sum(c->f, c->saved->spec.job, &u->area, u->stored, with,

@@ -6,8 +6,10 @@
  *
  * A file is on the disk before the journal notes it: first its bytes, then its
  * name, then the note.  A file is removed after the journal has noted that it
- * goes.  Only the folder of a forgotten job is removed before, so the journal
- * may still list the job for a moment, even as one that is not over. */
+ * goes.  The folder of a forgotten job is removed before, so the journal may
+ * still list the job for a moment, even as one that is not over; and so are, on
+ * a full disk, rows of a job that was cancelled or has failed.  Names tell the
+ * next life of either (folder.h). */
 #include "config.h"
 
 #include "base/output.h"
@@ -70,6 +72,8 @@ on_lack(void *arg, enum task_lack what, const char *text)
         log_warn("work waits why=%s", text);
     else if (!s->full && !full)
         log_info("work goes on");
+    if (full && !s->full)
+        store_make_room(s);
     if (full != s->full)
         s->handler->fullness(s->arg, full, text);
     s->full = full;

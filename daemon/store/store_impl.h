@@ -47,6 +47,7 @@ struct store {
     size_t backlog;             /* [loop] */
     struct saved_task *opening; /* [loop] jobs that wait to be kept, or are
                                  * being kept, the oldest first */
+    struct saved_task *closing; /* [loop] jobs whose end is not on the disk */
     struct forget_task *forgetting; /* [loop] jobs that are being forgotten */
     struct submit_task *submitting; /* [loop] SUBMITs whose frames are read */
     struct cache *cache;        /* [pool]; NULL: files are removed by
@@ -110,6 +111,10 @@ int store_refuse(const struct store *s, const struct rad_error *why,
 void store_release_arriving(struct store *s);
 
 /* --- store_jobs.c --- */
+
+/* The disk is full: remove the rows of jobs that end, but whose end cannot be
+ * noted now. */
+void store_make_room(struct store *s);
 
 /* A task about a job; each kind of task uses some of the fields behind id. */
 struct job_task {

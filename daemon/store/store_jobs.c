@@ -4,10 +4,12 @@
  * needs copies of all these.  The specification is packed as a SUBMIT and
  * unpacked, which copies exactly what a message can carry.
  * A job's end takes two tasks: the first notes it; when the note is on the disk
- * the second removes the rows that are left and counts the bytes.  Forgetting a
- * job takes three steps of one task: the folder is removed at once, also while
- * the disk is full, for that makes room; then the journal's entry, which may
- * have to wait; then the empty folder.
+ * the second removes the rows that are left and counts the bytes.  While the
+ * disk is full the note has to wait, and the rows of a job that was cancelled
+ * or has failed may be what fills it: then another task removes them before.
+ * Forgetting a job takes three steps of one task: the folder is removed at
+ * once, also while the disk is full, for that makes room; then the journal's
+ * entry, which may have to wait; then the empty folder.
  *
  * radsubmit may give the id of a job that is gone to a new job.  The new job is
  * opened when the old job is forgotten and has no opening that still waits for
@@ -17,6 +19,7 @@
 
 #include "store/store_impl.h"
 
+#include "jobs/job.h"
 #include "proto/frame.h"
 #include "files/views.h"
 
@@ -50,7 +53,7 @@ struct saved_task {
     char owner[MSG_MAX_NAME + 1], text[MSG_MAX_TEXT + 1];
     char *stats;
     size_t stats_len;
-    struct saved_task *next; /* [loop] next in store.opening */
+    struct saved_task *next; /* [loop] next in store.opening or .closing */
     bool pushed;             /* [loop] the task is in the queue */
     atomic_bool over;        /* the job is over before it was opened */
 };
@@ -337,8 +340,12 @@ end_done(struct task *t)
 {
     struct saved_task *o = (struct saved_task *)t;
     struct store *s = o->store;
+    struct saved_task **at = &s->closing;
     struct job_task *j;
 
+    while (*at != o)
+        at = &(*at)->next;
+    *at = o->next;
     if (!is_mute(s, t)) {
         j = store_new_job_task(s, o->id, rest_run, rest_done);
         if (j) {
@@ -347,6 +354,37 @@ end_done(struct task *t)
         }
     }
     free_saved(o);
+}
+
+static int
+give_up_run(struct task *t)
+{
+    struct job_task *j = (struct job_task *)t;
+
+    folder_give_up(&j->store->folder, j->id);
+    return 0;
+}
+
+/* Remove the rows of a job that ends, unless it is done: then there are none
+ * but those of pictures that wait to be written.  No writing task, for it makes
+ * room. */
+static void
+give_up_rows(struct store *s, const struct saved_task *end)
+{
+    struct job_task *j =
+        end->saved.state != JOB_DONE
+            ? store_new_job_task(s, end->id, give_up_run, store_free_task)
+            : NULL;
+
+    if (j)
+        task_push(&s->queue, &j->task);
+}
+
+void
+store_make_room(struct store *s)
+{
+    for (const struct saved_task *o = s->closing; o; o = o->next)
+        give_up_rows(s, o);
 }
 
 void
@@ -363,6 +401,10 @@ store_end_job(struct store *s, const struct saved_job *saved, char *stats,
     }
     o->stats = stats;
     o->stats_len = len;
+    o->next = s->closing;
+    s->closing = o;
+    if (s->full)
+        give_up_rows(s, o);
     store_push_lasting(s, &o->task);
 }
 

@@ -108,6 +108,20 @@ body first.hdr >first.body
 body half.hdr | cmp first.body - || fail "spoilt rows are in the picture"
 cluster_stop
 damage
+# so are rows that were given up on a full disk before the end of their job was
+# noted
+mv "$rows" "state/jobs/$id/over"
+: >"state/jobs/$id/over"
+"$radctl" check "$work/state" >stdout || fail "given up: $(cat stdout)"
+grep -q 'unit [0-9]*, were given up on a full disk' stdout ||
+    fail "rows that were given up are not told: $(cat stdout)"
+coord_start
+until_true 10 grep -q "rows given up job=$id frame=0 unit=" c.log ||
+    fail "rows that were given up are not missed: $(tail -n 3 c.log)"
+[ ! -e "state/jobs/$id/over" ] || fail "rows would be given up again"
+kill -TERM "$coord_pid"
+wait "$coord_pid"
+damage
 rm state/radcoord.db*
 says "but no database"
 damage

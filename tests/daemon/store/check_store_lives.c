@@ -529,6 +529,45 @@ START_TEST(rows_that_a_disk_has_spoilt_are_none)
 }
 END_TEST
 
+/* On a full disk the rows of a job that is cancelled are removed before that is
+ * noted; a coordinator that is killed then renders them again. */
+START_TEST(rows_that_were_given_up_are_no_damage)
+{
+    struct saved_job p = { .spec = { .manifest = kept_manifest,
+                                     .params = "-ab 0",
+                                     .frames = &kept_frame,
+                                     .nframes = 1 },
+                           .owner = "ana" };
+    struct rad_error err = { 0 };
+    uint32_t stored[2];
+    struct heard h;
+    uint64_t epoch;
+    char command[200];
+    uv_loop_t loop;
+    struct store *s;
+
+    open_kept(&loop, &s, &h);
+    ck_assert_int_eq(store_recover(s, 1, &epoch, note_stored, stored, NULL), 0);
+    store_open_job(s, kept_job, &p);
+    put_pieces(s, false, 1);
+    close_kept(&loop, s);
+    snprintf(command, sizeof command,
+             "cd %s/" KEPT_DIR " && mv 0.rows over && : >over", dir);
+    ck_assert_int_eq(system(command), 0);
+    for (int life = 0; life < 2; life++) {
+        open_kept(&loop, &s, &h);
+        ck_assert_msg(store_recover(s, 1, &epoch, note_stored, stored, &err) ==
+                          0,
+                      "%s: %s", err.where, err.what);
+        ck_assert_uint_eq(stored[0], life == 0 ? 0 : 3);
+        ck_assert_uint_eq(stored[1], life == 0 ? 0 : 3);
+        ck_assert(!is_there(KEPT_DIR "/over"));
+        put_pieces(s, false, 1);
+        close_kept(&loop, s);
+    }
+}
+END_TEST
+
 /* Its floats, of rows that are RGBE. */
 START_TEST(a_units_base_line_outlives_the_store)
 {
@@ -608,6 +647,7 @@ main(void)
     tcase_add_loop_test(tc, a_damaged_folder_is_refused, 0, N_ELEM(damages));
     tcase_add_loop_test(tc, rows_that_a_disk_has_spoilt_are_none, 0,
                         N_ELEM(spoilt));
+    tcase_add_test(tc, rows_that_were_given_up_are_no_damage);
     tcase_add_test(tc, a_units_base_line_outlives_the_store);
     tcase_add_test(tc, a_database_gets_its_name_when_it_is_whole);
     suite_add_tcase(s, tc);
