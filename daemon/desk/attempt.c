@@ -37,6 +37,32 @@ lines_of(const struct job *job, uint32_t unit, const struct job_go *go)
     return go->origin == GO_LOAN ? 1 : last - first;
 }
 
+/* Count the worker's threads for the job's payer while it has attempts in
+ * flight of the job, or makes its tiles. */
+static void
+count_threads(struct job *job, struct job_worker *jw)
+{
+    bool works = jw->in_flight > 0 || jw->worker->fills == job;
+
+    if (works == (jw->counted_threads > 0))
+        return;
+    job->payer->threads -= jw->counted_threads;
+    jw->counted_threads = works ? jw->threads : 0;
+    job->payer->threads += jw->counted_threads;
+}
+
+void
+attempt_fill(struct coord_worker *w, struct job *job)
+{
+    struct job *old = w->fills;
+
+    w->fills = job;
+    if (old && old != job)
+        count_threads(old, &old->workers[desk_index(old, w)]);
+    if (job)
+        count_threads(job, &job->workers[desk_index(job, w)]);
+}
+
 static void
 more_in_flight(struct job *job, uint32_t unit, struct job_go *go)
 {
@@ -44,8 +70,9 @@ more_in_flight(struct job *job, uint32_t unit, struct job_go *go)
 
     go->lines = lines_of(job, unit, go);
     jw->lines += go->lines;
-    if (jw->in_flight++ == 0)
-        job->payer->threads += jw->counted_threads = jw->threads;
+    jw->in_flight++;
+    count_threads(job, jw);
+    attempt_fill(jw->worker, NULL);
     if (jw->worker->in_flight++ == 0 ||
         job->spec.priority > jw->worker->priority)
         jw->worker->priority = job->spec.priority;
@@ -56,8 +83,8 @@ less_in_flight(const struct coord *c, struct job *job, struct job_worker *jw,
                const struct job_go *go)
 {
     jw->lines -= go->lines;
-    if (--jw->in_flight == 0)
-        job->payer->threads -= jw->counted_threads;
+    jw->in_flight--;
+    count_threads(job, jw);
     jw->worker->in_flight--;
     if (jw->in_flight == 0)
         attempt_rate(c, jw->worker);

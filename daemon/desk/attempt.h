@@ -17,6 +17,10 @@ bool attempt_revive(struct coord *c, struct job *job, uint32_t index,
 /* Change the attempt's state, and the worker's counts of attempts. */
 void attempt_step(struct coord *c, struct job *job, uint32_t unit,
                   struct job_go *go, enum go_state to);
+/* The worker makes tiles for the job from now on, or with NULL for none: its
+ * threads count for the job's payer between tiles, too, until it gets a unit,
+ * or tiles of another job. */
+void attempt_fill(struct coord_worker *w, struct job *job);
 /* Count the attempt's lines again: the unit was cut. */
 void attempt_shrunk(struct job *job, uint32_t unit, struct job_go *go);
 /* Cut a unit after `height` rows, which are all that the attempt will do: the

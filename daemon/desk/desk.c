@@ -293,6 +293,8 @@ desk_is_idle(const struct job *job, uint32_t index)
 
     return jw->state == PART_READY && desk_takes_units(jw->worker) &&
            !jw->lags &&
+           (!jw->worker->fills || jw->worker->fills == job ||
+            jw->worker->fills->spec.priority < job->spec.priority) &&
            (jw->worker->in_flight == 0 ||
             jw->worker->priority < job->spec.priority) &&
            !jw->worker->alone;

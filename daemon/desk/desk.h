@@ -31,6 +31,7 @@ struct coord_worker {
     uint32_t delivered;   /* attempts that are GO_DELIVERED */
     double relative;      /* speed of a thread in earlier jobs; 1: the mean */
     uint64_t free_ms;     /* when in_flight last became 0 */
+    struct job *fills;    /* job whose tiles it makes (attempt_fill), or NULL */
     int64_t priority;     /* highest of its jobs in flight; INT64_MIN: none */
     int64_t rank;         /* highest of these jobs, or with units for it */
     uint32_t load;        /* of its host, in hundredths, by its last PING */
@@ -135,8 +136,7 @@ struct coord_worker *desk_find_worker(const struct coord *c, const char *name);
 struct coord_owner *desk_owner(struct coord *c, const char *name);
 /* Index of the worker in the job; JOB_NOBODY: it has no part in the job. */
 uint32_t desk_index(const struct job *job, const struct coord_worker *w);
-/* Index of the worker in the job, in which it gets a part if it has none;
- * JOB_NOBODY: memory is out. */
+/* The worker's index in the job, made if need be; JOB_NOBODY: out of memory. */
 uint32_t desk_add_worker(struct job *job, struct coord_worker *w);
 
 /* The job that a message of worker w names; *index: the worker's in the job.

@@ -3,6 +3,7 @@
 
 #include "filling/tiles.h"
 
+#include "desk/attempt.h"
 #include "desk/speed.h"
 #include "desk/verdict.h"
 #include "filling/colours.h"
@@ -189,23 +190,48 @@ tiles_out(const struct job_worker *jw)
     return n;
 }
 
+/* Do all threads of the worker render lines of another job, of no lower
+ * priority? */
+static bool
+renders_lines(const struct coord *c, const struct job *job,
+              const struct coord_worker *w)
+{
+    for (size_t i = 0; i < c->njobs; i++) {
+        const struct job *o = c->jobs[i];
+        uint32_t index = desk_index(o, w);
+
+        if (o->spec.priority < job->spec.priority)
+            break;
+        if (o != job && index != JOB_NOBODY &&
+            o->workers[index].in_flight > 0 &&
+            partition_is_strict(o->partition) &&
+            partition_kind(o->partition) != MSG_PART_SCANBAR)
+            return true;
+    }
+    return false;
+}
+
 /* Has the worker room for another tile?  A worker has a tile for each thread,
  * and while many tiles wait half as many more, so that no thread waits for the
- * coordinator.  Only tiles of the first pass that has waiting tiles count as
- * waiting: at the end of a pass no tile must stand behind a dear tile in a
- * worker. */
+ * coordinator; but none more beside units of another job.  Only tiles of the
+ * first pass that has waiting tiles count as waiting: at the end of a pass no
+ * tile must stand behind a dear tile in a worker. */
 static bool
-has_room(const struct job *job, uint32_t index)
+has_room(const struct coord *c, const struct job *job, uint32_t index)
 {
     const struct passes *s = job->passes;
     const struct job_worker *jw = &job->workers[index];
     uint32_t n = jw->threads;
     uint32_t waiting = 0;
+    bool mixed = jw->worker->in_flight > jw->in_flight;
 
+    if (mixed && renders_lines(c, job, jw->worker))
+        return false;
     for (uint32_t i = s->open; i < s->opened && waiting == 0; i++)
         waiting = s->sheet[i % MSG_OPEN_PASSES].waiting;
     return jw->worker->in_flight + tiles_out(jw) <
-           (waiting <= PLENTY * job->speed.threads ? n : n + (n + 1) / 2);
+           (mixed || waiting <= PLENTY * job->speed.threads ? n
+                                                            : n + (n + 1) / 2);
 }
 
 bool
@@ -226,7 +252,7 @@ tiles_give(struct coord *c, struct job *job, uint32_t index)
     struct tile *t;
     uint32_t pass;
 
-    if (!has_room(job, index) || !(t = choose(c, job, index, &pass)))
+    if (!has_room(c, job, index) || !(t = choose(c, job, index, &pass)))
         return false;
     k = passes_sheet(s, pass);
     if (t->nholders == 0)
@@ -237,6 +263,7 @@ tiles_give(struct coord *c, struct job *job, uint32_t index)
     t->holder[t->nholders++] = index;
     t->out_ms = c->now_ms;
     jw->ntiles[pass % MSG_OPEN_PASSES]++;
+    attempt_fill(jw->worker, job);
     if (job->first_ms == 0)
         job->first_ms = c->now_ms;
     if (job->state == JOB_WAITING)
@@ -277,6 +304,8 @@ tiles_lost(struct job *job, uint32_t index)
 
     memset(jw->ntiles, 0, sizeof jw->ntiles);
     jw->lags = false;
+    if (jw->worker->fills == job)
+        attempt_fill(jw->worker, NULL);
     for (uint32_t k = 0; s && k < MSG_OPEN_PASSES; k++)
         for (uint32_t i = s->sheet[k].oldest, then; i != NO_TILE; i = then) {
             then = s->sheet[k].tile[i].then;

@@ -157,6 +157,16 @@ lacks_workers(const struct coord *c, const struct job *job)
     return some ? "all workers are drained" : "no worker is there";
 }
 
+/* Has the job not begun, and are all workers that may work at other jobs? */
+static bool
+waits_its_turn(const struct coord *c, const struct job *job)
+{
+    for (const struct coord_worker *w = c->workers; w; w = w->next)
+        if (desk_takes_units(w) && w->in_flight == 0 && !w->fills)
+            return false;
+    return job->state == JOB_WAITING && job->stage == STAGE_OPEN;
+}
+
 /* Why the job is over or gets nowhere, for users; the text is in buf if it has
  * to be made. */
 static const char *
@@ -184,7 +194,9 @@ why(const struct coord *c, const struct job *job, char buf[MSG_MAX_TEXT + 1])
         return buf;
     }
     if (!first)
-        return job->text;
+        return !job->text[0] && waits_its_turn(c, job)
+                   ? "the workers are at other jobs, which go first"
+                   : job->text;
     snprintf(buf, MSG_MAX_TEXT + 1,
              "--same-bits: no worker here has the arithmetic of the first, %s",
              first->name);

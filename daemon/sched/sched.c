@@ -183,6 +183,17 @@ give_unit(struct coord *c, struct job *job, struct coord_worker *w,
     return true;
 }
 
+/* Does the worker work for another job, of no lower priority? */
+static bool
+works_elsewhere(const struct job *job, const struct coord_worker *w,
+                uint32_t index)
+{
+    return (w->fills && w->fills != job &&
+            w->fills->spec.priority >= job->spec.priority) ||
+           (w->in_flight > job->workers[index].in_flight &&
+            w->priority >= job->spec.priority);
+}
+
 /* Give the worker a tile, areas or a unit of a job that it has loaded; false:
  * it gets none now.  *done: nor shall it get any of other jobs. */
 static bool
@@ -190,7 +201,8 @@ serve_job(struct coord *c, struct job *job, struct coord_worker *w,
           uint32_t index, bool *done)
 {
     if (passes_open(job) || job->workers[index].lags) {
-        *done = true; /* the next pass may be open in a moment */
+        /* the next pass may be open in a moment */
+        *done = !works_elsewhere(job, w, index);
         return tiles_give(c, job, index);
     }
     if (job->survey) {
@@ -227,9 +239,42 @@ may_look(const struct job *job, const struct coord_worker *w)
            (index == JOB_NOBODY || job->workers[index].state == PART_GONE);
 }
 
+/* Threads that work for the job's owner.  For a job whose tiles the worker
+ * makes the worker's own do not count: they would as well for any other owner.
+ * So a worker leaves a job's tiles only if owners have more equal shares then.
+ */
+static uint32_t
+threads_beside(const struct job *job, const struct coord_worker *w)
+{
+    if (w->fills != job)
+        return job->payer->threads;
+    return job->payer->threads -
+           job->workers[desk_index(job, w)].counted_threads;
+}
+
+/* Has the worker units of the job, or does it make the job's tiles? */
+static bool
+is_at(const struct job *job, const struct coord_worker *w)
+{
+    uint32_t index = desk_index(job, w);
+
+    return index != JOB_NOBODY &&
+           (w->fills == job || job->workers[index].in_flight > 0);
+}
+
+/* Does the job go before an older job of the same priority? */
+static bool
+goes_before(const struct job *job, const struct job *older,
+            const struct coord_worker *w)
+{
+    uint32_t a = threads_beside(job, w), b = threads_beside(older, w);
+
+    return a < b || (a == b && is_at(job, w) && !is_at(older, w));
+}
+
 /* The next job of this search: of those with the highest priority the job whose
- * owner has the fewest threads at work, of these the oldest.  NULL: no job is
- * left. */
+ * owner has the fewest threads at work, of these a job that the worker works
+ * for, of these the oldest.  NULL: no job is left. */
 static struct job *
 next_job(const struct coord *c, const struct coord_worker *w)
 {
@@ -241,8 +286,7 @@ next_job(const struct coord *c, const struct coord_worker *w)
         if (best && job->spec.priority < best->spec.priority)
             break;
         if (job->served != c->serving && !desk_idle_job(job) &&
-            may_look(job, w) &&
-            (!best || job->payer->threads < best->payer->threads))
+            may_look(job, w) && (!best || goes_before(job, best, w)))
             best = job;
     }
     return best;
@@ -280,6 +324,16 @@ recall(struct coord *c, struct coord_worker *w)
     }
 }
 
+/* Let the worker's threads no longer count for a job that is filled, or that it
+ * may not work for now. */
+static void
+leave_passes(struct coord_worker *w)
+{
+    if (w->fills &&
+        (!w->fills->filling || desk_idle_job(w->fills) || !desk_takes_units(w)))
+        attempt_fill(w, NULL);
+}
+
 /* Units of the job wait, and none was for this idle worker. */
 static void
 note_passed(const struct coord *c, struct job *job, uint32_t index)
@@ -303,6 +357,7 @@ sched_serve(struct coord *c, struct coord_worker *w)
     struct job *job;
 
     recall(c, w);
+    leave_passes(w);
     if (!desk_takes_units(w) || w->alone || c->full)
         return false;
     c->serving++;
@@ -568,6 +623,8 @@ sched_job_over(struct coord *c, struct job *job)
             w->loading = NULL;
             actions_add(&c->actions, ACT_DROP_FILES, w->conn);
         }
+        if (w->fills == job)
+            attempt_fill(w, NULL);
         if (index == JOB_NOBODY)
             continue;
         if (part_is_here(&job->workers[index]))

@@ -4,7 +4,8 @@
  * its end.  A unit is given back (YIELD, GAVE), and its rows and facts are
  * kept, when its job is paused; its worker is to leave; a job of higher
  * priority has a unit for the worker; or its owner has more workers than
- * another owner with a job of the same priority.
+ * another owner with a job of the same priority.  Tiles are short: a worker
+ * ends those that it has beside the units of the job that it goes to (sched.c).
  * A unit that is to be given back counts as parked, so its worker gets others.
  * Of a window nothing can be kept: it is taken back (REVOKE) and begins anew.
  * Estimates (survey.c) are ended by REST. */
@@ -193,8 +194,8 @@ share_workers(struct coord *c, struct job *job)
         struct coord_worker *w = job->workers[i].worker;
         struct job *other;
 
-        if (!has_some_for(c, job, i) || job->survey || passes_open(job) ||
-            !desk_takes_units(w) || !(other = job_to_yield(c, job, w)))
+        if (!has_some_for(c, job, i) || job->survey || !desk_takes_units(w) ||
+            !(other = job_to_yield(c, job, w)))
             continue;
         give_all_back(c, other, desk_index(other, w));
         sched_serve(c, w);

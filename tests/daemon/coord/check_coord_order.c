@@ -1,8 +1,10 @@
 /* check_coord_order.c - which job a worker gets units of */
 #include "config.h"
 
-#include "coord_fixture.h"
+#include "coord_passes_fixture.h"
+#include "filling/tiles.h"
 #include "front/report.h"
+#include "jobs/part.h"
 
 START_TEST(a_paused_job_gets_no_units)
 {
@@ -71,6 +73,92 @@ START_TEST(owners_share_the_workers)
     result(SECOND, job_a, f.last[SECOND].unit.unit, 1);
     /* ana's is older, but she has more threads at work */
     ck_assert_uint_eq(f.unit_job, 0xbb);
+}
+END_TEST
+
+/* Of many tiles. */
+static const struct msg_frame huge = { 0, 4000, 3000, "" };
+
+/* The worker makes the tile that it was last sent. */
+static void
+make_tile(uint64_t conn)
+{
+    struct msg_tile t = f.last[conn].tile;
+
+    ck_assert(has_tile(conn));
+    made(conn, t.pass, t.tile, 0); /* no records, which all would be told */
+}
+
+/* Bob's job comes while both workers make tiles for ana. */
+START_TEST(owners_share_workers_that_are_at_passes)
+{
+    submit_passes(ANA, &huge, 1);
+    join(SECOND, MSG_ROLE_WORKER, "ws2", "daemon");
+    ready(WORKER, job_a);
+    ready(SECOND, job_a);
+    make_tile(WORKER);
+    ck_assert(has_tile(WORKER) && has_tile(SECOND));
+    submit(BOB, job_b, 0);
+    ck_assert_int_eq(f.last[WORKER].type, MSG_JOB_START);
+    ready(WORKER, job_b);
+    ck_assert_uint_eq(f.unit_job, 0xbb);
+    ck_assert_uint_eq(f.units[WORKER], 2);
+    ready(SECOND, job_b);
+    ck_assert_uint_eq(f.units[SECOND], 0);
+}
+END_TEST
+
+/* Neither does ana's second worker follow, nor bob's come back. */
+START_TEST(workers_stay_with_an_owner_at_passes)
+{
+    struct msg_tile left, next;
+    const struct job *job;
+
+    submit_passes(ANA, &huge, 1);
+    job = desk_find_job(f.c, job_a);
+    join(SECOND, MSG_ROLE_WORKER, "ws2", "daemon");
+    ready(WORKER, job_a);
+    ready(SECOND, job_a);
+    left = f.last[WORKER].tile;
+    next = f.last[SECOND].tile;
+    submit(BOB, job_b, 0);
+    ready(WORKER, job_b);
+    ready(SECOND, job_b);
+    made(WORKER, left.pass, left.tile, 0); /* what it had in hand */
+    ck_assert_int_eq(f.last[WORKER].type, MSG_UNIT);
+    made(SECOND, next.pass, next.tile, 0);
+    for (int i = 0; i < 3; i++)
+        make_tile(SECOND);
+    ck_assert(has_tile(SECOND));
+    wait_s(2);
+    result(WORKER, job_b, 0, 1);
+    ck_assert_uint_eq(f.units[WORKER], 3);
+    ck_assert(!has_tile(WORKER));
+    ck_assert_uint_eq(f.units[SECOND], 0);
+    for (uint32_t u = 1; u < 4; u++)
+        result(WORKER, job_b, u, 1);
+    ck_assert_uint_eq(tiles_out(&job->workers[0]), 3); /* bob's is over */
+}
+END_TEST
+
+/* Bob renders lines at both workers when ana's job with passes comes. */
+START_TEST(lines_make_way_for_passes_of_another_owner)
+{
+    static const struct msg_frame big = { 0, 64, 64, "" };
+    struct msg m = usual_submit(job_b);
+
+    m.submit.frames = &big;
+    m.submit.partition = MSG_PART_STATIC;
+    say(BOB, &m);
+    join(SECOND, MSG_ROLE_WORKER, "ws2", "daemon");
+    ready(WORKER, job_b);
+    ready(SECOND, job_b);
+    ck_assert(f.units[WORKER] > 0 && f.units[SECOND] > 0);
+    submit_passes(ANA, &huge, 1);
+    ready(WORKER, job_a);
+    ready(SECOND, job_a);
+    wait_s(1);
+    ck_assert_int_eq(has_tile(WORKER) + has_tile(SECOND), 1);
 }
 END_TEST
 
@@ -167,6 +255,18 @@ START_TEST(other_reasons_are_not_taken_for_the_arithmetic)
 }
 END_TEST
 
+START_TEST(a_job_that_waits_its_turn_says_so)
+{
+    submit(BOB, job_b, 1);
+    ready(WORKER, job_b);
+    submit(ANA, job_a, 0);
+    ck_assert_str_eq(text_of_job(),
+                     "the workers are at other jobs, which go first");
+    about(BOB, MSG_CANCEL, job_b);
+    ck_assert_str_eq(text_of_job(), "");
+}
+END_TEST
+
 START_TEST(without_same_bits_all_workers_take_part)
 {
     two_arithmetics(0);
@@ -187,10 +287,14 @@ main(void)
     tcase_add_test(tc, a_worker_that_leaves_is_let_go_when_it_is_empty);
     tcase_add_test(tc, higher_priority_goes_first);
     tcase_add_test(tc, owners_share_the_workers);
+    tcase_add_test(tc, owners_share_workers_that_are_at_passes);
+    tcase_add_test(tc, workers_stay_with_an_owner_at_passes);
+    tcase_add_test(tc, lines_make_way_for_passes_of_another_owner);
     tcase_add_test(tc, priority_goes_before_fairness);
     tcase_add_test(tc, same_bits_takes_workers_of_one_arithmetic);
     tcase_add_test(tc, a_job_that_no_arithmetic_is_left_for_says_so);
     tcase_add_test(tc, other_reasons_are_not_taken_for_the_arithmetic);
+    tcase_add_test(tc, a_job_that_waits_its_turn_says_so);
     tcase_add_test(tc, without_same_bits_all_workers_take_part);
     suite_add_tcase(s, tc);
     return unit_run(s);
