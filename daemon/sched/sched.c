@@ -194,6 +194,23 @@ works_elsewhere(const struct job *job, const struct coord_worker *w,
             w->priority >= job->spec.priority);
 }
 
+/* Has the worker units of a job that comes after this one in the present
+ * search?  They may leave its tiles no room, so they are not replaced. */
+static bool
+is_kept_out(const struct coord *c, const struct job *job,
+            const struct coord_worker *w)
+{
+    for (size_t i = 0; i < c->njobs; i++) {
+        const struct job *o = c->jobs[i];
+        uint32_t index = desk_index(o, w);
+
+        if (o != job && o->served != c->serving && index != JOB_NOBODY &&
+            o->workers[index].in_flight > 0)
+            return true;
+    }
+    return false;
+}
+
 /* Give the worker a tile, areas or a unit of a job that it has loaded; false:
  * it gets none now.  *done: nor shall it get any of other jobs. */
 static bool
@@ -202,7 +219,8 @@ serve_job(struct coord *c, struct job *job, struct coord_worker *w,
 {
     if (passes_open(job) || job->workers[index].lags) {
         /* the next pass may be open in a moment */
-        *done = !works_elsewhere(job, w, index);
+        *done = !works_elsewhere(job, w, index) ||
+                (is_kept_out(c, job, w) && tiles_has(c, job, index));
         return tiles_give(c, job, index);
     }
     if (job->survey) {
@@ -239,17 +257,18 @@ may_look(const struct job *job, const struct coord_worker *w)
            (index == JOB_NOBODY || job->workers[index].state == PART_GONE);
 }
 
-/* Threads that work for the job's owner.  For a job whose tiles the worker
+/* Threads that work for the job's owner.  For an owner whose tiles the worker
  * makes the worker's own do not count: they would as well for any other owner.
- * So a worker leaves a job's tiles only if owners have more equal shares then.
- */
+ * So a worker leaves an owner's tiles only if owners have more equal shares
+ * then. */
 static uint32_t
 threads_beside(const struct job *job, const struct coord_worker *w)
 {
-    if (w->fills != job)
+    const struct job *at = w->fills;
+
+    if (!at || at->payer != job->payer)
         return job->payer->threads;
-    return job->payer->threads -
-           job->workers[desk_index(job, w)].counted_threads;
+    return job->payer->threads - at->workers[desk_index(at, w)].counted_threads;
 }
 
 /* Has the worker units of the job, or does it make the job's tiles? */
@@ -262,19 +281,21 @@ is_at(const struct job *job, const struct coord_worker *w)
            (w->fills == job || job->workers[index].in_flight > 0);
 }
 
-/* Does the job go before an older job of the same priority? */
+/* Does the job go before an older job of the same priority?  Of one owner's
+ * jobs the older always goes first. */
 static bool
 goes_before(const struct job *job, const struct job *older,
             const struct coord_worker *w)
 {
     uint32_t a = threads_beside(job, w), b = threads_beside(older, w);
 
-    return a < b || (a == b && is_at(job, w) && !is_at(older, w));
+    return a < b || (a == b && job->payer != older->payer && is_at(job, w) &&
+                     !is_at(older, w));
 }
 
 /* The next job of this search: of those with the highest priority the job whose
- * owner has the fewest threads at work, of these a job that the worker works
- * for, of these the oldest.  NULL: no job is left. */
+ * owner has the fewest threads at work, of these a job of an owner that the
+ * worker works for, of these the oldest.  NULL: no job is left. */
 static struct job *
 next_job(const struct coord *c, const struct coord_worker *w)
 {

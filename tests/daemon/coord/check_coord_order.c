@@ -162,6 +162,50 @@ START_TEST(lines_make_way_for_passes_of_another_owner)
 }
 END_TEST
 
+/* Of windows a worker has as many in hand as leave no room for tiles: they are
+ * not replaced. */
+START_TEST(windows_make_way_for_passes_of_another_owner)
+{
+    static const struct msg_frame big = { 0, 32, 32, "" };
+    struct msg m = usual_submit(job_b);
+
+    m.submit.frames = &big;
+    m.submit.partition = MSG_PART_WINDOW;
+    m.submit.windows = 64; /* of 4 x 4 pixels */
+    say(BOB, &m);
+    ready(WORKER, job_b);
+    ck_assert_uint_eq(f.units[WORKER], 3);
+    submit_passes(ANA, &huge, 1);
+    result(WORKER, job_b, 0, 1);
+    ready(WORKER, job_a);
+    result(WORKER, job_b, 1, 1);
+    result(WORKER, job_b, 2, 1);
+    ck_assert_uint_gt(tiles_out(&desk_find_job(f.c, job_a)->workers[0]), 0);
+    ck_assert_uint_eq(f.units[WORKER], 4); /* one while the scene loaded */
+}
+END_TEST
+
+/* Once it has begun, too, a job makes way for an older job of its owner. */
+START_TEST(of_an_owners_jobs_the_older_goes_first)
+{
+    struct msg_tile left;
+
+    submit(ANA, job_b, 0);
+    ready(WORKER, job_b);
+    about(ANA, MSG_PAUSE, job_b);
+    submit_passes(ANA, &huge, 1);
+    for (uint32_t u = 0; u < 2; u++)
+        result(WORKER, job_b, u, 1);
+    ready(WORKER, job_a);
+    ck_assert(has_tile(WORKER));
+    left = f.last[WORKER].tile;
+    f.unit_job = 0;
+    about(ANA, MSG_RESUME, job_b);
+    made(WORKER, left.pass, left.tile, 0);
+    ck_assert_uint_eq(f.unit_job, 0xbb);
+}
+END_TEST
+
 START_TEST(priority_goes_before_fairness)
 {
     submit(ANA, job_a, 1);
@@ -290,6 +334,8 @@ main(void)
     tcase_add_test(tc, owners_share_workers_that_are_at_passes);
     tcase_add_test(tc, workers_stay_with_an_owner_at_passes);
     tcase_add_test(tc, lines_make_way_for_passes_of_another_owner);
+    tcase_add_test(tc, windows_make_way_for_passes_of_another_owner);
+    tcase_add_test(tc, of_an_owners_jobs_the_older_goes_first);
     tcase_add_test(tc, priority_goes_before_fairness);
     tcase_add_test(tc, same_bits_takes_workers_of_one_arithmetic);
     tcase_add_test(tc, a_job_that_no_arithmetic_is_left_for_says_so);
