@@ -8,8 +8,8 @@
  * name, then the note.  A file is removed after the journal has noted that it
  * goes.  The folder of a forgotten job is removed before, so the journal may
  * still list the job for a moment, even as one that is not over; and so are, on
- * a full disk, rows of a job that was cancelled or has failed.  Names tell the
- * next life of either (folder.h). */
+ * a full disk, rows of a job that was cancelled.  Names tell the next life of
+ * either (folder.h). */
 #include "config.h"
 
 #include "base/output.h"

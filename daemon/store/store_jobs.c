@@ -6,7 +6,7 @@
  * A job's end takes two tasks: the first notes it; when the note is on the disk
  * the second removes the rows that are left and counts the bytes.  While the
  * disk is full the note has to wait, and the rows of a job that was cancelled
- * or has failed may be what fills it: then another task removes them before.
+ * may be what fills it: then another task removes them before.
  * Forgetting a job takes three steps of one task: the folder is removed at
  * once, also while the disk is full, for that makes room; then the journal's
  * entry, which may have to wait; then the empty folder.
@@ -365,14 +365,14 @@ give_up_run(struct task *t)
     return 0;
 }
 
-/* Remove the rows of a job that ends, unless it is done: then there are none
- * but those of pictures that wait to be written.  No writing task, for it makes
+/* Remove the rows of a job that ends because it was cancelled; those of another
+ * job may be of pictures that wait to be written.  No writing task, for it makes
  * room. */
 static void
 give_up_rows(struct store *s, const struct saved_task *end)
 {
     struct job_task *j =
-        end->saved.state != JOB_DONE
+        end->saved.state == JOB_CANCELLED
             ? store_new_job_task(s, end->id, give_up_run, store_free_task)
             : NULL;
 
