@@ -26,6 +26,8 @@ struct coord_limits {
                          * job for files that do not come */
 };
 
+typedef void coord_sent_fn(void *with, const uint8_t job[MSG_JOB]);
+
 /* What the machine may ask of its shell at any time; no call may block. */
 struct coord_env {
     bool (*has_file)(void *arg, const uint8_t hash[MSG_HASH]);
@@ -38,8 +40,8 @@ struct coord_env {
     /* may a further piece of an answer go out on the connection: is it read,
      * and has its user not too much unread?  NULL: always */
     bool (*has_room)(void *arg, uint64_t conn);
-    /* is a file of the job being sent to anybody?  NULL: never */
-    bool (*sends)(void *arg, const uint8_t job[MSG_JOB]);
+    /* call fn for each file of a job that is being sent; NULL: none is */
+    void (*each_sent)(void *arg, coord_sent_fn *fn, void *with);
     const char *program; /* "radcoord 0.1.0"; outlives the coordinator */
     uint64_t epoch;      /* number of this life of the coordinator */
     unsigned all_linked; /* up to so many workers of a job are all linked with

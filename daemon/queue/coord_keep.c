@@ -60,15 +60,17 @@ reason(const struct coord *c, const struct coord_kept *k)
     return GONE_NWHYS;
 }
 
-/* Note which jobs are being sent.  On a slow line a file takes longer than
- * FETCH_MS, and a line that breaks is dialled again: from then on, too, the job
- * stays for FETCH_MS. */
+/* Note that a file of the job is being sent.  On a slow line a file takes
+ * longer than FETCH_MS, and a line that breaks is dialled again: from then on,
+ * too, the job stays for FETCH_MS. */
 static void
-note_sending(struct coord *c)
+note_sent(void *with, const uint8_t id[MSG_JOB])
 {
-    for (size_t i = 0; c->env.sends && i < c->njobs; i++)
-        if (job_over(c->jobs[i]) && c->env.sends(c->env.arg, c->jobs[i]->id))
-            c->jobs[i]->fetched_ms = c->now_ms;
+    const struct coord *c = with;
+    struct job *job = desk_find_job(c, id);
+
+    if (job && job_over(job))
+        job->fetched_ms = c->now_ms;
 }
 
 static void
@@ -176,7 +178,8 @@ coord_forget_old(struct coord *c)
 
     c->keep_due = false;
     if (again) {
-        note_sending(c);
+        if (c->env.each_sent)
+            c->env.each_sent(c->env.arg, note_sent, c);
         hold_caches(c);
         limit_caches(c);
     }

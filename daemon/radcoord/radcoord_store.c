@@ -183,12 +183,12 @@ has_room(void *arg, uint64_t id)
     return c && transfers_have_room(c);
 }
 
-static bool
-sends(void *arg, const uint8_t job[MSG_JOB])
+static void
+each_sent(void *arg, coord_sent_fn *fn, void *with)
 {
     const struct radcoord *r = arg;
 
-    return transfers_of(r->transfers, job);
+    transfers_of_jobs(r->transfers, fn, with);
 }
 
 static void
@@ -284,7 +284,7 @@ radcoord_open_store(struct radcoord *r, struct rad_error *err)
                              .pace = pace,
                              .unread = unread,
                              .has_room = has_room,
-                             .sends = sends,
+                             .each_sent = each_sent,
                              .program = "radcoord " PACKAGE_VERSION,
                              .keeps = !r->set.common.embedded };
     uint64_t epoch;

@@ -218,14 +218,14 @@ transfers_start(struct transfers *t, uint64_t id, struct conn *c,
     go_on(t, id);
 }
 
-bool
-transfers_of(const struct transfers *t, const uint8_t job[MSG_JOB])
+void
+transfers_of_jobs(const struct transfers *t,
+                  void (*fn)(void *with, const uint8_t job[MSG_JOB]),
+                  void *with)
 {
     for (const struct transfer *x = t->list; x; x = x->next)
-        if (!x->ended && !x->source.from.file &&
-            memcmp(x->source.from.job, job, MSG_JOB) == 0)
-            return true;
-    return false;
+        if (!x->ended && !x->source.from.file)
+            fn(with, x->source.from.job);
 }
 
 void

@@ -33,8 +33,10 @@ bool transfers_have_room(const struct conn *c);
 void transfers_start(struct transfers *t, uint64_t id, struct conn *c,
                      uint32_t request, const struct store_source *from);
 
-/* Is a file of the job being sent, or waiting to be sent? */
-bool transfers_of(const struct transfers *t, const uint8_t job[MSG_JOB]);
+/* Call fn for each file of a job that is being sent, or waits to be sent. */
+void transfers_of_jobs(const struct transfers *t,
+                       void (*fn)(void *with, const uint8_t job[MSG_JOB]),
+                       void *with);
 
 /* The connection has sent some bytes: go on with its transfers. */
 void transfers_resume(struct transfers *t, uint64_t id);

@@ -162,11 +162,12 @@ END_TEST
 
 static bool sending; /* a file of job_a is on its way */
 
-static bool
-sends_a(void *arg, const uint8_t *job)
+static void
+sends_a(void *arg, coord_sent_fn *fn, void *with)
 {
     (void)arg;
-    return sending && memcmp(job, job_a, MSG_JOB) == 0;
+    if (sending)
+        fn(with, job_a);
 }
 
 /* radsubmit -z writes a picture only with its distances, which may come slowly,
@@ -175,7 +176,7 @@ START_TEST(a_job_stays_while_its_files_are_sent)
 {
     static const struct coord_keep keep = { .unfetched_ms = 90000 };
 
-    f.c->env.sends = sends_a;
+    f.c->env.each_sent = sends_a;
     coord_set_keep(f.c, &keep);
     whole_job(job_a);
     carry_out();
