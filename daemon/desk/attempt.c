@@ -13,6 +13,14 @@
 #include "jobs/part.h"
 #include "jobs/unit.h"
 
+bool
+attempt_has_any(const struct job *job, const struct coord_worker *w)
+{
+    uint32_t index = desk_index(job, w);
+
+    return index != JOB_NOBODY && job->workers[index].in_flight > 0;
+}
+
 void
 attempt_rate(const struct coord *c, struct coord_worker *w)
 {

@@ -39,6 +39,8 @@ void attempt_top_made(struct coord *c, struct job *job, uint32_t unit,
 /* Send BACK to a worker: columns that it lent are its own again. */
 void attempt_send_back(struct coord *c, const struct coord_worker *to,
                        const struct msg_back *back);
+/* Has the worker attempts of the job in flight? */
+bool attempt_has_any(const struct job *job, const struct coord_worker *w);
 /* Bring the worker's coord_worker.priority up to date. */
 void attempt_rate(const struct coord *c, struct coord_worker *w);
 

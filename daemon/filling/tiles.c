@@ -198,12 +198,10 @@ renders_lines(const struct coord *c, const struct job *job,
 {
     for (size_t i = 0; i < c->njobs; i++) {
         const struct job *o = c->jobs[i];
-        uint32_t index = desk_index(o, w);
 
         if (o->spec.priority < job->spec.priority)
             break;
-        if (o != job && index != JOB_NOBODY &&
-            o->workers[index].in_flight > 0 &&
+        if (o != job && attempt_has_any(o, w) &&
             partition_is_strict(o->partition) &&
             partition_kind(o->partition) != MSG_PART_SCANBAR)
             return true;

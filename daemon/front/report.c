@@ -112,14 +112,12 @@ all_workers(const struct coord *c)
 static const struct job_worker *
 lacks_bits(const struct job *job)
 {
-    const struct job_worker *first = NULL;
+    const struct job_worker *first;
     bool other = false;
 
     if (!(job->spec.flags & MSG_JOB_SAME_BITS) || job_active(job) > 0)
         return NULL;
-    for (uint32_t i = 0; i < job->nworkers && !first; i++)
-        if (job->workers[i].took_part)
-            first = &job->workers[i];
+    first = part_first(job);
     for (uint32_t i = 0; first && i < job->nworkers; i++) {
         const struct job_worker *jw = &job->workers[i];
 

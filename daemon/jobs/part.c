@@ -41,6 +41,15 @@ part_step(struct job_worker *jw, enum part_state to)
     jw->state = (enum part_state)steps_take(&part_steps, jw->state, to);
 }
 
+const struct job_worker *
+part_first(const struct job *job)
+{
+    for (uint32_t i = 0; i < job->nworkers; i++)
+        if (job->workers[i].took_part)
+            return &job->workers[i];
+    return NULL;
+}
+
 bool
 part_is_here(const struct job_worker *jw)
 {

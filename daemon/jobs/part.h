@@ -108,6 +108,9 @@ extern const struct steps part_steps;
 /* Change the state of a worker's part; the step must be in part_steps. */
 void part_step(struct job_worker *jw, enum part_state to);
 
+/* The first part whose worker was READY, in any life; NULL: none was. */
+const struct job_worker *part_first(const struct job *job);
+
 /* Does the worker load the job, or is it ready? */
 bool part_is_here(const struct job_worker *jw);
 

@@ -202,10 +202,8 @@ is_kept_out(const struct coord *c, const struct job *job,
 {
     for (size_t i = 0; i < c->njobs; i++) {
         const struct job *o = c->jobs[i];
-        uint32_t index = desk_index(o, w);
 
-        if (o != job && o->served != c->serving && index != JOB_NOBODY &&
-            o->workers[index].in_flight > 0)
+        if (o != job && o->served != c->serving && attempt_has_any(o, w))
             return true;
     }
     return false;
@@ -275,10 +273,7 @@ threads_beside(const struct job *job, const struct coord_worker *w)
 static bool
 is_at(const struct job *job, const struct coord_worker *w)
 {
-    uint32_t index = desk_index(job, w);
-
-    return index != JOB_NOBODY &&
-           (w->fills == job || job->workers[index].in_flight > 0);
+    return w->fills == job || attempt_has_any(job, w);
 }
 
 /* Does the job go before an older job of the same priority?  Of one owner's
@@ -456,12 +451,10 @@ one_worker_in_all(const struct coord *c)
 static bool
 same_bits(const struct job *job, uint64_t fingerprint)
 {
-    if (!(job->spec.flags & MSG_JOB_SAME_BITS))
-        return true;
-    for (uint32_t i = 0; i < job->nworkers; i++)
-        if (job->workers[i].took_part)
-            return job->workers[i].fingerprint == fingerprint;
-    return true;
+    const struct job_worker *first = part_first(job);
+
+    return !(job->spec.flags & MSG_JOB_SAME_BITS) || !first ||
+           first->fingerprint == fingerprint;
 }
 
 /* Link the worker with those that it shares lines or records with. */
