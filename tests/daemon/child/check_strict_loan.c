@@ -137,18 +137,20 @@ START_TEST(what_keeps_no_facts_does_not_lend)
 }
 END_TEST
 
+/* Six columns of line 6, of which nothing is known. */
+static uint8_t none_wanted[8];
+static const struct team_loan six_columns = { .line = 6,
+                                              .x = 6,
+                                              .n = 6,
+                                              .wanted = none_wanted,
+                                              .top = black,
+                                              .bottom = black };
+
 /* Having lent columns of its last line, a unit has handed on all rows above;
  * without that line it would have none left to be its last. */
 START_TEST(a_line_is_left_when_others_are_out)
 {
     const struct msg_lend lend = { .job = job_id, .attempt = 1, .part = 99 };
-    uint8_t wanted[8] = { 0 };
-    const struct team_loan loan = { .line = 6,
-                                    .x = 6,
-                                    .n = 6,
-                                    .wanted = wanted,
-                                    .top = black,
-                                    .bottom = black };
     struct msg_back back = { .job = job_id, .attempt = 1, .line = 6 };
     const struct msg *m;
     struct strict_pass *p;
@@ -160,7 +162,7 @@ START_TEST(a_line_is_left_when_others_are_out)
     ck_assert(p && p->rank == STRICT_TRUTH);
     ck_assert_int_eq(strict_least(p), 5);
     strict_lend(s, &lend);
-    strict_lent(s, p, &loan);
+    strict_lent(s, p, &six_columns);
     strict_blocked(s, p, 6);
     end_pass(p, false);
     strict_back(s, &back);
@@ -182,20 +184,13 @@ END_TEST
 START_TEST(a_parked_unit_that_has_its_columns_back_says_so)
 {
     const struct msg_back back = { .job = job_id, .attempt = 1, .line = 6 };
-    uint8_t wanted[8] = { 0 };
-    const struct team_loan loan = { .line = 6,
-                                    .x = 6,
-                                    .n = 6,
-                                    .wanted = wanted,
-                                    .top = black,
-                                    .bottom = black };
     struct strict_pass *p;
 
     give_unit(0, 4, 7);
     give_top();
     expect_pass(STRICT_TRUE_LINES, false);
     p = strict_next(s, STRICT_TRUTH);
-    strict_lent(s, p, &loan);
+    strict_lent(s, p, &six_columns);
     strict_blocked(s, p, 6);
     end_pass(p, false);
     ck_assert(is_said(MSG_PARKED));

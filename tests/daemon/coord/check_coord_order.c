@@ -141,15 +141,23 @@ START_TEST(workers_stay_with_an_owner_at_passes)
 }
 END_TEST
 
+/* Bob submits a job of a frame of so many pixels a side. */
+static void
+submit_frame(uint32_t side, int partition, uint32_t windows)
+{
+    const struct msg_frame square = { 0, side, side, "" };
+    struct msg m = usual_submit(job_b);
+
+    m.submit.frames = &square;
+    m.submit.partition = (uint8_t)partition;
+    m.submit.windows = windows;
+    say(BOB, &m);
+}
+
 /* Bob renders lines at both workers when ana's job with passes comes. */
 START_TEST(lines_make_way_for_passes_of_another_owner)
 {
-    static const struct msg_frame big = { 0, 64, 64, "" };
-    struct msg m = usual_submit(job_b);
-
-    m.submit.frames = &big;
-    m.submit.partition = MSG_PART_STATIC;
-    say(BOB, &m);
+    submit_frame(64, MSG_PART_STATIC, 0);
     join(SECOND, MSG_ROLE_WORKER, "ws2", "daemon");
     ready(WORKER, job_b);
     ready(SECOND, job_b);
@@ -166,13 +174,7 @@ END_TEST
  * not replaced. */
 START_TEST(windows_make_way_for_passes_of_another_owner)
 {
-    static const struct msg_frame big = { 0, 32, 32, "" };
-    struct msg m = usual_submit(job_b);
-
-    m.submit.frames = &big;
-    m.submit.partition = MSG_PART_WINDOW;
-    m.submit.windows = 64; /* of 4 x 4 pixels */
-    say(BOB, &m);
+    submit_frame(32, MSG_PART_WINDOW, 64); /* windows of 4 x 4 */
     ready(WORKER, job_b);
     ck_assert_uint_eq(f.units[WORKER], 3);
     submit_passes(ANA, &huge, 1);

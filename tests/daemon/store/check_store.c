@@ -201,14 +201,15 @@ START_TEST(without_a_database_jobs_go_and_files_stay)
 }
 END_TEST
 
+static const struct msg_frame one_frame = { 0, W, H, "-vtv -vp 0 0 0" };
+static const struct saved_job small = { .spec = { .name = "x",
+                                                  .params = "-ab 0",
+                                                  .frames = &one_frame,
+                                                  .nframes = 1 } };
+
 START_TEST(job_becomes_a_picture)
 {
     static const uint8_t job[MSG_JOB] = { 1, 2, 3 };
-    struct msg_frame frame = { 0, W, H, "-vtv -vp 0 0 0" };
-    struct saved_job p = { .spec = { .name = "x",
-                                     .params = "-ab 0",
-                                     .frames = &frame,
-                                     .nframes = 1 } };
     struct store_source from = { .what = MSG_WHAT_PREVIEW };
     struct heard h = { 0 };
     struct rad_picture pic;
@@ -219,7 +220,7 @@ START_TEST(job_becomes_a_picture)
     memcpy(from.job, job, MSG_JOB);
     uv_loop_init(&loop);
     s = store_open(&loop, dir, _i, &handler, &h, NULL);
-    store_open_job(s, job, &p);
+    store_open_job(s, job, &small);
     put_unit(s, job, 0, 3, 3);
     run(&loop, s);
     ck_assert_int_eq(h.jobs, 1);
@@ -261,11 +262,6 @@ END_TEST
 START_TEST(pieces_of_a_preview_are_of_one_file)
 {
     static const uint8_t job[MSG_JOB] = { 1, 2, 3 };
-    struct msg_frame frame = { 0, W, H, "-vtv -vp 0 0 0" };
-    struct saved_job p = { .spec = { .name = "x",
-                                     .params = "-ab 0",
-                                     .frames = &frame,
-                                     .nframes = 1 } };
     struct store_source from = { .job = { 1, 2, 3 }, .what = MSG_WHAT_PREVIEW };
     struct store_reading slow = { .from = from }, other = { .from = from };
     struct heard h = { 0 };
@@ -276,7 +272,7 @@ START_TEST(pieces_of_a_preview_are_of_one_file)
 
     uv_loop_init(&loop);
     s = store_open(&loop, dir, false, &handler, &h, NULL);
-    store_open_job(s, job, &p);
+    store_open_job(s, job, &small);
     put_unit(s, job, 0, 3, 3);
     store_read(s, &slow, buf, 100, on_read, &h);
     run(&loop, s);
@@ -289,7 +285,7 @@ START_TEST(pieces_of_a_preview_are_of_one_file)
     ck_assert_uint_eq((uint64_t)h.n, h.size);
     store_reading_release(&other);
     store_write_picture(s, job, 5, 0);
-    store_end_job(s, &p, strdup("{}"), 2);
+    store_end_job(s, &small, strdup("{}"), 2);
     run(&loop, s);
     store_read(s, &slow, buf + 100, sizeof buf - 100, on_read, &h);
     run(&loop, s);
@@ -307,11 +303,6 @@ END_TEST
 START_TEST(few_previews_are_read_at_a_time)
 {
     enum { MOST = 8 };
-    struct msg_frame frame = { 0, W, H, "-vtv -vp 0 0 0" };
-    struct saved_job p = { .spec = { .name = "x",
-                                     .params = "-ab 0",
-                                     .frames = &frame,
-                                     .nframes = 1 } };
     struct store_reading r[MOST + 1];
     struct heard h = { 0 };
     uv_loop_t loop;
@@ -320,7 +311,7 @@ START_TEST(few_previews_are_read_at_a_time)
 
     uv_loop_init(&loop);
     s = store_open(&loop, dir, false, &handler, &h, NULL);
-    store_open_job(s, (const uint8_t[MSG_JOB]){ 1 }, &p);
+    store_open_job(s, (const uint8_t[MSG_JOB]){ 1 }, &small);
     put_unit(s, (const uint8_t[MSG_JOB]){ 1 }, 0, 3, 3);
     for (int i = 0; i <= MOST; i++) {
         r[i] = (struct store_reading){ .from = { .job = { 1 },
