@@ -43,15 +43,22 @@ close_kept(uv_loop_t *loop, struct store *s)
 }
 
 static void
-open_job(struct store *s)
+open_job_as(struct store *s, uint32_t flags)
 {
     struct saved_job p = { .spec = { .manifest = kept_manifest,
                                      .params = "-ab 0",
+                                     .flags = flags,
                                      .frames = &kept_frame,
                                      .nframes = 1 },
                            .owner = "ana" };
 
     store_open_job(s, kept_job, &p);
+}
+
+static void
+open_job(struct store *s)
+{
+    open_job_as(s, 0);
 }
 
 /* End the job as cancelled. */
@@ -490,12 +497,6 @@ START_TEST(rows_that_a_disk_has_spoilt_are_none)
     bool coded = spoilt[_i].coded;
     int unit = spoilt[_i].unit;
     uint32_t stored[2];
-    struct saved_job p = { .spec = { .manifest = kept_manifest,
-                                     .params = "-ab 0",
-                                     .flags = coded ? MSG_JOB_CODED : 0,
-                                     .frames = &kept_frame,
-                                     .nframes = 1 },
-                           .owner = "ana" };
     struct heard h;
     uint64_t epoch;
     char path[200];
@@ -505,7 +506,7 @@ START_TEST(rows_that_a_disk_has_spoilt_are_none)
 
     open_kept(&loop, &s, &h);
     ck_assert_int_eq(store_recover(s, 1, &epoch, note_stored, stored, NULL), 0);
-    store_open_job(s, kept_job, &p);
+    open_job_as(s, coded ? MSG_JOB_CODED : 0);
     put_pieces(s, coded, spoilt[_i].densities);
     close_kept(&loop, s);
     ck_assert_int_eq(h.rows, 3);
@@ -533,11 +534,6 @@ END_TEST
  * noted; a coordinator that is killed then renders them again. */
 START_TEST(rows_that_were_given_up_are_no_damage)
 {
-    struct saved_job p = { .spec = { .manifest = kept_manifest,
-                                     .params = "-ab 0",
-                                     .frames = &kept_frame,
-                                     .nframes = 1 },
-                           .owner = "ana" };
     struct rad_error err = { 0 };
     uint32_t stored[2];
     struct heard h;
@@ -548,7 +544,7 @@ START_TEST(rows_that_were_given_up_are_no_damage)
 
     open_kept(&loop, &s, &h);
     ck_assert_int_eq(store_recover(s, 1, &epoch, note_stored, stored, NULL), 0);
-    store_open_job(s, kept_job, &p);
+    open_job(s);
     put_pieces(s, false, 1);
     close_kept(&loop, s);
     snprintf(command, sizeof command,
@@ -571,12 +567,6 @@ END_TEST
 /* Its floats, of rows that are RGBE. */
 START_TEST(a_units_base_line_outlives_the_store)
 {
-    struct saved_job p = { .spec = { .manifest = kept_manifest,
-                                     .params = "-ab 0",
-                                     .flags = MSG_JOB_CODED,
-                                     .frames = &kept_frame,
-                                     .nframes = 1 },
-                           .owner = "ana" };
     uint8_t line[W * 12];
     uint32_t stored[2];
     struct heard h;
@@ -586,7 +576,7 @@ START_TEST(a_units_base_line_outlives_the_store)
 
     open_kept(&loop, &s, &h);
     ck_assert_int_eq(store_recover(s, 1, &epoch, note_stored, stored, NULL), 0);
-    store_open_job(s, kept_job, &p);
+    open_job_as(s, MSG_JOB_CODED);
     put_pieces(s, true, 1);
     close_kept(&loop, s);
     open_kept(&loop, &s, &h);
