@@ -46,11 +46,12 @@ lines_of(const struct job *job, uint32_t unit, const struct job_go *go)
 }
 
 /* Count the worker's threads for the job's payer while it has attempts in
- * flight of the job, or makes its tiles. */
+ * flight of the job, estimates its areas, or makes its tiles. */
 static void
 count_threads(struct job *job, struct job_worker *jw)
 {
-    bool works = jw->in_flight > 0 || jw->worker->fills == job;
+    bool works =
+        jw->in_flight > 0 || jw->surveying > 0 || jw->worker->fills == job;
 
     if (works == (jw->counted_threads > 0))
         return;
@@ -69,6 +70,13 @@ attempt_fill(struct coord_worker *w, struct job *job)
         count_threads(old, &old->workers[desk_index(old, w)]);
     if (job)
         count_threads(job, &job->workers[desk_index(job, w)]);
+}
+
+void
+attempt_survey(struct job *job, uint32_t index, uint32_t chunk)
+{
+    job->workers[index].surveying = chunk;
+    count_threads(job, &job->workers[index]);
 }
 
 static void

@@ -648,8 +648,7 @@ sched_job_over(struct coord *c, struct job *job)
     }
     passes_free(job->passes);
     job->passes = NULL;
-    survey_free(job->survey);
-    job->survey = NULL;
+    survey_end(job);
     shared_free(job->shared);
     job->shared = NULL;
     linking_free(job->links);

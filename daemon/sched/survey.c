@@ -12,6 +12,7 @@
 
 #include "sched/survey.h"
 
+#include "desk/attempt.h"
 #include "desk/desk.h"
 #include "desk/speed.h"
 #include "desk/verdict.h"
@@ -139,15 +140,21 @@ send_chunk(struct coord *c, const struct job *job, const struct job_worker *jw,
     actions_send(&c->actions, jw->worker->conn, &m);
 }
 
-/* End the survey: units may go out, by the costs that are known. */
-static void
-end_survey(struct coord *c, struct job *job)
+void
+survey_end(struct job *job)
 {
-    job->estimate_ms = c->now_ms - job->survey->begin_ms;
     survey_free(job->survey);
     job->survey = NULL;
     for (uint32_t i = 0; i < job->nworkers; i++)
-        job->workers[i].surveying = 0;
+        attempt_survey(job, i, 0);
+}
+
+/* Let units go out, by the costs that are known. */
+static void
+let_units_go(struct coord *c, struct job *job)
+{
+    job->estimate_ms = c->now_ms - job->survey->begin_ms;
+    survey_end(job);
     speed_share(c, job);
 }
 
@@ -166,7 +173,7 @@ survey_give(struct coord *c, struct job *job, uint32_t index)
     struct chunk *k;
 
     if (s->failed) { /* ended here, where units can go out */
-        end_survey(c, job);
+        let_units_go(c, job);
         return true;
     }
     k = jw->surveying ? NULL : choose(s, c->now_ms);
@@ -175,7 +182,7 @@ survey_give(struct coord *c, struct job *job, uint32_t index)
     k->holders++;
     k->out_ms = c->now_ms;
     jw->rest_ms = 0;
-    jw->surveying = (uint32_t)(k - s->chunk) + 1;
+    attempt_survey(job, index, (uint32_t)(k - s->chunk) + 1);
     if (s->begin_ms == 0)
         s->begin_ms = c->now_ms;
     if (job->state == JOB_WAITING)
@@ -201,10 +208,8 @@ survey_rest(struct job *job, uint32_t index)
 void
 survey_lost(struct job *job, uint32_t index)
 {
-    struct job_worker *jw = &job->workers[index];
-
-    let_others(job, jw);
-    jw->surveying = 0;
+    let_others(job, &job->workers[index]);
+    attempt_survey(job, index, 0);
 }
 
 bool
@@ -256,7 +261,7 @@ use_costs(struct coord *c, struct job *job)
 {
     partition_set_costs(job->partition, job->survey->cost);
     job->cost_total = partition_cost_total(job->partition);
-    end_survey(c, job);
+    let_units_go(c, job);
     actions_log(&c->actions, ACT_INFO, "job estimated job=%s ms=%llu", job->hex,
                 (unsigned long long)job->estimate_ms);
 }

@@ -10,6 +10,8 @@
 struct survey;
 
 void survey_free(struct survey *s);
+/* End the job's survey, if it has one: no worker estimates its areas. */
+void survey_end(struct job *job);
 
 /* Handler of ESTIMATED. */
 void survey_estimated(struct coord *c, struct coord_worker *w,

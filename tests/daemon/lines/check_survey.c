@@ -182,6 +182,21 @@ START_TEST(an_estimate_that_nobody_asked_for_is_ignored)
 }
 END_TEST
 
+START_TEST(threads_that_estimate_count_for_the_owner)
+{
+    struct msg cancel = { .type = MSG_CANCEL, .cancel = { id } };
+    const struct coord_owner *owner;
+
+    submit(MSG_PART_STATIC, 0, "5a", 1);
+    owner = desk_find_job(f.c, id)->payer;
+    ck_assert_uint_eq(owner->threads, 0);
+    ready(W1);
+    ck_assert_uint_gt(owner->threads, 0);
+    say(ANA, &cancel);
+    ck_assert_uint_eq(owner->threads, 0);
+}
+END_TEST
+
 int
 main(void)
 {
@@ -196,6 +211,7 @@ main(void)
     tcase_add_test(tc, an_estimate_of_other_areas_ends_the_connection);
     tcase_add_test(tc, an_estimate_that_children_die_of_is_given_up);
     tcase_add_test(tc, an_estimate_that_nobody_asked_for_is_ignored);
+    tcase_add_test(tc, threads_that_estimate_count_for_the_owner);
     suite_add_tcase(s, tc);
     return unit_run(s);
 }
