@@ -21,6 +21,22 @@ attempt_has_any(const struct job *job, const struct coord_worker *w)
     return index != JOB_NOBODY && job->workers[index].in_flight > 0;
 }
 
+uint32_t
+attempt_workers(const struct job *job)
+{
+    uint32_t n = 0;
+
+    for (uint32_t i = 0; i < job->nworkers; i++) {
+        const struct job_worker *jw = &job->workers[i];
+        const struct coord_worker *w = jw->worker;
+        bool away = !desk_takes_units(w) || w->priority > job->spec.priority ||
+                    (w->fills && w->fills->spec.priority > job->spec.priority);
+
+        n += part_is_here(jw) && (jw->counted_threads > 0 || !away);
+    }
+    return n;
+}
+
 void
 attempt_rate(const struct coord *c, struct coord_worker *w)
 {

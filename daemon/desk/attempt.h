@@ -44,6 +44,9 @@ void attempt_send_back(struct coord *c, const struct coord_worker *to,
                        const struct msg_back *back);
 /* Has the worker attempts of the job in flight? */
 bool attempt_has_any(const struct job *job, const struct coord_worker *w);
+/* The number of workers that are at the job: each loads it or is ready for it,
+ * and does not rest, or work for jobs of a higher priority alone. */
+uint32_t attempt_workers(const struct job *job);
 /* Bring the worker's coord_worker.priority up to date. */
 void attempt_rate(const struct coord *c, struct coord_worker *w);
 

@@ -3,6 +3,7 @@
 
 #include "front/report.h"
 
+#include "desk/attempt.h"
 #include "desk/desk.h"
 #include "jobs/job.h"
 #include "jobs/part.h"
@@ -155,14 +156,17 @@ lacks_workers(const struct coord *c, const struct job *job)
     return some ? "all workers are drained" : "no worker is there";
 }
 
-/* Has the job not begun, and are all workers that may work at other jobs? */
+/* Is no worker at the job, and are all workers that may work at others? */
 static bool
 waits_its_turn(const struct coord *c, const struct job *job)
 {
+    if (job->stage != STAGE_OPEN || job->state == JOB_PAUSED ||
+        (job->state == JOB_RUNNING && attempt_workers(job) > 0))
+        return false;
     for (const struct coord_worker *w = c->workers; w; w = w->next)
         if (desk_takes_units(w) && w->in_flight == 0 && !w->fills)
             return false;
-    return job->state == JOB_WAITING && job->stage == STAGE_OPEN;
+    return true;
 }
 
 /* Why the job is over or gets nowhere, for users; the text is in buf if it has
@@ -284,7 +288,7 @@ report_job(const struct coord *c, const struct job *job, size_t label)
         (json_int_t)size.height, "oversample", (json_int_t)size.oversample,
         "units_done", (json_int_t)p.units_done, "units_total",
         (json_int_t)p.units_total, "units_redone", (json_int_t)p.units_redone,
-        "rays", (json_int_t)p.rays, "workers", (json_int_t)p.workers,
+        "rays", (json_int_t)p.rays, "workers", (json_int_t)attempt_workers(job),
         "elapsed_s", p.elapsed_s, "error", p.error, "text", why(c, job, text),
         "status", job->status);
     if (!o)

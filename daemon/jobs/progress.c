@@ -89,7 +89,6 @@ progress_tell(const struct job *job, uint64_t now_ms, struct msg_progress *p)
             cost_seen(job) + cost_of_all(job) * job->lead.part * job->lead.done,
         .cost_total = cost_of_all(job),
         .rays = job->state == JOB_DONE ? job->rays : job->rays_seen,
-        .workers = job_active(job),
         .frames_ready = job->frames_ready,
         .elapsed_s = (double)(until - job->submit_ms) / 1000,
         .nan = job->nan,

@@ -24,7 +24,7 @@ void progress_see(struct job *job);
 /* The estimated error of the pixels in units that are done. */
 struct rad_error_estimate progress_error(const struct job *job);
 
-/* Fill in the PROGRESS message of the job. */
+/* Fill in the PROGRESS message of the job, but for its workers: 0. */
 void progress_tell(const struct job *job, uint64_t now_ms,
                    struct msg_progress *p);
 

@@ -43,6 +43,7 @@ coord_send_progress(struct coord *c, const struct coord_conn *conn,
     struct msg m = { .type = MSG_PROGRESS, .request = conn->watch_request };
 
     progress_tell(job, c->now_ms, &m.progress);
+    m.progress.workers = attempt_workers(job);
     actions_send(&c->actions, conn->id, &m);
 }
 

@@ -248,11 +248,10 @@ START_TEST(same_bits_takes_workers_of_one_arithmetic)
 }
 END_TEST
 
-/* What radctl shows. */
-static const char *
-text_of_job(void)
+/* What radctl shows of job_a; to be released. */
+static json_t *
+job_told(void)
 {
-    static char text[MSG_MAX_TEXT + 1];
     char hex[MSG_JOB_HEX], *out;
     json_t *root;
     int status;
@@ -261,11 +260,30 @@ text_of_job(void)
     out = report_query(f.c, MSG_QUERY_JOB, hex, &status);
     ck_assert_int_eq(status, 0);
     root = json_loads(out, 0, NULL);
+    free(out);
+    return root;
+}
+
+static const char *
+text_of_job(void)
+{
+    static char text[MSG_MAX_TEXT + 1];
+    json_t *root = job_told();
+
     snprintf(text, sizeof text, "%s",
              json_string_value(json_object_get(root, "text")));
     json_decref(root);
-    free(out);
     return text;
+}
+
+static unsigned
+workers_of_job(void)
+{
+    json_t *root = job_told();
+    json_int_t n = json_integer_value(json_object_get(root, "workers"));
+
+    json_decref(root);
+    return (unsigned)n;
 }
 
 START_TEST(a_job_that_no_arithmetic_is_left_for_says_so)
@@ -313,6 +331,39 @@ START_TEST(a_job_that_waits_its_turn_says_so)
 }
 END_TEST
 
+START_TEST(a_job_whose_workers_left_for_another_has_none)
+{
+    submit(ANA, job_a, 0);
+    ready(WORKER, job_a);
+    ck_assert_uint_eq(workers_of_job(), 1);
+    submit(BOB, job_b, 1);
+    ready(WORKER, job_b);
+    result(WORKER, job_a, 0, 1);
+    result(WORKER, job_a, 1, 1);
+    ck_assert_uint_eq(workers_of_job(), 0);
+    ck_assert_str_eq(text_of_job(),
+                     "the workers are at other jobs, which go first");
+    about(BOB, MSG_CANCEL, job_b);
+    ck_assert_uint_eq(workers_of_job(), 1);
+    ck_assert_str_eq(text_of_job(), "");
+}
+END_TEST
+
+START_TEST(a_job_whose_workers_are_drained_has_none)
+{
+    struct msg m = { .type = MSG_DRAIN, .drain = { "ws1" } };
+
+    submit(ANA, job_a, 0);
+    ready(WORKER, job_a);
+    say(ADMIN, &m);
+    ck_assert_uint_eq(workers_of_job(), 1);
+    result(WORKER, job_a, 0, 1);
+    result(WORKER, job_a, 1, 1);
+    ck_assert_uint_eq(workers_of_job(), 0);
+    ck_assert_str_eq(text_of_job(), "all workers are drained");
+}
+END_TEST
+
 START_TEST(without_same_bits_all_workers_take_part)
 {
     two_arithmetics(0);
@@ -343,6 +394,8 @@ main(void)
     tcase_add_test(tc, a_job_that_no_arithmetic_is_left_for_says_so);
     tcase_add_test(tc, other_reasons_are_not_taken_for_the_arithmetic);
     tcase_add_test(tc, a_job_that_waits_its_turn_says_so);
+    tcase_add_test(tc, a_job_whose_workers_left_for_another_has_none);
+    tcase_add_test(tc, a_job_whose_workers_are_drained_has_none);
     tcase_add_test(tc, without_same_bits_all_workers_take_part);
     suite_add_tcase(s, tc);
     return unit_run(s);
