@@ -214,6 +214,7 @@ static int
 plan_stage(struct job *job, struct rad_error *err)
 {
     struct passes *s = job->passes;
+    struct rad_params params;
     int rc = make_plan(s, job, err);
 
     s->base = job->goal.base;
@@ -231,8 +232,9 @@ plan_stage(struct job *job, struct rad_error *err)
                      "so many frames are too much for a goal: its stages would "
                      "have more than %u passes",
                      MSG_MOST_PASSES);
+    rc = rc < 0 ? rc : stages_params(job, &params, err);
     if (rc == 0)
-        rad_passcost_weigh(s->plan, s->n, s->weight);
+        rad_passcost_weigh(&params, s->plan, s->n, s->weight);
     return rc;
 }
 
@@ -240,18 +242,21 @@ plan_stage(struct job *job, struct rad_error *err)
 static void
 note_progress(struct job *job)
 {
-    const struct passes *s = job->passes;
-    double all = 0, done = 0;
+    struct passes *s = job->passes;
+    struct rad_passcost seen = { 0 };
+    double all, done;
 
-    for (uint32_t i = 0; i < s->n; i++) {
-        all += s->weight[i];
-        done += i < s->open ? s->weight[i] : 0;
-    }
-    for (uint32_t i = s->open; i < s->opened; i++) {
-        const struct sheet *k = passes_sheet(job->passes, i);
+    for (uint32_t i = 0; i < s->open; i++)
+        rad_passcost_see(&seen, &s->plan[i], s->weight[i],
+                         s->closed[i].counts.rays);
+    all = done = rad_passcost_made(&seen);
+    for (uint32_t i = s->open; i < s->n; i++) {
+        double rays = rad_passcost_rays(&seen, &s->plan[i], s->weight[i]);
+        const struct sheet *k = passes_sheet(s, i);
 
-        if (k->ntiles > 0)
-            done += s->weight[i] * (k->ntiles - k->left) / k->ntiles;
+        all += rays;
+        if (i < s->opened && k->ntiles > 0)
+            done += rays * (k->ntiles - k->left) / k->ntiles;
     }
     lead_note(job, all > 0 ? done / all : 1, s->open == s->n);
 }

@@ -6,7 +6,10 @@
  * From the lattice of every 16th pixel on, each lattice takes 1.5 times as long
  * as the next coarser lattice; the finest lattice, which also asks where
  * objects end, takes 1.4 times that.  All paths to records of one level
- * together take .7 of the lattice of every 16th pixel. */
+ * together take .7 of the lattice of every 16th pixel.  What lattices leave to
+ * scattered passes goes from a hundredth of the finest lattice to 30 times
+ * that, and differs by five between scenes: so it is told anew from each such
+ * pass that is made. */
 #include "config.h"
 
 #include "passes/passcost.h"
@@ -70,36 +73,115 @@ level_weight(const struct rad_pass *pass, uint32_t n, const struct rad_pass *of)
     return LEVEL * round_weight(of) / all;
 }
 
-/* Factors for the finest lattice, and for the scattered pass over the places
- * that it left out. */
-static const double FINEST = 1.4, REST = .05;
+/* The factor for the finest lattice. */
+static const double FINEST = 1.4;
 
-/* The work of a pass over pixels.  Frames after the first find half of the
- * records that they need. */
+/* The work of a lattice.  Frames after the first find half of the records that
+ * they need. */
 static double
 lattice_weight(const struct rad_pass *pass)
 {
-    double weight = (pass->scattered ? REST
-                     : pass->finest  ? FINEST
-                                     : 1) *
-                    (pass->field < 0 ? 1 : .5) *
+    double weight = (pass->finest ? FINEST : 1) * (pass->field < 0 ? 1 : .5) *
                     (pass->part < 0 ? 1 : 1. / RAD_PASS_PARTS);
     uint32_t frames = (pass->beyond - 1 - pass->frame) / pass->stride + 1;
 
     for (int step = pass->step; step < 16; step *= 2)
         weight *= 1.5;
-    if (pass->scattered)
-        weight *= (double)(pass->end - pass->first) / pass->squares;
     return pass->frame > 0 ? .5 * frames * weight : weight;
 }
 
+/* What lattices leave out, in work of the finest lattice: in a picture of
+ * LEFT_SIDE squared pixels, with -aa LEFT_ACC and two bounces; the factor for
+ * one bounce. */
+static const double LEFT = 2, LEFT_SIDE = 240, LEFT_ACC = .2, LEFT_SINGLE = .35;
+
+/* What is foreseen of scattered passes counts as much as this share of them, if
+ * it were made. */
+static const double TRUST = .3;
+
+/* The share of a scattered pass in the work of all rounds, or of its part of
+ * them.  Later squares find less that is new: so many squares take as the root
+ * of their number. */
+static double
+scattered_share(const struct rad_pass *pass)
+{
+    return sqrt((double)pass->end / pass->squares) -
+           sqrt((double)pass->first / pass->squares);
+}
+
+/* The work of the scattered pass `of`, in work of the finest lattice. */
+static double
+scattered_weight(const struct rad_params *par, const struct rad_pass *of)
+{
+    double side = of->side * of->step,
+           parts = of->part < 0 ? 1 : RAD_PASS_PARTS;
+    double pixels = parts * of->squares * side * side;
+    double left = LEFT * pow(LEFT_ACC / par->ambacc, 3.5) *
+                  pow(LEFT_SIDE * LEFT_SIDE / pixels, 1.5);
+
+    if (par->ambounce == 1)
+        left *= LEFT_SINGLE / (1 + LEFT_SINGLE * left);
+    return left * scattered_share(of) / parts;
+}
+
+/* The work of pass `of`, by the options and the sizes alone. */
+static double
+foreseen(const struct rad_params *par, const struct rad_pass *pass, uint32_t n,
+         const struct rad_pass *of)
+{
+    double finest = 0;
+
+    if (of->tiles == 0)
+        return 0;
+    if (of->check)
+        return 1;
+    if (of->walks)
+        return WALK;
+    if (of->level > 0)
+        return level_weight(pass, n, of);
+    if (!of->scattered)
+        return lattice_weight(of);
+    for (uint32_t i = 0; i < n; i++)
+        if (pass[i].finest && !pass[i].scattered &&
+            pass[i].frame >= of->frame && pass[i].frame < of->beyond)
+            finest += lattice_weight(&pass[i]);
+    return finest * scattered_weight(par, of);
+}
+
 void
-rad_passcost_weigh(const struct rad_pass *pass, uint32_t n, double *weight)
+rad_passcost_weigh(const struct rad_params *par, const struct rad_pass *pass,
+                   uint32_t n, double *weight)
 {
     for (uint32_t i = 0; i < n; i++)
-        weight[i] = pass[i].tiles == 0  ? 0
-                    : pass[i].check     ? 1
-                    : pass[i].walks     ? WALK
-                    : pass[i].level > 0 ? level_weight(pass, n, &pass[i])
-                                        : lattice_weight(&pass[i]);
+        weight[i] = foreseen(par, pass, n, &pass[i]);
+}
+
+void
+rad_passcost_see(struct rad_passcost *seen, const struct rad_pass *pass,
+                 double weight, uint64_t rays)
+{
+    seen->weight[pass->scattered] += weight;
+    seen->rays[pass->scattered] += (double)rays;
+}
+
+double
+rad_passcost_made(const struct rad_passcost *seen)
+{
+    const double *of = seen->rays[0] > 0 ? seen->rays : seen->weight;
+
+    return of[0] + of[1];
+}
+
+double
+rad_passcost_rays(const struct rad_passcost *seen, const struct rad_pass *pass,
+                  double weight)
+{
+    double rays = weight, trust;
+
+    if (seen->rays[0] > 0)
+        rays *= seen->rays[0] / seen->weight[0];
+    if (!pass->scattered || weight == 0)
+        return rays;
+    trust = TRUST * weight / scattered_share(pass);
+    return (seen->rays[1] * weight + trust * rays) / (seen->weight[1] + trust);
 }

@@ -270,6 +270,29 @@ START_TEST(tiles_count_as_progress)
 }
 END_TEST
 
+/* What passes took tells what the others will take, but what was told stays. */
+START_TEST(dear_passes_do_not_take_progress_back)
+{
+    double done = 0, foreseen;
+
+    submit_passes(ANA, &wide, 1);
+    ready(WORKER, job_a);
+    foreseen = desk_find_job(f.c, job_a)->lead.part;
+    for (uint32_t pass = 0; pass < PASSES; pass++) {
+        tile_rays = pass < PASSES / 2 ? 1000 : 50000;
+        for (uint32_t i = 0; i < tiles_of(pass); i++) {
+            made(WORKER, pass, i, 1);
+            ck_assert_double_ge(share_done(), done);
+            done = share_done();
+        }
+        if (pass < PASSES - 1)
+            ck_assert_double_lt(done, foreseen);
+    }
+    ck_assert_double_eq_tol(done, foreseen, 1e-9);
+    tile_rays = 0;
+}
+END_TEST
+
 START_TEST(colours_that_nobody_wants_are_dropped)
 {
     submit_passes(ANA, &wide, 1);
@@ -463,6 +486,7 @@ main(void)
     tcase_add_test(tc, the_oldest_tile_is_late_first);
     tcase_add_test(tc, tiles_tell_their_colours_to_who_watches);
     tcase_add_test(tc, tiles_count_as_progress);
+    tcase_add_test(tc, dear_passes_do_not_take_progress_back);
     tcase_add_test(tc, colours_that_nobody_wants_are_dropped);
     tcase_add_loop_test(tc, colours_that_fit_no_tile_end_the_connection, 0,
                         N_ELEM(unfit));

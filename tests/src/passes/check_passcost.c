@@ -57,8 +57,9 @@ START_TEST(passes_are_weighed)
 
     rad_params_init(&par);
     par.ambounce = shares[_i].ambounce;
+    par.ambacc = .3;
     n = rad_passes_plan(&par, &size, 1, pass);
-    rad_passcost_weigh(pass, n, weight);
+    rad_passcost_weigh(&par, pass, n, weight);
     for (uint32_t i = 0; i < n; i++)
         all += weight[i];
     for (uint32_t i = 0; i < n; i++) {
@@ -87,13 +88,46 @@ START_TEST(passes_of_many_frames_are_weighed)
     rad_params_init(&par);
     par.ambounce = 2;
     n = rad_passes_plan(&par, size, FRAMES, pass);
-    rad_passcost_weigh(pass, n, weight);
+    rad_passcost_weigh(&par, pass, n, weight);
     for (uint32_t i = 0; i < n; i++) {
         ck_assert_double_gt(weight[i], 0);
         all += weight[i];
         first += pass[i].level == 0 && pass[i].frame == 0 ? weight[i] : 0;
     }
     ck_assert(first > 1.9 / FRAMES * all / 2 && first < .5 * all);
+}
+END_TEST
+
+/* The office by night, 120 wide, -ab 2: million rays of its passes. */
+START_TEST(what_passes_took_tells_of_the_others)
+{
+    static const double took[] = { 0,   .04, .04, .07, .07, .06, .06,
+                                   .18, .18, 1,   1.2, 1.2, 3.5 };
+    struct rad_pass_size size = { 120, 81 };
+    struct rad_pass pass[RAD_MOST_PASSES];
+    double weight[RAD_MOST_PASSES], done = 0, all = 0;
+    struct rad_passcost seen = { 0 };
+    struct rad_params par;
+    uint32_t n;
+
+    ck_assert_int_eq(jobtext_params("-ab 2 -aa .2 -ad 256 -as 64", &par, NULL),
+                     0);
+    n = rad_passes_plan(&par, &size, 1, pass);
+    ck_assert_uint_eq(n, N_ELEM(took));
+    rad_passcost_weigh(&par, pass, n, weight);
+    for (uint32_t i = 0; i < n; i++)
+        all += took[i];
+    for (uint32_t i = 0; i < n; i++) {
+        double left = 0;
+
+        rad_passcost_see(&seen, &pass[i], weight[i], (uint64_t)(1e6 * took[i]));
+        done += took[i];
+        for (uint32_t k = i + 1; k < n; k++)
+            left += rad_passcost_rays(&seen, &pass[k], weight[k]);
+        if (i > 0)
+            ck_assert_double_eq_tol(1e6 * done / (1e6 * done + left),
+                                    done / all, .15);
+    }
 }
 END_TEST
 
@@ -112,7 +146,7 @@ START_TEST(passes_of_other_kinds_are_weighed)
     pass[n++] = (struct rad_pass){
         .check = true, .stride = 1, .beyond = 1, .tiles = 3
     };
-    rad_passcost_weigh(pass, n, weight);
+    rad_passcost_weigh(&par, pass, n, weight);
     ck_assert_double_eq(weight[0], 0);
     ck_assert_double_gt(weight[1], 0);
     ck_assert_double_gt(weight[n - 1], 0);
@@ -130,6 +164,7 @@ main(void)
     tcase_add_loop_test(tc, the_part_of_passes_is_foreseen, 0, N_ELEM(parts));
     tcase_add_loop_test(tc, passes_are_weighed, 0, N_ELEM(shares));
     tcase_add_test(tc, passes_of_many_frames_are_weighed);
+    tcase_add_test(tc, what_passes_took_tells_of_the_others);
     tcase_add_test(tc, passes_of_other_kinds_are_weighed);
     suite_add_tcase(s, tc);
     return unit_run(s);
