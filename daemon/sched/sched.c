@@ -340,13 +340,25 @@ recall(struct coord *c, struct coord_worker *w)
     }
 }
 
-/* Let the worker's threads no longer count for a job that is filled, or that it
- * may not work for now. */
-static void
-leave_passes(struct coord_worker *w)
+/* Does the worker make tiles of a job, or may it in a moment?  Not while the
+ * job's next pass waits for pictures, and all tiles that may be made before
+ * that are made. */
+static bool
+is_at_passes(const struct coord *c, const struct coord_worker *w)
 {
-    if (w->fills &&
-        (!w->fills->filling || desk_idle_job(w->fills) || !desk_takes_units(w)))
+    const struct job *job = w->fills;
+    uint32_t index = desk_index(job, w);
+
+    return job->filling && !desk_idle_job(job) && desk_takes_units(w) &&
+           (passes_open(job) || job->workers[index].lags ||
+            tiles_has(c, job, index));
+}
+
+/* Let the worker's threads no longer count for a job whose tiles it made. */
+static void
+leave_passes(const struct coord *c, struct coord_worker *w)
+{
+    if (w->fills && !is_at_passes(c, w))
         attempt_fill(w, NULL);
 }
 
@@ -373,7 +385,7 @@ sched_serve(struct coord *c, struct coord_worker *w)
     struct job *job;
 
     recall(c, w);
-    leave_passes(w);
+    leave_passes(c, w);
     if (!desk_takes_units(w) || w->alone || c->full)
         return false;
     c->serving++;

@@ -466,6 +466,54 @@ START_TEST(more_tiles_than_there_may_be_are_refused)
 }
 END_TEST
 
+/* Do the first unit that ws1 was given, else the first tile of a worker; false:
+ * there is none. */
+static bool
+work(void)
+{
+    size_t at = f.ntodo;
+    struct to_do k;
+
+    for (size_t i = f.ntodo; i-- > 0;)
+        if (f.todo[i].m.type == MSG_TILE
+                ? at == f.ntodo || f.todo[at].m.type == MSG_TILE
+                : f.todo[i].conn == WORKER)
+            at = i;
+    if (at == f.ntodo)
+        return false;
+    k = f.todo[at];
+    memmove(f.todo + at, f.todo + at + 1, (--f.ntodo - at) * sizeof *f.todo);
+    if (k.m.type == MSG_TILE)
+        made(k.conn, k.m.tile.pass, k.m.tile.tile, 1);
+    else
+        result(k.conn, job_a, k.m.unit.unit, k.m.unit.attempt);
+    return true;
+}
+
+/* Of an animation the next batch's first pass is closed when all pictures of
+ * this batch are done.  A worker that waits for that is free for other jobs. */
+START_TEST(a_worker_leaves_passes_that_wait_for_pictures)
+{
+    enum { FRAMES = RAD_PASS_BATCH + 1 };
+    struct msg_frame walk[FRAMES];
+    const struct coord_worker *w;
+
+    for (uint32_t i = 0; i < FRAMES; i++)
+        walk[i] = (struct msg_frame){ i, 8, 8, "" };
+    join(SECOND, MSG_ROLE_WORKER, "ws2", "daemon");
+    submit_passes(ANA, walk, FRAMES);
+    ready(WORKER, job_a);
+    ready(SECOND, job_a);
+    w = desk_find_worker(f.c, "ws1");
+    ck_assert_ptr_nonnull(w->fills);
+    while (work())
+        ;
+    ck_assert_uint_gt(f.units[SECOND], 0);
+    ck_assert(desk_find_job(f.c, job_a)->filling && w->in_flight == 0);
+    ck_assert_ptr_null(w->fills);
+}
+END_TEST
+
 int
 main(void)
 {
@@ -492,6 +540,7 @@ main(void)
                         N_ELEM(unfit));
     tcase_add_test(tc, a_tile_that_brings_children_down_fails_the_job);
     tcase_add_test(tc, a_worker_that_is_ahead_begins_anew);
+    tcase_add_test(tc, a_worker_leaves_passes_that_wait_for_pictures);
     tcase_add_test(tc, more_tiles_than_there_may_be_are_refused);
     suite_add_tcase(s, tc);
     return unit_run(s);

@@ -29,6 +29,12 @@ static const uint8_t pixels[8 * 8 * 12];
 
 enum { CONNS = 300 };
 
+/* A tile or a unit that a worker was given. */
+struct to_do {
+    uint64_t conn;
+    struct msg m;
+};
+
 static struct {
     struct coord *c;
     uint64_t now_ms;
@@ -59,6 +65,10 @@ static struct {
     uint64_t files_dropped; /* the connection of the last such action */
     unsigned loads, drops; /* of caches of jobs, and the job of the last */
     uint8_t cache_of[MSG_JOB];
+    struct to_do todo[100]; /* what workers were given first */
+    size_t ntodo;
+    struct msg_closed to_hold[CONNS]; /* passes that workers were told of, until
+                                       * they say that they have the records */
     bool crammed;      /* nobody reads answers */
     bool stuck;        /* nothing gets to the disk */
     uint64_t settling; /* who is to hear when that is over; and of what */
@@ -107,6 +117,11 @@ sent(const struct action *a)
         f.units[a->conn]++;
         f.unit_job = m->unit.job[0];
     }
+    if ((m->type == MSG_TILE || m->type == MSG_UNIT) &&
+        f.ntodo < N_ELEM(f.todo))
+        f.todo[f.ntodo++] = (struct to_do){ a->conn, *m };
+    if (m->type == MSG_CLOSED)
+        f.to_hold[a->conn] = m->closed;
     if (m->type == MSG_PROGRESS)
         f.progress = m->progress;
     if (m->type == MSG_JOB_PEERS) {

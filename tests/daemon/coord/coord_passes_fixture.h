@@ -51,12 +51,11 @@ static inline void
 hold(bool whole)
 {
     for (uint64_t conn = WORKER; conn <= SECOND; conn++)
-        while (f.last[conn].type == MSG_CLOSED) {
+        while (f.to_hold[conn].job) {
             struct msg m = { .type = MSG_HOLDS,
-                             .holds = { job_a, f.last[conn].closed.pass,
-                                        whole } };
+                             .holds = { job_a, f.to_hold[conn].pass, whole } };
 
-            f.last[conn].type = 0;
+            f.to_hold[conn].job = NULL;
             say(conn, &m);
         }
 }
