@@ -24,7 +24,7 @@ const char rad_calc_standard[] =
     "PI:3.14159265358979323846; DEGREE:PI/180; FTINY:1e-7;"
     "not(a):if(a,-1,1); and(a,b):if(a,b,a); or(a,b):if(a,a,b);"
     "xor(a,b):if(a,not(b),b);"
-    "abs(v):max(-v,v); sgn(v):if(v,1,if(-v,-1,0)); sq(v):v*v; noop(v):v;"
+    "abs(v):max(v,-v); sgn(v):if(v,1,if(-v,-1,0)); sq(v):v*v; noop(v):v;"
     "inside(lo,v,hi):and(v-lo,hi-v);"
     "bound(lo,v,hi):if(lo-v,lo,if(v-hi,hi,v));"
     "clip(v):bound(0,v,1); noneg(v):max(v,0);"

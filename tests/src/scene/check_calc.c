@@ -250,6 +250,7 @@ static const struct {
     { "Acos(2)", 0 },
     { "sgn(-7)", -1 },
     { "abs(-7)", 7 },
+    { "atan2(abs(A1-A1),-1)", M_PI }, /* abs(0) is 0, not -0 */
     { "linterp(.25,2,4)", 2.5 },
     { "hermite(1,2,0,0,.5)", 1.5 },
     { "hermite(1,2,3,4,.25)", 1.390625 },
