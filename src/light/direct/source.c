@@ -33,7 +33,7 @@ spot_shines(const struct rad_spot *spot, const double normal[3])
     double d = rad_dot(spot->aim, normal);
     double cone = 1 - spot->omega / (2 * M_PI); /* cosine of its half angle */
 
-    return d > 0 || 1 - d * d < cone * cone;
+    return d > 0 || cone < 0 || cone * cone < 1 - d * d;
 }
 
 /* Fill in *src for obj, whose material is em.  0, 1 if obj is no source, or a

@@ -201,6 +201,20 @@ START_TEST(spotlight_falls_off_from_its_focus)
 }
 END_TEST
 
+/* A disk that faces down, with an axis 6 degrees up: half of a wide cone leaves
+ * its front. */
+START_TEST(spotlight_lights_what_of_its_cone_leaves_its_front)
+{
+    static const char text[] = "void spotlight s 0 0 7 9 9 9 160 1e-4 0 1e-5\n"
+                               "s ring r 0 0 8 0 0 2 0 0 -1 0 .1\n";
+    double area = M_PI * .01, cosine = 2 / sqrt(13);
+
+    ck_assert_double_eq_tol(irradiance_of(text, DIRECT "-ds 0", 3, 0, 0),
+                            9 * area * cosine * cosine / 13, 1e-4);
+    ck_assert_double_eq(irradiance_of(text, DIRECT, -3, 0, 0), 0);
+}
+END_TEST
+
 /* With -dt, the weak ones of a hundred lamps are not tested, but estimated by
  * the visible share of those that were: here, all or nothing. */
 START_TEST(untested_lamps_count_as_the_tested_ones_are_seen)
@@ -436,6 +450,7 @@ main(void)
                         N_ELEM(suns));
     tcase_add_test(tc, glow_reaches_as_far_as_it_says);
     tcase_add_test(tc, spotlight_falls_off_from_its_focus);
+    tcase_add_test(tc, spotlight_lights_what_of_its_cone_leaves_its_front);
     tcase_add_test(tc, untested_lamps_count_as_the_tested_ones_are_seen);
     tcase_add_test(tc, untested_lamps_leave_the_mean_alone);
     tcase_add_test(tc, untested_lamps_are_drawn);
