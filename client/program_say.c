@@ -135,13 +135,12 @@ say_paused(struct program *p, bool paused)
  * come.  With --launch the workers have come, and the user cannot ask their
  * coordinator. */
 static void
-say_waiting(struct program *p, const struct msg_progress *m)
+say_waiting(struct program *p, double alone_s)
 {
     enum { PATIENCE_S = 2 };
 
     if (p->said.waiting || (p->cluster.embedded && !p->cluster.launch) ||
-        m->state != MSG_STATE_WAITING || m->workers > 0 ||
-        m->elapsed_s < PATIENCE_S)
+        alone_s < PATIENCE_S)
         return;
     p->said.waiting = true;
     program_say(p, p->cluster.embedded
@@ -150,19 +149,13 @@ say_waiting(struct program *p, const struct msg_progress *m)
                          "what they do");
 }
 
-/* Tell when all workers have left a running job.  There may be workers that
- * --same-bits does not take. */
+/* Tell when all workers have left a job that was begun.  There may be workers
+ * that --same-bits does not take. */
 static void
-say_left(struct program *p, const struct progress_report *r, bool running)
+say_left(struct program *p, double alone_s)
 {
     enum { PATIENCE_S = 5 }; /* a worker may come back */
-    double alone_s = progress_alone(&p->said.alone, r, running);
 
-    if (alone_s == 0) {
-        if (p->said.left && r->workers > 0)
-            program_say(p, "a worker is at the job again");
-        p->said.left = false;
-    }
     if (p->said.left || alone_s < PATIENCE_S)
         return;
     p->said.left = true;
@@ -174,6 +167,27 @@ say_left(struct program *p, const struct progress_report *r, bool running)
             p, "--same-bits takes none but such as that of the first worker: "
                "bring one of these back, or cancel the job and submit it "
                "without");
+}
+
+/* Tell when the job lacks workers, and when it has one again.  After a restart
+ * of the coordinator a job that was begun waits as a new job does. */
+static void
+say_alone(struct program *p, const struct progress_report *r, int state)
+{
+    bool waiting = state == MSG_STATE_WAITING;
+    double alone_s = progress_alone(&p->said.alone, r,
+                                    waiting || state == MSG_STATE_RUNNING);
+
+    p->said.begun |= r->workers > 0 || r->done > 0;
+    if (alone_s == 0) {
+        if (p->said.left && r->workers > 0)
+            program_say(p, "a worker is at the job again");
+        p->said.left = false;
+    }
+    if (p->said.begun)
+        say_left(p, alone_s);
+    else if (waiting)
+        say_waiting(p, alone_s);
 }
 
 /* Tell when a stage of --error or --time has ended; not for batches of points,
@@ -245,8 +259,7 @@ program_on_progress(void *arg, const struct msg_progress *m)
         say_held(p, m->state == MSG_STATE_HELD);
         say_paused(p, m->state == MSG_STATE_PAUSED);
     }
-    say_waiting(p, m);
-    say_left(p, &r, m->state == MSG_STATE_RUNNING);
+    say_alone(p, &r, m->state);
     say_stage(p, m);
     note_wonder(p, m);
     foresee(p);

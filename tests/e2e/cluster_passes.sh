@@ -25,12 +25,14 @@ same()
         fail "$1: $(total "$1.json" tile_values) records of passes"
 }
 
-start()
+start() # NAME OPTION...
 {
+    name=$1
+    shift
     : >c.log
     # shellcheck disable=SC2086
-    "$radsubmit" --coordinator="$sock" --name="$1" $view --stats="$1.json" \
-        -o "$1.hdr" "$room" 2>"$1.err" &
+    "$radsubmit" --coordinator="$sock" --name="$name" $view "$@" \
+        --stats="$name.json" -o "$name.hdr" "$room" 2>"$name.err" &
     job=$!
 }
 
@@ -91,14 +93,21 @@ worker_start 1 1
 worker_start 3 1
 same worker
 
-# a job that passes are closed of and that has no units yet may be cancelled
-start cancelled
+# a job that passes are closed of, that has no units yet and lost all workers: after
+# a restart radsubmit still knows that it was begun; it may be cancelled
+start cancelled -t 1
 until_log 'pass=2 '
+seen() { grep -q 'worker' cancelled.err || job_ended; }
+until_true 60 seen || fail "no progress is told: $(cat cancelled.err)"
 id=$(sed -n 's/^radsubmit: job //p' cancelled.err)
-kill -KILL "$pid_1" "$pid_3"
-wait "$pid_1" "$pid_3" 2>/dev/null
+# shellcheck disable=SC2154
+kill -KILL "$pid_1" "$pid_2" "$pid_3"
+wait "$pid_1" "$pid_2" "$pid_3" 2>/dev/null
 if ! job_ended; then
     coord_crash
+    until_true 30 grep -q 'no worker is at the job any more' cancelled.err ||
+        fail "nobody says that all workers left: $(cat cancelled.err)"
+    grep -q 'has begun yet' cancelled.err && fail "$(cat cancelled.err)"
     until_true 20 "$radctl" --coordinator="$sock" cancel "$id" ||
         fail "a job with passes alone cannot be cancelled"
     "$radctl" --coordinator="$sock" status >said ||
