@@ -68,10 +68,20 @@ link_code(unsigned status)
     return RAD_EINTERNAL;
 }
 
-static bool
-is_no_host(int code)
+/* libuv's texts do not say that it is a name that was not found. */
+static const char *
+unreached(int code)
 {
-    return code == UV_EAI_NONAME || code == RAD_EUSAGE;
+    switch (code) {
+    case UV_EAI_NONAME:
+    case RAD_EUSAGE:
+        return "no such host";
+    case UV_EAI_AGAIN:
+    case UV_EAI_FAIL:
+        return "the host's name cannot be looked up";
+    default:
+        return uv_strerror(code);
+    }
 }
 
 static int
@@ -103,8 +113,7 @@ lost(const struct link *l, struct rad_error *err)
                                    : l->why.what);
     default:
         return rad_fail(err, RAD_EUNAVAIL, "no coordinator at '%s': %s",
-                        l->name,
-                        is_no_host(code) ? "no such host" : uv_strerror(code));
+                        l->name, unreached(code));
     }
 }
 

@@ -28,6 +28,10 @@ expect 69 "(--keys edits a key file)" "key" "$radctl" key list
 expect 69 "no coordinator at '/run/other.sock': no such file" "named" \
     "$radctl" --coordinator=/run/other.sock status
 grep -q "is named by" stderr && fail "named: $(cat stderr)"
+"$radctl" --coordinator=no-such-host.invalid:7420 status >stdout 2>stderr
+[ $? -eq 69 ] || fail "a host that there is not"
+grep -Eq "'no-such-host.invalid:7420': (no such host|the host's name cannot)" \
+    stderr || fail "a host that there is not: $(cat stderr)"
 
 "$radcoord" --listen= --state="$work/state" --ports-file="$work/ports" \
     2>c.log &
