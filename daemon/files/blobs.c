@@ -246,7 +246,11 @@ check_hash(struct blob_part *p, struct rad_error *err)
         return 0;
     rc = rad_sha_final(&p->sha, hex, err);
     p->state = BLOB_HASHED;
-    if (rc == 0 && strcmp(hex, p->hash) != 0)
+    if (rc == 0 && strcmp(hex, p->hash) != 0 && p->total == 0)
+        rc = rad_fail(err, RAD_EPROTO,
+                      "file %.12s came empty: its sender cannot read it",
+                      p->hash);
+    else if (rc == 0 && strcmp(hex, p->hash) != 0)
         rc = rad_fail(err, RAD_EPROTO, "a file came as %.12s but is %.12s",
                       p->hash, hex);
     return rc;

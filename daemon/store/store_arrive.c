@@ -177,9 +177,12 @@ static int
 chunk_run(struct task *t)
 {
     struct chunk_task *c = (struct chunk_task *)t;
-    struct arriving **at;
+    struct arriving **at = find_arriving(c->store, c->conn, c->hash);
     int rc;
 
+    /* a sender that cannot read the file to its end sends an empty one */
+    if (c->offset == 0 && *at && (*at)->part.total != c->total)
+        end_arriving(c->store, at, false);
     if (c->offset == 0 && !*find_arriving(c->store, c->conn, c->hash)) {
         rc = begin_arriving(c->store, c, &t->err);
         if (rc < 0)

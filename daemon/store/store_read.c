@@ -29,7 +29,6 @@ struct read_task {
     struct task task;
     struct store *store;
     struct store_reading *reading;
-    uint64_t size;
     void *buf;
     size_t cap, got;
     store_read_fn *fn;
@@ -88,7 +87,7 @@ hash(struct read_task *r, const char *path)
     if (!g->hashing)
         return 0;
     rad_sha_update(&g->sha, r->buf, r->got);
-    if (g->offset + r->got < r->size)
+    if (g->offset + r->got < g->size)
         return 0;
     g->hashing = false;
     return mark_check_sha(&g->mark, &g->sha, path, &r->task.err);
@@ -97,6 +96,7 @@ hash(struct read_task *r, const char *path)
 static int
 read_piece(struct read_task *r, int fd, const char *path)
 {
+    struct store_reading *g = r->reading;
     struct rad_error *err = &r->task.err;
     struct stat st;
     ssize_t n;
@@ -104,16 +104,16 @@ read_piece(struct read_task *r, int fd, const char *path)
 
     if (fstat(fd, &st) < 0)
         return disk_fail(err, errno, "look at", path);
-    r->size = (uint64_t)st.st_size;
-    rc = r->reading->mark.known
-             ? mark_check_size(&r->reading->mark, r->size, path, err)
-             : 0;
+    if (g->offset > 0 && (uint64_t)st.st_size != g->size)
+        return rad_fail(err, RAD_EDATA, "'%s' changed its size", path);
+    g->size = (uint64_t)st.st_size;
+    rc = g->mark.known ? mark_check_size(&g->mark, g->size, path, err) : 0;
     if (rc < 0)
         return rc;
-    n = pread(fd, r->buf, r->cap, (off_t)r->reading->offset);
+    n = pread(fd, r->buf, r->cap, (off_t)g->offset);
     if (n < 0)
         return disk_fail(err, errno, "read", path);
-    if (n == 0 && r->reading->offset < r->size)
+    if (n == 0 && g->offset < g->size)
         return rad_fail(err, RAD_EDATA, "'%s' became shorter", path);
     r->got = (size_t)n;
     return hash(r, path);
@@ -196,7 +196,7 @@ read_done(struct task *t)
         r->fn(r->arg, -1, 0, status_for_reader(r), text);
     } else {
         r->reading->offset += r->got;
-        r->fn(r->arg, (ssize_t)r->got, r->size, 0, "");
+        r->fn(r->arg, (ssize_t)r->got, r->reading->size, 0, "");
     }
     free(r);
 }

@@ -21,6 +21,7 @@ struct store_source {
 struct store_reading {
     struct store_source from;
     uint64_t offset;     /* bytes that were read so far */
+    uint64_t size;       /* of the whole file; every piece finds the same */
     struct mark mark;    /* of the file, if the database has one */
     struct rad_sha sha;  /* of the bytes that were read, while hashing */
     bool hashing;        /* the file is compared with its mark */

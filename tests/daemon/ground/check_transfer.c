@@ -255,6 +255,27 @@ START_TEST(a_file_that_is_removed_meanwhile_is_empty_at_last)
 }
 END_TEST
 
+/* The sizes leave none, some and all of the bytes that were sent. */
+START_TEST(a_file_that_shrinks_meanwhile_is_empty_at_last)
+{
+    static const off_t to[] = { 0, MSG_MAX_CHUNK, 2 * MSG_MAX_CHUNK,
+                                3 * MSG_MAX_CHUNK };
+    char path[sizeof dir + 6 + RAD_SHA_HEX + 2];
+    uint8_t hash[MSG_HASH] = { LONG };
+
+    snprintf(path, sizeof path, "%s/files/", dir);
+    rad_sha_to_hex(hash, path + strlen(path));
+    start(LONG);
+    settle(false);
+    ck_assert_int_eq(truncate(path, to[_i]), 0);
+    settle(true);
+    ck_assert_int_eq(f.empty[LONG], 1);
+    start(0);
+    settle(true);
+    ck_assert_int_eq(f.last[0], 1);
+}
+END_TEST
+
 int
 main(void)
 {
@@ -269,6 +290,8 @@ main(void)
     tcase_add_test(tc, a_file_that_has_begun_is_sent_to_its_end);
     tcase_add_test(tc, a_file_that_is_missing_comes_as_an_empty_one);
     tcase_add_test(tc, a_file_that_is_removed_meanwhile_is_empty_at_last);
+    tcase_add_loop_test(tc, a_file_that_shrinks_meanwhile_is_empty_at_last, 0,
+                        4);
     suite_add_tcase(s, tc);
     return unit_run(s);
 }

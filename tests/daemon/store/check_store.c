@@ -33,6 +33,39 @@ START_TEST(store_keeps_files_and_refuses_impostors)
 }
 END_TEST
 
+/* A sender that cannot read a file, or its rest, sends it as an empty one. */
+START_TEST(store_tells_of_a_file_that_its_sender_cannot_read)
+{
+    struct heard h = { 0 };
+    uint8_t digest[MSG_HASH];
+    char hex[RAD_SHA_HEX + 1];
+    uv_loop_t loop;
+    struct store *s;
+    struct msg_chunk c = { .hash = digest,
+                           .total = _i == 0 ? 5 : 0,
+                           .len = _i == 0 ? 2 : 0 };
+
+    hash_of("hello", 5, hex);
+    rad_sha_from_hex(hex, digest);
+    uv_loop_init(&loop);
+    s = store_open(&loop, dir, false, &handler, &h, NULL);
+    ck_assert_ptr_nonnull(s);
+    c.data = (const uint8_t *)"he";
+    for (int pieces = _i; pieces < 2; pieces++) {
+        store_put_chunk(s, 5, &c);
+        c.total = 0;
+        c.len = 0;
+    }
+    run(&loop, s);
+    ck_assert_int_eq(h.files, 1);
+    ck_assert_int_eq(h.status, EX_PROTOCOL);
+    ck_assert_str_eq(h.text, "file 2cf24dba5fb0 came empty: its sender cannot "
+                             "read it");
+    store_close(s);
+    ck_assert_int_eq(uv_loop_close(&loop), 0);
+}
+END_TEST
+
 START_TEST(store_tells_of_every_chunk)
 {
     static const char text[] = "in three parts";
@@ -411,6 +444,8 @@ main(void)
 
     tcase_add_checked_fixture(tc, scratch_make, scratch_remove);
     tcase_add_test(tc, store_keeps_files_and_refuses_impostors);
+    tcase_add_loop_test(tc, store_tells_of_a_file_that_its_sender_cannot_read,
+                        0, 2);
     tcase_add_test(tc, store_tells_of_every_chunk);
     tcase_add_test(tc, store_notices_damaged_files);
     tcase_add_loop_test(tc, files_are_read_behind_the_loop, 0, 2);

@@ -19,6 +19,7 @@ hash_of(const void *data, size_t n, char hex[RAD_SHA_HEX + 1])
 
 struct heard {
     int files, jobs, rows, pictures, status;
+    char text[160]; /* about the last file */
     uint64_t sequence;
     int chunks; /* written, of files not yet whole */
     uint32_t unit;
@@ -37,10 +38,10 @@ on_file(void *arg, uint64_t conn, const uint8_t hash[MSG_HASH], int status,
     struct heard *h = arg;
 
     (void)hash;
-    (void)text;
     ck_assert_uint_eq(conn, 5);
     h->files++;
     h->status = status;
+    snprintf(h->text, sizeof h->text, "%s", text);
 }
 
 static inline void
