@@ -51,7 +51,7 @@ struct tls {
     bool done, ended;  /* done: the handshake; ended: the other side */
     const char *fault; /* of a server: why the client's key is refused */
     char id[TLS_ID];
-    uint8_t secret[TLS_SECRET]; /* of a client: the key's */
+    uint8_t secret[TLS_SECRET]; /* the key's, until the handshake is over */
 };
 
 /* --- keys --- */
@@ -98,6 +98,7 @@ find_key(SSL *ssl, const unsigned char *id, size_t n, SSL_SESSION **session)
     memset(secret, 0, sizeof secret);
     t->fault = take_id(t, id, n) ? t->ctx->find(t->ctx->arg, t->id, secret)
                                  : "unknown key";
+    memcpy(t->secret, secret, sizeof secret);
     *session = key_session(ssl, t->fault ? unknown : secret);
     OPENSSL_cleanse(secret, sizeof secret);
     OPENSSL_cleanse(unknown, sizeof unknown);
@@ -353,6 +354,20 @@ client_failed(struct tls *t, unsigned long e, struct rad_error *err)
     return rad_fail(err, RAD_EPROTO, "no TLS: %s", reason ? reason : "?");
 }
 
+/* A client has proven the key that it named.  Is that key still valid, and the
+ * same?  It may have been retired or replaced since it was looked up. */
+static int
+check_key_again(struct tls *t, struct rad_error *err)
+{
+    uint8_t secret[TLS_SECRET] = { 0 };
+    const char *why = t->ctx->find(t->ctx->arg, t->id, secret);
+
+    if (!why && CRYPTO_memcmp(secret, t->secret, TLS_SECRET) != 0)
+        why = "replaced key";
+    OPENSSL_cleanse(secret, sizeof secret);
+    return why ? rad_fail(err, RAD_EPERM, "%s '%s'", why, t->id) : 0;
+}
+
 int
 tls_handshake(struct tls *t, struct rad_error *err)
 {
@@ -366,6 +381,8 @@ tls_handshake(struct tls *t, struct rad_error *err)
     if (rc == 1) {
         if (!SSL_session_reused(t->ssl))
             return rad_fail(err, RAD_EPERM, "the key '%s' was not used", t->id);
+        if (t->server && (rc = check_key_again(t, err)) < 0)
+            return rc;
         t->done = true;
         /* a proven peer may keep its 33 KiB of buffers: to allocate them for
          * each record takes as long as to encrypt a short one */

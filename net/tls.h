@@ -34,7 +34,8 @@ struct tls;
 
 /* Look up the key that a client names.  Returns NULL and its secret, or the
  * reason why there is none ("unknown key").  The client is answered as if its
- * secret were wrong, so it cannot find out which names exist. */
+ * secret were wrong, so it cannot find out which names exist.  Called again
+ * when the client has proven the key, which must then still be the same. */
 typedef const char *tls_find_fn(void *arg, const char *id,
                                 uint8_t secret[TLS_SECRET]);
 

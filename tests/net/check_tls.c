@@ -159,6 +159,52 @@ START_TEST(a_key_may_come_later)
 }
 END_TEST
 
+static const char *changed_why;
+static const uint8_t *changed_secret;
+
+static const char *
+find_changed(void *arg, const char *id, uint8_t secret[TLS_SECRET])
+{
+    (void)arg;
+    (void)id;
+    memcpy(secret, changed_secret, TLS_SECRET);
+    return changed_why;
+}
+
+static const struct {
+    const char *why;
+    const uint8_t *secret;
+    const char *said;
+} changes[] = {
+    { "retired key", right, "retired key 'user:ana:k1'" },
+    { NULL, wrong, "replaced key 'user:ana:k1'" },
+};
+
+START_TEST(a_key_that_changes_before_it_is_proven_is_refused)
+{
+    struct pair p;
+
+    open_pair(&p, "user:ana:k1", right);
+    tls_free(p.s);
+    tls_ctx_free(p.sctx);
+    changed_why = NULL;
+    changed_secret = right;
+    p.sctx = tls_server(find_changed, NULL);
+    p.s = tls_accept(p.sctx);
+    ck_assert_ptr_nonnull(p.s);
+    ck_assert_int_eq(tls_handshake(p.c, NULL), 0);
+    carry(p.c, p.s);
+    ck_assert_int_eq(tls_handshake(p.s, NULL), 0);
+    carry(p.s, p.c);
+    changed_why = changes[_i].why;
+    changed_secret = changes[_i].secret;
+    shake(&p);
+    ck_assert_int_eq(p.src, RAD_EPERM);
+    ck_assert_str_eq(p.serr.what, changes[_i].said);
+    close_pair(&p);
+}
+END_TEST
+
 static const struct {
     const char *id;
     const uint8_t *secret;
@@ -619,6 +665,8 @@ main(void)
 
     tcase_add_loop_test(tc, a_key_may_come_later, 0, 2);
     tcase_add_test(tc, who_has_the_key_gets_in);
+    tcase_add_loop_test(tc, a_key_that_changes_before_it_is_proven_is_refused,
+                        0, N_ELEM(changes));
     tcase_add_loop_test(tc, who_has_it_not_learns_nothing, 0,
                         N_ELEM(strangers));
     tcase_add_test(tc, a_server_with_a_certificate_is_not_ours);
