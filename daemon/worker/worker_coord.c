@@ -116,6 +116,17 @@ say_still(struct worker *w, const struct wjob *job)
     }
 }
 
+/* Send the rows that were not acknowledged. */
+static void
+repeat_rows(struct worker *w, const struct wjob *job)
+{
+    /* before the rows: a unit is not complete without its bottom */
+    if ((job->kept || job->nunits > 0) && w->coord_state == COORD_WELCOME)
+        relay_repeat(w, job);
+    for (const struct wkept *k = job->kept; k; k = k->next)
+        actions_send_bytes(&w->actions, w->coord, k->bytes, k->len);
+}
+
 /* The coordinator is back and starts a job that this worker is ready for. */
 static void
 resume_job(struct worker *w, struct wjob *job)
@@ -123,11 +134,7 @@ resume_job(struct worker *w, struct wjob *job)
     struct msg ready = { .type = MSG_READY, .ready = job->ready };
 
     drop_loans(w, job);
-    /* before the rows: a unit is not complete without its bottom */
-    if ((job->kept || job->nunits > 0) && w->coord_state == COORD_WELCOME)
-        relay_repeat(w, job);
-    for (const struct wkept *k = job->kept; k; k = k->next)
-        actions_send_bytes(&w->actions, w->coord, k->bytes, k->len);
+    repeat_rows(w, job);
     say_still(w, job);
     worker_send_coord(w, &ready);
 }
@@ -136,6 +143,7 @@ static void
 on_job_start(struct worker *w, const struct msg *m)
 {
     struct wjob *job = worker_find_job(w, m->job_start.job);
+    bool back;
 
     if (job && !wjob_is_same(w, job, m)) {
         actions_log(&w->actions, ACT_INFO,
@@ -149,11 +157,16 @@ on_job_start(struct worker *w, const struct msg *m)
         w->actions.failed = true;
         return;
     }
+    back = !job->started;
     job->started = true;
     gather_turn(job);
-    if (job->state == WJOB_READY)
+    if (job->state == WJOB_READY) {
         resume_job(w, job);
-    else if (job->state != WJOB_LOADING)
+        return;
+    }
+    if (back) /* rows of a child that died meanwhile */
+        repeat_rows(w, job);
+    if (job->state != WJOB_LOADING)
         files_look(w, job);
 }
 

@@ -341,6 +341,40 @@ START_TEST(a_child_that_is_held_does_not_hang)
 }
 END_TEST
 
+/* The second row: a new child loads already. */
+START_TEST(rows_of_a_child_that_died_after_a_cut_are_sent_again)
+{
+    start_job();
+    child_ready();
+    unit(0);
+    unit(1);
+    rows(0, 0);
+    rows(0, 2);
+    rows(1, 0); /* its unit goes with the child */
+    if (_i == 1) {
+        worker_child_ended(f.w, f.now_ms, f.child, false, "gone");
+        carry_out();
+        start_job();
+    }
+    cut();
+    if (_i == 0) {
+        worker_child_ended(f.w, f.now_ms, f.child, false, "gone");
+        carry_out();
+    }
+    clear();
+    tick(500);
+    connect();
+    start_job();
+    ck_assert_int_eq(said(f.coord, MSG_RESULT), 2);
+    child_ready();
+    ck_assert_int_eq(f.last.type, MSG_READY);
+    ck_assert_int_eq(said(f.coord, MSG_RESULT), 2);
+    ack(0, 0);
+    ack(0, 2);
+    ck_assert_uint_eq(worker_kept(f.w), 0);
+}
+END_TEST
+
 START_TEST(rows_wait_for_the_start_after_a_cut)
 {
     start_job();
@@ -753,6 +787,8 @@ main(void)
         0, N_ELEM(no_coord));
     tcase_add_test(tc, what_is_kept_is_counted_until_it_is_acknowledged);
     tcase_add_test(tc, a_child_that_is_held_does_not_hang);
+    tcase_add_loop_test(
+        tc, rows_of_a_child_that_died_after_a_cut_are_sent_again, 0, 2);
     tcase_add_test(tc, rows_wait_for_the_start_after_a_cut);
     tcase_add_test(tc, a_lost_child_is_reported_with_its_suspects);
     tcase_add_test(tc, the_end_of_a_job_ends_its_child);
