@@ -59,7 +59,7 @@ struct submit {
     enum stage stage;
     bool met_worker, done, cancelled;
     bool fetching;      /* fetch() or ask() handles a FAILED of this request */
-    bool over;          /* the job has failed */
+    bool over;          /* the job has failed, or is cancelled */
     bool ended;         /* our own cluster has ended: do not try again */
     uint32_t delivered; /* frames that were delivered */
     struct msg_progress last; /* without its job id */
@@ -522,6 +522,27 @@ say_what_it_got(struct submit *s)
     s->cb->say(s->cb->arg, text);
 }
 
+/* Is the job over, or the cluster that has it going to be? */
+static bool
+is_settled(const struct submit *s)
+{
+    return s->over || s->done || s->cb->alive;
+}
+
+/* CANCEL may have come too late, or never. */
+static int
+not_settled(struct submit *s)
+{
+    char hex[MSG_JOB_HEX];
+
+    msg_job_format(s->job->spec->job, hex);
+    *s->err = (struct rad_error){ 0 }; /* why the connection failed */
+    return rad_fail(s->err, RAD_ETEMPFAIL,
+                    "interrupted before the coordinator said that the job is "
+                    "cancelled: radctl cancel %s",
+                    hex);
+}
+
 /* Cancel the job and wait, for CANCEL_MS at most, until the coordinator has, or
  * says that the job is over.  A job that was done before CANCEL came stays. */
 static int
@@ -538,9 +559,13 @@ cancel(struct submit *s)
     while (rc >= 0 && now_ms(s) < until) {
         rc = next(s, LOOK_MS, &answer);
         if (rc == 1 && answer->request == s->request &&
-            (answer->type == MSG_ANSWER || answer->type == MSG_FAILED))
+            (answer->type == MSG_ANSWER || answer->type == MSG_FAILED)) {
+            s->over = true;
             break;
+        }
     }
+    if (!is_settled(s))
+        return not_settled(s);
     if (!s->done || s->cb->alive)
         say_what_it_got(s);
     return interrupted(s);

@@ -315,6 +315,17 @@ script_is_cancelled(struct player *p)
     player_cancelled(p);
 }
 
+/* The coordinator ends before it has heard of that. */
+static void
+script_ends_at_cancel(struct player *p)
+{
+    player_welcome(p, 1);
+    player_take_job(p, false);
+    player_progress(p, 1, 0);
+    player_expect(p, MSG_CANCEL);
+    player_hang_up(p);
+}
+
 /* The client is interrupted at PROGRESS; DONE is on its way to it. */
 static void
 script_is_done_before_cancel(struct player *p)
@@ -544,6 +555,10 @@ static const struct script {
     { "pieces", script_gives_pieces_that_do_not_fit, RAD_EPROTO, 30,
       .detach = false },
     { "cancelled", script_is_cancelled, RAD_ETEMPFAIL, 30, .interrupt = true },
+    { "ends at cancel", script_ends_at_cancel, RAD_ETEMPFAIL, 30,
+      .interrupt = true,
+      .what = "interrupted before the coordinator said that the job is "
+              "cancelled: radctl cancel 0102" },
     { "done before", script_is_done_before_cancel, RAD_ETEMPFAIL, 30,
       .interrupt = true,
       .what = "interrupted; the job is done: radctl fetch 0102" },
