@@ -632,8 +632,8 @@ run(struct program *p)
     cargo_release(&p->cargo);
     records_release(&p->records);
     compile_release(&p->scene);
-    if (p->loop.watched &&
-        rc != RAD_EUNAVAIL) /* a resolver may still be looking for the host */
+    /* after an error a resolver may still be looking for the host */
+    if (p->loop.watched && rc == 0)
         release_loop(&p->loop);
     return rc;
 }
