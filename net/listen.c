@@ -13,7 +13,6 @@
 #include "net/log.h"
 
 #include <errno.h>
-#include <limits.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -38,7 +37,6 @@ struct listener {
     uv_timer_t again; /* runs while it waits */
     int open_handles; /* handles that are not closed yet */
     int fd;
-    int most; /* connections may use descriptors below this */
     bool local;
     bool waits;       /* connections wait since the last one was accepted */
     bool told;        /* a shortage was logged, ever */
@@ -174,15 +172,20 @@ wait_for_some(struct listener *l, const char *why)
     uv_timer_start(&l->again, go_on, AGAIN_MS, 0);
 }
 
-/* Is there a descriptor for one more connection, with some to spare? */
-static bool
-has_room(const struct listener *l)
+bool
+listener_has_room(int socket)
 {
-    int fd = dup(l->fd);
+    struct rlimit limit;
+    int fd = dup(socket);
+    rlim_t used = (rlim_t)fd, spare;
 
-    if (fd >= 0)
-        close(fd);
-    return fd >= 0 && fd < l->most;
+    if (fd < 0)
+        return false;
+    close(fd);
+    if (getrlimit(RLIMIT_NOFILE, &limit) < 0)
+        return true;
+    spare = limit.rlim_cur / 4 < SPARE ? limit.rlim_cur / 4 : SPARE;
+    return used < limit.rlim_cur - spare;
 }
 
 /* Is the error a shortage, so that trying again at once is useless? */
@@ -203,7 +206,7 @@ on_ready(uv_poll_t *poll, int status, int events)
     for (int i = 0; i < AT_ONCE && !uv_is_closing((uv_handle_t *)poll); i++) {
         int fd;
 
-        if (!has_room(l)) {
+        if (!listener_has_room(l->fd)) {
             wait_for_some(l, strerror(EMFILE));
             return;
         }
@@ -222,17 +225,6 @@ on_ready(uv_poll_t *poll, int status, int events)
 
 /* --- opening and closing --- */
 
-static int
-most_descriptors(void)
-{
-    struct rlimit limit;
-
-    if (getrlimit(RLIMIT_NOFILE, &limit) < 0 || limit.rlim_cur > INT_MAX)
-        return INT_MAX;
-    return (int)limit.rlim_cur -
-           (int)(limit.rlim_cur / 4 < SPARE ? limit.rlim_cur / 4 : SPARE);
-}
-
 static struct listener *
 new_listener(const struct address *a, const struct listener_conf *conf)
 {
@@ -244,7 +236,6 @@ new_listener(const struct address *a, const struct listener_conf *conf)
     l->at = *a;
     l->local = address_is_local(a);
     l->conf = *conf;
-    l->most = most_descriptors();
     if (l->local)
         return l;
     l->gate = gate_new(conf->find, conf->arg,

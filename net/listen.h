@@ -41,6 +41,10 @@ const char *listener_text(const struct listener *l);
 /* Stop listening, and remove a Unix socket's file.  NULL is accepted. */
 void listener_close(struct listener *l);
 
+/* Is there a descriptor for one more connection to that socket, with some to
+ * spare for files, children and the like? */
+bool listener_has_room(int socket);
+
 /* A socket that listens at a, which address_resolve_listen() made of `where`:
  * the descriptor, or a negative error number.  At "*" it takes IPv4 alone where
  * the kernel has no IPv6.  a is then where it listens, for port 0. */

@@ -246,7 +246,8 @@ may_come(struct serve *s)
     s->may += (double)(now - s->may_ms) * SERVE_PER_S / 1000;
     s->may = s->may < SERVE_AT_ONCE ? s->may : SERVE_AT_ONCE;
     s->may_ms = now;
-    return s->may >= 1 && s->nguests < SERVE_GUESTS;
+    return s->may >= 1 && s->nguests < SERVE_GUESTS &&
+           listener_has_room(s->door_fd);
 }
 
 /* Accept a waiting connection.  False: none waits, or none may be accepted now.
@@ -261,8 +262,11 @@ let_in(struct serve *s)
     if (!may_come(s))
         return false;
     fd = accept4(s->door_fd, &a.sa.any, &n, SOCK_NONBLOCK | SOCK_CLOEXEC);
-    if (fd < 0)
+    if (fd < 0) {
+        if (errno != EAGAIN && errno != ECONNABORTED)
+            s->may = 0; /* a shortage: try again at the next tick */
         return errno == ECONNABORTED;
+    }
     s->may--;
     MHD_add_connection(s->mhd, fd, &a.sa.any, n); /* closes fd if it fails */
     return true;

@@ -3,13 +3,12 @@
  * libmicrohttpd parses requests; libuv's loop watches its epoll descriptor, so
  * all runs in one thread.  route.c finds the answers, answer.h sends them.
  *
- * Bounds: SERVE_GUESTS connections.  After the first SERVE_AT_ONCE, SERVE_PER_S
- * connections a second are accepted; others wait in the kernel's queue, and are
- * turned away when that is full.  Each connection has a buffer of 16 KiB for
- * its request.  A connection ends if a request is not whole within
- * SERVE_ASK_MS, or its answer not read within SERVE_READ_MS; event streams have
- * no such limit.
- * Thread: the loop's. */
+ * Bounds: SERVE_GUESTS connections, fewer where descriptors are few.  After the
+ * first SERVE_AT_ONCE, SERVE_PER_S connections a second are accepted; others
+ * wait in the kernel's queue, and are turned away when that is full.  Each
+ * connection has a buffer of 16 KiB for its request.  A connection ends if a
+ * request is not whole within SERVE_ASK_MS, or its answer not read within
+ * SERVE_READ_MS; event streams have no such limit. Thread: the loop's. */
 #ifndef RADD_WEB_SERVE_H
 #define RADD_WEB_SERVE_H
 

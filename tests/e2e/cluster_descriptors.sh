@@ -115,6 +115,26 @@ for f in local*.hdr; do
     cmp "$f" "many${f#local}" || fail "$f differs"
 done
 
+# browsers that ask nothing leave radweb descriptors for its own connection
+$few "$top_builddir/radweb" --coordinator="$sock" --listen=127.0.0.1:0 \
+    --ports-file=web.ports 2>web.log &
+web=$!
+wait_file web.ports
+cat >idle.py <<'PYTHON'
+import os, socket, sys, time
+
+port = int(open('web.ports').read().rsplit(':', 1)[1])
+idle = [socket.create_connection(('127.0.0.1', port)) for _ in range(60)]
+most = 0
+for _ in range(20):
+    time.sleep(.1)
+    used = os.listdir('/proc/%s/fd' % sys.argv[1])
+    most = max(most, sum(int(fd) < 40 for fd in used))
+assert 20 < most <= 30, 'it has %d descriptors' % most
+PYTHON
+python3 idle.py "$web" >idle.out 2>&1 || fail "radweb: $(tail -n 1 idle.out)"
+end_one $web radweb
+
 # with too few a daemon says so, and does not wait for more for ever
 for daemon in "$radcoord" "$radd"; do
     expect 75 "at least 32 are needed" "$daemon with few" \
