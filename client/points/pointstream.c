@@ -4,6 +4,7 @@
 #include "points/pointstream.h"
 
 #include <errno.h>
+#include <fcntl.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -98,6 +99,19 @@ look(struct pointstream *s, bool on)
         uv_poll_stop(&s->poll);
 }
 
+/* Begin to watch standard input.  libuv makes what it watches non-blocking, and
+ * with it standard output, if both are one terminal or socket: undo that. */
+static int
+watch_input(struct pointstream *s)
+{
+    int flags = fcntl(STDIN_FILENO, F_GETFL);
+    int rc = uv_poll_init(s->loop, &s->poll, STDIN_FILENO);
+
+    if (flags >= 0)
+        (void)!fcntl(STDIN_FILENO, F_SETFL, flags);
+    return rc;
+}
+
 int
 pointstream_open(struct pointstream *s, const struct pointspec *spec,
                  uv_loop_t *loop, struct rad_error *err)
@@ -109,7 +123,7 @@ pointstream_open(struct pointstream *s, const struct pointspec *spec,
     s->rest = malloc(LONGEST + PIECE);
     if (!s->rest)
         return rad_fail_memory(err);
-    rc = uv_poll_init(loop, &s->poll, STDIN_FILENO);
+    rc = watch_input(s);
     if (rc < 0)
         return rad_fail(err, RAD_EIO, "cannot read standard input: %s",
                         uv_strerror(rc));

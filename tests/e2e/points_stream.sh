@@ -27,6 +27,32 @@ wait $waits || fail "three questions: $(cat stderr)"
 awk '{ if ($1 != 2 || ($4 - (10 - NR))^2 > 1e-8) exit 1 }' answers ||
     fail "answers: $(cat answers)"
 
+# a socket that is input and output at once, and full when the answers come
+cat >both.py <<'PYTHON'
+import socket, subprocess, sys, time
+
+N = 4000
+ours, its = socket.socketpair()
+its.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, 4096)
+p = subprocess.Popen(sys.argv[1:], stdin=its, stdout=its)
+its.close()
+ours.sendall(b'1 0 0 1 0 0\n' * N)
+ours.shutdown(socket.SHUT_WR)
+first = ours.recv(1)
+time.sleep(1) # in which it fills the socket
+n = first.count(b'\n')
+while True:
+    more = ours.recv(65536)
+    if not more:
+        break
+    n += more.count(b'\n')
+assert p.wait() == 0 and n == N, '%d answers' % n
+PYTHON
+if command -v python3 >/dev/null; then
+    python3 both.py "$radsubmit" --local --threads=1 --points=- -h- -ov \
+        box.rad 2>stderr || fail "a socket: $(cat stderr)"
+fi
+
 # what is wrong in the scene is told of all batches: a function's faults at the
 # end, together
 cat >log.rad <<'END'
