@@ -162,6 +162,8 @@ fetch_file(struct ctl *c, const uint8_t job[MSG_JOB], int frame,
         if (rc == 1)
             rc = m->request == c->request ? fetch_take(f, m, c->err) : 0;
     }
+    uv_update_time(&c->loop);
+    c->start_ms = uv_now(&c->loop); /* a file may take any time */
     return rc < 0 ? rc : 0;
 }
 
