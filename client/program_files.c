@@ -17,13 +17,45 @@
 #include <string.h>
 #include <unistd.h>
 
+/* --- signals while a file is written --- */
+
+/* Writing to a pipe may wait for a reader for ever, and the event loop stands
+ * still meanwhile: let signals do what they do to any program, end it.  was:
+ * the signals that were caught, for catch_signals(). */
+static void
+release_signals(struct program *p, const char *path, int was[3])
+{
+    bool waits = p->loop.watched && rad_output_in_place(path);
+
+    for (int i = 0; i < 3; i++) {
+        uv_signal_t *s = &p->loop.signals[i];
+
+        was[i] = waits && uv_is_active((uv_handle_t *)s) ? s->signum : 0;
+        if (was[i])
+            uv_signal_stop(s);
+    }
+}
+
+static void
+catch_signals(struct program *p, const int was[3])
+{
+    for (int i = 0; i < 3; i++) {
+        uv_signal_t *s = &p->loop.signals[i];
+
+        if (was[i])
+            uv_signal_start(s, s->signal_cb, was[i]);
+    }
+}
+
+/* --- pictures --- */
+
 static int
 write_picture(struct program *p, uint32_t frame, const uint8_t *picture,
               size_t len, struct rad_error *err)
 {
     char *name = NULL;
     uint8_t *exposed = NULL;
-    int rc = 0;
+    int rc = 0, was[3];
 
     if (p->o.output)
         rc = frames_name(&p->frames, &p->o, p->o.output, frame, &name, err);
@@ -33,9 +65,12 @@ write_picture(struct program *p, uint32_t frame, const uint8_t *picture,
         rc = expose(picture, len, p->rif.exposure, &exposed, &len, err);
         picture = exposed;
     }
-    if (rc == 0)
+    if (rc == 0) {
+        release_signals(p, name, was);
         rc = picfile_write(name, (enum picfile_format)p->o.format, picture, len,
                            !p->cluster.embedded, &p->o.show, err);
+        catch_signals(p, was);
+    }
     free(exposed);
     free(name);
     return rc;
@@ -47,9 +82,13 @@ write_depth(struct program *p, uint32_t frame, const uint8_t *depth, size_t len,
 {
     char *name = NULL;
     int rc = frames_name(&p->frames, &p->o, p->o.depth, frame, &name, err);
+    int was[3];
 
-    if (rc == 0)
+    if (rc == 0) {
+        release_signals(p, name, was);
         rc = rad_output_write(name, depth, len, !p->cluster.embedded, err);
+        catch_signals(p, was);
+    }
     free(name);
     return rc;
 }
@@ -145,12 +184,17 @@ program_write_points(struct program *p, const struct pointwriter_light *light,
                      struct rad_error *err)
 {
     struct to_write w = { p, light };
-    int rc;
+    int rc, was[3];
 
+    if (!p->stream.is)
+        program_fill_text(p);
+    release_signals(p, p->o.output, was);
+    rc = p->stream.is
+             ? pointwriter_put(p->stream.writer, &p->points, light, err)
+             : write_points(&w, p->o.output, err);
+    catch_signals(p, was);
     if (p->stream.is)
-        return pointwriter_put(p->stream.writer, &p->points, light, err);
-    program_fill_text(p);
-    rc = write_points(&w, p->o.output, err);
+        return rc;
     if (rc < 0 && rc != RAD_EPROTO && light->n > 0)
         p->rescue.picture = rescue_by(p->job.id, 0, ".pts", write_points, &w);
     p->rescue.needed = rc < 0 && light->n > 0;

@@ -182,15 +182,14 @@ full_name(const char *path)
     return real;
 }
 
-/* Is path a regular file, existing or to be made? */
-static bool
-is_file(const char *path)
+bool
+rad_output_in_place(const char *path)
 {
-    char *real = real_name(path);
-    bool file = real && !in_place(real);
+    char *real = path ? real_name(path) : NULL;
+    bool direct = !path || (real && in_place(real));
 
     free(real);
-    return file;
+    return direct;
 }
 
 bool
@@ -199,7 +198,7 @@ rad_output_same(const char *a, const char *b)
     char *fa, *fb;
     bool same;
 
-    if (!is_file(a) || !is_file(b))
+    if (rad_output_in_place(a) || rad_output_in_place(b))
         return false;
     fa = full_name(a);
     fb = full_name(b);

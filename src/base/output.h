@@ -32,6 +32,10 @@ void rad_output_guard(void);
  * work begins, since a picture that cannot be kept need not be rendered. */
 int rad_output_check(const char *path, struct rad_error *err);
 
+/* Is it written to directly, so that writing may wait for a reader?  Also
+ * standard output (NULL). */
+bool rad_output_in_place(const char *path);
+
 /* Do two names stand for the same file, so that writing the second would
  * overwrite the first?  False for terminals, pipes and /dev/null. */
 bool rad_output_same(const char *a, const char *b);

@@ -74,4 +74,22 @@ start
 kill -KILL $pid
 wait $pid 2>/dev/null
 check_nothing_left "killed"
+
+# while the picture goes to a reader that reads no more
+ended() { ! ps -o stat= -p $pid | grep -qv '^Z'; }
+mkfifo stuck
+exec 3<>stuck
+for signal in INT TERM; do
+    interruptible "$radsubmit" --local --threads=1 -vf "$scenes/room.vf" \
+        -x 400 -y 300 -ab 0 "$scenes/room.rad" >stuck 2>stderr &
+    pid=$!
+    head -c 10 <&3 >/dev/null
+    kill -$signal $pid
+    until_true 10 ended || fail "SIG$signal does not end it"
+    kill -KILL $pid 2>/dev/null
+    wait $pid 2>/dev/null
+    check_nothing_left "SIG$signal at a full pipe"
+    timeout 1 cat <&3 >/dev/null # so that the pipe is empty for the next
+done
+exec 3>&-
 finish
