@@ -179,7 +179,7 @@ conn_finish(struct conn *c)
         conn_out_uncork(c);
         if (c->state != CONN_CLOSED) {
             tls_end(c->tls);
-            conn_out_flush(c, true);
+            conn_out_flush(c);
         }
         if (c->state == CONN_CLOSED)
             return;

@@ -91,9 +91,8 @@ void conn_out_end_with(struct conn *c, const struct rad_error *err,
 /* Write the corked messages. */
 void conn_out_uncork(struct conn *c);
 
-/* Send what the TLS session has to say itself, such as an alert; counted: as
- * queued bytes. */
-void conn_out_flush(struct conn *c, bool counted);
+/* Send what the TLS session has to say itself, such as an alert. */
+void conn_out_flush(struct conn *c);
 
 /* Is the other side a user, an administrator or an observer? */
 bool conn_out_to_user(const struct conn *c);

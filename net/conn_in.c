@@ -40,12 +40,13 @@ garbage(struct conn *c, const struct rad_error *err)
     conn_out_end_with(c, err, CONN_BROKE_PROTOCOL);
 }
 
-/* Has a user asked for more than it reads?  For workers and peers other limits
- * hold. */
+/* Has a user, or a caller that has not said who it is, asked for more than it
+ * reads?  For workers and peers other limits hold. */
 static bool
 overfull(const struct conn *c)
 {
-    return conn_out_to_user(c) && c->queued > ANSWERS_HIGH;
+    return (conn_out_to_user(c) || c->state == CONN_NEW) &&
+           c->queued > ANSWERS_HIGH;
 }
 
 /* Keep the bytes that were read, and read no more, until the gate opens. */
@@ -115,11 +116,16 @@ conn_in_unseal(struct conn *c)
     }
     if (conn_out_is_over(c))
         return;
-    conn_out_flush(c, false);
+    conn_out_flush(c);
+    if (conn_out_is_over(c))
+        return;
     if (n < 0)
         garbage(c, &err);
     else if (tls_ended(c->tls))
         conn_out_end_uv(c, UV_EOF);
+    else if (c->gate == GATE_OPEN && overfull(c)) /* by the session's own
+                                                   * answers, to key updates */
+        hold(c, GATE_UNREAD, NULL, 0);
 }
 
 /* Handle n bytes that were read into c->buf. */

@@ -461,7 +461,7 @@ conn_send(struct conn *c, const struct msg *m)
 }
 
 void
-conn_out_flush(struct conn *c, bool counted)
+conn_out_flush(struct conn *c)
 {
     const uint8_t *p;
     size_t n = tls_out(c->tls, &p);
@@ -473,8 +473,8 @@ conn_out_flush(struct conn *c, bool counted)
     memcpy(o->bytes, p, n);
     tls_sent(c->tls);
     o->len = n;
-    o->count = counted ? n : 0;
-    owe(c, o->count);
+    o->count = n;
+    owe(c, n);
     rc = write_out(c, o);
     if (rc < 0)
         conn_out_end_uv(c, rc);

@@ -9,6 +9,7 @@
 #include <errno.h>
 #include <netinet/in.h>
 #include <netinet/tcp.h>
+#include <openssl/ssl.h>
 #include <string.h>
 #include <sys/socket.h>
 #include <unistd.h>
@@ -164,6 +165,111 @@ START_TEST(messages_over_tcp_go_at_once)
     uv_run(&e.loop, UV_RUN_DEFAULT);
     ck_assert_int_eq(uv_loop_close(&e.loop), 0);
     tls_ctx_free(ctx);
+}
+END_TEST
+
+static const char *
+find_key(void *arg, const char *id, uint8_t secret[TLS_SECRET])
+{
+    (void)arg;
+    (void)id;
+    memset(secret, 7, TLS_SECRET);
+    return NULL;
+}
+
+static int
+offer_key(SSL *ssl, const EVP_MD *md, const unsigned char **id, size_t *n,
+          SSL_SESSION **session)
+{
+    static const unsigned char aes128[] = { 0x13, 0x01 };
+    unsigned char secret[TLS_SECRET];
+    SSL_SESSION *s = SSL_SESSION_new();
+
+    (void)md;
+    memset(secret, 7, sizeof secret);
+    SSL_SESSION_set1_master_key(s, secret, sizeof secret);
+    SSL_SESSION_set_cipher(s, SSL_CIPHER_find(ssl, aes128));
+    SSL_SESSION_set_protocol_version(s, TLS1_3_VERSION);
+    *id = (const unsigned char *)"user:a:k1";
+    *n = 9;
+    *session = s;
+    return 1;
+}
+
+/* A client of OpenSSL's that has proven the key to *ours. */
+static SSL *
+shake(SSL_CTX *ctx, struct tls *ours)
+{
+    SSL *ssl = SSL_new(ctx);
+    BIO *in = BIO_new(BIO_s_mem()), *out = BIO_new(BIO_s_mem());
+    const uint8_t *p;
+    char *q;
+    size_t n;
+
+    SSL_set_bio(ssl, in, out);
+    SSL_set_connect_state(ssl);
+    for (int i = 0; i < 4; i++) {
+        SSL_do_handshake(ssl);
+        n = (size_t)BIO_get_mem_data(out, &q);
+        ck_assert_int_eq(tls_put(ours, q, n, NULL), 0);
+        (void)BIO_reset(out);
+        tls_handshake(ours, NULL);
+        n = tls_out(ours, &p);
+        BIO_write(in, p, (int)n);
+        tls_sent(ours);
+    }
+    ck_assert(SSL_is_init_finished(ssl));
+    return ssl;
+}
+
+/* Each asks for an answer, but none for a message: of a user, and of a caller
+ * that says no HELLO. */
+START_TEST(key_updates_are_not_read_while_their_answers_are_not)
+{
+    struct ends e;
+    struct tls_ctx *sctx = tls_server(find_key, NULL);
+    SSL_CTX *cctx = SSL_CTX_new(TLS_client_method());
+    struct tls *ours = tls_accept(sctx);
+    uv_stream_t *s;
+    SSL *ssl;
+    char *p, buf[1 << 16];
+    int fds[2];
+    long n, left = 0, sent = 0;
+
+    SSL_CTX_set_psk_use_session_callback(cctx, offer_key);
+    ssl = shake(cctx, ours);
+    memset(&e, 0, sizeof e);
+    log_set_level(LOG_LEVEL_ERR);
+    ck_assert_int_eq(uv_loop_init(&e.loop), 0);
+    ck_assert_int_eq(socketpair(AF_UNIX, SOCK_STREAM | SOCK_NONBLOCK, 0, fds),
+                     0);
+    s = conn_stream_new(&e.loop, true);
+    ck_assert_int_eq(uv_pipe_open((uv_pipe_t *)s, fds[0]), 0);
+    e.fd = fds[1];
+    e.conn = conn_new(s, ours, _i == 0 ? MSG_AT_COORD_USER : MSG_AT_COORD_NEW,
+                      "test", &handler, &e);
+    if (_i == 0)
+        conn_live(e.conn, false);
+    for (int still = 0; still < 20 && sent < 3 << 20; run(&e)) {
+        for (int i = 0; left == 0 && i < 200; i++) {
+            SSL_key_update(ssl, SSL_KEY_UPDATE_REQUESTED);
+            ck_assert_int_eq(SSL_do_handshake(ssl), 1);
+        }
+        left = BIO_get_mem_data(SSL_get_wbio(ssl), &p);
+        n = write(e.fd, p, (size_t)left);
+        if (n > 0) {
+            BIO_read(SSL_get_wbio(ssl), buf, (int)n);
+            left -= n;
+            sent += n;
+        }
+        still = n > 0 ? 0 : still + 1;
+    }
+    ck_assert_int_lt(sent, 3 << 20);
+    ck_assert_ptr_nonnull(e.conn);
+    SSL_free(ssl);
+    close_ends(&e);
+    SSL_CTX_free(cctx);
+    tls_ctx_free(sctx);
 }
 END_TEST
 
@@ -713,6 +819,11 @@ main(void)
     tcase_add_loop_test(
         tc, what_was_said_before_the_end_is_heard_by_who_writes, 0, 2);
     tcase_add_loop_test(tc, why_it_ended_has_a_code, 0, 2);
+    suite_add_tcase(s, tc);
+    tc = tcase_create("key updates"); /* each takes both sides some time */
+    tcase_set_timeout(tc, 120);
+    tcase_add_loop_test(
+        tc, key_updates_are_not_read_while_their_answers_are_not, 0, 2);
     suite_add_tcase(s, tc);
     return unit_run(s);
 }
