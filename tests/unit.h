@@ -2,10 +2,10 @@
 #ifndef RADD_TESTS_UNIT_H
 #define RADD_TESTS_UNIT_H
 
+#include "base/list.h"
+
 #include <check.h>
 #include <stdlib.h>
-
-#define N_ELEM(a) ((int)(sizeof(a) / sizeof((a)[0])))
 
 /* Run a suite; CK_FORK=no in the environment keeps it in one process. */
 static inline int

@@ -12,6 +12,8 @@
 
 #include "cluster.h"
 
+#include "base/list.h"
+
 #include <errno.h>
 #include <math.h>
 #include <stdio.h>
@@ -43,8 +45,6 @@ static const struct way all_ways[] = {
     { "fixed-optimum", MSG_PART_STATIC, 0, "optimum", MSG_JOB_NO_BALANCE },
     { "window-cost", MSG_PART_WINDOW, MSG_ORDER_COST, "20a", 0 },
 };
-
-#define N_ELEM(a) ((int)(sizeof(a) / sizeof((a)[0])))
 
 struct options {
     struct map_spec map;

@@ -3,6 +3,8 @@
 
 #include "job/submit_pairs.h"
 
+#include "base/list.h"
+
 #include <string.h>
 
 /* What a rule can speak of: an option, or an option with some value. */
@@ -51,7 +53,6 @@ enum given {
 };
 _Static_assert(GIVENS <= 64, "a set of them is 64 bits");
 
-#define N_ELEM(a) (sizeof(a) / sizeof((a)[0]))
 #define SET(g)  (UINT64_C(1) << (g))
 #define SHOWN   (SET(TONE) | SET(BITS) | SET(EXPOSURE) | SET(FALSE_COLOUR))
 #define GOAL    (SET(ERROR_GOAL) | SET(TIME_GOAL))

@@ -11,6 +11,7 @@
 
 #include "base/help.h"
 #include "image/filter.h"
+#include "base/list.h"
 #include "base/number.h"
 
 #include <limits.h>
@@ -171,8 +172,6 @@ static const struct option rpicts[] = {
     TEXT("-e", errors, "FILE", "errors and progress reports, for stderr")
 };
 /* clang-format on */
-
-#define N_ELEM(a) (sizeof(a) / sizeof((a)[0]))
 
 static int
 out_of_range(const struct option *opt, const char *text, struct rad_error *err)

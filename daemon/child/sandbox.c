@@ -13,6 +13,7 @@
 
 #include "child/sandbox.h"
 
+#include "base/list.h"
 #include "ground/sanitized.h"
 
 #include <errno.h>
@@ -90,8 +91,6 @@ static const int denied[] = {
 };
 
 /* clang-format on */
-
-#define N_ELEM(a) (sizeof(a) / sizeof((a)[0]))
 
 /* Argument number n is x; is not x; is x in the bits of the mask.  The
  * library's own macros leave a field unnamed, which compilers warn of. */

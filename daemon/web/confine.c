@@ -8,6 +8,7 @@
 
 #include "web/confine.h"
 
+#include "base/list.h"
 #include "ground/sanitized.h"
 #include "net/log.h"
 
@@ -53,8 +54,6 @@ static const struct {
     { SCMP_SYS(clone), MASKED(0, CLONE_THREAD, 0) },
 };
 /* clang-format on */
-
-#define N_ELEM(a) (sizeof(a) / sizeof((a)[0]))
 
 static int
 fill(scmp_filter_ctx f)

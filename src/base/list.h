@@ -1,4 +1,4 @@
-/* list.h - arrays that grow by one element at a time
+/* list.h - the length of an array; arrays that grow by one element at a time
  *
  * Thread: any; a list belongs to one thread at a time.  */
 #ifndef RAD_BASE_LIST_H
@@ -6,6 +6,9 @@
 
 #include <stdbool.h>
 #include <stddef.h>
+
+/* How many elements an array has; a constant. */
+#define N_ELEM(a) ((int)(sizeof(a) / sizeof((a)[0])))
 
 /* Make room for one more element in an array of n elements of `size` bytes.
  * list is the address of the pointer to the array, which is NULL at first.

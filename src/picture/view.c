@@ -13,6 +13,7 @@
 
 #include "picture/view.h"
 #include "arith/elementary.h"
+#include "base/list.h"
 #include "base/vec.h"
 #include "base/number.h"
 
@@ -60,8 +61,6 @@ static const char *const makers[] = {
 };
 /* clang-format on */
 
-#define NELEM(a) (sizeof(a) / sizeof((a)[0]))
-
 /* The longest word of a view line that can be an option or a value. */
 enum { LONGEST_WORD = 64 };
 
@@ -78,7 +77,7 @@ rad_view_init(struct rad_view *v)
 static const char *
 type_name(char type)
 {
-    for (size_t i = 0; i < NELEM(types); i++)
+    for (size_t i = 0; i < N_ELEM(types); i++)
         if (types[i].type == type)
             return types[i].name;
     return NULL;
@@ -123,7 +122,7 @@ rad_view_option(struct rad_view *v, int argc, char *const argv[],
         return 0;
     if (strncmp(argv[0], "-vt", 3) == 0)
         return take_type(v, argv[0], err);
-    for (size_t i = 0; i < NELEM(options); i++)
+    for (size_t i = 0; i < N_ELEM(options); i++)
         if (strcmp(argv[0], options[i].name) == 0)
             return take_reals((double *)((char *)v + options[i].field),
                               &options[i], argc, argv, err);
@@ -163,7 +162,7 @@ is_view_line(const char *line, const char *end)
     for (const char *s = line; s < end && !isspace((unsigned char)*s); s++)
         if (*s == '/')
             name = s + 1;
-    for (size_t i = 0; i < NELEM(makers); i++) {
+    for (size_t i = 0; i < N_ELEM(makers); i++) {
         size_t n = strlen(makers[i]);
 
         if ((size_t)(end - name) >= n && memcmp(name, makers[i], n) == 0)
@@ -610,7 +609,7 @@ rad_view_format(const struct rad_view *v, char *buf, size_t size)
     char text[128];
     size_t used = (size_t)snprintf(buf, size, "-vt%c", v->type);
 
-    for (size_t i = 0; i < NELEM(options) && used < size; i++) {
+    for (size_t i = 0; i < N_ELEM(options) && used < size; i++) {
         format_option(v, &options[i], text, sizeof text);
         used += (size_t)snprintf(buf + used, size - used, " %s", text);
     }
@@ -627,7 +626,7 @@ rad_view_print_defaults(const struct rad_view *v,
     snprintf(full, sizeof full, "%-31s # view type: %s", text,
              name ? name : "unknown");
     line(arg, full);
-    for (size_t i = 0; i < NELEM(options); i++) {
+    for (size_t i = 0; i < N_ELEM(options); i++) {
         format_option(v, &options[i], text, sizeof text);
         snprintf(full, sizeof full, "%-31s # %s", text, options[i].help);
         line(arg, full);
