@@ -60,23 +60,6 @@ on_written(void *arg, uint64_t id, size_t n)
     transfers_resume(r->transfers, id);
 }
 
-static struct action_list *
-actions(void *arg)
-{
-    struct radcoord *r = arg;
-
-    return coord_actions(r->coord);
-}
-
-static void
-out_of_memory(void *arg)
-{
-    struct radcoord *r = arg;
-
-    log_err("out of memory");
-    daemon_stop(&r->daemon, EX_OSERR);
-}
-
 /* --- from the machine to the store --- */
 
 static void
@@ -189,8 +172,6 @@ static const struct shell_ops ops = {
     .closed = on_closed,
     .written = on_written,
     .action = on_action,
-    .actions = actions,
-    .failed = out_of_memory,
 };
 
 /* --- start and end --- */
@@ -266,7 +247,7 @@ start(void *arg, struct rad_error *err)
     struct radcoord *r = arg;
     uv_timeval64_t wall;
 
-    shell_init(&r->shell, &r->daemon.loop, &ops, r);
+    shell_init(&r->shell, &r->daemon, &ops, r);
     r->shell.turns = &r->turns;
     fair_init(&r->fair, &r->daemon.loop);
     service_return_memory();

@@ -298,6 +298,7 @@ radcoord_open_store(struct radcoord *r, struct rad_error *err)
     r->coord = coord_new(&env);
     if (!r->transfers || !r->coord)
         return rad_fail_memory(err);
+    r->shell.actions = coord_actions(r->coord);
     if (store_recover(r->store, radcoord_now(r), &epoch, recover_one, r, err) <
             0 ||
         store_read_drained(r->store, recover_worker, r, err) < 0)

@@ -214,7 +214,7 @@ start(struct child *c)
     snprintf(nice, sizeof nice, "%d", all->conf.nice);
     snprintf(radd, sizeof radd, "%d", (int)getpid());
     children_environment(environ, env);
-    return uv_spawn(all->shell->loop, c->process, &o);
+    return uv_spawn(&all->shell->daemon->loop, c->process, &o);
 }
 
 static void
@@ -282,7 +282,7 @@ try_start(uv_timer_t *again)
 static uv_stream_t *
 open_link(struct child *c)
 {
-    uv_stream_t *stream = conn_stream_new(c->all->shell->loop, true);
+    uv_stream_t *stream = conn_stream_new(&c->all->shell->daemon->loop, true);
     uv_os_sock_t ends[2];
     int rc;
 
@@ -316,7 +316,7 @@ children_spawn(struct children *all, uint64_t id, uint32_t memory_mib)
     c->link = -1;
     c->how = (struct child_end){ -1, -1 };
     c->memory_mib = lower_limit(all->conf.memory_mib, memory_mib);
-    uv_timer_init(all->shell->loop, &c->again);
+    uv_timer_init(&all->shell->daemon->loop, &c->again);
     c->again.data = c;
     c->next = all->list;
     all->list = c;

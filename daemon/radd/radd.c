@@ -133,23 +133,6 @@ tell_ping(void *arg, struct msg_ping *ping)
     ping->load = r->load;
 }
 
-static struct action_list *
-actions(void *arg)
-{
-    struct radd *r = arg;
-
-    return worker_actions(r->worker);
-}
-
-static void
-out_of_memory(void *arg)
-{
-    struct radd *r = arg;
-
-    log_err("out of memory");
-    daemon_stop(&r->daemon, EX_OSERR);
-}
-
 /* Is this a signal by which an administrator, or the kernel for want of memory,
  * ends a child? */
 static bool
@@ -320,9 +303,7 @@ static const struct shell_ops ops = {
     .closed = on_closed,
     .written = on_written,
     .action = on_action,
-    .actions = actions,
     .ping = tell_ping,
-    .failed = out_of_memory,
 };
 
 /* --- the store --- */
@@ -515,6 +496,7 @@ make_worker(struct radd *r, struct rad_error *err)
     r->worker = worker_new(&env);
     if (!r->worker)
         return rad_fail_memory(err);
+    r->shell.actions = worker_actions(r->worker);
     return 0;
 }
 
@@ -576,7 +558,7 @@ start(void *arg, struct rad_error *err)
     size_t n = MSG_MAX_NAME + 1;
     int rc;
 
-    shell_init(&r->shell, &r->daemon.loop, &ops, r);
+    shell_init(&r->shell, &r->daemon, &ops, r);
     rc = check_sandbox(r, err);
     if (rc < 0)
         return rc;

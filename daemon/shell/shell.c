@@ -11,6 +11,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/random.h>
+#include <sysexits.h>
 
 /* While the store's backlog is above STORE_HIGH bytes connections that add to
  * it are not read; they are read again when it is below STORE_LOW. */
@@ -94,11 +95,11 @@ on_written(void *arg, struct conn *c, size_t n)
 }
 
 void
-shell_init(struct shell *s, uv_loop_t *loop, const struct shell_ops *ops,
+shell_init(struct shell *s, struct daemon *daemon, const struct shell_ops *ops,
            void *arg)
 {
     memset(s, 0, sizeof *s);
-    s->loop = loop;
+    s->daemon = daemon;
     s->ops = ops;
     s->arg = arg;
     s->handler = (struct conn_handler){ .message = on_message,
@@ -304,7 +305,7 @@ tell_gone(struct shell *s)
 void
 shell_run(struct shell *s)
 {
-    struct action_list *list = s->ops->actions(s->arg);
+    struct action_list *list = s->actions;
 
     if (s->running)
         return;
@@ -321,8 +322,10 @@ shell_run(struct shell *s)
         tell_gone(s);
     }
     s->running = false;
-    if (list->failed)
-        s->ops->failed(s->arg);
+    if (list->failed) {
+        log_err("out of memory");
+        daemon_stop(s->daemon, EX_OSERR);
+    }
 }
 
 void

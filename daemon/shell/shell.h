@@ -11,6 +11,7 @@
 #include "machine/action.h"
 #include "net/conn.h"
 #include "store/store.h"
+#include "ground/daemon.h"
 #include "ground/turns.h"
 
 #define SHELL_BUCKETS 64
@@ -24,14 +25,13 @@ struct shell_ops {
     void (*written)(void *arg, uint64_t id, size_t n);
     /* carry out an action of this daemon alone */
     void (*action)(void *arg, const struct action *a);
-    struct action_list *(*actions)(void *arg);      /* the machine's list */
     void (*ping)(void *arg, struct msg_ping *ping); /* fill in a PING to send */
-    void (*failed)(void *arg); /* the machine is out of memory */
 };
 
 struct shell {
-    uv_loop_t *loop;
-    struct store *store; /* may be NULL until it is open */
+    struct daemon *daemon;       /* ends when the machine is out of memory */
+    struct store *store;         /* may be NULL until it is open */
+    struct action_list *actions; /* the machine's, as soon as there is one */
     const struct shell_ops *ops;
     void *arg;
     struct shell_link *links[SHELL_BUCKETS]; /* by number */
@@ -43,8 +43,8 @@ struct shell {
     struct turns *turns; /* learns how long each message took; or NULL */
 };
 
-void shell_init(struct shell *s, uv_loop_t *loop, const struct shell_ops *ops,
-                void *arg);
+void shell_init(struct shell *s, struct daemon *daemon,
+                const struct shell_ops *ops, void *arg);
 
 /* Return a new number, for a connection that came in. */
 uint64_t shell_new_id(struct shell *s);
