@@ -5,6 +5,7 @@
 #include "base/list.h"
 
 #include <check.h>
+#include <errno.h>
 #include <stdlib.h>
 
 /* Run a suite; CK_FORK=no in the environment keeps it in one process. */
@@ -18,6 +19,16 @@ unit_run(Suite *s)
     failed = srunner_ntests_failed(sr);
     srunner_free(sr);
     return failed ? EXIT_FAILURE : EXIT_SUCCESS;
+}
+
+/* The same of a program's only test case: the suite has the program's name. */
+static inline int
+unit_run_case(TCase *tc)
+{
+    Suite *s = suite_create(program_invocation_short_name);
+
+    suite_add_tcase(s, tc);
+    return unit_run(s);
 }
 
 #endif

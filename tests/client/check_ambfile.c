@@ -344,7 +344,6 @@ END_TEST
 int
 main(void)
 {
-    Suite *s = suite_create("ambfile");
     TCase *tc = tcase_create("file");
 
     tcase_add_test(tc, our_file_loses_nothing);
@@ -354,6 +353,5 @@ main(void)
     tcase_add_test(tc, second_run_makes_no_records);
     tcase_add_test(tc, records_outside_the_scene_are_refused);
     tcase_add_test(tc, a_list_is_as_good_as_a_cache);
-    suite_add_tcase(s, tc);
-    return unit_run(s);
+    return unit_run_case(tc);
 }

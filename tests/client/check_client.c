@@ -492,7 +492,6 @@ END_TEST
 int
 main(void)
 {
-    Suite *s = suite_create("client");
     TCase *tc = tcase_create("client");
 
     tcase_add_checked_fixture(tc, scratch_make, scratch_remove);
@@ -515,6 +514,5 @@ main(void)
     tcase_add_test(tc, progress_is_silent_where_nobody_looks);
     tcase_add_loop_test(tc, json_is_a_table_for_people, 0, N_ELEM(tables));
     tcase_add_test(tc, tables_have_any_length);
-    suite_add_tcase(s, tc);
-    return unit_run(s);
+    return unit_run_case(tc);
 }

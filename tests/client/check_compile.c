@@ -533,7 +533,6 @@ END_TEST
 int
 main(void)
 {
-    Suite *s = suite_create("compile");
     TCase *tc = tcase_create("compile");
 
     tcase_set_timeout(tc, 600);
@@ -556,6 +555,5 @@ main(void)
     tcase_add_test(tc, every_error_is_told_once);
     tcase_add_loop_test(tc, known_scenes_compile, 0, 4);
     tcase_add_test(tc, the_example_compiles);
-    suite_add_tcase(s, tc);
-    return unit_run(s);
+    return unit_run_case(tc);
 }

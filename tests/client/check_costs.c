@@ -240,7 +240,6 @@ END_TEST
 int
 main(void)
 {
-    Suite *s = suite_create("costs");
     TCase *tc = tcase_create("costs");
 
     tcase_add_test(tc, windows_are_kept);
@@ -249,6 +248,5 @@ main(void)
     tcase_add_loop_test(tc, another_picture_is_refused, 0, N_ELEM(others));
     tcase_add_loop_test(tc, bad_statistics_are_refused, 0, N_ELEM(bad));
     tcase_add_test(tc, files_are_named);
-    suite_add_tcase(s, tc);
-    return unit_run(s);
+    return unit_run_case(tc);
 }

@@ -291,7 +291,6 @@ END_TEST
 int
 main(void)
 {
-    Suite *s = suite_create("eta");
     TCase *tc = tcase_create("eta");
 
     tcase_add_loop_test(tc, time_left_is_within_a_factor_of_two, 0,
@@ -304,6 +303,5 @@ main(void)
     tcase_add_test(tc, records_grow_with_each_doubling);
     tcase_add_test(tc, more_bounces_take_a_little_more);
     tcase_add_test(tc, a_cache_that_is_far_from_full_is_as_dense_as_in_windows);
-    suite_add_tcase(s, tc);
-    return unit_run(s);
+    return unit_run_case(tc);
 }

@@ -98,12 +98,10 @@ END_TEST
 int
 main(void)
 {
-    Suite *s = suite_create("link");
     TCase *tc = tcase_create("link");
 
     tcase_add_checked_fixture(tc, scratch_make, scratch_remove);
     tcase_add_test(tc, no_welcome_is_no_coordinator_in_time);
     tcase_add_test(tc, a_job_does_not_wait_beyond_its_wait);
-    suite_add_tcase(s, tc);
-    return unit_run(s);
+    return unit_run_case(tc);
 }

@@ -510,7 +510,6 @@ END_TEST
 int
 main(void)
 {
-    Suite *s = suite_create("options");
     TCase *tc = tcase_create("options");
 
     tcase_add_checked_fixture(tc, scratch_make, scratch_remove);
@@ -529,6 +528,5 @@ main(void)
     tcase_add_test(tc, files_and_variables_open_up_in_place);
     tcase_add_test(tc, expansion_that_cannot_be_is_an_error);
     tcase_add_test(tc, view_files_are_read_in_their_place);
-    suite_add_tcase(s, tc);
-    return unit_run(s);
+    return unit_run_case(tc);
 }

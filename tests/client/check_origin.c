@@ -104,15 +104,13 @@ END_TEST
 int
 main(void)
 {
-    Suite *s = suite_create("origin");
     TCase *tc = tcase_create("origin");
 
-    suite_add_tcase(s, tc);
     tcase_add_test(tc, scene_files_are_named_without_folders);
     tcase_add_test(tc, an_octree_brings_its_own_lines);
     tcase_add_test(tc, an_octree_that_is_none_is_only_named);
     tcase_add_test(tc, what_a_terminal_obeys_is_no_part_of_it);
     tcase_add_test(tc, many_names_are_cut_to_fit);
     tcase_add_test(tc, a_stamp_tells_day_host_and_job);
-    return unit_run(s);
+    return unit_run_case(tc);
 }

@@ -61,12 +61,10 @@ END_TEST
 int
 main(void)
 {
-    Suite *s = suite_create("outcome");
     TCase *tc = tcase_create("outcome");
 
     tcase_add_test(tc, faults_and_bad_pixels_of_all_jobs_count);
     tcase_add_test(tc, errors_have_the_root_of_their_mean_square);
     tcase_add_test(tc, times_add_up_unless_jobs_run_side_by_side);
-    suite_add_tcase(s, tc);
-    return unit_run(s);
+    return unit_run_case(tc);
 }

@@ -174,13 +174,11 @@ END_TEST
 int
 main(void)
 {
-    Suite *s = suite_create("rays");
     TCase *tc = tcase_create("rays");
 
     tcase_add_test(tc, spectrum_under_a_spectral_lamp);
     tcase_add_loop_test(tc, each_line_gives_one, 0, N_ELEM(good));
     tcase_add_test(tc, irradiance_is_of_a_point_and_normal);
     tcase_add_loop_test(tc, bad_input_is_told_with_its_line, 0, N_ELEM(bad));
-    suite_add_tcase(s, tc);
-    return unit_run(s);
+    return unit_run_case(tc);
 }

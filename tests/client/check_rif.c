@@ -373,7 +373,6 @@ END_TEST
 int
 main(void)
 {
-    Suite *s = suite_create("rif");
     TCase *tc = tcase_create("rif");
 
     tcase_add_loop_test(tc, a_line_assigns_to_its_variable, 0, N_ELEM(reads));
@@ -387,6 +386,5 @@ main(void)
     tcase_add_test(tc, an_exposure_is_in_stops_or_a_factor);
     tcase_add_loop_test(tc, views_have_names_and_options, 0, N_ELEM(views));
     tcase_add_test(tc, a_view_names_its_file);
-    suite_add_tcase(s, tc);
-    return unit_run(s);
+    return unit_run_case(tc);
 }

@@ -195,7 +195,6 @@ END_TEST
 int
 main(void)
 {
-    Suite *s = suite_create("show");
     TCase *tc = tcase_create("show");
 
     tcase_add_loop_test(tc, exposure_is_read_or_refused, 0, N_ELEM(words));
@@ -203,6 +202,5 @@ main(void)
     tcase_add_test(tc, previews_do_not_flicker);
     tcase_add_test(tc, frames_have_the_first_ones_exposure_or_their_own);
     tcase_add_loop_test(tc, false_colours_have_no_tone, 0, N_ELEM(asked));
-    suite_add_tcase(s, tc);
-    return unit_run(s);
+    return unit_run_case(tc);
 }

@@ -354,7 +354,6 @@ END_TEST
 int
 main(void)
 {
-    Suite *s = suite_create("top");
     TCase *tc = tcase_create("top");
 
     tcase_add_test(tc, lists_show_workers_and_jobs);
@@ -364,6 +363,5 @@ main(void)
     tcase_add_test(tc, a_job_has_its_units_by_worker);
     tcase_add_test(tc, what_is_strange_is_drawn_all_the_same);
     tcase_add_test(tc, many_rows_scroll_with_the_chosen_one);
-    suite_add_tcase(s, tc);
-    return unit_run(s);
+    return unit_run_case(tc);
 }

@@ -484,7 +484,6 @@ END_TEST
 int
 main(void)
 {
-    Suite *s = suite_create("credentials");
     TCase *tc = tcase_create("credentials");
     int n = 0;
 
@@ -492,6 +491,5 @@ main(void)
         n++;
     tcase_add_checked_fixture(tc, start, stop);
     tcase_add_loop_test(tc, each_message_of_every_credential, 0, n);
-    suite_add_tcase(s, tc);
-    return unit_run(s);
+    return unit_run_case(tc);
 }

@@ -149,13 +149,11 @@ END_TEST
 int
 main(void)
 {
-    Suite *s = suite_create("fair");
     TCase *tc = tcase_create("fair");
 
     tcase_add_test(tc, who_is_alone_is_served_at_once);
     tcase_add_test(tc, users_take_turns_however_many_connections_they_have);
     tcase_add_test(tc, who_leaves_too_much_unread_waits_and_others_do_not);
     tcase_add_test(tc, who_leaves_is_in_no_line);
-    suite_add_tcase(s, tc);
-    return unit_run(s);
+    return unit_run_case(tc);
 }

@@ -377,7 +377,6 @@ END_TEST
 int
 main(void)
 {
-    Suite *suite = suite_create("gate");
     TCase *tc = tcase_create("gate");
 
     tcase_add_checked_fixture(tc, open_scene, close_scene);
@@ -390,6 +389,5 @@ main(void)
     tcase_add_loop_test(tc, a_stranger_has_its_time_and_no_more, 0, 2);
     tcase_add_test(tc, a_stranger_has_some_time);
     tcase_add_test(tc, what_is_under_way_ends_with_the_listener);
-    suite_add_tcase(suite, tc);
-    return unit_run(suite);
+    return unit_run_case(tc);
 }

@@ -416,7 +416,6 @@ END_TEST
 int
 main(void)
 {
-    Suite *s = suite_create("keyfile");
     TCase *tc = tcase_create("keyfile");
 
     tcase_add_checked_fixture(tc, set_up, tear_down);
@@ -437,6 +436,5 @@ main(void)
                         N_ELEM(open_modes));
     tcase_add_test(tc, credentials_of_systemd_are_taken);
     tcase_add_test(tc, a_file_that_cannot_be_is_an_error);
-    suite_add_tcase(s, tc);
-    return unit_run(s);
+    return unit_run_case(tc);
 }

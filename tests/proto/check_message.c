@@ -753,7 +753,6 @@ END_TEST
 int
 main(void)
 {
-    Suite *s = suite_create("message");
     TCase *tc = tcase_create("message");
     int n = N_EXAMPLES;
 
@@ -783,6 +782,5 @@ main(void)
     tcase_add_test(tc, job_ids_are_32_hex_digits);
     tcase_add_loop_test(tc, every_message_is_documented, 0, n);
     tcase_add_loop_test(tc, each_session_is_documented, 0, MSG_NSESSION);
-    suite_add_tcase(s, tc);
-    return unit_run(s);
+    return unit_run_case(tc);
 }

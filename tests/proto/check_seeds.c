@@ -804,12 +804,10 @@ END_TEST
 int
 main(void)
 {
-    Suite *s = suite_create("seeds");
     TCase *tc = tcase_create("seeds");
 
     tcase_add_loop_test(tc, a_session_is_recorded_as_it_is_said, 0,
                         N_ELEM(seeds));
     tcase_add_test(tc, every_message_is_a_seed);
-    suite_add_tcase(s, tc);
-    return unit_run(s);
+    return unit_run_case(tc);
 }

@@ -236,7 +236,6 @@ END_TEST
 int
 main(void)
 {
-    Suite *s = suite_create("spec");
     TCase *tc = tcase_create("spec");
 
     tcase_add_loop_test(tc, an_origin_that_is_no_lines_is_refused, 0, 9);
@@ -247,6 +246,5 @@ main(void)
                         N_ELEM(reuses));
     tcase_add_loop_test(tc, points_are_one_frame_with_distances, 0,
                         N_ELEM(points));
-    suite_add_tcase(s, tc);
-    return unit_run(s);
+    return unit_run_case(tc);
 }

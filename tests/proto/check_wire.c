@@ -178,7 +178,6 @@ END_TEST
 int
 main(void)
 {
-    Suite *s = suite_create("wire");
     TCase *tc = tcase_create("wire");
 
     tcase_add_test(tc, fields_are_big_endian_and_come_back);
@@ -191,6 +190,5 @@ main(void)
     tcase_add_test(tc, a_count_is_bounded_by_what_is_left);
     tcase_add_test(tc, output_stops_at_its_limit);
     tcase_add_test(tc, floats_keep_their_bits);
-    suite_add_tcase(s, tc);
-    return unit_run(s);
+    return unit_run_case(tc);
 }

@@ -402,7 +402,6 @@ END_TEST
 int
 main(void)
 {
-    Suite *s = suite_create("watch");
     TCase *tc = tcase_create("core");
 
     tcase_set_timeout(tc, 120);
@@ -411,6 +410,5 @@ main(void)
     tcase_add_test(tc, the_largest_pictures_of_all_jobs_stay_within_bounds);
     tcase_add_test(tc, jobs_that_run_are_listed_behind_those_that_wait);
     tcase_add_test(tc, lists_without_end_are_given_up);
-    suite_add_tcase(s, tc);
-    return unit_run(s);
+    return unit_run_case(tc);
 }

@@ -315,7 +315,6 @@ END_TEST
 int
 main(void)
 {
-    Suite *s = suite_create("web");
     TCase *tc = tcase_create("core");
 
     tcase_add_loop_test(tc, text_of_others_stays_text, 0, N_ELEM(texts));
@@ -328,6 +327,5 @@ main(void)
                         N_ELEM(commands));
     tcase_add_test(tc, a_picture_is_handed_out_to_the_bit);
     tcase_add_test(tc, a_large_picture_is_made_smaller);
-    suite_add_tcase(s, tc);
-    return unit_run(s);
+    return unit_run_case(tc);
 }

@@ -513,7 +513,6 @@ END_TEST
 int
 main(void)
 {
-    Suite *s = suite_create("estimate");
     TCase *tc = tcase_create("estimate");
 
     tcase_add_checked_fixture(tc, NULL, tear_down);
@@ -530,6 +529,5 @@ main(void)
     tcase_add_test(tc, a_pool_ends_with_an_estimate_under_way);
     tcase_add_loop_test(tc, a_shortage_of_memory_is_told_as_one, 0, 2);
     tcase_add_loop_test(tc, areas_outside_are_refused, 0, N_ELEM(bad));
-    suite_add_tcase(s, tc);
-    return unit_run(s);
+    return unit_run_case(tc);
 }

@@ -771,7 +771,6 @@ END_TEST
 int
 main(void)
 {
-    Suite *s = suite_create("pool");
     TCase *tc = tcase_create("pool");
 
     tcase_add_checked_fixture(tc, NULL, pool_close);
@@ -790,6 +789,5 @@ main(void)
     tcase_add_loop_test(tc, bad_options_of_a_job_are_refused, 0,
                         N_ELEM(bad_texts));
     tcase_add_test(tc, pixel_aspect_follows_the_view_where_it_is_free);
-    suite_add_tcase(s, tc);
-    return unit_run(s);
+    return unit_run_case(tc);
 }

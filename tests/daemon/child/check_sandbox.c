@@ -449,7 +449,6 @@ remove_files(void)
 int
 main(void)
 {
-    Suite *s = suite_create("sandbox");
     TCase *tc = tcase_create("denied");
     bool refuse;
     int status;
@@ -464,8 +463,7 @@ main(void)
                         N_ELEM(table));
     tcase_add_loop_test(tc, once_loaded_nothing_is, 0, N_ELEM(table));
     tcase_add_test(tc, an_abort_is_an_abort);
-    suite_add_tcase(s, tc);
-    status = unit_run(s);
+    status = unit_run_case(tc);
     remove_files();
     return status;
 }

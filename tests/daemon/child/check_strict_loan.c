@@ -204,7 +204,6 @@ END_TEST
 int
 main(void)
 {
-    Suite *suite = suite_create("strict_loan");
     TCase *tc = tcase_create("strict_loan");
 
     tcase_add_checked_fixture(tc, set_up, tear_down);
@@ -214,6 +213,5 @@ main(void)
     tcase_add_test(tc, what_keeps_no_facts_does_not_lend);
     tcase_add_test(tc, a_line_is_left_when_others_are_out);
     tcase_add_test(tc, a_parked_unit_that_has_its_columns_back_says_so);
-    suite_add_tcase(suite, tc);
-    return unit_run(suite);
+    return unit_run_case(tc);
 }

@@ -461,7 +461,6 @@ END_TEST
 int
 main(void)
 {
-    Suite *suite = suite_create("strict_pass");
     TCase *tc = tcase_create("strict_pass");
 
     tcase_add_checked_fixture(tc, set_up, tear_down);
@@ -481,6 +480,5 @@ main(void)
     tcase_add_test(tc, rows_that_went_on_count_their_rays_once);
     tcase_add_test(tc, what_passes_are_past_counts_until_its_rows_are_out);
     tcase_add_test(tc, a_top_that_is_made_here_has_no_colours_above);
-    suite_add_tcase(suite, tc);
-    return unit_run(suite);
+    return unit_run_case(tc);
 }

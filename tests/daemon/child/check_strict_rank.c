@@ -126,7 +126,6 @@ END_TEST
 int
 main(void)
 {
-    Suite *suite = suite_create("strict_rank");
     TCase *tc = tcase_create("strict_rank");
 
     tcase_add_checked_fixture(tc, set_up, tear_down);
@@ -135,6 +134,5 @@ main(void)
     tcase_add_test(tc, rows_make_way_for_a_unit_that_has_its_top);
     tcase_add_test(tc, rows_that_are_not_kept_do_not_make_way);
     tcase_add_test(tc, who_owes_a_bottom_comes_first);
-    suite_add_tcase(suite, tc);
-    return unit_run(suite);
+    return unit_run_case(tc);
 }

@@ -176,7 +176,6 @@ END_TEST
 int
 main(void)
 {
-    Suite *suite = suite_create("strict_unit");
     TCase *tc = tcase_create("strict_unit");
 
     tcase_add_checked_fixture(tc, set_up, tear_down);
@@ -186,6 +185,5 @@ main(void)
     tcase_add_test(tc, base_lines_that_no_unit_is_below_are_dropped);
     tcase_add_test(tc, thousands_of_units_may_wait);
     tcase_add_test(tc, unit_states_follow_the_drawings);
-    suite_add_tcase(suite, tc);
-    return unit_run(suite);
+    return unit_run_case(tc);
 }

@@ -381,7 +381,6 @@ END_TEST
 int
 main(void)
 {
-    Suite *s = suite_create("team");
     TCase *tc = tcase_create("team");
 
     tcase_set_timeout(tc, 600);
@@ -391,6 +390,5 @@ main(void)
     tcase_add_test(tc, lines_are_filled_as_far_as_asked_for);
     tcase_add_test(tc, a_guess_goes_by_the_facts_that_stay);
     tcase_add_test(tc, lines_that_come_out_as_before_are_left_out);
-    suite_add_tcase(s, tc);
-    return unit_run(s);
+    return unit_run_case(tc);
 }

@@ -199,11 +199,9 @@ END_TEST
 int
 main(void)
 {
-    Suite *s = suite_create("team_lend");
     TCase *tc = tcase_create("team_lend");
 
     tcase_set_timeout(tc, 600);
     tcase_add_loop_test(tc, columns_that_are_lent_are_traced_once, 0, SEEDS);
-    suite_add_tcase(s, tc);
-    return unit_run(s);
+    return unit_run_case(tc);
 }

@@ -415,7 +415,6 @@ END_TEST
 int
 main(void)
 {
-    Suite *s = suite_create("team_member");
     TCase *tc = tcase_create("team_member");
 
     tcase_set_timeout(tc, 600);
@@ -425,6 +424,5 @@ main(void)
     tcase_add_loop_test(tc, bottoms_come_in_pieces_while_they_are_made, 0, 2);
     tcase_add_loop_test(tc, twins_share_the_work, 0, N_ELEM(crews));
     tcase_add_loop_test(tc, who_waits_traces_what_is_wanted_anyway, 0, 2);
-    suite_add_tcase(s, tc);
-    return unit_run(s);
+    return unit_run_case(tc);
 }

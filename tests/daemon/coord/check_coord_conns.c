@@ -268,7 +268,6 @@ END_TEST
 int
 main(void)
 {
-    Suite *s = suite_create("coord_conns");
     TCase *tc = tcase_create("coord_conns");
 
     tcase_add_checked_fixture(tc, set_up, tear_down);
@@ -285,6 +284,5 @@ main(void)
                         N_ELEM(versions));
     tcase_add_test(tc, an_expelled_worker_loses_its_links_connected_or_not);
     tcase_add_test(tc, peers_are_told_the_version_of_the_pair);
-    suite_add_tcase(s, tc);
-    return unit_run(s);
+    return unit_run_case(tc);
 }

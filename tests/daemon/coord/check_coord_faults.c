@@ -165,7 +165,6 @@ END_TEST
 int
 main(void)
 {
-    Suite *s = suite_create("coord_faults");
     TCase *tc = tcase_create("coord_faults");
 
     tcase_add_checked_fixture(tc, set_up, tear_down);
@@ -178,6 +177,5 @@ main(void)
                    a_worker_that_cannot_keep_a_child_leaves_the_job_to_others);
     tcase_add_test(tc, a_job_that_nobody_can_keep_a_child_for_fails);
     tcase_add_test(tc, a_unit_done_makes_up_for_setbacks);
-    suite_add_tcase(s, tc);
-    return unit_run(s);
+    return unit_run_case(tc);
 }

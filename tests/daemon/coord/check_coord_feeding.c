@@ -205,7 +205,6 @@ END_TEST
 int
 main(void)
 {
-    Suite *s = suite_create("coord_feeding");
     TCase *tc = tcase_create("coord_feeding");
 
     tcase_add_checked_fixture(tc, set_up, tear_down);
@@ -216,6 +215,5 @@ main(void)
     tcase_add_test(tc, workers_without_an_address_are_not_fed_by_each_other);
     tcase_add_test(tc, workers_that_were_fed_are_fed_by_others);
     tcase_add_test(tc, a_worker_that_was_too_slow_has_to_say_what_it_has);
-    suite_add_tcase(s, tc);
-    return unit_run(s);
+    return unit_run_case(tc);
 }

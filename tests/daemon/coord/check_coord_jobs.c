@@ -674,7 +674,6 @@ END_TEST
 int
 main(void)
 {
-    Suite *s = suite_create("coord_jobs");
     TCase *tc = tcase_create("coord_jobs");
 
     tcase_add_checked_fixture(tc, set_up, tear_down);
@@ -707,6 +706,5 @@ main(void)
     tcase_add_test(tc, queries_are_answered_in_json);
     tcase_add_test(tc, a_job_whose_text_is_cut_is_told_of);
     tcase_add_test(tc, how_far_a_job_is_goes_by_rows_where_units_are_large);
-    suite_add_tcase(s, tc);
-    return unit_run(s);
+    return unit_run_case(tc);
 }

@@ -288,7 +288,6 @@ END_TEST
 int
 main(void)
 {
-    Suite *s = suite_create("coord_keep");
     TCase *tc = tcase_create("coord_keep");
 
     tcase_add_checked_fixture(tc, set_up, tear_down);
@@ -301,6 +300,5 @@ main(void)
     tcase_add_test(tc, each_file_that_is_fetched_keeps_its_job);
     tcase_add_test(tc, few_of_those_just_fetched_are_kept);
     tcase_add_test(tc, of_a_job_that_is_filed_its_end_is_kept);
-    suite_add_tcase(s, tc);
-    return unit_run(s);
+    return unit_run_case(tc);
 }

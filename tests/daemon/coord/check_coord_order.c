@@ -375,7 +375,6 @@ END_TEST
 int
 main(void)
 {
-    Suite *s = suite_create("coord_order");
     TCase *tc = tcase_create("coord_order");
 
     tcase_add_checked_fixture(tc, set_up, tear_down);
@@ -397,6 +396,5 @@ main(void)
     tcase_add_test(tc, a_job_whose_workers_left_for_another_has_none);
     tcase_add_test(tc, a_job_whose_workers_are_drained_has_none);
     tcase_add_test(tc, without_same_bits_all_workers_take_part);
-    suite_add_tcase(s, tc);
-    return unit_run(s);
+    return unit_run_case(tc);
 }

@@ -517,7 +517,6 @@ END_TEST
 int
 main(void)
 {
-    Suite *s = suite_create("coord_passes");
     TCase *tc = tcase_create("coord_passes");
 
     tcase_add_checked_fixture(tc, set_up, tear_down);
@@ -542,6 +541,5 @@ main(void)
     tcase_add_test(tc, a_worker_that_is_ahead_begins_anew);
     tcase_add_test(tc, a_worker_leaves_passes_that_wait_for_pictures);
     tcase_add_test(tc, more_tiles_than_there_may_be_are_refused);
-    suite_add_tcase(s, tc);
-    return unit_run(s);
+    return unit_run_case(tc);
 }

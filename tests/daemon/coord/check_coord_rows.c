@@ -335,7 +335,6 @@ END_TEST
 int
 main(void)
 {
-    Suite *s = suite_create("coord_rows");
     TCase *tc = tcase_create("coord_rows");
 
     tcase_add_checked_fixture(tc, set_up, tear_down);
@@ -353,6 +352,5 @@ main(void)
     tcase_add_test(tc, a_duplicate_that_does_not_is_none);
     tcase_add_test(tc, a_late_result_of_an_old_attempt_is_dropped);
     tcase_add_test(tc, a_result_that_fits_no_unit_ends_the_connection);
-    suite_add_tcase(s, tc);
-    return unit_run(s);
+    return unit_run_case(tc);
 }

@@ -233,7 +233,6 @@ END_TEST
 int
 main(void)
 {
-    Suite *s = suite_create("coord_stages");
     TCase *tc = tcase_create("coord_stages");
 
     tcase_add_checked_fixture(tc, set_up, tear_down);
@@ -246,6 +245,5 @@ main(void)
     tcase_add_test(tc, a_later_life_takes_up_what_the_clock_chose);
     tcase_add_loop_test(tc, by_the_clock_a_child_of_an_earlier_life_begins_anew,
                         0, 2);
-    suite_add_tcase(s, tc);
-    return unit_run(s);
+    return unit_run_case(tc);
 }

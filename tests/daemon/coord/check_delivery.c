@@ -237,7 +237,6 @@ END_TEST
 int
 main(void)
 {
-    Suite *s = suite_create("delivery");
     TCase *tc = tcase_create("delivery");
 
     tcase_add_checked_fixture(tc, set_up_long, tear_down);
@@ -247,6 +246,5 @@ main(void)
     tcase_add_test(tc, what_nobody_reads_is_not_made);
     tcase_add_test(tc, what_is_made_and_not_read_has_a_bound);
     tcase_add_test(tc, the_store_tells_of_a_job_that_was_filed_meanwhile);
-    suite_add_tcase(s, tc);
-    return unit_run(s);
+    return unit_run_case(tc);
 }

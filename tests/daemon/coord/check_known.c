@@ -89,7 +89,6 @@ END_TEST
 int
 main(void)
 {
-    Suite *s = suite_create("known");
     TCase *tc = tcase_create("known");
 
     tcase_add_checked_fixture(tc, NULL, release);
@@ -97,6 +96,5 @@ main(void)
     tcase_add_test(tc, they_expire_by_themselves_and_not_while_jobs_name_them);
     tcase_add_test(tc, whoever_sends_without_end_has_a_bound);
     tcase_add_test(tc, whoever_sends_all_at_once_has_a_bound_too);
-    suite_add_tcase(s, tc);
-    return unit_run(s);
+    return unit_run_case(tc);
 }

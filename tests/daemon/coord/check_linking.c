@@ -169,7 +169,6 @@ END_TEST
 int
 main(void)
 {
-    Suite *s = suite_create("linking");
     TCase *tc = tcase_create("linking");
 
     tcase_add_checked_fixture(tc, set_up, tear_down);
@@ -179,6 +178,5 @@ main(void)
     tcase_add_test(tc, a_link_that_cannot_be_ends_no_other);
     tcase_add_test(tc, of_many_those_are_linked_that_need_it);
     tcase_add_test(tc, links_of_a_worker_that_left_are_made_anew);
-    suite_add_tcase(s, tc);
-    return unit_run(s);
+    return unit_run_case(tc);
 }

@@ -1,5 +1,7 @@
 /* check_listing.c - tests of daemon/front/listing.c: lists of any length, in
  * pages; and of what makes them shorter */
+#include "config.h"
+
 #include "coord_fixture.h"
 
 #include "front/listing.h"
@@ -371,7 +373,6 @@ END_TEST
 int
 main(void)
 {
-    Suite *s = suite_create("listing");
     TCase *tc = tcase_create("listing");
 
     tcase_set_timeout(tc, 120);
@@ -387,6 +388,5 @@ main(void)
     tcase_add_test(tc, owner_and_admin_delete_a_job_that_is_over);
     tcase_add_test(tc, a_worker_that_is_gone_is_forgotten);
     tcase_add_test(tc, a_forgotten_worker_of_a_job_goes_with_that);
-    suite_add_tcase(s, tc);
-    return unit_run(s);
+    return unit_run_case(tc);
 }

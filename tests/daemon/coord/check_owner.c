@@ -208,7 +208,6 @@ END_TEST
 int
 main(void)
 {
-    Suite *s = suite_create("owner");
     TCase *tc = tcase_create("owner");
 
     tcase_add_test(tc, socket_gives_the_login);
@@ -218,6 +217,5 @@ main(void)
     tcase_add_test(tc, users_key_is_not_the_daemons_own_user);
     tcase_add_loop_test(tc, map_is_checked, 0, N_ELEM(maps));
     tcase_add_test(tc, owner_of_before_is_the_login);
-    suite_add_tcase(s, tc);
-    return unit_run(s);
+    return unit_run_case(tc);
 }

@@ -392,7 +392,6 @@ END_TEST
 int
 main(void)
 {
-    Suite *s = suite_create("quota");
     TCase *tc = tcase_create("quota");
 
     tcase_add_checked_fixture(tc, set_up_few, tear_down);
@@ -410,6 +409,5 @@ main(void)
     tcase_add_test(tc, answers_that_wait_for_the_disk_are_limited);
     tcase_add_test(tc, connections_are_limited);
     tcase_add_test(tc, what_another_user_has_is_for_administrators);
-    suite_add_tcase(s, tc);
-    return unit_run(s);
+    return unit_run_case(tc);
 }

@@ -193,7 +193,6 @@ END_TEST
 int
 main(void)
 {
-    Suite *s = suite_create("states");
     TCase *tc = tcase_create("states");
 
     tcase_add_loop_test(tc,
@@ -202,6 +201,5 @@ main(void)
     tcase_add_loop_test(tc, the_drawings_name_states_that_there_are, 0,
                         N_ELEM(machines));
     tcase_add_loop_test(tc, an_attempt_works_or_waits_or_neither, 0, GO_STATES);
-    suite_add_tcase(s, tc);
-    return unit_run(s);
+    return unit_run_case(tc);
 }

@@ -93,7 +93,6 @@ tear_down(void)
 int
 main(void)
 {
-    Suite *s = suite_create("uploads");
     TCase *tc = tcase_create("uploads");
 
     tcase_add_checked_fixture(tc, NULL, tear_down);
@@ -101,6 +100,5 @@ main(void)
     tcase_add_test(tc, what_is_sent_again_waits_from_then_on);
     tcase_add_test(tc, a_job_takes_only_what_its_owner_sent);
     tcase_add_test(tc, a_closed_connection_takes_its_unfinished_files);
-    suite_add_tcase(s, tc);
-    return unit_run(s);
+    return unit_run_case(tc);
 }

@@ -247,7 +247,6 @@ END_TEST
 int
 main(void)
 {
-    Suite *s = suite_create("cache");
     TCase *tc = tcase_create("cache");
 
     tcase_add_checked_fixture(tc, set_up, tear_down);
@@ -261,6 +260,5 @@ main(void)
     tcase_add_test(tc, files_that_went_are_missed);
     tcase_add_test(tc, without_a_limit_it_takes_a_tenth_of_the_disk);
     tcase_add_test(tc, many_files_are_no_trouble);
-    suite_add_tcase(s, tc);
-    return unit_run(s);
+    return unit_run_case(tc);
 }

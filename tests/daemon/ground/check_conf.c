@@ -356,7 +356,6 @@ END_TEST
 int
 main(void)
 {
-    Suite *s = suite_create("conf");
     TCase *tc = tcase_create("conf");
     int fd = mkstemp(path), failed;
 
@@ -377,8 +376,7 @@ main(void)
     tcase_add_test(tc, help_and_version_win);
     tcase_add_loop_test(tc, address_is_read_and_judged, 0, N_ELEM(addresses));
     tcase_add_test(tc, log_limit_lets_a_burst_through_and_counts_the_rest);
-    suite_add_tcase(s, tc);
-    failed = unit_run(s);
+    failed = unit_run_case(tc);
     unlink(path);
     return failed;
 }

@@ -194,7 +194,6 @@ END_TEST
 int
 main(void)
 {
-    Suite *s = suite_create("files");
     TCase *tc = tcase_create("files");
 
     tcase_add_checked_fixture(tc, scratch_make, scratch_remove);
@@ -205,6 +204,5 @@ main(void)
     tcase_add_test(tc, half_files_of_an_earlier_life_go);
     tcase_add_test(tc, sounds_of_very_many_files_are_forgotten);
     tcase_add_test(tc, folders_are_made_and_files_written_whole);
-    suite_add_tcase(s, tc);
-    return unit_run(s);
+    return unit_run_case(tc);
 }

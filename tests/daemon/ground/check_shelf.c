@@ -224,7 +224,6 @@ END_TEST
 int
 main(void)
 {
-    Suite *s = suite_create("shelf");
     TCase *tc = tcase_create("shelf");
 
     tcase_add_checked_fixture(tc, set_up, tear_down);
@@ -236,6 +235,5 @@ main(void)
     tcase_add_test(tc, a_long_line_is_handed_on_in_pieces_that_fit_a_message);
     tcase_add_test(tc, a_line_may_have_columns_alone);
     tcase_add_test(tc, what_came_since_is_handed_on);
-    suite_add_tcase(s, tc);
-    return unit_run(s);
+    return unit_run_case(tc);
 }

@@ -75,12 +75,10 @@ END_TEST
 int
 main(void)
 {
-    Suite *s = suite_create("shell");
     TCase *tc = tcase_create("shell");
 
     tcase_add_test(tc, an_action_stays_while_it_brings_about_others);
     tcase_add_test(tc, a_child_gets_no_more_of_an_environment_than_it_needs);
     tcase_add_test(tc, a_name_that_comes_often_fills_no_more_than_there_is);
-    suite_add_tcase(s, tc);
-    return unit_run(s);
+    return unit_run_case(tc);
 }

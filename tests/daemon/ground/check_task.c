@@ -296,7 +296,6 @@ END_TEST
 int
 main(void)
 {
-    Suite *s = suite_create("task");
     TCase *tc = tcase_create("task");
 
     tcase_add_checked_fixture(tc, set_up, tear_down);
@@ -309,6 +308,5 @@ main(void)
     tcase_add_test(tc, what_is_held_is_given_up_in_the_end);
     tcase_add_loop_test(tc, a_disk_that_fails_ends_it, 0, 2);
     tcase_add_test(tc, what_fails_for_its_own_sake_ends_nothing);
-    suite_add_tcase(s, tc);
-    return unit_run(s);
+    return unit_run_case(tc);
 }

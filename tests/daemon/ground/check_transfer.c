@@ -279,7 +279,6 @@ END_TEST
 int
 main(void)
 {
-    Suite *s = suite_create("transfer");
     TCase *tc = tcase_create("transfer");
 
     tcase_add_checked_fixture(tc, set_up, tear_down);
@@ -292,6 +291,5 @@ main(void)
     tcase_add_test(tc, a_file_that_is_removed_meanwhile_is_empty_at_last);
     tcase_add_loop_test(tc, a_file_that_shrinks_meanwhile_is_empty_at_last, 0,
                         4);
-    suite_add_tcase(s, tc);
-    return unit_run(s);
+    return unit_run_case(tc);
 }

@@ -333,7 +333,6 @@ END_TEST
 int
 main(void)
 {
-    Suite *s = suite_create("back");
     TCase *tc = tcase_create("back");
 
     tcase_add_checked_fixture(tc, set_up, tear_down);
@@ -352,6 +351,5 @@ main(void)
     tcase_add_test(tc, nothing_waits_for_one_that_leaves);
     tcase_add_test(tc, the_lease_of_a_unit_goes_on);
     tcase_add_test(tc, nobody_is_at_attempt_0);
-    suite_add_tcase(s, tc);
-    return unit_run(s);
+    return unit_run_case(tc);
 }

@@ -160,7 +160,6 @@ END_TEST
 int
 main(void)
 {
-    Suite *s = suite_create("balance");
     TCase *tc = tcase_create("balance");
 
     tcase_add_checked_fixture(tc, set_up, tear_down);
@@ -171,6 +170,5 @@ main(void)
     tcase_add_test(tc, without_balance_nobody_is_asked);
     tcase_add_test(tc, a_gave_that_fits_no_lines_ends_the_connection);
     tcase_add_test(tc, static_weighs_workers_by_what_earlier_jobs_showed);
-    suite_add_tcase(s, tc);
-    return unit_run(s);
+    return unit_run_case(tc);
 }

@@ -276,7 +276,6 @@ END_TEST
 int
 main(void)
 {
-    Suite *s = suite_create("handoff");
     TCase *tc = tcase_create("handoff");
 
     tcase_add_checked_fixture(tc, set_up, tear_down);
@@ -294,6 +293,5 @@ main(void)
     tcase_add_test(tc, what_was_to_be_a_drained_workers_goes_to_others);
     tcase_add_test(tc, what_was_to_be_a_stopped_workers_goes_to_others);
     tcase_add_test(tc, one_that_is_drained_before_the_layout_has_no_part);
-    suite_add_tcase(s, tc);
-    return unit_run(s);
+    return unit_run_case(tc);
 }

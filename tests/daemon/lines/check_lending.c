@@ -381,7 +381,6 @@ END_TEST
 int
 main(void)
 {
-    Suite *s = suite_create("lending");
     TCase *tc = tcase_create("lending");
 
     tcase_add_checked_fixture(tc, set_up, tear_down);
@@ -400,6 +399,5 @@ main(void)
     tcase_add_test(tc, a_lender_that_comes_back_goes_on);
     tcase_add_loop_test(tc, a_loan_that_fits_no_line_ends_the_connection, 0,
                         N_ELEM(wrong));
-    suite_add_tcase(s, tc);
-    return unit_run(s);
+    return unit_run_case(tc);
 }

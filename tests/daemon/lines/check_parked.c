@@ -296,7 +296,6 @@ END_TEST
 int
 main(void)
 {
-    Suite *s = suite_create("parked");
     TCase *tc = tcase_create("parked");
 
     tcase_add_checked_fixture(tc, set_up, tear_down);
@@ -315,6 +314,5 @@ main(void)
     tcase_add_test(tc, a_lost_workers_units_wait_again_the_parked_ones_too);
     tcase_add_test(tc, one_that_leaves_gives_up_what_only_waits);
     tcase_add_test(tc, rows_that_cross_a_revoke_bring_nothing_back);
-    suite_add_tcase(s, tc);
-    return unit_run(s);
+    return unit_run_case(tc);
 }

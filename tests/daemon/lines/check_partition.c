@@ -495,7 +495,6 @@ END_TEST
 int
 main(void)
 {
-    Suite *s = suite_create("partition");
     TCase *tc = tcase_create("partition");
 
     tcase_add_loop_test(tc, every_pixel_is_in_one_window, 0, N_ELEM(sizes));
@@ -517,6 +516,5 @@ main(void)
                         MSG_ORDER_COST + 1);
     tcase_add_loop_test(tc, what_is_no_unit_is_not_made_one, 0,
                         N_ELEM(no_unit));
-    suite_add_tcase(s, tc);
-    return unit_run(s);
+    return unit_run_case(tc);
 }

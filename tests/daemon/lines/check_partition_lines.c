@@ -461,7 +461,6 @@ END_TEST
 int
 main(void)
 {
-    Suite *s = suite_create("partition_lines");
     TCase *tc = tcase_create("lines");
 
     tcase_add_test(tc, lines_are_base_lines_with_the_bar_above);
@@ -478,6 +477,5 @@ main(void)
     tcase_add_test(tc, without_balance_only_absent_workers_lose_their_runs);
     tcase_add_test(tc, fresh_frames_go_out_one_after_another);
     tcase_add_test(tc, a_unit_gives_whole_lines);
-    suite_add_tcase(s, tc);
-    return unit_run(s);
+    return unit_run_case(tc);
 }

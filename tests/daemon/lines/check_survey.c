@@ -200,7 +200,6 @@ END_TEST
 int
 main(void)
 {
-    Suite *s = suite_create("survey");
     TCase *tc = tcase_create("survey");
 
     tcase_add_checked_fixture(tc, set_up, tear_down);
@@ -212,6 +211,5 @@ main(void)
     tcase_add_test(tc, an_estimate_that_children_die_of_is_given_up);
     tcase_add_test(tc, an_estimate_that_nobody_asked_for_is_ignored);
     tcase_add_test(tc, threads_that_estimate_count_for_the_owner);
-    suite_add_tcase(s, tc);
-    return unit_run(s);
+    return unit_run_case(tc);
 }

@@ -199,7 +199,6 @@ END_TEST
 int
 main(void)
 {
-    Suite *s = suite_create("twins");
     TCase *tc = tcase_create("twins");
 
     tcase_add_checked_fixture(tc, set_up, tear_down);
@@ -212,6 +211,5 @@ main(void)
     tcase_add_test(tc, a_twin_has_no_time_for_bars);
     tcase_add_test(tc, a_twin_overtakes_one_that_is_silent);
     tcase_add_test(tc, twins_do_not_overtake_each_other_for_ever);
-    suite_add_tcase(s, tc);
-    return unit_run(s);
+    return unit_run_case(tc);
 }

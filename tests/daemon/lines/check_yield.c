@@ -201,7 +201,6 @@ END_TEST
 int
 main(void)
 {
-    Suite *s = suite_create("yield");
     TCase *tc = tcase_create("yield");
 
     tcase_add_checked_fixture(tc, set_up, tear_down);
@@ -214,6 +213,5 @@ main(void)
     tcase_add_loop_test(tc, a_worker_that_leaves_its_estimate_is_let_go, 0, 2);
     tcase_add_test(tc, half_an_estimate_that_nobody_wanted_ends_the_connection);
     tcase_add_test(tc, a_worker_of_a_restarted_coordinator_does_not_hang);
-    suite_add_tcase(s, tc);
-    return unit_run(s);
+    return unit_run_case(tc);
 }

@@ -168,7 +168,6 @@ END_TEST
 int
 main(void)
 {
-    Suite *s = suite_create("coarse");
     TCase *tc = tcase_create("coarse");
 
     tcase_add_loop_test(tc, a_lattice_fills_the_picture, 0, N_ELEM(sizes));
@@ -178,6 +177,5 @@ main(void)
                         N_ELEM(wrong));
     tcase_add_test(tc, colours_of_all_frames_are_bounded);
     tcase_add_test(tc, huge_frames_have_none);
-    suite_add_tcase(s, tc);
-    return unit_run(s);
+    return unit_run_case(tc);
 }

@@ -526,7 +526,6 @@ END_TEST
 int
 main(void)
 {
-    Suite *s = suite_create("rows");
     TCase *tc = tcase_create("rows");
 
     tcase_add_checked_fixture(tc, scratch_make, scratch_remove);
@@ -543,6 +542,5 @@ main(void)
     tcase_add_test(tc, previews_of_many_samples_are_of_those_in_the_middle);
     tcase_add_loop_test(tc, previews_show_colours_where_rows_are_missing, 0,
                         N_ELEM(shown));
-    suite_add_tcase(s, tc);
-    return unit_run(s);
+    return unit_run_case(tc);
 }

@@ -439,7 +439,6 @@ END_TEST
 int
 main(void)
 {
-    Suite *s = suite_create("store");
     TCase *tc = tcase_create("store");
 
     tcase_add_checked_fixture(tc, scratch_make, scratch_remove);
@@ -455,6 +454,5 @@ main(void)
     tcase_add_test(tc, pieces_of_a_preview_are_of_one_file);
     tcase_add_test(tc, few_previews_are_read_at_a_time);
     tcase_add_test(tc, files_that_no_job_needs_go_after_a_day);
-    suite_add_tcase(s, tc);
-    return unit_run(s);
+    return unit_run_case(tc);
 }

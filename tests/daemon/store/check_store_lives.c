@@ -622,7 +622,6 @@ END_TEST
 int
 main(void)
 {
-    Suite *s = suite_create("store_lives");
     TCase *tc = tcase_create("store_lives");
 
     tcase_add_checked_fixture(tc, scratch_make, scratch_remove);
@@ -640,6 +639,5 @@ main(void)
     tcase_add_test(tc, rows_that_were_given_up_are_no_damage);
     tcase_add_test(tc, a_units_base_line_outlives_the_store);
     tcase_add_test(tc, a_database_gets_its_name_when_it_is_whole);
-    suite_add_tcase(s, tc);
-    return unit_run(s);
+    return unit_run_case(tc);
 }

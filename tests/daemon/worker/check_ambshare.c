@@ -164,7 +164,6 @@ END_TEST
 int
 main(void)
 {
-    Suite *s = suite_create("ambshare");
     TCase *tc = tcase_create("ambshare");
 
     tcase_add_test(tc, record_survives_the_trip);
@@ -172,6 +171,5 @@ main(void)
     tcase_add_test(tc, truncated_record_is_refused);
     tcase_add_loop_test(tc, unsound_record_is_refused, 0, N_ELEM(wrong));
     tcase_add_test(tc, each_record_is_new_once);
-    suite_add_tcase(s, tc);
-    return unit_run(s);
+    return unit_run_case(tc);
 }

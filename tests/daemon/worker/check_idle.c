@@ -113,7 +113,6 @@ END_TEST
 int
 main(void)
 {
-    Suite *s = suite_create("idle");
     TCase *tc = tcase_create("idle");
 
     tcase_add_loop_test(tc, hours_are_open_as_they_say, 0, N_ELEM(times));
@@ -122,6 +121,5 @@ main(void)
     tcase_add_test(tc, a_terminal_in_use_is_somebody);
     tcase_add_test(tc, at_first_a_terminal_that_was_just_left_counts);
     tcase_add_test(tc, a_busy_processor_is_somebody);
-    suite_add_tcase(s, tc);
-    return unit_run(s);
+    return unit_run_case(tc);
 }

@@ -763,7 +763,6 @@ END_TEST
 int
 main(void)
 {
-    Suite *s = suite_create("worker");
     TCase *tc = tcase_create("worker");
 
     tcase_add_checked_fixture(tc, set_up, tear_down);
@@ -811,6 +810,5 @@ main(void)
     tcase_add_test(tc, a_job_of_another_priority_goes_on);
     tcase_add_test(tc, a_parked_unit_is_no_suspect);
     tcase_add_test(tc, a_unit_that_was_parked_and_is_resumed_is_a_suspect);
-    suite_add_tcase(s, tc);
-    return unit_run(s);
+    return unit_run_case(tc);
 }

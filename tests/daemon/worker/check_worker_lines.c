@@ -292,7 +292,6 @@ END_TEST
 int
 main(void)
 {
-    Suite *s = suite_create("worker_lines");
     TCase *tc = tcase_create("worker_lines");
 
     tcase_add_checked_fixture(tc, set_up, tear_down);
@@ -306,6 +305,5 @@ main(void)
     tcase_add_test(tc, what_is_lent_is_a_unit_until_it_is_done);
     tcase_add_test(tc, what_loans_cost_is_not_lost_with_a_connection);
     tcase_add_test(tc, what_it_lends_comes_back_when_the_coordinator_is_gone);
-    suite_add_tcase(s, tc);
-    return unit_run(s);
+    return unit_run_case(tc);
 }

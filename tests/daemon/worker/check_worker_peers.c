@@ -449,7 +449,6 @@ END_TEST
 int
 main(void)
 {
-    Suite *s = suite_create("worker_peers");
     TCase *tc = tcase_create("worker_peers");
 
     tcase_add_checked_fixture(tc, set_up, tear_down);
@@ -474,6 +473,5 @@ main(void)
     tcase_add_test(tc, passes_that_are_closed_wait_for_one_that_lacks_records);
     tcase_add_test(tc, records_go_on_once_to_peers_that_are_fed);
     tcase_add_test(tc, a_new_child_begins_with_the_first_pass);
-    suite_add_tcase(s, tc);
-    return unit_run(s);
+    return unit_run_case(tc);
 }

@@ -427,7 +427,6 @@ END_TEST
 int
 main(void)
 {
-    Suite *s = suite_create("base");
     TCase *tc = tcase_create("base");
 
     tcase_add_test(tc, first_failure_wins);
@@ -444,6 +443,5 @@ main(void)
     tcase_add_test(tc, elementary_functions_end_as_those_of_libm);
     tcase_add_loop_test(tc, numbers_are_even_along_every_axis, 0, 4);
     tcase_add_loop_test(tc, help_is_as_wide_as_a_terminal, 0, N_ELEM(helps));
-    suite_add_tcase(s, tc);
-    return unit_run(s);
+    return unit_run_case(tc);
 }

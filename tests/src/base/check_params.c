@@ -529,7 +529,6 @@ END_TEST
 int
 main(void)
 {
-    Suite *s = suite_create("params");
     TCase *tc = tcase_create("params");
 
     tcase_add_test(tc, defaults_are_those_of_rpict);
@@ -551,6 +550,5 @@ main(void)
     tcase_add_test(tc, every_line_of_the_defaults_is_an_option);
     tcase_add_test(tc, every_option_is_in_the_manual);
     tcase_add_test(tc, reals_are_written_as_short_as_can_be);
-    suite_add_tcase(s, tc);
-    return unit_run(s);
+    return unit_run_case(tc);
 }

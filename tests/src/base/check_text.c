@@ -150,7 +150,6 @@ END_TEST
 int
 main(void)
 {
-    Suite *s = suite_create("text");
     TCase *tc = tcase_create("text");
 
     tcase_add_loop_test(tc, text_of_others_is_made_safe, 0, N_ELEM(cleaned));
@@ -160,6 +159,5 @@ main(void)
     tcase_add_test(tc, json_says_the_same_without_what_a_terminal_obeys);
     tcase_add_test(tc, message_is_cut_between_characters);
     tcase_add_test(tc, message_says_nothing_that_a_terminal_obeys);
-    suite_add_tcase(s, tc);
-    return unit_run(s);
+    return unit_run_case(tc);
 }

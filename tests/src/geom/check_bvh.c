@@ -330,7 +330,6 @@ name_kernels(void)
 int
 main(void)
 {
-    Suite *s = suite_create("bvh");
     TCase *tc = tcase_create("bvh");
 
     tcase_set_timeout(tc, 600);
@@ -339,7 +338,6 @@ main(void)
     tcase_add_loop_test(tc, kernels_give_the_same_bits, 0, N_ELEM(place));
     tcase_add_loop_test(tc, wild_numbers_do_no_harm, 0, 4);
     tcase_add_loop_test(tc, lopsided_trees_are_walked_whole, 0, 2);
-    suite_add_tcase(s, tc);
     name_kernels();
-    return unit_run(s);
+    return unit_run_case(tc);
 }

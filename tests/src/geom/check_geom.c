@@ -695,7 +695,6 @@ END_TEST
 int
 main(void)
 {
-    Suite *s = suite_create("geom");
     TCase *tc = tcase_create("geom");
 
     tcase_set_timeout(tc, 600);
@@ -717,6 +716,5 @@ main(void)
     tcase_add_loop_test(tc, hit_is_within_its_bound_and_is_left_behind, 0,
                         N_ELEM(leaving));
     tcase_add_loop_test(tc, low_cone_is_met_where_it_is, 0, N_ELEM(low_cone));
-    suite_add_tcase(s, tc);
-    return unit_run(s);
+    return unit_run_case(tc);
 }

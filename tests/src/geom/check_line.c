@@ -207,12 +207,10 @@ END_TEST
 int
 main(void)
 {
-    Suite *s = suite_create("line");
     TCase *tc = tcase_create("line");
 
     tcase_add_test(tc, sight_finds_the_first_veil);
     tcase_add_test(tc, line_holds_what_walks_meet);
     tcase_add_test(tc, line_of_sight_leads_to_the_target);
-    suite_add_tcase(s, tc);
-    return unit_run(s);
+    return unit_run_case(tc);
 }

@@ -666,7 +666,6 @@ END_TEST
 int
 main(void)
 {
-    Suite *s = suite_create("place");
     TCase *tc = tcase_create("place");
 
     tcase_add_checked_fixture(tc, NULL, tear_down);
@@ -690,6 +689,5 @@ main(void)
     tcase_add_test(tc, recorded_mesh_is_read);
     tcase_add_test(tc, normal_codes_are_accurate);
     tcase_add_test(tc, truncated_mesh_is_refused);
-    suite_add_tcase(s, tc);
-    return unit_run(s);
+    return unit_run_case(tc);
 }

@@ -335,7 +335,6 @@ END_TEST
 int
 main(void)
 {
-    Suite *s = suite_create("ray");
     TCase *tc = tcase_create("ray");
 
     tcase_add_checked_fixture(tc, NULL, world_tear_down);
@@ -352,6 +351,5 @@ main(void)
                         N_ELEM(unsound));
     tcase_add_test(tc, ray_does_not_depend_on_those_before_it);
     tcase_add_test(tc, normal_never_turns_away_from_the_ray);
-    suite_add_tcase(s, tc);
-    return unit_run(s);
+    return unit_run_case(tc);
 }

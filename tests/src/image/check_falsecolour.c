@@ -284,10 +284,8 @@ END_TEST
 int
 main(void)
 {
-    Suite *s = suite_create("falsecolour");
     TCase *tc = tcase_create("falsecolour");
 
-    suite_add_tcase(s, tc);
     tcase_add_loop_test(tc, scales_are_read_whole, 0, N_ELEM(scales));
     tcase_add_loop_test(tc, a_scale_ends_at_a_round_number, 0, N_ELEM(tops));
     tcase_add_test(tc, a_black_picture_decides_nothing);
@@ -297,5 +295,5 @@ main(void)
     tcase_add_test(tc, bands_are_a_fifth_of_a_division_wide);
     tcase_add_loop_test(tc, legends_fit_any_picture, 0, N_ELEM(sizes));
     tcase_add_test(tc, text_is_of_dots);
-    return unit_run(s);
+    return unit_run_case(tc);
 }

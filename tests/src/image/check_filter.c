@@ -365,7 +365,6 @@ END_TEST
 int
 main(void)
 {
-    Suite *s = suite_create("filter");
     TCase *tc = tcase_create("filter");
 
     tcase_add_loop_test(tc, sides_are_rounded, 0, N_ELEM(sides));
@@ -379,6 +378,5 @@ main(void)
     tcase_add_test(tc, the_middle_is_the_nearest_sample);
     tcase_add_test(tc, the_aspect_of_pixels_follows_the_rounding);
     tcase_add_test(tc, options_are_those_of_what_is_written);
-    suite_add_tcase(s, tc);
-    return unit_run(s);
+    return unit_run_case(tc);
 }

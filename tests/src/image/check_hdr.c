@@ -463,7 +463,6 @@ END_TEST
 int
 main(void)
 {
-    Suite *s = suite_create("hdr");
     TCase *tc = tcase_create("hdr");
 
     tcase_add_loop_test(tc, mantissas_are_cut_off, 0, N_ELEM(codes));
@@ -481,6 +480,5 @@ main(void)
     tcase_add_test(tc, exposure_and_colour_correction_are_undone);
     tcase_add_test(tc, old_runs_are_read);
     tcase_add_loop_test(tc, damaged_pictures_are_refused, 0, N_ELEM(bad));
-    suite_add_tcase(s, tc);
-    return unit_run(s);
+    return unit_run_case(tc);
 }

@@ -73,11 +73,9 @@ END_TEST
 int
 main(void)
 {
-    Suite *s = suite_create("screen");
     TCase *tc = tcase_create("screen");
 
     tcase_add_test(tc, png_has_its_signature_size_and_end);
     tcase_add_test(tc, png_says_that_it_is_srgb);
-    suite_add_tcase(s, tc);
-    return unit_run(s);
+    return unit_run_case(tc);
 }

@@ -273,7 +273,6 @@ END_TEST
 int
 main(void)
 {
-    Suite *s = suite_create("spectrum");
     TCase *tc = tcase_create("spectra");
 
     tcase_add_checked_fixture(tc, begin, end);
@@ -287,6 +286,5 @@ main(void)
     tcase_add_loop_test(tc, colours_become_three_steps, 0, N_ELEM(split));
     tcase_add_test(tc, picture_has_its_samples);
     tcase_add_loop_test(tc, bad_picture_is_refused, 0, N_ELEM(bad));
-    suite_add_tcase(s, tc);
-    return unit_run(s);
+    return unit_run_case(tc);
 }

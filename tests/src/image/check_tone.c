@@ -653,7 +653,6 @@ int
 main(void)
 {
     enum { CURVES = 3 };
-    Suite *s = suite_create("tone");
     TCase *tc = tcase_create("tone");
 
     tcase_add_test(tc, table_of_srgb_is_the_curve);
@@ -681,6 +680,5 @@ main(void)
     tcase_add_test(tc, fine_detail_is_lost_in_the_dark);
     tcase_add_test(tc, primaries_become_srgbs);
     tcase_add_test(tc, a_picture_of_other_primaries_is_understood);
-    suite_add_tcase(s, tc);
-    return unit_run(s);
+    return unit_run_case(tc);
 }

@@ -81,13 +81,11 @@ END_TEST
 int
 main(void)
 {
-    Suite *s = suite_create("ambserving");
     TCase *tc = tcase_create("ambserving");
 
     tcase_add_test(tc, pixels_share_what_serves_in_both);
     tcase_add_test(tc, shares_go_by_light);
     tcase_add_test(tc, hemispheres_are_not_shared);
     tcase_add_test(tc, what_has_no_room_is_left_out);
-    suite_add_tcase(s, tc);
-    return unit_run(s);
+    return unit_run_case(tc);
 }

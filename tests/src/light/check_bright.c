@@ -330,7 +330,6 @@ END_TEST
 int
 main(void)
 {
-    Suite *s = suite_create("bright");
     TCase *tc = tcase_create("bright");
 
     tcase_add_checked_fixture(tc, NULL, world_tear_down);
@@ -345,6 +344,5 @@ main(void)
     tcase_add_test(tc, glints_near_each_other_are_one_place);
     tcase_add_test(tc, most_chosen_places_are_kept);
     tcase_add_loop_test(tc, records_keep_what_is_far_above_their_mean, 0, 2);
-    suite_add_tcase(s, tc);
-    return unit_run(s);
+    return unit_run_case(tc);
 }

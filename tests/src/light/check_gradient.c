@@ -310,7 +310,6 @@ END_TEST
 int
 main(void)
 {
-    Suite *s = suite_create("gradient");
     TCase *tc = tcase_create("gradient");
 
     tcase_add_loop_test(tc, edge_slopes_match_differences, 0, 3);
@@ -322,6 +321,5 @@ main(void)
     tcase_add_test(tc, lone_light_before_the_dark_is_overlooked);
     tcase_add_test(tc, uniform_surrounding_has_no_gradient);
     tcase_add_test(tc, turning_toward_the_light_brightens);
-    suite_add_tcase(s, tc);
-    return unit_run(s);
+    return unit_run_case(tc);
 }

@@ -640,7 +640,6 @@ END_TEST
 int
 main(void)
 {
-    Suite *s = suite_create("sample");
     TCase *tc = tcase_create("samples");
 
     tcase_set_timeout(tc, 600);
@@ -671,6 +670,5 @@ main(void)
     tcase_add_test(tc, spot_keeps_to_its_cone);
     tcase_add_test(tc, what_a_cone_cannot_light_is_known_early);
     tcase_add_test(tc, no_area_and_cones_are_no_light);
-    suite_add_tcase(s, tc);
-    return unit_run(s);
+    return unit_run_case(tc);
 }

@@ -517,7 +517,6 @@ END_TEST
 int
 main(void)
 {
-    Suite *s = suite_create("smooth");
     TCase *t = tcase_create("smooth");
 
     tcase_add_loop_test(t, noise_falls_and_the_mean_stays, 0, 2);
@@ -533,6 +532,5 @@ main(void)
     tcase_add_loop_test(t, places_in_one_point_are_left_alone, 0, 2);
     tcase_add_test(t, all_threads_see_the_same);
     tcase_add_test(t, few_places_are_left_alone);
-    suite_add_tcase(s, t);
-    return unit_run(s);
+    return unit_run_case(t);
 }

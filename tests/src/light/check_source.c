@@ -437,7 +437,6 @@ END_TEST
 int
 main(void)
 {
-    Suite *s = suite_create("source");
     TCase *tc = tcase_create("shadows");
 
     tcase_add_checked_fixture(tc, NULL, world_tear_down);
@@ -459,6 +458,5 @@ main(void)
     tcase_add_test(tc, illum_over_void_is_a_light_and_a_window);
     tcase_add_loop_test(tc, surface_cannot_be_a_light, 0, N_ELEM(no_lamps));
     tcase_add_loop_test(tc, lamp_is_what_its_radii_make_it, 0, N_ELEM(meant));
-    suite_add_tcase(s, tc);
-    return unit_run(s);
+    return unit_run_case(tc);
 }

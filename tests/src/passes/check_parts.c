@@ -95,12 +95,10 @@ END_TEST
 int
 main(void)
 {
-    Suite *s = suite_create("parts");
     TCase *tc = tcase_create("parts");
 
     tcase_add_test(tc, equal_shares_hold_as_many_points);
     tcase_add_test(tc, shares_are_compact);
     tcase_add_test(tc, points_at_one_place_and_single_ones_have_a_place);
-    suite_add_tcase(s, tc);
-    return unit_run(s);
+    return unit_run_case(tc);
 }

@@ -158,7 +158,6 @@ END_TEST
 int
 main(void)
 {
-    Suite *s = suite_create("passcost");
     TCase *tc = tcase_create("passcost");
 
     tcase_add_loop_test(tc, the_part_of_passes_is_foreseen, 0, N_ELEM(parts));
@@ -166,6 +165,5 @@ main(void)
     tcase_add_test(tc, passes_of_many_frames_are_weighed);
     tcase_add_test(tc, what_passes_took_tells_of_the_others);
     tcase_add_test(tc, passes_of_other_kinds_are_weighed);
-    suite_add_tcase(s, tc);
-    return unit_run(s);
+    return unit_run_case(tc);
 }

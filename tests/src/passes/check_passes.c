@@ -677,7 +677,6 @@ END_TEST
 int
 main(void)
 {
-    Suite *s = suite_create("passes");
     TCase *tc = tcase_create("passes");
 
     tcase_set_timeout(tc, 60);
@@ -692,6 +691,5 @@ main(void)
     tcase_add_test(tc, a_tile_ends_when_it_has_traced_its_rays);
     tcase_add_test(tc, a_tile_that_ends_makes_coarse_deep_records);
     tcase_add_test(tc, a_tile_that_is_stopped_hands_on_nothing);
-    suite_add_tcase(s, tc);
-    return unit_run(s);
+    return unit_run_case(tc);
 }

@@ -344,7 +344,6 @@ END_TEST
 int
 main(void)
 {
-    Suite *s = suite_create("passplan");
     TCase *tc = tcase_create("passplan");
 
     tcase_add_loop_test(tc, without_a_cache_there_are_no_passes, 0,
@@ -356,6 +355,5 @@ main(void)
     tcase_add_loop_test(tc, scattered_passes_come_last, 0, N_ELEM(rests));
     tcase_add_loop_test(tc, each_square_is_in_one_tile, 0, N_ELEM(rests));
     tcase_add_test(tc, tiles_are_the_picture);
-    suite_add_tcase(s, tc);
-    return unit_run(s);
+    return unit_run_case(tc);
 }

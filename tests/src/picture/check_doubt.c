@@ -315,7 +315,6 @@ END_TEST
 int
 main(void)
 {
-    Suite *s = suite_create("doubt");
     TCase *tc = tcase_create("doubt");
 
     tcase_add_checked_fixture(tc, NULL, tear_down);
@@ -332,6 +331,5 @@ main(void)
     tcase_add_test(tc, fresh_samples_count_by_their_number);
     tcase_add_test(tc, parts_add_by_their_squares);
     tcase_add_loop_test(tc, an_error_is_a_number, 0, N_ELEM(wild));
-    suite_add_tcase(s, tc);
-    return unit_run(s);
+    return unit_run_case(tc);
 }

@@ -339,7 +339,6 @@ END_TEST
 int
 main(void)
 {
-    Suite *s = suite_create("facts");
     TCase *tc = tcase_create("facts");
 
     tcase_add_test(tc, the_first_fact_of_a_pixel_is_kept);
@@ -352,6 +351,5 @@ main(void)
     tcase_add_loop_test(tc, malformed_parcels_leave_nothing, 0, N_ELEM(bad));
     tcase_add_test(tc, values_that_no_ray_has_are_left_out);
     tcase_add_loop_test(tc, threads_that_meet_at_a_pixel_agree, 0, ROUNDS);
-    suite_add_tcase(s, tc);
-    return unit_run(s);
+    return unit_run_case(tc);
 }

@@ -529,7 +529,6 @@ END_TEST
 int
 main(void)
 {
-    Suite *s = suite_create("frame");
     TCase *tc = tcase_create("frame");
 
     tcase_add_checked_fixture(tc, NULL, tear_down);
@@ -552,6 +551,5 @@ main(void)
     tcase_add_test(tc, coverage_of_all_pixels_is_the_area);
     tcase_add_test(tc, windows_stay_in_the_picture);
     tcase_add_test(tc, pictures_without_pixels_are_refused);
-    suite_add_tcase(s, tc);
-    return unit_run(s);
+    return unit_run_case(tc);
 }

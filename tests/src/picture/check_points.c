@@ -405,7 +405,6 @@ END_TEST
 int
 main(void)
 {
-    Suite *suite = suite_create("points");
     TCase *tc = tcase_create("points");
 
     tcase_add_checked_fixture(tc, NULL, tear_down);
@@ -423,6 +422,5 @@ main(void)
     tcase_add_test(tc, pixel_is_irradiance_on_its_surface);
     tcase_add_test(tc, value_goes_by_the_number_of_the_point);
     tcase_add_test(tc, path_begins_on_the_surface);
-    suite_add_tcase(suite, tc);
-    return unit_run(suite);
+    return unit_run_case(tc);
 }

@@ -455,7 +455,6 @@ END_TEST
 int
 main(void)
 {
-    Suite *s = suite_create("quincunx");
     TCase *tc = tcase_create("quincunx");
 
     tcase_add_loop_test(tc, same_pixels_are_traced_as_in_rpict, 0,
@@ -468,6 +467,5 @@ main(void)
     tcase_add_loop_test(tc, a_guess_comes_to_the_truth, 2, 17);
     tcase_add_test(tc, steps_make_a_lattice_of_ps_by_ps_pixels);
     tcase_add_test(tc, base_lines_reach_from_the_first_row_to_the_last);
-    suite_add_tcase(s, tc);
-    return unit_run(s);
+    return unit_run_case(tc);
 }

@@ -342,7 +342,6 @@ END_TEST
 int
 main(void)
 {
-    Suite *s = suite_create("view");
     TCase *tc = tcase_create("view");
 
     tcase_add_loop_test(tc, rays_follow_the_projection, 0, N_ELEM(rays));
@@ -358,6 +357,5 @@ main(void)
     tcase_add_loop_test(tc, view_lines_are_found, 0, N_ELEM(files));
     tcase_add_loop_test(tc, impossible_views_are_refused, 0, N_ELEM(bad));
     tcase_add_test(tc, resolution_keeps_the_pixel_aspect);
-    suite_add_tcase(s, tc);
-    return unit_run(s);
+    return unit_run_case(tc);
 }

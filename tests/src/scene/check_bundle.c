@@ -264,7 +264,6 @@ END_TEST
 int
 main(void)
 {
-    Suite *s = suite_create("bundle");
     TCase *tc = tcase_create("bundle");
 
     tcase_add_test(tc, digest_matches_the_standard);
@@ -279,6 +278,5 @@ main(void)
     tcase_add_loop_test(tc, bad_manifest_is_refused, 0, N_ELEM(bad_manifest));
     tcase_add_test(tc, files_are_read_by_hash);
     tcase_add_test(tc, reading_a_folder_is_an_input_error);
-    suite_add_tcase(s, tc);
-    return unit_run(s);
+    return unit_run_case(tc);
 }

@@ -718,7 +718,6 @@ END_TEST
 int
 main(void)
 {
-    Suite *s = suite_create("calc");
     TCase *tc = tcase_create("calc");
 
     tcase_set_timeout(tc, 600);
@@ -744,6 +743,5 @@ main(void)
     tcase_add_test(tc, rand_follows_its_formula);
     tcase_add_loop_test(tc, transform_moves_a_point_and_back, 0, N_ELEM(xform));
     tcase_add_loop_test(tc, bad_transform_is_refused, 0, N_ELEM(bad_xform));
-    suite_add_tcase(s, tc);
-    return unit_run(s);
+    return unit_run_case(tc);
 }

@@ -259,7 +259,6 @@ END_TEST
 int
 main(void)
 {
-    Suite *s = suite_create("data");
     TCase *tc = tcase_create("data");
 
     tcase_add_loop_test(tc, value_is_interpolated, 0, N_ELEM(values));
@@ -268,6 +267,5 @@ main(void)
     tcase_add_loop_test(tc, picture_is_interpolated, 0, N_ELEM(pixels));
     tcase_add_test(tc, one_pixel_is_the_same_everywhere);
     tcase_add_loop_test(tc, bad_picture_is_refused, 0, N_ELEM(bad_pictures));
-    suite_add_tcase(s, tc);
-    return unit_run(s);
+    return unit_run_case(tc);
 }

@@ -173,7 +173,6 @@ END_TEST
 int
 main(void)
 {
-    Suite *s = suite_create("font");
     TCase *tc = tcase_create("font");
 
     tcase_add_checked_fixture(tc, setup, teardown);
@@ -185,6 +184,5 @@ main(void)
                         5);
     tcase_add_loop_test(tc, bad_font_says_where, 0, N_ELEM(bad));
     tcase_add_test(tc, overlong_line_is_refused);
-    suite_add_tcase(s, tc);
-    return unit_run(s);
+    return unit_run_case(tc);
 }

@@ -236,7 +236,6 @@ END_TEST
 int
 main(void)
 {
-    Suite *s = suite_create("fprism");
     TCase *tc = tcase_create("fprism");
 
     tcase_add_test(tc, level_pane_is_a_slab);
@@ -247,6 +246,5 @@ main(void)
     tcase_add_loop_test(tc, what_is_no_pane_is_a_fault, 0, N_ELEM(bad));
     tcase_add_test(tc, work_is_bounded);
     tcase_add_test(tc, other_types_do_not_have_it);
-    suite_add_tcase(s, tc);
-    return unit_run(s);
+    return unit_run_case(tc);
 }

@@ -400,11 +400,9 @@ END_TEST
 int
 main(void)
 {
-    Suite *s = suite_create("hostile");
     TCase *tc = tcase_create("hostile");
 
     tcase_set_timeout(tc, 600);
     tcase_add_loop_test(tc, hostile_scenes_are_refused_or_rendered, 0, PARTS);
-    suite_add_tcase(s, tc);
-    return unit_run(s);
+    return unit_run_case(tc);
 }

@@ -347,7 +347,6 @@ END_TEST
 int
 main(void)
 {
-    Suite *s = suite_create("octfile");
     TCase *tc = tcase_create("octfile");
 
     tcase_set_timeout(tc, 600);
@@ -360,6 +359,5 @@ main(void)
     tcase_add_loop_test(tc, damage_is_named, 0, N_ELEM(damage));
     tcase_add_test(tc, what_is_an_octree_is_known_by_its_header);
     tcase_add_test(tc, a_missing_file_is_no_input);
-    suite_add_tcase(s, tc);
-    return unit_run(s);
+    return unit_run_case(tc);
 }

@@ -381,7 +381,6 @@ END_TEST
 int
 main(void)
 {
-    Suite *s = suite_create("octree");
     TCase *tc = tcase_create("octree");
 
     tcase_set_timeout(tc, 600);
@@ -392,6 +391,5 @@ main(void)
     tcase_add_test(tc, coincident_surfaces_end);
     tcase_add_test(tc, crossing_surfaces_stay_within_the_budget);
     tcase_add_test(tc, too_large_a_scene_is_refused);
-    suite_add_tcase(s, tc);
-    return unit_run(s);
+    return unit_run_case(tc);
 }

@@ -722,7 +722,6 @@ END_TEST
 int
 main(void)
 {
-    Suite *s = suite_create("parse");
     TCase *tc = tcase_create("parse");
 
     tcase_add_loop_test(tc, number_is_the_nearest_double, 0, N_ELEM(numbers));
@@ -745,6 +744,5 @@ main(void)
     tcase_add_test(tc, needs_are_what_surfaces_reach);
     tcase_add_test(tc, commands_are_read_in_their_place);
     tcase_add_test(tc, errors_in_commands_say_where);
-    suite_add_tcase(s, tc);
-    return unit_run(s);
+    return unit_run_case(tc);
 }

@@ -279,7 +279,6 @@ END_TEST
 int
 main(void)
 {
-    Suite *s = suite_create("aniso");
     TCase *tc = tcase_create("aniso");
 
     tcase_add_loop_test(tc, one_sun_shows_the_lobe, 0, N_ELEM(lit));
@@ -293,6 +292,5 @@ main(void)
     tcase_add_test(tc, samples_spread_by_the_roughness_of_each_axis);
     tcase_add_test(tc, shadow_rays_stop_at_trans2);
     tcase_add_loop_test(tc, bad_arguments_are_refused, 0, N_ELEM(bad));
-    suite_add_tcase(s, tc);
-    return unit_run(s);
+    return unit_run_case(tc);
 }

@@ -196,10 +196,9 @@ START_TEST(antimatter_of_one_file_knows_what_another_defines_alike)
 }
 END_TEST
 
-static Suite *
-make_suite(void)
+int
+main(void)
 {
-    Suite *s = suite_create("antimatter");
     TCase *tc = tcase_create("antimatter");
 
     tcase_add_checked_fixture(tc, NULL, world_tear_down);
@@ -215,12 +214,5 @@ make_suite(void)
     tcase_add_loop_test(tc,
                         antimatter_of_one_file_knows_what_another_defines_alike,
                         0, N_ELEM(twice));
-    suite_add_tcase(s, tc);
-    return s;
-}
-
-int
-main(void)
-{
-    return unit_run(make_suite());
+    return unit_run_case(tc);
 }

@@ -171,7 +171,6 @@ END_TEST
 int
 main(void)
 {
-    Suite *s = suite_create("ashik");
     TCase *tc = tcase_create("ashik");
 
     tcase_add_loop_test(tc, one_sun_shows_the_lobe, 0, N_ELEM(lit));
@@ -179,6 +178,5 @@ main(void)
     tcase_add_test(tc, gloss_keeps_its_energy);
     tcase_add_test(tc, samples_follow_the_density_of_half_vectors);
     tcase_add_test(tc, bad_powers_are_refused);
-    suite_add_tcase(s, tc);
-    return unit_run(s);
+    return unit_run_case(tc);
 }

@@ -424,7 +424,6 @@ END_TEST
 int
 main(void)
 {
-    Suite *s = suite_create("func");
     TCase *tc = tcase_create("func");
 
     tcase_add_checked_fixture(tc, NULL, world_tear_down);
@@ -452,6 +451,5 @@ main(void)
                         N_ELEM(optional));
     tcase_add_test(tc, scene_without_functions_has_no_evaluator);
     tcase_add_test(tc, function_file_belongs_to_the_bundle);
-    suite_add_tcase(s, tc);
-    return unit_run(s);
+    return unit_run_case(tc);
 }

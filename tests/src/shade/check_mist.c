@@ -415,7 +415,6 @@ END_TEST
 int
 main(void)
 {
-    Suite *s = suite_create("mist");
     TCase *tc = tcase_create("mist");
 
     tcase_add_checked_fixture(tc, NULL, world_tear_down);
@@ -438,6 +437,5 @@ main(void)
                         boundaries_passed_at_once_are_what_they_are_one_by_one,
                         0, N_ELEM(maze));
     tcase_add_test(tc, irradiance_of_the_eye_sees_no_mist);
-    suite_add_tcase(s, tc);
-    return unit_run(s);
+    return unit_run_case(tc);
 }

@@ -648,7 +648,6 @@ END_TEST
 int
 main(void)
 {
-    Suite *s = suite_create("shade");
     TCase *tc = tcase_create("materials");
 
     tcase_add_checked_fixture(tc, NULL, world_tear_down);
@@ -685,6 +684,5 @@ main(void)
     tcase_add_test(tc, missing_font_is_told_with_the_scenes_line);
     tcase_add_test(tc, modifier_that_nothing_uses_needs_no_file_and_no_support);
     tcase_add_test(tc, alias_takes_the_target_and_its_own_modifier);
-    suite_add_tcase(s, tc);
-    return unit_run(s);
+    return unit_run_case(tc);
 }

@@ -266,7 +266,6 @@ END_TEST
 int
 main(void)
 {
-    Suite *s = suite_create("table");
     TCase *tc = tcase_create("table");
 
     tcase_add_loop_test(tc, pattern_is_what_the_table_says, 0, N_ELEM(seen));
@@ -277,6 +276,5 @@ main(void)
     tcase_add_loop_test(tc, bad_table_is_refused_by_name, 0, N_ELEM(bad));
     tcase_add_test(tc, scene_without_tables_stores_nothing);
     tcase_add_loop_test(tc, files_belong_to_the_bundle, 0, N_ELEM(named));
-    suite_add_tcase(s, tc);
-    return unit_run(s);
+    return unit_run_case(tc);
 }

@@ -323,7 +323,6 @@ END_TEST
 int
 main(void)
 {
-    Suite *s = suite_create("wgmd");
     TCase *tc = tcase_create("wgmd");
 
     tcase_add_loop_test(tc, rough_parts_are_those_of_simple_types, 0,
@@ -337,6 +336,5 @@ main(void)
     tcase_add_test(tc, unbent_part_lets_shadow_rays_pass);
     tcase_add_test(tc, part_without_a_value_is_not_there);
     tcase_add_loop_test(tc, bad_arguments_are_refused, 0, N_ELEM(bad));
-    suite_add_tcase(s, tc);
-    return unit_run(s);
+    return unit_run_case(tc);
 }
