@@ -16,7 +16,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sysexits.h>
 
 #define MOST_BYTES  ((size_t)1 << 32)
 #define MOST_PIXELS ((size_t)1 << 28)

@@ -19,7 +19,6 @@
 #include "link/local.h"
 #include "link/programs.h"
 #include "base/output.h"
-#include "show/picfile.h"
 #include "link/submit.h"
 #include "common/tell.h"
 

@@ -7,7 +7,6 @@
 #include "proto/codec.h"
 
 #include "base/hex.h"
-#include "base/text.h"
 
 #include <float.h>
 

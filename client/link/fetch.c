@@ -3,7 +3,6 @@
 
 #include "link/fetch.h"
 
-#include <stdlib.h>
 #include <string.h>
 
 int

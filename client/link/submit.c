@@ -11,7 +11,6 @@
 #include "link/fetch.h"
 #include "link/roll.h"
 #include "common/figure.h"
-#include "proto/frame.h"
 
 #include <inttypes.h>
 #include <jansson.h>

@@ -13,8 +13,6 @@
 #include "base/arena.h"
 #include "base/error.h"
 
-#include <stdbool.h>
-
 enum rif_var { /* in the order of the table in rif.c */
                RIF_AMBFILE,
                RIF_DETAIL,

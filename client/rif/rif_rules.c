@@ -3,8 +3,6 @@
 
 #include "rif/rif_rules.h"
 
-#include "base/number.h"
-
 #include <ctype.h>
 #include <math.h>
 #include <stdio.h>

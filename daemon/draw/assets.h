@@ -4,8 +4,6 @@
 #ifndef RADD_DRAW_ASSETS_H
 #define RADD_DRAW_ASSETS_H
 
-#include <stddef.h>
-
 struct asset {
     const char *path; /* "/style.css" */
     const char *type; /* its media type */

@@ -7,7 +7,6 @@
 
 #include "base/list.h"
 
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 

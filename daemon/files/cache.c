@@ -11,11 +11,8 @@
 
 #include "files/cache.h"
 
-#include "ground/disk.h"
-
 #include "base/list.h"
 
-#include <dirent.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>

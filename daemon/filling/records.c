@@ -8,7 +8,6 @@
 #include "filling/records.h"
 
 #include "filling/passes_impl.h"
-#include "filling/stages.h"
 #include "jobs/part.h"
 #include "links/feeding.h"
 #include "proto/ambshare.h"

@@ -4,7 +4,6 @@
 #include "filling/tiles.h"
 
 #include "desk/attempt.h"
-#include "desk/speed.h"
 #include "desk/verdict.h"
 #include "filling/colours.h"
 #include "filling/passes_impl.h"

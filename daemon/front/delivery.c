@@ -9,7 +9,6 @@
 
 #include "front/delivery.h"
 
-#include "desk/verdict.h"
 #include "front/reply.h"
 #include "jobs/job.h"
 #include "queue/coord_keep.h"

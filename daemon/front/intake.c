@@ -3,7 +3,6 @@
 
 #include "front/intake.h"
 
-#include "desk/verdict.h"
 #include "front/reply.h"
 #include "jobs/job.h"
 #include "queue/coord_job.h"

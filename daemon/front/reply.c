@@ -3,7 +3,6 @@
 
 #include "front/reply.h"
 
-#include "desk/verdict.h"
 #include "jobs/job.h"
 #include "queue/coord_keep.h"
 #include "queue/telling.h"

@@ -9,7 +9,6 @@
 #include "jobs/part.h"
 #include "jobs/progress.h"
 #include "queue/coord_keep.h"
-#include "filling/stages.h"
 #include "filling/passes.h"
 #include "filling/tiles.h"
 

@@ -26,7 +26,6 @@
 #include "users/uploads.h"
 
 #include "base/list.h"
-#include "base/text.h"
 
 #include <inttypes.h>
 #include <stdio.h>

@@ -9,8 +9,6 @@
 
 #include "shell/shell.h"
 
-#include <uv.h>
-
 #define CHILDREN_PATH_MAX 4096
 #define CHILDREN_MAX_ENV  9
 

@@ -4,7 +4,6 @@
 #include "radd/hours.h"
 
 #include <ctype.h>
-#include <stdio.h>
 #include <string.h>
 
 #define DAY (24 * 60)

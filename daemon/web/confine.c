@@ -13,7 +13,6 @@
 #include "net/log.h"
 
 #include <errno.h>
-#include <stdbool.h>
 #include <fcntl.h>
 #include <sched.h>
 #include <seccomp.h>

@@ -17,7 +17,6 @@
 #include "observer/blob.h"
 
 #include <microhttpd.h>
-#include <stdbool.h>
 #include <stdint.h>
 #include <uv.h>
 

@@ -8,7 +8,6 @@
 #define RAD_PICTURE_NUMBER_H
 
 #include <stdbool.h>
-#include <stddef.h>
 #include <stdint.h>
 
 /* True, with the value, if all of s is one number in range. */

@@ -19,7 +19,6 @@
 #include "base/vec.h"
 
 #include <math.h>
-#include <stddef.h>
 
 struct rad_cone {
     double p0[3];

@@ -19,7 +19,7 @@
 #include "image/hdr.h"
 #include "light/indirect/ambtile.h"
 #include "picture/path.h"
-#include "trace/asks.h"
+#include "trace/ray.h"
 
 #include <stdatomic.h>
 #include <assert.h>

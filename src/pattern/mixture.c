@@ -4,8 +4,6 @@
 #include "pattern/mixture.h"
 #include "base/vec.h"
 
-#include <math.h>
-
 int
 rad_mixture_parts(const struct rad_job *job, int32_t index, int32_t part[2],
                   struct rad_error *err)

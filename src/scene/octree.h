@@ -22,7 +22,6 @@
 #include "base/error.h"
 #include "scene/scene.h"
 
-#include <stddef.h>
 #include <stdint.h>
 
 #define RAD_OCTREE_LEAF    6

@@ -7,8 +7,6 @@
 
 #include "image/raster.h"
 
-#include <stdbool.h>
-
 enum { RAD_LEGEND_TICKS = 65, RAD_LEGEND_TEXT = 12 };
 
 struct rad_legend {

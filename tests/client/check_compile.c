@@ -3,7 +3,6 @@
  * Each test works in a folder of its own, which is removed at its end. */
 #include "config.h"
 
-#include "compile/command.h"
 #include "compile/compile.h"
 #include "scene/octfile.h"
 #include "tests/scratch.h"

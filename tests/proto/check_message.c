@@ -39,7 +39,6 @@ static const uint8_t pixels[2 * 3 * 4] = { 0x3f, 0x80 };
         }                                                                      \
     }
 
-
 /* clang-format off */
 static const struct msg examples[] = {
     { .type = MSG_HELLO, .request = 1,

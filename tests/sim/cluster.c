@@ -10,7 +10,6 @@
 #include "jobs/job.h"
 #include "jobs/part.h"
 #include "jobs/unit.h"
-#include "machine/steps.h"
 #include "front/coord.h"
 #include "strict/strict_state.h"
 

@@ -29,14 +29,12 @@
 #include "proto/message.h"
 #include "net/tls.h"
 
-#include <errno.h>
 #include <netinet/tcp.h>
 #include <poll.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sysexits.h>
-#include <time.h>
 #include <unistd.h>
 
 enum { QUERIES = 20, OFFERED = 16384, MOST_TRIES = 400, PIECE = 8192 };

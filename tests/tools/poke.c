@@ -7,7 +7,6 @@
 
 #include "net/address.h"
 
-#include <errno.h>
 #include <poll.h>
 #include <stdio.h>
 #include <string.h>

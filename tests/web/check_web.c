@@ -7,7 +7,6 @@
 #include "draw/markup.h"
 #include "draw/picture.h"
 #include "draw/units.h"
-#include "image/hdr.h"
 #include "tests/unit.h"
 #include "web/page.h"
 

@@ -3,10 +3,8 @@
 
 #include "light/sample/disk.h"
 #include "arith/angle.h"
-#include "arith/elementary.h"
 
 #include <math.h>
-#include <stdbool.h>
 
 void
 rad_disk_of_square(double x, double y, double d[2])

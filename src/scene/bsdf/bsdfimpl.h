@@ -4,8 +4,6 @@
 
 #include "scene/bsdf/bsdf.h"
 
-#include <stdint.h>
-
 /* The parts of a BSDF: for light seen from the front or the back, reflected or
  * passed through. */
 enum side { SIDE_RF, SIDE_RB, SIDE_TF, SIDE_TB, NSIDES };

@@ -17,6 +17,8 @@
 
 #include "scene/bsdf/bsdfimpl.h"
 
+#include <stdint.h>
+
 #define BLOCK_LOG 3
 #define NBLOCKS   (1 << 2 * BLOCK_LOG)
 

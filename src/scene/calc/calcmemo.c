@@ -8,7 +8,6 @@
 
 #include "scene/calc/calcimpl.h"
 
-#include <stdlib.h>
 #include <string.h>
 
 struct known {

@@ -10,8 +10,6 @@
 #include "queue/recover.h"
 #include "filling/passes.h"
 
-#include <unistd.h>
-
 /* Of 8 by 8 pixels, each of one tile: four lattices, and what they leave. */
 enum { PASSES = 5 };
 

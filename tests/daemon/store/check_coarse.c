@@ -6,7 +6,6 @@
 #include "image/hdr.h"
 #include "tests/unit.h"
 
-#include <math.h>
 #include <stdint.h>
 #include <stdlib.h>
 #include <string.h>

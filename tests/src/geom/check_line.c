@@ -5,8 +5,6 @@
 #include "geom_scene.h"
 #include "tests/unit.h"
 
-#include <math.h>
-
 /* From anywhere in the unit cube, in any direction. */
 static struct rad_span
 span_through_cube(uint64_t key)

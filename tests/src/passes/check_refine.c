@@ -7,7 +7,6 @@
 
 #include "tests/world.h"
 
-#include <limits.h>
 #include <math.h>
 #include <stdlib.h>
 

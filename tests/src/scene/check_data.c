@@ -2,7 +2,6 @@
  * functions */
 #include "config.h"
 
-#include "image/hdr.h"
 #include "scene/file/data.h"
 #include "tests/unit.h"
 
