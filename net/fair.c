@@ -297,7 +297,6 @@ void
 fair_init(struct fair *f, uv_loop_t *loop)
 {
     memset(f, 0, sizeof *f);
-    f->loop = loop;
     f->clock = uv_hrtime;
     f->last = &f->first;
     f->unread_high = UNREAD_HIGH;

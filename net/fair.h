@@ -33,7 +33,6 @@ struct fair_place {
 };
 
 struct fair {
-    uv_loop_t *loop;
     uv_check_t after; /* after the loop has waited: serve the line */
     uv_idle_t awake;  /* runs while a connection is in line: do not wait */
     bool open;

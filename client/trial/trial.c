@@ -289,8 +289,6 @@ trial_run(struct trial *t, const struct trial_scene *scene,
     if (rc < 0 || (rc = stand_init(&s, scene, &small, err)) < 0)
         return rc;
     t->load_s = cpu_seconds() - begin;
-    t->width = s.frame.width;
-    t->height = s.frame.height;
     try_pixels(t, &s.frame, &s.ctx, &part);
     rc = try_windows(t, &s.frame, &s.ctx, &part, err);
     if (rc == 0 && stopped(effort))

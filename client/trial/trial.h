@@ -19,7 +19,6 @@
 struct trial {
     double load_s; /* processor time to load the scene */
     double peak_bytes;
-    int width, height;
     /* strewn pixels: the sums after each doubling of their number */
     struct trial_step {
         double pixels, rays, cpu_s, records;

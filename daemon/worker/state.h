@@ -32,7 +32,7 @@ struct wunit {
 /* A RESULT that is not acknowledged yet. */
 struct wkept {
     struct wkept *next;
-    uint32_t unit, attempt, row, rows;
+    uint32_t unit, attempt, row;
     uint8_t *bytes; /* the whole message, header and all */
     size_t len;
 };
@@ -160,7 +160,6 @@ struct worker {
                         */
     enum coord_state coord_state;
     uint64_t coord;      /* the connection; 0 in COORD_NONE */
-    unsigned version;    /* of the protocol, as WELCOME said */
     uint64_t welcome_ms; /* when WELCOME came; 0: not on this connection */
     uint64_t dial_ms;  /* when to dial next */
     unsigned delay_ms; /* of the dial after the next */

@@ -107,7 +107,6 @@ wjob_keep(struct wjob *job, const struct msg_result *r, const uint8_t *bytes,
     k->unit = r->unit;
     k->attempt = r->attempt;
     k->row = r->row;
-    k->rows = r->rows;
     memcpy(k->bytes, bytes, len);
     k->len = len;
     job->kept_bytes += len;

@@ -29,7 +29,6 @@ on_welcome(struct worker *w, const struct msg *m)
         return;
     }
     w->coord_state = COORD_WELCOME;
-    w->version = version;
     w->welcome_ms = w->now_ms;
     actions_session(&w->actions, w->coord, MSG_AT_WORKER, version);
     actions_log(&w->actions, ACT_INFO,
