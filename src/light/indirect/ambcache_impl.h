@@ -1,7 +1,7 @@
 /* ambcache_impl.h - the octree of ambient records, as ambcache.c makes it and
  * ambcache_find.c reads it
  *
- * Private to these two files; ambread.c uses the numbering of trees by bounces
+ * Private to these two files; ambread*.c use the numbering of trees by bounces
  * and face, the sizes, and the bytes of normals.  ambcache.c says how the
  * octree is laid out and why.  */
 #ifndef RAD_LIGHT_AMBCACHE_IMPL_H

@@ -2,7 +2,7 @@
  *
  * With --ambient=passes nothing reads the cache while it changes.  So records
  * are added first, and settled before the next look-up: put into trees, each
- * leaf of which lists all records that may serve there (ambread.c).
+ * leaf of which lists all records that may serve there (ambread_impl.h).
  * Thread: any number may visit and list at once, none while another adds or
  * settles.  */
 #ifndef RAD_LIGHT_AMBREAD_H

@@ -13,6 +13,8 @@ librad_a_SOURCES += \
 	src/light/indirect/ambpool.h \
 	src/light/indirect/ambread.c \
 	src/light/indirect/ambread.h \
+	src/light/indirect/ambread_impl.h \
+	src/light/indirect/ambread_settle.c \
 	src/light/indirect/ambserving.c \
 	src/light/indirect/ambserving.h \
 	src/light/indirect/ambshape.c \
