@@ -11,4 +11,5 @@ libclient_a_SOURCES += \
 	client/trial/progress.c \
 	client/trial/progress.h \
 	client/trial/trial.c \
-	client/trial/trial.h
+	client/trial/trial.h \
+	client/trial/trial_predict.c

@@ -69,6 +69,12 @@ struct trial_effort {
 
 enum { TRIAL_SIDE = 64 };
 
+/* With a cache a trial has at most TRIAL_BOUNCES.  In a trial a record has all
+ * records made that its rays need, down to the last bounce, before it is done
+ * itself, while passes make those by paths: with six bounces the first pixel of
+ * a room with many objects would take minutes. */
+enum { TRIAL_BOUNCES = 3 };
+
 /* Measure.  RAD_ETEMPFAIL: it was stopped. */
 int trial_run(struct trial *t, const struct trial_scene *scene,
               const struct rad_params *params,
