@@ -10,7 +10,7 @@
 
 #define NS_A_MS UINT64_C(1000000)
 
-static void start(struct task_queue *q);
+static void start(struct task_queue *q, enum task_order order);
 
 /* --- lists --- */
 
@@ -79,8 +79,9 @@ may_pass(const struct task_queue *q, int code)
 {
     enum task_lack lack = lack_of(code);
 
-    return !q->ending && (lack == TASK_LACKS_MEANS ||
-                          (lack == TASK_LACKS_ROOM && q->ops->broken));
+    return q->order != TASK_END &&
+           (lack == TASK_LACKS_MEANS ||
+            (lack == TASK_LACKS_ROOM && q->ops->broken));
 }
 
 /* Hold all tasks that write, until the next retry. */
@@ -94,7 +95,7 @@ hold_writers(struct task_queue *q, const struct rad_error *err)
 static void
 break_down(struct task_queue *q, const struct rad_error *err)
 {
-    if (!q->ops->broken || q->is_broken || q->ending)
+    if (!q->ops->broken || q->is_broken || q->order == TASK_END)
         return;
     q->is_broken = true;
     q->why = *err;
@@ -135,7 +136,8 @@ is_time_to_settle(const struct task_queue *q)
     if (q->lack != TASK_LACKS_NOTHING) /* may have undone unsettled tasks */
         return true;
     return q->unsettled.n > 0 &&
-           (!q->gather || q->ending || q->unsettled.n >= TASK_GATHER ||
+           (!q->gather || q->order == TASK_END ||
+            q->unsettled.n >= TASK_GATHER ||
             uv_hrtime() - q->settled_ns >= TASK_GATHER_MS * NS_A_MS);
 }
 
@@ -174,13 +176,12 @@ run_all(uv_work_t *work)
     struct task_queue *q = work->data;
     struct task *t;
 
-    if (q->retry || q->ending) {
+    if (q->order != TASK_RUN) {
         q->lack = TASK_LACKS_NOTHING;
         q->soon = false;
         q->retried_ns = uv_hrtime();
         list_move_front(&q->running, &q->held);
     }
-    q->retry = false;
     while ((t = list_take(&q->running)) != NULL) {
         if (q->lack != TASK_LACKS_NOTHING && t->writes)
             list_add(&q->held, t);
@@ -205,12 +206,13 @@ static void
 on_timer(uv_timer_t *timer)
 {
     struct task_queue *q = timer->data;
+    bool retry;
 
     if (q->busy)
         return; /* tell_done() starts the queue or the timer again */
-    q->retry =
+    retry =
         q->held.n > 0 && uv_hrtime() - q->retried_ns >= retry_ms(q) * NS_A_MS;
-    start(q);
+    start(q, retry ? TASK_RETRY : TASK_RUN);
 }
 
 /* Start the timer for the next settling, or the next retry. */
@@ -270,7 +272,7 @@ tell_done(struct task_queue *q)
     }
     q->busy = false;
     if (q->waiting.n > 0 || (q->ends && q->held.n + q->unsettled.n > 0))
-        start(q);
+        start(q, TASK_RUN);
     else
         arm(q);
 }
@@ -287,12 +289,12 @@ finish_all(uv_work_t *work, int status)
 }
 
 static void
-start(struct task_queue *q)
+start(struct task_queue *q, enum task_order order)
 {
     int rc;
 
     list_move(&q->running, &q->waiting);
-    q->ending = q->ends;
+    q->order = q->ends ? TASK_END : order;
     q->busy = true;
     rc = uv_queue_work(q->loop, &q->work, run_all, finish_all);
     assert(rc == 0); /* fails only without a callback */
@@ -324,7 +326,7 @@ task_push(struct task_queue *q, struct task *t)
     t->code = 0;
     list_add(&q->waiting, t);
     if (!q->busy)
-        start(q);
+        start(q, TASK_RUN);
 }
 
 bool
@@ -338,22 +340,25 @@ task_queue_end(struct task_queue *q)
 {
     q->ends = true;
     if (!q->busy && !task_queue_idle(q))
-        start(q);
+        start(q, TASK_END);
 }
 
 static void
 on_closed(uv_handle_t *h)
 {
-    struct task_queue *q = h->data;
+    bool *closed = h->data;
 
-    q->closed = true;
+    *closed = true;
 }
 
 void
 task_queue_release(struct task_queue *q)
 {
+    bool closed = false;
+
     assert(task_queue_idle(q));
+    q->timer.data = &closed;
     uv_close((uv_handle_t *)&q->timer, on_closed);
-    while (!q->closed)
+    while (!closed)
         uv_run(q->loop, UV_RUN_NOWAIT);
 }

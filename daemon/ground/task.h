@@ -48,6 +48,13 @@ enum {
  */
 enum task_lack { TASK_LACKS_NOTHING, TASK_LACKS_ROOM, TASK_LACKS_MEANS };
 
+/* What a pool thread does when it is started. */
+enum task_order {
+    TASK_RUN,   /* run the waiting tasks */
+    TASK_RETRY, /* and held tasks again */
+    TASK_END    /* the same; what lacks anything fails */
+};
+
 /* Embedded first in what a task needs; allocated by the caller. */
 struct task {
     int (*run)(struct task *t);    /* pool thread: 0 or more, or negative with
@@ -86,14 +93,12 @@ struct task_queue {
     bool gather;                /* [fixed] settle but now and then */
     bool busy;                  /* [loop] a pool thread has the fields below, or
                                  * done() of finished tasks is still called */
-    bool closed;                /* [loop] the timer is closed */
     enum task_lack told_lack;   /* [loop] */
     bool told_broken;           /* [loop] */
     bool ends;                  /* [loop] task_queue_end() was called */
-    bool retry, ending;         /* [loop] while not busy, else [pool]: try held
-                                 * tasks again; `ends` as the pool knows it */
     struct task_list waiting;   /* [loop] */
     /* [loop] while not busy, else [pool]: */
+    enum task_order order;
     struct task_list running;
     struct task_list unsettled; /* ran, and are to last */
     struct task_list held;
