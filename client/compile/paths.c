@@ -3,6 +3,8 @@
 
 #include "compile/paths.h"
 
+#include "base/list.h"
+
 #include <pwd.h>
 #include <stdbool.h>
 #include <stdio.h>
@@ -47,27 +49,21 @@ paths_folder_of(const char *file)
 int
 paths_add_file(struct paths *p, const char *scene_file, struct rad_error *err)
 {
-    char *folder = paths_folder_of(scene_file), **more;
+    char *folder = paths_folder_of(scene_file);
+    bool known, grown = false;
 
     if (!folder)
         return rad_fail_memory(err);
+    known = strcmp(folder, ".") == 0;
     for (int i = 0; i < p->n; i++)
-        if (strcmp(p->folders[i], folder) == 0) {
-            free(folder);
-            return 0;
-        }
-    more = strcmp(folder, ".") == 0
-               ? NULL
-               : realloc(p->folders, ((size_t)p->n + 1) * sizeof *more);
-    if (!more) {
-        int rc = strcmp(folder, ".") == 0 ? 0 : rad_fail_memory(err);
-
+        known |= strcmp(p->folders[i], folder) == 0;
+    if (!known)
+        grown = rad_list_grow(&p->folders, (size_t)p->n, sizeof *p->folders);
+    if (grown)
+        p->folders[p->n++] = folder;
+    else
         free(folder);
-        return rc;
-    }
-    p->folders = more;
-    p->folders[p->n++] = folder;
-    return 0;
+    return known || grown ? 0 : rad_fail_memory(err);
 }
 
 /* Is it a regular file that we may read?  A pipe or a device may have no end,

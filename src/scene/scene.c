@@ -88,20 +88,14 @@ rad_scene_add_file(struct rad_scene *s, const char *name, struct rad_error *err)
 static int
 reserve_object(struct rad_scene *s, struct rad_error *err)
 {
-    size_t n = 2 * (size_t)s->capacity + 64;
-    struct rad_object *more;
+    size_t n = (size_t)s->nobjects;
 
-    if (s->nobjects < s->capacity)
-        return 0;
-    if (s->nobjects >= RAD_MAX_OBJECTS)
+    if (n >= RAD_MAX_OBJECTS)
         return rad_fail(err, RAD_EDATA, "more than %d objects",
                         RAD_MAX_OBJECTS);
-    more = realloc(s->objects, n * sizeof *more);
-    if (!more)
-        return out_of_memory(err);
-    s->objects = more;
-    s->capacity = (int32_t)n;
-    return 0;
+    return rad_list_grow(&s->objects, n, sizeof *s->objects)
+               ? 0
+               : out_of_memory(err);
 }
 
 /* FNV-1a, with its high half mixed in, since the table uses the low bits. */

@@ -51,7 +51,6 @@ struct rad_scene {
     struct rad_arena arena;
     struct rad_object *objects;
     int32_t nobjects;
-    int32_t capacity;
     const char **files; /* names of the files that the scene was read from */
     int32_t nfiles;
     struct rad_names *names; /* modifiers by name */

@@ -6,6 +6,7 @@
 #include "config.h"
 
 #include "scene/calc/calcimpl.h"
+#include "base/list.h"
 
 #include <ctype.h>
 #include <math.h>
@@ -21,23 +22,6 @@ static int
 no_memory(struct rad_error *err)
 {
     return rad_fail(err, RAD_ENOMEM, "out of memory for functions");
-}
-
-/* Make room for one more element after n. */
-static bool
-reserve(void *array, int32_t n, int32_t *size, size_t each)
-{
-    void **at = array, *more;
-    int32_t want = *size ? 2 * *size : 64;
-
-    if (n < *size)
-        return true;
-    more = realloc(*at, (size_t)want * each);
-    if (!more)
-        return false;
-    *at = more;
-    *size = want;
-    return true;
 }
 
 /* --- names -------------------------------------------------------------- */
@@ -109,7 +93,7 @@ insert(struct rad_calc *c, const char *name, struct rad_error *err)
     if (2 * c->nsymbol >= c->nslot && grow_slots(c, err))
         return RAD_ENOMEM;
     s.name = rad_arena_strndup(&c->arena, name, strlen(name));
-    if (!s.name || !reserve(&c->symbol, c->nsymbol, &c->symbol_size, sizeof s))
+    if (!s.name || !rad_list_grow(&c->symbol, (size_t)c->nsymbol, sizeof s))
         return no_memory(err);
     s.library = find_library(name);
     s.kind = s.library >= 0 ? SYM_LIBRARY : SYM_UNDEFINED;
@@ -174,15 +158,8 @@ rad_calc_context(struct rad_calc *c, const char *file, struct rad_error *err)
     for (int32_t i = 0; i < c->ncontext; i++)
         if (strcmp(c->context[i].name, name) == 0)
             return i;
-    if ((c->ncontext & (c->ncontext - 1)) == 0) {
-        struct context *more =
-            realloc(c->context,
-                    (c->ncontext ? 2 * (size_t)c->ncontext : 1) * sizeof *more);
-
-        if (!more)
-            return no_memory(err);
-        c->context = more;
-    }
+    if (!rad_list_grow(&c->context, (size_t)c->ncontext, sizeof *c->context))
+        return no_memory(err);
     c->context[c->ncontext].loaded = false;
     c->context[c->ncontext].name = rad_arena_strndup(&c->arena, name, used);
     return c->context[c->ncontext].name ? c->ncontext++ : no_memory(err);
@@ -220,7 +197,7 @@ put(struct emitter *m, enum op op, int n, int32_t a)
         return 0;
     if (c->ncode >= RAD_MAX_CALC_CODE)
         m->rc = rad_fail(m->err, RAD_EDATA, "functions too long");
-    else if (!reserve(&c->code, c->ncode, &c->code_size, sizeof *c->code))
+    else if (!rad_list_grow(&c->code, (size_t)c->ncode, sizeof *c->code))
         m->rc = no_memory(m->err);
     if (m->rc)
         return 0;
@@ -243,7 +220,7 @@ put_number(struct emitter *m, enum op op, double v)
 
     if (m->rc)
         return;
-    if (!reserve(&c->number, c->nnumber, &c->number_size, sizeof v)) {
+    if (!rad_list_grow(&c->number, (size_t)c->nnumber, sizeof v)) {
         m->rc = no_memory(m->err);
         return;
     }

@@ -102,11 +102,11 @@ struct context {
 struct rad_calc {
     struct rad_arena arena;
     struct ins *code;
-    int32_t ncode, code_size;
+    int32_t ncode;
     double *number;
-    int32_t nnumber, number_size;
+    int32_t nnumber;
     struct symbol *symbol;
-    int32_t nsymbol, symbol_size;
+    int32_t nsymbol;
     int32_t *slot; /* hash table of symbols, -1: free */
     int32_t nslot; /* a power of two */
     struct known *known[RAD_CALC_KNOWN_SLOTS];   /* lists, by hash */

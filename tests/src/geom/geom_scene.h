@@ -14,6 +14,7 @@
 
 struct geom_scene {
     struct rad_scene scene;
+    int32_t maxobj;
     uint8_t *surf;
     double *reals; /* of all objects */
     size_t nreals, maxreals;
@@ -24,7 +25,7 @@ geom_scene_init(struct geom_scene *g, int maxobj, size_t maxreals)
 {
     memset(g, 0, sizeof *g);
     g->scene.objects = calloc((size_t)maxobj, sizeof *g->scene.objects);
-    g->scene.capacity = maxobj;
+    g->maxobj = maxobj;
     g->surf = calloc((size_t)maxobj, 1);
     g->reals = calloc(maxreals, sizeof *g->reals);
     g->maxreals = maxreals;
@@ -45,7 +46,7 @@ geom_scene_add(struct geom_scene *g, enum rad_otype type, int32_t modifier,
 {
     struct rad_object *o = &g->scene.objects[g->scene.nobjects];
 
-    ck_assert_int_lt(g->scene.nobjects, g->scene.capacity);
+    ck_assert_int_lt(g->scene.nobjects, g->maxobj);
     ck_assert_uint_le(g->nreals + (size_t)n, g->maxreals);
     o->type = type;
     o->modifier = modifier;
