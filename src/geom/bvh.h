@@ -84,7 +84,7 @@ struct rad_bvh_ray {
 };
 
 struct rad_set;    /* place.h */
-struct rad_meshed; /* place.h */
+struct rad_meshed; /* meshed.h */
 
 /* A hit, and what the tie rule needs to know of it. */
 struct rad_met {

@@ -280,11 +280,7 @@ release_set(struct rad_set *set)
 {
     rad_bvh_release(&set->bvh);
     free(set->prims);
-    if (set->meshed) {
-        free(set->meshed->tris);
-        free(set->meshed->surf);
-    }
-    free(set->meshed);
+    rad_meshed_free(set->meshed);
 }
 
 void

@@ -5,6 +5,7 @@
 
 #include "geom/bvh.h"
 #include "geom/line.h"
+#include "geom/meshed.h"
 #include "geom/place.h"
 #include "geom/polygon.h"
 

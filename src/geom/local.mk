@@ -9,6 +9,8 @@ librad_a_SOURCES += \
 	src/geom/kernel.h \
 	src/geom/line.c \
 	src/geom/line.h \
+	src/geom/meshed.c \
+	src/geom/meshed.h \
 	src/geom/place.c \
 	src/geom/place.h \
 	src/geom/polygon.c \

@@ -26,20 +26,6 @@
 #define RAD_GEOM_PLACE_H
 
 #include "geom/bvh.h"
-#include "scene/meshfile.h"
-
-/* A triangle of a mesh, in the tree's order. */
-struct rad_tri {
-    uint32_t v[3];
-    uint32_t number; /* in the mesh */
-};
-
-struct rad_meshed {
-    const struct rad_mesh *mesh;
-    const int32_t (*xyz)[3]; /* the mesh's vertices */
-    struct rad_tri *tris;
-    uint8_t *surf; /* RAD_SURF_ bits by face */
-};
 
 struct rad_set {
     struct rad_bvh bvh;
@@ -73,11 +59,6 @@ enum rad_meet { RAD_MEET_NEAREST, RAD_MEET_ANY, RAD_MEET_ALL };
 /* True: a walk for RAD_MEET_ANY met something opaque. */
 bool rad_place_meet(struct rad_walk *w, uint32_t i, enum rad_meet how);
 
-/* Build a mesh's tree; surf holds RAD_SURF_ bits by object of the scene.
- * RAD_ENOMEM, RAD_EDATA. */
-int rad_meshed_make(struct rad_set *set, const struct rad_part *part,
-                    const uint8_t *surf, struct rad_error *err);
-
 /* Fill *met for a hit at t on the tree's item i. */
 void rad_walk_met(const struct rad_walk *w, uint32_t i, double t,
                   struct rad_met *met);
@@ -102,36 +83,6 @@ rad_walk_start(struct rad_walk *w, const struct rad_geom *g,
     w->keep = 0xff;
     w->give = 0;
     w->tests = w->nodes = 0;
-}
-
-/* Does the ray meet the triangle?  Edges and vertices that triangles share are
- * handled as in rad_quad_inside(); the distance lies between those of the
- * vertices. */
-static inline __attribute__((always_inline)) bool
-rad_tri_hit(const struct rad_meshed *m, uint32_t i, const struct rad_probe *r,
-            double tmin, double tmax, double *t)
-{
-    const uint32_t *v = m->tris[i].v;
-    const int32_t *a = m->xyz[v[0]], *b = m->xyz[v[1]], *c = m->xyz[v[2]];
-    int kx = r->kx, ky = r->ky, kz = r->kz;
-    double ox = r->org[kx], oy = r->org[ky], oz = r->org[kz];
-    double az = a[kz] - oz, bz = b[kz] - oz, cz = c[kz] - oz;
-    double ax = a[kx] - ox - r->sx * az, ay = a[ky] - oy - r->sy * az;
-    double bx = b[kx] - ox - r->sx * bz, by = b[ky] - oy - r->sy * bz;
-    double cx = c[kx] - ox - r->sx * cz, cy = c[ky] - oy - r->sy * cz;
-    /* each is exactly the negative of the neighbour's value for that edge */
-    double e = cx * by - cy * bx;
-    double f = ax * cy - ay * cx;
-    double g = bx * ay - by * ax;
-    double det = e + f + g, s;
-
-    if (((e < 0) | (f < 0) | (g < 0)) & ((e > 0) | (f > 0) | (g > 0)))
-        return false;
-    if (det == 0) /* seen edge-on */
-        return false;
-    s = (e * az + f * bz + g * cz) / det * r->rcp[kz];
-    *t = s;
-    return s > tmin && s < tmax;
 }
 
 #endif
