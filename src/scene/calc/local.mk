@@ -10,6 +10,7 @@ librad_a_SOURCES += \
 	src/scene/calc/calclamp.c \
 	src/scene/calc/calclib.c \
 	src/scene/calc/calcmemo.c \
+	src/scene/calc/calcname.c \
 	src/scene/calc/calcops.h \
 	src/scene/calc/calcparse.c \
 	src/scene/calc/calcprism.c \
