@@ -3,7 +3,7 @@
  * For radsubmit --launch=COMMAND.  The coordinator is one of local.h that
  * listens on the network.  sh runs COMMAND with radd's command line behind it:
  * once, or once for each worker if COMMAND has "%d".  A key is made for this
- * job.  Its line (keyfile.h) is in the variable RADD_LAUNCH_KEY of COMMAND's
+ * job.  Its line (key.h) is in the variable RADD_LAUNCH_KEY of COMMAND's
  * environment, which srun and mpirun pass on, and on its standard input, which
  * ssh passes on.  Workers end when the coordinator does.  Processes that
  * COMMAND leaves behind are ended by launch_stop() or, if radsubmit is killed,

@@ -11,7 +11,7 @@
 #include "desk/desk.h"
 #include "desk/verdict.h"
 #include "net/address.h"
-#include "net/key/keyfile.h"
+#include "net/key/key.h"
 #include "queue/telling.h"
 #include "sched/loss.h"
 #include "users/uploads.h"

@@ -4,7 +4,7 @@
 #include "radd/radd_conf.h"
 
 #include "net/address.h"
-#include "net/key/keyfile.h"
+#include "net/key/key.h"
 #include "radd/hours.h"
 
 #include <string.h>

@@ -18,7 +18,7 @@
 #ifndef DAEMON_OWNER_H
 #define DAEMON_OWNER_H
 
-#include "net/key/keyfile.h"
+#include "net/key/key.h"
 
 #include <uv.h>
 
