@@ -320,7 +320,7 @@ blobs_part_write(struct blob_part *p, uint64_t offset, const void *data,
     if (rc == 0 && p->state != BLOB_NAMED)
         return 0;
     if (rc == 0 && p->blobs->durable) /* else the name does not last */
-        rc = disk_sync_dir(p->blobs->dir, err);
+        rc = disk_sync_path(p->blobs->dir, err);
     if (rc == 0)
         p->state = BLOB_CLOSED;
     else if (rc != RAD_EFULL && rc != RAD_ESHORT)

@@ -206,7 +206,7 @@ make_dir(const struct folder *f, const uint8_t *id, const char *path,
     if (fd < 0)
         return disk_fail(err, errno, "create", name);
     close(fd);
-    return disk_sync_dir(path, err);
+    return disk_sync_path(path, err);
 }
 
 /* Is there room for the rows of all frames?  Room that an earlier call kept
@@ -328,7 +328,8 @@ mark_over(const struct folder *f, const struct folder_job *j)
     if (rename(path, over) < 0)
         return RAD_EIO;
     folder_path(f, j->id, "", path);
-    return disk_sync_dir(path, NULL) < 0 || truncate(over, 0) < 0 ? RAD_EIO : 0;
+    return disk_sync_path(path, NULL) < 0 || truncate(over, 0) < 0 ? RAD_EIO
+                                                                   : 0;
 }
 
 void

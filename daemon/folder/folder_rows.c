@@ -207,7 +207,7 @@ folder_sync(struct folder *f, struct rad_error *err)
         if (!j->new_files)
             continue;
         folder_path(f, j->id, "", path);
-        rc = disk_sync_dir(path, err);
+        rc = disk_sync_path(path, err);
         j->new_files = rc < 0;
     }
     return rc;

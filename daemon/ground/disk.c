@@ -101,9 +101,9 @@ disk_sync_data(int fd, const char *path, struct rad_error *err)
 }
 
 int
-disk_sync_dir(const char *path, struct rad_error *err)
+disk_sync_path(const char *path, struct rad_error *err)
 {
-    int fd = open(path, O_RDONLY | O_DIRECTORY | O_CLOEXEC), rc;
+    int fd = open(path, O_RDONLY | O_CLOEXEC), rc;
 
     if (fd < 0)
         return disk_fail(err, errno, "open", path);
@@ -122,10 +122,10 @@ disk_sync_dir_of(const char *path, struct rad_error *err)
     if (n >= sizeof dir)
         return rad_fail(err, RAD_ECANTCREAT, "path too long: '%s'", path);
     if (n == 0)
-        return disk_sync_dir(slash ? "/" : ".", err);
+        return disk_sync_path(slash ? "/" : ".", err);
     memcpy(dir, path, n);
     dir[n] = '\0';
-    return disk_sync_dir(dir, err);
+    return disk_sync_path(dir, err);
 }
 
 DIR *

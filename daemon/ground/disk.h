@@ -33,10 +33,11 @@ int disk_write_at(int fd, const void *data, size_t n, off_t at,
 int disk_read_at(int fd, void *data, size_t n, off_t at, const char *path,
                  struct rad_error *err);
 
-/* Sync a file, its bytes alone, or a folder.  RAD_EIO if that fails. */
+/* Sync an open file, or its bytes alone; the file or folder at path.  RAD_EIO
+ * if that fails. */
 int disk_sync(int fd, const char *path, struct rad_error *err);
 int disk_sync_data(int fd, const char *path, struct rad_error *err);
-int disk_sync_dir(const char *path, struct rad_error *err);
+int disk_sync_path(const char *path, struct rad_error *err);
 /* Sync the folder that has the file `path`. */
 int disk_sync_dir_of(const char *path, struct rad_error *err);
 

@@ -262,18 +262,6 @@ make_private(const char *path, struct rad_error *err)
     return 0;
 }
 
-static int
-sync_file(const char *path, struct rad_error *err)
-{
-    int fd = open(path, O_RDWR | O_CLOEXEC), rc;
-
-    if (fd < 0)
-        return disk_fail(err, errno, "open", path);
-    rc = disk_sync(fd, path, err);
-    close(fd);
-    return rc;
-}
-
 /* Make a database without jobs at path, whole and synced.  No log is needed
  * meanwhile: the file has a name of its own until it is whole. */
 static int
@@ -292,7 +280,7 @@ make_at(const char *path, struct rad_error *err)
     if (rc == 0)
         rc = make(&j, err);
     sqlite3_close(j.db);
-    return rc == 0 ? sync_file(path, err) : rc;
+    return rc == 0 ? disk_sync_path(path, err) : rc;
 }
 
 /* If there is no database at path, make one beside it and rename that.  Made in

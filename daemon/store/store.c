@@ -105,7 +105,7 @@ open_journal(struct store *s, struct rad_error *err)
     if (rc == 0)
         rc = journal_check(s->journal, &why);
     if (rc == 0 && how == JOURNAL_MAKE)
-        rc = disk_sync_dir(s->dir, &why);
+        rc = disk_sync_path(s->dir, &why);
     return rc == 0 ? 0 : store_refuse(s, &why, err);
 }
 
