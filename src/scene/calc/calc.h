@@ -30,7 +30,7 @@
 
 #define RAD_MAX_CALC_FILE    (1 << 24) /* bytes of one file */
 #define RAD_MAX_CALC_CODE    (1 << 22) /* instructions of a program */
-#define RAD_MAX_CALC_NESTING 200       /* of brackets, signs and calls */
+#define RAD_MAX_CALC_NESTING 2000      /* of brackets, signs and calls */
 #define RAD_MAX_CALC_ARGS    32        /* of a function that a file defines */
 #define RAD_MAX_CALC_DEPTH   4096      /* of calls under way */
 #define RAD_MAX_CALC_STEPS   10000000  /* of one evaluation */

@@ -592,6 +592,21 @@ START_TEST(expression_is_compiled_once_while_names_mean_the_same)
 }
 END_TEST
 
+/* What a program writes that knows no data files. */
+START_TEST(table_of_ifs_is_read)
+{
+    char text[20000] = "";
+    enum rad_calc_fault fault;
+    size_t len = 0;
+
+    for (int i = 0; i < 1000; i++)
+        len += (size_t)sprintf(text + len, "if(%d-A1,%d,", 2 * i - 1000, i);
+    text[len++] = '7';
+    memset(text + len, ')', 1000);
+    ck_assert_double_eq(evaluate(NULL, text, &fault), 502); /* A1 is 2 */
+}
+END_TEST
+
 START_TEST(nesting_is_bounded)
 {
     static char text[400001];
@@ -738,6 +753,7 @@ main(void)
     tcase_add_loop_test(tc, bad_text_is_refused_with_its_line, 0, N_ELEM(bad));
     tcase_add_test(tc, undefined_name_is_refused_where_it_is_used);
     tcase_add_test(tc, expression_is_compiled_once_while_names_mean_the_same);
+    tcase_add_test(tc, table_of_ifs_is_read);
     tcase_add_test(tc, nesting_is_bounded);
     tcase_add_test(tc, noise_follows_its_definition);
     tcase_add_test(tc, rand_follows_its_formula);
