@@ -149,7 +149,7 @@ set_words(struct rad_job *job, const struct rad_object *o, int first,
 
     for (int32_t i = first; i < o->nstrings; i++)
         len += strlen(o->strings[i]) + 1;
-    p = buf = malloc(len);
+    p = buf = malloc(len + 1);
     if (!buf)
         return rad_fail_memory(err);
     for (int32_t i = first; i < o->nstrings; i++) {
@@ -159,7 +159,7 @@ set_words(struct rad_job *job, const struct rad_object *o, int first,
         p += n;
         *p++ = ' ';
     }
-    code = set_lines(job, t, buf, len - 1, &why);
+    code = set_lines(job, t, buf, len ? len - 1 : 0, &why);
     free(buf);
     return code < 0 ? rad_material_file_fail(job, o, "text", &why, err) : 0;
 }
@@ -173,7 +173,7 @@ set_text(struct rad_job *job, const struct rad_object *o,
     size_t len;
     char *data;
 
-    if (o->nstrings > at + 1)
+    if (!rad_object_file(o, 1))
         return set_words(job, o, at + 1, t, err);
     code = rad_material_file(job, o, files, o->strings[at], &data, &len, err);
     if (code < 0)

@@ -156,20 +156,17 @@ static const struct {
     { RAD_BSDF, 5, 1, 1 },        { RAD_ABSDF, 4, 0, 1 },
 };
 
-/* Is string `at` the first word of a text that follows in the object itself,
- * instead of the name of a file? */
+/* Is string `at` the place of a text's file in an object that holds the text
+ * itself, as the words that follow or, after ".", as none? */
 static bool
 is_own_text(const struct rad_object *o, int at)
 {
-    switch (o->type) {
-    case RAD_BRIGHTTEXT:
-    case RAD_COLORTEXT:
-        return at == 1 && o->nstrings > 2;
-    case RAD_MIXTEXT:
-        return at == 3 && o->nstrings > 4;
-    default:
-        return false;
-    }
+    int text = o->type == RAD_MIXTEXT ? 3 : 1;
+
+    return at == text && at < o->nstrings &&
+           (o->type == RAD_BRIGHTTEXT || o->type == RAD_COLORTEXT ||
+            o->type == RAD_MIXTEXT) &&
+           (o->nstrings > at + 1 || strcmp(o->strings[at], ".") == 0);
 }
 
 /* String `at` if it names a file.  For a function file "." means none. */

@@ -154,6 +154,7 @@ static const struct {
     { "mixtext m 5 one two box.fnt . A 0 9 1 4 0 2 0 0 0 -2 0", 1, 0 },
     { "mixtext m 5 one two box.fnt . A 0 9 3 4 0 2 0 0 0 -2 0", 0, 1 },
     { "mixtext m 5 void two box.fnt . A 0 9 1 4 0 2 0 0 0 -2 0", 0, 3 },
+    { "mixtext m 4 one two box.fnt . 0 9 1 4 0 2 0 0 0 -2 0", 0, 1 },
 };
 
 START_TEST(mixture_weighs_its_materials)
