@@ -111,15 +111,16 @@ read_real(struct reader *in, float *value)
 static int
 read_count(struct reader *in, int32_t least, int32_t *n)
 {
-    char word[MAX_WORD + 1];
+    char word[MAX_WORD + 1], *digits = word;
     int rc = read_word(in, word);
     long v;
 
     if (rc)
         return rc;
-    if (word[strspn(word, "0123456789")])
+    digits += *digits == '+';
+    if (!*digits || digits[strspn(digits, "0123456789")])
         return bad(in, "expected a whole number");
-    v = strlen(word) > 9 ? INT32_MAX : strtol(word, NULL, 10);
+    v = strlen(digits) > 9 ? INT32_MAX : strtol(digits, NULL, 10);
     if (v < least)
         return bad(in, least == 1 ? "no dimensions" : "fewer than 2 points");
     if (v > (in->end - in->p) / 2 + 1)

@@ -65,6 +65,7 @@ static const struct {
     { TABLE, { .5, 15 }, 4.25 },
     { TABLE, { 1, 5 }, 4.5 },
     { "1 0 1 2 1e2 +.5e1", { .5 }, 52.5 },
+    { "+1 0 +1 +2 1 3", { .5 }, 2 },
 };
 
 START_TEST(value_is_interpolated)
