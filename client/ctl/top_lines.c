@@ -131,6 +131,9 @@ top_compare(const struct top *t, enum top_pane pane, int column,
     return x > y ? -1 : x < y; /* the largest first */
 }
 
+static const char *const thousands[] = { "", " k", " M", " G", " T" };
+static const char *const binary[] = { " B", " KiB", " MiB", " GiB", " TiB" };
+
 /* Write 1234567 as "1.2 M". */
 static void
 scaled(char *text, double x, double step, const char *const units[5])
@@ -163,9 +166,6 @@ static void
 cell(const struct top *t, enum top_pane pane, const struct column *c,
      const json_t *row, char text[CELL])
 {
-    static const char *const thousands[] = { "", " k", " M", " G", " T" };
-    static const char *const binary[] = { " B", " KiB", " MiB", " GiB",
-                                          " TiB" };
     double x = value_of(t, pane, c, row);
 
     text[0] = '\0';
@@ -326,7 +326,6 @@ total_rate(const struct top *t)
 static void
 draw_summary(struct screen *s)
 {
-    static const char *const thousands[] = { "", " k", " M", " G", " T" };
     const struct top *t = s->t;
     double workers = row_number(t->status, "workers");
     double threads = row_number(t->status, "threads");
@@ -464,9 +463,6 @@ job_end(const json_t *stats)
 static void
 draw_worker(struct screen *s, const json_t *w, double end_s)
 {
-    static const char *const thousands[] = { "", " k", " M", " G", " T" };
-    static const char *const binary[] = { " B", " KiB", " MiB", " GiB",
-                                          " TiB" };
     int n = s->columns - GANTT_LEFT;
     char rays[CELL], memory[CELL], bar[WIDEST + 1] = "", units[CELL];
     struct line l = { .len = 0 };
