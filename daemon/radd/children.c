@@ -50,6 +50,7 @@ struct child {
     struct children *all;
     uint64_t id;
     bool silent; /* ended() is not to be called */
+    bool held;   /* its link is not read */
     struct child_end how;
     char text[160];
 };
@@ -103,7 +104,6 @@ children_init(struct children *all, struct shell *shell,
     all->ended = ended;
     all->arg = arg;
     all->list = NULL;
-    all->held = false;
 }
 
 static void
@@ -331,8 +331,6 @@ children_spawn(struct children *all, uint64_t id, uint32_t memory_mib)
         shell_gone(all->shell, id, "out of memory");
     else /* no silence is too long: threads may keep the child busy */
         conn_live(shell_conn(all->shell, id), false);
-    if (all->held)
-        children_hold(all, true);
     if (c->state == CHILD_WAITS)
         start_or_wait(c);
 }
@@ -382,12 +380,15 @@ children_closed(struct children *all, uint64_t id, const char *why)
 }
 
 void
-children_hold(struct children *all, bool held)
+children_hold(struct children *all, child_hold_fn *hold)
 {
-    all->held = held;
-    for (struct child *c = all->list; c; c = c->next)
-        if (shell_conn(all->shell, c->id))
+    for (struct child *c = all->list; c; c = c->next) {
+        bool held = hold(all->arg, c->id, c->held);
+
+        if (held != c->held && shell_conn(all->shell, c->id))
             conn_pause(shell_conn(all->shell, c->id), held);
+        c->held = held;
+    }
 }
 
 void

@@ -38,7 +38,6 @@ struct children {
     child_ended_fn *ended;
     void *arg;
     struct child *list;
-    bool held;
 };
 
 void children_init(struct children *all, struct shell *shell,
@@ -56,8 +55,10 @@ void children_kill(struct children *all, uint64_t id);
 /* The shell tells that connection id has ended.  False: it is no child's. */
 bool children_closed(struct children *all, uint64_t id, const char *why);
 
-/* Stop reading from all children, or go on. */
-void children_hold(struct children *all, bool held);
+/* Is a child to be held, that is not read from, if it is held or not now? */
+typedef bool child_hold_fn(void *arg, uint64_t id, bool held);
+/* Hold each child or go on reading from it, as hold() says. */
+void children_hold(struct children *all, child_hold_fn *hold);
 
 /* Pick from the environment `from` the variables that a child gets. */
 void children_environment(char *const *from, char *to[CHILDREN_MAX_ENV + 1]);

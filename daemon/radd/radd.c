@@ -63,33 +63,38 @@ now(struct radd *r)
     return daemon_now(&r->daemon);
 }
 
-/* Rows without ACK [bytes] above which children are held. */
+/* Rows without ACK [bytes] above which their job's child is held. */
 #define KEPT_HIGH ((size_t)64 << 20)
 
 /* --- from connections and children to the machine --- */
 
-/* Stop reading from children while the coordinator takes rows more slowly than
- * they make them, and go on when half of the bytes have left.  A child whose
- * messages are not read has its threads wait. */
+/* Is the child to be held?  A child_hold_fn. */
+static bool
+judge_child(void *arg, uint64_t id, bool held)
+{
+    struct radd *r = arg;
+    const struct conn *coord = shell_conn(&r->shell, worker_coord(r->worker));
+    size_t waits = coord ? conn_queued(coord) : 0;
+    size_t kept = worker_kept(r->worker, id), part = held ? 2 : 1;
+    bool hold = waits > CONN_HIGH / part || kept > KEPT_HIGH / part;
+
+    if (hold == held)
+        return held;
+    log_info(hold ? "child waits id=%llu kept=%zu queued=%zu"
+                  : "child goes on id=%llu kept=%zu queued=%zu",
+             (unsigned long long)(id & ~ACT_OWN_CONN), kept, waits);
+    worker_hold(r->worker, id, hold);
+    return hold;
+}
+
+/* Stop reading from a child while the coordinator takes rows more slowly than
+ * it makes them, and go on when half of the bytes have left.  A child whose
+ * messages are not read has its threads wait.  Rows of one job hold up no other
+ * job: the coordinator may start that first. */
 static void
 balance_flow(struct radd *r)
 {
-    const struct conn *coord = shell_conn(&r->shell, worker_coord(r->worker));
-    size_t waits = coord ? conn_queued(coord) : 0;
-    size_t kept = worker_kept(r->worker);
-    bool held = r->children.held;
-
-    if (!held && (waits > CONN_HIGH || kept > KEPT_HIGH))
-        held = true;
-    else if (held && waits < CONN_HIGH / 2 && kept < KEPT_HIGH / 2)
-        held = false;
-    if (held == r->children.held)
-        return;
-    log_info(held ? "children wait kept=%zu queued=%zu"
-                  : "children go on kept=%zu queued=%zu",
-             kept, waits);
-    children_hold(&r->children, held);
-    worker_hold(r->worker, held);
+    children_hold(&r->children, judge_child);
 }
 
 static void

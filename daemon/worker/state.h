@@ -105,6 +105,7 @@ struct wjob {
     unsigned look_delay_ms; /* in NO_ROOM: how long to wait after that look */
     uint64_t child;         /* its connection; 0: there is no child */
     uint64_t heard_ms;      /* awake_ms when the child last said something */
+    bool held;              /* the child is not read from: worker_hold() */
     struct lossy to_child;
     struct msg_ready ready;       /* the child's READY; passes: how many it has
                                    * got the records of by now */
@@ -155,7 +156,6 @@ struct worker {
     struct action_list actions;
     uint64_t now_ms;
     uint64_t tick_ms;  /* when worker_tick() was last called */
-    bool held;         /* children are not read from: worker_hold() */
     uint64_t awake_ms; /* now_ms without time in which this process was stopped
                         */
     enum coord_state coord_state;

@@ -218,6 +218,7 @@ wjob_spawn(struct worker *w, struct wjob *job)
     job->child = worker_new_conn(w);
     job->state = WJOB_LOADING;
     job->heard_ms = w->awake_ms;
+    job->held = false;
     job->tally = (struct msg_tally){ 0 };
     job->paid = job->unpaid = (struct msg_counts){ 0 };
     actions_log(&w->actions, ACT_INFO, "job start job=%s", job->hex);

@@ -281,19 +281,20 @@ worker_tick(struct worker *w, uint64_t now_ms)
 }
 
 size_t
-worker_kept(const struct worker *w)
+worker_kept(const struct worker *w, uint64_t child)
 {
-    size_t n = 0;
+    const struct wjob *job = find_child(w, child);
 
-    for (const struct wjob *job = w->jobs; job; job = job->next)
-        n += job->kept_bytes;
-    return n;
+    return job ? job->kept_bytes : 0;
 }
 
 void
-worker_hold(struct worker *w, bool held)
+worker_hold(struct worker *w, uint64_t child, bool held)
 {
-    w->held = held;
+    struct wjob *job = find_child(w, child);
+
+    if (job)
+        job->held = held;
 }
 
 uint64_t

@@ -89,11 +89,11 @@ void worker_file_failed(struct worker *w, uint64_t now_ms,
 /* n bytes of those sent to a connection have been written. */
 void worker_written(struct worker *w, uint64_t now_ms, uint64_t conn, size_t n);
 
-/* Bytes of rows that wait for an ACK.  Above some number the shell stops
- * reading from children, for rows are never dropped, and says so by
- * worker_hold(): children are silent then. */
-size_t worker_kept(const struct worker *w);
-void worker_hold(struct worker *w, bool held);
+/* Bytes of rows of that child's job that wait for an ACK.  Above some number
+ * the shell stops reading from the child, for rows are never dropped, and says
+ * so by worker_hold(): the child is silent then. */
+size_t worker_kept(const struct worker *w, uint64_t child);
+void worker_hold(struct worker *w, uint64_t child, bool held);
 
 /* Leave: give work back, then ACT_STOP.  A second call, or without a
  * coordinator: ACT_STOP at once. */

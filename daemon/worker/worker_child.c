@@ -156,7 +156,7 @@ worker_watch_children(struct worker *w)
         bool at_work =
             job->state == WJOB_LOADING || job->nunits > 0 || has_tiles(job);
 
-        if (!job->child || !at_work || w->held)
+        if (!job->child || !at_work || job->held)
             job->heard_ms = w->awake_ms;
         if (w->env.load_s == 0 ||
             w->awake_ms - job->heard_ms < UINT64_C(1000) * w->env.load_s)

@@ -311,17 +311,17 @@ START_TEST(what_is_kept_is_counted_until_it_is_acknowledged)
     start_job();
     child_ready();
     unit(0);
-    ck_assert_uint_eq(worker_kept(f.w), 0);
+    ck_assert_uint_eq(worker_kept(f.w, f.child), 0);
     rows(0, 0);
-    one = worker_kept(f.w);
+    one = worker_kept(f.w, f.child);
     ck_assert_uint_gt(one, 0);
     rows(0, 2);
-    ck_assert_uint_gt(worker_kept(f.w), one);
+    ck_assert_uint_gt(worker_kept(f.w, f.child), one);
     hear(f.coord, &ack);
-    ck_assert_uint_gt(worker_kept(f.w), 0);
+    ck_assert_uint_gt(worker_kept(f.w, f.child), 0);
     ack.ack.row = 2;
     hear(f.coord, &ack);
-    ck_assert_uint_eq(worker_kept(f.w), 0);
+    ck_assert_uint_eq(worker_kept(f.w, f.child), 0);
 }
 END_TEST
 
@@ -330,11 +330,11 @@ START_TEST(a_child_that_is_held_does_not_hang)
     start_job();
     child_ready();
     unit(0);
-    worker_hold(f.w, true);
+    worker_hold(f.w, f.child, true);
     for (int i = 0; i < 1000; i++)
         tick(900);
     ck_assert_uint_eq(f.kills, 0);
-    worker_hold(f.w, false);
+    worker_hold(f.w, f.child, false);
     for (int i = 0; i < 113; i++)
         tick(900);
     ck_assert_uint_eq(f.kills, 1);
@@ -371,7 +371,7 @@ START_TEST(rows_of_a_child_that_died_after_a_cut_are_sent_again)
     ck_assert_int_eq(said(f.coord, MSG_RESULT), 2);
     ack(0, 0);
     ack(0, 2);
-    ck_assert_uint_eq(worker_kept(f.w), 0);
+    ck_assert_uint_eq(worker_kept(f.w, f.child), 0);
 }
 END_TEST
 
