@@ -278,6 +278,8 @@ finish(void *arg)
     listener_close(r->tcp);
     listener_close(r->local);
     owners_close(r->owners);
+    if (r->transfers)
+        transfers_drop_all(r->transfers); /* their connections end now */
     shell_close(&r->shell);
     fair_close(&r->fair);
     turns_stop(&r->turns);

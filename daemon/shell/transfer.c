@@ -5,6 +5,7 @@
 
 #include "net/log.h"
 
+#include <assert.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -66,9 +67,7 @@ transfers_free(struct transfers *t)
 {
     if (!t)
         return;
-    for (struct transfer *x = t->list; x; x = x->next)
-        x->ended = true;
-    sweep(t);
+    assert(!t->list);
     free(t);
 }
 
@@ -251,13 +250,26 @@ transfers_drop_files(struct transfers *t, uint64_t id)
     sweep(t);
 }
 
+static void
+drop(struct transfer *x)
+{
+    x->conn = NULL;
+    x->ended = true;
+}
+
 void
 transfers_drop(struct transfers *t, uint64_t id)
 {
     for (struct transfer *x = t->list; x; x = x->next)
-        if (x->id == id) {
-            x->conn = NULL;
-            x->ended = true;
-        }
+        if (x->id == id)
+            drop(x);
+    sweep(t);
+}
+
+void
+transfers_drop_all(struct transfers *t)
+{
+    for (struct transfer *x = t->list; x; x = x->next)
+        drop(x);
     sweep(t);
 }

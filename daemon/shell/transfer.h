@@ -20,7 +20,7 @@ typedef void transfer_done_fn(void *arg, uint64_t id,
                               const struct store_source *whole);
 struct transfers *transfers_new(struct store *store, transfer_done_fn *done,
                                 void *arg);
-/* Called when the store is idle. */
+/* Called when all were dropped and the store is idle. */
 void transfers_free(struct transfers *t);
 
 /* May a further piece of an answer go over c: do few bytes wait to be sent, and
@@ -49,7 +49,8 @@ void transfers_tick(struct transfers *t);
  * job is over. */
 void transfers_drop_files(struct transfers *t, uint64_t id);
 
-/* The connection is gone: end its transfers. */
+/* The connection is gone: end its transfers; or all connections go. */
 void transfers_drop(struct transfers *t, uint64_t id);
+void transfers_drop_all(struct transfers *t);
 
 #endif

@@ -255,6 +255,19 @@ START_TEST(a_file_that_is_removed_meanwhile_is_empty_at_last)
 }
 END_TEST
 
+/* The store reads on when its daemon ends. */
+START_TEST(a_file_that_is_read_when_all_ends_is_sent_to_nobody)
+{
+    start(LONG);
+    start(0);
+    transfers_drop_all(f.transfers);
+    conn_close(f.conn);
+    f.conn = NULL;
+    settle(true);
+    ck_assert_int_eq(f.first[LONG] + f.first[0], 0);
+}
+END_TEST
+
 /* The sizes leave none, some and all of the bytes that were sent. */
 START_TEST(a_file_that_shrinks_meanwhile_is_empty_at_last)
 {
@@ -289,6 +302,7 @@ main(void)
     tcase_add_test(tc, a_file_that_has_begun_is_sent_to_its_end);
     tcase_add_test(tc, a_file_that_is_missing_comes_as_an_empty_one);
     tcase_add_test(tc, a_file_that_is_removed_meanwhile_is_empty_at_last);
+    tcase_add_test(tc, a_file_that_is_read_when_all_ends_is_sent_to_nobody);
     tcase_add_loop_test(tc, a_file_that_shrinks_meanwhile_is_empty_at_last, 0,
                         4);
     return unit_run_case(tc);
