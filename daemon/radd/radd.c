@@ -289,7 +289,8 @@ on_action(void *arg, const struct action *a)
             dial_coordinator(r, a->conn);
         break;
     case ACT_SPAWN:
-        children_spawn(&r->children, a->conn, a->memory_mib);
+        if (!r->daemon.stopping) /* the store may end a look after finish() */
+            children_spawn(&r->children, a->conn, a->memory_mib);
         break;
     case ACT_KILL:
         children_kill(&r->children, a->conn);

@@ -110,7 +110,7 @@ fetch(struct worker *w, struct wjob *job)
             memcpy(news + (size_t)n++ * MSG_HASH, hash, MSG_HASH);
     }
     want(w, news, n);
-    if (job->nmissing == 0)
+    if (job->nmissing == 0 && !w->stopped)
         wjob_spawn(w, job);
 }
 

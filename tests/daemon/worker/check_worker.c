@@ -186,6 +186,22 @@ START_TEST(what_a_job_wanted_that_had_no_room_is_wanted_again_by_the_next)
 }
 END_TEST
 
+/* The store goes on until all that was asked of it is done. */
+START_TEST(a_worker_that_has_stopped_starts_no_child)
+{
+    f.have = false;
+    start_job();
+    worker_drain(f.w, f.now_ms);
+    worker_drain(f.w, f.now_ms);
+    carry_out();
+    ck_assert(f.stopped);
+    f.have = true;
+    worker_file_stored(f.w, f.now_ms, hash);
+    carry_out();
+    ck_assert_uint_eq(f.spawns, 0);
+}
+END_TEST
+
 START_TEST(units_go_down_and_results_up)
 {
     start_job();
@@ -778,6 +794,7 @@ main(void)
     tcase_add_test(tc, a_file_that_comes_is_not_wanted_again_by_the_next_job);
     tcase_add_test(
         tc, what_a_job_wanted_that_had_no_room_is_wanted_again_by_the_next);
+    tcase_add_test(tc, a_worker_that_has_stopped_starts_no_child);
     tcase_add_test(tc, units_go_down_and_results_up);
     tcase_add_test(tc, what_was_not_acknowledged_is_sent_again);
     tcase_add_test(tc, a_worker_that_may_not_work_leaves_and_comes_back);
