@@ -210,7 +210,8 @@ compile_done(uv_work_t *w, int status)
 }
 
 /* Compile the scene.  An interrupt ends the whole program, for the thread
- * cannot be stopped. */
+ * cannot be stopped.  It may be writing files, so our folder is left to its
+ * keeper (local.c). */
 static int
 compile(struct program *p)
 {
@@ -223,7 +224,6 @@ compile(struct program *p)
         uv_run(&p->loop.uv, UV_RUN_ONCE);
         if (p->loop.interrupts > 0 && !c.done) {
             command_stop_all();
-            local_stop(p->cluster.local);
             _exit(EX_TEMPFAIL);
         }
     }
