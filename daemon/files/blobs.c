@@ -251,7 +251,9 @@ check_hash(struct blob_part *p, struct rad_error *err)
                       "file %.12s came empty: its sender cannot read it",
                       p->hash);
     else if (rc == 0 && strcmp(hex, p->hash) != 0)
-        rc = rad_fail(err, RAD_EPROTO, "a file came as %.12s but is %.12s",
+        rc = rad_fail(err, RAD_EPROTO,
+                      "file %.12s came with the bytes of %.12s: its sender's "
+                      "copy is spoilt",
                       p->hash, hex);
     return rc;
 }
