@@ -59,14 +59,20 @@ drop(struct visitor *v)
 }
 
 void
+gate_close(struct gate *g)
+{
+    while (g && g->first) {
+        handshake_cancel(g->first->shake);
+        drop(g->first);
+    }
+}
+
+void
 gate_free(struct gate *g)
 {
     if (!g)
         return;
-    while (g->first) {
-        handshake_cancel(g->first->shake);
-        drop(g->first);
-    }
+    gate_close(g);
     tls_ctx_free(g->tls);
     free(g);
 }

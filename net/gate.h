@@ -26,7 +26,10 @@ typedef void gate_fn(void *arg, uv_stream_t *stream, struct tls *tls,
  * out. */
 struct gate *gate_new(tls_find_fn *find, void *find_arg, unsigned limit_ms,
                       gate_fn *fn, void *arg);
-/* Also ends the connections of all visitors. */
+/* End the connections of all visitors: none gets in from now on.  NULL is
+ * accepted. */
+void gate_close(struct gate *g);
+/* Also closes it. */
 void gate_free(struct gate *g);
 
 /* Take an open stream, which came from that address. */

@@ -347,6 +347,7 @@ listener_close(struct listener *l)
         return;
     if (l->local)
         unlink(l->at.sa.un.sun_path);
+    gate_close(l->gate);
     uv_close((uv_handle_t *)&l->poll, on_closed);
     uv_close((uv_handle_t *)&l->again, on_closed);
 }

@@ -38,7 +38,8 @@ struct listener *listener_open(uv_loop_t *loop, const char *where,
  */
 const char *listener_text(const struct listener *l);
 
-/* Stop listening, and remove a Unix socket's file.  NULL is accepted. */
+/* Stop listening, and remove a Unix socket's file: no connection comes from now
+ * on.  NULL is accepted. */
 void listener_close(struct listener *l);
 
 /* Is there a descriptor for one more connection to that socket, with some to

@@ -180,6 +180,24 @@ START_TEST(a_key_lets_in_and_another_does_not)
 }
 END_TEST
 
+/* However far its handshake is, turn by turn of the loop. */
+START_TEST(nobody_gets_in_once_the_listener_is_closed)
+{
+    int in;
+
+    dial_with("worker:w:k1");
+    for (int i = 0; i < _i; i++) {
+        uv_run(&s.loop, UV_RUN_NOWAIT);
+        usleep(300);
+    }
+    in = s.nin;
+    listener_close(s.listener);
+    turn(20);
+    ck_assert_int_eq(s.nin, in);
+    s.listener = NULL;
+}
+END_TEST
+
 /* One that dials before we are told its key gets in once we are, and not
  * before; one that we are never told of is refused. */
 START_TEST(a_key_that_comes_later_is_waited_for)
@@ -380,6 +398,7 @@ main(void)
     TCase *tc = tcase_create("gate");
 
     tcase_add_checked_fixture(tc, open_scene, close_scene);
+    tcase_add_loop_test(tc, nobody_gets_in_once_the_listener_is_closed, 0, 40);
     tcase_add_test(tc, a_key_lets_in_and_another_does_not);
     tcase_add_loop_test(tc, a_key_that_comes_later_is_waited_for, 0, 2);
     tcase_add_test(tc, messages_go_by_tls_as_they_are);
