@@ -335,8 +335,8 @@ is_numbered(const char *output)
     return numbered;
 }
 
-int
-ctl_run_fetch(struct ctl *c)
+static int
+fetch(struct ctl *c)
 {
     uint8_t job[MSG_JOB];
     int rc;
@@ -355,6 +355,22 @@ ctl_run_fetch(struct ctl *c)
     else
         rc = fetch_picture(c, job, c->frame < 0 ? 0 : c->frame, c->output);
     return rc < 0 || !c->output ? rc : ctl_done(c);
+}
+
+int
+ctl_run_fetch(struct ctl *c)
+{
+    char *name = NULL;
+    int rc = 0;
+
+    if (c->frame >= 0 && is_numbered(c->output))
+        rc = outname_frame(&name, c->output, c->frame, true, c->err);
+    if (name)
+        c->output = name;
+    if (rc == 0)
+        rc = fetch(c);
+    free(name);
+    return rc;
 }
 
 /* Add the job's state to its statistics. */

@@ -124,8 +124,9 @@ cmp again.zbf "$kept" || fail "its distances are others: $(cat stderr)"
 # shellcheck disable=SC2086
 id=$("$radsubmit" --detach $view -S 1 --views=two.vf "$room" 2>stderr) ||
     fail "--detach -S: $(cat stderr)"
-until_true 60 "$radctl" fetch "$id" --frame=1 -o second.hdr ||
+until_true 60 "$radctl" fetch "$id" --frame=1 -o frame%02d.hdr ||
     fail "the second frame is never to be fetched"
+mv frame01.hdr second.hdr || fail "its name is not that of the frame: $(ls)"
 "$radctl" fetch "$id" --frame=0 -o first.hdr || fail "the first frame"
 cmp -s first.hdr second.hdr && fail "two frames of two views are one"
 png=$("$radsubmit" --detach --format=png $view "$room" 2>stderr) ||
