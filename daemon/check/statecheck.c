@@ -167,12 +167,13 @@ check_job(void *arg, const struct saved_job *s, struct rad_error *err)
     snprintf(files, sizeof files, "%s/files", l->dir);
     if (views_read(&views, files, &whole.spec, &why) == 0)
         folder_take_up(&l->folder, &whole, over, &why);
-    if (why.code == 0)
-        folder_compare(&l->folder, &whole, over, is_another, l, &why);
+    /* of a folder that is no more its absence is the one problem */
+    if (why.code != RAD_EPERM && folder_is_there(&l->folder, s->spec.job))
+        rc = folder_compare(&l->folder, &whole, over, is_another, l, err);
     if (why.code == 0 && !over)
         try_recovery(l, &whole, &why);
     views_release(&views);
-    return judge(l, &why, err);
+    return rc < 0 ? rc : judge(l, &why, err);
 }
 
 static int

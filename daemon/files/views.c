@@ -27,6 +27,7 @@ views_read(struct views *v, const char *dir, struct msg_spec *spec,
            struct rad_error *err)
 {
     char name[RAD_SHA_HEX + 1], path[BLOBS_PATH_MAX];
+    struct rad_error why = { 0 };
     size_t len;
 
     if (spec->frames)
@@ -39,7 +40,9 @@ views_read(struct views *v, const char *dir, struct msg_spec *spec,
     v->bytes = rad_file_read(path, MSG_MAX_VIEWS, &len, err);
     if (!v->bytes)
         return err->code;
-    return msg_views_unpack(&v->list, spec, v->bytes, len, err);
+    if (msg_views_unpack(&v->list, spec, v->bytes, len, &why) < 0)
+        return rad_fail(err, why.code, "'%s': %s", path, why.what);
+    return 0;
 }
 
 void

@@ -40,7 +40,8 @@ struct folder_job;
 struct folder {
     char dir[BLOBS_DIR_MAX]; /* the folder in which jobs/ lies */
     bool durable;            /* false: jobs end with the process */
-    bool looks;              /* take up jobs, but change no file */
+    bool looks; /* take up jobs, but change no file, and leave finished files
+                 * to folder_compare() */
     struct folder_job *jobs; /* that are not over */
     struct rows_open opened; /* files of their rows */
 };

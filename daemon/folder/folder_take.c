@@ -214,7 +214,7 @@ folder_take_up(struct folder *f, const struct saved_job *s, bool over,
     folder_path(f, s->spec.job, "", path);
     if (access(path, R_OK | W_OK | X_OK) < 0)
         rc = mark_missing(path, errno, err);
-    if (rc == 0)
+    if (rc == 0 && !f->looks) /* else folder_compare() tells of each file */
         rc = each_finished(f, s, over, look_at_size, NULL, err);
     if (rc == 0 && !over)
         rc = take_open(f, j, s, err);

@@ -74,6 +74,13 @@ damage
 rm state/jobs/*/0.hdr
 says "0.hdr' is missing"
 damage
+# of a job all that is wrong is told
+truncate -s 0 state/jobs/*/0.hdr state/jobs/*/stats
+says "stats' has 0 bytes, expected"
+"$radctl" check "$work/state" >stdout 2>/dev/null
+grep -q "0.hdr' has 0 bytes, expected" stdout ||
+    fail "the first of two problems: $(cat stdout)"
+damage
 for f in state/jobs/*/0.hdr state/jobs/*/stats; do
     printf x | dd of="$f" bs=1 seek=30 conv=notrunc 2>dd.err ||
         fail "$(cat dd.err)"

@@ -19,7 +19,7 @@ fi
 mkdir run logs
 [ "$(id -u)" -ne 0 ] || chmod 777 run logs
 
-# --- a folder with a job that is over and another that is under way ---
+# --- a folder with two jobs that are over and another that is under way ---
 
 {
     echo "void plastic test-loop-7-13 0 0 5 .5 .5 .5 0 0"
@@ -37,6 +37,12 @@ done_id=$("$radctl" --coordinator="$sock" --json jobs | python3 -c '
 import json, sys
 print(json.load(sys.stdin)[0]["job"])')
 over_file=$(ls -S state/files | head -n 1)
+ls state/files >files
+printf 'rvu -vtv -vp %d .2 1.3\n' 1 2 >views
+# shellcheck disable=SC2086
+"$radsubmit" --coordinator="$sock" $view --views=views -S 1 -o walk%d.hdr \
+    "$scenes/room.rad" 2>stderr || fail "walk: $(cat stderr)"
+views_file=$(cd state/files && grep -l -e '-vp 1 ' -- * | grep -vxFf "$work/files")
 # shellcheck disable=SC2086
 half_id=$("$radsubmit" --coordinator="$sock" --name=half --detach $view \
     loop.rad 2>stderr) || fail "half: $(cat stderr)"
@@ -71,6 +77,7 @@ path_of() # WHAT, as the table calls it
     jobs/ID) echo "jobs/$done_id" ;;
     "files/HASH, of a job under way") echo "files/$half_file" ;;
     "files/HASH, of jobs that are over") echo "files/$over_file" ;;
+    "files/HASH, the views of an animation") echo "files/$views_file" ;;
     "the folder") echo . ;;
     *) echo "$1" ;;
     esac
