@@ -102,10 +102,11 @@ is_free(const struct coord_conn *conn)
            conn->roles != 1u << MSG_ROLE_OBSERVER;
 }
 
-/* May there be `more` beside `used`, up to `most` in all? */
+/* May there be `more` beside `used`, up to `most` in all?  remedy: what the user
+ * can do to have room. */
 static int
 check(const char *name, uint64_t used, uint64_t more, uint64_t most,
-      const char *what, struct rad_error *err)
+      const char *what, const char *remedy, struct rad_error *err)
 {
     if (used <= most && more <= most - used)
         return 0;
@@ -116,8 +117,8 @@ check(const char *name, uint64_t used, uint64_t more, uint64_t most,
                         name, more, what, most);
     return rad_fail(err, RAD_ETEMPFAIL,
                     "limit %s: you have %" PRIu64 " of %" PRIu64
-                    " %s: end some or try again later (see 'radctl limits')",
-                    name, used, most, what);
+                    " %s: %s or try again later (see 'radctl limits')",
+                    name, used, most, what, remedy);
 }
 
 int
@@ -148,14 +149,15 @@ quota_job(const struct coord *c, const struct coord_conn *conn,
     count_use(c, conn->owner, &u);
     /* first the limits that the job alone may exceed */
     rc = check("user_frames", u.frames, job_count_frames(spec), l->frames,
-               "frames to render", err);
+               "frames to render", "cancel jobs", err);
     /* the job's pixels alone: the bundle's files are in u.bytes already */
     if (rc == 0)
         rc = check("user_mib", mib(u.bytes), mib(spec_bytes(spec)),
-                   l->bytes >> 20, "MiB stored", err);
+                   l->bytes >> 20, "MiB stored", "delete jobs that are over",
+                   err);
     if (rc == 0)
         rc = check("user_jobs", u.jobs, 1, l->jobs, "jobs that are not over",
-                   err);
+                   "cancel some", err);
     if (rc == 0 && u.unfetched >= l->unfetched)
         rc = rad_fail(err, RAD_ETEMPFAIL,
                       "limit user_unfetched: you have %" PRIu64 " of %" PRIu64
@@ -175,7 +177,7 @@ quota_upload(const struct coord *c, const struct coord_conn *conn,
         return 0;
     count_use(c, conn->owner, &u);
     return check("user_uploads", u.uploads, 1, c->limits.uploads,
-                 "uploads under way", err);
+                 "uploads under way", "end some", err);
 }
 
 int
@@ -190,13 +192,14 @@ quota_file(const struct coord *c, const struct coord_conn *conn, uint64_t bytes,
         return 0;
     count_use(c, conn->owner, &u);
     rc = check("user_uploads", u.uploads, 1, l->uploads, "uploads under way",
-               err);
+               "end some", err);
     if (rc == 0)
         rc = check("user_upload_mib", mib(u.upload_bytes), mib(bytes),
-                   l->upload_bytes >> 20, "MiB sent for no job yet", err);
+                   l->upload_bytes >> 20, "MiB sent for no job yet",
+                   "end uploads", err);
     if (rc == 0)
         rc = check("user_mib", mib(u.bytes), mib(bytes), l->bytes >> 20,
-                   "MiB stored", err);
+                   "MiB stored", "delete jobs that are over", err);
     return rc;
 }
 
@@ -210,7 +213,7 @@ quota_answer(const struct coord *c, const struct coord_conn *conn,
         return 0;
     count_use(c, conn->owner, &u);
     return check("user_answers", u.answers, 1, c->limits.answers,
-                 "answers under way", err);
+                 "answers under way", "end some", err);
 }
 
 /* --- as a report --- */
