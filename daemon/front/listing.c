@@ -131,7 +131,7 @@ row_text(const struct coord *c, const struct page *p, uint32_t i)
     else if (p->row.jobs[i].job)
         row = report_job(c, p->row.jobs[i].job, MSG_MAX_LABEL);
     else
-        row = report_gone(c, p->row.jobs[i].gone);
+        row = report_gone(p->row.jobs[i].gone);
     text = json_dumps(row, JSON_COMPACT | JSON_REAL_PRECISION(9));
     json_decref(row);
     return text;

@@ -299,17 +299,15 @@ report_job(const struct coord *c, const struct job *job, size_t label)
 }
 
 json_t *
-report_gone(const struct coord *c, const struct saved_gone *g)
+report_gone(const struct saved_gone *g)
 {
     char hex[MSG_JOB_HEX], text[MSG_MAX_TEXT + 1];
 
     msg_job_format(g->job, hex);
     coord_gone_text(g, text);
-    return json_pack("{s:s,s:s,s:s,s:s,s:i,s:i,s:b,s:f,s:i,s:s}", "job", hex,
-                     "name", g->name, "owner", g->owner, "state", "forgotten",
-                     "priority", 0, "done", 0, "fetched", g->fetched,
-                     "elapsed_s", since(c, g->gone_ms), "workers", 0, "text",
-                     text);
+    return json_pack("{s:s,s:s,s:s,s:s,s:b,s:s}", "job", hex, "name", g->name,
+                     "owner", g->owner, "state", "forgotten", "fetched",
+                     g->fetched, "text", text);
 }
 
 static json_t *

@@ -16,7 +16,7 @@ char *report_query(const struct coord *c, enum msg_topic what, const char *text,
 
 /* A row of a list: a forgotten job; a job, of whose name `label` bytes are
  * shown at most.  NULL: memory is out. */
-json_t *report_gone(const struct coord *c, const struct saved_gone *g);
+json_t *report_gone(const struct saved_gone *g);
 json_t *report_job(const struct coord *c, const struct job *job, size_t label);
 
 /* What a worker does for all jobs that are not over, together. */

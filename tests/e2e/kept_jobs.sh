@@ -112,6 +112,8 @@ grep -q '16 jobs are forgotten, the last was forgotten for keep_jobs on 20' \
 grep -q '16 jobs are forgotten' stderr ||
     fail "a limit of rows is one of what is told: $(cat stderr)"
 "$radctl" --coordinator="$sock" --state=forgotten jobs >jobs
+grep -q '^job  *state  *owner  *name  *note$' jobs ||
+    fail "of a forgotten job it tells what nobody knows: $(head -n 2 jobs)"
 [ "$(grep -c 'forgotten for keep_jobs on .* UTC, not fetched$' jobs)" -eq 2 ] ||
     fail "jobs does not say that nobody had two: $(cat jobs)"
 grep -q 'job forgotten job=.* owner=ana why=forgotten for keep_jobs on 20' c.log ||
