@@ -9,6 +9,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 /* radcoord's defaults: radcoord.conf(5) */
 #define DEFAULT_PORT   "7420"
@@ -90,7 +91,7 @@ take_pair(void *arg, const char *section, const char *name, const char *value,
 }
 
 /* Read a file and take from it what is not known yet.  A missing file names
- * nothing. */
+ * nothing, nor does another user's home, as after sudo. */
 static int
 read_file(struct found *known, const char *path, struct rad_error *err)
 {
@@ -99,10 +100,13 @@ read_file(struct found *known, const char *path, struct rad_error *err)
     int rc;
 
     if (!in) {
-        if (errno == ENOENT || errno == ENOTDIR || errno == EACCES)
+        int why = errno;
+
+        if (why == ENOENT || why == ENOTDIR ||
+            (why == EACCES && access(path, F_OK) < 0))
             return 0;
         return rad_fail(err, RAD_ECONFIG, "cannot open '%s': %s", path,
-                        strerror(errno));
+                        strerror(why));
     }
     rc = inifile_read(in, path, take_pair, &f, err);
     fclose(in);

@@ -11,6 +11,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 
 #define MAX_KEYS 48
 
@@ -153,8 +154,8 @@ conf_read(const struct conf_table *t, void *settings, const char *path,
     int rc;
 
     if (!file)
-        return rad_fail(err, RAD_ENOINPUT, "cannot open '%s': %s", path,
-                        strerror(errno));
+        return rad_fail(err, errno == EACCES ? RAD_EPERM : RAD_ENOINPUT,
+                        "cannot open '%s': %s", path, strerror(errno));
     rc = inifile_read(file, path, take_pair, &f, err);
     fclose(file);
     return rc;
@@ -267,22 +268,29 @@ options_suffice(const struct conf_table *t, int argc, char *argv[])
     return fine;
 }
 
+/* Is there such a file, or something that only looking into it will tell?  A
+ * file that this user may not read holds settings all the same. */
+static bool
+is_there(const char *path)
+{
+    struct stat st;
+
+    return stat(path, &st) == 0 || (errno != ENOENT && errno != ENOTDIR);
+}
+
 int
 conf_load(const struct conf_table *t, void *settings, int argc, char *argv[],
           struct rad_error *err)
 {
     const char *config = NULL;
-    FILE *there;
     int rc;
 
     conf_defaults(t, settings);
     rc = walk_options(t, NULL, argc, argv, &config, err);
     if (rc != CONF_RUN)
         return rc;
-    if (!config && t->file && (there = fopen(t->file, "re")) != NULL) {
-        fclose(there);
+    if (!config && t->file && is_there(t->file))
         config = t->file;
-    }
     if (config && !config[0])
         config = NULL;
     rc = load_all(t, settings, config, argc, argv, err);

@@ -61,10 +61,11 @@ int conf_read(const struct conf_table *t, void *settings, const char *path,
               struct rad_error *err);
 
 /* Set *settings from defaults, file and options, and check them (t->check).
- * The file is --config=FILE, else t->file if that can be opened.  Returns an
- * enum conf_wish or a negative code: RAD_EUSAGE for a wrong command line,
- * RAD_ENOINPUT and RAD_ECONFIG for the file, RAD_ECONFIG also if t->check
- * refuses the settings, but not the options alone.  argv stays in order. */
+ * The file is --config=FILE, else t->file if that exists.  Returns an enum
+ * conf_wish or a negative code: RAD_EUSAGE for a wrong command line,
+ * RAD_ENOINPUT, RAD_EPERM and RAD_ECONFIG for the file, RAD_ECONFIG also if
+ * t->check refuses the settings, but not the options alone.  argv stays in
+ * order. */
 int conf_load(const struct conf_table *t, void *settings, int argc,
               char *argv[], struct rad_error *err);
 

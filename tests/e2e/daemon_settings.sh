@@ -74,7 +74,15 @@ expect 78 "radsubmit.conf:1: line longer than" "a long value in a client's file"
 printf 'key = x\nname = y\n' >"$client"
 expect 78 "radsubmit.conf:2: unknown key" "a strange key in a client's file" \
     "$radctl" status
-rm "$client"
+if [ "$(id -u)" -ne 0 ]; then # root may read anything
+    chmod 0 "$client"
+    expect 78 "cannot open '$client': Permission denied" "a client's file" \
+        "$radctl" status
+    chmod 0 "$XDG_CONFIG_HOME/radd"
+    expect 69 "no coordinator is named" "another user's home" "$radctl" status
+    chmod 700 "$XDG_CONFIG_HOME/radd"
+fi
+rm -f "$client"
 
 # a ports file: a link is followed, and what is no file is written as it is
 # ports FILE: by a coordinator of that ports file

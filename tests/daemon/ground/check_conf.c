@@ -234,6 +234,24 @@ START_TEST(missing_file_is_named)
 }
 END_TEST
 
+/* A link that leads to itself is denied to root, too. */
+START_TEST(default_file_that_cannot_be_read_is_not_as_if_missing)
+{
+    struct conf_table of = table;
+    char *argv[] = { (char *)"radd", NULL };
+    struct settings s;
+    struct rad_error err = { 0 };
+
+    of.file = path;
+    ck_assert_int_eq(unlink(path), 0);
+    ck_assert_int_eq(conf_load(&of, &s, 1, argv, &err), CONF_RUN);
+    ck_assert_int_eq(symlink(path, path), 0);
+    ck_assert_int_eq(conf_load(&of, &s, 1, argv, &err), RAD_ENOINPUT);
+    ck_assert_ptr_nonnull(strstr(err.what, path));
+    ck_assert_int_eq(unlink(path), 0);
+}
+END_TEST
+
 START_TEST(help_and_version_win)
 {
     struct settings s;
@@ -373,6 +391,7 @@ main(void)
     tcase_add_loop_test(tc, bad_option_is_a_usage_error, 0,
                         N_ELEM(bad_options));
     tcase_add_test(tc, missing_file_is_named);
+    tcase_add_test(tc, default_file_that_cannot_be_read_is_not_as_if_missing);
     tcase_add_test(tc, help_and_version_win);
     tcase_add_loop_test(tc, address_is_read_and_judged, 0, N_ELEM(addresses));
     tcase_add_test(tc, log_limit_lets_a_burst_through_and_counts_the_rest);
