@@ -16,6 +16,7 @@
 
 #define CALLER_MS       10000 /* time for PEER_HELLO and JOB_PEERS to come */
 #define FIRST_REDIAL_MS 100   /* before dialling again, doubled each time */
+#define PATIENCE_MS     3000  /* delay from which on a peer is not reached */
 #define MOST_CALLERS    64
 
 static struct wpeer *
@@ -200,13 +201,19 @@ dial_later(struct worker *w, struct wpeer *p)
  * so.
  */
 static void
-link_lost(struct worker *w, struct wpeer *p)
+link_lost(struct worker *w, const struct wjob *job, struct wpeer *p,
+          const char *why)
 {
     enum peer_state was = p->state;
+    unsigned before_ms = p->delay_ms;
 
     p->conn = 0;
     if (p->flags & MSG_PEER_DIAL)
         dial_later(w, p);
+    if (before_ms < PATIENCE_MS && p->delay_ms >= PATIENCE_MS)
+        actions_log(&w->actions, ACT_WARN,
+                    "peer not reached job=%s peer=%s at=%s why=%s", job->hex,
+                    p->name, p->address, why);
     p->state = p->flags & MSG_PEER_DIAL ? PEER_DIALLING : PEER_EXPECTED;
     if (was == PEER_LINKED)
         lossy_release(&p->queue); /* records under way are lost */
@@ -215,7 +222,7 @@ link_lost(struct worker *w, struct wpeer *p)
 }
 
 bool
-link_closed(struct worker *w, uint64_t conn)
+link_closed(struct worker *w, uint64_t conn, const char *why)
 {
     struct wjob *job;
     struct wpeer *p = find_peer(w, conn, &job);
@@ -225,7 +232,7 @@ link_closed(struct worker *w, uint64_t conn)
         drop_caller(w, k);
     if (!p)
         return k != NULL;
-    link_lost(w, p);
+    link_lost(w, job, p, why);
     return true;
 }
 

@@ -16,7 +16,7 @@ void link_introduce(struct worker *w, struct wjob *job,
 void link_accepted(struct worker *w, uint64_t conn);
 /* Events of a connection; false: it is neither a peer's nor a caller's. */
 bool link_opened(struct worker *w, uint64_t conn);
-bool link_closed(struct worker *w, uint64_t conn);
+bool link_closed(struct worker *w, uint64_t conn, const char *why);
 bool link_message(struct worker *w, uint64_t conn, const struct msg *m);
 bool link_written(struct worker *w, uint64_t conn, size_t n);
 /* Send the peers records that the job's own child made. */

@@ -175,7 +175,7 @@ worker_closed(struct worker *w, uint64_t now_ms, uint64_t conn, const char *why)
     if (conn == w->coord)
         lost_coord(w, why);
     else
-        link_closed(w, conn);
+        link_closed(w, conn, why);
 }
 
 void
