@@ -15,7 +15,7 @@
 #include <string.h>
 #include <time.h>
 
-enum { NAME_COLUMNS = 11 };
+enum { NAME_COLUMNS = sizeof "ambient cache" - 1 };
 
 static void
 put(FILE *to, const char *name, const char *value)
