@@ -178,6 +178,11 @@ start(pid_t *pid, const struct local *l, const char *name,
     argv[argc] = NULL;
     rc = programs_spawn(pid, argv, env, -1, l->alive[0]);
     free(env);
+    if (rc == ENOENT)
+        return rad_fail(err, RAD_EUNAVAIL,
+                        "'%s' is not installed here: name a coordinator "
+                        "(--coordinator), or install it",
+                        name);
     if (rc != 0)
         return rad_fail(err, RAD_EINTERNAL, "cannot start '%s': %s", path,
                         strerror(rc));

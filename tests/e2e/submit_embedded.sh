@@ -209,4 +209,11 @@ for partition in window scanbar auto; do
 done
 
 check_nothing_left "after all of them"
+
+# without the daemons it is told what to do
+mkdir lone
+cp "$radsubmit" lone
+# shellcheck disable=SC2086
+expect 69 "'radcoord' is not installed here: name a coordinator" "no daemons" \
+    env PATH=/usr/bin:/bin lone/radsubmit --local $view -o lone.hdr "$room"
 finish
