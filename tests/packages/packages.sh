@@ -112,6 +112,8 @@ try_installed()
     files_of installed >"$work/before"
     install_packages installed
     in_tree installed id radd >/dev/null || die "no user radd"
+    # what renders alone needs the service of no coordinator
+    quietly in_tree installed dpkg --remove radcoord
     quietly in_tree installed su ana -c 'cd && radsubmit --local \
         -vp 2 1 1.5 -vd 0 1 0 -x 64 -y 64 -ab 1 -o a.hdr room.rad'
     grep -q '^#?RADIANCE' "$work/installed/home/ana/a.hdr" || die "no picture"
