@@ -10,7 +10,7 @@
 
 #define NS_A_MS UINT64_C(1000000)
 
-static void start(struct task_queue *q, enum task_order order);
+static void start(struct task_queue *q);
 
 /* --- lists --- */
 
@@ -206,13 +206,9 @@ static void
 on_timer(uv_timer_t *timer)
 {
     struct task_queue *q = timer->data;
-    bool retry;
 
-    if (q->busy)
-        return; /* tell_done() starts the queue or the timer again */
-    retry =
-        q->held.n > 0 && uv_hrtime() - q->retried_ns >= retry_ms(q) * NS_A_MS;
-    start(q, retry ? TASK_RETRY : TASK_RUN);
+    if (!q->busy) /* else tell_done() starts the queue or the timer again */
+        start(q);
 }
 
 /* Start the timer for the next settling, or the next retry. */
@@ -272,7 +268,7 @@ tell_done(struct task_queue *q)
     }
     q->busy = false;
     if (q->waiting.n > 0 || (q->ends && q->held.n + q->unsettled.n > 0))
-        start(q, TASK_RUN);
+        start(q);
     else
         arm(q);
 }
@@ -289,12 +285,16 @@ finish_all(uv_work_t *work, int status)
 }
 
 static void
-start(struct task_queue *q, enum task_order order)
+start(struct task_queue *q)
 {
+    bool retry;
     int rc;
 
     list_move(&q->running, &q->waiting);
-    q->order = q->ends ? TASK_END : order;
+    /* not by the timer alone: it never fires while other tasks keep coming */
+    retry =
+        q->held.n > 0 && uv_hrtime() - q->retried_ns >= retry_ms(q) * NS_A_MS;
+    q->order = q->ends ? TASK_END : retry ? TASK_RETRY : TASK_RUN;
     q->busy = true;
     rc = uv_queue_work(q->loop, &q->work, run_all, finish_all);
     assert(rc == 0); /* fails only without a callback */
@@ -326,7 +326,7 @@ task_push(struct task_queue *q, struct task *t)
     t->code = 0;
     list_add(&q->waiting, t);
     if (!q->busy)
-        start(q, TASK_RUN);
+        start(q);
 }
 
 bool
@@ -340,7 +340,7 @@ task_queue_end(struct task_queue *q)
 {
     q->ends = true;
     if (!q->busy && !task_queue_idle(q))
-        start(q, TASK_END);
+        start(q);
 }
 
 static void

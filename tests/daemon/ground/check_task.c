@@ -221,6 +221,42 @@ START_TEST(reading_waits_for_means_alone)
 }
 END_TEST
 
+/* Readers follow each other until nothing is lacking. */
+static void
+read_on(struct task *t)
+{
+    if (f.lack == TASK_LACKS_NOTHING) {
+        letter_done(t);
+    } else {
+        memset(f.log, 0, sizeof f.log);
+        task_push(&f.q, t);
+    }
+}
+
+static int
+run_nothing(struct task *t)
+{
+    (void)t;
+    return 0;
+}
+
+START_TEST(a_queue_that_is_never_idle_tries_again)
+{
+    struct letter *l = new_letter('z', false);
+
+    f.short_of = 'a';
+    push('a', true);
+    while (f.lack == TASK_LACKS_NOTHING)
+        turn();
+    l->task.run = run_nothing;
+    l->task.done = read_on;
+    f.short_of = '\0';
+    task_push(&f.q, &l->task);
+    go();
+    ck_assert(noted("A") && noted("Z"));
+}
+END_TEST
+
 START_TEST(what_wants_much_room_waits_alone)
 {
     struct letter *l = new_letter('a', true);
@@ -303,6 +339,7 @@ main(void)
     tcase_add_test(tc, what_comes_within_a_while_is_settled_together);
     tcase_add_loop_test(tc, a_lack_holds_what_writes, 0, 3);
     tcase_add_test(tc, reading_waits_for_means_alone);
+    tcase_add_test(tc, a_queue_that_is_never_idle_tries_again);
     tcase_add_test(tc, what_wants_much_room_waits_alone);
     tcase_add_test(tc, what_cannot_be_settled_for_room_runs_again);
     tcase_add_test(tc, what_is_held_is_given_up_in_the_end);
