@@ -182,6 +182,7 @@ take_open(struct folder *f, struct folder_job *j, const struct saved_job *s,
 {
     struct found found = { calloc(j->nframes + 1, sizeof(bool)),
                            calloc(j->nframes + 1, sizeof(bool)) };
+    struct rad_error why = { 0 };
     char path[DISK_PATH_MAX];
     int rc;
 
@@ -197,8 +198,8 @@ take_open(struct folder *f, struct folder_job *j, const struct saved_job *s,
         return rc;
     /* if the disk is full now, the job is held when its rows need more room */
     folder_path(f, j->id, FOLDER_ROOM, path);
-    rc = room_set(path, j->room, NULL);
-    return rc == RAD_EFULL ? 0 : rc;
+    rc = room_set(path, j->room, &why);
+    return rc == 0 || rc == RAD_EFULL ? 0 : rad_fail(err, rc, "%s", why.what);
 }
 
 int

@@ -8,6 +8,7 @@
 
 #include <signal.h>
 #include <stdio.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
 
 /* --- another life --- */
@@ -402,6 +403,27 @@ START_TEST(a_damaged_folder_is_refused)
 }
 END_TEST
 
+/* No damage, but no job may be left out without a word. */
+START_TEST(a_folder_in_which_no_room_can_be_kept_is_refused)
+{
+    struct rad_error err = { 0 };
+    struct saved_job job;
+    struct heard h;
+    char path[200];
+    uv_loop_t loop;
+    struct store *s;
+
+    make_kept(&loop, &s, &h);
+    close_kept(&loop, s);
+    snprintf(path, sizeof path, "%s/" KEPT_DIR "/room", dir);
+    ck_assert_int_eq(mkdir(path, 0700), 0);
+    open_kept(&loop, &s, &h);
+    ck_assert_int_eq(recover(s, &job, &err), RAD_EIO);
+    ck_assert_ptr_nonnull(strstr(err.what, "/room"));
+    close_kept(&loop, s);
+}
+END_TEST
+
 static uint8_t
 line_byte(int i)
 {
@@ -634,6 +656,7 @@ main(void)
                         N_ELEM(old_jobs));
     tcase_add_test(tc, a_job_may_have_the_id_of_one_that_was_never_opened);
     tcase_add_loop_test(tc, a_damaged_folder_is_refused, 0, N_ELEM(damages));
+    tcase_add_test(tc, a_folder_in_which_no_room_can_be_kept_is_refused);
     tcase_add_loop_test(tc, rows_that_a_disk_has_spoilt_are_none, 0,
                         N_ELEM(spoilt));
     tcase_add_test(tc, rows_that_were_given_up_are_no_damage);
