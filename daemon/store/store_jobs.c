@@ -56,6 +56,7 @@ struct saved_task {
     struct saved_task *next; /* [loop] next in store.opening or .closing */
     bool pushed;             /* [loop] the task is in the queue */
     atomic_bool over;        /* the job is over before it was opened */
+    bool opened;             /* [pool] the job was opened, maybe not settled */
 };
 
 /* A task that forgets a job, step by step. */
@@ -104,6 +105,9 @@ new_saved_task(struct store *s, const struct saved_job *from,
     return o;
 }
 
+/* A job that is over is opened all the same if the task runs again because it
+ * could not be settled: the task that notes the job's end runs again behind it.
+ * If this one waited for room that other task has run. */
 static int
 open_run(struct task *t)
 {
@@ -113,7 +117,8 @@ open_run(struct task *t)
     struct views views = { 0 };
     int rc;
 
-    if (atomic_load(&o->over) && !folder_is_there(&s->folder, o->id))
+    if (atomic_load(&o->over) &&
+        (!o->opened || !folder_is_there(&s->folder, o->id)))
         return rad_fail(&t->err, RAD_ETEMPFAIL, "the job is over");
     rc = views_read(&views, s->blobs.dir, &whole, &t->err);
     if (rc == 0)
@@ -123,6 +128,7 @@ open_run(struct task *t)
     views_release(&views);
     if (rc == 0 && s->journal)
         rc = journal_put_job(s->journal, &o->saved, &t->err);
+    o->opened = rc == 0;
     return rc;
 }
 

@@ -8,6 +8,7 @@
 
 #include <signal.h>
 #include <stdio.h>
+#include <sys/resource.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
 
@@ -365,6 +366,108 @@ START_TEST(a_job_may_have_the_id_of_one_that_was_never_opened)
 }
 END_TEST
 
+static void
+count_waits(void *arg, const uint8_t job[MSG_JOB], uint64_t sequence,
+            const char *text)
+{
+    struct heard *h = arg;
+
+    (void)job;
+    (void)sequence;
+    (void)text;
+    h->waits++;
+}
+
+static int
+count_open(void *arg, const struct saved_job *s, struct rad_error *err)
+{
+    int *n = arg;
+
+    (void)err;
+    *n += s->state < 3;
+    return 0;
+}
+
+/* Leave a job that is done, with a cache of so many bytes. */
+static void
+make_cache(uv_loop_t *loop, struct store *s, size_t bytes)
+{
+    uint8_t *records = calloc(1, bytes);
+    struct saved_job done = { .spec = { .job = kept_job,
+                                        .manifest = kept_manifest,
+                                        .params = "-ab 0",
+                                        .frames = &kept_frame,
+                                        .nframes = 1 },
+                              .state = 3,
+                              .last = { .state = 3 },
+                              .cache_bytes = bytes,
+                              .keep = { 0, 1, 1 } };
+
+    open_job(s);
+    run(loop, s);
+    store_put_pass(s, kept_job, 0,
+                   &(struct saved_pass){ .bytes = records, .len = bytes });
+    store_end_job(s, &done, strdup("{ }"), 3);
+    run(loop, s);
+    free(records);
+    ck_assert(is_there(KEPT_DIR "/kept"));
+}
+
+static void
+limit_files(rlim_t bytes)
+{
+    struct rlimit limit;
+
+    ck_assert_int_eq(getrlimit(RLIMIT_FSIZE, &limit), 0);
+    limit.rlim_cur = bytes;
+    ck_assert_int_eq(setrlimit(RLIMIT_FSIZE, &limit), 0);
+}
+
+/* There is room for the rows of a job, but not for the records with which it
+ * begins; then it is cancelled. */
+START_TEST(a_job_that_is_cancelled_while_it_waits_for_room_does_not_come_back)
+{
+    static const uint8_t second[MSG_JOB] = { 1 };
+    struct saved_job job = { .spec = { .job = second,
+                                       .manifest = kept_manifest,
+                                       .params = "-ab 0",
+                                       .flags = MSG_JOB_PASSES | MSG_JOB_SCENE |
+                                                MSG_JOB_REUSE,
+                                       .scene = kept_manifest,
+                                       .reuse = kept_job,
+                                       .frames = &kept_frame,
+                                       .nframes = 1 },
+                             .owner = "ana" };
+    struct store_handler counts = handler;
+    struct heard h;
+    uint64_t epoch;
+    int nopen = 0;
+    uv_loop_t loop;
+    struct store *s;
+
+    signal(SIGXFSZ, SIG_IGN);
+    counts.job = count_jobs;
+    counts.waits = count_waits;
+    open_for(&loop, &s, &counts, &h);
+    ck_assert_int_eq(store_recover(s, 1, &epoch, count_open, &nopen, NULL), 0);
+    make_cache(&loop, s, 2 << 20);
+    h.jobs = 0;
+    limit_files(1 << 20);
+    store_open_job(s, second, &job);
+    while (h.waits == 0)
+        uv_run(&loop, UV_RUN_ONCE);
+    job.state = job.last.state = 5;
+    store_end_job(s, &job, strdup("{ }"), 3);
+    limit_files(RLIM_INFINITY);
+    close_kept(&loop, s);
+    ck_assert_int_eq(h.jobs, 0);
+    open_kept(&loop, &s, &h);
+    ck_assert_int_eq(store_recover(s, 1, &epoch, count_open, &nopen, NULL), 0);
+    ck_assert_int_eq(nopen, 0);
+    close_kept(&loop, s);
+}
+END_TEST
+
 /* What somebody may do to a state folder, and what is said of it. */
 static const struct {
     const char *command, *what;
@@ -655,6 +758,8 @@ main(void)
                         a_job_may_have_the_id_of_one_that_is_being_forgotten, 0,
                         N_ELEM(old_jobs));
     tcase_add_test(tc, a_job_may_have_the_id_of_one_that_was_never_opened);
+    tcase_add_test(
+        tc, a_job_that_is_cancelled_while_it_waits_for_room_does_not_come_back);
     tcase_add_loop_test(tc, a_damaged_folder_is_refused, 0, N_ELEM(damages));
     tcase_add_test(tc, a_folder_in_which_no_room_can_be_kept_is_refused);
     tcase_add_loop_test(tc, rows_that_a_disk_has_spoilt_are_none, 0,

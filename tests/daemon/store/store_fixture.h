@@ -26,7 +26,7 @@ struct heard {
     ssize_t n;
     int read_status;
     uint64_t size, cache_size;
-    int broken, filed;
+    int broken, filed, waits;
     uint32_t settled, looked;
     bool full;
 };
