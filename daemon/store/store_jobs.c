@@ -105,9 +105,23 @@ new_saved_task(struct store *s, const struct saved_job *from,
     return o;
 }
 
+/* The job waits for room on the disk; other jobs go on meanwhile. */
+static void
+open_waits(struct task *t)
+{
+    struct saved_task *o = (struct saved_task *)t;
+    struct store *s = o->store;
+
+    if (!s->ending)
+        s->handler->waits(s->arg, o->id, o->saved.sequence, failure(t));
+}
+
 /* A job that is over is opened all the same if the task runs again because it
  * could not be settled: the task that notes the job's end runs again behind it.
- * If this one waited for room that other task has run. */
+ * If this one waited for room that other task has run.
+ * A job whose files find no room waits alone.  If it is the database that is
+ * full all tasks that write are held, for SQLite may have undone what others
+ * have noted. */
 static int
 open_run(struct task *t)
 {
@@ -126,6 +140,7 @@ open_run(struct task *t)
     if (rc == 0 && whole.flags & MSG_JOB_REUSE)
         rc = folder_reuse(&s->folder, o->id, whole.reuse, &t->err);
     views_release(&views);
+    t->waits = s->journal && rc < 0 ? open_waits : NULL;
     if (rc == 0 && s->journal)
         rc = journal_put_job(s->journal, &o->saved, &t->err);
     o->opened = rc == 0;
@@ -139,17 +154,6 @@ noted_run(struct task *t)
 
     folder_noted(&j->store->folder, j->id);
     return 0;
-}
-
-/* The job waits for room on the disk; other jobs go on meanwhile. */
-static void
-open_waits(struct task *t)
-{
-    struct saved_task *o = (struct saved_task *)t;
-    struct store *s = o->store;
-
-    if (!s->ending)
-        s->handler->waits(s->arg, o->id, o->saved.sequence, failure(t));
 }
 
 static bool
@@ -213,8 +217,6 @@ store_open_job(struct store *s, const uint8_t job[MSG_JOB],
     while (*at)
         at = &(*at)->next;
     *at = o;
-    if (s->journal)
-        o->task.waits = open_waits;
     push_opening(s, job);
 }
 

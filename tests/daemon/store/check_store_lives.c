@@ -3,7 +3,8 @@
 #include "config.h"
 
 #include "check/statecheck.h"
-#include "journal/journal.h"
+#include "journal/journal_impl.h"
+#include "store/store_impl.h"
 #include "store_fixture.h"
 
 #include <signal.h>
@@ -80,10 +81,18 @@ end_job(struct store *s)
 }
 
 static void
+forget(struct store *s, const uint8_t *job)
+{
+    struct saved_gone gone = { .why = GONE_DELETED };
+
+    memcpy(gone.job, job, MSG_JOB);
+    store_forget_job(s, &gone);
+}
+
+static void
 forget_job(struct store *s)
 {
-    store_forget_job(
-        s, &(struct saved_gone){ .job = { 9, 8, 7 }, .why = GONE_DELETED });
+    forget(s, kept_job);
 }
 
 static int
@@ -533,45 +542,56 @@ line_byte(int i)
     return (uint8_t)(7 * i % 64);
 }
 
-/* Rows of unit 0 come in two pieces, those of unit 1 in one; each unit leaves
- * a base line, with so many densities. */
 static void
-put_pieces(struct store *s, bool coded, uint32_t densities)
+keep_units(struct store *s)
 {
-    static const uint32_t first[] = { 0, 1, 3 }, n[] = { 1, 2, 3 };
-    uint8_t bytes[W * H * 12], code[H * RAD_HDR_ROW_BYTES(W)];
-
-    for (int i = 0; i < N_ELEM(bytes); i++)
-        bytes[i] = line_byte(i);
-
     for (uint32_t unit = 0; unit < 2; unit++)
         store_keep_unit(s, kept_job,
                         &(struct saved_unit){ .unit = unit,
                                               .area = { 0, 0, 3 * unit, W, 3 },
                                               .worker = "ws1" });
-    for (int i = 0; i < N_ELEM(first); i++) {
-        struct action_rows a = { .unit = first[i] / 3,
-                                 .row = first[i] % 3,
-                                 .rows = n[i],
-                                 .y = first[i],
-                                 .width = W,
-                                 .channels = coded ? 1 : 3,
-                                 .pixels = bytes,
-                                 .last = i > 0,
-                                 .counts = &(struct msg_counts){ 0 } };
+}
 
-        if (coded) {
-            a.pixels = code;
-            a.len = code_rows(0, (int)first[i], W, (int)n[i], code);
-        }
-        if (a.last) {
-            a.bottom = bytes;
-            a.nbottom = densities;
-            a.line = coded ? bytes : NULL;
-        }
-        memcpy(a.job, kept_job, MSG_JOB);
-        store_put_rows(s, &a);
+/* Rows of unit 0 come in two pieces, those of unit 1 in one; each unit leaves
+ * a base line, with so many densities. */
+enum { PIECES = 3 };
+
+static void
+put_piece(struct store *s, int i, bool coded, uint32_t densities)
+{
+    static const uint32_t first[PIECES] = { 0, 1, 3 }, n[PIECES] = { 1, 2, 3 };
+    uint8_t bytes[W * H * 12], code[H * RAD_HDR_ROW_BYTES(W)];
+    struct action_rows a = { .unit = first[i] / 3,
+                             .row = first[i] % 3,
+                             .rows = n[i],
+                             .y = first[i],
+                             .width = W,
+                             .channels = coded ? 1 : 3,
+                             .pixels = bytes,
+                             .last = i > 0,
+                             .counts = &(struct msg_counts){ 0 } };
+
+    for (int k = 0; k < N_ELEM(bytes); k++)
+        bytes[k] = line_byte(k);
+    if (coded) {
+        a.pixels = code;
+        a.len = code_rows(0, (int)first[i], W, (int)n[i], code);
     }
+    if (a.last) {
+        a.bottom = bytes;
+        a.nbottom = densities;
+        a.line = coded ? bytes : NULL;
+    }
+    memcpy(a.job, kept_job, MSG_JOB);
+    store_put_rows(s, &a);
+}
+
+static void
+put_pieces(struct store *s, bool coded, uint32_t densities)
+{
+    keep_units(s);
+    for (int i = 0; i < PIECES; i++)
+        put_piece(s, i, coded, densities);
 }
 
 static int
@@ -689,6 +709,81 @@ START_TEST(rows_that_were_given_up_are_no_damage)
 }
 END_TEST
 
+static void
+most_pages(struct store *s, int n)
+{
+    char text[50];
+
+    snprintf(text, sizeof text, "PRAGMA max_page_count = %d", n);
+    ck_assert_int_eq(sqlite3_exec(s->journal->db, text, NULL, NULL, NULL), 0);
+}
+
+static struct store *full_store;
+
+/* The disk gets room again as soon as a job waits for it. */
+static void
+end_fullness(void *arg, const uint8_t job[MSG_JOB], uint64_t sequence,
+             const char *text)
+{
+    count_waits(arg, job, sequence, text);
+    most_pages(full_store, 100000);
+}
+
+static void
+end_all_fullness(void *arg, bool full, const char *text)
+{
+    (void)arg;
+    (void)text;
+    if (full)
+        most_pages(full_store, 100000);
+}
+
+/* A job whose note is what finds no room; SQLite undoes all that was noted and
+ * not committed. */
+START_TEST(rows_that_come_when_the_database_is_full_are_noted_once)
+{
+    static const uint8_t second[MSG_JOB] = { 1 };
+    struct msg_frame frames[500];
+    struct saved_job job = { .spec = { .manifest = kept_manifest,
+                                       .params = "-ab 0",
+                                       .frames = frames,
+                                       .nframes = N_ELEM(frames) } };
+    struct store_handler ends = handler;
+    uint32_t stored[2];
+    struct heard h;
+    uint64_t epoch;
+    uv_loop_t loop;
+    struct store *s;
+
+    for (int i = 0; i < N_ELEM(frames); i++)
+        frames[i] = kept_frame;
+    ends.waits = end_fullness;
+    ends.fullness = end_all_fullness;
+    open_for(&loop, &s, &ends, &h);
+    full_store = s;
+    ck_assert_int_eq(store_recover(s, 1, &epoch, note_stored, stored, NULL), 0);
+    open_job(s);
+    run(&loop, s);
+    keep_units(s);
+    put_piece(s, 0, false, 1);
+    run(&loop, s);
+    most_pages(s, 1);
+    store_open_job(s, second, &job);
+    put_piece(s, 1, false, 1);
+    put_piece(s, 2, false, 1);
+    run(&loop, s);
+    ck_assert_int_eq(h.jobs, 2);
+    ck_assert_int_eq(h.rows, 3);
+    forget(s, second);
+    close_kept(&loop, s);
+    open_kept(&loop, &s, &h);
+    ck_assert_int_eq(store_recover(s, 1, &epoch, note_stored, stored, NULL), 0);
+    close_kept(&loop, s);
+    ck_assert_uint_eq(stored[0], 3);
+    ck_assert_uint_eq(stored[1], 3);
+}
+END_TEST
+
 /* Its floats, of rows that are RGBE. */
 START_TEST(a_units_base_line_outlives_the_store)
 {
@@ -765,6 +860,7 @@ main(void)
     tcase_add_loop_test(tc, rows_that_a_disk_has_spoilt_are_none, 0,
                         N_ELEM(spoilt));
     tcase_add_test(tc, rows_that_were_given_up_are_no_damage);
+    tcase_add_test(tc, rows_that_come_when_the_database_is_full_are_noted_once);
     tcase_add_test(tc, a_units_base_line_outlives_the_store);
     tcase_add_test(tc, a_database_gets_its_name_when_it_is_whole);
     return unit_run_case(tc);
