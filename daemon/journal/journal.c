@@ -402,8 +402,16 @@ journal_begin_life(struct journal *j, uint64_t now_ms, uint64_t *epoch,
 
 /* --- transactions --- */
 
-/* If the log is long, carry its pages over into the database.  For want of room
- * they may stay in the log. */
+/* May the failure pass: does the disk lack room, or are memory or descriptors
+ * short? */
+static bool
+may_pass(int code)
+{
+    return code == RAD_EFULL || code == RAD_ENOMEM || code == RAD_ESHORT;
+}
+
+/* If the log is long, carry its pages over into the database.  For such a lack
+ * they may stay in the log: what is committed lasts there, too. */
 static int
 check_point(struct journal *j, struct rad_error *err)
 {
@@ -413,7 +421,7 @@ check_point(struct journal *j, struct rad_error *err)
         return 0;
     rc = sqlite3_wal_checkpoint_v2(j->db, NULL, SQLITE_CHECKPOINT_PASSIVE, NULL,
                                    NULL);
-    if (rc == SQLITE_OK || rc == SQLITE_BUSY || code_of(j, rc) == RAD_EFULL)
+    if (rc == SQLITE_OK || rc == SQLITE_BUSY || may_pass(code_of(j, rc)))
         return 0;
     return journal_failed(j, rc, err);
 }

@@ -839,6 +839,40 @@ START_TEST(a_database_gets_its_name_when_it_is_whole)
 }
 END_TEST
 
+/* The log is carried over into the database, for which there is no memory; what
+ * is in the log lasts. */
+START_TEST(a_commit_without_memory_for_more_is_one)
+{
+    static uint8_t bottom[60000];
+    struct saved_job job = { .spec = { .job = kept_job,
+                                       .manifest = kept_manifest,
+                                       .params = "-ab 0",
+                                       .frames = &kept_frame,
+                                       .nframes = 1 },
+                             .owner = "ana",
+                             .text = "" };
+    struct saved_unit u = { .worker = "ws1",
+                            .bottom = bottom,
+                            .nbottom = sizeof bottom };
+    struct rad_error err = { 0 };
+    char path[160];
+    struct journal *j;
+
+    snprintf(path, sizeof path, "%s/radcoord.db", dir);
+    ck_assert_int_eq(journal_open(&j, path, JOURNAL_MAKE, NULL), 0);
+    ck_assert_int_eq(journal_put_job(j, &job, &err), 0);
+    ck_assert_int_eq(journal_commit(j, &err), 0);
+    for (u.unit = 0; u.unit < 100; u.unit++) {
+        ck_assert_int_eq(journal_put_unit(j, kept_job, &u, &err), 0);
+        ck_assert_int_eq(journal_put_rows(j, kept_job, &u, &err), 0);
+    }
+    sqlite3_hard_heap_limit64(sqlite3_memory_used() + 4096);
+    ck_assert_msg(journal_commit(j, &err) == 0, "%s", err.what);
+    sqlite3_hard_heap_limit64(0);
+    journal_close(j);
+}
+END_TEST
+
 int
 main(void)
 {
@@ -863,5 +897,6 @@ main(void)
     tcase_add_test(tc, rows_that_come_when_the_database_is_full_are_noted_once);
     tcase_add_test(tc, a_units_base_line_outlives_the_store);
     tcase_add_test(tc, a_database_gets_its_name_when_it_is_whole);
+    tcase_add_test(tc, a_commit_without_memory_for_more_is_one);
     return unit_run_case(tc);
 }
