@@ -20,6 +20,7 @@
 #include "base/text.h"
 
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <time.h>
 
@@ -73,6 +74,13 @@ note_sent(void *with, const uint8_t id[MSG_JOB])
         job->fetched_ms = c->now_ms;
 }
 
+/* Is the job over, and may it be forgotten once it is not being fetched? */
+static bool
+is_limited(const struct coord *c, const struct job *job)
+{
+    return job_over(job) && !desk_unfetched(c, job) && !job->cache.held;
+}
+
 static void
 count_kept(struct coord *c)
 {
@@ -82,10 +90,9 @@ count_kept(struct coord *c)
         const struct job *job = c->jobs[i];
         struct coord_kept *k = &job->payer->kept;
 
-        if (!job_over(job))
-            continue;
-        k->bytes += job->kept_bytes;
-        if (desk_unfetched(c, job) || job->cache.held)
+        if (job_over(job))
+            k->bytes += job->kept_bytes;
+        if (!is_limited(c, job))
             continue;
         if (is_being_fetched(c, job)) {
             k->fetching++;
@@ -100,21 +107,79 @@ count_kept(struct coord *c)
     }
 }
 
-/* Forget a job of an owner; false: all may stay.  Small jobs may be fetched by
- * the hundred in a minute: if more than FETCHING are being fetched, the job
- * that was fetched from the longest ago may be forgotten. */
-static bool
-forget_one(struct coord *c, const struct coord_kept *k)
+static int
+by_end(const void *a, const void *b)
 {
-    enum gone_why why = reason(c, k);
+    const struct job *p = *(struct job *const *)a;
+    const struct job *q = *(struct job *const *)b;
 
-    if (why != GONE_NWHYS)
-        coord_forget_job(c, k->oldest, why);
-    else if (k->fetching > FETCHING && k->fetching + k->jobs > c->keep.jobs)
-        coord_forget_job(c, k->fetched, GONE_MANY);
-    else
+    if (p->end_ms != q->end_ms)
+        return p->end_ms < q->end_ms ? -1 : 1;
+    return (p->sequence > q->sequence) - (p->sequence < q->sequence);
+}
+
+/* List the jobs that may be forgotten now, the oldest first: *n of them,
+ * malloc'd; NULL: memory is out. */
+static struct job **
+list_kept(struct coord *c, size_t *n)
+{
+    struct job **v = malloc((c->njobs + 1) * sizeof *v);
+
+    *n = 0;
+    for (size_t i = 0; v && i < c->njobs; i++)
+        if (is_limited(c, c->jobs[i]) && !is_being_fetched(c, c->jobs[i]))
+            v[(*n)++] = c->jobs[i];
+    if (v)
+        qsort(v, *n, sizeof *v, by_end);
+    return v;
+}
+
+/* Forget jobs of all owners, each owner's oldest first, until there is no
+ * reason to forget a further job.  There may be very many: a limit was lowered,
+ * or they have become too old while no coordinator ran. */
+static void
+forget_listed(struct coord *c)
+{
+    size_t n;
+    struct job **v = list_kept(c, &n);
+
+    c->actions.failed |= !v;
+    for (size_t i = 0; i < n; i++) {
+        struct coord_kept *k = &v[i]->payer->kept;
+        enum gone_why why;
+
+        k->oldest = v[i];
+        why = reason(c, k);
+        if (why == GONE_NWHYS)
+            continue;
+        k->jobs--;
+        k->weight -= job_weight(v[i]);
+        k->bytes -= v[i]->kept_bytes;
+        coord_forget_job(c, v[i], why);
+    }
+    free(v);
+}
+
+/* Small jobs may be fetched by the hundred in a minute: if more than FETCHING
+ * of an owner are being fetched, the job that was fetched from the longest ago
+ * may be forgotten.  False: all may stay. */
+static bool
+forget_fetched(struct coord *c, const struct coord_kept *k)
+{
+    if (k->fetching <= FETCHING || k->fetching + k->jobs <= c->keep.jobs)
         return false;
+    coord_forget_job(c, k->fetched, GONE_MANY);
     return true;
+}
+
+static bool
+has_reason(const struct coord *c)
+{
+    const struct coord_owner *o = c->owners;
+
+    while (o && reason(c, &o->kept) == GONE_NWHYS)
+        o = o->next;
+    return o;
 }
 
 static void
@@ -186,10 +251,11 @@ coord_forget_old(struct coord *c)
     while (again) {
         c->keep_ms = c->now_ms;
         count_kept(c);
+        if (has_reason(c))
+            forget_listed(c);
         again = false;
-        for (struct coord_owner *o = c->owners; o; o = o->next) {
-            again |= forget_one(c, &o->kept);
-        }
+        for (struct coord_owner *o = c->owners; o; o = o->next)
+            again |= forget_fetched(c, &o->kept);
     }
 }
 

@@ -4,6 +4,7 @@
 #include "coord_fixture.h"
 
 #include "queue/coord_keep.h"
+#include "queue/recover.h"
 
 static void
 whole_job(const uint8_t *job)
@@ -36,6 +37,46 @@ START_TEST(jobs_that_are_over_are_kept_for_a_while)
     }
     ck_assert_ptr_null(desk_find_job(f.c, job_a));
     ck_assert((desk_find_job(f.c, job_b) == NULL) == (_i == 1));
+}
+END_TEST
+
+/* Recover a job that was over at so many ms. */
+static void
+recover_over(const char *owner, const uint8_t *id, uint64_t end_ms)
+{
+    static const struct saved_frame frames[9];
+    struct msg m = usual_submit(id);
+    struct saved_job s = { .spec = m.submit,
+                           .owner = owner,
+                           .state = JOB_CANCELLED,
+                           .text = "",
+                           .end_ms = end_ms,
+                           .frames = frames };
+
+    ck_assert_uint_le(s.spec.nframes, N_ELEM(frames));
+    ck_assert_int_eq(recover_job(f.c, f.now_ms, &s, NULL, NULL, NULL), 0);
+}
+
+/* When fewer jobs are kept from now on, the oldest of each owner go, whatever
+ * the order in which they came. */
+START_TEST(a_lower_limit_leaves_the_youngest_jobs_of_each_owner)
+{
+    static const struct coord_keep many = { .jobs = 99 }, few = { .jobs = 10 };
+    uint8_t id[2][MSG_JOB] = { { 1 }, { 2 } };
+
+    wait_s(1);
+    coord_set_keep(f.c, &many);
+    for (uint8_t i = 0; i < 30; i++) {
+        id[0][1] = id[1][1] = i;
+        recover_over("ana", id[0], 1 + 7 * i % 30);
+        recover_over("bob", id[1], 1 + i);
+    }
+    coord_set_keep(f.c, &few);
+    for (uint8_t i = 0; i < 30; i++) {
+        id[0][1] = id[1][1] = i;
+        ck_assert(!desk_find_job(f.c, id[0]) == (7 * i % 30 < 20));
+        ck_assert(!desk_find_job(f.c, id[1]) == (i < 20));
+    }
 }
 END_TEST
 
@@ -291,6 +332,7 @@ main(void)
     TCase *tc = tcase_create("coord_keep");
 
     tcase_add_checked_fixture(tc, set_up, tear_down);
+    tcase_add_test(tc, a_lower_limit_leaves_the_youngest_jobs_of_each_owner);
     tcase_add_test(tc, large_jobs_that_are_over_count_as_several);
     tcase_add_test(tc, what_was_not_fetched_is_kept);
     tcase_add_loop_test(tc, jobs_that_are_over_are_kept_for_a_while, 0, 3);
