@@ -134,8 +134,8 @@ size_t folder_parse_passes(const uint8_t *bytes, size_t len,
  * Returns the bytes of the records; FOLDER_NO_CACHE: the cache is damaged. */
 #define FOLDER_NO_CACHE SIZE_MAX
 size_t folder_parse_kept(uint8_t *bytes, size_t len);
-/* Keep the cache of a job that is done, if all of its passes are there; a
- * second call does nothing. */
+/* Keep the cache of a job that is done, synced but for its new name, if all of
+ * its passes are there; a second call does nothing. */
 void folder_keep_cache(struct folder *f, const uint8_t job[MSG_JOB],
                        const struct pass_range *passes);
 /* Bytes of the job's kept cache; 0: none is kept. */

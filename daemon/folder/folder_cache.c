@@ -9,9 +9,10 @@
  *
  * The file of a job that is done may be kept, as DIR/jobs/ID/kept with a tail
  * that says how many passes there are, and which have the records of the last
- * stage.  Another job that begins with this cache has the records of these, one
- * behind the other, as its own first pass.  That pass cannot be made again, so
- * it is synced before the job is accepted. */
+ * stage.  It is synced before it is kept, for nobody makes it again.  Another
+ * job that begins with this cache has the records of these, one behind the
+ * other, as its own first pass.  That pass cannot be made again, so it is
+ * synced before the job is accepted. */
 #include "config.h"
 
 #include "folder/folder_impl.h"
@@ -105,9 +106,11 @@ folder_put_pass(struct folder *f, const uint8_t id[MSG_JOB], uint32_t pass,
     fd = open_cache(f, id, path);
     if (fd < 0)
         return;
-    if (write_pass(j, fd, p, path, NULL) == 0 && p->firm && f->durable &&
-        disk_sync_data(fd, path, NULL) == 0)
-        disk_sync_dir_of(path, NULL);
+    if (write_pass(j, fd, p, path, NULL) == 0 && f->durable) {
+        syncs_begin(fd); /* so that little is left to be done in the end */
+        if (p->firm && disk_sync_data(fd, path, NULL) == 0)
+            disk_sync_dir_of(path, NULL);
+    }
     close(fd);
 }
 
@@ -227,7 +230,8 @@ folder_keep_cache(struct folder *f, const uint8_t id[MSG_JOB],
     fd = open_cache(f, id, path);
     if (fd < 0)
         return;
-    if (write_tail(j, passes, fd, path) == 0)
+    if (write_tail(j, passes, fd, path) == 0 &&
+        disk_sync_data(fd, path, NULL) == 0)
         rename(path, kept);
     close(fd);
 }

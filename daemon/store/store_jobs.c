@@ -334,10 +334,11 @@ end_run(struct task *t)
 
     if (!folder_is_there(&s->folder, o->id))
         return 0; /* the job was forgotten while this task was held */
-    rc = folder_stats(&s->folder, o->id, o->stats, o->stats_len,
-                      &o->saved.stats, &t->err);
+    /* before the statistics, with which the folder is synced */
     if (o->saved.cache_bytes > 0)
         folder_keep_cache(&s->folder, o->id, &o->saved.keep);
+    rc = folder_stats(&s->folder, o->id, o->stats, o->stats_len,
+                      &o->saved.stats, &t->err);
     /* the size without the rows, which rest_run() removes */
     o->saved.kept_bytes = folder_bytes(&s->folder, o->id);
     return rc < 0 ? rc : journal_put_end(s->journal, &o->saved, &t->err);
