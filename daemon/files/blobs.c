@@ -176,7 +176,7 @@ int
 blobs_probe(const struct blobs *b, uint64_t bytes, struct rad_error *err)
 {
     char path[BLOBS_PATH_MAX];
-    int fd, rc = 0;
+    int fd, got, rc = 0;
 
     snprintf(path, sizeof path, "%s/probe%s", b->dir, part_suffix);
     fd = open(path, O_WRONLY | O_CREAT | O_CLOEXEC, 0600);
@@ -189,8 +189,10 @@ blobs_probe(const struct blobs *b, uint64_t bytes, struct rad_error *err)
     if (fd < 0)
         return disk_fail(err, errno, "create", path);
     /* a file system may not allocate; callers look at its free room, too */
-    if (bytes > 0 && fallocate(fd, 0, 0, (off_t)bytes) < 0 &&
-        errno != EOPNOTSUPP && errno != ENOSYS)
+    do
+        got = bytes > 0 ? fallocate(fd, 0, 0, (off_t)bytes) : 0;
+    while (got < 0 && errno == EINTR); /* a tmpfs, and any signal */
+    if (got < 0 && errno != EOPNOTSUPP && errno != ENOSYS)
         rc = disk_fail(err, errno, "write", b->dir);
     close(fd);
     unlink(path);

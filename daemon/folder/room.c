@@ -70,7 +70,7 @@ static int
 set_size(int fd, uint64_t bytes, const char *path, struct rad_error *err)
 {
     struct stat st;
-    int number;
+    int rc;
 
     if (fstat(fd, &st) < 0)
         return disk_fail(err, errno, "look at", path);
@@ -78,10 +78,8 @@ set_size(int fd, uint64_t bytes, const char *path, struct rad_error *err)
         return ftruncate(fd, (off_t)bytes) < 0
                    ? disk_fail(err, errno, "shorten", path)
                    : 0;
-    number = posix_fallocate(fd, 0, (off_t)bytes);
-    if (number != 0)
-        return disk_fail(err, number, "make room for", path);
-    return disk_sync(fd, path, err);
+    rc = disk_allocate(fd, (off_t)bytes, path, err);
+    return rc == 0 ? disk_sync(fd, path, err) : rc;
 }
 
 int

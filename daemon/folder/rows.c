@@ -159,11 +159,11 @@ rows_sync(struct rows_open *among, struct rad_error *err)
 static int
 make_room(const struct rows *r, int fd, struct rad_error *err)
 {
-    int number = r->durable ? posix_fallocate(fd, 0, pixels_size(r)) : 0;
+    int rc = r->durable ? disk_allocate(fd, pixels_size(r), r->path, err) : 0;
 
-    if (number == 0 && ftruncate(fd, whole_size(r)) < 0)
-        number = errno;
-    return number == 0 ? 0 : disk_fail(err, number, "make room for", r->path);
+    if (rc == 0 && ftruncate(fd, whole_size(r)) < 0)
+        rc = disk_fail(err, errno, "make room for", r->path);
+    return rc;
 }
 
 int

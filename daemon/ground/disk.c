@@ -79,6 +79,17 @@ disk_read_at(int fd, void *data, size_t n, off_t at, const char *path,
     return 0;
 }
 
+int
+disk_allocate(int fd, off_t n, const char *path, struct rad_error *err)
+{
+    int number;
+
+    do
+        number = posix_fallocate(fd, 0, n);
+    while (number == EINTR);
+    return number == 0 ? 0 : disk_fail(err, number, "make room for", path);
+}
+
 /* RAD_EIO for any errno: the system may have dropped the bytes that it could
  * not write, so that a later sync succeeds and proves nothing. */
 static int

@@ -33,6 +33,10 @@ int disk_write_at(int fd, const void *data, size_t n, off_t at,
 int disk_read_at(int fd, void *data, size_t n, off_t at, const char *path,
                  struct rad_error *err);
 
+/* Give the first n bytes of a file their room on the disk.  Begun again if a
+ * signal interrupts it, as on a tmpfs any may. */
+int disk_allocate(int fd, off_t n, const char *path, struct rad_error *err);
+
 /* Sync an open file, or its bytes alone; the file or folder at path.  RAD_EIO
  * if that fails. */
 int disk_sync(int fd, const char *path, struct rad_error *err);
