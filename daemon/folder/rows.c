@@ -109,16 +109,20 @@ note_open(struct rows *r, int fd, struct rad_error *err)
     struct rows **v = r->among->file, *oldest = v[ROWS_OPEN - 1];
     int rc = 0;
 
+    if (oldest && oldest->durable && oldest->dirty)
+        rc = syncs_add(&r->among->closed, oldest->path, false, err);
+    if (rc < 0) { /* the oldest stays, and is synced as it is */
+        close(fd);
+        return rc;
+    }
     if (oldest) {
-        if (oldest->durable && oldest->dirty)
-            rc = syncs_add(&r->among->closed, oldest->path, false, err);
         oldest->dirty = false;
         close_one(oldest);
     }
     memmove(v + 1, v, (ROWS_OPEN - 1) * sizeof *v);
     v[0] = r;
     r->fd = fd;
-    return rc;
+    return 0;
 }
 
 int

@@ -14,6 +14,7 @@
 #include <dirent.h>
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <sys/resource.h>
 #include <unistd.h>
@@ -128,6 +129,44 @@ START_TEST(few_of_many_files_are_open)
         rows_remove(&r[i]);
     ck_assert_int_eq(open_files(), before);
     ck_assert_ptr_null(opened.file[0]);
+}
+END_TEST
+
+static bool no_memory;
+
+/* In place of the C library's. */
+char *
+strdup(const char *text)
+{
+    size_t n = strlen(text) + 1;
+    char *copy = no_memory ? NULL : malloc(n);
+
+    return copy ? memcpy(copy, text, n) : NULL;
+}
+
+START_TEST(a_file_whose_sync_cannot_be_noted_stays_open)
+{
+    static struct rows r[ROWS_OPEN + 1];
+    float px[W * 3] = { 0 };
+    char path[160];
+
+    for (int i = 0; i <= ROWS_OPEN; i++) {
+        snprintf(path, sizeof path, "%s/%d.rows", dir, i);
+        create(&r[i], &opened, path,
+               (struct rows_form){ W, H, ROWS_COLOURS, true });
+        if (i < ROWS_OPEN)
+            put(&r[i], 0, 0, W, 1);
+    }
+    no_memory = true;
+    ck_assert_int_eq(
+        rows_write(&r[ROWS_OPEN], (struct rows_area){ 0, 0, W, 1 }, px, NULL),
+        RAD_ENOMEM);
+    no_memory = false;
+    ck_assert(r[0].dirty);
+    put(&r[ROWS_OPEN], 0, 0, W, 1);
+    ck_assert_int_eq(rows_sync(&opened, NULL), 0);
+    for (int i = 0; i <= ROWS_OPEN; i++)
+        rows_remove(&r[i]);
 }
 END_TEST
 
@@ -530,6 +569,7 @@ main(void)
     tcase_add_checked_fixture(tc, scratch_make, scratch_remove);
     tcase_add_loop_test(tc, windows_make_a_whole, 3, 5);
     tcase_add_test(tc, few_of_many_files_are_open);
+    tcase_add_test(tc, a_file_whose_sync_cannot_be_noted_stays_open);
     tcase_add_loop_test(tc, pixels_outside_are_refused, 0, N_ELEM(outside));
     tcase_add_test(tc, picture_and_depth_hold_the_rows);
     tcase_add_loop_test(tc, coded_rows_make_the_picture_of_the_others, 0,
