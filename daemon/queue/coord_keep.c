@@ -118,20 +118,29 @@ by_end(const void *a, const void *b)
     return (p->sequence > q->sequence) - (p->sequence < q->sequence);
 }
 
-/* List the jobs that may be forgotten now, the oldest first: *n of them,
- * malloc'd; NULL: memory is out. */
+/* List the jobs for which `is` holds, the oldest first: *n of them, malloc'd;
+ * NULL: memory is out. */
 static struct job **
-list_kept(struct coord *c, size_t *n)
+list_oldest(struct coord *c,
+            bool (*is)(const struct coord *c, const struct job *job), size_t *n)
 {
     struct job **v = malloc((c->njobs + 1) * sizeof *v);
 
     *n = 0;
     for (size_t i = 0; v && i < c->njobs; i++)
-        if (is_limited(c, c->jobs[i]) && !is_being_fetched(c, c->jobs[i]))
+        if (is(c, c->jobs[i]))
             v[(*n)++] = c->jobs[i];
     if (v)
         qsort(v, *n, sizeof *v, by_end);
+    else
+        c->actions.failed = true;
     return v;
+}
+
+static bool
+may_be_forgotten(const struct coord *c, const struct job *job)
+{
+    return is_limited(c, job) && !is_being_fetched(c, job);
 }
 
 /* Forget jobs of all owners, each owner's oldest first, until there is no
@@ -141,9 +150,8 @@ static void
 forget_listed(struct coord *c)
 {
     size_t n;
-    struct job **v = list_kept(c, &n);
+    struct job **v = list_oldest(c, may_be_forgotten, &n);
 
-    c->actions.failed |= !v;
     for (size_t i = 0; i < n; i++) {
         struct coord_kept *k = &v[i]->payer->kept;
         enum gone_why why;
@@ -198,42 +206,44 @@ hold_caches(struct coord *c)
     }
 }
 
-/* The oldest job whose cache may be dropped, or NULL; *all: bytes of all
- * caches. */
-static struct job *
-oldest_cache(const struct coord *c, uint64_t *all)
+static void
+drop_cache(struct coord *c, struct job *job)
 {
-    struct job *oldest = NULL;
+    struct action *a = actions_add_job(&c->actions, ACT_DROP_CACHE, 0, job->id);
 
-    *all = 0;
-    for (size_t i = 0; i < c->njobs; i++) {
-        struct job *job = c->jobs[i];
-
-        *all += job->cache.bytes;
-        if (job->cache.bytes > 0 && !job->cache.held &&
-            (!oldest || job->end_ms < oldest->end_ms))
-            oldest = job;
-    }
-    return oldest;
+    if (a)
+        a->sequence = job->sequence;
+    job->cache.bytes = 0;
+    actions_log(&c->actions, ACT_INFO, "cache dropped job=%s owner=%s",
+                job->hex, job->owner);
 }
 
-/* Drop ambient caches while the caches of all users together are too large. */
+static bool
+may_lose_cache(const struct coord *c, const struct job *job)
+{
+    (void)c;
+    return job->cache.bytes > 0 && !job->cache.held;
+}
+
+/* Drop ambient caches, the oldest first, while the caches of all users together
+ * are too large. */
 static void
 limit_caches(struct coord *c)
 {
-    uint64_t all;
-    struct job *job;
+    uint64_t all = 0;
+    struct job **v;
+    size_t n;
 
-    while ((job = oldest_cache(c, &all)) && all > c->keep.cache_bytes) {
-        struct action *a =
-            actions_add_job(&c->actions, ACT_DROP_CACHE, 0, job->id);
-
-        if (a)
-            a->sequence = job->sequence;
-        job->cache.bytes = 0;
-        actions_log(&c->actions, ACT_INFO, "cache dropped job=%s owner=%s",
-                    job->hex, job->owner);
+    for (size_t i = 0; i < c->njobs; i++)
+        all += c->jobs[i]->cache.bytes;
+    if (all <= c->keep.cache_bytes)
+        return;
+    v = list_oldest(c, may_lose_cache, &n);
+    for (size_t i = 0; i < n && all > c->keep.cache_bytes; i++) {
+        all -= v[i]->cache.bytes;
+        drop_cache(c, v[i]);
     }
+    free(v);
 }
 
 void
