@@ -104,8 +104,6 @@ open_journal(struct store *s, struct rad_error *err)
         rc = journal_open(&s->journal, path, how, &why);
     if (rc == 0)
         rc = journal_check(s->journal, &why);
-    if (rc == 0 && how == JOURNAL_MAKE)
-        rc = disk_sync_path(s->dir, &why);
     return rc == 0 ? 0 : store_refuse(s, &why, err);
 }
 
@@ -136,7 +134,9 @@ open_dirs(struct store *s, const char *dir, struct rad_error *err)
         rc = s->lock = service_lock_dir(dir, err);
     if (rc >= 0) /* jobs first: a refused folder is not changed */
         rc = s->handler->job ? open_jobs(s, err) : 0;
-    return rc == 0 ? blobs_open(&s->blobs, files, s->durable, err) : rc;
+    if (rc == 0)
+        rc = blobs_open(&s->blobs, files, s->durable, err);
+    return rc == 0 && s->durable ? disk_sync_path(s->dir, err) : rc;
 }
 
 struct store *

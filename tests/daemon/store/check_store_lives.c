@@ -13,6 +13,7 @@
 #include <stdio.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
+#include <sys/syscall.h>
 #include <sys/wait.h>
 
 /* --- another life --- */
@@ -399,22 +400,49 @@ count_open(void *arg, const struct saved_job *s, struct rad_error *err)
     return 0;
 }
 
-static bool cache_synced;
+static bool cache_synced, names_synced;
+
+static bool
+is_open_as(int fd, const char *name)
+{
+    char path[300];
+    struct stat st, there;
+
+    snprintf(path, sizeof path, "%s/%s", dir, name);
+    return fstat(fd, &st) == 0 && stat(path, &there) == 0 &&
+           st.st_ino == there.st_ino;
+}
+
+/* In place of the C library's: notes whether the state folder was synced when
+ * it had its folders. */
+int
+fsync(int fd)
+{
+    names_synced |=
+        is_open_as(fd, ".") && is_there("jobs") && is_there("files");
+    return (int)syscall(SYS_fsync, fd);
+}
 
 /* In place of the C library's: notes whether a job's cache was synced, before
  * it was given the name under which it is kept. */
 int
 fdatasync(int fd)
 {
-    char link[40], path[300];
-    ssize_t n;
-
-    snprintf(link, sizeof link, "/proc/self/fd/%d", fd);
-    n = readlink(link, path, sizeof path - 1);
-    path[n < 0 ? 0 : n] = '\0';
-    cache_synced |= strstr(path, KEPT_DIR "/cache") != NULL;
-    return fsync(fd);
+    cache_synced |= is_open_as(fd, KEPT_DIR "/cache");
+    return (int)syscall(SYS_fsync, fd);
 }
+
+START_TEST(a_new_folder_lasts)
+{
+    struct heard h;
+    uv_loop_t loop;
+    struct store *s;
+
+    open_kept(&loop, &s, &h);
+    ck_assert(names_synced);
+    close_kept(&loop, s);
+}
+END_TEST
 
 /* In place of the C library's: each other call is interrupted by a signal, as a
  * tmpfs is. */
@@ -911,6 +939,7 @@ main(void)
     TCase *tc = tcase_create("store_lives");
 
     tcase_add_checked_fixture(tc, scratch_make, scratch_remove);
+    tcase_add_test(tc, a_new_folder_lasts);
     tcase_add_test(tc, a_job_goes_on_in_another_life);
     tcase_add_test(tc, a_job_that_is_over_is_remembered_and_forgotten);
     tcase_add_loop_test(tc, a_job_that_was_being_forgotten_is_no_damage,
