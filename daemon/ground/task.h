@@ -64,7 +64,8 @@ struct task {
                                     * queue */
     bool lasts;                    /* finished only when settled */
     void (*waits)(struct task *t); /* loop: the disk is full, and the task held
-                                    * alone; NULL: hold it as others */
+                                    * alone; NULL: hold it as others.  run()
+                                    * may change it */
     bool told;                     /* [loop] while held: waits() was called */
     int code;
     struct rad_error err;
