@@ -26,11 +26,25 @@
 
 /* --- errors --- */
 
+/* The system's number of the last error.  SQLite does not note it when COMMIT
+ * fails, but the log's file has it. */
+static int
+system_error(struct journal *j)
+{
+    int number = sqlite3_system_errno(j->db);
+    sqlite3_file *log = NULL;
+
+    if (number != 0)
+        return number;
+    sqlite3_file_control(j->db, "main", SQLITE_FCNTL_JOURNAL_POINTER, &log);
+    if (log && log->pMethods)
+        log->pMethods->xFileControl(log, SQLITE_FCNTL_LAST_ERRNO, &number);
+    return number;
+}
+
 static int
 code_of(struct journal *j, int rc)
 {
-    int number = sqlite3_system_errno(j->db);
-
     if (rc == SQLITE_IOERR_NOMEM)
         return RAD_ENOMEM;
     switch (rc & 0xff) {
@@ -52,11 +66,11 @@ code_of(struct journal *j, int rc)
     case SQLITE_CONSTRAINT:
         return RAD_EDATA;
     case SQLITE_CANTOPEN:
-        return disk_code(number);
+        return disk_code(system_error(j));
     case SQLITE_IOERR:
         return rc == SQLITE_IOERR_FSYNC || rc == SQLITE_IOERR_DIR_FSYNC
                    ? RAD_EIO
-                   : disk_code(number);
+                   : disk_code(system_error(j));
     default:
         return RAD_EIO;
     }
@@ -325,10 +339,12 @@ journal_open(struct journal **out, const char *path, enum journal_how how,
     }
     rc = sqlite3_open_v2(path, &j->db,
                          SQLITE_OPEN_READWRITE | SQLITE_OPEN_NOMUTEX, NULL);
-    if (rc != SQLITE_OK)
+    if (rc != SQLITE_OK) {
         rc = j->db ? journal_failed(j, rc, err) : rad_fail_memory(err);
-    else
+    } else {
+        sqlite3_extended_result_codes(j->db, 1); /* for code_of() */
         rc = set_up(j, how, err);
+    }
     if (rc == RAD_EUNSUPPORTED)
         rad_error_where(err, "%.200s", path);
     if (rc < 0) {
@@ -421,7 +437,8 @@ check_point(struct journal *j, struct rad_error *err)
         return 0;
     rc = sqlite3_wal_checkpoint_v2(j->db, NULL, SQLITE_CHECKPOINT_PASSIVE, NULL,
                                    NULL);
-    if (rc == SQLITE_OK || rc == SQLITE_BUSY || may_pass(code_of(j, rc)))
+    if (rc == SQLITE_OK || (rc & 0xff) == SQLITE_BUSY ||
+        may_pass(code_of(j, rc)))
         return 0;
     return journal_failed(j, rc, err);
 }

@@ -413,6 +413,9 @@ is_open_as(int fd, const char *name)
            st.st_ino == there.st_ino;
 }
 
+/* What writes and syncs fail with; 0: they do not. */
+static _Atomic int write_fault, sync_fault;
+
 /* In place of the C library's: notes whether the state folder was synced when
  * it had its folders. */
 int
@@ -420,7 +423,8 @@ fsync(int fd)
 {
     names_synced |=
         is_open_as(fd, ".") && is_there("jobs") && is_there("files");
-    return (int)syscall(SYS_fsync, fd);
+    errno = sync_fault;
+    return sync_fault ? -1 : (int)syscall(SYS_fsync, fd);
 }
 
 /* In place of the C library's: notes whether a job's cache was synced, before
@@ -429,7 +433,21 @@ int
 fdatasync(int fd)
 {
     cache_synced |= is_open_as(fd, KEPT_DIR "/cache");
-    return (int)syscall(SYS_fsync, fd);
+    return fsync(fd);
+}
+
+/* In place of the C library's, of which SQLite uses either. */
+ssize_t
+pwrite(int fd, const void *bytes, size_t n, off_t at)
+{
+    errno = write_fault;
+    return write_fault ? -1 : (ssize_t)syscall(SYS_pwrite64, fd, bytes, n, at);
+}
+
+ssize_t
+pwrite64(int fd, const void *bytes, size_t n, off_t at)
+{
+    return pwrite(fd, bytes, n, at);
 }
 
 START_TEST(a_new_folder_lasts)
@@ -899,6 +917,43 @@ START_TEST(a_database_gets_its_name_when_it_is_whole)
 }
 END_TEST
 
+static const struct {
+    int write, sync, code;
+} faults[] = {
+    { ENOSPC, 0, RAD_EFULL }, { EDQUOT, 0, RAD_EFULL }, { EIO, 0, RAD_EIO },
+    { 0, ENOSPC, RAD_EIO }, /* the next sync would prove nothing */
+    { 0, EIO, RAD_EIO },
+};
+
+START_TEST(a_commit_that_fails_tells_a_full_disk_from_another_fault)
+{
+    struct saved_job job = { .spec = { .job = kept_job,
+                                       .manifest = kept_manifest,
+                                       .params = "-ab 0",
+                                       .frames = &kept_frame,
+                                       .nframes = 1 },
+                             .owner = "ana" };
+    struct rad_error err = { 0 };
+    char path[160];
+    struct journal *j;
+    bool has;
+
+    snprintf(path, sizeof path, "%s/radcoord.db", dir);
+    ck_assert_int_eq(journal_open(&j, path, JOURNAL_MAKE, NULL), 0);
+    ck_assert_int_eq(journal_put_job(j, &job, NULL), 0);
+    write_fault = faults[_i].write;
+    sync_fault = faults[_i].sync;
+    ck_assert_int_eq(journal_commit(j, &err), faults[_i].code);
+    write_fault = sync_fault = 0;
+    journal_rollback(j);
+    ck_assert_int_eq(journal_put_job(j, &job, NULL), 0);
+    ck_assert_int_eq(journal_commit(j, NULL), 0);
+    ck_assert_int_eq(journal_has(j, kept_job, &has, NULL), 0);
+    ck_assert(has);
+    journal_close(j);
+}
+END_TEST
+
 /* The log is carried over into the database, for which there is no memory; what
  * is in the log lasts. */
 START_TEST(a_commit_without_memory_for_more_is_one)
@@ -958,6 +1013,9 @@ main(void)
     tcase_add_test(tc, rows_that_come_when_the_database_is_full_are_noted_once);
     tcase_add_test(tc, a_units_base_line_outlives_the_store);
     tcase_add_test(tc, a_database_gets_its_name_when_it_is_whole);
+    tcase_add_loop_test(
+        tc, a_commit_that_fails_tells_a_full_disk_from_another_fault, 0,
+        N_ELEM(faults));
     tcase_add_test(tc, a_commit_without_memory_for_more_is_one);
     return unit_run_case(tc);
 }
