@@ -79,12 +79,15 @@ code_of(struct journal *j, int rc)
 int
 journal_failed(struct journal *j, int rc, struct rad_error *err)
 {
-    int code = code_of(j, rc);
+    int code = code_of(j, rc), kind = rc & 0xff;
+    bool by_system = kind == SQLITE_IOERR || kind == SQLITE_CANTOPEN;
+    int number = by_system ? system_error(j) : 0;
 
     /* for want of room or memory SQLite may undo the whole transaction */
     if (j->in_transaction && sqlite3_get_autocommit(j->db))
         j->undone = code;
-    return rad_fail(err, code, "database: %s", sqlite3_errmsg(j->db));
+    return rad_fail(err, code, "database: %s%s%s", sqlite3_errmsg(j->db),
+                    number ? ": " : "", number ? strerror(number) : "");
 }
 
 static int

@@ -945,6 +945,7 @@ START_TEST(a_commit_that_fails_tells_a_full_disk_from_another_fault)
     sync_fault = faults[_i].sync;
     ck_assert_int_eq(journal_commit(j, &err), faults[_i].code);
     write_fault = sync_fault = 0;
+    ck_assert(faults[_i].write != EDQUOT || strstr(err.what, "quota"));
     journal_rollback(j);
     ck_assert_int_eq(journal_put_job(j, &job, NULL), 0);
     ck_assert_int_eq(journal_commit(j, NULL), 0);
