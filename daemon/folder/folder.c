@@ -369,8 +369,11 @@ folder_forget(struct folder *f, const uint8_t id[MSG_JOB])
     drop_job(f, id);
     folder_path(f, id, "", path);
     folder_path(f, id, FOLDER_GONE, gone);
-    return (rename(path, gone) == 0 || errno == ENOENT) &&
-           empty_dir(gone, FORGET_AT_ONCE);
+    if (rename(path, gone) == 0)
+        f->renamed = true;
+    else if (errno != ENOENT)
+        return false;
+    return empty_dir(gone, FORGET_AT_ONCE);
 }
 
 void

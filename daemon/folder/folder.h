@@ -42,6 +42,7 @@ struct folder {
     bool durable;            /* false: jobs end with the process */
     bool looks; /* take up jobs, but change no file, and leave finished files
                  * to folder_compare() */
+    bool renamed; /* a job's folder was, since folder_sync() */
     struct folder_job *jobs; /* that are not over */
     struct rows_open opened; /* files of their rows */
 };
@@ -154,7 +155,8 @@ uint8_t *folder_read_first(const struct folder *f, const uint8_t job[MSG_JOB],
  * those of its specification.  RAD_ENOMEM. */
 int folder_set_options(struct folder *f, const uint8_t job[MSG_JOB],
                        const char *options, struct rad_error *err);
-/* Sync all rows and pictures that were written, and their files' names. */
+/* Sync all rows and pictures that were written, their files' names, and the
+ * names of folders that folder_forget() changed. */
 int folder_sync(struct folder *f, struct rad_error *err);
 
 /* Write a frame's picture, and the distances of a job that has them; durable:

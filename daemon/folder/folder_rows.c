@@ -9,6 +9,7 @@
 #include "folder/room.h"
 #include "machine/rowsum.h"
 
+#include <stdio.h>
 #include <stdlib.h>
 
 /* Make the file of a frame's rows, in place of the room that was kept for it.
@@ -209,6 +210,11 @@ folder_sync(struct folder *f, struct rad_error *err)
         folder_path(f, j->id, "", path);
         rc = disk_sync_path(path, err);
         j->new_files = rc < 0;
+    }
+    if (rc == 0 && f->renamed) {
+        snprintf(path, sizeof path, "%s/jobs", f->dir);
+        rc = disk_sync_path(path, err);
+        f->renamed = rc < 0;
     }
     return rc;
 }

@@ -400,7 +400,7 @@ count_open(void *arg, const struct saved_job *s, struct rad_error *err)
     return 0;
 }
 
-static bool cache_synced, names_synced;
+static bool cache_synced, names_synced, jobs_synced;
 
 static bool
 is_open_as(int fd, const char *name)
@@ -417,10 +417,11 @@ is_open_as(int fd, const char *name)
 static _Atomic int write_fault, sync_fault;
 
 /* In place of the C library's: notes whether the state folder was synced when
- * it had its folders. */
+ * it had its folders, and the folder of jobs. */
 int
 fsync(int fd)
 {
+    jobs_synced |= is_open_as(fd, "jobs");
     names_synced |=
         is_open_as(fd, ".") && is_there("jobs") && is_there("files");
     errno = sync_fault;
@@ -473,6 +474,25 @@ posix_fallocate(int fd, off_t at, off_t n)
         return EINTR;
     return fallocate(fd, 0, at, n) < 0 ? errno : 0;
 }
+
+START_TEST(a_job_that_is_said_to_be_deleted_is_gone_after_a_loss_of_power)
+{
+    struct heard h;
+    uv_loop_t loop;
+    struct store *s;
+
+    make_kept(&loop, &s, &h);
+    end_job(s);
+    run(&loop, s);
+    jobs_synced = false;
+    forget_job(s);
+    store_settle(s, 5, 44);
+    while (h.settled != 44)
+        uv_run(&loop, UV_RUN_ONCE);
+    ck_assert(jobs_synced);
+    close_kept(&loop, s);
+}
+END_TEST
 
 /* Leave a job that is done, with a cache of so many bytes. */
 static void
@@ -1000,6 +1020,8 @@ main(void)
     tcase_add_test(tc, a_job_that_is_over_is_remembered_and_forgotten);
     tcase_add_loop_test(tc, a_job_that_was_being_forgotten_is_no_damage,
                         UNSETTLED_JOB, UNSETTLED_STRIKE + 1);
+    tcase_add_test(
+        tc, a_job_that_is_said_to_be_deleted_is_gone_after_a_loss_of_power);
     tcase_add_loop_test(tc,
                         a_job_may_have_the_id_of_one_that_is_being_forgotten, 0,
                         N_ELEM(old_jobs));
