@@ -118,6 +118,38 @@ START_TEST(ceiling_flush_with_its_lamp_changes_nothing_anywhere)
 }
 END_TEST
 
+#define SAME_PLACE "0 0 12 -1 -1 2 -1 1 2 1 1 2 1 -1 2\n"
+
+/* What else is where the lamp is, and how many times as bright as the lamp it
+ * looks then. */
+static const struct {
+    const char *text;
+    double times;
+} double_lamp[] = {
+    { "bright polygon again " SAME_PLACE, 1 },
+    { "bright polygon again " SAME_PLACE "bright polygon thrice " SAME_PLACE,
+      1 },
+    { "void light later 0 0 3 .5 .5 .5\nlater polygon p " SAME_PLACE, .5 },
+    { "void glow later 0 0 4 3 3 3 9\nlater polygon p " SAME_PLACE, 3 },
+};
+
+START_TEST(lamps_in_one_place_light_as_they_look)
+{
+    struct world one = { 0 };
+    char text[512];
+
+    snprintf(text, sizeof text, SQUARE_LAMP "%s", double_lamp[_i].text);
+    world_open(&one, SQUARE_LAMP, DIRECT "-ds .2");
+    world_open(&w, text, DIRECT "-ds .2");
+    ck_assert_double_eq_tol(
+        irradiance_at(&w, .3, .2, 0),
+        double_lamp[_i].times * irradiance_at(&one, .3, .2, 0), 1e-6);
+    ck_assert_double_eq(world_see(&w, .3, .2, 0, 0, 0, 1).g,
+                        double_lamp[_i].times);
+    world_close(&one);
+}
+END_TEST
+
 /* Half of the lamp is hidden: so is half of the light, near enough. */
 START_TEST(half_a_lamp_gives_a_penumbra)
 {
@@ -443,6 +475,8 @@ main(void)
     tcase_add_test(tc, lamp_lights_and_counts_its_rays);
     tcase_add_loop_test(tc, shadow_ray_meets, 0, N_ELEM(blocker));
     tcase_add_test(tc, ceiling_flush_with_its_lamp_changes_nothing_anywhere);
+    tcase_add_loop_test(tc, lamps_in_one_place_light_as_they_look, 0,
+                        N_ELEM(double_lamp));
     tcase_add_test(tc, half_a_lamp_gives_a_penumbra);
     tcase_add_test(tc, distant_lights_are_sampled_and_glows_are_seen);
     tcase_add_loop_test(tc, small_suns_are_as_bright_as_large_ones, 0,
