@@ -158,7 +158,18 @@ add_ray(struct sampler *s, uint32_t cell, struct rad_rgb L)
     s->tally[cell].lum2 += lum * lum;
 }
 
-/* Trace the first ray of each cell; false: none was traced. */
+/* May Russian roulette (-lr 0 or less) have let the hemisphere's rays die?
+ * Each that died counts as black, for those that survive count for it. */
+static bool
+plays_roulette(const struct sampler *s)
+{
+    int deepest = s->ctx->job->params.maxdepth;
+
+    return deepest == 0 || (deepest < 0 && s->r->level < -deepest);
+}
+
+/* Trace the first ray of each cell; false: none was traced, and the light is
+ * not known. */
 static bool
 sample_cells(struct sampler *s)
 {
@@ -190,7 +201,7 @@ sample_cells(struct sampler *s)
             add_ray(s, number, c->L);
             s->traced++;
         }
-    return s->traced > 0;
+    return s->traced > 0 || plays_roulette(s);
 }
 
 static double

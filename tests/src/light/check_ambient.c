@@ -106,6 +106,21 @@ START_TEST(furnace_loses_the_reflectance_at_each_bounce)
 }
 END_TEST
 
+/* A hemisphere whose rays have all died is black: their light is in those of
+ * other hemispheres that survived. */
+START_TEST(roulette_leaves_the_mean_alone)
+{
+    double sum = 0, truth = 8 * M_PI * pow(.5, 3);
+    int n = 4000;
+
+    world_open(&w, PLASTIC CUBE,
+               "-as 0 -av 8 8 8 -lw .2 -lr -9 -ab 3 -aa 0 -ad 16");
+    for (int i = 0; i < n; i++)
+        sum += irradiance_up(&w, i / 4000. - .5, .2, -.9).g;
+    ck_assert_double_eq_tol(sum / n, truth, .03 * truth);
+}
+END_TEST
+
 /* What -ae names, or -ai does not, gets -av without a bounce. */
 static const struct {
     const char *options;
@@ -799,6 +814,7 @@ make_suite(void)
     tcase_add_loop_test(tc, even_sky_gives_pi_times_its_radiance, 0, 5);
     tcase_add_loop_test(tc, textures_lean_where_cells_are_many, 0, 2);
     tcase_add_loop_test(tc, furnace_loses_the_reflectance_at_each_bounce, 0, 2);
+    tcase_add_test(tc, roulette_leaves_the_mean_alone);
     tcase_add_loop_test(tc, lists_say_which_surfaces_get_ambient_light, 0,
                         2 * N_ELEM(listed));
     tcase_add_loop_test(tc, super_samples_leave_the_mean_alone, 0, 3);
