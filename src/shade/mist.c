@@ -636,12 +636,13 @@ pass(struct rad_ctx *ctx, struct rad_ray *r, const struct rad_medium *medium,
 }
 
 struct rad_rgb
-rad_mist_veil(const struct rad_ctx *ctx, const struct rad_ray *r, double t)
+rad_mist_veil(const struct rad_ctx *ctx, const struct rad_medium *m,
+              struct rad_rgb ext, double t)
 {
     struct rad_rgb T = rad_grey(1);
 
-    if (!rad_rgb_black(r->ext))
-        dim(ctx, r->medium, &r->ext, t, true, &T);
+    if (!rad_rgb_black(ext))
+        dim(ctx, m, &ext, t, true, &T);
     return T;
 }
 

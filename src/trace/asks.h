@@ -51,8 +51,10 @@ bool rad_mist_veils(struct rad_ctx *ctx, const struct rad_ray *r,
                     const struct rad_span *span, const struct rad_line *line,
                     struct rad_rgb *T);
 
-/* The transmittance of r's medium for a shadow ray of length t. */
-struct rad_rgb rad_mist_veil(const struct rad_ctx *ctx, const struct rad_ray *r,
+/* The transmittance of a medium (NULL: one that does not scatter), whose
+ * extinction is ext, for a shadow ray of length t. */
+struct rad_rgb rad_mist_veil(const struct rad_ctx *ctx,
+                             const struct rad_medium *m, struct rad_rgb ext,
                              double t);
 
 /* Set *T to the transmittance of a pane of glass without pattern or texture,

@@ -248,12 +248,15 @@ shade_target(struct rad_ctx *ctx, struct rad_ray *sr, const struct rad_hit *hit)
 }
 
 /* The radiance that arrives along p's span from its source or image, which is
- * met at hit, if nothing is in the way but the mist that the point lies in. */
+ * met at hit, if nothing is in the way but the endless mist of -me.  Mist that
+ * the point lies in may end on the way, so it does not count: else the sun
+ * would not be seen from within a cloud. */
 static struct rad_rgb
 source_radiance(const struct direct *d, const struct potential *p,
                 const struct rad_hit *hit)
 {
     const struct rad_sources *s = d->ctx->job->sources;
+    const struct rad_job *job = d->ctx->job;
     const struct rad_source *src = NULL;
     struct rad_ray sr;
 
@@ -269,10 +272,14 @@ source_radiance(const struct direct *d, const struct potential *p,
                                                               : rad_grey(0);
     }
     if (src)
-        return rad_rgb_mul(src->L, rad_mist_veil(d->ctx, d->r, p->span.tmax));
+        return rad_rgb_mul(src->L, rad_mist_veil(d->ctx, job->medium,
+                                                 job->params.cextinction,
+                                                 p->span.tmax));
     if (!start_ray(d, p, &sr))
         return rad_grey(0);
     sr.path |= RAD_RAY_UNTESTED;
+    sr.ext = job->params.cextinction;
+    sr.medium = job->medium;
     shade_target(d->ctx, &sr, hit);
     return sr.L;
 }
@@ -335,7 +342,7 @@ see_in_mirror(const struct direct *d, struct potential *p)
     struct rad_hit hit;
     struct rad_ray sr;
 
-    if (v->sure)
+    if (v->sure && rad_rgb_black(d->r->ext))
         return true;
     if (!rad_way_aim(d->ctx, &d->r->hit, p->source, p->span.dir, &span, &hit))
         return false;
@@ -353,12 +360,40 @@ see_in_mirror(const struct direct *d, struct potential *p)
     return arrives(sr.L);
 }
 
-/* The way to p's target is clear: does its light arrive?  A source's does; for
- * an image see see_in_mirror(). */
+/* The way to p's source is clear, and all of it in the mist that the point lies
+ * in: does light arrive?  Sets p->val to it. */
+static bool
+see_in_mist(const struct direct *d, struct potential *p)
+{
+    const struct rad_ray *r = d->r;
+    const struct rad_source *src = &d->ctx->job->sources->list[p->source];
+    struct rad_rgb L;
+    struct rad_span span;
+    struct rad_hit hit;
+    struct rad_ray sr;
+
+    if (src->flags & RAD_LIGHT_PLAIN) {
+        L = rad_rgb_mul(src->L,
+                        rad_mist_veil(d->ctx, r->medium, r->ext, p->span.tmax));
+    } else {
+        if (!rad_way_aim(d->ctx, &r->hit, p->source, p->span.dir, &span,
+                         &hit) ||
+            !start_ray(d, p, &sr))
+            return false;
+        shade_target(d->ctx, &sr, &hit);
+        L = sr.L;
+    }
+    p->val = rad_rgb_mul(L, p->coef);
+    return arrives(L);
+}
+
+/* The way to p's target is clear: does its light arrive? */
 static bool
 see_beyond(const struct direct *d, struct potential *p)
 {
-    return p->source < d->ctx->job->sources->n || see_in_mirror(d, p);
+    if (p->source >= d->ctx->job->sources->n)
+        return see_in_mirror(d, p);
+    return rad_rgb_black(d->r->ext) || see_in_mist(d, p);
 }
 
 /* Let a shadow ray go through the surfaces on its way (the first at hit, all on

@@ -5,6 +5,7 @@
 #include "tests/world_fixture.h"
 
 #include <stdio.h>
+#include <string.h>
 
 /* A wall at z = 0 of radiance 7 that is seen as it is. */
 #define WALL                                                                   \
@@ -78,6 +79,53 @@ START_TEST(ambient_value_is_scattered_in)
     near(L.g, 7);
     near(L.b, 7 * exp(-1));
     near(world_see(&w, 0, 0, 5, 0, 0, 1).g, 7); /* up to nowhere */
+}
+END_TEST
+
+/* What lights a floor at the bottom of a layer 2 deep, and the length of its
+ * way in the layer. */
+static const struct {
+    const char *text;
+    double way;
+} above[] = {
+    { "sun source s 0 0 4 0 0 1 .5\n", 2 },
+    { "void brightfunc half 2 .5 . 0 0\n"
+      "half light dim 0 0 3 1e4 1e4 1e4\ndim source s 0 0 4 0 0 1 .5\n",
+      2 },
+    { "sun ring r 0 0 8 0 0 4 0 0 -1 0 .001\n", 2 },
+    { "sun ring r 0 0 8 0 0 1 0 0 -1 0 .001\n", 1 },
+    { "void brightfunc half 2 .5 . 0 0\n"
+      "half light dim 0 0 3 1e4 1e4 1e4\n"
+      "dim ring r 0 0 8 0 0 1 0 0 -1 0 .001\n",
+      1 },
+    { "sun source s 0 0 4 1 0 1 1e-4\nvoid mirror m 0 0 3 1 1 1\n"
+      "m polygon p 0 0 12 -1 -1 0 -1 1 0 -1 1 1.9 -1 -1 1.9\n",
+      2 * M_SQRT2 },
+};
+
+START_TEST(lights_reach_into_a_cloud)
+{
+    static const char *const options[] = { "-dt 0", "-dt .5 -dj .5" };
+    char scene[1024];
+
+    for (int k = 0; k < 2; k++) {
+        double clear;
+
+        snprintf(scene, sizeof scene,
+                 "void plastic p 0 0 5 .5 .5 .5 0 0\n"
+                 "p ring floor 0 0 8 0 0 0 0 0 1 0 9\n"
+                 "void light sun 0 0 3 1e4 1e4 1e4\n%s",
+                 above[_i].text);
+        world_open(&w, scene, options[k]);
+        clear = world_see(&w, 5, 0, 5, -1, 0, -1).r;
+        strcat(scene, "void mist fog 0 0 7 .3 .3 .3 .4 .4 .4 0\n" LAYER(
+                          "fog", "-1", "2"));
+        world_open(&w, scene, options[k]);
+        ck_assert_double_gt(clear, 0);
+        ck_assert_double_eq_tol(
+            world_see(&w, 5, 0, 5, -1, 0, -1).r / clear,
+            exp(-.3 * 2 * M_SQRT2 - .3 * .6 * above[_i].way), 1e-5);
+    }
 }
 END_TEST
 
@@ -421,6 +469,7 @@ main(void)
     tcase_add_test(tc, layer_dims_by_its_optical_depth);
     tcase_add_test(tc, pattern_scales_the_extinction);
     tcase_add_test(tc, ambient_value_is_scattered_in);
+    tcase_add_loop_test(tc, lights_reach_into_a_cloud, 0, N_ELEM(above));
     tcase_add_loop_test(tc, overlapping_layers_add_up, 0, N_ELEM(layers));
     tcase_add_test(tc, albedo_comes_back_when_the_inner_mist_ends);
     tcase_add_test(tc, mist_is_back_behind_a_dielectric);
