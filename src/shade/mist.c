@@ -349,7 +349,7 @@ sample_count(const struct rad_ctx *ctx, double length)
 {
     double apart = ctx->job->params.ssampdist, n = length / apart + .5;
 
-    if (!(apart > RAD_TINY) || n < 1)
+    if (!(apart > 0) || n < 1)
         return 1;
     return n > MAX_SAMPLES ? MAX_SAMPLES : (int)n;
 }

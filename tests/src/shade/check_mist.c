@@ -346,15 +346,13 @@ START_TEST(names_say_which_sources_light_it)
 }
 END_TEST
 
-/* -ms says how many rays go to a source: as many as fit, 1 to 16. */
+/* -ms says how many rays go to a source: as many as fit, 1 to 16, in any unit.
+ */
 static const struct {
     const char *options;
     int rays;
-} spacing[] = { { "-ms 0", 1 },
-                { "-ms 7", 1 },
-                { "-ms 2.1", 3 },
-                { "-ms .5", 14 },
-                { "-ms .1", 16 } };
+} spacing[] = { { "-ms 0", 1 },   { "-ms 7", 1 },   { "-ms 2.1", 3 },
+                { "-ms .5", 14 }, { "-ms .1", 16 }, { "-ms 1e-9", 16 } };
 
 START_TEST(samples_are_as_far_apart_as_asked)
 {
