@@ -175,32 +175,35 @@ extinction(const double *a)
     return o;
 }
 
-/* What mist that absorbs nothing scatters of a sun at a[2] degrees from the
- * way on, with eccentricity a[1] (Henyey & Greenstein 1941): E p (1 - T), by
- * 4000 rays of 16 samples. */
+/* What a layer of mist, 2 thick, scatters of a sun at a[2] degrees from the way
+ * on, with eccentricity a[1] (Henyey & Greenstein 1941), if it absorbs a[3] of
+ * what it takes: E p times the integral over the way, by 4000 rays of 16
+ * samples. */
 static struct outcome
 scattering(const double *a)
 {
     static const double up[3] = { 0, 0, 1 }, down[3] = { 0, 0, -1 };
     double t = a[2] * M_PI / 180, g = a[1], half = sin(M_PI / 1440), sum = 0;
     double q = 1 + g * g - 2 * g * cos(t), omega = 4 * M_PI * half * half;
+    double dim = a[3] * a[0] / cos(t); /* on the sun's way, per depth */
     int n = 4000;
     struct outcome o;
     struct stage s;
 
-    stage_open(&s, "-lw 0 -ms .125",
-               "void light l 0 0 3 1e6 1e6 1e6\n"
-               "l source sun 0 0 4 %.17g 0 %.17g .5\n"
-               "void mist m 1 sun 0 7 %.17g %.17g %.17g 1 1 1 %.17g\n"
-               "m ring top 0 0 8 0 0 0 0 0 1 0 99\n"
-               "m ring bottom 0 0 8 0 0 -2 0 0 -1 0 99\n",
-               sin(t), -cos(t), a[0], a[0], a[0], g);
+    stage_open(
+        &s, "-lw 0 -ms .125",
+        "void light l 0 0 3 1e6 1e6 1e6\n"
+        "l source sun 0 0 4 %.17g 0 %.17g .5\n"
+        "void mist m 1 sun 0 7 %.17g %.17g %.17g %.17g %.17g %.17g %.17g\n"
+        "m ring top 0 0 8 0 0 0 0 0 1 0 99\n"
+        "m ring bottom 0 0 8 0 0 -2 0 0 -1 0 99\n",
+        sin(t), -cos(t), a[0], a[0], a[0], 1 - a[3], 1 - a[3], 1 - a[3], g);
     for (int i = 0; i < n; i++)
         sum += stage_radiance(&s, up, down, (uint64_t)i);
     o.found = sum / n;
     /* the disk's solid angle, 2 pi (1 - cos) of its half angle */
     o.truth = 1e6 * omega * (1 - g * g) / (4 * M_PI * q * sqrt(q)) *
-              (1 - exp(-2 * a[0]));
+              (1 - a[3]) * (exp(-2 * dim) - exp(-2 * a[0])) / (1 - dim / a[0]);
     stage_close(&s);
     return o;
 }
@@ -249,6 +252,8 @@ const struct row matter_rows[] = {
     { "mist, extinction", extinction, { .3, 4 }, 1e-6 },
     { "mist, even scattering", scattering, { .2, 0, 60 }, 1e-3 },
     { "mist, forward scattering", scattering, { .8, .7, 20 }, 1e-3 },
+    { "mist that absorbs, even", scattering, { .2, 0, 60, .3 }, 1e-3 },
+    { "mist that absorbs, forward", scattering, { .8, .7, 20, .5 }, 1e-3 },
     { "trans from the sun's side", sheet, { 0, 30 }, 1e-5 },
     { "trans from behind", sheet, { 1, 60 }, 1e-4 },
     { NULL, NULL, { 0 }, 0 }
