@@ -20,8 +20,8 @@
 #include <stdint.h>
 
 /* No ray has more ancestors than this, whatever -lr and -lw say: this bounds
- * the stack (less than 2 KiB a ray) in scenes with endless surfaces one behind
- * the other.  Deeper rays are black. */
+ * the stack (2 KiB a reflection, 3 KiB a bounce of indirect light) in scenes
+ * with endless surfaces one behind the other.  Deeper rays are black. */
 #define RAD_MAX_DEPTH 1500
 
 struct rad_ray {
