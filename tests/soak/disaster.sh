@@ -103,7 +103,9 @@ waited()
         room.rad)
 }
 
-# By one who goes away when it is accepted: it must be there from then on.
+# By one who goes away when it is accepted: it must be there from then on.  A job
+# that no memory was left to lay out has failed, before any work, and says so: it
+# is submitted again.
 # shellcheck disable=SC2086
 detached()
 {
@@ -113,6 +115,11 @@ detached()
         "$radctl" --coordinator="$sock" --json job "$id" >job.json 2>job.err
         case $? in
         0)
+            grep -q '"state": "failed"' job.json &&
+                grep -q '"text": "out of memory"' job.json && {
+                detached
+                return
+            }
             grep -q '"state": "done"' job.json &&
                 "$radctl" --coordinator="$sock" fetch "$id" -o out.hdr \
                     2>job.err && "$radctl" --coordinator="$sock" --json \
