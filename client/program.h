@@ -68,8 +68,7 @@ struct program_result {
         bool time_up, rays_up, stages_up; /* what another stage has not got */
         bool by_clock; /* the time that was left chose options */
     } goal;
-    /* in the pictures so far */
-    enum { LIGHT_UNSEEN, LIGHT_NONE, LIGHT_SOME } light;
+    enum { LIGHT_UNSEEN, LIGHT_NONE, LIGHT_SOME } light; /* in the pictures */
 };
 
 struct program_said { /* so that nothing is said twice */

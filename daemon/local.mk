@@ -14,7 +14,7 @@ include daemon/jobs/local.mk
 include daemon/desk/local.mk
 include daemon/lines/local.mk
 include daemon/links/local.mk
-include daemon/queue/local.mk
+include daemon/registry/local.mk
 include daemon/front/local.mk
 include daemon/check/local.mk
 include daemon/shell/local.mk

@@ -7,7 +7,7 @@
 #include "journal/journal.h"
 #include "jobs/job.h"
 #include "front/coord.h"
-#include "queue/recover.h"
+#include "registry/recover.h"
 #include "folder/rowcheck.h"
 #include "ground/service.h"
 #include "files/sound.h"

@@ -11,9 +11,9 @@
 
 #include "front/reply.h"
 #include "jobs/job.h"
-#include "queue/coord_keep.h"
-#include "queue/stats.h"
-#include "queue/telling.h"
+#include "registry/coord_keep.h"
+#include "registry/stats.h"
+#include "registry/telling.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -5,9 +5,9 @@
 
 #include "front/reply.h"
 #include "jobs/job.h"
-#include "queue/coord_job.h"
-#include "queue/quota.h"
-#include "queue/reuse.h"
+#include "registry/coord_job.h"
+#include "registry/quota.h"
+#include "registry/reuse.h"
 #include "users/known.h"
 #include "users/uploads.h"
 

@@ -8,7 +8,7 @@
 #include "jobs/job.h"
 #include "jobs/part.h"
 #include "jobs/progress.h"
-#include "queue/coord_keep.h"
+#include "registry/coord_keep.h"
 #include "filling/passes.h"
 #include "filling/tiles.h"
 

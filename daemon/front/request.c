@@ -11,10 +11,10 @@
 #include "front/reply.h"
 #include "front/report.h"
 #include "jobs/job.h"
-#include "queue/coord_conn.h"
-#include "queue/coord_job.h"
-#include "queue/coord_keep.h"
-#include "queue/quota.h"
+#include "registry/coord_conn.h"
+#include "registry/coord_job.h"
+#include "registry/coord_keep.h"
+#include "registry/quota.h"
 #include "sched/sched.h"
 
 #include <stdio.h>

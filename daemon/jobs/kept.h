@@ -14,7 +14,7 @@ struct kept_passes {
 };
 
 /* A job's ambient cache, as other jobs may begin with it once the job is over
- * (queue/reuse.h); and when its passes were closed. */
+ * (registry/reuse.h); and when its passes were closed. */
 struct kept_cache {
     uint64_t bytes; /* size on the disk, part of kept_bytes; 0: no cache is kept
                      */

@@ -4,8 +4,8 @@
 #include "radcoord/radcoord_impl.h"
 
 #include "net/log.h"
-#include "queue/coord_keep.h"
-#include "queue/recover.h"
+#include "registry/coord_keep.h"
+#include "registry/recover.h"
 
 #include <string.h>
 

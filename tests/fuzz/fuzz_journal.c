@@ -6,7 +6,7 @@
 #include "ground/disk.h"
 #include "journal/journal.h"
 #include "front/coord.h"
-#include "queue/recover.h"
+#include "registry/recover.h"
 #include "steps.h"
 #include "tests/fuzz/fuzz.h"
 

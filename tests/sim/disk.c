@@ -10,7 +10,7 @@
 #include "image/hdr.h"
 #include "desk/desk.h"
 #include "front/coord.h"
-#include "queue/recover.h"
+#include "registry/recover.h"
 
 #include <stdio.h>
 #include <stdlib.h>

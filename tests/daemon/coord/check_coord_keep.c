@@ -3,8 +3,8 @@
 
 #include "coord_fixture.h"
 
-#include "queue/coord_keep.h"
-#include "queue/recover.h"
+#include "registry/coord_keep.h"
+#include "registry/recover.h"
 
 static void
 whole_job(const uint8_t *job)

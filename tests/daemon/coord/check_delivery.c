@@ -2,7 +2,7 @@
  * bounds however many ask and nobody reads */
 #include "config.h"
 
-#include "queue/telling.h"
+#include "registry/telling.h"
 #include "tests/daemon/coord/coord_fixture.h"
 
 enum {

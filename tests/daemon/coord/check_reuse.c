@@ -7,7 +7,7 @@
 
 #include "folder/folder.h"
 #include "proto/ambshare.h"
-#include "queue/recover.h"
+#include "registry/recover.h"
 #include "filling/passes.h"
 
 /* Of 8 by 8 pixels, each of one tile: four lattices, and what they leave. */

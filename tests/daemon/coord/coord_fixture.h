@@ -8,7 +8,7 @@
 
 #include "desk/desk.h"
 #include "front/coord.h"
-#include "queue/stats.h"
+#include "registry/stats.h"
 #include "proto/frame.h"
 #include "tests/unit.h"
 

@@ -11,7 +11,7 @@
 #include "picture/quincunx.h"
 #include "desk/desk.h"
 #include "front/coord.h"
-#include "queue/stats.h"
+#include "registry/stats.h"
 #include "tests/unit.h"
 
 #include <jansson.h>

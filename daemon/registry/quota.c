@@ -1,7 +1,7 @@
 /* quota.c - see quota.h */
 #include "config.h"
 
-#include "queue/quota.h"
+#include "registry/quota.h"
 
 #include "desk/desk.h"
 #include "jobs/job.h"

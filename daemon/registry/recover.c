@@ -1,7 +1,7 @@
 /* recover.c - see recover.h */
 #include "config.h"
 
-#include "queue/recover.h"
+#include "registry/recover.h"
 
 #include "desk/desk.h"
 #include "jobs/job.h"
@@ -10,8 +10,8 @@
 #include "jobs/shared.h"
 #include "jobs/unit.h"
 #include "desk/verdict.h"
-#include "queue/coord_conn.h"
-#include "queue/coord_job.h"
+#include "registry/coord_conn.h"
+#include "registry/coord_job.h"
 #include "filling/stages.h"
 #include "filling/lead.h"
 #include "sched/loss.h"

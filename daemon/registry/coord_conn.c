@@ -6,13 +6,13 @@
  * worker's name replaces the old one. */
 #include "config.h"
 
-#include "queue/coord_conn.h"
+#include "registry/coord_conn.h"
 
 #include "desk/desk.h"
 #include "desk/verdict.h"
 #include "net/address.h"
 #include "net/key/key.h"
-#include "queue/telling.h"
+#include "registry/telling.h"
 #include "sched/loss.h"
 #include "users/uploads.h"
 

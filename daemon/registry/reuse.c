@@ -4,7 +4,7 @@
  * are compared, not hashes of them, and the user is told what differs. */
 #include "config.h"
 
-#include "queue/reuse.h"
+#include "registry/reuse.h"
 
 #include "machine/jobtext.h"
 #include "filling/passes.h"

@@ -10,11 +10,11 @@
  * until the new job has the records, however long its files take to come. */
 #include "config.h"
 
-#include "queue/coord_keep.h"
+#include "registry/coord_keep.h"
 
 #include "desk/desk.h"
 #include "jobs/job.h"
-#include "queue/coord_job.h"
+#include "registry/coord_job.h"
 
 #include "base/list.h"
 #include "base/text.h"

@@ -6,7 +6,7 @@
  * coord_keep). */
 #include "config.h"
 
-#include "queue/coord_job.h"
+#include "registry/coord_job.h"
 
 #include "desk/desk.h"
 #include "desk/attempt.h"
@@ -15,10 +15,10 @@
 #include "jobs/shared.h"
 #include "desk/verdict.h"
 #include "links/linking.h"
-#include "queue/coord_conn.h"
-#include "queue/reuse.h"
-#include "queue/stats.h"
-#include "queue/telling.h"
+#include "registry/coord_conn.h"
+#include "registry/reuse.h"
+#include "registry/stats.h"
+#include "registry/telling.h"
 #include "sched/sched.h"
 #include "filling/passes.h"
 #include "sched/survey.h"

@@ -1,9 +1,9 @@
 /* telling.c - see telling.h */
 #include "config.h"
 
-#include "queue/telling.h"
+#include "registry/telling.h"
 
-#include "queue/stats.h"
+#include "registry/stats.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -1,7 +1,7 @@
 /* stats.c - see stats.h */
 #include "config.h"
 
-#include "queue/stats.h"
+#include "registry/stats.h"
 
 #include "filling/stages.h"
 #include "jobs/job.h"
