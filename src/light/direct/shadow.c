@@ -331,6 +331,18 @@ arrives(struct rad_rgb L)
     return L.r + L.g + L.b > 0;
 }
 
+/* Does the point lie in mist other than -me, for which source_radiance() has
+ * dimmed the light? */
+static bool
+is_in_mist(const struct direct *d)
+{
+    const struct rad_job *job = d->ctx->job;
+    struct rad_rgb ext = d->r->ext, endless = job->params.cextinction;
+
+    return d->r->medium != job->medium || ext.r != endless.r ||
+           ext.g != endless.g || ext.b != endless.b;
+}
+
 /* The way to the mirror that shows p's image is clear: is it clear from there
  * to the source?  Sets p->val to the light that arrives; false: none does. */
 static bool
@@ -342,7 +354,7 @@ see_in_mirror(const struct direct *d, struct potential *p)
     struct rad_hit hit;
     struct rad_ray sr;
 
-    if (v->sure && rad_rgb_black(d->r->ext))
+    if (v->sure && !is_in_mist(d))
         return true;
     if (!rad_way_aim(d->ctx, &d->r->hit, p->source, p->span.dir, &span, &hit))
         return false;
@@ -393,7 +405,7 @@ see_beyond(const struct direct *d, struct potential *p)
 {
     if (p->source >= d->ctx->job->sources->n)
         return see_in_mirror(d, p);
-    return rad_rgb_black(d->r->ext) || see_in_mist(d, p);
+    return !is_in_mist(d) || see_in_mist(d, p);
 }
 
 /* Let a shadow ray go through the surfaces on its way (the first at hit, all on
