@@ -1,5 +1,7 @@
 # light sources and their shadows
 librad_a_SOURCES += \
+	src/light/direct/cover.c \
+	src/light/direct/cover.h \
 	src/light/direct/emitter.c \
 	src/light/direct/emitter.h \
 	src/light/direct/image.c \

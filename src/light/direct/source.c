@@ -8,11 +8,11 @@
 #include "light/direct/sources.h"
 #include "base/vec.h"
 #include "scene/part.h"
+#include "light/direct/cover.h"
 #include "light/direct/emitter.h"
 
 #include <float.h>
 #include <stdlib.h>
-#include <string.h>
 
 /* Does obj have its emitter's radiance everywhere: is there no pattern or
  * texture on it? */
@@ -80,65 +80,26 @@ make_source(struct rad_source *src, struct rad_job *job, int32_t obj,
     return 0;
 }
 
-/* A source's surface, to be sorted by place. */
-struct surface {
-    const struct rad_object *o;
-    int32_t source;
-};
-
-static bool
-is_same_place(const struct rad_object *a, const struct rad_object *b)
-{
-    return a->type == b->type && a->nreals == b->nreals &&
-           memcmp(a->reals, b->reals, (size_t)a->nreals * sizeof *a->reals) ==
-               0;
-}
-
-/* Surfaces of one place lie together; the first is the surface that rays see,
- * by the tie rule (geom/geom.h). */
-static int
-by_place(const void *p, const void *q)
-{
-    const struct surface *a = p, *b = q;
-    int way = a->o->type - b->o->type;
-
-    if (way == 0)
-        way = a->o->nreals - b->o->nreals;
-    if (way == 0)
-        way = memcmp(a->o->reals, b->o->reals,
-                     (size_t)a->o->nreals * sizeof *a->o->reals);
-    if (way != 0)
-        return way;
-    if (a->o->modifier != b->o->modifier)
-        return a->o->modifier > b->o->modifier ? -1 : 1;
-    return a->source > b->source ? -1 : 1;
-}
-
-/* Drop each lamp that has the very place of another, as where a scene includes
- * a luminaire twice: rays see one lamp there, which must not light for two.
- * Shadow rays would not tell, for they end short of the place.  Distant sources
- * add up, as in rpict.  False: out of memory. */
+/* Drop each lamp that another covers; false: out of memory. */
 static bool
 drop_covered(struct rad_sources *s, const struct rad_object *objects)
 {
-    struct surface *list = malloc((size_t)s->n * sizeof *list + 1);
-    int32_t kept = 0, n = s->n;
+    int32_t *obj = malloc((size_t)s->n * sizeof *obj + 1);
+    bool *covered = calloc((size_t)s->n + 1, sizeof *covered);
+    int32_t n = s->n;
+    bool done;
 
-    if (!list)
-        return false;
-    for (int32_t i = 0; i < n; i++)
-        list[i] = (struct surface){ &objects[s->list[i].obj], i };
-    qsort(list, (size_t)n, sizeof *list, by_place);
-    for (int32_t i = 1; i < n; i++)
-        if (list[i].o->type != RAD_SOURCE &&
-            is_same_place(list[i].o, list[i - 1].o))
-            s->list[list[i].source].obj = RAD_VOID;
-    free(list);
-    for (int32_t i = 0; i < n; i++)
-        if (s->list[i].obj != RAD_VOID)
-            s->list[kept++] = s->list[i];
-    s->n = kept;
-    return true;
+    for (int32_t i = 0; obj && i < n; i++)
+        obj[i] = s->list[i].obj;
+    done = obj && covered && rad_covered(objects, obj, n, covered);
+    if (done)
+        s->n = 0;
+    for (int32_t i = 0; done && i < n; i++)
+        if (!covered[i])
+            s->list[s->n++] = s->list[i];
+    free(obj);
+    free(covered);
+    return done;
 }
 
 /* As in Radiance, emitters inside instances and meshes are seen by rays, but

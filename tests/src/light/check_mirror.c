@@ -73,6 +73,16 @@ START_TEST(wall_doubles_a_lamp_in_its_colour)
 }
 END_TEST
 
+/* As where a scene includes a luminaire with its reflector twice. */
+START_TEST(mirrors_in_one_place_relay_as_one)
+{
+    const char *scene = BALL GOLD "gold " EAST "gold " EAST "gold " EAST;
+
+    near(light_of(scene, pretest[_i]), from_ball(0) + .8 * from_ball(2));
+    ck_assert_int_eq(images_of(scene, pretest[_i]), 1);
+}
+END_TEST
+
 START_TEST(no_relay_no_image)
 {
     near(light_of(BALL GOLD "gold " EAST, "-dr 0"), from_ball(0));
@@ -427,6 +437,7 @@ make_suite(void)
     tcase_add_checked_fixture(tc, NULL, world_tear_down);
     tcase_add_loop_test(tc, wall_doubles_a_lamp_in_its_colour, 0,
                         N_ELEM(pretest));
+    tcase_add_loop_test(tc, mirrors_in_one_place_relay_as_one, 0, 2);
     tcase_add_test(tc, no_relay_no_image);
     tcase_add_loop_test(tc, facing_mirrors_relay_as_often_as_told, 0,
                         N_ELEM(pretest));

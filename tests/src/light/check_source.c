@@ -466,6 +466,19 @@ START_TEST(lamp_is_what_its_radii_make_it)
 }
 END_TEST
 
+/* -0 is the same place as 0: xform writes it. */
+START_TEST(a_lamp_at_minus_zero_is_not_another)
+{
+    const char *one = LAMP "bright ring a 0 0 8 0 0 2 0 0 -1 0 .5\n";
+    const char *two = LAMP "bright ring a 0 0 8 0 0 2 0 0 -1 0 .5\n"
+                           "bright ring b 0 0 8 -0 0 2 0 -0 -1 -0 .5\n";
+
+    ck_assert_double_gt(irradiance_of(one, DIRECT, 0, 0, 0), 0);
+    ck_assert_double_eq(irradiance_of(two, DIRECT, 0, 0, 0),
+                        irradiance_of(one, DIRECT, 0, 0, 0));
+}
+END_TEST
+
 int
 main(void)
 {
@@ -477,6 +490,7 @@ main(void)
     tcase_add_test(tc, ceiling_flush_with_its_lamp_changes_nothing_anywhere);
     tcase_add_loop_test(tc, lamps_in_one_place_light_as_they_look, 0,
                         N_ELEM(double_lamp));
+    tcase_add_test(tc, a_lamp_at_minus_zero_is_not_another);
     tcase_add_test(tc, half_a_lamp_gives_a_penumbra);
     tcase_add_test(tc, distant_lights_are_sampled_and_glows_are_seen);
     tcase_add_loop_test(tc, small_suns_are_as_bright_as_large_ones, 0,
