@@ -247,10 +247,21 @@ shade_target(struct rad_ctx *ctx, struct rad_ray *sr, const struct rad_hit *hit)
     rad_ray_absorb(ctx, sr);
 }
 
+/* Does the point lie in mist other than -me, or in a dielectric? */
+static bool
+is_in_mist(const struct direct *d)
+{
+    const struct rad_job *job = d->ctx->job;
+    struct rad_rgb ext = d->r->ext, endless = job->params.cextinction;
+
+    return d->r->medium != job->medium || ext.r != endless.r ||
+           ext.g != endless.g || ext.b != endless.b;
+}
+
 /* The radiance that arrives along p's span from its source or image, which is
- * met at hit, if nothing is in the way but the endless mist of -me.  Mist that
- * the point lies in may end on the way, so it does not count: else the sun
- * would not be seen from within a cloud. */
+ * met at hit, if nothing is in the way but the endless mist of -me.  Where the
+ * point lies in other mist, which may end on the way, none of it dims: no less
+ * arrives than this says, so that the sun is seen from within a cloud. */
 static struct rad_rgb
 source_radiance(const struct direct *d, const struct potential *p,
                 const struct rad_hit *hit)
@@ -271,6 +282,8 @@ source_radiance(const struct direct *d, const struct potential *p,
             return rad_way_leads(d->ctx, v, p->span.dir, hit) ? v->L
                                                               : rad_grey(0);
     }
+    if (src && is_in_mist(d))
+        return src->L;
     if (src)
         return rad_rgb_mul(src->L, rad_mist_veil(d->ctx, job->medium,
                                                  job->params.cextinction,
@@ -278,8 +291,10 @@ source_radiance(const struct direct *d, const struct potential *p,
     if (!start_ray(d, p, &sr))
         return rad_grey(0);
     sr.path |= RAD_RAY_UNTESTED;
-    sr.ext = job->params.cextinction;
-    sr.medium = job->medium;
+    if (is_in_mist(d)) {
+        sr.ext = rad_grey(0);
+        sr.medium = NULL;
+    }
     shade_target(d->ctx, &sr, hit);
     return sr.L;
 }
@@ -329,18 +344,6 @@ static bool
 arrives(struct rad_rgb L)
 {
     return L.r + L.g + L.b > 0;
-}
-
-/* Does the point lie in mist other than -me, for which source_radiance() has
- * dimmed the light? */
-static bool
-is_in_mist(const struct direct *d)
-{
-    const struct rad_job *job = d->ctx->job;
-    struct rad_rgb ext = d->r->ext, endless = job->params.cextinction;
-
-    return d->r->medium != job->medium || ext.r != endless.r ||
-           ext.g != endless.g || ext.b != endless.b;
 }
 
 /* The way to the mirror that shows p's image is clear: is it clear from there

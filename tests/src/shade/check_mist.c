@@ -129,6 +129,38 @@ START_TEST(lights_reach_into_a_cloud)
 }
 END_TEST
 
+/* -me does not dim what is in a mist of its own, so that -dt must not take far
+ * lamps for dark: few near lamps would be tested, and the rest be lost. */
+START_TEST(far_lamps_in_a_cloud_are_tested)
+{
+    static const char *const dt[] = { "-dt 0", "-dt .02" };
+    char scene[4096] =
+        "void plastic p 0 0 5 .5 .5 .5 0 0\n"
+        "p ring floor 0 0 8 0 0 0 0 0 1 0 99\n"
+        "void light lamp 0 0 3 1 1 1\n"
+        "void mist fog 0 0 7 1e-6 1e-6 1e-6 1 1 1 0\n" LAYER("fog", "-1", "90");
+    char options[80];
+    double seen[2];
+
+    for (int i = 0; i < 23; i++) {
+        char *end = scene + strlen(scene);
+
+        snprintf(end, sizeof scene - (size_t)(end - scene),
+                 i < 3 ? "lamp sphere s 0 0 4 %d -6 6 .3\n"
+                       : "lamp sphere s 0 0 4 %d 20 60 3\n",
+                 i < 3 ? 4 * i - 4 : 7 * i - 91);
+    }
+    for (int k = 0; k < 2; k++) {
+        snprintf(options, sizeof options, "-me .1 .1 .1 -ma 0 0 0 -dj 0 %s",
+                 dt[k]);
+        world_open(&w, scene, options);
+        seen[k] = world_see(&w, 3, 0, 91, -.03, 0, -1).r;
+    }
+    ck_assert_double_gt(seen[0], 0);
+    ck_assert_double_eq_tol(seen[1] / seen[0], 1, .02);
+}
+END_TEST
+
 /* Layers that overlap, one left before the other or inside it; what is outside
  * at the end is as clear as before. */
 static const struct {
@@ -468,6 +500,7 @@ main(void)
     tcase_add_test(tc, pattern_scales_the_extinction);
     tcase_add_test(tc, ambient_value_is_scattered_in);
     tcase_add_loop_test(tc, lights_reach_into_a_cloud, 0, N_ELEM(above));
+    tcase_add_test(tc, far_lamps_in_a_cloud_are_tested);
     tcase_add_loop_test(tc, overlapping_layers_add_up, 0, N_ELEM(layers));
     tcase_add_test(tc, albedo_comes_back_when_the_inner_mist_ends);
     tcase_add_test(tc, mist_is_back_behind_a_dielectric);
