@@ -92,8 +92,9 @@ lattice_weight(const struct rad_pass *pass)
 
 /* What lattices leave out, in work of the finest lattice: in a picture of
  * LEFT_SIDE squared pixels, with -aa LEFT_ACC and two bounces; the factor for
- * one bounce. */
-static const double LEFT = 2, LEFT_SIDE = 240, LEFT_ACC = .2, LEFT_SINGLE = .35;
+ * one bounce.  It is never more than MOST_LEFT, with one bounce than 1. */
+static const double LEFT = 2, LEFT_SIDE = 240, LEFT_ACC = .2, LEFT_SINGLE = .35,
+                    MOST_LEFT = 80;
 
 /* What is foreseen of scattered passes counts as much as this share of them, if
  * it were made. */
@@ -119,8 +120,10 @@ scattered_weight(const struct rad_params *par, const struct rad_pass *of)
     double left = LEFT * pow(LEFT_ACC / par->ambacc, 3.5) *
                   pow(LEFT_SIDE * LEFT_SIDE / pixels, 1.5);
 
-    if (par->ambounce == 1)
-        left *= LEFT_SINGLE / (1 + LEFT_SINGLE * left);
+    double most = par->ambounce == 1 ? 1 : MOST_LEFT;
+
+    left *= par->ambounce == 1 ? LEFT_SINGLE : 1;
+    left = 1 / (1 / left + 1 / most);
     return left * scattered_share(of) / parts;
 }
 
