@@ -181,7 +181,7 @@ chunk_run(struct task *t)
     int rc;
 
     /* a sender that cannot read the file to its end sends an empty one */
-    if (c->offset == 0 && *at && (*at)->part.total != c->total)
+    if (c->offset == 0 && c->total == 0 && *at && (*at)->part.total > 0)
         end_arriving(c->store, at, false);
     if (c->offset == 0 && !*find_arriving(c->store, c->conn, c->hash)) {
         rc = begin_arriving(c->store, c, &t->err);
