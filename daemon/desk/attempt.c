@@ -62,12 +62,11 @@ lines_of(const struct job *job, uint32_t unit, const struct job_go *go)
 }
 
 /* Count the worker's threads for the job's payer while it has attempts in
- * flight of the job, estimates its areas, or makes its tiles. */
+ * flight of the job, makes its tiles, or estimates its areas. */
 static void
 count_threads(struct job *job, struct job_worker *jw)
 {
-    bool works =
-        jw->in_flight > 0 || jw->surveying > 0 || jw->worker->fills == job;
+    bool works = jw->in_flight > 0 || jw->worker->fills == job;
 
     if (works == (jw->counted_threads > 0))
         return;
@@ -91,8 +90,13 @@ attempt_fill(struct coord_worker *w, struct job *job)
 void
 attempt_survey(struct job *job, uint32_t index, uint32_t chunk)
 {
+    struct coord_worker *w = job->workers[index].worker;
+
     job->workers[index].surveying = chunk;
-    count_threads(job, &job->workers[index]);
+    if (chunk > 0)
+        attempt_fill(w, job);
+    else if (w->fills == job)
+        attempt_fill(w, NULL);
 }
 
 static void

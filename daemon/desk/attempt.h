@@ -22,7 +22,7 @@ void attempt_step(struct coord *c, struct job *job, uint32_t unit,
  * or tiles of another job. */
 void attempt_fill(struct coord_worker *w, struct job *job);
 /* The worker estimates this chunk of the job's areas from now on, counted from
- * 1, and its threads count for the job's payer; 0: it does not. */
+ * 1; 0: none.  Its threads count as those of a worker that makes tiles do. */
 void attempt_survey(struct job *job, uint32_t index, uint32_t chunk);
 /* Count the attempt's lines again: the unit was cut. */
 void attempt_shrunk(struct job *job, uint32_t unit, struct job_go *go);

@@ -31,7 +31,7 @@ struct coord_worker {
     uint32_t delivered;   /* attempts that are GO_DELIVERED */
     double relative;      /* speed of a thread in earlier jobs; 1: the mean */
     uint64_t free_ms;     /* when in_flight last became 0 */
-    struct job *fills;    /* job whose tiles it makes (attempt_fill), or NULL */
+    struct job *fills;    /* job whose tiles it makes or areas it estimates */
     int64_t priority;     /* highest of its jobs in flight; INT64_MIN: none */
     int64_t rank;         /* highest of these jobs, or with units for it */
     uint32_t load;        /* of its host, in hundredths, by its last PING */

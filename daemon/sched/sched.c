@@ -340,7 +340,8 @@ recall(struct coord *c, struct coord_worker *w)
     }
 }
 
-/* Does the worker make tiles of a job, or may it in a moment?  Not while the
+/* Does the worker estimate a job's areas, or make its tiles, or may it in a
+ * moment?  Not while the
  * job's next pass waits for pictures, and all tiles that may be made before
  * that are made. */
 static bool
@@ -349,6 +350,8 @@ is_at_passes(const struct coord *c, const struct coord_worker *w)
     const struct job *job = w->fills;
     uint32_t index = desk_index(job, w);
 
+    if (job->workers[index].surveying > 0)
+        return true;
     return job->filling && !desk_idle_job(job) && desk_takes_units(w) &&
            (passes_open(job) || job->workers[index].lags ||
             tiles_has(c, job, index));

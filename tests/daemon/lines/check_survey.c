@@ -197,6 +197,31 @@ START_TEST(threads_that_estimate_count_for_the_owner)
 }
 END_TEST
 
+START_TEST(a_worker_that_estimates_stays_at_it)
+{
+    static const uint8_t bobs[MSG_JOB] = { 0xbb };
+    struct msg m = { .type = MSG_SUBMIT,
+                     .request = 5,
+                     .submit = { .job = bobs,
+                                 .manifest = hash,
+                                 .name = "n",
+                                 .params = "-ps 4",
+                                 .needs = "",
+                                 .estimate = "5a",
+                                 .partition = MSG_PART_STATIC,
+                                 .files = { 1, hash },
+                                 .nframes = 1,
+                                 .frames = frames } };
+
+    join(ADMIN, MSG_ROLE_USER, "", "bob");
+    submit(MSG_PART_STATIC, 0, "5a", 1);
+    ready(W1);
+    say(ADMIN, &m);
+    ck_assert_ptr_nonnull(desk_find_job(f.c, bobs));
+    ck_assert_int_eq(count(W1, MSG_JOB_START), 1);
+}
+END_TEST
+
 int
 main(void)
 {
@@ -211,5 +236,6 @@ main(void)
     tcase_add_test(tc, an_estimate_that_children_die_of_is_given_up);
     tcase_add_test(tc, an_estimate_that_nobody_asked_for_is_ignored);
     tcase_add_test(tc, threads_that_estimate_count_for_the_owner);
+    tcase_add_test(tc, a_worker_that_estimates_stays_at_it);
     return unit_run_case(tc);
 }
