@@ -73,7 +73,7 @@ struct program_result {
 
 struct program_said { /* so that nothing is said twice */
     bool held, paused, waiting, left;
-    bool begun;       /* a worker was seen at the job, or work that is done */
+    bool begun;       /* a worker was at the job, or work of it is done */
     bool wonders;     /* no worker is at the job, and no reason is known */
     char reason[300]; /* last reason from the coordinator; "": none */
     struct progress_alone alone;

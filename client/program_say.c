@@ -169,16 +169,18 @@ say_left(struct program *p, double alone_s)
                "without");
 }
 
-/* Tell when the job lacks workers, and when it has one again.  After a restart
- * of the coordinator a job that was begun waits as a new job does. */
+/* Tell when the job lacks workers, and when it has one again.  A worker may
+ * have begun the job and left between two reports.  After a restart of the
+ * coordinator a job that was begun waits as a new job does. */
 static void
-say_alone(struct program *p, const struct progress_report *r, int state)
+say_alone(struct program *p, const struct progress_report *r,
+          const struct msg_progress *m)
 {
-    bool waiting = state == MSG_STATE_WAITING;
-    double alone_s = progress_alone(&p->said.alone, r,
-                                    waiting || state == MSG_STATE_RUNNING);
+    bool waiting = m->state == MSG_STATE_WAITING;
+    bool running = m->state == MSG_STATE_RUNNING;
+    double alone_s = progress_alone(&p->said.alone, r, waiting || running);
 
-    p->said.begun |= r->workers > 0 || r->done > 0;
+    p->said.begun |= running || m->workers > 0 || share_done(m) > 0;
     if (alone_s == 0) {
         if (p->said.left && r->workers > 0)
             program_say(p, "a worker is at the job again");
@@ -259,7 +261,7 @@ program_on_progress(void *arg, const struct msg_progress *m)
         say_held(p, m->state == MSG_STATE_HELD);
         say_paused(p, m->state == MSG_STATE_PAUSED);
     }
-    say_alone(p, &r, m->state);
+    say_alone(p, &r, m);
     say_stage(p, m);
     note_wonder(p, m);
     foresee(p);
@@ -302,6 +304,7 @@ program_end_job(struct program *p)
     outcome_add(&p->result.sum, &p->result.job,
                 p->o.points.file ? p->points.in.n : 1);
     memset(&p->result.job, 0, sizeof p->result.job);
+    p->said.begun = p->said.left = false; /* of the next plane or batch */
 }
 
 void

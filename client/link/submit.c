@@ -166,7 +166,8 @@ take(struct submit *s, const struct msg *m)
         s->last = m->progress;
         if (memcmp(m->progress.job, s->job->spec->job, MSG_JOB) == 0)
             reach(s, STAGE_KNOWN);
-        if (m->progress.workers > 0)
+        /* it may have begun and left between two reports */
+        if (m->progress.workers > 0 || m->progress.state == MSG_STATE_RUNNING)
             s->met_worker = true;
         if (s->wait_ms == 0 || m->progress.state == MSG_STATE_HELD ||
             m->progress.state == MSG_STATE_PAUSED)
@@ -537,8 +538,8 @@ not_settled(struct submit *s)
     msg_job_format(s->job->spec->job, hex);
     *s->err = (struct rad_error){ 0 }; /* why the connection failed */
     return rad_fail(s->err, RAD_ETEMPFAIL,
-                    "interrupted before the coordinator said that the job is "
-                    "cancelled: radctl cancel %s",
+                    "the coordinator has not said that the job is cancelled: "
+                    "radctl cancel %s",
                     hex);
 }
 
@@ -574,11 +575,14 @@ static int
 no_worker(struct submit *s)
 {
     struct rad_error *err = s->err;
-    struct rad_error ignored = { 0 };
+    struct rad_error why = { 0 };
 
-    s->err = &ignored;
+    s->err = &why;
     cancel(s);
     s->err = err;
+    if (!is_settled(s))
+        return rad_fail(err, RAD_EUNAVAIL, "no worker came in %g s; %s",
+                        s->job->wait_s, why.what);
     return rad_fail(err, RAD_EUNAVAIL, "no worker came in %g s%s",
                     s->job->wait_s,
                     s->cb->alive ? "" /* the workers are our own */

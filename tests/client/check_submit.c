@@ -161,7 +161,7 @@ player_progress(struct player *p, uint32_t workers, uint32_t ready)
     struct msg m = { .type = MSG_PROGRESS };
 
     m.progress.job = job_id;
-    m.progress.state = 1;
+    m.progress.state = workers > 0 ? MSG_STATE_RUNNING : MSG_STATE_WAITING;
     m.progress.pixels_done = 10;
     m.progress.pixels_total = 100;
     m.progress.workers = workers;
@@ -392,6 +392,24 @@ script_is_paused(struct player *p)
     player_give(p, MSG_WHAT_STATS, "{ }", 0);
 }
 
+/* A worker began the job and left before it was told of. */
+static void
+script_lost_its_worker(struct player *p)
+{
+    struct msg m = { .type = MSG_PROGRESS };
+
+    player_welcome(p, 1);
+    player_take_job(p, false);
+    m.progress.job = job_id;
+    m.progress.state = MSG_STATE_RUNNING;
+    player_send(p, &m);
+    usleep(300000); /* many times as long as it would wait */
+    player_progress(p, 1, 1);
+    player_give(p, MSG_WHAT_PICTURE, "a picture", 0);
+    player_done(p);
+    player_give(p, MSG_WHAT_STATS, "{ }", 0);
+}
+
 static void
 script_gives_a_reason(struct player *p)
 {
@@ -488,7 +506,7 @@ on_progress(void *arg, const struct msg_progress *m)
 {
     struct client *c = arg;
 
-    c->wonders = m->workers == 0 && m->state == MSG_STATE_RUNNING;
+    c->wonders = m->workers == 0 && m->state != MSG_STATE_PAUSED;
     if (c->interrupt_at_progress)
         c->interrupts = 1;
 }
@@ -557,7 +575,7 @@ static const struct script {
     { "cancelled", script_is_cancelled, RAD_ETEMPFAIL, 30, .interrupt = true },
     { "ends at cancel", script_ends_at_cancel, RAD_ETEMPFAIL, 30,
       .interrupt = true,
-      .what = "interrupted before the coordinator said that the job is "
+      .what = "the coordinator has not said that the job is "
               "cancelled: radctl cancel 0102" },
     { "done before", script_is_done_before_cancel, RAD_ETEMPFAIL, 30,
       .interrupt = true,
@@ -565,6 +583,7 @@ static const struct script {
     { "no worker", script_has_no_worker, RAD_EUNAVAIL, .01, .detach = false },
     { "in the queue", script_is_in_the_queue, 0, .2, .detach = false },
     { "is paused", script_is_paused, 0, .01, .detach = false },
+    { "lost its worker", script_lost_its_worker, 0, .01, .detach = false },
     { "detaches", script_detaches, 0, 30, .detach = true },
 };
 
