@@ -66,6 +66,34 @@ START_TEST(store_tells_of_a_file_that_its_sender_cannot_read)
 }
 END_TEST
 
+/* Only the first piece of a file is counted for its user. */
+START_TEST(a_file_that_begins_again_with_another_length_is_refused)
+{
+    struct heard h = { 0 };
+    uint8_t digest[MSG_HASH];
+    char hex[RAD_SHA_HEX + 1];
+    uv_loop_t loop;
+    struct store *s;
+    struct msg_chunk c = {
+        .hash = digest, .total = 2, .len = 1, .data = (const uint8_t *)"hello"
+    };
+
+    hash_of("hello", 5, hex);
+    rad_sha_from_hex(hex, digest);
+    uv_loop_init(&loop);
+    s = store_open(&loop, dir, false, &handler, &h, NULL);
+    ck_assert_ptr_nonnull(s);
+    store_put_chunk(s, 5, &c);
+    c.total = c.len = 5;
+    store_put_chunk(s, 5, &c);
+    run(&loop, s);
+    ck_assert_int_eq(h.status, EX_PROTOCOL);
+    ck_assert_str_eq(h.text, "a file that changed its length");
+    store_close(s);
+    ck_assert_int_eq(uv_loop_close(&loop), 0);
+}
+END_TEST
+
 START_TEST(store_tells_of_every_chunk)
 {
     static const char text[] = "in three parts";
@@ -445,6 +473,7 @@ main(void)
     tcase_add_test(tc, store_keeps_files_and_refuses_impostors);
     tcase_add_loop_test(tc, store_tells_of_a_file_that_its_sender_cannot_read,
                         0, 2);
+    tcase_add_test(tc, a_file_that_begins_again_with_another_length_is_refused);
     tcase_add_test(tc, store_tells_of_every_chunk);
     tcase_add_test(tc, store_notices_damaged_files);
     tcase_add_loop_test(tc, files_are_read_behind_the_loop, 0, 2);
