@@ -121,22 +121,22 @@ $few "$top_builddir/radweb" --coordinator="$sock" --listen=127.0.0.1:0 \
 web=$!
 wait_file web.ports
 cat >idle.py <<'PYTHON'
-import socket, time
+import select, socket, sys, time
 
 port = int(open('web.ports').read().rsplit(':', 1)[1])
 idle = [socket.create_connection(('127.0.0.1', port)) for _ in range(60)]
 time.sleep(.5)  # radweb takes those that it will
 open('idle.there', 'w').close()
-time.sleep(100)
+while 'role=observer' not in open('c.log').read():
+    if select.select(idle, [], [], .1)[0]:
+        sys.exit('a browser had to go first')
 PYTHON
-python3 idle.py &
+: >c.log
+python3 idle.py 2>idle.out &
 idle=$!
 until_true 30 test -e idle.there || fail "no browsers"
-: >c.log
 coord_few
-until_true 30 grep -q 'hello .*role=observer' c.log ||
-    fail "radweb has no descriptor for its coordinator"
-kill $idle
+wait $idle || fail "radweb cannot reach its coordinator: $(cat idle.out)"
 end_one $web radweb
 cluster_stop
 
