@@ -73,7 +73,9 @@ next_version()
         case $deb in *-dbgsym_*) continue ;; esac
         rm -rf "$work/open"
         dpkg-deb -R "$deb" "$work/open" &&
-            sed -i 's/^Version: .*/&+next/' "$work/open/DEBIAN/control" &&
+            sed -i -e 's/^Version: .*/&+next/' \
+                -e '/^Depends:/s/(= \([^)]*\))/(= \1+next)/g' \
+                "$work/open/DEBIAN/control" &&
             dpkg-deb --root-owner-group -b "$work/open" "$work/next" \
                 >/dev/null || die "next version of $deb"
     done
