@@ -115,9 +115,11 @@ for f in local*.hdr; do
     cmp "$f" "many${f#local}" || fail "$f differs"
 done
 
-# browsers that ask nothing leave radweb descriptors for its own connection
-$few "$top_builddir/radweb" --coordinator="$sock" --listen=127.0.0.1:0 \
-    --ports-file=web.ports 2>web.log &
+# browsers that ask nothing leave radweb descriptors for its own connection: its
+# coordinator comes when they are there, and before any of them has to go
+coord_few
+$few "$top_builddir/radweb" --coordinator="$work/web.sock" \
+    --listen=127.0.0.1:0 --ports-file=web.ports 2>web.log &
 web=$!
 wait_file web.ports
 cat >idle.py <<'PYTHON'
@@ -131,11 +133,10 @@ while 'role=observer' not in open('c.log').read():
     if select.select(idle, [], [], .1)[0]:
         sys.exit('a browser had to go first')
 PYTHON
-: >c.log
 python3 idle.py 2>idle.out &
 idle=$!
 until_true 30 test -e idle.there || fail "no browsers"
-coord_few
+ln -s "$sock" web.sock
 wait $idle || fail "radweb cannot reach its coordinator: $(cat idle.out)"
 end_one $web radweb
 cluster_stop
