@@ -4,6 +4,7 @@
 #include "light/direct/cover.h"
 
 #include <stdlib.h>
+#include <string.h>
 
 /* A surface, to be sorted by place. */
 struct surface {
@@ -41,20 +42,37 @@ by_place(const void *p, const void *q)
     return a->o > b->o ? -1 : 1;
 }
 
-bool
-rad_covered(const struct rad_object *objects, const int32_t *obj, int32_t n,
-            bool *covered)
+/* Sort the surfaces, and note those that are covered by their numbers. */
+static void
+mark(struct surface *v, int32_t n, bool *covered)
 {
-    struct surface *list = malloc((size_t)n * sizeof *list + 1);
+    qsort(v, (size_t)n, sizeof *v, by_place);
+    for (int32_t i = 1; i < n; i++)
+        covered[v[i].number] =
+            v[i].o->type != RAD_SOURCE && compare(v[i].o, v[i - 1].o) == 0;
+}
 
-    if (!list)
-        return false;
-    for (int32_t i = 0; i < n; i++)
-        list[i] = (struct surface){ &objects[obj[i]], i };
-    qsort(list, (size_t)n, sizeof *list, by_place);
-    for (int32_t i = 0; i < n; i++)
-        covered[list[i].number] = i > 0 && list[i].o->type != RAD_SOURCE &&
-                                  compare(list[i].o, list[i - 1].o) == 0;
-    free(list);
-    return true;
+bool
+rad_drop_covered(const struct rad_object *objects, void *list, int32_t *n,
+                 size_t size, size_t at)
+{
+    struct surface *v = malloc((size_t)*n * sizeof *v + 1);
+    bool *covered = calloc((size_t)*n + 1, sizeof *covered);
+    char *from = list, *to = list, *end = from + (size_t)*n * size;
+    bool done = v && covered;
+
+    for (int32_t i = 0, obj; done && i < *n; i++) {
+        memcpy(&obj, from + (size_t)i * size + at, sizeof obj);
+        v[i] = (struct surface){ &objects[obj], i };
+    }
+    if (done)
+        mark(v, *n, covered);
+    for (const bool *c = covered; done && from < end; c++, from += size) {
+        *n -= *c;
+        memmove(to, from, size);
+        to += *c ? 0 : size;
+    }
+    free(v);
+    free(covered);
+    return done;
 }

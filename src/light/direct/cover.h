@@ -10,10 +10,13 @@
 
 #include "scene/scene.h"
 
-/* Set covered[i] for each of n surfaces, objects[obj[i]], that another of them
- * covers: rays see that one, by the tie rule (geom/geom.h).  Distant sources
- * cover none: they add up, as in rpict.  False: out of memory. */
-bool rad_covered(const struct rad_object *objects, const int32_t *obj,
-                 int32_t n, bool *covered);
+#include <stddef.h>
+
+/* Drop from a list of *n structs those with a surface that another covers: rays
+ * see that one, by the tie rule (geom/geom.h).  Distant sources cover none:
+ * they add up, as in rpict. size  bytes of a struct at    where in it the
+ * number of its object is, an int32_t False: out of memory. */
+bool rad_drop_covered(const struct rad_object *objects, void *list, int32_t *n,
+                      size_t size, size_t at);
 
 #endif

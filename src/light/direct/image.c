@@ -96,30 +96,6 @@ make_mirror(struct rad_mirror *m, struct rad_job *job, int32_t obj, int32_t mat)
     return rc;
 }
 
-/* Drop each mirror that another covers; false: out of memory. */
-static bool
-drop_covered(struct maker *mk)
-{
-    struct rad_mirrors *k = &mk->mirrors;
-    int32_t *obj = malloc((size_t)k->n * sizeof *obj + 1);
-    bool *covered = calloc((size_t)k->n + 1, sizeof *covered);
-    int32_t n = k->n;
-    bool done;
-
-    for (int32_t i = 0; obj && i < n; i++)
-        obj[i] = k->list[i].obj;
-    done =
-        obj && covered && rad_covered(mk->job->scene->objects, obj, n, covered);
-    if (done)
-        k->n = 0;
-    for (int32_t i = 0; done && i < n; i++)
-        if (!covered[i])
-            k->list[k->n++] = k->list[i];
-    free(obj);
-    free(covered);
-    return done;
-}
-
 static int
 find_mirrors(struct maker *mk, struct rad_error *err)
 {
@@ -146,7 +122,11 @@ find_mirrors(struct maker *mk, struct rad_error *err)
          * tree of surfaces lacks it */
         mk->mirrors.n += rc == 0 && m->radius <= 2 * mk->mirrors.size;
     }
-    return drop_covered(mk) ? 0 : rad_fail_memory(err);
+    return rad_drop_covered(mk->job->scene->objects, mk->mirrors.list,
+                            &mk->mirrors.n, sizeof *mk->mirrors.list,
+                            offsetof(struct rad_mirror, obj))
+               ? 0
+               : rad_fail_memory(err);
 }
 
 /* --- may a mirror relay a source? --- */

@@ -12,7 +12,6 @@
 #include "light/direct/emitter.h"
 
 #include <float.h>
-#include <stdlib.h>
 
 /* Does obj have its emitter's radiance everywhere: is there no pattern or
  * texture on it? */
@@ -80,28 +79,6 @@ make_source(struct rad_source *src, struct rad_job *job, int32_t obj,
     return 0;
 }
 
-/* Drop each lamp that another covers; false: out of memory. */
-static bool
-drop_covered(struct rad_sources *s, const struct rad_object *objects)
-{
-    int32_t *obj = malloc((size_t)s->n * sizeof *obj + 1);
-    bool *covered = calloc((size_t)s->n + 1, sizeof *covered);
-    int32_t n = s->n;
-    bool done;
-
-    for (int32_t i = 0; obj && i < n; i++)
-        obj[i] = s->list[i].obj;
-    done = obj && covered && rad_covered(objects, obj, n, covered);
-    if (done)
-        s->n = 0;
-    for (int32_t i = 0; done && i < n; i++)
-        if (!covered[i])
-            s->list[s->n++] = s->list[i];
-    free(obj);
-    free(covered);
-    return done;
-}
-
 /* As in Radiance, emitters inside instances and meshes are seen by rays, but
  * are no sources. */
 struct rad_sources *
@@ -133,7 +110,8 @@ rad_sources_new(struct rad_job *job, struct rad_error *err)
         if (rc == 0)
             s->n++;
     }
-    if (!drop_covered(s, scene->objects)) {
+    if (!rad_drop_covered(scene->objects, s->list, &s->n, sizeof *s->list,
+                          offsetof(struct rad_source, obj))) {
         rad_fail_memory(err);
         return NULL;
     }
