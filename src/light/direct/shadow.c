@@ -346,6 +346,21 @@ arrives(struct rad_rgb L)
     return L.r + L.g + L.b > 0;
 }
 
+/* Set p->val to the light that comes from p's target, met at hit; false: none
+ * does. */
+static bool
+take_light(const struct direct *d, struct potential *p,
+           const struct rad_hit *hit)
+{
+    struct rad_ray sr;
+
+    if (!start_ray(d, p, &sr))
+        return false;
+    shade_target(d->ctx, &sr, hit);
+    p->val = rad_rgb_mul(sr.L, p->coef);
+    return arrives(sr.L);
+}
+
 /* The way to the mirror that shows p's image is clear: is it clear from there
  * to the source?  Sets p->val to the light that arrives; false: none does. */
 static bool
@@ -355,7 +370,6 @@ see_in_mirror(const struct direct *d, struct potential *p)
     const struct rad_virtual *v = &s->virtuals[p->source - s->n];
     struct rad_span span;
     struct rad_hit hit;
-    struct rad_ray sr;
 
     if (v->sure && !is_in_mist(d))
         return true;
@@ -368,11 +382,7 @@ see_in_mirror(const struct direct *d, struct potential *p)
         if (seen != RAD_SIGHT_VEILED)
             return seen == RAD_SIGHT_CLEAR;
     }
-    if (!start_ray(d, p, &sr))
-        return false;
-    shade_target(d->ctx, &sr, &hit);
-    p->val = rad_rgb_mul(sr.L, p->coef);
-    return arrives(sr.L);
+    return take_light(d, p, &hit);
 }
 
 /* The way to p's source is clear, and all of it in the mist that the point lies
@@ -385,19 +395,13 @@ see_in_mist(const struct direct *d, struct potential *p)
     struct rad_rgb L;
     struct rad_span span;
     struct rad_hit hit;
-    struct rad_ray sr;
 
-    if (src->flags & RAD_LIGHT_PLAIN) {
-        L = rad_rgb_mul(src->L,
-                        rad_mist_veil(d->ctx, r->medium, r->ext, p->span.tmax));
-    } else {
-        if (!rad_way_aim(d->ctx, &r->hit, p->source, p->span.dir, &span,
-                         &hit) ||
-            !start_ray(d, p, &sr))
-            return false;
-        shade_target(d->ctx, &sr, &hit);
-        L = sr.L;
-    }
+    if (!(src->flags & RAD_LIGHT_PLAIN))
+        return rad_way_aim(d->ctx, &r->hit, p->source, p->span.dir, &span,
+                           &hit) &&
+               take_light(d, p, &hit);
+    L = rad_rgb_mul(src->L,
+                    rad_mist_veil(d->ctx, r->medium, r->ext, p->span.tmax));
     p->val = rad_rgb_mul(L, p->coef);
     return arrives(L);
 }
