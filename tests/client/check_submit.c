@@ -374,40 +374,37 @@ script_is_in_the_queue(struct player *p)
     player_give(p, MSG_WHAT_STATS, "{ }", 0);
 }
 
-/* As long as it is paused no worker can come. */
+/* The job is in that state, and no worker is told of, for many times as long as
+ * the client would wait. */
 static void
-script_is_paused(struct player *p)
+script_stands_still(struct player *p, uint8_t state)
 {
     struct msg m = { .type = MSG_PROGRESS };
 
     player_welcome(p, 1);
     player_take_job(p, false);
     m.progress.job = job_id;
-    m.progress.state = MSG_STATE_PAUSED;
+    m.progress.state = state;
     player_send(p, &m);
-    usleep(300000); /* many times as long as it would wait */
+    usleep(300000);
     player_progress(p, 1, 1);
     player_give(p, MSG_WHAT_PICTURE, "a picture", 0);
     player_done(p);
     player_give(p, MSG_WHAT_STATS, "{ }", 0);
 }
 
+/* As long as it is paused no worker can come. */
+static void
+script_is_paused(struct player *p)
+{
+    script_stands_still(p, MSG_STATE_PAUSED);
+}
+
 /* A worker began the job and left before it was told of. */
 static void
 script_lost_its_worker(struct player *p)
 {
-    struct msg m = { .type = MSG_PROGRESS };
-
-    player_welcome(p, 1);
-    player_take_job(p, false);
-    m.progress.job = job_id;
-    m.progress.state = MSG_STATE_RUNNING;
-    player_send(p, &m);
-    usleep(300000); /* many times as long as it would wait */
-    player_progress(p, 1, 1);
-    player_give(p, MSG_WHAT_PICTURE, "a picture", 0);
-    player_done(p);
-    player_give(p, MSG_WHAT_STATS, "{ }", 0);
+    script_stands_still(p, MSG_STATE_RUNNING);
 }
 
 static void

@@ -33,64 +33,59 @@ START_TEST(store_keeps_files_and_refuses_impostors)
 }
 END_TEST
 
-/* A sender that cannot read a file, or its rest, sends it as an empty one. */
-START_TEST(store_tells_of_a_file_that_its_sender_cannot_read)
+/* Have a store take n pieces of the file "hello". */
+static void
+take_pieces(struct heard *h, const struct msg_chunk *piece, int n)
 {
-    struct heard h = { 0 };
     uint8_t digest[MSG_HASH];
     char hex[RAD_SHA_HEX + 1];
     uv_loop_t loop;
     struct store *s;
-    struct msg_chunk c = { .hash = digest,
-                           .total = _i == 0 ? 5 : 0,
-                           .len = _i == 0 ? 2 : 0 };
 
     hash_of("hello", 5, hex);
     rad_sha_from_hex(hex, digest);
     uv_loop_init(&loop);
-    s = store_open(&loop, dir, false, &handler, &h, NULL);
+    s = store_open(&loop, dir, false, &handler, h, NULL);
     ck_assert_ptr_nonnull(s);
-    c.data = (const uint8_t *)"he";
-    for (int pieces = _i; pieces < 2; pieces++) {
+    for (int i = 0; i < n; i++) {
+        struct msg_chunk c = piece[i];
+
+        c.hash = digest;
+        c.data = (const uint8_t *)"hello";
         store_put_chunk(s, 5, &c);
-        c.total = 0;
-        c.len = 0;
     }
     run(&loop, s);
+    store_close(s);
+    ck_assert_int_eq(uv_loop_close(&loop), 0);
+}
+
+/* A sender that cannot read a file, or its rest, sends it as an empty one. */
+START_TEST(store_tells_of_a_file_that_its_sender_cannot_read)
+{
+    static const struct msg_chunk half_and_empty[] = {
+        { .total = 5, .len = 2 }, { .total = 0, .len = 0 }
+    };
+    struct heard h = { 0 };
+
+    take_pieces(&h, half_and_empty + _i, 2 - _i);
     ck_assert_int_eq(h.files, 1);
     ck_assert_int_eq(h.status, EX_PROTOCOL);
     ck_assert_str_eq(h.text, "file 2cf24dba5fb0 came empty: its sender cannot "
                              "read it");
-    store_close(s);
-    ck_assert_int_eq(uv_loop_close(&loop), 0);
 }
 END_TEST
 
 /* Only the first piece of a file is counted for its user. */
 START_TEST(a_file_that_begins_again_with_another_length_is_refused)
 {
-    struct heard h = { 0 };
-    uint8_t digest[MSG_HASH];
-    char hex[RAD_SHA_HEX + 1];
-    uv_loop_t loop;
-    struct store *s;
-    struct msg_chunk c = {
-        .hash = digest, .total = 2, .len = 1, .data = (const uint8_t *)"hello"
+    static const struct msg_chunk small_and_large[] = {
+        { .total = 2, .len = 1 }, { .total = 5, .len = 5 }
     };
+    struct heard h = { 0 };
 
-    hash_of("hello", 5, hex);
-    rad_sha_from_hex(hex, digest);
-    uv_loop_init(&loop);
-    s = store_open(&loop, dir, false, &handler, &h, NULL);
-    ck_assert_ptr_nonnull(s);
-    store_put_chunk(s, 5, &c);
-    c.total = c.len = 5;
-    store_put_chunk(s, 5, &c);
-    run(&loop, s);
+    take_pieces(&h, small_and_large, 2);
     ck_assert_int_eq(h.status, EX_PROTOCOL);
     ck_assert_str_eq(h.text, "a file that changed its length");
-    store_close(s);
-    ck_assert_int_eq(uv_loop_close(&loop), 0);
 }
 END_TEST
 
