@@ -136,6 +136,22 @@ mib(uint64_t bytes)
     return (bytes + (1u << 20) - 1) >> 20;
 }
 
+static int
+check_stored(const struct coord_limits *l, const struct use *u, uint64_t bytes,
+             struct rad_error *err)
+{
+    return check("user_mib", mib(u->bytes), mib(bytes), l->bytes >> 20,
+                 "MiB stored", "delete jobs that are over", err);
+}
+
+static int
+check_uploads(const struct coord_limits *l, const struct use *u,
+              struct rad_error *err)
+{
+    return check("user_uploads", u->uploads, 1, l->uploads, "uploads under way",
+                 "end some", err);
+}
+
 int
 quota_job(const struct coord *c, const struct coord_conn *conn,
           const struct msg_spec *spec, struct rad_error *err)
@@ -152,9 +168,7 @@ quota_job(const struct coord *c, const struct coord_conn *conn,
                "frames to render", "cancel jobs", err);
     /* the job's pixels alone: the bundle's files are in u.bytes already */
     if (rc == 0)
-        rc = check("user_mib", mib(u.bytes), mib(spec_bytes(spec)),
-                   l->bytes >> 20, "MiB stored", "delete jobs that are over",
-                   err);
+        rc = check_stored(l, &u, spec_bytes(spec), err);
     if (rc == 0)
         rc = check("user_jobs", u.jobs, 1, l->jobs, "jobs that are not over",
                    "cancel some", err);
@@ -176,8 +190,7 @@ quota_upload(const struct coord *c, const struct coord_conn *conn,
     if (is_free(conn))
         return 0;
     count_use(c, conn->owner, &u);
-    return check("user_uploads", u.uploads, 1, c->limits.uploads,
-                 "uploads under way", "end some", err);
+    return check_uploads(&c->limits, &u, err);
 }
 
 int
@@ -191,15 +204,13 @@ quota_file(const struct coord *c, const struct coord_conn *conn, uint64_t bytes,
     if (is_free(conn))
         return 0;
     count_use(c, conn->owner, &u);
-    rc = check("user_uploads", u.uploads, 1, l->uploads, "uploads under way",
-               "end some", err);
+    rc = check_uploads(l, &u, err);
     if (rc == 0)
         rc = check("user_upload_mib", mib(u.upload_bytes), mib(bytes),
                    l->upload_bytes >> 20, "MiB sent for no job yet",
                    "end uploads", err);
     if (rc == 0)
-        rc = check("user_mib", mib(u.bytes), mib(bytes), l->bytes >> 20,
-                   "MiB stored", "delete jobs that are over", err);
+        rc = check_stored(l, &u, bytes, err);
     return rc;
 }
 
