@@ -280,6 +280,20 @@ START_TEST(a_job_that_was_being_forgotten_is_no_damage)
 }
 END_TEST
 
+/* The job takes rows, and has them in another life. */
+static void
+keeps_a_unit(uv_loop_t *loop, struct store **s, struct heard *h,
+             struct saved_job *job)
+{
+    put_unit(*s, kept_job, 0, 3, 3);
+    run(loop, *s);
+    ck_assert_int_eq(h->status, 0);
+    close_kept(loop, *s);
+    open_kept(loop, s, h);
+    ck_assert_int_eq(recover(*s, job, NULL), 0);
+    ck_assert_uint_eq(job->nunits, 1);
+}
+
 /* How many more files the folder of the job has that is being forgotten, and
  * whether the new job is submitted after DELETE was answered. */
 static const struct {
@@ -320,13 +334,7 @@ START_TEST(a_job_may_have_the_id_of_one_that_is_being_forgotten)
     run(&loop, s);
     ck_assert_int_eq(h.jobs, 1);
     ck_assert(!is_there(KEPT_DIR ".gone"));
-    put_unit(s, kept_job, 0, 3, 3);
-    run(&loop, s);
-    ck_assert_int_eq(h.status, 0);
-    close_kept(&loop, s);
-    open_kept(&loop, &s, &h);
-    ck_assert_int_eq(recover(s, &job, NULL), 0);
-    ck_assert_uint_eq(job.nunits, 1);
+    keeps_a_unit(&loop, &s, &h, &job);
     ck_assert_int_eq(job.state, 2);
     ck_assert_int_eq(job.spec.priority, 7);
     close_kept(&loop, s);
@@ -367,13 +375,7 @@ START_TEST(a_job_may_have_the_id_of_one_that_was_never_opened)
     }
     run(&loop, s);
     ck_assert_int_eq(h.jobs, 2);
-    put_unit(s, kept_job, 0, 3, 3);
-    run(&loop, s);
-    ck_assert_int_eq(h.status, 0);
-    close_kept(&loop, s);
-    open_kept(&loop, &s, &h);
-    ck_assert_int_eq(recover(s, &job, NULL), 0);
-    ck_assert_uint_eq(job.nunits, 1);
+    keeps_a_unit(&loop, &s, &h, &job);
     close_kept(&loop, s);
 }
 END_TEST
