@@ -389,6 +389,22 @@ outranks(const struct rad_geom *g, const struct rad_met *a, bool a_front,
     return a->number > b->number;
 }
 
+bool
+rad_geom_outranks(const struct rad_geom *g, int32_t a, int32_t b)
+{
+    struct rad_met met[2] = { { .hit.obj = a, .obj = a },
+                              { .hit.obj = b, .obj = b } };
+
+    for (int i = 0; i < 2; i++) {
+        uint32_t prim = g->prim_of[met[i].obj];
+
+        if (prim == RAD_NO_PRIM)
+            return false;
+        met[i].surf = g->top.prims[prim].surf;
+    }
+    return outranks(g, &met[0], true, &met[1], true);
+}
+
 struct contest {
     const struct rad_geom *g;
     struct rad_met leader;

@@ -105,6 +105,10 @@ void rad_geom_bounds(const struct rad_geom *g, double lo[3], double hi[3]);
 bool rad_geom_nearest(const struct rad_geom *g, const struct rad_span *span,
                       struct rad_hit *hit, struct rad_geom_counts *counts);
 
+/* Of two surfaces of the scene's own in one place, their fronts on the same
+ * side: does the tie rule choose a, and not b? */
+bool rad_geom_outranks(const struct rad_geom *g, int32_t a, int32_t b);
+
 /* The same, and fill *line with the surfaces up to the first that is not
  * passed, that one included; hit is the line's first entry.  The line stays
  * empty in a scene without surfaces that are passed. */

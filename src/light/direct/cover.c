@@ -3,76 +3,128 @@
 
 #include "light/direct/cover.h"
 
+#include "scene/part.h"
+
 #include <stdlib.h>
 #include <string.h>
 
-/* A surface, to be sorted by place. */
-struct surface {
-    const struct rad_object *o;
-    int32_t number;
+/* A place that a lamp or mirror takes. */
+struct place {
+    const struct rad_object *o; /* a surface there */
+    int32_t from;               /* its first real argument, for comparison */
+    int32_t best;               /* the surface there that rays see */
 };
 
-/* Less than, equal to or greater than 0, as a's place is before b's, the same or
- * behind it.  By value: -0 is 0. */
-static int
-compare(const struct rad_object *a, const struct rad_object *b)
+/* The place where a polygon's numbers are read from: its least corner, so that
+ * it is the same whichever corner the scene names first. */
+static int32_t
+least_corner(const struct rad_object *o)
 {
-    if (a->type != b->type)
-        return a->type < b->type ? -1 : 1;
-    if (a->nreals != b->nreals)
-        return a->nreals < b->nreals ? -1 : 1;
-    for (int32_t i = 0; i < a->nreals; i++)
-        if (a->reals[i] != b->reals[i])
-            return a->reals[i] < b->reals[i] ? -1 : 1;
+    int32_t least = 0;
+
+    for (int32_t i = 3; i + 2 < o->nreals; i += 3) {
+        const double *a = o->reals + i, *b = o->reals + least;
+        int k = 0;
+
+        while (k < 2 && a[k] == b[k])
+            k++;
+        least = a[k] < b[k] ? i : least;
+    }
+    return least;
+}
+
+static struct place
+place_of(const struct rad_object *objects, int32_t i)
+{
+    const struct rad_object *o = &objects[i];
+
+    return (struct place){ o, o->type == RAD_POLYGON ? least_corner(o) : 0, i };
+}
+
+/* For qsort() and bsearch().  By value: -0 is 0. */
+static int
+compare(const void *p, const void *q)
+{
+    const struct place *a = p, *b = q;
+    int32_t n = a->o->nreals, i = a->from, j = b->from;
+
+    if (a->o->type != b->o->type)
+        return a->o->type < b->o->type ? -1 : 1;
+    if (n != b->o->nreals)
+        return n < b->o->nreals ? -1 : 1;
+    for (int32_t k = 0; k < n; k++) {
+        double x = a->o->reals[i], y = b->o->reals[j];
+
+        if (x != y)
+            return x < y ? -1 : 1;
+        i = i + 1 < n ? i + 1 : 0;
+        j = j + 1 < n ? j + 1 : 0;
+    }
     return 0;
 }
 
-/* Surfaces of one place lie together, and the first is the surface that rays
- * see. */
-static int
-by_place(const void *p, const void *q)
+/* Note in each of the n places which of the scene's surfaces rays see there. */
+static void
+find_best(const struct rad_job *job, struct place *places, size_t n)
 {
-    const struct surface *a = p, *b = q;
-    int way = compare(a->o, b->o);
+    const struct rad_scene *scene = job->scene;
 
-    if (way != 0)
-        return way;
-    if (a->o->modifier != b->o->modifier)
-        return a->o->modifier > b->o->modifier ? -1 : 1;
-    return a->o > b->o ? -1 : 1;
+    for (int32_t i = 0; n > 0 && i < rad_scene_own(scene); i++) {
+        struct place *at, key;
+
+        if (rad_otype_class(scene->objects[i].type) != RAD_CLASS_SURFACE)
+            continue;
+        key = place_of(scene->objects, i);
+        at = bsearch(&key, places, n, sizeof key, compare);
+        if (at && rad_geom_outranks(job->geom, i, at->best))
+            at->best = i;
+    }
 }
 
-/* Sort the surfaces, and note those that are covered by their numbers. */
-static void
-mark(struct surface *v, int32_t n, bool *covered)
+static bool
+is_covered(const struct rad_object *objects, const struct place *places,
+           size_t n, int32_t obj)
 {
-    qsort(v, (size_t)n, sizeof *v, by_place);
-    for (int32_t i = 1; i < n; i++)
-        covered[v[i].number] =
-            v[i].o->type != RAD_SOURCE && compare(v[i].o, v[i - 1].o) == 0;
+    struct place key = place_of(objects, obj);
+    const struct place *at;
+
+    if (key.o->type == RAD_SOURCE)
+        return false;
+    at = bsearch(&key, places, n, sizeof key, compare);
+    return at && at->best != obj;
 }
 
 bool
-rad_drop_covered(const struct rad_object *objects, void *list, int32_t *n,
-                 size_t size, size_t at)
+rad_drop_covered(const struct rad_job *job, void *list, int32_t *n, size_t size,
+                 size_t at)
 {
-    struct surface *v = malloc((size_t)*n * sizeof *v + 1);
-    bool *covered = calloc((size_t)*n + 1, sizeof *covered);
+    const struct rad_object *objects = job->scene->objects;
+    struct place *places = malloc((size_t)*n * sizeof *places + 1);
     char *from = list, *to = list, *end = from + (size_t)*n * size;
-    bool done = v && covered;
+    size_t all = 0, some = 0;
+    int32_t obj;
 
-    for (int32_t i = 0, obj; done && i < *n; i++) {
-        memcpy(&obj, from + (size_t)i * size + at, sizeof obj);
-        v[i] = (struct surface){ &objects[obj], i };
+    if (!places)
+        return false;
+    for (char *p = list; p < end; p += size) {
+        memcpy(&obj, p + at, sizeof obj);
+        if (objects[obj].type != RAD_SOURCE)
+            places[all++] = place_of(objects, obj);
     }
-    if (done)
-        mark(v, *n, covered);
-    for (const bool *c = covered; done && from < end; c++, from += size) {
-        *n -= *c;
+    qsort(places, all, sizeof *places, compare);
+    for (size_t i = 0; i < all; i++)
+        if (i == 0 || compare(&places[i], &places[some - 1]) != 0)
+            places[some++] = places[i];
+    find_best(job, places, some);
+    for (; from < end; from += size) {
+        memcpy(&obj, from + at, sizeof obj);
+        if (is_covered(objects, places, some, obj)) {
+            --*n;
+            continue;
+        }
         memmove(to, from, size);
-        to += *c ? 0 : size;
+        to += size;
     }
-    free(v);
-    free(covered);
-    return done;
+    free(places);
+    return true;
 }

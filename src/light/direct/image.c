@@ -122,8 +122,8 @@ find_mirrors(struct maker *mk, struct rad_error *err)
          * tree of surfaces lacks it */
         mk->mirrors.n += rc == 0 && m->radius <= 2 * mk->mirrors.size;
     }
-    return rad_drop_covered(mk->job->scene->objects, mk->mirrors.list,
-                            &mk->mirrors.n, sizeof *mk->mirrors.list,
+    return rad_drop_covered(mk->job, mk->mirrors.list, &mk->mirrors.n,
+                            sizeof *mk->mirrors.list,
                             offsetof(struct rad_mirror, obj))
                ? 0
                : rad_fail_memory(err);

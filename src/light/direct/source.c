@@ -110,7 +110,7 @@ rad_sources_new(struct rad_job *job, struct rad_error *err)
         if (rc == 0)
             s->n++;
     }
-    if (!rad_drop_covered(scene->objects, s->list, &s->n, sizeof *s->list,
+    if (!rad_drop_covered(job, s->list, &s->n, sizeof *s->list,
                           offsetof(struct rad_source, obj))) {
         rad_fail_memory(err);
         return NULL;

@@ -83,6 +83,23 @@ START_TEST(mirrors_in_one_place_relay_as_one)
 }
 END_TEST
 
+/* A wall in the mirror's place, from another corner on; and facing away. */
+START_TEST(what_covers_a_mirror_ends_its_image)
+{
+    const char *over =
+        BALL GOLD "void plastic wall 0 0 5 .5 .5 .5 0 0\n"
+                  "gold " EAST "wall polygon over 0 0 12 1 99 99 1 99 -99 "
+                  "1 -99 -99 1 -99 99\n";
+    const char *back =
+        BALL GOLD "void plastic wall 0 0 5 .5 .5 .5 0 0\n"
+                  "gold " EAST "wall polygon back 0 0 12 1 99 -99 1 99 99 "
+                  "1 -99 99 1 -99 -99\n";
+
+    near(light_of(over, pretest[_i]), from_ball(0));
+    near(light_of(back, pretest[_i]), from_ball(0) + .8 * from_ball(2));
+}
+END_TEST
+
 START_TEST(no_relay_no_image)
 {
     near(light_of(BALL GOLD "gold " EAST, "-dr 0"), from_ball(0));
@@ -438,6 +455,7 @@ make_suite(void)
     tcase_add_loop_test(tc, wall_doubles_a_lamp_in_its_colour, 0,
                         N_ELEM(pretest));
     tcase_add_loop_test(tc, mirrors_in_one_place_relay_as_one, 0, 2);
+    tcase_add_loop_test(tc, what_covers_a_mirror_ends_its_image, 0, 2);
     tcase_add_test(tc, no_relay_no_image);
     tcase_add_loop_test(tc, facing_mirrors_relay_as_often_as_told, 0,
                         N_ELEM(pretest));

@@ -118,7 +118,10 @@ START_TEST(ceiling_flush_with_its_lamp_changes_nothing_anywhere)
 }
 END_TEST
 
+/* The lamp's place, the same from another corner on, and facing up. */
 #define SAME_PLACE "0 0 12 -1 -1 2 -1 1 2 1 1 2 1 -1 2\n"
+#define SAME_TURNED "0 0 12 1 1 2 1 -1 2 -1 -1 2 -1 1 2\n"
+#define SAME_UPWARD "0 0 12 1 -1 2 1 1 2 -1 1 2 -1 -1 2\n"
 
 /* What else is where the lamp is, and how many times as bright as the lamp it
  * looks then. */
@@ -131,9 +134,25 @@ static const struct {
       1 },
     { "void light later 0 0 3 .5 .5 .5\nlater polygon p " SAME_PLACE, .5 },
     { "void glow later 0 0 4 3 3 3 9\nlater polygon p " SAME_PLACE, 3 },
+    { "bright polygon again " SAME_TURNED, 1 },
+    { "void light later 0 0 3 .5 .5 .5\nlater polygon p " SAME_TURNED, .5 },
+    { "void light later 0 0 3 .5 .5 .5\nlater polygon p " SAME_UPWARD, 1 },
+    { PLASTIC "white polygon p " SAME_PLACE, 0 },
+    { PLASTIC "white polygon p " SAME_TURNED, 0 },
+    { PLASTIC "white polygon p " SAME_UPWARD, 1 },
+    { PLASTIC "white polygon p " SAME_PLACE
+              "void light later 0 0 3 .5 .5 .5\nlater polygon q " SAME_TURNED,
+      .5 },
+    { PLASTIC "void light later 0 0 3 .5 .5 .5\nlater polygon q " SAME_TURNED
+              "white polygon p " SAME_PLACE,
+      .5 },
+    { "void polygon p " SAME_PLACE, 1 },
+    { "void glass pane 0 0 3 .9 .9 .9\npane polygon p " SAME_PLACE, 1 },
+    { "void trans sheet 0 0 7 .9 .9 .9 0 0 .5 .5\nsheet polygon p " SAME_PLACE,
+      1 },
 };
 
-START_TEST(lamps_in_one_place_light_as_they_look)
+START_TEST(a_lamp_and_what_covers_it_light_as_they_look)
 {
     struct world one = { 0 };
     char text[512];
@@ -488,7 +507,7 @@ main(void)
     tcase_add_test(tc, lamp_lights_and_counts_its_rays);
     tcase_add_loop_test(tc, shadow_ray_meets, 0, N_ELEM(blocker));
     tcase_add_test(tc, ceiling_flush_with_its_lamp_changes_nothing_anywhere);
-    tcase_add_loop_test(tc, lamps_in_one_place_light_as_they_look, 0,
+    tcase_add_loop_test(tc, a_lamp_and_what_covers_it_light_as_they_look, 0,
                         N_ELEM(double_lamp));
     tcase_add_test(tc, a_lamp_at_minus_zero_is_not_another);
     tcase_add_test(tc, half_a_lamp_gives_a_penumbra);
