@@ -18,5 +18,10 @@ libclient_a_SOURCES += \
 	client/link/roll.h \
 	client/link/submit.c \
 	client/link/submit.h \
+	client/link/submit_ask.c \
+	client/link/submit_ends.c \
+	client/link/submit_impl.h \
+	client/link/submit_results.c \
+	client/link/submit_talk.c \
 	client/link/target.c \
 	client/link/target.h

@@ -1,0 +1,140 @@
+/* submit_talk.c - messages of the coordinator, and the job cancelled; see
+ * submit_impl.h */
+#include "config.h"
+
+#include "link/submit_impl.h"
+
+#include <string.h>
+
+enum { CANCEL_MS = 5000 }; /* longest wait for a job to be cancelled */
+
+uint64_t
+submit_now_ms(const struct submit *s)
+{
+    uv_update_time(s->where.loop);
+    return uv_now(s->where.loop);
+}
+
+static bool
+is_ours(const struct submit *s, const uint8_t *job)
+{
+    static const uint8_t none[MSG_JOB];
+
+    return memcmp(job, s->job->spec->job, MSG_JOB) == 0 ||
+           memcmp(job, none, MSG_JOB) == 0;
+}
+
+void
+submit_reach(struct submit *s, enum stage to)
+{
+    if (to >= STAGE_KNOWN && s->stage < STAGE_KNOWN && s->cb->accepted)
+        s->cb->accepted(s->cb->arg);
+    if (s->stage < to)
+        s->stage = to;
+}
+
+/* --- messages that may come at any time --- */
+
+static int
+take(struct submit *s, const struct msg *m)
+{
+    switch (m->type) {
+    case MSG_PROGRESS:
+        if (!is_ours(s, m->progress.job))
+            return 0;
+        s->last = m->progress;
+        if (memcmp(m->progress.job, s->job->spec->job, MSG_JOB) == 0)
+            submit_reach(s, STAGE_KNOWN);
+        /* it may have begun and left between two reports */
+        if (m->progress.workers > 0 || m->progress.state == MSG_STATE_RUNNING)
+            s->met_worker = true;
+        if (s->wait_ms == 0 || m->progress.state == MSG_STATE_HELD ||
+            m->progress.state == MSG_STATE_PAUSED)
+            s->wait_ms = submit_now_ms(s); /* no worker can come meanwhile */
+        if (s->cb->progress)
+            s->cb->progress(s->cb->arg, &m->progress);
+        return 0;
+    case MSG_RECORDS:
+        if (s->cb->records && is_ours(s, m->records.job))
+            s->cb->records(s->cb->arg, &m->records);
+        return 0;
+    case MSG_DONE:
+        s->done |= is_ours(s, m->done.job);
+        return 0;
+    case MSG_FAILED:
+        if (!is_ours(s, m->failed.job) ||
+            (s->fetching && m->request == s->request) ||
+            (s->cancelled && s->done)) /* it ended before CANCEL came */
+            return 0;
+        s->over = true;
+        if (s->cancelled)
+            return submit_interrupted(s);
+        return rad_fail(s->err, link_code(m->failed.status), "%s",
+                        m->failed.text);
+    default:
+        return 0;
+    }
+}
+
+int
+submit_next(struct submit *s, int ms, const struct msg **m)
+{
+    int rc;
+
+    if (*s->where.wake > (s->stage >= STAGE_KNOWN ? 1 : 0))
+        return submit_interrupted(s);
+    rc = link_recv(s->link, ms, m, s->err);
+    if (rc == 1) {
+        int taken = take(s, *m);
+
+        if (taken < 0)
+            return taken;
+    }
+    return rc;
+}
+
+bool
+submit_is_settled(const struct submit *s)
+{
+    return s->over || s->done || s->cb->alive;
+}
+
+int
+submit_cancel(struct submit *s)
+{
+    struct msg m = { .type = MSG_CANCEL, .request = ++s->request };
+    const struct msg *answer;
+    uint64_t until = submit_now_ms(s) + CANCEL_MS;
+    int rc;
+
+    s->cancelled = true;
+    m.cancel.job = s->job->spec->job;
+    rc = link_send(s->link, &m, s->err);
+    while (rc >= 0 && submit_now_ms(s) < until) {
+        rc = submit_next(s, SUBMIT_LOOK_MS, &answer);
+        if (rc == 1 && answer->request == s->request &&
+            (answer->type == MSG_ANSWER || answer->type == MSG_FAILED)) {
+            s->over = true;
+            break;
+        }
+    }
+    if (!submit_is_settled(s))
+        return submit_not_settled(s);
+    if (!s->done || s->cb->alive)
+        submit_say_what_it_got(s);
+    return submit_interrupted(s);
+}
+
+int
+submit_await(struct submit *s, uint16_t type, const struct msg **m)
+{
+    int rc;
+
+    do {
+        /* the job waits for room, so the first interrupt cancels it here */
+        if (*s->where.wake == 1 && s->stage == STAGE_KNOWN)
+            return submit_cancel(s);
+        rc = submit_next(s, SUBMIT_LOOK_MS, m);
+    } while (rc == 0 || (rc == 1 && (*m)->type != type));
+    return rc < 0 ? rc : 0;
+}
