@@ -35,10 +35,22 @@ radctl_CFLAGS = $(AM_CFLAGS) $(JANSSON_CFLAGS) $(UV_CFLAGS) $(CURSES_CFLAGS)
 radctl_LDADD = $(LIBCLIENT) $(CURSES_LIBS) $(LIBDAEMON) $(LIBRAD)
 radsubmit_SOURCES = \
 	client/program.h \
+	client/program_cluster.c \
+	client/program_cluster.h \
 	client/program_files.c \
+	client/program_files.h \
+	client/program_job.c \
+	client/program_job.h \
+	client/program_loop.c \
+	client/program_loop.h \
 	client/program_planes.c \
+	client/program_planes.h \
 	client/program_say.c \
+	client/program_say.h \
+	client/program_scene.c \
+	client/program_scene.h \
 	client/program_stream.c \
+	client/program_stream.h \
 	client/radsubmit.c
 radsubmit_CPPFLAGS = $(AM_CPPFLAGS) -DRADD_LIBEXECDIR='"$(pkglibexecdir)"'
 radsubmit_CFLAGS = $(AM_CFLAGS) $(UV_CFLAGS)

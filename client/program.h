@@ -1,14 +1,17 @@
 /* program.h - what radsubmit's files share: one run of the program
  *
- *   radsubmit.c       the course of a run, from the command line to the end
- *   program_say.c     messages to the user, on standard error
- *   program_files.c   the files that are written, and checks of them
- *   program_planes.c  jobs of planes, for more than three bands
- *   program_stream.c  jobs of sensor points that come on a pipe
+ *   radsubmit.c         the course of a run, from the command line to the end
+ *   program_loop.c      the event loop and signals
+ *   program_scene.c     the scene, compiled from the user's files
+ *   program_cluster.c   the cluster that renders, also one of radsubmit's own
+ *   program_job.c       a job, from its scene to its last picture
+ *   program_planes.c    jobs of planes, for more than three bands
+ *   program_stream.c    jobs of sensor points that come on a pipe
+ *   program_files.c     the files that are written, and checks of them
+ *   program_say.c       messages to the user, on standard error
  *
  * main() owns the program, and all in it lives as long.
- * Thread: the main one.  A scene is compiled on another thread, which has
- * p->scene, p->frames and p->err for itself until it is done. */
+ * Thread: the main one (but see program_scene.h). */
 #ifndef RADD_CLIENT_PROGRAM_H
 #define RADD_CLIENT_PROGRAM_H
 
@@ -27,8 +30,7 @@
 #include "link/submit.h"
 #include "link/target.h"
 #include "trial/trial.h"
-
-#include <uv.h>
+#include "program_loop.h"
 
 struct program_cluster { /* where the job is rendered */
     struct target target;
@@ -36,13 +38,6 @@ struct program_cluster { /* where the job is rendered */
     uint64_t began_ms;     /* when that was started, in the loop's time */
     struct local *local;   /* its folder always has the scene's files */
     struct launch *launch; /* NULL: the workers are local's */
-};
-
-struct program_loop { /* the event loop, with signals */
-    uv_loop_t uv;
-    uv_signal_t signals[3];
-    bool watched;   /* uv and signals are in use */
-    int interrupts; /* so far; 2 end the program at once */
 };
 
 struct program_stream { /* sensor points on a pipe */
@@ -123,78 +118,5 @@ struct program {
     struct program_said said;
     struct rad_error *err;
 };
-
-/* --- program_say.c --- */
-
-/* Print a line on standard error: news unless this is in the place of rpict or
- * rtrace, which have none without -t; a warning unless -w- is given. */
-void program_say(void *program, const char *text);
-void program_news(struct program *p, const char *text);
-void program_warn(struct program *p, const char *text);
-void program_warn_of_psample(struct program *p);
-/* Frames of --no-clobber whose exposure is not that of the frames there. */
-void program_warn_of_rest(struct program *p);
-void program_warn_of_scene(struct program *p);
-/* Tell what rad would do and radsubmit does not, each note once. */
-void program_warn_of_rif(struct program *p);
-
-/* Show a report of progress (submit.h), and say what holds the job up. */
-void program_on_progress(void *program, const struct msg_progress *m);
-
-/* At the end of each job: warn of pixels that were no numbers, and sum up. */
-void program_end_job(struct program *p);
-/* At the end of all: warn of pictures that are all black without bad pixels, of
- * functions that failed.  Then the last line. */
-void program_warn_of_dark(struct program *p);
-void program_warn_of_faults(struct program *p);
-void program_say_done(struct program *p);
-/* Take from the job's statistics, JSON, what --error or --time have reached. */
-void program_note_goal(struct program_goal *g, const uint8_t *json, size_t len);
-
-/* --- program_files.c --- */
-
-/* Check that all outputs can be written, and the -af file read, before anything
- * is sent.  RAD_EUSAGE, RAD_ECANTCREAT. */
-int program_check_outputs(const struct program *p);
-int program_check_ambient(struct program *p);
-
-/* Take results of the job (submit.h). */
-int program_on_preview(void *program, const uint8_t *picture, size_t len,
-                       struct rad_error *err);
-int program_on_frame(void *program, uint32_t frame, const uint8_t *picture,
-                     size_t picture_len, const uint8_t *depth, size_t depth_len,
-                     struct rad_error *err);
-/* Set p->text, for the header of the points' values. */
-void program_fill_text(struct program *p);
-/* Write the values of sensor points. */
-int program_write_points(struct program *p,
-                         const struct pointwriter_light *light,
-                         struct rad_error *err);
-int program_write_stats_of_none(struct program *p);
-int program_on_stats(void *program, const uint8_t *json, size_t len,
-                     struct rad_error *err);
-
-/* Tell where results are that could not be written to their place. */
-void program_say_where_it_is(const struct program *p);
-
-/* --- program_planes.c --- */
-
-/* Fill in the specification of the job, or of the job of the current plane. */
-void program_fill_spec(struct program *p);
-
-/* As submit_run(), for the jobs of all planes. */
-int program_run_planes(struct program *p, const struct submit_job *job,
-                       const struct submit_callbacks *cb);
-
-/* --- program_stream.c --- */
-
-/* RAD_EUSAGE: these options do not go with points on a pipe.  Puts a frame of
- * any size into p->frames for the first batch. */
-int program_check_stream(struct program *p);
-
-/* As submit_run(), with a job for each batch of points.  The scene must be
- * compiled and records be read. */
-int program_run_stream(struct program *p, const struct submit_job *job,
-                       const struct submit_callbacks *cb);
 
 #endif

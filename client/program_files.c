@@ -1,8 +1,8 @@
 /* program_files.c - the files that radsubmit writes, and checks of them; see
- * program.h */
+ * program_files.h */
 #include "config.h"
 
-#include "program.h"
+#include "program_files.h"
 
 #include "show/expose.h"
 #include "base/output.h"
@@ -10,42 +10,13 @@
 #include "link/rescue.h"
 #include "common/tell.h"
 #include "trial/dryrun.h"
+#include "program_say.h"
 
 #include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
-
-/* --- signals while a file is written --- */
-
-/* Writing to a pipe may wait for a reader for ever, and the event loop stands
- * still meanwhile: let signals do what they do to any program, end it.  was:
- * the signals that were caught, for catch_signals(). */
-static void
-release_signals(struct program *p, const char *path, int was[3])
-{
-    bool waits = p->loop.watched && rad_output_in_place(path);
-
-    for (int i = 0; i < 3; i++) {
-        uv_signal_t *s = &p->loop.signals[i];
-
-        was[i] = waits && uv_is_active((uv_handle_t *)s) ? s->signum : 0;
-        if (was[i])
-            uv_signal_stop(s);
-    }
-}
-
-static void
-catch_signals(struct program *p, const int was[3])
-{
-    for (int i = 0; i < 3; i++) {
-        uv_signal_t *s = &p->loop.signals[i];
-
-        if (was[i])
-            uv_signal_start(s, s->signal_cb, was[i]);
-    }
-}
 
 /* --- pictures --- */
 
@@ -66,10 +37,10 @@ write_picture(struct program *p, uint32_t frame, const uint8_t *picture,
         picture = exposed;
     }
     if (rc == 0) {
-        release_signals(p, name, was);
+        program_loop_free_signals(&p->loop, name, was);
         rc = picfile_write(name, (enum picfile_format)p->o.format, picture, len,
                            !p->cluster.embedded, &p->o.show, err);
-        catch_signals(p, was);
+        program_loop_catch_signals(&p->loop, was);
     }
     free(exposed);
     free(name);
@@ -85,9 +56,9 @@ write_depth(struct program *p, uint32_t frame, const uint8_t *depth, size_t len,
     int was[3];
 
     if (rc == 0) {
-        release_signals(p, name, was);
+        program_loop_free_signals(&p->loop, name, was);
         rc = rad_output_write(name, depth, len, !p->cluster.embedded, err);
-        catch_signals(p, was);
+        program_loop_catch_signals(&p->loop, was);
     }
     free(name);
     return rc;
@@ -188,11 +159,11 @@ program_write_points(struct program *p, const struct pointwriter_light *light,
 
     if (!p->stream.is)
         program_fill_text(p);
-    release_signals(p, p->o.output, was);
+    program_loop_free_signals(&p->loop, p->o.output, was);
     rc = p->stream.is
              ? pointwriter_put(p->stream.writer, &p->points, light, err)
              : write_points(&w, p->o.output, err);
-    catch_signals(p, was);
+    program_loop_catch_signals(&p->loop, was);
     if (p->stream.is)
         return rc;
     if (rc < 0 && rc != RAD_EPROTO && light->n > 0)

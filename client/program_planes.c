@@ -1,5 +1,5 @@
 /* program_planes.c - a job for each plane of -cs; joins their pictures; see
- * program.h
+ * program_planes.h
  *
  * All jobs are submitted before the first is awaited.  So they go on if
  * radsubmit ends, and workers can begin the next plane when one is nearly done.
@@ -8,7 +8,7 @@
  * plane come. */
 #include "config.h"
 
-#include "program.h"
+#include "program_planes.h"
 
 #include "base/files.h"
 #include "base/output.h"
@@ -16,6 +16,8 @@
 #include "link/local.h"
 #include "link/order.h"
 #include "show/spectra.h"
+#include "program_files.h"
+#include "program_say.h"
 
 #include <inttypes.h>
 #include <jansson.h>

@@ -1,7 +1,7 @@
-/* program_say.c - messages to the user; see program.h */
+/* program_say.c - messages to the user; see program_say.h */
 #include "config.h"
 
-#include "program.h"
+#include "program_say.h"
 
 #include "common/figure.h"
 #include "common/tell.h"

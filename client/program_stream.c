@@ -1,4 +1,4 @@
-/* program_stream.c - sensor points that come on a pipe; see program.h
+/* program_stream.c - sensor points that come on a pipe; see program_stream.h
  *
  * A batch of points is a job on the same scene; only its points and its ambient
  * records are sent anew.  With an ambient cache each batch begins with the
@@ -8,11 +8,14 @@
  * all the while (pointstream.h). */
 #include "config.h"
 
-#include "program.h"
+#include "program_stream.h"
 
 #include "base/output.h"
 #include "link/local.h"
 #include "link/order.h"
+#include "program_files.h"
+#include "program_planes.h"
+#include "program_say.h"
 
 #include <jansson.h>
 #include <stdlib.h>

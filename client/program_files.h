@@ -1,0 +1,31 @@
+/* program_files.h - the files that radsubmit writes, and checks of them */
+#ifndef RADD_CLIENT_PROGRAM_FILES_H
+#define RADD_CLIENT_PROGRAM_FILES_H
+
+#include "program.h"
+
+/* Check that all outputs can be written, and the -af file read, before anything
+ * is sent.  RAD_EUSAGE, RAD_ECANTCREAT. */
+int program_check_outputs(const struct program *p);
+int program_check_ambient(struct program *p);
+
+/* Take results of the job (submit.h). */
+int program_on_preview(void *program, const uint8_t *picture, size_t len,
+                       struct rad_error *err);
+int program_on_frame(void *program, uint32_t frame, const uint8_t *picture,
+                     size_t picture_len, const uint8_t *depth, size_t depth_len,
+                     struct rad_error *err);
+/* Set p->text, for the header of the points' values. */
+void program_fill_text(struct program *p);
+/* Write the values of sensor points. */
+int program_write_points(struct program *p,
+                         const struct pointwriter_light *light,
+                         struct rad_error *err);
+int program_write_stats_of_none(struct program *p);
+int program_on_stats(void *program, const uint8_t *json, size_t len,
+                     struct rad_error *err);
+
+/* Tell where results are that could not be written to their place. */
+void program_say_where_it_is(const struct program *p);
+
+#endif

@@ -1,0 +1,117 @@
+/* program_scene.c - the scene that is compiled; see program_scene.h */
+#include "config.h"
+
+#include "program_scene.h"
+
+#include "job/apart.h"
+#include "compile/command.h"
+#include "trial/dryrun.h"
+#include "link/local.h"
+
+#include <stdlib.h>
+#include <sysexits.h>
+#include <unistd.h>
+
+/* --dry-run: predict the job. */
+static int
+try_scene(struct program *p)
+{
+    struct rad_params params = p->o.params;
+    struct rad_points points;
+    struct dryrun_job job = { .scene = p->scene.scene,
+                              .files = compile_files(&p->scene),
+                              .params = &params,
+                              .frames = p->frames.list,
+                              .nframes = p->frames.n };
+    uint8_t *bytes = NULL;
+    int rc = 0;
+
+    if (p->planes.n > 1) /* each plane takes about as much as the first */
+        params.bands.plane = 0;
+
+    if (p->o.points.file)
+        rc = pointjob_pack(&p->points, &points, &bytes, p->err);
+    if (bytes)
+        job.points = &points;
+    if (rc == 0)
+        rc = dryrun_predict(&p->prediction, &job, &dryrun_effort, p->err);
+    if (rc == 0)
+        trial_repeat(&p->prediction, p->planes.n);
+    free(bytes);
+    return rc;
+}
+
+/* What program_compile() shares with its thread. */
+struct compiling {
+    struct program *p;
+    bool done;
+    int rc;
+};
+
+static void
+compile_work(uv_work_t *w)
+{
+    struct compiling *c = w->data;
+    struct program *p = c->p;
+    uint64_t begin = uv_hrtime();
+
+    if (!p->scene.scene) {
+        c->rc = compile_scene(&p->scene, (const char *const *)p->o.scenes,
+                              p->o.nscenes, p->o.commands,
+                              local_folder(p->cluster.local), p->err);
+        p->compile_s = (double)(uv_hrtime() - begin) * 1e-9;
+    }
+    if (c->rc == 0 && p->o.dry_run && p->frames.n > 0)
+        c->rc = try_scene(p);
+}
+
+static void
+compile_done(uv_work_t *w, int status)
+{
+    (void)status;
+    ((struct compiling *)w->data)->done = true;
+}
+
+/* The thread cannot be stopped.  It may be writing files, so our folder is left
+ * to its keeper (local.c). */
+int
+program_compile(struct program *p)
+{
+    struct compiling c = { .p = p };
+    uv_work_t work = { .data = &c };
+
+    if (uv_queue_work(&p->loop.uv, &work, compile_work, compile_done) != 0)
+        return rad_fail_memory(p->err);
+    while (!c.done) {
+        uv_run(&p->loop.uv, UV_RUN_ONCE);
+        if (p->loop.interrupts > 0 && !c.done) {
+            command_stop_all();
+            _exit(EX_TEMPFAIL);
+        }
+    }
+    if (c.rc < 0)
+        return c.rc;
+    return apart_inputs(&p->o, &p->frames, &p->scene.paths.inputs, p->err);
+}
+
+int
+program_take_rif(struct program *p)
+{
+    int rc = rifjob_begin(&p->rif, &p->o, &p->words, p->err);
+
+    if (rc == 0 && p->rif.is && p->o.points.file)
+        rc = rad_fail(p->err, RAD_EUSAGE,
+                      "--points is for a scene, not for a .rif file");
+    if (rc == 0 && !p->rif.is && p->o.rif_view)
+        rc = rad_fail(p->err, RAD_EUSAGE, "--view is for a .rif file");
+    if (rc < 0 || !p->rif.is)
+        return rc;
+    if ((rc = program_loop_init(&p->loop, p->err)) < 0 ||
+        (rc = local_new(&p->cluster.local, p->err)) < 0 ||
+        (rc = program_compile(p)) < 0 ||
+        (rc = rifjob_finish(&p->rif, &p->o, &p->words, &p->scene.octree,
+                            p->err)) < 0)
+        return rc;
+    return frames_init_views(&p->frames, &p->o, p->rif.views, p->rif.nviews,
+                             p->err);
+}
