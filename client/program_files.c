@@ -18,6 +18,19 @@
 #include <string.h>
 #include <unistd.h>
 
+/* Write a file of n bytes. */
+static int
+write_file(struct program *p, const char *path, const void *bytes, size_t n,
+           struct rad_error *err)
+{
+    int rc, was[3];
+
+    program_loop_free_signals(&p->loop, path, was);
+    rc = rad_output_write(path, bytes, n, !p->cluster.embedded, err);
+    program_loop_catch_signals(&p->loop, was);
+    return rc;
+}
+
 /* --- pictures --- */
 
 static int
@@ -53,13 +66,9 @@ write_depth(struct program *p, uint32_t frame, const uint8_t *depth, size_t len,
 {
     char *name = NULL;
     int rc = frames_name(&p->frames, &p->o, p->o.depth, frame, &name, err);
-    int was[3];
 
-    if (rc == 0) {
-        program_loop_free_signals(&p->loop, name, was);
-        rc = rad_output_write(name, depth, len, !p->cluster.embedded, err);
-        program_loop_catch_signals(&p->loop, was);
-    }
+    if (rc == 0)
+        rc = write_file(p, name, depth, len, err);
     free(name);
     return rc;
 }
@@ -90,10 +99,13 @@ program_on_preview(void *arg, const uint8_t *picture, size_t len,
 {
     struct program *p = arg;
     struct rad_error why = { 0 };
+    int was[3];
 
     (void)err;
+    program_loop_free_signals(&p->loop, p->o.preview, was);
     picfile_preview(p->o.preview, picture, len, &p->o.show, &p->preview.last,
                     &why);
+    program_loop_catch_signals(&p->loop, was);
     note_preview(p, &why);
     return 0;
 }
@@ -103,9 +115,12 @@ static void
 last_preview(struct program *p, const uint8_t *picture, size_t len)
 {
     struct rad_error why = { 0 };
+    int was[3];
 
+    program_loop_free_signals(&p->loop, p->o.preview, was);
     picfile_write(p->o.preview, PICFILE_PNG, picture, len, false, &p->o.show,
                   &why);
+    program_loop_catch_signals(&p->loop, was);
     note_preview(p, &why);
     memset(&p->preview.last, 0, sizeof p->preview.last);
 }
@@ -242,25 +257,25 @@ program_on_stats(void *arg, const uint8_t *json, size_t len,
 
     if (submit_options_goal(&p->o))
         program_note_goal(&p->result.goal, json, len);
-    return p->o.stats ? rad_output_write(p->o.stats, json, len,
-                                         !p->cluster.embedded, err)
-                      : 0;
+    return p->o.stats ? write_file(p, p->o.stats, json, len, err) : 0;
+}
+
+int
+program_write_stats(struct program *p, char *json)
+{
+    int rc = json ? write_file(p, p->o.stats, json, strlen(json), p->err)
+                  : rad_fail_memory(p->err);
+
+    free(json);
+    return rc;
 }
 
 int
 program_write_stats_of_none(struct program *p)
 {
-    char *text;
-    int rc;
-
     if (!p->o.stats)
         return 0;
-    text = dryrun_json_of_none(&p->job.spec);
-    rc = text ? rad_output_write(p->o.stats, text, strlen(text),
-                                 !p->cluster.embedded, p->err)
-              : rad_fail_memory(p->err);
-    free(text);
-    return rc;
+    return program_write_stats(p, dryrun_json_of_none(&p->job.spec));
 }
 
 /* Check the -af file: does the job have records, and can the file be written?

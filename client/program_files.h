@@ -21,6 +21,9 @@ void program_fill_text(struct program *p);
 int program_write_points(struct program *p,
                          const struct pointwriter_light *light,
                          struct rad_error *err);
+/* Write --stats: this text, which is freed (NULL: memory is out); for a job
+ * without rays, if they are wanted. */
+int program_write_stats(struct program *p, char *json);
 int program_write_stats_of_none(struct program *p);
 int program_on_stats(void *program, const uint8_t *json, size_t len,
                      struct rad_error *err);

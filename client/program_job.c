@@ -208,8 +208,7 @@ program_run_dry(struct program *p)
 {
     struct dryrun_cluster c = { .embedded = p->cluster.embedded };
     struct link_where where = { &p->loop.uv, &p->loop.interrupts };
-    char *json;
-    int rc;
+    int rc, was[3];
 
     c.workers = program_cluster_workers(&p->o);
     c.threads = c.workers * local_threads(c.workers, p->o.threads);
@@ -221,14 +220,13 @@ program_run_dry(struct program *p)
         return rc;
     program_warn_of_scene(p);
     program_fill_spec(p);
+    program_loop_free_signals(&p->loop, NULL, was);
     dryrun_print(&p->job.spec, &p->prediction,
                  p->o.quality_whole ? p->o.quality : -1, &c);
     fflush(stdout); /* before --stats, which may go to the same pipe */
+    program_loop_catch_signals(&p->loop, was);
     if (!p->o.stats)
         return 0;
-    json = dryrun_json(&p->job.spec, p->job.options, &p->prediction, &c);
-    rc = json ? program_on_stats(p, (const uint8_t *)json, strlen(json), p->err)
-              : rad_fail_memory(p->err);
-    free(json);
-    return rc;
+    return program_write_stats(
+        p, dryrun_json(&p->job.spec, p->job.options, &p->prediction, &c));
 }

@@ -10,7 +10,6 @@
 
 #include "program_stream.h"
 
-#include "base/output.h"
 #include "link/local.h"
 #include "link/order.h"
 #include "program_files.h"
@@ -63,13 +62,9 @@ write_stats(struct program *p)
 {
     json_t *all = json_pack("{sO}", "batches", p->stream.sums->stats);
     char *text = json_dumps(all, JSON_INDENT(1));
-    int rc = text ? rad_output_write(p->o.stats, text, strlen(text),
-                                     !p->cluster.embedded, p->err)
-                  : rad_fail_memory(p->err);
 
     json_decref(all);
-    free(text);
-    return rc;
+    return program_write_stats(p, text);
 }
 
 /* --- a batch -------------------------------------------------------------- */

@@ -79,17 +79,27 @@ check_nothing_left "killed"
 ended() { ! ps -o stat= -p $pid | grep -qv '^Z'; }
 mkfifo stuck
 exec 3<>stuck
-for signal in INT TERM; do
-    interruptible "$radsubmit" --local --threads=1 -vf "$scenes/room.vf" \
-        -x 400 -y 300 -ab 0 "$scenes/room.rad" >stuck 2>stderr &
-    pid=$!
-    head -c 10 <&3 >/dev/null
-    kill -$signal $pid
-    until_true 10 ended || fail "SIG$signal does not end it"
-    kill -KILL $pid 2>/dev/null
-    wait $pid 2>/dev/null
-    check_nothing_left "SIG$signal at a full pipe"
-    timeout 1 cat <&3 >/dev/null # so that the pipe is empty for the next
-done
+# stuck WHAT ARG...: both signals end a radsubmit whose output nobody reads on
+stuck()
+{
+    what=$1
+    shift
+    for signal in INT TERM; do
+        interruptible "$radsubmit" --local --threads=1 -vf "$scenes/room.vf" \
+            -x 400 -y 300 -ab 0 "$@" "$scenes/room.rad" >stuck 2>stderr &
+        pid=$!
+        head -c 10 <&3 >/dev/null
+        kill -$signal $pid
+        until_true 10 ended || fail "$what: SIG$signal does not end it"
+        kill -KILL $pid 2>/dev/null
+        wait $pid 2>/dev/null
+        check_nothing_left "$what: SIG$signal at a full pipe"
+        timeout 1 cat <&3 >/dev/null # so that the pipe is empty for the next
+    done
+}
+stuck "a picture"
+# statistics with a row for each of many units
+stuck "statistics" -o out.hdr --partition=window --windows=1000 \
+    --stats=/dev/stdout
 exec 3>&-
 finish
