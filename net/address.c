@@ -14,6 +14,20 @@
 #define ANY_HOST "*"
 
 int
+address_check_brackets(const char *text, struct rad_error *err)
+{
+    const char *colon = strchr(text, ':');
+    char end = text[strspn(text, "0123456789abcdefABCDEF:.")];
+
+    if (!colon || !strchr(colon + 1, ':') || (end != '\0' && end != '%'))
+        return 0;
+    return rad_fail(err, RAD_EUSAGE,
+                    "'%s': an IPv6 address stands in brackets, as in "
+                    "[::1]:7420",
+                    text);
+}
+
+int
 address_split(const char *text, char host[ADDRESS_TEXT], char port[8],
               bool *local, struct rad_error *err)
 {
@@ -27,6 +41,8 @@ address_split(const char *text, char host[ADDRESS_TEXT], char port[8],
                    ? 0
                    : rad_fail(err, RAD_EUSAGE, "socket path too long: '%s'",
                               text);
+    if (address_check_brackets(text, err) < 0)
+        return RAD_EUSAGE;
     if (!colon || strspn(colon + 1, "0123456789") != strlen(colon + 1) ||
         strlen(colon + 1) < 1 || strlen(colon + 1) > 5)
         return rad_fail(err, RAD_EUSAGE,

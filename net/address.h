@@ -25,6 +25,10 @@ struct address {
     } sa;
 };
 
+/* RAD_EUSAGE: the text is an IPv6 address, with or without a port, that lacks
+ * its brackets. */
+int address_check_brackets(const char *text, struct rad_error *err);
+
 /* Split a text into host and port; *local is true for a Unix socket's path,
  * which has none.  RAD_EUSAGE if the text is neither. */
 int address_split(const char *text, char host[ADDRESS_TEXT], char port[8],

@@ -3,6 +3,7 @@
 
 #include "link/target.h"
 
+#include "net/address.h"
 #include "net/inifile.h"
 
 #include <errno.h>
@@ -36,6 +37,8 @@ target_parse(struct target *a, const char *text, struct rad_error *err)
         strcpy(a->path, text);
         return 0;
     }
+    if (address_check_brackets(text, err) < 0)
+        return RAD_EUSAGE;
     if (text[0] == '[' && (end = strchr(text, ']')) != NULL) {
         host = text + 1;
         port = end + 1;

@@ -56,6 +56,8 @@ static const struct {
     { "ws1:65536", RAD_EUSAGE, false, "", "" },
     { "ws1:12x", RAD_EUSAGE, false, "", "" },
     { "::1", RAD_EUSAGE, false, "", "" },
+    { "fe80::1%eth0", RAD_EUSAGE, false, "", "" },
+    { "[fe80::1%eth0]:99", 0, false, "fe80::1%eth0", "99" },
     { "[::1", RAD_EUSAGE, false, "", "" },
     { "", RAD_EUSAGE, false, "", "" },
 };
@@ -110,6 +112,7 @@ static const struct {
     { "", NULL, NULL },
     { "/socket", NULL, NULL },
     { "head:x", NULL, NULL },
+    { "fd00::1", NULL, NULL }, /* is this host fd00:: or fd00::1? */
     { ":7000", NULL, NULL },
 };
 

@@ -68,6 +68,9 @@ client=$XDG_CONFIG_HOME/radd/radsubmit.conf
 printf '\ncoordinator = here:99999999\n' >"$client"
 expect 78 "radsubmit.conf:2: bad coordinator address" "a client's file" \
     "$radctl" status
+printf 'coordinator = fe80::1%%eth0\n' >"$client"
+expect 78 "radsubmit.conf:1: 'fe80::1%eth0': an IPv6 address stands in" \
+    "a bare IPv6 address in a client's file" "$radctl" status
 printf 'key = %0400d\n' 0 >"$client"
 expect 78 "radsubmit.conf:1: line longer than" "a long value in a client's file" \
     "$radctl" status
@@ -83,6 +86,16 @@ if [ "$(id -u)" -ne 0 ]; then # root may read anything
     chmod 700 "$XDG_CONFIG_HOME/radd"
 fi
 rm -f "$client"
+while read -r program words; do
+    # shellcheck disable=SC2086 # some words
+    expect 64 "'::1:7420': an IPv6 address stands in brackets" "$program" \
+        "$top_builddir/$program" --coordinator=::1:7420 $words
+done <<'END'
+radd
+radweb
+radctl status
+radsubmit -o x.hdr x.rad
+END
 
 # a ports file: a link is followed, and what is no file is written as it is
 # ports FILE: by a coordinator of that ports file

@@ -291,6 +291,24 @@ static const struct {
       RAD_EUSAGE, false, NULL },
 };
 
+static const char *const bare[] = {
+    "::1",          "::1:7420",          "fe80::1",
+    "fe80::1%eth0", "fe80::1%eth0:7420", "::ffff:10.0.0.1"
+};
+
+START_TEST(an_address_without_its_brackets_is_told)
+{
+    struct rad_error err = { 0 };
+    struct address a;
+
+    ck_assert_int_eq(address_resolve(bare[_i], 0, &a, &err), RAD_EUSAGE);
+    ck_assert_ptr_nonnull(strstr(err.what, "stands in brackets"));
+    memset(&err, 0, sizeof err);
+    ck_assert_int_eq(address_resolve_listen(bare[_i], &a, &err), RAD_EUSAGE);
+    ck_assert_ptr_nonnull(strstr(err.what, "stands in brackets"));
+}
+END_TEST
+
 START_TEST(address_is_read_and_judged)
 {
     struct address a;
@@ -393,6 +411,8 @@ main(void)
     tcase_add_test(tc, missing_file_is_named);
     tcase_add_test(tc, default_file_that_cannot_be_read_is_not_as_if_missing);
     tcase_add_test(tc, help_and_version_win);
+    tcase_add_loop_test(tc, an_address_without_its_brackets_is_told, 0,
+                        N_ELEM(bare));
     tcase_add_loop_test(tc, address_is_read_and_judged, 0, N_ELEM(addresses));
     tcase_add_test(tc, log_limit_lets_a_burst_through_and_counts_the_rest);
     failed = unit_run_case(tc);
