@@ -9,10 +9,12 @@
 
 #include "net/conn_stream.h"
 #include "net/handshake.h"
+#include "net/key/key.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <time.h>
 
 struct dialling {
     struct dialling *next;
@@ -152,6 +154,24 @@ dialler_close(struct dialler *d)
     free_idle(d);
 }
 
+/* The other side does not say that our key has expired: whom it refuses learns
+ * nothing of keys. */
+static void
+give_up_refused(struct dialling *g, const struct rad_error *why)
+{
+    int64_t expires = g->key.expires;
+    struct rad_error err = { 0 };
+    char date[KEY_DATE];
+
+    if (why->code != RAD_EPERM || expires == 0 || time(NULL) < expires) {
+        give_up(g, why);
+        return;
+    }
+    key_date_format(expires, date);
+    rad_fail(&err, why->code, "%s, which expired on %s", why->what, date);
+    give_up(g, &err);
+}
+
 static void
 shaken(void *arg, uv_stream_t *stream, struct tls *tls,
        const struct rad_error *why)
@@ -162,7 +182,7 @@ shaken(void *arg, uv_stream_t *stream, struct tls *tls,
     if (stream)
         hand_over(g, stream, tls);
     else
-        give_up(g, why);
+        give_up_refused(g, why);
 }
 
 static void try_address(struct dialling *g);

@@ -25,6 +25,8 @@ typedef void dial_fn(void *arg, uint64_t id, uv_stream_t *stream,
 struct dial_key {
     char id[TLS_ID];
     uint8_t secret[TLS_SECRET];
+    int64_t expires; /* seconds since 1970; 0: never.  A key that is refused
+                      * after that date is told with it. */
 };
 
 struct dialler;

@@ -361,7 +361,8 @@ connect_to(struct link *l, const struct target *to, enum msg_role role,
 
     l->keyless = !to->local && !to->key[0];
     if (!to->local && to->key[0] &&
-        (rc = keyfile_choose(to->key, role, key.id, key.secret, err)) < 0)
+        (rc = keyfile_choose(to->key, role, key.id, key.secret, &key.expires,
+                             err)) < 0)
         return rc;
     snprintf(address, sizeof address, six ? "[%s]:%s" : "%s:%s", to->host,
              to->port);

@@ -327,7 +327,7 @@ begin_dial(struct session *s)
     s->state = DIALLING;
     /* the key file is read at each dial, so a new key needs no restart */
     if (has && keyfile_choose(s->conf.key, MSG_ROLE_OBSERVER, key.id,
-                              key.secret, &err) < 0) {
+                              key.secret, &key.expires, &err) < 0) {
         rad_error_format(&err, text, sizeof text);
         note_down(s, text, "radweb has no key for it, its log says why");
         return;

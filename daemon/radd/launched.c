@@ -48,6 +48,7 @@ take_key(struct dial_key *key, const char *line, struct rad_error *err)
     if (rc == 0) {
         key_id(&f.v[0], key->id);
         memcpy(key->secret, f.v[0].secret, KEY_SECRET);
+        key->expires = f.v[0].expires;
     }
     keyfile_release(&f);
     return rc;

@@ -207,7 +207,7 @@ read_key(struct radd *r, struct rad_error *err)
     if (!r->set.key[0])
         return 0;
     rc = keyfile_choose(r->set.key, MSG_ROLE_WORKER, r->key.id, r->key.secret,
-                        err);
+                        &r->key.expires, err);
     if (rc == 0 && !r->set.name[0] && key_id_parse(r->key.id, &k))
         snprintf(r->set.name, sizeof r->set.name, "%s", k.name);
     return rc;
@@ -231,7 +231,7 @@ dial_coordinator(struct radd *r, uint64_t id)
 static void
 dial_peer(struct radd *r, const struct action *a)
 {
-    struct dial_key key;
+    struct dial_key key = { .expires = 0 };
     bool made =
         tls_peer_key(a->job, MSG_JOB, a->token, MSG_TOKEN, key.id, key.secret);
 

@@ -269,7 +269,8 @@ choice(const struct keyfile *f, enum msg_role role, int64_t now)
 
 int
 keyfile_choose(const char *path, enum msg_role role, char id[KEY_ID],
-               uint8_t secret[KEY_SECRET], struct rad_error *err)
+               uint8_t secret[KEY_SECRET], int64_t *expires,
+               struct rad_error *err)
 {
     struct keyfile f;
     const struct key *k;
@@ -281,6 +282,7 @@ keyfile_choose(const char *path, enum msg_role role, char id[KEY_ID],
     if (k) {
         key_id(k, id);
         memcpy(secret, k->secret, KEY_SECRET);
+        *expires = k->expires;
     } else {
         rc = rad_fail(err, RAD_EPERM, "there is no key in '%s'", path);
     }

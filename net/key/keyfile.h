@@ -45,11 +45,12 @@ const struct key *keyfile_best(const struct keyfile *f, enum msg_role role,
                                int64_t now);
 
 /* Choose the key to dial with in that role from a file: its best key; if it has
- * none, an expired key or one of another role, so that the other side refuses
- * it and says why.  (A user prefers an administrator's key to those.)  Errors
- * as of keyfile_load(); RAD_EPERM also if all keys are retired. */
+ * none, an expired key or one of another role, which the other side refuses. (A
+ * user prefers an administrator's key to those.)  expires: as in struct key.
+ * Errors as of keyfile_load(); RAD_EPERM also if all keys are retired. */
 int keyfile_choose(const char *path, enum msg_role role, char id[KEY_ID],
-                   uint8_t secret[KEY_SECRET], struct rad_error *err);
+                   uint8_t secret[KEY_SECRET], int64_t *expires,
+                   struct rad_error *err);
 
 /* --- changing a key file --- */
 

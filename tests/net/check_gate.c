@@ -161,7 +161,7 @@ turn_until(const int *n, int want)
 static void
 dial_with(const char *id)
 {
-    struct dial_key key;
+    struct dial_key key = { .expires = 0 };
 
     snprintf(key.id, sizeof key.id, "%s", id);
     memcpy(key.secret, secret, TLS_SECRET);
