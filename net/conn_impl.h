@@ -55,6 +55,8 @@ struct conn {
     struct frame_reader reader;
     struct msg in;
     size_t queued;  /* bytes that libuv has, and corked ones */
+    size_t updates; /* bytes of the TLS session's own answers, to key updates,
+                     * since nothing was queued */
     size_t awaited; /* sum of conn_expect() */
     struct msg_ping says; /* numbers for PINGs */
     uint64_t opened_ms;

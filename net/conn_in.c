@@ -119,6 +119,9 @@ conn_in_unseal(struct conn *c)
     conn_out_flush(c);
     if (conn_out_is_over(c))
         return;
+    /* a worker's or peer's queue may be long, but not of such answers */
+    if (n >= 0 && c->updates > ANSWERS_HIGH && !overfull(c))
+        n = rad_fail(&err, RAD_EPROTO, "too many key updates");
     if (n < 0)
         garbage(c, &err);
     else if (tls_ended(c->tls))

@@ -66,6 +66,8 @@ static void
 paid(struct conn *c, size_t n)
 {
     c->queued -= n;
+    if (c->queued == 0)
+        c->updates = 0;
     fair_paid(&c->place, n);
 }
 
@@ -475,6 +477,7 @@ conn_out_flush(struct conn *c)
     o->len = n;
     o->count = n;
     owe(c, n);
+    c->updates += n;
     rc = write_out(c, o);
     if (rc < 0)
         conn_out_end_uv(c, rc);
