@@ -77,8 +77,10 @@ gate_free(struct gate *g)
     free(g);
 }
 
+/* Log that a visitor was refused.  It is no warning if its key was not there
+ * (TLS_LATER): a job that ends takes the keys of its workers' links along. */
 static void
-log_refused(struct gate *g, const char *peer, const char *why)
+log_refused(struct gate *g, const char *peer, const struct rad_error *why)
 {
     unsigned dropped;
 
@@ -86,7 +88,8 @@ log_refused(struct gate *g, const char *peer, const char *why)
         return;
     if (dropped > 0)
         log_warn("connections refused and not logged n=%u", dropped);
-    log_warn("connection refused peer=%s: %s", peer, why);
+    log_at(why->code == RAD_ETEMPFAIL ? LOG_LEVEL_INFO : LOG_LEVEL_WARN,
+           "connection refused peer=%s: %s", peer, why->what);
 }
 
 static void
@@ -102,7 +105,7 @@ shaken(void *arg, uv_stream_t *stream, struct tls *tls,
     if (stream)
         g->fn(g->arg, stream, tls, peer);
     else
-        log_refused(g, peer, why->what);
+        log_refused(g, peer, why);
 }
 
 /* What counts as one host.  One host can have a whole /64 network of IPv6
@@ -144,7 +147,10 @@ count(const struct gate *g, const uint8_t *host, struct visitor **oldest)
 static void
 push_out(struct gate *g, struct visitor *v, const char *why)
 {
-    log_refused(g, v->peer, why);
+    struct rad_error err = { 0 };
+
+    rad_fail(&err, RAD_EPERM, "%s", why);
+    log_refused(g, v->peer, &err);
     handshake_cancel(v->shake);
     drop(v);
 }

@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* How often a key that is not known yet is looked for again. */
+/* Least time until a key that is not known yet is looked for again. */
 #define ASK_MS 10
 
 struct handshake {
@@ -107,12 +107,25 @@ send_out(struct handshake *h)
     return rc;
 }
 
+/* How long to wait for a key before the next look for it: as long as it was
+ * waited for so far, so that a name that a stranger invents causes few looks.
+ */
+static uint64_t
+until_look(uint64_t waited_ms)
+{
+    uint64_t ms = waited_ms > ASK_MS ? waited_ms : ASK_MS;
+
+    if (waited_ms >= HANDSHAKE_LATER)
+        return 0;
+    return ms < HANDSHAKE_LATER - waited_ms ? ms : HANDSHAKE_LATER - waited_ms;
+}
+
 /* Set the timer to the end of the handshake's time or, while it waits for a
  * key, to the next look for that. */
 static void
 set_timer(struct handshake *h)
 {
-    uint64_t now = uv_now(h->timer.loop), left;
+    uint64_t now = uv_now(h->timer.loop), left, look;
 
     left = h->begin_ms + h->limit_ms;
     left = left > now ? left - now : 0;
@@ -120,8 +133,10 @@ set_timer(struct handshake *h)
         h->waits_ms = 0;
     else if (h->waits_ms == 0)
         h->waits_ms = now;
-    if (h->waits_ms != 0 && left > ASK_MS)
-        left = ASK_MS;
+    if (h->waits_ms != 0) {
+        look = until_look(now - h->waits_ms);
+        left = look < left ? look : left;
+    }
     uv_timer_start(&h->timer, on_timer, left, 0);
 }
 

@@ -18,8 +18,8 @@
 struct handshake;
 
 /* Called once: with the stream and its session, whose key is proven, both of
- * which the callee takes; or with NULL and the reason, whose code is RAD_EPERM
- * or RAD_EPROTO for what the other side did, or libuv's. */
+ * which the callee takes; or with NULL and the reason, whose code is one of
+ * tls.h for what the other side did, or libuv's. */
 typedef void handshake_fn(void *arg, uv_stream_t *stream, struct tls *tls,
                           const struct rad_error *why);
 

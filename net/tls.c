@@ -118,6 +118,12 @@ use_key(SSL *ssl, const EVP_MD *md, const unsigned char **id, size_t *n,
     return *session != NULL;
 }
 
+static bool
+is_later(const char *fault)
+{
+    return strcmp(fault, TLS_LATER) == 0;
+}
+
 /* The first name in a ClientHello's list of keys (RFC 8446, 4.2.11): it follows
  * the list's length and its own. */
 static bool
@@ -152,7 +158,7 @@ see_hello(SSL *ssl, int *alert, void *arg)
         return SSL_CLIENT_HELLO_SUCCESS;
     why = t->ctx->find(t->ctx->arg, t->id, secret);
     OPENSSL_cleanse(secret, sizeof secret);
-    t->waiting = why && strcmp(why, TLS_LATER) == 0;
+    t->waiting = why && is_later(why);
     if (t->waiting)
         return SSL_CLIENT_HELLO_RETRY;
     t->id[0] = '\0'; /* the client may prove no key at all */
@@ -323,7 +329,8 @@ server_failed(struct tls *t, unsigned long e, struct rad_error *err)
     const char *reason = ERR_reason_error_string(e);
 
     if (t->fault)
-        return rad_fail(err, RAD_EPERM, "%s '%s'", t->fault, t->id);
+        return rad_fail(err, is_later(t->fault) ? RAD_ETEMPFAIL : RAD_EPERM,
+                        "%s '%s'", t->fault, t->id);
     if (t->id[0] && ERR_GET_REASON(e) == SSL_R_BINDER_DOES_NOT_VERIFY)
         return rad_fail(err, RAD_EPERM, "wrong secret of key '%s'", t->id);
     if (t->id[0])
@@ -365,6 +372,9 @@ check_key_again(struct tls *t, struct rad_error *err)
     if (!why && CRYPTO_memcmp(secret, t->secret, TLS_SECRET) != 0)
         why = "replaced key";
     OPENSSL_cleanse(secret, sizeof secret);
+    if (why && is_later(why)) /* it was known at the first look */
+        return rad_fail(err, RAD_ETEMPFAIL, "key not known any more '%s'",
+                        t->id);
     return why ? rad_fail(err, RAD_EPERM, "%s '%s'", why, t->id) : 0;
 }
 

@@ -9,8 +9,9 @@
  *
  * At most TLS_MARK bytes are kept: the owner puts in the bytes of one read and
  * takes all messages out before the next, and stops reading while it cannot.
- * Errors: RAD_EPERM if the other side cannot prove itself, RAD_EPROTO for bytes
- * that are not TLS, RAD_ENOMEM.
+ * Errors: RAD_EPERM if the other side cannot prove itself, RAD_ETEMPFAIL if its
+ * key is one that comes and goes (TLS_LATER) and is not there, RAD_EPROTO for
+ * bytes that are not TLS, RAD_ENOMEM.
  * Thread: a context and its sessions belong to one thread. */
 #ifndef TLS_H
 #define TLS_H
