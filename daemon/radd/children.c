@@ -383,10 +383,11 @@ void
 children_hold(struct children *all, child_hold_fn *hold)
 {
     for (struct child *c = all->list; c; c = c->next) {
-        bool held = hold(all->arg, c->id, c->held);
+        struct conn *link = shell_conn(all->shell, c->id);
+        bool held = link && hold(all->arg, c->id, c->held);
 
-        if (held != c->held && shell_conn(all->shell, c->id))
-            conn_pause(shell_conn(all->shell, c->id), held);
+        if (link && held != c->held)
+            conn_pause(link, held);
         c->held = held;
     }
 }

@@ -57,7 +57,7 @@ bool children_closed(struct children *all, uint64_t id, const char *why);
 
 /* Is a child to be held, that is not read from, if it is held or not now? */
 typedef bool child_hold_fn(void *arg, uint64_t id, bool held);
-/* Hold each child or go on reading from it, as hold() says. */
+/* Hold each child that has a link, or go on reading from it, as hold() says. */
 void children_hold(struct children *all, child_hold_fn *hold);
 
 /* Pick from the environment `from` the variables that a child gets. */
