@@ -157,8 +157,7 @@ run(struct program *p)
     cargo_release(&p->cargo);
     records_release(&p->records);
     compile_release(&p->scene);
-    /* after an error a resolver may still be looking for the host */
-    if (p->loop.watched && rc == 0)
+    if (p->loop.watched && rc == 0) /* after an error main() ends all at once */
         program_loop_release(&p->loop);
     return rc;
 }
@@ -242,6 +241,6 @@ main(int argc, char *argv[])
     fprintf(stderr, "radsubmit: %s\n", text);
     program_say_where_it_is(&p);
     fflush(stdout);
-    /* not exit(), which waits for a resolver that still looks for the host */
+    /* not exit(): a trial may still use all this */
     _exit(p.o.rpict_status ? rpict_status(rc) : rad_exit_status(rc));
 }

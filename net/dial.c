@@ -1,8 +1,8 @@
 /* dial.c - see dial.h
  *
- * libuv's pool looks up names, for the resolver may take long.  A name may have
- * addresses of IPv6 and IPv4 while the coordinator listens at one kind alone:
- * if one address does not answer the next one is looked up and tried. */
+ * A name may have addresses of IPv6 and IPv4 while the coordinator listens at
+ * one kind alone: if one address does not answer the next one is looked up and
+ * tried. */
 #include "config.h"
 
 #include "net/dial.h"
@@ -10,6 +10,7 @@
 #include "net/conn_stream.h"
 #include "net/handshake.h"
 #include "net/key/key.h"
+#include "net/lookup.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -19,10 +20,10 @@
 struct dialling {
     struct dialling *next;
     struct dialler *dialler;
-    uv_work_t lookup;
+    struct lookup *lookup; /* NULL: not under way */
     uv_connect_t connect;
     uv_timer_t timer; /* limits connecting */
-    bool looking, connecting, closed; /* closed: the timer is */
+    bool connecting, closed; /* closed: the timer is */
     uint64_t id;
     bool with_key;
     struct dial_key key;
@@ -41,7 +42,6 @@ struct dialler {
     dial_fn *fn;
     void *arg;
     struct dialling *first;
-    bool closed;
 };
 
 struct dialler *
@@ -74,15 +74,6 @@ timer_closed(uv_handle_t *h)
     free_unused(g);
 }
 
-static void
-free_idle(struct dialler *d)
-{
-    if (!d->closed || d->first)
-        return;
-    tls_ctx_free(d->tls);
-    free(d);
-}
-
 /* Take g out of the list and close its handles; it is freed when they are
  * closed. */
 static void
@@ -96,14 +87,16 @@ let_go(struct dialling *g)
     *link = g->next;
     g->dialler = NULL;
     uv_timer_stop(&g->timer);
+    if (g->lookup)
+        lookup_cancel(g->lookup);
     if (g->shake)
         handshake_cancel(g->shake);
     else if (g->stream)
         conn_stream_close(g->stream); /* which cancels the connect request */
+    g->lookup = NULL;
     g->shake = NULL;
     g->stream = NULL;
     uv_close((uv_handle_t *)&g->timer, timer_closed);
-    free_idle(d);
 }
 
 static void
@@ -145,13 +138,10 @@ dialler_close(struct dialler *d)
 {
     if (!d)
         return;
-    for (struct dialling *g = d->first, *next; g; g = next) {
-        next = g->next;
-        if (!g->looking)
-            let_go(g);
-    }
-    d->closed = true;
-    free_idle(d);
+    while (d->first)
+        let_go(d->first);
+    tls_ctx_free(d->tls);
+    free(d);
 }
 
 /* The other side does not say that our key has expired: whom it refuses learns
@@ -237,15 +227,6 @@ connected(uv_connect_t *req, int status)
 }
 
 static void
-look_up(uv_work_t *work)
-{
-    struct dialling *g = work->data;
-
-    g->err.code = 0;
-    address_resolve(g->text, g->nth, &g->to, &g->err);
-}
-
-static void
 on_timer(uv_timer_t *timer)
 {
     give_up_for(timer->data, UV_ETIMEDOUT, "took too long");
@@ -278,16 +259,11 @@ start_connect(struct dialling *g)
     uv_timer_start(&g->timer, on_timer, HANDSHAKE_MS, 0);
 }
 
+/* Go on with the address that was found, or with g->err. */
 static void
-looked_up(uv_work_t *work, int status)
+looked_up(struct dialling *g)
 {
-    struct dialling *g = work->data;
-
-    (void)status; /* never cancelled */
-    g->looking = false;
-    if (g->dialler->closed)
-        let_go(g);
-    else if (g->err.code && g->nth > 0)
+    if (g->err.code && g->nth > 0)
         give_up_for(g, g->refused, uv_strerror(g->refused));
     else if (g->err.code)
         give_up(g, &g->err);
@@ -297,26 +273,40 @@ looked_up(uv_work_t *work, int status)
         start_connect(g);
 }
 
-/* A path needs no resolver, so no thread; but the answer comes later all the
- * same. */
 static void
-on_path(uv_timer_t *timer)
+on_looked_up(void *arg, const struct address *to, const struct rad_error *why)
 {
-    struct dialling *g = timer->data;
+    struct dialling *g = arg;
 
-    look_up(&g->lookup);
-    looked_up(&g->lookup, 0);
+    g->lookup = NULL;
+    g->err = *why;
+    if (to)
+        g->to = *to;
+    looked_up(g);
 }
 
-/* Look up the next address, and connect. */
+static void
+on_known(uv_timer_t *timer)
+{
+    looked_up(timer->data);
+}
+
+/* Look up the next address, and connect.  A path needs no resolver; but the
+ * answer comes later all the same. */
 static void
 try_address(struct dialling *g)
 {
-    g->looking = true;
-    if (strchr(g->text, '/'))
-        uv_timer_start(&g->timer, on_path, 0, 0);
-    else
-        uv_queue_work(g->dialler->loop, &g->lookup, look_up, looked_up);
+    g->err = (struct rad_error){ 0 };
+    if (strchr(g->text, '/')) {
+        address_resolve(g->text, g->nth, &g->to, &g->err);
+    } else {
+        g->lookup =
+            lookup_start(g->dialler->loop, g->text, g->nth, on_looked_up, g);
+        if (g->lookup)
+            return;
+        rad_fail(&g->err, UV_ENOMEM, "no thread for the resolver");
+    }
+    uv_timer_start(&g->timer, on_known, 0, 0);
 }
 
 bool
@@ -340,7 +330,7 @@ dial(struct dialler *d, const char *text, uint64_t id,
     g->next = d->first;
     d->first = g;
     uv_timer_init(d->loop, &g->timer);
-    g->timer.data = g->lookup.data = g;
+    g->timer.data = g;
     try_address(g);
     return true;
 }

@@ -34,9 +34,8 @@ struct dialler;
 /* fn is called after dial() has returned, never inside.  NULL: memory is out.
  */
 struct dialler *dialler_new(uv_loop_t *loop, dial_fn *fn, void *arg);
-/* Stop all dialling; fn is not called any more.  A name's look-up cannot be
- * stopped, so the dialler is freed when the last look-up has ended.  NULL is
- * accepted. */
+/* Stop all dialling; fn is not called any more.  Not allowed inside fn.  NULL
+ * is accepted. */
 void dialler_close(struct dialler *d);
 
 /* Dial `text`, an address of address.h, which may have "tcp " or "unix " before

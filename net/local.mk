@@ -25,6 +25,8 @@ libnet_a_SOURCES = \
 	net/listen.h \
 	net/log.c \
 	net/log.h \
+	net/lookup.c \
+	net/lookup.h \
 	net/tls.c \
 	net/tls.h
 include net/key/local.mk

@@ -472,6 +472,5 @@ main(int argc, char *argv[])
     rad_error_format(&err, text, sizeof text);
     fflush(stdout);
     fprintf(stderr, "radctl: %s\n", text);
-    /* not exit(), which waits for a resolver that still looks for the host */
-    _exit(rad_exit_status(rc));
+    return rad_exit_status(rc);
 }

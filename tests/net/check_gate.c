@@ -12,7 +12,10 @@
 
 #include <arpa/inet.h>
 #include <errno.h>
+#include <dlfcn.h>
 #include <fcntl.h>
+#include <netdb.h>
+#include <semaphore.h>
 #include <stdio.h>
 #include <string.h>
 #include <unistd.h>
@@ -33,6 +36,28 @@ find(void *arg, const char *id, uint8_t *out)
         return "unknown key";
     memcpy(out, secret, TLS_SECRET);
     return NULL;
+}
+
+/* The resolver, which for one name begins, and does not end before the test
+ * does. */
+#define HANGING "hangs.invalid"
+static sem_t begun, ends;
+
+int
+getaddrinfo(const char *host, const char *port, const struct addrinfo *hints,
+            struct addrinfo **found)
+{
+    void *real = dlsym(RTLD_NEXT, "getaddrinfo");
+    int (*call)(const char *, const char *, const struct addrinfo *,
+                struct addrinfo **);
+
+    memcpy(&call, &real, sizeof call);
+    if (host && strcmp(host, HANGING) == 0) {
+        sem_post(&begun);
+        while (sem_wait(&ends) < 0)
+            ;
+    }
+    return call(host, port, hints, found);
 }
 
 /* A listener, what came in and what was dialled. */
@@ -180,6 +205,29 @@ START_TEST(a_key_lets_in_and_another_does_not)
     ck_assert(dial(s.dialler, listener_text(s.listener), 1, NULL));
     ck_assert(turn_until(&s.nrefused, 2));
     ck_assert_int_eq(s.nin, 1);
+}
+END_TEST
+
+/* close_scene() does not, and the others are dialled meanwhile. */
+START_TEST(nobody_waits_for_a_resolver_that_hangs)
+{
+    struct dial_key key = { .id = "worker:w:k1" };
+
+    memcpy(key.secret, secret, TLS_SECRET);
+    sem_init(&begun, 0, 0);
+    sem_init(&ends, 0, 0);
+    for (int i = 0; i < 8; i++)
+        ck_assert(dial(s.dialler, HANGING ":80", 2, &key));
+    for (int i = 0; i < 8; i++)
+        while (sem_wait(&begun) < 0)
+            ;
+    dial_with("worker:w:k1");
+    ck_assert(turn_until(&s.nin, 1));
+    ck_assert_int_eq(s.nrefused, 0);
+    close_scene();
+    for (int i = 0; i < 8; i++)
+        sem_post(&ends);
+    open_scene();
 }
 END_TEST
 
@@ -404,6 +452,7 @@ main(void)
     tcase_add_checked_fixture(tc, open_scene, close_scene);
     tcase_add_loop_test(tc, nobody_gets_in_once_the_listener_is_closed, 0, 40);
     tcase_add_test(tc, a_key_lets_in_and_another_does_not);
+    tcase_add_test(tc, nobody_waits_for_a_resolver_that_hangs);
     tcase_add_loop_test(tc, a_key_that_comes_later_is_waited_for, 0, 2);
     tcase_add_test(tc, messages_go_by_tls_as_they_are);
     tcase_add_test(tc, a_host_holds_eight_and_the_oldest_goes);

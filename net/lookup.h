@@ -1,0 +1,29 @@
+/* lookup.h - an address looked up while the loop goes on
+ *
+ * The resolver may hang for as long as it likes and cannot be stopped.  It runs
+ * on a thread of its own, which a cancelled look-up leaves behind: neither the
+ * loop nor the end of the program waits for it, as they would for a thread of
+ * libuv's pool.
+ * Thread: the loop's. */
+#ifndef RADD_NET_LOOKUP_H
+#define RADD_NET_LOOKUP_H
+
+#include "net/address.h"
+
+#include <uv.h>
+
+struct lookup;
+
+/* Called once, with the address or (to NULL) an error of address_resolve(). */
+typedef void lookup_fn(void *arg, const struct address *to,
+                       const struct rad_error *why);
+
+/* As address_resolve().  text is copied; fn is called later, never inside.
+ * NULL: there is no memory or no thread, and fn is not called. */
+struct lookup *lookup_start(uv_loop_t *loop, const char *text, unsigned nth,
+                            lookup_fn *fn, void *arg);
+
+/* fn is not called any more.  Not allowed after fn was called. */
+void lookup_cancel(struct lookup *l);
+
+#endif
