@@ -40,8 +40,8 @@ program_warn(struct program *p, const char *text)
 
 /* Warn of a -ps that the sampler cannot take, unless it is 0, which is often
  * used for 1. */
-void
-program_warn_of_psample(struct program *p)
+static void
+warn_of_psample(struct program *p)
 {
     int asked = p->o.psample_asked, taken = p->o.params.psample;
     char text[80];
@@ -52,6 +52,17 @@ program_warn_of_psample(struct program *p)
              "warning: -ps %d is not within 1 to 16: taken as %d", asked,
              taken);
     program_warn(p, text);
+}
+
+void
+program_warn_of_options(struct program *p)
+{
+    warn_of_psample(p);
+    if (p->o.names_dropped)
+        program_warn(p, "warning: -ai and -ae exclude each other, and the last "
+                        "one holds");
+    if (p->o.params.motion > 0 && !p->o.first_frame && !p->o.points.file)
+        program_warn(p, "warning: -pm without -S: one view has no motion");
 }
 
 void

@@ -9,7 +9,8 @@
 void program_say(void *program, const char *text);
 void program_news(struct program *p, const char *text);
 void program_warn(struct program *p, const char *text);
-void program_warn_of_psample(struct program *p);
+/* Options that are taken otherwise than they were given. */
+void program_warn_of_options(struct program *p);
 /* Frames of --no-clobber whose exposure is not that of the frames there. */
 void program_warn_of_rest(struct program *p);
 void program_warn_of_scene(struct program *p);

@@ -98,7 +98,7 @@ prepare(struct program *p)
                   p->o.progress == PROGRESS_NEVER || p->o.detach);
     if (p->o.report_s > 0 && p->o.progress != PROGRESS_NEVER)
         progress_every(&p->progress, stderr, p->o.report_s);
-    program_warn_of_psample(p);
+    program_warn_of_options(p);
     program_warn_of_rif(p);
     p->planes.n = submit_options_planes(&p->o);
     if ((rc = program_cluster_choose(p)) < 0 ||

@@ -46,6 +46,7 @@ struct submit_options {
     double error;            /* --error [%]; 0: not asked for */
     double time_s;           /* --time; 0: not asked for */
     int psample_asked;       /* the value of -ps; 0: not given, or 0 */
+    bool names_dropped;      /* -ae after -ai, or the other way round */
     struct rad_view view;    /* as given; rad_view_setup() has accepted it */
     struct pointspec points; /* --points, and rtrace's options */
     const char *for_pixels;  /* the first option given that is not for sensor

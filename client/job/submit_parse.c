@@ -129,7 +129,7 @@ take_name_list(struct cursor *c, int argc, char *const argv[])
 }
 
 static int
-take_option(struct cursor *c)
+take_any(struct cursor *c)
 {
     char *const *argv = c->w->list + c->at;
     int argc = c->w->n - c->at, rc;
@@ -155,6 +155,17 @@ take_option(struct cursor *c)
                         "supported");
     return rad_fail(c->err, RAD_EUSAGE,
                     "unknown option '%s'; see radsubmit --help", argv[0]);
+}
+
+static int
+take_option(struct cursor *c)
+{
+    const struct rad_params *p = &c->o->params;
+    int listed = p->amblisted, rc = take_any(c);
+
+    if (listed != 0 && p->amblisted != listed)
+        c->o->names_dropped = true;
+    return rc;
 }
 
 /* Take all options before the first scene.  Returns an enum submit_wish. */

@@ -82,6 +82,14 @@ grep -q 'warning: -ps 40 .* taken as 16' stderr || fail "-ps 40: $(cat stderr)"
 [ "$(wc -l <stderr)" -eq 3 ] || fail "-ps 40 says more: $(cat stderr)"
 render ps.hdr -ps 0 --threads=1
 [ "$(wc -l <stderr)" -eq 2 ] || fail "-ps 0 is told of: $(cat stderr)"
+render ps.hdr -ae lamp -ai wall -pm .5 --threads=1
+grep -q 'warning: -ai and -ae exclude each other, and the last' stderr ||
+    fail "two lists: $(cat stderr)"
+grep -q 'warning: -pm without -S' stderr || fail "-pm: $(cat stderr)"
+render ps.hdr -w- -ae lamp -ai wall -pm .5 --threads=1
+[ "$(wc -l <stderr)" -eq 2 ] || fail "-w- warns: $(cat stderr)"
+render ps.hdr -ai lamp -ai wall -pm 0 --threads=1
+[ "$(wc -l <stderr)" -eq 2 ] || fail "one list is told of: $(cat stderr)"
 
 # a function that has no value everywhere is told of once, with its place
 cat >log.rad <<'END'
