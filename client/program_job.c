@@ -4,6 +4,7 @@
 
 #include "program_job.h"
 
+#include "common/tell.h"
 #include "link/launch.h"
 #include "link/local.h"
 #include "trial/dryrun.h"
@@ -223,10 +224,11 @@ program_run_dry(struct program *p)
     program_loop_free_signals(&p->loop, NULL, was);
     dryrun_print(&p->job.spec, &p->prediction,
                  p->o.quality_whole ? p->o.quality : -1, &c);
-    fflush(stdout); /* before --stats, which may go to the same pipe */
+    rc = tell_printed(
+        p->err); /* before --stats, which may go to the same pipe */
     program_loop_catch_signals(&p->loop, was);
-    if (!p->o.stats)
-        return 0;
+    if (rc < 0 || !p->o.stats)
+        return rc;
     return program_write_stats(
         p, dryrun_json(&p->job.spec, p->job.options, &p->prediction, &c));
 }

@@ -54,6 +54,9 @@ for option in -defaults --help --version --rpict-path; do
     expect 74 "cannot write: No space" "$option on a full disk" \
         sh -c "'$radsubmit' $option >/dev/full"
 done
+# shellcheck disable=SC2086
+expect 74 "cannot write: No space" "a forecast on a full disk" \
+    sh -c "$render -vf v.vf --dry-run room.rad >/dev/full"
 expect 74 "cannot write: No space" "radctl --help on a full disk" \
     sh -c "'$radctl' --help >/dev/full"
 
