@@ -70,9 +70,9 @@ enum action_type {
 
 /* Rows of one RESULT, and the key that comes back when they are kept. */
 struct action_rows {
-    uint64_t conn; /* worker's connection */
     uint8_t job[MSG_JOB];
     uint64_t sequence; /* of the job: another job may have its id by then */
+    uint32_t worker;   /* index in the job of the worker that sent the rows */
     uint32_t unit, attempt;
     uint32_t row, rows; /* in the unit */
     uint32_t frame;     /* index */

@@ -77,18 +77,17 @@ add_bottom(const struct job *job, const struct msg_result *m,
 }
 
 static void
-put_rows(struct coord *c, const struct job *job, uint64_t conn,
+put_rows(struct coord *c, const struct job *job, uint32_t index,
          const struct msg_result *m, const struct partition_area *a)
 {
-    struct action *act =
-        actions_add_job(&c->actions, ACT_PUT_ROWS, conn, job->id);
+    struct action *act = actions_add_job(&c->actions, ACT_PUT_ROWS, 0, job->id);
     struct action_rows *r;
 
     if (!act)
         return;
     r = &act->rows;
-    *r = (struct action_rows){ .conn = conn,
-                               .sequence = job->sequence,
+    *r = (struct action_rows){ .sequence = job->sequence,
+                               .worker = index,
                                .unit = m->unit,
                                .attempt = m->attempt,
                                .row = m->row,
@@ -301,7 +300,7 @@ keep_rows(struct coord *c, const struct coord_worker *w, struct job *job,
         msg_counts_add(&u->counts, &u->lent);
         delivered(c, job, m->unit, go);
     }
-    put_rows(c, job, w->conn, m, a);
+    put_rows(c, job, index, m, a);
 }
 
 static void
@@ -409,19 +408,22 @@ finish_unit(struct coord *c, struct job *job, uint32_t unit)
     passes_frame_done(c, job);
 }
 
+/* The worker may have another connection by now: then it has sent the rows
+ * there, too, and forgets them as well. */
 void
 result_stored(struct coord *c, const struct action_rows *key)
 {
     struct job *job = desk_same_job(c, key->job, key->sequence);
-    struct coord_conn *conn = desk_find_conn(c, key->conn);
+    const struct coord_worker *w;
     struct job_unit *u;
     uint64_t pixels = (uint64_t)key->rows * key->width;
 
     if (!job || job_over(job))
         return;
+    w = job->workers[key->worker].worker;
     u = &job->units[key->unit];
-    if (conn && conn->worker)
-        desk_send_ack(c, conn->id, job->id, key->unit, key->attempt, key->row,
+    if (w->conn != 0)
+        desk_send_ack(c, w->conn, job->id, key->unit, key->attempt, key->row,
                       key->rows);
     if (u->state == UNIT_DONE || u->lead != key->attempt ||
         u->stored_rows != key->row)

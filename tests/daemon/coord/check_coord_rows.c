@@ -339,6 +339,27 @@ main(void)
 
     tcase_add_checked_fixture(tc, set_up, tear_down);
     tcase_add_test(tc, pixels_that_are_no_numbers_are_told_once_with_the_first);
+START_TEST(rows_are_acknowledged_on_the_connection_that_the_worker_has_then)
+{
+    submit(ANA, job_a, 0);
+    ready(WORKER, job_a);
+    f.stuck = true;
+    result(WORKER, job_a, 0, 1);
+    coord_closed(f.c, f.now_ms, WORKER, "cut off");
+    carry_out();
+    join(6, MSG_ROLE_WORKER, "ws1", "daemon");
+    ready(6, job_a);
+    result(6, job_a, 0, 1); /* it has heard of no ACK */
+    f.sent[6] = 0;
+    coord_rows_stored(f.c, f.now_ms, &f.rows, 0, NULL);
+    carry_out();
+    ck_assert_uint_eq(f.sent[6], 1);
+    ck_assert_int_eq(f.last[6].type, MSG_ACK);
+    ck_assert_uint_eq(f.last[6].ack.unit, 0);
+    ck_assert_uint_eq(f.last[6].ack.rows, 4);
+}
+END_TEST
+
     tcase_add_loop_test(tc, rows_come_coded_unless_distances_do, 0,
                         N_ELEM(codings));
     tcase_add_loop_test(tc, coded_rows_that_are_none_end_the_connection, 0,
@@ -354,3 +375,5 @@ main(void)
     tcase_add_test(tc, a_result_that_fits_no_unit_ends_the_connection);
     return unit_run_case(tc);
 }
+    tcase_add_test(
+        tc, rows_are_acknowledged_on_the_connection_that_the_worker_has_then);

@@ -160,7 +160,8 @@ carry_out(void)
             f.rows = a.rows;
             if (a.rows.len <= sizeof f.code)
                 memcpy(f.code, a.rows.pixels, a.rows.len);
-            coord_rows_stored(f.c, f.now_ms, &a.rows, 0, NULL);
+            if (!f.stuck)
+                coord_rows_stored(f.c, f.now_ms, &a.rows, 0, NULL);
         } else if (a.type == ACT_PUT_COLOURS) {
             f.colours = a.colours;
             f.ncolours++;
