@@ -382,7 +382,7 @@ folder_forgotten(const struct folder *f, const uint8_t id[MSG_JOB])
     char path[DISK_PATH_MAX];
 
     folder_path(f, id, FOLDER_GONE, path);
-    rmdir(path);
+    remove_dir(path);
 }
 
 static bool
@@ -408,7 +408,7 @@ folder_is_going(const struct folder *f, const uint8_t id[MSG_JOB])
     char path[DISK_PATH_MAX];
 
     folder_path(f, id, FOLDER_GONE, path);
-    return is_dir(path);
+    return is_dir(path) && !folder_is_there(f, id);
 }
 
 bool

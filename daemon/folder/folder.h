@@ -82,8 +82,8 @@ void folder_give_up(struct folder *f, const uint8_t job[MSG_JOB]);
 bool folder_is_given_up(const struct folder *f, const uint8_t job[MSG_JOB]);
 void folder_go_on(const struct folder *f, const uint8_t job[MSG_JOB]);
 /* Rename ID to ID.gone, and remove some of its files.  True: files are left,
- * call again.  The empty ID.gone stays until folder_forgotten(), for the
- * database may still know the job. */
+ * call again.  The empty ID.gone stays until folder_forgotten() removes it, and
+ * what is in it, for the database may still know the job. */
 bool folder_forget(struct folder *f, const uint8_t job[MSG_JOB]);
 bool folder_is_going(const struct folder *f, const uint8_t job[MSG_JOB]);
 void folder_forgotten(const struct folder *f, const uint8_t job[MSG_JOB]);

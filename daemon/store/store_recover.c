@@ -161,7 +161,7 @@ tidy(void *arg, const uint8_t job[MSG_JOB], bool going, struct rad_error *err)
     if (rc < 0)
         return rc;
     if (fate == STATEDIR_TO_GO) {
-        while (folder_forget(&s->folder, job))
+        while (!going && folder_forget(&s->folder, job))
             ;
         folder_forgotten(&s->folder, job);
     } else {

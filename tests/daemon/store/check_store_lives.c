@@ -294,6 +294,38 @@ keeps_a_unit(uv_loop_t *loop, struct store **s, struct heard *h,
     ck_assert_uint_eq(job->nunits, 1);
 }
 
+/* Of an earlier job of the same id, which is long forgotten, a file could not
+ * be removed. */
+START_TEST(what_is_left_of_a_forgotten_job_does_no_harm_to_the_next_of_its_id)
+{
+    struct rad_error err = { 0 };
+    struct statecheck found;
+    struct saved_job job;
+    char command[200];
+    struct heard h;
+    uv_loop_t loop;
+    struct store *s;
+
+    open_kept(&loop, &s, &h);
+    ck_assert_int_eq(recover(s, &job, NULL), 0);
+    open_job(s);
+    close_kept(&loop, s);
+    snprintf(command, sizeof command,
+             "cd %s && mkdir " KEPT_DIR ".gone && touch " KEPT_DIR
+             ".gone/0.hdr",
+             dir);
+    ck_assert_int_eq(system(command), 0);
+    ck_assert_int_eq(statecheck_run(dir, &found, tell_problem, NULL, &err), 0);
+    ck_assert_uint_eq(found.jobs, 1);
+    open_kept(&loop, &s, &h);
+    ck_assert_int_eq(recover(s, &job, NULL), 0);
+    ck_assert_ptr_nonnull(job.spec.job);
+    ck_assert(!is_there(KEPT_DIR ".gone"));
+    ck_assert(is_there(KEPT_DIR "/room"));
+    close_kept(&loop, s);
+}
+END_TEST
+
 /* How many more files the folder of the job has that is being forgotten, and
  * whether the new job is submitted after DELETE was answered. */
 static const struct {
@@ -1022,6 +1054,8 @@ main(void)
     tcase_add_test(tc, a_job_that_is_over_is_remembered_and_forgotten);
     tcase_add_loop_test(tc, a_job_that_was_being_forgotten_is_no_damage,
                         UNSETTLED_JOB, UNSETTLED_STRIKE + 1);
+    tcase_add_test(
+        tc, what_is_left_of_a_forgotten_job_does_no_harm_to_the_next_of_its_id);
     tcase_add_test(
         tc, a_job_that_is_said_to_be_deleted_is_gone_after_a_loss_of_power);
     tcase_add_loop_test(tc,
