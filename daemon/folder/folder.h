@@ -20,7 +20,8 @@
  * DIR/jobs/ID/over     rows of the job were given up, before the database knew
  *                      that it is over: an empty file
  * DIR/jobs/ID.gone     the folder of a job that is being forgotten, until the
- *                      database does not know the job any more
+ *                      database does not know the job any more; beside ID it
+ *                      has files of an earlier job that could not be removed
  *
  * All calls do I/O and may wait for the disk; calls that write may be repeated
  * after RAD_EFULL.
@@ -144,11 +145,11 @@ uint64_t folder_cache_bytes(const struct folder *f, const uint8_t job[MSG_JOB]);
 void folder_drop_cache(const struct folder *f, const uint8_t job[MSG_JOB]);
 /* Make the records of the kept cache of job `from` the first pass of this job,
  * and sync them.  RAD_ENOINPUT: the cache is gone; RAD_EDATA: the cache is
- * damaged; RAD_EFULL, RAD_ESHORT, RAD_EIO. */
+ * damaged; RAD_EFULL, RAD_ESHORT, RAD_ENOMEM, RAD_EIO. */
 int folder_reuse(struct folder *f, const uint8_t job[MSG_JOB],
                  const uint8_t from[MSG_JOB], struct rad_error *err);
 /* Read the records of a first pass that folder_reuse() made: *len bytes,
- * malloc'd.  NULL: RAD_EDATA. */
+ * malloc'd.  NULL: RAD_EDATA, RAD_ESHORT, RAD_ENOMEM, RAD_EIO. */
 uint8_t *folder_read_first(const struct folder *f, const uint8_t job[MSG_JOB],
                            size_t *len, struct rad_error *err);
 /* From now on the job's pictures have these rendering options, in place of

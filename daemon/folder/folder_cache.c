@@ -280,14 +280,37 @@ folder_parse_kept(uint8_t *bytes, size_t len)
     return at;
 }
 
-static int
-damaged(const char *what, const uint8_t id[MSG_JOB], struct rad_error *err)
+/* Read a file of passes: *n bytes, malloc'd.  NULL: RAD_EDATA if the file is
+ * missing or too large; RAD_ENOMEM, RAD_ESHORT, RAD_EIO. */
+static uint8_t *
+read_file(const char *path, size_t *n, struct rad_error *err)
+{
+    int fd = open(path, O_RDONLY | O_CLOEXEC);
+    uint8_t *bytes;
+
+    if (fd < 0) {
+        mark_missing(path, errno, err);
+        return NULL;
+    }
+    bytes = rad_fd_read(fd, path, MOST_CACHE, n, err);
+    close(fd);
+    return bytes;
+}
+
+/* Say in *err why a cache has no records: it is damaged or, if *why tells of
+ * another error, could not be read now. */
+static void
+no_records(const char *what, const uint8_t id[MSG_JOB],
+           const struct rad_error *why, struct rad_error *err)
 {
     char hex[MSG_JOB_HEX];
 
     msg_job_format(id, hex);
-    return rad_fail(err, RAD_EDATA, "the ambient cache %s job %s is damaged",
-                    what, hex);
+    if (why->code == 0 || why->code == RAD_EDATA)
+        rad_fail(err, RAD_EDATA, "the ambient cache %s job %s is damaged", what,
+                 hex);
+    else
+        rad_fail(err, why->code, "%s", why->what);
 }
 
 /* Read the records of the job's kept cache: *n bytes, malloc'd. */
@@ -296,6 +319,7 @@ read_kept(const struct folder *f, const uint8_t id[MSG_JOB], size_t *n,
           struct rad_error *err)
 {
     char path[DISK_PATH_MAX], hex[MSG_JOB_HEX];
+    struct rad_error why = { 0 };
     uint8_t *bytes;
     size_t len = 0;
 
@@ -306,12 +330,12 @@ read_kept(const struct folder *f, const uint8_t id[MSG_JOB], size_t *n,
                  "the ambient cache of job %s is not kept any more", hex);
         return NULL;
     }
-    bytes = rad_file_read(path, MOST_CACHE, &len, NULL);
+    bytes = read_file(path, &len, &why);
     *n = bytes ? folder_parse_kept(bytes, len) : FOLDER_NO_CACHE;
     if (*n != FOLDER_NO_CACHE)
         return bytes;
     free(bytes);
-    damaged("of", id, err);
+    no_records("of", id, &why, err);
     return NULL;
 }
 
@@ -357,15 +381,16 @@ folder_read_first(const struct folder *f, const uint8_t id[MSG_JOB],
                   size_t *len, struct rad_error *err)
 {
     struct saved_pass first;
+    struct rad_error why = { 0 };
     char path[DISK_PATH_MAX];
     size_t n = 0, at = 0;
     uint8_t *bytes, *less;
 
     folder_path(f, id, FOLDER_CACHE, path);
-    bytes = rad_file_read(path, MOST_CACHE, &n, NULL);
+    bytes = read_file(path, &n, &why);
     if (!bytes || !take_pass(bytes, n, 0, &at, &first)) {
         free(bytes);
-        damaged("that began", id, err);
+        no_records("that began", id, &why, err);
         return NULL;
     }
     *len = first.len;

@@ -10,6 +10,8 @@
 #include "registry/recover.h"
 #include "filling/passes.h"
 
+#include <sys/resource.h>
+
 /* Of 8 by 8 pixels, each of one tile: four lattices, and what they leave. */
 enum { PASSES = 5 };
 
@@ -662,6 +664,34 @@ main(void)
     tcase_add_loop_test(tc, only_what_decides_about_records_must_be_equal, 0,
                         N_ELEM(fits));
     tcase_add_test(tc, a_job_that_has_no_cache_is_refused_with_why);
+/* Descriptors or memory may be there in a moment. */
+START_TEST(a_cache_that_cannot_be_read_now_is_not_damaged)
+{
+    struct rad_error err = { 0 };
+    struct rlimit before, none;
+    uint8_t *bytes;
+    size_t len;
+    int rc;
+
+    make_done(job_a);
+    make(job_b);
+    ck_assert_int_eq(getrlimit(RLIMIT_NOFILE, &before), 0);
+    none = before;
+    none.rlim_cur = 0;
+    setrlimit(RLIMIT_NOFILE, &none);
+    rc = folder_reuse(&folder, job_b, job_a, &err);
+    setrlimit(RLIMIT_NOFILE, &before);
+    ck_assert_int_eq(rc, RAD_ESHORT);
+    ck_assert_int_eq(folder_reuse(&folder, job_b, job_a, NULL), 0);
+    memset(&err, 0, sizeof err);
+    setrlimit(RLIMIT_NOFILE, &none);
+    bytes = folder_read_first(&folder, job_b, &len, &err);
+    setrlimit(RLIMIT_NOFILE, &before);
+    ck_assert_ptr_null(bytes);
+    ck_assert_int_eq(err.code, RAD_ESHORT);
+}
+END_TEST
+
     tcase_add_test(tc, a_cache_that_is_gone_is_refused);
     tcase_add_test(tc, the_oldest_caches_go_first);
     tcase_add_test(tc, a_cache_stays_until_who_begins_with_it_has_it);
@@ -681,3 +711,4 @@ main(void)
     suite_add_tcase(s, files);
     return unit_run(s);
 }
+    tcase_add_test(files, a_cache_that_cannot_be_read_now_is_not_damaged);
