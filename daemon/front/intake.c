@@ -6,6 +6,7 @@
 #include "front/reply.h"
 #include "jobs/job.h"
 #include "registry/coord_job.h"
+#include "registry/coord_keep.h"
 #include "registry/quota.h"
 #include "registry/reuse.h"
 #include "users/known.h"
@@ -255,6 +256,7 @@ intake_submit(struct coord *c, struct coord_conn *conn, const struct msg *m)
         c->actions.failed = true;
         return;
     }
+    coord_drop_gone(c, job->id);
     choose_coding(job);
     uploads_named(&c->uploads, &conn->payer->uploads, &job->spec.files);
     job->submit_ms = job->found_ms = c->now_ms;

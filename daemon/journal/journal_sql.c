@@ -81,9 +81,10 @@ const char *const journal_sql[NSQL] = {
                         " WHERE job = " N_OF_JOB " AND frame = ?2",
     [SQL_GONES] = "SELECT id, owner, name, why, fetched, end_ms, gone_ms"
                   " FROM gone ORDER BY n",
-    [SQL_PUT_GONE] = "INSERT INTO gone (id, owner, name, why, fetched, end_ms,"
-                     " gone_ms) VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7)"
-                     " ON CONFLICT (id) DO NOTHING",
+    /* in place of the record of an earlier job of that id */
+    [SQL_PUT_GONE] = "INSERT OR REPLACE INTO gone (id, owner, name, why,"
+                     " fetched, end_ms, gone_ms)"
+                     " VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7)",
     [SQL_DROP_GONES] =
         "DELETE FROM gone WHERE owner = ?1 AND n <= (SELECT n FROM gone"
         " WHERE owner = ?1 ORDER BY n DESC LIMIT 1 OFFSET ?2)",
@@ -94,8 +95,8 @@ const char *const journal_sql[NSQL] = {
     [SQL_HAS_GONE] = "SELECT 1 FROM gone WHERE id = ?1",
     [SQL_JOBS] =
         "SELECT n, id, owner, spec, epoch, state, status, text, offer_ms,"
-        " submit_ms, open_ms, end_ms, sent_bytes, kept_bytes, progress, stats_size,"
-        " stats_hash, priority FROM job ORDER BY n",
+        " submit_ms, open_ms, end_ms, sent_bytes, kept_bytes, progress,"
+        " stats_size, stats_hash, priority FROM job ORDER BY n",
     [SQL_LIVES] = "SELECT count(*) FROM life WHERE epoch > ?1",
     [SQL_UNITS] =
         "SELECT unit, frame, x, y, width, height, attempt, tries, worker,"

@@ -356,6 +356,14 @@ coord_recall_gone(struct coord *c, const struct saved_gone *g)
     limit_gones(c, g->owner);
 }
 
+void
+coord_drop_gone(struct coord *c, const uint8_t job[MSG_JOB])
+{
+    for (size_t i = c->ngones; i-- > 0;)
+        if (memcmp(c->gones[i].job, job, MSG_JOB) == 0)
+            drop_gone(c, i);
+}
+
 const struct saved_gone *
 coord_find_gone(const struct coord *c, const char *hex)
 {

@@ -16,6 +16,8 @@ void coord_forget_job(struct coord *c, const struct job *job,
  * there is none. */
 const struct saved_gone *coord_find_gone(const struct coord *c,
                                          const char *hex);
+/* There is a job of that id again: drop the record of the forgotten job. */
+void coord_drop_gone(struct coord *c, const uint8_t job[MSG_JOB]);
 /* When and why the job was forgotten, as text. */
 void coord_gone_text(const struct saved_gone *g, char text[MSG_MAX_TEXT + 1]);
 /* The time as "2026-11-22 23:41 UTC". */

@@ -12,6 +12,7 @@
 #include "desk/verdict.h"
 #include "registry/coord_conn.h"
 #include "registry/coord_job.h"
+#include "registry/coord_keep.h"
 #include "filling/stages.h"
 #include "filling/lead.h"
 #include "sched/loss.h"
@@ -308,6 +309,7 @@ recover_job(struct coord *c, uint64_t now_ms, const struct saved_job *s,
         coord_free_job(r.job);
         return rad_fail_memory(err);
     }
+    coord_drop_gone(c, r.job->id);
     take_times(r.job, now_ms, s);
     r.job->lives = s->lives + 1;
     if (!known_name(&r.job->payer->files, &r.job->spec.files))

@@ -40,6 +40,29 @@ START_TEST(jobs_that_are_over_are_kept_for_a_while)
 }
 END_TEST
 
+static bool
+is_recalled(const uint8_t *job)
+{
+    char hex[MSG_JOB_HEX];
+
+    msg_job_format(job, hex);
+    return coord_find_gone(f.c, hex);
+}
+
+START_TEST(a_forgotten_job_that_is_submitted_again_is_not_forgotten)
+{
+    coord_set_keep(f.c, &(struct coord_keep){ .jobs = 1 });
+    whole_job(job_a);
+    whole_job(job_b);
+    ck_assert(!desk_find_job(f.c, job_a) && is_recalled(job_a));
+    submit(ANA, job_a, 0);
+    ck_assert(!is_recalled(job_a));
+    about(ANA, MSG_CANCEL, job_a);
+    about(ANA, MSG_DELETE, job_a); /* which its user knows */
+    ck_assert(!is_recalled(job_a));
+}
+END_TEST
+
 /* Recover a job that was over at so many ms. */
 static void
 recover_over(const char *owner, const uint8_t *id, uint64_t end_ms)
@@ -335,6 +358,8 @@ main(void)
     tcase_add_test(tc, a_lower_limit_leaves_the_youngest_jobs_of_each_owner);
     tcase_add_test(tc, large_jobs_that_are_over_count_as_several);
     tcase_add_test(tc, what_was_not_fetched_is_kept);
+    tcase_add_test(tc,
+                   a_forgotten_job_that_is_submitted_again_is_not_forgotten);
     tcase_add_loop_test(tc, jobs_that_are_over_are_kept_for_a_while, 0, 3);
     tcase_add_loop_test(tc, the_file_that_its_owner_waits_for_is_fetched, 0,
                         N_ELEM(main_file));

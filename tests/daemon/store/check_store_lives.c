@@ -294,6 +294,42 @@ keeps_a_unit(uv_loop_t *loop, struct store **s, struct heard *h,
     ck_assert_uint_eq(job->nunits, 1);
 }
 
+static void
+note_gone(void *arg, const struct saved_gone *g)
+{
+    struct heard *h = arg;
+
+    h->files++;
+    h->status = (int)g->why;
+}
+
+/* That job's record is the later one's. */
+START_TEST(an_id_that_is_forgotten_twice_is_recorded_as_it_was_last)
+{
+    struct store_handler hears = handler;
+    struct saved_job job;
+    struct heard h;
+    uv_loop_t loop;
+    struct store *s;
+
+    hears.gone = note_gone;
+    open_kept(&loop, &s, &h);
+    ck_assert_int_eq(recover(s, &job, NULL), 0);
+    for (enum gone_why why = GONE_MANY; why <= GONE_OLD; why++) {
+        open_job(s);
+        run(&loop, s);
+        end_job(s);
+        store_forget_job(s, &(struct saved_gone){ { 9, 8, 7 }, .why = why });
+    }
+    close_kept(&loop, s);
+    open_for(&loop, &s, &hears, &h);
+    ck_assert_int_eq(recover(s, &job, NULL), 0);
+    ck_assert_int_eq(h.files, 1);
+    ck_assert_int_eq(h.status, GONE_OLD);
+    close_kept(&loop, s);
+}
+END_TEST
+
 /* Of an earlier job of the same id, which is long forgotten, a file could not
  * be removed. */
 START_TEST(what_is_left_of_a_forgotten_job_does_no_harm_to_the_next_of_its_id)
@@ -1054,6 +1090,8 @@ main(void)
     tcase_add_test(tc, a_job_that_is_over_is_remembered_and_forgotten);
     tcase_add_loop_test(tc, a_job_that_was_being_forgotten_is_no_damage,
                         UNSETTLED_JOB, UNSETTLED_STRIKE + 1);
+    tcase_add_test(tc,
+                   an_id_that_is_forgotten_twice_is_recorded_as_it_was_last);
     tcase_add_test(
         tc, what_is_left_of_a_forgotten_job_does_no_harm_to_the_next_of_its_id);
     tcase_add_test(
