@@ -120,6 +120,7 @@ take_up_kept(struct coord *c, struct job *job)
         }
         k->counts = p->counts;
         msg_counts_add(&job->tiled, &p->counts);
+        job->rays += p->counts.rays;
     }
     if (s->open > 0 && stages_reuse(job))
         job->cache.reused = s->closed[0].n;
@@ -290,6 +291,29 @@ passes_begin(struct coord *c, struct job *job, struct rad_error *err)
     close_made(c, job);
     note_progress(job);
     return 0;
+}
+
+void
+passes_restore(struct job *job)
+{
+    const struct kept_passes *kept = &job->kept;
+    struct passes *s = job->passes = calloc(1, sizeof *s);
+    uint64_t rays = job->rays;
+
+    if (s && (s->size = stages_sizes(&job->spec)) &&
+        plan_stage(job, NULL) == 0) {
+        lead_begin(job, s->size);
+        for (uint32_t i = s->base; i < kept->n && s->open < s->n; i++) {
+            s->closed[s->open++].counts = kept->pass[i].counts;
+            rays += kept->pass[i].counts.rays;
+        }
+        s->opened = s->open;
+        note_progress(job);
+        if (rays > job->rays_seen)
+            job->rays_seen = rays;
+    }
+    passes_free(s);
+    job->passes = NULL;
 }
 
 bool

@@ -14,6 +14,10 @@ void passes_free(struct passes *s);
 /* Lay out the job's passes, if it has any; 0, or negative with *err. */
 int passes_begin(struct coord *c, struct job *job, struct rad_error *err);
 
+/* After a restart: note how far the passes were that an earlier life closed.
+ * passes_begin() takes them up when the first worker is ready. */
+void passes_restore(struct job *job);
+
 /* How far the passes of the present stage are. */
 struct passes_state {
     uint32_t open, n; /* closed passes, and all passes; n 0: there are none */

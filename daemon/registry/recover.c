@@ -15,6 +15,7 @@
 #include "registry/coord_keep.h"
 #include "filling/stages.h"
 #include "filling/lead.h"
+#include "filling/passes.h"
 #include "sched/loss.h"
 #include "sched/result.h"
 #include "users/known.h"
@@ -238,6 +239,8 @@ take_up(const struct recovery *r)
     job->restored = r->s->nunits > 0;
     if (r->s->nunits > 0)
         job->first_ms = job->open_ms;
+    if (job->kept.n > 0 && !job->first_ms)
+        passes_restore(job);
     lead_restore(job);
     job->state = r->s->state == JOB_PAUSED ? JOB_PAUSED
                  : job->first_ms           ? JOB_RUNNING

@@ -6,6 +6,7 @@
 #include "filling/dearest.h"
 #include "filling/tiles.h"
 #include "jobs/progress.h"
+#include "registry/recover.h"
 
 START_TEST(units_come_when_all_passes_are_closed)
 {
@@ -82,6 +83,41 @@ START_TEST(tiles_of_a_lost_worker_go_to_another)
     ck_assert(has_tile(SECOND));
     make_pass(SECOND, 0);
     ck_assert_uint_eq(state().open, 1);
+}
+END_TEST
+
+/* Before any worker is there, and as after. */
+START_TEST(a_job_of_an_earlier_life_tells_how_far_its_passes_are)
+{
+    struct msg m = passes_submit(&wide, 1);
+    struct saved_pass passes[3];
+    struct saved_frame none = { 0 };
+    struct saved_job s = { .spec = m.submit,
+                           .owner = "ana",
+                           .text = "",
+                           .frames = &none,
+                           .npasses = N_ELEM(passes),
+                           .passes = passes };
+    struct msg_progress p[2];
+    const struct job *job;
+
+    for (int i = 0; i < N_ELEM(passes); i++)
+        passes[i] = (struct saved_pass){ .bytes = records,
+                                         .len = AMBSHARE_BYTES,
+                                         .counts = { .rays = 100 } };
+    ck_assert_int_eq(recover_job(f.c, f.now_ms, &s, NULL, NULL, NULL), 0);
+    job = desk_find_job(f.c, job_a);
+    progress_tell(job, f.now_ms, &p[0]);
+    wait_s(1);
+    ready(WORKER, job_a);
+    ck_assert_uint_eq(state().open, N_ELEM(passes));
+    progress_tell(job, f.now_ms, &p[1]);
+    for (int i = 0; i < 2; i++) {
+        ck_assert_uint_eq(p[i].rays, 300);
+        ck_assert_double_gt(p[i].cost_done, 0);
+        ck_assert_double_eq_tol(p[i].cost_done / p[i].cost_total,
+                                p[0].cost_done / p[0].cost_total, 1e-9);
+    }
 }
 END_TEST
 
@@ -525,6 +561,7 @@ main(void)
     tcase_add_loop_test(tc, what_fits_no_tile_ends_the_connection, 0,
                         N_ELEM(wrong));
     tcase_add_test(tc, tiles_of_a_lost_worker_go_to_another);
+    tcase_add_test(tc, a_job_of_an_earlier_life_tells_how_far_its_passes_are);
     tcase_add_test(tc, a_late_tile_goes_to_a_second_worker);
     tcase_add_test(tc, a_late_tile_is_seen_at_the_next_tick);
     tcase_add_test(tc, the_dearest_place_goes_out_first);
