@@ -593,7 +593,8 @@ note_unpaid(struct job_worker *jw, const struct msg_counts *paid)
 }
 
 /* A TALLY counts even after the job's end: the last twins are taken back then.
- */
+ * One that comes before the first READY may be of an earlier job of this id; the
+ * worker sends its sums again. */
 void
 sched_tally(struct coord *c, struct coord_worker *w, const struct msg *msg)
 {
@@ -608,6 +609,8 @@ sched_tally(struct coord *c, struct coord_worker *w, const struct msg *msg)
         return;
     desk_late(job, index, false);
     jw = &job->workers[index];
+    if (jw->state == PART_LOADING && !jw->took_part)
+        return;
     if (m->busy_s < jw->tally.busy_s) { /* a new child counts from zero */
         jw->past = part_tally(jw);
         memset(&jw->tally, 0, sizeof jw->tally);

@@ -114,6 +114,22 @@ START_TEST(waits_for_the_line_above_are_summed_over_children)
 }
 END_TEST
 
+START_TEST(what_was_counted_for_an_earlier_job_of_the_id_is_not_this_jobs)
+{
+    submit(ANA, job_a, 0);
+    ready(WORKER, job_a);
+    about(ANA, MSG_CANCEL, job_a);
+    about(ANA, MSG_DELETE, job_a);
+    submit(ANA, job_a, 0);
+    ck_assert_int_eq(f.last[WORKER].type, MSG_JOB_START);
+    tally(8, 0, 0); /* it has not heard of that yet */
+    ready(WORKER, job_a);
+    ck_assert_double_eq(worker_stat("busy_s"), 0);
+    tally(1, 0, 0);
+    ck_assert_double_eq(worker_stat("busy_s"), 1);
+}
+END_TEST
+
 /* The first worker's row in the list of workers. */
 static json_t *
 worker_row(void)
@@ -323,22 +339,6 @@ START_TEST(a_late_result_of_an_old_attempt_is_dropped)
 }
 END_TEST
 
-START_TEST(a_result_that_fits_no_unit_ends_the_connection)
-{
-    submit(ANA, job_a, 0);
-    ready(WORKER, job_a);
-    result(WORKER, job_a, 4, 1);
-    ck_assert(f.closed[WORKER]);
-}
-END_TEST
-
-int
-main(void)
-{
-    TCase *tc = tcase_create("coord_rows");
-
-    tcase_add_checked_fixture(tc, set_up, tear_down);
-    tcase_add_test(tc, pixels_that_are_no_numbers_are_told_once_with_the_first);
 START_TEST(rows_are_acknowledged_on_the_connection_that_the_worker_has_then)
 {
     submit(ANA, job_a, 0);
@@ -360,11 +360,29 @@ START_TEST(rows_are_acknowledged_on_the_connection_that_the_worker_has_then)
 }
 END_TEST
 
+START_TEST(a_result_that_fits_no_unit_ends_the_connection)
+{
+    submit(ANA, job_a, 0);
+    ready(WORKER, job_a);
+    result(WORKER, job_a, 4, 1);
+    ck_assert(f.closed[WORKER]);
+}
+END_TEST
+
+int
+main(void)
+{
+    TCase *tc = tcase_create("coord_rows");
+
+    tcase_add_checked_fixture(tc, set_up, tear_down);
+    tcase_add_test(tc, pixels_that_are_no_numbers_are_told_once_with_the_first);
     tcase_add_loop_test(tc, rows_come_coded_unless_distances_do, 0,
                         N_ELEM(codings));
     tcase_add_loop_test(tc, coded_rows_that_are_none_end_the_connection, 0,
                         N_ELEM(coded_rows));
     tcase_add_test(tc, waits_for_the_line_above_are_summed_over_children);
+    tcase_add_test(
+        tc, what_was_counted_for_an_earlier_job_of_the_id_is_not_this_jobs);
     tcase_add_test(tc, a_worker_s_row_has_what_open_jobs_have_of_it);
     tcase_add_test(tc, statistics_tell_what_is_in_hand);
     tcase_add_test(tc, rays_under_way_are_told_and_never_fewer);
@@ -372,8 +390,8 @@ END_TEST
     tcase_add_test(tc, a_duplicate_that_differs_is_an_error);
     tcase_add_test(tc, a_duplicate_that_does_not_is_none);
     tcase_add_test(tc, a_late_result_of_an_old_attempt_is_dropped);
+    tcase_add_test(
+        tc, rows_are_acknowledged_on_the_connection_that_the_worker_has_then);
     tcase_add_test(tc, a_result_that_fits_no_unit_ends_the_connection);
     return unit_run_case(tc);
 }
-    tcase_add_test(
-        tc, rows_are_acknowledged_on_the_connection_that_the_worker_has_then);
