@@ -218,11 +218,13 @@ drop_cache(struct coord *c, struct job *job)
                 job->hex, job->owner);
 }
 
+/* Not before the store has kept the job's end: with the end it keeps the cache.
+ */
 static bool
 may_lose_cache(const struct coord *c, const struct job *job)
 {
     (void)c;
-    return job->cache.bytes > 0 && !job->cache.held;
+    return job->cache.bytes > 0 && !job->cache.held && job->stage >= STAGE_KEPT;
 }
 
 /* Drop ambient caches, the oldest first, while the caches of all users together

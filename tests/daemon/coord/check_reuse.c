@@ -271,6 +271,20 @@ START_TEST(the_oldest_caches_go_first)
 }
 END_TEST
 
+/* With the end the store keeps the cache, which would stay then. */
+START_TEST(a_cache_is_not_dropped_before_the_end_of_its_job_is_kept)
+{
+    submit_job(ANA, job_a, NULL);
+    ready(WORKER, job_a);
+    render(job_a, 0, 1);
+    coord_set_keep(f.c, &(struct coord_keep){ .jobs = 10 });
+    carry_out();
+    ck_assert_uint_eq(f.drops, 0);
+    file(job_a);
+    ck_assert_uint_eq(f.drops, 1);
+}
+END_TEST
+
 /* The job that begins with it waits for its files. */
 START_TEST(a_cache_stays_until_who_begins_with_it_has_it)
 {
@@ -650,20 +664,6 @@ START_TEST(a_cache_that_is_damaged_is_not_used)
 }
 END_TEST
 
-int
-main(void)
-{
-    Suite *s = suite_create("reuse");
-    TCase *tc = tcase_create("jobs"), *files = tcase_create("files");
-
-    tcase_add_checked_fixture(tc, set_up_kept, tear_down);
-    tcase_add_test(tc, a_job_that_is_done_leaves_its_cache);
-    tcase_add_test(tc, the_job_that_was_asked_for_is_begun_with);
-    tcase_add_test(tc, the_last_is_the_one_that_ended_last);
-    tcase_add_test(tc, without_a_last_one_that_fits_a_job_begins_with_nothing);
-    tcase_add_loop_test(tc, only_what_decides_about_records_must_be_equal, 0,
-                        N_ELEM(fits));
-    tcase_add_test(tc, a_job_that_has_no_cache_is_refused_with_why);
 /* Descriptors or memory may be there in a moment. */
 START_TEST(a_cache_that_cannot_be_read_now_is_not_damaged)
 {
@@ -692,8 +692,24 @@ START_TEST(a_cache_that_cannot_be_read_now_is_not_damaged)
 }
 END_TEST
 
+int
+main(void)
+{
+    Suite *s = suite_create("reuse");
+    TCase *tc = tcase_create("jobs"), *files = tcase_create("files");
+
+    tcase_add_checked_fixture(tc, set_up_kept, tear_down);
+    tcase_add_test(tc, a_job_that_is_done_leaves_its_cache);
+    tcase_add_test(tc, the_job_that_was_asked_for_is_begun_with);
+    tcase_add_test(tc, the_last_is_the_one_that_ended_last);
+    tcase_add_test(tc, without_a_last_one_that_fits_a_job_begins_with_nothing);
+    tcase_add_loop_test(tc, only_what_decides_about_records_must_be_equal, 0,
+                        N_ELEM(fits));
+    tcase_add_test(tc, a_job_that_has_no_cache_is_refused_with_why);
     tcase_add_test(tc, a_cache_that_is_gone_is_refused);
     tcase_add_test(tc, the_oldest_caches_go_first);
+    tcase_add_test(tc,
+                   a_cache_is_not_dropped_before_the_end_of_its_job_is_kept);
     tcase_add_test(tc, a_cache_stays_until_who_begins_with_it_has_it);
     tcase_add_test(tc, a_cache_beyond_the_limit_is_not_kept_at_all);
     tcase_add_test(tc, tiles_wait_for_the_records);
@@ -708,7 +724,7 @@ END_TEST
     tcase_add_test(files, a_cache_that_lacks_a_pass_is_not_kept);
     tcase_add_test(files, a_job_whose_end_was_not_noted_has_its_passes);
     tcase_add_test(files, a_cache_that_is_damaged_is_not_used);
+    tcase_add_test(files, a_cache_that_cannot_be_read_now_is_not_damaged);
     suite_add_tcase(s, files);
     return unit_run(s);
 }
-    tcase_add_test(files, a_cache_that_cannot_be_read_now_is_not_damaged);
