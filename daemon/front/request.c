@@ -47,15 +47,20 @@ log_job(struct coord *c, const struct coord_conn *conn, const char *what,
                 conn->owner);
 }
 
+/* The job's owner is told who else cancelled it. */
 static void
 on_cancel(struct coord *c, struct coord_conn *conn, const struct msg *m)
 {
     struct job *job = job_to_steer(c, conn, m->request, m->cancel.job);
+    char text[MSG_MAX_TEXT + 1] = "cancelled";
 
     if (!job)
         return;
     log_job(c, conn, "cancelled", job);
-    verdict_job(c, job, JOB_CANCELLED, EX_TEMPFAIL, "cancelled");
+    if (strcmp(conn->owner, job->owner) != 0)
+        snprintf(text, sizeof text, "cancelled by administrator %s",
+                 conn->owner);
+    verdict_job(c, job, JOB_CANCELLED, EX_TEMPFAIL, text);
     coord_end_jobs(c); /* so that the job's end is kept before the answer */
     reply_settled(c, conn, m->request);
 }

@@ -452,7 +452,11 @@ START_TEST(only_owner_and_admin_steer_a_job)
     ck_assert_int_eq(f.last[ADMIN].failed.status, EX_NOINPUT);
     about(ADMIN, MSG_CANCEL, job_a);
     ck_assert_int_eq(f.last[ANA].type, MSG_FAILED);
-    ck_assert_str_eq(f.last[ANA].failed.text, "cancelled");
+    ck_assert_str_eq(f.last[ANA].failed.text,
+                     "cancelled by administrator root");
+    submit(ANA, job_b, 0);
+    about(ANA, MSG_CANCEL, job_b);
+    ck_assert_str_eq(desk_find_job(f.c, job_b)->text, "cancelled");
 }
 END_TEST
 
