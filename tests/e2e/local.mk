@@ -5,6 +5,7 @@ SHELL_TESTS = \
 	tests/e2e/cluster_crash.sh \
 	tests/e2e/cluster_descriptors.sh \
 	tests/e2e/cluster_error.sh \
+	tests/e2e/cluster_fair.sh \
 	tests/e2e/cluster_files.sh \
 	tests/e2e/cluster_flood.sh \
 	tests/e2e/cluster_keys.sh \
