@@ -1,11 +1,9 @@
-/* check_store_lives.c - what a store finds of the one before it: jobs, rows,
- * base lines; damage */
+/* check_store_lives.c - jobs that a store finds of the one before it; damage */
 #include "config.h"
 
+#include "lives_fixture.h"
+
 #include "check/statecheck.h"
-#include "journal/journal_impl.h"
-#include "store/store_impl.h"
-#include "store_fixture.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -15,88 +13,6 @@
 #include <sys/stat.h>
 #include <sys/syscall.h>
 #include <sys/wait.h>
-
-/* --- another life --- */
-
-static const uint8_t kept_job[MSG_JOB] = { 9, 8, 7 };
-static const uint8_t kept_manifest[MSG_HASH] = { 6, 5, 4 };
-static const struct msg_frame kept_frame = { 0, W, H, "-vtv -vp 0 0 0" };
-
-static void
-open_for(uv_loop_t *loop, struct store **s, const struct store_handler *to,
-         struct heard *h)
-{
-    struct rad_error err = { 0 };
-
-    memset(h, 0, sizeof *h);
-    uv_loop_init(loop);
-    *s = store_open(loop, dir, true, to, h, &err);
-    ck_assert_msg(*s != NULL, "%s: %s", err.where, err.what);
-}
-
-static void
-open_kept(uv_loop_t *loop, struct store **s, struct heard *h)
-{
-    open_for(loop, s, &handler, h);
-}
-
-static void
-close_kept(uv_loop_t *loop, struct store *s)
-{
-    run(loop, s);
-    store_close(s);
-    ck_assert_int_eq(uv_loop_close(loop), 0);
-}
-
-static void
-open_job_as(struct store *s, uint32_t flags)
-{
-    struct saved_job p = { .spec = { .manifest = kept_manifest,
-                                     .params = "-ab 0",
-                                     .flags = flags,
-                                     .frames = &kept_frame,
-                                     .nframes = 1 },
-                           .owner = "ana" };
-
-    store_open_job(s, kept_job, &p);
-}
-
-static void
-open_job(struct store *s)
-{
-    open_job_as(s, 0);
-}
-
-/* End the job as cancelled. */
-static void
-end_job(struct store *s)
-{
-    struct saved_job end = { .spec = { .job = kept_job,
-                                       .manifest = kept_manifest,
-                                       .params = "-ab 0",
-                                       .frames = &kept_frame,
-                                       .nframes = 1 },
-                             .sequence = 6,
-                             .state = 5,
-                             .last = { .state = 5 } };
-
-    store_end_job(s, &end, strdup("{ }"), 3);
-}
-
-static void
-forget(struct store *s, const uint8_t *job)
-{
-    struct saved_gone gone = { .why = GONE_DELETED };
-
-    memcpy(gone.job, job, MSG_JOB);
-    store_forget_job(s, &gone);
-}
-
-static void
-forget_job(struct store *s)
-{
-    forget(s, kept_job);
-}
 
 static int
 note_job(void *arg, const struct saved_job *s, struct rad_error *err)
@@ -210,8 +126,6 @@ START_TEST(a_job_that_is_over_is_remembered_and_forgotten)
     close_kept(&loop, s);
 }
 END_TEST
-
-#define KEPT_DIR "jobs/09080700000000000000000000000000"
 
 /* How far the database was with a job whose folder was being removed when the
  * coordinator was killed. */
@@ -448,18 +362,6 @@ START_TEST(a_job_may_have_the_id_of_one_that_was_never_opened)
 }
 END_TEST
 
-static void
-count_waits(void *arg, const uint8_t job[MSG_JOB], uint64_t sequence,
-            const char *text)
-{
-    struct heard *h = arg;
-
-    (void)job;
-    (void)sequence;
-    (void)text;
-    h->waits++;
-}
-
 static int
 count_open(void *arg, const struct saved_job *s, struct rad_error *err)
 {
@@ -483,9 +385,6 @@ is_open_as(int fd, const char *name)
            st.st_ino == there.st_ino;
 }
 
-/* What writes and syncs fail with; 0: they do not. */
-static _Atomic int write_fault, sync_fault;
-
 /* In place of the C library's: notes whether the state folder was synced when
  * it had its folders, and the folder of jobs. */
 int
@@ -494,8 +393,7 @@ fsync(int fd)
     jobs_synced |= is_open_as(fd, "jobs");
     names_synced |=
         is_open_as(fd, ".") && is_there("jobs") && is_there("files");
-    errno = sync_fault;
-    return sync_fault ? -1 : (int)syscall(SYS_fsync, fd);
+    return (int)syscall(SYS_fsync, fd);
 }
 
 /* In place of the C library's: notes whether a job's cache was synced, before
@@ -505,20 +403,6 @@ fdatasync(int fd)
 {
     cache_synced |= is_open_as(fd, KEPT_DIR "/cache");
     return fsync(fd);
-}
-
-/* In place of the C library's, of which SQLite uses either. */
-ssize_t
-pwrite(int fd, const void *bytes, size_t n, off_t at)
-{
-    errno = write_fault;
-    return write_fault ? -1 : (ssize_t)syscall(SYS_pwrite64, fd, bytes, n, at);
-}
-
-ssize_t
-pwrite64(int fd, const void *bytes, size_t n, off_t at)
-{
-    return pwrite(fd, bytes, n, at);
 }
 
 START_TEST(a_new_folder_lasts)
@@ -704,381 +588,6 @@ START_TEST(a_folder_in_which_no_room_can_be_kept_is_refused)
 }
 END_TEST
 
-static uint8_t
-line_byte(int i)
-{
-    return (uint8_t)(7 * i % 64);
-}
-
-static void
-keep_units(struct store *s)
-{
-    for (uint32_t unit = 0; unit < 2; unit++)
-        store_keep_unit(s, kept_job,
-                        &(struct saved_unit){ .unit = unit,
-                                              .area = { 0, 0, 3 * unit, W, 3 },
-                                              .worker = "ws1" });
-}
-
-/* Rows of unit 0 come in two pieces, those of unit 1 in one; each unit leaves
- * a base line, with so many densities. */
-enum { PIECES = 3 };
-
-static void
-put_piece(struct store *s, int i, bool coded, uint32_t densities)
-{
-    static const uint32_t first[PIECES] = { 0, 1, 3 }, n[PIECES] = { 1, 2, 3 };
-    uint8_t bytes[W * H * 12], code[H * RAD_HDR_ROW_BYTES(W)];
-    struct action_rows a = { .unit = first[i] / 3,
-                             .row = first[i] % 3,
-                             .rows = n[i],
-                             .y = first[i],
-                             .width = W,
-                             .channels = coded ? 1 : 3,
-                             .pixels = bytes,
-                             .last = i > 0,
-                             .counts = &(struct msg_counts){ 0 } };
-
-    for (int k = 0; k < N_ELEM(bytes); k++)
-        bytes[k] = line_byte(k);
-    if (coded) {
-        a.pixels = code;
-        a.len = code_rows(0, (int)first[i], W, (int)n[i], code);
-    }
-    if (a.last) {
-        a.bottom = bytes;
-        a.nbottom = densities;
-        a.line = coded ? bytes : NULL;
-    }
-    memcpy(a.job, kept_job, MSG_JOB);
-    store_put_rows(s, &a);
-}
-
-static void
-put_pieces(struct store *s, bool coded, uint32_t densities)
-{
-    keep_units(s);
-    for (int i = 0; i < PIECES; i++)
-        put_piece(s, i, coded, densities);
-}
-
-static int
-note_stored(void *arg, const struct saved_job *s, struct rad_error *err)
-{
-    uint32_t *stored = arg;
-
-    (void)err;
-    ck_assert_uint_eq(s->nunits, 2);
-    for (uint32_t i = 0; i < 2; i++)
-        stored[i] = s->units[i].stored;
-    return 0;
-}
-
-/* What is spoilt: a byte in each row, at a row's column, of floats, of RGBE,
- * and of the lines that are kept behind that. */
-static const struct {
-    bool coded;
-    uint32_t densities;
-    long at;
-    int unit; /* whose rows are none then; 2: both's, -1: nobody's */
-} spoilt[] = {
-    { false, 1, 0, 0 },
-    { false, 1, W * 12 + 1, 0 },
-    { false, 1, 2 * W * 12 + 2, 0 },
-    { false, 1, 3 * W * 12 + 3, 1 },
-    { false, 1, 5 * W * 12 + 5, 1 },
-    { true, 1, 0, 0 },
-    { true, 1, W * 4 + 1, 0 },
-    { true, 1, 3 * W * 4 - 1, 0 },
-    { true, 1, 3 * W * 4, 1 },
-    { true, 1, 6 * W * 4 - 1, 1 },
-    { true, 1, H *W * 4 + 2 * W * 12 - 1, -1 }, /* no line is there */
-    { true, 1, H *W * 4 + 2 * W * 12, 0 },
-    { true, 1, H *W * 4 + 6 * W * 12 - 1, 1 },
-    { true, 1, -1, -1 },
-    { true, 0, H *W * 4 + 2 * W * 12, 0 }, /* -ps 1 has none */
-    { true, 0, 0, 0 },
-    { true, 0, -1, -1 },
-    /* nothing was kept of the base line above */
-    { false, 0, 3 * W * 12 + 3, 2 },
-    { false, 0, 0, 0 },
-};
-
-/* Also in lives to come. */
-START_TEST(rows_that_a_disk_has_spoilt_are_none)
-{
-    bool coded = spoilt[_i].coded;
-    int unit = spoilt[_i].unit;
-    uint32_t stored[2];
-    struct heard h;
-    uint64_t epoch;
-    char path[200];
-    uv_loop_t loop;
-    struct store *s;
-    FILE *f;
-
-    open_kept(&loop, &s, &h);
-    ck_assert_int_eq(store_recover(s, 1, &epoch, note_stored, stored, NULL), 0);
-    open_job_as(s, coded ? MSG_JOB_CODED : 0);
-    put_pieces(s, coded, spoilt[_i].densities);
-    close_kept(&loop, s);
-    ck_assert_int_eq(h.rows, 3);
-    if (spoilt[_i].at >= 0) {
-        snprintf(path, sizeof path, "%s/jobs/%s/0.rows", dir,
-                 "09080700000000000000000000000000");
-        f = fopen(path, "r+");
-        ck_assert_ptr_nonnull(f);
-        ck_assert_int_eq(fseek(f, spoilt[_i].at, SEEK_SET), 0);
-        ck_assert_int_eq(fputc(0x55, f), 0x55);
-        ck_assert_int_eq(fclose(f), 0);
-    }
-    for (int life = 0; life < 2; life++) {
-        open_kept(&loop, &s, &h);
-        ck_assert_int_eq(store_recover(s, 1, &epoch, note_stored, stored, NULL),
-                         0);
-        close_kept(&loop, s);
-        ck_assert_uint_eq(stored[0], unit == 0 || unit == 2 ? 0 : 3);
-        ck_assert_uint_eq(stored[1], unit == 1 || unit == 2 ? 0 : 3);
-    }
-}
-END_TEST
-
-/* On a full disk the rows of a job that is cancelled are removed before that is
- * noted; a coordinator that is killed then renders them again. */
-START_TEST(rows_that_were_given_up_are_no_damage)
-{
-    struct rad_error err = { 0 };
-    uint32_t stored[2];
-    struct heard h;
-    uint64_t epoch;
-    char command[200];
-    uv_loop_t loop;
-    struct store *s;
-
-    open_kept(&loop, &s, &h);
-    ck_assert_int_eq(store_recover(s, 1, &epoch, note_stored, stored, NULL), 0);
-    open_job(s);
-    put_pieces(s, false, 1);
-    close_kept(&loop, s);
-    snprintf(command, sizeof command,
-             "cd %s/" KEPT_DIR " && mv 0.rows over && : >over", dir);
-    ck_assert_int_eq(system(command), 0);
-    for (int life = 0; life < 2; life++) {
-        open_kept(&loop, &s, &h);
-        ck_assert_msg(store_recover(s, 1, &epoch, note_stored, stored, &err) ==
-                          0,
-                      "%s: %s", err.where, err.what);
-        ck_assert_uint_eq(stored[0], life == 0 ? 0 : 3);
-        ck_assert_uint_eq(stored[1], life == 0 ? 0 : 3);
-        ck_assert(!is_there(KEPT_DIR "/over"));
-        put_pieces(s, false, 1);
-        close_kept(&loop, s);
-    }
-}
-END_TEST
-
-static void
-most_pages(struct store *s, int n)
-{
-    char text[50];
-
-    snprintf(text, sizeof text, "PRAGMA max_page_count = %d", n);
-    ck_assert_int_eq(sqlite3_exec(s->journal->db, text, NULL, NULL, NULL), 0);
-}
-
-static struct store *full_store;
-
-/* The disk gets room again as soon as a job waits for it. */
-static void
-end_fullness(void *arg, const uint8_t job[MSG_JOB], uint64_t sequence,
-             const char *text)
-{
-    count_waits(arg, job, sequence, text);
-    most_pages(full_store, 100000);
-}
-
-static void
-end_all_fullness(void *arg, bool full, const char *text)
-{
-    (void)arg;
-    (void)text;
-    if (full)
-        most_pages(full_store, 100000);
-}
-
-/* A job whose note is what finds no room; SQLite undoes all that was noted and
- * not committed. */
-START_TEST(rows_that_come_when_the_database_is_full_are_noted_once)
-{
-    static const uint8_t second[MSG_JOB] = { 1 };
-    struct msg_frame frames[500];
-    struct saved_job job = { .spec = { .manifest = kept_manifest,
-                                       .params = "-ab 0",
-                                       .frames = frames,
-                                       .nframes = N_ELEM(frames) } };
-    struct store_handler ends = handler;
-    uint32_t stored[2];
-    struct heard h;
-    uint64_t epoch;
-    uv_loop_t loop;
-    struct store *s;
-
-    for (int i = 0; i < N_ELEM(frames); i++)
-        frames[i] = kept_frame;
-    ends.waits = end_fullness;
-    ends.fullness = end_all_fullness;
-    open_for(&loop, &s, &ends, &h);
-    full_store = s;
-    ck_assert_int_eq(store_recover(s, 1, &epoch, note_stored, stored, NULL), 0);
-    open_job(s);
-    run(&loop, s);
-    keep_units(s);
-    put_piece(s, 0, false, 1);
-    run(&loop, s);
-    most_pages(s, 1);
-    store_open_job(s, second, &job);
-    put_piece(s, 1, false, 1);
-    put_piece(s, 2, false, 1);
-    run(&loop, s);
-    ck_assert_int_eq(h.jobs, 2);
-    ck_assert_int_eq(h.rows, 3);
-    forget(s, second);
-    close_kept(&loop, s);
-    open_kept(&loop, &s, &h);
-    ck_assert_int_eq(store_recover(s, 1, &epoch, note_stored, stored, NULL), 0);
-    close_kept(&loop, s);
-    ck_assert_uint_eq(stored[0], 3);
-    ck_assert_uint_eq(stored[1], 3);
-}
-END_TEST
-
-/* Its floats, of rows that are RGBE. */
-START_TEST(a_units_base_line_outlives_the_store)
-{
-    uint8_t line[W * 12];
-    uint32_t stored[2];
-    struct heard h;
-    uint64_t epoch;
-    uv_loop_t loop;
-    struct store *s;
-
-    open_kept(&loop, &s, &h);
-    ck_assert_int_eq(store_recover(s, 1, &epoch, note_stored, stored, NULL), 0);
-    open_job_as(s, MSG_JOB_CODED);
-    put_pieces(s, true, 1);
-    close_kept(&loop, s);
-    open_kept(&loop, &s, &h);
-    ck_assert_int_eq(store_recover(s, 1, &epoch, note_stored, stored, NULL), 0);
-    for (uint32_t y = 2; y < H; y += 3) {
-        ck_assert(store_read_row(s, kept_job, 0, y, line));
-        for (int i = 0; i < N_ELEM(line); i++)
-            ck_assert_uint_eq(line[i], line_byte(i));
-    }
-    ck_assert(store_read_row(s, kept_job, 0, 1, line));
-    ck_assert_uint_eq(line[1], 0); /* in the middle of a unit */
-    close_kept(&loop, s);
-}
-END_TEST
-
-/* What a loss of power leaves of one that was being made is in nobody's way,
- * and one that has its name is whole, whatever becomes of its log. */
-START_TEST(a_database_gets_its_name_when_it_is_whole)
-{
-    char path[160], made[170], log[170];
-    struct journal *j;
-    FILE *f;
-
-    snprintf(path, sizeof path, "%s/radcoord.db", dir);
-    snprintf(made, sizeof made, "%s.new", path);
-    snprintf(log, sizeof log, "%s-wal", path);
-    f = fopen(made, "w");
-    ck_assert_ptr_nonnull(f);
-    fputs("half a database", f);
-    fclose(f);
-    ck_assert_int_eq(journal_open(&j, path, JOURNAL_MAKE, NULL), 0);
-    journal_close(j);
-    ck_assert_int_ne(access(made, F_OK), 0);
-    f = fopen(log, "w");
-    ck_assert_ptr_nonnull(f);
-    fputs("half a log", f);
-    fclose(f);
-    ck_assert_int_eq(journal_open(&j, path, JOURNAL_OPEN, NULL), 0);
-    journal_close(j);
-}
-END_TEST
-
-static const struct {
-    int write, sync, code;
-} faults[] = {
-    { ENOSPC, 0, RAD_EFULL }, { EDQUOT, 0, RAD_EFULL }, { EIO, 0, RAD_EIO },
-    { 0, ENOSPC, RAD_EIO }, /* the next sync would prove nothing */
-    { 0, EIO, RAD_EIO },
-};
-
-START_TEST(a_commit_that_fails_tells_a_full_disk_from_another_fault)
-{
-    struct saved_job job = { .spec = { .job = kept_job,
-                                       .manifest = kept_manifest,
-                                       .params = "-ab 0",
-                                       .frames = &kept_frame,
-                                       .nframes = 1 },
-                             .owner = "ana" };
-    struct rad_error err = { 0 };
-    char path[160];
-    struct journal *j;
-    bool has;
-
-    snprintf(path, sizeof path, "%s/radcoord.db", dir);
-    ck_assert_int_eq(journal_open(&j, path, JOURNAL_MAKE, NULL), 0);
-    ck_assert_int_eq(journal_put_job(j, &job, NULL), 0);
-    write_fault = faults[_i].write;
-    sync_fault = faults[_i].sync;
-    ck_assert_int_eq(journal_commit(j, &err), faults[_i].code);
-    write_fault = sync_fault = 0;
-    ck_assert(faults[_i].write != EDQUOT || strstr(err.what, "quota"));
-    journal_rollback(j);
-    ck_assert_int_eq(journal_put_job(j, &job, NULL), 0);
-    ck_assert_int_eq(journal_commit(j, NULL), 0);
-    ck_assert_int_eq(journal_has(j, kept_job, &has, NULL), 0);
-    ck_assert(has);
-    journal_close(j);
-}
-END_TEST
-
-/* The log is carried over into the database, for which there is no memory; what
- * is in the log lasts. */
-START_TEST(a_commit_without_memory_for_more_is_one)
-{
-    static uint8_t bottom[60000];
-    struct saved_job job = { .spec = { .job = kept_job,
-                                       .manifest = kept_manifest,
-                                       .params = "-ab 0",
-                                       .frames = &kept_frame,
-                                       .nframes = 1 },
-                             .owner = "ana",
-                             .text = "" };
-    struct saved_unit u = { .worker = "ws1",
-                            .bottom = bottom,
-                            .nbottom = sizeof bottom };
-    struct rad_error err = { 0 };
-    char path[160];
-    struct journal *j;
-
-    snprintf(path, sizeof path, "%s/radcoord.db", dir);
-    ck_assert_int_eq(journal_open(&j, path, JOURNAL_MAKE, NULL), 0);
-    ck_assert_int_eq(journal_put_job(j, &job, &err), 0);
-    ck_assert_int_eq(journal_commit(j, &err), 0);
-    for (u.unit = 0; u.unit < 100; u.unit++) {
-        ck_assert_int_eq(journal_put_unit(j, kept_job, &u, &err), 0);
-        ck_assert_int_eq(journal_put_rows(j, kept_job, &u, &err), 0);
-    }
-    sqlite3_hard_heap_limit64(sqlite3_memory_used() + 4096);
-    ck_assert_msg(journal_commit(j, &err) == 0, "%s", err.what);
-    sqlite3_hard_heap_limit64(0);
-    journal_close(j);
-}
-END_TEST
-
 int
 main(void)
 {
@@ -1104,15 +613,5 @@ main(void)
         tc, a_job_that_is_cancelled_while_it_waits_for_room_does_not_come_back);
     tcase_add_loop_test(tc, a_damaged_folder_is_refused, 0, N_ELEM(damages));
     tcase_add_test(tc, a_folder_in_which_no_room_can_be_kept_is_refused);
-    tcase_add_loop_test(tc, rows_that_a_disk_has_spoilt_are_none, 0,
-                        N_ELEM(spoilt));
-    tcase_add_test(tc, rows_that_were_given_up_are_no_damage);
-    tcase_add_test(tc, rows_that_come_when_the_database_is_full_are_noted_once);
-    tcase_add_test(tc, a_units_base_line_outlives_the_store);
-    tcase_add_test(tc, a_database_gets_its_name_when_it_is_whole);
-    tcase_add_loop_test(
-        tc, a_commit_that_fails_tells_a_full_disk_from_another_fault, 0,
-        N_ELEM(faults));
-    tcase_add_test(tc, a_commit_without_memory_for_more_is_one);
     return unit_run_case(tc);
 }

@@ -1,0 +1,299 @@
+/* check_store_rows.c - rows and base lines that a store finds of the one before
+ * it */
+#include "config.h"
+
+#include "lives_fixture.h"
+
+#include "journal/journal_impl.h"
+
+#include <stdio.h>
+
+static uint8_t
+line_byte(int i)
+{
+    return (uint8_t)(7 * i % 64);
+}
+
+static void
+keep_units(struct store *s)
+{
+    for (uint32_t unit = 0; unit < 2; unit++)
+        store_keep_unit(s, kept_job,
+                        &(struct saved_unit){ .unit = unit,
+                                              .area = { 0, 0, 3 * unit, W, 3 },
+                                              .worker = "ws1" });
+}
+
+/* Rows of unit 0 come in two pieces, those of unit 1 in one; each unit leaves
+ * a base line, with so many densities. */
+enum { PIECES = 3 };
+
+static void
+put_piece(struct store *s, int i, bool coded, uint32_t densities)
+{
+    static const uint32_t first[PIECES] = { 0, 1, 3 }, n[PIECES] = { 1, 2, 3 };
+    uint8_t bytes[W * H * 12], code[H * RAD_HDR_ROW_BYTES(W)];
+    struct action_rows a = { .unit = first[i] / 3,
+                             .row = first[i] % 3,
+                             .rows = n[i],
+                             .y = first[i],
+                             .width = W,
+                             .channels = coded ? 1 : 3,
+                             .pixels = bytes,
+                             .last = i > 0,
+                             .counts = &(struct msg_counts){ 0 } };
+
+    for (int k = 0; k < N_ELEM(bytes); k++)
+        bytes[k] = line_byte(k);
+    if (coded) {
+        a.pixels = code;
+        a.len = code_rows(0, (int)first[i], W, (int)n[i], code);
+    }
+    if (a.last) {
+        a.bottom = bytes;
+        a.nbottom = densities;
+        a.line = coded ? bytes : NULL;
+    }
+    memcpy(a.job, kept_job, MSG_JOB);
+    store_put_rows(s, &a);
+}
+
+static void
+put_pieces(struct store *s, bool coded, uint32_t densities)
+{
+    keep_units(s);
+    for (int i = 0; i < PIECES; i++)
+        put_piece(s, i, coded, densities);
+}
+
+static int
+note_stored(void *arg, const struct saved_job *s, struct rad_error *err)
+{
+    uint32_t *stored = arg;
+
+    (void)err;
+    ck_assert_uint_eq(s->nunits, 2);
+    for (uint32_t i = 0; i < 2; i++)
+        stored[i] = s->units[i].stored;
+    return 0;
+}
+
+/* What is spoilt: a byte in each row, at a row's column, of floats, of RGBE,
+ * and of the lines that are kept behind that. */
+static const struct {
+    bool coded;
+    uint32_t densities;
+    long at;
+    int unit; /* whose rows are none then; 2: both's, -1: nobody's */
+} spoilt[] = {
+    { false, 1, 0, 0 },
+    { false, 1, W * 12 + 1, 0 },
+    { false, 1, 2 * W * 12 + 2, 0 },
+    { false, 1, 3 * W * 12 + 3, 1 },
+    { false, 1, 5 * W * 12 + 5, 1 },
+    { true, 1, 0, 0 },
+    { true, 1, W * 4 + 1, 0 },
+    { true, 1, 3 * W * 4 - 1, 0 },
+    { true, 1, 3 * W * 4, 1 },
+    { true, 1, 6 * W * 4 - 1, 1 },
+    { true, 1, H *W * 4 + 2 * W * 12 - 1, -1 }, /* no line is there */
+    { true, 1, H *W * 4 + 2 * W * 12, 0 },
+    { true, 1, H *W * 4 + 6 * W * 12 - 1, 1 },
+    { true, 1, -1, -1 },
+    { true, 0, H *W * 4 + 2 * W * 12, 0 }, /* -ps 1 has none */
+    { true, 0, 0, 0 },
+    { true, 0, -1, -1 },
+    /* nothing was kept of the base line above */
+    { false, 0, 3 * W * 12 + 3, 2 },
+    { false, 0, 0, 0 },
+};
+
+/* Also in lives to come. */
+START_TEST(rows_that_a_disk_has_spoilt_are_none)
+{
+    bool coded = spoilt[_i].coded;
+    int unit = spoilt[_i].unit;
+    uint32_t stored[2];
+    struct heard h;
+    uint64_t epoch;
+    char path[200];
+    uv_loop_t loop;
+    struct store *s;
+    FILE *f;
+
+    open_kept(&loop, &s, &h);
+    ck_assert_int_eq(store_recover(s, 1, &epoch, note_stored, stored, NULL), 0);
+    open_job_as(s, coded ? MSG_JOB_CODED : 0);
+    put_pieces(s, coded, spoilt[_i].densities);
+    close_kept(&loop, s);
+    ck_assert_int_eq(h.rows, 3);
+    if (spoilt[_i].at >= 0) {
+        snprintf(path, sizeof path, "%s/jobs/%s/0.rows", dir,
+                 "09080700000000000000000000000000");
+        f = fopen(path, "r+");
+        ck_assert_ptr_nonnull(f);
+        ck_assert_int_eq(fseek(f, spoilt[_i].at, SEEK_SET), 0);
+        ck_assert_int_eq(fputc(0x55, f), 0x55);
+        ck_assert_int_eq(fclose(f), 0);
+    }
+    for (int life = 0; life < 2; life++) {
+        open_kept(&loop, &s, &h);
+        ck_assert_int_eq(store_recover(s, 1, &epoch, note_stored, stored, NULL),
+                         0);
+        close_kept(&loop, s);
+        ck_assert_uint_eq(stored[0], unit == 0 || unit == 2 ? 0 : 3);
+        ck_assert_uint_eq(stored[1], unit == 1 || unit == 2 ? 0 : 3);
+    }
+}
+END_TEST
+
+/* On a full disk the rows of a job that is cancelled are removed before that is
+ * noted; a coordinator that is killed then renders them again. */
+START_TEST(rows_that_were_given_up_are_no_damage)
+{
+    struct rad_error err = { 0 };
+    uint32_t stored[2];
+    struct heard h;
+    uint64_t epoch;
+    char command[200];
+    uv_loop_t loop;
+    struct store *s;
+
+    open_kept(&loop, &s, &h);
+    ck_assert_int_eq(store_recover(s, 1, &epoch, note_stored, stored, NULL), 0);
+    open_job(s);
+    put_pieces(s, false, 1);
+    close_kept(&loop, s);
+    snprintf(command, sizeof command,
+             "cd %s/" KEPT_DIR " && mv 0.rows over && : >over", dir);
+    ck_assert_int_eq(system(command), 0);
+    for (int life = 0; life < 2; life++) {
+        open_kept(&loop, &s, &h);
+        ck_assert_msg(store_recover(s, 1, &epoch, note_stored, stored, &err) ==
+                          0,
+                      "%s: %s", err.where, err.what);
+        ck_assert_uint_eq(stored[0], life == 0 ? 0 : 3);
+        ck_assert_uint_eq(stored[1], life == 0 ? 0 : 3);
+        ck_assert(!is_there(KEPT_DIR "/over"));
+        put_pieces(s, false, 1);
+        close_kept(&loop, s);
+    }
+}
+END_TEST
+
+static void
+most_pages(struct store *s, int n)
+{
+    char text[50];
+
+    snprintf(text, sizeof text, "PRAGMA max_page_count = %d", n);
+    ck_assert_int_eq(sqlite3_exec(s->journal->db, text, NULL, NULL, NULL), 0);
+}
+
+static struct store *full_store;
+
+/* The disk gets room again as soon as a job waits for it. */
+static void
+end_fullness(void *arg, const uint8_t job[MSG_JOB], uint64_t sequence,
+             const char *text)
+{
+    count_waits(arg, job, sequence, text);
+    most_pages(full_store, 100000);
+}
+
+static void
+end_all_fullness(void *arg, bool full, const char *text)
+{
+    (void)arg;
+    (void)text;
+    if (full)
+        most_pages(full_store, 100000);
+}
+
+/* A job whose note is what finds no room; SQLite undoes all that was noted and
+ * not committed. */
+START_TEST(rows_that_come_when_the_database_is_full_are_noted_once)
+{
+    static const uint8_t second[MSG_JOB] = { 1 };
+    struct msg_frame frames[500];
+    struct saved_job job = { .spec = { .manifest = kept_manifest,
+                                       .params = "-ab 0",
+                                       .frames = frames,
+                                       .nframes = N_ELEM(frames) } };
+    struct store_handler ends = handler;
+    uint32_t stored[2];
+    struct heard h;
+    uint64_t epoch;
+    uv_loop_t loop;
+    struct store *s;
+
+    for (int i = 0; i < N_ELEM(frames); i++)
+        frames[i] = kept_frame;
+    ends.waits = end_fullness;
+    ends.fullness = end_all_fullness;
+    open_for(&loop, &s, &ends, &h);
+    full_store = s;
+    ck_assert_int_eq(store_recover(s, 1, &epoch, note_stored, stored, NULL), 0);
+    open_job(s);
+    run(&loop, s);
+    keep_units(s);
+    put_piece(s, 0, false, 1);
+    run(&loop, s);
+    most_pages(s, 1);
+    store_open_job(s, second, &job);
+    put_piece(s, 1, false, 1);
+    put_piece(s, 2, false, 1);
+    run(&loop, s);
+    ck_assert_int_eq(h.jobs, 2);
+    ck_assert_int_eq(h.rows, 3);
+    forget(s, second);
+    close_kept(&loop, s);
+    open_kept(&loop, &s, &h);
+    ck_assert_int_eq(store_recover(s, 1, &epoch, note_stored, stored, NULL), 0);
+    close_kept(&loop, s);
+    ck_assert_uint_eq(stored[0], 3);
+    ck_assert_uint_eq(stored[1], 3);
+}
+END_TEST
+
+/* Its floats, of rows that are RGBE. */
+START_TEST(a_units_base_line_outlives_the_store)
+{
+    uint8_t line[W * 12];
+    uint32_t stored[2];
+    struct heard h;
+    uint64_t epoch;
+    uv_loop_t loop;
+    struct store *s;
+
+    open_kept(&loop, &s, &h);
+    ck_assert_int_eq(store_recover(s, 1, &epoch, note_stored, stored, NULL), 0);
+    open_job_as(s, MSG_JOB_CODED);
+    put_pieces(s, true, 1);
+    close_kept(&loop, s);
+    open_kept(&loop, &s, &h);
+    ck_assert_int_eq(store_recover(s, 1, &epoch, note_stored, stored, NULL), 0);
+    for (uint32_t y = 2; y < H; y += 3) {
+        ck_assert(store_read_row(s, kept_job, 0, y, line));
+        for (int i = 0; i < N_ELEM(line); i++)
+            ck_assert_uint_eq(line[i], line_byte(i));
+    }
+    ck_assert(store_read_row(s, kept_job, 0, 1, line));
+    ck_assert_uint_eq(line[1], 0); /* in the middle of a unit */
+    close_kept(&loop, s);
+}
+END_TEST
+
+int
+main(void)
+{
+    TCase *tc = tcase_create("store_rows");
+
+    tcase_add_checked_fixture(tc, scratch_make, scratch_remove);
+    tcase_add_loop_test(tc, rows_that_a_disk_has_spoilt_are_none, 0,
+                        N_ELEM(spoilt));
+    tcase_add_test(tc, rows_that_were_given_up_are_no_damage);
+    tcase_add_test(tc, rows_that_come_when_the_database_is_full_are_noted_once);
+    tcase_add_test(tc, a_units_base_line_outlives_the_store);
+    return unit_run_case(tc);
+}
