@@ -1,41 +1,35 @@
 /* coord.c - see coord.h
  *
- * Events come in here; messages go to tables of handlers.  Whether a message
- * may come from its sender was checked before, by the session
+ * Events come in here; messages go to tables of handlers: workers.c, request.c.
+ * Whether a message may come from its sender was checked before, by the session
  * (proto/message.def).  coord_conn.c has the life of connections, coord_job.c
- * the life of jobs; sched.c says which worker gets what; request.c, intake.c
- * and delivery.c answer users. */
+ * the life of jobs; sched.c says which worker gets what; intake.c and
+ * delivery.c answer users. */
 #include "config.h"
 
 #include "front/coord.h"
 
 #include "desk/desk.h"
 #include "jobs/job.h"
-#include "jobs/part.h"
 #include "jobs/progress.h"
 #include "desk/verdict.h"
+#include "front/coord_files.h"
 #include "front/delivery.h"
 #include "front/intake.h"
 #include "front/reply.h"
 #include "front/request.h"
-#include "lines/handoff.h"
-#include "lines/lending.h"
+#include "front/workers.h"
 #include "links/introduce.h"
 #include "registry/coord_conn.h"
 #include "registry/coord_job.h"
 #include "registry/coord_keep.h"
 #include "registry/telling.h"
 #include "filling/passes.h"
-#include "filling/records.h"
-#include "sched/balance.h"
-#include "sched/loss.h"
 #include "sched/result.h"
 #include "sched/sched.h"
-#include "sched/survey.h"
 #include "users/known.h"
 #include "users/uploads.h"
 
-#include "base/sha.h"
 #include "base/text.h"
 
 #include <assert.h>
@@ -141,169 +135,16 @@ coord_actions(struct coord *c)
 /* --- messages --- */
 
 static void
-send_file(struct coord *c, uint64_t conn, uint32_t request, const uint8_t *hash)
-{
-    struct action *a = actions_add(&c->actions, ACT_SEND_FILE, conn);
-
-    if (!a)
-        return;
-    a->request = request;
-    a->hash = actions_keep(&c->actions, hash, MSG_HASH);
-}
-
-/* Handler of WANT: send a worker the files that it wants, if they belong to the
- * job that the worker loads.  If that job has just ended, JOB_END is on its
- * way. */
-static void
-on_want(struct coord *c, struct coord_worker *w, const struct msg *m)
-{
-    const struct job *job = w->loading;
-    const struct msg_hashes *f = job ? &job->spec.files : NULL;
-    uint8_t *own;
-    size_t n;
-
-    if (!f || f->n == 0)
-        return;
-    own = actions_keep(&c->actions, f->hash, (size_t)f->n * MSG_HASH);
-    if (!own)
-        return;
-    n = rad_sha_unique(own, f->n);
-    for (uint32_t i = 0; i < m->want.n; i++) {
-        const uint8_t *hash = m->want.hash + (size_t)i * MSG_HASH;
-
-        if (rad_sha_among(own, n, hash))
-            send_file(c, w->conn, m->request, hash);
-    }
-}
-
-/* Handler of PING, which the shell answers: note when the worker's progress
- * counter changes. */
-static void
-on_ping(struct coord *c, struct coord_worker *w, const struct msg *m)
-{
-    w->load = m->ping.load;
-    if (w->progress == m->ping.progress)
-        return;
-    w->progress = m->ping.progress;
-    w->progressed_ms = c->now_ms;
-}
-
-/* Handler of DRAIN: the worker leaves.  It gives back its units, then
- * sched_run() sends BYE. */
-static void
-on_drain(struct coord *c, struct coord_worker *w, const struct msg *m)
-{
-    (void)c;
-    (void)m;
-    w->leaving = true;
-}
-
-/* Handler of RECORDS: send ambient records to the connections that watch the
- * job. */
-static void
-on_records(struct coord *c, struct coord_worker *w, const struct msg *m)
-{
-    uint32_t index;
-    const struct job *job = desk_job_of(c, w, m->records.job, &index);
-
-    if (job && (job->spec.flags & MSG_JOB_RECORDS))
-        desk_send_records(c, job, &m->records);
-}
-
-static void
-on_line_costs(struct coord *c, struct coord_worker *w, const struct msg *m)
-{
-    uint32_t index;
-    struct job *job = desk_job_of(c, w, m->line_costs.job, &index);
-
-    if (job)
-        frame_add_costs(job, &m->line_costs);
-}
-
-/* Handler of FAILED: a child says that no worker can render the job. */
-static void
-on_failed(struct coord *c, struct coord_worker *w, const struct msg *m)
-{
-    struct job *job = desk_find_job(c, m->failed.job);
-    char text[MSG_MAX_TEXT + 1], why[401];
-
-    if (!job || part_find(job, w->name) == JOB_NOBODY)
-        return;
-    rad_text_print(why, sizeof why, "%s", m->failed.text);
-    snprintf(text, sizeof text, "%s (worker %s)", why, w->name);
-    verdict_job(c, job, JOB_FAILED, m->failed.status, text);
-}
-
-/* Handler of READY.  A worker that was not connected when others were expelled
- * still has its links with them: it is told to end these now. */
-static void
-on_ready(struct coord *c, struct coord_worker *w, const struct msg *m)
-{
-    const struct job *job;
-    uint32_t index;
-
-    sched_ready(c, w, m);
-    job = desk_find_job(c, m->ready.job);
-    index = job ? desk_index(job, w) : JOB_NOBODY;
-    if (index == JOB_NOBODY || !desk_is_ready(job, index))
-        return;
-    for (uint32_t i = 0; i < job->nworkers; i++)
-        if (job->workers[i].worker->expelled)
-            introduce_unlink(c, job, w, job->workers[i].worker);
-}
-
-/* Handlers of workers' messages. */
-static const struct {
-    enum msg_type type;
-    void (*handle)(struct coord *c, struct coord_worker *w,
-                   const struct msg *m);
-} handlers[] = {
-    { MSG_RESULT, result_rows },
-    { MSG_READY, on_ready },
-    { MSG_LOST, loss_reported },
-    { MSG_TALLY, sched_tally },
-    { MSG_FACTS, handoff_facts },
-    { MSG_BASE_LINE, handoff_base_line },
-    { MSG_GUESS, handoff_guess },
-    { MSG_PARKED, handoff_parked },
-    { MSG_GAVE, balance_gave },
-    { MSG_STILL, loss_still },
-    { MSG_ESTIMATED, survey_estimated },
-    { MSG_LOAN, lending_loan },
-    { MSG_PAID, lending_paid },
-    { MSG_ROOM, loss_no_room },
-    { MSG_WANT, on_want },
-    { MSG_FAILED, on_failed },
-    { MSG_DRAIN, on_drain },
-    { MSG_PING, on_ping },
-    { MSG_RECORDS, on_records },
-    { MSG_TILE_MADE, passes_made },
-    { MSG_HOLDS, records_holds },
-    { MSG_LINE_COSTS, on_line_costs },
-};
-
-/* Find the handler of a message.  BYE has none: the connection ends after it.
- */
-static void
 handle(struct coord *c, struct coord_conn *conn, const struct msg *m)
 {
     if (conn->session == MSG_AT_COORD_USER ||
         conn->session == MSG_AT_COORD_ADMIN ||
-        conn->session == MSG_AT_COORD_OBSERVER) {
+        conn->session == MSG_AT_COORD_OBSERVER)
         request_handle(c, conn, m);
-        return;
-    }
-    if (m->type == MSG_HELLO) {
+    else if (m->type == MSG_HELLO)
         coord_hello(c, conn, m);
-        return;
-    }
-    if (!conn->worker)
-        return;
-    for (size_t i = 0; i < sizeof handlers / sizeof handlers[0]; i++)
-        if (handlers[i].type == m->type) {
-            handlers[i].handle(c, conn->worker, m);
-            return;
-        }
+    else if (conn->worker)
+        workers_handle(c, conn->worker, m);
 }
 
 /* --- events --- */
@@ -575,70 +416,6 @@ coord_expel(struct coord *c, uint64_t now_ms, const char *name)
             introduce_drop(c, c->jobs[i], w);
 }
 
-/* Files of which nothing was heard since then may be forgotten. */
-static uint64_t
-forget_before(const struct coord *c)
-{
-    uint64_t ms = c->limits.upload_ms;
-
-    return c->now_ms > ms ? c->now_ms - ms : 0;
-}
-
-static void
-expire_known(struct coord *c)
-{
-    if (c->now_ms - c->known_ms < c->limits.upload_ms / 4)
-        return;
-    c->known_ms = c->now_ms;
-    for (struct coord_owner *o = c->owners; o; o = o->next)
-        known_expire(&o->files,
-                     uploads_kept_from(&o->uploads, forget_before(c)));
-}
-
-/* Note for each user whose files are on their way since when these are offered
- * and when some of them last came.  On a full disk none can come, so there they
- * count as if they did. */
-static void
-note_offers(struct coord *c)
-{
-    for (struct coord_conn *i = c->conns; i; i = i->next) {
-        if (c->full)
-            i->moved_ms = c->now_ms;
-        if (i->offer_ms != 0)
-            i->payer->uploads.offer_ms = i->offer_ms;
-    }
-    for (const struct coord_conn *i = c->conns; i; i = i->next) {
-        struct uploads_sum *of = &i->payer->uploads;
-
-        if (i->offer_ms == 0)
-            continue;
-        if (i->offer_ms < of->offer_ms)
-            of->offer_ms = i->offer_ms;
-        if (i->moved_ms > of->moved_ms)
-            of->moved_ms = i->moved_ms;
-    }
-}
-
-/* Forget files that have waited upload_ms for a job, and end connections whose
- * files have made no progress for as long. */
-static void
-look_after_uploads(struct coord *c)
-{
-    uint64_t ms = c->limits.upload_ms;
-
-    if (c->now_ms - c->uploads_ms < 1000)
-        return;
-    c->uploads_ms = c->now_ms;
-    note_offers(c);
-    if (c->now_ms >= ms)
-        uploads_forget(&c->uploads, c->now_ms - ms);
-    for (struct coord_conn *conn = c->conns, *next; conn; conn = next) {
-        next = conn->next;
-        if (conn->offer_ms != 0 && c->now_ms - conn->moved_ms >= ms)
-            verdict_break(c, conn->id, "what it sends does not go on");
-    }
-}
-
 void
 coord_job_waits(struct coord *c, uint64_t now_ms, const uint8_t id[MSG_JOB],
                 uint64_t sequence, const char *text)
@@ -656,43 +433,6 @@ coord_job_waits(struct coord *c, uint64_t now_ms, const uint8_t id[MSG_JOB],
     actions_log(&c->actions, ACT_WARN, "job waits for room job=%s why=%s",
                 job->hex, text);
     c->told_progress_ms = 0; /* users hear of it at the next tick */
-}
-
-/* The user's files that were offered too long ago for the store to keep them of
- * itself, and that are kept, for other files of the offer still come. */
-static size_t
-offered(const struct coord *c, const struct coord_owner *o, uint8_t *hashes)
-{
-    uint64_t since_ms = forget_before(c),
-             from_ms = uploads_kept_from(&o->uploads, since_ms);
-
-    return from_ms < since_ms ? known_free(&o->files, from_ms, hashes) : 0;
-}
-
-uint8_t *
-coord_files(const struct coord *c, size_t *n)
-{
-    size_t all = 0, at = 0;
-    uint8_t *list;
-
-    for (size_t i = 0; i < c->njobs; i++)
-        all += c->jobs[i]->spec.files.n;
-    for (const struct coord_owner *o = c->owners; o; o = o->next)
-        all += o->files.nfree;
-    list = malloc((all + c->uploads.n) * MSG_HASH + 1);
-    if (!list)
-        return NULL;
-    for (size_t i = 0; i < c->njobs; i++) {
-        const struct msg_hashes *f = &c->jobs[i]->spec.files;
-
-        if (f->n > 0)
-            memcpy(list + at * MSG_HASH, f->hash, (size_t)f->n * MSG_HASH);
-        at += f->n;
-    }
-    for (const struct coord_owner *o = c->owners; o; o = o->next)
-        at += offered(c, o, list + at * MSG_HASH);
-    *n = at + uploads_waiting(&c->uploads, list + at * MSG_HASH);
-    return list;
 }
 
 bool
@@ -738,11 +478,11 @@ coord_tick(struct coord *c, uint64_t now_ms)
     settle(c, false);
     delivery_tick(c);
     reply_tick(c);
-    look_after_uploads(c);
+    coord_files_tick(c);
     coord_jobs_tick(c);
     settle(c, false);
     coord_forget_old(c);
-    expire_known(c);
+    coord_files_expire(c);
     if (now_ms - c->told_progress_ms < PROGRESS_MS)
         return;
     c->told_progress_ms = now_ms;

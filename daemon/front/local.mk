@@ -2,6 +2,8 @@
 libdaemon_a_SOURCES += \
 	daemon/front/coord.c \
 	daemon/front/coord.h \
+	daemon/front/coord_files.c \
+	daemon/front/coord_files.h \
 	daemon/front/delivery.c \
 	daemon/front/delivery.h \
 	daemon/front/intake.c \
@@ -13,4 +15,6 @@ libdaemon_a_SOURCES += \
 	daemon/front/report.c \
 	daemon/front/report.h \
 	daemon/front/request.c \
-	daemon/front/request.h
+	daemon/front/request.h \
+	daemon/front/workers.c \
+	daemon/front/workers.h

@@ -23,24 +23,16 @@
 #include "desk/speed.h"
 #include "desk/verdict.h"
 #include "filling/passes.h"
-#include "filling/records.h"
 #include "filling/tiles.h"
 #include "jobs/job.h"
 #include "jobs/part.h"
-#include "jobs/progress.h"
 #include "jobs/shared.h"
 #include "jobs/unit.h"
-#include "lines/handoff.h"
-#include "links/feeding.h"
 #include "links/linking.h"
 #include "sched/balance.h"
 #include "sched/handout.h"
-#include "sched/loss.h"
 #include "sched/survey.h"
-
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
+#include "sched/turn.h"
 
 #define WORTH_MS 50  /* least time that a unit of auto should take */
 #define AWAIT_MS 300 /* busy workers give lines away within this time */
@@ -234,80 +226,6 @@ serve_job(struct coord *c, struct job *job, struct coord_worker *w,
     return !*done && job->filling && tiles_give(c, job, index);
 }
 
-/* Has the worker to load the job first? */
-static bool
-is_new_to(const struct job *job, uint32_t index)
-{
-    return index == JOB_NOBODY || !part_is_here(&job->workers[index]);
-}
-
-/* May the job have something for the worker?  A worker loads new jobs one at a
- * time, even before their files are all here.  So a search looks at one of
- * them, however many wait. */
-static bool
-may_look(const struct job *job, const struct coord_worker *w)
-{
-    uint32_t index = desk_index(job, w);
-
-    if (!is_new_to(job, index))
-        return true;
-    return !w->loading &&
-           (index == JOB_NOBODY || job->workers[index].state == PART_GONE);
-}
-
-/* Threads that work for the job's owner.  For an owner whose tiles the worker
- * makes the worker's own do not count: they would as well for any other owner.
- * So a worker leaves an owner's tiles only if owners have more equal shares
- * then. */
-static uint32_t
-threads_beside(const struct job *job, const struct coord_worker *w)
-{
-    const struct job *at = w->fills;
-
-    if (!at || at->payer != job->payer)
-        return job->payer->threads;
-    return job->payer->threads - at->workers[desk_index(at, w)].counted_threads;
-}
-
-/* Has the worker units of the job, or does it make the job's tiles? */
-static bool
-is_at(const struct job *job, const struct coord_worker *w)
-{
-    return w->fills == job || attempt_has_any(job, w);
-}
-
-/* Does the job go before an older job of the same priority?  Of one owner's
- * jobs the older always goes first. */
-static bool
-goes_before(const struct job *job, const struct job *older,
-            const struct coord_worker *w)
-{
-    uint32_t a = threads_beside(job, w), b = threads_beside(older, w);
-
-    return a < b || (a == b && job->payer != older->payer && is_at(job, w) &&
-                     !is_at(older, w));
-}
-
-/* The next job of this search: of those with the highest priority the job whose
- * owner has the fewest threads at work, of these a job of an owner that the
- * worker works for, of these the oldest.  NULL: no job is left. */
-static struct job *
-next_job(const struct coord *c, const struct coord_worker *w)
-{
-    struct job *best = NULL;
-
-    for (size_t i = 0; i < c->njobs; i++) {
-        struct job *job = c->jobs[i];
-
-        if (best && job->spec.priority < best->spec.priority)
-            break;
-        if (job->served != c->serving && !desk_idle_job(job) &&
-            may_look(job, w) && (!best || goes_before(job, best, w)))
-            best = job;
-    }
-    return best;
-}
-
 /* Shall an idle worker wait for lines of this job that busy workers may give
  * away, before it gets units of jobs with a lower priority? */
 static bool
@@ -392,12 +310,12 @@ sched_serve(struct coord *c, struct coord_worker *w)
     if (!desk_takes_units(w) || w->alone || c->full)
         return false;
     c->serving++;
-    while (!done && (job = next_job(c, w))) {
+    while (!done && (job = turn_next(c, w))) {
         uint32_t index = desk_index(job, w);
 
         taken = job->spec.priority < floor || job->spec.priority < w->priority;
         job->served = c->serving;
-        if (is_new_to(job, index)) {
+        if (turn_is_new(job, index)) {
             start_job(c, job, w);
         } else if (!taken && job->stage == STAGE_OPEN &&
                    job->workers[index].state == PART_READY) {
@@ -448,178 +366,6 @@ sched_run(struct coord *c)
         balance_run(c);
     for (struct coord_worker *w = c->workers; w; w = w->next)
         let_go(c, w);
-}
-
-/* --- messages of workers --- */
-
-static bool
-one_worker_in_all(const struct coord *c)
-{
-    uint32_t n = 0;
-
-    for (const struct coord_worker *w = c->workers; w; w = w->next)
-        n += desk_takes_units(w);
-    return n == 1;
-}
-
-/* With --same-bits: are these the bits of the job's first worker? */
-static bool
-same_bits(const struct job *job, uint64_t fingerprint)
-{
-    const struct job_worker *first = part_first(job);
-
-    return !(job->spec.flags & MSG_JOB_SAME_BITS) || !first ||
-           first->fingerprint == fingerprint;
-}
-
-/* Link the worker with those that it shares lines or records with. */
-static void
-link_worker(struct coord *c, struct job *job, uint32_t index)
-{
-    if ((job->spec.flags & MSG_JOB_SHARE) || job->shared)
-        linking_join(c, job, index);
-}
-
-static void
-worker_ready(struct coord *c, struct job *job, struct coord_worker *w,
-             struct job_worker *jw, const struct msg_ready *m)
-{
-    part_step(jw, PART_READY);
-    jw->load_s = m->load_s;
-    jw->fingerprint = w->fingerprint = m->fingerprint;
-    jw->threads = w->threads = m->threads;
-    if (jw->ready_ms == 0)
-        jw->ready_ms = c->now_ms;
-    jw->took_part = true;
-    link_worker(c, job, (uint32_t)(jw - job->workers));
-    if (job->filling)
-        feeding_join(c, job, (uint32_t)(jw - job->workers));
-}
-
-/* The first worker is ready: lay out the job's units; false: the job failed. */
-static bool
-lay_out(struct coord *c, struct job *job)
-{
-    struct rad_error err = { 0 };
-
-    if (job_split(job, one_worker_in_all(c), &err) != 0 ||
-        passes_begin(c, job, &err) != 0 ||
-        survey_begin(job, job_active(job), &err) != 0) {
-        verdict_job(c, job, JOB_FAILED, rad_exit_status(err.code), err.what);
-        return false;
-    }
-    if (!job->survey && !passes_open(job))
-        speed_share(c, job);
-    return true;
-}
-
-/* The first worker is ready for a job of which an earlier life of the
- * coordinator handed out units; false: the job failed. */
-static bool
-take_up_restored(struct coord *c, struct job *job)
-{
-    struct rad_error err = { 0 };
-
-    job->restored = false;
-    if (passes_begin(c, job, &err) != 0) {
-        verdict_job(c, job, JOB_FAILED, rad_exit_status(err.code), err.what);
-        return false;
-    }
-    if (!passes_open(job))
-        speed_share(c, job);
-    return true;
-}
-
-void
-sched_ready(struct coord *c, struct coord_worker *w, const struct msg *msg)
-{
-    const struct msg_ready *m = &msg->ready;
-    struct job_worker *jw;
-    uint32_t index;
-    struct job *job = desk_job_of(c, w, m->job, &index);
-
-    if (!job)
-        return;
-    if (w->loading == job)
-        w->loading = NULL;
-    jw = &job->workers[index];
-    if (jw->state != PART_LOADING)
-        return;
-    if (!same_bits(job, m->fingerprint)) {
-        w->fingerprint = m->fingerprint;
-        actions_log(&c->actions, ACT_WARN,
-                    "worker excluded job=%s worker=%s why=--same-bits, and its "
-                    "arithmetic differs from that of the job's first worker",
-                    job->hex, jw->name);
-        loss_all(c, job, index, PART_EXCLUDED);
-        desk_send_job_end(c, w->conn, job->id);
-        return;
-    }
-    if (!job->partition) {
-        if (!lay_out(c, job))
-            return;
-        speed_measure(c, job);
-    }
-    if (job->restored && !take_up_restored(c, job))
-        return;
-    if (!records_ready(c, job, index, m->passes)) { /* it has other passes, of
-                                                     * an earlier life */
-        loss_all(c, job, index, PART_GONE);
-        desk_send_job_end(c, w->conn, job->id);
-        return;
-    }
-    loss_at_ready(c, job, index);
-    worker_ready(c, job, w, jw, m);
-    if (job->shared)
-        handoff_back(c, job, index);
-    speed_measure(c, job);
-}
-
-/* Count what earlier PAIDs of this worker told and never came: they were lost
- * with a connection, for messages keep their order.  Such cost is in no unit,
- * so it counts as dropped; but before the first TALLY in this life of the
- * coordinator, PAIDs that an earlier life got are missing, too, and these are
- * in units. */
-static void
-note_unpaid(struct job_worker *jw, const struct msg_counts *paid)
-{
-    struct msg_counts lost;
-
-    msg_counts_lack(&lost, paid, &jw->paid);
-    msg_counts_add(&jw->paid, &lost);
-    if (jw->tallied)
-        msg_counts_add(&jw->past.dropped, &lost);
-    jw->tallied = true;
-}
-
-/* A TALLY counts even after the job's end: the last twins are taken back then.
- * One that comes before the first READY may be of an earlier job of this id; the
- * worker sends its sums again. */
-void
-sched_tally(struct coord *c, struct coord_worker *w, const struct msg *msg)
-{
-    const struct msg_tally *m = &msg->tally;
-    struct job *job = desk_find_job(c, m->job);
-    uint32_t index = job ? desk_index(job, w) : JOB_NOBODY;
-    struct job_worker *jw;
-
-    if (index == JOB_NOBODY || job_over(job))
-        desk_send_job_end(c, w->conn, m->job);
-    if (index == JOB_NOBODY)
-        return;
-    desk_late(job, index, false);
-    jw = &job->workers[index];
-    if (jw->state == PART_LOADING && !jw->took_part)
-        return;
-    if (m->busy_s < jw->tally.busy_s) { /* a new child counts from zero */
-        jw->past = part_tally(jw);
-        memset(&jw->tally, 0, sizeof jw->tally);
-        memset(&jw->paid, 0, sizeof jw->paid);
-    }
-    note_unpaid(jw, &m->paid);
-    jw->tally = *m;
-    jw->tally.job = NULL;
-    progress_see(job);
 }
 
 /* --- drained workers --- */

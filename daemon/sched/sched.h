@@ -1,8 +1,11 @@
 /* sched.h - which worker gets which unit
  *
- *   sched.c       which worker gets which unit next; READY and TALLY
+ *   sched.c       which worker gets which unit next
+ *   turn.c        whose job is next for a worker
+ *   ready.c       a worker has loaded a job
  *   handout.c     a unit goes out to a worker
  *   result.c      rows come, units are done
+ *   tally.c       what workers' children have counted
  *   loss.c        workers and children are lost
  *   balance.c     idle workers get lines of others, and twins
  *   yield.c       units are given back for work that comes first
@@ -21,12 +24,6 @@ void sched_run_for(struct coord *c, struct coord_worker *w);
 
 /* Called every tick. */
 void sched_tick(struct coord *c);
-
-/* Handlers of READY and TALLY. */
-void sched_ready(struct coord *c, struct coord_worker *w,
-                 const struct msg *msg);
-void sched_tally(struct coord *c, struct coord_worker *w,
-                 const struct msg *msg);
 
 /* An admin drained or undrained a worker: other workers may take its share of a
  * job's units, or no longer. */

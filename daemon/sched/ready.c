@@ -1,0 +1,140 @@
+/* ready.c - see ready.h */
+#include "config.h"
+
+#include "sched/ready.h"
+
+#include "desk/desk.h"
+#include "desk/speed.h"
+#include "desk/verdict.h"
+#include "filling/passes.h"
+#include "filling/records.h"
+#include "jobs/job.h"
+#include "jobs/part.h"
+#include "lines/handoff.h"
+#include "links/feeding.h"
+#include "links/linking.h"
+#include "sched/loss.h"
+#include "sched/survey.h"
+
+static bool
+one_worker_in_all(const struct coord *c)
+{
+    uint32_t n = 0;
+
+    for (const struct coord_worker *w = c->workers; w; w = w->next)
+        n += desk_takes_units(w);
+    return n == 1;
+}
+
+/* With --same-bits: are these the bits of the job's first worker? */
+static bool
+same_bits(const struct job *job, uint64_t fingerprint)
+{
+    const struct job_worker *first = part_first(job);
+
+    return !(job->spec.flags & MSG_JOB_SAME_BITS) || !first ||
+           first->fingerprint == fingerprint;
+}
+
+/* Link the worker with those that it shares lines or records with. */
+static void
+link_worker(struct coord *c, struct job *job, uint32_t index)
+{
+    if ((job->spec.flags & MSG_JOB_SHARE) || job->shared)
+        linking_join(c, job, index);
+}
+
+static void
+worker_ready(struct coord *c, struct job *job, struct coord_worker *w,
+             struct job_worker *jw, const struct msg_ready *m)
+{
+    part_step(jw, PART_READY);
+    jw->load_s = m->load_s;
+    jw->fingerprint = w->fingerprint = m->fingerprint;
+    jw->threads = w->threads = m->threads;
+    if (jw->ready_ms == 0)
+        jw->ready_ms = c->now_ms;
+    jw->took_part = true;
+    link_worker(c, job, (uint32_t)(jw - job->workers));
+    if (job->filling)
+        feeding_join(c, job, (uint32_t)(jw - job->workers));
+}
+
+/* The first worker is ready: lay out the job's units; false: the job failed. */
+static bool
+lay_out(struct coord *c, struct job *job)
+{
+    struct rad_error err = { 0 };
+
+    if (job_split(job, one_worker_in_all(c), &err) != 0 ||
+        passes_begin(c, job, &err) != 0 ||
+        survey_begin(job, job_active(job), &err) != 0) {
+        verdict_job(c, job, JOB_FAILED, rad_exit_status(err.code), err.what);
+        return false;
+    }
+    if (!job->survey && !passes_open(job))
+        speed_share(c, job);
+    return true;
+}
+
+/* The first worker is ready for a job of which an earlier life of the
+ * coordinator handed out units; false: the job failed. */
+static bool
+take_up_restored(struct coord *c, struct job *job)
+{
+    struct rad_error err = { 0 };
+
+    job->restored = false;
+    if (passes_begin(c, job, &err) != 0) {
+        verdict_job(c, job, JOB_FAILED, rad_exit_status(err.code), err.what);
+        return false;
+    }
+    if (!passes_open(job))
+        speed_share(c, job);
+    return true;
+}
+
+void
+ready_came(struct coord *c, struct coord_worker *w, const struct msg *msg)
+{
+    const struct msg_ready *m = &msg->ready;
+    struct job_worker *jw;
+    uint32_t index;
+    struct job *job = desk_job_of(c, w, m->job, &index);
+
+    if (!job)
+        return;
+    if (w->loading == job)
+        w->loading = NULL;
+    jw = &job->workers[index];
+    if (jw->state != PART_LOADING)
+        return;
+    if (!same_bits(job, m->fingerprint)) {
+        w->fingerprint = m->fingerprint;
+        actions_log(&c->actions, ACT_WARN,
+                    "worker excluded job=%s worker=%s why=--same-bits, and its "
+                    "arithmetic differs from that of the job's first worker",
+                    job->hex, jw->name);
+        loss_all(c, job, index, PART_EXCLUDED);
+        desk_send_job_end(c, w->conn, job->id);
+        return;
+    }
+    if (!job->partition) {
+        if (!lay_out(c, job))
+            return;
+        speed_measure(c, job);
+    }
+    if (job->restored && !take_up_restored(c, job))
+        return;
+    if (!records_ready(c, job, index, m->passes)) { /* it has other passes, of
+                                                     * an earlier life */
+        loss_all(c, job, index, PART_GONE);
+        desk_send_job_end(c, w->conn, job->id);
+        return;
+    }
+    loss_at_ready(c, job, index);
+    worker_ready(c, job, w, jw, m);
+    if (job->shared)
+        handoff_back(c, job, index);
+    speed_measure(c, job);
+}

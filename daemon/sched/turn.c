@@ -1,0 +1,78 @@
+/* turn.c - see turn.h */
+#include "config.h"
+
+#include "sched/turn.h"
+
+#include "desk/attempt.h"
+#include "jobs/job.h"
+#include "jobs/part.h"
+
+bool
+turn_is_new(const struct job *job, uint32_t index)
+{
+    return index == JOB_NOBODY || !part_is_here(&job->workers[index]);
+}
+
+/* May the job have something for the worker?  A worker loads new jobs one at a
+ * time, even before their files are all here.  So a search looks at one of
+ * them, however many wait. */
+static bool
+may_look(const struct job *job, const struct coord_worker *w)
+{
+    uint32_t index = desk_index(job, w);
+
+    if (!turn_is_new(job, index))
+        return true;
+    return !w->loading &&
+           (index == JOB_NOBODY || job->workers[index].state == PART_GONE);
+}
+
+/* Threads that work for the job's owner.  For an owner whose tiles the worker
+ * makes the worker's own do not count: they would as well for any other owner.
+ * So a worker leaves an owner's tiles only if owners have more equal shares
+ * then. */
+static uint32_t
+threads_beside(const struct job *job, const struct coord_worker *w)
+{
+    const struct job *at = w->fills;
+
+    if (!at || at->payer != job->payer)
+        return job->payer->threads;
+    return job->payer->threads - at->workers[desk_index(at, w)].counted_threads;
+}
+
+/* Has the worker units of the job, or does it make the job's tiles? */
+static bool
+is_at(const struct job *job, const struct coord_worker *w)
+{
+    return w->fills == job || attempt_has_any(job, w);
+}
+
+/* Does the job go before an older job of the same priority?  Of one owner's
+ * jobs the older always goes first. */
+static bool
+goes_before(const struct job *job, const struct job *older,
+            const struct coord_worker *w)
+{
+    uint32_t a = threads_beside(job, w), b = threads_beside(older, w);
+
+    return a < b || (a == b && job->payer != older->payer && is_at(job, w) &&
+                     !is_at(older, w));
+}
+
+struct job *
+turn_next(const struct coord *c, const struct coord_worker *w)
+{
+    struct job *best = NULL;
+
+    for (size_t i = 0; i < c->njobs; i++) {
+        struct job *job = c->jobs[i];
+
+        if (best && job->spec.priority < best->spec.priority)
+            break;
+        if (job->served != c->serving && !desk_idle_job(job) &&
+            may_look(job, w) && (!best || goes_before(job, best, w)))
+            best = job;
+    }
+    return best;
+}

@@ -1,0 +1,21 @@
+/* turn.h - whose job is next for a worker
+ *
+ * Jobs of higher priority go first, and owners of jobs of one priority share
+ * the workers' threads.
+ * Thread: the coordinator's loop. */
+#ifndef DAEMON_TURN_H
+#define DAEMON_TURN_H
+
+#include "desk/desk.h"
+
+/* Has the worker to load the job first?  index: the worker's in the job, or
+ * JOB_NOBODY. */
+bool turn_is_new(const struct job *job, uint32_t index);
+
+/* The next job of this search (coord.serving): of those with the highest
+ * priority the job whose owner has the fewest threads at work, of these a job of
+ * an owner that the worker works for, of these the oldest.  NULL: no job is
+ * left. */
+struct job *turn_next(const struct coord *c, const struct coord_worker *w);
+
+#endif
