@@ -314,7 +314,6 @@ job_partition_spec(const struct msg_spec *from, struct partition_spec *spec,
         .order = from->order,
         .windows = from->windows,
         .seed = from->seed,
-        .strict = true,
         .balance = !(from->flags & MSG_JOB_NO_BALANCE),
         .fresh = from->flags & MSG_JOB_FRESH_FRAMES,
         .ncosts = from->ncosts,
@@ -328,7 +327,7 @@ job_partition_spec(const struct msg_spec *from, struct partition_spec *spec,
 
 /* The job's partition; NULL with *err. */
 static struct partition *
-make_partition(const struct job *job, bool single, struct rad_error *err)
+make_partition(const struct job *job, struct rad_error *err)
 {
     const struct msg_spec *s = &job->spec;
     struct partition_spec spec;
@@ -341,7 +340,6 @@ make_partition(const struct job *job, bool single, struct rad_error *err)
         if (s->ncosts > 0)
             wire_floats_get(costs, s->costs, s->ncosts);
         spec.costs = costs;
-        spec.single = single;
         p = partition_new(&spec, err);
     }
     free(costs);
@@ -376,9 +374,9 @@ is_exact(const struct job *job)
 }
 
 int
-job_split(struct job *job, bool single, struct rad_error *err)
+job_split(struct job *job, struct rad_error *err)
 {
-    struct partition *p = make_partition(job, single, err);
+    struct partition *p = make_partition(job, err);
 
     if (!p)
         return err->code;

@@ -183,13 +183,13 @@ bool job_held(const struct job *job);
 const char *job_state_name(enum job_state state); /* "running" */
 const char *job_is(const struct job *job);        /* its state, or "held" */
 
-/* Set *spec, but for its fields single and costs (the values), by the job's
+/* Set *spec, but for its field costs (the values), by the job's
  * specification.  RAD_EDATA: its rendering options are wrong. */
 int job_partition_spec(const struct msg_spec *from, struct partition_spec *spec,
                        struct rad_error *err);
 
-/* Cut the job into units; single as in struct partition_spec. */
-int job_split(struct job *job, bool single, struct rad_error *err);
+/* Cut the job into units. */
+int job_split(struct job *job, struct rad_error *err);
 
 /* The number of units that may go out: those that wait, and suspects. */
 uint32_t job_waiting(const struct job *job);

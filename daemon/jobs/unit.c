@@ -117,7 +117,7 @@ unit_done(struct job *job, uint32_t unit, uint64_t end_ms)
     struct partition_area a;
 
     partition_area(job->partition, unit, &a);
-    partition_done(job->partition, unit, (double)u->counts.rays);
+    partition_done(job->partition, unit);
     unit_step(u, UNIT_DONE);
     u->end_ms = end_ms;
     if (end_ms > job->last_ms)

@@ -5,7 +5,6 @@ libdaemon_a_SOURCES += \
 	daemon/partition/partition_impl.h \
 	daemon/partition/partition_lines.c \
 	daemon/partition/partition_lines.h \
-	daemon/partition/partition_queue.c \
 	daemon/partition/partition_region.c \
 	daemon/partition/partition_run.c \
 	daemon/partition/partition_table.c \

@@ -14,8 +14,7 @@
 static bool
 by_lines(const struct partition_spec *spec)
 {
-    return spec->kind == MSG_PART_STATIC || spec->kind == MSG_PART_SCANBAR ||
-           (spec->kind == MSG_PART_AUTO && spec->strict);
+    return spec->kind != MSG_PART_WINDOW;
 }
 
 int
@@ -137,7 +136,6 @@ partition_free(struct partition *p)
     if (!p)
         return;
     window_free(p->window);
-    queue_free(p);
     lines_free(p->lines);
     free(p->unit);
     free(p->back);
@@ -274,7 +272,7 @@ partition_take(struct partition *p, uint32_t unit)
 }
 
 void
-partition_done(struct partition *p, uint32_t unit, double took)
+partition_done(struct partition *p, uint32_t unit)
 {
     if (p->unit[unit].state != PARTITION_OUT)
         return;
@@ -282,8 +280,6 @@ partition_done(struct partition *p, uint32_t unit, double took)
     p->undone--;
     if (p->lines)
         lines_done(p, unit);
-    if (p->queue && took > 0)
-        queue_measured(p, unit, took);
 }
 
 void

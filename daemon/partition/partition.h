@@ -27,10 +27,7 @@ struct partition_spec {
     enum msg_partition kind;
     enum msg_order order;
     uint32_t windows;   /* per frame; 0: by the picture's size alone */
-    uint64_t seed;      /* of MSG_ORDER_RANDOM, and where costs are not known */
-    bool single;        /* one worker in all: auto by windows is one window,
-                         * which its threads render together */
-    bool strict;        /* auto shares lines; else windows */
+    uint64_t seed;      /* of MSG_ORDER_RANDOM */
     bool balance;       /* static: an idle worker takes lines of others' runs */
     bool fresh;         /* a frame begins when the one before it is done */
     int psample;        /* -ps, from 1 to 16, where lines are shared */
@@ -109,9 +106,8 @@ void partition_keep_none(struct partition *p, uint32_t worker);
 /* Take a certain waiting unit out of the queue. */
 void partition_take(struct partition *p, uint32_t unit);
 
-/* A unit that is out is done; `took`: its measured cost, in any measure, or 0.
- */
-void partition_done(struct partition *p, uint32_t unit, double took);
+/* A unit that is out is done. */
+void partition_done(struct partition *p, uint32_t unit);
 
 /* Cut a unit again that had this number and area in an earlier life, and take
  * it out of the queue; before any unit went out.  Units of lines come by

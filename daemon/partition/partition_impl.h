@@ -23,7 +23,6 @@ struct partition_unit {
 };
 
 struct partition_window;
-struct partition_queue;
 struct partition_lines;
 
 struct partition {
@@ -39,7 +38,6 @@ struct partition {
     enum msg_partition kind;
     char choice[160];
     struct partition_window *window; /* NULL: units are lines */
-    struct partition_queue *queue;   /* of windows by measured cost, or NULL */
     struct partition_lines *lines;   /* NULL: units are windows */
 };
 
@@ -79,15 +77,6 @@ double *window_first_costs(const struct partition *p,
 void window_set_costs(struct partition *p, const double *cost);
 /* Find the next of the windows that never went out; false: none may go out. */
 bool window_next(struct partition *p, uint32_t *unit);
-
-/* --- partition_queue.c --- */
-
-/* Queue all units, which are windows, by the measured costs of windows beside
- * them, and at random where none is known.  False: memory is out. */
-bool queue_new(struct partition *p, uint64_t seed, bool fresh);
-void queue_free(struct partition *p);
-bool queue_next(struct partition *p, uint32_t *unit);
-void queue_measured(struct partition *p, uint32_t unit, double cost);
 
 /* --- partition_lines.c --- */
 

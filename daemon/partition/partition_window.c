@@ -1,9 +1,9 @@
 /* partition_window.c - a grid of windows on each frame
  *
- * All units are laid out at the start, frame after frame; the queue is an array
- * of their numbers.  Windows of a frame are a grid: rows of near-equal height,
- * each cut into its share of the N windows, so that cells are close to square
- * and there are exactly N of them for any N. */
+ * All units are laid out at the start, frame after frame; their order is an
+ * array of their numbers.  Windows of a frame are a grid: rows of near-equal
+ * height, each cut into its share of the N windows, so that cells are close to
+ * square and there are exactly N of them for any N. */
 #include "config.h"
 
 #include "partition/partition_impl.h"
@@ -42,18 +42,14 @@ default_windows(const struct msg_frame *f)
 }
 
 /* The number of windows of a frame: as asked for or by its size, but no more
- * than pixels; auto with a single worker has one window. */
+ * than pixels. */
 static uint32_t
 windows_of(const struct partition_spec *spec, const struct msg_frame *f)
 {
     uint64_t pixels = (uint64_t)f->width * f->height;
     uint32_t n = spec->windows ? spec->windows : default_windows(f);
 
-    if (spec->single && spec->kind == MSG_PART_AUTO)
-        n = 1;
-    if (n > pixels)
-        n = (uint32_t)pixels;
-    return n;
+    return n > pixels ? (uint32_t)pixels : n;
 }
 
 /* Rows of the grid of n windows: so many that cells are near square, no more
@@ -141,7 +137,7 @@ sort_by_cost(const struct partition *p, uint32_t *v, uint32_t n)
             }
 }
 
-/* Order the part v of the queue that has a frame's n windows, as they lie. */
+/* Order the part v of the order that has a frame's n windows, as they lie. */
 static void
 order_frame(const struct partition *p, uint32_t *v, uint32_t n, uint32_t frame)
 {
@@ -241,16 +237,6 @@ window_first_costs(const struct partition *p, const struct partition_spec *spec)
     return cost;
 }
 
-static const char *
-why(const struct partition_spec *spec)
-{
-    if (spec->kind == MSG_PART_WINDOW)
-        return "asked for";
-    if (spec->single)
-        return "one worker: one window has the fewest samples";
-    return "several workers: windows by the picture's size";
-}
-
 bool
 window_new(struct partition *p, const struct partition_spec *spec)
 {
@@ -270,11 +256,8 @@ window_new(struct partition *p, const struct partition_spec *spec)
     if (!w->order)
         return false;
     order_all(p);
-    if (spec->ncosts == 0 && spec->order == MSG_ORDER_COST &&
-        !queue_new(p, spec->seed, spec->fresh))
-        return false;
     p->kind = MSG_PART_WINDOW;
-    snprintf(p->choice, sizeof p->choice, "%s", why(spec));
+    snprintf(p->choice, sizeof p->choice, "asked for");
     return true;
 }
 
@@ -292,7 +275,6 @@ window_set_costs(struct partition *p, const double *cost)
 {
     for (uint32_t u = 0; u < p->total; u++)
         p->unit[u].cost = cost[u];
-    queue_free(p); /* costs need not be guessed any more */
     order_all(p);
 }
 
@@ -316,8 +298,6 @@ window_next(struct partition *p, uint32_t *unit)
 {
     struct partition_window *w = p->window;
 
-    if (p->queue)
-        return queue_next(p, unit);
     while (w->next < p->total && !must_wait(p)) {
         *unit = w->order[w->next++];
         if (partition_is_free(p, *unit))

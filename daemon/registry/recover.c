@@ -206,9 +206,8 @@ take_units(const struct recovery *r)
     const struct saved_job *s = r->s;
     int rc = 0;
 
-    /* single is false: no picture depends on it */
     if (s->nunits > 0)
-        rc = job_split(r->job, false, r->err);
+        rc = job_split(r->job, r->err);
     for (uint32_t i = 0; i < s->nunits && rc == 0; i++)
         rc = take_unit(r, &s->units[i]);
     if (rc < 0)

@@ -16,16 +16,6 @@
 #include "sched/loss.h"
 #include "sched/survey.h"
 
-static bool
-one_worker_in_all(const struct coord *c)
-{
-    uint32_t n = 0;
-
-    for (const struct coord_worker *w = c->workers; w; w = w->next)
-        n += desk_takes_units(w);
-    return n == 1;
-}
-
 /* With --same-bits: are these the bits of the job's first worker? */
 static bool
 same_bits(const struct job *job, uint64_t fingerprint)
@@ -66,8 +56,7 @@ lay_out(struct coord *c, struct job *job)
 {
     struct rad_error err = { 0 };
 
-    if (job_split(job, one_worker_in_all(c), &err) != 0 ||
-        passes_begin(c, job, &err) != 0 ||
+    if (job_split(job, &err) != 0 || passes_begin(c, job, &err) != 0 ||
         survey_begin(job, job_active(job), &err) != 0) {
         verdict_job(c, job, JOB_FAILED, rad_exit_status(err.code), err.what);
         return false;

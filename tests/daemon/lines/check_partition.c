@@ -130,7 +130,7 @@ START_TEST(lost_units_go_out_before_the_others)
     partition_lost(p, 1); /* twice is once */
     ck_assert_uint_eq(partition_waiting(p), 8);
     ck_assert(next(p, &unit) && unit == 1);
-    partition_done(p, 1, 0);
+    partition_done(p, 1);
     ck_assert(next(p, &unit) && unit == 3);
     partition_free(p);
 }
@@ -192,7 +192,7 @@ START_TEST(frames_go_out_in_their_order)
     struct msg_frame f[3] = { { 1, 10, 10, "" },
                               { 2, 5, 5, "" },
                               { 3, 7, 9, "" } };
-    struct partition_spec spec = { .kind = MSG_PART_AUTO,
+    struct partition_spec spec = { .kind = MSG_PART_WINDOW,
                                    .order = MSG_ORDER_RANDOM,
                                    .windows = 4,
                                    .nframes = 3,
@@ -207,10 +207,6 @@ START_TEST(frames_go_out_in_their_order)
         partition_area(p, unit, &a);
         ck_assert_uint_eq(a.frame, i / 4);
     }
-    partition_free(p);
-    spec.single = true; /* one thread: one window a frame */
-    p = partition_new(&spec, NULL);
-    ck_assert_uint_eq(partition_total(p), 3);
     partition_free(p);
 }
 END_TEST
@@ -240,7 +236,7 @@ START_TEST(fresh_windows_go_out_frame_by_frame)
             partition_lost(p, 3);
             ck_assert(next(p, &unit) && unit == 3);
         }
-        partition_done(p, u, 0);
+        partition_done(p, u);
     }
     for (int i = 0; i < 4; i++) {
         ck_assert(next(p, &unit));
@@ -282,89 +278,6 @@ START_TEST(windows_go_out_by_cost)
     partition_set_costs(p, cost);
     for (int i = 0; i < 4; i++)
         ck_assert(next(p, &unit) && unit == want[i]);
-    partition_free(p);
-}
-END_TEST
-
-/* Costs that nobody knows are guessed from what was measured beside: 8 x 8
- * windows, of which those at the right edge are dear, those at the left cheap.
- * All go out once; when some of each are known, dear ones come before what has
- * no such neighbour, and cheap ones last. */
-START_TEST(windows_beside_dear_ones_go_out_first)
-{
-    enum { N = 64, KNOWN = 16 };
-    struct partition *p = make(640, 640, N, MSG_ORDER_COST);
-    uint32_t unit, out[N] = { 0 }, spread = 0;
-    double x[N];
-
-    for (uint32_t i = 0; i < N; i++) {
-        struct partition_area a;
-
-        ck_assert(next(p, &unit) && unit < N);
-        ck_assert_uint_eq(out[unit]++, 0);
-        partition_area(p, unit, &a);
-        x[i] = a.x;
-        spread += unit != i;
-        partition_done(p, unit, a.x < 160 ? 1 : a.x < 480 ? 10 : 100);
-    }
-    ck_assert(!next(p, &unit));
-    ck_assert_uint_gt(spread, N / 2);
-    for (uint32_t i = N - 6; i < N; i++)
-        ck_assert_double_lt(x[i], 320);
-    double early = 0, late = 0;
-
-    for (uint32_t i = 4; i < N / 2; i++)
-        early += x[i] / (N / 2 - 4);
-    for (uint32_t i = N / 2; i < N; i++)
-        late += x[i] / (N / 2);
-    ck_assert_double_gt(early, late + 160);
-    partition_free(p);
-}
-END_TEST
-
-/* A row may have tens of thousands of windows: each has two neighbours in it,
- * which are found at once. */
-START_TEST(windows_in_one_long_row_are_no_more_work)
-{
-    enum { N = 65000 };
-    struct partition *p = make(N, 1, N, MSG_ORDER_COST);
-    uint32_t unit, n = 0;
-
-    for (; next(p, &unit); n++)
-        partition_done(p, unit, 1 + unit % 7);
-    ck_assert_uint_eq(n, N);
-    partition_free(p);
-}
-END_TEST
-
-/* Frames keep their order, and what was lost comes first. */
-START_TEST(guessed_windows_keep_to_their_frame)
-{
-    struct msg_frame f[2] = { { 1, 40, 40, "" }, { 2, 40, 40, "" } };
-    struct partition_spec spec = { .kind = MSG_PART_WINDOW,
-                                   .order = MSG_ORDER_COST,
-                                   .windows = 4,
-                                   .fresh = _i,
-                                   .nframes = 2,
-                                   .frames = f };
-    struct partition *p = partition_new(&spec, NULL);
-    uint32_t unit, lost = 0;
-
-    ck_assert_ptr_nonnull(p);
-    partition_take(p, 2);
-    for (int i = 0; i < 3; i++) {
-        ck_assert(next(p, &unit) && unit < 4 && unit != 2);
-        lost = unit;
-    }
-    partition_lost(p, lost);
-    ck_assert(next(p, &unit));
-    ck_assert_uint_eq(unit, lost);
-    ck_assert_int_eq(next(p, &unit), !_i);
-    for (uint32_t u = 0; u < 4; u++)
-        partition_done(p, u, 1 + u);
-    for (int i = !_i; i < 4; i++)
-        ck_assert(next(p, &unit) && unit >= 4);
-    ck_assert(!next(p, &unit));
     partition_free(p);
 }
 END_TEST
@@ -430,7 +343,7 @@ START_TEST(a_partition_is_made_again_from_its_units)
         ck_assert(partition_restore(q, unit, &a));
         pixels += a.width * a.height;
         if (i % 2)
-            partition_done(q, unit, 0);
+            partition_done(q, unit);
     }
     while (next(q, &unit)) {
         partition_area(q, unit, &a);
@@ -462,7 +375,7 @@ START_TEST(a_frame_that_has_begun_goes_on_after_a_restart)
         partition_area(p, u, &a);
         ck_assert(partition_restore(p, u, &a));
         if (u < 4)
-            partition_done(p, u, 1);
+            partition_done(p, u);
     }
     ck_assert(next(p, &unit) && unit >= 6);
     ck_assert(next(p, &unit) && unit >= 6);
@@ -506,9 +419,6 @@ main(void)
     tcase_add_test(tc, frames_go_out_in_their_order);
     tcase_add_test(tc, fresh_windows_go_out_frame_by_frame);
     tcase_add_test(tc, windows_go_out_by_cost);
-    tcase_add_test(tc, windows_beside_dear_ones_go_out_first);
-    tcase_add_test(tc, windows_in_one_long_row_are_no_more_work);
-    tcase_add_loop_test(tc, guessed_windows_keep_to_their_frame, 0, 2);
     tcase_add_loop_test(tc, what_cannot_be_is_refused_by_name, 0,
                         N_ELEM(refused));
     tcase_add_loop_test(tc, a_partition_is_made_again_from_its_units, 0, 2);

@@ -16,7 +16,6 @@ static struct partition_spec
 lines_spec(enum msg_partition kind, uint32_t nframes)
 {
     return (struct partition_spec){ .kind = kind,
-                                    .strict = true,
                                     .balance = true,
                                     .psample = 4,
                                     .nframes = nframes,
@@ -419,7 +418,7 @@ START_TEST(fresh_frames_go_out_one_after_another)
     ck_assert_uint_eq(n, LINES - 1);
     ck_assert_uint_eq(partition_waiting(p), 0);
     for (uint32_t u = 0; u < n; u++)
-        partition_done(p, u, 0);
+        partition_done(p, u);
     ck_assert_uint_eq(partition_waiting(p), LINES);
     ck_assert(cut(p, 0, 1, &first, &last, &unit) && first == 0);
     partition_free(p);
