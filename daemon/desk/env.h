@@ -44,8 +44,6 @@ struct coord_env {
     void (*each_sent)(void *arg, coord_sent_fn *fn, void *with);
     const char *program; /* "radcoord 0.1.0"; outlives the coordinator */
     uint64_t epoch;      /* number of this life of the coordinator */
-    unsigned all_linked; /* up to so many workers of a job are all linked with
-                          * each other; 0: 64 (linking.h) */
     unsigned direct;     /* so many workers of a job get records of tiles from
                           * the coordinator itself; 0: 2 (feeding.c) */
     bool keeps; /* there is a store: actions tell it all that another life of

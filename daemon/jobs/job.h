@@ -108,8 +108,7 @@ struct job {
     struct job_goal goal;  /* zeros: no goal */
     struct survey *survey; /* NULL: costs are not estimated, or all are */
     struct shared *shared; /* NULL: lines are not shared */
-    struct links
-        *links; /* linking.h; NULL: all workers are linked, or none is */
+    struct links *links;   /* linking.h; NULL: none was made when needed */
     uint64_t base_line_bytes; /* of base lines that the coordinator sent */
     uint64_t late_rays;       /* facts that came twice, or too late */
     uint32_t *suspects; /* units that crashed a child; out of the partition's

@@ -102,18 +102,6 @@ send_feed(struct coord *c, const struct job *job, uint32_t feeder)
     actions_send(&c->actions, job->workers[feeder - 1].worker->conn, &m);
 }
 
-/* Link a feeder with a worker that it feeds: through linking.h in a job that
- * shares lines, which has such links; in any other job here. */
-static void
-link_feeder(struct coord *c, struct job *job, uint32_t feeder, uint32_t index)
-{
-    if (job->shared)
-        linking_need(c, job, feeder, index);
-    else
-        introduce_link(c, job, job->workers[feeder].worker,
-                       job->workers[index].worker, 0);
-}
-
 static void
 assign_feeder(struct coord *c, struct job *job, uint32_t index)
 {
@@ -122,7 +110,7 @@ assign_feeder(struct coord *c, struct job *job, uint32_t index)
     job->workers[index].feeder = feeder;
     if (feeder == 0)
         return;
-    link_feeder(c, job, feeder - 1, index);
+    linking_need(c, job, feeder - 1, index);
     send_feed(c, job, feeder);
 }
 

@@ -1,7 +1,6 @@
 /* linking.c - see linking.h
  *
- * job->links is NULL as long as all workers are linked with each other, and in
- * jobs with --ambient=live. */
+ * job->links lists the links that linking_need() made; NULL: it made none. */
 #include "config.h"
 
 #include "links/linking.h"
@@ -15,7 +14,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define ALL_LINKED  64  /* workers of a job, where coord_env.all_linked is 0 */
 #define MOST_LINKED 256 /* links of a new worker, with --ambient=live */
 #define MOST_NEEDED 16  /* links of a worker that linking_need() made */
 
@@ -51,18 +49,6 @@ shares_records(const struct job *job)
     return job->spec.flags & MSG_JOB_SHARE;
 }
 
-/* Are there too many workers, ready or loading, to link all with all? */
-static bool
-are_many(const struct coord *c, const struct job *job)
-{
-    uint32_t most = c->env.all_linked ? c->env.all_linked : ALL_LINKED, n = 0;
-
-    for (uint32_t i = 0; i < job->nworkers; i++)
-        n +=
-            part_is_here(&job->workers[i]) && job->workers[i].worker->conn != 0;
-    return n > most;
-}
-
 static bool
 pair_has(const struct pair *p, uint32_t index)
 {
@@ -77,20 +63,6 @@ note_link(struct links *l, uint32_t a, uint32_t b)
         return false;
     l->pair[l->n++] = (struct pair){ a < b ? a : b, a < b ? b : a };
     return true;
-}
-
-/* Make job->links, for the workers have become too many to link all with all.
- * List the links that there are: all pairs of workers but the newcomer. */
-static bool
-begin_links(struct job *job, uint32_t newcomer)
-{
-    job->links = calloc(1, sizeof *job->links);
-    for (uint32_t a = 0; job->links && a < job->nworkers; a++)
-        for (uint32_t b = a + 1; b < job->nworkers; b++)
-            if (a != newcomer && b != newcomer && can_be_linked(job, a, b) &&
-                !note_link(job->links, a, b))
-                return false;
-    return job->links;
 }
 
 static void
@@ -112,10 +84,6 @@ linking_join(struct coord *c, struct job *job, uint32_t index)
 {
     if (shares_records(job))
         introduce_worker(c, job, index, MOST_LINKED);
-    else if (!job->links && !are_many(c, job))
-        introduce_worker(c, job, index, UINT32_MAX);
-    else if (!job->links && !begin_links(job, index))
-        c->actions.failed = true;
 }
 
 void
@@ -144,16 +112,28 @@ make_room(struct coord *c, struct job *job, uint32_t index)
         end_link(c, job, oldest);
 }
 
+static bool
+is_linked(const struct links *l, uint32_t a, uint32_t b)
+{
+    for (size_t i = 0; i < l->n; i++)
+        if (pair_has(&l->pair[i], a) && pair_has(&l->pair[i], b))
+            return true;
+    return false;
+}
+
 void
 linking_need(struct coord *c, struct job *job, uint32_t a, uint32_t b)
 {
-    const struct links *l = job->links;
-
-    if (!l || !can_be_linked(job, a, b))
+    if (shares_records(job) || !can_be_linked(job, a, b))
         return;
-    for (size_t i = 0; i < l->n; i++)
-        if (pair_has(&l->pair[i], a) && pair_has(&l->pair[i], b))
-            return;
+    if (!job->links)
+        job->links = calloc(1, sizeof *job->links);
+    if (!job->links) {
+        c->actions.failed = true;
+        return;
+    }
+    if (is_linked(job->links, a, b))
+        return;
     make_room(c, job, a);
     make_room(c, job, b);
     introduce_link(c, job, job->workers[a].worker, job->workers[b].worker, 0);

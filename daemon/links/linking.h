@@ -1,25 +1,25 @@
 /* linking.h - which workers of a job are linked with which
  *
- * Up to 64 workers are all linked with each other.  In a larger job two workers
- * are linked when one needs base lines, or records of tiles, of the other; a
- * worker with 16 links or more loses its oldest link for that.  Workers that
- * are not linked send each other base lines and records by way of the
- * coordinator.  With --ambient=live a worker sends each record to all workers
- * that it is linked with.  A new worker is linked with the 256 workers that
- * came just before it, and does not get the records that still older workers
- * make.  Thread: the coordinator's loop. */
+ * Two workers are linked when one needs base lines, or records of tiles, of the
+ * other; a worker with 16 links or more loses its oldest link for that.
+ * Workers that are not linked send each other base lines and records by way of
+ * the coordinator.  With --ambient=live a worker sends each record to all
+ * workers that it is linked with: all others, or of more than 256 those that
+ * were there before it came; it does not get the records that still older
+ * workers make.  Thread: the coordinator's loop. */
 #ifndef DAEMON_LINKING_H
 #define DAEMON_LINKING_H
 
 #include "desk/desk.h"
 
-/* A worker became ready, in a job whose workers are linked. */
+/* A worker became ready: link it with all others, if the job shares live
+ * records. */
 void linking_join(struct coord *c, struct job *job, uint32_t index);
 /* A worker is gone: end its links. */
 void linking_left(struct coord *c, struct job *job, uint32_t index);
 
-/* Link workers a and b, unless they are linked or neither can be dialled.  Of
- * more than 64 workers a and b may each lose its oldest link for that. */
+/* Link workers a and b, unless they are linked or neither can be dialled.  Each
+ * may lose its oldest link for that. */
 void linking_need(struct coord *c, struct job *job, uint32_t a, uint32_t b);
 
 /* NULL is accepted. */

@@ -26,14 +26,6 @@ same_bits(const struct job *job, uint64_t fingerprint)
            first->fingerprint == fingerprint;
 }
 
-/* Link the worker with those that it shares lines or records with. */
-static void
-link_worker(struct coord *c, struct job *job, uint32_t index)
-{
-    if ((job->spec.flags & MSG_JOB_SHARE) || job->shared)
-        linking_join(c, job, index);
-}
-
 static void
 worker_ready(struct coord *c, struct job *job, struct coord_worker *w,
              struct job_worker *jw, const struct msg_ready *m)
@@ -45,7 +37,7 @@ worker_ready(struct coord *c, struct job *job, struct coord_worker *w,
     if (jw->ready_ms == 0)
         jw->ready_ms = c->now_ms;
     jw->took_part = true;
-    link_worker(c, job, (uint32_t)(jw - job->workers));
+    linking_join(c, job, (uint32_t)(jw - job->workers));
     if (job->filling)
         feeding_join(c, job, (uint32_t)(jw - job->workers));
 }

@@ -742,7 +742,6 @@ sim_init(struct sim *s, uint64_t seed)
     sim_make_faults(s);
     net->hear = sim_hear;
     s->direct = seed / 2 % 3; /* so records of tiles go by way of workers */
-    s->all_linked = seed % 2 ? 2 : 0; /* then most are linked when needed */
     s->keeps = !net_chance(net, 3);
     for (int i = 0; i < SIM_FAULTS; i++)
         s->keeps |= s->fault[i].blow == SIM_COORD_DIES;

@@ -171,7 +171,7 @@ struct sim {
     struct sim_job job[SIM_JOBS];
     int njobs;
     struct sim_child child[SIM_CHILDREN];
-    unsigned all_linked, direct; /* as in coord_env */
+    unsigned direct;             /* as in coord_env */
     bool keeps;                  /* the disk outlives the coordinator */
     unsigned lives;              /* lives of the coordinator */
     uint64_t disk_ms;            /* the disk's queue is done by then */

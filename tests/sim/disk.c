@@ -458,7 +458,6 @@ sim_coord_born(struct sim *s)
                              .arg = s,
                              .program = "radcoord",
                              .epoch = ++s->lives,
-                             .all_linked = s->all_linked,
                              .direct = s->direct,
                              .keeps = s->keeps };
 
