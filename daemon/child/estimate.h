@@ -44,8 +44,7 @@ void estimate_count(struct estimate *e, const struct rad_counts *c,
  * sets the job's id. */
 struct msg_facts *estimate_facts(struct estimate *e);
 
-/* The answer, whose job and wall_s the caller sets.  It has no costs if the
- * work was stopped. */
+/* The answer, whose job and wall_s the caller sets. */
 void estimate_result(const struct estimate *e, struct msg_estimated *m);
 
 #endif

@@ -180,7 +180,6 @@ pool_free(struct pool *p)
     atomic_store(&p->stopping, true);
     for (int i = 0; i < MSG_OPEN_PASSES; i++)
         atomic_store(&p->tiling.stop[i], true);
-    pool_stop_estimates_locked(p);
     for (struct active *u = p->active; u; u = u->next)
         team_stop(u->team);
     uv_cond_broadcast(&p->work);

@@ -87,8 +87,8 @@ int pool_error(struct pool *p);
 void pool_revoke(struct pool *p, uint32_t unit, uint32_t attempt);
 
 /* Have the threads make an estimate before they begin another unit.  The pool
- * owns it until it is done or ended by pool_rest(); then fn, called with the
- * pool's arg, owns it.  False: memory is out. */
+ * owns it until it is done; then fn, called with the pool's arg, owns it.
+ * False: memory is out. */
 typedef void pool_estimate_fn(void *arg, struct estimate *e, double wall_s);
 bool pool_estimate(struct pool *p, struct estimate *e, pool_estimate_fn *fn);
 
@@ -132,10 +132,6 @@ bool pool_freeze(struct pool *p, struct rad_ambrec *rec, size_t n,
  * many rays of a pixel (rad_job_show()) of the pool's own job.  False: memory is
  * out. */
 bool pool_show(struct pool *p, struct rad_job *job, int samples);
-
-/* End the estimates that are under way (REST), within a pixel of each thread;
- * their callbacks are called. */
-void pool_rest(struct pool *p);
 
 /* Note that n bytes have been written to the link.  Threads that hand
  * on rows wait while more than POOL_UNSENT bytes are not written. */

@@ -10,7 +10,7 @@ pool_find_estimate_locked(const struct pool *p)
 {
     struct estimating *e = p->estimates;
 
-    while (e && (atomic_load(&e->stop) || !estimate_open(e->estimate)))
+    while (e && !estimate_open(e->estimate))
         e = e->next;
     return e;
 }
@@ -47,11 +47,10 @@ pool_work_on_estimate(struct renderer *by, struct estimating *e)
     struct pool_stint stint = pool_stint_begin(by);
     double cpu;
 
-    estimate_work(e->estimate, &by->ctx, &e->stop);
+    estimate_work(e->estimate, &by->ctx, &p->stopping);
     cpu = pool_stint_end_and_lock(by, &stint);
     estimate_count(e->estimate, &by->ctx.counts, cpu);
-    if (--e->members == 0 &&
-        (atomic_load(&e->stop) || !estimate_open(e->estimate)))
+    if (--e->members == 0 && !estimate_open(e->estimate))
         end_estimate_locked(p, e);
     uv_mutex_unlock(&p->mu);
 }
@@ -103,27 +102,4 @@ pool_free_estimates(struct estimating *e)
         free(e);
         e = next;
     }
-}
-
-void
-pool_stop_estimates_locked(struct pool *p)
-{
-    for (struct estimating *e = p->estimates; e; e = e->next)
-        atomic_store(&e->stop, true);
-}
-
-void
-pool_rest(struct pool *p)
-{
-    struct estimating *e, *next;
-
-    uv_mutex_lock(&p->mu);
-    pool_stop_estimates_locked(p);
-    for (e = p->estimates; e; e = next) {
-        next = e->next;
-        if (e->members == 0)
-            end_estimate_locked(p, e);
-    }
-    uv_cond_broadcast(&p->work);
-    uv_mutex_unlock(&p->mu);
 }

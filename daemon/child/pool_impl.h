@@ -54,10 +54,9 @@ struct estimating {
     struct estimating *next; /* [mu] */
     struct estimate *estimate;
     pool_estimate_fn *fn;
-    int members;       /* [mu] threads at it */
-    _Atomic bool stop; /* written with mu held; read anywhere */
-    double wall0;      /* [fixed] time when it came */
-    double wall_s;     /* [mu] its duration, once done */
+    int members;   /* [mu] threads at it */
+    double wall0;  /* [fixed] time when it came */
+    double wall_s; /* [mu] its duration, once done */
 };
 
 struct renderer {
@@ -124,8 +123,6 @@ struct estimating *pool_find_estimate_locked(const struct pool *p);
 bool pool_is_estimating_locked(const struct pool *p);
 /* Work on the estimate's areas until none is left. */
 void pool_work_on_estimate(struct renderer *by, struct estimating *e);
-/* Tell threads to leave all estimates. */
-void pool_stop_estimates_locked(struct pool *p);
 /* Hand the estimates that are done to their callbacks, on the loop thread. */
 void pool_give_estimates(struct pool *p);
 void pool_free_estimates(struct estimating *e);

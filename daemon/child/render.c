@@ -114,9 +114,6 @@ on_message(void *arg, struct conn *c, const struct msg *m)
     case MSG_ESTIMATE:
         render_take_estimate(r, &m->estimate);
         break;
-    case MSG_REST:
-        pool_rest(r->pool);
-        break;
     case MSG_REVOKE:
         pool_revoke(r->pool, m->revoke.unit, m->revoke.attempt);
         break;

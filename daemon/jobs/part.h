@@ -75,8 +75,6 @@ struct job_worker {
                         */
     uint32_t excused;  /* until this many more passes are closed the worker's
                         * feeder is not to blame for records that lack */
-    uint64_t rest_ms;  /* when REST told the worker to leave its areas; 0:
-                        * never, or the worker got work since */
 
     /* loss.c */
     uint32_t load_crashes; /* children that died before READY */

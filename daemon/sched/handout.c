@@ -99,7 +99,6 @@ handout_unit(struct coord *c, struct job *job, uint32_t index, uint32_t unit)
         return;
     }
     job->workers[index].passed = 0;
-    job->workers[index].rest_ms = 0;
     u->attempt++;
     u->tries++;
     if (u->tries > 1 && u->ngos == 1 && !u->given_back)

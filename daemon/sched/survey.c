@@ -6,8 +6,8 @@
  * chunk that is not answered in time goes to another worker, too.  The pixels
  * follow from the part, so the costs do not depend on which worker answers
  * first.  If two children die of a chunk the estimate is given up: units will
- * tell which pixel it was.  A worker that must make way (yield.c) answers with
- * facts of the pixels that it traced, and its chunk goes out again. */
+ * tell which pixel it was.  A chunk takes seconds, so a worker ends it whatever
+ * comes first by then. */
 #include "config.h"
 
 #include "sched/survey.h"
@@ -26,7 +26,6 @@
 #define CHUNKS_A_WORKER 4
 #define MOST_CRASHES    2    /* children that may die of a chunk */
 #define LATE_MS         2000 /* then a chunk goes to another worker, too */
-#define LEAVING_MS      5000 /* time for a worker that leaves to answer */
 
 struct chunk {
     uint32_t first, n; /* parts [first, first + n) */
@@ -181,7 +180,6 @@ survey_give(struct coord *c, struct job *job, uint32_t index)
         return false;
     k->holders++;
     k->out_ms = c->now_ms;
-    jw->rest_ms = 0;
     attempt_survey(job, index, (uint32_t)(k - s->chunk) + 1);
     if (s->begin_ms == 0)
         s->begin_ms = c->now_ms;
@@ -191,43 +189,14 @@ survey_give(struct coord *c, struct job *job, uint32_t index)
     return true;
 }
 
-/* Let other workers have its chunk, unless survey_rest() did. */
-static void
-let_others(struct job *job, const struct job_worker *jw)
-{
-    if (job->survey && jw->surveying && jw->rest_ms == 0)
-        job->survey->chunk[jw->surveying - 1].holders--;
-}
-
-void
-survey_rest(struct job *job, uint32_t index)
-{
-    let_others(job, &job->workers[index]);
-}
-
 void
 survey_lost(struct job *job, uint32_t index)
 {
-    let_others(job, &job->workers[index]);
+    const struct job_worker *jw = &job->workers[index];
+
+    if (job->survey && jw->surveying)
+        job->survey->chunk[jw->surveying - 1].holders--;
     attempt_survey(job, index, 0);
-}
-
-bool
-survey_tells(const struct coord *c, const struct coord_worker *w)
-{
-    for (size_t i = 0; i < c->njobs; i++) {
-        const struct job *job = c->jobs[i];
-        uint32_t index = desk_index(job, w);
-        const struct job_worker *jw;
-
-        if (!job->survey || index == JOB_NOBODY)
-            continue;
-        jw = &job->workers[index];
-        if (jw->surveying &&
-            (jw->rest_ms == 0 || c->now_ms - jw->rest_ms < LEAVING_MS))
-            return true;
-    }
-    return false;
 }
 
 /* --- back --- */
@@ -290,13 +259,13 @@ survey_estimated(struct coord *c, struct coord_worker *w, const struct msg *msg)
         return;
     }
     k = &job->survey->chunk[m->id];
-    if (m->ncosts != k->n && (m->ncosts > 0 || jw->rest_ms == 0)) {
+    if (m->ncosts != k->n) {
         verdict_break(c, w->conn, "an ESTIMATED that fits no ESTIMATE");
         return;
     }
     survey_lost(job, index);
     count_rays(job, index, &m->counts);
-    if (k->done || m->ncosts == 0)
+    if (k->done)
         return;
     for (uint32_t i = 0; i < k->n; i++)
         job->survey->cost[k->first + i] =

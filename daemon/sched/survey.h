@@ -24,12 +24,7 @@ int survey_begin(struct job *job, uint32_t workers, struct rad_error *err);
 bool survey_give(struct coord *c, struct job *job, uint32_t index);
 /* Does the worker estimate areas, or are there some for it? */
 bool survey_has(const struct coord *c, const struct job *job, uint32_t index);
-/* The worker is about to be told to answer at once (REST): let other workers
- * have its areas.  Called before rest_ms is set. */
-void survey_rest(struct job *job, uint32_t index);
-/* Is an answer of this worker, which leaves, still awaited? */
-bool survey_tells(const struct coord *c, const struct coord_worker *w);
-/* The worker will not answer. */
+/* The worker will not answer: let other workers have its areas. */
 void survey_lost(struct job *job, uint32_t index);
 /* A child died of a chunk of areas; when a second one does the estimate is
  * given up. */

@@ -8,7 +8,7 @@
  * ends those that it has beside the units of the job that it goes to (sched.c).
  * A unit that is to be given back counts as parked, so its worker gets others.
  * Of a window nothing can be kept: it is taken back (REVOKE) and begins anew.
- * Estimates (survey.c) are ended by REST. */
+ */
 #include "config.h"
 
 #include "sched/yield.h"
@@ -86,26 +86,10 @@ give_back(struct coord *c, struct job *job, uint32_t unit, struct job_go *go)
     desk_send_attempt(c, job, MSG_YIELD, unit, go);
 }
 
-/* Have the worker end its estimate (REST). */
-static void
-end_estimate(struct coord *c, struct job *job, uint32_t index)
-{
-    struct job_worker *jw = &job->workers[index];
-    struct msg m = { .type = MSG_REST, .rest = { job->id } };
-
-    if (jw->rest_ms != 0 || jw->state != PART_READY || jw->worker->conn == 0 ||
-        !jw->surveying)
-        return;
-    survey_rest(job, index);
-    jw->rest_ms = c->now_ms;
-    actions_send(&c->actions, jw->worker->conn, &m);
-}
-
 /* Have all given back that the worker has of the job. */
 static void
 give_all_back(struct coord *c, struct job *job, uint32_t index)
 {
-    end_estimate(c, job, index);
     for (uint32_t i = job->nout; i-- > 0;) {
         uint32_t unit = job->out[i];
         struct job_unit *u = &job->units[unit];
@@ -151,9 +135,7 @@ look_at_job(struct coord *c, struct job *job)
     for (uint32_t i = 0; i < job->nworkers; i++) {
         const struct job_worker *jw = &job->workers[i];
 
-        if (jw->in_flight == 0 && jw->parked == 0 && !jw->surveying)
-            continue;
-        if (desk_gives_way(job, i))
+        if ((jw->in_flight > 0 || jw->parked > 0) && desk_gives_way(job, i))
             give_all_back(c, job, i);
     }
     give_up(c, job);

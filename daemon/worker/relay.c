@@ -400,7 +400,6 @@ static const struct handler downwards[] = {
     ROW(BASE_LINE, base_line, on_base_line),
     ROW(NEXT_HOLDER, next_holder, next_holder),
     ROW(ESTIMATE, estimate, on_estimate),
-    ROW(REST, rest, on_order),
     ROW(TILE, tile, on_tile),
     ROW(FROZEN, frozen, on_frozen),
     ROW(STAGE, stage, on_stage),

@@ -115,7 +115,6 @@ static const struct msg examples[] = {
     { .type = MSG_STILL, .still = { ID, 1, 2, 3 } },
     { .type = MSG_ROOM, .room = { ID, 0, "no room on the disk" } },
     { .type = MSG_YIELD, .yield = { ID, 1, 2 } },
-    { .type = MSG_REST, .rest = { ID } },
     { .type = MSG_TILE, .tile = { ID, 1, 2, 1 } },
     { .type = MSG_TILE_MADE,
       .tile_made = { ID, 1, 2, COUNTS, 2, (const uint8_t *)"records", 7,
@@ -574,7 +573,7 @@ static const struct {
     { MSG_AT_COORD_OBSERVER, " PING PONG BYE FETCH QUERY PAGE " },
     { MSG_AT_DIALLER, " WELCOME REFUSE " },
     { MSG_AT_WORKER,
-      " PING PONG BYE CHUNK JOB_START JOB_END UNIT ACK REVOKE YIELD REST "
+      " PING PONG BYE CHUNK JOB_START JOB_END UNIT ACK REVOKE YIELD "
       "JOB_PEERS TWIN FACTS GUESS BASE_LINE NEXT_HOLDER SPLIT "
       "ESTIMATE LEND LOAN BACK TILE FROZEN STAGE SHOW TILE_RECORDS "
       "CLOSED FEED " },
@@ -584,7 +583,7 @@ static const struct {
     { MSG_AT_PEER, " PING PONG BYE AMBIENT BASE_LINE TILE_RECORDS " },
     { MSG_AT_CHILD_NEW, " JOB_START " },
     { MSG_AT_CHILD,
-      " JOB_END UNIT REVOKE YIELD REST AMBIENT GIVE TWIN FACTS BASE_LINE "
+      " JOB_END UNIT REVOKE YIELD AMBIENT GIVE TWIN FACTS BASE_LINE "
       "GUESS SPLIT ESTIMATE LEND LOAN BACK TILE FROZEN STAGE SHOW " },
     { MSG_AT_PARENT_NEW, " FAILED READY " },
     { MSG_AT_PARENT,

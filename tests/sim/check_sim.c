@@ -27,7 +27,7 @@ static struct {
     unsigned parted, late, refused;
     unsigned blows[SIM_TYPES][SIM_NBLOW];
     unsigned parked, gave, twins, loans, blocked, estimates, bars, aside,
-        estimates_left, pictures, tiles, passes, colours, reused, stages;
+        pictures, tiles, passes, colours, reused, stages;
     uint64_t primary, speculative, unsaid;
     uint64_t resumed, again; /* see note_again() */
     unsigned pauses, priorities, rests, yields;
@@ -297,7 +297,6 @@ run(uint64_t seed, bool verbose)
     sum.reused += cluster.reused;
     sum.stages += cluster.stages;
     sum.estimates += cluster.estimates;
-    sum.estimates_left += cluster.estimates_left;
     sim_release(&cluster);
 }
 
@@ -328,8 +327,8 @@ was_tried(void)
                  sum.parked && sum.gave && sum.twins && sum.loans &&
                  sum.blocked && sum.bars && sum.aside && sum.tiles &&
                  sum.passes && sum.stages && sum.colours && sum.reused &&
-                 sum.estimates && sum.estimates_left && sum.pauses &&
-                 sum.priorities && sum.rests && sum.yields && sum.refused;
+                 sum.estimates && sum.pauses && sum.priorities && sum.rests &&
+                 sum.yields && sum.refused;
 
     for (size_t i = 0; i < sizeof types / sizeof types[0]; i++)
         for (int b = 0; b < SIM_NBLOW; b++)
@@ -356,8 +355,7 @@ tell(uint64_t runs)
            "peers, %u children died; %u of these at chosen messages; %u "
            "drains, %u stood still, %u were cut off, %u messages came twice\n"
            "%u units late, %u parked, %u answers to SPLIT, %u twins, %u "
-           "loans, %u waits for them, %u by bars, %u aside, %u estimates, of "
-           "these %u left; %u "
+           "loans, %u waits for them, %u by bars, %u aside, %u estimates; %u "
            "accidents at "
            "JOB_PEERS\n",
            (unsigned long long)runs, sum.pictures,
@@ -367,7 +365,7 @@ tell(uint64_t runs)
            sum.cuts, sum.peer_cuts, sum.crashes, blows, sum.drains, sum.stops,
            sum.parted, sum.repeats, sum.late, sum.parked, sum.gave, sum.twins,
            sum.loans, sum.blocked, sum.bars, sum.aside, sum.estimates,
-           sum.estimates_left, at_type(MSG_JOB_PEERS));
+           at_type(MSG_JOB_PEERS));
     printf("%u pauses, %u priorities, %u workers drained or not: %u units went "
            "back; where that was all, %llu rays for nothing, of %llu\n",
            sum.pauses, sum.priorities, sum.rests, sum.yields,

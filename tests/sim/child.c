@@ -537,20 +537,7 @@ end:
     free(v);
 }
 
-/* How many areas of an estimate were traced: half of them if REST has come
- * since. */
-static uint32_t
-areas_before_rest(struct net *net, const struct event *e,
-                  const struct msg_estimate *m)
-{
-    if (!alive(net, e))
-        return 0;
-    return sim_child_of(net, e->node)->rests == e->k ? m->nareas
-                                                     : m->nareas / 2;
-}
-
-/* An estimate is made.  e->bytes: the ESTIMATE, packed; e->k: RESTs before it.
- */
+/* An estimate is made.  e->bytes: the ESTIMATE, packed. */
 static void
 estimated(void *net, struct event *e)
 {
@@ -563,7 +550,7 @@ estimated(void *net, struct event *e)
                               e->len - MSG_HEADER, NULL) == 0);
     v = calloc(m.estimate.nareas + 1, sizeof *v);
     SIM_CHECK(net, v != NULL);
-    for (uint32_t i = 0; i < areas_before_rest(net, e, &m.estimate); i++) {
+    for (uint32_t i = 0; i < m.estimate.nareas && alive(net, e); i++) {
         estimate_area(net, e->node, &m.estimate.areas[i], m.estimate.rays,
                       &v[i]);
         done.estimated.counts.rays += v[i].rays;
@@ -572,10 +559,6 @@ estimated(void *net, struct event *e)
     if (!alive(net, e))
         goto end;
     sim_of(net)->estimates++;
-    if (sim_child_of(net, e->node)->rests != e->k) {
-        sim_of(net)->estimates_left++;
-        m.estimate.nareas = 0;
-    }
     done.estimated.job = job_of(net, e->node)->id;
     done.estimated.id = m.estimate.id;
     done.estimated.ncosts = m.estimate.nareas;
@@ -595,8 +578,6 @@ take_estimate(struct net *net, int node, const struct msg *m)
     SIM_CHECK(net, sim_cache_serves(sim_of(net), sim_child_of(net, node), 0));
     e = later(net, node, net_random(net, 20 * (m->estimate.nareas + 1)),
               estimated);
-
-    e->k = sim_child_of(net, node)->rests;
     wire_out_init(&out, MSG_FRAME_MAX);
     SIM_CHECK(net, msg_pack(&out, m) == 0);
     event_take(e, out.buf, out.len);
@@ -792,9 +773,6 @@ message(struct net *net, int node, uint64_t conn, const struct msg *m)
         return;
     case MSG_ESTIMATE:
         take_estimate(net, node, m);
-        break;
-    case MSG_REST:
-        k->rests++;
         break;
     case MSG_GIVE:
         send_ambient(net, node, m->give.to);

@@ -122,7 +122,6 @@ struct sim_child {
     unsigned nwindows;
     uint64_t tick_ms; /* when to tell the machine the time; 0: not */
     double busy_s;
-    int rests; /* number of RESTs that came */
     unsigned nambient;
     uint32_t passes;   /* passes whose records it has */
     uint32_t stage;    /* the first pass of its stage */
@@ -195,7 +194,6 @@ struct sim {
     unsigned colours;               /* tiles that told colours */
     unsigned reused;                /* first passes of other jobs' caches */
     unsigned parked, gave, twins, loans, blocked, estimates;
-    unsigned estimates_left; /* of these, ended by REST */
     unsigned bars;           /* units with bars along with base lines */
     unsigned
         aside; /* passes that made way for others' bottoms while making rows */

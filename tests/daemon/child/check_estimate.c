@@ -400,32 +400,6 @@ START_TEST(an_estimate_of_nothing_is_answered)
 }
 END_TEST
 
-/* It answers with what it has. */
-START_TEST(an_estimate_is_left_when_something_comes_first)
-{
-    struct msg_area areas[HEIGHT];
-    struct msg_estimate m = { .rays = ESTIMATE_MOST_RAYS,
-                              .nareas = lines_of_frame(areas),
-                              .areas = areas };
-    struct msg_estimated got;
-    const struct msg_facts *facts;
-    uint64_t pixels = 0;
-
-    open_pool("--seed=3 -x 64 -y 48 -pa 0 -ab 3 -ad 4096 -aa .01", false, 2);
-    ck_assert(pool_estimate(f.pool, estimate_new(&f.frame, 1, &m, NULL),
-                            on_estimated));
-    pool_rest(f.pool);
-    while (!done)
-        uv_run(&f.loop, UV_RUN_ONCE);
-    estimate_result(done, &got);
-    ck_assert_uint_eq(got.ncosts, 0);
-    while ((facts = estimate_facts(done)))
-        pixels += facts->npixels;
-    ck_assert_uint_le(pixels, got.counts.estimate_rays);
-    ck_assert_uint_lt(pixels, 64 * 48);
-}
-END_TEST
-
 START_TEST(a_pool_ends_with_an_estimate_under_way)
 {
     struct msg_area areas[HEIGHT];
@@ -525,7 +499,6 @@ main(void)
     tcase_add_loop_test(tc, pixels_come_back_as_facts, 0, N_ELEM(runs));
     tcase_add_test(tc, facts_of_any_area_are_told_line_by_line);
     tcase_add_test(tc, an_estimate_of_nothing_is_answered);
-    tcase_add_test(tc, an_estimate_is_left_when_something_comes_first);
     tcase_add_test(tc, a_pool_ends_with_an_estimate_under_way);
     tcase_add_loop_test(tc, a_shortage_of_memory_is_told_as_one, 0, 2);
     tcase_add_loop_test(tc, areas_outside_are_refused, 0, N_ELEM(bad));
