@@ -47,8 +47,6 @@ struct job_worker {
     uint32_t counted_threads; /* its threads, as counted for the job's payer */
     uint32_t lines;           /* lines of the attempts in flight */
     uint32_t parked;          /* attempts that wait (go_waits()) */
-    uint32_t given; /* units whose lines the worker began at an end of its
-                     * own (handout.c) */
 
     /* speed.c */
     uint64_t since_ms; /* work_ms is counted up to then */

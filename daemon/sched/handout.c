@@ -7,36 +7,10 @@
 #include "desk/attempt.h"
 #include "lines/handoff.h"
 
-#define APART 8 /* units of a worker that are begun apart, with scanbar */
-
-/* Shall the worker begin its lines at an end of its own?  If all workers went
- * from left to right they would see the same things at the same time, and each
- * make the same ambient records.  With scanbar only its first units: pieces of
- * a later base line should come as they are made.  Not with several threads,
- * which follow each other down the lines; nor at the top of a frame, where the
- * unit's rows are true from the start and need no facts. */
-static bool
-begins_apart(const struct job *job, const struct job_worker *jw, uint32_t unit)
-{
-    uint32_t first, last;
-
-    partition_unit_lines(job->partition, unit, &first, &last);
-    if (jw->threads > 1 || !(job->spec.flags & MSG_JOB_SHARE) || first == 0)
-        return false;
-    return partition_kind(job->partition) != MSG_PART_SCANBAR ||
-           jw->given < APART;
-}
-
 /* Where a worker begins its lines: another end for each attempt at a unit. */
 static uint8_t
-choose_end(struct job *job, uint32_t index, uint32_t unit)
+choose_end(const struct job_unit *u)
 {
-    const struct job_unit *u = &job->units[unit];
-
-    if (u->ngos == 1 && begins_apart(job, &job->workers[index], unit)) {
-        job->workers[index].given++;
-        return (uint8_t)(index % MSG_NEND);
-    }
     for (uint8_t end = 0; end < MSG_NEND; end++) {
         bool taken = false;
 
@@ -117,7 +91,7 @@ handout_unit(struct coord *c, struct job *job, uint32_t index, uint32_t unit)
     }
     if (u->ngos == 1)
         desk_keep_unit(c, job, unit);
-    go->end = choose_end(job, index, unit);
+    go->end = choose_end(u);
     if (job->first_ms == 0)
         job->first_ms = c->now_ms;
     if (job->state == JOB_WAITING)

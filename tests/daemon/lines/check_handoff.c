@@ -4,32 +4,6 @@
 
 #include "lines_fixture.h"
 
-/* Where records are shared, workers begin their first lines at different ends;
- * later, at the top of a frame, and where nothing is shared, all go from left
- * to right. */
-START_TEST(workers_begin_apart_while_records_are_few)
-{
-    int n = 0;
-
-    submit(MSG_PART_SCANBAR, _i ? MSG_JOB_SHARE : 0, "uniform", 3);
-    ready(W1);
-    ready(W2);
-    ck_assert_uint_eq(first_unit_of(W1)->end, MSG_END_LEFT);
-    for (int i = 0; i < f.nsaid; i++) {
-        const struct msg_unit u = f.said[i].m.unit;
-
-        if (f.said[i].conn != W2 || f.said[i].m.type != MSG_UNIT ||
-            u.flags & MSG_UNIT_TWIN)
-            continue;
-        ck_assert_uint_eq(u.end, _i && u.y > 0 && n < 8 ? MSG_END_RIGHT
-                                                        : MSG_END_LEFT);
-        n += u.y > 0;
-        finish(W2, &u);
-    }
-    ck_assert_int_gt(n, 12);
-}
-END_TEST
-
 START_TEST(lines_go_out_with_what_is_known_of_them)
 {
     struct msg_unit a, b, c;
@@ -280,7 +254,6 @@ main(void)
     TCase *tc = tcase_create("handoff");
 
     tcase_add_checked_fixture(tc, set_up, tear_down);
-    tcase_add_loop_test(tc, workers_begin_apart_while_records_are_few, 0, 2);
     tcase_add_test(tc, lines_go_out_with_what_is_known_of_them);
     tcase_add_test(tc, who_has_time_makes_bars_along_with_lines);
     tcase_add_test(tc,
