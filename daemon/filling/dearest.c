@@ -1,9 +1,8 @@
 /* dearest.c - see dearest.h
  *
  * Each picture has a grid of cells, each with the rays per pixel that the last
- * tile there took.  Tiles of deep records have no place in a picture, but their
- * numbers follow a tree over space; they have a row of cells along these
- * numbers. */
+ * tile there took.  Tiles of deep records have no place in a picture, and go
+ * out by their numbers. */
 #include "config.h"
 
 #include "filling/dearest.h"
@@ -13,8 +12,6 @@
 #define CELL_SIDE  32 /* pixels; doubled until there are at most MOST_CELLS */
 #define MOST_CELLS (1u << 20)
 
-#define PLACES 512 /* cells along the numbers of deep tiles */
-
 struct grid {
     int columns;
     float *rays; /* per pixel, row by row of cells */
@@ -22,10 +19,9 @@ struct grid {
 
 struct dearest {
     const struct rad_pass_size *size;
-    int side;            /* of a cell, in pixels */
-    struct grid *grid;   /* of each picture */
-    float *rays;         /* memory of all grids */
-    float place[PLACES]; /* rays of a deep tile times the tiles of its round */
+    int side;          /* of a cell, in pixels */
+    struct grid *grid; /* of each picture */
+    float *rays;       /* memory of all grids */
 };
 
 struct dear {
@@ -111,16 +107,9 @@ void
 dearest_note(struct dearest *d, const struct rad_pass *pass, uint32_t tile,
              uint64_t rays)
 {
-    uint32_t i = pass->frame, n = 0, first, all;
+    uint32_t i = pass->frame, n = 0;
     struct rad_pass_area a;
 
-    if (pass->level > 0) {
-        all = rad_pass_round(pass, &first);
-        for (uint64_t k = (uint64_t)(first + tile) * PLACES / all;
-             k * all < (first + tile + UINT64_C(1)) * PLACES; k++)
-            d->place[k] = (float)rays * (float)all;
-        return;
-    }
     if (!is_lattice(pass))
         return;
     for (; i < pass->beyond; i += pass->stride, tile -= n) {
@@ -165,17 +154,6 @@ expect_pixels(const struct dearest *d, const struct rad_pass *pass,
     }
 }
 
-static void
-expect_deep(const struct dearest *d, const struct rad_pass *pass,
-            struct dear *to)
-{
-    uint32_t first, all = rad_pass_round(pass, &first);
-
-    for (uint32_t i = 0; i < pass->tiles; i++)
-        to[i].rays = (double)d->place[(2 * (uint64_t)(first + i) + 1) * PLACES /
-                                      (2 * (uint64_t)all)];
-}
-
 static int
 by_rays(const void *a, const void *b)
 {
@@ -196,9 +174,7 @@ dearest_order(const struct dearest *d, const struct rad_pass *pass,
         return false;
     for (uint32_t i = 0; i < pass->tiles; i++)
         v[i].tile = i;
-    if (pass->level > 0)
-        expect_deep(d, pass, v);
-    else if (is_lattice(pass) && pass->tiles > 0) /* open_passes() may set 0 */
+    if (is_lattice(pass) && pass->tiles > 0) /* open_passes() may set 0 */
         expect_pixels(d, pass, v);
     qsort(v, pass->tiles, sizeof *v, by_rays);
     for (uint32_t i = 0; i < pass->tiles; i++)

@@ -1,7 +1,7 @@
 /* dearest.h - the order in which the tiles of a pass go out
  *
  * All workers wait for the last tile of a pass, so the dearest tiles go out
- * first: the tiles in places where earlier passes took many rays.  The order
+ * first: the tiles at pixels where earlier passes took many rays.  The order
  * does not change the records that a tile makes.
  * Thread: the coordinator's loop. */
 #ifndef DAEMON_DEAREST_H
