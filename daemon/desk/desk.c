@@ -272,7 +272,7 @@ bool
 desk_idle_job(const struct job *job)
 {
     return job_over(job) || job->stage == STAGE_ARRIVING ||
-           job->state == JOB_PAUSED ||
+           job->stage == STAGE_NO_ROOM || job->state == JOB_PAUSED ||
            (job->partition && job_waiting(job) == 0 && job->late == 0 &&
             !job->filling && !desk_can_balance(job));
 }

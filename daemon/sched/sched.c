@@ -301,7 +301,7 @@ note_passed(const struct coord *c, struct job *job, uint32_t index)
 bool
 sched_serve(struct coord *c, struct coord_worker *w)
 {
-    bool done = false, taken = false;
+    bool done = false, taken = false, ahead = false;
     int32_t floor = INT32_MIN;
     struct job *job;
 
@@ -310,15 +310,17 @@ sched_serve(struct coord *c, struct coord_worker *w)
     if (!desk_takes_units(w) || w->alone || c->full)
         return false;
     c->serving++;
-    while (!done && (job = turn_next(c, w))) {
+    while (!done && (job = turn_next(c, w, !ahead))) {
         uint32_t index = desk_index(job, w);
 
         taken = job->spec.priority < floor || job->spec.priority < w->priority;
         job->served = c->serving;
         if (turn_is_new(job, index)) {
             start_job(c, job, w);
-        } else if (!taken && job->stage == STAGE_OPEN &&
-                   job->workers[index].state == PART_READY) {
+            continue;
+        }
+        if (!taken && job->stage == STAGE_OPEN &&
+            job->workers[index].state == PART_READY) {
             if (serve_job(c, job, w, index, &done))
                 return true;
             if (w->in_flight == 0)
@@ -326,6 +328,7 @@ sched_serve(struct coord *c, struct coord_worker *w)
             if (waits_for_lines(c, w, job))
                 floor = job->spec.priority;
         }
+        ahead |= turn_is_ahead(job, w, index);
     }
     return false;
 }

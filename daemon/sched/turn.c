@@ -4,6 +4,7 @@
 #include "sched/turn.h"
 
 #include "desk/attempt.h"
+#include "filling/passes.h"
 #include "jobs/job.h"
 #include "jobs/part.h"
 
@@ -14,16 +15,16 @@ turn_is_new(const struct job *job, uint32_t index)
 }
 
 /* May the job have something for the worker?  A worker loads new jobs one at a
- * time, even before their files are all here.  So a search looks at one of
- * them, however many wait. */
+ * time, even before there is room for their rows.  So a search looks at one of
+ * them, however many wait; at none if !news. */
 static bool
-may_look(const struct job *job, const struct coord_worker *w)
+may_look(const struct job *job, const struct coord_worker *w, bool news)
 {
     uint32_t index = desk_index(job, w);
 
     if (!turn_is_new(job, index))
         return true;
-    return !w->loading &&
+    return news && !w->loading &&
            (index == JOB_NOBODY || job->workers[index].state == PART_GONE);
 }
 
@@ -48,6 +49,15 @@ is_at(const struct job *job, const struct coord_worker *w)
     return w->fills == job || attempt_has_any(job, w);
 }
 
+bool
+turn_is_ahead(const struct job *job, const struct coord_worker *w,
+              uint32_t index)
+{
+    return w->in_flight > 0 && !is_at(job, w) &&
+           job->workers[index].state == PART_READY &&
+           (passes_open(job) || job->survey || job_waiting(job) > 0);
+}
+
 /* Does the job go before an older job of the same priority?  Of one owner's
  * jobs the older always goes first. */
 static bool
@@ -61,7 +71,7 @@ goes_before(const struct job *job, const struct job *older,
 }
 
 struct job *
-turn_next(const struct coord *c, const struct coord_worker *w)
+turn_next(const struct coord *c, const struct coord_worker *w, bool news)
 {
     struct job *best = NULL;
 
@@ -71,7 +81,7 @@ turn_next(const struct coord *c, const struct coord_worker *w)
         if (best && job->spec.priority < best->spec.priority)
             break;
         if (job->served != c->serving && !desk_idle_job(job) &&
-            may_look(job, w) && (!best || goes_before(job, best, w)))
+            may_look(job, w, news) && (!best || goes_before(job, best, w)))
             best = job;
     }
     return best;

@@ -76,6 +76,64 @@ START_TEST(owners_share_the_workers)
 }
 END_TEST
 
+static const uint8_t job_c[MSG_JOB] = { 0xcc };
+
+static unsigned
+starts(uint64_t conn)
+{
+    return f.last[conn].type == MSG_JOB_START ? f.last[conn].job_start.job[0]
+                                              : 0;
+}
+
+/* However many wait: each takes a child, and memory for its scene. */
+START_TEST(a_busy_worker_loads_one_job_ahead)
+{
+    submit_with(ANA, job_a, 0, 8, 0);
+    submit_with(ANA, job_b, 0, 8, 0);
+    submit_with(ANA, job_c, 0, 8, 0);
+    ready(WORKER, job_a);
+    ck_assert_uint_eq(starts(WORKER), 0xbb);
+    ready(WORKER, job_b);
+    wait_s(1);
+    ck_assert_uint_eq(f.unit_job, 0xaa);
+    ck_assert_uint_ne(starts(WORKER), 0xcc);
+    about(ANA, MSG_CANCEL, job_a);
+    ck_assert_uint_eq(f.unit_job, 0xbb);
+    ck_assert_uint_eq(starts(WORKER), 0xcc);
+}
+END_TEST
+
+/* A job that goes first is loaded, whatever is loaded ahead. */
+START_TEST(a_job_that_goes_first_is_loaded_ahead_of_others)
+{
+    submit(ANA, job_a, 0);
+    submit(ANA, job_b, 0);
+    ready(WORKER, job_a);
+    ready(WORKER, job_b);
+    submit(BOB, job_c, 0);
+    ck_assert_uint_eq(starts(WORKER), 0xcc);
+}
+END_TEST
+
+START_TEST(a_job_without_room_is_not_loaded)
+{
+    const struct job *job;
+
+    coord_closed(f.c, f.now_ms, WORKER, "gone");
+    carry_out();
+    f.stuck = true;
+    submit(ANA, job_a, 0);
+    job = desk_find_job(f.c, job_a);
+    coord_job_waits(f.c, f.now_ms, job_a, job->sequence, "full");
+    join(SECOND, MSG_ROLE_WORKER, "ws2", "daemon");
+    wait_s(1);
+    ck_assert_uint_eq(starts(SECOND), 0);
+    coord_job_opened(f.c, f.now_ms, job_a, job->sequence, 0, NULL);
+    carry_out();
+    ck_assert_uint_eq(starts(SECOND), 0xaa);
+}
+END_TEST
+
 /* Of many tiles. */
 static const struct msg_frame huge = { 0, 4000, 3000, "" };
 
@@ -383,6 +441,9 @@ main(void)
     tcase_add_test(tc, a_worker_that_leaves_is_let_go_when_it_is_empty);
     tcase_add_test(tc, higher_priority_goes_first);
     tcase_add_test(tc, owners_share_the_workers);
+    tcase_add_test(tc, a_busy_worker_loads_one_job_ahead);
+    tcase_add_test(tc, a_job_that_goes_first_is_loaded_ahead_of_others);
+    tcase_add_test(tc, a_job_without_room_is_not_loaded);
     tcase_add_test(tc, owners_share_workers_that_are_at_passes);
     tcase_add_test(tc, workers_stay_with_an_owner_at_passes);
     tcase_add_test(tc, lines_make_way_for_passes_of_another_owner);
