@@ -127,6 +127,7 @@ run_one(struct task_queue *q, struct task *t)
     }
     if (t->writes && is_the_disk(t->code))
         break_down(q, &t->err);
+    q->awaited |= t->code >= 0 && t->awaited;
     list_add(t->code >= 0 && t->lasts ? &q->unsettled : &q->finished, t);
 }
 
@@ -136,7 +137,7 @@ is_time_to_settle(const struct task_queue *q)
     if (q->lack != TASK_LACKS_NOTHING) /* may have undone unsettled tasks */
         return true;
     return q->unsettled.n > 0 &&
-           (!q->gather || q->order == TASK_END ||
+           (!q->gather || q->awaited || q->order == TASK_END ||
             q->unsettled.n >= TASK_GATHER ||
             uv_hrtime() - q->settled_ns >= TASK_GATHER_MS * NS_A_MS);
 }
@@ -148,6 +149,7 @@ settle(struct task_queue *q)
     int rc = 0;
 
     q->settled_ns = uv_hrtime();
+    q->awaited = false;
     if (q->ops->settle && !q->is_broken)
         rc = q->ops->settle(q->arg, &err);
     if (rc < 0 && may_pass(q, rc)) { /* the unsettled tasks run again */

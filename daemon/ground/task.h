@@ -11,9 +11,10 @@
  *
  * A task that `lasts` is finished only when `settle` was called after it ran:
  * one call serves all unsettled tasks.  A queue that gathers settles when
- * TASK_GATHER_MS have passed since it last began to, or when TASK_GATHER tasks
- * are unsettled; tasks that came while the disk was busy are settled together,
- * up to TASK_MOST.  So a slow disk settles less often, but no fewer tasks.
+ * TASK_GATHER_MS have passed since it last began to, when TASK_GATHER tasks are
+ * unsettled, or when one of these is `awaited`; tasks that came while the disk
+ * was busy are settled together, up to TASK_MOST.  So a slow disk settles less
+ * often, but no fewer tasks.
  *
  * A lack may pass: the disk is full (RAD_EFULL), or descriptors or memory are
  * short (RAD_ESHORT, RAD_ENOMEM).  A held task that writes holds all later
@@ -63,6 +64,7 @@ struct task {
     bool writes;                   /* a lack holds it, its error may break the
                                     * queue */
     bool lasts;                    /* finished only when settled */
+    bool awaited;                  /* and settled at once: somebody waits */
     void (*waits)(struct task *t); /* loop: the disk is full, and the task held
                                     * alone; NULL: hold it as others.  run()
                                     * may change it */
@@ -105,6 +107,7 @@ struct task_queue {
     struct task_list held;
     struct task_list finished;
     struct task_list telling; /* [loop] finished, done() is to be called */
+    bool awaited;             /* an unsettled task is */
     uint64_t settled_ns;      /* when settling began last */
     uint64_t retried_ns;      /* when held tasks were tried last */
     bool soon;                /* held tasks lack means: retry soon */

@@ -80,6 +80,7 @@ struct action_rows {
     uint32_t width;
     uint8_t channels; /* 3 or 4; 1: coded */
     uint8_t last;     /* of its unit */
+    bool awaited;     /* last, and all units of the job are out: a user waits */
     /* not in the key */
     const uint8_t *pixels;           /* floats as on the wire, or coded */
     size_t len;                      /* bytes of pixels that are coded */

@@ -98,6 +98,7 @@ put_rows(struct coord *c, const struct job *job, uint32_t index,
                                .width = m->width,
                                .channels = m->channels,
                                .last = m->last,
+                               .awaited = m->last && job_waiting(job) == 0,
                                .pixels = m->pixels,
                                .len = m->len,
                                .now_ms = c->now_ms };

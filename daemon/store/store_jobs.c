@@ -177,6 +177,7 @@ push_opening(struct store *s, const uint8_t *id)
     if (!o || o->pushed || is_being_forgotten(s, id))
         return;
     o->pushed = true;
+    o->task.awaited = true;
     store_push_lasting(s, &o->task);
 }
 

@@ -332,6 +332,7 @@ store_put_rows(struct store *s, const struct action_rows *rows)
         return;
     }
     s->backlog += r->pixels.n + ROWS_WEIGHT;
+    r->task.awaited = rows->awaited;
     store_push_lasting(s, &r->task);
 }
 
@@ -391,5 +392,6 @@ store_write_picture(struct store *s, const uint8_t job[MSG_JOB],
     p->sequence = sequence;
     p->frame = frame;
     s->backlog += PICTURE_WEIGHT;
+    p->task.awaited = true;
     store_push_lasting(s, &p->task);
 }

@@ -70,5 +70,6 @@ store_settle(struct store *s, uint64_t conn, uint32_t request)
     w->store = s;
     w->conn = conn;
     w->request = request;
+    w->task.awaited = true;
     store_push_lasting(s, &w->task);
 }

@@ -184,6 +184,24 @@ START_TEST(what_comes_within_a_while_is_settled_together)
 }
 END_TEST
 
+START_TEST(what_is_awaited_is_settled_at_once)
+{
+    struct letter *c = new_letter('c', true);
+
+    f.q.gather = true;
+    push('a', true);
+    go();
+    push('b', true); /* it may wait for others */
+    c->task.awaited = true;
+    task_push(&f.q, &c->task);
+    while (!noted("c"))
+        turn();
+    push('d', true);
+    go();
+    ck_assert_ptr_nonnull(strstr(f.log, "c|"));
+}
+END_TEST
+
 static const int passing[] = { RAD_EFULL, RAD_ESHORT, RAD_ENOMEM };
 
 START_TEST(a_lack_holds_what_writes)
@@ -337,6 +355,7 @@ main(void)
     tcase_add_checked_fixture(tc, set_up, tear_down);
     tcase_add_test(tc, what_lasts_is_done_when_it_is_settled);
     tcase_add_test(tc, what_comes_within_a_while_is_settled_together);
+    tcase_add_test(tc, what_is_awaited_is_settled_at_once);
     tcase_add_loop_test(tc, a_lack_holds_what_writes, 0, 3);
     tcase_add_test(tc, reading_waits_for_means_alone);
     tcase_add_test(tc, a_queue_that_is_never_idle_tries_again);
