@@ -582,8 +582,11 @@ start(void *arg, struct rad_error *err)
         return rc;
     if (!r->set.name[0] && uv_os_gethostname(r->set.name, &n) < 0)
         return rad_fail(err, RAD_EUSAGE, "no host name: 'name' must be set");
-    r->store = store_open(&r->daemon.loop, r->set.cache,
-                          !r->set.common.embedded, &store_handler, r, err);
+    /* not durable: a file that power was lost under is found spoilt, for each
+     * is compared with its hash after a start, and the coordinator sends it
+     * again */
+    r->store = store_open(&r->daemon.loop, r->set.cache, false, &store_handler,
+                          r, err);
     if (!r->store)
         return err->code;
     r->shell.store = r->store;
