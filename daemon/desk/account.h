@@ -15,7 +15,7 @@ struct stats_text;
 struct coord_kept {
     uint64_t bytes;            /* of all their folders */
     uint32_t fetching;         /* jobs whose pictures are being fetched */
-    const struct job *fetched; /* of these jobs, the job that was fetched from
+    struct job *fetched;       /* of these jobs, the job that was fetched from
                                 * the longest ago; NULL: none is fetched */
     uint32_t jobs;             /* jobs that may be forgotten */
     uint64_t weight;           /* sum of the job_weight() of these */

@@ -41,7 +41,7 @@ void
 attempt_rate(const struct coord *c, struct coord_worker *w)
 {
     w->priority = INT64_MIN;
-    for (size_t i = 0; w->in_flight > 0 && i < c->njobs; i++) {
+    for (size_t i = 0; w->in_flight > 0 && i < c->nbegun; i++) {
         uint32_t index = desk_index(c->jobs[i], w);
 
         if (index == JOB_NOBODY || c->jobs[i]->workers[index].in_flight == 0)

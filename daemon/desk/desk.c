@@ -3,6 +3,7 @@
 
 #include "desk/desk.h"
 
+#include "desk/order.h"
 #include "jobs/job.h"
 #include "jobs/part.h"
 
@@ -42,24 +43,6 @@ desk_reply_failed(struct coord *c, const struct coord_conn *conn,
     actions_send(&c->actions, conn->id, &m);
 }
 
-struct job *
-desk_find_job(const struct coord *c, const uint8_t id[MSG_JOB])
-{
-    for (size_t i = 0; i < c->njobs; i++)
-        if (memcmp(c->jobs[i]->id, id, MSG_JOB) == 0)
-            return c->jobs[i];
-    return NULL;
-}
-
-struct job *
-desk_same_job(const struct coord *c, const uint8_t id[MSG_JOB],
-              uint64_t sequence)
-{
-    struct job *job = desk_find_job(c, id);
-
-    return job && job->sequence == sequence ? job : NULL;
-}
-
 struct coord_worker *
 desk_find_worker(const struct coord *c, const char *name)
 {
@@ -94,7 +77,7 @@ desk_index(const struct job *job, const struct coord_worker *w)
 }
 
 uint32_t
-desk_add_worker(struct job *job, struct coord_worker *w)
+desk_add_worker(struct coord *c, struct job *job, struct coord_worker *w)
 {
     while (job->nindex <= w->id) {
         if (!rad_list_grow(&job->index, job->nindex, sizeof *job->index))
@@ -107,6 +90,8 @@ desk_add_worker(struct job *job, struct coord_worker *w)
         job->index[w->id] = i;
         if (i != JOB_NOBODY)
             job->workers[i].worker = w;
+        if (i == 0) /* the first */
+            order_move(c, job);
     }
     return job->index[w->id];
 }

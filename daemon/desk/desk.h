@@ -1,8 +1,7 @@
 /* desk.h - what the coordinator knows: connections, workers, users and jobs;
  * functions that look these up, ask about them, and send messages
  *
- * The rooms above the desk change these structs and the structs of a job
- * (jobs/job.h).  A struct that only one file may change says so.
+ * Rooms above change these structs and those of a job (jobs/job.h).
  * Thread: the coordinator's loop. */
 #ifndef DAEMON_DESK_H
 #define DAEMON_DESK_H
@@ -47,9 +46,6 @@ struct coord_worker {
     char no_room[256]; /* why its disk last had no room for a job's files */
 };
 
-struct coord_settling;
-struct coord_telling;
-
 /* Shall the connection end when the event is over (verdict.h)? */
 enum coord_verdict {
     CONN_STAYS,
@@ -58,8 +54,7 @@ enum coord_verdict {
 };
 
 struct coord_conn {
-    struct coord_conn *next;
-    struct coord_conn *chain; /* next in its chain of coord.by_id */
+    struct coord_conn *next, *chain; /* chain: next in its chain of by_id */
     uint64_t id;
     enum msg_session session;
     unsigned version; /* of the protocol, known since its HELLO */
@@ -83,6 +78,7 @@ struct coord_conn {
 };
 
 #define COORD_CONNS 1024 /* a power of 2 */
+#define COORD_JOBS  4096
 
 struct coord {
     struct coord_env env;
@@ -105,8 +101,8 @@ struct coord {
     uint32_t nworkers; /* workers ever known; the id of the next new worker */
     struct coord_owner *owners;
     uint32_t serving;  /* number of the present search for a unit */
-    struct job **jobs; /* by priority, then by age */
-    size_t njobs;
+    struct job **jobs; /* all, in the order of order.h */
+    size_t njobs, nbegun, nopen, nended;
     uint64_t sequence;
     uint64_t pieces_told; /* of statistics, made or sent (delivery.c) */
     uint64_t known_ms;    /* when owners' known files last expired */
@@ -116,6 +112,7 @@ struct coord {
     struct coord_worker *roomy; /* if not stirred: this worker alone may */
     uint32_t verdicts;          /* verdicts to be carried out */
     struct coord_conn *by_id[COORD_CONNS]; /* hash table of conns: chains */
+    struct job *by_job[COORD_JOBS];        /* likewise, of jobs (order.c) */
     struct log_limit breaks; /* of log lines on connections of non-workers */
 };
 
@@ -137,7 +134,8 @@ struct coord_owner *desk_owner(struct coord *c, const char *name);
 /* Index of the worker in the job; JOB_NOBODY: it has no part in the job. */
 uint32_t desk_index(const struct job *job, const struct coord_worker *w);
 /* The worker's index in the job, made if need be; JOB_NOBODY: out of memory. */
-uint32_t desk_add_worker(struct job *job, struct coord_worker *w);
+uint32_t desk_add_worker(struct coord *c, struct job *j,
+                         struct coord_worker *w);
 
 /* The job that a message of worker w names; *index: the worker's in the job.
  * NULL: the job is over or unknown, and the worker is sent JOB_END. */
@@ -185,7 +183,7 @@ void desk_send_ack(struct coord *c, uint64_t conn, const uint8_t *job,
 /* Send REVOKE, TWIN, SPLIT or YIELD for the attempt to its worker. */
 void desk_send_attempt(struct coord *c, const struct job *job, uint16_t type,
                        uint32_t unit, const struct job_go *go);
-/* Send ambient records of the job to the connections that watch the job. */
+/* Send ambient records of the job to connections that watch it. */
 void desk_send_records(struct coord *c, const struct job *job,
                        const struct msg_records *r);
 /* Tell the worker that the job is over. */

@@ -8,6 +8,8 @@ libdaemon_a_SOURCES += \
 	daemon/desk/duplicate.c \
 	daemon/desk/duplicate.h \
 	daemon/desk/env.h \
+	daemon/desk/order.c \
+	daemon/desk/order.h \
 	daemon/desk/speed.c \
 	daemon/desk/speed.h \
 	daemon/desk/verdict.c \

@@ -195,7 +195,7 @@ static bool
 renders_lines(const struct coord *c, const struct job *job,
               const struct coord_worker *w)
 {
-    for (size_t i = 0; i < c->njobs; i++) {
+    for (size_t i = 0; i < c->nbegun; i++) {
         const struct job *o = c->jobs[i];
 
         if (o->spec.priority < job->spec.priority)

@@ -216,7 +216,6 @@ coord_message(struct coord *c, uint64_t now_ms, uint64_t id,
         return; /* the message came while its connection was being closed */
     handle(c, conn, m);
     settle(c, !is_work(m->type));
-    coord_forget_old(c);
 }
 
 void
@@ -323,7 +322,6 @@ coord_picture_written(struct coord *c, uint64_t now_ms,
     c->now_ms = now_ms;
     coord_take_picture(c, id, sequence, frame, status, text);
     settle(c, false);
-    coord_forget_old(c);
 }
 
 void
@@ -340,7 +338,6 @@ coord_job_filed(struct coord *c, uint64_t now_ms, const uint8_t id[MSG_JOB],
             job_step(job, STAGE_KEPT);
     }
     c->keep_due = true;
-    coord_forget_old(c);
 }
 
 void

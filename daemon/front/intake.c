@@ -145,16 +145,13 @@ submit_fault(const struct coord *c, const struct coord_conn *conn,
              const struct msg_spec *spec, struct rad_error *err)
 {
     struct partition_spec p;
-    size_t active = 0;
 
     if (!spec->frames)
         return rad_fail(err, RAD_EPROTO, "a job without its list of frames");
     if (quota_priority(spec->priority, err) != 0 ||
         quota_job(c, conn, spec, err) != 0)
         return err->code;
-    for (size_t i = 0; i < c->njobs; i++)
-        active += !job_over(c->jobs[i]);
-    if (active >= MOST_JOBS)
+    if (c->nopen >= MOST_JOBS)
         return rad_fail(err, RAD_ETEMPFAIL, "the queue is full");
     if (job_partition_spec(spec, &p, err) != 0)
         return err->code;

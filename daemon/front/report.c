@@ -47,7 +47,7 @@ report_shares(const struct coord *c)
 {
     struct report_share *all = calloc(c->nworkers + 1u, sizeof *all);
 
-    for (size_t i = 0; all && i < c->njobs; i++) {
+    for (size_t i = 0; all && i < c->nbegun; i++) {
         const struct job *job = c->jobs[i];
 
         for (uint32_t k = 0; k < job->nworkers && !job_over(job); k++)

@@ -75,6 +75,8 @@ struct job {
     uint64_t frames_counted; /* see job_count_frames() */
     struct rad_arena mem;
     uint64_t sequence; /* order of submission */
+    uint8_t rank;      /* enum order_rank (desk/order.h) */
+    struct job *chain; /* next in its chain of coord.by_job */
     enum job_state state;
     bool ending;          /* the verdict is yet to be carried out (verdict.h) */
     enum job_stage stage; /* changed by job_step() alone */
@@ -120,7 +122,6 @@ struct job {
     uint32_t nworkers;
     uint32_t *index, nindex; /* places in workers, by coord_worker.id */
     struct job_speed speed;
-
     uint32_t units_done, units_redone;
     uint64_t pixels_done, pixels_total;
     double cost_done, cost_total; /* of units, as the partition has costs */

@@ -76,8 +76,7 @@ struct action_rows {
     uint32_t unit, attempt;
     uint32_t row, rows; /* in the unit */
     uint32_t frame;     /* index */
-    uint32_t x, y;      /* of the first pixel, in the picture */
-    uint32_t width;
+    uint32_t x, y, width; /* x, y: of the first pixel, in the picture */
     uint8_t channels; /* 3 or 4; 1: coded */
     uint8_t last;     /* of its unit */
     bool awaited;     /* last, and all units of the job are out: a user waits */

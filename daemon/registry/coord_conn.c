@@ -209,7 +209,7 @@ coord_worker_of(struct coord *c, const char *name)
 static bool
 has_part(const struct coord *c, const struct coord_worker *w)
 {
-    for (size_t i = 0; i < c->njobs; i++)
+    for (size_t i = 0; i < c->nended; i++)
         for (uint32_t k = 0; k < c->jobs[i]->nworkers; k++)
             if (c->jobs[i]->workers[k].worker == w)
                 return true;

@@ -10,6 +10,7 @@
 
 #include "desk/desk.h"
 #include "desk/attempt.h"
+#include "desk/order.h"
 #include "jobs/job.h"
 #include "jobs/progress.h"
 #include "jobs/shared.h"
@@ -24,8 +25,6 @@
 #include "sched/survey.h"
 #include "users/known.h"
 #include "users/uploads.h"
-
-#include "base/list.h"
 
 #include <inttypes.h>
 #include <stdio.h>
@@ -73,50 +72,22 @@ coord_send_accept(struct coord *c, const struct coord_conn *conn,
     actions_send(&c->actions, conn->id, &m);
 }
 
-/* Insert the job into the first n, which are in order: by priority, then age.
- */
-static void
-put_in_order(struct coord *c, struct job *job, size_t n)
-{
-    for (; n > 0; n--) {
-        const struct job *o = c->jobs[n - 1];
-
-        if (o->spec.priority > job->spec.priority ||
-            (o->spec.priority == job->spec.priority &&
-             o->sequence < job->sequence))
-            break;
-        c->jobs[n] = c->jobs[n - 1];
-    }
-    c->jobs[n] = job;
-}
-
 bool
 coord_add_job(struct coord *c, struct job *job)
 {
-    size_t i = c->njobs;
-
-    if (!rad_list_grow(&c->jobs, c->njobs, sizeof *c->jobs))
-        return false;
     job->payer = desk_owner(c, job->owner);
     if (!job->payer)
         return false;
     job->sequence = ++c->sequence;
     job->full = c->full;
-    put_in_order(c, job, i);
-    c->njobs++;
-    return true;
+    return order_add(c, job);
 }
 
 void
 coord_set_priority(struct coord *c, struct job *job, int32_t priority)
 {
-    size_t i = 0, end = c->njobs - 1;
-
-    while (c->jobs[i] != job)
-        i++;
-    memmove(&c->jobs[i], &c->jobs[i + 1], (end - i) * sizeof *c->jobs);
     job->spec.priority = priority;
-    put_in_order(c, job, end);
+    order_move(c, job);
     for (struct coord_worker *w = c->workers; w; w = w->next)
         attempt_rate(c, w);
 }
@@ -173,7 +144,7 @@ void
 coord_file_came(struct coord *c, const struct coord_owner *owner,
                 const uint8_t hash[MSG_HASH])
 {
-    for (size_t i = 0; i < c->njobs; i++) {
+    for (size_t i = 0; i < c->nopen; i++) {
         struct job *job = c->jobs[i];
 
         if (job->payer == owner && lacks_files(job) &&
@@ -200,27 +171,35 @@ end_stalled(struct coord *c, struct job *job)
     verdict_job(c, job, JOB_FAILED, EX_TEMPFAIL, text);
 }
 
-/* When the store has the statistics of a job that is over, lighten the job: but
- * not for LINGER_MS, for its workers' last messages still come, nor while its
- * statistics are made for a user. */
+/* Has the store the statistics of a job that is over?  The job stays as it is for
+ * LINGER_MS, for its workers' last messages still come, and while its statistics
+ * are made for a user. */
+static bool
+may_lighten(const struct coord *c, const struct job *job)
+{
+    return job->stage == STAGE_KEPT && c->now_ms - job->end_ms >= LINGER_MS &&
+           !telling_of(c, job);
+}
+
 static void
 lighten(struct coord *c, struct job *job)
 {
-    if (job->stage != STAGE_KEPT || c->now_ms - job->end_ms < LINGER_MS ||
-        telling_of(c, job))
-        return;
     progress_tell(job, c->now_ms, &job->last);
     job_lighten(job);
+    order_move(c, job);
     coord_drop_forgotten(c);
 }
 
 void
 coord_jobs_tick(struct coord *c)
 {
-    for (size_t i = 0; i < c->njobs; i++) {
+    for (size_t i = c->nended; i-- > c->nopen;) {
         if (c->jobs[i]->filing)
             go_on_filing(c, c->jobs[i]);
-        lighten(c, c->jobs[i]);
+        if (may_lighten(c, c->jobs[i]))
+            lighten(c, c->jobs[i]);
+    }
+    for (size_t i = c->nbegun; i < c->nopen; i++) {
         if (!lacks_files(c->jobs[i]))
             continue;
         if (c->jobs[i]->nfound % LOOK_FILES == 0)
@@ -304,19 +283,12 @@ coord_free_job(struct job *job)
 }
 
 void
-coord_drop_job(struct coord *c, const struct job *gone)
+coord_drop_job(struct coord *c, struct job *job)
 {
-    size_t i = 0;
-    struct job *job;
-
-    while (c->jobs[i] != gone)
-        i++;
-    job = c->jobs[i];
+    order_remove(c, job);
     if (job->stage != STAGE_ARRIVING)
         known_unname(&job->payer->files, c->now_ms, &job->spec.files);
     coord_free_job(job);
-    memmove(c->jobs + i, c->jobs + i + 1, (c->njobs - i - 1) * sizeof *c->jobs);
-    c->njobs--;
     coord_drop_forgotten(c);
 }
 
@@ -403,14 +375,17 @@ end_job(struct coord *c, struct job *job)
             coord_send_end(c, conn, job);
             conn->watch = NULL;
         }
+    order_move(c, job);
 }
 
 void
 coord_end_jobs(struct coord *c)
 {
-    for (size_t i = 0; i < c->njobs; i++)
+    for (size_t i = 0; i < c->nopen;)
         if (c->jobs[i]->ending)
-            end_job(c, c->jobs[i]);
+            end_job(c, c->jobs[i]); /* which moves it behind the open jobs */
+        else
+            i++;
 }
 
 void

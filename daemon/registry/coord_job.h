@@ -42,6 +42,6 @@ void coord_end_jobs(struct coord *c);
  * accepted. */
 void coord_free_job(struct job *job);
 /* Take the job out of the queue and free it. */
-void coord_drop_job(struct coord *c, const struct job *job);
+void coord_drop_job(struct coord *c, struct job *job);
 
 #endif

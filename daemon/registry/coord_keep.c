@@ -87,7 +87,7 @@ count_kept(struct coord *c)
     for (struct coord_owner *o = c->owners; o; o = o->next)
         o->kept = (struct coord_kept){ 0 };
     for (size_t i = 0; i < c->njobs; i++) {
-        const struct job *job = c->jobs[i];
+        struct job *job = c->jobs[i];
         struct coord_kept *k = &job->payer->kept;
 
         if (job_over(job))
@@ -426,7 +426,7 @@ gone_of(const struct coord *c, const struct job *job, enum gone_why why)
 }
 
 void
-coord_forget_job(struct coord *c, const struct job *job, enum gone_why why)
+coord_forget_job(struct coord *c, struct job *job, enum gone_why why)
 {
     struct saved_gone gone = gone_of(c, job, why);
     struct action *a = actions_add(&c->actions, ACT_JOB_FORGET, 0);

@@ -10,8 +10,7 @@
  * caches above their limit. */
 void coord_forget_old(struct coord *c);
 /* Forget a job that is over, with its pictures. */
-void coord_forget_job(struct coord *c, const struct job *job,
-                      enum gone_why why);
+void coord_forget_job(struct coord *c, struct job *job, enum gone_why why);
 /* The record of the last forgotten job whose id begins with these digits; NULL:
  * there is none. */
 const struct saved_gone *coord_find_gone(const struct coord *c,

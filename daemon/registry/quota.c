@@ -50,12 +50,12 @@ job_bytes(const struct job *job)
 }
 
 static void
-count_jobs(const struct coord *c, const char *owner, struct use *out)
+count_jobs(const struct coord *c, const struct coord_owner *o, struct use *out)
 {
     for (size_t i = 0; i < c->njobs; i++) {
         const struct job *job = c->jobs[i];
 
-        if (strcmp(job->owner, owner) != 0)
+        if (job->payer != o)
             continue;
         out->bytes += job_bytes(job);
         out->unfetched += desk_unfetched(c, job);
@@ -66,13 +66,14 @@ count_jobs(const struct coord *c, const char *owner, struct use *out)
     }
 }
 
-static void
-count_use(const struct coord *c, const char *owner, struct use *out)
+/* Count all but what jobs take: those of all users have to be looked at for
+ * that, and they are thousands. */
+static const struct coord_owner *
+count_small(const struct coord *c, const char *owner, struct use *out)
 {
     const struct coord_owner *o = c->owners;
 
     *out = (struct use){ 0 };
-    count_jobs(c, owner, out);
     for (const struct coord_conn *i = c->conns; i; i = i->next) {
         if (strcmp(i->owner, owner) != 0)
             continue;
@@ -89,6 +90,13 @@ count_use(const struct coord *c, const char *owner, struct use *out)
     }
     if (c->env.unread)
         out->unread = c->env.unread(c->env.arg, owner);
+    return o;
+}
+
+static void
+count_use(const struct coord *c, const char *owner, struct use *out)
+{
+    count_jobs(c, count_small(c, owner, out), out);
 }
 
 /* --- what a user may have --- */
@@ -189,7 +197,7 @@ quota_upload(const struct coord *c, const struct coord_conn *conn,
 
     if (is_free(conn))
         return 0;
-    count_use(c, conn->owner, &u);
+    count_small(c, conn->owner, &u);
     return check_uploads(&c->limits, &u, err);
 }
 
@@ -222,7 +230,7 @@ quota_answer(const struct coord *c, const struct coord_conn *conn,
 
     if (is_free(conn))
         return 0;
-    count_use(c, conn->owner, &u);
+    count_small(c, conn->owner, &u);
     return check("user_answers", u.answers, 1, c->limits.answers,
                  "answers under way", "end some", err);
 }

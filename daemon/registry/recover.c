@@ -4,6 +4,7 @@
 #include "registry/recover.h"
 
 #include "desk/desk.h"
+#include "desk/order.h"
 #include "jobs/job.h"
 #include "jobs/part.h"
 #include "jobs/progress.h"
@@ -53,7 +54,7 @@ worker_of(const struct recovery *r, const struct saved_unit *s)
 {
     struct coord_worker *w =
         s->worker[0] ? coord_worker_of(r->c, s->worker) : NULL;
-    uint32_t index = w ? desk_add_worker(r->job, w) : JOB_NOBODY;
+    uint32_t index = w ? desk_add_worker(r->c, r->job, w) : JOB_NOBODY;
 
     if (index != JOB_NOBODY && s->fingerprint) {
         r->job->workers[index].fingerprint = s->fingerprint;
@@ -279,6 +280,7 @@ take_filed(const struct recovery *r)
     for (uint32_t i = 0; i < job->spec.nframes; i++)
         take_frame(job, i, &s->frames[i]);
     frame_count_ready(job);
+    order_move(r->c, job);
 }
 
 /* The time, but at most now: if the clock was set back a time of an earlier

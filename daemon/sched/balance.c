@@ -243,7 +243,7 @@ void
 balance_look(struct coord *c)
 {
     look_at_workers(c);
-    for (size_t k = 0; k < c->njobs; k++) {
+    for (size_t k = 0; k < c->nbegun; k++) {
         struct job *job = c->jobs[k];
         uint64_t lease;
 
@@ -300,7 +300,7 @@ balance_give_twin(struct coord *c, struct job *job, uint32_t index)
 void
 balance_run(struct coord *c)
 {
-    for (size_t k = 0; k < c->njobs; k++) {
+    for (size_t k = 0; k < c->nbegun; k++) {
         struct job *job = c->jobs[k];
         uint32_t idle = 0;
 

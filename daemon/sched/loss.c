@@ -268,7 +268,7 @@ void
 loss_worker_gone(struct coord *c, struct coord_worker *w)
 {
     w->loading = NULL;
-    for (size_t i = 0; i < c->njobs; i++) {
+    for (size_t i = 0; i < c->nbegun; i++) {
         struct job *job = c->jobs[i];
         uint32_t index = desk_index(job, w);
         uint64_t ms;

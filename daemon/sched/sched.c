@@ -80,7 +80,7 @@ static void
 start_job(struct coord *c, struct job *job, struct coord_worker *w)
 {
     struct msg m = { .type = MSG_JOB_START, .job_start = job->spec };
-    uint32_t i = desk_add_worker(job, w);
+    uint32_t i = desk_add_worker(c, job, w);
 
     m.job_start.ncosts = 0; /* costs are for the partition alone */
     if (i == JOB_NOBODY) {
@@ -192,7 +192,7 @@ static bool
 is_kept_out(const struct coord *c, const struct job *job,
             const struct coord_worker *w)
 {
-    for (size_t i = 0; i < c->njobs; i++) {
+    for (size_t i = 0; i < c->nbegun; i++) {
         const struct job *o = c->jobs[i];
 
         if (o != job && o->served != c->serving && attempt_has_any(o, w))
@@ -245,7 +245,7 @@ waits_for_lines(const struct coord *c, const struct coord_worker *w,
 static void
 recall(struct coord *c, struct coord_worker *w)
 {
-    for (size_t i = 0; w->conn != 0 && !w->loading && i < c->njobs; i++) {
+    for (size_t i = 0; w->conn != 0 && !w->loading && i < c->nbegun; i++) {
         struct job *job = c->jobs[i];
         uint32_t index = desk_index(job, w);
 
@@ -376,7 +376,7 @@ sched_run(struct coord *c)
 void
 sched_drained(struct coord *c, struct coord_worker *w)
 {
-    for (size_t i = 0; i < c->njobs; i++) {
+    for (size_t i = 0; i < c->nbegun; i++) {
         struct job *job = c->jobs[i];
         uint32_t index = desk_index(job, w);
 

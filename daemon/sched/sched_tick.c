@@ -42,7 +42,7 @@ sched_tick(struct coord *c)
 {
     balance_look(c);
     yield_look(c);
-    for (size_t i = 0; i < c->njobs; i++) {
+    for (size_t i = 0; i < c->nbegun; i++) {
         struct job *job = c->jobs[i];
 
         if (job_over(job) || !job->partition)

@@ -70,19 +70,40 @@ goes_before(const struct job *job, const struct job *older,
                      !is_at(older, w));
 }
 
-struct job *
-turn_next(const struct coord *c, const struct coord_worker *w, bool news)
+/* Does the job go before the best that was found? */
+static bool
+is_better(const struct job *job, const struct job *best,
+          const struct coord_worker *w)
 {
-    struct job *best = NULL;
+    if (!best || job->spec.priority != best->spec.priority)
+        return !best || job->spec.priority > best->spec.priority;
+    return job->sequence > best->sequence ? goes_before(job, best, w)
+                                          : !goes_before(best, job, w);
+}
 
-    for (size_t i = 0; i < c->njobs; i++) {
+/* The best job, or `best`, of these, which are of one rank and so in order. */
+static struct job *
+best_of(const struct coord *c, const struct coord_worker *w, bool news,
+        size_t first, size_t end, struct job *best)
+{
+    for (size_t i = first; i < end; i++) {
         struct job *job = c->jobs[i];
 
         if (best && job->spec.priority < best->spec.priority)
             break;
         if (job->served != c->serving && !desk_idle_job(job) &&
-            may_look(job, w, news) && (!best || goes_before(job, best, w)))
+            may_look(job, w, news) && is_better(job, best, w))
             best = job;
     }
     return best;
+}
+
+struct job *
+turn_next(const struct coord *c, const struct coord_worker *w, bool news)
+{
+    struct job *best = best_of(c, w, news, 0, c->nbegun, NULL);
+
+    if (!news || w->loading) /* then it has nothing to do with those queued */
+        return best;
+    return best_of(c, w, news, c->nbegun, c->nopen, best);
 }

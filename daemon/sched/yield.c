@@ -50,7 +50,7 @@ has_some_for(const struct coord *c, const struct job *job, uint32_t index)
 static int64_t
 rank_of(const struct coord *c, const struct coord_worker *w)
 {
-    for (size_t i = 0; i < c->njobs; i++) {
+    for (size_t i = 0; i < c->nbegun; i++) {
         const struct job *job = c->jobs[i];
         uint32_t index = desk_index(job, w);
 
@@ -151,7 +151,7 @@ job_to_yield(const struct coord *c, const struct job *job,
 {
     struct job *has = NULL;
 
-    for (size_t i = 0; i < c->njobs; i++) {
+    for (size_t i = 0; i < c->nbegun; i++) {
         struct job *o = c->jobs[i];
         uint32_t index = desk_index(o, w);
 
@@ -189,10 +189,10 @@ yield_look(struct coord *c)
 {
     for (struct coord_worker *w = c->workers; w; w = w->next)
         w->rank = w->conn != 0 ? rank_of(c, w) : INT64_MIN;
-    for (size_t i = 0; i < c->njobs; i++)
+    for (size_t i = 0; i < c->nbegun; i++)
         if (!job_over(c->jobs[i]) && c->jobs[i]->partition)
             look_at_job(c, c->jobs[i]);
-    for (size_t i = 0; i < c->njobs && !c->full; i++)
+    for (size_t i = 0; i < c->nbegun && !c->full; i++)
         if (!job_over(c->jobs[i]) && c->jobs[i]->partition)
             share_workers(c, c->jobs[i]);
 }

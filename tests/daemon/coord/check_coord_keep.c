@@ -35,6 +35,7 @@ START_TEST(jobs_that_are_over_are_kept_for_a_while)
         wait_s(until_s[_i]);
         coord_job_filed(f.c, f.now_ms, job_b, job_number(job_b), 900, 0);
     }
+    wait_s(1);
     ck_assert_ptr_null(desk_find_job(f.c, job_a));
     ck_assert((desk_find_job(f.c, job_b) == NULL) == (_i == 1));
 }
@@ -54,6 +55,7 @@ START_TEST(a_forgotten_job_that_is_submitted_again_is_not_forgotten)
     coord_set_keep(f.c, &(struct coord_keep){ .jobs = 1 });
     whole_job(job_a);
     whole_job(job_b);
+    wait_s(1);
     ck_assert(!desk_find_job(f.c, job_a) && is_recalled(job_a));
     submit(ANA, job_a, 0);
     ck_assert(!is_recalled(job_a));

@@ -255,8 +255,10 @@ START_TEST(the_oldest_caches_go_first)
     coord_set_keep(f.c, &keep);
     whole_job(job_b);
     whole_job(job_a);
+    wait_s(1);
     ck_assert_uint_eq(f.drops, 0);
     whole_job(job_c);
+    wait_s(1);
     ck_assert_uint_eq(f.drops, 1);
     ck_assert_mem_eq(f.cache_of, job_b, MSG_JOB);
     ck_assert_uint_eq(find(job_b)->cache.bytes, 0);
@@ -281,6 +283,7 @@ START_TEST(a_cache_is_not_dropped_before_the_end_of_its_job_is_kept)
     carry_out();
     ck_assert_uint_eq(f.drops, 0);
     file(job_a);
+    wait_s(1);
     ck_assert_uint_eq(f.drops, 1);
 }
 END_TEST
