@@ -55,7 +55,8 @@ folder_suffix_of(enum msg_what what)
 struct folder_job **
 folder_find_job(struct folder *f, const uint8_t *id)
 {
-    struct folder_job **at = &f->jobs;
+    struct folder_job **at =
+        &f->jobs[(id[0] | (unsigned)id[1] << 8) % FOLDER_CHAINS];
 
     while (*at && memcmp((*at)->id, id, MSG_JOB) != 0)
         at = &(*at)->next;
@@ -91,10 +92,15 @@ static void
 drop_job(struct folder *f, const uint8_t *id)
 {
     struct folder_job **at = folder_find_job(f, id), *j = *at;
+    struct folder_job **changed = &f->changed;
 
     if (!j)
         return;
     *at = j->next;
+    while (*changed && *changed != j)
+        changed = &(*changed)->changed;
+    if (*changed)
+        *changed = j->changed;
     folder_free_job(j);
 }
 
@@ -154,9 +160,12 @@ folder_new_job(const struct folder *f, const struct msg_spec *spec,
 void
 folder_add_job(struct folder *f, struct folder_job *j)
 {
+    struct folder_job **at;
+
     drop_job(f, j->id);
-    j->next = f->jobs;
-    f->jobs = j;
+    at = folder_find_job(f, j->id);
+    j->next = *at;
+    *at = j;
 }
 
 uint64_t
@@ -190,25 +199,6 @@ remove_dir(const char *path)
     rmdir(path);
 }
 
-/* Make the job's folder; durable: with "new" in it, synced before any other
- * file is made there. */
-static int
-make_dir(const struct folder *f, const uint8_t *id, const char *path,
-         struct rad_error *err)
-{
-    char name[DISK_PATH_MAX];
-    int rc = disk_make_dir(path, err), fd;
-
-    if (rc < 0 || !f->durable)
-        return rc;
-    folder_path(f, id, FOLDER_NEW, name);
-    fd = open(name, O_WRONLY | O_CREAT | O_CLOEXEC, 0600);
-    if (fd < 0)
-        return disk_fail(err, errno, "create", name);
-    close(fd);
-    return disk_sync_path(path, err);
-}
-
 /* Is there room for the rows of all frames?  Room that an earlier call kept
  * counts as free. */
 static int
@@ -219,25 +209,26 @@ check_room(const struct folder *f, struct folder_job *j, struct rad_error *err)
 
     for (uint32_t i = 0; i < j->nframes; i++)
         j->room += folder_frame_bytes(j, &j->frames[i]);
-    folder_path(f, j->id, FOLDER_ROOM, path);
+    folder_path(f, j->id, FOLDER_NEW, path);
     there = room_size(path);
     return room_check(f->dir, j->room > there ? j->room - there : 0, "its rows",
                       err);
 }
 
+/* Keep room in the file "new", the only file of the folder until the database
+ * knows the job.  folder_sync() syncs file, folder and name. */
 static int
-keep_room(const struct folder *f, const struct folder_job *j,
-          struct rad_error *err)
+keep_room(struct folder *f, const struct folder_job *j, struct rad_error *err)
 {
     char path[DISK_PATH_MAX];
     int rc;
 
-    folder_path(f, j->id, FOLDER_ROOM, path);
+    folder_path(f, j->id, FOLDER_NEW, path);
     rc = room_set(path, j->room, err);
     if (rc == 0)
-        rc = disk_sync_dir_of(path, err);
-    folder_path(f, j->id, "", path);
-    return rc == 0 ? disk_sync_dir_of(path, err) : rc;
+        rc = syncs_add(&f->opened.closed, path, true, err);
+    f->renamed = true;
+    return rc;
 }
 
 int
@@ -253,7 +244,7 @@ folder_make(struct folder *f, const struct msg_spec *spec,
     folder_path(f, spec->job, "", path);
     rc = f->durable ? check_room(f, j, err) : 0;
     if (rc == 0)
-        rc = make_dir(f, spec->job, path, err);
+        rc = disk_make_dir(path, err);
     if (rc == 0 && f->durable) /* if not, a full disk shows when rows come */
         rc = keep_room(f, j, err);
     if (rc == 0) {
@@ -420,10 +411,14 @@ folder_is_open(struct folder *f, const uint8_t id[MSG_JOB])
 void
 folder_noted(const struct folder *f, const uint8_t id[MSG_JOB])
 {
-    char path[DISK_PATH_MAX];
+    char path[DISK_PATH_MAX], room[DISK_PATH_MAX];
 
     folder_path(f, id, FOLDER_NEW, path);
-    unlink(path);
+    folder_path(f, id, FOLDER_ROOM, room);
+    if (access(room, F_OK) == 0) /* there was a crash */
+        unlink(path);
+    else
+        rename(path, room);
 }
 
 static bool
@@ -540,11 +535,8 @@ folder_init(struct folder *f, struct rad_error *err)
 void
 folder_release(struct folder *f)
 {
-    while (f->jobs) {
-        struct folder_job *j = f->jobs;
-
-        f->jobs = j->next;
-        folder_free_job(j);
-    }
+    for (int i = 0; i < FOLDER_CHAINS; i++)
+        while (f->jobs[i])
+            drop_job(f, f->jobs[i]->id);
     syncs_release(&f->opened.closed);
 }

@@ -15,8 +15,8 @@
  * DIR/jobs/ID/kept     ambient records of a job that is done, with which other
  *                      jobs may begin
  * DIR/jobs/ID/stats    statistics of a job that is over, as JSON
- * DIR/jobs/ID/new      there until the database knows the job; until then the
- *                      submitter was not told that the job is accepted
+ * DIR/jobs/ID/new      the name of "room" until the database knows the job;
+ * until then the submitter was not told that the job is accepted
  * DIR/jobs/ID/over     rows of the job were given up, before the database knew
  *                      that it is over: an empty file
  * DIR/jobs/ID.gone     the folder of a job that is being forgotten, until the
@@ -37,14 +37,18 @@
 
 struct folder_job;
 
+#define FOLDER_CHAINS 1024
+
 /* Zeroed but for dir, durable and looks. */
 struct folder {
     char dir[BLOBS_DIR_MAX]; /* the folder in which jobs/ lies */
     bool durable;            /* false: jobs end with the process */
     bool looks; /* take up jobs, but change no file, and leave finished files
                  * to folder_compare() */
-    bool renamed; /* a job's folder was, since folder_sync() */
-    struct folder_job *jobs; /* that are not over */
+    bool renamed; /* a job's folder was, or was made, since folder_sync() */
+    struct folder_job
+        *jobs[FOLDER_CHAINS];   /* that are not over: a hash table */
+    struct folder_job *changed; /* of these, those with new files */
     struct rows_open opened; /* files of their rows */
 };
 
@@ -52,9 +56,9 @@ struct folder {
 int folder_init(struct folder *f, struct rad_error *err);
 void folder_release(struct folder *f);
 
-/* Make the job's folder; durable: keep room for all of its rows, too, sync
- * both, and let the folder be new until folder_noted().  RAD_EFULL: the disk
- * has too little room now; RAD_EDATA: the disk is too small. */
+/* Make the job's folder; durable: keep room for all of its rows, too, which
+ * lasts after folder_sync(), and let the folder be new until folder_noted().
+ * RAD_EFULL: the disk has too little room now; RAD_EDATA: it is too small. */
 int folder_make(struct folder *f, const struct msg_spec *spec,
                 struct rad_error *err);
 /* Go on with the files of a job of an earlier life; over: only look for its
@@ -70,7 +74,7 @@ int folder_compare(struct folder *f, const struct saved_job *s, bool over,
 bool folder_is_there(const struct folder *f, const uint8_t job[MSG_JOB]);
 /* Was the job made or taken up, and is it not over? */
 bool folder_is_open(struct folder *f, const uint8_t job[MSG_JOB]);
-/* The database knows the job: remove "new". */
+/* The database knows the job: rename "new". */
 void folder_noted(const struct folder *f, const uint8_t job[MSG_JOB]);
 bool folder_is_new(const struct folder *f, const uint8_t job[MSG_JOB]);
 /* The job is over: remove its rows, room, cache and previews. */

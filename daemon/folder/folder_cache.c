@@ -365,13 +365,17 @@ folder_reuse(struct folder *f, const uint8_t id[MSG_JOB],
     struct folder_job *j = *folder_find_job(f, id);
     struct saved_pass p = { .len = 0 };
     uint8_t *bytes = read_kept(f, from, &p.len, err);
+    char path[DISK_PATH_MAX];
     int rc;
 
     if (!bytes)
         return err ? err->code : RAD_EDATA;
     p.bytes = bytes;
-    rc = j ? write_first(f, j, &p, err)
+    folder_path(f, id, "", path);
+    rc = j ? disk_sync_path(path, err) /* "new" comes before any other file */
            : rad_fail(err, RAD_EINTERNAL, "a job without a folder");
+    if (rc == 0)
+        rc = write_first(f, j, &p, err);
     free(bytes);
     return rc;
 }

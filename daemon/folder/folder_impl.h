@@ -35,7 +35,9 @@ struct folder_job {
     uint64_t room;  /* bytes that are kept for frames without a file */
     uint32_t npasses;    /* kept passes of the ambient cache, */
     uint64_t pass_bytes; /* and their bytes in the file */
-    bool new_files; /* files were made since the last folder_sync() */
+    bool new_files; /* files were made since the last folder_sync(); then the
+                     * job is in the list folder.changed, */
+    struct folder_job *changed; /* and this is the next in the list */
 };
 
 /* Set path to DIR/jobs/ID and the suffix; to DIR/jobs/ID/FRAME and the suffix.
@@ -60,7 +62,7 @@ struct folder_job *folder_new_job(const struct folder *f,
                                   const struct msg_spec *spec,
                                   struct rad_error *err);
 void folder_free_job(struct folder_job *j);
-/* Find the link to the job of that id, or to NULL at the end of the list. */
+/* Find the link to the job of that id, or to NULL at the end of its chain. */
 struct folder_job **folder_find_job(struct folder *f, const uint8_t *id);
 /* Add a job, in place of a job that has its id. */
 void folder_add_job(struct folder *f, struct folder_job *j);

@@ -40,6 +40,10 @@ begin_frame(struct folder *f, struct folder_job *j, uint32_t i,
         return rc;
     }
     j->room = room;
+    if (!j->new_files) {
+        j->changed = f->changed;
+        f->changed = j;
+    }
     j->new_files = true;
     r->file = FILE_ROWS;
     return 0;
@@ -204,12 +208,15 @@ folder_sync(struct folder *f, struct rad_error *err)
     char path[DISK_PATH_MAX];
     int rc = rows_sync(&f->opened, err);
 
-    for (struct folder_job *j = f->jobs; j && rc == 0; j = j->next) {
-        if (!j->new_files)
-            continue;
+    while (f->changed && rc == 0) {
+        struct folder_job *j = f->changed;
+
         folder_path(f, j->id, "", path);
         rc = disk_sync_path(path, err);
-        j->new_files = rc < 0;
+        if (rc == 0) {
+            j->new_files = false;
+            f->changed = j->changed;
+        }
     }
     if (rc == 0 && f->renamed) {
         snprintf(path, sizeof path, "%s/jobs", f->dir);

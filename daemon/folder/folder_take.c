@@ -196,6 +196,7 @@ take_open(struct folder *f, struct folder_job *j, const struct saved_job *s,
     free(found.noted);
     if (rc < 0 || f->looks)
         return rc;
+    folder_noted(f, j->id);
     /* if the disk is full now, the job is held when its rows need more room */
     folder_path(f, j->id, FOLDER_ROOM, path);
     rc = room_set(path, j->room, &why);

@@ -70,7 +70,6 @@ static int
 set_size(int fd, uint64_t bytes, const char *path, struct rad_error *err)
 {
     struct stat st;
-    int rc;
 
     if (fstat(fd, &st) < 0)
         return disk_fail(err, errno, "look at", path);
@@ -78,8 +77,7 @@ set_size(int fd, uint64_t bytes, const char *path, struct rad_error *err)
         return ftruncate(fd, (off_t)bytes) < 0
                    ? disk_fail(err, errno, "shorten", path)
                    : 0;
-    rc = disk_allocate(fd, (off_t)bytes, path, err);
-    return rc == 0 ? disk_sync(fd, path, err) : rc;
+    return disk_allocate(fd, (off_t)bytes, path, err);
 }
 
 int

@@ -20,7 +20,7 @@ int room_check(const char *dir, uint64_t bytes, const char *what,
 /* Are the bytes no more than what room_check() spares, or is that not known? */
 bool room_is_small(const char *dir, uint64_t bytes);
 
-/* Make the file `bytes` long, and sync it when it grows, but not its name; 0:
+/* Make the file `bytes` long, and do not sync it; 0:
  * remove it.  RAD_EFULL, or another code of disk.h. */
 int room_set(const char *path, uint64_t bytes, struct rad_error *err);
 

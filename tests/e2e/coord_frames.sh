@@ -15,7 +15,8 @@ coord_start
 id=$(cat id)
 [ "$(find "state/jobs/$id" -type f | wc -l)" -le 2 ] ||
     fail "$(find "state/jobs/$id" -type f | wc -l) files before anything began"
-# 4 bytes a pixel
+# 4 bytes a pixel; the file has another name until the database knows the job
+until_true 10 test -e "state/jobs/$id/room"
 [ "$(stat -c %s "state/jobs/$id/room")" -ge $((FRAMES * 8 * 4)) ] ||
     fail "no room is kept"
 
