@@ -463,7 +463,8 @@ folder_bytes(const struct folder *f, const uint8_t id[MSG_JOB])
     if (!d)
         return 0;
     while ((e = readdir(d)) != NULL)
-        if (fstatat(dirfd(d), e->d_name, &st, 0) == 0 && S_ISREG(st.st_mode))
+        if (!is_left_over(e->d_name) &&
+            fstatat(dirfd(d), e->d_name, &st, 0) == 0 && S_ISREG(st.st_mode))
             n += (uint64_t)st.st_blocks * 512;
     closedir(d);
     return n;

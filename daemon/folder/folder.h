@@ -92,7 +92,8 @@ void folder_go_on(const struct folder *f, const uint8_t job[MSG_JOB]);
 bool folder_forget(struct folder *f, const uint8_t job[MSG_JOB]);
 bool folder_is_going(const struct folder *f, const uint8_t job[MSG_JOB]);
 void folder_forgotten(const struct folder *f, const uint8_t job[MSG_JOB]);
-/* Bytes that the job's files take on the disk. */
+/* Bytes that the job's files take on the disk, but for those that folder_rest()
+ * removes. */
 uint64_t folder_bytes(const struct folder *f, const uint8_t job[MSG_JOB]);
 
 /* Pixels of rows to be put, as floats or coded. */

@@ -340,7 +340,6 @@ end_run(struct task *t)
         folder_keep_cache(&s->folder, o->id, &o->saved.keep);
     rc = folder_stats(&s->folder, o->id, o->stats, o->stats_len,
                       &o->saved.stats, &t->err);
-    /* the size without the rows, which rest_run() removes */
     o->saved.kept_bytes = folder_bytes(&s->folder, o->id);
     return rc < 0 ? rc : journal_put_end(s->journal, &o->saved, &t->err);
 }

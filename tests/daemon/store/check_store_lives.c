@@ -127,6 +127,27 @@ START_TEST(a_job_that_is_over_is_remembered_and_forgotten)
 }
 END_TEST
 
+/* Without its rows and their room, which are removed when the end is noted. */
+START_TEST(what_a_job_that_is_over_takes_is_known_in_another_life)
+{
+    struct saved_job job;
+    struct heard h;
+    uint64_t bytes;
+    uv_loop_t loop;
+    struct store *s;
+
+    make_kept(&loop, &s, &h);
+    end_job(s);
+    run(&loop, s);
+    bytes = h.size;
+    close_kept(&loop, s);
+    open_kept(&loop, &s, &h);
+    ck_assert_int_eq(recover(s, &job, NULL), 0);
+    ck_assert_uint_eq(job.kept_bytes, bytes);
+    close_kept(&loop, s);
+}
+END_TEST
+
 /* How far the database was with a job whose folder was being removed when the
  * coordinator was killed. */
 enum unsettled { UNSETTLED_JOB, UNSETTLED_END, UNSETTLED_STRIKE };
@@ -596,6 +617,7 @@ main(void)
     tcase_add_test(tc, a_new_folder_lasts);
     tcase_add_test(tc, a_job_goes_on_in_another_life);
     tcase_add_test(tc, a_job_that_is_over_is_remembered_and_forgotten);
+    tcase_add_test(tc, what_a_job_that_is_over_takes_is_known_in_another_life);
     tcase_add_loop_test(tc, a_job_that_was_being_forgotten_is_no_damage,
                         UNSETTLED_JOB, UNSETTLED_STRIKE + 1);
     tcase_add_test(tc,
