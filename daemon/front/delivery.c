@@ -155,6 +155,8 @@ fetch_stats(struct coord *c, struct coord_conn *conn, const struct msg *m,
 static const char *
 fetch_fault(const struct job *job, const struct msg_fetch *m, int *status)
 {
+    const struct job_frame *f;
+
     *status = EX_USAGE;
     if (m->what == MSG_WHAT_STATS)
         return NULL;
@@ -166,12 +168,12 @@ fetch_fault(const struct job *job, const struct msg_fetch *m, int *status)
         return "the job is of sensor points: radsubmit --job writes "
                "their values";
     *status = EX_TEMPFAIL;
+    f = &job->frames[m->frame];
     if (m->what == MSG_WHAT_PREVIEW)
-        return job->pixels_done > 0 || job->frames[m->frame].has_colours ||
-                       frame_is_written(&job->frames[m->frame])
+        return f->rows_pixels > 0 || f->has_colours || frame_is_written(f)
                    ? NULL
                    : "nothing is rendered yet";
-    if (frame_is_written(&job->frames[m->frame]))
+    if (frame_is_written(f))
         return NULL;
     if (!job_over(job))
         return "the picture is not complete yet";

@@ -360,6 +360,36 @@ START_TEST(rows_are_acknowledged_on_the_connection_that_the_worker_has_then)
 }
 END_TEST
 
+/* Not when rows of another have. */
+START_TEST(a_frame_has_a_preview_when_rows_of_it_have_come)
+{
+    static const struct msg_frame two[] = { { 0, 8, 8, "" }, { 1, 8, 8, "" } };
+    struct msg m = usual_submit(job_a);
+    struct msg fetch = { .type = MSG_FETCH,
+                         .request = 6,
+                         .fetch = { job_a, 1, MSG_WHAT_PREVIEW } };
+
+    m.submit.partition = MSG_PART_WINDOW;
+    m.submit.windows = 4;
+    m.submit.order = MSG_ORDER_FORWARD;
+    m.submit.frames = two;
+    m.submit.nframes = 2;
+    say(ANA, &m);
+    ready(WORKER, job_a);
+    for (uint32_t unit = 0; unit <= 5; unit++) {
+        uint32_t begun = (unit + 3) / 4; /* frames of four units each */
+
+        for (uint32_t i = 0; i < 2; i++) {
+            fetch.fetch.frame = i;
+            f.last[ANA].type = MSG_DONE;
+            say(ANA, &fetch);
+            ck_assert((f.last[ANA].type == MSG_FAILED) == (i >= begun));
+        }
+        result(WORKER, job_a, unit, 1);
+    }
+}
+END_TEST
+
 START_TEST(a_result_that_fits_no_unit_ends_the_connection)
 {
     submit(ANA, job_a, 0);
@@ -392,6 +422,7 @@ main(void)
     tcase_add_test(tc, a_late_result_of_an_old_attempt_is_dropped);
     tcase_add_test(
         tc, rows_are_acknowledged_on_the_connection_that_the_worker_has_then);
+    tcase_add_test(tc, a_frame_has_a_preview_when_rows_of_it_have_come);
     tcase_add_test(tc, a_result_that_fits_no_unit_ends_the_connection);
     return unit_run_case(tc);
 }
