@@ -203,6 +203,7 @@ check_task(const struct task *t, struct rad_error *err)
 static int
 read_options(struct task *t, int argc, char **argv, struct rad_error *err)
 {
+    bool options = true; /* until "--" */
     int used;
 
     t->metric.down = t->metric.block = 1;
@@ -210,9 +211,11 @@ read_options(struct task *t, int argc, char **argv, struct rad_error *err)
     if (!t->file)
         return rad_fail_memory(err);
     for (int i = 1; i < argc; i += used) {
-        if (argv[i][0] != '-') {
+        used = 1;
+        if (!options || argv[i][0] != '-') {
             t->file[t->nfiles++] = argv[i];
-            used = 1;
+        } else if (strcmp(argv[i], "--") == 0) {
+            options = false;
         } else if ((used = take_option(t, argc - i, argv + i, err)) < 0) {
             return used;
         }

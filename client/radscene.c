@@ -316,13 +316,15 @@ run_on_files(const struct subcommand *sub, int argc, char **argv,
 {
     bool commands = argc > 1 && strcmp(argv[1], "--commands") == 0;
     const char *const *files = (const char *const *)argv + 1 + commands;
-    int rc, n = argc - 1 - commands;
+    bool dashes = argc > 1 + commands && strcmp(files[0], "--") == 0;
+    int rc, n = argc - 1 - commands - dashes;
     struct told told = { 0 };
     struct compiled c;
 
+    files += dashes;
     if (n < 1)
         return rad_fail(err, RAD_EUSAGE, "no scene file");
-    for (int i = 0; i < n; i++)
+    for (int i = 0; i < n && !dashes; i++)
         if (files[i][0] == '-' && files[i][1] != '\0')
             return rad_fail(err, RAD_EUSAGE, "unknown option '%s'", files[i]);
     rc = sub->strict

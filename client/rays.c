@@ -57,10 +57,12 @@ rays_options(struct rays_options *o, struct words *w, struct rad_error *err)
 
         if (rc < 0)
             return rc;
-        if (!word)
-            return rad_fail(err, RAD_EUSAGE, "no scene file");
-        if (word[0] != '-' || word[1] == '\0')
+        if (!word || word[0] != '-' || word[1] == '\0')
             break;
+        if (strcmp(word, "--") == 0) {
+            at++;
+            break;
+        }
         n = take_option(o, w, at, err);
         if (n < 0)
             return n;
@@ -68,6 +70,8 @@ rays_options(struct rays_options *o, struct words *w, struct rad_error *err)
             return rad_fail(err, RAD_EUSAGE, "unknown option '%s'", word);
         at += n;
     }
+    if (at == w->n)
+        return rad_fail(err, RAD_EUSAGE, "no scene file");
     for (int i = at; i < w->n; i++)
         if (strcmp(w->list[i], "-") == 0)
             return rad_fail(err, RAD_EUSAGE,

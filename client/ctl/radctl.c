@@ -352,16 +352,19 @@ is_number(const char *word)
     return word[word[0] == '-'] >= '0' && word[word[0] == '-'] <= '9';
 }
 
-/* Take options and arguments in any order. */
+/* Take options, until "--", and arguments in any order. */
 static int
 take_words(struct ctl *c, int argc, char *argv[])
 {
+    bool ended = false; /* the options are, by "--" */
     int rc = 0;
 
     for (int i = 1; i < argc && rc == 0; i++) {
         if (takes_number(c) && is_number(argv[i]))
             c->name = argv[i];
-        else if (argv[i][0] == '-' && argv[i][1] != '\0')
+        else if (!ended && strcmp(argv[i], "--") == 0)
+            ended = true;
+        else if (!ended && argv[i][0] == '-' && argv[i][1] != '\0')
             rc = take_option(c, argv, &i);
         else if (!c->command)
             rc = find_command(c, argv[i]);

@@ -73,6 +73,9 @@ grep -q 'maxabs 0.249027' out || fail "mean of two: $(cat out)"
 expect 0 '' --help
 expect 0 '' --version
 expect 64 'expected two pictures' ref.hdr
+cp ref.hdr ./-ref.hdr
+expect 64 "unknown or incomplete option '-ref.hdr'" -ref.hdr ref.hdr
+"$raderr" -b 1 -- -ref.hdr ref.hdr >out 2>&1 || fail "--: $(cat out)"
 expect 64 'no picture' --mean=mean.hdr
 expect 64 'only one' --mean=mean.hdr --map=map.png ref.hdr
 expect 64 "'m.png': --mean writes" --mean=m.png ref.hdr

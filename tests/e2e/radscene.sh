@@ -286,6 +286,13 @@ done
 expect 64 'usage: radscene' $radscene
 expect 64 'usage: radscene' $radscene chekc good.rad
 expect 64 'no scene file' $radscene check
+expect 64 'no scene file' $radscene check --
+expect 64 'no scene file' $radscene rays --
+cp good.rad ./-good.rad
+expect 64 "unknown option '-good.rad'" $radscene check -good.rad
+expect 0 '' $radscene check -- -good.rad
+expect 0 '' $radscene info --commands -- -good.rad good.rad
+expect 0 '' $radscene rays -ab 0 -- -good.rad </dev/null
 expect 64 "unknown option '-x'" $radscene info -x good.rad
 expect 64 "unknown option '-zz'" $radscene rays -zz good.rad
 expect 0 '' $radscene --help
