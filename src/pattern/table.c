@@ -104,8 +104,7 @@ look_up(const struct table *t, const double place[], double found[3])
         rad_pict_value(t->pict, place[0], place[1], found);
         return;
     }
-    for (int i = 0; i < t->ndata; i++)
-        found[i] = rad_data_value(t->data[i], place);
+    rad_data_values(t->data, t->ndata, place, found);
     if (t->ndata == 1)
         found[1] = found[2] = found[0];
 }

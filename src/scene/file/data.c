@@ -311,30 +311,72 @@ locate(const struct axis *a, double x)
     return at;
 }
 
-/* Add up the cell's corners: bit k of `corner` is set for the upper value along
- * axis k.  With weight 0 a value does not count, even if it is infinite. */
+/* The corners of the cell about a place: the indices of their values, and the
+ * weights of these.  Bit k of a corner's number is set for the upper value
+ * along axis k. */
+struct corners {
+    size_t i[1 << RAD_MAX_DATA_DIMS];
+    double w[1 << RAD_MAX_DATA_DIMS];
+};
+
+static void
+find_corners(const struct rad_data *d, const double at[], struct corners *c)
+{
+    c->i[0] = 0;
+    c->w[0] = 1;
+    for (int k = 0; k < d->dims; k++) {
+        struct place place = locate(&d->axis[k], at[k]);
+
+        for (int lower = 0; lower < 1 << k; lower++) {
+            int upper = lower | 1 << k;
+
+            c->i[lower] = c->i[lower] * (size_t)d->axis[k].n + (size_t)place.i;
+            c->i[upper] = c->i[lower] + 1;
+            c->w[upper] = c->w[lower] * place.w[1];
+            c->w[lower] *= place.w[0];
+        }
+    }
+}
+
+/* With weight 0 a value does not count, even if it is infinite. */
+static double
+add_up(const struct rad_data *d, const struct corners *c)
+{
+    double sum = 0;
+
+    for (int k = 0; k < 1 << d->dims; k++)
+        if (c->w[k] != 0)
+            sum += c->w[k] * (double)d->value[c->i[k]];
+    return sum;
+}
+
+static bool
+same_grid(const struct rad_data *a, const struct rad_data *b)
+{
+    return a->dims == b->dims &&
+           memcmp(a->axis, b->axis, (size_t)a->dims * sizeof *a->axis) == 0;
+}
+
+void
+rad_data_values(const struct rad_data *const d[], int n, const double at[],
+                double value[])
+{
+    struct corners c;
+
+    for (int k = 0; k < n; k++) {
+        if (k == 0 || !same_grid(d[k], d[k - 1]))
+            find_corners(d[k], at, &c);
+        value[k] = add_up(d[k], &c);
+    }
+}
+
 double
 rad_data_value(const struct rad_data *d, const double at[])
 {
-    struct place place[RAD_MAX_DATA_DIMS];
-    double sum = 0;
+    double value;
 
-    for (int k = 0; k < d->dims; k++)
-        place[k] = locate(&d->axis[k], at[k]);
-    for (int corner = 0; corner < 1 << d->dims; corner++) {
-        size_t i = 0;
-        double w = 1;
-
-        for (int k = 0; k < d->dims; k++) {
-            int upper = corner >> k & 1;
-
-            i = i * (size_t)d->axis[k].n + (size_t)(place[k].i + upper);
-            w *= place[k].w[upper];
-        }
-        if (w != 0)
-            sum += w * (double)d->value[i];
-    }
-    return sum;
+    rad_data_values(&d, 1, at, &value);
+    return value;
 }
 
 /* --- pictures ------------------------------------------------------------ */

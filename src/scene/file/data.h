@@ -61,6 +61,10 @@ struct rad_data *rad_data_grid(struct rad_arena *arena, int dims, const int n[],
  * none. */
 double rad_data_value(const struct rad_data *d, const double at[]);
 
+/* The values of n data of as many dimensions at a place. */
+void rad_data_values(const struct rad_data *const d[], int n, const double at[],
+                     double value[]);
+
 /* Decode a picture file; image/hdr.h names the formats.  NULL and *err on
  * failure. */
 struct rad_pict *rad_pict_parse(struct rad_arena *arena, const uint8_t *bytes,
