@@ -408,9 +408,8 @@ coord_expel(struct coord *c, uint64_t now_ms, const char *name)
     if (!w)
         return;
     w->expelled = true;
-    for (size_t i = 0; i < c->njobs; i++)
-        if (!job_over(c->jobs[i]))
-            introduce_drop(c, c->jobs[i], w);
+    for (size_t i = 0; i < c->nopen; i++)
+        introduce_drop(c, c->jobs[i], w);
 }
 
 void

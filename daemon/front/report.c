@@ -50,7 +50,7 @@ report_shares(const struct coord *c)
     for (size_t i = 0; all && i < c->nbegun; i++) {
         const struct job *job = c->jobs[i];
 
-        for (uint32_t k = 0; k < job->nworkers && !job_over(job); k++)
+        for (uint32_t k = 0; k < job->nworkers; k++)
             add_share(&all[job->workers[k].worker->id], &job->workers[k]);
     }
     return all;
@@ -323,7 +323,7 @@ all_jobs(const struct coord *c)
 static json_t *
 status_of(const struct coord *c)
 {
-    json_int_t workers = 0, threads = 0, jobs = 0, kept = 0;
+    json_int_t workers = 0, threads = 0, kept = 0;
     json_int_t drained = 0, drained_threads = 0;
     struct coord_pace pace = { 0 };
 
@@ -336,20 +336,18 @@ status_of(const struct coord *c)
             drained += rests;
             drained_threads += rests ? w->threads : 0;
         }
-    for (size_t i = 0; i < c->njobs; i++) {
-        jobs += !job_over(c->jobs[i]);
+    for (size_t i = 0; i < c->njobs; i++)
         kept += (json_int_t)(c->jobs[i]->kept_bytes & INT64_MAX);
-    }
     if (c->env.pace)
         c->env.pace(c->env.arg, &pace);
     return json_pack(
         "{s:s,s:I,s:I,s:I,s:I,s:I,s:I,s:I,s:I,s:b,s:I,s:f,s:f}", "program",
         c->env.program, "epoch", (json_int_t)(c->env.epoch & INT64_MAX),
         "workers", workers, "threads", threads, "drained", drained,
-        "drained_threads", drained_threads, "jobs", jobs, "jobs_kept",
-        (json_int_t)c->njobs, "kept_bytes", kept, "disk_full", c->full,
-        "slow_turns", (json_int_t)pace.slow, "longest_turn_ms", pace.longest_ms,
-        "longest_turn_cpu_ms", pace.longest_cpu_ms);
+        "drained_threads", drained_threads, "jobs", (json_int_t)c->nopen,
+        "jobs_kept", (json_int_t)c->njobs, "kept_bytes", kept, "disk_full",
+        c->full, "slow_turns", (json_int_t)pace.slow, "longest_turn_ms",
+        pace.longest_ms, "longest_turn_cpu_ms", pace.longest_cpu_ms);
 }
 
 /* The job whose id begins with text.  NULL, and *status is set: no job's id

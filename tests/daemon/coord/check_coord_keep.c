@@ -65,6 +65,29 @@ START_TEST(a_forgotten_job_that_is_submitted_again_is_not_forgotten)
 }
 END_TEST
 
+/* Searches for work look at the others alone. */
+START_TEST(jobs_that_are_over_stand_behind_the_others)
+{
+    uint8_t id[MSG_JOB] = { 0 };
+
+    for (id[0] = 1; id[0] <= 8; id[0]++) {
+        submit(ANA, id, id[0] % 3);
+        if (id[0] % 2 == 0)
+            about(ANA, MSG_CANCEL, id);
+    }
+    ck_assert_uint_eq(f.c->njobs, 8);
+    ck_assert_uint_eq(f.c->nopen, 4);
+    for (size_t i = 0; i < 8; i++)
+        ck_assert(job_over(f.c->jobs[i]) == (i >= 4));
+    for (size_t i = 1; i < 4; i++) { /* the begun jobs first, then those queued */
+        const struct job *a = f.c->jobs[i - 1], *b = f.c->jobs[i];
+
+        ck_assert(a->rank < b->rank ||
+                  (a->rank == b->rank && a->spec.priority >= b->spec.priority));
+    }
+}
+END_TEST
+
 /* Recover a job that was over at so many ms. */
 static void
 recover_over(const char *owner, const uint8_t *id, uint64_t end_ms)
@@ -360,6 +383,7 @@ main(void)
     tcase_add_test(tc, a_lower_limit_leaves_the_youngest_jobs_of_each_owner);
     tcase_add_test(tc, large_jobs_that_are_over_count_as_several);
     tcase_add_test(tc, what_was_not_fetched_is_kept);
+    tcase_add_test(tc, jobs_that_are_over_stand_behind_the_others);
     tcase_add_test(tc,
                    a_forgotten_job_that_is_submitted_again_is_not_forgotten);
     tcase_add_loop_test(tc, jobs_that_are_over_are_kept_for_a_while, 0, 3);
