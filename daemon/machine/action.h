@@ -50,7 +50,7 @@ enum action_type {
     ACT_OPTIONS,       /* job, text: new rendering options of its pictures */
     ACT_SETTLE,        /* conn, request: wait until all is kept that was asked
                         * to be kept before; coord_settled */
-    ACT_PUT_ROWS,      /* rows: keep the rows; coord_rows_stored */
+    ACT_PUT_ROWS,      /* conn, rows: keep what came there; coord_rows_stored */
     ACT_WRITE_PICTURE, /* job, frame: write it; coord_picture_written */
     ACT_SEND_PICTURE,  /* conn, request, job, frame, what: send as CHUNKs, or
                         * FAILED with that request if there is no such file */

@@ -80,7 +80,9 @@ static void
 put_rows(struct coord *c, const struct job *job, uint32_t index,
          const struct msg_result *m, const struct partition_area *a)
 {
-    struct action *act = actions_add_job(&c->actions, ACT_PUT_ROWS, 0, job->id);
+    uint64_t conn = job->workers[index].worker->conn;
+    struct action *act =
+        actions_add_job(&c->actions, ACT_PUT_ROWS, conn, job->id);
     struct action_rows *r;
 
     if (!act)

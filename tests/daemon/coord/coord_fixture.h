@@ -157,6 +157,7 @@ carry_out(void)
         else if (a.type == ACT_JOB_OPEN && !f.stuck)
             coord_job_opened(f.c, f.now_ms, a.job, a.sequence, 0, NULL);
         else if (a.type == ACT_PUT_ROWS) {
+            ck_assert_uint_ne(a.conn, 0);
             f.rows = a.rows;
             if (a.rows.len <= sizeof f.code)
                 memcpy(f.code, a.rows.pixels, a.rows.len);
