@@ -73,18 +73,25 @@ probe_socket(const struct address *a, struct rad_error *err)
     return rc;
 }
 
+/* Make the folder of a socket.  Any user may look for the socket, whatever the
+ * umask of the shell that started the daemon. */
 static int
 make_parent(const char *path, struct rad_error *err)
 {
     char dir[sizeof((struct sockaddr_un *)0)->sun_path + 1];
     char *slash;
+    mode_t mask;
+    int rc;
 
     snprintf(dir, sizeof dir, "%s", path);
     slash = strrchr(dir, '/');
     if (!slash || slash == dir)
         return 0;
     *slash = '\0';
-    return rad_make_dir(dir, 0755, err) < 0 ? RAD_ECANTCREAT : 0;
+    mask = umask(022);
+    rc = rad_make_dir(dir, 0755, err);
+    umask(mask);
+    return rc < 0 ? RAD_ECANTCREAT : 0;
 }
 
 static int

@@ -6,6 +6,7 @@
 #include "base/output.h"
 #include "net/log.h"
 
+#include <errno.h>
 #include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -203,7 +204,10 @@ daemon_run(struct daemon *d, int argc, char *argv[])
         return fail(d, &err);
     if (rc != CONF_RUN) {
         (rc == CONF_HELP ? conf_help : conf_version)(d->table);
-        return EX_OK;
+        if (fflush(stdout) == 0)
+            return EX_OK;
+        rad_fail(&err, RAD_EIO, "cannot write: %s", strerror(errno));
+        return fail(d, &err);
     }
     d->argc = argc;
     d->argv = argv;

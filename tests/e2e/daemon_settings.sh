@@ -123,6 +123,23 @@ expect 74 "cannot write 'full'" "a ports file on a full device" \
     "$radcoord" --listen= --socket="$work/p.sock" --state="$work/pstate" \
     --ports-file=full
 
+for program in radd radcoord radweb; do
+    expect 74 "$program: cannot write: No space left" "$program --help" \
+        sh -c "'$top_builddir/$program' --help >/dev/full"
+done
+
+# users find a socket, whatever the umask of who starts the daemon
+(umask 077 && exec "$radcoord" --listen= --socket="$work/made/by/p.sock" \
+    --state="$work/pstate" --ports-file="$work/made.ports" 2>"$work/p.log") &
+ports_pid=$!
+wait_file "$work/made.ports"
+for folder in made made/by; do
+    [ "$(stat -c %a $folder)" = 755 ] ||
+        fail "the socket's folder $folder has mode $(stat -c %a $folder)"
+done
+[ "$(stat -c %a pstate)" = 700 ] || fail "pstate: $(stat -c %a pstate)"
+end_one $ports_pid "coordinator of a new folder"
+
 # all addresses of the machine, by both kinds where there are both
 make_keys
 log=$work/c.log
