@@ -5,7 +5,9 @@
 
 #include "base/output.h"
 
+#include <poll.h>
 #include <signal.h>
+#include <unistd.h>
 
 /* An interrupt counts once.  A signal that ends a terminal's programs counts
  * twice, so that a job at a coordinator goes on. */
@@ -59,11 +61,10 @@ program_loop_release(struct program_loop *l)
 
 /* Writing to a pipe may wait for a reader for ever, and the event loop stands
  * still meanwhile: let signals do what they do to any program, end it. */
-void
-program_loop_free_signals(struct program_loop *l, const char *path, int was[3])
+static void
+free_signals(struct program_loop *l, bool waits, int was[3])
 {
-    bool waits = l->watched && rad_output_in_place(path);
-
+    waits &= l->watched;
     for (int i = 0; i < 3; i++) {
         uv_signal_t *s = &l->signals[i];
 
@@ -71,6 +72,20 @@ program_loop_free_signals(struct program_loop *l, const char *path, int was[3])
         if (was[i])
             uv_signal_stop(s);
     }
+}
+
+void
+program_loop_free_signals(struct program_loop *l, const char *path, int was[3])
+{
+    free_signals(l, rad_output_in_place(path), was);
+}
+
+void
+program_loop_free_for_message(struct program_loop *l, int was[3])
+{
+    struct pollfd to = { .fd = STDERR_FILENO, .events = POLLOUT };
+
+    free_signals(l, poll(&to, 1, 0) == 0, was);
 }
 
 void

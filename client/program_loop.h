@@ -27,6 +27,10 @@ void program_loop_release(struct program_loop *l);
  * that were caught. */
 void program_loop_free_signals(struct program_loop *l, const char *path,
                                int was[3]);
+/* The same before a message of at most a line, if standard error takes none
+ * now.
+ */
+void program_loop_free_for_message(struct program_loop *l, int was[3]);
 void program_loop_catch_signals(struct program_loop *l, const int was[3]);
 
 #endif

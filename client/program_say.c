@@ -17,9 +17,12 @@ void
 program_say(void *arg, const char *text)
 {
     struct program *p = arg;
+    int was[3];
 
+    program_loop_free_for_message(&p->loop, was);
     progress_clear(&p->progress);
     tell(stderr, "radsubmit: %s", text);
+    program_loop_catch_signals(&p->loop, was);
 }
 
 void
@@ -267,6 +270,7 @@ program_on_progress(void *arg, const struct msg_progress *m)
         .workers = (int)m->workers,
         .working = m->state == MSG_STATE_RUNNING && m->workers > 0
     };
+    int was[3];
 
     if (!lost) { /* else the job does not go on */
         say_held(p, m->state == MSG_STATE_HELD);
@@ -276,8 +280,11 @@ program_on_progress(void *arg, const struct msg_progress *m)
     say_stage(p, m);
     note_wonder(p, m);
     foresee(p);
-    if (!lost) /* else its end is told by another line */
+    if (!lost) { /* else its end is told by another line */
+        program_loop_free_for_message(&p->loop, was);
         progress_update(&p->progress, &r);
+        program_loop_catch_signals(&p->loop, was);
+    }
     outcome_note(&p->result.job, m);
 }
 

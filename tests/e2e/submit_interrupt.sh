@@ -102,4 +102,24 @@ stuck "a picture"
 stuck "statistics" -o out.hdr --partition=window --windows=1000 \
     --stats=/dev/stdout
 exec 3>&-
+
+# while nobody reads what it says
+mkfifo unread
+exec 3<>unread
+dd if=/dev/zero bs=4096 count=1000 of=unread oflag=nonblock 2>dd.err
+interruptible "$radsubmit" --local --threads=1 --progress=always \
+    -vf "$scenes/room.vf" -x 3000 -y 2250 -ps 1 -ds .02 -dj 1 -o out.hdr \
+    "$scenes/room.rad" 2>unread &
+pid=$!
+until_true 30 pgrep -f -- "--child $work" >/dev/null || fail "no job"
+ends_by_int()
+{
+    kill -INT $pid 2>/dev/null
+    ended
+}
+until_true 10 ends_by_int || fail "interrupts do not end it while its messages wait"
+kill -KILL $pid 2>/dev/null
+wait $pid 2>/dev/null
+check_nothing_left "interrupted while its messages wait"
+exec 3>&-
 finish
