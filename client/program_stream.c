@@ -161,8 +161,8 @@ run_batches(struct program *p, struct submit_job *job,
     }
 }
 
-/* Fail if something was wrong after the last point, or if there was no point.
- */
+/* Fail if something was wrong after the last point, or if there was no point:
+ * but rtrace answers nothing with nothing. */
 static int
 judge_end(struct program *p)
 {
@@ -170,7 +170,7 @@ judge_end(struct program *p)
         *p->err = p->stream.input.end;
         return p->err->code;
     }
-    if (p->stream.batch == 0)
+    if (p->stream.batch == 0 && !p->o.rpict_status)
         return rad_fail(p->err, RAD_EDATA, "no sensor points in 'stdin'");
     if (pointjob_is_short(&p->points))
         program_warn(p, "warning: fewer points than -x and -y say");
@@ -196,7 +196,7 @@ program_run_stream(struct program *p, const struct submit_job *ask,
     if (rc == 0)
         rc = judge_end(p);
     /* keep the values that were written before something failed */
-    end = pointwriter_close(p->stream.writer, s.points > 0,
+    end = pointwriter_close(p->stream.writer, rc == 0 || s.points > 0,
                             rc < 0 ? NULL : p->err);
     rc = rc < 0 ? rc : end;
     if (rc == 0 && p->o.stats)

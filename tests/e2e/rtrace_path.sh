@@ -68,6 +68,17 @@ grep -qx -- '-x 0 .*' out && grep -qx -- '-faa .*' out &&
 grep -qx -- '-ad 1024 .*' out || fail "-defaults: $(cat out)"
 status 0 rtrace -version
 
+# no ray, no value: a script may have none of a kind
+: >none
+for from in 'rtrace -h- box.oct <none' 'rtrace -h- box.oct </dev/null' \
+    ': | rtrace -h- box.oct' ': | rtrace -h- -oL box.oct'; do
+    status 0 "$from"
+    [ ! -s out ] || fail "$from: $(cat out)"
+done
+status 0 ': | rtrace box.oct'
+grep -q '^FORMAT=ascii' out || fail "no header: $(cat out)"
+status 2 'rtrace nothing.oct <none'
+
 # what is refused says so, with rtrace's statuses
 refused() # STATUS TEXT OPTIONS...
 {
