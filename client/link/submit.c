@@ -354,7 +354,7 @@ submit_run(const struct submit_job *job, uv_loop_t *loop, const int *interrupts,
         s.err = &why;
         rc = attempt(&s, &failures);
         s.err = err;
-        if (rc != RAD_EUNAVAIL || s.cancelled || s.ended)
+        if (rc != RAD_EUNAVAIL || s.cancelled || s.ended || s.over)
             break;
         if ((rc = may_retry(&s, &why)) < 0)
             return rc;

@@ -285,16 +285,29 @@ script_starts_again(struct player *p)
 }
 
 static void
-script_fails_the_job(struct player *p)
+player_fails(struct player *p, int status, const char *why)
 {
     struct msg m = { .type = MSG_FAILED };
 
     player_welcome(p, 1);
     player_take_job(p, false);
     m.failed.job = job_id;
-    m.failed.status = EX_SOFTWARE;
-    m.failed.text = "unit 7 crashed twice";
+    m.failed.status = (uint16_t)status;
+    m.failed.text = why;
     player_send(p, &m);
+}
+
+static void
+script_fails_the_job(struct player *p)
+{
+    player_fails(p, EX_SOFTWARE, "unit 7 crashed twice");
+}
+
+/* The code is that of a connection that fails, which is made again. */
+static void
+script_lacks_a_worker(struct player *p)
+{
+    player_fails(p, EX_UNAVAILABLE, "no worker can keep a process for it");
 }
 
 static void
@@ -567,6 +580,8 @@ static const struct script {
     { "renders", script_renders, 0, 30, .detach = false },
     { "starts again", script_starts_again, 0, 30, .detach = false },
     { "fails", script_fails_the_job, RAD_EINTERNAL, 30, .detach = false },
+    { "lacks a worker", script_lacks_a_worker, RAD_EUNAVAIL, 30,
+      .what = "no worker can keep a process for it" },
     { "pieces", script_gives_pieces_that_do_not_fit, RAD_EPROTO, 30,
       .detach = false },
     { "cancelled", script_is_cancelled, RAD_ETEMPFAIL, 30, .interrupt = true },
