@@ -21,17 +21,17 @@
 #define MAX_KEPT      (8 * RAD_MAX_CALC_DEPTH) /* arguments of all frames */
 
 struct frame {
-    int32_t call;   /* the call's code */
-    int32_t parent; /* frame in which its arguments are evaluated, or -1 */
-    int32_t kept;   /* index of the first argument's value */
-    uint32_t known; /* bit i: argument i has been evaluated */
+    const struct ins *call; /* the call's code */
+    struct frame *parent;   /* in which its arguments are evaluated, or NULL */
+    double *kept;           /* the values of its arguments */
+    uint32_t known;         /* bit i: argument i has been evaluated */
 };
 
 enum { BACK_END, BACK_CALL, BACK_PARAM, BACK_VARIABLE };
 
 struct back {
     const struct ins *at;
-    int32_t frame;
+    struct frame *frame;
     int32_t what; /* parameter or symbol that gets the value */
     int32_t kind; /* BACK_* */
 };
@@ -48,7 +48,7 @@ struct rad_calc_env {
     } * known;                             /* by symbol */
     struct value same[RAD_CALC_MOST_SAME]; /* by class of equal calls */
     int32_t nknown;
-    int32_t nframes, nbacks, nkept;
+    int32_t nframes, nkept;
     double value[MAX_VALUES];
     struct frame frame[RAD_MAX_CALC_DEPTH];
     struct back back[MAX_RETURNS];
@@ -62,7 +62,8 @@ struct machine {
     struct rad_calc_env *e;
     double *top;          /* after the last value */
     const struct ins *at; /* the next instruction */
-    int32_t frame;        /* whose parameters OP_PARAM reads, or -1 */
+    struct back *back;    /* after the last place to return to */
+    struct frame *frame;  /* whose parameters OP_PARAM reads, or NULL */
     enum rad_calc_fault fault;
 };
 
@@ -139,15 +140,14 @@ pop(struct machine *m)
 
 /* Run the code at pc in a frame, and then return to here. */
 PART void
-enter(struct machine *m, int32_t pc, int32_t frame, int kind, int32_t what)
+enter(struct machine *m, int32_t pc, struct frame *frame, int kind,
+      int32_t what)
 {
-    struct rad_calc_env *e = m->e;
-
-    if (e->nbacks == MAX_RETURNS) {
+    if (m->back == m->e->back + MAX_RETURNS) {
         stop(m, RAD_CALC_DEPTH);
         return;
     }
-    e->back[e->nbacks++] = (struct back){ m->at, m->frame, what, kind };
+    *m->back++ = (struct back){ m->at, m->frame, what, kind };
     m->at = &m->c->code[pc];
     m->frame = frame;
 }
@@ -206,7 +206,7 @@ get_variable(struct machine *m, int32_t sym)
     else if (s->real > 0 && get_real(m, s->real))
         keep(m, sym, m->e->in.args[s->real - 1]);
     else if (s->kind == SYM_VARIABLE)
-        enter(m, s->code, -1, BACK_VARIABLE, sym);
+        enter(m, s->code, NULL, BACK_VARIABLE, sym);
     else
         stop(m, RAD_CALC_NAME);
 }
@@ -234,11 +234,9 @@ share(struct machine *m, int32_t i)
 
 /* The code of argument i of a frame, or -1. */
 PART int32_t
-argument(const struct machine *m, const struct frame *f, int32_t i)
+argument(const struct frame *f, int32_t i)
 {
-    const struct ins *call = &m->c->code[f->call];
-
-    return i < call->n ? call[1 + i].a : -1;
+    return i < f->call->n ? f->call[1 + i].a : -1;
 }
 
 /* Push argument i of f if it is a single number, channel, value or parameter,
@@ -247,7 +245,7 @@ PART bool
 get_plain(struct machine *m, const struct frame *f, int32_t i)
 {
     for (;;) {
-        int32_t pc = argument(m, f, i);
+        int32_t pc = argument(f, i);
         const struct ins *in = &m->c->code[pc < 0 ? 0 : pc];
 
         if (pc < 0 || in[1].op != OP_END)
@@ -264,12 +262,12 @@ get_plain(struct machine *m, const struct frame *f, int32_t i)
             push_value(m, in->a);
             return true;
         }
-        if (in->op != OP_PARAM || f->parent < 0)
+        if (in->op != OP_PARAM || !f->parent)
             return false;
-        f = &m->e->frame[f->parent];
+        f = f->parent;
         i = in->a;
         if (f->known >> i & 1) {
-            push(m, m->e->kept[f->kept + i]);
+            push(m, f->kept[i]);
             return true;
         }
     }
@@ -278,21 +276,20 @@ get_plain(struct machine *m, const struct frame *f, int32_t i)
 PART void
 get_param(struct machine *m, int32_t i)
 {
-    struct frame *f;
+    struct frame *f = m->frame;
     int32_t pc;
 
-    if (m->frame < 0) {
+    if (!f) {
         stop(m, RAD_CALC_NAME);
         return;
     }
-    f = &m->e->frame[m->frame];
     if (f->known >> i & 1) {
-        push(m, m->e->kept[f->kept + i]);
+        push(m, f->kept[i]);
         return;
     }
     if (get_plain(m, f, i))
         return;
-    pc = argument(m, f, i);
+    pc = argument(f, i);
     if (pc < 0)
         stop(m, RAD_CALC_NO_ARG);
     else
@@ -304,8 +301,8 @@ get_param(struct machine *m, int32_t i)
 PART int32_t
 named_function(const struct machine *m, int32_t param)
 {
-    for (int32_t f = m->frame; f >= 0; f = m->e->frame[f].parent) {
-        int32_t pc = argument(m, &m->e->frame[f], param);
+    for (const struct frame *f = m->frame; f; f = f->parent) {
+        int32_t pc = argument(f, param);
         const struct ins *in = pc < 0 ? NULL : &m->c->code[pc];
 
         if (!in || in[1].op != OP_END)
@@ -324,9 +321,9 @@ PART void
 call(struct machine *m, const struct ins *in, int32_t sym)
 {
     struct rad_calc_env *e = m->e;
-    const struct ins *const code = m->c->code;
     int32_t n = in->n;
     const struct symbol *s;
+    struct frame *f;
 
     if (sym < 0 || m->c->symbol[sym].code < 0 ||
         m->c->symbol[sym].kind == SYM_VARIABLE) {
@@ -338,11 +335,11 @@ call(struct machine *m, const struct ins *in, int32_t sym)
         stop(m, RAD_CALC_DEPTH);
         return;
     }
-    e->frame[e->nframes] =
-        (struct frame){ (int32_t)(in - code), m->frame, e->nkept, 0 };
+    f = &e->frame[e->nframes++];
+    *f = (struct frame){ in, m->frame, e->kept + e->nkept, 0 };
     e->nkept += n;
-    m->at = code + in[1 + n].a; /* of RESUME */
-    enter(m, s->code, e->nframes++, BACK_CALL, 0);
+    m->at = m->c->code + in[1 + n].a; /* of RESUME */
+    enter(m, s->code, f, BACK_CALL, 0);
 }
 
 /* Return from code whose value is on the stack.  False: the run ends. */
@@ -350,23 +347,21 @@ PART bool
 leave(struct machine *m)
 {
     struct rad_calc_env *e = m->e;
-    struct back b = e->back[--e->nbacks];
+    const struct back *b = --m->back;
     double v = m->top[-1];
-    struct frame *f;
 
-    m->at = b.at;
-    m->frame = b.frame;
-    switch (b.kind) {
+    m->at = b->at;
+    m->frame = b->frame;
+    switch (b->kind) {
     case BACK_CALL:
-        e->nkept = e->frame[--e->nframes].kept;
+        e->nkept = (int32_t)(e->frame[--e->nframes].kept - e->kept);
         return true;
     case BACK_PARAM:
-        f = &e->frame[b.frame];
-        f->known |= UINT32_C(1) << b.what;
-        e->kept[f->kept + b.what] = v;
+        b->frame->known |= UINT32_C(1) << b->what;
+        b->frame->kept[b->what] = v;
         return true;
     case BACK_VARIABLE:
-        keep(m, b.what, v);
+        keep(m, b->what, v);
         return true;
     default:
         return false;
@@ -594,14 +589,14 @@ rad_calc_run(const struct rad_calc *c, int32_t pc, int32_t limit,
 {
     static const void *const does[] = { EACH_OP(LABEL) };
     struct machine m = {
-        .c = c, .e = e, .top = e->value, .frame = -1, .fault = e->before
+        .c = c, .e = e, .top = e->value, .back = e->back, .fault = e->before
     };
     int32_t left = limit + 1;
     const struct ins *in;
 
     e->before = RAD_CALC_SOUND;
-    e->nframes = e->nbacks = e->nkept = 0;
-    enter(&m, pc, -1, BACK_END, 0);
+    e->nframes = e->nkept = 0;
+    enter(&m, pc, NULL, BACK_END, 0);
     NEXT();
     /* clang-format off */
     EACH_OP(DO_OP)
