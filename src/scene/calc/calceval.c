@@ -621,12 +621,35 @@ rad_calc_eval(const struct rad_calc *c, int expression, struct rad_calc_env *e,
     return rad_calc_run(c, expression, RAD_MAX_CALC_STEPS, e, fault);
 }
 
+/* Is this code max(value, 0), as that of red(), green() and blue() is? */
+static bool
+is_noneg(const struct rad_calc *c, const struct ins *in)
+{
+    return in[0].op == OP_CLEAR && in[1].op == OP_VALUE &&
+           in[2].op == OP_NUMBER && c->number[in[2].a] == 0 &&
+           in[3].op == OP_LIBRARY && in[3].a == LIB_MAX &&
+           in[4].op == OP_CHECK && in[5].op == OP_END;
+}
+
+/* The same without the machine, which takes ten times as long to start. */
+static double
+noneg(double v, struct rad_calc_env *e, enum rad_calc_fault *fault)
+{
+    v = v < 0 ? 0 : v;
+    e->before = RAD_CALC_SOUND;
+    *fault = isfinite(v) ? RAD_CALC_SOUND : RAD_CALC_MATH;
+    return isfinite(v) ? v : 0;
+}
+
 double
 rad_calc_call(const struct rad_calc *c, int function, const double value[],
               struct rad_calc_env *e, enum rad_calc_fault *fault)
 {
+    const struct ins *code = &c->code[function];
     double v;
 
+    if (is_noneg(c, code))
+        return noneg(value[code[1].a], e, fault);
     e->call_value = value;
     v = rad_calc_run(c, function, RAD_MAX_CALC_STEPS, e, fault);
     e->call_value = NULL;

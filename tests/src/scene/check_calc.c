@@ -90,6 +90,36 @@ START_TEST(function_is_called_by_its_name)
 }
 END_TEST
 
+static const double blues[] = { 3, -2, 0, -0., INFINITY, -INFINITY, NAN };
+
+/* blue() has a short cut; f() is the same by the machine. */
+START_TEST(value_of_a_colour_is_not_negative)
+{
+    static const char text[] = "f(r,g,b)=noneg(noop(b));";
+    struct rad_calc *c = rad_calc_new(NULL);
+    int context = rad_calc_context(c, "test.cal", NULL), blue, f;
+    double value[3] = { 7, -7, blues[_i] }, v, w;
+    enum rad_calc_fault fault, same;
+    struct rad_calc_env *env;
+
+    ck_assert_int_eq(
+        rad_calc_read(c, context, "test.cal", text, strlen(text), NULL), 0);
+    blue = rad_calc_function(c, context, "blue", 3, NULL);
+    f = rad_calc_function(c, context, "f", 3, NULL);
+    ck_assert(blue >= 0 && f >= 0);
+    env = rad_calc_env_new(c);
+    ck_assert_ptr_nonnull(env);
+    rad_calc_go_on(env, RAD_CALC_MATH);
+    v = rad_calc_call(c, blue, value, env, &fault);
+    rad_calc_go_on(env, RAD_CALC_MATH);
+    w = rad_calc_call(c, f, value, env, &same);
+    ck_assert(v == w && fault == same);
+    ck_assert(v == (blues[_i] == 3 ? 3 : 0));
+    rad_calc_env_free(env);
+    rad_calc_free(c);
+}
+END_TEST
+
 /* What calls are about takes no memory for each of them. */
 START_TEST(argument_of_calls_in_calls_is_there_once)
 {
@@ -738,6 +768,8 @@ main(void)
     tcase_set_timeout(tc, 600);
     tcase_add_test(tc, argument_of_calls_in_calls_is_there_once);
     tcase_add_loop_test(tc, function_is_called_by_its_name, 0, N_ELEM(called));
+    tcase_add_loop_test(tc, value_of_a_colour_is_not_negative, 0,
+                        N_ELEM(blues));
     tcase_add_loop_test(tc, what_is_no_function_is_not_called, 0,
                         N_ELEM(uncalled));
     tcase_add_loop_test(tc, luminaire_is_corrected_for_its_shape, 0,
