@@ -181,7 +181,8 @@ struct rad_kernel {
     const char *name;
     bool (*usable)(void); /* has this processor the instructions? */
     /* does the ray meet p, which is no place?  Uses only probe, tmin and cut */
-    bool (*one)(const struct rad_walk *w, const struct rad_prim *p, double *t);
+    bool (*one)(const struct rad_walk *w, const struct rad_prim *p,
+                double t[2]);
     /* find the nearest hit: w->best, w->prim, w->tie */
     void (*nearest)(struct rad_walk *w);
     /* the same, but surfaces that are passed are noted in w->line */

@@ -132,7 +132,7 @@ is_missed(const struct rad_cone *c, const struct rad_probe *r, double tmin,
 
 bool
 rad_cone_hit(const struct rad_prim *p, const struct rad_probe *r, double tmin,
-             double tmax, double *t)
+             double tmax, double t[2])
 {
     const struct rad_cone *c = p->cone;
     double err = RAD_GEOM_ROUND * r->size + p->slack, o[3];
@@ -156,11 +156,16 @@ rad_cone_hit(const struct rad_prim *p, const struct rad_probe *r, double tmin,
     double t1 = q / (dx * dx + dy * dy - m * m);
 
     /* either may be infinite or NaN: the comparisons fail then */
-    *t = t0 < t1 ? t0 : t1;
-    if (between(*t, tmin, tmax, h, rise, c, err))
-        return true;
-    *t = t0 < t1 ? t1 : t0;
-    return between(*t, tmin, tmax, h, rise, c, err);
+    double near = t0 < t1 ? t0 : t1, far = t0 < t1 ? t1 : t0;
+
+    if (!between(near, tmin, tmax, h, rise, c, err)) {
+        t[0] = far;
+        t[1] = INFINITY;
+        return between(far, tmin, tmax, h, rise, c, err);
+    }
+    t[0] = near;
+    t[1] = between(far, near, tmax, h, rise, c, err) ? far : INFINITY;
+    return true;
 }
 
 void

@@ -520,7 +520,7 @@ static bool
 still_blocks(const struct rad_geom *g, struct rad_walk *w, int32_t obj)
 {
     const struct rad_prim *p;
-    double t;
+    double t[2];
 
     if (obj < 0 || obj >= g->nown || obj == w->skip ||
         g->prim_of[obj] == RAD_NO_PRIM)
@@ -530,7 +530,7 @@ still_blocks(const struct rad_geom *g, struct rad_walk *w, int32_t obj)
         return false;
     if (p->kind == PRIM_PLACE)
         return rad_place_meet(w, g->prim_of[obj], RAD_MEET_ANY);
-    return g->kernel->one(w, p, &t);
+    return g->kernel->one(w, p, t);
 }
 
 /* Does something opaque stop w's walk?  If blocker is given, the counts must
@@ -580,7 +580,7 @@ end_at_target(const struct rad_geom *g, struct rad_walk *w, int32_t target,
 {
     struct rad_line *line = w->line;
     bool whole = !line->open && line->n < RAD_LINE_MOST;
-    double t, last = line->at[line->n - 1].t;
+    double t[2], last = line->at[line->n - 1].t;
     uint32_t i;
 
     line->open = true;
@@ -589,10 +589,10 @@ end_at_target(const struct rad_geom *g, struct rad_walk *w, int32_t target,
     i = g->prim_of[target];
     w->cut = DBL_MAX;
     counts->tests++;
-    if (i == RAD_NO_PRIM || !g->kernel->one(w, &w->prims[i], &t) ||
-        !(t - last > rad_walk_window(w, last)))
+    if (i == RAD_NO_PRIM || !g->kernel->one(w, &w->prims[i], t) ||
+        !(*t - last > rad_walk_window(w, last)))
         return;
-    line->at[line->n].t = t;
+    line->at[line->n].t = *t;
     line->at[line->n++].item = i;
 }
 
@@ -634,7 +634,7 @@ rad_geom_hit_object(const struct rad_geom *g, int32_t obj,
 {
     const struct rad_prim *p;
     struct rad_walk w;
-    double t;
+    double t[2];
 
     hit->obj = RAD_VOID;
     if (obj < 0 || obj >= g->nown || g->prim_of[obj] == RAD_NO_PRIM ||
@@ -644,9 +644,9 @@ rad_geom_hit_object(const struct rad_geom *g, int32_t obj,
     counts->tests++;
     w.tmin = span->tmin;
     w.cut = rad_least(span->tmax, DBL_MAX);
-    if (!g->kernel->one(&w, p, &t))
+    if (!g->kernel->one(&w, p, t))
         return false;
-    rad_prim_surface(p, &w.probe, t, hit);
+    rad_prim_surface(p, &w.probe, *t, hit);
     return true;
 }
 

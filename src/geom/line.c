@@ -32,18 +32,14 @@ put(struct rad_line *line, uint32_t i, double t)
 }
 
 double
-rad_line_note(const struct rad_walk *w, uint32_t i, double t)
+rad_line_note(const struct rad_walk *w, uint32_t i, const double t[2])
 {
-    const struct rad_prim *p = &w->prims[i];
-    double end = put(w->line, i, t), again;
-    bool twice = false;
+    uint8_t kind = w->prims[i].kind;
+    double end = put(w->line, i, t[0]);
 
-    /* round surfaces are met twice */
-    if (p->kind == PRIM_SPHERE)
-        twice = rad_sphere_hit(p, &w->probe, t, w->cut, &again);
-    else if (p->kind == PRIM_CONE)
-        twice = rad_cone_hit(p, &w->probe, t, w->cut, &again);
-    return twice ? rad_least(put(w->line, i, again), end) : end;
+    if ((kind == PRIM_SPHERE || kind == PRIM_CONE) && t[1] < INFINITY)
+        end = rad_least(put(w->line, i, t[1]), end);
+    return end;
 }
 
 bool

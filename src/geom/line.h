@@ -17,9 +17,10 @@
 #include "base/vec.h"
 #include "geom/bvh.h"
 
-/* Put item i, which w meets first at t, into w->line, which keeps the nearest
- * surfaces.  Returns the distance up to which the line is complete. */
-double rad_line_note(const struct rad_walk *w, uint32_t i, double t);
+/* Put item i, which w meets at t[0] and, if it is round, again at t[1], into
+ * w->line, which keeps the nearest surfaces.  Returns the distance up to which
+ * the line is complete. */
+double rad_line_note(const struct rad_walk *w, uint32_t i, const double t[2]);
 
 /* Do most rays that meet p from r's side pass it? */
 static inline bool

@@ -164,10 +164,11 @@ rad_polygon_hit(const struct rad_prim *p, const struct rad_probe *r,
     return s > tmin && s < tmax;
 }
 
-/* Test p by its family; a place belongs to none. */
+/* Test p by its family; a place belongs to none.  t[0] gets the distance; t[1]
+ * is as for rad_sphere_hit() and rad_cone_hit(), and not set for others. */
 static inline __attribute__((always_inline)) bool
 rad_prim_hit(const struct rad_prim *p, const struct rad_probe *r, double tmin,
-             double tmax, double *t)
+             double tmax, double t[2])
 {
     switch (p->kind) {
     case PRIM_POLYGON:

@@ -142,11 +142,13 @@ void rad_ring_bounds(const struct rad_prim *p, struct rad_box *box);
 void rad_cone_bounds(const struct rad_prim *p, struct rad_box *box);
 void rad_place_bounds(const struct rad_prim *p, struct rad_box *box);
 
+/* A sphere and a cone are met twice: t[1] gets the distance of the second hit,
+ * or INFINITY, if there is none before tmax. */
 bool rad_sphere_hit(const struct rad_prim *p, const struct rad_probe *r,
-                    double tmin, double tmax, double *t);
-bool rad_ring_hit(const struct rad_prim *p, const struct rad_probe *r,
-                  double tmin, double tmax, double *t);
+                    double tmin, double tmax, double t[2]);
 bool rad_cone_hit(const struct rad_prim *p, const struct rad_probe *r,
+                  double tmin, double tmax, double t[2]);
+bool rad_ring_hit(const struct rad_prim *p, const struct rad_probe *r,
                   double tmin, double tmax, double *t);
 
 /* Set p, n and err of a hit; hit->t is set. */

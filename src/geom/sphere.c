@@ -49,7 +49,7 @@ rad_sphere_bounds(const struct rad_prim *p, struct rad_box *box)
 
 bool
 rad_sphere_hit(const struct rad_prim *p, const struct rad_probe *r, double tmin,
-               double tmax, double *t)
+               double tmax, double t[2])
 {
     double f[3], foot[3], b, disc, q, c, t0, t1;
 
@@ -64,8 +64,11 @@ rad_sphere_hit(const struct rad_prim *p, const struct rad_probe *r, double tmin,
     t0 = q != 0 ? c / q : 0;
     t1 = q;
     *t = rad_least(t0, t1);
+    t[1] = rad_most(t0, t1);
     if (!(*t > tmin))
-        *t = rad_most(t0, t1);
+        *t = t[1];
+    if (!(t[1] > *t && t[1] < tmax))
+        t[1] = INFINITY;
     return *t > tmin && *t < tmax;
 }
 
