@@ -17,8 +17,7 @@ code_peer(struct codec *c, struct msg_peer *p)
     code_view(c, &p->token, MSG_TOKEN);
     code_u32(c, &p->flags);
     code_u16(c, &p->version);
-    code_read_must(c, p->flags <= (MSG_PEER_DIAL | MSG_PEER_GIVE) ||
-                          p->flags == MSG_PEER_DROP);
+    code_read_must(c, p->flags <= MSG_PEER_DROP);
     code_read_must(c, msg_common_version(p->version, p->version) != 0);
 }
 
@@ -45,7 +44,6 @@ msg_code_peer_hello(struct codec *c, struct msg_peer_hello *b)
 void
 msg_code_ambient(struct codec *c, struct msg_ambient *b)
 {
-    code_u32(c, &b->to);
     code_u32(c, &b->count);
     code_blob(c, &b->data, &b->len, MSG_MAX_AMBIENT);
     code_read_must(c, b->count <= b->len);
@@ -58,10 +56,4 @@ msg_code_records(struct codec *c, struct msg_records *b)
     code_u32(c, &b->count);
     code_blob(c, &b->data, &b->len, MSG_MAX_AMBIENT);
     code_read_must(c, b->count <= b->len);
-}
-
-void
-msg_code_give(struct codec *c, struct msg_give *b)
-{
-    code_u32(c, &b->to);
 }

@@ -8,8 +8,7 @@
 #include "proto/msg_basics.h"
 
 #define MSG_PEER_DIAL (1u << 0) /* dial the peer; else the peer dials */
-#define MSG_PEER_GIVE (1u << 1) /* send the peer all records of your cache */
-#define MSG_PEER_DROP (1u << 2) /* end the link to it; the only flag then */
+#define MSG_PEER_DROP (1u << 1) /* end the link to it; the only flag then */
 
 struct msg_peer {
     const char *name, *address;
@@ -33,8 +32,6 @@ struct msg_peer_hello {
 
 /* A batch of ambient records, opaque here (proto/ambshare.c packs them). */
 struct msg_ambient {
-    uint32_t to;    /* from a child: `to` of the GIVE that this answers; 0:
-                     * for all peers */
     uint32_t count; /* records */
     const uint8_t *data;
     size_t len;
@@ -47,12 +44,6 @@ struct msg_records {
     uint32_t count; /* records */
     const uint8_t *data;
     size_t len;
-};
-
-/* From radd to its child: send all records of your cache, in AMBIENTs with this
- * `to`. */
-struct msg_give {
-    uint32_t to;
 };
 
 #endif

@@ -131,9 +131,6 @@ on_message(void *arg, struct conn *c, const struct msg *m)
     case MSG_AMBIENT:
         render_take_ambient(r, &m->ambient);
         break;
-    case MSG_GIVE:
-        render_take_give(r, &m->give);
-        break;
     case MSG_JOB_END:
         render_send_tally(r);
         render_end(r, EX_OK);
@@ -223,7 +220,6 @@ release(struct render *r)
     uv_run(&r->loop, UV_RUN_DEFAULT);
     msg_release(&r->start);
     free(r->start_bytes);
-    render_records_release(r);
     uv_loop_close(&r->loop);
 }
 

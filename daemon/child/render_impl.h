@@ -11,7 +11,6 @@
 #ifndef RADD_DAEMON_RENDER_IMPL_H
 #define RADD_DAEMON_RENDER_IMPL_H
 
-#include "worker/ambseen.h"
 #include "proto/ambshare.h"
 #include "net/conn.h"
 #include "child/pool.h"
@@ -20,8 +19,8 @@
 
 /* Records that are handled, or sent, together. */
 #define RENDER_BATCH (65536 / AMBSHARE_BYTES)
-/* Messages that are not urgent (a whole cache for a peer, facts in case of a
- * loss) wait while more bytes than this wait in the link. */
+/* Messages that are not urgent (facts in case of a loss) wait while more bytes
+ * than this wait in the link. */
 #define RENDER_AHEAD (1u << 20)
 
 /* The passes of the ambient cache. */
@@ -64,9 +63,6 @@ struct render {
     struct strict *strict; /* NULL: the picture is not shared by lines */
     struct pool *pool;
     struct render_passes passes;
-    struct give *gives;
-    struct ambseen seen; /* records that the cache has had */
-    uint64_t loaded;     /* cursor behind the records of the job's files */
     double doubled;      /* share of redundant records among the last that
                           * came */
     uint64_t first_ms;   /* when records were first sent; 0: never */
@@ -146,14 +142,11 @@ void render_take_estimate(struct render *r, const struct msg_estimate *m);
 
 /* The job is loaded: send records from now on. */
 void render_records_begin(struct render *r);
-/* The job was loaded again and its cache is empty: go on with that, and
- * send peers that were getting the whole cache all of the new one. */
+/* The job was loaded again and its cache is empty: go on with that. */
 void render_records_again(struct render *r);
-void render_records_release(struct render *r);
 /* Send the records that threads have made since the last call. */
 void render_drain(struct render *r);
-/* Handlers of AMBIENT and GIVE. */
+/* Handler of AMBIENT. */
 void render_take_ambient(struct render *r, const struct msg_ambient *a);
-void render_take_give(struct render *r, const struct msg_give *m);
 
 #endif

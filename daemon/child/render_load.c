@@ -90,12 +90,10 @@ load_records(struct render *r, const struct rad_bundle *bundle,
 {
     struct rad_bundle_dir where = { bundle, r->files_dir };
     struct rad_files files = rad_bundle_files(&where);
-    struct rad_ambrec recs[RENDER_BATCH];
     unsigned char *bytes;
     size_t len;
     int rc;
 
-    r->loaded = 0;
     if (!r->job->ambient ||
         !rad_bundle_find(bundle, RAD_BUNDLE_FILE, RAD_BUNDLE_RECORDS))
         return 0;
@@ -104,8 +102,6 @@ load_records(struct render *r, const struct rad_bundle *bundle,
         return err->code;
     rc = ambshare_load(r->job->ambient, bytes, len, err);
     free(bytes);
-    while (rad_ambient_list(r->job->ambient, &r->loaded, recs, RENDER_BATCH))
-        ;
     return rc;
 }
 

@@ -6,8 +6,6 @@
 
 #include "child/render_impl.h"
 
-#include <stdlib.h>
-
 /* Another worker needs a record soon, or not for long.  So records wait for
  * 1 / DRAIN_PART of the time since the first record, within DRAIN_MS and
  * CALM_MS, and are sent together: a message costs the machines on its way 40
@@ -27,53 +25,21 @@
 /* About how many look-ups the share of redundant records is a mean of. */
 #define METER_MEAN 32
 
-/* A peer that gets the whole cache. */
-struct give {
-    struct give *next;
-    uint32_t to;     /* the peer's number */
-    uint64_t cursor; /* of rad_ambient_list(): what it has got */
-};
-
 static void
-send_batch(struct render *r, uint32_t to, const struct rad_ambrec *recs,
-           size_t n)
+send_batch(struct render *r, const struct rad_ambrec *recs, size_t n)
 {
     struct msg m = { .type = MSG_AMBIENT };
     struct wire_out w;
 
     wire_out_init(&w, MSG_MAX_AMBIENT);
-    for (size_t i = 0; i < n; i++) {
-        size_t at = w.len;
-
+    for (size_t i = 0; i < n; i++)
         ambshare_pack(&w, &recs[i]);
-        if (r->share && to == 0 && !w.bad) /* should a peer send it back */
-            ambseen_add(&r->seen, w.buf + at);
-    }
-    m.ambient.to = to;
     m.ambient.count = (uint32_t)n;
     m.ambient.data = w.buf;
     m.ambient.len = w.len;
     if (!w.bad && conn_send(r->link, &m) && r->share)
         r->sent += n;
     wire_out_release(&w);
-}
-
-/* Send peers that get the whole cache more of it, while the link has room. */
-static void
-go_on_giving(struct render *r, struct rad_ambrec *recs)
-{
-    while (r->gives && r->link && conn_queued(r->link) < RENDER_AHEAD) {
-        struct give *g = r->gives;
-        size_t n =
-            rad_ambient_list(r->job->ambient, &g->cursor, recs, RENDER_BATCH);
-
-        if (n > 0) {
-            send_batch(r, g->to, recs, n);
-            continue;
-        }
-        r->gives = g->next;
-        free(g);
-    }
 }
 
 /* How long to wait before records are sent again. */
@@ -98,7 +64,7 @@ render_drain(struct render *r)
 
     while (r->link &&
            (n = rad_ambient_drain(r->job->ambient, recs, RENDER_BATCH)) > 0) {
-        send_batch(r, 0, recs, n);
+        send_batch(r, recs, n);
         if (r->first_ms == 0)
             r->first_ms = uv_now(&r->loop);
     }
@@ -108,10 +74,8 @@ static void
 on_drain(uv_timer_t *timer)
 {
     struct render *r = timer->data;
-    struct rad_ambrec recs[RENDER_BATCH];
 
     render_drain(r);
-    go_on_giving(r, recs);
     if (!r->ended)
         uv_timer_start(timer, on_drain, drain_ms(r), 0);
 }
@@ -139,9 +103,7 @@ render_take_ambient(struct render *r, const struct msg_ambient *a)
         return;
     wire_in_init(&in, a->data, a->len);
     for (uint32_t i = 0; i < a->count && !in.bad; i++) {
-        const uint8_t *bytes = a->data + (size_t)i * AMBSHARE_BYTES;
-
-        if (!ambshare_unpack(&in, &recs[n]) || !ambseen_add(&r->seen, bytes))
+        if (!ambshare_unpack(&in, &recs[n]))
             continue;
         if (r->received++ % METER_EACH == 0)
             meter(r, &recs[n]);
@@ -154,22 +116,6 @@ render_take_ambient(struct render *r, const struct msg_ambient *a)
 }
 
 void
-render_take_give(struct render *r, const struct msg_give *m)
-{
-    struct give *g;
-
-    if (!r->job || !r->job->ambient)
-        return;
-    g = calloc(1, sizeof *g);
-    if (!g)
-        return; /* the peer makes these records itself */
-    g->to = m->to;
-    g->cursor = r->loaded; /* each worker has the records of the job's files */
-    g->next = r->gives;
-    r->gives = g;
-}
-
-void
 render_records_begin(struct render *r)
 {
     uv_timer_start(&r->drain, on_drain, DRAIN_MS, 0);
@@ -178,24 +124,9 @@ render_records_begin(struct render *r)
 void
 render_records_again(struct render *r)
 {
-    for (struct give *g = r->gives; g; g = g->next)
-        g->cursor = r->loaded;
-    ambseen_release(&r->seen);
     /* into an empty cache, several workers want the same records at once */
     r->first_ms = 0;
     r->doubled = 0;
     if (r->share || r->records)
         render_records_begin(r);
-}
-
-void
-render_records_release(struct render *r)
-{
-    ambseen_release(&r->seen);
-    while (r->gives) {
-        struct give *g = r->gives;
-
-        r->gives = g->next;
-        free(g);
-    }
 }

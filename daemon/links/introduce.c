@@ -29,8 +29,7 @@ introduce_can(const struct coord_worker *a, const struct coord_worker *b)
 
 bool
 introduce_link(struct coord *c, const struct job *job,
-               const struct coord_worker *a, const struct coord_worker *b,
-               uint32_t give)
+               const struct coord_worker *a, const struct coord_worker *b)
 {
     bool dial = a->address[0] != '\0'; /* b dials a, where a can be dialled */
     uint8_t token[MSG_TOKEN];
@@ -41,7 +40,7 @@ introduce_link(struct coord *c, const struct job *job,
     send_peer(c, a, job->id, b,
               (struct msg_peer){ .address = dial ? "" : b->address,
                                  .token = token,
-                                 .flags = give | (dial ? 0 : MSG_PEER_DIAL) });
+                                 .flags = dial ? 0 : MSG_PEER_DIAL });
     send_peer(c, b, job->id, a,
               (struct msg_peer){ .address = dial ? a->address : "",
                                  .token = token,
@@ -54,16 +53,13 @@ introduce_worker(struct coord *c, const struct job *job, uint32_t index,
                  uint32_t most)
 {
     const struct coord_worker *w = job->workers[index].worker;
-    uint32_t give = job->spec.flags & MSG_JOB_SHARE ? MSG_PEER_GIVE : 0;
 
     for (uint32_t k = 1; k < job->nworkers && most > 0; k++) {
         uint32_t i = (index + job->nworkers - k) % job->nworkers;
         const struct coord_worker *o = job->workers[i].worker;
 
-        if (desk_is_ready(job, i) && introduce_link(c, job, o, w, give)) {
-            give = 0;
+        if (desk_is_ready(job, i) && introduce_link(c, job, o, w))
             most--;
-        }
     }
 }
 

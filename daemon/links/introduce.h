@@ -8,8 +8,7 @@
 
 /* Tell a worker that became ready and the job's other ready workers of each
  * other: at most `most` of these, beginning with the worker that came just
- * before it.  In a job that shares live records the first of these sends the
- * new worker the records of its cache. */
+ * before it. */
 void introduce_worker(struct coord *c, const struct job *job, uint32_t index,
                       uint32_t most);
 /* Tell the other workers of a job to end their links with worker w. */
@@ -17,11 +16,9 @@ void introduce_drop(struct coord *c, const struct job *job,
                     const struct coord_worker *w);
 /* Can at least one of the two workers be dialled? */
 bool introduce_can(const struct coord_worker *a, const struct coord_worker *b);
-/* Tell two workers of a job of each other; with give MSG_PEER_GIVE, a gives b
- * the records of its cache.  False: neither can be dialled. */
+/* Tell two workers of a job of each other.  False: neither can be dialled. */
 bool introduce_link(struct coord *c, const struct job *job,
-                    const struct coord_worker *a, const struct coord_worker *b,
-                    uint32_t give);
+                    const struct coord_worker *a, const struct coord_worker *b);
 /* Tell worker `to` to end its link with worker `about`. */
 void introduce_unlink(struct coord *c, const struct job *job,
                       const struct coord_worker *to,

@@ -136,7 +136,7 @@ linking_need(struct coord *c, struct job *job, uint32_t a, uint32_t b)
         return;
     make_room(c, job, a);
     make_room(c, job, b);
-    introduce_link(c, job, job->workers[a].worker, job->workers[b].worker, 0);
+    introduce_link(c, job, job->workers[a].worker, job->workers[b].worker);
     if (!note_link(job->links, a, b))
         c->actions.failed = true;
 }

@@ -53,16 +53,11 @@ drop_caller(struct worker *w, struct wcaller *caller)
 static void
 link_up(struct worker *w, struct wjob *job, struct wpeer *p)
 {
-    struct msg give = { .type = MSG_GIVE, .give = { p->id } };
-
     p->state = PEER_LINKED;
     p->linked_ms = w->now_ms;
     actions_session(&w->actions, p->conn, MSG_AT_PEER, p->version);
     actions_log(&w->actions, ACT_DEBUG, "peer linked job=%s peer=%s", job->hex,
                 p->name);
-    if ((p->flags & MSG_PEER_GIVE) && job->state == WJOB_READY)
-        worker_send_child(w, job, &give);
-    p->flags &= ~MSG_PEER_GIVE;
     peer_pump(w, p->conn, &p->queue); /* records that waited for the link */
     relay_linked(w, job, p->name);
 }
@@ -322,12 +317,11 @@ link_spread(struct worker *w, struct wjob *job, const struct msg_ambient *m)
     struct msg pass = { .type = MSG_AMBIENT, .ambient = *m };
     uint8_t *kept = NULL;
 
-    pass.ambient.to = 0;
     out->len = 0;
     if (!job->peers || msg_pack(out, &pass) != 0)
         return;
     for (struct wpeer *p = job->peers; p; p = p->next) {
-        if (p->state != PEER_LINKED || (m->to != 0 && m->to != p->id))
+        if (p->state != PEER_LINKED)
             continue;
         job->bytes_out += out->len;
         peer_pass_on(w, p->conn, &p->queue, &kept);

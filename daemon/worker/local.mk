@@ -1,7 +1,5 @@
 # a worker's decisions: jobs, links to other workers, the cache of files
 libdaemon_a_SOURCES += \
-	daemon/worker/ambseen.c \
-	daemon/worker/ambseen.h \
 	daemon/worker/gather.c \
 	daemon/worker/gather.h \
 	daemon/worker/link.c \

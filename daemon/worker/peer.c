@@ -97,7 +97,6 @@ peer_receive(struct worker *w, struct wjob *job, const struct msg_ambient *m)
     job->bytes_in += m->len;
     if (job->child == 0 || job->state != WJOB_READY)
         return;
-    pass.ambient.to = 0;
     out->len = 0;
     if (msg_pack(out, &pass) == 0)
         peer_pass_on(w, job->child, &job->to_child, &kept);

@@ -48,7 +48,7 @@ enum peer_state { PEER_EXPECTED, PEER_DIALLING, PEER_LINKED };
 
 struct wpeer {
     struct wpeer *next;
-    uint32_t id; /* number by which the child knows it */
+    uint32_t id; /* number of this peer, by which relay.c knows it */
     char name[MSG_MAX_NAME + 1];
     char address[MSG_MAX_ADDRESS + 1];
     uint8_t token[MSG_TOKEN];

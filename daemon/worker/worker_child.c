@@ -100,8 +100,7 @@ child_failed(struct worker *w, struct wjob *job, const struct msg *m)
     job->state = WJOB_IDLE;
 }
 
-/* Pass on records of the child.  Records for one peer (a->to, the answer to
- * GIVE) are not new, so they are not for files. */
+/* Pass on records of the child. */
 static void
 child_ambient(struct worker *w, struct wjob *job, const struct msg *m)
 {
@@ -111,7 +110,7 @@ child_ambient(struct worker *w, struct wjob *job, const struct msg *m)
 
     if (job->flags & MSG_JOB_SHARE)
         link_spread(w, job, a);
-    if (job->flags & MSG_JOB_RECORDS && a->to == 0 && job->started)
+    if (job->flags & MSG_JOB_RECORDS && job->started)
         worker_send_coord(w, &records);
 }
 

@@ -17,7 +17,7 @@
 static const uint32_t units[] = { 5, 0x01020304 };
 static const struct msg_peer peers[] = {
     { "ws1", "tcp 127.0.0.1:4711", ID, MSG_PEER_DIAL, 1 },
-    { "ws2", "", ID + 1, MSG_PEER_GIVE, 1 },
+    { "ws2", "", ID + 1, MSG_PEER_DROP, 1 },
 };
 static const uint8_t bitmap[2 * 2] = { 0x81, 0x01, 0x00, 0x02 };
 static const uint8_t facts[4 * 3 * 4] = { 0x3f, 0x80 };
@@ -131,8 +131,7 @@ static const struct msg examples[] = {
     { .type = MSG_JOB_PEERS, .job_peers = { ID, 2, peers } },
     { .type = MSG_PEER_HELLO, .peer_hello = { ID, "ws1", ID + 1 } },
     { .type = MSG_AMBIENT,
-      .ambient = { 1, 2, (const uint8_t *)"records", 7 } },
-    { .type = MSG_GIVE, .give = { 3 } },
+      .ambient = { 2, (const uint8_t *)"records", 7 } },
     { .type = MSG_RECORDS,
       .records = { ID, 2, (const uint8_t *)"records", 7 } },
 };
@@ -583,7 +582,7 @@ static const struct {
     { MSG_AT_PEER, " PING PONG BYE AMBIENT BASE_LINE TILE_RECORDS " },
     { MSG_AT_CHILD_NEW, " JOB_START " },
     { MSG_AT_CHILD,
-      " JOB_END UNIT REVOKE YIELD AMBIENT GIVE TWIN FACTS BASE_LINE "
+      " JOB_END UNIT REVOKE YIELD AMBIENT TWIN FACTS BASE_LINE "
       "GUESS SPLIT ESTIMATE LEND LOAN BACK TILE FROZEN STAGE SHOW " },
     { MSG_AT_PARENT_NEW, " FAILED READY " },
     { MSG_AT_PARENT,

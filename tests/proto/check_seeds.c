@@ -631,8 +631,7 @@ static void
 worker_work(void)
 {
     static const struct msg_peer peers[] = {
-        { "ws2", "tcp b", other, MSG_PEER_DIAL, 1 },
-        { "ws3", "", other, MSG_PEER_GIVE, 1 }
+        { "ws2", "tcp b", other, MSG_PEER_DIAL, 1 }, { "ws3", "", other, 0, 1 }
     };
     struct msg start = spec(MSG_JOB_START, MSG_PART_AUTO, "uniform");
 
@@ -642,14 +641,14 @@ worker_work(void)
     unit(0);
     result(CHILD, 0, 1, 0, 1, false);
     says(DIALLED,
-         &(struct msg){ .type = MSG_AMBIENT, .ambient = { 0, 1, pixels, 8 } });
+         &(struct msg){ .type = MSG_AMBIENT, .ambient = { 1, pixels, 8 } });
     says(CALLER, &(struct msg){ .type = MSG_PEER_HELLO,
                                 .peer_hello = { id, "ws3", other } });
     says(CALLER,
-         &(struct msg){ .type = MSG_AMBIENT, .ambient = { 0, 1, pixels, 8 } });
+         &(struct msg){ .type = MSG_AMBIENT, .ambient = { 1, pixels, 8 } });
     base_line(CALLER, 0);
     says(CHILD,
-         &(struct msg){ .type = MSG_AMBIENT, .ambient = { 0, 1, pixels, 8 } });
+         &(struct msg){ .type = MSG_AMBIENT, .ambient = { 1, pixels, 8 } });
     is_lost(COORD);
     result(CHILD, 0, 1, 1, 2, true);
     passes(CHILD, true);

@@ -118,11 +118,11 @@ send_tally(struct net *net, int node)
 }
 
 static void
-send_ambient(struct net *net, int node, uint32_t to)
+send_ambient(struct net *net, int node)
 {
     struct sim_child *k = sim_child_of(net, node);
     uint8_t data[2] = { (uint8_t)k->worker, (uint8_t)k->job };
-    struct msg m = { .type = MSG_AMBIENT, .ambient = { to, 1, data, 2 } };
+    struct msg m = { .type = MSG_AMBIENT, .ambient = { 1, data, 2 } };
 
     k->nambient++;
     net_send_msg(net, node, k->conn, &m);
@@ -428,7 +428,7 @@ end_task(struct net *net, int node, int slot)
             send_tally(net, node);
         if ((job_of(net, node)->spec.flags & MSG_JOB_SHARE) &&
             net_chance(net, 2))
-            send_ambient(net, node, 0);
+            send_ambient(net, node);
     }
     free_task(t);
 }
@@ -773,9 +773,6 @@ message(struct net *net, int node, uint64_t conn, const struct msg *m)
         return;
     case MSG_ESTIMATE:
         take_estimate(net, node, m);
-        break;
-    case MSG_GIVE:
-        send_ambient(net, node, m->give.to);
         break;
     case MSG_AMBIENT:
         take_ambient(net, k, &m->ambient);

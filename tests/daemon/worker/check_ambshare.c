@@ -1,7 +1,6 @@
 /* check_ambshare.c - ambient records on the wire */
 #include "config.h"
 
-#include "worker/ambseen.h"
 #include "proto/ambshare.h"
 
 #include "tests/unit.h"
@@ -134,33 +133,6 @@ START_TEST(unsound_record_is_refused)
 }
 END_TEST
 
-START_TEST(each_record_is_new_once)
-{
-    enum { N = 5000 };
-    struct ambseen seen = { 0 };
-    struct rad_ambrec r = good;
-    struct wire_out w;
-
-    wire_out_init(&w, (size_t)N * AMBSHARE_BYTES);
-    for (int i = 0; i < N; i++) { /* each differs from another in one thing */
-        if (i % 2)
-            r.level = (uint16_t)i;
-        else
-            r.p[i % 3] = i;
-        ambshare_pack(&w, &r);
-    }
-    for (int times = 0; times < 3; times++) {
-        for (size_t i = 0; i < N; i++)
-            ck_assert(ambseen_add(&seen, w.buf + i * AMBSHARE_BYTES));
-        for (size_t i = 0; i < N; i++)
-            ck_assert(!ambseen_add(&seen, w.buf + i * AMBSHARE_BYTES));
-        ck_assert_uint_eq(seen.n, N);
-        ambseen_release(&seen);
-    }
-    wire_out_release(&w);
-}
-END_TEST
-
 int
 main(void)
 {
@@ -170,6 +142,5 @@ main(void)
     tcase_add_test(tc, record_of_unknown_variance_is_sound);
     tcase_add_test(tc, truncated_record_is_refused);
     tcase_add_loop_test(tc, unsound_record_is_refused, 0, N_ELEM(wrong));
-    tcase_add_test(tc, each_record_is_new_once);
     return unit_run_case(tc);
 }

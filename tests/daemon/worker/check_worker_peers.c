@@ -9,37 +9,34 @@
 #include "worker/state.h"
 
 static void
-child_records(uint32_t to)
+child_records(void)
 {
-    struct msg m = { .type = MSG_AMBIENT, .ambient = { to, 1, token, 9 } };
+    struct msg m = { .type = MSG_AMBIENT, .ambient = { 1, token, 9 } };
 
     hear(f.child, &m);
 }
 
 START_TEST(records_go_to_peers_and_from_peers_to_the_child)
 {
-    struct msg m = { .type = MSG_AMBIENT, .ambient = { 0, 1, token, 9 } };
+    struct msg m = { .type = MSG_AMBIENT, .ambient = { 1, token, 9 } };
 
     start_job();
     child_ready();
-    introduce(MSG_PEER_DIAL | MSG_PEER_GIVE);
+    introduce(MSG_PEER_DIAL);
     ck_assert_uint_ne(f.peer, 0);
-    child_records(0); /* not linked yet: lost */
+    child_records(); /* not linked yet: lost */
     ck_assert_int_eq(said(f.peer, MSG_AMBIENT), 0);
     worker_opened(f.w, f.now_ms, f.peer);
     carry_out();
     ck_assert_int_eq(said(f.peer, MSG_PEER_HELLO), 1);
-    ck_assert_int_eq(f.last.type, MSG_GIVE); /* to the child */
-    child_records(f.last.give.to);
-    child_records(0);
-    child_records(99); /* for a peer that is gone */
-    ck_assert_int_eq(said(f.peer, MSG_AMBIENT), 2);
+    child_records();
+    ck_assert_int_eq(said(f.peer, MSG_AMBIENT), 1);
     hear(f.peer, &m);
     ck_assert_int_eq(said(f.child, MSG_AMBIENT), 1);
 }
 END_TEST
 
-/* New ones alone, and to the peers too where they are shared. */
+/* To the peers, too, where they are shared. */
 static void
 keep_records(uint32_t flags, int to_peer)
 {
@@ -47,19 +44,17 @@ keep_records(uint32_t flags, int to_peer)
     start_job();
     job_flags = MSG_JOB_SHARE;
     child_ready();
-    introduce(MSG_PEER_DIAL | MSG_PEER_GIVE);
+    introduce(MSG_PEER_DIAL);
     worker_opened(f.w, f.now_ms, f.peer);
     carry_out();
-    child_records(f.last.give.to); /* what there was */
-    ck_assert_int_eq(said(f.coord, MSG_RECORDS), 0);
-    child_records(0);
+    child_records();
     ck_assert_int_eq(said(f.coord, MSG_RECORDS), 1);
     ck_assert_int_eq(said(f.peer, MSG_AMBIENT), to_peer);
 }
 
 START_TEST(records_that_radsubmit_wants_go_to_the_coordinator)
 {
-    keep_records(MSG_JOB_RECORDS | MSG_JOB_SHARE, 2);
+    keep_records(MSG_JOB_RECORDS | MSG_JOB_SHARE, 1);
 }
 END_TEST
 
@@ -73,7 +68,7 @@ START_TEST(records_that_nobody_wants_stay)
 {
     start_job();
     child_ready();
-    child_records(0);
+    child_records();
     ck_assert_int_eq(said(f.coord, MSG_RECORDS), 0);
 }
 END_TEST
@@ -110,10 +105,10 @@ START_TEST(a_peer_that_is_no_longer_welcome_is_let_go)
     introduce(MSG_PEER_DIAL);
     worker_opened(f.w, f.now_ms, f.peer);
     carry_out();
-    child_records(0);
+    child_records();
     ck_assert_int_eq(said(f.peer, MSG_AMBIENT), 1);
     introduce(MSG_PEER_DROP);
-    child_records(0);
+    child_records();
     ck_assert_int_eq(said(f.peer, MSG_AMBIENT), 1);
     introduce(MSG_PEER_DROP); /* and again: there is none */
 }
@@ -137,10 +132,10 @@ START_TEST(a_peer_is_let_in_by_its_token_alone)
     child_ready();
     introduce(0);
     peer_says_hello(7, wrong);
-    child_records(0);
+    child_records();
     ck_assert_int_eq(said(7, MSG_AMBIENT), 0);
     peer_says_hello(8, token);
-    child_records(0);
+    child_records();
     ck_assert_int_eq(said(8, MSG_AMBIENT), 1);
     ck_assert_int_eq(said(7, MSG_AMBIENT), 0);
 }
@@ -152,7 +147,7 @@ START_TEST(a_peer_may_call_before_the_coordinator_named_it)
     child_ready();
     peer_says_hello(8, token);
     introduce(0);
-    child_records(0);
+    child_records();
     ck_assert_int_eq(said(8, MSG_AMBIENT), 1);
 }
 END_TEST
@@ -167,10 +162,10 @@ START_TEST(a_peer_whose_link_broke_is_let_in_again)
     worker_closed(f.w, f.now_ms, 7, "cut");
     carry_out();
     clear();
-    child_records(0);
+    child_records();
     ck_assert_int_eq(f.nsaid, 0);
     peer_says_hello(8, token);
-    child_records(0);
+    child_records();
     ck_assert_int_eq(said(8, MSG_AMBIENT), 1);
 }
 END_TEST
@@ -179,25 +174,22 @@ START_TEST(a_link_that_breaks_is_dialled_again_as_long_as_the_job_lasts)
 {
     struct msg end = { .type = MSG_JOB_END, .job_end = { job_id } };
     unsigned dials;
-    int gives = 0;
 
     start_job();
     child_ready();
     dials = f.dials;
-    introduce(MSG_PEER_DIAL | MSG_PEER_GIVE);
+    introduce(MSG_PEER_DIAL);
     for (int i = 0; i < 20; i++) {
         clear();
         worker_opened(f.w, f.now_ms, f.peer);
         carry_out();
-        child_records(0);
+        child_records();
         ck_assert_int_eq(said(f.peer, MSG_AMBIENT), 1);
-        gives += said(f.child, MSG_GIVE);
         worker_closed(f.w, f.now_ms, f.peer, "cut");
         carry_out();
         tick(30000);
         ck_assert_uint_eq(f.dials - dials, (unsigned)i + 2);
     }
-    ck_assert_int_eq(gives, 1);
     worker_closed(f.w, f.now_ms, f.peer, "cut");
     hear(f.coord, &end);
     tick(60000);
