@@ -8,9 +8,8 @@
  * unit is parked; and again when a better guess comes.  When the true top is
  * there, TRUTH makes the rows over the facts, and leaves the bottom.
  *
- * Bottoms come before rows, since other units may wait for them: a pass that
- * makes rows ends early when a bottom can be made, and goes on afterwards.  If
- * the true top comes before all bars are traced, a unit of several lines makes
+ * Bottoms come before rows, since other units may wait for them.  If the true
+ * top comes before all bars are traced, a unit of several lines makes
  * LINES (again) for its bottom, up to the line where the densities come out as
  * they were guessed.  If the top is true from the start, TRUTH alone does for a
  * unit of one line, or with no unit below.  With MSG_UNIT_BARS a pass of LINES

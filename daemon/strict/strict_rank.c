@@ -1,7 +1,7 @@
 /* strict_rank.c - which strict unit comes first, and which pass stops for it
  *
- * The most urgent pass is chosen over all units.  A pass under way is told to
- * stop when other workers wait for the result of a more urgent one. */
+ * The most urgent pass is chosen over all units.  A pass ahead that is under
+ * way is told to stop when there is a more urgent one. */
 #include "config.h"
 
 #include "strict/strict_rank.h"
@@ -104,27 +104,13 @@ rank_choose(const struct strict *s, enum strict_rank *rank)
     return best;
 }
 
-/* May the pass be stopped for a more urgent one?  Passes on a guess may.  For a
- * bottom also TRUTH whose own bottom is out, if all its pixels are facts. */
-static bool
-gives_way(const struct strict *s, const struct strict_pass *p, bool for_bottom)
-{
-    if (p->stop)
-        return false;
-    return !p->true_top || (for_bottom && p->mode == TEAM_TRUTH && p->keeps &&
-                            !owes_bottom(s, p->of));
-}
-
 void
 rank_make_way(struct strict *s)
 {
-    enum strict_rank rank;
-    const struct strict_unit *due = rank_choose(s, &rank);
-    bool for_bottom = due && rank <= STRICT_TRUTH && owes_bottom(s, due);
     struct strict_pass *last = NULL;
 
     for (struct strict_unit *u = s->units; u; u = u->next)
-        if (u->pass && gives_way(s, u->pass, for_bottom) &&
+        if (u->pass && !u->pass->stop && !u->pass->true_top &&
             (!last || comes_before(s, last->rank, last->of, u->pass->rank, u)))
             last = u->pass;
     if (last)

@@ -6,8 +6,8 @@
 
 /* Can the unit only wait, for its top or for columns that it lent? */
 bool rank_waits(const struct strict *s, const struct strict_unit *u);
-/* Something more urgent came to do: tell the least urgent pass that may be left
- * for it to stop. */
+/* Something more urgent came to do: tell the least urgent pass on a guess to
+ * stop. */
 void rank_make_way(struct strict *s);
 /* The unit whose pass should be begun next, and the rank of that pass; NULL:
  * none. */
