@@ -18,7 +18,7 @@
 
 enum {
     ANSWER_MS = 4500,
-    AT_ONCE = 8 /* requests without answer: the disk's wait is shared */
+    AT_ONCE = 64 /* requests without answer: the disk's wait is shared */
 };
 
 /* Send the command's message about a job. */

@@ -172,7 +172,8 @@ int folder_picture(struct folder *f, const uint8_t job[MSG_JOB], uint32_t frame,
 /* Remove a frame's rows, once it is noted that its picture is there. */
 void folder_drop_rows(struct folder *f, const uint8_t job[MSG_JOB],
                       uint32_t frame);
-/* Write the job's statistics; durable: sync them.  *mark gets their mark. */
+/* Write the job's statistics; durable: they last after folder_sync().  *mark
+ * gets their mark. */
 int folder_stats(struct folder *f, const uint8_t job[MSG_JOB], const char *text,
                  size_t len, struct mark *mark, struct rad_error *err);
 

@@ -335,7 +335,7 @@ end_run(struct task *t)
 
     if (!folder_is_there(&s->folder, o->id))
         return 0; /* the job was forgotten while this task was held */
-    /* before the statistics, with which the folder is synced */
+    /* its new name is synced with that of the statistics */
     if (o->saved.cache_bytes > 0)
         folder_keep_cache(&s->folder, o->id, &o->saved.keep);
     rc = folder_stats(&s->folder, o->id, o->stats, o->stats_len,
