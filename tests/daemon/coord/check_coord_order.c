@@ -134,6 +134,43 @@ START_TEST(a_job_without_room_is_not_loaded)
 }
 END_TEST
 
+/* Are so many jobs begun, queued and over, and does job number i have this id?
+ */
+static void
+ranks(size_t begun, size_t queued, size_t over, const char *first_bytes)
+{
+    ck_assert_uint_eq(f.c->nbegun, begun);
+    ck_assert_uint_eq(f.c->nopen, begun + queued);
+    ck_assert_uint_eq(f.c->njobs, begun + queued + over);
+    for (size_t i = 0; i < f.c->njobs; i++) {
+        ck_assert_uint_eq(f.c->jobs[i]->id[0], (uint8_t)first_bytes[i]);
+        ck_assert_ptr_eq(desk_find_job(f.c, f.c->jobs[i]->id), f.c->jobs[i]);
+    }
+}
+
+/* What is asked often goes over the jobs that are begun, and over no others. */
+START_TEST(jobs_that_are_begun_stand_in_front)
+{
+    struct msg up = { .type = MSG_PRIORITY, .priority = { job_c, 3 } };
+
+    submit(ANA, job_a, 0);
+    submit(ANA, job_b, 0);
+    submit(BOB, job_c, 0);
+    ranks(1, 2, 0, "\xaa\xbb\xcc");
+    say(BOB, &up);
+    ranks(1, 2, 0, "\xaa\xcc\xbb");
+    ready(WORKER, job_a); /* and it loads bob's */
+    ranks(2, 1, 0, "\xcc\xaa\xbb");
+    about(ANA, MSG_CANCEL, job_a);
+    ranks(1, 1, 1, "\xcc\xbb\xaa");
+    about(ANA, MSG_CANCEL, job_b);
+    ranks(1, 0, 2, "\xcc\xaa\xbb");
+    about(ANA, MSG_DELETE, job_a);
+    ranks(1, 0, 1, "\xcc\xbb");
+    ck_assert_ptr_null(desk_find_job(f.c, job_a));
+}
+END_TEST
+
 /* Of many tiles. */
 static const struct msg_frame huge = { 0, 4000, 3000, "" };
 
@@ -444,6 +481,7 @@ main(void)
     tcase_add_test(tc, a_busy_worker_loads_one_job_ahead);
     tcase_add_test(tc, a_job_that_goes_first_is_loaded_ahead_of_others);
     tcase_add_test(tc, a_job_without_room_is_not_loaded);
+    tcase_add_test(tc, jobs_that_are_begun_stand_in_front);
     tcase_add_test(tc, owners_share_workers_that_are_at_passes);
     tcase_add_test(tc, workers_stay_with_an_owner_at_passes);
     tcase_add_test(tc, lines_make_way_for_passes_of_another_owner);
