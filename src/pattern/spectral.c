@@ -15,6 +15,9 @@
  * it. */
 enum { BAND_POINTS = 4 };
 
+/* Samples that are looked up in data at a time. */
+enum { AT_A_TIME = 32 };
+
 struct spectral {
     struct rad_effect effect; /* expressions: the place in the data */
     const struct rad_spectrum *eye;
@@ -23,6 +26,9 @@ struct spectral {
     int points;         /* places of a sample where a function is evaluated */
     const struct rad_data *data;
     bool turned;   /* a picture, whose first dimension is y */
+    int nshown;    /* samples that count in a channel, of data: */
+    int *shown;    /* their numbers */
+    double *nm;    /* and wavelengths */
     int call;      /* of the function */
     double rgb[3]; /* of a constant spectrum */
 };
@@ -97,16 +103,18 @@ by_data(struct rad_ctx *ctx, const struct rad_effect *e,
         place[0] = place[1];
         place[1] = x;
     }
-    for (int i = 0; i < s->samples; i++) {
-        double found[2] = { 0, s->first + i * s->step }, sample;
+    for (int i = 0; i < s->nshown; i += AT_A_TIME) {
+        int n = s->nshown - i < AT_A_TIME ? s->nshown - i : AT_A_TIME;
+        double found[AT_A_TIME];
 
-        if (!rad_spectrum_shows(s->eye, i))
-            continue;
-        place[e->expr.n] = found[1];
-        found[0] = rad_data_value(s->data, place);
-        if (!rad_expr_call(ctx, &e->expr, s->call, found, &sample))
-            return false;
-        rad_spectrum_add(s->eye, i, sample, sum);
+        rad_data_row(s->data, place, s->nm + i, n, found);
+        for (int k = 0; k < n; k++) {
+            double arg[2] = { found[k], s->nm[i + k] }, sample;
+
+            if (!rad_expr_call(ctx, &e->expr, s->call, arg, &sample))
+                return false;
+            rad_spectrum_add(s->eye, s->shown[i + k], sample, sum);
+        }
     }
     rad_spectrum_colour(s->eye, sum);
     memcpy(value, sum, sizeof sum);
@@ -221,6 +229,24 @@ prepare_function(struct rad_job *job, const struct rad_object *o,
     return s->eye ? 0 : rad_fail_memory(err);
 }
 
+/* List the samples that count in a channel. */
+static int
+list_shown(struct rad_job *job, struct spectral *s, struct rad_error *err)
+{
+    size_t n = (size_t)s->samples;
+
+    s->shown = rad_arena_alloc(&job->arena, n * sizeof *s->shown);
+    s->nm = rad_arena_alloc(&job->arena, n * sizeof *s->nm);
+    if (!s->shown || !s->nm)
+        return rad_fail_memory(err);
+    for (int i = 0; i < s->samples; i++)
+        if (rad_spectrum_shows(s->eye, i)) {
+            s->shown[s->nshown] = i;
+            s->nm[s->nshown++] = s->first + i * s->step;
+        }
+    return 0;
+}
+
 static int
 prepare_data(struct rad_job *job, const struct rad_object *o,
              const struct rad_files *files, struct spectral *s,
@@ -247,7 +273,9 @@ prepare_data(struct rad_job *job, const struct rad_object *o,
                           &s->effect.expr, err);
     if (rc == 0)
         rc = find_function(job, o, s, 2, err);
-    return rc == 0 ? sample_axis(job, s, err) : rc;
+    if (rc == 0)
+        rc = sample_axis(job, s, err);
+    return rc == 0 ? list_shown(job, s, err) : rc;
 }
 
 int

@@ -319,23 +319,33 @@ struct corners {
     double w[1 << RAD_MAX_DATA_DIMS];
 };
 
+/* Go on from the corners of a cell of k dimensions to those with axis k.  Both
+ * may be the same struct. */
 static void
-find_corners(const struct rad_data *d, const double at[], struct corners *c)
+add_axis(const struct rad_data *d, int k, double x, const struct corners *from,
+         struct corners *to)
+{
+    struct place place = locate(&d->axis[k], x);
+    size_t n = (size_t)d->axis[k].n;
+
+    for (int lower = 0; lower < 1 << k; lower++) {
+        int upper = lower | 1 << k;
+
+        to->i[lower] = from->i[lower] * n + (size_t)place.i;
+        to->i[upper] = to->i[lower] + 1;
+        to->w[upper] = from->w[lower] * place.w[1];
+        to->w[lower] = from->w[lower] * place.w[0];
+    }
+}
+
+static void
+find_corners(const struct rad_data *d, int dims, const double at[],
+             struct corners *c)
 {
     c->i[0] = 0;
     c->w[0] = 1;
-    for (int k = 0; k < d->dims; k++) {
-        struct place place = locate(&d->axis[k], at[k]);
-
-        for (int lower = 0; lower < 1 << k; lower++) {
-            int upper = lower | 1 << k;
-
-            c->i[lower] = c->i[lower] * (size_t)d->axis[k].n + (size_t)place.i;
-            c->i[upper] = c->i[lower] + 1;
-            c->w[upper] = c->w[lower] * place.w[1];
-            c->w[lower] *= place.w[0];
-        }
-    }
+    for (int k = 0; k < dims; k++)
+        add_axis(d, k, at[k], c, c);
 }
 
 /* With weight 0 a value does not count, even if it is infinite. */
@@ -365,8 +375,21 @@ rad_data_values(const struct rad_data *const d[], int n, const double at[],
 
     for (int k = 0; k < n; k++) {
         if (k == 0 || !same_grid(d[k], d[k - 1]))
-            find_corners(d[k], at, &c);
+            find_corners(d[k], d[k]->dims, at, &c);
         value[k] = add_up(d[k], &c);
+    }
+}
+
+void
+rad_data_row(const struct rad_data *d, const double at[], const double last[],
+             int n, double value[])
+{
+    struct corners row, c;
+
+    find_corners(d, d->dims - 1, at, &row);
+    for (int i = 0; i < n; i++) {
+        add_axis(d, d->dims - 1, last[i], &row, &c);
+        value[i] = add_up(d, &c);
     }
 }
 

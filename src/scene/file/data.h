@@ -65,6 +65,11 @@ double rad_data_value(const struct rad_data *d, const double at[]);
 void rad_data_values(const struct rad_data *const d[], int n, const double at[],
                      double value[]);
 
+/* The values at n places that differ in their last coordinate alone, which is
+ * in last[]; at[] has the other coordinates. */
+void rad_data_row(const struct rad_data *d, const double at[],
+                  const double last[], int n, double value[]);
+
 /* Decode a picture file; image/hdr.h names the formats.  NULL and *err on
  * failure. */
 struct rad_pict *rad_pict_parse(struct rad_arena *arena, const uint8_t *bytes,

@@ -86,8 +86,9 @@ START_TEST(six_dimensions_are_interpolated)
 {
     static const double slope[6] = { 2, 3, 5, 7, 11, 13 };
     static const double at[6] = { .5, .25, .125, .75, .3, .9 };
+    static const double last[3] = { .9, 0, .4 }; /* of a row of values */
     char text[1024] = "6 ";
-    double truth = 1;
+    double truth = 1, row[3];
     struct rad_error err = { 0 };
     struct rad_arena arena;
     struct rad_data *d;
@@ -107,6 +108,10 @@ START_TEST(six_dimensions_are_interpolated)
     ck_assert_msg(d != NULL, "%s", err.what);
     ck_assert_int_eq(rad_data_dims(d), 6);
     ck_assert_double_eq_tol(rad_data_value(d, at), truth, 1e-5);
+    rad_data_row(d, at, last, 3, row);
+    for (int i = 0; i < 3; i++)
+        ck_assert_double_eq_tol(row[i], truth + slope[5] * (last[i] - at[5]),
+                                1e-5);
     rad_arena_release(&arena);
 }
 END_TEST
