@@ -19,7 +19,7 @@
 #include "front/reply.h"
 #include "front/request.h"
 #include "front/workers.h"
-#include "links/introduce.h"
+#include "links/linking.h"
 #include "registry/coord_conn.h"
 #include "registry/coord_job.h"
 #include "registry/coord_keep.h"
@@ -409,7 +409,7 @@ coord_expel(struct coord *c, uint64_t now_ms, const char *name)
         return;
     w->expelled = true;
     for (size_t i = 0; i < c->nopen; i++)
-        introduce_drop(c, c->jobs[i], w);
+        linking_drop(c, c->jobs[i], w);
 }
 
 void

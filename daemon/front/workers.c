@@ -11,7 +11,7 @@
 #include "jobs/part.h"
 #include "lines/handoff.h"
 #include "lines/lending.h"
-#include "links/introduce.h"
+#include "links/linking.h"
 #include "sched/balance.h"
 #include "sched/loss.h"
 #include "sched/ready.h"
@@ -134,7 +134,7 @@ on_ready(struct coord *c, struct coord_worker *w, const struct msg *m)
         return;
     for (uint32_t i = 0; i < job->nworkers; i++)
         if (job->workers[i].worker->expelled)
-            introduce_unlink(c, job, w, job->workers[i].worker);
+            linking_end(c, job, w, job->workers[i].worker);
 }
 
 /* Handlers of workers' messages.  BYE has none: the connection ends after it.

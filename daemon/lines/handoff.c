@@ -20,7 +20,6 @@
 #include "jobs/part.h"
 #include "jobs/shared.h"
 #include "lines/lending.h"
-#include "links/introduce.h"
 #include "links/linking.h"
 
 #include <string.h>
@@ -376,7 +375,7 @@ can_link(const struct job *job, const struct job_unit *above,
     for (uint8_t i = 0; i < above->ngos; i++) {
         const struct coord_worker *a = job->workers[above->go[i].worker].worker;
 
-        if (a == b || introduce_can(a, b))
+        if (a == b || linking_can(a, b))
             return true;
     }
     return false;

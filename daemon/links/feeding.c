@@ -3,7 +3,6 @@
 
 #include "links/feeding.h"
 
-#include "links/introduce.h"
 #include "links/linking.h"
 
 /* Workers that the coordinator feeds.  Few, for the coordinator sends each of
@@ -79,7 +78,7 @@ choose_feeder(const struct coord *c, const struct job *job, uint32_t index)
 
         if (desk_is_ready(job, i) && (n = depth(job, i, index)) > 0 &&
             k + n < least && count_fed(job, i + 1) < FED &&
-            introduce_can(job->workers[i].worker, job->workers[index].worker)) {
+            linking_can(job->workers[i].worker, job->workers[index].worker)) {
             best = i + 1;
             least = k + n;
         }

@@ -7,7 +7,6 @@
 
 #include "jobs/job.h"
 #include "jobs/part.h"
-#include "links/introduce.h"
 
 #include "base/list.h"
 
@@ -36,11 +35,76 @@ linking_free(struct links *l)
     free(l);
 }
 
+/* Tell worker `to` of worker `about`. */
+static void
+send_peer(struct coord *c, const struct coord_worker *to, const uint8_t *job,
+          const struct coord_worker *about, struct msg_peer peer)
+{
+    struct msg m = { .type = MSG_JOB_PEERS, .job_peers = { job, 1, &peer } };
+
+    peer.name = about->name;
+    peer.version =
+        (uint16_t)(about->version < to->version ? about->version : to->version);
+    actions_send(&c->actions, to->conn, &m);
+}
+
+bool
+linking_can(const struct coord_worker *a, const struct coord_worker *b)
+{
+    return a->address[0] != '\0' || b->address[0] != '\0';
+}
+
+/* Tell two workers of a job of each other; false: neither can be dialled.  Each
+ * pair gets a token of its own, for this link only. */
+static bool
+introduce(struct coord *c, const struct job *job, const struct coord_worker *a,
+          const struct coord_worker *b)
+{
+    bool dial = a->address[0] != '\0'; /* b dials a, where a can be dialled */
+    uint8_t token[MSG_TOKEN];
+
+    if (!linking_can(a, b))
+        return false;
+    c->env.random(c->env.arg, token, sizeof token);
+    send_peer(c, a, job->id, b,
+              (struct msg_peer){ .address = dial ? "" : b->address,
+                                 .token = token,
+                                 .flags = dial ? 0 : MSG_PEER_DIAL });
+    send_peer(c, b, job->id, a,
+              (struct msg_peer){ .address = dial ? a->address : "",
+                                 .token = token,
+                                 .flags = dial ? MSG_PEER_DIAL : 0 });
+    return true;
+}
+
+void
+linking_end(struct coord *c, const struct job *job,
+            const struct coord_worker *to, const struct coord_worker *about)
+{
+    static const uint8_t none[MSG_TOKEN];
+
+    send_peer(c, to, job->id, about,
+              (struct msg_peer){
+                  .address = "", .token = none, .flags = MSG_PEER_DROP });
+}
+
+void
+linking_drop(struct coord *c, const struct job *job,
+             const struct coord_worker *w)
+{
+    for (uint32_t i = 0; i < job->nworkers; i++) {
+        const struct coord_worker *o = job->workers[i].worker;
+
+        if (o != w && o->conn != 0 && part_is_here(&job->workers[i]))
+            linking_end(c, job, o, w);
+    }
+}
+
 static bool
 can_be_linked(const struct job *job, uint32_t a, uint32_t b)
 {
     return a != b && desk_is_ready(job, a) && desk_is_ready(job, b) &&
-           introduce_can(job->workers[a].worker, job->workers[b].worker);
+           linking_can(job->workers[a].worker, job->workers[b].worker);
 }
 
 static bool
@@ -74,16 +138,25 @@ end_link(struct coord *c, struct job *job, size_t i)
     for (int k = 0; k < 2; k++)
         if (job->workers[end[k]].worker->conn != 0 &&
             part_is_here(&job->workers[end[k]]))
-            introduce_unlink(c, job, job->workers[end[k]].worker,
-                             job->workers[end[!k]].worker);
+            linking_end(c, job, job->workers[end[k]].worker,
+                        job->workers[end[!k]].worker);
     memmove(&l->pair[i], &l->pair[i + 1], (--l->n - i) * sizeof l->pair[0]);
 }
 
 void
 linking_join(struct coord *c, struct job *job, uint32_t index)
 {
-    if (shares_records(job))
-        introduce_worker(c, job, index, MOST_LINKED);
+    const struct coord_worker *w = job->workers[index].worker;
+    uint32_t n = 0;
+
+    if (!shares_records(job))
+        return;
+    for (uint32_t k = 1; k < job->nworkers && n < MOST_LINKED; k++) {
+        uint32_t i = (index + job->nworkers - k) % job->nworkers;
+
+        n += desk_is_ready(job, i) &&
+             introduce(c, job, job->workers[i].worker, w);
+    }
 }
 
 void
@@ -136,7 +209,7 @@ linking_need(struct coord *c, struct job *job, uint32_t a, uint32_t b)
         return;
     make_room(c, job, a);
     make_room(c, job, b);
-    introduce_link(c, job, job->workers[a].worker, job->workers[b].worker);
+    introduce(c, job, job->workers[a].worker, job->workers[b].worker);
     if (!note_link(job->links, a, b))
         c->actions.failed = true;
 }

@@ -2,7 +2,5 @@
 libdaemon_a_SOURCES += \
 	daemon/links/feeding.c \
 	daemon/links/feeding.h \
-	daemon/links/introduce.c \
-	daemon/links/introduce.h \
 	daemon/links/linking.c \
 	daemon/links/linking.h
