@@ -37,15 +37,13 @@ drop_parts(const struct blobs *b)
 }
 
 int
-blobs_open(struct blobs *b, const char *dir, bool durable,
-           struct rad_error *err)
+blobs_open(struct blobs *b, const char *dir, struct rad_error *err)
 {
     int rc;
 
     if (strlen(dir) >= sizeof b->dir)
         return rad_fail(err, RAD_ECANTCREAT, "path too long: '%s'", dir);
     memcpy(b->dir, dir, strlen(dir) + 1);
-    b->durable = durable;
     b->parts = 0;
     rc = rad_make_dir(dir, 0700, err);
     if (rc == 0)
@@ -260,7 +258,9 @@ check_hash(struct blob_part *p, struct rad_error *err)
     return rc;
 }
 
-/* All bytes are there: check them, sync them, give the file its name. */
+/* All bytes are there: check them, and give the file its name.  A file that has
+ * the name already may be one that a job needs, so it goes when the new bytes
+ * last. */
 static int
 name_it(struct blob_part *p, int fd, struct rad_error *err)
 {
@@ -269,12 +269,12 @@ name_it(struct blob_part *p, int fd, struct rad_error *err)
 
     part_path(p, from);
     blobs_path(p->blobs, p->hash, to);
-    if (rc == 0 && p->blobs->durable)
+    if (rc == 0 && access(to, F_OK) == 0)
         rc = disk_sync(fd, from, err);
     if (rc == 0 && rename(from, to) < 0)
         rc = disk_fail(err, errno, "keep", to);
     if (rc == 0)
-        p->state = BLOB_NAMED;
+        p->state = BLOB_CLOSED;
     return rc;
 }
 
@@ -319,17 +319,11 @@ int
 blobs_part_write(struct blob_part *p, uint64_t offset, const void *data,
                  size_t n, struct rad_error *err)
 {
-    int rc = p->state == BLOB_NAMED ? 0 : take(p, offset, data, n, err);
+    int rc = take(p, offset, data, n, err);
 
-    if (rc == 0 && p->state != BLOB_NAMED)
-        return 0;
-    if (rc == 0 && p->blobs->durable) /* else the name does not last */
-        rc = disk_sync_path(p->blobs->dir, err);
-    if (rc == 0)
-        p->state = BLOB_CLOSED;
-    else if (rc != RAD_EFULL && rc != RAD_ESHORT)
+    if (rc < 0 && rc != RAD_EFULL && rc != RAD_ESHORT)
         blobs_part_abort(p);
-    return rc < 0 ? rc : 1;
+    return rc < 0 ? rc : p->state == BLOB_CLOSED;
 }
 
 void
@@ -342,7 +336,6 @@ blobs_part_abort(struct blob_part *p)
     if (p->state == BLOB_ARRIVING)
         rad_sha_release(&p->sha);
     part_path(p, path);
-    if (p->state != BLOB_NAMED)
-        unlink(path);
+    unlink(path);
     p->state = BLOB_CLOSED;
 }

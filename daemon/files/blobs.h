@@ -2,9 +2,10 @@
  *
  * dir/<64 hex digits> is such a file; dir/<number>.part is a file that is
  * arriving.  A file gets its name only when all its bytes are there and have
- * that hash.
- * All calls do I/O and may wait for the disk.
- * Thread: one at a time, but blobs_path() may be called from any. */
+ * that hash.  Neither bytes nor name are synced, unless there is such a file:
+ * so after a loss of power a file may have a hash that is not its name. All
+ * calls do I/O and may wait for the disk. Thread: one at a time, but
+ * blobs_path() may be called from any. */
 #ifndef RADD_DAEMON_BLOBS_H
 #define RADD_DAEMON_BLOBS_H
 
@@ -21,14 +22,12 @@
 
 struct blobs {
     char dir[BLOBS_DIR_MAX];
-    bool durable;   /* fsync before a file gets its name */
     unsigned parts; /* files begun so far, for their temporary names */
 };
 
 /* Make the folder if it is missing, and remove files that were arriving in an
  * earlier life. */
-int blobs_open(struct blobs *b, const char *dir, bool durable,
-               struct rad_error *err);
+int blobs_open(struct blobs *b, const char *dir, struct rad_error *err);
 
 /* dir/<hash>; hash must be rad_sha_valid(). */
 #define BLOBS_PATH_MAX (BLOBS_DIR_MAX + RAD_SHA_HEX + 8)
@@ -64,10 +63,9 @@ uint64_t blobs_disk_free(const struct blobs *b);
  * the folder again if it was removed.  RAD_EFULL, or another code of disk.h. */
 int blobs_probe(const struct blobs *b, uint64_t bytes, struct rad_error *err);
 
-/* closed -> arriving -> hashed -> named -> closed: the file is there
- *              |           |        \-> closed, with an error
+/* closed -> arriving -> hashed -> closed: the file is there
  *              \-----------\-> closed, and its temporary file gone  */
-enum blob_state { BLOB_CLOSED, BLOB_ARRIVING, BLOB_HASHED, BLOB_NAMED };
+enum blob_state { BLOB_CLOSED, BLOB_ARRIVING, BLOB_HASHED };
 
 /* A file that is arriving.  It is not open between two writes, for a peer may
  * begin any number of files.  Zeroed, it is in BLOB_CLOSED. */
@@ -87,8 +85,7 @@ int blobs_part_open(struct blob_part *p, struct blobs *b, const char *hash,
 /* Append n bytes, which must be those at offset p->got.  Returns 1 when the
  * file is complete: it has its name, and p is closed.  RAD_EPROTO for bytes out
  * of order, too many, or of another hash; or a code of disk.h.  After RAD_EFULL
- * and
- * RAD_ESHORT the same bytes may be tried again; other errors close p. */
+ * and RAD_ESHORT the same bytes may be tried again; other errors close p. */
 int blobs_part_write(struct blob_part *p, uint64_t offset, const void *data,
                      size_t n, struct rad_error *err);
 

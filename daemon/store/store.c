@@ -4,8 +4,8 @@
  * folders and the journal belong to the pool thread; the loop does not touch
  * them after store_recover().
  *
- * A file is on the disk before the journal notes it: first its bytes, then its
- * name, then the note.  A file is removed after the journal has noted that it
+ * A file is on the disk, its bytes and its name, before the journal notes it, or
+ * its sender hears of it.  A file is removed after the journal has noted that it
  * goes.  The folder of a forgotten job is removed before, so the journal may
  * still list the job for a moment, even as one that is not over; and so are, on
  * a full disk, rows of a job that was cancelled.  Names tell the next life of
@@ -135,7 +135,7 @@ open_dirs(struct store *s, const char *dir, struct rad_error *err)
     if (rc >= 0) /* jobs first: a refused folder is not changed */
         rc = s->handler->job ? open_jobs(s, err) : 0;
     if (rc == 0)
-        rc = blobs_open(&s->blobs, files, s->durable, err);
+        rc = blobs_open(&s->blobs, files, err);
     return rc == 0 && s->durable ? disk_sync_path(s->dir, err) : rc;
 }
 

@@ -48,6 +48,7 @@ struct chunk_task {
     struct store *store;
     uint64_t conn, offset, total;
     uint8_t hash[MSG_HASH];
+    bool whole; /* the file has its name */
     size_t len;
     uint8_t data[];
 };
@@ -173,6 +174,23 @@ fail_if_large(const struct store *s, const struct arriving *a, int rc,
     return refuse_file(a->part.total, why.what, err);
 }
 
+/* The file is whole.  Let a coordinator's last: it is synced with all else that
+ * the disk gets now, before the sender hears of it. */
+static int
+keep_file(struct chunk_task *c)
+{
+    struct store *s = c->store;
+    char path[BLOBS_PATH_MAX];
+    int rc;
+
+    if (!s->journal)
+        return 1;
+    c->whole = c->task.lasts = c->task.awaited = true;
+    path_of(s, c->hash, path);
+    rc = syncs_add(&s->folder.opened.closed, path, true, &c->task.err);
+    return rc < 0 ? rc : 1;
+}
+
 static int
 chunk_run(struct task *t)
 {
@@ -180,6 +198,8 @@ chunk_run(struct task *t)
     struct arriving **at = find_arriving(c->store, c->conn, c->hash);
     int rc;
 
+    if (c->whole) /* the task runs again: it could not be settled */
+        return keep_file(c);
     /* a sender that cannot read the file to its end sends an empty one */
     if (c->offset == 0 && c->total == 0 && *at && (*at)->part.total > 0)
         end_arriving(c->store, at, false);
@@ -200,7 +220,7 @@ chunk_run(struct task *t)
             &t->err);
     if (rc != 0 && !is_tried_again(c->store, rc))
         end_arriving(c->store, at, rc > 0);
-    return rc;
+    return rc > 0 ? keep_file(c) : rc;
 }
 
 static void

@@ -84,7 +84,7 @@ static void
 set_up(void)
 {
     scratch_make();
-    ck_assert_int_eq(blobs_open(&blobs, dir, false, NULL), 0);
+    ck_assert_int_eq(blobs_open(&blobs, dir, NULL), 0);
     for (int i = 0; i < FILES; i++)
         hashes[i * MSG_HASH] = (uint8_t)(i + 1);
     c = NULL;

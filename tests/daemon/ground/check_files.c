@@ -54,7 +54,7 @@ START_TEST(file_that_came_in_pieces_is_there)
     uint64_t size;
 
     ck_assert_int_eq(rad_sha_hex(text, n, hex, NULL), 0);
-    ck_assert_int_eq(blobs_open(&b, dir, true, NULL), 0);
+    ck_assert_int_eq(blobs_open(&b, dir, NULL), 0);
     ck_assert_int_eq(blobs_part_open(&p, &b, hex, n, NULL), 0);
     ck_assert_int_eq(blobs_part_write(&p, 0, text, 10, NULL), 0);
     ck_assert(!has_blob(&b, hex, NULL));
@@ -74,7 +74,7 @@ START_TEST(empty_file_is_a_file)
     struct blobs b;
 
     ck_assert_int_eq(rad_sha_hex("", 0, hex, NULL), 0);
-    ck_assert_int_eq(blobs_open(&b, dir, false, NULL), 0);
+    ck_assert_int_eq(blobs_open(&b, dir, NULL), 0);
     ck_assert_int_eq(blobs_part_open(&p, &b, hex, 0, NULL), 0);
     ck_assert_int_eq(blobs_part_write(&p, 0, NULL, 0, NULL), 1);
     ck_assert(has_blob(&b, hex, NULL));
@@ -103,7 +103,7 @@ START_TEST(wrong_pieces_leave_nothing)
     ck_assert_int_eq(rad_sha_hex(wrong[_i].other ? "other" : text,
                                  wrong[_i].other ? 5 : 8, hex, NULL),
                      0);
-    ck_assert_int_eq(blobs_open(&b, dir, false, NULL), 0);
+    ck_assert_int_eq(blobs_open(&b, dir, NULL), 0);
     ck_assert_int_eq(blobs_part_open(&p, &b, hex, wrong[_i].total, NULL), 0);
     ck_assert_int_eq(
         blobs_part_write(&p, wrong[_i].offset, text, wrong[_i].n, &err),
@@ -120,7 +120,7 @@ START_TEST(bad_names_are_refused)
     struct blob_part p;
     struct blobs b;
 
-    ck_assert_int_eq(blobs_open(&b, dir, false, NULL), 0);
+    ck_assert_int_eq(blobs_open(&b, dir, NULL), 0);
     ck_assert_int_eq(blobs_part_open(&p, &b, "../../etc/passwd", 1, NULL),
                      RAD_EPROTO);
     ck_assert(!rad_sha_valid(".."));
@@ -137,7 +137,7 @@ START_TEST(half_files_of_an_earlier_life_go)
     f = fopen(path, "w");
     ck_assert_ptr_nonnull(f);
     fclose(f);
-    ck_assert_int_eq(blobs_open(&b, dir, false, NULL), 0);
+    ck_assert_int_eq(blobs_open(&b, dir, NULL), 0);
     ck_assert_int_ne(access(path, F_OK), 0);
 }
 END_TEST
