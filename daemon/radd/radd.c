@@ -283,6 +283,8 @@ on_action(void *arg, const struct action *a)
 
     switch (a->type) {
     case ACT_DIAL:
+        if (r->daemon.stopping) /* finish() has closed the dialler, or will */
+            break;
         if (a->token)
             dial_peer(r, a);
         else
