@@ -71,6 +71,17 @@ report_worker_state(const struct coord_worker *w,
     return shares[w->id].lacks_room ? "no room" : "idle";
 }
 
+/* Why the worker gets no work, where its state alone does not say. */
+static const char *
+worker_note(const struct coord_worker *w, const struct report_share *s)
+{
+    if (w->conn == 0)
+        return w->leaving ? "it left: stopped, or kept away by hours or "
+                            "idle_only of radd.conf"
+                          : "no connection to it";
+    return s->lacks_room ? w->no_room : "";
+}
+
 static json_int_t
 integer(uint64_t n)
 {
@@ -91,7 +102,7 @@ report_worker(const struct coord *c, const struct coord_worker *w,
                      integer(s->redundant), "memory", integer(s->memory),
                      "cache", integer(s->cache), "address", w->address,
                      "program", w->program, "since_s", since(c, w->since_ms),
-                     "text", s->lacks_room ? w->no_room : "");
+                     "text", worker_note(w, s));
 }
 
 static json_t *

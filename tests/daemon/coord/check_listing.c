@@ -327,6 +327,27 @@ workers_told(void)
     return n;
 }
 
+START_TEST(a_worker_that_is_gone_says_whether_it_left)
+{
+    static const char *const begin[] = { "no connection", "it left" };
+    struct msg drain = { .type = MSG_DRAIN, .drain = { "ws2" } };
+    const char *text;
+    json_t *all;
+
+    join(SECOND, MSG_ROLE_WORKER, "ws2", "");
+    if (_i == 1)
+        say(SECOND, &drain);
+    coord_closed(f.c, f.now_ms, SECOND, "gone");
+    carry_out();
+    all = walk(ANA, (struct msg_page){ MSG_ROWS_WORKERS, 0, "", "gone", 0, 0 },
+               NULL);
+    ck_assert_uint_eq(json_array_size(all), 1);
+    text = json_string_value(json_object_get(json_array_get(all, 0), "text"));
+    ck_assert_ptr_eq(strstr(text, begin[_i]), text);
+    json_decref(all);
+}
+END_TEST
+
 START_TEST(a_worker_that_is_gone_is_forgotten)
 {
     struct msg drain = { .type = MSG_DRAIN, .drain = { "ws2" } };
@@ -386,6 +407,7 @@ main(void)
     tcase_add_test(tc, a_deleted_jobs_rows_and_pictures_are_not_the_next_ones);
     tcase_add_test(tc, a_deleted_jobs_opening_and_end_are_not_the_next_ones);
     tcase_add_test(tc, owner_and_admin_delete_a_job_that_is_over);
+    tcase_add_loop_test(tc, a_worker_that_is_gone_says_whether_it_left, 0, 2);
     tcase_add_test(tc, a_worker_that_is_gone_is_forgotten);
     tcase_add_test(tc, a_forgotten_worker_of_a_job_goes_with_that);
     return unit_run_case(tc);
