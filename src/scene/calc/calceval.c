@@ -218,8 +218,8 @@ get_shared(struct machine *m, const struct ins *in)
     const struct value *v = &m->e->same[in->a];
 
     if (v->clock == m->e->clock && m->fault == RAD_CALC_SOUND) {
-        push(m, v->value);
         m->at = m->c->code + in[1].a;
+        push(m, v->value); /* the last: it may end the run */
     } else {
         m->at = in + 2;
     }

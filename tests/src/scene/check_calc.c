@@ -528,6 +528,41 @@ START_TEST(what_a_call_gives_is_kept_for_a_ray)
 }
 END_TEST
 
+/* 16384 values have room on the stack.  Each of 3275 calls leaves five there,
+ * and some more are there before; then the value that is kept is pushed. */
+START_TEST(value_that_is_kept_is_not_pushed_beyond_the_end_of_the_stack)
+{
+    static const char file[] =
+        "f(x) = x*Dx;"
+        "deep(n,x) = if(n, n+(n+(n+(n+(n+deep(n-1,x))))), n+x);";
+    double dx[RAD_CALC_NCHANNELS] = { 1 }, real[] = { 1 };
+    struct rad_calc_input in = { dx, real, 1 };
+    struct rad_calc *c = rad_calc_new(NULL);
+    int context = rad_calc_context(c, "x.cal", NULL), pc;
+    struct rad_calc_env *e;
+    enum rad_calc_fault fault;
+    char text[128] = "f(2)+(";
+    double v;
+
+    for (int k = 0; k < _i; k++)
+        strcat(text, "A1+(");
+    strcat(text, "deep(3275,f(2))");
+    for (int k = 0; k < _i; k++)
+        strcat(text, ")");
+    strcat(text, "+max(A1,2))"); /* which drops faults */
+    rad_calc_read(c, context, "x.cal", file, sizeof file - 1, NULL);
+    pc = rad_calc_expression(c, context, text, NULL);
+    ck_assert_int_ge(pc, 0);
+    e = rad_calc_env_new(c);
+    rad_calc_begin(e, &in);
+    v = rad_calc_eval(c, pc, e, &fault);
+    ck_assert_int_eq(fault, _i < 7 ? RAD_CALC_SOUND : RAD_CALC_DEPTH);
+    ck_assert_double_eq(v, _i < 7 ? 5 * 3275 * 3276 / 2 + 6 + _i : 0);
+    rad_calc_env_free(e);
+    rad_calc_free(c);
+}
+END_TEST
+
 START_TEST(fault_is_told_and_bounded)
 {
     enum rad_calc_fault fault;
@@ -784,6 +819,9 @@ main(void)
     tcase_add_loop_test(tc, fault_is_told_and_bounded, 0, N_ELEM(faulty));
     tcase_add_loop_test(tc, bad_text_is_refused_with_its_line, 0, N_ELEM(bad));
     tcase_add_test(tc, undefined_name_is_refused_where_it_is_used);
+    tcase_add_loop_test(
+        tc, value_that_is_kept_is_not_pushed_beyond_the_end_of_the_stack, 0,
+        12);
     tcase_add_test(tc, expression_is_compiled_once_while_names_mean_the_same);
     tcase_add_test(tc, table_of_ifs_is_read);
     tcase_add_test(tc, nesting_is_bounded);
