@@ -186,7 +186,7 @@ on_read(uv_stream_t *stream, ssize_t n, const uv_buf_t *buf)
         rad_fail(&err, RAD_EPROTO, "too long a handshake");
     if (err.code || tls_put(h->tls, buf->base, (size_t)n, &err) < 0)
         fail(h, &err);
-    else if (n > 0)
+    else if (n > 0 && h->waits_ms == 0) /* else the timer goes on */
         go_on(h);
 }
 

@@ -417,6 +417,33 @@ START_TEST(a_stranger_has_its_time_and_no_more)
 }
 END_TEST
 
+/* A stranger whose key is waited for has it looked for no more often by sending
+ * more. */
+START_TEST(a_stranger_who_goes_on_talking_causes_few_looks)
+{
+    struct tls_ctx *ctx = tls_client();
+    struct tls *t = tls_dial(ctx, "peer:late", secret);
+    struct rad_error err = { 0 };
+    int fd = stranger(14);
+    const uint8_t *p;
+    size_t n;
+
+    ck_assert_int_eq(tls_handshake(t, &err), 0);
+    n = tls_out(t, &p);
+    ck_assert_int_eq(send(fd, p, n, MSG_NOSIGNAL), (ssize_t)n);
+    turn(2);
+    ck_assert_int_ge(looks, 1);
+    for (int i = 0; i < 20000 && !hung_up(fd); i++) {
+        send(fd, p, 1, MSG_NOSIGNAL);
+        turn(1);
+    }
+    ck_assert_int_lt(looks, 15);
+    close(fd);
+    tls_free(t);
+    tls_ctx_free(ctx);
+}
+END_TEST
+
 /* Unless told otherwise it is ten seconds: nobody goes at once. */
 START_TEST(a_stranger_has_some_time)
 {
@@ -459,6 +486,7 @@ main(void)
     tcase_add_test(tc, all_hosts_hold_sixty_four_and_the_oldest_goes);
     tcase_add_test(tc, a_stranger_who_talks_is_let_go);
     tcase_add_loop_test(tc, a_stranger_has_its_time_and_no_more, 0, 2);
+    tcase_add_test(tc, a_stranger_who_goes_on_talking_causes_few_looks);
     tcase_add_test(tc, a_stranger_has_some_time);
     tcase_add_test(tc, what_is_under_way_ends_with_the_listener);
     return unit_run_case(tc);
