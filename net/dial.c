@@ -158,7 +158,7 @@ give_up_refused(struct dialling *g, const struct rad_error *why)
         return;
     }
     key_date_format(expires, date);
-    rad_fail(&err, why->code, "%s, which expired on %s", why->what, date);
+    rad_fail(&err, why->code, "%s; the key expired on %s", why->what, date);
     give_up(g, &err);
 }
 

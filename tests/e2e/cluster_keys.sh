@@ -81,7 +81,7 @@ expect 77 "does not take the key" "unknown name" status unknown.key
 once "unknown key 'user:bob:k1'" "unknown name"
 expect 77 "does not take the key" "retired key" status retired.key
 once "retired key 'user:eve:k1'" "retired key"
-expect 77 "does not take the key 'user:old:k1', which expired on 2024-01-01" \
+expect 77 "does not take the key 'user:old:k1'; the key expired on 2024-01-01" \
     "expired key" status expired.key
 once "expired key 'user:old:k1'" "expired key"
 expect 77 "this role is not allowed" "worker's key" status w9.key
