@@ -70,7 +70,9 @@ status 0 rtrace -version
 
 # no ray, no value: a script may have none of a kind
 : >none
-for from in 'rtrace -h- box.oct <none' 'rtrace -h- box.oct </dev/null' \
+printf '\n \t\n' >blank
+for from in 'rtrace -h- box.oct <none' 'rtrace -h- box.oct <blank' \
+    'rtrace -h- box.oct </dev/null' \
     ': | rtrace -h- box.oct' ': | rtrace -h- -oL box.oct'; do
     status 0 "$from"
     [ ! -s out ] || fail "$from: $(cat out)"
