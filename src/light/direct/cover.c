@@ -15,21 +15,36 @@ struct place {
     int32_t best;               /* the surface there that rays see */
 };
 
-/* The place where a polygon's numbers are read from: its least corner, so that
- * it is the same whichever corner the scene names first. */
+/* Compare real arguments, as many of both, by value (-0 is 0): a's from i on
+ * with b's from j on, round and round. */
+static int
+compare_reals(const struct rad_object *a, int32_t i, const struct rad_object *b,
+              int32_t j)
+{
+    int32_t n = a->nreals;
+
+    for (int32_t k = 0; k < n; k++) {
+        double x = a->reals[i], y = b->reals[j];
+
+        if (x != y)
+            return x < y ? -1 : 1;
+        i = i + 1 < n ? i + 1 : 0;
+        j = j + 1 < n ? j + 1 : 0;
+    }
+    return 0;
+}
+
+/* The place where a polygon's numbers are read from, so that they are the same
+ * whichever corner the scene names first: they are the least then.  A corner
+ * may be there twice, as where the seam of a hole begins. */
 static int32_t
 least_corner(const struct rad_object *o)
 {
     int32_t least = 0;
 
-    for (int32_t i = 3; i + 2 < o->nreals; i += 3) {
-        const double *a = o->reals + i, *b = o->reals + least;
-        int k = 0;
-
-        while (k < 2 && a[k] == b[k])
-            k++;
-        least = a[k] < b[k] ? i : least;
-    }
+    for (int32_t i = 3; i + 2 < o->nreals; i += 3)
+        if (compare_reals(o, i, o, least) < 0)
+            least = i;
     return least;
 }
 
@@ -41,26 +56,17 @@ place_of(const struct rad_object *objects, int32_t i)
     return (struct place){ o, o->type == RAD_POLYGON ? least_corner(o) : 0, i };
 }
 
-/* For qsort() and bsearch().  By value: -0 is 0. */
+/* For qsort() and bsearch(). */
 static int
 compare(const void *p, const void *q)
 {
     const struct place *a = p, *b = q;
-    int32_t n = a->o->nreals, i = a->from, j = b->from;
 
     if (a->o->type != b->o->type)
         return a->o->type < b->o->type ? -1 : 1;
-    if (n != b->o->nreals)
-        return n < b->o->nreals ? -1 : 1;
-    for (int32_t k = 0; k < n; k++) {
-        double x = a->o->reals[i], y = b->o->reals[j];
-
-        if (x != y)
-            return x < y ? -1 : 1;
-        i = i + 1 < n ? i + 1 : 0;
-        j = j + 1 < n ? j + 1 : 0;
-    }
-    return 0;
+    if (a->o->nreals != b->o->nreals)
+        return a->o->nreals < b->o->nreals ? -1 : 1;
+    return compare_reals(a->o, a->from, b->o, b->from);
 }
 
 /* Note in each of the n places which of the scene's surfaces rays see there. */

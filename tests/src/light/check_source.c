@@ -498,6 +498,23 @@ START_TEST(a_lamp_at_minus_zero_is_not_another)
 }
 END_TEST
 
+/* The parts of a lamp with a hole, whose seam begins at a corner that is there
+ * twice. */
+#define RIM  "-1 1 2 1 1 2 1 -1 2 -1 -1 2 "
+#define HOLE "-.9 -.9 2 -.5 -.9 2 -.5 -.5 2 -.9 -.5 2 -.9 -.9 2 -1 -1 2 "
+
+START_TEST(a_lamp_with_a_hole_is_the_same_from_either_end_of_its_seam)
+{
+    const char *one = LAMP "bright polygon a 0 0 30 " RIM HOLE "\n";
+    const char *two = LAMP "bright polygon a 0 0 30 " RIM HOLE "\n"
+                           "bright polygon b 0 0 30 " HOLE RIM "\n";
+
+    ck_assert_double_gt(irradiance_of(one, DIRECT, 0, 0, 0), 0);
+    ck_assert_double_eq(irradiance_of(two, DIRECT, 0, 0, 0),
+                        irradiance_of(one, DIRECT, 0, 0, 0));
+}
+END_TEST
+
 int
 main(void)
 {
@@ -510,6 +527,8 @@ main(void)
     tcase_add_loop_test(tc, a_lamp_and_what_covers_it_light_as_they_look, 0,
                         N_ELEM(double_lamp));
     tcase_add_test(tc, a_lamp_at_minus_zero_is_not_another);
+    tcase_add_test(tc,
+                   a_lamp_with_a_hole_is_the_same_from_either_end_of_its_seam);
     tcase_add_test(tc, half_a_lamp_gives_a_penumbra);
     tcase_add_test(tc, distant_lights_are_sampled_and_glows_are_seen);
     tcase_add_loop_test(tc, small_suns_are_as_bright_as_large_ones, 0,
