@@ -31,7 +31,7 @@ struct estimate {
     uint32_t passes;                /* [fixed]; costs are those of the last */
     struct area *areas;             /* [fixed]; each belongs to its thread */
     struct msg_cost *costs;         /* likewise */
-    _Atomic uint32_t taken, done;   /* areas, summed over passes */
+    _Atomic uint32_t taken;         /* areas, summed over passes */
     struct msg_counts counts;       /* under the pool's lock */
     /* of estimate_facts(): the next area and pixel; the message */
     uint32_t at;
@@ -167,8 +167,6 @@ work_on(struct estimate *e, uint32_t i, uint32_t pass, struct rad_ctx *ctx,
     a->n[pass] =
         rad_estimate_trace(f, ctx, &a->part, n * pass, left, stop, &cost, v);
     a->sampled[pass] = v;
-    if (!atomic_load_explicit(stop, memory_order_relaxed))
-        atomic_fetch_add_explicit(&e->done, 1, memory_order_relaxed);
     if (pass == e->passes - 1)
         e->costs[i] = (struct msg_cost){ cost.rays, cost.tests };
 }
@@ -334,11 +332,7 @@ estimate_facts(struct estimate *e)
 void
 estimate_result(const struct estimate *e, struct msg_estimated *m)
 {
-    bool whole = atomic_load_explicit(&e->done, memory_order_relaxed) ==
-                 e->nareas * e->passes;
-
-    *m = (struct msg_estimated){ .id = e->id,
-                                 .ncosts = whole ? e->nareas : 0,
-                                 .costs = e->costs,
-                                 .counts = e->counts };
+    *m = (struct msg_estimated){
+        .id = e->id, .ncosts = e->nareas, .costs = e->costs, .counts = e->counts
+    };
 }
