@@ -259,8 +259,8 @@ check_hash(struct blob_part *p, struct rad_error *err)
 }
 
 /* All bytes are there: check them, and give the file its name.  A file that has
- * the name already may be one that a job needs, so it goes when the new bytes
- * last. */
+ * the name already may be one that a job needs: it goes only when the new bytes
+ * are on the disk. */
 static int
 name_it(struct blob_part *p, int fd, struct rad_error *err)
 {

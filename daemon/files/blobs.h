@@ -2,10 +2,11 @@
  *
  * dir/<64 hex digits> is such a file; dir/<number>.part is a file that is
  * arriving.  A file gets its name only when all its bytes are there and have
- * that hash.  Neither bytes nor name are synced, unless there is such a file:
- * so after a loss of power a file may have a hash that is not its name. All
- * calls do I/O and may wait for the disk. Thread: one at a time, but
- * blobs_path() may be called from any. */
+ * that hash.  Neither bytes nor name are synced, so after a loss of power a
+ * file may have a hash that is not its name; but if there is a file of that
+ * name, a job may need it, and the bytes that take its place are synced before.
+ * All calls do I/O and may wait for the disk.
+ * Thread: one at a time, but blobs_path() may be called from any. */
 #ifndef RADD_DAEMON_BLOBS_H
 #define RADD_DAEMON_BLOBS_H
 

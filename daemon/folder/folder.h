@@ -16,7 +16,8 @@
  *                      jobs may begin
  * DIR/jobs/ID/stats    statistics of a job that is over, as JSON
  * DIR/jobs/ID/new      the name of "room" until the database knows the job;
- * until then the submitter was not told that the job is accepted
+ *                      until then the submitter was not told that the job is
+ *                      accepted
  * DIR/jobs/ID/over     rows of the job were given up, before the database knew
  *                      that it is over: an empty file
  * DIR/jobs/ID.gone     the folder of a job that is being forgotten, until the
@@ -46,9 +47,9 @@ struct folder {
     bool looks; /* take up jobs, but change no file, and leave finished files
                  * to folder_compare() */
     bool renamed; /* a job's folder was, or was made, since folder_sync() */
-    struct folder_job
-        *jobs[FOLDER_CHAINS];   /* that are not over: a hash table */
-    struct folder_job *changed; /* of these, those with new files */
+    /* jobs that are not over: a hash table, and a list of those that have had
+     * files made since folder_sync() */
+    struct folder_job *jobs[FOLDER_CHAINS], *changed;
     struct rows_open opened; /* files of their rows */
 };
 

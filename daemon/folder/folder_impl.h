@@ -23,7 +23,9 @@ struct frame_rows {
 };
 
 struct folder_job {
-    struct folder_job *next;
+    struct folder_job *next;    /* in its chain of folder.jobs */
+    struct folder_job *changed; /* next in the list folder.changed, */
+    bool new_files;             /* if the job is in that list */
     uint8_t id[MSG_JOB];
     char *params, *origin;
     bool depth, points;
@@ -35,9 +37,6 @@ struct folder_job {
     uint64_t room;  /* bytes that are kept for frames without a file */
     uint32_t npasses;    /* kept passes of the ambient cache, */
     uint64_t pass_bytes; /* and their bytes in the file */
-    bool new_files; /* files were made since the last folder_sync(); then the
-                     * job is in the list folder.changed, */
-    struct folder_job *changed; /* and this is the next in the list */
 };
 
 /* Set path to DIR/jobs/ID and the suffix; to DIR/jobs/ID/FRAME and the suffix.

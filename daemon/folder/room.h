@@ -20,8 +20,8 @@ int room_check(const char *dir, uint64_t bytes, const char *what,
 /* Are the bytes no more than what room_check() spares, or is that not known? */
 bool room_is_small(const char *dir, uint64_t bytes);
 
-/* Make the file `bytes` long, and do not sync it; 0:
- * remove it.  RAD_EFULL, or another code of disk.h. */
+/* Make the file `bytes` long, and do not sync it; 0: remove it.  RAD_EFULL, or
+ * another code of disk.h. */
 int room_set(const char *path, uint64_t bytes, struct rad_error *err);
 
 /* Length of the file; 0: there is none. */

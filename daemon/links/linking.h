@@ -6,7 +6,8 @@
  * the coordinator.  With --ambient=live a worker sends each record to all
  * workers that it is linked with: all others, or of more than 256 those that
  * were there before it came; it does not get the records that still older
- * workers make.  Thread: the coordinator's loop. */
+ * workers make.
+ * Thread: the coordinator's loop. */
 #ifndef DAEMON_LINKING_H
 #define DAEMON_LINKING_H
 

@@ -259,9 +259,8 @@ recall(struct coord *c, struct coord_worker *w)
 }
 
 /* Does the worker estimate a job's areas, or make its tiles, or may it in a
- * moment?  Not while the
- * job's next pass waits for pictures, and all tiles that may be made before
- * that are made. */
+ * moment?  Not while the job's next pass waits for pictures, and all tiles that
+ * may be made before that are made. */
 static bool
 is_at_passes(const struct coord *c, const struct coord_worker *w)
 {

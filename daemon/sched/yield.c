@@ -7,8 +7,7 @@
  * another owner with a job of the same priority.  Tiles are short: a worker
  * ends those that it has beside the units of the job that it goes to (sched.c).
  * A unit that is to be given back counts as parked, so its worker gets others.
- * Of a window nothing can be kept: it is taken back (REVOKE) and begins anew.
- */
+ * Of a window nothing is kept: it is taken back (REVOKE) and begins anew. */
 #include "config.h"
 
 #include "sched/yield.h"
