@@ -35,6 +35,7 @@ struct coord_owner {
     struct coord_owner *next;
     char name[MSG_MAX_NAME + 1];
     uint32_t threads;   /* of workers that are at units of this user's jobs */
+    uint32_t served;    /* coord.serving of the last search of such a worker */
     struct known files; /* files of the store that the user may refer to */
     struct uploads_sum uploads;
     struct coord_told told;

@@ -58,27 +58,30 @@ turn_is_ahead(const struct job *job, const struct coord_worker *w,
            (passes_open(job) || job->survey || job_waiting(job) > 0);
 }
 
-/* Does the job go before an older job of the same priority?  Of one owner's
- * jobs the older always goes first. */
-static bool
-goes_before(const struct job *job, const struct job *older,
-            const struct coord_worker *w)
+/* Note for which owners the worker of this search works. */
+static void
+note_owners(const struct coord *c, const struct coord_worker *w)
 {
-    uint32_t a = threads_beside(job, w), b = threads_beside(older, w);
-
-    return a < b || (a == b && job->payer != older->payer && is_at(job, w) &&
-                     !is_at(older, w));
+    for (size_t i = 0; i < c->nbegun; i++)
+        if (is_at(c->jobs[i], w))
+            c->jobs[i]->payer->served = c->serving;
 }
 
-/* Does the job go before the best that was found? */
+/* Does job a go before job b?  Of one owner's jobs of the same priority the
+ * older always goes first. */
 static bool
-is_better(const struct job *job, const struct job *best,
-          const struct coord_worker *w)
+goes_before(const struct coord *c, const struct coord_worker *w,
+            const struct job *a, const struct job *b)
 {
-    if (!best || job->spec.priority != best->spec.priority)
-        return !best || job->spec.priority > best->spec.priority;
-    return job->sequence > best->sequence ? goes_before(job, best, w)
-                                          : !goes_before(best, job, w);
+    uint32_t at_a = threads_beside(a, w), at_b = threads_beside(b, w);
+    bool serves_a = a->payer->served == c->serving,
+         serves_b = b->payer->served == c->serving;
+
+    if (a->spec.priority != b->spec.priority)
+        return a->spec.priority > b->spec.priority;
+    if (at_a != at_b)
+        return at_a < at_b;
+    return serves_a != serves_b ? serves_a : a->sequence < b->sequence;
 }
 
 /* The best job, or `best`, of these, which are of one rank and so in order. */
@@ -92,7 +95,7 @@ best_of(const struct coord *c, const struct coord_worker *w, bool news,
         if (best && job->spec.priority < best->spec.priority)
             break;
         if (job->served != c->serving && !desk_idle_job(job) &&
-            may_look(job, w, news) && is_better(job, best, w))
+            may_look(job, w, news) && (!best || goes_before(c, w, job, best)))
             best = job;
     }
     return best;
@@ -101,8 +104,10 @@ best_of(const struct coord *c, const struct coord_worker *w, bool news,
 struct job *
 turn_next(const struct coord *c, const struct coord_worker *w, bool news)
 {
-    struct job *best = best_of(c, w, news, 0, c->nbegun, NULL);
+    struct job *best;
 
+    note_owners(c, w);
+    best = best_of(c, w, news, 0, c->nbegun, NULL);
     if (!news || w->loading) /* then it has nothing to do with those queued */
         return best;
     return best_of(c, w, news, c->nbegun, c->nopen, best);

@@ -303,6 +303,31 @@ START_TEST(of_an_owners_jobs_the_older_goes_first)
 }
 END_TEST
 
+/* Bob's is older than both, and the second worker is at the younger. */
+START_TEST(an_owners_older_job_goes_first_whoever_else_has_one)
+{
+    const struct msg_frame square = { 0, 32, 32, "" };
+    struct msg many = usual_submit(job_c); /* windows of 4 x 4 */
+    struct msg up = { .type = MSG_PRIORITY, .priority = { job_a, 0 } };
+
+    submit(BOB, job_b, 0);
+    ready(WORKER, job_b);
+    submit(ANA, job_a, -1);
+    many.submit.partition = MSG_PART_WINDOW;
+    many.submit.windows = 64;
+    many.submit.frames = &square;
+    say(ANA, &many);
+    join(SECOND, MSG_ROLE_WORKER, "ws2", "daemon");
+    ready(SECOND, job_c);
+    ready(SECOND, job_b);
+    say(ANA, &up);
+    ready(SECOND, job_a);
+    ck_assert_uint_eq(f.unit_job, 0xcc);
+    result(SECOND, job_c, 0, 1);
+    ck_assert_uint_eq(f.unit_job, 0xaa);
+}
+END_TEST
+
 START_TEST(priority_goes_before_fairness)
 {
     submit(ANA, job_a, 1);
@@ -487,6 +512,7 @@ main(void)
     tcase_add_test(tc, lines_make_way_for_passes_of_another_owner);
     tcase_add_test(tc, windows_make_way_for_passes_of_another_owner);
     tcase_add_test(tc, of_an_owners_jobs_the_older_goes_first);
+    tcase_add_test(tc, an_owners_older_job_goes_first_whoever_else_has_one);
     tcase_add_test(tc, priority_goes_before_fairness);
     tcase_add_test(tc, same_bits_takes_workers_of_one_arithmetic);
     tcase_add_test(tc, a_job_that_no_arithmetic_is_left_for_says_so);
