@@ -273,9 +273,10 @@ START_TEST(key_updates_are_not_read_while_their_answers_are_not)
         still = n > 0 ? 0 : still + 1;
     }
     ck_assert_int_lt(sent, 3 << 20);
-    ck_assert_int_eq(e.conn == NULL, updating[_i].ends);
-    if (updating[_i].ends)
-        ck_assert_str_eq(e.why, CONN_BROKE_PROTOCOL);
+    /* on a slow machine the others end when their time for HELLO or PING does
+     */
+    ck_assert_int_eq(!e.conn && strcmp(e.why, CONN_BROKE_PROTOCOL) == 0,
+                     updating[_i].ends);
     SSL_free(ssl);
     close_ends(&e);
     SSL_CTX_free(cctx);
