@@ -1,7 +1,8 @@
 /* program_loop.h - radsubmit's event loop, and signals in it
  *
  * Signals are counted and stop the loop, whose user then ends what is under
- * way.  Thread: the main one. */
+ * way.
+ * Thread: the main one. */
 #ifndef RADD_CLIENT_PROGRAM_LOOP_H
 #define RADD_CLIENT_PROGRAM_LOOP_H
 
@@ -27,9 +28,8 @@ void program_loop_release(struct program_loop *l);
  * that were caught. */
 void program_loop_free_signals(struct program_loop *l, const char *path,
                                int was[3]);
-/* The same before a message of at most a line, if standard error takes none
- * now.
- */
+/* The same before a message of at most a line, if standard error has no room
+ * for it now. */
 void program_loop_free_for_message(struct program_loop *l, int was[3]);
 void program_loop_catch_signals(struct program_loop *l, const int was[3]);
 
