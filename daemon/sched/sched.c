@@ -308,7 +308,7 @@ sched_serve(struct coord *c, struct coord_worker *w)
     leave_passes(c, w);
     if (!desk_takes_units(w) || w->alone || c->full)
         return false;
-    c->serving++;
+    turn_begin(c, w);
     while (!done && (job = turn_next(c, w, !ahead))) {
         uint32_t index = desk_index(job, w);
 

@@ -58,10 +58,11 @@ turn_is_ahead(const struct job *job, const struct coord_worker *w,
            (passes_open(job) || job->survey || job_waiting(job) > 0);
 }
 
-/* Note for which owners the worker of this search works. */
-static void
-note_owners(const struct coord *c, const struct coord_worker *w)
+/* Note for which owners the worker works. */
+void
+turn_begin(struct coord *c, const struct coord_worker *w)
 {
+    c->serving++;
     for (size_t i = 0; i < c->nbegun; i++)
         if (is_at(c->jobs[i], w))
             c->jobs[i]->payer->served = c->serving;
@@ -104,10 +105,8 @@ best_of(const struct coord *c, const struct coord_worker *w, bool news,
 struct job *
 turn_next(const struct coord *c, const struct coord_worker *w, bool news)
 {
-    struct job *best;
+    struct job *best = best_of(c, w, news, 0, c->nbegun, NULL);
 
-    note_owners(c, w);
-    best = best_of(c, w, news, 0, c->nbegun, NULL);
     if (!news || w->loading) /* then it has nothing to do with those queued */
         return best;
     return best_of(c, w, news, c->nbegun, c->nopen, best);

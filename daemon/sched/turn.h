@@ -12,10 +12,13 @@
  * JOB_NOBODY. */
 bool turn_is_new(const struct job *job, uint32_t index);
 
-/* The next job of this search (coord.serving): of those with the highest
- * priority the job whose owner has the fewest threads at work, of these a job of
- * an owner that the worker works for, of these the oldest.  news: jobs that the
- * worker has not loaded, too.  NULL: no job is left. */
+/* Begin the worker's search for work, which has a number: coord.serving. */
+void turn_begin(struct coord *c, const struct coord_worker *w);
+
+/* The next job of this search that was not served in it: of those with the
+ * highest priority the job whose owner has the fewest threads at work, of these
+ * a job of an owner that the worker works for, of these the oldest.  news: jobs
+ * that the worker has not loaded, too.  NULL: no job is left. */
 struct job *turn_next(const struct coord *c, const struct coord_worker *w,
                       bool news);
 
