@@ -153,7 +153,7 @@ give_up_refused(struct dialling *g, const struct rad_error *why)
     struct rad_error err = { 0 };
     char date[KEY_DATE];
 
-    if (why->code != RAD_EPERM || expires == 0 || time(NULL) < expires) {
+    if (why->code != RAD_EPERM || !key_date_is_past(expires, time(NULL))) {
         give_up(g, why);
         return;
     }

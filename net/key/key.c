@@ -251,12 +251,18 @@ key_format(const struct key *k, char line[KEY_LINE + 1])
 
 /* --- states --- */
 
+bool
+key_date_is_past(int64_t expires, int64_t now)
+{
+    return expires != 0 && now >= expires;
+}
+
 enum key_state
 key_state(const struct key *k, int64_t now)
 {
     if (k->retired)
         return KEY_RETIRED;
-    return k->expires != 0 && now >= k->expires ? KEY_EXPIRED : KEY_VALID;
+    return key_date_is_past(k->expires, now) ? KEY_EXPIRED : KEY_VALID;
 }
 
 const char *

@@ -56,6 +56,8 @@ bool key_name_valid(const char *name, size_t n);
 /* A key's date: "2027-01-31", with the time of day unless it is midnight; ""
  * for never. */
 void key_date_format(int64_t expires, char text[KEY_DATE]);
+/* Is the date past?  "Never", 0, is not. */
+bool key_date_is_past(int64_t expires, int64_t now);
 /* RAD_EUSAGE: malformed. */
 int key_date_parse(const char *text, int64_t *expires, struct rad_error *err);
 

@@ -257,7 +257,7 @@ check_add(const struct key_order *o, int64_t now, struct rad_error *err)
 {
     struct key k;
 
-    if (o->expires != 0 && o->expires <= now)
+    if (key_date_is_past(o->expires, now))
         return rad_fail(err, RAD_EUSAGE,
                         "a key that has expired would never be taken: the time "
                         "of --expires is past");
