@@ -78,12 +78,7 @@ static const struct {
 
 START_TEST(a_commit_that_fails_tells_a_full_disk_from_another_fault)
 {
-    struct saved_job job = { .spec = { .job = kept_job,
-                                       .manifest = kept_manifest,
-                                       .params = "-ab 0",
-                                       .frames = &kept_frame,
-                                       .nframes = 1 },
-                             .owner = "ana" };
+    struct saved_job job = { .spec = kept_spec, .owner = "ana" };
     struct rad_error err = { 0 };
     char path[160];
     struct journal *j;
@@ -111,13 +106,7 @@ END_TEST
 START_TEST(a_commit_without_memory_for_more_is_one)
 {
     static uint8_t bottom[60000];
-    struct saved_job job = { .spec = { .job = kept_job,
-                                       .manifest = kept_manifest,
-                                       .params = "-ab 0",
-                                       .frames = &kept_frame,
-                                       .nframes = 1 },
-                             .owner = "ana",
-                             .text = "" };
+    struct saved_job job = { .spec = kept_spec, .owner = "ana", .text = "" };
     struct saved_unit u = { .worker = "ws1",
                             .bottom = bottom,
                             .nbottom = sizeof bottom };

@@ -89,11 +89,7 @@ END_TEST
 START_TEST(a_job_that_is_over_is_remembered_and_forgotten)
 {
     struct store_source from = { .what = MSG_WHAT_STATS };
-    struct saved_job job, end = { .spec = { .job = kept_job,
-                                            .manifest = kept_manifest,
-                                            .params = "-ab 0",
-                                            .frames = &kept_frame,
-                                            .nframes = 1 },
+    struct saved_job job, end = { .spec = kept_spec,
                                   .sequence = 6,
                                   .state = 4,
                                   .status = 70,
@@ -472,11 +468,7 @@ static void
 make_cache(uv_loop_t *loop, struct store *s, size_t bytes)
 {
     uint8_t *records = calloc(1, bytes);
-    struct saved_job done = { .spec = { .job = kept_job,
-                                        .manifest = kept_manifest,
-                                        .params = "-ab 0",
-                                        .frames = &kept_frame,
-                                        .nframes = 1 },
+    struct saved_job done = { .spec = kept_spec,
                               .state = 3,
                               .last = { .state = 3 },
                               .cache_bytes = bytes,

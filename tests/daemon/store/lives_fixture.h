@@ -13,6 +13,11 @@
 static const uint8_t kept_job[MSG_JOB] = { 9, 8, 7 };
 static const uint8_t kept_manifest[MSG_HASH] = { 6, 5, 4 };
 static const struct msg_frame kept_frame = { 0, W, H, "-vtv -vp 0 0 0" };
+static const struct msg_spec kept_spec = { .job = kept_job,
+                                           .manifest = kept_manifest,
+                                           .params = "-ab 0",
+                                           .frames = &kept_frame,
+                                           .nframes = 1 };
 
 static inline void
 open_for(uv_loop_t *loop, struct store **s, const struct store_handler *to,
@@ -43,13 +48,9 @@ close_kept(uv_loop_t *loop, struct store *s)
 static inline void
 open_job_as(struct store *s, uint32_t flags)
 {
-    struct saved_job p = { .spec = { .manifest = kept_manifest,
-                                     .params = "-ab 0",
-                                     .flags = flags,
-                                     .frames = &kept_frame,
-                                     .nframes = 1 },
-                           .owner = "ana" };
+    struct saved_job p = { .spec = kept_spec, .owner = "ana" };
 
+    p.spec.flags = flags;
     store_open_job(s, kept_job, &p);
 }
 
@@ -63,14 +64,9 @@ open_job(struct store *s)
 static inline void
 end_job(struct store *s)
 {
-    struct saved_job end = { .spec = { .job = kept_job,
-                                       .manifest = kept_manifest,
-                                       .params = "-ab 0",
-                                       .frames = &kept_frame,
-                                       .nframes = 1 },
-                             .sequence = 6,
-                             .state = 5,
-                             .last = { .state = 5 } };
+    struct saved_job end = {
+        .spec = kept_spec, .sequence = 6, .state = 5, .last = { .state = 5 }
+    };
 
     store_end_job(s, &end, strdup("{ }"), 3);
 }
