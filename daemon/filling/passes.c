@@ -119,8 +119,7 @@ take_up_kept(struct coord *c, struct job *job)
             p->bytes = NULL;
         }
         k->counts = p->counts;
-        msg_counts_add(&job->tiled, &p->counts);
-        job->rays += p->counts.rays;
+        progress_count_tiles(job, &p->counts);
     }
     if (s->open > 0 && stages_reuse(job))
         job->cache.reused = s->closed[0].n;
@@ -543,9 +542,8 @@ count_tile(struct job *job, uint32_t pass, uint32_t index,
            const struct msg_counts *counts)
 {
     msg_counts_add(&job->passes->closed[pass].counts, counts);
-    msg_counts_add(&job->tiled, counts);
     job->workers[index].surveyed_rays += counts->rays;
-    job->rays += counts->rays;
+    progress_count_tiles(job, counts);
     progress_see(job);
 }
 

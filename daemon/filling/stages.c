@@ -3,6 +3,7 @@
 
 #include "filling/stages.h"
 
+#include "jobs/progress.h"
 #include "machine/jobtext.h"
 #include "proto/wire.h"
 
@@ -305,8 +306,7 @@ take_stage(struct job *job, uint32_t n, struct rad_error *err)
     }
     *g = read;
     for (; !g->ended && g->base <= last; g->base++) {
-        msg_counts_add(&job->tiled, &kept->pass[g->base].counts);
-        job->rays += kept->pass[g->base].counts.rays;
+        progress_count_tiles(job, &kept->pass[g->base].counts);
         free((void *)kept->pass[g->base].bytes);
         kept->pass[g->base].bytes = NULL;
     }

@@ -59,6 +59,13 @@ cost_of_all(const struct job *job)
     return job->cost_total / (1 - job->lead.part);
 }
 
+void
+progress_count_tiles(struct job *job, const struct msg_counts *counts)
+{
+    msg_counts_add(&job->tiled, counts);
+    job->rays += counts->rays;
+}
+
 struct rad_error_estimate
 progress_error(const struct job *job)
 {

@@ -9,6 +9,7 @@
 #include <stdint.h>
 
 struct job;
+struct msg_counts;
 struct msg_progress;
 
 /* The passes, which come before the units, as a part of the job's work. */
@@ -20,6 +21,9 @@ struct progress_lead {
 /* Bring job.rays_seen and job.pixels_seen up to date; called when a unit is
  * done and when a TALLY tells how much a worker has traced. */
 void progress_see(struct job *job);
+
+/* Count what the job's tiles traced: in job.tiled and job.rays. */
+void progress_count_tiles(struct job *job, const struct msg_counts *counts);
 
 /* The estimated error of the pixels in units that are done. */
 struct rad_error_estimate progress_error(const struct job *job);
