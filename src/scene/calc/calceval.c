@@ -569,6 +569,11 @@ step(struct machine *m, const struct ins *in, enum op op)
     DO(SHARE)                                                                  \
     DO(HALT)
 
+#define ONE_OP(op) +1
+/* OP_ARG_AT and OP_RESUME are words behind other instructions. */
+_Static_assert(0 EACH_OP(ONE_OP) == OP_HALT + 1 - 2,
+               "an instruction without a label");
+
 #define LABEL(op) [OP_##op] = &&do_##op,
 /* Each instruction goes to the next one by a jump of its own: that is fewer
  * instructions than a loop about a switch, and the jumps can be predicted. */
