@@ -167,24 +167,6 @@ fetch_file(struct ctl *c, const uint8_t job[MSG_JOB], int frame,
     return rc < 0 ? rc : 0;
 }
 
-/* Let the first frame that is not black decide how this frame is shown, as it
- * does when all frames are fetched together. */
-static int
-look_at_first(struct ctl *c, const uint8_t job[MSG_JOB], int frame)
-{
-    int rc = 0;
-
-    for (int i = 0; rc == 0 && i < frame && show_waits(&c->show); i++) {
-        struct rad_memory_out f = { 0 };
-
-        rc = fetch_file(c, job, i, MSG_WHAT_PICTURE, &f);
-        if (rc == 0)
-            rc = picfile_look(f.bytes, f.len, &c->show, c->err);
-        free(f.bytes);
-    }
-    return rc;
-}
-
 /* Refuse a plane of -cs by itself: three of its bands would be taken for red,
  * green and blue. */
 static int
@@ -200,48 +182,14 @@ check_whole(struct ctl *c, const struct rad_memory_out *f)
                     c->arg, b.plane + 1, rad_bands_planes(&b));
 }
 
-/* Path NULL: standard output. */
+/* Get a frame of the job that c->arg names. */
 static int
-fetch_picture(struct ctl *c, const uint8_t job[MSG_JOB], int frame,
-              const char *path)
+get_of_job(struct ctl *c, int frame, struct rad_memory_out *f)
 {
-    struct rad_memory_out f = { 0 };
-    int rc = 0;
+    uint8_t job[MSG_JOB];
+    int rc = ctl_find_job(c, job);
 
-    if (picfile_is_png(path, PICFILE_BY_SUFFIX))
-        rc = look_at_first(c, job, frame);
-    if (rc == 0)
-        rc = fetch_file(c, job, frame, MSG_WHAT_PICTURE, &f);
-    if (rc == 0)
-        rc = check_whole(c, &f);
-    if (rc == 0)
-        rc = picfile_write(path, PICFILE_BY_SUFFIX, f.bytes, f.len, true,
-                           &c->show, c->err);
-    free(f.bytes);
-    return rc;
-}
-
-/* Get all pictures of a job, into files with their numbers. */
-static int
-fetch_all(struct ctl *c, const uint8_t job[MSG_JOB])
-{
-    const struct msg *answer;
-    int rc = ctl_query(c, MSG_QUERY_JOB, c->arg, &answer);
-    json_t *state = rc < 0 ? NULL : ctl_parse(c, answer);
-    json_int_t n = json_integer_value(json_object_get(state, "frames"));
-
-    json_decref(state);
-    if (!state)
-        return c->err->code;
-    for (int i = 0; i < n && rc == 0; i++) {
-        char *name = NULL;
-
-        rc = outname_frame(&name, c->output, i, true, c->err);
-        if (rc == 0)
-            rc = fetch_picture(c, job, i, name);
-        free(name);
-    }
-    return rc;
+    return rc < 0 ? rc : fetch_file(c, job, frame, MSG_WHAT_PICTURE, f);
 }
 
 /* --- planes --- */
@@ -276,18 +224,15 @@ add_plane(struct ctl *c, struct plane_set *s, const struct rad_memory_out *f)
 }
 
 static int
-fetch_all_planes(struct ctl *c, struct plane_set *s)
+get_planes(struct ctl *c, int frame, struct plane_set *s)
 {
     int rc = 0;
 
     for (int i = 0; i < c->nargs && rc == 0; i++) {
         struct rad_memory_out f = { 0 };
-        uint8_t job[MSG_JOB];
 
         c->arg = c->args[i];
-        if ((rc = ctl_find_job(c, job)) == 0)
-            rc = fetch_file(c, job, c->frame < 0 ? 0 : c->frame,
-                            MSG_WHAT_PICTURE, &f);
+        rc = get_of_job(c, frame, &f);
         if (rc == 0)
             rc = add_plane(c, s, &f);
         if (rc < 0)
@@ -300,28 +245,109 @@ fetch_all_planes(struct ctl *c, struct plane_set *s)
     return rc;
 }
 
-/* Get the planes of one picture, which are several jobs. */
+/* Is the output a file of spectra, of all bands of the planes? */
+static bool
+is_spectra(const struct ctl *c)
+{
+    return c->output && outname_suffix(c->output, ".hsr");
+}
+
+/* Get a frame of several jobs, each of which is a plane of it. */
 static int
-fetch_planes(struct ctl *c)
+get_of_planes(struct ctl *c, int frame, struct rad_memory_out *f)
 {
     struct plane_set s = { .n = 0 };
-    struct spectra_order order = { .primaries = RAD_PRIM_RGB };
-    uint8_t *whole = NULL;
-    size_t n = 0;
-    int rc = fetch_all_planes(c, &s);
+    struct spectra_order order = { .spectral = is_spectra(c),
+                                   .primaries = RAD_PRIM_RGB };
+    int rc = get_planes(c, frame, &s);
 
     if (rc == 0) {
         order.bands = s.bands;
-        order.spectral = c->output && outname_suffix(c->output, ".hsr");
-        rc = spectra_join(&order, s.plane, &whole, &n, c->err);
+        rc = spectra_join(&order, s.plane, &f->bytes, &f->len, c->err);
     }
-    if (rc == 0)
-        rc = picfile_write(c->output, PICFILE_BY_SUFFIX, whole, n, true,
-                           &c->show, c->err);
-    free(whole);
     for (int k = 0; k < RAD_MAX_PLANES; k++)
         free((void *)(uintptr_t)s.plane[k].hdr);
-    return rc < 0 || !c->output ? rc : ctl_done(c);
+    return rc;
+}
+
+/* --- pictures --- */
+
+/* Get the picture of a frame; the caller frees its bytes. */
+static int
+get_picture(struct ctl *c, int frame, struct rad_memory_out *f)
+{
+    int rc;
+
+    if (c->nargs > 1)
+        return get_of_planes(c, frame, f);
+    rc = get_of_job(c, frame, f);
+    return rc < 0 ? rc : check_whole(c, f);
+}
+
+/* Let the first frame that is not black decide how this frame is shown, as it
+ * does when all frames are fetched together. */
+static int
+look_at_first(struct ctl *c, int frame)
+{
+    int rc = 0;
+
+    for (int i = 0; rc == 0 && i < frame && show_waits(&c->show); i++) {
+        struct rad_memory_out f = { 0 };
+
+        rc = get_picture(c, i, &f);
+        if (rc == 0)
+            rc = picfile_look(f.bytes, f.len, &c->show, c->err);
+        free(f.bytes);
+    }
+    return rc;
+}
+
+/* Path NULL: standard output. */
+static int
+fetch_picture(struct ctl *c, int frame, const char *path)
+{
+    struct rad_memory_out f = { 0 };
+    int rc = get_picture(c, frame, &f);
+
+    if (rc == 0)
+        rc = picfile_write(path, PICFILE_BY_SUFFIX, f.bytes, f.len, true,
+                           &c->show, c->err);
+    free(f.bytes);
+    return rc;
+}
+
+/* Get all frames, into files with their numbers. */
+static int
+fetch_all(struct ctl *c)
+{
+    const struct msg *answer;
+    int rc = ctl_query(c, MSG_QUERY_JOB, c->arg, &answer);
+    json_t *state = rc < 0 ? NULL : ctl_parse(c, answer);
+    json_int_t n = json_integer_value(json_object_get(state, "frames"));
+
+    json_decref(state);
+    if (!state)
+        return c->err->code;
+    for (int i = 0; i < n && rc == 0; i++) {
+        char *name = NULL;
+
+        rc = outname_frame(&name, c->output, i, true, c->err);
+        if (rc == 0)
+            rc = fetch_picture(c, i, name);
+        free(name);
+    }
+    return rc;
+}
+
+static int
+fetch_one(struct ctl *c)
+{
+    int frame = c->frame < 0 ? 0 : c->frame;
+    int rc = picfile_is_png(c->output, PICFILE_BY_SUFFIX)
+                 ? look_at_first(c, frame)
+                 : 0;
+
+    return rc < 0 ? rc : fetch_picture(c, frame, c->output);
 }
 
 /* Does the output's name have a place for the frame's number? */
@@ -338,22 +364,16 @@ is_numbered(const char *output)
 static int
 fetch(struct ctl *c)
 {
-    uint8_t job[MSG_JOB];
-    int rc;
+    int rc = c->output ? rad_output_check(c->output, c->err) : 0;
 
-    if (c->output && (rc = rad_output_check(c->output, c->err)) < 0)
+    if (rc < 0)
         return rc;
-    if (c->nargs > 1 && c->frame < 0 && is_numbered(c->output))
+    if (c->nargs == 1 && is_spectra(c))
         return rad_fail(c->err, RAD_EUSAGE,
-                        "planes are put together frame by frame: --frame=N");
-    if (c->nargs > 1)
-        return fetch_planes(c);
-    if ((rc = ctl_find_job(c, job)) < 0)
-        return rc;
-    if (c->frame < 0 && is_numbered(c->output))
-        rc = fetch_all(c, job);
-    else
-        rc = fetch_picture(c, job, c->frame < 0 ? 0 : c->frame, c->output);
+                        "'%s': spectra have more than three bands: name the "
+                        "jobs of all planes of -cs",
+                        c->output);
+    rc = c->frame < 0 && is_numbered(c->output) ? fetch_all(c) : fetch_one(c);
     return rc < 0 || !c->output ? rc : ctl_done(c);
 }
 

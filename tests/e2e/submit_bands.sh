@@ -226,6 +226,8 @@ expect 64 "is plane 1 of 2: name the jobs of all planes" "a lone plane" \
 id=$("$radsubmit" -x 8 -y 8 -o plain.hdr "$room" 2>&1 |
     sed -n 's/radsubmit: job //p')
 expect 65 "shows no plane" "three bands" "$radctl" fetch -o x.hsr "$first" "$id"
+expect 64 "spectra have more than three bands" "spectra of one job" \
+    "$radctl" fetch -o x.hsr "$id"
 
 # left to the coordinator, with the caches of the last picture's planes
 # shellcheck disable=SC2086
@@ -240,4 +242,22 @@ until_true 60 all_done || fail "--detach is not done: $("$radctl" jobs)"
 [ "$(grep -c 'begins with the ambient values' left.err)" -eq 2 ] ||
     fail "--reuse=last: $(cat left.err)"
 [ -s left.hsr ] || fail "no picture of what was left"
+
+# Frames are put together one by one, and all are shown as the first, which is
+# darker than the second.
+cat >walk.vf <<EOF
+VIEW= -vtv -vp 2 .15 1.3 -vd 0 1 -.6 -vu 0 0 1 -vh 40 -vv 30
+VIEW= -vd 0 1 .6
+EOF
+"$radsubmit" -cs 6 -x 24 -y 18 -S 1 --views=walk.vf -o walk%d.png "$room" \
+    2>walk.err || fail "walk%d.png: $(cat walk.err)"
+ids=$(sed -n 's/radsubmit: job \([0-9a-f]*\), plane.*/\1/p' walk.err)
+# shellcheck disable=SC2086
+"$radctl" fetch -o all%d.png $ids || fail "fetch of all planes' frames"
+# shellcheck disable=SC2086
+"$radctl" fetch --frame=1 -o one.png $ids || fail "fetch of planes' second frame"
+for n in 0 1; do
+    cmp walk$((n + 1)).png all$n.png || fail "frame $n is another picture"
+done
+cmp walk2.png one.png || fail "the second frame is not shown as the first"
 finish
