@@ -401,9 +401,9 @@ launch_gathered(struct launch *l, int n, const char *names, bool *news,
     if (enough)
         return 1;
     if (n < l->order.workers && failed(l, how, sizeof how))
-        return rad_fail(err, RAD_EUNAVAIL, "%s: %d of %d workers came to %s%s%s",
-                        how, n, l->order.workers, l->dial, n ? ": " : "",
-                        names);
+        return rad_fail(err, RAD_EUNAVAIL,
+                        "%s: %d of %d workers came to %s%s%s", how, n,
+                        l->order.workers, l->dial, n ? ": " : "", names);
     if (waited)
         return rad_fail(err, RAD_EUNAVAIL,
                         "%d of %d workers came to %s in %g s%s%s%s", n,
