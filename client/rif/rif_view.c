@@ -224,9 +224,10 @@ unknown(const struct rif *r, const char *which, struct rad_error *why)
         standard(which, strlen(which), side, &type))
         return 0;
     list_names(r, names, sizeof names);
-    return rad_fail(why, RAD_EDATA,
-                    "none of the file's views (%s), nor of rad's standard views",
-                    names[0] ? names : "it names none");
+    return rad_fail(
+        why, RAD_EDATA,
+        "none of the file's views (%s), nor of rad's standard views",
+        names[0] ? names : "it names none");
 }
 
 /* Find the view that --view asks for, in the file or not. */

@@ -23,7 +23,7 @@ struct origin_stamp {
 
 /* Write the lines into text, each with its newline, printable and cut to fit.
  * stamp may be NULL. */
-void origin_text(char text[MSG_MAX_ORIGIN + 1], const char *const *scenes, int n,
-                 const struct origin_stamp *stamp);
+void origin_text(char text[MSG_MAX_ORIGIN + 1], const char *const *scenes,
+                 int n, const struct origin_stamp *stamp);
 
 #endif

@@ -129,8 +129,8 @@ bool pool_freeze(struct pool *p, struct rad_ambrec *rec, size_t n,
                  struct rad_pass_spot *spot);
 
 /* All passes are closed: units that begin from now on are of pictures with so
- * many rays of a pixel (rad_job_show()) of the pool's own job.  False: memory is
- * out. */
+ * many rays of a pixel (rad_job_show()) of the pool's own job.  False: memory
+ * is out. */
 bool pool_show(struct pool *p, struct rad_job *job, int samples);
 
 /* Note that n bytes have been written to the link.  Threads that hand

@@ -1,8 +1,8 @@
 /* render_stages.c - the stages of a goal, in a job's child
  *
  * Each stage has other options, so all but the scene is made again.  Pictures
- * are made over the cache of the last stage, with --samples of their own (SHOW).
- */
+ * are made over the cache of the last stage, with --samples of their own
+ * (SHOW). */
 #include "config.h"
 
 #include "child/render_impl.h"

@@ -171,9 +171,9 @@ end_stalled(struct coord *c, struct job *job)
     verdict_job(c, job, JOB_FAILED, EX_TEMPFAIL, text);
 }
 
-/* Has the store the statistics of a job that is over?  The job stays as it is for
- * LINGER_MS, for its workers' last messages still come, and while its statistics
- * are made for a user. */
+/* Has the store the statistics of a job that is over?  The job stays as it is
+ * for LINGER_MS, for its workers' last messages still come, and while its
+ * statistics are made for a user. */
 static bool
 may_lighten(const struct coord *c, const struct job *job)
 {

@@ -110,8 +110,8 @@ is_free(const struct coord_conn *conn)
            conn->roles != 1u << MSG_ROLE_OBSERVER;
 }
 
-/* May there be `more` beside `used`, up to `most` in all?  remedy: what the user
- * can do to have room. */
+/* May there be `more` beside `used`, up to `most` in all?  remedy: what the
+ * user can do to have room. */
 static int
 check(const char *name, uint64_t used, uint64_t more, uint64_t most,
       const char *what, const char *remedy, struct rad_error *err)

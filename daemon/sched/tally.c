@@ -27,8 +27,8 @@ note_unpaid(struct job_worker *jw, const struct msg_counts *paid)
 }
 
 /* A TALLY counts even after the job's end: the last twins are taken back then.
- * One that comes before the first READY may be of an earlier job of this id; the
- * worker sends its sums again. */
+ * One that comes before the first READY may be of an earlier job of this id;
+ * the worker sends its sums again. */
 void
 tally_came(struct coord *c, struct coord_worker *w, const struct msg *msg)
 {

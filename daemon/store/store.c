@@ -4,12 +4,12 @@
  * folders and the journal belong to the pool thread; the loop does not touch
  * them after store_recover().
  *
- * A file is on the disk, its bytes and its name, before the journal notes it, or
- * its sender hears of it.  A file is removed after the journal has noted that it
- * goes.  The folder of a forgotten job is removed before, so the journal may
- * still list the job for a moment, even as one that is not over; and so are, on
- * a full disk, rows of a job that was cancelled.  Names tell the next life of
- * either (folder.h). */
+ * A file is on the disk, its bytes and its name, before the journal notes it,
+ * or its sender hears of it.  A file is removed after the journal has noted
+ * that it goes.  The folder of a forgotten job is removed before, so the
+ * journal may still list the job for a moment, even as one that is not over;
+ * and so are, on a full disk, rows of a job that was cancelled.  Names tell the
+ * next life of either (folder.h). */
 #include "config.h"
 
 #include "base/output.h"

@@ -375,8 +375,8 @@ give_up_run(struct task *t)
 }
 
 /* Remove the rows of a job that ends because it was cancelled; those of another
- * job may be of pictures that wait to be written.  No writing task, for it makes
- * room. */
+ * job may be of pictures that wait to be written.  No writing task, for it
+ * makes room. */
 static void
 give_up_rows(struct store *s, const struct saved_task *end)
 {

@@ -238,7 +238,8 @@ above_last(const struct strict *s, const struct strict_unit *u, int *known)
     int line = u->last - 2;
     const uint8_t *density = recorded(s, u, line);
 
-    *known = density ? u->chain.known + line + 1 - u->chain.first : u->top_known;
+    *known =
+        density ? u->chain.known + line + 1 - u->chain.first : u->top_known;
     if (!density && u->last - u->first == 1)
         density = u->guess.above;
     if (*known > TEAM_SURE)

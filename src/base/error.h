@@ -14,8 +14,8 @@
 
 enum rad_code {
     RAD_EUSAGE = -5001,      /* wrong command line              EX_USAGE 64 */
-    RAD_EDATA = -5002,       /* bad scene, picture or other data EX_DATAERR 65 */
-    RAD_ENOINPUT = -5003,    /* input file missing or unreadable EX_NOINPUT 66 */
+    RAD_EDATA = -5002,       /* bad scene, picture or data EX_DATAERR 65 */
+    RAD_ENOINPUT = -5003,    /* input missing or unreadable EX_NOINPUT 66 */
     RAD_EUNAVAIL = -5004,    /* no coordinator or no worker in time       69 */
     RAD_EINTERNAL = -5005,   /* our bug                    EX_SOFTWARE 70 */
     RAD_ENOMEM = -5006,      /* out of memory              EX_OSERR 71 */

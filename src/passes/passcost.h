@@ -4,8 +4,8 @@
  * sizes of the pictures; while passes are made, from the rays that these took,
  * too.  It is fitted to the rays of five scenes (office by night and by day,
  * cornell, virtual, mirror) at 120 to 1024 columns, -ab 1 to 5, -aa .15 to .3,
- * -ad 64 to 512.  Its ratio of tiles' rays to pixels' rays is off by a factor of
- * about two, and three at most.
+ * -ad 64 to 512.  Its ratio of tiles' rays to pixels' rays is off by a factor
+ * of about two, and three at most.
  * Thread: any. */
 #ifndef RAD_PASSES_PASSCOST_H
 #define RAD_PASSES_PASSCOST_H

@@ -285,8 +285,8 @@ channel_same(float a, float b)
 
 /* Let the source, of radiance L at distance dist, cover the share w of a pixel.
  * If the sampler has met the source there (same radiance, and with -z the
- * source no nearer than what the sampler found), the pixel is all source, and is
- * scaled down to the share. */
+ * source no nearer than what the sampler found), the pixel is all source, and
+ * is scaled down to the share. */
 static void
 cover(struct rad_pixel *p, struct rad_rgb L, double dist, double w, bool depth)
 {

@@ -309,7 +309,8 @@ pixel_colour(const struct field *f, int x, int y, uint8_t rgb[3])
     else if (s->contour == RAD_CONTOUR_LINES ? on_line(f, x, y) : in_band(s, v))
         contour_colour(s, v, rgb);
     else /* half as bright as white, so that contours stand out */
-        memset(rgb, (int)(128 * pow(v < 1 ? v : 1, s->decades > 0 ? 1 : 1 / 2.2)),
+        memset(rgb,
+               (int)(128 * pow(v < 1 ? v : 1, s->decades > 0 ? 1 : 1 / 2.2)),
                3);
 }
 
