@@ -40,7 +40,7 @@ format(struct rifjob *j, const char *fmt, ...)
     return copy;
 }
 
-/* Note a line about a variable, for the user. */
+/* Note a warning about a variable, for the user. */
 static int
 note(struct rifjob *j, enum rif_var v, const char *what, struct rad_error *err)
 {
@@ -48,10 +48,11 @@ note(struct rifjob *j, enum rif_var v, const char *what, struct rad_error *err)
     char *text;
 
     if (value && value->line > 0)
-        text = format(j, "%s:%d: %s: %s", j->rif.name, value->line,
+        text = format(j, "warning: %s:%d: %s: %s", j->rif.name, value->line,
                       rif_variable(v), what);
     else
-        text = format(j, "%s: %s: %s", j->rif.name, rif_variable(v), what);
+        text = format(j, "warning: %s: %s: %s", j->rif.name, rif_variable(v),
+                      what);
     if (!text)
         return rad_fail_memory(err);
     if (j->nnotes < MOST_NOTES)

@@ -23,7 +23,7 @@ struct rifjob {
     bool raw;                  /* pictures are rpict's, not filtered */
     struct frames_view *views; /* nviews */
     int nviews;
-    const char **notes; /* nnotes lines for the user */
+    const char **notes; /* nnotes warnings for the user */
     int nnotes;
     const char *optfile; /* content of OPTFILE as rad writes it */
     struct words given;  /* the real command line */

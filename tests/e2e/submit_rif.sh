@@ -110,7 +110,7 @@ cmp -s a.png screen_south.png || fail "--format=png gives no .png's name"
 run --dry-run room.rif RAW=x "pf=-m .1 -r 1 -e 2" "oconv=myoconv -f" "EXP=1" >dry
 for word in 'RAWFILE: ' "pfilt: '-m' is not done" "pfilt: '-r' is not done" \
     "oconv: 'myoconv' is not run"; do
-    grep -qF "radsubmit: room.rif: $word" err ||
+    grep -qF "radsubmit: warning: room.rif: $word" err ||
         fail "not said: $word: $(cat err)"
 done
 grep -q '^picture' dry || fail "no dry run"
