@@ -95,23 +95,20 @@ read_row(void *arg, const uint8_t job[MSG_JOB], uint32_t frame, uint32_t y,
 }
 
 /* No problem, since they can be made again; but a disk that spoils what is on
- * it is one to know of.  Rows that were given up on a full disk are no sign of
- * that. */
+ * it is one to know of. */
 static int
 to_be_made(void *arg, const struct saved_job *s, const struct saved_unit *u,
            struct rad_error *err)
 {
     struct look *l = arg;
-    bool given_up = folder_is_given_up(&l->folder, s->spec.job);
     char hex[MSG_JOB_HEX], text[200];
 
     (void)err;
     msg_job_format(s->spec.job, hex);
-    snprintf(text, sizeof text, "job %s: rows of frame %u, unit %u, %s", hex,
-             u->area.frame, u->unit,
-             given_up ? "were given up on a full disk"
-                      : "are not what they were");
-    l->out->redo += !given_up;
+    snprintf(text, sizeof text,
+             "job %s: rows of frame %u, unit %u, are not what they were", hex,
+             u->area.frame, u->unit);
+    l->out->redo++;
     l->tell(l->arg, false, text);
     return 0;
 }

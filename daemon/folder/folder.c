@@ -302,8 +302,9 @@ folder_rest(struct folder *f, const uint8_t id[MSG_JOB])
     remove_rest(f, id, "");
 }
 
-/* Rename a file of the job's rows to "over", which needs no room, and make that
- * last before any rows are removed.  A job without rows needs no "over". */
+/* Rename a file of the job's rows, or the room for them, to "over", which needs
+ * no room, and make that last before any file is removed.  A job that has
+ * neither has all pictures, and needs no "over". */
 static int
 mark_over(const struct folder *f, const struct folder_job *j)
 {
@@ -312,12 +313,13 @@ mark_over(const struct folder *f, const struct folder_job *j)
 
     while (i < j->nframes && j->frames[i].file != FILE_ROWS)
         i++;
-    if (i == j->nframes)
-        return 0;
-    folder_frame_path(f, j->id, i, ".rows", path);
+    if (i < j->nframes)
+        folder_frame_path(f, j->id, i, ".rows", path);
+    else
+        folder_path(f, j->id, FOLDER_ROOM, path);
     folder_path(f, j->id, FOLDER_OVER, over);
     if (rename(path, over) < 0)
-        return RAD_EIO;
+        return errno == ENOENT ? 0 : RAD_EIO;
     folder_path(f, j->id, "", path);
     return disk_sync_path(path, NULL) < 0 || truncate(over, 0) < 0 ? RAD_EIO
                                                                    : 0;
@@ -341,15 +343,6 @@ folder_is_given_up(const struct folder *f, const uint8_t id[MSG_JOB])
 
     folder_path(f, id, FOLDER_OVER, path);
     return access(path, F_OK) == 0;
-}
-
-void
-folder_go_on(const struct folder *f, const uint8_t id[MSG_JOB])
-{
-    char path[DISK_PATH_MAX];
-
-    folder_path(f, id, FOLDER_OVER, path);
-    unlink(path);
 }
 
 bool

@@ -19,7 +19,7 @@
  *                      until then the submitter was not told that the job is
  *                      accepted
  * DIR/jobs/ID/over     rows of the job were given up, before the database knew
- *                      that it is over: an empty file
+ *                      that it was cancelled: an empty file
  * DIR/jobs/ID.gone     the folder of a job that is being forgotten, until the
  *                      database does not know the job any more; beside ID it
  *                      has files of an earlier job that could not be removed
@@ -81,12 +81,10 @@ bool folder_is_new(const struct folder *f, const uint8_t job[MSG_JOB]);
 /* The job is over: remove its rows, room, cache and previews. */
 void folder_rest(struct folder *f, const uint8_t job[MSG_JOB]);
 /* Remove these files on a full disk, where the database cannot note yet that
- * the job is over.  If it never does, the job goes on in another life, without
- * rows: they are given up until folder_go_on(), which comes when the database
- * has struck them. */
+ * the job was cancelled.  Until it has, and folder_rest() was called, the job
+ * is given up, in other lives, too. */
 void folder_give_up(struct folder *f, const uint8_t job[MSG_JOB]);
 bool folder_is_given_up(const struct folder *f, const uint8_t job[MSG_JOB]);
-void folder_go_on(const struct folder *f, const uint8_t job[MSG_JOB]);
 /* Rename ID to ID.gone, and remove some of its files.  True: files are left,
  * call again.  The empty ID.gone stays until folder_forgotten() removes it, and
  * what is in it, for the database may still know the job. */

@@ -2,9 +2,8 @@
  *
  * Finished files are compared with their marks.  In a job that is not over a
  * frame of which the database notes rows must have its file; other frames may
- * have one.  Rows that were given up on a full disk need no file, for
- * rowcheck.c strikes them.  The job's room is then set to what frames without a
- * file need. */
+ * have one.  The job's room is then set to what frames without a file need.  A
+ * job that was given up needs neither rows nor room. */
 #include "config.h"
 
 #include "folder/folder_impl.h"
@@ -170,7 +169,7 @@ take_frames(struct folder *f, struct folder_job *j, const struct saved_job *s,
             r->file = FILE_PICTURE;
         else if (found->there[i] || noted)
             rc = take_rows(f, j, i, noted, err);
-        if (r->file == FILE_NONE)
+        if (r->file == FILE_NONE && !given_up)
             j->room += folder_frame_bytes(j, r);
     }
     return rc;

@@ -21,6 +21,7 @@ make_new(struct saved_unit *u)
 struct check {
     struct folder *f;
     const struct saved_job *saved;
+    bool given_up;
     struct saved_unit *units;
     rowcheck_fn *damaged;
     void *arg;
@@ -34,9 +35,8 @@ static int
 look(const struct check *c, const struct saved_unit *u, bool *sound, bool *line)
 {
     *sound = *line = false;
-    if (folder_is_given_up(c->f, c->saved->spec.job))
-        return 0;
-    for (int with = u->nbottom > 0; with < 2 && !*sound; with++) {
+    for (int with = u->nbottom > 0; with < 2 && !*sound && !c->given_up;
+         with++) {
         uint64_t sum;
         int rc = folder_sum(c->f, c->saved->spec.job, &u->area, u->stored, with,
                             &sum, c->err);
@@ -53,7 +53,7 @@ static int
 strike(const struct check *c, struct saved_unit *u)
 {
     make_new(u);
-    return c->damaged(c->arg, c->saved, u, c->err);
+    return c->given_up ? 0 : c->damaged(c->arg, c->saved, u, c->err);
 }
 
 /* The unit that ends where u begins, if it is done. */
@@ -97,7 +97,8 @@ rowcheck_job(struct folder *f, const struct saved_job *saved,
              struct saved_unit *units, rowcheck_fn *damaged, void *arg,
              struct rad_error *err)
 {
-    const struct check c = { f, saved, units, damaged, arg, err };
+    bool given_up = folder_is_given_up(f, saved->spec.job);
+    const struct check c = { f, saved, given_up, units, damaged, arg, err };
     bool sound, line;
     int rc = 0;
 

@@ -18,7 +18,8 @@ typedef int rowcheck_fn(void *arg, const struct saved_job *saved,
  * sums.  Sets units[], of saved->nunits: a unit whose rows differ has no rows
  * and no worker.  So has the unit above it if no base line of that was kept,
  * for the damaged unit begins there.  damaged() is called for each such unit,
- * until it fails.  RAD_EIO, RAD_ENOMEM. */
+ * until it fails.  Rows of a job that was given up are none, and no damage.
+ * RAD_EIO, RAD_ENOMEM. */
 int rowcheck_job(struct folder *f, const struct saved_job *saved,
                  struct saved_unit *units, rowcheck_fn *damaged, void *arg,
                  struct rad_error *err);

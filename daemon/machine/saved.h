@@ -70,6 +70,8 @@ struct saved_job {
                                * 0 if the cache is to be kept */
     struct msg_progress last; /* of a job that is over */
     struct mark stats;        /* of a job that is over */
+    bool given_up; /* the job was cancelled on a full disk, where its end could
+                    * not be kept: its rows are gone */
     const struct saved_frame *frames; /* by index */
     uint32_t nunits;                  /* of a job that is not over */
     const struct saved_unit *units;   /* by number */

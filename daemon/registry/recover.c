@@ -252,6 +252,8 @@ take_up(const struct recovery *r)
                 (unsigned long long)job->pixels_total);
     if (job->frames_ready == job->spec.nframes) /* the job's end was not kept */
         verdict_job(r->c, job, JOB_DONE, 0, NULL);
+    else if (r->s->given_up)
+        verdict_job(r->c, job, JOB_CANCELLED, EX_TEMPFAIL, "cancelled");
     else if ((lost = stages_lost(job)))
         verdict_job(r->c, job, JOB_FAILED, EX_IOERR, lost);
     coord_end_jobs(r->c);

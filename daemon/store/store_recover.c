@@ -45,8 +45,8 @@ check_files(struct store *s, const struct msg_spec *spec, struct rad_error *err)
     return rc;
 }
 
-/* Strike a unit's rows from the journal, for they are damaged or were given up
- * on a full disk; they will be rendered again. */
+/* Strike a unit's damaged rows from the journal; they will be rendered again.
+ */
 static int
 drop_damaged(void *arg, const struct saved_job *saved,
              const struct saved_unit *unit, struct rad_error *err)
@@ -55,10 +55,8 @@ drop_damaged(void *arg, const struct saved_job *saved,
     char hex[MSG_JOB_HEX];
 
     msg_job_format(saved->spec.job, hex);
-    log_warn("rows %s job=%s frame=%u unit=%u: they are made again",
-             folder_is_given_up(&s->folder, saved->spec.job) ? "given up"
-                                                             : "damaged",
-             hex, unit->area.frame, unit->unit);
+    log_warn("rows damaged job=%s frame=%u unit=%u: they are made again", hex,
+             unit->area.frame, unit->unit);
     return journal_put_rows(s->journal, saved->spec.job, unit, err);
 }
 
@@ -77,6 +75,7 @@ recover_open(struct recovery *r, const struct saved_job *saved,
         return rad_fail_memory(err);
     sound.units = units;
     sound.passes = passes;
+    sound.given_up = folder_is_given_up(&r->s->folder, saved->spec.job);
     cache = folder_read_passes(&r->s->folder, saved->spec.job, passes,
                                &sound.npasses);
     if (saved->spec.flags & MSG_JOB_REUSE && sound.npasses > 0)
@@ -149,8 +148,8 @@ check_fate(void *arg, const uint8_t job[MSG_JOB], bool going,
                                                : rc;
 }
 
-/* After the commit: remove the folder, or the rest of its rows, if it is to go;
- * rows that were given up are struck by now. */
+/* After the commit: remove the folder, or the rest of its rows, if it is to go.
+ */
 static int
 tidy(void *arg, const uint8_t job[MSG_JOB], bool going, struct rad_error *err)
 {
@@ -166,9 +165,7 @@ tidy(void *arg, const uint8_t job[MSG_JOB], bool going, struct rad_error *err)
         folder_forgotten(&s->folder, job);
     } else {
         folder_noted(&s->folder, job);
-        if (folder_is_open(&s->folder, job))
-            folder_go_on(&s->folder, job);
-        else
+        if (!folder_is_open(&s->folder, job))
             folder_rest(&s->folder, job);
     }
     return 0;

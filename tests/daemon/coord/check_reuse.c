@@ -425,6 +425,25 @@ START_TEST(a_job_of_an_earlier_life_goes_on_with_them)
 }
 END_TEST
 
+/* It was cancelled on a full disk, where that could not be noted. */
+START_TEST(a_job_that_was_given_up_is_cancelled_in_the_next_life)
+{
+    struct msg m = submit_of(job_c, job_a);
+    struct saved_frame none = { 0 };
+    struct saved_job s = { .spec = m.submit,
+                           .owner = "ana",
+                           .text = "",
+                           .frames = &none,
+                           .given_up = true };
+
+    ck_assert_int_eq(recover_job(f.c, f.now_ms, &s, NULL, NULL, NULL), 0);
+    ck_assert_int_eq(find(job_c)->state, JOB_CANCELLED);
+    join(SECOND, MSG_ROLE_WORKER, "ws2", "daemon");
+    ready(WORKER, job_c);
+    ck_assert_uint_eq(f.loads, 0);
+}
+END_TEST
+
 /* All rows were there when the coordinator died: it is over before any worker
  * is ready, and has counted what it counted, and left what it left. */
 START_TEST(a_job_that_was_all_but_over_leaves_its_cache)
@@ -720,6 +739,7 @@ main(void)
     tcase_add_test(tc, a_job_of_an_earlier_life_goes_on_with_them);
     tcase_add_loop_test(tc, a_job_whose_decision_is_lost_says_why, 0,
                         N_ELEM(lost));
+    tcase_add_test(tc, a_job_that_was_given_up_is_cancelled_in_the_next_life);
     tcase_add_loop_test(tc, a_job_that_was_all_but_over_leaves_its_cache, 0, 2);
     suite_add_tcase(s, tc);
     tcase_add_checked_fixture(files, set_up_folder, tear_down_folder);

@@ -4,6 +4,7 @@
 
 #include "lives_fixture.h"
 
+#include "jobs/job.h"
 #include "journal/journal_impl.h"
 
 #include <stdio.h>
@@ -147,37 +148,67 @@ START_TEST(rows_that_a_disk_has_spoilt_are_none)
 }
 END_TEST
 
+static int
+note_given_up(void *arg, const struct saved_job *s, struct rad_error *err)
+{
+    (void)err;
+    ck_assert_uint_eq(s->units[0].stored, 0);
+    ck_assert_uint_eq(s->units[1].stored, 0);
+    *(bool *)arg = s->given_up;
+    return 0;
+}
+
+static int
+note_cancelled(void *arg, const struct saved_job *s, struct rad_error *err)
+{
+    (void)arg;
+    (void)err;
+    ck_assert_int_eq(s->state, JOB_CANCELLED);
+    return 0;
+}
+
 /* On a full disk the rows of a job that is cancelled are removed before that is
- * noted; a coordinator that is killed then renders them again. */
-START_TEST(rows_that_were_given_up_are_no_damage)
+ * noted, and the coordinator is killed.  Its next lives know, until it is
+ * noted. Of a job without rows the room is kept. */
+START_TEST(a_job_that_was_given_up_stays_so)
 {
     struct rad_error err = { 0 };
+    bool given_up;
     uint32_t stored[2];
     struct heard h;
     uint64_t epoch;
-    char command[200];
     uv_loop_t loop;
     struct store *s;
 
     open_kept(&loop, &s, &h);
     ck_assert_int_eq(store_recover(s, 1, &epoch, note_stored, stored, NULL), 0);
     open_job(s);
-    put_pieces(s, false, 1);
+    if (_i == 0)
+        put_pieces(s, false, 1);
+    else
+        keep_units(s);
+    run(&loop, s);
+    folder_give_up(&s->folder, kept_job);
+    ck_assert(!is_there(KEPT_DIR "/0.rows"));
+    ck_assert(!is_there(KEPT_DIR "/room"));
     close_kept(&loop, s);
-    snprintf(command, sizeof command,
-             "cd %s/" KEPT_DIR " && mv 0.rows over && : >over", dir);
-    ck_assert_int_eq(system(command), 0);
     for (int life = 0; life < 2; life++) {
         open_kept(&loop, &s, &h);
-        ck_assert_msg(store_recover(s, 1, &epoch, note_stored, stored, &err) ==
-                          0,
-                      "%s: %s", err.where, err.what);
-        ck_assert_uint_eq(stored[0], life == 0 ? 0 : 3);
-        ck_assert_uint_eq(stored[1], life == 0 ? 0 : 3);
-        ck_assert(!is_there(KEPT_DIR "/over"));
-        put_pieces(s, false, 1);
+        given_up = false;
+        ck_assert_msg(
+            store_recover(s, 1, &epoch, note_given_up, &given_up, &err) == 0,
+            "%s: %s", err.where, err.what);
+        ck_assert(given_up);
+        ck_assert(!is_there(KEPT_DIR "/room"));
+        if (life == 1)
+            end_job(s);
         close_kept(&loop, s);
     }
+    ck_assert(!is_there(KEPT_DIR "/over"));
+    open_kept(&loop, &s, &h);
+    ck_assert_int_eq(store_recover(s, 1, &epoch, note_cancelled, NULL, NULL),
+                     0);
+    close_kept(&loop, s);
 }
 END_TEST
 
@@ -292,7 +323,7 @@ main(void)
     tcase_add_checked_fixture(tc, scratch_make, scratch_remove);
     tcase_add_loop_test(tc, rows_that_a_disk_has_spoilt_are_none, 0,
                         N_ELEM(spoilt));
-    tcase_add_test(tc, rows_that_were_given_up_are_no_damage);
+    tcase_add_loop_test(tc, a_job_that_was_given_up_stays_so, 0, 2);
     tcase_add_test(tc, rows_that_come_when_the_database_is_full_are_noted_once);
     tcase_add_test(tc, a_units_base_line_outlives_the_store);
     return unit_run_case(tc);
