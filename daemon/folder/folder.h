@@ -127,10 +127,11 @@ int folder_sum(struct folder *f, const uint8_t job[MSG_JOB],
 void folder_put_pass(struct folder *f, const uint8_t job[MSG_JOB],
                      uint32_t pass, const struct saved_pass *p);
 /* Read the kept passes of the job, *n of them, up to the first that is damaged.
- * Returns the bytes that pass[] points into, malloc'd, or NULL. */
-uint8_t *folder_read_passes(struct folder *f, const uint8_t job[MSG_JOB],
-                            struct saved_pass pass[MSG_MOST_PASSES],
-                            uint32_t *n);
+ * *bytes: what pass[] points into, malloc'd, or NULL.  If they cannot be read
+ * *n is 0: RAD_ESHORT, RAD_ENOMEM; RAD_EIO, RAD_EDATA. */
+int folder_read_passes(struct folder *f, const uint8_t job[MSG_JOB],
+                       struct saved_pass pass[MSG_MOST_PASSES], uint32_t *n,
+                       uint8_t **bytes, struct rad_error *err);
 /* Find the passes in the bytes of a file of passes; pass[] points into them.
  * Returns the number of bytes up to the first pass that is damaged. */
 size_t folder_parse_passes(const uint8_t *bytes, size_t len,

@@ -172,24 +172,48 @@ take_back(const struct folder *f, const uint8_t id[MSG_JOB])
         rename(kept, path);
 }
 
-uint8_t *
+/* Read a file of passes: *n bytes, malloc'd.  NULL: RAD_EDATA if the file is
+ * missing or too large; RAD_ENOMEM, RAD_ESHORT, RAD_EIO. */
+static uint8_t *
+read_file(const char *path, size_t *n, struct rad_error *err)
+{
+    int fd = open(path, O_RDONLY | O_CLOEXEC);
+    uint8_t *bytes;
+
+    if (fd < 0) {
+        mark_missing(path, errno, err);
+        return NULL;
+    }
+    bytes = rad_fd_read(fd, path, MOST_CACHE, n, err);
+    close(fd);
+    return bytes;
+}
+
+int
 folder_read_passes(struct folder *f, const uint8_t id[MSG_JOB],
-                   struct saved_pass pass[MSG_MOST_PASSES], uint32_t *n)
+                   struct saved_pass pass[MSG_MOST_PASSES], uint32_t *n,
+                   uint8_t **bytes, struct rad_error *err)
 {
     struct folder_job *j = *folder_find_job(f, id);
+    struct rad_error why = { 0 };
     char path[DISK_PATH_MAX];
     size_t len = 0, end;
-    uint8_t *bytes;
 
     take_back(f, id);
     folder_path(f, id, FOLDER_CACHE, path);
-    bytes = rad_file_read(path, MOST_CACHE, &len, NULL);
-    end = folder_parse_passes(bytes, len, pass, n);
+    *n = 0;
+    *bytes = NULL;
+    if (access(path, F_OK) < 0 && errno == ENOENT)
+        return 0;
+    *bytes = read_file(path, &len, &why);
+    if (!*bytes)
+        return rad_fail(err, why.code, "%s", why.what);
+    end = folder_parse_passes(*bytes, len, pass, n);
     if (j) {
         j->npasses = *n;
         j->pass_bytes = end;
     }
-    return bytes;
+    return 0;
 }
 
 /* --- caches of jobs that are done --- */
@@ -278,23 +302,6 @@ folder_parse_kept(uint8_t *bytes, size_t len)
     for (uint32_t i = kept.first; i < kept.end; at += pass[i++].len)
         memmove(bytes + at, pass[i].bytes, pass[i].len);
     return at;
-}
-
-/* Read a file of passes: *n bytes, malloc'd.  NULL: RAD_EDATA if the file is
- * missing or too large; RAD_ENOMEM, RAD_ESHORT, RAD_EIO. */
-static uint8_t *
-read_file(const char *path, size_t *n, struct rad_error *err)
-{
-    int fd = open(path, O_RDONLY | O_CLOEXEC);
-    uint8_t *bytes;
-
-    if (fd < 0) {
-        mark_missing(path, errno, err);
-        return NULL;
-    }
-    bytes = rad_fd_read(fd, path, MOST_CACHE, n, err);
-    close(fd);
-    return bytes;
 }
 
 /* Say in *err why a cache has no records: it is damaged or, if *why tells of

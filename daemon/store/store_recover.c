@@ -60,6 +60,25 @@ drop_damaged(void *arg, const struct saved_job *saved,
     return journal_put_rows(s->journal, saved->spec.job, unit, err);
 }
 
+/* Read the job's passes.  If the disk has lost them they are made again.  A
+ * shortage of descriptors or memory may pass, so the start fails: what a check
+ * pass decided cannot be made again. */
+static int
+read_passes(struct recovery *r, const uint8_t *job, struct saved_pass *passes,
+            uint32_t *n, uint8_t **bytes, struct rad_error *err)
+{
+    struct rad_error why = { 0 };
+    char hex[MSG_JOB_HEX];
+    int rc = folder_read_passes(&r->s->folder, job, passes, n, bytes, &why);
+
+    if (rc == RAD_ESHORT || rc == RAD_ENOMEM)
+        return rad_fail(err, rc, "%s", why.what);
+    msg_job_format(job, hex);
+    if (rc < 0)
+        log_warn("passes lost job=%s why=%s", hex, why.what);
+    return 0;
+}
+
 /* Take up a job that is not over, with the rows that are sound. */
 static int
 recover_open(struct recovery *r, const struct saved_job *saved,
@@ -68,7 +87,7 @@ recover_open(struct recovery *r, const struct saved_job *saved,
     struct saved_unit *units = calloc(saved->nunits + 1, sizeof *units);
     struct saved_pass passes[MSG_MOST_PASSES];
     struct saved_job sound = *saved;
-    uint8_t *cache;
+    uint8_t *cache = NULL;
     int rc;
 
     if (!units)
@@ -76,12 +95,12 @@ recover_open(struct recovery *r, const struct saved_job *saved,
     sound.units = units;
     sound.passes = passes;
     sound.given_up = folder_is_given_up(&r->s->folder, saved->spec.job);
-    cache = folder_read_passes(&r->s->folder, saved->spec.job, passes,
-                               &sound.npasses);
+    rc = read_passes(r, saved->spec.job, passes, &sound.npasses, &cache, err);
     if (saved->spec.flags & MSG_JOB_REUSE && sound.npasses > 0)
         passes[0].bytes = NULL; /* another job's records: read when the first
                                  * worker is ready */
-    rc = rowcheck_job(&r->s->folder, saved, units, drop_damaged, r->s, err);
+    if (rc == 0)
+        rc = rowcheck_job(&r->s->folder, saved, units, drop_damaged, r->s, err);
     if (rc == 0)
         rc = r->fn(r->arg, &sound, err);
     free(cache);

@@ -601,7 +601,8 @@ START_TEST(all_passes_become_the_first_of_another_job)
     for (size_t i = 0; i < len; i++)
         ck_assert_uint_eq(bytes[i], i + 1);
     free(bytes);
-    bytes = folder_read_passes(&folder, job_b, pass, &n);
+    ck_assert_int_eq(folder_read_passes(&folder, job_b, pass, &n, &bytes, &err),
+                     0);
     ck_assert_uint_eq(n, 2);
     ck_assert_uint_eq(pass[1].len, 5);
     free(bytes);
@@ -640,7 +641,8 @@ START_TEST(a_job_whose_end_was_not_noted_has_its_passes)
     make(job_a);
     put_pass(job_a, 0, 1, 30);
     folder_keep_cache(&folder, job_a, &(struct pass_range){ 0, 1, 1 });
-    bytes = folder_read_passes(&folder, job_a, pass, &n);
+    ck_assert_int_eq(folder_read_passes(&folder, job_a, pass, &n, &bytes, NULL),
+                     0);
     ck_assert_uint_eq(n, 1);
     ck_assert_uint_eq(pass[0].len, 30);
     free(bytes);
