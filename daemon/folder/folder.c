@@ -231,6 +231,22 @@ keep_room(struct folder *f, const struct folder_job *j, struct rad_error *err)
     return rc;
 }
 
+/* Try once more to remove files of an earlier job of this id.  If they stay, so
+ * would the files of this job when it is forgotten. */
+static int
+check_gone(const struct folder *f, const uint8_t *id, struct rad_error *err)
+{
+    char path[DISK_PATH_MAX];
+
+    folder_path(f, id, FOLDER_GONE, path);
+    remove_dir(path);
+    if (access(path, F_OK) < 0)
+        return 0;
+    return rad_fail(err, RAD_ETEMPFAIL,
+                    "files of an earlier job of this id cannot be removed: "
+                    "submit it again");
+}
+
 int
 folder_make(struct folder *f, const struct msg_spec *spec,
             struct rad_error *err)
@@ -242,7 +258,9 @@ folder_make(struct folder *f, const struct msg_spec *spec,
     if (!j)
         return RAD_ENOMEM;
     folder_path(f, spec->job, "", path);
-    rc = f->durable ? check_room(f, j, err) : 0;
+    rc = check_gone(f, spec->job, err);
+    if (rc == 0 && f->durable)
+        rc = check_room(f, j, err);
     if (rc == 0)
         rc = disk_make_dir(path, err);
     if (rc == 0 && f->durable) /* if not, a full disk shows when rows come */

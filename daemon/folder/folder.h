@@ -21,8 +21,8 @@
  * DIR/jobs/ID/over     rows of the job were given up, before the database knew
  *                      that it was cancelled: an empty file
  * DIR/jobs/ID.gone     the folder of a job that is being forgotten, until the
- *                      database does not know the job any more; beside ID it
- *                      has files of an earlier job that could not be removed
+ *                      database does not know the job any more, or with files
+ *                      that could not be removed: then ID is not made
  *
  * All calls do I/O and may wait for the disk; calls that write may be repeated
  * after RAD_EFULL.
@@ -59,7 +59,8 @@ void folder_release(struct folder *f);
 
 /* Make the job's folder; durable: keep room for all of its rows, too, which
  * lasts after folder_sync(), and let the folder be new until folder_noted().
- * RAD_EFULL: the disk has too little room now; RAD_EDATA: it is too small. */
+ * RAD_EFULL: the disk has too little room now; RAD_EDATA: it is too small;
+ * RAD_ETEMPFAIL: the job needs another id. */
 int folder_make(struct folder *f, const struct msg_spec *spec,
                 struct rad_error *err);
 /* Go on with the files of a job of an earlier life; over: only look for its

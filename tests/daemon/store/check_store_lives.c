@@ -14,6 +14,7 @@
 #include <sys/stat.h>
 #include <sys/syscall.h>
 #include <sys/wait.h>
+#include <unistd.h>
 
 static int
 note_job(void *arg, const struct saved_job *s, struct rad_error *err)
@@ -378,6 +379,39 @@ START_TEST(a_job_may_have_the_id_of_one_that_was_never_opened)
 }
 END_TEST
 
+/* Else the folder of the new job would stay, too, when that is forgotten. */
+START_TEST(while_files_of_a_forgotten_job_are_left_its_id_is_not_taken_again)
+{
+    struct store_handler counts = handler;
+    struct saved_job job;
+    char folder[200];
+    struct heard h;
+    uv_loop_t loop;
+    struct store *s;
+
+    counts.job = count_jobs;
+    open_for(&loop, &s, &counts, &h);
+    ck_assert_int_eq(recover(s, &job, NULL), 0);
+    open_job(s);
+    run(&loop, s);
+    snprintf(folder, sizeof folder, "%s/" KEPT_DIR "/folder", dir);
+    ck_assert_int_eq(mkdir(folder, 0700), 0); /* not removed with the files */
+    end_job(s);
+    forget_job(s);
+    open_job(s);
+    run(&loop, s);
+    ck_assert_int_eq(h.jobs, 1);
+    ck_assert(!is_there(KEPT_DIR));
+    snprintf(folder, sizeof folder, "%s/" KEPT_DIR ".gone/folder", dir);
+    ck_assert_int_eq(rmdir(folder), 0);
+    open_job(s);
+    run(&loop, s);
+    ck_assert_int_eq(h.jobs, 2);
+    keeps_a_unit(&loop, &s, &h, &job);
+    close_kept(&loop, s);
+}
+END_TEST
+
 static int
 count_open(void *arg, const struct saved_job *s, struct rad_error *err)
 {
@@ -666,6 +700,8 @@ main(void)
         tc, what_is_left_of_a_forgotten_job_does_no_harm_to_the_next_of_its_id);
     tcase_add_test(
         tc, a_job_that_is_said_to_be_deleted_is_gone_after_a_loss_of_power);
+    tcase_add_test(
+        tc, while_files_of_a_forgotten_job_are_left_its_id_is_not_taken_again);
     tcase_add_loop_test(tc,
                         a_job_may_have_the_id_of_one_that_is_being_forgotten, 0,
                         N_ELEM(old_jobs));
