@@ -161,6 +161,7 @@ struct worker {
     enum coord_state coord_state;
     uint64_t coord;      /* the connection; 0 in COORD_NONE */
     uint64_t welcome_ms; /* when WELCOME came; 0: not on this connection */
+    uint64_t epoch;      /* of the last WELCOME */
     uint64_t dial_ms;  /* when to dial next */
     unsigned delay_ms; /* of the dial after the next */
     bool draining, stopped;

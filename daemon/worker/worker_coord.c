@@ -16,6 +16,17 @@
 #include <string.h>
 #include <sysexits.h>
 
+/* Another life of the coordinator introduces the peers that it wants linked. It
+ * may not know of the others that their keys were retired. */
+static void
+note_epoch(struct worker *w, uint64_t epoch)
+{
+    if (epoch != w->epoch)
+        for (struct wjob *job = w->jobs; job; job = job->next)
+            link_release_job(w, job);
+    w->epoch = epoch;
+}
+
 static void
 on_welcome(struct worker *w, const struct msg *m)
 {
@@ -34,6 +45,7 @@ on_welcome(struct worker *w, const struct msg *m)
     actions_log(&w->actions, ACT_INFO,
                 "welcome program=%s epoch=%llu protocol=%u", m->welcome.program,
                 (unsigned long long)m->welcome.epoch, version);
+    note_epoch(w, m->welcome.epoch);
     /* of a job that ended meanwhile the coordinator answers TALLY by JOB_END */
     for (struct wjob *job = w->jobs; job; job = job->next)
         worker_send_tally(w, job);

@@ -114,6 +114,34 @@ START_TEST(a_peer_that_is_no_longer_welcome_is_let_go)
 }
 END_TEST
 
+/* It may have been retired before the coordinator was started anew. */
+START_TEST(a_peer_that_another_life_of_the_coordinator_does_not_name_is_let_go)
+{
+    struct msg m = { .type = MSG_WELCOME,
+                     .welcome = { MSG_VERSION, 1, "radcoord" } };
+
+    connect();
+    start_job();
+    child_ready();
+    introduce(MSG_PEER_DIAL);
+    worker_opened(f.w, f.now_ms, f.peer);
+    carry_out();
+    for (m.welcome.epoch = 1; m.welcome.epoch < 3; m.welcome.epoch++) {
+        cut();
+        tick(1000);
+        worker_opened(f.w, f.now_ms, f.coord);
+        hear(f.coord, &m);
+        start_job();
+        child_records();
+        ck_assert_int_eq(said(f.peer, MSG_AMBIENT), 1);
+    }
+    introduce(MSG_PEER_DIAL);
+    worker_opened(f.w, f.now_ms, f.peer);
+    child_records();
+    ck_assert_int_eq(said(f.peer, MSG_AMBIENT), 1);
+}
+END_TEST
+
 static void
 peer_says_hello(uint64_t conn, const uint8_t *its_token)
 {
@@ -452,6 +480,9 @@ main(void)
     tcase_add_test(tc, records_that_nobody_wants_stay);
     tcase_add_test(tc, a_peers_key_is_forgotten);
     tcase_add_test(tc, a_peer_that_is_no_longer_welcome_is_let_go);
+    tcase_add_test(
+        tc,
+        a_peer_that_another_life_of_the_coordinator_does_not_name_is_let_go);
     tcase_add_test(tc, a_peer_is_let_in_by_its_token_alone);
     tcase_add_test(tc, a_peer_may_call_before_the_coordinator_named_it);
     tcase_add_test(tc, a_peer_whose_link_broke_is_let_in_again);
