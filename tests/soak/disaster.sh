@@ -31,9 +31,10 @@ everything()
         how=waited
         [ $part = auto ] && how=detached
         for kind in write sync name send; do
-            for what in before after power fail; do
-                [ $kind.$what = send.power ] && continue
-                [ $kind.$what = send.fail ] && continue
+            for what in before after power bytes fail; do
+                case $kind.$what in
+                send.power | send.bytes | send.fail) continue ;;
+                esac
                 echo $part $how $kind $what
             done
         done
@@ -247,8 +248,8 @@ if [ $# -ge 4 ]; then
     finish
 fi
 for kind in write sync name; do
-    any 4
-    what=$(echo before after power fail | cut -d' ' -f $((any + 1)))
+    any 5
+    what=$(echo before after power bytes fail | cut -d' ' -f $((any + 1)))
     any "$(n_of $kind)"
     try $kind:$((any + 1)):$what
 done

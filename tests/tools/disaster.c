@@ -14,6 +14,7 @@
  *                                synced is not on the disk: pieces of files are
  *                                as they were, names that their folder's sync
  *                                did not cover are gone or back
+ *                          bytes the same, but all names are as they were last
  *                                fail: it fails (EIO, ENOMEM)
  *                                full: it fails (ENOSPC)
  *   DISASTER_DIR           the folder, an absolute path
@@ -46,9 +47,9 @@ enum kind { WRITE, SYNC, NAME, SEND, ALLOC, NKIND };
 static const char *const kinds[NKIND] = { "write", "sync", "name", "send",
                                           "alloc" };
 
-enum what { NOTHING, BEFORE, AFTER, POWER, FAIL, FULL };
-static const char *const whats[] = { "nothing", "before", "after",
-                                     "power",   "fail",   "full" };
+enum what { NOTHING, BEFORE, AFTER, POWER, BYTES, FAIL, FULL };
+static const char *const whats[] = { "nothing", "before", "after", "power",
+                                     "bytes",   "fail",   "full" };
 
 extern void *__libc_malloc(size_t n);
 extern void *__libc_calloc(size_t n, size_t size);
@@ -143,6 +144,28 @@ add_undo(const char *path)
     return u;
 }
 
+/* Is what was not synced lost? */
+static bool
+loses(void)
+{
+    return what == POWER || what == BYTES;
+}
+
+/* What lay at a path, or below it, lies at another now, for good. */
+static void
+move_undos(const char *from, const char *to)
+{
+    size_t n = strlen(from);
+    char path[2 * PATH_MAX];
+
+    for (struct undo *u = undos; u; u = u->older)
+        if (strncmp(u->path, from, n) == 0 &&
+            (u->path[n] == '\0' || u->path[n] == '/')) {
+            snprintf(path, sizeof path, "%s%s", to, u->path + n);
+            snprintf(u->path, sizeof u->path, "%.*s", PATH_MAX - 1, path);
+        }
+}
+
 static void
 set_folder(struct undo *u, const char *path)
 {
@@ -210,6 +233,7 @@ forget_undos(int fd)
 static void
 undo(const struct undo *u)
 {
+    struct stat st;
     int fd;
 
     switch (u->how) {
@@ -218,6 +242,10 @@ undo(const struct undo *u)
         fd = (int)syscall(SYS_openat, AT_FDCWD, u->path, O_WRONLY, 0);
         if (fd < 0)
             return;
+        if (fstat(fd, &st) < 0 || st.st_ino != u->ino) { /* another file */
+            close(fd);
+            return;
+        }
         if (u->how == OLD_SIZE ? syscall(SYS_ftruncate, fd, (long)u->offset) < 0
                                : syscall(SYS_pwrite64, fd, u->bytes, u->n,
                                          (long)u->offset) < 0)
@@ -245,7 +273,7 @@ die(enum kind kind, const char *path)
     char text[PATH_MAX + 100];
 
     dead = true;
-    if (what == POWER)
+    if (loses())
         for (struct undo *u = undos; u; u = u->older)
             undo(u);
     snprintf(text, sizeof text, "%s %lu %s %s\n", kinds[kind], at, whats[what],
@@ -284,7 +312,7 @@ begin(enum kind kind, const char *path)
           (count[kind] == at || (onwards && count[kind] >= at));
     if (!now)
         return 0;
-    if (what == BEFORE || what == POWER)
+    if (what == BEFORE || loses())
         die(kind, path);
     if (what == FAIL || what == FULL) {
         snprintf(text, sizeof text, "%s %lu %s %.100s\n", kinds[kind],
@@ -362,7 +390,7 @@ pwrite64(int fd, const void *data, size_t n, off64_t offset)
     number = begin(WRITE, path);
     if (number)
         return fail(number);
-    if (what == POWER)
+    if (loses())
         keep_bytes(fd, path, offset, n);
     put = syscall(SYS_pwrite64, fd, data, n, offset);
     done(WRITE, path);
@@ -421,7 +449,7 @@ resize(int fd, off_t size, bool grow)
     number = begin(WRITE, path);
     if (number)
         return fail(number);
-    if (what == POWER && fstat(fd, &st) == 0) {
+    if (loses() && fstat(fd, &st) == 0) {
         u = add_undo(path);
         u->how = OLD_SIZE;
         u->dev = st.st_dev;
@@ -480,7 +508,7 @@ sync_with(int fd, long number_of_call)
     if (number)
         return fail(number);
     rc = 0; /* no power is lost here: the system need not wait */
-    if (what == POWER)
+    if (loses())
         forget_undos(fd);
     done(SYNC, path);
     return (int)rc;
@@ -519,6 +547,8 @@ change_name(int how, const char *path, const char *to, long call,
         snprintf(u->other, sizeof u->other, "%s", to);
         set_folder(u, to);
     }
+    if (what == BYTES && rc >= 0 && how == OLD_NAME)
+        move_undos(path, to);
     done(NAME, to);
     return (int)rc;
 }
