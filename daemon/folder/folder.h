@@ -9,7 +9,8 @@
  * DIR/jobs/ID/room     keeps room for frames whose rows have no file yet
  * DIR/jobs/ID/N.rows   pixels of frame N (rows.h), from the first that comes
  *                      until its picture is there
- * DIR/jobs/ID/N.hdr    the picture, N.z its distances
+ * DIR/jobs/ID/N.hdr    the picture, N.z its distances, or the values of sensor
+ *                      points, which have no picture
  * DIR/jobs/ID/cache    ambient records of passes that are closed, until the job
  *                      is over
  * DIR/jobs/ID/kept     ambient records of a job that is done, with which other
@@ -166,7 +167,7 @@ int folder_set_options(struct folder *f, const uint8_t job[MSG_JOB],
  * names of folders that folder_forget() changed. */
 int folder_sync(struct folder *f, struct rad_error *err);
 
-/* Write a frame's picture, and the distances of a job that has them; durable:
+/* Write a frame's picture, if the job has pictures, and its distances; durable:
  * both last after folder_sync().  *marks, unless NULL, gets their marks. */
 int folder_picture(struct folder *f, const uint8_t job[MSG_JOB], uint32_t frame,
                    struct saved_frame *marks, struct rad_error *err);

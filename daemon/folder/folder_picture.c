@@ -78,7 +78,7 @@ folder_picture(struct folder *f, const uint8_t id[MSG_JOB], uint32_t frame,
         out.mark = marks ? &marks->depth : NULL;
         rc = rows_depth(r->rows, j->oversample, j->points, &out, err);
     }
-    if (rc < 0)
+    if (rc < 0 || j->points) /* nobody asks for a picture of points */
         return rc;
     folder_frame_path(f, id, frame, folder_suffix_of(MSG_WHAT_PICTURE), path);
     out.mark = marks ? &marks->picture : NULL;

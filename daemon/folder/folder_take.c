@@ -22,17 +22,19 @@
 typedef int finished_fn(void *arg, const struct mark *m, const char *path,
                         struct rad_error *err);
 
-/* Call fn for the picture of a frame that is written, and its distances. */
+/* Call fn for the picture of a frame that is written, and its distances; for
+ * the values of sensor points. */
 static int
 each_of_frame(const struct folder *f, const struct saved_job *s, uint32_t i,
               finished_fn *fn, void *arg, struct rad_error *err)
 {
     char path[DISK_PATH_MAX];
-    int rc;
+    int rc = 0;
 
     folder_frame_path(f, s->spec.job, i, folder_suffix_of(MSG_WHAT_PICTURE),
                       path);
-    rc = fn(arg, &s->frames[i].picture, path, err);
+    if (!(s->spec.flags & MSG_JOB_POINTS))
+        rc = fn(arg, &s->frames[i].picture, path, err);
     if (rc < 0 || !(s->spec.flags & MSG_JOB_DEPTH))
         return rc;
     folder_frame_path(f, s->spec.job, i, folder_suffix_of(MSG_WHAT_DEPTH),

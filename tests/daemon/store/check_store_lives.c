@@ -4,6 +4,7 @@
 #include "lives_fixture.h"
 
 #include "check/statecheck.h"
+#include "jobs/job.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -85,6 +86,36 @@ START_TEST(a_job_goes_on_in_another_life)
     ck_assert_uint_eq(h.settled, 44);
     ck_assert(is_there("jobs/09080700000000000000000000000000/0.hdr"));
     ck_assert(!is_there("jobs/09080700000000000000000000000000/0.rows"));
+}
+END_TEST
+
+/* Nobody could fetch a picture of them. */
+START_TEST(of_sensor_points_the_values_alone_are_kept)
+{
+    struct saved_job job;
+    struct heard h;
+    uv_loop_t loop;
+    struct store *s;
+
+    open_kept(&loop, &s, &h);
+    ck_assert_int_eq(recover(s, &job, NULL), 0);
+    open_job_as(s, MSG_JOB_DEPTH | MSG_JOB_POINTS);
+    put_unit(s, kept_job, 0, 3, 4);
+    put_unit(s, kept_job, 1, 3, 4);
+    store_write_picture(s, kept_job, 5, 0);
+    run(&loop, s);
+    ck_assert_int_eq(h.pictures, 1);
+    ck_assert(is_there(KEPT_DIR "/0.z"));
+    ck_assert(!is_there(KEPT_DIR "/0.hdr"));
+    for (int life = 0; life < 2; life++) {
+        if (life == 1)
+            end_job(s);
+        close_kept(&loop, s);
+        open_kept(&loop, &s, &h);
+        ck_assert_int_eq(recover(s, &job, NULL), 0);
+        ck_assert_int_eq(job.state == JOB_CANCELLED, life);
+    }
+    close_kept(&loop, s);
 }
 END_TEST
 
@@ -690,6 +721,7 @@ main(void)
     tcase_add_checked_fixture(tc, scratch_make, scratch_remove);
     tcase_add_test(tc, a_new_folder_lasts);
     tcase_add_test(tc, a_job_goes_on_in_another_life);
+    tcase_add_test(tc, of_sensor_points_the_values_alone_are_kept);
     tcase_add_test(tc, a_job_that_is_over_is_remembered_and_forgotten);
     tcase_add_test(tc, what_a_job_that_is_over_takes_is_known_in_another_life);
     tcase_add_loop_test(tc, a_job_that_was_being_forgotten_is_no_damage,
