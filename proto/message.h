@@ -112,5 +112,7 @@ uint16_t msg_nth(size_t i);
 #define MSG_JOB_HEX (2 * MSG_JOB + 1)
 void msg_job_format(const uint8_t job[MSG_JOB], char hex[MSG_JOB_HEX]);
 bool msg_job_parse(const char *hex, uint8_t job[MSG_JOB]);
+/* The chain of a job in a hash table of n, at most 65536; ids are random. */
+size_t msg_job_chain(const uint8_t job[MSG_JOB], size_t n);
 
 #endif

@@ -353,3 +353,9 @@ msg_job_parse(const char *hex, uint8_t job[MSG_JOB])
 {
     return rad_hex_valid(hex, MSG_JOB) && rad_hex_read(hex, MSG_JOB, job);
 }
+
+size_t
+msg_job_chain(const uint8_t job[MSG_JOB], size_t n)
+{
+    return (job[0] | (size_t)job[1] << 8) % n;
+}

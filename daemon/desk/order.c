@@ -15,7 +15,7 @@
 static struct job **
 chain_of(struct coord *c, const uint8_t *id)
 {
-    return &c->by_job[(id[0] | (size_t)id[1] << 8) % COORD_JOBS];
+    return &c->by_job[msg_job_chain(id, COORD_JOBS)];
 }
 
 static void

@@ -55,8 +55,7 @@ folder_suffix_of(enum msg_what what)
 struct folder_job **
 folder_find_job(struct folder *f, const uint8_t *id)
 {
-    struct folder_job **at =
-        &f->jobs[(id[0] | (unsigned)id[1] << 8) % FOLDER_CHAINS];
+    struct folder_job **at = &f->jobs[msg_job_chain(id, FOLDER_CHAINS)];
 
     while (*at && memcmp((*at)->id, id, MSG_JOB) != 0)
         at = &(*at)->next;
