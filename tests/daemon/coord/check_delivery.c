@@ -7,7 +7,8 @@
 
 enum {
     UNITS = 64 * 96, /* more than a MiB of statistics */
-    MANY = 100,      /* Ana's connections that ask for these */
+    MANY = 40,       /* connections that ask for these: more than a test's ticks
+                      * serve */
     FIRST = 10,      /* the first of them */
     PIECES = 4,      /* most that a tick makes or sends */
     CHUNKS = 4       /* most messages of a piece */
@@ -47,11 +48,25 @@ ask(uint64_t conn)
     say(conn, &fetch);
 }
 
+/* All connections are Ana's. */
 static void
 many_ask(void)
 {
     for (uint64_t i = FIRST; i < FIRST + MANY; i++) {
         join(i, MSG_ROLE_USER, "", "ana");
+        ask(i);
+    }
+}
+
+/* Each connection is another administrator's. */
+static void
+many_users_ask(void)
+{
+    char name[20];
+
+    for (uint64_t i = FIRST; i < FIRST + MANY; i++) {
+        snprintf(name, sizeof name, "user%d", (int)i);
+        join(i, MSG_ROLE_ADMIN, "", name);
         ask(i);
     }
 }
@@ -111,6 +126,24 @@ texts_wait(unsigned *making)
     return bytes;
 }
 
+/* Ana's connections ask, one after the other, and read nothing: of each text
+ * that may be begun all is made. */
+static void
+texts_pile_up(void)
+{
+    unsigned making;
+
+    for (uint64_t i = FIRST; i < FIRST + MANY; i++) {
+        join(i, MSG_ROLE_USER, "", "ana");
+        f.crammed = false; /* or no text is begun */
+        ask(i);
+        f.crammed = true;
+        do
+            tick();
+        while (texts_wait(&making), making > 0);
+    }
+}
+
 /* Nobody waits while a MiB of them is packed. */
 START_TEST(long_statistics_are_told_in_pieces)
 {
@@ -138,13 +171,15 @@ START_TEST(a_tick_has_the_same_to_do_however_many_wait)
     unsigned before;
     uint64_t pieces;
 
-    many_ask();
+    (_i ? many_users_ask : many_ask)();
     for (int i = 0; i < 100; i++) {
         before = sent_to_all();
         pieces = f.c->pieces_told;
         tick();
         ck_assert_uint_le(sent_to_all() - before, PIECES * CHUNKS);
         ck_assert_uint_le(f.c->pieces_told - pieces, PIECES);
+        if (_i) /* Ana's texts are made one after the other */
+            ck_assert_uint_eq(f.c->pieces_told - pieces, PIECES);
     }
     ticks_until(FIRST, MANY);
 }
@@ -160,6 +195,26 @@ START_TEST(a_user_with_many_connections_holds_up_no_other)
     f.last[ADMIN].type = 0;
     ask(ADMIN);
     ck_assert_int_le(ticks_until(ADMIN, 1), alone + 1);
+}
+END_TEST
+
+/* The same where many of the texts are made and wait to be sent. */
+START_TEST(a_user_with_many_texts_holds_up_no_other)
+{
+    struct coord_limits limits = f.c->limits;
+    unsigned making;
+    int alone;
+
+    ask(ADMIN);
+    alone = ticks_until(ADMIN, 1);
+    limits.unread = MANY * (size_t)f.last[ADMIN].chunk.total;
+    coord_set_limits(f.c, &limits);
+    texts_pile_up();
+    f.crammed = false;
+    f.last[ADMIN].type = 0;
+    ask(ADMIN);
+    ck_assert_int_le(ticks_until(ADMIN, 1), alone + 1);
+    ck_assert_uint_gt(texts_wait(&making), 0);
 }
 END_TEST
 
@@ -180,7 +235,6 @@ START_TEST(what_nobody_reads_is_not_made)
 }
 END_TEST
 
-/* They read at first, so each text is begun as it can be. */
 START_TEST(what_is_made_and_not_read_has_a_bound)
 {
     struct coord_limits limits = f.c->limits;
@@ -192,7 +246,7 @@ START_TEST(what_is_made_and_not_read_has_a_bound)
     one = (size_t)f.last[ADMIN].chunk.total;
     limits.unread = 2 * one;
     coord_set_limits(f.c, &limits);
-    many_ask();
+    texts_pile_up();
     for (int i = 0; i < 500; i++) {
         size_t bytes;
 
@@ -241,8 +295,9 @@ main(void)
 
     tcase_add_checked_fixture(tc, set_up_long, tear_down);
     tcase_add_test(tc, long_statistics_are_told_in_pieces);
-    tcase_add_test(tc, a_tick_has_the_same_to_do_however_many_wait);
+    tcase_add_loop_test(tc, a_tick_has_the_same_to_do_however_many_wait, 0, 2);
     tcase_add_test(tc, a_user_with_many_connections_holds_up_no_other);
+    tcase_add_test(tc, a_user_with_many_texts_holds_up_no_other);
     tcase_add_test(tc, what_nobody_reads_is_not_made);
     tcase_add_test(tc, what_is_made_and_not_read_has_a_bound);
     tcase_add_test(tc, the_store_tells_of_a_job_that_was_filed_meanwhile);
