@@ -212,7 +212,16 @@ wait $pid 2>/dev/null
 check_gone "radsubmit killed with a launcher that waits"
 pgrep -f 'sleep 1000; "\$@"' >/dev/null && fail "the launcher is left"
 
-# the launcher dies in the middle, and its workers with it
+# terminated: the same as killed
+started term --launch="./all 2" --workers=2
+kill $pid
+wait $pid
+status=$?
+[ $status -eq 75 ] || fail "term: exit status $status: $(cat term.err)"
+check_gone "radsubmit terminated"
+
+# the launcher dies in the middle, and its workers with it; while radsubmit waits
+# ten seconds for them to come back, another job's launcher is ended
 cat >dying <<'END'
 #!/bin/sh
 "$@" & a=$!
@@ -221,23 +230,12 @@ until [ -e die ]; do sleep .1; done
 kill -9 $a $b $$
 END
 chmod +x dying
+no_workers() { [ -z "$(launched)" ]; }
 started dying --launch="./dying" --workers=2
+dying=$pid
 : >die
-wait $pid
-status=$?
-[ $status -eq 69 ] || fail "dying: exit status $status: $(cat dying.err)"
-says dying "no worker is left: the launcher ended with"
-rm -rf "$work"/radd-launched-* # of workers that were killed, for the next one
-check_gone dying
-[ ! -e dying.hdr ] || fail "dying: there is a picture"
-
-# terminated: the same
-started term --launch="./all 2" --workers=2
-kill $pid
-wait $pid
-status=$?
-[ $status -eq 75 ] || fail "term: exit status $status: $(cat term.err)"
-check_gone "radsubmit terminated"
+until_true 10 no_workers || fail "dying: its workers live on"
+rm -rf "$work"/radd-launched-* # which workers that are killed leave
 
 # a launcher's end is many signals, to workers that are ending too
 cat >stormy <<'END'
@@ -251,10 +249,15 @@ END
 chmod +x stormy
 started stormy --launch="./stormy" --workers=2
 : >storm
+wait "$dying"
+status=$?
+[ $status -eq 69 ] || fail "dying: exit status $status: $(cat dying.err)"
+says dying "no worker is left: the launcher ended with"
+[ ! -e dying.hdr ] || fail "dying: there is a picture"
 wait $pid
 status=$?
 [ $status -eq 69 ] || fail "stormy: exit status $status: $(cat stormy.err)"
-check_gone stormy
+check_gone "dying and stormy"
 
 # one of two workers is killed: the picture is the same, and what it left is
 # removed by the next worker once it is old
