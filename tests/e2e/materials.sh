@@ -1,6 +1,7 @@
 #!/bin/sh
-# The scenes of one family of materials each: rays whose radiance is known, and
-# copies that look like what they are copies of.
+# materials.sh - scenes of one family of materials each: rays whose radiance is
+# known, and copies that look like what they are copies of
+#
 # NAME.rays holds the options in its first line, and then for each ray its origin
 # and direction and the radiance that Radiance 6.1's rtrace gave for NAME.rad
 # behind brdf_room.rad.  NAME.bands holds the same with a number for each band of

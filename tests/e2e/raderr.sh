@@ -1,18 +1,8 @@
 #!/bin/sh
-# raderr: its figures, its pictures, and what it answers to bad input
+# raderr.sh - raderr's figures, its pictures, and what it answers to bad input
+. "${top_srcdir:-.}/tests/e2e/client_lib.sh"
 set -u
-top_builddir=$(cd "${top_builddir:-.}" && pwd)
 raderr=$top_builddir/raderr
-work=$(mktemp -d) || exit 99
-trap 'rm -rf "$work"' EXIT
-cd "$work" || exit 99
-failed=0
-
-fail()
-{
-    echo "FAIL: $*"
-    failed=1
-}
 
 # 2 by 2 grey pixels, flat; three octal mantissas alike, exponent 129
 picture()
@@ -103,4 +93,4 @@ picture 0 0 0 0 | tr '\201' '\0' >black.hdr
 expect 65 'black' ref.hdr black.hdr
 expect 66 'missing.hdr' missing.hdr ref.hdr
 expect 73 '' --map=no/such/folder.png test.hdr ref.hdr
-exit $failed
+finish

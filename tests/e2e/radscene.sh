@@ -1,35 +1,28 @@
 #!/bin/sh
-# radscene: what it prints, its messages and its exit statuses.
+# radscene.sh - what radscene prints, its messages and its exit statuses
+. "${top_srcdir:-.}/tests/e2e/client_lib.sh"
 set -u
 radscene=$top_builddir/radscene
-tmp=$(mktemp -d) || exit 99
-trap 'rm -rf "$tmp"' EXIT
-cd "$tmp" || exit 99
 unset RAYPATH
-failed=0
 
 # expect STATUS TEXT COMMAND...: the command ends with that status, and its
 # standard error has the text, or is empty if the text is
-expect() {
+expect()
+{
     status=$1 text=$2
     shift 2
     "$@" >out 2>err
     got=$?
     if [ "$got" -ne "$status" ] || { [ -s err ] && [ -z "$text" ]; } ||
         { [ -n "$text" ] && ! grep -qF -- "$text" err; }; then
-        echo "FAIL: $*: status $got, expected $status and '$text':"
-        cat err
-        failed=1
+        fail "$*: status $got, expected $status and '$text': $(cat err)"
     fi
 }
 
 # same TEXT: the last command printed exactly that
-same() {
-    if [ "$(cat out)" != "$1" ]; then
-        echo "FAIL: printed"
-        cat out
-        failed=1
-    fi
+same()
+{
+    [ "$(cat out)" = "$1" ] || fail "printed: $(cat out)"
 }
 
 cat >good.rad <<'END'
@@ -72,7 +65,7 @@ same "$(cat info)"
 expect 0 '' sh -c "$radscene info - <good.oct"
 same "$(cat info)"
 expect 0 '' $radscene freeze good.oct
-cmp out good.oct || failed=1
+cmp out good.oct || fail "freeze changes an octree"
 # an old one begins with the command
 { echo 'oconv -f good.rad' && sed 1d good.oct; } >old.oct
 expect 0 '' $radscene info old.oct
@@ -85,7 +78,7 @@ head -c 5 good.oct >cut.oct
 expect 65 'cut.oct: ' $radscene check cut.oct
 expect 64 "octree 'good.oct' must be the only" $radscene check good.rad good.oct
 expect 64 "octree 'good.oct' must be the only" $radscene check good.oct good.rad
-[ "$(wc -l <err)" -eq 1 ] || { echo "FAIL: told twice" && failed=1; }
+[ "$(wc -l <err)" -eq 1 ] || fail "told twice"
 printf '#?RADIANCE\nFORMAT=Radiance_octree\n\n\001\0370\0000\0000\0001\000a.rad\000' \
     >thawed.oct
 expect 66 "thawed.oct: cannot find file 'a.rad'" $radscene check thawed.oct
@@ -105,7 +98,7 @@ bounds -1 -1 0  10 10 10
   mixfunc 1'
 mkdir elsewhere
 (cd elsewhere && $radscene freeze --commands ../thawed.oct) >frozen.oct ||
-    { echo "FAIL: freeze from another folder"; failed=1; }
+    fail "freeze from another folder"
 expect 0 '' $radscene check frozen.oct
 printf 'grey sphere most 0 0 4 9 9 9 1\n' >>more.rad
 expect 65 'octree of 6 objects, but its scene files have 7: make it again' \
@@ -115,7 +108,7 @@ expect 65 'octree of 6 objects, but its scene files have 7: make it again' \
 # that it names, in the octree of an instance
 not_run()
 {
-    [ ! -e ran ] || { echo "FAIL: $1: a command of an octree was run"; failed=1; }
+    [ ! -e ran ] || fail "$1: a command of an octree was run"
     rm -f ran
 }
 printf '#?RADIANCE\nFORMAT=Radiance_octree\n\n\001\0370\0000\0000\0001\000!touch ran; cat more.rad\000\000\000\000\000\001\000' >listed.oct
@@ -137,10 +130,10 @@ for scene in named.oct within.rad; do
     not_run "radsubmit $scene"
 done
 expect 0 '' $radscene info --commands named.oct
-[ -e ran ] || { echo "FAIL: --commands runs none"; failed=1; }
+[ -e ran ] || fail "--commands runs none"
 rm -f ran
 expect 0 '' $radscene info runs.rad
-[ -e ran ] || { echo "FAIL: the commands of a text are not run"; failed=1; }
+[ -e ran ] || fail "the commands of a text are not run"
 rm -f ran
 
 # bad scenes
@@ -185,12 +178,12 @@ for i in 1 2 3; do
     printf 'void brightfunc p 2 Px gone.cal 0 0\n%s\n' "$use"
 done >bad.rad
 echo '{ }' >gone.cal
-$radscene freeze bad.rad >gone.oct || { echo "FAIL: freeze" && failed=1; }
+$radscene freeze bad.rad >gone.oct || fail "freeze"
 rm gone.cal
 expect 66 "gone.oct: brightfunc 'p': cannot find file 'gone.cal'" \
     $radscene check gone.oct
 [ "$(grep -c '^radscene: gone' err)" -eq 1 ] ||
-    { echo "FAIL: told thrice" && failed=1; }
+    fail "told thrice"
 expect 0 "" $radscene check --help
 
 # what no surface uses is warned of, here and where it is rendered
@@ -208,7 +201,7 @@ for told in "library.rad:1: mixfunc 'mixed': undefined modifier 'nowhere'; no" \
     "library.rad:5: cone 'odd': radii of opposite sign: it is left out"; do
     expect 0 "radscene: warning: $told" $radscene check library.rad
 done
-[ "$(wc -l <err)" -eq 4 ] || { echo "FAIL: other warnings" && failed=1; }
+[ "$(wc -l <err)" -eq 4 ] || fail "other warnings"
 expect 0 "warning: library.rad:2: plastic 'two'" \
     $top_builddir/radsubmit --local -x 8 -y 8 -ab 0 -o none.hdr library.rad
 for name in mixed two lost; do
@@ -216,7 +209,7 @@ for name in mixed two lost; do
     $radscene check library.rad user.rad 2>err
     case $?:$(grep -v warning: err) in
     65:*"'$name'"* | 66:*"'$name'"*) ;;
-    *) echo "FAIL: $name, used:" && cat err && failed=1 ;;
+    *) fail "$name, used: $(cat err)" ;;
     esac
 done
 # an octree's materials that its only copy replaces are not used either
@@ -274,11 +267,11 @@ done
 kill -TERM $reader
 wait $reader
 status=$?
-[ $status -eq 143 ] || { echo "FAIL: SIGTERM: status $status"; failed=1; }
+[ $status -eq 143 ] || fail "SIGTERM: status $status"
 tries=0
 while kill -0 -- "-$(cat pid)" 2>/dev/null; do
     tries=$((tries + 1))
-    [ $tries -lt 1000 ] || { echo 'FAIL: a command is left'; failed=1; break; }
+    [ $tries -lt 1000 ] || { fail 'a command is left'; break; }
     sleep .01
 done
 
@@ -296,9 +289,9 @@ expect 0 '' $radscene rays -ab 0 -- -good.rad </dev/null
 expect 64 "unknown option '-x'" $radscene info -x good.rad
 expect 64 "unknown option '-zz'" $radscene rays -zz good.rad
 expect 0 '' $radscene --help
-grep -q 'usage: radscene check' out || failed=1
+grep -q 'usage: radscene check' out || fail "--help: $(cat out)"
 expect 0 '' $radscene --version
-grep -q '^radscene (radd) [0-9]' out || failed=1
+grep -q '^radscene (radd) [0-9]' out || fail "--version: $(cat out)"
 expect 74 'cannot write' sh -c "$radscene needs good.rad >/dev/full"
 expect 74 'cannot write' sh -c "$radscene --help >/dev/full"
 expect 74 'cannot write' sh -c "$radscene freeze good.rad >/dev/full"
@@ -310,7 +303,7 @@ awk 'BEGIN { print "void plastic m 0 0 5 .5 .5 .5 0 0"
     >stack.rad
 expect 0 'full cubes of the octree lack' \
     sh -c "$radscene freeze stack.rad >stack.oct"
-[ "$(wc -l <err)" -eq 1 ] || { echo 'FAIL: said more than once'; failed=1; }
+[ "$(wc -l <err)" -eq 1 ] || fail 'said more than once'
 expect 0 '' $radscene check stack.oct
 
 # functions without a value are told of once each
@@ -326,7 +319,7 @@ expect 0 "warning: log.rad:1: brightfunc 'one': no value in 3 places" \
     sh -c "$radscene rays -ab 0 log.rad <rays"
 expect 0 "warning: log.rad:3: mixfunc 'two': no value in 1 place " \
     sh -c "$radscene rays -ab 0 log.rad <rays"
-[ "$(wc -l <err)" -eq 2 ] || { echo 'FAIL: said more than twice'; failed=1; }
+[ "$(wc -l <err)" -eq 2 ] || fail 'said more than twice'
 
 # rays: into the ball, and to the sky
 printf '0 0 -5 0 0 1\n0 0 9 0 0 1\n' >rays
@@ -347,7 +340,7 @@ expect 0 '' sh -c "$radscene rays $amb -af cell.amb cell.rad <rays"
 cp cell.amb first.amb
 mv out first.out
 expect 0 '' sh -c "$radscene rays $amb -af cell.amb cell.rad <rays"
-cmp cell.amb first.amb && cmp out first.out || failed=1
+cmp cell.amb first.amb && cmp out first.out || fail "other values by -af"
 expect 65 'cell.amb: was made with other options: -ad differs' \
     sh -c "$radscene rays $amb -ad 128 -af cell.amb cell.rad <rays"
 sed 's/0 0 0 1$/0 0 0 2/' cell.rad >other.rad
@@ -357,7 +350,7 @@ expect 65 'other.rad: not a file of ambient records' \
     sh -c "$radscene rays $amb -af other.rad cell.rad <rays"
 expect 64 'there are no ambient records without' \
     sh -c "$radscene rays -I -af cell.amb cell.rad <rays"
-cmp cell.amb first.amb || failed=1
+cmp cell.amb first.amb || fail "records of what was refused"
 # an alias is told of once, by the name that is not there
 echo 'void alias b foo' >alias.rad
 expect 65 "alias.rad:1: alias 'b' of undefined modifier 'foo'" \
@@ -365,9 +358,7 @@ expect 65 "alias.rad:1: alias 'b' of undefined modifier 'foo'" \
 echo 'void alias b void' >void.rad
 expect 65 "void.rad:1: alias 'b' of nothing" $radscene check void.rad
 for f in alias.rad void.rad; do
-    [ "$($radscene check $f 2>&1 | grep -c .)" -eq 1 ] || {
-        echo "FAIL: of $f: $($radscene check $f 2>&1)"
-        failed=1
-    }
+    [ "$($radscene check $f 2>&1 | grep -c .)" -eq 1 ] ||
+        fail "of $f: $($radscene check $f 2>&1)"
 done
-exit $failed
+finish
