@@ -28,6 +28,7 @@ noinst_HEADERS = \
 	tests/world_fixture.h \
 	tests/world_picture.h
 EXTRA_DIST += \
+	tests/README.md \
 	tests/golden \
 	tests/scenes
 
