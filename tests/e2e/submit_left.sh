@@ -46,11 +46,11 @@ until_true 60 grep -q '^ *[0-2] %' early.err || fail "no progress: $(cat early.e
 sleep 2.5
 ended early 75
 
-# nobody looks: nothing is said, of a picture that else is told of
+# nobody looks: nothing is said, of a picture of which else even the time left is
 for progress in always never; do
     # shellcheck disable=SC2086 # options are words
-    "$radsubmit" $slow -x 60 -y 45 --progress=$progress -o $progress.hdr \
-        "$scenes/room.rad" 2>$progress.err ||
+    "$radsubmit" $slow -x 60 -y 45 -ad 256 -as 64 --progress=$progress \
+        -o $progress.hdr "$scenes/room.rad" 2>$progress.err ||
         fail "$progress: $(cat $progress.err)"
 done
 grep -q '^ *[0-9][0-9]* %' always.err || fail "it says nothing: $(cat always.err)"
