@@ -3,6 +3,8 @@
 
 #include "link/submit_impl.h"
 
+#include "common/figure.h"
+
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -12,6 +14,7 @@ enum {
     CONNECT_LEAST_MS = 1000, /* least time to connect, even if --wait is less */
     BACKOFF_MS = 500,
     BACKOFF_MAX_MS = 30000,
+    BACKOFFS_IN_LINE = 3, /* pauses of one who waits for a turn grow so often */
     COME_MS = 10,         /* how often to ask for workers that are to come, */
     COME_SLOWLY_MS = 2000 /* for so long; then at a tenth of this */
 };
@@ -92,8 +95,14 @@ send_job(struct submit *s)
     m.submit = *s->job->spec;
     submit_reach(s, STAGE_ASKED);
     if ((rc = link_send(s->link, &m, s->err)) < 0 ||
-        (rc = submit_await(s, MSG_ACCEPT, &answer)) < 0)
+        (rc = submit_await(s, MSG_ACCEPT, &answer)) < 0) {
+        if (s->refused) {
+            s->stage = STAGE_OURS;
+            s->in_line = true;
+        }
         return rc;
+    }
+    s->failures = 0;
     if (s->stage == STAGE_ACCEPTED)
         return 0;
     submit_reach(s, STAGE_ACCEPTED);
@@ -286,9 +295,29 @@ may_retry(struct submit *s, const struct rad_error *why)
         return submit_interrupted(s);
     if ((rc = alive(s)) < 0)
         return rc;
+    if (s->refused && !s->told_refused && s->stage < STAGE_ACCEPTED)
+        s->start_ms = submit_now_ms(s);
     if (s->stage < STAGE_ACCEPTED && waited(s))
-        return rad_fail(s->err, RAD_EUNAVAIL, "%s", why->what);
+        return rad_fail(s->err, why->code, "%s", why->what);
     return 0;
+}
+
+/* Say once why the job is tried again. */
+static void
+say_retry(struct submit *s, const struct rad_error *why)
+{
+    char text[sizeof why->what + 60], seconds[FIGURE_TEXT];
+    bool *told = s->refused ? &s->told_refused : &s->told_lost;
+
+    if (*told)
+        return;
+    *told = true;
+    if (s->refused && s->stage < STAGE_ACCEPTED)
+        snprintf(text, sizeof text, "%s; trying again for %s s", why->what,
+                 figure(seconds, s->job->wait_s, 3));
+    else
+        snprintf(text, sizeof text, "%s; trying again", why->what);
+    s->cb->say(s->cb->arg, text);
 }
 
 /* The lesser of ms and the rest of --wait's time, rounded up. */
@@ -303,13 +332,17 @@ within_wait(struct submit *s, uint64_t ms)
     return left > 0 ? (uint64_t)left + 1 : 0;
 }
 
-/* How long to wait before try n: twice as long each time, plus up to a quarter
- * at random, so that many clients do not dial at once; not beyond --wait. */
+/* How long to wait before the next try: twice as long each time, plus up to a
+ * quarter at random, so that many clients do not dial at once; not beyond
+ * --wait. */
 static uint64_t
-backoff_ms(struct submit *s, int n)
+backoff_ms(struct submit *s)
 {
     uint64_t ms = BACKOFF_MAX_MS, r;
+    int n = s->failures++;
 
+    if (s->refused && n > BACKOFFS_IN_LINE)
+        n = BACKOFFS_IN_LINE;
     if (n < 6)
         ms = (uint64_t)BACKOFF_MS << n;
     if (uv_random(NULL, NULL, &r, sizeof r, 0, NULL) == 0)
@@ -317,24 +350,68 @@ backoff_ms(struct submit *s, int n)
     return within_wait(s, ms);
 }
 
-/* One connection, from dialling to its end. */
 static int
-attempt(struct submit *s, int *failures)
+connect_to(struct submit *s)
 {
     uint64_t ms = within_wait(s, CONNECT_MS);
     int rc =
         link_open(&s->link, &s->where, &s->job->to, MSG_ROLE_USER,
                   (int)(ms > CONNECT_LEAST_MS ? ms : CONNECT_LEAST_MS), s->err);
 
+    s->refused = rc == RAD_ETEMPFAIL;
     if (rc < 0)
         return rc;
-    if (s->connected)
+    if (s->told_lost && s->connected)
         s->cb->say(s->cb->arg, "connected again");
+    if (s->told_lost)
+        s->failures = 0;
+    s->told_lost = false;
     s->connected = true;
-    *failures = 0;
+    return 0;
+}
+
+/* One connection, from dialling to its end, or to the next time that the
+ * coordinator refuses the job on it. */
+static int
+attempt(struct submit *s)
+{
+    int rc = s->in_line ? 0 : connect_to(s);
+
+    if (rc < 0)
+        return rc;
+    s->refused = s->in_line = false;
     rc = converse(s);
-    link_close(s->link);
-    s->link = NULL;
+    if (!s->in_line) {
+        link_close(s->link);
+        s->link = NULL;
+    }
+    return rc;
+}
+
+/* Try until the job is over or trying again makes no sense.  Returns what
+ * submit_run() does. */
+static int
+persevere(struct submit *s)
+{
+    struct rad_error *err = s->err;
+    struct rad_error why;
+    int rc;
+
+    for (;;) {
+        why = (struct rad_error){ 0 };
+        s->err = &why;
+        rc = attempt(s);
+        s->err = err;
+        if ((rc != RAD_EUNAVAIL && !s->refused) || s->cancelled || s->ended ||
+            s->over)
+            break;
+        if ((rc = may_retry(s, &why)) < 0)
+            return rc;
+        say_retry(s, &why);
+        pause_for(s, backoff_ms(s));
+    }
+    if (rc < 0 && err)
+        *err = why;
     return rc;
 }
 
@@ -342,29 +419,12 @@ int
 submit_run(const struct submit_job *job, uv_loop_t *loop, const int *interrupts,
            const struct submit_callbacks *cb, struct rad_error *err)
 {
-    struct submit s = { .job = job, .cb = cb };
-    struct rad_error why;
-    int rc, failures = 0;
-    char text[sizeof why.what + 40];
+    struct submit s = { .job = job, .cb = cb, .err = err };
+    int rc;
 
     s.where = (struct link_where){ loop, interrupts };
     s.start_ms = submit_now_ms(&s);
-    for (;;) {
-        why = (struct rad_error){ 0 };
-        s.err = &why;
-        rc = attempt(&s, &failures);
-        s.err = err;
-        if (rc != RAD_EUNAVAIL || s.cancelled || s.ended || s.over)
-            break;
-        if ((rc = may_retry(&s, &why)) < 0)
-            return rc;
-        if (failures == 0) {
-            snprintf(text, sizeof text, "%s; trying again", why.what);
-            cb->say(cb->arg, text);
-        }
-        pause_for(&s, backoff_ms(&s, failures++));
-    }
-    if (rc < 0 && err)
-        *err = why;
+    rc = persevere(&s);
+    link_close(s.link);
     return rc;
 }

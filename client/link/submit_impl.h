@@ -24,7 +24,7 @@ enum { SUBMIT_LOOK_MS = 500 };
  * does not set this back.
  *
  *   OURS --SUBMIT--> ASKED --PROGRESS with its id--> KNOWN --ACCEPT--> ACCEPTED
- *                      '------------------ACCEPT-----------------------^ */
+ *     ^----FAILED----' '------------------ACCEPT-----------------------^ */
 enum stage {
     STAGE_OURS,  /* nothing, or only files */
     STAGE_ASKED, /* SUBMIT was sent, so it may have the job */
@@ -39,10 +39,17 @@ struct submit {
     struct link *link;
     struct rad_error *err;
     uint32_t request;  /* number of our last request */
-    uint64_t start_ms; /* when we began; later, when the job was accepted */
+    uint64_t start_ms; /* when we began; later, when we were first refused; at
+                        * last, when the job was accepted */
     uint64_t wait_ms;  /* since when a worker could have come; 0: not yet */
-    bool connected;    /* there was a connection at some time */
     enum stage stage;
+    /* trying again */
+    int failures;   /* tries since the last that brought something */
+    bool connected; /* there was a connection at some time */
+    bool refused;   /* the last try: by a limit that has room again later */
+    bool in_line;   /* the connection is kept, and with it our turn */
+    bool told_lost, told_refused; /* the user knows */
+    /* the job */
     bool met_worker, done, cancelled;
     bool fetching;      /* fetch() or ask() handles a FAILED of this request */
     bool over;          /* the job has failed, or is cancelled */

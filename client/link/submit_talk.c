@@ -5,6 +5,7 @@
 #include "link/submit_impl.h"
 
 #include <string.h>
+#include <sysexits.h>
 
 enum { CANCEL_MS = 5000 }; /* longest wait for a job to be cancelled */
 
@@ -34,6 +35,14 @@ submit_reach(struct submit *s, enum stage to)
 }
 
 /* --- messages that may come at any time --- */
+
+/* Does the coordinator not take the job now, but perhaps later?  Of a job that
+ * fails with that status it has told the progress before. */
+static bool
+is_refusal(const struct submit *s, const struct msg_failed *m)
+{
+    return s->stage < STAGE_KNOWN && m->status == EX_TEMPFAIL;
+}
 
 static int
 take(struct submit *s, const struct msg *m)
@@ -66,7 +75,8 @@ take(struct submit *s, const struct msg *m)
             (s->fetching && m->request == s->request) ||
             (s->cancelled && s->done)) /* it ended before CANCEL came */
             return 0;
-        s->over = true;
+        s->refused = is_refusal(s, &m->failed);
+        s->over = !s->refused;
         if (s->cancelled)
             return submit_interrupted(s);
         return rad_fail(s->err, link_code(m->failed.status), "%s",

@@ -67,8 +67,9 @@ struct coord_conn {
     const struct job *watch;     /* job whose progress is sent; NULL: none */
     uint32_t watch_request;      /* request id of its SUBMIT */
     uint64_t offer_ms;           /* first OFFER since last SUBMIT; 0: none */
-    uint64_t sent_bytes;         /* bytes of CHUNK since offer_ms */
+    uint64_t sent_bytes;         /* bytes of CHUNK since the last job */
     uint64_t moved_ms;           /* when the last OFFER or CHUNK came */
+    bool in_line;     /* the limit user_jobs has refused its SUBMIT (quota.h) */
     uint32_t answers; /* answers under way, each over several turns */
     struct coord_owner *payer;
     struct coord_settling *settling; /* answers that wait for the store */

@@ -141,7 +141,7 @@ intake_chunk(struct coord *c, struct coord_conn *conn, const struct msg *m)
 
 /* Why a new job cannot be taken; 0: it can. */
 static int
-submit_fault(const struct coord *c, const struct coord_conn *conn,
+submit_fault(const struct coord *c, struct coord_conn *conn,
              const struct msg_spec *spec, struct rad_error *err)
 {
     struct partition_spec p;
@@ -243,6 +243,7 @@ intake_submit(struct coord *c, struct coord_conn *conn, const struct msg *m)
     }
     if (submit_fault(c, conn, &spec, &err) != 0 ||
         choose_reuse(c, conn, &spec, options, &err) != 0) {
+        conn->offer_ms = 0; /* what it offers next is another try */
         desk_reply_failed(c, conn, m->request, m->submit.job,
                           rad_exit_status(err.code), err.what);
         return;

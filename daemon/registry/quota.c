@@ -160,14 +160,45 @@ check_uploads(const struct coord_limits *l, const struct use *u,
                  "end some", err);
 }
 
+/* Connections of the same user that are in line before this one. */
+static uint64_t
+count_line(const struct coord *c, const struct coord_conn *conn)
+{
+    uint64_t n = 0;
+
+    for (const struct coord_conn *i = c->conns; i; i = i->next)
+        n += i->in_line && i->id < conn->id &&
+             strcmp(i->owner, conn->owner) == 0;
+    return n;
+}
+
+static int
+check_jobs(const struct coord *c, const struct coord_conn *conn, uint64_t used,
+           struct rad_error *err)
+{
+    uint64_t most = c->limits.jobs, before = count_line(c, conn);
+    int rc = check("user_jobs", used, 1, most, "jobs that are not over",
+                   "cancel some", err);
+
+    if (rc < 0 || before < most - used)
+        return rc;
+    return rad_fail(err, RAD_ETEMPFAIL,
+                    "limit user_jobs: you have %" PRIu64 " of %" PRIu64
+                    " jobs that are not over, and %" PRIu64
+                    " are in line before this one: try again later (see "
+                    "'radctl limits')",
+                    used, most, before);
+}
+
 int
-quota_job(const struct coord *c, const struct coord_conn *conn,
+quota_job(const struct coord *c, struct coord_conn *conn,
           const struct msg_spec *spec, struct rad_error *err)
 {
     const struct coord_limits *l = &c->limits;
     struct use u;
     int rc;
 
+    conn->in_line = false;
     if (is_free(conn))
         return 0;
     count_use(c, conn->owner, &u);
@@ -177,9 +208,10 @@ quota_job(const struct coord *c, const struct coord_conn *conn,
     /* the job's pixels alone: the bundle's files are in u.bytes already */
     if (rc == 0)
         rc = check_stored(l, &u, spec_bytes(spec), err);
-    if (rc == 0)
-        rc = check("user_jobs", u.jobs, 1, l->jobs, "jobs that are not over",
-                   "cancel some", err);
+    if (rc == 0) {
+        rc = check_jobs(c, conn, u.jobs, err);
+        conn->in_line = rc == RAD_ETEMPFAIL;
+    }
     if (rc == 0 && u.unfetched >= l->unfetched)
         rc = rad_fail(err, RAD_ETEMPFAIL,
                       "limit user_unfetched: you have %" PRIu64 " of %" PRIu64

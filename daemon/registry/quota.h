@@ -6,6 +6,9 @@
  * refused with the limit's name, its value and what to do: with RAD_ETEMPFAIL
  * (status 75) if waiting may help, with RAD_EDATA (65) if the request alone
  * exceeds the limit.
+ * A user's connections stand in line for the limit of jobs: while one whose job
+ * was refused stays, later ones leave it a place.  Else who asks at the right
+ * moment would have each place, and a job that waits might wait for ever.
  * Private to the coordinator's own files, but for struct coord_limits (env.h).
  * Thread: the coordinator's loop. */
 #ifndef DAEMON_QUOTA_H
@@ -14,8 +17,9 @@
 #include "desk/desk.h"
 
 /* May the user of the connection have this further job?  0; or RAD_ETEMPFAIL or
- * RAD_EDATA, with a message for the user. */
-int quota_job(const struct coord *c, const struct coord_conn *conn,
+ * RAD_EDATA, with a message for the user.  Notes whether the connection is in
+ * line. */
+int quota_job(const struct coord *c, struct coord_conn *conn,
               const struct msg_spec *spec, struct rad_error *err);
 /* May a job have that priority?  0, or RAD_EUSAGE. */
 int quota_priority(int32_t priority, struct rad_error *err);

@@ -119,9 +119,9 @@ player_hang_up(struct player *p)
 
 static const char file_text[] = "the scene";
 
-/* OFFER to ACCEPT; want: ask for the second file offered. */
-static void
-player_take_job(struct player *p, bool want)
+/* OFFER to SUBMIT; want: ask for the second file offered.  Returns SUBMIT. */
+static const struct msg *
+player_take_scene(struct player *p, bool want)
 {
     struct msg m = { 0 };
     const struct msg *in = player_expect(p, MSG_OFFER);
@@ -148,8 +148,28 @@ player_take_job(struct player *p, bool want)
     in = player_expect(p, MSG_SUBMIT);
     if (strcmp(in->submit.params, "-ab 0") != 0 || in->submit.nframes != 1)
         _exit(WRONG);
-    m = (struct msg){ .type = MSG_ACCEPT, .request = in->request };
+    return in;
+}
+
+static void
+player_take_job(struct player *p, bool want)
+{
+    const struct msg *in = player_take_scene(p, want);
+    struct msg m = { .type = MSG_ACCEPT, .request = in->request };
+
     m.accept.job = in->submit.job;
+    player_send(p, &m);
+}
+
+static void
+player_refuse_job(struct player *p)
+{
+    const struct msg *in = player_take_scene(p, false);
+    struct msg m = { .type = MSG_FAILED, .request = in->request };
+
+    m.failed.job = in->submit.job;
+    m.failed.status = EX_TEMPFAIL;
+    m.failed.text = "limit user_jobs";
     player_send(p, &m);
 }
 
@@ -227,18 +247,6 @@ player_cancels_too_late(struct player *p)
 /* --- the scripts --- */
 
 static void
-script_refuses(struct player *p)
-{
-    struct msg m = { .type = MSG_REFUSE };
-
-    player_accept(p);
-    player_expect(p, MSG_HELLO);
-    m.refuse.status = EX_NOPERM;
-    m.refuse.text = "not you";
-    player_send(p, &m);
-}
-
-static void
 script_speaks_nonsense(struct player *p)
 {
     player_accept(p);
@@ -259,15 +267,100 @@ script_speaks_out_of_turn(struct player *p)
 }
 
 static void
-script_renders(struct player *p)
+player_render(struct player *p)
 {
-    player_welcome(p, 1);
     player_take_job(p, true);
     player_progress(p, 1, 0);
     player_progress(p, 1, 1);
     player_give(p, MSG_WHAT_PICTURE, "a picture", 0);
     player_done(p);
     player_give(p, MSG_WHAT_STATS, "{ }", 0);
+}
+
+static void
+script_renders(struct player *p)
+{
+    player_welcome(p, 1);
+    player_render(p);
+}
+
+/* The client stays, and keeps its place in line. */
+static void
+script_lets_it_wait_its_turn(struct player *p)
+{
+    player_welcome(p, 1);
+    player_refuse_job(p);
+    player_refuse_job(p);
+    player_render(p);
+}
+
+static void
+player_refuse(struct player *p, int status)
+{
+    struct msg m = { .type = MSG_REFUSE };
+
+    player_accept(p);
+    player_expect(p, MSG_HELLO);
+    m.refuse.status = (uint16_t)status;
+    m.refuse.text = "not you";
+    player_send(p, &m);
+}
+
+static void
+script_has_too_many_connections(struct player *p)
+{
+    player_refuse(p, EX_TEMPFAIL);
+    player_hang_up(p);
+    player_refuse(p, EX_TEMPFAIL);
+    player_hang_up(p);
+    player_welcome(p, 1);
+    player_render(p);
+}
+
+/* The files of the scene are refused, each by itself. */
+static void
+script_has_no_room_for_files(struct player *p)
+{
+    const struct msg *in;
+    struct msg m = { .type = MSG_WANT };
+
+    player_welcome(p, 1);
+    in = player_expect(p, MSG_OFFER);
+    m.request = in->request;
+    m.want = in->offer;
+    player_send(p, &m);
+    m = (struct msg){ .type = MSG_FAILED };
+    m.failed.job = NULL;
+    m.failed.status = EX_TEMPFAIL;
+    m.failed.text = "limit user_upload_mib";
+    for (int i = 0; i < 2; i++) {
+        player_expect(p, MSG_CHUNK);
+        player_send(p, &m);
+    }
+    player_hang_up(p);
+    player_welcome(p, 1);
+    player_render(p);
+}
+
+static void
+script_refuses_for_ever(struct player *p)
+{
+    player_welcome(p, 1);
+    for (int i = 0; i < 2; i++) /* at once, and when --wait is over */
+        player_refuse_job(p);
+}
+
+static void
+script_refuses(struct player *p)
+{
+    player_refuse(p, EX_NOPERM);
+}
+
+static void
+script_refuses_once(struct player *p)
+{
+    player_welcome(p, 1);
+    player_refuse_job(p);
 }
 
 static void
@@ -478,7 +571,7 @@ struct client {
     pid_t player;
     char picture[32], stats[32];
     int interrupts;
-    bool interrupt_at_progress;
+    bool interrupt_at_progress, interrupt_when_told;
     int nsaid, naccepted;
     bool wonders;
     char reason[100];
@@ -507,8 +600,12 @@ on_reason(void *arg, const char *text)
 static void
 on_say(void *arg, const char *text)
 {
+    struct client *c = arg;
+
     (void)text;
-    ((struct client *)arg)->nsaid++;
+    c->nsaid++;
+    if (c->interrupt_when_told)
+        c->interrupts = 1;
 }
 
 static void
@@ -567,6 +664,7 @@ static const struct script {
     double wait_s;
     bool interrupt, detach;
     bool refused;       /* the job is never accepted */
+    bool told;          /* the user is told once why there is no job yet */
     const char *reason; /* what is learned of why nobody is at it */
     const char *what; /* how the error begins; then the cluster is another's */
 } scripts[] = {
@@ -597,6 +695,16 @@ static const struct script {
     { "is paused", script_is_paused, 0, .01, .detach = false },
     { "lost its worker", script_lost_its_worker, 0, .01, .detach = false },
     { "detaches", script_detaches, 0, 30, .detach = true },
+    { "in line", script_lets_it_wait_its_turn, 0, 30, .told = true },
+    { "too many connections", script_has_too_many_connections, 0, 30,
+      .told = true },
+    { "no room for files", script_has_no_room_for_files, 0, 30, .told = true },
+    { "refused at once", script_refuses_once, RAD_ETEMPFAIL, 0, .refused = true,
+      .what = "limit user_jobs" },
+    { "refused for ever", script_refuses_for_ever, RAD_ETEMPFAIL, .3,
+      .refused = true, .told = true, .what = "limit user_jobs" },
+    { "interrupted in line", script_refuses_once, RAD_ETEMPFAIL, 30,
+      .interrupt = true, .refused = true, .told = true, .what = "interrupted" },
 };
 
 static int
@@ -684,6 +792,7 @@ run_client(const struct script *s, struct client *c, struct rad_error *err)
     spec.files.hash = cargo.hashes;
     spec.windows = 0;
     c->interrupt_at_progress = s->interrupt;
+    c->interrupt_when_told = s->interrupt && s->told;
     uv_loop_init(&loop);
     rc = submit_run(&job, &loop, &c->interrupts, &cb, err);
     ck_assert_int_eq(uv_loop_close(&loop), 0); /* no handle is left */
@@ -720,8 +829,9 @@ START_TEST(conversations_end_as_they_should)
         ck_assert_str_eq(c.reason, s->reason);
     if (s->what) {
         ck_assert_msg(strstr(err.what, s->what) == err.what, "%s", err.what);
-        ck_assert_int_eq(c.nsaid, 0);
     }
+    if (s->what || s->told)
+        ck_assert_int_eq(c.nsaid, s->told ? 1 : 0);
     if (s->rc == 0 && !s->detach) {
         ck_assert_str_eq(c.picture, "a picture");
         ck_assert_str_eq(c.stats, "{ }");

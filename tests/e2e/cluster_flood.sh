@@ -23,8 +23,8 @@ for row in json.load(sys.stdin)["limits"]:
 }
 submit()
 {
-    "$radsubmit" --coordinator="$tcp" --key=user.key --detach -x 2000 -y 2000 \
-        -ab 3 "$scenes/room.rad"
+    "$radsubmit" --coordinator="$tcp" --key=user.key --detach --wait=0 \
+        -x 2000 -y 2000 -ab 3 "$scenes/room.rad"
 }
 may_have()
 {
@@ -53,6 +53,17 @@ for file in job second; do
     "$radctl" --coordinator="$tcp" --key=user.key cancel "$(cat $file)" ||
         fail "cancel"
 done
+# with time to wait all of a script come in turn, each told of it once at most
+seq 6 | xargs -P6 -I{} sh -c '"$0" --coordinator="$1" --key=user.key --wait=300 \
+    -x 8 -y 8 -o turn{}.hdr "$2/room.rad" 2>turn{}.err' \
+    "$radsubmit" "$tcp" "$scenes" || fail "six at once: $(cat turn*.err)"
+for i in 1 2 3 4 5 6; do
+    [ -s turn$i.hdr ] || fail "picture $i is not there"
+    [ "$(grep -c 'trying again for 300 s' turn$i.err)" -le 1 ] ||
+        fail "$i says it again: $(cat turn$i.err)"
+done
+grep -q 'limit user_jobs: you have .*; trying again for 300 s$' turn*.err ||
+    fail "none had to wait"
 python3 - "$sock" "$coord_pid" <<'PYTHON' || fail "the flood: see above"
 import sys, wire
 

@@ -159,6 +159,44 @@ used(uint64_t conn, const char *limit)
     return n;
 }
 
+/* Of jobs that are submitted again and again none has to wait for ever. */
+START_TEST(whose_job_was_refused_comes_before_who_comes_later)
+{
+    enum { LATER = EVE_TOO + 1, MALLORY };
+    struct msg offer = { .type = MSG_OFFER, .offer = { 1, hash } };
+    struct coord_limits one = few;
+
+    one.jobs = 1;
+    one.conns = 4;
+    coord_set_limits(f.c, &one);
+    submit(EVE, job_id(0), 0);
+    say(EVE_TOO, &offer);
+    submit(EVE_TOO, job_id(1), 0);
+    expect_refused(EVE_TOO, EX_TEMPFAIL, "limit user_jobs: you have 1 of 1 ");
+    ck_assert_int_eq(used(EVE, "user_uploads"), 0); /* it only waits */
+    join_plain(LATER, "eve");
+    join_plain(MALLORY, "mallory");
+    about(EVE, MSG_CANCEL, job_id(0));
+    submit(LATER, job_id(2), 0);
+    expect_refused(LATER, EX_TEMPFAIL,
+                   "limit user_jobs: you have 0 of 1 jobs that are not over, "
+                   "and 1 are in line before this one");
+    submit(MALLORY, job_id(3), 0);
+    ck_assert_int_ne(f.last[MALLORY].type, MSG_FAILED);
+    submit(EVE_TOO, job_id(1), 0);
+    ck_assert_int_eq(f.last[EVE_TOO].type, MSG_ACCEPT);
+    about(EVE, MSG_CANCEL, job_id(1));
+    submit(LATER, job_id(2), 0);
+    ck_assert_int_eq(f.last[LATER].type, MSG_ACCEPT);
+    submit(EVE, job_id(4), 0); /* it goes without a job */
+    coord_closed(f.c, f.now_ms, EVE, "gone");
+    carry_out();
+    about(EVE_TOO, MSG_CANCEL, job_id(2));
+    submit(LATER, job_id(5), 0);
+    ck_assert_int_eq(f.last[LATER].type, MSG_ACCEPT);
+}
+END_TEST
+
 static void
 submit_windows(const uint8_t *job, const struct msg_frame *picture, uint32_t n)
 {
@@ -396,6 +434,7 @@ main(void)
 
     tcase_add_checked_fixture(tc, set_up_few, tear_down);
     tcase_add_test(tc, jobs_of_one_user_are_limited_and_not_those_of_another);
+    tcase_add_test(tc, whose_job_was_refused_comes_before_who_comes_later);
     tcase_add_test(tc, many_windows_count_as_frames);
     tcase_add_test(tc, high_frames_count_as_several);
     tcase_add_test(tc, frames_and_bytes_are_limited_too);
