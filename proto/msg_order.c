@@ -51,3 +51,10 @@ msg_code_worker(struct codec *c, struct msg_worker *b)
 {
     code_str(c, &b->name, MSG_MAX_NAME);
 }
+
+void
+msg_code_drain(struct codec *c, struct msg_drain *b)
+{
+    code_str(c, &b->name, MSG_MAX_NAME);
+    code_below(c, &b->why, MSG_NDRAIN);
+}

@@ -60,9 +60,23 @@ struct msg_key {
     uint64_t expires; /* of a new key, seconds since 1970; 0: never */
 };
 
-/* DRAIN, UNDRAIN, FORGET: a worker's name. */
+/* UNDRAIN, FORGET: a worker's name. */
 struct msg_worker {
     const char *name;
+};
+
+/* Why a worker is to get no more work. */
+enum msg_drain_why {
+    MSG_DRAIN_ORDER,   /* an admin's; all others are the worker's own */
+    MSG_DRAIN_STOPPED, /* its radd ends */
+    MSG_DRAIN_HOURS,   /* `hours` of radd.conf are over */
+    MSG_DRAIN_IN_USE,  /* `idle_only` there, and somebody uses the machine */
+    MSG_NDRAIN
+};
+
+struct msg_drain {
+    const char *name;
+    uint8_t why; /* enum msg_drain_why */
 };
 
 #endif

@@ -41,7 +41,8 @@ struct coord_worker {
     bool forgotten;            /* gone, and no longer listed */
     bool expelled;             /* its key ended, and it has not come since */
     bool drained;              /* gets no new work: an admin's wish */
-    bool leaving;              /* gets no new work: its own wish */
+    uint8_t leaving;   /* gets no new work: its own wish, for this reason
+                        * (enum msg_drain_why); 0: it does not leave */
     bool alone;        /* has a suspect unit, and gets no other unit now */
     char no_room[256]; /* why its disk last had no room for a job's files */
 };

@@ -71,15 +71,36 @@ report_worker_state(const struct coord_worker *w,
     return shares[w->id].lacks_room ? "no room" : "idle";
 }
 
+/* Why a worker gets no work, in a word for scripts and for people. */
+static const struct {
+    const char *word, *note;
+} away[MSG_NDRAIN] = {
+    [MSG_DRAIN_ORDER] = { "order", "drained by an administrator" },
+    [MSG_DRAIN_STOPPED] = { "stopped", "it was stopped" },
+    [MSG_DRAIN_HOURS] = { "hours", "outside hours of its radd.conf" },
+    [MSG_DRAIN_IN_USE] = { "in use", "somebody uses the machine "
+                                     "(idle_only of its radd.conf)" },
+};
+
 /* Why the worker gets no work, where its state alone does not say. */
 static const char *
 worker_note(const struct coord_worker *w, const struct report_share *s)
 {
+    if (w->leaving)
+        return away[w->leaving].note;
     if (w->conn == 0)
-        return w->leaving ? "it left: stopped, or kept away by hours or "
-                            "idle_only of radd.conf"
-                          : "no connection to it";
+        return "no connection to it";
+    if (w->drained)
+        return away[MSG_DRAIN_ORDER].note;
     return s->lacks_room ? w->no_room : "";
+}
+
+static const char *
+worker_away(const struct coord_worker *w)
+{
+    if (w->leaving)
+        return away[w->leaving].word;
+    return w->drained ? away[MSG_DRAIN_ORDER].word : "";
 }
 
 static json_int_t
@@ -94,15 +115,15 @@ report_worker(const struct coord *c, const struct coord_worker *w,
 {
     const struct report_share *s = &shares[w->id];
 
-    return json_pack("{s:s,s:s,s:f,s:I,s:I,s:I,s:I,s:I,s:I,s:s,s:s,s:f,s:s}",
-                     "name", w->name, "state", report_worker_state(w, shares),
-                     "load", w->conn ? w->load / 100.0 : 0.0, "threads",
-                     (json_int_t)w->threads, "units", (json_int_t)w->in_flight,
-                     "rays", integer(s->rays), "redundant",
-                     integer(s->redundant), "memory", integer(s->memory),
-                     "cache", integer(s->cache), "address", w->address,
-                     "program", w->program, "since_s", since(c, w->since_ms),
-                     "text", worker_note(w, s));
+    return json_pack(
+        "{s:s,s:s,s:s,s:f,s:I,s:I,s:I,s:I,s:I,s:I,s:s,s:s,s:f,s:s}", "name",
+        w->name, "state", report_worker_state(w, shares), "away",
+        worker_away(w), "load", w->conn ? w->load / 100.0 : 0.0, "threads",
+        (json_int_t)w->threads, "units", (json_int_t)w->in_flight, "rays",
+        integer(s->rays), "redundant", integer(s->redundant), "memory",
+        integer(s->memory), "cache", integer(s->cache), "address", w->address,
+        "program", w->program, "since_s", since(c, w->since_ms), "text",
+        worker_note(w, s));
 }
 
 static json_t *

@@ -79,8 +79,8 @@ static void
 on_drain(struct coord *c, struct coord_worker *w, const struct msg *m)
 {
     (void)c;
-    (void)m;
-    w->leaving = true;
+    w->leaving =
+        m->drain.why == MSG_DRAIN_ORDER ? MSG_DRAIN_STOPPED : m->drain.why;
 }
 
 /* Handler of RECORDS: send ambient records to the connections that watch the

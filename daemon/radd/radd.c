@@ -388,8 +388,9 @@ has_file(void *arg, const uint8_t hash[MSG_HASH])
 
 /* --- start and end --- */
 
-/* May the machine work now, by its hours and by idle_only? */
-static bool
+/* Why the machine may not work now, by its hours and by idle_only; 0: it may.
+ */
+static enum msg_drain_why
 judge_work(struct radd *r)
 {
     time_t t = time(NULL);
@@ -397,8 +398,9 @@ judge_work(struct radd *r)
 
     if (!localtime_r(&t, &tm) ||
         !hours_open(&r->hours, tm.tm_wday, 60 * tm.tm_hour + tm.tm_min))
-        return false;
-    return !r->set.idle_only || !idle_look(&r->idle, now(r));
+        return MSG_DRAIN_HOURS;
+    return r->set.idle_only && idle_look(&r->idle, now(r)) ? MSG_DRAIN_IN_USE
+                                                           : 0;
 }
 
 /* Judge again if IDLE_LOOK_MS have passed, or at once. */

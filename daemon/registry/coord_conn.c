@@ -283,7 +283,8 @@ join_worker(struct coord *c, struct coord_conn *conn, const struct msg_hello *m)
     w->fingerprint = m->fingerprint;
     w->since_ms = c->now_ms;
     w->progressed_ms = c->now_ms; /* its progress counter begins anew */
-    w->leaving = w->alone = w->hangs = w->forgotten = w->expelled = false;
+    w->leaving = 0;
+    w->alone = w->hangs = w->forgotten = w->expelled = false;
     snprintf(w->program, sizeof w->program, "%s", m->program);
     note_address(w, conn, m->address);
     conn->worker = w;

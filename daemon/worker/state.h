@@ -165,7 +165,7 @@ struct worker {
     uint64_t dial_ms;  /* when to dial next */
     unsigned delay_ms; /* of the dial after the next */
     bool draining, stopped;
-    bool away; /* the machine may not be used now: worker_allow() */
+    enum msg_drain_why away; /* worker_allow()'s */
     uint64_t next_conn;
     uint32_t next_peer;
     uint64_t progress;
@@ -188,6 +188,7 @@ uint64_t worker_redial_ms(struct worker *w, unsigned *delay_ms);
 struct wjob *worker_find_job(const struct worker *w, const uint8_t id[MSG_JOB]);
 /* Send to the coordinator, if it is there. */
 void worker_send_coord(struct worker *w, const struct msg *m);
+void worker_send_drain(struct worker *w);
 /* Send to a job's child. */
 void worker_send_child(struct worker *w, struct wjob *job, const struct msg *m);
 void worker_send_child_bytes(struct worker *w, struct wjob *job,

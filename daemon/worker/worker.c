@@ -235,34 +235,36 @@ worker_written(struct worker *w, uint64_t now_ms, uint64_t conn, size_t n)
 void
 worker_drain(struct worker *w, uint64_t now_ms)
 {
-    struct msg m = { .type = MSG_DRAIN, .drain = { w->env.name } };
-
     w->now_ms = now_ms;
     if (w->draining || w->coord_state != COORD_WELCOME) {
         worker_stop(w, 0, "");
         return;
     }
     w->draining = true;
-    worker_send_coord(w, &m);
+    worker_send_drain(w);
 }
 
 void
-worker_allow(struct worker *w, uint64_t now_ms, bool allowed)
+worker_allow(struct worker *w, uint64_t now_ms, enum msg_drain_why away)
 {
-    struct msg m = { .type = MSG_DRAIN, .drain = { w->env.name } };
+    bool was = w->away;
 
     w->now_ms = now_ms;
-    if (w->away != allowed)
+    w->away = away;
+    if (!was == !away)
         return;
-    w->away = !allowed;
-    actions_log(&w->actions, ACT_INFO,
-                allowed ? "work begins" : "work ends: what is left goes back");
-    if (allowed)
+    actions_log(&w->actions, ACT_INFO, "%s",
+                !away                      ? "work begins"
+                : away == MSG_DRAIN_IN_USE ? "work ends: somebody uses the "
+                                             "machine, what is left goes back"
+                                           : "work ends: outside its hours, "
+                                             "what is left goes back");
+    if (!away)
         w->dial_ms = now_ms;
     else if (w->coord_state != COORD_WELCOME)
         end_jobs(w); /* lost_coord() may never come */
     else if (!w->draining)
-        worker_send_coord(w, &m);
+        worker_send_drain(w);
 }
 
 void

@@ -99,9 +99,10 @@ void worker_hold(struct worker *w, uint64_t child, bool held);
  * coordinator: ACT_STOP at once. */
 void worker_drain(struct worker *w, uint64_t now_ms);
 
-/* May this machine be used?  If not the worker gives its work back, leaves the
- * coordinator and ends its children; it dials again when it may. */
-void worker_allow(struct worker *w, uint64_t now_ms, bool allowed);
+/* May this machine be used?  away: 0, or MSG_DRAIN_HOURS or MSG_DRAIN_IN_USE:
+ * the worker gives its work back, leaves the coordinator and ends its children;
+ * it dials again when it may be used. */
+void worker_allow(struct worker *w, uint64_t now_ms, enum msg_drain_why away);
 
 /* Time passes; to be called about every 100 ms. */
 void worker_tick(struct worker *w, uint64_t now_ms);

@@ -49,11 +49,8 @@ on_welcome(struct worker *w, const struct msg *m)
     /* of a job that ended meanwhile the coordinator answers TALLY by JOB_END */
     for (struct wjob *job = w->jobs; job; job = job->next)
         worker_send_tally(w, job);
-    if (w->draining || w->away) {
-        struct msg drain = { .type = MSG_DRAIN, .drain = { w->env.name } };
-
-        worker_send_coord(w, &drain);
-    }
+    if (w->draining || w->away)
+        worker_send_drain(w);
 }
 
 /* The worker stops when it is refused, unless the status says to try later.  A

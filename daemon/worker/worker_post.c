@@ -45,6 +45,16 @@ worker_send_coord(struct worker *w, const struct msg *m)
 }
 
 void
+worker_send_drain(struct worker *w)
+{
+    struct msg m = { .type = MSG_DRAIN,
+                     .drain = { w->env.name,
+                                w->draining ? MSG_DRAIN_STOPPED : w->away } };
+
+    worker_send_coord(w, &m);
+}
+
+void
 worker_send_tally(struct worker *w, struct wjob *job)
 {
     struct msg m = { .type = MSG_TALLY, .tally = job->tally };

@@ -47,6 +47,13 @@ kill -HUP "$pid_1"
 until_true 20 grep -q 'work ends' w1.log || fail "it does not end its work"
 kill -CONT "$child"
 until_true 20 no_child 1 || fail "a child stays after the hours"
+listed()
+{
+    "$radctl" --coordinator="$sock" workers | grep -qE "^w$1 +gone .* $2\$"
+}
+until_true 10 listed 1 'outside hours of its radd.conf' &&
+    listed 2 'it was stopped' ||
+    fail "why they are gone: $("$radctl" --coordinator="$sock" workers)"
 gone "$pid_1" && fail "the worker is gone"
 gone $job && fail "the job is over: $(cat job.err)"
 cp always radd.conf

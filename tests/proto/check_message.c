@@ -71,7 +71,7 @@ static const struct msg examples[] = {
     { .type = MSG_QUERY, .request = 8, .query = { MSG_QUERY_JOB, "1011" } },
     { .type = MSG_ANSWER, .request = 8,
       .answer = { (const uint8_t *)"{}", 2 } },
-    { .type = MSG_DRAIN, .request = 9, .drain = { "ws1" } },
+    { .type = MSG_DRAIN, .request = 9, .drain = { "ws1", MSG_DRAIN_HOURS } },
     { .type = MSG_UNDRAIN, .request = 9, .undrain = { "ws1" } },
     { .type = MSG_KEY, .request = 10,
       .key = { MSG_KEY_ADD, "worker:ws1", 1798761600 } },

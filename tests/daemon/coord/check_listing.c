@@ -327,24 +327,52 @@ workers_told(void)
     return n;
 }
 
-START_TEST(a_worker_that_is_gone_says_whether_it_left)
+static void
+expect_away(const char *state, const char *word, const char *note)
 {
-    static const char *const begin[] = { "no connection", "it left" };
-    struct msg drain = { .type = MSG_DRAIN, .drain = { "ws2" } };
-    const char *text;
-    json_t *all;
+    json_t *all = walk(
+        ANA, (struct msg_page){ MSG_ROWS_WORKERS, 0, "", state, 0, 0 }, NULL);
+    const json_t *row = json_array_get(all, 0);
 
-    join(SECOND, MSG_ROLE_WORKER, "ws2", "");
-    if (_i == 1)
-        say(SECOND, &drain);
-    coord_closed(f.c, f.now_ms, SECOND, "gone");
-    carry_out();
-    all = walk(ANA, (struct msg_page){ MSG_ROWS_WORKERS, 0, "", "gone", 0, 0 },
-               NULL);
     ck_assert_uint_eq(json_array_size(all), 1);
-    text = json_string_value(json_object_get(json_array_get(all, 0), "text"));
-    ck_assert_ptr_eq(strstr(text, begin[_i]), text);
+    ck_assert_str_eq(json_string_value(json_object_get(row, "away")), word);
+    ck_assert_str_eq(json_string_value(json_object_get(row, "text")), note);
     json_decref(all);
+}
+
+static const struct {
+    int sender; /* of DRAIN; 0: nobody says it */
+    uint8_t why;
+    const char *word, *note, *note_gone; /* NULL: as before */
+} leaves[] = {
+    { 0, 0, "", "", "no connection to it" },
+    { ADMIN, MSG_DRAIN_ORDER, "order", "drained by an administrator",
+      "no connection to it" },
+    { SECOND, MSG_DRAIN_ORDER, "stopped", "it was stopped", NULL },
+    { SECOND, MSG_DRAIN_STOPPED, "stopped", "it was stopped", NULL },
+    { SECOND, MSG_DRAIN_HOURS, "hours", "outside hours of its radd.conf",
+      NULL },
+    { SECOND, MSG_DRAIN_IN_USE, "in use",
+      "somebody uses the machine (idle_only of its radd.conf)", NULL },
+};
+
+START_TEST(a_worker_that_gets_no_work_says_why)
+{
+    struct msg drain = { .type = MSG_DRAIN,
+                         .drain = { "ws2", leaves[_i].why } };
+    const char *gone = leaves[_i].note_gone;
+
+    coord_closed(f.c, f.now_ms, WORKER, "gone");
+    forget("ws1");
+    join(SECOND, MSG_ROLE_WORKER, "ws2", "");
+    if (leaves[_i].sender)
+        say((uint64_t)leaves[_i].sender, &drain);
+    if (leaves[_i].sender != SECOND) { /* which is let go at once */
+        expect_away("", leaves[_i].word, leaves[_i].note);
+        coord_closed(f.c, f.now_ms, SECOND, "gone");
+        carry_out();
+    }
+    expect_away("gone", leaves[_i].word, gone ? gone : leaves[_i].note);
 }
 END_TEST
 
@@ -407,7 +435,8 @@ main(void)
     tcase_add_test(tc, a_deleted_jobs_rows_and_pictures_are_not_the_next_ones);
     tcase_add_test(tc, a_deleted_jobs_opening_and_end_are_not_the_next_ones);
     tcase_add_test(tc, owner_and_admin_delete_a_job_that_is_over);
-    tcase_add_loop_test(tc, a_worker_that_is_gone_says_whether_it_left, 0, 2);
+    tcase_add_loop_test(tc, a_worker_that_gets_no_work_says_why, 0,
+                        N_ELEM(leaves));
     tcase_add_test(tc, a_worker_that_is_gone_is_forgotten);
     tcase_add_test(tc, a_forgotten_worker_of_a_job_goes_with_that);
     return unit_run_case(tc);

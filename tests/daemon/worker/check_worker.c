@@ -259,9 +259,10 @@ START_TEST(a_worker_that_may_not_work_leaves_and_comes_back)
     start_job();
     child_ready();
     unit(0);
-    worker_allow(f.w, f.now_ms, false);
+    worker_allow(f.w, f.now_ms, MSG_DRAIN_HOURS);
     carry_out();
     ck_assert_int_eq(f.last.type, MSG_DRAIN);
+    ck_assert_int_eq(f.last.drain.why, MSG_DRAIN_HOURS);
     ck_assert_uint_eq(f.kills, 0);
     rows(0, 0);
     rows(0, 2); /* what is begun is finished */
@@ -276,7 +277,7 @@ START_TEST(a_worker_that_may_not_work_leaves_and_comes_back)
     for (int i = 0; i < 100; i++)
         tick(1000);
     ck_assert_uint_eq(f.dials, dials);
-    worker_allow(f.w, f.now_ms, true);
+    worker_allow(f.w, f.now_ms, 0);
     tick(100);
     ck_assert_uint_eq(f.dials, dials + 1);
     worker_closed(f.w, f.now_ms, f.coord, "refused"); /* and that is one */
@@ -309,7 +310,7 @@ START_TEST(a_worker_that_may_not_work_and_has_no_coordinator_ends_its_children)
         tick(500);
     dials = f.dials;
     ck_assert_uint_eq(dials, no_coord[_i] == DIALLING ? 2 : 1);
-    worker_allow(f.w, f.now_ms, false);
+    worker_allow(f.w, f.now_ms, MSG_DRAIN_IN_USE);
     carry_out();
     ck_assert_uint_eq(f.kills, 1);
     ck_assert_int_eq(said(f.coord, MSG_DRAIN), 0);
@@ -616,6 +617,7 @@ START_TEST(it_leaves_when_the_coordinator_lets_it_go)
     worker_drain(f.w, f.now_ms);
     carry_out();
     ck_assert_int_eq(f.last.type, MSG_DRAIN);
+    ck_assert_int_eq(f.last.drain.why, MSG_DRAIN_STOPPED);
     ck_assert(!f.stopped);
     hear(f.coord, &m);
     ck_assert(f.stopped);
