@@ -72,6 +72,7 @@ msg_code_lost(struct codec *c, struct msg_lost *b)
     uint32_t *u;
 
     code_job(c, &b->job);
+    code_failure(c, &b->status);
     code_str(c, &b->text, MSG_MAX_TEXT);
     u = code_list(c, b->units, &b->nunits, 4, MAX_LOST, sizeof *u);
     for (uint32_t i = 0; i < b->nunits; i++)

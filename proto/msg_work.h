@@ -64,6 +64,8 @@ struct msg_attempt {
  * have caused that. */
 struct msg_lost {
     const uint8_t *job;
+    uint16_t status;  /* of sysexits.h: EX_SOFTWARE: it crashed or hung;
+                       * EX_OSERR, EX_IOERR: it lacked memory, a file */
     const char *text; /* "killed by signal 11" */
     uint32_t nunits;
     const uint32_t *units;

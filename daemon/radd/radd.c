@@ -151,10 +151,11 @@ static void
 on_child_ended(void *arg, uint64_t id, struct child_end how, const char *text)
 {
     struct radd *r = arg;
-    bool local = how.signal > 0 ? killed_from_outside(how.signal)
-                                : worker_status_is_local(how.status);
+    int status = how.signal <= 0                   ? how.status
+                 : killed_from_outside(how.signal) ? EX_OSERR
+                                                   : EX_SOFTWARE;
 
-    worker_child_ended(r->worker, now(r), id, local, text);
+    worker_child_ended(r->worker, now(r), id, status, text);
     shell_run(&r->shell);
 }
 

@@ -324,7 +324,7 @@ ready_worker(const struct job *job)
  * part.  False: the job has failed. */
 static bool
 crashed_loading(struct coord *c, struct job *job, struct job_worker *jw,
-                const char *why, enum part_state *to)
+                const struct msg_lost *m, enum part_state *to)
 {
     uint32_t workers = 0;
     char text[MSG_MAX_TEXT + 1];
@@ -339,13 +339,14 @@ crashed_loading(struct coord *c, struct job *job, struct job_worker *jw,
         *to = PART_EXCLUDED;
         return true;
     }
-    snprintf(text, sizeof text, "no worker can load the scene: %.400s", why);
-    verdict_job(c, job, JOB_FAILED, EX_SOFTWARE, text);
+    snprintf(text, sizeof text, "no worker can load the scene: %.400s",
+             m->text);
+    verdict_job(c, job, JOB_FAILED, m->status, text);
     return false;
 }
 
-/* A child died while it had units, but not because of them.  Arguments and
- * result as of crashed_loading(). */
+/* A child died while it had units, but not because of them.  *to and the result
+ * are those of crashed_loading(). */
 static bool
 setback(struct coord *c, struct job *job, struct job_worker *jw,
         const char *why, enum part_state *to)
@@ -419,7 +420,7 @@ loss_reported(struct coord *c, struct coord_worker *w, const struct msg *msg)
     if (w->loading == job)
         w->loading = NULL;
     jw = &job->workers[index];
-    if (jw->state == PART_LOADING && !crashed_loading(c, job, jw, m->text, &to))
+    if (jw->state == PART_LOADING && !crashed_loading(c, job, jw, m, &to))
         return;
     if (jw->state == PART_READY && m->nunits == 0 && !jw->surveying &&
         tiles_out(jw) == 0 && !setback(c, job, jw, m->text, &to))

@@ -15,6 +15,7 @@
 
 #include <stdlib.h>
 #include <string.h>
+#include <sysexits.h>
 
 /* --- units and results of a job --- */
 
@@ -228,11 +229,24 @@ wjob_spawn(struct worker *w, struct wjob *job)
     worker_send_child_bytes(w, job, job->start, job->start_len);
 }
 
+/* The status of a job that fails everywhere as it did here.  What a worker
+ * lacks is not what its user lacks, so of memory and files alone is told. */
+static uint16_t
+status_for_user(int status)
+{
+    if (!worker_status_is_local(status))
+        return EX_SOFTWARE;
+    return status == EX_OSERR || status == EX_TEMPFAIL ? EX_OSERR : EX_IOERR;
+}
+
 void
-wjob_send_lost(struct worker *w, struct wjob *job, bool local, const char *text)
+wjob_send_lost(struct worker *w, struct wjob *job, int status, const char *text)
 {
     uint32_t list[64];
-    struct msg m = { .type = MSG_LOST, .lost = { job->id, text, 0, list } };
+    struct msg m = { .type = MSG_LOST,
+                     .lost = { job->id, status_for_user(status), text, 0,
+                               list } };
+    bool local = worker_status_is_local(status);
 
     for (size_t i = 0; !local && i < job->nunits &&
                        m.lost.nunits < w->env.threads && m.lost.nunits < 64;

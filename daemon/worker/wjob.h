@@ -21,8 +21,8 @@ void wjob_spawn(struct worker *w, struct wjob *job);
 void wjob_kill_child(struct worker *w, struct wjob *job);
 /* Tell the coordinator that the job's child is gone (LOST), and forget its
  * units.  Units that the child worked on are named as suspects, unless the
- * cause is this machine (local). */
-void wjob_send_lost(struct worker *w, struct wjob *job, bool local,
+ * status tells of this machine (worker_status_is_local()). */
+void wjob_send_lost(struct worker *w, struct wjob *job, int status,
                     const char *text);
 /* The attempt, if the child has it; else NULL. */
 struct wunit *wjob_find_unit(const struct wjob *job, uint32_t unit,

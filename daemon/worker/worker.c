@@ -197,7 +197,7 @@ worker_message(struct worker *w, uint64_t now_ms, uint64_t conn,
 }
 
 void
-worker_child_ended(struct worker *w, uint64_t now_ms, uint64_t conn, bool local,
+worker_child_ended(struct worker *w, uint64_t now_ms, uint64_t conn, int status,
                    const char *text)
 {
     struct wjob *job = find_child(w, conn);
@@ -209,7 +209,7 @@ worker_child_ended(struct worker *w, uint64_t now_ms, uint64_t conn, bool local,
                 text);
     job->child = 0;
     lossy_release(&job->to_child);
-    wjob_send_lost(w, job, local, text);
+    wjob_send_lost(w, job, status, text);
 }
 
 void

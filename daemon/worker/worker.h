@@ -64,10 +64,10 @@ void worker_message(struct worker *w, uint64_t now_ms, uint64_t conn,
                     const struct msg *m);
 
 /* A child ended by itself; conn is its connection, all its messages were
- * delivered.  local: the cause is this machine, not the scene.
- * text: "killed by signal 11", "exit status 70". */
+ * delivered.  status: its own; EX_OSERR if somebody killed it, EX_SOFTWARE if
+ * it crashed.  text: "killed by signal 11", "exit status 70". */
 void worker_child_ended(struct worker *w, uint64_t now_ms, uint64_t conn,
-                        bool local, const char *text);
+                        int status, const char *text);
 
 /* Does this status of sysexits.h, with which a child gave up, tell of this
  * machine (memory, a file, a permission is missing), not of the scene? */

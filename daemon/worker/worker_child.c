@@ -71,12 +71,12 @@ child_tally(struct worker *w, struct wjob *job, const struct msg *m)
 
 /* Kill the child and tell the coordinator that it is lost. */
 static void
-lose_child(struct worker *w, struct wjob *job, bool local, const char *text)
+lose_child(struct worker *w, struct wjob *job, int status, const char *text)
 {
     actions_log(&w->actions, ACT_WARN, "child lost job=%s why=%s", job->hex,
                 text);
     wjob_kill_child(w, job);
-    wjob_send_lost(w, job, local, text);
+    wjob_send_lost(w, job, status, text);
 }
 
 static void
@@ -89,7 +89,7 @@ child_failed(struct worker *w, struct wjob *job, const struct msg *m)
      * machine or of radd itself another worker may try */
     if (m->failed.status == EX_SOFTWARE ||
         worker_status_is_local(m->failed.status)) {
-        lose_child(w, job, m->failed.status != EX_SOFTWARE, m->failed.text);
+        lose_child(w, job, m->failed.status, m->failed.text);
         return;
     }
     actions_log(&w->actions, ACT_WARN, "job failed job=%s why=%s", job->hex,
@@ -161,6 +161,6 @@ worker_watch_children(struct worker *w)
             w->awake_ms - job->heard_ms < UINT64_C(1000) * w->env.load_s)
             continue;
         snprintf(text, sizeof text, "silent for %u s", w->env.load_s);
-        lose_child(w, job, false, text);
+        lose_child(w, job, EX_SOFTWARE, text);
     }
 }

@@ -290,7 +290,7 @@ worker_file_failed(struct worker *w, uint64_t now_ms,
         if (job->state != WJOB_FETCHING || !files_need(job, hash))
             continue;
         if (status == EX_PROTOCOL) /* the coordinator sent another file */
-            wjob_send_lost(w, job, true, text);
+            wjob_send_lost(w, job, EX_IOERR, text);
         else
             wait_for_room(w, job, status, text);
     }

@@ -1,7 +1,7 @@
 #!/bin/sh
 # fetch_spoilt.sh - a picture that a disk has cut can be asked for very often,
 # and one that is asked for need not be waited for: nothing of that stays in the
-# coordinator's memory
+# coordinator's memory; a scene that it has spoilt fails its job
 . "${top_srcdir:-.}/tests/e2e/client_lib.sh"
 . "$top_srcdir/tests/e2e/cluster.sh"
 set -u
@@ -41,5 +41,21 @@ ask "$id" 15000 || fail "no answers to many"
 after=$(memory)
 [ $((after - before)) -le $growth_kib ] ||
     fail "15000 answers leave $((after - before)) KiB"
+
+# of a scene that the disk has spoilt the job says so, by status 74
+# shellcheck disable=SC2154 # set by worker_start
+end_one "$pid_1" "the worker"
+printf 'void glow g 0 0 4 1 1 1 0\ng sphere s 0 0 4 2 4 1 1\n' >ball.rad
+id=$("$radsubmit" --coordinator="$sock" --detach -vf "$scenes/room.vf" -x 8 \
+    -y 6 -ab 0 ball.rad 2>stderr) || fail "submit: $(cat stderr)"
+for file in state/files/*; do
+    printf 'spoilt' | dd of="$file" conv=notrunc 2>/dev/null
+done
+worker_start 2 1
+is_failed() { "$radctl" --coordinator="$sock" jobs | grep -q "^$id *failed"; }
+until_true 60 is_failed || fail "the job of a spoilt scene does not end"
+"$radctl" --coordinator="$sock" --json job "$id" >job.json
+grep -q '"status": 74' job.json && grep -q 'copy is spoilt' job.json ||
+    fail "a spoilt scene: $(cat job.json)"
 cluster_stop
 finish

@@ -89,7 +89,7 @@ static const struct msg examples[] = {
       .result = { ID, 1, 2, 3, 1, 2, 3, 1, COUNTS, .pixels = pixels } },
     { .type = MSG_ACK, .ack = { ID, 1, 2, 3, 4 } },
     { .type = MSG_REVOKE, .revoke = { ID, 1, 2 } },
-    { .type = MSG_LOST, .lost = { ID, "killed by signal 11", 2, units } },
+    { .type = MSG_LOST, .lost = { ID, EX_SOFTWARE, "killed by signal 11", 2, units } },
     { .type = MSG_TALLY, .tally = { ID, 1, 2, 3, 13, 4, 5, 6, 7, 8, 9.5, 10.5, 11,
                                    COUNTS, COUNTS, 12 } },
     { .type = MSG_TWIN, .twin = { ID, 1, 2 } },
@@ -493,6 +493,7 @@ static const struct {
     NUMBER(MSG_SUBMIT, submit.error_ppm, 1, 1000001), /* without passes */
     NUMBER(MSG_SUBMIT, submit.time_ms, 1, UINT32_MAX),
     NUMBER(MSG_FAILED, failed.status, EX__BASE - 1, 0),
+    NUMBER(MSG_LOST, lost.status, EX__BASE - 1, 0),
     NUMBER(MSG_PROGRESS, progress.state, MSG_STATE_HELD + 1, 255),
     NUMBER(MSG_PROGRESS, progress.ended, 2, 255),
     NUMBER(MSG_SUBMIT, submit.bundle_bytes, MSG_MAX_BYTES + 1, UINT64_MAX),

@@ -17,6 +17,7 @@
 #include <ctype.h>
 #include <stdio.h>
 #include <string.h>
+#include <sysexits.h>
 
 enum { WIDTH = 16, HEIGHT = 31, BAR = 3, LINES = 11 };
 
@@ -456,8 +457,8 @@ session_lost(void)
     static const uint32_t units[] = { 0, 1 };
 
     at_work(MSG_PART_SCANBAR, "uniform", 0);
-    says(WS1,
-         &(struct msg){ .type = MSG_LOST, .lost = { id, "killed", 2, units } });
+    says(WS1, &(struct msg){ .type = MSG_LOST,
+                             .lost = { id, EX_SOFTWARE, "killed", 2, units } });
     ready(WS1);
     is_lost(WS2);
     passes(ANA, true);

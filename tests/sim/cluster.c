@@ -426,7 +426,7 @@ worker_node_closed(struct net *net, int node, uint64_t conn)
     struct worker *machine = sim_of(net)->worker[node - NODE_WORKER].machine;
 
     if (is_child(machine, conn))
-        worker_child_ended(machine, net->now_ms, conn, false,
+        worker_child_ended(machine, net->now_ms, conn, EX_SOFTWARE,
                            "killed by signal 11");
     else
         worker_closed(machine, net->now_ms, conn, "closed");

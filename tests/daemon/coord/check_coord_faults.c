@@ -81,7 +81,8 @@ START_TEST(two_crashes_alone_fail_the_job_and_name_the_unit)
 {
     uint32_t both[] = { 0, 1 }, one[] = { 1 };
     struct msg m = { .type = MSG_LOST,
-                     .lost = { job_a, "killed by signal 11", 2, both } };
+                     .lost = { job_a, EX_SOFTWARE, "killed by signal 11", 2,
+                               both } };
 
     submit(ANA, job_a, 0);
     ready(WORKER, job_a);
@@ -100,12 +101,30 @@ START_TEST(two_crashes_alone_fail_the_job_and_name_the_unit)
 }
 END_TEST
 
+/* Its user is told whose fault it was. */
+START_TEST(a_scene_that_no_worker_can_load_fails_as_it_did_there)
+{
+    static const uint16_t status[] = { EX_SOFTWARE, EX_OSERR, EX_IOERR };
+    struct msg m = { .type = MSG_LOST,
+                     .lost = { job_a, status[_i], "came spoilt", 0, NULL } };
+    int times = 0;
+
+    submit(ANA, job_a, 0);
+    for (; times < 10 && f.last[ANA].type != MSG_FAILED; times++)
+        say(WORKER, &m);
+    ck_assert_int_eq(times, JOB_MAX_CRASHES);
+    ck_assert_int_eq(f.last[ANA].failed.status, status[_i]);
+    ck_assert_str_eq(f.last[ANA].failed.text,
+                     "no worker can load the scene: came spoilt");
+}
+END_TEST
+
 /* The worker loses its child, and takes the job up again. */
 static void
 set_back(uint64_t conn)
 {
     struct msg m = { .type = MSG_LOST,
-                     .lost = { job_a, "out of memory", 0, NULL } };
+                     .lost = { job_a, EX_OSERR, "out of memory", 0, NULL } };
 
     say(conn, &m);
 }
@@ -172,6 +191,8 @@ main(void)
     tcase_add_test(tc, the_lease_is_a_setting);
     tcase_add_test(tc, a_worker_that_gets_on_has_time);
     tcase_add_test(tc, a_worker_that_hangs_has_not);
+    tcase_add_loop_test(
+        tc, a_scene_that_no_worker_can_load_fails_as_it_did_there, 0, 3);
     tcase_add_test(tc, two_crashes_alone_fail_the_job_and_name_the_unit);
     tcase_add_test(tc,
                    a_worker_that_cannot_keep_a_child_leaves_the_job_to_others);

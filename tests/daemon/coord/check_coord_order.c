@@ -424,7 +424,7 @@ END_TEST
 START_TEST(other_reasons_are_not_taken_for_the_arithmetic)
 {
     struct msg lost = { .type = MSG_LOST,
-                        .lost = { job_a, "out of memory", 0, NULL } };
+                        .lost = { job_a, EX_OSERR, "out of memory", 0, NULL } };
 
     submit_with(ANA, job_a, 0, 4, MSG_JOB_SAME_BITS);
     join(SECOND, MSG_ROLE_WORKER, "ws2", "daemon");

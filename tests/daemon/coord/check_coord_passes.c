@@ -439,7 +439,7 @@ END_TEST
 START_TEST(a_tile_that_brings_children_down_fails_the_job)
 {
     struct msg lost = { .type = MSG_LOST,
-                        .lost = { job_a, "signal 11", 0, NULL } };
+                        .lost = { job_a, EX_SOFTWARE, "signal 11", 0, NULL } };
     int times = 0;
 
     submit_passes(ANA, &wide, 1);

@@ -144,7 +144,8 @@ END_TEST
 static void
 child_dies(uint64_t conn)
 {
-    struct msg m = { .type = MSG_LOST, .lost = { id, "signal 11", 0, NULL } };
+    struct msg m = { .type = MSG_LOST,
+                     .lost = { id, EX_SOFTWARE, "signal 11", 0, NULL } };
 
     say(conn, &m);
     ready(conn);

@@ -369,13 +369,13 @@ START_TEST(rows_of_a_child_that_died_after_a_cut_are_sent_again)
     rows(0, 2);
     rows(1, 0); /* its unit goes with the child */
     if (_i == 1) {
-        worker_child_ended(f.w, f.now_ms, f.child, false, "gone");
+        worker_child_ended(f.w, f.now_ms, f.child, EX_SOFTWARE, "gone");
         carry_out();
         start_job();
     }
     cut();
     if (_i == 0) {
-        worker_child_ended(f.w, f.now_ms, f.child, false, "gone");
+        worker_child_ended(f.w, f.now_ms, f.child, EX_SOFTWARE, "gone");
         carry_out();
     }
     clear();
@@ -417,7 +417,8 @@ START_TEST(a_lost_child_is_reported_with_its_suspects)
         unit(u);
     rows(0, 0);
     rows(0, 2);
-    worker_child_ended(f.w, f.now_ms, f.child, false, "killed by signal 11");
+    worker_child_ended(f.w, f.now_ms, f.child, EX_SOFTWARE,
+                       "killed by signal 11");
     carry_out();
     ck_assert_int_eq(f.last.type, MSG_LOST);
     ck_assert_str_eq(f.last.lost.text, "killed by signal 11");
@@ -460,14 +461,16 @@ static const struct {
     int status;
     uint16_t told;     /* to the coordinator */
     uint32_t suspects; /* in a LOST */
+    uint16_t lost;     /* its status */
 } giving_up[] = {
-    { EX_DATAERR, MSG_FAILED, 0 }, /* so is the scene everywhere */
-    { EX_UNAVAILABLE, MSG_FAILED, 0 },
-    { EX_SOFTWARE, MSG_LOST, 1 }, /* a unit that it cannot do */
-    { EX_OSERR, MSG_LOST, 0 },    /* no memory, here */
-    { EX_IOERR, MSG_LOST, 0 },
-    { EX_NOINPUT, MSG_LOST, 0 },
-    { EX_NOPERM, MSG_LOST, 0 },
+    { EX_DATAERR, MSG_FAILED, 0, 0 }, /* so is the scene everywhere */
+    { EX_UNAVAILABLE, MSG_FAILED, 0, 0 },
+    { EX_SOFTWARE, MSG_LOST, 1, EX_SOFTWARE }, /* a unit that it cannot do */
+    { EX_OSERR, MSG_LOST, 0, EX_OSERR },       /* no memory, here */
+    { EX_TEMPFAIL, MSG_LOST, 0, EX_OSERR },
+    { EX_IOERR, MSG_LOST, 0, EX_IOERR },
+    { EX_NOINPUT, MSG_LOST, 0, EX_IOERR },
+    { EX_NOPERM, MSG_LOST, 0, EX_IOERR },
 };
 
 START_TEST(what_is_wrong_here_is_not_the_scenes_fault)
@@ -484,6 +487,7 @@ START_TEST(what_is_wrong_here_is_not_the_scenes_fault)
     ck_assert_uint_eq(f.kills, 1);
     if (f.last.type == MSG_LOST) {
         ck_assert_uint_eq(f.last.lost.nunits, giving_up[_i].suspects);
+        ck_assert_uint_eq(f.last.lost.status, giving_up[_i].lost);
         ck_assert_str_eq(f.last.lost.text, "why");
     }
 }
@@ -494,7 +498,7 @@ START_TEST(a_child_killed_from_outside_leaves_no_suspects)
     start_job();
     child_ready();
     unit(0);
-    worker_child_ended(f.w, f.now_ms, f.child, true, "killed by signal 9");
+    worker_child_ended(f.w, f.now_ms, f.child, EX_OSERR, "killed by signal 9");
     carry_out();
     ck_assert_int_eq(f.last.type, MSG_LOST);
     ck_assert_uint_eq(f.last.lost.nunits, 0);
@@ -749,7 +753,8 @@ START_TEST(a_parked_unit_is_no_suspect)
     for (uint32_t u = 0; u < 4; u++)
         unit(u);
     hear(f.child, &m);
-    worker_child_ended(f.w, f.now_ms, f.child, false, "killed by signal 11");
+    worker_child_ended(f.w, f.now_ms, f.child, EX_SOFTWARE,
+                       "killed by signal 11");
     carry_out();
     ck_assert_uint_eq(f.last.lost.nunits, 2);
     ck_assert_uint_eq(f.last.lost.units[0], 1);
@@ -771,7 +776,8 @@ START_TEST(a_unit_that_was_parked_and_is_resumed_is_a_suspect)
     }
     hear(f.child, &resumed);
     ck_assert_int_eq(said(f.coord, MSG_RESUMED), 0);
-    worker_child_ended(f.w, f.now_ms, f.child, false, "killed by signal 11");
+    worker_child_ended(f.w, f.now_ms, f.child, EX_SOFTWARE,
+                       "killed by signal 11");
     carry_out();
     ck_assert_uint_eq(f.last.lost.nunits, 1);
     ck_assert_uint_eq(f.last.lost.units[0], 1);

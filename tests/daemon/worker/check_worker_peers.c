@@ -8,6 +8,8 @@
 #include "worker_fixture.h"
 #include "worker/state.h"
 
+#include <sysexits.h>
+
 static void
 child_records(void)
 {
@@ -455,7 +457,7 @@ START_TEST(a_new_child_begins_with_the_first_pass)
     closed(0, 1);
     tile_records(f.coord, 1, 0);
     tile_records(f.coord, 2, 0);
-    worker_child_ended(f.w, ++f.now_ms, f.child, false, "signal 9");
+    worker_child_ended(f.w, ++f.now_ms, f.child, EX_SOFTWARE, "signal 9");
     carry_out();
     start_job();
     child_ready();
