@@ -180,8 +180,8 @@ int folder_stats(struct folder *f, const uint8_t job[MSG_JOB], const char *text,
                  size_t len, struct mark *mark, struct rad_error *err);
 
 /* Set path to the file of a picture, of distances, statistics or a preview;
- * make: write the preview first.  A frame without rows has its picture for a
- * preview. */
+ * make: write the preview first, or RAD_ETEMPFAIL if the disk is full.  A frame
+ * without rows has its picture for a preview. */
 int folder_find(struct folder *f, const uint8_t job[MSG_JOB], uint32_t frame,
                 enum msg_what what, bool make, char path[DISK_PATH_MAX],
                 struct rad_error *err);

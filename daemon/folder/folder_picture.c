@@ -104,12 +104,27 @@ folder_stats(struct folder *f, const uint8_t id[MSG_JOB], const char *text,
     return rc;
 }
 
+/* Make a preview.  On a full disk there is none, for what is asked for later
+ * would have to wait for it: pictures of jobs that make room by being fetched.
+ */
+static int
+make_preview(struct folder_job *j, struct frame_rows *r, const char *path,
+             struct rad_error *err)
+{
+    struct rows_output out = { .path = path, .preview = true };
+    struct rad_error why = { 0 };
+    int rc = write_rgbe(j, r, &out, &why);
+
+    if (rc == RAD_EFULL)
+        rc = RAD_ETEMPFAIL;
+    return rc < 0 ? rad_fail(err, rc, "%s", why.what) : 0;
+}
+
 int
 folder_find(struct folder *f, const uint8_t id[MSG_JOB], uint32_t frame,
             enum msg_what what, bool make, char path[DISK_PATH_MAX],
             struct rad_error *err)
 {
-    struct rows_output out = { .path = path, .preview = true };
     struct rad_error why = { 0 };
     struct frame_rows *r;
     struct folder_job *j;
@@ -132,5 +147,5 @@ folder_find(struct folder *f, const uint8_t id[MSG_JOB], uint32_t frame,
     if (rc < 0)
         return rad_fail(err, rc, "%s", why.what);
     folder_frame_path(f, id, frame, folder_suffix_of(what), path);
-    return make ? write_rgbe(j, r, &out, err) : 0;
+    return make ? make_preview(j, r, path, err) : 0;
 }

@@ -388,6 +388,38 @@ START_TEST(few_previews_are_read_at_a_time)
 }
 END_TEST
 
+/* One that waited for room would keep what is asked for behind it, as pictures
+ * whose jobs could go then. */
+START_TEST(a_preview_waits_for_no_room_on_the_disk)
+{
+    static const uint8_t job[MSG_JOB] = { 1, 2, 3 };
+    struct store_source from = { .job = { 1, 2, 3 }, .what = MSG_WHAT_PREVIEW };
+    struct heard h = { 0 };
+    char buf[4096], path[300], hex[MSG_JOB_HEX];
+    uv_loop_t loop;
+    struct store *s;
+
+    uv_loop_init(&loop);
+    s = store_open(&loop, dir, true, &handler, &h, NULL);
+    store_open_job(s, job, &small);
+    put_unit(s, job, 0, 3, 3);
+    run(&loop, s);
+    msg_job_format(job, hex);
+    snprintf(path, sizeof path, "%s/jobs/%s/0.preview.tmp", dir, hex);
+    ck_assert_int_eq(symlink("/dev/full", path), 0);
+    read_all(s, &from, buf, sizeof buf, &h);
+    run(&loop, s);
+    ck_assert_int_eq(h.n, -1);
+    ck_assert_int_eq(h.read_status, EX_TEMPFAIL);
+    ck_assert(!h.full); /* no job is held */
+    read_all(s, &from, buf, sizeof buf, &h);
+    run(&loop, s);
+    ck_assert_int_gt(h.n, 0);
+    store_close(s);
+    uv_loop_close(&loop);
+}
+END_TEST
+
 /* --- files that go --- */
 
 /* As if nobody had asked for it for so long. */
@@ -477,6 +509,7 @@ main(void)
     tcase_add_loop_test(tc, job_becomes_a_picture, 0, 2);
     tcase_add_test(tc, pieces_of_a_preview_are_of_one_file);
     tcase_add_test(tc, few_previews_are_read_at_a_time);
+    tcase_add_test(tc, a_preview_waits_for_no_room_on_the_disk);
     tcase_add_test(tc, files_that_no_job_needs_go_after_a_day);
     return unit_run_case(tc);
 }
