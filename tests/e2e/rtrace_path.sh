@@ -72,7 +72,7 @@ status 0 rtrace -version
 : >none
 printf '\n \t\n' >blank
 for from in 'rtrace -h- box.oct <none' 'rtrace -h- box.oct <blank' \
-    'rtrace -h- box.oct </dev/null' \
+    'rtrace -h- box.oct </dev/null' 'rtrace -h- box.oct <&-' \
     ': | rtrace -h- box.oct' ': | rtrace -h- -oL box.oct'; do
     status 0 "$from"
     [ ! -s out ] || fail "$from: $(cat out)"
