@@ -4,6 +4,7 @@
 #include "program_loop.h"
 
 #include "base/output.h"
+#include "link/link.h"
 
 #include <poll.h>
 #include <signal.h>
@@ -33,9 +34,10 @@ int
 program_loop_init(struct program_loop *l, struct rad_error *err)
 {
     static const int which[] = { SIGINT, SIGTERM, SIGHUP };
+    int rc = link_loop_init(&l->uv, err);
 
-    if (uv_loop_init(&l->uv) != 0)
-        return rad_fail_memory(err);
+    if (rc < 0)
+        return rc;
     l->watched = true;
     signal(SIGPIPE, SIG_IGN);
     signal(SIGCHLD, SIG_DFL); /* ended processes must be waited for */

@@ -437,8 +437,8 @@ run(struct ctl *c)
     named = rc > 0;
     if (!named)
         target_default(&c->to);
-    if (uv_loop_init(&c->loop) != 0)
-        return rad_fail_memory(c->err);
+    if ((rc = link_loop_init(&c->loop, c->err)) < 0)
+        return rc;
     c->start_ms = uv_now(&c->loop);
     rc = ctl_connect(c);
     if (rc == RAD_EUNAVAIL && !named)

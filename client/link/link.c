@@ -12,14 +12,17 @@
 #include "net/dial.h"
 #include "net/key/keyfile.h"
 
+#include <fcntl.h>
 #include <limits.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <time.h>
+#include <unistd.h>
 
 enum {
     INPUT_MARK = 4 << 20, /* bytes of waiting messages; above, reading stops */
+    LOOP_DESCRIPTORS = 8, /* of a loop, and a connection */
     QUEUE_MARK = 1 << 20  /* bytes to be sent; above, link_send() waits */
 };
 
@@ -318,6 +321,27 @@ link_recv(struct link *l, int timeout_ms, const struct msg **m,
 }
 
 /* --- opening and closing --- */
+
+/* Are so many descriptors to be had? */
+static bool
+can_open(int n)
+{
+    int fd = fcntl(STDERR_FILENO, F_DUPFD_CLOEXEC, 0);
+    bool more = fd >= 0 && (n == 1 || can_open(n - 1));
+
+    if (fd >= 0)
+        close(fd);
+    return more;
+}
+
+int
+link_loop_init(uv_loop_t *loop, struct rad_error *err)
+{
+    if (!can_open(LOOP_DESCRIPTORS))
+        return rad_fail(err, RAD_ENOMEM,
+                        "too few descriptors for an event loop: see ulimit -n");
+    return uv_loop_init(loop) != 0 ? rad_fail_memory(err) : 0;
+}
 
 /* Time left for opening the link [ms]. */
 static int

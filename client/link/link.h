@@ -27,6 +27,10 @@ struct link_where {
     const int *wake;
 };
 
+/* As uv_loop_init(), which ends the program where it finds no descriptor for
+ * what libuv makes but once.  RAD_ENOMEM: memory or descriptors are short. */
+int link_loop_init(uv_loop_t *loop, struct rad_error *err);
+
 /* The role with most rights that this client can have: administrator on a Unix
  * socket; else administrator, user or observer, by the keys in its file. */
 enum msg_role link_role(const struct target *to);

@@ -149,4 +149,11 @@ done
 # shellcheck disable=SC2086
 expect 69 "at least 32 are needed" "radsubmit with few" \
     prlimit --nofile=20:20 "$radsubmit" --local $view -o few.hdr "$room"
+for n in 5 9; do
+    # shellcheck disable=SC2086
+    expect 71 "too few descriptors" "radsubmit with $n" \
+        prlimit --nofile=$n:$n "$radsubmit" --local $view -o few.hdr "$room"
+    expect 71 "too few descriptors" "radctl with $n" \
+        prlimit --nofile=$n:$n "$radctl" --coordinator="$sock" jobs
+done
 finish
