@@ -21,6 +21,8 @@
 #include "base/xform.h"
 #include "geom/kernel.h"
 #include "geom/line.h"
+#include "scene/overlap.h"
+#include "scene/part.h"
 
 #include <float.h>
 #include <math.h>
@@ -328,6 +330,23 @@ rad_geom_place(const struct rad_hit *hit, struct rad_xform *move)
         set = pl->set;
     }
     return true;
+}
+
+double
+rad_geom_size(const struct rad_geom *g, const struct rad_hit *hit)
+{
+    struct rad_extent e;
+
+    if (hit->in) {
+        const struct rad_set *set = &hit->in->top;
+        const struct rad_use *use =
+            set->places[(hit->copy - 1) % set->nplaces]->use;
+
+        return use->part->size * use->move.scale;
+    }
+    return rad_extent_of(&g->scene->objects[hit->obj], &e)
+               ? sqrt(rad_dist2(e.lo, e.hi))
+               : 0;
 }
 
 /* Set up the probe; false: the span is no ray (it has a NaN or an infinity). */

@@ -98,6 +98,10 @@ bool rad_geom_place(const struct rad_hit *hit, struct rad_xform *move);
 /* Bounds of all finite surfaces; an empty scene gives lo = hi = 0. */
 void rad_geom_bounds(const struct rad_geom *g, double lo[3], double hi[3]);
 
+/* How long the surface that was hit is, or the copy that it is in, by the
+ * diagonal of a box or the edge of a cube around it. */
+double rad_geom_size(const struct rad_geom *g, const struct rad_hit *hit);
+
 /* The first surface on the span.  Among hits within their error bounds of the
  * nearest the tie rule decides: opaque over transparent, front over back, the
  * modifier that is defined later, then the higher object index.  False: nothing

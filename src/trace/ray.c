@@ -515,15 +515,42 @@ rad_ray_mirror(struct rad_ctx *ctx, struct rad_ray *r, struct rad_ray *child,
         r->mirror_dist += rad_ray_way_of(child);
 }
 
+/* A sensor's place counts as on a surface that is ahead of it by less than a
+ * millionth of the scene's extent, for places are often written with six
+ * digits, and by less than 1e-4 of that surface's size, for a scene may be much
+ * larger than the room that the sensor is in. */
+#define WRITTEN    1e-6
+#define ON_SURFACE 1e-4
+
+/* Move p off the surface that it is on, to the side of n, if it is on one. */
+static void
+step_off(struct rad_ctx *ctx, const double n[3], double p[3])
+{
+    const struct rad_geom *geom = ctx->job->geom;
+    struct rad_span span = { .tmin = 0 };
+    double lo[3], hi[3];
+    struct rad_hit met;
+
+    rad_geom_bounds(geom, lo, hi);
+    rad_copy(span.org, p);
+    rad_copy(span.dir, n);
+    span.tmax = WRITTEN * sqrt(rad_dist2(lo, hi));
+    if (rad_geom_nearest(geom, &span, &met, &ctx->counts.geom) &&
+        met.t < ON_SURFACE * rad_geom_size(geom, &met)) {
+        rad_geom_leave(&met, n, p);
+        return;
+    }
+    /* behind p by no more than rounding? */
+    rad_scale(span.dir, -1, n);
+    if (rad_geom_nearest(geom, &span, &met, &ctx->counts.geom) &&
+        met.t * fabs(rad_dot(met.n, n)) < 2 * met.err)
+        rad_geom_leave(&met, n, p);
+}
+
 void
 rad_ray_place(struct rad_ctx *ctx, struct rad_ray *r, const double p[3],
               const double n[3], uint64_t key)
 {
-    double lo[3], hi[3], size = 0;
-
-    rad_geom_bounds(ctx->job->geom, lo, hi);
-    for (int i = 0; i < 3; i++)
-        size = rad_most(size, rad_most(fabs(p[i]), hi[i] - lo[i]));
     r->tmax = INFINITY;
     r->key = key;
     rad_ray_spawn(ctx, r, RAD_RAY_PRIMARY, NULL, NULL, 0);
@@ -531,9 +558,10 @@ rad_ray_place(struct rad_ctx *ctx, struct rad_ray *r, const double p[3],
     rad_scale(r->dir, -1, n);
     rad_copy(r->org, p);
     rad_copy(r->hit.p, p);
+    step_off(ctx, n, r->hit.p);
     rad_copy(r->hit.n, n);
     r->hit.t = 0;
-    r->hit.err = 1e-6 * size;
+    r->hit.err = 0;
     r->hit.uv[0] = r->hit.uv[1] = 0;
     r->hit.bent = false;
     rad_ray_enter(r);

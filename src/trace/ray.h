@@ -178,8 +178,7 @@ void rad_ray_mirror(struct rad_ctx *ctx, struct rad_ray *r,
 
 /* Make *r a primary ray that met a surface at p with unit normal n, whether or
  * not there is one, and set r->L to the irradiance there [W/m^2].
- * p counts as exact to a millionth of its largest coordinate or of the scene's
- * extent, whichever is more: the precision of six written digits. */
+ * A surface through p, to the precision of six written digits, is behind p. */
 void rad_ray_irradiance(struct rad_ctx *ctx, struct rad_ray *r,
                         const double p[3], const double n[3], uint64_t key);
 

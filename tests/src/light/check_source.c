@@ -515,6 +515,60 @@ START_TEST(a_lamp_with_a_hole_is_the_same_from_either_end_of_its_seam)
 }
 END_TEST
 
+/* A sensor over or on a desk, .02 thick, at height 1 below a lamp: alone, or in
+ * a scene that is far from the origin, or much larger than the room. */
+#define DESK                                                                   \
+    PLASTIC "void plastic grey 0 0 5 .5 .5 .5 0 0\n"                           \
+            "grey polygon top 0 0 12 %.17g %.17g 1 %.17g %.17g 1 "             \
+            "%.17g %.17g 1 %.17g %.17g 1\n"                                    \
+            "grey polygon bottom 0 0 12 %.17g %.17g .98 %.17g %.17g .98 "      \
+            "%.17g %.17g .98 %.17g %.17g .98\n"
+static const struct {
+    const char *more;
+    double away;   /* x of the desk's middle */
+    double height; /* of the sensor */
+    double seen;   /* 1: it sees the lamp */
+} sensor[] = {
+    { "", 0, 1.5, 1 },
+    { "", 0, 1, 1 },
+    { "", 0, 1 - 1e-6, 1 }, /* on it, but for its written digits */
+    { "", 0, .99, 0 },      /* within it */
+    { "", 0, .97, 0 },
+    { "", 5e5, 1.5, 1 },
+    { "", 5e5, 1, 1 },
+    { "", 5e6, 1.5, 1 },
+    { "", 5e6, 1 - 1e-6, 1 },
+    { "", 5e6, .99, 0 },
+    { "", 5e6, .9, 0 },
+    { "white sphere forgotten 0 0 4 0 0 0 1\n", 5e6, 1, 1 },
+    { "white sphere forgotten 0 0 4 0 0 0 1\n", 5e6, .9, 0 },
+    { "white ring ground 0 0 8 0 0 0 0 0 1 0 1e6\n", 0, 1, 1 },
+    { "white ring ground 0 0 8 0 0 0 0 0 1 0 1e6\n", 0, .9, 0 },
+};
+
+START_TEST(sensor_on_a_desk_sees_what_is_above_it)
+{
+    const double x = sensor[_i].away, z = sensor[_i].height;
+    double corner[12], E;
+    char text[2048];
+    int n;
+
+    n = snprintf(text, sizeof text, LAMP DESK "%s", x - 1, -1., x + 1, -1.,
+                 x + 1, 1., x - 1, 1., x - 1, -1., x - 1, 1., x + 1, 1., x + 1,
+                 -1., sensor[_i].more);
+    for (int i = 0; i < 12; i++)
+        corner[i] = square[i] + (i % 3 == 0) * x;
+    n += snprintf(text + n, sizeof text - (size_t)n,
+                  "bright polygon lamp 0 0 12");
+    for (int i = 0; i < 12; i++)
+        n += snprintf(text + n, sizeof text - (size_t)n, " %.17g", corner[i]);
+    E = irradiance_of(text, DIRECT "-ds .1", x, 0, z);
+    ck_assert_double_eq_tol(
+        E, sensor[_i].seen * lambert(corner, 4, (double[]){ x, 0, z }, up),
+        1e-3);
+}
+END_TEST
+
 int
 main(void)
 {
@@ -543,6 +597,8 @@ main(void)
     tcase_add_test(tc, memory_of_the_last_blocker_changes_nothing);
     tcase_add_test(tc, illum_over_void_is_a_light_and_a_window);
     tcase_add_loop_test(tc, surface_cannot_be_a_light, 0, N_ELEM(no_lamps));
+    tcase_add_loop_test(tc, sensor_on_a_desk_sees_what_is_above_it, 0,
+                        N_ELEM(sensor));
     tcase_add_loop_test(tc, lamp_is_what_its_radii_make_it, 0, N_ELEM(meant));
     return unit_run_case(tc);
 }
