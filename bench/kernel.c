@@ -232,6 +232,7 @@ draw(struct bench *b)
 static size_t
 trace_all(const struct bench *b, int kind, struct rad_geom_counts *counts)
 {
+    struct rad_line line;
     struct rad_hit hit;
     size_t hits = 0;
 
@@ -239,7 +240,8 @@ trace_all(const struct bench *b, int kind, struct rad_geom_counts *counts)
         const struct rad_span *s = &b->span[kind][i];
 
         hits += kind == KIND_SHADOW
-                    ? rad_geom_occluded(b->geom, s, RAD_VOID, NULL, counts)
+                    ? rad_geom_sight(b->geom, s, RAD_VOID, NULL, &hit, &line,
+                                     counts) == RAD_SIGHT_BLOCKED
                     : rad_geom_nearest(b->geom, s, &hit, counts);
     }
     return hits;

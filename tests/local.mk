@@ -18,6 +18,7 @@ LDADD = libclient.a $(LIBDAEMON) $(LIBRAD) $(CHECK_LIBS)
 
 # for the tests of several rooms
 noinst_HEADERS = \
+	tests/blocked.h \
 	tests/closed_mesh.h \
 	tests/lambert.h \
 	tests/made_picture.h \

@@ -576,21 +576,6 @@ is_blocked(const struct rad_geom *g, struct rad_walk *w, int32_t skip,
     return blocked;
 }
 
-bool
-rad_geom_occluded(const struct rad_geom *g, const struct rad_span *span,
-                  int32_t skip, int32_t *blocker,
-                  struct rad_geom_counts *counts)
-{
-    struct rad_walk w;
-    bool blocked;
-
-    if (!walk_init(&w, g, span))
-        return false;
-    blocked = is_blocked(g, &w, skip, blocker);
-    add_counts(counts, &w);
-    return blocked;
-}
-
 /* Add the target at the end of w's line, if it lies clearly behind all surfaces
  * in the line. */
 static void

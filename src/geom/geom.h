@@ -143,19 +143,14 @@ enum rad_beyond rad_geom_beyond(const struct rad_geom *g,
                                 const double dir[3], struct rad_hit *hit);
 
 /* Does a surface with RAD_SURF_OPAQUE, other than object `skip` (RAD_VOID:
- * none), meet the span?  The walk stops at the first one found.  *blocker is
- * the caller's memory of the last object that blocked (RAD_VOID: none): it is
- * tested first, and gets the object that blocks now.  A blocked span then
- * counts as one test, so that counts do not depend on the memory.  blocker may
- * be NULL. */
-bool rad_geom_occluded(const struct rad_geom *g, const struct rad_span *span,
-                       int32_t skip, int32_t *blocker,
-                       struct rad_geom_counts *counts);
-
-/* The same, and if nothing opaque is in the way: does anything else meet the
- * span, which may dim or turn the light?  VEILED: *hit gets the first such
- * surface, as rad_geom_nearest() would, and *line the surfaces that follow.
- * Object `skip` does not count, unless the tie rule prefers it. */
+ * none), meet the span?  BLOCKED: the walk stopped at the first such surface.
+ * *blocker is the caller's memory of the last object that blocked (RAD_VOID:
+ * none): it is tested first, and gets the object that blocks now.  A blocked
+ * span then counts as one test, so that counts do not depend on the memory.
+ * blocker may be NULL.  If nothing opaque is in the way: does anything else
+ * meet the span, which may dim or turn the light?  VEILED: *hit gets the first
+ * such surface, as rad_geom_nearest() would, and *line the surfaces that
+ * follow.  Object `skip` does not count, unless the tie rule prefers it. */
 enum rad_sight { RAD_SIGHT_CLEAR, RAD_SIGHT_VEILED, RAD_SIGHT_BLOCKED };
 enum rad_sight rad_geom_sight(const struct rad_geom *g,
                               const struct rad_span *span, int32_t skip,

@@ -22,14 +22,12 @@
  * 1 + 2 gamma_3 < 1 + 2^-21 in float (Ize 2013). */
 #define RAD_BVH_WIDEN (1 + 0x1p-21f)
 
-/* How far behind the nearest hit another one may tie with it, relative to the
- * size of the coordinates: ample, even for surfaces that are grazed. */
-#define RAD_WALK_WINDOW 0x1p-30
-
+/* How far behind the nearest hit, at t, another one may tie with it: ample,
+ * even for surfaces that are grazed.  geom.c then applies the exact bound. */
 static inline double
 rad_walk_window(const struct rad_walk *w, double t)
 {
-    return RAD_WALK_WINDOW * (w->probe.size + t);
+    return 0x1p-30 * (w->probe.size + t);
 }
 
 /* Defined here for the files of geom/. */

@@ -284,7 +284,7 @@ meet_nearest(struct rad_walk *w, uint32_t i)
         w->tie = true;
         return;
     }
-    behind = t + RAD_WALK_WINDOW * (w->probe.size + t);
+    behind = t + rad_walk_window(w, t);
     w->tie = in.tie || w->best <= behind;
     w->best = t;
     w->prim = i;

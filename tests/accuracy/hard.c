@@ -13,6 +13,7 @@
 #include "stage.h"
 #include "base/vec.h"
 #include "picture/frame.h"
+#include "tests/blocked.h"
 #include "tests/closed_mesh.h"
 
 #include <stdarg.h>
@@ -79,7 +80,7 @@ leaks(const double *a, int effort)
 
         mesh_ray(rad_key_branch(8, (uint64_t)i), a[0], c, span.org, span.dir);
         out += !rad_geom_nearest(s.job->geom, &span, &hit, &counts);
-        out += !rad_geom_occluded(s.job->geom, &span, RAD_VOID, NULL, &counts);
+        out += !is_blocked(s.job->geom, &span, RAD_VOID, NULL, &counts);
     }
     stage_close(&s);
     free(t.at);

@@ -3,6 +3,7 @@
 
 #include "geom/geom.h"
 #include "scene/meshfile.h"
+#include "tests/blocked.h"
 #include "tests/fuzz/fuzz.h"
 
 #include <math.h>
@@ -48,7 +49,7 @@ trace(const struct rad_geom *g, const double org[3], double size)
             !(hit.t >= 0 && isfinite(hit.p[0] + hit.p[1] + hit.p[2]) &&
               fabs(hit.n[0]) <= 1.1 && hit.err >= 0))
             abort();
-        rad_geom_occluded(g, &s, RAD_VOID, NULL, &counts);
+        is_blocked(g, &s, RAD_VOID, NULL, &counts);
     }
 }
 

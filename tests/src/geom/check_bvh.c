@@ -4,6 +4,7 @@
 #include "geom/geom.h"
 #include "geom/kernel.h"
 #include "geom_scene.h"
+#include "tests/blocked.h"
 #include "tests/unit.h"
 
 #include <math.h>
@@ -148,8 +149,7 @@ START_TEST(tree_finds_what_testing_all_finds)
                       (int)i, hit.obj, want.obj, hit.t, want.t);
         if (met)
             ck_assert(memcmp(&hit.t, &want.t, sizeof hit.t) == 0);
-        ck_assert_int_eq(rad_geom_occluded(geom, &s, skip, NULL, &counts),
-                         shadow);
+        ck_assert_int_eq(is_blocked(geom, &s, skip, NULL, &counts), shadow);
         hits += met;
         blocked += shadow;
     }
@@ -187,8 +187,7 @@ ask(struct rad_geom *geom, const struct rad_kernel *k,
         a->line.at[i].t = line.at[i].t;
         a->line.at[i].item = line.at[i].item;
     }
-    a->shadow =
-        rad_geom_occluded(geom, span, RAD_VOID, &a->blocker, &a->counts);
+    a->shadow = is_blocked(geom, span, RAD_VOID, &a->blocker, &a->counts);
 }
 
 START_TEST(kernels_give_the_same_bits)
@@ -274,7 +273,7 @@ START_TEST(wild_numbers_do_no_harm)
         if (rad_geom_nearest(geom, &s, &hit, &counts)) {
             ck_assert(hit.t > 0 && hit.t < INFINITY);
             ck_assert(hit.obj >= 0 && hit.obj < NSURFACES);
-            ck_assert(rad_geom_occluded(geom, &s, RAD_VOID, NULL, &counts));
+            ck_assert(is_blocked(geom, &s, RAD_VOID, NULL, &counts));
         }
     }
     rad_geom_free(geom);

@@ -4,6 +4,7 @@
 #include "geom/geom.h"
 #include "tests/closed_mesh.h"
 #include "geom_scene.h"
+#include "tests/blocked.h"
 #include "tests/unit.h"
 
 #include <math.h>
@@ -125,8 +126,7 @@ START_TEST(surface_is_met_where_geometry_says)
 
     ck_assert_msg(met == (closed[row].t > 0), "%s", closed[row].what);
     ck_assert_int_eq(hit.obj, met ? 0 : RAD_VOID);
-    ck_assert_int_eq(met,
-                     rad_geom_occluded(geom, &span, RAD_VOID, NULL, &counts));
+    ck_assert_int_eq(met, is_blocked(geom, &span, RAD_VOID, NULL, &counts));
     if (met) {
         double p[3];
 
@@ -150,7 +150,7 @@ START_TEST(empty_scene_is_never_met)
     geom_scene_init(&g, 1, 1);
     geom = geom_scene_compile(&g);
     ck_assert(!rad_geom_nearest(geom, &span, &hit, &counts));
-    ck_assert(!rad_geom_occluded(geom, &span, RAD_VOID, NULL, &counts));
+    ck_assert(!is_blocked(geom, &span, RAD_VOID, NULL, &counts));
     ck_assert(!rad_geom_hit_object(geom, 0, &span, &hit, &counts));
     rad_geom_bounds(geom, lo, hi);
     for (int a = 0; a < 3; a++)
@@ -194,7 +194,7 @@ START_TEST(closed_mesh_does_not_leak)
 
         mesh_ray(key, size, c, s.org, s.dir);
         leaks += !rad_geom_nearest(geom, &s, &hit, &counts);
-        leaks += !rad_geom_occluded(geom, &s, RAD_VOID, NULL, &counts);
+        leaks += !is_blocked(geom, &s, RAD_VOID, NULL, &counts);
     }
     ck_assert_int_eq(leaks, 0);
 }
@@ -408,7 +408,7 @@ START_TEST(span_with_nan_meets_nothing)
 
         *(i % 6 < 3 ? &s.org[i % 3] : &s.dir[i % 3]) = bad[i / 6];
         ck_assert(!rad_geom_nearest(geom, &s, &hit, &counts));
-        ck_assert(!rad_geom_occluded(geom, &s, RAD_VOID, NULL, &counts));
+        ck_assert(!is_blocked(geom, &s, RAD_VOID, NULL, &counts));
         ck_assert(!rad_geom_hit_object(geom, 0, &s, &hit, &counts));
     }
     struct rad_span s = geom_span(0, 0, 0, 0, 0, 0);
@@ -455,23 +455,23 @@ START_TEST(blocker_is_remembered_and_skipped)
     geom_scene_add(&g, RAD_RING, RAD_VOID, RAD_SURF_TRANSPARENT,
                    (double[]){ 0, 0, 2, 0, 0, 1, 0, 1 }, 8);
     geom = geom_scene_compile(&g);
-    ck_assert(rad_geom_occluded(geom, &s, 0, &blocker, &counts));
+    ck_assert(is_blocked(geom, &s, 0, &blocker, &counts));
     ck_assert_int_eq(blocker, 1);
     ck_assert_uint_eq(counts.tests, 1); /* as if that had been remembered */
     ck_assert_uint_eq(counts.nodes, 0);
-    ck_assert(rad_geom_occluded(geom, &s, RAD_VOID, &blocker, &counts));
+    ck_assert(is_blocked(geom, &s, RAD_VOID, &blocker, &counts));
     ck_assert_int_eq(blocker, 1); /* tested first, though not the nearest */
     ck_assert_uint_eq(counts.tests, 2);
     ck_assert_uint_eq(counts.nodes, 0);
-    ck_assert(rad_geom_occluded(geom, &s, 1, &blocker, &counts));
+    ck_assert(is_blocked(geom, &s, 1, &blocker, &counts));
     ck_assert_int_eq(blocker, 0);
     blocker = 2; /* see-through: no blocker, but no reason to forget others */
-    ck_assert(rad_geom_occluded(geom, &s, RAD_VOID, &blocker, &counts));
+    ck_assert(is_blocked(geom, &s, RAD_VOID, &blocker, &counts));
     ck_assert_int_ne(blocker, 2);
     blocker = 77; /* from another scene */
-    ck_assert(rad_geom_occluded(geom, &s, RAD_VOID, &blocker, &counts));
+    ck_assert(is_blocked(geom, &s, RAD_VOID, &blocker, &counts));
     s.tmax = 4;
-    ck_assert(!rad_geom_occluded(geom, &s, RAD_VOID, &blocker, &counts));
+    ck_assert(!is_blocked(geom, &s, RAD_VOID, &blocker, &counts));
 }
 END_TEST
 

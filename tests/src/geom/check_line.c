@@ -3,6 +3,7 @@
 
 #include "geom/geom.h"
 #include "geom_scene.h"
+#include "tests/blocked.h"
 #include "tests/unit.h"
 
 /* From anywhere in the unit cube, in any direction. */
@@ -44,7 +45,7 @@ START_TEST(sight_finds_the_first_veil)
         struct rad_span s = span_through_cube(key);
         struct rad_hit first, hit;
         struct rad_line line;
-        bool stopped = rad_geom_occluded(geom, &s, RAD_VOID, NULL, &counts);
+        bool stopped = is_blocked(geom, &s, RAD_VOID, NULL, &counts);
         bool met = rad_geom_nearest(geom, &s, &hit, &counts);
 
         switch (

@@ -1,6 +1,7 @@
 /* check_place.c - instances and meshes: files, transforms, materials */
 #include "config.h"
 
+#include "tests/blocked.h"
 #include "tests/parts.h"
 #include "tests/world_fixture.h"
 
@@ -68,8 +69,7 @@ START_TEST(instance_is_the_moved_thing)
         met = rad_geom_nearest(b.job->geom, &s, &hb, &c);
         ck_assert_msg(rad_geom_nearest(a.job->geom, &s, &ha, &c) == met,
                       "ray %d", (int)k);
-        ck_assert(rad_geom_occluded(a.job->geom, &s, RAD_VOID, NULL, &c) ==
-                  met);
+        ck_assert(is_blocked(a.job->geom, &s, RAD_VOID, NULL, &c) == met);
         if (!met)
             continue;
         hits++;
@@ -590,7 +590,7 @@ START_TEST(closed_mesh_does_not_leak)
         rad_normalize(s.dir);
         ck_assert(rad_geom_nearest(w.job->geom, &s, &hit, &c));
         ck_assert(rad_dot(hit.n, s.dir) > 0);
-        ck_assert(rad_geom_occluded(w.job->geom, &s, RAD_VOID, NULL, &c));
+        ck_assert(is_blocked(w.job->geom, &s, RAD_VOID, NULL, &c));
     }
 }
 END_TEST
