@@ -237,8 +237,7 @@ end_ahead(struct strict *s, struct strict_unit *u, struct strict_pass *p,
 
     strict_bottom(s, p, f->q.width, f->ndensity, pixels, density);
     if (p->mode == TEAM_AHEAD)
-        strict_unit_advance(u, p->top || p->first < u->first ? PROGRESS_GUESSED
-                                                             : PROGRESS_AHEAD);
+        strict_unit_advance(u, PROGRESS_AHEAD);
     else if (u->progress < PROGRESS_LINES ||
              (u->progress > PROGRESS_LINES && !p->true_top))
         strict_unit_advance(u, PROGRESS_LINES);

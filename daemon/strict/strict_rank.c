@@ -9,14 +9,6 @@
 #include "strict/strict_guess.h"
 #include "strict/strict_state.h"
 
-static bool
-top_is_guessed(const struct strict *s, const struct strict_unit *u)
-{
-    const struct strict_unit *a = strict_unit_above(s, u);
-
-    return !goes_above(u) && a && a->guess.pixels;
-}
-
 /* Is the unit's bottom not made yet, and may a unit below wait for it? */
 static bool
 owes_bottom(const struct strict *s, const struct strict_unit *u)
@@ -48,8 +40,7 @@ next_rank(const struct strict *s, const struct strict_unit *u,
         *rank = wants_true_lines(s, u) ? STRICT_TRUE_LINES : STRICT_TRUTH;
     else if (u->progress < PROGRESS_LINES || guess_is_better(s, u))
         *rank = STRICT_LINES;
-    else if (u->progress < PROGRESS_AHEAD ||
-             (u->progress == PROGRESS_AHEAD && top_is_guessed(s, u)))
+    else if (u->progress < PROGRESS_AHEAD)
         *rank = STRICT_AHEAD;
     else
         return false;

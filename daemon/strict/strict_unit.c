@@ -12,11 +12,8 @@ const struct steps strict_progress_steps = {
     STRICT_PROGRESSES,
     {
         [PROGRESS_NONE] = { "none", STEP(PROGRESS_LINES) },
-        [PROGRESS_LINES] = { "lines",
-                             STEP(PROGRESS_AHEAD) | STEP(PROGRESS_GUESSED) },
-        [PROGRESS_AHEAD] = { "ahead",
-                             STEP(PROGRESS_LINES) | STEP(PROGRESS_GUESSED) },
-        [PROGRESS_GUESSED] = { "guessed", STEP(PROGRESS_LINES) },
+        [PROGRESS_LINES] = { "lines", STEP(PROGRESS_AHEAD) },
+        [PROGRESS_AHEAD] = { "ahead", STEP(PROGRESS_LINES) },
     },
 };
 

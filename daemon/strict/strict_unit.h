@@ -14,20 +14,14 @@
 /* What is traced of a unit before its true top is there.  The arrows name the
  * pass that ended:
  *
- *   NONE --lines--> LINES --ahead--> AHEAD --colours above came--> LINES
- *                     '--ahead, with the colours above--> GUESSED
+ *   NONE --lines--> LINES --ahead--> AHEAD
+ *                     '--------------' lines, with a better guess at the
+ *                                      densities above; or colours above came
  *
- *   AHEAD, GUESSED --lines, with a better guess at the densities above--> LINES
- *
- * LINES: the base lines; AHEAD: also the bars but the first, which needs the
- * colours of the base line above; GUESSED: all bars. */
-enum strict_progress {
-    PROGRESS_NONE,
-    PROGRESS_LINES,
-    PROGRESS_AHEAD,
-    PROGRESS_GUESSED
-};
-#define STRICT_PROGRESSES 4
+ * LINES: the base lines; AHEAD: also the bars, the first only if the colours of
+ * the base line above were known or guessed when the pass began. */
+enum strict_progress { PROGRESS_NONE, PROGRESS_LINES, PROGRESS_AHEAD };
+#define STRICT_PROGRESSES 3
 extern const struct steps strict_progress_steps;
 
 /* What becomes of a unit when its pass has ended; at once if it has none:

@@ -128,10 +128,7 @@ START_TEST(unit_states_follow_the_drawings)
     static const enum strict_progress progress[][2] = {
         { PROGRESS_NONE, PROGRESS_LINES },
         { PROGRESS_LINES, PROGRESS_AHEAD },
-        { PROGRESS_LINES, PROGRESS_GUESSED },
-        { PROGRESS_AHEAD, PROGRESS_GUESSED },
         { PROGRESS_AHEAD, PROGRESS_LINES },
-        { PROGRESS_GUESSED, PROGRESS_LINES },
     };
     static const enum strict_fate fate[][2] = {
         { FATE_STAYS, FATE_SPLITS }, { FATE_SPLITS, FATE_STAYS },
