@@ -243,20 +243,16 @@ static void
 note_progress(struct job *job)
 {
     struct passes *s = job->passes;
-    struct rad_passcost seen = { 0 };
-    double all, done;
+    double all = 0, done = 0;
 
-    for (uint32_t i = 0; i < s->open; i++)
-        rad_passcost_see(&seen, &s->plan[i], s->weight[i],
-                         s->closed[i].counts.rays);
-    all = done = rad_passcost_made(&seen);
-    for (uint32_t i = s->open; i < s->n; i++) {
-        double rays = rad_passcost_rays(&seen, &s->plan[i], s->weight[i]);
+    for (uint32_t i = 0; i < s->n; i++) {
         const struct sheet *k = passes_sheet(s, i);
 
-        all += rays;
-        if (i < s->opened && k->ntiles > 0)
-            done += rays * (k->ntiles - k->left) / k->ntiles;
+        all += s->weight[i];
+        if (i < s->open)
+            done += s->weight[i];
+        else if (i < s->opened && k->ntiles > 0)
+            done += s->weight[i] * (k->ntiles - k->left) / k->ntiles;
     }
     lead_note(job, all > 0 ? done / all : 1, s->open == s->n);
 }

@@ -8,8 +8,7 @@
  * objects end, takes 1.4 times that.  All paths to records of one level
  * together take .7 of the lattice of every 16th pixel.  What lattices leave to
  * scattered passes goes from a hundredth of the finest lattice to 30 times
- * that, and differs by five between scenes: so it is told anew from each such
- * pass that is made. */
+ * that, and differs by five between scenes. */
 #include "config.h"
 
 #include "passes/passcost.h"
@@ -96,10 +95,6 @@ lattice_weight(const struct rad_pass *pass)
 static const double LEFT = 2, LEFT_SIDE = 240, LEFT_ACC = .2, LEFT_SINGLE = .35,
                     MOST_LEFT = 80;
 
-/* What is foreseen of scattered passes counts as much as this share of them, if
- * it were made. */
-static const double TRUST = .3;
-
 /* The share of a scattered pass in the work of all rounds, or of its part of
  * them.  Later squares find less that is new: so many squares take as the root
  * of their number. */
@@ -157,34 +152,4 @@ rad_passcost_weigh(const struct rad_params *par, const struct rad_pass *pass,
 {
     for (uint32_t i = 0; i < n; i++)
         weight[i] = foreseen(par, pass, n, &pass[i]);
-}
-
-void
-rad_passcost_see(struct rad_passcost *seen, const struct rad_pass *pass,
-                 double weight, uint64_t rays)
-{
-    seen->weight[pass->scattered] += weight;
-    seen->rays[pass->scattered] += (double)rays;
-}
-
-double
-rad_passcost_made(const struct rad_passcost *seen)
-{
-    const double *of = seen->rays[0] > 0 ? seen->rays : seen->weight;
-
-    return of[0] + of[1];
-}
-
-double
-rad_passcost_rays(const struct rad_passcost *seen, const struct rad_pass *pass,
-                  double weight)
-{
-    double rays = weight, trust;
-
-    if (seen->rays[0] > 0)
-        rays *= seen->rays[0] / seen->weight[0];
-    if (!pass->scattered || weight == 0)
-        return rays;
-    trust = TRUST * weight / scattered_share(pass);
-    return (seen->rays[1] * weight + trust * rays) / (seen->weight[1] + trust);
 }

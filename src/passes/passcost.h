@@ -1,11 +1,10 @@
 /* passcost.h - an estimate of how much of a job's work its passes are
  *
  * Used to say how far a job is.  The estimate follows from the options and the
- * sizes of the pictures; while passes are made, from the rays that these took,
- * too.  It is fitted to the rays of five scenes (office by night and by day,
- * cornell, virtual, mirror) at 120 to 1024 columns, -ab 1 to 5, -aa .15 to .3,
- * -ad 64 to 512.  Its ratio of tiles' rays to pixels' rays is off by a factor
- * of about two, and three at most.
+ * sizes of the pictures.  It is fitted to the rays of five scenes (office by
+ * night and by day, cornell, virtual, mirror) at 120 to 1024 columns, -ab 1 to
+ * 5, -aa .15 to .3, -ad 64 to 512.  Its ratio of tiles' rays to pixels' rays is
+ * off by a factor of about two, and three at most.
  * Thread: any. */
 #ifndef RAD_PASSES_PASSCOST_H
 #define RAD_PASSES_PASSCOST_H
@@ -23,23 +22,5 @@ double rad_passcost_part(const struct rad_params *par,
 void rad_passcost_weigh(const struct rad_params *par,
                         const struct rad_pass *pass, uint32_t n,
                         double *weight);
-
-/* Passes that are made, by kind: other passes, and scattered passes, whose work
- * depends on the scene most. */
-struct rad_passcost {
-    double weight[2], rays[2]; /* sums: foreseen, and traced */
-};
-
-/* Note that a pass of that weight is made, and took so many rays. */
-void rad_passcost_see(struct rad_passcost *seen, const struct rad_pass *pass,
-                      double weight, uint64_t rays);
-
-/* The rays that these passes took; their weights, if they took none. */
-double rad_passcost_made(const struct rad_passcost *seen);
-
-/* The rays that a pass of that weight will take, as passes that are made let
- * expect; its weight, if none is. */
-double rad_passcost_rays(const struct rad_passcost *seen,
-                         const struct rad_pass *pass, double weight);
 
 #endif

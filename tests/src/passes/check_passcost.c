@@ -98,15 +98,15 @@ START_TEST(passes_of_many_frames_are_weighed)
 }
 END_TEST
 
-/* The office by night, 120 wide, -ab 2: million rays of its passes. */
-START_TEST(what_passes_took_tells_of_the_others)
+/* The office by night, 120 wide, -ab 2: million rays of its passes.  Much of
+ * the work is what lattices left out. */
+START_TEST(scattered_passes_are_weighed)
 {
     static const double took[] = { 0,   .04, .04, .07, .07, .06, .06,
                                    .18, .18, 1,   1.2, 1.2, 3.5 };
     struct rad_pass_size size = { 120, 81 };
     struct rad_pass pass[RAD_MOST_PASSES];
-    double weight[RAD_MOST_PASSES], done = 0, all = 0;
-    struct rad_passcost seen = { 0 };
+    double weight[RAD_MOST_PASSES], done = 0, all = 0, part = 0, sum = 0;
     struct rad_params par;
     uint32_t n;
 
@@ -115,18 +115,14 @@ START_TEST(what_passes_took_tells_of_the_others)
     n = rad_passes_plan(&par, &size, 1, pass);
     ck_assert_uint_eq(n, N_ELEM(took));
     rad_passcost_weigh(&par, pass, n, weight);
-    for (uint32_t i = 0; i < n; i++)
-        all += took[i];
     for (uint32_t i = 0; i < n; i++) {
-        double left = 0;
-
-        rad_passcost_see(&seen, &pass[i], weight[i], (uint64_t)(1e6 * took[i]));
+        all += took[i];
+        sum += weight[i];
+    }
+    for (uint32_t i = 0; i < n; i++) {
         done += took[i];
-        for (uint32_t k = i + 1; k < n; k++)
-            left += rad_passcost_rays(&seen, &pass[k], weight[k]);
-        if (i > 0)
-            ck_assert_double_eq_tol(1e6 * done / (1e6 * done + left),
-                                    done / all, .15);
+        part += weight[i];
+        ck_assert_double_eq_tol(part / sum, done / all, .2);
     }
 }
 END_TEST
@@ -163,7 +159,7 @@ main(void)
     tcase_add_loop_test(tc, the_part_of_passes_is_foreseen, 0, N_ELEM(parts));
     tcase_add_loop_test(tc, passes_are_weighed, 0, N_ELEM(shares));
     tcase_add_test(tc, passes_of_many_frames_are_weighed);
-    tcase_add_test(tc, what_passes_took_tells_of_the_others);
+    tcase_add_test(tc, scattered_passes_are_weighed);
     tcase_add_test(tc, passes_of_other_kinds_are_weighed);
     return unit_run_case(tc);
 }
