@@ -51,7 +51,7 @@ static int
 seal(const struct render *r, const struct msg_spec *spec, struct rad_error *err)
 {
     if ((spec->nframes > 1 && spec->flags & MSG_JOB_FRESH_FRAMES) ||
-        render_has_stages(r))
+        msg_has_goal(&r->start.job_start))
         return 0;
     return sandbox_seal(r->sandboxed, err);
 }

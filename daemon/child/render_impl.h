@@ -120,8 +120,6 @@ uint32_t render_first_batch(const struct render *r);
 /* Handlers of TILE and FROZEN. */
 void render_take_tile(struct render *r, const struct msg_tile *m);
 void render_take_frozen(struct render *r, const struct msg_frozen *m);
-/* Has the job a goal, and so its cache stages? */
-bool render_has_stages(const struct render *r);
 
 /* --- render_stages.c --- */
 

@@ -13,12 +13,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-bool
-render_has_stages(const struct render *r)
-{
-    return msg_has_goal(&r->start.job_start);
-}
-
 static bool
 plan(struct render *r)
 {
@@ -33,7 +27,7 @@ plan(struct render *r)
             (struct rad_pass_size){ r->frames[i].width, r->frames[i].height };
     if (size && k->plan)
         k->n = rad_refine_plan(&r->job->params, size, r->nframes, on,
-                               render_has_stages(r), k->plan);
+                               msg_has_goal(&r->start.job_start), k->plan);
     free(size);
     fits = k->plan ? realloc(k->plan, (k->n + 1) * sizeof *fits) : NULL;
     k->plan = fits ? fits : k->plan;
@@ -228,7 +222,7 @@ take_frozen(struct render *r, const struct msg_frozen *m, struct rad_error *err)
         rc = freeze(r, err);
     if (rc < 0 || !m->last)
         return rc;
-    return render_has_stages(r) && render_cache_is_whole(r)
+    return msg_has_goal(&r->start.job_start) && render_cache_is_whole(r)
                ? sandbox_seal(r->sandboxed, err)
                : 0;
 }

@@ -15,8 +15,8 @@ take_stage(struct render *r, const struct msg_stage *m, struct rad_error *err)
     struct msg_spec spec = r->start.job_start;
     int rc;
 
-    if (!render_has_stages(r) || !k->passes || m->pass < k->base + k->next ||
-        render_cache_is_whole(r))
+    if (!msg_has_goal(&r->start.job_start) || !k->passes ||
+        m->pass < k->base + k->next || render_cache_is_whole(r))
         return rad_fail(err, RAD_EPROTO,
                         "a stage from pass %u on does not fit the job",
                         m->pass);
@@ -43,8 +43,8 @@ take_show(struct render *r, const struct msg_stage *m, struct rad_error *err)
     struct render_passes *k = &r->passes;
     struct rad_params params;
 
-    if (!render_has_stages(r) || !k->passes || m->pass + 1 != k->base + k->n ||
-        !render_cache_is_whole(r))
+    if (!msg_has_goal(&r->start.job_start) || !k->passes ||
+        m->pass + 1 != k->base + k->n || !render_cache_is_whole(r))
         return rad_fail(err, RAD_EPROTO,
                         "pictures after pass %u do not fit the job", m->pass);
     if (k->shown) /* SHOW came before the connection broke */

@@ -3,7 +3,6 @@
 
 #include "filling/lead.h"
 
-#include "jobs/goal.h"
 #include "jobs/progress.h"
 #include "machine/jobtext.h"
 #include "passes/passcost.h"
@@ -25,7 +24,7 @@ lead_begin(struct job *job, const struct rad_pass_size *size)
 void
 lead_note(struct job *job, double done, bool all)
 {
-    if (goal_is(job))
+    if (msg_has_goal(&job->spec))
         done = 1 - (1 - done / 2) * pow(.5, job->goal.number);
     if (all)
         done = 1;

@@ -81,7 +81,7 @@ stages_plan(const struct job *job, const struct rad_pass_size *size,
     if (rc < 0)
         return rc;
     *n = rad_refine_plan(&params, size, job->spec.nframes, stages_reuse(job),
-                         goal_is(job), plan);
+                         msg_has_goal(&job->spec), plan);
     return 0;
 }
 
@@ -324,7 +324,7 @@ stages_take_up(struct coord *c, struct job *job, struct rad_error *err)
     uint32_t n;
     int rc = 1;
 
-    if (!goal_is(job))
+    if (!msg_has_goal(&job->spec))
         return 0;
     size = stages_sizes(&job->spec);
     if (!size)
@@ -346,7 +346,7 @@ stages_take_up(struct coord *c, struct job *job, struct rad_error *err)
 const char *
 stages_lost(const struct job *job)
 {
-    if (!goal_is(job) || job->goal.ended || job->pixels_done == 0)
+    if (!msg_has_goal(&job->spec) || job->goal.ended || job->pixels_done == 0)
         return NULL;
     return job->goal.unread
                ? "the options that its picture was begun with are kept as "

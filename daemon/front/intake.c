@@ -164,7 +164,7 @@ static bool
 has_options(const struct job *job, const struct msg_spec *spec)
 {
     return strcmp(job->spec.params, spec->params) == 0 ||
-           (goal_is(job) && job->spec.reuse);
+           (msg_has_goal(&job->spec) && job->spec.reuse);
 }
 
 /* There is a job of that id: if the SUBMIT has its files and options, let the

@@ -280,7 +280,7 @@ add_goal(json_t *o, const struct job *job)
 {
     const struct job_goal *g = &job->goal;
 
-    if (!goal_is(job))
+    if (!msg_has_goal(&job->spec))
         return;
     json_object_set_new(o, "stage", json_integer((json_int_t)g->number + 1));
     json_object_set_new(o, "stages", json_integer(RAD_REFINE_STAGES));

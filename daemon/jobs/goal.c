@@ -6,12 +6,6 @@
 #include "jobs/job.h"
 
 bool
-goal_is(const struct job *job)
-{
-    return msg_has_goal(&job->spec);
-}
-
-bool
 goal_time_up(const struct job *job)
 {
     return job->goal.late && job->spec.time_ms > 0;

@@ -41,8 +41,6 @@ struct job_goal {
                           * this program does not read */
 };
 
-/* Has the job a goal? */
-bool goal_is(const struct job *job);
 /* Did the stages end only because the time of --time ran out?  Did they, in a
  * job without --time, only because a stage may take no more rays? */
 bool goal_time_up(const struct job *job);

@@ -162,7 +162,8 @@ reuse_keep(const struct coord *c, struct job *job)
     job->cache.bytes = s.bytes;
     job->cache.range =
         (struct pass_range){ .first = job->goal.base,
-                             .end = job->goal.base + s.n -
-                                    goal_is(job), /* no check pass */
+                             .end =
+                                 job->goal.base + s.n -
+                                 msg_has_goal(&job->spec), /* no check pass */
                              .all = job->goal.base + s.n };
 }

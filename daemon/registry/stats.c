@@ -252,7 +252,7 @@ with_goal(json_t *o, const struct job *job)
 {
     const struct job_goal *g = &job->goal;
 
-    if (o && goal_is(job))
+    if (o && msg_has_goal(&job->spec))
         json_object_set_new(
             o, "goal",
             json_pack("{s:f,s:f,s:f,s:f,s:I,s:b,s:b,s:b,s:b}", "error",

@@ -15,8 +15,8 @@
  * pass that ended:
  *
  *   NONE --lines--> LINES --ahead--> AHEAD
- *                     '--------------' lines, with a better guess at the
- *                                      densities above; or colours above came
+ *                     '<--------------' lines, with a better guess at the
+ *                                       densities above; or colours above came
  *
  * LINES: the base lines; AHEAD: also the bars, the first only if the colours of
  * the base line above were known or guessed when the pass began. */
