@@ -69,8 +69,6 @@ program_fill_spec(struct program *p)
     p->job.spec.compile_s = p->compile_s;
     if (p->records.keep)
         p->job.spec.flags |= MSG_JOB_RECORDS;
-    if (p->job.spec.flags & MSG_JOB_PASSES && p->o.params.ambounce > 0)
-        progress_expect_passes(&p->progress);
 }
 
 /* What is kept of a plane: pictures, and distances or points' values (DEPTH).

@@ -237,9 +237,10 @@ note_wonder(struct program *p, const struct msg_progress *m)
         p->said.reason[0] = '\0'; /* it may come again, and be news */
 }
 
-/* Have a trial tell how many rays the job will take.  No trial is made with a
- * file of records, which it would have to read, or with a large scene, for the
- * memory that it needs once more. */
+/* Have a trial tell how many rays the job will take.  No trial is made of a job
+ * with passes, where the share that is done tells as well; with a file of
+ * records, which it would have to read; or with a large scene, for the memory
+ * that it needs once more. */
 static void
 foresee(struct program *p)
 {
@@ -249,10 +250,12 @@ foresee(struct program *p)
                               .params = &p->o.params,
                               .frames = p->frames.list,
                               .nframes = p->frames.n };
+    bool passes =
+        p->job.spec.flags & MSG_JOB_PASSES && p->o.params.ambounce > 0;
 
     if (p->foresee)
         progress_foresee(&p->progress, foresee_rays(p->foresee));
-    else if (p->scene.scene && !p->o.ambient && !p->o.points.file &&
+    else if (p->scene.scene && !passes && !p->o.ambient && !p->o.points.file &&
              p->job.spec.bundle_bytes <= MOST_BYTES &&
              progress_is_long(&p->progress))
         p->foresee = foresee_begin(&job);

@@ -8,9 +8,8 @@
  * This was fitted to rooms of -ab 2 to 5 with one and two workers, whose
  * reports are in tests/client/check_eta.c: there the second number is 15 times
  * too large when a seventieth is done, and still twice too large at two thirds.
- * In a job with passes the second number is right within a factor of 1.6 from
- * the first tenth on; there its weight is d^2/(d^2 + 1/50), a half at d = 0.14.
- */
+ * In a job with passes it is right within a factor of 1.6 from the first tenth
+ * on. */
 #include "config.h"
 
 #include "trial/eta.h"
@@ -28,8 +27,8 @@ static const double ENOUGH = .1, ENOUGH_S = 3;
 /* The same share while a trial runs, whose result will be better. */
 static const double ENOUGH_AWAITED = .3;
 
-/* The constants of the two weights at the head of this file: 1/2, 1/50. */
-static const double DOUBT = .5, EVEN_DOUBT = .02;
+/* The constant of the weight at the head of this file. */
+static const double DOUBT = .5;
 
 /* At least so many of the rays that came are left, times 1 - d: a trial may
  * have foreseen too few. */
@@ -41,9 +40,7 @@ take_pace(struct eta *e, const struct eta_look *look)
     double dt = look->elapsed_s - e->last_s, memory_s, keep;
 
     if (look->rays < e->last_rays || dt < 0) { /* the job began again */
-        *e = (struct eta){ .foreseen = e->foreseen,
-                           .awaited = e->awaited,
-                           .even = e->even };
+        *e = (struct eta){ .foreseen = e->foreseen, .awaited = e->awaited };
         dt = look->elapsed_s;
     }
     if (look->working && dt > 0 && look->rays > 0) {
@@ -80,7 +77,7 @@ eta_take(struct eta *e, const struct eta_look *look)
         return -1;
     by_share = eta_by_share(e, d);
     if (!(e->foreseen > 0))
-        return d >= (e->awaited && !e->even ? ENOUGH_AWAITED : ENOUGH) &&
+        return d >= (e->awaited ? ENOUGH_AWAITED : ENOUGH) &&
                        e->work_s >= ENOUGH_S
                    ? by_share
                    : -1;
@@ -89,7 +86,7 @@ eta_take(struct eta *e, const struct eta_look *look)
         e->rate;
     if (d == 0) /* so far nothing contradicts the trial */
         return left;
-    weight = d * d / (d * d + (e->even ? EVEN_DOUBT : DOUBT));
+    weight = d * d / (d * d + DOUBT);
     return exp((1 - weight) * log(left) + weight * log(by_share));
 }
 

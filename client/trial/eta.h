@@ -11,8 +11,7 @@
  * if the rest costs as much as the first part did; this is too much at first.
  * Both are weighed by that share.  Without a trial there is no result at first.
  * In a job whose ambient cache comes in passes the share includes these and
- * grows evenly with the work, so it soon tells more than the trial, which knows
- * nothing of passes.
+ * grows evenly with the work: there no trial is made.
  * Thread: one. */
 #ifndef RADD_CLIENT_ETA_H
 #define RADD_CLIENT_ETA_H
@@ -31,8 +30,6 @@ struct eta_look {
 struct eta {
     double foreseen;          /* rays of the whole job; 0: not known */
     bool awaited;             /* a trial runs, so its result will come */
-    bool even;                /* the share that is done grows evenly with the
-                               * work; set it before the first report */
     double work_s;            /* working time since rays came */
     double rate;              /* rays a second */
     double last_s, last_rays; /* of the last report */

@@ -24,12 +24,6 @@ progress_init(struct progress *p, FILE *to, bool always, bool never)
 }
 
 void
-progress_expect_passes(struct progress *p)
-{
-    p->eta.even = true;
-}
-
-void
 progress_every(struct progress *p, FILE *to, double every_s)
 {
     p->to = to;

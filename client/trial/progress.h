@@ -43,9 +43,6 @@ struct progress {
 /* always: show reports even if `to` is not a terminal; never: show none. */
 void progress_init(struct progress *p, FILE *to, bool always, bool never);
 
-/* Call if the job's ambient cache comes in passes. */
-void progress_expect_passes(struct progress *p);
-
 /* Show a new line every every_s seconds, unless nothing is to be shown at all.
  */
 void progress_every(struct progress *p, FILE *to, double every_s);
