@@ -222,20 +222,26 @@ rad_bsdf_most(const struct rad_bsdf *b, bool front, bool through)
 }
 
 void
+rad_bsdf_look_one_way(const struct rad_bsdf *b, const double in[3],
+                      bool through, struct rad_bsdf_eye *eye)
+{
+    struct rad_bsdf_way *w = &eye->way[through];
+
+    eye->b = b;
+    memcpy(eye->v, in, sizeof eye->v);
+    w->part = find_part(b, in[2] > 0, through);
+    if (w->part && w->part->matrix)
+        rad_matrix_look_from(w, in);
+    else if (w->part)
+        rad_tree_look_from(w, in);
+}
+
+void
 rad_bsdf_look_from(const struct rad_bsdf *b, const double in[3],
                    struct rad_bsdf_eye *eye)
 {
-    eye->b = b;
-    memcpy(eye->v, in, sizeof eye->v);
-    for (int through = 0; through < 2; through++) {
-        struct rad_bsdf_way *w = &eye->way[through];
-
-        w->part = find_part(b, in[2] > 0, through);
-        if (w->part && w->part->matrix)
-            rad_matrix_look_from(w, in);
-        else if (w->part)
-            rad_tree_look_from(w, in);
-    }
+    rad_bsdf_look_one_way(b, in, false, eye);
+    rad_bsdf_look_one_way(b, in, true, eye);
 }
 
 static void

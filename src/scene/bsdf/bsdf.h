@@ -82,6 +82,11 @@ struct rad_bsdf_eye {
 void rad_bsdf_look_from(const struct rad_bsdf *b, const double in[3],
                         struct rad_bsdf_eye *eye);
 
+/* The same for reflection, or transmission (through), alone: the other one must
+ * not be asked for. */
+void rad_bsdf_look_one_way(const struct rad_bsdf *b, const double in[3],
+                           bool through, struct rad_bsdf_eye *eye);
+
 /* The value for an outgoing direction, with the rest.  *cell (cell may be NULL)
  * gets the size of the smaller of the two cells that the directions are in; pi
  * if there is only the rest. */

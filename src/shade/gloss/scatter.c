@@ -45,6 +45,7 @@ struct scatter_hit {
     double cell[2]; /* roots of the projected solid angles of the smallest and
                      * the largest cell for this eye */
     double thick;   /* thickness of the geometry that it stands for */
+    bool peak_known;             /* are these two set? */
     struct rad_rgb peak, around; /* the peak's transmittance; value beside it */
     struct rad_rgb rdiff, tdiff; /* diffuse parts, with the patterns */
     struct rad_ray behind;       /* the ray as if it had met the far side */
@@ -168,10 +169,11 @@ set_frame(struct scatter_hit *hit, const double up[3])
     return true;
 }
 
-/* The eye's direction, jittered within a cell of that width.  Returns store, or
- * &hit->eye without jitter. */
+/* The eye's direction, jittered within a cell of that width, to look at
+ * reflection or (through) transmission alone.  Returns store, or &hit->eye
+ * without jitter. */
 static const struct rad_bsdf_eye *
-jitter(const struct scatter_hit *hit, double width, uint32_t dim,
+jitter(const struct scatter_hit *hit, bool through, double width, uint32_t dim,
        struct rad_bsdf_eye *store)
 {
     double v[3];
@@ -183,7 +185,7 @@ jitter(const struct scatter_hit *hit, double width, uint32_t dim,
     v[0] += width * (.5 - rad_rand(hit->r->key, dim));
     v[1] += width * (.5 - rad_rand(hit->r->key, dim + 1));
     rad_normalize(v);
-    rad_bsdf_look_from(hit->s->bsdf, v, store);
+    rad_bsdf_look_one_way(hit->s->bsdf, v, through, store);
     return store;
 }
 
@@ -280,9 +282,9 @@ minus(struct rad_rgb a, struct rad_rgb b)
                    fmaxf(a.b - b.b, 0));
 }
 
-/* Set hit->peak and hit->around, if there is a peak. */
+/* Set hit->peak and hit->around, which are black where there is no peak. */
 static void
-find_peak(struct scatter_hit *hit)
+seek_peak(struct scatter_hit *hit)
 {
     struct probed list[NPROBES];
     uint8_t order[NPROBES];
@@ -308,21 +310,39 @@ find_peak(struct scatter_hit *hit)
     hit->around = rad_rgb_mul(sums.light[1], hit->r->pattern);
 }
 
+/* Set hit->peak and hit->around, if they are not known yet: most hits never ask
+ * for them, and they take many look-ups.  Only an aBSDF has a peak. */
+static void
+find_peak(struct scatter_hit *hit)
+{
+    if (!hit->peak_known && !hit->s->proxy_type)
+        seek_peak(hit);
+    hit->peak_known = true;
+}
+
+static bool
+has_peak(struct scatter_hit *hit)
+{
+    find_peak(hit);
+    return is_lit(hit->peak);
+}
+
 /* --- light from sources ----------------------------------------------------
  */
 
 /* Is a light in direction way part of the peak, which is traced by a ray? */
 static bool
-in_peak(const struct scatter_hit *hit, const double way[3], double omega)
+in_peak(struct scatter_hit *hit, const double way[3], double omega)
 {
     double dx = way[0] + hit->eye.v[0], dy = way[1] + hit->eye.v[1];
     double cell = rad_bsdf_finest(hit->s->bsdf, from_front(hit), true);
 
-    if ((way[2] > 0) == from_front(hit) || !is_lit(hit->peak))
+    if ((way[2] > 0) == from_front(hit))
         return false;
     omega *= fabs(way[2]);
     return dx * dx + dy * dy <=
-           2.5 * 4 / M_PI * (omega + cell + 2 * sqrt(omega * cell));
+               2.5 * 4 / M_PI * (omega + cell + 2 * sqrt(omega * cell)) &&
+           has_peak(hit);
 }
 
 /* The mean of jittered look-ups, less the diffuse part.  A look-up in a cell
@@ -345,7 +365,7 @@ average(const struct scatter_hit *hit, const double way[3])
         struct rad_bsdf_eye store;
         double size = cell;
         const struct rad_bsdf_eye *eye =
-            jitter(hit, sqrt(cell),
+            jitter(hit, through, sqrt(cell),
                    RAD_DIM_RSPECULAR + DIM_DIRECT + 2 * (uint32_t)i, &store);
 
         if (eye == &store)
@@ -368,7 +388,7 @@ average(const struct scatter_hit *hit, const double way[3])
 /* The BSDF, less the diffuse part, for a light of solid angle omega at ldir
  * [1/sr]. */
 static struct rad_rgb
-scattered(const struct scatter_hit *hit, const double ldir[3], double omega)
+scattered(struct scatter_hit *hit, const double ldir[3], double omega)
 {
     bool front = from_front(hit);
     double way[3];
@@ -388,7 +408,7 @@ static void
 direct_both(struct rad_rgb *coef, void *data, const double ldir[3],
             double omega)
 {
-    const struct scatter_hit *hit = data;
+    struct scatter_hit *hit = data;
     double cos_l = rad_dot(hit->norm, ldir);
     struct rad_rgb diffuse, spec;
 
@@ -511,7 +531,7 @@ follow(struct scatter_hit *hit, bool through, bool peak_apart)
         struct rad_rgb coef;
         struct rad_ray sr;
 
-        from = jitter(hit, hit->cell[0], at, &store);
+        from = jitter(hit, through, hit->cell[0], at, &store);
         if (!rad_bsdf_sample(from, through, draw(hit, at + 2, i, n), to, xyz))
             break;
         dx = from->v[0] + to[0];
@@ -555,7 +575,7 @@ sample(struct scatter_hit *hit, bool through)
     bool front = from_front(hit);
     bool apart = through &&
                  !(hit->r->path & (RAD_RAY_SPECULAR | RAD_RAY_AMBIENT)) &&
-                 is_lit(hit->peak);
+                 has_peak(hit);
     double peak = 0, share = 0;
 
     if (!rad_bsdf_scatters(b, front, through))
@@ -566,7 +586,7 @@ sample(struct scatter_hit *hit, bool through)
         struct rad_bsdf_eye store;
 
         share = rad_bsdf_total(
-            jitter(hit, hit->cell[1],
+            jitter(hit, through, hit->cell[1],
                    (through ? RAD_DIM_TSPECULAR : RAD_DIM_RSPECULAR) +
                        DIM_TOTAL,
                    &store),
@@ -653,6 +673,7 @@ pass_shadow(struct scatter_hit *hit)
 {
     struct rad_ray *r = hit->r, tr;
 
+    find_peak(hit);
     if (!rad_ray_spawn(hit->ctx, &tr, RAD_RAY_TRANS, r, &hit->peak,
                        RAD_BRANCH_TRANSMIT))
         return;
@@ -698,8 +719,6 @@ rad_scatter_shade(struct rad_ctx *ctx, const struct rad_material *mat,
     rad_ray_normal(r, hit.norm);
     if (!set_frame(&hit, up))
         return true;
-    if (!hit.s->proxy_type)
-        find_peak(&hit);
     if (shadow) {
         pass_shadow(&hit);
         return true;
