@@ -5,6 +5,7 @@
 #include "scene/bsdf/bsdfimpl.h"
 
 #include <math.h>
+#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
@@ -60,23 +61,46 @@ rad_hilbert_enter(struct hilbert *h, unsigned q, unsigned *x, unsigned *y)
     }
 }
 
+/* Every other bit of 64, from the lowest. */
+static uint32_t
+even_bits(uint64_t v)
+{
+    v &= 0x5555555555555555;
+    v = (v | v >> 1) & 0x3333333333333333;
+    v = (v | v >> 2) & 0x0f0f0f0f0f0f0f0f;
+    v = (v | v >> 4) & 0x00ff00ff00ff00ff;
+    v = (v | v >> 8) & 0x0000ffff0000ffff;
+    return (uint32_t)(v | v >> 16);
+}
+
+/* For each bit the parity of those above it. */
+static uint32_t
+parity_above(uint32_t v)
+{
+    v ^= v >> 1;
+    v ^= v >> 2;
+    v ^= v >> 4;
+    v ^= v >> 8;
+    v ^= v >> 16;
+    return v >> 1;
+}
+
+/* rad_hilbert_enter() for all levels at once, a bit each: the curve's axes are
+ * exchanged, or mirrored, after an odd number of quarters that do so. */
 void
 rad_hilbert_point(struct hilbert h, double t, double p[2])
 {
-    double size = 1;
+    enum { LEVELS = 26 }; /* all bits of t */
+    const uint64_t last = (UINT64_C(1) << 2 * LEVELS) - 1;
+    const uint32_t all = (UINT32_C(1) << LEVELS) - 1;
+    uint64_t at = t < 1 ? (uint64_t)(t * 0x1p52) : last;
+    uint32_t rx = even_bits(at >> 1), ry = even_bits(at) ^ rx;
+    uint32_t swap = parity_above(~ry & all) ^ (h.swap ? all : 0);
+    uint32_t flip = parity_above(~ry & rx) ^ (h.flip ? all : 0);
+    uint32_t other = (rx ^ ry) & swap;
 
-    p[0] = p[1] = 0;
-    for (int i = 0; i < 26; i++) { /* all bits of t */
-        unsigned q = (t *= 4) < 4 ? (unsigned)t : 3, x, y;
-
-        t -= q;
-        size /= 2;
-        rad_hilbert_enter(&h, q, &x, &y);
-        p[0] += x * size;
-        p[1] += y * size;
-    }
-    p[0] += size / 2;
-    p[1] += size / 2;
+    p[0] = ((rx ^ other ^ flip) + .5) * 0x1p-26;
+    p[1] = ((ry ^ other ^ flip) + .5) * 0x1p-26;
 }
 
 int

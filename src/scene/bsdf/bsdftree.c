@@ -16,12 +16,10 @@
 
 /* --- going down --- */
 
-/* The value at a place.  corner and level, which may be NULL, get its cell: the
- * lowest corner, and log2 of 1 / its width.  The bits of the coordinates choose
- * the way down. */
-static double
-look_up(const struct bsdf_node *n, int rank, const double place[4],
-        double corner[4], int *level)
+/* look_up() for a rank that the compiler knows. */
+static inline __attribute__((always_inline)) double
+look_up_rank(const struct bsdf_node *n, int rank, const double place[4],
+             double corner[4], int *level)
 {
     int left = RAD_MAX_BSDF_LEVELS;
     uint32_t way[4];
@@ -49,6 +47,17 @@ look_up(const struct bsdf_node *n, int rank, const double place[4],
             corner[i] = (way[i] >> left) * size;
     }
     return (double)n->u.value[at];
+}
+
+/* The value at a place.  corner and level, which may be NULL, get its cell: the
+ * lowest corner, and log2 of 1 / its width.  The bits of the coordinates choose
+ * the way down. */
+static double
+look_up(const struct bsdf_node *n, int rank, const double place[4],
+        double corner[4], int *level)
+{
+    return rank == 3 ? look_up_rank(n, 3, place, corner, level)
+                     : look_up_rank(n, 4, place, corner, level);
 }
 
 /* --- colours --- */
