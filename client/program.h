@@ -49,7 +49,8 @@ struct program_stream { /* sensor points on a pipe */
 };
 
 struct program_planes {  /* of -cs; each is a job */
-    int n, at;           /* at: the current plane; n 1: there are no planes */
+    int n, at;           /* at: the current plane; n 0: light is red, green and
+                          * blue, or of one plane that was asked for */
     struct planes *jobs; /* while they run (program_planes.c) */
 };
 
@@ -118,5 +119,12 @@ struct program {
     struct program_said said;
     struct rad_error *err;
 };
+
+/* The number of jobs that make the pictures. */
+static inline int
+program_jobs(const struct program *p)
+{
+    return p->planes.n > 1 ? p->planes.n : 1;
+}
 
 #endif

@@ -229,14 +229,14 @@ program_say_where_it_is(const struct program *p)
         tell(stderr, "radsubmit: its distances are in %s", p->rescue.depth);
     if (!p->rescue.needed || p->cluster.embedded)
         return;
-    if (p->planes.n > 1 && !p->o.points.file) {
+    if (p->planes.n > 0 && !p->o.points.file) {
         tell(stderr, "radsubmit: the coordinator keeps the planes: radctl "
                      "fetch -o FILE with all of the jobs above");
         return;
     }
     msg_job_format(p->job.id, hex);
     if (p->o.points.file) {
-        if (!p->stream.is && p->planes.n == 1)
+        if (!p->stream.is && p->planes.n == 0)
             tell(stderr,
                  "radsubmit: the coordinator keeps the values: submit again "
                  "with --job=%s",

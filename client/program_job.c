@@ -123,10 +123,10 @@ converse(struct program *p)
         cb.gathered = program_cluster_gathered;
     }
     rc = p->stream.is ? program_run_stream(p, &job, &cb)
-         : p->planes.n > 1
+         : p->planes.n > 0
              ? program_run_planes(p, &job, &cb)
              : submit_run(&job, &p->loop.uv, &p->loop.interrupts, &cb, p->err);
-    if (!p->stream.is && p->planes.n == 1)
+    if (!p->stream.is && p->planes.n == 0)
         program_end_job(p);
     if (rc == 0)
         rc = records_write(&p->records, !p->cluster.embedded, p->err);
@@ -150,7 +150,7 @@ begin_records(struct program *p)
     int rc;
 
     if (p->stream.is && !p->o.ambient)
-        p->records.keep = p->job.spec.scene && p->planes.n == 1 &&
+        p->records.keep = p->job.spec.scene && p->planes.n == 0 &&
                           !submit_options_goal(&p->o);
     if (!p->o.ambient && !p->records.keep)
         return 0;
@@ -197,7 +197,7 @@ program_run_job(struct program *p)
         (rc = program_cluster_start(p)) < 0)
         return rc;
     rc = converse(p);
-    if (rc == 0 && p->o.detach && p->planes.n == 1) {
+    if (rc == 0 && p->o.detach && p->planes.n == 0) {
         msg_job_format(p->job.id, hex);
         puts(hex);
     }

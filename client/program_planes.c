@@ -60,10 +60,10 @@ program_fill_spec(struct program *p)
 {
     struct submit_options o = p->o;
 
-    if (p->planes.n > 1) { /* a plane has no colours, so no primaries */
+    if (p->planes.n > 1)
         o.params.bands.plane = p->planes.at;
+    if (p->planes.n > 0) /* channels of a plane have no primaries */
         o.params.primaries = RAD_PRIM_RGB;
-    }
     jobspec_fill(&p->job, &o, &p->frames, &p->scene, &p->cargo);
     name_part(p);
     p->job.spec.compile_s = p->compile_s;
@@ -216,8 +216,11 @@ on_accepted(void *arg)
     char hex[MSG_JOB_HEX], text[120];
 
     msg_job_format(p->job.id, hex);
-    snprintf(text, sizeof text, "job %s, plane %d of %d", hex, p->planes.at + 1,
-             p->planes.n);
+    if (p->planes.n == 1)
+        snprintf(text, sizeof text, "job %s", hex);
+    else
+        snprintf(text, sizeof text, "job %s, plane %d of %d", hex,
+                 p->planes.at + 1, p->planes.n);
     program_say(p, text); /* by these ids planes are found again */
 }
 
@@ -229,7 +232,8 @@ callbacks(const struct planes *s)
     struct submit_callbacks cb = *s->own;
 
     cb.frame = on_frame;
-    cb.stats = cb.stats ? on_stats : NULL;
+    if (cb.stats && s->program->planes.n > 1)
+        cb.stats = on_stats;
     cb.accepted = NULL;
     cb.preview = NULL;
     cb.records = NULL;

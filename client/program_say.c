@@ -268,7 +268,7 @@ program_on_progress(void *arg, const struct msg_progress *m)
     struct program *p = arg;
     struct progress_report r = {
         .elapsed_s = m->elapsed_s,
-        .done = (p->planes.at + share_done(m)) / p->planes.n,
+        .done = (p->planes.at + share_done(m)) / program_jobs(p),
         .rays = m->rays,
         .workers = (int)m->workers,
         .working = m->state == MSG_STATE_RUNNING && m->workers > 0

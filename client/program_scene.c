@@ -28,7 +28,6 @@ try_scene(struct program *p)
 
     if (p->planes.n > 1) /* each plane takes about as much as the first */
         params.bands.plane = 0;
-
     if (p->o.points.file)
         rc = pointjob_pack(&p->points, &points, &bytes, p->err);
     if (bytes)
@@ -36,9 +35,19 @@ try_scene(struct program *p)
     if (rc == 0)
         rc = dryrun_predict(&p->prediction, &job, &dryrun_effort, p->err);
     if (rc == 0)
-        trial_repeat(&p->prediction, p->planes.n);
+        trial_repeat(&p->prediction, program_jobs(p));
     free(bytes);
     return rc;
+}
+
+/* A scene without spectra needs one plane for all bands. */
+static void
+settle_bands(struct program *p)
+{
+    if (p->planes.n == 0 || !rad_scene_in_colours(p->scene.scene))
+        return;
+    p->o.params.bands.plane = RAD_PLANE_COLOURS;
+    p->planes.n = 1;
 }
 
 /* What program_compile() shares with its thread. */
@@ -61,6 +70,8 @@ compile_work(uv_work_t *w)
                               local_folder(p->cluster.local), p->err);
         p->compile_s = (double)(uv_hrtime() - begin) * 1e-9;
     }
+    if (c->rc == 0)
+        settle_bands(p);
     if (c->rc == 0 && p->o.dry_run && p->frames.n > 0)
         c->rc = try_scene(p);
 }

@@ -120,14 +120,14 @@ render(struct program *p, struct submit_job *job,
     if (rc < 0 || (rc = load_cargo(p)) < 0)
         return rc;
     program_fill_spec(p);
-    rc = p->planes.n > 1
+    rc = p->planes.n > 0
              ? program_run_planes(p, job, cb)
              : submit_run(job, &p->loop.uv, &p->loop.interrupts, cb, p->err);
     unload_cargo(p);
-    if (p->planes.n == 1)
+    if (p->planes.n == 0)
         program_end_job(p);
     outcome_next(&p->result.sum);
-    if (rc == 0 && p->planes.n == 1) /* it is of no use any more */
+    if (rc == 0 && p->planes.n == 0) /* it is of no use any more */
         order_delete(&job->to, &p->loop.uv, p->job.id);
     return rc;
 }

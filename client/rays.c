@@ -119,7 +119,7 @@ add_plane(struct planes *p, struct rad_params params,
     struct rad_error why = { 0 };
 
     if (p->bands.n > 3)
-        params.bands.plane = p->n;
+        params.bands.plane = p->bands.plane < 0 ? p->n : p->bands.plane;
     p->job[p->n] = rad_job_new(scene, &params, files, &why);
     if (p->job[p->n] && rad_ctx_init(&p->ctx[p->n], p->job[p->n], &why) == 0) {
         p->n++;
@@ -143,6 +143,8 @@ prepare_planes(struct planes *p, const struct rays_options *o,
     rad_arena_init(&p->arena);
     if (p->bands.plane >= 0) /* only that plane, as three channels */
         p->bands.n = 3;
+    else if (p->bands.n > 3 && rad_scene_in_colours(scene))
+        p->bands.plane = RAD_PLANE_COLOURS;
     if (p->bands.n > 3 && !o->spectral) {
         p->eye = rad_spectrum_new(&p->arena, p->bands.n, p->bands.longest,
                                   p->bands.shortest, &colours);
@@ -177,7 +179,7 @@ print_line(const struct planes *p, const struct rad_rgb L[], FILE *out)
     float band[RAD_MAX_BANDS];
     double sum[3] = { 0 };
 
-    if (p->n == 1) {
+    if (p->bands.n == 3) {
         print_colour(L[0], out);
         return;
     }
@@ -256,7 +258,7 @@ trace_with_file(const struct rays_options *o, const char *digest,
         return rad_fail(err, RAD_EUSAGE,
                         "-af: there are no ambient records without -ab and "
                         "-aa");
-    if (p->n > 1)
+    if (p->bands.n > 3)
         return rad_fail(err, RAD_EUSAGE,
                         "-af: a file's records have three channels, and -cs is "
                         "%d",

@@ -167,21 +167,6 @@ fetch_file(struct ctl *c, const uint8_t job[MSG_JOB], int frame,
     return rc < 0 ? rc : 0;
 }
 
-/* Refuse a plane of -cs by itself: three of its bands would be taken for red,
- * green and blue. */
-static int
-check_whole(struct ctl *c, const struct rad_memory_out *f)
-{
-    struct spectra_plane one = { f->bytes, f->len };
-    struct rad_bands b;
-
-    if (spectra_bands(&one, &b, NULL) < 0 || rad_bands_planes(&b) <= 1)
-        return 0;
-    return rad_fail(c->err, RAD_EUSAGE,
-                    "job %s is plane %d of %d: name the jobs of all planes",
-                    c->arg, b.plane + 1, rad_bands_planes(&b));
-}
-
 /* Get a frame of the job that c->arg names. */
 static int
 get_of_job(struct ctl *c, int frame, struct rad_memory_out *f)
@@ -210,6 +195,9 @@ add_plane(struct ctl *c, struct plane_set *s, const struct rad_memory_out *f)
 
     if (rc < 0)
         return rc;
+    if (b.plane == RAD_PLANE_COLOURS)
+        return rad_fail(c->err, RAD_EUSAGE,
+                        "job %s shows all bands: name that one alone", c->arg);
     if (s->n > 0 && (b.n != s->bands.n || b.longest != s->bands.longest ||
                      b.shortest != s->bands.shortest))
         return rad_fail(c->err, RAD_EDATA,
@@ -252,21 +240,53 @@ is_spectra(const struct ctl *c)
     return c->output && outname_suffix(c->output, ".hsr");
 }
 
+/* Put a frame's planes together, as spectra or as colours. */
+static int
+join(struct ctl *c, const struct rad_bands *bands,
+     const struct spectra_plane plane[], struct rad_memory_out *f)
+{
+    struct spectra_order order = { *bands, is_spectra(c), RAD_PRIM_RGB };
+
+    return spectra_join(&order, plane, &f->bytes, &f->len, c->err);
+}
+
 /* Get a frame of several jobs, each of which is a plane of it. */
 static int
 get_of_planes(struct ctl *c, int frame, struct rad_memory_out *f)
 {
     struct plane_set s = { .n = 0 };
-    struct spectra_order order = { .spectral = is_spectra(c),
-                                   .primaries = RAD_PRIM_RGB };
     int rc = get_planes(c, frame, &s);
 
-    if (rc == 0) {
-        order.bands = s.bands;
-        rc = spectra_join(&order, s.plane, &f->bytes, &f->len, c->err);
-    }
+    if (rc == 0)
+        rc = join(c, &s.bands, s.plane, f);
     for (int k = 0; k < RAD_MAX_PLANES; k++)
         free((void *)(uintptr_t)s.plane[k].hdr);
+    return rc;
+}
+
+/* Make f, a frame of one job, what is to be written: as it is, or all bands of
+ * which it is the only plane. */
+static int
+take_whole(struct ctl *c, struct rad_memory_out *f)
+{
+    struct spectra_plane one = { f->bytes, f->len };
+    struct rad_bands b;
+    int rc;
+
+    if (spectra_bands(&one, &b, NULL) < 0)
+        return !is_spectra(c)
+                   ? 0
+                   : rad_fail(c->err, RAD_EUSAGE,
+                              "'%s': spectra have more than three bands: name "
+                              "the jobs of all planes of -cs",
+                              c->output);
+    if (b.plane != RAD_PLANE_COLOURS)
+        return rad_fail(c->err, RAD_EUSAGE,
+                        "job %s is plane %d of %d: name the jobs of all planes",
+                        c->arg, b.plane + 1, rad_bands_planes(&b));
+    *f = (struct rad_memory_out){ 0 };
+    rc = join(c, &b, &one, f);
+    free((void *)(uintptr_t)one.hdr);
     return rc;
 }
 
@@ -281,7 +301,7 @@ get_picture(struct ctl *c, int frame, struct rad_memory_out *f)
     if (c->nargs > 1)
         return get_of_planes(c, frame, f);
     rc = get_of_job(c, frame, f);
-    return rc < 0 ? rc : check_whole(c, f);
+    return rc < 0 ? rc : take_whole(c, f);
 }
 
 /* Let the first frame that is not black decide how this frame is shown, as it
@@ -368,11 +388,6 @@ fetch(struct ctl *c)
 
     if (rc < 0)
         return rc;
-    if (c->nargs == 1 && is_spectra(c))
-        return rad_fail(c->err, RAD_EUSAGE,
-                        "'%s': spectra have more than three bands: name the "
-                        "jobs of all planes of -cs",
-                        c->output);
     rc = c->frame < 0 && is_numbered(c->output) ? fetch_all(c) : fetch_one(c);
     return rc < 0 || !c->output ? rc : ctl_done(c);
 }

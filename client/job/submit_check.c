@@ -117,7 +117,7 @@ check_planes(const struct submit_options *o, struct rad_error *err)
 {
     bool spectra = submit_options_spectra(o);
 
-    if (submit_options_planes(o) == 1)
+    if (submit_options_planes(o) == 0)
         return submit_options_hsr(o)
                    ? rad_fail(err, RAD_EUSAGE,
                               "'%s': spectra have more than three bands: "
@@ -184,7 +184,7 @@ check_points(struct submit_options *o, struct rad_error *err)
     if (rc < 0 || !o->points.file)
         return rc;
     if ((o->detach || o->job) &&
-        (!pointspec_lit(&o->points) || submit_options_planes(o) > 1))
+        (!pointspec_lit(&o->points) || submit_options_planes(o) > 0))
         return rad_fail(err, RAD_EUSAGE,
                         "%s is for one job: not for -o letters that need no "
                         "light, nor for more than three bands (-cs) of points",

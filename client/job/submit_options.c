@@ -25,7 +25,10 @@ submit_options_init(struct submit_options *o)
 int
 submit_options_planes(const struct submit_options *o)
 {
-    return o->params.bands.plane >= 0 ? 1 : rad_bands_planes(&o->params.bands);
+    const struct rad_bands *b = &o->params.bands;
+    bool alone = b->plane >= 0 && b->plane != RAD_PLANE_COLOURS;
+
+    return rad_bands_are_rgb(b) || alone ? 0 : rad_bands_planes(b);
 }
 
 bool
@@ -38,7 +41,7 @@ submit_options_hsr(const struct submit_options *o)
 bool
 submit_options_spectra(const struct submit_options *o)
 {
-    return submit_options_planes(o) > 1 &&
+    return submit_options_planes(o) > 0 &&
            (o->spectral < 0 ? submit_options_hsr(o) : o->spectral > 0);
 }
 

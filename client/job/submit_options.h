@@ -99,7 +99,8 @@ struct submit_options {
 /* Set the defaults. */
 void submit_options_init(struct submit_options *o);
 
-/* Number of jobs that make a picture: one, or one for each plane of -cs. */
+/* The number of planes of -cs, each of which is a job; 0: the picture shows
+ * red, green and blue, or one plane that was asked for. */
 int submit_options_planes(const struct submit_options *o);
 
 /* Is the picture written as spectra? */

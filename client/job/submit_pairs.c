@@ -160,7 +160,7 @@ name_given(const struct submit_options *o, const char *name[GIVENS])
         [REUSE] = { o->reuse, "--reuse" },
         [REUSE_ID] = { o->reuse && strcmp(o->reuse, "last") != 0,
                        "--reuse=JOB" },
-        [PLANES] = { submit_options_planes(o) > 1, "-cs above 3" },
+        [PLANES] = { submit_options_planes(o) > 0, "-cs above 3" },
         [COSTS] = { o->costs, "--estimate=FILE" },
         [PRIMARIES] = { o->params.primaries == RAD_PRIM_CUSTOM, "-pc" },
         [LOCAL] = { o->local, "--local" },

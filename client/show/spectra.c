@@ -70,12 +70,16 @@ print(struct joint *j, const char *fmt, ...)
     put(j, line, strlen(line));
 }
 
-/* Copy a header line.  In that of the options "--plane 0" is replaced. */
+/* Copy a header line.  In that of the options the first plane's number is
+ * replaced. */
 static void
 put_line(struct joint *j, const char *line, size_t n)
 {
-    static const char plane[] = " --plane 0 ";
-    const char *at = memmem(line, n, plane, sizeof plane - 1);
+    char plane[32];
+    size_t len = (size_t)snprintf(
+        plane, sizeof plane, " --plane %d ",
+        j->order->bands.plane == RAD_PLANE_COLOURS ? RAD_PLANE_COLOURS : 0);
+    const char *at = memmem(line, n, plane, len);
 
     if (!at) {
         put(j, line, n);
@@ -83,7 +87,7 @@ put_line(struct joint *j, const char *line, size_t n)
     }
     put(j, line, (size_t)(at - line));
     print(j, " -co%c ", j->order->spectral ? '+' : '-');
-    at += sizeof plane - 1;
+    at += len;
     put(j, at, n - (size_t)(at - line));
 }
 
@@ -261,9 +265,11 @@ spectra_bands(const struct spectra_plane *plane, struct rad_bands *bands,
         at = next;
     if (at && sscanf(at, " -cs %2d -cw %lf %lf --plane %2d", &b.n, &b.shortest,
                      &b.longest, &b.plane) == 4)
-        sound = b.n > 3 && b.n <= RAD_MAX_BANDS && b.shortest > 0 &&
-                b.longest - b.shortest >= RAD_LEAST_RANGE && b.longest <= 1e6 &&
-                b.plane >= 0 && b.plane < rad_bands_planes(&b);
+        sound =
+            b.n > 3 && b.n <= RAD_MAX_BANDS && b.shortest > 0 &&
+            b.longest - b.shortest >= RAD_LEAST_RANGE && b.longest <= 1e6 &&
+            b.plane >= 0 &&
+            (b.plane < rad_bands_planes(&b) || b.plane == RAD_PLANE_COLOURS);
     free(text);
     if (!sound)
         return rad_fail(err, RAD_EDATA, "the picture shows no plane of -cs");

@@ -19,7 +19,7 @@ rad_bands_rgb(void)
 int
 rad_bands_planes(const struct rad_bands *b)
 {
-    return (b->n + 2) / 3;
+    return b->plane == RAD_PLANE_COLOURS ? 1 : (b->n + 2) / 3;
 }
 
 int
@@ -31,10 +31,24 @@ rad_bands_of(const struct rad_bands *b, int plane, int channel)
     return band < b->n ? band : band - planes;
 }
 
+static void
+spread_colours(const struct rad_bands *b, struct rad_rgb c,
+               float band[RAD_MAX_BANDS])
+{
+    const float rgb[] = { c.r, c.g, c.b };
+
+    for (int i = 0; i < b->n; i++)
+        band[i] = rgb[rad_bands_primary(b, i)];
+}
+
 void
 rad_bands_gather(const struct rad_bands *b, const struct rad_rgb plane[],
                  float band[RAD_MAX_BANDS])
 {
+    if (b->plane == RAD_PLANE_COLOURS) {
+        spread_colours(b, plane[0], band);
+        return;
+    }
     for (int p = 0; p < rad_bands_planes(b); p++) {
         band[rad_bands_of(b, p, 0)] = plane[p].r;
         band[rad_bands_of(b, p, 1)] = plane[p].g;

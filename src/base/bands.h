@@ -7,6 +7,8 @@
  * lie a third of the range apart: each plane has long, middle and short waves,
  * so decisions by luminance (thresholds, probabilities) come out much the same
  * in all planes.
+ * A scene that gives all colours as red, green and blue has but three different
+ * bands: one plane shows these three colours, and each band is one of them.
  * A colour given as red, green and blue becomes a spectrum of three steps, as
  * in Radiance.  It steps at 588 and 480 nm, or at thirds of the range if that
  * lacks red or blue.
@@ -21,6 +23,9 @@
 #define RAD_MAX_BANDS  24
 #define RAD_MAX_PLANES ((RAD_MAX_BANDS + 2) / 3)
 
+/* The number of the plane that shows red, green and blue for all bands. */
+#define RAD_PLANE_COLOURS RAD_MAX_PLANES
+
 /* The default range [nm]. */
 #define RAD_LONGEST_WAVE  780.
 #define RAD_SHORTEST_WAVE 380.
@@ -31,8 +36,9 @@
 struct rad_bands {
     int n;                    /* 3 to RAD_MAX_BANDS */
     double longest, shortest; /* [nm], at least RAD_LEAST_RANGE apart */
-    int plane;                /* which plane is rendered, from 0; -1: the first
-                               * one, or all, one after the other */
+    int plane;                /* which plane is rendered, from 0, or
+                               * RAD_PLANE_COLOURS; -1: the first one, or all,
+                               * one after the other */
 };
 
 /* Red, green and blue of the default range. */
@@ -45,10 +51,11 @@ rad_bands_are_rgb(const struct rad_bands *b)
     return b->n == 3;
 }
 
-/* The number of planes. */
+/* The number of planes: one if that is RAD_PLANE_COLOURS. */
 int rad_bands_planes(const struct rad_bands *b);
 
-/* The band that a channel (0 to 2) of a plane shows; plane -1 is the first one.
+/* The band that a channel (0 to 2) of a plane, but not of RAD_PLANE_COLOURS,
+ * shows; plane -1 is the first one.
  * If there are no bands left, the last channel repeats the channel before. */
 int rad_bands_of(const struct rad_bands *b, int plane, int channel);
 

@@ -108,8 +108,8 @@ static const struct option options[] = {
       "extreme wavelengths in nanometers" },
     INT("--samples", samples, 1, RAD_MOST_SAMPLES, 1,
         "rays of a pixel that is traced"),
-    INT("--plane", bands.plane, -1, RAD_MAX_PLANES - 1, -1,
-        "of -cs, the one that is rendered; -1: all"),
+    INT("--plane", bands.plane, -1, RAD_PLANE_COLOURS, -1,
+        "of -cs, the one that is rendered; -1: all; 8: red, green, blue"),
     { "--seed", KIND_U64, FIELD(seed), 0, 0, 0, "of all random numbers" }
 };
 
@@ -538,11 +538,12 @@ rad_params_check(const struct rad_params *p, struct rad_error *err)
         return rad_fail(err, RAD_EUSAGE,
                         "option '-cw %g %g': a range is %g nm at least",
                         p->bands.shortest, p->bands.longest, RAD_LEAST_RANGE);
-    if (p->bands.plane >= rad_bands_planes(&p->bands))
+    if (p->bands.plane == RAD_PLANE_COLOURS
+            ? rad_bands_are_rgb(&p->bands)
+            : p->bands.plane >= rad_bands_planes(&p->bands))
         return rad_fail(err, RAD_EUSAGE,
                         "option '--plane %d': -cs %d has %d planes, from 0",
-                        p->bands.plane, p->bands.n,
-                        rad_bands_planes(&p->bands));
+                        p->bands.plane, p->bands.n, (p->bands.n + 2) / 3);
     return 0;
 }
 

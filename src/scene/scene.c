@@ -339,6 +339,23 @@ rad_scene_find_modifier(const struct rad_scene *s, const char *name,
     return lo ? e->defs[lo - 1] : RAD_VOID;
 }
 
+bool
+rad_scene_in_colours(const struct rad_scene *s)
+{
+    for (int32_t i = 0; i < s->nobjects; i++)
+        switch (s->objects[i].type) {
+        case RAD_SPECTRUM:
+        case RAD_SPECFILE:
+        case RAD_SPECFUNC:
+        case RAD_SPECDATA:
+        case RAD_SPECPICT:
+            return false;
+        default:
+            break;
+        }
+    return true;
+}
+
 int
 rad_scene_named(const struct rad_scene *s, int32_t index, int32_t k,
                 int32_t *mod, struct rad_error *err)

@@ -101,7 +101,9 @@ set_channels(struct rad_job *job, const struct rad_params *params)
     job->params = *params;
     for (int k = 0; k < 3; k++)
         job->primary[k] =
-            (uint8_t)rad_bands_primary(b, rad_bands_of(b, b->plane, k));
+            b->plane == RAD_PLANE_COLOURS
+                ? (uint8_t)k
+                : (uint8_t)rad_bands_primary(b, rad_bands_of(b, b->plane, k));
     for (int i = 0; i < 3; i++) {
         struct rad_rgb c = *colours[i];
 

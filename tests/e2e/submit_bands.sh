@@ -1,11 +1,15 @@
 #!/bin/sh
 # submit_bands.sh - pictures of more than three bands: spectra and colours of
-# known light, the same whoever renders; what does not go with them; jobs of all
-# planes cancelled together
+# known light, the same whoever renders; one job where the scene has no spectra;
+# what does not go with them; jobs of all planes cancelled together
 . "${top_srcdir:-.}/tests/e2e/client_lib.sh"
 set -u
 
-room=$scenes/room.rad
+# a room whose lamps have a spectrum, and one that knows colours alone
+room=$work/spectral.rad
+sed 's/^void light/void spectrum s 0 0 6 380 780 .7 .8 .9 1\ns light/' \
+    "$scenes/room.rad" >"$room"
+plain=$scenes/room.rad
 view="-vf $scenes/room.vf -x 40 -y 30"
 
 # Light all around of a known spectrum, dark above 700 nm.
@@ -59,6 +63,7 @@ paste -d' ' glow.bands again.bands | awk '
 # What is wrong in the scene is told of all planes: a function's faults at the
 # end, together, and bad pixels when their plane ends.
 cat >wrong.rad <<'END'
+void spectrum unused 0 0 5 380 780 1 1 1
 void brightfunc half 2 'if(Px,log(0),1)' . 0 0
 half glow h 0 0 4 1 1 1 0
 h polygon seen 0 0 12 -9 5 -9 9 5 -9 9 5 9 -9 5 9
@@ -92,7 +97,7 @@ awk '$1 == "max" && $2 < .01 { ok = 1 } END { exit !ok }' figures ||
 # A plane has no light at all in a scene that shines at one wavelength, with
 # all that draws and divides by brightness.
 sed 's/^void light/void spectrum line 0 0 6 640 700 0 0 1 0\nline light/' \
-    "$room" >line.rad
+    "$plain" >line.rad
 # shellcheck disable=SC2086
 "$radsubmit" --local $view -cs 20 -ab 2 -ad 32 -as 16 -lr -4 -lw .01 -dt .1 \
     -o line.hsr line.rad 2>stderr || fail "line.hsr: $(cat stderr)"
@@ -106,6 +111,22 @@ pixels line.hsr $((40 * 30 * 21)) | awk '
     END { for (b = 1; b <= 20; b++)
             if ((lit[b] > 0) != (b == 5 || b == 6)) exit 1 }' ||
     fail "line.hsr: light in other bands"
+
+# Without spectra one job renders red, green and blue: each band is one of them.
+# shellcheck disable=SC2086
+"$radsubmit" --local $view -cs 6 -ab 1 -ad 64 -o plain.hsr "$plain" 2>stderr ||
+    fail "plain.hsr: $(cat stderr)"
+[ "$(grep -c 'job [0-9a-f]*$' stderr)" -eq 1 ] && ! grep -q plane stderr ||
+    fail "more than one job without spectra: $(cat stderr)"
+grep -aq -e ' -cs 6 -cw 380 780 -co+ ' plain.hsr || fail "plain.hsr: options"
+tail -c $((40 * 30 * 7)) plain.hsr | od -An -v -tu1 -w7 | awk '
+    $1 != $2 || $2 != $3 || $4 != $5 { exit 1 }
+    $3 != $4 && $5 != $6 { ok++ }
+    END { exit !(NR == 1200 && ok > 600) }' || fail "plain.hsr: other bands"
+echo 1 1 1 0 1 0 | "$top_builddir/radscene" rays "$plain" >three
+echo 1 1 1 0 1 0 | "$top_builddir/radscene" rays -cs 6 -co+ "$plain" >six
+awk '{ print $1, $1, $1, $2, $2, $3 }' three | cmp - six ||
+    fail "rays in bands: $(cat six), in colours: $(cat three)"
 
 # The same bytes from one worker and from two, with indirect light.
 for n in 1 2; do
@@ -228,6 +249,18 @@ id=$("$radsubmit" -x 8 -y 8 -o plain.hdr "$room" 2>&1 |
 expect 65 "shows no plane" "three bands" "$radctl" fetch -o x.hsr "$first" "$id"
 expect 64 "spectra have more than three bands" "spectra of one job" \
     "$radctl" fetch -o x.hsr "$id"
+
+# one job of all bands is fetched as it would have come
+# shellcheck disable=SC2086
+"$radsubmit" $view -cs 6 -ab 1 -ad 64 -o far.hsr "$plain" 2>far.err ||
+    fail "all bands from one job: $(cat far.err)"
+cmp plain.hsr far.hsr || fail "far.hsr of one job is another picture"
+id=$(sed -n 's/radsubmit: job \([0-9a-f]*\)$/\1/p' far.err)
+"$radctl" fetch -o again.hsr "$id" || fail "fetch of all bands"
+cmp far.hsr again.hsr || fail "radctl fetch makes another picture of one job"
+"$radctl" fetch -o again.hdr "$id" || fail "fetch of all bands in colours"
+expect 64 "shows all bands: name that one alone" "all bands, twice" \
+    "$radctl" fetch -o x.hsr "$id" "$id"
 
 # left to the coordinator, with the caches of the last picture's planes
 # shellcheck disable=SC2086

@@ -167,7 +167,7 @@ static const struct {
     { "-cw 380", "option '-cw': expected 2 values, got 1" },
     { "-cw 0 500", "option '-cw': '0' is not between 1 and 1000000" },
     { "--samples=0", "option '--samples': '0' is not between 1 and 1024" },
-    { "--plane 8", "option '--plane': '8' is not between -1 and 7" },
+    { "--plane 9", "option '--plane': '9' is not between -1 and 8" },
     { "-ro pic", "option '-ro' of rpict is not supported: a job keeps what is "
                  "rendered and goes on by itself; submit it again" },
     { "-PP file", "option '-PP' of rpict is not supported: the daemons stay, "
@@ -187,6 +187,8 @@ static const struct {
     { "-cw 700 400.5", "-cs 3 -cw 400.5 700 --seed=0", 3, -1, 700, 400.5 },
     { "-cw 400 700 -cs 7 --plane 2", "-cs 7 -cw 400 700 --plane 2 --seed=0", 7,
       2, 700, 400 },
+    { "-cs 7 --plane 8", "-cs 7 -cw 380 780 --plane 8 --seed=0", 7, 8, 780,
+      380 },
 };
 
 START_TEST(bands_are_what_was_asked_for)
@@ -218,6 +220,7 @@ static const struct {
 } misfits[] = {
     { "-cs 20 -cw 500 549", "option '-cw 500 549': a range is 50 nm at least" },
     { "-cs 7 --plane 3", "option '--plane 3': -cs 7 has 3 planes, from 0" },
+    { "--plane 8", "option '--plane 8': -cs 3 has 1 planes, from 0" },
 };
 
 START_TEST(bands_that_cannot_be_are_refused)
