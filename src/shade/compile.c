@@ -112,14 +112,27 @@ set_channels(struct rad_job *job, const struct rad_params *params)
     }
 }
 
+/* Has the plane all of the scene's bands? */
+static int
+check_plane(const struct rad_job *job, struct rad_error *err)
+{
+    if (job->params.bands.plane != RAD_PLANE_COLOURS ||
+        rad_scene_in_colours(job->scene))
+        return 0;
+    return rad_fail(err, RAD_EUSAGE,
+                    "option '--plane %d': the scene has spectra",
+                    RAD_PLANE_COLOURS);
+}
+
 static int
 compile(struct rad_job *job, const struct rad_files *files,
         struct rad_error *err)
 {
     const struct rad_params *p = &job->params;
-    int code = rad_materials_compile(job, files, err);
+    int code = check_plane(job, err);
 
-    if (code < 0 || (code = compile_geometry(job, err)) < 0)
+    if (code < 0 || (code = rad_materials_compile(job, files, err)) < 0 ||
+        (code = compile_geometry(job, err)) < 0)
         return code;
     job->sources = rad_sources_new(job, err);
     if (!job->sources)

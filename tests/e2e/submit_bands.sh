@@ -203,6 +203,8 @@ expect 64 "show no colours" "-cw" "$radsubmit" --local -cs 6 -cw 500 600 \
     -o x.hdr "$room"
 expect 64 "a range is 50 nm" "-cw" "$radsubmit" --local -cs 6 -cw 500 540 \
     -co+ -o x.hsr "$room"
+expect 64 "the scene has spectra" "--plane 8" "$radsubmit" --local -cs 6 \
+    --plane 8 -o x.hsr "$room"
 expect 64 "three channels" "rays -af" "$top_builddir/radscene" rays -cs 6 \
     -ab 1 -af x.amb "$room"
 
