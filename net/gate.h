@@ -13,8 +13,9 @@
 #include "net/address.h"
 #include "net/handshake.h"
 
-#define GATE_MOST      64
-#define GATE_MOST_HOST 8
+#define GATE_MOST 256
+/* A script starts as many programs at once as its host has processors. */
+#define GATE_MOST_HOST 32
 
 struct gate;
 
