@@ -25,6 +25,10 @@ const struct rad_shader *rad_families_shader(enum rad_otype type);
  * what -dv hides, and what direct light counts already. */
 int32_t rad_source_behind(struct rad_ctx *ctx, struct rad_ray *r);
 
+/* r is aimed at a source or mirror and has met a surface: let it meet what it
+ * is aimed at, if that lies in the surface, as a lamp in its ceiling does. */
+void rad_source_in_plane(struct rad_ctx *ctx, struct rad_ray *r);
+
 /* The number of targets of shadow rays: sources, then images of sources in
  * mirrors (light/direct/virtual.h). */
 int32_t rad_sources_targets(const struct rad_sources *s);

@@ -271,6 +271,8 @@ rad_ray_trace(struct rad_ctx *ctx, struct rad_ray *r)
     rad_ray_clear(r);
     ctx->counts.rays++;
     if (meet(ctx, r, &own)) {
+        if (r->source >= 0)
+            rad_source_in_plane(ctx, r);
         rad_ray_enter(r);
         rad_ray_continue(ctx, r);
     } else if (!(r->tmax < INFINITY)) { /* else the aft plane hides it */

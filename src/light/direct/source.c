@@ -170,6 +170,28 @@ rad_sources_targets(const struct rad_sources *s)
     return s->n + s->nvirtuals;
 }
 
+void
+rad_source_in_plane(struct rad_ctx *ctx, struct rad_ray *r)
+{
+    int32_t target = rad_source_target(ctx->job->sources, r->source);
+    struct rad_span span = { .tmin = 0, .tmax = r->tmax };
+    struct rad_hit hit;
+    double both;
+
+    if (r->hit.obj == target ||
+        rad_source_distant(ctx->job->sources, r->source))
+        return;
+    rad_copy(span.org, r->org);
+    rad_copy(span.dir, r->dir);
+    if (!rad_geom_hit_object(ctx->job->geom, target, &span, &hit,
+                             &ctx->counts.geom))
+        return;
+    /* either may be off by its bound, as in rad_way_aim() */
+    both = 2 * (hit.err + r->hit.err);
+    if ((hit.t - r->hit.t) * fabs(rad_dot(hit.n, r->dir)) <= both)
+        r->hit = hit;
+}
+
 /* Bound of the rounding error in the difference of two unit vectors. */
 #define ROUNDING (4 * DBL_EPSILON)
 

@@ -64,6 +64,11 @@ static const struct {
       PLASTIC "white polygon ceiling 0 0 12 -9 -9 2 -9 9 2 9 9 2 9 -9 2\n", 1 },
     { "that plane, turned round",
       PLASTIC "white polygon ceiling 0 0 12 9 -9 2 9 9 2 -9 9 2 -9 -9 2\n", 1 },
+    { "that plane, behind a dielectric",
+      "void dielectric air 0 0 5 1 1 1 1 0\n"
+      "air polygon plate 0 0 12 -9 -9 1 9 -9 1 9 9 1 -9 9 1\n" PLASTIC
+      "white polygon ceiling 0 0 12 -9 -9 2 -9 9 2 9 9 2 9 -9 2\n",
+      1 },
     { "a plate beyond the lamp",
       PLASTIC "white polygon plate 0 0 12 -9 -9 2.001 9 -9 2.001 9 9 2.001 "
               "-9 9 2.001\n",
