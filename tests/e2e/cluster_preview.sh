@@ -9,7 +9,7 @@ set -u
 raderr=$top_builddir/raderr
 # sides that are no multiples of the lattices' steps
 view="-vf $scenes/room.vf -x 301 -y 219 -ps 2 -pt .01 -ab 2 -aa .1 -ar 64
--ad 256 -as 64 --ambient=passes"
+-ad 64 -as 16 --ambient=passes"
 room=$scenes/room.rad
 coord_options=--log-level=debug
 cluster_start 1 1
