@@ -63,6 +63,24 @@ world_close(struct world *w)
     memset(w, 0, sizeof *w);
 }
 
+/* A file that a scene names.  Where files is { world_file_read, a table of
+ * these, which a row of zeros ends }, there are no others. */
+struct world_file {
+    const char *name, *text;
+};
+
+static inline unsigned char *
+world_file_read(void *arg, const char *name, size_t *len, struct rad_error *err)
+{
+    for (const struct world_file *f = arg; f->name; f++)
+        if (strcmp(f->name, name) == 0) {
+            *len = strlen(f->text);
+            return (unsigned char *)strdup(f->text);
+        }
+    rad_fail(err, RAD_ENOINPUT, "no file '%s'", name);
+    return NULL;
+}
+
 /* With the parameters that w has.  0, or the code of what is wrong with the
  * scene. */
 static inline int

@@ -28,19 +28,8 @@ static const char functions[] =
     "z = if(aimed, DzA, Dz);\n"
     "x2 = if(aimed, DxA, Dx - A1); zback = if(aimed, DzA, -Dz);\n";
 
-static unsigned char *
-read_file(void *arg, const char *name, size_t *len, struct rad_error *err)
-{
-    (void)arg;
-    if (strcmp(name, "f.cal") != 0) {
-        rad_fail(err, RAD_ENOINPUT, "no file '%s'", name);
-        return NULL;
-    }
-    *len = sizeof functions - 1;
-    return (unsigned char *)strdup(functions);
-}
-
-static const struct rad_files files = { read_file, NULL };
+static struct world_file texts[] = { { "f.cal", functions }, { 0 } };
+static const struct rad_files files = { world_file_read, texts };
 
 static void
 open_world(const char *scene, const char *options)

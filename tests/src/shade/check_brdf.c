@@ -23,23 +23,10 @@ static const char functions[] =
 /* Rises by 2 with the first place, by 30 with the second. */
 static const char plane[] = "2 0 1 3  0 0 2 -1 1  -30 30  -29 31  -28 32";
 
-static unsigned char *
-read_file(void *arg, const char *name, size_t *len, struct rad_error *err)
-{
-    const char *text = strcmp(name, "f.cal") == 0       ? functions
-                       : strcmp(name, "plane.dat") == 0 ? plane
-                                                        : NULL;
-
-    (void)arg;
-    if (!text) {
-        rad_fail(err, RAD_ENOINPUT, "no file '%s'", name);
-        return NULL;
-    }
-    *len = strlen(text);
-    return (unsigned char *)strdup(text);
-}
-
-static const struct rad_files files = { read_file, NULL };
+static struct world_file texts[] = { { "f.cal", functions },
+                                     { "plane.dat", plane },
+                                     { 0 } };
+static const struct rad_files files = { world_file_read, texts };
 
 static struct rad_rgb
 see_by(const char *scene, const char *options, double deg)

@@ -479,14 +479,13 @@ add_peak(char *to, int level)
     return to;
 }
 
-static const char *
-peak_file(void)
-{
-    static char text[1 << 18];
-    char *to = text;
+static char peak[1 << 18];
 
-    if (*text)
-        return text;
+static void
+make_peak(void)
+{
+    char *to = peak;
+
     to += sprintf(to, "%s",
                   HEAD("TensorTree4") DEFS
                   "<WavelengthData><Wavelength>Visible</Wavelength>"
@@ -495,7 +494,6 @@ peak_file(void)
     to = add_peak(to, 0);
     sprintf(to, "%s",
             "</ScatteringData></WavelengthDataBlock></WavelengthData>" FOOT);
-    return text;
 }
 
 /* All .2 / pi, so Lambertian: 20 % each way, with colour by the material. */
@@ -503,25 +501,13 @@ peak_file(void)
     "{.063661977 .063661977 .063661977 .063661977 .063661977 .063661977 "      \
     ".063661977 .063661977}"
 
-static unsigned char *
-read_file(void *arg, const char *name, size_t *len, struct rad_error *err)
-{
-    static const char even[] =
-        HEAD("TensorTree3") DEFS BLOCK("Visible", OURRF, CHIU, EVEN)
-            BLOCK("Visible", OURTF, CHIU, EVEN) FOOT;
-    const char *text = strcmp(name, "even.xml") == 0     ? even
-                       : strcmp(name, "peak.xml") == 0   ? peak_file()
-                       : strcmp(name, "matrix.xml") == 0 ? matrix
-                                                         : NULL;
-
-    (void)arg;
-    if (!text) {
-        rad_fail(err, RAD_ENOINPUT, "no file '%s'", name);
-        return NULL;
-    }
-    *len = strlen(text);
-    return (unsigned char *)strdup(text);
-}
+static const char even[] =
+    HEAD("TensorTree3") DEFS BLOCK("Visible", OURRF, CHIU, EVEN)
+        BLOCK("Visible", OURTF, CHIU, EVEN) FOOT;
+static struct world_file texts[] = {
+    { "even.xml", even }, { "peak.xml", peak }, { "matrix.xml", matrix }, { 0 }
+};
+static const struct rad_files files = { world_file_read, texts };
 
 #define PLAIN "-av 0 0 0 -st 1 -lw 0 -lr 30 -ss 0 -dj 0 -ds 0 -dt 0 -dc 1"
 #define PANE                                                                   \
@@ -534,8 +520,6 @@ read_file(void *arg, const char *name, size_t *len, struct rad_error *err)
 static struct rad_rgb
 see(const char *scene, const char *options, double x, double y, double z)
 {
-    struct rad_files files = { read_file, NULL };
-
     return world_glance(scene, options, &files, x, y, z, -x, -y, -z);
 }
 
@@ -696,7 +680,6 @@ static const struct {
 
 START_TEST(bad_material_is_refused_by_name)
 {
-    struct rad_files files = { read_file, NULL };
     char scene[512], text[600];
     struct world w = { 0 };
 
@@ -750,6 +733,7 @@ main(void)
     tcase_add_loop_test(tc, bad_file_is_refused, 0, N_ELEM(bad));
     tcase_add_test(tc, large_tree_wants_memory);
     suite_add_tcase(s, tc);
+    tcase_add_checked_fixture(material, make_peak, NULL);
     tcase_add_loop_test(material, even_scattering_is_lambertian, 0,
                         N_ELEM(lambertian));
     tcase_add_test(material, direct_light_follows_the_data);

@@ -19,24 +19,14 @@
 #define PLAIN "-av 0 0 0 -st 0 -lw 0 -lr 30 -ss 0"
 
 /* The only file that there is. */
-static unsigned char *
-read_file(void *arg, const char *name, size_t *len, struct rad_error *err)
-{
-    const char *text = arg;
-
-    if (strcmp(name, "lib/own.cal") != 0) {
-        rad_fail(err, RAD_ENOINPUT, "no file '%s'", name);
-        return NULL;
-    }
-    *len = strlen(text);
-    return (unsigned char *)strdup(text);
-}
+#define OWN "lib/own.cal"
 
 /* What is seen of the point (2, 3, 0) from (2, 3, 4). */
 static struct rad_rgb
 see(const char *scene, const char *file)
 {
-    struct rad_files files = { read_file, (void *)(uintptr_t)file };
+    struct world_file own[] = { { OWN, file }, { 0 } };
+    struct rad_files files = { world_file_read, own };
 
     return world_glance(scene, PLAIN, file ? &files : NULL, 2, 3, 4, 0, 0, -1);
 }
@@ -375,20 +365,20 @@ static const struct {
 
 START_TEST(an_argument_that_may_be_left_out_is_not_missed)
 {
-    struct rad_files files = { read_file,
-                               (void *)(uintptr_t)optional[_i].file };
+    struct world_file own[] = { { OWN, optional[_i].file }, { 0 } };
+    struct rad_files files = { world_file_read, own };
     char scene[512];
 
     snprintf(scene, sizeof scene, "void brightfunc p 2 %s %s 0 1 1\np" SHINE,
-             optional[_i].expression,
-             optional[_i].file[0] ? "lib/own.cal" : ".");
+             optional[_i].expression, optional[_i].file[0] ? OWN : ".");
     ck_assert_msg(world_try(&w, scene, PLAIN, &files) == 0, "%s", w.err.what);
 }
 END_TEST
 
 START_TEST(bad_function_is_refused_by_name)
 {
-    struct rad_files files = { read_file, (void *)(uintptr_t)bad[_i].file };
+    struct world_file own[] = { { OWN, bad[_i].file }, { 0 } };
+    struct rad_files files = { world_file_read, own };
     char scene[512];
 
     snprintf(scene, sizeof scene, "void %s\np" SHINE, bad[_i].pattern);

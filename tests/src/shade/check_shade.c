@@ -462,26 +462,12 @@ START_TEST(irradiance_of_a_sun_follows_the_cosine)
 }
 END_TEST
 
-static unsigned char *
-test_files(void *arg, const char *name, size_t *len, struct rad_error *err)
-{
-    const char *text = strcmp(name, "box.fnt") == 0
-                           ? "65 4 50 50 200 50 200 200 50 200 32 0"
-                       : strcmp(name, "two.txt") == 0 ? "A\n A"
-                                                      : NULL;
-    unsigned char *copy;
-
-    (void)arg;
-    if (!text) {
-        rad_fail(err, RAD_ENOINPUT, "no file '%s'", name);
-        return NULL;
-    }
-    *len = strlen(text);
-    copy = malloc(*len + 1);
-    ck_assert_ptr_nonnull(copy);
-    memcpy(copy, text, *len + 1);
-    return copy;
-}
+static struct world_file texts[] = {
+    { "box.fnt", "65 4 50 50 200 50 200 200 50 200 32 0" },
+    { "two.txt", "A\n A" },
+    { 0 }
+};
+static const struct rad_files files = { world_file_read, texts };
 
 /* Cells are 1 by 1, the anchor is the origin, lines go toward -y; a box covers
  * 50/255 to 200/255 of its cell. */
@@ -507,7 +493,6 @@ static const struct {
 
 START_TEST(text_colours_its_cells)
 {
-    static const struct rad_files files = { test_files, NULL };
     char text[1024];
 
     snprintf(text, sizeof text,
@@ -543,8 +528,6 @@ static const struct {
 
 START_TEST(bad_material_is_refused_by_name)
 {
-    static const struct rad_files files = { test_files, NULL };
-
     ck_assert_int_lt(world_try(&w, bad[_i].text, "", &files), 0);
     ck_assert_ptr_null(w.job);
     ck_assert_msg(strstr(w.err.what, bad[_i].message) != NULL, "%s: %s",
@@ -554,8 +537,6 @@ END_TEST
 
 START_TEST(missing_font_is_told_with_the_scenes_line)
 {
-    static const struct rad_files files = { test_files, NULL };
-
     ck_assert_int_eq(
         world_try(&w,
                   "\n\nvoid brighttext t 3 none.fnt . A 0 11 0 0 0 "
@@ -569,8 +550,6 @@ END_TEST
 
 START_TEST(modifier_that_nothing_uses_needs_no_file_and_no_support)
 {
-    static const struct rad_files files = { test_files, NULL };
-
     ck_assert_int_eq(
         world_try(
             &w,
@@ -587,8 +566,6 @@ END_TEST
 /* An alias is its target, with its own pattern in front of nothing else. */
 START_TEST(alias_takes_the_target_and_its_own_modifier)
 {
-    static const struct rad_files files = { test_files, NULL };
-
     ck_assert_int_eq(
         world_try(&w,
                   "void plastic red 0 0 5 .5 0 0 0 0\n"

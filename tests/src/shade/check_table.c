@@ -17,10 +17,7 @@
     "m" SQUARE
 #define PLAIN "-av 0 0 0 -st 0 -lw 0 -lr 30 -ss 0"
 
-/* What there is to read. */
-static const struct {
-    const char *name, *text;
-} file[] = {
+static struct world_file texts[] = {
     { "line.dat", "1 0 10 2 0 10" },                 /* f = x */
     { "sq.dat", "1 0 0 4 0 1 2 3 0 1 4 9" },         /* x^2 at whole numbers */
     { "plane.dat", "2 0 10 2 0 10 2 0 10 100 110" }, /* f = 10x + y */
@@ -32,30 +29,14 @@ static const struct {
     { "pixel.hdr", "#?RADIANCE\nEXPOSURE=9\n\n-Y 1 +X 1\n\x40\x20\x10\x81" },
     /* 2 by 1: mantissas 32 and 96 */
     { "two.hdr", "#?RADIANCE\n\n-Y 1 +X 2\n\x20\x20\x20\x81\x60\x60\x60\x81" },
+    { 0 }
 };
-
-static unsigned char *
-read_file(void *arg, const char *name, size_t *len, struct rad_error *err)
-{
-    int *reads = arg;
-
-    for (int i = 0; i < N_ELEM(file); i++)
-        if (strcmp(file[i].name, name) == 0) {
-            ++*reads;
-            *len = strlen(file[i].text);
-            return (unsigned char *)strdup(file[i].text);
-        }
-    rad_fail(err, RAD_ENOINPUT, "no file '%s'", name);
-    return NULL;
-}
+static const struct rad_files files = { world_file_read, texts };
 
 /* What is seen of the point (2, 3, 0) from (2, 3, 4). */
 static struct rad_rgb
-see(const char *scene, int *reads)
+see(const char *scene)
 {
-    struct rad_files files = { read_file, reads };
-
-    *reads = 0;
     return world_glance(scene, PLAIN, &files, 2, 3, 4, 0, 0, -1);
 }
 
@@ -95,26 +76,34 @@ START_TEST(pattern_is_what_the_table_says)
 {
     char scene[512];
     struct rad_rgb L;
-    int reads;
 
     snprintf(scene, sizeof scene, "void %s\np" SHINE, seen[_i].pattern);
-    L = see(scene, &reads);
+    L = see(scene);
     ck_assert_double_eq_tol(L.r, seen[_i].r, 2e-6 * seen[_i].r);
     ck_assert_double_eq_tol(L.g, seen[_i].g, 2e-6 * seen[_i].g);
     ck_assert_double_eq_tol(L.b, seen[_i].b, 2e-6 * seen[_i].b);
 }
 END_TEST
 
+/* arg: how often, an int. */
+static unsigned char *
+count_reads(void *arg, const char *name, size_t *len, struct rad_error *err)
+{
+    ++*(int *)arg;
+    return world_file_read(texts, name, len, err);
+}
+
 START_TEST(file_is_read_once)
 {
-    int reads;
-    struct rad_rgb L =
-        see("void brightdata a 4 noop line.dat . Px 0 0\n"
-            "a colordata b 8 noop noop noop line.dat line.dat line.dat . Py 0 "
-            "0\n"
-            "b colorpict c 7 red green blue pixel.hdr . Px Py 0 0\n"
-            "c colorpict d 7 red green blue pixel.hdr . Py Px 0 0\nd" SHINE,
-            &reads);
+    int reads = 0;
+    struct rad_files counted = { count_reads, &reads };
+    struct rad_rgb L = world_glance(
+        "void brightdata a 4 noop line.dat . Px 0 0\n"
+        "a colordata b 8 noop noop noop line.dat line.dat line.dat . Py 0 "
+        "0\n"
+        "b colorpict c 7 red green blue pixel.hdr . Px Py 0 0\n"
+        "c colorpict d 7 red green blue pixel.hdr . Py Px 0 0\nd" SHINE,
+        PLAIN, &counted, 2, 3, 4, 0, 0, -1);
 
     ck_assert_double_eq_tol(L.r, 6 * PIX(64) * PIX(64), 1e-5);
     ck_assert_int_eq(reads, 2);
@@ -125,14 +114,12 @@ START_TEST(texture_tilts_the_normal)
 {
     /* a mirror tilted by .1 looks .2 away from the zenith; the data are
      * (2, 4, 2) and the texture (0, 4 k, 0), turned by -90 */
-    int reads;
     struct rad_rgb L =
         see("void brightfunc up 2 Dz . 0 0\nup glow sky 0 0 4 1 1 1 0\n"
             "sky source s 0 0 4 0 0 1 180\n"
             "void texdata t 10 no f2 no line.dat sq.dat line.dat tilt.cal Py "
             "-rz -90 0 1 .10033467208545055\n"
-            "t metal m 0 0 5 1 1 1 1 0\nm" SQUARE,
-            &reads);
+            "t metal m 0 0 5 1 1 1 1 0\nm" SQUARE);
 
     ck_assert_double_eq_tol(L.g, cos(.2), 1e-6);
 }
@@ -161,7 +148,6 @@ START_TEST(mixture_weighs_its_materials)
 {
     struct rad_rgb L;
     char scene[512];
-    int reads;
 
     snprintf(scene, sizeof scene,
              "void glow one 0 0 4 1 0 0 -1\nvoid glow two 0 0 4 0 1 0 -1\n"
@@ -169,7 +155,7 @@ START_TEST(mixture_weighs_its_materials)
              "three ring below 0 0 8 2 3 -1 0 0 1 0 1\n"
              "void %s\nm" SQUARE,
              mixed[_i].mixture);
-    L = see(scene, &reads);
+    L = see(scene);
     ck_assert_double_eq_tol(L.r, mixed[_i].r, 1e-6);
     ck_assert_double_eq_tol(L.g, mixed[_i].g, 1e-6);
 }
@@ -177,12 +163,10 @@ END_TEST
 
 START_TEST(mixture_of_patterns_is_a_pattern)
 {
-    int reads;
     struct rad_rgb L = see("void brightfunc two 2 2 . 0 0\n"
                            "void mixdata p 6 two void noop line.dat . .25 0 0\n"
                            "p mixtext q 5 two void box.fnt . A 0 9 1 4 0 2 0 0 "
-                           "0 -2 0\nq" SHINE,
-                           &reads);
+                           "0 -2 0\nq" SHINE);
 
     ck_assert_double_eq_tol(L.g, 2 * (.25 * 2 + .75), 1e-6);
 }
@@ -213,8 +197,6 @@ static const struct {
 
 START_TEST(bad_table_is_refused_by_name)
 {
-    int reads = 0;
-    struct rad_files files = { read_file, &reads };
     char scene[512];
 
     snprintf(scene, sizeof scene, "void %s\np" SHINE, bad[_i].pattern);
