@@ -128,8 +128,9 @@ world_refused(const char *text, const char *options,
     struct world w = { 0 };
 
     ck_assert_int_lt(world_try(&w, text, options, files), 0);
+    ck_assert_ptr_null(w.job);
     rad_error_format(&w.err, what, sizeof what);
-    ck_assert_msg(strstr(what, problem) != NULL, "%s", what);
+    ck_assert_msg(strstr(w.err.what, problem) != NULL, "%s", what);
     ck_assert_msg(strstr(what, "test.rad:1") != NULL, "%s", what);
     world_close(&w);
 }

@@ -680,15 +680,10 @@ static const struct {
 
 START_TEST(bad_material_is_refused_by_name)
 {
-    char scene[512], text[600];
-    struct world w = { 0 };
+    char scene[512];
 
     snprintf(scene, sizeof scene, "void %s\nm" PANE, refused[_i].material);
-    ck_assert_int_lt(world_try(&w, scene, PLAIN, &files), 0);
-    rad_error_format(&w.err, text, sizeof text);
-    ck_assert_msg(strstr(text, refused[_i].problem) != NULL, "%s", text);
-    ck_assert_msg(strstr(text, "test.rad:1") != NULL, "%s", text);
-    world_close(&w);
+    world_refused(scene, PLAIN, &files, refused[_i].problem);
 }
 END_TEST
 

@@ -528,10 +528,7 @@ static const struct {
 
 START_TEST(bad_material_is_refused_by_name)
 {
-    ck_assert_int_lt(world_try(&w, bad[_i].text, "", &files), 0);
-    ck_assert_ptr_null(w.job);
-    ck_assert_msg(strstr(w.err.what, bad[_i].message) != NULL, "%s: %s",
-                  w.err.where, w.err.what);
+    world_refused(bad[_i].text, "", &files, bad[_i].message);
 }
 END_TEST
 
