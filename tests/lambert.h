@@ -1,8 +1,10 @@
-/* lambert.h - the irradiance of a polygon, for tests */
+/* lambert.h - the irradiance of a polygon, and of a disk, for tests */
 #ifndef RADD_TESTS_LAMBERT_H
 #define RADD_TESTS_LAMBERT_H
 
 #include "base/vec.h"
+
+#include <math.h>
 
 /* Irradiance per radiance at p with unit normal n from a polygon that is
  * wholly above the horizon; negative where it shows p its back. */
@@ -22,6 +24,17 @@ lambert(const double *v, int nv, const double p[3], const double n[3])
         E += atan2(sine, cosine) * rad_dot(c, n) / 2;
     }
     return E;
+}
+
+/* Irradiance per radiance of a disk of radius r that faces the plane at height
+ * h, its centre x aside of the zenith (Foote 1915, Scientific Papers of the
+ * Bureau of Standards 263). */
+static inline double
+lambert_disk(double r, double x, double h)
+{
+    double z = h * h + x * x + r * r;
+
+    return M_PI / 2 * (1 - (z - 2 * r * r) / sqrt(z * z - 4 * x * x * r * r));
 }
 
 #endif

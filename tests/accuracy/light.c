@@ -36,16 +36,6 @@ sphere(const double *a)
     return o;
 }
 
-/* Disk of radius r at height h, its axis x beside the point and parallel to
- * the normal (Foote 1915, Scientific Papers of the Bureau of Standards 263). */
-static double
-disk_irradiance(double r, double x, double h)
-{
-    double z = h * h + x * x + r * r;
-
-    return M_PI / 2 * (1 - (z - 2 * r * r) / sqrt(z * z - 4 * x * x * r * r));
-}
-
 /* Ring from a[0] to a[1], a[2] beside the point, at height a[3]. */
 static struct outcome
 ring(const double *a)
@@ -57,8 +47,7 @@ ring(const double *a)
                LAMP "ring b 0 0 8 %.17g 0 %.17g 0 0 -1 %.17g %.17g\n", a[2],
                a[3], a[0], a[1]);
     o.found = stage_irradiance(&s, origin, up);
-    o.truth =
-        disk_irradiance(a[1], a[2], a[3]) - disk_irradiance(a[0], a[2], a[3]);
+    o.truth = lambert_disk(a[1], a[2], a[3]) - lambert_disk(a[0], a[2], a[3]);
     stage_close(&s);
     return o;
 }

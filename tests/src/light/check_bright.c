@@ -4,6 +4,7 @@
 #include "light/hemisphere/bright.h"
 #include "base/rng.h"
 
+#include "tests/lambert.h"
 #include "tests/world_fixture.h"
 
 #include <math.h>
@@ -18,15 +19,10 @@ static const char disk_scene[] = "void glow g 0 0 4 100 100 100 0\n"
 
 static const double origin[3] = { 0, 0, 0 }, up[3] = { 0, 0, 1 };
 
-/* Irradiance from a disk that faces the plane, its centre aside of the zenith
- * (Howell, configuration factors, B-14). */
 static double
 disk_irradiance(void)
 {
-    double h2 = HEIGHT * HEIGHT, r2 = RADIUS * RADIUS, a2 = ASIDE * ASIDE;
-    double z = h2 + a2 + r2;
-
-    return 50 * M_PI * (1 - (h2 + a2 - r2) / sqrt(z * z - 4 * a2 * r2));
+    return 100 * lambert_disk(RADIUS, ASIDE, HEIGHT);
 }
 
 static struct rad_glint

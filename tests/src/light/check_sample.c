@@ -194,17 +194,8 @@ START_TEST(aims_are_on_the_light)
 }
 END_TEST
 
-/* A ring facing down at height 2 about the z axis, seen from (x, 0, 0) with
- * the normal up: E = pi/2 (1 - (d2 - r2) / sqrt((d2 + r2)^2 - 4 x2 r2)) per
- * disk, d2 = x2 + h2 (Naraghi 1988). */
-static double
-disk_irradiance(double r, double x, double h)
-{
-    double z = x * x + h * h + r * r;
-
-    return M_PI / 2 * (1 - (z - 2 * r * r) / sqrt(z * z - 4 * x * x * r * r));
-}
-
+/* Rings about the z axis that face down at height h, seen from (x, 0, 0) with
+ * the normal up. */
 static const struct {
     double r0, r1, x, h;
 } ring[] = {
@@ -216,8 +207,8 @@ START_TEST(divided_ring_gives_the_closed_form)
 {
     double h = ring[_i].h, p[3] = { ring[_i].x, 0, 2 - h };
     double a[8] = { 0, 0, 2, 0, 0, -3, ring[_i].r0, ring[_i].r1 };
-    double want = disk_irradiance(ring[_i].r1, ring[_i].x, h) -
-                  disk_irradiance(ring[_i].r0, ring[_i].x, h);
+    double want = lambert_disk(ring[_i].r1, ring[_i].x, h) -
+                  lambert_disk(ring[_i].r0, ring[_i].x, h);
     struct rad_source src;
 
     make_light(&src, RAD_RING, a, 8);
@@ -414,8 +405,8 @@ START_TEST(flux_is_exact_with_no_more_samples_than_a_square_takes)
             if (lamp[_i].type == RAD_POLYGON)
                 want = lambert(lamp[_i].a, lamp[_i].n / 3, p, up);
             else
-                want = disk_irradiance(lamp[_i].a[7], d * s, d * c) -
-                       disk_irradiance(lamp[_i].a[6], d * s, d * c);
+                want = lambert_disk(lamp[_i].a[7], d * s, d * c) -
+                       lambert_disk(lamp[_i].a[6], d * s, d * c);
             worst = fmax(
                 worst, fabs(irradiance(&src, p, up, .2, &samples) / want - 1));
             ours += samples;
@@ -459,10 +450,10 @@ START_TEST(disk_next_to_its_edge_has_its_flux)
     make_light(&src, RAD_RING, a, 8);
     for (double q = .99; q < 1.01; q += .002) {
         struct meter m = { .n = { 0, 0, 1 } };
-        double want = disk_irradiance(1, q, .002);
+        double want = lambert_disk(1, q, .002);
 
         if (_i)
-            want -= disk_irradiance(.5, q, .002);
+            want -= lambert_disk(.5, q, .002);
         view.p[0] = q;
         view.p[2] = 1.998;
         rad_light_samples(&src, &view, measure, &m);
