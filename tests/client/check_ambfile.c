@@ -1,4 +1,5 @@
-/* check_ambfile.c - tests of client/records/ambfile.c */
+/* check_ambfile.c - files of ambient records: ours lose nothing, those in Radiance's
+ * format what that has no room for; files that do not fit are refused */
 #include "config.h"
 
 #include "records/ambfile.h"
@@ -39,18 +40,6 @@ file_of(const struct world *w, enum ambfile_format format)
     return a;
 }
 
-static char *
-written(const struct ambfile *a, const struct rad_ambient *amb, size_t *len)
-{
-    char *bytes = NULL;
-    FILE *f = open_memstream(&bytes, len);
-
-    ck_assert_ptr_nonnull(f);
-    ck_assert_int_eq(ambfile_format(a, amb, f, NULL), 0);
-    ck_assert_int_eq(fclose(f), 0);
-    return bytes;
-}
-
 struct taken {
     struct rad_ambrec rec[4096];
     size_t n;
@@ -66,33 +55,60 @@ take(void *arg, const struct rad_ambrec *rec)
     t->rec[t->n++] = *rec;
 }
 
+/* A world whose records are listed, and the bytes of a file that has them;
+ * another world to read them. */
+static struct world w, v;
+static char *bytes;
+static size_t len;
+
 static void
-list(const struct rad_ambient *amb)
+set_up(void)
 {
     uint64_t cursor = 0;
 
-    listed.n = rad_ambient_list(amb, &cursor, listed.rec, 4096);
+    world_open(&w, ROOM, OPTIONS);
+    look(&w, 9);
+    listed.n = rad_ambient_list(w.job->ambient, &cursor, listed.rec, 4096);
     ck_assert_uint_gt(listed.n, 10);
+    taken.n = 0;
+}
+
+static void
+tear_down(void)
+{
+    free(bytes);
+    bytes = NULL;
+    world_close(&w);
+    world_close(&v);
+}
+
+static void
+write_file(enum ambfile_format format)
+{
+    struct ambfile a = file_of(&w, format);
+    FILE *f = open_memstream(&bytes, &len);
+
+    ck_assert_ptr_nonnull(f);
+    ck_assert_int_eq(ambfile_format(&a, w.job->ambient, f, NULL), 0);
+    ck_assert_int_eq(fclose(f), 0);
+}
+
+/* Take the file's records by the options of that world; returns its format. */
+static enum ambfile_format
+read_file(const struct world *by, enum ambfile_format format)
+{
+    struct ambfile b = file_of(by, format);
+    struct rad_error err = { 0 };
+
+    ck_assert_msg(ambfile_parse(&b, bytes, len, take, &taken, &err) == 0, "%s",
+                  err.what);
+    return b.format;
 }
 
 START_TEST(our_file_loses_nothing)
 {
-    struct rad_error err = { 0 };
-    struct ambfile a, b;
-    struct world w = { 0 };
-    size_t len;
-    char *bytes;
-
-    world_open(&w, ROOM, OPTIONS);
-    look(&w, 9);
-    list(w.job->ambient);
-    a = b = file_of(&w, AMBFILE_OURS);
-    bytes = written(&a, w.job->ambient, &len);
-    b.format = AMBFILE_RADIANCE;
-    taken.n = 0;
-    ck_assert_msg(ambfile_parse(&b, bytes, len, take, &taken, &err) == 0, "%s",
-                  err.what);
-    ck_assert_int_eq(b.format, AMBFILE_OURS);
+    write_file(AMBFILE_OURS);
+    ck_assert_int_eq(read_file(&w, AMBFILE_RADIANCE), AMBFILE_OURS);
     ck_assert_uint_eq(taken.n, listed.n);
     for (size_t i = 0; i < taken.n; i++) {
         ck_assert_mem_eq(taken.rec[i].p, listed.rec[i].p, sizeof(double[3]));
@@ -104,8 +120,6 @@ START_TEST(our_file_loses_nothing)
         ck_assert_uint_eq(taken.rec[i].corral, listed.rec[i].corral);
         ck_assert_uint_eq(taken.rec[i].level, listed.rec[i].level);
     }
-    free(bytes);
-    world_close(&w);
 }
 END_TEST
 
@@ -119,22 +133,8 @@ ck_near(const float *a, const float *b, int n, double tol)
 
 START_TEST(radiance_file_keeps_what_it_has_room_for)
 {
-    struct rad_error err = { 0 };
-    struct ambfile a, b;
-    struct world w = { 0 };
-    size_t len;
-    char *bytes;
-
-    world_open(&w, ROOM, OPTIONS);
-    look(&w, 9);
-    list(w.job->ambient);
-    a = file_of(&w, AMBFILE_RADIANCE);
-    b = file_of(&w, AMBFILE_OURS);
-    bytes = written(&a, w.job->ambient, &len);
-    taken.n = 0;
-    ck_assert_msg(ambfile_parse(&b, bytes, len, take, &taken, &err) == 0, "%s",
-                  err.what);
-    ck_assert_int_eq(b.format, AMBFILE_RADIANCE);
+    write_file(AMBFILE_RADIANCE);
+    ck_assert_int_eq(read_file(&w, AMBFILE_OURS), AMBFILE_RADIANCE);
     ck_assert_uint_eq(taken.n, listed.n);
     for (size_t i = 0; i < taken.n; i++) {
         const struct rad_ambrec *got = &taken.rec[i], *put = &listed.rec[i];
@@ -152,8 +152,6 @@ START_TEST(radiance_file_keeps_what_it_has_room_for)
         ck_assert_uint_eq(got->corral, put->corral);
         ck_assert_uint_eq(got->level, put->level);
     }
-    free(bytes);
-    world_close(&w);
 }
 END_TEST
 
@@ -178,19 +176,12 @@ static const struct {
 START_TEST(what_does_not_fit_is_refused)
 {
     struct rad_error err = { 0 };
-    struct ambfile a, b;
-    struct world w = { 0 }, v = { 0 };
-    size_t len;
-    char *bytes;
+    struct ambfile b;
 
-    world_open(&w, ROOM, OPTIONS);
-    look(&w, 9);
-    a = file_of(&w, bad[_i].format);
-    bytes = written(&a, w.job->ambient, &len);
+    write_file(bad[_i].format);
     world_open(&v, ROOM, bad[_i].options);
     b = file_of(&v, AMBFILE_OURS);
     snprintf(b.scene, sizeof b.scene, "%s", bad[_i].scene);
-    taken.n = 0;
     ck_assert_int_eq(
         ambfile_parse(&b, bytes,
                       bad[_i].cut == SIZE_MAX ? 50 : len - bad[_i].cut, take,
@@ -198,34 +189,16 @@ START_TEST(what_does_not_fit_is_refused)
         RAD_EDATA);
     ck_assert_msg(strstr(err.what, bad[_i].what) != NULL, "%s", err.what);
     ck_assert_uint_eq(taken.n, 0);
-    free(bytes);
-    world_close(&w);
-    world_close(&v);
 }
 END_TEST
 
 /* How pixels are placed does not matter. */
 START_TEST(other_pixels_use_the_same_records)
 {
-    struct rad_error err = { 0 };
-    struct ambfile a, b;
-    struct world w = { 0 }, v = { 0 };
-    size_t len;
-    char *bytes;
-
-    world_open(&w, ROOM, OPTIONS);
-    look(&w, 9);
-    a = file_of(&w, AMBFILE_OURS);
-    bytes = written(&a, w.job->ambient, &len);
+    write_file(AMBFILE_OURS);
     world_open(&v, ROOM, OPTIONS " -x 99 -pa 0 -ps 1 -pj .5 -pt .2");
-    b = file_of(&v, AMBFILE_OURS);
-    taken.n = 0;
-    ck_assert_msg(ambfile_parse(&b, bytes, len, take, &taken, &err) == 0, "%s",
-                  err.what);
+    read_file(&v, AMBFILE_OURS);
     ck_assert_uint_gt(taken.n, 0);
-    free(bytes);
-    world_close(&w);
-    world_close(&v);
 }
 END_TEST
 
@@ -241,18 +214,16 @@ START_TEST(second_run_makes_no_records)
     unlink(path);
     for (int run = 0; run < 2; run++) {
         struct ambfile a;
-        struct world w = { 0 };
 
-        world_open(&w, ROOM, OPTIONS);
-        a = file_of(&w, AMBFILE_OURS);
-        ck_assert_msg(ambfile_load(&a, path, w.job->ambient, &err) == 0, "%s",
+        world_open(&v, ROOM, OPTIONS);
+        a = file_of(&v, AMBFILE_OURS);
+        ck_assert_msg(ambfile_load(&a, path, v.job->ambient, &err) == 0, "%s",
                       err.what);
-        look(&w, 9);
-        ck_assert(run == 0 ? w.ctx.counts.ambient_values > 0
-                           : w.ctx.counts.ambient_values == 0);
-        ck_assert_msg(ambfile_save(&a, path, w.job->ambient, &err) == 0, "%s",
+        look(&v, 9);
+        ck_assert(run == 0 ? v.ctx.counts.ambient_values > 0
+                           : v.ctx.counts.ambient_values == 0);
+        ck_assert_msg(ambfile_save(&a, path, v.job->ambient, &err) == 0, "%s",
                       err.what);
-        world_close(&w);
     }
     unlink(path);
 }
@@ -263,14 +234,10 @@ START_TEST(records_outside_the_scene_are_refused)
     char path[] = "check_ambfile.XXXXXX";
     int fd = mkstemp(path);
     struct rad_error err = { 0 };
-    struct ambfile a;
-    struct world w = { 0 }, v = { 0 };
+    struct ambfile a = file_of(&w, AMBFILE_RADIANCE);
 
     ck_assert_int_ge(fd, 0);
     close(fd);
-    world_open(&w, ROOM, OPTIONS);
-    look(&w, 9);
-    a = file_of(&w, AMBFILE_RADIANCE);
     ck_assert_int_eq(ambfile_save(&a, path, w.job->ambient, &err), 0);
     world_open(&v,
                "void plastic grey 0 0 5 .5 .4 .3 0 0\n"
@@ -281,8 +248,6 @@ START_TEST(records_outside_the_scene_are_refused)
                   err.what);
     ck_assert_str_eq(err.where, path);
     unlink(path);
-    world_close(&w);
-    world_close(&v);
 }
 END_TEST
 
@@ -292,17 +257,12 @@ START_TEST(a_list_is_as_good_as_a_cache)
 {
     struct rad_error err = { 0 };
     struct wire_out list_of;
-    struct world w = { 0 }, v = { 0 }, other = { 0 };
-    struct ambfile a;
-    size_t len, len2;
-    char *bytes, *bytes2 = NULL;
+    struct ambfile a = file_of(&w, AMBFILE_OURS);
+    size_t len2;
+    char *bytes2 = NULL;
     FILE *f = open_memstream(&bytes2, &len2);
 
-    world_open(&w, ROOM, OPTIONS);
-    look(&w, 9);
-    list(w.job->ambient);
-    a = file_of(&w, AMBFILE_OURS);
-    bytes = written(&a, w.job->ambient, &len);
+    write_file(AMBFILE_OURS);
     wire_out_init(&list_of, 1 << 20);
     for (size_t i = 0; i < listed.n; i++)
         ambshare_pack(&list_of, &listed.rec[i]);
@@ -323,21 +283,17 @@ START_TEST(a_list_is_as_good_as_a_cache)
                      RAD_EDATA);
     ck_assert_msg(strstr(err.what, "in the middle") != NULL, "%s", err.what);
     err = (struct rad_error){ 0 };
-    world_open(&other,
+    world_open(&v,
                "void plastic grey 0 0 5 .5 .4 .3 0 0\n"
                "grey sphere b 0 0 4 9 0 0 .1\n",
                OPTIONS);
     ck_assert_int_eq(
-        ambshare_load(other.job->ambient, list_of.buf, list_of.len, &err),
+        ambshare_load(v.job->ambient, list_of.buf, list_of.len, &err),
         RAD_EDATA);
     ck_assert_msg(strstr(err.what, "do not fit the scene") != NULL, "%s",
                   err.what);
-    free(bytes);
     free(bytes2);
     wire_out_release(&list_of);
-    world_close(&w);
-    world_close(&v);
-    world_close(&other);
 }
 END_TEST
 
@@ -346,6 +302,7 @@ main(void)
 {
     TCase *tc = tcase_create("file");
 
+    tcase_add_checked_fixture(tc, set_up, tear_down);
     tcase_add_test(tc, our_file_loses_nothing);
     tcase_add_test(tc, radiance_file_keeps_what_it_has_room_for);
     tcase_add_loop_test(tc, what_does_not_fit_is_refused, 0, N_ELEM(bad));
