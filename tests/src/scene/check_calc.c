@@ -1,4 +1,5 @@
-/* check_calc.c - tests of src/scene/calc and src/base/xform */
+/* check_calc.c - tests of src/scene/calc: what expressions of function files are
+ * worth, when they are evaluated, which are refused; and of src/base/xform */
 #include "config.h"
 
 #include "base/xform.h"
