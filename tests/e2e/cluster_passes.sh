@@ -37,6 +37,7 @@ start() # NAME OPTION...
 }
 
 coord_options=--log-level=debug
+worker_options=--nice=0 # other tests run beside this one
 cluster_start 2 1
 
 # in the first pass, when some are closed, in the last, in the picture
