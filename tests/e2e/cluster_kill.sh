@@ -14,6 +14,7 @@ room=$scenes/room.rad
     2>stderr || fail "embedded: $(cat stderr)"
 
 coord_options=--log-level=debug
+worker_options=--nice=0 # other tests run beside this one
 cluster_start 3 1
 # shellcheck disable=SC2086
 "$radsubmit" --coordinator="$sock" $view --stats=calm.json -o calm.hdr \

@@ -45,6 +45,7 @@ same_as_second()
         fail "$1: other records are reused"
 }
 
+worker_options=--nice=0 # other tests run beside this one
 cluster_start 1 1
 # shellcheck disable=SC2086 # views are words
 {
