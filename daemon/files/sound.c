@@ -106,6 +106,8 @@ sounds_read(const uint8_t digest[RAD_SHA_BYTES], const char *path)
     int fd = open(path, O_RDONLY | O_NONBLOCK | O_CLOEXEC);
     int same = fd < 0 ? -1 : compare(fd, digest);
 
+    if (same == 1 && disk_sync_data(fd, path, NULL) < 0)
+        same = -1;
     if (fd >= 0)
         close(fd);
     return same;

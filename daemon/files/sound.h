@@ -2,6 +2,7 @@
  *
  * A file is named by its SHA-256.  It is read and compared with its name when
  * this process first checks it, and again when its length or time has changed.
+ * It is synced, too: a process that was killed may have left it unsynced.
  * Reading takes about a second for a gigabyte.  Beyond SOUND_MOST files those
  * that were noted first are forgotten, and read again at their next check.
  * Thread: the loop's, unless another is named. */
@@ -39,8 +40,8 @@ int sounds_require(struct sounds *s, const uint8_t digest[RAD_SHA_BYTES],
 bool sounds_known(const struct sounds *s, const uint8_t digest[RAD_SHA_BYTES],
                   const char *path);
 
-/* Read the file at path.  1: it has that digest; 0: it has another; -1: it
- * cannot be read, or memory is out.  Thread: any. */
+/* Read and sync the file at path.  1: it has that digest; 0: it has another;
+ * -1: it cannot be read or synced, or memory is out.  Thread: any. */
 int sounds_read(const uint8_t digest[RAD_SHA_BYTES], const char *path);
 
 /* Note that the file at path has just been written, and has that digest. */

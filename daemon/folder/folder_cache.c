@@ -172,8 +172,9 @@ take_back(const struct folder *f, const uint8_t id[MSG_JOB])
         rename(kept, path);
 }
 
-/* Read a file of passes: *n bytes, malloc'd.  NULL: RAD_EDATA if the file is
- * missing or too large; RAD_ENOMEM, RAD_ESHORT, RAD_EIO. */
+/* Read a file of passes, and sync it, for rows are made by what is in it: *n
+ * bytes, malloc'd.  NULL: RAD_EDATA if the file is missing or too large;
+ * RAD_ENOMEM, RAD_ESHORT, RAD_EIO. */
 static uint8_t *
 read_file(const char *path, size_t *n, struct rad_error *err)
 {
@@ -185,6 +186,10 @@ read_file(const char *path, size_t *n, struct rad_error *err)
         return NULL;
     }
     bytes = rad_fd_read(fd, path, MOST_CACHE, n, err);
+    if (bytes && disk_sync_data(fd, path, err) < 0) {
+        free(bytes);
+        bytes = NULL;
+    }
     close(fd);
     return bytes;
 }

@@ -5,11 +5,11 @@
  * them after store_recover().
  *
  * A file is on the disk, its bytes and its name, before the journal notes it,
- * or its sender hears of it.  A file is removed after the journal has noted
- * that it goes.  The folder of a forgotten job is removed before, so the
- * journal may still list the job for a moment, even as one that is not over;
- * and so are, on a full disk, rows of a job that was cancelled.  Names tell the
- * next life of either (folder.h). */
+ * or its sender hears of it; also a file that a process left which was killed.
+ * A file is removed after the journal has noted that it goes.  The folder of a
+ * forgotten job is removed before, so the journal may still list the job for a
+ * moment, even as one that is not over; and so are, on a full disk, rows of a
+ * job that was cancelled.  Names tell the next life of either (folder.h). */
 #include "config.h"
 
 #include "base/output.h"
@@ -136,6 +136,8 @@ open_dirs(struct store *s, const char *dir, struct rad_error *err)
         rc = s->handler->job ? open_jobs(s, err) : 0;
     if (rc == 0)
         rc = blobs_open(&s->blobs, files, err);
+    if (rc == 0 && s->durable) /* names of files that an earlier life left */
+        rc = disk_sync_path(s->blobs.dir, err);
     return rc == 0 && s->durable ? disk_sync_path(s->dir, err) : rc;
 }
 

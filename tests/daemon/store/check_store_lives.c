@@ -453,7 +453,8 @@ count_open(void *arg, const struct saved_job *s, struct rad_error *err)
     return 0;
 }
 
-static bool cache_synced, names_synced, jobs_synced;
+static bool cache_synced, names_synced, jobs_synced, file_synced, files_synced;
+static char one_file[80]; /* its name, below the state folder */
 
 static bool
 is_open_as(int fd, const char *name)
@@ -467,11 +468,13 @@ is_open_as(int fd, const char *name)
 }
 
 /* In place of the C library's: notes whether the state folder was synced when
- * it had its folders, and the folder of jobs. */
+ * it had its folders, and these, and a file of a scene. */
 int
 fsync(int fd)
 {
     jobs_synced |= is_open_as(fd, "jobs");
+    files_synced |= is_open_as(fd, "files");
+    file_synced |= one_file[0] && is_open_as(fd, one_file);
     names_synced |=
         is_open_as(fd, ".") && is_there("jobs") && is_there("files");
     return (int)syscall(SYS_fsync, fd);
@@ -494,6 +497,42 @@ START_TEST(a_new_folder_lasts)
 
     open_kept(&loop, &s, &h);
     ck_assert(names_synced);
+    close_kept(&loop, s);
+}
+END_TEST
+
+/* It was killed after it had named a file, and before the file was synced.  A
+ * job may be accepted for which nobody sends that file again. */
+START_TEST(a_file_that_a_killed_store_left_lasts_before_it_counts)
+{
+    static const char zeros[5];
+    uint8_t digest[MSG_HASH];
+    struct action_look look = { .request = 7,
+                                .nlook = 1,
+                                .files = { 1, digest } };
+    char hex[RAD_SHA_HEX + 1], path[200];
+    struct heard h;
+    uv_loop_t loop;
+    struct store *s;
+    FILE *f;
+
+    hash_of(zeros, sizeof zeros, hex);
+    rad_sha_from_hex(hex, digest);
+    snprintf(one_file, sizeof one_file, "files/%s", hex);
+    open_kept(&loop, &s, &h);
+    close_kept(&loop, s);
+    snprintf(path, sizeof path, "%s/%s", dir, one_file);
+    f = fopen(path, "w");
+    ck_assert_ptr_nonnull(f);
+    fwrite(zeros, 1, sizeof zeros, f);
+    fclose(f);
+    files_synced = file_synced = false;
+    open_kept(&loop, &s, &h);
+    ck_assert(files_synced);
+    ck_assert(!store_look(s, &look));
+    run(&loop, s);
+    ck_assert(store_look(s, &look)); /* from now on it is known */
+    ck_assert(file_synced);
     close_kept(&loop, s);
 }
 END_TEST
@@ -720,6 +759,7 @@ main(void)
 
     tcase_add_checked_fixture(tc, scratch_make, scratch_remove);
     tcase_add_test(tc, a_new_folder_lasts);
+    tcase_add_test(tc, a_file_that_a_killed_store_left_lasts_before_it_counts);
     tcase_add_test(tc, a_job_goes_on_in_another_life);
     tcase_add_test(tc, of_sensor_points_the_values_alone_are_kept);
     tcase_add_test(tc, a_job_that_is_over_is_remembered_and_forgotten);
