@@ -81,7 +81,7 @@ tell_unsettled(struct coord *c, struct coord_conn *conn)
         }
         desk_reply_failed(c, conn, (*at)->request, NULL, EX_TEMPFAIL,
                           "it is done, but the coordinator's disk is full: a "
-                          "restart before there is room would undo it");
+                          "restart before there is room may undo it");
         telling_drop_settling(conn, at);
     }
 }
