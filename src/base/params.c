@@ -106,10 +106,10 @@ static const struct option options[] = {
     INT("-cs", bands.n, 3, INT_MAX, 3, "bands of wavelengths, 3 to 24"),
     { "-cw", KIND_WAVES, FIELD(bands), 1, 1e6, 0,
       "extreme wavelengths in nanometers" },
-    INT("--samples", samples, 1, RAD_MOST_SAMPLES, 1,
-        "rays of a pixel that is traced"),
     INT("--plane", bands.plane, -1, RAD_PLANE_COLOURS, -1,
         "of -cs, the one that is rendered; -1: all; 8: red, green, blue"),
+    INT("--samples", samples, 1, RAD_MOST_SAMPLES, 1,
+        "rays of a pixel that is traced"),
     { "--seed", KIND_U64, FIELD(seed), 0, 0, 0, "of all random numbers" }
 };
 

@@ -278,6 +278,14 @@ until_true 60 all_done || fail "--detach is not done: $("$radctl" jobs)"
     fail "--reuse=last: $(cat left.err)"
 [ -s left.hsr ] || fail "no picture of what was left"
 
+# rays of a pixel change no plane's name
+"$radsubmit" -cs 6 -x 24 -y 18 --samples=2 -o samples.hsr "$room" 2>samples.err ||
+    fail "samples.hsr: $(cat samples.err)"
+ids=$(sed -n 's/radsubmit: job \([0-9a-f]*\), plane.*/\1/p' samples.err)
+# shellcheck disable=SC2086
+"$radctl" fetch -o again.hsr $ids || fail "fetch of planes of --samples"
+cmp samples.hsr again.hsr || fail "--samples: radctl fetch makes another picture"
+
 # Frames are put together one by one, and all are shown as the first, which is
 # darker than the second.
 cat >walk.vf <<EOF
