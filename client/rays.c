@@ -76,6 +76,10 @@ rays_options(struct rays_options *o, struct words *w, struct rad_error *err)
         if (strcmp(w->list[i], "-") == 0)
             return rad_fail(err, RAD_EUSAGE,
                             "the standard input has the rays, not a scene");
+    if (o->params.primaries != RAD_PRIM_RGB)
+        return rad_fail(err, RAD_EUSAGE,
+                        "option '%s': answers are red, green and blue",
+                        o->params.primaries == RAD_PRIM_XYZ ? "-pXYZ" : "-pc");
     return rad_params_check(&o->params, err) < 0 ? RAD_EUSAGE : at;
 }
 

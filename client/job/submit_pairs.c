@@ -71,6 +71,8 @@ static const struct {
     { JOB_ID, SET(DETACH) | SET(DRY_RUN),
       "--job asks for values that a former job has made" },
     { POINTS, VIEWING, "--points makes no picture" },
+    { POINTS, SET(PRIMARIES),
+      "values are red, green and blue, or X, Y and Z (-pXYZ)" },
     { DETACH, SET(OUTPUT) | SHOWN,
       "--detach waits for no picture: give such options to radctl fetch" },
     { DETACH, SET(DEPTH) | SET(STATS) | SET(PREVIEW),

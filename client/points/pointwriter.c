@@ -212,11 +212,15 @@ count_numbers(const struct pointwriter *w)
     return n;
 }
 
+/* Name the bands of spectra; or X, Y and Z, the primaries of -pXYZ. */
 static void
-put_bands(const struct pointwriter *w)
+put_colours(const struct pointwriter *w)
 {
     const struct rad_bands *b = &w->text->params->bands;
 
+    if (w->text->params->primaries == RAD_PRIM_XYZ)
+        fprintf(w->to, "PRIMARIES= 1.0000 0.0000 0.0000 1.0000 0.0000 0.0000 "
+                       "0.3333 0.3333\n");
     if (!in_bands(w) || w->eye)
         return;
     fprintf(w->to, "WAVELENGTH_SPLITS=");
@@ -256,7 +260,7 @@ put_header(const struct pointwriter *w)
             words, without_size(w->text->options));
     fprintf(w->to, "SOFTWARE= radd " PACKAGE_VERSION "\nNCOMP=%d\n",
             count_numbers(w));
-    put_bands(w);
+    put_colours(w);
     if (s->out == 'f' || s->out == 'd')
         fprintf(w->to, "BigEndian=%d\n", *(const uint8_t *)&order == 0);
     for (int i = 0; i < 3; i++)

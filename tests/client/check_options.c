@@ -349,11 +349,12 @@ static const struct {
     { "--dry-run", "--dry-run", "--error --time --reuse --reuse=last --job" },
     { "--points", "--points=p",
       "-vp -S --views --no-clobber --fresh-frames -z --format --preview "
-      "--oversample --clamp --tone --exposure --bits --false-colour --view" },
+      "--oversample --clamp --tone --exposure --bits --false-colour --view "
+      "-pc" },
     { "--job", "--job=0123456789abcdef0123456789abcdef --points=p",
       "-vp -S --views --no-clobber --fresh-frames -z --format --preview "
       "--oversample --clamp --tone --exposure --bits --false-colour --view "
-      "-cs" },
+      "-cs -pc" },
     { "-cs", "-cs 6", "--preview --error --time -af --estimate --reuse -pc" },
     { "--error", "--error=5 -ab 1", "-af --ambient=live --no-share" },
     { "--time", "--time=9 -ab 1", "-af --ambient=live --no-share" },

@@ -288,6 +288,10 @@ expect 0 '' $radscene info --commands -- -good.rad good.rad
 expect 0 '' $radscene rays -ab 0 -- -good.rad </dev/null
 expect 64 "unknown option '-x'" $radscene info -x good.rad
 expect 64 "unknown option '-zz'" $radscene rays -zz good.rad
+expect 64 "'-pXYZ': answers are red, green and blue" \
+    $radscene rays -pXYZ good.rad
+expect 64 "'-pc': answers are red" \
+    $radscene rays -pc .64 .33 .3 .6 .15 .06 .3127 .329 good.rad
 expect 0 '' $radscene --help
 grep -q 'usage: radscene check' out || fail "--help: $(cat out)"
 expect 0 '' $radscene --version

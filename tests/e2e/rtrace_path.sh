@@ -54,6 +54,9 @@ status 0 rtrace @opt box.oct
 says '10 7'
 status 0 "ROPT='-h- -oL'" rtrace '\$ROPT' box.oct
 says '10 7'
+status 0 rtrace -pXYZ -ab 0 box.oct
+grep -qx 'PRIMARIES= 1.0000 0.0000 0.0000 1.0000 0.0000 0.0000 0.3333 0.3333' \
+    out || fail "-pXYZ: the header does not tell: $(cat out)"
 status 0 rtrace -h- -cs 4 -co+ box.oct
 says '2 2 2 2 2 2 2 2'
 echo first >said
@@ -96,6 +99,7 @@ refused 1 "'-P' of rtrace" -P file box.oct
 refused 1 "'-ti' of rtrace" -ti shine box.oct
 refused 1 "'-pY' of rtrace" -pY box.oct
 refused 1 "'t' of rtrace" -otv box.oct
+refused 1 "--points and -pc" -pc .64 .33 .3 .6 .15 .06 .3127 .329 box.oct
 refused 1 "empty output" -o box.oct
 refused 1 "'-n'" -n 0 box.oct
 refused 1 "'-vp'" -vp 0 0 0 box.oct
