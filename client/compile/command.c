@@ -122,6 +122,25 @@ spawn_shell(pid_t *pid, const char *text, const char *folder, int fd)
     return rc;
 }
 
+/* Run the command.  A signal that comes meanwhile waits until the command is
+ * among those that it ends. */
+static int
+launch(struct command *c, const char *folder, int fd)
+{
+    sigset_t held, before;
+    int rc;
+
+    sigemptyset(&held);
+    for (size_t i = 0; i < sizeof passed_on / sizeof passed_on[0]; i++)
+        sigaddset(&held, passed_on[i]);
+    pthread_sigmask(SIG_BLOCK, &held, &before);
+    rc = spawn_shell(&c->pid, c->text, folder, fd);
+    if (!rc)
+        c->slot = enter(c->pid);
+    pthread_sigmask(SIG_SETMASK, &before, NULL);
+    return rc;
+}
+
 /* Is a word of the command, which is split roughly as the shell does, a
  * relative path with a slash that leads from `folder` to a file?  Words without
  * a slash may be anything. */
@@ -169,7 +188,7 @@ command_start(const char *text, const char *folder, struct rad_error *err)
     }
     rc = pipe2(fd, O_CLOEXEC) ? errno : 0;
     if (!rc) {
-        rc = spawn_shell(&c->pid, text, folder, fd[1]);
+        rc = launch(c, folder, fd[1]);
         close(fd[1]);
         if (rc)
             close(fd[0]);
@@ -182,7 +201,6 @@ command_start(const char *text, const char *folder, struct rad_error *err)
         return NULL;
     }
     c->fd = fd[0];
-    c->slot = enter(c->pid);
     return c;
 }
 
