@@ -132,6 +132,11 @@ check_planes(const struct submit_options *o, struct rad_error *err)
         return rad_fail(err, RAD_EUSAGE, "-co+: a .png has no spectra");
     if (spectra && o->params.primaries != RAD_PRIM_RGB)
         return rad_fail(err, RAD_EUSAGE, "-co+ and -pXYZ exclude each other");
+    if (o->detach && o->params.primaries == RAD_PRIM_XYZ)
+        return rad_fail(
+            err, RAD_EUSAGE,
+            "-cs above 3 with --detach and -pXYZ: radctl fetch puts "
+            "planes together in red, green and blue");
     if (!spectra && !rad_bands_show_colour(&o->params.bands))
         return rad_fail(err, RAD_EUSAGE,
                         "option '-cw': %g to %g nm show no colours: use -co+",

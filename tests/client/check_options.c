@@ -316,6 +316,7 @@ static const struct {
     { "-S 0 -o %d.hdr a.rad", "-S" },
     { "-S 1 -o %d.hdr -", "--views" },
     { "--detach -o a.hdr a.rad", "--detach" },
+    { "--detach -cs 6 -pXYZ a.rad", "-pXYZ" },
     { "-vu 0 1 0 a.rad", "" }, /* parallel to the direction */
     { "-vf", "-vf" },
     { "a.rad -x 3", "-x" },
