@@ -60,7 +60,7 @@ pool_end_pass_locked(struct active *u)
 
     spent.primary_rays = u->mode == TEAM_TRUTH ? team_primary(u->team) : 0;
     if (team_blocked(u->team, &finished))
-        strict_blocked(p->strict, u->pass, finished);
+        strict_blocked(u->pass, finished);
     strict_cut(p->strict, u->pass, u->team);
     team_bottom(u->team, &b);
     u->pass->finished = finished;

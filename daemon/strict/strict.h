@@ -154,7 +154,7 @@ void strict_lent(struct strict *s, struct strict_pass *p,
 /* A team left TRUTH because columns are lent, after it handed on the rows of
  * lines before `finished` (team_blocked()).  Call this before strict_ended().
  */
-void strict_blocked(struct strict *s, struct strict_pass *p, int finished);
+void strict_blocked(struct strict_pass *p, int finished);
 
 /* A team left a pass whose unit is to be given back (YIELD): cut the unit after
  * the lines whose rows were handed on (team_cut()), and give the others back.

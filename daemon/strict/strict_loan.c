@@ -71,11 +71,10 @@ strict_lent(struct strict *s, struct strict_pass *p,
 }
 
 void
-strict_blocked(struct strict *s, struct strict_pass *p, int finished)
+strict_blocked(struct strict_pass *p, int finished)
 {
     struct strict_unit *u = p->of;
 
-    (void)s;
     u->lending.blocked = loan_is_out(u); /* BACK may have come meanwhile */
     u->lending.lent.ever = UINT64_MAX;   /* all other blocks are done */
     u->parked = false;

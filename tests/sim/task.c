@@ -105,7 +105,7 @@ task_end(struct task *t, struct strict *s, struct msg_counts *spent,
         return team_done(t->team);
     }
     if (team_blocked(t->team, &finished))
-        strict_blocked(s, t->pass, finished);
+        strict_blocked(t->pass, finished);
     strict_cut(s, t->pass, t->team);
     team_bottom(t->team, &b);
     t->pass->finished = finished;

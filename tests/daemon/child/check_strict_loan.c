@@ -163,7 +163,7 @@ START_TEST(a_line_is_left_when_others_are_out)
     ck_assert_int_eq(strict_least(p), 5);
     strict_lend(s, &lend);
     strict_lent(s, p, &six_columns);
-    strict_blocked(s, p, 6);
+    strict_blocked(p, 6);
     end_pass(p, false);
     strict_back(s, &back);
     while (strict_message(s, true))
@@ -191,7 +191,7 @@ START_TEST(a_parked_unit_that_has_its_columns_back_says_so)
     expect_pass(STRICT_TRUE_LINES, false);
     p = strict_next(s, STRICT_TRUTH);
     strict_lent(s, p, &six_columns);
-    strict_blocked(s, p, 6);
+    strict_blocked(p, 6);
     end_pass(p, false);
     ck_assert(is_said(MSG_PARKED));
     strict_back(s, &back);
