@@ -97,7 +97,8 @@ show_bits(struct show *s, const char *word, struct rad_error *err)
     return 0;
 }
 
-int
+/* --false-colour=SCALE, as rad_false_parse() has it.  RAD_EUSAGE. */
+static int
 show_false(struct show *s, const char *scale, struct rad_error *err)
 {
     struct rad_error why = { 0 };

@@ -38,9 +38,6 @@ int show_exposure(struct show *s, const char *text, struct rad_error *err);
 int show_tone(struct show *s, const char *word, struct rad_error *err);
 int show_bits(struct show *s, const char *word, struct rad_error *err);
 
-/* --false-colour=SCALE, as rad_false_parse() has it.  RAD_EUSAGE. */
-int show_false(struct show *s, const char *scale, struct rad_error *err);
-
 /* Which of these options are given: texts, or NULL. */
 struct show_asked {
     bool tone, bits;
