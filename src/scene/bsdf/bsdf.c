@@ -46,21 +46,6 @@ rad_bsdf_unsharpen(double xyz[3], const double s[3])
     xyz[2] = -.0122601375 * s[0] + .016743052 * s[1] + .99551876 * s[2];
 }
 
-/* The curve through quarter 0 is mirrored about the diagonal, the curve through
- * quarter 3 about the other diagonal. */
-void
-rad_hilbert_enter(struct hilbert *h, unsigned q, unsigned *x, unsigned *y)
-{
-    unsigned rx = q >> 1, ry = (q ^ rx) & 1;
-
-    *x = (h->swap ? ry : rx) ^ h->flip;
-    *y = (h->swap ? rx : ry) ^ h->flip;
-    if (ry == 0) {
-        h->swap = !h->swap;
-        h->flip = h->flip != (rx == 1);
-    }
-}
-
 /* Every other bit of 64, from the lowest. */
 static uint32_t
 even_bits(uint64_t v)

@@ -65,8 +65,18 @@ struct hilbert {
 #define HILBERT_START ((struct hilbert){ true, false })
 
 /* Go into quarter q of the curve, 0 to 3.  *x and *y, 0 or 1, say which quarter
- * of the square that is; *h becomes the curve in it. */
-void rad_hilbert_enter(struct hilbert *h, unsigned q, unsigned *x, unsigned *y);
+ * of the square that is; *h becomes the curve in it: through quarter 0 that is
+ * mirrored about the diagonal, through quarter 3 about the other diagonal. */
+static inline void
+rad_hilbert_enter(struct hilbert *h, unsigned q, unsigned *x, unsigned *y)
+{
+    unsigned rx = q >> 1, ry = (q ^ rx) & 1;
+
+    *x = (h->swap ? ry : rx) ^ h->flip;
+    *y = (h->swap ? rx : ry) ^ h->flip;
+    h->swap = h->swap != (ry == 0);
+    h->flip = h->flip != (rx > ry);
+}
 
 /* The point of the unit square after a fraction t of the curve. */
 void rad_hilbert_point(struct hilbert h, double t, double p[2]);

@@ -328,30 +328,43 @@ struct step {
                                  * square */
 };
 
-/* Go into quarter q of the outgoing square. */
-static struct step
-take_step(const struct walk *w, const struct step *from, unsigned q)
+/* take_step() for a rank and a way that the compiler knows. */
+static inline __attribute__((always_inline)) void
+take_step_of(const struct step *from, unsigned q, int rank, bool reverse,
+             struct step *to)
 {
-    struct step to = *from;
-    unsigned bits = 0, xy[2], nin = (unsigned)w->t->rank - 2;
+    unsigned bits = 0, xy[2], nin = (unsigned)rank - 2;
 
-    rad_hilbert_enter(&to.h, q, &xy[0], &xy[1]);
-    to.size /= 2;
+    to->h = from->h;
+    rad_hilbert_enter(&to->h, q, &xy[0], &xy[1]);
+    to->size = from->size / 2;
     for (unsigned i = 0; i < 2; i++) {
         bool upper = from->in[i] >= .5;
 
-        to.low[i] += xy[i] * to.size;
-        to.in[i] = 2 * from->in[i] - upper;
-        if (w->s->reverse)
+        to->low[i] = from->low[i] + xy[i] * to->size;
+        to->in[i] = 2 * from->in[i] - upper;
+        if (reverse)
             bits |= (unsigned)upper << (2 + i) | (xy[i] ^ 1) << i;
         else
             bits |= xy[i] << (nin + i);
-        if (!w->s->reverse && (nin == 2 || i == 1))
+        if (!reverse && (nin == 2 || i == 1))
             bits |= (unsigned)upper << (nin == 2 ? i : 0);
     }
-    if (!rad_tree_at_leaf(&to.c))
-        rad_tree_descend(&to.c, w->t->rank, bits);
-    return to;
+    if (rad_tree_at_leaf(&from->c))
+        to->c = from->c;
+    else
+        rad_tree_descend(&from->c, rank, bits, &to->c);
+}
+
+/* Go into quarter q of the outgoing square. */
+static void
+take_step(const struct walk *w, const struct step *from, unsigned q,
+          struct step *to)
+{
+    if (w->t->rank == 3)
+        take_step_of(from, q, 3, false, to);
+    else
+        take_step_of(from, q, 4, w->s->reverse, to);
 }
 
 /* Walk through a cell.  True: the point is in it. */
@@ -362,8 +375,9 @@ walk_through(struct walk *w, const struct step *at)
 
     if (!rad_tree_at_leaf(&at->c)) {
         for (unsigned q = 0; q < 4; q++) {
-            struct step to = take_step(w, at, q);
+            struct step to;
 
+            take_step(w, at, q, &to);
             if (walk_through(w, &to))
                 return true;
         }
@@ -405,8 +419,8 @@ rad_tree_sample(const struct rad_bsdf_way *w, const double in[3], double x,
                 double out[3])
 {
     const struct bsdf_tree *t = w->part->tree;
-    struct step at = { .h = HILBERT_START, .size = 1 };
-    const struct bsdf_cell *c = find_slice(w, at.in);
+    struct step at[BLOCK_LOG + 1] = { { .h = HILBERT_START, .size = 1 } };
+    const struct bsdf_cell *c = find_slice(w, at->in);
     struct walk walk = { .t = t,
                          .s = w->swapped ? &t->reverse : &t->slices,
                          .out = { -1, -1 } };
@@ -417,10 +431,11 @@ rad_tree_sample(const struct rad_bsdf_way *w, const double in[3], double x,
         return false;
     block = find_block(c, x);
     walk.left = fmax(x - c->before[block] * 0x1p-32, 0) * c->total;
-    at.c = rad_tree_start(t->root[Y]);
-    for (int k = BLOCK_LOG; k-- > 0;)
-        at = take_step(&walk, &at, block >> 2 * k & 3);
-    walk_through(&walk, &at);
+    at->c = rad_tree_start(t->root[Y]);
+    for (int k = 0; k < BLOCK_LOG; k++)
+        take_step(&walk, &at[k], block >> 2 * (BLOCK_LOG - 1 - k) & 3,
+                  &at[k + 1]);
+    walk_through(&walk, &at[BLOCK_LOG]);
     if (walk.out[0] < 0)
         return false;
     to_disk(walk.out, &px, &py);

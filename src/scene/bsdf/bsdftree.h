@@ -75,17 +75,20 @@ rad_tree_at_leaf(const struct bsdf_cursor *c)
     return c->left == 0;
 }
 
-/* Go into one half along each coordinate. */
+/* Set *kid to one half of *c along each coordinate.  They do not overlap: a
+ * whole copy of what was just stored in parts would have to wait for that. */
 static inline void
-rad_tree_descend(struct bsdf_cursor *c, int rank, unsigned bits)
+rad_tree_descend(const struct bsdf_cursor *c, int rank, unsigned bits,
+                 struct bsdf_cursor *kid)
 {
     if (c->n->lg < 0) {
-        *c = rad_tree_start(c->n->u.kid[bits]);
+        *kid = rad_tree_start(c->n->u.kid[bits]);
         return;
     }
-    c->left--;
+    kid->n = c->n;
+    kid->left = c->left - 1;
     for (int i = 0; i < rank; i++)
-        c->at[i] = c->at[i] << 1 | (bits >> i & 1);
+        kid->at[i] = c->at[i] << 1 | (bits >> i & 1);
 }
 
 static inline double

@@ -168,10 +168,10 @@ visit(const struct visitor *v, const struct bsdf_cursor *c,
         return;
     }
     for (unsigned bits = 0; bits < 1u << v->t->rank; bits++) {
-        struct bsdf_cursor kid = *c;
+        struct bsdf_cursor kid;
         uint32_t place[4];
 
-        rad_tree_descend(&kid, v->t->rank, bits);
+        rad_tree_descend(c, v->t->rank, bits, &kid);
         for (int i = 0; i < 4; i++)
             place[i] = at[i] << 1 | (bits >> i & 1);
         visit(v, &kid, place, level + 1);
