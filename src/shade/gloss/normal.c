@@ -110,7 +110,9 @@ reflect_lobe(const struct normal_hit *hit, const double ldir[3], double omega)
            (M_PI * hn2 * hn2 * alpha2);
 }
 
-/* The transmitted lobe: Ward's Gaussian about hit->ahead, times cos_l. */
+/* The transmitted lobe: Ward's Gaussian about hit->ahead, times cos_l.  As
+ * hit->cos_n is at least .001, the factor of the exponential is below 1e8, and
+ * far from the lobe 0 is returned as by reflect_lobe(). */
 static double
 transmit_lobe(const struct normal_hit *hit, const double ldir[3], double omega,
               double cos_l)
@@ -118,6 +120,8 @@ transmit_lobe(const struct normal_hit *hit, const double ldir[3], double omega,
     double alpha2 = hit->m->alpha2 + omega / M_PI;
     double two_sin2 = 2 - 2 * rad_dot(hit->ahead, ldir);
 
+    if (two_sin2 > LOBE_END * alpha2)
+        return 0;
     return rad_exp(-two_sin2 / alpha2) / (M_PI * alpha2) *
            sqrt(-cos_l / hit->cos_n);
 }
