@@ -114,7 +114,7 @@ struct msg_progress {
     uint64_t rays;
     uint32_t workers;      /* that work on the job now */
     uint32_t frames_ready; /* the first so many frames can be fetched */
-    double elapsed_s;      /* since the job was accepted */
+    double elapsed_s;      /* from SUBMIT to the end, or now */
     struct msg_nan nan;    /* in the units that are done; frame is its number */
     struct msg_fault faults[MSG_FAULTS]; /* in the units that are done */
     double error; /* estimated relative error of these units; 0: unknown */
