@@ -156,16 +156,15 @@ struct worker {
     struct action_list actions;
     uint64_t now_ms;
     uint64_t tick_ms;  /* when worker_tick() was last called */
-    uint64_t awake_ms; /* now_ms without time in which this process was stopped
-                        */
+    uint64_t awake_ms; /* now_ms without time that this process was stopped */
     enum coord_state coord_state;
     uint64_t coord;      /* the connection; 0 in COORD_NONE */
     uint64_t welcome_ms; /* when WELCOME came; 0: not on this connection */
     uint64_t epoch;      /* of the last WELCOME */
-    uint64_t dial_ms;  /* when to dial next */
-    unsigned delay_ms; /* of the dial after the next */
+    uint64_t dial_ms;    /* when to dial next */
+    unsigned delay_ms;   /* of the dial after the next */
     bool draining, stopped;
-    enum msg_drain_why away; /* worker_allow()'s */
+    enum msg_drain_why away; /* as worker_allow() said */
     uint64_t next_conn;
     uint32_t next_peer;
     uint64_t progress;
