@@ -13,23 +13,23 @@
 #include <stddef.h>
 
 enum rad_code {
-    RAD_EUSAGE = -5001,      /* wrong command line              EX_USAGE 64 */
-    RAD_EDATA = -5002,       /* bad scene, picture or data EX_DATAERR 65 */
-    RAD_ENOINPUT = -5003,    /* input missing or unreadable EX_NOINPUT 66 */
-    RAD_EUNAVAIL = -5004,    /* no coordinator or no worker in time       69 */
-    RAD_EINTERNAL = -5005,   /* our bug                    EX_SOFTWARE 70 */
-    RAD_ENOMEM = -5006,      /* out of memory              EX_OSERR 71 */
-    RAD_ECANTCREAT = -5007,  /* output cannot be created   EX_CANTCREAT 73 */
-    RAD_EIO = -5008,         /* read or write failed       EX_IOERR 74 */
-    RAD_ETEMPFAIL = -5009,   /* try again later            EX_TEMPFAIL 75 */
-    RAD_EPROTO = -5010,      /* bytes against the protocol EX_PROTOCOL 76 */
-    RAD_EPERM = -5011,       /* not permitted              EX_NOPERM 77 */
-    RAD_ECONFIG = -5012,     /* bad configuration file     EX_CONFIG 78 */
-    RAD_EUNSUPPORTED = -5013, /* a feature of Radiance that we lack        65 */
-    RAD_EFULL = -5014,       /* no room on the disk        EX_IOERR 74 */
-    RAD_ESHORT = -5015,      /* out of descriptors or the like, for now  75 */
-    RAD_WARNING = -5099      /* marks a warning for callers that want every
-                              * problem; never the code of a failure */
+    RAD_EUSAGE = -5001,       /* wrong command line               EX_USAGE 64 */
+    RAD_EDATA = -5002,        /* bad scene, picture or data     EX_DATAERR 65 */
+    RAD_ENOINPUT = -5003,     /* input missing or unreadable    EX_NOINPUT 66 */
+    RAD_EUNAVAIL = -5004,     /* no coordinator or worker in time          69 */
+    RAD_EINTERNAL = -5005,    /* our bug                       EX_SOFTWARE 70 */
+    RAD_ENOMEM = -5006,       /* out of memory                    EX_OSERR 71 */
+    RAD_ECANTCREAT = -5007,   /* output cannot be created     EX_CANTCREAT 73 */
+    RAD_EIO = -5008,          /* read or write failed             EX_IOERR 74 */
+    RAD_ETEMPFAIL = -5009,    /* try again later               EX_TEMPFAIL 75 */
+    RAD_EPROTO = -5010,       /* bytes against the protocol    EX_PROTOCOL 76 */
+    RAD_EPERM = -5011,        /* not permitted                   EX_NOPERM 77 */
+    RAD_ECONFIG = -5012,      /* bad configuration file          EX_CONFIG 78 */
+    RAD_EUNSUPPORTED = -5013, /* Radiance's, but not ours                  65 */
+    RAD_EFULL = -5014,        /* no room on the disk              EX_IOERR 74 */
+    RAD_ESHORT = -5015,       /* out of descriptors, for now               75 */
+    RAD_WARNING = -5099       /* marks a warning for callers that want every
+                               * problem; never the code of a failure */
 };
 
 struct rad_error {

@@ -1,5 +1,6 @@
-/* check_ambfile.c - files of ambient records: ours lose nothing, those in Radiance's
- * format what that has no room for; files that do not fit are refused */
+/* check_ambfile.c - files of ambient records: ours lose nothing, those in
+ * Radiance's format what that has no room for; files that do not fit are
+ * refused */
 #include "config.h"
 
 #include "records/ambfile.h"

@@ -1,5 +1,6 @@
-/* check_base.c - tests of src/arith, whose functions are libm's to a few last bits,
- * and of the ground of src/base: errors, arenas, lists, vectors, random numbers */
+/* check_base.c - tests of src/arith, whose functions are libm's to a few last
+ * bits, and of the ground of src/base: errors, arenas, lists, vectors, random
+ * numbers */
 #include "config.h"
 
 #include "arith/angle.h"

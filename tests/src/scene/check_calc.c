@@ -1,5 +1,6 @@
-/* check_calc.c - tests of src/scene/calc: what expressions of function files are
- * worth, when they are evaluated, which are refused; and of src/base/xform */
+/* check_calc.c - tests of src/scene/calc: what expressions of function files
+ * are worth, when they are evaluated, which are refused; and of src/base/xform
+ */
 #include "config.h"
 
 #include "base/xform.h"

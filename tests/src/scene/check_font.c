@@ -1,5 +1,5 @@
-/* check_font.c - tests of src/scene/file/font.c: glyphs, and where those of a line
- * are */
+/* check_font.c - tests of src/scene/file/font.c: glyphs, and where those of a
+ * line are */
 #include "config.h"
 
 #include "scene/file/font.h"

@@ -1,5 +1,5 @@
-/* check_octfile.c - tests of src/scene/octfile.c: octree files written and read, and
- * what is said of cut and damaged ones */
+/* check_octfile.c - tests of src/scene/octfile.c: octree files written and
+ * read, and what is said of cut and damaged ones */
 #include "config.h"
 
 #include "base/rng.h"
