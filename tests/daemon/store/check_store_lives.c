@@ -383,21 +383,32 @@ count_jobs(void *arg, const uint8_t job[MSG_JOB], uint64_t sequence, int status,
     h->jobs += status == 0;
 }
 
+/* Open a store and a job in it; openings are counted from the first one on. */
+static void
+open_counted(uv_loop_t *loop, struct store **s, struct store_handler *counts,
+             struct heard *h)
+{
+    struct saved_job job;
+
+    *counts = handler;
+    counts->job = count_jobs;
+    open_for(loop, s, counts, h);
+    ck_assert_int_eq(recover(*s, &job, NULL), 0);
+    open_job(*s);
+    run(loop, *s);
+}
+
 /* The second of three jobs that have one id is over, and forgotten, while its
  * opening waits for the first job to be forgotten. */
 START_TEST(a_job_may_have_the_id_of_one_that_was_never_opened)
 {
-    struct store_handler counts = handler;
+    struct store_handler counts;
     struct saved_job job;
     struct heard h;
     uv_loop_t loop;
     struct store *s;
 
-    counts.job = count_jobs;
-    open_for(&loop, &s, &counts, &h);
-    ck_assert_int_eq(recover(s, &job, NULL), 0);
-    open_job(s);
-    run(&loop, s);
+    open_counted(&loop, &s, &counts, &h);
     for (int i = 0; i < 2; i++) {
         end_job(s);
         forget_job(s);
@@ -413,18 +424,14 @@ END_TEST
 /* Else the folder of the new job would stay, too, when that is forgotten. */
 START_TEST(while_files_of_a_forgotten_job_are_left_its_id_is_not_taken_again)
 {
-    struct store_handler counts = handler;
+    struct store_handler counts;
     struct saved_job job;
     char folder[200];
     struct heard h;
     uv_loop_t loop;
     struct store *s;
 
-    counts.job = count_jobs;
-    open_for(&loop, &s, &counts, &h);
-    ck_assert_int_eq(recover(s, &job, NULL), 0);
-    open_job(s);
-    run(&loop, s);
+    open_counted(&loop, &s, &counts, &h);
     snprintf(folder, sizeof folder, "%s/" KEPT_DIR "/folder", dir);
     ck_assert_int_eq(mkdir(folder, 0700), 0); /* not removed with the files */
     end_job(s);
