@@ -156,7 +156,7 @@ check_job(void *arg, const struct saved_job *s, struct rad_error *err)
     if (folder_is_going(&l->folder, s->spec.job))
         return 0; /* radcoord will forget it */
     l->out->jobs++;
-    l->out->open += !over;
+    l->out->open += !over && !folder_is_given_up(&l->folder, s->spec.job);
     if (!over)
         rc = check_files(l, &s->spec, err);
     if (rc < 0)

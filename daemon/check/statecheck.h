@@ -13,7 +13,7 @@
 
 struct statecheck {
     uint32_t jobs;     /* that are known, and not being forgotten */
-    uint32_t open;     /* of these not over */
+    uint32_t open;     /* of these not over, and not cancelled on a full disk */
     uint32_t problems; /* that were told: damage */
     uint32_t denied;   /* likewise: what we may not read, so nobody knows, and
                         * what no radcoord takes for others' rights to it */

@@ -115,17 +115,18 @@ body first.hdr >first.body
 body half.hdr | cmp first.body - || fail "spoilt rows are in the picture"
 cluster_stop
 damage
-# so are rows that were given up on a full disk before the end of their job was
-# noted
+# a job whose rows were given up, for it was cancelled on a full disk where that
+# could not be noted, is over
 mv "$rows" "state/jobs/$id/over"
 : >"state/jobs/$id/over"
 "$radctl" check "$work/state" >stdout || fail "given up: $(cat stdout)"
-grep -q 'unit [0-9]*, were given up on a full disk' stdout ||
-    fail "rows that were given up are not told: $(cat stdout)"
+grep -q 'sound: 2 jobs, 0 of them not over' stdout ||
+    fail "a job that was given up is not over: $(cat stdout)"
 coord_start
-until_true 10 grep -q "rows given up job=$id frame=0 unit=" c.log ||
-    fail "rows that were given up are not missed: $(tail -n 3 c.log)"
-[ ! -e "state/jobs/$id/over" ] || fail "rows would be given up again"
+until_true 10 grep -q "job over job=$id state=cancelled" c.log ||
+    fail "a job that was given up goes on: $(tail -n 3 c.log)"
+is_noted() { [ ! -e "state/jobs/$id/over" ]; }
+until_true 10 is_noted || fail "the end of what was given up is not noted"
 kill -TERM "$coord_pid"
 wait "$coord_pid"
 damage
