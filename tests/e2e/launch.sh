@@ -105,18 +105,20 @@ cat >noisy <<'END'
 head -c 100000 /dev/urandom
 exec ./all 3 "$@"
 END
-# who forks and is gone, and leaves more than workers behind: that ends, too
+# who forks and is gone, and leaves more than workers behind: that ends, too;
+# MARK tells these from what another run of this test leaves
+export MARK=$$
 cat >forking <<'END'
 #!/bin/sh
-sleep 7654 &
+sleep 7654.$MARK &
 trap '' HUP
-(trap '' TERM; sleep 7655) &
+(trap '' TERM; sleep 7655.$MARK) &
 for i in 1 2; do "$@" </dev/null & done
 END
 chmod +x noisy forking
 sleepers()
 {
-    pgrep -xf 'sleep 765[45]'
+    pgrep -xf "sleep 765[45]\.$MARK"
 }
 no_sleepers()
 {
@@ -203,14 +205,18 @@ check_gone "radsubmit killed after its launcher"
 until_true 10 no_sleepers || fail "forked: left: $(sleepers)"
 
 # ... a launcher that started nobody, too
+waiting()
+{
+    pgrep -f "sleep 1000\.$MARK; "'"\$@"'
+}
 # shellcheck disable=SC2086
-setsid "$radsubmit" $slow --launch="sleep 1000;" -o x.hdr "$room" 2>x.err &
+setsid "$radsubmit" $slow --launch="sleep 1000.$MARK;" -o x.hdr "$room" 2>x.err &
 pid=$!
-until_true 10 pgrep -f 'sleep 1000; "\$@"' || fail "no sleep"
+until_true 10 waiting || fail "no sleep"
 kill -9 $pid
 wait $pid 2>/dev/null
 check_gone "radsubmit killed with a launcher that waits"
-pgrep -f 'sleep 1000; "\$@"' >/dev/null && fail "the launcher is left"
+waiting >/dev/null && fail "the launcher is left"
 
 # terminated: the same as killed
 started term --launch="./all 2" --workers=2
