@@ -387,8 +387,10 @@ go_on(const struct area *a, const struct redone *r)
                     : GO_ON;
 }
 
+/* whole: all pixels of the area are rendered again, whatever the first few are
+ * off by. */
 static void
-look_at_area(struct look *k, const struct area *a, double weight)
+look_at_area(struct look *k, const struct area *a, double weight, bool whole)
 {
     struct redone r = { .light = 0 };
     double likely, all, square;
@@ -400,7 +402,7 @@ look_at_area(struct look *k, const struct area *a, double weight)
     if (is_stopped(k))
         return;
     k->sum[RAD_DOUBT_AREAS] += weight;
-    likely = go_on(a, &r);
+    likely = whole ? 1 : go_on(a, &r);
     if (draw(k) >= likely)
         return;
     redo(k, a, &r, FIRST, a->n);
@@ -439,7 +441,7 @@ look_about(struct look *k, const struct area *a,
     double likely = fmin(share->areas * a->n * (1 + BY_CONTRAST * c * c), 1);
 
     if (draw(k) < likely)
-        look_at_area(k, a, 1 / likely);
+        look_at_area(k, a, 1 / likely, isinf(share->areas));
 }
 
 /* --- rows --- */

@@ -60,7 +60,8 @@ struct rad_error_squares {
 };
 struct rad_error_squares rad_doubt_squares(const struct rad_doubt *d);
 
-/* Per pixel of the picture, how many areas and places to look at. */
+/* Per pixel of the picture, how many areas and places to look at.  With
+ * INFINITY areas each area is looked at, and all of its pixels. */
 struct rad_doubt_share {
     double areas, places;
 };

@@ -15,7 +15,7 @@
 #define BRANCH UINT64_C(0x636865636b740000)
 
 /* For a tile: the number of places, of windows, and of areas looked at in a
- * window without contrast. */
+ * window without contrast; all areas if the pictures are small. */
 #define PLACES  2
 #define WINDOWS 2
 #define AREAS   4.
@@ -34,6 +34,7 @@ struct check {
     struct rad_ctx *ctx;
     const _Atomic bool *stop;
     uint64_t key;
+    bool small; /* see rad_refine_is_small() */
     struct rad_refine_sums *out;
 };
 
@@ -127,7 +128,7 @@ look_at_window(struct check *c, const struct sampled *s)
 {
     double pixels = (double)s->at.width * s->at.height;
     double areas = s->frame.points ? POINTS : AREAS;
-    struct rad_doubt_share share = { areas / pixels, 0 };
+    struct rad_doubt_share share = { c->small ? INFINITY : areas / pixels, 0 };
 
     return rad_doubt_look_at_window(&s->frame, c->ctx, &s->at,
                                     (const struct rad_pixel *const *)s->row,
@@ -160,6 +161,16 @@ check_all(struct check *c, uint32_t tile, uint32_t nframes)
     return ok && !is_stopped(c);
 }
 
+static bool
+are_small(const struct rad_frame *f, uint32_t nframes)
+{
+    uint64_t pixels = 0;
+
+    for (uint32_t i = 0; i < nframes; i++)
+        pixels += (uint64_t)f[i].width * (uint64_t)f[i].height;
+    return rad_refine_is_small(&f->job->params, pixels);
+}
+
 bool
 rad_refine_make(const struct rad_passes *p, struct rad_ctx *ctx, uint32_t tile,
                 const _Atomic bool *stop, struct rad_refine_sums *out)
@@ -172,6 +183,7 @@ rad_refine_make(const struct rad_passes *p, struct rad_ctx *ctx, uint32_t tile,
 
     memset(out, 0, sizeof *out);
     c.frame = f[tile % nframes];
+    c.small = are_small(f, nframes);
     c.key = rad_key_branch(c.frame.key ^ BRANCH, tile);
     c.frame.key ^= BRANCH;
     c.frame.stamp = (c.frame.stamp ^ BRANCH) | 1;

@@ -25,6 +25,14 @@
 
 #define LOOKS_A_SENSOR 2
 
+/* In pictures of fewer pixels than SMALL each pixel may have hemispheres of its
+ * own, and the windows of LEAST_TILES would be 4 to 15 times the picture.
+ * So a check of these has a quarter of the tiles, and looks at all areas of its
+ * windows: its estimate is as near to the truth, for a third of the rays
+ * (doc/measured.md).  With -ps 1, as sensors have it, windows are small. */
+#define SMALL       5000
+#define SMALL_TILES 4
+
 /* A check of a cache with a smaller -aa than COARSE has more tiles, as the
  * cache has more records, up to TIMES_MOST times as many: its estimate is
  * nearer to the truth, and it takes no greater part of its stage. */
@@ -280,6 +288,12 @@ rad_refine_join(struct rad_params *job, const struct rad_params *former)
 
 /* --- passes --- */
 
+bool
+rad_refine_is_small(const struct rad_params *par, uint64_t pixels)
+{
+    return pixels < SMALL && par->psample > 1;
+}
+
 static uint32_t
 count_tiles(const struct rad_params *par, const struct rad_pass_size *size,
             uint32_t nsizes)
@@ -293,6 +307,8 @@ count_tiles(const struct rad_params *par, const struct rad_pass_size *size,
     n = pixels / PIXELS_A_TILE;
     n = n < LEAST_TILES ? LEAST_TILES : n > MOST_TILES ? MOST_TILES : n;
     n *= times;
+    if (rad_refine_is_small(par, pixels))
+        n /= SMALL_TILES;
     few = (LOOKS_A_SENSOR * pixels + LOOKS - 1) / LOOKS;
     return (uint32_t)(n < few ? n : few);
 }

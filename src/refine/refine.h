@@ -33,6 +33,10 @@ struct rad_refine_sums {
 void rad_refine_add(struct rad_refine_sums *to,
                     const struct rad_refine_sums *tile);
 
+/* Are pictures with so many pixels in all so small that a check has few tiles,
+ * which look at all areas of their windows? */
+bool rad_refine_is_small(const struct rad_params *par, uint64_t pixels);
+
 /* Plan the passes of a job with these options; check: of a stage, whose last
  * pass is a check pass.  on: the cache begins with the records of a former job,
  * as in rad_passes_plan_on().  Returns the number of passes; 0: there is no

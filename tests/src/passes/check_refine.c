@@ -233,6 +233,20 @@ START_TEST(a_check_of_few_sensors_is_small)
 }
 END_TEST
 
+/* Not windows of several times the picture; from 5000 pixels on as always. */
+START_TEST(a_check_of_a_small_picture_is_small)
+{
+    struct rad_params sensors = params_of("-ps 1");
+    uint32_t usual = tiles_of_check(.5, 300, 200);
+
+    ck_assert_uint_eq(4 * tiles_of_check(.5, 40, 30), usual);
+    ck_assert_uint_eq(4 * tiles_of_check(.5, 80, 62), usual);
+    ck_assert_uint_eq(tiles_of_check(.5, 100, 50), usual);
+    ck_assert_uint_eq(tiles_of_check(.1, 40, 30), usual);
+    ck_assert(!rad_refine_is_small(&sensors, 1));
+}
+END_TEST
+
 /* --- decisions --- */
 
 #define RUNGS(n) (RAD_REFINE_RUNG * (n))
@@ -805,6 +819,7 @@ main(void)
     tcase_add_loop_test(options, what_is_as_fine_is_joined, 0, N_ELEM(joined));
     tcase_add_test(options, the_check_pass_is_the_last);
     tcase_add_test(options, a_check_of_more_records_has_more_tiles);
+    tcase_add_test(options, a_check_of_a_small_picture_is_small);
     tcase_add_test(options, a_check_of_few_sensors_is_small);
     suite_add_tcase(s, options);
     tcase_add_test(decisions, what_is_good_enough_ends);

@@ -128,6 +128,25 @@ START_TEST(what_few_pixels_are_off_by_is_found)
 }
 END_TEST
 
+/* By chance the pixel would be missed in six of ten areas. */
+START_TEST(a_single_pixel_is_found_where_all_are_looked_at)
+{
+    const struct rad_doubt_share all = { INFINITY, 0 };
+
+    make(PURE);
+    for (int i = 2; i < 90; i += 9) {
+        struct rad_rgb *L = &pic.pixel[i * 90 + i].L, kept = *L;
+        struct rad_doubt d;
+
+        *L = rad_grey(1e9f);
+        d = look(5, all);
+        *L = kept;
+        ck_assert_double_eq_tol(d.v[RAD_DOUBT_PIXEL], 1, .1);
+        ck_assert_double_eq(d.v[RAD_DOUBT_AREAS], 18 * 18);
+    }
+}
+END_TEST
+
 /* What a row's width leaves over when areas are cut off it is no area that
  * counts as much as all others: its columns are part of the last one. */
 START_TEST(a_narrow_rest_is_no_area_by_itself)
@@ -322,6 +341,7 @@ main(void)
     tcase_add_test(tc, a_true_picture_has_no_error);
     tcase_add_loop_test(tc, what_is_off_is_found, 0, N_ELEM(parts));
     tcase_add_test(tc, what_few_pixels_are_off_by_is_found);
+    tcase_add_test(tc, a_single_pixel_is_found_where_all_are_looked_at);
     tcase_add_test(tc, gloss_that_is_left_out_shows);
     tcase_add_test(tc, a_narrow_rest_is_no_area_by_itself);
     tcase_add_test(tc, noise_of_hemispheres_shows);
