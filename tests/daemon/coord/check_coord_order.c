@@ -19,7 +19,7 @@ END_TEST
 
 START_TEST(a_drained_worker_gets_nothing_new)
 {
-    struct msg m = { .type = MSG_DRAIN, .drain = { "ws1" } };
+    struct msg m = { .type = MSG_DRAIN, .drain = { .name = "ws1" } };
 
     say(ADMIN, &m);
     submit(ANA, job_a, 0);
@@ -32,7 +32,7 @@ END_TEST
 
 START_TEST(a_worker_that_leaves_is_let_go_when_it_is_empty)
 {
-    struct msg m = { .type = MSG_DRAIN, .drain = { "ws1" } };
+    struct msg m = { .type = MSG_DRAIN, .drain = { .name = "ws1" } };
 
     submit(ANA, job_a, 0);
     ready(WORKER, job_a);
@@ -471,7 +471,7 @@ END_TEST
 
 START_TEST(a_job_whose_workers_are_drained_has_none)
 {
-    struct msg m = { .type = MSG_DRAIN, .drain = { "ws1" } };
+    struct msg m = { .type = MSG_DRAIN, .drain = { .name = "ws1" } };
 
     submit(ANA, job_a, 0);
     ready(WORKER, job_a);

@@ -378,7 +378,7 @@ END_TEST
 
 START_TEST(a_worker_that_is_gone_is_forgotten)
 {
-    struct msg drain = { .type = MSG_DRAIN, .drain = { "ws2" } };
+    struct msg drain = { .type = MSG_DRAIN, .drain = { .name = "ws2" } };
 
     join(SECOND, MSG_ROLE_WORKER, "ws2", "");
     forget("ws2");

@@ -43,7 +43,7 @@ START_TEST(one_that_comes_back_gives_back_what_it_may_not_be_at)
 {
     struct msg_unit a;
     struct msg pause = { .type = MSG_PAUSE, .request = 9, .pause = { id } };
-    struct msg drain = { .type = MSG_DRAIN, .request = 9, .drain = { "ws1" } };
+    struct msg drain = { .type = MSG_DRAIN, .request = 9, .drain = { .name = "ws1" } };
 
     one_is_cut(&a);
     say(_i == 0 ? ANA : ADMIN, _i == 0 ? &pause : &drain);
@@ -271,7 +271,7 @@ END_TEST
 
 START_TEST(nothing_waits_for_one_that_leaves)
 {
-    struct msg leave = { .type = MSG_DRAIN, .drain = { "ws1" } };
+    struct msg leave = { .type = MSG_DRAIN, .drain = { .name = "ws1" } };
     struct msg_unit a, b;
 
     one_is_cut(&a);
@@ -311,7 +311,7 @@ END_TEST
 
 START_TEST(nobody_is_at_attempt_0)
 {
-    struct msg drain = { .type = MSG_DRAIN, .request = 9, .drain = { "ws1" } };
+    struct msg drain = { .type = MSG_DRAIN, .request = 9, .drain = { .name = "ws1" } };
     struct msg_unit a;
 
     start(MSG_PART_STATIC, MSG_JOB_NO_BALANCE, 2);

@@ -167,7 +167,7 @@ END_TEST
  * for ever. */
 START_TEST(what_was_to_be_a_drained_workers_goes_to_others)
 {
-    struct msg drain = { .type = MSG_DRAIN, .drain = { "ws2" } };
+    struct msg drain = { .type = MSG_DRAIN, .drain = { .name = "ws2" } };
     struct msg_unit a[2], b;
 
     submit(MSG_PART_STATIC, MSG_JOB_NO_BALANCE, "uniform", 2);
@@ -228,7 +228,7 @@ END_TEST
 
 START_TEST(one_that_is_drained_before_the_layout_has_no_part)
 {
-    struct msg drain = { .type = MSG_DRAIN, .drain = { "ws2" } };
+    struct msg drain = { .type = MSG_DRAIN, .drain = { .name = "ws2" } };
 
     submit(MSG_PART_STATIC, MSG_JOB_NO_BALANCE, "uniform", 1);
     say(ADMIN, &drain);

@@ -140,7 +140,7 @@ END_TEST
 
 START_TEST(while_its_rows_go_to_the_disk_a_worker_has_other_work)
 {
-    struct msg bye = { .type = MSG_DRAIN, .drain = { "ws1" } };
+    struct msg bye = { .type = MSG_DRAIN, .drain = { .name = "ws1" } };
     struct msg_unit a;
 
     start(MSG_PART_SCANBAR, 0, 2);
@@ -253,7 +253,7 @@ END_TEST
 
 START_TEST(one_that_leaves_gives_up_what_only_waits)
 {
-    struct msg drain = { .type = MSG_DRAIN, .drain = { "ws2" } };
+    struct msg drain = { .type = MSG_DRAIN, .drain = { .name = "ws2" } };
     struct msg_unit a, b;
 
     start(MSG_PART_STATIC, MSG_JOB_NO_BALANCE, 2);
@@ -276,7 +276,7 @@ END_TEST
 
 START_TEST(rows_that_cross_a_revoke_bring_nothing_back)
 {
-    struct msg drain = { .type = MSG_DRAIN, .drain = { "ws2" } };
+    struct msg drain = { .type = MSG_DRAIN, .drain = { .name = "ws2" } };
     struct msg_unit a, b;
 
     start(MSG_PART_STATIC, MSG_JOB_NO_BALANCE, 2);

@@ -15,7 +15,7 @@ about_job(uint64_t conn, uint16_t type)
 static void
 about_worker(uint16_t type, const char *name)
 {
-    struct msg m = { .type = type, .request = 9, .drain = { name } };
+    struct msg m = { .type = type, .request = 9, .drain = { .name = name } };
 
     say(ADMIN, &m);
 }
@@ -107,7 +107,7 @@ END_TEST
 /* Its areas go to another worker. */
 START_TEST(a_worker_that_leaves_its_estimate_is_let_go)
 {
-    struct msg leave = { .type = MSG_DRAIN, .drain = { "ws1" } };
+    struct msg leave = { .type = MSG_DRAIN, .drain = { .name = "ws1" } };
 
     submit(MSG_PART_AUTO, 0, "20b", 1);
     ready(W1);
