@@ -524,28 +524,38 @@ rad_ray_mirror(struct rad_ctx *ctx, struct rad_ray *r, struct rad_ray *child,
 #define WRITTEN    1e-6
 #define ON_SURFACE 1e-4
 
+static double
+largest(const double p[3])
+{
+    return rad_most(fabs(p[0]), rad_most(fabs(p[1]), fabs(p[2])));
+}
+
 /* Move p off the surface that it is on, to the side of n, if it is on one. */
 static void
 step_off(struct rad_ctx *ctx, const double n[3], double p[3])
 {
     const struct rad_geom *geom = ctx->job->geom;
     struct rad_span span = { .tmin = 0 };
-    double lo[3], hi[3];
+    double lo[3], hi[3], extent, far = largest(p), before;
     struct rad_hit met;
 
     rad_geom_bounds(geom, lo, hi);
+    extent = sqrt(rad_dist2(lo, hi));
     rad_copy(span.org, p);
     rad_copy(span.dir, n);
-    span.tmax = WRITTEN * sqrt(rad_dist2(lo, hi));
+    span.tmax = WRITTEN * extent;
     if (rad_geom_nearest(geom, &span, &met, &ctx->counts.geom) &&
         met.t < ON_SURFACE * rad_geom_size(geom, &met)) {
         rad_geom_leave(&met, n, p);
         return;
     }
-    /* behind p by no more than rounding? */
+    /* Is a surface at p, or behind p by no more than rounding?  A ray from p
+     * itself would not meet the surface that p is exactly on. */
+    before = 0x1p-48 * (far + extent);
+    rad_madd(span.org, p, before, n);
     rad_scale(span.dir, -1, n);
     if (rad_geom_nearest(geom, &span, &met, &ctx->counts.geom) &&
-        met.t * fabs(rad_dot(met.n, n)) < 2 * met.err)
+        fabs(met.t - before) * fabs(rad_dot(met.n, n)) < 2 * met.err)
         rad_geom_leave(&met, n, p);
 }
 

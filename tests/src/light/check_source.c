@@ -574,6 +574,24 @@ START_TEST(sensor_on_a_desk_sees_what_is_above_it)
 }
 END_TEST
 
+/* A sensor exactly on a floor, which stands askew: lamps above the floor count,
+ * those below it do not. */
+START_TEST(askew_sensor_on_a_floor_sees_nothing_below_it)
+{
+    static const double n[] = { .6, 0, .8 };
+    struct rad_ray r;
+
+    world_open(
+        &w,
+        SQUARE_LAMP
+        "bright polygon below 0 0 12 4 -1 -1 6 -1 -1 6 1 -1 4 1 -1\n" PLASTIC
+        "white polygon floor 0 0 12 -9 -9 0 9 -9 0 9 9 0 -9 9 0\n",
+        DIRECT "-ds .1");
+    rad_ray_irradiance(&w.ctx, &r, origin, n, 0);
+    ck_assert_double_eq_tol((double)r.L.g, lambert(square, 4, origin, n), 1e-3);
+}
+END_TEST
+
 int
 main(void)
 {
@@ -604,6 +622,7 @@ main(void)
     tcase_add_loop_test(tc, surface_cannot_be_a_light, 0, N_ELEM(no_lamps));
     tcase_add_loop_test(tc, sensor_on_a_desk_sees_what_is_above_it, 0,
                         N_ELEM(sensor));
+    tcase_add_test(tc, askew_sensor_on_a_floor_sees_nothing_below_it);
     tcase_add_loop_test(tc, lamp_is_what_its_radii_make_it, 0, N_ELEM(meant));
     return unit_run_case(tc);
 }
