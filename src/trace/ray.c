@@ -517,11 +517,13 @@ rad_ray_mirror(struct rad_ctx *ctx, struct rad_ray *r, struct rad_ray *child,
         r->mirror_dist += rad_ray_way_of(child);
 }
 
-/* A sensor's place counts as on a surface that is ahead of it by less than a
- * millionth of the scene's extent, for places are often written with six
- * digits, and by less than 1e-4 of that surface's size, for a scene may be much
- * larger than the room that the sensor is in. */
-#define WRITTEN    1e-6
+/* A sensor's place counts as on a surface that is ahead of it by no more than
+ * places written with six digits, which are off by 5e-6 of a coordinate, leave
+ * open.  Of a scene far from the origin its extent limits that; near the origin
+ * a tenth of the extent counts, for the surface is written so, too.  It is also
+ * less than 1e-4 of the surface's size, for a scene may be much larger than the
+ * room that the sensor is in. */
+#define WRITTEN    1e-5
 #define ON_SURFACE 1e-4
 
 static double
@@ -543,7 +545,7 @@ step_off(struct rad_ctx *ctx, const double n[3], double p[3])
     extent = sqrt(rad_dist2(lo, hi));
     rad_copy(span.org, p);
     rad_copy(span.dir, n);
-    span.tmax = WRITTEN * extent;
+    span.tmax = WRITTEN * rad_least(rad_most(far, extent / 10), extent);
     if (rad_geom_nearest(geom, &span, &met, &ctx->counts.geom) &&
         met.t < ON_SURFACE * rad_geom_size(geom, &met)) {
         rad_geom_leave(&met, n, p);

@@ -536,7 +536,8 @@ static const struct {
 } sensor[] = {
     { "", 0, 1.5, 1 },
     { "", 0, 1, 1 },
-    { "", 0, 1 - 1e-6, 1 }, /* on it, but for its written digits */
+    { "", 0, 1 - 1e-6, 1 },
+    { "", 0, 1 - 5e-6, 1 }, /* on it, but for its six written digits */
     { "", 0, .99, 0 },      /* within it */
     { "", 0, .97, 0 },
     { "", 5e5, 1.5, 1 },
