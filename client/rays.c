@@ -145,9 +145,9 @@ prepare_planes(struct planes *p, const struct rays_options *o,
 
     *p = (struct planes){ .bands = o->params.bands };
     rad_arena_init(&p->arena);
-    if (p->bands.plane >= 0) /* only that plane, as three channels */
+    if (!rad_bands_many(&p->bands)) /* three channels, maybe of one plane */
         p->bands.n = 3;
-    else if (p->bands.n > 3 && rad_scene_in_colours(scene))
+    else if (rad_scene_in_colours(scene))
         p->bands.plane = RAD_PLANE_COLOURS;
     if (p->bands.n > 3 && !o->spectral) {
         p->eye = rad_spectrum_new(&p->arena, p->bands.n, p->bands.longest,

@@ -26,9 +26,8 @@ int
 submit_options_planes(const struct submit_options *o)
 {
     const struct rad_bands *b = &o->params.bands;
-    bool alone = b->plane >= 0 && b->plane != RAD_PLANE_COLOURS;
 
-    return rad_bands_are_rgb(b) || alone ? 0 : rad_bands_planes(b);
+    return rad_bands_many(b) ? rad_bands_planes(b) : 0;
 }
 
 bool

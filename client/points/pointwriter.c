@@ -53,7 +53,7 @@ put_numbers(const struct pointwriter *w, const double *v, int n)
 static bool
 in_bands(const struct pointwriter *w)
 {
-    return w->text->params->bands.n > 3;
+    return rad_bands_many(&w->text->params->bands);
 }
 
 static int
@@ -229,14 +229,24 @@ put_colours(const struct pointwriter *w)
     putc('\n', w->to);
 }
 
-/* The job's options without -x and -y, which are those of a picture. */
-static const char *
-without_size(const char *options)
+/* Write the job's options without -x and -y, which are those of a picture, and
+ * for bands of several planes without that of this job. */
+static void
+put_options(const struct pointwriter *w)
 {
-    int n = 0;
+    const char *options = w->text->options, *plane;
+    int n = 0, skip = 0;
 
     sscanf(options, "-x %*d -y %*d %n", &n);
-    return options + n;
+    options += n;
+    plane = in_bands(w) ? strstr(options, " --plane ") : NULL;
+    if (!plane) {
+        fprintf(w->to, "%s\n", options);
+        return;
+    }
+    sscanf(plane, " --plane %*d%n", &skip);
+    fprintf(w->to, "%.*s -co%c%s\n", (int)(plane - options), options,
+            w->text->spectral ? '+' : '-', plane + skip);
 }
 
 static void
@@ -256,8 +266,9 @@ put_header(const struct pointwriter *w)
     if (s->no_header)
         return;
     pointspec_format(s, words, sizeof words);
-    fprintf(w->to, "#?RADIANCE\n%sradsubmit --points %s %s\n", w->text->origin,
-            words, without_size(w->text->options));
+    fprintf(w->to, "#?RADIANCE\n%sradsubmit --points %s ", w->text->origin,
+            words);
+    put_options(w);
     fprintf(w->to, "SOFTWARE= radd " PACKAGE_VERSION "\nNCOMP=%d\n",
             count_numbers(w));
     put_colours(w);

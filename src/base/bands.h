@@ -51,6 +51,14 @@ rad_bands_are_rgb(const struct rad_bands *b)
     return b->n == 3;
 }
 
+/* Are these more than three bands, and all of them rendered, not one plane by
+ * itself? */
+static inline bool
+rad_bands_many(const struct rad_bands *b)
+{
+    return b->n > 3 && (b->plane < 0 || b->plane == RAD_PLANE_COLOURS);
+}
+
 /* The number of planes: one if that is RAD_PLANE_COLOURS. */
 int rad_bands_planes(const struct rad_bands *b);
 

@@ -159,14 +159,14 @@ grep -q '^rays ' dry || fail "--dry-run says: $(cat dry)"
 awk 'BEGIN { for (i = 0; i < 50; i++)
     printf "%g %g .8 0 0 1\n", .2 + i % 10 / 3, .2 + int(i / 10) / 2 }' >points
 opts='-I -ab 0 -dt 0 -dj 0 -cs 8'
-for co in -co+ -co-; do
+for co in -co+ -co- '--plane 1'; do
     # shellcheck disable=SC2086
     "$radsubmit" --local --threads=1 --points=points -h- $opts $co "$room" \
         >values 2>stderr || fail "points $co: $(cat stderr)"
     # shellcheck disable=SC2086
     "$top_builddir/radscene" rays $opts $co -dc .75 -ds .2 -dr 2 -lw 1e-4 \
         -lr -10 "$room" <points >rays || fail "rays $co"
-    paste values rays | awk -v n="$([ $co = -co+ ] && echo 8 || echo 3)" '
+    paste values rays | awk -v n="$([ "$co" = -co+ ] && echo 8 || echo 3)" '
         { if (NF != 2 * n) exit 1
           for (i = 1; i <= n; i++)
               if (($i - $(n + i))^2 > (1e-5 * $i)^2 + 1e-20) exit 1 }' ||
@@ -175,6 +175,8 @@ done
 # shellcheck disable=SC2002,SC2086 # cat makes a pipe
 cat points | "$radsubmit" --local --points=- $opts -co+ "$room" >values \
     2>stderr || fail "points on a pipe: $(cat stderr)"
+grep -q '^radsubmit .* -cs 8 -cw 380 780 -co+ --seed=' values ||
+    fail "the header names a plane: $(grep -a '^radsubmit' values)"
 grep -qx 'NCOMP=8' values || fail "no NCOMP"
 grep -qx 'WAVELENGTH_SPLITS= 780 588 480 380' values || fail "no splits"
 [ "$(sed '1,/^$/d' values | wc -l)" -eq 50 ] || fail "points on a pipe"
