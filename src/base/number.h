@@ -1,4 +1,4 @@
-/* number.h - numbers in options, view lines and picture headers
+/* number.h - numbers in scenes, data, options and picture headers
  *
  * Numbers in Radiance's grammar (decimal digits, a point, an exponent).  The
  * whole text must be a number; hexadecimal numbers, infinities and NaNs are not
@@ -9,6 +9,17 @@
 
 #include <stdbool.h>
 #include <stdint.h>
+
+/* True, with the double that is nearest, if all of s is one number.  That of a
+ * number beyond all doubles is infinite. */
+bool rad_read_real(const char *s, double *value);
+
+/* Read the number that begins at p, if it has at most 18 digits and no
+ * exponent. The text need not end with a NUL, but has a byte behind p that
+ * belongs to no number.  Returns the place behind the last digit or point; a
+ * caller has to look whether the number ends there.  NULL, with *value
+ * untouched: there is another number, or none. */
+const char *rad_take_real(const char *p, double *value);
 
 /* True, with the value, if all of s is one number in range. */
 bool rad_parse_real(const char *s, double *value);

@@ -6,6 +6,7 @@
 
 #include "scene/file/data.h"
 #include "base/color.h"
+#include "base/number.h"
 #include "image/hdr.h"
 
 #include <ctype.h>
@@ -43,6 +44,7 @@ struct place {
 
 struct reader {
     const char *p, *end;
+    const char *sure; /* a word that begins before it ends in white space */
     int line;
     struct rad_error *err;
 };
@@ -64,11 +66,10 @@ skip_blanks(struct reader *in)
             in->line++;
 }
 
-/* Is it made of digits, a point and an exponent?  strtod() takes more. */
 static bool
-is_decimal(const char *word)
+ends_word(char c)
 {
-    return word[strspn(word, "0123456789.eE+-")] == '\0';
+    return isspace((unsigned char)c) || c == '#';
 }
 
 static int
@@ -79,7 +80,7 @@ read_word(struct reader *in, char word[MAX_WORD + 1])
     skip_blanks(in);
     if (in->p == in->end)
         return bad(in, "data file ends early");
-    while (in->p < in->end && !isspace((unsigned char)*in->p) && *in->p != '#')
+    while (in->p < in->end && !ends_word(*in->p))
         if (n < MAX_WORD)
             word[n++] = *in->p++;
         else
@@ -91,15 +92,21 @@ read_word(struct reader *in, char word[MAX_WORD + 1])
 static int
 read_real(struct reader *in, float *value)
 {
-    char word[MAX_WORD + 1], *rest;
-    int rc = read_word(in, word);
+    char word[MAX_WORD + 1];
+    const char *p;
     double v;
+    int rc;
 
-    if (rc)
-        return rc;
-    v = strtod(word, &rest);
-    if (*rest || rest == word || !is_decimal(word))
-        return bad(in, "expected a number");
+    skip_blanks(in);
+    p = in->p < in->sure ? rad_take_real(in->p, &v) : NULL;
+    if (p && ends_word(*p)) {
+        in->p = p;
+    } else {
+        if ((rc = read_word(in, word)))
+            return rc;
+        if (!rad_read_real(word, &v))
+            return bad(in, "expected a number");
+    }
     if (!(fabs(v) <= (double)FLT_MAX))
         return bad(in, "number out of range");
     *value = (float)v;
@@ -186,11 +193,20 @@ read_values(struct reader *in, struct rad_arena *arena, struct rad_data *d)
     return rc;
 }
 
+/* The place behind the last white space. */
+static const char *
+behind_blanks(const char *text, size_t len)
+{
+    while (len > 0 && !isspace((unsigned char)text[len - 1]))
+        len--;
+    return text + len;
+}
+
 struct rad_data *
 rad_data_parse(struct rad_arena *arena, const char *text, size_t len,
                struct rad_error *err)
 {
-    struct reader in = { text, text + len, 1, err };
+    struct reader in = { text, text + len, behind_blanks(text, len), 1, err };
     struct rad_data *d = rad_arena_calloc(arena, 1, sizeof *d);
     int32_t dims;
     int rc;

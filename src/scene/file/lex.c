@@ -1,11 +1,5 @@
 /* lex.c - see lex.h
  *
- * A million triangles have nine million numbers, so common numbers are
- * converted here.  With at most 19 significant digits that fit in 53 bits, and
- * a power of ten up to 22, one multiplication or division of two exact doubles
- * rounds correctly (Clinger 1990, How to read floating point numbers
- * accurately).  strtod() converts the others.
- *
  * Nearly all words and numbers lie whole in the buffer, and are read in place,
  * up to the NUL behind the buffer's text.  Others (which continue in the next
  * buffer, have quotes, or are wrong) are read from their beginning, character
@@ -13,6 +7,7 @@
 #include "config.h"
 
 #include "scene/file/lex.h"
+#include "base/number.h"
 
 #include <math.h>
 #include <stdint.h>
@@ -222,133 +217,25 @@ rad_lex_count(struct rad_lex *lex, const char *what, int max, int *n,
     return 0;
 }
 
-/* A number as it is written: mantissa * 10^exponent. */
-struct decimal {
-    uint64_t mantissa; /* the first 19 significant digits at most */
-    int digits;        /* significant digits in it */
-    int exponent;
-    bool negative;
-    bool inexact; /* digits other than 0 were left out */
-};
-
-static const char *
-scan_digits(const char *p, struct decimal *d, bool fraction)
-{
-    for (; *p >= '0' && *p <= '9'; p++) {
-        if (d->digits == 19) {
-            d->inexact = d->inexact || *p != '0';
-            d->exponent += !fraction;
-            continue;
-        }
-        d->mantissa = 10 * d->mantissa + (uint64_t)(*p - '0');
-        d->digits += d->mantissa != 0;
-        d->exponent -= fraction;
-    }
-    return p;
-}
-
-static const char *
-scan_exponent(const char *p, struct decimal *d)
-{
-    bool minus = *p == '-';
-    int e = 0;
-
-    p += *p == '-' || *p == '+';
-    if (*p < '0' || *p > '9')
-        return NULL;
-    for (; *p >= '0' && *p <= '9'; p++)
-        if (e < 100000)
-            e = 10 * e + (*p - '0');
-    d->exponent += minus ? -e : e;
-    return p;
-}
-
-/* Read all of the text at p as a number; false: it is none. */
-static bool
-scan_decimal(const char *p, struct decimal *d)
-{
-    const char *first;
-
-    memset(d, 0, sizeof *d);
-    d->negative = *p == '-';
-    p += *p == '-' || *p == '+';
-    first = p;
-    p = scan_digits(p, d, false);
-    if (*p == '.') {
-        first++;
-        p = scan_digits(p + 1, d, true);
-    }
-    if (p == first)
-        return false;
-    if (*p == 'e' || *p == 'E')
-        p = scan_exponent(p + 1, d);
-    return p && *p == '\0';
-}
-
-/* Set *x to the double nearest to d, if that is exact; else false. */
-static bool
-convert_exactly(const struct decimal *d, double *x)
-{
-    static const double ten[] = { 1e0,  1e1,  1e2,  1e3,  1e4,  1e5,
-                                  1e6,  1e7,  1e8,  1e9,  1e10, 1e11,
-                                  1e12, 1e13, 1e14, 1e15, 1e16, 1e17,
-                                  1e18, 1e19, 1e20, 1e21, 1e22 };
-    double m = (double)d->mantissa;
-
-    if (d->mantissa == 0 && !d->inexact) {
-        *x = d->negative ? -0. : 0.;
-        return true;
-    }
-    if (d->inexact || d->mantissa > UINT64_C(1) << 53 || d->exponent < -22 ||
-        d->exponent > 22)
-        return false;
-    m = d->exponent < 0 ? m / ten[-d->exponent] : m * ten[d->exponent];
-    *x = d->negative ? -m : m;
-    return true;
-}
-
-/* Read a number in place if it is whole in the buffer, has no exponent, and has
- * so few digits that all are kept. */
-static bool
-take_real(struct rad_lex *lex, double *x)
-{
-    const unsigned char *p = lex->buf + lex->pos, *first, *point = NULL;
-    struct decimal d = { .negative = *p == '-' };
-
-    p += *p == '-' || *p == '+';
-    for (first = p; (*p >= '0' && *p <= '9') || (*p == '.' && !point); p++)
-        if (*p == '.')
-            point = p;
-        else
-            d.mantissa = 10 * d.mantissa + (uint64_t)(*p - '0');
-    d.digits = (int)(p - first) - (point != NULL);
-    if (d.digits < 1 || d.digits > 18 || !is_space(*p))
-        return false;
-    d.exponent = point ? (int)(point + 1 - p) : 0;
-    if (!convert_exactly(&d, x))
-        return false;
-    lex->pos = (size_t)(p - lex->buf);
-    return true;
-}
-
 int
 rad_lex_real(struct rad_lex *lex, double *x, struct rad_error *err)
 {
-    struct decimal d;
+    const char *p;
     int rc;
 
     if (skip_comments(lex, err) == END)
         return unexpected_end(lex, "a real argument", err);
-    if (take_real(lex, x))
+    p = rad_take_real((const char *)lex->buf + lex->pos, x);
+    if (p && is_space((unsigned char)*p)) {
+        lex->pos = (size_t)(p - (const char *)lex->buf);
         return 0;
+    }
     rc = rad_lex_word(lex, "a real argument", err);
     if (rc)
         return rc;
-    if (!scan_decimal(lex->word, &d))
+    if (!rad_read_real(lex->word, x))
         return rad_fail(err, RAD_EDATA, "expected a real argument, got '%s'",
                         lex->word);
-    if (!convert_exactly(&d, x))
-        *x = strtod(lex->word, NULL);
     if (!isfinite(*x))
         return rad_fail(err, RAD_EDATA, "number '%s' is too large", lex->word);
     return 0;

@@ -529,12 +529,68 @@ START_TEST(reals_are_written_as_short_as_can_be)
 }
 END_TEST
 
+/* A number as text: 1 to 20 digits, a point or none, an exponent or none. */
+static void
+any_number(uint64_t key, char text[64])
+{
+    int digits = 1 + (int)(rad_mix64(key) % 20), n = 0;
+    int point = (int)(rad_mix64(key + 1) % 22) - 1;
+
+    if (rad_mix64(key + 2) % 3 == 0)
+        text[n++] = rad_mix64(key + 2) & 8 ? '-' : '+';
+    for (int i = 0; i < digits; i++) {
+        if (i == point)
+            text[n++] = '.';
+        text[n++] = (char)('0' + rad_mix64(key + 10 + (uint64_t)i) % 10);
+    }
+    text[n] = '\0';
+    if (rad_mix64(key + 3) % 2)
+        sprintf(text + n, "e%d", (int)(rad_mix64(key + 4) % 700) - 360);
+}
+
+START_TEST(reals_are_read_as_strtod_reads_them)
+{
+    for (uint64_t i = 0; i < 100000; i++) {
+        double truth, v = 0, taken = 0;
+        char text[64], *end;
+        const char *past;
+
+        any_number(100 * i, text);
+        truth = strtod(text, &end);
+        ck_assert_int_eq(*end, '\0');
+        ck_assert_msg(rad_read_real(text, &v), "%s", text);
+        ck_assert_msg(memcmp(&v, &truth, sizeof v) == 0, "%s", text);
+        strcpy(end, " 7");
+        past = rad_take_real(text, &taken);
+        if (past && past == end)
+            ck_assert_msg(memcmp(&taken, &truth, sizeof v) == 0, "%s", text);
+        else /* too long a number, or one with an exponent */
+            ck_assert_msg(strchr(text, 'e') || end - text >= 16, "%s", text);
+    }
+}
+END_TEST
+
+START_TEST(text_that_is_no_number_is_not_read)
+{
+    static const char *const text[] = { "",    ".",   "-",    "+-1",   "e5",
+                                        "1e",  "1e+", "1e5.", "1.2.3", "0x10",
+                                        "nan", "inf", " 1",   "1 " };
+    double v;
+
+    for (int i = 0; i < N_ELEM(text); i++)
+        ck_assert_msg(!rad_read_real(text[i], &v), "%s", text[i]);
+    ck_assert_ptr_null(rad_take_real("-. ", &v));
+}
+END_TEST
+
 int
 main(void)
 {
     TCase *tc = tcase_create("params");
 
     tcase_add_test(tc, defaults_are_those_of_rpict);
+    tcase_add_test(tc, reals_are_read_as_strtod_reads_them);
+    tcase_add_test(tc, text_that_is_no_number_is_not_read);
     tcase_add_test(tc, options_set_their_field);
     tcase_add_loop_test(tc, booleans_set_clear_and_toggle, 0, N_ELEM(switches));
     tcase_add_test(tc, three_spectral_samples_are_taken);

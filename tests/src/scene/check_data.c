@@ -66,6 +66,7 @@ static const struct {
     { TABLE, { 1, 5 }, 4.5 },
     { "1 0 1 2 1e2 +.5e1", { .5 }, 52.5 },
     { "+1 0 +1 +2 1 3", { .5 }, 2 },
+    { "1 0 1 2 .5#half\n1.5#", { .5 }, 1 },
 };
 
 START_TEST(value_is_interpolated)
@@ -130,6 +131,7 @@ static const struct {
     { "2 0 1 9 0 1 9 1 2 3 4 5 6 7 8 9 10", "fewer values than points" },
     { "1 0 1 99999999999999999999 1 2", "fewer numbers than it says" },
     { "1\n0 1 2\n1 x", "line 3: expected a number" },
+    { "1\n0 1 2\n1 2x", "line 3: expected a number" },
     { "1\n0 1 2\n1 nan", "line 3: expected a number" },
     { "1\n0 1 2\n1 0x10", "line 3: expected a number" },
     { "1\n0 1 2\n1 1e39", "number out of range" },
