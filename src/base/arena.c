@@ -22,6 +22,12 @@ struct rad_arena_block {
     alignas(16) unsigned char data[];
 };
 
+struct rad_arena_adopted {
+    struct rad_arena_adopted *older;
+    void *p; /* malloc'd */
+    size_t size;
+};
+
 void
 rad_arena_init(struct rad_arena *a)
 {
@@ -39,9 +45,20 @@ free_chain(struct rad_arena_block *b)
     }
 }
 
+/* Free what was adopted after `last`. */
+static void
+free_adopted(struct rad_arena *a, const struct rad_arena_adopted *last)
+{
+    for (; a->adopted != last; a->adopted = a->adopted->older) {
+        free(a->adopted->p);
+        a->total -= a->adopted->size;
+    }
+}
+
 void
 rad_arena_release(struct rad_arena *a)
 {
+    free_adopted(a, NULL);
     free_chain(a->head);
     free_chain(a->spare);
     memset(a, 0, sizeof *a);
@@ -133,10 +150,28 @@ rad_arena_strndup(struct rad_arena *a, const char *s, size_t len)
     return p;
 }
 
+void *
+rad_arena_adopt(struct rad_arena *a, void *p, size_t n)
+{
+    struct rad_arena_adopted *x = rad_arena_alloc(a, sizeof *x);
+
+    if (!x) {
+        free(p);
+        return NULL;
+    }
+    x->older = a->adopted;
+    x->p = p;
+    x->size = n;
+    a->adopted = x;
+    a->total += n;
+    return p;
+}
+
 struct rad_arena_mark
 rad_arena_mark(const struct rad_arena *a)
 {
-    struct rad_arena_mark m = { a->head, a->head ? a->head->used : 0 };
+    struct rad_arena_mark m = { a->head, a->adopted,
+                                a->head ? a->head->used : 0 };
 
     return m;
 }
@@ -144,6 +179,7 @@ rad_arena_mark(const struct rad_arena *a)
 void
 rad_arena_rewind(struct rad_arena *a, struct rad_arena_mark mark)
 {
+    free_adopted(a, mark.adopted);
     while (a->head != mark.block) {
         struct rad_arena_block *b = a->head;
 

@@ -10,15 +10,18 @@
 #include <stddef.h>
 
 struct rad_arena_block;
+struct rad_arena_adopted;
 
 struct rad_arena {
     struct rad_arena_block *head; /* block in use; older ones behind it */
     struct rad_arena_block *spare; /* blocks that a rewind emptied */
+    struct rad_arena_adopted *adopted; /* the newest first */
     size_t total;                 /* bytes allocated by malloc so far */
 };
 
 struct rad_arena_mark {
     struct rad_arena_block *block;
+    struct rad_arena_adopted *adopted;
     size_t used;
 };
 
@@ -36,6 +39,10 @@ void *rad_arena_calloc(struct rad_arena *a, size_t count, size_t size);
  * NULL when memory is out. */
 void *rad_arena_dup(struct rad_arena *a, const void *src, size_t n);
 char *rad_arena_strndup(struct rad_arena *a, const char *s, size_t len);
+
+/* Take n bytes at p, which are malloc'd: they live as long as what the arena
+ * allocates now.  Returns p; NULL, with p freed, when memory is out. */
+void *rad_arena_adopt(struct rad_arena *a, void *p, size_t n);
 
 /* A rewind frees all that was allocated after the mark; the arena keeps the
  * memory for later allocations. */

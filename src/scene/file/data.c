@@ -440,9 +440,8 @@ rad_pict_parse(struct rad_arena *arena, const uint8_t *bytes, size_t len,
     p->y.n = pic.height;
     p->x.len = (float)(w <= h ? 1 : w / h);
     p->y.len = (float)(w <= h ? h / w : 1);
-    p->rgbe = rad_arena_dup(arena, pic.rgbe,
-                            4 * (size_t)pic.width * (size_t)pic.height);
-    rad_coded_picture_release(&pic);
+    p->rgbe = rad_arena_adopt(arena, pic.rgbe,
+                              4 * (size_t)pic.width * (size_t)pic.height);
     if (p->rgbe)
         return p;
     rad_fail_memory(err);

@@ -104,6 +104,30 @@ START_TEST(arena_survives_rewind_and_large_blocks)
 }
 END_TEST
 
+START_TEST(arena_frees_what_it_adopted_with_what_it_made_then)
+{
+    struct rad_arena a;
+    struct rad_arena_mark m;
+    size_t total;
+    char *kept = malloc(1000);
+
+    ck_assert_ptr_nonnull(kept);
+    rad_arena_init(&a);
+    ck_assert_ptr_eq(rad_arena_adopt(&a, kept, 1000), kept);
+    memset(kept, 7, 1000);
+    m = rad_arena_mark(&a);
+    total = a.total;
+    for (int i = 0; i < 3; i++) { /* a leak, if it is not freed */
+        ck_assert_ptr_nonnull(rad_arena_adopt(&a, malloc(1 << 20), 1 << 20));
+        ck_assert_uint_eq(a.total, total + (1 << 20));
+        rad_arena_rewind(&a, m);
+        ck_assert_uint_eq(a.total, total);
+    }
+    ck_assert_int_eq(kept[999], 7);
+    rad_arena_release(&a);
+}
+END_TEST
+
 START_TEST(list_keeps_what_is_in_it)
 {
     uint16_t *v = NULL, *as_it_was;
@@ -435,6 +459,7 @@ main(void)
     tcase_add_test(tc, message_has_no_control_characters);
     tcase_add_test(tc, message_keeps_both_ends);
     tcase_add_test(tc, arena_survives_rewind_and_large_blocks);
+    tcase_add_test(tc, arena_frees_what_it_adopted_with_what_it_made_then);
     tcase_add_test(tc, list_keeps_what_is_in_it);
     tcase_add_test(tc, normalize_keeps_extremes);
     tcase_add_test(tc, exponential_is_as_good_as_float_holds);
