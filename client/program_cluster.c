@@ -62,8 +62,10 @@ program_cluster_start(struct program *p)
 
     uv_update_time(&p->loop.uv);
     p->cluster.began_ms = uv_now(&p->loop.uv);
-    if (rc == 0)
+    if (rc == 0) {
+        local_share(p->cluster.local, &p->cargo);
         p->cluster.target = *local_target(p->cluster.local);
+    }
     return rc;
 }
 

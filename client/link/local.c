@@ -25,7 +25,8 @@ enum {
     READY_MS = 10000,
     STOP_MS = 2000, /* then a daemon is killed */
     LOOK_MS = 10,
-    SWEEPS = 100 /* removals, for daemons may still write */
+    SWEEPS = 100,          /* removals, for daemons may still write */
+    LEAST_SHARED = 1 << 20 /* bytes; smaller files are sent as fast */
 };
 
 /* leaves room for a socket's name: the kernel limits its path */
@@ -366,6 +367,37 @@ local_start(struct local *l, int nworkers, int nthreads,
         l->nworkers = i + 1;
     }
     return 0;
+}
+
+/* Link a file into the store of a daemon; both are in our folder. */
+static void
+link_into(const struct local *l, const char *store, const char *hash)
+{
+    char from[180], to[180];
+
+    snprintf(from, sizeof from, "%s/%s", l->folder, hash);
+    snprintf(to, sizeof to, "%s/%s/files", l->folder, store);
+    if (rad_make_dir(to, 0700, NULL) < 0)
+        return; /* so the file is sent */
+    snprintf(to, sizeof to, "%s/%s/files/%s", l->folder, store, hash);
+    (void)!link(from, to);
+}
+
+void
+local_share(const struct local *l, const struct cargo *cargo)
+{
+    for (int i = 0; i < cargo->bundle->n; i++) {
+        const struct rad_bundle_entry *e = &cargo->bundle->entries[i];
+        char cache[32];
+
+        if (e->size < LEAST_SHARED)
+            continue;
+        link_into(l, "state", e->hash);
+        for (int k = 0; k < l->nworkers; k++) {
+            snprintf(cache, sizeof cache, "cache-%d", k + 1);
+            link_into(l, cache, e->hash);
+        }
+    }
 }
 
 int

@@ -8,6 +8,7 @@
 #ifndef RADD_CLIENT_LOCAL_H
 #define RADD_CLIENT_LOCAL_H
 
+#include "compile/cargo.h"
 #include "link/link.h"
 #include "link/target.h"
 
@@ -48,6 +49,12 @@ void local_note_group(struct local *l, pid_t group, bool ended);
 
 /* Threads of each worker if nthreads are asked for. */
 int local_threads(int nworkers, int nthreads);
+
+/* Spare copies of the cargo's large files, which lie in local_folder(): link
+ * them into the folders of coordinator and workers, which find them there when
+ * the cargo is offered, and check them.  Files that cannot be linked are sent.
+ */
+void local_share(const struct local *l, const struct cargo *cargo);
 
 /* The coordinator's address. */
 const struct target *local_target(const struct local *l);

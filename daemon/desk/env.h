@@ -48,6 +48,8 @@ struct coord_env {
                           * the coordinator itself; 0: 2 (feeding.c) */
     bool keeps; /* there is a store: actions tell it all that another life of
                  * the coordinator needs to go on */
+    bool one_user; /* who alone has put files into the store, maybe without
+                    * sending them (client/link/local.h) */
 };
 
 /* The other end of a connection, as the shell knows it. */

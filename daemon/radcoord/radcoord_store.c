@@ -286,7 +286,8 @@ radcoord_open_store(struct radcoord *r, struct rad_error *err)
                              .has_room = has_room,
                              .each_sent = each_sent,
                              .program = "radcoord " PACKAGE_VERSION,
-                             .keeps = !r->set.common.embedded };
+                             .keeps = !r->set.common.embedded,
+                             .one_user = r->set.common.embedded };
     uint64_t epoch;
 
     r->store = store_open(&r->daemon.loop, r->set.state,

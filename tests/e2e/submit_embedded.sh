@@ -62,6 +62,39 @@ s = json.load(open("late.json"))
 assert [w["units"] for w in s["workers"]] == [1, 1, 1], s["workers"]
 END
 
+# a large file is linked into the folders of all, and makes the same picture
+awk 'BEGIN {
+    print "2 0 1 500 0 1 500"
+    for (i = 0; i < 250000; i++) printf "%.6f ", i * i % 991 / 991
+}' >large.dat
+cat >large.rad <<'END'
+void brightdata table 5 noop large.dat . Px Py 0 0
+table glow shines 0 0 4 1 1 1 0
+shines polygon p 0 0 12 0 0 0 1 0 0 1 1 0 0 1 0
+END
+flat="-vtl -vp .5 .5 1 -vd 0 0 -1 -vu 0 1 0 -vh 1 -vv 1 -x 40 -y 40 -ab 0"
+cat >programs/radd <<END
+#!/bin/sh
+tries=0
+until find "$work"/radsubmit.*/cache-1/files -size +1000k -links 3 |
+    grep -q . || [ \$tries -ge 100 ]; do
+    tries=\$((tries + 1))
+    sleep .1
+done
+echo \$tries >tries
+exec "$radd" "\$@"
+END
+# shellcheck disable=SC2086
+programs/radsubmit --local $flat --workers=1 -o large.hdr large.rad \
+    2>stderr || fail "a large file: $(cat stderr)"
+[ "$(cat tries)" -lt 100 ] || fail "the large file is not linked"
+# shellcheck disable=SC2086
+"$top_builddir/tests/tools/seqpict" $flat -o large-seq.hdr large.rad 2>stderr ||
+    fail "seqpict, a large file: $(cat stderr)"
+body large.hdr >large.body
+body large-seq.hdr >large-seq.body
+same large.body large-seq.body "a large file makes another picture"
+
 # 64 windows, any number of workers
 render w11.hdr --partition=window --windows=64 --workers=1 --threads=1
 render w31.hdr --partition=window --windows=64 --workers=3 --threads=1

@@ -239,6 +239,31 @@ START_TEST(a_hash_alone_gives_no_right_to_a_file)
 }
 END_TEST
 
+START_TEST(a_store_of_one_user_hides_nothing)
+{
+    static const uint8_t both[2 * MSG_HASH] = { [MSG_HASH] = 1 };
+
+    f.c->env.one_user = true;
+    ck_assert_uint_eq(stranger_is_asked_for((struct msg_hashes){ 2, both }), 0);
+    submit(STRANGER, job_a, 0);
+    ck_assert_int_eq(f.last[STRANGER].type, MSG_ACCEPT);
+}
+END_TEST
+
+START_TEST(a_store_of_one_user_asks_for_what_is_not_there)
+{
+    f.c->env.one_user = true;
+    f.have = false;
+    ck_assert_uint_eq(stranger_is_asked_for((struct msg_hashes){ 1, hash }), 1);
+    submit(STRANGER, job_a, 0);
+    ck_assert_int_ne(f.last[STRANGER].type, MSG_ACCEPT);
+    f.have = true;
+    coord_file_stored(f.c, f.now_ms, STRANGER, hash);
+    carry_out();
+    ck_assert_int_eq(f.last[STRANGER].type, MSG_ACCEPT);
+}
+END_TEST
+
 /* As long as the store would keep it for that user alone. */
 enum { UPLOAD_MS = 3600 * 1000 };
 
@@ -686,6 +711,8 @@ main(void)
     tcase_add_test(tc, a_job_waits_for_its_files);
     tcase_add_test(tc, nobody_hears_what_others_have_sent);
     tcase_add_test(tc, a_hash_alone_gives_no_right_to_a_file);
+    tcase_add_test(tc, a_store_of_one_user_hides_nothing);
+    tcase_add_test(tc, a_store_of_one_user_asks_for_what_is_not_there);
     tcase_add_test(
         tc, what_a_user_sent_is_known_for_a_while_or_as_long_as_a_job_names_it);
     tcase_add_test(tc, a_worker_gets_files_of_the_job_that_it_loads_alone);
