@@ -53,7 +53,7 @@ parts_read(void *arg, const char *name, size_t *len, struct rad_error *err)
 static inline struct rad_files
 parts_files(struct parts *p)
 {
-    struct rad_files f = { parts_read, p };
+    struct rad_files f = { .read = parts_read, .arg = p };
 
     return f;
 }

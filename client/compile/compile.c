@@ -151,10 +151,19 @@ read_needed(void *arg, const char *name, size_t *len, struct rad_error *err)
     return copy;
 }
 
+static int
+open_needed(void *arg, const char *name, struct rad_error *err)
+{
+    struct compiled *c = arg;
+    struct rad_files files = paths_files(&c->paths);
+
+    return files.open(files.arg, name, err);
+}
+
 struct rad_files
 compile_files(struct compiled *c)
 {
-    struct rad_files files = { read_needed, c };
+    struct rad_files files = { read_needed, c, open_needed };
 
     return files;
 }

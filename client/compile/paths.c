@@ -180,10 +180,26 @@ read_file(void *arg, const char *name, size_t *len, struct rad_error *err)
     return bytes;
 }
 
+static int
+open_file(void *arg, const char *name, struct rad_error *err)
+{
+    struct paths *p = arg;
+    char *path = paths_find(p, name, err);
+    int fd;
+
+    if (!path)
+        return RAD_ENOINPUT;
+    fd = inputs_add(&p->inputs, "a file of the scene", path, err);
+    if (fd == 0)
+        fd = rad_file_open(path, err);
+    free(path);
+    return fd;
+}
+
 struct rad_files
 paths_files(struct paths *p)
 {
-    struct rad_files files = { read_file, p };
+    struct rad_files files = { read_file, p, open_file };
 
     return files;
 }

@@ -66,20 +66,27 @@ fail:
     return NULL;
 }
 
-unsigned char *
-rad_file_read(const char *path, size_t max, size_t *len, struct rad_error *err)
+int
+rad_file_open(const char *path, struct rad_error *err)
 {
-    unsigned char *buf;
     int fd;
 
     do
         fd = open(path, O_RDONLY | O_CLOEXEC | O_NOCTTY);
     while (fd < 0 && errno == EINTR);
-    if (fd < 0) {
-        rad_fail(err, RAD_ENOINPUT, "cannot open '%s': %s", path,
-                 strerror(errno));
+    return fd >= 0 ? fd
+                   : rad_fail(err, RAD_ENOINPUT, "cannot open '%s': %s", path,
+                              strerror(errno));
+}
+
+unsigned char *
+rad_file_read(const char *path, size_t max, size_t *len, struct rad_error *err)
+{
+    int fd = rad_file_open(path, err);
+    unsigned char *buf;
+
+    if (fd < 0)
         return NULL;
-    }
     buf = rad_fd_read(fd, path, max, len, err);
     close(fd);
     return buf;
@@ -130,6 +137,38 @@ rad_fd_stream(struct rad_fd *from)
     struct rad_stream in = { read_fd, from };
 
     return in;
+}
+
+int
+rad_files_open(const struct rad_files *files, const char *name,
+               struct rad_opened *o, struct rad_error *err)
+{
+    int rc;
+
+    o->bytes = NULL;
+    o->fd = (struct rad_fd){ -1, name };
+    if (files->open) {
+        rc = files->open(files->arg, name, err);
+        if (rc < 0)
+            return rc;
+        o->fd.fd = rc;
+        o->in = rad_fd_stream(&o->fd);
+        return 0;
+    }
+    o->bytes = files->read(files->arg, name, &o->memory.left, err);
+    if (!o->bytes)
+        return RAD_ENOINPUT;
+    o->memory.p = o->bytes;
+    o->in = rad_memory_stream(&o->memory);
+    return 0;
+}
+
+void
+rad_opened_close(struct rad_opened *o)
+{
+    if (o->fd.fd >= 0)
+        close(o->fd.fd);
+    free(o->bytes);
 }
 
 static int

@@ -16,12 +16,18 @@
 
 /* read returns a malloc'd copy of the file, which the caller frees, and its
  * length.  A NUL follows the bytes and is not counted.  NULL with *err set if
- * it fails (RAD_ENOINPUT: no such file). */
+ * it fails (RAD_ENOINPUT: no such file).
+ * open returns a descriptor of the file instead, which the caller closes, or a
+ * negative code with *err set.  NULL: files are read alone. */
 struct rad_files {
     unsigned char *(*read)(void *arg, const char *name, size_t *len,
                            struct rad_error *err);
     void *arg;
+    int (*open)(void *arg, const char *name, struct rad_error *err);
 };
+
+/* Open the file at path to read it; a descriptor, or RAD_ENOINPUT. */
+int rad_file_open(const char *path, struct rad_error *err);
 
 /* Read the whole file at path, likewise.  RAD_EDATA: it has more than max
  * bytes; RAD_ENOINPUT: it is missing or unreadable; RAD_EIO: a read fails. */
@@ -60,6 +66,18 @@ struct rad_fd {
 struct rad_stream rad_memory_stream(struct rad_memory_in *from);
 struct rad_stream rad_fd_stream(struct rad_fd *from);
 struct rad_sink rad_fd_sink(struct rad_fd *to);
+
+/* A file of a job that is read piece by piece.  The struct stays in its place
+ * until it is closed. */
+struct rad_opened {
+    struct rad_stream in;
+    struct rad_fd fd;
+    struct rad_memory_in memory;
+    unsigned char *bytes; /* of a provider that cannot open */
+};
+int rad_files_open(const struct rad_files *files, const char *name,
+                   struct rad_opened *o, struct rad_error *err);
+void rad_opened_close(struct rad_opened *o);
 
 /* Bytes that grow; zeroed there are none.  The caller frees `bytes`. */
 struct rad_memory_out {

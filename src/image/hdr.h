@@ -97,4 +97,10 @@ void rad_coded_picture_release(struct rad_coded_picture *pic);
 int rad_hdr_read_coded(const uint8_t *data, size_t len, size_t max_pixels,
                        struct rad_coded_picture *pic, struct rad_error *err);
 
+/* Likewise, from a stream, of which nothing is read ahead but what fits in 64
+ * KiB.  kept false: the file is read and checked, and pic->rgbe is NULL. */
+int rad_hdr_stream_coded(const struct rad_stream *from, size_t max_pixels,
+                         bool kept, struct rad_coded_picture *pic,
+                         struct rad_error *err);
+
 #endif

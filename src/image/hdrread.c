@@ -11,7 +11,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { LONGEST_SIDE = 1 << 24 };
+enum {
+    LONGEST_SIDE = 1 << 24,
+    WINDOW = 64 * 1024 /* bytes of a stream in memory */
+};
 
 /* The bytes of a coded component of n pixels; 0: there is none. */
 static size_t
@@ -61,6 +64,8 @@ rad_picture_release(struct rad_picture *pic)
 
 struct reader {
     const uint8_t *at, *end;
+    const struct rad_stream *more; /* what follows the end; NULL: nothing */
+    uint8_t *window;               /* of WINDOW bytes, for `more` */
     struct rad_error *err;
     double divide[3]; /* EXPOSURE times COLORCORR */
     double pixaspect;
@@ -79,23 +84,54 @@ damaged(struct reader *in, const char *what)
     return rad_fail(in->err, RAD_EDATA, "picture: %s", what);
 }
 
+/* Read on until at least n bytes, of WINDOW at most, are there; false: the file
+ * ends before. */
+static bool
+read_on(struct reader *in, size_t n)
+{
+    size_t left = (size_t)(in->end - in->at);
+
+    if (!in->more)
+        return false;
+    memmove(in->window, in->at, left);
+    in->at = in->window;
+    while (left < n) {
+        long k = in->more->read(in->more->arg, in->window + left, WINDOW - left,
+                                in->err);
+
+        if (k <= 0)
+            break; /* the stream has set the error, if there is one */
+        left += (size_t)k;
+    }
+    in->end = in->window + left;
+    return left >= n;
+}
+
+static inline bool
+has(struct reader *in, size_t n)
+{
+    return (size_t)(in->end - in->at) >= n || read_on(in, n);
+}
+
 /* Copy the next line, without its end, into line; a long one is cut. */
 static int
 get_line(struct reader *in, char *line, size_t size)
 {
-    const uint8_t *stop = memchr(in->at, '\n', (size_t)(in->end - in->at));
-    size_t n;
+    uint8_t c, last = 0;
+    size_t n = 0;
 
-    if (!stop)
-        return damaged(in, "header ends early");
-    n = (size_t)(stop - in->at);
-    if (n > 0 && in->at[n - 1] == '\r')
+    for (;; last = c, n++) {
+        if (!has(in, 1))
+            return damaged(in, "header ends early");
+        c = *in->at++;
+        if (c == '\n')
+            break;
+        if (n < size)
+            line[n] = (char)c;
+    }
+    if (last == '\r')
         n--;
-    if (n > size - 1)
-        n = size - 1;
-    memcpy(line, in->at, n);
-    line[n] = '\0';
-    in->at = stop + 1;
+    line[n < size - 1 ? n : size - 1] = '\0';
     return 0;
 }
 
@@ -246,7 +282,7 @@ read_resolution(struct reader *in)
 static int
 read_head(struct reader *in)
 {
-    bool marked = in->end - in->at >= 2 && memcmp(in->at, "#?", 2) == 0;
+    bool marked = has(in, 2) && memcmp(in->at, "#?", 2) == 0;
     struct rad_error why = { 0 }, *err = in->err;
     int rc;
 
@@ -269,7 +305,7 @@ decode_component(struct reader *in, uint8_t *component, int n)
         uint8_t byte;
         int k;
 
-        if (in->end - in->at < 2)
+        if (!has(in, 2))
             return damaged(in, "ends early");
         k = *in->at++;
         if (k > 128) {
@@ -282,7 +318,7 @@ decode_component(struct reader *in, uint8_t *component, int n)
         } else {
             if (k == 0 || k > n - i)
                 return damaged(in, "bad length of bytes in a row");
-            if (k > in->end - in->at)
+            if (!has(in, (size_t)k))
                 return damaged(in, "ends early");
             from = in->at;
             in->at += k;
@@ -300,7 +336,7 @@ decode_old(struct reader *in, uint8_t *rgbe, int n)
     int shift = 0;
 
     for (int i = 0; i < n;) {
-        if (in->end - in->at < 4)
+        if (!has(in, 4))
             return damaged(in, "ends early");
         if (in->at[0] == 1 && in->at[1] == 1 && in->at[2] == 1) {
             /* a count of more than 24 bits is more than any row has */
@@ -326,8 +362,8 @@ decode_row(struct reader *in, uint8_t *rgbe)
     int n = in->nlength;
     int rc;
 
-    if (is_flat(n) || in->end - in->at < 4 || in->at[0] != 2 ||
-        in->at[1] != 2 || in->at[2] > 127)
+    if (is_flat(n) || !has(in, 4) || in->at[0] != 2 || in->at[1] != 2 ||
+        in->at[2] > 127)
         return decode_old(in, rgbe, n);
     if ((in->at[2] << 8 | in->at[3]) != n)
         return damaged(in, "a row's length is not the picture's");
@@ -354,14 +390,15 @@ rad_hdr_decode_row(const uint8_t *code, size_t len, int width, uint8_t *rgbe)
     return decode_row(&in, rgbe) < 0 ? 0 : (size_t)(in.at - code);
 }
 
-/* Decode all rows into *rgbe, which grows as they come. */
+/* Decode all rows into *rgbe, which grows as they come; or, not to be kept,
+ * each over the row before. */
 static int
-decode_rows(struct reader *in, uint8_t **rgbe)
+decode_rows(struct reader *in, bool kept, uint8_t **rgbe)
 {
     size_t row = 4 * (size_t)in->nlength, room = 0;
 
     for (int y = 0; y < in->nscan; y++) {
-        size_t used = row * (size_t)y;
+        size_t used = kept ? row * (size_t)y : 0;
         int rc;
 
         if (used + row > room) {
@@ -395,9 +432,10 @@ pixel_at(const struct reader *in, const uint8_t *rgbe, int x, int y)
     return rgbe + 4 * at;
 }
 
-/* Read header and pixels; *rgbe is malloc'd, in the file's order. */
+/* Read header and pixels; *rgbe is malloc'd, in the file's order.  kept false:
+ * only its first row's bytes can be used. */
 static int
-read_coded(struct reader *in, size_t max_pixels, uint8_t **rgbe)
+read_coded(struct reader *in, size_t max_pixels, bool kept, uint8_t **rgbe)
 {
     int rc;
 
@@ -409,7 +447,7 @@ read_coded(struct reader *in, size_t max_pixels, uint8_t **rgbe)
                         "picture: %d by %d is more than the %zu pixels that "
                         "are read",
                         in->nlength, in->nscan, max_pixels);
-    rc = decode_rows(in, rgbe);
+    rc = decode_rows(in, kept, rgbe);
     if (rc < 0) {
         free(*rgbe);
         *rgbe = NULL;
@@ -473,7 +511,7 @@ rad_hdr_read(const uint8_t *data, size_t len, size_t max_pixels,
     int rc;
 
     memset(pic, 0, sizeof *pic);
-    rc = read_coded(&in, max_pixels, &rgbe);
+    rc = read_coded(&in, max_pixels, true, &rgbe);
     if (rc == 0)
         rc = arrange(&in, rgbe, pic);
     free(rgbe);
@@ -487,28 +525,14 @@ rad_coded_picture_release(struct rad_coded_picture *pic)
     memset(pic, 0, sizeof *pic);
 }
 
-int
-rad_hdr_read_coded(const uint8_t *data, size_t len, size_t max_pixels,
-                   struct rad_coded_picture *pic, struct rad_error *err)
+/* Put coded pixels, in the file's order, into pic's; takes rgbe. */
+static int
+arrange_coded(const struct reader *in, uint8_t *rgbe,
+              struct rad_coded_picture *pic)
 {
-    struct reader in = start_reader(data, len, err);
-    uint8_t *rgbe, *to;
-    int rc;
+    uint8_t *to;
 
-    memset(pic, 0, sizeof *pic);
-    rc = read_coded(&in, max_pixels, &rgbe);
-    if (rc < 0)
-        return rc;
-    if (in.xyz) {
-        free(rgbe);
-        return rad_fail(err, RAD_EDATA,
-                        "picture: tristimulus values (32-bit_rle_xyze) are "
-                        "not read here");
-    }
-    pic->width = in.xmajor ? in.nscan : in.nlength;
-    pic->height = in.xmajor ? in.nlength : in.nscan;
-    pic->pixaspect = in.pixaspect;
-    if (!in.xmajor && !in.xleft && !in.yup) {
+    if (!in->xmajor && !in->xleft && !in->yup) {
         pic->rgbe = rgbe;
         return 0;
     }
@@ -516,10 +540,64 @@ rad_hdr_read_coded(const uint8_t *data, size_t len, size_t max_pixels,
     pic->rgbe = to;
     for (int y = 0; to && y < pic->height; y++)
         for (int x = 0; x < pic->width; x++, to += 4)
-            memcpy(to, pixel_at(&in, rgbe, x, y), 4);
+            memcpy(to, pixel_at(in, rgbe, x, y), 4);
     free(rgbe);
     if (pic->rgbe)
         return 0;
     rad_coded_picture_release(pic);
-    return rad_fail_memory(err);
+    return rad_fail_memory(in->err);
+}
+
+static int
+read_coded_picture(struct reader *in, size_t max_pixels, bool kept,
+                   struct rad_coded_picture *pic)
+{
+    uint8_t *rgbe;
+    int rc;
+
+    memset(pic, 0, sizeof *pic);
+    rc = read_coded(in, max_pixels, kept, &rgbe);
+    if (rc < 0)
+        return rc;
+    if (in->xyz)
+        rc = rad_fail(in->err, RAD_EDATA,
+                      "picture: tristimulus values (32-bit_rle_xyze) are not "
+                      "read here");
+    if (rc < 0 || !kept) {
+        free(rgbe);
+        rgbe = NULL;
+    }
+    if (rc < 0)
+        return rc;
+    pic->width = in->xmajor ? in->nscan : in->nlength;
+    pic->height = in->xmajor ? in->nlength : in->nscan;
+    pic->pixaspect = in->pixaspect;
+    return kept ? arrange_coded(in, rgbe, pic) : 0;
+}
+
+int
+rad_hdr_read_coded(const uint8_t *data, size_t len, size_t max_pixels,
+                   struct rad_coded_picture *pic, struct rad_error *err)
+{
+    struct reader in = start_reader(data, len, err);
+
+    return read_coded_picture(&in, max_pixels, true, pic);
+}
+
+int
+rad_hdr_stream_coded(const struct rad_stream *from, size_t max_pixels,
+                     bool kept, struct rad_coded_picture *pic,
+                     struct rad_error *err)
+{
+    uint8_t *window = malloc(WINDOW);
+    struct reader in = start_reader(window, 0, err);
+    int rc;
+
+    if (!window)
+        return rad_fail_memory(err);
+    in.more = from;
+    in.window = window;
+    rc = read_coded_picture(&in, max_pixels, kept, pic);
+    free(window);
+    return rc;
 }

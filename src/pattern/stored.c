@@ -10,7 +10,7 @@
 
 struct rad_stored {
     struct rad_stored *next;
-    rad_stored_parse parse;
+    rad_stored_parse parse; /* NULL: a picture */
     const char *name;
     const void *what; /* made by parse */
 };
@@ -43,17 +43,13 @@ load(struct rad_job *job, const struct rad_object *o,
     return what;
 }
 
-const void *
-rad_stored(struct rad_job *job, const struct rad_object *o,
-           const struct rad_files *files, const char *name,
-           rad_stored_parse parse, struct rad_error *err)
+/* Note what was made of a file, for other objects; NULL stays NULL. */
+static const void *
+note(struct rad_job *job, const char *name, rad_stored_parse parse,
+     const void *what, struct rad_error *err)
 {
-    const void *what = find(job, name, parse);
     struct rad_stored *s;
 
-    if (what)
-        return what;
-    what = load(job, o, files, name, parse, err);
     if (!what)
         return NULL;
     s = rad_arena_calloc(&job->arena, 1, sizeof *s);
@@ -68,6 +64,18 @@ rad_stored(struct rad_job *job, const struct rad_object *o,
     s->next = job->stored;
     job->stored = s;
     return what;
+}
+
+const void *
+rad_stored(struct rad_job *job, const struct rad_object *o,
+           const struct rad_files *files, const char *name,
+           rad_stored_parse parse, struct rad_error *err)
+{
+    const void *what = find(job, name, parse);
+
+    return what ? what
+                : note(job, name, parse, load(job, o, files, name, parse, err),
+                       err);
 }
 
 static const void *
@@ -85,11 +93,25 @@ rad_stored_data(struct rad_job *job, const struct rad_object *o,
     return rad_stored(job, o, files, name, parse_data, err);
 }
 
-static const void *
-parse_picture(struct rad_arena *arena, const char *bytes, size_t len,
-              struct rad_error *err)
+/* A picture may be large, so it is decoded as it is read. */
+static const struct rad_pict *
+load_picture(struct rad_job *job, const struct rad_object *o,
+             const struct rad_files *files, const char *name,
+             struct rad_error *err)
 {
-    return rad_pict_parse(arena, (const uint8_t *)bytes, len, err);
+    struct rad_error why = { 0 };
+    const struct rad_pict *p = NULL;
+    struct rad_opened file;
+
+    if (files && rad_files_open(files, name, &file, &why) == 0) {
+        p = rad_pict_parse(&job->arena, &file.in, !job->unseen, &why);
+        rad_opened_close(&file);
+    }
+    if (!p) {
+        rad_fail(&why, RAD_ENOINPUT, "no file '%s'", name);
+        rad_material_file_fail(job, o, name, &why, err);
+    }
+    return p;
 }
 
 const struct rad_pict *
@@ -97,7 +119,11 @@ rad_stored_picture(struct rad_job *job, const struct rad_object *o,
                    const struct rad_files *files, const char *name,
                    struct rad_error *err)
 {
-    return rad_stored(job, o, files, name, parse_picture, err);
+    const void *what = find(job, name, NULL);
+
+    return what ? what
+                : note(job, name, NULL, load_picture(job, o, files, name, err),
+                       err);
 }
 
 static const void *

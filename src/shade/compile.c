@@ -182,6 +182,7 @@ rad_job_check(const struct rad_scene *scene, const struct rad_files *files,
     if (!job)
         return rad_fail_memory(err);
     job->scene = scene;
+    job->unseen = true;
     rad_params_init(&usual);
     set_channels(job, &usual);
     rad_arena_init(&job->arena);

@@ -44,6 +44,7 @@ struct rad_job {
                                   * scatters nothing */
     struct rad_calc *calc;       /* NULL: no functions */
     struct rad_stored *stored;   /* data files and pictures; NULL: none */
+    bool unseen; /* no ray will be traced, so pictures need no pixels */
     struct rad_ambient *ambient; /* NULL: no cache (-ab 0 or -aa 0) */
 };
 

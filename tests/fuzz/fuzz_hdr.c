@@ -31,7 +31,9 @@ LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
     struct rad_picture pic;
     struct rad_error err = { 0 };
-    struct rad_coded_picture coded;
+    struct rad_coded_picture coded, streamed;
+    struct rad_memory_in from = { data, size };
+    struct rad_stream in = rad_memory_stream(&from);
     struct rad_arena arena;
     struct rad_pict *p;
     double rgb[3];
@@ -40,12 +42,22 @@ LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
         look_at_row(data, size, width);
     rad_hdr_read(data, size, 1 << 20, &pic, &err);
     rad_picture_release(&pic);
-    /* the same again, but for the limit */
-    if (rad_hdr_read_coded(data, size, 1 << 20, &coded, NULL) < 0)
+    if (rad_hdr_read_coded(data, size, 1 << 20, &coded, NULL) < 0) {
+        if (rad_hdr_stream_coded(&in, 1 << 20, false, &streamed, NULL) == 0)
+            abort();
         return 0;
+    }
+    if (rad_hdr_stream_coded(&in, 1 << 20, true, &streamed, NULL) < 0 ||
+        coded.width != streamed.width || coded.height != streamed.height ||
+        memcmp(coded.rgbe, streamed.rgbe,
+               4 * (size_t)coded.width * (size_t)coded.height) != 0)
+        abort();
+    rad_coded_picture_release(&streamed);
     rad_coded_picture_release(&coded);
+    /* the same again, but for the limit */
     rad_arena_init(&arena);
-    p = rad_pict_parse(&arena, data, size, NULL);
+    from = (struct rad_memory_in){ data, size };
+    p = rad_pict_parse(&arena, &in, true, NULL);
     for (double x = -3; p && x < 4; x += .37)
         rad_pict_value(p, x, 1 - x, rgb);
     rad_arena_release(&arena);

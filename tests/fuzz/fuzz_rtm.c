@@ -64,7 +64,7 @@ LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
                             .nstrings = 3,
                             .strings = strings };
     struct input input = { data, size };
-    struct rad_files files = { read_input, &input };
+    struct rad_files files = { .read = read_input, .arg = &input };
     struct rad_scene *s = rad_scene_new();
     struct rad_error err = { 0 };
     struct rad_geom *g = NULL;

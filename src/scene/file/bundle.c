@@ -4,9 +4,13 @@
 #include "scene/file/bundle.h"
 #include "base/list.h"
 
+#include <errno.h>
+#include <limits.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 #define MAGIC      "radd-bundle 1\n"
 #define SCENE_NAME "-"
@@ -279,38 +283,76 @@ rad_bundle_parse(struct rad_bundle *b, const char *text, size_t len,
     return 0;
 }
 
-static unsigned char *
-read_from_dir(void *arg, const char *name, size_t *len, struct rad_error *err)
+/* The path of a file of the bundle. */
+static const struct rad_bundle_entry *
+find_in_dir(const struct rad_bundle_dir *where, const char *name,
+            char path[PATH_MAX], struct rad_error *err)
 {
-    const struct rad_bundle_dir *where = arg;
     const struct rad_bundle_entry *e =
         rad_bundle_find(where->bundle, RAD_BUNDLE_FILE, name);
-    char path[4096];
-    unsigned char *bytes;
 
     if (!e) {
         rad_fail(err, RAD_ENOINPUT, "file '%s' is not in the bundle", name);
         return NULL;
     }
-    if ((size_t)snprintf(path, sizeof path, "%s/%s", where->dir, e->hash) >=
-        sizeof path) {
+    if ((size_t)snprintf(path, PATH_MAX, "%s/%s", where->dir, e->hash) >=
+        PATH_MAX) {
         rad_fail(err, RAD_ENOINPUT, "path of '%s' is too long", name);
         return NULL;
     }
-    bytes = rad_file_read(path, (size_t)e->size, len, err);
-    if (bytes && *len != e->size) {
-        rad_fail(err, RAD_EDATA, "'%s' has %zu bytes, its manifest says %llu",
-                 name, *len, (unsigned long long)e->size);
+    return e;
+}
+
+static int
+check_length(const struct rad_bundle_entry *e, uint64_t len,
+             struct rad_error *err)
+{
+    if (len == e->size)
+        return 0;
+    return rad_fail(err, RAD_EDATA,
+                    "'%s' has %llu bytes, its manifest says %llu", e->name,
+                    (unsigned long long)len, (unsigned long long)e->size);
+}
+
+static unsigned char *
+read_from_dir(void *arg, const char *name, size_t *len, struct rad_error *err)
+{
+    char path[PATH_MAX];
+    const struct rad_bundle_entry *e = find_in_dir(arg, name, path, err);
+    unsigned char *bytes =
+        e ? rad_file_read(path, (size_t)e->size, len, err) : NULL;
+
+    if (bytes && check_length(e, *len, err) < 0) {
         free(bytes);
         return NULL;
     }
     return bytes;
 }
 
+static int
+open_in_dir(void *arg, const char *name, struct rad_error *err)
+{
+    char path[PATH_MAX];
+    const struct rad_bundle_entry *e = find_in_dir(arg, name, path, err);
+    int fd = e ? rad_file_open(path, err) : RAD_ENOINPUT, rc;
+    struct stat st;
+
+    if (fd < 0)
+        return fd;
+    rc = fstat(fd, &st) < 0 ? rad_fail(err, RAD_EIO, "cannot read '%s': %s",
+                                       path, strerror(errno))
+                            : check_length(e, (uint64_t)st.st_size, err);
+    if (rc < 0) {
+        close(fd);
+        return rc;
+    }
+    return fd;
+}
+
 struct rad_files
 rad_bundle_files(struct rad_bundle_dir *where)
 {
-    struct rad_files f = { read_from_dir, where };
+    struct rad_files f = { read_from_dir, where, open_in_dir };
 
     return f;
 }

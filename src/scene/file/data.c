@@ -421,7 +421,7 @@ rad_data_value(const struct rad_data *d, const double at[])
 /* --- pictures ------------------------------------------------------------ */
 
 struct rad_pict *
-rad_pict_parse(struct rad_arena *arena, const uint8_t *bytes, size_t len,
+rad_pict_parse(struct rad_arena *arena, const struct rad_stream *in, bool kept,
                struct rad_error *err)
 {
     struct rad_pict *p = rad_arena_calloc(arena, 1, sizeof *p);
@@ -432,7 +432,7 @@ rad_pict_parse(struct rad_arena *arena, const uint8_t *bytes, size_t len,
         rad_fail_memory(err);
         return NULL;
     }
-    if (rad_hdr_read_coded(bytes, len, RAD_MAX_DATA_PIXELS, &pic, err) < 0)
+    if (rad_hdr_stream_coded(in, RAD_MAX_DATA_PIXELS, kept, &pic, err) < 0)
         return NULL;
     w = pic.width;
     h = pic.height * pic.pixaspect;
@@ -440,6 +440,8 @@ rad_pict_parse(struct rad_arena *arena, const uint8_t *bytes, size_t len,
     p->y.n = pic.height;
     p->x.len = (float)(w <= h ? 1 : w / h);
     p->y.len = (float)(w <= h ? h / w : 1);
+    if (!kept)
+        return p;
     p->rgbe = rad_arena_adopt(arena, pic.rgbe,
                               4 * (size_t)pic.width * (size_t)pic.height);
     if (p->rgbe)

@@ -27,7 +27,9 @@
 
 #include "base/arena.h"
 #include "base/error.h"
+#include "base/files.h"
 
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
@@ -70,10 +72,11 @@ void rad_data_values(const struct rad_data *const d[], int n, const double at[],
 void rad_data_row(const struct rad_data *d, const double at[],
                   const double last[], int n, double value[]);
 
-/* Decode a picture file; image/hdr.h names the formats.  NULL and *err on
- * failure. */
-struct rad_pict *rad_pict_parse(struct rad_arena *arena, const uint8_t *bytes,
-                                size_t len, struct rad_error *err);
+/* Decode a picture file; image/hdr.h names the formats.  kept false: only check
+ * it; the picture has no values.  NULL and *err on failure. */
+struct rad_pict *rad_pict_parse(struct rad_arena *arena,
+                                const struct rad_stream *in, bool kept,
+                                struct rad_error *err);
 
 /* Red, green and blue at (x, y), anywhere. */
 void rad_pict_value(const struct rad_pict *p, double x, double y,

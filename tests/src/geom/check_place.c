@@ -13,7 +13,7 @@
 #define MAT "void plastic m 0 0 5 .5 .5 .5 0 0\n"
 
 static struct parts parts;
-static const struct rad_files files = { parts_read, &parts };
+static const struct rad_files files = { .read = parts_read, .arg = &parts };
 
 static void
 tear_down(void)

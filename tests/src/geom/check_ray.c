@@ -215,7 +215,7 @@ empty_font(void *arg, const char *name, size_t *len, struct rad_error *err)
 
 START_TEST(unsound_radiance_is_cut_off_and_counted)
 {
-    static const struct rad_files files = { empty_font, NULL };
+    static const struct rad_files files = { .read = empty_font, .arg = NULL };
     char text[512];
     struct rad_rgb c;
 
@@ -232,7 +232,7 @@ END_TEST
  * only of what the eye gets it is cut off. */
 START_TEST(negative_radiance_darkens_what_reflects_it)
 {
-    static const struct rad_files files = { empty_font, NULL };
+    static const struct rad_files files = { .read = empty_font, .arg = NULL };
     static const char above[] =
         "void colortext t 3 f . A 0 15 0 0 0 1 0 0 0 1 0 -1 2 3 -1 2 3\n"
         "t glow up 0 0 4 1 1 1 -1\n"
@@ -257,7 +257,7 @@ END_TEST
  * though the eye finds it dark. */
 START_TEST(negative_shadow_keeps_other_channels)
 {
-    static const struct rad_files files = { empty_font, NULL };
+    static const struct rad_files files = { .read = empty_font, .arg = NULL };
     char text[512];
     struct rad_rgb c;
 

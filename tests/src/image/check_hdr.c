@@ -199,6 +199,44 @@ pattern(int kind, int x, int y)
     }
 }
 
+/* A stream that gives at most three bytes at a time. */
+static long
+read_pieces(void *arg, void *buf, size_t n, struct rad_error *err)
+{
+    struct rad_stream in = rad_memory_stream(arg);
+    size_t left = ((struct rad_memory_in *)arg)->left;
+
+    return in.read(in.arg, buf, n < 1 + left % 3 ? n : 1 + left % 3, err);
+}
+
+/* What is read from a stream is that which is read from memory, maybe an
+ * error. */
+static void
+stream_is_as_memory(const uint8_t *data, size_t len, size_t most)
+{
+    struct rad_coded_picture whole, pic;
+    struct rad_error want = { 0 };
+    int rc = rad_hdr_read_coded(data, len, most, &whole, &want);
+
+    for (int kept = 0; kept < 2; kept++) {
+        struct rad_memory_in from = { data, len };
+        struct rad_stream in = { read_pieces, &from };
+        struct rad_error err = { 0 };
+
+        ck_assert_int_eq(rad_hdr_stream_coded(&in, most, kept == 1, &pic, &err),
+                         rc);
+        ck_assert_str_eq(err.what, want.what);
+        ck_assert(pic.width == whole.width && pic.height == whole.height);
+        if (rc == 0 && kept)
+            ck_assert_mem_eq(pic.rgbe, whole.rgbe,
+                             4 * (size_t)pic.width * (size_t)pic.height);
+        else
+            ck_assert_ptr_null(pic.rgbe);
+        rad_coded_picture_release(&pic);
+    }
+    rad_coded_picture_release(&whole);
+}
+
 static const int widths[] = { 1, 2, 7, 8, 9, 127, 128, 129, 400, 32767, 32768 };
 
 START_TEST(pictures_come_back_as_written)
@@ -230,6 +268,8 @@ START_TEST(pictures_come_back_as_written)
     if (kind == 0 && width == 400)
         ck_assert_uint_lt(f.len, 300); /* runs were coded as runs */
     rad_picture_release(&pic);
+    stream_is_as_memory(f.data, f.len, n);
+    stream_is_as_memory(f.data, f.len - 1, n);
     ck_assert_int_eq(rad_hdr_read(f.data, f.len, n - 1, &pic, NULL), RAD_EDATA);
     ck_assert_int_eq(rad_hdr_read(f.data, f.len - 1, n, &pic, NULL), RAD_EDATA);
     ck_assert_ptr_null(pic.L);
@@ -346,6 +386,7 @@ START_TEST(orientation_is_undone)
     /* 1,1,1 is an old run at the start of a row: use 1,1,2 */
     f.data[n + 2] = 2;
     ck_assert_int_eq(rad_hdr_read(f.data, f.len, 6, &pic, NULL), 0);
+    stream_is_as_memory(f.data, f.len, 6);
     ck_assert_int_eq(pic.width, orientations[_i].width);
     ck_assert_float_eq(pic.L[orientations[_i].first].r, 1.5f);
     ck_assert_float_eq(pic.L[orientations[_i].second].r, 2.5f);
@@ -456,7 +497,27 @@ START_TEST(damaged_pictures_are_refused)
                      RAD_EDATA);
     ck_assert_ptr_null(pic.L);
     ck_assert(err.what[0] != '\0');
+    stream_is_as_memory(copy + 1, bad[_i].len, 1000);
     free(copy);
+}
+END_TEST
+
+static long
+fail_to_read(void *arg, void *buf, size_t n, struct rad_error *err)
+{
+    (void)arg, (void)buf, (void)n;
+    return rad_fail(err, RAD_EIO, "the disk is gone");
+}
+
+START_TEST(a_stream_that_fails_is_told)
+{
+    struct rad_stream in = { fail_to_read, NULL };
+    struct rad_coded_picture pic;
+    struct rad_error err = { 0 };
+
+    ck_assert_int_lt(rad_hdr_stream_coded(&in, 1, true, &pic, &err), 0);
+    ck_assert_int_eq(err.code, RAD_EIO);
+    ck_assert_str_eq(err.what, "the disk is gone");
 }
 END_TEST
 
@@ -480,5 +541,6 @@ main(void)
     tcase_add_test(tc, exposure_and_colour_correction_are_undone);
     tcase_add_test(tc, old_runs_are_read);
     tcase_add_loop_test(tc, damaged_pictures_are_refused, 0, N_ELEM(bad));
+    tcase_add_test(tc, a_stream_that_fails_is_told);
     return unit_run_case(tc);
 }

@@ -29,7 +29,7 @@ static const char functions[] =
     "x2 = if(aimed, DxA, Dx - A1); zback = if(aimed, DzA, -Dz);\n";
 
 static struct world_file texts[] = { { "f.cal", functions }, { 0 } };
-static const struct rad_files files = { world_file_read, texts };
+static const struct rad_files files = { .read = world_file_read, .arg = texts };
 
 static void
 open_world(const char *scene, const char *options)

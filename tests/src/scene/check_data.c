@@ -156,6 +156,16 @@ END_TEST
 
 /* --- pictures ------------------------------------------------------------ */
 
+static struct rad_pict *
+parse_picture(struct rad_arena *arena, const char *text, size_t n,
+              struct rad_error *err)
+{
+    struct rad_memory_in from = { text, n };
+    struct rad_stream in = rad_memory_stream(&from);
+
+    return rad_pict_parse(arena, &in, true, err);
+}
+
 /* Three columns, two rows; the mantissa of red is the column, of green the row
  * from the bottom, both in 32nds; each with its half step. */
 static struct rad_pict *
@@ -183,7 +193,7 @@ make_picture(struct rad_arena *arena, const char *head, const char *axes,
             text[n++] = (char)129;
         }
     rad_arena_init(arena);
-    return rad_pict_parse(arena, (const uint8_t *)text, n, err);
+    return parse_picture(arena, text, n, err);
 }
 
 static const struct {
@@ -233,7 +243,7 @@ START_TEST(one_pixel_is_the_same_everywhere)
     double rgb[3];
 
     rad_arena_init(&arena);
-    p = rad_pict_parse(&arena, (const uint8_t *)text, sizeof text - 1, &err);
+    p = parse_picture(&arena, text, sizeof text - 1, &err);
     ck_assert_msg(p != NULL, "%s", err.what);
     rad_pict_value(p, 3, -4, rgb);
     ck_assert_double_eq_tol(rgb[0], 64.5 / 128, 1e-6);
@@ -256,8 +266,7 @@ START_TEST(bad_picture_is_refused)
     struct rad_arena arena;
 
     rad_arena_init(&arena);
-    ck_assert_ptr_null(
-        rad_pict_parse(&arena, (const uint8_t *)text, strlen(text), &err));
+    ck_assert_ptr_null(parse_picture(&arena, text, strlen(text), &err));
     ck_assert_int_eq(err.code, RAD_EDATA);
     rad_arena_release(&arena);
 }

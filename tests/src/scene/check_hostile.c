@@ -172,7 +172,7 @@ freeze(const char *name, size_t *len, struct rad_error *err)
     struct rad_memory_out bytes = { NULL, 0, 0 };
     struct rad_sink sink = rad_memory_sink(&bytes);
     struct library as_it_is = { 0 };
-    struct rad_files files = { read_file, &as_it_is };
+    struct rad_files files = { .read = read_file, .arg = &as_it_is };
     struct rad_scene *s = rad_scene_new();
     struct rad_octree tree = { 0 };
     char rad[64], *text;
@@ -346,7 +346,7 @@ static bool
 try(const char *text, size_t len, uint64_t key)
 {
     struct library lib = { rad_rand(key, 2) < .3 ? rad_key_branch(key, 9) : 0 };
-    struct rad_files files = { read_file, &lib };
+    struct rad_files files = { .read = read_file, .arg = &lib };
     struct world w = { .scene = rad_scene_new() };
     int rc = rad_parse_text(w.scene, text, len, "hostile.rad", NULL, &w.err);
 

@@ -146,7 +146,7 @@ read_font(void *arg, const char *name, size_t *len, struct rad_error *err)
     return copy;
 }
 
-static const struct rad_files files = { read_font, NULL };
+static const struct rad_files files = { .read = read_font, .arg = NULL };
 
 static uint32_t
 pick(uint64_t key, uint32_t dim, size_t n)

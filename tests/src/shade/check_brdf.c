@@ -26,7 +26,7 @@ static const char plane[] = "2 0 1 3  0 0 2 -1 1  -30 30  -29 31  -28 32";
 static struct world_file texts[] = { { "f.cal", functions },
                                      { "plane.dat", plane },
                                      { 0 } };
-static const struct rad_files files = { world_file_read, texts };
+static const struct rad_files files = { .read = world_file_read, .arg = texts };
 
 static struct rad_rgb
 see_by(const char *scene, const char *options, double deg)

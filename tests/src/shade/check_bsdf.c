@@ -507,7 +507,7 @@ static const char even[] =
 static struct world_file texts[] = {
     { "even.xml", even }, { "peak.xml", peak }, { "matrix.xml", matrix }, { 0 }
 };
-static const struct rad_files files = { world_file_read, texts };
+static const struct rad_files files = { .read = world_file_read, .arg = texts };
 
 #define PLAIN "-av 0 0 0 -st 1 -lw 0 -lr 30 -ss 0 -dj 0 -ds 0 -dt 0 -dc 1"
 #define PANE                                                                   \

@@ -26,7 +26,7 @@ static struct rad_rgb
 see(const char *scene, const char *file)
 {
     struct world_file own[] = { { OWN, file }, { 0 } };
-    struct rad_files files = { world_file_read, own };
+    struct rad_files files = { .read = world_file_read, .arg = own };
 
     return world_glance(scene, PLAIN, file ? &files : NULL, 2, 3, 4, 0, 0, -1);
 }
@@ -366,7 +366,7 @@ static const struct {
 START_TEST(an_argument_that_may_be_left_out_is_not_missed)
 {
     struct world_file own[] = { { OWN, optional[_i].file }, { 0 } };
-    struct rad_files files = { world_file_read, own };
+    struct rad_files files = { .read = world_file_read, .arg = own };
     char scene[512];
 
     snprintf(scene, sizeof scene, "void brightfunc p 2 %s %s 0 1 1\np" SHINE,
@@ -378,7 +378,7 @@ END_TEST
 START_TEST(bad_function_is_refused_by_name)
 {
     struct world_file own[] = { { OWN, bad[_i].file }, { 0 } };
-    struct rad_files files = { world_file_read, own };
+    struct rad_files files = { .read = world_file_read, .arg = own };
     char scene[512];
 
     snprintf(scene, sizeof scene, "void %s\np" SHINE, bad[_i].pattern);

@@ -467,7 +467,7 @@ static struct world_file texts[] = {
     { "two.txt", "A\n A" },
     { 0 }
 };
-static const struct rad_files files = { world_file_read, texts };
+static const struct rad_files files = { .read = world_file_read, .arg = texts };
 
 /* Cells are 1 by 1, the anchor is the origin, lines go toward -y; a box covers
  * 50/255 to 200/255 of its cell. */

@@ -31,7 +31,7 @@ static struct world_file texts[] = {
     { "two.hdr", "#?RADIANCE\n\n-Y 1 +X 2\n\x20\x20\x20\x81\x60\x60\x60\x81" },
     { 0 }
 };
-static const struct rad_files files = { world_file_read, texts };
+static const struct rad_files files = { .read = world_file_read, .arg = texts };
 
 /* What is seen of the point (2, 3, 0) from (2, 3, 4). */
 static struct rad_rgb
