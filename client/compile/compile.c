@@ -305,27 +305,56 @@ bundle_octree(struct compiled *c, const char *dir, struct rad_error *err)
     return store_end(&f, rc, c, dir, RAD_BUNDLE_SCENE, NULL, err);
 }
 
+/* Add the file of an instance or a mesh, frozen if it is an octree. */
+static int
+bundle_part(struct compiled *c, const char *name, const char *dir,
+            struct rad_error *err)
+{
+    struct rad_files files = compile_files(c);
+    size_t len;
+    unsigned char *bytes = files.read(files.arg, name, &len, err);
+    int rc = bytes ? compile_add(c, name, bytes, len, dir, err) : err->code;
+
+    free(bytes);
+    return rc;
+}
+
+static int
+store_stream(struct storing *f, const struct rad_stream *in,
+             struct rad_error *err)
+{
+    unsigned char piece[16 * 1024];
+    long n;
+
+    while ((n = in->read(in->arg, piece, sizeof piece, err)) > 0) {
+        int rc = store_bytes(f, piece, (size_t)n, err);
+
+        if (rc)
+            return rc;
+    }
+    return (int)n;
+}
+
+/* Add a file that an object names, unless it is there. */
 static int
 bundle_file(struct compiled *c, const char *name, const char *dir,
             struct rad_error *err)
 {
     struct rad_files files = compile_files(c);
+    struct rad_opened file;
     struct storing f;
-    unsigned char *bytes;
-    size_t len;
     int rc;
 
     if (rad_bundle_find(&c->bundle, RAD_BUNDLE_FILE, name))
         return 0;
-    bytes = files.read(files.arg, name, &len, err);
-    if (!bytes)
+    if (rad_files_open(&files, name, &file, err) < 0)
         return err->code;
     rc = store_begin(&f, dir, err);
     if (!rc) {
-        rc = store_bytes(&f, bytes, len, err);
+        rc = store_stream(&f, &file.in, err);
         rc = store_end(&f, rc, c, dir, RAD_BUNDLE_FILE, name, err);
     }
-    free(bytes);
+    rad_opened_close(&file);
     return rc;
 }
 
@@ -431,7 +460,7 @@ make_bundle(struct compiled *c, const char *dir, struct rad_error *err)
     int rc = bundle_octree(c, dir, err);
 
     for (int32_t i = 0; i < c->scene->nparts && !rc; i++)
-        rc = bundle_file(c, c->scene->parts[i]->name, dir, err);
+        rc = bundle_part(c, c->scene->parts[i]->name, dir, err);
     return rc ? rc : visit_files(c, &r, bundle_file, dir, err);
 }
 

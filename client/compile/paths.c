@@ -185,11 +185,15 @@ open_file(void *arg, const char *name, struct rad_error *err)
 {
     struct paths *p = arg;
     char *path = paths_find(p, name, err);
+    struct stat st;
     int fd;
 
     if (!path)
         return RAD_ENOINPUT;
     fd = inputs_add(&p->inputs, "a file of the scene", path, err);
+    if (fd == 0 && stat(path, &st) == 0 && st.st_size > (off_t)PATHS_MAX_FILE)
+        fd = rad_fail(err, RAD_EDATA, "'%s' is larger than %zu bytes", path,
+                      PATHS_MAX_FILE);
     if (fd == 0)
         fd = rad_file_open(path, err);
     free(path);
