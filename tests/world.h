@@ -63,8 +63,8 @@ world_close(struct world *w)
     memset(w, 0, sizeof *w);
 }
 
-/* A file that a scene names.  Where files is { world_file_read, a table of
- * these, which a row of zeros ends }, there are no others. */
+/* A file that a scene names.  Where files has world_file_read and a table of
+ * these, which a row of zeros ends, there are no others. */
 struct world_file {
     const char *name, *text;
 };

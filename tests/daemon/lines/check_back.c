@@ -43,7 +43,9 @@ START_TEST(one_that_comes_back_gives_back_what_it_may_not_be_at)
 {
     struct msg_unit a;
     struct msg pause = { .type = MSG_PAUSE, .request = 9, .pause = { id } };
-    struct msg drain = { .type = MSG_DRAIN, .request = 9, .drain = { .name = "ws1" } };
+    struct msg drain = { .type = MSG_DRAIN,
+                         .request = 9,
+                         .drain = { .name = "ws1" } };
 
     one_is_cut(&a);
     say(_i == 0 ? ANA : ADMIN, _i == 0 ? &pause : &drain);
@@ -311,7 +313,9 @@ END_TEST
 
 START_TEST(nobody_is_at_attempt_0)
 {
-    struct msg drain = { .type = MSG_DRAIN, .request = 9, .drain = { .name = "ws1" } };
+    struct msg drain = { .type = MSG_DRAIN,
+                         .request = 9,
+                         .drain = { .name = "ws1" } };
     struct msg_unit a;
 
     start(MSG_PART_STATIC, MSG_JOB_NO_BALANCE, 2);
@@ -336,8 +340,8 @@ main(void)
     TCase *tc = tcase_create("back");
 
     tcase_add_checked_fixture(tc, set_up, tear_down);
-    tcase_add_loop_test(tc, one_that_comes_back_gives_back_what_it_may_not_be_at,
-                        0, 2);
+    tcase_add_loop_test(
+        tc, one_that_comes_back_gives_back_what_it_may_not_be_at, 0, 2);
     tcase_add_test(tc, one_that_comes_back_goes_on_with_its_units);
     tcase_add_test(tc, one_that_comes_back_hears_who_waits_for_its_base_line);
     tcase_add_test(tc, what_one_lost_waits_for_it_but_not_for_long);
