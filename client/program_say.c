@@ -250,8 +250,7 @@ foresee(struct program *p)
                               .params = &p->o.params,
                               .frames = p->frames.list,
                               .nframes = p->frames.n };
-    bool passes =
-        p->job.spec.flags & MSG_JOB_PASSES && p->o.params.ambounce > 0;
+    bool passes = p->job.spec.flags & MSG_JOB_SCENE; /* and so a cache, too */
 
     if (p->foresee)
         progress_foresee(&p->progress, foresee_rays(p->foresee));

@@ -40,8 +40,17 @@ grep ' left ' said.err | head -n 1 | grep -q '^ *[12]\{0,1\}[0-9] %' ||
     fail "said late: $(cat said.err)"
 ended said 75
 
+# Without ambient records there are no passes, whose share tells enough: a trial
+# tells the time left, long before a tenth of the picture is there.
+start uncached -aa 0 --progress=always
+until_true 60 grep -q ' left ' uncached.err ||
+    fail "no time left without records: $(cat uncached.err)"
+grep ' left ' uncached.err | head -n 1 | grep -q '^ *[0-9] %' ||
+    fail "said late without records: $(cat uncached.err)"
+ended uncached 75
+
 # interrupted while the trial is at work, mostly
-start early --progress=always
+start early --ambient=live --progress=always
 until_true 60 grep -q '^ *[0-2] %' early.err || fail "no progress: $(cat early.err)"
 sleep 2.5
 ended early 75
