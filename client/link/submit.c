@@ -302,7 +302,7 @@ may_retry(struct submit *s, const struct rad_error *why)
     return 0;
 }
 
-/* Say once why the job is tried again. */
+/* Say once why the job is tried again; pauses begin anew then. */
 static void
 say_retry(struct submit *s, const struct rad_error *why)
 {
@@ -312,6 +312,7 @@ say_retry(struct submit *s, const struct rad_error *why)
     if (*told)
         return;
     *told = true;
+    s->failures = 0; /* tries for another reason do not count */
     if (s->refused && s->stage < STAGE_ACCEPTED)
         snprintf(text, sizeof text, "%s; trying again for %s s", why->what,
                  figure(seconds, s->job->wait_s, 3));
@@ -363,8 +364,6 @@ connect_to(struct submit *s)
         return rc;
     if (s->told_lost && s->connected)
         s->cb->say(s->cb->arg, "connected again");
-    if (s->told_lost)
-        s->failures = 0;
     s->told_lost = false;
     s->connected = true;
     return 0;

@@ -294,6 +294,18 @@ script_lets_it_wait_its_turn(struct player *p)
     player_render(p);
 }
 
+/* The coordinator starts anew. */
+static void
+script_loses_who_is_in_line(struct player *p)
+{
+    player_welcome(p, 1);
+    player_refuse_job(p);
+    player_hang_up(p);
+    player_welcome(p, 1);
+    player_refuse_job(p);
+    player_render(p);
+}
+
 static void
 player_refuse(struct player *p, int status)
 {
@@ -696,6 +708,7 @@ static const struct script {
     { "lost its worker", script_lost_its_worker, 0, .01, .detach = false },
     { "detaches", script_detaches, 0, 30, .detach = true },
     { "in line", script_lets_it_wait_its_turn, 0, 30, .told = true },
+    { "lost in line", script_loses_who_is_in_line, 0, 30, .detach = false },
     { "too many connections", script_has_too_many_connections, 0, 30,
       .told = true },
     { "no room for files", script_has_no_room_for_files, 0, 30, .told = true },
