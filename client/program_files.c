@@ -145,7 +145,6 @@ void
 program_fill_text(struct program *p)
 {
     p->text = (struct pointwriter_text){ .origin = p->job.spec.origin,
-                                         .options = p->job.spec.params,
                                          .params = &p->o.params,
                                          .spectral = p->o.spectral > 0,
                                          .scene = &p->scene };

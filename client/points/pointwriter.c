@@ -229,24 +229,23 @@ put_colours(const struct pointwriter *w)
     putc('\n', w->to);
 }
 
-/* Write the job's options without -x and -y, which are those of a picture, and
- * for bands of several planes without that of this job. */
+/* Write the options, of all bands that are written, without -x and -y, which
+ * are those of a picture. */
 static void
 put_options(const struct pointwriter *w)
 {
-    const char *options = w->text->options, *plane;
-    int n = 0, skip = 0;
+    struct rad_params params = *w->text->params;
+    char options[RAD_PARAMS_TEXT];
+    int n = 0;
 
+    if (params.bands.plane == RAD_PLANE_COLOURS)
+        params.bands.plane = -1;
+    rad_params_format(&params, options, sizeof options);
     sscanf(options, "-x %*d -y %*d %n", &n);
-    options += n;
-    plane = in_bands(w) ? strstr(options, " --plane ") : NULL;
-    if (!plane) {
-        fprintf(w->to, "%s\n", options);
-        return;
-    }
-    sscanf(plane, " --plane %*d%n", &skip);
-    fprintf(w->to, "%.*s -co%c%s\n", (int)(plane - options), options,
-            w->text->spectral ? '+' : '-', plane + skip);
+    fprintf(w->to, "%s%s\n", options + n,
+            !in_bands(w)        ? ""
+            : w->text->spectral ? " -co+"
+                                : " -co-");
 }
 
 static void

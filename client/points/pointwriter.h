@@ -9,7 +9,7 @@
 
 /* What the header and the letters of -o need. */
 struct pointwriter_text {
-    const char *origin, *options;
+    const char *origin;
     const struct rad_params *params;
     bool spectral; /* write all of more than three bands, instead of their
                     * colour */

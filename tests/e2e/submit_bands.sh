@@ -175,11 +175,20 @@ done
 # shellcheck disable=SC2002,SC2086 # cat makes a pipe
 cat points | "$radsubmit" --local --points=- $opts -co+ "$room" >values \
     2>stderr || fail "points on a pipe: $(cat stderr)"
-grep -q '^radsubmit .* -cs 8 -cw 380 780 -co+ --seed=' values ||
+grep -q '^radsubmit .* -cs 8 -cw 380 780 --seed=.* -co+$' values ||
     fail "the header names a plane: $(grep -a '^radsubmit' values)"
 grep -qx 'NCOMP=8' values || fail "no NCOMP"
 grep -qx 'WAVELENGTH_SPLITS= 780 588 480 380' values || fail "no splits"
 [ "$(sed '1,/^$/d' values | wc -l)" -eq 50 ] || fail "points on a pipe"
+# the values are those of all planes, so their header names none
+cp values all.values
+# shellcheck disable=SC2086
+"$radsubmit" --local --points=points $opts "$plain" >plain.values 2>stderr ||
+    fail "points without spectra: $(cat stderr)"
+for file in all plain; do
+    grep -q ' -cs 8 -cw 380 780 --seed=' $file.values ||
+        fail "$file.values: $(sed '/^$/q' $file.values)"
+done
 expect 64 "-co+ asks for spectra" "-fac" "$radsubmit" --local -cs 6 -co+ \
     --points=points -fac "$room"
 
