@@ -88,6 +88,30 @@ submit_frames(uint64_t conn, const uint8_t *job, const struct msg_frame *frames,
     say(conn, &m);
 }
 
+/* A job that no place would help keeps none. */
+START_TEST(who_meets_another_limit_is_not_in_line)
+{
+    enum { LATER = EVE_TOO + 1 };
+    static const struct msg_frame many[4] = {
+        { 0, 8, 8, "" }, { 1, 8, 8, "" }, { 2, 8, 8, "" }, { 3, 8, 8, "" }
+    };
+    struct coord_limits one = few;
+
+    one.jobs = 1;
+    one.conns = 3;
+    coord_set_limits(f.c, &one);
+    join_plain(LATER, "eve");
+    submit(EVE, job_id(0), 0);
+    submit(EVE_TOO, job_id(1), 0);
+    expect_refused(EVE_TOO, EX_TEMPFAIL, "limit user_jobs");
+    submit_frames(EVE_TOO, job_id(1), many, 4);
+    expect_refused(EVE_TOO, EX_DATAERR, "limit user_frames");
+    about(EVE, MSG_CANCEL, job_id(0));
+    submit(LATER, job_id(2), 0);
+    ck_assert_int_eq(f.last[LATER].type, MSG_ACCEPT);
+}
+END_TEST
+
 START_TEST(frames_and_bytes_are_limited_too)
 {
     static const struct msg_frame many[4] = {
@@ -435,6 +459,7 @@ main(void)
     tcase_add_checked_fixture(tc, set_up_few, tear_down);
     tcase_add_test(tc, jobs_of_one_user_are_limited_and_not_those_of_another);
     tcase_add_test(tc, whose_job_was_refused_comes_before_who_comes_later);
+    tcase_add_test(tc, who_meets_another_limit_is_not_in_line);
     tcase_add_test(tc, many_windows_count_as_frames);
     tcase_add_test(tc, high_frames_count_as_several);
     tcase_add_test(tc, frames_and_bytes_are_limited_too);
