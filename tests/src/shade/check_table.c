@@ -96,7 +96,7 @@ count_reads(void *arg, const char *name, size_t *len, struct rad_error *err)
 START_TEST(file_is_read_once)
 {
     int reads = 0;
-    struct rad_files counted = { count_reads, &reads };
+    struct rad_files counted = { .read = count_reads, .arg = &reads };
     struct rad_rgb L = world_glance(
         "void brightdata a 4 noop line.dat . Px 0 0\n"
         "a colordata b 8 noop noop noop line.dat line.dat line.dat . Py 0 "
