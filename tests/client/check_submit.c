@@ -34,15 +34,17 @@ struct player {
 
 enum { WRONG = 99 }; /* exit status when the client strays from the script */
 
+/* Send the message so often, in one piece. */
 static void
-player_send(struct player *p, const struct msg *m)
+player_send_often(struct player *p, const struct msg *m, int times)
 {
     struct wire_out out;
     size_t done = 0;
 
-    wire_out_init(&out, MSG_FRAME_MAX);
-    if (msg_pack_as(p->reader.version, &out, m) < 0)
-        _exit(WRONG);
+    wire_out_init(&out, (size_t)times * MSG_FRAME_MAX);
+    for (int i = 0; i < times; i++)
+        if (msg_pack_as(p->reader.version, &out, m) < 0)
+            _exit(WRONG);
     while (done < out.len) {
         ssize_t n = write(p->fd, out.buf + done, out.len - done);
 
@@ -51,6 +53,12 @@ player_send(struct player *p, const struct msg *m)
         done += (size_t)n;
     }
     wire_out_release(&out);
+}
+
+static void
+player_send(struct player *p, const struct msg *m)
+{
+    player_send_often(p, m, 1);
 }
 
 /* The next message but PINGs; it must be of that type. */
@@ -329,7 +337,8 @@ script_has_too_many_connections(struct player *p)
     player_render(p);
 }
 
-/* The files of the scene are refused, each by itself. */
+/* The files of the scene are refused, each by itself; both refusals come
+ * together, for the client is gone after the first. */
 static void
 script_has_no_room_for_files(struct player *p)
 {
@@ -345,10 +354,9 @@ script_has_no_room_for_files(struct player *p)
     m.failed.job = NULL;
     m.failed.status = EX_TEMPFAIL;
     m.failed.text = "limit user_upload_mib";
-    for (int i = 0; i < 2; i++) {
+    for (int i = 0; i < 2; i++)
         player_expect(p, MSG_CHUNK);
-        player_send(p, &m);
-    }
+    player_send_often(p, &m, 2);
     player_hang_up(p);
     player_welcome(p, 1);
     player_render(p);
