@@ -165,17 +165,26 @@ paths_find(const struct paths *p, const char *name, struct rad_error *err)
     return path;
 }
 
+/* The path of a file of the scene, which is noted as an input; to be freed. */
+static char *
+find_input(struct paths *p, const char *name, struct rad_error *err)
+{
+    char *path = paths_find(p, name, err);
+
+    if (path && inputs_add(&p->inputs, "a file of the scene", path, err) < 0) {
+        free(path);
+        return NULL;
+    }
+    return path;
+}
+
 static unsigned char *
 read_file(void *arg, const char *name, size_t *len, struct rad_error *err)
 {
-    struct paths *p = arg;
-    char *path = paths_find(p, name, err);
-    unsigned char *bytes = NULL;
+    char *path = find_input(arg, name, err);
+    unsigned char *bytes =
+        path ? rad_file_read(path, PATHS_MAX_FILE, len, err) : NULL;
 
-    if (!path)
-        return NULL;
-    if (inputs_add(&p->inputs, "a file of the scene", path, err) == 0)
-        bytes = rad_file_read(path, PATHS_MAX_FILE, len, err);
     free(path);
     return bytes;
 }
@@ -183,18 +192,16 @@ read_file(void *arg, const char *name, size_t *len, struct rad_error *err)
 static int
 open_file(void *arg, const char *name, struct rad_error *err)
 {
-    struct paths *p = arg;
-    char *path = paths_find(p, name, err);
+    char *path = find_input(arg, name, err);
     struct stat st;
     int fd;
 
     if (!path)
-        return RAD_ENOINPUT;
-    fd = inputs_add(&p->inputs, "a file of the scene", path, err);
-    if (fd == 0 && stat(path, &st) == 0 && st.st_size > (off_t)PATHS_MAX_FILE)
+        return err->code;
+    if (stat(path, &st) == 0 && st.st_size > (off_t)PATHS_MAX_FILE)
         fd = rad_fail(err, RAD_EDATA, "'%s' is larger than %zu bytes", path,
                       PATHS_MAX_FILE);
-    if (fd == 0)
+    else
         fd = rad_file_open(path, err);
     free(path);
     return fd;
