@@ -188,15 +188,22 @@ START_TEST(records_go_to_the_radsubmit_that_wants_them)
 }
 END_TEST
 
+/* The file that a user's job waits for comes: the job is accepted. */
+static void
+file_comes(uint64_t who)
+{
+    f.have = true;
+    coord_file_stored(f.c, f.now_ms, who, hash);
+    carry_out();
+    ck_assert_int_eq(f.last[who].type, MSG_ACCEPT);
+}
+
 START_TEST(a_job_waits_for_its_files)
 {
     f.have = false;
     submit(ANA, job_a, 0);
     ck_assert_int_ne(f.last[ANA].type, MSG_ACCEPT);
-    f.have = true;
-    coord_file_stored(f.c, f.now_ms, ANA, hash);
-    carry_out();
-    ck_assert_int_eq(f.last[ANA].type, MSG_ACCEPT);
+    file_comes(ANA);
 }
 END_TEST
 
@@ -257,10 +264,7 @@ START_TEST(a_store_of_one_user_asks_for_what_is_not_there)
     ck_assert_uint_eq(stranger_is_asked_for((struct msg_hashes){ 1, hash }), 1);
     submit(STRANGER, job_a, 0);
     ck_assert_int_ne(f.last[STRANGER].type, MSG_ACCEPT);
-    f.have = true;
-    coord_file_stored(f.c, f.now_ms, STRANGER, hash);
-    carry_out();
-    ck_assert_int_eq(f.last[STRANGER].type, MSG_ACCEPT);
+    file_comes(STRANGER);
 }
 END_TEST
 
