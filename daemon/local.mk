@@ -29,7 +29,6 @@ include daemon/child/local.mk
 include daemon/team/local.mk
 include daemon/strict/local.mk
 include daemon/web/local.mk
-include daemon/draw/local.mk
 include daemon/observer/local.mk
 
 # what a program that uses libdaemon links with, before $(LIBRAD)

@@ -8,7 +8,7 @@
 
 #include "observer/model.h"
 
-#include "draw/markup.h"
+#include "observer/markup.h"
 #include "machine/serving.h"
 
 #include <string.h>

@@ -13,7 +13,7 @@
 #ifndef RADD_OBSERVER_MODEL_H
 #define RADD_OBSERVER_MODEL_H
 
-#include "draw/history.h"
+#include "observer/history.h"
 #include "observer/session.h"
 
 #include <jansson.h>

@@ -4,7 +4,7 @@
 #include "observer/watch.h"
 
 #include "base/text.h"
-#include "draw/markup.h"
+#include "observer/markup.h"
 
 #include <stdio.h>
 #include <stdlib.h>

@@ -16,9 +16,9 @@
 #define RADD_OBSERVER_WATCH_H
 
 #include "observer/blob.h"
-#include "draw/picture.h"
+#include "observer/picture.h"
 #include "observer/session.h"
-#include "draw/units.h"
+#include "observer/units.h"
 
 #include <jansson.h>
 

@@ -4,7 +4,7 @@
 #ifndef RADD_WEB_ANSWER_H
 #define RADD_WEB_ANSWER_H
 
-#include "draw/markup.h"
+#include "observer/markup.h"
 #include "observer/blob.h"
 
 #include <microhttpd.h>

@@ -1,12 +1,16 @@
 # radweb, the daemon that shows a cluster: a library for its tests, and its main
 noinst_LIBRARIES += libweb.a
 libweb_a_CPPFLAGS = $(AM_CPPFLAGS) -DSYSCONFDIR='"$(sysconfdir)"' \
-	-Wa,-I$(srcdir)/daemon/draw
+	-Wa,-I$(srcdir)/daemon/web
 libweb_a_CFLAGS = $(AM_CFLAGS) $(UV_CFLAGS) $(JANSSON_CFLAGS) \
 	$(CRYPTO_CFLAGS) $(MICROHTTPD_CFLAGS) $(SECCOMP_CFLAGS)
 libweb_a_SOURCES = \
 	daemon/web/answer.c \
 	daemon/web/answer.h \
+	daemon/web/assets.c \
+	daemon/web/assets.h \
+	daemon/web/chart.c \
+	daemon/web/chart.h \
 	daemon/web/confine.c \
 	daemon/web/confine.h \
 	daemon/web/events.c \
@@ -22,5 +26,14 @@ libweb_a_SOURCES = \
 	daemon/web/route.c \
 	daemon/web/serve.c \
 	daemon/web/serve.h
+
+WEB_ASSETS = \
+	daemon/web/icon.svg \
+	daemon/web/page.js \
+	daemon/web/style.css
+EXTRA_DIST += $(WEB_ASSETS)
+
+# the assembler takes the files in
+daemon/web/libweb_a-assets.$(OBJEXT): $(WEB_ASSETS)
 
 radweb_SOURCES = daemon/web/radweb.c

@@ -3,7 +3,7 @@
 
 #include "web/page.h"
 
-#include "draw/chart.h"
+#include "web/chart.h"
 
 #include <stdio.h>
 #include <string.h>

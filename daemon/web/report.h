@@ -6,7 +6,7 @@
 #ifndef RADD_WEB_REPORT_H
 #define RADD_WEB_REPORT_H
 
-#include "draw/markup.h"
+#include "observer/markup.h"
 #include "observer/model.h"
 #include "observer/watch.h"
 

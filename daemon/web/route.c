@@ -4,8 +4,8 @@
 #include "web/radweb_impl.h"
 
 #include "base/number.h"
-#include "draw/assets.h"
 #include "web/answer.h"
+#include "web/assets.h"
 #include "web/page.h"
 
 #include <stdio.h>

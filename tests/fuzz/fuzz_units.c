@@ -4,8 +4,8 @@
  * is put into a page has nothing that a browser takes for its own. */
 #include "config.h"
 
-#include "draw/chart.h"
-#include "draw/units.h"
+#include "web/chart.h"
+#include "observer/units.h"
 #include "tests/fuzz/fuzz.h"
 
 #include <stdlib.h>

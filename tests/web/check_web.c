@@ -2,11 +2,11 @@
  * statistics, pictures */
 #include "config.h"
 
-#include "draw/chart.h"
-#include "draw/history.h"
-#include "draw/markup.h"
-#include "draw/picture.h"
-#include "draw/units.h"
+#include "web/chart.h"
+#include "observer/history.h"
+#include "observer/markup.h"
+#include "observer/picture.h"
+#include "observer/units.h"
 #include "tests/unit.h"
 #include "web/page.h"
 

@@ -1,7 +1,7 @@
 /* history.c - see history.h */
 #include "config.h"
 
-#include "draw/history.h"
+#include "observer/history.h"
 
 #include <string.h>
 

@@ -4,7 +4,7 @@
  * made of them. */
 #include "config.h"
 
-#include "draw/assets.h"
+#include "web/assets.h"
 
 #include <string.h>
 

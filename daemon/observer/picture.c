@@ -1,7 +1,7 @@
 /* picture.c - see picture.h */
 #include "config.h"
 
-#include "draw/picture.h"
+#include "observer/picture.h"
 
 #include "base/files.h"
 #include "image/hdr.h"

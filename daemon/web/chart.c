@@ -1,7 +1,7 @@
 /* chart.c - see chart.h */
 #include "config.h"
 
-#include "draw/chart.h"
+#include "web/chart.h"
 
 #include <math.h>
 

@@ -1,7 +1,7 @@
 /* markup.c - see markup.h */
 #include "config.h"
 
-#include "draw/markup.h"
+#include "observer/markup.h"
 
 #include "base/text.h"
 

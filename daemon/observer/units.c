@@ -1,9 +1,9 @@
 /* units.c - see units.h */
 #include "config.h"
 
-#include "draw/units.h"
+#include "observer/units.h"
 
-#include "draw/markup.h"
+#include "observer/markup.h"
 
 #include "base/list.h"
 

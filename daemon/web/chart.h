@@ -5,9 +5,9 @@
 #ifndef RADD_DRAW_CHART_H
 #define RADD_DRAW_CHART_H
 
-#include "draw/history.h"
-#include "draw/markup.h"
-#include "draw/units.h"
+#include "observer/history.h"
+#include "observer/markup.h"
+#include "observer/units.h"
 
 /* Rays a second and threads at work, with what the scales are. */
 void chart_history(struct markup *m, const struct history *h);
