@@ -13,7 +13,6 @@ include daemon/users/local.mk
 include daemon/jobs/local.mk
 include daemon/desk/local.mk
 include daemon/lines/local.mk
-include daemon/links/local.mk
 include daemon/registry/local.mk
 include daemon/front/local.mk
 include daemon/check/local.mk

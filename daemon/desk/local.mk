@@ -8,6 +8,10 @@ libdaemon_a_SOURCES += \
 	daemon/desk/duplicate.c \
 	daemon/desk/duplicate.h \
 	daemon/desk/env.h \
+	daemon/desk/feeding.c \
+	daemon/desk/feeding.h \
+	daemon/desk/linking.c \
+	daemon/desk/linking.h \
 	daemon/desk/order.c \
 	daemon/desk/order.h \
 	daemon/desk/speed.c \

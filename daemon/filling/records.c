@@ -9,7 +9,7 @@
 
 #include "filling/passes_impl.h"
 #include "jobs/part.h"
-#include "links/feeding.h"
+#include "desk/feeding.h"
 #include "proto/ambshare.h"
 
 #include <string.h>

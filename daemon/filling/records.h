@@ -1,7 +1,7 @@
 /* records.h - send the records of passes to workers
  *
  * When a tile is made its records travel to all workers at once, through some
- * of the workers (links/feeding.h).  When a pass is closed each worker is told
+ * of the workers (desk/feeding.h).  When a pass is closed each worker is told
  * (CLOSED); a worker that lacks records of the pass says so (HOLDS) and gets
  * all of its records, in the order of tiles (FROZEN).  A worker that comes
  * later gets all closed passes.  A tile that reads a pass waits in its worker

@@ -10,6 +10,7 @@
 #include "front/coord.h"
 
 #include "desk/desk.h"
+#include "desk/linking.h"
 #include "jobs/job.h"
 #include "jobs/progress.h"
 #include "desk/verdict.h"
@@ -19,7 +20,6 @@
 #include "front/reply.h"
 #include "front/request.h"
 #include "front/workers.h"
-#include "links/linking.h"
 #include "registry/coord_conn.h"
 #include "registry/coord_job.h"
 #include "registry/coord_keep.h"

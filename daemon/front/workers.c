@@ -4,6 +4,7 @@
 #include "front/workers.h"
 
 #include "desk/desk.h"
+#include "desk/linking.h"
 #include "desk/verdict.h"
 #include "filling/passes.h"
 #include "filling/records.h"
@@ -11,7 +12,6 @@
 #include "jobs/part.h"
 #include "lines/handoff.h"
 #include "lines/lending.h"
-#include "links/linking.h"
 #include "sched/balance.h"
 #include "sched/loss.h"
 #include "sched/ready.h"

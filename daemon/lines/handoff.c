@@ -14,13 +14,13 @@
 
 #include "desk/desk.h"
 #include "desk/attempt.h"
+#include "desk/linking.h"
 #include "desk/speed.h"
 #include "desk/verdict.h"
 #include "jobs/go.h"
 #include "jobs/part.h"
 #include "jobs/shared.h"
 #include "lines/lending.h"
-#include "links/linking.h"
 
 #include <string.h>
 

@@ -10,12 +10,12 @@
 
 #include "desk/desk.h"
 #include "desk/attempt.h"
+#include "desk/linking.h"
 #include "desk/order.h"
 #include "jobs/job.h"
 #include "jobs/progress.h"
 #include "jobs/shared.h"
 #include "desk/verdict.h"
-#include "links/linking.h"
 #include "registry/coord_conn.h"
 #include "registry/reuse.h"
 #include "registry/stats.h"

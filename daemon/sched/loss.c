@@ -5,6 +5,8 @@
 
 #include "desk/desk.h"
 #include "desk/attempt.h"
+#include "desk/feeding.h"
+#include "desk/linking.h"
 #include "desk/speed.h"
 #include "desk/verdict.h"
 #include "filling/tiles.h"
@@ -12,8 +14,6 @@
 #include "jobs/job.h"
 #include "jobs/part.h"
 #include "jobs/unit.h"
-#include "links/feeding.h"
-#include "links/linking.h"
 #include "sched/survey.h"
 
 #include "base/text.h"

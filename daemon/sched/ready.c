@@ -4,6 +4,8 @@
 #include "sched/ready.h"
 
 #include "desk/desk.h"
+#include "desk/feeding.h"
+#include "desk/linking.h"
 #include "desk/speed.h"
 #include "desk/verdict.h"
 #include "filling/passes.h"
@@ -11,8 +13,6 @@
 #include "jobs/job.h"
 #include "jobs/part.h"
 #include "lines/handoff.h"
-#include "links/feeding.h"
-#include "links/linking.h"
 #include "sched/loss.h"
 #include "sched/survey.h"
 

@@ -20,6 +20,7 @@
 
 #include "desk/desk.h"
 #include "desk/attempt.h"
+#include "desk/linking.h"
 #include "desk/speed.h"
 #include "desk/verdict.h"
 #include "filling/passes.h"
@@ -28,7 +29,6 @@
 #include "jobs/part.h"
 #include "jobs/shared.h"
 #include "jobs/unit.h"
-#include "links/linking.h"
 #include "sched/balance.h"
 #include "sched/handout.h"
 #include "sched/survey.h"

@@ -3,7 +3,7 @@
 
 #include "coord_passes_fixture.h"
 
-#include "links/feeding.h"
+#include "desk/feeding.h"
 
 /* A first worker, and a second that it may dial. */
 static void

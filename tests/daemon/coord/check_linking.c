@@ -4,7 +4,7 @@
 #include "coord_fixture.h"
 #include "jobs/job.h"
 #include "jobs/part.h"
-#include "links/linking.h"
+#include "desk/linking.h"
 
 enum {
     FIRST = 20 /* connection of the first worker that comes */

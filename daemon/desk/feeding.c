@@ -1,9 +1,9 @@
 /* feeding.c - see feeding.h */
 #include "config.h"
 
-#include "links/feeding.h"
+#include "desk/feeding.h"
 
-#include "links/linking.h"
+#include "desk/linking.h"
 
 /* Workers that the coordinator feeds.  Few, for the coordinator sends each of
  * them the records of all tiles, and tiles to be made wait behind these records

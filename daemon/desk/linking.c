@@ -3,7 +3,7 @@
  * job->links lists the links that linking_need() made; NULL: it made none. */
 #include "config.h"
 
-#include "links/linking.h"
+#include "desk/linking.h"
 
 #include "jobs/job.h"
 #include "jobs/part.h"
