@@ -15,7 +15,6 @@ include daemon/desk/local.mk
 include daemon/lines/local.mk
 include daemon/registry/local.mk
 include daemon/front/local.mk
-include daemon/check/local.mk
 include daemon/shell/local.mk
 include daemon/radcoord/local.mk
 include daemon/files/local.mk

@@ -4,9 +4,9 @@
 
 #include "ctl/ctl.h"
 #include "ctl/keyctl.h"
-#include "check/statecheck.h"
 #include "common/table.h"
 #include "common/tell.h"
+#include "store/statecheck.h"
 
 #include "base/text.h"
 

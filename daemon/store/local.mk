@@ -1,5 +1,7 @@
-# the coordinator's state folder: files by hash, jobs, rows
+# the coordinator's state folder: files by hash, jobs, rows; radctl check
 libdaemon_a_SOURCES += \
+	daemon/store/statecheck.c \
+	daemon/store/statecheck.h \
 	daemon/store/store.c \
 	daemon/store/store.h \
 	daemon/store/store_arrive.c \

@@ -3,7 +3,7 @@
 
 #include "lives_fixture.h"
 
-#include "check/statecheck.h"
+#include "store/statecheck.h"
 #include "jobs/job.h"
 
 #include <errno.h>

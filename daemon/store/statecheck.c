@@ -1,7 +1,7 @@
 /* statecheck.c - see statecheck.h */
 #include "config.h"
 
-#include "check/statecheck.h"
+#include "store/statecheck.h"
 
 #include "folder/folder.h"
 #include "journal/journal.h"
