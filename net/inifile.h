@@ -4,8 +4,8 @@
  * Each error names file and line.  A line too long for inih, which would split
  * it, is an error.
  * Thread: any. */
-#ifndef RADD_PROTO_INIFILE_H
-#define RADD_PROTO_INIFILE_H
+#ifndef RADD_NET_INIFILE_H
+#define RADD_NET_INIFILE_H
 
 #include "base/error.h"
 

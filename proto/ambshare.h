@@ -5,8 +5,8 @@
  * and the glint's p[3] and lum, u32 corral, float weight, u16 level.
  * radd and the coordinator never look inside.
  * Thread: any. */
-#ifndef RADD_DAEMON_AMBSHARE_H
-#define RADD_DAEMON_AMBSHARE_H
+#ifndef AMBSHARE_H
+#define AMBSHARE_H
 
 #include "light/indirect/ambient.h"
 #include "proto/wire.h"

@@ -4,8 +4,8 @@
  * of what was noted in that time.  A point without a note has seen nothing: the
  * coordinator could not be asked then.
  * Pure; thread: a struct belongs to one thread. */
-#ifndef RADD_DRAW_HISTORY_H
-#define RADD_DRAW_HISTORY_H
+#ifndef RADD_OBSERVER_HISTORY_H
+#define RADD_OBSERVER_HISTORY_H
 
 #include <stdint.h>
 

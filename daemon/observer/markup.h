@@ -6,8 +6,8 @@
  * browser takes for its own.  A failure of memory sticks: the text is NULL at
  * the end.
  * Thread: a struct belongs to one thread. */
-#ifndef RADD_DRAW_MARKUP_H
-#define RADD_DRAW_MARKUP_H
+#ifndef RADD_OBSERVER_MARKUP_H
+#define RADD_OBSERVER_MARKUP_H
 
 #include <jansson.h>
 #include <stdbool.h>

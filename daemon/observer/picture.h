@@ -4,8 +4,8 @@
  * PICTURE_PIXELS is made smaller by a whole factor, each pixel the mean
  * radiance of those that it covers.
  * Thread: any. */
-#ifndef RADD_DRAW_PICTURE_H
-#define RADD_DRAW_PICTURE_H
+#ifndef RADD_OBSERVER_PICTURE_H
+#define RADD_OBSERVER_PICTURE_H
 
 #include "base/error.h"
 

@@ -3,8 +3,8 @@
  * The statistics are the coordinator's JSON (radd.stats(5)): of many units it
  * is long, so units are read one by one and the rest is kept as values.
  * Thread: any; a struct belongs to one thread. */
-#ifndef RADD_DRAW_UNITS_H
-#define RADD_DRAW_UNITS_H
+#ifndef RADD_OBSERVER_UNITS_H
+#define RADD_OBSERVER_UNITS_H
 
 #include "base/error.h"
 

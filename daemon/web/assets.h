@@ -1,8 +1,8 @@
 /* assets.h - files that are built into the program
  *
  * Pure; thread: any. */
-#ifndef RADD_DRAW_ASSETS_H
-#define RADD_DRAW_ASSETS_H
+#ifndef RADD_WEB_ASSETS_H
+#define RADD_WEB_ASSETS_H
 
 struct asset {
     const char *path; /* "/style.css" */

@@ -2,8 +2,8 @@
  *
  * Colours are classes of the style sheet's, so they follow light and dark.
  * Thread: the loop's. */
-#ifndef RADD_DRAW_CHART_H
-#define RADD_DRAW_CHART_H
+#ifndef RADD_WEB_CHART_H
+#define RADD_WEB_CHART_H
 
 #include "observer/history.h"
 #include "observer/markup.h"

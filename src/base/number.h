@@ -4,8 +4,8 @@
  * whole text must be a number; hexadecimal numbers, infinities and NaNs are not
  * taken.  Numbers are written as the shortest text that reads back as the same
  * bits. */
-#ifndef RAD_PICTURE_NUMBER_H
-#define RAD_PICTURE_NUMBER_H
+#ifndef RAD_BASE_NUMBER_H
+#define RAD_BASE_NUMBER_H
 
 #include <stdbool.h>
 #include <stdint.h>

@@ -6,8 +6,8 @@
  * descriptor of this process (/dev/stdout), is written to directly.  For a link
  * its target is made or replaced, not the link.
  * Thread: any, each output its own.  */
-#ifndef RADD_PROTO_OUTPUT_H
-#define RADD_PROTO_OUTPUT_H
+#ifndef RAD_BASE_OUTPUT_H
+#define RAD_BASE_OUTPUT_H
 
 #include "base/error.h"
 

@@ -5,8 +5,8 @@
  * picture headers, and is checked against radsubmit(1).
  * A struct rad_params is plain data without pointers: it is copied freely, and
  * read-only while a job renders. */
-#ifndef RAD_PICTURE_PARAMS_H
-#define RAD_PICTURE_PARAMS_H
+#ifndef RAD_BASE_PARAMS_H
+#define RAD_BASE_PARAMS_H
 
 #include "base/bands.h"
 #include "base/color.h"

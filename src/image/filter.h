@@ -20,8 +20,8 @@
  * use of nonlinear filtering in computer graphics (remove spikes of stochastic
  * ray tracing before averaging); Rushmeier & Ward 1994, Energy preserving
  * non-linear filters (the cost of that). */
-#ifndef RAD_PICTURE_FILTER_H
-#define RAD_PICTURE_FILTER_H
+#ifndef RAD_IMAGE_FILTER_H
+#define RAD_IMAGE_FILTER_H
 
 #include "base/color.h"
 #include "base/error.h"

@@ -8,8 +8,8 @@
  * Rows count from the top, columns from the left; L is radiance.
  * Source: Ward 1991, Real pixels (Graphics Gems II); Radiance's file format
  * reference, "Picture file format". */
-#ifndef RAD_PICTURE_HDR_H
-#define RAD_PICTURE_HDR_H
+#ifndef RAD_IMAGE_HDR_H
+#define RAD_IMAGE_HDR_H
 
 #include "base/color.h"
 #include "base/error.h"

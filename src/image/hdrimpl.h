@@ -6,8 +6,8 @@
  * times; any other count is followed by that many bytes.  In the old form a
  * pixel of 1, 1, 1, n repeats the pixel before it n times, and if more such
  * pixels follow, each counts 256 times as much as the last. */
-#ifndef RAD_PICTURE_HDRIMPL_H
-#define RAD_PICTURE_HDRIMPL_H
+#ifndef RAD_IMAGE_HDRIMPL_H
+#define RAD_IMAGE_HDRIMPL_H
 
 #include "image/hdr.h"
 

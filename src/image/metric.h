@@ -8,8 +8,8 @@
  *   log_rmse    sqrt(mean(ln((La+e)/(Lb+e))^2))
  *   percentiles of |La-Lb| / (Lb+e), interpolated between neighbours
  *   maxabs      largest |a-b| of any channel / mean(b) */
-#ifndef RAD_PICTURE_METRIC_H
-#define RAD_PICTURE_METRIC_H
+#ifndef RAD_IMAGE_METRIC_H
+#define RAD_IMAGE_METRIC_H
 
 #include "image/hdr.h"
 

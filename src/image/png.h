@@ -3,8 +3,8 @@
  * The chunk sRGB names the colour space, with perceptual intent.  gAMA and cHRM
  * approximate it for readers that do not know sRGB, with the values that PNG's
  * specification gives. */
-#ifndef RAD_PICTURE_PNG_H
-#define RAD_PICTURE_PNG_H
+#ifndef RAD_IMAGE_PNG_H
+#define RAD_IMAGE_PNG_H
 
 #include "base/error.h"
 #include "base/files.h"

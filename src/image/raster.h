@@ -4,8 +4,8 @@
  * The font is our own: the printable ASCII characters in 5 by 7 dots, with
  * descenders of 2 dots.
  * Thread: any. */
-#ifndef RAD_PICTURE_RASTER_H
-#define RAD_PICTURE_RASTER_H
+#ifndef RAD_IMAGE_RASTER_H
+#define RAD_IMAGE_RASTER_H
 
 #include "base/error.h"
 

@@ -1,8 +1,8 @@
 /* srgb.h - encoding linear light as sRGB
  *
  * Source: IEC 61966-2-1. */
-#ifndef RAD_PICTURE_SRGB_H
-#define RAD_PICTURE_SRGB_H
+#ifndef RAD_IMAGE_SRGB_H
+#define RAD_IMAGE_SRGB_H
 
 #include <stdint.h>
 

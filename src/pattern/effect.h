@@ -4,8 +4,8 @@
  * (spectral.h).  As in Radiance, if a value cannot be computed, a pattern or a
  * texture has no effect there, and a mixture shades nothing.
  * Source: Radiance's reference manual, "Patterns", "Textures", "Mixtures". */
-#ifndef RAD_SHADE_EFFECT_H
-#define RAD_SHADE_EFFECT_H
+#ifndef RAD_PATTERN_EFFECT_H
+#define RAD_PATTERN_EFFECT_H
 
 #include "pattern/expr.h"
 #include "trace/material.h"

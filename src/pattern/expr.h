@@ -9,8 +9,8 @@
  * of them; each thread has an evaluator (ctx->calc).  A function file is read
  * once, into a context named after it.
  * Source: Radiance's reference manual, "Function files". */
-#ifndef RAD_SHADE_EXPR_H
-#define RAD_SHADE_EXPR_H
+#ifndef RAD_PATTERN_EXPR_H
+#define RAD_PATTERN_EXPR_H
 
 #include "base/xform.h"
 #include "scene/calc/calc.h"

@@ -4,8 +4,8 @@
  * The values are those of the modifier's expressions (expr.h); effect.h applies
  * them.
  * Source: Radiance's reference manual, "Patterns", "Textures", "Mixtures". */
-#ifndef RAD_SHADE_FUNC_H
-#define RAD_SHADE_FUNC_H
+#ifndef RAD_PATTERN_FUNC_H
+#define RAD_PATTERN_FUNC_H
 
 #include "trace/material.h"
 

@@ -1,8 +1,8 @@
 /* mixture.h - mixing two modifiers, whatever determines their shares
  *
  * Source: Radiance's reference manual, "Mixtures". */
-#ifndef RAD_SHADE_MIXTURE_H
-#define RAD_SHADE_MIXTURE_H
+#ifndef RAD_PATTERN_MIXTURE_H
+#define RAD_PATTERN_MIXTURE_H
 
 #include "trace/material.h"
 

@@ -8,8 +8,8 @@
  * Samples that no band of the plane shows are not evaluated.  effect.h applies
  * the colours.
  * Source: Radiance's reference manual, "Patterns". */
-#ifndef RAD_SHADE_SPECTRAL_H
-#define RAD_SHADE_SPECTRAL_H
+#ifndef RAD_PATTERN_SPECTRAL_H
+#define RAD_PATTERN_SPECTRAL_H
 
 #include "trace/material.h"
 

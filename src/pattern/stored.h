@@ -3,8 +3,8 @@
  * A file is read once, however many objects name it, and lives as long as the
  * job.
  * Thread: the one that makes the job. */
-#ifndef RAD_SHADE_STORED_H
-#define RAD_SHADE_STORED_H
+#ifndef RAD_PATTERN_STORED_H
+#define RAD_PATTERN_STORED_H
 
 #include "trace/material.h"
 

@@ -4,8 +4,8 @@
  * Expressions give the place to look up (scene/file/data.h), and functions are
  * applied to the values found there.  effect.h applies the results.
  * Source: Radiance's reference manual, "Patterns", "Textures", "Mixtures". */
-#ifndef RAD_SHADE_TABLE_H
-#define RAD_SHADE_TABLE_H
+#ifndef RAD_PATTERN_TABLE_H
+#define RAD_PATTERN_TABLE_H
 
 #include "trace/material.h"
 

@@ -1,8 +1,8 @@
 /* text.h - brighttext, colortext and mixtext: writing as a pattern or mixture
  *
  * Source: Radiance's reference manual, "brighttext". */
-#ifndef RAD_SHADE_TEXT_H
-#define RAD_SHADE_TEXT_H
+#ifndef RAD_PATTERN_TEXT_H
+#define RAD_PATTERN_TEXT_H
 
 #include "trace/material.h"
 

@@ -16,8 +16,8 @@
  * Source: Glassner 1984, Space subdivision for fast ray tracing; the rules of
  * oconv(1), -n 6 -r 16384.
  * Thread: immutable once built. */
-#ifndef RAD_GEOM_OCTREE_H
-#define RAD_GEOM_OCTREE_H
+#ifndef RAD_SCENE_OCTREE_H
+#define RAD_SCENE_OCTREE_H
 
 #include "base/error.h"
 #include "scene/scene.h"

@@ -6,8 +6,8 @@
  * and box); Gottschalk, Lin & Manocha 1996, OBBTree (two boxes).  The distance
  * of a point from a sphere or a cone is its distance from the generating curve,
  * in the half-plane through the axis and the point.  */
-#ifndef RAD_GEOM_OVERLAP_H
-#define RAD_GEOM_OVERLAP_H
+#ifndef RAD_SCENE_OVERLAP_H
+#define RAD_SCENE_OVERLAP_H
 
 #include "scene/scene.h"
 

@@ -3,8 +3,8 @@
  * human.h describes the model; this file takes from a picture what it needs.
  * Sources: those of human.h; Moon & Spencer 1945 (veil).
  * Thread: one for each struct rad_eye.  */
-#ifndef RAD_PICTURE_EYE_H
-#define RAD_PICTURE_EYE_H
+#ifndef RAD_TONE_EYE_H
+#define RAD_TONE_EYE_H
 
 #include "image/hdr.h"
 #include "tone/human.h"

@@ -13,8 +13,8 @@
  * The legend is at the right of the picture, with the unit above.  If the
  * picture is not high enough for it, black rows are added.
  * Thread: any. */
-#ifndef RAD_PICTURE_FALSECOLOUR_H
-#define RAD_PICTURE_FALSECOLOUR_H
+#ifndef RAD_TONE_FALSECOLOUR_H
+#define RAD_TONE_FALSECOLOUR_H
 
 #include "image/hdr.h"
 #include "image/raster.h"

@@ -24,8 +24,8 @@
  * Shirley & Greenberg 1996, A model of visual adaptation for realistic image
  * synthesis (contrast thresholds).
  * Thread: any.  */
-#ifndef RAD_PICTURE_HUMAN_H
-#define RAD_PICTURE_HUMAN_H
+#ifndef RAD_TONE_HUMAN_H
+#define RAD_TONE_HUMAN_H
 
 #include <stdbool.h>
 

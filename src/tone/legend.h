@@ -2,8 +2,8 @@
  *
  * Private to falsecolour.c.
  * Thread: any. */
-#ifndef RAD_PICTURE_LEGEND_H
-#define RAD_PICTURE_LEGEND_H
+#ifndef RAD_TONE_LEGEND_H
+#define RAD_TONE_LEGEND_H
 
 #include "image/raster.h"
 

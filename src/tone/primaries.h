@@ -11,8 +11,8 @@
  * same colours again; none of Radiance's converters does it either.
  * Sources: Radiance's picture format; IEC 61966-2-1; Lam 1985 (Bradford's
  * adaptation). */
-#ifndef RAD_PICTURE_PRIMARIES_H
-#define RAD_PICTURE_PRIMARIES_H
+#ifndef RAD_TONE_PRIMARIES_H
+#define RAD_TONE_PRIMARIES_H
 
 #include "image/hdr.h"
 

@@ -1,8 +1,8 @@
 /* screen.h - a picture as a PNG for a screen
  *
  * Thread: any. */
-#ifndef RAD_PICTURE_SCREEN_H
-#define RAD_PICTURE_SCREEN_H
+#ifndef RAD_TONE_SCREEN_H
+#define RAD_TONE_SCREEN_H
 
 #include "tone/tone.h"
 

@@ -27,8 +27,8 @@
  * Sources: Reinhard, Stark, Shirley & Ferwerda 2002, Photographic tone
  * reproduction for digital images (equations 1, 2 and 4); pfilt(1).
  * Thread: one for each struct rad_toner.  */
-#ifndef RAD_PICTURE_TONE_H
-#define RAD_PICTURE_TONE_H
+#ifndef RAD_TONE_TONE_H
+#define RAD_TONE_TONE_H
 
 #include "tone/eye.h"
 #include "image/hdr.h"
