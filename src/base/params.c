@@ -543,7 +543,8 @@ rad_params_check(const struct rad_params *p, struct rad_error *err)
             : p->bands.plane >= rad_bands_planes(&p->bands))
         return rad_fail(err, RAD_EUSAGE,
                         "option '--plane %d': -cs %d has %d planes, from 0",
-                        p->bands.plane, p->bands.n, (p->bands.n + 2) / 3);
+                        p->bands.plane, p->bands.n,
+                        rad_bands_planes(&p->bands));
     return 0;
 }
 
