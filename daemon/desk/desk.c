@@ -265,10 +265,8 @@ desk_idle_job(const struct job *job)
 bool
 desk_splits(const struct job *job)
 {
-    enum msg_partition kind = partition_kind(job->partition);
-
-    return kind == MSG_PART_AUTO ||
-           (kind == MSG_PART_STATIC && !(job->spec.flags & MSG_JOB_NO_BALANCE));
+    return desk_can_balance(job) &&
+           partition_kind(job->partition) != MSG_PART_SCANBAR;
 }
 
 bool

@@ -35,14 +35,6 @@
 #define LATE_LOAN_MS    400
 #define UNKNOWN_LOAN_MS 3000
 
-/* May columns be lent in this job? */
-static bool
-lends(const struct job *job)
-{
-    return partition_kind(job->partition) != MSG_PART_STATIC ||
-           !(job->spec.flags & MSG_JOB_NO_BALANCE);
-}
-
 static double
 thread_speed(const struct job *job, uint32_t index)
 {
@@ -156,7 +148,7 @@ lending_ask(struct coord *c, struct job *job, uint32_t idle)
     uint32_t index = idle_for(job, PARTITION_NONE);
     struct job_go *go;
 
-    if (index == JOB_NOBODY || !lends(job))
+    if (index == JOB_NOBODY)
         return;
     while (asked < idle && (go = choose_lender(c, job, &unit))) {
         double mine = thread_speed(job, index);

@@ -304,8 +304,8 @@ balance_run(struct coord *c)
         struct job *job = c->jobs[k];
         uint32_t idle = 0;
 
-        if (job_over(job) || job->state == JOB_PAUSED || !job->shared ||
-            job->survey || job->nout == 0 || job_waiting(job) > 0)
+        if (job_over(job) || job->state == JOB_PAUSED || job->survey ||
+            !desk_can_balance(job) || job_waiting(job) > 0)
             continue;
         for (uint32_t i = 0; i < job->nworkers; i++)
             idle += desk_is_idle(job, i);
