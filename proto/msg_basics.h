@@ -89,6 +89,14 @@ enum msg_partition {
     MSG_NPART
 };
 
+/* Does it cut frames into lines, which workers share (msg_sharing.h)?  Else
+ * into windows. */
+static inline bool
+msg_shares_lines(enum msg_partition kind)
+{
+    return kind != MSG_PART_WINDOW;
+}
+
 enum msg_order {
     MSG_ORDER_FORWARD,
     MSG_ORDER_BACKWARD,

@@ -209,7 +209,7 @@ load_frames(struct render *r, const struct msg_spec *spec,
     return 0;
 }
 
-/* Make the strict units' machine, unless the job has windows. */
+/* Make the strict units' machine, if the job has such units. */
 static int
 load_strict(struct render *r, const struct msg_spec *spec,
             struct rad_error *err)
@@ -217,7 +217,7 @@ load_strict(struct render *r, const struct msg_spec *spec,
     struct rad_quincunx *q;
     bool painted = false;
 
-    if (spec->partition == MSG_PART_WINDOW)
+    if (!msg_shares_lines(spec->partition))
         return 0;
     q = calloc(r->nframes + 1, sizeof *q);
     if (q) {

@@ -127,8 +127,8 @@ kind_of(const struct folder *f, const struct msg_spec *spec)
 {
     if (!(spec->flags & MSG_JOB_CODED))
         return spec->flags & MSG_JOB_DEPTH ? ROWS_DISTANCES : ROWS_COLOURS;
-    return f->durable || spec->partition == MSG_PART_WINDOW ? ROWS_RGBE
-                                                            : ROWS_CODED;
+    return !f->durable && msg_shares_lines(spec->partition) ? ROWS_CODED
+                                                            : ROWS_RGBE;
 }
 
 struct folder_job *

@@ -111,8 +111,8 @@ rowcheck_job(struct folder *f, const struct saved_job *saved,
         if (rc == 0 && !sound)
             rc = strike(&c, &units[i]);
     }
-    if (saved->spec.partition == MSG_PART_WINDOW) /* has no base lines */
-        return rc;
+    if (!msg_shares_lines(saved->spec.partition))
+        return rc; /* there are no base lines */
     for (uint32_t i = 0; i < saved->nunits && rc == 0; i++)
         if (saved->units[i].done && !units[i].done)
             rc = strike_above(&c, &units[i]);

@@ -11,12 +11,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-static bool
-by_lines(const struct partition_spec *spec)
-{
-    return spec->kind != MSG_PART_WINDOW;
-}
-
 int
 partition_check(const struct partition_spec *spec, struct rad_error *err)
 {
@@ -29,7 +23,8 @@ partition_check(const struct partition_spec *spec, struct rad_error *err)
         return rad_fail(err, RAD_EUSAGE,
                         "costs of %u lines, but the pictures have %llu",
                         spec->ncosts, (unsigned long long)lines_of(spec));
-    return by_lines(spec) ? lines_check(spec, err) : window_check(spec, err);
+    return msg_shares_lines(spec->kind) ? lines_check(spec, err)
+                                        : window_check(spec, err);
 }
 
 static void
@@ -119,7 +114,9 @@ partition_new(const struct partition_spec *spec, struct rad_error *err)
     p = calloc(1, sizeof *p);
     if (p)
         p->open = spec->nframes;
-    if (!p || !(by_lines(spec) ? lines_new(p, spec) : window_new(p, spec)) ||
+    if (!p ||
+        !(msg_shares_lines(spec->kind) ? lines_new(p, spec)
+                                       : window_new(p, spec)) ||
         !set_first_costs(p, spec)) {
         partition_free(p);
         rad_fail_memory(err);
