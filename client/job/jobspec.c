@@ -45,9 +45,9 @@ choose_partition(const struct submit_options *o)
 {
     bool windows = o->windows > 0 || o->order != ORDER_NONE;
 
-    if (o->partition == PARTITION_AUTO && windows)
+    if (o->partition == MSG_PART_AUTO && windows)
         return MSG_PART_WINDOW;
-    return (uint8_t)o->partition; /* both enums have the same order */
+    return (uint8_t)o->partition;
 }
 
 int

@@ -10,27 +10,16 @@
 #include "base/error.h"
 #include "base/params.h"
 #include "picture/view.h"
+#include "proto/msg_basics.h"
 #include "show/show.h"
 
 #include <stdbool.h>
 #include <stdio.h>
 
-/* in the order of the words in submit_table.c */
+/* These, enum msg_partition and enum msg_order are in the order of the words in
+ * submit_table.c. */
 enum submit_progress { PROGRESS_AUTO, PROGRESS_ALWAYS, PROGRESS_NEVER };
-enum submit_partition {
-    PARTITION_AUTO,
-    PARTITION_STATIC,
-    PARTITION_SCANBAR,
-    PARTITION_WINDOW
-};
-enum submit_order {
-    ORDER_NONE = -1, /* not asked for */
-    ORDER_FORWARD,
-    ORDER_BACKWARD,
-    ORDER_RANDOM,
-    ORDER_COST
-};
-
+#define ORDER_NONE (-1) /* not asked for */
 enum submit_ambient {
     AMBIENT_NONE = -1, /* not asked for */
     AMBIENT_PASSES,
@@ -73,7 +62,8 @@ struct submit_options {
     int workers, threads;         /* of --local or --launch; 0: not given */
     double wait_s;
     /* the job */
-    int partition, order; /* enum submit_partition, submit_order */
+    int partition;        /* enum msg_partition */
+    int order;            /* enum msg_order, or ORDER_NONE */
     int ambient_way;      /* enum submit_ambient */
     const char *reuse;    /* a job's id, or "last"; NULL: not given */
     const char *job;      /* --job: the id of a former job; NULL: a new job */

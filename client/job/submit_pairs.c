@@ -145,9 +145,9 @@ name_given(const struct submit_options *o, const char *name[GIVENS])
         [NO_CLOBBER] = { o->no_clobber, "--no-clobber" },
         [OVERSAMPLE] = { o->oversample > 1, "--oversample" },
         [CLAMP] = { o->clamp > 0, "--clamp" },
-        [BY_LINES] = { o->partition == PARTITION_STATIC ||
-                           o->partition == PARTITION_SCANBAR,
-                       o->partition == PARTITION_STATIC
+        [BY_LINES] = { o->partition == MSG_PART_STATIC ||
+                           o->partition == MSG_PART_SCANBAR,
+                       o->partition == MSG_PART_STATIC
                            ? "--partition=static"
                            : "--partition=scanbar" },
         [WINDOWS] = { o->windows > 0, "--windows" },

@@ -63,8 +63,8 @@ START_TEST(options_of_both_kinds_mix)
     ck_assert_double_eq(o.view.vp[1], 2);
     ck_assert_int_eq(o.workers, 3);
     ck_assert_int_eq(o.threads, 2);
-    ck_assert_int_eq(o.partition, PARTITION_WINDOW);
-    ck_assert_int_eq(o.order, ORDER_RANDOM);
+    ck_assert_int_eq(o.partition, MSG_PART_WINDOW);
+    ck_assert_int_eq(o.order, MSG_ORDER_RANDOM);
     ck_assert_int_eq(o.windows, 64);
     ck_assert_double_eq(o.wait_s, 2.5);
     ck_assert(o.no_share);
@@ -216,16 +216,20 @@ static const struct {
     const char *estimate, *costs;
     bool no_balance;
 } sharing[] = {
-    { "a.rad", PARTITION_AUTO, ORDER_NONE, NULL, NULL, false },
-    { "--partition=static --estimate=20a a.rad", PARTITION_STATIC, ORDER_NONE,
+    { "a.rad", MSG_PART_AUTO, ORDER_NONE, NULL, NULL, false },
+    { "--partition=static --estimate=20a a.rad", MSG_PART_STATIC, ORDER_NONE,
       "20a", NULL, false },
-    { "--partition static --no-balance --estimate 1000b a.rad",
-      PARTITION_STATIC, ORDER_NONE, "1000b", NULL, true },
-    { "--partition=scanbar --estimate=uniform a.rad", PARTITION_SCANBAR,
+    { "--partition static --no-balance --estimate 1000b a.rad", MSG_PART_STATIC,
+      ORDER_NONE, "1000b", NULL, true },
+    { "--partition=scanbar --estimate=uniform a.rad", MSG_PART_SCANBAR,
       ORDER_NONE, "uniform", NULL, false },
-    { "--partition=window --order=cost --estimate=1a a.rad", PARTITION_WINDOW,
-      ORDER_COST, "1a", NULL, false },
-    { "--estimate=b/20a.json a.rad", PARTITION_AUTO, ORDER_NONE, NULL,
+    { "--partition=window --order=cost --estimate=1a a.rad", MSG_PART_WINDOW,
+      MSG_ORDER_COST, "1a", NULL, false },
+    { "--order=forward a.rad", MSG_PART_AUTO, MSG_ORDER_FORWARD, NULL, NULL,
+      false },
+    { "--order=backward a.rad", MSG_PART_AUTO, MSG_ORDER_BACKWARD, NULL, NULL,
+      false },
+    { "--estimate=b/20a.json a.rad", MSG_PART_AUTO, ORDER_NONE, NULL,
       "b/20a.json", false },
 };
 
@@ -243,20 +247,6 @@ START_TEST(work_is_shared_as_asked)
     ck_assert_pstr_eq(o.costs, sharing[_i].costs);
     ck_assert_int_eq(o.no_balance, sharing[_i].no_balance);
     words_release(&w);
-}
-END_TEST
-
-/* radsubmit.c sends the place of a word. */
-START_TEST(words_stand_where_the_protocol_has_them)
-{
-    ck_assert_int_eq(PARTITION_AUTO, MSG_PART_AUTO);
-    ck_assert_int_eq(PARTITION_STATIC, MSG_PART_STATIC);
-    ck_assert_int_eq(PARTITION_SCANBAR, MSG_PART_SCANBAR);
-    ck_assert_int_eq(PARTITION_WINDOW, MSG_PART_WINDOW);
-    ck_assert_int_eq(ORDER_FORWARD, MSG_ORDER_FORWARD);
-    ck_assert_int_eq(ORDER_BACKWARD, MSG_ORDER_BACKWARD);
-    ck_assert_int_eq(ORDER_RANDOM, MSG_ORDER_RANDOM);
-    ck_assert_int_eq(ORDER_COST, MSG_ORDER_COST);
 }
 END_TEST
 
@@ -523,7 +513,6 @@ main(void)
     tcase_add_test(tc, options_about_messages_are_rpicts);
     tcase_add_test(tc, names_of_modifiers_come_from_files);
     tcase_add_loop_test(tc, work_is_shared_as_asked, 0, N_ELEM(sharing));
-    tcase_add_test(tc, words_stand_where_the_protocol_has_them);
     tcase_add_loop_test(tc, wrong_command_lines_are_named, 0, N_ELEM(wrong));
     tcase_add_loop_test(tc, each_pair_goes_together_or_is_named, 0,
                         N_ELEM(together));
