@@ -257,6 +257,23 @@ note_progress(struct job *job)
     lead_note(job, all > 0 ? done / all : 1, s->open == s->n);
 }
 
+/* Make job->passes, with the passes of the present stage; none is closed. */
+static int
+lay_out(struct job *job, struct rad_error *err)
+{
+    struct passes *s = job->passes = calloc(1, sizeof *s);
+    int rc;
+
+    if (!s || !(s->size = stages_sizes(&job->spec)) ||
+        !(s->dearest = dearest_new(s->size, job->spec.nframes)))
+        return rad_fail_memory(err);
+    tiles_drop(s);
+    rc = plan_stage(job, err);
+    if (rc == 0)
+        lead_begin(job, s->size);
+    return rc;
+}
+
 int
 passes_begin(struct coord *c, struct job *job, struct rad_error *err)
 {
@@ -265,15 +282,10 @@ passes_begin(struct coord *c, struct job *job, struct rad_error *err)
 
     if (!(job->spec.flags & MSG_JOB_PASSES))
         return 0;
-    s = job->passes = calloc(1, sizeof *s);
-    if (!s || !(s->size = stages_sizes(&job->spec)) ||
-        !(s->dearest = dearest_new(s->size, job->spec.nframes)))
-        return rad_fail_memory(err);
-    tiles_drop(s);
-    rc = plan_stage(job, err);
+    rc = lay_out(job, err);
     if (rc < 0)
         return rc;
-    lead_begin(job, s->size);
+    s = job->passes;
     note_done(job);
     take_up_kept(c, job);
     open_frames(job);
@@ -292,12 +304,11 @@ void
 passes_restore(struct job *job)
 {
     const struct kept_passes *kept = &job->kept;
-    struct passes *s = job->passes = calloc(1, sizeof *s);
     uint64_t rays = job->rays;
 
-    if (s && (s->size = stages_sizes(&job->spec)) &&
-        plan_stage(job, NULL) == 0) {
-        lead_begin(job, s->size);
+    if (lay_out(job, NULL) == 0) {
+        struct passes *s = job->passes;
+
         for (uint32_t i = s->base; i < kept->n && s->open < s->n; i++) {
             s->closed[s->open++].counts = kept->pass[i].counts;
             rays += kept->pass[i].counts.rays;
@@ -307,7 +318,7 @@ passes_restore(struct job *job)
         if (rays > job->rays_seen)
             job->rays_seen = rays;
     }
-    passes_free(s);
+    passes_free(job->passes);
     job->passes = NULL;
 }
 
