@@ -4,6 +4,7 @@
 #include "pattern/expr.h"
 #include "base/vec.h"
 
+#include <assert.h>
 #include <stdlib.h>
 
 #define FAR 1e10 /* length of a ray to a distant source, as in Radiance */
@@ -118,11 +119,12 @@ offer_of(enum rad_otype type)
 
 int
 rad_expr_prepare(struct rad_job *job, const struct rad_object *o,
-                 const struct rad_files *files, int file, unsigned which,
+                 const struct rad_files *files, unsigned which,
                  struct rad_expr *e, struct rad_error *err)
 {
-    int rc;
+    int file = rad_otype_files(o->type).function, rc;
 
+    assert(file >= 0); /* reach.c has the type */
     /* nstrings may be 32 or more, for which the shift is undefined */
     if (o->nstrings <= file || (o->nstrings < 32 && which >> o->nstrings))
         return rad_scene_fail(job->scene, o, err, RAD_EDATA,

@@ -38,10 +38,10 @@ struct rad_expr_scope {
     double channel[RAD_CALC_NCHANNELS];
 };
 
-/* Compile those strings of object o whose bits are set in `which`, in order.
- * The function file is string number `file`.  0 or a negative code. */
+/* Compile those strings of object o whose bits are set in `which`, in order,
+ * with o's function file (rad_otype_files()).  0 or a negative code. */
 int rad_expr_prepare(struct rad_job *job, const struct rad_object *o,
-                     const struct rad_files *files, int file, unsigned which,
+                     const struct rad_files *files, unsigned which,
                      struct rad_expr *e, struct rad_error *err);
 
 /* The values of expressions `first` to first + n - 1 at r's hit.  False: one

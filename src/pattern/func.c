@@ -5,25 +5,14 @@
 #include "pattern/effect.h"
 #include "pattern/mixture.h"
 
-/* Where a type has its string arguments. */
-static const struct layout {
-    enum rad_otype type;
-    unsigned exprs; /* a bit for each string that is an expression */
-    int file;
-} layouts[] = {
-    { RAD_BRIGHTFUNC, 01, 1 },
-    { RAD_COLORFUNC, 07, 3 },
-    { RAD_TEXFUNC, 07, 3 },
-    { RAD_MIXFUNC, 04, 3 },
-};
-
-static const struct layout *
-find_layout(enum rad_otype type)
+/* The expressions, as bits: all strings before the function file, but for the
+ * two that a mixture mixes. */
+static unsigned
+expressions(enum rad_otype type)
 {
-    for (size_t i = 0; i < sizeof layouts / sizeof layouts[0]; i++)
-        if (layouts[i].type == type)
-            return &layouts[i];
-    return NULL;
+    unsigned before = (1u << rad_otype_files(type).function) - 1;
+
+    return type == RAD_MIXFUNC ? before & ~3u : before;
 }
 
 static bool
@@ -47,14 +36,13 @@ rad_func_prepare(struct rad_job *job, int32_t index,
                  struct rad_error *err)
 {
     const struct rad_object *o = &job->scene->objects[index];
-    const struct layout *at = find_layout(o->type);
     struct rad_effect *e = rad_arena_calloc(&job->arena, 1, sizeof *e);
     int rc;
 
     if (!e)
         return rad_fail_memory(err);
     e->values = o->type == RAD_COLORFUNC ? colors : values;
-    rc = rad_expr_prepare(job, o, files, at->file, at->exprs, &e->expr, err);
+    rc = rad_expr_prepare(job, o, files, expressions(o->type), &e->expr, err);
     if (rc == 0 && o->type == RAD_MIXFUNC)
         rc = rad_mixture_parts(job, index, e->part, err);
     if (o->type == RAD_COLORFUNC)

@@ -216,7 +216,7 @@ prepare_function(struct rad_job *job, const struct rad_object *o,
                               "no wavelengths from %g to %g nm in %g to %g",
                               bands->shortest, bands->longest, a, b);
     n = n < 1 ? 1 : n;
-    rc = rad_expr_prepare(job, o, files, 1, 0, &s->effect.expr, err);
+    rc = rad_expr_prepare(job, o, files, 0, &s->effect.expr, err);
     if (rc == 0)
         rc = find_function(job, o, s, 1, err);
     if (rc < 0)
@@ -269,7 +269,7 @@ prepare_data(struct rad_job *job, const struct rad_object *o,
                               "expected an expression for each of %d "
                               "dimensions",
                               dims);
-    rc = rad_expr_prepare(job, o, files, 2, ((1u << dims) - 1) << 3,
+    rc = rad_expr_prepare(job, o, files, ((1u << dims) - 1) << 3,
                           &s->effect.expr, err);
     if (rc == 0)
         rc = find_function(job, o, s, 2, err);

@@ -20,40 +20,31 @@ struct table {
     } func[3];
 };
 
-/* Where a type has its string arguments, and how many. */
-static const struct layout {
-    enum rad_otype type;
-    int func, nfuncs;
-    int data, ndata; /* ndata 0: one picture */
-    int file, place;
-} layouts[] = {
-    { RAD_BRIGHTDATA, 0, 1, 1, 1, 2, 3 }, { RAD_COLORDATA, 0, 3, 3, 3, 6, 7 },
-    { RAD_COLORPICT, 0, 3, 3, 0, 4, 5 },  { RAD_TEXDATA, 0, 3, 3, 3, 6, 7 },
-    { RAD_MIXDATA, 2, 1, 3, 1, 4, 5 },    { RAD_MIXPICT, 2, 1, 3, 0, 4, 5 },
-};
-
-static const struct layout *
-find_layout(enum rad_otype type)
+static bool
+has_picture(enum rad_otype type)
 {
-    for (size_t i = 0; i < sizeof layouts / sizeof layouts[0]; i++)
-        if (layouts[i].type == type)
-            return &layouts[i];
-    return NULL;
+    return type == RAD_COLORPICT || type == RAD_MIXPICT;
+}
+
+static bool
+is_mixture(enum rad_otype type)
+{
+    return rad_otype_class(type) == RAD_CLASS_MIXTURE;
 }
 
 /* Find the data or the picture; returns the number of coordinates, or a
  * code. */
 static int
 read_tables(struct rad_job *job, const struct rad_object *o,
-            const struct rad_files *files, const struct layout *at,
+            const struct rad_files *files, const struct rad_file_strings *at,
             struct table *t, struct rad_error *err)
 {
-    if (at->ndata == 0) {
-        t->pict = rad_stored_picture(job, o, files, o->strings[at->data], err);
+    if (has_picture(o->type)) {
+        t->pict = rad_stored_picture(job, o, files, o->strings[at->first], err);
         return t->pict ? 2 : RAD_EDATA;
     }
-    for (int i = 0; i < at->ndata; i++) {
-        const char *name = o->strings[at->data + i];
+    for (int i = 0; i < at->n; i++) {
+        const char *name = o->strings[at->first + i];
 
         t->data[i] = rad_stored_data(job, o, files, name, err);
         if (!t->data[i])
@@ -62,26 +53,29 @@ read_tables(struct rad_job *job, const struct rad_object *o,
             return rad_scene_fail(job->scene, o, err, RAD_EDATA,
                                   "'%s' has %d dimensions, '%s' has %d", name,
                                   rad_data_dims(t->data[i]),
-                                  o->strings[at->data],
+                                  o->strings[at->first],
                                   rad_data_dims(t->data[0]));
         if (t->data[i] != t->data[0])
-            t->ndata = at->ndata;
+            t->ndata = at->n;
     }
     return rad_data_dims(t->data[0]);
 }
 
-/* Find the functions.  Each gets all values of the place; but a function for
- * green or blue with fewer than three parameters gets its own channel's
- * alone. */
+/* Find the functions, whose names come before the tables', and in a mixture
+ * after those of the two that it mixes.  Each gets all values of the place; but
+ * a function for green or blue with fewer than three parameters gets its own
+ * channel's alone. */
 static int
 find_functions(struct rad_job *job, const struct rad_object *o,
-               const struct layout *at, struct table *t, struct rad_error *err)
+               const struct rad_file_strings *at, struct table *t,
+               struct rad_error *err)
 {
     int most = o->type == RAD_BRIGHTDATA || o->type == RAD_MIXDATA ? 1 : 3;
+    int first = is_mixture(o->type) ? 2 : 0;
 
-    t->nfuncs = at->nfuncs;
+    t->nfuncs = at->first - first;
     for (int i = 0; i < t->nfuncs; i++) {
-        int k = at->func + i, n = most;
+        int k = first + i, n = most;
 
         if (i > 0 && o->type != RAD_TEXDATA &&
             rad_calc_params(job->calc, t->effect.expr.context, o->strings[k],
@@ -138,32 +132,31 @@ rad_table_prepare(struct rad_job *job, int32_t index,
                   struct rad_error *err)
 {
     const struct rad_object *o = &job->scene->objects[index];
-    const struct layout *at = find_layout(o->type);
+    const struct rad_file_strings at = rad_otype_files(o->type);
     struct table *t = rad_arena_calloc(&job->arena, 1, sizeof *t);
-    int dims, rc;
+    int place = at.function + 1, dims, rc;
 
     if (!t)
         return rad_fail_memory(err);
-    if (o->nstrings <= at->file)
+    if (o->nstrings <= at.function)
         return rad_scene_fail(job->scene, o, err, RAD_EDATA,
                               "too few string arguments");
     t->effect.values = values;
-    t->together = at->ndata == 0 || o->type == RAD_TEXDATA;
+    t->together = has_picture(o->type) || o->type == RAD_TEXDATA;
     t->ndata = 1;
-    dims = read_tables(job, o, files, at, t, err);
+    dims = read_tables(job, o, files, &at, t, err);
     if (dims < 0)
         return dims;
-    if (o->nstrings < at->place + dims)
+    if (o->nstrings < place + dims)
         return rad_scene_fail(job->scene, o, err, RAD_EDATA,
                               "expected an expression for each of %d "
                               "dimensions",
                               dims);
-    rc =
-        rad_expr_prepare(job, o, files, at->file,
-                         ((1u << dims) - 1) << at->place, &t->effect.expr, err);
+    rc = rad_expr_prepare(job, o, files, ((1u << dims) - 1) << place,
+                          &t->effect.expr, err);
     if (rc == 0)
-        rc = find_functions(job, o, at, t, err);
-    if (rc == 0 && rad_otype_class(o->type) == RAD_CLASS_MIXTURE)
+        rc = find_functions(job, o, &at, t, err);
+    if (rc == 0 && is_mixture(o->type))
         rc = rad_mixture_parts(job, index, t->effect.part, err);
     if (o->type == RAD_COLORDATA || o->type == RAD_COLORPICT)
         rad_effect_channels(job, &t->effect);

@@ -131,30 +131,37 @@ rad_scene_needs(const struct rad_scene *s, bool needs[RAD_NOTYPES])
     free(reached);
 }
 
-/* Which strings of a type name files: the function file, and n others. */
 static const struct {
     enum rad_otype type;
-    int function; /* the function file, or -1 */
-    int first, n; /* the others */
+    struct rad_file_strings at;
 } named_files[] = {
-    { RAD_BRIGHTTEXT, -1, 0, 2 }, /* the font and the text */
-    { RAD_COLORTEXT, -1, 0, 2 },  { RAD_MIXTEXT, -1, 2, 2 },
-    { RAD_BRIGHTFUNC, 1, 0, 0 },  { RAD_COLORFUNC, 3, 0, 0 },
-    { RAD_TEXFUNC, 3, 0, 0 },     { RAD_MIXFUNC, 3, 0, 0 },
-    { RAD_BRIGHTDATA, 2, 1, 1 },  { RAD_COLORDATA, 6, 3, 3 },
-    { RAD_COLORPICT, 4, 3, 1 },   { RAD_TEXDATA, 6, 3, 3 },
-    { RAD_SPECFILE, -1, 0, 1 },   { RAD_SPECFUNC, 1, 0, 0 },
-    { RAD_SPECDATA, 2, 1, 1 },    { RAD_SPECPICT, 2, 1, 1 },
-    { RAD_MIXDATA, 4, 3, 1 },     { RAD_MIXPICT, 4, 3, 1 },
-    { RAD_PLASTIC2, 3, 0, 0 },    { RAD_METAL2, 3, 0, 0 },
-    { RAD_TRANS2, 3, 0, 0 },      { RAD_ASHIK2, 3, 0, 0 },
-    { RAD_PLASFUNC, 1, 0, 0 },    { RAD_METFUNC, 1, 0, 0 },
-    { RAD_TRANSFUNC, 1, 0, 0 },   { RAD_BRTDFUNC, 9, 0, 0 },
-    { RAD_PLASDATA, 2, 1, 1 },    { RAD_METDATA, 2, 1, 1 },
-    { RAD_TRANSDATA, 2, 1, 1 },   { RAD_PRISM1, 4, 0, 0 },
-    { RAD_PRISM2, 8, 0, 0 },      { RAD_WGMDFUNC, 12, 0, 0 },
-    { RAD_BSDF, 5, 1, 1 },        { RAD_ABSDF, 4, 0, 1 },
+    { RAD_BRIGHTTEXT, { -1, 0, 2 } }, /* the font and the text */
+    { RAD_COLORTEXT, { -1, 0, 2 } },  { RAD_MIXTEXT, { -1, 2, 2 } },
+    { RAD_BRIGHTFUNC, { 1, 0, 0 } },  { RAD_COLORFUNC, { 3, 0, 0 } },
+    { RAD_TEXFUNC, { 3, 0, 0 } },     { RAD_MIXFUNC, { 3, 0, 0 } },
+    { RAD_BRIGHTDATA, { 2, 1, 1 } },  { RAD_COLORDATA, { 6, 3, 3 } },
+    { RAD_COLORPICT, { 4, 3, 1 } },   { RAD_TEXDATA, { 6, 3, 3 } },
+    { RAD_SPECFILE, { -1, 0, 1 } },   { RAD_SPECFUNC, { 1, 0, 0 } },
+    { RAD_SPECDATA, { 2, 1, 1 } },    { RAD_SPECPICT, { 2, 1, 1 } },
+    { RAD_MIXDATA, { 4, 3, 1 } },     { RAD_MIXPICT, { 4, 3, 1 } },
+    { RAD_PLASTIC2, { 3, 0, 0 } },    { RAD_METAL2, { 3, 0, 0 } },
+    { RAD_TRANS2, { 3, 0, 0 } },      { RAD_ASHIK2, { 3, 0, 0 } },
+    { RAD_PLASFUNC, { 1, 0, 0 } },    { RAD_METFUNC, { 1, 0, 0 } },
+    { RAD_TRANSFUNC, { 1, 0, 0 } },   { RAD_BRTDFUNC, { 9, 0, 0 } },
+    { RAD_PLASDATA, { 2, 1, 1 } },    { RAD_METDATA, { 2, 1, 1 } },
+    { RAD_TRANSDATA, { 2, 1, 1 } },   { RAD_PRISM1, { 4, 0, 0 } },
+    { RAD_PRISM2, { 8, 0, 0 } },      { RAD_WGMDFUNC, { 12, 0, 0 } },
+    { RAD_BSDF, { 5, 1, 1 } },        { RAD_ABSDF, { 4, 0, 1 } },
 };
+
+struct rad_file_strings
+rad_otype_files(enum rad_otype type)
+{
+    for (size_t i = 0; i < sizeof named_files / sizeof named_files[0]; i++)
+        if (named_files[i].type == type)
+            return named_files[i].at;
+    return (struct rad_file_strings){ .function = -1 };
+}
 
 /* Is string `at` the place of a text's file in an object that holds the text
  * itself, as the words that follow or, after ".", as none? */
@@ -182,13 +189,11 @@ file_at(const struct rad_object *o, int at, bool function)
 const char *
 rad_object_file(const struct rad_object *o, int k)
 {
-    for (size_t i = 0; i < sizeof named_files / sizeof named_files[0]; i++)
-        if (named_files[i].type == o->type && k <= named_files[i].n) {
-            if (k < named_files[i].n)
-                return file_at(o, named_files[i].first + k, false);
-            return file_at(o, named_files[i].function, true);
-        }
-    return NULL;
+    const struct rad_file_strings at = rad_otype_files(o->type);
+
+    if (k < at.n)
+        return file_at(o, at.first + k, false);
+    return k == at.n ? file_at(o, at.function, true) : NULL;
 }
 
 int32_t

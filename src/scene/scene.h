@@ -121,6 +121,14 @@ void rad_scene_reach(const struct rad_scene *s, uint8_t *reached);
  * of them. */
 void rad_scene_nesting(const struct rad_scene *s, int32_t *depth);
 
+/* Which string arguments of a type name files that its objects read when they
+ * are rendered: the function file, or -1, and n others from `first` on. */
+struct rad_file_strings {
+    int function;
+    int first, n;
+};
+struct rad_file_strings rad_otype_files(enum rad_otype type);
+
 /* The name of the k-th file that an object reads when it is rendered; NULL
  * beyond the last.  Files of instances and meshes are not among them: they are
  * the scene's parts. */

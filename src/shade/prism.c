@@ -23,8 +23,8 @@ rad_prism_prepare(struct rad_job *job, int32_t index,
         return rad_fail_memory(err);
     m->ways = o->type == RAD_PRISM2 ? 2 : 1;
     *data = m;
-    return rad_expr_prepare(job, o, files, 4 * m->ways,
-                            m->ways == 2 ? 0377 : 017, &m->expr, err);
+    return rad_expr_prepare(job, o, files, m->ways == 2 ? 0377 : 017, &m->expr,
+                            err);
 }
 
 int

@@ -46,7 +46,7 @@ rad_aniso_prepare(struct rad_job *job, int32_t index,
     m->trans = n == 8 ? o->reals[6] : 0;
     m->tspec = n == 8 ? o->reals[7] : 0;
     *data = m;
-    return rad_expr_prepare(job, o, files, 3, 07, &m->expr, err);
+    return rad_expr_prepare(job, o, files, 07, &m->expr, err);
 }
 
 /* rad_brdf_fn */

@@ -46,7 +46,7 @@ rad_ashik_prepare(struct rad_job *job, int32_t index,
     m->nu = o->reals[6];
     m->nv = o->reals[7];
     *data = m;
-    return rad_expr_prepare(job, o, files, 3, 07, &m->expr, err);
+    return rad_expr_prepare(job, o, files, 07, &m->expr, err);
 }
 
 /* Schlick's approximation of Fresnel's formula: at this angle reflectance R

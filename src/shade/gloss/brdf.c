@@ -73,7 +73,7 @@ prepare_brtd(struct rad_job *job, const struct rad_object *o,
              const struct rad_files *files, struct brdf *m,
              struct rad_error *err)
 {
-    int rc = rad_expr_prepare(job, o, files, 9, 077, &m->expr, err);
+    int rc = rad_expr_prepare(job, o, files, 077, &m->expr, err);
 
     m->front = rad_job_colour(job, o->reals);
     m->back = rad_job_colour(job, o->reals + 3);
@@ -127,7 +127,7 @@ prepare_simple(struct rad_job *job, const struct rad_object *o,
                struct rad_error *err)
 {
     bool data = has_data(o->type);
-    int rc = rad_expr_prepare(job, o, files, data ? 2 : 1, 0, &m->expr, err);
+    int rc = rad_expr_prepare(job, o, files, 0, &m->expr, err);
 
     m->color = rad_job_colour(job, o->reals);
     m->rspec = o->reals[3];

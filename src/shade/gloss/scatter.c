@@ -87,8 +87,7 @@ rad_scatter_prepare(struct rad_job *job, int32_t index,
     s->front = read_color(job, o, 0);
     s->back = read_color(job, o, 3);
     s->through = read_color(job, o, 6);
-    rc = rad_expr_prepare(job, o, files, proxy ? 5 : 4, proxy ? 0x1d : 0xe,
-                          &s->expr, err);
+    rc = rad_expr_prepare(job, o, files, proxy ? 0x1d : 0xe, &s->expr, err);
     if (rc)
         return rc;
     s->bsdf = rad_stored(job, o, files, o->strings[proxy], parse, err);

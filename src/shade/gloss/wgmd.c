@@ -109,7 +109,7 @@ rad_wgmd_prepare(struct rad_job *job, int32_t index,
     if (!m)
         return code;
     *data = m;
-    code = rad_expr_prepare(job, o, files, 12, 0xeee, &m->expr, err);
+    code = rad_expr_prepare(job, o, files, 0xeee, &m->expr, err);
     m->front = rad_job_colour(job, o->reals);
     m->back = rad_job_colour(job, o->reals + 3);
     m->through = rad_job_colour(job, o->reals + 6);
