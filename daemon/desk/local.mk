@@ -17,4 +17,5 @@ libdaemon_a_SOURCES += \
 	daemon/desk/speed.c \
 	daemon/desk/speed.h \
 	daemon/desk/verdict.c \
-	daemon/desk/verdict.h
+	daemon/desk/verdict.h \
+	daemon/desk/worker.h
