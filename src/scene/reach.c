@@ -1,4 +1,5 @@
-/* reach.c - which objects a scene's surfaces use; see scene.h */
+/* reach.c - which modifiers and files objects name, and which objects a scene's
+ * surfaces use; see scene.h */
 #include "config.h"
 
 #include "scene/part.h"

@@ -1,7 +1,7 @@
 /* families.c - the table of modifier types: which family each belongs to
  *
- * A new material is a row here, a row in scene/check.c (its arguments) and a
- * file of its own; see trace/material.h. */
+ * A new material is a row here, a row in scene/check.c (its arguments), in
+ * scene/reach.c what these name, and a file of its own; see trace/material.h. */
 #include "config.h"
 
 #include "trace/asks.h"
