@@ -110,6 +110,8 @@ static const struct option options[] = {
         "of -cs, the one that is rendered; -1: all; 8: red, green, blue"),
     INT("--samples", samples, 1, RAD_MOST_SAMPLES, 1,
         "rays of a pixel that is traced"),
+    INT("--surroundings", surroundings, 0, 1 << 30, 0,
+        "the scene's size over that of what is shown, 0: found"),
     { "--seed", KIND_U64, FIELD(seed), 0, 0, 0, "of all random numbers" }
 };
 
@@ -614,6 +616,8 @@ is_said(const struct rad_params *p, const struct option *o)
 {
     if (o->field == FIELD(samples))
         return p->samples > 1;
+    if (o->field == FIELD(surroundings))
+        return p->surroundings > 0;
     if (o->field == FIELD(bands.plane))
         return p->bands.plane >= 0;
     if (o->field == FIELD(bands.n) || o->kind == KIND_WAVES)

@@ -84,7 +84,9 @@ struct rad_params {
     double minweight;       /* -lw: least weight of a ray */
     struct rad_bands bands; /* -cs -cw --plane */
     /* ours */
-    uint64_t seed; /* --seed */
+    int surroundings; /* --surroundings: the scene is so many times as large as
+                       * the part of it that pictures show; 0: as 1 */
+    uint64_t seed;    /* --seed */
 };
 
 /* rpict's defaults. */

@@ -12,6 +12,7 @@
 
 #include "refine/refine.h"
 
+#include <limits.h>
 #include <math.h>
 
 /* Tiles of a check pass: one for so many pixels, within these bounds.  A tile
@@ -196,7 +197,13 @@ enum { SAMPLES_GROWTH = 4, ONE_RAY = RAD_REFINE_RUNG };
 #define MAXDIFF_LEFT .5
 
 #define MOST_AMBDIV 65536
-#define MOST_AMBRES 1024
+#define MOST_AMBRES 1024 /* for a cube as large as what is shown */
+
+static int
+most_ambres(const struct rad_params *job)
+{
+    return (int)fmin(MOST_AMBRES * fmax(job->surroundings, 1), INT_MAX);
+}
 
 /* The rays of a pixel over its rays at rung 0, as a whole number: 1 up to a
  * rung above ONE_RAY. */
@@ -222,7 +229,7 @@ rad_refine_params(const struct rad_params *job, struct rad_refine_rungs rungs,
         out->ambdiv = grow(job->ambdiv, rays, MOST_AMBDIV);
         out->ambssamp = grow(job->ambssamp, rays, MOST_AMBDIV);
         out->ambres = grow(job->ambres, 1 / fall(parts_at(ambres_growth, a)),
-                           MOST_AMBRES);
+                           most_ambres(job));
     }
     if (p > 0) {
         out->maxdiff = shorten(job->maxdiff * MAXDIFF_LEFT);

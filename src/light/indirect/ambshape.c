@@ -16,11 +16,11 @@
 #define OVERLAP          1.5
 #define FARTHEST_OVERLAP .75
 
-/* The length that stands for the unit in radius_of(), in sides of the cube:
- * where E bends within a tenth of the scene, zones are as small as -ar 32
- * allows.  With a much larger length most zones are as large as they may be,
- * and their error, then most of the picture's, hardly falls with more rays;
- * with a smaller length there are more records for little gain. */
+/* The length that stands for the unit in radius_of(), in sides of what is shown
+ * (struct rad_ambscale): where E bends within a tenth of that, zones are as
+ * small as -ar 32 allows.  With a much larger length most zones are as large as
+ * they may be, and their error, then most of the picture's, hardly falls with
+ * more rays; with a smaller length there are more records for little gain. */
 #define ERROR_UNIT .003
 
 /* Where E would be off by more than a quarter at the edge of the smallest zone
@@ -38,7 +38,9 @@
 
 /* As in rpict, no radius is larger than a fifth of the scene, or than 64 times
  * the smallest radius; without -ar the smallest radius is well above rounding.
- */
+ * But where pictures show a small part of the scene (--surroundings), a fifth
+ * and the unit are of that part: by the ground of 10 km that a room stands on,
+ * zones would miss what lies beside them however fine -ar is. */
 void
 rad_ambscale_set(struct rad_ambscale *s, double side,
                  const struct rad_params *par)
@@ -46,12 +48,15 @@ rad_ambscale_set(struct rad_ambscale *s, double side,
     double aa = par->ambacc;
 
     s->side = side > 0 ? side : 1; /* no surfaces: any cube will do */
+    s->shown_side = s->side / (par->surroundings > 1 ? par->surroundings : 1);
     s->most = .2 * s->side;
     s->least = par->ambres > 0 ? s->side / par->ambres : 1e-7 * s->side;
     if (par->ambres > 0)
         s->most = rad_least(s->most, 64 * s->least);
     if (s->most <= s->least)
         s->most = 64 * s->least;
+    if (par->surroundings > 1)
+        s->most = rad_least(s->most, rad_most(.2 * s->shown_side, s->least));
     s->ambacc = s->deep = aa;
     s->shown = rad_most(aa, rad_least(OVERLAP * aa, FARTHEST_OVERLAP));
 }
@@ -73,19 +78,20 @@ rad_ambscale_bend(const struct rad_ambscale *scale, const float radius[2])
 {
     double r2 = (double)radius[0] * (double)radius[1];
 
-    return scale->side * ERROR_UNIT / (r2 * sqrt(r2));
+    return scale->shown_side * ERROR_UNIT / (r2 * sqrt(r2));
 }
 
 /* The radius for an eigenvalue of the Hessian over E.  In its zone a record is
  * off by about value * r^2, and an area has 1 / r^2 records (Schwarzhaupt et
  * al. 2012).  For a given number of records, the squared error summed over the
  * area is least if value^2 r^6 is the same for all; their paper, which sums the
- * error itself, has value r^4.  Lengths are relative to the scene's size, so
- * units do not matter. */
+ * error itself, has value r^4.  Lengths are relative to the size of what is
+ * shown, so units do not matter. */
 static double
 radius_of(const struct rad_ambscale *scale, double value)
 {
-    return value > 0 ? rad_cbrt(scale->side * ERROR_UNIT / value) : INFINITY;
+    return value > 0 ? rad_cbrt(scale->shown_side * ERROR_UNIT / value)
+                     : INFINITY;
 }
 
 /* The least radius, where `value` is the larger eigenvalue of the Hessian over

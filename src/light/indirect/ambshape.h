@@ -17,6 +17,7 @@
 /* The limits and factors of radii; lengths in scene units. */
 struct rad_ambscale {
     double side;        /* of the scene's cube */
+    double shown_side;  /* of the part that pictures show (--surroundings) */
     double least, most; /* radii that -ar allows */
     double ambacc;      /* -aa */
     double shown;       /* rad_ambscale_reach() of level 0 */

@@ -182,6 +182,8 @@ static const struct {
     { "-cs 3", "--seed=0", 3, -1, 780, 380 },
     { "--samples 1", "--seed=0", 3, -1, 780, 380 },
     { "--samples=4", "--samples 4 --seed=0", 3, -1, 780, 380 },
+    { "--surroundings 0", "--seed=0", 3, -1, 780, 380 },
+    { "--surroundings=4", "--surroundings 4 --seed=0", 3, -1, 780, 380 },
     { "-cs 20", "-cs 20 -cw 380 780 --seed=0", 20, -1, 780, 380 },
     { "-cs 99", "-cs 24 -cw 380 780 --seed=0", 24, -1, 780, 380 },
     { "-cw 700 400.5", "-cs 3 -cw 400.5 700 --seed=0", 3, -1, 700, 400.5 },

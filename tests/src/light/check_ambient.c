@@ -422,6 +422,43 @@ START_TEST(bent_light_gets_zones_below_the_bound)
 }
 END_TEST
 
+/* below the glow's edge; on the floor; in a corner */
+static const double sampled_at[][3] = { { .3, 0, .75 },
+                                        { .3, 0, -.5 },
+                                        { .8, .9, -.9 } };
+
+/* A room in a scene 1024 times as large has the zones that it has alone. */
+START_TEST(surroundings_leave_zones_alone)
+{
+    static const char *const far[] = {
+        "", "white polygon a 0 0 9 1024 1024 1024 1024 1023 1024 1024 1024 "
+            "1023\n"
+            "white polygon b 0 0 9 -1024 -1024 -1024 -1024 -1023 -1024 -1024 "
+            "-1024 -1023\n"
+    };
+    static const char *const size[] = { "-ar 16",
+                                        "-ar 16384 --surroundings=1024" };
+    struct rad_ambrec rec[2];
+
+    for (int i = 0; i < 2; i++) {
+        char scene[2000], options[200];
+        uint64_t cursor = 0;
+
+        snprintf(scene, sizeof scene, ROOM "%s", far[i]);
+        snprintf(options, sizeof options,
+                 "-ab 1 -aa .5 -ad 1024 -as 0 -av 0 0 0 %s", size[i]);
+        world_open(&w, scene, options);
+        irradiance_up(&w, sampled_at[_i][0], sampled_at[_i][1],
+                      sampled_at[_i][2]);
+        ck_assert_uint_eq(rad_ambient_list(w.job->ambient, &cursor, &rec[i], 1),
+                          1);
+    }
+    for (int k = 0; k < 2; k++)
+        ck_assert_float_eq_tol(rec[1].radius[k], rec[0].radius[k],
+                               1e-4f * rec[0].radius[k]);
+}
+END_TEST
+
 START_TEST(interpolation_is_close_to_sampling)
 {
     struct world cached = { 0 }, sampled = { 0 };
@@ -830,6 +867,8 @@ make_suite(void)
     tcase_add_test(tc, plausible_records_are_taken);
     tcase_add_test(tc, log_gives_each_record_once);
     tcase_add_test(tc, bent_light_gets_zones_below_the_bound);
+    tcase_add_loop_test(tc, surroundings_leave_zones_alone, 0,
+                        N_ELEM(sampled_at));
     tcase_add_test(tc, interpolation_is_close_to_sampling);
     tcase_add_test(tc, deep_records_take_fewer_samples);
     tcase_add_test(tc, what_a_frozen_cache_lacks_takes_few_samples);

@@ -118,6 +118,20 @@ START_TEST(rungs_keep_their_meaning)
 }
 END_TEST
 
+/* -ar grows by as much where the scene is far larger than what is shown. */
+START_TEST(surroundings_leave_rungs_alone)
+{
+    struct rad_params room = params_of(jobs[0]), site = room, p, q;
+    struct rad_refine_rungs far = { 32 * RAD_REFINE_RUNG, 0 };
+
+    site.surroundings = 256;
+    site.ambres = 256 * room.ambres;
+    rad_refine_params(&room, far, &p);
+    rad_refine_params(&site, far, &q);
+    ck_assert_int_eq(q.ambres, 256 * p.ambres);
+}
+END_TEST
+
 static const struct {
     int rung; /* in quarters */
     int samples;
@@ -814,6 +828,7 @@ main(void)
                         N_ELEM(jobs));
     tcase_add_loop_test(options, each_rung_is_finer, 0, N_ELEM(jobs));
     tcase_add_loop_test(options, rungs_keep_their_meaning, 0, N_ELEM(rungs));
+    tcase_add_test(options, surroundings_leave_rungs_alone);
     tcase_add_loop_test(options, rungs_of_pixels_keep_their_meaning, 0,
                         N_ELEM(pixel_rungs));
     tcase_add_loop_test(options, what_is_as_fine_is_joined, 0, N_ELEM(joined));
