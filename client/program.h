@@ -29,6 +29,7 @@
 #include "job/submit_options.h"
 #include "link/submit.h"
 #include "link/target.h"
+#include "trial/surroundings.h"
 #include "trial/trial.h"
 #include "program_loop.h"
 
@@ -102,6 +103,7 @@ struct program {
     struct program_planes planes;
     struct compiled scene;
     double compile_s;
+    struct surroundings surroundings; /* zeros: not looked for */
     struct records records; /* -af */
     struct cargo cargo;
     struct jobspec job;

@@ -92,6 +92,30 @@ program_warn_of_rif(struct program *p)
         program_warn(p, p->rif.notes[p->said.notes]);
 }
 
+/* Warn of an -ar too coarse for what is shown. */
+static void
+warn_of_blur(struct program *p)
+{
+    const struct surroundings *s = &p->surroundings;
+    int ar = p->o.params.ambres, times = surroundings_times(s);
+    char text[300], better[80];
+
+    if (!surroundings_blur(s, ar))
+        return;
+    if (p->o.ambient)
+        snprintf(better, sizeof better, "--surroundings=%d", times);
+    else
+        snprintf(better, sizeof better, "-ar %d%s",
+                 surroundings_ambres(times, ar), p->rif.is ? ", or ZONE," : "");
+    snprintf(
+        text, sizeof text,
+        "warning: ambient values are only as fine as %.3g units (-ar %d in "
+        "a scene of %.3g), but a view shows what is %.3g large: %s suits "
+        "that",
+        s->cube / ar, ar, s->cube, s->shown, better);
+    program_warn(p, text);
+}
+
 void
 program_warn_of_scene(struct program *p)
 {
@@ -101,6 +125,7 @@ program_warn_of_scene(struct program *p)
         program_warn(p, text);
     if (warning_dark(&p->scene, p->o.params.ambounce > 0, text))
         program_warn(p, text);
+    warn_of_blur(p);
 }
 
 /* The share of the job that is done: by its estimated cost; or by its rows, if

@@ -50,6 +50,35 @@ settle_bands(struct program *p)
     p->planes.n = 1;
 }
 
+/* Find how much larger the scene is than what is shown, unless that was given;
+ * then -ar, unless it was given, goes by what is shown.  A file of ambient
+ * values serves views of all sizes: for it nothing is found but a warning. */
+static int
+settle_surroundings(struct program *p)
+{
+    struct rad_params *q = &p->o.params;
+    struct rad_points points;
+    uint8_t *bytes = NULL;
+    int rc = 0;
+
+    if ((p->frames.n == 0 && !p->stream.is) || !submit_options_cache(&p->o))
+        return 0;
+    if (q->surroundings == 0 && !p->stream.is) {
+        if (p->o.points.file)
+            rc = pointjob_pack(&p->points, &points, &bytes, p->err);
+        if (rc == 0)
+            rc = surroundings_find(&p->surroundings, p->scene.scene,
+                                   p->frames.list, p->frames.n,
+                                   bytes ? &points : NULL, p->err);
+        free(bytes);
+        if (!p->o.ambient)
+            q->surroundings = surroundings_times(&p->surroundings);
+    }
+    if (!p->o.ambres_given)
+        q->ambres = surroundings_ambres(q->surroundings, q->ambres);
+    return rc;
+}
+
 /* What program_compile() shares with its thread. */
 struct compiling {
     struct program *p;
@@ -72,6 +101,8 @@ compile_work(uv_work_t *w)
     }
     if (c->rc == 0)
         settle_bands(p);
+    if (c->rc == 0)
+        c->rc = settle_surroundings(p);
     if (c->rc == 0 && p->o.dry_run && p->frames.n > 0)
         c->rc = try_scene(p);
 }

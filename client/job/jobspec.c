@@ -149,13 +149,6 @@ ambient_flags(const struct submit_options *o)
     return o->no_share ? 0 : MSG_JOB_SHARE;
 }
 
-/* Do these options use an ambient cache? */
-static bool
-has_cache(const struct rad_params *p)
-{
-    return p->ambounce > 0 && p->ambacc > 0 && p->ambdiv > 0;
-}
-
 int
 jobspec_set_scene(struct jobspec *j, const struct submit_options *o,
                   const struct compiled *scene, struct rad_error *err)
@@ -163,11 +156,11 @@ jobspec_set_scene(struct jobspec *j, const struct submit_options *o,
     char hex[RAD_SHA_HEX + 1];
     int rc;
 
-    if (o->reuse && !has_cache(&o->params))
+    if (o->reuse && !submit_options_cache(o))
         return rad_fail(err, RAD_EUSAGE,
                         "--reuse is for ambient values: -ab, -aa and -ad must "
                         "not be 0");
-    if (!has_cache(&o->params))
+    if (!submit_options_cache(o))
         return 0;
     rc = compile_name(scene, hex, err);
     if (rc < 0)

@@ -45,6 +45,14 @@ submit_options_spectra(const struct submit_options *o)
 }
 
 bool
+submit_options_cache(const struct submit_options *o)
+{
+    const struct rad_params *p = &o->params;
+
+    return p->ambounce > 0 && p->ambacc > 0 && p->ambdiv > 0;
+}
+
+bool
 submit_options_goal(const struct submit_options *o)
 {
     return o->error > 0 || o->time_s > 0;

@@ -32,6 +32,7 @@ struct submit_options {
     double clamp;            /* --clamp; 0: off */
     int quality;             /* --quality: number of the word; -1: none */
     bool quality_whole;      /* no option of its set was given by itself */
+    bool ambres_given;       /* -ar */
     double error;            /* --error [%]; 0: not asked for */
     double time_s;           /* --time; 0: not asked for */
     int psample_asked;       /* the value of -ps; 0: not given, or 0 */
@@ -95,6 +96,9 @@ int submit_options_planes(const struct submit_options *o);
 
 /* Is the picture written as spectra? */
 bool submit_options_spectra(const struct submit_options *o);
+
+/* Do the options use an ambient cache? */
+bool submit_options_cache(const struct submit_options *o);
 
 /* Is there a goal: --error or --time? */
 bool submit_options_goal(const struct submit_options *o);

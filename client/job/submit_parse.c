@@ -254,6 +254,7 @@ submit_parse(struct submit_options *o, struct words *w, struct rad_error *err)
 
         rc = bad < 0 ? bad : rc;
     }
+    o->ambres_given = (c.given & quality_bit("-ar")) != 0;
     if (rc != SUBMIT_RUN)
         return rc;
     rc = take_scenes(&c, c.at > 0 && strcmp(w->list[c.at - 1], "--") == 0);

@@ -311,6 +311,9 @@ submit_table_help(FILE *to)
     fputs(
         "  --samples=N                 rays of a pixel that is traced, for "
         "their mean (1)\n"
+        "  --surroundings=N            how many times as large as what is "
+        "shown the scene\n"
+        "                              is (found)\n"
         "  --seed=N                    of all random numbers (0)\n"
         "  --rpict-path                print the folder of a program "
         "rpict that calls\n"

@@ -10,6 +10,8 @@ libclient_a_SOURCES += \
 	client/trial/outcome.h \
 	client/trial/progress.c \
 	client/trial/progress.h \
+	client/trial/surroundings.c \
+	client/trial/surroundings.h \
 	client/trial/trial.c \
 	client/trial/trial.h \
 	client/trial/trial_predict.c

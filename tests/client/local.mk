@@ -13,4 +13,5 @@ UNIT_TESTS += \
 	tests/client/check_rif \
 	tests/client/check_show \
 	tests/client/check_submit \
+	tests/client/check_surroundings \
 	tests/client/check_top

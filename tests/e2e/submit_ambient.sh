@@ -129,6 +129,22 @@ submit()
     cmp full.amb before.amb || fail "no room: the old file is gone"
     ls ./*.amb.* ./.*.amb* 2>/dev/null && fail "no room: something is left"
 
+    # a room in large surroundings: what is shown decides, unless -ar or a file
+    # of values does
+    { cat $room; echo 'wall ring ground 0 0 8 2 2 -9 0 0 1 0 1e6'; } >site.rad
+    site="$radsubmit --local --workers=1 -vf $scenes/room.vf -x 9 -y 9 -ad 16"
+    $site -ab 1 -o site.hdr site.rad 2>err || fail "site: $(cat err)"
+    grep -q 'surroundings' err && fail "a warning of nothing: $(cat err)"
+    times=$(LC_ALL=C sed -n 's/.* --surroundings \([0-9]*\).*/\1/p' site.hdr)
+    grep -aq -- "-ar $((64 * times)) " site.hdr ||
+        fail "-ar does not go by what is shown: $(sed '/^$/q' site.hdr)"
+    expect 0 "-ar $((16 * times)) suits that" 'a coarse -ar' \
+        $site -ab 1 -ar 16 -o x.hdr site.rad
+    expect 0 "--surroundings=$times suits that" 'views of all sizes' \
+        $site -ab 1 -af site.amb -o x.hdr site.rad
+    $site -ab 1 -o x.hdr $room 2>err || fail "room: $(cat err)"
+    grep -aq -- '--surroundings' x.hdr && fail "a room without surroundings"
+
     # without records nothing is read or written
     expect 0 'there are no ambient values to keep' 'no indirect light' \
         "$radsubmit" --local $view -ab 0 -x 9 -y 9 -af none.amb -o x.hdr $room

@@ -1,0 +1,267 @@
+/* surroundings.c - see surroundings.h
+ *
+ * What a view shows is taken to be as large as a ball about one of its hits
+ * that holds a quarter of them: half of a picture may be a window with a wide
+ * view.  A view of a small part of a wall shows little, but is lit by all of
+ * its room; so the part counts for no less than the space before its surface,
+ * or the distance from the eye if that is smaller. */
+#include "config.h"
+
+#include "trial/surroundings.h"
+
+#include "base/vec.h"
+#include "geom/geom.h"
+#include "picture/view.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Rays of a view, along each side, and views of a job at most. */
+enum { SIDE = 12, RAYS = SIDE * SIDE, MOST_VIEWS = 64 };
+
+/* The options of --quality are good for scenes that are 1 to 15 times as large
+ * as what a view shows: --surroundings brings others to within TIMES_SHOWN and
+ * STEP times that. */
+#define TIMES_SHOWN 4
+enum { STEP = 4, MOST_TIMES = 1 << 30 };
+
+/* A ray from a surface begins so many bounds of its error above it. */
+#define ABOVE 16
+
+/* What the rays of one view met. */
+struct look {
+    const struct rad_geom *geom;
+    int n;
+    double at[RAYS][3]; /* n points */
+    double eye[RAYS];   /* their distances from the eye; INFINITY: no eye */
+    double space[RAYS]; /* before the surface there; INFINITY: open */
+};
+
+static bool
+meets(const struct look *l, const struct rad_span *span, struct rad_hit *hit)
+{
+    struct rad_geom_counts counts = { 0, 0 };
+
+    return rad_geom_nearest(l->geom, span, hit, &counts);
+}
+
+/* The space before a surface at p, which faces along n: the distance of what is
+ * nearest straight before it or aslant.  Rays begin at `from`. */
+static double
+space_before(const struct look *l, const double p[3], const double n[3],
+             double from)
+{
+    static const int aslant[][2] = { { 0, 0 }, { 1, 0 }, { -1, 0 },
+                                     { 0, 1 }, { 0, -1 } };
+    struct rad_span span = { .tmin = from, .tmax = INFINITY };
+    struct rad_hit hit;
+    double u[3], v[3];
+
+    rad_copy(span.org, p);
+    rad_frame(u, v, n);
+    for (int i = 0; i < (int)(sizeof aslant / sizeof aslant[0]); i++) {
+        for (int k = 0; k < 3; k++)
+            span.dir[k] = n[k] + aslant[i][0] * u[k] + aslant[i][1] * v[k];
+        rad_normalize(span.dir);
+        if (meets(l, &span, &hit))
+            span.tmax = hit.t;
+    }
+    return span.tmax;
+}
+
+static void
+note(struct look *l, const double p[3], double eye, double space)
+{
+    rad_copy(l->at[l->n], p);
+    l->eye[l->n] = eye;
+    l->space[l->n++] = space;
+}
+
+static void
+look_along(struct look *l, const struct rad_span *span)
+{
+    struct rad_hit hit;
+
+    if (!meets(l, span, &hit))
+        return;
+    if (rad_dot(hit.n, span->dir) > 0)
+        for (int k = 0; k < 3; k++)
+            hit.n[k] = -hit.n[k];
+    note(l, hit.p, hit.t, space_before(l, hit.p, hit.n, ABOVE * hit.err));
+}
+
+static int
+by_size(const void *a, const void *b)
+{
+    const double *x = a, *y = b;
+
+    return (*x > *y) - (*x < *y);
+}
+
+/* The value that a quarter of these do not exceed; INFINITY: there are none. */
+static double
+quarter(double *x, int n)
+{
+    qsort(x, (size_t)n, sizeof *x, by_size);
+    return n > 0 ? x[(n - 1) / 4] : INFINITY;
+}
+
+static double
+smallest_ball(const struct look *l)
+{
+    double least = INFINITY, far[RAYS];
+
+    for (int i = 0; i < l->n; i++) {
+        for (int j = 0; j < l->n; j++)
+            far[j] = sqrt(rad_dist2(l->at[i], l->at[j]));
+        least = fmin(least, quarter(far, l->n));
+    }
+    return 2 * least;
+}
+
+/* How large is what was met?  INFINITY: that is not known. */
+static double
+size_of(struct look *l)
+{
+    double ball = smallest_ball(l), space = quarter(l->space, l->n);
+    double size = space < INFINITY
+                      ? fmax(ball, fmin(space, quarter(l->eye, l->n)))
+                      : ball;
+
+    return size > 0 ? size : INFINITY;
+}
+
+static int
+read_view(struct rad_view *view, const char *options, struct rad_error *err)
+{
+    char text[RAD_VIEW_TEXT + 8];
+    int rc;
+
+    snprintf(text, sizeof text, "VIEW= %s", options);
+    rad_view_init(view);
+    rc = rad_view_read(view, text, strlen(text), err);
+    return rc < 0 ? rc : rad_view_setup(view, err);
+}
+
+static void
+look_at_view(struct look *l, const struct rad_view *view)
+{
+    for (int i = 0; i < RAYS; i++) {
+        struct rad_span span = { .tmin = 0 };
+        double aft = rad_view_ray(view, (i % SIDE + .5) / SIDE,
+                                  (i / SIDE + .5) / SIDE, span.org, span.dir);
+
+        span.tmax = aft > 0 ? aft : INFINITY;
+        if (aft >= 0)
+            look_along(l, &span);
+    }
+}
+
+/* A place whose irradiance is asked for is shown itself. */
+static void
+look_at_points(struct look *l, const struct rad_points *points, double slack)
+{
+    uint64_t pixels = (uint64_t)points->width * (uint64_t)points->height;
+
+    for (uint64_t i = 0; i < RAYS; i++) {
+        uint64_t pixel = i * pixels / RAYS;
+        struct rad_span span = { .tmin = 0, .tmax = INFINITY };
+
+        if (!rad_points_at(points, (int)(pixel % (uint64_t)points->width),
+                           (int)(pixel / (uint64_t)points->width), span.org,
+                           span.dir) ||
+            !(rad_normalize(span.dir) > 0))
+            continue;
+        if (points->flags & RAD_POINTS_IRRADIANCE) {
+            note(l, span.org, INFINITY,
+                 space_before(l, span.org, span.dir, slack));
+        } else {
+            look_along(l, &span);
+        }
+    }
+}
+
+static int
+look_at_all(struct surroundings *s, struct look *l,
+            const struct msg_frame *frames, uint32_t n,
+            const struct rad_points *points, struct rad_error *err)
+{
+    uint32_t views = points ? 1 : n < MOST_VIEWS ? n : MOST_VIEWS;
+    double least = INFINITY;
+
+    for (uint32_t i = 0; i < views; i++) {
+        struct rad_view view;
+        int rc;
+
+        l->n = 0;
+        if (points) {
+            look_at_points(l, points, 1e-7 * s->cube);
+        } else {
+            rc = read_view(&view, frames[(uint64_t)i * n / views].view, err);
+            if (rc < 0)
+                return rc;
+            look_at_view(l, &view);
+        }
+        least = fmin(least, size_of(l));
+    }
+    s->shown = isfinite(least) ? least : 0;
+    return 0;
+}
+
+int
+surroundings_find(struct surroundings *s, const struct rad_scene *scene,
+                  const struct msg_frame *frames, uint32_t n,
+                  const struct rad_points *points, struct rad_error *err)
+{
+    uint8_t *surf = calloc((size_t)scene->nobjects + 1, 1);
+    struct look *l = malloc(sizeof *l);
+    struct rad_geom *geom = NULL;
+    double lo[3], hi[3];
+    int rc = 0;
+
+    *s = (struct surroundings){ 0 };
+    if (!surf || !l)
+        rc = rad_fail_memory(err);
+    else if (!(geom = rad_geom_new(scene, surf, err)))
+        rc = err->code;
+    if (rc == 0) {
+        rad_geom_bounds(geom, lo, hi);
+        for (int k = 0; k < 3; k++)
+            s->cube = rad_most(s->cube, hi[k] - lo[k]);
+        l->geom = geom;
+        rc = look_at_all(s, l, frames, n, points, err);
+    }
+    rad_geom_free(geom);
+    free(l);
+    free(surf);
+    return rc;
+}
+
+int
+surroundings_times(const struct surroundings *s)
+{
+    double more = s->shown > 0 ? s->cube / (TIMES_SHOWN * s->shown) : 1;
+    int times = 1;
+
+    while (times < MOST_TIMES && times * (double)STEP <= more)
+        times *= STEP;
+    return times > 1 ? times : 0;
+}
+
+bool
+surroundings_blur(const struct surroundings *s, int ambres)
+{
+    return surroundings_times(s) > 0 && ambres > 0 &&
+           s->cube / ambres > s->shown;
+}
+
+int
+surroundings_ambres(int times, int ambres)
+{
+    enum { MOST = 1000000000 };
+    double to = (double)ambres * (times > 1 ? times : 1);
+
+    return to < MOST ? (int)to : ambres > MOST ? ambres : MOST;
+}

@@ -1,0 +1,37 @@
+/* surroundings.h - how much larger is a scene than what its pictures show?
+ *
+ * -ar and the zones of ambient values go by the size of the scene's cube.
+ * Where a room stands on a ground of 10 km that says nothing about the room.
+ * So a few primary rays of each view tell how large is what they meet, before
+ * the job is submitted, as ZONE tells rad.
+ * Thread: any. */
+#ifndef RADD_CLIENT_SURROUNDINGS_H
+#define RADD_CLIENT_SURROUNDINGS_H
+
+#include "points/points.h"
+#include "proto/message.h"
+#include "scene/scene.h"
+
+struct surroundings {
+    double cube;  /* side of the cube about all surfaces */
+    double shown; /* diameter of the smallest ball that has a quarter of what a
+                   * view meets; the least of all views.  0: not known */
+};
+
+/* Find them for n frames, or for sensor points (else NULL).  RAD_ENOMEM, or
+ * RAD_EDATA for a scene that cannot be traced. */
+int surroundings_find(struct surroundings *s, const struct rad_scene *scene,
+                      const struct msg_frame *frames, uint32_t n,
+                      const struct rad_points *points, struct rad_error *err);
+
+/* The value for --surroundings: a power of four, for views side by side are to
+ * have the same; 0: the scene is not much larger. */
+int surroundings_times(const struct surroundings *s);
+
+/* Is the least radius that -ar gives too large for what is shown? */
+bool surroundings_blur(const struct surroundings *s, int ambres);
+
+/* -ar, for a scene that is so many times as large. */
+int surroundings_ambres(int times, int ambres);
+
+#endif

@@ -1,0 +1,145 @@
+/* check_surroundings.c - how much larger scenes are than what views show
+ *
+ * A room of 5 by 5 by 3 with a window in its south wall, alone or on ground. */
+#include "config.h"
+
+#include "trial/surroundings.h"
+#include "tests/unit.h"
+#include "tests/world.h"
+
+#include <math.h>
+
+#define ROOM                                                                   \
+    "void plastic white 0 0 5 .7 .7 .7 0 0\n"                                  \
+    "white polygon floor 0 0 12 0 0 0 5 0 0 5 5 0 0 5 0\n"                     \
+    "white polygon ceiling 0 0 12 0 0 3 0 5 3 5 5 3 5 0 3\n"                   \
+    "white polygon west 0 0 12 0 0 0 0 5 0 0 5 3 0 0 3\n"                      \
+    "white polygon east 0 0 12 5 0 0 5 0 3 5 5 3 5 5 0\n"                      \
+    "white polygon north 0 0 12 0 5 0 5 5 0 5 5 3 0 5 3\n"                     \
+    "white polygon south 0 0 30 0 0 0 0 0 3 5 0 3 5 0 0 1 0 0 1 0 1 4 0 1 "    \
+    "4 0 2.5 1 0 2.5 1 0 1\n"
+#define GROUND "white ring ground 0 0 8 2 2 -.1 0 0 1 0 1e4\n"
+#define WITHIN "-vp 4.5 4.8 1.6 -vd -.6 -1 -.15 -vh 80 -vv 60"
+
+static const struct {
+    const char *scene, *view;
+    double least, most; /* what is shown */
+    int times;
+} views[] = {
+    { ROOM, WITHIN, 2, 6, 0 },
+    { ROOM GROUND, WITHIN, 2, 6, 1024 },
+    /* most of the picture is a window */
+    { ROOM GROUND, "-vp 2.5 1 1.7 -vd 0 -1 -.1 -vh 90 -vv 60", 1, 10, 1024 },
+    /* a part of a wall, which the whole room lights */
+    { ROOM GROUND, "-vp 2 4 1.5 -vd 0 1 0 -vh 5 -vv 5", .9, 1.1, 4096 },
+    /* from afar, in a small and in a parallel picture */
+    { ROOM GROUND, "-vp 2.5 -1000 900 -vd 0 1 -.9 -vh .3 -vv .3", 1, 10, 1024 },
+    { ROOM GROUND, "-vtl -vp 2 2 900 -vd 0 0 -1 -vu 0 1 0 -vh 9 -vv 9", 1, 10,
+      1024 },
+    /* the whole of the ground, and nothing */
+    { ROOM GROUND, "-vtl -vp 2 2 90 -vd 0 0 -1 -vu 0 1 0 -vh 2e4 -vv 2e4", 5e3,
+      2e4, 0 },
+    { ROOM GROUND, "-vp 0 0 9 -vd 0 0 1 -vu 0 1 0", 0, 0, 0 },
+};
+
+static struct surroundings
+find(const char *scene, const struct msg_frame *frames, uint32_t n,
+     const struct rad_points *points)
+{
+    struct surroundings s;
+    struct world w;
+
+    memset(&w, 0, sizeof w);
+    world_open(&w, scene, "");
+    ck_assert_int_eq(surroundings_find(&s, w.scene, frames, n, points, &w.err),
+                     0);
+    world_close(&w);
+    return s;
+}
+
+START_TEST(what_a_view_shows_is_found)
+{
+    struct msg_frame frame = { .view = views[_i].view };
+    struct surroundings s = find(views[_i].scene, &frame, 1, NULL);
+
+    ck_assert_double_ge(s.shown, views[_i].least);
+    ck_assert_double_le(s.shown, views[_i].most);
+    ck_assert_int_eq(surroundings_times(&s), views[_i].times);
+}
+END_TEST
+
+/* An animation from the air into the room. */
+START_TEST(the_view_that_shows_least_counts)
+{
+    struct msg_frame frames[100];
+    struct surroundings all, last;
+
+    for (int i = 0; i < 100; i++)
+        frames[i].view = i < 98 ? "-vp 2 2 9000 -vd 0 0 -1 -vu 0 1 0" : WITHIN;
+    all = find(ROOM GROUND, frames, 100, NULL);
+    last = find(ROOM GROUND, frames + 99, 1, NULL);
+    ck_assert_double_eq(all.shown, last.shown);
+}
+END_TEST
+
+static const struct {
+    uint32_t n; /* sensors in a row */
+    uint32_t flags;
+    double least, most;
+} sensors[] = {
+    { 1, RAD_POINTS_IRRADIANCE, .5, 3 }, /* near a wall */
+    { 9, RAD_POINTS_IRRADIANCE, .5, 3 },
+    { 1, 0, .5, 3 },
+};
+
+START_TEST(what_sensors_see_is_found)
+{
+    double point[9][6];
+    uint32_t pixel[9], n = sensors[_i].n;
+    struct rad_points points;
+    struct surroundings s;
+    int width, height;
+    uint8_t *file;
+
+    for (uint32_t i = 0; i < n; i++)
+        memcpy(point[i], (double[6]){ .5 + .4 * i, 2, .75, 0, 0, 1 },
+               sizeof point[i]);
+    ck_assert_int_eq(rad_points_lay(point, n, &width, &height, pixel, NULL), 0);
+    file = rad_points_pack(point, n, 0, sensors[_i].flags, width, height, pixel);
+    ck_assert_int_eq(rad_points_open(&points, file,
+                                     rad_points_bytes(width, height), NULL),
+                     0);
+    s = find(ROOM GROUND, NULL, 1, &points);
+    free(file);
+    ck_assert_double_ge(s.shown, sensors[_i].least);
+    ck_assert_double_le(s.shown, sensors[_i].most);
+}
+END_TEST
+
+START_TEST(a_coarse_resolution_is_told)
+{
+    struct surroundings site = { 2e4, 3 }, room = { 5, 3 };
+
+    ck_assert(surroundings_blur(&site, 64));
+    ck_assert(!surroundings_blur(&site, 64 * 1024));
+    ck_assert(!surroundings_blur(&site, 0)); /* no limit */
+    ck_assert(!surroundings_blur(&room, 1));
+    ck_assert_int_eq(surroundings_ambres(0, 64), 64);
+    ck_assert_int_eq(surroundings_ambres(1024, 64), 65536);
+    ck_assert_int_eq(surroundings_ambres(1 << 30, 64), 1000000000);
+    ck_assert_int_eq(surroundings_ambres(4, 2000000000), 2000000000);
+    ck_assert_int_eq(surroundings_ambres(4, 0), 0);
+}
+END_TEST
+
+int
+main(void)
+{
+    TCase *tc = tcase_create("surroundings");
+
+    tcase_add_loop_test(tc, what_a_view_shows_is_found, 0, N_ELEM(views));
+    tcase_add_test(tc, the_view_that_shows_least_counts);
+    tcase_add_loop_test(tc, what_sensors_see_is_found, 0, N_ELEM(sensors));
+    tcase_add_test(tc, a_coarse_resolution_is_told);
+    return unit_run_case(tc);
+}
