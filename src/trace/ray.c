@@ -519,10 +519,11 @@ rad_ray_mirror(struct rad_ctx *ctx, struct rad_ray *r, struct rad_ray *child,
 
 /* A sensor's place counts as on a surface that is ahead of it by no more than
  * places written with six digits, which are off by 5e-6 of a coordinate, leave
- * open.  Of a scene far from the origin its extent limits that; near the origin
- * a tenth of the extent counts, for the surface is written so, too.  It is also
- * less than 1e-4 of the surface's size, for a scene may be much larger than the
- * room that the sensor is in. */
+ * open along the normal: above a ground of 1000 km the height counts alone.  Of
+ * a scene far from the origin its extent limits that; near the origin a tenth
+ * of the extent counts, for the surface is written so, too.  It is also less
+ * than 1e-4 of the surface's size, for a scene may be much larger than the room
+ * that the sensor is in. */
 #define WRITTEN    1e-5
 #define ON_SURFACE 1e-4
 
@@ -532,20 +533,30 @@ largest(const double p[3])
     return rad_most(fabs(p[0]), rad_most(fabs(p[1]), fabs(p[2])));
 }
 
+/* The size of v along n, each axis by itself. */
+static double
+size_along(const double n[3], const double v[3])
+{
+    return fabs(n[0] * v[0]) + fabs(n[1] * v[1]) + fabs(n[2] * v[2]);
+}
+
 /* Move p off the surface that it is on, to the side of n, if it is on one. */
 static void
 step_off(struct rad_ctx *ctx, const double n[3], double p[3])
 {
     const struct rad_geom *geom = ctx->job->geom;
     struct rad_span span = { .tmin = 0 };
-    double lo[3], hi[3], extent, far = largest(p), before;
+    double lo[3], hi[3], all[3], extent, far = largest(p), before;
     struct rad_hit met;
 
     rad_geom_bounds(geom, lo, hi);
-    extent = sqrt(rad_dist2(lo, hi));
+    rad_sub(all, hi, lo);
+    extent = sqrt(rad_dot(all, all));
     rad_copy(span.org, p);
     rad_copy(span.dir, n);
-    span.tmax = WRITTEN * rad_least(rad_most(far, extent / 10), extent);
+    span.tmax =
+        WRITTEN *
+        rad_least(rad_most(size_along(n, p), size_along(n, all) / 10), extent);
     if (rad_geom_nearest(geom, &span, &met, &ctx->counts.geom) &&
         met.t < ON_SURFACE * rad_geom_size(geom, &met)) {
         rad_geom_leave(&met, n, p);

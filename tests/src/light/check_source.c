@@ -575,6 +575,21 @@ START_TEST(sensor_on_a_desk_sees_what_is_above_it)
 }
 END_TEST
 
+/* ... however far the ground goes that it looks down at. */
+START_TEST(sensor_over_a_wide_ground_sees_it)
+{
+    static const double down[] = { 0, 0, -1 }, p[] = { 30, 5, 2 };
+    struct rad_ray r;
+
+    world_open(&w,
+               "void glow shine 0 0 4 1 1 1 0\n"
+               "shine ring ground 0 0 8 0 0 0 0 0 1 0 1e6\n",
+               "-ab 1 -aa 0 -ad 64 -as 0");
+    rad_ray_irradiance(&w.ctx, &r, p, down, 0);
+    ck_assert_double_eq_tol((double)r.L.g, M_PI, 1e-3);
+}
+END_TEST
+
 /* A sensor exactly on a floor, which stands askew: lamps above the floor count,
  * those below it do not. */
 START_TEST(askew_sensor_on_a_floor_sees_nothing_below_it)
@@ -623,6 +638,7 @@ main(void)
     tcase_add_loop_test(tc, surface_cannot_be_a_light, 0, N_ELEM(no_lamps));
     tcase_add_loop_test(tc, sensor_on_a_desk_sees_what_is_above_it, 0,
                         N_ELEM(sensor));
+    tcase_add_test(tc, sensor_over_a_wide_ground_sees_it);
     tcase_add_test(tc, askew_sensor_on_a_floor_sees_nothing_below_it);
     tcase_add_loop_test(tc, lamp_is_what_its_radii_make_it, 0, N_ELEM(meant));
     return unit_run_case(tc);
