@@ -127,10 +127,12 @@ address_resolve(const char *text, unsigned nth, struct address *a,
         return rad_fail(err, why.code, "%s", why.what);
     while (one && nth-- > 0)
         one = one->ai_next;
-    if (one)
+    if (one) {
         copy_address(a, one);
-    else
+        rc = one->ai_next != NULL;
+    } else {
         rc = rad_fail(err, RAD_EUNAVAIL, "'%s' has no further address", text);
+    }
     freeaddrinfo(found);
     return rc;
 }

@@ -35,9 +35,9 @@ int address_split(const char *text, char host[ADDRESS_TEXT], char port[8],
                   bool *local, struct rad_error *err);
 
 /* The address to dial.  A host's name is looked up and may have several
- * addresses: nth counts them from 0.  RAD_EUSAGE: malformed; UV_EAI_NONAME,
- * UV_EAI_AGAIN or UV_EAI_FAIL: the host was not found; RAD_EUNAVAIL: it has no
- * nth address. */
+ * addresses: nth counts them from 0.  Returns 1 if further addresses follow,
+ * else 0.  RAD_EUSAGE: malformed; UV_EAI_NONAME, UV_EAI_AGAIN or UV_EAI_FAIL:
+ * the host was not found; RAD_EUNAVAIL: it has no nth address. */
 int address_resolve(const char *text, unsigned nth, struct address *a,
                     struct rad_error *err);
 

@@ -1,8 +1,8 @@
 /* dial.c - see dial.h
  *
  * A name may have addresses of IPv6 and IPv4 while the coordinator listens at
- * one kind alone: if one address does not answer the next one is looked up and
- * tried. */
+ * one kind alone, or the address of a host that is off: if one address does not
+ * answer the next one is looked up and tried. */
 #include "config.h"
 
 #include "net/dial.h"
@@ -17,6 +17,10 @@
 #include <string.h>
 #include <time.h>
 
+/* Time that an address has to answer before the name's next one is tried: some
+ * round trips of a slow network, and little of the time that radctl waits. */
+#define ADDRESS_MS 1000
+
 struct dialling {
     struct dialling *next;
     struct dialler *dialler;
@@ -29,6 +33,7 @@ struct dialling {
     struct dial_key key;
     struct address to;
     unsigned nth; /* which of the name's addresses is tried */
+    bool more;    /* the name has further addresses */
     uv_stream_t *stream;
     struct handshake *shake;
     struct rad_error err; /* of looking up */
@@ -177,14 +182,20 @@ shaken(void *arg, uv_stream_t *stream, struct tls *tls,
 
 static void try_address(struct dialling *g);
 
-/* Try the next address, for this one does not answer. */
+/* This address does not answer. */
 static void
-try_next(struct dialling *g, int status)
+leave_address(struct dialling *g, int status)
 {
     if (g->nth++ == 0)
         g->refused = status;
     conn_stream_close(g->stream);
     g->stream = NULL;
+}
+
+static void
+try_next(struct dialling *g, int status)
+{
+    leave_address(g, status);
     try_address(g);
 }
 
@@ -206,12 +217,14 @@ connected(uv_connect_t *req, int status)
     uv_stream_t *stream = g->stream;
 
     g->connecting = false;
-    if (!stream) { /* let_go() was called meanwhile */
+    if (!g->dialler) { /* let_go() was called meanwhile */
         free_unused(g);
         return;
     }
     uv_timer_stop(&g->timer);
-    if (status < 0) {
+    if (!stream) { /* on_timer() has left the address */
+        try_address(g);
+    } else if (status < 0) {
         try_next(g, status);
     } else if (address_is_local(&g->to)) {
         hand_over(g, stream, NULL);
@@ -229,7 +242,8 @@ connected(uv_connect_t *req, int status)
 static void
 on_timer(uv_timer_t *timer)
 {
-    give_up_for(timer->data, UV_ETIMEDOUT, "took too long");
+    /* the closed stream ends g->connect, and connected() tries the next one */
+    leave_address(timer->data, UV_ETIMEDOUT);
 }
 
 static void
@@ -256,7 +270,7 @@ start_connect(struct dialling *g)
         try_next(g, rc);
         return;
     }
-    uv_timer_start(&g->timer, on_timer, HANDSHAKE_MS, 0);
+    uv_timer_start(&g->timer, on_timer, g->more ? ADDRESS_MS : HANDSHAKE_MS, 0);
 }
 
 /* Go on with the address that was found, or with g->err. */
@@ -274,12 +288,14 @@ looked_up(struct dialling *g)
 }
 
 static void
-on_looked_up(void *arg, const struct address *to, const struct rad_error *why)
+on_looked_up(void *arg, const struct address *to, bool more,
+             const struct rad_error *why)
 {
     struct dialling *g = arg;
 
     g->lookup = NULL;
     g->err = *why;
+    g->more = more;
     if (to)
         g->to = *to;
     looked_up(g);

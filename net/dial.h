@@ -2,7 +2,7 @@
  *
  * A Unix socket is open as soon as it is connected.  Over TCP the key is proven
  * first (handshake.h).  Connecting and the handshake may take HANDSHAKE_MS
- * each.
+ * each; but of a name's addresses each except the last has a second to answer.
  * Thread: the loop's. */
 #ifndef RADD_NET_DIAL_H
 #define RADD_NET_DIAL_H

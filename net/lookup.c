@@ -13,7 +13,9 @@ struct lookup {
     void *arg;        /* [loop] */
     unsigned nth;     /* [fixed] */
     char text[ADDRESS_TEXT]; /* [fixed] */
-    struct address to; /* the thread's until `ready` is sent, then the loop's */
+    /* the thread's until `ready` is sent, then the loop's: */
+    struct address to;
+    bool more; /* further addresses follow */
     struct rad_error why;
     pthread_mutex_t mu;
     int holders;    /* [mu] the thread, and `ready` until it is closed */
@@ -40,7 +42,7 @@ resolve(void *arg)
 {
     struct lookup *l = arg;
 
-    address_resolve(l->text, l->nth, &l->to, &l->why);
+    l->more = address_resolve(l->text, l->nth, &l->to, &l->why) > 0;
     pthread_mutex_lock(&l->mu);
     if (!l->cancelled)
         uv_async_send(&l->ready);
@@ -70,7 +72,7 @@ on_ready(uv_async_t *ready)
     struct lookup *l = ready->data;
 
     lookup_cancel(l); /* it lives until the loop's next turn */
-    l->fn(l->arg, l->why.code ? NULL : &l->to, &l->why);
+    l->fn(l->arg, l->why.code ? NULL : &l->to, l->more, &l->why);
 }
 
 static bool

@@ -14,8 +14,9 @@
 
 struct lookup;
 
-/* Called once, with the address or (to NULL) an error of address_resolve(). */
-typedef void lookup_fn(void *arg, const struct address *to,
+/* Called once, with the address or (to NULL) an error of address_resolve().
+ * more: further addresses follow. */
+typedef void lookup_fn(void *arg, const struct address *to, bool more,
                        const struct rad_error *why);
 
 /* As address_resolve().  text is copied; fn is called later, never inside.

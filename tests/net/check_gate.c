@@ -39,9 +39,21 @@ find(void *arg, const char *id, uint8_t *out)
 }
 
 /* The resolver, which for one name begins, and does not end before the test
- * does. */
+ * does; another name has two addresses. */
 #define HANGING "hangs.invalid"
+#define TWO     "two.invalid"
 static sem_t begun, ends;
+static const char *first_port, *second_port; /* of TWO, at 127.0.0.1 */
+
+static int
+two_addresses(int (*call)(const char *, const char *, const struct addrinfo *,
+                          struct addrinfo **),
+              const struct addrinfo *hints, struct addrinfo **found)
+{
+    int rc = call("127.0.0.1", first_port, hints, found);
+
+    return rc ? rc : call("127.0.0.1", second_port, hints, &(*found)->ai_next);
+}
 
 int
 getaddrinfo(const char *host, const char *port, const struct addrinfo *hints,
@@ -52,6 +64,8 @@ getaddrinfo(const char *host, const char *port, const struct addrinfo *hints,
                 struct addrinfo **);
 
     memcpy(&call, &real, sizeof call);
+    if (host && strcmp(host, TWO) == 0)
+        return two_addresses(call, hints, found);
     if (host && strcmp(host, HANGING) == 0) {
         sem_post(&begun);
         while (sem_wait(&ends) < 0)
@@ -228,6 +242,45 @@ START_TEST(nobody_waits_for_a_resolver_that_hangs)
     for (int i = 0; i < 8; i++)
         sem_post(&ends);
     open_scene();
+}
+END_TEST
+
+/* A socket that answers nobody: as many wait there as may. */
+static int
+deaf_socket(char port[8])
+{
+    struct sockaddr_in in = { .sin_family = AF_INET,
+                              .sin_addr.s_addr = htonl(INADDR_LOOPBACK) };
+    socklen_t n = sizeof in;
+    int fd = socket(AF_INET, SOCK_STREAM, 0);
+
+    ck_assert(fd >= 0 && bind(fd, (struct sockaddr *)&in, n) == 0 &&
+              listen(fd, 0) == 0 &&
+              getsockname(fd, (struct sockaddr *)&in, &n) == 0);
+    snprintf(port, 8, "%u", ntohs(in.sin_port));
+    for (int i = 0; i < 4; i++)
+        connect(socket(AF_INET, SOCK_STREAM | SOCK_NONBLOCK, 0),
+                (struct sockaddr *)&in, n);
+    return fd;
+}
+
+/* The dialler is closed at some time, too. */
+START_TEST(an_address_that_never_answers_is_left_for_the_next)
+{
+    struct dial_key key = { .id = "worker:w:k1" };
+    char deaf[8];
+    int fd = deaf_socket(deaf);
+
+    memcpy(key.secret, secret, TLS_SECRET);
+    first_port = deaf;
+    second_port = strrchr(listener_text(s.listener), ':') + 1;
+    ck_assert(dial(s.dialler, TWO ":1", 2, &key));
+    ck_assert(turn_until(&s.nin, 1));
+    ck_assert_int_eq(s.nrefused, 0);
+    second_port = deaf;
+    ck_assert(dial(s.dialler, TWO ":1", 3, &key));
+    turn(10);
+    close(fd);
 }
 END_TEST
 
@@ -481,6 +534,7 @@ main(void)
     tcase_add_loop_test(tc, nobody_gets_in_once_the_listener_is_closed, 0, 40);
     tcase_add_test(tc, a_key_lets_in_and_another_does_not);
     tcase_add_test(tc, nobody_waits_for_a_resolver_that_hangs);
+    tcase_add_test(tc, an_address_that_never_answers_is_left_for_the_next);
     tcase_add_loop_test(tc, a_key_that_comes_later_is_waited_for, 0, 2);
     tcase_add_test(tc, messages_go_by_tls_as_they_are);
     tcase_add_test(tc, a_host_holds_some_and_the_oldest_goes);
