@@ -432,6 +432,12 @@ coord_job_waits(struct coord *c, uint64_t now_ms, const uint8_t id[MSG_JOB],
 }
 
 bool
+coord_idle(const struct coord *c)
+{
+    return c->nopen == 0;
+}
+
+bool
 coord_saved(const struct coord *c, const uint8_t id[MSG_JOB],
             struct saved_job *out)
 {

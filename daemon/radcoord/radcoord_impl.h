@@ -66,7 +66,8 @@ struct radcoord {
     uv_work_t trim;   /* work of a pool thread: return memory to the system */
     bool trimming;    /* that work is under way */
     struct coord *coord;
-    uint64_t clock_ms; /* wall clock less the loop's clock, at the start */
+    uint64_t clock_ms; /* the coordinator's time less the loop's */
+    uint64_t slept_ms; /* sleep of the machine that is part of clock_ms */
 };
 
 /* The coordinator's time [ms]: begins at the wall clock's time when radcoord

@@ -164,5 +164,17 @@ left_unfetched && fail "--job: $(ana jobs)"
 end_one "$coord_pid" coordinator
 coord_start
 used 10 || fail "the next life does not know it: $(ana limits)"
+end_one "$coord_pid" coordinator
+
+# Days that the machine sleeps count, too, once no job is under way.
+export DISASTER_SLEPT=$work/slept
+echo 0 >slept
+LD_PRELOAD=$top_builddir/tests/tools/disaster.so
+export LD_PRELOAD
+coord_start
+unset LD_PRELOAD
+used 10 || fail "before the sleep: $(ana limits)"
+echo $((15 * 86400)) >slept
+until_true 10 used 0 || fail "after the sleep: $(ana limits)"
 cluster_stop
 finish
