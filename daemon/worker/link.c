@@ -16,7 +16,7 @@
 
 #define CALLER_MS       10000 /* time for PEER_HELLO and JOB_PEERS to come */
 #define FIRST_REDIAL_MS 100   /* before dialling again, doubled each time */
-#define PATIENCE_MS     3000  /* delay from which on a peer is not reached */
+#define PATIENCE_MS     3000  /* time in which a peer should be reached */
 #define MOST_CALLERS    64
 
 static struct wpeer *
@@ -139,8 +139,10 @@ link_introduce(struct worker *w, struct wjob *job,
         lossy_init(&p->queue);
         p->next = job->peers;
         job->peers = p;
-        if (p->flags & MSG_PEER_DIAL)
+        if (p->flags & MSG_PEER_DIAL) {
+            p->tell_ms = w->now_ms + PATIENCE_MS;
             peer_dial(w, job, p);
+        }
     }
     match_callers(w);
 }
@@ -185,6 +187,8 @@ dial_later(struct worker *w, struct wpeer *p)
     bool steady =
         p->state == PEER_LINKED && w->now_ms - p->linked_ms >= WORKER_STEADY_MS;
 
+    if (steady)
+        p->tell_ms = w->now_ms + PATIENCE_MS;
     if (p->delay_ms == 0 || steady)
         p->delay_ms = FIRST_REDIAL_MS;
     p->retry_ms = worker_redial_ms(w, &p->delay_ms);
@@ -200,15 +204,16 @@ link_lost(struct worker *w, const struct wjob *job, struct wpeer *p,
           const char *why)
 {
     enum peer_state was = p->state;
-    unsigned before_ms = p->delay_ms;
 
     p->conn = 0;
     if (p->flags & MSG_PEER_DIAL)
         dial_later(w, p);
-    if (before_ms < PATIENCE_MS && p->delay_ms >= PATIENCE_MS)
+    if (p->tell_ms != 0 && w->now_ms >= p->tell_ms) {
+        p->tell_ms = 0;
         actions_log(&w->actions, ACT_WARN,
                     "peer not reached job=%s peer=%s at=%s why=%s", job->hex,
                     p->name, p->address, why);
+    }
     p->state = p->flags & MSG_PEER_DIAL ? PEER_DIALLING : PEER_EXPECTED;
     if (was == PEER_LINKED)
         lossy_release(&p->queue); /* records under way are lost */

@@ -252,7 +252,7 @@ START_TEST(a_peer_that_is_not_reached_is_dialled_ever_less_often)
     introduce(MSG_PEER_DIAL);
     for (int i = 0; i < N_ELEM(ms); i++) {
         ck_assert_uint_eq(redial_ms(), ms[i] + (_i ? ms[i] / 2 : 0));
-        ck_assert_int_eq(f.warnings, ms[i] >= 1600);
+        ck_assert_int_eq(f.warnings, ms[i] >= 3200);
     }
     worker_opened(f.w, f.now_ms, f.peer);
     carry_out();
@@ -262,6 +262,21 @@ START_TEST(a_peer_that_is_not_reached_is_dialled_ever_less_often)
     carry_out();
     tick(10000);
     ck_assert_uint_le(redial_ms(), 150);
+}
+END_TEST
+
+/* A firewall that drops packets lets a dial take ten seconds. */
+START_TEST(a_peer_that_never_answers_is_told_at_once)
+{
+    start_job();
+    child_ready();
+    introduce(MSG_PEER_DIAL);
+    tick(10000);
+    redial_ms();
+    ck_assert_int_eq(f.warnings, 1);
+    tick(10000);
+    redial_ms();
+    ck_assert_int_eq(f.warnings, 1);
 }
 END_TEST
 
@@ -492,6 +507,7 @@ main(void)
         tc, a_link_that_breaks_is_dialled_again_as_long_as_the_job_lasts);
     tcase_add_loop_test(
         tc, a_peer_that_is_not_reached_is_dialled_ever_less_often, 0, 2);
+    tcase_add_test(tc, a_peer_that_never_answers_is_told_at_once);
     tcase_add_loop_test(tc, it_speaks_with_a_peer_what_both_know,
                         MSG_VERSION_MIN, MSG_VERSION + 1);
     tcase_add_test(tc, a_slow_peer_loses_the_oldest_records);
