@@ -11,6 +11,7 @@
 #include "net/conn.h"
 #include "net/dial.h"
 #include "net/key/keyfile.h"
+#include "net/threads.h"
 
 #include <fcntl.h>
 #include <limits.h>
@@ -335,11 +336,15 @@ can_open(int n)
 }
 
 int
-link_loop_init(uv_loop_t *loop, struct rad_error *err)
+link_loop_init(uv_loop_t *loop, bool works, struct rad_error *err)
 {
+    int rc;
+
     if (!can_open(LOOP_DESCRIPTORS))
         return rad_fail(err, RAD_ENOMEM,
                         "too few descriptors for an event loop: see ulimit -n");
+    if (works && (rc = threads_try(err)) < 0)
+        return rc;
     return uv_loop_init(loop) != 0 ? rad_fail_memory(err) : 0;
 }
 

@@ -28,8 +28,10 @@ struct link_where {
 };
 
 /* As uv_loop_init(), which ends the program where it finds no descriptor for
- * what libuv makes but once.  RAD_ENOMEM: memory or descriptors are short. */
-int link_loop_init(uv_loop_t *loop, struct rad_error *err);
+ * what libuv makes but once; nor, if `works` says that work will be queued,
+ * threads.  RAD_ENOMEM: memory or descriptors are short; RAD_ESHORT: threads.
+ */
+int link_loop_init(uv_loop_t *loop, bool works, struct rad_error *err);
 
 /* The role with most rights that this client can have: administrator on a Unix
  * socket; else administrator, user or observer, by the keys in its file. */

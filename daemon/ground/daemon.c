@@ -5,6 +5,7 @@
 
 #include "base/output.h"
 #include "net/log.h"
+#include "net/threads.h"
 
 #include <errno.h>
 #include <signal.h>
@@ -173,12 +174,15 @@ do_nothing(uv_work_t *work)
     (void)work;
 }
 
-/* Start the threads of libuv's pool.  libuv does so at the first work, and
- * aborts without memory for them; so this comes before peers rely on us. */
-static void
-start_threads(struct daemon *d)
+/* Start the threads of libuv's pool, before peers rely on us. */
+static int
+start_threads(struct daemon *d, struct rad_error *err)
 {
-    uv_queue_work(&d->loop, &d->first_work, do_nothing, NULL);
+    int rc = threads_try(err);
+
+    if (rc == 0)
+        uv_queue_work(&d->loop, &d->first_work, do_nothing, NULL);
+    return rc;
 }
 
 int
@@ -227,7 +231,8 @@ daemon_run(struct daemon *d, int argc, char *argv[])
         rad_fail(&err, RAD_ESHORT, "cannot start: %s", uv_strerror(rc));
         return fail(d, &err);
     }
-    start_threads(d);
+    if (start_threads(d, &err) < 0)
+        return fail(d, &err);
     d->watchdog_ms = service_watchdog_ms();
     if (start(d, &err) == 0) {
         service_notify(d->notify, "READY=1");

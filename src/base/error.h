@@ -27,7 +27,7 @@ enum rad_code {
     RAD_ECONFIG = -5012,      /* bad configuration file          EX_CONFIG 78 */
     RAD_EUNSUPPORTED = -5013, /* Radiance's, but not ours                  65 */
     RAD_EFULL = -5014,        /* no room on the disk              EX_IOERR 74 */
-    RAD_ESHORT = -5015,       /* out of descriptors, for now               75 */
+    RAD_ESHORT = -5015,       /* out of descriptors, threads, for now      75 */
     RAD_WARNING = -5099       /* marks a warning for callers that want every
                                * problem; never the code of a failure */
 };

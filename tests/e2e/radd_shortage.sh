@@ -13,17 +13,26 @@ set -u
 as=
 if [ "$(id -u)" = 0 ]; then
     as="setpriv --reuid=65534 --regid=65534 --clear-groups"
-    $as true || exit 77
-fi
-
-coord_start
-if [ -n "$as" ]; then
     $as test -x "$radd" || {
         echo "an ordinary user cannot run $radd"
-        cluster_stop
         exit 77
     }
     chmod 711 "$work"
+fi
+
+# a program that gets no threads says so, and does not end by SIGABRT; a thread
+# sanitizer has one of its own first
+mkdir none && chmod 777 none
+is_sanitized || for program in "$radcoord --state=$work/none" \
+    "$radd --coordinator=$work/none --cache=$work/none" \
+    "$radsubmit -vf $scenes/room.vf -o none/none.hdr $scenes/room.rad"; do
+    # shellcheck disable=SC2086 # words of a command
+    expect 75 'cannot start a thread' "no thread: ${program%% *}" \
+        $as prlimit --nproc=2 $program
+done
+
+coord_start
+if [ -n "$as" ]; then
     mkdir w1
     touch w1.ports w1.log
     chown 65534 w1 w1.key w1.ports w1.log
