@@ -122,6 +122,7 @@ for unit in radd radcoord; do
     done
     allowed $unit.service >$unit.calls
 done
+grep -qx OOMPolicy=continue radd.service || fail "a child takes radd with it"
 # shellcheck disable=SC2086 # options are words
 "$radsubmit" --local --threads=1 $view -o alone.hdr "$room" 2>stderr ||
     fail "embedded: $(cat stderr)"
