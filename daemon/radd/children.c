@@ -163,7 +163,8 @@ on_exit_cb(uv_process_t *process, int64_t status, int signum)
     if (!c->text[0])
         c->how = (struct child_end){ (int)status, signum };
     if (!c->text[0] && signum)
-        snprintf(c->text, sizeof c->text, "killed by signal %d", signum);
+        snprintf(c->text, sizeof c->text, "killed by signal %d%s", signum,
+                 signum == SIGKILL ? ", perhaps for want of memory" : "");
     else if (!c->text[0])
         snprintf(c->text, sizeof c->text, "exit status %d", (int)status);
     settle(c);

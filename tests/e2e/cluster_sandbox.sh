@@ -39,6 +39,8 @@ grep -q '^Seccomp:.2' "$status" || fail "the child has no filter"
     fail "the child is not sealed"
 grep -q 'Max core file size  *0  *0' "/proc/$child/limits" ||
     fail "the child may leave a core"
+[ "$(cat "/proc/$child/oom_score_adj")" -ge 500 ] ||
+    fail "the kernel would not rather end the child than others"
 for mask in SigBlk:.0000000000000000 'SigIgn:.*1002$'; do
     grep -q "^$mask" "$status" || fail "not $mask: $(grep ^Sig "$status")"
 done
@@ -61,6 +63,9 @@ elif [ "$(id -u)" -eq 0 ]; then
 else # it cannot be looked into by its own user, which is as it should be
     echo "skipped: only root sees what the child has open"
 fi
+kill -KILL "$child"
+until_true 10 grep -q 'child lost.*killed by signal 9.*memory' c.log ||
+    fail "the coordinator does not tell why: $(grep lost c.log)"
 "$radctl" --coordinator="$sock" cancel "$(cat id)" >/dev/null ||
     fail "no cancel"
 until_true 10 no_child 1 || fail "the child does not end"
