@@ -182,7 +182,7 @@ service_lock_dir(const char *path, struct rad_error *err)
 {
     char lock[PATH_MAX];
     struct stat st;
-    int fd;
+    int fd, number;
 
     if (snprintf(lock, sizeof lock, "%s/lock", path) >= (int)sizeof lock)
         return rad_fail(err, RAD_ECANTCREAT, "path too long: '%s'", path);
@@ -194,7 +194,11 @@ service_lock_dir(const char *path, struct rad_error *err)
                         "cannot open '%s': %s", lock, strerror(errno));
     if (flock(fd, LOCK_EX | LOCK_NB) == 0)
         return fd;
+    number = errno;
     close(fd);
+    if (number != EWOULDBLOCK)
+        return rad_fail(err, RAD_EIO, "cannot lock '%s': %s", lock,
+                        strerror(number));
     return rad_fail(err, RAD_ECANTCREAT, "another process uses folder '%s'",
                     path);
 }

@@ -45,7 +45,7 @@ int service_ports_file(const char *path, const char *const lines[], int n,
 /* Lock the folder for this process alone, until it ends or closes the
  * descriptor that is returned.  RAD_ECANTCREAT: another process has the lock,
  * or its file cannot be made; RAD_EPERM: the file is denied to us; RAD_EDATA:
- * the file is no regular one. */
+ * the file is no regular one; RAD_EIO: the file system locks nothing. */
 int service_lock_dir(const char *path, struct rad_error *err);
 
 /* Call end(arg) once when the pipe at fd reaches its end: the process that

@@ -249,7 +249,7 @@ take_lock(const char *dir, int *lock, struct rad_error *err)
     *lock = service_lock_dir(dir, &why);
     if (*lock >= 0)
         return 0;
-    if (why.code == RAD_EPERM || why.code == RAD_EDATA)
+    if (why.code != RAD_ECANTCREAT)
         return rad_fail(err, why.code, "%s", why.what);
     return rad_fail(err, RAD_ETEMPFAIL,
                     "%s: a running coordinator cannot be checked", why.what);

@@ -8,11 +8,24 @@
 #include "ground/service.h"
 #include "tests/scratch.h"
 
+#include <errno.h>
 #include <fcntl.h>
 #include <stdio.h>
 #include <string.h>
+#include <sys/file.h>
 #include <sys/stat.h>
+#include <sys/syscall.h>
 #include <unistd.h>
+
+static int no_lock; /* why the file system locks nothing; 0: it does */
+
+/* In place of the C library's. */
+int
+flock(int fd, int how)
+{
+    errno = no_lock;
+    return no_lock ? -1 : (int)syscall(SYS_flock, fd, how);
+}
 
 /* Is it there?  *size (may be NULL) gets its length. */
 static bool
@@ -191,6 +204,22 @@ START_TEST(folders_are_made_and_files_written_whole)
 }
 END_TEST
 
+START_TEST(locked_folder_is_told_from_one_that_cannot_be_locked)
+{
+    struct rad_error err = { 0 }, other = { 0 };
+    int lock = service_lock_dir(dir, &err);
+
+    ck_assert_int_ge(lock, 0);
+    ck_assert_int_eq(service_lock_dir(dir, &err), RAD_ECANTCREAT);
+    ck_assert_ptr_nonnull(strstr(err.what, "another process"));
+    close(lock);
+    no_lock = ENOLCK;
+    ck_assert_int_eq(service_lock_dir(dir, &other), RAD_EIO);
+    ck_assert_ptr_nonnull(strstr(other.what, strerror(ENOLCK)));
+    no_lock = 0;
+}
+END_TEST
+
 int
 main(void)
 {
@@ -204,5 +233,6 @@ main(void)
     tcase_add_test(tc, half_files_of_an_earlier_life_go);
     tcase_add_test(tc, sounds_of_very_many_files_are_forgotten);
     tcase_add_test(tc, folders_are_made_and_files_written_whole);
+    tcase_add_test(tc, locked_folder_is_told_from_one_that_cannot_be_locked);
     return unit_run_case(tc);
 }
