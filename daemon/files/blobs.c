@@ -152,13 +152,19 @@ blobs_size(const struct blobs *b, const uint8_t hash[RAD_SHA_BYTES],
     return true;
 }
 
+/* Does the file system tell its size?  Some in user space say 0 blocks. */
+static bool
+look(const struct blobs *b, struct statvfs *s)
+{
+    return statvfs(b->dir, s) == 0 && s->f_blocks > 0;
+}
+
 uint64_t
 blobs_disk_bytes(const struct blobs *b)
 {
     struct statvfs s;
 
-    return statvfs(b->dir, &s) < 0 ? UINT64_MAX
-                                   : (uint64_t)s.f_blocks * s.f_frsize;
+    return look(b, &s) ? (uint64_t)s.f_blocks * s.f_frsize : UINT64_MAX;
 }
 
 uint64_t
@@ -166,8 +172,7 @@ blobs_disk_free(const struct blobs *b)
 {
     struct statvfs s;
 
-    return statvfs(b->dir, &s) < 0 ? UINT64_MAX
-                                   : (uint64_t)s.f_bavail * s.f_frsize;
+    return look(b, &s) ? (uint64_t)s.f_bavail * s.f_frsize : UINT64_MAX;
 }
 
 int

@@ -10,6 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
+#include <sys/statvfs.h>
 #include <unistd.h>
 
 enum { KIB = 1024, FILES = 8 };
@@ -18,6 +19,18 @@ static struct blobs blobs;
 static struct cache *c;
 static uint8_t hashes[FILES * MSG_HASH];
 static const uint8_t job_a[MSG_JOB] = { 0xaa }, job_b[MSG_JOB] = { 0xbb };
+
+static bool sizeless; /* the file system tells no size */
+
+/* In place of the C library's: a disk of a thousand blocks, all free. */
+int
+statvfs(const char *path, struct statvfs *s)
+{
+    (void)path;
+    *s = (struct statvfs){ .f_frsize = 4 * KIB };
+    s->f_blocks = s->f_bavail = sizeless ? 0 : 1000;
+    return 0;
+}
 
 static const uint8_t *
 hash_of(int i)
@@ -230,6 +243,15 @@ START_TEST(without_a_limit_it_takes_a_tenth_of_the_disk)
 }
 END_TEST
 
+START_TEST(where_the_disk_tells_no_size_what_comes_is_taken)
+{
+    sizeless = true;
+    c = cache_new(&blobs, 0, NULL);
+    ck_assert_int_eq(cache_expect(c, KIB, NULL), 0);
+    sizeless = false;
+}
+END_TEST
+
 START_TEST(many_files_are_no_trouble)
 {
     uint8_t many[5000 * MSG_HASH] = { 0 };
@@ -259,6 +281,7 @@ main(void)
     tcase_add_test(tc, files_of_a_job_are_counted_once);
     tcase_add_test(tc, files_that_went_are_missed);
     tcase_add_test(tc, without_a_limit_it_takes_a_tenth_of_the_disk);
+    tcase_add_test(tc, where_the_disk_tells_no_size_what_comes_is_taken);
     tcase_add_test(tc, many_files_are_no_trouble);
     return unit_run_case(tc);
 }
