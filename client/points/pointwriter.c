@@ -71,7 +71,8 @@ colour_of(const struct pointwriter *w, const float band[RAD_MAX_BANDS])
 
     for (int i = 0; i < p->bands.n; i++)
         rad_spectrum_add(w->eye, i, (double)band[i], sum);
-    rad_spectrum_colour(w->eye, sum);
+    if (p->primaries != RAD_PRIM_XYZ) /* X, Y and Z can be of any colour */
+        rad_spectrum_colour(w->eye, sum);
     return rad_params_colour(
         p, rad_rgb((float)sum[0], (float)sum[1], (float)sum[2]));
 }

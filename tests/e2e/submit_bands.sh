@@ -189,6 +189,23 @@ for file in all plain; do
     grep -q ' -cs 8 -cw 380 780 --seed=' $file.values ||
         fail "$file.values: $(sed '/^$/q' $file.values)"
 done
+# X, Y and Z are those of green that Radiance's primaries cannot show
+cat >green.rad <<'END'
+void spectrum green
+0
+0
+10 460 560 0 0 0 0 1 0 0 0
+green glow shine
+0
+0
+4 2 2 2 0
+shine bubble box 0 0 4 0 0 0 10
+END
+echo 0 0 0 0 0 1 >ray
+"$radsubmit" --local --points=ray -h- -cs 20 -pXYZ green.rad >values 2>stderr ||
+    fail "-pXYZ: $(cat stderr)"
+awk '{ exit !($2 > 1 && $1 < .2 * $2 && $3 < .3 * $2) }' values ||
+    fail "-pXYZ of green: $(cat values)"
 expect 64 "-co+ asks for spectra" "-fac" "$radsubmit" --local -cs 6 -co+ \
     --points=points -fac "$room"
 
