@@ -199,10 +199,6 @@ check_points(struct submit_options *o, struct rad_error *err)
                         "'%s': --points makes no picture: -fac with -x and -y "
                         "writes colours for a .hdr",
                         o->output);
-    if (o->spectral > 0 && o->points.out == 'c')
-        return rad_fail(err, RAD_EUSAGE,
-                        "-f%cc writes colours, and -co+ asks for spectra",
-                        o->points.in);
     for (int i = 0; i < o->nscenes; i++)
         if (is_dash(o->points.file) && is_dash(o->scenes[i]))
             return rad_fail(err, RAD_EUSAGE,

@@ -56,10 +56,17 @@ in_bands(const struct pointwriter *w)
     return rad_bands_many(&w->text->params->bands);
 }
 
+/* Are the values spectra? */
+static bool
+in_spectra(const struct pointwriter *w)
+{
+    return in_bands(w) && w->text->spectral;
+}
+
 static int
 numbers_of_light(const struct pointwriter *w)
 {
-    return in_bands(w) && !w->eye ? w->text->params->bands.n : 3;
+    return in_spectra(w) ? w->text->params->bands.n : 3;
 }
 
 /* The colour of all bands, in the output's primaries. */
@@ -77,21 +84,33 @@ colour_of(const struct pointwriter *w, const float band[RAD_MAX_BANDS])
         p, rad_rgb((float)sum[0], (float)sum[1], (float)sum[2]));
 }
 
+/* -fac: as in a picture. */
+static void
+put_pixel(const struct pointwriter *w, const float band[], struct rad_rgb c)
+{
+    int n = numbers_of_light(w);
+    uint8_t pixel[RAD_MAX_BANDS + 1];
+
+    if (in_spectra(w))
+        rad_hdr_spectrum(band, n, pixel);
+    else
+        rad_rgbe(c, pixel);
+    fwrite(pixel, (size_t)n + 1, 1, w->to);
+}
+
 static void
 put_light(const struct pointwriter *w, const struct rad_rgb light[])
 {
     struct rad_rgb c = light[0];
     float band[RAD_MAX_BANDS];
     double v[RAD_MAX_BANDS];
-    uint8_t rgbe[4];
 
     if (in_bands(w))
         rad_bands_gather(&w->text->params->bands, light, band);
     if (w->eye)
         c = colour_of(w, band);
     if (w->spec->out == 'c') {
-        rad_rgbe(c, rgbe);
-        fwrite(rgbe, sizeof rgbe, 1, w->to);
+        put_pixel(w, band, c);
         return;
     }
     if (w->eye || !in_bands(w)) {
@@ -222,7 +241,7 @@ put_colours(const struct pointwriter *w)
     if (w->text->params->primaries == RAD_PRIM_XYZ)
         fprintf(w->to, "PRIMARIES= 1.0000 0.0000 0.0000 1.0000 0.0000 0.0000 "
                        "0.3333 0.3333\n");
-    if (!in_bands(w) || w->eye)
+    if (!in_spectra(w))
         return;
     fprintf(w->to, "WAVELENGTH_SPLITS=");
     for (int i = 0; i < 4; i++)
@@ -258,7 +277,8 @@ put_header(const struct pointwriter *w)
     } format[] = { { 'a', "ascii" }, { 'f', "float" }, { 'd', "double" } };
     const struct pointspec *s = w->spec;
     const uint16_t order = 1;
-    const char *name = w->text->params->primaries == RAD_PRIM_XYZ
+    const char *name = in_spectra(w) ? "Radiance_spectra"
+                       : w->text->params->primaries == RAD_PRIM_XYZ
                            ? "32-bit_rle_xyze"
                            : "32-bit_rle_rgbe";
     char words[160];

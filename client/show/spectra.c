@@ -148,25 +148,6 @@ gather(const struct joint *j, size_t pixel, float band[RAD_MAX_BANDS])
     rad_bands_gather(&j->order->bands, L, band);
 }
 
-/* Mantissas are cut, as in RGBE; the reader adds half a step. */
-static void
-code_spectrum(const float band[], int n, uint8_t *code)
-{
-    float most = 0;
-    int exponent;
-
-    for (int i = 0; i < n; i++)
-        most = fmaxf(most, band[i]);
-    memset(code, 0, (size_t)n + 1);
-    if (most <= 1e-32f)
-        return;
-    frexpf(most, &exponent);
-    exponent = exponent > 127 ? 127 : exponent;
-    for (int i = 0; i < n; i++)
-        code[i] = (uint8_t)fminf(ldexpf(fmaxf(band[i], 0), 8 - exponent), 255);
-    code[n] = (uint8_t)(exponent + 128);
-}
-
 static struct rad_rgb
 colour(const struct joint *j, const float band[])
 {
@@ -190,7 +171,7 @@ put_spectra(struct joint *j)
 
     for (size_t i = 0; i < n; i++, j->n += (size_t)nbands + 1) {
         gather(j, i, band);
-        code_spectrum(band, nbands, j->out + j->n);
+        rad_hdr_spectrum(band, nbands, j->out + j->n);
     }
 }
 

@@ -153,6 +153,24 @@ rad_rgbe_radiance(const uint8_t rgbe[4])
                    (rgbe[2] + .5f) * step);
 }
 
+void
+rad_hdr_spectrum(const float band[], int n, uint8_t *pixel)
+{
+    float most = 0;
+    int exponent;
+
+    for (int i = 0; i < n; i++)
+        most = fmaxf(most, band[i]);
+    memset(pixel, 0, (size_t)n + 1);
+    if (most <= 1e-32f)
+        return;
+    frexpf(most, &exponent);
+    exponent = exponent > 127 ? 127 : exponent;
+    for (int i = 0; i < n; i++)
+        pixel[i] = (uint8_t)fminf(ldexpf(fmaxf(band[i], 0), 8 - exponent), 255);
+    pixel[n] = (uint8_t)(exponent + EXPONENT_BIAS);
+}
+
 /* A bit for each byte of a component that equals the next one, then zeros. */
 struct alike {
     uint64_t bit[(LONGEST_CODED + 63) / 64 + 2];

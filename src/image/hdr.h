@@ -45,6 +45,10 @@ int rad_hdr_write_header(const struct rad_hdr_info *info,
 void rad_rgbe(struct rad_rgb L, uint8_t rgbe[4]);
 struct rad_rgb rad_rgbe_radiance(const uint8_t rgbe[4]);
 
+/* Convert n bands to the pixel of a hyperspectral picture: n mantissas, cut as
+ * those of RGBE, and their exponent. */
+void rad_hdr_spectrum(const float band[], int n, uint8_t *pixel);
+
 /* Code a row of width pixels into out, which has room for
  * RAD_HDR_ROW_BYTES(width); half of that is work space.  Returns the bytes
  * used.  Rows of less than 8 or more than 32767 columns are written flat. */

@@ -194,7 +194,7 @@ cat >green.rad <<'END'
 void spectrum green
 0
 0
-10 460 560 0 0 0 0 1 0 0 0
+7 460 560 0 0 1 0 0
 green glow shine
 0
 0
@@ -204,10 +204,16 @@ END
 echo 0 0 0 0 0 1 >ray
 "$radsubmit" --local --points=ray -h- -cs 20 -pXYZ green.rad >values 2>stderr ||
     fail "-pXYZ: $(cat stderr)"
-awk '{ exit !($2 > 1 && $1 < .2 * $2 && $3 < .3 * $2) }' values ||
+awk '{ exit !($2 > 1 && $1 < .1 * $2 && $3 < .4 * $2) }' values ||
     fail "-pXYZ of green: $(cat values)"
-expect 64 "-co+ asks for spectra" "-fac" "$radsubmit" --local -cs 6 -co+ \
-    --points=points -fac "$room"
+# and with -fac a pixel is that of a hyperspectral picture
+"$radsubmit" --local --points=ray -cs 20 -co+ -fac -x 1 -y 1 green.rad >values \
+    2>stderr || fail "-fac -co+: $(cat stderr)"
+LC_ALL=C grep -aqx FORMAT=Radiance_spectra values || fail "-fac -co+: format"
+"$top_builddir/raderr" values values >stderr 2>&1 || fail "$(cat stderr)"
+[ "$(tail -c 21 values | od -An -v -tu1 -w21 | tr -s ' ')" = \
+    ' 0 0 0 0 0 0 0 0 0 0 0 0 16 128 16 0 0 0 0 0 130' ] ||
+    fail "-fac -co+: $(tail -c 21 values | od -An -v -tu1 -w21)"
 
 # --- what does not go with it ---
 
