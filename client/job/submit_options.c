@@ -103,6 +103,8 @@ print_points_defaults(const struct submit_options *o, FILE *to)
     fprintf(to, "%-31s # irradiance at the points\n",
             s->irradiance ? "-I+" : "-I-");
     rad_params_print_defaults(&o->params, print_for_points, to);
+    if (s->mean)
+        fprintf(to, "%-31s # light as one number\n", s->mean);
 }
 
 static void

@@ -53,6 +53,23 @@ take_values(struct pointspec *s, const char *word, struct rad_error *err)
     return 1;
 }
 
+/* -pY, -pA, as long as no -pRGB or -pXYZ follows. */
+static int
+take_mean(struct pointspec *s, const char *word, struct rad_error *err)
+{
+    if (strcmp(word, "-pS") == 0 || strcmp(word, "-pM") == 0)
+        return rad_fail(err, RAD_EUSAGE,
+                        "option '%s' of rtrace is not supported: -cs 20 -co+ "
+                        "gives the bands to weigh",
+                        word);
+    if (strcmp(word, "-pRGB") == 0 || strcmp(word, "-pXYZ") == 0)
+        s->mean = NULL;
+    if (strcmp(word, "-pY") != 0 && strcmp(word, "-pA") != 0)
+        return 0;
+    s->mean = word;
+    return 1;
+}
+
 /* Take a side that is 0, which rpict's -x and -y lack; other numbers are
  * checked there. */
 static int
@@ -87,6 +104,8 @@ pointspec_option(struct pointspec *s, int argc, char *const argv[],
         used = take_formats(s, word);
     else if (strncmp(word, "-o", 2) == 0 && word[2])
         used = take_values(s, word, err);
+    else
+        used = take_mean(s, word, err);
     s->no_header = !header;
     if (used > 0 && !s->option)
         s->option = word;
@@ -107,6 +126,10 @@ pointspec_check(const struct pointspec *s, struct rad_error *err)
     if (s->out == 'c' && strcmp(s->values, "v") != 0)
         return rad_fail(err, RAD_EUSAGE, "colours (-f%cc) are of -ov alone",
                         s->in);
+    if (s->out == 'c' && s->mean)
+        return rad_fail(err, RAD_EUSAGE,
+                        "-f%cc writes colours, and %s asks for one number",
+                        s->in, s->mean);
     if (s->irradiance && !pointspec_lit(s))
         return rad_fail(err, RAD_EUSAGE, "-I needs a value in -o");
     return 0;
@@ -151,6 +174,7 @@ pointspec_format(const struct pointspec *s, char *buf, size_t n)
 
     if (s->x > 0 || s->y > 0)
         snprintf(sides, sizeof sides, " -x %d -y %d", s->x, s->y);
-    snprintf(buf, n, "%s%s -f%c%c -o%s%s", s->irradiance ? "-I+" : "-I-",
-             s->limited ? " -ld+" : "", s->in, s->out, s->values, sides);
+    snprintf(buf, n, "%s%s -f%c%c -o%s%s%s%s", s->irradiance ? "-I+" : "-I-",
+             s->limited ? " -ld+" : "", s->in, s->out, s->values, sides,
+             s->mean ? " " : "", s->mean ? s->mean : "");
 }

@@ -18,6 +18,7 @@ struct pointspec {
     bool no_header;     /* -h- */
     char in, out;       /* -f: 'a', 'f' or 'd'; out also 'c' */
     const char *values; /* letters of -o */
+    const char *mean;   /* "-pY", "-pA": light is one number; or NULL */
     int x, y;           /* -x and -y: points a row, rows; 0: not given */
     const char *option; /* first option of rtrace's that was given; or NULL */
 };

@@ -66,7 +66,7 @@ in_spectra(const struct pointwriter *w)
 static int
 numbers_of_light(const struct pointwriter *w)
 {
-    return in_spectra(w) ? w->text->params->bands.n : 3;
+    return w->spec->mean ? 1 : in_spectra(w) ? w->text->params->bands.n : 3;
 }
 
 /* The colour of all bands, in the output's primaries. */
@@ -98,6 +98,20 @@ put_pixel(const struct pointwriter *w, const float band[], struct rad_rgb c)
     fwrite(pixel, (size_t)n + 1, 1, w->to);
 }
 
+/* -pY: luminance or illuminance; -pA: the mean of all bands. */
+static double
+mean_of(const struct pointwriter *w, const float band[], struct rad_rgb c)
+{
+    int n = w->text->params->bands.n;
+    double sum = 0;
+
+    if (strcmp(w->spec->mean, "-pY") == 0)
+        return 179 * (double)rad_rgb_lum(c);
+    for (int i = 0; i < n; i++)
+        sum += (double)band[i];
+    return sum / n;
+}
+
 static void
 put_light(const struct pointwriter *w, const struct rad_rgb light[])
 {
@@ -119,7 +133,7 @@ put_light(const struct pointwriter *w, const struct rad_rgb light[])
         band[2] = c.b;
     }
     for (int i = 0; i < numbers_of_light(w); i++)
-        v[i] = (double)band[i];
+        v[i] = w->spec->mean ? mean_of(w, band, c) : (double)band[i];
     put_numbers(w, v, numbers_of_light(w));
 }
 
@@ -315,7 +329,8 @@ find_eye(struct pointwriter *w, struct rad_error *err)
     struct rad_bands colours = rad_bands_rgb();
 
     rad_arena_init(&w->arena);
-    if (!in_bands(w) || w->text->spectral)
+    if (!in_bands(w) || w->text->spectral ||
+        (w->spec->mean && strcmp(w->spec->mean, "-pA") == 0))
         return 0;
     w->eye =
         rad_spectrum_new(&w->arena, b->n, b->longest, b->shortest, &colours);

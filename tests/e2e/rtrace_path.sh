@@ -57,6 +57,12 @@ says '10 7'
 status 0 rtrace -pXYZ -ab 0 box.oct
 grep -qx 'PRIMARIES= 1.0000 0.0000 0.0000 1.0000 0.0000 0.0000 0.3333 0.3333' \
     out || fail "-pXYZ: the header does not tell: $(cat out)"
+status 0 rtrace -h- -pY box.oct
+says '358 358'
+status 0 rtrace -h- -pXYZ -oLpv -pY -pRGB -pA box.oct
+says '10 0 0 10 2 7 10 0 0 2'
+status 0 rtrace -pY box.oct
+grep -qx NCOMP=1 out && grep -q '^radsubmit .* -pY ' out || fail "-pY: $(cat out)"
 status 0 rtrace -h- -cs 4 -co+ box.oct
 says '2 2 2 2 2 2 2 2'
 echo first >said
@@ -97,12 +103,14 @@ refused 1 "box.oct" box.oct box.oct
 refused 1 "'-zz'" -zz box.oct
 refused 1 "'-P' of rtrace" -P file box.oct
 refused 1 "'-ti' of rtrace" -ti shine box.oct
-refused 1 "'-pY' of rtrace" -pY box.oct
 refused 1 "'t' of rtrace" -otv box.oct
 refused 1 "--points and -pc" -pc .64 .33 .3 .6 .15 .06 .3127 .329 box.oct
 refused 1 "empty output" -o box.oct
 refused 1 "'-n'" -n 0 box.oct
 refused 1 "'-vp'" -vp 0 0 0 box.oct
+refused 1 "'-pM' of rtrace is not supported: -cs 20 -co+" -pM box.oct
+refused 1 "-pY asks for one number" -fac -pY box.oct
+refused 1 "-pY and -co+ exclude each other" -cs 6 -co+ -pY box.oct
 refused 2 "nothing.oct" nothing.oct
 echo 1 2 3 >rays
 refused 1 "stdin:1: expected six numbers" box.oct
