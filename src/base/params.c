@@ -467,6 +467,16 @@ take_value(struct rad_params *p, const struct option *o, const char *rest,
     }
 }
 
+/* Is it -am 0, which limits nothing?  rpict -defaults names it. */
+static bool
+is_no_limit(int argc, char *const argv[])
+{
+    double most;
+
+    return argc > 1 && strcmp(argv[0], "-am") == 0 &&
+           rad_parse_real(argv[1], &most) && most == 0;
+}
+
 static int
 refuse_lacking(const char *word, struct rad_error *err)
 {
@@ -494,7 +504,7 @@ rad_params_option(struct rad_params *p, int argc, char *const argv[],
         return 0;
     o = find_option(argv[0], &rest);
     if (!o)
-        return refuse_lacking(argv[0], err);
+        return is_no_limit(argc, argv) ? 2 : refuse_lacking(argv[0], err);
     nwords = words_of(o, rest);
     if (argc - 1 < nwords)
         return rad_fail(err, RAD_EUSAGE,

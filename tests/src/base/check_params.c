@@ -160,6 +160,8 @@ static const struct {
                     "belong in the function files of the scene" },
     { "-ap map 50", "option '-ap' of rpict is not supported: there are no "
                     "photon maps" },
+    { "-am 5", "option '-am' of rpict is not supported: there are no photon "
+               "maps" },
     { "-am+", "option '-am+' of rpict is not supported: there are no photon "
               "maps" },
     { "-cs 2", "option '-cs': '2' is less than 3" },
@@ -280,6 +282,18 @@ START_TEST(other_words_are_left_alone)
         ck_assert_int_eq(err.code, 0);
         ck_assert_mem_eq(&p, &before, sizeof p);
     }
+}
+END_TEST
+
+/* as rpict -defaults has it */
+START_TEST(no_limit_of_photons_is_taken)
+{
+    struct rad_params p, before;
+
+    rad_params_init(&p);
+    rad_params_init(&before);
+    ck_assert_int_eq(take(&p, "-am 0.0", NULL), 2);
+    ck_assert_mem_eq(&p, &before, sizeof p);
 }
 END_TEST
 
@@ -602,6 +616,7 @@ main(void)
     tcase_add_loop_test(tc, bad_options_are_named, 0, N_ELEM(bad));
     tcase_add_test(tc, other_words_are_left_alone);
     tcase_add_test(tc, sampling_stays_within_what_rpict_does);
+    tcase_add_test(tc, no_limit_of_photons_is_taken);
     tcase_add_test(tc, a_negative_aspect_fills_the_picture);
     tcase_add_test(tc, check_refuses_what_does_not_go_together);
     tcase_add_test(tc, last_kind_of_output_colour_counts);
