@@ -245,7 +245,7 @@ program_say_where_it_is(const struct program *p)
     fprintf(stderr,
             "radsubmit: the coordinator keeps %s: radctl fetch %s -o FILE%s\n",
             p->frames.n > 1 ? "the pictures" : "the picture", hex,
-            p->frames.n > 1 ? " --frame=N, from 0" : "");
+            p->frames.n > 1 ? " --frame=N" : "");
 }
 
 int
@@ -327,8 +327,6 @@ check_frames(const struct program *p, const char *pattern)
 {
     int rc = 0;
 
-    if (p->frames.n == 0)
-        return check_output(pattern, p->err);
     for (uint32_t i = 0; pattern && rc == 0 && i < p->frames.n; i++) {
         char *name = NULL;
 
