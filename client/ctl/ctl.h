@@ -8,7 +8,9 @@
 #ifndef RADD_CLIENT_CTL_H
 #define RADD_CLIENT_CTL_H
 
+#include "base/files.h"
 #include "link/link.h"
+#include "net/key/keyorder.h"
 #include "show/show.h"
 
 #include <jansson.h>
@@ -19,6 +21,7 @@ struct ctl {
     char **args;     /* all arguments, if it takes several; nargs of them */
     int nargs;
     const char *name;        /* a second argument: a key's name, a number */
+    uint32_t given;          /* a bit for each option (radctl.c) */
     const char *coordinator; /* --coordinator */
     const char *key;         /* --key: the key file */
     json_t *problems;        /* found by `check`, for --json */
@@ -33,7 +36,9 @@ struct ctl {
     const char *tone, *exposure, *bits; /* as given; NULL: not asked for */
     const char *false_colour;           /* its scale; NULL: not asked for */
     struct show show;        /* how a fetched .png is shown */
-    int frame;               /* -1: none given */
+    int priority;            /* of `priority` */
+    struct key_order order;  /* of `key` */
+    int frame;               /* its number; -1: none given */
     bool json;
     enum msg_role role; /* that the coordinator has granted */
     bool local;         /* the coordinator is on this machine */
@@ -50,6 +55,9 @@ struct ctl_command {
     const char *name;
     const char *arg; /* its name in the help; NULL: none */
     const char *help;
+    /* Are arguments and options valid together?  Called before there is a
+     * connection; NULL: there is nothing to check. */
+    int (*check)(struct ctl *c);
     int (*run)(struct ctl *c);
     int number; /* the message or query that it sends */
 };
@@ -81,8 +89,8 @@ int ctl_done(const struct ctl *c);
 /* ctl_list.c */
 int ctl_run_query(struct ctl *c);
 int ctl_run_list(struct ctl *c); /* jobs, workers */
-/* Are these options valid for a list? */
-int ctl_check_list(const struct ctl *c);
+/* Are --state and --user valid for the list? */
+int ctl_check_list(struct ctl *c);
 /* Get all rows that --user, --state and --limit select, the newest jobs first.
  */
 int ctl_rows(struct ctl *c, const struct msg_page *ask, json_t **rows);
@@ -92,9 +100,11 @@ void ctl_filter(const struct ctl *c, json_t *rows, const char *user);
 int ctl_run_limits(struct ctl *c);
 
 /* ctl_enroll.c */
+int ctl_check_enroll(struct ctl *c);
 int ctl_run_enroll(struct ctl *c);
 
 /* ctl_top.c: the whole screen */
+int ctl_check_top(struct ctl *c);
 int ctl_run_top(struct ctl *c);
 
 /* ctl_words.c: print an answer for people; --json prints its members instead.
@@ -107,13 +117,22 @@ enum { CTL_SPAN = 40 };
 const char *ctl_span(char text[CTL_SPAN], double s);
 
 /* ctl_job.c */
-int ctl_run_job(struct ctl *c);        /* cancel, pause, resume, delete */
+int ctl_check_job(struct ctl *c);
+int ctl_run_job(struct ctl *c); /* cancel, pause, resume, delete */
+int ctl_check_priority(struct ctl *c);
 int ctl_run_priority(struct ctl *c);
 int ctl_run_job_report(struct ctl *c); /* job */
+
+/* ctl_fetch.c */
+/* Get a whole file of a job; the caller frees its bytes. */
+int ctl_fetch_file(struct ctl *c, const uint8_t job[MSG_JOB], int frame,
+                   enum msg_what what, struct rad_memory_out *f);
+int ctl_check_fetch(struct ctl *c);
 int ctl_run_fetch(struct ctl *c);
 
 /* ctl_admin.c */
 int ctl_run_worker(struct ctl *c); /* drain, undrain, forget */
+int ctl_check_key(struct ctl *c);
 int ctl_run_key(struct ctl *c);
 int ctl_run_check(struct ctl *c);
 

@@ -34,10 +34,25 @@ ctl_run_worker(struct ctl *c)
     return rc < 0 ? rc : ctl_done(c);
 }
 
-/* Print the answer to an order about keys. */
+/* --- keys --- */
+
+int
+ctl_check_key(struct ctl *c)
+{
+    int rc = keyctl_parse(&c->order, c->arg, c->name, c->expires, c->err);
+
+    if (rc < 0)
+        return rc;
+    if (c->order.what == MSG_KEY_LIST)
+        return ctl_check_list(c);
+    if (c->state || c->limit || c->user)
+        return rad_fail(c->err, RAD_EUSAGE,
+                        "--state, --limit and --user go with key list alone");
+    return key_order_check(&c->order, (int64_t)time(NULL), c->err);
+}
+
 static int
-print_keys(struct ctl *c, const struct key_order *order, const char *text,
-           size_t len)
+print_keys(struct ctl *c, const char *text, size_t len)
 {
     json_error_t why;
     json_t *root = json_loadb(text, len, 0, &why);
@@ -46,22 +61,23 @@ print_keys(struct ctl *c, const struct key_order *order, const char *text,
     if (!root)
         return rad_fail(c->err, RAD_EPROTO, "the answer is no JSON: %s",
                         why.text);
-    if (order->what == MSG_KEY_LIST)
+    if (c->order.what == MSG_KEY_LIST)
         ctl_filter(c, root, "name");
-    rc = keyctl_print(order, root, c->json, c->err);
+    rc = keyctl_print(&c->order, root, c->json, c->err);
     json_decref(root);
     return rc;
 }
 
 /* key: edit the file, if --keys names one; else the coordinator does */
 static int
-run_key_file(struct ctl *c, const struct key_order *order)
+run_key_file(struct ctl *c)
 {
     char *text;
-    int rc = key_order_run(c->keys, order, (int64_t)time(NULL), &text, c->err);
+    int rc =
+        key_order_run(c->keys, &c->order, (int64_t)time(NULL), &text, c->err);
 
     if (rc == 0)
-        rc = print_keys(c, order, text, strlen(text));
+        rc = print_keys(c, text, strlen(text));
     if (text)
         explicit_bzero(text, strlen(text));
     free(text);
@@ -71,22 +87,21 @@ run_key_file(struct ctl *c, const struct key_order *order)
 int
 ctl_run_key(struct ctl *c)
 {
-    struct msg m = { .type = MSG_KEY };
+    struct msg m = { .type = MSG_KEY,
+                     .key = { (uint8_t)c->order.what, c->order.name,
+                              (uint64_t)c->order.expires } };
     const struct msg *answer;
-    struct key_order order;
-    int rc = keyctl_parse(&order, c->arg, c->name, c->expires, c->err);
+    int rc;
 
-    if (rc < 0)
-        return rc;
     if (c->keys)
-        return run_key_file(c, &order);
-    m.key = (struct msg_key){ (uint8_t)order.what, order.name,
-                              (uint64_t)order.expires };
+        return run_key_file(c);
     rc = ctl_ask(c, &m, &answer);
     return rc < 0 ? rc
-                  : print_keys(c, &order, (const char *)answer->answer.text,
+                  : print_keys(c, (const char *)answer->answer.text,
                                answer->answer.len);
 }
+
+/* --- a state folder --- */
 
 static void
 tell_finding(void *arg, bool problem, const char *text)

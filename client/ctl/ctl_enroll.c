@@ -242,13 +242,16 @@ check_names(const struct ctl *c)
     return 0;
 }
 
-/* Find the address that workers dial.  With --keys nothing else is needed of
- * the coordinator. */
-static int
-check_coordinator(struct ctl *c)
+int
+ctl_check_enroll(struct ctl *c)
 {
-    int rc = c->keys ? target_find(&c->to, c->coordinator, c->key, c->err) : 1;
+    int rc = check_names(c);
 
+    if (rc < 0)
+        return rc;
+    if (!c->folder || !c->folder[0])
+        return rad_fail(c->err, RAD_EUSAGE, "enroll needs --output=DIR");
+    rc = target_find(&c->to, c->coordinator, c->key, c->err);
     if (rc < 0)
         return rc;
     if (rc == 0 || c->to.local)
@@ -278,12 +281,8 @@ int
 ctl_run_enroll(struct ctl *c)
 {
     struct enroll e = { .c = c };
-    int rc = check_names(c);
+    int rc = rad_make_dir(c->folder, 0700, c->err);
 
-    if (rc == 0)
-        rc = check_coordinator(c);
-    if (rc == 0)
-        rc = rad_make_dir(c->folder, 0700, c->err);
     if (rc == 0)
         rc = list_keys(&e);
     e.done = json_array();

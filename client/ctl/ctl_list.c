@@ -81,12 +81,12 @@ static const char *const worker_states[] = { "idle",     "loading", "working",
 static const char *const key_states[] = { "valid", "expired", "retired", NULL };
 
 int
-ctl_check_list(const struct ctl *c)
+ctl_check_list(struct ctl *c)
 {
+    bool workers = c->command->number == MSG_QUERY_WORKERS;
     const char *const *state = c->command->run == ctl_run_key ? key_states
-                               : c->command->number == MSG_QUERY_WORKERS
-                                   ? worker_states
-                                   : job_states;
+                               : workers                      ? worker_states
+                                                              : job_states;
     char known[200] = "";
 
     for (; c->state && *state; state++) {

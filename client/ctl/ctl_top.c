@@ -85,19 +85,20 @@ ask_job(struct screen *s, json_t **stats)
     return rc == RAD_EUNAVAIL || rc == RAD_EPROTO ? rc : 0;
 }
 
+/* Get all workers and at most `most` jobs (0: any number), also those that are
+ * over if `closed`. */
 static int
-ask_rows(struct screen *s, json_t **workers, json_t **jobs)
+ask_rows(struct ctl *c, int most, bool closed, json_t **workers, json_t **jobs)
 {
     struct msg_page page = { .what = MSG_ROWS_WORKERS, .state = "" };
-    struct ctl *c = s->c;
     int rc;
 
     c->limit = 0;
     if ((rc = ctl_rows(c, &page, workers)) < 0)
         return rc;
     page = (struct msg_page){ .what = MSG_ROWS_JOBS,
-                              .state = s->top.closed ? "" : "open" };
-    c->limit = MOST_JOBS;
+                              .state = closed ? "" : "open" };
+    c->limit = most;
     return ctl_rows(c, &page, jobs);
 }
 
@@ -115,7 +116,7 @@ ask_all(struct screen *s)
     if (rc == 0 && !status)
         rc = c->err->code;
     if (rc == 0)
-        rc = ask_rows(s, &workers, &jobs);
+        rc = ask_rows(c, MOST_JOBS, s->top.closed, &workers, &jobs);
     if (rc == 0)
         rc = ask_job(s, &stats);
     if (rc == 0) {
@@ -221,10 +222,6 @@ open_terminal(struct screen *s)
 {
     struct sigaction stop = { .sa_handler = on_stop };
 
-    if (!isatty(STDOUT_FILENO) || !isatty(STDIN_FILENO))
-        return rad_fail(s->c->err, RAD_EUSAGE,
-                        "top is for a terminal; status, workers, jobs and job "
-                        "with --json are for programs");
     setlocale(LC_CTYPE, "");
     s->curses = newterm(NULL, stdout, stdin);
     if (!s->curses)
@@ -368,11 +365,22 @@ wait_for_keys(struct screen *s)
 }
 
 int
+ctl_check_top(struct ctl *c)
+{
+    if (isatty(STDOUT_FILENO) && isatty(STDIN_FILENO))
+        return 0;
+    return rad_fail(c->err, RAD_EUSAGE,
+                    "top is for a terminal; status, workers, jobs and job "
+                    "with --json are for programs");
+}
+
+int
 ctl_run_top(struct ctl *c)
 {
     struct screen s = { .c = c };
-    int rc = open_terminal(&s);
+    int rc;
 
+    rc = open_terminal(&s);
     if (rc < 0)
         return rc;
     top_init(&s.top);

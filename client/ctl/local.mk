@@ -4,6 +4,7 @@ radctl_SOURCES = \
 	client/ctl/ctl.h \
 	client/ctl/ctl_admin.c \
 	client/ctl/ctl_enroll.c \
+	client/ctl/ctl_fetch.c \
 	client/ctl/ctl_job.c \
 	client/ctl/ctl_list.c \
 	client/ctl/ctl_top.c \

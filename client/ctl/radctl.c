@@ -6,7 +6,7 @@
 
 #include "ctl/ctl.h"
 #include "common/tell.h"
-#include "show/picfile.h"
+#include "base/help.h"
 #include "base/number.h"
 #include "base/output.h"
 
@@ -19,36 +19,42 @@
 enum { CONNECT_MS = 3000 };
 
 static const struct ctl_command commands[] = {
-    { "status", NULL, "coordinator, workers and jobs in short", ctl_run_query,
-      MSG_QUERY_STATUS },
-    { "workers", NULL, "one line a worker", ctl_run_list, MSG_QUERY_WORKERS },
-    { "jobs", NULL, "one line a job", ctl_run_list, MSG_QUERY_JOBS },
-    { "top", NULL, "workers and jobs on the full screen", ctl_run_top, 0 },
-    { "limits", NULL, "your limits, and what you use of them", ctl_run_limits,
-      MSG_QUERY_LIMITS },
-    { "job", "ID", "all about a job", ctl_run_job_report, MSG_QUERY_JOB },
-    { "cancel", "ID...", "end jobs", ctl_run_job, MSG_CANCEL },
+    { "status", NULL, "coordinator, workers and jobs in short", NULL,
+      ctl_run_query, MSG_QUERY_STATUS },
+    { "workers", NULL, "one line a worker", ctl_check_list, ctl_run_list,
+      MSG_QUERY_WORKERS },
+    { "jobs", NULL, "one line a job", ctl_check_list, ctl_run_list,
+      MSG_QUERY_JOBS },
+    { "top", NULL, "workers and jobs on the full screen", ctl_check_top,
+      ctl_run_top, 0 },
+    { "limits", NULL, "your limits, and what you use of them", NULL,
+      ctl_run_limits, MSG_QUERY_LIMITS },
+    { "job", "ID", "all about a job", NULL, ctl_run_job_report, MSG_QUERY_JOB },
+    { "cancel", "ID...", "end jobs", ctl_check_job, ctl_run_job, MSG_CANCEL },
     { "delete", "ID...", "forget jobs that are over, with their pictures",
-      ctl_run_job, MSG_DELETE },
-    { "pause", "ID...", "let jobs rest, at once", ctl_run_job, MSG_PAUSE },
-    { "resume", "ID...", "go on with paused jobs", ctl_run_job, MSG_RESUME },
-    { "priority", "ID N", "give a job another priority", ctl_run_priority,
-      MSG_PRIORITY },
+      ctl_check_job, ctl_run_job, MSG_DELETE },
+    { "pause", "ID...", "let jobs rest, at once", NULL, ctl_run_job,
+      MSG_PAUSE },
+    { "resume", "ID...", "go on with paused jobs", NULL, ctl_run_job,
+      MSG_RESUME },
+    { "priority", "ID N", "give a job another priority", ctl_check_priority,
+      ctl_run_priority, MSG_PRIORITY },
     { "fetch", "ID...", "get a finished picture, of planes put together",
-      ctl_run_fetch, 0 },
-    { "drain", "WORKER...", "give workers no more work", ctl_run_worker,
+      ctl_check_fetch, ctl_run_fetch, 0 },
+    { "drain", "WORKER...", "give workers no more work", NULL, ctl_run_worker,
       MSG_DRAIN },
-    { "undrain", "WORKER...", "give them work again", ctl_run_worker,
+    { "undrain", "WORKER...", "give them work again", NULL, ctl_run_worker,
       MSG_UNDRAIN },
-    { "forget", "WORKER...", "list no more workers that are gone",
+    { "forget", "WORKER...", "list no more workers that are gone", NULL,
       ctl_run_worker, MSG_FORGET },
-    { "key", "add NAME | retire NAME | list", "of hosts and users", ctl_run_key,
-      MSG_KEY },
+    { "key", "add NAME | retire NAME | list", "of hosts and users",
+      ctl_check_key, ctl_run_key, MSG_KEY },
     { "enroll", "WORKER...", "make each host's radd.conf and key",
-      ctl_run_enroll, 0 },
-    { "check", "STATE-DIR", "is a coordinator's state folder sound?",
+      ctl_check_enroll, ctl_run_enroll, 0 },
+    { "check", "STATE-DIR", "is a coordinator's state folder sound?", NULL,
       ctl_run_check, 0 },
 };
+
 enum { NCOMMANDS = sizeof commands / sizeof commands[0] };
 
 /* May that role use the command?  A coordinator closes the connection of
@@ -74,46 +80,90 @@ check_role(const struct ctl_command *command, enum msg_role role,
     return 0;
 }
 
-/* --- command line --- */
+/* --- options --- */
+
+/* The options, the members of struct ctl that they set, and the commands that
+ * they go with. */
+static const struct option {
+    const char *name;
+    enum { SWITCH, TEXT, TEXT_OR_NONE, NUMBER } kind;
+    size_t at;
+    int least;        /* least value of a NUMBER */
+    const char *with; /* commas between; NULL: all commands */
+    const char *arg;  /* its value in --help; NULL: it takes none */
+    const char *help;
+} options[] = {
+    { "--coordinator", TEXT, offsetof(struct ctl, coordinator), 0, NULL,
+      "HOST:PORT|SOCKET", "the coordinator (this machine's)" },
+    { "--key", TEXT, offsetof(struct ctl, key), 0, NULL, "FILE",
+      "what to show a coordinator over the network" },
+    { "--json", SWITCH, offsetof(struct ctl, json), 0, NULL, NULL,
+      "print answers as JSON" },
+    { "--keys", TEXT, offsetof(struct ctl, keys), 0, "key, enroll", "FILE",
+      "edit this key file, not the coordinator's" },
+    { "--expires", TEXT, offsetof(struct ctl, expires), 0, "key", "DATE",
+      "when a new key ends: 2027-01-31, at 00:00 UTC" },
+    { "--user", TEXT, offsetof(struct ctl, user), 0,
+      "jobs, limits, key, cancel, delete", "NAME",
+      "jobs, keys or limits of that user" },
+    { "--state", TEXT, offsetof(struct ctl, state), 0, "jobs, workers, key",
+      "STATE", "jobs, workers or keys in that state" },
+    { "--limit", NUMBER, offsetof(struct ctl, limit), 1, "jobs, workers, key",
+      "N", "so many rows at most; of jobs the newest" },
+    { "--all", SWITCH, offsetof(struct ctl, all), 0, "cancel, delete", NULL,
+      "cancel or delete all jobs of yours, or --user's" },
+    { "--output", TEXT, offsetof(struct ctl, folder), 0, "enroll", "DIR",
+      "where enroll makes a folder for each worker" },
+    { "-o", TEXT, offsetof(struct ctl, output), 0, "fetch", "FILE",
+      "where fetch writes (standard output); %d stands for the frame's "
+      "number" },
+    { "--frame", NUMBER, offsetof(struct ctl, frame), 0, "fetch", "N",
+      "picture of an animation to fetch, by its number (the first; all of "
+      "them where FILE has a %d)" },
+    { "--tone", TEXT, offsetof(struct ctl, tone), 0, "fetch", SHOW_TONES,
+      "how a .png shows light" },
+    { "--exposure", TEXT, offsetof(struct ctl, exposure), 0, "fetch",
+      "[first,|each,]auto|+-STOPS|FACTOR", "of a .png" },
+    { "--bits", TEXT, offsetof(struct ctl, bits), 0, "fetch", SHOW_BITS,
+      "of a channel of a .png" },
+    { "--false-colour", TEXT_OR_NONE, offsetof(struct ctl, false_colour), 0,
+      "fetch", "[=SCALE][,...]",
+      "a .png of luminance in colours, as radsubmit's" },
+};
+enum { NOPTIONS = sizeof options / sizeof options[0] };
+_Static_assert(NOPTIONS <= 32, "a set of them is 32 bits");
+
+static void
+print_line(void *to, const char *text)
+{
+    fprintf(to, "%s\n", text);
+}
 
 static void
 help(void)
 {
+    char head[80];
+
     puts("usage: radctl [options] COMMAND [ARGUMENT]\n"
          "Look at and steer a running cluster.\n");
     for (int i = 0; i < NCOMMANDS; i++) {
-        char head[80];
-        int n = snprintf(head, sizeof head, "%s %s", commands[i].name,
-                         commands[i].arg ? commands[i].arg : "");
-
-        printf("  %-16s%s%s\n", head, n > 16 ? "\n                    " : "  ",
-               commands[i].help);
+        snprintf(head, sizeof head, "%s %s", commands[i].name,
+                 commands[i].arg ? commands[i].arg : "");
+        rad_help_row(head, commands[i].help, print_line, stdout);
     }
-    puts("\n"
-         "  --coordinator=HOST:PORT|SOCKET\n"
-         "                    the coordinator (this machine's)\n"
-         "  --key=FILE        what to show a coordinator over the network\n"
-         "  --json            print answers as JSON\n"
-         "  --keys=FILE       edit this key file, not the coordinator's\n"
-         "  --expires=DATE    when a new key ends: 2027-01-31, at 00:00 UTC\n"
-         "  --user=NAME       jobs, keys or limits of that user\n"
-         "  --state=STATE     jobs, workers or keys in that state\n"
-         "  --limit=N         so many rows at most; of jobs the newest\n"
-         "  --all             cancel or delete all jobs of yours, or --user's\n"
-         "  --output=DIR      where enroll makes a folder for each worker\n"
-         "  -o FILE           where fetch writes (standard output)\n"
-         "  --frame=N         picture of an animation to fetch, from 0; all of "
-         "them\n"
-         "                    where FILE has a %d\n"
-         "  --tone=" SHOW_TONES "\n"
-         "                    how a .png shows light\n"
-         "  --exposure=[first,|each,]auto|+-STOPS|FACTOR\n"
-         "                    of a .png\n"
-         "  --bits=" SHOW_BITS "        of a channel of a .png\n"
-         "  --false-colour[=SCALE][,...]\n"
-         "                    a .png of luminance in colours, as radsubmit's\n"
-         "  --help            this text\n"
-         "  --version         the version");
+    puts("");
+    for (int i = 0; i < NOPTIONS; i++) {
+        const struct option *o = &options[i];
+
+        snprintf(head, sizeof head, "%s%s%s", o->name,
+                 o->kind == SWITCH || o->kind == TEXT_OR_NONE ? ""
+                 : o->name[1] == '-'                          ? "="
+                                                              : " ",
+                 o->arg ? o->arg : "");
+        rad_help_row(head, o->help, print_line, stdout);
+    }
+    rad_help_row("--help", "this text", print_line, stdout);
+    rad_help_row("--version", "the version", print_line, stdout);
 }
 
 /* Take the option called name at argv[*i], with its value after '=' or in the
@@ -139,36 +189,12 @@ option_value(const char *name, char *argv[], int *i, const char **value,
     return 1;
 }
 
-/* The options, and the members of struct ctl that they set. */
-static const struct option {
-    const char *name;
-    enum { SWITCH, TEXT, TEXT_OR_NONE, NUMBER } kind;
-    size_t at;
-    int least; /* least value of a NUMBER */
-} options[] = {
-    { "--json", SWITCH, offsetof(struct ctl, json), 0 },
-    { "--all", SWITCH, offsetof(struct ctl, all), 0 },
-    { "--coordinator", TEXT, offsetof(struct ctl, coordinator), 0 },
-    { "--key", TEXT, offsetof(struct ctl, key), 0 },
-    { "--keys", TEXT, offsetof(struct ctl, keys), 0 },
-    { "--expires", TEXT, offsetof(struct ctl, expires), 0 },
-    { "--user", TEXT, offsetof(struct ctl, user), 0 },
-    { "--state", TEXT, offsetof(struct ctl, state), 0 },
-    { "--tone", TEXT, offsetof(struct ctl, tone), 0 },
-    { "--exposure", TEXT, offsetof(struct ctl, exposure), 0 },
-    { "--bits", TEXT, offsetof(struct ctl, bits), 0 },
-    { "--false-colour", TEXT_OR_NONE, offsetof(struct ctl, false_colour), 0 },
-    { "--output", TEXT, offsetof(struct ctl, folder), 0 },
-    { "-o", TEXT, offsetof(struct ctl, output), 0 },
-    { "--frame", NUMBER, offsetof(struct ctl, frame), 0 },
-    { "--limit", NUMBER, offsetof(struct ctl, limit), 1 },
-};
-
 static int
 set_option(struct ctl *c, const struct option *o, const char *text)
 {
     void *field = (char *)c + o->at;
 
+    c->given |= UINT32_C(1) << (o - options);
     if (o->kind == SWITCH)
         *(bool *)field = true;
     else if (o->kind != NUMBER)
@@ -183,7 +209,7 @@ set_option(struct ctl *c, const struct option *o, const char *text)
 static int
 take_option(struct ctl *c, char *argv[], int *i)
 {
-    for (size_t k = 0; k < sizeof options / sizeof options[0]; k++) {
+    for (int k = 0; k < NOPTIONS; k++) {
         const struct option *o = &options[k];
         bool alone = o->kind == SWITCH || o->kind == TEXT_OR_NONE;
         const char *text = "";
@@ -199,6 +225,34 @@ take_option(struct ctl *c, char *argv[], int *i)
     return rad_fail(c->err, RAD_EUSAGE,
                     "unknown option '%s'; see radctl --help", argv[*i]);
 }
+
+/* Is the command's name one of the words of `with`? */
+static bool
+is_with(const char *with, const char *name)
+{
+    size_t n;
+
+    for (; *with; with += n + strspn(with + n, ", ")) {
+        n = strcspn(with, ",");
+        if (n == strlen(name) && memcmp(with, name, n) == 0)
+            return true;
+    }
+    return false;
+}
+
+/* Refuse options that the command has no use for. */
+static int
+check_options(const struct ctl *c)
+{
+    for (int k = 0; k < NOPTIONS; k++)
+        if (c->given & UINT32_C(1) << k && options[k].with &&
+            !is_with(options[k].with, c->command->name))
+            return rad_fail(c->err, RAD_EUSAGE, "%s goes with %s, not with %s",
+                            options[k].name, options[k].with, c->command->name);
+    return 0;
+}
+
+/* --- words --- */
 
 static int
 find_command(struct ctl *c, const char *name)
@@ -234,93 +288,26 @@ check_arg(const struct ctl *c, const char *arg)
     return 0;
 }
 
-/* Options for lists are refused with other commands. */
-static int
-check_list_options(const struct ctl *c)
-{
-    bool list = c->command->run == ctl_run_list ||
-                (c->command->run == ctl_run_key && c->arg &&
-                 strcmp(c->arg, "list") == 0);
-    bool workers = c->command->number == MSG_QUERY_WORKERS && list;
-
-    if (c->all && c->command->number != MSG_CANCEL &&
-        c->command->number != MSG_DELETE)
-        return rad_fail(c->err, RAD_EUSAGE,
-                        "--all goes with cancel and delete alone");
-    if (c->all && c->nargs > 0)
-        return rad_fail(c->err, RAD_EUSAGE, "command '%s': --all or %s",
-                        c->command->name, c->command->arg);
-    if ((c->state || c->limit) && !list)
-        return rad_fail(c->err, RAD_EUSAGE,
-                        "--state and --limit go with jobs, workers and key "
-                        "list alone");
-    if (c->user && (!list || workers) && !c->all &&
-        c->command->run != ctl_run_limits)
-        return rad_fail(c->err, RAD_EUSAGE,
-                        "--user goes with jobs, limits, key list and --all "
-                        "alone");
-    if (c->user && (!c->user[0] || strlen(c->user) > MSG_MAX_NAME))
-        return rad_fail(c->err, RAD_EUSAGE, "'%.80s' is no user's name",
-                        c->user);
-    return ctl_check_list(c);
-}
-
-/* Options for how a picture is shown are refused where none is. */
-static int
-check_show(struct ctl *c)
-{
-    struct show_asked asked = { c->tone != NULL, c->bits != NULL, c->exposure,
-                                c->false_colour };
-    const char *given;
-    int rc = show_first(&asked, &given, c->err);
-
-    if (rc < 0)
-        return rc;
-    if (given && (c->command->run != ctl_run_fetch ||
-                  !picfile_is_png(c->output, PICFILE_BY_SUFFIX)))
-        return rad_fail(c->err, RAD_EUSAGE, "%s is for fetch with -o FILE.png",
-                        given);
-    if (c->tone)
-        rc = show_tone(&c->show, c->tone, c->err);
-    if (rc == 0 && c->bits)
-        rc = show_bits(&c->show, c->bits, c->err);
-    return rc == 0 ? show_take(&c->show, &asked, c->err) : rc;
-}
-
 static int
 check_words(struct ctl *c)
 {
     int rc;
 
-    bool output = c->output != NULL;
-
     if (!c->command)
         return rad_fail(c->err, RAD_EUSAGE,
                         "no command given; see radctl --help");
+    if ((rc = check_options(c)) < 0)
+        return rc;
     if (c->command->arg && !c->arg && !c->all)
         return rad_fail(c->err, RAD_EUSAGE, "command '%s': missing %s",
                         c->command->name, c->command->arg);
-    if (c->output && strcmp(c->output, "-") == 0)
-        c->output = NULL;
-    if (c->command->run != ctl_run_fetch && (output || c->frame >= 0))
-        return rad_fail(c->err, RAD_EUSAGE,
-                        "-o and --frame go with fetch alone");
-    if (c->command->run != ctl_run_key &&
-        (c->expires || (c->keys && c->command->run != ctl_run_enroll)))
-        return rad_fail(c->err, RAD_EUSAGE,
-                        "--keys and --expires go with key alone, --keys with "
-                        "enroll, too");
-    if ((c->command->run == ctl_run_enroll) != (c->folder && c->folder[0]))
-        return rad_fail(c->err, RAD_EUSAGE,
-                        "enroll needs --output=DIR, and nothing else has it");
-    if (c->command->run == ctl_run_fetch && c->json && !c->output)
-        return rad_fail(c->err, RAD_EUSAGE, "fetch: --json needs -o");
     for (int i = 0; i < c->nargs; i++)
         if ((rc = check_arg(c, c->args[i])) < 0)
             return rc;
-    if ((rc = check_list_options(c)) < 0 || (rc = check_show(c)) < 0)
-        return rc;
-    return c->output ? picfile_check(c->output, false, c->err) : 0;
+    if (c->user && (!c->user[0] || strlen(c->user) > MSG_MAX_NAME))
+        return rad_fail(c->err, RAD_EUSAGE, "'%.80s' is no user's name",
+                        c->user);
+    return c->command->check ? c->command->check(c) : 0;
 }
 
 static bool
@@ -407,12 +394,6 @@ ctl_connect(struct ctl *c)
     return rc;
 }
 
-static bool
-for_key_file(const struct ctl *c)
-{
-    return c->command->run == ctl_run_key || c->command->run == ctl_run_enroll;
-}
-
 /* Explain an error if no coordinator was named and none is on this machine. */
 static void
 say_unnamed(struct ctl *c)
@@ -420,7 +401,8 @@ say_unnamed(struct ctl *c)
     snprintf(c->err->where, sizeof c->err->where,
              "no coordinator is named by --coordinator, RADD_COORDINATOR or "
              "radsubmit.conf%s",
-             for_key_file(c) ? " (--keys edits a key file)" : "");
+             c->command->run == ctl_run_key ? " (--keys edits a key file)"
+                                            : "");
 }
 
 static int

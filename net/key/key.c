@@ -124,6 +124,17 @@ key_name_parse(const char *name, struct key *k, struct rad_error *err)
                     name);
 }
 
+int
+key_which_parse(const char *id, struct key *k, struct rad_error *err)
+{
+    if (key_id_parse(id, k))
+        return 0;
+    return rad_fail(err, RAD_EUSAGE,
+                    "'%.100s' names no key: expected ROLE:NAME or "
+                    "ROLE:NAME:kN",
+                    id);
+}
+
 /* --- dates --- */
 
 /* Read n digits as a number; false: there are other characters. */

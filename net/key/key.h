@@ -63,5 +63,7 @@ int key_date_parse(const char *text, int64_t *expires, struct rad_error *err);
 
 /* Parse the "ROLE:NAME" of a new key; RAD_EUSAGE. */
 int key_name_parse(const char *name, struct key *k, struct rad_error *err);
+/* Parse an id that a user gave, as key_id_parse() does; RAD_EUSAGE. */
+int key_which_parse(const char *id, struct key *k, struct rad_error *err);
 
 #endif

@@ -380,13 +380,10 @@ keyfile_retire(struct keyfile *f, const char *name, struct rad_error *err)
 {
     char line[KEY_LINE + 1];
     struct key which;
-    int found = 0, changed = 0, rc;
+    int found = 0, changed = 0, rc = key_which_parse(name, &which, err);
 
-    if (!key_id_parse(name, &which))
-        return rad_fail(err, RAD_EUSAGE,
-                        "'%.100s' names no key: expected ROLE:NAME or "
-                        "ROLE:NAME:kN",
-                        name);
+    if (rc < 0)
+        return rc;
     for (size_t i = 0; i < f->n; i++) {
         struct key *k = &f->v[i];
 

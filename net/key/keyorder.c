@@ -251,12 +251,15 @@ change(struct keyfile *f, const struct key_order *o, char **json,
     return rc < 0 ? rc : 0;
 }
 
-/* Can such a key be added?  Checked before the file is made. */
-static int
-check_add(const struct key_order *o, int64_t now, struct rad_error *err)
+int
+key_order_check(const struct key_order *o, int64_t now, struct rad_error *err)
 {
     struct key k;
 
+    if (o->what == MSG_KEY_LIST)
+        return 0;
+    if (o->what == MSG_KEY_RETIRE)
+        return key_which_parse(o->name, &k, err);
     if (key_date_is_past(o->expires, now))
         return rad_fail(err, RAD_EUSAGE,
                         "a key that has expired would never be taken: the time "
@@ -273,7 +276,7 @@ key_order_run(const char *path, const struct key_order *o, int64_t now,
     int rc;
 
     *json = NULL;
-    if (o->what == MSG_KEY_ADD && (rc = check_add(o, now, err)) < 0)
+    if ((rc = key_order_check(o, now, err)) < 0) /* before the file is made */
         return rc;
     if (o->what == MSG_KEY_LIST) {
         if ((rc = keyfile_load(&f, path, err)) < 0)

@@ -57,7 +57,7 @@ for bad in .. a/b 'a b' .x; do
     expect 64 "a worker's name needs" "name $bad" "$radctl" enroll "$bad" \
         --keys=keys --output=out --coordinator=x
 done
-expect 64 "nothing else has it" "output of jobs" "$radctl" jobs --output=out
+expect 64 "--output goes with enroll" "output of jobs" "$radctl" jobs --output=out
 
 # by a coordinator, as an administrator; the workers join with what was made
 "$radctl" key add admin:root --keys=keys >admin || fail "admin"

@@ -13,7 +13,7 @@ command -v tmux >/dev/null || {
 export TERM=xterm-256color LC_ALL=C.UTF-8
 unset NO_COLOR TMUX
 
-expect 69 "" "no coordinator" "$radctl" --coordinator="$work/none" top
+expect 69 "" "no coordinator" "$radctl" --coordinator="$work/none" top --json
 
 coordinator()
 {

@@ -129,6 +129,35 @@ expect 69 "--keys" "keys of no coordinator" "$radctl" key list
 expect 64 "out.tif" "a format that is not written, of radctl" \
     "$radctl" --coordinator="$work/no.sock" fetch 1f -o out.tif
 expect 64 "frobnicate" "unknown command" "$radctl" frobnicate
+# what is wrong with the command line is said before anybody is asked
+while read -r words; do
+    # shellcheck disable=SC2086 # words are words
+    expect 64 "" "radctl $words" "$radctl" --coordinator="$work/no.sock" $words
+done <<EOF
+priority 1f
+priority 1f 101
+priority 1f 1x
+key drop user:a
+key add
+key add ana
+key add user:a:k1
+key add user:a --expires=2001-01-01
+key add user:a --state=valid
+key retire ana
+key list user:a
+key list --expires=2099-01-01
+key list --state=idle
+enroll ws01 --output=out
+enroll ws/01 --output=out
+fetch 1f --json
+fetch 1f -o x.hdr --bits=16
+status --limit=1
+workers --user=ana
+cancel 1f --user=ana
+top
+EOF
+expect 73 "no such folder" "no place for what is fetched" \
+    "$radctl" --coordinator="$work/no.sock" fetch 1f -o no/x.hdr
 expect 64 "'frobnicate'" "unknown command of radscene" \
     "$top_builddir/radscene" frobnicate "$room"
 [ ! -e out.hdr ] || fail "a picture was written"

@@ -119,26 +119,45 @@ cmp again.hdr "$kept" || fail "not there: $(cat stderr)"
 kept=$(sed -n 's/.*its distances are in //p' stderr)
 cmp again.zbf "$kept" || fail "its distances are others: $(cat stderr)"
 
-# so is an animation
-{ cat "$scenes/room.vf" && echo "rvu -vh 40"; } >two.vf
+# so is an animation, whose frames have the numbers that -S gives
+{ cat "$scenes/room.vf" && echo "rvu -vh 40" && echo "rvu -vh 30"; } >three.vf
 # shellcheck disable=SC2086
-id=$("$radsubmit" --detach $view -S 1 --views=two.vf "$room" 2>stderr) ||
+id=$("$radsubmit" --detach $view -S 7 --views=three.vf "$room" 2>stderr) ||
     fail "--detach -S: $(cat stderr)"
-until_true 60 "$radctl" fetch "$id" --frame=1 -o frame%02d.hdr ||
-    fail "the second frame is never to be fetched"
-mv frame01.hdr second.hdr || fail "its name is not that of the frame: $(ls)"
-"$radctl" fetch "$id" --frame=0 -o first.hdr || fail "the first frame"
+until_true 60 "$radctl" fetch "$id" --frame=9 -o frame%02d.hdr ||
+    fail "the third frame is never to be fetched"
+mv frame09.hdr third.hdr || fail "its name is not that of the frame: $(ls)"
+"$radctl" fetch "$id" --frame=7 -o seventh.hdr &&
+    "$radctl" fetch "$id" -o first.hdr && cmp first.hdr seventh.hdr ||
+    fail "the first frame"
+"$radctl" fetch "$id" --frame=8 -o second.hdr || fail "the second frame"
 cmp -s first.hdr second.hdr && fail "two frames of two views are one"
 png=$("$radsubmit" --detach --format=png $view "$room" 2>stderr) ||
     fail "--detach --format=png: $(cat stderr)"
 "$radctl" job "$png" | grep -q '2 x 2 samples' ||
     fail "--detach --format=png: $("$radctl" job "$png")"
 "$radctl" cancel "$png" 2>stderr || "$radctl" delete "$png" 2>stderr
-expect 64 "no such frame" "a third frame" "$radctl" fetch "$id" --frame=2
-"$radctl" fetch "$id" -o all%02d.hdr || fail "all frames"
-cmp first.hdr all00.hdr && cmp second.hdr all01.hdr ||
-    fail "of all frames these are others"
-[ "$(echo all*)" = "all00.hdr all01.hdr" ] || fail "all frames are" all*
+for n in 0 6 10 2147483647; do
+    expect 64 "no such frame" "frame $n" "$radctl" fetch "$id" --frame=$n
+done
+mkdir dir07 dir08 dir09
+"$radctl" fetch "$id" -o dir%02d/a%%%d.hdr 2>/dev/null && fail "two numbers"
+"$radctl" fetch "$id" -o dir%02d/all.hdr || fail "all frames"
+cmp first.hdr dir07/all.hdr && cmp second.hdr dir08/all.hdr &&
+    cmp third.hdr dir09/all.hdr || fail "of all frames these are others"
+# numbers are those of radsubmit's own files, also where some are left out
+# shellcheck disable=SC2086
+"$radsubmit" $view -S 7 --views=three.vf --no-clobber -o dir%02d/all.hdr \
+    "$room" 2>stderr || fail "--no-clobber: $(cat stderr)"
+grep -q "nothing is rendered" stderr || fail "the names are radsubmit's, too"
+rm dir07/all.hdr dir09/all.hdr
+# shellcheck disable=SC2086
+"$radsubmit" $view -S 7 --views=three.vf --no-clobber -o dir%02d/all.hdr \
+    "$room" 2>stderr || fail "--no-clobber: $(cat stderr)"
+gaps=$(sed -n 's/^radsubmit: job //p' stderr)
+"$radctl" fetch "$gaps" --frame=9 -o gap%d.hdr && cmp third.hdr gap9.hdr ||
+    fail "the frame behind a gap"
+expect 64 "no such frame" "a gap" "$radctl" fetch "$gaps" --frame=8
 "$radctl" fetch "$id" -o "50%.hdr" && cmp first.hdr "50%.hdr" ||
     fail "a name with a %"
 
