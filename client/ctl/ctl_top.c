@@ -7,7 +7,9 @@
 
 #include "ctl/ctl.h"
 #include "ctl/top.h"
+#include "common/table.h"
 #include "link/fetch.h"
+#include "machine/serving.h"
 
 #include <curses.h>
 #include <locale.h>
@@ -364,14 +366,38 @@ wait_for_keys(struct screen *s)
     return !(in.revents & (POLLHUP | POLLERR | POLLNVAL)) && take_keys(s);
 }
 
+/* --json: print once what the screen is made of. */
+static int
+print_once(struct ctl *c)
+{
+    json_t *status = NULL, *workers = NULL, *jobs = NULL, *root;
+    const struct msg *answer;
+    int rc = ctl_query(c, MSG_QUERY_STATUS, NULL, &answer);
+
+    if (rc == 0 && !(status = ctl_parse(c, answer)))
+        rc = c->err->code;
+    if (rc == 0)
+        rc = ask_rows(c, 0, false, &workers, &jobs);
+    if (rc == 0) {
+        root = json_pack("{s:O,s:O,s:o}", "status", status, "workers", workers,
+                         "jobs", serving_order(jobs));
+        table_print_json(stdout, root);
+        json_decref(root);
+    }
+    json_decref(status);
+    json_decref(workers);
+    json_decref(jobs);
+    return rc;
+}
+
 int
 ctl_check_top(struct ctl *c)
 {
-    if (isatty(STDOUT_FILENO) && isatty(STDIN_FILENO))
+    if (c->json || (isatty(STDOUT_FILENO) && isatty(STDIN_FILENO)))
         return 0;
     return rad_fail(c->err, RAD_EUSAGE,
-                    "top is for a terminal; status, workers, jobs and job "
-                    "with --json are for programs");
+                    "top is for a terminal; with --json it is for programs, as "
+                    "are status, workers, jobs and job");
 }
 
 int
@@ -380,6 +406,8 @@ ctl_run_top(struct ctl *c)
     struct screen s = { .c = c };
     int rc;
 
+    if (c->json)
+        return print_once(c);
     rc = open_terminal(&s);
     if (rc < 0)
         return rc;

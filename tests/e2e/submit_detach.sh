@@ -163,11 +163,17 @@ expect 64 "no such frame" "a gap" "$radctl" fetch "$gaps" --frame=8
 
 # what people and programs see
 "$radctl" workers | grep -q ws1 || fail "radctl workers does not name ws1"
-for q in status workers jobs "job $id"; do
+for q in status workers jobs top "job $id"; do
     # shellcheck disable=SC2086
     "$radctl" --json $q | python3 -c 'import json, sys; json.load(sys.stdin)' ||
         fail "radctl --json $q: no JSON"
 done
+"$radctl" --json top </dev/null | python3 -c '
+import json, sys
+top = json.load(sys.stdin)
+sys.exit(top["workers"][0]["name"] != "ws1" or "jobs" not in top
+         or not top["status"]["program"].startswith("radcoord"))' ||
+    fail "radctl --json top: $("$radctl" --json top)"
 expect 66 "" "a job that is not there" \
     "$radctl" job 00000000000000000000000000000000
 
