@@ -370,16 +370,20 @@ connect_to(struct submit *s)
 }
 
 /* One connection, from dialling to its end, or to the next time that the
- * coordinator refuses the job on it. */
+ * coordinator refuses the job on it.  --wait is for a coordinator to be there,
+ * so the time that files take to be sent does not count. */
 static int
 attempt(struct submit *s)
 {
     int rc = s->in_line ? 0 : connect_to(s);
+    uint64_t begin_ms = submit_now_ms(s);
 
     if (rc < 0)
         return rc;
     s->refused = s->in_line = false;
     rc = converse(s);
+    if (!s->refused && s->stage < STAGE_ACCEPTED)
+        s->start_ms += submit_now_ms(s) - begin_ms;
     if (!s->in_line) {
         link_close(s->link);
         s->link = NULL;

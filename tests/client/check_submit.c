@@ -314,6 +314,19 @@ script_loses_who_is_in_line(struct player *p)
     player_render(p);
 }
 
+/* The connection breaks when files have been on their way for longer than
+ * --wait. */
+static void
+script_breaks_a_long_upload(struct player *p)
+{
+    player_welcome(p, 1);
+    player_expect(p, MSG_OFFER);
+    usleep(700000);
+    player_hang_up(p);
+    player_welcome(p, 1);
+    player_render(p);
+}
+
 static void
 player_refuse(struct player *p, int status)
 {
@@ -717,6 +730,7 @@ static const struct script {
     { "detaches", script_detaches, 0, 30, .detach = true },
     { "in line", script_lets_it_wait_its_turn, 0, 30, .told = true },
     { "lost in line", script_loses_who_is_in_line, 0, 30, .detach = false },
+    { "long upload", script_breaks_a_long_upload, 0, .6, .detach = false },
     { "too many connections", script_has_too_many_connections, 0, 30,
       .told = true },
     { "no room for files", script_has_no_room_for_files, 0, 30, .told = true },
