@@ -45,8 +45,8 @@ choose_partition(const struct submit_options *o)
 {
     bool windows = o->windows > 0 || o->order != ORDER_NONE;
 
-    if (o->partition == MSG_PART_AUTO && windows)
-        return MSG_PART_WINDOW;
+    if (o->partition == PARTITION_NONE)
+        return windows ? MSG_PART_WINDOW : MSG_PART_AUTO;
     return (uint8_t)o->partition;
 }
 

@@ -17,6 +17,7 @@ submit_options_init(struct submit_options *o)
     o->wait_s = 60;
     o->quality = o->tone = o->bits = o->spectral = -1;
     show_init(&o->show);
+    o->partition = PARTITION_NONE;
     o->order = ORDER_NONE;
     o->ambient_way = AMBIENT_NONE;
     pointspec_init(&o->points);

@@ -19,7 +19,8 @@
 /* These, enum msg_partition and enum msg_order are in the order of the words in
  * submit_table.c. */
 enum submit_progress { PROGRESS_AUTO, PROGRESS_ALWAYS, PROGRESS_NEVER };
-#define ORDER_NONE (-1) /* not asked for */
+#define PARTITION_NONE (-1) /* not asked for */
+#define ORDER_NONE (-1)     /* not asked for */
 enum submit_ambient {
     AMBIENT_NONE = -1, /* not asked for */
     AMBIENT_PASSES,

@@ -122,8 +122,15 @@ static const struct {
 
 /* How a message names each of them; NULL: it is not given. */
 static void
-name_given(const struct submit_options *o, const char *name[GIVENS])
+name_given(const struct submit_options *o, bool spectra,
+           const char *name[GIVENS])
 {
+    static const char *const by_lines[] = {
+        [MSG_PART_AUTO] = "--partition=auto",
+        [MSG_PART_STATIC] = "--partition=static",
+        [MSG_PART_SCANBAR] = "--partition=scanbar",
+        [MSG_PART_WINDOW] = NULL,
+    };
     const struct {
         bool is;
         const char *name;
@@ -149,11 +156,8 @@ name_given(const struct submit_options *o, const char *name[GIVENS])
         [NO_CLOBBER] = { o->no_clobber, "--no-clobber" },
         [OVERSAMPLE] = { o->oversample > 1, "--oversample" },
         [CLAMP] = { o->clamp > 0, "--clamp" },
-        [BY_LINES] = { o->partition == MSG_PART_STATIC ||
-                           o->partition == MSG_PART_SCANBAR,
-                       o->partition == MSG_PART_STATIC
-                           ? "--partition=static"
-                           : "--partition=scanbar" },
+        [BY_LINES] = { o->partition >= 0 && o->partition != MSG_PART_WINDOW,
+                       by_lines[o->partition >= 0 ? o->partition : 0] },
         [WINDOWS] = { o->windows > 0, "--windows" },
         [ORDER] = { o->order != ORDER_NONE, "--order" },
         [PASSES] = { o->ambient_way == AMBIENT_PASSES, "--ambient=passes" },

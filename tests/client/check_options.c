@@ -216,7 +216,7 @@ static const struct {
     const char *estimate, *costs;
     bool no_balance;
 } sharing[] = {
-    { "a.rad", MSG_PART_AUTO, ORDER_NONE, NULL, NULL, false },
+    { "a.rad", PARTITION_NONE, ORDER_NONE, NULL, NULL, false },
     { "--partition=static --estimate=20a a.rad", MSG_PART_STATIC, ORDER_NONE,
       "20a", NULL, false },
     { "--partition static --no-balance --estimate 1000b a.rad", MSG_PART_STATIC,
@@ -225,11 +225,11 @@ static const struct {
       ORDER_NONE, "uniform", NULL, false },
     { "--partition=window --order=cost --estimate=1a a.rad", MSG_PART_WINDOW,
       MSG_ORDER_COST, "1a", NULL, false },
-    { "--order=forward a.rad", MSG_PART_AUTO, MSG_ORDER_FORWARD, NULL, NULL,
+    { "--order=forward a.rad", PARTITION_NONE, MSG_ORDER_FORWARD, NULL, NULL,
       false },
-    { "--order=backward a.rad", MSG_PART_AUTO, MSG_ORDER_BACKWARD, NULL, NULL,
+    { "--order=backward a.rad", PARTITION_NONE, MSG_ORDER_BACKWARD, NULL, NULL,
       false },
-    { "--estimate=b/20a.json a.rad", MSG_PART_AUTO, ORDER_NONE, NULL,
+    { "--estimate=b/20a.json a.rad", PARTITION_NONE, ORDER_NONE, NULL,
       "b/20a.json", false },
 };
 
@@ -356,6 +356,7 @@ static const struct {
     { "--fresh-frames", "--fresh-frames -S 1",
       "--ambient=passes --error --time" },
     { "--no-share", "--no-share", "--ambient=passes" },
+    { "--partition=auto", "--partition=auto", "--windows --order" },
     { "--partition=static", "--partition=static", "--windows --order" },
     { "--partition=scanbar", "--partition=scanbar", "--windows --order" },
     { "--partition=window", "--partition=window", "" },
