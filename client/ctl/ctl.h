@@ -39,6 +39,7 @@ struct ctl {
     int priority;            /* of `priority` */
     struct key_order order;  /* of `key` */
     int frame;               /* its number; -1: none given */
+    bool plane;              /* --plane: fetch one plane by itself */
     bool json;
     enum msg_role role; /* that the coordinator has granted */
     bool local;         /* the coordinator is on this machine */

@@ -141,6 +141,8 @@ take_whole(struct ctl *c, struct rad_memory_out *f)
     struct rad_bands b;
     int rc;
 
+    if (c->plane && !is_spectra(c))
+        return 0;
     if (spectra_bands(&one, &b, NULL) < 0)
         return !is_spectra(c)
                    ? 0
@@ -150,7 +152,8 @@ take_whole(struct ctl *c, struct rad_memory_out *f)
                               c->output);
     if (b.plane != RAD_PLANE_COLOURS)
         return rad_fail(c->err, RAD_EUSAGE,
-                        "job %s is plane %d of %d: name the jobs of all planes",
+                        "job %s is plane %d of %d: name the jobs of all "
+                        "planes, or use --plane",
                         c->arg, b.plane + 1, rad_bands_planes(&b));
     *f = (struct rad_memory_out){ 0 };
     rc = join(c, &b, &one, f);
@@ -369,6 +372,8 @@ ctl_check_fetch(struct ctl *c)
         c->output = NULL;
     if ((rc = check_show(c)) < 0)
         return rc;
+    if (c->plane && c->nargs > 1)
+        return rad_fail(c->err, RAD_EUSAGE, "fetch: --plane is for one job");
     if (c->json && !c->output)
         return rad_fail(c->err, RAD_EUSAGE, "fetch: --json needs -o");
     if (!c->output)

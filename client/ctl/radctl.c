@@ -120,6 +120,8 @@ static const struct option {
     { "--frame", NUMBER, offsetof(struct ctl, frame), 0, "fetch", "N",
       "picture of an animation to fetch, by its number (the first; all of "
       "them where FILE has a %d)" },
+    { "--plane", SWITCH, offsetof(struct ctl, plane), 0, "fetch", NULL,
+      "of a job that shows one plane of bands: fetch that alone" },
     { "--tone", TEXT, offsetof(struct ctl, tone), 0, "fetch", SHOW_TONES,
       "how a .png shows light" },
     { "--exposure", TEXT, offsetof(struct ctl, exposure), 0, "fetch",

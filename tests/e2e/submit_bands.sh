@@ -280,6 +280,18 @@ expect 65 "a plane that another has shown" "twice" "$radctl" fetch -o x.hsr \
     "$first" "$first"
 expect 64 "is plane 1 of 2: name the jobs of all planes" "a lone plane" \
     "$radctl" fetch -o x.hdr "$first"
+# a plane that was asked for alone is to be had alone
+# shellcheck disable=SC2086
+alone=$("$radsubmit" --detach $view -cs 6 --plane 1 -ab 1 -ad 64 "$room" \
+    2>stderr) || fail "--plane --detach: $(cat stderr)"
+# shellcheck disable=SC2086
+"$radsubmit" $view -cs 6 --plane 1 -ab 1 -ad 64 -o alone.hdr "$room" \
+    2>stderr || fail "--plane: $(cat stderr)"
+until_true 60 "$radctl" fetch --plane -o again.hdr "$alone" ||
+    fail "radctl fetch --plane"
+cmp alone.hdr again.hdr || fail "radctl fetch --plane gets another picture"
+expect 64 "--plane is for one job" "planes alone" \
+    "$radctl" fetch --plane -o x.hdr "$alone" "$first"
 id=$("$radsubmit" -x 8 -y 8 -o plain.hdr "$room" 2>&1 |
     sed -n 's/radsubmit: job //p')
 expect 65 "shows no plane" "three bands" "$radctl" fetch -o x.hsr "$first" "$id"
