@@ -110,9 +110,8 @@ program_on_preview(void *arg, const uint8_t *picture, size_t len,
     return 0;
 }
 
-/* Write the preview of a whole frame: its picture as PNG. */
-static void
-last_preview(struct program *p, const uint8_t *picture, size_t len)
+void
+program_show_whole(struct program *p, const uint8_t *picture, size_t len)
 {
     struct rad_error why = { 0 };
     int was[3];
@@ -211,8 +210,8 @@ program_on_frame(void *arg, uint32_t frame, const uint8_t *picture,
     p->rescue.needed = rc < 0;
     if (p->rescue.needed && p->cluster.embedded)
         rescue(p, frame, there ? NULL : picture, picture_len, depth, depth_len);
-    if (rc == 0 && p->o.preview)
-        last_preview(p, picture, picture_len);
+    if (rc == 0 && p->o.preview && !submit_options_spectra(&p->o))
+        program_show_whole(p, picture, picture_len);
     return rc;
 }
 

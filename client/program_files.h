@@ -15,6 +15,8 @@ int program_on_preview(void *program, const uint8_t *picture, size_t len,
 int program_on_frame(void *program, uint32_t frame, const uint8_t *picture,
                      size_t picture_len, const uint8_t *depth, size_t depth_len,
                      struct rad_error *err);
+/* Write the preview of a frame that is whole, whose picture is in colours. */
+void program_show_whole(struct program *p, const uint8_t *picture, size_t len);
 /* Set p->text, for the header of the points' values. */
 void program_fill_text(struct program *p);
 /* Write the values of sensor points. */

@@ -150,7 +150,7 @@ begin_records(struct program *p)
     int rc;
 
     if (p->stream.is && !p->o.ambient)
-        p->records.keep = p->job.spec.scene && p->planes.n == 0 &&
+        p->records.keep = p->job.spec.scene && p->planes.n <= 1 &&
                           !submit_options_goal(&p->o);
     if (!p->o.ambient && !p->records.keep)
         return 0;

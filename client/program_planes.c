@@ -167,6 +167,33 @@ deliver_points(struct planes *s, struct rad_error *err)
     return rc;
 }
 
+/* Show the bands of a job's picture, which may not be whole, in colours. */
+static int
+preview(struct program *p, bool whole, const uint8_t *picture, size_t len,
+        struct rad_error *err)
+{
+    struct spectra_order order = { p->o.params.bands, false, RAD_PRIM_RGB };
+    struct spectra_plane plane = { picture, len };
+    uint8_t *colours;
+    size_t n;
+    int rc = spectra_join(&order, &plane, &colours, &n, err);
+
+    if (rc < 0)
+        return rc;
+    if (whole)
+        program_show_whole(p, colours, n);
+    else
+        program_on_preview(p, colours, n, err);
+    free(colours);
+    return 0;
+}
+
+static int
+on_preview(void *arg, const uint8_t *picture, size_t len, struct rad_error *err)
+{
+    return preview(arg, false, picture, len, err);
+}
+
 static int
 on_frame(void *arg, uint32_t frame, const uint8_t *picture, size_t len,
          const uint8_t *depth, size_t depth_len, struct rad_error *err)
@@ -182,8 +209,11 @@ on_frame(void *arg, uint32_t frame, const uint8_t *picture, size_t len,
         rc = keep(s, DEPTH, frame, depth, depth_len, err);
     if (rc < 0 || p->planes.at < p->planes.n - 1)
         return rc;
-    return points ? deliver_points(s, err)
-                  : deliver_picture(s, frame, depth != NULL, err);
+    rc = points ? deliver_points(s, err)
+                : deliver_picture(s, frame, depth != NULL, err);
+    if (rc == 0 && p->o.preview && submit_options_spectra(&p->o))
+        rc = preview(p, true, picture, len, err);
+    return rc;
 }
 
 static int
@@ -216,23 +246,20 @@ on_accepted(void *arg)
     char hex[MSG_JOB_HEX], text[120];
 
     msg_job_format(p->job.id, hex);
-    if (p->planes.n == 1)
-        snprintf(text, sizeof text, "job %s", hex);
-    else
-        snprintf(text, sizeof text, "job %s, plane %d of %d", hex,
-                 p->planes.at + 1, p->planes.n);
+    snprintf(text, sizeof text, "job %s, plane %d of %d", hex, p->planes.at + 1,
+             p->planes.n);
     program_say(p, text); /* by these ids planes are found again */
 }
 
-/* Callbacks for the job of a plane: the caller's, without previews and records.
- */
+/* Callbacks for the job of one plane of several: the caller's, without previews
+ * and records. */
 static struct submit_callbacks
 callbacks(const struct planes *s)
 {
     struct submit_callbacks cb = *s->own;
 
     cb.frame = on_frame;
-    if (cb.stats && s->program->planes.n > 1)
+    if (cb.stats)
         cb.stats = on_stats;
     cb.accepted = NULL;
     cb.preview = NULL;
@@ -294,6 +321,40 @@ collect_all(struct planes *s, struct submit_job *job)
     return rc;
 }
 
+/* Have one job show all bands, as any job goes. */
+static int
+run_one(struct planes *s, const struct submit_job *job)
+{
+    struct program *p = s->program;
+    struct submit_callbacks cb = *s->own;
+    int rc;
+
+    cb.frame = on_frame;
+    if (cb.preview)
+        cb.preview = on_preview;
+    turn_to(s, 0);
+    rc = submit_run(job, &p->loop.uv, &p->loop.interrupts, &cb, p->err);
+    program_end_job(p);
+    return rc;
+}
+
+static int
+run_many(struct planes *s, const struct submit_job *ask)
+{
+    const struct program *p = s->program;
+    struct submit_job job = *ask;
+    int rc = submit_all(s, &job);
+
+    if (rc == 0 && !ask->detach)
+        rc = collect_all(s, &job);
+    /* leave the jobs to go on, as with a single job, if an interrupt ends
+     * radsubmit at once or a picture could not be written */
+    if (rc < 0 && !p->cluster.embedded && p->loop.interrupts < 2 &&
+        !p->rescue.needed)
+        cancel_all(s, &job);
+    return rc;
+}
+
 /* --detach: print each job's id on a line. */
 static void
 print_ids(const struct planes *s)
@@ -327,23 +388,15 @@ program_run_planes(struct program *p, const struct submit_job *ask,
                    const struct submit_callbacks *cb)
 {
     struct planes s = { .program = p, .own = cb };
-    struct submit_job job = *ask;
     int rc = begin(&s);
 
     p->planes.jobs = &s;
     if (rc == 0)
-        rc = submit_all(&s, &job);
+        rc = p->planes.n > 1 ? run_many(&s, ask) : run_one(&s, ask);
     if (rc == 0 && ask->detach)
         print_ids(&s);
-    else if (rc == 0)
-        rc = collect_all(&s, &job);
     for (int k = 0; k < p->planes.n && rc == 0 && p->stream.is; k++)
-        order_delete(&job.to, &p->loop.uv, s.id[k]);
-    /* leave the jobs to go on, as with a single job, if an interrupt ends
-     * radsubmit at once or a picture could not be written */
-    if (rc < 0 && !p->cluster.embedded && p->loop.interrupts < 2 &&
-        !p->rescue.needed)
-        cancel_all(&s, &job);
+        order_delete(&ask->to, &p->loop.uv, s.id[k]);
     p->planes.jobs = NULL;
     json_decref(s.stats);
     return rc;

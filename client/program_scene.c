@@ -4,6 +4,7 @@
 #include "program_scene.h"
 
 #include "job/apart.h"
+#include "job/submit_pairs.h"
 #include "compile/command.h"
 #include "trial/dryrun.h"
 #include "link/local.h"
@@ -44,7 +45,7 @@ try_scene(struct program *p)
 static void
 settle_bands(struct program *p)
 {
-    if (p->planes.n == 0 || !rad_scene_in_colours(p->scene.scene))
+    if (p->planes.n == 0 || rad_scene_spectrum(p->scene.scene))
         return;
     p->o.params.bands.plane = RAD_PLANE_COLOURS;
     p->planes.n = 1;
@@ -79,6 +80,19 @@ settle_surroundings(struct program *p)
     return rc;
 }
 
+/* Refuse options that jobs of several planes cannot have. */
+static int
+check_planes(struct program *p)
+{
+    struct rad_error why = { 0 };
+    int rc = p->planes.n > 1 ? submit_pairs_check(&p->o, true, &why) : 0;
+
+    return rc == 0 ? 0
+                   : rad_scene_fail(p->scene.scene,
+                                    rad_scene_spectrum(p->scene.scene), p->err,
+                                    rc, "%s", why.what);
+}
+
 /* What program_compile() shares with its thread. */
 struct compiling {
     struct program *p;
@@ -99,8 +113,10 @@ compile_work(uv_work_t *w)
                               local_folder(p->cluster.local), p->err);
         p->compile_s = (double)(uv_hrtime() - begin) * 1e-9;
     }
-    if (c->rc == 0)
+    if (c->rc == 0) {
         settle_bands(p);
+        c->rc = check_planes(p);
+    }
     if (c->rc == 0)
         c->rc = settle_surroundings(p);
     if (c->rc == 0 && p->o.dry_run && p->frames.n > 0)

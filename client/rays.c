@@ -147,7 +147,7 @@ prepare_planes(struct planes *p, const struct rays_options *o,
     rad_arena_init(&p->arena);
     if (!rad_bands_many(&p->bands)) /* three channels, maybe of one plane */
         p->bands.n = 3;
-    else if (rad_scene_in_colours(scene))
+    else if (!rad_scene_spectrum(scene))
         p->bands.plane = RAD_PLANE_COLOURS;
     if (p->bands.n > 3 && !o->spectral) {
         p->eye = rad_spectrum_new(&p->arena, p->bands.n, p->bands.longest,

@@ -226,7 +226,7 @@ check_together(struct submit_options *o, struct rad_error *err)
 {
     int rc = check_estimate(o, err);
 
-    if (rc < 0 || (rc = submit_pairs_check(o, err)) < 0 ||
+    if (rc < 0 || (rc = submit_pairs_check(o, false, err)) < 0 ||
         (rc = check_points(o, err)) < 0 || (rc = check_outputs(o, err)) < 0 ||
         (rc = check_show(o, err)) < 0 || (rc = check_cluster(o, err)) < 0)
         return rc;

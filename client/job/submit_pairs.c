@@ -42,6 +42,7 @@ enum given {
     TIME_GOAL,
     REUSE,
     REUSE_ID,
+    BANDS,
     PLANES,
     COSTS,
     PRIMARIES,
@@ -97,10 +98,9 @@ static const struct {
       "the values of a file are of given options, and a goal chooses its own; "
       "--reuse begins with a former job's" },
     { PLANES, GOAL, "each three bands would choose options of their own" },
-    { PLANES,
-      SET(PREVIEW) | SET(AMBIENT_FILE) | SET(COSTS) | SET(REUSE_ID) |
-          SET(PRIMARIES),
-      "each three bands are a job of their own, which has no colours" },
+    { PLANES, SET(PREVIEW) | SET(AMBIENT_FILE) | SET(COSTS) | SET(REUSE_ID),
+      "each three bands are a job of their own" },
+    { BANDS, SET(PRIMARIES), "bands have no primaries" },
     { LOCAL, SET(LAUNCH) | SET(COORDINATOR), "a job has one cluster" },
     { LAUNCH, SET(COORDINATOR), "a job has one cluster" },
     { REUSE, SET(LOCAL) | SET(LAUNCH),
@@ -170,7 +170,8 @@ name_given(const struct submit_options *o, bool spectra,
         [REUSE] = { o->reuse, "--reuse" },
         [REUSE_ID] = { o->reuse && strcmp(o->reuse, "last") != 0,
                        "--reuse=JOB" },
-        [PLANES] = { submit_options_planes(o) > 0, "-cs above 3" },
+        [BANDS] = { submit_options_planes(o) > 0, "-cs above 3" },
+        [PLANES] = { spectra, "-cs above 3" },
         [COSTS] = { o->costs, "--estimate=FILE" },
         [PRIMARIES] = { o->params.primaries == RAD_PRIM_CUSTOM, "-pc" },
         [XYZ] = { o->params.primaries == RAD_PRIM_XYZ, "-pXYZ" },
@@ -187,11 +188,12 @@ name_given(const struct submit_options *o, bool spectra,
 }
 
 int
-submit_pairs_check(const struct submit_options *o, struct rad_error *err)
+submit_pairs_check(const struct submit_options *o, bool spectra,
+                   struct rad_error *err)
 {
     const char *name[GIVENS];
 
-    name_given(o, name);
+    name_given(o, spectra, name);
     for (size_t i = 0; i < N_ELEM(excludes); i++) {
         const char *one = name[excludes[i].option];
 

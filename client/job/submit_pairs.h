@@ -8,7 +8,9 @@
 #include "base/error.h"
 
 /* RAD_EUSAGE, and a message that names two options and says why, for the first
- * rule of the table that a command line breaks. */
-int submit_pairs_check(const struct submit_options *o, struct rad_error *err);
+ * rule of the table that a command line breaks.  spectra: the scene is known,
+ * and has spectra, so each plane of -cs is a job. */
+int submit_pairs_check(const struct submit_options *o, bool spectra,
+                       struct rad_error *err);
 
 #endif

@@ -698,14 +698,40 @@ rad_params_format(const struct rad_params *p, char *buf, size_t size)
     }
 }
 
+/* Does an option follow at s, with the blank before it, or the end? */
+static bool
+is_edge(const char *s)
+{
+    return s[0] == '\0' ||
+           (s[0] == ' ' && s[1] == '-' && !strchr("0123456789.", s[2]));
+}
+
+/* The number of options in a canonical text. */
+static int
+count(const char *text)
+{
+    int n = 0;
+
+    for (; *text; text++)
+        n += is_edge(text);
+    return n;
+}
+
 const char *
 rad_params_differ(const char *a, const char *b, int *n)
 {
-    const char *name = b;
+    size_t i = 0, at = 0;
+    const char *name;
 
-    for (size_t i = 0; b[i] != '\0' && a[i] == b[i]; i++)
-        if (b[i] == ' ' && b[i + 1] == '-' && !strchr("0123456789.", b[i + 2]))
-            name = b + i + 1;
+    for (;; i++) {
+        if (is_edge(a + i) && is_edge(b + i))
+            at = i;
+        if (b[i] == '\0' || a[i] != b[i])
+            break;
+    }
+    /* an option that one text lacks is one more in the other */
+    name = (count(a) > count(b) ? a : b) + at;
+    name += *name == ' ';
     *n = (int)strcspn(name, " =");
     return name;
 }
@@ -717,6 +743,8 @@ rad_params_of_records(const struct rad_params *p, struct rad_params *out)
 
     rad_params_init(&usual);
     *out = *p;
+    if (p->bands.plane == RAD_PLANE_COLOURS)
+        out->bands = usual.bands;
     out->xres = usual.xres;
     out->yres = usual.yres;
     out->primaries = usual.primaries;

@@ -106,7 +106,8 @@ struct rad_rgb rad_params_colour(const struct rad_params *p, struct rad_rgb L);
 
 /* Copy *p, with defaults for the options that ambient records do not depend on:
  * which pixels there are, where in a pixel, through which lens and at what time
- * rays go, and how pixels are written.  If the results for two jobs on one
+ * rays go, how pixels are written, and how many bands red, green and blue are
+ * made of (RAD_PLANE_COLOURS).  If the results for two jobs on one
  * scene are equal, seed included, their records are made by the same rules. */
 void rad_params_of_records(const struct rad_params *p, struct rad_params *out);
 
@@ -124,8 +125,8 @@ int rad_params_check(const struct rad_params *p, struct rad_error *err);
  * has at most RAD_PARAMS_TEXT bytes. */
 #define RAD_PARAMS_TEXT 4000
 void rad_params_format(const struct rad_params *p, char *buf, size_t size);
-/* Find the first option whose value differs between two canonical texts: its
- * name in b, *n bytes long. */
+/* Find the first option that differs between two canonical texts: its name in
+ * either, *n bytes long. */
 const char *rad_params_differ(const char *a, const char *b, int *n);
 
 /* rpict's -defaults: call `line` with one line for each option, such as

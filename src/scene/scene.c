@@ -339,8 +339,8 @@ rad_scene_find_modifier(const struct rad_scene *s, const char *name,
     return lo ? e->defs[lo - 1] : RAD_VOID;
 }
 
-bool
-rad_scene_in_colours(const struct rad_scene *s)
+const struct rad_object *
+rad_scene_spectrum(const struct rad_scene *s)
 {
     for (int32_t i = 0; i < s->nobjects; i++)
         switch (s->objects[i].type) {
@@ -349,11 +349,11 @@ rad_scene_in_colours(const struct rad_scene *s)
         case RAD_SPECFUNC:
         case RAD_SPECDATA:
         case RAD_SPECPICT:
-            return false;
+            return &s->objects[i];
         default:
             break;
         }
-    return true;
+    return NULL;
 }
 
 int

@@ -78,9 +78,9 @@ int rad_scene_add(struct rad_scene *s, const struct rad_object *o,
 int rad_scene_find_modifier(const struct rad_scene *s, const char *name,
                             int32_t before);
 
-/* Does the scene give all its colours as red, green and blue, none as a
- * spectrum? */
-bool rad_scene_in_colours(const struct rad_scene *s);
+/* The first object that is a spectrum; NULL: the scene gives all its colours as
+ * red, green and blue. */
+const struct rad_object *rad_scene_spectrum(const struct rad_scene *s);
 
 /* The modifier that string argument k of object `index` names; it must be
  * defined before that object.  *mod is RAD_VOID for "void".  RAD_EDATA: there

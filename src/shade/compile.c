@@ -117,7 +117,7 @@ static int
 check_plane(const struct rad_job *job, struct rad_error *err)
 {
     if (job->params.bands.plane != RAD_PLANE_COLOURS ||
-        rad_scene_in_colours(job->scene))
+        !rad_scene_spectrum(job->scene))
         return 0;
     return rad_fail(err, RAD_EUSAGE,
                     "option '--plane %d': the scene has spectra",

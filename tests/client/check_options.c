@@ -346,7 +346,7 @@ static const struct {
       "-vp -S --views --no-clobber --fresh-frames -z --format --preview "
       "--oversample --clamp --tone --exposure --bits --false-colour --view "
       "-cs -pc" },
-    { "-cs", "-cs 6", "--preview --error --time -af --estimate --reuse -pc" },
+    { "-cs", "-cs 6", "-pc" },
     { "--error", "--error=5 -ab 1", "-af --ambient=live --no-share" },
     { "--time", "--time=9 -ab 1", "-af --ambient=live --no-share" },
     { "--reuse", "--reuse=0123456789abcdef0123456789abcdef",

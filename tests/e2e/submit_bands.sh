@@ -123,6 +123,38 @@ tail -c $((40 * 30 * 7)) plain.hsr | od -An -v -tu1 -w7 | awk '
     $1 != $2 || $2 != $3 || $4 != $5 { exit 1 }
     $3 != $4 && $5 != $6 { ok++ }
     END { exit !(NR == 1200 && ok > 600) }' || fail "plain.hsr: other bands"
+# and what several jobs cannot have this one has, as any job
+# shellcheck disable=SC2086
+"$radsubmit" --local $view -cs 6 -ab 1 -ad 64 --preview=plain.png \
+    -af plain.amb --stats=plain.json -o again.hsr "$plain" 2>stderr ||
+    fail "-af and --preview without spectra: $(cat stderr)"
+cmp plain.hsr again.hsr || fail "-af and --preview change a picture"
+# shellcheck disable=SC2086
+"$radsubmit" --local $view -cs 6 -ab 1 -ad 64 --oversample=1 -o shown.png \
+    "$plain" 2>stderr || fail "shown.png: $(cat stderr)"
+cmp plain.png shown.png || fail "a preview of spectra is not in their colours"
+# shellcheck disable=SC2086
+"$radsubmit" --local $view -cs 6 -ab 1 -ad 64 --estimate=plain.json \
+    -o again.hsr "$plain" 2>stderr || fail "--estimate: $(cat stderr)"
+cmp plain.hsr again.hsr || fail "--estimate=FILE changes a picture"
+# shellcheck disable=SC2086
+"$radsubmit" --local $view -cs 6 -ab 1 --error=20 --stats=goal.json \
+    -o again.hsr "$plain" 2>stderr || fail "--error: $(cat stderr)"
+grep -q 'estimated error .* 20 % were asked for' stderr ||
+    fail "--error says: $(cat stderr)"
+grep -q '"goal": ' goal.json || fail "--error is not in the statistics"
+# its ambient values are a colour picture's, and those of any bands
+for bands in "" "-cs 20"; do
+    # shellcheck disable=SC2086
+    "$radsubmit" --local $view $bands -ab 1 -ad 64 -af plain.amb -o x.hdr \
+        "$plain" 2>stderr || fail "-af of bands with '$bands': $(cat stderr)"
+done
+for n in 1 2 3; do
+    # shellcheck disable=SC2086
+    "$radsubmit" --local $view -ab 1 -ad 64 -af three.amb -o x.hdr "$plain" \
+        2>stderr || fail "-af $n: $(cat stderr)"
+done
+cmp plain.amb three.amb || fail "bands of colours have other ambient values"
 echo 1 1 1 0 1 0 | "$top_builddir/radscene" rays "$plain" >three
 echo 1 1 1 0 1 0 | "$top_builddir/radscene" rays -cs 6 -co+ "$plain" >six
 awk '{ print $1, $1, $1, $2, $2, $3 }' three | cmp - six ||
@@ -215,14 +247,16 @@ LC_ALL=C grep -aqx FORMAT=Radiance_spectra values || fail "-fac -co+: format"
     ' 0 0 0 0 0 0 0 0 0 0 0 0 16 128 16 0 0 0 0 0 130' ] ||
     fail "-fac -co+: $(tail -c 21 values | od -An -v -tu1 -w21)"
 
-# --- what does not go with it ---
+# --- what does not go with it where the scene has spectra ---
 
-expect 64 "-cs above 3 and --error exclude each other" "--error" "$radsubmit" --local -cs 6 \
-    -ab 1 --error=2 -o x.hdr "$room"
-expect 64 "-cs above 3 and --preview exclude each other" "--preview" "$radsubmit" --local -cs 6 \
-    --preview=p.png -o x.hdr "$room"
-expect 64 "-cs above 3 and -af exclude each other" "-af" "$radsubmit" --local -cs 6 -ab 1 \
-    -af x.amb -o x.hdr "$room"
+line=$(grep -n '^void spectrum' "$room" | sed 's/:.*//')
+
+for option in --error=2 --time=9 --preview=p.png '-af x.amb' --estimate=plain.json; do
+    name=$(echo "$option" | sed 's/[= ].*//;s/estimate/&=FILE/')
+    # shellcheck disable=SC2086 # an option and its value
+    expect 64 "spectral.rad:$line: spectrum 's': -cs above 3 and $name exclude" \
+        "$option" "$radsubmit" --local $view -cs 6 -ab 1 $option -o x.hdr "$room"
+done
 expect 64 "-cs above 3 and -pc exclude each other" "-pc" "$radsubmit" --local -cs 6 \
     -pc .7 .3 .2 .7 .1 .1 .3 .3 -o x.hdr "$room"
 expect 64 "spectra have more than three bands" ".hsr" "$radsubmit" --local \
@@ -344,9 +378,9 @@ ids=$(sed -n 's/radsubmit: job \([0-9a-f]*\), plane.*/\1/p' walk.err)
 # shellcheck disable=SC2086
 "$radctl" fetch -o all%d.png $ids || fail "fetch of all planes' frames"
 # shellcheck disable=SC2086
-"$radctl" fetch --frame=1 -o one.png $ids || fail "fetch of planes' second frame"
-for n in 0 1; do
-    cmp walk$((n + 1)).png all$n.png || fail "frame $n is another picture"
+"$radctl" fetch --frame=2 -o one.png $ids || fail "fetch of planes' second frame"
+for n in 1 2; do
+    cmp walk$n.png all$n.png || fail "frame $n is another picture"
 done
 cmp walk2.png one.png || fail "the second frame is not shown as the first"
 finish

@@ -437,6 +437,44 @@ START_TEST(text_gives_the_same_parameters_bit_for_bit)
 }
 END_TEST
 
+static const struct {
+    const char *a, *b, *name;
+} differing[] = {
+    { "-ab 1 -ad 64 --seed=0", "-ab 1 -ad 65 --seed=0", "-ad" },
+    { "-ab 1 -av 0 -.5 0 --seed=0", "-ab 1 -av 0 -.6 0 --seed=0", "-av" },
+    { "-ab 1 --seed=0", "-ab 1 --seed=12", "--seed" },
+    { "-ab 1 --seed=0 -cs 6", "-ab 1 --seed=0", "-cs" },
+    { "-ab 1 --seed=0", "-ab 1 --seed=0 -cs 6", "-cs" },
+    { "-ab 1 -cs 6 --seed=0", "-ab 1 --seed=0", "-cs" },
+    { "-ab 1 --seed=0", "-ab 1 -cs 6 --seed=0", "-cs" },
+    { "-ab 2 -cs 6", "-ab 1", "-ab" },
+};
+
+START_TEST(first_option_that_differs_is_named)
+{
+    int n;
+    const char *name = rad_params_differ(differing[_i].a, differing[_i].b, &n);
+
+    ck_assert_int_eq(n, (int)strlen(differing[_i].name));
+    ck_assert_mem_eq(name, differing[_i].name, (size_t)n);
+}
+END_TEST
+
+START_TEST(records_of_colours_know_no_bands)
+{
+    struct rad_params p, q, r;
+
+    rad_params_init(&p);
+    q = p;
+    q.bands = (struct rad_bands){ 20, 700, 400, RAD_PLANE_COLOURS };
+    rad_params_of_records(&q, &r);
+    ck_assert_mem_eq(&r, &p, sizeof p);
+    q.bands.plane = 0;
+    rad_params_of_records(&q, &r);
+    ck_assert_int_eq(r.bands.n, 20);
+}
+END_TEST
+
 START_TEST(longest_text_fits)
 {
     struct rad_params p;
@@ -622,6 +660,9 @@ main(void)
     tcase_add_test(tc, last_kind_of_output_colour_counts);
     tcase_add_test(tc, names_of_the_last_kind_add_up);
     tcase_add_test(tc, text_gives_the_same_parameters_bit_for_bit);
+    tcase_add_loop_test(tc, first_option_that_differs_is_named, 0,
+                        N_ELEM(differing));
+    tcase_add_test(tc, records_of_colours_know_no_bands);
     tcase_add_test(tc, longest_text_fits);
     tcase_add_test(tc, every_line_of_the_defaults_is_an_option);
     tcase_add_test(tc, every_option_is_in_the_manual);
