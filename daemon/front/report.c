@@ -169,22 +169,53 @@ without_room(const struct job *job)
     return NULL;
 }
 
-/* Why a job that waits or runs gets no worker; NULL: it may get a worker. */
-static const char *
-lacks_workers(const struct coord *c, const struct job *job)
+/* Say how many workers may not work now, of those that will by themselves. */
+static void
+say_away(char buf[MSG_MAX_TEXT + 1], const unsigned n[MSG_NDRAIN],
+         unsigned drained)
 {
-    bool some = false;
+    const struct {
+        unsigned n;
+        const char *what;
+    } why[] = { { n[MSG_DRAIN_HOURS], "outside hours" },
+                { n[MSG_DRAIN_IN_USE], "in use" },
+                { drained, "drained" } };
+    const char *before = "no worker may work: ";
+
+    buf[0] = '\0';
+    for (size_t i = 0; i < sizeof why / sizeof why[0]; i++)
+        if (why[i].n > 0) {
+            size_t used = strlen(buf);
+
+            snprintf(buf + used, MSG_MAX_TEXT + 1 - used, "%s%u %s", before,
+                     why[i].n, why[i].what);
+            before = ", ";
+        }
+}
+
+/* Why a job that waits or runs gets no worker; NULL: it may get a worker.  The
+ * text is in buf if it has to be made. */
+static const char *
+lacks_workers(const struct coord *c, const struct job *job,
+              char buf[MSG_MAX_TEXT + 1])
+{
+    unsigned drained = 0, n[MSG_NDRAIN] = { 0 };
 
     if (job->state != JOB_WAITING && job->state != JOB_RUNNING)
         return NULL;
     for (const struct coord_worker *w = c->workers; w; w = w->next) {
-        if (w->conn == 0)
-            continue;
-        if ((!w->drained && !w->leaving) || w->in_flight > 0)
+        if (w->conn != 0 && ((!w->drained && !w->leaving) || w->in_flight > 0))
             return NULL;
-        some = true;
+        if (w->leaving)
+            n[w->leaving] += !w->forgotten;
+        else
+            drained += w->conn != 0;
     }
-    return some ? "all workers are drained" : "no worker is there";
+    if (n[MSG_DRAIN_HOURS] + n[MSG_DRAIN_IN_USE] > 0) {
+        say_away(buf, n, drained);
+        return buf;
+    }
+    return drained > 0 ? "all workers are drained" : "no worker is there";
 }
 
 /* Is no worker at the job, and are all workers that may work at others? */
@@ -206,7 +237,7 @@ static const char *
 why(const struct coord *c, const struct job *job, char buf[MSG_MAX_TEXT + 1])
 {
     const struct coord_worker *full = without_room(job);
-    const char *nobody = lacks_workers(c, job);
+    const char *nobody = lacks_workers(c, job, buf);
     const struct job_worker *first = lacks_bits(job);
     char when[COORD_TIME];
 

@@ -244,15 +244,30 @@ worker_drain(struct worker *w, uint64_t now_ms)
     worker_send_drain(w);
 }
 
+/* Tell the coordinator another reason, once: on the connection that there still
+ * is, or on a new one, which it ends at once. */
+static void
+say_away(struct worker *w)
+{
+    if (w->coord_state == COORD_WELCOME && !w->draining)
+        worker_send_drain(w);
+    else if (w->coord_state == COORD_NONE && !w->stopped)
+        dial(w);
+}
+
 void
 worker_allow(struct worker *w, uint64_t now_ms, enum msg_drain_why away)
 {
-    bool was = w->away;
+    enum msg_drain_why was = w->away;
 
     w->now_ms = now_ms;
     w->away = away;
-    if (!was == !away)
+    if (was == away)
         return;
+    if (was && away) {
+        say_away(w);
+        return;
+    }
     actions_log(&w->actions, ACT_INFO, "%s",
                 !away                      ? "work begins"
                 : away == MSG_DRAIN_IN_USE ? "work ends: somebody uses the "

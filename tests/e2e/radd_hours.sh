@@ -54,6 +54,9 @@ listed()
 until_true 10 listed 1 'outside hours of its radd.conf' &&
     listed 2 'it was stopped' ||
     fail "why they are gone: $("$radctl" --coordinator="$sock" workers)"
+"$radctl" --coordinator="$sock" jobs |
+    grep -q 'no worker may work: 1 outside hours$' ||
+    fail "why nobody works: $("$radctl" --coordinator="$sock" jobs)"
 gone "$pid_1" && fail "the worker is gone"
 gone $job && fail "the job is over: $(cat job.err)"
 cp always radd.conf

@@ -484,6 +484,28 @@ START_TEST(a_job_whose_workers_are_drained_has_none)
 }
 END_TEST
 
+START_TEST(a_job_whose_workers_may_not_work_says_why)
+{
+    struct msg m = { .type = MSG_DRAIN, .drain = { "ws1", MSG_DRAIN_HOURS } };
+
+    join(SECOND, MSG_ROLE_WORKER, "ws2", "daemon");
+    join(6, MSG_ROLE_WORKER, "ws3", "daemon");
+    say(WORKER, &m);
+    m.drain = (struct msg_drain){ "ws2", MSG_DRAIN_IN_USE };
+    say(SECOND, &m);
+    ck_assert(f.closed[WORKER] && f.closed[SECOND]);
+    m.drain = (struct msg_drain){ "ws3", MSG_DRAIN_ORDER };
+    say(ADMIN, &m);
+    submit(ANA, job_a, 0);
+    ck_assert_str_eq(text_of_job(), "no worker may work: 1 outside hours, 1 in "
+                                    "use, 1 drained");
+    m = (struct msg){ .type = MSG_FORGET, .forget = { "ws2" } };
+    say(ADMIN, &m);
+    ck_assert_str_eq(text_of_job(),
+                     "no worker may work: 1 outside hours, 1 drained");
+}
+END_TEST
+
 START_TEST(without_same_bits_all_workers_take_part)
 {
     two_arithmetics(0);
@@ -518,6 +540,7 @@ main(void)
     tcase_add_test(tc, a_job_that_no_arithmetic_is_left_for_says_so);
     tcase_add_test(tc, other_reasons_are_not_taken_for_the_arithmetic);
     tcase_add_test(tc, a_job_that_waits_its_turn_says_so);
+    tcase_add_test(tc, a_job_whose_workers_may_not_work_says_why);
     tcase_add_test(tc, a_job_whose_workers_left_for_another_has_none);
     tcase_add_test(tc, a_job_whose_workers_are_drained_has_none);
     tcase_add_test(tc, without_same_bits_all_workers_take_part);

@@ -277,6 +277,18 @@ START_TEST(a_worker_that_may_not_work_leaves_and_comes_back)
     for (int i = 0; i < 100; i++)
         tick(1000);
     ck_assert_uint_eq(f.dials, dials);
+    worker_allow(f.w, f.now_ms, MSG_DRAIN_IN_USE); /* for another reason */
+    carry_out();
+    ck_assert_uint_eq(f.dials, ++dials);
+    connect();
+    ck_assert_int_eq(f.last.type, MSG_DRAIN);
+    ck_assert_int_eq(f.last.drain.why, MSG_DRAIN_IN_USE);
+    hear(f.coord, &bye);
+    worker_closed(f.w, f.now_ms, f.coord, "closed");
+    carry_out();
+    for (int i = 0; i < 100; i++)
+        tick(1000);
+    ck_assert_uint_eq(f.dials, dials);
     worker_allow(f.w, f.now_ms, 0);
     tick(100);
     ck_assert_uint_eq(f.dials, dials + 1);
