@@ -4,6 +4,7 @@
 #include "ground/conf.h"
 
 #include "base/help.h"
+#include "base/number.h"
 #include "net/inifile.h"
 
 #include <errno.h>
@@ -22,18 +23,15 @@ static int
 parse_int(const struct conf_key *k, const char *value, int *out,
           struct rad_error *err)
 {
-    char *end;
-    long v;
+    int v;
 
-    errno = 0;
-    v = strtol(value, &end, 10);
-    if (end == value || *end || errno)
+    if (!rad_parse_int(value, &v))
         return rad_fail(err, RAD_ECONFIG, "'%s': bad number '%s'", k->name,
                         value);
     if (v < k->min || v > k->max)
-        return rad_fail(err, RAD_ECONFIG, "'%s': %ld is not within %d to %d",
+        return rad_fail(err, RAD_ECONFIG, "'%s': %d is not within %d to %d",
                         k->name, v, k->min, k->max);
-    *out = (int)v;
+    *out = v;
     return 0;
 }
 

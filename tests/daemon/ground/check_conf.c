@@ -150,6 +150,22 @@ START_TEST(check_that_fails_names_the_file_or_the_options)
 }
 END_TEST
 
+START_TEST(int_option_takes_a_whole_word)
+{
+    static const char *const bad[] = { "--threads=",    "--threads= 3",
+                                       "--threads=3 ",  "--threads=0x3",
+                                       "--threads=3.0", "--threads=nan",
+                                       "--threads=65" };
+    struct settings s;
+    struct rad_error err;
+
+    for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++)
+        ck_assert_int_eq(load(&s, &err, bad[i], NULL), RAD_EUSAGE);
+    ck_assert_int_eq(load(&s, &err, "--threads=3", NULL), CONF_RUN);
+    ck_assert_int_eq(s.threads, 3);
+}
+END_TEST
+
 START_TEST(bool_option_takes_a_value_or_none)
 {
     struct settings s;
@@ -401,6 +417,7 @@ main(void)
     tcase_add_test(tc, defaults_then_file_then_options);
     tcase_add_test(tc, reload_changes_what_may_change);
     tcase_add_test(tc, check_that_fails_names_the_file_or_the_options);
+    tcase_add_test(tc, int_option_takes_a_whole_word);
     tcase_add_test(tc, bool_option_takes_a_value_or_none);
     tcase_add_loop_test(tc, address_to_listen_at, 0, N_ELEM(listens));
     tcase_add_test(tc, name_with_no_further_address_says_so);
