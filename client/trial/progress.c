@@ -3,8 +3,10 @@
 
 #include "trial/progress.h"
 
+#include <limits.h>
 #include <math.h>
 #include <string.h>
+#include <sys/ioctl.h>
 #include <unistd.h>
 
 /* long enough to smooth the lumps in which rays are reported */
@@ -119,6 +121,33 @@ take_rate(struct progress *p, const struct progress_report *r)
     p->last_rays = r->rays;
 }
 
+/* The columns that a line may take: it must not wrap, or the next one could not
+ * take its place.  Of a terminal that does not know its width, any. */
+static int
+room(FILE *to)
+{
+    struct winsize size;
+
+    return ioctl(fileno(to), TIOCGWINSZ, &size) == 0 && size.ws_col > 1
+               ? size.ws_col - 1
+               : INT_MAX;
+}
+
+/* Write over the line that is shown, with blanks and no control sequence, which
+ * not every terminal obeys. */
+static void
+show_in_place(struct progress *p, const char *line)
+{
+    int most = room(p->to), n = (int)strlen(line);
+
+    n = n < most ? n : most;
+    p->shown = p->shown < most ? p->shown : most;
+    fprintf(p->to, "\r%.*s", n, line);
+    if (p->shown > n)
+        fprintf(p->to, "%*s\r%.*s", p->shown - n, "", n, line);
+    p->shown = n;
+}
+
 void
 progress_update(struct progress *p, const struct progress_report *r)
 {
@@ -140,11 +169,10 @@ progress_update(struct progress *p, const struct progress_report *r)
         return;
     progress_format(line, sizeof line, r, p->rate, left_s);
     if (p->terminal)
-        fprintf(p->to, "\r%s\033[K", line);
+        show_in_place(p, line);
     else
         fprintf(p->to, "%s\n", line);
     fflush(p->to);
-    p->shown = p->terminal;
 }
 
 bool
@@ -175,9 +203,8 @@ progress_alone(struct progress_alone *a, const struct progress_report *r,
 void
 progress_clear(struct progress *p)
 {
-    if (!p->shown)
+    if (p->shown == 0)
         return;
-    fputs("\r\033[K", p->to);
+    show_in_place(p, "");
     fflush(p->to);
-    p->shown = false;
 }

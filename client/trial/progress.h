@@ -3,11 +3,10 @@
  *     42 %  1.25 M rays/s  1:05 left  3 workers
  *
  * Values that are not known are left out; so are the time left and the workers
- * at 100 %.  On a terminal the line is overwritten by the next one; elsewhere
- * nothing is shown, unless `always` is asked for: then each report is a line.
- * Rays per second are a mean with a time constant of some seconds.  The time
- * left comes from eta.h.
- * Thread: one. */
+ * at 100 %.  On a terminal the line is overwritten by the next one, and cut at
+ * the terminal's width; elsewhere nothing is shown, unless `always` is asked
+ * for: then each report is a line. Rays per second are a mean with a time
+ * constant of some seconds.  The time left comes from eta.h. Thread: one. */
 #ifndef RADD_CLIENT_PROGRESS_H
 #define RADD_CLIENT_PROGRESS_H
 
@@ -29,7 +28,7 @@ struct progress_report {
 struct progress {
     FILE *to; /* NULL: nothing is shown */
     bool terminal;
-    bool shown;     /* a line is shown on the terminal */
+    int shown;      /* columns of the line that is shown on the terminal */
     double every_s; /* least time between two lines; 0: a line for each report,
                      * in place on a terminal */
     double said_s;  /* elapsed_s of the last line; < 0: none */

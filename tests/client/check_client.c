@@ -11,10 +11,12 @@
 #include "link/target.h"
 #include "tests/scratch.h"
 
+#include <fcntl.h>
 #include <limits.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/ioctl.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -404,6 +406,52 @@ START_TEST(progress_ends_with_the_mean_rate)
 }
 END_TEST
 
+/* What a terminal of so many columns shows of a report, then of a shorter one,
+ * and when the line is removed. */
+static const struct {
+    unsigned short columns; /* 0: it does not know */
+    const char *shown;
+} terminals[] = {
+    { 80, "\r 50 %  100 rays/s  0:10 left  1 worker"
+          "\r100 %  100 rays/s                      \r100 %  100 rays/s"
+          "\r                 \r" },
+    { 0, "\r 50 %  100 rays/s  0:10 left  1 worker"
+         "\r100 %  100 rays/s                      \r100 %  100 rays/s"
+         "\r                 \r" },
+    { 12, "\r 50 %  100 \r100 %  100 \r           \r" },
+};
+
+START_TEST(progress_keeps_to_its_line_of_a_terminal)
+{
+    struct winsize size = { .ws_col = terminals[_i].columns };
+    struct progress_report half = { 10, .5, 1000, 1, true };
+    struct progress_report done = { 10, 1, 1000, 1, true };
+    struct progress p;
+    char buf[400];
+    int master = posix_openpt(O_RDWR | O_NOCTTY);
+    size_t got = 0;
+    ssize_t n;
+    FILE *f;
+
+    ck_assert(grantpt(master) == 0 && unlockpt(master) == 0);
+    f = fopen(ptsname(master), "w");
+    ck_assert_ptr_nonnull(f);
+    ck_assert_int_eq(ioctl(master, TIOCSWINSZ, &size), 0);
+    progress_init(&p, f, false, false);
+    progress_update(&p, &half);
+    progress_update(&p, &done);
+    progress_clear(&p);
+    progress_clear(&p);
+    fclose(f);
+    while (got < sizeof buf - 1 &&
+           (n = read(master, buf + got, sizeof buf - 1 - got)) > 0)
+        got += (size_t)n;
+    buf[got] = '\0';
+    ck_assert_str_eq(buf, terminals[_i].shown);
+    close(master);
+}
+END_TEST
+
 START_TEST(progress_is_silent_where_nobody_looks)
 {
     struct progress p;
@@ -514,6 +562,8 @@ main(void)
     tcase_add_test(tc, progress_comes_as_often_as_asked);
     tcase_add_test(tc, time_without_reports_is_not_time_alone);
     tcase_add_test(tc, progress_ends_with_the_mean_rate);
+    tcase_add_loop_test(tc, progress_keeps_to_its_line_of_a_terminal, 0,
+                        N_ELEM(terminals));
     tcase_add_test(tc, progress_is_silent_where_nobody_looks);
     tcase_add_loop_test(tc, json_is_a_table_for_people, 0, N_ELEM(tables));
     tcase_add_test(tc, tables_have_any_length);
