@@ -51,7 +51,7 @@ address_split(const char *text, char host[ADDRESS_TEXT], char port[8],
     if (atoi(colon + 1) > UINT16_MAX) /* getaddrinfo() would cut bits off */
         return rad_fail(err, RAD_EUSAGE, "'%s': a port is at most 65535", text);
     n = (size_t)(colon - text);
-    if (n >= 2 && text[0] == '[' && colon[-1] == ']') {
+    if (text[0] == '[' && colon[-1] == ']') {
         start++;
         n -= 2;
     }
