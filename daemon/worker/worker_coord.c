@@ -49,7 +49,7 @@ on_welcome(struct worker *w, const struct msg *m)
     /* of a job that ended meanwhile the coordinator answers TALLY by JOB_END */
     for (struct wjob *job = w->jobs; job; job = job->next)
         worker_send_tally(w, job);
-    if (w->draining || w->away)
+    if (w->away)
         worker_send_drain(w);
 }
 
