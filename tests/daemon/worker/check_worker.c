@@ -295,6 +295,33 @@ START_TEST(a_worker_that_may_not_work_leaves_and_comes_back)
     worker_closed(f.w, f.now_ms, f.coord, "refused"); /* and that is one */
     carry_out();
     ck_assert_uint_eq(f.warnings, 1);
+    worker_allow(f.w, f.now_ms, MSG_DRAIN_HOURS);
+    worker_allow(f.w, f.now_ms, 0); /* the pause before a dial is over, too */
+    tick(1);
+    ck_assert_uint_eq(f.dials, dials + 2);
+}
+END_TEST
+
+START_TEST(a_worker_that_is_welcomed_when_it_may_not_work_leaves)
+{
+    struct msg m = { .type = MSG_WELCOME,
+                     .welcome = { MSG_VERSION, 1, "radcoord" } };
+
+    cut();
+    tick(500);
+    worker_opened(f.w, f.now_ms, f.coord);
+    worker_allow(f.w, f.now_ms, MSG_DRAIN_IN_USE);
+    hear(f.coord, &m);
+    ck_assert_int_eq(f.last.type, MSG_DRAIN);
+    ck_assert_int_eq(f.last.drain.why, MSG_DRAIN_IN_USE);
+    worker_drain(f.w, f.now_ms);
+    carry_out();
+    ck_assert_int_eq(f.last.drain.why, MSG_DRAIN_STOPPED);
+    clear();
+    worker_allow(f.w, f.now_ms, 0);
+    worker_allow(f.w, f.now_ms, MSG_DRAIN_HOURS);
+    carry_out();
+    ck_assert_int_eq(said(f.coord, MSG_DRAIN), 0);
 }
 END_TEST
 
@@ -546,6 +573,25 @@ START_TEST(a_child_without_units_may_be_silent)
     for (int i = 0; i < 1000; i++)
         tick(900);
     ck_assert_uint_eq(f.kills, 0);
+}
+END_TEST
+
+START_TEST(a_child_that_hangs_at_a_tile_is_ended)
+{
+    struct msg tile = { .type = MSG_TILE, .tile = { .job = job_id } };
+    struct msg made = { .type = MSG_TILE_MADE, .tile_made = { .job = job_id } };
+
+    start_job();
+    child_ready();
+    hear(f.coord, &tile);
+    hear(f.child, &made);
+    for (int i = 0; i < 1000; i++)
+        tick(900);
+    ck_assert_uint_eq(f.kills, 0);
+    hear(f.coord, &tile);
+    for (int i = 0; i < 112; i++)
+        tick(900);
+    ck_assert_uint_eq(f.kills, 1);
 }
 END_TEST
 
@@ -818,6 +864,7 @@ main(void)
     tcase_add_test(tc, units_go_down_and_results_up);
     tcase_add_test(tc, what_was_not_acknowledged_is_sent_again);
     tcase_add_test(tc, a_worker_that_may_not_work_leaves_and_comes_back);
+    tcase_add_test(tc, a_worker_that_is_welcomed_when_it_may_not_work_leaves);
     tcase_add_loop_test(
         tc, a_worker_that_may_not_work_and_has_no_coordinator_ends_its_children,
         0, N_ELEM(no_coord));
@@ -834,6 +881,7 @@ main(void)
     tcase_add_test(tc, a_child_killed_from_outside_leaves_no_suspects);
     tcase_add_test(tc, a_child_that_hangs_is_ended);
     tcase_add_test(tc, a_child_without_units_may_be_silent);
+    tcase_add_test(tc, a_child_that_hangs_at_a_tile_is_ended);
     tcase_add_test(tc, a_refusal_ends_it_with_the_status);
     tcase_add_loop_test(tc, it_speaks_as_it_is_welcomed, MSG_VERSION_MIN,
                         MSG_VERSION + 1);
