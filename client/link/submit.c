@@ -106,7 +106,6 @@ send_job(struct submit *s)
     if (s->stage == STAGE_ACCEPTED)
         return 0;
     submit_reach(s, STAGE_ACCEPTED);
-    s->start_ms = submit_now_ms(s);
     if (s->cb->reuse)
         tell_reuse(s, &answer->accept);
     return 0;

@@ -39,8 +39,7 @@ struct submit {
     struct link *link;
     struct rad_error *err;
     uint32_t request;  /* number of our last request */
-    uint64_t start_ms; /* when we began; later, when we were first refused; at
-                        * last, when the job was accepted */
+    uint64_t start_ms; /* when we began; later, when we were first refused */
     uint64_t wait_ms;  /* since when a worker could have come; 0: not yet */
     enum stage stage;
     /* trying again */
