@@ -302,6 +302,16 @@ script_lets_it_wait_its_turn(struct player *p)
     player_render(p);
 }
 
+/* When --wait would be over, had it not begun with the refusal. */
+static void
+script_refuses_late(struct player *p)
+{
+    player_welcome(p, 1);
+    uv_sleep(300);
+    player_refuse_job(p);
+    player_render(p);
+}
+
 /* The coordinator starts anew. */
 static void
 script_loses_who_is_in_line(struct player *p)
@@ -729,6 +739,7 @@ static const struct script {
     { "lost its worker", script_lost_its_worker, 0, .01, .detach = false },
     { "detaches", script_detaches, 0, 30, .detach = true },
     { "in line", script_lets_it_wait_its_turn, 0, 30, .told = true },
+    { "refused late", script_refuses_late, 0, .2, .told = true },
     { "lost in line", script_loses_who_is_in_line, 0, 30, .detach = false },
     { "long upload", script_breaks_a_long_upload, 0, .6, .detach = false },
     { "too many connections", script_has_too_many_connections, 0, 30,
