@@ -53,7 +53,7 @@ source_path(struct read_task *r, char path[DISK_PATH_MAX])
 static bool
 is_preview(const struct store_reading *g)
 {
-    return !g->from.file && g->from.what == MSG_WHAT_PREVIEW;
+    return g->from.what == MSG_WHAT_PREVIEW;
 }
 
 /* Before the first piece: find the mark of the file, if the database has one.
