@@ -326,8 +326,7 @@ crashed_in(struct coord *c, struct job *job, uint32_t pass, uint32_t index,
             continue;
         if (t->crashes++ == 0)
             t->crasher = index;
-        if (t->crashes == 1 ||
-            (t->crasher == index && t->crashes < JOB_MAX_CRASHES))
+        if (t->crasher == index && t->crashes < JOB_MAX_CRASHES)
             continue;
         snprintf(text, sizeof text,
                  "tile %u of pass %u, of the ambient cache, brought the "

@@ -298,8 +298,7 @@ note_crash(struct coord *c, struct job *job, uint32_t index, uint32_t unit,
     if (u->crashes == 1)
         u->crasher = index;
     loss_of(c, job, unit, go_of_worker(job, unit, index));
-    if (u->crashes == 1 ||
-        (u->crasher == index && u->crashes < JOB_MAX_CRASHES))
+    if (u->crasher == index && u->crashes < JOB_MAX_CRASHES)
         return true;
     partition_area(job->partition, unit, &a);
     snprintf(text, sizeof text,
