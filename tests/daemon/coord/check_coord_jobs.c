@@ -155,6 +155,7 @@ START_TEST(a_job_goes_from_submit_to_done)
         result(WORKER, job_a, u, 1);
     ck_assert_int_eq(f.last[ANA].type, MSG_DONE);
     ck_assert_int_eq(f.last[WORKER].type, MSG_JOB_END);
+    ck_assert_uint_eq(f.ends, 0); /* nothing is kept here */
 }
 END_TEST
 
@@ -204,6 +205,29 @@ START_TEST(a_job_waits_for_its_files)
     submit(ANA, job_a, 0);
     ck_assert_int_ne(f.last[ANA].type, MSG_ACCEPT);
     file_comes(ANA);
+}
+END_TEST
+
+/* So many are not looked for in one go. */
+START_TEST(a_job_of_many_files_is_accepted)
+{
+    enum { MANY = 1100 };
+    static uint8_t names[MANY][MSG_HASH];
+    static const struct coord_limits patient = { .upload_ms = 60000 };
+    struct msg m = usual_submit(job_a);
+
+    coord_set_limits(f.c, &patient);
+    for (unsigned i = 0; i < MANY; i++) {
+        names[i][0] = (uint8_t)(i >> 8);
+        names[i][1] = (uint8_t)i;
+        coord_file_stored(f.c, f.now_ms, ANA, names[i]);
+        carry_out();
+    }
+    m.submit.files = (struct msg_hashes){ MANY, names[0] };
+    say(ANA, &m);
+    ck_assert_int_eq(desk_find_job(f.c, job_a)->stage, STAGE_ARRIVING);
+    wait_s(1);
+    ck_assert_int_eq(desk_find_job(f.c, job_a)->stage, STAGE_OPEN);
 }
 END_TEST
 
@@ -713,6 +737,7 @@ main(void)
     tcase_add_test(tc, a_job_goes_from_submit_to_done);
     tcase_add_test(tc, records_go_to_the_radsubmit_that_wants_them);
     tcase_add_test(tc, a_job_waits_for_its_files);
+    tcase_add_test(tc, a_job_of_many_files_is_accepted);
     tcase_add_test(tc, nobody_hears_what_others_have_sent);
     tcase_add_test(tc, a_hash_alone_gives_no_right_to_a_file);
     tcase_add_test(tc, a_store_of_one_user_hides_nothing);

@@ -341,6 +341,7 @@ START_TEST(of_a_job_that_is_filed_its_end_is_kept)
     tear_down();
     set_up_coord(true);
     whole_job(job_a);
+    ck_assert_uint_eq(f.ends, 1);
     job = desk_find_job(f.c, job_a);
     progress_tell(job, f.now_ms, &before.progress);
     coord_job_filed(f.c, f.now_ms, job_a, job_number(job_a), 900, 0);

@@ -95,6 +95,7 @@ START_TEST(a_job_of_an_earlier_life_tells_how_far_its_passes_are)
     struct saved_job s = { .spec = m.submit,
                            .owner = "ana",
                            .text = "",
+                           .submit_ms = 1000,
                            .frames = &none,
                            .npasses = N_ELEM(passes),
                            .passes = passes };
@@ -105,9 +106,11 @@ START_TEST(a_job_of_an_earlier_life_tells_how_far_its_passes_are)
         passes[i] = (struct saved_pass){ .bytes = records,
                                          .len = AMBSHARE_BYTES,
                                          .counts = { .rays = 100 } };
+    wait_s(8);
     ck_assert_int_eq(recover_job(f.c, f.now_ms, &s, NULL, NULL, NULL), 0);
     job = desk_find_job(f.c, job_a);
     progress_tell(job, f.now_ms, &p[0]);
+    ck_assert_double_eq_tol(p[0].elapsed_s, 7, .5);
     wait_s(1);
     ready(WORKER, job_a);
     ck_assert_uint_eq(state().open, N_ELEM(passes));

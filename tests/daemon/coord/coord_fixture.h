@@ -63,6 +63,7 @@ static struct {
     unsigned files_sent; /* to workers, and the last of them */
     uint8_t file_sent[MSG_HASH];
     uint64_t files_dropped; /* the connection of the last such action */
+    unsigned ends;          /* of jobs, for the store */
     unsigned loads, drops; /* of caches of jobs, and the job of the last */
     uint8_t cache_of[MSG_JOB];
     struct to_do todo[100]; /* what workers were given first */
@@ -156,6 +157,8 @@ carry_out(void)
             coord_settled(f.c, f.now_ms, a.conn, a.request);
         else if (a.type == ACT_JOB_OPEN && !f.stuck)
             coord_job_opened(f.c, f.now_ms, a.job, a.sequence, 0, NULL);
+        else if (a.type == ACT_JOB_END)
+            f.ends++;
         else if (a.type == ACT_PUT_ROWS) {
             ck_assert_uint_ne(a.conn, 0);
             f.rows = a.rows;
