@@ -5,6 +5,7 @@
 #include "filling/tiles.h"
 #include "front/report.h"
 #include "jobs/part.h"
+#include "registry/recover.h"
 
 START_TEST(a_paused_job_gets_no_units)
 {
@@ -368,6 +369,37 @@ START_TEST(same_bits_takes_workers_of_one_arithmetic)
 }
 END_TEST
 
+/* The first worker was one of an earlier life of the coordinator. */
+START_TEST(same_bits_are_those_of_an_earlier_life)
+{
+    struct saved_unit unit = { .area = { 0, 0, 0, 4, 4 },
+                               .attempt = 1,
+                               .worker = "ws9",
+                               .fingerprint = 8,
+                               .stored = 4,
+                               .done = true };
+    struct saved_frame none = { 0 };
+    struct saved_job s = { .spec = usual_submit(job_a).submit,
+                           .owner = "ana",
+                           .text = "",
+                           .frames = &none,
+                           .nunits = 1,
+                           .units = &unit };
+    struct msg same = { .type = MSG_READY, .ready = { job_a, .1, 8, 2, 0 } };
+
+    s.spec.flags = MSG_JOB_SAME_BITS;
+    s.spec.partition = MSG_PART_WINDOW;
+    s.spec.windows = 4;
+    ck_assert_int_eq(recover_job(f.c, f.now_ms, &s, NULL, NULL, NULL), 0);
+    wait_s(1);
+    ready(WORKER, job_a);
+    ck_assert_int_eq(f.exclude_logs, 1);
+    join(SECOND, MSG_ROLE_WORKER, "ws2", "daemon");
+    say(SECOND, &same);
+    ck_assert_uint_gt(f.units[SECOND], 0);
+}
+END_TEST
+
 /* What radctl shows of job_a; to be released. */
 static json_t *
 job_told(void)
@@ -537,6 +569,7 @@ main(void)
     tcase_add_test(tc, an_owners_older_job_goes_first_whoever_else_has_one);
     tcase_add_test(tc, priority_goes_before_fairness);
     tcase_add_test(tc, same_bits_takes_workers_of_one_arithmetic);
+    tcase_add_test(tc, same_bits_are_those_of_an_earlier_life);
     tcase_add_test(tc, a_job_that_no_arithmetic_is_left_for_says_so);
     tcase_add_test(tc, other_reasons_are_not_taken_for_the_arithmetic);
     tcase_add_test(tc, a_job_that_waits_its_turn_says_so);
