@@ -207,6 +207,7 @@ START_TEST(units_go_down_and_results_up)
     start_job();
     child_ready();
     ck_assert_int_eq(said(f.coord, MSG_READY), 1);
+    ck_assert_mem_eq(f.last.ready.job, job_id, MSG_JOB);
     unit(3);
     ck_assert_int_eq(said(f.child, MSG_UNIT), 1);
     rows(3, 0);
@@ -362,8 +363,12 @@ END_TEST
 START_TEST(what_is_kept_is_counted_until_it_is_acknowledged)
 {
     struct msg ack = { .type = MSG_ACK, .ack = { job_id, 0, 1, 0, 2 } };
-    size_t one;
+    struct msg other[] = { ack, ack, ack };
+    size_t one, two;
 
+    other[0].ack.unit = 1;
+    other[1].ack.attempt = 2;
+    other[2].ack.row = 1;
     start_job();
     child_ready();
     unit(0);
@@ -372,7 +377,12 @@ START_TEST(what_is_kept_is_counted_until_it_is_acknowledged)
     one = worker_kept(f.w, f.child);
     ck_assert_uint_gt(one, 0);
     rows(0, 2);
-    ck_assert_uint_gt(worker_kept(f.w, f.child), one);
+    two = worker_kept(f.w, f.child);
+    ck_assert_uint_gt(two, one);
+    for (int i = 0; i < N_ELEM(other); i++) {
+        hear(f.coord, &other[i]);
+        ck_assert_uint_eq(worker_kept(f.w, f.child), two);
+    }
     hear(f.coord, &ack);
     ck_assert_uint_gt(worker_kept(f.w, f.child), 0);
     ack.ack.row = 2;
