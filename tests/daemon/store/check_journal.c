@@ -9,6 +9,7 @@
 #include <errno.h>
 #include <stdio.h>
 #include <sys/syscall.h>
+#include <sysexits.h>
 
 /* What writes and syncs fail with; 0: they do not. */
 static _Atomic int write_fault, sync_fault;
@@ -129,6 +130,27 @@ START_TEST(a_commit_without_memory_for_more_is_one)
 }
 END_TEST
 
+/* A worker keeps rows until they are said to be kept. */
+START_TEST(rows_that_could_not_be_synced_are_not_kept)
+{
+    struct heard h;
+    uv_loop_t loop;
+    struct store *s;
+
+    open_kept(&loop, &s, &h);
+    open_job(s);
+    run(&loop, s);
+    ck_assert_int_eq(h.jobs, 1);
+    sync_fault = EIO;
+    put_unit(s, kept_job, 0, 3, 3);
+    run(&loop, s);
+    sync_fault = 0;
+    ck_assert(h.rows == 0 || h.status != 0);
+    ck_assert_int_eq(h.broken, EX_IOERR);
+    close_kept(&loop, s);
+}
+END_TEST
+
 int
 main(void)
 {
@@ -140,5 +162,6 @@ main(void)
         tc, a_commit_that_fails_tells_a_full_disk_from_another_fault, 0,
         N_ELEM(faults));
     tcase_add_test(tc, a_commit_without_memory_for_more_is_one);
+    tcase_add_test(tc, rows_that_could_not_be_synced_are_not_kept);
     return unit_run_case(tc);
 }

@@ -179,7 +179,12 @@ END_TEST
 
 /* How far the database was with a job whose folder was being removed when the
  * coordinator was killed. */
-enum unsettled { UNSETTLED_JOB, UNSETTLED_END, UNSETTLED_STRIKE };
+enum unsettled {
+    UNSETTLED_JOB, /* the disk was full, so it was not noted */
+    UNSETTLED_END,
+    UNSETTLED_STRIKE,
+    UNSETTLED_NEW /* not forgotten: it had its folder, and nothing in it */
+};
 
 /* In a process of its own: forget a job, and be killed when the folder has its
  * other name, before the tasks that write the database are committed. */
@@ -192,10 +197,11 @@ die_forgetting(enum unsettled how)
     uv_loop_t loop;
     struct store *s;
 
-    if (how == UNSETTLED_JOB) { /* the disk was full, so it was not noted */
+    if (how == UNSETTLED_JOB || how == UNSETTLED_NEW) {
         open_kept(&loop, &s, &h);
         recover(s, &none, NULL);
-        snprintf(path, sizeof path, "%s/" KEPT_DIR ".gone", dir);
+        snprintf(path, sizeof path, "%s/" KEPT_DIR "%s", dir,
+                 how == UNSETTLED_NEW ? "" : ".gone");
         ck_assert_int_eq(mkdir(path, 0700), 0);
         kill(getpid(), SIGKILL);
     }
@@ -781,7 +787,7 @@ main(void)
     tcase_add_test(tc, a_job_that_is_over_is_remembered_and_forgotten);
     tcase_add_test(tc, what_a_job_that_is_over_takes_is_known_in_another_life);
     tcase_add_loop_test(tc, a_job_that_was_being_forgotten_is_no_damage,
-                        UNSETTLED_JOB, UNSETTLED_STRIKE + 1);
+                        UNSETTLED_JOB, UNSETTLED_NEW + 1);
     tcase_add_test(tc,
                    an_id_that_is_forgotten_twice_is_recorded_as_it_was_last);
     tcase_add_test(
