@@ -400,6 +400,26 @@ START_TEST(same_bits_are_those_of_an_earlier_life)
 }
 END_TEST
 
+START_TEST(lines_of_a_busy_worker_are_not_waited_for_in_vain)
+{
+    static const struct msg_frame line = { 0, 8, 2, "" };
+    struct msg m = usual_submit(job_a);
+
+    m.submit.frames = &line;
+    m.submit.priority = 5;
+    m.submit.partition = MSG_PART_AUTO;
+    say(ANA, &m);
+    join(SECOND, MSG_ROLE_WORKER, "ws2", "daemon");
+    ready(WORKER, job_a);
+    ready(SECOND, job_a);
+    ck_assert_uint_eq(f.units[SECOND], 0);
+    submit(ANA, job_b, 0);
+    wait_s(1);
+    ready(SECOND, job_b);
+    ck_assert_uint_gt(f.units[SECOND], 0);
+}
+END_TEST
+
 /* What radctl shows of job_a; to be released. */
 static json_t *
 job_told(void)
@@ -568,6 +588,7 @@ main(void)
     tcase_add_test(tc, of_an_owners_jobs_the_older_goes_first);
     tcase_add_test(tc, an_owners_older_job_goes_first_whoever_else_has_one);
     tcase_add_test(tc, priority_goes_before_fairness);
+    tcase_add_test(tc, lines_of_a_busy_worker_are_not_waited_for_in_vain);
     tcase_add_test(tc, same_bits_takes_workers_of_one_arithmetic);
     tcase_add_test(tc, same_bits_are_those_of_an_earlier_life);
     tcase_add_test(tc, a_job_that_no_arithmetic_is_left_for_says_so);
