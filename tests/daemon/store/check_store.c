@@ -3,11 +3,13 @@
 #include "config.h"
 
 #include "base/output.h"
+#include "folder/room.h"
 #include "store_fixture.h"
 
 #include <fcntl.h>
 #include <stdio.h>
 #include <sys/stat.h>
+#include <sys/statvfs.h>
 #include <sysexits.h>
 #include <time.h>
 
@@ -388,6 +390,18 @@ START_TEST(few_previews_are_read_at_a_time)
 }
 END_TEST
 
+START_TEST(what_is_larger_than_the_disk_waits_for_no_room)
+{
+    struct statvfs fs;
+    uint64_t all;
+
+    ck_assert_int_eq(statvfs(dir, &fs), 0);
+    all = (uint64_t)fs.f_blocks * fs.f_frsize;
+    ck_assert_int_eq(room_check(dir, all, "rows", NULL), RAD_EFULL);
+    ck_assert_int_eq(room_check(dir, all + 1, "rows", NULL), RAD_EDATA);
+}
+END_TEST
+
 /* One that waited for room would keep what is asked for behind it, as pictures
  * whose jobs could go then. */
 START_TEST(a_preview_waits_for_no_room_on_the_disk)
@@ -509,6 +523,7 @@ main(void)
     tcase_add_loop_test(tc, job_becomes_a_picture, 0, 2);
     tcase_add_test(tc, pieces_of_a_preview_are_of_one_file);
     tcase_add_test(tc, few_previews_are_read_at_a_time);
+    tcase_add_test(tc, what_is_larger_than_the_disk_waits_for_no_room);
     tcase_add_test(tc, a_preview_waits_for_no_room_on_the_disk);
     tcase_add_test(tc, files_that_no_job_needs_go_after_a_day);
     return unit_run_case(tc);
