@@ -271,6 +271,7 @@ END_TEST
 
 START_TEST(files_on_their_way_are_limited_by_number_and_bytes)
 {
+    struct msg offer = { .type = MSG_OFFER, .offer = { 1, hash } };
     unsigned before;
 
     send_chunk(EVE, 7, 0, 5 << 20);
@@ -283,6 +284,8 @@ START_TEST(files_on_their_way_are_limited_by_number_and_bytes)
     ck_assert_int_eq(used(EVE, "user_uploads"), 2);
     ck_assert_int_eq(used(EVE, "user_upload_mib"), 4);
     send_chunk(EVE, 9, 0, 1000);
+    expect_refused(EVE, EX_TEMPFAIL, "limit user_uploads: you have 2 of 2 ");
+    say(EVE, &offer);
     expect_refused(EVE, EX_TEMPFAIL, "limit user_uploads: you have 2 of 2 ");
     file_is_whole(EVE, 7);
     send_chunk(EVE, 9, 0, 1000);
