@@ -7,10 +7,8 @@ libclient_a_CFLAGS = $(AM_CFLAGS) $(JANSSON_CFLAGS) \
 libclient_a_SOURCES = \
 	client/rays.c \
 	client/rays.h \
-	daemon/machine/serving.c \
-	daemon/machine/serving.h \
-	daemon/machine/wordlist.c \
-	daemon/machine/wordlist.h
+	daemon/machine/lists.c \
+	daemon/machine/lists.h
 include client/common/local.mk
 include client/compile/local.mk
 include client/show/local.mk

@@ -6,7 +6,7 @@
 #include "base/number.h"
 #include "common/table.h"
 #include "common/tell.h"
-#include "machine/serving.h"
+#include "machine/lists.h"
 
 #include <pwd.h>
 #include <stdio.h>
@@ -256,7 +256,7 @@ ctl_run_list(struct ctl *c)
 
     if (rc < 0)
         return rc;
-    list = jobs ? serving_order(rows) : json_incref(rows);
+    list = jobs ? lists_served(rows) : json_incref(rows);
     show(c, list, jobs);
     json_decref(list);
     json_decref(rows);

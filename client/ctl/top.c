@@ -3,7 +3,7 @@
 
 #include "ctl/top.h"
 #include "ctl/row.h"
-#include "machine/serving.h"
+#include "machine/lists.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -148,8 +148,7 @@ top_rows(const struct top *t, enum top_pane pane, size_t *n)
     struct order o = { t, pane };
     size_t i;
 
-    rows =
-        pane == TOP_JOBS && !sorted ? serving_order(rows) : json_incref(rows);
+    rows = pane == TOP_JOBS && !sorted ? lists_served(rows) : json_incref(rows);
 
     *n = 0;
     json_array_foreach(rows, i, row)

@@ -6,7 +6,7 @@
 #include "job/quality.h"
 
 #include "image/filter.h"
-#include "machine/wordlist.h"
+#include "machine/lists.h"
 
 #include <inttypes.h>
 #include <jansson.h>
@@ -240,7 +240,7 @@ dryrun_json(const struct msg_spec *spec, const char *options,
         "dry_run", 1, "radd", PACKAGE_VERSION, "options", options, "seed",
         (json_int_t)(spec->seed & INT64_MAX), "oversample", n, "scene",
         "objects", (json_int_t)spec->objects, "bundle_bytes",
-        (json_int_t)spec->bundle_bytes, "needs", wordlist_json(spec->needs),
+        (json_int_t)spec->bundle_bytes, "needs", lists_words(spec->needs),
         "picture", "width", rad_filter_side((int)spec->frames[0].width, n),
         "height", rad_filter_side((int)spec->frames[0].height, n), "frames",
         (json_int_t)spec->nframes, "cluster", "embedded", (int)c->embedded,
@@ -268,8 +268,8 @@ dryrun_json_of_none(const struct msg_spec *s)
         "job", "", "radd", PACKAGE_VERSION, "options", s->params, "seed",
         (json_int_t)(s->seed & INT64_MAX), "scene", "objects",
         (json_int_t)s->objects, "bundle_bytes", (json_int_t)s->bundle_bytes,
-        "sent_bytes", (json_int_t)0, "needs", wordlist_json(s->needs),
-        "picture", "width", (json_int_t)s->frames[0].width, "height",
+        "sent_bytes", (json_int_t)0, "needs", lists_words(s->needs), "picture",
+        "width", (json_int_t)s->frames[0].width, "height",
         (json_int_t)s->frames[0].height, "frames", (json_int_t)s->nframes,
         "time", "compile_s", s->compile_s, "totals", "rays", 0);
     char *text = j ? json_dumps(j, JSON_INDENT(1)) : NULL;

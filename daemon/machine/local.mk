@@ -1,4 +1,5 @@
-# what the pure machines share: states, actions, texts of a job, sums
+# what the pure machines share, and clients with them: states, actions, texts of
+# a job, sums, lists as JSON
 libdaemon_a_SOURCES += \
 	daemon/machine/action.c \
 	daemon/machine/action.h \
@@ -8,6 +9,8 @@ libdaemon_a_SOURCES += \
 	daemon/machine/fingerprint.h \
 	daemon/machine/jobtext.c \
 	daemon/machine/jobtext.h \
+	daemon/machine/lists.c \
+	daemon/machine/lists.h \
 	daemon/machine/rowsum.c \
 	daemon/machine/rowsum.h \
 	daemon/machine/steps.c \
@@ -18,8 +21,4 @@ libdaemon_a_SOURCES += \
 	daemon/machine/sums.h \
 	daemon/machine/saved.h \
 	daemon/machine/shelf.c \
-	daemon/machine/shelf.h \
-	daemon/machine/serving.c \
-	daemon/machine/serving.h \
-	daemon/machine/wordlist.c \
-	daemon/machine/wordlist.h
+	daemon/machine/shelf.h

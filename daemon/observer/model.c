@@ -9,7 +9,7 @@
 #include "observer/model.h"
 
 #include "observer/markup.h"
-#include "machine/serving.h"
+#include "machine/lists.h"
 
 #include <string.h>
 
@@ -206,7 +206,7 @@ static void
 end_round(struct model *m)
 {
     uint64_t now = uv_now(m->loop);
-    json_t *open = serving_order(m->next_open);
+    json_t *open = lists_served(m->next_open);
 
     json_decref(m->next_open);
     m->next_open = NULL;

@@ -8,7 +8,7 @@
 #include "jobs/part.h"
 #include "jobs/progress.h"
 #include "machine/jobtext.h"
-#include "machine/wordlist.h"
+#include "machine/lists.h"
 
 #include "base/files.h"
 
@@ -290,7 +290,7 @@ head(const struct job *job, uint64_t now_ms)
         integer(s->seed), "reuse", reuse, "oversample",
         integer(size.oversample), "scene", "objects", (json_int_t)s->objects,
         "bundle_bytes", integer(s->bundle_bytes), "sent_bytes",
-        integer(job->sent_bytes), "needs", wordlist_json(s->needs), "picture",
+        integer(job->sent_bytes), "needs", lists_words(s->needs), "picture",
         "width", (json_int_t)size.width, "height", (json_int_t)size.height,
         "frames", (json_int_t)s->nframes, "time", times(job, now_ms), "totals",
         totals(job), "error", "estimate", error.all, "ambient", error.ambient,

@@ -1,9 +1,10 @@
-/* serving.c - see serving.h */
+/* lists.c - see lists.h */
 #include "config.h"
 
-#include "machine/serving.h"
+#include "machine/lists.h"
 
 #include <stdlib.h>
+#include <string.h>
 
 /* A job's row, and its index in the list. */
 struct place {
@@ -23,7 +24,7 @@ by_priority(const void *a, const void *b)
 }
 
 json_t *
-serving_order(const json_t *rows)
+lists_served(const json_t *rows)
 {
     size_t n = json_array_size(rows);
     struct place *v = calloc(n + 1, sizeof *v);
@@ -41,5 +42,20 @@ serving_order(const json_t *rows)
     for (size_t i = 0; v && i < n; i++)
         json_array_append(list, v[i].row);
     free(v);
+    return list;
+}
+
+json_t *
+lists_words(const char *text)
+{
+    json_t *list = json_array();
+
+    while (*text) {
+        size_t n = strcspn(text, " ");
+
+        if (n > 0)
+            json_array_append_new(list, json_stringn(text, n));
+        text += n + (text[n] == ' ');
+    }
     return list;
 }
