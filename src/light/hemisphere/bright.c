@@ -16,7 +16,7 @@
  * part of its distance. */
 #define NEARER .5
 
-/* Cells of the grid along the side of the scene's cube. */
+/* Cells of the grid along the side of its cube. */
 #define ACROSS 64
 
 /* Dimension of the random number that draws a glint, at the key of the ray that

@@ -36,9 +36,10 @@ struct rad_bright {
     double cell; /* side of the cells of the grid [unit] */
 };
 
-/* Gather the glints of n records into *b; the scene's cube has its corner at
- * org and this side.  The result depends on the arguments alone, among them the
- * order of the glints.  False: out of memory. */
+/* Gather the glints of n records into *b; the cube that the grid is for, the
+ * scene's or a part of it, has its corner at org and this side.  The result
+ * depends on the arguments alone, among them the order of the glints.  False:
+ * out of memory. */
 bool rad_bright_gather(struct rad_bright *b, const struct rad_glint *glint,
                        size_t n, const double org[3], double side);
 

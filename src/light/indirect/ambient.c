@@ -211,19 +211,59 @@ zone_in(const void *arg, const struct rad_ambitem *item)
     return zone_of(arg, item->radius, item->level);
 }
 
+static int
+by_value(const void *p, const void *q)
+{
+    const double *a = p, *b = q;
+
+    return (*a > *b) - (*a < *b);
+}
+
+/* The median coordinate of some MEDIAN_OF records. */
+#define MEDIAN_OF 1024
+static double
+median(const struct rad_ambread *read, int axis)
+{
+    size_t stride = read->n / MEDIAN_OF + 1, n = 0;
+    double at[MEDIAN_OF];
+
+    for (size_t i = 0; i < read->n; i += stride)
+        at[n++] = read->item[i].p[axis];
+    qsort(at, n, sizeof *at, by_value);
+    return at[n / 2];
+}
+
+/* Set org to the corner of the cube for the grid of bright places, and return
+ * its side.  Where a small part of the scene is shown it is a cube of that size
+ * about the records: in a cell of the whole scene's all that is bright in a
+ * room would be one place. */
+static double
+bright_cube(const struct rad_ambient *amb, double org[3])
+{
+    double side = amb->scale.shown_side;
+
+    rad_copy(org, amb->read.org);
+    if (!(side < amb->read.side) || amb->read.n == 0)
+        return amb->read.side;
+    for (int k = 0; k < 3; k++)
+        org[k] = median(&amb->read, k) - side / 2;
+    return side;
+}
+
 /* Gather the glints of all records into places. */
 static bool
 gather_bright(struct rad_ambient *amb, struct rad_bright *bright)
 {
     const struct rad_ambread *read = &amb->read;
     struct rad_glint *glint = malloc(read->nglints * sizeof *glint + 1);
+    double org[3], side = bright_cube(amb, org);
     bool ok;
 
     if (!glint)
         return false;
     for (size_t i = 0; i < read->nglints; i++)
         glint[i] = read->glint[i].glint;
-    ok = rad_bright_gather(bright, glint, read->nglints, read->org, read->side);
+    ok = rad_bright_gather(bright, glint, read->nglints, org, side);
     free(glint);
     return ok;
 }

@@ -4,6 +4,7 @@
 #include "base/rng.h"
 #include "base/vec.h"
 #include "light/indirect/ambient.h"
+#include "light/indirect/ambient_impl.h"
 #include "tests/lambert.h"
 #include "tests/world_fixture.h"
 
@@ -459,6 +460,32 @@ START_TEST(surroundings_leave_zones_alone)
 }
 END_TEST
 
+/* Two lamps in a room are two bright places, though the scene's grid has them
+ * in one cell, and some records lie far away. */
+START_TEST(surroundings_leave_bright_places_apart)
+{
+    static const float lamp[2][3] = { { 900.5f, 700.5f, 2 },
+                                      { 901.5f, 700.5f, 2 } };
+
+    world_open(&w,
+               PLASTIC "white ring ground 0 0 8 0 0 0 0 0 1 0 1024\n"
+                       "white sphere mast 0 0 4 0 0 1024 .1\n",
+               CACHED " --surroundings=256");
+    rad_ambient_freeze(w.job->ambient);
+    for (int i = 0; i < 100; i++) {
+        struct rad_ambrec rec = record(900 + .02 * i, 700, 0, 1, 0);
+
+        if (i % 10 == 0)
+            rec.p[0] = -1000;
+        memcpy(rec.glint.p, lamp[i % 2], sizeof lamp[0]);
+        rec.glint.lum = 9;
+        ck_assert(rad_ambient_insert(w.job->ambient, &rec));
+    }
+    ck_assert(rad_ambient_settle(w.job->ambient));
+    ck_assert_uint_eq(rad_ambient_view(w.job->ambient, 0)->bright.n, 2);
+}
+END_TEST
+
 START_TEST(interpolation_is_close_to_sampling)
 {
     struct world cached = { 0 }, sampled = { 0 };
@@ -869,6 +896,7 @@ make_suite(void)
     tcase_add_test(tc, bent_light_gets_zones_below_the_bound);
     tcase_add_loop_test(tc, surroundings_leave_zones_alone, 0,
                         N_ELEM(sampled_at));
+    tcase_add_test(tc, surroundings_leave_bright_places_apart);
     tcase_add_test(tc, interpolation_is_close_to_sampling);
     tcase_add_test(tc, deep_records_take_fewer_samples);
     tcase_add_test(tc, what_a_frozen_cache_lacks_takes_few_samples);
