@@ -54,7 +54,7 @@ static void
 link_up(struct worker *w, struct wjob *job, struct wpeer *p)
 {
     p->state = PEER_LINKED;
-    p->linked_ms = w->now_ms;
+    p->since_ms = w->now_ms;
     actions_session(&w->actions, p->conn, MSG_AT_PEER, p->version);
     actions_log(&w->actions, ACT_DEBUG, "peer linked job=%s peer=%s", job->hex,
                 p->name);
@@ -136,13 +136,12 @@ link_introduce(struct worker *w, struct wjob *job,
         snprintf(p->name, sizeof p->name, "%s", in->name);
         snprintf(p->address, sizeof p->address, "%s", in->address);
         memcpy(p->token, in->token, MSG_TOKEN);
+        p->since_ms = w->now_ms;
         lossy_init(&p->queue);
         p->next = job->peers;
         job->peers = p;
-        if (p->flags & MSG_PEER_DIAL) {
-            p->tell_ms = w->now_ms + PATIENCE_MS;
+        if (p->flags & MSG_PEER_DIAL)
             peer_dial(w, job, p);
-        }
     }
     match_callers(w);
 }
@@ -185,10 +184,8 @@ static void
 dial_later(struct worker *w, struct wpeer *p)
 {
     bool steady =
-        p->state == PEER_LINKED && w->now_ms - p->linked_ms >= WORKER_STEADY_MS;
+        p->state == PEER_LINKED && w->now_ms - p->since_ms >= WORKER_STEADY_MS;
 
-    if (steady)
-        p->tell_ms = w->now_ms + PATIENCE_MS;
     if (p->delay_ms == 0 || steady)
         p->delay_ms = FIRST_REDIAL_MS;
     p->retry_ms = worker_redial_ms(w, &p->delay_ms);
@@ -208,8 +205,10 @@ link_lost(struct worker *w, const struct wjob *job, struct wpeer *p,
     p->conn = 0;
     if (p->flags & MSG_PEER_DIAL)
         dial_later(w, p);
-    if (p->tell_ms != 0 && w->now_ms >= p->tell_ms) {
-        p->tell_ms = 0;
+    if (was == PEER_LINKED)
+        p->since_ms = w->now_ms;
+    if (p->since_ms != 0 && w->now_ms - p->since_ms >= PATIENCE_MS) {
+        p->since_ms = 0;
         actions_log(&w->actions, ACT_WARN,
                     "peer not reached job=%s peer=%s at=%s why=%s", job->hex,
                     p->name, p->address, why);

@@ -58,8 +58,7 @@ struct wpeer {
     uint64_t conn;
     uint64_t retry_ms; /* when to dial again; 0: not planned */
     unsigned delay_ms; /* of the dial after the next; 0: none was planned */
-    uint64_t linked_ms;
-    uint64_t tell_ms; /* when to log that it is not reached; 0: not, or done */
+    uint64_t since_ms; /* linked, or not; 0: the log says that it is not */
     struct lossy queue;
 };
 
