@@ -129,19 +129,22 @@ ambshare_load(struct rad_ambient *amb, const void *bytes, size_t len,
 {
     struct rad_ambrec rec;
     struct wire_in in;
-    size_t refused = 0;
+    bool any = false;
 
     if (len % AMBSHARE_BYTES != 0)
         return rad_fail(err, RAD_EDATA,
                         "the ambient records end in the middle of one");
     wire_in_init(&in, bytes, len);
     while (wire_left(&in) > 0)
-        if (!ambshare_unpack(&in, &rec) || !rad_ambient_insert(amb, &rec))
-            refused++;
+        if (ambshare_unpack(&in, &rec) && rad_ambient_fits(amb, &rec)) {
+            any = true;
+            if (!rad_ambient_insert(amb, &rec))
+                return rad_fail_memory(err);
+        }
     if (!rad_ambient_settle(amb))
         return rad_fail_memory(err);
-    return refused == 0
-               ? 0
-               : rad_fail(err, RAD_EDATA,
-                          "%zu ambient records do not fit the scene", refused);
+    return any || len == 0 ? 0
+                           : rad_fail(err, RAD_EDATA,
+                                      "no ambient record of %zu fits the scene",
+                                      len / AMBSHARE_BYTES);
 }

@@ -32,8 +32,9 @@ struct msg_frozen;
 bool ambshare_piece(struct msg_frozen *m, const uint8_t *records, uint32_t n);
 
 /* Put the records of a file into the cache, like records of other workers.
- * RAD_EDATA: the file ends in the middle of a record, or some records are
- * unsound or lie outside the scene; the cache then has all others. */
+ * Those that do not fit the scene are left out: rtrace makes some for sensors
+ * outside of it.  RAD_EDATA: the file ends in the middle of a record, or none
+ * of its records fits. */
 int ambshare_load(struct rad_ambient *amb, const void *bytes, size_t len,
                   struct rad_error *err);
 

@@ -335,24 +335,17 @@ ambfile_parse(struct ambfile *a, const void *bytes, size_t len,
     return why.code;
 }
 
-struct load {
-    struct rad_ambient *amb;
-    size_t refused;
-};
-
 static void
 take_record(void *arg, const struct rad_ambrec *rec)
 {
-    struct load *l = arg;
-
-    l->refused += !rad_ambient_insert(l->amb, rec);
+    ambshare_pack(arg, rec);
 }
 
 int
 ambfile_load(struct ambfile *a, const char *path, struct rad_ambient *amb,
              struct rad_error *err)
 {
-    struct load l = { .amb = amb };
+    struct wire_out list;
     unsigned char *bytes;
     size_t len;
     int rc;
@@ -362,11 +355,13 @@ ambfile_load(struct ambfile *a, const char *path, struct rad_ambient *amb,
     bytes = rad_file_read(path, LARGEST_FILE, &len, err);
     if (!bytes)
         return err ? err->code : RAD_ENOINPUT;
-    rc = ambfile_parse(a, bytes, len, take_record, &l, err);
+    wire_out_init(&list, LARGEST_FILE);
+    rc = ambfile_parse(a, bytes, len, take_record, &list, err);
     free(bytes);
-    if (rc == 0 && l.refused > 0)
-        rc = rad_fail(err, RAD_EDATA, "%zu records do not fit the scene",
-                      l.refused);
+    if (rc == 0)
+        rc = list.bad ? rad_fail_memory(err)
+                      : ambshare_load(amb, list.buf, list.len, err);
+    wire_out_release(&list);
     if (rc)
         rad_error_where(err, "%s", path);
     return rc;

@@ -63,7 +63,7 @@ int ambfile_format_list(const struct ambfile *a, const void *list, size_t len,
                         FILE *f, struct rad_error *err);
 
 /* Read the file at path into the cache; a missing file is no error.  Errors of
- * ambfile_parse(); RAD_EDATA also if a record lies outside the scene. */
+ * ambfile_parse() and ambshare_load(). */
 int ambfile_load(struct ambfile *a, const char *path, struct rad_ambient *amb,
                  struct rad_error *err);
 

@@ -98,7 +98,7 @@ submit()
         "$radsubmit" $view -af $room -o x.hdr $room
     expect 73 "no-folder/x.amb" 'no folder' \
         "$radsubmit" $view -af no-folder/x.amb -o x.hdr $room
-    # Radiance's names no scene, so only a place outside it tells
+    # Radiance's names no scene, so only places outside tell
     printf 'void plastic p 0 0 5 .5 .5 .5 0 0\np sphere s 0 0 4 0 0 0 .1\n' \
         >tiny.rad
     {
@@ -111,7 +111,7 @@ submit()
         printf '\0\0\0\0\200\200\200\200'
     } >far.amb
     [ "$(LC_ALL=C sed '1,/^$/d' far.amb | wc -c)" = 69 ] || fail "far.amb"
-    expect 65 'do not fit the scene' 'outside the scene' \
+    expect 65 'no ambient record of 1 fits the scene' 'outside the scene' \
         "$radsubmit" --local $view -af far.amb -o x.hdr tiny.rad
     cmp room.amb first.amb || fail "a refused file was changed"
 

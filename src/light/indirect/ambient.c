@@ -115,9 +115,8 @@ is_direction(const float v[3], const float *w)
 #define MOST_VARIANCE 1000
 #define MOST_SIDES    1000
 
-/* Could radd have made this record in this scene? */
-static bool
-is_plausible(const struct rad_ambient *amb, const struct rad_ambrec *rec)
+bool
+rad_ambient_fits(const struct rad_ambient *amb, const struct rad_ambrec *rec)
 {
     for (int k = 0; k < 3; k++) {
         double off = rec->p[k] - amb->org[k], slack = 1e-3 * amb->scale.side;
@@ -171,7 +170,7 @@ insert(struct rad_ambient *amb, const struct rad_ambrec *rec, bool local)
 {
     struct rad_ambzone zone = zone_of(amb, rec->radius, rec->level);
 
-    if (!is_plausible(amb, rec))
+    if (!rad_ambient_fits(amb, rec))
         return false;
     if (amb->frozen)
         rad_ambsmooth_release(&amb->smooth); /* has pointers to the records */
@@ -192,7 +191,7 @@ rad_ambient_keep(struct rad_ctx *ctx, const struct rad_ambrec *rec)
 
     if (!amb->frozen)
         return insert(amb, rec, true);
-    if (!ctx->tile || rad_ambient_gave_up(ctx) || !is_plausible(amb, rec))
+    if (!ctx->tile || rad_ambient_gave_up(ctx) || !rad_ambient_fits(amb, rec))
         return false;
     zone = zone_of(amb, rec->radius, rec->level);
     return rad_ambtile_add(ctx->tile, amb, rec, &zone);
@@ -325,7 +324,7 @@ rad_ambient_insert_all(struct rad_ambient *amb, struct rad_ambrec *rec,
         size_t good = 0;
 
         for (size_t i = 0; i < most; i++)
-            if (is_plausible(amb, &rec[i])) {
+            if (rad_ambient_fits(amb, &rec[i])) {
                 zone[good] = zone_of(amb, rec[i].radius, rec[i].level);
                 rec[good++] = rec[i];
             }
@@ -368,7 +367,7 @@ rad_ambient_covers(const struct rad_ambient *amb, const struct rad_ambrec *rec)
     struct rad_rgb E;
     uint64_t rays = 0;
 
-    if (!is_plausible(amb, rec))
+    if (!rad_ambient_fits(amb, rec))
         return false;
     rad_copy(at.p, rec->p);
     at.err = 1e-6 * amb->scale.least;

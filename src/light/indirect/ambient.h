@@ -88,8 +88,13 @@ size_t rad_ambient_bytes(const struct rad_ambient *amb);
 void rad_ambient_cube(const struct rad_ambient *amb, double org[3],
                       double *side);
 
-/* Insert a record that came from another worker.  False: refused (not finite,
- * not plausible in this scene, or memory is out); then the record is made again
+/* Could radd have made this record in this scene?  It makes none outside of the
+ * cube, where only sensor points can be. */
+bool rad_ambient_fits(const struct rad_ambient *amb,
+                      const struct rad_ambrec *rec);
+
+/* Insert a record that came from another worker.  False: refused (it does
+ * not fit, or memory is out); then the record is made again
  * where it is needed. */
 bool rad_ambient_insert(struct rad_ambient *amb, const struct rad_ambrec *rec);
 
