@@ -561,8 +561,8 @@ read_coded_picture(struct reader *in, size_t max_pixels, bool kept,
         return rc;
     if (in->xyz)
         rc = rad_fail(in->err, RAD_EDATA,
-                      "picture: tristimulus values (32-bit_rle_xyze) are not "
-                      "read here");
+                      "picture: tristimulus values (32-bit_rle_xyze), of which "
+                      "ra_xyze -r makes RGBE");
     if (rc < 0 || !kept) {
         free(rgbe);
         rgbe = NULL;
