@@ -22,8 +22,8 @@
 #include <uv.h>
 
 enum {
-    READY_MS = 10000,
-    STOP_MS = 2000, /* then a daemon is killed */
+    READY_MS = 60000, /* an overloaded host takes seconds to start a program */
+    STOP_MS = 2000,   /* then a daemon is killed */
     LOOK_MS = 10,
     SWEEPS = 100,          /* removals, for daemons may still write */
     LEAST_SHARED = 1 << 20 /* bytes; smaller files are sent as fast */
