@@ -129,4 +129,16 @@ program_jobs(const struct program *p)
     return p->planes.n > 1 ? p->planes.n : 1;
 }
 
+/* What radctl fetch needs for the picture of a plane that was asked for by
+ * itself; NULL: none was. */
+static inline const char *
+program_lone_plane(const struct program *p)
+{
+    const struct rad_bands *b = &p->o.params.bands;
+
+    return p->planes.n == 0 && !rad_bands_are_rgb(b) && !rad_bands_many(b)
+               ? " --plane"
+               : NULL;
+}
+
 #endif

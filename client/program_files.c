@@ -218,6 +218,7 @@ program_on_frame(void *arg, uint32_t frame, const uint8_t *picture,
 void
 program_say_where_it_is(const struct program *p)
 {
+    const char *with = program_lone_plane(p);
     char hex[MSG_JOB_HEX];
 
     if (p->rescue.picture)
@@ -227,7 +228,7 @@ program_say_where_it_is(const struct program *p)
         tell(stderr, "radsubmit: its distances are in %s", p->rescue.depth);
     if (!p->rescue.needed || p->cluster.embedded)
         return;
-    if (p->planes.n > 0 && !p->o.points.file) {
+    if (p->planes.n > 1 && !p->o.points.file) {
         tell(stderr, "radsubmit: the coordinator keeps the planes: radctl "
                      "fetch -o FILE with all of the jobs above");
         return;
@@ -242,9 +243,10 @@ program_say_where_it_is(const struct program *p)
         return;
     }
     fprintf(stderr,
-            "radsubmit: the coordinator keeps %s: radctl fetch %s -o FILE%s\n",
+            "radsubmit: the coordinator keeps %s: radctl fetch %s%s -o "
+            "FILE%s\n",
             p->frames.n > 1 ? "the pictures" : "the picture", hex,
-            p->frames.n > 1 ? " --frame=N" : "");
+            with ? with : "", p->frames.n > 1 ? " --frame=N" : "");
 }
 
 int

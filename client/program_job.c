@@ -105,6 +105,7 @@ converse(struct program *p)
                               .cargo = &p->cargo,
                               .to = p->cluster.target,
                               .wait_s = p->o.wait_s,
+                              .with = program_lone_plane(p),
                               .detach = p->o.detach };
     int rc;
 

@@ -343,8 +343,10 @@ run_many(struct planes *s, const struct submit_job *ask)
 {
     const struct program *p = s->program;
     struct submit_job job = *ask;
-    int rc = submit_all(s, &job);
+    int rc;
 
+    job.with = " and the ids of the other planes";
+    rc = submit_all(s, &job);
     if (rc == 0 && !ask->detach)
         rc = collect_all(s, &job);
     /* leave the jobs to go on, as with a single job, if an interrupt ends

@@ -57,6 +57,8 @@ struct submit_job {
     struct target to;
     double wait_s; /* for a coordinator and a first worker */
     bool detach;   /* return when the job is accepted */
+    const char *with; /* what radctl fetch needs besides the job's id, with a
+                       * blank before it; NULL: nothing */
 };
 
 /* Carry the job out.  interrupts: the loop's `wake`.  The value 1 cancels the

@@ -22,9 +22,7 @@ format_way(const struct submit *s, char *buf, size_t n)
     msg_job_format(s->job->spec->job, hex);
     if (!(flags & MSG_JOB_POINTS))
         snprintf(buf, n, "radctl fetch %s%s -o FILE%s", hex,
-                 strstr(s->job->spec->params, "--plane")
-                     ? " and the ids of the other planes"
-                     : "",
+                 s->job->with ? s->job->with : "",
                  s->job->spec->nframes > 1 ? "%d" : "");
     else
         snprintf(buf, n, "submit again with --job=%s", hex);

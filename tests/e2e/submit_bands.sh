@@ -324,6 +324,14 @@ alone=$("$radsubmit" --detach $view -cs 6 --plane 1 -ab 1 -ad 64 "$room" \
 until_true 60 "$radctl" fetch --plane -o again.hdr "$alone" ||
     fail "radctl fetch --plane"
 cmp alone.hdr again.hdr || fail "radctl fetch --plane gets another picture"
+# shellcheck disable=SC2086
+expect 74 " --plane -o FILE" "no room for a plane" \
+    "$radsubmit" $view -cs 6 --plane 1 -ab 1 -ad 64 -o /dev/full "$room"
+# shellcheck disable=SC2086
+expect 74 "the coordinator keeps the picture: radctl fetch " \
+    "no room for all bands" \
+    "$radsubmit" $view -cs 6 -ab 1 -ad 64 -o /dev/full "$plain"
+grep -q 'plane' stderr && fail "one job has no planes: $(cat stderr)"
 expect 64 "--plane is for one job" "planes alone" \
     "$radctl" fetch --plane -o x.hdr "$alone" "$first"
 id=$("$radsubmit" -x 8 -y 8 -o plain.hdr "$room" 2>&1 |
