@@ -48,9 +48,9 @@ until "$radctl" --coordinator="$sock" fetch "$id" --false-colour -o g%d.png \
     [ $? -eq 75 ] || { fail "fetch: $(cat stderr)"; break; }
     sleep .1
 done
-cmp f1.png g0.png && cmp f2.png g1.png ||
+cmp f1.png g1.png && cmp f2.png g2.png ||
     fail "fetch shows them otherwise"
-"$radctl" --coordinator="$sock" fetch "$id" --frame=1 --false-colour -o h.png ||
+"$radctl" --coordinator="$sock" fetch "$id" --frame=2 --false-colour -o h.png ||
     fail "fetch of one frame"
 cmp f2.png h.png || fail "a frame alone has a scale of its own"
 

@@ -128,18 +128,18 @@ until_true 20 "$radctl" status || fail "no coordinator"
     --listen=127.0.0.1:0 --cache="$work/cache" 2>worker.log &
 # shellcheck disable=SC2086
 id=$("$radsubmit" --detach $walk "$room" 2>err) || fail "--detach: $(cat err)"
-until_true 60 "$radctl" fetch "$id" --frame=1 -o got.hdr || fail "no frame 1"
+until_true 60 "$radctl" fetch "$id" --frame=2 -o got.hdr || fail "no frame 2"
 cmp -s got.hdr w2.hdr || fail "the coordinator's frame is another one"
 for tone in photographic linear human; do
     for exposure in auto each +1 .5; do
         walked w%d.png --tone=$tone --exposure=$exposure --bits=16
-        "$radctl" fetch "$id" --frame=1 --tone=$tone --exposure=$exposure \
+        "$radctl" fetch "$id" --frame=2 --tone=$tone --exposure=$exposure \
             --bits=16 -o got.png || fail "fetch: $tone, $exposure"
         cmp -s got.png w2.png || fail "fetched one: $tone, $exposure"
     done
     "$radctl" fetch "$id" --tone=$tone --exposure=.5 --bits=16 -o got%d.png ||
         fail "fetch all: $tone"
-    cmp -s got1.png w2.png || fail "fetched all: $tone"
+    cmp -s got2.png w2.png || fail "fetched all: $tone"
 done
 
 # --- refusals ---
@@ -159,7 +159,7 @@ expect 64 "'+99' is not auto" "too many stops" \
     "$radsubmit" --exposure=+99 -o x.png "$room"
 expect 64 "--tone is for fetch with -o FILE.png" "fetch .hdr" \
     "$radctl" fetch "$id" --tone=linear -o x.hdr
-expect 64 "--bits is for fetch" "no fetch" "$radctl" --bits=16 jobs
+expect 64 "--bits goes with fetch" "no fetch" "$radctl" --bits=16 jobs
 expect 64 "'--exposure': '0'" "bad factor" \
     "$radctl" fetch "$id" --exposure=0 -o x.png
 expect 64 "none of 8|16" "bad bits" \
