@@ -87,6 +87,39 @@ START_TEST(a_unit_that_was_revoked_and_comes_again_has_its_top)
 }
 END_TEST
 
+static void
+expect_gave(uint32_t unit)
+{
+    const struct msg *m;
+
+    while ((m = strict_message(s, true)) && m->type != MSG_GAVE)
+        ;
+    ck_assert_ptr_nonnull(m);
+    ck_assert_uint_eq(m->gave.unit, unit);
+    ck_assert_uint_eq(m->gave.height, 0);
+}
+
+/* The pass of the first unit ends before; the second has no pass. */
+START_TEST(units_are_given_back_whole)
+{
+    struct strict_pass *p;
+    uint32_t first;
+
+    give_unit(0, 4, 8);
+    give_unit(1, 8, 12);
+    p = strict_next(s, STRICT_AHEAD);
+    ck_assert_ptr_nonnull(p);
+    first = p->unit;
+    strict_yield(s, first, 1);
+    ck_assert(p->stop);
+    ck_assert(!end_pass(p, false));
+    expect_gave(first);
+    strict_yield(s, 1 - first, 1);
+    expect_gave(1 - first);
+    ck_assert_ptr_null(strict_next(s, STRICT_AHEAD));
+}
+END_TEST
+
 /* A child may have thousands of units that wait, in the end. To look at all of
  * them at each message must not take the square of that. */
 START_TEST(thousands_of_units_may_wait)
@@ -179,6 +212,7 @@ main(void)
     tcase_add_test(tc, a_parked_unit_that_is_worked_on_says_so);
     tcase_add_test(tc, it_says_when_to_look_again);
     tcase_add_test(tc, a_unit_that_was_revoked_and_comes_again_has_its_top);
+    tcase_add_test(tc, units_are_given_back_whole);
     tcase_add_test(tc, base_lines_that_no_unit_is_below_are_dropped);
     tcase_add_test(tc, thousands_of_units_may_wait);
     tcase_add_test(tc, unit_states_follow_the_drawings);
