@@ -83,6 +83,15 @@ is_token(void *arg, const uint8_t job[MSG_JOB], const uint8_t its[MSG_TOKEN])
            memcmp(its, token, MSG_TOKEN) == 0;
 }
 
+static bool
+is_none(void *arg, const uint8_t job[MSG_JOB], const uint8_t its[MSG_TOKEN])
+{
+    (void)arg;
+    (void)job;
+    (void)its;
+    return false;
+}
+
 /* Only while the peer is expected, and not after the job. */
 START_TEST(a_peers_key_is_forgotten)
 {
@@ -95,6 +104,7 @@ START_TEST(a_peers_key_is_forgotten)
     ck_assert(!worker_peer_token(f.w, is_token, NULL));
     introduce(0);
     ck_assert(worker_peer_token(f.w, is_token, NULL));
+    ck_assert(!worker_peer_token(f.w, is_none, NULL));
     hear(f.coord, &end);
     ck_assert(!worker_peer_token(f.w, is_token, NULL));
 }
