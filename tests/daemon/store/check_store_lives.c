@@ -15,6 +15,7 @@
 #include <sys/stat.h>
 #include <sys/syscall.h>
 #include <sys/wait.h>
+#include <sysexits.h>
 #include <unistd.h>
 
 static int
@@ -86,6 +87,59 @@ START_TEST(a_job_goes_on_in_another_life)
     ck_assert_uint_eq(h.settled, 44);
     ck_assert(is_there("jobs/09080700000000000000000000000000/0.hdr"));
     ck_assert(!is_there("jobs/09080700000000000000000000000000/0.rows"));
+}
+END_TEST
+
+START_TEST(a_picture_that_is_damaged_is_not_given_out)
+{
+    struct store_source from = { .what = MSG_WHAT_PICTURE };
+    struct heard h;
+    char buf[2000], path[200];
+    uv_loop_t loop;
+    struct store *s;
+    FILE *f;
+    int c;
+
+    memcpy(from.job, kept_job, MSG_JOB);
+    make_kept(&loop, &s, &h);
+    put_unit(s, kept_job, 1, 3, 3);
+    store_write_picture(s, kept_job, 5, 0);
+    read_all(s, &from, buf, sizeof buf, &h);
+    run(&loop, s);
+    ck_assert_int_eq(h.read_status, 0);
+    ck_assert_int_eq(h.n, (ssize_t)h.size);
+    snprintf(path, sizeof path, "%s/" KEPT_DIR "/0.hdr", dir);
+    f = fopen(path, "r+");
+    ck_assert_ptr_nonnull(f);
+    fseek(f, -1, SEEK_END);
+    c = fgetc(f);
+    fseek(f, -1, SEEK_END);
+    fputc(c ^ 1, f);
+    fclose(f);
+    read_all(s, &from, buf, sizeof buf, &h);
+    run(&loop, s);
+    ck_assert_int_eq(h.read_status, EX_IOERR);
+    close_kept(&loop, s);
+}
+END_TEST
+
+/* Its pictures may be all that is left of another state folder. */
+START_TEST(a_job_that_the_database_does_not_know_is_not_removed)
+{
+    struct rad_error err = { 0 };
+    struct saved_job none;
+    struct heard h;
+    char command[300];
+    uv_loop_t loop;
+    struct store *s;
+
+    open_kept(&loop, &s, &h);
+    snprintf(command, sizeof command,
+             "mkdir %s/" KEPT_DIR " && touch %s/" KEPT_DIR "/0.hdr", dir, dir);
+    ck_assert_int_eq(system(command), 0);
+    ck_assert_int_eq(recover(s, &none, &err), RAD_EDATA);
+    ck_assert(is_there(KEPT_DIR "/0.hdr"));
+    close_kept(&loop, s);
 }
 END_TEST
 
@@ -783,6 +837,8 @@ main(void)
     tcase_add_test(tc, a_new_folder_lasts);
     tcase_add_test(tc, a_file_that_a_killed_store_left_lasts_before_it_counts);
     tcase_add_test(tc, a_job_goes_on_in_another_life);
+    tcase_add_test(tc, a_picture_that_is_damaged_is_not_given_out);
+    tcase_add_test(tc, a_job_that_the_database_does_not_know_is_not_removed);
     tcase_add_test(tc, of_sensor_points_the_values_alone_are_kept);
     tcase_add_test(tc, a_job_that_is_over_is_remembered_and_forgotten);
     tcase_add_test(tc, what_a_job_that_is_over_takes_is_known_in_another_life);
