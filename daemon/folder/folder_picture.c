@@ -98,7 +98,7 @@ folder_stats(struct folder *f, const uint8_t id[MSG_JOB], const char *text,
     if (rc < 0)
         return rc;
     rc = disk_file_write(&w, text, len, err);
-    rc = disk_file_close(&w, rc, false, err);
+    rc = disk_file_close(&w, rc, err);
     if (rc == 0 && f->durable)
         rc = syncs_add(&f->opened.closed, path, true, err);
     return rc;

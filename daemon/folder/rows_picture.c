@@ -83,7 +83,7 @@ int
 rows_close_picture(struct rows *r, struct disk_file *w, int rc, bool durable,
                    struct rad_error *err)
 {
-    rc = disk_file_close(w, rc, false, err);
+    rc = disk_file_close(w, rc, err);
     if (rc == 0 && durable)
         rc = syncs_add(&r->among->closed, w->path, true, err);
     return rc;

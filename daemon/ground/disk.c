@@ -240,20 +240,15 @@ finish_mark(struct disk_file *w, int rc, struct rad_error *err)
 }
 
 int
-disk_file_close(struct disk_file *w, int rc, bool durable,
-                struct rad_error *err)
+disk_file_close(struct disk_file *w, int rc, struct rad_error *err)
 {
     if (rc == 0)
         rc = flush(w, err);
     rc = finish_mark(w, rc, err);
-    if (rc == 0 && durable)
-        rc = disk_sync(w->fd, w->tmp, err);
     close(w->fd);
     if (rc == 0 && rename(w->tmp, w->path) < 0)
         rc = disk_fail(err, errno, "rename to", w->path);
     if (rc < 0)
         unlink(w->tmp);
-    if (rc == 0 && durable)
-        rc = disk_sync_dir_of(w->path, err);
     return rc;
 }

@@ -73,9 +73,8 @@ int disk_file_open(struct disk_file *w, const char *path, struct mark *mark,
 int disk_file_write(void *arg, const void *data, size_t len,
                     struct rad_error *err);
 /* Close the file and give it its name, or remove it if rc < 0, the error with
- * which writing failed.  durable: sync the file and its name.  Returns rc, or
- * the first error here. */
-int disk_file_close(struct disk_file *w, int rc, bool durable,
-                    struct rad_error *err);
+ * which writing failed.  Nothing is synced (syncs.h).  Returns rc, or the first
+ * error here. */
+int disk_file_close(struct disk_file *w, int rc, struct rad_error *err);
 
 #endif
