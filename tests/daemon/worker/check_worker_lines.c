@@ -262,6 +262,10 @@ START_TEST(what_loans_cost_is_not_lost_with_a_connection)
     carry_out();
     start_job(); /* again: of a new child */
     child_ready();
+    cut();
+    tick(2000);
+    connect();
+    ck_assert_uint_eq(tally_said().dropped.rays, 0);
     hear(f.child, &tally);
     t = tally_said();
     ck_assert_uint_eq(t.paid.rays, 0);
