@@ -9,7 +9,7 @@
 #include "ctl/top.h"
 #include "common/table.h"
 #include "link/fetch.h"
-#include "machine/serving.h"
+#include "machine/lists.h"
 
 #include <curses.h>
 #include <locale.h>
