@@ -5,7 +5,6 @@
 
 #include "web/confine.h"
 
-#include <malloc.h>
 #include <sched.h>
 #include <stdio.h>
 #include <string.h>
@@ -13,7 +12,6 @@
 #include <sysexits.h>
 
 #define SWEEP_MS 500
-#define WHOLE    (1 << 20) /* [bytes]; blocks from that size on are mapped */
 #define NICE     15
 
 /* The cluster has changed.  Jobs' pages change, too, if the coordinator has
@@ -129,7 +127,7 @@ start(void *arg, struct rad_error *err)
 
     give_way();
     take_credentials(&r->set);
-    mallopt(M_MMAP_THRESHOLD, WHOLE); /* so pictures' memory is returned */
+    service_return_memory(); /* of pictures */
     if (radweb_read_token(r, err) < 0 || radweb_check_listen(r, err) < 0)
         return err->code;
     r->session = session_new(&r->daemon.loop, &conf);
