@@ -338,7 +338,8 @@ crashed_loading(struct coord *c, struct job *job, struct job_worker *jw,
         *to = PART_EXCLUDED;
         return true;
     }
-    snprintf(text, sizeof text, "no worker can load the scene: %.400s",
+    snprintf(text, sizeof text,
+             "no worker can load the scene; the last, %s: %.380s", jw->name,
              m->text);
     verdict_job(c, job, JOB_FAILED, m->status, text);
     return false;

@@ -114,8 +114,9 @@ START_TEST(a_scene_that_no_worker_can_load_fails_as_it_did_there)
         say(WORKER, &m);
     ck_assert_int_eq(times, JOB_MAX_CRASHES);
     ck_assert_int_eq(f.last[ANA].failed.status, status[_i]);
-    ck_assert_str_eq(f.last[ANA].failed.text,
-                     "no worker can load the scene: came spoilt");
+    ck_assert_str_eq(
+        f.last[ANA].failed.text,
+        "no worker can load the scene; the last, ws1: came spoilt");
 }
 END_TEST
 
