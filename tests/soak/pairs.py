@@ -455,7 +455,7 @@ CTL = {
 
 def told(words, err):
     """Does the message name an option, or the file that it names?"""
-    if any(w in err for w in words[1:] if WORK in w and not w.startswith("-")):
+    if any(w[w.index(WORK):] in err for w in words[1:] if WORK in w):
         return True
     names = [re.match(r"-+([A-Za-z][A-Za-z-]*)", w) for w in words[1:]]
     return any(n and re.search(r"(-|'|\b)%s\b" % re.escape(n[1]), err)
