@@ -219,6 +219,16 @@ START_TEST(files_that_have_not_begun_are_dropped)
 }
 END_TEST
 
+START_TEST(files_of_another_connection_are_not_dropped)
+{
+    start_all();
+    settle(false);
+    transfers_drop_files(f.transfers, ID + 1);
+    settle(true);
+    ck_assert_int_eq(f.first[FILES - 1], 1);
+}
+END_TEST
+
 START_TEST(a_file_that_has_begun_is_sent_to_its_end)
 {
     start(LONG);
@@ -255,12 +265,16 @@ START_TEST(a_file_that_is_removed_meanwhile_is_empty_at_last)
 }
 END_TEST
 
-/* The store reads on when its daemon ends. */
+/* The store reads on when its daemon or, in the second row, a connection ends.
+ */
 START_TEST(a_file_that_is_read_when_all_ends_is_sent_to_nobody)
 {
     start(LONG);
     start(0);
-    transfers_drop_all(f.transfers);
+    if (_i == 0)
+        transfers_drop_all(f.transfers);
+    else
+        transfers_drop(f.transfers, ID);
     conn_close(f.conn);
     f.conn = NULL;
     settle(true);
@@ -299,10 +313,12 @@ main(void)
         tc, a_file_that_waits_is_sent_once_however_often_it_is_asked_for);
     tcase_add_test(tc, a_file_that_has_begun_is_sent_again_from_its_beginning);
     tcase_add_test(tc, files_that_have_not_begun_are_dropped);
+    tcase_add_test(tc, files_of_another_connection_are_not_dropped);
     tcase_add_test(tc, a_file_that_has_begun_is_sent_to_its_end);
     tcase_add_test(tc, a_file_that_is_missing_comes_as_an_empty_one);
     tcase_add_test(tc, a_file_that_is_removed_meanwhile_is_empty_at_last);
-    tcase_add_test(tc, a_file_that_is_read_when_all_ends_is_sent_to_nobody);
+    tcase_add_loop_test(tc, a_file_that_is_read_when_all_ends_is_sent_to_nobody,
+                        0, 2);
     tcase_add_loop_test(tc, a_file_that_shrinks_meanwhile_is_empty_at_last, 0,
                         4);
     return unit_run_case(tc);
