@@ -103,38 +103,32 @@ split(const char *text, struct address *a, char host[ADDRESS_TEXT],
 static void
 copy_address(struct address *a, const struct addrinfo *from)
 {
+    memset(a, 0, sizeof *a);
     if (from->ai_addrlen <= sizeof a->sa)
         memcpy(&a->sa, from->ai_addr, from->ai_addrlen);
 }
 
 int
-address_resolve(const char *text, unsigned nth, struct address *a,
+address_resolve(const char *text, struct address to[], int most,
                 struct rad_error *err)
 {
-    struct addrinfo *found, *one;
+    struct addrinfo *found;
     struct rad_error why = { 0 };
     char host[ADDRESS_TEXT], port[8];
-    int rc = split(text, a, host, port, err);
+    int n = 0, rc = split(text, to, host, port, err);
 
-    if (rc == 1 && nth > 0)
-        return rad_fail(err, RAD_EUNAVAIL, "'%s' is one address", text);
-    if (rc != 0)
-        return rc < 0 ? rc : 0;
+    if (rc != 0) /* one path, or an error */
+        return rc;
     if (strcmp(host, ANY_HOST) == 0)
         return rad_fail(err, RAD_EUSAGE, "'%s' is no address to dial", text);
-    one = found = look_up(text, host, port, &why);
+    found = look_up(text, host, port, &why);
     if (!found)
         return rad_fail(err, why.code, "%s", why.what);
-    while (one && nth-- > 0)
-        one = one->ai_next;
-    if (one) {
-        copy_address(a, one);
-        rc = one->ai_next != NULL;
-    } else {
-        rc = rad_fail(err, RAD_EUNAVAIL, "'%s' has no further address", text);
-    }
+    for (const struct addrinfo *one = found; one && n < most;
+         one = one->ai_next)
+        copy_address(&to[n++], one);
     freeaddrinfo(found);
-    return rc;
+    return n;
 }
 
 int
@@ -217,6 +211,7 @@ void
 address_format(const struct address *a, char text[ADDRESS_TEXT])
 {
     char host[INET6_ADDRSTRLEN] = "?";
+    bool mapped; /* an IPv4 address, as IPv6 writes it */
 
     switch (a->sa.any.sa_family) {
     case AF_UNIX:
@@ -228,15 +223,11 @@ address_format(const struct address *a, char text[ADDRESS_TEXT])
         snprintf(text, ADDRESS_TEXT, "%s:%d", host, ntohs(a->sa.in.sin_port));
         break;
     case AF_INET6:
-        if (IN6_IS_ADDR_V4MAPPED(&a->sa.in6.sin6_addr)) {
-            inet_ntop(AF_INET, a->sa.in6.sin6_addr.s6_addr + 12, host,
-                      sizeof host);
-            snprintf(text, ADDRESS_TEXT, "%s:%d", host,
-                     ntohs(a->sa.in6.sin6_port));
-            break;
-        }
-        inet_ntop(AF_INET6, &a->sa.in6.sin6_addr, host, sizeof host);
-        snprintf(text, ADDRESS_TEXT, "[%s]:%d", host,
+        mapped = IN6_IS_ADDR_V4MAPPED(&a->sa.in6.sin6_addr);
+        inet_ntop(mapped ? AF_INET : AF_INET6,
+                  a->sa.in6.sin6_addr.s6_addr + (mapped ? 12 : 0), host,
+                  sizeof host);
+        snprintf(text, ADDRESS_TEXT, mapped ? "%s:%d" : "[%s]:%d", host,
                  ntohs(a->sa.in6.sin6_port));
         break;
     default:

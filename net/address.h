@@ -34,11 +34,11 @@ int address_check_brackets(const char *text, struct rad_error *err);
 int address_split(const char *text, char host[ADDRESS_TEXT], char port[8],
                   bool *local, struct rad_error *err);
 
-/* The address to dial.  A host's name is looked up and may have several
- * addresses: nth counts them from 0.  Returns 1 if further addresses follow,
- * else 0.  RAD_EUSAGE: malformed; UV_EAI_NONAME, UV_EAI_AGAIN or UV_EAI_FAIL:
- * the host was not found; RAD_EUNAVAIL: it has no nth address. */
-int address_resolve(const char *text, unsigned nth, struct address *a,
+/* The addresses to dial, of which a host's name may have several.  Returns how
+ * many there are, at least one and at most `most`, in the resolver's order.
+ * RAD_EUSAGE: malformed; UV_EAI_NONAME, UV_EAI_AGAIN or UV_EAI_FAIL: the host
+ * was not found. */
+int address_resolve(const char *text, struct address to[], int most,
                     struct rad_error *err);
 
 /* The address to listen at: a name's first IPv4 address or, if it has none, its

@@ -2,7 +2,7 @@
  *
  * A name may have addresses of IPv6 and IPv4 while the coordinator listens at
  * one kind alone, or the address of a host that is off: if one address does not
- * answer the next one is looked up and tried. */
+ * answer the next one is tried. */
 #include "config.h"
 
 #include "net/dial.h"
@@ -31,9 +31,8 @@ struct dialling {
     uint64_t id;
     bool with_key;
     struct dial_key key;
-    struct address to;
-    unsigned nth; /* which of the name's addresses is tried */
-    bool more;    /* the name has further addresses */
+    struct address to[LOOKUP_MOST];
+    int n, nth; /* how many they are (< 0: none, for err), which is tried */
     uv_stream_t *stream;
     struct handshake *shake;
     struct rad_error err; /* of looking up */
@@ -182,7 +181,7 @@ shaken(void *arg, uv_stream_t *stream, struct tls *tls,
 
 static void try_address(struct dialling *g);
 
-/* This address does not answer. */
+/* This address does not answer; try_address() goes on. */
 static void
 leave_address(struct dialling *g, int status)
 {
@@ -226,7 +225,7 @@ connected(uv_connect_t *req, int status)
         try_address(g);
     } else if (status < 0) {
         try_next(g, status);
-    } else if (address_is_local(&g->to)) {
+    } else if (address_is_local(&g->to[g->nth])) {
         hand_over(g, stream, NULL);
     } else if (!g->with_key) {
         give_up_keyless(g);
@@ -249,7 +248,8 @@ on_timer(uv_timer_t *timer)
 static void
 start_connect(struct dialling *g)
 {
-    bool local = address_is_local(&g->to);
+    const struct address *to = &g->to[g->nth];
+    bool local = address_is_local(to), last = g->nth == g->n - 1;
     int rc = 0;
 
     g->stream = conn_stream_new(g->dialler->loop, local);
@@ -260,67 +260,64 @@ start_connect(struct dialling *g)
     g->connect.data = g;
     g->connecting = true;
     if (local)
-        uv_pipe_connect(&g->connect, (uv_pipe_t *)g->stream,
-                        g->to.sa.un.sun_path, connected);
+        uv_pipe_connect(&g->connect, (uv_pipe_t *)g->stream, to->sa.un.sun_path,
+                        connected);
     else
-        rc = uv_tcp_connect(&g->connect, (uv_tcp_t *)g->stream, &g->to.sa.any,
+        rc = uv_tcp_connect(&g->connect, (uv_tcp_t *)g->stream, &to->sa.any,
                             connected);
     if (rc < 0) {
         g->connecting = false;
         try_next(g, rc);
         return;
     }
-    uv_timer_start(&g->timer, on_timer, g->more ? ADDRESS_MS : HANDSHAKE_MS, 0);
+    uv_timer_start(&g->timer, on_timer, last ? HANDSHAKE_MS : ADDRESS_MS, 0);
 }
 
-/* Go on with the address that was found, or with g->err. */
+/* Try the next of the addresses that were found. */
 static void
-looked_up(struct dialling *g)
+try_address(struct dialling *g)
 {
-    if (g->err.code && g->nth > 0)
-        give_up_for(g, g->refused, uv_strerror(g->refused));
-    else if (g->err.code)
+    if (g->n < 0)
         give_up(g, &g->err);
-    else if (!g->with_key && !address_is_loopback(&g->to))
+    else if (g->nth == g->n)
+        give_up_for(g, g->refused, uv_strerror(g->refused));
+    else if (!g->with_key && !address_is_loopback(&g->to[g->nth]))
         give_up_keyless(g);
     else
         start_connect(g);
 }
 
 static void
-on_looked_up(void *arg, const struct address *to, bool more,
+on_looked_up(void *arg, const struct address to[], int n,
              const struct rad_error *why)
 {
     struct dialling *g = arg;
 
     g->lookup = NULL;
     g->err = *why;
-    g->more = more;
-    if (to)
-        g->to = *to;
-    looked_up(g);
+    g->n = n;
+    if (n > 0)
+        memcpy(g->to, to, (size_t)n * sizeof *to);
+    try_address(g);
 }
 
 static void
 on_known(uv_timer_t *timer)
 {
-    looked_up(timer->data);
+    try_address(timer->data);
 }
 
-/* Look up the next address, and connect.  A path needs no resolver; but the
- * answer comes later all the same. */
+/* A path needs no resolver; but it is tried later, as a name is. */
 static void
-try_address(struct dialling *g)
+find_addresses(struct dialling *g)
 {
-    g->err = (struct rad_error){ 0 };
     if (strchr(g->text, '/')) {
-        address_resolve(g->text, g->nth, &g->to, &g->err);
+        g->n = address_resolve(g->text, g->to, LOOKUP_MOST, &g->err);
     } else {
-        g->lookup =
-            lookup_start(g->dialler->loop, g->text, g->nth, on_looked_up, g);
+        g->lookup = lookup_start(g->dialler->loop, g->text, on_looked_up, g);
         if (g->lookup)
             return;
-        rad_fail(&g->err, UV_ENOMEM, "no thread for the resolver");
+        g->n = rad_fail(&g->err, UV_ENOMEM, "no thread for the resolver");
     }
     uv_timer_start(&g->timer, on_known, 0, 0);
 }
@@ -347,6 +344,6 @@ dial(struct dialler *d, const char *text, uint64_t id,
     d->first = g;
     uv_timer_init(d->loop, &g->timer);
     g->timer.data = g;
-    try_address(g);
+    find_addresses(g);
     return true;
 }

@@ -11,11 +11,10 @@ struct lookup {
     uv_async_t ready; /* tells the loop that the thread is done */
     lookup_fn *fn;    /* [loop] */
     void *arg;        /* [loop] */
-    unsigned nth;     /* [fixed] */
     char text[ADDRESS_TEXT]; /* [fixed] */
     /* the thread's until `ready` is sent, then the loop's: */
-    struct address to;
-    bool more; /* further addresses follow */
+    struct address to[LOOKUP_MOST];
+    int n; /* < 0: none, for why */
     struct rad_error why;
     pthread_mutex_t mu;
     int holders;    /* [mu] the thread, and `ready` until it is closed */
@@ -42,7 +41,7 @@ resolve(void *arg)
 {
     struct lookup *l = arg;
 
-    l->more = address_resolve(l->text, l->nth, &l->to, &l->why) > 0;
+    l->n = address_resolve(l->text, l->to, LOOKUP_MOST, &l->why);
     pthread_mutex_lock(&l->mu);
     if (!l->cancelled)
         uv_async_send(&l->ready);
@@ -72,28 +71,14 @@ on_ready(uv_async_t *ready)
     struct lookup *l = ready->data;
 
     lookup_cancel(l); /* it lives until the loop's next turn */
-    l->fn(l->arg, l->why.code ? NULL : &l->to, l->more, &l->why);
-}
-
-static bool
-start_thread(struct lookup *l)
-{
-    pthread_t thread;
-
-    l->holders = 2;
-    if (pthread_create(&thread, NULL, resolve, l) == 0) {
-        pthread_detach(thread);
-        return true;
-    }
-    l->holders = 1;
-    return false;
+    l->fn(l->arg, l->to, l->n, &l->why);
 }
 
 struct lookup *
-lookup_start(uv_loop_t *loop, const char *text, unsigned nth, lookup_fn *fn,
-             void *arg)
+lookup_start(uv_loop_t *loop, const char *text, lookup_fn *fn, void *arg)
 {
     struct lookup *l = calloc(1, sizeof *l);
+    pthread_t thread;
 
     if (!l || uv_async_init(loop, &l->ready, on_ready) < 0) {
         free(l);
@@ -102,11 +87,14 @@ lookup_start(uv_loop_t *loop, const char *text, unsigned nth, lookup_fn *fn,
     l->ready.data = l;
     l->fn = fn;
     l->arg = arg;
-    l->nth = nth;
     snprintf(l->text, sizeof l->text, "%s", text);
     pthread_mutex_init(&l->mu, NULL);
-    if (start_thread(l))
+    l->holders = 2;
+    if (pthread_create(&thread, NULL, resolve, l) == 0) {
+        pthread_detach(thread);
         return l;
+    }
     lookup_cancel(l);
+    drop(l); /* for the thread that did not start */
     return NULL;
 }

@@ -1,4 +1,4 @@
-/* lookup.h - an address looked up while the loop goes on
+/* lookup.h - a name's addresses looked up while the loop goes on
  *
  * The resolver may hang for as long as it likes and cannot be stopped.  It runs
  * on a thread of its own, which a cancelled look-up leaves behind: neither the
@@ -12,17 +12,18 @@
 
 #include <uv.h>
 
+#define LOOKUP_MOST 8 /* addresses of a name that are told */
+
 struct lookup;
 
-/* Called once, with the address or (to NULL) an error of address_resolve().
- * more: further addresses follow. */
-typedef void lookup_fn(void *arg, const struct address *to, bool more,
+/* Called once, with n addresses or (n < 0) an error of address_resolve(). */
+typedef void lookup_fn(void *arg, const struct address to[], int n,
                        const struct rad_error *why);
 
-/* As address_resolve().  text is copied; fn is called later, never inside.
- * NULL: there is no memory or no thread, and fn is not called. */
-struct lookup *lookup_start(uv_loop_t *loop, const char *text, unsigned nth,
-                            lookup_fn *fn, void *arg);
+/* text is copied; fn is called later, never inside.  NULL: there is no memory
+ * or no thread, and fn is not called. */
+struct lookup *lookup_start(uv_loop_t *loop, const char *text, lookup_fn *fn,
+                            void *arg);
 
 /* fn is not called any more.  Not allowed after fn was called. */
 void lookup_cancel(struct lookup *l);

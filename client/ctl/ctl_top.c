@@ -380,7 +380,7 @@ print_once(struct ctl *c)
         rc = ask_rows(c, 0, false, &workers, &jobs);
     if (rc == 0) {
         root = json_pack("{s:O,s:O,s:o}", "status", status, "workers", workers,
-                         "jobs", serving_order(jobs));
+                         "jobs", lists_served(jobs));
         table_print_json(stdout, root);
         json_decref(root);
     }

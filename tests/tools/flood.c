@@ -556,7 +556,7 @@ main(int argc, char *argv[])
     const char *what = argc > 1 ? argv[1] : "";
     long n = argc > 2 ? atol(argv[2]) : 0;
 
-    if (argc < 4 || address_resolve(argv[3], 0, &a, NULL) < 0)
+    if (argc < 4 || address_resolve(argv[3], &a, 1, NULL) < 0)
         return EX_USAGE;
     if (strcmp(what, "garbage") == 0)
         return garbage(&a, n);

@@ -25,7 +25,7 @@ open_socket(const char *where)
     where += strncmp(where, "tcp ", 4) == 0    ? 4
              : strncmp(where, "unix ", 5) == 0 ? 5
                                                : 0;
-    if (address_resolve(where, 0, &a, NULL) < 0)
+    if (address_resolve(where, &a, 1, NULL) < 0)
         return -1;
     n = a.sa.any.sa_family == AF_UNIX   ? sizeof a.sa.un
         : a.sa.any.sa_family == AF_INET ? sizeof a.sa.in

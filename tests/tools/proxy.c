@@ -312,7 +312,7 @@ on_connection(uv_stream_t *server, int status)
     bool local = server->type == UV_NAMED_PIPE;
     struct link *l = calloc(1, sizeof *l);
 
-    if (!l || status < 0 || address_resolve(g.target, 0, &l->target, NULL) < 0)
+    if (!l || status < 0 || address_resolve(g.target, &l->target, 1, NULL) < 0)
         die(g.target, UV_EINVAL);
     l->up.from = l->down.to = conn_stream_new(&g.loop, local);
     l->up.to = l->down.from =
@@ -449,7 +449,7 @@ serve(const char *text)
     struct address a;
     int rc;
 
-    if (address_resolve(text, 0, &a, NULL) < 0)
+    if (address_resolve(text, &a, 1, NULL) < 0)
         die(text, UV_EINVAL);
     if (address_is_local(&a)) {
         unlink(a.sa.un.sun_path);
