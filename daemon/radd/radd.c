@@ -397,6 +397,7 @@ judge_work(struct radd *r)
     time_t t = time(NULL);
     struct tm tm;
 
+    tzset(); /* the machine's time zone may change */
     if (!localtime_r(&t, &tm) ||
         !hours_open(&r->hours, tm.tm_wday, 60 * tm.tm_hour + tm.tm_min))
         return MSG_DRAIN_HOURS;
