@@ -7,9 +7,9 @@
 
 #include "filling/records.h"
 
+#include "desk/feeding.h"
 #include "filling/passes_impl.h"
 #include "jobs/part.h"
-#include "desk/feeding.h"
 #include "proto/ambshare.h"
 
 #include <string.h>
