@@ -413,10 +413,10 @@ static const struct {
     const char *shown;
 } terminals[] = {
     { 80, "\r 50 %  100 rays/s  0:10 left  1 worker"
-          "\r100 %  100 rays/s                      \r100 %  100 rays/s"
+          "\r100 %  100 rays/s                     \r100 %  100 rays/s"
           "\r                 \r" },
     { 0, "\r 50 %  100 rays/s  0:10 left  1 worker"
-         "\r100 %  100 rays/s                      \r100 %  100 rays/s"
+         "\r100 %  100 rays/s                     \r100 %  100 rays/s"
          "\r                 \r" },
     { 12, "\r 50 %  100 \r100 %  100 \r           \r" },
 };
