@@ -1,10 +1,13 @@
 /* surroundings.c - see surroundings.h
  *
  * What a view shows is taken to be as large as a ball about one of its hits
- * that holds a quarter of them: half of a picture may be a window with a wide
- * view.  A view of a small part of a wall shows little, but is lit by all of
- * its room; so the part counts for no less than the space before its surface,
- * or the distance from the eye if that is smaller. */
+ * that holds most of them: of those with something before them, as in a room,
+ * for most of a picture may be a window with a wide view; of all where few
+ * have. What stands close before the eye is not it: zones for that alone would
+ * be far too small for the rest, and cost a hundred times the rays.  A view of
+ * a small part of a wall shows little, but is lit by all of its room; so the
+ * part counts for no less than the space before its surface, or the distance
+ * from the eye if that is smaller. */
 #include "config.h"
 
 #include "trial/surroundings.h"
@@ -21,11 +24,17 @@
 /* Rays of a view, along each side, and views of a job at most. */
 enum { SIDE = 12, RAYS = SIDE * SIDE, MOST_VIEWS = 64 };
 
-/* The options of --quality are good for scenes that are 1 to 15 times as large
+/* The options of --quality are good for scenes that are 1 to 7 times as large
  * as what a view shows: --surroundings brings others to within TIMES_SHOWN and
  * STEP times that. */
-#define TIMES_SHOWN 4
+#define TIMES_SHOWN 2
 enum { STEP = 4, MOST_TIMES = 1 << 30 };
+
+/* The hits with something before them count where they are so many of all; a
+ * ball holds such a part of these, or of all. */
+#define ENCLOSED    .25
+#define IN_A_ROOM   .75
+#define IN_THE_OPEN .5
 
 /* A ray from a surface begins so many bounds of its error above it. */
 #define ABOVE 16
@@ -100,23 +109,40 @@ by_size(const void *a, const void *b)
     return (*x > *y) - (*x < *y);
 }
 
-/* The value that a quarter of these do not exceed; INFINITY: there are none. */
+/* The value that this part of n values does not exceed; INFINITY: there are
+ * none. */
 static double
-quarter(double *x, int n)
+quantile(double *x, int n, double part)
 {
     qsort(x, (size_t)n, sizeof *x, by_size);
-    return n > 0 ? x[(n - 1) / 4] : INFINITY;
+    return n > 0 ? x[(int)((n - 1) * part)] : INFINITY;
 }
 
+/* Keep the hits with something before them. */
+static void
+keep_enclosed(struct look *l)
+{
+    int n = 0;
+
+    for (int i = 0; i < l->n; i++)
+        if (l->space[i] < INFINITY) {
+            rad_copy(l->at[n], l->at[i]);
+            l->eye[n] = l->eye[i];
+            l->space[n++] = l->space[i];
+        }
+    l->n = n;
+}
+
+/* The diameter of the smallest ball about a hit that holds this part of all. */
 static double
-smallest_ball(const struct look *l)
+smallest_ball(const struct look *l, double part)
 {
     double least = INFINITY, far[RAYS];
 
     for (int i = 0; i < l->n; i++) {
         for (int j = 0; j < l->n; j++)
             far[j] = sqrt(rad_dist2(l->at[i], l->at[j]));
-        least = fmin(least, quarter(far, l->n));
+        least = fmin(least, quantile(far, l->n, part));
     }
     return 2 * least;
 }
@@ -125,11 +151,19 @@ smallest_ball(const struct look *l)
 static double
 size_of(struct look *l)
 {
-    double ball = smallest_ball(l), space = quarter(l->space, l->n);
-    double size = space < INFINITY
-                      ? fmax(ball, fmin(space, quarter(l->eye, l->n)))
-                      : ball;
+    int all = l->n, enclosed = 0;
+    double size;
 
+    for (int i = 0; i < all; i++)
+        enclosed += l->space[i] < INFINITY;
+    if (enclosed > ENCLOSED * all) {
+        keep_enclosed(l);
+        size =
+            fmax(smallest_ball(l, IN_A_ROOM), fmin(quantile(l->space, l->n, .5),
+                                                   quantile(l->eye, l->n, .5)));
+    } else {
+        size = smallest_ball(l, IN_THE_OPEN);
+    }
     return size > 0 ? size : INFINITY;
 }
 

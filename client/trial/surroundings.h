@@ -14,8 +14,8 @@
 
 struct surroundings {
     double cube;  /* side of the cube about all surfaces */
-    double shown; /* diameter of the smallest ball that has a quarter of what a
-                   * view meets; the least of all views.  0: not known */
+    double shown; /* diameter of the smallest ball that has most of what a view
+                   * meets; the least of all views.  0: not known */
 };
 
 /* Find them for n frames, or for sensor points (else NULL).  RAD_ENOMEM, or

@@ -19,6 +19,7 @@
     "white polygon south 0 0 30 0 0 0 0 0 3 5 0 3 5 0 0 1 0 0 1 0 1 4 0 1 "    \
     "4 0 2.5 1 0 2.5 1 0 1\n"
 #define GROUND "white ring ground 0 0 8 2 2 -.1 0 0 1 0 1e4\n"
+#define NEAR   "white ring near 0 0 8 4.44 4.7 1.585 0 1 0 0 .06\n"
 #define WITHIN "-vp 4.5 4.8 1.6 -vd -.6 -1 -.15 -vh 80 -vv 60"
 
 static const struct {
@@ -26,16 +27,19 @@ static const struct {
     double least, most; /* what is shown */
     int times;
 } views[] = {
-    { ROOM, WITHIN, 2, 6, 0 },
-    { ROOM GROUND, WITHIN, 2, 6, 1024 },
+    { ROOM, WITHIN, 2, 7, 0 },
+    { ROOM GROUND, WITHIN, 2, 7, 1024 },
     /* most of the picture is a window */
     { ROOM GROUND, "-vp 2.5 1 1.7 -vd 0 -1 -.1 -vh 90 -vv 60", 1, 10, 1024 },
     /* a part of a wall, which the whole room lights */
     { ROOM GROUND, "-vp 2 4 1.5 -vd 0 1 0 -vh 5 -vv 5", .9, 1.1, 4096 },
+    /* what stands close before the eye is not what is shown */
+    { ROOM NEAR, WITHIN, 2, 7, 0 },
+    { ROOM NEAR GROUND, WITHIN, 2, 7, 1024 },
     /* from afar, in a small and in a parallel picture */
     { ROOM GROUND, "-vp 2.5 -1000 900 -vd 0 1 -.9 -vh .3 -vv .3", 1, 10, 1024 },
-    { ROOM GROUND, "-vtl -vp 2 2 900 -vd 0 0 -1 -vu 0 1 0 -vh 9 -vv 9", 1, 10,
-      1024 },
+    { ROOM GROUND, "-vtl -vp 2 2 900 -vd 0 0 -1 -vu 0 1 0 -vh 9 -vv 9", 1, 13,
+      256 },
     /* the whole of the ground, and nothing */
     { ROOM GROUND, "-vtl -vp 2 2 90 -vd 0 0 -1 -vu 0 1 0 -vh 2e4 -vv 2e4", 5e3,
       2e4, 0 },
