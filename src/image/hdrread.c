@@ -456,10 +456,10 @@ read_coded(struct reader *in, size_t max_pixels, bool kept, uint8_t **rgbe)
 }
 
 static struct reader
-start_reader(const uint8_t *data, size_t len, struct rad_error *err)
+start_reader(const uint8_t *data, const uint8_t *end, struct rad_error *err)
 {
     struct reader in = { .at = data,
-                         .end = data + len,
+                         .end = end,
                          .err = err,
                          .divide = { 1, 1, 1 },
                          .pixaspect = 1 };
@@ -506,7 +506,7 @@ int
 rad_hdr_read(const uint8_t *data, size_t len, size_t max_pixels,
              struct rad_picture *pic, struct rad_error *err)
 {
-    struct reader in = start_reader(data, len, err);
+    struct reader in = start_reader(data, data + len, err);
     uint8_t *rgbe;
     int rc;
 
@@ -579,7 +579,7 @@ int
 rad_hdr_read_coded(const uint8_t *data, size_t len, size_t max_pixels,
                    struct rad_coded_picture *pic, struct rad_error *err)
 {
-    struct reader in = start_reader(data, len, err);
+    struct reader in = start_reader(data, data + len, err);
 
     return read_coded_picture(&in, max_pixels, true, pic);
 }
@@ -590,13 +590,14 @@ rad_hdr_stream_coded(const struct rad_stream *from, size_t max_pixels,
                      struct rad_error *err)
 {
     uint8_t *window = malloc(WINDOW);
-    struct reader in = start_reader(window, 0, err);
+    struct reader in = start_reader(NULL, NULL, err);
     int rc;
 
     if (!window)
         return rad_fail_memory(err);
     in.more = from;
     in.window = window;
+    in.at = in.end = window;
     rc = read_coded_picture(&in, max_pixels, kept, pic);
     free(window);
     return rc;
