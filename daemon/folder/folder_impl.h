@@ -66,8 +66,9 @@ struct folder_job **folder_find_job(struct folder *f, const uint8_t *id);
 /* Add a job, in place of a job that has its id. */
 void folder_add_job(struct folder *f, struct folder_job *j);
 
-/* Find a frame's rows, and make their file if they have none.  RAD_ENOINPUT:
- * the frame's picture is there, or there is no such frame. */
+/* Find a frame's rows, and their job where a caller asks for that, and make
+ * their file if they have none.  RAD_ENOINPUT, and no rows: the frame's picture
+ * is there, or there is no such frame. */
 int folder_find_rows(struct folder *f, const uint8_t *id, uint32_t frame,
                      struct folder_job **job, struct frame_rows **rows,
                      struct rad_error *err);

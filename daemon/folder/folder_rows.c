@@ -57,13 +57,15 @@ folder_find_rows(struct folder *f, const uint8_t *id, uint32_t frame,
     struct folder_job *j = *folder_find_job(f, id);
     int rc = 0;
 
+    *rows = NULL;
     if (!j || frame >= j->nframes || j->frames[frame].file == FILE_PICTURE)
         return rad_fail(err, RAD_ENOINPUT, "no rows of frame %u", frame);
     if (j->frames[frame].file == FILE_NONE)
         rc = begin_frame(f, j, frame, err);
     if (rc < 0)
         return rc;
-    *job = j;
+    if (job)
+        *job = j;
     *rows = &j->frames[frame];
     return 0;
 }
@@ -104,8 +106,7 @@ folder_put_rows(struct folder *f, const struct action_rows *k,
     struct rows_area area = { (int)k->x, (int)k->y, (int)k->width,
                               (int)k->rows };
     struct frame_rows *r;
-    struct folder_job *j;
-    int rc = folder_find_rows(f, k->job, k->frame, &j, &r, err);
+    int rc = folder_find_rows(f, k->job, k->frame, NULL, &r, err);
 
     if (rc < 0)
         return rc;
@@ -126,9 +127,8 @@ folder_put_colours(struct folder *f, const uint8_t id[MSG_JOB],
 {
     struct rad_error ignored = { 0 };
     struct frame_rows *r;
-    struct folder_job *j;
 
-    if (folder_find_rows(f, id, colours->frame, &j, &r, &ignored) == 0)
+    if (folder_find_rows(f, id, colours->frame, NULL, &r, &ignored) == 0)
         rows_put_colours(r->rows, colours);
 }
 
@@ -137,8 +137,7 @@ folder_read_row(struct folder *f, const uint8_t id[MSG_JOB], uint32_t frame,
                 uint32_t y, uint8_t *pixels, struct rad_error *err)
 {
     struct frame_rows *r;
-    struct folder_job *j;
-    int rc = folder_find_rows(f, id, frame, &j, &r, err);
+    int rc = folder_find_rows(f, id, frame, NULL, &r, err);
     bool line;
     float *row;
     size_t n;
@@ -178,8 +177,7 @@ folder_sum(struct folder *f, const uint8_t id[MSG_JOB],
            uint64_t *sum, struct rad_error *err)
 {
     struct frame_rows *r;
-    struct folder_job *j;
-    int rc = folder_find_rows(f, id, a->frame, &j, &r, err);
+    int rc = folder_find_rows(f, id, a->frame, NULL, &r, err);
     void *row;
     size_t n;
 
