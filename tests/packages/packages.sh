@@ -59,6 +59,9 @@ build_packages()
         die "build-dep"
     quietly in_tree build sh -c "cd /src && DEB_BUILD_OPTIONS='nocheck \
         parallel=$(nproc)' dpkg-buildpackage -us -uc -b"
+    in_tree build sh -c 'cd /src && mkdir other && cd other &&
+        exec ../configure --silent' >"$work/log" 2>&1 ||
+        die "after the packages, the tree builds nothing else"
     mkdir "$work/debs" && mv "$work"/build/*.deb "$work"/build/*.changes \
         "$work"/build/*.buildinfo "$work/debs" || die "packages"
     umount "$work/build/proc" && rm -rf --one-file-system "$work/build"
