@@ -21,6 +21,11 @@ AS_CASE([$enable_sanitizers],
     [yes], [radd_san=address,undefined],
     [radd_san=$enable_sanitizers])
 AS_IF([test "x$radd_san" != x], [
+    radd_cflags=$CFLAGS
+    CFLAGS="$CFLAGS -fsanitize=$radd_san"
+    AC_LINK_IFELSE([AC_LANG_PROGRAM], [],
+        [AC_MSG_ERROR([$CC does not link with -fsanitize=$radd_san])])
+    CFLAGS=$radd_cflags
     RADD_CFLAGS="$RADD_CFLAGS -fsanitize=$radd_san -fno-omit-frame-pointer \
 -fno-sanitize-recover=all -g"
     RADD_LDFLAGS="$RADD_LDFLAGS -fsanitize=$radd_san"
