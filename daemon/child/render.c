@@ -172,17 +172,22 @@ static const struct conn_handler handler = { .message = on_message,
 
 /* Let the kernel, where memory is short, end this process before others of its
  * size: its units are done elsewhere.  Half of the machine's memory counts as
- * ours besides what we have; more, and a small child would go for nothing. */
+ * ours besides what we have; more, and a small child would go for nothing.  A
+ * container may have given radd more than that, which the child keeps: with
+ * less, radd would go first. */
 static void
 yield_memory(void)
 {
     static const char half[] = "500";
-    int fd = open("/proc/self/oom_score_adj", O_WRONLY | O_CLOEXEC);
+    char given[16] = "";
+    int fd = open("/proc/self/oom_score_adj", O_RDWR | O_CLOEXEC);
     ssize_t ignored;
 
     if (fd < 0)
         return;
-    ignored = write(fd, half, sizeof half - 1);
+    ignored = read(fd, given, sizeof given - 1);
+    if (strtol(given, NULL, 10) < strtol(half, NULL, 10))
+        ignored = pwrite(fd, half, sizeof half - 1, 0);
     (void)ignored;
     close(fd);
 }

@@ -66,9 +66,23 @@ fi
 kill -KILL "$child"
 until_true 10 grep -q 'child lost.*killed by signal 9.*memory' c.log ||
     fail "the coordinator does not tell why: $(grep lost c.log)"
+
+# as where a container has its processes ended early: the child no later than radd
+sealed()
+{
+    child=$(child_of "$1") &&
+        [ "$(sed -n 's/^Seccomp_filters:.//p' "/proc/$child/status")" -ge 2 ]
+}
+echo 700 >/proc/self/oom_score_adj || fail "the score cannot be raised"
+worker_start 2 1
+until_true 30 sealed 2 || fail "worker 2 has no child"
+[ "$(cat "/proc/$child/oom_score_adj")" -ge 700 ] ||
+    fail "the kernel would rather end radd than the child"
 "$radctl" --coordinator="$sock" cancel "$(cat id)" >/dev/null ||
     fail "no cancel"
-until_true 10 no_child 1 || fail "the child does not end"
+for k in 1 2; do
+    until_true 10 no_child $k || fail "the child of worker $k does not end"
+done
 gone "$pid" && fail "worker 1 is gone"
 cluster_stop
 
