@@ -141,7 +141,7 @@ take_whole(struct ctl *c, struct rad_memory_out *f)
     struct rad_bands b;
     int rc;
 
-    if (c->plane && !is_spectra(c))
+    if (c->plane)
         return 0;
     if (spectra_bands(&one, &b, NULL) < 0)
         return !is_spectra(c)
@@ -374,6 +374,11 @@ ctl_check_fetch(struct ctl *c)
         return rc;
     if (c->plane && c->nargs > 1)
         return rad_fail(c->err, RAD_EUSAGE, "fetch: --plane is for one job");
+    if (c->plane && is_spectra(c))
+        return rad_fail(c->err, RAD_EUSAGE,
+                        "'%s': --plane gets three bands alone, and spectra "
+                        "have more",
+                        c->output);
     if (c->json && !c->output)
         return rad_fail(c->err, RAD_EUSAGE, "fetch: --json needs -o");
     if (!c->output)

@@ -332,6 +332,8 @@ expect 74 "the coordinator keeps the picture: radctl fetch " \
     "no room for all bands" \
     "$radsubmit" $view -cs 6 -ab 1 -ad 64 -o /dev/full "$plain"
 grep -q 'plane' stderr && fail "one job has no planes: $(cat stderr)"
+expect 64 "--plane gets three bands alone" "spectra of a plane" \
+    "$radctl" fetch --plane -o x.hsr "$alone"
 expect 64 "--plane is for one job" "planes alone" \
     "$radctl" fetch --plane -o x.hdr "$alone" "$first"
 id=$("$radsubmit" -x 8 -y 8 -o plain.hdr "$room" 2>&1 |
