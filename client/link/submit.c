@@ -64,6 +64,9 @@ send_scene(struct submit *s)
         (rc = submit_await(s, MSG_WANT, &m)) < 0)
         return rc;
     n = m->want.n;
+    if (n < s->nwanted) /* the last try brought files */
+        s->failures = 0;
+    s->nwanted = n;
     wanted = malloc((size_t)n * MSG_HASH + 1);
     if (!wanted)
         return rad_fail_memory(s->err);
@@ -301,7 +304,7 @@ may_retry(struct submit *s, const struct rad_error *why)
     return 0;
 }
 
-/* Say once why the job is tried again; pauses begin anew then. */
+/* Say once why the job is tried again. */
 static void
 say_retry(struct submit *s, const struct rad_error *why)
 {
@@ -311,7 +314,6 @@ say_retry(struct submit *s, const struct rad_error *why)
     if (*told)
         return;
     *told = true;
-    s->failures = 0; /* tries for another reason do not count */
     if (s->refused && s->stage < STAGE_ACCEPTED)
         snprintf(text, sizeof text, "%s; trying again for %s s", why->what,
                  figure(seconds, s->job->wait_s, 3));
@@ -400,10 +402,14 @@ persevere(struct submit *s)
     int rc;
 
     for (;;) {
+        bool refused = s->refused;
+
         why = (struct rad_error){ 0 };
         s->err = &why;
         rc = attempt(s);
         s->err = err;
+        if (s->refused != refused)
+            s->failures = 0; /* tries for another reason do not count */
         if ((rc != RAD_EUNAVAIL && !s->refused) || s->cancelled || s->ended ||
             s->over)
             break;

@@ -44,6 +44,7 @@ struct submit {
     enum stage stage;
     /* trying again */
     int failures;   /* tries since the last that brought something */
+    uint32_t nwanted; /* files that the coordinator last asked for */
     bool connected; /* there was a connection at some time */
     bool refused;   /* the last try: by a limit that has room again later */
     bool in_line;   /* the connection is kept, and with it our turn */

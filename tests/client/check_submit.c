@@ -9,6 +9,7 @@
 #include "link/submit.h"
 #include "tests/scratch.h"
 
+#include <poll.h>
 #include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -97,6 +98,20 @@ player_accept(struct player *p)
         _exit(WRONG);
     frame_reader_init(&p->reader, MSG_AT_COORD_NEW);
     p->left = 0;
+}
+
+/* Wait for the client to dial again; false: it has ended. */
+static bool
+player_is_dialled(struct player *p)
+{
+    struct pollfd in = { p->listening, POLLIN, 0 };
+    char path[100];
+
+    snprintf(path, sizeof path, "%s/socket", dir);
+    while (access(path, F_OK) == 0)
+        if (poll(&in, 1, 50) == 1)
+            return true;
+    return false;
 }
 
 static void
@@ -335,6 +350,20 @@ script_breaks_a_long_upload(struct player *p)
     player_hang_up(p);
     player_welcome(p, 1);
     player_render(p);
+}
+
+/* Of such connections nothing comes, so --wait ends the job after pauses of .5,
+ * 1 and 1.5 s. */
+static void
+script_breaks_every_upload(struct player *p)
+{
+    for (int i = 0; player_is_dialled(p); i++) {
+        if (i == 4)
+            _exit(WRONG);
+        player_welcome(p, 1);
+        player_expect(p, MSG_OFFER);
+        player_hang_up(p);
+    }
 }
 
 static void
@@ -742,6 +771,8 @@ static const struct script {
     { "refused late", script_refuses_late, 0, .2, .told = true },
     { "lost in line", script_loses_who_is_in_line, 0, 30, .detach = false },
     { "long upload", script_breaks_a_long_upload, 0, .6, .detach = false },
+    { "no upload", script_breaks_every_upload, RAD_EUNAVAIL, 3,
+      .refused = true },
     { "too many connections", script_has_too_many_connections, 0, 30,
       .told = true },
     { "no room for files", script_has_no_room_for_files, 0, 30, .told = true },
@@ -862,6 +893,7 @@ START_TEST(conversations_end_as_they_should)
     if (s->play)
         c.player = start_player(s, path);
     rc = run_client(s, &c, &err);
+    unlink(path);     /* tells the player */
     if (s->interrupt) /* it does not wait for what cannot come */
         ck_assert_uint_lt(uv_hrtime() - begin_ns, UINT64_C(4000000000));
     ck_assert_msg(rc == s->rc, "%s: %d (%s), expected %d", s->name, rc,
