@@ -7,8 +7,8 @@
 
 #include "filling/records.h"
 
-#include "desk/feeding.h"
 #include "filling/passes_impl.h"
+#include "desk/feeding.h"
 #include "jobs/part.h"
 #include "proto/ambshare.h"
 

@@ -8,8 +8,8 @@
 
 #include "observer/model.h"
 
-#include "observer/markup.h"
 #include "machine/lists.h"
+#include "observer/markup.h"
 
 #include <string.h>
 

@@ -4,8 +4,8 @@
 #ifndef RADD_WEB_ANSWER_H
 #define RADD_WEB_ANSWER_H
 
-#include "observer/markup.h"
 #include "observer/blob.h"
+#include "observer/markup.h"
 
 #include <microhttpd.h>
 
