@@ -285,7 +285,7 @@ run(struct bench *b)
     long before = peak_kib();
     double start = now();
 
-    b->geom = rad_geom_new(b->scene, b->surf, &err);
+    b->geom = rad_geom_new(b->scene, b->surf, 0, &err);
     if (!b->geom)
         die(&err);
     printf("%d objects, built in %.3f s, peak %.1f MiB (%.1f before)\n",

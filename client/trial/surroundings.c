@@ -21,8 +21,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Rays of a view, along each side, and views of a job at most. */
-enum { SIDE = 12, RAYS = SIDE * SIDE, MOST_VIEWS = 64 };
+/* Rays of a view, along each side, with those that look about from each hit,
+ * and views of a job at most. */
+enum { SIDE = 12, RAYS = SIDE * SIDE, ABOUT = 5, MOST_VIEWS = 64 };
 
 /* The options of --quality are good for scenes that are 1 to 7 times as large
  * as what a view shows: --surroundings brings others to within TIMES_SHOWN and
@@ -62,15 +63,16 @@ static double
 space_before(const struct look *l, const double p[3], const double n[3],
              double from)
 {
-    static const int aslant[][2] = { { 0, 0 }, { 1, 0 }, { -1, 0 },
-                                     { 0, 1 }, { 0, -1 } };
+    static const int aslant[ABOUT][2] = {
+        { 0, 0 }, { 1, 0 }, { -1, 0 }, { 0, 1 }, { 0, -1 }
+    };
     struct rad_span span = { .tmin = from, .tmax = INFINITY };
     struct rad_hit hit;
     double u[3], v[3];
 
     rad_copy(span.org, p);
     rad_frame(u, v, n);
-    for (int i = 0; i < (int)(sizeof aslant / sizeof aslant[0]); i++) {
+    for (int i = 0; i < ABOUT; i++) {
         for (int k = 0; k < 3; k++)
             span.dir[k] = n[k] + aslant[i][0] * u[k] + aslant[i][1] * v[k];
         rad_normalize(span.dir);
@@ -217,12 +219,12 @@ look_at_points(struct look *l, const struct rad_points *points, double slack)
     }
 }
 
+/* Look along `views` of the n frames, or about the points. */
 static int
 look_at_all(struct surroundings *s, struct look *l,
-            const struct msg_frame *frames, uint32_t n,
+            const struct msg_frame *frames, uint32_t n, uint32_t views,
             const struct rad_points *points, struct rad_error *err)
 {
-    uint32_t views = points ? 1 : n < MOST_VIEWS ? n : MOST_VIEWS;
     double least = INFINITY;
 
     for (uint32_t i = 0; i < views; i++) {
@@ -251,6 +253,7 @@ surroundings_find(struct surroundings *s, const struct rad_scene *scene,
 {
     uint8_t *surf = calloc((size_t)scene->nobjects + 1, 1);
     struct look *l = malloc(sizeof *l);
+    uint32_t views = points ? 1 : n < MOST_VIEWS ? n : MOST_VIEWS;
     struct rad_geom *geom = NULL;
     double lo[3], hi[3];
     int rc = 0;
@@ -258,14 +261,15 @@ surroundings_find(struct surroundings *s, const struct rad_scene *scene,
     *s = (struct surroundings){ 0 };
     if (!surf || !l)
         rc = rad_fail_memory(err);
-    else if (!(geom = rad_geom_new(scene, surf, err)))
+    else if (!(geom =
+                   rad_geom_new(scene, surf, views * RAYS * (1 + ABOUT), err)))
         rc = err->code;
     if (rc == 0) {
         rad_geom_bounds(geom, lo, hi);
         for (int k = 0; k < 3; k++)
             s->cube = rad_most(s->cube, hi[k] - lo[k]);
         l->geom = geom;
-        rc = look_at_all(s, l, frames, n, points, err);
+        rc = look_at_all(s, l, frames, n, views, points, err);
     }
     rad_geom_free(geom);
     free(l);

@@ -44,6 +44,7 @@ struct making {
     struct rad_set *set;
     int32_t first, n;
     const uint8_t *surf; /* by object */
+    uint32_t rays;       /* rad_geom_new() */
 };
 
 static bool
@@ -173,7 +174,8 @@ static int
 make_set(const struct making *mk, struct rad_error *err)
 {
     struct rad_set *set = mk->set;
-    struct rad_bvh_items items = { .bounds = prim_item_bounds };
+    struct rad_bvh_items items = { .bounds = prim_item_bounds,
+                                   .rays = mk->rays };
     uint32_t *order;
     size_t n = 1; /* one more, for a prim that is tried and left out */
     int rc;
@@ -214,18 +216,19 @@ index_prims(struct rad_geom *g, int32_t n, struct rad_error *err)
 
 static int
 make_part(struct rad_geom *g, const struct rad_part *part, const uint8_t *surf,
-          struct rad_error *err)
+          uint32_t rays, struct rad_error *err)
 {
     struct rad_set *set = &g->sets[part->index];
-    struct making mk = { g, set, part->first, part->n, surf };
+    struct making mk = { g, set, part->first, part->n, surf, rays };
 
-    return part->mesh ? rad_meshed_make(set, part, surf, err)
+    return part->mesh ? rad_meshed_make(set, part, surf, rays, err)
                       : make_set(&mk, err);
 }
 
 /* Make the sets of the parts by depth, so that copied parts come first. */
 static int
-make_parts(struct rad_geom *g, const uint8_t *surf, struct rad_error *err)
+make_parts(struct rad_geom *g, const uint8_t *surf, uint32_t rays,
+           struct rad_error *err)
 {
     const struct rad_scene *s = g->scene;
     int32_t left = s->nparts;
@@ -237,17 +240,18 @@ make_parts(struct rad_geom *g, const uint8_t *surf, struct rad_error *err)
     for (int depth = 0; left > 0 && !rc; depth++)
         for (int32_t i = 0; i < s->nparts && !rc; i++)
             if (s->parts[i]->depth == depth) {
-                rc = make_part(g, s->parts[i], surf, err);
+                rc = make_part(g, s->parts[i], surf, rays, err);
                 left--;
             }
     return rc;
 }
 
 static int
-compile(struct rad_geom *g, const uint8_t *surf, struct rad_error *err)
+compile(struct rad_geom *g, const uint8_t *surf, uint32_t rays,
+        struct rad_error *err)
 {
-    struct making mk = { g, &g->top, 0, rad_scene_own(g->scene), surf };
-    int rc = make_parts(g, surf, err);
+    struct making mk = { g, &g->top, 0, rad_scene_own(g->scene), surf, rays };
+    int rc = make_parts(g, surf, rays, err);
 
     if (!rc)
         rc = make_set(&mk, err);
@@ -258,7 +262,7 @@ compile(struct rad_geom *g, const uint8_t *surf, struct rad_error *err)
 }
 
 struct rad_geom *
-rad_geom_new(const struct rad_scene *scene, const uint8_t *surf,
+rad_geom_new(const struct rad_scene *scene, const uint8_t *surf, uint32_t rays,
              struct rad_error *err)
 {
     struct rad_geom *g = calloc(1, sizeof *g);
@@ -270,7 +274,7 @@ rad_geom_new(const struct rad_scene *scene, const uint8_t *surf,
     rad_arena_init(&g->arena);
     g->scene = scene;
     g->kernel = best_kernel();
-    if (compile(g, surf, err) < 0) {
+    if (compile(g, surf, rays, err) < 0) {
         rad_geom_free(g);
         return NULL;
     }

@@ -83,11 +83,14 @@ struct rad_geom_counts {
 };
 
 /* Compile.  surf[i] holds the RAD_SURF_ bits of object i (0 for modifiers).
- * The scene must outlive the result.  NULL and *err on failure.  Degenerate
- * surfaces (without area, or with coordinates that are no numbers or beyond
- * 2^170) are left out without an error. */
+ * rays: how many will be traced, about; 0: very many.  For few it is made
+ * sooner and traced slower; they meet the same.  The scene must outlive the
+ * result.  NULL and *err on failure.  Degenerate surfaces (without area, or
+ * with coordinates that are no numbers or beyond 2^170) are left out without an
+ * error. */
 struct rad_geom *rad_geom_new(const struct rad_scene *scene,
-                              const uint8_t *surf, struct rad_error *err);
+                              const uint8_t *surf, uint32_t rays,
+                              struct rad_error *err);
 void rad_geom_free(struct rad_geom *g);
 
 /* The transform of the copy that was hit: from the coordinates of its file to

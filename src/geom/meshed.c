@@ -61,11 +61,11 @@ set_faces(struct rad_meshed *m, const uint8_t *surf)
 
 int
 rad_meshed_make(struct rad_set *set, const struct rad_part *part,
-                const uint8_t *surf, struct rad_error *err)
+                const uint8_t *surf, uint32_t rays, struct rad_error *err)
 {
     const struct rad_mesh *mesh = part->mesh;
     struct rad_meshed *m = calloc(1, sizeof *m);
-    struct rad_bvh_items items = { triangle_bounds, m, mesh->ntris };
+    struct rad_bvh_items items = { triangle_bounds, m, mesh->ntris, rays };
     uint32_t *order = malloc(((size_t)mesh->ntris + 1) * sizeof *order);
     int rc = m && order ? 0 : rad_fail_memory(err);
 

@@ -21,10 +21,11 @@ struct rad_meshed {
     uint8_t *surf; /* RAD_SURF_ bits by face */
 };
 
-/* Build a mesh's tree; surf holds RAD_SURF_ bits by object of the scene.
+/* Build a mesh's tree; surf holds RAD_SURF_ bits by object of the scene; rays:
+ * see rad_geom_new().
  * RAD_ENOMEM, RAD_EDATA. */
 int rad_meshed_make(struct rad_set *set, const struct rad_part *part,
-                    const uint8_t *surf, struct rad_error *err);
+                    const uint8_t *surf, uint32_t rays, struct rad_error *err);
 
 void rad_meshed_free(struct rad_meshed *m);
 

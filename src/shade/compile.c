@@ -50,7 +50,7 @@ compile_geometry(struct rad_job *job, struct rad_error *err)
         if (rad_otype_class(type) == RAD_CLASS_SURFACE)
             surf[i] = surface_flags(job, i);
     }
-    job->geom = rad_geom_new(job->scene, surf, err);
+    job->geom = rad_geom_new(job->scene, surf, 0, err);
     free(surf);
     return job->geom ? 0 : RAD_EDATA;
 }

@@ -79,7 +79,7 @@ LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     if (!rc) {
         rad_scene_check(s, NULL, NULL, NULL);
         surf = calloc((size_t)s->nobjects, 1);
-        g = surf ? rad_geom_new(s, surf, &err) : NULL;
+        g = surf ? rad_geom_new(s, surf, 0, &err) : NULL;
     }
     if (g)
         trace(g, s->parts[0]->org, s->parts[0]->size);

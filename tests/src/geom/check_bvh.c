@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdio.h>
 
-enum { NSURFACES = 600, NRAYS = 4000 };
+enum { NSURFACES = 603, NRAYS = 4000 };
 
 /* A surface of any family, somewhere in a box of half-width size around c. */
 static void
@@ -125,7 +125,8 @@ random_ray(uint64_t key, double size, const double c[3])
 
 START_TEST(tree_finds_what_testing_all_finds)
 {
-    double size = place[_i].size, off = place[_i].offset;
+    uint32_t rays = _i % 2 == 0 ? 0 : 1;
+    double size = place[_i / 2].size, off = place[_i / 2].offset;
     const double c[3] = { off, -off, off };
     struct rad_geom_counts counts = { 0 };
     struct geom_scene g;
@@ -135,7 +136,7 @@ START_TEST(tree_finds_what_testing_all_finds)
     geom_scene_init(&g, NSURFACES, NSURFACES * 12);
     for (uint64_t i = 0; i < NSURFACES; i++)
         add_random(&g, rad_key_branch(7, i), size, c);
-    geom = geom_scene_compile(&g);
+    geom = geom_scene_compile_for(&g, rays);
     for (uint64_t i = 0; i < NRAYS; i++) {
         uint64_t key = rad_key_branch(99, i);
         struct rad_span s = random_ray(key, size, c);
@@ -158,6 +159,42 @@ START_TEST(tree_finds_what_testing_all_finds)
     ck_assert(blocked > NRAYS / 20 && blocked < hits);
     rad_geom_free(geom);
     geom_scene_release(&g);
+}
+END_TEST
+
+/* Flat boxes of size 1 in a row, one after the other, or each far from the one
+ * before. */
+static void
+box_in_row(const void *arg, uint32_t i, struct rad_box *box)
+{
+    const uint32_t *stride = arg;
+    double x = (double)((uint64_t)i * *stride % 10000);
+
+    *box = (struct rad_box){ { x, 0, 0 }, { x + 1, 1, 0 } };
+}
+
+static const struct {
+    uint32_t stride, rays;
+    bool small;
+} rows[] = {
+    { 1, 0, false },
+    { 1, 800, true },
+    { 1, 1000000, false }, /* too many for groups */
+    { 7919, 800, false },  /* they would meet most groups */
+};
+
+START_TEST(a_tree_for_few_rays_is_small)
+{
+    struct rad_bvh_items items = { box_in_row, &rows[_i].stride, 10000, 0 };
+    uint32_t order[10000];
+    struct rad_bvh all, few;
+
+    ck_assert_int_eq(rad_bvh_build(&all, &items, order, NULL), 0);
+    items.rays = rows[_i].rays;
+    ck_assert_int_eq(rad_bvh_build(&few, &items, order, NULL), 0);
+    ck_assert_int_eq(few.nnodes < all.nnodes / 2, rows[_i].small);
+    rad_bvh_release(&few);
+    rad_bvh_release(&all);
 }
 END_TEST
 
@@ -333,7 +370,8 @@ main(void)
 
     tcase_set_timeout(tc, 600);
     tcase_add_loop_test(tc, tree_finds_what_testing_all_finds, 0,
-                        N_ELEM(place));
+                        2 * N_ELEM(place));
+    tcase_add_loop_test(tc, a_tree_for_few_rays_is_small, 0, N_ELEM(rows));
     tcase_add_loop_test(tc, kernels_give_the_same_bits, 0, N_ELEM(place));
     tcase_add_loop_test(tc, wild_numbers_do_no_harm, 0, 4);
     tcase_add_loop_test(tc, lopsided_trees_are_walked_whole, 0, 2);

@@ -66,14 +66,21 @@ geom_scene_add(struct geom_scene *g, enum rad_otype type, int32_t modifier,
         (const double[]){ __VA_ARGS__ },                                       \
         (int)(sizeof((const double[]){ __VA_ARGS__ }) / sizeof(double)))
 
+/* rays: rad_geom_new() */
 static inline struct rad_geom *
-geom_scene_compile(const struct geom_scene *g)
+geom_scene_compile_for(const struct geom_scene *g, uint32_t rays)
 {
     struct rad_error err = { 0 };
-    struct rad_geom *geom = rad_geom_new(&g->scene, g->surf, &err);
+    struct rad_geom *geom = rad_geom_new(&g->scene, g->surf, rays, &err);
 
     ck_assert_msg(geom != NULL, "%s", err.what);
     return geom;
+}
+
+static inline struct rad_geom *
+geom_scene_compile(const struct geom_scene *g)
+{
+    return geom_scene_compile_for(g, 0);
 }
 
 static inline struct rad_span
