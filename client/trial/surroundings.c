@@ -15,6 +15,7 @@
 #include "base/vec.h"
 #include "geom/geom.h"
 #include "picture/view.h"
+#include "trace/material.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -40,8 +41,12 @@ enum { STEP = 4, MOST_TIMES = 1 << 30 };
 /* A ray from a surface begins so many bounds of its error above it. */
 #define ABOVE 16
 
+/* A ray goes on behind so many panes. */
+#define MOST_PANES 32
+
 /* What the rays of one view met. */
 struct look {
+    const struct rad_scene *scene;
     const struct rad_geom *geom;
     int n;
     double at[RAYS][3]; /* n points */
@@ -49,12 +54,42 @@ struct look {
     double space[RAYS]; /* before the surface there; INFINITY: open */
 };
 
+/* Does a surface show what is behind it, and have no ambient values? */
+static bool
+is_clear(const struct rad_scene *scene, int32_t obj)
+{
+    int32_t m = rad_material_of(scene, scene->objects[obj].modifier);
+
+    if (m == RAD_VOID)
+        return true;
+    switch (scene->objects[m].type) {
+    case RAD_GLASS:
+    case RAD_DIELECTRIC:
+    case RAD_INTERFACE:
+    case RAD_MIST:
+    case RAD_ANTIMATTER:
+    case RAD_ILLUM:
+        return true;
+    default:
+        return false;
+    }
+}
+
+/* A pane before the eye is not what a view shows. */
 static bool
 meets(const struct look *l, const struct rad_span *span, struct rad_hit *hit)
 {
     struct rad_geom_counts counts = { 0, 0 };
+    struct rad_span rest = *span;
 
-    return rad_geom_nearest(l->geom, span, hit, &counts);
+    for (int i = 0; i < MOST_PANES; i++) {
+        if (!rad_geom_nearest(l->geom, &rest, hit, &counts))
+            return false;
+        if (!is_clear(l->scene, hit->obj))
+            return true;
+        rest.tmin = hit->t + ABOVE * hit->err;
+    }
+    return false;
 }
 
 /* The space before a surface at p, which faces along n: the distance of what is
@@ -268,6 +303,7 @@ surroundings_find(struct surroundings *s, const struct rad_scene *scene,
         rad_geom_bounds(geom, lo, hi);
         for (int k = 0; k < 3; k++)
             s->cube = rad_most(s->cube, hi[k] - lo[k]);
+        l->scene = scene;
         l->geom = geom;
         rc = look_at_all(s, l, frames, n, views, points, err);
     }

@@ -130,8 +130,7 @@ struct rad_walk {
 struct rad_bvh_items {
     void (*bounds)(const void *arg, uint32_t i, struct rad_box *box);
     const void *arg;
-    uint32_t n;
-    uint32_t rays; /* that will be traced; 0: very many */
+    uint32_t n, rays; /* rays that will be traced; 0: very many */
 };
 
 /* Build.  order[n] gets the permutation: the tree's item i is the caller's item

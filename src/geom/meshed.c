@@ -31,8 +31,8 @@ triangle_bounds(const void *arg, uint32_t i, struct rad_box *box)
 
     get_corners(&c, arg, i);
     for (int a = 0; a < 3; a++) {
-        box->lo[a] = fmin(c.v[0][a], fmin(c.v[1][a], c.v[2][a]));
-        box->hi[a] = fmax(c.v[0][a], fmax(c.v[1][a], c.v[2][a]));
+        box->lo[a] = rad_least(c.v[0][a], rad_least(c.v[1][a], c.v[2][a]));
+        box->hi[a] = rad_most(c.v[0][a], rad_most(c.v[1][a], c.v[2][a]));
         box->lo[a] -= 8 * RAD_GEOM_ROUND * 0x1p31;
         box->hi[a] += 8 * RAD_GEOM_ROUND * 0x1p31;
     }

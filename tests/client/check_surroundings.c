@@ -20,6 +20,11 @@
     "4 0 2.5 1 0 2.5 1 0 1\n"
 #define GROUND "white ring ground 0 0 8 2 2 -.1 0 0 1 0 1e4\n"
 #define NEAR   "white ring near 0 0 8 4.44 4.7 1.585 0 1 0 0 .06\n"
+#define PANES                                                                  \
+    "void glass clear 0 0 3 .9 .9 .9\nclear sphere pane 0 0 4 4.5 4.8 1.6 "    \
+    ".1\n"                                                                     \
+    "void illum lit 0 0 3 1 1 1\nlit sphere pane 0 0 4 4.5 4.8 1.6 .12\n"      \
+    "void sphere nothing 0 0 4 4.5 4.8 1.6 .15\n"
 #define WITHIN "-vp 4.5 4.8 1.6 -vd -.6 -1 -.15 -vh 80 -vv 60"
 
 static const struct {
@@ -29,6 +34,7 @@ static const struct {
 } views[] = {
     { ROOM, WITHIN, 2, 7, 0 },
     { ROOM GROUND, WITHIN, 2, 7, 1024 },
+    { ROOM GROUND PANES, WITHIN, 2, 7, 1024 },
     /* most of the picture is a window */
     { ROOM GROUND, "-vp 2.5 1 1.7 -vd 0 -1 -.1 -vh 90 -vv 60", 1, 10, 1024 },
     /* a part of a wall, which the whole room lights */
