@@ -64,6 +64,8 @@ struct coord {
     uint64_t full_told_ms; /* when the log last said so; 0: never */
     struct action_list actions;
     uint64_t now_ms;
+    uint64_t behind_ms; /* sleep that now_ms lacks (coord_slept()); or 0 */
+    uint64_t behind_since_ms; /* when the first of that sleep was seen */
     struct coord_conn *conns;
     struct coord_worker *workers;
     uint32_t nworkers; /* workers ever known; the id of the next new worker */

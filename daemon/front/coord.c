@@ -432,12 +432,6 @@ coord_job_waits(struct coord *c, uint64_t now_ms, const uint8_t id[MSG_JOB],
 }
 
 bool
-coord_idle(const struct coord *c)
-{
-    return c->nopen == 0;
-}
-
-bool
 coord_saved(const struct coord *c, const uint8_t id[MSG_JOB],
             struct saved_job *out)
 {
@@ -455,7 +449,7 @@ coord_saved(const struct coord *c, const uint8_t id[MSG_JOB],
                                .offer_ms = job->offer_ms,
                                .submit_ms = job->submit_ms,
                                .open_ms = c->now_ms,
-                               .end_ms = job->end_ms,
+                               .end_ms = coord_end_ms(c, job),
                                .cache_bytes = job->cache.bytes,
                                .keep = job->cache.range,
                                .sent_bytes = job->sent_bytes };

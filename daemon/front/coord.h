@@ -133,9 +133,6 @@ void coord_tick(struct coord *c, uint64_t now_ms);
 
 /* --- for the shell to ask --- */
 
-/* Is no job under way? */
-bool coord_idle(const struct coord *c);
-
 /* Set *out to all that the store keeps of a job but its frames and units;
  * false: there is no such job.  Pointers of *out are valid until the next
  * event. */

@@ -7,6 +7,7 @@
 
 #include "net/log.h"
 #include "ground/service.h"
+#include "registry/coord_keep.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -222,15 +223,16 @@ slept_ms(void)
 }
 
 /* The loop's clock stands still while the machine sleeps.  The coordinator's
- * catches up, for a job that is kept ages meanwhile: the next life goes by the
- * wall clock and would find it older than it is.  But not during a job, for
- * whose workers no time has passed. */
+ * catches up as soon as no job is under way (coord_slept()), for a job that is
+ * kept ages meanwhile: the next life goes by the wall clock and would find it
+ * older than it is. */
 static void
 count_sleep(struct radcoord *r)
 {
     uint64_t ms = slept_ms();
 
-    if (ms < r->slept_ms + SLEEP_MS || !coord_idle(r->coord))
+    if (ms < r->slept_ms + SLEEP_MS ||
+        !coord_slept(r->coord, radcoord_now(r), ms - r->slept_ms))
         return;
     r->clock_ms += ms - r->slept_ms;
     r->slept_ms = ms;

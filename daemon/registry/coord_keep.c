@@ -24,9 +24,11 @@
 #include <string.h>
 #include <time.h>
 
-#define FETCH_MS 60000 /* time in which a user fetches all files of a job */
-#define FETCHING 64    /* jobs of a user that may be fetched at once */
-#define LOOK_MS  1000  /* between two looks if no job ended or was fetched */
+#define FETCH_MS  60000 /* time in which a user fetches all files of a job */
+#define FETCHING  64    /* jobs of a user that may be fetched at once */
+#define SETTLE_MS 3000  /* more than LINGER_MS of coord_job.c */
+#define UNSEEN_MS 200   /* the most that a sleep goes unseen */
+#define LOOK_MS   1000  /* between two looks if no job ended or was fetched */
 
 static uint64_t
 since(const struct coord *c, uint64_t ms)
@@ -272,6 +274,54 @@ coord_forget_old(struct coord *c)
 }
 
 /* --- frames that are fetched --- */
+
+/* --- sleep of the machine --- */
+
+/* Did the job end after the machine had slept?  It may have done so before the
+ * sleep was seen. */
+static bool
+is_after_sleep(const struct coord *c, const struct job *job)
+{
+    return c->behind_ms > 0 && job_over(job) &&
+           job->end_ms + UNSEEN_MS >= c->behind_since_ms;
+}
+
+uint64_t
+coord_end_ms(const struct coord *c, const struct job *job)
+{
+    return job->end_ms + (is_after_sleep(c, job) ? c->behind_ms : 0);
+}
+
+/* Is no job under way, nor in the hands of workers or users that have just seen
+ * its end? */
+static bool
+is_calm(const struct coord *c)
+{
+    if (c->nopen > 0)
+        return false;
+    for (size_t i = 0; i < c->njobs; i++)
+        if (since(c, c->jobs[i]->end_ms) < SETTLE_MS ||
+            is_being_fetched(c, c->jobs[i]))
+            return false;
+    return true;
+}
+
+bool
+coord_slept(struct coord *c, uint64_t now_ms, uint64_t ms)
+{
+    c->now_ms = now_ms;
+    if (c->behind_ms == 0)
+        c->behind_since_ms = now_ms;
+    c->behind_ms = ms;
+    if (!is_calm(c))
+        return false;
+    for (size_t i = 0; i < c->njobs; i++)
+        c->jobs[i]->end_ms = coord_end_ms(c, c->jobs[i]);
+    c->behind_ms = 0;
+    return true;
+}
+
+/* --- files that are fetched --- */
 
 /* The file of a frame for which the job's owner waits.  Sensor points have no
  * picture that can be fetched: their values travel as distances do. */

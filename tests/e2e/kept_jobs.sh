@@ -176,5 +176,19 @@ unset LD_PRELOAD
 used 10 || fail "before the sleep: $(ana limits)"
 echo $((15 * 86400)) >slept
 until_true 10 used 0 || fail "after the sleep: $(ana limits)"
+# but they make a job no older that was under way, and ended after them
+long=$("$radsubmit" --coordinator="$tcp" --key="$work/user.key" --detach $view \
+    "$room" 2>stderr) || fail "over the sleep: $(cat stderr)"
+echo $((45 * 86400)) >slept
+since() # DAYS: the worker is there for so long
+{
+    "$radctl" --coordinator="$sock" --json workers |
+        sed -n 's/.*"since_s": \([0-9]*\).*/\1/p' |
+        awk "{ exit !(\$1 > $1 * 86400) }"
+}
+worker_start 2 1
+until_true 30 since 29 || fail "the sleep does not count: $(ana jobs)"
+ana fetch -o "$work/long.hdr" "$long" 2>stderr ||
+    fail "forgotten with its end: $(cat stderr)"
 cluster_stop
 finish

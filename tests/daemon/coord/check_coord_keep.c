@@ -328,6 +328,42 @@ START_TEST(few_of_those_just_fetched_are_kept)
 }
 END_TEST
 
+/* Three weeks, during one of two jobs. */
+START_TEST(sleep_of_the_machine_makes_no_job_older_that_ended_after_it)
+{
+    static const struct coord_keep keep = { .unfetched_ms = 90000 };
+    const uint64_t weeks_ms = UINT64_C(21) * 24 * 3600 * 1000;
+    struct saved_job saved;
+    uint64_t end_ms;
+
+    coord_set_keep(f.c, &keep);
+    whole_job(job_a);
+    submit(ANA, job_b, 0);
+    wait_s(30);
+    ck_assert(!coord_slept(f.c, f.now_ms, weeks_ms));
+    wait_s(5);
+    ready(WORKER, job_b);
+    for (uint32_t u = 0; u < 4; u++)
+        result(WORKER, job_b, u, 1);
+    end_ms = f.now_ms;
+    ck_assert(coord_saved(f.c, job_a, &saved));
+    ck_assert_uint_lt(saved.end_ms, end_ms);
+    ck_assert(coord_saved(f.c, job_b, &saved)); /* for the next life */
+    ck_assert_uint_eq(saved.end_ms, end_ms + weeks_ms);
+    ck_assert(!coord_slept(f.c, f.now_ms, weeks_ms)); /* workers say goodbye */
+    wait_s(5);
+    ck_assert(coord_slept(f.c, f.now_ms, weeks_ms));
+    f.now_ms += weeks_ms;
+    wait_s(1);
+    ck_assert_ptr_null(desk_find_job(f.c, job_a));
+    ck_assert_uint_eq(desk_find_job(f.c, job_b)->end_ms, end_ms + weeks_ms);
+    wait_s(80);
+    ck_assert_ptr_nonnull(desk_find_job(f.c, job_b));
+    wait_s(10);
+    ck_assert_ptr_null(desk_find_job(f.c, job_b));
+}
+END_TEST
+
 /* Who asks hears the same of it as before. */
 START_TEST(of_a_job_that_is_filed_its_end_is_kept)
 {
@@ -393,6 +429,8 @@ main(void)
     tcase_add_test(tc, a_job_stays_while_its_files_are_sent);
     tcase_add_test(tc, each_file_that_is_fetched_keeps_its_job);
     tcase_add_test(tc, few_of_those_just_fetched_are_kept);
+    tcase_add_test(tc,
+                   sleep_of_the_machine_makes_no_job_older_that_ended_after_it);
     tcase_add_test(tc, of_a_job_that_is_filed_its_end_is_kept);
     return unit_run_case(tc);
 }
