@@ -273,8 +273,6 @@ coord_forget_old(struct coord *c)
     }
 }
 
-/* --- frames that are fetched --- */
-
 /* --- sleep of the machine --- */
 
 /* Did the job end after the machine had slept?  It may have done so before the
@@ -321,7 +319,7 @@ coord_slept(struct coord *c, uint64_t now_ms, uint64_t ms)
     return true;
 }
 
-/* --- files that are fetched --- */
+/* --- frames that are fetched --- */
 
 /* The file of a frame for which the job's owner waits.  Sensor points have no
  * picture that can be fetched: their values travel as distances do. */
