@@ -208,7 +208,7 @@ check_version(sqlite3_int64 version, struct rad_error *err)
 static int
 look(struct journal *j, enum journal_how how, struct rad_error *err)
 {
-    sqlite3_int64 tables, application, version;
+    sqlite3_int64 tables = 0, application = 0, version = 0;
     int rc = one_number(j, "SELECT count(*) FROM sqlite_master", &tables, err);
 
     if (rc == 0 && tables == 0 && how == JOURNAL_MAKE)
