@@ -41,8 +41,8 @@ enum { STEP = 4, MOST_TIMES = 1 << 30 };
 /* A ray from a surface begins so many bounds of its error above it. */
 #define ABOVE 16
 
-/* A ray goes on behind so many panes. */
-#define MOST_PANES 32
+/* A ray passes so many panes and mirrors. */
+#define MOST_PASSED 32
 
 /* What the rays of one view met. */
 struct look {
@@ -54,14 +54,15 @@ struct look {
     double space[RAYS]; /* before the surface there; INFINITY: open */
 };
 
-/* Does a surface show what is behind it, and have no ambient values? */
-static bool
-is_clear(const struct rad_scene *scene, int32_t obj)
+/* Surfaces without ambient values show what is behind or before them. */
+enum kind { SHOWN, PANE, MIRROR };
+static enum kind
+kind_of(const struct rad_scene *scene, int32_t obj)
 {
     int32_t m = rad_material_of(scene, scene->objects[obj].modifier);
 
     if (m == RAD_VOID)
-        return true;
+        return PANE;
     switch (scene->objects[m].type) {
     case RAD_GLASS:
     case RAD_DIELECTRIC:
@@ -69,25 +70,47 @@ is_clear(const struct rad_scene *scene, int32_t obj)
     case RAD_MIST:
     case RAD_ANTIMATTER:
     case RAD_ILLUM:
-        return true;
+        return PANE;
+    case RAD_MIRROR: /* or rays see its alternate */
+        return scene->objects[m].nstrings > 0 ? SHOWN : MIRROR;
     default:
-        return false;
+        return SHOWN;
     }
 }
 
-/* A pane before the eye is not what a view shows. */
+static void
+reflect(struct rad_span *span, const struct rad_hit *hit)
+{
+    rad_copy(span->org, hit->p);
+    rad_madd(span->dir, span->dir, -2 * rad_dot(span->dir, hit->n), hit->n);
+    rad_normalize(span->dir);
+    span->tmin = ABOVE * hit->err;
+    span->tmax -= hit->t;
+}
+
+/* What does the span show, behind panes and in mirrors?  hit->t is the length
+ * of all of the way. */
 static bool
 meets(const struct look *l, const struct rad_span *span, struct rad_hit *hit)
 {
     struct rad_geom_counts counts = { 0, 0 };
     struct rad_span rest = *span;
+    double before = 0;
 
-    for (int i = 0; i < MOST_PANES; i++) {
+    for (int i = 0; i < MOST_PASSED; i++) {
         if (!rad_geom_nearest(l->geom, &rest, hit, &counts))
             return false;
-        if (!is_clear(l->scene, hit->obj))
+        switch (kind_of(l->scene, hit->obj)) {
+        case SHOWN:
+            hit->t += before;
             return true;
-        rest.tmin = hit->t + ABOVE * hit->err;
+        case PANE:
+            rest.tmin = hit->t + ABOVE * hit->err;
+            break;
+        case MIRROR:
+            before += hit->t;
+            reflect(&rest, hit);
+        }
     }
     return false;
 }
@@ -132,7 +155,8 @@ look_along(struct look *l, const struct rad_span *span)
 
     if (!meets(l, span, &hit))
         return;
-    if (rad_dot(hit.n, span->dir) > 0)
+    if (hit.n[0] * hit.way[0] + hit.n[1] * hit.way[1] + hit.n[2] * hit.way[2] >
+        0)
         for (int k = 0; k < 3; k++)
             hit.n[k] = -hit.n[k];
     note(l, hit.p, hit.t, space_before(l, hit.p, hit.n, ABOVE * hit.err));

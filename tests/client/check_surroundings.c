@@ -25,6 +25,9 @@
     ".1\n"                                                                     \
     "void illum lit 0 0 3 1 1 1\nlit sphere pane 0 0 4 4.5 4.8 1.6 .12\n"      \
     "void sphere nothing 0 0 4 4.5 4.8 1.6 .15\n"
+#define MIRROR                                                                 \
+    "void mirror glass 0 0 3 .9 .9 .9\n"                                       \
+    "glass polygon pane 0 0 12 4 4.9 1 4 4.9 2 5 4.9 2 5 4.9 1\n"
 #define WITHIN "-vp 4.5 4.8 1.6 -vd -.6 -1 -.15 -vh 80 -vv 60"
 
 static const struct {
@@ -35,6 +38,8 @@ static const struct {
     { ROOM, WITHIN, 2, 7, 0 },
     { ROOM GROUND, WITHIN, 2, 7, 1024 },
     { ROOM GROUND PANES, WITHIN, 2, 7, 1024 },
+    { ROOM GROUND MIRROR, "-vp 4.5 4.8 1.6 -vd -.2 1 -.1 -vh 80 -vv 60", 1, 7,
+      1024 },
     /* most of the picture is a window */
     { ROOM GROUND, "-vp 2.5 1 1.7 -vd 0 -1 -.1 -vh 90 -vv 60", 1, 10, 1024 },
     /* a part of a wall, which the whole room lights */
