@@ -6,8 +6,9 @@
  * have. What stands close before the eye is not it: zones for that alone would
  * be far too small for the rest, and cost a hundred times the rays.  A view of
  * a small part of a wall shows little, but is lit by all of its room; so the
- * part counts for no less than the space before its surface, or the distance
- * from the eye if that is smaller. */
+ * part counts for no less than the space before its surface, or NEAR distances
+ * from the eye if that is smaller: a room by itself is rendered alike from all
+ * of these. */
 #include "config.h"
 
 #include "trial/surroundings.h"
@@ -37,6 +38,8 @@ enum { STEP = 4, MOST_TIMES = 1 << 30 };
 #define ENCLOSED    .25
 #define IN_A_ROOM   .75
 #define IN_THE_OPEN .5
+
+#define NEAR (TIMES_SHOWN * STEP)
 
 /* A ray from a surface begins so many bounds of its error above it. */
 #define ABOVE 16
@@ -219,9 +222,9 @@ size_of(struct look *l)
         enclosed += l->space[i] < INFINITY;
     if (enclosed > ENCLOSED * all) {
         keep_enclosed(l);
-        size =
-            fmax(smallest_ball(l, IN_A_ROOM), fmin(quantile(l->space, l->n, .5),
-                                                   quantile(l->eye, l->n, .5)));
+        size = fmax(smallest_ball(l, IN_A_ROOM),
+                    fmin(quantile(l->space, l->n, .5),
+                         NEAR * quantile(l->eye, l->n, .5)));
     } else {
         size = smallest_ball(l, IN_THE_OPEN);
     }

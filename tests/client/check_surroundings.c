@@ -19,7 +19,7 @@
     "white polygon south 0 0 30 0 0 0 0 0 3 5 0 3 5 0 0 1 0 0 1 0 1 4 0 1 "    \
     "4 0 2.5 1 0 2.5 1 0 1\n"
 #define GROUND "white ring ground 0 0 8 2 2 -.1 0 0 1 0 1e4\n"
-#define NEAR   "white ring near 0 0 8 4.44 4.7 1.585 0 1 0 0 .06\n"
+#define RING   "white ring near 0 0 8 4.44 4.7 1.585 0 1 0 0 .06\n"
 #define PANES                                                                  \
     "void glass clear 0 0 3 .9 .9 .9\nclear sphere pane 0 0 4 4.5 4.8 1.6 "    \
     ".1\n"                                                                     \
@@ -28,6 +28,9 @@
 #define MIRROR                                                                 \
     "void mirror glass 0 0 3 .9 .9 .9\n"                                       \
     "glass polygon pane 0 0 12 4 4.9 1 4 4.9 2 5 4.9 2 5 4.9 1\n"
+#define COLUMN                                                                 \
+    "white polygon column 0 0 12 2.2 -19.7 4 2.45 -19.7 4 2.45 -19.7 6 2.2 "   \
+    "-19.7 6\n"
 #define WITHIN "-vp 4.5 4.8 1.6 -vd -.6 -1 -.15 -vh 80 -vv 60"
 
 static const struct {
@@ -43,10 +46,13 @@ static const struct {
     /* most of the picture is a window */
     { ROOM GROUND, "-vp 2.5 1 1.7 -vd 0 -1 -.1 -vh 90 -vv 60", 1, 10, 1024 },
     /* a part of a wall, which the whole room lights */
-    { ROOM GROUND, "-vp 2 4 1.5 -vd 0 1 0 -vh 5 -vv 5", .9, 1.1, 4096 },
+    { ROOM GROUND, "-vp 2 4 1.5 -vd 0 1 0 -vh 5 -vv 5", 2, 4, 4096 },
     /* what stands close before the eye is not what is shown */
-    { ROOM NEAR, WITHIN, 2, 7, 0 },
-    { ROOM NEAR GROUND, WITHIN, 2, 7, 1024 },
+    { ROOM RING, WITHIN, 2, 7, 0 },
+    { ROOM RING GROUND, WITHIN, 2, 7, 1024 },
+    /* a column near the eye */
+    { ROOM GROUND COLUMN, "-vp 2.5 -20 5 -vd 0 1 -.1 -vh 60 -vv 45", 2, 10,
+      1024 },
     /* from afar, in a small and in a parallel picture */
     { ROOM GROUND, "-vp 2.5 -1000 900 -vd 0 1 -.9 -vh .3 -vv .3", 1, 10, 1024 },
     { ROOM GROUND, "-vtl -vp 2 2 900 -vd 0 0 -1 -vu 0 1 0 -vh 9 -vv 9", 1, 13,
