@@ -27,11 +27,14 @@
  * and views of a job at most. */
 enum { SIDE = 12, RAYS = SIDE * SIDE, ABOUT = 5, MOST_VIEWS = 64 };
 
-/* The options of --quality are good for scenes that are 1 to 7 times as large
+/* The options of --quality are good for scenes that are 1 to 11 times as large
  * as what a view shows: --surroundings brings others to within TIMES_SHOWN and
  * STEP times that. */
-#define TIMES_SHOWN 2
+#define TIMES_SHOWN 3
 enum { STEP = 4, MOST_TIMES = 1 << 30 };
+
+/* A view that shows little but sky tells nothing. */
+#define LEAST_HITS (RAYS / 4)
 
 /* The hits with something before them count where they are so many of all; a
  * ball holds such a part of these, or of all. */
@@ -218,6 +221,8 @@ size_of(struct look *l)
     int all = l->n, enclosed = 0;
     double size;
 
+    if (all < LEAST_HITS)
+        return INFINITY;
     for (int i = 0; i < all; i++)
         enclosed += l->space[i] < INFINITY;
     if (enclosed > ENCLOSED * all) {

@@ -46,21 +46,23 @@ static const struct {
     /* most of the picture is a window */
     { ROOM GROUND, "-vp 2.5 1 1.7 -vd 0 -1 -.1 -vh 90 -vv 60", 1, 10, 1024 },
     /* a part of a wall, which the whole room lights */
-    { ROOM GROUND, "-vp 2 4 1.5 -vd 0 1 0 -vh 5 -vv 5", 2, 4, 4096 },
+    { ROOM GROUND, "-vp 2 4 1.5 -vd 0 1 0 -vh 5 -vv 5", 2, 4, 1024 },
     /* what stands close before the eye is not what is shown */
     { ROOM RING, WITHIN, 2, 7, 0 },
-    { ROOM RING GROUND, WITHIN, 2, 7, 1024 },
+    { ROOM RING GROUND, WITHIN, 2, 7, 256 },
     /* a column near the eye */
     { ROOM GROUND COLUMN, "-vp 2.5 -20 5 -vd 0 1 -.1 -vh 60 -vv 45", 2, 10,
       1024 },
     /* from afar, in a small and in a parallel picture */
-    { ROOM GROUND, "-vp 2.5 -1000 900 -vd 0 1 -.9 -vh .3 -vv .3", 1, 10, 1024 },
+    { ROOM GROUND, "-vp 2.5 -1000 900 -vd 0 1 -.9 -vh .3 -vv .3", 1, 10, 256 },
     { ROOM GROUND, "-vtl -vp 2 2 900 -vd 0 0 -1 -vu 0 1 0 -vh 9 -vv 9", 1, 13,
       256 },
     /* the whole of the ground, and nothing */
     { ROOM GROUND, "-vtl -vp 2 2 90 -vd 0 0 -1 -vu 0 1 0 -vh 2e4 -vv 2e4", 5e3,
       2e4, 0 },
     { ROOM GROUND, "-vp 0 0 9 -vd 0 0 1 -vu 0 1 0", 0, 0, 0 },
+    /* little but sky */
+    { ROOM GROUND, "-vp 2.5 -20 1.6 -vd 0 1 .32 -vh 60 -vv 30", 0, 0, 0 },
 };
 
 static struct surroundings
