@@ -122,7 +122,9 @@ meets(const struct look *l, const struct rad_span *span, struct rad_hit *hit)
 }
 
 /* The space before a surface at p, which faces along n: the distance of what is
- * nearest straight before it or aslant.  Rays begin at `from`. */
+ * farthest straight before it and aslant, of what is met there.  What is
+ * nearest would be the next slat of a blind, or the vase on a table; light
+ * comes from the room about them.  Rays begin at `from`. */
 static double
 space_before(const struct look *l, const double p[3], const double n[3],
              double from)
@@ -132,7 +134,7 @@ space_before(const struct look *l, const double p[3], const double n[3],
     };
     struct rad_span span = { .tmin = from, .tmax = INFINITY };
     struct rad_hit hit;
-    double u[3], v[3];
+    double u[3], v[3], farthest = 0;
 
     rad_copy(span.org, p);
     rad_frame(u, v, n);
@@ -141,9 +143,9 @@ space_before(const struct look *l, const double p[3], const double n[3],
             span.dir[k] = n[k] + aslant[i][0] * u[k] + aslant[i][1] * v[k];
         rad_normalize(span.dir);
         if (meets(l, &span, &hit))
-            span.tmax = hit.t;
+            farthest = fmax(farthest, hit.t);
     }
-    return span.tmax;
+    return farthest > 0 ? farthest : INFINITY;
 }
 
 static void

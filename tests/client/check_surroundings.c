@@ -31,6 +31,18 @@
 #define COLUMN                                                                 \
     "white polygon column 0 0 12 2.2 -19.7 4 2.45 -19.7 4 2.45 -19.7 6 2.2 "   \
     "-19.7 6\n"
+#define SLAT(z, low)                                                           \
+    "white polygon slat" #z " 0 0 12 1 .05 " #z " 4 .05 " #z " 4 .07 " #low    \
+    " 1 .07 " #low "\n"
+#define BLIND                                                                  \
+    SLAT(1.62, 1.61)                                                           \
+    SLAT(1.64, 1.63)                                                           \
+    SLAT(1.66, 1.65)                                                           \
+    SLAT(1.68, 1.67) SLAT(1.7, 1.69) SLAT(1.72, 1.71) SLAT(1.74, 1.73)
+#define LAMP                                                                   \
+    "void plastic white 0 0 5 .7 .7 .7 0 0\nwhite bubble hall 0 0 4 0 0 0 "    \
+    "15\n"                                                                     \
+    "white cup shade 0 0 8 0 0 2.15 0 0 2.4 .2 .08\n"
 #define WITHIN "-vp 4.5 4.8 1.6 -vd -.6 -1 -.15 -vh 80 -vv 60"
 
 static const struct {
@@ -46,7 +58,11 @@ static const struct {
     /* most of the picture is a window */
     { ROOM GROUND, "-vp 2.5 1 1.7 -vd 0 -1 -.1 -vh 90 -vv 60", 1, 10, 1024 },
     /* a part of a wall, which the whole room lights */
-    { ROOM GROUND, "-vp 2 4 1.5 -vd 0 1 0 -vh 5 -vv 5", 2, 4, 1024 },
+    { ROOM GROUND, "-vp 2 4 1.5 -vd 0 1 0 -vh 5 -vv 5", 2, 5, 1024 },
+    /* the slats of a blind, and a lamp's shade, near the eye: the room about
+     * them counts, not what is between them */
+    { ROOM BLIND, "-vp 2.5 .12 1.67 -vd 0 -1 -.1 -vh 50 -vv 35", .4, 7, 0 },
+    { LAMP, "-vp 0 .4 2 -vd 0 -1 .5 -vh 30 -vv 25", 2, 30, 0 },
     /* what stands close before the eye is not what is shown */
     { ROOM RING, WITHIN, 2, 7, 0 },
     { ROOM RING GROUND, WITHIN, 2, 7, 256 },
@@ -110,9 +126,9 @@ static const struct {
     uint32_t flags;
     double least, most;
 } sensors[] = {
-    { 1, RAD_POINTS_IRRADIANCE, .5, 3 }, /* near a wall */
-    { 9, RAD_POINTS_IRRADIANCE, .5, 3 },
-    { 1, 0, .5, 3 },
+    { 1, RAD_POINTS_IRRADIANCE, .5, 5 }, /* near a wall */
+    { 9, RAD_POINTS_IRRADIANCE, .5, 5 },
+    { 1, 0, .5, 5 },
 };
 
 START_TEST(what_sensors_see_is_found)
