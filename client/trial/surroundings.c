@@ -3,7 +3,7 @@
  * What a view shows is taken to be as large as a ball about one of its hits
  * that holds most of them: of those with something before them, as in a room,
  * for most of a picture may be a window with a wide view; of all where few
- * have. What stands close before the eye is not it: zones for that alone would
+ * have.  What stands close before the eye is not it: zones for that alone would
  * be far too small for the rest, and cost a hundred times the rays.  A view of
  * a small part of a wall shows little, but is lit by all of its room; so the
  * part counts for no less than the space before its surface, or NEAR distances

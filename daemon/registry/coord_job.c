@@ -31,8 +31,7 @@
 #include <string.h>
 #include <sysexits.h>
 
-#define LOOK_FILES 512  /* files of a job that are looked for at a time */
-#define LINGER_MS  2000 /* how long a job that is over stays whole in memory */
+#define LOOK_FILES 512 /* files of a job that are looked for at a time */
 
 void
 coord_send_progress(struct coord *c, const struct coord_conn *conn,
@@ -172,13 +171,13 @@ end_stalled(struct coord *c, struct job *job)
 }
 
 /* Has the store the statistics of a job that is over?  The job stays as it is
- * for LINGER_MS, for its workers' last messages still come, and while its
+ * for COORD_LINGER_MS, for its workers' last messages still come, and while its
  * statistics are made for a user. */
 static bool
 may_lighten(const struct coord *c, const struct job *job)
 {
-    return job->stage == STAGE_KEPT && c->now_ms - job->end_ms >= LINGER_MS &&
-           !telling_of(c, job);
+    return job->stage == STAGE_KEPT &&
+           c->now_ms - job->end_ms >= COORD_LINGER_MS && !telling_of(c, job);
 }
 
 static void

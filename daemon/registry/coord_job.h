@@ -6,6 +6,9 @@
 
 #include "desk/desk.h"
 
+/* How long a job that is over stays whole in memory. */
+#define COORD_LINGER_MS 2000
+
 /* Send PROGRESS of the job to a connection; ACCEPT; or how the job ended. */
 void coord_send_progress(struct coord *c, const struct coord_conn *conn,
                          const struct job *job);

@@ -26,7 +26,7 @@
 
 #define FETCH_MS  60000 /* time in which a user fetches all files of a job */
 #define FETCHING  64    /* jobs of a user that may be fetched at once */
-#define SETTLE_MS 3000  /* more than LINGER_MS of coord_job.c */
+#define SETTLE_MS (COORD_LINGER_MS + 1000) /* after a job's end all is done */
 #define UNSEEN_MS 200   /* the most that a sleep goes unseen */
 #define LOOK_MS   1000  /* between two looks if no job ended or was fetched */
 
